@@ -1,0 +1,120 @@
+// CPU backend: host memory, oneTBB threads, serial scans and an in-order radix sort.
+#ifndef __CUDACC__
+#include <sched.h>
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <new>
+
+#include "base/error.h"
+#include "device/device.h"
+#include "device/memory.h"
+
+namespace mortise::device {
+namespace {
+
+std::unique_ptr<tbb::global_control> limit;
+int thread_count = 0;
+
+int allowed_threads() {
+  if (const char* slurm = std::getenv("SLURM_CPUS_PER_TASK"))
+    if (const int n = std::atoi(slurm); n > 0) return n;
+  cpu_set_t set;
+  if (sched_getaffinity(0, sizeof set, &set) == 0) return CPU_COUNT(&set);
+  return 1;
+}
+
+std::string cpu_name() {
+  std::ifstream in("/proc/cpuinfo");
+  for (std::string line; std::getline(in, line);)
+    if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
+  return "unknown CPU";
+}
+
+}  // namespace
+
+void set_threads(int n) {
+  thread_count = n > 0 ? n : allowed_threads();
+  limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, thread_count);
+}
+int threads() { return thread_count > 0 ? thread_count : allowed_threads(); }
+
+std::vector<DeviceInfo> devices() {
+  return {{"cpu", cpu_name(), threads(), static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE)), ""}};
+}
+
+void* allocate(std::size_t bytes) {
+  void* p = std::malloc(bytes);
+  if (!p) throw Error(Exit::device, "out of memory: could not allocate " + std::to_string(bytes >> 20) + " MiB");
+  account(static_cast<std::ptrdiff_t>(bytes));
+  return p;
+}
+void release(void* p, std::size_t bytes) {
+  std::free(p);
+  account(-static_cast<std::ptrdiff_t>(bytes));
+}
+void copy_in(void* device, const void* host, std::size_t bytes) { std::memcpy(device, host, bytes); }
+void copy_out(void* host, const void* device, std::size_t bytes) { std::memcpy(host, device, bytes); }
+void copy(void* to, const void* from, std::size_t bytes) { std::memmove(to, from, bytes); }
+void clear(void* p, std::size_t bytes) { std::memset(p, 0, bytes); }
+
+Index exclusive_scan(Buffer<Index>& counts) {
+  Index total = 0;
+  View<Index> c = counts.view();
+  for (Index i = 0; i + 1 < c.n; ++i) {
+    const Index here = c[i];
+    c[i] = total;
+    total += here;
+  }
+  c[c.n - 1] = total;
+  return total;
+}
+
+// Least-significant-digit radix sort, 11 bits a pass; passes in which all keys agree are skipped.
+void sort_pairs(Buffer<std::uint64_t>& keys, Buffer<Index>& values) {
+  constexpr int kBits = 11;
+  constexpr std::uint64_t kMask = (1u << kBits) - 1;
+  const Index n = keys.size();
+  if (n < 2) return;
+  Buffer<std::uint64_t> other_keys(n);
+  Buffer<Index> other_values(n);
+  for (int shift = 0; shift < 64; shift += kBits) {
+    std::array<Index, (1u << kBits)> first{};
+    const View<std::uint64_t> k = keys.view();
+    for (Index i = 0; i < n; ++i) ++first[(k[i] >> shift) & kMask];
+    if (first[(k[0] >> shift) & kMask] == n) continue;
+    Index total = 0;
+    for (Index& f : first) {
+      const Index here = f;
+      f = total;
+      total += here;
+    }
+    const View<Index> v = values.view();
+    const View<std::uint64_t> ok = other_keys.view();
+    const View<Index> ov = other_values.view();
+    for (Index i = 0; i < n; ++i) {
+      const Index to = first[(k[i] >> shift) & kMask]++;
+      ok[to] = k[i];
+      ov[to] = v[i];
+    }
+    keys.swap(other_keys);
+    values.swap(other_values);
+  }
+}
+
+void run_starts(const Buffer<std::uint64_t>& sorted_keys, Buffer<Index>& start) {
+  const View<const std::uint64_t> k = sorted_keys.view();
+  std::vector<Index> s;
+  for (Index i = 0; i < k.n; ++i)
+    if (i == 0 || k[i] != k[i - 1]) s.push_back(i);
+  s.push_back(k.n);
+  start.upload(s);
+}
+
+}  // namespace mortise::device
+#endif

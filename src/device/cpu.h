@@ -1,0 +1,22 @@
+#pragma once
+// CPU backend: a launch is a loop over oneTBB threads.
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace mortise::device {
+
+template <class F>
+void parallel_for(const char* name, Index n, F f) {
+  if (n <= 0) return;
+  count_launch(name);
+  constexpr Index kSerial = 64;  // below this a task costs more than the loop
+  if (n <= kSerial) {
+    for (Index i = 0; i < n; ++i) f(i);
+    return;
+  }
+  tbb::parallel_for(tbb::blocked_range<Index>(0, n, kSerial / 2), [&](const tbb::blocked_range<Index>& r) {
+    for (Index i = r.begin(); i != r.end(); ++i) f(i);
+  });
+}
+
+}  // namespace mortise::device

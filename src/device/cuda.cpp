@@ -1,0 +1,97 @@
+// CUDA backend: device memory, CUB radix sort and integer scan (both exact, so order does not matter).
+#ifdef __CUDACC__
+#include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_scan.cuh>
+
+#include "base/error.h"
+#include "device/device.h"
+#include "device/memory.h"
+
+namespace mortise::device {
+
+void check(cudaError_t status, const char* what) {
+  if (status != cudaSuccess) throw Error(Exit::device, std::string("CUDA: ") + cudaGetErrorString(status) + " in " + what);
+}
+
+void set_threads(int) {}
+int threads() { return 1; }
+
+std::vector<DeviceInfo> devices() {
+  int n = 0;
+  if (cudaGetDeviceCount(&n) != cudaSuccess) n = 0;
+  int driver = 0;
+  cudaDriverGetVersion(&driver);
+  std::vector<DeviceInfo> out;
+  for (int d = 0; d < n; ++d) {
+    cudaDeviceProp p{};
+    check(cudaGetDeviceProperties(&p, d), "devices");
+    out.push_back({"cuda", p.name, p.multiProcessorCount, p.totalGlobalMem, std::to_string(driver / 1000) + "." + std::to_string(driver % 1000 / 10)});
+  }
+  return out;
+}
+
+void* allocate(std::size_t bytes) {
+  void* p = nullptr;
+  if (cudaMallocAsync(&p, bytes, nullptr) != cudaSuccess) {
+    cudaGetLastError();
+    throw Error(Exit::device, "out of device memory: could not allocate " + std::to_string(bytes >> 20) + " MiB");
+  }
+  account(static_cast<std::ptrdiff_t>(bytes));
+  return p;
+}
+void release(void* p, std::size_t bytes) {
+  cudaFreeAsync(p, nullptr);
+  account(-static_cast<std::ptrdiff_t>(bytes));
+}
+void copy_in(void* device, const void* host, std::size_t bytes) { check(cudaMemcpy(device, host, bytes, cudaMemcpyHostToDevice), "upload"); }
+void copy_out(void* host, const void* device, std::size_t bytes) { check(cudaMemcpy(host, device, bytes, cudaMemcpyDeviceToHost), "download"); }
+void copy(void* to, const void* from, std::size_t bytes) { check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice), "copy"); }
+void clear(void* p, std::size_t bytes) { check(cudaMemsetAsync(p, 0, bytes), "clear"); }
+
+Index exclusive_scan(Buffer<Index>& counts) {
+  const Index n = counts.size();
+  clear(counts.view().p + (n - 1), sizeof(Index));
+  count_launch("scan");
+  std::size_t bytes = 0;
+  check(cub::DeviceScan::ExclusiveSum(nullptr, bytes, counts.view().p, counts.view().p, n), "scan");
+  Buffer<char> scratch(static_cast<Index>(bytes));
+  check(cub::DeviceScan::ExclusiveSum(scratch.view().p, bytes, counts.view().p, counts.view().p, n), "scan");
+  Index total = 0;
+  copy_out(&total, counts.view().p + (n - 1), sizeof total);
+  return total;
+}
+
+void sort_pairs(Buffer<std::uint64_t>& keys, Buffer<Index>& values) {
+  const Index n = keys.size();
+  if (n < 2) return;
+  count_launch("sort");
+  Buffer<std::uint64_t> other_keys(n);
+  Buffer<Index> other_values(n);
+  std::size_t bytes = 0;
+  check(cub::DeviceRadixSort::SortPairs(nullptr, bytes, keys.view().p, other_keys.view().p, values.view().p, other_values.view().p, n), "sort");
+  Buffer<char> scratch(static_cast<Index>(bytes));
+  check(cub::DeviceRadixSort::SortPairs(scratch.view().p, bytes, keys.view().p, other_keys.view().p, values.view().p, other_values.view().p, n), "sort");
+  keys.swap(other_keys);
+  values.swap(other_values);
+}
+
+// Head flags, an integer scan, then every head writes its own place.
+void run_starts(const Buffer<std::uint64_t>& sorted_keys, Buffer<Index>& start) {
+  const Index n = sorted_keys.size();
+  Buffer<Index> place(n + 1);
+  View<const std::uint64_t> k = sorted_keys.view();
+  View<Index> p = place.view();
+  parallel_for("run_starts", n, [=] MORTISE_HD(Index i) { p[i] = i == 0 || k[i] != k[i - 1] ? 1 : 0; });
+  const Index runs = exclusive_scan(place);
+  start.resize(runs + 1);
+  View<Index> s = start.view();
+  parallel_for("run_starts", n + 1, [=] MORTISE_HD(Index i) {
+    if (i == n)
+      s[runs] = n;
+    else if (i == 0 || k[i] != k[i - 1])
+      s[p[i]] = i;
+  });
+}
+
+}  // namespace mortise::device
+#endif

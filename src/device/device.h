@@ -1,0 +1,221 @@
+#pragma once
+// The one layer that knows which device runs the kernels. The same engine sources are compiled by g++ (CPU threads, oneTBB)
+// and by nvcc (CUDA); everything outside this folder calls what is declared here and has no backend #if.
+//
+// Rules that keep one source honest:
+//   * a kernel is a lambda `[=] MORTISE_HD(Index i) { ... }` that captures views and numbers by value (never `this`);
+//   * kernels write disjoint memory; sums go through sum/env_sum/segment sums, whose order never depends on the device,
+//     the thread count or the number of environments;
+//   * memory of a Buffer is touched on the host only through upload/download.
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/types.h"
+
+namespace mortise::device {
+
+// A range of device memory, passed by value into kernels.
+template <class T>
+struct View {
+  T* p = nullptr;
+  Index n = 0;
+  MORTISE_HD T& operator[](Index i) const { return p[i]; }
+  MORTISE_HD T* data() const { return p; }
+  MORTISE_HD Index size() const { return n; }
+  MORTISE_HD operator View<const T>() const { return {p, n}; }
+};
+
+// What every launch is counted under; `run.json` prints the table.
+struct LaunchCount {
+  std::string name;
+  long long launches = 0;
+};
+void count_launch(std::string_view name);
+std::vector<LaunchCount> launch_counts();
+void reset_launch_counts();
+
+// Bytes held by all Buffers now, and the most held at once.
+struct MemoryUse {
+  std::size_t now = 0, peak = 0;
+};
+MemoryUse memory_use();
+
+struct DeviceInfo {
+  std::string kind;  // "cpu" or "cuda"
+  std::string name;
+  int threads = 0;
+  std::size_t memory = 0;  // bytes
+  std::string driver;
+};
+std::vector<DeviceInfo> devices();
+
+// Number of CPU threads that kernels use; 0 = what the affinity mask or SLURM_CPUS_PER_TASK allows.
+void set_threads(int n);
+int threads();
+
+void* allocate(std::size_t bytes);  // throws Error(Exit::device) when memory runs out
+void release(void* p, std::size_t bytes);
+void copy_in(void* device, const void* host, std::size_t bytes);
+void copy_out(void* host, const void* device, std::size_t bytes);
+void copy(void* to, const void* from, std::size_t bytes);  // device to device
+void clear(void* p, std::size_t bytes);
+
+// Owns device memory of n values of a trivially copyable T.
+template <class T>
+class Buffer {
+ public:
+  Buffer() = default;
+  explicit Buffer(Index n) { resize(n); }
+  explicit Buffer(const std::vector<T>& host) { upload(host); }
+  Buffer(Buffer&& o) noexcept { swap(o); }
+  Buffer& operator=(Buffer&& o) noexcept {
+    swap(o);
+    return *this;
+  }
+  Buffer(const Buffer&) = delete;
+  Buffer& operator=(const Buffer&) = delete;
+  ~Buffer() {
+    if (p_) release(p_, capacity_ * sizeof(T));
+  }
+
+  // New values are undefined; old values survive only when the capacity suffices.
+  void resize(Index n) {
+    if (n > capacity_) {
+      if (p_) release(p_, capacity_ * sizeof(T));
+      p_ = nullptr, capacity_ = 0;
+      p_ = static_cast<T*>(allocate(static_cast<std::size_t>(n) * sizeof(T)));
+      capacity_ = n;
+    }
+    n_ = n;
+  }
+  void zero() {
+    if (n_) clear(p_, n_ * sizeof(T));
+  }
+  void upload(const std::vector<T>& host) {
+    resize(static_cast<Index>(host.size()));
+    if (n_) copy_in(p_, host.data(), n_ * sizeof(T));
+  }
+  std::vector<T> download() const {
+    std::vector<T> host(n_);
+    if (n_) copy_out(host.data(), p_, n_ * sizeof(T));
+    return host;
+  }
+  void copy_from(const Buffer& o) {
+    resize(o.n_);
+    if (n_) copy(p_, o.p_, n_ * sizeof(T));
+  }
+  Index size() const { return n_; }
+  bool empty() const { return n_ == 0; }
+  std::size_t bytes() const { return capacity_ * sizeof(T); }
+  View<T> view() { return {p_, n_}; }
+  View<const T> view() const { return {p_, n_}; }
+  void swap(Buffer& o) noexcept {
+    std::swap(p_, o.p_), std::swap(n_, o.n_), std::swap(capacity_, o.capacity_);
+  }
+
+ private:
+  T* p_ = nullptr;
+  Index n_ = 0;
+  std::size_t capacity_ = 0;
+};
+
+// Sums of fixed shape: chunks of this many terms, then chunks of chunks. The same on every device.
+inline constexpr Index kChunk = 64;
+
+}  // namespace mortise::device
+
+#ifdef __CUDACC__
+#include "device/cuda.h"
+#else
+#include "device/cpu.h"
+#endif
+
+namespace mortise::device {
+
+// Sum of f(i), i < n, in the fixed order.
+template <class F>
+double sum(const char* name, Index n, F f) {
+  if (n <= 0) return 0;
+  Index m = (n + kChunk - 1) / kChunk;
+  Buffer<double> partial(m);
+  View<double> out = partial.view();
+  parallel_for(name, m, [=] MORTISE_HD(Index c) {
+    const Index end = (c + 1) * kChunk < n ? (c + 1) * kChunk : n;
+    double s = 0;
+    for (Index i = c * kChunk; i < end; ++i) s += f(i);
+    out[c] = s;
+  });
+  std::vector<double> level = partial.download();
+  while (level.size() > 1) {
+    std::vector<double> next((level.size() + kChunk - 1) / kChunk, 0.0);
+    for (std::size_t i = 0; i < level.size(); ++i) next[i / kChunk] += level[i];
+    level.swap(next);
+  }
+  return level[0];
+}
+
+// Largest f(i), i < n; `least` when n is 0.
+template <class F>
+double max(const char* name, Index n, double least, F f) {
+  if (n <= 0) return least;
+  Index m = (n + kChunk - 1) / kChunk;
+  Buffer<double> partial(m);
+  View<double> out = partial.view();
+  parallel_for(name, m, [=] MORTISE_HD(Index c) {
+    const Index end = (c + 1) * kChunk < n ? (c + 1) * kChunk : n;
+    double s = least;
+    for (Index i = c * kChunk; i < end; ++i) {
+      const double v = f(i);
+      s = v > s || v != v ? v : s;  // a NaN wins, so that it is seen
+    }
+    out[c] = s;
+  });
+  double s = least;
+  for (double v : partial.download()) s = v > s || v != v ? v : s;
+  return s;
+}
+
+// Adds sum of f(i) over offset[e] <= i < offset[e+1] to out[e], each environment in its own fixed order, so that the result
+// of environment e does not depend on its neighbours.
+template <class F>
+void env_sum(const char* name, const std::vector<Index>& offset, F f, std::vector<double>& out) {
+  for (std::size_t e = 0; e + 1 < offset.size(); ++e) {
+    const Index begin = offset[e];
+    out[e] += sum(name, offset[e + 1] - begin, [=] MORTISE_HD(Index i) { return f(begin + i); });
+  }
+}
+// Raises out[e] to the largest f(i) of environment e.
+template <class F>
+void env_max(const char* name, const std::vector<Index>& offset, F f, std::vector<double>& out) {
+  for (std::size_t e = 0; e + 1 < offset.size(); ++e) {
+    const Index begin = offset[e];
+    out[e] = max(name, offset[e + 1] - begin, out[e], [=] MORTISE_HD(Index i) { return f(begin + i); });
+  }
+}
+
+// Exclusive prefix sum in place of n counts stored in a buffer of n+1 values; the last becomes the total, which is returned.
+Index exclusive_scan(Buffer<Index>& counts);
+
+// Stable ascending sort of keys, carrying values along.
+void sort_pairs(Buffer<std::uint64_t>& keys, Buffer<Index>& values);
+
+// Start of every run of equal keys in a sorted buffer, followed by its size: run k is [start[k], start[k+1]).
+void run_starts(const Buffer<std::uint64_t>& sorted_keys, Buffer<Index>& start);
+
+// out[k] = sum over j in [start[k], start[k+1]) of term(j), in order.
+template <class T, class F>
+void segment_sum(const char* name, const Buffer<Index>& start, F term, Buffer<T>& out) {
+  const Index n = start.size() - 1;
+  out.resize(n);
+  View<const Index> s = start.view();
+  View<T> o = out.view();
+  parallel_for(name, n, [=] MORTISE_HD(Index k) {
+    T t = term(s[k]);
+    for (Index j = s[k] + 1; j < s[k + 1]; ++j) t += term(j);
+    o[k] = t;
+  });
+}
+
+}  // namespace mortise::device

@@ -1,0 +1,64 @@
+#pragma once
+// An effect is one term of the incremental potential
+//     Phi(q) = sum over effects of Phi_effect(q)   [J],      forces = -grad Phi   [N],
+// minimised over the degrees of freedom q (3-vectors) once per step. The solver knows effects only through this interface; an
+// effect exists only when the scene names it, and knows no other effect.
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/archive.h"
+#include "base/field_sink.h"
+#include "device/device.h"
+#include "linalg/stencils.h"
+
+namespace mortise::effects {
+
+using device::View;
+using Positions = View<const Vec3>;  // one 3-vector per block
+
+struct StepInfo {
+  double t0 = 0;         // time at the start of the step [s]
+  double dt = 0;         // its length [s]; in static mode a share of pseudo-time
+  Index step = 0;        // number of the step, from 0
+  bool is_static = false;
+  double t1() const { return t0 + dt; }
+};
+
+// `check --plan`: what an effect will hold and launch.
+struct Plan {
+  struct Item {
+    std::string what;  // "stencils", "samples", ...
+    std::size_t bytes;
+  };
+  std::vector<Item> buffers;
+  std::vector<std::string> kernels;
+};
+
+class Effect {
+ public:
+  virtual ~Effect() = default;
+  virtual std::string_view name() const = 0;
+
+  virtual void plan(Plan& out) const = 0;
+
+  // Prepare the step from the accepted state (model.q holds it).
+  virtual void begin_step(const StepInfo&) {}
+  // Add the effect's energy [J] at q to per_env[e].
+  virtual void energy(Positions q, std::vector<double>& per_env) = 0;
+  // Fill gradient and (when `hessian`) positive semi-definite Hessian pieces at q; return the stencils.
+  virtual linalg::StencilSet& assemble(Positions q, bool hessian) = 0;
+  // Lower alpha[e] to the longest step q + alpha dq (alpha <= 1) that keeps the effect's energy finite.
+  virtual void max_step(Positions q, View<const Vec3> dq, std::vector<double>& alpha) { (void)q, (void)dq, (void)alpha; }
+  // Refresh quantities frozen during Newton (friction's normal forces) from q; true if the effect has any.
+  virtual bool lag(Positions q) {
+    (void)q;
+    return false;
+  }
+  // The step was accepted at q.
+  virtual void end_step(Positions q) { (void)q; }
+  virtual void report(FieldSink&) {}
+  virtual void checkpoint(Archive&) {}
+};
+
+}  // namespace mortise::effects

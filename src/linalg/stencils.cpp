@@ -1,0 +1,38 @@
+#include "linalg/stencils.h"
+
+namespace mortise::linalg {
+
+void StencilSet::resize_uniform(Index n, Index nb) {
+  if (n == n_ && nb == uniform_) return;
+  n_ = n, uniform_ = nb;
+  offset_.resize(n + 1);
+  hess_offset_.resize(n + 1);
+  const auto off = offset_.view(), hoff = hess_offset_.view();
+  device::parallel_for("stencils.offsets", n + 1, [=] MORTISE_HD(Index s) {
+    off[s] = s * nb;
+    hoff[s] = s * pair_count(nb);
+  });
+  block_.resize(n * nb);
+  grad_.resize(n * nb);
+  hess_.resize(n * pair_count(nb));
+  pattern_changed();
+}
+
+void StencilSet::resize(device::Buffer<Index>&& counts) {
+  uniform_ = -1;
+  n_ = counts.size() - 1;
+  hess_offset_.resize(n_ + 1);
+  const device::View<const Index> c = counts.view();
+  const auto hoff = hess_offset_.view();
+  const Index n = n_;
+  device::parallel_for("stencils.offsets", n, [=] MORTISE_HD(Index s) { hoff[s] = pair_count(c[s]); });
+  offset_.swap(counts);
+  const Index blocks = device::exclusive_scan(offset_);
+  const Index pairs = device::exclusive_scan(hess_offset_);
+  block_.resize(blocks);
+  grad_.resize(blocks);
+  hess_.resize(pairs);
+  pattern_changed();
+}
+
+}  // namespace mortise::linalg

@@ -1,0 +1,31 @@
+#pragma once
+// What a contact effect publishes about its active samples; friction, sensors and output read it. A sample is a relative
+// position r = sum_k weight[k] * y[point[k]] of surface points (weights sum to 0, or to 1 against an analytic obstacle that
+// does not move), with the contact force along a fixed normal.
+#include "device/device.h"
+
+namespace mortise::model {
+
+inline constexpr Index kSamplePoints = 12;  // six on each side, for samples on quadratic faces
+
+struct ContactSample {
+  Index points = 0;              // how many of the slots are used
+  Index point[kSamplePoints];    // point ids
+  double weight[kSamplePoints];  // slave side negative, master side positive: gap grows along +normal
+  double normal[3];              // unit; force on a point with weight w is force * w * normal
+  double position[3];            // where the sample sits [m]
+  double force = 0;              // normal force magnitude [N], >= 0
+  double area = 0;               // area the sample stands for [m^2]; 0 where the method has none
+  double gap = 0;                // [m]
+  double pressure = 0;           // [Pa], force / area where area > 0
+  Index env = 0;
+  Index body_a = 0, body_b = 0;  // slave (or first) and master (or second) body; obstacles count after the bodies
+};
+
+struct ContactView {
+  device::Buffer<ContactSample> samples;  // canonical order, environments contiguous
+  std::vector<Index> env_offset;          // per environment, on the host
+  std::string effect;                     // who published it
+};
+
+}  // namespace mortise::model

@@ -1,0 +1,32 @@
+#pragma once
+// Plain data that crosses from the front end (scene, meshes) to the engine, on whichever device it runs.
+#include <array>
+#include <string>
+#include <vector>
+
+#include "base/params.h"
+#include "base/types.h"
+
+namespace mortise::model {
+
+enum class BodyType : int { soft = 0, stiff = 1, half_space = 2 };
+enum class MaterialModel : std::uint8_t { linear = 0, corotated = 1, neo_hookean = 2 };
+
+// A body with its mesh in world coordinates at t = 0 [m].
+struct BodyInput {
+  std::string name;
+  BodyType type = BodyType::soft;
+  int env = 0;
+  std::vector<Vec3> nodes;          // soft: all nodes; stiff: surface vertices
+  std::vector<Tet> tets;            // soft only, positively oriented
+  std::vector<Triangle> triangles;  // surface, outward
+  Params params;    // the body's block of the scene
+  Params material;  // its material block (youngs_modulus, poisson_ratio, density, model)
+};
+
+struct ModelInput {
+  Params scene;  // the whole resolved scene
+  std::vector<BodyInput> bodies;
+};
+
+}  // namespace mortise::model

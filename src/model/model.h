@@ -1,0 +1,121 @@
+#pragma once
+// The discrete problem: degrees of freedom, bodies, meshes, mass, supports. Built once from a ModelInput; effects read it,
+// the solver moves q. All degrees of freedom are 3-vectors ("blocks"): a soft node is one block; a stiff body is an affine
+// body of four blocks (p, a1, a2, a3), so that its material point X = (X1,X2,X3), measured from the rest centre of mass, sits
+// at y = p + X1 a1 + X2 a2 + X3 a3. At rest p is the centre of mass and (a1,a2,a3) the identity.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/params.h"
+#include "device/device.h"
+#include "geometry/surface.h"
+#include "model/contact_view.h"
+#include "model/input.h"
+
+namespace mortise::geometry {
+class Broadphase;
+}
+
+namespace mortise::model {
+
+using device::Buffer;
+using device::View;
+
+struct Body {
+  std::string name;
+  BodyType type = BodyType::soft;
+  Index env = 0;
+  Index block_begin = 0, block_end = 0;        // degrees of freedom
+  Index point_begin = 0, point_end = 0;        // points: soft nodes or stiff vertices
+  Index tet_begin = 0, tet_end = 0;            // soft only
+  Index triangle_begin = 0, triangle_end = 0;  // surface triangles
+  double mass = 0;                             // [kg]
+  double volume = 0;                           // [m^3]
+  Vec3 centre = Vec3::Zero();                  // rest centre of mass [m]
+  double youngs_modulus = 0, poisson_ratio = 0, density = 0;
+  SourceLoc where;
+};
+
+// y = sum_k weight * q[block]: one term for a soft node, four for a point of a stiff body.
+struct PointMapView {
+  View<const Index> offset;  // points + 1
+  View<const Index> block;
+  View<const double> weight;
+};
+
+// Linear tetrahedra of all soft bodies.
+struct Volume {
+  Buffer<Tet> tets;                     // block ids
+  Buffer<Mat3> dm_inverse;              // inverse of the rest edge matrix [1/m]
+  Buffer<double> rest_volume;           // [m^3]
+  Buffer<double> lame_mu, lame_lambda;  // [Pa]
+  Buffer<std::uint8_t> material;        // MaterialModel
+  std::vector<Index> env_offset;
+};
+
+// Symmetric mass matrix M (x) I3 as rows of scalars, both triangles [kg].
+struct Mass {
+  Buffer<Index> row_offset, column;
+  Buffer<double> value;
+};
+
+// An analytic obstacle: the material side is below the plane through `point` with unit outward normal.
+struct HalfSpace {
+  std::string name;
+  Vec3 point, normal;
+};
+
+class Model {
+ public:
+  explicit Model(ModelInput input);
+  ~Model();
+  Model(const Model&) = delete;
+
+  ModelInput input;  // the scene and the meshes it was built from
+  std::vector<Body> bodies;
+  std::vector<HalfSpace> half_spaces;
+
+  Index blocks = 0, points = 0, envs = 1;
+  std::vector<Index> env_blocks;  // offsets: environment e owns blocks [env_blocks[e], env_blocks[e+1])
+  Buffer<Vec3> rest;              // q at rest
+  Buffer<Vec3> q;                 // q at the last accepted state
+  Buffer<Vec3> initial_velocity;  // per block, from the scene [m/s]
+  Buffer<Index> block_env;
+
+  Buffer<Index> point_offset, point_block;
+  Buffer<double> point_weight;
+  Buffer<Vec3> rest_points;  // y at rest
+  PointMapView point_map() const { return {point_offset.view(), point_block.view(), point_weight.view()}; }
+  // y = W q, for positions and (being linear) for displacements alike.
+  void points_of(View<const Vec3> q, Buffer<Vec3>& y) const;
+
+  Volume volume;
+  Mass mass;
+  geometry::Surface surface;
+
+  // Supports: block b may move only within the range of projector[b] (symmetric, 3x3; identity = free, zero = held) and is
+  // asked to be at target[b] in the held directions. `held` on the host: 0 free, 1 partly, 2 fully held.
+  Buffer<Mat3> projector;
+  Buffer<Vec3> target;
+  std::vector<std::uint8_t> held;
+
+  // One candidate search for all contact effects, built by the first that asks.
+  geometry::Broadphase& broadphase();
+  // Makes contact between two bodies (or within one) watched; by index.
+  void watch(Index body_a, Index body_b, bool on);
+
+  ContactView* contact(const std::string& effect);  // nullptr if nobody publishes under that name
+  ContactView& publish(const std::string& effect);
+
+  Index body_index(std::string_view name) const;  // -1 if none
+
+ private:
+  std::unique_ptr<geometry::Broadphase> broadphase_;
+  std::vector<std::unique_ptr<ContactView>> contacts_;
+};
+
+// Point ids of `body` that satisfy a `where` block of the scene ({side: ...}, {box: ...}, ...), tested on rest positions.
+std::vector<Index> select_points(const Model& model, const Body& body, const Params& where);
+
+}  // namespace mortise::model

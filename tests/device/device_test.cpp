@@ -1,0 +1,87 @@
+#include "device/device.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+using namespace mortise;
+using namespace mortise::device;
+
+namespace {
+
+std::vector<double> random_values(Index n) {
+  std::mt19937_64 rng(7);
+  std::uniform_real_distribution<double> u(-1, 1);
+  std::vector<double> v(n);
+  for (double& x : v) x = u(rng);
+  return v;
+}
+
+}  // namespace
+
+TEST(Device, SumIsTheSameForAnyThreadCount) {
+  const Buffer<double> values(random_values(100'003));
+  const View<const double> v = values.view();
+  std::vector<double> sums;
+  for (int n : {1, 2, 3}) {
+    set_threads(n);
+    sums.push_back(sum("test", v.n, [=] MORTISE_HD(Index i) { return v[i]; }));
+  }
+  set_threads(0);
+  EXPECT_EQ(sums[0], sums[1]);
+  EXPECT_EQ(sums[0], sums[2]);
+  long double exact = 0;
+  for (double x : values.download()) exact += x;
+  EXPECT_NEAR(sums[0], static_cast<double>(exact), 1e-11);
+}
+
+TEST(Device, EnvironmentSumDoesNotDependOnItsNeighbours) {
+  const std::vector<double> one = random_values(777);
+  std::vector<double> both = random_values(901);
+  both.insert(both.end(), one.begin(), one.end());
+  const Buffer<double> a(one), b(both);
+  const View<const double> va = a.view(), vb = b.view();
+  std::vector<double> alone{0}, batch{0, 0};
+  env_sum("test", {0, 777}, [=] MORTISE_HD(Index i) { return va[i]; }, alone);
+  env_sum("test", {0, 901, 901 + 777}, [=] MORTISE_HD(Index i) { return vb[i]; }, batch);
+  EXPECT_EQ(alone[0], batch[1]);
+}
+
+TEST(Device, MaxKeepsNan) {
+  const Buffer<double> values(std::vector<double>{1, std::nan(""), 3});
+  const View<const double> v = values.view();
+  EXPECT_TRUE(std::isnan(device::max("test", 3, 0, [=] MORTISE_HD(Index i) { return v[i]; })));
+}
+
+TEST(Device, SortIsStableAndAscending) {
+  std::mt19937_64 rng(3);
+  std::vector<std::uint64_t> keys(10'000);
+  std::vector<Index> values(keys.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = (rng() % 50) << 40 | rng() % 3, values[i] = static_cast<Index>(i);
+  Buffer<std::uint64_t> k(keys);
+  Buffer<Index> v(values);
+  sort_pairs(k, v);
+  const auto sk = k.download();
+  const auto sv = v.download();
+  for (std::size_t i = 1; i < sk.size(); ++i) {
+    ASSERT_LE(sk[i - 1], sk[i]);
+    if (sk[i - 1] == sk[i]) ASSERT_LT(sv[i - 1], sv[i]);
+    ASSERT_EQ(keys[sv[i]], sk[i]);
+  }
+}
+
+TEST(Device, RunsAndSegmentSums) {
+  const Buffer<std::uint64_t> keys(std::vector<std::uint64_t>{2, 2, 5, 9, 9, 9});
+  Buffer<Index> start;
+  run_starts(keys, start);
+  EXPECT_EQ(start.download(), (std::vector<Index>{0, 2, 3, 6}));
+  Buffer<double> out;
+  segment_sum<double>("test", start, [=] MORTISE_HD(Index j) { return double(j); }, out);
+  EXPECT_EQ(out.download(), (std::vector<double>{1, 2, 12}));
+}
+
+TEST(Device, ScanReturnsTheTotal) {
+  Buffer<Index> counts(std::vector<Index>{3, 0, 4, 0});
+  EXPECT_EQ(exclusive_scan(counts), 7);
+  EXPECT_EQ(counts.download(), (std::vector<Index>{0, 3, 3, 7}));
+}
