@@ -4,7 +4,7 @@
 //
 // Rules that keep one source honest:
 //   * a kernel is a lambda `[=] MORTISE_HD(Index i) { ... }` that captures views and numbers by value (never `this`);
-//   * kernels write disjoint memory; sums go through sum/env_sum/segment sums, whose order never depends on the device,
+//   * kernels write disjoint memory; sums go through sum/env_sum/segment_sum, whose order never depends on the device,
 //     the thread count or the number of environments;
 //   * memory of a Buffer is touched on the host only through upload/download.
 #include <cstdint>
@@ -82,11 +82,11 @@ class Buffer {
 
   // New values are undefined; old values survive only when the capacity suffices.
   void resize(Index n) {
-    if (n > capacity_) {
+    if (static_cast<std::size_t>(n) > capacity_) {
       if (p_) release(p_, capacity_ * sizeof(T));
       p_ = nullptr, capacity_ = 0;
       p_ = static_cast<T*>(allocate(static_cast<std::size_t>(n) * sizeof(T)));
-      capacity_ = n;
+      capacity_ = static_cast<std::size_t>(n);
     }
     n_ = n;
   }

@@ -65,7 +65,9 @@ TEST(Device, SortIsStableAndAscending) {
   const auto sv = v.download();
   for (std::size_t i = 1; i < sk.size(); ++i) {
     ASSERT_LE(sk[i - 1], sk[i]);
-    if (sk[i - 1] == sk[i]) ASSERT_LT(sv[i - 1], sv[i]);
+    if (sk[i - 1] == sk[i]) {
+      ASSERT_LT(sv[i - 1], sv[i]);
+    }
     ASSERT_EQ(keys[sv[i]], sk[i]);
   }
 }
