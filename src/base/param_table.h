@@ -19,7 +19,8 @@ enum class Unit {
   force,
   pressure,
   density,
-  energy
+  energy,
+  any  // a number with any known unit: what it measures depends on another key
 };
 
 struct ParamTable;
@@ -38,6 +39,8 @@ struct Param {
     vec3s,     // list of three-number lists
     schedule,  // a number, or {time: [...], value: [...]}
     table,     // a nested block described by `sub`
+    names,     // list of names
+    pairs,     // list of [name, name]
     tables,    // a list of such blocks (a single block is accepted as a list of one)
     map        // free names, each with a block described by `sub`
   };
@@ -60,6 +63,7 @@ struct ParamTable {
   std::string help;
   std::vector<Param> params;
   bool is_list = false;  // the block itself is a list of such tables (effects `pin`, `pressure_load`)
+  bool one_of = false;   // exactly one of the params is written (shapes, `where`); all of them are optional
 };
 
 // Short builders, so a table reads like a table.
