@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/types.h"
+#include "device/device_info.h"
 
 namespace mortise::device {
 
@@ -42,13 +43,6 @@ struct MemoryUse {
 };
 MemoryUse memory_use();
 
-struct DeviceInfo {
-  std::string kind;  // "cpu" or "cuda"
-  std::string name;
-  int threads = 0;
-  std::size_t memory = 0;  // bytes
-  std::string driver;
-};
 std::vector<DeviceInfo> devices();
 
 // Number of CPU threads that kernels use; 0 = what the affinity mask or SLURM_CPUS_PER_TASK allows.

@@ -1,0 +1,93 @@
+// One build of the engine: compiled by g++ into the program, by nvcc into the CUDA module.
+#include "engine/build.h"
+
+
+#include "effects/list.h"
+#include "model/model.h"
+#include "solver/simulation.h"
+
+namespace mortise::engine {
+namespace {
+
+Outcome guarded(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const solver::Stopped&) {
+    return {static_cast<int>(Exit::stopped), "stopped", false};
+  } catch (const Error& e) {
+    return {static_cast<int>(e.code()), e.what(), e.located()};
+  } catch (const std::bad_alloc&) {
+    return {static_cast<int>(Exit::device), "out of memory", false};
+  } catch (const std::exception& e) {
+    return {static_cast<int>(Exit::internal), e.what(), false};
+  }
+  return {};
+}
+
+class Build : public Engine {
+ public:
+  explicit Build(const model::ModelInput& input) : model_(input), effects_(make_effects()), simulation_(model_, effects_, solver::read_options(input.scene)) {}
+
+  Outcome step(const std::function<bool()>& stop_asked, solver::StepReport& report) override {
+    return guarded([&] { report = simulation_.step(stop_asked); });
+  }
+  void report(FieldSink& sink) override { simulation_.report(sink); }
+  std::vector<double> points() override {
+    device::Buffer<Vec3> y;
+    model_.points_of(model_.q.view(), y);
+    std::vector<double> out;
+    for (const Vec3& x : y.download()) out.insert(out.end(), {x[0], x[1], x[2]});
+    return out;
+  }
+  Outcome checkpoint(Archive& archive) override {
+    return guarded([&] { simulation_.checkpoint(archive); });
+  }
+  double time() const override { return simulation_.time(); }
+  long steps_done() const override { return simulation_.steps_done(); }
+  solver::Clock clock() const override { return simulation_.clock(); }
+  std::vector<std::pair<std::string, long long>> launches() const override {
+    std::vector<std::pair<std::string, long long>> out;
+    for (const device::LaunchCount& l : device::launch_counts()) out.emplace_back(l.name, l.launches);
+    return out;
+  }
+  std::size_t peak_memory() const override { return device::memory_use().peak; }
+  std::vector<PlanItem> plan() const override {
+    std::vector<PlanItem> out;
+    for (const auto& effect : effects_) {
+      effects::Plan plan;
+      effect->plan(plan);
+      PlanItem item{std::string(effect->name()), {}, plan.kernels};
+      for (const auto& b : plan.buffers) item.buffers.emplace_back(b.what, b.bytes);
+      out.push_back(std::move(item));
+    }
+    return out;
+  }
+  std::string linear_solver() const override { return simulation_.newton().linear_solver() + " (" + simulation_.newton().linear_reason() + ")"; }
+
+ private:
+  // Only what the scene names, in the order of the list.
+  solver::EffectList make_effects() {
+    solver::EffectList out;
+    const Params& wanted = model_.input.scene.at("effects");
+    for (const effects::Kind& kind : effects::list())
+      if (const Params* block = wanted.find(kind.name)) out.push_back(kind.make(*block, model_));
+    return out;
+  }
+
+  model::Model model_;
+  solver::EffectList effects_;
+  solver::Simulation simulation_;
+};
+
+Outcome create(const model::ModelInput& input, std::unique_ptr<Engine>& out) {
+  return guarded([&] { out = std::make_unique<Build>(input); });
+}
+
+}  // namespace
+
+const Api& build_api() {
+  static const Api api{kApiVersion, device::devices, device::set_threads, create};
+  return api;
+}
+
+}  // namespace mortise::engine

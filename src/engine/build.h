@@ -1,0 +1,8 @@
+#pragma once
+#include "engine/engine.h"
+
+namespace mortise::engine {
+
+const Api& build_api();  // of the build this is compiled into
+
+}  // namespace mortise::engine

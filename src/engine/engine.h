@@ -1,0 +1,59 @@
+#pragma once
+// The engine as the front end sees it: the same code compiled for CPU threads (linked into the program) and for CUDA (a module
+// loaded at run time). What crosses this line is plain data - numbers, strings, standard containers, and 3x3 arrays of
+// doubles without alignment - and never an exception of ours (type information is private to each side).
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/archive.h"
+#include "base/field_sink.h"
+#include "device/device_info.h"
+#include "model/input.h"
+#include "solver/report.h"
+
+namespace mortise::engine {
+
+struct Outcome {
+  int code = 0;  // Exit
+  std::string message;
+  bool located = false;
+};
+
+struct PlanItem {
+  std::string effect;
+  std::vector<std::pair<std::string, std::size_t>> buffers;  // what, bytes
+  std::vector<std::string> kernels;
+};
+
+class Engine {
+ public:
+  virtual ~Engine() = default;
+  virtual Outcome step(const std::function<bool()>& stop_asked, solver::StepReport& report) = 0;
+  virtual void report(FieldSink& sink) = 0;
+  virtual std::vector<double> points() = 0;  // 3 per point [m], accepted state
+  virtual Outcome checkpoint(Archive& archive) = 0;
+  virtual double time() const = 0;
+  virtual long steps_done() const = 0;
+  virtual solver::Clock clock() const = 0;
+  virtual std::vector<std::pair<std::string, long long>> launches() const = 0;
+  virtual std::size_t peak_memory() const = 0;
+  virtual std::vector<PlanItem> plan() const = 0;
+  virtual std::string linear_solver() const = 0;  // and why
+};
+
+// What a build of the engine offers.
+struct Api {
+  int version;
+  std::vector<device::DeviceInfo> (*devices)();
+  void (*set_threads)(int);
+  Outcome (*create)(const model::ModelInput&, std::unique_ptr<Engine>& out);
+};
+inline constexpr int kApiVersion = 1;
+
+const Api& cpu_api();
+// The CUDA module's; nullptr where it was not built or does not load, with the reason.
+const Api* cuda_api(std::string& why_not);
+
+}  // namespace mortise::engine

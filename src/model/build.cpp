@@ -1,0 +1,245 @@
+#include "model/build.h"
+
+#include <algorithm>
+
+#include "geometry/topology.h"
+#include "model/model.h"
+
+namespace mortise::model {
+namespace {
+
+// Host arrays that grow body by body and are uploaded once.
+struct Layout {
+  std::vector<Vec3> rest, velocity, points;
+  std::vector<Index> block_env, point_offset{0}, point_block, point_body, point_env;
+  std::vector<double> point_weight;
+  std::vector<Tet> tets;
+  std::vector<Mat3> dm_inverse;
+  std::vector<double> rest_volume, mu, lambda;
+  std::vector<std::uint8_t> material;
+  std::vector<Triangle> triangles;
+  // Mass entries (row, column, kg), both triangles.
+  struct Entry {
+    Index row, column;
+    double value;
+  };
+  std::vector<Entry> mass;
+};
+
+MaterialModel material_model(const Params& material) {
+  const std::string& name = material.text("model");
+  if (name == "linear") return MaterialModel::linear;
+  if (name == "corotated") return MaterialModel::corotated;
+  return MaterialModel::neo_hookean;
+}
+
+void add_soft(Layout& l, const BodyInput& in, Body& body) {
+  const Index first = body.block_begin;
+  const double E = body.youngs_modulus, nu = body.poisson_ratio;
+  std::vector<double> mass(in.nodes.size(), 0.0);
+  body.tet_begin = static_cast<Index>(l.tets.size());
+  Vec3 moment = Vec3::Zero();
+  for (std::size_t t = 0; t < in.tets.size(); ++t) {
+    const Tet& tet = in.tets[t];
+    Mat3 dm;
+    for (int k = 0; k < 3; ++k) dm.col(k) = in.nodes[tet.v[k + 1]] - in.nodes[tet.v[0]];
+    const double volume = dm.determinant() / 6;
+    if (!(volume > 0))
+      throw Error(Exit::scene, body.where, "body '" + in.name + "': tetrahedron " + std::to_string(t) + " has volume " + std::to_string(volume) + " m^3; it must be positive");
+    l.tets.push_back({{first + tet.v[0], first + tet.v[1], first + tet.v[2], first + tet.v[3]}});
+    l.dm_inverse.push_back(dm.inverse());
+    l.rest_volume.push_back(volume);
+    l.mu.push_back(E / (2 * (1 + nu)));
+    l.lambda.push_back(E * nu / ((1 + nu) * (1 - 2 * nu)));
+    l.material.push_back(static_cast<std::uint8_t>(material_model(in.material)));
+    body.volume += volume;
+    for (int k = 0; k < 4; ++k) {
+      mass[tet.v[k]] += body.density * volume / 4;  // lumped
+      moment += volume / 4 * in.nodes[tet.v[k]];
+    }
+  }
+  body.tet_end = static_cast<Index>(l.tets.size());
+  body.centre = moment / body.volume;
+  body.mass = body.density * body.volume;
+  const Vec3 v = in.params.vec3("velocity"), w = in.params.vec3("angular_velocity");
+  for (std::size_t i = 0; i < in.nodes.size(); ++i) {
+    const Index block = first + static_cast<Index>(i);
+    if (!(mass[i] > 0))
+      throw Error(Exit::scene, body.where, "body '" + in.name + "': node " + std::to_string(i) + " belongs to no tetrahedron");
+    l.rest.push_back(in.nodes[i]);
+    l.velocity.push_back(v + w.cross(in.nodes[i] - body.centre));
+    l.mass.push_back({block, block, mass[i]});
+    l.points.push_back(in.nodes[i]);
+    l.point_block.push_back(block);
+    l.point_weight.push_back(1);
+    l.point_offset.push_back(static_cast<Index>(l.point_block.size()));
+  }
+}
+
+void add_stiff(Layout& l, const BodyInput& in, Body& body) {
+  const Index first = body.block_begin;
+  const geometry::MassProperties m = geometry::mass_properties(in.nodes, in.triangles);
+  if (!(m.volume > 0)) throw Error(Exit::scene, body.where, "body '" + in.name + "': its surface encloses no positive volume (are the triangles outward?)");
+  body.volume = m.volume;
+  body.centre = m.centroid;
+  body.mass = body.density * m.volume;
+  const Vec3 v = in.params.vec3("velocity"), w = in.params.vec3("angular_velocity");
+  l.rest.push_back(m.centroid);
+  l.velocity.push_back(v);
+  l.mass.push_back({first, first, body.mass});
+  for (int k = 0; k < 3; ++k) {
+    l.rest.push_back(Vec3::Unit(k));
+    l.velocity.push_back(w.cross(Vec3::Unit(k)));
+    // int rho X X^T dV about the centre of mass; the mixed terms with p vanish there.
+    for (int j = 0; j < 3; ++j) l.mass.push_back({first + 1 + k, first + 1 + j, body.density * m.second_moment(k, j)});
+  }
+  for (const Vec3& node : in.nodes) {
+    const Vec3 X = node - m.centroid;
+    l.points.push_back(node);
+    for (int k = 0; k < 4; ++k) {
+      l.point_block.push_back(first + k);
+      l.point_weight.push_back(k == 0 ? 1 : X[k - 1]);
+    }
+    l.point_offset.push_back(static_cast<Index>(l.point_block.size()));
+  }
+}
+
+void add_body(Layout& l, Model& model, const BodyInput& in) {
+  Body body;
+  body.name = in.name;
+  body.type = in.type;
+  body.env = in.env;
+  body.where = in.params.where();
+  body.youngs_modulus = in.material.number("youngs_modulus");
+  body.poisson_ratio = in.material.number("poisson_ratio");
+  body.density = in.material.number("density");
+  body.block_begin = static_cast<Index>(l.rest.size());
+  body.point_begin = static_cast<Index>(l.points.size());
+  if (in.type == BodyType::soft)
+    add_soft(l, in, body);
+  else
+    add_stiff(l, in, body);
+  body.block_end = static_cast<Index>(l.rest.size());
+  body.point_end = static_cast<Index>(l.points.size());
+  body.triangle_begin = static_cast<Index>(l.triangles.size());
+  for (const Triangle& t : in.triangles) l.triangles.push_back({{body.point_begin + t.v[0], body.point_begin + t.v[1], body.point_begin + t.v[2]}});
+  body.triangle_end = static_cast<Index>(l.triangles.size());
+  l.block_env.resize(l.rest.size(), in.env);
+  l.point_env.resize(l.points.size(), in.env);
+  l.point_body.resize(l.points.size(), static_cast<Index>(model.bodies.size()));
+  model.bodies.push_back(std::move(body));
+}
+
+void upload_mass(Layout& l, Mass& mass, Index blocks) {
+  std::stable_sort(l.mass.begin(), l.mass.end(), [](const Layout::Entry& a, const Layout::Entry& b) { return a.row != b.row ? a.row < b.row : a.column < b.column; });
+  std::vector<Index> offset(blocks + 1, 0), column;
+  std::vector<double> value;
+  for (const Layout::Entry& e : l.mass) {
+    ++offset[e.row + 1];
+    column.push_back(e.column);
+    value.push_back(e.value);
+  }
+  for (Index b = 0; b < blocks; ++b) offset[b + 1] += offset[b];
+  mass.row_offset.upload(offset);
+  mass.column.upload(column);
+  mass.value.upload(value);
+}
+
+void upload_surface(const Layout& l, geometry::Surface& surface, Index bodies) {
+  const std::vector<Edge> edges = geometry::unique_edges(l.triangles);
+  surface.vertex_area.upload(geometry::vertex_areas(l.points, l.triangles));
+  surface.edge_area.upload(geometry::edge_areas(l.points, l.triangles, edges));
+  std::vector<std::uint8_t> used(l.points.size(), 0);
+  for (const Triangle& t : l.triangles)
+    for (Index v : t.v) used[v] = 1;
+  std::vector<Index> vertices;
+  for (std::size_t i = 0; i < used.size(); ++i)
+    if (used[i]) vertices.push_back(static_cast<Index>(i));
+  surface.vertices.upload(vertices);
+  surface.edges.upload(edges);
+  surface.triangles.upload(l.triangles);
+  surface.body.upload(l.point_body);
+  surface.env.upload(l.point_env);
+  surface.bodies = bodies;
+  surface.pair_allowed.upload(std::vector<std::uint8_t>(static_cast<std::size_t>(bodies) * bodies, 0));
+}
+
+// offset[e] = first element of environment e in an array ordered by environment.
+std::vector<Index> offsets_by_env(const std::vector<Index>& env_of, Index envs) {
+  std::vector<Index> offset(envs + 1, 0);
+  for (Index e : env_of) ++offset[e + 1];
+  for (Index e = 0; e < envs; ++e) offset[e + 1] += offset[e];
+  return offset;
+}
+
+}  // namespace
+
+void build(Model& model) {
+  Layout l;
+  std::vector<Index> tet_env;
+  for (const BodyInput& in : model.input.bodies) {
+    if (in.type == BodyType::half_space) {
+      model.half_spaces.push_back({in.name, in.params.vec3("point"), in.params.vec3("normal").normalized()});
+      continue;
+    }
+    add_body(l, model, in);
+    tet_env.resize(l.tets.size(), in.env);
+    model.envs = std::max<Index>(model.envs, in.env + 1);
+  }
+  if (model.bodies.empty()) throw Error(Exit::scene, model.input.scene.where(), "the scene has no body that can move or be pressed");
+
+  model.blocks = static_cast<Index>(l.rest.size());
+  model.points = static_cast<Index>(l.points.size());
+  model.env_blocks = offsets_by_env(l.block_env, model.envs);
+  model.rest.upload(l.rest);
+  model.q.upload(l.rest);
+  model.initial_velocity.upload(l.velocity);
+  model.block_env.upload(l.block_env);
+  model.point_offset.upload(l.point_offset);
+  model.point_block.upload(l.point_block);
+  model.point_weight.upload(l.point_weight);
+  model.rest_points.upload(l.points);
+
+  Volume& v = model.volume;
+  v.tets.upload(l.tets);
+  v.dm_inverse.upload(l.dm_inverse);
+  v.rest_volume.upload(l.rest_volume);
+  v.lame_mu.upload(l.mu);
+  v.lame_lambda.upload(l.lambda);
+  v.material.upload(l.material);
+  v.env_offset = offsets_by_env(tet_env, model.envs);
+
+  upload_mass(l, model.mass, model.blocks);
+  upload_surface(l, model.surface, static_cast<Index>(model.bodies.size()));
+  model.projector.upload(std::vector<Mat3>(model.blocks, Mat3::Identity()));
+  model.target.upload(l.rest);
+  model.held.assign(model.blocks, 0);
+}
+
+std::vector<Index> select_points(const Model& model, const Body& body, const Params& where) {
+  const std::vector<Vec3> rest = model.rest_points.download();
+  Vec3 lo = Vec3::Constant(INFINITY), hi = -lo;
+  for (Index i = body.point_begin; i < body.point_end; ++i) lo = lo.cwiseMin(rest[i]), hi = hi.cwiseMax(rest[i]);
+  const double close = 1e-6 * (hi - lo).norm();
+  const auto inside = [&](const Vec3& x) {
+    if (where.has("side")) {
+      const std::string& side = where.text("side");  // "x_min" ... "z_max" or "all"
+      if (side == "all") return true;
+      const int axis = side[0] - 'x';
+      return side.substr(2) == "min" ? x[axis] <= lo[axis] + close : x[axis] >= hi[axis] - close;
+    }
+    if (where.has("box")) {
+      const Params& box = where.at("box");
+      const Vec3 a = box.vec3("min"), b = box.vec3("max");
+      return (x.array() >= a.array()).all() && (x.array() <= b.array()).all();
+    }
+    const Params& sphere = where.at("sphere");
+    return (x - sphere.vec3("centre")).norm() <= sphere.number("radius");
+  };
+  std::vector<Index> out;
+  for (Index i = body.point_begin; i < body.point_end; ++i)
+    if (inside(rest[i])) out.push_back(i);
+  return out;
+}
+
+}  // namespace mortise::model

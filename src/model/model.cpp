@@ -1,0 +1,57 @@
+#include "model/model.h"
+
+#include <algorithm>
+
+#include "geometry/collide/broadphase.h"
+#include "geometry/topology.h"
+#include "model/build.h"
+
+namespace mortise::model {
+
+Model::Model(ModelInput in) : input(std::move(in)) { build(*this); }
+Model::~Model() = default;
+
+void Model::points_of(View<const Vec3> from, Buffer<Vec3>& y) const {
+  y.resize(points);
+  const PointMapView map = point_map();
+  const View<Vec3> out = y.view();
+  device::parallel_for("model.points", points, [=] MORTISE_HD(Index i) {
+    Vec3 sum = Vec3::Zero();
+    for (Index k = map.offset[i]; k < map.offset[i + 1]; ++k) sum += map.weight[k] * from[map.block[k]];
+    out[i] = sum;
+  });
+}
+
+geometry::Broadphase& Model::broadphase() {
+  if (!broadphase_) broadphase_ = std::make_unique<geometry::Broadphase>(surface);
+  return *broadphase_;
+}
+
+void Model::watch(Index a, Index b, bool on) {
+  std::vector<std::uint8_t> allowed = surface.pair_allowed.download();
+  const Index n = surface.bodies;
+  allowed[a * n + b] = allowed[b * n + a] = on ? 1 : 0;
+  surface.pair_allowed.upload(allowed);
+}
+
+ContactView* Model::contact(const std::string& effect) {
+  for (const auto& view : contacts_)
+    if (view->effect == effect) return view.get();
+  return nullptr;
+}
+
+ContactView& Model::publish(const std::string& effect) {
+  if (ContactView* view = contact(effect)) return *view;
+  contacts_.push_back(std::make_unique<ContactView>());
+  contacts_.back()->effect = effect;
+  contacts_.back()->env_offset.assign(envs + 1, 0);
+  return *contacts_.back();
+}
+
+Index Model::body_index(std::string_view name) const {
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (bodies[b].name == name) return static_cast<Index>(b);
+  return -1;
+}
+
+}  // namespace mortise::model

@@ -1,0 +1,97 @@
+#include "solver/kernels.h"
+
+namespace mortise::solver {
+
+std::vector<double> largest(View<const Vec3> v, View<const Mat3> projector, const std::vector<Index>& env_blocks) {
+  std::vector<double> out(env_blocks.size() - 1, 0.0);
+  device::env_max("solver.largest", env_blocks, [=] MORTISE_HD(Index b) { return (projector[b] * v[b]).norm(); }, out);
+  return out;
+}
+
+std::vector<double> largest(View<const Vec3> v, const std::vector<Index>& env_blocks) {
+  std::vector<double> out(env_blocks.size() - 1, 0.0);
+  device::env_max("solver.largest", env_blocks, [=] MORTISE_HD(Index b) { return v[b].norm(); }, out);
+  return out;
+}
+
+std::vector<double> dot(View<const Vec3> a, View<const Vec3> b, const std::vector<Index>& env_blocks) {
+  std::vector<double> out(env_blocks.size() - 1, 0.0);
+  device::env_sum("solver.dot", env_blocks, [=] MORTISE_HD(Index i) { return a[i].dot(b[i]); }, out);
+  return out;
+}
+
+void support_move(View<const Vec3> q, View<const Vec3> target, View<const Mat3> projector, Buffer<Vec3>& c) {
+  c.resize(q.n);
+  const View<Vec3> out = c.view();
+  device::parallel_for("solver.support_move", q.n, [=] MORTISE_HD(Index b) {
+    const Vec3 gap = target[b] - q[b];
+    out[b] = gap - projector[b] * gap;
+  });
+}
+
+void stencil_product(linalg::StencilSet& set, View<const Vec3> d) {
+  const linalg::StencilView v = set.view();
+  device::parallel_for("solver.stencil_product", v.n, [=] MORTISE_HD(Index s) {
+    const Index first = v.offset[s], nb = v.offset[s + 1] - first;
+    for (Index a = 0; a < nb; ++a) v.grad[first + a] = Vec3::Zero();
+    for (Index a = 0; a < nb; ++a) {
+      const Index ia = v.block[first + a];
+      if (ia < 0) continue;
+      for (Index b = a; b < nb; ++b) {
+        const Index ib = v.block[first + b];
+        if (ib < 0) continue;
+        const Mat3& H = v.hess[v.hess_offset[s] + linalg::pair_place(a, b, nb)];
+        v.grad[first + a] += H * d[ib];
+        if (a != b) v.grad[first + b] += H.transpose() * d[ia];
+      }
+    }
+  });
+}
+
+void right_hand_side(View<const Vec3> g, View<const Vec3> Hc, View<const Index> block_of_row, View<const Mat3> row_projector, Buffer<Vec3>& rhs) {
+  rhs.resize(block_of_row.n);
+  const View<Vec3> out = rhs.view();
+  device::parallel_for("solver.rhs", block_of_row.n, [=] MORTISE_HD(Index r) {
+    const Index b = block_of_row[r];
+    Vec3 f = -g[b];
+    if (Hc.n > 0) f -= Hc[b];
+    out[r] = row_projector[r] * f;
+  });
+}
+
+void step_of(View<const Vec3> x, View<const Vec3> c, View<const Index> row_of_block, View<const Mat3> projector, Buffer<Vec3>& dq) {
+  dq.resize(row_of_block.n);
+  const View<Vec3> out = dq.view();
+  device::parallel_for("solver.step_of", row_of_block.n, [=] MORTISE_HD(Index b) {
+    Vec3 d = c[b];
+    if (row_of_block[b] >= 0) d += projector[b] * x[row_of_block[b]];
+    out[b] = d;
+  });
+}
+
+void advance(View<const Vec3> q, View<const Vec3> dq, const std::vector<double>& alpha, const model::Model& model, Buffer<Vec3>& trial) {
+  trial.resize(q.n);
+  const Buffer<double> alpha_buffer(alpha);
+  const View<const double> a = alpha_buffer.view();
+  const View<const Index> env = model.block_env.view();
+  const View<const Mat3> P = model.projector.view();
+  const View<const Vec3> target = model.target.view();
+  const View<Vec3> out = trial.view();
+  device::parallel_for("solver.advance", q.n, [=] MORTISE_HD(Index b) {
+    const double s = a[env[b]];
+    Vec3 y = q[b] + s * dq[b];
+    if (s == 1) {
+      const Vec3 gap = target[b] - y;
+      y += gap - P[b] * gap;
+      if (P[b].isZero(0)) y = target[b];
+    }
+    out[b] = y;
+  });
+}
+
+void add(View<const Vec3> from, Buffer<Vec3>& to) {
+  const View<Vec3> t = to.view();
+  device::parallel_for("solver.add", from.n, [=] MORTISE_HD(Index b) { t[b] += from[b]; });
+}
+
+}  // namespace mortise::solver

@@ -1,0 +1,29 @@
+#pragma once
+// The solver's own kernels on arrays of 3-vectors, one per block. Reductions are per environment and of fixed order.
+#include "linalg/stencils.h"
+#include "model/model.h"
+
+namespace mortise::solver {
+
+using device::Buffer;
+using device::View;
+
+// Per environment the largest |P v| over its blocks.
+std::vector<double> largest(View<const Vec3> v, View<const Mat3> projector, const std::vector<Index>& env_blocks);
+// Per environment the largest |v|.
+std::vector<double> largest(View<const Vec3> v, const std::vector<Index>& env_blocks);
+// Per environment a . b.
+std::vector<double> dot(View<const Vec3> a, View<const Vec3> b, const std::vector<Index>& env_blocks);
+// c = (I - P)(target - q): what the supports still have to move.
+void support_move(View<const Vec3> q, View<const Vec3> target, View<const Mat3> projector, Buffer<Vec3>& c);
+// Overwrites the stencils' gradients by H d, so that assembling them gives the product with the full Hessian.
+void stencil_product(linalg::StencilSet& set, View<const Vec3> d);
+// rhs_row = -P (g + Hc) at the block of the row.
+void right_hand_side(View<const Vec3> g, View<const Vec3> Hc, View<const Index> block_of_row, View<const Mat3> row_projector, Buffer<Vec3>& rhs);
+// dq_b = P x_row(b) + c_b.
+void step_of(View<const Vec3> x, View<const Vec3> c, View<const Index> row_of_block, View<const Mat3> projector, Buffer<Vec3>& dq);
+// trial = q + alpha_env dq; where alpha is exactly 1 the held directions land exactly on their targets.
+void advance(View<const Vec3> q, View<const Vec3> dq, const std::vector<double>& alpha, const model::Model& model, Buffer<Vec3>& trial);
+void add(View<const Vec3> from, Buffer<Vec3>& to);
+
+}  // namespace mortise::solver

@@ -1,0 +1,249 @@
+#include "solver/newton.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <sstream>
+
+#include "linalg/cg.h"
+#include "linalg/supports.h"
+#include "solver/kernels.h"
+#include "solver/timed.h"
+
+namespace mortise::solver {
+namespace {
+
+double largest_of(const std::vector<double>& v) { return v.empty() ? 0 : *std::max_element(v.begin(), v.end()); }
+
+// Diagonal of the scene at rest [m], the length against which support gaps are judged.
+double scene_length(const model::Model& model) {
+  Vec3 lo = Vec3::Constant(INFINITY), hi = -lo;
+  for (const Vec3& x : model.rest_points.download()) lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
+  return (hi - lo).norm();
+}
+
+}  // namespace
+
+Newton::Newton(model::Model& model, EffectList& effects, const Options& options, Clock& clock)
+    : model_(model), effects_(effects), options_(options), clock_(clock), length_(scene_length(model)), effect_gradients_(effects.size()) {
+  choose_linear();
+}
+
+// Direct factors grow like n^{4/3} and pay for themselves in robustness; beyond this size conjugate gradients win
+// (measured crossover near 20k vertices, README "Linear solver").
+void Newton::choose_linear() {
+  constexpr Index kDirectBlocks = 30000;
+  if (options_.linear == "direct") {
+    use_cg_ = false, linear_reason_ = "asked for by the scene";
+  } else if (options_.linear == "cg") {
+    use_cg_ = true, linear_reason_ = "asked for by the scene";
+  } else {
+    use_cg_ = model_.blocks > kDirectBlocks;
+    linear_reason_ = std::to_string(model_.blocks) + " blocks, direct up to " + std::to_string(kDirectBlocks);
+  }
+}
+
+void Newton::number_rows() {
+  if (model_.held == held_ && rows_ > 0) return;
+  held_ = model_.held;
+  const std::vector<Mat3> projector = model_.projector.download();
+  std::vector<Index> row_of_block(held_.size(), -1), block_of_row;
+  std::vector<Mat3> row_projector;
+  env_rows_.assign(1, 0);
+  any_partial_ = false;
+  for (Index e = 0; e < model_.envs; ++e) {
+    for (Index b = model_.env_blocks[e]; b < model_.env_blocks[e + 1]; ++b) {
+      if (held_[b] == 2) continue;
+      any_partial_ |= held_[b] == 1;
+      row_of_block[b] = static_cast<Index>(block_of_row.size());
+      block_of_row.push_back(b);
+      row_projector.push_back(projector[b]);
+    }
+    env_rows_.push_back(static_cast<Index>(block_of_row.size()));
+  }
+  rows_ = static_cast<Index>(block_of_row.size());
+  row_of_block_.upload(row_of_block);
+  block_of_row_.upload(block_of_row);
+  row_projector_.upload(row_projector);
+  assembler_.set_rows(device::Buffer<Index>(row_of_block), rows_);
+}
+
+Newton::Residual Newton::assemble(bool hessian) {
+  Residual r;
+  r.scale.assign(model_.envs, 0.0);
+  gradient_.resize(model_.blocks);
+  gradient_.zero();
+  sets_.clear();
+  for (std::size_t k = 0; k < effects_.size(); ++k) {
+    effects::Effect& effect = *effects_[k];
+    const Timed timed(clock_, effect.name(), hessian ? "assemble" : "gradient");
+    linalg::StencilSet& set = effect.assemble(q_.view(), hessian);
+    sets_.push_back(&set);
+    linalg::StencilSet* const one[] = {&set};
+    assembler_.gradient(one, model_.blocks, effect_gradients_[k]);
+    const std::vector<double> here = largest(effect_gradients_[k].view(), model_.env_blocks);
+    for (Index e = 0; e < model_.envs; ++e) r.scale[e] = std::max(r.scale[e], here[e]);
+    add(effect_gradients_[k].view(), gradient_);
+  }
+  r.force = largest(gradient_.view(), model_.projector.view(), model_.env_blocks);
+  support_move(q_.view(), model_.target.view(), model_.projector.view(), support_);
+  r.support_gap = largest(support_.view(), model_.env_blocks);
+  for (double f : r.force)
+    if (!std::isfinite(f)) throw Failure{"the force residual is not finite"};
+  return r;
+}
+
+bool Newton::converged(const Residual& r, double relative) const {
+  for (Index e = 0; e < model_.envs; ++e)
+    if (r.force[e] > std::max(options_.force_tolerance, relative * r.scale[e]) || r.support_gap[e] > 1e-13 * length_) return false;
+  return options_.step_tolerance <= 0 || last_step_ <= options_.step_tolerance;
+}
+
+void Newton::direction(StepReport& report, bool supports_move) {
+  device::Buffer<Vec3> Hc;
+  {
+    const Timed timed(clock_, "solver", "matrix");
+    assembler_.matrix(sets_, matrix_);
+    if (any_partial_) linalg::project(matrix_, row_projector_.view());
+  }
+  if (supports_move) {
+    for (linalg::StencilSet* set : sets_) stencil_product(*set, support_.view());
+    assembler_.gradient(sets_, model_.blocks, Hc);
+  }
+  right_hand_side(gradient_.view(), std::as_const(Hc).view(), block_of_row_.view(), row_projector_.view(), rhs_);
+  x_.resize(rows_);
+  x_.zero();
+  if (rows_ > 0) {
+    const Timed timed(clock_, "solver", "linear_solve");
+    if (use_cg_) {
+      const linalg::CgResult cg = linalg::conjugate_gradients(matrix_, rhs_.view(), x_.view(), env_rows_, options_.cg_tolerance, options_.cg_iterations);
+      report.cg += cg.iterations;
+      if (!cg.converged) throw Failure{"conjugate gradients reached " + std::to_string(cg.residual) + " of the right-hand side, not " + std::to_string(options_.cg_tolerance)};
+    } else {
+      // A static scene may be held by contact alone: a small shift then picks the shortest step among the free motions.
+      double shift = 0;
+      while (!direct_.factor(matrix_, shift)) {
+        shift = shift == 0 ? 1e-10 : shift * 100;
+        ++report.regularised;
+        if (shift > 1e-2) throw Failure{"the matrix is not positive definite"};
+      }
+      direct_.solve(rhs_.view(), x_.view());
+    }
+  }
+  step_of(x_.view(), support_.view(), row_of_block_.view(), model_.projector.view(), dq_);
+  last_step_ = largest_of(largest(dq_.view(), model_.env_blocks));
+  if (!std::isfinite(last_step_)) throw Failure{"the Newton direction is not finite"};
+}
+
+std::vector<double> Newton::energy(device::View<const Vec3> q) {
+  std::vector<double> total(model_.envs, 0.0);
+  energy_scale_.assign(model_.envs, 0.0);
+  for (const auto& effect : effects_) {
+    const Timed timed(clock_, effect->name(), "energy");
+    std::vector<double> part(model_.envs, 0.0);
+    effect->energy(q, part);
+    for (Index e = 0; e < model_.envs; ++e) {
+      total[e] += part[e];
+      energy_scale_[e] += std::abs(part[e]);
+    }
+  }
+  return total;
+}
+
+void Newton::line_search(StepReport& report, const Residual& r, bool supports_move) {
+  constexpr double kArmijo = 1e-4;
+  constexpr int kMost = 40;
+  std::vector<double> alpha(model_.envs, 1.0);
+  for (const auto& effect : effects_) {
+    const Timed timed(clock_, effect->name(), "max_step");
+    effect->max_step(q_.view(), dq_.view(), alpha);
+  }
+  const std::vector<double> before = energy(q_.view());
+  std::vector<double> slope = dot(gradient_.view(), dq_.view(), model_.env_blocks);
+  std::vector<double> rho(model_.envs, 0.0), cc(model_.envs, 0.0);
+  if (supports_move) {
+    // rho makes the quadratic model of the merit decrease over the full step and its slope negative.
+    device::Buffer<Vec3> Hdq;
+    for (linalg::StencilSet* set : sets_) stencil_product(*set, dq_.view());
+    assembler_.gradient(sets_, model_.blocks, Hdq);
+    const std::vector<double> curvature = dot(dq_.view(), Hdq.view(), model_.env_blocks);
+    cc = dot(support_.view(), support_.view(), model_.env_blocks);
+    for (Index e = 0; e < model_.envs; ++e) {
+      if (!(cc[e] > 0)) continue;
+      rho[e] = std::max(0.0, 2 * (2 * slope[e] + curvature[e]) / cc[e]);
+      slope[e] -= rho[e] * cc[e];
+    }
+  }
+  for (Index e = 0; e < model_.envs; ++e)
+    if (r.force[e] <= std::max(options_.force_tolerance, options_.relative_tolerance * r.scale[e]) && r.support_gap[e] == 0 && model_.envs > 1) alpha[e] = 0;
+
+  for (int k = 0;; ++k) {
+    advance(q_.view(), dq_.view(), alpha, model_, trial_);
+    const std::vector<double> after = energy(trial_.view());
+    bool ok = true;
+    for (Index e = 0; e < model_.envs; ++e) {
+      if (alpha[e] == 0) continue;
+      const double left = (1 - alpha[e]) * (1 - alpha[e]);
+      const double change = after[e] - before[e] + 0.5 * rho[e] * (left - 1) * cc[e];
+      const double rounding = 1e-13 * energy_scale_[e];
+      if (std::isfinite(after[e]) && change <= kArmijo * alpha[e] * slope[e] + rounding) continue;
+      alpha[e] *= 0.5;
+      ok = false;
+    }
+    if (ok) break;
+    ++report.line_search;
+    if (k == kMost) throw Failure{"the line search found no descent"};
+  }
+  for (double a : alpha)
+    if (a > 0) report.alpha = std::min(report.alpha, a);
+  q_.swap(trial_);
+}
+
+void Newton::iterate(StepReport& report, const std::function<void()>& stop) {
+  for (Index it = 0;; ++it) {
+    stop();
+    const Residual r = assemble(true);
+    report.residual = largest_of(r.force);
+    report.tolerance = std::max(options_.force_tolerance, options_.relative_tolerance * largest_of(r.scale));
+    if (converged(r, options_.relative_tolerance)) return;
+    if (it == options_.iterations) {
+      std::ostringstream why;
+      why << "Newton stopped after " << it << " iterations with a force residual of " << report.residual << " N (wanted " << report.tolerance << " N)";
+      if (largest_of(r.support_gap) > 0) why << "; supports are " << largest_of(r.support_gap) << " m from their targets";
+      throw Failure{why.str()};
+    }
+    const bool supports_move = largest_of(r.support_gap) > 0;
+    direction(report, supports_move);
+    line_search(report, r, supports_move);
+    ++report.newton;
+  }
+}
+
+void Newton::solve(StepReport& report, const std::function<void()>& stop) {
+  number_rows();
+  q_.copy_from(model_.q);
+  for (Index round = 0;; ++round) {
+    last_step_ = 0;
+    iterate(report, stop);
+    bool lagged = false;
+    for (const auto& effect : effects_) {
+      const Timed timed(clock_, effect->name(), "lag");
+      lagged |= effect->lag(q_.view());
+    }
+    if (!lagged) break;
+    ++report.lag;
+    const Residual fresh = assemble(false);
+    report.lag_residual = largest_of(fresh.force);
+    if (converged(fresh, std::max(options_.lag_tolerance, options_.relative_tolerance))) break;
+    if (round == options_.lag_iterations) {
+      std::ostringstream why;
+      why << "lagged quantities (friction) did not settle in " << round << " rounds: residual " << report.lag_residual << " N";
+      throw Failure{why.str()};
+    }
+  }
+  const std::vector<double> phi = energy(q_.view());
+  report.energy = 0;
+  for (double e : phi) report.energy += e;
+}
+
+}  // namespace mortise::solver

@@ -1,0 +1,82 @@
+#pragma once
+// Projected Newton on the incremental potential Phi(q) with supports.
+//
+//   residual   r = P grad Phi                          [N], per environment the largest |r_b| over blocks b
+//   direction  (P H P + I - P) d = -P (g + H c)        c = (I - P)(target - q): what the supports still have to move
+//   step       q <- q + alpha (d + c)                  alpha per environment: conservative CCD, then Armijo
+//
+// While supports move, Armijo acts on the merit Phi + rho/2 |(1 - alpha) c|^2 with rho large enough that the direction
+// descends: driving a support does work, so Phi alone may rise (Nocedal & Wright, 2nd ed., ch. 15.4; Li et al. 2020 use an
+// augmented Lagrangian for the same purpose).
+#include <functional>
+#include <memory>
+#include <span>
+
+#include "effects/effect.h"
+#include "linalg/assembly.h"
+#include "linalg/block_matrix.h"
+#include "linalg/direct.h"
+#include "model/model.h"
+#include "solver/options.h"
+#include "solver/report.h"
+
+namespace mortise::solver {
+
+using EffectList = std::vector<std::unique_ptr<effects::Effect>>;
+
+class Newton {
+ public:
+  Newton(model::Model& model, EffectList& effects, const Options& options, Clock& clock);
+
+  // From model.q to the minimiser, left in q(); throws Failure. Effects' begin_step must have run. `stop` is asked between
+  // iterations and may throw.
+  void solve(StepReport& report, const std::function<void()>& stop);
+
+  device::Buffer<Vec3>& q() { return q_; }
+  // Full gradient at the minimiser over all blocks [N] (at a held block: the support's force), and each effect's share.
+  const device::Buffer<Vec3>& gradient() const { return gradient_; }
+  const std::vector<device::Buffer<Vec3>>& effect_gradients() const { return effect_gradients_; }
+  std::string linear_solver() const { return use_cg_ ? "cg" : "direct"; }
+  std::string linear_reason() const { return linear_reason_; }
+
+ private:
+  struct Residual {
+    std::vector<double> force, scale, support_gap;
+  };
+
+  void choose_linear();
+  void number_rows();
+  Residual assemble(bool hessian);
+  bool converged(const Residual& r, double relative) const;
+  void direction(StepReport& report, bool supports_move);
+  void line_search(StepReport& report, const Residual& r, bool supports_move);
+  void iterate(StepReport& report, const std::function<void()>& stop);
+  std::vector<double> energy(device::View<const Vec3> q);
+
+  model::Model& model_;
+  EffectList& effects_;
+  const Options& options_;
+  Clock& clock_;
+
+  bool use_cg_ = false;
+  std::string linear_reason_;
+  double length_ = 1;  // size of the scene [m]
+  std::vector<std::uint8_t> held_;  // the model's state of supports when rows were numbered
+  Index rows_ = 0;
+  device::Buffer<Index> row_of_block_, block_of_row_;
+  std::vector<Index> env_rows_;
+  device::Buffer<Mat3> row_projector_;
+  bool any_partial_ = false;
+
+  linalg::Assembler assembler_;
+  linalg::BlockMatrix matrix_;
+  linalg::DirectSolver direct_;
+  std::vector<linalg::StencilSet*> sets_;
+
+  device::Buffer<Vec3> q_, trial_, gradient_, support_, dq_, rhs_, x_;
+  std::vector<device::Buffer<Vec3>> effect_gradients_;
+  std::vector<double> energy_scale_;
+  double last_step_ = 0;
+};
+
+}  // namespace mortise::solver

@@ -1,0 +1,32 @@
+#pragma once
+#include <string>
+
+#include "base/params.h"
+
+namespace mortise::solver {
+
+struct Options {
+  // A step is done when in every environment the largest force residual on a block [N] is at most
+  // max(force_tolerance, relative_tolerance * largest force of any one effect on a block).
+  double force_tolerance = 0;
+  double relative_tolerance = 1e-6;
+  double step_tolerance = 0;  // and, when > 0, the last Newton step moved no block further than this [m]
+  Index iterations = 100;     // Newton iterations per solve before the step counts as failed
+  Index halvings = 6;         // how often a failed step may be halved
+  std::string linear = "auto";
+  double cg_tolerance = 1e-8;  // relative true residual
+  Index cg_iterations = 10000;
+  // Lagged quantities (friction) are refreshed until the force residual with fresh values is at most lag_tolerance times
+  // the largest force, at most lag_iterations times.
+  double lag_tolerance = 1e-3;
+  Index lag_iterations = 20;
+
+  // Time: dynamic (dt in s) or static (pseudo-time 0..1 over `steps`).
+  bool is_static = false;
+  double dt = 0;
+  Index steps = 0;
+};
+
+Options read_options(const Params& scene);
+
+}  // namespace mortise::solver

@@ -1,0 +1,39 @@
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/types.h"
+
+namespace mortise::solver {
+
+// Seconds and calls per effect and phase ("elasticity", "assemble"); the solver's own phases stand under "solver".
+struct Clock {
+  std::map<std::pair<std::string, std::string>, std::pair<double, long long>> seconds;
+};
+
+// What one step cost and how well it was solved.
+struct StepReport {
+  Index step = 0;       // number of the finished step, from 0
+  double time = 0;      // at its end
+  double dt = 0;
+  Index substeps = 1;   // > 1 after halvings
+  Index newton = 0;     // Newton iterations, all substeps and lag rounds
+  Index lag = 0;        // refreshes of lagged quantities
+  Index cg = 0;         // linear iterations (0 with the direct solver)
+  Index line_search = 0;  // halvings in line searches
+  Index regularised = 0;  // factorisations that needed a diagonal shift
+  double alpha = 1;     // smallest accepted step length
+  double residual = 0;  // largest force residual at the end [N]
+  double tolerance = 0; // what it had to be below [N]
+  double lag_residual = 0;  // residual with fresh lagged quantities [N]
+  double energy = 0;    // potential Phi at the end [J]
+  double wall = 0;      // [s]
+};
+
+// A step that did not converge: why, where and with which figures.
+struct Failure {
+  std::string reason;
+};
+
+}  // namespace mortise::solver

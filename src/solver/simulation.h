@@ -1,0 +1,46 @@
+#pragma once
+// Time stepping: one step of the scene at a time, halved and retried when it does not converge, undone when it fails.
+#include <functional>
+
+#include "base/archive.h"
+#include "base/field_sink.h"
+#include "solver/newton.h"
+
+namespace mortise::solver {
+
+// The user asked to stop; the state is that of the last finished step.
+struct Stopped {};
+
+class Simulation {
+ public:
+  Simulation(model::Model& model, EffectList& effects, const Options& options);
+
+  // Advances by one step of the scene. Throws Error(Exit::solve) when even the smallest substep fails, and Stopped when
+  // `stop_asked` says so; either way the state is that before the call.
+  StepReport step(const std::function<bool()>& stop_asked);
+
+  double time() const { return time_; }
+  Index steps_done() const { return step_; }
+  const Clock& clock() const { return clock_; }
+  const Newton& newton() const { return newton_; }
+
+  // Fields of the accepted state: displacement, support forces, force balance, and what every effect reports.
+  void report(FieldSink& sink);
+  // Everything the next step depends on.
+  void checkpoint(Archive& archive);
+
+ private:
+  void accept();
+  void report_balance(FieldSink& sink);
+
+  model::Model& model_;
+  EffectList& effects_;
+  const Options options_;
+  Clock clock_;
+  Newton newton_;
+  double time_ = 0;
+  Index step_ = 0;
+  bool solved_ = false;  // a step has been taken since start or restart: gradients are those of the state
+};
+
+}  // namespace mortise::solver
