@@ -78,7 +78,7 @@ void add_soft(Layout& l, const BodyInput& in, Body& body) {
 
 void add_stiff(Layout& l, const BodyInput& in, Body& body) {
   const Index first = body.block_begin;
-  const geometry::MassProperties m = geometry::mass_properties(in.nodes, in.triangles);
+  const geometry::MassProperties m = geometry::mass_properties({in.nodes, in.triangles});
   if (!(m.volume > 0)) throw Error(Exit::scene, body.where, "body '" + in.name + "': its surface encloses no positive volume (are the triangles outward?)");
   body.volume = m.volume;
   body.centre = m.centroid;
