@@ -1,0 +1,213 @@
+#pragma once
+// Hyperelastic energy of one linear tetrahedron, E = V Psi(F) [J], with V the rest volume [m^3] and the deformation gradient
+//     F = Ds Dm^-1,   Ds = [x1 - x0, x2 - x0, x3 - x0],   i.e.  F = sum_a x_a g_a^T,
+// where g_1, g_2, g_3 are the rows of Dm^-1 [1/m] and g_0 = -(g_1 + g_2 + g_3). Psi [Pa] is an energy density with first
+// Piola-Kirchhoff stress P = dPsi/dF [Pa]; then dE/dx_a = V P g_a [N] and d^2E/dx_a dx_b = V (d^2 Psi/dF^2)[g_a, g_b] [N/m].
+// mu, lambda [Pa] are the Lame parameters of linear elasticity; every material below matches them at small strain.
+#include "linalg/isotropic.h"
+#include "model/input.h"
+
+namespace mortise::effects::elasticity {
+
+using model::MaterialModel;
+
+// G = F - I keeps the digits of small strains: every density below is written so that nothing cancels as G -> 0.
+// J - 1 = tr G + (sum of the principal 2x2 minors of G) + det G.
+MORTISE_HD inline double minors(const Mat3& G) {
+  return G(0, 0) * G(1, 1) - G(0, 1) * G(1, 0) + G(1, 1) * G(2, 2) - G(1, 2) * G(2, 1) + G(0, 0) * G(2, 2) - G(0, 2) * G(2, 0);
+}
+MORTISE_HD inline double det3(const Mat3& A) { return A.col(0).dot(A.col(1).cross(A.col(2))); }
+MORTISE_HD inline double volume_change(const Mat3& G) { return G(0, 0) + G(1, 1) + G(2, 2) + minors(G) + det3(G); }
+
+// dJ/dF
+MORTISE_HD inline Mat3 cofactor(const Mat3& F) {
+  Mat3 C;
+  C.col(0) = F.col(1).cross(F.col(2));
+  C.col(1) = F.col(2).cross(F.col(0));
+  C.col(2) = F.col(0).cross(F.col(1));
+  return C;
+}
+
+// ---- linear: Psi = mu |eps|^2 + lambda/2 (tr eps)^2, eps = sym(F) - I; not invariant under rotation ----------------------
+
+MORTISE_HD inline Mat3 small_strain(const Mat3& F) {
+  Mat3 e = 0.5 * (F + F.transpose());
+  e.diagonal() -= Vec3(1, 1, 1);
+  return e;
+}
+MORTISE_HD inline double linear_density(const Mat3& F, double mu, double lambda) {
+  const Mat3 eps = small_strain(F);
+  const double tr = eps(0, 0) + eps(1, 1) + eps(2, 2);
+  return mu * eps.squaredNorm() + 0.5 * lambda * tr * tr;
+}
+// P = 2 mu eps + lambda tr(eps) I
+MORTISE_HD inline Mat3 linear_stress(const Mat3& F, double mu, double lambda) {
+  const Mat3 eps = small_strain(F);
+  Mat3 P = 2 * mu * eps;
+  P.diagonal() += lambda * (eps(0, 0) + eps(1, 1) + eps(2, 2)) * Vec3(1, 1, 1);
+  return P;
+}
+// (d^2 Psi/dF^2)[g_a, g_b] = mu (g_a . g_b I + g_b g_a^T) + lambda g_a g_b^T; positive semi-definite as it stands
+MORTISE_HD inline Mat3 linear_block(const Vec3& ga, const Vec3& gb, double mu, double lambda) {
+  Mat3 H = mu * gb * ga.transpose() + lambda * ga * gb.transpose();
+  H.diagonal() += mu * ga.dot(gb) * Vec3(1, 1, 1);
+  return H;
+}
+
+// ---- corotated: Psi = mu |F - R|^2 + lambda/2 (J - 1)^2 ("fixed corotated", Stomakhin et al. 2012), R = U V^T ------------
+
+MORTISE_HD inline double corotated_density(const Mat3& F, double mu, double lambda) {
+  const linalg::Svd3 d = linalg::svd3(F);
+  Mat3 G = F;
+  G.diagonal() -= Vec3(1, 1, 1);
+  const double j1 = volume_change(G);
+  return mu * (F - d.U * d.V.transpose()).squaredNorm() + 0.5 * lambda * j1 * j1;
+}
+// P = 2 mu (F - R) + lambda (J - 1) dJ/dF
+MORTISE_HD inline Mat3 corotated_stress(const Mat3& F, double mu, double lambda) {
+  const linalg::Svd3 d = linalg::svd3(F);
+  Mat3 G = F;
+  G.diagonal() -= Vec3(1, 1, 1);
+  return 2 * mu * (F - d.U * d.V.transpose()) + lambda * volume_change(G) * cofactor(F);
+}
+// psi_i = 2 mu (s_i - 1) + lambda (J - 1) c_i with c_i = s_j s_k, hence (k the third axis)
+//   twist_ij = 2 mu (1 - 2 / (s_i + s_j)) + lambda (J - 1) s_k
+//   flip_ij  = 2 mu - lambda (J - 1) s_k
+//   psi_ii   = 2 mu + lambda c_i^2,   psi_ij = lambda (c_i c_j + (J - 1) s_k)
+// The twist is singular at s_i + s_j = 0, where R jumps; projected it is zero there.
+MORTISE_HD inline linalg::IsotropicModes corotated_modes(const Mat3& F, double mu, double lambda) {
+  const linalg::Svd3 d = linalg::svd3(F);
+  const Vec3& s = d.s;
+  const double j1 = s[0] * s[1] * s[2] - 1;
+  linalg::IsotropicModes m;
+  m.U = d.U, m.V = d.V;
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    const double ci = s[j] * s[k], cj = s[k] * s[i], ck = s[i] * s[j];
+    m.twist[k] = 2 * mu * (1 - 2 / (s[i] + s[j])) + lambda * j1 * s[k];
+    m.flip[k] = 2 * mu - lambda * j1 * s[k];
+    m.stretch(k, k) = 2 * mu + lambda * ck * ck;
+    m.stretch(i, j) = m.stretch(j, i) = lambda * (ci * cj + j1 * s[k]);
+  }
+  return m;
+}
+
+// ---- stable neo-Hookean (Smith, de Goes, Kim 2018, eq. 14) ---------------------------------------------------------------
+//   Psi = m/2 (I_C - 3) - m/2 ln(I_C + 1) + l/2 (J - alpha)^2 + const,   I_C = |F|^2,   alpha = 1 + 3 m / (4 l)
+// with m = 4/3 mu, l = lambda + 5/6 mu (their section 3.4), so that small strains see mu and lambda. The constant makes Psi(I) = 0.
+// With G = F - I and y = (I_C - 3)/4 the same function, free of cancellation near rest, is
+//   Psi = 3/8 m |G|^2 - 3/4 m (J - 1 - tr G) + m/2 (y - ln(1 + y)) + l/2 (J - 1)^2.
+
+MORTISE_HD inline double neo_hookean_mu(double mu) { return 4.0 / 3.0 * mu; }
+MORTISE_HD inline double neo_hookean_lambda(double mu, double lambda) { return lambda + 5.0 / 6.0 * mu; }
+
+// y - ln(1 + y); by its series where the difference would lose digits.
+MORTISE_HD inline double minus_log1p(double y) {
+  if (y > 0.02 || y < -0.02) return y - std::log1p(y);
+  double sum = 0, power = y * y;
+  for (int n = 2; n < 12; ++n, power *= -y) sum += power / n;
+  return sum;
+}
+
+MORTISE_HD inline double neo_hookean_density(const Mat3& F, double mu, double lambda) {
+  const double m = neo_hookean_mu(mu), l = neo_hookean_lambda(mu, lambda);
+  Mat3 G = F;
+  G.diagonal() -= Vec3(1, 1, 1);
+  const double tr = G(0, 0) + G(1, 1) + G(2, 2), g2 = G.squaredNorm(), higher = minors(G) + det3(G);
+  const double j1 = tr + higher, y = 0.25 * (2 * tr + g2);
+  return 0.375 * m * g2 - 0.75 * m * higher + 0.5 * m * minus_log1p(y) + 0.5 * l * j1 * j1;
+}
+// P = 3/4 m (F - dJ/dF) + m/4 y/(1 + y) F + l (J - 1) dJ/dF
+MORTISE_HD inline Mat3 neo_hookean_stress(const Mat3& F, double mu, double lambda) {
+  const double m = neo_hookean_mu(mu), l = neo_hookean_lambda(mu, lambda);
+  Mat3 G = F;
+  G.diagonal() -= Vec3(1, 1, 1);
+  const double y = 0.25 * (2 * (G(0, 0) + G(1, 1) + G(2, 2)) + G.squaredNorm());
+  const Mat3 C = cofactor(F);
+  return 0.75 * m * (F - C) + (0.25 * m * y / (1 + y)) * F + (l * volume_change(G)) * C;
+}
+// With r = 1 / (I_C + 1), b = l (J - alpha): psi_i = m (1 - r) s_i + b c_i, c_i = s_j s_k, hence
+//   twist_ij = m (1 - r) + b s_k,   flip_ij = m (1 - r) - b s_k
+//   psi_ii   = m (1 - r) + 2 m r^2 s_i^2 + l c_i^2,   psi_ij = 2 m r^2 s_i s_j + l c_i c_j + b s_k
+MORTISE_HD inline linalg::IsotropicModes neo_hookean_modes(const Mat3& F, double mu, double lambda) {
+  const double m = neo_hookean_mu(mu), l = neo_hookean_lambda(mu, lambda);
+  const linalg::Svd3 d = linalg::svd3(F);
+  const Vec3& s = d.s;
+  const double r = 1 / (s.squaredNorm() + 1), a = m * (1 - r);
+  const double b = l * (s[0] * s[1] * s[2] - 1) - 0.75 * m;
+  linalg::IsotropicModes w;
+  w.U = d.U, w.V = d.V;
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    const double ci = s[j] * s[k], cj = s[k] * s[i], ck = s[i] * s[j];
+    w.twist[k] = a + b * s[k];
+    w.flip[k] = a - b * s[k];
+    w.stretch(k, k) = a + 2 * m * r * r * s[k] * s[k] + l * ck * ck;
+    w.stretch(i, j) = w.stretch(j, i) = 2 * m * r * r * s[i] * s[j] + l * ci * cj + b * s[k];
+  }
+  return w;
+}
+
+// ---- any material --------------------------------------------------------------------------------------------------------
+
+MORTISE_HD inline double density(MaterialModel model, const Mat3& F, double mu, double lambda) {
+  if (model == MaterialModel::linear) return linear_density(F, mu, lambda);
+  if (model == MaterialModel::corotated) return corotated_density(F, mu, lambda);
+  return neo_hookean_density(F, mu, lambda);
+}
+MORTISE_HD inline Mat3 stress(MaterialModel model, const Mat3& F, double mu, double lambda) {
+  if (model == MaterialModel::linear) return linear_stress(F, mu, lambda);
+  if (model == MaterialModel::corotated) return corotated_stress(F, mu, lambda);
+  return neo_hookean_stress(F, mu, lambda);
+}
+// Cauchy stress P F^T / J [Pa]. Linear elasticity does not tell the two apart: P itself.
+MORTISE_HD inline Mat3 cauchy_stress(MaterialModel model, const Mat3& F, double mu, double lambda) {
+  const Mat3 P = stress(model, F, mu, lambda);
+  if (model == MaterialModel::linear) return P;
+  const double J = det3(F), floor = 1e-12;  // a squashed element reports a huge but finite stress
+  return P * F.transpose() / (std::abs(J) > floor ? J : (J < 0 ? -floor : floor));
+}
+
+// One tetrahedron.
+struct Element {
+  Mat3 dm_inverse;
+  double volume, mu, lambda;
+  MaterialModel model;
+};
+
+MORTISE_HD inline Vec3 shape_gradient(const Mat3& dm_inverse, int a) {
+  if (a > 0) return dm_inverse.row(a - 1).transpose();
+  return -(dm_inverse.row(0) + dm_inverse.row(1) + dm_inverse.row(2)).transpose();
+}
+MORTISE_HD inline Mat3 deformation_gradient(const Mat3& dm_inverse, const Vec3& x0, const Vec3& x1, const Vec3& x2, const Vec3& x3) {
+  Mat3 Ds;
+  Ds.col(0) = x1 - x0, Ds.col(1) = x2 - x0, Ds.col(2) = x3 - x0;
+  return Ds * dm_inverse;
+}
+MORTISE_HD inline double energy(const Element& e, const Mat3& F) { return e.volume * density(e.model, F, e.mu, e.lambda); }
+
+// grad[4]: dE/dx_a [N].
+MORTISE_HD inline void gradient(const Element& e, const Mat3& F, Vec3* grad) {
+  const Mat3 P = e.volume * stress(e.model, F, e.mu, e.lambda);
+  for (int a = 1; a < 4; ++a) grad[a] = P * shape_gradient(e.dm_inverse, a);
+  grad[0] = -(grad[1] + grad[2] + grad[3]);
+}
+
+// hess[10]: the upper triangle of 3x3 pieces, row by row [N/m]; `projected`: made positive semi-definite.
+MORTISE_HD inline void hessian(const Element& e, const Mat3& F, bool projected, Mat3* hess) {
+  Vec3 g[4];
+  for (int a = 0; a < 4; ++a) g[a] = shape_gradient(e.dm_inverse, a);
+  if (e.model == MaterialModel::linear) {
+    for (int a = 0, place = 0; a < 4; ++a)
+      for (int b = a; b < 4; ++b) hess[place++] = e.volume * linear_block(g[a], g[b], e.mu, e.lambda);
+    return;
+  }
+  linalg::IsotropicModes m =
+      e.model == MaterialModel::corotated ? corotated_modes(F, e.mu, e.lambda) : neo_hookean_modes(F, e.mu, e.lambda);
+  if (projected) linalg::project_psd(m);
+  for (int a = 0; a < 4; ++a) g[a] = m.V.transpose() * g[a];
+  for (int a = 0, place = 0; a < 4; ++a)
+    for (int b = a; b < 4; ++b) hess[place++] = e.volume * linalg::hessian_block(m, g[a], g[b]);
+}
+
+}  // namespace mortise::effects::elasticity

@@ -1,0 +1,230 @@
+#include "effects/elasticity/elasticity.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <random>
+
+#include "finite_difference.h"
+
+using namespace mortise;
+using namespace mortise::effects;
+using model::MaterialModel;
+
+namespace {
+
+using Mat9 = Eigen::Matrix<double, 9, 9>;
+using Vec9 = Eigen::Matrix<double, 9, 1>;
+
+constexpr double kMu = 0.7, kLambda = 2.3;
+constexpr MaterialModel kModels[] = {MaterialModel::linear, MaterialModel::corotated, MaterialModel::neo_hookean};
+
+struct Random {
+  std::mt19937_64 rng{11};
+  double operator()(double a = -1, double b = 1) { return std::uniform_real_distribution<double>(a, b)(rng); }
+  Mat3 matrix() {
+    Mat3 m;
+    for (int i = 0; i < 9; ++i) m.data()[i] = (*this)();
+    return m;
+  }
+  Mat3 rotation() {
+    Eigen::Quaterniond r((*this)(), (*this)(), (*this)(), (*this)());
+    return r.normalized().toRotationMatrix();
+  }
+};
+
+// Deformation gradients that break careless code: rotated far, nearly flat, flat, inverted, stretched a lot, at rest.
+std::vector<Mat3> hard_deformations() {
+  Random r;
+  std::vector<Mat3> list{Mat3::Identity()};
+  const std::vector<Vec3> stretches = {{1, 1, 1},     {1.2, 0.9, 0.8}, {1, 1, 1e-3},   {1, 1, -1e-3},   {1.1, 0.7, -0.4},
+                                       {5, 2, 0.05},  {1, 1, 0},       {0.3, 0.2, 0},  {1.5, 1e-3, 1e-4}, {2, 1.9, -1.2}};
+  for (const Vec3& s : stretches)
+    for (int k = 0; k < 3; ++k) list.push_back(r.rotation() * s.asDiagonal() * r.rotation());
+  for (int k = 0; k < 10; ++k) list.push_back(Mat3::Identity() + 0.5 * r.matrix());
+  for (int k = 0; k < 10; ++k) list.push_back(r.rotation() + 1e-4 * r.matrix());
+  return list;
+}
+
+// True where the corotated rotation is (nearly) undefined: two signed singular values that cancel.
+bool corotated_is_singular(const Mat3& F) {
+  const Vec3 s = linalg::svd3(F).s;
+  return s[1] + s[2] < 0.05;
+}
+
+Vec9 flat(const Mat3& m) { return Eigen::Map<const Vec9>(m.data()); }
+Mat3 square(const Vec9& v) { return Eigen::Map<const Mat3>(v.data()); }
+
+// d^2 Psi / dF^2 as a 9x9 matrix, column-major in F, put together from the blocks that assembly uses: with g_b = e_b, x_b is column b.
+Mat9 density_hessian(MaterialModel model, const Mat3& F, bool projected) {
+  Mat9 H;
+  linalg::IsotropicModes m;
+  if (model == MaterialModel::corotated) m = elasticity::corotated_modes(F, kMu, kLambda);
+  if (model == MaterialModel::neo_hookean) m = elasticity::neo_hookean_modes(F, kMu, kLambda);
+  if (projected && model != MaterialModel::linear) linalg::project_psd(m);
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) {
+      const Vec3 ga = Vec3::Unit(a), gb = Vec3::Unit(b);
+      H.block<3, 3>(3 * a, 3 * b) = model == MaterialModel::linear
+                                        ? elasticity::linear_block(ga, gb, kMu, kLambda)
+                                        : linalg::hessian_block(m, m.V.transpose() * ga, m.V.transpose() * gb);
+    }
+  return H;
+}
+
+Mat9 clamped(const Mat9& H) {
+  const Eigen::SelfAdjointEigenSolver<Mat9> e(0.5 * (H + H.transpose()));
+  return e.eigenvectors() * e.eigenvalues().cwiseMax(0).asDiagonal() * e.eigenvectors().transpose();
+}
+
+}  // namespace
+
+TEST(Svd3, RebuildsFromRotationsOnHardMatrices) {
+  Random r;
+  std::vector<Mat3> list = hard_deformations();
+  list.push_back(Mat3::Zero());
+  list.push_back(Vec3(1, 2, 3) * Vec3(3, 1, -2).transpose());
+  list.push_back(1e-60 * r.matrix());
+  list.push_back(1e60 * r.matrix());
+  list.push_back(Mat3::Ones());
+  list.push_back(-Mat3::Identity());
+  for (const Mat3& F : list) {
+    const linalg::Svd3 d = linalg::svd3(F);
+    const double size = std::max(F.norm(), 1e-300);
+    EXPECT_LT((d.U * d.s.asDiagonal() * d.V.transpose() - F).norm() / size, 1e-14) << F;
+    EXPECT_LT((d.U.transpose() * d.U - Mat3::Identity()).norm(), 1e-14) << F;
+    EXPECT_LT((d.V.transpose() * d.V - Mat3::Identity()).norm(), 1e-14) << F;
+    EXPECT_NEAR(d.U.determinant(), 1, 1e-13);
+    EXPECT_NEAR(d.V.determinant(), 1, 1e-13);
+    EXPECT_GE(d.s[0], d.s[1]);
+    EXPECT_GE(d.s[1] * (1 + 1e-14), std::abs(d.s[2]));
+  }
+}
+
+TEST(Svd3, SmallSingularValuesKeepTheirDigits) {
+  // columns of very different length: the smallest singular value is known to full relative precision
+  Mat3 F = Mat3::Zero();
+  F(0, 0) = 1, F(1, 1) = 1e-9, F(2, 2) = -1e-12, F(0, 1) = 1e-9;
+  const linalg::Svd3 d = linalg::svd3(F);
+  EXPECT_NEAR(d.s[1] / 1e-9, 1, 1e-9);
+  EXPECT_NEAR(d.s[2] / -1e-12, 1, 1e-12);
+}
+
+TEST(JacobiEigen, AgreesWithEigenAndProjects) {
+  Random r;
+  for (int k = 0; k < 50; ++k) {
+    Eigen::Matrix<double, 6, 6> A;
+    for (int i = 0; i < 36; ++i) A.data()[i] = r();
+    A = (A + A.transpose()).eval();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> e(A);
+    Eigen::Matrix<double, 6, 6> P = A;
+    linalg::project_psd<6>(P);
+    EXPECT_LT((P - e.eigenvectors() * e.eigenvalues().cwiseMax(0).asDiagonal() * e.eigenvectors().transpose()).norm(), 1e-13 * A.norm());
+    Eigen::Matrix<double, 6, 6> D = A, Q;
+    linalg::jacobi_eigen<6>(D, Q);
+    EXPECT_LT((Q * D * Q.transpose() - A).norm(), 1e-14 * A.norm() * 10);
+  }
+}
+
+TEST(Elasticity, DensityStressAndHessianAreDerivativesOfEachOther) {
+  double worst_gradient = 0, worst_hessian = 0;
+  for (MaterialModel model : kModels)
+    for (const Mat3& F : hard_deformations()) {
+      if (model == MaterialModel::corotated && corotated_is_singular(F)) continue;
+      auto psi = [&](const fd::Vector& x) { return elasticity::density(model, square(x), kMu, kLambda); };
+      auto P = [&](const fd::Vector& x) -> fd::Vector { return flat(elasticity::stress(model, square(x), kMu, kLambda)); };
+      const fd::Vector x = flat(F);
+      const double h = 1e-3;
+      const double g = fd::relative_error(P(x), fd::difference_gradient(psi, x, h), kMu);
+      const double H = fd::relative_error(density_hessian(model, F, false), fd::difference_jacobian(P, x, h));
+      EXPECT_LT(g, 1e-6) << int(model) << "\n" << F;
+      EXPECT_LT(H, 1e-5) << int(model) << "\n" << F;
+      worst_gradient = std::max(worst_gradient, g), worst_hessian = std::max(worst_hessian, H);
+    }
+  RecordProperty("gradient", std::to_string(worst_gradient));
+  std::printf("worst relative errors: gradient %.1e, Hessian %.1e\n", worst_gradient, worst_hessian);
+}
+
+TEST(Elasticity, AnalyticProjectionEqualsEigenvalueClamping) {
+  int projected = 0;
+  for (MaterialModel model : kModels)
+    for (const Mat3& F : hard_deformations()) {
+      if (model == MaterialModel::corotated && corotated_is_singular(F)) continue;
+      const Mat9 exact = density_hessian(model, F, false), ours = density_hessian(model, F, true), theirs = clamped(exact);
+      EXPECT_LT((ours - theirs).norm() / theirs.norm(), 1e-10) << int(model) << "\n" << F;
+      EXPECT_LT((ours - ours.transpose()).norm() / ours.norm(), 1e-14);
+      projected += (ours - exact).norm() > 1e-3 * exact.norm();
+    }
+  EXPECT_GT(projected, 20);  // the list must contain states where there is something to clamp
+}
+
+TEST(Elasticity, ProjectedHessianIsFiniteWhereTheRotationJumps) {
+  Random r;
+  const Mat3 F = r.rotation() * Vec3(1, 0.5, -0.5).asDiagonal() * r.rotation();
+  const Mat9 H = density_hessian(MaterialModel::corotated, F, true);
+  EXPECT_TRUE(H.allFinite());
+  EXPECT_TRUE(density_hessian(MaterialModel::corotated, Mat3::Zero(), true).allFinite());
+  EXPECT_GE(fd::lowest_eigenvalue(0.5 * (H + H.transpose())), -1e-14);
+}
+
+TEST(Elasticity, RestIsStressFreeAndRotationCostsNothing) {
+  Random r;
+  for (MaterialModel model : kModels) {
+    EXPECT_EQ(elasticity::density(model, Mat3::Identity(), kMu, kLambda), 0);
+    EXPECT_LT(elasticity::stress(model, Mat3::Identity(), kMu, kLambda).norm(), 1e-15);
+    if (model == MaterialModel::linear) continue;
+    const Mat3 R = r.rotation();
+    EXPECT_NEAR(elasticity::density(model, R, kMu, kLambda), 0, 1e-15);
+    EXPECT_LT(elasticity::stress(model, R, kMu, kLambda).norm(), 1e-14);
+  }
+}
+
+TEST(Elasticity, AllMaterialsMatchLinearElasticityAtSmallStrain) {
+  Random r;
+  for (MaterialModel model : kModels)
+    EXPECT_LT((density_hessian(model, Mat3::Identity(), false) - density_hessian(MaterialModel::linear, Mat3::Identity(), false)).norm(), 1e-13);
+  // and the energy has all its digits there: a strain of 1e-7 costs 1e-14 Pa, compared to a relative 1e-6
+  Mat3 E = r.matrix();
+  E = (E + E.transpose()).eval();
+  const Mat3 F = Mat3::Identity() + 1e-7 * E;
+  for (MaterialModel model : kModels) {
+    const double linear = elasticity::linear_density(F, kMu, kLambda);
+    EXPECT_NEAR(elasticity::density(model, F, kMu, kLambda) / linear, 1, 1e-6) << int(model);
+  }
+}
+
+TEST(Elasticity, ElementGradientAndHessian) {
+  Random r;
+  for (MaterialModel model : kModels) {
+    Mat3 Dm = Mat3::Identity() + 0.3 * r.matrix();
+    Dm *= 2e-3;  // a 2 mm element
+    const elasticity::Element e{Dm.inverse(), std::abs(Dm.determinant()) / 6, 1e5, 4e5, model};
+    std::vector<Vec3> x(4);
+    x[0] = Vec3(0.01, 0.02, -0.03);
+    const Mat3 Ds = r.rotation() * (Mat3::Identity() + 0.3 * r.matrix()) * Dm;
+    for (int a = 0; a < 3; ++a) x[a + 1] = x[0] + Ds.col(a);
+    auto F = [&](const fd::Vector& y) {
+      const auto v = fd::blocks_of(y);
+      return elasticity::deformation_gradient(e.dm_inverse, v[0], v[1], v[2], v[3]);
+    };
+    auto E = [&](const fd::Vector& y) { return elasticity::energy(e, F(y)); };
+    auto g = [&](const fd::Vector& y) -> fd::Vector {
+      std::vector<Vec3> grad(4);
+      elasticity::gradient(e, F(y), grad.data());
+      return fd::flatten(grad);
+    };
+    const fd::Vector y = fd::flatten(x);
+    Mat3 hess[10];
+    elasticity::hessian(e, F(y), false, hess);
+    fd::Matrix H(12, 12);
+    for (int a = 0, place = 0; a < 4; ++a)
+      for (int b = a; b < 4; ++b, ++place) {
+        EXPECT_EQ(place, linalg::pair_place(a, b, 4));
+        H.block<3, 3>(3 * a, 3 * b) = hess[place];
+        H.block<3, 3>(3 * b, 3 * a) = hess[place].transpose();
+      }
+    EXPECT_LT(fd::relative_error(g(y), fd::difference_gradient(E, y, 2e-6)), 1e-6);
+    EXPECT_LT(fd::relative_error(H, fd::difference_jacobian(g, y, 2e-6)), 1e-5);
+    EXPECT_LT((H * Vec3(1, 2, 3).replicate<4, 1>()).norm(), 1e-10 * H.norm());  // translation costs nothing
+  }
+}
