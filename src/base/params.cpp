@@ -11,32 +11,32 @@ namespace {
 
 }  // namespace
 
-Params Params::number(double v, SourceLoc at) {
+Params Params::make_number(double v, SourceLoc at) {
   Params p;
   p.kind_ = Kind::number, p.number_ = v, p.at_ = std::move(at);
   return p;
 }
-Params Params::integer(long long v, SourceLoc at) {
+Params Params::make_integer(long long v, SourceLoc at) {
   Params p;
   p.kind_ = Kind::integer, p.integer_ = v, p.at_ = std::move(at);
   return p;
 }
-Params Params::flag(bool v, SourceLoc at) {
+Params Params::make_flag(bool v, SourceLoc at) {
   Params p;
   p.kind_ = Kind::flag, p.integer_ = v, p.at_ = std::move(at);
   return p;
 }
-Params Params::text(std::string v, SourceLoc at) {
+Params Params::make_text(std::string v, SourceLoc at) {
   Params p;
   p.kind_ = Kind::text, p.text_ = std::move(v), p.at_ = std::move(at);
   return p;
 }
-Params Params::list(std::vector<Params> items, SourceLoc at) {
+Params Params::make_list(std::vector<Params> items, SourceLoc at) {
   Params p;
   p.kind_ = Kind::list, p.items_ = std::move(items), p.at_ = std::move(at);
   return p;
 }
-Params Params::table(SourceLoc at) {
+Params Params::make_table(SourceLoc at) {
   Params p;
   p.kind_ = Kind::table, p.at_ = std::move(at);
   return p;

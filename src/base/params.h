@@ -18,12 +18,12 @@ class Params {
   enum class Kind { none, number, integer, flag, text, list, table };
 
   Params() = default;
-  static Params number(double v, SourceLoc at = {});
-  static Params integer(long long v, SourceLoc at = {});
-  static Params flag(bool v, SourceLoc at = {});
-  static Params text(std::string v, SourceLoc at = {});
-  static Params list(std::vector<Params> items = {}, SourceLoc at = {});
-  static Params table(SourceLoc at = {});
+  static Params make_number(double v, SourceLoc at = {});
+  static Params make_integer(long long v, SourceLoc at = {});
+  static Params make_flag(bool v, SourceLoc at = {});
+  static Params make_text(std::string v, SourceLoc at = {});
+  static Params make_list(std::vector<Params> items = {}, SourceLoc at = {});
+  static Params make_table(SourceLoc at = {});
 
   Kind kind() const { return kind_; }
   const SourceLoc& where() const { return at_; }

@@ -94,4 +94,12 @@ void add(View<const Vec3> from, Buffer<Vec3>& to) {
   device::parallel_for("solver.add", from.n, [=] MORTISE_HD(Index b) { t[b] += from[b]; });
 }
 
+void shift_diagonal(linalg::BlockMatrix& A, double share) {
+  const View<const Index> start = std::as_const(A.row_start).view();
+  const View<Mat3> value = A.value.view();
+  const double trace = device::sum("solver.trace", A.rows, [=] MORTISE_HD(Index r) { return value[start[r]].trace(); });
+  const double shift = share * trace / (3.0 * A.rows);
+  device::parallel_for("solver.shift_diagonal", A.rows, [=] MORTISE_HD(Index r) { value[start[r]] += shift * Mat3::Identity(); });
+}
+
 }  // namespace mortise::solver

@@ -1,5 +1,6 @@
 #pragma once
 // The solver's own kernels on arrays of 3-vectors, one per block. Reductions are per environment and of fixed order.
+#include "linalg/block_matrix.h"
 #include "linalg/stencils.h"
 #include "model/model.h"
 
@@ -25,5 +26,7 @@ void step_of(View<const Vec3> x, View<const Vec3> c, View<const Index> row_of_bl
 // trial = q + alpha_env dq; where alpha is exactly 1 the held directions land exactly on their targets.
 void advance(View<const Vec3> q, View<const Vec3> dq, const std::vector<double>& alpha, const model::Model& model, Buffer<Vec3>& trial);
 void add(View<const Vec3> from, Buffer<Vec3>& to);
+// A <- A + share * (mean trace of the diagonal blocks / 3) * I.
+void shift_diagonal(linalg::BlockMatrix& A, double share);
 
 }  // namespace mortise::solver

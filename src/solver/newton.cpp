@@ -116,16 +116,23 @@ void Newton::direction(StepReport& report, bool supports_move) {
   if (rows_ > 0) {
     const Timed timed(clock_, "solver", "linear_solve");
     if (use_cg_) {
-      const linalg::CgResult cg = linalg::conjugate_gradients(matrix_, rhs_.view(), x_.view(), env_rows_, options_.cg_tolerance, options_.cg_iterations);
-      report.cg += cg.iterations;
-      if (!cg.converged) throw Failure{"conjugate gradients reached " + std::to_string(cg.residual) + " of the right-hand side, not " + std::to_string(options_.cg_tolerance)};
+      const std::vector<double> relative(model_.envs, options_.cg_tolerance);
+      const linalg::CgResult cg = linalg::conjugate_gradients(matrix_, rhs_.view(), x_.view(), env_rows_, relative, {options_.cg_iterations, 0});
+      report.cg += cg.iterations();
+      for (const linalg::CgResult::Env& env : cg.env)
+        if (env.end == linalg::CgEnd::iteration_limit || (env.end == linalg::CgEnd::not_positive_definite && env.iterations == 0)) {
+          std::ostringstream why;
+          why << "conjugate gradients stopped after " << env.iterations << " iterations at " << env.residual / env.rhs << " of the right-hand side (wanted " << options_.cg_tolerance << ")";
+          throw Failure{why.str()};
+        }
     } else {
       // A static scene may be held by contact alone: a small shift then picks the shortest step among the free motions.
-      double shift = 0;
-      while (!direct_.factor(matrix_, shift)) {
-        shift = shift == 0 ? 1e-10 : shift * 100;
-        ++report.regularised;
+      double shift = 1e-10;
+      while (!direct_.factor(matrix_)) {
         if (shift > 1e-2) throw Failure{"the matrix is not positive definite"};
+        shift_diagonal(matrix_, shift);
+        shift *= 100;
+        ++report.regularised;
       }
       direct_.solve(rhs_.view(), x_.view());
     }
