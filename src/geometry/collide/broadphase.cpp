@@ -1,0 +1,171 @@
+#include "geometry/collide/broadphase.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "base/error.h"
+
+namespace mortise::geometry {
+namespace {
+
+using device::Buffer;
+using device::View;
+
+MORTISE_HD inline bool contains(const Index* v, int n, Index point) {
+  for (int i = 0; i < n; ++i)
+    if (v[i] == point) return true;
+  return false;
+}
+
+MORTISE_HD inline void sift_down(Index* v, Index stride, Index root, Index n) {
+  const Index value = v[root * stride];
+  for (Index child = 2 * root + 1; child < n; child = 2 * root + 1) {
+    if (child + 1 < n && v[(child + 1) * stride] > v[child * stride]) ++child;
+    if (v[child * stride] <= value) break;
+    v[root * stride] = v[child * stride];
+    root = child;
+  }
+  v[root * stride] = value;
+}
+
+// Heap sort of v[0], v[stride], ...: in place, and no worse than n log n for the few points with very many pairs.
+MORTISE_HD inline void sort_strided(Index* v, Index stride, Index n) {
+  for (Index i = n / 2 - 1; i >= 0; --i) sift_down(v, stride, i, n);
+  for (Index i = n - 1; i > 0; --i) {
+    const Index top = v[0];
+    v[0] = v[i * stride];
+    v[i * stride] = top;
+    sift_down(v, stride, 0, i);
+  }
+}
+
+// Counts the triangles near a point; writes their ids unless out is null.
+MORTISE_HD inline Index triangles_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index point, PointTriangle* out) {
+  Index n = 0;
+  BvhCursor cursor;
+  for (Index t = cursor.next(tree, box, s); t >= 0; t = cursor.next(tree, box, s)) {
+    if (contains(s.triangles[t].v, 3, point)) continue;
+    if (out) out[n].triangle = t;
+    ++n;
+  }
+  return n;
+}
+
+MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index edge, EdgeEdge* out) {
+  Index n = 0;
+  BvhCursor cursor;
+  const Edge a = s.edges[edge];
+  for (Index b = cursor.next(tree, box, s); b >= 0; b = cursor.next(tree, box, s)) {
+    if (contains(s.edges[b].v, 2, a.v[0]) || contains(s.edges[b].v, 2, a.v[1])) continue;
+    if (out) out[n].b = b;
+    ++n;
+  }
+  return n;
+}
+
+// Turns counts into offsets and returns their sum.
+Index offsets(Buffer<Index>& counts) {
+  const View<const Index> count = counts.view();
+  const double exact = device::sum("broadphase.total", count.n - 1, [=] MORTISE_HD(Index i) { return static_cast<double>(count[i]); });
+  if (exact > 2147483647.0) throw Error(Exit::device, "too many contact candidates: a bounding radius or a step is far too large for the mesh");
+  return device::exclusive_scan(counts);
+}
+
+std::vector<Index> env_offsets(View<const Index> first, const Buffer<Index>& counts) {
+  Buffer<Index> picked(first.n);
+  const View<Index> out = picked.view();
+  const View<const Index> offset = counts.view();
+  device::parallel_for("broadphase.env_offset", first.n, [=] MORTISE_HD(Index e) { out[e] = offset[first[e]]; });
+  return picked.download();
+}
+
+void find_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy,
+                          double grow, Buffer<Index>& counts, Buffer<PointTriangle>& pairs) {
+  counts.resize(points.n + 1);
+  const View<Index> count = counts.view();
+  device::parallel_for("broadphase.count_point_triangle", points.n, [=] MORTISE_HD(Index i) {
+    const Index point = points[i];
+    count[i] = triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, nullptr);
+  });
+  pairs.resize(offsets(counts));
+  const View<PointTriangle> out = pairs.view();
+  device::parallel_for("broadphase.fill_point_triangle", points.n, [=] MORTISE_HD(Index i) {
+    const Index n = count[i + 1] - count[i], point = points[i];
+    if (n == 0) return;
+    PointTriangle* mine = out.p + count[i];
+    triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, mine);
+    sort_strided(&mine->triangle, sizeof(PointTriangle) / sizeof(Index), n);
+    for (Index k = 0; k < n; ++k) {
+      const Triangle t = s.triangles[mine[k].triangle];
+      mine[k].point = mine[k].v[0] = point;
+      for (int c = 0; c < 3; ++c) mine[k].v[1 + c] = t.v[c];
+    }
+  });
+}
+
+void find_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, View<const Vec3> y, View<const Vec3> dy,
+                     double grow, Buffer<Index>& counts, Buffer<EdgeEdge>& pairs) {
+  counts.resize(edges.n + 1);
+  const View<Index> count = counts.view();
+  device::parallel_for("broadphase.count_edge_edge", edges.n, [=] MORTISE_HD(Index i) {
+    const Index a = edges[i];
+    count[i] = edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, nullptr);
+  });
+  pairs.resize(offsets(counts));
+  const View<EdgeEdge> out = pairs.view();
+  device::parallel_for("broadphase.fill_edge_edge", edges.n, [=] MORTISE_HD(Index i) {
+    const Index n = count[i + 1] - count[i], a = edges[i];
+    if (n == 0) return;
+    EdgeEdge* mine = out.p + count[i];
+    edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, mine);
+    sort_strided(&mine->b, sizeof(EdgeEdge) / sizeof(Index), n);
+    for (Index k = 0; k < n; ++k) {
+      mine[k].a = a;
+      for (int c = 0; c < 2; ++c) {
+        mine[k].v[c] = s.edges[a].v[c];
+        mine[k].v[2 + c] = s.edges[mine[k].b].v[c];
+      }
+    }
+  });
+}
+
+// Sorts queries by environment, keeping the order of ids, and notes where each environment starts.
+void by_environment(std::vector<Index> queries, const std::vector<Index>& env_of, Index environments, Buffer<Index>& sorted, Buffer<Index>& first) {
+  std::stable_sort(queries.begin(), queries.end(), [&](Index a, Index b) { return env_of[a] < env_of[b]; });
+  std::vector<Index> start(environments + 1, 0);
+  for (Index q : queries) ++start[env_of[q] + 1];
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  sorted.upload(queries);
+  first.upload(start);
+}
+
+}  // namespace
+
+Broadphase::Broadphase(const Surface& surface) : surface_(surface) {
+  const std::vector<Index> env = surface.env.download();
+  for (Index e : env) environments_ = std::max(environments_, e + 1);
+  std::vector<Index> points = surface.vertices.download();
+  std::sort(points.begin(), points.end());
+  by_environment(points, env, environments_, points_, point_env_first_);
+
+  const std::vector<Edge> edges = surface.edges.download();
+  std::vector<Index> ids(edges.size()), edge_env(edges.size());
+  std::iota(ids.begin(), ids.end(), 0);
+  for (std::size_t i = 0; i < edges.size(); ++i) edge_env[i] = env[edges[i].v[0]];
+  by_environment(ids, edge_env, environments_, edges_, edge_env_first_);
+  pt_env_offset_.assign(environments_ + 1, 0);
+  ee_env_offset_ = pt_env_offset_;
+}
+
+void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius) {
+  const SurfaceView s = surface_.view();
+  const double grow = radius / 2;
+  triangle_tree_.update({s.triangles.n ? s.triangles.p->v : nullptr, s.triangles.n, 3}, s, environments_, y, dy, grow);
+  find_point_triangles(s, triangle_tree_.view(), points_.view(), y, dy, grow, counts_, point_triangles_);
+  pt_env_offset_ = env_offsets(point_env_first_.view(), counts_);
+  edge_tree_.update({s.edges.n ? s.edges.p->v : nullptr, s.edges.n, 2}, s, environments_, y, dy, grow);
+  find_edge_edges(s, edge_tree_.view(), edges_.view(), y, dy, grow, counts_, edge_edges_);
+  ee_env_offset_ = env_offsets(edge_env_first_.view(), counts_);
+}
+
+}  // namespace mortise::geometry

@@ -1,0 +1,137 @@
+#include "geometry/collide/bvh.h"
+
+#include <vector>
+
+namespace mortise::geometry {
+namespace {
+
+using device::Buffer;
+using device::View;
+
+struct Extent {
+  double lo[3], hi[3];
+};
+
+// Bounds of the positions that primitives refer to: one extent per chunk in a kernel, the rest on the host.
+Extent bounds(const Primitives& p, View<const Vec3> y) {
+  constexpr Index kSpan = 1024;
+  const Index n = p.n, chunks = (n + kSpan - 1) / kSpan;
+  const int corners = p.corners;
+  const Index* v = p.v;
+  Buffer<Extent> partial(chunks);
+  const View<Extent> out = partial.view();
+  device::parallel_for("bvh.bounds", chunks, [=] MORTISE_HD(Index c) {
+    const Index end = (c + 1) * kSpan < n ? (c + 1) * kSpan : n;
+    Extent e;
+    for (int d = 0; d < 3; ++d) e.lo[d] = e.hi[d] = y[v[c * kSpan * corners]][d];
+    for (Index i = c * kSpan; i < end; ++i)
+      for (int d = 0; d < 3; ++d) {
+        const double x = y[v[i * corners]][d];
+        e.lo[d] = x < e.lo[d] ? x : e.lo[d];
+        e.hi[d] = x > e.hi[d] ? x : e.hi[d];
+      }
+    out[c] = e;
+  });
+  const std::vector<Extent> host = partial.download();
+  Extent e = host[0];
+  for (const Extent& h : host)
+    for (int d = 0; d < 3; ++d) {
+      e.lo[d] = h.lo[d] < e.lo[d] ? h.lo[d] : e.lo[d];
+      e.hi[d] = h.hi[d] > e.hi[d] ? h.hi[d] : e.hi[d];
+    }
+  return e;
+}
+
+// Orders primitives by environment, then along a Morton curve through their first corners.
+void morton_order(const Primitives& p, const SurfaceView& s, Index environments, View<const Vec3> y, Buffer<Index>& order) {
+  const Extent e = bounds(p, y);
+  int env_bits = 0;
+  while ((Index{1} << env_bits) < environments && env_bits < 30) ++env_bits;
+  const int bits = (63 - env_bits) / 3 < 12 ? (63 - env_bits) / 3 : 12;  // per axis; more only lengthens the sort
+  const double cells = static_cast<double>(1 << bits);
+  double scale[3];
+  for (int d = 0; d < 3; ++d) scale[d] = e.hi[d] > e.lo[d] ? cells / (e.hi[d] - e.lo[d]) : 0;
+  const double s0 = scale[0], s1 = scale[1], s2 = scale[2];
+  const Vec3 lo(e.lo[0], e.lo[1], e.lo[2]);
+  const Index* v = p.v;
+  const int corners = p.corners;
+  const View<const Index> env = s.env;
+  Buffer<std::uint64_t> keys(p.n);
+  order.resize(p.n);
+  const View<std::uint64_t> k = keys.view();
+  const View<Index> o = order.view();
+  device::parallel_for("bvh.morton", p.n, [=] MORTISE_HD(Index i) {
+    const Index point = v[i * corners];
+    const double f[3] = {(y[point][0] - lo[0]) * s0, (y[point][1] - lo[1]) * s1, (y[point][2] - lo[2]) * s2};
+    std::uint64_t key = 0;
+    for (int d = 0; d < 3; ++d) {
+      // Written so that NaN lands in cell 0.
+      const std::uint64_t cell = f[d] > 0 ? static_cast<std::uint64_t>(f[d] < cells - 1 ? f[d] : cells - 1) : 0;
+      for (int b = 0; b < bits; ++b) key |= (cell >> b & 1) << (3 * b + d);
+    }
+    k[i] = static_cast<std::uint64_t>(env[point]) << (3 * bits) | key;
+    o[i] = i;
+  });
+  device::sort_pairs(keys, order);
+}
+
+void build_leaves(const Primitives& p, const SurfaceView& s, View<const Index> order, View<const Vec3> y, View<const Vec3> dy,
+                  double grow, View<BvhNode> nodes) {
+  const Index* v = p.v;
+  const int corners = p.corners;
+  device::parallel_for("bvh.leaves", p.n, [=] MORTISE_HD(Index i) {
+    nodes[i] = swept_box(v + order[i] * corners, corners, order[i], s, y, dy, grow);
+  });
+}
+
+void build_level(View<BvhNode> nodes, Index from, Index count, Index to, Index n) {
+  device::parallel_for("bvh.level", n, [=] MORTISE_HD(Index i) {
+    BvhNode b = nodes[from + 4 * i];
+    const Index end = 4 * i + 4 < count ? 4 * i + 4 : count;
+    for (Index c = 4 * i + 1; c < end; ++c) {
+      const BvhNode& o = nodes[from + c];
+      for (int d = 0; d < 3; ++d) {
+        b.lo[d] = o.lo[d] < b.lo[d] ? o.lo[d] : b.lo[d];
+        b.hi[d] = o.hi[d] > b.hi[d] ? o.hi[d] : b.hi[d];
+      }
+      b.env_lo = o.env_lo < b.env_lo ? o.env_lo : b.env_lo;
+      b.env_hi = o.env_hi > b.env_hi ? o.env_hi : b.env_hi;
+      b.body = o.body == b.body ? b.body : -1;
+      b.id = o.id > b.id ? o.id : b.id;
+    }
+    nodes[to + i] = b;
+  });
+}
+
+}  // namespace
+
+void Bvh::update(const Primitives& p, const SurfaceView& surface, Index environments, View<const Vec3> y, View<const Vec3> dy,
+                 double grow) {
+  constexpr int kReorderEvery = 16;  // bodies move little between updates
+  if (p.n == 0) {
+    shape_.levels = 0;
+    return;
+  }
+  if (age_++ % kReorderEvery == 0) morton_order(p, surface, environments, y, order_);
+  Index total = 0, n = p.n;
+  shape_.levels = 0;
+  for (;; n = (n + 3) / 4) {
+    shape_.start[shape_.levels] = total;
+    shape_.size[shape_.levels++] = n;
+    total += n;
+    if (n == 1) break;
+  }
+  nodes_.resize(total);
+  const View<BvhNode> nodes = nodes_.view();
+  build_leaves(p, surface, order_.view(), y, dy, grow, nodes);
+  for (int l = 1; l < shape_.levels; ++l)
+    build_level(nodes, shape_.start[l - 1], shape_.size[l - 1], shape_.start[l], shape_.size[l]);
+}
+
+BvhView Bvh::view() const {
+  BvhView v = shape_;
+  v.nodes = nodes_.view();
+  return v;
+}
+
+}  // namespace mortise::geometry

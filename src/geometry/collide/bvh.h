@@ -1,0 +1,107 @@
+#pragma once
+// Bounding volume hierarchy over swept primitives: leaves in Morton order (environment first), and above them a complete 4-ary
+// tree whose node i of level k covers leaves [i 4^k, (i+1) 4^k). The shape is implicit, so the tree is built bottom-up by one
+// kernel per level and traversed without a stack or pointers. The order of the leaves only affects speed, never what is found.
+#include <cmath>
+
+#include "device/device.h"
+#include "geometry/surface.h"
+
+namespace mortise::geometry {
+
+// A node, a leaf (`id` is then the primitive) or, on the other side of the test, a query.
+struct BvhNode {
+  double lo[3], hi[3];     // [m]
+  Index env_lo, env_hi;    // environments below
+  Index body;              // the body of all primitives below, -1 if several
+  Index id;                // largest primitive id below; in a query: only larger ids are wanted
+};
+
+inline constexpr int kBvhLevels = 17;
+
+struct BvhView {
+  device::View<const BvhNode> nodes;
+  int levels = 0;             // level 0 holds the leaves, level levels-1 the root
+  Index start[kBvhLevels];    // first node of each level
+  Index size[kBvhLevels];
+};
+
+// Edges or triangles as rows of `corners` point ids.
+struct Primitives {
+  const Index* v = nullptr;
+  Index n = 0;
+  int corners = 0;
+};
+
+// The box of primitive `id` moving from y to y + dy (dy may be empty), grown by `grow` on every side.
+MORTISE_HD inline BvhNode swept_box(const Index* v, int corners, Index id, const SurfaceView& s, device::View<const Vec3> y,
+                                    device::View<const Vec3> dy, double grow) {
+  BvhNode b{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, s.env[v[0]], s.env[v[0]], s.body[v[0]], id};
+  for (int c = 0; c < corners; ++c) {
+    const Vec3 from = y[v[c]];
+    Vec3 to = from;
+    if (dy.n) to += dy[v[c]];
+    for (int d = 0; d < 3; ++d) {
+      const double lo = from[d] < to[d] ? from[d] : to[d], hi = from[d] < to[d] ? to[d] : from[d];
+      if (lo < b.lo[d]) b.lo[d] = lo;
+      if (hi > b.hi[d]) b.hi[d] = hi;
+    }
+  }
+  for (int d = 0; d < 3; ++d) b.lo[d] -= grow, b.hi[d] += grow;
+  return b;
+}
+
+// True if something below `node` may pair with `query`; exact on leaves.
+MORTISE_HD inline bool may_pair(const BvhNode& node, const BvhNode& query, const SurfaceView& s) {
+  for (int d = 0; d < 3; ++d)
+    if (!(node.lo[d] <= query.hi[d] && query.lo[d] <= node.hi[d])) return false;
+  return node.env_lo <= query.env_lo && query.env_lo <= node.env_hi && node.id > query.id &&
+         (node.body < 0 || s.pair_allowed[query.body * s.bodies + node.body] != 0);
+}
+
+// Walks the leaves that pair with a query, in leaf order.
+struct BvhCursor {
+  int level = -1;  // -1: not started
+  Index i = 0;
+
+  // The next primitive, or -1 at the end.
+  MORTISE_HD Index next(const BvhView& t, const BvhNode& query, const SurfaceView& s) {
+    if (t.levels == 0) return -1;
+    const int top = t.levels - 1;
+    bool forward = level >= 0;
+    if (!forward) level = top, i = 0;
+    for (;;) {
+      if (forward) {
+        while (level < top && (i & 3) == 3) ++level, i >>= 2;
+        if (level == top) return -1;
+        ++i;
+      }
+      forward = true;
+      if (i >= t.size[level]) {
+        i |= 3;  // no siblings left
+        continue;
+      }
+      const BvhNode& node = t.nodes[t.start[level] + i];
+      if (!may_pair(node, query, s)) continue;
+      if (level == 0) return node.id;
+      --level, i <<= 2;
+      forward = false;
+    }
+  }
+};
+
+class Bvh {
+ public:
+  // Boxes of the primitives moving from y to y + dy, grown by `grow`; primitives and surface must be those of earlier calls.
+  void update(const Primitives& primitives, const SurfaceView& surface, Index environments, device::View<const Vec3> y,
+              device::View<const Vec3> dy, double grow);
+  BvhView view() const;
+
+ private:
+  device::Buffer<Index> order_;  // primitive of each leaf
+  device::Buffer<BvhNode> nodes_;
+  BvhView shape_;
+  int age_ = 0;  // updates since the leaves were ordered
+};
+
+}  // namespace mortise::geometry
