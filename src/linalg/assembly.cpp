@@ -1,0 +1,170 @@
+#include "linalg/assembly.h"
+
+namespace mortise::linalg {
+namespace {
+
+// How the piece H(a,b) of a stencil enters the upper block of its two rows.
+enum Entry : std::uint8_t {
+  direct,      // row a <= row b: H
+  transposed,  // row a > row b: H^T
+  both         // a != b in the same row: H(a,b) and H(b,a) = H(a,b)^T fall on the same diagonal block
+};
+
+void group_gradient(const StencilView& s, Index terms, Index blocks, Grouping& out) {
+  Buffer<std::uint64_t> keys(terms);
+  const View<std::uint64_t> key = keys.view();
+  const View<const Index> block = s.block;
+  device::parallel_for("assembly.grad_keys", terms, [=] MORTISE_HD(Index i) {
+    key[i] = static_cast<std::uint64_t>(block[i] < 0 ? blocks : block[i]);
+  });
+  group(std::move(keys), static_cast<std::uint64_t>(blocks), out);
+}
+
+void group_hessian(const StencilView& s, View<const Index> row_of_block, Index rows, Buffer<std::uint8_t>& place, Grouping& out) {
+  Buffer<std::uint64_t> keys(s.hess.n);
+  place.resize(s.hess.n);
+  const View<std::uint64_t> key = keys.view();
+  const View<std::uint8_t> entry = place.view();
+  const std::uint64_t limit = block_key(rows, 0, rows);
+  device::parallel_for("assembly.hess_keys", s.n, [=] MORTISE_HD(Index i) {
+    const Index nb = s.blocks(i), first = s.offset[i];
+    Index e = s.hess_offset[i];
+    for (Index a = 0; a < nb; ++a) {
+      const Index block_a = s.block[first + a];
+      const Index ra = block_a < 0 ? -1 : row_of_block[block_a];
+      for (Index b = a; b < nb; ++b, ++e) {
+        const Index block_b = s.block[first + b];
+        const Index rb = block_b < 0 ? -1 : row_of_block[block_b];
+        key[e] = ra < 0 || rb < 0 ? limit : ra <= rb ? block_key(ra, rb, rows) : block_key(rb, ra, rows);
+        entry[e] = a != b && ra == rb ? both : ra > rb ? transposed : direct;
+      }
+    }
+  });
+  group(std::move(keys), limit, out);
+}
+
+bool same(const Buffer<std::uint64_t>& a, const Buffer<std::uint64_t>& b) {
+  if (a.size() != b.size()) return false;
+  const View<const std::uint64_t> va = a.view(), vb = b.view();
+  return device::max("assembly.compare", a.size(), 0, [=] MORTISE_HD(Index i) { return va[i] != vb[i] ? 1.0 : 0.0; }) == 0;
+}
+
+// Distinct keys of all lists and of the diagonal, and the place among them of every key: first of the diagonal ones, then of
+// list after list.
+void merge(const std::vector<const Grouping*>& lists, Index rows, Buffer<std::uint64_t>& distinct, Buffer<Index>& place) {
+  Index total = rows;
+  for (const Grouping* g : lists) total += g->groups;
+  Buffer<std::uint64_t> keys(total);
+  Buffer<Index> order(total), start;
+  const View<std::uint64_t> key = keys.view();
+  const View<Index> o = order.view();
+  device::parallel_for("assembly.merge", total, [=] MORTISE_HD(Index i) {
+    o[i] = i;
+    if (i < rows) key[i] = block_key(i, i, rows);
+  });
+  Index base = rows;
+  for (const Grouping* g : lists) {
+    const View<const std::uint64_t> from = g->key.view();
+    device::parallel_for("assembly.merge", g->groups, [=] MORTISE_HD(Index i) { key[base + i] = from[i]; });
+    base += g->groups;
+  }
+  device::sort_pairs(keys, order);
+  device::run_starts(keys, start);
+  const Index n = start.size() - 1;
+  distinct.resize(n);
+  place.resize(total);
+  const View<const std::uint64_t> sorted = keys.view();
+  const View<const Index> s = start.view(), from = order.view();
+  const View<std::uint64_t> d = distinct.view();
+  const View<Index> p = place.view();
+  device::parallel_for("assembly.merge", n, [=] MORTISE_HD(Index k) {
+    d[k] = sorted[s[k]];
+    for (Index j = s[k]; j < s[k + 1]; ++j) p[from[j]] = k;
+  });
+}
+
+void add_gradient(const StencilView& s, const Grouping& groups, View<Vec3> g) {
+  const View<const Vec3> piece = s.grad;
+  const View<const std::uint64_t> block = groups.key.view();
+  grouped_sum<Vec3>(
+      "assembly.gradient", groups, [=] MORTISE_HD(Index e) -> Vec3 { return piece[e]; },
+      [=] MORTISE_HD(Index k, const Vec3& t) { g[static_cast<Index>(block[k])] += t; });
+}
+
+void add_hessian(const StencilView& s, const Grouping& groups, View<const std::uint8_t> entry, View<const Index> to, View<Mat3> value) {
+  const View<const Mat3> piece = s.hess;
+  grouped_sum<Mat3>(
+      "assembly.hessian", groups,
+      [=] MORTISE_HD(Index e) -> Mat3 {
+        if (entry[e] == direct) return piece[e];
+        if (entry[e] == transposed) return piece[e].transpose();
+        return piece[e] + piece[e].transpose();
+      },
+      [=] MORTISE_HD(Index k, const Mat3& t) { value[to[k]] += t; });
+}
+
+}  // namespace
+
+void Assembler::set_rows(Buffer<Index>&& row_of_block, Index rows) {
+  row_of_block_ = std::move(row_of_block);
+  rows_ = rows;
+  for (auto& s : sorted_) s->has_hess = false;
+  merge_valid_ = false;
+}
+
+Assembler::Sorted& Assembler::sorted(const StencilSet* set) {
+  for (auto& s : sorted_)
+    if (s->set == set) return *s;
+  sorted_.push_back(std::make_unique<Sorted>());
+  sorted_.back()->set = set;
+  return *sorted_.back();
+}
+
+void Assembler::gradient(std::span<StencilSet* const> sets, Index blocks, Buffer<Vec3>& g) {
+  g.resize(blocks);
+  g.zero();
+  for (StencilSet* set : sets) {
+    Sorted& s = sorted(set);
+    const StencilView view = set->view();
+    if (!s.has_grad || s.grad_version != set->version() || s.grad_blocks != blocks) {
+      group_gradient(view, view.block.n, blocks, s.grad);
+      s.has_grad = true, s.grad_version = set->version(), s.grad_blocks = blocks;
+    }
+    add_gradient(view, s.grad, g.view());
+  }
+}
+
+void Assembler::matrix(std::span<StencilSet* const> sets, BlockMatrix& A) {
+  if (!std::equal(sets.begin(), sets.end(), merged_.begin(), merged_.end())) merge_valid_ = false;
+  std::vector<const Grouping*> lists;
+  for (StencilSet* set : sets) {
+    Sorted& s = sorted(set);
+    if (!s.has_hess || s.hess_version != set->version()) {
+      group_hessian(set->view(), row_of_block_.view(), rows_, s.place, s.hess);
+      s.has_hess = true, s.hess_version = set->version();
+      merge_valid_ = false;
+    }
+    lists.push_back(&s.hess);
+  }
+  if (!merge_valid_) {
+    Buffer<std::uint64_t> keys;
+    merge(lists, rows_, keys, merge_place_);
+    if (!same(keys, keys_) || A.rows != rows_) pattern_ = 0;
+    keys_ = std::move(keys);
+    merged_.assign(sets.begin(), sets.end());
+    merge_valid_ = true;
+  }
+  if (pattern_ == 0 || A.pattern != pattern_) {
+    set_pattern(keys_, rows_, A);
+    pattern_ = A.pattern;
+  }
+  A.value.zero();
+  Index base = rows_;
+  for (StencilSet* set : sets) {
+    const Sorted& s = sorted(set);
+    add_hessian(set->view(), s.hess, s.place.view(), {merge_place_.view().p + base, s.hess.groups}, A.value.view());
+    base += s.hess.groups;
+  }
+}
+
+}  // namespace mortise::linalg

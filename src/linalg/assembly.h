@@ -1,0 +1,51 @@
+#pragma once
+// Sums the stencils of all effects into the gradient and the Hessian, in an order that depends on nothing but the stencils:
+// set after set, within a set in stencil order (grouping.h). A set is sorted again only when its version() changed; merging the
+// structures of the sets costs one sort of their distinct blocks, and is skipped while no set changed.
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "linalg/block_matrix.h"
+#include "linalg/grouping.h"
+#include "linalg/stencils.h"
+
+namespace mortise::linalg {
+
+class Assembler {
+ public:
+  // Block b becomes row row_of_block[b] of the matrix; -1 leaves the block out. Rows are 0..rows-1.
+  void set_rows(Buffer<Index>&& row_of_block, Index rows);
+
+  // g[b] = sum of the gradient pieces of block b [N], for all blocks 0..blocks-1, those without a row included.
+  void gradient(std::span<StencilSet* const> sets, Index blocks, Buffer<Vec3>& g);
+
+  // A = sum of the Hessian pieces [N/m] of the blocks that have rows. A.pattern stays when the structure did, even if sets were
+  // sorted again. All diagonal blocks exist. Sets must outlive the assembler.
+  void matrix(std::span<StencilSet* const> sets, BlockMatrix& A);
+
+ private:
+  struct Sorted {
+    const StencilSet* set = nullptr;
+    bool has_grad = false, has_hess = false;
+    std::uint64_t grad_version = 0, hess_version = 0;
+    Index grad_blocks = 0;
+    Grouping grad;               // by block
+    Grouping hess;               // by block_key
+    Buffer<std::uint8_t> place;  // how each Hessian piece enters: Entry in assembly.cpp
+  };
+  Sorted& sorted(const StencilSet* set);
+
+  Buffer<Index> row_of_block_;
+  Index rows_ = 0;
+  std::vector<std::unique_ptr<Sorted>> sorted_;
+
+  // Merged structure of `merged_`: distinct keys, and for every distinct key of every set its place among them.
+  bool merge_valid_ = false;
+  std::vector<const StencilSet*> merged_;
+  Buffer<std::uint64_t> keys_;
+  Buffer<Index> merge_place_;
+  std::uint64_t pattern_ = 0;
+};
+
+}  // namespace mortise::linalg

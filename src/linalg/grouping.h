@@ -1,0 +1,43 @@
+#pragma once
+// Sums of terms with equal keys in a fixed order: terms are sorted by key (stable), each group is cut into chunks of
+// device::kChunk terms, chunks are summed in order, then the chunks of a group in order. The bits of a group depend on its own
+// terms only; a long group (an affine body under thousands of contacts) is spread over many threads.
+#include "device/device.h"
+
+namespace mortise::linalg {
+
+using device::Buffer;
+using device::View;
+
+struct Grouping {
+  Index groups = 0;
+  Buffer<std::uint64_t> key;   // of every group, ascending
+  Buffer<Index> term;          // terms sorted by key
+  Buffer<Index> chunk_start;   // chunks + 1, places in `term`
+  Buffer<Index> group_chunks;  // groups + 1, places in `chunk_start`
+};
+
+// Groups the terms 0..n-1 by keys[term]; keys >= limit are left out. Consumes `keys`.
+void group(Buffer<std::uint64_t>&& keys, std::uint64_t limit, Grouping& out);
+
+// add(group, sum of value(term)) for every group. T is a fixed-size Eigen type or a number.
+template <class T, class Value, class Add>
+void grouped_sum(const char* name, const Grouping& g, Value value, Add add) {
+  const Index chunks = g.chunk_start.size() - 1;
+  if (g.groups == 0) return;
+  Buffer<T> partial(chunks);
+  const View<T> part = partial.view();
+  const View<const Index> term = g.term.view(), cs = g.chunk_start.view(), gc = g.group_chunks.view();
+  device::parallel_for(name, chunks, [=] MORTISE_HD(Index c) {
+    T t = value(term[cs[c]]);
+    for (Index j = cs[c] + 1; j < cs[c + 1]; ++j) t += value(term[j]);
+    part[c] = t;
+  });
+  device::parallel_for(name, g.groups, [=] MORTISE_HD(Index k) {
+    T t = part[gc[k]];
+    for (Index c = gc[k] + 1; c < gc[k + 1]; ++c) t += part[c];
+    add(k, t);
+  });
+}
+
+}  // namespace mortise::linalg

@@ -1,0 +1,186 @@
+#include "linalg/assembly.h"
+
+#include <gtest/gtest.h>
+
+#include "problems.h"
+
+using namespace mortise;
+using namespace mortise::linalg;
+using namespace mortise::linalg::test;
+
+namespace {
+
+constexpr Index kBlocks = 40;
+
+// Every fifth block has no row; rows are numbered against the block order, so that pairs need transposing.
+std::vector<Index> rows_backwards(Index& rows) {
+  std::vector<Index> row(kBlocks, -1);
+  rows = 0;
+  for (Index b = kBlocks; b-- > 0;)
+    if (b % 5 != 0) row[b] = rows++;
+  return row;
+}
+
+struct Random {
+  StencilSet tets, contact;
+  std::vector<StencilSet*> sets{&tets, &contact};
+  std::mt19937 rng{5};
+
+  Random() {
+    tets.resize_uniform(100, 4);
+    fill_random(tets, kBlocks, false, rng);
+    new_contact();
+  }
+  void new_contact(Index n = 60, Index blocks = kBlocks) {
+    std::vector<Index> counts(n + 1);
+    for (Index& c : counts) c = static_cast<Index>(rng() % 9);
+    contact.resize(Buffer<Index>(counts));
+    fill_random(contact, blocks, true, rng);
+  }
+};
+
+void expect_dense_sum(Assembler& assembler, Random& problem, const std::vector<Index>& row, Index rows, BlockMatrix& A) {
+  Buffer<Vec3> g;
+  assembler.matrix(problem.sets, A);
+  assembler.gradient(problem.sets, kBlocks, g);
+  DenseVector want_g = DenseVector::Zero(3 * kBlocks);
+  Dense want = Dense::Zero(3 * rows, 3 * rows);
+  for (StencilSet* set : problem.sets) add_dense(*set, row, want_g, want);
+  EXPECT_LT((dense(A) - want).norm(), 1e-12);
+  EXPECT_LT((dense(g.download()) - want_g).norm(), 1e-12);
+}
+
+}  // namespace
+
+TEST(Assembly, RandomStencilsSumLikeDenseMatrices) {
+  Random problem;
+  Index rows;
+  const std::vector<Index> row = rows_backwards(rows);
+  Assembler assembler;
+  assembler.set_rows(Buffer<Index>(row), rows);
+  BlockMatrix A;
+  expect_dense_sum(assembler, problem, row, rows, A);
+}
+
+TEST(Assembly, RepeatedBlockInAStencilGivesBothHalves) {
+  StencilSet set;
+  set.resize_uniform(1, 2);
+  write(set.view().block, {0, 0});
+  write(set.view().grad, {Vec3(1, 2, 3), Vec3(10, 20, 30)});
+  Mat3 h;
+  h << 1, 2, 3, 4, 5, 6, 7, 8, 9;
+  write(set.view().hess, {Mat3(Mat3::Identity()), h, Mat3(2 * Mat3::Identity())});
+  set.pattern_changed();
+  StencilSet* sets[] = {&set};
+  Assembler assembler;
+  assembler.set_rows(all_rows(1), 1);
+  BlockMatrix A;
+  Buffer<Vec3> g;
+  assembler.matrix(sets, A);
+  assembler.gradient(sets, 1, g);
+  EXPECT_EQ(A.value.download()[0], Mat3(h + h.transpose() + 3 * Mat3::Identity()));
+  EXPECT_EQ(g.download()[0], Vec3(11, 22, 33));
+}
+
+TEST(Assembly, FollowsAChangedContactSet) {
+  Random problem;
+  Index rows;
+  const std::vector<Index> row = rows_backwards(rows);
+  Assembler assembler;
+  assembler.set_rows(Buffer<Index>(row), rows);
+  BlockMatrix A;
+  for (Index n : {60, 7, 0, 90}) {
+    problem.new_contact(n);
+    expect_dense_sum(assembler, problem, row, rows, A);
+  }
+}
+
+TEST(Assembly, FollowsChangedRows) {
+  Random problem;
+  Index rows;
+  const std::vector<Index> row = rows_backwards(rows);
+  std::vector<Index> half(kBlocks, -1);
+  for (Index b = 0; b < kBlocks / 2; ++b) half[b] = b;
+  Assembler assembler;
+  BlockMatrix A;
+  assembler.set_rows(Buffer<Index>(row), rows);
+  expect_dense_sum(assembler, problem, row, rows, A);
+  assembler.set_rows(Buffer<Index>(half), kBlocks / 2);
+  expect_dense_sum(assembler, problem, half, kBlocks / 2, A);
+}
+
+TEST(Assembly, PatternStandsWhileTheStructureDoes) {
+  Random problem;
+  Index rows;
+  const std::vector<Index> row = rows_backwards(rows);
+  Assembler assembler;
+  assembler.set_rows(Buffer<Index>(row), rows);
+  BlockMatrix A;
+  assembler.matrix(problem.sets, A);
+  const std::uint64_t first = A.pattern;
+  problem.contact.pattern_changed();  // sorted again, but the same blocks
+  expect_dense_sum(assembler, problem, row, rows, A);
+  EXPECT_EQ(A.pattern, first);
+  problem.new_contact();
+  expect_dense_sum(assembler, problem, row, rows, A);
+  EXPECT_NE(A.pattern, first);
+}
+
+TEST(Assembly, UnchangedSetsAreNotSortedAgain) {
+  Random problem;
+  Index rows;
+  const std::vector<Index> row = rows_backwards(rows);
+  Assembler assembler;
+  assembler.set_rows(Buffer<Index>(row), rows);
+  BlockMatrix A;
+  const auto launches = [](const std::string& name) {
+    for (const auto& l : device::launch_counts())
+      if (l.name == name) return l.launches;
+    return 0LL;
+  };
+  assembler.matrix(problem.sets, A);
+  const auto keys = launches("assembly.hess_keys"), merges = launches("assembly.merge");
+  assembler.matrix(problem.sets, A);
+  EXPECT_EQ(launches("assembly.hess_keys"), keys);
+  EXPECT_EQ(launches("assembly.merge"), merges);
+  problem.new_contact();
+  assembler.matrix(problem.sets, A);
+  EXPECT_EQ(launches("assembly.hess_keys"), keys + 1) << "only the contact set is sorted";
+  EXPECT_GT(launches("assembly.merge"), merges);
+}
+
+TEST(Assembly, BitsDoNotDependOnThreadsNorOnSortingHistory) {
+  std::vector<Mat3> first;
+  std::vector<Vec3> first_g;
+  for (int threads : {1, 2, 3}) {
+    device::set_threads(threads);
+    Random problem;
+    problem.new_contact(3000, 5);  // groups of many chunks
+    Index rows;
+    const std::vector<Index> row = rows_backwards(rows);
+    Assembler assembler;
+    assembler.set_rows(Buffer<Index>(row), rows);
+    BlockMatrix A;
+    Buffer<Vec3> g;
+    if (threads == 3) {  // another contact set first
+      Random other;
+      other.new_contact(11);
+      assembler.matrix(other.sets, A);
+    }
+    assembler.matrix(problem.sets, A);
+    assembler.gradient(problem.sets, kBlocks, g);
+    if (threads == 1) first = A.value.download(), first_g = g.download();
+    EXPECT_EQ(A.value.download(), first);
+    EXPECT_EQ(g.download(), first_g);
+  }
+  device::set_threads(0);
+}
+
+TEST(Assembly, AllBlocksEliminated) {
+  Random problem;
+  Assembler assembler;
+  assembler.set_rows(Buffer<Index>(std::vector<Index>(kBlocks, -1)), 0);
+  BlockMatrix A;
+  expect_dense_sum(assembler, problem, std::vector<Index>(kBlocks, -1), 0, A);
+  EXPECT_EQ(A.upper_blocks(), 0);
+}
