@@ -1,0 +1,34 @@
+#pragma once
+// Pictures in memory and on disk.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace mortise::render {
+
+// sRGB, 8 bits a channel, first row on top.
+struct Image {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;  // height x width x 3
+
+  const std::uint8_t* at(int x, int y) const { return rgb.data() + 3 * (static_cast<std::size_t>(y) * width + x); }
+  std::uint8_t* at(int x, int y) { return rgb.data() + 3 * (static_cast<std::size_t>(y) * width + x); }
+};
+
+// A decoded texture: sRGB and alpha, first row on top.
+struct Texture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgba;
+};
+
+// Writes beside `path` and renames, so a reader never sees half a picture. Throws Error(Exit::file).
+void write_png(const std::string& path, const Image& image);
+
+// Throws Error(Exit::file) where it is not a readable PNG.
+Image read_png(const std::string& path);
+
+// PNG or JPEG, from a file or from bytes; `name` is what messages cite. Throws Error(Exit::scene).
+Texture read_texture(const std::string& path);
+Texture read_texture(const std::vector<std::uint8_t>& bytes, const std::string& name);
+
+}  // namespace mortise::render

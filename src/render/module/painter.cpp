@@ -1,0 +1,212 @@
+#include "render/module/painter.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "render/module/shaders.h"
+
+namespace mortise::render::module {
+
+struct Painter::Programs {
+  Program depth{kMeshVertex, kDepthFragment};
+  Program normal{kMeshVertex, kNormalFragment};
+  Program occlusion{kScreenVertex, kOcclusionFragment};
+  Program blur{kScreenVertex, kBlurFragment};
+  Program screen{kScreenVertex, std::string(kBackground) + kScreenFragment};
+  Program surface{kMeshVertex, std::string(kBackground) + kSurfaceFragment};
+  Program fisheye{kScreenVertex, kFisheyeFragment};
+};
+
+Painter::Painter() : surface_(16 * 16 * 4) {
+  const int attributes[] = {OSMESA_FORMAT, OSMESA_RGBA, OSMESA_PROFILE, OSMESA_CORE_PROFILE, OSMESA_CONTEXT_MAJOR_VERSION, 3,
+                            OSMESA_CONTEXT_MINOR_VERSION, 3, 0};
+  context_ = OSMesaCreateContextAttribs(attributes, nullptr);
+  if (context_ == nullptr) throw std::runtime_error("OSMesa cannot create an OpenGL 3.3 core context");
+  current();
+  programs_ = std::make_unique<Programs>();
+  shadow_.create();
+  colour_map_ = new_texture(GL_TEXTURE_2D, GL_LINEAR, GL_CLAMP_TO_EDGE);
+  glGenVertexArrays(1, &empty_);
+}
+
+Painter::~Painter() {
+  programs_.reset();
+  if (context_ != nullptr) OSMesaDestroyContext(context_);
+}
+
+void Painter::current() {
+  if (OSMesaMakeCurrent(context_, surface_.data(), GL_UNSIGNED_BYTE, 16, 16) == GL_FALSE)
+    throw std::runtime_error("OSMesa cannot use its context");
+}
+
+int Painter::add_texture(const std::uint8_t* rgba, int width, int height) {
+  current();
+  const GLuint id = new_texture(GL_TEXTURE_2D, GL_LINEAR, GL_REPEAT);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8_ALPHA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+  glGenerateMipmap(GL_TEXTURE_2D);
+  textures_.push_back(id);
+  return static_cast<int>(textures_.size());
+}
+
+void Painter::draw(const MortiseRenderJob& job, std::uint8_t* rgb) {
+  current();
+  upload(job);
+  lights(job);
+  draw_shadow(job);
+  const MortiseRenderCamera& c = job.camera;
+  View view{vec(c.position), cross(vec(c.forward), vec(c.up)), vec(c.up), vec(c.forward), 1, 1};
+  picture_.resize(job.width, job.height);
+  if (c.fisheye != 0) {
+    draw_fisheye(job, view);
+  } else {
+    view.tan_y = std::tan(0.5f * c.fov);
+    view.tan_x = view.tan_y * static_cast<float>(job.width) / static_cast<float>(job.height);
+    draw_view(job, view, picture_);
+  }
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_.resolved);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  const std::size_t row = static_cast<std::size_t>(job.width) * 3, rows = static_cast<std::size_t>(job.height);
+  std::vector<std::uint8_t> bottom_up(row * rows);
+  glReadPixels(0, 0, job.width, job.height, GL_RGB, GL_UNSIGNED_BYTE, bottom_up.data());
+  for (std::size_t y = 0; y < rows; ++y) std::memcpy(rgb + y * row, bottom_up.data() + (rows - 1 - y) * row, row);
+  free_geometry();
+  if (const GLenum error = glGetError(); error != GL_NO_ERROR)
+    throw std::runtime_error("OpenGL error " + std::to_string(error));
+}
+
+void Painter::draw_shadow(const MortiseRenderJob& job) {
+  glBindFramebuffer(GL_FRAMEBUFFER, shadow_.frame);
+  glViewport(0, 0, kShadowSize, kShadowSize);
+  glEnable(GL_DEPTH_TEST);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(1.5f, 4.0f);
+  programs_->depth.use();
+  programs_->depth.set("view_projection", light_);
+  draw_meshes(job, nullptr);
+  glDisable(GL_POLYGON_OFFSET_FILL);
+}
+
+void Painter::background_uniforms(const MortiseRenderJob& job, const View& view, const Program& p, const Target& target) {
+  p.set("eye", view.eye);
+  p.set("eye_up", vec(job.camera.up));
+  p.set("background_top", vec(job.background_top));
+  p.set("background_bottom", vec(job.background_bottom));
+  p.set("fisheye", job.camera.fisheye);
+  p.set("image", static_cast<float>(target.width), static_cast<float>(target.height));
+}
+
+void Painter::draw_view(const MortiseRenderJob& job, const View& view, Target& target) {
+  const float distance = std::sqrt(dot(vec(job.centre) - view.eye, vec(job.centre) - view.eye));
+  const float near = std::max(0.002f * (distance + job.radius), 0.2f * (distance - job.radius)), far = distance + 12 * job.radius;
+  const M4 look = view_matrix(view.eye, view.right, view.up, view.forward);
+  const M4 project = perspective(view.tan_x, view.tan_y, near, far) * look;
+  glViewport(0, 0, target.width, target.height);
+  const float reach = 0.12f * job.radius;
+
+  glBindFramebuffer(GL_FRAMEBUFFER, target.geometry);
+  glEnable(GL_DEPTH_TEST);
+  glClearColor(0, 0, 0, 0);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  programs_->normal.use();
+  programs_->normal.set("view", look);
+  programs_->normal.set("view_projection", project);
+  draw_meshes(job, nullptr);
+  draw_planes(job, nullptr);
+
+  glDisable(GL_DEPTH_TEST);
+  glBindVertexArray(empty_);
+  bind(0, GL_TEXTURE_2D, target.normal_depth);
+  glBindFramebuffer(GL_FRAMEBUFFER, target.occlude);
+  programs_->occlusion.use();
+  programs_->occlusion.set("normal_depth", 0);
+  programs_->occlusion.set("tangent", view.tan_x, view.tan_y);
+  programs_->occlusion.set("reach", reach);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  bind(1, GL_TEXTURE_2D, target.occlusion);
+  glBindFramebuffer(GL_FRAMEBUFFER, target.blur);
+  programs_->blur.use();
+  programs_->blur.set("normal_depth", 0);
+  programs_->blur.set("occlusion", 1);
+  programs_->blur.set("reach", reach);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+
+  glBindFramebuffer(GL_FRAMEBUFFER, target.multisampled);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  const Program& screen = programs_->screen;
+  screen.use();
+  background_uniforms(job, view, screen, target);
+  screen.set("axis_x", view.right);
+  screen.set("axis_y", view.up);
+  screen.set("axis_z", view.forward);
+  screen.set("tangent", view.tan_x, view.tan_y);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+
+  glEnable(GL_DEPTH_TEST);
+  const Program& s = programs_->surface;
+  s.use();
+  background_uniforms(job, view, s, target);
+  s.set("view_projection", project);
+  s.set("up", vec(job.world_up));
+  s.set("key_direction", key_);
+  s.set("fill_direction", fill_);
+  s.set("rim_direction", rim_);
+  s.set("centre", vec(job.centre));
+  s.set("radius", job.radius);
+  s.set("light", light_);
+  s.set("shadow_step", 2.2f / kShadowSize);
+  s.set("scalar_low", job.scalar_low);
+  s.set("scalar_high", job.scalar_high);
+  bind(1, GL_TEXTURE_2D, target.blurred);
+  bind(2, GL_TEXTURE_2D, shadow_.texture);
+  bind(3, GL_TEXTURE_2D, colour_map_);
+  s.set("base", 0);
+  s.set("occlusion", 1);
+  s.set("shadow", 2);
+  s.set("colour_map", 3);
+  draw_meshes(job, &s);
+  draw_planes(job, &s);
+
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, target.multisampled);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.resolved);
+  glBlitFramebuffer(0, 0, target.width, target.height, 0, 0, target.width, target.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+void Painter::draw_fisheye(const MortiseRenderJob& job, const View& front) {
+  // A face has at its centre size / (2 reach) pixels per radian; the picture has side / fov.
+  const float reach = 1.02f, side = static_cast<float>(std::min(job.width, job.height));
+  const int size = std::clamp(static_cast<int>(std::ceil(2.2f * reach * side / job.camera.fov)), 64, 2048);
+  face_.resize(size, size);
+  if (faces_ == 0) faces_ = new_texture(GL_TEXTURE_2D_ARRAY, GL_LINEAR, GL_CLAMP_TO_EDGE);
+  bind(4, GL_TEXTURE_2D_ARRAY, faces_);
+  if (faces_size_ != size) {
+    glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA8, size, size, 6, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+    faces_size_ = size;
+  }
+  const V3 r = front.right, u = front.up, f = front.forward, b = -1.0f * f;
+  // Order and orientation as in kFisheyeFragment: front, right, left, up, down, back.
+  const View views[6] = {{front.eye, r, u, f, reach, reach},          {front.eye, b, u, r, reach, reach},
+                         {front.eye, f, u, -1.0f * r, reach, reach},  {front.eye, r, b, u, reach, reach},
+                         {front.eye, r, f, -1.0f * u, reach, reach},  {front.eye, -1.0f * r, u, b, reach, reach}};
+  for (int k = 0; k < 6; ++k) {
+    if (k == 5 && job.camera.fov < 4.3f) continue;  // cube corners lie 125 degrees off the axis
+    draw_view(job, views[k], face_);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, face_.resolved);
+    glActiveTexture(GL_TEXTURE4);
+    glCopyTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, k, 0, 0, size, size);
+  }
+  glBindFramebuffer(GL_FRAMEBUFFER, picture_.resolved);
+  glViewport(0, 0, job.width, job.height);
+  glDisable(GL_DEPTH_TEST);
+  glBindVertexArray(empty_);
+  const Program& p = programs_->fisheye;
+  p.use();
+  p.set("faces", 4);
+  p.set("image", static_cast<float>(job.width), static_cast<float>(job.height));
+  p.set("fov", job.camera.fov);
+  p.set("reach", reach);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+}  // namespace mortise::render::module

@@ -1,0 +1,57 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "render/api.h"
+#include "render/module/target.h"
+
+namespace mortise::render::module {
+
+// One OSMesa context with its programs; draws jobs. Not shared between threads at the same time.
+class Painter {
+ public:
+  Painter();
+  ~Painter();
+  Painter(const Painter&) = delete;
+  Painter& operator=(const Painter&) = delete;
+
+  int add_texture(const std::uint8_t* rgba, int width, int height);
+  void draw(const MortiseRenderJob& job, std::uint8_t* rgb);
+
+ private:
+  // One perspective view: the whole picture of a pinhole camera or a face of a fisheye.
+  struct View {
+    V3 eye, right, up, forward;
+    float tan_x, tan_y;
+  };
+  struct Geometry {  // a mesh on the device
+    GLuint array = 0, buffers[5] = {};
+  };
+  struct Programs;
+
+  void current();
+  void upload(const MortiseRenderJob& job);
+  void free_geometry();
+  void draw_shadow(const MortiseRenderJob& job);
+  void draw_view(const MortiseRenderJob& job, const View& view, Target& target);
+  void draw_fisheye(const MortiseRenderJob& job, const View& front);
+  void draw_meshes(const MortiseRenderJob& job, const Program* material);
+  void draw_planes(const MortiseRenderJob& job, const Program* material);
+  void background_uniforms(const MortiseRenderJob& job, const View& view, const Program& program, const Target& target);
+  void lights(const MortiseRenderJob& job);
+
+  OSMesaContext context_ = nullptr;
+  std::vector<std::uint8_t> surface_;  // what OSMesa insists on; pictures go to framebuffers of ours
+  std::unique_ptr<Programs> programs_;
+  Target picture_, face_;
+  Shadow shadow_;
+  GLuint colour_map_ = 0, empty_ = 0, faces_ = 0;
+  int faces_size_ = 0;
+  std::vector<GLuint> textures_;
+  std::vector<Geometry> meshes_, planes_;
+  std::vector<std::array<V3, 2>> plane_axes_;
+  V3 key_{}, fill_{}, rim_{};
+  M4 light_{};
+};
+
+}  // namespace mortise::render::module

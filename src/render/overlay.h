@@ -1,0 +1,22 @@
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "render/job.h"
+
+namespace mortise::render {
+
+// Values 1, 2 or 5 times a power of ten that divide [low, high] into four to nine parts, with their labels.
+std::vector<std::pair<double, std::string>> ticks(double low, double high);
+
+// Rectangle of the gradient of the colour bar in a picture [pixels]; the highest value is at the top.
+struct BarBox {
+  int left, top, width, height;
+};
+BarBox bar_box(int width, int height);
+
+// Draws caption and colour bar over a finished picture.
+void draw_overlays(Image& image, const RenderJob& job);
+
+}  // namespace mortise::render
