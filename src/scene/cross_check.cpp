@@ -1,0 +1,166 @@
+#include "scene/cross_check.h"
+
+#include <algorithm>
+
+#include "scene/checker.h"
+#include "scene/suggest.h"
+
+namespace mortise::scene {
+namespace {
+
+class CrossCheck {
+ public:
+  CrossCheck(const Params& root, const std::set<std::string>& misspelt, Diagnostics& errors)
+      : root_(root), misspelt_(misspelt), errors_(errors), bodies_(root.find("bodies")), effects_(root.find("effects")) {}
+
+  void run() {
+    if (const Params* name = root_.find("name"); name && !is_name(name->as_text()))
+      errors_.add(name->where(), "'" + name->as_text() + "' is not a name; names are made of a-z, 0-9, _ and -");
+    mode();
+    if (bodies_) {
+      if (bodies_->entries().empty()) errors_.add(bodies_->where(), "the scene has no body");
+      for (const auto& [name, body] : bodies_->entries()) this->body(name, body);
+    }
+    if (effects_)
+      for (const auto& [name, effect] : effects_->entries()) references(name, effect, dotted("effects", name));
+    cameras();
+    directions(root_, "");
+  }
+
+ private:
+  bool has_effect(const char* name) const { return effects_ && effects_->has(name); }
+  // Whether an effect that is not found is really not there.
+  bool effects_known() const { return effects_ && !misspelt_.count("effects"); }
+
+  void mode() {
+    const Params* time = root_.find("time");
+    const Params* mode = time ? time->find("mode") : nullptr;
+    if (!mode) return;
+    const bool is_static = mode->as_text() == "static";
+    if (is_static && time->has("step"))
+      errors_.add(time->at("step").where(), "time.step has no meaning in a static scene", "time.steps load steps divide pseudo-time 0..1 evenly",
+                  {{mode->where(), "static here"}});
+    if (!is_static && !time->has("step") && !misspelt_.count("time"))
+      errors_.add(time->where(), "time has no 'step'", "[s] time step; a dynamic scene needs it");
+    if (is_static && has_effect("inertia"))
+      errors_.add(effects_->at("inertia").where(), "a static scene has no inertia", "remove it, or make the scene dynamic", {{mode->where(), "static here"}});
+    if (!is_static && effects_known() && !has_effect("inertia"))
+      errors_.add(effects_->where(), "a dynamic scene needs the effect 'inertia'", "add 'inertia: {}', or set time.mode: static");
+  }
+
+  void body(const std::string& name, const Params& body) {
+    const std::string path = "bodies." + name;
+    const Params* type = body.find("type");
+    if (!type || type->as_text() == "half_space") return;
+    const bool soft = type->as_text() == "soft";
+
+    const Params* materials = root_.find("materials");
+    const Params* material = body.find("material");
+    if (material && materials && exists(*materials, material->as_text(), "material", *material, path + ".material"))
+      elastic_constants(soft, *materials, *material);
+
+    if (effects_known() && soft && !has_effect("elasticity"))
+      errors_.add(body.where(), "soft body '" + name + "' needs the effect 'elasticity'", "add 'elasticity: {}' under effects", {{effects_->where(), "the effects"}});
+    if (effects_known() && !soft && !has_effect("affine_body") && !fully_pinned(name))
+      errors_.add(body.where(), "stiff body '" + name + "' needs the effect 'affine_body'", "add it under effects, or pin all of the body (where: {side: all})",
+                  {{effects_->where(), "the effects"}});
+  }
+
+  void elastic_constants(bool soft, const Params& materials, const Params& name) {
+    const Params& material = materials.at(name.as_text());
+    if (!soft || misspelt_.count("materials." + name.as_text())) return;
+    for (const char* key : {"youngs_modulus", "poisson_ratio"})
+      if (!material.has(key))
+        errors_.add(material.where(), "materials." + name.as_text() + " has no '" + key + "', which soft bodies need", "", {{name.where(), "used by a soft body here"}});
+  }
+
+  bool fully_pinned(const std::string& body) const {
+    const Params* pins = effects_->find("pin");
+    if (!pins || pins->kind() != Params::Kind::list) return false;
+    return std::any_of(pins->items().begin(), pins->items().end(), [&](const Params& pin) {
+      const Params* name = pin.find("body");
+      const Params* where = pin.find("where");
+      const Params* side = where ? where->find("side") : nullptr;
+      const Params* axes = pin.find("axes");
+      return name && name->as_text() == body && side && side->as_text() == "all" && (!axes || axes->as_text().size() == 3);
+    });
+  }
+
+  // Whether the named block exists; an error if not.
+  bool exists(const Params& blocks, const std::string& wanted, const std::string& what, const Params& cited, const std::string& path) {
+    if (blocks.has(wanted)) return true;
+    std::vector<std::string> names;
+    for (const auto& [name, block] : blocks.entries()) names.push_back(name);
+    const std::string hint = suggestion(wanted, names);
+    errors_.add(cited.where(), path + ": no " + what + " '" + wanted + "'", names.empty() ? "the scene has none" : hint);
+    return false;
+  }
+
+  // Everything under an effect that names a body or another effect.
+  void references(const std::string& effect, const Params& p, const std::string& path) {
+    if (p.kind() == Params::Kind::list) {
+      for (std::size_t i = 0; i < p.items().size(); ++i) references(effect, p.items()[i], dotted(path, std::to_string(i)));
+    } else if (p.kind() == Params::Kind::table) {
+      for (const auto& [key, value] : p.entries()) {
+        if (key == "body" || key == "bodies" || key == "pairs") bodies_in(value, dotted(path, key));
+        else if (key == "follows" && value.kind() == Params::Kind::text) follows(effect, value, dotted(path, key));
+        else references(effect, value, dotted(path, key));
+      }
+    }
+  }
+  void bodies_in(const Params& p, const std::string& path) {
+    if (!bodies_ || misspelt_.count("bodies")) return;
+    if (p.kind() == Params::Kind::text) exists(*bodies_, p.as_text(), "body", p, path);
+    if (p.kind() == Params::Kind::list)
+      for (std::size_t i = 0; i < p.items().size(); ++i) bodies_in(p.items()[i], dotted(path, std::to_string(i)));
+  }
+  void follows(const std::string& effect, const Params& p, const std::string& path) {
+    if (!effects_known()) return;
+    std::vector<std::string> others;
+    for (const auto& [name, block] : effects_->entries())
+      if (name != effect) others.push_back(name);
+    if (std::find(others.begin(), others.end(), p.as_text()) != others.end()) return;
+    const std::string best = nearest(p.as_text(), others);
+    errors_.add(p.where(), path + " is '" + p.as_text() + "', which this scene does not list", best.empty() ? "" : "did you mean '" + best + "'?",
+                {{effects_->where(), "the effects: " + join(others, ", ")}});
+  }
+
+  void cameras() {
+    const Params* render = root_.find("render");
+    const Params* cameras = render ? render->find("cameras") : nullptr;
+    if (!cameras) return;
+    for (const auto& [name, camera] : cameras->entries()) {
+      const std::string path = "render.cameras." + name;
+      const Params *from = camera.find("position"), *to = camera.find("look_at"), *range = camera.find("range");
+      if (from && to && from->as_vec3() == to->as_vec3()) errors_.add(to->where(), path + ".look_at is where the camera stands");
+      if (range && (range->items().size() != 2 || !(range->items()[0].as_number() < range->items()[1].as_number())))
+        errors_.add(range->where(), path + ".range must be two increasing numbers");
+    }
+  }
+
+  // Directions have no length of their own, but zero has no direction.
+  void directions(const Params& p, const std::string& path) {
+    if (p.kind() == Params::Kind::list)
+      for (std::size_t i = 0; i < p.items().size(); ++i) directions(p.items()[i], dotted(path, std::to_string(i)));
+    if (p.kind() != Params::Kind::table) return;
+    for (const auto& [key, value] : p.entries()) {
+      const bool direction = (key == "axis" || key == "normal" || key == "up") && value.kind() == Params::Kind::list && value.items().size() == 3;
+      if (direction && value.items()[0].kind() != Params::Kind::list && value.as_vec3().isZero(0))
+        errors_.add(value.where(), dotted(path, key) + " is zero; a direction is wanted");
+      directions(value, dotted(path, key));
+    }
+  }
+
+  const Params& root_;
+  const std::set<std::string>& misspelt_;
+  Diagnostics& errors_;
+  const Params *bodies_, *effects_;
+};
+
+}  // namespace
+
+void cross_check(const Params& root, const std::set<std::string>& misspelt, Diagnostics& errors) {
+  CrossCheck(root, misspelt, errors).run();
+}
+
+}  // namespace mortise::scene

@@ -1,0 +1,77 @@
+#include "scene/scene.h"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+
+#include "scene/checker.h"
+#include "scene/cross_check.h"
+#include "scene/overrides.h"
+#include "scene/tables.h"
+#include "scene/yaml.h"
+
+namespace mortise::scene {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string read_file(const std::string& path) {
+  if (path == "-") return {std::istreambuf_iterator<char>(std::cin), {}};
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) throw Error(Exit::file, "cannot read '" + path + "': it is a folder");
+  errno = 0;
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw Error(Exit::file, "cannot read '" + path + "': " + std::strerror(errno ? errno : EIO));
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (in.bad()) throw Error(Exit::file, "cannot read '" + path + "'");
+  return text;
+}
+
+// Another version of the format has other keys: nothing else in the file can be judged.
+void check_version(const Node& root, Diagnostics& errors) {
+  const Node* version = root.find("mortise");
+  if (!version) {
+    errors.add(root.at, "the scene does not say its format version", "add the line 'mortise: " + std::to_string(kFormatVersion) + "'");
+  } else if (version->kind != Node::Kind::scalar || version->quoted || version->text != std::to_string(kFormatVersion)) {
+    errors.add(version->at, "format version is " + version->describe() + "; this program reads version " + std::to_string(kFormatVersion));
+  }
+}
+
+}  // namespace
+
+Scene read_scene(const std::string& path, const std::vector<std::string>& overrides, std::span<const EffectTable> effects) {
+  Scene scene = read_scene_text(read_file(path), path == "-" ? "<stdin>" : path, overrides, effects);
+  scene.path = path;
+  return scene;
+}
+
+Scene read_scene_text(const std::string& text, const std::string& path, const std::vector<std::string>& overrides,
+                      std::span<const EffectTable> effects) {
+  const SceneTables tables(effects);
+  Diagnostics errors(text);
+  Scene scene{{}, path, text};
+  Node root;
+  try {
+    root = parse_yaml(text, path);
+  } catch (const SyntaxError& e) {
+    errors.add(e.at, e.message);
+    errors.raise();
+  }
+  root.at = root.key_at = {path, 1, 1};
+  if (root.kind == Node::Kind::null) errors.add(root.at, "the scene is empty");
+  else if (root.kind != Node::Kind::map) errors.add(root.at, "the scene is " + root.describe() + "; must be a block of keys");
+  else check_version(root, errors);
+  if (!errors.empty()) errors.raise();
+
+  for (const std::string& set : overrides) apply_override(root, set, tables.root(), errors);
+  Checker checker(errors, fs::absolute(path).parent_path().string());
+  scene.root = checker.table(tables.root(), root, "");
+  cross_check(scene.root, checker.misspelt(), errors);
+  if (!errors.empty()) errors.raise();
+  return scene;
+}
+
+}  // namespace mortise::scene

@@ -1,0 +1,43 @@
+#pragma once
+// YAML text -> checked tree of parameters with every default filled in and every number in SI. This folder knows no physics:
+// the blocks of the scene are tables.cpp, the effects come in from outside.
+//
+// Conventions by key, checked for every block: `body`, `pairs` and `bodies` name bodies, `material` names a material,
+// `follows` names another effect of the scene.
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/param_table.h"
+#include "base/params.h"
+#include "scene/diagnostics.h"
+
+namespace mortise::scene {
+
+// One effect that scenes may name.
+struct EffectTable {
+  std::string name;
+  std::string help;  // one sentence
+  const ParamTable* table = nullptr;
+};
+
+struct Scene {
+  Params root;
+  std::string path;  // as given; "-" = standard input
+  std::string text;  // the file, byte for byte
+};
+
+// Reads a scene file ("-" = standard input) and applies `overrides` ("a.b.c=value", value in YAML, the right-most wins).
+// Paths inside the scene are returned absolute, taken relative to the scene's folder.
+// Throws SceneErrors with everything that is wrong, Error(Exit::file) when the file cannot be read, Error(Exit::usage) when an
+// override is not of the form path=value.
+Scene read_scene(const std::string& path_or_dash, const std::vector<std::string>& overrides, std::span<const EffectTable> effects);
+
+// The same for text in memory; `path` is what messages cite and what relative paths resolve against.
+Scene read_scene_text(const std::string& text, const std::string& path, const std::vector<std::string>& overrides,
+                      std::span<const EffectTable> effects);
+
+// The resolved tree as a scene file again: all defaults written out, numbers in SI. Reading it gives the same tree.
+std::string to_yaml(const Params& root);
+
+}  // namespace mortise::scene

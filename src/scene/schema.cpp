@@ -1,0 +1,162 @@
+#include "scene/schema.h"
+
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "scene/quantity.h"
+#include "scene/tables.h"
+#include "scene/yaml.h"
+
+namespace mortise::scene {
+namespace {
+
+using Kind = Param::Kind;
+using Json = nlohmann::ordered_json;
+
+Json block(const ParamTable& t);
+
+Json to_json(const Node& n) {
+  switch (n.kind) {
+    case Node::Kind::null: return nullptr;
+    case Node::Kind::list: {
+      Json out = Json::array();
+      for (const Node& item : n.items) out.push_back(to_json(item));
+      return out;
+    }
+    case Node::Kind::map: {
+      Json out = Json::object();
+      for (const auto& [key, value] : n.entries) out[key] = to_json(value);
+      return out;
+    }
+    case Node::Kind::scalar: break;
+  }
+  if (!n.quoted && (n.text == "true" || n.text == "false")) return n.text == "true";
+  if (!n.quoted && looks_like_quantity(n.text)) {
+    const Quantity q = parse_quantity(n.text, Unit::none);
+    if (q.error.empty() && q.value == std::floor(q.value) && std::abs(q.value) < 1e15) return static_cast<long long>(q.value);
+    if (q.error.empty()) return q.value;
+  }
+  return n.text;
+}
+
+// Number in SI, or text with one of the unit's suffixes.
+Json number(const Param& p) {
+  Json out = Json::object();
+  if (p.unit == Unit::none) {
+    out["type"] = "number";
+  } else {
+    std::string units;
+    for (const std::string& s : suffixes(p.unit)) {
+      units += units.empty() ? "" : "|";
+      for (char c : s) units += c == '^' ? "\\^" : std::string(1, c);
+    }
+    out["type"] = {"number", "string"};
+    out["pattern"] = "^[-+]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][-+]?[0-9]+)?\\s*(" + units + ")$";
+  }
+  if (std::isfinite(p.min)) out[p.min_open ? "exclusiveMinimum" : "minimum"] = p.min;
+  if (std::isfinite(p.max)) out[p.max_open ? "exclusiveMaximum" : "maximum"] = p.max;
+  return out;
+}
+
+Json list_of(Json items, int min = 1) { return {{"type", "array"}, {"items", std::move(items)}, {"minItems", min}}; }
+
+Json vec3(const Param& p) {
+  Json out = list_of(number(p), 3);
+  out["maxItems"] = 3;
+  return out;
+}
+
+Json described(const Param& p);
+
+Json value(const Param& p) {
+  switch (p.kind) {
+    case Kind::number: return number(p);
+    case Kind::integer: {
+      Json out = number(p);
+      out["type"] = "integer";
+      return out;
+    }
+    case Kind::flag: return {{"type", "boolean"}};
+    case Kind::text:
+    case Kind::path: return {{"type", "string"}};
+    case Kind::choice: return {{"enum", p.choices}};
+    case Kind::vec3: return vec3(p);
+    case Kind::numbers: return list_of(number(p));
+    case Kind::vec3s: return list_of(vec3(p));
+    case Kind::names: return list_of({{"type", "string"}}, 0);
+    case Kind::pairs: {
+      Json pair = list_of({{"type", "string"}}, 2);
+      pair["maxItems"] = 2;
+      return list_of(std::move(pair), 0);
+    }
+    case Kind::schedule: {
+      Param time;
+      time.unit = Unit::time;
+      Json table = {{"type", "object"},
+                    {"properties", {{"time", list_of(number(time))}, {"value", list_of(number(p))}}},
+                    {"required", {"time", "value"}},
+                    {"additionalProperties", false}};
+      return {{"oneOf", Json::array({number(p), std::move(table)})}};
+    }
+    case Kind::table: return block(*p.sub);
+    case Kind::tables: return {{"oneOf", Json::array({block(*p.sub), list_of(block(*p.sub))})}};
+    case Kind::map:
+      return {{"type", "object"}, {"propertyNames", {{"pattern", "^[a-z0-9_-]+$"}}}, {"additionalProperties", block(*p.sub)}};
+  }
+  return Json::object();
+}
+
+Json described(const Param& p) {
+  const std::string symbol = p.unit == Unit::none || p.unit == Unit::any ? "" : si_symbol(p.unit);
+  Json out = {{"description", (symbol.empty() ? "" : "[" + symbol + "] ") + p.help}};
+  const Json v = value(p);
+  for (const auto& [key, item] : v.items())
+    if (key != "description") out[key] = item;
+  if (p.fallback) out["default"] = to_json(parse_yaml(*p.fallback, ""));
+  return out;
+}
+
+Json plain_block(const ParamTable& t) {
+  Json properties = Json::object(), required = Json::array();
+  for (const Param& p : t.params) {
+    properties[p.key] = described(p);
+    if (!p.fallback && !p.optional) required.push_back(p.key);
+  }
+  Json out = {{"description", t.help}, {"type", required.empty() ? Json{"object", "null"} : Json("object")}};
+  out["properties"] = std::move(properties);
+  if (!required.empty()) out["required"] = std::move(required);
+  if (t.one_of) {
+    out["oneOf"] = Json::array();
+    for (const Param& p : t.params) out["oneOf"].push_back({{"required", {p.key}}});
+    out["type"] = "object";
+  }
+  out["patternProperties"] = {{"^x-", Json::object()}};
+  out["additionalProperties"] = false;
+  return out;
+}
+
+Json block(const ParamTable& t) {
+  const Variants* variants = variants_of(t);
+  if (!variants) return plain_block(t);
+  // Which keys are allowed follows from the choice.
+  Json out = {{"description", t.help}, {"type", "object"}, {"required", {variants->key}}};
+  out["properties"] = {{variants->key, described(t.params.front())}};
+  out["allOf"] = Json::array();
+  for (const auto& [name, table] : variants->of)
+    out["allOf"].push_back({{"if", {{"properties", {{variants->key, {{"const", name}}}}}}}, {"then", plain_block(*table)}});
+  return out;
+}
+
+}  // namespace
+
+std::string schema(std::span<const EffectTable> effects) {
+  const SceneTables tables(effects);
+  Json out = {{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "mortise scene"}};
+  const Json root = block(tables.root());
+  for (const auto& [key, item] : root.items()) out[key] = item;
+  out["properties"]["mortise"] = {{"description", "version of the scene format"}, {"const", kFormatVersion}};
+  return out.dump(1) + "\n";
+}
+
+}  // namespace mortise::scene

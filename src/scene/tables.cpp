@@ -1,0 +1,244 @@
+#include "scene/tables.h"
+
+namespace mortise::scene {
+namespace {
+
+using Kind = Param::Kind;
+using namespace param;
+
+Param length(std::string key, std::string help) { return positive(required(of(Kind::number, std::move(key), Unit::length, {}, std::move(help)))); }
+Param vector(std::string key, Unit unit, std::optional<std::string> fallback, std::string help) {
+  return of(Kind::vec3, std::move(key), unit, std::move(fallback), std::move(help));
+}
+Param integer(std::string key, std::optional<std::string> fallback, double min, double max, std::string help) {
+  return range(of(Kind::integer, std::move(key), Unit::none, std::move(fallback), std::move(help)), min, max);
+}
+Param flag(std::string key, std::string fallback, std::string help) {
+  return of(Kind::flag, std::move(key), Unit::none, std::move(fallback), std::move(help));
+}
+Param text(std::string key, std::optional<std::string> fallback, std::string help) {
+  return of(Kind::text, std::move(key), Unit::none, std::move(fallback), std::move(help));
+}
+Param always(Param p) {  // a block that is filled with its defaults when the scene leaves it out
+  p.optional = false, p.fallback = "{}";
+  return p;
+}
+Param map(std::string key, const ParamTable* sub, std::string help) {
+  Param p = of(Kind::map, std::move(key), Unit::none, {}, std::move(help));
+  p.sub = sub;
+  return p;
+}
+Param below(Param p, double max) {
+  p.max = max, p.max_open = true;
+  return p;
+}
+
+const ParamTable& time_table() {
+  static const ParamTable t{
+      "time",
+      "Steps of the simulation.",
+      {choice("mode", {"dynamic", "static"}, "dynamic", "dynamic marches through time; static finds equilibrium under growing loads"),
+       positive(optional(of(Kind::number, "step", Unit::time, {}, "time step; required when dynamic, not allowed when static"))),
+       integer("steps", {}, 1, 1e9, "number of steps; static: load steps that divide pseudo-time 0..1 evenly"),
+       integer("frame_every", "1", 1, 1e9, "a frame is written every so many steps")}};
+  return t;
+}
+
+const ParamTable& material_table() {
+  static const ParamTable t{
+      "material",
+      "What a body is made of.",
+      {choice("model", {"linear", "corotated", "neo_hookean"}, "neo_hookean", "elastic law of soft bodies"),
+       positive(optional(of(Kind::number, "youngs_modulus", Unit::pressure, {}, "Young's modulus; required for soft bodies"))),
+       below(range(optional(of(Kind::number, "poisson_ratio", Unit::none, {}, "Poisson's ratio; required for soft bodies")), 0, 0.5), 0.5),
+       positive(required(of(Kind::number, "density", Unit::density, {}, "mass per volume at rest")))}};
+  return t;
+}
+
+const ParamTable& rotation_table() {
+  static const ParamTable t{"rotation",
+                            "Rotation about an axis through the body's origin, before `position` is added.",
+                            {vector("axis", Unit::none, {}, "direction of the axis, of any length but zero"),
+                             required(of(Kind::number, "angle", Unit::angle, {}, "angle, right-handed about the axis"))}};
+  return t;
+}
+
+const ParamTable& box_table() {
+  static const ParamTable t{"box",
+                            "Box centred at the origin.",
+                            {positive(vector("size", Unit::length, {}, "lengths of the sides along x, y, z")),
+                             length("edge_length", "target length of mesh edges")}};
+  return t;
+}
+const ParamTable& sphere_table() {
+  static const ParamTable t{
+      "sphere", "Sphere centred at the origin.", {length("radius", "radius"), length("edge_length", "target length of mesh edges")}};
+  return t;
+}
+const ParamTable& cylinder_table() {
+  static const ParamTable t{"cylinder",
+                            "Cylinder centred at the origin, axis z.",
+                            {length("radius", "radius"), length("height", "length along z"),
+                             length("edge_length", "target length of mesh edges")}};
+  return t;
+}
+const ParamTable& capsule_table() {
+  static const ParamTable t{"capsule",
+                            "Capsule centred at the origin, axis z.",
+                            {length("radius", "radius of the caps and of the middle part"),
+                             length("height", "length of the cylindrical middle part, without the caps"),
+                             length("edge_length", "target length of mesh edges")}};
+  return t;
+}
+const ParamTable& mesh_table() {
+  static const ParamTable t{
+      "mesh",
+      "Mesh from a file; a surface of a soft body is filled with tetrahedra.",
+      {required(of(Kind::path, "file", Unit::none, {}, "mesh file: .obj, .stl, .ply, .glb, .dae or .msh")),
+       positive(number("scale", Unit::none, "1", 0, "factor from the file's length unit to metres")),
+       number("weld", Unit::length, "0 m", 0, "vertices nearer than this are merged"),
+       positive(optional(of(Kind::number, "edge_length", Unit::length, {}, "target length of tetrahedron edges"))),
+       positive(optional(of(Kind::number, "surface_edge_length", Unit::length, {}, "target length of surface edges; absent keeps the surface")))}};
+  return t;
+}
+const ParamTable& shape_table() {
+  static const ParamTable t = [] {
+    ParamTable s{"shape",
+                 "Rest shape: exactly one of these.",
+                 {table("box", &box_table(), "box"), table("sphere", &sphere_table(), "sphere"), table("cylinder", &cylinder_table(), "cylinder"),
+                  table("capsule", &capsule_table(), "capsule"), table("mesh", &mesh_table(), "mesh from a file")}};
+    s.one_of = true;
+    return s;
+  }();
+  return t;
+}
+
+const ParamTable& visual_table() {
+  static const ParamTable t{"visual",
+                            "How pictures show the body; without a mesh its simulation surface is drawn.",
+                            {optional(of(Kind::path, "mesh", Unit::none, {}, "mesh file that is drawn and moves with the body")),
+                             range(vector("color", Unit::none, "[0.7, 0.7, 0.7]", "base colour: red, green, blue"), 0, 1),
+                             optional(of(Kind::path, "texture", Unit::none, {}, "image file mapped by the mesh's texture coordinates")),
+                             range(number("roughness", Unit::none, "0.6", 0, "0 is a mirror, 1 is matt"), 0, 1),
+                             range(number("metallic", Unit::none, "0", 0, "0 is a dielectric, 1 is a metal"), 0, 1)}};
+  return t;
+}
+
+Param body_type() {
+  return required(choice("type", {"soft", "stiff", "half_space"}, "",
+                         "soft deforms, stiff is an affine body of few degrees of freedom, half_space is a fixed plane"));
+}
+std::vector<Param> solid_params() {
+  return {body_type(),
+          required(table("shape", &shape_table(), "rest shape")),
+          text("material", {}, "name of a material"),
+          vector("position", Unit::length, "[0, 0, 0]", "where the shape's origin is placed"),
+          table("rotation", &rotation_table(), "rotation of the shape about its origin"),
+          vector("velocity", Unit::velocity, "[0, 0, 0]", "velocity at the start"),
+          vector("angular_velocity", Unit::angular_velocity, "[0, 0, 0]", "angular velocity about the centre of mass at the start"),
+          always(table("visual", &visual_table(), "appearance in pictures"))};
+}
+const ParamTable& soft_table() {
+  static const ParamTable t = [] {
+    ParamTable s{"soft body", "Deformable body of tetrahedra.", solid_params()};
+    s.params.push_back(flag("self_contact", "false", "whether the body can touch itself"));
+    return s;
+  }();
+  return t;
+}
+const ParamTable& stiff_table() {
+  static const ParamTable t{"stiff body", "Body that moves by an affine map, nearly rigid.", solid_params()};
+  return t;
+}
+const ParamTable& half_space_table() {
+  static const ParamTable t{"half space",
+                            "Everything behind a plane is solid and does not move.",
+                            {body_type(), vector("point", Unit::length, "[0, 0, 0]", "a point of the plane"),
+                             vector("normal", Unit::none, "[0, 0, 1]", "direction out of the solid, of any length but zero"),
+                             always(table("visual", &visual_table(), "appearance in pictures"))}};
+  return t;
+}
+const ParamTable& body_table() {
+  static const ParamTable t{"body", "One body; its keys depend on `type`.", {body_type()}};
+  return t;
+}
+
+const ParamTable& solver_table() {
+  static const ParamTable t{
+      "solver",
+      "When a step counts as solved, and how its linear systems are solved.",
+      {number("force_tolerance", Unit::force, "1e-9 N", 0, "a step has converged when no residual force is larger"),
+       below(number("relative_tolerance", Unit::none, "1e-6", 0, "or when none is larger than this share of the largest force"), 1),
+       number("step_tolerance", Unit::length, "0 m", 0, "when positive, the last Newton step must not have moved anything further"),
+       integer("iterations", "100", 1, 100000, "most Newton iterations of one step"),
+       choice("linear", {"auto", "direct", "cg"}, "auto", "linear solver: Cholesky, or preconditioned conjugate gradients"),
+       below(positive(number("cg_tolerance", Unit::none, "1e-4", 0, "relative residual at which conjugate gradients stop")), 1),
+       integer("cg_iterations", "10000", 1, 10000000, "most iterations of one linear solve by conjugate gradients"),
+       integer("halvings", "6", 0, 30, "how often a failed step is tried again with half its length")}};
+  return t;
+}
+
+const ParamTable& output_table() {
+  static const ParamTable t{
+      "output",
+      "What a run writes.",
+      {optional(of(Kind::names, "fields", Unit::none, {}, "names of the fields to keep; absent keeps all")),
+       choice("precision", {"single", "double"}, "single", "floating-point format of the fields"),
+       flag("pictures", "true", "whether frames are rendered when the scene has a `render` block")}};
+  return t;
+}
+
+const ParamTable& camera_table() {
+  static const ParamTable t{
+      "camera",
+      "One picture per frame.",
+      {vector("position", Unit::length, {}, "where the camera stands"), vector("look_at", Unit::length, {}, "point in the middle of the picture"),
+       vector("up", Unit::none, "[0, 0, 1]", "direction that is up in the picture"),
+       below(positive(number("fov", Unit::angle, "35 deg", 0, "vertical field of view")), 3.14159265358979),
+       optional(of(Kind::text, "colour_by", Unit::none, {}, "field that colours the bodies")),
+       optional(of(Kind::numbers, "range", Unit::any, {}, "values at the two ends of the colour scale; absent takes the run's extremes")),
+       optional(of(Kind::text, "unit", Unit::none, {}, "unit of the numbers at the colour scale"))}};
+  return t;
+}
+const ParamTable& render_table() {
+  static const ParamTable t{"render",
+                            "Pictures of the run.",
+                            {integer("width", "1280", 16, 16384, "width of the pictures in pixels"),
+                             integer("height", "720", 16, 16384, "height of the pictures in pixels"),
+                             range(vector("background", Unit::none, "[1, 1, 1]", "background colour: red, green, blue"), 0, 1),
+                             map("cameras", &camera_table(), "cameras by name")}};
+  return t;
+}
+
+}  // namespace
+
+const Variants* variants_of(const ParamTable& t) {
+  static const Variants body{&body_table(), "type", {{"soft", &soft_table()}, {"stiff", &stiff_table()}, {"half_space", &half_space_table()}}};
+  return &t == body.table ? &body : nullptr;
+}
+
+SceneTables::SceneTables(std::span<const EffectTable> effects) {
+  effects_.name = "effects";
+  effects_.help = "The physics of the scene: what is not named here does not exist.";
+  for (const EffectTable& e : effects) {
+    Param p = table(e.name, e.table, e.help);
+    if (e.table->is_list) p.kind = Kind::tables;
+    effects_.params.push_back(std::move(p));
+  }
+  root_.name = "scene";
+  root_.help = "A mortise scene.";
+  root_.params = {integer("mortise", {}, kFormatVersion, kFormatVersion, "version of the scene format"),
+                  text("name", "scene", "short name of the scene: a-z, 0-9, _ and -"),
+                  text("description", "\"\"", "one line on what happens"),
+                  required(table("time", &time_table(), "steps of the simulation")),
+                  map("materials", &material_table(), "materials by name"),
+                  map("bodies", &body_table(), "bodies by name"),
+                  required(table("effects", &effects_, "the physics: what is not named here does not exist")),
+                  always(table("solver", &solver_table(), "accuracy and effort of the solver")),
+                  always(table("output", &output_table(), "what a run writes")),
+                  table("render", &render_table(), "pictures of the run")};
+  for (Param& p : root_.params)
+    if (p.key == "materials") p.fallback = "{}";
+}
+
+}  // namespace mortise::scene
