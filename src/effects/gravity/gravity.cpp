@@ -1,0 +1,92 @@
+#include "effects/gravity/gravity.h"
+
+#include <utility>
+
+#include "effects/body_blocks.h"
+#include "effects/list.h"
+
+namespace mortise::effects {
+namespace {
+
+const ParamTable kTable{"effect gravity",
+                        "Weight of all bodies.",
+                        {param::of(Param::Kind::vec3, "acceleration", Unit::acceleration, "[0, 0, -9.81]", "Acceleration of free fall.")}};
+
+struct Weight {
+  Index block;
+  Vec3 force;  // [N]
+};
+
+class Gravity final : public Effect {
+ public:
+  Gravity(const Params& params, model::Model& model) : model_(model) {
+    const Vec3 g = params.vec3("acceleration");
+    const auto row = model.mass.row_offset.download(), column = model.mass.column.download();
+    const auto value = model.mass.value.download();
+    const auto env = model.block_env.download();
+    const std::vector<double> share = translation_share(model);
+    std::vector<Weight> weights;
+    std::vector<Index> weight_env;
+    for (Index i = 0; i < model.blocks; ++i) {
+      double mass = 0;
+      for (Index k = row[i]; k < row[i + 1]; ++k) mass += value[k] * share[column[k]];
+      if (mass == 0) continue;
+      weights.push_back({i, mass * g});
+      weight_env.push_back(env[i]);
+    }
+    weights_.upload(weights);
+    env_offset_ = env_offsets(weight_env, model.envs);
+
+    // Constant: written once.
+    stencils_.resize_uniform(weights_.size(), 1);
+    const linalg::StencilView out = stencils_.view();
+    const View<const Weight> w = std::as_const(weights_).view();
+    device::parallel_for("gravity.pattern", w.n, [=] MORTISE_HD(Index s) {
+      out.block[s] = w[s].block;
+      out.grad[s] = gravity::gradient(w[s].force);
+      out.hess[s] = Mat3::Zero();
+    });
+    stencils_.pattern_changed();
+  }
+
+  std::string_view name() const override { return "gravity"; }
+
+  void plan(Plan& out) const override {
+    out.buffers.push_back({"stencils", stencils_.bytes()});
+    out.buffers.push_back({"weights", weights_.bytes()});
+    for (const char* k : {"gravity.pattern", "gravity.energy"}) out.kernels.push_back(k);
+  }
+
+  void energy(Positions q, std::vector<double>& per_env) override {
+    const View<const Weight> w = std::as_const(weights_).view();
+    const Positions rest = std::as_const(model_.rest).view();
+    device::env_sum(
+        "gravity.energy", env_offset_,
+        [=] MORTISE_HD(Index s) { return gravity::energy(w[s].force, q[w[s].block], rest[w[s].block]); }, per_env);
+  }
+
+  linalg::StencilSet& assemble(Positions, bool) override { return stencils_; }
+
+  void report(FieldSink& sink) override {
+    std::vector<double> per_env(model_.envs, 0.0);
+    energy(std::as_const(model_.q).view(), per_env);
+    double total = 0;
+    for (double e : per_env) total += e;
+    sink.scalar("gravity", "energy", "J", total);
+  }
+
+ private:
+  model::Model& model_;
+  device::Buffer<Weight> weights_;
+  std::vector<Index> env_offset_;
+  linalg::StencilSet stencils_;
+};
+
+}  // namespace
+
+Kind gravity_kind() {
+  return {"gravity", "weight of all bodies", &kTable,
+          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Gravity>(p, m); }, {}};
+}
+
+}  // namespace mortise::effects

@@ -1,0 +1,193 @@
+#include "effects/inertia/inertia.h"
+
+#include <utility>
+
+#include "effects/body_blocks.h"
+#include "effects/list.h"
+
+namespace mortise::effects {
+namespace {
+
+const ParamTable kTable{
+    "effect inertia",
+    "Bodies resist acceleration; makes the scene dynamic.",
+    {param::choice("integrator", {"backward_euler", "bdf2"}, "backward_euler",
+                   "Time integrator: backward_euler is first-order and damps, bdf2 is second-order and damps far less.")}};
+
+// One nonzero m_ij, i <= j, of the mass matrix.
+struct MassPair {
+  Index i, j;
+  double m;
+};
+
+class Inertia final : public Effect {
+ public:
+  Inertia(const Params& params, model::Model& model) : model_(model), bdf2_(params.text("integrator") == "bdf2") {
+    const auto row = model.mass.row_offset.download(), column = model.mass.column.download();
+    const auto value = model.mass.value.download();
+    const auto env = model.block_env.download();
+    std::vector<MassPair> pairs;
+    std::vector<Index> counts, pair_env;
+    for (Index i = 0; i < model.blocks; ++i)
+      for (Index k = row[i]; k < row[i + 1]; ++k) {
+        const Index j = column[k];
+        if (j < i || value[k] == 0) continue;
+        pairs.push_back({i, j, value[k]});
+        counts.push_back(i == j ? 1 : 2);
+        pair_env.push_back(env[i]);
+      }
+    counts.push_back(0);
+    env_offset_ = env_offsets(pair_env, model.envs);
+    pairs_.upload(pairs);
+    stencils_.resize(device::Buffer<Index>(counts));
+    const linalg::StencilView out = stencils_.view();
+    const View<const MassPair> p = std::as_const(pairs_).view();
+    device::parallel_for("inertia.pattern", p.n, [=] MORTISE_HD(Index s) {
+      out.block[out.offset[s]] = p[s].i;
+      if (p[s].i != p[s].j) out.block[out.offset[s] + 1] = p[s].j;
+    });
+    stencils_.pattern_changed();
+
+    q_begin_.copy_from(model.q);
+    q_prev_.copy_from(model.q);
+    v_.copy_from(model.initial_velocity);
+    v_prev_.copy_from(v_);
+    q_hat_.copy_from(model.q);
+  }
+
+  std::string_view name() const override { return "inertia"; }
+
+  void plan(Plan& out) const override {
+    out.buffers.push_back({"stencils", stencils_.bytes()});
+    out.buffers.push_back({"mass entries", pairs_.bytes()});
+    out.buffers.push_back({"history", q_begin_.bytes() + q_prev_.bytes() + v_.bytes() + v_prev_.bytes() + q_hat_.bytes()});
+    for (const char* k : {"inertia.pattern", "inertia.predict", "inertia.energy", "inertia.assemble", "inertia.velocity"}) out.kernels.push_back(k);
+  }
+
+  // Changes no history, so that a step may be tried again with a smaller dt.
+  void begin_step(const StepInfo& step) override {
+    integrator_ = bdf2_ && dt_prev_ > 0 ? inertia::bdf2(step.dt, dt_prev_) : inertia::backward_euler(step.dt);
+    const inertia::Integrator in = integrator_;
+    const Positions qn = std::as_const(model_.q).view(), qn1 = std::as_const(q_prev_).view();
+    const Positions vn = std::as_const(v_).view(), vn1 = std::as_const(v_prev_).view();
+    const View<Vec3> hat = q_hat_.view();
+    device::parallel_for("inertia.predict", hat.n, [=] MORTISE_HD(Index b) { hat[b] = in.q_hat(qn[b], qn1[b], vn[b], vn1[b]); });
+    q_begin_.copy_from(model_.q);
+  }
+
+  void energy(Positions q, std::vector<double>& per_env) override {
+    const View<const MassPair> pair = std::as_const(pairs_).view();
+    const Positions hat = std::as_const(q_hat_).view();
+    const double c = integrator_.c();
+    device::env_sum(
+        "inertia.energy", env_offset_,
+        [=] MORTISE_HD(Index s) {
+          const MassPair p = pair[s];
+          return inertia::energy(p.i == p.j, c * p.m, q[p.i] - hat[p.i], q[p.j] - hat[p.j]);
+        },
+        per_env);
+  }
+
+  linalg::StencilSet& assemble(Positions q, bool hessian) override {
+    const View<const MassPair> pair = std::as_const(pairs_).view();
+    const Positions hat = std::as_const(q_hat_).view();
+    const linalg::StencilView out = stencils_.view();
+    const double c = integrator_.c();
+    device::parallel_for("inertia.assemble", pair.n, [=] MORTISE_HD(Index s) {
+      const MassPair p = pair[s];
+      const double cm = c * p.m;
+      Vec3* grad = out.grad.p + out.offset[s];
+      Mat3* hess = out.hess.p + out.hess_offset[s];
+      if (p.i == p.j) {
+        grad[0] = cm * (q[p.i] - hat[p.i]);
+        if (hessian) hess[0] = cm * Mat3::Identity();
+      } else {
+        grad[0] = cm * (q[p.j] - hat[p.j]);
+        grad[1] = cm * (q[p.i] - hat[p.i]);
+        if (hessian) hess[0] = Mat3::Zero(), hess[1] = cm * Mat3::Identity(), hess[2] = Mat3::Zero();
+      }
+    });
+    return stencils_;
+  }
+
+  void end_step(Positions q) override {
+    const inertia::Integrator in = integrator_;
+    const Positions qn = std::as_const(q_begin_).view();
+    const View<Vec3> qn1 = q_prev_.view(), vn = v_.view(), vn1 = v_prev_.view();
+    device::parallel_for("inertia.velocity", q.n, [=] MORTISE_HD(Index b) {
+      const Vec3 v = in.velocity(q[b], qn[b], qn1[b]);
+      qn1[b] = qn[b];
+      vn1[b] = vn[b];
+      vn[b] = v;
+    });
+    dt_prev_ = in.dt;
+  }
+
+  void report(FieldSink& sink) override {
+    device::Buffer<Vec3> y;
+    model_.points_of(std::as_const(v_).view(), y);
+    const std::vector<Vec3> velocity = y.download();
+    sink.points("velocity", "m/s", 3, {velocity.empty() ? nullptr : velocity[0].data(), 3 * velocity.size()});
+
+    // Kinetic energy 1/2 v.Mv; momentum of a rigid translation, sum_ij share_i m_ij v_j; and of a rigid rotation about the
+    // origin, which turns every block alike, sum_ij q_i x m_ij v_j.
+    const std::vector<Vec3> v = v_.download(), q = model_.q.download();
+    const std::vector<double> share = translation_share(model_);
+    double kinetic = 0;
+    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
+    for (const MassPair& p : pairs_.download()) {
+      kinetic += inertia::energy(p.i == p.j, p.m, v[p.i], v[p.j]);
+      linear += p.m * share[p.i] * v[p.j];
+      angular += p.m * q[p.i].cross(v[p.j]);
+      if (p.i == p.j) continue;
+      linear += p.m * share[p.j] * v[p.i];
+      angular += p.m * q[p.j].cross(v[p.i]);
+    }
+    sink.scalar("inertia", "kinetic_energy", "J", kinetic);
+    const char* axes[] = {"x", "y", "z"};
+    for (int a = 0; a < 3; ++a) sink.scalar("inertia", std::string("momentum_") + axes[a], "kg m/s", linear[a]);
+    for (int a = 0; a < 3; ++a) sink.scalar("inertia", std::string("angular_momentum_") + axes[a], "kg m^2/s", angular[a]);
+  }
+
+  void checkpoint(Archive& archive) override {
+    archive.io("inertia.dt_prev", dt_prev_);
+    io(archive, "inertia.q_prev", q_prev_);
+    io(archive, "inertia.v", v_);
+    io(archive, "inertia.v_prev", v_prev_);
+  }
+
+ private:
+  static void io(Archive& archive, std::string_view name, device::Buffer<Vec3>& buffer) {
+    std::vector<Vec3> host = buffer.download();
+    std::vector<double> flat(3 * host.size());
+    for (std::size_t i = 0; i < host.size(); ++i)
+      for (int a = 0; a < 3; ++a) flat[3 * i + a] = host[i][a];
+    archive.io(name, flat);
+    if (!archive.loading()) return;
+    if (flat.size() != 3 * host.size()) throw Error(Exit::file, "the checkpoint holds '" + std::string(name) + "' of another size than the scene");
+    for (std::size_t i = 0; i < host.size(); ++i) host[i] = Vec3(flat[3 * i], flat[3 * i + 1], flat[3 * i + 2]);
+    buffer.upload(host);
+  }
+
+  model::Model& model_;
+  bool bdf2_;
+  device::Buffer<MassPair> pairs_;
+  std::vector<Index> env_offset_;
+  linalg::StencilSet stencils_;
+
+  inertia::Integrator integrator_;
+  device::Buffer<Vec3> q_hat_, q_begin_;  // of the step under way
+  // History: velocity now, positions and velocity one step before, and the length of the last step (0 before the first).
+  device::Buffer<Vec3> v_, q_prev_, v_prev_;
+  double dt_prev_ = 0;
+};
+
+}  // namespace
+
+Kind inertia_kind() {
+  return {"inertia", "bodies resist acceleration (backward Euler or BDF2)", &kTable,
+          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Inertia>(p, m); },
+          {"Hairer, Wanner: Solving Ordinary Differential Equations II. Springer, 1996 (variable-step BDF2)"}};
+}
+
+}  // namespace mortise::effects

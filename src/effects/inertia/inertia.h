@@ -1,0 +1,36 @@
+#pragma once
+// Inertia as an incremental potential. A time integrator turns M a = f(q) at the end of the step into the minimum of
+//     1/2 c |q - q_hat|^2_M + (potential of f),       c [1/s^2],
+// whose gradient is c M (q - q_hat) = M a. Both integrators read, with w = dt / dt_prev,
+//     v = (a0 q - a1 q_n + a2 q_{n-1}) / dt,     a = (a0 v - a1 v_n + a2 v_{n-1}) / dt            (n: last accepted state)
+//   backward Euler:      a0 = 1,  a1 = 1,  a2 = 0
+//   variable-step BDF2:  a0 = (1 + 2w)/(1 + w),  a1 = 1 + w,  a2 = w^2/(1 + w)
+// Putting v into a:  a = c (q - q_hat)  with
+//     c = (a0/dt)^2,    q_hat = (a1 q_n - a2 q_{n-1})/a0 + dt/a0^2 (a1 v_n - a2 v_{n-1}).
+#include "base/types.h"
+
+namespace mortise::effects::inertia {
+
+struct Integrator {
+  double a0 = 1, a1 = 1, a2 = 0, dt = 0;
+  MORTISE_HD double c() const { return a0 * a0 / (dt * dt); }
+  MORTISE_HD Vec3 q_hat(const Vec3& qn, const Vec3& qn1, const Vec3& vn, const Vec3& vn1) const {
+    return (a1 * qn - a2 * qn1) / a0 + dt / (a0 * a0) * (a1 * vn - a2 * vn1);
+  }
+  MORTISE_HD Vec3 velocity(const Vec3& q, const Vec3& qn, const Vec3& qn1) const { return (a0 * q - a1 * qn + a2 * qn1) / dt; }
+};
+
+inline Integrator backward_euler(double dt) { return {1, 1, 0, dt}; }
+inline Integrator bdf2(double dt, double dt_prev) {
+  const double w = dt / dt_prev;
+  return {(1 + 2 * w) / (1 + w), 1 + w, w * w / (1 + w), dt};
+}
+
+// One entry m_ij [kg] of the mass matrix, i <= j, with d = q - q_hat; it stands for m_ji as well.
+//   energy   i = j: 1/2 c m d_i.d_i           i < j: c m d_i.d_j
+//   gradient i = j: c m d_i                   i < j: c m d_j (block i), c m d_i (block j)
+//   Hessian  i = j: c m I                     i < j: c m I (pair i, j), zero on the diagonal
+// A single pair is not positive semi-definite; their sum is, because M is.
+MORTISE_HD inline double energy(bool diagonal, double cm, const Vec3& di, const Vec3& dj) { return (diagonal ? 0.5 : 1.0) * cm * di.dot(dj); }
+
+}  // namespace mortise::effects::inertia
