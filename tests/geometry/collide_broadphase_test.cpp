@@ -1,0 +1,184 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstring>
+
+#include "collide_helpers.h"
+#include "geometry/collide/broadphase.h"
+
+namespace mortise::geometry {
+namespace {
+
+using device::Buffer;
+
+struct BruteForce {
+  std::vector<std::array<Index, 2>> pt, ee;
+};
+
+struct Box {
+  Vec3 lo, hi;
+};
+Box box(const Index* v, int n, const std::vector<Vec3>& y, const std::vector<Vec3>& dy, double radius) {
+  Box b{y[v[0]], y[v[0]]};
+  for (int i = 0; i < n; ++i) {
+    b.lo = b.lo.cwiseMin(y[v[i]]), b.hi = b.hi.cwiseMax(y[v[i]]);
+    if (dy.empty()) continue;
+    const Vec3 end = y[v[i]] + dy[v[i]];
+    b.lo = b.lo.cwiseMin(end), b.hi = b.hi.cwiseMax(end);
+  }
+  b.lo.array() -= radius / 2;
+  b.hi.array() += radius / 2;
+  return b;
+}
+bool overlap(const Box& a, const Box& b) { return (a.lo.array() <= b.hi.array()).all() && (b.lo.array() <= a.hi.array()).all(); }
+
+// All pairs of environment after environment, in the order of ids.
+BruteForce brute_force(const test::Soup& s, const std::vector<Vec3>& y, const std::vector<Vec3>& dy, double radius) {
+  BruteForce out;
+  const auto watched = [&](Index a, Index b) { return s.env[a] == s.env[b] && s.allowed[s.body[a] * s.bodies + s.body[b]]; };
+  const Index envs = s.env.empty() ? 0 : *std::max_element(s.env.begin(), s.env.end()) + 1;
+  for (Index e = 0; e < envs; ++e) {
+    for (Index p = 0; p < static_cast<Index>(s.points.size()); ++p)
+      for (Index t = 0; s.env[p] == e && t < static_cast<Index>(s.triangles.size()); ++t) {
+        const Index* v = s.triangles[t].v;
+        if (!watched(p, v[0]) || v[0] == p || v[1] == p || v[2] == p) continue;
+        if (overlap(box(&p, 1, y, dy, radius), box(v, 3, y, dy, radius))) out.pt.push_back({p, t});
+      }
+    for (Index a = 0; a < static_cast<Index>(s.edges.size()); ++a)
+      for (Index b = a + 1; s.env[s.edges[a].v[0]] == e && b < static_cast<Index>(s.edges.size()); ++b) {
+        const Index *v = s.edges[a].v, *w = s.edges[b].v;
+        if (!watched(v[0], w[0]) || v[0] == w[0] || v[0] == w[1] || v[1] == w[0] || v[1] == w[1]) continue;
+        if (overlap(box(v, 2, y, dy, radius), box(w, 2, y, dy, radius))) out.ee.push_back({a, b});
+      }
+  }
+  return out;
+}
+
+void expect_exact(const test::Soup& s, const Broadphase& found, const BruteForce& truth) {
+  const auto pt = std::vector<PointTriangle>(found.point_triangles().p, found.point_triangles().p + found.point_triangles().n);
+  const auto ee = std::vector<EdgeEdge>(found.edge_edges().p, found.edge_edges().p + found.edge_edges().n);
+  ASSERT_EQ(pt.size(), truth.pt.size());
+  ASSERT_EQ(ee.size(), truth.ee.size());
+  for (std::size_t i = 0; i < pt.size(); ++i) {
+    ASSERT_EQ(pt[i].point, truth.pt[i][0]);
+    ASSERT_EQ(pt[i].triangle, truth.pt[i][1]);
+    ASSERT_EQ(pt[i].v[0], pt[i].point);
+    ASSERT_EQ(0, std::memcmp(pt[i].v + 1, s.triangles[pt[i].triangle].v, 3 * sizeof(Index)));
+  }
+  for (std::size_t i = 0; i < ee.size(); ++i) {
+    ASSERT_EQ(ee[i].a, truth.ee[i][0]);
+    ASSERT_EQ(ee[i].b, truth.ee[i][1]);
+    ASSERT_EQ(0, std::memcmp(ee[i].v, s.edges[ee[i].a].v, 2 * sizeof(Index)));
+    ASSERT_EQ(0, std::memcmp(ee[i].v + 2, s.edges[ee[i].b].v, 2 * sizeof(Index)));
+  }
+  for (std::size_t e = 0; e + 1 < found.pt_env_offset().size(); ++e) {
+    for (Index i = found.pt_env_offset()[e]; i < found.pt_env_offset()[e + 1]; ++i) ASSERT_EQ(s.env[pt[i].point], static_cast<Index>(e));
+    for (Index i = found.ee_env_offset()[e]; i < found.ee_env_offset()[e + 1]; ++i) ASSERT_EQ(s.env[ee[i].v[0]], static_cast<Index>(e));
+  }
+  ASSERT_EQ(found.pt_env_offset().back(), static_cast<Index>(pt.size()));
+  ASSERT_EQ(found.ee_env_offset().back(), static_cast<Index>(ee.size()));
+}
+
+// Bodies of all environments fill the same space, environments are interleaved, and only some pairs are watched.
+test::Soup many_bodies(int bodies, int envs, int squares, unsigned seed, bool self) {
+  test::Random r(seed);
+  test::Soup s;
+  for (int b = 0; b < bodies; ++b) test::add_patch(s, r, squares, 1, test::random_vec(r, 0.6), b * 7 % envs);
+  s.allowed.assign(bodies * bodies, 0);
+  for (int a = 0; a < bodies; ++a)
+    for (int b = 0; b < bodies; ++b) s.allowed[a * bodies + b] = a == b ? self : (a + b) % 5 != 0;
+  return s;
+}
+
+struct Case {
+  int bodies, envs, squares;
+  bool self, moves;
+  double radius;
+};
+class BroadphaseCases : public testing::TestWithParam<Case> {};
+
+TEST_P(BroadphaseCases, FindsExactlyTheBruteForcePairs) {
+  const Case c = GetParam();
+  const test::Soup s = many_bodies(c.bodies, c.envs, c.squares, 11, c.self);
+  const Surface surface = s.surface();
+  Broadphase broadphase(surface);
+  test::Random r(5);
+  std::vector<Vec3> y = s.points, dy;
+  for (int pass = 0; pass < 3; ++pass) {  // later passes reuse the order of the leaves
+    if (c.moves) {
+      dy.resize(y.size());
+      for (Vec3& d : dy) d = test::random_vec(r, 0.1);
+    }
+    const Buffer<Vec3> yb(y), dyb(dy);
+    broadphase.update(yb.view(), dyb.view(), c.radius);
+    const BruteForce truth = brute_force(s, y, dy, c.radius);
+    ASSERT_FALSE(truth.pt.empty());
+    ASSERT_FALSE(truth.ee.empty());
+    expect_exact(s, broadphase, truth);
+    for (Vec3& p : y) p += test::random_vec(r, 0.3);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, BroadphaseCases,
+                         testing::Values(Case{2, 1, 8, false, false, 0.05}, Case{2, 1, 8, true, true, 0.0}, Case{9, 3, 4, true, false, 0.1},
+                                         Case{40, 17, 2, false, true, 0.02}, Case{5, 1, 3, true, false, 10.0}));
+
+TEST(Broadphase, DoesNotDependOnThreads) {
+  const test::Soup s = many_bodies(12, 4, 10, 3, true);
+  const Surface surface = s.surface();
+  const Buffer<Vec3> y(s.points);
+  std::vector<std::vector<PointTriangle>> pt;
+  std::vector<std::vector<EdgeEdge>> ee;
+  for (int threads : {1, 2, 5}) {
+    device::set_threads(threads);
+    Broadphase b(surface);
+    b.update(y.view(), {}, 0.03);
+    pt.emplace_back(b.point_triangles().p, b.point_triangles().p + b.point_triangles().n);
+    ee.emplace_back(b.edge_edges().p, b.edge_edges().p + b.edge_edges().n);
+  }
+  device::set_threads(0);
+  for (int k : {1, 2}) {
+    ASSERT_EQ(pt[k].size(), pt[0].size());
+    ASSERT_EQ(ee[k].size(), ee[0].size());
+    EXPECT_EQ(0, std::memcmp(pt[k].data(), pt[0].data(), pt[0].size() * sizeof(PointTriangle)));
+    EXPECT_EQ(0, std::memcmp(ee[k].data(), ee[0].data(), ee[0].size() * sizeof(EdgeEdge)));
+  }
+}
+
+TEST(Broadphase, EmptyCases) {
+  const Surface nothing;
+  Broadphase none(nothing);
+  none.update({}, {}, 0.1);
+  EXPECT_EQ(none.point_triangles().n, 0);
+  EXPECT_EQ(none.edge_edges().n, 0);
+
+  // Soft interior points only: nothing collides, but the environments are still there.
+  test::Soup s;
+  s.add_body({Vec3(0, 0, 0), Vec3(1, 0, 0)}, {}, 0);
+  s.add_body({Vec3(0, 0, 0)}, {}, 1);
+  s.allowed = {1, 1, 1, 1};
+  const Surface points = s.surface();
+  const Buffer<Vec3> y(s.points);
+  Broadphase b(points);
+  b.update(y.view(), {}, 0.1);
+  EXPECT_EQ(b.pt_env_offset(), (std::vector<Index>{0, 0, 0}));
+  EXPECT_EQ(b.ee_env_offset(), (std::vector<Index>{0, 0, 0}));
+
+  // Two bodies far apart, and then the same bodies close together.
+  test::Soup two;
+  two.add_body({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {{{0, 1, 2}}}, 0);
+  two.add_body({Vec3(0, 0, 5), Vec3(1, 0, 5), Vec3(0, 1, 5)}, {{{0, 1, 2}}}, 0);
+  two.allowed = {0, 1, 1, 0};
+  const Surface pair = two.surface();
+  Broadphase p(pair);
+  const Buffer<Vec3> apart(two.points);
+  p.update(apart.view(), {}, 0.1);
+  EXPECT_EQ(p.point_triangles().n, 0);
+  const Buffer<Vec3> dy(std::vector<Vec3>{Vec3(0, 0, 5), Vec3(0, 0, 5), Vec3(0, 0, 5), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()});
+  p.update(apart.view(), dy.view(), 0);
+  EXPECT_EQ(p.point_triangles().n, 6);
+  EXPECT_EQ(p.edge_edges().n, 9);
+}
+
+}  // namespace
+}  // namespace mortise::geometry
