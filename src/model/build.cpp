@@ -110,8 +110,10 @@ void add_body(Layout& l, Model& model, const BodyInput& in) {
   body.type = in.type;
   body.env = in.env;
   body.where = in.params.where();
-  body.youngs_modulus = in.material.number("youngs_modulus");
-  body.poisson_ratio = in.material.number("poisson_ratio");
+  if (in.type == BodyType::soft) {
+    body.youngs_modulus = in.material.number("youngs_modulus");
+    body.poisson_ratio = in.material.number("poisson_ratio");
+  }
   body.density = in.material.number("density");
   body.block_begin = static_cast<Index>(l.rest.size());
   body.point_begin = static_cast<Index>(l.points.size());

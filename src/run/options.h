@@ -1,0 +1,23 @@
+#pragma once
+#include <string>
+#include <vector>
+
+namespace mortise::run {
+
+// The command line of `mortise run`.
+struct Options {
+  std::string scene;                   // path, "-" = standard input
+  std::vector<std::string> overrides;  // --set a.b=c
+  std::string output;                  // folder; empty: out/<scene name>
+  bool overwrite = false;
+  std::string resume;                  // "": no; "yes": needs a checkpoint; "auto": a checkpoint if there is one
+  long frames = -1;                    // stop after so many frames (the state at the start does not count)
+  bool no_render = false;
+  bool json = false;                   // events as JSON lines on stdout
+  bool quiet = false;
+  std::string device = "auto";         // auto | cpu | cuda[:N]
+  int threads = 0;                     // 0: what the machine grants
+  std::string command;                 // as typed, for run.json and the replay hint
+};
+
+}  // namespace mortise::run

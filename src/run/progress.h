@@ -1,0 +1,29 @@
+#pragma once
+#include <memory>
+#include <string>
+
+#include "solver/report.h"
+
+namespace mortise::run {
+
+// What the progress line shows beside the solver's own figures; NaN where no effect reported it.
+struct ContactFigures {
+  double pairs;    // active contact pairs
+  double min_gap;  // [m]
+};
+
+// Tells the user how a run goes: one line that rewrites itself on a terminal, one line per step otherwise (both on stderr), or
+// one JSON object per event on stdout.
+class Progress {
+ public:
+  virtual ~Progress() = default;
+  virtual void start(const std::string& scene, const std::string& summary, long steps) = 0;
+  virtual void step(const solver::StepReport& report, const ContactFigures& contact) = 0;
+  virtual void frame(long frame, double time) = 0;
+  virtual void note(const std::string& text) = 0;
+  virtual void end(const std::string& status, double seconds) = 0;
+};
+
+std::unique_ptr<Progress> make_progress(bool json, bool quiet);
+
+}  // namespace mortise::run

@@ -1,0 +1,40 @@
+#include "run/signals.h"
+
+#include <unistd.h>
+
+#include <csignal>
+
+namespace mortise::run {
+namespace {
+
+volatile std::sig_atomic_t stop = 0, interrupts = 0, checkpoint = 0;
+
+extern "C" void on_signal(int signal) {
+  if (signal == SIGUSR1) {
+    checkpoint = 1;
+    return;
+  }
+  stop = 1;
+  if (signal == SIGINT && ++interrupts > 1) _exit(130);
+}
+
+}  // namespace
+
+void install_signal_handlers() {
+  struct sigaction action = {};
+  action.sa_handler = on_signal;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;
+  for (int s : {SIGINT, SIGTERM, SIGUSR1}) sigaction(s, &action, nullptr);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file-size limit then shows as a failed write, with a message
+}
+
+bool stop_asked() { return stop != 0; }
+
+bool checkpoint_asked() {
+  if (!checkpoint) return false;
+  checkpoint = 0;
+  return true;
+}
+
+}  // namespace mortise::run
