@@ -1,0 +1,53 @@
+#pragma once
+#include <array>
+#include <limits>
+
+namespace mortise::output {
+
+// One accepted time step (or load step): a row of /mortise/steps. What a run does not know stays NaN.
+struct StepRow {
+  static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  double step = 0;                // number of the step, from 1
+  double time = 0;                // at its end [s]
+  double dt = 0;                  // [s]
+  double substeps = 1;            // > 1 after halvings of the step
+  double newton_iterations = 0;   // all substeps and lag rounds
+  double lag_iterations = 0;      // refreshes of lagged quantities (friction)
+  double cg_iterations = 0;       // of all linear solves; 0 with the direct solver
+  double line_search_halvings = 0;
+  double regularised = 0;         // factorisations that needed a diagonal shift
+  double contacts = unknown;      // active contact pairs
+  double min_gap = unknown;       // smallest gap [m]
+  double residual = unknown;      // largest force residual at the end [N]
+  double tolerance = unknown;     // what it had to be below [N]
+  double lag_residual = unknown;  // residual with fresh lagged quantities [N]
+  double energy = unknown;        // incremental potential at the end [J]
+  double wall_ms = 0;             // [ms]
+};
+
+struct StepColumn {
+  const char* name;
+  const char* unit;
+  double StepRow::*value;
+};
+
+inline constexpr std::array<StepColumn, 16> step_columns = {{
+    {"step", "1", &StepRow::step},
+    {"time", "s", &StepRow::time},
+    {"dt", "s", &StepRow::dt},
+    {"substeps", "1", &StepRow::substeps},
+    {"newton_iterations", "1", &StepRow::newton_iterations},
+    {"lag_iterations", "1", &StepRow::lag_iterations},
+    {"cg_iterations", "1", &StepRow::cg_iterations},
+    {"line_search_halvings", "1", &StepRow::line_search_halvings},
+    {"regularised", "1", &StepRow::regularised},
+    {"contacts", "1", &StepRow::contacts},
+    {"min_gap", "m", &StepRow::min_gap},
+    {"residual", "N", &StepRow::residual},
+    {"tolerance", "N", &StepRow::tolerance},
+    {"lag_residual", "N", &StepRow::lag_residual},
+    {"energy", "J", &StepRow::energy},
+    {"wall_ms", "ms", &StepRow::wall_ms},
+}};
+
+}  // namespace mortise::output
