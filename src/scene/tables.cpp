@@ -170,9 +170,11 @@ const ParamTable& solver_table() {
       {number("force_tolerance", Unit::force, "1e-9 N", 0, "a step has converged when no residual force is larger"),
        below(number("relative_tolerance", Unit::none, "1e-6", 0, "or when none is larger than this share of the largest force"), 1),
        number("step_tolerance", Unit::length, "0 m", 0, "when positive, the last Newton step must not have moved anything further"),
+       number("step_tolerance", Unit::length, "0 m", 0, "and, when above zero, the last Newton step moved nothing further than this"),
        integer("iterations", "100", 1, 100000, "most Newton iterations of one step"),
        choice("linear", {"auto", "direct", "cg"}, "auto", "linear solver: Cholesky, or preconditioned conjugate gradients"),
-       below(positive(number("cg_tolerance", Unit::none, "1e-4", 0, "relative residual at which conjugate gradients stop")), 1),
+       below(positive(number("cg_tolerance", Unit::none, "1e-8", 0, "relative residual at which conjugate gradients stop")), 1),
+       integer("cg_iterations", "10000", 1, 1e9, "most conjugate gradient iterations of one linear system"),
        integer("cg_iterations", "10000", 1, 10000000, "most iterations of one linear solve by conjugate gradients"),
        integer("halvings", "6", 0, 30, "how often a failed step is tried again with half its length")}};
   return t;
