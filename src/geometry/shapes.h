@@ -1,0 +1,18 @@
+#pragma once
+#include "base/params.h"
+#include "geometry/mesh.h"
+
+namespace mortise::geometry {
+
+// The `shape` block of a body (scene format: exactly one of box, sphere, cylinder, capsule, mesh) as a mesh in the body's own
+// frame [m]; position and rotation are the caller's. Everything returned has passed check_tets / check_closed_surface.
+// Errors carry the block's place in the scene.
+
+// For soft bodies. mesh: tetrahedra of a .msh file as they are; any other file is a closed surface and is filled with
+// tetrahedra of `edge_length` (required then), its surface remeshed with `surface_edge_length`.
+TetMesh tet_shape(const Params& shape);
+
+// For stiff bodies. mesh: the surface of the file as it is.
+TriMesh surface_shape(const Params& shape);
+
+}  // namespace mortise::geometry

@@ -1,0 +1,81 @@
+// CGAL, compiled once and apart (a minute): exact predicates need -frounding-math (see CMakeLists.txt).
+#include "geometry/tetrahedralise_mesher.h"
+
+#include <cmath>
+#include <unordered_map>
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Mesh_complex_3_in_triangulation_3.h>
+#include <CGAL/Mesh_criteria_3.h>
+#include <CGAL/Mesh_triangulation_3.h>
+#include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
+#include <CGAL/Polyhedral_mesh_domain_with_features_3.h>
+#include <CGAL/Random.h>
+#include <CGAL/make_mesh_3.h>
+
+namespace mortise::geometry {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Polyhedron = CGAL::Mesh_polyhedron_3<Kernel>::type;
+using Domain = CGAL::Polyhedral_mesh_domain_with_features_3<Kernel>;
+using Triangulation = CGAL::Mesh_triangulation_3<Domain, CGAL::Default, CGAL::Sequential_tag>::type;
+using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation, Domain::Corner_index, Domain::Curve_index>;
+using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
+
+// Refinement bounds the radius r of circumscribed circles and balls; most end between r/2 and r. Measured on balls, boxes and
+// robot parts, mean edge length = aim with these factors (tests/geometry/mesh_tetrahedralise_test.cpp).
+constexpr double kFacetRadius = 0.75, kCellRadius = 0.85;
+
+Polyhedron polyhedron(const TriMesh& surface, double scale) {
+  std::vector<Kernel::Point_3> points;
+  std::vector<std::array<std::size_t, 3>> triangles;
+  for (const Vec3& p : surface.points) points.emplace_back(scale * p[0], scale * p[1], scale * p[2]);
+  for (const Triangle& t : surface.triangles)
+    triangles.push_back({static_cast<std::size_t>(t.v[0]), static_cast<std::size_t>(t.v[1]), static_cast<std::size_t>(t.v[2])});
+  Polyhedron out;
+  CGAL::Polygon_mesh_processing::polygon_soup_to_polygon_mesh(points, triangles, out);
+  return out;
+}
+
+}  // namespace
+
+TetMesh mesh_domain(const TriMesh& surface, const TetrahedraliseOptions& o) {
+  // Lengths near one, by a power of two: exact, and the mesher's own small constants keep their meaning for millimetre parts.
+  double extent = 0;
+  for (const Vec3& p : surface.points) extent = std::max(extent, p.cwiseAbs().maxCoeff());
+  const double scale = std::ldexp(1.0, -std::ilogb(extent));
+
+  // CGAL seeds its random numbers with the clock; a fixed seed makes the mesh a function of the input.
+  CGAL::get_default_random() = CGAL::Random(1);
+  CGAL::Random random(1);
+  const Polyhedron body = polyhedron(surface, scale);
+  Domain domain(body, &random);
+  domain.detect_features(o.feature_angle * 180 / CGAL_PI);
+
+  namespace param = CGAL::parameters;
+  const double surface_edge = scale * o.surface_edge_length;
+  const Criteria criteria(param::edge_size = surface_edge, param::facet_angle = o.facet_angle * 180 / CGAL_PI,
+                          param::facet_size = kFacetRadius * surface_edge, param::facet_distance = scale * o.facet_distance,
+                          param::cell_radius_edge_ratio = o.radius_edge_ratio, param::cell_size = kCellRadius * scale * o.edge_length);
+  const Complex complex = CGAL::make_mesh_3<Complex>(domain, criteria, param::manifold());
+
+  TetMesh out;
+  std::unordered_map<Triangulation::Vertex_handle, Index> number;
+  for (auto cell = complex.cells_in_complex_begin(); cell != complex.cells_in_complex_end(); ++cell) {
+    Tet tet;
+    for (int k = 0; k < 4; ++k) {
+      const auto vertex = cell->vertex(k);
+      const auto [at, fresh] = number.try_emplace(vertex, static_cast<Index>(out.points.size()));
+      if (fresh) {
+        const auto& p = vertex->point().point();
+        out.points.push_back(Vec3(p.x(), p.y(), p.z()) / scale);
+      }
+      tet.v[k] = at->second;
+    }
+    out.tets.push_back(tet);
+  }
+  return out;
+}
+
+}  // namespace mortise::geometry
