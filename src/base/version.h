@@ -1,0 +1,9 @@
+#pragma once
+
+namespace mortise {
+
+const char* version();   // "0.1.0"
+const char* git_sha1();  // of the sources at configure time; empty outside a git checkout
+const char* build_type();
+
+}  // namespace mortise

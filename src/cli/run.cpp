@@ -1,0 +1,34 @@
+// mortise run: a scene in, fields and pictures out.
+#include <memory>
+
+#include "cli/commands.h"
+#include "run/run.h"
+
+namespace mortise::cli {
+
+void add_run(CLI::App& app, Context& context) {
+  CLI::App* sub = app.add_subcommand("run", "run a scene: fields, checkpoints and pictures go to the output folder");
+  auto o = std::make_shared<run::Options>();
+  add_scene_options(*sub, o->scene, o->overrides);
+  sub->add_option("-o,--output", o->output, "output folder; default out/<name of the scene>");
+  auto* overwrite = sub->add_flag("--overwrite", o->overwrite, "replace the results in the output folder");
+  sub->add_option("--resume", o->resume, "continue from the newest good checkpoint; --resume=auto starts afresh where there is none")
+      ->expected(0, 1)
+      ->default_str("yes")
+      ->check(CLI::IsMember({"yes", "auto"}))
+      ->excludes(overwrite);
+  sub->add_option("--frames", o->frames, "stop after so many frames; the state at the start does not count")->check(CLI::NonNegativeNumber);
+  sub->add_option("--device", o->device, "auto, cpu or cuda; cuda without a GPU is an error (exit 4)")->check(CLI::IsMember({"auto", "cpu", "cuda"}));
+  sub->add_option("-j,--threads", o->threads, "CPU threads; default SLURM_CPUS_PER_TASK, else all that the process may use")->check(CLI::PositiveNumber);
+  sub->add_flag("--no-render", o->no_render, "no pictures");
+  sub->add_flag("--json", o->json, "one JSON object per event on stdout instead of progress lines");
+  sub->add_flag("-q,--quiet", o->quiet, "errors only");
+  sub->footer(
+      "Examples:\n  mortise run scenes/tactile/press.yaml -o out/press\n  mortise run scene.yaml --set time.steps=10 --frames 5 --no-render\n"
+      "  mortise run scene.yaml -o out/a --resume=auto         (exit 75 = stopped by a signal: run the same again)");
+  sub->callback([o, &context] {
+    context.action = [o] { return static_cast<int>(run::run_scene(*o, effect_tables())); };
+  });
+}
+
+}  // namespace mortise::cli

@@ -1,0 +1,231 @@
+#include "run/run.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "base/version.h"
+#include "engine/input.h"
+#include "output/checkpoint.h"
+#include "output/field_file.h"
+#include "output/sha256.h"
+#include "run/device_choice.h"
+#include "run/output_mesh.h"
+#include "run/pictures.h"
+#include "run/progress.h"
+#include "run/record.h"
+#include "run/signals.h"
+#include "run/tee.h"
+
+namespace fs = std::filesystem;
+
+namespace mortise::run {
+namespace {
+
+using Time = std::chrono::steady_clock;
+
+void check(const engine::Outcome& outcome) {
+  if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message);
+}
+
+// A folder with results in it is only touched on demand.
+void prepare_folder(const Options& o, const std::string& dir) {
+  std::error_code ec;
+  if (fs::exists(dir, ec) && !fs::is_directory(dir, ec)) throw Error(Exit::file, "'" + dir + "' is not a folder");
+  const bool used = fs::exists(dir, ec) && !fs::is_empty(dir, ec);
+  if (used && !o.overwrite && o.resume.empty())
+    throw Error(Exit::usage, "'" + dir + "' is not empty; use --overwrite to replace its results, --resume to continue, or another -o");
+  if (used && o.overwrite)
+    for (const char* ours : {"fields.vtkhdf", "fields.xdmf", "run.json", "certificate.json", "checkpoint.h5", "checkpoint.prev.h5", "frames"}) fs::remove_all(fs::path(dir) / ours, ec);
+  fs::create_directories(dir, ec);
+  if (ec) throw Error(Exit::file, "cannot create '" + dir + "': " + ec.message());
+}
+
+// Whether to continue, and from what; notes what was skipped.
+std::unique_ptr<output::NewestCheckpoint> open_checkpoint(const Options& o, const std::string& dir) {
+  if (o.resume.empty()) return nullptr;
+  if (!output::has_checkpoint(dir)) {
+    if (o.resume == "auto") return nullptr;
+    throw Error(Exit::file, "--resume: '" + dir + "' has no checkpoint (use --resume=auto to start afresh then)");
+  }
+  return std::make_unique<output::NewestCheckpoint>(output::open_newest_valid(dir));
+}
+
+// One run, from the folder's preparation to run.json.
+class Run {
+ public:
+  Run(const Options& options, std::span<const scene::EffectTable> tables) : o_(options), tables_(tables), progress_(make_progress(options.json, options.quiet)) {}
+
+  Exit go() {
+    try {
+      const Exit status = work();
+      finish(status, "");
+      return status;
+    } catch (const Error& e) {
+      try {
+        finish(e.code(), e.what());
+      } catch (const Error&) {
+        // The first failure is the one to tell.
+      }
+      throw;
+    }
+  }
+
+ private:
+  Exit work() {
+    scene_ = scene::read_scene(o_.scene, o_.overrides, tables_);
+    resolved_ = scene::to_yaml(scene_.root);
+    hash_ = output::sha256(resolved_);
+    dir_ = o_.output.empty() ? "out/" + scene_.root.text("name") : o_.output;
+
+    const model::ModelInput input = engine::make_input(scene_.root);
+    const engine::Api& api = choose_device(o_.device, o_.threads, record_);
+    check(api.create(input, engine_));
+    prepare_folder(o_, dir_);
+    started_ = true;
+    const std::unique_ptr<output::NewestCheckpoint> checkpoint = open_checkpoint(o_, dir_);
+
+    frame_every_ = scene_.root.at("time").integer("frame_every");
+    steps_ = scene_.root.at("time").integer("steps");
+    output::FieldOptions fields;
+    const Params& out = scene_.root.at("output");
+    fields.double_precision = out.text("precision") == "double";
+    if (const Params* names = out.find("fields"))
+      for (const Params& name : names->items()) fields.fields.push_back(name.as_text());
+    const std::string field_path = dir_ + "/fields.vtkhdf";
+
+    if (!o_.no_render && out.flag("pictures") && scene_.root.has("render")) pictures_ = std::make_unique<Pictures>(scene_.root, input, dir_ + "/frames");
+    progress_->start(scene_.root.text("name"), summary(input), steps_);
+
+    install_signal_handlers();
+    if (checkpoint) {
+      for (const std::string& why : checkpoint->skipped) progress_->note(why);
+      output::CheckpointReader& reader = checkpoint->reader;
+      if (reader.info().scene_sha256 != hash_) throw Error(Exit::file, "the checkpoint in '" + dir_ + "' belongs to another scene or other --set values");
+      check(engine_->checkpoint(reader));
+      file_ = output::FieldFile::reopen(field_path, reader.info().frames, reader.info().step, fields);
+      progress_->note(fmt::format("continuing at step {}, t = {:.6g} s", engine_->steps_done(), engine_->time()));
+    } else {
+      file_ = output::FieldFile::open(field_path, output_mesh(input), {version(), git_sha1(), resolved_, hash_}, fields);
+      write_frame();
+    }
+
+    const long last = o_.frames >= 0 ? std::min(steps_, o_.frames * frame_every_) : steps_;
+    while (engine_->steps_done() < last) {
+      if (stop_asked()) return stopped();
+      solver::StepReport report;
+      const engine::Outcome outcome = engine_->step(stop_asked, report);
+      if (outcome.code == static_cast<int>(Exit::stopped)) return stopped();
+      if (outcome.code == static_cast<int>(Exit::solve)) {
+        save();
+        const std::string replay = fmt::format("mortise run {} -o {} --resume --frames {}", o_.scene, dir_, (engine_->steps_done() + frame_every_) / frame_every_);
+        throw Error(Exit::solve, outcome.message + "\n  the last good state is in " + dir_ + "/checkpoint.h5; this replays the moment:\n    " + replay + overrides_text());
+      }
+      check(outcome);
+      after_step(report);
+    }
+    file_->close();
+    return Exit::done;
+  }
+
+  std::string overrides_text() const {
+    std::string text;
+    for (const std::string& s : o_.overrides) text += " --set '" + s + "'";
+    return text;
+  }
+
+  std::string summary(const model::ModelInput& input) const {
+    std::size_t nodes = 0, tets = 0, stiff = 0;
+    for (const model::BodyInput& b : input.bodies) {
+      if (b.type == model::BodyType::soft) nodes += b.nodes.size(), tets += b.tets.size();
+      if (b.type == model::BodyType::stiff) ++stiff;
+    }
+    return fmt::format("{} nodes, {} tets, {} stiff bodies; {} steps; {}; linear solver {}; results in {}", nodes, tets, stiff, steps_, record_.device,
+                       engine_->linear_solver(), dir_);
+  }
+
+  void after_step(const solver::StepReport& report) {
+    const bool frame = engine_->steps_done() % frame_every_ == 0 || engine_->steps_done() == steps_;
+    contact_ = {NAN, NAN};
+    if (frame)
+      write_frame();
+    else
+      capture();
+    output::StepRow row;
+    row.step = report.step + 1, row.time = report.time, row.dt = report.dt, row.substeps = report.substeps;
+    row.newton_iterations = report.newton, row.lag_iterations = report.lag, row.cg_iterations = report.cg;
+    row.line_search_halvings = report.line_search, row.regularised = report.regularised;
+    row.contacts = contact_.pairs, row.min_gap = contact_.min_gap;
+    row.residual = report.residual, row.tolerance = report.tolerance, row.lag_residual = report.lag_residual;
+    row.energy = report.energy, row.wall_ms = report.wall * 1e3;
+    file_->append_step(row);
+    record_.steps.push_back(report);
+    progress_->step(report, contact_);
+    if (frame || checkpoint_asked()) save();
+  }
+
+  void capture() {
+    Tee tee(nullptr);
+    engine_->report(tee);
+    contact_ = tee.contact();
+  }
+
+  void write_frame() {
+    const auto begin = Time::now();
+    const std::vector<double> points = engine_->points();
+    Tee tee(file_.get());
+    file_->begin_frame(engine_->time(), points);
+    engine_->report(tee);
+    file_->end_frame();
+    contact_ = tee.contact();
+    const auto written = Time::now();
+    record_.seconds["output"] += std::chrono::duration<double>(written - begin).count();
+    progress_->frame(file_->frames() - 1, engine_->time());
+    if (pictures_) pictures_->draw(file_->frames() - 1, engine_->time(), points, tee.point_fields());
+    record_.seconds["pictures"] += std::chrono::duration<double>(Time::now() - written).count();
+  }
+
+  // The field file first, so that a checkpoint never speaks of frames that are not there.
+  void save() {
+    file_->flush();
+    output::CheckpointWriter writer(dir_, {version(), hash_, engine_->steps_done(), file_->frames(), engine_->time()});
+    check(engine_->checkpoint(writer));
+    writer.commit();
+  }
+
+  Exit stopped() {
+    save();
+    file_->close();
+    progress_->note(fmt::format("stopped after step {}; continue with --resume", engine_->steps_done()));
+    return Exit::stopped;
+  }
+
+  void finish(Exit status, const std::string& message) {
+    if (!started_) return;
+    const double wall = std::chrono::duration<double>(Time::now() - begin_).count();
+    record_.write(dir_ + "/run.json", {o_, scene_.path, hash_, status, message, wall}, *engine_);
+    if (status == Exit::done) progress_->end("done", wall);
+  }
+
+  const Options& o_;
+  std::span<const scene::EffectTable> tables_;
+  std::unique_ptr<Progress> progress_;
+  Time::time_point begin_ = Time::now();
+  scene::Scene scene_;
+  std::string resolved_, hash_, dir_;
+  std::unique_ptr<engine::Engine> engine_;
+  std::unique_ptr<output::FieldFile> file_;
+  std::unique_ptr<Pictures> pictures_;
+  Record record_;
+  ContactFigures contact_{NAN, NAN};
+  long frame_every_ = 1, steps_ = 0;
+  bool started_ = false;
+};
+
+}  // namespace
+
+Exit run_scene(const Options& options, std::span<const scene::EffectTable> tables) { return Run(options, tables).go(); }
+
+}  // namespace mortise::run
