@@ -26,7 +26,7 @@ struct FileInfo {
 
 struct FieldOptions {
   bool double_precision = false;    // points and fields as 64-bit floats instead of 32
-  std::vector<std::string> fields;  // point and cell fields to keep; empty = all. Rows and scalars are always kept
+  std::vector<std::string> fields{};  // point and cell fields to keep; empty = all. Rows and scalars are always kept
   bool xdmf = true;                 // write the sidecar beside it: same path, extension .xdmf
 };
 

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -69,8 +68,9 @@ File::File(const std::string& path, Mode mode) : path_(path) {
     id_ = check(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), "create");
   } else {
     id_ = check(H5Fopen(path.c_str(), mode == Mode::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR, access), "open");
-    if (mode == Mode::write) check(H5Fget_filesize(id_, &flushed_), "read the size");
   }
+  on_disk_ = mode != Mode::read;
+  if (mode == Mode::write) flushed_ = reserved_ = size();
 }
 
 File File::in_memory(const std::string& path) {
@@ -88,7 +88,7 @@ File File::from_image(const std::string& path, std::string_view bytes) {
   Id access(file.check(H5Pcreate(H5P_FILE_ACCESS), "set up HDF5"));
   file.check(H5Pset_fapl_core(access, 1 << 20, false), "set up HDF5");
   file.check(H5Pset_file_image(access, const_cast<char*>(bytes.data()), bytes.size()), "read");  // HDF5 copies
-  file.id_ = file.check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access), "open");
+  file.id_ = file.check(H5Fopen((path + " (in memory)").c_str(), H5F_ACC_RDONLY, access), "open");
   return file;
 }
 
@@ -104,26 +104,46 @@ File::~File() {
   if (id_ >= 0) H5Fclose(id_);
 }
 
-void File::flush() {
+int File::descriptor() const {
   void* handle = nullptr;
-  hsize_t size = 0;
   check(H5Fget_vfd_handle(id_, H5P_DEFAULT, &handle), "write");
-  check(H5Fget_filesize(id_, &size), "write");
-  if (size > flushed_) {
-    const int fd = *static_cast<int*>(handle);
-    if (::fallocate(fd, 0, static_cast<off_t>(flushed_), static_cast<off_t>(size - flushed_)) != 0 &&
-        (errno == ENOSPC || errno == EFBIG || errno == EDQUOT || errno == EIO)) {  // else: not supported here
-      throw Error(Exit::file, path_ + ": cannot write: " + std::strerror(errno));
-    }
+  return *static_cast<int*>(handle);
+}
+
+hsize_t File::size() const {
+  hsize_t bytes = 0;
+  check(H5Fget_filesize(id_, &bytes), "write");
+  return bytes;
+}
+
+// HDF5 1.10 crashes when the disk fills up under its chunk writer, and a flush that fails half-way leaves metadata of data that
+// are not there. So the space is taken from the file system before HDF5 is asked to write into it.
+void File::reserve(hsize_t bytes) const {
+  if (!on_disk_) return;
+  constexpr hsize_t metadata = 64 * 1024;  // what HDF5 may write beside the data
+  const hsize_t end = size() + bytes + metadata;
+  if (end <= reserved_) return;
+  const int reason = ::posix_fallocate(descriptor(), static_cast<off_t>(reserved_), static_cast<off_t>(end - reserved_));
+  if (reason != 0 && reason != EINVAL && reason != EOPNOTSUPP) {
+    throw Error(Exit::file, path_ + ": cannot write: " + std::strerror(reason));
   }
+  reserved_ = end;
+}
+
+void File::flush() {
+  reserve(0);
   check(H5Fflush(id_, H5F_SCOPE_GLOBAL), "write");
-  flushed_ = size;
+  flushed_ = size();
 }
 
 void File::close() {
   if (id_ < 0) return;
   flush();
   check(H5Fclose(std::exchange(id_, -1)), "close");
+  // What was reserved and not used.
+  if (::truncate(path_.c_str(), static_cast<off_t>(flushed_)) != 0) {
+    throw Error(Exit::file, path_ + ": cannot write: " + std::strerror(errno));
+  }
 }
 
 void File::abandon() noexcept {
@@ -131,10 +151,11 @@ void File::abandon() noexcept {
   void* handle = nullptr;
   if (H5Fget_vfd_handle(id_, H5P_DEFAULT, &handle) >= 0) {
     const int fd = *static_cast<int*>(handle);
-    // A sparse copy of the right size in memory: HDF5 closes in peace and what it writes is dropped.
+    // A sparse stand-in in memory: HDF5 closes in peace and what it writes is dropped.
     if (const int sink = ::memfd_create("abandoned", MFD_CLOEXEC); sink >= 0) {
-      struct stat info {};
-      if (::fstat(fd, &info) == 0 && ::ftruncate(sink, info.st_size) == 0) ::dup2(sink, fd);
+      const bool cut = ::ftruncate(fd, static_cast<off_t>(flushed_)) == 0;  // behind the last flush there is nothing of use
+      (void)cut;                                                           // a file that is too long does no harm
+      ::dup2(sink, fd);
       ::close(sink);
     }
   }
@@ -294,6 +315,7 @@ Table Table::create(const File& file, hid_t parent, const std::string& name, con
     const double nan = std::numeric_limits<double>::quiet_NaN();
     file.check(H5Pset_fill_value(layout, H5T_NATIVE_DOUBLE, &nan), action);
   }
+  table.chunk_rows_ = chunk[0];
   table.id_ = Id(file.check(H5Dcreate2(parent, name.c_str(), spec.type, space, H5P_DEFAULT, layout, H5P_DEFAULT), action));
   set_text(file, table.id_, "unit", spec.unit);
   return table;
@@ -312,6 +334,8 @@ Table Table::open(const File& file, hid_t parent, const std::string& name) {
   table.rows_ = size[0];
   table.components_ = static_cast<int>(size[1]);
   table.single_ = H5Tequal(type, H5T_IEEE_F32LE) > 0;
+  Id layout(file.check(H5Dget_create_plist(table.id_), action));
+  if (hsize_t chunk[2] = {0, 0}; H5Pget_layout(layout) == H5D_CHUNKED && H5Pget_chunk(layout, 2, chunk) > 0) table.chunk_rows_ = chunk[0];
   return table;
 }
 
@@ -330,6 +354,8 @@ void Table::write_real(const File& file, hsize_t first, std::span<const double> 
 }
 
 void Table::write(const File& file, hsize_t first, hsize_t count, hid_t type, const void* values) {
+  // Chunks are written whole, and compression may fail to make them smaller.
+  file.reserve((count + 2 * chunk_rows_) * static_cast<hsize_t>(components_) * sizeof(double));
   if (first + count > rows_) resize(file, first + count);
   if (count == 0) return;
   const std::string action = "write " + name_;

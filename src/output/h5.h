@@ -36,18 +36,20 @@ enum class Mode { create, read, write };
 class File {
  public:
   File(const std::string& path, Mode mode);
-  // Opens a file from its bytes in memory; `path` serves for messages only.
+  // Opens a file from its bytes in memory; `path` serves for messages only (HDF5 refuses images under the name of a real file).
   static File from_image(const std::string& path, std::string_view bytes);
   // A file in memory only; image() gives its bytes.
   static File in_memory(const std::string& path);
-  File(File&& other) noexcept : path_(std::move(other.path_)), id_(std::exchange(other.id_, -1)), flushed_(other.flushed_) {}
+  File(File&& other) noexcept
+      : path_(std::move(other.path_)), id_(std::exchange(other.id_, -1)), on_disk_(other.on_disk_), flushed_(other.flushed_), reserved_(other.reserved_) {}
   File& operator=(File&&) = delete;
   ~File();
 
   const std::string& path() const { return path_; }
   hid_t id() const { return id_; }
-  // Pushes everything to the operating system: what was flushed survives a kill of the process. Reserves the disk space
-  // first, so that a full disk is found before the file's metadata refer to data that are not there.
+  // Takes disk space for `bytes` more bytes of data; throws if there is none.
+  void reserve(hsize_t bytes) const;
+  // Pushes everything to the operating system: what was flushed survives a kill of the process.
   void flush();
   void close();
   // After a failed write: sends whatever HDF5 still wants to write into the void, so the file stays as of the last flush.
@@ -66,7 +68,11 @@ class File {
   File(std::string path, hid_t id) : path_(std::move(path)), id_(id) {}
   std::string path_;
   hid_t id_ = -1;
-  hsize_t flushed_ = 0;  // size at the last flush [bytes]
+  int descriptor() const;
+  hsize_t size() const;
+  bool on_disk_ = false;           // a file that is written to
+  hsize_t flushed_ = 0;            // size at the last flush [bytes]
+  mutable hsize_t reserved_ = 0;   // disk space taken so far [bytes]
 };
 
 Id make_group(const File& file, hid_t parent, const std::string& name);
@@ -156,7 +162,7 @@ class Table {
   void read(const File& file, hsize_t first, hsize_t count, hid_t type, void* values) const;
   Id id_;
   std::string name_;
-  hsize_t rows_ = 0;
+  hsize_t rows_ = 0, chunk_rows_ = 0;
   int components_ = 1, rank_ = 1;
   bool single_ = false;
 };
