@@ -3,17 +3,21 @@
 namespace mortise::effects {
 
 // Each is defined at the end of effects/<name>/<name>.cpp.
+Kind pin_kind();
 Kind inertia_kind();
 Kind gravity_kind();
 Kind elasticity_kind();
 Kind affine_body_kind();
+Kind pressure_load_kind();
 
 std::span<const Kind> list() {
   static const Kind kinds[] = {
+      pin_kind(),
       inertia_kind(),
       gravity_kind(),
       elasticity_kind(),
       affine_body_kind(),
+      pressure_load_kind(),
   };
   return kinds;
 }

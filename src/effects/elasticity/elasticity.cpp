@@ -90,12 +90,18 @@ class Elasticity final : public Effect {
       o[6] = elasticity::det3(F);
     });
     const std::vector<double> host = buffer.download();
-    std::vector<double> stress(6 * n), mises(n);
     double least = n > 0 ? host[6] : 1;
-    for (Index t = 0; t < n; ++t) {
-      std::copy_n(host.data() + 7 * t, 6, stress.data() + 6 * t);
-      mises[t] = von_mises(host.data() + 7 * t);
-      least = std::min(least, host[7 * t + 6]);
+    for (Index t = 0; t < n; ++t) least = std::min(least, host[7 * t + 6]);
+    // Output cells, body after body: the tetrahedra of a soft body; the surface triangles of a stiff one, whose stress nobody knows.
+    std::vector<double> stress, mises;
+    for (const model::Body& body : model_.bodies) {
+      for (Index t = body.tet_begin; t < body.tet_end; ++t) {
+        stress.insert(stress.end(), host.data() + 7 * t, host.data() + 7 * t + 6);
+        mises.push_back(von_mises(host.data() + 7 * t));
+      }
+      if (body.type == model::BodyType::soft) continue;
+      stress.insert(stress.end(), 6 * (body.triangle_end - body.triangle_begin), std::nan(""));
+      mises.insert(mises.end(), body.triangle_end - body.triangle_begin, std::nan(""));
     }
     sink.cells("cauchy_stress", "Pa", 6, stress);
     sink.cells("von_mises", "Pa", 1, mises);

@@ -150,10 +150,10 @@ class Inertia final : public Effect {
   }
 
   void checkpoint(Archive& archive) override {
-    archive.io("inertia.dt_prev", dt_prev_);
-    io(archive, "inertia.q_prev", q_prev_);
-    io(archive, "inertia.v", v_);
-    io(archive, "inertia.v_prev", v_prev_);
+    archive.io("dt_prev", dt_prev_);
+    io(archive, "q_prev", q_prev_);
+    io(archive, "v", v_);
+    io(archive, "v_prev", v_prev_);
   }
 
  private:

@@ -1,0 +1,245 @@
+#include "effects/pin/pin.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "effects/list.h"
+#include "effects/where.h"
+#include "model/model.h"
+
+namespace mortise::effects {
+namespace {
+
+using param::of;
+using param::optional;
+
+const ParamTable kRotation{"pin rotation",
+                           "Rotation about a fixed axis.",
+                           {of(Param::Kind::vec3, "axis", Unit::none, "[0, 0, 1]", "Direction of the axis."),
+                            of(Param::Kind::vec3, "centre", Unit::length, "[0, 0, 0]", "A point on the axis, world coordinates at rest."),
+                            of(Param::Kind::numbers, "angle", Unit::angle, std::nullopt, "Angle at each key.")}};
+
+const ParamTable kMotion{"pin motion",
+                         "Keys between which the motion is linear.",
+                         {of(Param::Kind::numbers, "time", Unit::time, std::nullopt, "Times of the keys, ascending (pseudo-time 0 to 1 in static scenes)."),
+                          optional(of(Param::Kind::vec3s, "translation", Unit::length, std::nullopt, "Translation at each key.")),
+                          param::table("rotation", &kRotation, "Rotation of the rest positions, before the translation.")}};
+
+const ParamTable kTable = [] {
+  ParamTable t{"effect pin",
+               "Holds or moves points exactly.",
+               {of(Param::Kind::text, "body", Unit::none, std::nullopt, "Name of the body."),
+                param::required(param::table("where", &where_table, "Points of the body that are held; a stiff body is held as a whole (side: all).")),
+                of(Param::Kind::text, "axes", Unit::none, "xyz", "Directions that are held: any of x, y, z."),
+                param::table("motion", &kMotion, "Prescribed motion; without it the points stay where they are."),
+                optional(of(Param::Kind::number, "release", Unit::time, std::nullopt, "Time from which the points are free."))}};
+  t.is_list = true;
+  return t;
+}();
+
+// One list entry of the scene.
+class Motion {
+ public:
+  explicit Motion(const Params& pin) {
+    const Params* motion = pin.find("motion");
+    if (!motion) return;
+    moves_ = true;
+    const Params& time = motion->at("time");
+    const std::size_t keys = time.items().size();
+    if (keys == 0) throw Error(Exit::scene, time.where(), "motion needs at least one key");
+    for (std::size_t k = 1; k < keys; ++k)
+      if (!(time.items()[k].as_number() > time.items()[k - 1].as_number())) throw Error(Exit::scene, time.where(), "times of the keys must ascend");
+    if (!motion->has("translation") && !motion->has("rotation")) throw Error(Exit::scene, motion->where(), "motion needs 'translation' or 'rotation'");
+    if (const Params* list = motion->find("translation")) {
+      check(*list, keys);
+      for (int a = 0; a < 3; ++a) {
+        Params values = Params::make_list();
+        for (const Params& key : list->items()) values.push(Params::make_number(key.as_vec3()[a]));
+        translation_[a] = schedule(time, values);
+      }
+    }
+    if (const Params* r = motion->find("rotation")) {
+      check(r->at("angle"), keys);
+      axis_ = r->vec3("axis");
+      if (!(axis_.norm() > 0)) throw Error(Exit::scene, r->at("axis").where(), "axis of rotation has no direction");
+      axis_.normalize();
+      centre_ = r->vec3("centre");
+      angle_ = schedule(time, r->at("angle"));
+    }
+  }
+
+  bool moves() const { return moves_; }
+  pin::RigidMotion at(double t) const {
+    return pin::rigid_motion(axis_, centre_, angle_(t), Vec3(translation_[0](t), translation_[1](t), translation_[2](t)));
+  }
+
+ private:
+  static Schedule still() { return Schedule(Params::make_number(0)); }
+  static Schedule schedule(const Params& time, const Params& value) {
+    Params p = Params::make_table();
+    p.set("time", time);
+    p.set("value", value);
+    return Schedule(p);
+  }
+  static void check(const Params& list, std::size_t keys) {
+    if (list.items().size() == keys) return;
+    throw Error(Exit::scene, list.where(), "has " + std::to_string(list.items().size()) + " keys where 'time' has " + std::to_string(keys));
+  }
+  bool moves_ = false;
+  Schedule translation_[3] = {still(), still(), still()}, angle_ = still();
+  Vec3 axis_{0, 0, 1}, centre_{0, 0, 0};
+};
+
+struct Entry {
+  Motion motion;
+  double release = std::numeric_limits<double>::infinity();  // [s]
+  SourceLoc where;
+};
+
+// A held block: which list entry holds which of its axes.
+struct Held {
+  Index block;
+  Index entry;
+  std::uint8_t axes;  // bit a: axis a
+  bool direction;     // a column of an affine body
+};
+
+class Pin final : public Effect {
+ public:
+  Pin(const Params& list, model::Model& model) : model_(model), owner_(3 * model.blocks, -1) {
+    for (const Params& p : list.items()) add(p);
+    device_held_.upload(held_);
+    hold(-std::numeric_limits<double>::infinity(), 0);
+    move(0);
+  }
+
+  std::string_view name() const override { return "pin"; }
+
+  void plan(Plan& out) const override {
+    out.buffers.push_back({"held blocks", device_held_.bytes() + motions_.bytes()});
+    out.kernels.push_back("pin.target");
+  }
+
+  // Depends on nothing but the time, so that steps may be tried again and runs resumed anywhere.
+  void begin_step(const StepInfo& step) override {
+    hold(step.t0, 1e-9 * step.dt);
+    move(step.t1());
+  }
+  void energy(Positions, std::vector<double>&) override {}
+  linalg::StencilSet& assemble(Positions, bool) override { return none_; }
+
+  // Writes the targets of time t.
+  void move(double t) {
+    std::vector<pin::RigidMotion> motions;
+    for (const Entry& e : entries_) motions.push_back(e.motion.at(t));
+    motions_.upload(motions);
+    const View<const pin::RigidMotion> motion = std::as_const(motions_).view();
+    const View<const Held> held = std::as_const(device_held_).view();
+    const View<const Vec3> rest = std::as_const(model_.rest).view();
+    const View<Vec3> target = model_.target.view();
+    device::parallel_for("pin.target", held.n, [=] MORTISE_HD(Index i) {
+      const Held h = held[i];
+      const Vec3 x = h.direction ? pin::move_direction(motion[h.entry], rest[h.block]) : pin::move_point(motion[h.entry], rest[h.block]);
+      for (int a = 0; a < 3; ++a)
+        if (h.axes >> a & 1) target[h.block][a] = x[a];
+    });
+  }
+
+ private:
+  void add(const Params& p) {
+    const std::string& name = p.text("body");
+    const std::uint8_t axes = parse_axes(p.at("axes"));
+    entries_.push_back({Motion(p), std::numeric_limits<double>::infinity(), p.where()});
+    if (p.has("release")) entries_.back().release = p.number("release");
+    bool found = false;
+    for (const model::Body& body : model_.bodies) {  // the same name in every environment
+      if (body.name != name) continue;
+      found = true;
+      if (body.type == model::BodyType::stiff)
+        add_stiff(p, body, axes);
+      else
+        add_soft(p, body, axes);
+    }
+    if (!found) throw Error(Exit::scene, p.at("body").where(), "no soft or stiff body is named '" + name + "'");
+  }
+
+  void add_stiff(const Params& p, const model::Body& body, std::uint8_t axes) {
+    const Params& where = p.at("where");
+    if (!where.has("side") || where.text("side") != "all" || axes != 7)
+      throw Error(Exit::scene, where.where(), "stiff body '" + body.name + "' can only be held as a whole: where: {side: all}, axes: xyz");
+    for (Index b = body.block_begin; b < body.block_end; ++b) hold_block(b, axes, b > body.block_begin, body);
+  }
+
+  void add_soft(const Params& p, const model::Body& body, std::uint8_t axes) {
+    const std::vector<Index> points = model::select_points(model_, body, p.at("where"));
+    if (points.empty()) throw Error(Exit::scene, p.at("where").where(), "selects no node of body '" + body.name + "'");
+    const std::vector<Index> offset = model_.point_offset.download(), block = model_.point_block.download();
+    for (Index point : points) hold_block(block[offset[point]], axes, false, body);
+  }
+
+  // Adds what the newest entry holds of a block. Two entries may share an axis of a node only if both merely hold it.
+  void hold_block(Index block, std::uint8_t axes, bool direction, const model::Body& body) {
+    const Index mine = static_cast<Index>(entries_.size()) - 1;
+    const Entry& e = entries_[mine];
+    for (int a = 0; a < 3; ++a) {
+      if (!(axes >> a & 1)) continue;
+      const Index other = owner_[3 * block + a];
+      if (other < 0) {
+        owner_[3 * block + a] = mine;
+        continue;
+      }
+      const Entry& o = entries_[other];
+      if (e.motion.moves() || o.motion.moves() || e.release != o.release)
+        throw Error(Exit::scene, e.where, "moves points of body '" + body.name + "' along " + "xyz"[a] + " that the pin at " + o.where.text() + " holds too");
+      axes &= static_cast<std::uint8_t>(~(1 << a));
+    }
+    if (axes) held_.push_back({block, mine, axes, direction});
+  }
+
+  static std::uint8_t parse_axes(const Params& p) {
+    std::uint8_t axes = 0;
+    for (char c : p.as_text()) {
+      if (c < 'x' || c > 'z' || (axes >> (c - 'x') & 1)) throw Error(Exit::scene, p.where(), "axes '" + p.as_text() + "': give x, y, z, each at most once");
+      axes |= static_cast<std::uint8_t>(1 << (c - 'x'));
+    }
+    if (axes == 0) throw Error(Exit::scene, p.where(), "axes: holds nothing");
+    return axes;
+  }
+
+  // Projectors and `held` of a step that starts at t0; touches the model only when an entry was released since.
+  void hold(double t0, double tolerance) {
+    std::vector<bool> active;
+    for (const Entry& e : entries_) active.push_back(t0 < e.release - tolerance);
+    if (active == active_) return;
+    active_ = active;
+    std::vector<Mat3> projector = model_.projector.download();
+    for (const Held& h : held_) projector[h.block] = Mat3::Identity(), model_.held[h.block] = 0;
+    for (const Held& h : held_)
+      for (int a = 0; a < 3; ++a)
+        if (active[h.entry] && (h.axes >> a & 1)) projector[h.block](a, a) = 0;
+    for (const Held& h : held_) {
+      const double free = projector[h.block].trace();
+      model_.held[h.block] = free == 3 ? 0 : (free == 0 ? 2 : 1);
+    }
+    model_.projector.upload(projector);
+  }
+
+  model::Model& model_;
+  std::vector<Entry> entries_;
+  std::vector<Held> held_;
+  std::vector<Index> owner_;  // per block and axis: the entry that holds it, or -1
+  std::vector<bool> active_;
+  device::Buffer<Held> device_held_;
+  device::Buffer<pin::RigidMotion> motions_;
+  linalg::StencilSet none_;
+};
+
+}  // namespace
+
+Kind pin_kind() {
+  return {"pin", "points held or moved exactly", &kTable,
+          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Pin>(p, m); }, {}};
+}
+
+}  // namespace mortise::effects

@@ -1,0 +1,28 @@
+#pragma once
+// A prescribed rigid motion: a point at X at rest is asked to be at
+//     x(t) = c + R(t) (X - c) + u(t),     R(t) = rotation by angle(t) about `axis` through `centre` c,
+// with translation u(t) [m] and angle(t) [rad] piecewise linear in time. A direction (column of an affine body) only turns.
+#include "base/types.h"
+
+namespace mortise::effects::pin {
+
+struct RigidMotion {
+  Mat3 R;
+  Vec3 shift;  // c + u - R c
+};
+MORTISE_HD inline Vec3 move_point(const RigidMotion& m, const Vec3& X) { return m.R * X + m.shift; }
+MORTISE_HD inline Vec3 move_direction(const RigidMotion& m, const Vec3& d) { return m.R * d; }
+
+// R = I + sin(angle) [k]x + (1 - cos(angle)) [k]x^2 for the unit axis k (Rodrigues).
+inline Mat3 rotation(const Vec3& k, double angle) {
+  Mat3 K;
+  K << 0, -k[2], k[1], k[2], 0, -k[0], -k[1], k[0], 0;
+  const double half = std::sin(0.5 * angle);
+  return Mat3::Identity() + std::sin(angle) * K + 2 * half * half * (K * K);
+}
+inline RigidMotion rigid_motion(const Vec3& axis, const Vec3& centre, double angle, const Vec3& translation) {
+  const Mat3 R = rotation(axis, angle);
+  return {R, centre + translation - R * centre};
+}
+
+}  // namespace mortise::effects::pin

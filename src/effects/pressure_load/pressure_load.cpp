@@ -1,0 +1,159 @@
+#include "effects/pressure_load/pressure_load.h"
+
+#include <map>
+#include <utility>
+
+#include "effects/body_blocks.h"
+#include "effects/list.h"
+#include "effects/where.h"
+
+namespace mortise::effects {
+namespace {
+
+using param::of;
+using param::optional;
+using pressure_load::Share;
+using pressure_load::Strength;
+
+const ParamTable kTable = [] {
+  ParamTable t{"effect pressure_load",
+               "Dead load on a part of a surface.",
+               {of(Param::Kind::text, "body", Unit::none, std::nullopt, "Name of the body."),
+                param::required(param::table("where", &where_table, "Loaded are the surface triangles whose three vertices are selected.")),
+                optional(of(Param::Kind::schedule, "pressure", Unit::pressure, std::nullopt,
+                            "Force per rest area against the outward rest normal, over time (pseudo-time 0 to 1 in static scenes).")),
+                optional(of(Param::Kind::vec3, "traction", Unit::pressure, std::nullopt, "Force vector per rest area.")),
+                of(Param::Kind::schedule, "traction_factor", Unit::none, "1", "Factor of the traction over time.")}};
+  t.is_list = true;
+  return t;
+}();
+
+struct Load {
+  Schedule pressure, factor;
+};
+
+class PressureLoad final : public Effect {
+ public:
+  PressureLoad(const Params& list, model::Model& model) : model_(model) {
+    // Ordered by block, so that environments are contiguous; then by load.
+    std::map<std::pair<Index, Index>, Share> shares;
+    for (const Params& p : list.items()) add(p, shares);
+    const std::vector<Index> env = model.block_env.download();
+    std::vector<Share> flat;
+    std::vector<Index> share_env;
+    for (const auto& [key, share] : shares) flat.push_back(share), share_env.push_back(env[share.block]);
+    shares_.upload(flat);
+    env_offset_ = env_offsets(share_env, model.envs);
+    stencils_.resize_uniform(shares_.size(), 1);
+    const View<const Share> s = std::as_const(shares_).view();
+    const linalg::StencilView out = stencils_.view();
+    device::parallel_for("pressure_load.pattern", s.n, [=] MORTISE_HD(Index i) {
+      out.block[i] = s[i].block;
+      out.hess[i] = Mat3::Zero();
+    });
+    stencils_.pattern_changed();
+    set_time(0);
+  }
+
+  std::string_view name() const override { return "pressure_load"; }
+
+  void plan(Plan& out) const override {
+    out.buffers.push_back({"stencils", stencils_.bytes()});
+    out.buffers.push_back({"loaded blocks", shares_.bytes() + strength_.bytes()});
+    for (const char* k : {"pressure_load.pattern", "pressure_load.energy", "pressure_load.assemble"}) out.kernels.push_back(k);
+  }
+
+  void begin_step(const StepInfo& step) override { set_time(step.t1()); }
+
+  void energy(Positions q, std::vector<double>& per_env) override {
+    const View<const Share> share = std::as_const(shares_).view();
+    const View<const Strength> now = std::as_const(strength_).view();
+    const Positions rest = std::as_const(model_.rest).view();
+    device::env_sum(
+        "pressure_load.energy", env_offset_,
+        [=] MORTISE_HD(Index i) {
+          const Share s = share[i];
+          return pressure_load::energy(pressure_load::force(s, now[s.load]), q[s.block], rest[s.block]);
+        },
+        per_env);
+  }
+
+  linalg::StencilSet& assemble(Positions, bool) override {
+    const View<const Share> share = std::as_const(shares_).view();
+    const View<const Strength> now = std::as_const(strength_).view();
+    const linalg::StencilView out = stencils_.view();
+    device::parallel_for("pressure_load.assemble", share.n, [=] MORTISE_HD(Index i) { out.grad[i] = -pressure_load::force(share[i], now[share[i].load]); });
+    return stencils_;
+  }
+
+  // Resultant force of all loads now.
+  void report(FieldSink& sink) override {
+    const std::vector<Strength> now = strength_.download();
+    const std::vector<double> translation = translation_share(model_);
+    Vec3 total = Vec3::Zero();
+    for (const Share& s : shares_.download()) total += translation[s.block] * pressure_load::force(s, now[s.load]);
+    for (int a = 0; a < 3; ++a) sink.scalar("pressure_load", std::string("force_") + "xyz"[a], "N", total[a]);
+  }
+
+ private:
+  void set_time(double t) {
+    std::vector<Strength> now;
+    for (const Load& l : loads_) now.push_back({l.pressure(t), l.factor(t)});
+    strength_.upload(now);
+  }
+
+  void add(const Params& p, std::map<std::pair<Index, Index>, Share>& shares) {
+    const Params* pressure = p.find("pressure");
+    const Params* traction = p.find("traction");
+    if (!pressure && !traction) throw Error(Exit::scene, p.where(), "a load needs 'pressure' or 'traction'");
+    const Index load = static_cast<Index>(loads_.size());
+    loads_.push_back({Schedule(pressure ? *pressure : Params::make_number(0)), Schedule(p.at("traction_factor"))});
+    bool found = false;
+    for (const model::Body& body : model_.bodies) {  // the same name in every environment
+      if (body.name != p.text("body")) continue;
+      found = true;
+      if (!add_body(p, body, load, traction ? traction->as_vec3() : Vec3(0, 0, 0), shares))
+        throw Error(Exit::scene, p.at("where").where(), "selects no surface triangle of body '" + body.name + "'");
+    }
+    if (!found) throw Error(Exit::scene, p.at("body").where(), "no soft or stiff body is named '" + p.text("body") + "'");
+  }
+
+  bool add_body(const Params& p, const model::Body& body, Index load, const Vec3& traction, std::map<std::pair<Index, Index>, Share>& shares) {
+    std::vector<bool> selected(model_.points, false);
+    for (Index point : model::select_points(model_, body, p.at("where"))) selected[point] = true;
+    const auto triangles = model_.surface.triangles.download();
+    const auto rest = model_.rest_points.download();
+    const auto offset = model_.point_offset.download(), block = model_.point_block.download();
+    const auto weight = model_.point_weight.download();
+    bool any = false;
+    for (Index t = body.triangle_begin; t < body.triangle_end; ++t) {
+      const Index* v = triangles[t].v;
+      if (!selected[v[0]] || !selected[v[1]] || !selected[v[2]]) continue;
+      any = true;
+      const Vec3 area = 0.5 * (rest[v[1]] - rest[v[0]]).cross(rest[v[2]] - rest[v[0]]);  // A n
+      for (int k = 0; k < 3; ++k)
+        for (Index j = offset[v[k]]; j < offset[v[k] + 1]; ++j) {
+          Share& s = shares.try_emplace({block[j], load}, Share{block[j], load, Vec3::Zero(), Vec3::Zero()}).first->second;
+          s.pushed -= weight[j] / 3 * area;
+          s.pulled += weight[j] / 3 * area.norm() * traction;
+        }
+    }
+    return any;
+  }
+
+  model::Model& model_;
+  std::vector<Load> loads_;
+  device::Buffer<Share> shares_;
+  device::Buffer<Strength> strength_;  // of every load, at the end of the step
+  std::vector<Index> env_offset_;
+  linalg::StencilSet stencils_;
+};
+
+}  // namespace
+
+Kind pressure_load_kind() {
+  return {"pressure_load", "dead pressure or traction on a surface", &kTable,
+          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<PressureLoad>(p, m); }, {}};
+}
+
+}  // namespace mortise::effects
