@@ -17,15 +17,20 @@ std::array<double, 3> linear_of_oklab(double lightness, double a, double b) {
           -0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s};
 }
 
-// Lightness and hue are kept; chroma shrinks until the colour can be shown.
+bool shown(const std::array<double, 3>& c) {
+  return *std::min_element(c.begin(), c.end()) >= 0 && *std::max_element(c.begin(), c.end()) <= 1;
+}
+
+// Lightness and hue are kept; chroma stays below nine tenths of what a screen can show there.
 void put(ColourMap& map, int i, double lightness, double chroma, double hue_degrees) {
   const double h = hue_degrees * 3.14159265358979323846 / 180;
-  std::array<double, 3> c{};
-  for (int k = 0; k < 100; ++k) {
-    c = linear_of_oklab(lightness, chroma * std::cos(h), chroma * std::sin(h));
-    if (*std::min_element(c.begin(), c.end()) >= 0 && *std::max_element(c.begin(), c.end()) <= 1) break;
-    chroma *= 0.97;
+  double low = 0, high = 0.5;
+  for (int k = 0; k < 40; ++k) {
+    const double middle = 0.5 * (low + high);
+    (shown(linear_of_oklab(lightness, middle * std::cos(h), middle * std::sin(h))) ? low : high) = middle;
   }
+  chroma = std::min(chroma, 0.9 * low);
+  const auto c = linear_of_oklab(lightness, chroma * std::cos(h), chroma * std::sin(h));
   for (int k = 0; k < 3; ++k)
     map[3 * i + k] = static_cast<std::uint8_t>(std::lround(255 * srgb_of_linear(std::clamp(c[k], 0.0, 1.0))));
 }
@@ -39,7 +44,7 @@ ColourMap sequential_map() {
   for (int i = 0; i < 256; ++i) {
     const double t = i / 255.0;
     // Chroma rises quickly from zero, so the start is neutral, and falls towards the pale end.
-    const double chroma = 0.30 * (1 - std::exp(-9 * t)) * (1 - 0.55 * t * t);
+    const double chroma = 0.21 * (1 - std::exp(-9 * t)) * (1 - 0.4 * t * t);
     put(map, i, 0.24 + 0.73 * t, chroma, 275 + 190 * t);
   }
   return map;

@@ -155,7 +155,7 @@ void Painter::draw_view(const MortiseRenderJob& job, const View& view, Target& t
   s.set("centre", vec(job.centre));
   s.set("radius", job.radius);
   s.set("light", light_);
-  s.set("shadow_step", 2.2f / kShadowSize);
+  s.set("shadow_step", 1.7f / kShadowSize);
   s.set("scalar_low", job.scalar_low);
   s.set("scalar_high", job.scalar_high);
   bind(1, GL_TEXTURE_2D, target.blurred);

@@ -54,7 +54,7 @@ void main() {
   vec3 t = normalize(abs(n.x) < 0.7 ? cross(n, vec3(1, 0, 0)) : cross(n, vec3(0, 1, 0))), b = cross(n, t);
   ivec2 cell = ivec2(gl_FragCoord.xy) & 3;
   float turn = float((cell.x * 5 + cell.y * 11) & 15) / 16.0;
-  const int samples = 16;
+  const int samples = 12;
   float hidden = 0.0;
   for (int i = 0; i < samples; ++i) {
     float u = (float(i) + 0.5) / float(samples), angle = 6.2831853 * (float(i) * 0.618034 + turn);
@@ -144,7 +144,7 @@ vec3 lamp(vec3 n, vec3 v, vec3 l, vec3 diffuse, vec3 f0, float a2) {
 // Light that a studio sends from direction d, blurred by the roughness: sky to floor, two soft boxes.
 vec3 studio(vec3 d, float rough) {
   float w = 0.08 + rough;
-  vec3 c = mix(vec3(0.16, 0.15, 0.14), vec3(0.62, 0.66, 0.72), smoothstep(-w, w + 0.35, dot(d, up)));
+  vec3 c = mix(vec3(0.12, 0.11, 0.105), vec3(0.50, 0.53, 0.58), smoothstep(-w, w + 0.35, dot(d, up)));
   float sharp = mix(26.0, 1.5, sqrt(rough));
   c += vec3(1.0, 0.96, 0.9) * 1.6 * exp(sharp * (dot(d, key_direction) - 1.0)) * mix(1.0, 0.25, rough);
   c += vec3(0.7, 0.82, 1.0) * 0.9 * exp(sharp * (dot(d, rim_direction) - 1.0)) * mix(1.0, 0.25, rough);
@@ -154,6 +154,10 @@ float lit(vec3 p, vec3 n) {
   vec4 s = light * vec4(p + n * (0.004 * radius), 1.0);
   vec3 q = s.xyz * 0.5 + 0.5;
   if (any(lessThan(q, vec3(0.0))) || any(greaterThan(q, vec3(1.0)))) return 1.0;
+  // Most pixels are far from the edge of a shadow: eight points on the rim of the filter tell.
+  float rim = 0.0;
+  for (int i = 0; i < 8; ++i) rim += texture(shadow, vec3(q.xy + 3.2 * shadow_step * vec2(cos(0.785398 * float(i)), sin(0.785398 * float(i))), q.z));
+  if (rim <= 0.0 || rim >= 8.0) return rim / 8.0;
   float sum = 0.0, weight = 0.0;
   for (int y = -3; y <= 3; ++y)
     for (int x = -3; x <= 3; ++x) {
@@ -181,14 +185,14 @@ void main() {
   float a2 = max(roughness * roughness, 0.03); a2 *= a2;
   vec3 f0 = mix(vec3(0.04), albedo, metallic), diffuse = albedo * (1.0 - metallic);
   float open = texture(occlusion, gl_FragCoord.xy / image).r;
-  float shade = lit(world, n);
-  vec3 radiance = vec3(3.3, 3.2, 3.0) * shade * lamp(n, v, key_direction, diffuse, f0, a2);
+  float shade = dot(n, key_direction) > 0.0 ? lit(world, n) : 0.0;
+  vec3 radiance = vec3(3.0, 2.9, 2.75) * shade * lamp(n, v, key_direction, diffuse, f0, a2);
   radiance += vec3(0.55, 0.62, 0.75) * mix(open, 1.0, 0.3) * lamp(n, v, fill_direction, diffuse, f0, a2);
-  radiance += vec3(0.9, 0.95, 1.0) * open * lamp(n, v, rim_direction, diffuse, f0, a2);
-  vec3 sky = mix(vec3(0.24, 0.22, 0.21), vec3(0.56, 0.58, 0.62), 0.5 + 0.5 * dot(n, up));
+  radiance += vec3(0.6, 0.65, 0.7) * open * lamp(n, v, rim_direction, diffuse, f0, a2);
+  vec3 sky = mix(vec3(0.17, 0.155, 0.15), vec3(0.42, 0.44, 0.47), 0.5 + 0.5 * dot(n, up));
   float nv = max(dot(n, v), 0.0);
   vec3 fresnel = f0 + (max(vec3(1.0 - roughness), f0) - f0) * pow(1.0 - nv, 5.0);
-  float ambient = open * open * mix(0.75, 1.0, shade);
+  float ambient = open * open;
   radiance += diffuse * sky * ambient;
   radiance += fresnel * studio(reflect(-v, n), roughness) * ambient;
   vec3 c = to_srgb(tone(0.85 * radiance));
