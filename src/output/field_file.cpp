@@ -401,6 +401,13 @@ void FieldFile::write_steps() {
   pending_steps_.clear();
 }
 
+void FieldFile::flush() {
+  guarded([&] {
+    write_steps();
+    file_.flush();
+  });
+}
+
 void FieldFile::close() {
   if (broken_) return;
   if (in_frame_) misuse("close inside a frame");

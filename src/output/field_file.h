@@ -48,7 +48,8 @@ class FieldFile : public FieldSink {
   void rows(std::string_view group, std::string_view name, std::string_view unit, int components, std::span<const double> values) override;
   void scalar(std::string_view group, std::string_view name, std::string_view unit, double value) override;
   void end_frame();
-  void append_step(const StepRow& row);  // reaches the disk with the next end_frame() or close()
+  void append_step(const StepRow& row);  // reaches the disk with the next end_frame(), flush() or close()
+  void flush();                          // what a checkpoint needs before it may count the steps done
   void close();
 
   std::int64_t frames() const { return frames_; }

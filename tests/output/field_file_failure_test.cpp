@@ -69,6 +69,23 @@ TEST(FieldFileKilled, EarlierFramesStayReadable) {
   }
 }
 
+TEST(FieldFileKilled, FlushedStepsAreThere) {
+  Folder dir;
+  const OutputMesh mesh = cloud(5);
+  in_child([&] {
+    auto file = FieldFile::open(dir / "fields.vtkhdf", mesh, small_info(), {});
+    write_frame(*file, mesh, 0);
+    file->append_step({.step = 1});
+    file->append_step({.step = 2});
+    file->flush();
+    file->append_step({.step = 3});
+    ::kill(::getpid(), SIGKILL);
+    return 0;
+  });
+  EXPECT_EQ(FieldReader(dir / "fields.vtkhdf").steps().size(), 3u);
+  EXPECT_EQ(FieldFile::reopen(dir / "fields.vtkhdf", 1, 3, {})->frames(), 1);
+}
+
 TEST(FieldFileKilled, AtAnyMoment) {
   const OutputMesh mesh = cloud(300);
   for (int trial = 0; trial < 12; ++trial) {

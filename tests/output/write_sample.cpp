@@ -1,0 +1,86 @@
+// Writes a small run into the folder named on the command line, for tests/output/read_with_vtk.py:
+// 7 frames, fields that come late or stay away in a frame, rows of changing number, two cell types.
+#include <cmath>
+#include <cstdio>
+
+#include "base/error.h"
+#include "output/field_file.h"
+
+using namespace mortise;
+using namespace mortise::output;
+
+namespace {
+
+// Wave-like values; the Python side computes the same: sin(i + 10 f) * scale.
+std::vector<double> wave(std::size_t n, int f, double scale) {
+  std::vector<double> out(n);
+  for (std::size_t i = 0; i < n; ++i) out[i] = scale * std::sin(static_cast<double>(i) + 10.0 * f);
+  return out;
+}
+
+// `tets` tetrahedra side by side, then, if asked, two triangles.
+OutputMesh mesh_of(int tets, bool triangles) {
+  OutputMesh m;
+  m.offsets = {0};
+  const auto cell = [&](std::uint8_t type, int body, std::initializer_list<Vec3> corners) {
+    for (const Vec3& x : corners) {
+      m.connectivity.push_back(static_cast<std::int64_t>(m.points.size()));
+      m.points.push_back(x);
+      m.body_of_point.push_back(body);
+    }
+    m.types.push_back(type);
+    m.body_of_cell.push_back(body);
+    m.offsets.push_back(static_cast<std::int64_t>(m.connectivity.size()));
+  };
+  for (int i = 0; i < tets; ++i) {
+    const Vec3 o(0.01 * i, 0, 0);
+    cell(tetrahedron, 0, {o, o + Vec3(0.01, 0, 0), o + Vec3(0, 0.01, 0), o + Vec3(0, 0, 0.01)});
+  }
+  m.body_names = {"pad"};
+  if (triangles) {
+    cell(triangle, 1, {Vec3(0, 0, 0.02), Vec3(0.01, 0, 0.02), Vec3(0, 0.01, 0.02)});
+    cell(triangle, 1, {Vec3(0, 0, 0.03), Vec3(0.01, 0, 0.03), Vec3(0, 0.01, 0.03)});
+    m.body_names.push_back("tool");
+  }
+  return m;
+}
+
+void write_run(const std::string& path, const OutputMesh& mesh, bool double_precision, int frames) {
+  FieldOptions options;
+  options.double_precision = double_precision;
+  const auto file = FieldFile::open(path, mesh, {"0.1.0", "test", "mortise: 1\n", "none"}, options);
+  const std::size_t n = mesh.points.size(), c = mesh.cells();
+  for (int f = 0; f < frames; ++f) {
+    std::vector<double> x;
+    for (const Vec3& p : mesh.points) x.insert(x.end(), {p[0], p[1], p[2] + 0.001 * f});
+    file->append_step({.step = f + 1.0, .time = 0.05 * f});
+    file->begin_frame(0.05 * f, x);
+    file->points("velocity", "m/s", 3, wave(3 * n, f, 1));
+    if (f >= 2) file->points("contact_pressure", "Pa", 1, wave(n, f, 1000));
+    if (f != 3) file->cells("stress", "Pa", 9, wave(9 * c, f, 1e5));
+    file->rows("barrier_contact", "gap", "m", 1, wave(static_cast<std::size_t>(f % 3), f, 1));
+    file->scalar("friction", "work", "J", 0.5 * f);
+    file->end_frame();
+  }
+  file->close();
+}
+
+}  // namespace
+
+int main(int, char** argv) {
+  try {
+    const std::string dir = argv[1];
+    write_run(dir + "/mixed.vtkhdf", mesh_of(5, true), false, 7);
+    write_run(dir + "/tets.vtkhdf", mesh_of(9, false), true, 7);
+    // A run killed after frame 4: the frames before must be readable as they are.
+    const OutputMesh mesh = mesh_of(5, true);
+    write_run(dir + "/killed.vtkhdf", mesh, false, 4);
+    const auto file = FieldFile::reopen(dir + "/killed.vtkhdf", 4, 4, {});
+    file->begin_frame(1, std::vector<double>(3 * mesh.points.size(), 1.0));
+    file->points("velocity", "m/s", 3, wave(3 * mesh.points.size(), 9, 1));
+    std::_Exit(0);
+  } catch (const Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+}
