@@ -133,6 +133,10 @@ class CrossCheck {
       const std::string path = "render.cameras." + name;
       const Params *from = camera.find("position"), *to = camera.find("look_at"), *range = camera.find("range");
       if (from && to && from->as_vec3() == to->as_vec3()) errors_.add(to->where(), path + ".look_at is where the camera stands");
+      const Params *model = camera.find("model"), *fov = camera.find("fov"), *hide = camera.find("hide");
+      if (fov && model && model->as_text() == "pinhole" && fov->as_number() > 3.1)
+        errors_.add(fov->where(), path + ".fov must be below 180 deg for a pinhole camera", "model: fisheye has no such limit");
+      if (hide) bodies_in(*hide, path + ".hide");
       if (range && (range->items().size() != 2 || !(range->items()[0].as_number() < range->items()[1].as_number())))
         errors_.add(range->where(), path + ".range must be two increasing numbers");
     }

@@ -196,7 +196,10 @@ const ParamTable& camera_table() {
       "One picture per frame.",
       {vector("position", Unit::length, {}, "where the camera stands"), vector("look_at", Unit::length, {}, "point in the middle of the picture"),
        vector("up", Unit::none, "[0, 0, 1]", "direction that is up in the picture"),
-       below(positive(number("fov", Unit::angle, "35 deg", 0, "vertical field of view")), 3.14159265358979),
+       choice("model", {"pinhole", "fisheye"}, "pinhole", "projection; fisheye: the angle from the axis is proportional to the distance from the middle"),
+       positive(range(number("fov", Unit::angle, "35 deg", 0, "field of view: of the height (pinhole, below 180 deg), of the image circle (fisheye)"), 0, 6.2831853071796)),
+       optional(of(Kind::names, "hide", Unit::none, {}, "names of bodies that this camera does not see")),
+       range(optional(of(Kind::vec3, "background", Unit::none, {}, "background colour of this camera; absent takes that of `render`")), 0, 1),
        optional(of(Kind::text, "colour_by", Unit::none, {}, "field that colours the bodies")),
        optional(of(Kind::numbers, "range", Unit::any, {}, "values at the two ends of the colour scale; absent takes the run's extremes")),
        optional(of(Kind::text, "unit", Unit::none, {}, "unit of the numbers at the colour scale"))}};
