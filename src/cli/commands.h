@@ -1,0 +1,34 @@
+#pragma once
+// One file per subcommand: add_x() declares its flags and, when the user names it, leaves what to do in the context.
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "scene/scene.h"
+
+namespace mortise::cli {
+
+struct Context {
+  std::function<int()> action;  // set by the subcommand that was named; returns the exit code
+};
+
+void add_check(CLI::App&, Context&);
+void add_schema(CLI::App&, Context&);
+void add_effects(CLI::App&, Context&);
+void add_info(CLI::App&, Context&);
+
+// The whole program; what main() returns.
+int program(std::vector<std::string> arguments);
+
+// What effects::list() offers, as the scene reader wants it.
+std::vector<scene::EffectTable> effect_tables();
+
+// `scene` positional and repeatable --set, the same for every command that reads a scene.
+void add_scene_options(CLI::App& command, std::string& scene, std::vector<std::string>& overrides);
+
+std::string version_text();  // "mortise 0.1.0 (commit)"
+
+}  // namespace mortise::cli

@@ -1,0 +1,73 @@
+// mortise info: what this build is and what it runs on.
+#include <iostream>
+#include <memory>
+
+#include <cholmod.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.h"
+#include "commit.h"
+#include "device/device.h"
+
+namespace mortise::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json facts() {
+  Json devices = Json::array();
+  for (const device::DeviceInfo& d : device::devices())
+    devices.push_back({{"kind", d.kind}, {"name", d.name}, {"threads", d.threads}, {"memory_bytes", d.memory}, {"driver", d.driver}});
+  const std::string cholmod =
+      std::to_string(CHOLMOD_MAIN_VERSION) + "." + std::to_string(CHOLMOD_SUB_VERSION) + "." + std::to_string(CHOLMOD_SUBSUB_VERSION);
+  return {{"version", MORTISE_VERSION},
+          {"commit", MORTISE_COMMIT},
+          {"build_type", MORTISE_BUILD_TYPE},
+          {"compiler", "g++ " __VERSION__},
+          {"devices", devices},
+          {"libraries",
+           {{"Eigen", MORTISE_EIGEN},
+            {"oneTBB", MORTISE_TBB},
+            {"CHOLMOD", cholmod},
+            {"HDF5", MORTISE_HDF5},
+            {"assimp", MORTISE_ASSIMP},
+            {"yaml-cpp", MORTISE_YAML},
+            {"CLI11", MORTISE_CLI11},
+            {"nlohmann_json", MORTISE_JSON},
+            {"fmt", MORTISE_FMT}}}};
+}
+
+int cmd_info(bool json) {
+  const Json all = facts();
+  if (json) {
+    std::cout << all.dump(2) << "\n";
+    return 0;
+  }
+  std::cout << version_text() << ", " << all["build_type"].get<std::string>() << " build, " << all["compiler"].get<std::string>() << "\n\ndevices\n";
+  for (const Json& d : all["devices"]) {
+    std::cout << "  " << d["kind"].get<std::string>() << "  " << d["name"].get<std::string>() << ", " << d["threads"] << " threads, "
+              << d["memory_bytes"].get<std::size_t>() / (1 << 20) << " MiB";
+    if (const std::string driver = d["driver"]; !driver.empty()) std::cout << ", driver " << driver;
+    std::cout << "\n";
+  }
+  std::cout << "\nlibraries\n";
+  for (const auto& [name, version] : all["libraries"].items()) std::cout << "  " << name << " " << version.get<std::string>() << "\n";
+  return 0;
+}
+
+}  // namespace
+
+std::string version_text() {
+  const std::string commit = MORTISE_COMMIT;
+  return "mortise " MORTISE_VERSION + (commit.empty() ? "" : " (" + commit + ")");
+}
+
+void add_info(CLI::App& app, Context& context) {
+  CLI::App* sub = app.add_subcommand("info", "version, build, devices and libraries");
+  auto json = std::make_shared<bool>(false);
+  sub->add_flag("--json", *json, "as one JSON object");
+  sub->footer("Examples:\n  mortise info\n  mortise info --json");
+  sub->callback([json, &context] { context.action = [json] { return cmd_info(*json); }; });
+}
+
+}  // namespace mortise::cli

@@ -1,0 +1,24 @@
+// mortise schema: the JSON Schema that editors check and complete scenes by.
+#include "scene/schema.h"
+
+#include <iostream>
+
+#include "cli/commands.h"
+
+namespace mortise::cli {
+namespace {
+
+int cmd_schema() {
+  std::cout << scene::schema(effect_tables());
+  return 0;
+}
+
+}  // namespace
+
+void add_schema(CLI::App& app, Context& context) {
+  CLI::App* sub = app.add_subcommand("schema", "print the JSON Schema (draft-07) of scene files");
+  sub->footer("Example:\n  mortise schema > schemas/scene.schema.json");
+  sub->callback([&context] { context.action = cmd_schema; });
+}
+
+}  // namespace mortise::cli
