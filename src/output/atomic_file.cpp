@@ -41,7 +41,7 @@ void write_file(const std::string& path, std::string_view bytes, bool durable) {
   if (reason == 0 && durable && ::fsync(fd) != 0) reason = errno;
   if (::close(fd) != 0 && reason == 0) reason = errno;  // network file systems report a full disk only here
   if (reason != 0) {
-    ::unlink(path.c_str());
+    if (std::filesystem::is_regular_file(path)) ::unlink(path.c_str());  // never a device
     fail(path, "write", reason);
   }
 }

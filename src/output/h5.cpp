@@ -355,7 +355,8 @@ void Table::write_real(const File& file, hsize_t first, std::span<const double> 
 
 void Table::write(const File& file, hsize_t first, hsize_t count, hid_t type, const void* values) {
   // Chunks are written whole, and compression may fail to make them smaller.
-  file.reserve((count + 2 * chunk_rows_) * static_cast<hsize_t>(components_) * sizeof(double));
+  const hsize_t chunks = count == 0 ? 0 : (first + count - 1) / chunk_rows_ - first / chunk_rows_ + 1;
+  file.reserve(chunks * chunk_rows_ * static_cast<hsize_t>(components_) * (single_ ? sizeof(float) : sizeof(double)));
   if (first + count > rows_) resize(file, first + count);
   if (count == 0) return;
   const std::string action = "write " + name_;

@@ -1,16 +1,19 @@
 #!/usr/bin/env python3
-"""Reads field files with VTK itself (vtkHDFReader) and with h5py, frame by frame, and the sidecar with VTK's XDMF reader.
+"""Reads field files with VTK itself (vtkHDFReader) and with h5py, frame by frame, and the sidecar with VTK's XDMF reader;
+checks run.json against its schema.
 
-    read_with_vtk.py WRITER WORK_DIR
+    read_with_vtk.py WRITER WORK_DIR SCHEMAS
 
-WRITER is the program of tests/output/write_sample.cpp. Needs vtk (>= 9.3), h5py and numpy.
+WRITER is the program of tests/output/write_sample.cpp. Needs vtk (>= 9.3), h5py, numpy and jsonschema.
 """
+import json
 import os
 import subprocess
 import sys
 import xml.etree.ElementTree as xml
 
 import h5py
+import jsonschema
 import numpy as np
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
@@ -130,8 +133,23 @@ def check_conventions(path):
         np.testing.assert_array_equal(file["mortise/steps/step"][:], 1 + np.arange(FRAMES))
 
 
+def check_run_json(work, schemas):
+    with open(os.path.join(schemas, "run.schema.json")) as text:
+        schema = json.load(text)
+    jsonschema.Draft7Validator.check_schema(schema)
+    validator = jsonschema.Draft7Validator(schema)
+    for name, status in (("run.json", "done"), ("failed.json", "failed")):
+        with open(os.path.join(work, name)) as text:
+            record = json.load(text)
+        validator.validate(record)
+        assert record["status"] == status
+        for key in record:  # nothing in it is optional
+            assert not validator.is_valid({k: v for k, v in record.items() if k != key}), key
+        assert not validator.is_valid({**record, "unheard_of": 1})
+
+
 def main():
-    writer, work = sys.argv[1:]
+    writer, work, schemas = sys.argv[1:]
     os.makedirs(work, exist_ok=True)
     # Any complaint of VTK is a failure; it would otherwise go by on stderr.
     log = os.path.join(work, "vtk.log")
@@ -141,6 +159,7 @@ def main():
     window.SetFlush(True)
     vtk.vtkOutputWindow.SetInstance(window)
     subprocess.run([writer, work], check=True)
+    check_run_json(work, schemas)
     for name, frames, kind in (("mixed", FRAMES, np.float32), ("tets", FRAMES, np.float64), ("killed", 4, np.float32)):
         path = os.path.join(work, name + ".vtkhdf")
         read_with_hdf_reader(path, frames, kind)

@@ -1,10 +1,11 @@
 // Writes a small run into the folder named on the command line, for tests/output/read_with_vtk.py:
-// 7 frames, fields that come late or stay away in a frame, rows of changing number, two cell types.
+// records of runs, and field files of 7 frames, fields that come late or stay away in a frame, rows of changing number, two cell types.
 #include <cmath>
 #include <cstdio>
 
 #include "base/error.h"
 #include "output/field_file.h"
+#include "output/run_json.h"
 
 using namespace mortise;
 using namespace mortise::output;
@@ -45,6 +46,22 @@ OutputMesh mesh_of(int tets, bool triangles) {
   return m;
 }
 
+void write_record(const std::string& path, Exit code) {
+  RunRecord r;
+  r.exit_code = code;
+  r.message = code == Exit::done ? "" : "why";
+  r.mortise_version = "0.1.0";
+  r.libraries["hdf5"] = "1.10.8";
+  r.hardware = hardware();
+  r.device = {"cpu", "cpu", 2, 0, ""};
+  r.scene_sha256 = std::string(64, '0');
+  r.seconds["output"] = 1;
+  r.phases = {{"solver", "solve", 0.5, 3}};
+  r.launches = {{"inertia.energy", 3}};
+  r.steps = {StepRow{.step = 1, .residual = 1e-9}};
+  write_run_json(path, r);
+}
+
 void write_run(const std::string& path, const OutputMesh& mesh, bool double_precision, int frames) {
   FieldOptions options;
   options.double_precision = double_precision;
@@ -70,6 +87,8 @@ void write_run(const std::string& path, const OutputMesh& mesh, bool double_prec
 int main(int, char** argv) {
   try {
     const std::string dir = argv[1];
+    write_record(dir + "/run.json", Exit::done);
+    write_record(dir + "/failed.json", Exit::solve);
     write_run(dir + "/mixed.vtkhdf", mesh_of(5, true), false, 7);
     write_run(dir + "/tets.vtkhdf", mesh_of(9, false), true, 7);
     // A run killed after frame 4: the frames before must be readable as they are.

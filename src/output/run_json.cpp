@@ -1,0 +1,93 @@
+#include "output/run_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+#include "output/atomic_file.h"
+
+namespace mortise::output {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+const char* status_of(Exit code) {
+  switch (code) {
+    case Exit::done: return "done";
+    case Exit::stopped: return "stopped";
+    default: return "failed";
+  }
+}
+
+// Sum, mean and largest of one column over the steps that know it.
+Json summary(const std::vector<StepRow>& steps, double StepRow::*column) {
+  double total = 0, most = -INFINITY, least = INFINITY;
+  int n = 0;
+  for (const StepRow& row : steps) {
+    const double value = row.*column;
+    if (!std::isfinite(value)) continue;
+    total += value, most = std::max(most, value), least = std::min(least, value), ++n;
+  }
+  if (n == 0) return nullptr;
+  return {{"total", number(total)}, {"mean", number(total / n)}, {"min", number(least)}, {"max", number(most)}};
+}
+
+std::string utc(std::time_t time) {
+  std::tm parts{};
+  gmtime_r(&time, &parts);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text;
+}
+
+}  // namespace
+
+std::string run_json(const RunRecord& r) {
+  const std::time_t now = std::time(nullptr);
+  Json j;
+  j["filetype"] = "mortise run";
+  j["version"] = {1, 0};
+  j["status"] = status_of(r.exit_code);
+  j["exit_code"] = static_cast<int>(r.exit_code);
+  j["message"] = r.message;
+  j["started"] = utc(now - static_cast<std::time_t>(std::llround(r.wall_seconds)));
+  j["finished"] = utc(now);
+  j["mortise_version"] = r.mortise_version;
+  j["git_sha1"] = r.git_sha1;
+  j["libraries"] = r.libraries;
+  j["hardware"] = {{"cpu", r.hardware.cpu}, {"cores", r.hardware.cores}, {"memory_bytes", r.hardware.memory_bytes}};
+  j["device"] = {{"kind", r.device.kind},
+                 {"name", r.device.name},
+                 {"threads", r.device.threads},
+                 {"memory_bytes", r.device.memory_bytes},
+                 {"driver", r.device.driver}};
+  j["linear_solver"] = r.linear_solver;
+  j["scene"] = {{"name", r.scene_name}, {"path", r.scene_path}, {"sha256", r.scene_sha256}};
+  j["command_line"] = r.command_line;
+  j["wall_seconds"] = number(r.wall_seconds);
+  j["seconds"] = Json::object();
+  for (const auto& [part, seconds] : r.seconds) j["seconds"][part] = number(seconds);
+  j["phases"] = Json::array();
+  for (const auto& p : r.phases) {
+    j["phases"].push_back({{"effect", p.effect}, {"phase", p.phase}, {"seconds", number(p.seconds)}, {"calls", p.calls}});
+  }
+  j["launches"] = Json::object();
+  for (const auto& [kernel, count] : r.launches) j["launches"][kernel] = count;
+  j["memory_peak_bytes"] = {{"host", r.host_memory_peak_bytes}, {"device", r.device_memory_peak_bytes}};
+  j["frames"] = r.frames;
+  Json& steps = j["steps"];
+  steps["count"] = r.steps.size();
+  for (const StepColumn& column : step_columns) {
+    const std::string name = column.name;
+    if (name != "step" && name != "time") steps[name] = summary(r.steps, column.value);
+  }
+  // Text from outside (paths, file names in messages) need not be UTF-8.
+  return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void write_run_json(const std::string& path, const RunRecord& record) { write_file_atomically(path, run_json(record), true); }
+
+}  // namespace mortise::output
