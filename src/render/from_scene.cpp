@@ -1,0 +1,203 @@
+#include "render/from_scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "geometry/io/read.h"
+#include "render/colour_map.h"
+#include "scene/quantity.h"
+#include "visual/mapper.h"
+#include "visual/normals.h"
+
+namespace mortise::render {
+namespace {
+
+constexpr double kCrease = 0.7;  // [rad] sharper edges of simulation surfaces are drawn sharp
+
+Vec3 linear(const Vec3& srgb) { return {linear_of_srgb(srgb[0]), linear_of_srgb(srgb[1]), linear_of_srgb(srgb[2])}; }
+
+// The look of a body that has no materials of its own.
+Material material_of(const Params& visual) {
+  return {linear(visual.vec3("color")), visual.number("roughness"), visual.number("metallic"), nullptr};
+}
+
+std::shared_ptr<const Texture> texture_of(const geometry::Texture& t, const std::string& name) {
+  if (t.empty()) return nullptr;
+  return std::make_shared<Texture>(t.bytes.empty() ? read_texture(t.file) : read_texture(t.bytes, name));
+}
+
+// A visual mesh in the place of its body: the same scale, rotation and position as the body's shape.
+DrawMesh read_draw_mesh(const Params& body) {
+  const Params& visual = body.at("visual");
+  const geometry::VisualMesh file = geometry::read_visual(visual.text("mesh"));
+  const Params* shape = body.find("shape");
+  const Params* mesh = shape != nullptr ? shape->find("mesh") : nullptr;
+  const double scale = mesh != nullptr ? mesh->number("scale") : 1;
+  Mat3 rotation = Mat3::Identity();
+  if (const Params* r = body.find("rotation")) rotation = Eigen::AngleAxisd(r->number("angle"), r->vec3("axis").normalized()).toRotationMatrix();
+  DrawMesh out;
+  for (const Vec3& x : file.points) out.points.push_back(rotation * (scale * x) + body.vec3("position"));
+  for (const Vec3& n : file.normals) out.normals.push_back(rotation * n);
+  if (file.has_uvs) out.uvs = file.uvs;
+  out.triangles = file.triangles;
+  out.material = file.material;
+  out.materials.clear();
+  // Materials of the file hold; where it names none the keys of `visual` do, and `visual.texture` replaces the file's.
+  for (const geometry::VisualMaterial& m : file.materials)
+    out.materials.push_back(m.name.empty() ? material_of(visual) : Material{m.base_color, m.roughness, m.metallic, texture_of(m.texture, m.name)});
+  if (out.materials.empty()) out.materials.push_back(material_of(visual));
+  if (const Params* texture = visual.find("texture")) {
+    const auto picture = std::make_shared<Texture>(read_texture(texture->as_text()));
+    for (Material& m : out.materials) m.texture = picture, m.colour = Vec3::Ones();
+  }
+  return out;
+}
+
+}  // namespace
+
+struct SceneView::Body {
+  std::string name;
+  std::size_t first = 0;  // among all points
+  std::vector<Vec3> points;
+  DrawMesh mesh;
+  std::unique_ptr<visual::Mapper> mapper;  // with a visual mesh
+  std::vector<Index> source;               // without: simulation point of each vertex
+  std::unique_ptr<visual::SmoothNormals> normals;
+
+  explicit Body(const model::BodyInput& input) : name(input.name), points(input.nodes) {
+    const Params& visual = input.params.at("visual");
+    if (visual.has("mesh")) {
+      mesh = read_draw_mesh(input.params);
+      mapper = std::make_unique<visual::Mapper>(points, input.triangles, mesh.points);
+    } else {
+      visual::SplitSurface split = visual::split_creases(points, input.triangles, kCrease);
+      source = std::move(split.source);
+      mesh.triangles = std::move(split.triangles);
+      mesh.normals = std::move(split.normals);
+      mesh.materials = {material_of(visual)};
+      gather();
+    }
+    normals = std::make_unique<visual::SmoothNormals>(mesh.points, mesh.normals, mesh.triangles);
+  }
+
+  void gather() {
+    mesh.points.resize(source.size());
+    for (std::size_t i = 0; i < source.size(); ++i) mesh.points[i] = points[source[i]];
+  }
+
+  void move(std::span<const double> all) {
+    for (std::size_t i = 0; i < points.size(); ++i) points[i] = Eigen::Map<const Vec3>(all.data() + 3 * (first + i));
+    if (mapper)
+      mapper->map(points, mesh.points);
+    else
+      gather();
+    normals->compute(mesh.points, mesh.normals);
+  }
+
+  std::vector<double> scalar(std::span<const double> all) const {
+    const auto mine = all.subspan(first, points.size());
+    std::vector<double> out;
+    if (mapper) {
+      mapper->interpolate(mine, out);
+    } else {
+      for (const Index i : source) out.push_back(mine[i]);
+    }
+    return out;
+  }
+};
+
+Camera camera_of(const Params& p) {
+  Camera c;
+  c.position = p.vec3("position"), c.look_at = p.vec3("look_at"), c.up = p.vec3("up"), c.fov = p.number("fov");
+  if (const Params* model = p.find("model"); model != nullptr && model->as_text() == "fisheye") c.model = Camera::Model::fisheye;
+  return c;
+}
+
+GroundPlane ground_of(const Params& body) {
+  GroundPlane g{body.vec3("point"), body.vec3("normal").normalized()};
+  g.colour = body.at("visual").vec3("color");
+  return g;
+}
+
+ColourBar bar_of(const Params& camera, double low, double high, const std::string& si_unit) {
+  ColourBar bar{camera.text("colour_by"), si_unit, low, high, 1};
+  std::replace(bar.label.begin(), bar.label.end(), '_', ' ');
+  const Params* unit = camera.find("unit");
+  if (unit == nullptr) return bar;
+  const scene::Quantity one = scene::parse_quantity("1 " + unit->as_text(), Unit::any);
+  if (!one.error.empty()) throw Error(Exit::scene, unit->where(), "the unit of a colour scale " + one.error);
+  bar.unit = unit->as_text(), bar.scale = 1 / one.value;
+  return bar;
+}
+
+SceneView::SceneView(const Params& scene, const std::vector<model::BodyInput>& bodies) : render_(scene.at("render")) {
+  if (const Params* cameras = render_.find("cameras"))
+    for (const auto& [name, camera] : cameras->entries()) cameras_.push_back(name);
+  for (const model::BodyInput& input : bodies) {
+    if (input.type == model::BodyType::half_space) {
+      planes_[input.name] = ground_of(input.params);
+      continue;
+    }
+    try {
+      bodies_.push_back(std::make_unique<Body>(input));
+    } catch (const Error& e) {
+      if (e.located()) throw;
+      throw Error(e.code(), input.params.where(), "body '" + input.name + "': " + e.what());
+    }
+    bodies_.back()->first = points_;
+    points_ += input.nodes.size();
+  }
+}
+
+SceneView::~SceneView() = default;
+
+void SceneView::move(std::span<const double> points) {
+  if (points.size() != 3 * points_) throw Error(Exit::internal, "pictures got the positions of another model");
+  for (const auto& body : bodies_) body->move(points);
+}
+
+RenderJob SceneView::job(const std::string& name, const std::map<std::string, std::vector<double>>& fields, std::string caption) {
+  const Params& p = render_.at("cameras").at(name);
+  RenderJob job;
+  job.width = static_cast<int>(render_.integer("width")), job.height = static_cast<int>(render_.integer("height"));
+  job.camera = camera_of(p);
+  job.caption = std::move(caption);
+  const Params* own = p.find("background");
+  job.background_top = own != nullptr ? own->as_vec3() : render_.vec3("background");
+  job.background_bottom = 0.76 * job.background_top;
+  std::vector<std::string> hidden;
+  if (const Params* hide = p.find("hide"))
+    for (const Params& body : hide->items()) hidden.push_back(body.as_text());
+  const auto shown = [&](const std::string& body) { return std::find(hidden.begin(), hidden.end(), body) == hidden.end(); };
+
+  const Params* by = p.find("colour_by");
+  const auto field = by != nullptr ? fields.find(by->as_text()) : fields.end();
+  const bool coloured = field != fields.end() && field->second.size() == points_;
+  double low = 0, high = 0;
+  for (const auto& body : bodies_) {
+    if (!shown(body->name)) continue;
+    Drawn& drawn = job.meshes.emplace_back();
+    drawn.mesh = &body->mesh;
+    if (!coloured) continue;
+    drawn.scalar = body->scalar(field->second);
+    for (double& v : drawn.scalar) {
+      if (!std::isfinite(v)) v = 0;
+      low = std::min(low, v), high = std::max(high, v);
+    }
+  }
+  for (const auto& [body, plane] : planes_)
+    if (shown(body)) job.planes.push_back(plane);
+  if (!coloured) return job;
+  if (const Params* range = p.find("range")) {
+    low = range->items()[0].as_number(), high = range->items()[1].as_number();
+  } else {
+    auto& [lowest, highest] = extremes_[name];
+    low = lowest = std::min(lowest, low), high = highest = std::max(highest, high);
+    if (!(high > low)) high = low + 1;
+  }
+  job.bar = bar_of(p, low, high, "");
+  return job;
+}
+
+}  // namespace mortise::render

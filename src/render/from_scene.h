@@ -1,0 +1,46 @@
+#pragma once
+// From the blocks of a scene (`render`, and `visual` of the bodies) to pictures of a run.
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/params.h"
+#include "model/input.h"
+#include "render/job.h"
+
+namespace mortise::render {
+
+Camera camera_of(const Params& camera);                     // one entry of render.cameras
+GroundPlane ground_of(const Params& body);                  // a body of type half_space
+// `label` is the field's name, written with spaces; `low`, `high` in SI. The unit is the camera's `unit`, else `si_unit`.
+ColourBar bar_of(const Params& camera, double low, double high, const std::string& si_unit);
+
+// Everything of a scene's pictures that does not change from frame to frame, and the moving meshes.
+class SceneView {
+ public:
+  // Reads visual meshes and textures and binds them to the bodies. Throws Error(Exit::scene | Exit::file).
+  SceneView(const Params& scene, const std::vector<model::BodyInput>& bodies);
+  ~SceneView();
+
+  const std::vector<std::string>& cameras() const { return cameras_; }
+
+  // Moves all meshes: three coordinates per point [m], body after body (half spaces have none).
+  void move(std::span<const double> points);
+
+  // What a camera sees now. `fields`: one value per point by name, in SI. The job refers to the meshes of this view.
+  // Without a `range` the colour scale spans the extremes of the field up to this frame.
+  RenderJob job(const std::string& camera, const std::map<std::string, std::vector<double>>& fields, std::string caption);
+
+ private:
+  struct Body;
+  const Params render_;
+  std::vector<std::string> cameras_;
+  std::vector<std::unique_ptr<Body>> bodies_;
+  std::map<std::string, GroundPlane> planes_;
+  std::map<std::string, std::pair<double, double>> extremes_;  // per camera
+  std::size_t points_ = 0;
+};
+
+}  // namespace mortise::render
