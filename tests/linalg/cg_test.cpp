@@ -171,6 +171,8 @@ TEST(Cg, DetectsABadDiagonalBlock) {
     Buffer<Vec3> x;
     const CgResult r = batch.solve(x, 1e-8);
     EXPECT_EQ(r.env[0].end, CgEnd::not_positive_definite);
+    EXPECT_EQ(r.env[0].iterations, 0);
+    EXPECT_TRUE(x.download()[5].isZero());
     EXPECT_EQ(r.env[1].end, CgEnd::converged);
   }
 }
@@ -194,6 +196,18 @@ TEST(Cg, DoesNotBelieveTheRecurrenceBelowRounding) {
   EXPECT_GT(r.env[0].restarts, 0);
   EXPECT_LT(r.env[0].residual, 1e-10 * r.env[0].rhs) << "the true residual at exit";
   EXPECT_GT(r.env[0].residual, 1e-30 * r.env[0].rhs);
+}
+
+TEST(Cg, ReportsTheTrueResidualAtTheLimitToo) {
+  Batch batch({4});
+  Buffer<Vec3> x(batch.A.rows);
+  x.zero();
+  CgOptions options;
+  options.max_iterations = 500;  // the recurrence is far below rounding by then
+  const CgResult r = conjugate_gradients(batch.A, batch.b.view(), x.view(), batch.env_rows, {1e-140}, options);
+  EXPECT_EQ(r.env[0].end, CgEnd::iteration_limit);
+  EXPECT_GT(r.env[0].residual, 1e-17 * r.env[0].rhs);
+  EXPECT_LT(r.env[0].residual, 1e-10 * r.env[0].rhs);
 }
 
 TEST(Cg, AbsoluteToleranceEndsEarly) {
