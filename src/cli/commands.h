@@ -15,6 +15,8 @@ struct Context {
   std::function<int()> action;  // set by the subcommand that was named; returns the exit code
 };
 
+void add_run(CLI::App&, Context&);
+void add_run(CLI::App&, Context&);
 void add_check(CLI::App&, Context&);
 void add_schema(CLI::App&, Context&);
 void add_effects(CLI::App&, Context&);

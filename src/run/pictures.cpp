@@ -1,10 +1,9 @@
 #include "run/pictures.h"
 
-#include <filesystem>
-
 #include <fmt/format.h>
 
-#include "base/error.h"
+#include <filesystem>
+
 #include "render/from_scene.h"
 #include "render/renderer.h"
 
@@ -14,24 +13,22 @@ struct Pictures::State {
   render::SceneView view;
   render::Renderer renderer;
   std::string folder;
-  bool is_static;
 };
 
 Pictures::Pictures(const Params& scene, const model::ModelInput& input, const std::string& folder)
-    : state_(new State{{scene, input.bodies}, {}, folder, scene.at("time").text("mode") == "static"}) {
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
-  if (failed) throw Error(Exit::file, "cannot make the folder " + folder + ": " + failed.message());
+    : state_(new State{render::SceneView(scene, input.bodies), {}, folder}) {
+  std::error_code ec;
+  std::filesystem::create_directories(folder, ec);
+  if (ec) throw Error(Exit::file, "cannot create '" + folder + "': " + ec.message());
 }
-
 Pictures::~Pictures() = default;
 
 void Pictures::draw(long frame, double time, const std::vector<double>& points, const std::map<std::string, std::vector<double>>& fields) {
-  State& s = *state_;
-  s.view.move(points);
-  const std::string caption = s.is_static ? fmt::format("load {:.3f}   frame {}", time, frame) : fmt::format("t = {:.4f} s   frame {}", time, frame);
-  for (const std::string& camera : s.view.cameras())
-    render::write_png(fmt::format("{}/{}_{:04d}.png", s.folder, camera, frame), s.renderer.draw(s.view.job(camera, fields, caption)));
+  state_->view.move(points);
+  for (const std::string& camera : state_->view.cameras()) {
+    const render::RenderJob job = state_->view.job(camera, fields, fmt::format("t = {:.4g} s", time));
+    render::write_png(fmt::format("{}/{}_{:04}.png", state_->folder, camera, frame), state_->renderer.draw(job));
+  }
 }
 
 }  // namespace mortise::run

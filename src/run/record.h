@@ -3,9 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "engine/engine.h"
+#include "output/step_row.h"
 #include "run/options.h"
-#include "solver/report.h"
 
 namespace mortise::run {
 
@@ -13,16 +14,18 @@ namespace mortise::run {
 struct Record {
   struct End {
     const Options& options;
-    std::string scene_path, scene_sha256;
+    std::string scene_name, scene_sha256;
     Exit status;
     std::string message;
     double wall;  // [s]
   };
-  std::string device;
-  std::vector<solver::StepReport> steps;
-  std::map<std::string, double> seconds;  // output, pictures
+  device::DeviceInfo device;
+  std::vector<output::StepRow> steps;
+  std::map<std::string, double> seconds;  // setup, solve, output, pictures
+  long frames = 0;
 
-  void write(const std::string& path, const End& end, const engine::Engine& engine) const;
+  // `engine` may be null when the run ended before there was one.
+  void write(const std::string& path, const End& end, const engine::Engine* engine) const;
 };
 
 }  // namespace mortise::run

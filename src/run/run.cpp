@@ -17,6 +17,7 @@
 #include "run/progress.h"
 #include "run/record.h"
 #include "run/signals.h"
+#include "run/step_row.h"
 #include "run/tee.h"
 
 namespace fs = std::filesystem;
@@ -81,7 +82,7 @@ class Run {
     dir_ = o_.output.empty() ? "out/" + scene_.root.text("name") : o_.output;
 
     const model::ModelInput input = engine::make_input(scene_.root);
-    const engine::Api& api = choose_device(o_.device, o_.threads, record_);
+    const engine::Api& api = choose_device(o_.device, o_.threads, record_.device);
     check(api.create(input, engine_));
     prepare_folder(o_, dir_);
     started_ = true;
@@ -97,6 +98,7 @@ class Run {
     const std::string field_path = dir_ + "/fields.vtkhdf";
 
     if (!o_.no_render && out.flag("pictures") && scene_.root.has("render")) pictures_ = std::make_unique<Pictures>(scene_.root, input, dir_ + "/frames");
+    record_.seconds["setup"] = std::chrono::duration<double>(Time::now() - begin_).count();
     progress_->start(scene_.root.text("name"), summary(input), steps_);
 
     install_signal_handlers();
@@ -116,7 +118,9 @@ class Run {
     while (engine_->steps_done() < last) {
       if (stop_asked()) return stopped();
       solver::StepReport report;
+      const auto begin = Time::now();
       const engine::Outcome outcome = engine_->step(stop_asked, report);
+      record_.seconds["solve"] += std::chrono::duration<double>(Time::now() - begin).count();
       if (outcome.code == static_cast<int>(Exit::stopped)) return stopped();
       if (outcome.code == static_cast<int>(Exit::solve)) {
         save();
@@ -142,8 +146,13 @@ class Run {
       if (b.type == model::BodyType::soft) nodes += b.nodes.size(), tets += b.tets.size();
       if (b.type == model::BodyType::stiff) ++stiff;
     }
-    return fmt::format("{} nodes, {} tets, {} stiff bodies; {} steps; {}; linear solver {}; results in {}", nodes, tets, stiff, steps_, record_.device,
+    return fmt::format("{} nodes, {} tets, {} stiff bodies; {} steps; {}; linear solver {}; results in {}", nodes, tets, stiff, steps_, device_text(),
                        engine_->linear_solver(), dir_);
+  }
+
+  std::string device_text() const {
+    const device::DeviceInfo& d = record_.device;
+    return d.kind == "cpu" ? fmt::format("cpu with {} threads", d.threads) : d.kind + ": " + d.name;
   }
 
   void after_step(const solver::StepReport& report) {
@@ -153,15 +162,9 @@ class Run {
       write_frame();
     else
       capture();
-    output::StepRow row;
-    row.step = report.step + 1, row.time = report.time, row.dt = report.dt, row.substeps = report.substeps;
-    row.newton_iterations = report.newton, row.lag_iterations = report.lag, row.cg_iterations = report.cg;
-    row.line_search_halvings = report.line_search, row.regularised = report.regularised;
-    row.contacts = contact_.pairs, row.min_gap = contact_.min_gap;
-    row.residual = report.residual, row.tolerance = report.tolerance, row.lag_residual = report.lag_residual;
-    row.energy = report.energy, row.wall_ms = report.wall * 1e3;
+    const output::StepRow row = step_row(report, contact_);
     file_->append_step(row);
-    record_.steps.push_back(report);
+    record_.steps.push_back(row);
     progress_->step(report, contact_);
     if (frame || checkpoint_asked()) save();
   }
@@ -205,7 +208,8 @@ class Run {
   void finish(Exit status, const std::string& message) {
     if (!started_) return;
     const double wall = std::chrono::duration<double>(Time::now() - begin_).count();
-    record_.write(dir_ + "/run.json", {o_, scene_.path, hash_, status, message, wall}, *engine_);
+    record_.frames = file_ ? file_->frames() : 0;
+    record_.write(dir_ + "/run.json", {o_, scene_.root.text("name"), hash_, status, message, wall}, engine_.get());
     if (status == Exit::done) progress_->end("done", wall);
   }
 

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <initializer_list>
 
 namespace mortise::run {
 namespace {
@@ -15,7 +16,9 @@ extern "C" void on_signal(int signal) {
     return;
   }
   stop = 1;
-  if (signal == SIGINT && ++interrupts > 1) _exit(130);
+  if (signal != SIGINT) return;
+  if (interrupts) _exit(130);
+  interrupts = 1;
 }
 
 }  // namespace
