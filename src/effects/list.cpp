@@ -8,6 +8,7 @@ Kind inertia_kind();
 Kind gravity_kind();
 Kind elasticity_kind();
 Kind affine_body_kind();
+Kind barrier_contact_kind();
 Kind pressure_load_kind();
 
 std::span<const Kind> list() {
@@ -17,6 +18,7 @@ std::span<const Kind> list() {
       gravity_kind(),
       elasticity_kind(),
       affine_body_kind(),
+      barrier_contact_kind(),
       pressure_load_kind(),
   };
   return kinds;

@@ -1,0 +1,75 @@
+#include "effects/barrier_contact/candidates.h"
+
+#include <cmath>
+
+namespace mortise::effects::contact {
+namespace {
+
+using device::View;
+
+// Pairs are searched this much farther than the reach, so that positions a little off the path need no new search.
+constexpr double kMargin = 0.5;
+
+template <class T>
+void copy_view(View<const T> from, device::Buffer<T>& to) {
+  to.resize(from.n);
+  if (from.n) device::copy(to.view().p, from.p, static_cast<std::size_t>(from.n) * sizeof(T));
+}
+
+// Distance of y from the segment {from + a move, 0 <= a <= 1}.
+MORTISE_HD inline double off_path(const Vec3& from, const Vec3& move, const Vec3& y) {
+  const double mm = move.squaredNorm();
+  double a = mm > 0 ? (y - from).dot(move) / mm : 0;
+  a = a > 1 ? 1 : a < 0 ? 0 : a;
+  return (y - from - a * move).norm();
+}
+
+std::vector<double> largest_deviation(const std::vector<Index>& point_env, View<const Vec3> from, View<const Vec3> move, View<const Vec3> y) {
+  std::vector<double> out(point_env.size() - 1, 0.0);
+  device::env_max("barrier_contact.deviation", point_env, [=] MORTISE_HD(Index i) { return off_path(from[i], move[i], y[i]); }, out);
+  return out;
+}
+
+std::vector<double> not_finite(const std::vector<Index>& point_env, View<const Vec3> y) {
+  std::vector<double> out(point_env.size() - 1, 0.0);
+  device::env_max("barrier_contact.finite", point_env, [=] MORTISE_HD(Index i) { return y[i].squaredNorm() < 1e300 ? 0.0 : 1.0; }, out);
+  return out;
+}
+
+}  // namespace
+
+Candidates::Candidates(geometry::Broadphase& broadphase, double reach, std::vector<Index> point_env)
+    : broadphase_(broadphase), reach_(reach), point_env_(std::move(point_env)) {}
+
+void Candidates::take(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>* dy) {
+  broadphase_.update(y.view(), dy ? dy->view() : View<const Vec3>{}, reach_ * (1 + kMargin));
+  copy_view(broadphase_.point_triangles(), point_triangles_);
+  copy_view(broadphase_.edge_edges(), edge_edges_);
+  pt_env_offset_ = broadphase_.pt_env_offset();
+  ee_env_offset_ = broadphase_.ee_env_offset();
+  y0_.copy_from(y);
+  if (dy) {
+    dy_.copy_from(*dy);
+  } else {
+    dy_.resize(y.size());
+    dy_.zero();
+  }
+  any_ = true;
+}
+
+void Candidates::sweep(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy) { take(y, &dy); }
+
+void Candidates::cover(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>& finite) {
+  const std::vector<double> bad = not_finite(point_env_, y.view());
+  finite.assign(bad.size(), 1);
+  bool lost = !any_;
+  for (std::size_t e = 0; e < bad.size(); ++e) finite[e] = bad[e] == 0;
+  if (any_) {
+    // Two points of a pair may each be off by half of the margin.
+    const std::vector<double> off = largest_deviation(point_env_, y0_.view(), dy_.view(), y.view());
+    for (std::size_t e = 0; e < off.size(); ++e) lost = lost || (finite[e] && 2 * off[e] > kMargin * reach_);
+  }
+  if (lost) take(y, nullptr);
+}
+
+}  // namespace mortise::effects::contact

@@ -1,0 +1,192 @@
+#pragma once
+// The contact energy of the whole surface and how its terms are weighted.
+//
+// area_weighted: each vertex x of a surface is a quadrature point of the contact area with b at the largest value over the facing
+// surface. The improved max approximation (Li, Kaufman, Jiang 2023) writes that maximum as an alternating sum over the facing
+// surface's simplices s, which is smooth where the closest feature changes:
+//     max b  ~  sum_triangles b(d(x,t)) - sum_edges (k_e - 1) b(d(x,e)) + sum_vertices (1 + n_t(v) - n_e(v)) b(d(x,v))
+// with k_e triangles at edge e, and n_t, n_e triangles and edges at vertex v: 1 and 1 on a closed surface, 0 at a boundary. Where
+// all of them share one closest point the coefficients add up to 1, whichever feature is closest. Both surfaces are integrated
+// with weight A_x/2, so that two flat facing surfaces carry 1/2 A + 1/2 A = A. A_x is the area with which x faces its contact,
+//     A_x = sum over its triangles T of A_T/3 max(0, -n_T . n)      (rest areas A_T; n points out of the other surface),
+// with the normals at the start of the step, and A_v = sum A_T/3 for a vertex that was out of range then. So a vertex on the rim
+// of a flat face counts with its share of that face only. Constant during a step: the energy is a function of positions alone.
+// Edge pairs are no quadrature of that area: how many edges of two meshes cross says nothing about the area between them. Counting
+// them with an area (the 1/4 + 1/4 split of the paper) makes the total depend on the meshes. Here point-triangle terms carry the
+// whole area, and edge pairs are a guard with weight (A_e + A_e')/4 and a range of d_hat/4: they keep edges apart, carry what only
+// edges can carry, and are inactive in face contact up to p = phi(1/4) kappa = 4.3 kappa.
+//
+// classic: every point-triangle pair and every edge pair within d_hat has the same weight d_hat^2 (IPC 2020, without areas): the
+// energy of a pair is kappa d_hat^2 b(d), that is, a classic barrier -(d - d_hat)^2 ln(d/d_hat) with stiffness kappa d_hat [N/m].
+#include "effects/barrier_contact/stencil.h"
+#include "geometry/collide/broadphase.h"
+#include "geometry/collide/mollifier.h"
+#include "geometry/surface.h"
+
+namespace mortise::effects::contact {
+
+using device::Buffer;
+using device::View;
+using geometry::EdgeEdge;
+using geometry::PointTriangle;
+
+struct Law {
+  double d_hat = 0;       // range of points against triangles and half-spaces [m]
+  double edge_range = 0;  // range of edge pairs [m]
+  double kappa = 0;       // [Pa]
+  bool area_weighted = true;
+};
+inline constexpr double kEdgeShare = 0.25;  // edge_range / d_hat when area-weighted
+
+struct Plane {
+  Vec3 point, normal;
+};
+
+// Who is whose neighbour on the surface; constant.
+struct TopologyView {
+  View<const Index> triangle_edge;                  // 3 per triangle: edges of corners (0,1), (1,2), (2,0)
+  View<const Index> edge_offset, edge_triangle;     // triangles of every edge
+  View<const Index> point_offset, point_triangle;   // triangles of every point
+  View<const Index> point_edges;                    // number of edges at every point
+};
+struct Topology {
+  Buffer<Index> triangle_edge, edge_offset, edge_triangle, point_offset, point_triangle, point_edges;
+  Topology(const geometry::Surface& surface, Index points);
+  TopologyView view() const {
+    return {triangle_edge.view(), edge_offset.view(), edge_triangle.view(), point_offset.view(), point_triangle.view(), point_edges.view()};
+  }
+};
+
+// All that a kernel reads besides positions.
+struct Scene {
+  Law law;
+  geometry::SurfaceView surface;
+  TopologyView topology;
+  View<const Vec3> rest;                    // rest positions of the points
+  View<const std::uint8_t> watched;         // bodies x bodies
+  View<const std::uint8_t> plane_watched;   // planes x bodies
+  View<const Plane> planes;
+  View<const double> point_area;            // A_x of every point [m^2]
+  View<const double> plane_area;            // the same towards half-spaces: planes x surface vertices [m^2]
+  MORTISE_HD bool sees(Index a, Index b) const { return watched[surface.body[a] * surface.bodies + surface.body[b]] != 0; }
+};
+
+MORTISE_HD inline bool has(const Triangle& t, Index p) { return t.v[0] == p || t.v[1] == p || t.v[2] == p; }
+
+// Coefficient of (point, edge) in the alternating sum, handed to the one triangle that accounts for it: the first at the edge
+// that does not hold the point itself (self-contact sees the surface without the point's own triangles). 0 for the others.
+MORTISE_HD inline Index edge_coefficient(const Scene& s, Index point, Index edge, Index triangle) {
+  Index count = 0, owner = -1;
+  for (Index k = s.topology.edge_offset[edge]; k < s.topology.edge_offset[edge + 1]; ++k) {
+    const Index t = s.topology.edge_triangle[k];
+    if (has(s.surface.triangles[t], point)) continue;
+    if (owner < 0) owner = t;
+    ++count;
+  }
+  return owner == triangle ? 1 - count : 0;
+}
+// The same for (point, vertex).
+MORTISE_HD inline Index vertex_coefficient(const Scene& s, Index point, Index vertex, Index triangle) {
+  Index count = 0, owner = -1, own = 0;
+  for (Index k = s.topology.point_offset[vertex]; k < s.topology.point_offset[vertex + 1]; ++k) {
+    const Index t = s.topology.point_triangle[k];
+    if (has(s.surface.triangles[t], point)) {
+      own = 1;  // the edge between the two goes too
+      continue;
+    }
+    if (owner < 0) owner = t;
+    ++count;
+  }
+  return owner == triangle ? 1 + count - (s.topology.point_edges[vertex] - own) : 0;
+}
+
+MORTISE_HD inline Closest closest_on_segment(const Vec3 x[4], int i, int j) {
+  Closest c;
+  c.squared = INFINITY;
+  geometry::detail::nearer_on_segment(x, 0, i, j, 1, c);
+  return c;
+}
+
+MORTISE_HD inline void gather(View<const Vec3> y, const Index v[4], Vec3 x[4]) {
+  for (int i = 0; i < 4; ++i) x[i] = y[v[i] < 0 ? v[0] : v[i]];
+}
+
+// A_x of a vertex towards a contact with normal n (law above). At least 1 % of A_v, so that nothing can slip through unweighted.
+MORTISE_HD inline double facing_area(const Scene& s, Index point, const Vec3& n, View<const Vec3> y) {
+  double sum = 0;
+  for (Index k = s.topology.point_offset[point]; k < s.topology.point_offset[point + 1]; ++k) {
+    const Triangle t = s.surface.triangles[s.topology.point_triangle[k]];
+    const Vec3 now = (y[t.v[1]] - y[t.v[0]]).cross(y[t.v[2]] - y[t.v[0]]);
+    const Vec3 rest = (s.rest[t.v[1]] - s.rest[t.v[0]]).cross(s.rest[t.v[2]] - s.rest[t.v[0]]);
+    const double facing = -now.dot(n) / now.norm();
+    if (facing > 0) sum += facing * rest.norm() / 6;
+  }
+  const double least = 0.01 * s.surface.vertex_area[point];
+  return sum > least ? sum : least;
+}
+
+MORTISE_HD inline double point_weight(const Scene& s, Index point) {
+  return s.law.area_weighted ? s.point_area[point] / 2 : s.law.d_hat * s.law.d_hat;
+}
+MORTISE_HD inline double edge_weight(const Scene& s, Index a, Index b) {
+  return s.law.area_weighted ? (s.surface.edge_area[a] + s.surface.edge_area[b]) / 4 : s.law.d_hat * s.law.d_hat;
+}
+
+// Energy of one candidate [J]; +infinity at distance 0.
+MORTISE_HD inline double pair_energy(const Scene& s, const PointTriangle& pair, View<const Vec3> y) {
+  if (!s.sees(pair.v[0], pair.v[1])) return 0;
+  const double d_hat = s.law.d_hat, range = d_hat * d_hat;
+  Vec3 x[4];
+  gather(y, pair.v, x);
+  const double D = geometry::closest_point_triangle(x).squared;
+  if (!(D < range)) return 0;
+  if (!(D > 0)) return INFINITY;
+  double sum = barrier::value(std::sqrt(D), d_hat);
+  if (s.law.area_weighted) {
+    for (int k = 0; k < 3; ++k) {
+      const Index c = edge_coefficient(s, pair.point, s.topology.triangle_edge[3 * pair.triangle + k], pair.triangle);
+      if (c == 0) continue;
+      const double De = closest_on_segment(x, 1 + k, 1 + (k + 1) % 3).squared;
+      if (De < range) sum += c * barrier::value(std::sqrt(De), d_hat);
+    }
+    for (int k = 0; k < 3; ++k) {
+      const double Dv = (x[0] - x[1 + k]).squaredNorm();
+      if (!(Dv < range)) continue;
+      const Index c = vertex_coefficient(s, pair.point, pair.v[1 + k], pair.triangle);
+      if (c != 0) sum += c * barrier::value(std::sqrt(Dv), d_hat);
+    }
+  }
+  return s.law.kappa * point_weight(s, pair.point) * sum;
+}
+
+MORTISE_HD inline double pair_energy(const Scene& s, const EdgeEdge& pair, View<const Vec3> y) {
+  if (!s.sees(pair.v[0], pair.v[2])) return 0;
+  Vec3 x[4], rest[4];
+  gather(y, pair.v, x);
+  const double D = geometry::closest_edge_edge(x).squared;
+  if (!(D < s.law.edge_range * s.law.edge_range)) return 0;
+  if (!(D > 0)) return INFINITY;
+  gather(s.rest, pair.v, rest);
+  const double m = geometry::mollifier(x, geometry::mollifier_threshold(rest));
+  return s.law.kappa * edge_weight(s, pair.a, pair.b) * m * barrier::value(std::sqrt(D), s.law.edge_range);
+}
+
+// i counts planes x surface vertices.
+MORTISE_HD inline bool plane_pair(const Scene& s, Index i, View<const Vec3> y, Index& plane, Index& point, double& gap) {
+  plane = i / s.surface.vertices.n;
+  point = s.surface.vertices[i % s.surface.vertices.n];
+  if (!s.plane_watched[plane * s.surface.bodies + s.surface.body[point]]) return false;
+  gap = s.planes[plane].normal.dot(y[point] - s.planes[plane].point);
+  return gap < s.law.d_hat;
+}
+MORTISE_HD inline double plane_weight(const Scene& s, Index i) { return s.law.area_weighted ? s.plane_area[i] : s.law.d_hat * s.law.d_hat; }
+
+MORTISE_HD inline double plane_energy(const Scene& s, Index i, View<const Vec3> y) {
+  Index plane, point;
+  double gap;
+  if (!plane_pair(s, i, y, plane, point, gap)) return 0;
+  if (!(gap > 0)) return INFINITY;
+  return s.law.kappa * plane_weight(s, i) * barrier::value(gap, s.law.d_hat);
+}
+
+}  // namespace mortise::effects::contact

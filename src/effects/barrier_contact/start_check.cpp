@@ -1,0 +1,129 @@
+#include "effects/barrier_contact/start_check.h"
+
+#include "base/error.h"
+#include "geometry/collide/bvh.h"
+
+namespace mortise::effects::contact {
+namespace {
+
+// Six times the signed volume of a tetrahedron.
+MORTISE_HD inline double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return (b - a).cross(c - a).dot(d - a); }
+
+// Does the segment p q pass through the triangle? (Rounding decides cases within it; those have a distance near 0 anyway.)
+MORTISE_HD inline bool crosses(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double vp = volume(a, b, c, p), vq = volume(a, b, c, q);
+  if ((vp > 0 && vq > 0) || (vp < 0 && vq < 0) || (vp == 0 && vq == 0)) return false;
+  const double s0 = volume(p, q, a, b), s1 = volume(p, q, b, c), s2 = volume(p, q, c, a);
+  return (s0 >= 0 && s1 >= 0 && s2 >= 0) || (s0 <= 0 && s1 <= 0 && s2 <= 0);
+}
+
+// For every edge the first triangle that it passes through, or -1.
+std::vector<Index> crossed_triangles(const Scene& s, Index envs, View<const Vec3> y) {
+  geometry::Bvh tree;
+  tree.update({s.surface.triangles.n ? s.surface.triangles.p->v : nullptr, s.surface.triangles.n, 3}, s.surface, envs, y, {}, 0);
+  const geometry::BvhView view = tree.view();
+  Buffer<Index> hit(s.surface.edges.n);
+  const View<Index> out = hit.view();
+  device::parallel_for("barrier_contact.start", s.surface.edges.n, [=] MORTISE_HD(Index e) {
+    const Edge edge = s.surface.edges[e];
+    geometry::BvhNode box = geometry::swept_box(edge.v, 2, -1, s.surface, y, View<const Vec3>{}, 0);
+    geometry::BvhCursor cursor;
+    out[e] = -1;
+    for (Index t = cursor.next(view, box, s.surface); t >= 0; t = cursor.next(view, box, s.surface)) {
+      const Triangle tri = s.surface.triangles[t];
+      if (has(tri, edge.v[0]) || has(tri, edge.v[1]) || !s.sees(edge.v[0], tri.v[0])) continue;
+      if (crosses(y[edge.v[0]], y[edge.v[1]], y[tri.v[0]], y[tri.v[1]], y[tri.v[2]]) && (out[e] < 0 || t < out[e])) out[e] = t;
+    }
+  });
+  return hit.download();
+}
+
+// Largest over i of f(i), as an index: f returns i + 1 where something is wrong, else 0. -1 if nothing is.
+template <class F>
+Index found(const char* name, Index n, F wrong) {
+  return static_cast<Index>(device::max(name, n, 0.0, [=] MORTISE_HD(Index i) { return wrong(i) ? static_cast<double>(n - i) : 0.0; }));
+}
+Index first_of(Index found, Index n) { return found > 0 ? n - found : -1; }
+
+Index touching(const Scene& s, View<const PointTriangle> pairs, View<const Vec3> y) {
+  return first_of(found("barrier_contact.touching_points", pairs.n, [=] MORTISE_HD(Index i) {
+                    if (!s.sees(pairs[i].v[0], pairs[i].v[1])) return false;
+                    Vec3 x[4];
+                    gather(y, pairs[i].v, x);
+                    return !(geometry::closest_point_triangle(x).squared > 0);
+                  }),
+                  pairs.n);
+}
+Index touching(const Scene& s, View<const EdgeEdge> pairs, View<const Vec3> y) {
+  return first_of(found("barrier_contact.touching_edges", pairs.n, [=] MORTISE_HD(Index i) {
+                    if (!s.sees(pairs[i].v[0], pairs[i].v[2])) return false;
+                    Vec3 x[4];
+                    gather(y, pairs[i].v, x);
+                    return !(geometry::closest_edge_edge(x).squared > 0);
+                  }),
+                  pairs.n);
+}
+Index below(const Scene& s, View<const Vec3> y) {
+  const Index n = s.planes.n * s.surface.vertices.n;
+  return first_of(found("barrier_contact.below_planes", n, [=] MORTISE_HD(Index i) {
+                    Index plane, point;
+                    double gap = 1;
+                    return plane_pair(s, i, y, plane, point, gap) && !(gap > 0);
+                  }),
+                  n);
+}
+
+template <class T>
+T fetch(View<const T> v, Index i) {
+  T value;
+  device::copy_out(&value, v.p + i, sizeof(T));
+  return value;
+}
+
+// Names primitives by the numbers that they have in their body's mesh.
+struct Names {
+  const model::Model& model;
+  const Scene& s;
+  const model::Body& body_of(Index point) const {
+    std::size_t b = 0;
+    while (point >= model.bodies[b].point_end) ++b;
+    return model.bodies[b];
+  }
+  std::string point(Index p) const { return std::to_string(p - body_of(p).point_begin); }
+  std::string vertex(Index p) const { return "vertex " + point(p) + " of '" + body_of(p).name + "'"; }
+  std::string edge(Index a, Index b) const { return "edge " + point(a) + "-" + point(b) + " of '" + body_of(a).name + "'"; }
+  std::string triangle(Index t) const {
+    const model::Body& body = body_of(fetch(s.surface.triangles, t).v[0]);
+    return "triangle " + std::to_string(t - body.triangle_begin) + " of '" + body.name + "'";
+  }
+};
+
+[[noreturn]] void fail(const SourceLoc& at, const std::string& what) {
+  throw Error(Exit::scene, at, "bodies must start apart: " + what + " (leave a gap; contact begins at d_hat)");
+}
+
+}  // namespace
+
+void check_start(const model::Model& model, const Scene& s, const Candidates& c, View<const Vec3> y) {
+  const Names names{model, s};
+  if (const Index i = below(s, y); i >= 0) {
+    const Index point = fetch(s.surface.vertices, i % s.surface.vertices.n);
+    fail(names.body_of(point).where, names.vertex(point) + " is on or below half-space '" + model.half_spaces[i / s.surface.vertices.n].name + "'");
+  }
+  if (const Index i = touching(s, c.point_triangles(), y); i >= 0) {
+    const PointTriangle p = fetch(c.point_triangles(), i);
+    fail(names.body_of(p.point).where, names.vertex(p.point) + " touches " + names.triangle(p.triangle));
+  }
+  if (const Index i = touching(s, c.edge_edges(), y); i >= 0) {
+    const EdgeEdge p = fetch(c.edge_edges(), i);
+    fail(names.body_of(p.v[0]).where, names.edge(p.v[0], p.v[1]) + " touches " + names.edge(p.v[2], p.v[3]));
+  }
+  const std::vector<Index> hit = crossed_triangles(s, model.envs, y);
+  for (std::size_t e = 0; e < hit.size(); ++e) {
+    if (hit[e] < 0) continue;
+    const Edge edge = fetch(s.surface.edges, static_cast<Index>(e));
+    fail(names.body_of(edge.v[0]).where, names.edge(edge.v[0], edge.v[1]) + " passes through " + names.triangle(hit[e]));
+  }
+}
+
+}  // namespace mortise::effects::contact
