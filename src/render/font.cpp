@@ -57,7 +57,7 @@ double text_width(std::string_view text, double size) {
   return x;
 }
 
-void draw_text(Image& image, std::string_view text, double x, double y, double size, const std::uint8_t colour[3]) {
+void draw_text(Image& image, std::string_view text, double x, double y, double size, const std::uint8_t colour[3], double opacity) {
   const float scale = stbtt_ScaleForPixelHeight(&font(), static_cast<float>(size));
   for (std::size_t i = 0; i < text.size();) {
     const int code = next(text, i);
@@ -68,7 +68,7 @@ void draw_text(Image& image, std::string_view text, double x, double y, double s
       for (int u = 0; u < w; ++u) {
         const int px = static_cast<int>(std::floor(x)) + left + u, py = static_cast<int>(std::lround(y)) + top + v;
         if (px < 0 || py < 0 || px >= image.width || py >= image.height) continue;
-        const int a = glyph[v * w + u];
+        const int a = static_cast<int>(opacity * glyph[v * w + u]);
         std::uint8_t* p = image.at(px, py);
         for (int c = 0; c < 3; ++c) p[c] = static_cast<std::uint8_t>((p[c] * (255 - a) + colour[c] * a + 127) / 255);
       }

@@ -9,6 +9,6 @@ namespace mortise::render {
 double text_width(std::string_view text, double size);
 
 // Draws with its baseline at (x, y), anti-aliased, in DejaVu Sans (embedded). What falls off the picture is dropped.
-void draw_text(Image& image, std::string_view text, double x, double y, double size, const std::uint8_t colour[3]);
+void draw_text(Image& image, std::string_view text, double x, double y, double size, const std::uint8_t colour[3], double opacity = 1);
 
 }  // namespace mortise::render

@@ -10,9 +10,10 @@
 namespace mortise::render {
 namespace {
 
-// Light text on dark ground and the other way round, by the mean luminance under the text.
+// Light text on dark ground and the other way round, by the mean luminance under the text; a halo keeps it legible where the
+// ground changes below it.
 struct Ink {
-  std::uint8_t text[3], soft[3];
+  std::uint8_t text[3], soft[3], halo[3];
 };
 Ink ink_for(const Image& image, int x0, int y0, int x1, int y1) {
   double sum = 0;
@@ -22,13 +23,18 @@ Ink ink_for(const Image& image, int x0, int y0, int x1, int y1) {
       const std::uint8_t* p = image.at(x, y);
       sum += 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2];
     }
-  if (count > 0 && sum / count > 128) return {{34, 37, 42}, {96, 102, 110}};
-  return {{240, 242, 245}, {176, 182, 190}};
+  if (count > 0 && sum / count > 128) return {{34, 37, 42}, {96, 102, 110}, {226, 229, 233}};
+  return {{240, 242, 245}, {176, 182, 190}, {30, 32, 36}};
 }
 
 void fill(Image& image, int x0, int y0, int x1, int y1, const std::uint8_t c[3]) {
   for (int y = std::max(0, y0); y < std::min(image.height, y1); ++y)
     for (int x = std::max(0, x0); x < std::min(image.width, x1); ++x) std::copy(c, c + 3, image.at(x, y));
+}
+
+void write(Image& image, const std::string& text, double x, double y, double size, const Ink& ink) {
+  for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) draw_text(image, text, x + dx, y + dy, size, ink.halo, 0.3);
+  draw_text(image, text, x, y, size, ink.text);
 }
 
 void draw_bar(Image& image, const ColourBar& bar) {
@@ -46,13 +52,13 @@ void draw_bar(Image& image, const ColourBar& bar) {
     const double t = (value / bar.scale - bar.low) / (bar.high - bar.low);
     const int y = bottom - 1 - static_cast<int>(std::lround(t * (box.height - 1)));
     fill(image, right + 1, y, right + 1 + std::max(4, static_cast<int>(size * 0.3)), y + 1, ink.soft);
-    draw_text(image, label, right + size * 0.5, y + size * 0.30, size * 0.92, ink.text);
+    write(image, label, right + size * 0.5, y + size * 0.30, size * 0.92, ink);
   }
   // Title above, aligned with the right margin so that it never leaves the picture.
   const std::string title = bar.unit.empty() ? bar.label : bar.label + "  [" + bar.unit + "]";
   const double width = text_width(title, size);
   const double x = std::min(static_cast<double>(box.left), image.width - size * 0.8 - width);
-  draw_text(image, title, x, box.top - size * 0.75, size, ink.text);
+  write(image, title, x, box.top - size * 0.75, size, ink);
 }
 
 }  // namespace
@@ -84,7 +90,7 @@ void draw_overlays(Image& image, const RenderJob& job) {
   const double size = std::max(10.0, image.height * 0.030);
   const int x = static_cast<int>(size * 1.1), y = static_cast<int>(image.height - size * 1.1);
   const Ink ink = ink_for(image, x, static_cast<int>(y - size), x + static_cast<int>(text_width(job.caption, size)), y);
-  draw_text(image, job.caption, x, y, size, ink.text);
+  write(image, job.caption, x, y, size, ink);
 }
 
 }  // namespace mortise::render

@@ -13,7 +13,8 @@ struct Painter::Programs {
   Program occlusion{kScreenVertex, kOcclusionFragment};
   Program blur{kScreenVertex, kBlurFragment};
   Program screen{kScreenVertex, std::string(kBackground) + kScreenFragment};
-  Program surface{kMeshVertex, std::string(kBackground) + kSurfaceFragment};
+  Program surface{kMeshVertex, std::string(kBackground) + "#define PLANE 0" + kSurfaceFragment};
+  Program plane{kMeshVertex, std::string(kBackground) + "#define PLANE 1" + kSurfaceFragment};
   Program fisheye{kScreenVertex, kFisheyeFragment};
 };
 
@@ -144,29 +145,32 @@ void Painter::draw_view(const MortiseRenderJob& job, const View& view, Target& t
   glDrawArrays(GL_TRIANGLES, 0, 3);
 
   glEnable(GL_DEPTH_TEST);
-  const Program& s = programs_->surface;
-  s.use();
-  background_uniforms(job, view, s, target);
-  s.set("view_projection", project);
-  s.set("up", vec(job.world_up));
-  s.set("key_direction", key_);
-  s.set("fill_direction", fill_);
-  s.set("rim_direction", rim_);
-  s.set("centre", vec(job.centre));
-  s.set("radius", job.radius);
-  s.set("light", light_);
-  s.set("shadow_step", 1.7f / kShadowSize);
-  s.set("scalar_low", job.scalar_low);
-  s.set("scalar_high", job.scalar_high);
   bind(1, GL_TEXTURE_2D, target.blurred);
   bind(2, GL_TEXTURE_2D, shadow_.texture);
   bind(3, GL_TEXTURE_2D, colour_map_);
-  s.set("base", 0);
-  s.set("occlusion", 1);
-  s.set("shadow", 2);
-  s.set("colour_map", 3);
-  draw_meshes(job, &s);
-  draw_planes(job, &s);
+  for (const Program* s : {&programs_->surface, &programs_->plane}) {
+    s->use();
+    background_uniforms(job, view, *s, target);
+    s->set("view_projection", project);
+    s->set("up", vec(job.world_up));
+    s->set("key_direction", key_);
+    s->set("fill_direction", fill_);
+    s->set("rim_direction", rim_);
+    s->set("centre", vec(job.centre));
+    s->set("radius", job.radius);
+    s->set("light", light_);
+    s->set("shadow_step", 1.7f / kShadowSize);
+    s->set("scalar_low", job.scalar_low);
+    s->set("scalar_high", job.scalar_high);
+    s->set("base", 0);
+    s->set("occlusion", 1);
+    s->set("shadow", 2);
+    s->set("colour_map", 3);
+    if (s == &programs_->surface)
+      draw_meshes(job, s);
+    else
+      draw_planes(job, s);
+  }
 
   glBindFramebuffer(GL_READ_FRAMEBUFFER, target.multisampled);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.resolved);

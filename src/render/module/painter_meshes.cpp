@@ -90,10 +90,6 @@ void Painter::lights(const MortiseRenderJob& job) {
 }
 
 void Painter::draw_meshes(const MortiseRenderJob& job, const Program* material) {
-  if (material != nullptr) {
-    material->set("is_plane", 0);
-    material->set("checker", 0.0f);
-  }
   for (int i = 0; i < job.meshes; ++i) {
     const MortiseRenderMesh& m = job.mesh[i];
     glBindVertexArray(meshes_[static_cast<std::size_t>(i)].array);
@@ -118,12 +114,7 @@ void Painter::draw_meshes(const MortiseRenderJob& job, const Program* material) 
 void Painter::draw_planes(const MortiseRenderJob& job, const Program* material) {
   for (std::size_t i = 0; i < planes_.size(); ++i) {
     if (material != nullptr) {
-      material->set("is_plane", 1);
-      material->set("has_scalar", 0);
-      material->set("has_texture", 0);
       material->set("colour_factor", vec(job.plane[i].colour));
-      material->set("roughness", 0.75f);
-      material->set("metallic", 0.0f);
       material->set("checker", job.plane[i].checker);
       material->set("plane_u", plane_axes_[i][0]);
       material->set("plane_v", plane_axes_[i][1]);

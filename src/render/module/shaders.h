@@ -114,13 +114,15 @@ void main() {
   colour = vec4(to_srgb(background(normalize(axis_z + q.x * axis_x + q.y * axis_y))), 1.0);
 })";
 
+// llvmpipe executes both sides of a branch and skips only loops, so what differs between planes and meshes is chosen when the
+// program is compiled (PLANE = 0 or 1), and the costly part of a shadow is a loop of no turns where it is not needed.
 // Metal-rough shading: GGX with the Smith height-correlated visibility (Heitz 2014) and Schlick's Fresnel (1994), a key light
 // with a filtered shadow map, a fill and a rim light, and a procedural studio as surroundings. Tone curve: Narkowicz (2015).
 inline constexpr const char* kSurfaceFragment = R"(
 in vec3 world; in vec3 world_normal; in vec2 texel; in float value;
 uniform vec3 colour_factor, up, key_direction, fill_direction, rim_direction, centre;
 uniform float roughness, metallic, radius;
-uniform int has_texture, has_scalar, is_plane;
+uniform int has_texture, has_scalar;
 uniform float checker; uniform vec3 plane_u, plane_v;
 uniform sampler2D base; uniform sampler2D colour_map; uniform sampler2D occlusion;
 uniform sampler2DShadow shadow;
@@ -157,9 +159,9 @@ float lit(vec3 p, vec3 n) {
   // Most pixels are far from the edge of a shadow: eight points on the rim of the filter tell.
   float rim = 0.0;
   for (int i = 0; i < 8; ++i) rim += texture(shadow, vec3(q.xy + 3.2 * shadow_step * vec2(cos(0.785398 * float(i)), sin(0.785398 * float(i))), q.z));
-  if (rim <= 0.0 || rim >= 8.0) return rim / 8.0;
-  float sum = 0.0, weight = 0.0;
-  for (int y = -3; y <= 3; ++y)
+  bool edge = rim > 0.0 && rim < 8.0;
+  float sum = edge ? 0.0 : rim, weight = edge ? 0.0 : 8.0;
+  for (int y = edge ? -3 : 4; y <= 3; ++y)
     for (int x = -3; x <= 3; ++x) {
       float w = 1.0 - float(x * x + y * y) / 20.0;
       if (w <= 0.1) continue;
@@ -172,30 +174,37 @@ vec3 tone(vec3 c) { return clamp(c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) 
 
 void main() {
   vec3 to_eye = eye - world, v = normalize(to_eye), n = normalize(world_normal);
-  if (dot(n, v) < 0.0 && (is_plane != 0 || !gl_FrontFacing)) n = -n;
+  if (dot(n, v) < 0.0 && (PLANE == 1 || !gl_FrontFacing)) n = -n;
   vec3 albedo = colour_factor;
-  if (has_texture != 0) albedo *= texture(base, texel).rgb;
-  if (is_plane != 0 && checker > 0.0) {
+#if PLANE
+  if (checker > 0.0) {
     vec2 q = vec2(dot(world - centre, plane_u), dot(world - centre, plane_v)) / checker;
     vec2 w = max(fwidth(q), vec2(1e-4));
     // Box-filtered square wave: the integral of the sign pattern over a pixel.
     vec2 i = 2.0 * (abs(fract((q - 0.5 * w) * 0.5) - 0.5) - abs(fract((q + 0.5 * w) * 0.5) - 0.5)) / w;
     albedo *= mix(1.0, 0.78, 0.5 - 0.5 * clamp(i.x * i.y, -1.0, 1.0));
   }
+#else
+  if (has_texture != 0) albedo *= texture(base, texel).rgb;
+#endif
+  float open = texture(occlusion, gl_FragCoord.xy / image).r, ambient = open * open;
+  float shade = dot(n, key_direction) > 0.0 ? lit(world, n) : 0.0;
+  vec3 key = vec3(3.0, 2.9, 2.75) * shade, fill = vec3(0.55, 0.62, 0.75) * mix(open, 1.0, 0.3), radiance;
+  vec3 sky = mix(vec3(0.17, 0.155, 0.15), vec3(0.42, 0.44, 0.47), 0.5 + 0.5 * dot(n, up)) * ambient;
+#if PLANE  // matt: most of a picture is ground, and highlights on it only distract
+  radiance = albedo * ((key * max(dot(n, key_direction), 0.0) + fill * max(dot(n, fill_direction), 0.0)) / pi + sky);
+#else
   float a2 = max(roughness * roughness, 0.03); a2 *= a2;
   vec3 f0 = mix(vec3(0.04), albedo, metallic), diffuse = albedo * (1.0 - metallic);
-  float open = texture(occlusion, gl_FragCoord.xy / image).r;
-  float shade = dot(n, key_direction) > 0.0 ? lit(world, n) : 0.0;
-  vec3 radiance = vec3(3.0, 2.9, 2.75) * shade * lamp(n, v, key_direction, diffuse, f0, a2);
-  radiance += vec3(0.55, 0.62, 0.75) * mix(open, 1.0, 0.3) * lamp(n, v, fill_direction, diffuse, f0, a2);
+  radiance = key * lamp(n, v, key_direction, diffuse, f0, a2) + fill * lamp(n, v, fill_direction, diffuse, f0, a2);
   radiance += vec3(0.6, 0.65, 0.7) * open * lamp(n, v, rim_direction, diffuse, f0, a2);
-  vec3 sky = mix(vec3(0.17, 0.155, 0.15), vec3(0.42, 0.44, 0.47), 0.5 + 0.5 * dot(n, up));
-  float nv = max(dot(n, v), 0.0);
-  vec3 fresnel = f0 + (max(vec3(1.0 - roughness), f0) - f0) * pow(1.0 - nv, 5.0);
-  float ambient = open * open;
-  radiance += diffuse * sky * ambient;
-  radiance += fresnel * studio(reflect(-v, n), roughness) * ambient;
+  vec3 fresnel = f0 + (max(vec3(1.0 - roughness), f0) - f0) * pow(1.0 - max(dot(n, v), 0.0), 5.0);
+  radiance += diffuse * sky + fresnel * studio(reflect(-v, n), roughness) * ambient;
+#endif
   vec3 c = to_srgb(tone(0.85 * radiance));
+#if PLANE
+  c = mix(c, to_srgb(background(-v)), smoothstep(2.5 * radius, 8.0 * radius, length(world - centre)));
+#else
   if (has_scalar != 0) {
     float t = (value - scalar_low) / (scalar_high - scalar_low);
     vec3 m = texture(colour_map, vec2(clamp(t, 0.5 / 256.0, 255.5 / 256.0), 0.5)).rgb;
@@ -203,10 +212,7 @@ void main() {
     float relief = 0.80 + 0.14 * max(dot(n, key_direction), 0.0) + 0.06 * open;
     c = mix(c, m * relief, 0.9);
   }
-  if (is_plane != 0) {
-    float d = length(world - centre);
-    c = mix(c, to_srgb(background(-v)), smoothstep(2.5 * radius, 8.0 * radius, d));
-  }
+#endif
   colour = vec4(c, 1.0);
 })";
 
