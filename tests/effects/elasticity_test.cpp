@@ -5,7 +5,7 @@
 #include <Eigen/Dense>
 #include <random>
 
-#include "finite_difference.h"
+#include "problem.h"
 
 using namespace mortise;
 using namespace mortise::effects;
@@ -141,7 +141,6 @@ TEST(Elasticity, DensityStressAndHessianAreDerivativesOfEachOther) {
       EXPECT_LT(H, 1e-5) << int(model) << "\n" << F;
       worst_gradient = std::max(worst_gradient, g), worst_hessian = std::max(worst_hessian, H);
     }
-  RecordProperty("gradient", std::to_string(worst_gradient));
   std::printf("worst relative errors: gradient %.1e, Hessian %.1e\n", worst_gradient, worst_hessian);
 }
 
@@ -227,4 +226,63 @@ TEST(Elasticity, ElementGradientAndHessian) {
     EXPECT_LT(fd::relative_error(H, fd::difference_jacobian(g, y, 2e-6)), 1e-5);
     EXPECT_LT((H * Vec3(1, 2, 3).replicate<4, 1>()).norm(), 1e-10 * H.norm());  // translation costs nothing
   }
+}
+
+TEST(Elasticity, WholeEffectDerivatives) {
+  for (const char* law : {"linear", "corotated", "neo_hookean"}) {
+    model::Model m(fd::box_and_ball(law));
+    const auto e = fd::make_effect("elasticity", Params::make_table(), m);
+    // Slightly swollen: all eigenvalues are positive, and projection changes nothing.
+    const fd::Vector x = 1.02 * fd::shaken(m, 0.002);
+    const fd::Errors errors = fd::effect_errors(*e, x, 1e-3);
+    EXPECT_LT(errors.gradient, 1e-6) << law;
+    EXPECT_LT(errors.hessian, 1e-5) << law;
+    // Crushed: the gradient stays exact, and the assembled Hessian has no negative eigenvalue.
+    const fd::Vector crushed = 0.6 * fd::shaken(m, 0.3);
+    const fd::Dense d = fd::effect_assemble(*e, crushed, true);
+    EXPECT_LT(fd::relative_error(d.gradient, fd::difference_gradient([&](const fd::Vector& y) { return fd::effect_energy(*e, y); }, crushed, 1e-4)), 1e-6);
+    EXPECT_GT(fd::lowest_eigenvalue(d.hessian), -1e-13) << law;
+  }
+}
+
+TEST(Elasticity, EnvironmentsAreCountedApart) {
+  model::Model both(fd::box_and_ball("neo_hookean", 2)), one(fd::box_and_ball("neo_hookean", 1));
+  const auto e2 = fd::make_effect("elasticity", Params::make_table(), both), e1 = fd::make_effect("elasticity", Params::make_table(), one);
+  const fd::Vector x = fd::shaken(both, 0.05);
+  const std::vector<double> energies = fd::effect_energies(*e2, x, 2);
+  EXPECT_EQ(energies[0], fd::effect_energies(*e1, x.head(3 * one.blocks), 1)[0]);
+  EXPECT_GT(energies[1], 0);
+  EXPECT_NE(energies[0], energies[1]);
+}
+
+TEST(Elasticity, ReportsUniformStressOfAPulledBar) {
+  // Uniaxial strain e in z: sigma_zz = (lambda + 2 mu) e, sigma_xx = lambda e.
+  model::Model m(fd::box_and_ball("linear"));
+  const double e = 1e-3, mu = 1e5 / 2.8, lambda = 1e5 * 0.4 / (1.4 * 0.2);
+  std::vector<Vec3> q = m.rest.download();
+  for (Index b = m.bodies[0].block_begin; b < m.bodies[0].block_end; ++b) q[b][2] *= 1 + e;
+  m.q.upload(q);
+  const auto effect = fd::make_effect("elasticity", Params::make_table(), m);
+  fd::Recorder sink;
+  effect->report(sink);
+  const Index tets = m.bodies[0].tet_end, triangles = m.bodies[1].triangle_end - m.bodies[1].triangle_begin;
+  ASSERT_EQ(sink.cell["von_mises"].size(), std::size_t(tets + triangles));
+  ASSERT_EQ(sink.cell["cauchy_stress"].size(), 6u * (tets + triangles));
+  for (Index t = 0; t < tets; ++t) {
+    EXPECT_NEAR(sink.cell["cauchy_stress"][6 * t + 2], (lambda + 2 * mu) * e, 1e-7);
+    EXPECT_NEAR(sink.cell["cauchy_stress"][6 * t], lambda * e, 1e-7);
+    EXPECT_NEAR(sink.cell["von_mises"][t], 2 * mu * e, 1e-7);
+  }
+  EXPECT_TRUE(std::isnan(sink.cell["von_mises"][tets]));
+  EXPECT_NEAR(sink.scalars["elasticity.det_F_min"], 1 + e, 1e-12);
+  EXPECT_NEAR(sink.scalars["elasticity.energy"], 0.5 * (lambda + 2 * mu) * e * e * 2, 1e-9);
+}
+
+TEST(Elasticity, CauchyStressOfAShearIsOrderedXyYzZx) {
+  const Mat3 F = Mat3::Identity() + 1e-4 * (Mat3() << 0, 1, 3, 1, 0, 2, 3, 2, 0).finished();
+  const Mat3 s = elasticity::cauchy_stress(MaterialModel::neo_hookean, F, kMu, kLambda);
+  EXPECT_NEAR(s(0, 1) / (2 * kMu * 1e-4), 1, 1e-3);
+  EXPECT_NEAR(s(1, 2) / (2 * kMu * 2e-4), 1, 1e-3);
+  EXPECT_NEAR(s(2, 0) / (2 * kMu * 3e-4), 1, 1e-3);
+  EXPECT_LT((s - s.transpose()).norm(), 1e-16);
 }
