@@ -46,7 +46,10 @@ Params Checker::table(const ParamTable& base, const Node& node, const std::strin
   Params out = Params::make_table(node.key_at);
   const std::string where = path.empty() ? "the scene" : path;
   if (node.kind != Node::Kind::map && node.kind != Node::Kind::null) {
-    errors_.add(node.at, where + " is " + node.describe() + "; must be a block of keys");
+    std::vector<std::string> keys;
+    for (const Param& p : base.params) keys.push_back(p.key + ": ...");
+    errors_.add(node.at, where + " is " + node.describe() + "; must be a block of keys", keys.size() > 4 ? "" : "{" + join(keys, ", ") + "}");
+    incomplete_.insert(path);
     return out;
   }
 
@@ -80,7 +83,7 @@ Params Checker::table(const ParamTable& base, const Node& node, const std::strin
         if (!node.find(k)) free.push_back(k);
       const std::string best = nearest(key, free);
       meant.insert(best);
-      misspelt_.insert(path);
+      incomplete_.insert(path);
       std::string hint = suggestion(key, best.empty() ? known : free);
       if (hint.empty() && path == "effects") hint = "'mortise effects' lists all";
       errors_.add(child.key_at, (path == "effects" ? "unknown effect '" + key + "'" : "unknown key '" + key + "' in " + where), hint);
@@ -91,6 +94,7 @@ Params Checker::table(const ParamTable& base, const Node& node, const std::strin
       continue;
     }
     if (std::optional<Params> v = value(*p, child, dotted(path, key))) out.set(key, std::move(*v));
+    else incomplete_.insert(path);
   }
 
   // Defaults, and what must be there.
@@ -112,11 +116,10 @@ Params Checker::table(const ParamTable& base, const Node& node, const std::strin
 void Checker::one_of(const ParamTable& t, const Node& node, const std::string& path) {
   std::vector<const Node*> found;
   std::vector<std::string> known, names;
-  for (const Param& p : t.params) {
-    known.push_back(p.key);
-    if (const Node* n = node.find(p.key)) found.push_back(n), names.push_back(p.key);
-  }
-  if (found.empty() && !misspelt_.count(path)) errors_.add(node.key_at, path + " must hold one of: " + join(known, ", "));
+  for (const Param& p : t.params) known.push_back(p.key);
+  for (const auto& [key, child] : node.entries)
+    if (std::find(known.begin(), known.end(), key) != known.end()) found.push_back(&child), names.push_back(key);
+  if (found.empty() && !incomplete_.count(path)) errors_.add(node.key_at, path + " must hold one of: " + join(known, ", "));
   if (found.size() > 1) errors_.add(found[1]->key_at, path + " must hold only one of: " + join(names, ", "), "", {{found[0]->key_at, "the first one"}});
 }
 

@@ -20,8 +20,8 @@ class Checker {
   // `path` is the dotted name of the block, "" for the root.
   Params table(const ParamTable&, const Node&, const std::string& path);
 
-  // Blocks in which an unknown key was found: what seems to be missing there may just be misspelt.
-  const std::set<std::string>& misspelt() const { return misspelt_; }
+  // Blocks with an unknown key or a value that is wrong: what seems to be missing there is most likely one of these.
+  const std::set<std::string>& incomplete() const { return incomplete_; }
 
  private:
   std::optional<Params> value(const Param&, const Node&, const std::string& path);
@@ -41,7 +41,7 @@ class Checker {
 
   Diagnostics& errors_;
   std::string folder_;
-  std::set<std::string> misspelt_;
+  std::set<std::string> incomplete_;
 };
 
 // "a.b" from "a" and "b"; just "b" at the root.

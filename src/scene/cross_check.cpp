@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "scene/checker.h"
+#include "scene/quantity.h"
 #include "scene/suggest.h"
 
 namespace mortise::scene {
@@ -10,8 +11,8 @@ namespace {
 
 class CrossCheck {
  public:
-  CrossCheck(const Params& root, const std::set<std::string>& misspelt, Diagnostics& errors)
-      : root_(root), misspelt_(misspelt), errors_(errors), bodies_(root.find("bodies")), effects_(root.find("effects")) {}
+  CrossCheck(const Params& root, const std::set<std::string>& incomplete, Diagnostics& errors)
+      : root_(root), incomplete_(incomplete), errors_(errors), bodies_(root.find("bodies")), effects_(root.find("effects")) {}
 
   void run() {
     if (const Params* name = root_.find("name"); name && !is_name(name->as_text()))
@@ -30,7 +31,7 @@ class CrossCheck {
  private:
   bool has_effect(const char* name) const { return effects_ && effects_->has(name); }
   // Whether an effect that is not found is really not there.
-  bool effects_known() const { return effects_ && !misspelt_.count("effects"); }
+  bool effects_known() const { return effects_ && !incomplete_.count("effects"); }
 
   void mode() {
     const Params* time = root_.find("time");
@@ -40,7 +41,7 @@ class CrossCheck {
     if (is_static && time->has("step"))
       errors_.add(time->at("step").where(), "time.step has no meaning in a static scene", "time.steps load steps divide pseudo-time 0..1 evenly",
                   {{mode->where(), "static here"}});
-    if (!is_static && !time->has("step") && !misspelt_.count("time"))
+    if (!is_static && !time->has("step") && !incomplete_.count("time"))
       errors_.add(time->where(), "time has no 'step'", "[s] time step; a dynamic scene needs it");
     if (is_static && has_effect("inertia"))
       errors_.add(effects_->at("inertia").where(), "a static scene has no inertia", "remove it, or make the scene dynamic", {{mode->where(), "static here"}});
@@ -56,7 +57,7 @@ class CrossCheck {
 
     const Params* materials = root_.find("materials");
     const Params* material = body.find("material");
-    if (material && materials && exists(*materials, material->as_text(), "material", *material, path + ".material"))
+    if (material && materials && !(incomplete_.count("") && materials->entries().empty()) && exists(*materials, material->as_text(), "material", *material, path + ".material"))
       elastic_constants(soft, *materials, *material);
 
     if (effects_known() && soft && !has_effect("elasticity"))
@@ -68,7 +69,7 @@ class CrossCheck {
 
   void elastic_constants(bool soft, const Params& materials, const Params& name) {
     const Params& material = materials.at(name.as_text());
-    if (!soft || misspelt_.count("materials." + name.as_text())) return;
+    if (!soft || incomplete_.count("materials." + name.as_text())) return;
     for (const char* key : {"youngs_modulus", "poisson_ratio"})
       if (!material.has(key))
         errors_.add(material.where(), "materials." + name.as_text() + " has no '" + key + "', which soft bodies need", "", {{name.where(), "used by a soft body here"}});
@@ -109,7 +110,7 @@ class CrossCheck {
     }
   }
   void bodies_in(const Params& p, const std::string& path) {
-    if (!bodies_ || misspelt_.count("bodies")) return;
+    if (!bodies_ || incomplete_.count("bodies")) return;
     if (p.kind() == Params::Kind::text) exists(*bodies_, p.as_text(), "body", p, path);
     if (p.kind() == Params::Kind::list)
       for (std::size_t i = 0; i < p.items().size(); ++i) bodies_in(p.items()[i], dotted(path, std::to_string(i)));
@@ -137,6 +138,8 @@ class CrossCheck {
       if (fov && model && model->as_text() == "pinhole" && fov->as_number() > 3.1)
         errors_.add(fov->where(), path + ".fov must be below 180 deg for a pinhole camera", "model: fisheye has no such limit");
       if (hide) bodies_in(*hide, path + ".hide");
+      if (const Params* unit = camera.find("unit"); unit && !parse_quantity("1 " + unit->as_text(), Unit::any).error.empty())
+        errors_.add(unit->where(), path + ".unit is '" + unit->as_text() + "', which is no unit", suggestion(unit->as_text(), suffixes(Unit::any)));
       if (range && (range->items().size() != 2 || !(range->items()[0].as_number() < range->items()[1].as_number())))
         errors_.add(range->where(), path + ".range must be two increasing numbers");
     }
@@ -156,15 +159,15 @@ class CrossCheck {
   }
 
   const Params& root_;
-  const std::set<std::string>& misspelt_;
+  const std::set<std::string>& incomplete_;
   Diagnostics& errors_;
   const Params *bodies_, *effects_;
 };
 
 }  // namespace
 
-void cross_check(const Params& root, const std::set<std::string>& misspelt, Diagnostics& errors) {
-  CrossCheck(root, misspelt, errors).run();
+void cross_check(const Params& root, const std::set<std::string>& incomplete, Diagnostics& errors) {
+  CrossCheck(root, incomplete, errors).run();
 }
 
 }  // namespace mortise::scene

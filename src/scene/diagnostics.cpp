@@ -61,7 +61,7 @@ void Diagnostics::add(SourceLoc at, std::string message, std::string hint, std::
 
 // "   23 |   mu: -1\n      |       ^~ hint\n"
 std::string Diagnostics::source(const SourceLoc& at, const std::string& hint) const {
-  if (at.line < 1 || at.line > static_cast<int>(lines_.size())) return hint.empty() ? "" : "      | " + hint + "\n";
+  if (at.line < 1 || at.line > static_cast<int>(lines_.size()) || lines_[at.line - 1].empty()) return hint.empty() ? "" : "      | " + hint + "\n";
   const std::string& line = lines_[at.line - 1];
   const std::size_t column = std::min<std::size_t>(std::max(at.column, 1) - 1, line.size());
   const std::size_t length = token_length(line, column);

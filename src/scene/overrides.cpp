@@ -44,8 +44,8 @@ class Override {
     Node node;
     try {
       node = parse_yaml(value, "", &at_);
-    } catch (const SyntaxError& e) {
-      errors_.add(at_, "the value is " + e.message);
+    } catch (const SyntaxError&) {
+      errors_.add(at_, "the value '" + value + "' is not valid YAML");
       return;
     }
     node.at = node.key_at = at_;
@@ -77,7 +77,7 @@ class Override {
         if (here.kind == Kind::tables) here.kind = Kind::table;
         if (here.kind == Kind::vec3s) here.kind = Kind::vec3;
       } else if (here.kind == Kind::map) {
-        node = named(*node, part, path, "'" + part + "'");
+        node = named(*node, part, "'" + part + "' under " + path);
         if (!node) return nullptr;
         here.kind = Kind::table;
       } else if (here.kind == Kind::table && here.sub) {
@@ -85,13 +85,13 @@ class Override {
         const auto p = std::find_if(table.params.begin(), table.params.end(), [&](const Param& q) { return q.key == part; });
         if (p == table.params.end()) return unknown(part, path, table);
         here = *p;
-        node = path == "effects" && !last ? named(*node, part, path, "effect '" + part + "'") : child(*node, part);
+        node = path == "effects" && !last ? named(*node, part, "the effect '" + part + "'") : child(*node, part, *p, last);
         if (!node) return nullptr;
       } else if (here.kind == Kind::schedule && node->kind == Node::Kind::map) {
-        node = named(*node, part, path, "'" + part + "'");
+        node = named(*node, part, "'" + part + "' under " + path);
         if (!node) return nullptr;
       } else {
-        errors_.add(at_, path + " has no parts, so '" + path + "." + part + "' is nothing");
+        errors_.add(at_, path + " is a single value; it has no '" + part + "'");
         return nullptr;
       }
       path = dotted(path, part);
@@ -99,16 +99,18 @@ class Override {
     return node;
   }
 
-  Node* child(Node& block, const std::string& key) {
+  // A part of a value that the file leaves to its default is a part of the default.
+  Node* child(Node& block, const std::string& key, const Param& param, bool last) {
     if (Node* found = block.find(key)) return found;
     Node fresh;
+    if (!last && param.fallback) fresh = parse_yaml(*param.fallback, "", &at_);
     fresh.at = fresh.key_at = at_;
     block.entries.emplace_back(key, fresh);
     return &block.entries.back().second;
   }
-  Node* named(Node& block, const std::string& key, const std::string& path, const std::string& what) {
+  Node* named(Node& block, const std::string& key, const std::string& what) {
     if (Node* found = block.find(key)) return found;
-    errors_.add(at_, path + " has no " + what + " in this scene", suggestion(key, keys(block)));
+    errors_.add(at_, "the scene does not have " + what, suggestion(key, keys(block)));
     return nullptr;
   }
   Node* item(Node& list, const Param& what, const std::string& part, const std::string& path) {

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <sstream>
 
 #include "scene/checker.h"
 #include "scene/cross_check.h"
@@ -28,6 +29,20 @@ std::string read_file(const std::string& path) {
   std::string text{std::istreambuf_iterator<char>(in), {}};
   if (in.bad()) throw Error(Exit::file, "cannot read '" + path + "'");
   return text;
+}
+
+// What usually is behind yaml-cpp's messages.
+std::string syntax_hint(const std::string& text, const SyntaxError& e) {
+  std::istringstream lines(text);
+  std::string line;
+  for (int i = 0; i < e.at.line; ++i) std::getline(lines, line);
+  const std::size_t tab = line.find_first_not_of(' ');
+  if (tab != std::string::npos && line[tab] == '\t') return "YAML is indented with spaces, never with tabs";
+  if (e.message.find("end of map flow") != std::string::npos) return "a '{' before this place is not closed, or a ',' is missing";
+  if (e.message.find("end of sequence flow") != std::string::npos) return "a '[' before this place is not closed, or a ',' is missing";
+  if (e.message.find("end of map") != std::string::npos || e.message.find("illegal map value") != std::string::npos)
+    return "check the indentation, and that every key is followed by ': '";
+  return "";
 }
 
 // Another version of the format has other keys: nothing else in the file can be judged.
@@ -57,7 +72,7 @@ Scene read_scene_text(const std::string& text, const std::string& path, const st
   try {
     root = parse_yaml(text, path);
   } catch (const SyntaxError& e) {
-    errors.add(e.at, e.message);
+    errors.add(e.at, e.message, syntax_hint(text, e));
     errors.raise();
   }
   root.at = root.key_at = {path, 1, 1};
@@ -69,7 +84,7 @@ Scene read_scene_text(const std::string& text, const std::string& path, const st
   for (const std::string& set : overrides) apply_override(root, set, tables.root(), errors);
   Checker checker(errors, fs::absolute(path).parent_path().string());
   scene.root = checker.table(tables.root(), root, "");
-  cross_check(scene.root, checker.misspelt(), errors);
+  cross_check(scene.root, checker.incomplete(), errors);
   if (!errors.empty()) errors.raise();
   return scene;
 }
