@@ -68,7 +68,8 @@ void CheckpointWriter::commit() {
 CheckpointReader::CheckpointReader(const std::string& path) : path_(path) {
   std::string bytes = read_file(path);
   const std::string_view all = bytes;
-  const bool sealed = all.size() > seal_size && all.substr(all.size() - seal_size, seal_mark.size()) == seal_mark && all.back() == '\n';
+  const bool sealed =
+      all.size() > seal_size && all.substr(all.size() - seal_size, seal_mark.size()) == seal_mark && all.back() == '\n';
   if (!sealed) throw Error(Exit::file, path + ": not a whole checkpoint: the checksum at its end is missing (truncated file?)");
   const std::string_view content = all.substr(0, all.size() - seal_size);
   if (sha256(content) != all.substr(all.size() - 65, 64)) {
@@ -102,7 +103,8 @@ void CheckpointReader::load(const h5::File& file, hid_t group, const std::string
 void CheckpointReader::io(std::string_view name, std::vector<double>& values) {
   const auto at = arrays_.find(name);
   if (at == arrays_.end()) {
-    throw Error(Exit::file, path_ + ": the checkpoint has no '" + std::string(name) + "': it belongs to another scene or version");
+    throw Error(Exit::file,
+                path_ + ": the checkpoint has no '" + std::string(name) + "': it belongs to another scene or version");
   }
   values = at->second;
 }

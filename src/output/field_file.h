@@ -25,9 +25,9 @@ struct FileInfo {
 };
 
 struct FieldOptions {
-  bool double_precision = false;    // points and fields as 64-bit floats instead of 32
+  bool double_precision = false;      // points and fields as 64-bit floats instead of 32
   std::vector<std::string> fields{};  // point and cell fields to keep; empty = all. Rows and scalars are always kept
-  bool xdmf = true;                 // write the sidecar beside it: same path, extension .xdmf
+  bool xdmf = true;                   // write the sidecar beside it: same path, extension .xdmf
 };
 
 // Writes fields.vtkhdf (schemas/fields.md), a temporal VTKHDF file. After end_frame() the frame survives a kill of the
@@ -35,17 +35,20 @@ struct FieldOptions {
 class FieldFile : public FieldSink {
  public:
   // Creates (or replaces) `path`.
-  static std::unique_ptr<FieldFile> open(const std::string& path, const OutputMesh& mesh, const FileInfo& info, const FieldOptions& options);
+  static std::unique_ptr<FieldFile> open(const std::string& path, const OutputMesh& mesh, const FileInfo& info,
+                                         const FieldOptions& options);
   // Goes on with a file of an earlier run: keeps the first `frames` frames and the first `steps` rows of the step table and
   // drops the rest. Precision stays what it was. Throws Error(Exit::file) if the file holds fewer.
-  static std::unique_ptr<FieldFile> reopen(const std::string& path, std::int64_t frames, std::int64_t steps, const FieldOptions& options);
+  static std::unique_ptr<FieldFile> reopen(const std::string& path, std::int64_t frames, std::int64_t steps,
+                                           const FieldOptions& options);
   ~FieldFile() override;  // without close(): what end_frame() did not finish is lost
 
   // `points`: current positions [m], x y z per point of the mesh.
   void begin_frame(double time, std::span<const double> points);
   void points(std::string_view name, std::string_view unit, int components, std::span<const double> values) override;
   void cells(std::string_view name, std::string_view unit, int components, std::span<const double> values) override;
-  void rows(std::string_view group, std::string_view name, std::string_view unit, int components, std::span<const double> values) override;
+  void rows(std::string_view group, std::string_view name, std::string_view unit, int components,
+            std::span<const double> values) override;
   void scalar(std::string_view group, std::string_view name, std::string_view unit, double value) override;
   void end_frame();
   void append_step(const StepRow& row);  // reaches the disk with the next end_frame(), flush() or close()
@@ -74,8 +77,8 @@ class FieldFile : public FieldSink {
   // Runs `write`; after a failure the file is left as of the last finished frame.
   template <class F>
   void guarded(F&& write);
-  void field(Fields& fields, hid_t parent, hid_t offsets, hsize_t count, std::string_view name, std::string_view unit, int components,
-             std::span<const double> values);
+  void field(Fields& fields, hid_t parent, hid_t offsets, hsize_t count, std::string_view name, std::string_view unit,
+             int components, std::span<const double> values);
   void finish(Fields& fields, hsize_t count);
   EffectGroup& effect(std::string_view name);
   void write_steps();

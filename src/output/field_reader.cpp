@@ -42,7 +42,8 @@ FieldReader::FieldReader(const std::string& path) : file_(path, h5::Mode::read) 
 
 void FieldReader::check_frame(std::int64_t frame) const {
   if (frame < 0 || frame >= frames()) {
-    throw Error(Exit::file, file_.path() + ": there is no frame " + std::to_string(frame) + ", the file holds " + std::to_string(frames()));
+    throw Error(Exit::file,
+                file_.path() + ": there is no frame " + std::to_string(frame) + ", the file holds " + std::to_string(frames()));
   }
 }
 

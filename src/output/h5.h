@@ -41,7 +41,11 @@ class File {
   // A file in memory only; image() gives its bytes.
   static File in_memory(const std::string& path);
   File(File&& other) noexcept
-      : path_(std::move(other.path_)), id_(std::exchange(other.id_, -1)), on_disk_(other.on_disk_), flushed_(other.flushed_), reserved_(other.reserved_) {}
+      : path_(std::move(other.path_)),
+        id_(std::exchange(other.id_, -1)),
+        on_disk_(other.on_disk_),
+        flushed_(other.flushed_),
+        reserved_(other.reserved_) {}
   File& operator=(File&&) = delete;
   ~File();
 
@@ -70,9 +74,9 @@ class File {
   hid_t id_ = -1;
   int descriptor() const;
   hsize_t size() const;
-  bool on_disk_ = false;           // a file that is written to
-  hsize_t flushed_ = 0;            // size at the last flush [bytes]
-  mutable hsize_t reserved_ = 0;   // disk space taken so far [bytes]
+  bool on_disk_ = false;          // a file that is written to
+  hsize_t flushed_ = 0;           // size at the last flush [bytes]
+  mutable hsize_t reserved_ = 0;  // disk space taken so far [bytes]
 };
 
 Id make_group(const File& file, hid_t parent, const std::string& name);
@@ -123,12 +127,12 @@ inline hid_t native<std::uint8_t>() {
 class Table {
  public:
   struct Spec {
-    hid_t type = -1;         // in the file
-    int components = 1;      // 1: one-dimensional
-    bool column = false;     // with one component: shape (rows, 1) instead of (rows)
+    hid_t type = -1;      // in the file
+    int components = 1;   // 1: one-dimensional
+    bool column = false;  // with one component: shape (rows, 1) instead of (rows)
     hsize_t chunk_rows = 256;
-    bool compress = false;   // shuffle + deflate level 1
-    bool nan_fill = false;   // rows never written read as NaN and take no space
+    bool compress = false;  // shuffle + deflate level 1
+    bool nan_fill = false;  // rows never written read as NaN and take no space
     std::string unit = "1";
   };
   Table() = default;

@@ -6,9 +6,9 @@ namespace mortise::output {
 
 // The machine a run was on.
 struct Hardware {
-  std::string cpu;                 // model name; "unknown" where the system does not tell
-  int cores = 0;                   // that this process may use (affinity mask)
-  std::int64_t memory_bytes = 0;   // main memory
+  std::string cpu;                // model name; "unknown" where the system does not tell
+  int cores = 0;                  // that this process may use (affinity mask)
+  std::int64_t memory_bytes = 0;  // main memory
 };
 
 Hardware hardware();

@@ -16,9 +16,12 @@ Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nul
 
 const char* status_of(Exit code) {
   switch (code) {
-    case Exit::done: return "done";
-    case Exit::stopped: return "stopped";
-    default: return "failed";
+    case Exit::done:
+      return "done";
+    case Exit::stopped:
+      return "stopped";
+    default:
+      return "failed";
   }
 }
 

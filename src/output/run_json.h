@@ -16,7 +16,7 @@ struct RunRecord {
   struct Device {
     std::string kind;  // "cpu" or "cuda"
     std::string name;
-    int threads = 0;   // CPU threads, or multiprocessors
+    int threads = 0;  // CPU threads, or multiprocessors
     std::int64_t memory_bytes = 0;
     std::string driver;
   };
@@ -34,8 +34,8 @@ struct RunRecord {
   std::string linear_solver;
   std::string scene_name, scene_path, scene_sha256;  // hash of the resolved scene
   std::string command_line;
-  double wall_seconds = 0;                           // whole run
-  std::map<std::string, double> seconds;             // parts of it: setup, solve, output, pictures ...
+  double wall_seconds = 0;                // whole run
+  std::map<std::string, double> seconds;  // parts of it: setup, solve, output, pictures ...
   std::vector<Phase> phases;
   std::vector<std::pair<std::string, std::int64_t>> launches;  // per kernel
   std::int64_t host_memory_peak_bytes = 0, device_memory_peak_bytes = 0;

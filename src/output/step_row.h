@@ -7,13 +7,13 @@ namespace mortise::output {
 // One accepted time step (or load step): a row of /mortise/steps. What a run does not know stays NaN.
 struct StepRow {
   static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-  double step = 0;                // number of the step, from 1
-  double time = 0;                // at its end [s]
-  double dt = 0;                  // [s]
-  double substeps = 1;            // > 1 after halvings of the step
-  double newton_iterations = 0;   // all substeps and lag rounds
-  double lag_iterations = 0;      // refreshes of lagged quantities (friction)
-  double cg_iterations = 0;       // of all linear solves; 0 with the direct solver
+  double step = 0;               // number of the step, from 1
+  double time = 0;               // at its end [s]
+  double dt = 0;                 // [s]
+  double substeps = 1;           // > 1 after halvings of the step
+  double newton_iterations = 0;  // all substeps and lag rounds
+  double lag_iterations = 0;     // refreshes of lagged quantities (friction)
+  double cg_iterations = 0;      // of all linear solves; 0 with the direct solver
   double line_search_halvings = 0;
   double regularised = 0;         // factorisations that needed a diagonal shift
   double contacts = unknown;      // active contact pairs

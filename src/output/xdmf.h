@@ -17,9 +17,9 @@ struct XdmfDescription {
   std::string hdf5_name;  // file name, relative to the sidecar
   std::vector<double> times;
   std::uint64_t points = 0, cells = 0;
-  std::uint8_t uniform_type = 0;   // VTK cell type of all cells; 0: mixed, topology in /mortise/mesh/xdmf_topology
-  std::uint64_t topology_size = 0; // length of the topology array used
-  int precision = 4;               // bytes per real
+  std::uint8_t uniform_type = 0;    // VTK cell type of all cells; 0: mixed, topology in /mortise/mesh/xdmf_topology
+  std::uint64_t topology_size = 0;  // length of the topology array used
+  int precision = 4;                // bytes per real
   std::vector<XdmfField> fields;
 };
 

@@ -172,6 +172,40 @@ TEST(FieldFile, MissingFieldIsNotANumberInThatFrameOnly) {
   EXPECT_EQ(r.scalar("friction", "work", 2).values.at(0), 0.25);
 }
 
+TEST(FieldFile, FieldMissingInTheLastFrameHasItsBlock) {
+  Folder dir;
+  write_run(dir / "fields.vtkhdf", 2);
+  const FieldReader r(dir / "fields.vtkhdf");
+  EXPECT_EQ(r.cell_field("stress", 1).values.size(), 27u);
+}
+
+TEST(FieldFile, LateFieldHasABlockInEveryFrameBefore) {
+  Folder dir;
+  const OutputMesh mesh = small_mesh();
+  auto file = FieldFile::open(dir / "fields.vtkhdf", mesh, small_info(), {});
+  for (int f = 0; f < 4; ++f) {
+    file->begin_frame(f, flat(mesh, f));
+    if (f == 3) file->points("late", "1", 1, ramp(8, 0));
+    file->end_frame();
+  }
+  file->close();
+  const h5::File f(dir / "fields.vtkhdf", h5::Mode::read);
+  EXPECT_THAT(integers(f, "VTKHDF/Steps/PointDataOffsets", "late"), ElementsAre(0, 8, 16, 24));
+  EXPECT_TRUE(std::isnan(FieldReader(dir / "fields.vtkhdf").point_field("late", 2).values.at(7)));
+}
+
+TEST(FieldFile, ReopeningDropsWhatComesAfter) {
+  Folder dir;
+  write_run(dir / "fields.vtkhdf", 4);
+  FieldFile::reopen(dir / "fields.vtkhdf", 2, 5, {})->close();
+  const FieldReader r(dir / "fields.vtkhdf");
+  EXPECT_EQ(r.frames(), 2);
+  EXPECT_EQ(r.steps().size(), 5u);
+  const h5::File f(dir / "fields.vtkhdf", h5::Mode::read);
+  EXPECT_EQ(h5::Table::open(f, h5::open_group(f, f.id(), "VTKHDF"), "Points").rows(), 16u);
+  EXPECT_EQ(h5::Table::open(f, h5::open_group(f, f.id(), "mortise/effects/barrier_contact"), "position").rows(), 5u);
+}
+
 TEST(FieldFile, RaggedRowsKeepTheirFrames) {
   Folder dir;
   write_run(dir / "fields.vtkhdf", 4);

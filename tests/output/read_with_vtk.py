@@ -153,6 +153,8 @@ def main():
     os.makedirs(work, exist_ok=True)
     # Any complaint of VTK is a failure; it would otherwise go by on stderr.
     log = os.path.join(work, "vtk.log")
+    if os.path.exists(log):
+        os.remove(log)
     window = vtk.vtkFileOutputWindow()
     window.SetFileName(log)
     window.SetAppend(False)

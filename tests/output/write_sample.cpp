@@ -1,5 +1,6 @@
 // Writes a small run into the folder named on the command line, for tests/output/read_with_vtk.py:
-// records of runs, and field files of 7 frames, fields that come late or stay away in a frame, rows of changing number, two cell types.
+// records of runs, and field files of 7 frames, fields that come late or stay away in a frame, rows of changing number, two cell
+// types.
 #include <cmath>
 #include <cstdio>
 

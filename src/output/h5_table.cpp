@@ -1,0 +1,96 @@
+// Datasets that grow along their rows.
+#include <limits>
+
+#include "base/error.h"
+#include "output/h5.h"
+
+namespace mortise::output::h5 {
+
+Table Table::create(const File& file, hid_t parent, const std::string& name, const Spec& spec) {
+  const std::string action = "create " + name;
+  Table table;
+  table.name_ = name;
+  table.components_ = spec.components;
+  table.rank_ = spec.components > 1 || spec.column ? 2 : 1;
+  table.single_ = H5Tequal(spec.type, H5T_IEEE_F32LE) > 0;
+  const hsize_t columns = static_cast<hsize_t>(spec.components);
+  const hsize_t size[2] = {0, columns}, limit[2] = {H5S_UNLIMITED, columns};
+  const hsize_t chunk[2] = {spec.chunk_rows > 0 ? spec.chunk_rows : 1, columns};
+  Id space(file.check(H5Screate_simple(table.rank_, size, limit), action));
+  Id layout(file.check(H5Pcreate(H5P_DATASET_CREATE), action));
+  file.check(H5Pset_chunk(layout, table.rank_, chunk), action);
+  file.check(H5Pset_obj_track_times(layout, false), action);  // equal runs give equal bytes
+  if (spec.compress) {
+    file.check(H5Pset_shuffle(layout), action);
+    file.check(H5Pset_deflate(layout, 1), action);
+  }
+  if (spec.nan_fill) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    file.check(H5Pset_fill_value(layout, H5T_NATIVE_DOUBLE, &nan), action);
+  }
+  table.chunk_rows_ = chunk[0];
+  table.id_ = Id(file.check(H5Dcreate2(parent, name.c_str(), spec.type, space, H5P_DEFAULT, layout, H5P_DEFAULT), action));
+  set_text(file, table.id_, "unit", spec.unit);
+  return table;
+}
+
+Table Table::open(const File& file, hid_t parent, const std::string& name) {
+  const std::string action = "read " + name;
+  Table table;
+  table.name_ = name;
+  table.id_ = Id(file.check(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), action));
+  Id space(file.check(H5Dget_space(table.id_), action)), type(file.check(H5Dget_type(table.id_), action));
+  hsize_t size[2] = {0, 1};
+  table.rank_ = file.check(H5Sget_simple_extent_ndims(space), action);
+  if (table.rank_ < 1 || table.rank_ > 2) throw Error(Exit::file, file.path() + ": " + name + " is not a table");
+  file.check(H5Sget_simple_extent_dims(space, size, nullptr), action);
+  table.rows_ = size[0];
+  table.components_ = static_cast<int>(size[1]);
+  table.single_ = H5Tequal(type, H5T_IEEE_F32LE) > 0;
+  Id layout(file.check(H5Dget_create_plist(table.id_), action));
+  if (hsize_t chunk[2] = {0, 0}; H5Pget_layout(layout) == H5D_CHUNKED && H5Pget_chunk(layout, 2, chunk) > 0)
+    table.chunk_rows_ = chunk[0];
+  return table;
+}
+
+void Table::resize(const File& file, hsize_t rows) {
+  if (rows == rows_) return;
+  const hsize_t size[2] = {rows, static_cast<hsize_t>(components_)};
+  file.check(H5Dset_extent(id_, size), "resize " + name_);
+  rows_ = rows;
+}
+
+void Table::write_real(const File& file, hsize_t first, std::span<const double> values) {
+  if (!single_) return write<double>(file, first, values);
+  // Converted here: HDF5 converts in pieces, which would compress every chunk several times.
+  const std::vector<float> narrow(values.begin(), values.end());
+  write<float>(file, first, narrow);
+}
+
+void Table::write(const File& file, hsize_t first, hsize_t count, hid_t type, const void* values) {
+  // Chunks are written whole, and compression may fail to make them smaller.
+  const hsize_t chunks = count == 0 ? 0 : (first + count - 1) / chunk_rows_ - first / chunk_rows_ + 1;
+  file.reserve(chunks * chunk_rows_ * static_cast<hsize_t>(components_) * (single_ ? sizeof(float) : sizeof(double)));
+  if (first + count > rows_) resize(file, first + count);
+  if (count == 0) return;
+  const std::string action = "write " + name_;
+  const hsize_t start[2] = {first, 0}, size[2] = {count, static_cast<hsize_t>(components_)};
+  Id target(file.check(H5Dget_space(id_), action)), source(file.check(H5Screate_simple(rank_, size, nullptr), action));
+  file.check(H5Sselect_hyperslab(target, H5S_SELECT_SET, start, nullptr, size, nullptr), action);
+  file.check(H5Dwrite(id_, type, source, target, H5P_DEFAULT, values), action);
+}
+
+void Table::read(const File& file, hsize_t first, hsize_t count, hid_t type, void* values) const {
+  const std::string action = "read " + name_;
+  if (first + count > rows_) {
+    throw Error(Exit::file, file.path() + ": " + name_ + " has " + std::to_string(rows_) + " rows, " +
+                                std::to_string(first + count) + " are needed: the file is damaged");
+  }
+  if (count == 0) return;
+  const hsize_t start[2] = {first, 0}, size[2] = {count, static_cast<hsize_t>(components_)};
+  Id source(file.check(H5Dget_space(id_), action)), target(file.check(H5Screate_simple(rank_, size, nullptr), action));
+  file.check(H5Sselect_hyperslab(source, H5S_SELECT_SET, start, nullptr, size, nullptr), action);
+  file.check(H5Dread(id_, type, target, source, H5P_DEFAULT, values), action);
+}
+
+}  // namespace mortise::output::h5
