@@ -94,6 +94,15 @@ void add(View<const Vec3> from, Buffer<Vec3>& to) {
   device::parallel_for("solver.add", from.n, [=] MORTISE_HD(Index b) { t[b] += from[b]; });
 }
 
+std::vector<double> rounding_floor(const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, const std::vector<Index>& env_rows) {
+  constexpr double kEps = 2.220446049250313e-16;
+  const View<const Index> start = A.row_start.view();
+  const View<const Mat3> value = A.value.view();
+  std::vector<double> out(env_rows.size() - 1, 0.0);
+  device::env_max("solver.rounding", env_rows, [=] MORTISE_HD(Index r) { return 8 * kEps * value[start[r]].norm() * q[block_of_row[r]].norm(); }, out);
+  return out;
+}
+
 void shift_diagonal(linalg::BlockMatrix& A, double share) {
   const View<const Index> start = std::as_const(A.row_start).view();
   const View<Mat3> value = A.value.view();

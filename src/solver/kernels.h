@@ -26,6 +26,8 @@ void step_of(View<const Vec3> x, View<const Vec3> c, View<const Index> row_of_bl
 // trial = q + alpha_env dq; where alpha is exactly 1 the held directions land exactly on their targets.
 void advance(View<const Vec3> q, View<const Vec3> dq, const std::vector<double>& alpha, const model::Model& model, Buffer<Vec3>& trial);
 void add(View<const Vec3> from, Buffer<Vec3>& to);
+// Per environment 8 eps max |A_rr| |q_r|: positions are only known to eps |q|, and forces accordingly.
+std::vector<double> rounding_floor(const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, const std::vector<Index>& env_rows);
 // A <- A + share * (mean trace of the diagonal blocks / 3) * I.
 void shift_diagonal(linalg::BlockMatrix& A, double share);
 

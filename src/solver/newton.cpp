@@ -93,9 +93,13 @@ Newton::Residual Newton::assemble(bool hessian) {
   return r;
 }
 
+double Newton::tolerance(const Residual& r, Index e, double relative) const {
+  return std::max({options_.force_tolerance, relative * r.scale[e], rounding_[e]});
+}
+
 bool Newton::converged(const Residual& r, double relative) const {
   for (Index e = 0; e < model_.envs; ++e)
-    if (r.force[e] > std::max(options_.force_tolerance, relative * r.scale[e]) || r.support_gap[e] > 1e-13 * length_) return false;
+    if (r.force[e] > tolerance(r, e, relative) || r.support_gap[e] > 1e-13 * length_) return false;
   return options_.step_tolerance <= 0 || last_step_ <= options_.step_tolerance;
 }
 
@@ -104,6 +108,7 @@ void Newton::direction(StepReport& report, bool supports_move) {
   {
     const Timed timed(clock_, "solver", "matrix");
     assembler_.matrix(sets_, matrix_);
+    rounding_ = rounding_floor(matrix_, q_.view(), block_of_row_.view(), env_rows_);
     if (any_partial_) linalg::project(matrix_, row_projector_.view());
   }
   if (supports_move) {
@@ -182,7 +187,7 @@ void Newton::line_search(StepReport& report, const Residual& r, bool supports_mo
     }
   }
   for (Index e = 0; e < model_.envs; ++e)
-    if (r.force[e] <= std::max(options_.force_tolerance, options_.relative_tolerance * r.scale[e]) && r.support_gap[e] == 0 && model_.envs > 1) alpha[e] = 0;
+    if (model_.envs > 1 && r.force[e] <= tolerance(r, e, options_.relative_tolerance) && r.support_gap[e] == 0) alpha[e] = 0;
 
   for (int k = 0;; ++k) {
     advance(q_.view(), dq_.view(), alpha, model_, trial_);
@@ -211,7 +216,8 @@ void Newton::iterate(StepReport& report, const std::function<void()>& stop) {
     stop();
     const Residual r = assemble(true);
     report.residual = largest_of(r.force);
-    report.tolerance = std::max(options_.force_tolerance, options_.relative_tolerance * largest_of(r.scale));
+    report.tolerance = 0;
+    for (Index e = 0; e < model_.envs; ++e) report.tolerance = std::max(report.tolerance, tolerance(r, e, options_.relative_tolerance));
     if (converged(r, options_.relative_tolerance)) return;
     if (it == options_.iterations) {
       std::ostringstream why;
@@ -229,6 +235,7 @@ void Newton::iterate(StepReport& report, const std::function<void()>& stop) {
 void Newton::solve(StepReport& report, const std::function<void()>& stop) {
   number_rows();
   q_.copy_from(model_.q);
+  rounding_.assign(model_.envs, 0.0);
   for (Index round = 0;; ++round) {
     last_step_ = 0;
     iterate(report, stop);

@@ -1,7 +1,8 @@
 #pragma once
 // Projected Newton on the incremental potential Phi(q) with supports.
 //
-//   residual   r = P grad Phi                          [N], per environment the largest |r_b| over blocks b
+//   residual   r = P grad Phi                          [N], per environment the largest |r_b| over blocks b; no smaller
+//              residual is asked for than rounding of q causes: 8 eps max_b |H_bb| |q_b|
 //   direction  (P H P + I - P) d = -P (g + H c)        c = (I - P)(target - q): what the supports still have to move
 //   step       q <- q + alpha (d + c)                  alpha per environment: conservative CCD, then Armijo
 //
@@ -47,6 +48,7 @@ class Newton {
   void choose_linear();
   void number_rows();
   Residual assemble(bool hessian);
+  double tolerance(const Residual& r, Index env, double relative) const;  // [N]
   bool converged(const Residual& r, double relative) const;
   void direction(StepReport& report, bool supports_move);
   void line_search(StepReport& report, const Residual& r, bool supports_move);
@@ -76,6 +78,7 @@ class Newton {
   device::Buffer<Vec3> q_, trial_, gradient_, support_, dq_, rhs_, x_;
   std::vector<device::Buffer<Vec3>> effect_gradients_;
   std::vector<double> energy_scale_;
+  std::vector<double> rounding_;  // per environment: the residual that rounding of q alone can cause [N]
   double last_step_ = 0;
 };
 

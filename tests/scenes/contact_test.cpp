@@ -138,7 +138,7 @@ solver: {relative_tolerance: 1e-13, force_tolerance: 1e-13 N}
 )");
   double before[3], most_pairs = 0;
   rig.step();
-  const char* axes[] = {"inertia/linear_momentum_x", "inertia/linear_momentum_y", "inertia/linear_momentum_z"};
+  const char* axes[] = {"inertia/momentum_x", "inertia/momentum_y", "inertia/momentum_z"};
   for (int k = 0; k < 3; ++k) before[k] = rig.fields().at(axes[k]);
   for (int n = 0; n < 59; ++n) {
     rig.step();

@@ -70,7 +70,7 @@ TEST(Dynamics, MomentumOfFreeBodiesIsKept) {
   const Captured first = rig.fields();
   rig.steps(30);
   const Captured last = rig.fields();
-  for (const char* name : {"inertia/linear_momentum_x", "inertia/linear_momentum_y", "inertia/linear_momentum_z"})
+  for (const char* name : {"inertia/momentum_x", "inertia/momentum_y", "inertia/momentum_z"})
     EXPECT_NEAR(last.at(name), first.at(name), 1e-9) << name;
 }
 
