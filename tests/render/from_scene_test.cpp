@@ -1,0 +1,138 @@
+#include "render/from_scene.h"
+
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "geometry/primitives.h"
+#include "geometry/topology.h"
+#include "scene/scene.h"
+
+namespace mortise::render {
+namespace {
+
+const char* kScene = R"(
+mortise: 1
+time: {mode: static, steps: 1}
+materials:
+  gel: {model: neo_hookean, youngs_modulus: 1 MPa, poisson_ratio: 0.4, density: 1000}
+bodies:
+  a: {type: soft, material: gel, shape: {box: {size: [1, 1, 1], edge_length: 0.5}}, visual: {color: [1, 0, 0], roughness: 0.2}}
+  b: {type: soft, material: gel, shape: {mesh: {file: ASSETS/urchin.obj, scale: 2}}, position: [3, 0, 0],
+      rotation: {axis: [0, 0, 1], angle: 90 deg}, visual: {mesh: ASSETS/urchin.obj}}
+  floor: {type: half_space, point: [0, 0, -1], normal: [0, 0, 2]}
+effects: {elasticity: {}}
+render:
+  width: 320
+  height: 200
+  background: [0.2, 0.4, 0.6]
+  cameras:
+    all: {position: [0, -9, 2], look_at: [1, 0, 0], fov: 40 deg}
+    map: {position: [0, -9, 2], look_at: [1, 0, 0], model: fisheye, fov: 200 deg, hide: [b, floor], colour_by: contact_pressure,
+          range: [0, 20 kPa], unit: kPa, background: [0, 0, 0]}
+    free: {position: [0, -9, 2], look_at: [1, 0, 0], colour_by: contact_pressure}
+)";
+
+class SceneViewTest : public testing::Test {
+ protected:
+  SceneViewTest() {
+    std::string text = kScene;
+    for (std::size_t k; (k = text.find("ASSETS")) != std::string::npos;) text.replace(k, 6, MORTISE_SOURCE_DIR "/scenes/tactile/assets");
+    static const ParamTable none{"effect elasticity", "", {}};
+    const std::vector<scene::EffectTable> effects{{"elasticity", "", &none}};
+    root = scene::read_scene_text(text, "test.yaml", {}, effects).root;
+    const geometry::TetMesh box = geometry::box(Vec3(1, 1, 1), 0.5);
+    for (const auto& [name, params] : root.at("bodies").entries()) {
+      model::BodyInput& body = bodies.emplace_back();
+      body.name = name, body.params = params;
+      if (name == "floor") {
+        body.type = model::BodyType::half_space;
+        continue;
+      }
+      body.nodes = box.points;
+      body.triangles = geometry::boundary_triangles(box);
+      for (Vec3& x : body.nodes) x = name == "b" ? Vec3(3, 0, 0) + 0.02 * x : x;
+      for (const Vec3& x : body.nodes) rest.insert(rest.end(), x.data(), x.data() + 3);
+    }
+    fields["contact_pressure"].assign(rest.size() / 3, 0);
+    fields["contact_pressure"][5] = 8e3;
+  }
+
+  Params root;
+  std::vector<model::BodyInput> bodies;
+  std::vector<double> rest;
+  std::map<std::string, std::vector<double>> fields;
+};
+
+TEST_F(SceneViewTest, CamerasTakeTheirBlocks) {
+  SceneView view(root, bodies);
+  EXPECT_EQ(view.cameras(), (std::vector<std::string>{"all", "map", "free"}));
+  const RenderJob all = view.job("all", fields, "hello"), map = view.job("map", fields, "");
+  EXPECT_EQ(all.width, 320);
+  EXPECT_EQ(all.height, 200);
+  EXPECT_EQ(all.caption, "hello");
+  EXPECT_EQ(all.camera.model, Camera::Model::pinhole);
+  EXPECT_NEAR(all.camera.fov, 0.698132, 1e-6);
+  EXPECT_EQ(all.background_top, Vec3(0.2, 0.4, 0.6));
+  EXPECT_EQ(all.meshes.size(), 2u);
+  ASSERT_EQ(all.planes.size(), 1u);
+  EXPECT_EQ(all.planes[0].normal, Vec3(0, 0, 1));
+  EXPECT_FALSE(all.bar);
+  EXPECT_EQ(map.camera.model, Camera::Model::fisheye);
+  EXPECT_EQ(map.background_top, Vec3(0, 0, 0));
+  EXPECT_EQ(map.meshes.size(), 1u);
+  EXPECT_TRUE(map.planes.empty());
+}
+
+TEST_F(SceneViewTest, ColourBarsSpeakTheirUnit) {
+  SceneView view(root, bodies);
+  const RenderJob map = view.job("map", fields, "");
+  ASSERT_TRUE(map.bar);
+  EXPECT_EQ(map.bar->label, "contact pressure");
+  EXPECT_EQ(map.bar->unit, "kPa");
+  EXPECT_DOUBLE_EQ(map.bar->scale, 1e-3);
+  EXPECT_DOUBLE_EQ(map.bar->high, 20e3);
+  EXPECT_DOUBLE_EQ(*std::max_element(map.meshes[0].scalar.begin(), map.meshes[0].scalar.end()), 8e3);
+  EXPECT_FALSE(view.job("map", {}, "").bar);  // no such field in this frame
+}
+
+TEST_F(SceneViewTest, AColourScaleWithoutRangeOnlyGrows) {
+  SceneView view(root, bodies);
+  EXPECT_DOUBLE_EQ(view.job("free", fields, "").bar->high, 8e3);
+  fields["contact_pressure"][5] = 1e3;
+  EXPECT_DOUBLE_EQ(view.job("free", fields, "").bar->high, 8e3);
+  fields["contact_pressure"][5] = 9e3;
+  EXPECT_DOUBLE_EQ(view.job("free", fields, "").bar->high, 9e3);
+}
+
+TEST_F(SceneViewTest, MeshesMoveWithTheirBodies) {
+  SceneView view(root, bodies);
+  const auto centre = [](const DrawMesh& m) {
+    Eigen::AlignedBox3d box;
+    for (const Vec3& p : m.points) box.extend(p);
+    return Vec3(box.center());
+  };
+  view.move(rest);
+  const RenderJob before = view.job("all", fields, "");
+  const Vec3 a = centre(*before.meshes[0].mesh), b = centre(*before.meshes[1].mesh);
+  EXPECT_NEAR(b.x(), 3, 0.002);
+  for (std::size_t i = 0; i < 3 * bodies[0].nodes.size(); i += 3) rest[i] += 1;
+  for (std::size_t i = 3 * bodies[0].nodes.size(); i < rest.size(); i += 3) rest[i + 2] += 2;
+  view.move(rest);
+  EXPECT_LT((centre(*before.meshes[0].mesh) - a - Vec3(1, 0, 0)).norm(), 1e-12);
+  EXPECT_LT((centre(*before.meshes[1].mesh) - b - Vec3(0, 0, 2)).norm(), 1e-12);
+  EXPECT_THROW(view.move(std::vector<double>(3)), Error);
+}
+
+TEST_F(SceneViewTest, MaterialsComeFromTheMeshOrTheScene) {
+  SceneView view(root, bodies);
+  const RenderJob job = view.job("all", fields, "");
+  EXPECT_EQ(job.meshes[0].mesh->materials[0].colour, Vec3(1, 0, 0));
+  EXPECT_DOUBLE_EQ(job.meshes[0].mesh->materials[0].roughness, 0.2);
+  const Material& shell = job.meshes[1].mesh->materials[0];
+  ASSERT_TRUE(shell.texture);
+  EXPECT_EQ(shell.texture->width, 1024);
+  EXPECT_NEAR(shell.roughness, 0.42, 1e-9);
+}
+
+}  // namespace
+}  // namespace mortise::render
