@@ -38,6 +38,11 @@ class AffineBody final : public Effect {
     }
     bodies_.upload(bodies);
     env_offset_ = env_offsets(body_env, model.envs);
+    write_pattern();
+  }
+
+  // Not in the constructor: nvcc takes no kernel there.
+  void write_pattern() {
     stencils_.resize_uniform(bodies_.size(), 3);
     const linalg::StencilView out = stencils_.view();
     const View<const StiffBody> list = std::as_const(bodies_).view();

@@ -39,7 +39,12 @@ double von_mises(const double* s) {
 class Elasticity final : public Effect {
  public:
   explicit Elasticity(model::Model& model) : model_(model) {
-    const Tets tets = tets_of(model.volume);
+    write_pattern();
+  }
+
+  // Not in the constructor: nvcc takes no kernel there.
+  void write_pattern() {
+    const Tets tets = tets_of(model_.volume);
     stencils_.resize_uniform(tets.size(), 4);
     const linalg::StencilView out = stencils_.view();
     device::parallel_for("elasticity.pattern", tets.size(), [=] MORTISE_HD(Index t) {

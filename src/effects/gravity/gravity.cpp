@@ -36,8 +36,11 @@ class Gravity final : public Effect {
     }
     weights_.upload(weights);
     env_offset_ = env_offsets(weight_env, model.envs);
+    write_stencils();
+  }
 
-    // Constant: written once.
+  // Constant, so written once. Not in the constructor: nvcc takes no kernel there.
+  void write_stencils() {
     stencils_.resize_uniform(weights_.size(), 1);
     const linalg::StencilView out = stencils_.view();
     const View<const Weight> w = std::as_const(weights_).view();

@@ -40,6 +40,17 @@ class Inertia final : public Effect {
     env_offset_ = env_offsets(pair_env, model.envs);
     pairs_.upload(pairs);
     stencils_.resize(device::Buffer<Index>(counts));
+    write_pattern();
+
+    q_begin_.copy_from(model.q);
+    q_prev_.copy_from(model.q);
+    v_.copy_from(model.initial_velocity);
+    v_prev_.copy_from(v_);
+    q_hat_.copy_from(model.q);
+  }
+
+  // Not in the constructor: nvcc takes no kernel there.
+  void write_pattern() {
     const linalg::StencilView out = stencils_.view();
     const View<const MassPair> p = std::as_const(pairs_).view();
     device::parallel_for("inertia.pattern", p.n, [=] MORTISE_HD(Index s) {
@@ -47,12 +58,6 @@ class Inertia final : public Effect {
       if (p[s].i != p[s].j) out.block[out.offset[s] + 1] = p[s].j;
     });
     stencils_.pattern_changed();
-
-    q_begin_.copy_from(model.q);
-    q_prev_.copy_from(model.q);
-    v_.copy_from(model.initial_velocity);
-    v_prev_.copy_from(v_);
-    q_hat_.copy_from(model.q);
   }
 
   std::string_view name() const override { return "inertia"; }

@@ -44,6 +44,12 @@ class PressureLoad final : public Effect {
     for (const auto& [key, share] : shares) flat.push_back(share), share_env.push_back(env[share.block]);
     shares_.upload(flat);
     env_offset_ = env_offsets(share_env, model.envs);
+    write_pattern();
+    set_time(0);
+  }
+
+  // Not in the constructor: nvcc takes no kernel there.
+  void write_pattern() {
     stencils_.resize_uniform(shares_.size(), 1);
     const View<const Share> s = std::as_const(shares_).view();
     const linalg::StencilView out = stencils_.view();
@@ -52,7 +58,6 @@ class PressureLoad final : public Effect {
       out.hess[i] = Mat3::Zero();
     });
     stencils_.pattern_changed();
-    set_time(0);
   }
 
   std::string_view name() const override { return "pressure_load"; }
