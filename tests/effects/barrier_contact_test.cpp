@@ -247,8 +247,8 @@ TEST(BarrierContact, ExactlyTheChosenPairsTouch) {
 
 TEST(BarrierContact, EnvironmentsDoNotSeeEachOther) {
   auto one = mixed(0.02);
-  auto two = mixed(0.02);
-  for (auto& b : mixed(0.02).bodies)
+  auto two = mixed(0.02), more = mixed(0.02);
+  for (auto& b : more.bodies)
     if (b.type != model::BodyType::half_space) b.env = 1, two.bodies.push_back(b);
   Problem single(std::move(one)), both(std::move(two));
   single.contact->begin_step({}), both.contact->begin_step({});

@@ -117,10 +117,12 @@ Index point_terms(const Scene& s, View<const PointTriangle> pairs, View<const Ve
   });
   device::sort_pairs(keys, slot);
   device::run_starts(keys, start);
+  // Sorting may exchange the buffers' memory: views from here on.
+  const View<const std::uint64_t> sorted_key = keys.view();
   const View<const Index> sorted = slot.view();
   device::segment_sum("barrier_contact.merge", start, [=] MORTISE_HD(Index j) { return value[sorted[j]]; }, total);
   const View<const Index> sum = total.view(), first = start.view();
-  return select("barrier_contact.keep", total.size(), [=] MORTISE_HD(Index r) { return sum[r] != 0 && key[first[r]] != kNoKey; }, kept);
+  return select("barrier_contact.keep", total.size(), [=] MORTISE_HD(Index r) { return sum[r] != 0 && sorted_key[first[r]] != kNoKey; }, kept);
 }
 
 // Environment by environment, keeping the order within each.
@@ -136,7 +138,8 @@ void group_by_environment(ActiveSet& set, Index envs) {
     device::parallel_for("barrier_contact.env_key", n, [=] MORTISE_HD(Index i) { key[i] = static_cast<std::uint64_t>(from[i].env), o[i] = i; });
     device::sort_pairs(keys, order);
     const View<Active> to = grouped.view();
-    device::parallel_for("barrier_contact.env_order", n, [=] MORTISE_HD(Index i) { to[i] = from[o[i]]; });
+    const View<const Index> sorted = order.view();
+    device::parallel_for("barrier_contact.env_order", n, [=] MORTISE_HD(Index i) { to[i] = from[sorted[i]]; });
     set.terms.swap(grouped);
   }
   set.env_offset.assign(envs + 1, 0);
