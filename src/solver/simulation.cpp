@@ -104,6 +104,9 @@ void Simulation::report(FieldSink& sink) {
   for (std::size_t i = 0; i < u.size(); ++i) u[i] -= rest[i];
   sink.points("displacement", "m", 3, flatten(u));
   if (solved_) report_balance(sink);
+  // Before the first step, and after a restart, nothing has been evaluated at this state yet.
+  if (!solved_)
+    for (const auto& effect : effects_) effect->assemble(model_.q.view(), false);
   for (const auto& effect : effects_) {
     const Timed timed(clock_, effect->name(), "report");
     effect->report(sink);
