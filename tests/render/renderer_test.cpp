@@ -16,7 +16,25 @@ using namespace test;
 
 double brightness(const std::uint8_t* p) { return 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2]; }
 
-TEST(Renderer, SphereCoversItsProjection) {
+class Drawing : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (MORTISE_RENDER_MODULE == 0) GTEST_SKIP() << "built without the drawing module";
+  }
+};
+
+TEST(NoDrawingModule, IsSaidClearly) {
+  if (MORTISE_RENDER_MODULE != 0) GTEST_SKIP() << "the drawing module is there";
+  try {
+    Renderer renderer;
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), Exit::device);
+    EXPECT_NE(std::string(e.what()).find("libmortise_render.so"), std::string::npos);
+  }
+}
+
+TEST_F(Drawing, SphereCoversItsProjection) {
   DrawMesh sphere = ball({0, 0, 0}, 1);
   sphere.materials[0].colour = {0.8, 0.05, 0.05};
   RenderJob job = job_from(5);
@@ -31,7 +49,7 @@ TEST(Renderer, SphereCoversItsProjection) {
   EXPECT_NEAR(blob.y, 60, 0.3);
 }
 
-TEST(Renderer, OffCentreObjectsLandWhereTheCameraModelSays) {
+TEST_F(Drawing, OffCentreObjectsLandWhereTheCameraModelSays) {
   const DrawMesh sphere = ball({0.8, 0, 0.4}, 0.05);
   RenderJob job = job_from(5);
   Renderer renderer;
@@ -43,7 +61,7 @@ TEST(Renderer, OffCentreObjectsLandWhereTheCameraModelSays) {
   EXPECT_NEAR(blob.y, 60 - focal * 0.4 / 5, 0.5);
 }
 
-TEST(Renderer, TexturesStandUpright) {
+TEST_F(Drawing, TexturesStandUpright) {
   auto picture = std::make_shared<Texture>(Texture{64, 64, std::vector<std::uint8_t>(64 * 64 * 4, 255)});
   const int quadrant[4][3] = {{230, 20, 20}, {20, 200, 20}, {20, 20, 230}, {230, 210, 20}};  // top left, top right, bottom left, bottom right
   for (int y = 0; y < 64; ++y)
@@ -66,7 +84,7 @@ TEST(Renderer, TexturesStandUpright) {
   }
 }
 
-TEST(Renderer, MaterialsFollowTheirTriangles) {
+TEST_F(Drawing, MaterialsFollowTheirTriangles) {
   DrawMesh square = quad();
   square.materials.resize(2);
   square.materials[0].colour = {0.9, 0.02, 0.02}, square.materials[1].colour = {0.02, 0.02, 0.9};
@@ -78,7 +96,7 @@ TEST(Renderer, MaterialsFollowTheirTriangles) {
   EXPECT_GT(image.at(80, 35)[0], 2 * image.at(80, 35)[2]);
 }
 
-TEST(Renderer, ScalarsTakeTheColoursOfTheBar) {
+TEST_F(Drawing, ScalarsTakeTheColoursOfTheBar) {
   DrawMesh square = quad();
   RenderJob job = job_from(5);
   job.bar = ColourBar{"pressure", "kPa", 0, 20e3, 1e-3};
@@ -98,7 +116,7 @@ TEST(Renderer, ScalarsTakeTheColoursOfTheBar) {
   }
 }
 
-TEST(Renderer, FisheyeIsEquidistant) {
+TEST_F(Drawing, FisheyeIsEquidistant) {
   RenderJob job = job_from(0);
   job.width = job.height = 240;
   job.camera.position = {0, 0, 0}, job.camera.look_at = {0, 1, 0};
@@ -121,7 +139,7 @@ TEST(Renderer, FisheyeIsEquidistant) {
     }
 }
 
-TEST(Renderer, FisheyeSeesBehindItself) {
+TEST_F(Drawing, FisheyeSeesBehindItself) {
   RenderJob job = job_from(0);
   job.width = job.height = 240;
   job.camera.position = {0, 0, 0}, job.camera.look_at = {0, 1, 0};
@@ -139,7 +157,7 @@ TEST(Renderer, FisheyeSeesBehindItself) {
   EXPECT_NEAR(blob.y, 120, 1.5);
 }
 
-TEST(Renderer, ObjectsShadeTheGround) {
+TEST_F(Drawing, ObjectsShadeTheGround) {
   const DrawMesh sphere = ball({0, 0, 1.5}, 1);
   RenderJob job = job_from(10);
   job.camera.position = {0, -8, 6};
@@ -152,7 +170,7 @@ TEST(Renderer, ObjectsShadeTheGround) {
   EXPECT_GT(brightness(with.at(165, 57)), 0.95 * brightness(with.at(45, 57)));
 }
 
-TEST(Renderer, IsDeterministic) {
+TEST_F(Drawing, IsDeterministic) {
   const DrawMesh sphere = ball({0, 0, 1}, 1);
   RenderJob job = job_from(6);
   job.meshes = {{&sphere, std::vector<double>(sphere.points.size(), 0.3)}};
@@ -165,7 +183,7 @@ TEST(Renderer, IsDeterministic) {
   EXPECT_EQ(first.rgb, two.draw(job).rgb);
 }
 
-TEST(Renderer, PlaceInTheWorldDoesNotMatter) {
+TEST_F(Drawing, PlaceInTheWorldDoesNotMatter) {
   DrawMesh sphere = ball({0, 0, 0}, 1e-3);
   RenderJob job = job_from(5e-3);
   Renderer renderer;
@@ -177,7 +195,7 @@ TEST(Renderer, PlaceInTheWorldDoesNotMatter) {
   EXPECT_LT(difference(here, renderer.draw(job)).pixels, 20);
 }
 
-TEST(Renderer, RefusesCamerasThatSeeNothing) {
+TEST_F(Drawing, RefusesCamerasThatSeeNothing) {
   Renderer renderer;
   RenderJob job = job_from(1);
   job.camera.up = {0, 1, 0};
