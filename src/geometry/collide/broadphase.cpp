@@ -39,27 +39,33 @@ MORTISE_HD inline void sort_strided(Index* v, Index stride, Index n) {
   }
 }
 
-// Counts the triangles near a point; writes their ids unless out is null.
-MORTISE_HD inline Index triangles_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index point, PointTriangle* out) {
+// Pairs that a query may note while they are counted; queries with more walk the tree again to fill.
+constexpr Index kNoted = 16;
+
+// Ids found by a query: every stride-th Index from `to` on, as many as there is room for.
+struct Notes {
+  Index* to;
+  Index stride, room;
+  MORTISE_HD void put(Index k, Index id) const {
+    if (k < room) to[k * stride] = id;
+  }
+};
+
+// Counts the triangles near a point and notes their ids.
+MORTISE_HD inline Index triangles_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index point, const Notes& notes) {
   Index n = 0;
   BvhCursor cursor;
-  for (Index t = cursor.next(tree, box, s); t >= 0; t = cursor.next(tree, box, s)) {
-    if (contains(s.triangles[t].v, 3, point)) continue;
-    if (out) out[n].triangle = t;
-    ++n;
-  }
+  for (Index t = cursor.next(tree, box, s); t >= 0; t = cursor.next(tree, box, s))
+    if (!contains(s.triangles[t].v, 3, point)) notes.put(n++, t);
   return n;
 }
 
-MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index edge, EdgeEdge* out) {
+MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index edge, const Notes& notes) {
   Index n = 0;
   BvhCursor cursor;
   const Edge a = s.edges[edge];
-  for (Index b = cursor.next(tree, box, s); b >= 0; b = cursor.next(tree, box, s)) {
-    if (contains(s.edges[b].v, 2, a.v[0]) || contains(s.edges[b].v, 2, a.v[1])) continue;
-    if (out) out[n].b = b;
-    ++n;
-  }
+  for (Index b = cursor.next(tree, box, s); b >= 0; b = cursor.next(tree, box, s))
+    if (!contains(s.edges[b].v, 2, a.v[0]) && !contains(s.edges[b].v, 2, a.v[1])) notes.put(n++, b);
   return n;
 }
 
@@ -80,12 +86,14 @@ std::vector<Index> env_offsets(View<const Index> first, const Buffer<Index>& cou
 }
 
 void find_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy,
-                          double grow, Buffer<Index>& counts, Buffer<PointTriangle>& pairs) {
+                          double grow, Buffer<Index>& counts, Buffer<Index>& noted, Buffer<PointTriangle>& pairs) {
   counts.resize(points.n + 1);
+  noted.resize(points.n * kNoted);
+  const View<Index> note = noted.view();
   const View<Index> count = counts.view();
   device::parallel_for("broadphase.count_point_triangle", points.n, [=] MORTISE_HD(Index i) {
     const Index point = points[i];
-    count[i] = triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, nullptr);
+    count[i] = triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, {note.p + i * kNoted, 1, kNoted});
   });
   pairs.resize(offsets(counts));
   const View<PointTriangle> out = pairs.view();
@@ -93,8 +101,13 @@ void find_point_triangles(const SurfaceView& s, const BvhView& tree, View<const 
     const Index n = count[i + 1] - count[i], point = points[i];
     if (n == 0) return;
     PointTriangle* mine = out.p + count[i];
-    triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, mine);
-    sort_strided(&mine->triangle, sizeof(PointTriangle) / sizeof(Index), n);
+    constexpr Index kStride = sizeof(PointTriangle) / sizeof(Index);
+    const Notes to{&mine->triangle, kStride, n};
+    if (n > kNoted)
+      triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, to);
+    else
+      for (Index k = 0; k < n; ++k) to.put(k, note[i * kNoted + k]);
+    sort_strided(&mine->triangle, kStride, n);
     for (Index k = 0; k < n; ++k) {
       const Triangle t = s.triangles[mine[k].triangle];
       mine[k].point = mine[k].v[0] = point;
@@ -104,12 +117,14 @@ void find_point_triangles(const SurfaceView& s, const BvhView& tree, View<const 
 }
 
 void find_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, View<const Vec3> y, View<const Vec3> dy,
-                     double grow, Buffer<Index>& counts, Buffer<EdgeEdge>& pairs) {
+                     double grow, Buffer<Index>& counts, Buffer<Index>& noted, Buffer<EdgeEdge>& pairs) {
   counts.resize(edges.n + 1);
+  noted.resize(edges.n * kNoted);
+  const View<Index> note = noted.view();
   const View<Index> count = counts.view();
   device::parallel_for("broadphase.count_edge_edge", edges.n, [=] MORTISE_HD(Index i) {
     const Index a = edges[i];
-    count[i] = edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, nullptr);
+    count[i] = edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, {note.p + i * kNoted, 1, kNoted});
   });
   pairs.resize(offsets(counts));
   const View<EdgeEdge> out = pairs.view();
@@ -117,8 +132,13 @@ void find_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index
     const Index n = count[i + 1] - count[i], a = edges[i];
     if (n == 0) return;
     EdgeEdge* mine = out.p + count[i];
-    edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, mine);
-    sort_strided(&mine->b, sizeof(EdgeEdge) / sizeof(Index), n);
+    constexpr Index kStride = sizeof(EdgeEdge) / sizeof(Index);
+    const Notes to{&mine->b, kStride, n};
+    if (n > kNoted)
+      edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, to);
+    else
+      for (Index k = 0; k < n; ++k) to.put(k, note[i * kNoted + k]);
+    sort_strided(&mine->b, kStride, n);
     for (Index k = 0; k < n; ++k) {
       mine[k].a = a;
       for (int c = 0; c < 2; ++c) {
@@ -161,10 +181,10 @@ void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius) 
   const SurfaceView s = surface_.view();
   const double grow = radius / 2;
   triangle_tree_.update({s.triangles.n ? s.triangles.p->v : nullptr, s.triangles.n, 3}, s, environments_, y, dy, grow);
-  find_point_triangles(s, triangle_tree_.view(), points_.view(), y, dy, grow, counts_, point_triangles_);
+  find_point_triangles(s, triangle_tree_.view(), points_.view(), y, dy, grow, counts_, noted_, point_triangles_);
   pt_env_offset_ = env_offsets(point_env_first_.view(), counts_);
   edge_tree_.update({s.edges.n ? s.edges.p->v : nullptr, s.edges.n, 2}, s, environments_, y, dy, grow);
-  find_edge_edges(s, edge_tree_.view(), edges_.view(), y, dy, grow, counts_, edge_edges_);
+  find_edge_edges(s, edge_tree_.view(), edges_.view(), y, dy, grow, counts_, noted_, edge_edges_);
   ee_env_offset_ = env_offsets(edge_env_first_.view(), counts_);
 }
 

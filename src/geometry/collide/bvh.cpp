@@ -42,16 +42,17 @@ Extent bounds(const Primitives& p, View<const Vec3> y) {
   return e;
 }
 
-// Orders primitives by environment, then along a Morton curve through their first corners.
+// Orders primitives by environment, then along a Morton curve through their centroids.
 void morton_order(const Primitives& p, const SurfaceView& s, Index environments, View<const Vec3> y, Buffer<Index>& order) {
   const Extent e = bounds(p, y);
   int env_bits = 0;
   while ((Index{1} << env_bits) < environments && env_bits < 30) ++env_bits;
-  const int bits = (63 - env_bits) / 3 < 12 ? (63 - env_bits) / 3 : 12;  // per axis; more only lengthens the sort
+  const int bits = (63 - env_bits) / 3 < 16 ? (63 - env_bits) / 3 : 16;  // per axis; more only lengthens the sort
   const double cells = static_cast<double>(1 << bits);
-  double scale[3];
-  for (int d = 0; d < 3; ++d) scale[d] = e.hi[d] > e.lo[d] ? cells / (e.hi[d] - e.lo[d]) : 0;
-  const double s0 = scale[0], s1 = scale[1], s2 = scale[2];
+  // The same cell size on every axis: cells as wide as thin scenes are flat would make slabs of the nodes.
+  double extent = 0;
+  for (int d = 0; d < 3; ++d) extent = e.hi[d] - e.lo[d] > extent ? e.hi[d] - e.lo[d] : extent;
+  const double scale = extent > 0 ? cells / extent : 0;
   const Vec3 lo(e.lo[0], e.lo[1], e.lo[2]);
   const Index* v = p.v;
   const int corners = p.corners;
@@ -62,7 +63,9 @@ void morton_order(const Primitives& p, const SurfaceView& s, Index environments,
   const View<Index> o = order.view();
   device::parallel_for("bvh.morton", p.n, [=] MORTISE_HD(Index i) {
     const Index point = v[i * corners];
-    const double f[3] = {(y[point][0] - lo[0]) * s0, (y[point][1] - lo[1]) * s1, (y[point][2] - lo[2]) * s2};
+    Vec3 f = y[point];
+    for (int c = 1; c < corners; ++c) f += y[v[i * corners + c]];
+    f = (f / corners - lo) * scale;
     std::uint64_t key = 0;
     for (int d = 0; d < 3; ++d) {
       // Written so that NaN lands in cell 0.
