@@ -10,6 +10,7 @@ Kind elasticity_kind();
 Kind affine_body_kind();
 Kind barrier_contact_kind();
 Kind pressure_load_kind();
+Kind friction_kind();  // after the contact effects, whose forces it reads
 
 std::span<const Kind> list() {
   static const Kind kinds[] = {
@@ -20,6 +21,7 @@ std::span<const Kind> list() {
       affine_body_kind(),
       barrier_contact_kind(),
       pressure_load_kind(),
+      friction_kind(),
   };
   return kinds;
 }

@@ -83,28 +83,49 @@ MORTISE_HD inline Active point_term(const Scene& s, std::uint64_t key, Index coe
   return a;
 }
 
+MORTISE_HD inline bool near(const Scene& s, const PointTriangle& pair, View<const Vec3> y) {
+  if (!s.sees(pair.v[0], pair.v[1])) return false;
+  Vec3 x[4];
+  gather(y, pair.v, x);
+  return geometry::closest_point_triangle(x).squared < s.law.d_hat * s.law.d_hat;
+}
+MORTISE_HD inline bool near(const Scene& s, const EdgeEdge& pair, View<const Vec3> y) {
+  if (!s.sees(pair.v[0], pair.v[2])) return false;
+  Vec3 x[4];
+  gather(y, pair.v, x);
+  return geometry::closest_edge_edge(x).squared < s.law.edge_range * s.law.edge_range;
+}
+
+// Sums only over the pairs in range, so that the order of the sum is a function of y, not of how many more candidates are held.
+template <class Pair>
+void add_pair_energy(const char* name, const Scene& s, View<const Pair> pairs, const std::vector<Index>& env_offset, View<const Vec3> y, std::vector<double>& per_env) {
+  Buffer<Index> at_buffer;
+  const Index n = select("barrier_contact.near", pairs.n, [=] MORTISE_HD(Index i) { return near(s, pairs[i], y); }, at_buffer);
+  if (n == 0) return;
+  const Buffer<Index> offset(env_offset);
+  Buffer<Index> picked(n), bounds(offset.size());
+  const View<const Index> at = at_buffer.view(), from = offset.view();
+  const View<Index> list = picked.view(), bound = bounds.view();
+  device::parallel_for("barrier_contact.pick", pairs.n, [=] MORTISE_HD(Index i) {
+    if (at[i + 1] > at[i]) list[at[i]] = i;
+  });
+  device::parallel_for("barrier_contact.env_offset", from.n, [=] MORTISE_HD(Index e) { bound[e] = at[from[e]]; });
+  device::env_sum(name, bounds.download(), [=] MORTISE_HD(Index i) { return pair_energy(s, pairs[list[i]], y); }, per_env);
+}
+
 // Point-triangle terms: every candidate within range writes its terms, equal ones are merged by sorting, and those that cancel
 // (all of them, away from the closest feature on a flat surface) disappear.
 Index point_terms(const Scene& s, View<const PointTriangle> pairs, View<const Vec3> y, Buffer<std::uint64_t>& keys, Buffer<Index>& start,
                   Buffer<Index>& total, Buffer<Index>& kept) {
-  Buffer<Index> near;
-  const double range = s.law.d_hat * s.law.d_hat;
-  const Index hits = select(
-      "barrier_contact.near", pairs.n,
-      [=] MORTISE_HD(Index i) {
-        if (!s.sees(pairs[i].v[0], pairs[i].v[1])) return false;
-        Vec3 x[4];
-        gather(y, pairs[i].v, x);
-        return geometry::closest_point_triangle(x).squared < range;
-      },
-      near);
+  Buffer<Index> in_range;
+  const Index hits = select("barrier_contact.near", pairs.n, [=] MORTISE_HD(Index i) { return near(s, pairs[i], y); }, in_range);
   if (hits == 0) return 0;
   const Index slots = s.law.area_weighted ? kSlots : 1;
   keys.resize(hits * slots);
   Buffer<Index> slot(hits * slots), coefficient(hits * slots);
   const View<std::uint64_t> key = keys.view();
   const View<Index> place = slot.view(), value = coefficient.view();
-  const View<const Index> at = near.view();
+  const View<const Index> at = in_range.view();
   device::parallel_for("barrier_contact.terms", pairs.n, [=] MORTISE_HD(Index i) {
     if (at[i + 1] == at[i]) return;
     std::uint64_t k[kSlots];
@@ -281,10 +302,8 @@ void face_points(const Scene& s, const ActiveSet& set, View<const Vec3> y, View<
 }
 
 void energy(const Scene& s, const Candidates& c, View<const Vec3> y, const std::vector<Index>& vertex_env, std::vector<double>& per_env) {
-  const View<const PointTriangle> pt = c.point_triangles();
-  const View<const EdgeEdge> ee = c.edge_edges();
-  device::env_sum("barrier_contact.energy_points", c.pt_env_offset(), [=] MORTISE_HD(Index i) { return pair_energy(s, pt[i], y); }, per_env);
-  device::env_sum("barrier_contact.energy_edges", c.ee_env_offset(), [=] MORTISE_HD(Index i) { return pair_energy(s, ee[i], y); }, per_env);
+  add_pair_energy("barrier_contact.energy_points", s, c.point_triangles(), c.pt_env_offset(), y, per_env);
+  add_pair_energy("barrier_contact.energy_edges", s, c.edge_edges(), c.ee_env_offset(), y, per_env);
   for (Index p = 0; p < s.planes.n; ++p) {
     const Index first = p * s.surface.vertices.n;
     device::env_sum("barrier_contact.energy_planes", vertex_env, [=] MORTISE_HD(Index i) { return plane_energy(s, first + i, y); }, per_env);
@@ -297,16 +316,7 @@ void build(const Scene& s, const Candidates& c, View<const Vec3> y, Index envs, 
   const Index points = point_terms(s, c.point_triangles(), y, keys, start, total, kept);
 
   const View<const EdgeEdge> ee = c.edge_edges();
-  const double range = s.law.edge_range * s.law.edge_range;
-  const Index edges = select(
-      "barrier_contact.near_edges", ee.n,
-      [=] MORTISE_HD(Index i) {
-        if (!s.sees(ee[i].v[0], ee[i].v[2])) return false;
-        Vec3 x[4];
-        gather(y, ee[i].v, x);
-        return geometry::closest_edge_edge(x).squared < range;
-      },
-      edges_at);
+  const Index edges = select("barrier_contact.near", ee.n, [=] MORTISE_HD(Index i) { return near(s, ee[i], y); }, edges_at);
   const Index plane_pairs = s.planes.n * s.surface.vertices.n;
   const Index planes = select(
       "barrier_contact.near_planes", plane_pairs,

@@ -63,7 +63,7 @@ class BarrierContact final : public Effect {
     out.buffers.push_back({"stencils", stencils_.bytes()});
     out.buffers.push_back({"active terms", active_.terms.bytes()});
     out.buffers.push_back({"candidate pairs", candidates_.bytes()});
-    for (const char* k : {"barrier_contact.near", "barrier_contact.terms", "barrier_contact.merge", "barrier_contact.point_terms", "barrier_contact.near_edges",
+    for (const char* k : {"barrier_contact.near", "barrier_contact.terms", "barrier_contact.merge", "barrier_contact.point_terms",
                           "barrier_contact.edge_terms", "barrier_contact.count_blocks", "barrier_contact.assemble", "barrier_contact.samples", "barrier_contact.energy_points",
                           "barrier_contact.energy_edges", "barrier_contact.face_points"})
       out.kernels.push_back(k);

@@ -1,0 +1,247 @@
+#include "effects/friction/law.h"
+
+#include <cmath>
+
+#include "base/error.h"
+#include "effects/list.h"
+#include "model/contact_view.h"
+#include "model/expand.h"
+#include "model/model.h"
+
+namespace mortise::effects {
+namespace {
+
+using device::Buffer;
+using model::ContactSample;
+
+const ParamTable kPair{"friction pair",
+                       "Friction coefficient of one pair of bodies.",
+                       {param::required(param::of(Param::Kind::text, "a", Unit::none, {}, "One body")),
+                        param::required(param::of(Param::Kind::text, "b", Unit::none, {}, "The other body")),
+                        param::required(param::number("mu", Unit::none, "0", 0, "Friction coefficient of this pair"))}};
+
+Param pairs_param() {
+  Param p = param::optional(param::of(Param::Kind::tables, "pairs", Unit::none, {}, "Pairs whose coefficient differs from mu"));
+  p.sub = &kPair;
+  return p;
+}
+
+const ParamTable kTable{
+    "effect friction",
+    "Coulomb friction of the contact that it follows, smoothed below an absolute creep speed.",
+    {param::of(Param::Kind::text, "follows", Unit::none, "barrier_contact", "The contact effect whose forces cause the friction"),
+     param::number("mu", Unit::none, "0.5", 0, "Friction coefficient"), pairs_param(),
+     param::positive(param::number("creep_speed", Unit::velocity, "1e-4 m/s", 0, "Slip speed below which friction falls smoothly to zero; what sticks creeps slower than this")),
+     param::positive(param::number("lag_tolerance", Unit::none, "1e-3", 0, "Residual with refreshed contact forces at which lagging ends, as a share of the largest force")),
+     param::range(param::of(Param::Kind::integer, "lag_iterations", Unit::none, "20", "Most refreshes of the contact forces in a step"), 1, 1000)}};
+
+// What is frozen of a sample during Newton.
+struct Frozen {
+  Vec3 normal;
+  double load;  // mu times the normal force [N]
+};
+
+// Views of the frozen samples in terms of blocks: sample i slips by P sum_b W_b (q_b - q0_b).
+struct Slips {
+  View<const Index> offset, block;
+  View<const double> weight;
+  View<const Frozen> frozen;
+  View<const Vec3> q0;
+  double creep;  // creep distance of a step [m]
+  Index size() const { return frozen.n; }
+  MORTISE_HD Vec3 slip(Index i, Positions q) const {
+    Vec3 r = Vec3::Zero();
+    for (Index k = offset[i]; k < offset[i + 1]; ++k) r += weight[k] * (q[block[k]] - q0[block[k]]);
+    const Vec3 n = frozen[i].normal;
+    return r - n.dot(r) * n;
+  }
+};
+
+MORTISE_HD inline Index distinct_blocks(const model::PointMapView& map, const ContactSample& s) {
+  return model::expand<model::kSamplePoints>(map, s.point, s.points).blocks;
+}
+
+// Fills pattern, block weights and loads from the published samples.
+void freeze(const model::PointMapView& map, const Buffer<ContactSample>& published, View<const double> mu, Index bodies_and_planes, linalg::StencilSet& stencils,
+            Buffer<double>& weights, Buffer<Frozen>& frozen) {
+  const View<const ContactSample> sample = published.view();
+  Buffer<Index> counts(sample.n + 1);
+  const View<Index> count = counts.view();
+  device::parallel_for("friction.count_blocks", sample.n, [=] MORTISE_HD(Index i) { count[i] = distinct_blocks(map, sample[i]); });
+  stencils.resize(std::move(counts));
+  const linalg::StencilView out = stencils.view();
+  weights.resize(out.block.n);
+  frozen.resize(sample.n);
+  const View<double> weight = weights.view();
+  const View<Frozen> to = frozen.view();
+  device::parallel_for("friction.freeze", sample.n, [=] MORTISE_HD(Index i) {
+    const ContactSample& s = sample[i];
+    const auto e = model::expand<model::kSamplePoints>(map, s.point, s.points);
+    const Index at = out.offset[i];
+    for (Index b = 0; b < e.blocks; ++b) out.block[at + b] = e.block[b];
+    e.chain(s.weight, weight.p + at);
+    to[i].normal = Vec3(s.normal[0], s.normal[1], s.normal[2]);
+    to[i].load = mu[s.body_a * bodies_and_planes + s.body_b] * s.force;
+  });
+}
+
+// Friction force on the first body of every sample and its slip against the second [N, m].
+void measure(const Slips& s, const Buffer<ContactSample>& published, Positions q, Buffer<Vec3>& force, Buffer<Vec3>& slip) {
+  const View<const ContactSample> sample = published.view();
+  force.resize(s.size()), slip.resize(s.size());
+  const View<Vec3> f = force.view(), u = slip.view();
+  device::parallel_for("friction.measure", s.size(), [=] MORTISE_HD(Index i) {
+    const Vec3 r = s.slip(i, q);
+    // r is the motion of the first body against an obstacle, else that of the second against the first.
+    const double sign = sample[i].weight[0] > 0 ? 1 : -1;
+    u[i] = sign * r;
+    f[i] = (-s.frozen[i].load * friction::f1_over_x(r.norm(), s.creep)) * u[i];
+  });
+}
+
+class Friction final : public Effect {
+ public:
+  Friction(const Params& p, model::Model& model) : model_(model), follows_(p.text("follows")), creep_speed_(p.number("creep_speed")) {
+    if (!model.contact(follows_))
+      throw Error(Exit::scene, p.where(), "effect friction follows '" + follows_ + "', but the scene has no contact effect of that name");
+    const Index n = static_cast<Index>(model.bodies.size() + model.half_spaces.size());
+    std::vector<double> mu(n * n, p.number("mu"));
+    if (const Params* list = p.find("pairs"))
+      for (const Params& pair : list->items()) {
+        const Index a = find(pair.at("a")), b = find(pair.at("b"));
+        mu[a * n + b] = mu[b * n + a] = pair.number("mu");
+      }
+    mu_.upload(mu);
+  }
+
+  std::string_view name() const override { return "friction"; }
+
+  void plan(Plan& out) const override {
+    out.buffers.push_back({"stencils", stencils_.bytes()});
+    out.buffers.push_back({"frozen samples", frozen_.bytes() + weights_.bytes() + samples_.bytes()});
+    for (const char* k : {"friction.count_blocks", "friction.freeze", "friction.energy", "friction.assemble", "friction.measure"}) out.kernels.push_back(k);
+  }
+
+  void begin_step(const StepInfo& info) override {
+    dt_ = info.dt;
+    q0_.copy_from(model_.q);
+    refresh();
+  }
+
+  void energy(Positions q, std::vector<double>& per_env) override {
+    const Slips s = slips();
+    device::env_sum("friction.energy", env_offset_, [=] MORTISE_HD(Index i) { return s.frozen[i].load * friction::f0(s.slip(i, q).norm(), s.creep); }, per_env);
+  }
+
+  linalg::StencilSet& assemble(Positions q, bool hessian) override {
+    const Slips s = slips();
+    const linalg::StencilView out = stencils_.view();
+    device::parallel_for("friction.assemble", s.size(), [=] MORTISE_HD(Index i) {
+      const Vec3 u = s.slip(i, q);
+      const double load = s.frozen[i].load;
+      const Vec3 g = (load * friction::f1_over_x(u.norm(), s.creep)) * u;
+      const Index at = out.offset[i], blocks = out.blocks(i);
+      for (Index b = 0; b < blocks; ++b) out.grad[at + b] = s.weight[at + b] * g;
+      if (!hessian) return;
+      model::zero_hessian(out, i, blocks);
+      model::add_weighted(out, i, blocks, s.weight.p + at, load * friction::hessian(u, s.frozen[i].normal, s.creep));
+    });
+    return stencils_;
+  }
+
+  bool lag(Positions) override {
+    refresh();
+    return true;
+  }
+
+  void end_step(Positions q) override {
+    Buffer<Vec3> force, slip;
+    measure(slips(), samples_, q, force, slip);
+    force_ = force.download(), slip_ = slip.download();
+    double step = 0;
+    for (std::size_t i = 0; i < force_.size(); ++i) step -= force_[i].dot(slip_[i]);
+    dissipated_ += step;
+    power_ = dt_ > 0 ? step / dt_ : 0;
+  }
+
+  void report(FieldSink& sink) override;
+
+  // Everything else is a function of the state at the start of the step.
+  void checkpoint(Archive& archive) override { archive.io("friction.dissipated", dissipated_); }
+
+ private:
+  Index find(const Params& body) const {
+    const Index b = model_.body_index(body.as_text());
+    if (b >= 0) return b;
+    for (std::size_t p = 0; p < model_.half_spaces.size(); ++p)
+      if (model_.half_spaces[p].name == body.as_text()) return static_cast<Index>(model_.bodies.size() + p);
+    throw Error(Exit::scene, body.where(), "no body is called '" + body.as_text() + "'");
+  }
+
+  // Normal forces, normals and weights as the contact effect last published them.
+  void refresh() {
+    const model::ContactView& view = *model_.contact(follows_);
+    samples_.copy_from(view.samples);
+    env_offset_ = view.env_offset;
+    freeze(model_.point_map(), samples_, mu_.view(), static_cast<Index>(model_.bodies.size() + model_.half_spaces.size()), stencils_, weights_, frozen_);
+  }
+
+  Slips slips() {
+    const linalg::StencilView v = stencils_.view();
+    return {v.offset, v.block, weights_.view(), frozen_.view(), q0_.view(), creep_speed_ * dt_};
+  }
+
+  model::Model& model_;
+  std::string follows_;
+  double creep_speed_;
+  double dt_ = 1;
+  Buffer<double> mu_;  // bodies and half-spaces, squared
+  Buffer<Vec3> q0_;
+  Buffer<ContactSample> samples_;
+  std::vector<Index> env_offset_{0};
+  Buffer<double> weights_;
+  Buffer<Frozen> frozen_;
+  linalg::StencilSet stencils_;
+  std::vector<Vec3> force_, slip_;  // of the last accepted step
+  double dissipated_ = 0, power_ = 0;
+};
+
+void Friction::report(FieldSink& sink) {
+  const std::vector<ContactSample> samples = samples_.download();
+  const std::vector<Index> body = model_.surface.body.download();
+  std::vector<double> point_force(3 * model_.points, 0.0), force, slip, traction, normal_force;
+  std::vector<Vec3> resultant(model_.bodies.size(), Vec3::Zero());
+  for (std::size_t i = 0; i < force_.size(); ++i) {
+    const ContactSample& s = samples[i];
+    const double sign = s.weight[0] > 0 ? 1 : -1;
+    for (Index k = 0; k < s.points; ++k) {
+      const Vec3 f = sign * s.weight[k] * force_[i];
+      for (int c = 0; c < 3; ++c) point_force[3 * s.point[k] + c] += f[c];
+      resultant[body[s.point[k]]] += f;
+    }
+    for (int c = 0; c < 3; ++c) {
+      force.push_back(force_[i][c]), slip.push_back(slip_[i][c]);
+      traction.push_back(s.area > 0 ? force_[i][c] / s.area : 0);
+    }
+    normal_force.push_back(s.force);
+  }
+  sink.points("friction_force", "N", 3, point_force);
+  sink.rows("friction", "force", "N", 3, force);
+  sink.rows("friction", "slip", "m", 3, slip);
+  sink.rows("friction", "traction", "Pa", 3, traction);
+  sink.rows("friction", "normal_force", "N", 1, normal_force);
+  sink.scalar("friction", "power", "W", power_);
+  sink.scalar("friction", "dissipation", "J", dissipated_);
+  for (std::size_t b = 0; b < model_.bodies.size(); ++b)
+    for (int c = 0; c < 3; ++c) sink.scalar("friction", "force_" + model_.bodies[b].name + "_" + "xyz"[c], "N", resultant[b][c]);
+}
+
+}  // namespace
+
+Kind friction_kind() {
+  return {"friction", "Coulomb friction of a contact effect, smoothed below an absolute creep speed, lagged forces iterated", &kTable,
+          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Friction>(p, m); },
+          {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020"}};
+}
+
+}  // namespace mortise::effects
