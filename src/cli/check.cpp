@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/plan.h"
 #include "scene/suggest.h"
 
 namespace mortise::cli {
@@ -12,7 +13,7 @@ namespace {
 struct Options {
   std::string scene;
   std::vector<std::string> overrides;
-  bool print_resolved = false;
+  bool print_resolved = false, plan = false;
 };
 
 // "3 bodies (2 soft, 1 half_space); effects inertia, gravity; 60 steps"
@@ -31,6 +32,8 @@ int cmd_check(const Options& o) {
   const scene::Scene scene = scene::read_scene(o.scene, o.overrides, effect_tables());
   if (o.print_resolved)
     std::cout << scene::to_yaml(scene.root);
+  else if (o.plan)
+    std::cout << plan_text(scene.root);
   else
     std::cout << (o.scene == "-" ? "<stdin>" : o.scene) << ": valid: " << summary(scene.root) << "\n";
   return 0;
@@ -43,6 +46,7 @@ void add_check(CLI::App& app, Context& context) {
   auto o = std::make_shared<Options>();
   add_scene_options(*sub, o->scene, o->overrides);
   sub->add_flag("--print-resolved", o->print_resolved, "print the scene with all defaults filled in and every number in SI");
+  sub->add_flag("--plan", o->plan, "read the meshes too, and list effects, buffers, bytes and kernels of a run");
   sub->footer(
       "Examples:\n  mortise check scene.yaml\n  mortise check scene.yaml --set effects.friction.mu=0.3 --print-resolved\n"
       "  generate_scene.py | mortise check -");

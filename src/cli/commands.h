@@ -16,7 +16,8 @@ struct Context {
 };
 
 void add_run(CLI::App&, Context&);
-void add_run(CLI::App&, Context&);
+void add_render(CLI::App&, Context&);
+void add_bench(CLI::App&, Context&);
 void add_check(CLI::App&, Context&);
 void add_schema(CLI::App&, Context&);
 void add_effects(CLI::App&, Context&);

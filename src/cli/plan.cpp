@@ -1,0 +1,35 @@
+#include "cli/plan.h"
+
+#include <fmt/format.h>
+
+#include "engine/engine.h"
+#include "engine/input.h"
+
+namespace mortise::cli {
+
+std::string plan_text(const Params& scene) {
+  const model::ModelInput input = engine::make_input(scene);
+  std::unique_ptr<engine::Engine> engine;
+  const engine::Outcome outcome = engine::cpu_api().create(input, engine);
+  if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message);
+
+  std::string text;
+  std::size_t total = 0;
+  for (const model::BodyInput& b : input.bodies)
+    if (b.type != model::BodyType::half_space)
+      text += fmt::format("body    {:20} {:>8} nodes {:>8} tets {:>8} surface triangles\n", b.name, b.nodes.size(), b.tets.size(), b.triangles.size());
+  for (const engine::PlanItem& item : engine->plan()) {
+    text += "effect  " + item.effect + "\n";
+    for (const auto& [what, bytes] : item.buffers) {
+      text += fmt::format("        buffer {:24} {:>12} bytes\n", what, bytes);
+      total += bytes;
+    }
+    for (const std::string& kernel : item.kernels) text += "        kernel " + kernel + "\n";
+  }
+  text += fmt::format("solver  {}\n", engine->linear_solver());
+  text += fmt::format("memory  {:.1f} MiB in the buffers above, {:.1f} MiB in all buffers so far; contact and the linear solver grow as needed\n",
+                      static_cast<double>(total) / (1 << 20), static_cast<double>(engine->peak_memory()) / (1 << 20));
+  return text;
+}
+
+}  // namespace mortise::cli

@@ -1,0 +1,11 @@
+#pragma once
+#include <string>
+
+#include "base/params.h"
+
+namespace mortise::cli {
+
+// What a run of the scene would consist of: bodies, effects, and for each effect its buffers and kernels.
+std::string plan_text(const Params& scene);
+
+}  // namespace mortise::cli

@@ -1,0 +1,81 @@
+// mortise render: pictures of a run that is already on disk, with the same or other cameras.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "cli/commands.h"
+#include "engine/input.h"
+#include "output/field_reader.h"
+#include "run/pictures.h"
+
+namespace mortise::cli {
+namespace {
+
+struct Options {
+  std::string scene, fields, output;
+  std::vector<std::string> overrides;
+  long first = 0, last = -1, every = 1;
+};
+
+int cmd_render(const Options& o) {
+  const scene::Scene scene = scene::read_scene(o.scene, o.overrides, effect_tables());
+  if (!scene.root.has("render")) throw Error(Exit::scene, scene.root.where(), "the scene has no 'render' block: there is no camera to draw with");
+  const output::FieldReader reader(o.fields);
+  const model::ModelInput input = engine::make_input(scene.root);
+  std::size_t nodes = 0;
+  for (const model::BodyInput& b : input.bodies) nodes += b.nodes.size();
+  if (nodes != reader.mesh().points.size())
+    throw Error(Exit::scene, fmt::format("'{}' holds {} points, the scene's meshes have {}: it is not the result of this scene", o.fields, reader.mesh().points.size(), nodes));
+  const long last = o.last < 0 ? static_cast<long>(reader.frames()) - 1 : o.last;
+  if (o.first > last || last >= static_cast<long>(reader.frames()))
+    throw Error(Exit::usage, fmt::format("--frames {}:{}: '{}' holds frames 0 to {}", o.first, last, o.fields, reader.frames() - 1));
+
+  const std::string folder = !o.output.empty() ? o.output : o.fields.substr(0, o.fields.rfind('/') == std::string::npos ? 0 : o.fields.rfind('/') + 1) + "frames";
+  run::Pictures pictures(scene.root, input, folder);
+  for (long f = o.first; f <= last; f += o.every) {
+    std::vector<double> points;
+    for (const Vec3& x : reader.points(f)) points.insert(points.end(), {x[0], x[1], x[2]});
+    std::map<std::string, std::vector<double>> fields;
+    for (const std::string& name : reader.point_fields()) {
+      output::FieldValues values = reader.point_field(name, f);
+      if (values.components == 1) fields[name] = std::move(values.values);
+    }
+    pictures.draw(f, reader.time(f), points, fields);
+  }
+  return 0;
+}
+
+// "A:B", "A:" or "A".
+void parse_range(const std::string& text, Options& o) {
+  const std::size_t colon = text.find(':');
+  try {
+    o.first = std::stol(text.substr(0, colon));
+    o.last = colon == std::string::npos ? o.first : colon + 1 == text.size() ? -1 : std::stol(text.substr(colon + 1));
+  } catch (const std::exception&) {
+    throw Error(Exit::usage, "--frames is '" + text + "'; must be A:B, A: or A");
+  }
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, Context& context) {
+  CLI::App* sub = app.add_subcommand("render", "draw pictures from saved fields, e.g. with another camera");
+  auto o = std::make_shared<Options>();
+  auto frames = std::make_shared<std::string>();
+  add_scene_options(*sub, o->scene, o->overrides);
+  sub->add_option("fields", o->fields, "fields.vtkhdf of a run of this scene")->required();
+  sub->add_option("-o,--output", o->output, "folder of the pictures; default `frames` beside the fields");
+  sub->add_option("--frames", *frames, "A:B, A: or A; default all");
+  sub->add_option("--every", o->every, "only every so many frames")->check(CLI::PositiveNumber);
+  sub->footer(
+      "Examples:\n  mortise render scenes/tactile/press.yaml out/press/fields.vtkhdf\n"
+      "  mortise render press.yaml out/press/fields.vtkhdf --frames 40: -o closeup --set render.cameras.beauty.fov=0.2");
+  sub->callback([o, frames, &context] {
+    context.action = [o, frames] {
+      if (!frames->empty()) parse_range(*frames, *o);
+      return cmd_render(*o);
+    };
+  });
+}
+
+}  // namespace mortise::cli

@@ -1,0 +1,178 @@
+// The command line itself: streams, exit codes, suggestions, schema drift.
+#include <unistd.h>
+
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "program.h"
+
+namespace mortise::cli {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+namespace fs = std::filesystem;
+const std::string kScene = "scenes/first/01_free_fall.yaml";
+
+std::vector<std::string> scenes() {
+  std::vector<std::string> out;
+  for (const auto& entry : fs::recursive_directory_iterator(kSource + "/scenes"))
+    if (entry.path().extension() == ".yaml") out.push_back(fs::relative(entry.path(), kSource));
+  return out;
+}
+
+TEST(Program, HelpHasExamplesOnStdout) {
+  const Result r = mortise("-h");
+  EXPECT_EQ(r.code, 0);
+  EXPECT_THAT(r.out, HasSubstr("Examples:"));
+  EXPECT_EQ(r.err, "");
+  EXPECT_THAT(mortise("check -h").out, HasSubstr("--print-resolved"));
+}
+
+TEST(Program, WithoutArgumentsIsAUsageError) {
+  const Result r = mortise("");
+  EXPECT_EQ(r.code, 2);
+  EXPECT_EQ(r.out, "");
+  EXPECT_THAT(r.err, HasSubstr("check"));
+}
+
+TEST(Program, UnknownCommandIsSuggested) {
+  const Result r = mortise("chek x.yaml");
+  EXPECT_EQ(r.code, 2);
+  EXPECT_THAT(r.err, HasSubstr("did you mean 'check'?"));
+}
+
+TEST(Program, UnknownFlagIsSuggested) {
+  const Result r = mortise("check --print-resolvd " + kScene);
+  EXPECT_EQ(r.code, 2);
+  EXPECT_THAT(r.err, HasSubstr("did you mean '--print-resolved'?"));
+  EXPECT_EQ(mortise("check --set").code, 2);
+  EXPECT_EQ(mortise("--colour never").code, 2);
+  EXPECT_EQ(mortise("--color sometimes info").code, 2);
+}
+
+TEST(Program, MissingFileIsAFileError) {
+  const Result r = mortise("check no_such.yaml");
+  EXPECT_EQ(r.code, 6);
+  EXPECT_EQ(r.err, "error: cannot read 'no_such.yaml': No such file or directory\n");
+  EXPECT_EQ(mortise("check scenes").code, 6);
+}
+
+TEST(Program, AFullDiskIsAFileError) {
+  EXPECT_EQ(WEXITSTATUS(std::system((quoted(kProgram) + " schema >/dev/full 2>/dev/null").c_str())), 6);
+}
+
+TEST(Program, BrokenPipeEndsQuietly) {
+  const std::string folder = fs::temp_directory_path(), err = folder + "/mortise_pipe_" + std::to_string(getpid());
+  // bash reports the exit code of the left side; `true` reads nothing.
+  const std::string command = "bash -c " + quoted(quoted(kProgram) + " schema 2>" + quoted(err) + " | (sleep 0.2; true); exit ${PIPESTATUS[0]}");
+  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 0);
+  EXPECT_EQ(read_text(err), "");
+  fs::remove(err);
+}
+
+TEST(Program, ColourOnlyWhenAskedOrOnATerminal) {
+  EXPECT_THAT(mortise("check no_such.yaml").err, Not(HasSubstr("\033")));
+  EXPECT_THAT(mortise("--color always check no_such.yaml").err, HasSubstr("\033[1;31merror:\033[0m cannot read"));
+  // A terminal that `script` makes.
+  if (std::system("command -v script >/dev/null") != 0) GTEST_SKIP() << "no `script` here to make a terminal";
+  const auto on_terminal = [](const std::string& environment) {
+    const std::string file = fs::temp_directory_path() / ("mortise_tty_" + std::to_string(getpid()));
+    const int status = std::system(("script -qc " + quoted("env " + environment + " " + kProgram + " check no_such.yaml") + " /dev/null >" + quoted(file)).c_str());
+    EXPECT_EQ(status, 0);
+    const std::string seen = read_text(file);
+    fs::remove(file);
+    EXPECT_THAT(seen, HasSubstr("cannot read"));
+    return seen.find("\033[1;31m") != std::string::npos;
+  };
+  EXPECT_TRUE(on_terminal("-u NO_COLOR TERM=xterm"));
+  EXPECT_FALSE(on_terminal("NO_COLOR=1 TERM=xterm"));
+  EXPECT_FALSE(on_terminal("-u NO_COLOR TERM=dumb"));
+}
+
+TEST(Check, SummarisesOnStdout) {
+  const Result r = mortise("check " + kScene);
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_EQ(r.err, "");
+  EXPECT_THAT(r.out, HasSubstr(kScene + ": valid: 1 body (1 "));
+}
+
+TEST(Check, ReadsTheStandardInput) {
+  const Result r = mortise("check -", kSource, "cat " + kScene + " |");
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_THAT(r.out, HasSubstr("<stdin>: valid"));
+}
+
+TEST(Check, RightMostOverrideWins) {
+  const Result r = mortise("check --print-resolved --set time.steps=7 --set time.steps=8 " + kScene);
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_THAT(r.out, HasSubstr("steps: 8"));
+}
+
+TEST(Check, ResolvedSceneReadsBackToItself) {
+  for (const std::string& scene : scenes()) {
+    const Result once = mortise("check --print-resolved " + scene);
+    ASSERT_EQ(once.code, 0) << once.err;
+    const std::string file = fs::temp_directory_path() / ("mortise_resolved_" + std::to_string(getpid()) + ".yaml");
+    std::ofstream(file) << once.out;
+    const Result twice = mortise("check --print-resolved " + quoted(file));
+    EXPECT_EQ(twice.out, once.out) << twice.err;
+    fs::remove(file);
+  }
+}
+
+TEST(Scenes, AreValidAndNameTheirSchema) {
+  ASSERT_GE(scenes().size(), 5u);
+  for (const std::string& scene : scenes()) {
+    const Result r = mortise("check " + scene);
+    EXPECT_EQ(r.code, 0) << r.err;
+    std::string up;
+    for (auto p = fs::path(scene).parent_path(); !p.empty(); p = p.parent_path()) up += "../";
+    const std::string modeline = "# yaml-language-server: $schema=" + up + "schemas/scene.schema.json\n";
+    EXPECT_EQ(read_text(kSource + "/" + scene).rfind(modeline, 0), 0u) << scene << " must start with: " << modeline;
+  }
+}
+
+TEST(Schema, FileIsWhatTheProgramPrints) {
+  const std::string file = kSource + "/schemas/scene.schema.json";
+  const Result r = mortise("schema");
+  ASSERT_EQ(r.code, 0) << r.err;
+  if (std::getenv("MORTISE_UPDATE_GOLDEN")) std::ofstream(file, std::ios::binary) << r.out;
+  EXPECT_TRUE(r.out == read_text(file)) << "the tables changed: mortise schema > schemas/scene.schema.json";
+}
+
+TEST(Schema, DescribesUnitsAndForbidsUnknownKeys) {
+  const auto schema = nlohmann::json::parse(mortise("schema").out);
+  EXPECT_EQ(schema["$schema"], "http://json-schema.org/draft-07/schema#");
+  EXPECT_EQ(schema["additionalProperties"], false);
+  const auto& step = schema["properties"]["time"]["properties"]["step"];
+  EXPECT_EQ(step["description"].get<std::string>().rfind("[s] ", 0), 0u);
+  EXPECT_EQ(step["exclusiveMinimum"], 0.0);
+  const auto& effects = schema["properties"]["effects"];
+  EXPECT_EQ(effects["additionalProperties"], false);
+  EXPECT_TRUE(effects["properties"].contains("gravity"));
+}
+
+TEST(Effects, ListAndExplain) {
+  EXPECT_THAT(mortise("effects").out, HasSubstr("gravity"));
+  const Result r = mortise("effects gravity");
+  EXPECT_THAT(r.out, HasSubstr("acceleration  [x, y, z] [m/s^2], default [0, 0, -9.81]"));
+  const Result typo = mortise("effects gravty");
+  EXPECT_EQ(typo.code, 2);
+  EXPECT_THAT(typo.err, HasSubstr("did you mean 'gravity'?"));
+}
+
+TEST(Info, JsonNamesVersionAndDevices) {
+  const Result r = mortise("info --json");
+  const auto info = nlohmann::json::parse(r.out);
+  EXPECT_EQ(info["devices"][0]["kind"], "cpu");
+  EXPECT_GE(info["devices"][0]["threads"], 1);
+  EXPECT_THAT(mortise("--version").out, HasSubstr("mortise " + info["version"].get<std::string>()));
+  EXPECT_THAT(mortise("info").out, HasSubstr("yaml-cpp 0."));
+}
+
+}  // namespace
+}  // namespace mortise::cli
