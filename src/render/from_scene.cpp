@@ -35,7 +35,8 @@ DrawMesh read_draw_mesh(const Params& body) {
   const Params* mesh = shape != nullptr ? shape->find("mesh") : nullptr;
   const double scale = mesh != nullptr ? mesh->number("scale") : 1;
   Mat3 rotation = Mat3::Identity();
-  if (const Params* r = body.find("rotation")) rotation = Eigen::AngleAxisd(r->number("angle"), r->vec3("axis").normalized()).toRotationMatrix();
+  if (const Params* r = body.find("rotation"))
+    rotation = Eigen::AngleAxisd(r->number("angle"), r->vec3("axis").normalized()).toRotationMatrix();
   DrawMesh out;
   for (const Vec3& x : file.points) out.points.push_back(rotation * (scale * x) + body.vec3("position"));
   for (const Vec3& n : file.normals) out.normals.push_back(rotation * n);
@@ -45,7 +46,8 @@ DrawMesh read_draw_mesh(const Params& body) {
   out.materials.clear();
   // Materials of the file hold; where it names none the keys of `visual` do, and `visual.texture` replaces the file's.
   for (const geometry::VisualMaterial& m : file.materials)
-    out.materials.push_back(m.name.empty() ? material_of(visual) : Material{m.base_color, m.roughness, m.metallic, texture_of(m.texture, m.name)});
+    out.materials.push_back(m.name.empty() ? material_of(visual)
+                                           : Material{m.base_color, m.roughness, m.metallic, texture_of(m.texture, m.name)});
   if (out.materials.empty()) out.materials.push_back(material_of(visual));
   if (const Params* texture = visual.find("texture")) {
     const auto picture = std::make_shared<Texture>(read_texture(texture->as_text()));
@@ -120,8 +122,8 @@ GroundPlane ground_of(const Params& body) {
   return g;
 }
 
-ColourBar bar_of(const Params& camera, double low, double high, const std::string& si_unit) {
-  ColourBar bar{camera.text("colour_by"), si_unit, low, high, 1};
+ColourBar bar_of(const Params& camera, double low, double high) {
+  ColourBar bar{camera.text("colour_by"), "", low, high, 1};
   std::replace(bar.label.begin(), bar.label.end(), '_', ' ');
   const Params* unit = camera.find("unit");
   if (unit == nullptr) return bar;
@@ -196,7 +198,7 @@ RenderJob SceneView::job(const std::string& name, const std::map<std::string, st
     low = lowest = std::min(lowest, low), high = highest = std::max(highest, high);
     if (!(high > low)) high = low + 1;
   }
-  job.bar = bar_of(p, low, high, "");
+  job.bar = bar_of(p, low, high);
   return job;
 }
 

@@ -14,8 +14,8 @@ namespace mortise::render {
 
 Camera camera_of(const Params& camera);                     // one entry of render.cameras
 GroundPlane ground_of(const Params& body);                  // a body of type half_space
-// `label` is the field's name, written with spaces; `low`, `high` in SI. The unit is the camera's `unit`, else `si_unit`.
-ColourBar bar_of(const Params& camera, double low, double high, const std::string& si_unit);
+// The label is the field's name, written with spaces; `low`, `high` in SI. Without a `unit` the numbers are SI and bare.
+ColourBar bar_of(const Params& camera, double low, double high);
 
 // Everything of a scene's pictures that does not change from frame to frame, and the moving meshes.
 class SceneView {

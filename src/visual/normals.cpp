@@ -70,7 +70,8 @@ SplitSurface split_creases(const std::vector<Vec3>& points, const std::vector<Tr
       int a = k, b = (k + 1) % 3;
       if (triangles[t].v[a] > triangles[t].v[b]) std::swap(a, b);
       const auto [it, fresh] =
-          edges.try_emplace({triangles[t].v[a], triangles[t].v[b]}, std::array<Index, 3>{static_cast<Index>(t), corner(t, a), corner(t, b)});
+          edges.try_emplace({triangles[t].v[a], triangles[t].v[b]},
+                            std::array<Index, 3>{static_cast<Index>(t), corner(t, a), corner(t, b)});
       if (fresh || face[it->second[0]].dot(face[t]) < limit) continue;
       parent[root(corner(t, a))] = root(it->second[1]);
       parent[root(corner(t, b))] = root(it->second[2]);

@@ -158,7 +158,10 @@ float lit(vec3 p, vec3 n) {
   if (any(lessThan(q, vec3(0.0))) || any(greaterThan(q, vec3(1.0)))) return 1.0;
   // Most pixels are far from the edge of a shadow: eight points on the rim of the filter tell.
   float rim = 0.0;
-  for (int i = 0; i < 8; ++i) rim += texture(shadow, vec3(q.xy + 3.2 * shadow_step * vec2(cos(0.785398 * float(i)), sin(0.785398 * float(i))), q.z));
+  for (int i = 0; i < 8; ++i) {
+    float angle = 0.785398 * float(i);
+    rim += texture(shadow, vec3(q.xy + 3.2 * shadow_step * vec2(cos(angle), sin(angle)), q.z));
+  }
   bool edge = rim > 0.0 && rim < 8.0;
   float sum = edge ? 0.0 : rim, weight = edge ? 0.0 : 8.0;
   for (int y = edge ? -3 : 4; y <= 3; ++y)
