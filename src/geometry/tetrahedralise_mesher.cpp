@@ -25,7 +25,8 @@ using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
 // Refinement bounds the radius r of circumscribed circles and balls; most end between r/2 and r. Measured on balls, boxes and
 // robot parts, mean edge length = aim with these factors (tests/geometry/mesh_tetrahedralise_test.cpp).
-constexpr double kFacetRadius = 0.75, kCellRadius = 0.85;
+constexpr double kFacetRadius = 0.8, kCellRadius = 0.73;
+constexpr double kSliverAngle = 12;  // [deg] smallest dihedral angle that sliver removal works for
 
 Polyhedron polyhedron(const TriMesh& surface, double scale) {
   std::vector<Kernel::Point_3> points;
@@ -58,7 +59,11 @@ TetMesh mesh_domain(const TriMesh& surface, const TetrahedraliseOptions& o) {
   const Criteria criteria(param::edge_size = surface_edge, param::facet_angle = o.facet_angle * 180 / CGAL_PI,
                           param::facet_size = kFacetRadius * surface_edge, param::facet_distance = scale * o.facet_distance,
                           param::cell_radius_edge_ratio = o.radius_edge_ratio, param::cell_size = kCellRadius * scale * o.edge_length);
-  const Complex complex = CGAL::make_mesh_3<Complex>(domain, criteria, param::manifold());
+  // Without a limit of their own both sliver removals stop after the time that refinement took: a mesh that depends on the
+  // clock. 0 means no limit; they end by themselves when no tetrahedron below the bound can be improved.
+  const Complex complex = CGAL::make_mesh_3<Complex>(domain, criteria, param::manifold(),
+                                                     param::perturb(param::time_limit = 0, param::sliver_bound = kSliverAngle),
+                                                     param::exude(param::time_limit = 0, param::sliver_bound = kSliverAngle));
 
   TetMesh out;
   std::unordered_map<Triangulation::Vertex_handle, Index> number;

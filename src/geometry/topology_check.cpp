@@ -126,7 +126,8 @@ void check_edges(const Check& c) {
            std::to_string(f.first.triangle) + " at " + position((c.mesh.points[f.first.low] + c.mesh.points[f.first.high]) / 2);
   };
   if (fan.count > 0) c.fail("the surface is not manifold: " + counted(fan.count, "edge belongs", "edges belong") + " to more than two triangles, " + place(fan));
-  if (open.count > 0) c.fail("the surface is open: " + counted(open.count, "edge belongs", "edges belong") + " to one triangle only, " + place(open));
+  if (open.count > 0) c.fail("the surface is open: " + counted(open.count, "edge belongs", "edges belong") + " to one triangle only, " + place(open) +
+           "; if vertices only nearly coincide there, weld them");
   if (turned.count > 0)
     c.fail("the surface is not consistently oriented: across " + counted(turned.count, "edge") + " the two triangles face opposite sides, " + place(turned));
 }

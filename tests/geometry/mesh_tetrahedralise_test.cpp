@@ -1,0 +1,215 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "geometry/io/obj.h"
+#include "geometry/io/read.h"
+#include "geometry/primitives.h"
+#include "geometry/sha256.h"
+#include "geometry/shapes.h"
+#include "geometry/tetrahedralise.h"
+#include "geometry/tetrahedralise_cache.h"
+#include "geometry/topology.h"
+#include "geometry/topology_check.h"
+#include "mesh_helpers.h"
+
+namespace mortise::geometry {
+namespace {
+
+TetrahedraliseOptions edges(double inner, double surface = 0) {
+  TetrahedraliseOptions o;
+  o.edge_length = inner;
+  o.surface_edge_length = surface;
+  return o;
+}
+
+double mean_edge(const TriMesh& s) {
+  double sum = 0;
+  const std::vector<Edge> e = unique_edges(s.triangles);
+  for (const Edge& x : e) sum += (s.points[x.v[0]] - s.points[x.v[1]]).norm();
+  return sum / static_cast<double>(e.size());
+}
+
+// Mean over the edges that leave the surface.
+double mean_inner_edge(const TetMesh& m) {
+  std::vector<char> on_surface(m.points.size(), 0);
+  for (const Triangle& t : boundary_triangles(m))
+    for (Index v : t.v) on_surface[v] = 1;
+  std::vector<Triangle> faces;
+  for (const Tet& t : m.tets)
+    for (int k = 0; k < 4; ++k) faces.push_back({{t.v[k], t.v[(k + 1) % 4], t.v[(k + 2) % 4]}});
+  double sum = 0;
+  int count = 0;
+  for (const Edge& e : unique_edges(faces)) {
+    if (on_surface[e.v[0]] && on_surface[e.v[1]]) continue;
+    sum += (m.points[e.v[0]] - m.points[e.v[1]]).norm();
+    ++count;
+  }
+  return sum / count;
+}
+
+TEST(Tetrahedralise, BallMeetsItsAims) {
+  const ScopedEnv no_cache("MORTISE_CACHE", "");
+  const TriMesh s = surface_of(sphere(1e-2, 5e-4));
+  const TetMesh m = tetrahedralise(s, edges(2e-3), "ball");
+  EXPECT_NO_THROW(check_tets(m, "ball"));
+  EXPECT_GT(min_dihedral_angle(m), 11.9 * M_PI / 180);
+  EXPECT_NEAR(mean_edge(surface_of(m)) / 2e-3, 1, 0.1);
+  EXPECT_NEAR(mean_inner_edge(m) / 2e-3, 1, 0.1);
+  EXPECT_NEAR(volume(m) / mass_properties(s).volume, 1, 0.02);
+  EXPECT_NO_THROW(check_closed_surface(surface_of(m), "surface of the ball"));
+}
+
+TEST(Tetrahedralise, SurfaceCanBeFiner) {
+  const ScopedEnv no_cache("MORTISE_CACHE", "");
+  const TetMesh m = tetrahedralise(surface_of(sphere(1, 0.1)), edges(0.5, 0.25), "ball");
+  EXPECT_NEAR(mean_edge(surface_of(m)) / 0.25, 1, 0.15);
+  EXPECT_GT(mean_inner_edge(m), 0.3);
+}
+
+TEST(Tetrahedralise, SharpEdgesStay) {
+  const ScopedEnv no_cache("MORTISE_CACHE", "");
+  const Vec3 size(1, 0.6, 0.3);
+  const TetMesh m = tetrahedralise(surface_of(box(size, 1.0)), edges(0.1), "box");
+  EXPECT_NEAR(volume(m), 0.18, 1e-12);
+  EXPECT_NEAR(area(surface_of(m)), 2 * (0.6 + 0.3 + 0.18), 1e-12);
+  EXPECT_NEAR(mean_edge(surface_of(m)) / 0.1, 1, 0.15);
+}
+
+TEST(Tetrahedralise, KeepsCavitiesAndParts) {
+  const ScopedEnv no_cache("MORTISE_CACHE", "");
+  TriMesh s = surface_of(box({1, 1, 1}, 1.0));
+  const TriMesh inner = surface_of(box({0.4, 0.4, 0.4}, 1.0)), apart = surface_of(box({0.5, 0.5, 0.5}, 1.0));
+  for (const Vec3& p : inner.points) s.points.push_back(p);
+  for (const Vec3& p : apart.points) s.points.push_back(p + Vec3(2, 0, 0));
+  for (const Triangle& t : inner.triangles) s.triangles.push_back({{t.v[0] + 8, t.v[2] + 8, t.v[1] + 8}});
+  for (const Triangle& t : apart.triangles) s.triangles.push_back({{t.v[0] + 16, t.v[1] + 16, t.v[2] + 16}});
+  const TetMesh m = tetrahedralise(s, edges(0.2), "parts");
+  EXPECT_NEAR(volume(m), 1 - 0.064 + 0.125, 1e-12);
+  EXPECT_EQ(component_count(connected_components(surface_of(m))), 3);
+}
+
+TEST(Tetrahedralise, SameInputSameBits) {
+  const ScopedEnv no_cache("MORTISE_CACHE", "");
+  const TriMesh s = surface_of(capsule(0.1, 0.2, 0.02));
+  const TetMesh a = tetrahedralise(s, edges(0.05), "a"), b = tetrahedralise(s, edges(0.05), "b");
+  expect_same(a.points, b.points);
+  expect_same(a.tets, b.tets);
+}
+
+TEST(Tetrahedralise, Refuses) {
+  const ScopedEnv no_cache("MORTISE_CACHE", "");
+  const TriMesh s = surface_of(box({1, 1, 1}, 1.0));
+  TriMesh open = s;
+  open.triangles.pop_back();
+  expect_error([&] { tetrahedralise(open, edges(0.2), "mesh 'o'"); }, Exit::scene, {"mesh 'o': the surface is open"});
+  expect_error([&] { tetrahedralise(s, edges(0), "mesh 'o'"); }, Exit::scene, {"mesh 'o'", "positive"});
+  expect_error([&] { tetrahedralise(s, edges(1e-4), "mesh 'o'"); }, Exit::scene, {"edge_length is too small"});
+  // A far coarser aim than the body: what comes out is no longer the body.
+  TetrahedraliseOptions coarse = edges(5);
+  coarse.facet_distance = 1;
+  expect_error([&] { tetrahedralise(surface_of(sphere(1, 0.1)), coarse, "mesh 'o'"); }, Exit::scene, {"use a smaller edge_length"});
+}
+
+TEST(TetCache, HitGivesTheStoredMesh) {
+  const TempFolder folder;
+  const ScopedEnv cache("MORTISE_CACHE", folder.file("sub/cache"));
+  const TriMesh s = surface_of(box({1, 1, 1}, 1.0));
+  TetrahedraliseOptions full = edges(0.4, 0.4);
+  full.facet_distance = 0.4 / 20;
+  const TetCache entry(s, full);
+  EXPECT_FALSE(entry.load());
+  const TetMesh fresh = tetrahedralise(s, edges(0.4), "box");
+  ASSERT_TRUE(std::filesystem::exists(entry.file())) << "defaults are filled in before hashing";
+  const TetMesh again = tetrahedralise(s, edges(0.4), "box");
+  expect_same(fresh.points, again.points);
+  expect_same(fresh.tets, again.tets);
+
+  // Something else in the file shows that it is really read.
+  const TetMesh mark = box({1, 1, 1}, 1.0);
+  entry.store(mark);
+  EXPECT_EQ(tetrahedralise(s, edges(0.4), "box").tets.size(), mark.tets.size());
+  int files = 0;
+  for ([[maybe_unused]] const auto& f : std::filesystem::directory_iterator(folder.file("sub/cache"))) ++files;
+  EXPECT_EQ(files, 1) << "nothing is left beside it";
+}
+
+TEST(TetCache, EveryInputCounts) {
+  const ScopedEnv cache("MORTISE_CACHE", "/nowhere");
+  const TriMesh s = surface_of(box({1, 1, 1}, 1.0));
+  std::vector<std::string> names{TetCache(s, edges(0.4)).file()};
+  TriMesh moved = s;
+  moved.points[3][2] = std::nextafter(moved.points[3][2], 9);
+  names.push_back(TetCache(moved, edges(0.4)).file());
+  names.push_back(TetCache(s, edges(0.5)).file());
+  names.push_back(TetCache(s, edges(0.4, 0.2)).file());
+  for (double TetrahedraliseOptions::*member : {&TetrahedraliseOptions::facet_distance, &TetrahedraliseOptions::feature_angle,
+                                                &TetrahedraliseOptions::facet_angle, &TetrahedraliseOptions::radius_edge_ratio}) {
+    TetrahedraliseOptions o = edges(0.4);
+    o.*member += 0.01;
+    names.push_back(TetCache(s, o).file());
+  }
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(std::unique(names.begin(), names.end()), names.end());
+}
+
+TEST(TetCache, DamagedFilesAreMadeAnew) {
+  const TempFolder folder;
+  const ScopedEnv cache("MORTISE_CACHE", folder.file(""));
+  const TriMesh s = surface_of(box({1, 1, 1}, 1.0));
+  const TetCache entry(s, edges(0.4));
+  const TetMesh mesh = box({1, 1, 1}, 0.5);
+  entry.store(mesh);
+  ASSERT_TRUE(entry.load());
+  expect_same(entry.load()->points, mesh.points);
+  const auto size = std::filesystem::file_size(entry.file());
+
+  std::filesystem::resize_file(entry.file(), size - 100);
+  EXPECT_FALSE(entry.load());
+  entry.store(mesh);
+  {
+    std::fstream f(entry.file(), std::ios::in | std::ios::out | std::ios::binary);
+    f.seekp(static_cast<std::streamoff>(size / 2));
+    f.put('\x55');
+  }
+  EXPECT_FALSE(entry.load());
+  std::ofstream(entry.file()) << "short";
+  EXPECT_FALSE(entry.load());
+}
+
+TEST(TetCache, FolderThatCannotBeWrittenIsIgnored) {
+  const TempFolder folder;
+  const ScopedEnv cache("MORTISE_CACHE", folder.write("file", "") + "/below");
+  const TriMesh s = surface_of(box({1, 1, 1}, 1.0));
+  EXPECT_NO_THROW(TetCache(s, edges(0.4)).store(box({1, 1, 1}, 1.0)));
+  EXPECT_FALSE(TetCache(s, edges(0.4)).load());
+}
+
+TEST(TetCache, FolderFollowsTheEnvironment) {
+  const TriMesh s = surface_of(box({1, 1, 1}, 1.0));
+  const ScopedEnv home("HOME", "/h"), xdg("XDG_CACHE_HOME", "/x");
+  {
+    const ScopedEnv off("MORTISE_CACHE", "");
+    EXPECT_EQ(TetCache(s, edges(1)).file(), "");
+  }
+  {
+    const ScopedEnv own("MORTISE_CACHE", "/m");
+    EXPECT_EQ(TetCache(s, edges(1)).file().rfind("/m/tets-", 0), 0u);
+    ::unsetenv("MORTISE_CACHE");
+    EXPECT_EQ(TetCache(s, edges(1)).file().rfind("/x/mortise/tets-", 0), 0u);
+    ::setenv("XDG_CACHE_HOME", "", 1);
+    EXPECT_EQ(TetCache(s, edges(1)).file().rfind("/h/.cache/mortise/tets-", 0), 0u);
+  }
+}
+
+// FIPS 180-4 examples (NIST, "SHA256.pdf") and the empty message.
+TEST(Sha256, KnownAnswers) {
+  EXPECT_EQ(sha256_hex(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(sha256_hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(sha256_hex("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"), "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+  EXPECT_EQ(sha256_hex(std::string(1000000, 'a')), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+}
+
+}  // namespace
+}  // namespace mortise::geometry
