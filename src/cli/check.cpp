@@ -24,18 +24,16 @@ std::string summary(const Params& scene) {
   for (const auto& [type, count] : types) bodies.push_back(std::to_string(count) + " " + type);
   for (const auto& [name, block] : scene.at("effects").entries()) effects.push_back(name);
   const std::size_t n = scene.at("bodies").entries().size();
-  return std::to_string(n) + (n == 1 ? " body (" : " bodies (") + scene::join(bodies, ", ") + "); effects " + scene::join(effects, ", ") + "; " +
-         std::to_string(scene.at("time").integer("steps")) + (scene.at("time").text("mode") == "static" ? " load steps" : " steps");
+  return std::to_string(n) + (n == 1 ? " body (" : " bodies (") + scene::join(bodies, ", ") + "); effects " +
+         scene::join(effects, ", ") + "; " + std::to_string(scene.at("time").integer("steps")) +
+         (scene.at("time").text("mode") == "static" ? " load steps" : " steps");
 }
 
 int cmd_check(const Options& o) {
   const scene::Scene scene = scene::read_scene(o.scene, o.overrides, effect_tables());
-  if (o.print_resolved)
-    std::cout << scene::to_yaml(scene.root);
-  else if (o.plan)
-    std::cout << plan_text(scene.root);
-  else
-    std::cout << (o.scene == "-" ? "<stdin>" : o.scene) << ": valid: " << summary(scene.root) << "\n";
+  if (o.print_resolved) std::cout << scene::to_yaml(scene.root);
+  else if (o.plan) std::cout << plan_text(scene.root);
+  else std::cout << (o.scene == "-" ? "<stdin>" : o.scene) << ": valid: " << summary(scene.root) << "\n";
   return 0;
 }
 

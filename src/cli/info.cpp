@@ -17,9 +17,10 @@ using Json = nlohmann::ordered_json;
 Json facts() {
   Json devices = Json::array();
   for (const device::DeviceInfo& d : device::devices())
-    devices.push_back({{"kind", d.kind}, {"name", d.name}, {"threads", d.threads}, {"memory_bytes", d.memory}, {"driver", d.driver}});
-  const std::string cholmod =
-      std::to_string(CHOLMOD_MAIN_VERSION) + "." + std::to_string(CHOLMOD_SUB_VERSION) + "." + std::to_string(CHOLMOD_SUBSUB_VERSION);
+    devices.push_back(
+        {{"kind", d.kind}, {"name", d.name}, {"threads", d.threads}, {"memory_bytes", d.memory}, {"driver", d.driver}});
+  const std::string cholmod = std::to_string(CHOLMOD_MAIN_VERSION) + "." + std::to_string(CHOLMOD_SUB_VERSION) + "." +
+                              std::to_string(CHOLMOD_SUBSUB_VERSION);
   return {{"version", MORTISE_VERSION},
           {"commit", MORTISE_COMMIT},
           {"build_type", MORTISE_BUILD_TYPE},
@@ -43,15 +44,17 @@ int cmd_info(bool json) {
     std::cout << all.dump(2) << "\n";
     return 0;
   }
-  std::cout << version_text() << ", " << all["build_type"].get<std::string>() << " build, " << all["compiler"].get<std::string>() << "\n\ndevices\n";
+  std::cout << version_text() << ", " << all["build_type"].get<std::string>() << " build, " << all["compiler"].get<std::string>()
+            << "\n\ndevices\n";
   for (const Json& d : all["devices"]) {
-    std::cout << "  " << d["kind"].get<std::string>() << "  " << d["name"].get<std::string>() << ", " << d["threads"] << " threads, "
-              << d["memory_bytes"].get<std::size_t>() / (1 << 20) << " MiB";
+    std::cout << "  " << d["kind"].get<std::string>() << "  " << d["name"].get<std::string>() << ", " << d["threads"]
+              << " threads, " << d["memory_bytes"].get<std::size_t>() / (1 << 20) << " MiB";
     if (const std::string driver = d["driver"]; !driver.empty()) std::cout << ", driver " << driver;
     std::cout << "\n";
   }
   std::cout << "\nlibraries\n";
-  for (const auto& [name, version] : all["libraries"].items()) std::cout << "  " << name << " " << version.get<std::string>() << "\n";
+  for (const auto& [name, version] : all["libraries"].items())
+    std::cout << "  " << name << " " << version.get<std::string>() << "\n";
   return 0;
 }
 

@@ -47,13 +47,17 @@ void take_colour(std::vector<std::string>& args) {
 // `mortise scene.yaml` is `mortise run scene.yaml`.
 void insert_run(std::vector<std::string>& args, const std::vector<std::string>& commands) {
   static const std::vector<std::string> global{"-h", "--help", "--version"};
-  if (args.empty() || std::count(commands.begin(), commands.end(), args[0]) || std::count(global.begin(), global.end(), args[0])) return;
+  if (args.empty() || std::count(commands.begin(), commands.end(), args[0]) || std::count(global.begin(), global.end(), args[0]))
+    return;
   const std::string& first = args[0];
   std::error_code ignored;
-  const bool scene = first == "-" || first.find('/') != std::string::npos || first.find(".y") != std::string::npos || std::filesystem::exists(first, ignored);
+  const bool scene = first == "-" || first.find('/') != std::string::npos || first.find(".y") != std::string::npos ||
+                     std::filesystem::exists(first, ignored);
   const bool flag = first.size() > 1 && first[0] == '-';
   // A flag in front: its command can only be run, if there is a scene at all.
-  const bool scene_follows = flag && std::any_of(args.begin(), args.end(), [](const std::string& a) { return a == "-" || a.find(".y") != std::string::npos; });
+  const bool scene_follows = flag && std::any_of(args.begin(), args.end(), [](const std::string& a) {
+                               return a == "-" || a.find(".y") != std::string::npos;
+                             });
   if (scene || scene_follows) {
     args.insert(args.begin(), "run");
   } else if (!flag) {
@@ -144,7 +148,9 @@ std::vector<scene::EffectTable> effect_tables() {
 
 void add_scene_options(CLI::App& command, std::string& scene, std::vector<std::string>& overrides) {
   command.add_option("scene", scene, "scene file; - reads the standard input")->required();
-  command.add_option("--set", overrides, "PATH=VALUE changes one value of the scene, e.g. bodies.pad.velocity.2=-0.1; the right-most wins")
+  command
+      .add_option("--set", overrides,
+                  "PATH=VALUE changes one value of the scene, e.g. bodies.pad.velocity.2=-0.1; the right-most wins")
       ->allow_extra_args(false)
       ->take_all();
 }
