@@ -9,6 +9,7 @@ Kind gravity_kind();
 Kind elasticity_kind();
 Kind affine_body_kind();
 Kind barrier_contact_kind();
+Kind mortar_contact_kind();
 Kind pressure_load_kind();
 Kind friction_kind();  // after the contact effects, whose forces it reads
 
@@ -20,6 +21,7 @@ std::span<const Kind> list() {
       elasticity_kind(),
       affine_body_kind(),
       barrier_contact_kind(),
+      mortar_contact_kind(),
       pressure_load_kind(),
       friction_kind(),
   };

@@ -1,0 +1,109 @@
+#pragma once
+// The part of a master triangle that faces a slave triangle: the master triangle is projected along the slave normal n onto the
+// slave plane and clipped there by the slave's three sides (Sutherland, Hodgman 1974), in barycentric coordinates N of the slave.
+// A corner carries its master barycentrics M along, so that the projection never has to be inverted: slivers and faces nearly
+// perpendicular to the slave lose no accuracy, and no length enters that would have to be compared with a tolerance.
+//
+// Master triangles with a common edge project its end points to the same numbers, and every intersection is computed from the
+// inner to the outer end point, so both get the same corners bit by bit. Their clipped areas therefore add up to the clipped area
+// of their union to rounding: over a covered slave triangle to its own area, whatever the meshes (none is too small to count).
+#include "base/types.h"
+
+namespace mortise::effects::mortar {
+
+// Corners of a triangle cut by three lines: 6, and a few more where rounding makes a sliver not quite convex.
+inline constexpr int kCorners = 9;
+
+struct Corner {
+  double N[3];  // barycentrics on the slave
+  double M[3];  // on the master
+};
+
+struct Polygon {
+  int n = 0;
+  Corner v[kCorners];
+  MORTISE_HD void push(const Corner& c) {
+    if (n < kCorners) v[n++] = c;
+  }
+};
+
+// A slave triangle: corner a0, edges e1, e2, unit normal n, area [m^2].
+struct SlavePlane {
+  Vec3 a0, e1, e2, n;
+  double area;
+};
+
+MORTISE_HD inline SlavePlane slave_plane(const Vec3& a0, const Vec3& a1, const Vec3& a2) {
+  SlavePlane p{a0, a1 - a0, a2 - a0, Vec3::Zero(), 0};
+  p.n = p.e1.cross(p.e2);
+  const double twice = p.n.norm();
+  p.area = twice / 2;
+  p.n /= twice;
+  return p;
+}
+
+// Barycentrics N of the projection of x; returns its height over the plane [m].
+MORTISE_HD inline double project(const SlavePlane& p, const Vec3& x, double N[3]) {
+  const Vec3 r = x - p.a0;
+  const double twice = 2 * p.area;
+  N[1] = r.cross(p.e2).dot(p.n) / twice;
+  N[2] = p.e1.cross(r).dot(p.n) / twice;
+  N[0] = 1 - N[1] - N[2];
+  return r.dot(p.n);
+}
+
+// The corner at N[side] = 0 between one inside and one outside.
+MORTISE_HD inline Corner cut(const Corner& in, const Corner& out, int side) {
+  const double t = in.N[side] / (in.N[side] - out.N[side]);
+  Corner c;
+  for (int k = 0; k < 3; ++k) {
+    c.N[k] = in.N[k] + t * (out.N[k] - in.N[k]);
+    c.M[k] = in.M[k] + t * (out.M[k] - in.M[k]);
+  }
+  c.N[side] = 0;
+  return c;
+}
+
+// L[k]: slave barycentrics of projected master corner k. Empty where nothing overlaps.
+MORTISE_HD inline Polygon clip(const double L[3][3]) {
+  Polygon p;
+  for (int k = 0; k < 3; ++k) p.push({{L[k][0], L[k][1], L[k][2]}, {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0}});
+  for (int side = 0; side < 3 && p.n > 0; ++side) {
+    Polygon q;
+    for (int i = 0; i < p.n; ++i) {
+      const Corner &a = p.v[i], &b = p.v[i + 1 < p.n ? i + 1 : 0];
+      const bool in_a = a.N[side] >= 0, in_b = b.N[side] >= 0;
+      if (in_a) q.push(a);
+      if (in_a != in_b) q.push(in_a ? cut(a, b, side) : cut(b, a, side));
+    }
+    p = q;
+  }
+  return p;
+}
+
+// Area of fan triangle (0, i, i+1) as a share of the slave's, positive where the master's projection turns against the slave
+// (the faces look at each other).
+MORTISE_HD inline double fan_share(const Polygon& p, int i) {
+  const Corner &o = p.v[0], &a = p.v[i], &b = p.v[i + 1];
+  return (b.N[1] - o.N[1]) * (a.N[2] - o.N[2]) - (a.N[1] - o.N[1]) * (b.N[2] - o.N[2]);
+}
+MORTISE_HD inline double share(const Polygon& p) {
+  double sum = 0;
+  for (int i = 1; i + 1 < p.n; ++i) sum += fan_share(p, i);
+  return sum;
+}
+
+// The part [t0, t1] of the segment from P to Q (slave barycentrics) within the slave triangle grown by `tolerance`; false if
+// none.
+MORTISE_HD inline bool clip_segment(const double P[3], const double Q[3], double tolerance, double& t0, double& t1) {
+  t0 = 0, t1 = 1;
+  for (int side = 0; side < 3; ++side) {
+    const double p = P[side] + tolerance, q = Q[side] + tolerance;
+    if (p < 0 && q < 0) return false;
+    if (p < 0 && p / (p - q) > t0) t0 = p / (p - q);
+    if (q < 0 && p / (p - q) < t1) t1 = p / (p - q);
+  }
+  return t0 < t1;
+}
+
+}  // namespace mortise::effects::mortar

@@ -1,0 +1,337 @@
+#include "effects/mortar_contact/frozen.h"
+
+#include <utility>
+
+#include "effects/barrier_contact/barrier.h"
+#include "model/expand.h"
+
+namespace mortise::effects::mortar {
+namespace {
+
+struct Count {
+  Index n = 0;
+  MORTISE_HD void operator()(SampleKind, double, double, const double*, const double*) { ++n; }
+};
+
+struct Write {
+  Sample* out;
+  Index pair, n = 0;
+  MORTISE_HD void operator()(SampleKind kind, double weight, double gap, const double* N, const double* M) {
+    Sample s{kind, pair, weight, gap, {N[0], N[1], N[2]}, {M[0], M[1], M[2]}};
+    out[n++] = s;
+  }
+};
+
+// The patch of slave i; candidates [begin, end) are its masters, triangles first.
+MORTISE_HD inline Patch patch_of(const Scene& s, View<const Vec3> y, Index i, const Index* master, Index n, double margin) {
+  Patch p;
+  p.slave = s.slaves[i];
+  const Triangle t = s.surface.triangles[p.slave];
+  p.plane = slave_plane(y[t.v[0]], y[t.v[1]], y[t.v[2]]);
+  p.support = s.support[i];
+  p.reach = p.support + margin;
+  p.master = master;
+  p.masters = 0;
+  while (p.masters < n && master[p.masters] >= 0) ++p.masters;
+  return p;
+}
+
+// Samples of candidate c.
+template <class Take>
+MORTISE_HD inline void sample(const Scene& s, View<const Vec3> y, View<const Index> offset, View<const Index> slave,
+                              View<const Index> master, View<const double> margin, Index c, Take& take) {
+  const Index i = slave[c], first = offset[i];
+  const Index env = s.surface.env[s.surface.triangles[s.slaves[i]].v[0]];
+  const Patch p = patch_of(s, y, i, master.p + first, offset[i + 1] - first, margin[env]);
+  if (master[c] >= 0)
+    sample_master(s, p, c - first, y, take);
+  else
+    sample_plane(s, p, s.planes[-1 - master[c]], y, take);
+}
+
+MORTISE_HD inline Pair make_pair(const Scene& s, View<const Vec3> y, Index i, Index master) {
+  Pair p;
+  p.slave = s.slaves[i], p.master = master, p.d_hat = s.support[i];
+  const Triangle t = s.surface.triangles[p.slave];
+  const SlavePlane plane = slave_plane(y[t.v[0]], y[t.v[1]], y[t.v[2]]);
+  p.env = s.surface.env[t.v[0]];
+  for (int a = 0; a < 3; ++a)
+    p.point[a] = t.v[a], p.point[3 + a] = master < 0 ? -1 : s.surface.triangles[master].v[a], p.k[a] = Vec3::Zero();
+  const Index body = s.surface.body[t.v[0]];
+  if (master < 0) {
+    p.law = s.law_of(body, s.surface.bodies - 1 - master);
+    p.n = p.m = -s.planes[-1 - master].normal;
+    return p;
+  }
+  p.law = s.law_of(body, s.surface.body[p.point[3]]);
+  p.n = p.m = plane.n;
+  const double cosine = s.normal[master].dot(plane.n);
+  if (s.set.exact && cosine < -0.05) {
+    p.m = s.normal[master] / cosine;
+    const Vec3 u = (p.m - plane.n.dot(p.m) * plane.n) / (2 * plane.area);
+    p.k[1] = plane.e2.cross(u);
+    p.k[2] = u.cross(plane.e1);
+    p.k[0] = -p.k[1] - p.k[2];
+  }
+  return p;
+}
+
+std::vector<Index> pick(View<const Index> offset, View<const Index> of_slave, const std::vector<Index>& slave_env) {
+  const Buffer<Index> first(slave_env);
+  Buffer<Index> picked(static_cast<Index>(slave_env.size()));
+  const View<Index> out = picked.view();
+  const View<const Index> at = first.view();
+  device::parallel_for("mortar_contact.env_offset", out.n, [=] MORTISE_HD(Index e) { out[e] = offset[of_slave[at[e]]]; });
+  return picked.download();
+}
+
+// Change of a gap with derivative J when the pair's points move by dy.
+MORTISE_HD inline double change(const Vec3 J[6], const Vec3 dy[6]) {
+  double sum = 0;
+  for (int k = 0; k < 6; ++k) sum += J[k].dot(dy[k]);
+  return sum;
+}
+
+MORTISE_HD inline void moves(const Pair& p, View<const Vec3> dy, Vec3 out[6]) {
+  for (int k = 0; k < 6; ++k) {
+    if (p.point[k] >= 0)
+      out[k] = dy[p.point[k]];
+    else
+      out[k] = Vec3::Zero();
+  }
+}
+
+}  // namespace
+
+void measure(const geometry::SurfaceView& surface, View<const Vec3> y, Buffer<Vec3>& normal, Buffer<double>& area) {
+  normal.resize(surface.triangles.n), area.resize(surface.triangles.n);
+  const View<Vec3> n = normal.view();
+  const View<double> a = area.view();
+  const View<const Triangle> triangles = surface.triangles;
+  device::parallel_for("mortar_contact.measure", triangles.n, [=] MORTISE_HD(Index t) {
+    const Index* v = triangles[t].v;
+    const Vec3 twice = (y[v[1]] - y[v[0]]).cross(y[v[2]] - y[v[0]]);
+    const double length = twice.norm();
+    n[t] = twice / length;
+    a[t] = length / 2;
+  });
+}
+
+void freeze(const Scene& scene, Search& search, const Buffer<Vec3>& position, const Buffer<double>& margin, Frozen& out) {
+  out.y.copy_from(position);
+  const View<const Vec3> y = std::as_const(out.y).view();
+  search.update(scene, y, margin);
+  const View<const Index> offset = search.offset(), slave = search.slave(), master = search.master();
+  const View<const double> extra = margin.view();
+  const Scene s = scene;
+  const Index n = slave.n;
+  Buffer<Index> sample_offset(n + 1), pair_offset(n + 1);
+  const View<Index> samples = sample_offset.view(), pairs = pair_offset.view();
+  device::parallel_for("mortar_contact.count_samples", n, [=] MORTISE_HD(Index c) {
+    Count count;
+    sample(s, y, offset, slave, master, extra, c, count);
+    samples[c] = count.n;
+    pairs[c] = count.n > 0 ? 1 : 0;
+  });
+  out.samples.resize(device::exclusive_scan(sample_offset));
+  out.pairs.resize(device::exclusive_scan(pair_offset));
+  const View<Sample> to = out.samples.view();
+  const View<Pair> pair_to = out.pairs.view();
+  device::parallel_for("mortar_contact.samples", n, [=] MORTISE_HD(Index c) {
+    if (pairs[c + 1] == pairs[c]) return;
+    Pair p = make_pair(s, y, slave[c], master[c]);
+    p.begin = samples[c], p.end = samples[c + 1];
+    pair_to[pairs[c]] = p;
+    Write write{to.p + samples[c], pairs[c]};
+    sample(s, y, offset, slave, master, extra, c, write);
+  });
+  out.env_pairs = pick(std::as_const(pair_offset).view(), offset, search.slave_env());
+  out.env_samples = pick(std::as_const(sample_offset).view(), offset, search.slave_env());
+}
+
+void least_gaps(const Scene& scene, const Search& search, View<const Vec3> y, Buffer<double>& least) {
+  least.resize(scene.slaves.n);
+  const View<double> out = least.view();
+  const View<const Index> offset = search.offset(), master = search.master();
+  const Scene s = scene;
+  device::parallel_for("mortar_contact.least_gaps", s.slaves.n, [=] MORTISE_HD(Index i) {
+    const Triangle t = s.surface.triangles[s.slaves[i]];
+    const SlavePlane plane = slave_plane(y[t.v[0]], y[t.v[1]], y[t.v[2]]);
+    double g = INFINITY;
+    for (Index c = offset[i]; c < offset[i + 1]; ++c) {
+      if (master[c] < 0) {
+        const contact::Plane p = s.planes[-1 - master[c]];
+        for (int k = 0; k < 3; ++k) g = std::fmin(g, p.normal.dot(y[t.v[k]] - p.point));
+        continue;
+      }
+      if (!(facing(plane.n, s.normal[master[c]]) > 0)) continue;
+      const Facing f = project(s, plane, master[c], y);
+      const Polygon p = clip(f.L);
+      for (int k = 0; k < p.n; ++k) {
+        const double h = height(f, p.v[k].M);
+        if (h > 0) g = std::fmin(g, h);
+      }
+    }
+    out[i] = g < s.support[i] ? g : INFINITY;
+  });
+}
+
+void cover(const Scene& scene, const Search& search, View<const Vec3> y, Buffer<double>& covered) {
+  covered.resize(scene.slaves.n);
+  const View<double> out = covered.view();
+  const View<const Index> offset = search.offset(), master = search.master();
+  const Scene s = scene;
+  device::parallel_for("mortar_contact.cover", s.slaves.n, [=] MORTISE_HD(Index i) {
+    const Triangle t = s.surface.triangles[s.slaves[i]];
+    const SlavePlane plane = slave_plane(y[t.v[0]], y[t.v[1]], y[t.v[2]]);
+    double sum = 0;
+    for (Index c = offset[i]; c < offset[i + 1]; ++c)
+      if (master[c] >= 0 && facing(plane.n, s.normal[master[c]]) > 0) sum += share(clip(project(s, plane, master[c], y).L));
+    out[i] = sum;
+  });
+}
+
+void energy(const Scene& s, const Frozen& f, View<const Vec3> y, std::vector<double>& per_env) {
+  const View<const Pair> pairs = f.pairs.view();
+  const View<const Sample> samples = f.samples.view();
+  const View<const Vec3> y0 = f.y.view();
+  const View<const double> kappa = s.kappa;
+  device::env_sum(
+      "mortar_contact.energy", f.env_pairs,
+      [=] MORTISE_HD(Index i) {
+        const Pair& p = pairs[i];
+        Vec3 dy[6], J[6];
+        for (int k = 0; k < 6; ++k) {
+          dy[k] = Vec3::Zero();
+          if (p.point[k] >= 0) dy[k] = y[p.point[k]] - y0[p.point[k]];
+        }
+        double sum = 0;
+        for (Index j = p.begin; j < p.end; ++j) {
+          jacobian(p, samples[j], J);
+          const double g = samples[j].gap + change(J, dy);
+          if (!(g > 0)) return static_cast<double>(INFINITY);
+          sum += samples[j].weight * barrier::value(g, p.d_hat);
+        }
+        return kappa[p.law] * sum;
+      },
+      per_env);
+}
+
+void assemble(const Scene& s, const Frozen& f, const model::PointMapView& point_map, bool hessian, linalg::StencilSet& guard,
+              linalg::StencilSet& set) {
+  const View<const Pair> pairs = f.pairs.view();
+  const View<const Sample> samples = f.samples.view();
+  const View<const double> kappa = s.kappa;
+  const linalg::StencilView extra = guard.view();
+  const model::PointMapView map = point_map;
+  Buffer<Index> counts(pairs.n + extra.n + 1);
+  const View<Index> count = counts.view();
+  device::parallel_for("mortar_contact.count_blocks", pairs.n + extra.n, [=] MORTISE_HD(Index i) {
+    count[i] = i < pairs.n ? model::expand<6>(map, pairs[i].point, 6).blocks : extra.blocks(i - pairs.n);
+  });
+  set.resize(std::move(counts));
+  const linalg::StencilView out = set.view();
+  device::parallel_for("mortar_contact.assemble", pairs.n, [=] MORTISE_HD(Index i) {
+    const Pair& p = pairs[i];
+    const model::Expansion<6> e = model::expand<6>(map, p.point, 6);
+    const Index at = out.offset[i];
+    for (Index b = 0; b < e.blocks; ++b) out.block[at + b] = e.block[b];
+    if (hessian) model::zero_hessian(out, i, e.blocks);
+    Vec3 gradient[6], J[6], V[24];
+    for (int k = 0; k < 6; ++k) gradient[k] = Vec3::Zero();
+    for (Index j = p.begin; j < p.end; ++j) {
+      const Sample& sample = samples[j];
+      if (!(sample.gap < p.d_hat)) continue;
+      jacobian(p, sample, J);
+      const double w = kappa[p.law] * sample.weight, first = w * barrier::first(sample.gap, p.d_hat);
+      for (int k = 0; k < 6; ++k) gradient[k] += first * J[k];
+      if (!hessian) continue;
+      e.chain(J, V);
+      model::add_rank_one(out, i, e.blocks, w * barrier::second(sample.gap, p.d_hat), V);
+    }
+    e.chain(gradient, out.grad.p + at);
+  });
+  const Index begin = pairs.n;
+  device::parallel_for("mortar_contact.append_guard", extra.n, [=] MORTISE_HD(Index i) {
+    const Index nb = extra.blocks(i), from = extra.offset[i], to = out.offset[begin + i];
+    for (Index b = 0; b < nb; ++b) out.block[to + b] = extra.block[from + b], out.grad[to + b] = extra.grad[from + b];
+    if (!hessian) return;
+    const Index h0 = extra.hess_offset[i], h1 = out.hess_offset[begin + i];
+    for (Index b = 0; b < linalg::pair_count(nb); ++b) out.hess[h1 + b] = extra.hess[h0 + b];
+  });
+}
+
+void limit(const Scene& scene, const Frozen& f, View<const Vec3> dy, double keep, std::vector<double>& alpha) {
+  const View<const Pair> pairs = f.pairs.view();
+  const View<const Sample> samples = f.samples.view();
+  const View<const Vec3> y = f.y.view();
+  const Scene s = scene;
+  for (double& a : alpha) a = -a;
+  device::env_max(
+      "mortar_contact.limit", f.env_pairs,
+      [=] MORTISE_HD(Index i) {
+        const Pair& p = pairs[i];
+        double most = 2;
+        Vec3 d[6], J[6];
+        moves(p, dy, d);
+        const auto lower = [&](double gap, double rate) {
+          if (rate < 0 && gap > 0) most = std::fmin(most, (1 - keep) * gap / -rate);
+        };
+        for (Index j = p.begin; j < p.end; ++j) {
+          jacobian(p, samples[j], J);
+          lower(samples[j].gap, change(J, d));
+        }
+        if (p.master >= 0) {
+          const SlavePlane plane = slave_plane(y[p.point[0]], y[p.point[1]], y[p.point[2]]);
+          const Facing over = project(s, plane, p.master, y);
+          const Polygon poly = clip(over.L);
+          for (int k = 0; k < poly.n; ++k) {
+            double rate = 0;
+            for (int a = 0; a < 3; ++a) rate += plane.n.dot(poly.v[k].M[a] * d[3 + a] - poly.v[k].N[a] * d[a]);
+            lower(height(over, poly.v[k].M), rate);
+          }
+        }
+        return -most;
+      },
+      alpha);
+  for (double& a : alpha) a = -a;
+}
+
+void publish(const Scene& s, const Frozen& f, model::ContactView& view) {
+  view.samples.resize(f.samples.size());
+  view.env_offset = f.env_samples;
+  const View<model::ContactSample> out = view.samples.view();
+  const View<const Pair> pairs = f.pairs.view();
+  const View<const Sample> samples = f.samples.view();
+  const View<const Vec3> y = f.y.view();
+  const View<const double> kappa = s.kappa;
+  const geometry::SurfaceView surface = s.surface;
+  device::parallel_for("mortar_contact.publish", samples.n, [=] MORTISE_HD(Index i) {
+    const Sample& from = samples[i];
+    const Pair& p = pairs[from.pair];
+    const bool plane = p.master < 0;
+    const Vec3 m = from.kind == SampleKind::face ? p.m : p.n;
+    const double length = m.norm();
+    model::ContactSample c;
+    for (Index k = 0; k < model::kSamplePoints; ++k) c.point[k] = -1, c.weight[k] = 0;
+    c.points = plane ? 3 : 6;
+    Vec3 place = Vec3::Zero();
+    for (Index k = 0; k < c.points; ++k) {
+      c.point[k] = p.point[k];
+      // Towards a half-space the normal is the plane's, which points at the slave.
+      c.weight[k] = k >= 3 ? from.M[k - 3] : plane ? from.N[k] : -from.N[k];
+      if (k < 3) place += from.N[k] * y[p.point[k]];
+    }
+    for (int k = 0; k < 3; ++k) c.normal[k] = (plane ? -m[k] : m[k]) / length, c.position[k] = place[k];
+    c.area = from.weight;
+    c.gap = from.gap;
+    c.pressure = -kappa[p.law] * barrier::first(from.gap, p.d_hat);
+    c.force = c.pressure * c.area * length;
+    c.env = p.env;
+    c.body_a = surface.body[p.point[0]];
+    c.body_b = plane ? surface.bodies - 1 - p.master : surface.body[p.point[3]];
+    out[i] = c;
+  });
+}
+
+}  // namespace mortise::effects::mortar

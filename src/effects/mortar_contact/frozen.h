@@ -1,0 +1,96 @@
+#pragma once
+// The contact samples of one position, frozen: weights, barycentrics, normals and support radii stay, and each gap is linear,
+//     g(y) = g_0 + sum_b J_b . (y_b - y0_b),     E(y) = sum kappa w b(g(y); d_hat_i)   [J],  +infinity where a gap is not
+//     positive.
+// This is the energy of the line search. Its gradient at y0 is the force of the method, its Hessian sum kappa w b'' J J^T is
+// positive semi-definite. The gap's derivative J is, per option `gradient`,
+//     frozen  J = (M_b n, -N_a n)                                    (gmcp.md E4)
+//     exact   dg = [n_m . (dx_m - dx_s) - g n_m . dn] / (n_m . n),   dn = (I - n n^T) d(e1 x e2) / |e1 x e2|   (accuracy.md 5.4),
+// for faces; with m = n_m / (n_m . n), u = (I - n n^T) m / |e1 x e2| this is J = (M_b m, -N_a m - g k_a), k_1 = e2 x u,
+// k_2 = u x e1, k_0 = -k_1 - k_2. Both give balanced forces and moments. Nothing is differentiated through the clipping: that
+// would add the tension of a film with energy kappa b per area (prototype.md 2.4).
+#include "effects/mortar_contact/sampling.h"
+#include "geometry/collide/bvh.h"
+#include "linalg/stencils.h"
+#include "model/contact_view.h"
+#include "model/model.h"
+
+namespace mortise::effects::mortar {
+
+// A slave triangle and a master triangle or half-space with samples between them: one stencil.
+struct Pair {
+  Index slave, master;  // triangles; master = -1 - h: half-space h
+  Index env, law;
+  Index point[6];  // three of the slave, three of the master (-1 for a half-space)
+  Vec3 n, m, k[3];
+  double d_hat;
+  Index begin, end;  // samples
+};
+
+struct Sample {
+  SampleKind kind;
+  Index pair;
+  double weight, gap;  // [m^2], [m]
+  double N[3], M[3];
+};
+
+struct Frozen {
+  Buffer<Pair> pairs;  // environments contiguous, then by slave and master
+  Buffer<Sample> samples;
+  std::vector<Index> env_pairs, env_samples;  // offsets
+  Buffer<Vec3> y;                             // where they were taken
+};
+
+// dg/dy of the pair's six points.
+MORTISE_HD inline void jacobian(const Pair& p, const Sample& s, Vec3 J[6]) {
+  const bool face = s.kind == SampleKind::face;
+  const Vec3 d = face ? p.m : p.n;
+  for (int a = 0; a < 3; ++a) {
+    J[a] = -s.N[a] * d;
+    if (face) J[a] -= s.gap * p.k[a];
+    J[3 + a] = s.M[a] * d;
+  }
+}
+
+// Finds the master triangles near every slave triangle.
+class Search {
+ public:
+  // slave_env: first slave of every environment.
+  explicit Search(std::vector<Index> slave_env) : slave_env_(std::move(slave_env)) {}
+  // Masters within support + margin[env] of each slave at y; ascending.
+  void update(const Scene& s, View<const Vec3> y, const Buffer<double>& margin);
+  View<const Index> offset() const { return offset_.view(); }
+  View<const Index> slave() const { return slave_.view(); }    // per candidate: which slave
+  View<const Index> master() const { return master_.view(); }  // per candidate: triangle, or -1 - half-space
+  const std::vector<Index>& slave_env() const { return slave_env_; }
+  std::size_t bytes() const { return offset_.bytes() + slave_.bytes() + master_.bytes(); }
+
+ private:
+  geometry::Bvh tree_;
+  std::vector<Index> slave_env_;
+  Buffer<Index> offset_, slave_, master_;
+};
+
+// Normals and areas of all triangles.
+void measure(const geometry::SurfaceView& surface, View<const Vec3> y, Buffer<Vec3>& normal, Buffer<double>& area);
+
+// The samples at y with a gap below support + margin[env].
+void freeze(const Scene& s, Search& search, const Buffer<Vec3>& y, const Buffer<double>& margin, Frozen& out);
+
+// Smallest gap of every slave at y to the corners of what it sees, INFINITY where that is not below support. Needs freeze().
+void least_gaps(const Scene& s, const Search& search, View<const Vec3> y, Buffer<double>& out);
+// Sum over the masters that face a slave of their clipped share of its area.
+void cover(const Scene& s, const Search& search, View<const Vec3> y, Buffer<double>& out);
+
+void energy(const Scene& s, const Frozen& f, View<const Vec3> y, std::vector<double>& per_env);
+
+// Stencils 0..pairs of f, and after them those of `guard` unchanged.
+void assemble(const Scene& s, const Frozen& f, const model::PointMapView& map, bool hessian, linalg::StencilSet& guard,
+              linalg::StencilSet& out);
+
+// Lowers alpha[e] so that every sample, and every corner of the clipped overlaps, keeps the share `keep` of its gap (linearised).
+void limit(const Scene& s, const Frozen& f, View<const Vec3> dy, double keep, std::vector<double>& alpha);
+
+void publish(const Scene& s, const Frozen& f, model::ContactView& view);
+
+}  // namespace mortise::effects::mortar

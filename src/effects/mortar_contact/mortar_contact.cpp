@@ -1,0 +1,456 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/error.h"
+#include "effects/barrier_contact/active.h"
+#include "effects/barrier_contact/start_check.h"
+#include "effects/body_blocks.h"
+#include "effects/list.h"
+#include "effects/mortar_contact/frozen.h"
+#include "effects/mortar_contact/stiffness.h"
+#include "geometry/collide/step_limit.h"
+
+namespace mortise::effects {
+namespace {
+
+using namespace mortar;
+
+const ParamTable kPair{
+    "contact pair of mortar_contact",
+    "Which surface carries the samples and which one they see.",
+    {param::of(Param::Kind::text, "slave", Unit::none, std::nullopt,
+               "Body whose surface is integrated over: the finer, the softer, the sensor"),
+     param::of(Param::Kind::text, "master", Unit::none, std::nullopt, "Body or half-space that presses on it")}};
+
+Param pair_list() {
+  Param p = param::required(param::table("pairs", &kPair, "Surfaces in contact"));
+  p.kind = Param::Kind::tables;
+  return p;
+}
+
+const ParamTable kTable{
+    "effect mortar_contact",
+    "Contact pressure as a field: a barrier integrated over the exact overlap of two surfaces (geometric mortar contact "
+    "potential).",
+    {pair_list(), param::positive(param::number("d_hat", Unit::length, "0.1 mm", 0, "Gap at which contact begins to act")),
+     param::positive(
+         param::optional(param::number("stiffness", Unit::pressure, "1 MPa", 0,
+                                       "Pressure scale kappa: the pressure is kappa phi(gap/d_hat); without it, chosen so that "
+                                       "the contact layer is four times as stiff as the surface mesh"))),
+     param::choice("weights", {"consistent", "tapered"}, "consistent",
+                   "consistent: exact overlap, passes the patch test, with edge and point samples where surfaces are not "
+                   "parallel; tapered: the published form"),
+     param::positive(
+         param::range(param::number("taper_width", Unit::none, "0.1", 0,
+                                    "Width of the taper of tapered weights, in barycentric coordinates of the master"),
+                      0, 1.0 / 3)),
+     param::choice("quadrature", {"1", "3", "6", "7"}, "3", "Gauss points per piece of overlap"),
+     param::choice("gradient", {"frozen", "exact"}, "frozen",
+                   "frozen: forces along the slave normal (published form); exact: also the turning of the normal, forces along "
+                   "the master normal"),
+     param::range(
+         param::number("guard", Unit::none, "0.2", 0,
+                       "Share of d_hat within which a barrier between points, edges and triangles acts as well; 0: none"),
+         0, 1),
+     param::range(param::number("rest_share", Unit::none, "0", 0,
+                                "d_hat is reduced to this share of the gap at the start, triangle by triangle, so that nothing "
+                                "presses at the start (1); 0: it is not"),
+                  0, 1),
+     param::of(Param::Kind::flag, "two_pass", Unit::none, "false",
+               "Both surfaces of every pair are slaves, with half of the weight")}};
+
+constexpr double kKeep = 0.1;           // share of every gap that a step may not use up
+constexpr double kLeastSupport = 0.01;  // of d_hat: no support radius is smaller, whatever rest_share says
+
+class MortarContact final : public Effect {
+ public:
+  MortarContact(const Params& p, model::Model& model)
+      : model_(model),
+        guard_share_(p.number("guard")),
+        rest_share_(p.number("rest_share")),
+        topology_(model.surface, model.points),
+        candidates_(model.broadphase(), std::max(guard_share_, 0.01) * p.number("d_hat"),
+                    env_offsets(model.surface.env.download(), model.envs)),
+        search_({}) {
+    set_.d_hat = p.number("d_hat");
+    set_.taper = p.text("weights") == "tapered" ? p.number("taper_width") : 0;
+    set_.quadrature = std::stoi(p.text("quadrature"));
+    set_.exact = p.text("gradient") == "exact";
+    set_.share = p.flag("two_pass") ? 0.5 : 1;
+    choose_pairs(p.at("pairs"), p.flag("two_pass"));
+    choose_slaves();
+    automatic_ = !p.has("stiffness");
+    for (std::size_t i = 0; i < interfaces_.size(); ++i) {
+      if (automatic_ && !(interfaces_[i].modulus > 0))
+        throw Error(Exit::scene, p.at("pairs").where(),
+                    "mortar_contact cannot choose a stiffness where neither body deforms: give `stiffness`");
+      kappa_.push_back(automatic_ ? wanted_stiffness(interfaces_[i], set_.d_hat, kFirstPressure * interfaces_[i].modulus)
+                                  : p.number("stiffness"));
+    }
+    stiffness_changed();
+    const Index n = static_cast<Index>(model.bodies.size());
+    std::vector<contact::Plane> planes;
+    for (const model::HalfSpace& h : model.half_spaces) planes.push_back({h.point, h.normal});
+    planes_.upload(planes);
+    std::vector<std::uint8_t> watched(n * n, 0), plane_watched(planes.size() * n, 0), directed(n * n, 0);
+    for (const Interface& i : interfaces_) {
+      if (i.master >= n) {
+        plane_watched[(i.master - n) * n + i.slave] = 1;
+        continue;
+      }
+      directed[i.slave * n + i.master] = 1;
+      watched[i.slave * n + i.master] = watched[i.master * n + i.slave] = 1;
+      model.watch(i.slave, i.master, true);
+    }
+    watched_.upload(watched);
+    plane_watched_.upload(plane_watched);
+    directed_.upload(directed);
+    std::vector<Index> vertex_env;
+    const std::vector<Index> env = model.surface.env.download();
+    for (Index v : model.surface.vertices.download()) vertex_env.push_back(env[v]);
+    vertex_env_ = env_offsets(vertex_env, model.envs);
+    margin_.upload(std::vector<double>(model.envs, 0.0));
+    model.publish(std::string(name()));
+  }
+
+  std::string_view name() const override { return "mortar_contact"; }
+
+  void plan(Plan& out) const override {
+    out.buffers.push_back({"stencils", stencils_.bytes()});
+    out.buffers.push_back({"pairs", frozen_.pairs.bytes()});
+    out.buffers.push_back({"samples", frozen_.samples.bytes()});
+    out.buffers.push_back({"candidate triangles", search_.bytes()});
+    out.buffers.push_back({"candidate pairs of the guard", candidates_.bytes()});
+    for (const char* k :
+         {"mortar_contact.measure", "mortar_contact.count_masters", "mortar_contact.find_masters", "mortar_contact.count_samples",
+          "mortar_contact.samples", "mortar_contact.env_offset", "mortar_contact.energy", "mortar_contact.count_blocks",
+          "mortar_contact.assemble", "mortar_contact.append_guard", "mortar_contact.limit", "mortar_contact.publish",
+          "mortar_contact.cover", "mortar_contact.least_gaps"})
+      out.kernels.push_back(k);
+  }
+
+  void begin_step(const StepInfo&) override {
+    locate(std::as_const(model_.q).view());
+    if (!started_) {
+      contact::check_start(model_, guard_scene(), candidates_, y());
+      refreeze();
+      if (rest_share_ > 0) fit_support();
+    }
+    started_ = true;
+    update();
+  }
+
+  void energy(Positions q, std::vector<double>& per_env) override {
+    const std::vector<std::uint8_t> finite = locate(q);
+    mortar::energy(scene(), frozen_, y(), per_env);
+    if (guard_share_ > 0) contact::energy(guard_scene(), candidates_, y(), vertex_env_, per_env);
+    for (std::size_t e = 0; e < per_env.size(); ++e)
+      if (!finite[e] || std::isnan(per_env[e])) per_env[e] = INFINITY;
+  }
+
+  linalg::StencilSet& assemble(Positions q, bool hessian) override {
+    locate(q);
+    refreeze();
+    if (guard_share_ > 0) {
+      contact::build(guard_scene(), candidates_, y(), model_.envs, active_);
+      contact::assemble(guard_scene(), active_, y(), model_.point_map(), hessian, guard_stencils_);
+    } else {
+      guard_stencils_.resize_uniform(0, 0);
+    }
+    mortar::assemble(scene(), frozen_, model_.point_map(), hessian, guard_stencils_, stencils_);
+    return stencils_;
+  }
+
+  void max_step(Positions q, View<const Vec3> dq, std::vector<double>& alpha) override {
+    Buffer<Vec3> dy;
+    model_.points_of(q, y_);
+    model_.points_of(dq, dy);
+    candidates_.sweep(y_, dy);
+    geometry::limit_step(candidates_.broadphase(), y(), std::as_const(dy).view(), kKeep, alpha);
+    contact::limit_planes(guard_scene(), y(), std::as_const(dy).view(), kKeep, vertex_env_, alpha);
+    mortar::limit(scene(), frozen_, std::as_const(dy).view(), kKeep, alpha);
+    foresee(std::as_const(dy).view(), alpha);
+  }
+
+  bool lag(Positions q) override {  // nothing is frozen beyond assembly, but what is published must belong to q
+    locate(q);
+    update();
+    return false;
+  }
+
+  void end_step(Positions q) override {
+    locate(q);
+    update();
+    if (automatic_) adapt();
+  }
+
+  void report(FieldSink& sink) override;
+  void checkpoint(Archive& archive) override {
+    archive.io("stiffness", kappa_);
+    std::vector<double> support = support_.download();
+    archive.io("support_radius", support);
+    if (!archive.loading()) return;
+    support_.upload(support);
+    stiffness_changed();
+    started_ = true;
+  }
+
+  // Samples that the step may bring into range join the frozen ones, without any energy yet, so that the line search sees them.
+  void foresee(View<const Vec3> dy, const std::vector<double>& alpha) {
+    std::vector<double> farthest(model_.envs, 0.0);
+    device::env_max(
+        "mortar_contact.farthest", point_env_, [=] MORTISE_HD(Index i) { return dy[i].norm(); }, farthest);
+    double most = 0;
+    std::vector<double> margin(model_.envs, 0.0);
+    for (Index e = 0; e < model_.envs; ++e) {
+      const double way = 2 * std::min(1.0, alpha[e]) * farthest[e];
+      margin[e] = std::isfinite(way) ? std::min(way, kFarthest * set_.d_hat) : 0;
+      most = std::max(most, margin[e]);
+    }
+    if (most < 1e-3 * set_.d_hat) return;
+    Buffer<double> buffer(margin);
+    freeze(scene(), search_, y_, buffer, frozen_);
+  }
+
+ private:
+  static constexpr double kFarthest = 10;  // of d_hat: samples farther than that from contact are left to the next iteration
+
+  void choose_pairs(const Params& list, bool two_pass) {
+    const Index n = static_cast<Index>(model_.bodies.size()), planes = static_cast<Index>(model_.half_spaces.size());
+    std::vector<Index> law(n * (n + planes), -1);
+    const auto add = [&](Index slave, Index master, const SourceLoc& at) {
+      if (law[slave * (n + planes) + master] >= 0) throw Error(Exit::scene, at, "this pair is listed twice");
+      law[slave * (n + planes) + master] = static_cast<Index>(interfaces_.size());
+      interfaces_.push_back(interface_of(model_, slave, master));
+    };
+    for (const Params& pair : list.items()) {
+      const std::string &slave = pair.text("slave"), &master = pair.text("master");
+      bool slave_found = false, master_found = false;
+      for (Index a = 0; a < n; ++a) {
+        if (model_.bodies[a].name != slave) continue;
+        slave_found = true;
+        for (Index b = 0; b < n + planes; ++b) {
+          const bool plane = b >= n;
+          if ((plane ? model_.half_spaces[b - n].name : model_.bodies[b].name) != master) continue;
+          master_found = true;
+          if (a == b)
+            throw Error(Exit::scene, pair.where(), "a body cannot be its own master: use barrier_contact for self-contact");
+          if (!plane && model_.bodies[a].env != model_.bodies[b].env) continue;
+          add(a, b, pair.where());
+          if (two_pass && !plane) add(b, a, pair.where());
+        }
+      }
+      if (!slave_found) throw Error(Exit::scene, pair.at("slave").where(), "no soft or stiff body is called '" + slave + "'");
+      if (!master_found) throw Error(Exit::scene, pair.at("master").where(), "no body is called '" + master + "'");
+    }
+    law_.upload(law);
+  }
+
+  void choose_slaves() {
+    const Index n = static_cast<Index>(model_.bodies.size());
+    std::vector<Index> slaves, env;
+    for (Index e = 0; e < model_.envs; ++e)
+      for (Index b = 0; b < n; ++b) {
+        if (model_.bodies[b].env != e ||
+            std::none_of(interfaces_.begin(), interfaces_.end(), [&](const Interface& i) { return i.slave == b; }))
+          continue;
+        for (Index t = model_.bodies[b].triangle_begin; t < model_.bodies[b].triangle_end; ++t)
+          slaves.push_back(t), env.push_back(e);
+      }
+    slaves_.upload(slaves);
+    support_.upload(std::vector<double>(slaves.size(), set_.d_hat));
+    search_ = Search(env_offsets(env, model_.envs));
+    point_env_ = env_offsets(model_.surface.env.download(), model_.envs);
+  }
+
+  mortar::Scene scene() const {
+    geometry::SurfaceView surface = model_.surface.view();
+    surface.pair_allowed = directed_.view();
+    return {set_,           surface,        topology_.view(), law_.view(),    kappa_view_.view(),
+            planes_.view(), slaves_.view(), support_.view(),  normal_.view(), area_.view()};
+  }
+  // The guard is the barrier of barrier_contact in its classic form: every pair of primitives has the same weight. With the mean
+  // third of a slave triangle as that weight its stiffness is that of the mortar samples.
+  contact::Scene guard_scene() const {
+    contact::Law law;
+    law.d_hat = law.edge_range = std::max(guard_share_, 0.01) * set_.d_hat;
+    law.area_weighted = false;
+    law.kappa = guard_kappa_ / (law.d_hat * law.d_hat);
+    return {law,
+            model_.surface.view(),
+            topology_.view(),
+            std::as_const(model_.rest_points).view(),
+            watched_.view(),
+            plane_watched_.view(),
+            planes_.view(),
+            {},
+            {}};
+  }
+  View<const Vec3> y() const { return y_.view(); }
+
+  std::vector<std::uint8_t> locate(Positions q) {
+    std::vector<std::uint8_t> finite;
+    model_.points_of(q, y_);
+    candidates_.cover(y_, finite);
+    return finite;
+  }
+
+  // Samples within range at y.
+  void refreeze() {
+    measure(model_.surface.view(), y(), normal_, area_);
+    freeze(scene(), search_, y_, margin_, frozen_);
+  }
+
+  void update() {
+    refreeze();
+    if (guard_share_ > 0) contact::build(guard_scene(), candidates_, y(), model_.envs, active_);
+    publish(scene(), frozen_, model_.publish(std::string(name())));
+  }
+
+  void fit_support() {
+    Buffer<double> least;
+    least_gaps(scene(), search_, y(), least);
+    std::vector<double> support;
+    for (double g : least.download()) support.push_back(std::clamp(rest_share_ * g, kLeastSupport * set_.d_hat, set_.d_hat));
+    support_.upload(support);
+  }
+
+  void stiffness_changed() {
+    kappa_view_.upload(kappa_);
+    guard_kappa_ = 0;
+    for (std::size_t i = 0; i < kappa_.size(); ++i)
+      guard_kappa_ = std::max(guard_kappa_, kappa_[i] * interfaces_[i].h * interfaces_[i].h / 7);
+  }
+
+  // Between steps only: a stiffness whose k has left 2..8 is chosen anew at the pressure that was found.
+  void adapt() {
+    const std::vector<Pair> pairs = frozen_.pairs.download();
+    const std::vector<Sample> samples = frozen_.samples.download();
+    for (std::size_t i = 0; i < interfaces_.size(); ++i) {
+      const Achieved now = achieved(interfaces_[i], static_cast<Index>(i), kappa_[i], pairs, samples);
+      if (now.pressure > 0 && (now.k < kWanted / 2 || now.k > 2 * kWanted))
+        kappa_[i] = wanted_stiffness(interfaces_[i], set_.d_hat, now.pressure);
+    }
+    stiffness_changed();
+  }
+
+  model::Model& model_;
+  Settings set_;
+  double guard_share_, rest_share_;
+  bool automatic_ = false, started_ = false;
+  std::vector<Interface> interfaces_;  // laws
+  std::vector<double> kappa_;
+  double guard_kappa_ = 0;  // kappa times the weight of a guard pair [N]
+  contact::Topology topology_;
+  contact::Candidates candidates_;
+  Search search_;
+  std::vector<Index> vertex_env_, point_env_;
+  Buffer<Index> law_, slaves_;
+  Buffer<double> kappa_view_, support_, margin_, area_;
+  Buffer<std::uint8_t> watched_, plane_watched_, directed_;
+  Buffer<contact::Plane> planes_;
+  Buffer<Vec3> y_, normal_;
+  Frozen frozen_;
+  contact::ActiveSet active_;
+  linalg::StencilSet guard_stencils_, stencils_;
+};
+
+void MortarContact::report(FieldSink& sink) {
+  const std::vector<Pair> pairs = frozen_.pairs.download();
+  const std::vector<Sample> samples = frozen_.samples.download();
+  const std::vector<model::ContactSample> view = model_.publish(std::string(name())).samples.download();
+  const std::vector<Index> body = model_.surface.body.download();
+  const std::string group(name());
+
+  std::vector<double> force(3 * model_.points, 0.0), load(model_.points, 0.0), area_of(model_.points, 0.0),
+      pressure(model_.points, 0.0);
+  std::vector<Vec3> resultant(model_.bodies.size(), Vec3::Zero());
+  const auto push = [&](Index p, const Vec3& f) {
+    for (int c = 0; c < 3; ++c) force[3 * p + c] += f[c];
+    resultant[body[p]] += f;
+  };
+  double total[kKinds + 1] = {};  // by kind, then the guard
+  double closest = set_.d_hat;
+  std::vector<double> position, normal, magnitude, area, gap, sample_pressure, bodies, kind;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Sample& s = samples[i];
+    const model::ContactSample& c = view.at(i);
+    Vec3 J[6];
+    jacobian(pairs[s.pair], s, J);
+    for (int k = 0; k < 6; ++k) {
+      const Index p = pairs[s.pair].point[k];
+      if (p < 0) continue;
+      push(p, c.pressure * c.area * J[k]);
+      const double share = c.area * (k < 3 ? s.N[k] : s.M[k - 3]);
+      if (share > 0) load[p] += share * c.pressure, area_of[p] += share;
+    }
+    total[static_cast<Index>(s.kind)] += c.force;
+    closest = std::min(closest, c.gap);
+    position.insert(position.end(), c.position, c.position + 3);
+    normal.insert(normal.end(), c.normal, c.normal + 3);
+    magnitude.push_back(c.force), area.push_back(c.area), gap.push_back(c.gap), sample_pressure.push_back(c.pressure);
+    bodies.push_back(c.body_a), bodies.push_back(c.body_b), kind.push_back(static_cast<double>(s.kind));
+  }
+  if (guard_share_ > 0) {
+    Buffer<Vec3> buffer;
+    contact::point_forces(guard_scene(), active_, y(), buffer);
+    const std::vector<Vec3> guard = buffer.download();
+    const std::vector<contact::Active> terms = active_.terms.download();
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+      total[kKinds] += guard[4 * i].norm();
+      for (int k = 0; k < 4; ++k)
+        if (terms[i].point[k] >= 0) push(terms[i].point[k], guard[4 * i + k]);
+    }
+  }
+  for (Index p = 0; p < model_.points; ++p)
+    if (area_of[p] > 0) pressure[p] = load[p] / area_of[p];
+  sink.points("contact_force", "N", 3, force);
+  sink.points("contact_pressure", "Pa", 1, pressure);
+  sink.rows(group, "position", "m", 3, position);
+  sink.rows(group, "normal", "1", 3, normal);
+  sink.rows(group, "force", "N", 1, magnitude);
+  sink.rows(group, "area", "m^2", 1, area);
+  sink.rows(group, "gap", "m", 1, gap);
+  sink.rows(group, "pressure", "Pa", 1, sample_pressure);
+  sink.rows(group, "bodies", "1", 2, bodies);
+  sink.rows(group, "kind", "1", 1, kind);
+
+  sink.scalar(group, "min_distance", "m", closest);
+  sink.scalar(group, "active_pairs", "1", static_cast<double>(pairs.size()));
+  for (std::size_t b = 0; b < model_.bodies.size(); ++b)
+    for (int c = 0; c < 3; ++c) sink.scalar(group, "force_" + model_.bodies[b].name + "_" + "xyz"[c], "N", resultant[b][c]);
+  const double sum = total[0] + total[1] + total[2] + total[3];
+  const char* const share_names[] = {"force_share_faces", "force_share_edges", "force_share_points", "force_share_guard"};
+  for (int k = 0; k <= kKinds; ++k) sink.scalar(group, share_names[k], "1", sum > 0 ? total[k] / sum : 0);
+
+  // Covered slave triangles are those whose pieces add up to their area but for rounding; stacked layers count more than once.
+  Buffer<double> covered;
+  cover(scene(), search_, y(), covered);
+  double defect = 0;
+  for (double c : covered.download())
+    if (std::abs(c - 1) < 1e-6) defect = std::max(defect, std::abs(c - 1));
+  sink.scalar(group, "clip_partition_defect", "1", defect);
+  for (std::size_t i = 0; i < interfaces_.size(); ++i) {
+    const Interface& at = interfaces_[i];
+    const Index n = static_cast<Index>(model_.bodies.size());
+    const std::string pair = model_.bodies[at.slave].name + "_" +
+                             (at.master < n ? model_.bodies[at.master].name : model_.half_spaces[at.master - n].name);
+    sink.scalar(group, "stiffness_" + pair, "Pa", kappa_[i]);
+    sink.scalar(group, "k_" + pair, "1", achieved(at, static_cast<Index>(i), kappa_[i], pairs, samples).k);
+  }
+}
+
+}  // namespace
+
+Kind mortar_contact_kind() {
+  return {"mortar_contact",
+          "contact pressure as a field: barrier over the exact overlap of two surfaces (GMCP)",
+          &kTable,
+          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<MortarContact>(p, m); },
+          {"Liang, Han: IsaacIPC (geometric mortar contact potential). arXiv:2605.24339, 2026",
+           "Puso, Laursen: A mortar segment-to-segment contact method for large deformation solid mechanics. CMAME 193, 2004",
+           "Li, Kaufman, Jiang: Convergent Incremental Potential Contact. arXiv:2307.15908, 2023"}};
+}
+
+}  // namespace mortise::effects

@@ -1,0 +1,255 @@
+#pragma once
+// Where two surfaces are sampled and with which weights. A sample is a pair of points, x_s = sum N_a y_a on a slave triangle and
+// x_m = sum M_b y_b on a master triangle, with the gap g = n . (x_m - x_s) along the slave normal n and a weight w [m^2].
+//
+//   faces    Gauss points of the exactly clipped overlap (clip.h); w = current slave area of the piece.
+//   edges    Gauss points of the master edge's projection within the slave triangle.
+//   points   the projection of a master vertex.
+// An edge or vertex belongs to the first master triangle that has it, so every sample lives on one pair of triangles.
+//
+// consistent  w of faces as it is: over a covered slave triangle sum w N_a, sum w M_b are exact, which is what the patch test
+//             asks for. Edges and points are there for what faces cannot see, a ridge or a tip: their w is a third of the area of
+//             the adjacent triangles T times
+//                 H(min_T (1 + n . n_T) / (1 - cos 10 deg))           none where a face is parallel to the slave
+//               x H(max_T (1 - c . n_T) / (1 - cos 10 deg))           none where the master is flat; c = mean normal
+//               x H(-n . c / 0.2)                                     none on the far side,
+//             H(s) = 3 s^2 - 2 s^3 from 0 to 1.
+// tapered     the published form (gmcp.md 1.4): faces x H(min_b M_b / e), edges x H(min(t, 1-t) / e), and edge and point weights
+//             that give back what the faces lose, E6 and E7: e sum_T A_T and 0.1 e^2 sum_T A_T over the facing triangles T.
+// Both fade faces out that are nearly perpendicular to the slave, between 81 and 87 degrees.
+#include <cmath>
+
+#include "effects/barrier_contact/law.h"
+#include "effects/mortar_contact/clip.h"
+#include "effects/mortar_contact/quadrature.h"
+
+namespace mortise::effects::mortar {
+
+using device::Buffer;
+using device::View;
+
+enum class SampleKind : Index { face, edge, point };
+inline constexpr int kKinds = 3;
+
+struct Settings {
+  double d_hat = 0;  // [m]
+  double taper = 0;  // width e; 0 = consistent weights
+  double share = 1;  // factor of all weights: 1/2 when both sides are slaves
+  Index quadrature = 3;
+  bool exact = false;  // three-term gap gradient
+};
+
+// All that a kernel reads besides positions.
+struct Scene {
+  Settings set;
+  geometry::SurfaceView surface;  // pair_allowed: slave body x master body
+  contact::TopologyView topology;
+  View<const Index> law;     // bodies x (bodies + half-spaces): slave, master -> law, or -1
+  View<const double> kappa;  // per law [Pa]
+  View<const contact::Plane> planes;
+  View<const Index> slaves;    // triangles that are slaves, environments contiguous
+  View<const double> support;  // their support radius d_hat_i [m]
+  View<const Vec3> normal;     // of every triangle, now
+  View<const double> area;     // [m^2]
+  MORTISE_HD Index law_of(Index slave_body, Index master) const { return law[slave_body * (surface.bodies + planes.n) + master]; }
+};
+
+// C1 step.
+MORTISE_HD inline double hermite(double s) { return s <= 0 ? 0 : s >= 1 ? 1 : s * s * (3 - 2 * s); }
+// How much a master face with normal nm counts for a slave with normal n.
+MORTISE_HD inline double facing(const Vec3& n, const Vec3& nm) { return hermite((-n.dot(nm) - 0.05) / 0.1); }
+
+inline constexpr double kGate = 0.015192246987791981;  // 1 - cos 10 deg
+inline constexpr double kOnSide = 1e-10;               // barycentric; a master vertex this near to a slave edge lies on it
+
+// Weight [m^2] of a master edge or vertex whose triangles are list[begin..end); `given_back` is what E6 or E7 multiply areas by.
+MORTISE_HD inline double feature_weight(const Scene& s, const Vec3& n, const View<const Index>& list, Index begin, Index end,
+                                        double given_back) {
+  if (s.set.taper > 0) {
+    double sum = 0;
+    for (Index k = begin; k < end; ++k) sum += facing(n, s.normal[list[k]]) * -n.dot(s.normal[list[k]]) * s.area[list[k]];
+    return given_back * sum;
+  }
+  Vec3 mean = Vec3::Zero();
+  double sum = 0, parallel = 2, sharp = 0;
+  for (Index k = begin; k < end; ++k) {
+    const Vec3 nm = s.normal[list[k]];
+    mean += nm;
+    sum += s.area[list[k]];
+    parallel = std::fmin(parallel, 1 + n.dot(nm));
+  }
+  mean /= mean.norm();
+  for (Index k = begin; k < end; ++k) sharp = std::fmax(sharp, 1 - mean.dot(s.normal[list[k]]));
+  return sum / 3 * hermite(parallel / kGate) * hermite(sharp / kGate) * hermite(-n.dot(mean) / 0.2);
+}
+
+// One over the number of slave triangles that find the same master vertex, when it lies on a side or corner of this one.
+MORTISE_HD inline double multiplicity(const Scene& s, Index slave_triangle, const double N[3]) {
+  int on = 0, off = 0;
+  for (int k = 0; k < 3; ++k) {
+    if (N[k] <= kOnSide)
+      ++on;
+    else
+      off = k;
+  }
+  if (on == 0) return 1;
+  if (on == 1) return 0.5;
+  const Index corner = s.surface.triangles[slave_triangle].v[off];
+  return 1.0 / (s.topology.point_offset[corner + 1] - s.topology.point_offset[corner]);
+}
+
+// A slave triangle with the master triangles near it.
+struct Patch {
+  Index slave;  // triangle
+  SlavePlane plane;
+  double support, reach;  // samples with a gap below `reach` are wanted
+  const Index* master;    // triangles
+  Index masters;
+};
+
+// A master triangle over a patch.
+struct Facing {
+  Vec3 y[3];
+  double L[3][3], height[3];  // slave barycentrics and heights of its corners
+};
+MORTISE_HD inline Facing project(const Scene& s, const SlavePlane& plane, Index master, View<const Vec3> y) {
+  Facing f;
+  for (int k = 0; k < 3; ++k) {
+    f.y[k] = y[s.surface.triangles[master].v[k]];
+    f.height[k] = project(plane, f.y[k], f.L[k]);
+  }
+  return f;
+}
+
+MORTISE_HD inline double height(const Facing& f, const double M[3]) {
+  return M[0] * f.height[0] + M[1] * f.height[1] + M[2] * f.height[2];
+}
+
+// Does another master of the patch lie between the slave and its point N at gap g? Stacked layers must not add up.
+MORTISE_HD inline bool covers(const Facing& f, const double N[3], double g) {
+  const double ax = f.L[1][1] - f.L[0][1], ay = f.L[1][2] - f.L[0][2], bx = f.L[2][1] - f.L[0][1], by = f.L[2][2] - f.L[0][2];
+  const double px = N[1] - f.L[0][1], py = N[2] - f.L[0][2], det = ax * by - ay * bx;
+  if (det == 0) return false;
+  double M[3];
+  M[1] = (px * by - py * bx) / det, M[2] = (ax * py - ay * px) / det, M[0] = 1 - M[1] - M[2];
+  if (!(M[0] >= 0 && M[1] >= 0 && M[2] >= 0)) return false;
+  const double h = height(f, M);
+  return h > 0 && h < g;
+}
+MORTISE_HD inline bool may_cover(const Scene& s, const Patch& p, Index i, Index j) {
+  if (i == j || !(-p.plane.n.dot(s.normal[p.master[j]]) > 0.1)) return false;
+  const Triangle a = s.surface.triangles[p.master[i]], b = s.surface.triangles[p.master[j]];
+  for (int k = 0; k < 3; ++k)
+    if (contact::has(a, b.v[k])) return false;  // neighbours of one surface
+  return true;
+}
+// Bounds of a master in the slave plane and along the normal: could j hide any part of i?
+MORTISE_HD inline bool boxes_overlap(const Facing& i, const Facing& j) {
+  for (int c = 0; c < 3; ++c) {
+    const auto lo = [c](const Facing& f) { return std::fmin(f.L[0][c], std::fmin(f.L[1][c], f.L[2][c])); };
+    const auto hi = [c](const Facing& f) { return std::fmax(f.L[0][c], std::fmax(f.L[1][c], f.L[2][c])); };
+    if (!(lo(i) < hi(j) && lo(j) < hi(i))) return false;
+  }
+  const double top = std::fmax(i.height[0], std::fmax(i.height[1], i.height[2])),
+               floor = std::fmin(j.height[0], std::fmin(j.height[1], j.height[2]));
+  return floor < top;
+}
+MORTISE_HD inline bool any_layer(const Scene& s, const Patch& p, Index i, const Facing& f, View<const Vec3> y) {
+  for (Index j = 0; j < p.masters; ++j)
+    if (may_cover(s, p, i, j) && boxes_overlap(f, project(s, p.plane, p.master[j], y))) return true;
+  return false;
+}
+MORTISE_HD inline bool hidden(const Scene& s, const Patch& p, Index i, View<const Vec3> y, const double N[3], double g) {
+  for (Index j = 0; j < p.masters; ++j)
+    if (may_cover(s, p, i, j) && covers(project(s, p.plane, p.master[j], y), N, g)) return true;
+  return false;
+}
+
+// Calls take(kind, weight, gap, N, M) for every sample on master i of the patch.
+template <class Take>
+MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, View<const Vec3> y, Take& take) {
+  const Index master = p.master[i];
+  const Vec3 n = p.plane.n;
+  const double fade = facing(n, s.normal[master]);
+  const Facing f = project(s, p.plane, master, y);
+  const double lowest = std::fmin(f.height[0], std::fmin(f.height[1], f.height[2]));
+  const double highest = std::fmax(f.height[0], std::fmax(f.height[1], f.height[2]));
+  if (!(lowest < p.reach && highest > 0)) return;
+  const bool layers = any_layer(s, p, i, f, y);
+  const auto wanted = [&](double g, const double N[3]) { return g > 0 && g < p.reach && !(layers && hidden(s, p, i, y, N, g)); };
+  const double e = s.set.taper;
+
+  if (fade > 0) {
+    const Polygon poly = clip(f.L);
+    for (int k = 1; k + 1 < poly.n; ++k) {
+      const double w = fade * p.plane.area * fan_share(poly, k);
+      if (!(w > 0)) continue;
+      const Corner* c[3] = {&poly.v[0], &poly.v[k], &poly.v[k + 1]};
+      for (Index q = 0; q < s.set.quadrature; ++q) {
+        const TrianglePoint g = triangle_point(s.set.quadrature, q);
+        double N[3], M[3];
+        for (int a = 0; a < 3; ++a) {
+          N[a] = g.b[0] * c[0]->N[a] + g.b[1] * c[1]->N[a] + g.b[2] * c[2]->N[a];
+          M[a] = g.b[0] * c[0]->M[a] + g.b[1] * c[1]->M[a] + g.b[2] * c[2]->M[a];
+        }
+        const double gap = height(f, M);
+        const double taper = e > 0 ? hermite(std::fmin(M[0], std::fmin(M[1], M[2])) / e) : 1;
+        if (taper > 0 && wanted(gap, N)) take(SampleKind::face, s.set.share * w * g.weight * taper, gap, N, M);
+      }
+    }
+  }
+
+  for (int k = 0; k < 3; ++k) {
+    const int l = k < 2 ? k + 1 : 0;
+    const Index edge = s.topology.triangle_edge[3 * master + k];
+    const Index begin = s.topology.edge_offset[edge], end = s.topology.edge_offset[edge + 1];
+    double t0, t1;
+    if (s.topology.edge_triangle[begin] != master || !clip_segment(f.L[k], f.L[l], kOnSide, t0, t1)) continue;
+    double w = s.set.share * (t1 - t0) * feature_weight(s, n, s.topology.edge_triangle, begin, end, e);
+    if (!(w > 0)) continue;
+    for (int a = 0; a < 3; ++a)
+      if (std::fmax(f.L[k][a] + t0 * (f.L[l][a] - f.L[k][a]), f.L[k][a] + t1 * (f.L[l][a] - f.L[k][a])) <= kOnSide)
+        w *= 0.5;  // along a slave edge
+    const int points = segment_points(s.set.quadrature);
+    for (int q = 0; q < points; ++q) {
+      const SegmentPoint g = segment_point(points, q);
+      const double t = t0 + g.t * (t1 - t0), taper = e > 0 ? hermite(std::fmin(t, 1 - t) / e) : 1;
+      double N[3], M[3] = {0, 0, 0};
+      M[k] = 1 - t, M[l] = t;
+      for (int a = 0; a < 3; ++a) N[a] = (1 - t) * f.L[k][a] + t * f.L[l][a];
+      const double gap = height(f, M);
+      if (taper > 0 && wanted(gap, N)) take(SampleKind::edge, w * g.weight * taper, gap, N, M);
+    }
+  }
+
+  for (int k = 0; k < 3; ++k) {
+    const Index v = s.surface.triangles[master].v[k];
+    const Index begin = s.topology.point_offset[v], end = s.topology.point_offset[v + 1];
+    if (s.topology.point_triangle[begin] != master) continue;
+    const double* N = f.L[k];
+    if (!(N[0] >= -kOnSide && N[1] >= -kOnSide && N[2] >= -kOnSide)) continue;
+    const double w =
+        s.set.share * multiplicity(s, p.slave, N) * feature_weight(s, n, s.topology.point_triangle, begin, end, 0.1 * e * e);
+    double M[3] = {0, 0, 0};
+    M[k] = 1;
+    if (w > 0 && wanted(f.height[k], N)) take(SampleKind::point, w, f.height[k], N, M);
+  }
+}
+
+// Against a half-space: g = n_p . (x_s - p), exact for every point of the slave; w = slave area projected onto the plane.
+template <class Take>
+MORTISE_HD inline void sample_plane(const Scene& s, const Patch& p, const contact::Plane& plane, View<const Vec3> y, Take& take) {
+  const double cosine = -p.plane.n.dot(plane.normal);
+  if (!(cosine > 0)) return;
+  const Triangle t = s.surface.triangles[p.slave];
+  double h[3];
+  for (int k = 0; k < 3; ++k) h[k] = plane.normal.dot(y[t.v[k]] - plane.point);
+  const double M[3] = {0, 0, 0};
+  for (Index q = 0; q < s.set.quadrature; ++q) {
+    const TrianglePoint g = triangle_point(s.set.quadrature, q);
+    const double gap = g.b[0] * h[0] + g.b[1] * h[1] + g.b[2] * h[2];
+    if (gap > 0 && gap < p.reach) take(SampleKind::face, s.set.share * cosine * p.plane.area * g.weight, gap, g.b, M);
+  }
+}
+
+}  // namespace mortise::effects::mortar

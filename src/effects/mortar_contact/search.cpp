@@ -1,0 +1,58 @@
+#include "effects/mortar_contact/frozen.h"
+
+namespace mortise::effects::mortar {
+namespace {
+
+// Counts the masters near a slave; writes them unless out is null.
+MORTISE_HD inline Index masters_near(const Scene& s, const geometry::BvhView& tree, View<const Vec3> y, Index slave, double reach,
+                                     Index* out) {
+  const Triangle t = s.surface.triangles[slave];
+  const geometry::BvhNode box = geometry::swept_box(t.v, 3, -1, s.surface, y, View<const Vec3>{}, reach);
+  geometry::BvhCursor cursor;
+  Index n = 0;
+  for (Index m = cursor.next(tree, box, s.surface); m >= 0; m = cursor.next(tree, box, s.surface)) {
+    if (out) {
+      Index at = n;  // ascending: the order of the leaves must not show
+      for (; at > 0 && out[at - 1] > m; --at) out[at] = out[at - 1];
+      out[at] = m;
+    }
+    ++n;
+  }
+  for (Index p = 0; p < s.planes.n; ++p) {
+    if (s.law_of(s.surface.body[t.v[0]], s.surface.bodies + p) < 0) continue;
+    double least = INFINITY;
+    for (int k = 0; k < 3; ++k) least = std::fmin(least, s.planes[p].normal.dot(y[t.v[k]] - s.planes[p].point));
+    if (!(least < reach)) continue;
+    if (out) out[n] = -1 - p;
+    ++n;
+  }
+  return n;
+}
+
+}  // namespace
+
+void Search::update(const Scene& s, View<const Vec3> y, const Buffer<double>& margin) {
+  const geometry::SurfaceView& surface = s.surface;
+  tree_.update({surface.triangles.n ? surface.triangles.p->v : nullptr, surface.triangles.n, 3}, surface,
+               static_cast<Index>(slave_env_.size()) - 1, y, {}, 0);
+  const geometry::BvhView tree = tree_.view();
+  const View<const double> extra = margin.view();
+  offset_.resize(s.slaves.n + 1);
+  const View<Index> count = offset_.view();
+  const Scene scene = s;
+  device::parallel_for("mortar_contact.count_masters", s.slaves.n, [=] MORTISE_HD(Index i) {
+    const Index env = scene.surface.env[scene.surface.triangles[scene.slaves[i]].v[0]];
+    count[i] = masters_near(scene, tree, y, scene.slaves[i], scene.support[i] + extra[env], nullptr);
+  });
+  const Index n = device::exclusive_scan(offset_);
+  slave_.resize(n), master_.resize(n);
+  const View<Index> slave = slave_.view(), master = master_.view();
+  device::parallel_for("mortar_contact.find_masters", s.slaves.n, [=] MORTISE_HD(Index i) {
+    if (count[i + 1] == count[i]) return;
+    const Index env = scene.surface.env[scene.surface.triangles[scene.slaves[i]].v[0]];
+    masters_near(scene, tree, y, scene.slaves[i], scene.support[i] + extra[env], master.p + count[i]);
+    for (Index k = count[i]; k < count[i + 1]; ++k) slave[k] = i;
+  });
+}
+
+}  // namespace mortise::effects::mortar

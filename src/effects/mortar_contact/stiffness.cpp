@@ -1,0 +1,56 @@
+#include "effects/mortar_contact/stiffness.h"
+
+#include "effects/barrier_contact/barrier.h"
+
+namespace mortise::effects::mortar {
+namespace {
+
+double compliance(const model::Model& model, Index body) {
+  if (body >= static_cast<Index>(model.bodies.size()) || model.bodies[body].type != model::BodyType::soft) return 0;
+  const model::Body& b = model.bodies[body];
+  return (1 - b.poisson_ratio * b.poisson_ratio) / b.youngs_modulus;
+}
+
+}  // namespace
+
+Interface interface_of(const model::Model& model, Index slave, Index master) {
+  Interface out{slave, master, 0, 0};
+  const double sum = compliance(model, slave) + compliance(model, master);
+  if (sum > 0) out.modulus = 1 / sum;
+  const std::vector<Triangle> triangles = model.surface.triangles.download();
+  const std::vector<Vec3> rest = model.rest_points.download();
+  const model::Body& body = model.bodies[slave];
+  double length = 0;
+  for (Index t = body.triangle_begin; t < body.triangle_end; ++t)
+    for (int k = 0; k < 3; ++k) length += (rest[triangles[t].v[k]] - rest[triangles[t].v[(k + 1) % 3]]).norm();
+  out.h = length / (3.0 * (body.triangle_end - body.triangle_begin));
+  return out;
+}
+
+double wanted_stiffness(const Interface& i, double d_hat, double p) {
+  constexpr double kSoftest = 0.376;
+  const auto ratio = [](double t) { return barrier::second(t, 1.0) / barrier::phi(t); };
+  const double wanted = kWanted * i.modulus * d_hat / (p * i.h);
+  double lo = kSoftest, hi = 1 - 1e-6;  // the ratio rises from lo to hi
+  if (wanted <= ratio(lo)) return p / barrier::phi(lo);
+  for (int n = 0; n < 60; ++n) {
+    const double t = 0.5 * (lo + hi);
+    (ratio(t) < wanted ? lo : hi) = t;
+  }
+  return p / barrier::phi(0.5 * (lo + hi));
+}
+
+Achieved achieved(const Interface& i, Index law, double kappa, const std::vector<Pair>& pairs,
+                  const std::vector<Sample>& samples) {
+  double force = 0, pressure = 0, stiffness = 0;
+  for (const Sample& s : samples) {
+    const Pair& pair = pairs[s.pair];
+    if (pair.law != law || s.kind != SampleKind::face || !(s.gap < pair.d_hat)) continue;
+    const double p = -kappa * barrier::first(s.gap, pair.d_hat), f = s.weight * p;
+    force += f, pressure += f * p, stiffness += f * kappa * barrier::second(s.gap, pair.d_hat);
+  }
+  if (!(force > 0)) return {};
+  return {pressure / force, i.modulus > 0 ? stiffness / force * i.h / i.modulus : 0};
+}
+
+}  // namespace mortise::effects::mortar

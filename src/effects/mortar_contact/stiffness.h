@@ -1,0 +1,33 @@
+#pragma once
+// Automatic stiffness. What decides the quality of the pressure is the stiffness of the barrier layer against that of the bodies,
+//     k = kappa b''(g) h / E*,      1/E* = sum over the two bodies of (1 - nu^2)/E  (0 for stiff bodies and half-spaces),
+// with h the mean edge of the slave surface; best near 4 (reference prototype.md 3.1). At pressure p the gap follows from
+// p = kappa phi(t), so kappa = p / phi(t) with t the root of
+//     -phi'(t) / phi(t) = k E* d_hat / (p h).
+// The left side is smallest, 5.03, at t = 0.376: a layer of range d_hat cannot be softer than that at pressure p. Of the two
+// roots the one above is taken, which keeps gaps wide open.
+#include "effects/mortar_contact/frozen.h"
+
+namespace mortise::effects::mortar {
+
+inline constexpr double kWanted = 4;            // k
+inline constexpr double kFirstPressure = 0.01;  // p / E* before any pressure is known: a strain of a percent
+
+struct Interface {
+  Index slave = 0, master = 0;  // bodies; masters after the bodies are half-spaces
+  double modulus = 0;           // E* [Pa]; 0 where nothing can deform
+  double h = 0;                 // mean slave edge [m]
+};
+Interface interface_of(const model::Model& model, Index slave, Index master);
+
+// kappa [Pa] for the interface at pressure p [Pa].
+double wanted_stiffness(const Interface& i, double d_hat, double p);
+
+// Force-weighted means over the face samples of law `law`: pressure sum w p^2 / sum w p [Pa] and k; 0 without contact.
+struct Achieved {
+  double pressure = 0, k = 0;
+};
+Achieved achieved(const Interface& i, Index law, double kappa, const std::vector<Pair>& pairs,
+                  const std::vector<Sample>& samples);
+
+}  // namespace mortise::effects::mortar

@@ -1,0 +1,105 @@
+// The contact patch test through the whole chain (reference/prototype.md 2, accuracy.md 5.2): two blocks with non-matching
+// meshes, uniform pressure; every stress must be that of uniaxial compression, sigma_zz = -p and nothing else.
+#include <cstdio>
+
+#include "rig.h"
+
+using namespace mortise;
+using namespace mortise::testing;
+
+namespace {
+
+struct Patch {
+  double d_hat = 1e-2, kappa = 1e6, nu = 0.3;
+  std::string slave = "bottom", weights = "consistent", quadrature = "3", gradient = "frozen";
+  bool two_pass = false;
+  double bottom_side = 1, top_side = 1;          // squares that share the corner at the origin
+  double bottom_edge = 1.0 / 3, top_edge = 0.5;  // mesh sizes
+};
+
+std::string num(double v) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", v);
+  return text;
+}
+
+std::string block(const std::string& name, double side, double edge, double z) {
+  return "  " + name + ": {type: soft, shape: {box: {size: [" + num(side) + ", " + num(side) +
+         ", 0.5], edge_length: " + num(edge) + "}}, material: rubber, position: [" + num(side / 2) + ", " + num(side / 2) + ", " +
+         num(z) + "]}\n";
+}
+
+// The part of the larger square that the smaller one leaves bare, as two rectangles at height z.
+std::string bare(const std::string& body, double small, double large, double z) {
+  const auto part = [&](double x0, double x1, double y0, double y1) {
+    return "    - {body: " + body + ", where: {box: {min: [" + num(x0 - 1e-6) + ", " + num(y0 - 1e-6) + ", " + num(z - 1e-6) +
+           "], max: [" + num(x1 + 1e-6) + ", " + num(y1 + 1e-6) + ", " + num(z + 1e-6) + "]}}, pressure: 1 kPa}\n";
+  };
+  return part(small, large, 0, large) + part(0, small, small, large);
+}
+
+struct Result {
+  double szz = 0, spurious = 0, pressure = 0, partition = 0, guard = 0, balance = 0;
+  long newton = 0;
+};
+
+Result run(const Patch& c) {
+  const double gap = 0.5 * c.d_hat, h = 0.5;
+  std::string loads = "    - {body: top, where: {side: z_max}, pressure: 1 kPa}\n";
+  if (c.top_side < c.bottom_side) loads += bare("bottom", c.top_side, c.bottom_side, h);
+  if (c.top_side > c.bottom_side) loads += bare("top", c.bottom_side, c.top_side, h + gap);
+  Rig rig(
+      "mortise: 1\nname: patch\ntime: {mode: static, steps: 1}\nmaterials:\n  rubber: {model: linear, youngs_modulus: 1 MPa, "
+      "poisson_ratio: " +
+      num(c.nu) + ", density: 1000}\nbodies:\n" + block("bottom", c.bottom_side, c.bottom_edge, h / 2) +
+      block("top", c.top_side, c.top_edge, 1.5 * h + gap) +
+      "effects:\n  elasticity: {}\n  pin:\n    - {body: bottom, where: {side: z_min}, axes: z}\n    - {body: bottom, where: "
+      "{side: x_min}, axes: x}\n"
+      "    - {body: bottom, where: {side: y_min}, axes: y}\n    - {body: top, where: {side: x_min}, axes: x}\n    - {body: top, "
+      "where: {side: y_min}, axes: y}\n"
+      "  pressure_load:\n" +
+      loads + "  mortar_contact:\n    pairs: [{slave: " + c.slave + ", master: " + (c.slave == "top" ? "bottom" : "top") +
+      "}]\n    d_hat: " + num(c.d_hat) + "\n    stiffness: " + num(c.kappa) + "\n    weights: " + c.weights +
+      "\n    quadrature: " + c.quadrature + "\n    gradient: " + c.gradient +
+      "\n    two_pass: " + (c.two_pass ? "true" : "false") + "\nsolver: {relative_tolerance: 1e-13, force_tolerance: 0}\n");
+  Result r;
+  r.newton = rig.step().newton;
+  const Captured f = rig.fields();
+  const std::vector<double>& stress = f.cell.at("cauchy_stress");
+  for (std::size_t i = 0; i < stress.size(); ++i) {
+    double& worst = i % 6 == 2 ? r.szz : r.spurious;
+    worst = std::max(worst, std::abs(stress[i] / 1e3 + (i % 6 == 2 ? 1 : 0)));
+  }
+  for (double p : f.row.at("mortar_contact/pressure")) r.pressure = std::max(r.pressure, std::abs(p / 1e3 - 1));
+  r.partition = f.at("mortar_contact/clip_partition_defect");
+  r.guard = f.at("mortar_contact/force_share_guard");
+  r.balance = 0;
+  for (const char* axis : {"x", "y", "z"})
+    r.balance = std::max(r.balance, std::abs(f.at(std::string("mortar_contact/force_top_") + axis) +
+                                             f.at(std::string("mortar_contact/force_bottom_") + axis)));
+  std::printf("  d_hat %.0e kappa %.0e nu %.2f %s %s q%s %s%s %g/%g: szz %.1e spurious %.1e, %ld iterations\n", c.d_hat, c.kappa,
+              c.nu, c.slave.c_str(), c.weights.c_str(), c.quadrature.c_str(), c.gradient.c_str(), c.two_pass ? " two-pass" : "",
+              c.bottom_side, c.top_side, r.szz, r.spurious, r.newton);
+  return r;
+}
+
+void expect_passes(const Patch& c) {
+  const Result r = run(c);
+  EXPECT_LE(r.szz, 1e-10);
+  EXPECT_LE(r.spurious, 1e-10);
+  EXPECT_LE(r.partition, 1e-12);
+  EXPECT_LE(r.balance, 1e-10);
+}
+
+}  // namespace
+
+TEST(MortarPatch, PassesOnBothSides) {
+  for (const char* slave : {"bottom", "top"}) {
+    Patch c;
+    c.slave = slave;
+    expect_passes(c);
+  }
+  Patch c;
+  c.two_pass = true;
+  expect_passes(c);
+}
