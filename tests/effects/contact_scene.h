@@ -50,7 +50,8 @@ struct Recorder final : FieldSink {
   double operator()(const std::string& key) const { return values.at(key).at(0); }
 };
 
-// Total force and moment on all points that a gradient by blocks stands for; for a stiff body, moment = sum_j a_j x f_{a_j} + p x f_p.
+// Total force and moment on all points that a gradient by blocks stands for; for a stiff body, moment = sum_j a_j x f_{a_j} + p x
+// f_p.
 inline std::pair<Vec3, Vec3> resultant(const model::Model& m, const fd::Vector& x, const fd::Vector& g) {
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
   for (const model::Body& b : m.bodies)

@@ -1,11 +1,10 @@
 // friction: the law, its derivatives through the whole effect, what it follows, and what it reports.
-#include "effects/friction/law.h"
-
 #include <gtest/gtest.h>
 
 #include "base/error.h"
 #include "contact_scene.h"
 #include "effects/barrier_contact/barrier.h"
+#include "effects/friction/law.h"
 
 using namespace mortise;
 using namespace mortise::testing;
@@ -53,14 +52,16 @@ struct Problem {
   fd::Vector moved(const Vec3& d) const {
     fd::Vector x = positions(model);
     const model::Body& b = model.bodies.back();
-    for (Index i = b.block_begin; i < (b.type == model::BodyType::soft ? b.block_end : b.block_begin + 1); ++i) x.segment<3>(3 * i) += d;
+    for (Index i = b.block_begin; i < (b.type == model::BodyType::soft ? b.block_end : b.block_begin + 1); ++i)
+      x.segment<3>(3 * i) += d;
     return x;
   }
   Vec3 force_on_block(const fd::Vector& x) {
     const auto g = fd::effect_assemble(*friction, x, false).gradient;
     const model::Body& b = model.bodies.back();
     Vec3 f = Vec3::Zero();
-    for (Index i = b.block_begin; i < (b.type == model::BodyType::soft ? b.block_end : b.block_begin + 1); ++i) f -= g.segment<3>(3 * i);
+    for (Index i = b.block_begin; i < (b.type == model::BodyType::soft ? b.block_end : b.block_begin + 1); ++i)
+      f -= g.segment<3>(3 * i);
     return f;
   }
   double normal_force() const { return kKappa * effects::barrier::phi(0.6); }  // on the unit square, if the blocks were aligned
@@ -123,7 +124,8 @@ TEST(Friction, DerivativesMatchDifferences) {
         if (plane) continue;
         Vec3 total = Vec3::Zero();
         for (const model::Body& b : p.model.bodies)
-          for (Index i = b.block_begin; i < (b.type == model::BodyType::soft ? b.block_end : b.block_begin + 1); ++i) total += d.gradient.segment<3>(3 * i);
+          for (Index i = b.block_begin; i < (b.type == model::BodyType::soft ? b.block_end : b.block_begin + 1); ++i)
+            total += d.gradient.segment<3>(3 * i);
         EXPECT_LT(total.norm(), 1e-12 * d.gradient.norm());
       }
   std::printf("friction: gradient %.1e hessian %.1e\n", gradient, hessian);

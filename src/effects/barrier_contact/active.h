@@ -15,12 +15,12 @@ struct Active {
   Index env;
   Index point[4];  // the point first, or the two edges; -1 where unused
   Index plane;
-  double weight;   // [m^2]; may be negative where the alternating sum is
-  double eps;      // mollifier threshold [m^4], 0 without
+  double weight;  // [m^2]; may be negative where the alternating sum is
+  double eps;     // mollifier threshold [m^4], 0 without
 };
 
 struct ActiveSet {
-  Buffer<Active> terms;           // environments contiguous, then points by id, then edge pairs, then half-spaces
+  Buffer<Active> terms;  // environments contiguous, then points by id, then edge pairs, then half-spaces
   std::vector<Index> env_offset;
 };
 
@@ -29,19 +29,22 @@ void face_planes(const Scene& s, View<const Vec3> y, View<double> plane_area);
 void face_points(const Scene& s, const ActiveSet& set, View<const Vec3> y, View<double> point_area);
 
 // Adds the energy of environment e to per_env[e]; +infinity where anything touches. vertex_env[e]: first surface vertex of e.
-void energy(const Scene& s, const Candidates& c, View<const Vec3> y, const std::vector<Index>& vertex_env, std::vector<double>& per_env);
+void energy(const Scene& s, const Candidates& c, View<const Vec3> y, const std::vector<Index>& vertex_env,
+            std::vector<double>& per_env);
 
 // The terms at y. envs: number of environments.
 void build(const Scene& s, const Candidates& c, View<const Vec3> y, Index envs, ActiveSet& out);
 
 // Stencils over the blocks of `map`, and one sample per term (model/contact_view.h).
-void assemble(const Scene& s, const ActiveSet& set, View<const Vec3> y, const model::PointMapView& map, bool hessian, linalg::StencilSet& out);
+void assemble(const Scene& s, const ActiveSet& set, View<const Vec3> y, const model::PointMapView& map, bool hessian,
+              linalg::StencilSet& out);
 void samples(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<model::ContactSample>& out);
 
 // Force on the four points of every term [N]: minus the gradient.
 void point_forces(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<Vec3>& out);
 
 // Lowers alpha[e] so that every vertex keeps the share `keep` of its gap to every half-space (exact: the gap is linear).
-void limit_planes(const Scene& s, View<const Vec3> y, View<const Vec3> dy, double keep, const std::vector<Index>& vertex_env, std::vector<double>& alpha);
+void limit_planes(const Scene& s, View<const Vec3> y, View<const Vec3> dy, double keep, const std::vector<Index>& vertex_env,
+                  std::vector<double>& alpha);
 
 }  // namespace mortise::effects::contact

@@ -6,8 +6,8 @@
 #include "effects/barrier_contact/active.h"
 #include "effects/barrier_contact/pairs.h"
 #include "effects/barrier_contact/start_check.h"
-#include "geometry/collide/step_limit.h"
 #include "effects/list.h"
+#include "geometry/collide/step_limit.h"
 
 namespace mortise::effects {
 namespace {
@@ -19,10 +19,13 @@ const ParamTable kTable{
     "Bodies never touch: a barrier acts between surfaces nearer than d_hat (incremental potential contact).",
     {param::positive(param::number("d_hat", Unit::length, "0.1 mm", 0, "Distance at which contact begins to act")),
      param::positive(param::number("stiffness", Unit::pressure, "1 MPa", 0,
-                                   "Pressure scale kappa: two flat surfaces press with kappa phi(gap/d_hat), which is kappa at 0.53 d_hat and 4.3 kappa at d_hat/4")),
+                                   "Pressure scale kappa: two flat surfaces press with kappa phi(gap/d_hat), which is kappa at "
+                                   "0.53 d_hat and 4.3 kappa at d_hat/4")),
      param::choice("form", {"area_weighted", "classic"}, "area_weighted",
-                   "area_weighted: pressures do not depend on the mesh; classic: every pair of primitives has the weight d_hat^2 (stiffness kappa d_hat in N/m)"),
-     param::optional(param::of(Param::Kind::pairs, "pairs", Unit::none, {}, "Pairs of bodies in contact; without it, all pairs"))}};
+                   "area_weighted: pressures do not depend on the mesh; classic: every pair of primitives has the weight d_hat^2 "
+                   "(stiffness kappa d_hat in N/m)"),
+     param::optional(
+         param::of(Param::Kind::pairs, "pairs", Unit::none, {}, "Pairs of bodies in contact; without it, all pairs"))}};
 
 // Share of every distance that a step may not use up.
 constexpr double kKeep = 0.1;
@@ -63,12 +66,14 @@ class BarrierContact final : public Effect {
     out.buffers.push_back({"stencils", stencils_.bytes()});
     out.buffers.push_back({"active terms", active_.terms.bytes()});
     out.buffers.push_back({"candidate pairs", candidates_.bytes()});
-    for (const char* k : {"barrier_contact.near", "barrier_contact.terms", "barrier_contact.merge", "barrier_contact.point_terms",
-                          "barrier_contact.edge_terms", "barrier_contact.count_blocks", "barrier_contact.assemble", "barrier_contact.samples", "barrier_contact.energy_points",
-                          "barrier_contact.energy_edges", "barrier_contact.face_points"})
+    for (const char* k :
+         {"barrier_contact.near", "barrier_contact.terms", "barrier_contact.merge", "barrier_contact.point_terms",
+          "barrier_contact.edge_terms", "barrier_contact.count_blocks", "barrier_contact.assemble", "barrier_contact.samples",
+          "barrier_contact.energy_points", "barrier_contact.energy_edges", "barrier_contact.face_points"})
       out.kernels.push_back(k);
     if (!model_.half_spaces.empty())
-      for (const char* k : {"barrier_contact.face_planes", "barrier_contact.near_planes", "barrier_contact.plane_terms", "barrier_contact.energy_planes", "barrier_contact.limit_planes"})
+      for (const char* k : {"barrier_contact.face_planes", "barrier_contact.near_planes", "barrier_contact.plane_terms",
+                            "barrier_contact.energy_planes", "barrier_contact.limit_planes"})
         out.kernels.push_back(k);
   }
 
@@ -136,7 +141,15 @@ class BarrierContact final : public Effect {
 
  private:
   Scene scene() const {
-    return {law_, model_.surface.view(), topology_.view(), std::as_const(model_.rest_points).view(), watched_.view(), plane_watched_.view(), planes_.view(), point_area_.view(), plane_area_.view()};
+    return {law_,
+            model_.surface.view(),
+            topology_.view(),
+            std::as_const(model_.rest_points).view(),
+            watched_.view(),
+            plane_watched_.view(),
+            planes_.view(),
+            point_area_.view(),
+            plane_area_.view()};
   }
   View<const Vec3> y() const { return y_.view(); }
 
@@ -230,10 +243,13 @@ void BarrierContact::report(FieldSink& sink) {
 }  // namespace
 
 Kind barrier_contact_kind() {
-  return {"barrier_contact", "bodies never touch: incremental potential contact with an area-weighted barrier", &kTable,
-          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<BarrierContact>(p, m); },
-          {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020",
-           "Li, Kaufman, Jiang: Convergent Incremental Potential Contact. arXiv:2307.15908, 2023"}};
+  return {
+      "barrier_contact",
+      "bodies never touch: incremental potential contact with an area-weighted barrier",
+      &kTable,
+      [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<BarrierContact>(p, m); },
+      {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020",
+       "Li, Kaufman, Jiang: Convergent Incremental Potential Contact. arXiv:2307.15908, 2023"}};
 }
 
 }  // namespace mortise::effects

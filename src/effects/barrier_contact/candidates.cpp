@@ -24,15 +24,18 @@ MORTISE_HD inline double off_path(const Vec3& from, const Vec3& move, const Vec3
   return (y - from - a * move).norm();
 }
 
-std::vector<double> largest_deviation(const std::vector<Index>& point_env, View<const Vec3> from, View<const Vec3> move, View<const Vec3> y) {
+std::vector<double> largest_deviation(const std::vector<Index>& point_env, View<const Vec3> from, View<const Vec3> move,
+                                      View<const Vec3> y) {
   std::vector<double> out(point_env.size() - 1, 0.0);
-  device::env_max("barrier_contact.deviation", point_env, [=] MORTISE_HD(Index i) { return off_path(from[i], move[i], y[i]); }, out);
+  device::env_max(
+      "barrier_contact.deviation", point_env, [=] MORTISE_HD(Index i) { return off_path(from[i], move[i], y[i]); }, out);
   return out;
 }
 
 std::vector<double> not_finite(const std::vector<Index>& point_env, View<const Vec3> y) {
   std::vector<double> out(point_env.size() - 1, 0.0);
-  device::env_max("barrier_contact.finite", point_env, [=] MORTISE_HD(Index i) { return y[i].squaredNorm() < 1e300 ? 0.0 : 1.0; }, out);
+  device::env_max(
+      "barrier_contact.finite", point_env, [=] MORTISE_HD(Index i) { return y[i].squaredNorm() < 1e300 ? 0.0 : 1.0; }, out);
   return out;
 }
 

@@ -11,10 +11,10 @@
 //     A_x = sum over its triangles T of A_T/3 max(0, -n_T . n)      (rest areas A_T; n points out of the other surface),
 // with the normals at the start of the step, and A_v = sum A_T/3 for a vertex that was out of range then. So a vertex on the rim
 // of a flat face counts with its share of that face only. Constant during a step: the energy is a function of positions alone.
-// Edge pairs are no quadrature of that area: how many edges of two meshes cross says nothing about the area between them. Counting
-// them with an area (the 1/4 + 1/4 split of the paper) makes the total depend on the meshes. Here point-triangle terms carry the
-// whole area, and edge pairs are a guard with weight (A_e + A_e')/4 and a range of d_hat/4: they keep edges apart, carry what only
-// edges can carry, and are inactive in face contact up to p = phi(1/4) kappa = 4.3 kappa.
+// Edge pairs are no quadrature of that area: how many edges of two meshes cross says nothing about the area between them.
+// Counting them with an area (the 1/4 + 1/4 split of the paper) makes the total depend on the meshes. Here point-triangle terms
+// carry the whole area, and edge pairs are a guard with weight (A_e + A_e')/4 and a range of d_hat/4: they keep edges apart,
+// carry what only edges can carry, and are inactive in face contact up to p = phi(1/4) kappa = 4.3 kappa.
 //
 // classic: every point-triangle pair and every edge pair within d_hat has the same weight d_hat^2 (IPC 2020, without areas): the
 // energy of a pair is kappa d_hat^2 b(d), that is, a classic barrier -(d - d_hat)^2 ln(d/d_hat) with stiffness kappa d_hat [N/m].
@@ -44,16 +44,17 @@ struct Plane {
 
 // Who is whose neighbour on the surface; constant.
 struct TopologyView {
-  View<const Index> triangle_edge;                  // 3 per triangle: edges of corners (0,1), (1,2), (2,0)
-  View<const Index> edge_offset, edge_triangle;     // triangles of every edge
-  View<const Index> point_offset, point_triangle;   // triangles of every point
-  View<const Index> point_edges;                    // number of edges at every point
+  View<const Index> triangle_edge;                 // 3 per triangle: edges of corners (0,1), (1,2), (2,0)
+  View<const Index> edge_offset, edge_triangle;    // triangles of every edge
+  View<const Index> point_offset, point_triangle;  // triangles of every point
+  View<const Index> point_edges;                   // number of edges at every point
 };
 struct Topology {
   Buffer<Index> triangle_edge, edge_offset, edge_triangle, point_offset, point_triangle, point_edges;
   Topology(const geometry::Surface& surface, Index points);
   TopologyView view() const {
-    return {triangle_edge.view(), edge_offset.view(), edge_triangle.view(), point_offset.view(), point_triangle.view(), point_edges.view()};
+    return {triangle_edge.view(), edge_offset.view(),    edge_triangle.view(),
+            point_offset.view(),  point_triangle.view(), point_edges.view()};
   }
 };
 
@@ -62,12 +63,12 @@ struct Scene {
   Law law;
   geometry::SurfaceView surface;
   TopologyView topology;
-  View<const Vec3> rest;                    // rest positions of the points
-  View<const std::uint8_t> watched;         // bodies x bodies
-  View<const std::uint8_t> plane_watched;   // planes x bodies
+  View<const Vec3> rest;                   // rest positions of the points
+  View<const std::uint8_t> watched;        // bodies x bodies
+  View<const std::uint8_t> plane_watched;  // planes x bodies
   View<const Plane> planes;
-  View<const double> point_area;            // A_x of every point [m^2]
-  View<const double> plane_area;            // the same towards half-spaces: planes x surface vertices [m^2]
+  View<const double> point_area;  // A_x of every point [m^2]
+  View<const double> plane_area;  // the same towards half-spaces: planes x surface vertices [m^2]
   MORTISE_HD bool sees(Index a, Index b) const { return watched[surface.body[a] * surface.bodies + surface.body[b]] != 0; }
 };
 
@@ -179,7 +180,9 @@ MORTISE_HD inline bool plane_pair(const Scene& s, Index i, View<const Vec3> y, I
   gap = s.planes[plane].normal.dot(y[point] - s.planes[plane].point);
   return gap < s.law.d_hat;
 }
-MORTISE_HD inline double plane_weight(const Scene& s, Index i) { return s.law.area_weighted ? s.plane_area[i] : s.law.d_hat * s.law.d_hat; }
+MORTISE_HD inline double plane_weight(const Scene& s, Index i) {
+  return s.law.area_weighted ? s.plane_area[i] : s.law.d_hat * s.law.d_hat;
+}
 
 MORTISE_HD inline double plane_energy(const Scene& s, Index i, View<const Vec3> y) {
   Index plane, point;

@@ -42,7 +42,8 @@ WatchedPairs watched_pairs(const model::Model& model, const Params* list) {
       w.bodies[a * n + b] = w.bodies[b * n + a] = 1;
   };
   if (list) {
-    for (const Params& pair : list->items()) watch(find(model, pair.items().at(0)), find(model, pair.items().at(1)), pair.where());
+    for (const Params& pair : list->items())
+      watch(find(model, pair.items().at(0)), find(model, pair.items().at(1)), pair.where());
   } else {
     for (Index a = 0; a < n; ++a) {
       for (Index b = a + 1; b < n + planes; ++b)

@@ -7,7 +7,9 @@ namespace mortise::effects::contact {
 namespace {
 
 // Six times the signed volume of a tetrahedron.
-MORTISE_HD inline double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return (b - a).cross(c - a).dot(d - a); }
+MORTISE_HD inline double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  return (b - a).cross(c - a).dot(d - a);
+}
 
 // Does the segment p q pass through the triangle? (Rounding decides cases within it; those have a distance near 0 anyway.)
 MORTISE_HD inline bool crosses(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -38,39 +40,35 @@ std::vector<Index> crossed_triangles(const Scene& s, Index envs, View<const Vec3
   return hit.download();
 }
 
-// Largest over i of f(i), as an index: f returns i + 1 where something is wrong, else 0. -1 if nothing is.
+// The first i < n with wrong(i), or -1.
 template <class F>
-Index found(const char* name, Index n, F wrong) {
-  return static_cast<Index>(device::max(name, n, 0.0, [=] MORTISE_HD(Index i) { return wrong(i) ? static_cast<double>(n - i) : 0.0; }));
+Index first_where(const char* name, Index n, F wrong) {
+  const double found = device::max(name, n, 0.0, [=] MORTISE_HD(Index i) { return wrong(i) ? static_cast<double>(n - i) : 0.0; });
+  return found > 0 ? n - static_cast<Index>(found) : -1;
 }
-Index first_of(Index found, Index n) { return found > 0 ? n - found : -1; }
 
 Index touching(const Scene& s, View<const PointTriangle> pairs, View<const Vec3> y) {
-  return first_of(found("barrier_contact.touching_points", pairs.n, [=] MORTISE_HD(Index i) {
-                    if (!s.sees(pairs[i].v[0], pairs[i].v[1])) return false;
-                    Vec3 x[4];
-                    gather(y, pairs[i].v, x);
-                    return !(geometry::closest_point_triangle(x).squared > 0);
-                  }),
-                  pairs.n);
+  return first_where("barrier_contact.touching_points", pairs.n, [=] MORTISE_HD(Index i) {
+    if (!s.sees(pairs[i].v[0], pairs[i].v[1])) return false;
+    Vec3 x[4];
+    gather(y, pairs[i].v, x);
+    return !(geometry::closest_point_triangle(x).squared > 0);
+  });
 }
 Index touching(const Scene& s, View<const EdgeEdge> pairs, View<const Vec3> y) {
-  return first_of(found("barrier_contact.touching_edges", pairs.n, [=] MORTISE_HD(Index i) {
-                    if (!s.sees(pairs[i].v[0], pairs[i].v[2])) return false;
-                    Vec3 x[4];
-                    gather(y, pairs[i].v, x);
-                    return !(geometry::closest_edge_edge(x).squared > 0);
-                  }),
-                  pairs.n);
+  return first_where("barrier_contact.touching_edges", pairs.n, [=] MORTISE_HD(Index i) {
+    if (!s.sees(pairs[i].v[0], pairs[i].v[2])) return false;
+    Vec3 x[4];
+    gather(y, pairs[i].v, x);
+    return !(geometry::closest_edge_edge(x).squared > 0);
+  });
 }
 Index below(const Scene& s, View<const Vec3> y) {
-  const Index n = s.planes.n * s.surface.vertices.n;
-  return first_of(found("barrier_contact.below_planes", n, [=] MORTISE_HD(Index i) {
-                    Index plane, point;
-                    double gap = 1;
-                    return plane_pair(s, i, y, plane, point, gap) && !(gap > 0);
-                  }),
-                  n);
+  return first_where("barrier_contact.below_planes", s.planes.n * s.surface.vertices.n, [=] MORTISE_HD(Index i) {
+    Index plane, point;
+    double gap = 1;
+    return plane_pair(s, i, y, plane, point, gap) && !(gap > 0);
+  });
 }
 
 template <class T>
@@ -108,7 +106,8 @@ void check_start(const model::Model& model, const Scene& s, const Candidates& c,
   const Names names{model, s};
   if (const Index i = below(s, y); i >= 0) {
     const Index point = fetch(s.surface.vertices, i % s.surface.vertices.n);
-    fail(names.body_of(point).where, names.vertex(point) + " is on or below half-space '" + model.half_spaces[i / s.surface.vertices.n].name + "'");
+    fail(names.body_of(point).where,
+         names.vertex(point) + " is on or below half-space '" + model.half_spaces[i / s.surface.vertices.n].name + "'");
   }
   if (const Index i = touching(s, c.point_triangles(), y); i >= 0) {
     const PointTriangle p = fetch(c.point_triangles(), i);

@@ -5,8 +5,8 @@
 // parameters of the closest point, e_j = sum_i w'_j,i x_i are tangents with e_j . n = 0). Then
 //     grad = b' w (x) n
 //     Hess = b'' (w(x)n)(w(x)n)^T + (b'/d) [ w w^T (x) (I - n n^T) - B G^-1 B^T ],     B_j = w'_j (x) r + w (x) e_j.
-// With orthonormal tangents t_j = sum_l e_l (R^-1)_lj and u_j = sum_l w'_l (R^-1)_lj (QR of the e_l), B R^-1 = w(x)t_j + d u_j(x)n,
-// the terms w w^T (x) t_j t_j^T cancel, and the second part becomes, with beta = -b' >= 0,
+// With orthonormal tangents t_j = sum_l e_l (R^-1)_lj and u_j = sum_l w'_l (R^-1)_lj (QR of the e_l), B R^-1 = w(x)t_j + d
+// u_j(x)n, the terms w w^T (x) t_j t_j^T cancel, and the second part becomes, with beta = -b' >= 0,
 //     beta sum_j [ (w(x)t_j)(u_j(x)n)^T + (u_j(x)n)(w(x)t_j)^T + d (u_j(x)n)(u_j(x)n)^T ]  -  beta/d sum_free w w^T (x) t t^T,
 // where the last sum runs over the tangents that no parameter covers (0 for faces and crossing edges, 1 for a point on an edge, 2
 // for two points). Turning the t_j in their plane so that u_1 . u_2 = 0 leaves orthogonal 2x2 problems
@@ -165,8 +165,8 @@ MORTISE_HD inline void mollifier_hessian(const Frame& f, const Mollifier& k, dou
 // Value of scale * [m] b(d); gradient per point. eps > 0 asks for the mollifier. add(c, v) receives the Hessian's rank-one terms
 // when `hessian`. The frame used is returned through f.
 template <class Add>
-MORTISE_HD inline double evaluate(const Closest& c, const Vec3 x[4], double d_hat, double scale, double eps, bool hessian, Frame& f,
-                                  Vec3 grad[4], Add& add) {
+MORTISE_HD inline double evaluate(const Closest& c, const Vec3 x[4], double d_hat, double scale, double eps, bool hessian,
+                                  Frame& f, Vec3 grad[4], Add& add) {
   f = frame(c, x);
   const double b = barrier::value(f.d, d_hat), b1 = barrier::first(f.d, d_hat);
   Mollifier k;

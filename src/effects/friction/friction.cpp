@@ -1,8 +1,7 @@
-#include "effects/friction/law.h"
-
 #include <cmath>
 
 #include "base/error.h"
+#include "effects/friction/law.h"
 #include "effects/list.h"
 #include "model/contact_view.h"
 #include "model/expand.h"
@@ -31,9 +30,15 @@ const ParamTable kTable{
     "Coulomb friction of the contact that it follows, smoothed below an absolute creep speed.",
     {param::of(Param::Kind::text, "follows", Unit::none, "barrier_contact", "The contact effect whose forces cause the friction"),
      param::number("mu", Unit::none, "0.5", 0, "Friction coefficient"), pairs_param(),
-     param::positive(param::number("creep_speed", Unit::velocity, "1e-4 m/s", 0, "Slip speed below which friction falls smoothly to zero; what sticks creeps slower than this")),
-     param::positive(param::number("lag_tolerance", Unit::none, "1e-3", 0, "Residual with refreshed contact forces at which lagging ends, as a share of the largest force")),
-     param::range(param::of(Param::Kind::integer, "lag_iterations", Unit::none, "20", "Most refreshes of the contact forces in a step"), 1, 1000)}};
+     param::positive(
+         param::number("creep_speed", Unit::velocity, "1e-4 m/s", 0,
+                       "Slip speed below which friction falls smoothly to zero; what sticks creeps slower than this")),
+     param::positive(
+         param::number("lag_tolerance", Unit::none, "1e-3", 0,
+                       "Residual with refreshed contact forces at which lagging ends, as a share of the largest force")),
+     param::range(
+         param::of(Param::Kind::integer, "lag_iterations", Unit::none, "20", "Most refreshes of the contact forces in a step"), 1,
+         1000)}};
 
 // What is frozen of a sample during Newton.
 struct Frozen {
@@ -62,12 +67,13 @@ MORTISE_HD inline Index distinct_blocks(const model::PointMapView& map, const Co
 }
 
 // Fills pattern, block weights and loads from the published samples.
-void freeze(const model::PointMapView& map, const Buffer<ContactSample>& published, View<const double> mu, Index bodies_and_planes, linalg::StencilSet& stencils,
-            Buffer<double>& weights, Buffer<Frozen>& frozen) {
+void freeze(const model::PointMapView& map, const Buffer<ContactSample>& published, View<const double> mu,
+            Index bodies_and_planes, linalg::StencilSet& stencils, Buffer<double>& weights, Buffer<Frozen>& frozen) {
   const View<const ContactSample> sample = published.view();
   Buffer<Index> counts(sample.n + 1);
   const View<Index> count = counts.view();
-  device::parallel_for("friction.count_blocks", sample.n, [=] MORTISE_HD(Index i) { count[i] = distinct_blocks(map, sample[i]); });
+  device::parallel_for("friction.count_blocks", sample.n,
+                       [=] MORTISE_HD(Index i) { count[i] = distinct_blocks(map, sample[i]); });
   stencils.resize(std::move(counts));
   const linalg::StencilView out = stencils.view();
   weights.resize(out.block.n);
@@ -101,9 +107,11 @@ void measure(const Slips& s, const Buffer<ContactSample>& published, Positions q
 
 class Friction final : public Effect {
  public:
-  Friction(const Params& p, model::Model& model) : model_(model), follows_(p.text("follows")), creep_speed_(p.number("creep_speed")) {
+  Friction(const Params& p, model::Model& model)
+      : model_(model), follows_(p.text("follows")), creep_speed_(p.number("creep_speed")) {
     if (!model.contact(follows_))
-      throw Error(Exit::scene, p.where(), "effect friction follows '" + follows_ + "', but the scene has no contact effect of that name");
+      throw Error(Exit::scene, p.where(),
+                  "effect friction follows '" + follows_ + "', but the scene has no contact effect of that name");
     const Index n = static_cast<Index>(model.bodies.size() + model.half_spaces.size());
     std::vector<double> mu(n * n, p.number("mu"));
     if (const Params* list = p.find("pairs"))
@@ -119,7 +127,8 @@ class Friction final : public Effect {
   void plan(Plan& out) const override {
     out.buffers.push_back({"stencils", stencils_.bytes()});
     out.buffers.push_back({"frozen samples", frozen_.bytes() + weights_.bytes() + samples_.bytes()});
-    for (const char* k : {"friction.count_blocks", "friction.freeze", "friction.energy", "friction.assemble", "friction.measure"}) out.kernels.push_back(k);
+    for (const char* k : {"friction.count_blocks", "friction.freeze", "friction.energy", "friction.assemble", "friction.measure"})
+      out.kernels.push_back(k);
   }
 
   void begin_step(const StepInfo& info) override {
@@ -130,7 +139,9 @@ class Friction final : public Effect {
 
   void energy(Positions q, std::vector<double>& per_env) override {
     const Slips s = slips();
-    device::env_sum("friction.energy", env_offset_, [=] MORTISE_HD(Index i) { return s.frozen[i].load * friction::f0(s.slip(i, q).norm(), s.creep); }, per_env);
+    device::env_sum(
+        "friction.energy", env_offset_,
+        [=] MORTISE_HD(Index i) { return s.frozen[i].load * friction::f0(s.slip(i, q).norm(), s.creep); }, per_env);
   }
 
   linalg::StencilSet& assemble(Positions q, bool hessian) override {
@@ -183,7 +194,8 @@ class Friction final : public Effect {
     const model::ContactView& view = *model_.contact(follows_);
     samples_.copy_from(view.samples);
     env_offset_ = view.env_offset;
-    freeze(model_.point_map(), samples_, mu_.view(), static_cast<Index>(model_.bodies.size() + model_.half_spaces.size()), stencils_, weights_, frozen_);
+    freeze(model_.point_map(), samples_, mu_.view(), static_cast<Index>(model_.bodies.size() + model_.half_spaces.size()),
+           stencils_, weights_, frozen_);
   }
 
   Slips slips() {
@@ -239,9 +251,12 @@ void Friction::report(FieldSink& sink) {
 }  // namespace
 
 Kind friction_kind() {
-  return {"friction", "Coulomb friction of a contact effect, smoothed below an absolute creep speed, lagged forces iterated", &kTable,
-          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Friction>(p, m); },
-          {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020"}};
+  return {
+      "friction",
+      "Coulomb friction of a contact effect, smoothed below an absolute creep speed, lagged forces iterated",
+      &kTable,
+      [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Friction>(p, m); },
+      {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020"}};
 }
 
 }  // namespace mortise::effects

@@ -1,0 +1,179 @@
+#include "effects/barrier_contact/active.h"
+#include "model/expand.h"
+
+namespace mortise::effects::contact {
+namespace {
+
+using model::ContactSample;
+
+MORTISE_HD inline Index points_of(TermKind kind) {
+  return kind == TermKind::plane ? 1 : kind == TermKind::vertex ? 2 : kind == TermKind::edge ? 3 : 4;
+}
+
+// A term as four points and the closest points between them. Unused points stand at the first one.
+MORTISE_HD inline Closest closest(const Active& a, View<const Vec3> y, Vec3 x[4]) {
+  gather(y, a.point, x);
+  switch (a.kind) {
+    case TermKind::triangle:
+      return geometry::closest_point_triangle(x);
+    case TermKind::edge:
+      return closest_on_segment(x, 1, 2);
+    case TermKind::edge_edge:
+      return geometry::closest_edge_edge(x);
+    default:
+      break;
+  }
+  Closest c;
+  c.w[0] = 1, c.w[1] = -1;
+  c.squared = (x[0] - x[1]).squaredNorm();
+  return c;
+}
+MORTISE_HD inline double range_of(const Scene& s, const Active& a) {
+  return a.kind == TermKind::edge_edge ? s.law.edge_range : s.law.d_hat;
+}
+
+struct NoHessian {
+  MORTISE_HD void operator()(double, const Vec3*) const {}
+};
+
+// Gradient per point.
+template <class Add>
+MORTISE_HD inline void differentiate(const Scene& s, const Active& a, View<const Vec3> y, bool hessian, Vec3 grad[4], Add& add) {
+  if (a.kind == TermKind::plane) {
+    const Plane p = s.planes[a.plane];
+    const double g = p.normal.dot(y[a.point[0]] - p.point), k = s.law.kappa * a.weight;
+    grad[0] = k * barrier::first(g, s.law.d_hat) * p.normal;
+    if (hessian) {
+      const Vec3 v[4] = {p.normal, Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+      add(k * barrier::second(g, s.law.d_hat), v);
+    }
+    return;
+  }
+  Vec3 x[4];
+  Frame f;
+  const Closest c = closest(a, y, x);
+  evaluate(c, x, range_of(s, a), s.law.kappa * a.weight, a.eps, hessian, f, grad, add);
+}
+
+// Adds the positive rank-one terms to the Hessian of a stencil; what is dropped makes it positive semi-definite. Terms of
+// negative weight keep what is positive of them.
+struct AddProjected {
+  const model::Expansion<4>& e;
+  const linalg::StencilView& out;
+  Index stencil;
+  MORTISE_HD void operator()(double c, const Vec3* v) const {
+    if (!(c > 0)) return;
+    Vec3 V[16];
+    e.chain(v, V);
+    model::add_rank_one(out, stencil, e.blocks, c, V);
+  }
+};
+
+MORTISE_HD inline ContactSample sample_of(const Scene& s, const Active& a, View<const Vec3> y) {
+  ContactSample out;
+  for (Index k = 0; k < model::kSamplePoints; ++k) out.point[k] = -1, out.weight[k] = 0;
+  out.points = points_of(a.kind);
+  for (Index k = 0; k < out.points; ++k) out.point[k] = a.point[k];
+  out.env = a.env;
+  out.body_a = s.surface.body[a.point[0]];
+  const double k = s.law.kappa * a.weight;
+  Vec3 n, place;
+  if (a.kind == TermKind::plane) {
+    const Plane p = s.planes[a.plane];
+    n = p.normal;
+    out.gap = n.dot(y[a.point[0]] - p.point);
+    out.weight[0] = 1;
+    out.force = -k * barrier::first(out.gap, s.law.d_hat);
+    out.body_b = s.surface.bodies + a.plane;
+    place = y[a.point[0]] - out.gap / 2 * n;
+  } else {
+    Vec3 x[4];
+    const Closest c = closest(a, y, x);
+    const Frame f = frame(c, x);
+    n = -f.n;  // from the first primitive to the second
+    out.gap = f.d;
+    place = Vec3::Zero();
+    for (Index j = 0; j < out.points; ++j) out.weight[j] = -f.w[j];
+    for (Index j = 0; j < 4; ++j) place += std::abs(f.w[j]) / 2 * x[j];
+    const double m = a.eps > 0 ? geometry::mollifier(x, a.eps) : 1;
+    out.force = -k * m * barrier::first(f.d, range_of(s, a));
+    out.body_b = s.surface.body[a.point[a.kind == TermKind::edge_edge ? 2 : 1]];
+  }
+  out.area = s.law.area_weighted && a.kind != TermKind::edge_edge ? a.weight : 0;
+  out.pressure = out.area > 0 ? out.force / out.area : 0;
+  if (!(out.force > 0)) out.force = 0;
+  for (int i = 0; i < 3; ++i) out.normal[i] = n[i], out.position[i] = place[i];
+  return out;
+}
+
+}  // namespace
+
+void face_planes(const Scene& s, View<const Vec3> y, View<double> plane_area) {
+  const Index n = s.surface.vertices.n;
+  device::parallel_for("barrier_contact.face_planes", plane_area.n, [=] MORTISE_HD(Index i) {
+    plane_area[i] = facing_area(s, s.surface.vertices[i % n], s.planes[i / n].normal, y);
+  });
+}
+
+void face_points(const Scene& s, const ActiveSet& set, View<const Vec3> y, View<double> point_area) {
+  const View<const Active> terms = set.terms.view();
+  device::parallel_for("barrier_contact.face_points", terms.n, [=] MORTISE_HD(Index i) {
+    const Index point = terms[i].point[0];
+    const auto mine = [&](Index j) {
+      return j >= 0 && j < terms.n && terms[j].kind <= TermKind::triangle && terms[j].point[0] == point;
+    };
+    if (!mine(i) || mine(i - 1)) return;  // the first of the point's terms speaks for all
+    Vec3 force = Vec3::Zero();
+    for (Index j = i; mine(j); ++j) {
+      Vec3 grad[4];
+      NoHessian none;
+      differentiate(s, terms[j], y, false, grad, none);
+      force -= grad[0];
+    }
+    const double size = force.norm();
+    if (size > 0) point_area[point] = facing_area(s, point, force / size, y);
+  });
+}
+
+void assemble(const Scene& s, const ActiveSet& set, View<const Vec3> y, const model::PointMapView& map, bool hessian,
+              linalg::StencilSet& stencils) {
+  const View<const Active> terms = set.terms.view();
+  Buffer<Index> counts(terms.n + 1);
+  const View<Index> count = counts.view();
+  device::parallel_for("barrier_contact.count_blocks", terms.n, [=] MORTISE_HD(Index i) {
+    count[i] = model::expand<4>(map, terms[i].point, points_of(terms[i].kind)).blocks;
+  });
+  stencils.resize(std::move(counts));
+  const linalg::StencilView out = stencils.view();
+  device::parallel_for("barrier_contact.assemble", terms.n, [=] MORTISE_HD(Index i) {
+    const model::Expansion<4> e = model::expand<4>(map, terms[i].point, points_of(terms[i].kind));
+    const Index at = out.offset[i];
+    for (Index b = 0; b < e.blocks; ++b) out.block[at + b] = e.block[b];
+    if (hessian) model::zero_hessian(out, i, e.blocks);
+    AddProjected add{e, out, i};
+    Vec3 grad[4];
+    differentiate(s, terms[i], y, hessian, grad, add);
+    e.chain(grad, out.grad.p + at);
+  });
+}
+
+void samples(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<ContactSample>& out) {
+  const View<const Active> terms = set.terms.view();
+  out.resize(terms.n);
+  const View<ContactSample> to = out.view();
+  device::parallel_for("barrier_contact.samples", terms.n, [=] MORTISE_HD(Index i) { to[i] = sample_of(s, terms[i], y); });
+}
+
+void point_forces(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<Vec3>& out) {
+  const View<const Active> terms = set.terms.view();
+  out.resize(4 * terms.n);
+  const View<Vec3> to = out.view();
+  device::parallel_for("barrier_contact.forces", terms.n, [=] MORTISE_HD(Index i) {
+    Vec3 grad[4] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+    NoHessian none;
+    differentiate(s, terms[i], y, false, grad, none);
+    for (Index k = 0; k < 4; ++k) to[4 * i + k] = -grad[k];
+  });
+}
+
+}  // namespace mortise::effects::contact

@@ -1,0 +1,30 @@
+#pragma once
+// Picking those of many that a condition holds for, and the condition that matters here.
+#include "effects/barrier_contact/law.h"
+
+namespace mortise::effects::contact {
+
+// Offsets of those i < n that `keep` wants; returns how many. i is kept where offset[i+1] > offset[i].
+template <class Keep>
+Index select(const char* name, Index n, Keep keep, Buffer<Index>& offset) {
+  offset.resize(n + 1);
+  const View<Index> o = offset.view();
+  device::parallel_for(name, n + 1, [=] MORTISE_HD(Index i) { o[i] = i < n && keep(i) ? 1 : 0; });
+  return device::exclusive_scan(offset);
+}
+
+// Is a candidate within range at y?
+MORTISE_HD inline bool near(const Scene& s, const PointTriangle& pair, View<const Vec3> y) {
+  if (!s.sees(pair.v[0], pair.v[1])) return false;
+  Vec3 x[4];
+  gather(y, pair.v, x);
+  return geometry::closest_point_triangle(x).squared < s.law.d_hat * s.law.d_hat;
+}
+MORTISE_HD inline bool near(const Scene& s, const EdgeEdge& pair, View<const Vec3> y) {
+  if (!s.sees(pair.v[0], pair.v[2])) return false;
+  Vec3 x[4];
+  gather(y, pair.v, x);
+  return geometry::closest_edge_edge(x).squared < s.law.edge_range * s.law.edge_range;
+}
+
+}  // namespace mortise::effects::contact
