@@ -269,3 +269,12 @@ TEST(BarrierContact, EnvironmentsDoNotSeeEachOther) {
   const auto samples = both.samples();
   for (Index i = 0; i < offset[2]; ++i) EXPECT_EQ(samples[i].env, i < offset[1] ? 0 : 1);
 }
+
+// The first frame is written before the first step.
+TEST(BarrierContact, ReportsBeforeTheFirstStep) {
+  Problem p(stack(0.6 * kHat));
+  Recorder r;
+  p.contact->report(r);
+  EXPECT_EQ(r.values["contact_pressure"].size(), static_cast<std::size_t>(p.model.points));
+  EXPECT_GT(r("barrier_contact/force_upper_z"), 0);
+}

@@ -193,6 +193,7 @@ class BarrierContact final : public Effect {
 };
 
 void BarrierContact::report(FieldSink& sink) {
+  prepare();
   const std::vector<model::ContactSample> view = model_.publish("barrier_contact").samples.download();
   const std::vector<Active> terms = active_.terms.download();
   const std::vector<Index> body = model_.surface.body.download();
