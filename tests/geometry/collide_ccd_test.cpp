@@ -119,8 +119,12 @@ TEST(Ccd, DegenerateMotion) {
   for (int i = 0; i < 4; ++i) point.x0[i] = point.x1[i] = Vec3(1, 2, 3);
   EXPECT_EQ(point.impact(false), 0);
   EXPECT_EQ(point.impact(true), 0);
-  still.x1[0][1] = std::nan("");
-  EXPECT_EQ(still.impact(false), 0);
+  Motion unknown = still;
+  unknown.x1[0][1] = std::nan("");
+  EXPECT_EQ(unknown.impact(false), 0);
+  unknown = still;
+  unknown.x0[0][1] = std::nan("");
+  EXPECT_EQ(unknown.impact(true), 0);
 }
 
 // The first time at which the distance is `target`, by fine sampling and bisection; 2 if there is none.

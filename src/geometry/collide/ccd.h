@@ -202,9 +202,8 @@ MORTISE_HD inline double step_limit(const Vec3 x0[4], const Vec3 x1[4], bool edg
   const Closest near = edges ? closest_edge_edge(x0) : closest_point_triangle(x0);
   const double distance = std::sqrt(near.squared), usable = (1 - keep) * distance;
   if (!(distance > 0 && c.size < INFINITY)) return 0;
-  const double rounding = std::fmin(advance_rounding(c), usable / 4);
   double excess = 0;
-  const double t = advance(c, x0, x1, keep * distance, 1, usable / 100, rounding, kAdvances, excess);
+  const double t = advance(c, x0, x1, keep * distance, 1, usable / 100, advance_rounding(c), kAdvances, excess);
   if (t > 0) return t;
   // Distances at the resolution of doubles: |q| shrinks no faster than its corners move.
   double speed = 0;
