@@ -36,7 +36,8 @@ std::string range_text(const Param& p) {
   const std::string symbol = si_symbol(p.unit), unit = symbol.empty() ? "" : " " + symbol;
   const bool lower = std::isfinite(p.min), upper = std::isfinite(p.max);
   if (lower && upper)
-    return "in " + std::string(p.min_open ? "(" : "[") + format_number(p.min) + ", " + format_number(p.max) + (p.max_open ? ")" : "]") + unit;
+    return "in " + std::string(p.min_open ? "(" : "[") + format_number(p.min) + ", " + format_number(p.max) +
+           (p.max_open ? ")" : "]") + unit;
   if (lower) return (p.min_open ? "> " : ">= ") + format_number(p.min) + unit;
   if (upper) return (p.max_open ? "< " : "<= ") + format_number(p.max) + unit;
   return "";
@@ -48,7 +49,8 @@ Params Checker::table(const ParamTable& base, const Node& node, const std::strin
   if (node.kind != Node::Kind::map && node.kind != Node::Kind::null) {
     std::vector<std::string> keys;
     for (const Param& p : base.params) keys.push_back(p.key + ": ...");
-    errors_.add(node.at, where + " is " + node.describe() + "; must be a block of keys", keys.size() > 4 ? "" : "{" + join(keys, ", ") + "}");
+    errors_.add(node.at, where + " is " + node.describe() + "; must be a block of keys",
+                keys.size() > 4 ? "" : "{" + join(keys, ", ") + "}");
     incomplete_.insert(path);
     return out;
   }
@@ -60,7 +62,8 @@ Params Checker::table(const ParamTable& base, const Node& node, const std::strin
     for (const auto& [name, table] : variants->of)
       if (key && key->kind == Node::Kind::scalar && key->text == name) t = table;
     if (t == &base) {  // nothing else can be judged
-      if (!key) errors_.add(node.key_at, where + " has no '" + variants->key + "'", "one of: " + join(base.params.front().choices, ", "));
+      if (!key)
+        errors_.add(node.key_at, where + " has no '" + variants->key + "'", "one of: " + join(base.params.front().choices, ", "));
       else value(base.params.front(), *key, dotted(path, variants->key));
       return out;
     }
@@ -85,8 +88,12 @@ Params Checker::table(const ParamTable& base, const Node& node, const std::strin
       meant.insert(best);
       incomplete_.insert(path);
       std::string hint = suggestion(key, best.empty() ? known : free);
-      if (hint.empty() && path == "effects") hint = "'mortise effects' lists all";
-      errors_.add(child.key_at, (path == "effects" ? "unknown effect '" + key + "'" : "unknown key '" + key + "' in " + where), hint);
+      if (hint.empty() && path.rfind("effects", 0) == 0) {
+        const std::string effect = path.substr(0, path.find('.', 8));  // "effects.friction"
+        hint = "'mortise effects" + (effect.size() > 8 ? " " + effect.substr(8) : "") + "' lists all";
+      }
+      errors_.add(child.key_at, (path == "effects" ? "unknown effect '" + key + "'" : "unknown key '" + key + "' in " + where),
+                  hint);
       continue;
     }
     if (p->optional && child.kind == Node::Kind::null && p->kind != Kind::table && p->kind != Kind::tables) {
@@ -120,12 +127,15 @@ void Checker::one_of(const ParamTable& t, const Node& node, const std::string& p
   for (const auto& [key, child] : node.entries)
     if (std::find(known.begin(), known.end(), key) != known.end()) found.push_back(&child), names.push_back(key);
   if (found.empty() && !incomplete_.count(path)) errors_.add(node.key_at, path + " must hold one of: " + join(known, ", "));
-  if (found.size() > 1) errors_.add(found[1]->key_at, path + " must hold only one of: " + join(names, ", "), "", {{found[0]->key_at, "the first one"}});
+  if (found.size() > 1)
+    errors_.add(found[1]->key_at, path + " must hold only one of: " + join(names, ", "), "",
+                {{found[0]->key_at, "the first one"}});
 }
 
 // A list called `time` must increase, and every other list of the block belongs to it entry by entry.
 void Checker::times(const ParamTable& t, const Params& block, const std::string& path) {
-  const auto p = std::find_if(t.params.begin(), t.params.end(), [](const Param& q) { return q.key == "time" && q.kind == Kind::numbers; });
+  const auto p =
+      std::find_if(t.params.begin(), t.params.end(), [](const Param& q) { return q.key == "time" && q.kind == Kind::numbers; });
   const Params* time = block.find("time");
   if (p == t.params.end() || !time) return;
   const std::vector<Params>& items = time->items();
@@ -137,15 +147,16 @@ void Checker::times(const ParamTable& t, const Params& block, const std::string&
   lengths(t, block, items.size(), dotted(path, "time"), path);
 }
 
-void Checker::lengths(const ParamTable& t, const Params& block, std::size_t wanted, const std::string& time_path, const std::string& path) {
+void Checker::lengths(const ParamTable& t, const Params& block, std::size_t wanted, const std::string& time_path,
+                      const std::string& path) {
   for (const Param& p : t.params) {
     const Params* v = block.find(p.key);
     if (!v || p.key == "time") continue;
     if (p.kind == Kind::table) {
       lengths(*p.sub, *v, wanted, time_path, dotted(path, p.key));
     } else if ((p.kind == Kind::numbers || p.kind == Kind::vec3s) && v->items().size() != wanted) {
-      errors_.add(v->where(), dotted(path, p.key) + " has " + std::to_string(v->items().size()) + " entries, " + time_path + " has " +
-                                  std::to_string(wanted) + "; they must match");
+      errors_.add(v->where(), dotted(path, p.key) + " has " + std::to_string(v->items().size()) + " entries, " + time_path +
+                                  " has " + std::to_string(wanted) + "; they must match");
     }
   }
 }
@@ -179,8 +190,11 @@ std::optional<Params> Checker::in_range(const Param& p, double v, const Node& n,
 }
 
 std::optional<Params> Checker::number(const Param& p, const Node& n, const std::string& path) {
-  const std::string wanted = p.unit == Unit::none || p.unit == Unit::any ? "a number" : "a number [" + std::string(si_symbol(p.unit)) + "]";
-  if (n.kind != Node::Kind::scalar || !(looks_like_quantity(n.text) || (n.text.size() < 12 && n.text.find_first_not_of("+-.infatyINFATY") == std::string::npos))) {
+  const std::string wanted =
+      p.unit == Unit::none || p.unit == Unit::any ? "a number" : "a number [" + std::string(si_symbol(p.unit)) + "]";
+  if (n.kind != Node::Kind::scalar ||
+      !(looks_like_quantity(n.text) ||
+        (n.text.size() < 12 && n.text.find_first_not_of("+-.infatyINFATY") == std::string::npos))) {
     errors_.add(n.at, path + " is " + n.describe() + "; must be " + wanted);
     return {};
   }
@@ -215,7 +229,8 @@ std::optional<Params> Checker::integer(const Param& p, const Node& n, const std:
 }
 
 std::optional<Params> Checker::flag(const Node& n, const std::string& path) {
-  if (n.kind == Node::Kind::scalar && !n.quoted && (n.text == "true" || n.text == "false")) return Params::make_flag(n.text == "true", n.at);
+  if (n.kind == Node::Kind::scalar && !n.quoted && (n.text == "true" || n.text == "false"))
+    return Params::make_flag(n.text == "true", n.at);
   errors_.add(n.at, path + " is " + n.describe() + "; must be true or false");
   return {};
 }
@@ -278,7 +293,7 @@ std::optional<Params> Checker::list(const Param& p, const Node& n, const std::st
     one.push(table(*p.sub, n, path));
     return one;
   }
-  const char* wanted = kind == Kind::vec3    ? "a list of 3 numbers"
+  const char* wanted = kind == Kind::vec3      ? "a list of 3 numbers"
                        : kind == Kind::numbers ? "a list of numbers"
                        : kind == Kind::vec3s   ? "a list of [x, y, z] lists"
                        : kind == Kind::names   ? "a list of names"
@@ -308,7 +323,8 @@ std::optional<Params> Checker::list(const Param& p, const Node& n, const std::st
   for (std::size_t i = 0; i < n.items.size(); ++i) {
     const std::string item_path = dotted(path, std::to_string(i));
     if (kind == Kind::pairs && n.items[i].kind == Node::Kind::list && n.items[i].items.size() != 2) {
-      errors_.add(n.items[i].at, item_path + " has " + std::to_string(n.items[i].items.size()) + " entries; must be [name, name]");
+      errors_.add(n.items[i].at,
+                  item_path + " has " + std::to_string(n.items[i].items.size()) + " entries; must be [name, name]");
       good = false;
       continue;
     }

@@ -39,12 +39,13 @@ class CrossCheck {
     if (!mode) return;
     const bool is_static = mode->as_text() == "static";
     if (is_static && time->has("step"))
-      errors_.add(time->at("step").where(), "time.step has no meaning in a static scene", "time.steps load steps divide pseudo-time 0..1 evenly",
-                  {{mode->where(), "static here"}});
+      errors_.add(time->at("step").where(), "time.step has no meaning in a static scene",
+                  "time.steps load steps divide pseudo-time 0..1 evenly", {{mode->where(), "static here"}});
     if (!is_static && !time->has("step") && !incomplete_.count("time"))
-      errors_.add(time->where(), "time has no 'step'", "[s] time step; a dynamic scene needs it");
+      errors_.add(time->where(), "time has no 'step'", "[s] Time step; a dynamic scene needs it.");
     if (is_static && has_effect("inertia"))
-      errors_.add(effects_->at("inertia").where(), "a static scene has no inertia", "remove it, or make the scene dynamic", {{mode->where(), "static here"}});
+      errors_.add(effects_->at("inertia").where(), "a static scene has no inertia", "remove it, or make the scene dynamic",
+                  {{mode->where(), "static here"}});
     if (!is_static && effects_known() && !has_effect("inertia"))
       errors_.add(effects_->where(), "a dynamic scene needs the effect 'inertia'", "add 'inertia: {}', or set time.mode: static");
   }
@@ -57,14 +58,16 @@ class CrossCheck {
 
     const Params* materials = root_.find("materials");
     const Params* material = body.find("material");
-    if (material && materials && !(incomplete_.count("") && materials->entries().empty()) && exists(*materials, material->as_text(), "material", *material, path + ".material"))
+    if (material && materials && !(incomplete_.count("") && materials->entries().empty()) &&
+        exists(*materials, material->as_text(), "material", *material, path + ".material"))
       elastic_constants(soft, *materials, *material);
 
     if (effects_known() && soft && !has_effect("elasticity"))
-      errors_.add(body.where(), "soft body '" + name + "' needs the effect 'elasticity'", "add 'elasticity: {}' under effects", {{effects_->where(), "the effects"}});
-    if (effects_known() && !soft && !has_effect("affine_body") && !fully_pinned(name))
-      errors_.add(body.where(), "stiff body '" + name + "' needs the effect 'affine_body'", "add it under effects, or pin all of the body (where: {side: all})",
+      errors_.add(body.where(), "soft body '" + name + "' needs the effect 'elasticity'", "add 'elasticity: {}' under effects",
                   {{effects_->where(), "the effects"}});
+    if (effects_known() && !soft && !has_effect("affine_body") && !fully_pinned(name))
+      errors_.add(body.where(), "stiff body '" + name + "' needs the effect 'affine_body'",
+                  "add it under effects, or pin all of the body (where: {side: all})", {{effects_->where(), "the effects"}});
   }
 
   void elastic_constants(bool soft, const Params& materials, const Params& name) {
@@ -72,7 +75,8 @@ class CrossCheck {
     if (!soft || incomplete_.count("materials." + name.as_text())) return;
     for (const char* key : {"youngs_modulus", "poisson_ratio"})
       if (!material.has(key))
-        errors_.add(material.where(), "materials." + name.as_text() + " has no '" + key + "', which soft bodies need", "", {{name.where(), "used by a soft body here"}});
+        errors_.add(material.where(), "materials." + name.as_text() + " has no '" + key + "', which soft bodies need", "",
+                    {{name.where(), "used by a soft body here"}});
   }
 
   bool fully_pinned(const std::string& body) const {
@@ -88,7 +92,8 @@ class CrossCheck {
   }
 
   // Whether the named block exists; an error if not.
-  bool exists(const Params& blocks, const std::string& wanted, const std::string& what, const Params& cited, const std::string& path) {
+  bool exists(const Params& blocks, const std::string& wanted, const std::string& what, const Params& cited,
+              const std::string& path) {
     if (blocks.has(wanted)) return true;
     std::vector<std::string> names;
     for (const auto& [name, block] : blocks.entries()) names.push_back(name);
@@ -122,8 +127,8 @@ class CrossCheck {
       if (name != effect) others.push_back(name);
     if (std::find(others.begin(), others.end(), p.as_text()) != others.end()) return;
     const std::string best = nearest(p.as_text(), others);
-    errors_.add(p.where(), path + " is '" + p.as_text() + "', which this scene does not list", best.empty() ? "" : "did you mean '" + best + "'?",
-                {{effects_->where(), "the effects: " + join(others, ", ")}});
+    errors_.add(p.where(), path + " is '" + p.as_text() + "', which this scene does not list",
+                best.empty() ? "" : "did you mean '" + best + "'?", {{effects_->where(), "the effects: " + join(others, ", ")}});
   }
 
   void cameras() {
@@ -139,7 +144,8 @@ class CrossCheck {
         errors_.add(fov->where(), path + ".fov must be below 180 deg for a pinhole camera", "model: fisheye has no such limit");
       if (hide) bodies_in(*hide, path + ".hide");
       if (const Params* unit = camera.find("unit"); unit && !parse_quantity("1 " + unit->as_text(), Unit::any).error.empty())
-        errors_.add(unit->where(), path + ".unit is '" + unit->as_text() + "', which is no unit", suggestion(unit->as_text(), suffixes(Unit::any)));
+        errors_.add(unit->where(), path + ".unit is '" + unit->as_text() + "', which is no unit",
+                    suggestion(unit->as_text(), suffixes(Unit::any)));
       if (range && (range->items().size() != 2 || !(range->items()[0].as_number() < range->items()[1].as_number())))
         errors_.add(range->where(), path + ".range must be two increasing numbers");
     }
@@ -151,7 +157,8 @@ class CrossCheck {
       for (std::size_t i = 0; i < p.items().size(); ++i) directions(p.items()[i], dotted(path, std::to_string(i)));
     if (p.kind() != Params::Kind::table) return;
     for (const auto& [key, value] : p.entries()) {
-      const bool direction = (key == "axis" || key == "normal" || key == "up") && value.kind() == Params::Kind::list && value.items().size() == 3;
+      const bool direction =
+          (key == "axis" || key == "normal" || key == "up") && value.kind() == Params::Kind::list && value.items().size() == 3;
       if (direction && value.items()[0].kind() != Params::Kind::list && value.as_vec3().isZero(0))
         errors_.add(value.where(), dotted(path, key) + " is zero; a direction is wanted");
       directions(value, dotted(path, key));

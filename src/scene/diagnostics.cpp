@@ -61,7 +61,8 @@ void Diagnostics::add(SourceLoc at, std::string message, std::string hint, std::
 
 // "   23 |   mu: -1\n      |       ^~ hint\n"
 std::string Diagnostics::source(const SourceLoc& at, const std::string& hint) const {
-  if (at.line < 1 || at.line > static_cast<int>(lines_.size()) || lines_[at.line - 1].empty()) return hint.empty() ? "" : "      | " + hint + "\n";
+  if (at.line < 1 || at.line > static_cast<int>(lines_.size()) || lines_[at.line - 1].empty())
+    return hint.empty() ? "" : "      | " + hint + "\n";
   const std::string& line = lines_[at.line - 1];
   const std::size_t column = std::min<std::size_t>(std::max(at.column, 1) - 1, line.size());
   const std::size_t length = token_length(line, column);
@@ -87,7 +88,8 @@ std::string Diagnostics::source(const SourceLoc& at, const std::string& hint) co
   caret += '^';
   for (std::size_t i = column + 1; i < std::min(column + length, line.size()) && caret.size() < kWidth; ++i)
     if (takes_place(line[i])) caret += '~';
-  return number + " | " + shown + "\n" + std::string(number.size(), ' ') + " | " + caret + (hint.empty() ? "" : " " + hint) + "\n";
+  return number + " | " + shown + "\n" + std::string(number.size(), ' ') + " | " + caret + (hint.empty() ? "" : " " + hint) +
+         "\n";
 }
 
 void Diagnostics::raise() {

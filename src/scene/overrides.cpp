@@ -85,8 +85,11 @@ class Override {
         const auto p = std::find_if(table.params.begin(), table.params.end(), [&](const Param& q) { return q.key == part; });
         if (p == table.params.end()) return unknown(part, path, table);
         here = *p;
-        node = path == "effects" && !last ? named(*node, part, "the effect '" + part + "'") : child(*node, part, *p, last);
-        if (!node) return nullptr;
+        if (path == "effects" && !last && !node->find(part)) {
+          errors_.add(at_, "the scene does not list the effect '" + part + "'", "to add it: --set 'effects." + part + "={}'");
+          return nullptr;
+        }
+        node = child(*node, part, *p, last);
       } else if (here.kind == Kind::schedule && node->kind == Node::Kind::map) {
         node = named(*node, part, "'" + part + "' under " + path);
         if (!node) return nullptr;
@@ -123,7 +126,8 @@ class Override {
     }
     const std::size_t i = std::stoul(part);
     if (i < n) return &list.items[i];
-    errors_.add(at_, path + " has no entry " + part + "; it has " + std::to_string(n) + (n == 1 ? " entry, 0" : " entries, from 0"));
+    errors_.add(at_,
+                path + " has no entry " + part + "; it has " + std::to_string(n) + (n == 1 ? " entry, 0" : " entries, from 0"));
     return nullptr;
   }
   Node* unknown(const std::string& part, const std::string& path, const ParamTable& table) {

@@ -20,19 +20,44 @@ struct Suffix {
 };
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr Suffix kSuffixes[] = {
-    {Unit::length, "m", 0, 1},           {Unit::length, "mm", -3, 1},         {Unit::length, "um", -6, 1},
-    {Unit::length, "cm", -2, 1},         {Unit::length, "km", 3, 1},          {Unit::length, "nm", -9, 1},
-    {Unit::time, "s", 0, 1},             {Unit::time, "ms", -3, 1},           {Unit::time, "us", -6, 1},
-    {Unit::time, "min", 0, 60},          {Unit::time, "h", 0, 3600},          {Unit::mass, "kg", 0, 1},
-    {Unit::mass, "g", -3, 1},            {Unit::mass, "mg", -6, 1},           {Unit::angle, "rad", 0, 1},
-    {Unit::angle, "deg", 0, kDegree},    {Unit::velocity, "m/s", 0, 1},       {Unit::velocity, "mm/s", -3, 1},
-    {Unit::velocity, "cm/s", -2, 1},     {Unit::velocity, "um/s", -6, 1},     {Unit::angular_velocity, "rad/s", 0, 1},
-    {Unit::angular_velocity, "deg/s", 0, kDegree},                            {Unit::angular_velocity, "rpm", 0, 6 * kDegree},
-    {Unit::acceleration, "m/s^2", 0, 1}, {Unit::acceleration, "mm/s^2", -3, 1}, {Unit::force, "N", 0, 1},
-    {Unit::force, "mN", -3, 1},          {Unit::force, "uN", -6, 1},          {Unit::force, "kN", 3, 1},
-    {Unit::pressure, "Pa", 0, 1},        {Unit::pressure, "kPa", 3, 1},       {Unit::pressure, "MPa", 6, 1},
-    {Unit::pressure, "GPa", 9, 1},       {Unit::density, "kg/m^3", 0, 1},     {Unit::density, "g/cm^3", 3, 1},
-    {Unit::energy, "J", 0, 1},           {Unit::energy, "mJ", -3, 1},         {Unit::energy, "uJ", -6, 1},
+    {Unit::length, "m", 0, 1},
+    {Unit::length, "mm", -3, 1},
+    {Unit::length, "um", -6, 1},
+    {Unit::length, "cm", -2, 1},
+    {Unit::length, "km", 3, 1},
+    {Unit::length, "nm", -9, 1},
+    {Unit::time, "s", 0, 1},
+    {Unit::time, "ms", -3, 1},
+    {Unit::time, "us", -6, 1},
+    {Unit::time, "min", 0, 60},
+    {Unit::time, "h", 0, 3600},
+    {Unit::mass, "kg", 0, 1},
+    {Unit::mass, "g", -3, 1},
+    {Unit::mass, "mg", -6, 1},
+    {Unit::angle, "rad", 0, 1},
+    {Unit::angle, "deg", 0, kDegree},
+    {Unit::velocity, "m/s", 0, 1},
+    {Unit::velocity, "mm/s", -3, 1},
+    {Unit::velocity, "cm/s", -2, 1},
+    {Unit::velocity, "um/s", -6, 1},
+    {Unit::angular_velocity, "rad/s", 0, 1},
+    {Unit::angular_velocity, "deg/s", 0, kDegree},
+    {Unit::angular_velocity, "rpm", 0, 6 * kDegree},
+    {Unit::acceleration, "m/s^2", 0, 1},
+    {Unit::acceleration, "mm/s^2", -3, 1},
+    {Unit::force, "N", 0, 1},
+    {Unit::force, "mN", -3, 1},
+    {Unit::force, "uN", -6, 1},
+    {Unit::force, "kN", 3, 1},
+    {Unit::pressure, "Pa", 0, 1},
+    {Unit::pressure, "kPa", 3, 1},
+    {Unit::pressure, "MPa", 6, 1},
+    {Unit::pressure, "GPa", 9, 1},
+    {Unit::density, "kg/m^3", 0, 1},
+    {Unit::density, "g/cm^3", 3, 1},
+    {Unit::energy, "J", 0, 1},
+    {Unit::energy, "mJ", -3, 1},
+    {Unit::energy, "uJ", -6, 1},
     {Unit::energy, "kJ", 3, 1},
 };
 
@@ -87,7 +112,8 @@ Quantity parse_quantity(const std::string& text, Unit unit) {
   if (!std::regex_match(text, m, form)) return wrong("is '" + text + "', which is not a number");
   const std::string digits = m[1], exponent = m[2], suffix = m[3];
   if (std::regex_match(digits, octal))
-    return wrong("is '" + text + "': with a leading zero some YAML readers take it as octal", "write it without the leading zero");
+    return wrong("is '" + text + "': with a leading zero some YAML readers take it as octal",
+                 "write it without the leading zero");
 
   const Suffix* found = nullptr;
   if (!suffix.empty()) {
@@ -103,7 +129,13 @@ Quantity parse_quantity(const std::string& text, Unit unit) {
       if (unit == Unit::none) return wrong("is '" + text + "'; must be a pure number without unit");
       const std::string allowed = "units of " + std::string(dimension(unit)) + ": " + join(known, ", ");
       if (elsewhere)
-        return wrong("is '" + text + "', a " + dimension(elsewhere->unit) + "; must be a" + (unit == Unit::acceleration || unit == Unit::angle || unit == Unit::angular_velocity || unit == Unit::energy ? "n " : " ") + dimension(unit), allowed);
+        return wrong(
+            "is '" + text + "', a " + dimension(elsewhere->unit) + "; must be a" +
+                (unit == Unit::acceleration || unit == Unit::angle || unit == Unit::angular_velocity || unit == Unit::energy
+                     ? "n "
+                     : " ") +
+                dimension(unit),
+            allowed);
       return wrong("has the unknown unit '" + suffix + "'", unit == Unit::any ? suggestion(suffix, known) : allowed);
     }
   }

@@ -7,13 +7,13 @@
 
 namespace mortise::scene {
 
-const char* dimension(Unit);               // "length"
-const char* si_symbol(Unit);               // "m"; "" for pure numbers
-std::vector<std::string> suffixes(Unit);   // what may stand behind a number, SI first
+const char* dimension(Unit);              // "length"
+const char* si_symbol(Unit);              // "m"; "" for pure numbers
+std::vector<std::string> suffixes(Unit);  // what may stand behind a number, SI first
 
 struct Quantity {
-  double value = 0;    // SI
-  std::string error;   // empty = fine; else the end of a sentence that starts with the key: "has the unit 'MPa' ..."
+  double value = 0;   // SI
+  std::string error;  // empty = fine; else the end of a sentence that starts with the key: "has the unit 'MPa' ..."
   std::string hint;
 };
 Quantity parse_quantity(const std::string& text, Unit);

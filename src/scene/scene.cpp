@@ -39,7 +39,8 @@ std::string syntax_hint(const std::string& text, const SyntaxError& e) {
   const std::size_t tab = line.find_first_not_of(' ');
   if (tab != std::string::npos && line[tab] == '\t') return "YAML is indented with spaces, never with tabs";
   if (e.message.find("end of map flow") != std::string::npos) return "a '{' before this place is not closed, or a ',' is missing";
-  if (e.message.find("end of sequence flow") != std::string::npos) return "a '[' before this place is not closed, or a ',' is missing";
+  if (e.message.find("end of sequence flow") != std::string::npos)
+    return "a '[' before this place is not closed, or a ',' is missing";
   if (e.message.find("end of map") != std::string::npos || e.message.find("illegal map value") != std::string::npos)
     return "check the indentation, and that every key is followed by ': '";
   return "";
@@ -49,9 +50,11 @@ std::string syntax_hint(const std::string& text, const SyntaxError& e) {
 void check_version(const Node& root, Diagnostics& errors) {
   const Node* version = root.find("mortise");
   if (!version) {
-    errors.add(root.at, "the scene does not say its format version", "add the line 'mortise: " + std::to_string(kFormatVersion) + "'");
+    errors.add(root.at, "the scene does not say its format version",
+               "add the line 'mortise: " + std::to_string(kFormatVersion) + "'");
   } else if (version->kind != Node::Kind::scalar || version->quoted || version->text != std::to_string(kFormatVersion)) {
-    errors.add(version->at, "format version is " + version->describe() + "; this program reads version " + std::to_string(kFormatVersion));
+    errors.add(version->at,
+               "format version is " + version->describe() + "; this program reads version " + std::to_string(kFormatVersion));
   }
 }
 

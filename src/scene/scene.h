@@ -31,7 +31,8 @@ struct Scene {
 // Paths inside the scene are returned absolute, taken relative to the scene's folder.
 // Throws SceneErrors with everything that is wrong, Error(Exit::file) when the file cannot be read, Error(Exit::usage) when an
 // override is not of the form path=value.
-Scene read_scene(const std::string& path_or_dash, const std::vector<std::string>& overrides, std::span<const EffectTable> effects);
+Scene read_scene(const std::string& path_or_dash, const std::vector<std::string>& overrides,
+                 std::span<const EffectTable> effects);
 
 // The same for text in memory; `path` is what messages cite and what relative paths resolve against.
 Scene read_scene_text(const std::string& text, const std::string& path, const std::vector<std::string>& overrides,

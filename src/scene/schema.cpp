@@ -54,8 +54,9 @@ Json number(const Param& p) {
     out["type"] = {"number", "string"};
     out["pattern"] = "^[-+]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][-+]?[0-9]+)?\\s*(" + units + ")$";
   }
-  if (std::isfinite(p.min)) out[p.min_open ? "exclusiveMinimum" : "minimum"] = p.min;
-  if (std::isfinite(p.max)) out[p.max_open ? "exclusiveMaximum" : "maximum"] = p.max;
+  const auto bound = [](double v) { return v == std::floor(v) ? Json(static_cast<long long>(v)) : Json(v); };
+  if (std::isfinite(p.min)) out[p.min_open ? "exclusiveMinimum" : "minimum"] = bound(p.min);
+  if (std::isfinite(p.max)) out[p.max_open ? "exclusiveMaximum" : "maximum"] = bound(p.max);
   return out;
 }
 
@@ -155,7 +156,7 @@ std::string schema(std::span<const EffectTable> effects) {
   Json out = {{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "mortise scene"}};
   const Json root = block(tables.root());
   for (const auto& [key, item] : root.items()) out[key] = item;
-  out["properties"]["mortise"] = {{"description", "version of the scene format"}, {"const", kFormatVersion}};
+  out["properties"]["mortise"] = {{"description", "Version of the scene format."}, {"const", kFormatVersion}};
   return out.dump(1) + "\n";
 }
 

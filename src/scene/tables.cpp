@@ -6,7 +6,9 @@ namespace {
 using Kind = Param::Kind;
 using namespace param;
 
-Param length(std::string key, std::string help) { return positive(required(of(Kind::number, std::move(key), Unit::length, {}, std::move(help)))); }
+Param length(std::string key, std::string help) {
+  return positive(required(of(Kind::number, std::move(key), Unit::length, {}, std::move(help))));
+}
 Param vector(std::string key, Unit unit, std::optional<std::string> fallback, std::string help) {
   return of(Kind::vec3, std::move(key), unit, std::move(fallback), std::move(help));
 }
@@ -37,10 +39,11 @@ const ParamTable& time_table() {
   static const ParamTable t{
       "time",
       "Steps of the simulation.",
-      {choice("mode", {"dynamic", "static"}, "dynamic", "dynamic marches through time; static finds equilibrium under growing loads"),
-       positive(optional(of(Kind::number, "step", Unit::time, {}, "time step; required when dynamic, not allowed when static"))),
-       integer("steps", {}, 1, 1e9, "number of steps; static: load steps that divide pseudo-time 0..1 evenly"),
-       integer("frame_every", "1", 1, 1e9, "a frame is written every so many steps")}};
+      {choice("mode", {"dynamic", "static"}, "dynamic",
+              "dynamic marches through time; static finds equilibrium under growing loads."),
+       positive(optional(of(Kind::number, "step", Unit::time, {}, "Time step; required when dynamic, not allowed when static."))),
+       integer("steps", {}, 1, 1e9, "Number of steps; static: load steps that divide pseudo-time 0..1 evenly."),
+       integer("frame_every", "1", 1, 1e9, "A frame is written every so many steps.")}};
   return t;
 }
 
@@ -48,65 +51,70 @@ const ParamTable& material_table() {
   static const ParamTable t{
       "material",
       "What a body is made of.",
-      {choice("model", {"linear", "corotated", "neo_hookean"}, "neo_hookean", "elastic law of soft bodies"),
+      {choice("model", {"linear", "corotated", "neo_hookean"}, "neo_hookean", "Elastic law of soft bodies."),
        positive(optional(of(Kind::number, "youngs_modulus", Unit::pressure, {}, "Young's modulus; required for soft bodies"))),
-       below(range(optional(of(Kind::number, "poisson_ratio", Unit::none, {}, "Poisson's ratio; required for soft bodies")), 0, 0.5), 0.5),
-       positive(required(of(Kind::number, "density", Unit::density, {}, "mass per volume at rest")))}};
+       below(range(optional(of(Kind::number, "poisson_ratio", Unit::none, {}, "Poisson's ratio; required for soft bodies")), 0,
+                   0.5),
+             0.5),
+       positive(required(of(Kind::number, "density", Unit::density, {}, "Mass per volume at rest.")))}};
   return t;
 }
 
 const ParamTable& rotation_table() {
   static const ParamTable t{"rotation",
                             "Rotation about an axis through the body's origin, before `position` is added.",
-                            {vector("axis", Unit::none, {}, "direction of the axis, of any length but zero"),
-                             required(of(Kind::number, "angle", Unit::angle, {}, "angle, right-handed about the axis"))}};
+                            {vector("axis", Unit::none, {}, "Direction of the axis, of any length but zero."),
+                             required(of(Kind::number, "angle", Unit::angle, {}, "Angle, right-handed about the axis."))}};
   return t;
 }
 
 const ParamTable& box_table() {
   static const ParamTable t{"box",
                             "Box centred at the origin.",
-                            {positive(vector("size", Unit::length, {}, "lengths of the sides along x, y, z")),
-                             length("edge_length", "target length of mesh edges")}};
+                            {positive(vector("size", Unit::length, {}, "Lengths of the sides along x, y, z.")),
+                             length("edge_length", "Target length of mesh edges.")}};
   return t;
 }
 const ParamTable& sphere_table() {
-  static const ParamTable t{
-      "sphere", "Sphere centred at the origin.", {length("radius", "radius"), length("edge_length", "target length of mesh edges")}};
+  static const ParamTable t{"sphere",
+                            "Sphere centred at the origin.",
+                            {length("radius", "Radius."), length("edge_length", "Target length of mesh edges.")}};
   return t;
 }
 const ParamTable& cylinder_table() {
-  static const ParamTable t{"cylinder",
-                            "Cylinder centred at the origin, axis z.",
-                            {length("radius", "radius"), length("height", "length along z"),
-                             length("edge_length", "target length of mesh edges")}};
+  static const ParamTable t{
+      "cylinder",
+      "Cylinder centred at the origin, axis z.",
+      {length("radius", "Radius."), length("height", "Length along z."), length("edge_length", "Target length of mesh edges.")}};
   return t;
 }
 const ParamTable& capsule_table() {
   static const ParamTable t{"capsule",
                             "Capsule centred at the origin, axis z.",
-                            {length("radius", "radius of the caps and of the middle part"),
-                             length("height", "length of the cylindrical middle part, without the caps"),
-                             length("edge_length", "target length of mesh edges")}};
+                            {length("radius", "Radius of the caps and of the middle part."),
+                             length("height", "Length of the cylindrical middle part, without the caps."),
+                             length("edge_length", "Target length of mesh edges.")}};
   return t;
 }
 const ParamTable& mesh_table() {
   static const ParamTable t{
       "mesh",
       "Mesh from a file; a surface of a soft body is filled with tetrahedra.",
-      {required(of(Kind::path, "file", Unit::none, {}, "mesh file: .obj, .stl, .ply, .glb, .dae or .msh")),
-       positive(number("scale", Unit::none, "1", 0, "factor from the file's length unit to metres")),
-       number("weld", Unit::length, "0 m", 0, "vertices nearer than this are merged"),
-       positive(optional(of(Kind::number, "edge_length", Unit::length, {}, "target length of tetrahedron edges"))),
-       positive(optional(of(Kind::number, "surface_edge_length", Unit::length, {}, "target length of surface edges; absent keeps the surface")))}};
+      {required(of(Kind::path, "file", Unit::none, {}, "Mesh file: .obj, .stl, .ply, .glb, .dae or .msh.")),
+       positive(number("scale", Unit::none, "1", 0, "Factor from the file's length unit to metres.")),
+       number("weld", Unit::length, "0 m", 0, "Vertices nearer than this are merged."),
+       positive(optional(of(Kind::number, "edge_length", Unit::length, {}, "Target length of tetrahedron edges."))),
+       positive(optional(of(Kind::number, "surface_edge_length", Unit::length, {},
+                            "Target length of surface edges; absent keeps the surface.")))}};
   return t;
 }
 const ParamTable& shape_table() {
   static const ParamTable t = [] {
     ParamTable s{"shape",
                  "Rest shape: exactly one of these.",
-                 {table("box", &box_table(), "box"), table("sphere", &sphere_table(), "sphere"), table("cylinder", &cylinder_table(), "cylinder"),
-                  table("capsule", &capsule_table(), "capsule"), table("mesh", &mesh_table(), "mesh from a file")}};
+                 {table("box", &box_table(), "Box."), table("sphere", &sphere_table(), "Sphere."),
+                  table("cylinder", &cylinder_table(), "Cylinder."), table("capsule", &capsule_table(), "Capsule."),
+                  table("mesh", &mesh_table(), "Mesh from a file.")}};
     s.one_of = true;
     return s;
   }();
@@ -114,34 +122,36 @@ const ParamTable& shape_table() {
 }
 
 const ParamTable& visual_table() {
-  static const ParamTable t{"visual",
-                            "How pictures show the body; without a mesh its simulation surface is drawn.",
-                            {optional(of(Kind::path, "mesh", Unit::none, {}, "mesh file that is drawn and moves with the body")),
-                             range(vector("color", Unit::none, "[0.7, 0.7, 0.7]", "base colour: red, green, blue"), 0, 1),
-                             optional(of(Kind::path, "texture", Unit::none, {}, "image file mapped by the mesh's texture coordinates")),
-                             range(number("roughness", Unit::none, "0.6", 0, "0 is a mirror, 1 is matt"), 0, 1),
-                             range(number("metallic", Unit::none, "0", 0, "0 is a dielectric, 1 is a metal"), 0, 1)}};
+  static const ParamTable t{
+      "visual",
+      "How pictures show the body; without a mesh its simulation surface is drawn.",
+      {optional(of(Kind::path, "mesh", Unit::none, {}, "Mesh file that is drawn and moves with the body.")),
+       range(vector("color", Unit::none, "[0.7, 0.7, 0.7]", "Base colour: red, green, blue."), 0, 1),
+       optional(of(Kind::path, "texture", Unit::none, {}, "Image file mapped by the mesh's texture coordinates.")),
+       range(number("roughness", Unit::none, "0.6", 0, "0 is a mirror, 1 is matt"), 0, 1),
+       range(number("metallic", Unit::none, "0", 0, "0 is a dielectric, 1 is a metal"), 0, 1)}};
   return t;
 }
 
 Param body_type() {
   return required(choice("type", {"soft", "stiff", "half_space"}, "",
-                         "soft deforms, stiff is an affine body of few degrees of freedom, half_space is a fixed plane"));
+                         "soft deforms, stiff is an affine body of few degrees of freedom, half_space is a fixed plane."));
 }
 std::vector<Param> solid_params() {
-  return {body_type(),
-          required(table("shape", &shape_table(), "rest shape")),
-          text("material", {}, "name of a material"),
-          vector("position", Unit::length, "[0, 0, 0]", "where the shape's origin is placed"),
-          table("rotation", &rotation_table(), "rotation of the shape about its origin"),
-          vector("velocity", Unit::velocity, "[0, 0, 0]", "velocity at the start"),
-          vector("angular_velocity", Unit::angular_velocity, "[0, 0, 0]", "angular velocity about the centre of mass at the start"),
-          always(table("visual", &visual_table(), "appearance in pictures"))};
+  return {
+      body_type(),
+      required(table("shape", &shape_table(), "Rest shape.")),
+      text("material", {}, "Name of a material."),
+      vector("position", Unit::length, "[0, 0, 0]", "Where the shape's origin is placed."),
+      table("rotation", &rotation_table(), "Rotation of the shape about its origin."),
+      vector("velocity", Unit::velocity, "[0, 0, 0]", "Velocity at the start."),
+      vector("angular_velocity", Unit::angular_velocity, "[0, 0, 0]", "Angular velocity about the centre of mass at the start."),
+      always(table("visual", &visual_table(), "Appearance in pictures."))};
 }
 const ParamTable& soft_table() {
   static const ParamTable t = [] {
     ParamTable s{"soft body", "Deformable body of tetrahedra.", solid_params()};
-    s.params.push_back(flag("self_contact", "false", "whether the body can touch itself"));
+    s.params.push_back(flag("self_contact", "false", "Whether the body can touch itself."));
     return s;
   }();
   return t;
@@ -153,9 +163,9 @@ const ParamTable& stiff_table() {
 const ParamTable& half_space_table() {
   static const ParamTable t{"half space",
                             "Everything behind a plane is solid and does not move.",
-                            {body_type(), vector("point", Unit::length, "[0, 0, 0]", "a point of the plane"),
-                             vector("normal", Unit::none, "[0, 0, 1]", "direction out of the solid, of any length but zero"),
-                             always(table("visual", &visual_table(), "appearance in pictures"))}};
+                            {body_type(), vector("point", Unit::length, "[0, 0, 0]", "A point of the plane."),
+                             vector("normal", Unit::none, "[0, 0, 1]", "Direction out of the solid, of any length but zero."),
+                             always(table("visual", &visual_table(), "Appearance in pictures."))}};
   return t;
 }
 const ParamTable& body_table() {
@@ -167,16 +177,16 @@ const ParamTable& solver_table() {
   static const ParamTable t{
       "solver",
       "When a step counts as solved, and how its linear systems are solved.",
-      {number("force_tolerance", Unit::force, "1e-9 N", 0, "a step has converged when no residual force is larger"),
-       below(number("relative_tolerance", Unit::none, "1e-6", 0, "or when none is larger than this share of the largest force"), 1),
-       number("step_tolerance", Unit::length, "0 m", 0, "when positive, the last Newton step must not have moved anything further"),
-       number("step_tolerance", Unit::length, "0 m", 0, "and, when above zero, the last Newton step moved nothing further than this"),
-       integer("iterations", "100", 1, 100000, "most Newton iterations of one step"),
-       choice("linear", {"auto", "direct", "cg"}, "auto", "linear solver: Cholesky, or preconditioned conjugate gradients"),
-       below(positive(number("cg_tolerance", Unit::none, "1e-8", 0, "relative residual at which conjugate gradients stop")), 1),
-       integer("cg_iterations", "10000", 1, 1e9, "most conjugate gradient iterations of one linear system"),
-       integer("cg_iterations", "10000", 1, 10000000, "most iterations of one linear solve by conjugate gradients"),
-       integer("halvings", "6", 0, 30, "how often a failed step is tried again with half its length")}};
+      {number("force_tolerance", Unit::force, "1e-9 N", 0, "A step has converged when no residual force is larger."),
+       below(number("relative_tolerance", Unit::none, "1e-6", 0, "Or when none is larger than this share of the largest force."),
+             1),
+       number("step_tolerance", Unit::length, "0 m", 0,
+              "And, when above zero, the last Newton step moved nothing further than this."),
+       integer("iterations", "100", 1, 100000, "Most Newton iterations of one step."),
+       choice("linear", {"auto", "direct", "cg"}, "auto", "Linear solver: Cholesky, or preconditioned conjugate gradients."),
+       below(positive(number("cg_tolerance", Unit::none, "1e-8", 0, "Relative residual at which conjugate gradients stop.")), 1),
+       integer("cg_iterations", "10000", 1, 10000000, "Most iterations of one linear solve by conjugate gradients."),
+       integer("halvings", "6", 0, 30, "How often a failed step is tried again with half its length.")}};
   return t;
 }
 
@@ -184,9 +194,9 @@ const ParamTable& output_table() {
   static const ParamTable t{
       "output",
       "What a run writes.",
-      {optional(of(Kind::names, "fields", Unit::none, {}, "names of the fields to keep; absent keeps all")),
-       choice("precision", {"single", "double"}, "single", "floating-point format of the fields"),
-       flag("pictures", "true", "whether frames are rendered when the scene has a `render` block")}};
+      {optional(of(Kind::names, "fields", Unit::none, {}, "Names of the fields to keep; absent keeps all.")),
+       choice("precision", {"single", "double"}, "single", "Floating-point format of the fields."),
+       flag("pictures", "true", "Whether frames are rendered when the scene has a `render` block.")}};
   return t;
 }
 
@@ -194,31 +204,39 @@ const ParamTable& camera_table() {
   static const ParamTable t{
       "camera",
       "One picture per frame.",
-      {vector("position", Unit::length, {}, "where the camera stands"), vector("look_at", Unit::length, {}, "point in the middle of the picture"),
-       vector("up", Unit::none, "[0, 0, 1]", "direction that is up in the picture"),
-       choice("model", {"pinhole", "fisheye"}, "pinhole", "projection; fisheye: the angle from the axis is proportional to the distance from the middle"),
-       positive(range(number("fov", Unit::angle, "35 deg", 0, "field of view: of the height (pinhole, below 180 deg), of the image circle (fisheye)"), 0, 6.2831853071796)),
-       optional(of(Kind::names, "hide", Unit::none, {}, "names of bodies that this camera does not see")),
-       range(optional(of(Kind::vec3, "background", Unit::none, {}, "background colour of this camera; absent takes that of `render`")), 0, 1),
-       optional(of(Kind::text, "colour_by", Unit::none, {}, "field that colours the bodies")),
-       optional(of(Kind::numbers, "range", Unit::any, {}, "values at the two ends of the colour scale; absent takes the run's extremes")),
-       optional(of(Kind::text, "unit", Unit::none, {}, "unit of the numbers at the colour scale"))}};
+      {vector("position", Unit::length, {}, "Where the camera stands."),
+       vector("look_at", Unit::length, {}, "Point in the middle of the picture."),
+       vector("up", Unit::none, "[0, 0, 1]", "Direction that is up in the picture."),
+       choice("model", {"pinhole", "fisheye"}, "pinhole",
+              "Projection; fisheye: the angle from the axis is proportional to the distance from the middle."),
+       positive(range(number("fov", Unit::angle, "35 deg", 0,
+                             "Field of view: of the height (pinhole, below 180 deg), of the image circle (fisheye)."),
+                      0, 6.2831853071796)),
+       optional(of(Kind::names, "hide", Unit::none, {}, "Names of bodies that this camera does not see.")),
+       range(optional(of(Kind::vec3, "background", Unit::none, {},
+                         "Background colour of this camera; absent takes that of `render`.")),
+             0, 1),
+       optional(of(Kind::text, "colour_by", Unit::none, {}, "Field that colours the bodies.")),
+       optional(of(Kind::numbers, "range", Unit::any, {},
+                   "Values at the two ends of the colour scale; absent takes the run's extremes.")),
+       optional(of(Kind::text, "unit", Unit::none, {}, "Unit of the numbers at the colour scale."))}};
   return t;
 }
 const ParamTable& render_table() {
   static const ParamTable t{"render",
                             "Pictures of the run.",
-                            {integer("width", "1280", 16, 16384, "width of the pictures in pixels"),
-                             integer("height", "720", 16, 16384, "height of the pictures in pixels"),
-                             range(vector("background", Unit::none, "[1, 1, 1]", "background colour: red, green, blue"), 0, 1),
-                             map("cameras", &camera_table(), "cameras by name")}};
+                            {integer("width", "1280", 16, 16384, "Width of the pictures in pixels."),
+                             integer("height", "720", 16, 16384, "Height of the pictures in pixels."),
+                             range(vector("background", Unit::none, "[1, 1, 1]", "Background colour: red, green, blue."), 0, 1),
+                             map("cameras", &camera_table(), "Cameras by name.")}};
   return t;
 }
 
 }  // namespace
 
 const Variants* variants_of(const ParamTable& t) {
-  static const Variants body{&body_table(), "type", {{"soft", &soft_table()}, {"stiff", &stiff_table()}, {"half_space", &half_space_table()}}};
+  static const Variants body{
+      &body_table(), "type", {{"soft", &soft_table()}, {"stiff", &stiff_table()}, {"half_space", &half_space_table()}}};
   return &t == body.table ? &body : nullptr;
 }
 
@@ -232,16 +250,16 @@ SceneTables::SceneTables(std::span<const EffectTable> effects) {
   }
   root_.name = "scene";
   root_.help = "A mortise scene.";
-  root_.params = {integer("mortise", {}, kFormatVersion, kFormatVersion, "version of the scene format"),
-                  text("name", "scene", "short name of the scene: a-z, 0-9, _ and -"),
-                  text("description", "\"\"", "one line on what happens"),
-                  required(table("time", &time_table(), "steps of the simulation")),
-                  map("materials", &material_table(), "materials by name"),
-                  map("bodies", &body_table(), "bodies by name"),
-                  required(table("effects", &effects_, "the physics: what is not named here does not exist")),
-                  always(table("solver", &solver_table(), "accuracy and effort of the solver")),
-                  always(table("output", &output_table(), "what a run writes")),
-                  table("render", &render_table(), "pictures of the run")};
+  root_.params = {integer("mortise", {}, kFormatVersion, kFormatVersion, "Version of the scene format."),
+                  text("name", "scene", "Short name of the scene: a-z, 0-9, _ and -."),
+                  text("description", "\"\"", "One line on what happens."),
+                  required(table("time", &time_table(), "Steps of the simulation.")),
+                  map("materials", &material_table(), "Materials by name."),
+                  map("bodies", &body_table(), "Bodies by name."),
+                  required(table("effects", &effects_, "The physics: what is not named here does not exist.")),
+                  always(table("solver", &solver_table(), "Accuracy and effort of the solver.")),
+                  always(table("output", &output_table(), "What a run writes.")),
+                  table("render", &render_table(), "Pictures of the run.")};
   for (Param& p : root_.params)
     if (p.key == "materials") p.fallback = "{}";
 }

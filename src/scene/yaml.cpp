@@ -38,7 +38,8 @@ class Builder : public YAML::EventHandler {
     no_tag(tag, mark);
     put(std::move(n), anchor);
   }
-  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
     no_tag(tag, mark);
     open(make(Node::Kind::list, mark), anchor);
   }

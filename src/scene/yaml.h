@@ -12,12 +12,12 @@ namespace mortise::scene {
 struct Node {
   enum class Kind { null, scalar, list, map };
   Kind kind = Kind::null;
-  std::string text;     // scalar
-  bool quoted = false;  // scalar in quotes (or a block scalar): text, never a number
-  SourceLoc at;         // the value
-  SourceLoc key_at;     // its key, or the value itself in a list
-  std::vector<Node> items;                           // list
-  std::vector<std::pair<std::string, Node>> entries; // map, in file order
+  std::string text;                                   // scalar
+  bool quoted = false;                                // scalar in quotes (or a block scalar): text, never a number
+  SourceLoc at;                                       // the value
+  SourceLoc key_at;                                   // its key, or the value itself in a list
+  std::vector<Node> items;                            // list
+  std::vector<std::pair<std::string, Node>> entries;  // map, in file order
 
   const Node* find(const std::string& key) const;
   Node* find(const std::string& key);

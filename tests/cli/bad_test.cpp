@@ -31,7 +31,8 @@ TEST_P(Bad, MessageIsAsExpected) {
   std::string arguments = "check " + scene;
   std::istringstream lines(read_text(kFolder + "/" + scene));
   const std::string mark = "# --set ";
-  for (std::string line; std::getline(lines, line) && line.rfind(mark, 0) == 0;) arguments += " --set " + quoted(line.substr(mark.size()));
+  for (std::string line; std::getline(lines, line) && line.rfind(mark, 0) == 0;)
+    arguments += " --set " + quoted(line.substr(mark.size()));
 
   const Result r = mortise(arguments, kFolder);
   EXPECT_EQ(r.out, "") << "results only on stdout";

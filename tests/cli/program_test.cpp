@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "../scene/check_table.h"
+#include "cli/commands.h"
 #include "program.h"
 
 namespace mortise::cli {
@@ -68,7 +70,8 @@ TEST(Program, AFullDiskIsAFileError) {
 TEST(Program, BrokenPipeEndsQuietly) {
   const std::string folder = fs::temp_directory_path(), err = folder + "/mortise_pipe_" + std::to_string(getpid());
   // bash reports the exit code of the left side; `true` reads nothing.
-  const std::string command = "bash -c " + quoted(quoted(kProgram) + " schema 2>" + quoted(err) + " | (sleep 0.2; true); exit ${PIPESTATUS[0]}");
+  const std::string command =
+      "bash -c " + quoted(quoted(kProgram) + " schema 2>" + quoted(err) + " | (sleep 0.2; true); exit ${PIPESTATUS[0]}");
   EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 0);
   EXPECT_EQ(read_text(err), "");
   fs::remove(err);
@@ -81,7 +84,9 @@ TEST(Program, ColourOnlyWhenAskedOrOnATerminal) {
   if (std::system("command -v script >/dev/null") != 0) GTEST_SKIP() << "no `script` here to make a terminal";
   const auto on_terminal = [](const std::string& environment) {
     const std::string file = fs::temp_directory_path() / ("mortise_tty_" + std::to_string(getpid()));
-    const int status = std::system(("script -qc " + quoted("env " + environment + " " + kProgram + " check no_such.yaml") + " /dev/null >" + quoted(file)).c_str());
+    const int status = std::system(
+        ("script -qc " + quoted("env " + environment + " " + kProgram + " check no_such.yaml") + " /dev/null >" + quoted(file))
+            .c_str());
     EXPECT_EQ(status, 0);
     const std::string seen = read_text(file);
     fs::remove(file);
@@ -91,6 +96,15 @@ TEST(Program, ColourOnlyWhenAskedOrOnATerminal) {
   EXPECT_TRUE(on_terminal("-u NO_COLOR TERM=xterm"));
   EXPECT_FALSE(on_terminal("NO_COLOR=1 TERM=xterm"));
   EXPECT_FALSE(on_terminal("-u NO_COLOR TERM=dumb"));
+}
+
+TEST(Program, ASceneAloneIsRun) {
+  const fs::path out = fs::temp_directory_path() / ("mortise_run_" + std::to_string(getpid()));
+  const Result r = mortise(kScene + " -q -o " + quoted(out));
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_TRUE(fs::exists(out / "run.json"));
+  EXPECT_EQ(mortise("-q -o " + quoted(out) + " --overwrite " + kScene).code, 0);
+  fs::remove_all(out);
 }
 
 TEST(Check, SummarisesOnStdout) {
@@ -154,6 +168,11 @@ TEST(Schema, DescribesUnitsAndForbidsUnknownKeys) {
   const auto& effects = schema["properties"]["effects"];
   EXPECT_EQ(effects["additionalProperties"], false);
   EXPECT_TRUE(effects["properties"].contains("gravity"));
+}
+
+TEST(Effects, TablesAreSound) {
+  const std::vector<scene::EffectTable> effects = effect_tables();
+  scene::check_table(scene::SceneTables(effects).root(), "scene");
 }
 
 TEST(Effects, ListAndExplain) {

@@ -12,6 +12,8 @@
 #include "scene/quantity.h"
 #include "scene/schema.h"
 #include "scene/suggest.h"
+#include "scene/tables.h"
+#include "check_table.h"
 
 namespace mortise::scene {
 namespace {
@@ -22,22 +24,28 @@ using namespace param;
 using Kind = Param::Kind;
 
 const ParamTable kSpin{"spin", "", {of(Kind::numbers, "angle", Unit::angle, {}, "Angles.")}};
-const ParamTable kMove{"move",
-                       "",
-                       {of(Kind::text, "body", Unit::none, {}, "Body."), of(Kind::numbers, "time", Unit::time, {}, "Times."),
-                        optional(of(Kind::vec3s, "translation", Unit::length, {}, "Translations.")), table("spin", &kSpin, "Rotation.")}};
+const ParamTable kMove{
+    "move",
+    "",
+    {of(Kind::text, "body", Unit::none, {}, "Body."), of(Kind::numbers, "time", Unit::time, {}, "Times."),
+     optional(of(Kind::vec3s, "translation", Unit::length, {}, "Translations.")), table("spin", &kSpin, "Rotation.")}};
 const ParamTable kMoves = [] {
   ParamTable t = kMove;
   t.is_list = true;
   return t;
 }();
 const ParamTable kEmpty{"inertia", "", {}};
-const ParamTable kLoad{"load",
-                       "",
-                       {of(Kind::schedule, "pressure", Unit::pressure, "0", "Pressure."), optional(of(Kind::text, "follows", Unit::none, {}, "Effect.")),
-                        optional(of(Kind::pairs, "pairs", Unit::none, {}, "Pairs.")), range(number("mu", Unit::none, "0.5", 0, "Coefficient."), 0, 10),
-                        of(Kind::flag, "on", Unit::none, "true", "Switch.")}};
-const std::vector<EffectTable> kEffects{{"inertia", "", &kEmpty}, {"elasticity", "", &kEmpty}, {"affine_body", "", &kEmpty}, {"load", "", &kLoad}, {"move", "", &kMoves}};
+const ParamTable kLoad{
+    "load",
+    "",
+    {of(Kind::schedule, "pressure", Unit::pressure, "0", "Pressure."),
+     optional(of(Kind::text, "follows", Unit::none, {}, "Effect.")), optional(of(Kind::pairs, "pairs", Unit::none, {}, "Pairs.")),
+     range(number("mu", Unit::none, "0.5", 0, "Coefficient."), 0, 10), of(Kind::flag, "on", Unit::none, "true", "Switch.")}};
+const std::vector<EffectTable> kEffects{{"inertia", "One.", &kEmpty},
+                                        {"elasticity", "Two.", &kEmpty},
+                                        {"affine_body", "Three.", &kEmpty},
+                                        {"load", "Four.", &kLoad},
+                                        {"move", "Five.", &kMoves}};
 
 const std::string kBase = R"(mortise: 1
 time: {step: 5 ms, steps: 3}
@@ -49,7 +57,9 @@ effects:
   elasticity:
 )";
 
-Params read(const std::string& text, const std::vector<std::string>& set = {}) { return read_scene_text(text, "s.yaml", set, kEffects).root; }
+Params read(const std::string& text, const std::vector<std::string>& set = {}) {
+  return read_scene_text(text, "s.yaml", set, kEffects).root;
+}
 
 // The whole message; "" when the scene is fine.
 std::string message(const std::string& text, const std::vector<std::string>& set = {}) {
@@ -94,9 +104,12 @@ TEST(Scene, OneBlockIsAListOfOne) {
 }
 
 TEST(Scene, ListsThatBelongToTimesHaveTheirLength) {
-  EXPECT_THAT(message(kBase + "  move: {body: ball, time: [0, 1], translation: [[0, 0, 0]]}\n"), HasSubstr("translation has 1 entries"));
-  EXPECT_THAT(message(kBase + "  move: {body: ball, time: [0, 1], spin: {angle: [0, 1, 2]}}\n"), HasSubstr("spin.angle has 3 entries"));
-  EXPECT_THAT(message(kBase + "  move: {body: ball, time: [0, 0]}\n"), HasSubstr("s.yaml:9:32: error: effects.move.time must increase"));
+  EXPECT_THAT(message(kBase + "  move: {body: ball, time: [0, 1], translation: [[0, 0, 0]]}\n"),
+              HasSubstr("translation has 1 entries"));
+  EXPECT_THAT(message(kBase + "  move: {body: ball, time: [0, 1], spin: {angle: [0, 1, 2]}}\n"),
+              HasSubstr("spin.angle has 3 entries"));
+  EXPECT_THAT(message(kBase + "  move: {body: ball, time: [0, 0]}\n"),
+              HasSubstr("s.yaml:9:32: error: effects.move.time must increase"));
 }
 
 TEST(Scene, ReportsAllErrorsInTheOrderOfTheFile) {
@@ -119,9 +132,11 @@ TEST(Scene, UnknownKeysAreErrorsExceptPrivateOnes) {
 }
 
 TEST(Scene, AliasesRepeatABlock) {
-  const Params s = read("mortise: 1\nx-r: &r {sphere: {radius: 1 m, edge_length: 0.5 m}}\ntime: {step: 1, steps: 1}\n"
-                        "materials: {m: {density: 1}}\nbodies:\n  a: {type: stiff, shape: *r, material: m}\n  b: {type: stiff, shape: *r, material: m}\n"
-                        "effects: {inertia: {}, affine_body: {}}\n");
+  const Params s = read(
+      "mortise: 1\nx-r: &r {sphere: {radius: 1 m, edge_length: 0.5 m}}\ntime: {step: 1, steps: 1}\n"
+      "materials: {m: {density: 1}}\nbodies:\n  a: {type: stiff, shape: *r, material: m}\n  b: {type: stiff, shape: *r, "
+      "material: m}\n"
+      "effects: {inertia: {}, affine_body: {}}\n");
   EXPECT_EQ(s.at("bodies").at("b").at("shape").at("sphere").number("radius"), 1);
 }
 
@@ -139,8 +154,9 @@ TEST(Scene, AliasBombIsRefused) {
 TEST(Scene, DeepNestingIsRefused) { EXPECT_THAT(message(std::string(100000, '[')), HasSubstr("s.yaml:1:")); }
 
 TEST(Scene, StiffBodiesNeedAnEffectUnlessFullyPinned) {
-  const std::string text = "mortise: 1\ntime: {mode: static, steps: 1}\nmaterials: {m: {density: 1}}\nbodies:\n"
-                           "  a: {type: stiff, shape: {sphere: {radius: 1 m, edge_length: 0.5 m}}, material: m}\neffects: {elasticity: {}}\n";
+  const std::string text =
+      "mortise: 1\ntime: {mode: static, steps: 1}\nmaterials: {m: {density: 1}}\nbodies:\n"
+      "  a: {type: stiff, shape: {sphere: {radius: 1 m, edge_length: 0.5 m}}, material: m}\neffects: {elasticity: {}}\n";
   EXPECT_THAT(message(text), HasSubstr("stiff body 'a' needs the effect 'affine_body'"));
   EXPECT_EQ(message(text, {"effects.affine_body={}"}), "");
 }
@@ -156,7 +172,8 @@ TEST(Scene, FollowsCitesBothPlaces) {
 TEST(Scene, PairsNameBodies) {
   EXPECT_EQ(message(kBase + "  load: {pairs: [[ball, ball]]}\n"), "");
   EXPECT_THAT(message(kBase + "  load: {pairs: [[ball, bal]]}\n"), HasSubstr("effects.load.pairs.0.1: no body 'bal'"));
-  EXPECT_THAT(message(kBase + "  load: {pairs: [[ball]]}\n"), HasSubstr("effects.load.pairs.0 has 1 entries; must be [name, name]"));
+  EXPECT_THAT(message(kBase + "  load: {pairs: [[ball]]}\n"),
+              HasSubstr("effects.load.pairs.0 has 1 entries; must be [name, name]"));
 }
 
 TEST(Scene, PathsResolveAgainstTheScene) {
@@ -175,8 +192,9 @@ TEST(Scene, PathsResolveAgainstTheScene) {
 }
 
 TEST(Scene, ResolvedTextReadsBack) {
-  const Params s = read(kBase + "  load: {pressure: {time: [0, 0.1], value: [0, 3 kPa]}, pairs: [[ball, ball]]}\n"
-                                "  move: [{body: ball, time: [0], spin: {angle: [30 deg]}}]\ndescription: 'no: \"quotes\" # here'\n");
+  const Params s = read(kBase +
+                        "  load: {pressure: {time: [0, 0.1], value: [0, 3 kPa]}, pairs: [[ball, ball]]}\n"
+                        "  move: [{body: ball, time: [0], spin: {angle: [30 deg]}}]\ndescription: 'no: \"quotes\" # here'\n");
   const std::string text = to_yaml(s);
   EXPECT_EQ(to_yaml(read(text)), text);
   EXPECT_EQ(read(text).at("effects").at("move").items()[0].at("spin").numbers("angle")[0], std::numbers::pi / 6);
@@ -184,8 +202,9 @@ TEST(Scene, ResolvedTextReadsBack) {
 
 TEST(Overrides, ReachEveryKindOfPlace) {
   const std::string text = kBase + "  move: {body: ball, time: [0, 1], translation: [[0, 0, 0], [0, 0, 1]]}\n";
-  const Params s = read(text, {"time.steps=9", "solver.iterations=5", "bodies.ball.velocity.2=-1 mm/s", "effects.move.0.translation.1.0=7",
-                               "effects.load={mu: 2}", "bodies.ball.shape.sphere.radius=9 mm", "effects.load.mu=3"});
+  const Params s =
+      read(text, {"time.steps=9", "solver.iterations=5", "bodies.ball.velocity.2=-1 mm/s", "effects.move.0.translation.1.0=7",
+                  "effects.load={mu: 2}", "bodies.ball.shape.sphere.radius=9 mm", "effects.load.mu=3"});
   EXPECT_EQ(s.at("time").integer("steps"), 9);
   EXPECT_EQ(s.at("solver").integer("iterations"), 5);
   EXPECT_EQ(s.at("bodies").at("ball").vec3("velocity"), Vec3(0, 0, -1e-3));
@@ -199,7 +218,7 @@ TEST(Overrides, ErrorsCiteTheFlagAndTheLineItReplaces) {
   EXPECT_THAT(m, HasSubstr("--set time.steps=0: error: time.steps is 0; must be in [1, "));
   EXPECT_THAT(m, HasSubstr("s.yaml:2:27: note: the value it replaces"));
   EXPECT_THAT(message(kBase, {"bodies.bal.velocity=[0, 0, 0]"}), HasSubstr("did you mean 'ball'?"));
-  EXPECT_THAT(message(kBase, {"effects.load.mu=3"}), HasSubstr("the scene does not have the effect 'load'"));
+  EXPECT_THAT(message(kBase, {"effects.load.mu=3"}), HasSubstr("the scene does not list the effect 'load'"));
   EXPECT_THROW(read(kBase, {"time"}), Error);
 }
 
@@ -215,7 +234,8 @@ TEST(Quantity, PowersOfTenAreExact) {
 }
 
 TEST(Quantity, RefusesWhatIsNoFiniteNumberOfTheUnit) {
-  for (const char* bad : {"", "m", "1 kPa", "1 m m", "1..2", "0x10", "010", "1e999", ".inf", "nan", "1,5", "1_000", "1 2", "--1", "1e", "5 Mm"})
+  for (const char* bad :
+       {"", "m", "1 kPa", "1 m m", "1..2", "0x10", "010", "1e999", ".inf", "nan", "1,5", "1_000", "1 2", "--1", "1e", "5 Mm"})
     EXPECT_NE(parse_quantity(bad, Unit::length).error, "") << bad;
   EXPECT_NE(parse_quantity("1 m", Unit::none).error, "");
   EXPECT_EQ(parse_quantity("1e-999", Unit::none).value, 0);
@@ -228,6 +248,8 @@ TEST(Numbers, OnlyPlainScalarsAreNumbersAndFlags) {
     EXPECT_THAT(message(kBase + "  load: {on: " + bad + "}\n"), HasSubstr("must be true or false")) << bad;
   EXPECT_THAT(message(kBase + "  load: {mu: 10.5}\n"), HasSubstr("must be in [0, 10]"));
 }
+
+TEST(Tables, HaveUniqueKeysAndValidDefaults) { check_table(SceneTables(kEffects).root(), "scene"); }
 
 TEST(Suggest, FindsTypingErrorsOnly) {
   EXPECT_EQ(edit_distance("abcd", "abdc"), 1);
