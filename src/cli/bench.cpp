@@ -1,19 +1,25 @@
 // mortise bench: named benchmarks with known answers.
 #include <fmt/format.h>
 
+#include <fstream>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "output/hardware.h"
+#include "run/device_choice.h"
 #include "scene/suggest.h"
+#include "study/benchmark.h"
 #include "study/ccd_bench.h"
 
 namespace mortise::cli {
 namespace {
 
 struct Options {
-  std::string name, data;
+  std::string name, data, result;
+  std::vector<std::string> sets;
+  int threads = 0;
   bool json = false, list = false;
 };
 
@@ -32,23 +38,42 @@ int bench_ccd(const Options& o) {
   return static_cast<int>(result.point_triangle.false_negatives + result.edge_edge.false_negatives == 0 ? Exit::done : Exit::solve);
 }
 
-struct Benchmark {
-  const char* name;
-  const char* help;
-  int (*run)(const Options&);
-};
-constexpr Benchmark kBenchmarks[] = {{"ccd", "continuous collision detection against queries with exact answers (--data DIR)", bench_ccd}};
+// What a committed result looks like: the rows and the machine they were measured on.
+void write_result(const std::string& path, const std::string& name, const std::vector<study::Row>& rows) {
+  const output::Hardware machine = output::hardware();
+  nlohmann::ordered_json j{{"benchmark", name},
+                           {"program", version_text()},
+                           {"machine", {{"cpu", machine.cpu}, {"cores", machine.cores}, {"memory_bytes", machine.memory_bytes}}},
+                           {"rows", nlohmann::ordered_json::array()}};
+  for (const study::Row& row : rows) j["rows"].push_back(nlohmann::ordered_json::parse(study::json_line(row)));
+  std::ofstream file(path);
+  file << j.dump(1) << "\n";
+  if (!file.flush()) throw Error(Exit::file, "cannot write '" + path + "'");
+}
+
+int bench_named(const Options& o, const study::Benchmark& benchmark) {
+  device::DeviceInfo device;
+  run::choose_device("cpu", o.threads, device);
+  if (!o.json) std::cout << study::table_header();
+  const auto rows = study::run_benchmark(benchmark, o.sets, [&](const study::Row& row) { std::cout << (o.json ? study::json_line(row) + "\n" : study::table_line(row)) << std::flush; });
+  if (!o.result.empty()) write_result(o.result, o.name, rows);
+  for (const study::Row& row : rows)
+    if (!row.pass()) return static_cast<int>(Exit::solve);
+  return static_cast<int>(Exit::done);
+}
+
+constexpr const char* kCcdHelp = "continuous collision detection against queries with exact answers (--data DIR)";
 
 int cmd_bench(const Options& o) {
+  std::vector<std::string> names{"ccd"};
+  for (const study::Benchmark& b : study::benchmarks()) names.push_back(b.name);
   if (o.list) {
-    for (const Benchmark& b : kBenchmarks) std::cout << fmt::format("{:12} {}\n", b.name, b.help);
+    for (const study::Benchmark& b : study::benchmarks()) std::cout << fmt::format("{:12} {}\n", b.name, b.help);
+    std::cout << fmt::format("{:12} {}\n", "ccd", kCcdHelp);
     return 0;
   }
-  std::vector<std::string> names;
-  for (const Benchmark& b : kBenchmarks) {
-    if (o.name == b.name) return b.run(o);
-    names.push_back(b.name);
-  }
+  if (o.name == "ccd") return bench_ccd(o);
+  if (const study::Benchmark* b = study::find_benchmark(o.name)) return bench_named(o, *b);
   if (o.name.empty()) throw Error(Exit::usage, "name a benchmark; see 'mortise bench --list'");
   throw Error(Exit::usage, "no benchmark '" + o.name + "'\n  " + scene::suggestion(o.name, names));
 }
@@ -61,8 +86,11 @@ void add_bench(CLI::App& app, Context& context) {
   sub->add_option("name", o->name, "which; see --list");
   sub->add_flag("--list", o->list, "list the benchmarks");
   sub->add_option("--data", o->data, "folder with the benchmark's data");
-  sub->add_flag("--json", o->json, "one JSON object per case");
-  sub->footer("Examples:\n  mortise bench --list\n  mortise bench ccd --data queries --json");
+  sub->add_flag("--json", o->json, "one JSON object per row");
+  sub->add_option("--set", o->sets, "value of the benchmark's scene (a.b=c) or an option of its own (methods=gmcp_consistent,ipc_classic; size=medium)");
+  sub->add_option("--result", o->result, "also write the rows and the machine to this file");
+  sub->add_option("--threads", o->threads, "CPU threads; 0: what the machine grants");
+  sub->footer("Examples:\n  mortise bench --list\n  mortise bench patch\n  mortise bench hertz --set size=medium --json\n  mortise bench ccd --data queries --json");
   sub->callback([o, &context] { context.action = [o] { return cmd_bench(*o); }; });
 }
 

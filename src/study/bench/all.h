@@ -1,0 +1,12 @@
+#pragma once
+#include "study/benchmark.h"
+
+namespace mortise::study::bench {
+
+void barrier(const Bench&);
+void patch(const Bench&);
+void hertz(const Bench&);
+void tower(const Bench&);
+void slide(const Bench&);
+
+}  // namespace mortise::study::bench

@@ -1,0 +1,4 @@
+#include "study/bench/all.h"
+namespace mortise::study::bench {
+void slide(const Bench&) {}
+}

@@ -1,0 +1,82 @@
+#include "study/benchmark.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "study/bench/all.h"
+
+namespace mortise::study {
+
+Bench::Bench(std::string scene, const std::vector<std::string>& sets, std::function<void(const Row&)> emit) : scene_(std::move(scene)), emit_(std::move(emit)) {
+  for (const std::string& s : sets) {
+    const std::size_t eq = s.find('=');
+    if (eq == std::string::npos || eq == 0) throw Error(Exit::usage, "--set " + s + ": write key=value");
+    const std::string key = s.substr(0, eq), value = s.substr(eq + 1);
+    if (key.find('.') == std::string::npos)
+      options_.emplace_back(key, value);
+    else
+      scene_.set(key, value);
+  }
+}
+
+std::string Bench::option(const std::string& key, const std::string& fallback) const {
+  std::string value = fallback;
+  for (const auto& [k, v] : options_)
+    if (k == key) value = v;
+  return value;
+}
+
+std::vector<Method> Bench::methods() const {
+  const std::string wanted = option("methods", "");
+  if (wanted.empty()) return study::methods();
+  std::vector<Method> out;
+  std::string rest = wanted + ",";
+  for (std::size_t comma; (comma = rest.find(',')) != std::string::npos; rest.erase(0, comma + 1)) {
+    const std::string name = rest.substr(0, comma);
+    const auto& all = study::methods();
+    const auto it = std::find_if(all.begin(), all.end(), [&](const Method& m) { return m.name == name; });
+    if (it == all.end()) {
+      std::string known;
+      for (const Method& m : all) known += (known.empty() ? "" : ", ") + m.name;
+      throw Error(Exit::usage, "--set methods: no method '" + name + "'; there are " + known);
+    }
+    out.push_back(*it);
+  }
+  return out;
+}
+
+const Benchmark* find_benchmark(const std::string& name) {
+  for (const Benchmark& b : benchmarks())
+    if (name == b.name) return &b;
+  return nullptr;
+}
+
+std::span<const Benchmark> benchmarks() {
+  static const Benchmark all[] = {
+      {"barrier", "gap of a block on a plane under uniform pressure (B27)", {}, bench::barrier},
+      {"patch", "uniform stress through two blocks with matching and other meshes (B01, B02, B05)", {}, bench::patch},
+      {"hertz", "sphere on a block: pressure, its peak, contact radius (B07)", {"size"}, bench::hertz},
+      {"tower", "forces and gaps in a stack of blocks under gravity (B26)", {}, bench::tower},
+      {"slide", "drag of a block on a tessellated plane without friction (H58)", {}, bench::slide},
+  };
+  return all;
+}
+
+std::vector<Row> run_benchmark(const Benchmark& benchmark, const std::vector<std::string>& sets, const std::function<void(const Row&)>& emit) {
+  for (const std::string& s : sets) {
+    const std::string key = s.substr(0, s.find('='));
+    if (key.find('.') != std::string::npos || key == "methods") continue;
+    if (std::find(benchmark.options.begin(), benchmark.options.end(), key) != benchmark.options.end()) continue;
+    std::string known = "methods";
+    for (const std::string& o : benchmark.options) known += ", " + o;
+    throw Error(Exit::usage, "benchmark '" + std::string(benchmark.name) + "' has no option '" + key + "'; it has " + known + " and the values of its scene (a.b=c)");
+  }
+  std::vector<Row> rows;
+  benchmark.run(Bench(benchmark_scene(benchmark.name), sets, [&](const Row& row) {
+    rows.push_back(row);
+    if (emit) emit(row);
+  }));
+  return rows;
+}
+
+}  // namespace mortise::study

@@ -1,0 +1,97 @@
+#include "study/meshes.h"
+
+#include <cmath>
+#include <random>
+
+namespace mortise::study {
+namespace {
+
+using Grid = std::array<std::size_t, 3>;  // nodes along every axis
+
+// Six tetrahedra per cell around the diagonal from the corner `from` (0 or 1 per axis) to the opposite one. The first
+// axis runs fastest in `points`.
+std::vector<Tet> split(const Grid& n, const std::array<int, 3>& from) {
+  constexpr int order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+  const bool mirrored = (from[0] + from[1] + from[2]) % 2;
+  std::vector<Tet> tets;
+  for (std::size_t k = 0; k + 1 < n[2]; ++k)
+    for (std::size_t j = 0; j + 1 < n[1]; ++j)
+      for (std::size_t i = 0; i + 1 < n[0]; ++i)
+        for (int o = 0; o < 6; ++o) {
+          std::array<int, 3> at = from;
+          Tet t;
+          for (int v = 0; v < 4; ++v) {
+            if (v > 0) at[order[o][v - 1]] = 1 - from[order[o][v - 1]];
+            t.v[v] = static_cast<Index>(i + at[0] + n[0] * (j + at[1] + n[1] * (k + at[2])));
+          }
+          const bool odd = o == 1 || o == 2 || o == 5;  // permutation of the axes
+          if (odd != mirrored) std::swap(t.v[2], t.v[3]);
+          tets.push_back(t);
+        }
+  return tets;
+}
+
+}  // namespace
+
+std::vector<double> graded(double h, int fine, int coarse, double end) {
+  std::vector<double> x{0};
+  if (coarse == 0) h = end / fine;
+  for (int i = 1; i <= fine; ++i) x.push_back(h * i);
+  if (coarse == 0) return x;
+  // h (q + q^2 + ... + q^coarse) = end - h fine
+  const double wanted = end / h - fine;
+  double lo = 1e-3, hi = 1e3;
+  for (int it = 0; it < 200; ++it) {
+    const double q = std::sqrt(lo * hi);
+    double sum = 0;
+    for (int i = 1; i <= coarse; ++i) sum += std::pow(q, i);
+    (sum < wanted ? lo : hi) = q;
+  }
+  const double q = std::sqrt(lo * hi);
+  for (int i = 1; i <= coarse; ++i) x.push_back(x.back() + h * std::pow(q, i));
+  x.back() = end;
+  return x;
+}
+
+geometry::TetMesh grid_block(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z) {
+  geometry::TetMesh mesh;
+  for (double c : z)
+    for (double b : y)
+      for (double a : x) mesh.points.push_back({a, b, c});
+  mesh.tets = split({x.size(), y.size(), z.size()}, {0, 0, 0});
+  return mesh;
+}
+
+geometry::TetMesh jittered_block(const Vec3& lo, const Vec3& hi, const std::array<int, 3>& cells, double jitter, std::uint32_t seed) {
+  std::vector<double> planes[3];
+  for (int a = 0; a < 3; ++a) {
+    for (int i = 0; i < cells[a]; ++i) planes[a].push_back(lo[a] + (hi[a] - lo[a]) * i / cells[a]);
+    planes[a].push_back(hi[a]);
+  }
+  geometry::TetMesh mesh = grid_block(planes[0], planes[1], planes[2]);
+  std::mt19937 random(seed);
+  for (Vec3& x : mesh.points)
+    for (int a = 0; a < 3; ++a) {
+      const double u = 2 * (static_cast<double>(random()) / 4294967295.0) - 1;  // the same everywhere, unlike std distributions
+      if (x[a] > lo[a] && x[a] < hi[a]) x[a] += jitter * u * (hi[a] - lo[a]) / cells[a];
+    }
+  return mesh;
+}
+
+geometry::TetMesh ball_octant(double radius, const std::vector<double>& s, const std::vector<double>& t) {
+  geometry::TetMesh mesh;
+  for (auto w = t.rbegin(); w != t.rend(); ++w)  // from the pole up
+    for (double v : s)
+      for (double u : s) {
+        // The cube [-1, 1]^3 onto the ball: x sqrt(1 - y^2/2 - z^2/2 + y^2 z^2/3) and cyclic; its faces onto the sphere.
+        const double uu = u * u, vv = v * v, ww = *w * *w;
+        mesh.points.push_back(radius * Vec3(u * std::sqrt(1 - vv / 2 - ww / 2 + vv * ww / 3), v * std::sqrt(1 - ww / 2 - uu / 2 + ww * uu / 3),
+                                            -*w * std::sqrt(1 - uu / 2 - vv / 2 + uu * vv / 3)));
+      }
+  // Diagonals run from the edges of the cube inwards: at an edge two faces of a cell lie on the sphere, and a diagonal along it
+  // would leave tetrahedra with all four vertices there.
+  mesh.tets = split({s.size(), s.size(), t.size()}, {1, 1, 0});
+  return mesh;
+}
+
+}  // namespace mortise::study

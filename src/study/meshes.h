@@ -1,0 +1,27 @@
+#pragma once
+// Deterministic meshes of the benchmarks. All tetrahedra are positively oriented.
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/mesh.h"
+
+namespace mortise::study {
+
+// Places of grid planes, ascending: `fine` cells of size h, then `coarse` cells growing geometrically to `end` [m].
+// coarse = 0: h = end / fine.
+std::vector<double> graded(double h, int fine, int coarse, double end);
+
+// Tensor-product block whose grid planes are x, y, z (ascending) [m].
+geometry::TetMesh grid_block(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z);
+
+// Block between `lo` and `hi` with nx, ny, nz cells. Nodes are moved at random by up to jitter cells along every axis along
+// which they are inside; faces stay plane, edges straight, corners where they are.
+geometry::TetMesh jittered_block(const Vec3& lo, const Vec3& hi, const std::array<int, 3>& cells, double jitter, std::uint32_t seed);
+
+// Octant x, y >= 0 >= z of the ball of this radius around the origin, from grid planes s (0 = axis ... 1 = rim of the cube) in
+// both lateral directions and t (0 = centre ... 1 = pole at (0, 0, -radius)) downwards. Near the pole lateral lengths are
+// radius s / sqrt(2) and depths radius (1 - t). Every tetrahedron has a vertex off the sphere, so none is flat.
+geometry::TetMesh ball_octant(double radius, const std::vector<double>& s, const std::vector<double>& t);
+
+}  // namespace mortise::study
