@@ -162,7 +162,7 @@ std::vector<double> Newton::energy(device::View<const Vec3> q) {
   return total;
 }
 
-void Newton::line_search(StepReport& report, const Residual& r, bool supports_move) {
+void Newton::line_search(StepReport& report, const Residual& r, double relative, bool supports_move) {
   constexpr double kArmijo = 1e-4;
   constexpr int kMost = 40;
   std::vector<double> alpha(model_.envs, 1.0);
@@ -187,7 +187,7 @@ void Newton::line_search(StepReport& report, const Residual& r, bool supports_mo
     }
   }
   for (Index e = 0; e < model_.envs; ++e)
-    if (model_.envs > 1 && r.force[e] <= tolerance(r, e, options_.relative_tolerance) && r.support_gap[e] == 0) alpha[e] = 0;
+    if (model_.envs > 1 && r.force[e] <= tolerance(r, e, relative) && r.support_gap[e] == 0) alpha[e] = 0;
 
   for (int k = 0;; ++k) {
     advance(q_.view(), dq_.view(), alpha, model_, trial_);
@@ -211,14 +211,14 @@ void Newton::line_search(StepReport& report, const Residual& r, bool supports_mo
   q_.swap(trial_);
 }
 
-void Newton::iterate(StepReport& report, const std::function<void()>& stop) {
+void Newton::iterate(StepReport& report, double relative, const std::function<void()>& stop) {
   for (Index it = 0;; ++it) {
     stop();
     const Residual r = assemble(true);
     report.residual = largest_of(r.force);
     report.tolerance = 0;
-    for (Index e = 0; e < model_.envs; ++e) report.tolerance = std::max(report.tolerance, tolerance(r, e, options_.relative_tolerance));
-    if (converged(r, options_.relative_tolerance)) return;
+    for (Index e = 0; e < model_.envs; ++e) report.tolerance = std::max(report.tolerance, tolerance(r, e, relative));
+    if (converged(r, relative)) return;
     if (it == options_.iterations) {
       std::ostringstream why;
       why << "Newton stopped after " << it << " iterations with a force residual of " << report.residual << " N (wanted " << report.tolerance << " N)";
@@ -227,7 +227,7 @@ void Newton::iterate(StepReport& report, const std::function<void()>& stop) {
     }
     const bool supports_move = largest_of(r.support_gap) > 0;
     direction(report, supports_move);
-    line_search(report, r, supports_move);
+    line_search(report, r, relative, supports_move);
     ++report.newton;
   }
 }
@@ -236,15 +236,22 @@ void Newton::solve(StepReport& report, const std::function<void()>& stop) {
   number_rows();
   q_.copy_from(model_.q);
   rounding_.assign(model_.envs, 0.0);
+  lags_ = options_.lags;
   for (Index round = 0;; ++round) {
     last_step_ = 0;
-    iterate(report, stop);
+    // With quantities frozen there is no point in solving far beyond what refreshing them will change.
+    const double relative = lags_ ? std::max(options_.relative_tolerance, 0.1 * options_.lag_tolerance) : options_.relative_tolerance;
+    iterate(report, relative, stop);
     bool lagged = false;
     for (const auto& effect : effects_) {
       const Timed timed(clock_, effect->name(), "lag");
       lagged |= effect->lag(q_.view());
     }
-    if (!lagged) break;
+    if (!lagged) {
+      if (!lags_) break;
+      lags_ = false;  // nothing to refresh in this step after all: solve to the end
+      continue;
+    }
     ++report.lag;
     const Residual fresh = assemble(false);
     report.lag_residual = largest_of(fresh.force);

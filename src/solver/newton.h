@@ -51,8 +51,8 @@ class Newton {
   double tolerance(const Residual& r, Index env, double relative) const;  // [N]
   bool converged(const Residual& r, double relative) const;
   void direction(StepReport& report, bool supports_move);
-  void line_search(StepReport& report, const Residual& r, bool supports_move);
-  void iterate(StepReport& report, const std::function<void()>& stop);
+  void line_search(StepReport& report, const Residual& r, double relative, bool supports_move);
+  void iterate(StepReport& report, double relative, const std::function<void()>& stop);
   std::vector<double> energy(device::View<const Vec3> q);
 
   model::Model& model_;
@@ -80,6 +80,7 @@ class Newton {
   std::vector<double> energy_scale_;
   std::vector<double> rounding_;  // per environment: the residual that rounding of q alone can cause [N]
   double last_step_ = 0;
+  bool lags_ = false;  // some effect has quantities that are frozen and refreshed
 };
 
 }  // namespace mortise::solver

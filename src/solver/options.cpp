@@ -22,14 +22,13 @@ Options read_options(const Params& scene) {
   o.dt = o.is_static ? 1.0 / o.steps : time.number("step");
 
   // Whichever effect lags something says how well it wants that resolved; the strictest wins.
-  bool first = true;
   for (const auto& [name, block] : scene.at("effects").entries()) {
     if (block.kind() != Params::Kind::table || !block.has("lag_tolerance")) continue;
     const double tolerance = block.number("lag_tolerance");
     const Index most = static_cast<Index>(block.integer("lag_iterations"));
-    o.lag_tolerance = first ? tolerance : std::min(o.lag_tolerance, tolerance);
-    o.lag_iterations = first ? most : std::max(o.lag_iterations, most);
-    first = false;
+    o.lag_tolerance = !o.lags ? tolerance : std::min(o.lag_tolerance, tolerance);
+    o.lag_iterations = !o.lags ? most : std::max(o.lag_iterations, most);
+    o.lags = true;
   }
   return o;
 }

@@ -17,7 +17,8 @@ struct Options {
   double cg_tolerance = 1e-8;  // relative true residual
   Index cg_iterations = 10000;
   // Lagged quantities (friction) are refreshed until the force residual with fresh values is at most lag_tolerance times
-  // the largest force, at most lag_iterations times.
+  // the largest force, at most lag_iterations times; in between, Newton stops at a tenth of that.
+  bool lags = false;
   double lag_tolerance = 1e-3;
   Index lag_iterations = 20;
 

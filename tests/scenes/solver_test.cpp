@@ -1,0 +1,119 @@
+// The step as a whole: moving supports, halving, failure that loses nothing, systems without a support of their own.
+#include "rig.h"
+
+using namespace mortise;
+using namespace mortise::testing;
+
+namespace {
+
+// A soft block between two stiff plates; the upper one is driven down by `travel`.
+std::string pinch(const std::string& travel, const std::string& model) {
+  return R"(
+mortise: 1
+name: pinch
+time: {mode: static, steps: 4}
+materials:
+  rubber: {model: )" + model + R"(, youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}
+bodies:
+  block: {type: soft, shape: {box: {size: [0.1, 0.1, 0.1], edge_length: 0.034}}, material: rubber}
+  upper: {type: stiff, shape: {box: {size: [0.2, 0.2, 0.02], edge_length: 0.2}}, material: rubber, position: [0, 0, 0.0605]}
+  lower: {type: stiff, shape: {box: {size: [0.2, 0.2, 0.02], edge_length: 0.2}}, material: rubber, position: [0, 0, -0.0605]}
+effects:
+  elasticity: {}
+  affine_body: {stiffness: 10 MPa}
+  pin:
+    - {body: lower, where: {side: all}}
+    - {body: upper, where: {side: all}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, )" + travel + R"(]]}}
+  barrier_contact: {d_hat: 1 mm, stiffness: 50 kPa}
+solver: {iterations: 60, halvings: 3, relative_tolerance: 1e-8, force_tolerance: 0 N}
+)";
+}
+
+}  // namespace
+
+// Supports move in steps far larger than the gap; contact makes them wait, and they still arrive exactly.
+TEST(Solver, DrivenPlatesReachTheirTargetsExactlyThroughContact) {
+  Rig rig(pinch("-20 mm", "neo_hookean"));
+  rig.steps(4);
+  const Captured f = rig.fields();
+  const auto u = f.point.at("displacement");
+  const std::size_t block = rig.input.bodies[0].nodes.size(), upper = rig.input.bodies[1].nodes.size();
+  for (std::size_t i = block; i < block + upper; ++i) EXPECT_NEAR(u[3 * i + 2], -0.020, 1e-15);
+  for (std::size_t i = block + upper; i < u.size() / 3; ++i) EXPECT_EQ(u[3 * i + 2], 0);
+  EXPECT_GT(f.at("barrier_contact/min_distance"), 0);
+  EXPECT_NEAR(f.at("supports/upper_z"), -f.at("supports/lower_z"), 1e-6 * std::abs(f.at("supports/lower_z")));
+  EXPECT_LT(f.at("supports/upper_z"), -100);
+}
+
+// H67: plates that would have to pass through each other end in a typed error within bounded time, and nothing has moved.
+TEST(Solver, InfeasiblePinchStopsAndKeepsTheLastGoodState) {
+  Rig rig(pinch("-200 mm", "neo_hookean"));
+  int good = 0;
+  std::vector<double> before;
+  engine::Outcome outcome;
+  solver::StepReport report;
+  for (; good < 4; ++good) {
+    before = rig.engine->points();
+    outcome = rig.engine->step({}, report);
+    if (outcome.code != 0) break;
+  }
+  ASSERT_EQ(outcome.code, static_cast<int>(Exit::solve)) << "it went through";
+  EXPECT_NE(outcome.message.find("failed"), std::string::npos) << outcome.message;
+  EXPECT_EQ(rig.engine->points(), before);
+  EXPECT_EQ(rig.engine->steps_done(), good);
+}
+
+TEST(Solver, StopRequestLeavesTheStateOfTheLastStep) {
+  Rig rig(pinch("-20 mm", "neo_hookean"));
+  rig.step();
+  const auto before = rig.engine->points();
+  solver::StepReport report;
+  int asked = 0;
+  const engine::Outcome outcome = rig.engine->step([&] { return ++asked > 2; }, report);
+  EXPECT_EQ(outcome.code, static_cast<int>(Exit::stopped));
+  EXPECT_EQ(rig.engine->points(), before);
+}
+
+// Both linear solvers find the same equilibrium.
+TEST(Solver, ConjugateGradientsAgreeWithTheDirectSolver) {
+  Rig direct(pinch("-10 mm", "corotated"), {"solver.linear=direct"}), cg(pinch("-10 mm", "corotated"), {"solver.linear=cg", "solver.cg_tolerance=1e-10"});
+  direct.steps(2);
+  cg.steps(2);
+  EXPECT_GT(cg.engine->linear_solver().find("cg") == 0, 0);
+  const auto a = direct.engine->points(), b = cg.engine->points();
+  for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 1e-8);
+}
+
+// A bar under its supports' stretch: linear elasticity has one exact answer, sigma = E eps.
+TEST(Solver, UniaxialStretchIsHookesLaw) {
+  Rig rig(R"(
+mortise: 1
+name: bar
+time: {mode: static, steps: 1}
+materials:
+  steel: {model: linear, youngs_modulus: 2 MPa, poisson_ratio: 0.25, density: 1000}
+bodies:
+  bar: {type: soft, shape: {box: {size: [0.1, 0.2, 0.4], edge_length: 0.1}}, material: steel}
+effects:
+  elasticity: {}
+  pin:
+    - {body: bar, where: {side: z_min}, axes: z}
+    - {body: bar, where: {side: z_max}, axes: z, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, 4 mm]]}}
+    - {body: bar, where: {side: x_min}, axes: x}
+    - {body: bar, where: {side: y_min}, axes: y}
+solver: {relative_tolerance: 1e-13, force_tolerance: 0 N}
+)");
+  rig.step();
+  const Captured f = rig.fields();
+  const double stress = 2e6 * 0.004 / 0.4, area = 0.1 * 0.2;
+  const auto& sigma = f.cell.at("cauchy_stress");
+  for (std::size_t c = 0; c < sigma.size() / 6; ++c) {
+    EXPECT_NEAR(sigma[6 * c + 2], stress, 1e-8 * stress);
+    for (int k : {0, 1, 3, 4, 5}) EXPECT_NEAR(sigma[6 * c + k], 0, 1e-8 * stress);
+  }
+  const auto& support = f.point.at("support_force");
+  double top = 0;
+  for (std::size_t i = 0; i < rig.input.bodies[0].nodes.size(); ++i)
+    if (rig.input.bodies[0].nodes[i][2] > 0.19) top += support[3 * i + 2];
+  EXPECT_NEAR(top, stress * area, 1e-8 * stress * area);
+}
