@@ -12,8 +12,9 @@ using Cell = std::array<Index, 3>;
 
 Index cells_along(double length, double edge_length) {
   const double n = std::round(length / edge_length);
-  if (!(n < 2048)) throw Error(Exit::scene, "edge_length " + std::to_string(edge_length) + " m is too small for a length of " +
-                                                std::to_string(length) + " m: more than 2047 cells");
+  if (!(n < 2048))
+    throw Error(Exit::scene, "edge_length " + std::to_string(edge_length) + " m is too small for a length of " +
+                                 std::to_string(length) + " m: more than 2047 cells");
   return std::max<Index>(1, static_cast<Index>(n));
 }
 

@@ -12,8 +12,8 @@ class TetCache {
  public:
   TetCache(const TriMesh& surface, const TetrahedraliseOptions& options);
 
-  std::optional<TetMesh> load() const;     // nothing if there is no sound file
-  void store(const TetMesh& mesh) const;   // written aside, then renamed; failure is not an error
+  std::optional<TetMesh> load() const;               // nothing if there is no sound file
+  void store(const TetMesh& mesh) const;             // written aside, then renamed; failure is not an error
   const std::string& file() const { return file_; }  // empty: no cache
 
  private:

@@ -1,9 +1,6 @@
 // CGAL, compiled once and apart (a minute): exact predicates need -frounding-math (see CMakeLists.txt).
 #include "geometry/tetrahedralise_mesher.h"
 
-#include <cmath>
-#include <unordered_map>
-
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Mesh_complex_3_in_triangulation_3.h>
 #include <CGAL/Mesh_criteria_3.h>
@@ -12,6 +9,9 @@
 #include <CGAL/Polyhedral_mesh_domain_with_features_3.h>
 #include <CGAL/Random.h>
 #include <CGAL/make_mesh_3.h>
+
+#include <cmath>
+#include <unordered_map>
 
 namespace mortise::geometry {
 namespace {
@@ -58,7 +58,8 @@ TetMesh mesh_domain(const TriMesh& surface, const TetrahedraliseOptions& o) {
   const double surface_edge = scale * o.surface_edge_length;
   const Criteria criteria(param::edge_size = surface_edge, param::facet_angle = o.facet_angle * 180 / CGAL_PI,
                           param::facet_size = kFacetRadius * surface_edge, param::facet_distance = scale * o.facet_distance,
-                          param::cell_radius_edge_ratio = o.radius_edge_ratio, param::cell_size = kCellRadius * scale * o.edge_length);
+                          param::cell_radius_edge_ratio = o.radius_edge_ratio,
+                          param::cell_size = kCellRadius * scale * o.edge_length);
   // Without a limit of their own both sliver removals stop after the time that refinement took: a mesh that depends on the
   // clock. 0 means no limit; they end by themselves when no tetrahedron below the bound can be improved.
   const Complex complex = CGAL::make_mesh_3<Complex>(domain, criteria, param::manifold(),

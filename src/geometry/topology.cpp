@@ -62,7 +62,8 @@ std::vector<Triangle> boundary_triangles(const TetMesh& mesh) {
       std::sort(face.key.begin(), face.key.end());
       faces.push_back(face);
     }
-  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.key != b.key ? a.key < b.key : a.id < b.id; });
+  std::sort(faces.begin(), faces.end(),
+            [](const Face& a, const Face& b) { return a.key != b.key ? a.key < b.key : a.id < b.id; });
 
   std::vector<Index> single;
   for (std::size_t i = 0; i < faces.size();) {
@@ -105,7 +106,8 @@ std::vector<Edge> unique_edges(const std::vector<Triangle>& triangles) {
     }
   const auto key = [](const Edge& e) { return std::pair(e.v[0], e.v[1]); };
   std::sort(edges.begin(), edges.end(), [&](const Edge& a, const Edge& b) { return key(a) < key(b); });
-  edges.erase(std::unique(edges.begin(), edges.end(), [&](const Edge& a, const Edge& b) { return key(a) == key(b); }), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end(), [&](const Edge& a, const Edge& b) { return key(a) == key(b); }),
+              edges.end());
   return edges;
 }
 
@@ -125,8 +127,9 @@ std::vector<double> edge_areas(const std::vector<Vec3>& points, const std::vecto
     const double third = triangle_area(points, t) / 3;
     for (int k = 0; k < 3; ++k) {
       const std::pair key = std::minmax(t.v[k], t.v[(k + 1) % 3]);
-      const auto at = std::lower_bound(edges.begin(), edges.end(), key,
-                                       [](const Edge& e, const std::pair<Index, Index>& k) { return std::pair(e.v[0], e.v[1]) < k; });
+      const auto at = std::lower_bound(edges.begin(), edges.end(), key, [](const Edge& e, const std::pair<Index, Index>& k) {
+        return std::pair(e.v[0], e.v[1]) < k;
+      });
       w[at - edges.begin()] += third;
     }
   }

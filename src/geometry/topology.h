@@ -33,10 +33,10 @@ double min_dihedral_angle(const TetMesh& mesh);                      // [rad]
 
 // Integrals over the inside of a closed surface, exact for the polyhedron.
 struct MassProperties {
-  double volume = 0;                    // int dV [m^3], negative if the surface is inside out
-  Vec3 centroid = Vec3::Zero();         // int x dV / volume [m]
-  Mat3 second_moment = Mat3::Zero();    // int X X^T dV with X = x - centroid [m^5]
-  Mat3 inertia(double density) const;   // tensor of inertia about the centroid [kg m^2]
+  double volume = 0;                   // int dV [m^3], negative if the surface is inside out
+  Vec3 centroid = Vec3::Zero();        // int x dV / volume [m]
+  Mat3 second_moment = Mat3::Zero();   // int X X^T dV with X = x - centroid [m^5]
+  Mat3 inertia(double density) const;  // tensor of inertia about the centroid [kg m^2]
 };
 MassProperties mass_properties(const TriMesh& mesh);
 

@@ -46,11 +46,13 @@ void check_finite(const std::vector<Vec3>& points, const Elements& elements, con
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!points[i].allFinite() && bad++ == 0) first = static_cast<Index>(i);
   if (bad > 0)
-    throw Error(Exit::scene, what + ": " + counted(bad, "point has", "points have") + " a coordinate that is not a finite number, the first is point " + std::to_string(first));
+    throw Error(Exit::scene, what + ": " + counted(bad, "point has", "points have") +
+                                 " a coordinate that is not a finite number, the first is point " + std::to_string(first));
   for (std::size_t e = 0; e < elements.size(); ++e)
     for (Index v : elements[e].v)
       if (v < 0 || static_cast<std::size_t>(v) >= points.size())
-        throw Error(Exit::scene, what + ": element " + std::to_string(e) + " refers to point " + std::to_string(v) + ", but there are " + counted(points.size(), "point"));
+        throw Error(Exit::scene, what + ": element " + std::to_string(e) + " refers to point " + std::to_string(v) +
+                                     ", but there are " + counted(points.size(), "point"));
 }
 
 // Height over the longest edge below 1e-9: no normal can be computed that means anything.
@@ -67,7 +69,8 @@ void check_triangles(const Check& c) {
   for (std::size_t t = 0; t < m.triangles.size(); ++t)
     if (degenerate(m, m.triangles[t]) && bad++ == 0) first = static_cast<Index>(t);
   if (bad > 0)
-    c.fail(counted(bad, "triangle has", "triangles have") + " no area, the first is triangle " + std::to_string(first) + " at " + position(centre(m, first)));
+    c.fail(counted(bad, "triangle has", "triangles have") + " no area, the first is triangle " + std::to_string(first) + " at " +
+           position(centre(m, first)));
 
   std::vector<Index> order(m.triangles.size());
   std::iota(order.begin(), order.end(), 0);
@@ -81,8 +84,9 @@ void check_triangles(const Check& c) {
   for (std::size_t i = 1; i < order.size(); ++i)
     if (key(order[i]) == key(order[i - 1]) && (bad++ == 0 || order[i] < repeated.second)) repeated = {order[i - 1], order[i]};
   if (bad > 0)
-    c.fail(counted(bad, "triangle repeats", "triangles repeat") + " the vertices of another, the first is triangle " + std::to_string(repeated.second) +
-           " (same as " + std::to_string(repeated.first) + ") at " + position(centre(m, repeated.second)));
+    c.fail(counted(bad, "triangle repeats", "triangles repeat") + " the vertices of another, the first is triangle " +
+           std::to_string(repeated.second) + " (same as " + std::to_string(repeated.first) + ") at " +
+           position(centre(m, repeated.second)));
 }
 
 struct HalfEdge {
@@ -125,11 +129,15 @@ void check_edges(const Check& c) {
     return "the first is edge " + std::to_string(f.first.low) + "-" + std::to_string(f.first.high) + " of triangle " +
            std::to_string(f.first.triangle) + " at " + position((c.mesh.points[f.first.low] + c.mesh.points[f.first.high]) / 2);
   };
-  if (fan.count > 0) c.fail("the surface is not manifold: " + counted(fan.count, "edge belongs", "edges belong") + " to more than two triangles, " + place(fan));
-  if (open.count > 0) c.fail("the surface is open: " + counted(open.count, "edge belongs", "edges belong") + " to one triangle only, " + place(open) +
-           "; if vertices only nearly coincide there, weld them");
+  if (fan.count > 0)
+    c.fail("the surface is not manifold: " + counted(fan.count, "edge belongs", "edges belong") +
+           " to more than two triangles, " + place(fan));
+  if (open.count > 0)
+    c.fail("the surface is open: " + counted(open.count, "edge belongs", "edges belong") + " to one triangle only, " +
+           place(open) + "; if vertices only nearly coincide there, weld them");
   if (turned.count > 0)
-    c.fail("the surface is not consistently oriented: across " + counted(turned.count, "edge") + " the two triangles face opposite sides, " + place(turned));
+    c.fail("the surface is not consistently oriented: across " + counted(turned.count, "edge") +
+           " the two triangles face opposite sides, " + place(turned));
 }
 
 // All edges have two triangles here, so the triangles around a vertex form one or more closed fans; one is right.
@@ -159,8 +167,9 @@ void check_vertices(const Check& c) {
     if (steps != end - begin && bad++ == 0) first = static_cast<Index>(v);
   }
   if (bad > 0)
-    c.fail("the surface is not manifold: at " + counted(bad, "vertex", "vertices") + " parts of it touch in a single point, the first is vertex " +
-           std::to_string(first) + " at " + position(m.points[first]));
+    c.fail("the surface is not manifold: at " + counted(bad, "vertex", "vertices") +
+           " parts of it touch in a single point, the first is vertex " + std::to_string(first) + " at " +
+           position(m.points[first]));
 }
 
 void check_manifold(const Check& c) {
@@ -179,8 +188,9 @@ void check_closed_surface(const TriMesh& mesh, const std::string& what) {
   if (!(mass_properties(mesh).volume > 0)) c.fail("the surface is inside out: its triangles face the enclosed volume");
   const auto pairs = self_intersections(mesh);
   if (!pairs.empty())
-    c.fail("the surface intersects itself in " + counted(pairs.size(), "pair") + " of triangles, the first are triangles " + std::to_string(pairs[0].first) +
-           " and " + std::to_string(pairs[0].second) + " at " + position((centre(mesh, pairs[0].first) + centre(mesh, pairs[0].second)) / 2));
+    c.fail("the surface intersects itself in " + counted(pairs.size(), "pair") + " of triangles, the first are triangles " +
+           std::to_string(pairs[0].first) + " and " + std::to_string(pairs[0].second) + " at " +
+           position((centre(mesh, pairs[0].first) + centre(mesh, pairs[0].second)) / 2));
 }
 
 void check_tets(const TetMesh& mesh, const std::string& what) {

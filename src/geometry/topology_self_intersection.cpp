@@ -1,9 +1,9 @@
 // CGAL, compiled once and apart: exact predicates need -frounding-math (see CMakeLists.txt).
-#include <algorithm>
-
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Surface_mesh.h>
+
+#include <algorithm>
 
 #include "geometry/topology_check.h"
 

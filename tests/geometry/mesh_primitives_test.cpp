@@ -19,7 +19,8 @@ double smallest_tet(const TetMesh& m) {
 }
 
 int euler_characteristic(const TriMesh& s) {
-  return static_cast<int>(s.points.size()) - static_cast<int>(unique_edges(s.triangles).size()) + static_cast<int>(s.triangles.size());
+  return static_cast<int>(s.points.size()) - static_cast<int>(unique_edges(s.triangles).size()) +
+         static_cast<int>(s.triangles.size());
 }
 
 // Each directed edge once and its reverse once: closed, manifold along edges, consistently oriented.
@@ -64,8 +65,12 @@ TEST(Primitives, BoxFaceVerticesCarryEqualAreas) {
     const Vec3& p = m.points[i];
     int on = 0;
     for (int a = 0; a < 3; ++a) on += std::abs(p[a]) == 0.5;
-    if (on == 0) { EXPECT_EQ(w[i], 0); }
-    if (on == 1) { EXPECT_NEAR(w[i], 1.0 / 16, 1e-15); }
+    if (on == 0) {
+      EXPECT_EQ(w[i], 0);
+    }
+    if (on == 1) {
+      EXPECT_NEAR(w[i], 1.0 / 16, 1e-15);
+    }
     sum += w[i];
   }
   EXPECT_NEAR(sum, 6, 1e-13);

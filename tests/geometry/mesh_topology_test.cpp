@@ -46,7 +46,9 @@ TEST(Topology, SurfaceDropsInnerPointsAndRemembersTheirSource) {
   ASSERT_EQ(source.size(), s.points.size());
   for (std::size_t i = 0; i < source.size(); ++i) {
     EXPECT_EQ(m.points[source[i]], s.points[i]);
-    if (i > 0) { EXPECT_LT(source[i - 1], source[i]); }
+    if (i > 0) {
+      EXPECT_LT(source[i - 1], source[i]);
+    }
   }
   EXPECT_EQ(without_unused_points(TetMesh{m.points, {m.tets[0]}}).points.size(), 4u);
 }
@@ -56,7 +58,9 @@ TEST(Topology, EdgesAreUniqueAndSorted) {
   ASSERT_EQ(e.size(), 18u);
   for (std::size_t i = 0; i < e.size(); ++i) {
     EXPECT_LT(e[i].v[0], e[i].v[1]);
-    if (i > 0) { EXPECT_LT(std::pair(e[i - 1].v[0], e[i - 1].v[1]), std::pair(e[i].v[0], e[i].v[1])); }
+    if (i > 0) {
+      EXPECT_LT(std::pair(e[i - 1].v[0], e[i - 1].v[1]), std::pair(e[i].v[0], e[i].v[1]));
+    }
   }
 }
 
@@ -69,8 +73,8 @@ TEST(Topology, WeightsAreThirdsOfAreas) {
   EXPECT_NEAR(w[1], (2 * right + slanted) / 3, 1e-15);
   const std::vector<Edge> edges = unique_edges(t);
   const std::vector<double> we = edge_areas(m.points, t, edges);
-  EXPECT_NEAR(we[0], 2 * right / 3, 1e-15);                 // 0-1
-  EXPECT_NEAR(we[5], (right + slanted) / 3, 1e-15);         // 2-3
+  EXPECT_NEAR(we[0], 2 * right / 3, 1e-15);          // 0-1
+  EXPECT_NEAR(we[5], (right + slanted) / 3, 1e-15);  // 2-3
   EXPECT_NEAR(std::accumulate(we.begin(), we.end(), 0.0), 3 * right + slanted, 1e-15);
 }
 
@@ -148,7 +152,9 @@ TEST(MeshCheck, OpenSurface) {
   const Triangle t = s.triangles.back();
   s.triangles.pop_back();
   const std::pair e = std::minmax({t.v[0], t.v[1], t.v[2]});
-  expect_refused(s, {"part 'x': the surface is open: 3 edges belong to one triangle only, the first is edge " + std::to_string(e.first) + "-", "(8 points, 11 triangles)"});
+  expect_refused(s, {"part 'x': the surface is open: 3 edges belong to one triangle only, the first is edge " +
+                         std::to_string(e.first) + "-",
+                     "(8 points, 11 triangles)"});
 }
 
 TEST(MeshCheck, NonManifoldEdge) {
@@ -158,7 +164,8 @@ TEST(MeshCheck, NonManifoldEdge) {
     for (Index& v : t.v)
       for (Index w = 0; w < v; ++w)
         if (s.points[w] == s.points[v]) v = w;
-  expect_refused(without_unused_points(s), {"the surface is not manifold: 1 edge belongs to more than two triangles", "(0.5, 0.5, 0) m"});
+  expect_refused(without_unused_points(s),
+                 {"the surface is not manifold: 1 edge belongs to more than two triangles", "(0.5, 0.5, 0) m"});
 }
 
 TEST(MeshCheck, NonManifoldVertex) {
@@ -217,7 +224,8 @@ TEST(MeshCheck, SelfIntersection) {
 TEST(MeshCheck, Tets) {
   TetMesh m = box({1, 1, 1}, std::array<Index, 3>{2, 2, 2});
   std::swap(m.tets[9].v[0], m.tets[9].v[1]);
-  expect_error([&] { check_tets(m, "m"); }, Exit::scene, {"m: 1 tetrahedron is inverted, the first is tetrahedron 9 at", "(27 points, 48 tetrahedra)"});
+  expect_error([&] { check_tets(m, "m"); }, Exit::scene,
+               {"m: 1 tetrahedron is inverted, the first is tetrahedron 9 at", "(27 points, 48 tetrahedra)"});
 
   m = one_tet();
   m.points[3] = {0.3, 0.3, 0};

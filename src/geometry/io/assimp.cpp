@@ -1,14 +1,14 @@
 #include "geometry/io/assimp.h"
 
-#include <array>
-#include <filesystem>
-#include <map>
-
-#include <assimp/Importer.hpp>
 #include <assimp/config.h>
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+
+#include <array>
+#include <assimp/Importer.hpp>
+#include <filesystem>
+#include <map>
 
 #include "base/error.h"
 #include "geometry/io/normals.h"
@@ -88,7 +88,8 @@ class Collector {
       const Vec3 p = linear * vec(mesh.mVertices[i]) + m.topRightCorner<3, 1>();
       const Vec3 n = mesh.HasNormals() ? Vec3(cofactor * vec(mesh.mNormals[i])) : Vec3(0, 0, 0);
       const Vec2 t = uvs ? Vec2(mesh.mTextureCoords[0][i].x, mesh.mTextureCoords[0][i].y) : Vec2(0, 0);
-      if (!p.allFinite()) throw Error(Exit::scene, "'" + path_ + "': coordinate of vertex " + std::to_string(i) + " is not a finite number");
+      if (!p.allFinite())
+        throw Error(Exit::scene, "'" + path_ + "': coordinate of vertex " + std::to_string(i) + " is not a finite number");
       vertex[i] = add_vertex(p, n, t, mesh.HasNormals());
     }
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
@@ -105,7 +106,8 @@ class Collector {
 
   Index add_vertex(const Vec3& p, const Vec3& n, const Vec2& t, bool has_normal) {
     const Index place = positions_.try_emplace({p[0], p[1], p[2]}, static_cast<Index>(positions_.size())).first->second;
-    const auto [at, fresh] = vertices_.try_emplace({double(part_), double(place), n[0], n[1], n[2], t[0], t[1]}, static_cast<Index>(out_.points.size()));
+    const auto [at, fresh] = vertices_.try_emplace({double(part_), double(place), n[0], n[1], n[2], t[0], t[1]},
+                                                   static_cast<Index>(out_.points.size()));
     if (fresh) {
       out_.points.push_back(p), out_.normals.push_back(n), out_.uvs.push_back(t);
       position_.push_back(place), has_normal_.push_back(has_normal);

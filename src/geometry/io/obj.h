@@ -17,7 +17,7 @@ struct ObjFile {
   };
   std::vector<Vec3> points, normals;
   std::vector<Vec2> uvs;
-  std::vector<Face> faces;  // polygons are cut into fans
+  std::vector<Face> faces;                // polygons are cut into fans
   std::vector<VisualMaterial> materials;  // from the MTL files (Kd, map_Kd, Pr, Pm); unknown names get the default look
 };
 

@@ -30,7 +30,9 @@ class LineReader {
   }
   double number(std::size_t i, const char* what) const { return parse<double>(i, what); }
   long long integer(std::size_t i, const char* what) const { return parse<long long>(i, what); }
-  Vec3 vec3(std::size_t first, const char* what) const { return {number(first, what), number(first + 1, what), number(first + 2, what)}; }
+  Vec3 vec3(std::size_t first, const char* what) const {
+    return {number(first, what), number(first + 1, what), number(first + 2, what)};
+  }
 
   // next(), and an error that names `what` if the file is over.
   void require(const char* what);
@@ -38,7 +40,9 @@ class LineReader {
   int line() const { return line_; }
   const std::string& path() const { return path_; }
   [[noreturn]] void fail(const std::string& message) const { fail_at(line_, message); }
-  [[noreturn]] void fail_at(int line, const std::string& message) const { throw Error(Exit::scene, SourceLoc{path_, line, 1}, message); }
+  [[noreturn]] void fail_at(int line, const std::string& message) const {
+    throw Error(Exit::scene, SourceLoc{path_, line, 1}, message);
+  }
 
  private:
   template <class T>
