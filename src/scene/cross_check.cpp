@@ -108,11 +108,18 @@ class CrossCheck {
       for (std::size_t i = 0; i < p.items().size(); ++i) references(effect, p.items()[i], dotted(path, std::to_string(i)));
     } else if (p.kind() == Params::Kind::table) {
       for (const auto& [key, value] : p.entries()) {
-        if (key == "body" || key == "bodies" || key == "pairs") bodies_in(value, dotted(path, key));
+        if (names_body(key) && !is_list_of_tables(value)) bodies_in(value, dotted(path, key));
         else if (key == "follows" && value.kind() == Params::Kind::text) follows(effect, value, dotted(path, key));
         else references(effect, value, dotted(path, key));
       }
     }
+  }
+  static bool names_body(const std::string& key) {
+    static const std::set<std::string> keys{"body", "bodies", "pairs", "slave", "master", "a", "b"};
+    return keys.count(key) > 0;
+  }
+  static bool is_list_of_tables(const Params& p) {
+    return p.kind() == Params::Kind::list && !p.items().empty() && p.items()[0].kind() == Params::Kind::table;
   }
   void bodies_in(const Params& p, const std::string& path) {
     if (!bodies_ || incomplete_.count("bodies")) return;

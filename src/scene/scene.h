@@ -2,8 +2,8 @@
 // YAML text -> checked tree of parameters with every default filled in and every number in SI. This folder knows no physics:
 // the blocks of the scene are tables.cpp, the effects come in from outside.
 //
-// Conventions by key, checked for every block: `body`, `pairs` and `bodies` name bodies, `material` names a material,
-// `follows` names another effect of the scene.
+// Conventions by key, checked for every block: `body`, `bodies`, `pairs`, `slave`, `master`, `a` and `b` name bodies, `material`
+// names a material, `follows` names another effect of the scene.
 #include <span>
 #include <string>
 #include <vector>

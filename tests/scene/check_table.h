@@ -18,6 +18,8 @@ inline void check_table(const ParamTable& t, const std::string& path) {
   for (const Param& p : t.params) {
     EXPECT_TRUE(keys.insert(p.key).second) << path << "." << p.key << " appears twice";
     EXPECT_FALSE(p.help.empty()) << path << "." << p.key;
+    const bool needs_sub = p.kind == Param::Kind::table || p.kind == Param::Kind::tables || p.kind == Param::Kind::map;
+    EXPECT_EQ(p.sub != nullptr, needs_sub) << path << "." << p.key;
     if (p.sub) check_table(*p.sub, path + "." + p.key);
     if (!p.fallback || p.key == "description") continue;
     Diagnostics errors(*p.fallback);

@@ -35,11 +35,13 @@ const ParamTable kMoves = [] {
   return t;
 }();
 const ParamTable kEmpty{"inertia", "", {}};
+const ParamTable kSides{"sides", "", {of(Kind::text, "slave", Unit::none, {}, "Body.")}};
 const ParamTable kLoad{
     "load",
     "",
     {of(Kind::schedule, "pressure", Unit::pressure, "0", "Pressure."),
-     optional(of(Kind::text, "follows", Unit::none, {}, "Effect.")), optional(of(Kind::pairs, "pairs", Unit::none, {}, "Pairs.")),
+     optional(of(Kind::text, "follows", Unit::none, {}, "Effect.")), table("side", &kSides, "Bodies."),
+     optional(of(Kind::pairs, "pairs", Unit::none, {}, "Pairs.")),
      range(number("mu", Unit::none, "0.5", 0, "Coefficient."), 0, 10), of(Kind::flag, "on", Unit::none, "true", "Switch.")}};
 const std::vector<EffectTable> kEffects{{"inertia", "One.", &kEmpty},
                                         {"elasticity", "Two.", &kEmpty},
@@ -170,6 +172,7 @@ TEST(Scene, FollowsCitesBothPlaces) {
 }
 
 TEST(Scene, PairsNameBodies) {
+  EXPECT_THAT(message(kBase + "  load: {side: {slave: bal}}\n"), HasSubstr("effects.load.side.slave: no body 'bal'"));
   EXPECT_EQ(message(kBase + "  load: {pairs: [[ball, ball]]}\n"), "");
   EXPECT_THAT(message(kBase + "  load: {pairs: [[ball, bal]]}\n"), HasSubstr("effects.load.pairs.0.1: no body 'bal'"));
   EXPECT_THAT(message(kBase + "  load: {pairs: [[ball]]}\n"),
