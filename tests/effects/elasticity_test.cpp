@@ -278,11 +278,31 @@ TEST(Elasticity, ReportsUniformStressOfAPulledBar) {
   EXPECT_NEAR(sink.scalars["elasticity.energy"], 0.5 * (lambda + 2 * mu) * e * e * 2, 1e-9);
 }
 
-TEST(Elasticity, CauchyStressOfAShearIsOrderedXyYzZx) {
+TEST(Elasticity, ReportedShearIsOrderedXyYzZx) {
+  model::Model m(fd::box_and_ball("neo_hookean"));
+  const double mu = 1e5 / 2.8;
   const Mat3 F = Mat3::Identity() + 1e-4 * (Mat3() << 0, 1, 3, 1, 0, 2, 3, 2, 0).finished();
-  const Mat3 s = elasticity::cauchy_stress(MaterialModel::neo_hookean, F, kMu, kLambda);
-  EXPECT_NEAR(s(0, 1) / (2 * kMu * 1e-4), 1, 1e-3);
-  EXPECT_NEAR(s(1, 2) / (2 * kMu * 2e-4), 1, 1e-3);
-  EXPECT_NEAR(s(2, 0) / (2 * kMu * 3e-4), 1, 1e-3);
-  EXPECT_LT((s - s.transpose()).norm(), 1e-16);
+  std::vector<Vec3> q = m.rest.download();
+  for (Index b = m.bodies[0].block_begin; b < m.bodies[0].block_end; ++b) q[b] = F * q[b];
+  m.q.upload(q);
+  fd::Recorder sink;
+  fd::make_effect("elasticity", Params::make_table(), m)->report(sink);
+  const std::vector<double>& s = sink.cell["cauchy_stress"];
+  EXPECT_NEAR(s[3] / (2 * mu * 1e-4), 1, 1e-3);
+  EXPECT_NEAR(s[4] / (2 * mu * 2e-4), 1, 1e-3);
+  EXPECT_NEAR(s[5] / (2 * mu * 3e-4), 1, 1e-3);
+  EXPECT_NEAR(sink.cell["von_mises"][0] / (2 * mu * 1e-4 * std::sqrt(3 * 14.0)), 1, 1e-3);
+}
+
+TEST(Elasticity, CauchyStressTurnsWithTheBody) {
+  Random r;
+  const Mat3 F = Mat3::Identity() + 0.2 * r.matrix(), R = r.rotation();
+  for (MaterialModel model : {MaterialModel::corotated, MaterialModel::neo_hookean}) {
+    const Mat3 s = elasticity::cauchy_stress(model, F, kMu, kLambda);
+    EXPECT_LT((s - s.transpose()).norm(), 1e-14);
+    EXPECT_LT((elasticity::cauchy_stress(model, R * F, kMu, kLambda) - R * s * R.transpose()).norm(), 1e-14);
+    // power balance: P : dF = J sigma : (dF F^-1)
+    const Mat3 dF = r.matrix(), P = elasticity::stress(model, F, kMu, kLambda);
+    EXPECT_NEAR(P.cwiseProduct(dF).sum(), F.determinant() * s.cwiseProduct(dF * F.inverse()).sum(), 1e-13);
+  }
 }
