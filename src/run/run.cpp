@@ -112,6 +112,7 @@ class Run {
     } else {
       file_ = output::FieldFile::open(field_path, output_mesh(input), {version(), git_sha1(), resolved_, hash_}, fields);
       write_frame();
+      progress_->frame(0, 0);
     }
 
     const long last = o_.frames >= 0 ? std::min(steps_, o_.frames * frame_every_) : steps_;
@@ -166,6 +167,7 @@ class Run {
     file_->append_step(row);
     record_.steps.push_back(row);
     progress_->step(report, contact_);
+    if (frame) progress_->frame(file_->frames() - 1, engine_->time());
     if (frame || checkpoint_asked()) save();
   }
 
@@ -185,7 +187,6 @@ class Run {
     contact_ = tee.contact();
     const auto written = Time::now();
     record_.seconds["output"] += std::chrono::duration<double>(written - begin).count();
-    progress_->frame(file_->frames() - 1, engine_->time());
     if (pictures_) pictures_->draw(file_->frames() - 1, engine_->time(), points, tee.point_fields());
     record_.seconds["pictures"] += std::chrono::duration<double>(Time::now() - written).count();
   }

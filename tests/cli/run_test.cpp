@@ -11,10 +11,9 @@
 #include "output/field_reader.h"
 #include "program.h"
 
-using namespace mortise;
-using namespace mortise::cli;
 namespace fs = std::filesystem;
 
+namespace mortise::cli {
 namespace {
 
 const std::string kScene = kSource + "/scenes/first/02_block_on_floor.yaml";
@@ -30,7 +29,8 @@ nlohmann::json run_json(const std::string& dir) { return nlohmann::json::parse(r
 
 std::vector<std::vector<double>> last_state(const std::string& dir) {
   std::vector<std::vector<double>> out;
-  for (const auto& [name, values] : output::CheckpointReader(dir + "/checkpoint.h5").arrays()) out.push_back(values);
+  const output::CheckpointReader reader(dir + "/checkpoint.h5");
+  for (const auto& [name, values] : reader.arrays()) out.push_back(values);
   return out;
 }
 
@@ -166,3 +166,5 @@ TEST(Run, PicturesCanBeDrawnAgainFromTheFields) {
   EXPECT_TRUE(fs::exists(out.path + "/again/side_0001.png"));
   EXPECT_FALSE(fs::exists(out.path + "/again/side_0000.png"));
 }
+
+}  // namespace mortise::cli
