@@ -58,7 +58,7 @@ int bench_named(const Options& o, const study::Benchmark& benchmark) {
   const auto rows = study::run_benchmark(benchmark, o.sets, [&](const study::Row& row) { std::cout << (o.json ? study::json_line(row) + "\n" : study::table_line(row)) << std::flush; });
   if (!o.result.empty()) write_result(o.result, o.name, rows);
   for (const study::Row& row : rows)
-    if (!row.pass()) return static_cast<int>(Exit::solve);
+    if (row.gated() && !row.pass()) return static_cast<int>(Exit::solve);
   return static_cast<int>(Exit::done);
 }
 

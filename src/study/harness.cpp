@@ -67,7 +67,7 @@ std::string json_line(const Row& r) {
   nlohmann::ordered_json j;
   j["case"] = r.name, j["method"] = r.method, j["quantity"] = r.quantity;
   j["value"] = number(r.value), j["reference"] = number(r.reference), j["error"] = number(r.error), j["gate"] = number(r.gate);
-  if (r.gated())
+  if (r.gated() || r.failed)
     j["pass"] = r.pass();
   else
     j["pass"] = nullptr;
@@ -82,7 +82,7 @@ std::string table_header() {
 
 std::string table_line(const Row& r) {
   return fmt::format("{:38} {:18} {:24} {:>12} {:>12} {:>11} {:>8} {:>5} {:>8.3g} {:>7} {:>8}\n", r.name, r.method, r.quantity, cell(r.value), cell(r.reference), cell(r.error),
-                     cell(r.gate), r.gated() ? (r.pass() ? "yes" : "NO") : "-", r.seconds, r.newton_iterations, r.dofs);
+                     cell(r.gate), r.failed ? "fails" : (r.gated() ? (r.pass() ? "yes" : "NO") : "-"), r.seconds, r.newton_iterations, r.dofs);
 }
 
 const std::vector<Method>& methods() {
@@ -140,7 +140,7 @@ double Fields::at(const std::string& name) const {
 }
 
 Row Solved::row(const std::string& name, const Method& method, const std::string& quantity, double value, double reference, double error, double gate) const {
-  return {name, method.name, quantity, converged ? value : NAN, reference, converged ? error : NAN, gate, seconds, newton, dofs};
+  return {name, method.name, quantity, converged ? value : NAN, reference, converged ? error : NAN, gate, seconds, newton, dofs, !converged};
 }
 
 Solved solve(const SceneText& text, const std::function<void(model::ModelInput&)>& prepare, const std::function<void(const Fields&)>& each) {

@@ -22,10 +22,11 @@ struct Row {
   double gate = NAN;  // largest error that passes; NaN: reported only
   double seconds = 0;
   long newton_iterations = 0, dofs = 0;
+  bool failed = false;  // the run did not converge
   bool gated() const { return !std::isnan(gate); }
-  bool pass() const { return !gated() || error <= gate; }  // an error that is not a number does not pass
+  bool pass() const { return !failed && (!gated() || error <= gate); }  // an error that is not a number does not pass a gate
 };
-std::string json_line(const Row& row);  // one object; `pass` is null without a gate
+std::string json_line(const Row& row);  // one object; `pass` is null for a converged run without a gate
 std::string table_header();
 std::string table_line(const Row& row);
 
@@ -77,7 +78,7 @@ struct Solved {
   long newton = 0, dofs = 0;
   double seconds = 0;  // of the steps
   double contact_share = NAN;  // of these seconds, spent in contact effects
-  // A row with the costs filled in; value and error are NaN when the run did not converge.
+  // A row with the costs filled in; value and error are NaN when the run did not converge, whatever was reported before.
   Row row(const std::string& name, const Method& method, const std::string& quantity, double value, double reference, double error, double gate) const;
 };
 

@@ -1,4 +1,132 @@
+// B07: ball of radius R on a block, both elastic. Load and pressure follow Hertz; a and p0 are computed from the measured force, so
+// that the compliance of the finite bodies does not matter (reference/gmcp.md 3.1).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "base/error.h"
+#include "geometry/topology.h"
 #include "study/bench/all.h"
+#include "study/meshes.h"
+#include "study/reference.h"
+
 namespace mortise::study::bench {
-void hertz(const Bench&) {}
+namespace {
+
+struct Size {
+  const char* name;
+  double h;             // edge length at the contact [m]
+  int fine, out, down;  // cells of that size around the contact, growing cells outwards and downwards
+  double d_hat;         // [m]
+  double l2;            // gate
+};
+// The ball's grid is a little coarser than the block's, so that nodes do not coincide.
+constexpr Size kSizes[] = {{"coarse", 0.016, 8, 5, 7, 2e-3, 0.06}, {"medium", 0.0075, 16, 6, 14, 7e-4, 0.035}, {"fine", 0.004, 30, 7, 14, 5e-4, 0.022}};
+constexpr double kExpectedRadius = 0.1;  // a/R, for the choice of kappa only
+
+std::vector<double> reversed(std::vector<double> z) {  // 0 ... end -> -end ... 0
+  std::reverse(z.begin(), z.end());
+  for (double& c : z) c = -c;
+  return z;
 }
+
+// Nodal traction on the block's upper face: force of a node over its area. The same for every method, unlike contact_pressure, which
+// counts only the part of a node's area that is in contact.
+struct Profile {
+  std::vector<double> r, p, area;
+};
+
+Profile profile(const Solved& s) {
+  Profile out;
+  const auto field = s.fields.point.find("contact_force");
+  if (field == s.fields.point.end()) return out;
+  std::size_t first = 0;
+  for (const model::BodyInput& body : s.input.bodies) {
+    if (body.name == "block") {
+      std::vector<Triangle> top;
+      for (const Triangle& t : body.triangles)
+        if (std::all_of(t.v, t.v + 3, [&](Index v) { return std::abs(body.nodes[v][2]) < 1e-9; })) top.push_back(t);
+      const std::vector<double> area = geometry::vertex_areas(body.nodes, top);
+      for (std::size_t i = 0; i < body.nodes.size(); ++i) {
+        if (!(area[i] > 0)) continue;
+        const Vec3 y(s.points[3 * (first + i)], s.points[3 * (first + i) + 1], 0);
+        out.r.push_back(y.norm()), out.p.push_back(-field->second[3 * (first + i) + 2] / area[i]), out.area.push_back(area[i]);
+      }
+    }
+    if (body.type != model::BodyType::half_space) first += body.nodes.size();
+  }
+  return out;
+}
+
+// Contact radius from the second moment of the forces on the samples: int p r^2 dA = 2/5 a^2 F. (Moments of nodal forces would count
+// r^2 interpolated between nodes, which is too much by about h^2/3.)
+double second_moment_radius(const Solved& s, const std::string& effect) {
+  const auto position = s.fields.row.find(effect + "/position"), force = s.fields.row.find(effect + "/force");
+  if (position == s.fields.row.end() || force == s.fields.row.end()) return NAN;
+  double sum = 0, moment = 0;
+  for (std::size_t i = 0; i < force->second.size(); ++i) {
+    const double x = position->second[3 * i], y = position->second[3 * i + 1];
+    sum += force->second[i], moment += force->second[i] * (x * x + y * y);
+  }
+  return std::sqrt(2.5 * moment / sum);
+}
+
+}  // namespace
+
+void hertz(const Bench& b) {
+  const std::string wanted = b.option("size", "coarse");
+  const auto size = std::find_if(std::begin(kSizes), std::end(kSizes), [&](const Size& s) { return s.name == wanted; });
+  if (size == std::end(kSizes)) throw Error(Exit::usage, "--set size: coarse, medium or fine");
+  const double R = 1, E = b.scene().number("materials.rubber.youngs_modulus"), nu = b.scene().number("materials.rubber.poisson_ratio");
+  const double e_star = E / (2 * (1 - nu * nu));
+  const double d_hat = std::stod(b.option("d_hat", fmt::format("{:.17g}", size->d_hat)));
+  const double expected = 2 * e_star * kExpectedRadius / (3.14159265358979 * R);
+  const double kappa = matched_stiffness(expected, d_hat, size->h, e_star, std::stod(b.option("k", "4")));
+  const double gap = 0.1 * d_hat;
+  for (const Method& m : b.methods()) {
+    SceneText scene = b.scene();
+    scene.set("bodies.ball.position", fmt::format("[0, 0, {:.17g}]", R + gap));
+    scene.set("effects.mortar_contact.d_hat", d_hat);
+    scene.set("effects.mortar_contact.stiffness", kappa);
+    scene.use(m, size->h * size->h / 4);
+    const Solved s = solve(scene, [&](model::ModelInput& input) {
+      const std::vector<double> lateral = graded(size->h, size->fine, size->out, R), depth = graded(size->h, 2, size->down, R);
+      set_mesh(input, "block", grid_block(lateral, lateral, reversed(depth)));
+      // Lengths near the pole are s R/sqrt(2) and (1 - t) R.
+      const double h = 1.1 * size->h;
+      std::vector<double> t = graded(h, 2, size->down, 1);
+      for (double& c : t) c = 1 - c;
+      std::reverse(t.begin(), t.end());
+      geometry::TetMesh octant = ball_octant(R, graded(std::sqrt(2.0) * h, static_cast<int>(size->fine / 1.1 + 0.5), size->out, 1), t);
+      for (Vec3& x : octant.points) x[2] += R + gap;
+      set_mesh(input, "ball", octant);
+    });
+    const double quarter = std::abs(s.fields.at("supports/ball_z")), F = 4 * quarter;
+    const Hertz exact = study::hertz(F, R, e_star);
+    const Profile at = profile(s);
+    double wrong = 0, all = 0, peak = 0;
+    for (std::size_t i = 0; i < at.r.size(); ++i) {
+      const double p = exact.pressure(at.r[i]);
+      if (at.r[i] <= exact.a) wrong += at.area[i] * (at.p[i] - p) * (at.p[i] - p), all += at.area[i] * p * p;
+      peak = std::max(peak, at.p[i]);
+    }
+    const double radius = second_moment_radius(s, m.effect), l2 = std::sqrt(wrong / all);
+    const auto gate = [&](double g) { return m.gated ? g : NAN; };
+    const std::string name = size->name;
+    b.emit(s.row(name, m, "pressure L2, r <= a", l2, 0, l2, gate(size->l2)));
+    b.emit(s.row(name, m, "peak pressure", peak, exact.p0, std::abs(peak / exact.p0 - 1), gate(0.02)));
+    b.emit(s.row(name, m, "contact radius", radius, exact.a, std::abs(radius / exact.a - 1), gate(0.01)));
+    const double contact = s.fields.at(m.effect + "/force_ball_z");
+    b.emit(s.row(name, m, "contact force", contact, quarter, std::abs(contact / quarter - 1), gate(1e-10)));
+    b.emit(s.row(name, m, "contact share of time", s.contact_share, NAN, NAN, NAN));
+    if (const std::string file = b.option("profile", ""); !file.empty()) {
+      std::ofstream csv(file + "_" + m.name + ".csv");
+      csv << "radius_over_a,pressure_over_p0\n";
+      for (std::size_t i = 0; i < at.r.size(); ++i) csv << fmt::format("{:.9g},{:.9g}\n", at.r[i] / exact.a, at.p[i] / exact.p0);
+      if (!csv.flush()) throw Error(Exit::file, "cannot write '" + file + "_" + m.name + ".csv'");
+    }
+  }
+}
+
+}  // namespace mortise::study::bench
