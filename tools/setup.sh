@@ -48,3 +48,6 @@ compile() {
     ninja -C "$build" "$@" >&2
   fi
 }
+
+# Lets the compiler cache serve other checkouts of the same sources.
+export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1

@@ -3,7 +3,7 @@
 namespace mortise {
 
 const char* version();   // "0.1.0"
-const char* git_sha1();  // of the sources at configure time; empty outside a git checkout
+const char* git_sha1();  // of the sources at build time, "-dirty" behind it where files differ; empty outside a git checkout
 const char* build_type();
 
 }  // namespace mortise

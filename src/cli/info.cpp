@@ -5,9 +5,9 @@
 #include <cholmod.h>
 #include <nlohmann/json.hpp>
 
+#include "base/version.h"
 #include "cli/commands.h"
-#include "commit.h"
-#include "device/device.h"
+#include "engine/engine.h"
 
 namespace mortise::cli {
 namespace {
@@ -16,16 +16,24 @@ using Json = nlohmann::ordered_json;
 
 Json facts() {
   Json devices = Json::array();
-  for (const device::DeviceInfo& d : device::devices())
+  std::string no_cuda;
+  std::vector<device::DeviceInfo> found = engine::cpu_api().devices();
+  if (const engine::Api* cuda = engine::cuda_api(no_cuda)) {
+    const auto gpus = cuda->devices();
+    found.insert(found.end(), gpus.begin(), gpus.end());
+    if (gpus.empty()) no_cuda = "no NVIDIA GPU (or driver) on this machine";
+  }
+  for (const device::DeviceInfo& d : found)
     devices.push_back(
         {{"kind", d.kind}, {"name", d.name}, {"threads", d.threads}, {"memory_bytes", d.memory}, {"driver", d.driver}});
   const std::string cholmod = std::to_string(CHOLMOD_MAIN_VERSION) + "." + std::to_string(CHOLMOD_SUB_VERSION) + "." +
                               std::to_string(CHOLMOD_SUBSUB_VERSION);
-  return {{"version", MORTISE_VERSION},
-          {"commit", MORTISE_COMMIT},
-          {"build_type", MORTISE_BUILD_TYPE},
+  return {{"version", version()},
+          {"commit", git_sha1()},
+          {"build_type", build_type()},
           {"compiler", "g++ " __VERSION__},
           {"devices", devices},
+          {"no_gpu_because", no_cuda},
           {"libraries",
            {{"Eigen", MORTISE_EIGEN},
             {"oneTBB", MORTISE_TBB},
@@ -52,6 +60,7 @@ int cmd_info(bool json) {
     if (const std::string driver = d["driver"]; !driver.empty()) std::cout << ", driver " << driver;
     std::cout << "\n";
   }
+  if (const std::string why = all["no_gpu_because"]; !why.empty()) std::cout << "  no GPU: " << why << "\n";
   std::cout << "\nlibraries\n";
   for (const auto& [name, version] : all["libraries"].items())
     std::cout << "  " << name << " " << version.get<std::string>() << "\n";
@@ -61,8 +70,8 @@ int cmd_info(bool json) {
 }  // namespace
 
 std::string version_text() {
-  const std::string commit = MORTISE_COMMIT;
-  return "mortise " MORTISE_VERSION + (commit.empty() ? "" : " (" + commit + ")");
+  const std::string commit = git_sha1();
+  return std::string("mortise ") + version() + (commit.empty() ? "" : " (" + commit + ")");
 }
 
 void add_info(CLI::App& app, Context& context) {
