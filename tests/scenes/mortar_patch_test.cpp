@@ -77,6 +77,8 @@ Result run(const Patch& c) {
   for (const char* axis : {"x", "y", "z"})
     r.balance = std::max(r.balance, std::abs(f.at(std::string("mortar_contact/force_top_") + axis) +
                                              f.at(std::string("mortar_contact/force_bottom_") + axis)));
+  const double side = std::min(c.bottom_side, c.top_side);
+  EXPECT_NEAR(f.at("mortar_contact/force_top_z"), 1e3 * side * side, 1e-8);
   std::printf("  d_hat %.0e kappa %.0e nu %.2f %s %s q%s %s%s %g/%g: szz %.1e spurious %.1e, %ld iterations\n", c.d_hat, c.kappa,
               c.nu, c.slave.c_str(), c.weights.c_str(), c.quadrature.c_str(), c.gradient.c_str(), c.two_pass ? " two-pass" : "",
               c.bottom_side, c.top_side, r.szz, r.spurious, r.newton);
@@ -102,4 +104,57 @@ TEST(MortarPatch, PassesOnBothSides) {
   Patch c;
   c.two_pass = true;
   expect_passes(c);
+}
+
+// Uniform gap makes uniform pressure whatever the barrier: eight decades of kappa, three of d_hat.
+TEST(MortarPatch, PassesForEveryStiffnessAndRange) {
+  for (double d_hat : {1e-2, 1e-3, 1e-4, 1e-5})
+    for (double kappa : {1e3, 1e5, 1e7, 1e9, 1e11}) {
+      Patch c;
+      c.d_hat = d_hat, c.kappa = kappa;
+      expect_passes(c);
+    }
+}
+
+TEST(MortarPatch, PassesForEveryRuleAndGradient) {
+  for (const char* quadrature : {"1", "6", "7"}) {
+    Patch c;
+    c.quadrature = quadrature;
+    expect_passes(c);
+  }
+  Patch c;
+  c.gradient = "exact";
+  expect_passes(c);
+}
+
+TEST(MortarPatch, PassesForEveryPoissonRatio) {
+  for (double nu : {0.0, 0.45, 0.49}) {
+    Patch c;
+    c.nu = nu;
+    expect_passes(c);
+  }
+}
+
+// One block stands over the other's edge; both bare parts are loaded.
+TEST(MortarPatch, PassesWithOverhang) {
+  for (const char* slave : {"bottom", "top"})
+    for (bool top_is_smaller : {true, false}) {
+      Patch c;
+      c.slave = slave;
+      (top_is_smaller ? c.top_side : c.bottom_side) = 0.5;
+      c.bottom_edge = top_is_smaller ? 0.25 : 0.5 / 3, c.top_edge = top_is_smaller ? 0.5 / 3 : 0.25;
+      expect_passes(c);
+      c.two_pass = true;
+      expect_passes(c);
+    }
+}
+
+// The published weights give back by edges and points what the taper takes from faces, which is right for the total only.
+TEST(MortarPatch, TaperedWeightsMissIt) {
+  Patch c;
+  c.weights = "tapered";
+  c.top_side = 0.5, c.bottom_edge = 0.25, c.top_edge = 0.5 / 3;
+  const Result r = run(c);
+  EXPECT_GT(r.szz, 1e-4);
+  EXPECT_LT(r.szz, 0.2);
 }

@@ -1,0 +1,384 @@
+// mortar_contact as a whole: frozen energy and its derivatives, balance, samples, weights, supports, stiffness.
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "base/memory_archive.h"
+#include "contact_scene.h"
+#include "effects/barrier_contact/barrier.h"
+
+using namespace mortise;
+using namespace mortise::testing;
+
+namespace {
+
+constexpr double kHat = 0.05, kKappa = 1e4;
+
+struct Options {
+  std::string weights = "consistent", gradient = "frozen", quadrature = "3", slave = "pad", master = "tool";
+  double stiffness = kKappa, guard = 0, rest_share = 0, d_hat = kHat;
+  bool two_pass = false;
+};
+
+Params params(const Options& o) {
+  Params p = Params::make_table(), pair = Params::make_table(), pairs = Params::make_list();
+  pair.set("slave", Params::make_text(o.slave));
+  pair.set("master", Params::make_text(o.master));
+  pairs.push(pair);
+  p.set("pairs", pairs);
+  p.set("d_hat", Params::make_number(o.d_hat));
+  if (o.stiffness > 0) p.set("stiffness", Params::make_number(o.stiffness));
+  p.set("weights", Params::make_text(o.weights));
+  p.set("taper_width", Params::make_number(0.1));
+  p.set("quadrature", Params::make_text(o.quadrature));
+  p.set("gradient", Params::make_text(o.gradient));
+  p.set("guard", Params::make_number(o.guard));
+  p.set("rest_share", Params::make_number(o.rest_share));
+  p.set("two_pass", Params::make_flag(o.two_pass));
+  return p;
+}
+
+struct Problem {
+  model::Model model;
+  std::unique_ptr<effects::Effect> contact;
+  Problem(model::ModelInput in, const Options& o) : model(std::move(in)), contact(make_effect("mortar_contact", params(o), model)) {
+    contact->begin_step({});
+  }
+  std::vector<model::ContactSample> samples() { return model.contact("mortar_contact")->samples.download(); }
+  Recorder report() {
+    Recorder r;
+    contact->report(r);
+    return r;
+  }
+};
+
+model::ModelInput scene(std::vector<model::BodyInput> bodies) {
+  model::ModelInput in;
+  in.scene = Params::make_table();
+  in.bodies = std::move(bodies);
+  return in;
+}
+
+// Two boxes face to face with different meshes, `gap` apart.
+model::ModelInput stack(double gap, bool stiff = false, Index cells = 3, double size = 1) {
+  const auto lower = geometry::box({1, 1, 0.5}, std::array<Index, 3>{2, 2, 1});
+  const auto upper = geometry::box({size, size, 0.5}, std::array<Index, 3>{cells, cells, 1});
+  const Vec3 up(0, 0, 0.5 + gap);
+  return scene({soft_body("pad", lower, gel()), stiff ? stiff_body("tool", upper, gel(), up) : soft_body("tool", upper, gel(), up)});
+}
+
+// A cube pushed corner first, edge first or face first (angle from it) towards a pad, over a half-space.
+model::ModelInput tilted(double gap, const Mat3& R, bool stiff = true) {
+  const auto cube = geometry::box({0.4, 0.4, 0.4}, 0.2);
+  auto tool = stiff ? stiff_body("tool", cube, gel()) : soft_body("tool", cube, gel());
+  double low = 1e9;
+  for (Vec3& x : tool.nodes) x = R * x, low = std::min(low, x.z());
+  for (Vec3& x : tool.nodes) x += Vec3(0.03, 0.02, 0.25 + gap - low);
+  return scene({soft_body("pad", geometry::box({1, 1, 0.5}, 0.5), gel()), tool});
+}
+Mat3 turn(double degrees, const Vec3& axis) { return Eigen::AngleAxisd(degrees * M_PI / 180, axis.normalized()).toRotationMatrix(); }
+
+// Energy of the samples frozen at x0 against its gradient, and the gradient against the Gauss-Newton Hessian, which is exact for
+// linear gaps: (E(x + hd) - 2 E(x) + E(x - hd)) / h^2 = d^T H d.
+void expect_frozen_derivatives(Problem& p, const fd::Vector& x, double h) {
+  const fd::Dense d = fd::effect_assemble(*p.contact, x, true);
+  ASSERT_GT(d.gradient.norm(), 0);
+  const auto E = [&](const fd::Vector& y) { return fd::effect_energy(*p.contact, y); };
+  const fd::Vector g = fd::difference_gradient(E, x, h);
+  EXPECT_LT(fd::relative_error(d.gradient, g), 1e-6);
+  EXPECT_GT(fd::lowest_eigenvalue(d.hessian), -1e-12);
+  // Directions: those that the Hessian feels most, and random ones.
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    fd::Vector v = d.hessian * shaken(fd::Vector::Zero(x.size()), 1, seed);
+    v /= v.cwiseAbs().maxCoeff();
+    const double s = 2 * h;  // small: b''' jumps where a gap passes d_hat
+    const auto at = [&](double a) { return E(x + a * s * v); };
+    const double second = (-at(2) + 16 * at(1) - 30 * at(0) + 16 * at(-1) - at(-2)) / (12 * s * s);
+    const double exact = v.dot(d.hessian * v);
+    EXPECT_NEAR(second / exact, 1, 1e-5);
+  }
+}
+
+void expect_balance(Problem& p, const fd::Vector& x) {
+  const fd::Dense d = fd::effect_assemble(*p.contact, x, false);
+  ASSERT_GT(d.gradient.norm(), 0);
+  const auto [force, moment] = resultant(p.model, x, d.gradient);
+  EXPECT_LT(force.norm(), 1e-12 * d.gradient.norm());
+  EXPECT_LT(moment.norm(), 1e-12 * d.gradient.norm() * x.cwiseAbs().maxCoeff() * 10);
+}
+
+}  // namespace
+
+TEST(MortarContact, FrozenEnergyMatchesItsDerivatives) {
+  for (const char* gradient : {"frozen", "exact"})
+    for (const char* weights : {"consistent", "tapered"})
+      for (bool stiff : {false, true}) {
+        Options o;
+        o.gradient = gradient, o.weights = weights;
+        Problem flat(stack(0.03, stiff), o);
+        expect_frozen_derivatives(flat, shaken(positions(flat.model), 3e-3, 3), 1e-5);
+        Problem edge(tilted(0.02, turn(30, {1, 0.1, 0.2}), stiff), o);
+        expect_frozen_derivatives(edge, shaken(positions(edge.model), 1e-3, 4), 1e-5);
+      }
+}
+
+TEST(MortarContact, ForcesAndMomentsBalance) {
+  for (const char* gradient : {"frozen", "exact"})
+    for (const char* weights : {"consistent", "tapered"})
+      for (bool two_pass : {false, true}) {
+        Options o;
+        o.gradient = gradient, o.weights = weights, o.two_pass = two_pass, o.guard = 0.5;
+        Problem flat(stack(0.03), o);
+        expect_balance(flat, shaken(positions(flat.model), 5e-3, 3));
+        Problem corner(tilted(0.02, turn(40, {1, 0.4, 0.2})), o);
+        expect_balance(corner, shaken(positions(corner.model), 1e-3, 5));
+      }
+}
+
+// The exact gap gradient is the derivative of the gap at a fixed slave point: the force on a slave triangle of one face sample
+// agrees with finite differences of the gap found anew by projection. The frozen one does not.
+TEST(MortarContact, ExactGradientIsThatOfTheProjectedGap) {
+  for (const bool exact : {true, false}) {
+    Options o;
+    o.gradient = exact ? "exact" : "frozen";
+    o.quadrature = "1";
+    Problem p(tilted(0.01, turn(20, {1, 0, 0}), false), o);
+    const fd::Vector x = positions(p.model);
+    fd::effect_assemble(*p.contact, x, false);
+    p.contact->lag(device::Buffer<Vec3>(fd::blocks_of(x)).view());
+    const model::ContactSample s = p.samples().at(0);
+    // Gap from the slave point with fixed weights along the slave normal to the master plane.
+    const auto gap = [&](const fd::Vector& y) {
+      Vec3 v[6], xs = Vec3::Zero();
+      for (int k = 0; k < 6; ++k) v[k] = y.segment<3>(3 * s.point[k]);
+      for (int k = 0; k < 3; ++k) xs -= s.weight[k] * v[k];
+      const Vec3 n = (v[1] - v[0]).cross(v[2] - v[0]).normalized(), nm = (v[4] - v[3]).cross(v[5] - v[3]).normalized();
+      return nm.dot(v[3] - xs) / nm.dot(n);
+    };
+    EXPECT_NEAR(gap(x), s.gap, 1e-14);
+    const fd::Vector slope = fd::difference_gradient(gap, x, 1e-5);
+    const double normal = std::sqrt(slope.segment<3>(3 * s.point[3]).squaredNorm() + slope.segment<3>(3 * s.point[4]).squaredNorm() +
+                                    slope.segment<3>(3 * s.point[5]).squaredNorm());
+    Vec3 published[6];
+    double error = 0;
+    for (int k = 3; k < 6; ++k) {
+      published[k] = s.weight[k] * Vec3(s.normal[0], s.normal[1], s.normal[2]) * (s.force / (s.pressure * s.area));
+      error = std::max(error, (published[k] - slope.segment<3>(3 * s.point[k])).norm() / normal);
+    }
+    if (exact)
+      EXPECT_LT(error, 1e-8);
+    else
+      EXPECT_GT(error, 0.1);
+  }
+}
+
+TEST(MortarContact, MovesRigidlyWithTheScene) {
+  const Mat3 R = turn(50, {1, -2, 0.5});
+  const Vec3 t(3, -1, 2);
+  for (const char* weights : {"consistent", "tapered"}) {
+    Options o;
+    o.weights = weights, o.guard = 0.3;
+    Problem p(tilted(0.02, turn(30, {1, 0.3, 0.2})), o);
+    const fd::Vector x = shaken(positions(p.model), 1e-3, 7);
+    fd::Vector moved = x;
+    for (const model::Body& b : p.model.bodies)
+      for (Index i = b.block_begin; i < b.block_end; ++i) {
+        const bool column = b.type == model::BodyType::stiff && i > b.block_begin;
+        moved.segment<3>(3 * i) = R * x.segment<3>(3 * i) + (column ? Vec3(Vec3::Zero()) : t);
+      }
+    const fd::Vector g = fd::effect_assemble(*p.contact, x, false).gradient;
+    const double e = fd::effect_energy(*p.contact, x);
+    const fd::Vector gm = fd::effect_assemble(*p.contact, moved, false).gradient;
+    EXPECT_NEAR(fd::effect_energy(*p.contact, moved) / e, 1, 1e-11);
+    double error = 0;
+    for (Eigen::Index i = 0; i < x.size(); i += 3) error = std::max(error, (gm.segment<3>(i) - R * g.segment<3>(i)).norm());
+    EXPECT_LT(error, 1e-11 * g.norm());
+  }
+}
+
+// Parallel faces at gap g press with kappa phi(g/d_hat) everywhere, whichever the slave and the rule; the weights cover the overlap.
+TEST(MortarContact, FlatFacesPressUniformly) {
+  const double gap = 0.6 * kHat, p0 = kKappa * effects::barrier::phi(0.6);
+  for (const char* quadrature : {"1", "3", "6", "7"})
+    for (bool two_pass : {false, true})
+      for (const char* slave : {"pad", "tool"}) {
+        Options o;
+        o.quadrature = quadrature, o.two_pass = two_pass, o.slave = slave, o.master = slave == o.slave && o.slave == "pad" ? "tool" : "pad";
+        if (o.slave == "pad") o.master = "tool";
+        Problem p(stack(gap, false, 3, 0.5), o);
+        double area = 0;
+        for (const model::ContactSample& s : p.samples()) {
+          EXPECT_NEAR(s.pressure / p0, 1, 1e-11);
+          area += s.area;
+        }
+        EXPECT_NEAR(area, 0.25, 1e-14);
+        const Recorder r = p.report();
+        EXPECT_NEAR(r("mortar_contact/force_tool_z"), 0.25 * p0, 1e-10 * p0);
+        EXPECT_EQ(r("mortar_contact/force_share_faces"), 1);
+        EXPECT_LE(r("mortar_contact/clip_partition_defect"), 1e-12);
+        for (double v : r.values.at("contact_pressure")) EXPECT_TRUE(v == 0 || std::abs(v / p0 - 1) < 1e-11) << v;
+      }
+}
+
+// Tapered weights: what the taper takes from faces comes back by edges and points (gmcp.md E6, E7). The rule has to resolve the
+// taper, hence the fine pad; with 24 cells master edges and vertices lie on slave edges and vertices and must count once.
+TEST(MortarContact, TaperedWeightsConserveTheTotalLoad) {
+  Options o;
+  o.weights = "tapered", o.quadrature = "7";
+  for (Index cells : {23, 24}) {
+    const auto pad = geometry::box({1, 1, 0.5}, std::array<Index, 3>{cells, cells, 1}), tool = geometry::box({0.5, 0.5, 0.5}, std::array<Index, 3>{2, 2, 1});
+    Problem p(scene({soft_body("pad", pad, gel()), soft_body("tool", tool, gel(), {0, 0, 0.5 + 0.6 * kHat})}), o);
+    const Recorder r = p.report();
+    const double wanted = 0.25 * kKappa * effects::barrier::phi(0.6);
+    EXPECT_NEAR(r("mortar_contact/force_tool_z") / wanted, 1, 0.015);
+    EXPECT_NEAR(r("mortar_contact/force_share_faces"), 1 - 0.3 + 0.027, 0.01);
+    EXPECT_NEAR(r("mortar_contact/force_share_points"), 0.003, 1e-3);
+  }
+}
+
+// A ridge and a tip are seen by edge and point samples, which flat faces do not have.
+TEST(MortarContact, SharpFeaturesHaveSamples) {
+  Problem ridge(tilted(0.01, turn(45, {1, 0, 0})), {});
+  EXPECT_GT(ridge.report()("mortar_contact/force_share_edges"), 0.1);
+  Problem tip(tilted(0.01, turn(45, {1, 0, 0}) * turn(35, {0, 1, 0})), {});
+  EXPECT_GT(tip.report()("mortar_contact/force_share_points"), 0.3);
+}
+
+// Half-space as master: the gap is exact, the force is that of the pressure on the area.
+TEST(MortarContact, HalfSpaceIsAMaster) {
+  Options o;
+  o.slave = "pad", o.master = "floor";
+  const double gap = 0.6 * kHat, p0 = kKappa * effects::barrier::phi(0.6);
+  model::ModelInput in = stack(1);
+  in.bodies.push_back(half_space("floor", {0, 0, -0.25 - gap}, {0, 0, 1}));
+  Problem p(std::move(in), o);
+  EXPECT_NEAR(p.report()("mortar_contact/force_pad_z"), p0, 1e-10 * p0);
+  for (const model::ContactSample& s : p.samples()) {
+    EXPECT_EQ(s.points, 3);
+    EXPECT_EQ(s.body_b, 2);
+    EXPECT_NEAR(s.weight[0] + s.weight[1] + s.weight[2], 1, 1e-15);
+    EXPECT_EQ(s.normal[2], 1);
+  }
+  expect_frozen_derivatives(p, shaken(positions(p.model), 2e-3, 3), 1e-5);
+}
+
+// Two thin plates over one slave: only the nearer presses.
+TEST(MortarContact, OnlyTheNearestLayerPresses) {
+  const auto plate = geometry::box({1, 1, 0.01}, std::array<Index, 3>{3, 3, 1});
+  const auto alone = [&](std::vector<model::BodyInput> bodies, std::vector<std::string> masters) {
+    bodies.insert(bodies.begin(), soft_body("pad", geometry::box({1, 1, 0.5}, std::array<Index, 3>{2, 2, 1}), gel()));
+    model::Model m(scene(std::move(bodies)));
+    Params p = params({}), pairs = Params::make_list();
+    for (const std::string& master : masters) {
+      Params pair = Params::make_table();
+      pair.set("slave", Params::make_text("pad"));
+      pair.set("master", Params::make_text(master));
+      pairs.push(pair);
+    }
+    p.set("pairs", pairs);
+    const auto contact = make_effect("mortar_contact", p, m);
+    contact->begin_step({});
+    Recorder r;
+    contact->report(r);
+    return r("mortar_contact/force_pad_z");
+  };
+  const auto near = soft_body("near", plate, gel(), {0, 0, 0.25 + 0.01 + 0.005});
+  const auto far = soft_body("far", plate, gel(), {0, 0, 0.25 + 0.03 + 0.005});
+  const double one = alone({near}, {"near"}), both = alone({near, far}, {"near", "far"});
+  EXPECT_LT(one, 0);
+  EXPECT_NEAR(both / one, 1, 1e-12);
+}
+
+// max_step: no sample and no corner of an overlap uses up more than nine tenths of its gap, even before any Gauss point sees it.
+TEST(MortarContact, StepsKeepGaps) {
+  Problem p(tilted(0.01, turn(10, {1, 0.2, 0})), {});
+  fd::Vector down = fd::Vector::Zero(positions(p.model).size());
+  const model::Body& tool = p.model.bodies[1];
+  down[3 * tool.block_begin + 2] = -1;
+  const device::Buffer<Vec3> q(fd::blocks_of(positions(p.model))), dq(fd::blocks_of(down));
+  p.contact->assemble(q.view(), true);
+  std::vector<double> alpha{1};
+  p.contact->max_step(q.view(), dq.view(), alpha);
+  EXPECT_LE(alpha[0], 0.0091);
+  EXPECT_GE(alpha[0], 0.008);
+}
+
+// Samples that a step brings into range take part in its line search.
+TEST(MortarContact, LineSearchSeesWhatComesIntoRange) {
+  Problem p(stack(1.05 * kHat), {});
+  const fd::Vector x = positions(p.model);
+  fd::Vector d = fd::Vector::Zero(x.size());
+  const model::Body& tool = p.model.bodies[1];
+  for (Index b = tool.block_begin; b < tool.block_end; ++b) d[3 * b + 2] = -0.5 * kHat;
+  const device::Buffer<Vec3> q(fd::blocks_of(x)), dq(fd::blocks_of(d));
+  p.contact->assemble(q.view(), true);
+  std::vector<double> alpha{1};
+  p.contact->max_step(q.view(), dq.view(), alpha);
+  EXPECT_EQ(fd::effect_energy(*p.contact, x), 0);
+  EXPECT_NEAR(fd::effect_energy(*p.contact, x + d) / (kKappa * effects::barrier::value(0.55 * kHat, kHat)), 1, 1e-10);
+}
+
+TEST(MortarContact, EnergyIsInfiniteAtContact) {
+  Problem p(stack(0.5 * kHat), {});
+  fd::Vector x = positions(p.model);
+  fd::effect_assemble(*p.contact, x, true);
+  EXPECT_TRUE(std::isfinite(fd::effect_energy(*p.contact, x)));
+  const model::Body& tool = p.model.bodies[1];
+  for (Index b = tool.block_begin; b < tool.block_end; ++b) x[3 * b + 2] -= 0.5 * kHat;
+  EXPECT_EQ(fd::effect_energy(*p.contact, x), INFINITY);
+}
+
+// rest_share 1: nothing presses where it stands, and what moves nearer does.
+TEST(MortarContact, RestShareLeavesTheStartAlone) {
+  Options o;
+  o.rest_share = 1;
+  Problem p(stack(0.5 * kHat), o);
+  EXPECT_EQ(fd::effect_assemble(*p.contact, positions(p.model), false).gradient.norm(), 0);
+  fd::Vector x = positions(p.model);
+  const model::Body& tool = p.model.bodies[1];
+  for (Index b = tool.block_begin; b < tool.block_end; ++b) x[3 * b + 2] -= 0.2 * kHat;
+  const fd::Vector g = fd::effect_assemble(*p.contact, x, false).gradient;
+  double fz = 0;
+  for (Index b = tool.block_begin; b < tool.block_end; ++b) fz -= g[3 * b + 2];
+  EXPECT_NEAR(fz / (kKappa * effects::barrier::phi(0.6)), 1, 1e-10);
+}
+
+// Automatic stiffness: k = kappa b'' h / E* = 4 at the pressure it was chosen for, adapted between steps, kept by checkpoints.
+TEST(MortarContact, AutomaticStiffness) {
+  Options o;
+  o.stiffness = 0, o.d_hat = 2e-2;
+  Problem p(stack(0.95 * o.d_hat), o);
+  const auto end = [&] {
+    p.contact->end_step(device::Buffer<Vec3>(fd::blocks_of(positions(p.model))).view());
+    return p.report()("mortar_contact/stiffness_pad_tool");
+  };
+  const double first = p.report()("mortar_contact/stiffness_pad_tool");
+  const double E = 1e5 / (1 - 0.09) / 2, h = [&] {
+    double sum = 0;
+    const auto triangles = p.model.surface.triangles.download();
+    const auto y = p.model.rest_points.download();
+    for (Index t = 0; t < p.model.bodies[0].triangle_end; ++t)
+      for (int k = 0; k < 3; ++k) sum += (y[triangles[t].v[k]] - y[triangles[t].v[(k + 1) % 3]]).norm();
+    return sum / (3.0 * p.model.bodies[0].triangle_end);
+  }();
+  // At 1 % of E*, the first guess.
+  const double t = effects::barrier::phi_inverse(0.01 * E / first);
+  EXPECT_NEAR(first * effects::barrier::second(t * o.d_hat, o.d_hat) * h / E, 4, 1e-6);
+  const double second = end();  // 0.95 d_hat presses far less, so k was small and kappa has to change
+  EXPECT_NE(second, first);
+  EXPECT_GT(second, 0);
+  MemoryArchive archive;
+  p.contact->checkpoint(archive);
+  Problem again(stack(0.95 * o.d_hat), o);
+  MemoryArchive loading = archive;
+  loading.rewind();
+  again.contact->checkpoint(loading);
+  EXPECT_EQ(again.report()("mortar_contact/stiffness_pad_tool"), second);
+}
+
+TEST(MortarContact, BadPairsAreRefused) {
+  for (const auto& [slave, master] : {std::pair{"pad", "nobody"}, {"nobody", "pad"}, {"pad", "pad"}}) {
+    Options o;
+    o.slave = slave, o.master = master;
+    EXPECT_THROW(Problem(stack(0.01), o), Error) << slave << " " << master;
+  }
+}
