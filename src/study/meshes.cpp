@@ -8,16 +8,17 @@ namespace {
 
 using Grid = std::array<std::size_t, 3>;  // nodes along every axis
 
-// Six tetrahedra per cell around the diagonal from the corner `from` (0 or 1 per axis) to the opposite one. The first
-// axis runs fastest in `points`.
-std::vector<Tet> split(const Grid& n, const std::array<int, 3>& from) {
+// Six tetrahedra per cell around a diagonal, neighbours mirrored, so that the mesh is symmetric about its grid planes. In the first
+// cell of an axis the diagonal starts at the corner `first` (0 or 1). The first axis runs fastest in `points`.
+std::vector<Tet> split(const Grid& n, const std::array<std::size_t, 3>& first) {
   constexpr int order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
-  const bool mirrored = (from[0] + from[1] + from[2]) % 2;
   std::vector<Tet> tets;
   for (std::size_t k = 0; k + 1 < n[2]; ++k)
     for (std::size_t j = 0; j + 1 < n[1]; ++j)
       for (std::size_t i = 0; i + 1 < n[0]; ++i)
         for (int o = 0; o < 6; ++o) {
+          const std::array<int, 3> from{static_cast<int>((i + first[0]) % 2), static_cast<int>((j + first[1]) % 2), static_cast<int>((k + first[2]) % 2)};
+          const bool mirrored = (from[0] + from[1] + from[2]) % 2;
           std::array<int, 3> at = from;
           Tet t;
           for (int v = 0; v < 4; ++v) {
@@ -90,7 +91,8 @@ geometry::TetMesh ball_octant(double radius, const std::vector<double>& s, const
       }
   // Diagonals run from the edges of the cube inwards: at an edge two faces of a cell lie on the sphere, and a diagonal along it
   // would leave tetrahedra with all four vertices there.
-  mesh.tets = split({s.size(), s.size(), t.size()}, {1, 1, 0});
+  const std::size_t first = s.size() % 2 ? 0 : 1;  // the last cell's diagonal starts at its outer corner
+  mesh.tets = split({s.size(), s.size(), t.size()}, {first, first, 0});
   return mesh;
 }
 
