@@ -40,7 +40,8 @@ Params params(const Options& o) {
 struct Problem {
   model::Model model;
   std::unique_ptr<effects::Effect> contact;
-  Problem(model::ModelInput in, const Options& o) : model(std::move(in)), contact(make_effect("mortar_contact", params(o), model)) {
+  Problem(model::ModelInput in, const Options& o)
+      : model(std::move(in)), contact(make_effect("mortar_contact", params(o), model)) {
     contact->begin_step({});
   }
   std::vector<model::ContactSample> samples() { return model.contact("mortar_contact")->samples.download(); }
@@ -63,7 +64,8 @@ model::ModelInput stack(double gap, bool stiff = false, Index cells = 3, double 
   const auto lower = geometry::box({1, 1, 0.5}, std::array<Index, 3>{2, 2, 1});
   const auto upper = geometry::box({size, size, 0.5}, std::array<Index, 3>{cells, cells, 1});
   const Vec3 up(0, 0, 0.5 + gap);
-  return scene({soft_body("pad", lower, gel()), stiff ? stiff_body("tool", upper, gel(), up) : soft_body("tool", upper, gel(), up)});
+  return scene(
+      {soft_body("pad", lower, gel()), stiff ? stiff_body("tool", upper, gel(), up) : soft_body("tool", upper, gel(), up)});
 }
 
 // A cube pushed corner first, edge first or face first (angle from it) towards a pad, over a half-space.
@@ -75,7 +77,9 @@ model::ModelInput tilted(double gap, const Mat3& R, bool stiff = true) {
   for (Vec3& x : tool.nodes) x += Vec3(0.03, 0.02, 0.25 + gap - low);
   return scene({soft_body("pad", geometry::box({1, 1, 0.5}, 0.5), gel()), tool});
 }
-Mat3 turn(double degrees, const Vec3& axis) { return Eigen::AngleAxisd(degrees * M_PI / 180, axis.normalized()).toRotationMatrix(); }
+Mat3 turn(double degrees, const Vec3& axis) {
+  return Eigen::AngleAxisd(degrees * M_PI / 180, axis.normalized()).toRotationMatrix();
+}
 
 // Energy of the samples frozen at x0 against its gradient, and the gradient against the Gauss-Newton Hessian, which is exact for
 // linear gaps: (E(x + hd) - 2 E(x) + E(x - hd)) / h^2 = d^T H d.
@@ -156,8 +160,9 @@ TEST(MortarContact, ExactGradientIsThatOfTheProjectedGap) {
     };
     EXPECT_NEAR(gap(x), s.gap, 1e-14);
     const fd::Vector slope = fd::difference_gradient(gap, x, 1e-5);
-    const double normal = std::sqrt(slope.segment<3>(3 * s.point[3]).squaredNorm() + slope.segment<3>(3 * s.point[4]).squaredNorm() +
-                                    slope.segment<3>(3 * s.point[5]).squaredNorm());
+    const double normal =
+        std::sqrt(slope.segment<3>(3 * s.point[3]).squaredNorm() + slope.segment<3>(3 * s.point[4]).squaredNorm() +
+                  slope.segment<3>(3 * s.point[5]).squaredNorm());
     Vec3 published[6];
     double error = 0;
     for (int k = 3; k < 6; ++k) {
@@ -195,14 +200,16 @@ TEST(MortarContact, MovesRigidlyWithTheScene) {
   }
 }
 
-// Parallel faces at gap g press with kappa phi(g/d_hat) everywhere, whichever the slave and the rule; the weights cover the overlap.
+// Parallel faces at gap g press with kappa phi(g/d_hat) everywhere, whichever the slave and the rule; the weights cover the
+// overlap.
 TEST(MortarContact, FlatFacesPressUniformly) {
   const double gap = 0.6 * kHat, p0 = kKappa * effects::barrier::phi(0.6);
   for (const char* quadrature : {"1", "3", "6", "7"})
     for (bool two_pass : {false, true})
       for (const char* slave : {"pad", "tool"}) {
         Options o;
-        o.quadrature = quadrature, o.two_pass = two_pass, o.slave = slave, o.master = slave == o.slave && o.slave == "pad" ? "tool" : "pad";
+        o.quadrature = quadrature, o.two_pass = two_pass, o.slave = slave,
+        o.master = slave == o.slave && o.slave == "pad" ? "tool" : "pad";
         if (o.slave == "pad") o.master = "tool";
         Problem p(stack(gap, false, 3, 0.5), o);
         double area = 0;
@@ -225,7 +232,8 @@ TEST(MortarContact, TaperedWeightsConserveTheTotalLoad) {
   Options o;
   o.weights = "tapered", o.quadrature = "7";
   for (Index cells : {23, 24}) {
-    const auto pad = geometry::box({1, 1, 0.5}, std::array<Index, 3>{cells, cells, 1}), tool = geometry::box({0.5, 0.5, 0.5}, std::array<Index, 3>{2, 2, 1});
+    const auto pad = geometry::box({1, 1, 0.5}, std::array<Index, 3>{cells, cells, 1}),
+               tool = geometry::box({0.5, 0.5, 0.5}, std::array<Index, 3>{2, 2, 1});
     Problem p(scene({soft_body("pad", pad, gel()), soft_body("tool", tool, gel(), {0, 0, 0.5 + 0.6 * kHat})}), o);
     const Recorder r = p.report();
     const double wanted = 0.25 * kKappa * effects::barrier::phi(0.6);
