@@ -78,7 +78,7 @@ Result run(const Patch& c) {
     r.balance = std::max(r.balance, std::abs(f.at(std::string("mortar_contact/force_top_") + axis) +
                                              f.at(std::string("mortar_contact/force_bottom_") + axis)));
   const double side = std::min(c.bottom_side, c.top_side);
-  EXPECT_NEAR(f.at("mortar_contact/force_top_z"), 1e3 * side * side, 1e-8);
+  EXPECT_NEAR(f.at("mortar_contact/force_top_z"), 1e3 * side * side, 2e-7);  // rounding of gaps at the stiffest
   std::printf("  d_hat %.0e kappa %.0e nu %.2f %s %s q%s %s%s %g/%g: szz %.1e spurious %.1e, %ld iterations\n", c.d_hat, c.kappa,
               c.nu, c.slave.c_str(), c.weights.c_str(), c.quadrature.c_str(), c.gradient.c_str(), c.two_pass ? " two-pass" : "",
               c.bottom_side, c.top_side, r.szz, r.spurious, r.newton);
