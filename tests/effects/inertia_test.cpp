@@ -97,11 +97,27 @@ TEST(Inertia, WithoutForcesEveryBlockKeepsItsVelocity) {
   }
 }
 
+TEST(Inertia, SecondStepOfBdf2WeighsHistory) {
+  // Steps 0.02 and 0.03, w = 3/2: the Hessian is (a0/dt)^2 M with a0 = (1 + 2w)/(1 + w); backward Euler has a0 = 1.
+  for (const auto& [name, a0] : {std::pair{"backward_euler", 1.0}, std::pair{"bdf2", 1.6}}) {
+    model::Model m(fd::box_and_ball());
+    const auto e = fd::make_effect("inertia", integrator(name), m);
+    const fd::Vector x = fd::shaken(m, 0.1);
+    e->begin_step(step_info(1));
+    const fd::Matrix M = fd::effect_assemble(*e, x, true).hessian;  // the first step is backward Euler
+    e->begin_step(step_info(0.02));
+    e->end_step(std::as_const(m.q).view());
+    e->begin_step(step_info(0.03, 1));
+    const fd::Matrix H = fd::effect_assemble(*e, x, true).hessian;
+    EXPECT_LT((H - a0 * a0 / (0.03 * 0.03) * M).norm(), 1e-12 * H.norm()) << name;
+  }
+}
+
 TEST(Inertia, RetriedStepsStartFromTheSameState) {
   model::Model m(fd::box_and_ball());
   const auto a = fd::make_effect("inertia", integrator("bdf2"), m), b = fd::make_effect("inertia", integrator("bdf2"), m);
   for (Effect* e : {a.get(), b.get()}) {
-    e->begin_step(step_info(0.02));
+    e->begin_step(step_info(0.03));
     e->end_step(std::as_const(m.q).view());
   }
   a->begin_step(step_info(0.02, 1));  // fails, is tried again

@@ -19,9 +19,10 @@ Params pinned(const std::string& body, const Params& where, const std::string& a
   p.set("axes", Params::make_text(axes));
   return p;
 }
+// Moves sideways as well, which entries that hold only z must not pass on.
 Params lifted(Params p, const std::vector<double>& time, const std::vector<double>& z) {
   Params keys = Params::make_list();
-  for (double v : z) keys.push(vec({0, 0, v}));
+  for (double v : z) keys.push(vec({2 * v, -v, v}));
   p.set("motion", fd::table({{"time", fd::numbers(time)}, {"translation", keys}}));
   return p;
 }
@@ -116,7 +117,7 @@ TEST(Pin, ReleaseFreesFromThatTimeOn) {
   while (rest[top][2] < 0.999) ++top;
   at(*e, 0.1 + 0.1, 0.1);
   EXPECT_EQ(m.held[low], 2);
-  at(*e, 0.1 + 0.2, 0.1);  // 0.30000000000000004
+  at(*e, std::nextafter(0.3, 0), 0.1);  // times are sums of steps
   EXPECT_EQ(m.held[low], 0);
   EXPECT_EQ(m.projector.download()[low], Mat3::Identity());
   EXPECT_EQ(m.held[top], 1);

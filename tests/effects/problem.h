@@ -1,5 +1,6 @@
 #pragma once
-// A problem that every bulk effect is tested on: a soft box and a stiff ball, in one or two environments.
+// A problem that every bulk effect is tested on: a soft box and a stiff ball (sheared, so that its mass matrix is full), in one
+// or two environments.
 #include <map>
 #include <random>
 #include <string>
@@ -14,12 +15,14 @@ namespace mortise::fd {
 inline model::ModelInput box_and_ball(const std::string& law = "neo_hookean", int envs = 1) {
   model::ModelInput in;
   in.scene = Params::make_table();
+  geometry::TetMesh ball = geometry::sphere(0.5, 0.4);
+  for (Vec3& x : ball.points) x += Vec3(0.4, 0.2, 0) * x[2];
   for (int e = 0; e < envs; ++e) {
     const Vec3 at(10.0 * e, 0, 0);
     const double density = 1000 + 100 * e;
     in.bodies.push_back(mortise::testing::soft_body("box", geometry::box({1, 1, 2}, 1.0), mortise::testing::material(law, 1e5, 0.4, density), at,
                                                     mortise::testing::body_params({1, -2, 0.5}, {0.3, 0.1, -0.7})));
-    in.bodies.push_back(mortise::testing::stiff_body("ball", geometry::sphere(0.5, 0.4), mortise::testing::material("linear", 1e9, 0.3, 2000),
+    in.bodies.push_back(mortise::testing::stiff_body("ball", ball, mortise::testing::material("linear", 1e9, 0.3, 2000),
                                                      at + Vec3(0.2, 0.1, 3), mortise::testing::body_params({1, 2, 3}, {0.5, -1, 4})));
     in.bodies[in.bodies.size() - 2].env = in.bodies.back().env = e;
   }
