@@ -83,19 +83,34 @@ MORTISE_HD inline double feature_weight(const Scene& s, const Vec3& n, const Vie
   return sum / 3 * hermite(parallel / kGate) * hermite(sharp / kGate) * hermite(-n.dot(mean) / 0.2);
 }
 
-// One over the number of slave triangles that find the same master vertex, when it lies on a side or corner of this one.
-MORTISE_HD inline double multiplicity(const Scene& s, Index slave_triangle, const double N[3]) {
-  int on = 0, off = 0;
+// Does slave triangle t go on in the direction of n (rather than round a rim)?
+MORTISE_HD inline bool goes_on(const Scene& s, const Vec3& n, Index t) { return n.dot(s.normal[t]) > 0.5; }
+
+// One over the number of slave triangles that find what lies on side k of `slave`.
+MORTISE_HD inline double side_multiplicity(const Scene& s, Index slave, const Vec3& n, int k) {
+  const Index edge = s.topology.triangle_edge[3 * slave + (k + 1) % 3];
+  Index count = 0;
+  for (Index j = s.topology.edge_offset[edge]; j < s.topology.edge_offset[edge + 1]; ++j)
+    if (goes_on(s, n, s.topology.edge_triangle[j])) ++count;
+  return count > 1 ? 1.0 / count : 1;
+}
+
+// The same for a master vertex above N.
+MORTISE_HD inline double multiplicity(const Scene& s, Index slave, const Vec3& n, const double N[3]) {
+  int on = 0, side = 0, corner = 0;
   for (int k = 0; k < 3; ++k) {
     if (N[k] <= kOnSide)
-      ++on;
+      ++on, side = k;
     else
-      off = k;
+      corner = k;
   }
   if (on == 0) return 1;
-  if (on == 1) return 0.5;
-  const Index corner = s.surface.triangles[slave_triangle].v[off];
-  return 1.0 / (s.topology.point_offset[corner + 1] - s.topology.point_offset[corner]);
+  if (on == 1) return side_multiplicity(s, slave, n, side);
+  const Index v = s.surface.triangles[slave].v[corner];
+  Index count = 0;
+  for (Index j = s.topology.point_offset[v]; j < s.topology.point_offset[v + 1]; ++j)
+    if (goes_on(s, n, s.topology.point_triangle[j])) ++count;
+  return count > 1 ? 1.0 / count : 1;
 }
 
 // A slave triangle with the master triangles near it.
@@ -207,9 +222,10 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
     if (s.topology.edge_triangle[begin] != master || !clip_segment(f.L[k], f.L[l], kOnSide, t0, t1)) continue;
     double w = s.set.share * (t1 - t0) * feature_weight(s, n, s.topology.edge_triangle, begin, end, e);
     if (!(w > 0)) continue;
-    for (int a = 0; a < 3; ++a)
-      if (std::fmax(f.L[k][a] + t0 * (f.L[l][a] - f.L[k][a]), f.L[k][a] + t1 * (f.L[l][a] - f.L[k][a])) <= kOnSide)
-        w *= 0.5;  // along a slave edge
+    for (int a = 0; a < 3; ++a) {
+      const double slope = f.L[l][a] - f.L[k][a];
+      if (std::fmax(f.L[k][a] + t0 * slope, f.L[k][a] + t1 * slope) <= kOnSide) w *= side_multiplicity(s, p.slave, n, a);
+    }
     const int points = segment_points(s.set.quadrature);
     for (int q = 0; q < points; ++q) {
       const SegmentPoint g = segment_point(points, q);
@@ -229,7 +245,7 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
     const double* N = f.L[k];
     if (!(N[0] >= -kOnSide && N[1] >= -kOnSide && N[2] >= -kOnSide)) continue;
     const double w =
-        s.set.share * multiplicity(s, p.slave, N) * feature_weight(s, n, s.topology.point_triangle, begin, end, 0.1 * e * e);
+        s.set.share * multiplicity(s, p.slave, n, N) * feature_weight(s, n, s.topology.point_triangle, begin, end, 0.1 * e * e);
     double M[3] = {0, 0, 0};
     M[k] = 1;
     if (w > 0 && wanted(f.height[k], N)) take(SampleKind::point, w, f.height[k], N, M);
