@@ -5,12 +5,15 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "base/version.h"
 #include "engine/input.h"
+#include "output/atomic_file.h"
 #include "output/checkpoint.h"
 #include "output/field_file.h"
 #include "output/sha256.h"
+#include "run/certificate.h"
 #include "run/device_choice.h"
 #include "run/output_mesh.h"
 #include "run/pictures.h"
@@ -54,7 +57,7 @@ std::unique_ptr<output::NewestCheckpoint> open_checkpoint(const Options& o, cons
   return std::make_unique<output::NewestCheckpoint>(output::open_newest_valid(dir));
 }
 
-// One run, from the folder's preparation to run.json.
+// One run, from the folder's preparation to certificate.json and run.json.
 class Run {
  public:
   Run(const Options& options, std::span<const scene::EffectTable> tables) : o_(options), tables_(tables), progress_(make_progress(options.json, options.quiet)) {}
@@ -86,6 +89,7 @@ class Run {
     check(api.create(input, engine_));
     prepare_folder(o_, dir_);
     started_ = true;
+    certificate_.emplace(scene_.root);
     const std::unique_ptr<output::NewestCheckpoint> checkpoint = open_checkpoint(o_, dir_);
 
     frame_every_ = scene_.root.at("time").integer("frame_every");
@@ -163,6 +167,7 @@ class Run {
       write_frame();
     else
       capture();
+    certificate_->step(report);
     const output::StepRow row = step_row(report, contact_);
     file_->append_step(row);
     record_.steps.push_back(row);
@@ -172,7 +177,7 @@ class Run {
   }
 
   void capture() {
-    Tee tee(nullptr);
+    Tee tee(certificate_->watch(nullptr));
     engine_->report(tee);
     contact_ = tee.contact();
   }
@@ -180,7 +185,7 @@ class Run {
   void write_frame() {
     const auto begin = Time::now();
     const std::vector<double> points = engine_->points();
-    Tee tee(file_.get());
+    Tee tee(certificate_->watch(file_.get()));
     file_->begin_frame(engine_->time(), points);
     engine_->report(tee);
     file_->end_frame();
@@ -209,6 +214,8 @@ class Run {
   void finish(Exit status, const std::string& message) {
     if (!started_) return;
     const double wall = std::chrono::duration<double>(Time::now() - begin_).count();
+    const std::string device = engine_ ? record_.device.kind : "";
+    output::write_file_atomically(dir_ + "/certificate.json", certificate_->json({scene_.root.text("name"), hash_, device, status, message}), true);
     record_.frames = file_ ? file_->frames() : 0;
     record_.write(dir_ + "/run.json", {o_, scene_.root.text("name"), hash_, status, message, wall}, engine_.get());
     if (status == Exit::done) progress_->end("done", wall);
@@ -224,6 +231,7 @@ class Run {
   std::unique_ptr<output::FieldFile> file_;
   std::unique_ptr<Pictures> pictures_;
   Record record_;
+  std::optional<Certificate> certificate_;
   ContactFigures contact_{NAN, NAN};
   long frame_every_ = 1, steps_ = 0;
   bool started_ = false;

@@ -1,0 +1,241 @@
+#include "run/certificate.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "base/version.h"
+
+namespace mortise::run {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
+
+void largest(double& most, double v) {
+  if (std::isfinite(v) && !(most >= v)) most = v;
+}
+
+bool starts_with(const std::string& s, const std::string& head) { return s.rfind(head, 0) == 0; }
+
+}  // namespace
+
+// The report of one state.
+class Certificate::Watch : public FieldSink {
+ public:
+  void points(std::string_view name, std::string_view unit, int components, std::span<const double> values) override {
+    if (next) next->points(name, unit, components, values);
+    for (double v : values) check(v, name);
+  }
+  void cells(std::string_view name, std::string_view unit, int components, std::span<const double> values) override {
+    if (next) next->cells(name, unit, components, values);  // NaN by design on stiff bodies
+  }
+  void rows(std::string_view group, std::string_view name, std::string_view unit, int components, std::span<const double> values) override {
+    if (next) next->rows(group, name, unit, components, values);
+    if (name == "gap") gap[std::string(group)].assign(values.begin(), values.end());
+    if (name == "force" && components == 1) force[std::string(group)].assign(values.begin(), values.end());
+    for (double v : values) check(v, name);
+  }
+  void scalar(std::string_view group, std::string_view name, std::string_view unit, double value) override {
+    if (next) next->scalar(group, name, unit, value);
+    scalars[std::string(group) + "/" + std::string(name)] = value;
+    check(value, name);
+  }
+  void check(double v, std::string_view name) {
+    if (std::isfinite(v)) return;
+    if (not_finite++ == 0) first_not_finite = name;
+  }
+  double at(const std::string& name) const {
+    const auto it = scalars.find(name);
+    return it == scalars.end() ? NAN : it->second;
+  }
+
+  FieldSink* next = nullptr;
+  std::map<std::string, double> scalars;
+  std::map<std::string, std::vector<double>> gap, force;
+  long not_finite = 0;
+  std::string first_not_finite;
+};
+
+void Certificate::Range::add(double v) {
+  if (!std::isfinite(v)) return;
+  if (!(least <= v)) least = v;
+  if (!(most >= v)) most = v;
+}
+
+Certificate::Certificate(const Params& scene) {
+  relative_tolerance_ = scene.at("solver").number("relative_tolerance");
+  for (const auto& [name, effect] : scene.at("effects").entries()) {
+    if (effect.kind() != Params::Kind::table) continue;
+    if (const Params* d_hat = effect.find("d_hat")) d_hat_[name] = d_hat->as_number();
+    if (const Params* creep = effect.find("creep_speed")) creep_speed_ = creep->as_number();
+  }
+}
+
+FieldSink* Certificate::watch(FieldSink* next) {
+  if (watch_) take(*watch_);
+  watch_ = std::make_shared<Watch>();
+  watch_->next = next;
+  return watch_.get();
+}
+
+void Certificate::take(const Watch& seen) {
+  not_finite_ += seen.not_finite;
+  if (first_not_finite_.empty()) first_not_finite_ = seen.first_not_finite;
+  double energy = 0, defect = 0, term = 0;
+  bool any_energy = false, any_defect = false;
+  for (const auto& [name, v] : seen.scalars) {
+    const std::string leaf = name.substr(name.find('/') + 1);
+    if (leaf == "min_distance") distance_.add(v);
+    if (leaf == "det_F_min") det_F_.add(v);
+    if (leaf == "clip_partition_defect") partition_.add(v);
+    if (leaf == "energy" || leaf == "kinetic_energy") energy += v, any_energy = true;
+    if (starts_with(leaf, "force_share_")) kind_share_[leaf.substr(12)] = v;
+    if (!starts_with(name, "balance/") || leaf.size() < 2 || leaf.back() != 'x') continue;
+    const std::string stem = name.substr(0, name.size() - 1);
+    const double size = std::hypot(v, seen.at(stem + "y"), seen.at(stem + "z"));
+    if (leaf == "defect_x")
+      defect = size, any_defect = true;
+    else
+      term = std::max(term, size);
+  }
+  if (any_defect) {
+    largest(balance_newton_, defect);
+    if (term > 0) largest(balance_relative_, defect / term);
+  }
+  if (any_energy) {
+    if (std::isnan(first_energy_))
+      first_energy_ = energy;
+    else
+      largest(largest_rise_, energy - last_energy_);
+    last_energy_ = energy;
+  }
+  for (int a = 0; a < 3; ++a) {
+    const double m = seen.at(std::string("inertia/momentum_") + "xyz"[a]);
+    if (std::isnan(first_momentum_[a])) first_momentum_[a] = m;
+    last_momentum_[a] = m;
+  }
+  for (const auto& [effect, gap] : seen.gap) {
+    const auto d_hat = d_hat_.find(effect);
+    const auto force = seen.force.find(effect);
+    if (d_hat == d_hat_.end() || force == seen.force.end()) continue;
+    for (std::size_t i = 0; i < std::min(gap.size(), force->second.size()); ++i)
+      if (force->second[i] > 0) gap_share_[effect].add(gap[i] / d_hat->second);
+  }
+}
+
+void Certificate::step(const solver::StepReport& r) {
+  if (watch_) take(*watch_);
+  watch_.reset();
+  if (steps_ == 0) first_step_ = r.step + 1, begin_ = r.time - r.dt;
+  ++steps_, end_ = r.time;
+  newton_ += r.newton, lag_ += r.lag, cg_ += r.cg, line_search_ += r.line_search, regularised_ += r.regularised;
+  most_newton_ = std::max<long>(most_newton_, r.newton);
+  if (r.substeps > 1) ++halved_;
+  largest(residual_, r.residual);
+  if (r.tolerance > 0) largest(over_tolerance_, r.residual / r.tolerance);
+  if (r.lag > 0) {
+    largest(lag_residual_, r.lag_residual);
+    // tolerance = relative_tolerance times the largest force, unless rounding or force_tolerance is larger.
+    if (r.tolerance > 0) largest(lag_relative_, r.lag_residual * relative_tolerance_ / r.tolerance);
+  }
+  if (!(least_alpha_ <= r.alpha)) least_alpha_ = r.alpha;
+}
+
+std::vector<Certificate::Check> Certificate::checks() const {
+  std::vector<Check> all;
+  const auto add = [&](const char* name, const char* unit, double value, double exact, double engineering) {
+    if (std::isfinite(value)) all.push_back({name, unit, value, exact, engineering});
+  };
+  add("force_balance_defect", "1", balance_relative_, 1e-10, 1e-3);
+  add("residual_over_tolerance", "1", over_tolerance_, 1, 1);
+  add("lag_residual", "1", lag_relative_, 1e-6, 1e-2);
+  add("clip_partition_defect", "1", partition_.most, 1e-12, 1e-9);
+  if (steps_ > 0) add("halved_steps_share", "1", static_cast<double>(halved_) / static_cast<double>(steps_), 0, 0.1);
+  return all;
+}
+
+std::string Certificate::json(const End& end) const {
+  Certificate c = *this;  // with the state reported last
+  if (c.watch_) c.take(*c.watch_), c.watch_.reset();
+
+  // F: some state is no state of the model. C: incomplete, or an engineering bound is exceeded. B: an exact bound is. A: none.
+  std::string grade = "A", reason = "every exact bound is met";
+  const auto lower = [&](const char* to, const std::string& why) {
+    if (grade[0] >= to[0]) return;
+    grade = to, reason = why;
+  };
+  Json checks = Json::array();
+  for (const Check& k : c.checks()) {
+    const char* met = k.value <= k.exact ? "exact" : (k.value <= k.engineering ? "engineering" : "none");
+    checks.push_back({{"name", k.name}, {"unit", k.unit}, {"value", number(k.value)}, {"exact", k.exact}, {"engineering", k.engineering}, {"met", met}});
+    if (k.value > k.engineering)
+      lower("C", k.name + " exceeds its engineering bound");
+    else if (k.value > k.exact)
+      lower("B", k.name + " exceeds its exact bound");
+  }
+  if (end.status == Exit::stopped)
+    lower("C", "the run was stopped");
+  else if (end.status == Exit::solve)
+    lower("C", "a step did not converge");
+  else if (end.status != Exit::done)
+    lower("F", "the run failed");
+  if (c.steps_ == 0) lower("F", "no step was finished");
+  if (c.det_F_.least <= 0) lower("F", "an element is inverted (det F <= 0)");
+  if (c.distance_.least <= 0) lower("F", "surfaces touch or intersect");
+  if (c.not_finite_ > 0) lower("F", "'" + c.first_not_finite_ + "' is not finite");
+
+  Json j;
+  j["filetype"] = "mortise certificate";
+  j["version"] = {1, 0};
+  j["mortise_version"] = version();
+  j["git_sha1"] = git_sha1();
+  j["scene"] = {{"name", end.scene_name}, {"sha256", end.scene_sha256}};
+  j["device"] = end.device;
+  j["exit_code"] = static_cast<int>(end.status);
+  j["message"] = end.message;
+  j["grade"] = grade;
+  j["reason"] = reason;
+  j["checks"] = checks;
+  Json drift = Json::array();
+  for (int a = 0; a < 3; ++a) drift.push_back(number(c.last_momentum_[a] - c.first_momentum_[a]));
+  j["invariants"] = {{"min_distance_m", number(c.distance_.least)},
+                     {"min_det_F", number(c.det_F_.least)},
+                     {"not_finite_values", c.not_finite_},
+                     {"force_balance_defect_N", number(c.balance_newton_)},
+                     {"force_balance_defect_relative", number(c.balance_relative_)},
+                     {"energy_first_J", number(c.first_energy_)},
+                     {"energy_last_J", number(c.last_energy_)},
+                     {"energy_largest_rise_J", number(c.largest_rise_)},
+                     {"momentum_change_kg_m_per_s", drift}};
+  j["solver"] = {{"steps", c.steps_},
+                 {"first_step", c.first_step_},
+                 {"newton_iterations_max", c.most_newton_},
+                 {"newton_iterations_mean", c.steps_ > 0 ? number(static_cast<double>(c.newton_) / static_cast<double>(c.steps_)) : Json(nullptr)},
+                 {"residual_max_N", number(c.residual_)},
+                 {"residual_over_tolerance_max", number(c.over_tolerance_)},
+                 {"halved_steps", c.halved_},
+                 {"line_search_halvings", c.line_search_},
+                 {"least_step_length", number(c.least_alpha_)},
+                 {"regularised_factorisations", c.regularised_},
+                 {"cg_iterations", c.cg_},
+                 {"lag_rounds", c.lag_},
+                 {"lag_residual_max_N", number(c.lag_residual_)},
+                 {"lag_residual_relative_max", number(c.lag_relative_)}};
+  Json contact = Json::object();
+  for (const auto& [effect, d_hat] : c.d_hat_) {
+    const auto gap = c.gap_share_.find(effect);
+    const Range share = gap == c.gap_share_.end() ? Range{} : gap->second;
+    contact[effect] = {{"d_hat_m", d_hat}, {"gap_over_d_hat_min", number(share.least)}, {"gap_over_d_hat_max", number(share.most)}};
+  }
+  Json shares = Json::object();
+  for (const auto& [kind, share] : c.kind_share_) shares[kind] = number(share);
+  j["model"] = {{"contact", contact},
+                {"clip_partition_defect_max", number(c.partition_.most)},
+                {"force_share_last", shares},
+                // A body at rest creeps at most at this speed, all the time (reference/accuracy.md B16).
+                {"friction_creep_bound_m", number(c.creep_speed_ * (c.end_ - c.begin_))}};
+  return j.dump(1) + "\n";
+}
+
+}  // namespace mortise::run

@@ -1,0 +1,66 @@
+#pragma once
+#include <cmath>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/field_sink.h"
+#include "base/params.h"
+#include "solver/report.h"
+
+namespace mortise::run {
+
+// How far a run can be trusted: what must hold of every state, how well each step was solved, what the contact model left between the
+// surfaces, and a grade with its first reason (../shared/reference/accuracy.md 4). Gathered from what effects report at every step, so
+// that it costs nothing; written as certificate.json (schemas/certificate.schema.json), also for a run that failed.
+class Certificate {
+ public:
+  explicit Certificate(const Params& scene);
+
+  // A sink for the report of one state: takes note and passes on to `next` (may be null). Valid until the next call.
+  FieldSink* watch(FieldSink* next);
+  // The step that led to the state reported last.
+  void step(const solver::StepReport& report);
+
+  struct End {
+    std::string scene_name, scene_sha256, device;
+    Exit status = Exit::done;
+    std::string message;  // of the error, empty without one
+  };
+  std::string json(const End& end) const;
+
+ private:
+  class Watch;
+  struct Range {
+    double least = NAN, most = NAN;
+    void add(double v);
+  };
+  // One quantity with two bounds: what a run is graded by.
+  struct Check {
+    std::string name, unit;
+    double value, exact, engineering;
+  };
+  void take(const Watch& seen);
+  std::vector<Check> checks() const;
+
+  std::shared_ptr<Watch> watch_;
+  double relative_tolerance_ = 0, creep_speed_ = NAN;
+  std::map<std::string, double> d_hat_;  // by contact effect [m]
+  // Of all states
+  Range distance_, det_F_, partition_;
+  std::map<std::string, Range> gap_share_;  // gap/d_hat of the samples that carry force, by effect
+  std::map<std::string, double> kind_share_;  // share of force by kind of sample, last state
+  long not_finite_ = 0;
+  std::string first_not_finite_;
+  double balance_newton_ = NAN, balance_relative_ = NAN;
+  double first_energy_ = NAN, last_energy_ = NAN, largest_rise_ = NAN;
+  double first_momentum_[3] = {NAN, NAN, NAN}, last_momentum_[3] = {NAN, NAN, NAN};
+  // Of all steps
+  long steps_ = 0, first_step_ = 0, newton_ = 0, most_newton_ = 0, lag_ = 0, cg_ = 0, halved_ = 0, line_search_ = 0, regularised_ = 0;
+  double begin_ = NAN, end_ = NAN;
+  double residual_ = NAN, over_tolerance_ = NAN, lag_residual_ = NAN, lag_relative_ = NAN, least_alpha_ = NAN;
+};
+
+}  // namespace mortise::run

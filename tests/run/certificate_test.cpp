@@ -1,0 +1,110 @@
+#include "run/certificate.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+using namespace mortise;
+using run::Certificate;
+
+namespace {
+
+Params scene() {
+  Params solver = Params::make_table(), contact = Params::make_table(), friction = Params::make_table(), effects = Params::make_table(), root = Params::make_table();
+  solver.set("relative_tolerance", Params::make_number(1e-6));
+  contact.set("d_hat", Params::make_number(1e-3));
+  friction.set("creep_speed", Params::make_number(1e-4));
+  effects.set("mortar_contact", contact);
+  effects.set("friction", friction);
+  root.set("solver", solver);
+  root.set("effects", effects);
+  return root;
+}
+
+// A state with a force balance of `defect` on forces of 10 N.
+void report(FieldSink& sink, double defect, double distance = 5e-4, double det = 0.9, double value = 1) {
+  sink.scalar("balance", "gravity_x", "N", 0), sink.scalar("balance", "gravity_y", "N", 0), sink.scalar("balance", "gravity_z", "N", -10);
+  sink.scalar("balance", "defect_x", "N", defect), sink.scalar("balance", "defect_y", "N", 0), sink.scalar("balance", "defect_z", "N", 0);
+  sink.scalar("mortar_contact", "min_distance", "m", distance);
+  sink.scalar("elasticity", "det_F_min", "1", det);
+  sink.rows("mortar_contact", "gap", "m", 1, std::vector<double>{2e-4, 5e-4, 9e-4});
+  sink.rows("mortar_contact", "force", "N", 1, std::vector<double>{0, 1, 1});
+  sink.points("displacement", "m", 3, std::vector<double>{0, 0, value});
+  sink.cells("cauchy_stress", "Pa", 1, std::vector<double>{NAN});  // of stiff bodies
+}
+
+solver::StepReport good() {
+  solver::StepReport r;
+  r.time = r.dt = 0.1, r.newton = 4, r.residual = 1e-9, r.tolerance = 1e-8;
+  return r;
+}
+
+nlohmann::json certificate(double defect, Exit status = Exit::done, double distance = 5e-4, double det = 0.9, double value = 1, const solver::StepReport& step = good()) {
+  Certificate c(scene());
+  report(*c.watch(nullptr), 0);
+  report(*c.watch(nullptr), defect, distance, det, value);
+  c.step(step);
+  return nlohmann::json::parse(c.json({"s", "abc", "cpu", status, ""}));
+}
+
+}  // namespace
+
+TEST(Certificate, GradesByTheWorstBound) {
+  EXPECT_EQ(certificate(1e-10)["grade"], "A");  // 1e-11 of 10 N
+  const auto b = certificate(1e-5);
+  EXPECT_EQ(b["grade"], "B");
+  EXPECT_EQ(b["reason"], "force_balance_defect exceeds its exact bound");
+  EXPECT_DOUBLE_EQ(b["invariants"]["force_balance_defect_relative"], 1e-6);
+  EXPECT_EQ(certificate(1)["grade"], "C");
+}
+
+TEST(Certificate, RunsThatDidNotEndAreNeverGood) {
+  EXPECT_EQ(certificate(0, Exit::solve)["grade"], "C");
+  EXPECT_EQ(certificate(0, Exit::stopped)["grade"], "C");
+  EXPECT_EQ(certificate(0, Exit::internal)["grade"], "F");
+  Certificate none(scene());
+  report(*none.watch(nullptr), 0);
+  EXPECT_EQ(nlohmann::json::parse(none.json({}))["grade"], "F");
+}
+
+TEST(Certificate, InvalidStatesFail) {
+  EXPECT_EQ(certificate(0, Exit::done, 0.0)["reason"], "surfaces touch or intersect");
+  EXPECT_EQ(certificate(0, Exit::done, 5e-4, -0.1)["reason"], "an element is inverted (det F <= 0)");
+  const auto nan = certificate(0, Exit::done, 5e-4, 0.9, NAN);
+  EXPECT_EQ(nan["grade"], "F");
+  EXPECT_EQ(nan["invariants"]["not_finite_values"], 1);  // and not the stress of stiff bodies
+}
+
+TEST(Certificate, TellsSolverAndModelFigures) {
+  solver::StepReport halved = good();
+  halved.substeps = 4, halved.newton = 9, halved.time = 0.1;
+  const auto j = certificate(0, Exit::done, 5e-4, 0.9, 1, halved);
+  EXPECT_EQ(j["grade"], "C");  // every step was halved
+  EXPECT_EQ(j["solver"]["halved_steps"], 1);
+  EXPECT_EQ(j["solver"]["newton_iterations_max"], 9);
+  EXPECT_DOUBLE_EQ(j["model"]["contact"]["mortar_contact"]["gap_over_d_hat_min"], 0.5);  // of samples with force
+  EXPECT_DOUBLE_EQ(j["model"]["contact"]["mortar_contact"]["gap_over_d_hat_max"], 0.9);
+  EXPECT_DOUBLE_EQ(j["model"]["friction_creep_bound_m"], 1e-5);
+}
+
+TEST(Certificate, HasTheKeysOfItsSchema) {
+  const auto j = certificate(0);
+  std::ifstream file(MORTISE_SOURCE_DIR "/schemas/certificate.schema.json");
+  const auto schema = nlohmann::json::parse(file);
+  const std::function<void(const nlohmann::json&, const nlohmann::json&, const std::string&)> compare = [&](const auto& value, const auto& s, const std::string& at) {
+    if (!s.contains("properties")) return;
+    for (const auto& key : s["required"]) EXPECT_TRUE(value.contains(key)) << at << "." << key;
+    for (const auto& [key, v] : value.items()) {
+      if (!s["properties"].contains(key)) {
+        ADD_FAILURE() << at << "." << key << " is not in the schema";
+        continue;
+      }
+      compare(v, s["properties"][key], at + "." + key);
+    }
+  };
+  compare(j, schema, "");
+  ASSERT_FALSE(j["checks"].empty());
+  for (const auto& check : j["checks"]) compare(check, schema["properties"]["checks"]["items"], "checks");
+}

@@ -1,0 +1,86 @@
+#include "study/meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "geometry/topology.h"
+
+using namespace mortise;
+using namespace mortise::study;
+
+namespace {
+
+double smallest_volume(const geometry::TetMesh& mesh) {
+  double least = INFINITY;
+  for (const Tet& t : mesh.tets) least = std::min(least, geometry::tet_volume(mesh.points, t));
+  return least;
+}
+
+// A conforming mesh's boundary is closed: every edge in two triangles.
+void expect_closed(const geometry::TetMesh& mesh) {
+  std::map<std::pair<Index, Index>, int> count;
+  for (const Triangle& t : geometry::boundary_triangles(mesh))
+    for (int k = 0; k < 3; ++k) ++count[std::minmax(t.v[k], t.v[(k + 1) % 3])];
+  for (const auto& [edge, n] : count) ASSERT_EQ(n, 2);
+}
+
+}  // namespace
+
+TEST(StudyMeshes, GradedPlanes) {
+  const std::vector<double> x = graded(0.01, 4, 5, 1);
+  ASSERT_EQ(x.size(), 10u);
+  EXPECT_DOUBLE_EQ(x[4], 0.04);
+  EXPECT_DOUBLE_EQ(x.back(), 1);
+  const double q = (x[5] - x[4]) / 0.01;
+  EXPECT_GT(q, 1);
+  for (int i = 5; i < 9; ++i) EXPECT_NEAR((x[i + 1] - x[i]) / (x[i] - x[i - 1]), q, 1e-6);
+  EXPECT_DOUBLE_EQ(graded(0, 4, 0, 2)[1], 0.5);
+}
+
+TEST(StudyMeshes, JitteredBlockFillsItsBox) {
+  const Vec3 lo(1, 2, 3), hi(2, 4, 3.5);
+  const geometry::TetMesh mesh = jittered_block(lo, hi, {3, 4, 2}, 0.25, 5);
+  EXPECT_EQ(mesh.points.size(), 4u * 5 * 3);
+  EXPECT_EQ(mesh.tets.size(), 6u * 3 * 4 * 2);
+  EXPECT_NEAR(geometry::volume(mesh), 1.0, 1e-13);
+  EXPECT_GT(smallest_volume(mesh), 0);
+  expect_closed(mesh);
+  const geometry::TriMesh surface = geometry::surface_of(mesh);
+  EXPECT_NEAR(geometry::area(surface), 2 * (1 * 2 + 1 * 0.5 + 2 * 0.5), 1e-12);  // faces stay plane
+  // Nodes inside do move, and the same way each time.
+  const geometry::TetMesh regular = jittered_block(lo, hi, {3, 4, 2}, 0, 5), again = jittered_block(lo, hi, {3, 4, 2}, 0.25, 5);
+  int moved = 0;
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+    moved += (mesh.points[i] - regular.points[i]).norm() > 1e-3;
+    EXPECT_EQ(mesh.points[i], again.points[i]);
+  }
+  EXPECT_GT(moved, 20);
+}
+
+TEST(StudyMeshes, BallOctantHasPositiveCellsAndARoundSurface) {
+  const double R = 2;
+  for (int n : {6, 7}) {
+    const std::vector<double> s = graded(0.05, n - 3, 3, 1);
+    std::vector<double> t = graded(0.05, 3, n - 3, 1);
+    for (double& v : t) v = 1 - v;
+    std::reverse(t.begin(), t.end());
+    const geometry::TetMesh mesh = ball_octant(R, s, t);
+    EXPECT_GT(smallest_volume(mesh), 0) << n;
+    expect_closed(mesh);
+    EXPECT_NEAR(geometry::volume(mesh), std::numbers::pi * R * R * R / 6, 0.05 * R * R * R);
+    EXPECT_LT(geometry::volume(mesh), std::numbers::pi * R * R * R / 6);
+    int on_sphere = 0;
+    for (const Vec3& x : mesh.points) {
+      EXPECT_TRUE(x[0] >= 0 && x[1] >= 0 && x[2] <= 0 && x.norm() <= R * (1 + 1e-14));
+      on_sphere += std::abs(x.norm() - R) < 1e-12;
+    }
+    const int side = n + 1;
+    EXPECT_EQ(on_sphere, side * side * 3 - 3 * side + 1);  // nodes on three faces of the cube
+    EXPECT_NEAR(mesh.points[0][2], -R, 1e-14);             // the pole comes first
+    EXPECT_NEAR(mesh.points[1][0], R * 0.05 / std::sqrt(2.0), 1e-12);
+  }
+}
