@@ -5,6 +5,7 @@
 #include "base/memory_archive.h"
 #include "contact_scene.h"
 #include "effects/barrier_contact/barrier.h"
+#include "effects/mortar_contact/frozen.h"
 
 using namespace mortise;
 using namespace mortise::testing;
@@ -79,6 +80,15 @@ model::ModelInput tilted(double gap, const Mat3& R, bool stiff = true) {
 }
 Mat3 turn(double degrees, const Vec3& axis) {
   return Eigen::AngleAxisd(degrees * M_PI / 180, axis.normalized()).toRotationMatrix();
+}
+
+double mean_edge(const model::Model& m) {  // of the first body's surface
+  double sum = 0;
+  const auto triangles = m.surface.triangles.download();
+  const auto y = m.rest_points.download();
+  for (Index t = 0; t < m.bodies[0].triangle_end; ++t)
+    for (int k = 0; k < 3; ++k) sum += (y[triangles[t].v[k]] - y[triangles[t].v[(k + 1) % 3]]).norm();
+  return sum / (3.0 * m.bodies[0].triangle_end);
 }
 
 // Energy of the samples frozen at x0 against its gradient, and the gradient against the Gauss-Newton Hessian, which is exact for
@@ -361,14 +371,7 @@ TEST(MortarContact, AutomaticStiffness) {
     return p.report()("mortar_contact/stiffness_pad_tool");
   };
   const double first = p.report()("mortar_contact/stiffness_pad_tool");
-  const double E = 1e5 / (1 - 0.09) / 2, h = [&] {
-    double sum = 0;
-    const auto triangles = p.model.surface.triangles.download();
-    const auto y = p.model.rest_points.download();
-    for (Index t = 0; t < p.model.bodies[0].triangle_end; ++t)
-      for (int k = 0; k < 3; ++k) sum += (y[triangles[t].v[k]] - y[triangles[t].v[(k + 1) % 3]]).norm();
-    return sum / (3.0 * p.model.bodies[0].triangle_end);
-  }();
+  const double E = 1e5 / (1 - 0.09) / 2, h = mean_edge(p.model);
   // At 1 % of E*, the first guess.
   const double t = effects::barrier::phi_inverse(0.01 * E / first);
   EXPECT_NEAR(first * effects::barrier::second(t * o.d_hat, o.d_hat) * h / E, 4, 1e-6);
@@ -382,6 +385,75 @@ TEST(MortarContact, AutomaticStiffness) {
   loading.rewind();
   again.contact->checkpoint(loading);
   EXPECT_EQ(again.report()("mortar_contact/stiffness_pad_tool"), second);
+  const fd::Vector x = positions(p.model);
+  EXPECT_EQ(fd::effect_assemble(*again.contact, x, false).gradient, fd::effect_assemble(*p.contact, x, false).gradient);
+}
+
+// A restart keeps the support radii of the first start.
+TEST(MortarContact, CheckpointsKeepSupports) {
+  Options o;
+  o.rest_share = 1;
+  Problem first(stack(0.5 * kHat), o), second(stack(0.8 * kHat), o);
+  fd::Vector x = positions(first.model);
+  const model::Body& tool = first.model.bodies[1];
+  for (Index b = tool.block_begin; b < tool.block_end; ++b) x[3 * b + 2] -= 0.1 * kHat;
+  const fd::Vector g = fd::effect_assemble(*first.contact, x, false).gradient;
+  EXPECT_NE(fd::effect_assemble(*second.contact, x, false).gradient, g);
+  MemoryArchive archive;
+  first.contact->checkpoint(archive);
+  archive.rewind();
+  second.contact->checkpoint(archive);
+  EXPECT_EQ(fd::effect_assemble(*second.contact, x, false).gradient, g);
+}
+
+// The guard is the classic barrier within guard d_hat, with the weight kappa h^2 / 7 for every pair of primitives.
+TEST(MortarContact, GuardIsTheClassicBarrier) {
+  Options with, without;
+  with.guard = 0.5;
+  const auto input = [] { return tilted(0.01, turn(40, {1, 0.4, 0.2})); };
+  Problem guarded(input(), with), bare(input(), without);
+  model::Model m(input());
+  const double range = 0.5 * kHat, weight = kKappa * mean_edge(m) * mean_edge(m) / 7;
+  const auto classic = make_effect("barrier_contact", contact_params(range, weight / (range * range), "classic"), m);
+  classic->begin_step({});
+  const fd::Vector x = shaken(positions(m), 1e-3, 5);
+  const fd::Dense a = fd::effect_assemble(*guarded.contact, x, true), b = fd::effect_assemble(*bare.contact, x, true);
+  const fd::Dense c = fd::effect_assemble(*classic, x, true);
+  ASSERT_GT(c.gradient.norm(), 0);
+  EXPECT_LT((a.gradient - b.gradient - c.gradient).norm(), 1e-10 * a.gradient.norm());
+  EXPECT_LT((a.hessian - b.hessian - c.hessian).norm(), 1e-10 * a.hessian.norm());
+  EXPECT_NEAR(fd::effect_energy(*guarded.contact, x), fd::effect_energy(*bare.contact, x) + fd::effect_energy(*classic, x),
+              1e-12);
+}
+
+// The limit of a step by itself, without collision detection behind it.
+TEST(MortarContact, LinearisedGapsLimitSteps) {
+  using namespace effects::mortar;
+  const device::Buffer<Triangle> triangles({{{0, 1, 2}}, {{3, 5, 4}}});
+  Frozen f;
+  // The master's lowest corner lies beyond the slave, whose corner (0, 0) sees it at height 0.2.
+  f.y.upload({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, -1, 0.1}, {3, -1, 0.3}, {-1, 3, 0.3}});
+  Pair p{};
+  for (int k = 0; k < 6; ++k) p.point[k] = k;
+  p.slave = 0, p.master = 1, p.n = p.m = Vec3::UnitZ(), p.begin = 0, p.end = 1;
+  for (Vec3& k : p.k) k = Vec3::Zero();
+  const Sample s{SampleKind::face, 0, 1, 0.25, {1.0 / 3, 1.0 / 3, 1.0 / 3}, {0.5, 0.25, 0.25}};
+  f.env_pairs = f.env_samples = {0, 1};
+  f.samples.upload({s});
+  Scene scene{};
+  scene.surface.triangles = triangles.view();
+  std::vector<Vec3> down(6, Vec3::Zero());
+  for (int k = 3; k < 6; ++k) down[k] = -Vec3::UnitZ();
+  const device::Buffer<Vec3> dy(down);
+  const auto limited = [&](Index master) {
+    p.master = master;
+    f.pairs.upload({p});
+    std::vector<double> alpha{1};
+    limit(scene, f, dy.view(), 0.1, alpha);
+    return alpha[0];
+  };
+  EXPECT_NEAR(limited(1), 0.9 * 0.2, 1e-14) << "corner";
+  EXPECT_NEAR(limited(-1), 0.9 * 0.25, 1e-14) << "sample";
 }
 
 TEST(MortarContact, BadPairsAreRefused) {
