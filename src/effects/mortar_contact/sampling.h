@@ -11,7 +11,8 @@
 //             asks for. Edges and points are there for what faces cannot see, a ridge or a tip: their w is a third of the area of
 //             the adjacent triangles T times
 //                 H(min_T (1 + n . n_T) / (1 - cos 10 deg))           none where a face is parallel to the slave
-//               x H(max_T (1 - c . n_T) / (1 - cos 10 deg))           none where the master is flat; c = mean normal
+//               x H(max_T (1 - c . n_T) / (1 - cos 30 deg))           none where the master is flat, next to none on the
+//                                                                 facets of a curved surface; c = mean normal
 //               x H(-n . c / 0.2)                                     none on the far side,
 //             H(s) = 3 s^2 - 2 s^3 from 0 to 1.
 // tapered     the published form (gmcp.md 1.4): faces x H(min_b M_b / e), edges x H(min(t, 1-t) / e), and edge and point weights
@@ -60,6 +61,7 @@ MORTISE_HD inline double hermite(double s) { return s <= 0 ? 0 : s >= 1 ? 1 : s 
 MORTISE_HD inline double facing(const Vec3& n, const Vec3& nm) { return hermite((-n.dot(nm) - 0.05) / 0.1); }
 
 inline constexpr double kGate = 0.015192246987791981;  // 1 - cos 10 deg
+inline constexpr double kSharp = 0.13397459621556135;  // 1 - cos 30 deg
 inline constexpr double kOnSide = 1e-10;               // barycentric; a master vertex this near to a slave edge lies on it
 
 // Weight [m^2] of a master edge or vertex whose triangles are list[begin..end); `given_back` is what E6 or E7 multiply areas by.
@@ -80,7 +82,7 @@ MORTISE_HD inline double feature_weight(const Scene& s, const Vec3& n, const Vie
   }
   mean /= mean.norm();
   for (Index k = begin; k < end; ++k) sharp = std::fmax(sharp, 1 - mean.dot(s.normal[list[k]]));
-  return sum / 3 * hermite(parallel / kGate) * hermite(sharp / kGate) * hermite(-n.dot(mean) / 0.2);
+  return sum / 3 * hermite(parallel / kGate) * hermite(sharp / kSharp) * hermite(-n.dot(mean) / 0.2);
 }
 
 // Does slave triangle t go on in the direction of n (rather than round a rim)?
