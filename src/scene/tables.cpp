@@ -183,7 +183,8 @@ const ParamTable& solver_table() {
        number("step_tolerance", Unit::length, "0 m", 0,
               "And, when above zero, the last Newton step moved nothing further than this."),
        integer("iterations", "100", 1, 100000, "Most Newton iterations of one step."),
-       choice("linear", {"auto", "direct", "cg"}, "auto", "Linear solver: Cholesky, or preconditioned conjugate gradients."),
+       choice("linear", {"auto", "direct", "reuse", "cg"}, "auto",
+              "Linear solver: a Cholesky factor in every iteration, one that is reused while it pays, or conjugate gradients."),
        below(positive(number("cg_tolerance", Unit::none, "1e-8", 0, "Relative residual at which conjugate gradients stop.")), 1),
        integer("cg_iterations", "10000", 1, 10000000, "Most iterations of one linear solve by conjugate gradients."),
        integer("halvings", "6", 0, 30, "How often a failed step is tried again with half its length.")}};

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "linalg/cg.h"
+#include "linalg/stale_factor.h"
 #include "linalg/supports.h"
 #include "solver/kernels.h"
 #include "solver/timed.h"
@@ -29,17 +30,20 @@ Newton::Newton(model::Model& model, EffectList& effects, const Options& options,
   choose_linear();
 }
 
-// Direct factors grow like n^{4/3} and pay for themselves in robustness; beyond this size conjugate gradients win
-// (measured crossover near 20k vertices, README "Linear solver").
+// A factor of a small matrix costs next to nothing; of a larger one it is worth keeping for some iterations; and beyond some
+// size its memory and work grow faster than the iterations of conjugate gradients do (README, "What it costs").
 void Newton::choose_linear() {
-  constexpr Index kDirectBlocks = 30000;
-  if (options_.linear == "direct") {
-    use_cg_ = false, linear_reason_ = "asked for by the scene";
-  } else if (options_.linear == "cg") {
-    use_cg_ = true, linear_reason_ = "asked for by the scene";
+  constexpr Index kDirectBlocks = 2000, kReuseBlocks = 60000;
+  const std::string size = std::to_string(model_.blocks) + " blocks";
+  if (options_.linear != "auto") {
+    linear_ = options_.linear == "cg" ? Linear::cg : options_.linear == "reuse" ? Linear::reuse : Linear::direct;
+    linear_reason_ = "asked for by the scene";
+  } else if (model_.blocks <= kDirectBlocks) {
+    linear_ = Linear::direct, linear_reason_ = size + ", a new factor each time up to " + std::to_string(kDirectBlocks);
+  } else if (model_.blocks <= kReuseBlocks) {
+    linear_ = Linear::reuse, linear_reason_ = size + ", factors up to " + std::to_string(kReuseBlocks);
   } else {
-    use_cg_ = model_.blocks > kDirectBlocks;
-    linear_reason_ = std::to_string(model_.blocks) + " blocks, direct up to " + std::to_string(kDirectBlocks);
+    linear_ = Linear::cg, linear_reason_ = size + ", more than " + std::to_string(kReuseBlocks);
   }
 }
 
@@ -103,6 +107,31 @@ bool Newton::converged(const Residual& r, double relative) const {
   return options_.step_tolerance <= 0 || last_step_ <= options_.step_tolerance;
 }
 
+// A fresh factor, or conjugate gradients with the last one as long as that is cheaper. A factor never outlives the step, so
+// that a restart between steps meets the same factors.
+void Newton::solve_direct(StepReport& report) {
+  constexpr double kForcing = 1e-2;  // inexact Newton: the residual still falls a hundredfold per iteration
+  constexpr Index kMost = 16;        // a factor costs about as much as this many solves with it
+  if (linear_ == Linear::reuse && factor_fresh_) {
+    const linalg::StaleResult cg = linalg::solve_with_stale_factor(matrix_, direct_, rhs_.view(), x_.view(), kForcing, kMost);
+    report.cg += cg.iterations;
+    if (cg.converged) {
+      factor_fresh_ = cg.iterations <= kMost / 2;
+      return;
+    }
+  }
+  // A static scene may be held by contact alone: a small shift then picks the shortest step among the free motions.
+  double shift = 1e-10;
+  while (!direct_.factor(matrix_)) {
+    if (shift > 1e-2) throw Failure{"the matrix is not positive definite"};
+    shift_diagonal(matrix_, shift);
+    shift *= 100;
+    ++report.regularised;
+  }
+  direct_.solve(rhs_.view(), x_.view());
+  factor_fresh_ = true;
+}
+
 void Newton::direction(StepReport& report, bool supports_move) {
   device::Buffer<Vec3> Hc;
   {
@@ -120,7 +149,7 @@ void Newton::direction(StepReport& report, bool supports_move) {
   x_.zero();
   if (rows_ > 0) {
     const Timed timed(clock_, "solver", "linear_solve");
-    if (use_cg_) {
+    if (linear_ == Linear::cg) {
       const std::vector<double> relative(model_.envs, options_.cg_tolerance);
       const linalg::CgResult cg = linalg::conjugate_gradients(matrix_, rhs_.view(), x_.view(), env_rows_, relative, {options_.cg_iterations, 0});
       report.cg += cg.iterations();
@@ -131,15 +160,7 @@ void Newton::direction(StepReport& report, bool supports_move) {
           throw Failure{why.str()};
         }
     } else {
-      // A static scene may be held by contact alone: a small shift then picks the shortest step among the free motions.
-      double shift = 1e-10;
-      while (!direct_.factor(matrix_)) {
-        if (shift > 1e-2) throw Failure{"the matrix is not positive definite"};
-        shift_diagonal(matrix_, shift);
-        shift *= 100;
-        ++report.regularised;
-      }
-      direct_.solve(rhs_.view(), x_.view());
+      solve_direct(report);
     }
   }
   step_of(x_.view(), support_.view(), row_of_block_.view(), model_.projector.view(), dq_);
@@ -240,6 +261,7 @@ void Newton::solve(StepReport& report, const std::function<void()>& stop) {
   q_.copy_from(model_.q);
   rounding_.assign(model_.envs, 0.0);
   lags_ = options_.lags;
+  factor_fresh_ = false;
   for (Index round = 0;; ++round) {
     last_step_ = 0;
     // With quantities frozen there is no point in solving far beyond what refreshing them will change.

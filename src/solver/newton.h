@@ -37,7 +37,7 @@ class Newton {
   // Full gradient at the minimiser over all blocks [N] (at a held block: the support's force), and each effect's share.
   const device::Buffer<Vec3>& gradient() const { return gradient_; }
   const std::vector<device::Buffer<Vec3>>& effect_gradients() const { return effect_gradients_; }
-  std::string linear_solver() const { return use_cg_ ? "cg" : "direct"; }
+  std::string linear_solver() const { return linear_ == Linear::cg ? "cg" : linear_ == Linear::reuse ? "reuse" : "direct"; }
   std::string linear_reason() const { return linear_reason_; }
 
  private:
@@ -50,6 +50,7 @@ class Newton {
   Residual assemble(bool hessian);
   double tolerance(const Residual& r, Index env, double relative) const;  // [N]
   bool converged(const Residual& r, double relative) const;
+  void solve_direct(StepReport& report);
   void direction(StepReport& report, bool supports_move);
   void line_search(StepReport& report, const Residual& r, double relative, bool supports_move);
   void iterate(StepReport& report, double relative, const std::function<void()>& stop);
@@ -60,7 +61,9 @@ class Newton {
   const Options& options_;
   Clock& clock_;
 
-  bool use_cg_ = false;
+  // direct: a new factor in every iteration; reuse: factors serve later iterations of the step as preconditioners.
+  enum class Linear { direct, reuse, cg } linear_ = Linear::direct;
+  bool factor_fresh_ = false;  // the last factor belongs to this step and still pays
   std::string linear_reason_;
   double length_ = 1;  // size of the scene [m]
   std::vector<std::uint8_t> held_;  // the model's state of supports when rows were numbered
