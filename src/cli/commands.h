@@ -18,6 +18,7 @@ struct Context {
 void add_run(CLI::App&, Context&);
 void add_render(CLI::App&, Context&);
 void add_bench(CLI::App&, Context&);
+void add_study(CLI::App&, Context&);
 void add_check(CLI::App&, Context&);
 void add_schema(CLI::App&, Context&);
 void add_effects(CLI::App&, Context&);

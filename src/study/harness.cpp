@@ -51,12 +51,6 @@ std::string emit(const YAML::Node& node) {
   return std::string(out.c_str()) + "\n";
 }
 
-std::vector<scene::EffectTable> effect_tables() {
-  std::vector<scene::EffectTable> tables;
-  for (const effects::Kind& kind : effects::list()) tables.push_back({kind.name, kind.help, kind.table});
-  return tables;
-}
-
 void check(const engine::Outcome& o) {
   if (o.code != 0) throw Error(static_cast<Exit>(o.code), o.message);
 }
@@ -143,9 +137,17 @@ Row Solved::row(const std::string& name, const Method& method, const std::string
   return {name, method.name, quantity, converged ? value : NAN, reference, converged ? error : NAN, gate, seconds, newton, dofs, !converged};
 }
 
+std::vector<scene::EffectTable> effect_tables() {
+  std::vector<scene::EffectTable> tables;
+  for (const effects::Kind& kind : effects::list()) tables.push_back({kind.name, kind.help, kind.table});
+  return tables;
+}
+
 Solved solve(const SceneText& text, const std::function<void(model::ModelInput&)>& prepare, const std::function<void(const Fields&)>& each) {
-  const std::vector<scene::EffectTable> tables = effect_tables();
-  const scene::Scene scene = scene::read_scene_text(text.text(), "benchmark.yaml", {}, tables);
+  return solve(scene::read_scene_text(text.text(), "benchmark.yaml", {}, effect_tables()), prepare, each);
+}
+
+Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInput&)>& prepare, const std::function<void(const Fields&)>& each) {
   Solved out;
   out.input = engine::make_input(scene.root);
   if (prepare) prepare(out.input);
