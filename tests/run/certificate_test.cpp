@@ -77,6 +77,13 @@ TEST(Certificate, InvalidStatesFail) {
   EXPECT_EQ(nan["invariants"]["not_finite_values"], 1);  // and not the stress of stiff bodies
 }
 
+TEST(Certificate, TellsTheFirstReason) {
+  const auto both = certificate(1, Exit::solve);
+  EXPECT_EQ(both["grade"], "C");
+  EXPECT_EQ(both["reason"], "force_balance_defect exceeds its engineering bound");
+  EXPECT_EQ(certificate(0, Exit::done, 0.0, -0.1)["reason"], "an element is inverted (det F <= 0)");
+}
+
 TEST(Certificate, TellsSolverAndModelFigures) {
   solver::StepReport halved = good();
   halved.substeps = 4, halved.newton = 9, halved.time = 0.1;
