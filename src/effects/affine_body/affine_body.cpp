@@ -1,6 +1,7 @@
 #include "effects/affine_body/affine_body.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "effects/body_blocks.h"
@@ -86,6 +87,9 @@ class AffineBody final : public Effect {
     const double worst =
         device::max("affine_body.defect", list.n, 0, [=] MORTISE_HD(Index s) { return affine_body::defect(columns(q, list[s].first)).norm(); });
     sink.scalar("affine_body", "rigidity_defect", "1", worst);
+    std::vector<double> stored(model_.envs, 0.0);
+    energy(q, stored);
+    sink.scalar("affine_body", "energy", "J", std::accumulate(stored.begin(), stored.end(), 0.0));
   }
 
  private:

@@ -1,11 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include "base/error.h"
-#include "effects/barrier_contact/active.h"
+#include "effects/contact/active.h"
 #include "effects/barrier_contact/pairs.h"
-#include "effects/barrier_contact/start_check.h"
+#include "effects/contact/start_check.h"
 #include "effects/list.h"
 #include "geometry/collide/step_limit.h"
 
@@ -236,6 +237,9 @@ void BarrierContact::report(FieldSink& sink) {
   sink.rows(group, "pressure", "Pa", 1, sample_pressure);
   sink.rows(group, "bodies", "1", 2, bodies);
   sink.scalar(group, "min_distance", "m", closest);
+  std::vector<double> stored(model_.envs, 0.0);
+  energy(std::as_const(model_.q).view(), stored);
+  sink.scalar(group, "energy", "J", std::accumulate(stored.begin(), stored.end(), 0.0));
   sink.scalar(group, "active_pairs", "1", static_cast<double>(terms.size()));
   for (std::size_t b = 0; b < model_.bodies.size(); ++b)
     for (int c = 0; c < 3; ++c) sink.scalar(group, "force_" + model_.bodies[b].name + "_" + "xyz"[c], "N", resultant[b][c]);

@@ -1,10 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "base/error.h"
-#include "effects/barrier_contact/active.h"
-#include "effects/barrier_contact/start_check.h"
+#include "effects/contact/active.h"
+#include "effects/contact/start_check.h"
 #include "effects/body_blocks.h"
 #include "effects/list.h"
 #include "effects/mortar_contact/frozen.h"
@@ -417,6 +418,9 @@ void MortarContact::report(FieldSink& sink) {
   sink.rows(group, "kind", "1", 1, kind);
 
   sink.scalar(group, "min_distance", "m", closest);
+  std::vector<double> stored(model_.envs, 0.0);
+  energy(std::as_const(model_.q).view(), stored);
+  sink.scalar(group, "energy", "J", std::accumulate(stored.begin(), stored.end(), 0.0));
   sink.scalar(group, "active_pairs", "1", static_cast<double>(pairs.size()));
   for (std::size_t b = 0; b < model_.bodies.size(); ++b)
     for (int c = 0; c < 3; ++c) sink.scalar(group, "force_" + model_.bodies[b].name + "_" + "xyz"[c], "N", resultant[b][c]);
