@@ -4,7 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <random>
 
-#include "effects/barrier_contact/stencil.h"
+#include "effects/contact/stencil.h"
 #include "geometry/collide/mollifier.h"
 
 namespace mortise::effects::contact {

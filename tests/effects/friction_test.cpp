@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "contact_scene.h"
-#include "effects/barrier_contact/barrier.h"
+#include "effects/contact/barrier.h"
 #include "effects/friction/law.h"
 
 using namespace mortise;

@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "base/memory_archive.h"
 #include "contact_scene.h"
-#include "effects/barrier_contact/barrier.h"
+#include "effects/contact/barrier.h"
 #include "effects/mortar_contact/frozen.h"
 
 using namespace mortise;

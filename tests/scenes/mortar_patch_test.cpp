@@ -2,7 +2,7 @@
 // meshes, uniform pressure; every stress must be that of uniaxial compression, sigma_zz = -p and nothing else.
 #include <cstdio>
 
-#include "effects/barrier_contact/barrier.h"
+#include "effects/contact/barrier.h"
 #include "rig.h"
 
 using namespace mortise;

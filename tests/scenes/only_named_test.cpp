@@ -52,7 +52,8 @@ std::string without(const std::vector<std::string>& drop) {
   return out;
 }
 
-bool launched(const std::string& effect) {
+bool launched(std::string effect) {
+  if (effect == "barrier_contact") effect = "contact";  // what it shares with the guard of mortar_contact
   for (const device::LaunchCount& l : device::launch_counts())
     if (l.name.rfind(effect + ".", 0) == 0) return true;
   return false;

@@ -68,13 +68,13 @@ class BarrierContact final : public Effect {
     out.buffers.push_back({"active terms", active_.terms.bytes()});
     out.buffers.push_back({"candidate pairs", candidates_.bytes()});
     for (const char* k :
-         {"barrier_contact.near", "barrier_contact.terms", "barrier_contact.merge", "barrier_contact.point_terms",
-          "barrier_contact.edge_terms", "barrier_contact.count_blocks", "barrier_contact.assemble", "barrier_contact.samples",
-          "barrier_contact.energy_points", "barrier_contact.energy_edges", "barrier_contact.face_points"})
+         {"contact.near", "contact.terms", "contact.merge", "contact.point_terms",
+          "contact.edge_terms", "contact.count_blocks", "contact.assemble", "contact.samples",
+          "contact.energy_points", "contact.energy_edges", "contact.face_points"})
       out.kernels.push_back(k);
     if (!model_.half_spaces.empty())
-      for (const char* k : {"barrier_contact.face_planes", "barrier_contact.near_planes", "barrier_contact.plane_terms",
-                            "barrier_contact.energy_planes", "barrier_contact.limit_planes"})
+      for (const char* k : {"contact.face_planes", "contact.near_planes", "contact.plane_terms",
+                            "contact.energy_planes", "contact.limit_planes"})
         out.kernels.push_back(k);
   }
 

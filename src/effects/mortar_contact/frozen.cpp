@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "effects/barrier_contact/barrier.h"
+#include "effects/contact/barrier.h"
 #include "model/expand.h"
 
 namespace mortise::effects::mortar {

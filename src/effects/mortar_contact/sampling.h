@@ -20,7 +20,7 @@
 // Both fade faces out that are nearly perpendicular to the slave, between 81 and 87 degrees.
 #include <cmath>
 
-#include "effects/barrier_contact/law.h"
+#include "effects/contact/topology.h"
 #include "effects/mortar_contact/clip.h"
 #include "effects/mortar_contact/quadrature.h"
 

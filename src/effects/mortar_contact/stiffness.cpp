@@ -1,6 +1,6 @@
 #include "effects/mortar_contact/stiffness.h"
 
-#include "effects/barrier_contact/barrier.h"
+#include "effects/contact/barrier.h"
 
 namespace mortise::effects::mortar {
 namespace {

@@ -14,7 +14,7 @@
 // so the whole Hessian is a sum of at most 5 rank-one terms with known signs. Dropping the negative ones projects the second part
 // exactly, without an eigenvalue solver.
 #include "base/types.h"
-#include "effects/barrier_contact/barrier.h"
+#include "effects/contact/barrier.h"
 #include "geometry/collide/distance.h"
 
 namespace mortise::effects::contact {

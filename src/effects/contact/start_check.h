@@ -1,7 +1,7 @@
 #pragma once
 // Is the first configuration free of contact distance zero and of intersections?
-#include "effects/barrier_contact/candidates.h"
-#include "effects/barrier_contact/law.h"
+#include "effects/contact/candidates.h"
+#include "effects/contact/law.h"
 #include "model/model.h"
 
 namespace mortise::effects::contact {

@@ -1,4 +1,4 @@
-#include "effects/barrier_contact/start_check.h"
+#include "effects/contact/start_check.h"
 
 #include "base/error.h"
 #include "geometry/collide/bvh.h"
@@ -26,7 +26,7 @@ std::vector<Index> crossed_triangles(const Scene& s, Index envs, View<const Vec3
   const geometry::BvhView view = tree.view();
   Buffer<Index> hit(s.surface.edges.n);
   const View<Index> out = hit.view();
-  device::parallel_for("barrier_contact.start", s.surface.edges.n, [=] MORTISE_HD(Index e) {
+  device::parallel_for("contact.start", s.surface.edges.n, [=] MORTISE_HD(Index e) {
     const Edge edge = s.surface.edges[e];
     geometry::BvhNode box = geometry::swept_box(edge.v, 2, -1, s.surface, y, View<const Vec3>{}, 0);
     geometry::BvhCursor cursor;
@@ -48,7 +48,7 @@ Index first_where(const char* name, Index n, F wrong) {
 }
 
 Index touching(const Scene& s, View<const PointTriangle> pairs, View<const Vec3> y) {
-  return first_where("barrier_contact.touching_points", pairs.n, [=] MORTISE_HD(Index i) {
+  return first_where("contact.touching_points", pairs.n, [=] MORTISE_HD(Index i) {
     if (!s.sees(pairs[i].v[0], pairs[i].v[1])) return false;
     Vec3 x[4];
     gather(y, pairs[i].v, x);
@@ -56,7 +56,7 @@ Index touching(const Scene& s, View<const PointTriangle> pairs, View<const Vec3>
   });
 }
 Index touching(const Scene& s, View<const EdgeEdge> pairs, View<const Vec3> y) {
-  return first_where("barrier_contact.touching_edges", pairs.n, [=] MORTISE_HD(Index i) {
+  return first_where("contact.touching_edges", pairs.n, [=] MORTISE_HD(Index i) {
     if (!s.sees(pairs[i].v[0], pairs[i].v[2])) return false;
     Vec3 x[4];
     gather(y, pairs[i].v, x);
@@ -64,7 +64,7 @@ Index touching(const Scene& s, View<const EdgeEdge> pairs, View<const Vec3> y) {
   });
 }
 Index below(const Scene& s, View<const Vec3> y) {
-  return first_where("barrier_contact.below_planes", s.planes.n * s.surface.vertices.n, [=] MORTISE_HD(Index i) {
+  return first_where("contact.below_planes", s.planes.n * s.surface.vertices.n, [=] MORTISE_HD(Index i) {
     Index plane, point;
     double gap = 1;
     return plane_pair(s, i, y, plane, point, gap) && !(gap > 0);

@@ -18,15 +18,13 @@
 //
 // classic: every point-triangle pair and every edge pair within d_hat has the same weight d_hat^2 (IPC 2020, without areas): the
 // energy of a pair is kappa d_hat^2 b(d), that is, a classic barrier -(d - d_hat)^2 ln(d/d_hat) with stiffness kappa d_hat [N/m].
-#include "effects/barrier_contact/stencil.h"
+#include "effects/contact/stencil.h"
+#include "effects/contact/topology.h"
 #include "geometry/collide/broadphase.h"
 #include "geometry/collide/mollifier.h"
-#include "geometry/surface.h"
 
 namespace mortise::effects::contact {
 
-using device::Buffer;
-using device::View;
 using geometry::EdgeEdge;
 using geometry::PointTriangle;
 
@@ -37,26 +35,6 @@ struct Law {
   bool area_weighted = true;
 };
 inline constexpr double kEdgeShare = 0.25;  // edge_range / d_hat when area-weighted
-
-struct Plane {
-  Vec3 point, normal;
-};
-
-// Who is whose neighbour on the surface; constant.
-struct TopologyView {
-  View<const Index> triangle_edge;                 // 3 per triangle: edges of corners (0,1), (1,2), (2,0)
-  View<const Index> edge_offset, edge_triangle;    // triangles of every edge
-  View<const Index> point_offset, point_triangle;  // triangles of every point
-  View<const Index> point_edges;                   // number of edges at every point
-};
-struct Topology {
-  Buffer<Index> triangle_edge, edge_offset, edge_triangle, point_offset, point_triangle, point_edges;
-  Topology(const geometry::Surface& surface, Index points);
-  TopologyView view() const {
-    return {triangle_edge.view(), edge_offset.view(),    edge_triangle.view(),
-            point_offset.view(),  point_triangle.view(), point_edges.view()};
-  }
-};
 
 // All that a kernel reads besides positions.
 struct Scene {
@@ -71,8 +49,6 @@ struct Scene {
   View<const double> plane_area;  // the same towards half-spaces: planes x surface vertices [m^2]
   MORTISE_HD bool sees(Index a, Index b) const { return watched[surface.body[a] * surface.bodies + surface.body[b]] != 0; }
 };
-
-MORTISE_HD inline bool has(const Triangle& t, Index p) { return t.v[0] == p || t.v[1] == p || t.v[2] == p; }
 
 // Coefficient of (point, edge) in the alternating sum, handed to the one triangle that accounts for it: the first at the edge
 // that does not hold the point itself (self-contact sees the surface without the point's own triangles). 0 for the others.

@@ -1,4 +1,4 @@
-#include "effects/barrier_contact/active.h"
+#include "effects/contact/active.h"
 #include "model/expand.h"
 
 namespace mortise::effects::contact {
@@ -110,14 +110,14 @@ MORTISE_HD inline ContactSample sample_of(const Scene& s, const Active& a, View<
 
 void face_planes(const Scene& s, View<const Vec3> y, View<double> plane_area) {
   const Index n = s.surface.vertices.n;
-  device::parallel_for("barrier_contact.face_planes", plane_area.n, [=] MORTISE_HD(Index i) {
+  device::parallel_for("contact.face_planes", plane_area.n, [=] MORTISE_HD(Index i) {
     plane_area[i] = facing_area(s, s.surface.vertices[i % n], s.planes[i / n].normal, y);
   });
 }
 
 void face_points(const Scene& s, const ActiveSet& set, View<const Vec3> y, View<double> point_area) {
   const View<const Active> terms = set.terms.view();
-  device::parallel_for("barrier_contact.face_points", terms.n, [=] MORTISE_HD(Index i) {
+  device::parallel_for("contact.face_points", terms.n, [=] MORTISE_HD(Index i) {
     const Index point = terms[i].point[0];
     const auto mine = [&](Index j) {
       return j >= 0 && j < terms.n && terms[j].kind <= TermKind::triangle && terms[j].point[0] == point;
@@ -140,12 +140,12 @@ void assemble(const Scene& s, const ActiveSet& set, View<const Vec3> y, const mo
   const View<const Active> terms = set.terms.view();
   Buffer<Index> counts(terms.n + 1);
   const View<Index> count = counts.view();
-  device::parallel_for("barrier_contact.count_blocks", terms.n, [=] MORTISE_HD(Index i) {
+  device::parallel_for("contact.count_blocks", terms.n, [=] MORTISE_HD(Index i) {
     count[i] = model::expand<4>(map, terms[i].point, points_of(terms[i].kind)).blocks;
   });
   stencils.resize(std::move(counts));
   const linalg::StencilView out = stencils.view();
-  device::parallel_for("barrier_contact.assemble", terms.n, [=] MORTISE_HD(Index i) {
+  device::parallel_for("contact.assemble", terms.n, [=] MORTISE_HD(Index i) {
     const model::Expansion<4> e = model::expand<4>(map, terms[i].point, points_of(terms[i].kind));
     const Index at = out.offset[i];
     for (Index b = 0; b < e.blocks; ++b) out.block[at + b] = e.block[b];
@@ -161,14 +161,14 @@ void samples(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<Co
   const View<const Active> terms = set.terms.view();
   out.resize(terms.n);
   const View<ContactSample> to = out.view();
-  device::parallel_for("barrier_contact.samples", terms.n, [=] MORTISE_HD(Index i) { to[i] = sample_of(s, terms[i], y); });
+  device::parallel_for("contact.samples", terms.n, [=] MORTISE_HD(Index i) { to[i] = sample_of(s, terms[i], y); });
 }
 
 void point_forces(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<Vec3>& out) {
   const View<const Active> terms = set.terms.view();
   out.resize(4 * terms.n);
   const View<Vec3> to = out.view();
-  device::parallel_for("barrier_contact.forces", terms.n, [=] MORTISE_HD(Index i) {
+  device::parallel_for("contact.forces", terms.n, [=] MORTISE_HD(Index i) {
     Vec3 grad[4] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
     NoHessian none;
     differentiate(s, terms[i], y, false, grad, none);

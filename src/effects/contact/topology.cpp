@@ -1,7 +1,7 @@
+#include "effects/contact/topology.h"
+
 #include <algorithm>
 #include <map>
-
-#include "effects/barrier_contact/law.h"
 
 namespace mortise::effects::contact {
 namespace {

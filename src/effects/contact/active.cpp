@@ -1,6 +1,6 @@
-#include "effects/barrier_contact/active.h"
+#include "effects/contact/active.h"
 
-#include "effects/barrier_contact/select.h"
+#include "effects/contact/select.h"
 
 namespace mortise::effects::contact {
 namespace {
@@ -79,7 +79,7 @@ Index point_terms(const Scene& s, View<const PointTriangle> pairs, View<const Ve
                   Buffer<Index>& start, Buffer<Index>& total, Buffer<Index>& kept) {
   Buffer<Index> in_range;
   const Index hits = select(
-      "barrier_contact.near", pairs.n, [=] MORTISE_HD(Index i) { return near(s, pairs[i], y); }, in_range);
+      "contact.near", pairs.n, [=] MORTISE_HD(Index i) { return near(s, pairs[i], y); }, in_range);
   if (hits == 0) return 0;
   const Index slots = s.law.area_weighted ? kSlots : 1;
   keys.resize(hits * slots);
@@ -87,7 +87,7 @@ Index point_terms(const Scene& s, View<const PointTriangle> pairs, View<const Ve
   const View<std::uint64_t> key = keys.view();
   const View<Index> place = slot.view(), value = coefficient.view();
   const View<const Index> at = in_range.view();
-  device::parallel_for("barrier_contact.terms", pairs.n, [=] MORTISE_HD(Index i) {
+  device::parallel_for("contact.terms", pairs.n, [=] MORTISE_HD(Index i) {
     if (at[i + 1] == at[i]) return;
     std::uint64_t k[kSlots];
     Index c[kSlots];
@@ -103,10 +103,10 @@ Index point_terms(const Scene& s, View<const PointTriangle> pairs, View<const Ve
   const View<const std::uint64_t> sorted_key = keys.view();
   const View<const Index> sorted = slot.view();
   device::segment_sum(
-      "barrier_contact.merge", start, [=] MORTISE_HD(Index j) { return value[sorted[j]]; }, total);
+      "contact.merge", start, [=] MORTISE_HD(Index j) { return value[sorted[j]]; }, total);
   const View<const Index> sum = total.view(), first = start.view();
   return select(
-      "barrier_contact.keep", total.size(), [=] MORTISE_HD(Index r) { return sum[r] != 0 && sorted_key[first[r]] != kNoKey; },
+      "contact.keep", total.size(), [=] MORTISE_HD(Index r) { return sum[r] != 0 && sorted_key[first[r]] != kNoKey; },
       kept);
 }
 
@@ -120,12 +120,12 @@ void group_by_environment(ActiveSet& set, Index envs) {
     const View<std::uint64_t> key = keys.view();
     const View<Index> o = order.view();
     const View<const Active> from = set.terms.view();
-    device::parallel_for("barrier_contact.env_key", n,
+    device::parallel_for("contact.env_key", n,
                          [=] MORTISE_HD(Index i) { key[i] = static_cast<std::uint64_t>(from[i].env), o[i] = i; });
     device::sort_pairs(keys, order);
     const View<Active> to = grouped.view();
     const View<const Index> sorted = order.view();
-    device::parallel_for("barrier_contact.env_order", n, [=] MORTISE_HD(Index i) { to[i] = from[sorted[i]]; });
+    device::parallel_for("contact.env_order", n, [=] MORTISE_HD(Index i) { to[i] = from[sorted[i]]; });
     set.terms.swap(grouped);
   }
   set.env_offset.assign(envs + 1, 0);
@@ -134,7 +134,7 @@ void group_by_environment(ActiveSet& set, Index envs) {
   Buffer<Index> bounds(envs + 1);
   const View<Index> out = bounds.view();
   const View<const Active> terms = set.terms.view();
-  device::parallel_for("barrier_contact.env_offset", envs + 1, [=] MORTISE_HD(Index e) {
+  device::parallel_for("contact.env_offset", envs + 1, [=] MORTISE_HD(Index e) {
     Index lo = 0, hi = n;  // first term of an environment >= e
     while (lo < hi) {
       const Index mid = (lo + hi) / 2;
@@ -157,10 +157,10 @@ void build(const Scene& s, const Candidates& c, View<const Vec3> y, Index envs, 
 
   const View<const EdgeEdge> ee = c.edge_edges();
   const Index edges = select(
-      "barrier_contact.near", ee.n, [=] MORTISE_HD(Index i) { return near(s, ee[i], y); }, edges_at);
+      "contact.near", ee.n, [=] MORTISE_HD(Index i) { return near(s, ee[i], y); }, edges_at);
   const Index plane_pairs = s.planes.n * s.surface.vertices.n;
   const Index planes = select(
-      "barrier_contact.near_planes", plane_pairs,
+      "contact.near_planes", plane_pairs,
       [=] MORTISE_HD(Index i) {
         Index plane, point;
         double gap;
@@ -173,12 +173,12 @@ void build(const Scene& s, const Candidates& c, View<const Vec3> y, Index envs, 
   if (points > 0) {
     const View<const std::uint64_t> key = keys.view();
     const View<const Index> first = start.view(), sum = total.view(), at = kept.view();
-    device::parallel_for("barrier_contact.point_terms", sum.n, [=] MORTISE_HD(Index r) {
+    device::parallel_for("contact.point_terms", sum.n, [=] MORTISE_HD(Index r) {
       if (at[r + 1] > at[r]) terms[at[r]] = point_term(s, key[first[r]], sum[r]);
     });
   }
   const View<const Index> edge_at = edges_at.view(), plane_at = planes_at.view();
-  device::parallel_for("barrier_contact.edge_terms", ee.n, [=] MORTISE_HD(Index i) {
+  device::parallel_for("contact.edge_terms", ee.n, [=] MORTISE_HD(Index i) {
     if (edge_at[i + 1] == edge_at[i]) return;
     const EdgeEdge p = ee[i];
     Vec3 rest[4];
@@ -190,7 +190,7 @@ void build(const Scene& s, const Candidates& c, View<const Vec3> y, Index envs, 
                                   edge_weight(s, p.a, p.b),
                                   geometry::mollifier_threshold(rest)};
   });
-  device::parallel_for("barrier_contact.plane_terms", plane_pairs, [=] MORTISE_HD(Index i) {
+  device::parallel_for("contact.plane_terms", plane_pairs, [=] MORTISE_HD(Index i) {
     if (plane_at[i + 1] == plane_at[i]) return;
     Index plane, point;
     double gap;

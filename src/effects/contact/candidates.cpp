@@ -1,4 +1,4 @@
-#include "effects/barrier_contact/candidates.h"
+#include "effects/contact/candidates.h"
 
 #include <cmath>
 
@@ -28,14 +28,14 @@ std::vector<double> largest_deviation(const std::vector<Index>& point_env, View<
                                       View<const Vec3> y) {
   std::vector<double> out(point_env.size() - 1, 0.0);
   device::env_max(
-      "barrier_contact.deviation", point_env, [=] MORTISE_HD(Index i) { return off_path(from[i], move[i], y[i]); }, out);
+      "contact.deviation", point_env, [=] MORTISE_HD(Index i) { return off_path(from[i], move[i], y[i]); }, out);
   return out;
 }
 
 std::vector<double> not_finite(const std::vector<Index>& point_env, View<const Vec3> y) {
   std::vector<double> out(point_env.size() - 1, 0.0);
   device::env_max(
-      "barrier_contact.finite", point_env, [=] MORTISE_HD(Index i) { return y[i].squaredNorm() < 1e300 ? 0.0 : 1.0; }, out);
+      "contact.finite", point_env, [=] MORTISE_HD(Index i) { return y[i].squaredNorm() < 1e300 ? 0.0 : 1.0; }, out);
   return out;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // The contact terms that act at a position: candidates within range, with equal terms of the alternating sum (law.h) merged.
-#include "effects/barrier_contact/candidates.h"
-#include "effects/barrier_contact/law.h"
+#include "effects/contact/candidates.h"
+#include "effects/contact/law.h"
 #include "linalg/stencils.h"
 #include "model/contact_view.h"
 #include "model/model.h"

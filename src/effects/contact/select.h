@@ -1,6 +1,6 @@
 #pragma once
 // Picking those of many that a condition holds for, and the condition that matters here.
-#include "effects/barrier_contact/law.h"
+#include "effects/contact/law.h"
 
 namespace mortise::effects::contact {
 
