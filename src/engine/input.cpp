@@ -1,7 +1,6 @@
 #include "engine/input.h"
 
 #include "geometry/shapes.h"
-#include "geometry/topology.h"
 
 namespace mortise::engine {
 namespace {
@@ -31,10 +30,7 @@ model::BodyInput make_body(const Params& scene, const std::string& name, const P
   out.material = scene.at("materials").at(body.text("material"));
   if (type == "soft") {
     out.type = model::BodyType::soft;
-    geometry::TetMesh mesh = geometry::tet_shape(body.at("shape"));
-    out.triangles = geometry::boundary_triangles(mesh);
-    out.nodes = std::move(mesh.points);
-    out.tets = std::move(mesh.tets);
+    model::set_mesh(out, geometry::tet_shape(body.at("shape"), {body.integer("order"), body.flag("curved")}));
   } else {
     out.type = model::BodyType::stiff;
     geometry::TriMesh mesh = geometry::surface_shape(body.at("shape"));

@@ -14,10 +14,21 @@ struct TriMesh {
   std::vector<Triangle> triangles;
 };
 
+// The nodes in the middle of the edges of a quadratic tetrahedron, in the order of geometry/quadratic.h.
+struct Midsides {
+  Index v[6];
+};
+// Quadratic triangle: three corners, then the middles of (0,1), (1,2), (2,0).
+struct Face {
+  Index v[6];
+};
+
 // Tetrahedra (a,b,c,d) with det(b-a, c-a, d-a) > 0.
 struct TetMesh {
   std::vector<Vec3> points;  // [m]
   std::vector<Tet> tets;
+  std::vector<Midsides> midsides{};  // one per tetrahedron, or none: linear tetrahedra
+  bool quadratic() const { return !midsides.empty(); }
 };
 
 // A picture: a file, or the bytes of a PNG/JPEG file that was embedded in the mesh. Both empty: no texture.

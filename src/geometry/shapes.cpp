@@ -1,8 +1,12 @@
 #include "geometry/shapes.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "geometry/io/msh.h"
 #include "geometry/io/read.h"
 #include "geometry/io/text.h"
+#include "geometry/midsides.h"
 #include "geometry/primitives.h"
 #include "geometry/tetrahedralise.h"
 #include "geometry/topology.h"
@@ -49,26 +53,51 @@ TriMesh scaled_surface(const Params& p) {
   return p.number("weld") > 0 ? weld(mesh, p.number("weld")) : mesh;  // the tolerance is in metres, so after scaling
 }
 
+// Onto the exact surface: R away from the axis of a cylinder or capsule (a point for a sphere).
+Snap surface_snap(const std::string& kind, const Params& p) {
+  if (kind != "sphere" && kind != "cylinder" && kind != "capsule")
+    throw Error(Exit::scene, "curved edges need a sphere, cylinder or capsule (a mesh of second order brings its own)");
+  const double R = p.number("radius"), half = kind == "sphere" ? 0 : 0.5 * p.number("height");
+  if (kind == "cylinder")
+    return [R](const Vec3& a, const Vec3& b, const Vec3& x) -> Vec3 {
+      const auto on_side = [R](const Vec3& c) { return std::abs(c.head<2>().norm() - R) < 1e-9 * R; };
+      if (!on_side(a) || !on_side(b)) return x;  // an edge of the flat ends
+      const double s = R / x.head<2>().norm();
+      return {s * x[0], s * x[1], x[2]};
+    };
+  return [R, half](const Vec3&, const Vec3&, const Vec3& x) -> Vec3 {
+    const Vec3 axis(0, 0, std::clamp(x[2], -half, half));
+    return axis + R * (x - axis).normalized();
+  };
+}
+
 bool has_tets(const std::string& file) { return extension(file) == ".msh" && !read_msh(file).tets.empty(); }
+
+TetMesh mesh_tets(const Params& p) {
+  if (has_tets(p.text("file"))) {
+    TetMesh mesh = read_tets(p.text("file"));
+    scale(mesh.points, p.number("scale"));
+    check_tets(mesh, named(p));
+    return mesh;
+  }
+  if (!p.has("edge_length"))
+    throw Error(Exit::scene, named(p) + " is a surface: a soft body needs edge_length to fill it with tetrahedra");
+  TetrahedraliseOptions options;
+  options.edge_length = p.number("edge_length");
+  if (p.has("surface_edge_length")) options.surface_edge_length = p.number("surface_edge_length");
+  return tetrahedralise(scaled_surface(p), options, named(p));
+}
 
 }  // namespace
 
-TetMesh tet_shape(const Params& shape) {
+TetMesh tet_shape(const Params& shape, const ElementOrder& element) {
   const auto& [kind, p] = only_entry(shape);
   return located(p.where(), [&, kind = kind, &p = p] {
-    if (kind != "mesh") return primitive(kind, p);
-    if (has_tets(p.text("file"))) {
-      TetMesh mesh = read_tets(p.text("file"));
-      scale(mesh.points, p.number("scale"));
-      check_tets(mesh, named(p));
-      return mesh;
-    }
-    if (!p.has("edge_length"))
-      throw Error(Exit::scene, named(p) + " is a surface: a soft body needs edge_length to fill it with tetrahedra");
-    TetrahedraliseOptions options;
-    options.edge_length = p.number("edge_length");
-    if (p.has("surface_edge_length")) options.surface_edge_length = p.number("surface_edge_length");
-    return tetrahedralise(scaled_surface(p), options, named(p));
+    if (element.curved && element.order == 1) throw Error(Exit::scene, "curved edges need `order: 2`");
+    const Snap snap = element.curved ? surface_snap(kind, p) : Snap{};
+    TetMesh mesh = kind == "mesh" ? mesh_tets(p) : primitive(kind, p);
+    if (mesh.quadratic() && element.order == 1) throw Error(Exit::scene, named(p) + " has tetrahedra of second order: give the body `order: 2`");
+    return element.order == 1 || mesh.quadratic() ? mesh : with_midsides(std::move(mesh), snap);
   });
 }
 

@@ -93,7 +93,23 @@ TriMesh without_unused_points(const TriMesh& mesh) {
 }
 
 TetMesh without_unused_points(const TetMesh& mesh) {
-  return compact<TetMesh, Tet, 4>(mesh.points, mesh.tets, &TetMesh::tets, nullptr);
+  if (!mesh.quadratic()) return compact<TetMesh, Tet, 4>(mesh.points, mesh.tets, &TetMesh::tets, nullptr);
+  std::vector<Index> number(mesh.points.size(), -1);
+  for (const Tet& t : mesh.tets)
+    for (Index v : t.v) number[v] = 0;
+  for (const Midsides& m : mesh.midsides)
+    for (Index v : m.v) number[v] = 0;
+  TetMesh out{{}, mesh.tets, mesh.midsides};
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    if (number[i] < 0) continue;
+    number[i] = static_cast<Index>(out.points.size());
+    out.points.push_back(mesh.points[i]);
+  }
+  for (Tet& t : out.tets)
+    for (Index& v : t.v) v = number[v];
+  for (Midsides& m : out.midsides)
+    for (Index& v : m.v) v = number[v];
+  return out;
 }
 
 std::vector<Edge> unique_edges(const std::vector<Triangle>& triangles) {

@@ -1,7 +1,10 @@
 #include "model/build.h"
 
 #include <algorithm>
+#include <array>
 
+#include "geometry/quadratic.h"
+#include "geometry/tet_rule.h"
 #include "geometry/topology.h"
 #include "model/model.h"
 
@@ -14,10 +17,14 @@ struct Layout {
   std::vector<Index> block_env, point_offset{0}, point_block, point_body, point_env;
   std::vector<double> point_weight;
   std::vector<Tet> tets;
+  std::vector<geometry::Midsides> midsides;
+  std::vector<Index> first_point{0};
   std::vector<Mat3> dm_inverse;
   std::vector<double> rest_volume, mu, lambda;
   std::vector<std::uint8_t> material;
   std::vector<Triangle> triangles;
+  std::vector<geometry::Face> faces;
+  std::vector<Index> quarter;
   // Mass entries (row, column, kg), both triangles.
   struct Entry {
     Index row, column;
@@ -33,30 +40,86 @@ MaterialModel material_model(const Params& material) {
   return MaterialModel::neo_hookean;
 }
 
+// dX/d(l1, l2, l3) of a quadratic tetrahedron whose nodes are X.
+Mat3 rest_jacobian(const std::array<Vec3, 10>& X, const double l[4]) {
+  Mat3 J = Mat3::Zero();
+  for (int a = 0; a < 10; ++a) J += X[a] * geometry::tet_slope(a, l).transpose();
+  return J;
+}
+
+[[noreturn]] void inside_out(const BodyInput& in, const Body& body, std::size_t t, double volume) {
+  throw Error(Exit::scene, body.where, "body '" + in.name + "': tetrahedron " + std::to_string(t) + " has volume " + std::to_string(volume) + " m^3; it must be positive");
+}
+
+// Linear: one point, mass lumped on the corners.
+void add_linear(Layout& l, const BodyInput& in, Body& body, std::size_t t, std::vector<double>& mass, Vec3& moment) {
+  const Tet& tet = in.tets[t];
+  Mat3 dm;
+  for (int k = 0; k < 3; ++k) dm.col(k) = in.nodes[tet.v[k + 1]] - in.nodes[tet.v[0]];
+  const double volume = dm.determinant() / 6;
+  if (!(volume > 0)) inside_out(in, body, t, volume);
+  l.dm_inverse.push_back(dm.inverse());
+  l.rest_volume.push_back(volume);
+  body.volume += volume;
+  for (int k = 0; k < 4; ++k) {
+    mass[tet.v[k]] += body.density * volume / 4;
+    moment += volume / 4 * in.nodes[tet.v[k]];
+  }
+}
+
+// Quadratic: four points; the consistent mass m_ab = int rho N_a N_b dV, because lumped by rows the corners would weigh less than
+// nothing. Its row sums are the consistent load of gravity.
+void add_quadratic(Layout& l, const BodyInput& in, Body& body, std::size_t t, Vec3& moment) {
+  std::array<Index, 10> node;
+  for (int k = 0; k < 10; ++k) node[k] = k < 4 ? in.tets[t].v[k] : in.midsides[t].v[k - 4];
+  std::array<Vec3, 10> X;
+  for (int k = 0; k < 10; ++k) X[k] = in.nodes[node[k]];
+  double at[4];
+  for (int p = 0; p < geometry::kTetPoints; ++p) {
+    geometry::tet_point(p, at);
+    const Mat3 J = rest_jacobian(X, at);
+    const double volume = J.determinant() / 6 / geometry::kTetPoints;
+    if (!(volume > 0)) inside_out(in, body, t, volume);
+    l.dm_inverse.push_back(J.inverse());
+    l.rest_volume.push_back(volume);
+  }
+  Eigen::Matrix<double, 10, 10> m = Eigen::Matrix<double, 10, 10>::Zero();
+  for (const geometry::TetRulePoint& p : geometry::tet_rule_5()) {
+    const double dV = p.weight * rest_jacobian(X, p.l).determinant() / 6;
+    Eigen::Matrix<double, 10, 1> N;
+    for (int a = 0; a < 10; ++a) N[a] = geometry::tet_shape_function(a, p.l);
+    m += body.density * dV * N * N.transpose();
+    body.volume += dV;
+    for (int a = 0; a < 10; ++a) moment += dV * N[a] * X[a];
+  }
+  for (int a = 0; a < 10; ++a)
+    for (int b = 0; b < 10; ++b) l.mass.push_back({body.block_begin + node[a], body.block_begin + node[b], m(a, b)});
+}
+
 void add_soft(Layout& l, const BodyInput& in, Body& body) {
   const Index first = body.block_begin;
   const double E = body.youngs_modulus, nu = body.poisson_ratio;
+  const bool quadratic = !in.midsides.empty();
   std::vector<double> mass(in.nodes.size(), 0.0);
+  std::vector<std::uint8_t> used(in.nodes.size(), 0);
   body.tet_begin = static_cast<Index>(l.tets.size());
   Vec3 moment = Vec3::Zero();
   for (std::size_t t = 0; t < in.tets.size(); ++t) {
     const Tet& tet = in.tets[t];
-    Mat3 dm;
-    for (int k = 0; k < 3; ++k) dm.col(k) = in.nodes[tet.v[k + 1]] - in.nodes[tet.v[0]];
-    const double volume = dm.determinant() / 6;
-    if (!(volume > 0))
-      throw Error(Exit::scene, body.where, "body '" + in.name + "': tetrahedron " + std::to_string(t) + " has volume " + std::to_string(volume) + " m^3; it must be positive");
+    geometry::Midsides middle{{-1, -1, -1, -1, -1, -1}};
+    for (Index v : tet.v) used[v] = 1;
+    if (quadratic) {
+      add_quadratic(l, in, body, t, moment);
+      for (int k = 0; k < 6; ++k) middle.v[k] = first + in.midsides[t].v[k], used[in.midsides[t].v[k]] = 1;
+    } else {
+      add_linear(l, in, body, t, mass, moment);
+    }
     l.tets.push_back({{first + tet.v[0], first + tet.v[1], first + tet.v[2], first + tet.v[3]}});
-    l.dm_inverse.push_back(dm.inverse());
-    l.rest_volume.push_back(volume);
+    l.midsides.push_back(middle);
+    l.first_point.push_back(static_cast<Index>(l.rest_volume.size()));
     l.mu.push_back(E / (2 * (1 + nu)));
     l.lambda.push_back(E * nu / ((1 + nu) * (1 - 2 * nu)));
     l.material.push_back(static_cast<std::uint8_t>(material_model(in.material)));
-    body.volume += volume;
-    for (int k = 0; k < 4; ++k) {
-      mass[tet.v[k]] += body.density * volume / 4;  // lumped
-      moment += volume / 4 * in.nodes[tet.v[k]];
-    }
   }
   body.tet_end = static_cast<Index>(l.tets.size());
   body.centre = moment / body.volume;
@@ -64,11 +127,11 @@ void add_soft(Layout& l, const BodyInput& in, Body& body) {
   const Vec3 v = in.params.vec3("velocity"), w = in.params.vec3("angular_velocity");
   for (std::size_t i = 0; i < in.nodes.size(); ++i) {
     const Index block = first + static_cast<Index>(i);
-    if (!(mass[i] > 0))
+    if (!used[i])
       throw Error(Exit::scene, body.where, "body '" + in.name + "': node " + std::to_string(i) + " belongs to no tetrahedron");
     l.rest.push_back(in.nodes[i]);
     l.velocity.push_back(v + w.cross(in.nodes[i] - body.centre));
-    l.mass.push_back({block, block, mass[i]});
+    if (!quadratic) l.mass.push_back({block, block, mass[i]});
     l.points.push_back(in.nodes[i]);
     l.point_block.push_back(block);
     l.point_weight.push_back(1);
@@ -126,6 +189,13 @@ void add_body(Layout& l, Model& model, const BodyInput& in) {
   body.triangle_begin = static_cast<Index>(l.triangles.size());
   for (const Triangle& t : in.triangles) l.triangles.push_back({{body.point_begin + t.v[0], body.point_begin + t.v[1], body.point_begin + t.v[2]}});
   body.triangle_end = static_cast<Index>(l.triangles.size());
+  for (const geometry::Face& f : in.faces) {
+    for (int q = 0; q < 4; ++q) l.quarter.push_back(4 * static_cast<Index>(l.faces.size()) + q);
+    geometry::Face face;
+    for (int k = 0; k < 6; ++k) face.v[k] = body.point_begin + f.v[k];
+    l.faces.push_back(face);
+  }
+  l.quarter.resize(l.triangles.size(), -1);
   l.block_env.resize(l.rest.size(), in.env);
   l.point_env.resize(l.points.size(), in.env);
   l.point_body.resize(l.points.size(), static_cast<Index>(model.bodies.size()));
@@ -136,7 +206,12 @@ void upload_mass(Layout& l, Mass& mass, Index blocks) {
   std::stable_sort(l.mass.begin(), l.mass.end(), [](const Layout::Entry& a, const Layout::Entry& b) { return a.row != b.row ? a.row < b.row : a.column < b.column; });
   std::vector<Index> offset(blocks + 1, 0), column;
   std::vector<double> value;
-  for (const Layout::Entry& e : l.mass) {
+  for (std::size_t i = 0; i < l.mass.size(); ++i) {
+    const Layout::Entry& e = l.mass[i];
+    if (i > 0 && e.row == l.mass[i - 1].row && e.column == l.mass[i - 1].column) {  // of a neighbouring tetrahedron
+      value.back() += e.value;
+      continue;
+    }
     ++offset[e.row + 1];
     column.push_back(e.column);
     value.push_back(e.value);
@@ -204,6 +279,12 @@ void build(Model& model) {
 
   Volume& v = model.volume;
   v.tets.upload(l.tets);
+  if (!l.faces.empty()) {
+    v.midsides.upload(l.midsides);
+    model.faces.nodes.upload(l.faces);
+    model.faces.quarter.upload(l.quarter);
+  }
+  v.first_point.upload(l.first_point);
   v.dm_inverse.upload(l.dm_inverse);
   v.rest_volume.upload(l.rest_volume);
   v.lame_mu.upload(l.mu);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/params.h"
-#include "base/types.h"
+#include "geometry/mesh.h"
 
 namespace mortise::model {
 
@@ -18,11 +18,16 @@ struct BodyInput {
   BodyType type = BodyType::soft;
   int env = 0;
   std::vector<Vec3> nodes;          // soft: all nodes; stiff: surface vertices
-  std::vector<Tet> tets;            // soft only, positively oriented
-  std::vector<Triangle> triangles;  // surface, outward
+  std::vector<Tet> tets;            // soft only, positively oriented: corners
+  std::vector<Triangle> triangles;  // surface, outward; of quadratic tetrahedra: the quarters of `faces`, four each
+  std::vector<geometry::Midsides> midsides{};  // quadratic tetrahedra only: one per tetrahedron
+  std::vector<geometry::Face> faces{};         // and their surface
   Params params;    // the body's block of the scene
   Params material;  // its material block (youngs_modulus, poisson_ratio, density, model)
 };
+
+// Gives a soft body this mesh, placed as it is.
+void set_mesh(BodyInput& body, geometry::TetMesh mesh);
 
 struct ModelInput {
   Params scene;  // the whole resolved scene

@@ -44,13 +44,16 @@ struct PointMapView {
   View<const double> weight;
 };
 
-// Linear tetrahedra of all soft bodies.
+// Tetrahedra of all soft bodies, linear or quadratic, and the points that integrate over them: one of a linear tetrahedron, four of
+// a quadratic one (geometry/quadratic.h).
 struct Volume {
-  Buffer<Tet> tets;                     // block ids
-  Buffer<Mat3> dm_inverse;              // inverse of the rest edge matrix [1/m]
-  Buffer<double> rest_volume;           // [m^3]
-  Buffer<double> lame_mu, lame_lambda;  // [Pa]
-  Buffer<std::uint8_t> material;        // MaterialModel
+  Buffer<Tet> tets;                         // block ids of the corners
+  Buffer<geometry::Midsides> midsides;      // of the middles of edges, -1 in linear tetrahedra; empty where all are linear
+  Buffer<Index> first_point;                // elements + 1
+  Buffer<Mat3> dm_inverse;                  // per point: inverse of dX/d(l1, l2, l3) at rest [1/m]
+  Buffer<double> rest_volume;               // per point: its share of the volume [m^3]
+  Buffer<double> lame_mu, lame_lambda;      // per element [Pa]
+  Buffer<std::uint8_t> material;            // MaterialModel
   std::vector<Index> env_offset;
 };
 
@@ -58,6 +61,13 @@ struct Volume {
 struct Mass {
   Buffer<Index> row_offset, column;
   Buffer<double> value;
+};
+
+// Quadratic faces of the surface. The triangles of geometry::Surface are their quarters (geometry/quadratic.h); what acts on the surface
+// spreads its forces over the six nodes. Empty where all bodies are linear.
+struct QuadraticFaces {
+  Buffer<geometry::Face> nodes;  // point ids
+  Buffer<Index> quarter;         // per triangle: 4 face + quarter, or -1 for a triangle of its own
 };
 
 // An analytic obstacle: the material side is below the plane through `point` with unit outward normal.
@@ -93,6 +103,7 @@ class Model {
   Volume volume;
   Mass mass;
   geometry::Surface surface;
+  QuadraticFaces faces;
 
   // Supports: block b may move only within the range of projector[b] (symmetric, 3x3; identity = free, zero = held) and is
   // asked to be at target[b] in the held directions. `held` on the host: 0 free, 1 partly, 2 fully held.

@@ -1,5 +1,7 @@
 #include "run/output_mesh.h"
 
+#include <algorithm>
+
 namespace mortise::run {
 
 output::OutputMesh output_mesh(const model::ModelInput& input) {
@@ -18,9 +20,16 @@ output::OutputMesh output_mesh(const model::ModelInput& input) {
       mesh.types.push_back(type);
       mesh.body_of_cell.push_back(id);
     };
-    if (body.type == model::BodyType::soft)
-      for (const Tet& t : body.tets) cell(t.v, 4, output::tetrahedron);
-    else
+    for (std::size_t t = 0; t < body.tets.size(); ++t) {
+      if (body.midsides.empty()) {
+        cell(body.tets[t].v, 4, output::tetrahedron);
+        continue;
+      }
+      Index nodes[10];  // in the order of VTK
+      std::copy_n(body.tets[t].v, 4, nodes), std::copy_n(body.midsides[t].v, 6, nodes + 4);
+      cell(nodes, 10, output::quadratic_tetrahedron);
+    }
+    if (body.type == model::BodyType::stiff)
       for (const Triangle& t : body.triangles) cell(t.v, 3, output::triangle);
   }
   return mesh;

@@ -1,5 +1,7 @@
 #include "scene/tables.h"
 
+#include "scene/checks.h"
+
 namespace mortise::scene {
 namespace {
 
@@ -151,6 +153,8 @@ std::vector<Param> solid_params() {
 const ParamTable& soft_table() {
   static const ParamTable t = [] {
     ParamTable s{"soft body", "Deformable body of tetrahedra.", solid_params()};
+    s.params.push_back(integer("order", "1", 1, 2, "Order of the tetrahedra: 2 has a node in the middle of every edge."));
+    s.params.push_back(flag("curved", "false", "Order 2 of a sphere, cylinder or capsule: edges follow the round surface."));
     s.params.push_back(flag("self_contact", "false", "Whether the body can touch itself."));
     return s;
   }();
@@ -238,6 +242,7 @@ const ParamTable& render_table() {
 const Variants* variants_of(const ParamTable& t) {
   static const Variants body{
       &body_table(), "type", {{"soft", &soft_table()}, {"stiff", &stiff_table()}, {"half_space", &half_space_table()}}};
+  if (&t == &check_table()) return &check_variants();
   return &t == body.table ? &body : nullptr;
 }
 
@@ -249,6 +254,8 @@ SceneTables::SceneTables(std::span<const EffectTable> effects) {
     if (e.table->is_list) p.kind = Kind::tables;
     effects_.params.push_back(std::move(p));
   }
+  Param checks = table("checks", &check_table(), "What a run has to fulfil; the verdicts are in certificate.json.");
+  checks.kind = Kind::tables;
   root_.name = "scene";
   root_.help = "A mortise scene.";
   root_.params = {integer("mortise", {}, kFormatVersion, kFormatVersion, "Version of the scene format."),
@@ -260,6 +267,7 @@ SceneTables::SceneTables(std::span<const EffectTable> effects) {
                   required(table("effects", &effects_, "The physics: what is not named here does not exist.")),
                   always(table("solver", &solver_table(), "Accuracy and effort of the solver.")),
                   always(table("output", &output_table(), "What a run writes.")),
+                  checks,
                   table("render", &render_table(), "Pictures of the run.")};
   for (Param& p : root_.params)
     if (p.key == "materials") p.fallback = "{}";

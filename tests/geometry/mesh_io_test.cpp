@@ -52,7 +52,7 @@ TEST(Msh, ErrorsNameFileAndLine) {
   refuse(kFormat2 + "$Nodes\n2\n1 0 0 0\n1 0 0 0\n", {"a.msh:7:", "node 1 is defined twice"});
   refuse(kFormat2 + "$Nodes\n1\n1 0 0 0\n2 0 0 0\n", {"a.msh:7:", "expected $EndNodes"});
   refuse(kFormat2 + kNodes2 + "$Elements\n1\n1 4 0 1 2 3 4\n", {"a.msh:14:", "node 3 is not defined"});
-  refuse(kFormat2 + kNodes2 + "$Elements\n1\n1 11 0 1 2 7 4\n", {"a.msh:14:", "element type 11 is not supported"});
+  refuse(kFormat2 + kNodes2 + "$Elements\n1\n1 12 0 1 2 7 4\n", {"a.msh:14:", "element type 12 is not supported"});
   refuse(kFormat2 + kNodes2, {"no $Elements"});
   refuse(kFormat2 + "$Comments\nabc\n", {"a.msh:4:", "no $EndComments"});
 }

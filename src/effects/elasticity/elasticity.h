@@ -1,9 +1,10 @@
 #pragma once
-// Hyperelastic energy of one linear tetrahedron, E = V Psi(F) [J], with V the rest volume [m^3] and the deformation gradient
+// Hyperelastic energy of one tetrahedron; of a linear one, E = V Psi(F) [J], with V the rest volume [m^3] and the deformation gradient
 //     F = Ds Dm^-1,   Ds = [x1 - x0, x2 - x0, x3 - x0],   i.e.  F = sum_a x_a g_a^T,
 // where g_1, g_2, g_3 are the rows of Dm^-1 [1/m] and g_0 = -(g_1 + g_2 + g_3). Psi [Pa] is an energy density with first
 // Piola-Kirchhoff stress P = dPsi/dF [Pa]; then dE/dx_a = V P g_a [N] and d^2E/dx_a dx_b = V (d^2 Psi/dF^2)[g_a, g_b] [N/m].
 // mu, lambda [Pa] are the Lame parameters of linear elasticity; every material below matches them at small strain.
+#include "geometry/quadratic.h"
 #include "linalg/isotropic.h"
 #include "model/input.h"
 
@@ -168,7 +169,7 @@ MORTISE_HD inline Mat3 cauchy_stress(MaterialModel model, const Mat3& F, double 
   return P * F.transpose() / (std::abs(J) > floor ? J : (J < 0 ? -floor : floor));
 }
 
-// One tetrahedron.
+// One point of integration and the volume that it stands for: all of a linear tetrahedron, a share of a quadratic one.
 struct Element {
   Mat3 dm_inverse;
   double volume, mu, lambda;
@@ -193,21 +194,53 @@ MORTISE_HD inline void gradient(const Element& e, const Mat3& F, Vec3* grad) {
   grad[0] = -(grad[1] + grad[2] + grad[3]);
 }
 
-// hess[10]: the upper triangle of 3x3 pieces, row by row [N/m]; `projected`: made positive semi-definite.
-MORTISE_HD inline void hessian(const Element& e, const Mat3& F, bool projected, Mat3* hess) {
-  Vec3 g[4];
-  for (int a = 0; a < 4; ++a) g[a] = shape_gradient(e.dm_inverse, a);
+// Adds to hess the upper triangle of 3x3 pieces of n nodes with shape gradients g, row by row [N/m]; `projected`: made positive
+// semi-definite. g is overwritten.
+MORTISE_HD inline void add_hessian(const Element& e, const Mat3& F, bool projected, int n, Vec3* g, Mat3* hess) {
   if (e.model == MaterialModel::linear) {
-    for (int a = 0, place = 0; a < 4; ++a)
-      for (int b = a; b < 4; ++b) hess[place++] = e.volume * linear_block(g[a], g[b], e.mu, e.lambda);
+    for (int a = 0, place = 0; a < n; ++a)
+      for (int b = a; b < n; ++b) hess[place++] += e.volume * linear_block(g[a], g[b], e.mu, e.lambda);
     return;
   }
   linalg::IsotropicModes m =
       e.model == MaterialModel::corotated ? corotated_modes(F, e.mu, e.lambda) : neo_hookean_modes(F, e.mu, e.lambda);
   if (projected) linalg::project_psd(m);
-  for (int a = 0; a < 4; ++a) g[a] = m.V.transpose() * g[a];
-  for (int a = 0, place = 0; a < 4; ++a)
-    for (int b = a; b < 4; ++b) hess[place++] = e.volume * linalg::hessian_block(m, g[a], g[b]);
+  for (int a = 0; a < n; ++a) g[a] = m.V.transpose() * g[a];
+  for (int a = 0, place = 0; a < n; ++a)
+    for (int b = a; b < n; ++b) hess[place++] += e.volume * linalg::hessian_block(m, g[a], g[b]);
+}
+
+// hess[10], overwritten.
+MORTISE_HD inline void hessian(const Element& e, const Mat3& F, bool projected, Mat3* hess) {
+  Vec3 g[4];
+  for (int a = 0; a < 4; ++a) g[a] = shape_gradient(e.dm_inverse, a);
+  for (int i = 0; i < 10; ++i) hess[i] = Mat3::Zero();
+  add_hessian(e, F, projected, 4, g, hess);
+}
+
+// ---- quadratic tetrahedra ------------------------------------------------------------------------------------------------
+// E = sum over four points p of V_p Psi(F_p), with F = sum_a x_a g_a^T, g_a = J^-T dN_a/dl at the point and J = dX/dl at rest.
+
+MORTISE_HD inline void quadratic_gradients(const Mat3& dm_inverse, int point, Vec3 g[10]) {
+  double l[4];
+  geometry::tet_point(point, l);
+  for (int a = 0; a < 10; ++a) g[a] = dm_inverse.transpose() * geometry::tet_slope(a, l);
+}
+// Counted from x_0, because sum_a g_a = 0 holds to rounding only.
+MORTISE_HD inline Mat3 quadratic_deformation(const Vec3 g[10], const Vec3 x[10]) {
+  Mat3 F = Mat3::Zero();
+  for (int a = 1; a < 10; ++a) F += (x[a] - x[0]) * g[a].transpose();
+  return F;
+}
+MORTISE_HD inline void add_quadratic_gradient(const Element& e, const Mat3& F, const Vec3 g[10], Vec3 grad[10]) {
+  const Mat3 P = e.volume * stress(e.model, F, e.mu, e.lambda);
+  Vec3 rest = Vec3::Zero();
+  for (int a = 1; a < 10; ++a) {
+    const Vec3 f = P * g[a];
+    grad[a] += f;
+    rest += f;
+  }
+  grad[0] -= rest;
 }
 
 }  // namespace mortise::effects::elasticity

@@ -9,7 +9,7 @@
 namespace mortise::geometry {
 namespace {
 
-constexpr int kTriangle = 2, kTet = 4;
+constexpr int kTriangle = 2, kTet = 4, kTriangle6 = 9, kTet10 = 11;
 
 // Points and lines of any order carry no surface and no volume.
 bool passed_over(long long type) { return type == 1 || type == 8 || type == 15 || (type >= 26 && type <= 28); }
@@ -46,6 +46,7 @@ class MshParser {
     }
     if (!nodes) in_.fail("the file has no $Nodes section");
     if (!elements) in_.fail("the file has no $Elements section");
+    if (!out_.midsides.empty() && out_.midsides.size() != out_.tets.size()) in_.fail("tetrahedra of first and of second order in one file");
     return std::move(out_);
   }
 
@@ -111,12 +112,14 @@ class MshParser {
       if (found == number_.end()) in_.fail("node " + std::to_string(tag) + " is not defined");
       return found->second;
     };
-    if (type == kTriangle) {
+    if (type == kTriangle || type == kTriangle6) {
       out_.triangles.push_back({{node(0), node(1), node(2)}});
-    } else if (type == kTet) {
+    } else if (type == kTet || type == kTet10) {
       out_.tets.push_back({{node(0), node(1), node(2), node(3)}});
+      // Gmsh numbers the edges (0,1) (1,2) (2,0) (0,3) (2,3) (1,3).
+      if (type == kTet10) out_.midsides.push_back({{node(4), node(5), node(6), node(7), node(9), node(8)}});
     } else if (!passed_over(type)) {
-      in_.fail("element type " + std::to_string(type) + " is not supported: only 3-node triangles (2) and 4-node tetrahedra (4)");
+      in_.fail("element type " + std::to_string(type) + " is not supported: only triangles (2, 9) and tetrahedra (4, 11) of first and second order");
     }
   }
 
@@ -169,11 +172,19 @@ void write_msh(const std::string& path, const MshFile& mesh) {
     out += "\n";
   };
   for (const Triangle& t : mesh.triangles) element(" 2 2 0 1", t.v, 3);
-  for (const Tet& t : mesh.tets) element(" 4 2 0 1", t.v, 4);
+  for (std::size_t i = 0; i < mesh.tets.size(); ++i) {
+    if (mesh.midsides.empty()) {
+      element(" 4 2 0 1", mesh.tets[i].v, 4);
+      continue;
+    }
+    const Index *c = mesh.tets[i].v, *m = mesh.midsides[i].v;
+    const Index all[] = {c[0], c[1], c[2], c[3], m[0], m[1], m[2], m[3], m[5], m[4]};
+    element(" 11 2 0 1", all, 10);
+  }
   out += "$EndElements\n";
   write_file(path, out);
 }
 
-void write_msh(const std::string& path, const TetMesh& mesh) { write_msh(path, MshFile{mesh.points, {}, mesh.tets}); }
+void write_msh(const std::string& path, const TetMesh& mesh) { write_msh(path, MshFile{mesh.points, {}, mesh.tets, mesh.midsides}); }
 
 }  // namespace mortise::geometry

@@ -6,11 +6,13 @@
 
 namespace mortise::geometry {
 
-// A Gmsh file: nodes in file order, first-order triangles and tetrahedra; points and lines are passed over.
+// A Gmsh file: nodes in file order, triangles and tetrahedra of first or second order; points and lines are passed over. The
+// middles of second-order triangles are not kept.
 struct MshFile {
   std::vector<Vec3> points;
   std::vector<Triangle> triangles;
   std::vector<Tet> tets;
+  std::vector<Midsides> midsides{};  // one per tetrahedron of a second-order file
 };
 
 // Gmsh ASCII formats 2.x and 4.1 (Gmsh reference manual, "MSH file format"). Errors name file and line.

@@ -54,11 +54,12 @@ TetMesh read_tets(const std::string& path) {
   if (extension(path) != ".msh") unknown(path, ".msh");
   MshFile msh = read_msh(path);
   if (msh.tets.empty()) throw Error(Exit::scene, "'" + path + "' has no tetrahedra");
-  TetMesh mesh = without_unused_points(TetMesh{std::move(msh.points), std::move(msh.tets)});
+  TetMesh mesh = without_unused_points(TetMesh{std::move(msh.points), std::move(msh.tets), std::move(msh.midsides)});
   bool all_negative = true;
   for (const Tet& t : mesh.tets) all_negative = all_negative && tet_volume(mesh.points, t) < 0;
-  if (all_negative)
-    for (Tet& t : mesh.tets) std::swap(t.v[0], t.v[1]);
+  if (!all_negative) return mesh;
+  for (Tet& t : mesh.tets) std::swap(t.v[0], t.v[1]);
+  for (Midsides& m : mesh.midsides) std::swap(m.v[1], m.v[2]), std::swap(m.v[3], m.v[4]);  // (1,2) <-> (0,2), (0,3) <-> (1,3)
   return mesh;
 }
 

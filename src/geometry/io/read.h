@@ -16,7 +16,7 @@ TriMesh read_surface(const std::string& path, double weld_tolerance = 0);
 // Same formats without .msh, with normals, texture coordinates and materials.
 VisualMesh read_visual(const std::string& path);
 
-// .msh with tetrahedra. If all tetrahedra are negatively oriented the file uses the other vertex order and all are turned;
+// .msh with tetrahedra, of first or second order. If all tetrahedra are negatively oriented the file uses the other vertex order and all are turned;
 // single inverted ones stay as they are: see check_tets.
 TetMesh read_tets(const std::string& path);
 
