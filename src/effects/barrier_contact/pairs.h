@@ -1,17 +1,9 @@
 #pragma once
 // Which bodies a contact effect keeps apart.
-#include <cstdint>
-#include <vector>
-
 #include "base/params.h"
-#include "model/model.h"
+#include "effects/contact/proximity.h"
 
 namespace mortise::effects::contact {
-
-struct WatchedPairs {
-  std::vector<std::uint8_t> bodies;  // bodies x bodies
-  std::vector<std::uint8_t> planes;  // half-spaces x bodies
-};
 
 // The pairs named by `list` (a list of [a, b] names, bodies or half-spaces; nullptr: all pairs of different bodies, and those
 // bodies with themselves that ask for self_contact), less the pairs in which nothing can move. Call when all supports are set.

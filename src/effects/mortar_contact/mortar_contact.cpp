@@ -5,12 +5,13 @@
 
 #include "base/error.h"
 #include "effects/contact/active.h"
+#include "effects/contact/proximity.h"
+#include "effects/contact/report.h"
 #include "effects/contact/start_check.h"
 #include "effects/body_blocks.h"
 #include "effects/list.h"
 #include "effects/mortar_contact/frozen.h"
 #include "effects/mortar_contact/stiffness.h"
-#include "geometry/collide/step_limit.h"
 
 namespace mortise::effects {
 namespace {
@@ -61,7 +62,6 @@ const ParamTable kTable{
      param::of(Param::Kind::flag, "two_pass", Unit::none, "false",
                "Both surfaces of every pair are slaves, with half of the weight")}};
 
-constexpr double kKeep = 0.1;           // share of every gap that a step may not use up
 constexpr double kLeastSupport = 0.01;  // of d_hat: no support radius is smaller, whatever rest_share says
 
 class MortarContact final : public Effect {
@@ -70,9 +70,7 @@ class MortarContact final : public Effect {
       : model_(model),
         guard_share_(p.number("guard")),
         rest_share_(p.number("rest_share")),
-        topology_(model.surface, model.points),
-        candidates_(model.broadphase(), std::max(guard_share_, 0.01) * p.number("d_hat"),
-                    env_offsets(model.surface.env.download(), model.envs)),
+        near_(model, std::max(guard_share_, 0.01) * p.number("d_hat")),
         search_({}) {
     set_.d_hat = p.number("d_hat");
     set_.taper = p.text("weights") == "tapered" ? p.number("taper_width") : 0;
@@ -90,27 +88,7 @@ class MortarContact final : public Effect {
                                   : p.number("stiffness"));
     }
     stiffness_changed();
-    const Index n = static_cast<Index>(model.bodies.size());
-    std::vector<contact::Plane> planes;
-    for (const model::HalfSpace& h : model.half_spaces) planes.push_back({h.point, h.normal});
-    planes_.upload(planes);
-    std::vector<std::uint8_t> watched(n * n, 0), plane_watched(planes.size() * n, 0), directed(n * n, 0);
-    for (const Interface& i : interfaces_) {
-      if (i.master >= n) {
-        plane_watched[(i.master - n) * n + i.slave] = 1;
-        continue;
-      }
-      directed[i.slave * n + i.master] = 1;
-      watched[i.slave * n + i.master] = watched[i.master * n + i.slave] = 1;
-      model.watch(i.slave, i.master, true);
-    }
-    watched_.upload(watched);
-    plane_watched_.upload(plane_watched);
-    directed_.upload(directed);
-    std::vector<Index> vertex_env;
-    const std::vector<Index> env = model.surface.env.download();
-    for (Index v : model.surface.vertices.download()) vertex_env.push_back(env[v]);
-    vertex_env_ = env_offsets(vertex_env, model.envs);
+    watch();
     margin_.upload(std::vector<double>(model.envs, 0.0));
     model.publish(std::string(name()));
   }
@@ -122,7 +100,7 @@ class MortarContact final : public Effect {
     out.buffers.push_back({"pairs", frozen_.pairs.bytes()});
     out.buffers.push_back({"samples", frozen_.samples.bytes()});
     out.buffers.push_back({"candidate triangles", search_.bytes()});
-    out.buffers.push_back({"candidate pairs of the guard", candidates_.bytes()});
+    out.buffers.push_back({"candidate pairs of the guard", near_.candidates().bytes()});
     for (const char* k :
          {"mortar_contact.measure", "mortar_contact.count_masters", "mortar_contact.find_masters", "mortar_contact.count_samples",
           "mortar_contact.samples", "mortar_contact.env_offset", "mortar_contact.energy", "mortar_contact.count_blocks",
@@ -132,9 +110,9 @@ class MortarContact final : public Effect {
   }
 
   void begin_step(const StepInfo&) override {
-    locate(std::as_const(model_.q).view());
+    near_.locate(std::as_const(model_.q).view());
     if (!started_) {
-      contact::check_start(model_, guard_scene(), candidates_, y());
+      contact::check_start(model_, guard_scene(), near_.candidates(), near_.y());
       refreeze();
       if (rest_share_ > 0) fit_support();
     }
@@ -143,19 +121,18 @@ class MortarContact final : public Effect {
   }
 
   void energy(Positions q, std::vector<double>& per_env) override {
-    const std::vector<std::uint8_t> finite = locate(q);
-    mortar::energy(scene(), frozen_, y(), per_env);
-    if (guard_share_ > 0) contact::energy(guard_scene(), candidates_, y(), vertex_env_, per_env);
-    for (std::size_t e = 0; e < per_env.size(); ++e)
-      if (!finite[e] || std::isnan(per_env[e])) per_env[e] = INFINITY;
+    const std::vector<std::uint8_t> finite = near_.locate(q);
+    mortar::energy(scene(), frozen_, near_.y(), per_env);
+    if (guard_share_ > 0) contact::energy(guard_scene(), near_.candidates(), near_.y(), near_.vertex_env(), per_env);
+    contact::forbid(finite, per_env);
   }
 
   linalg::StencilSet& assemble(Positions q, bool hessian) override {
-    locate(q);
+    near_.locate(q);
     refreeze();
     if (guard_share_ > 0) {
-      contact::build(guard_scene(), candidates_, y(), model_.envs, active_);
-      contact::assemble(guard_scene(), active_, y(), model_.point_map(), hessian, guard_stencils_);
+      contact::build(guard_scene(), near_.candidates(), near_.y(), model_.envs, active_);
+      contact::assemble(guard_scene(), active_, near_.y(), model_.point_map(), hessian, guard_stencils_);
     } else {
       guard_stencils_.resize_uniform(0, 0);
     }
@@ -165,23 +142,19 @@ class MortarContact final : public Effect {
 
   void max_step(Positions q, View<const Vec3> dq, std::vector<double>& alpha) override {
     Buffer<Vec3> dy;
-    model_.points_of(q, y_);
-    model_.points_of(dq, dy);
-    candidates_.sweep(y_, dy);
-    geometry::limit_step(candidates_.broadphase(), y(), std::as_const(dy).view(), kKeep, alpha);
-    contact::limit_planes(guard_scene(), y(), std::as_const(dy).view(), kKeep, vertex_env_, alpha);
-    mortar::limit(scene(), frozen_, std::as_const(dy).view(), kKeep, alpha);
+    near_.limit(q, dq, guard_scene(), dy, alpha);
+    mortar::limit(scene(), frozen_, std::as_const(dy).view(), contact::kKeep, alpha);
     foresee(std::as_const(dy).view(), alpha);
   }
 
   bool lag(Positions q) override {  // nothing is frozen beyond assembly, but what is published must belong to q
-    locate(q);
+    near_.locate(q);
     update();
     return false;
   }
 
   void end_step(Positions q) override {
-    locate(q);
+    near_.locate(q);
     update();
     if (automatic_) adapt();
   }
@@ -201,7 +174,7 @@ class MortarContact final : public Effect {
   void foresee(View<const Vec3> dy, const std::vector<double>& alpha) {
     std::vector<double> farthest(model_.envs, 0.0);
     device::env_max(
-        "mortar_contact.farthest", point_env_, [=] MORTISE_HD(Index i) { return dy[i].norm(); }, farthest);
+        "mortar_contact.farthest", near_.point_env(), [=] MORTISE_HD(Index i) { return dy[i].norm(); }, farthest);
     double most = 0;
     std::vector<double> margin(model_.envs, 0.0);
     for (Index e = 0; e < model_.envs; ++e) {
@@ -211,7 +184,7 @@ class MortarContact final : public Effect {
     }
     if (most < 1e-3 * set_.d_hat) return;
     Buffer<double> buffer(margin);
-    freeze(scene(), search_, y_, buffer, frozen_);
+    freeze(scene(), search_, near_.points(), buffer, frozen_);
   }
 
  private:
@@ -262,14 +235,29 @@ class MortarContact final : public Effect {
     slaves_.upload(slaves);
     support_.upload(std::vector<double>(slaves.size(), set_.d_hat));
     search_ = Search(env_offsets(env, model_.envs));
-    point_env_ = env_offsets(model_.surface.env.download(), model_.envs);
+  }
+
+  void watch() {
+    const Index n = static_cast<Index>(model_.bodies.size());
+    contact::WatchedPairs pairs{std::vector<std::uint8_t>(n * n, 0), std::vector<std::uint8_t>(model_.half_spaces.size() * n, 0)};
+    std::vector<std::uint8_t> directed(n * n, 0);
+    for (const Interface& i : interfaces_) {
+      if (i.master >= n) {
+        pairs.planes[(i.master - n) * n + i.slave] = 1;
+        continue;
+      }
+      directed[i.slave * n + i.master] = 1;
+      pairs.bodies[i.slave * n + i.master] = pairs.bodies[i.master * n + i.slave] = 1;
+    }
+    near_.watch(pairs);
+    directed_.upload(directed);
   }
 
   mortar::Scene scene() const {
     geometry::SurfaceView surface = model_.surface.view();
     surface.pair_allowed = directed_.view();
-    return {set_,           surface,        topology_.view(), law_.view(),    kappa_view_.view(),
-            planes_.view(), slaves_.view(), support_.view(),  normal_.view(), area_.view()};
+    return {set_,           surface,        near_.topology(), law_.view(),    kappa_view_.view(),
+            near_.planes(), slaves_.view(), support_.view(),  normal_.view(), area_.view()};
   }
   // The guard is the barrier of barrier_contact in its classic form: every pair of primitives has the same weight. With the mean
   // third of a slave triangle as that weight its stiffness is that of the mortar samples.
@@ -278,40 +266,24 @@ class MortarContact final : public Effect {
     law.d_hat = law.edge_range = std::max(guard_share_, 0.01) * set_.d_hat;
     law.area_weighted = false;
     law.kappa = guard_kappa_ / (law.d_hat * law.d_hat);
-    return {law,
-            model_.surface.view(),
-            topology_.view(),
-            std::as_const(model_.rest_points).view(),
-            watched_.view(),
-            plane_watched_.view(),
-            planes_.view(),
-            {},
-            {}};
-  }
-  View<const Vec3> y() const { return y_.view(); }
-
-  std::vector<std::uint8_t> locate(Positions q) {
-    std::vector<std::uint8_t> finite;
-    model_.points_of(q, y_);
-    candidates_.cover(y_, finite);
-    return finite;
+    return near_.scene(law, {}, {});
   }
 
   // Samples within range at y.
   void refreeze() {
-    measure(model_.surface.view(), y(), normal_, area_);
-    freeze(scene(), search_, y_, margin_, frozen_);
+    measure(model_.surface.view(), near_.y(), normal_, area_);
+    freeze(scene(), search_, near_.points(), margin_, frozen_);
   }
 
   void update() {
     refreeze();
-    if (guard_share_ > 0) contact::build(guard_scene(), candidates_, y(), model_.envs, active_);
+    if (guard_share_ > 0) contact::build(guard_scene(), near_.candidates(), near_.y(), model_.envs, active_);
     publish(scene(), frozen_, model_.publish(std::string(name())));
   }
 
   void fit_support() {
     Buffer<double> least;
-    least_gaps(scene(), search_, y(), least);
+    least_gaps(scene(), search_, near_.y(), least);
     std::vector<double> support;
     for (double g : least.download()) support.push_back(std::clamp(rest_share_ * g, kLeastSupport * set_.d_hat, set_.d_hat));
     support_.upload(support);
@@ -343,15 +315,12 @@ class MortarContact final : public Effect {
   std::vector<Interface> interfaces_;  // laws
   std::vector<double> kappa_;
   double guard_kappa_ = 0;  // kappa times the weight of a guard pair [N]
-  contact::Topology topology_;
-  contact::Candidates candidates_;
+  contact::Proximity near_;
   Search search_;
-  std::vector<Index> vertex_env_, point_env_;
   Buffer<Index> law_, slaves_;
   Buffer<double> kappa_view_, support_, margin_, area_;
-  Buffer<std::uint8_t> watched_, plane_watched_, directed_;
-  Buffer<contact::Plane> planes_;
-  Buffer<Vec3> y_, normal_;
+  Buffer<std::uint8_t> directed_;
+  Buffer<Vec3> normal_;
   Frozen frozen_;
   contact::ActiveSet active_;
   linalg::StencilSet guard_stencils_, stencils_;
@@ -361,19 +330,13 @@ void MortarContact::report(FieldSink& sink) {
   const std::vector<Pair> pairs = frozen_.pairs.download();
   const std::vector<Sample> samples = frozen_.samples.download();
   const std::vector<model::ContactSample> view = model_.publish(std::string(name())).samples.download();
-  const std::vector<Index> body = model_.surface.body.download();
   const std::string group(name());
 
-  std::vector<double> force(3 * model_.points, 0.0), load(model_.points, 0.0), area_of(model_.points, 0.0),
-      pressure(model_.points, 0.0);
-  std::vector<Vec3> resultant(model_.bodies.size(), Vec3::Zero());
-  const auto push = [&](Index p, const Vec3& f) {
-    for (int c = 0; c < 3; ++c) force[3 * p + c] += f[c];
-    resultant[body[p]] += f;
-  };
+  std::vector<double> load(model_.points, 0.0), area_of(model_.points, 0.0), pressure(model_.points, 0.0), kind;
+  contact::PointForces forces(model_);
+  contact::SampleRows rows;
   double total[kKinds + 1] = {};  // by kind, then the guard
   double closest = set_.d_hat;
-  std::vector<double> position, normal, magnitude, area, gap, sample_pressure, bodies, kind;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Sample& s = samples[i];
     const model::ContactSample& c = view.at(i);
@@ -382,39 +345,31 @@ void MortarContact::report(FieldSink& sink) {
     for (int k = 0; k < 6; ++k) {
       const Index p = pairs[s.pair].point[k];
       if (p < 0) continue;
-      push(p, c.pressure * c.area * J[k]);
+      forces.add(p, c.pressure * c.area * J[k]);
       const double share = c.area * (k < 3 ? s.N[k] : s.M[k - 3]);
       if (share > 0) load[p] += share * c.pressure, area_of[p] += share;
     }
     total[static_cast<Index>(s.kind)] += c.force;
     closest = std::min(closest, c.gap);
-    position.insert(position.end(), c.position, c.position + 3);
-    normal.insert(normal.end(), c.normal, c.normal + 3);
-    magnitude.push_back(c.force), area.push_back(c.area), gap.push_back(c.gap), sample_pressure.push_back(c.pressure);
-    bodies.push_back(c.body_a), bodies.push_back(c.body_b), kind.push_back(static_cast<double>(s.kind));
+    rows.add(c);
+    kind.push_back(static_cast<double>(s.kind));
   }
   if (guard_share_ > 0) {
     Buffer<Vec3> buffer;
-    contact::point_forces(guard_scene(), active_, y(), buffer);
+    contact::point_forces(guard_scene(), active_, near_.y(), buffer);
     const std::vector<Vec3> guard = buffer.download();
     const std::vector<contact::Active> terms = active_.terms.download();
     for (std::size_t i = 0; i < terms.size(); ++i) {
       total[kKinds] += guard[4 * i].norm();
       for (int k = 0; k < 4; ++k)
-        if (terms[i].point[k] >= 0) push(terms[i].point[k], guard[4 * i + k]);
+        if (terms[i].point[k] >= 0) forces.add(terms[i].point[k], guard[4 * i + k]);
     }
   }
   for (Index p = 0; p < model_.points; ++p)
     if (area_of[p] > 0) pressure[p] = load[p] / area_of[p];
-  sink.points("contact_force", "N", 3, force);
+  forces.report(sink, group);
   sink.points("contact_pressure", "Pa", 1, pressure);
-  sink.rows(group, "position", "m", 3, position);
-  sink.rows(group, "normal", "1", 3, normal);
-  sink.rows(group, "force", "N", 1, magnitude);
-  sink.rows(group, "area", "m^2", 1, area);
-  sink.rows(group, "gap", "m", 1, gap);
-  sink.rows(group, "pressure", "Pa", 1, sample_pressure);
-  sink.rows(group, "bodies", "1", 2, bodies);
+  rows.report(sink, group);
   sink.rows(group, "kind", "1", 1, kind);
 
   sink.scalar(group, "min_distance", "m", closest);
@@ -422,15 +377,13 @@ void MortarContact::report(FieldSink& sink) {
   energy(std::as_const(model_.q).view(), stored);
   sink.scalar(group, "energy", "J", std::accumulate(stored.begin(), stored.end(), 0.0));
   sink.scalar(group, "active_pairs", "1", static_cast<double>(pairs.size()));
-  for (std::size_t b = 0; b < model_.bodies.size(); ++b)
-    for (int c = 0; c < 3; ++c) sink.scalar(group, "force_" + model_.bodies[b].name + "_" + "xyz"[c], "N", resultant[b][c]);
   const double sum = total[0] + total[1] + total[2] + total[3];
   const char* const share_names[] = {"force_share_faces", "force_share_edges", "force_share_points", "force_share_guard"};
   for (int k = 0; k <= kKinds; ++k) sink.scalar(group, share_names[k], "1", sum > 0 ? total[k] / sum : 0);
 
   // Covered slave triangles are those whose pieces add up to their area but for rounding; stacked layers count more than once.
   Buffer<double> covered;
-  cover(scene(), search_, y(), covered);
+  cover(scene(), search_, near_.y(), covered);
   double defect = 0;
   for (double c : covered.download())
     if (std::abs(c - 1) < 1e-6) defect = std::max(defect, std::abs(c - 1));

@@ -1,0 +1,74 @@
+#include "effects/contact/proximity.h"
+
+#include <cmath>
+#include <utility>
+
+#include "effects/body_blocks.h"
+#include "effects/contact/active.h"
+#include "geometry/collide/step_limit.h"
+
+namespace mortise::effects::contact {
+namespace {
+
+std::vector<Index> vertex_environments(const geometry::Surface& surface) {
+  const std::vector<Index> env = surface.env.download();
+  std::vector<Index> out;
+  for (Index v : surface.vertices.download()) out.push_back(env[v]);
+  return out;
+}
+
+}  // namespace
+
+Proximity::Proximity(model::Model& model, double reach)
+    : model_(model),
+      topology_(model.surface, model.points),
+      point_env_(env_offsets(model.surface.env.download(), model.envs)),
+      vertex_env_(env_offsets(vertex_environments(model.surface), model.envs)),
+      candidates_(model.broadphase(), reach, point_env_) {
+  std::vector<Plane> planes;
+  for (const model::HalfSpace& h : model.half_spaces) planes.push_back({h.point, h.normal});
+  planes_.upload(planes);
+}
+
+void Proximity::watch(const WatchedPairs& pairs) {
+  const Index n = static_cast<Index>(model_.bodies.size());
+  for (Index a = 0; a < n; ++a)
+    for (Index b = a; b < n; ++b)
+      if (pairs.bodies[a * n + b]) model_.watch(a, b, true);
+  watched_.upload(pairs.bodies);
+  plane_watched_.upload(pairs.planes);
+}
+
+std::vector<std::uint8_t> Proximity::locate(Positions q) {
+  std::vector<std::uint8_t> finite;
+  model_.points_of(q, y_);
+  candidates_.cover(y_, finite);
+  return finite;
+}
+
+void Proximity::limit(Positions q, View<const Vec3> dq, const Scene& s, Buffer<Vec3>& dy, std::vector<double>& alpha) {
+  model_.points_of(q, y_);
+  model_.points_of(dq, dy);
+  candidates_.sweep(y_, dy);
+  geometry::limit_step(candidates_.broadphase(), y(), std::as_const(dy).view(), kKeep, alpha);
+  limit_planes(s, y(), std::as_const(dy).view(), kKeep, vertex_env_, alpha);
+}
+
+Scene Proximity::scene(const Law& law, View<const double> point_area, View<const double> plane_area) const {
+  return {law,
+          model_.surface.view(),
+          topology_.view(),
+          std::as_const(model_.rest_points).view(),
+          watched_.view(),
+          plane_watched_.view(),
+          planes_.view(),
+          point_area,
+          plane_area};
+}
+
+void forbid(const std::vector<std::uint8_t>& finite, std::vector<double>& per_env) {
+  for (std::size_t e = 0; e < per_env.size(); ++e)
+    if (!finite[e] || std::isnan(per_env[e])) per_env[e] = INFINITY;
+}
+
+}  // namespace mortise::effects::contact

@@ -1,0 +1,59 @@
+#pragma once
+// What every contact effect keeps: where the points are, which primitives are near each other there, which bodies may meet, and
+// how far all may move without touching.
+#include <cstdint>
+#include <vector>
+
+#include "effects/contact/candidates.h"
+#include "effects/contact/law.h"
+#include "effects/effect.h"
+#include "model/model.h"
+
+namespace mortise::effects::contact {
+
+// Share of every distance that a step may not use up.
+inline constexpr double kKeep = 0.1;
+
+struct WatchedPairs {
+  std::vector<std::uint8_t> bodies;  // bodies x bodies, symmetric
+  std::vector<std::uint8_t> planes;  // half-spaces x bodies
+};
+
+class Proximity {
+ public:
+  // reach [m]: primitives nearer than this matter.
+  Proximity(model::Model& model, double reach);
+
+  // Which bodies and half-spaces may meet; all detection in the model heeds it from now on.
+  void watch(const WatchedPairs& pairs);
+  bool watching() const { return watched_.size() > 0; }
+
+  // y = W q with all candidates there; tells which environments have finite positions.
+  std::vector<std::uint8_t> locate(Positions q);
+  // Lowers alpha so that the step dq keeps the share kKeep of every distance; dy: the step of the points.
+  void limit(Positions q, View<const Vec3> dq, const Scene& s, Buffer<Vec3>& dy, std::vector<double>& alpha);
+
+  const Buffer<Vec3>& points() const { return y_; }
+  View<const Vec3> y() const { return y_.view(); }
+  const Candidates& candidates() const { return candidates_; }
+  const std::vector<Index>& point_env() const { return point_env_; }    // first point of every environment
+  const std::vector<Index>& vertex_env() const { return vertex_env_; }  // first surface vertex
+  TopologyView topology() const { return topology_.view(); }
+  View<const Plane> planes() const { return planes_.view(); }
+  // For the barrier between pairs of primitives (law.h); the areas may be empty where the law does not ask for them.
+  Scene scene(const Law& law, View<const double> point_area, View<const double> plane_area) const;
+
+ private:
+  model::Model& model_;
+  Topology topology_;
+  std::vector<Index> point_env_, vertex_env_;
+  Candidates candidates_;
+  Buffer<Plane> planes_;
+  Buffer<std::uint8_t> watched_, plane_watched_;
+  Buffer<Vec3> y_;
+};
+
+// Energies of environments whose positions, or which themselves, are not numbers become +infinity.
+void forbid(const std::vector<std::uint8_t>& finite, std::vector<double>& per_env);
+
+}  // namespace mortise::effects::contact
