@@ -5,6 +5,7 @@
 
 #include "cli/commands.h"
 #include "cli/plan.h"
+#include "engine/effect_tables.h"
 #include "scene/suggest.h"
 
 namespace mortise::cli {
@@ -30,7 +31,7 @@ std::string summary(const Params& scene) {
 }
 
 int cmd_check(const Options& o) {
-  const scene::Scene scene = scene::read_scene(o.scene, o.overrides, effect_tables());
+  const scene::Scene scene = scene::read_scene(o.scene, o.overrides, engine::effect_tables());
   if (o.print_resolved) std::cout << scene::to_yaml(scene.root);
   else if (o.plan) std::cout << plan_text(scene.root);
   else std::cout << (o.scene == "-" ? "<stdin>" : o.scene) << ": valid: " << summary(scene.root) << "\n";

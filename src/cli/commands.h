@@ -27,9 +27,6 @@ void add_info(CLI::App&, Context&);
 // The whole program; what main() returns.
 int program(std::vector<std::string> arguments);
 
-// What effects::list() offers, as the scene reader wants it.
-std::vector<scene::EffectTable> effect_tables();
-
 // `scene` positional and repeatable --set, the same for every command that reads a scene.
 void add_scene_options(CLI::App& command, std::string& scene, std::vector<std::string>& overrides);
 

@@ -4,7 +4,6 @@
 
 #include "cli/commands.h"
 #include "cli/terminal.h"
-#include "effects/list.h"
 #include "scene/suggest.h"
 
 namespace mortise::cli {
@@ -138,12 +137,6 @@ int program(std::vector<std::string> arguments) {
     print_error(std::string("internal: ") + e.what());
     return static_cast<int>(Exit::internal);
   }
-}
-
-std::vector<scene::EffectTable> effect_tables() {
-  std::vector<scene::EffectTable> out;
-  for (const effects::Kind& kind : effects::list()) out.push_back({kind.name, kind.help, kind.table});
-  return out;
 }
 
 void add_scene_options(CLI::App& command, std::string& scene, std::vector<std::string>& overrides) {

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "engine/effect_tables.h"
 #include "engine/input.h"
 #include "output/field_reader.h"
 #include "run/pictures.h"
@@ -18,7 +19,7 @@ struct Options {
 };
 
 int cmd_render(const Options& o) {
-  const scene::Scene scene = scene::read_scene(o.scene, o.overrides, effect_tables());
+  const scene::Scene scene = scene::read_scene(o.scene, o.overrides, engine::effect_tables());
   if (!scene.root.has("render")) throw Error(Exit::scene, scene.root.where(), "the scene has no 'render' block: there is no camera to draw with");
   const output::FieldReader reader(o.fields);
   const model::ModelInput input = engine::make_input(scene.root);

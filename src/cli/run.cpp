@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "engine/effect_tables.h"
 #include "run/run.h"
 
 namespace mortise::cli {
@@ -27,7 +28,7 @@ void add_run(CLI::App& app, Context& context) {
       "Examples:\n  mortise run scenes/tactile/press.yaml -o out/press\n  mortise run scene.yaml --set time.steps=10 --frames 5 --no-render\n"
       "  mortise run scene.yaml -o out/a --resume=auto         (exit 75 = stopped by a signal: run the same again)");
   sub->callback([o, &context] {
-    context.action = [o] { return static_cast<int>(run::run_scene(*o, effect_tables())); };
+    context.action = [o] { return static_cast<int>(run::run_scene(*o, engine::effect_tables())); };
   });
 }
 

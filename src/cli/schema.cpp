@@ -4,12 +4,13 @@
 #include <iostream>
 
 #include "cli/commands.h"
+#include "engine/effect_tables.h"
 
 namespace mortise::cli {
 namespace {
 
 int cmd_schema() {
-  std::cout << scene::schema(effect_tables());
+  std::cout << scene::schema(engine::effect_tables());
   return 0;
 }
 

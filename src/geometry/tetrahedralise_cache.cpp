@@ -9,7 +9,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "geometry/sha256.h"
+#include "base/sha256.h"
 
 namespace mortise::geometry {
 namespace {
@@ -54,7 +54,7 @@ TetCache::TetCache(const TriMesh& surface, const TetrahedraliseOptions& o) {
   put(content, surface.triangles);
   put(content, std::vector<double>{o.edge_length, o.surface_edge_length, o.facet_distance, o.feature_angle, o.facet_angle,
                                    o.radius_edge_ratio});
-  key_ = sha256_hex(content);
+  key_ = sha256(content);
   const std::filesystem::path folder = cache_folder();
   if (!folder.empty()) file_ = (folder / ("tets-" + key_ + ".bin")).string();
 }
@@ -69,7 +69,7 @@ std::optional<TetMesh> TetCache::load() const {
   constexpr std::size_t kHash = 64;  // hexadecimal digits
   if (all.size() < 2 * kHash) return {};
   std::string_view body(all.data(), all.size() - kHash);
-  if (sha256_hex(body) != std::string_view(all).substr(body.size()) || body.substr(0, kHash) != key_) return {};
+  if (sha256(body) != std::string_view(all).substr(body.size()) || body.substr(0, kHash) != key_) return {};
   body.remove_prefix(kHash);
   TetMesh mesh;
   if (!get(body, mesh.points) || !get(body, mesh.tets) || !body.empty()) return {};
@@ -81,7 +81,7 @@ void TetCache::store(const TetMesh& mesh) const {
   std::string body = key_;
   put(body, mesh.points);
   put(body, mesh.tets);
-  body += sha256_hex(body);
+  body += sha256(body);
 
   // A name of its own per process and call: jobs that share a cache never write into each other's file.
   static std::atomic<int> call = 0;

@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "base/error.h"
+#include "base/sha256.h"
 #include "output/atomic_file.h"
-#include "output/sha256.h"
 
 namespace mortise::output {
 namespace {

@@ -7,12 +7,12 @@
 #include <filesystem>
 #include <optional>
 
+#include "base/sha256.h"
 #include "base/version.h"
 #include "engine/input.h"
 #include "output/atomic_file.h"
 #include "output/checkpoint.h"
 #include "output/field_file.h"
-#include "output/sha256.h"
 #include "run/certificate.h"
 #include "run/device_choice.h"
 #include "run/output_mesh.h"
@@ -81,7 +81,7 @@ class Run {
   Exit work() {
     scene_ = scene::read_scene(o_.scene, o_.overrides, tables_);
     resolved_ = scene::to_yaml(scene_.root);
-    hash_ = output::sha256(resolved_);
+    hash_ = sha256(resolved_);
     dir_ = o_.output.empty() ? "out/" + scene_.root.text("name") : o_.output;
 
     const model::ModelInput input = engine::make_input(scene_.root);

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "effects/list.h"
+#include "engine/effect_tables.h"
 #include "engine/engine.h"
 #include "engine/input.h"
 #include "geometry/topology.h"
@@ -137,14 +137,8 @@ Row Solved::row(const std::string& name, const Method& method, const std::string
   return {name, method.name, quantity, converged ? value : NAN, reference, converged ? error : NAN, gate, seconds, newton, dofs, !converged};
 }
 
-std::vector<scene::EffectTable> effect_tables() {
-  std::vector<scene::EffectTable> tables;
-  for (const effects::Kind& kind : effects::list()) tables.push_back({kind.name, kind.help, kind.table});
-  return tables;
-}
-
 Solved solve(const SceneText& text, const std::function<void(model::ModelInput&)>& prepare, const std::function<void(const Fields&)>& each) {
-  return solve(scene::read_scene_text(text.text(), "benchmark.yaml", {}, effect_tables()), prepare, each);
+  return solve(scene::read_scene_text(text.text(), "benchmark.yaml", {}, engine::effect_tables()), prepare, each);
 }
 
 Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInput&)>& prepare, const std::function<void(const Fields&)>& each) {

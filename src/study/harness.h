@@ -88,8 +88,6 @@ Solved solve(const SceneText& scene, const std::function<void(model::ModelInput&
 
 // The same for a scene that was read; paths in it hold.
 Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInput&)>& prepare = {}, const std::function<void(const Fields&)>& each = {});
-// The effects that scenes may name.
-std::vector<scene::EffectTable> effect_tables();
 
 // Gives a body this mesh, placed as it is (world coordinates).
 void set_mesh(model::ModelInput& input, const std::string& body, const geometry::TetMesh& mesh);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "engine/effect_tables.h"
 #include "study/benchmark.h"
 
 namespace mortise::study {
@@ -35,7 +36,7 @@ std::vector<std::vector<std::pair<std::string, std::string>>> combinations(const
 }
 
 void run_scenes(const Study& study, std::vector<Point>& points) {
-  const std::vector<scene::EffectTable> tables = effect_tables();
+  const std::vector<scene::EffectTable> tables = engine::effect_tables();
   for (const auto& settings : combinations(study.vary)) {
     std::vector<std::string> overrides = study.overrides;
     for (std::string& s : as_overrides(settings)) overrides.push_back(std::move(s));

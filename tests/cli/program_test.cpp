@@ -9,6 +9,7 @@
 
 #include "../scene/check_table.h"
 #include "cli/commands.h"
+#include "engine/effect_tables.h"
 #include "program.h"
 
 namespace mortise::cli {
@@ -171,7 +172,7 @@ TEST(Schema, DescribesUnitsAndForbidsUnknownKeys) {
 }
 
 TEST(Effects, TablesAreSound) {
-  const std::vector<scene::EffectTable> effects = effect_tables();
+  const std::vector<scene::EffectTable> effects = engine::effect_tables();
   scene::check_table(scene::SceneTables(effects).root(), "scene");
 }
 

@@ -6,7 +6,6 @@
 #include "geometry/io/obj.h"
 #include "geometry/io/read.h"
 #include "geometry/primitives.h"
-#include "geometry/sha256.h"
 #include "geometry/shapes.h"
 #include "geometry/tetrahedralise.h"
 #include "geometry/tetrahedralise_cache.h"
@@ -202,15 +201,6 @@ TEST(TetCache, FolderFollowsTheEnvironment) {
     ::setenv("XDG_CACHE_HOME", "", 1);
     EXPECT_EQ(TetCache(s, edges(1)).file().rfind("/h/.cache/mortise/tets-", 0), 0u);
   }
-}
-
-// FIPS 180-4 examples (NIST, "SHA256.pdf") and the empty message.
-TEST(Sha256, KnownAnswers) {
-  EXPECT_EQ(sha256_hex(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
-  EXPECT_EQ(sha256_hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-  EXPECT_EQ(sha256_hex("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
-            "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
-  EXPECT_EQ(sha256_hex(std::string(1000000, 'a')), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "base/memory_archive.h"
-#include "effects/list.h"
+#include "engine/effect_tables.h"
 #include "engine/engine.h"
 #include "engine/input.h"
 #include "scene/scene.h"
@@ -37,9 +37,7 @@ class Captured : public FieldSink {
 class Rig {
  public:
   explicit Rig(const std::string& yaml, const std::vector<std::string>& overrides = {}) {
-    std::vector<scene::EffectTable> tables;
-    for (const effects::Kind& kind : effects::list()) tables.push_back({kind.name, kind.help, kind.table});
-    scene = scene::read_scene_text(yaml, "test.yaml", overrides, tables);
+    scene = scene::read_scene_text(yaml, "test.yaml", overrides, engine::effect_tables());
     input = engine::make_input(scene.root);
     check(engine::cpu_api().create(input, engine));
   }

@@ -1,8 +1,8 @@
-#include "output/sha256.h"
+#include "base/sha256.h"
 
 #include <gtest/gtest.h>
 
-namespace mortise::output {
+namespace mortise {
 namespace {
 
 // NIST, "Secure Hash Standard: example values" (csrc.nist.gov, SHA256.pdf), and FIPS 180-2 appendix B.3.
@@ -23,4 +23,4 @@ TEST(Sha256, PaddingBoundaries) {
 }
 
 }  // namespace
-}  // namespace mortise::output
+}  // namespace mortise

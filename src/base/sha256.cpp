@@ -1,11 +1,11 @@
-#include "output/sha256.h"
+#include "base/sha256.h"
 
 #include <array>
 #include <bit>
 #include <cstdint>
 #include <cstring>
 
-namespace mortise::output {
+namespace mortise {
 namespace {
 
 // FIPS 180-4, section 4.2.2: first 32 bits of the fractional parts of the cube roots of the first 64 primes.
@@ -65,4 +65,4 @@ std::string sha256(std::string_view bytes) {
   return hex;
 }
 
-}  // namespace mortise::output
+}  // namespace mortise

@@ -1,0 +1,13 @@
+#include "engine/effect_tables.h"
+
+#include "effects/list.h"
+
+namespace mortise::engine {
+
+std::vector<scene::EffectTable> effect_tables() {
+  std::vector<scene::EffectTable> out;
+  for (const effects::Kind& kind : effects::list()) out.push_back({kind.name, kind.help, kind.table});
+  return out;
+}
+
+}  // namespace mortise::engine
