@@ -30,10 +30,8 @@ inline model::BodyInput soft_body(const std::string& name, const geometry::TetMe
   model::BodyInput b;
   b.name = name;
   b.type = model::BodyType::soft;
-  b.nodes = mesh.points;
+  model::set_mesh(b, mesh);
   for (Vec3& x : b.nodes) x += at;
-  b.tets = mesh.tets;
-  b.triangles = geometry::boundary_triangles(mesh);
   b.material = material;
   b.params = params;
   return b;

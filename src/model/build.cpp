@@ -86,9 +86,10 @@ void add_quadratic(Layout& l, const BodyInput& in, Body& body, std::size_t t, Ve
   Eigen::Matrix<double, 10, 10> m = Eigen::Matrix<double, 10, 10>::Zero();
   for (const geometry::TetRulePoint& p : geometry::tet_rule_5()) {
     const double dV = p.weight * rest_jacobian(X, p.l).determinant() / 6;
-    Eigen::Matrix<double, 10, 1> N;
+    double N[10];
     for (int a = 0; a < 10; ++a) N[a] = geometry::tet_shape_function(a, p.l);
-    m += body.density * dV * N * N.transpose();
+    for (int a = 0; a < 10; ++a)
+      for (int b = 0; b < 10; ++b) m(a, b) += body.density * dV * (N[a] * N[b]);  // symmetric to the last bit
     body.volume += dV;
     for (int a = 0; a < 10; ++a) moment += dV * N[a] * X[a];
   }

@@ -127,21 +127,34 @@ class PressureLoad final : public Effect {
     std::vector<bool> selected(model_.points, false);
     for (Index point : model::select_points(model_, body, p.at("where"))) selected[point] = true;
     const auto triangles = model_.surface.triangles.download();
+    const auto faces = model_.faces.nodes.download();
+    const auto quarter = model_.faces.quarter.download();
     const auto rest = model_.rest_points.download();
     const auto offset = model_.point_offset.download(), block = model_.point_block.download();
     const auto weight = model_.point_weight.download();
+    // N [m^2] and N n [m^2] integrated over the triangle, at one of its points.
+    const auto spread = [&](Index point, double area, const Vec3& directed) {
+      for (Index j = offset[point]; j < offset[point + 1]; ++j) {
+        Share& s = shares.try_emplace({block[j], load}, Share{block[j], load, Vec3::Zero(), Vec3::Zero()}).first->second;
+        s.pushed -= weight[j] * directed;
+        s.pulled += weight[j] * area * traction;
+      }
+    };
     bool any = false;
     for (Index t = body.triangle_begin; t < body.triangle_end; ++t) {
       const Index* v = triangles[t].v;
       if (!selected[v[0]] || !selected[v[1]] || !selected[v[2]]) continue;
       any = true;
+      if (!quarter.empty() && quarter[t] >= 0) {
+        const geometry::Face& face = faces[quarter[t] / 4];
+        Vec3 x[6];
+        for (int k = 0; k < 6; ++k) x[k] = rest[face.v[k]];
+        const pressure_load::QuarterLoad load_of = pressure_load::quarter_load(x, quarter[t] % 4);
+        for (int k = 0; k < 6; ++k) spread(face.v[k], load_of.area[k], load_of.directed[k]);
+        continue;
+      }
       const Vec3 area = 0.5 * (rest[v[1]] - rest[v[0]]).cross(rest[v[2]] - rest[v[0]]);  // A n
-      for (int k = 0; k < 3; ++k)
-        for (Index j = offset[v[k]]; j < offset[v[k] + 1]; ++j) {
-          Share& s = shares.try_emplace({block[j], load}, Share{block[j], load, Vec3::Zero(), Vec3::Zero()}).first->second;
-          s.pushed -= weight[j] / 3 * area;
-          s.pulled += weight[j] / 3 * area.norm() * traction;
-        }
+      for (int k = 0; k < 3; ++k) spread(v[k], area.norm() / 3, area / 3);
     }
     return any;
   }
