@@ -1,0 +1,14 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "base/params.h"
+#include "base/types.h"
+
+namespace mortise::model {
+
+// Places in `rest` (positions of one body at rest) that satisfy a `where` block of the scene: {side: ...}, {box: ...} or {sphere:
+// ...}. A side is met within 1e-6 of the size of the body.
+std::vector<Index> select(std::span<const Vec3> rest, const Params& where);
+
+}  // namespace mortise::model
