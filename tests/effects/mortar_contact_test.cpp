@@ -434,7 +434,8 @@ TEST(MortarContact, LinearisedGapsLimitSteps) {
   // The master's lowest corner lies beyond the slave, whose corner (0, 0) sees it at height 0.2.
   f.y.upload({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, -1, 0.1}, {3, -1, 0.3}, {-1, 3, 0.3}});
   Pair p{};
-  for (int k = 0; k < 6; ++k) p.point[k] = k;
+  p.on.count = p.under.count = 3;
+  for (int k = 0; k < 3; ++k) p.on.point[k] = k, p.under.point[k] = 3 + k;
   p.slave = 0, p.master = 1, p.n = p.m = Vec3::UnitZ(), p.begin = 0, p.end = 1;
   for (Vec3& k : p.k) k = Vec3::Zero();
   const Sample s{SampleKind::face, 0, 1, 0.25, {1.0 / 3, 1.0 / 3, 1.0 / 3}, {0.5, 0.25, 0.25}};

@@ -28,6 +28,7 @@ MORTISE_HD inline Patch patch_of(const Scene& s, View<const Vec3> y, Index i, co
   p.slave = s.slaves[i];
   const Triangle t = s.surface.triangles[p.slave];
   p.plane = slave_plane(y[t.v[0]], y[t.v[1]], y[t.v[2]]);
+  p.bulge = bulge_of(s, p.plane, p.slave, y);
   p.support = s.support[i];
   p.reach = p.support + margin;
   p.master = master;
@@ -55,15 +56,16 @@ MORTISE_HD inline Pair make_pair(const Scene& s, View<const Vec3> y, Index i, In
   const Triangle t = s.surface.triangles[p.slave];
   const SlavePlane plane = slave_plane(y[t.v[0]], y[t.v[1]], y[t.v[2]]);
   p.env = s.surface.env[t.v[0]];
-  for (int a = 0; a < 3; ++a)
-    p.point[a] = t.v[a], p.point[3 + a] = master < 0 ? -1 : s.surface.triangles[master].v[a], p.k[a] = Vec3::Zero();
+  p.on = s.nodes_of(p.slave);
+  for (int a = 0; a < 3; ++a) p.k[a] = Vec3::Zero();
   const Index body = s.surface.body[t.v[0]];
   if (master < 0) {
     p.law = s.law_of(body, s.surface.bodies - 1 - master);
     p.n = p.m = -s.planes[-1 - master].normal;
     return p;
   }
-  p.law = s.law_of(body, s.surface.body[p.point[3]]);
+  p.under = s.nodes_of(master);
+  p.law = s.law_of(body, s.surface.body[p.under.point[0]]);
   p.n = p.m = plane.n;
   const double cosine = s.normal[master].dot(plane.n);
   if (s.set.exact && cosine < -0.05) {
@@ -86,22 +88,42 @@ std::vector<Index> pick(View<const Index> offset, View<const Index> of_slave, co
 }
 
 // Change of a gap with derivative J when the pair's points move by dy.
-MORTISE_HD inline double change(const Vec3 J[6], const Vec3 dy[6]) {
+MORTISE_HD inline double change(const Pair& p, const Vec3 J[kPoints], const Vec3 dy[kPoints]) {
   double sum = 0;
-  for (int k = 0; k < 6; ++k) sum += J[k].dot(dy[k]);
+  for (int k = 0; k < points_of(p); ++k) sum += J[k].dot(dy[k]);
   return sum;
 }
 
-MORTISE_HD inline void moves(const Pair& p, View<const Vec3> dy, Vec3 out[6]) {
-  for (int k = 0; k < 6; ++k) {
-    if (p.point[k] >= 0)
-      out[k] = dy[p.point[k]];
-    else
-      out[k] = Vec3::Zero();
-  }
+MORTISE_HD inline model::Expansion<kPoints> blocks_of(const model::PointMapView& map, const Pair& p) {
+  Index point[kPoints];
+  for (int k = 0; k < points_of(p); ++k) point[k] = point_of(p, k);
+  return model::expand<kPoints>(map, point, points_of(p));
 }
 
 }  // namespace
+
+// Over a quarter a quadratic face stands off by sum N_i N_j d_ij, with d the distance of the node in the middle of an edge of the face from
+// its mean, on the edge of the quarter parallel to it; that is at most max |d|/3.
+std::vector<double> bulges(const model::QuadraticFaces& faces, View<const Vec3> y, const std::vector<Index>& triangle_env) {
+  std::vector<double> out(triangle_env.size() - 1, 0.0);
+  if (faces.quarter.size() == 0) return out;
+  const View<const geometry::Face> face = faces.nodes.view();
+  const View<const Index> quarter = faces.quarter.view();
+  device::env_max(
+      "mortar_contact.bulges", triangle_env,
+      [=] MORTISE_HD(Index t) {
+        if (quarter[t] < 0) return 0.0;
+        const Index* v = face[quarter[t] / 4].v;
+        double most = 0;
+        for (int e = 0; e < 3; ++e) {
+          const Vec3 d = y[v[3 + e]] - 0.5 * (y[v[geometry::edge_begin(e)]] + y[v[geometry::edge_end(e)]]);
+          most = std::fmax(most, d.norm() / 3);
+        }
+        return most;
+      },
+      out);
+  return out;
+}
 
 void measure(const geometry::SurfaceView& surface, View<const Vec3> y, Buffer<Vec3>& normal, Buffer<double>& area) {
   normal.resize(surface.triangles.n), area.resize(surface.triangles.n);
@@ -200,15 +222,12 @@ void energy(const Scene& s, const Frozen& f, View<const Vec3> y, std::vector<dou
       "mortar_contact.energy", f.env_pairs,
       [=] MORTISE_HD(Index i) {
         const Pair& p = pairs[i];
-        Vec3 dy[6], J[6];
-        for (int k = 0; k < 6; ++k) {
-          dy[k] = Vec3::Zero();
-          if (p.point[k] >= 0) dy[k] = y[p.point[k]] - y0[p.point[k]];
-        }
+        Vec3 dy[kPoints], J[kPoints];
+        for (int k = 0; k < points_of(p); ++k) dy[k] = y[point_of(p, k)] - y0[point_of(p, k)];
         double sum = 0;
         for (Index j = p.begin; j < p.end; ++j) {
           jacobian(p, samples[j], J);
-          const double g = samples[j].gap + change(J, dy);
+          const double g = samples[j].gap + change(p, J, dy);
           if (!(g > 0)) return static_cast<double>(INFINITY);
           sum += samples[j].weight * barrier::value(g, p.d_hat);
         }
@@ -227,24 +246,24 @@ void assemble(const Scene& s, const Frozen& f, const model::PointMapView& point_
   Buffer<Index> counts(pairs.n + extra.n + 1);
   const View<Index> count = counts.view();
   device::parallel_for("mortar_contact.count_blocks", pairs.n + extra.n, [=] MORTISE_HD(Index i) {
-    count[i] = i < pairs.n ? model::expand<6>(map, pairs[i].point, 6).blocks : extra.blocks(i - pairs.n);
+    count[i] = i < pairs.n ? blocks_of(map, pairs[i]).blocks : extra.blocks(i - pairs.n);
   });
   set.resize(std::move(counts));
   const linalg::StencilView out = set.view();
   device::parallel_for("mortar_contact.assemble", pairs.n, [=] MORTISE_HD(Index i) {
     const Pair& p = pairs[i];
-    const model::Expansion<6> e = model::expand<6>(map, p.point, 6);
+    const model::Expansion<kPoints> e = blocks_of(map, p);
     const Index at = out.offset[i];
     for (Index b = 0; b < e.blocks; ++b) out.block[at + b] = e.block[b];
     if (hessian) model::zero_hessian(out, i, e.blocks);
-    Vec3 gradient[6], J[6], V[24];
-    for (int k = 0; k < 6; ++k) gradient[k] = Vec3::Zero();
+    Vec3 gradient[kPoints], J[kPoints], V[4 * kPoints];
+    for (int k = 0; k < kPoints; ++k) gradient[k] = Vec3::Zero();
     for (Index j = p.begin; j < p.end; ++j) {
       const Sample& sample = samples[j];
       if (!(sample.gap < p.d_hat)) continue;
       jacobian(p, sample, J);
       const double w = kappa[p.law] * sample.weight, first = w * barrier::first(sample.gap, p.d_hat);
-      for (int k = 0; k < 6; ++k) gradient[k] += first * J[k];
+      for (int k = 0; k < points_of(p); ++k) gradient[k] += first * J[k];
       if (!hessian) continue;
       e.chain(J, V);
       model::add_rank_one(out, i, e.blocks, w * barrier::second(sample.gap, p.d_hat), V);
@@ -272,22 +291,23 @@ void limit(const Scene& scene, const Frozen& f, View<const Vec3> dy, double keep
       [=] MORTISE_HD(Index i) {
         const Pair& p = pairs[i];
         double most = 2;
-        Vec3 d[6], J[6];
-        moves(p, dy, d);
+        Vec3 d[kPoints], J[kPoints];
+        for (int k = 0; k < points_of(p); ++k) d[k] = dy[point_of(p, k)];
         const auto lower = [&](double gap, double rate) {
           if (rate < 0 && gap > 0) most = std::fmin(most, (1 - keep) * gap / -rate);
         };
         for (Index j = p.begin; j < p.end; ++j) {
           jacobian(p, samples[j], J);
-          lower(samples[j].gap, change(J, d));
+          lower(samples[j].gap, change(p, J, d));
         }
         if (p.master >= 0) {
-          const SlavePlane plane = slave_plane(y[p.point[0]], y[p.point[1]], y[p.point[2]]);
+          const Index* t = s.surface.triangles[p.slave].v;
+          const SlavePlane plane = slave_plane(y[t[0]], y[t[1]], y[t[2]]);
           const Facing over = project(s, plane, p.master, y);
           const Polygon poly = clip(over.L);
           for (int k = 0; k < poly.n; ++k) {
             double rate = 0;
-            for (int a = 0; a < 3; ++a) rate += plane.n.dot(poly.v[k].M[a] * d[3 + a] - poly.v[k].N[a] * d[a]);
+            for (int a = 0; a < 3; ++a) rate += plane.n.dot(poly.v[k].M[a] * d[p.on.count + p.under.vertex(a)] - poly.v[k].N[a] * d[p.on.vertex(a)]);
             lower(height(over, poly.v[k].M), rate);
           }
         }
@@ -314,13 +334,17 @@ void publish(const Scene& s, const Frozen& f, model::ContactView& view) {
     const double length = m.norm();
     model::ContactSample c;
     for (Index k = 0; k < model::kSamplePoints; ++k) c.point[k] = -1, c.weight[k] = 0;
-    c.points = plane ? 3 : 6;
+    c.points = points_of(p);
+    double N[6], M[6];
+    p.on.shape(from.N, N);
+    if (!plane) p.under.shape(from.M, M);
     Vec3 place = Vec3::Zero();
     for (Index k = 0; k < c.points; ++k) {
-      c.point[k] = p.point[k];
+      const bool slave = k < p.on.count;
+      c.point[k] = point_of(p, k);
       // Towards a half-space the normal is the plane's, which points at the slave.
-      c.weight[k] = k >= 3 ? from.M[k - 3] : plane ? from.N[k] : -from.N[k];
-      if (k < 3) place += from.N[k] * y[p.point[k]];
+      c.weight[k] = !slave ? M[k - p.on.count] : plane ? N[k] : -N[k];
+      if (slave) place += N[k] * y[c.point[k]];
     }
     for (int k = 0; k < 3; ++k) c.normal[k] = (plane ? -m[k] : m[k]) / length, c.position[k] = place[k];
     c.area = from.weight;
@@ -328,8 +352,8 @@ void publish(const Scene& s, const Frozen& f, model::ContactView& view) {
     c.pressure = -kappa[p.law] * barrier::first(from.gap, p.d_hat);
     c.force = c.pressure * c.area * length;
     c.env = p.env;
-    c.body_a = surface.body[p.point[0]];
-    c.body_b = plane ? surface.bodies - 1 - p.master : surface.body[p.point[3]];
+    c.body_a = surface.body[p.on.point[0]];
+    c.body_b = plane ? surface.bodies - 1 - p.master : surface.body[p.under.point[0]];
     out[i] = c;
   });
 }

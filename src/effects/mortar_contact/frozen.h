@@ -9,6 +9,11 @@
 // for faces; with m = n_m / (n_m . n), u = (I - n n^T) m / |e1 x e2| this is J = (M_b m, -N_a m - g k_a), k_1 = e2 x u,
 // k_2 = u x e1, k_0 = -k_1 - k_2. Both give balanced forces and moments. Nothing is differentiated through the clipping: that
 // would add the tension of a film with energy kappa b per area (prototype.md 2.4).
+//
+// N, M are the shape functions of the faces: linear ones, or those of the six nodes of a quadratic face, whose quarters are what is
+// clipped. Normals, weights and k_a are those of the quarters, g counts between the quadratic faces. The point over a bent face is
+// found by way of its quarter, a little beside the normal, so that moments balance to second order in the mesh size there, forces
+// always.
 #include "effects/mortar_contact/sampling.h"
 #include "geometry/collide/bvh.h"
 #include "linalg/stencils.h"
@@ -21,10 +26,11 @@ namespace mortise::effects::mortar {
 struct Pair {
   Index slave, master;  // triangles; master = -1 - h: half-space h
   Index env, law;
-  Index point[6];  // three of the slave, three of the master (-1 for a half-space)
+  FaceNodes on, under;  // nodes of the slave, and of the master (none of a half-space)
   Vec3 n, m, k[3];
   double d_hat;
   Index begin, end;  // samples
+  MORTISE_HD bool quadratic() const { return on.quarter >= 0 || under.quarter >= 0; }
 };
 
 struct Sample {
@@ -41,15 +47,23 @@ struct Frozen {
   Buffer<Vec3> y;                             // where they were taken
 };
 
-// dg/dy of the pair's six points.
-MORTISE_HD inline void jacobian(const Pair& p, const Sample& s, Vec3 J[6]) {
+// Nodes of the slave, then of the master.
+inline constexpr int kPoints = 12;
+MORTISE_HD inline int points_of(const Pair& p) { return p.on.count + p.under.count; }
+MORTISE_HD inline Index point_of(const Pair& p, int i) { return i < p.on.count ? p.on.point[i] : p.under.point[i - p.on.count]; }
+
+// dg/dy of the pair's points.
+MORTISE_HD inline void jacobian(const Pair& p, const Sample& s, Vec3 J[kPoints]) {
   const bool face = s.kind == SampleKind::face;
   const Vec3 d = face ? p.m : p.n;
-  for (int a = 0; a < 3; ++a) {
-    J[a] = -s.N[a] * d;
-    if (face) J[a] -= s.gap * p.k[a];
-    J[3 + a] = s.M[a] * d;
-  }
+  double w[6];
+  p.on.shape(s.N, w);
+  for (int a = 0; a < p.on.count; ++a) J[a] = -w[a] * d;
+  if (face)
+    for (int a = 0; a < 3; ++a) J[p.on.vertex(a)] -= s.gap * p.k[a];
+  if (p.under.count == 0) return;
+  p.under.shape(s.M, w);
+  for (int b = 0; b < p.under.count; ++b) J[p.on.count + b] = w[b] * d;
 }
 
 // Finds the master triangles near every slave triangle.
@@ -70,6 +84,9 @@ class Search {
   std::vector<Index> slave_env_;
   Buffer<Index> offset_, slave_, master_;
 };
+
+// How far any quadratic face stands off its quarters, per environment (triangle_env: first triangle of each) [m]; 0 without such faces.
+std::vector<double> bulges(const model::QuadraticFaces& faces, View<const Vec3> y, const std::vector<Index>& triangle_env);
 
 // Normals and areas of all triangles.
 void measure(const geometry::SurfaceView& surface, View<const Vec3> y, Buffer<Vec3>& normal, Buffer<double>& area);

@@ -79,6 +79,8 @@ class MortarContact final : public Effect {
     set_.share = p.flag("two_pass") ? 0.5 : 1;
     choose_pairs(p.at("pairs"), p.flag("two_pass"));
     choose_slaves();
+    if (set_.quadrature == 1 && model.faces.quarter.size() > 0)
+      throw Error(Exit::scene, p.at("quadrature").where(), "one point per piece is not enough for the shape functions of quadratic faces: 3, 6 or 7");
     automatic_ = !p.has("stiffness");
     for (std::size_t i = 0; i < interfaces_.size(); ++i) {
       if (automatic_ && !(interfaces_[i].modulus > 0))
@@ -89,7 +91,6 @@ class MortarContact final : public Effect {
     }
     stiffness_changed();
     watch();
-    margin_.upload(std::vector<double>(model.envs, 0.0));
     model.publish(std::string(name()));
   }
 
@@ -181,6 +182,7 @@ class MortarContact final : public Effect {
       const double way = 2 * std::min(1.0, alpha[e]) * farthest[e];
       margin[e] = std::isfinite(way) ? std::min(way, kFarthest * set_.d_hat) : 0;
       most = std::max(most, margin[e]);
+      margin[e] += bulge_[e];
     }
     if (most < 1e-3 * set_.d_hat) return;
     Buffer<double> buffer(margin);
@@ -233,6 +235,9 @@ class MortarContact final : public Effect {
           slaves.push_back(t), env.push_back(e);
       }
     slaves_.upload(slaves);
+    std::vector<Index> triangle_env;
+    for (const model::Body& body : model_.bodies) triangle_env.resize(body.triangle_end, body.env);
+    triangle_env_ = env_offsets(triangle_env, model_.envs);
     support_.upload(std::vector<double>(slaves.size(), set_.d_hat));
     search_ = Search(env_offsets(env, model_.envs));
   }
@@ -257,7 +262,8 @@ class MortarContact final : public Effect {
     geometry::SurfaceView surface = model_.surface.view();
     surface.pair_allowed = directed_.view();
     return {set_,           surface,        near_.topology(), law_.view(),    kappa_view_.view(),
-            near_.planes(), slaves_.view(), support_.view(),  normal_.view(), area_.view()};
+            near_.planes(), slaves_.view(), support_.view(),  normal_.view(), area_.view(),
+            std::as_const(model_.faces.nodes).view(), std::as_const(model_.faces.quarter).view()};
   }
   // The guard is the barrier of barrier_contact in its classic form: every pair of primitives has the same weight. With the mean
   // third of a slave triangle as that weight its stiffness is that of the mortar samples.
@@ -272,6 +278,9 @@ class MortarContact final : public Effect {
   // Samples within range at y.
   void refreeze() {
     measure(model_.surface.view(), near_.y(), normal_, area_);
+    bulge_ = bulges(model_.faces, near_.y(), triangle_env_);
+    for (double& b : bulge_) b *= 2;  // of the slave and of the master
+    margin_.upload(bulge_);
     freeze(scene(), search_, near_.points(), margin_, frozen_);
   }
 
@@ -317,6 +326,8 @@ class MortarContact final : public Effect {
   double guard_kappa_ = 0;  // kappa times the weight of a guard pair [N]
   contact::Proximity near_;
   Search search_;
+  std::vector<Index> triangle_env_;  // first triangle of every environment
+  std::vector<double> bulge_;        // reach beyond the quarters of quadratic faces, per environment [m]
   Buffer<Index> law_, slaves_;
   Buffer<double> kappa_view_, support_, margin_, area_;
   Buffer<std::uint8_t> directed_;
@@ -340,17 +351,19 @@ void MortarContact::report(FieldSink& sink) {
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Sample& s = samples[i];
     const model::ContactSample& c = view.at(i);
-    Vec3 J[6];
-    jacobian(pairs[s.pair], s, J);
-    for (int k = 0; k < 6; ++k) {
-      const Index p = pairs[s.pair].point[k];
-      if (p < 0) continue;
-      forces.add(p, c.pressure * c.area * J[k]);
+    const Pair& pair = pairs[s.pair];
+    Vec3 J[kPoints];
+    jacobian(pair, s, J);
+    for (int k = 0; k < points_of(pair); ++k) forces.add(point_of(pair, k), c.pressure * c.area * J[k]);
+    // Of quadratic faces too the pressure is averaged with the hat functions of their quarters, which are nowhere negative.
+    for (int k = 0; k < (pair.master < 0 ? 3 : 6); ++k) {
+      const Index p = k < 3 ? pair.on.point[pair.on.vertex(k)] : pair.under.point[pair.under.vertex(k - 3)];
       const double share = c.area * (k < 3 ? s.N[k] : s.M[k - 3]);
       if (share > 0) load[p] += share * c.pressure, area_of[p] += share;
     }
     total[static_cast<Index>(s.kind)] += c.force;
-    closest = std::min(closest, c.gap);
+    const bool met = pair.quadratic() && c.gap <= kLeastGap * pair.d_hat;  // the quadratic faces, not their quarters
+    closest = std::min(closest, met ? 0 : c.gap);
     rows.add(c);
     kind.push_back(static_cast<double>(s.kind));
   }

@@ -23,6 +23,8 @@
 #include "effects/contact/topology.h"
 #include "effects/mortar_contact/clip.h"
 #include "effects/mortar_contact/quadrature.h"
+#include "geometry/mesh.h"
+#include "geometry/quadratic.h"
 
 namespace mortise::effects::mortar {
 
@@ -40,6 +42,27 @@ struct Settings {
   bool exact = false;  // three-term gap gradient
 };
 
+// The nodes that the displacement of a surface triangle hangs on: its three vertices, or the six of the quadratic face of which it is a
+// quarter.
+struct FaceNodes {
+  Index point[6];
+  int count = 0;     // 3, 6, or 0 of a half-space
+  int quarter = -1;  // of a quadratic face
+
+  // Slot of the triangle's vertex k.
+  MORTISE_HD int vertex(int k) const { return quarter < 0 ? k : geometry::quarter_node(quarter, k); }
+  // Shape functions of the nodes where the triangle's barycentrics are b.
+  MORTISE_HD void shape(const double b[3], double w[6]) const {
+    if (quarter < 0) {
+      for (int k = 0; k < 3; ++k) w[k] = b[k];
+      return;
+    }
+    double l[3];
+    geometry::quarter_place(quarter, b, l);
+    geometry::triangle_shape(l, w);
+  }
+};
+
 // All that a kernel reads besides positions.
 struct Scene {
   Settings set;
@@ -52,6 +75,16 @@ struct Scene {
   View<const double> support;  // their support radius d_hat_i [m]
   View<const Vec3> normal;     // of every triangle, now
   View<const double> area;     // [m^2]
+  View<const geometry::Face> faces;  // quadratic ones
+  View<const Index> quarter;         // per triangle: 4 face + quarter, or -1; empty where all faces are linear
+  MORTISE_HD FaceNodes nodes_of(Index triangle) const {
+    const Index q = quarter.n > 0 ? quarter[triangle] : -1;
+    FaceNodes out;
+    out.count = q < 0 ? 3 : 6;
+    out.quarter = q < 0 ? -1 : static_cast<int>(q % 4);
+    for (int k = 0; k < out.count; ++k) out.point[k] = q < 0 ? surface.triangles[triangle].v[k] : faces[q / 4].v[k];
+    return out;
+  }
   MORTISE_HD Index law_of(Index slave_body, Index master) const { return law[slave_body * (surface.bodies + planes.n) + master]; }
 };
 
@@ -115,10 +148,37 @@ MORTISE_HD inline double multiplicity(const Scene& s, Index slave, const Vec3& n
   return count > 1 ? 1.0 / count : 1;
 }
 
+// How far a quadratic face stands off the plane of its quarter, along a fixed direction: the height of every node over the plane of the
+// slave, from which those of the quarter's own vertices are taken.
+struct Bulge {
+  FaceNodes on;
+  double height[6];
+  MORTISE_HD double at(const double b[3]) const {
+    if (on.quarter < 0) return 0;
+    double w[6], sum = 0;
+    on.shape(b, w);
+    for (int k = 0; k < 6; ++k) sum += w[k] * height[k];
+    for (int k = 0; k < 3; ++k) sum -= b[k] * height[on.vertex(k)];
+    return sum;
+  }
+};
+MORTISE_HD inline Bulge bulge_of(const Scene& s, const SlavePlane& plane, Index triangle, View<const Vec3> y) {
+  Bulge out;
+  if (s.quarter.n == 0 || s.quarter[triangle] < 0) return out;
+  out.on = s.nodes_of(triangle);
+  for (int k = 0; k < 6; ++k) out.height[k] = (y[out.on.point[k]] - plane.a0).dot(plane.n);
+  return out;
+}
+
+// No gap is taken to be smaller than this share of the support radius. Continuous collision detection keeps the quarters apart, not
+// the quadratic faces themselves, which a coarse mesh could bring together between its nodes.
+inline constexpr double kLeastGap = 1e-3;
+
 // A slave triangle with the master triangles near it.
 struct Patch {
   Index slave;  // triangle
   SlavePlane plane;
+  Bulge bulge;
   double support, reach;  // samples with a gap below `reach` are wanted
   const Index* master;    // triangles
   Index masters;
@@ -193,8 +253,14 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
   const double highest = std::fmax(f.height[0], std::fmax(f.height[1], f.height[2]));
   if (!(lowest < p.reach && highest > 0)) return;
   const bool layers = any_layer(s, p, i, f, y);
-  const auto wanted = [&](double g, const double N[3]) { return g > 0 && g < p.reach && !(layers && hidden(s, p, i, y, N, g)); };
+  const Bulge bulge = bulge_of(s, p.plane, master, y);
+  const double least = p.bulge.on.count + bulge.on.count > 0 ? kLeastGap * p.support : 0;
   const double e = s.set.taper;
+  // Between the quarters first, which cannot meet.
+  const auto offer = [&](SampleKind kind, double weight, const double N[3], const double M[3]) {
+    const double between = height(f, M), gap = std::fmax(between + bulge.at(M) - p.bulge.at(N), least);
+    if (between > 0 && gap < p.reach && !(layers && hidden(s, p, i, y, N, between))) take(kind, weight, gap, N, M);
+  };
 
   if (fade > 0) {
     const Polygon poly = clip(f.L);
@@ -209,9 +275,8 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
           N[a] = g.b[0] * c[0]->N[a] + g.b[1] * c[1]->N[a] + g.b[2] * c[2]->N[a];
           M[a] = g.b[0] * c[0]->M[a] + g.b[1] * c[1]->M[a] + g.b[2] * c[2]->M[a];
         }
-        const double gap = height(f, M);
         const double taper = e > 0 ? hermite(std::fmin(M[0], std::fmin(M[1], M[2])) / e) : 1;
-        if (taper > 0 && wanted(gap, N)) take(SampleKind::face, s.set.share * w * g.weight * taper, gap, N, M);
+        if (taper > 0) offer(SampleKind::face, s.set.share * w * g.weight * taper, N, M);
       }
     }
   }
@@ -235,8 +300,7 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
       double N[3], M[3] = {0, 0, 0};
       M[k] = 1 - t, M[l] = t;
       for (int a = 0; a < 3; ++a) N[a] = (1 - t) * f.L[k][a] + t * f.L[l][a];
-      const double gap = height(f, M);
-      if (taper > 0 && wanted(gap, N)) take(SampleKind::edge, w * g.weight * taper, gap, N, M);
+      if (taper > 0) offer(SampleKind::edge, w * g.weight * taper, N, M);
     }
   }
 
@@ -250,7 +314,7 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
         s.set.share * multiplicity(s, p.slave, n, N) * feature_weight(s, n, s.topology.point_triangle, begin, end, 0.1 * e * e);
     double M[3] = {0, 0, 0};
     M[k] = 1;
-    if (w > 0 && wanted(f.height[k], N)) take(SampleKind::point, w, f.height[k], N, M);
+    if (w > 0) offer(SampleKind::point, w, N, M);
   }
 }
 
@@ -259,13 +323,16 @@ template <class Take>
 MORTISE_HD inline void sample_plane(const Scene& s, const Patch& p, const contact::Plane& plane, View<const Vec3> y, Take& take) {
   const double cosine = -p.plane.n.dot(plane.normal);
   if (!(cosine > 0)) return;
-  const Triangle t = s.surface.triangles[p.slave];
-  double h[3];
-  for (int k = 0; k < 3; ++k) h[k] = plane.normal.dot(y[t.v[k]] - plane.point);
+  const FaceNodes on = s.nodes_of(p.slave);
+  double h[6], w[6];
+  for (int k = 0; k < on.count; ++k) h[k] = plane.normal.dot(y[on.point[k]] - plane.point);
   const double M[3] = {0, 0, 0};
   for (Index q = 0; q < s.set.quadrature; ++q) {
     const TrianglePoint g = triangle_point(s.set.quadrature, q);
-    const double gap = g.b[0] * h[0] + g.b[1] * h[1] + g.b[2] * h[2];
+    on.shape(g.b, w);
+    double gap = 0;
+    for (int k = 0; k < on.count; ++k) gap += w[k] * h[k];
+    if (on.quarter >= 0) gap = std::fmax(gap, kLeastGap * p.support);
     if (gap > 0 && gap < p.reach) take(SampleKind::face, s.set.share * cosine * p.plane.area * g.weight, gap, g.b, M);
   }
 }
