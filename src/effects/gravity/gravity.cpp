@@ -39,14 +39,13 @@ class Gravity final : public Effect {
     write_stencils();
   }
 
-  // Constant, so written once. Not in the constructor: nvcc takes no kernel there.
+  // Not in the constructor: nvcc takes no kernel there.
   void write_stencils() {
     stencils_.resize_uniform(weights_.size(), 1);
     const linalg::StencilView out = stencils_.view();
     const View<const Weight> w = std::as_const(weights_).view();
     device::parallel_for("gravity.pattern", w.n, [=] MORTISE_HD(Index s) {
       out.block[s] = w[s].block;
-      out.grad[s] = gravity::gradient(w[s].force);
       out.hess[s] = Mat3::Zero();
     });
     stencils_.pattern_changed();
@@ -57,7 +56,7 @@ class Gravity final : public Effect {
   void plan(Plan& out) const override {
     out.buffers.push_back({"stencils", stencils_.bytes()});
     out.buffers.push_back({"weights", weights_.bytes()});
-    for (const char* k : {"gravity.pattern", "gravity.energy"}) out.kernels.push_back(k);
+    for (const char* k : {"gravity.pattern", "gravity.energy", "gravity.assemble"}) out.kernels.push_back(k);
   }
 
   void energy(Positions q, std::vector<double>& per_env) override {
@@ -68,7 +67,13 @@ class Gravity final : public Effect {
         [=] MORTISE_HD(Index s) { return gravity::energy(w[s].force, q[w[s].block], rest[w[s].block]); }, per_env);
   }
 
-  linalg::StencilSet& assemble(Positions, bool) override { return stencils_; }
+  // The force is constant, but written anew: the solver may use the stencils of the last call as its work space.
+  linalg::StencilSet& assemble(Positions, bool) override {
+    const linalg::StencilView out = stencils_.view();
+    const View<const Weight> w = std::as_const(weights_).view();
+    device::parallel_for("gravity.assemble", w.n, [=] MORTISE_HD(Index s) { out.grad[s] = gravity::gradient(w[s].force); });
+    return stencils_;
+  }
 
   void report(FieldSink& sink) override {
     std::vector<double> per_env(model_.envs, 0.0);
