@@ -7,6 +7,7 @@
 #include "geometry/tet_rule.h"
 #include "geometry/topology.h"
 #include "model/model.h"
+#include "model/select.h"
 
 namespace mortise::model {
 namespace {
@@ -302,27 +303,8 @@ void build(Model& model) {
 
 std::vector<Index> select_points(const Model& model, const Body& body, const Params& where) {
   const std::vector<Vec3> rest = model.rest_points.download();
-  Vec3 lo = Vec3::Constant(INFINITY), hi = -lo;
-  for (Index i = body.point_begin; i < body.point_end; ++i) lo = lo.cwiseMin(rest[i]), hi = hi.cwiseMax(rest[i]);
-  const double close = 1e-6 * (hi - lo).norm();
-  const auto inside = [&](const Vec3& x) {
-    if (where.has("side")) {
-      const std::string& side = where.text("side");  // "x_min" ... "z_max" or "all"
-      if (side == "all") return true;
-      const int axis = side[0] - 'x';
-      return side.substr(2) == "min" ? x[axis] <= lo[axis] + close : x[axis] >= hi[axis] - close;
-    }
-    if (where.has("box")) {
-      const Params& box = where.at("box");
-      const Vec3 a = box.vec3("min"), b = box.vec3("max");
-      return (x.array() >= a.array()).all() && (x.array() <= b.array()).all();
-    }
-    const Params& sphere = where.at("sphere");
-    return (x - sphere.vec3("centre")).norm() <= sphere.number("radius");
-  };
-  std::vector<Index> out;
-  for (Index i = body.point_begin; i < body.point_end; ++i)
-    if (inside(rest[i])) out.push_back(i);
+  std::vector<Index> out = select(std::span(rest).subspan(body.point_begin, body.point_end - body.point_begin), where);
+  for (Index& i : out) i += body.point_begin;
   return out;
 }
 

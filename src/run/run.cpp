@@ -19,9 +19,11 @@
 #include "run/pictures.h"
 #include "run/progress.h"
 #include "run/record.h"
+#include "run/sensor_maps.h"
 #include "run/signals.h"
 #include "run/step_row.h"
 #include "run/tee.h"
+#include "sensors/sensors.h"
 
 namespace fs = std::filesystem;
 
@@ -87,6 +89,7 @@ class Run {
     const model::ModelInput input = engine::make_input(scene_.root);
     const engine::Api& api = choose_device(o_.device, o_.threads, record_.device);
     check(api.create(input, engine_));
+    sensors_.emplace(input);
     prepare_folder(o_, dir_);
     started_ = true;
     certificate_.emplace(scene_.root);
@@ -102,6 +105,7 @@ class Run {
     const std::string field_path = dir_ + "/fields.vtkhdf";
 
     if (!o_.no_render && out.flag("pictures") && scene_.root.has("render")) pictures_ = std::make_unique<Pictures>(scene_.root, input, dir_ + "/frames");
+    if (!o_.no_render && out.flag("pictures") && !sensors_->empty()) sensor_maps_.emplace(*sensors_, dir_ + "/frames");
     record_.seconds["setup"] = std::chrono::duration<double>(Time::now() - begin_).count();
     progress_->start(scene_.root.text("name"), summary(input), steps_);
 
@@ -187,12 +191,14 @@ class Run {
     const std::vector<double> points = engine_->points();
     Tee tee(certificate_->watch(file_.get()));
     file_->begin_frame(engine_->time(), points);
-    engine_->report(tee);
+    engine_->report(*sensors_->watch(&tee));
+    sensors_->finish(points);
     file_->end_frame();
     contact_ = tee.contact();
     const auto written = Time::now();
     record_.seconds["output"] += std::chrono::duration<double>(written - begin).count();
     if (pictures_) pictures_->draw(file_->frames() - 1, engine_->time(), points, tee.point_fields());
+    if (sensor_maps_) sensor_maps_->draw(file_->frames() - 1, engine_->time());
     record_.seconds["pictures"] += std::chrono::duration<double>(Time::now() - written).count();
   }
 
@@ -229,7 +235,9 @@ class Run {
   std::string resolved_, hash_, dir_;
   std::unique_ptr<engine::Engine> engine_;
   std::unique_ptr<output::FieldFile> file_;
+  std::optional<sensors::Sensors> sensors_;
   std::unique_ptr<Pictures> pictures_;
+  std::optional<SensorMaps> sensor_maps_;
   Record record_;
   std::optional<Certificate> certificate_;
   ContactFigures contact_{NAN, NAN};

@@ -4,6 +4,7 @@
 
 #include "scene/checker.h"
 #include "scene/quantity.h"
+#include "scene/sensors.h"
 #include "scene/suggest.h"
 
 namespace mortise::scene {
@@ -182,6 +183,7 @@ class CrossCheck {
 
 void cross_check(const Params& root, const std::set<std::string>& incomplete, Diagnostics& errors) {
   CrossCheck(root, incomplete, errors).run();
+  check_sensors(root, incomplete, errors);
 }
 
 }  // namespace mortise::scene

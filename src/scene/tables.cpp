@@ -1,6 +1,7 @@
 #include "scene/tables.h"
 
 #include "scene/checks.h"
+#include "scene/sensors.h"
 
 namespace mortise::scene {
 namespace {
@@ -256,6 +257,8 @@ SceneTables::SceneTables(std::span<const EffectTable> effects) {
   }
   Param checks = table("checks", &check_table(), "What a run has to fulfil; the verdicts are in certificate.json.");
   checks.kind = Kind::tables;
+  Param sensors = map("sensors", &sensor_table(), "Grids of taxels by name.");
+  sensors.optional = true;
   root_.name = "scene";
   root_.help = "A mortise scene.";
   root_.params = {integer("mortise", {}, kFormatVersion, kFormatVersion, "Version of the scene format."),
@@ -268,6 +271,7 @@ SceneTables::SceneTables(std::span<const EffectTable> effects) {
                   always(table("solver", &solver_table(), "Accuracy and effort of the solver.")),
                   always(table("output", &output_table(), "What a run writes.")),
                   checks,
+                  sensors,
                   table("render", &render_table(), "Pictures of the run.")};
   for (Param& p : root_.params)
     if (p.key == "materials") p.fallback = "{}";

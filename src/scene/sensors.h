@@ -1,0 +1,16 @@
+#pragma once
+#include <set>
+#include <string>
+
+#include "base/param_table.h"
+#include "base/params.h"
+#include "scene/diagnostics.h"
+
+namespace mortise::scene {
+
+const ParamTable& sensor_table();
+
+// Bodies that exist and can carry a grid, names, and a contact effect to read.
+void check_sensors(const Params& root, const std::set<std::string>& incomplete, Diagnostics& errors);
+
+}  // namespace mortise::scene

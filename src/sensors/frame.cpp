@@ -1,0 +1,37 @@
+#include "sensors/frame.h"
+
+#include <Eigen/Dense>
+
+namespace mortise::sensors {
+namespace {
+
+Vec3 mean(const std::vector<Vec3>& points) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& x : points) sum += x;
+  return sum / static_cast<double>(points.size());
+}
+
+}  // namespace
+
+Motion nearest_motion(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+  const Vec3 a = mean(from), b = mean(to);
+  Mat3 H = Mat3::Zero();
+  for (std::size_t i = 0; i < from.size(); ++i) H += (to[i] - b) * (from[i] - a).transpose();
+  const Eigen::JacobiSVD<Mat3> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const double turn = (svd.matrixU() * svd.matrixV().transpose()).determinant();  // -1: a reflection fits better
+  Motion m;
+  m.R = svd.matrixU() * Vec3(1, 1, turn < 0 ? -1 : 1).asDiagonal() * svd.matrixV().transpose();
+  m.t = b - m.R * a;
+  return m;
+}
+
+bool fixes_a_frame(const std::vector<Vec3>& points) {
+  if (points.size() < 3) return false;
+  const Vec3 a = mean(points);
+  Mat3 C = Mat3::Zero();
+  for (const Vec3& x : points) C += (x - a) * (x - a).transpose();
+  const Vec3 size = Eigen::SelfAdjointEigenSolver<Mat3>(C).eigenvalues();  // ascending
+  return size[1] > 1e-6 * size[2];
+}
+
+}  // namespace mortise::sensors

@@ -1,0 +1,28 @@
+#pragma once
+#include <vector>
+
+#include "base/types.h"
+
+namespace mortise::sensors {
+
+// Where a sensor is: origin [m] and the directions x, y, z as columns.
+struct Frame {
+  Vec3 origin = Vec3::Zero();
+  Mat3 axes = Mat3::Identity();
+};
+
+// x -> R x + t.
+struct Motion {
+  Mat3 R = Mat3::Identity();
+  Vec3 t = Vec3::Zero();
+  Frame moved(const Frame& f) const { return {R * f.origin + t, R * f.axes}; }
+};
+
+// The rigid motion that takes `from` nearest to `to` (least squares; Kabsch, Acta Cryst. A32, 1976). At least three points that do not
+// lie on a line.
+Motion nearest_motion(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
+
+// Do the points span more than a line?
+bool fixes_a_frame(const std::vector<Vec3>& points);
+
+}  // namespace mortise::sensors
