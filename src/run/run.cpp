@@ -14,6 +14,7 @@
 #include "output/checkpoint.h"
 #include "output/field_file.h"
 #include "run/certificate.h"
+#include "run/checks.h"
 #include "run/device_choice.h"
 #include "run/output_mesh.h"
 #include "run/pictures.h"
@@ -93,6 +94,7 @@ class Run {
     prepare_folder(o_, dir_);
     started_ = true;
     certificate_.emplace(scene_.root);
+    checks_.emplace(input);
     const std::unique_ptr<output::NewestCheckpoint> checkpoint = open_checkpoint(o_, dir_);
 
     frame_every_ = scene_.root.at("time").integer("frame_every");
@@ -172,6 +174,7 @@ class Run {
     else
       capture();
     certificate_->step(report);
+    checks_->step(report);
     const output::StepRow row = step_row(report, contact_);
     file_->append_step(row);
     record_.steps.push_back(row);
@@ -181,19 +184,21 @@ class Run {
   }
 
   void capture() {
-    Tee tee(certificate_->watch(nullptr));
+    Tee tee(checks_->watch(certificate_->watch(nullptr)));
     engine_->report(tee);
+    if (!checks_->empty()) checks_->state(engine_->points());
     contact_ = tee.contact();
   }
 
   void write_frame() {
     const auto begin = Time::now();
     const std::vector<double> points = engine_->points();
-    Tee tee(certificate_->watch(file_.get()));
+    Tee tee(checks_->watch(certificate_->watch(file_.get())));
     file_->begin_frame(engine_->time(), points);
     engine_->report(*sensors_->watch(&tee));
     sensors_->finish(points);
     file_->end_frame();
+    checks_->state(points);
     contact_ = tee.contact();
     const auto written = Time::now();
     record_.seconds["output"] += std::chrono::duration<double>(written - begin).count();
@@ -221,7 +226,11 @@ class Run {
     if (!started_) return;
     const double wall = std::chrono::duration<double>(Time::now() - begin_).count();
     const std::string device = engine_ ? record_.device.kind : "";
-    output::write_file_atomically(dir_ + "/certificate.json", certificate_->json({scene_.root.text("name"), hash_, device, status, message}), true);
+    const std::vector<Checks::Verdict> verdicts = checks_ ? checks_->verdicts(status, message) : std::vector<Checks::Verdict>{};
+    const std::string certificate = certificate_->json({scene_.root.text("name"), hash_, device, status, message});
+    output::write_file_atomically(dir_ + "/certificate.json", Checks::add_to(certificate, verdicts), true);
+    for (const Checks::Verdict& v : verdicts)
+      if (!v.pass) progress_->note(fmt::format("check failed: {}; it is {}", v.text, v.found.empty() ? fmt::format("{:.6g}", v.value) : v.found));
     record_.frames = file_ ? file_->frames() : 0;
     record_.write(dir_ + "/run.json", {o_, scene_.root.text("name"), hash_, status, message, wall}, engine_.get());
     if (status == Exit::done) progress_->end("done", wall);
@@ -240,6 +249,7 @@ class Run {
   std::optional<SensorMaps> sensor_maps_;
   Record record_;
   std::optional<Certificate> certificate_;
+  std::optional<Checks> checks_;
   ContactFigures contact_{NAN, NAN};
   long frame_every_ = 1, steps_ = 0;
   bool started_ = false;

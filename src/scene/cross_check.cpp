@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "scene/checker.h"
+#include "scene/checks.h"
 #include "scene/quantity.h"
 #include "scene/sensors.h"
 #include "scene/suggest.h"
@@ -183,6 +184,7 @@ class CrossCheck {
 
 void cross_check(const Params& root, const std::set<std::string>& incomplete, Diagnostics& errors) {
   CrossCheck(root, incomplete, errors).run();
+  check_checks(root, incomplete, errors);
   check_sensors(root, incomplete, errors);
 }
 

@@ -1,5 +1,6 @@
 #include "scene/schema.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <nlohmann/json.hpp>
@@ -144,8 +145,20 @@ Json block(const ParamTable& t) {
   Json out = {{"description", t.help}, {"type", "object"}, {"required", {variants->key}}};
   out["properties"] = {{variants->key, described(t.params.front())}};
   out["allOf"] = Json::array();
-  for (const auto& [name, table] : variants->of)
-    out["allOf"].push_back({{"if", {{"properties", {{variants->key, {{"const", name}}}}}}}, {"then", plain_block(*table)}});
+  std::vector<std::pair<const ParamTable*, std::vector<std::string>>> tables;  // names by table, in order of appearance
+  for (const auto& [name, table] : variants->of) {
+    const auto same = std::find_if(tables.begin(), tables.end(), [&, table = table](const auto& t) { return t.first == table; });
+    if (same == tables.end())
+      tables.push_back({table, {name}});
+    else
+      same->second.push_back(name);
+  }
+  for (const auto& [table, names] : tables) {
+    const Json choice = names.size() == 1 ? Json{{"const", names[0]}} : Json{{"enum", names}};
+    Json then = plain_block(*table);
+    then["properties"][variants->key] = Json::object();  // described above
+    out["allOf"].push_back({{"if", {{"properties", {{variants->key, choice}}}}}, {"then", then}});
+  }
   return out;
 }
 

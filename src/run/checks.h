@@ -1,0 +1,74 @@
+#pragma once
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/field_sink.h"
+#include "base/params.h"
+#include "model/input.h"
+#include "solver/report.h"
+
+namespace mortise::run {
+
+// Judges a run by the scene's `checks` (src/scene/checks.cpp says what each quantity is). Verdicts do not change a run or its exit
+// code; they go into certificate.json. Covers the states and steps of this process, as the certificate does.
+class Checks {
+ public:
+  explicit Checks(const model::ModelInput& input);
+  ~Checks();
+
+  bool empty() const { return criteria_.empty(); }
+  // A sink for the report of one state: takes note and passes on to `next` (may be null). Valid until the next call.
+  FieldSink* watch(FieldSink* next);
+  // The state reported last is complete; points: 3 per point [m].
+  void state(const std::vector<double>& points);
+  void step(const solver::StepReport& report);
+
+  struct Verdict {
+    std::string text;  // "position of cube (z) at the end near 0.5 +- 0.001"
+    double value = NAN;  // the worst, or the one asked for; NaN: none was measured
+    std::string found;   // of an outcome
+    bool pass = false;
+  };
+  std::vector<Verdict> verdicts(Exit status, const std::string& message) const;
+
+  // certificate.json with the verdicts as `criteria`; unchanged when the scene has none.
+  static std::string add_to(const std::string& certificate, const std::vector<Verdict>& verdicts);
+
+ private:
+  struct Body;
+  struct State;
+  class Watch;
+  // One entry of the list with what was measured for it.
+  struct Criterion {
+    Params params;
+    std::string quantity, body, when;
+    int axis = -1;  // 0..2, 3: length
+    double first = NAN, last = NAN, least = NAN, most = NAN, sum = 0;
+    long count = 0;
+    bool not_finite = false;  // once: no bound holds
+    void take(double v);
+  };
+  void take(const std::string& quantity, double v);
+  void take(const std::string& quantity, const std::string& body, double v);
+  void take(const std::string& quantity, const std::string& body, const Vec3& v);
+  bool wants(const std::string& quantity, const std::string& body) const;
+  void measure(const Body& body, const State& now);
+  double energies(const State& now);  // total [J]
+  double support_work(const State& now) const;
+  double value(const Criterion& c) const;
+  Verdict judge(const Criterion& c, Exit status, const std::string& message) const;
+
+  std::vector<Criterion> criteria_;
+  std::vector<Body> bodies_;
+  std::unique_ptr<Watch> watch_;
+  std::unique_ptr<State> before_;
+  std::vector<double> start_;  // points at rest
+  double scale_ = 0, gravity_first_ = NAN, work_ = 0;  // of energy_gain [J]
+  double momentum_scale_ = 0, force_tolerance_ = 0;
+  Vec3 momentum_first_ = Vec3::Zero();
+};
+
+}  // namespace mortise::run

@@ -1,0 +1,132 @@
+// The scene's criteria: what is measured on known states, and what the verdict is.
+#include "run/checks.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "engine/effect_tables.h"
+#include "engine/input.h"
+#include "scene/scene.h"
+
+namespace {
+
+using namespace mortise;
+using run::Checks;
+
+// One cube of 1 m^3 and 1000 kg with its centre at the origin, pinned to nothing.
+model::ModelInput scene(const std::string& checks) {
+  const std::string text = R"(
+mortise: 1
+time: {step: 0.1 s, steps: 2}
+materials: {gel: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1000}}
+bodies: {cube: {type: soft, shape: {box: {size: [1, 1, 1], edge_length: 1}}, material: gel}}
+effects: {inertia: {}, elasticity: {}, barrier_contact: {}, pin: [{body: cube, where: {side: z_max}}]}
+checks:
+)" + checks;
+  return engine::make_input(scene::read_scene_text(text, "test.yaml", {}, engine::effect_tables()).root);
+}
+
+using Map = std::function<Vec3(const Vec3&)>;
+const Map kStay = [](const Vec3& x) { return x; };
+
+std::vector<double> points(const model::ModelInput& input, const Map& map) {
+  std::vector<double> out;
+  for (const Vec3& x : input.bodies[0].nodes) {
+    const Vec3 y = map(x);
+    out.insert(out.end(), y.data(), y.data() + 3);
+  }
+  return out;
+}
+
+// Verdict of one criterion after a state at rest and a state moved by `map`, whose points have these velocities.
+Checks::Verdict verdict(const std::string& criterion, const Map& map = kStay, const Map& velocity = [](const Vec3&) { return Vec3::Zero(); },
+                        const std::function<void(FieldSink&, int)>& more = {}, Exit status = Exit::done, const std::string& message = "") {
+  const model::ModelInput input = scene("  - " + criterion + "\n");
+  Checks checks(input);
+  for (int k = 0; k < 2; ++k) {
+    FieldSink& sink = *checks.watch(nullptr);
+    sink.points("velocity", "m/s", 3, points(input, k ? velocity : Map([](const Vec3&) { return Vec3::Zero(); })));
+    if (more) more(sink, k);
+    checks.state(points(input, k ? map : kStay));
+  }
+  solver::StepReport step;
+  step.newton = 7, step.substeps = 2, step.alpha = 0.5, step.residual = 1, step.tolerance = 4;
+  checks.step(step);
+  return checks.verdicts(status, message).at(0);
+}
+
+TEST(Checks, MeasuresTheBody) {
+  const Map moved = [](const Vec3& x) { return Vec3(2 * x[0] + 3, x[1], x[2]); };
+  const Map turning = [](const Vec3& x) { return Vec3(Vec3(0, 0, 2).cross(x) + Vec3(1, 0, 0)); };
+  const std::string end = ", when: end, near: 0, tolerance: 0}";
+  const auto value = [&](const std::string& q, const std::string& axis) { return verdict("{quantity: " + q + ", body: cube" + axis + end, moved, turning).value; };
+  EXPECT_NEAR(value("position", ", axis: x"), 3, 1e-12);
+  EXPECT_NEAR(value("displacement", ", axis: size"), 3, 1e-12);
+  EXPECT_NEAR(value("lowest", ", axis: x"), 2, 1e-12);
+  EXPECT_NEAR(value("highest", ", axis: x"), 4, 1e-12);
+  EXPECT_NEAR(value("movement", ""), 3.5, 1e-12);
+  EXPECT_NEAR(value("volume_change", ""), 1, 1e-12);
+  EXPECT_NEAR(value("velocity", ", axis: x"), 1, 1e-12);
+  EXPECT_NEAR(verdict("{quantity: spin, body: cube, axis: z" + end, kStay, turning).value, 2, 1e-12);
+}
+
+TEST(Checks, TakesForcesAndStepsFromReports) {
+  const auto forces = [](FieldSink& sink, int k) {
+    for (int c = 0; c < 3; ++c) {
+      sink.scalar("barrier_contact", std::string("force_cube_") + "xyz"[c], "N", c == 2 ? 10 * k : 0);
+      sink.scalar("supports", std::string("cube_") + "xyz"[c], "N", -1);
+    }
+  };
+  const auto with = [&](const std::string& criterion) { return verdict(criterion, kStay, kStay, forces); };
+  EXPECT_TRUE(with("{quantity: contact_force, body: cube, axis: z, when: end, near: 10 N, share: 1e-9}").pass);
+  EXPECT_DOUBLE_EQ(with("{quantity: contact_force, body: cube, axis: z, when: mean, above: 6 N}").value, 5);
+  EXPECT_FALSE(with("{quantity: contact_force, body: cube, axis: z, when: mean, above: 6 N}").pass);
+  EXPECT_NEAR(with("{quantity: support_force, body: cube, axis: size, below: 1.7 N}").value, std::sqrt(3), 1e-12);
+  EXPECT_FALSE(with("{quantity: support_force, body: cube, axis: size, below: 1.7 N}").pass);
+  EXPECT_FALSE(verdict("{quantity: newton_iterations, below: 7}").pass);
+  EXPECT_TRUE(verdict("{quantity: newton_iterations, below: 8}").pass);
+  EXPECT_DOUBLE_EQ(verdict("{quantity: residual, below: 1}").value, 0.25);
+}
+
+// The worst state decides, whichever side of the bound it is on.
+TEST(Checks, AlwaysMeansTheWorstState) {
+  const Map up = [](const Vec3& x) { return Vec3(x + Vec3(0, 0, 5)); };
+  EXPECT_DOUBLE_EQ(verdict("{quantity: position, body: cube, axis: z, above: -1 m}", up).value + 1, 1);
+  EXPECT_DOUBLE_EQ(verdict("{quantity: position, body: cube, axis: z, below: 9 m}", up).value, 5);
+  EXPECT_DOUBLE_EQ(verdict("{quantity: position, body: cube, axis: z, above: -1 m, below: 2 m}", up).value, 5);
+  EXPECT_DOUBLE_EQ(verdict("{quantity: position, body: cube, axis: z, near: 1 m, tolerance: 1 m}", up).value, 5);
+}
+
+// Half a joule of work by the support is no gain; what is beyond it is, as a share of the largest energy.
+TEST(Checks, EnergyGainCountsTheWorkOfSupports) {
+  const auto report = [](double energy) {
+    return [energy](FieldSink& sink, int k) {
+      sink.scalar("inertia", "kinetic_energy", "J", k ? energy : 1);
+      const std::vector<double> force{0.25, 0, 0, 0.25, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+      sink.points("support_force", "N", 3, force);
+    };
+  };
+  const Map moved = [](const Vec3& x) { return Vec3(x + Vec3(1, 0, 0)); };
+  EXPECT_NEAR(verdict("{quantity: energy_gain, below: 1e-9}", moved, kStay, report(1.5)).value, 0, 1e-12);
+  EXPECT_NEAR(verdict("{quantity: energy_gain, below: 1e-9}", moved, kStay, report(2)).value, 0.25, 1e-12);
+}
+
+TEST(Checks, WhatIsNotANumberFails) {
+  const auto nan = [](FieldSink& sink, int k) { sink.scalar("elasticity", "det_F_min", "1", k ? 1 : NAN); };
+  EXPECT_FALSE(verdict("{quantity: min_det_f, above: 0}", kStay, kStay, nan).pass);
+  EXPECT_FALSE(verdict("{quantity: min_det_f, above: 0}").pass) << "nothing was measured";
+}
+
+TEST(Checks, OutcomeIsAboutTheError) {
+  const std::string wants = "{quantity: outcome, is: step_failed, says: [Newton, residual]}";
+  EXPECT_TRUE(verdict(wants, kStay, kStay, {}, Exit::solve, "Newton stopped with a residual").pass);
+  EXPECT_FALSE(verdict(wants, kStay, kStay, {}, Exit::solve, "Newton stopped").pass);
+  EXPECT_FALSE(verdict(wants, kStay, kStay, {}, Exit::done).pass);
+  const auto json = nlohmann::json::parse(Checks::add_to("{}", {verdict(wants)}));
+  EXPECT_EQ(json["criteria"][0]["value"], "done");
+  EXPECT_EQ(json["criteria"][0]["pass"], false);
+}
+
+}  // namespace
