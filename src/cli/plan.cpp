@@ -27,7 +27,8 @@ std::string plan_text(const Params& scene) {
     }
     for (const std::string& kernel : item.kernels) text += "        kernel " + kernel + "\n";
   }
-  for (const sensors::Sensor& s : sensors::Sensors(input).all())
+  const sensors::Sensors sensors(input);
+  for (const sensors::Sensor& s : sensors.all())
     text += fmt::format("sensor  {:20} {} x {} taxels on '{}'\n        buffer {:24} {:>12} bytes\n", s.name(), s.spec().rows, s.spec().columns, s.body(), "grid on the surface", s.bytes());
   text += fmt::format("solver  {}\n", engine->linear_solver());
   text += fmt::format("memory  {:.1f} MiB in the buffers above, {:.1f} MiB in all buffers so far; contact and the linear solver grow as needed\n",

@@ -139,6 +139,13 @@ TEST(Check, ResolvedSceneReadsBackToItself) {
   }
 }
 
+TEST(Check, PlanListsEffectsAndSensors) {
+  const Result r = mortise("check --plan scenes/tactile/taxels.yaml");
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_NE(r.out.find("effect  mortar_contact\n"), std::string::npos);
+  EXPECT_NE(r.out.find("16 x 16 taxels on 'pad'\n"), std::string::npos);
+}
+
 TEST(Scenes, AreValidAndNameTheirSchema) {
   ASSERT_GE(scenes().size(), 5u);
   for (const std::string& scene : scenes()) {

@@ -128,19 +128,3 @@ TEST(Sensors, WithoutSensorsNothingIsAdded) {
   Captured out;
   EXPECT_EQ(sensors.watch(&out), &out);
 }
-
-TEST(Sensors, ErrorsCiteThePlace) {
-  const auto message = [](const std::string& from, const std::string& to) {
-    std::string scene = patch("  barrier_contact: {d_hat: 1 cm, stiffness: 1 MPa}", 1);
-    scene.replace(scene.find(from), from.size(), to);
-    try {
-      Rig rig(scene);
-    } catch (const std::exception& e) {
-      return std::string(e.what());
-    }
-    return std::string();
-  };
-  EXPECT_NE(message("map: {body: pad", "map: {body: pat").find("sensors.map.body: no body 'pat'"), std::string::npos);
-  EXPECT_NE(message("up: [0.3, 1, 0]", "up: [0, 0, 3]").find("sensors.inner.up is along its normal"), std::string::npos);
-  EXPECT_NE(message("  barrier_contact: {d_hat: 1 cm, stiffness: 1 MPa}", "").find("no contact effect"), std::string::npos);
-}
