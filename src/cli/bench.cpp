@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/bench_hard.h"
 #include "cli/commands.h"
 #include "output/hardware.h"
 #include "run/device_choice.h"
@@ -21,6 +22,7 @@ struct Options {
   std::vector<std::string> sets;
   int threads = 0;
   bool json = false, list = false;
+  HardFlags hard;
 };
 
 int bench_ccd(const Options& o) {
@@ -65,14 +67,15 @@ int bench_named(const Options& o, const study::Benchmark& benchmark) {
 constexpr const char* kCcdHelp = "continuous collision detection against queries with exact answers (--data DIR)";
 
 int cmd_bench(const Options& o) {
-  std::vector<std::string> names{"ccd"};
+  std::vector<std::string> names{"ccd", "hard"};
   for (const study::Benchmark& b : study::benchmarks()) names.push_back(b.name);
   if (o.list) {
     for (const study::Benchmark& b : study::benchmarks()) std::cout << fmt::format("{:12} {}\n", b.name, b.help);
-    std::cout << fmt::format("{:12} {}\n", "ccd", kCcdHelp);
+    std::cout << fmt::format("{:12} {}\n{:12} {}\n", "ccd", kCcdHelp, "hard", kHardHelp);
     return 0;
   }
   if (o.name == "ccd") return bench_ccd(o);
+  if (o.name == "hard") return bench_hard(o.hard, o.data, o.result, o.threads, o.json);
   if (const study::Benchmark* b = study::find_benchmark(o.name)) return bench_named(o, *b);
   if (o.name.empty()) throw Error(Exit::usage, "name a benchmark; see 'mortise bench --list'");
   throw Error(Exit::usage, "no benchmark '" + o.name + "'\n  " + scene::suggestion(o.name, names));
@@ -90,7 +93,8 @@ void add_bench(CLI::App& app, Context& context) {
   sub->add_option("--set", o->sets, "value of the benchmark's scene (a.b=c) or an option of its own (methods=gmcp_consistent,ipc_classic; size=medium)");
   sub->add_option("--result", o->result, "also write the rows and the machine to this file");
   sub->add_option("--threads", o->threads, "CPU threads; 0: what the machine grants");
-  sub->footer("Examples:\n  mortise bench --list\n  mortise bench patch\n  mortise bench hertz --set size=medium --json\n  mortise bench ccd --data queries --json");
+  add_hard_flags(*sub, o->hard);
+  sub->footer("Examples:\n  mortise bench --list\n  mortise bench patch\n  mortise bench hertz --set size=medium --json\n  mortise bench ccd --data queries --json\n  mortise bench hard --only H11");
   sub->callback([o, &context] { context.action = [o] { return cmd_bench(*o); }; });
 }
 

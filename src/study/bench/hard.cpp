@@ -1,0 +1,217 @@
+#include "study/bench/hard.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "base/error.h"
+
+namespace fs = std::filesystem;
+
+namespace mortise::study {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Time = std::chrono::steady_clock;
+
+constexpr const char* kOnlyMeasured = "energy_gain below 1e+300";  // hard_case.cpp adds it
+
+std::string own_program() { return fs::read_symlink("/proc/self/exe").string(); }
+
+std::string read_text(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// scenes/hard in the nearest folder above here or above the program.
+std::string find_scenes() {
+  for (fs::path from : {fs::current_path(), fs::path(own_program()).parent_path()})
+    for (; from.has_relative_path(); from = from.parent_path())
+      if (fs::is_directory(from / "scenes/hard")) return (from / "scenes/hard").string();
+  throw Error(Exit::usage, "found no folder scenes/hard; give it with --data DIR");
+}
+
+bool wanted(const std::string& name, const std::vector<std::string>& only) {
+  const auto lower = [](std::string s) {
+    for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return s;
+  };
+  return only.empty() || std::any_of(only.begin(), only.end(), [&](const std::string& o) { return name.starts_with(lower(o)); });
+}
+
+double number(const Json& j, const char* key) { return j.contains(key) && j[key].is_number() ? j[key].get<double>() : NAN; }
+
+// The first line of an error message.
+std::string first_error(const std::string& err) {
+  std::size_t at = err.find("error: ");
+  if (at == std::string::npos) return "";
+  at += 7;
+  return err.substr(at, err.find('\n', at) - at);
+}
+
+// How a run ended, in a few words.
+std::string ending(const Ended& end, const std::string& err, double limit) {
+  if (end.code == -1) return fmt::format("not done after {:.0f} s", limit);
+  if (end.code >= 128) return fmt::format("ended by signal {}", end.code - 128);
+  return fmt::format("exit code {}: {}", end.code, first_error(err));
+}
+
+// Reads certificate.json; tells what is wrong with the run, "" if nothing.
+std::string read_certificate(const std::string& dir, bool expects_failure, const Ended& end, HardRow& row) {
+  const Json j = Json::parse(read_text(dir + "/certificate.json"), nullptr, false);
+  if (j.is_discarded()) return "no certificate";
+  const Json &solver = j["solver"], &invariants = j["invariants"];
+  row.steps = solver["steps"], row.newton_max = solver["newton_iterations_max"], row.halved = solver["halved_steps"];
+  row.newton_mean = number(solver, "newton_iterations_mean");
+  row.residual = number(solver, "residual_over_tolerance_max");
+  row.min_distance = number(invariants, "min_distance_m"), row.min_det_f = number(invariants, "min_det_F");
+  std::string wrong;
+  const auto say = [&](const std::string& what) {
+    if (wrong.empty()) wrong = what;
+  };
+  if (end.code != 0 && !expects_failure) say(fmt::format("exit code {}: {}", end.code, first_error("error: " + j["message"].get<std::string>())));
+  const bool refused = expects_failure && end.code == static_cast<int>(Exit::scene);  // then the first state may touch
+  if (invariants["not_finite_values"] != 0 && !refused) say("not finite: " + j["reason"].get<std::string>());
+  for (const Json& c : j.value("criteria", Json::array())) {
+    const std::string text = c["criterion"];
+    if (text.starts_with("energy_gain")) row.energy_gain = number(c, "value");
+    if (text == kOnlyMeasured) continue;
+    if (!c["pass"].get<bool>()) say(text + ": " + (c["value"].is_number() ? fmt::format("{:.4g}", c["value"].get<double>()) : c["value"].is_string() ? c["value"].get<std::string>() : "not measured"));
+  }
+  return wrong;
+}
+
+// A run refused before there was a folder for it has no certificate: its outcome is in the exit code and the message.
+std::string refused(const HardCase& c, const Ended& end, const std::string& err) {
+  if (!c.expects_failure || end.code != static_cast<int>(Exit::scene)) return "refused: " + first_error(err);
+  return "";
+}
+
+std::string judge(const std::string& dir, HardRow& row) {
+  const std::string program = (fs::path(own_program()).parent_path() / "mortise_judge").string(), fields = dir + "/fields.vtkhdf";
+  if (!fs::exists(program) || !fs::exists(fields)) return "";
+  const Ended end = run_program({program, fields}, dir + "/judge.json", dir + "/judge.err", 120);
+  row.judged = true;
+  if (end.code == 0) return "";
+  const Json j = Json::parse(read_text(dir + "/judge.json"), nullptr, false);
+  if (j.is_discarded()) return "the judge cannot read the fields: " + read_text(dir + "/judge.err");
+  return fmt::format("judge: {} (frame {})", j["what"].get<std::string>(), j["first_frame"].get<long>());
+}
+
+HardRow run_case(const HardCase& c, const HardOptions& o) {
+  HardRow row;
+  row.name = c.name, row.method = c.method, row.variant = c.variant;
+  std::string label = c.name + "-" + c.method + (c.variant.empty() ? "" : "-" + c.variant);
+  for (char& ch : label)
+    if (!std::isalnum(static_cast<unsigned char>(ch)) && ch != '.' && ch != '-') ch = '_';
+  const std::string scene = o.output + "/" + label + ".yaml", dir = o.output + "/" + label;
+  std::ofstream(scene) << c.text;
+  row.replay = fmt::format("{} run {} --overwrite --no-render -o {}", own_program(), scene, dir);
+  fs::remove_all(dir);
+  std::vector<std::string> arguments{own_program(), "run", scene, "--no-render", "--quiet", "--device", "cpu", "-o", dir};
+  if (o.threads > 0) arguments.insert(arguments.end(), {"--threads", std::to_string(o.threads)});
+  const std::string err_file = scene + ".err";
+  const Ended end = run_program(arguments, "/dev/null", err_file, o.time_limit);
+  const std::string err = read_text(err_file);
+  fs::remove(err_file);
+  row.seconds = end.seconds;
+  if (end.code < 0 || end.code >= 128)
+    row.reason = ending(end, err, o.time_limit);
+  else if (fs::exists(dir + "/certificate.json"))
+    row.reason = read_certificate(dir, c.expects_failure, end, row);
+  else
+    row.reason = refused(c, end, err);
+  const std::string judged = end.code == static_cast<int>(Exit::scene) ? "" : judge(dir, row);
+  if (row.reason.empty()) row.reason = judged;
+  row.pass = row.reason.empty();
+  return row;
+}
+
+std::string cell(double v) { return std::isfinite(v) ? fmt::format("{:.3g}", v) : "-"; }
+
+}  // namespace
+
+Ended run_program(const std::vector<std::string>& arguments, const std::string& out, const std::string& err, double limit) {
+  const auto begin = Time::now();
+  const auto elapsed = [&] { return std::chrono::duration<double>(Time::now() - begin).count(); };
+  std::vector<char*> argv;
+  for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+  argv.push_back(nullptr);
+  const pid_t child = fork();
+  if (child < 0) throw Error(Exit::internal, "cannot start a process");
+  if (child == 0) {
+    for (const auto& [path, target] : {std::pair{&out, 1}, std::pair{&err, 2}}) {
+      const int fd = open(path->c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+      if (fd >= 0) dup2(fd, target);
+    }
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+  int status = 0;
+  for (auto wait = std::chrono::milliseconds(1); waitpid(child, &status, WNOHANG) == 0; wait = std::min(2 * wait, std::chrono::milliseconds(50))) {
+    if (elapsed() > limit) {
+      kill(child, SIGKILL);
+      waitpid(child, &status, 0);
+      return {-1, elapsed()};
+    }
+    std::this_thread::sleep_for(wait);
+  }
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), elapsed()};
+}
+
+std::vector<HardRow> run_hard(const HardOptions& options, const std::function<void(const HardRow&)>& emit) {
+  HardOptions o = options;
+  if (o.scenes.empty()) o.scenes = find_scenes();
+  if (!fs::is_directory(o.scenes)) throw Error(Exit::file, "'" + o.scenes + "' is not a folder");
+  fs::create_directories(o.output);
+  o.output = fs::absolute(o.output).string();
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(o.scenes))
+    if (entry.path().extension() == ".yaml" && wanted(entry.path().filename().string(), o.only)) files.push_back(entry.path().string());
+  std::sort(files.begin(), files.end());
+  if (files.empty()) throw Error(Exit::usage, "no scene of " + o.scenes + " is wanted");
+  std::vector<HardRow> rows;
+  for (const std::string& file : files)
+    for (const HardCase& c : hard_cases(file, o.full)) {
+      rows.push_back(run_case(c, o));
+      if (emit) emit(rows.back());
+    }
+  return rows;
+}
+
+std::string hard_json(const HardRow& r) {
+  const auto num = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
+  return Json{{"case", r.name}, {"method", r.method}, {"variant", r.variant}, {"pass", r.pass}, {"reason", r.reason}, {"judged", r.judged}, {"steps", r.steps},
+              {"newton_max", r.newton_max}, {"newton_mean", num(r.newton_mean)}, {"halved_steps", r.halved}, {"min_distance", num(r.min_distance)},
+              {"min_det_f", num(r.min_det_f)}, {"energy_gain", num(r.energy_gain)}, {"residual", num(r.residual)}, {"seconds", num(r.seconds)}, {"replay", r.replay}}
+      .dump();
+}
+
+std::string hard_header() {
+  return fmt::format("{:22} {:8} {:14} {:>5} {:>10} {:>9} {:>9} {:>9} {:>8} {:>7} {:>7}  {}\n", "case", "method", "variant", "steps", "newton", "distance", "det F", "gain", "residual",
+                     "seconds", "verdict", "reason");
+}
+
+std::string hard_line(const HardRow& r) {
+  return fmt::format("{:22} {:8} {:14} {:>5} {:>10} {:>9} {:>9} {:>9} {:>8} {:>7.1f} {:>7}  {}\n", r.name, r.method, r.variant, r.steps, fmt::format("{}/{:.1f}", r.newton_max, r.newton_mean),
+                     cell(r.min_distance), cell(r.min_det_f), cell(r.energy_gain), cell(r.residual), r.seconds, r.pass ? "pass" : "FAIL", r.reason);
+}
+
+std::string hard_summary(const std::vector<HardRow>& rows) {
+  long passed = 0, judged = 0;
+  double seconds = 0;
+  for (const HardRow& r : rows) passed += r.pass, judged += r.judged, seconds += r.seconds;
+  return fmt::format("{} of {} pass; {} judged independently; {:.0f} s\n", passed, rows.size(), judged, seconds);
+}
+
+}  // namespace mortise::study

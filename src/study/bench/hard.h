@@ -1,0 +1,61 @@
+#pragma once
+// `mortise bench hard`: the scenes of scenes/hard, each run by the program itself in a process of its own, so that a crash or an endless
+// loop is a row of the table like any other failure. A row passes when the run ends as its scene says, every criterion of the scene holds
+// and mortise_judge finds nothing in the saved states.
+//
+// A scene may hold, under the key `x-hard` (which `mortise run` passes over):
+//   mortar:    the mortar_contact block that replaces barrier_contact in the mortar variant; absent: there is none
+//   full:      --set values of a full run
+//   variants:  name -> list of --set values: runs beside the base, with barrier_contact (full: with mortar_contact as well)
+#include <cmath>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace mortise::study {
+
+struct HardOptions {
+  std::string scenes;              // folder; empty: scenes/hard, searched upwards from here and from the program
+  std::string output;              // folder of the runs
+  bool full = false;               // whole lengths and all variants; otherwise each case is cut to seconds
+  std::vector<std::string> only;   // case ids or beginnings of scene names; empty: all
+  int threads = 0;
+  double time_limit = 120;         // of a run [s]
+};
+
+struct HardRow {
+  std::string name, method, variant;
+  long steps = 0, newton_max = 0, halved = 0;
+  double newton_mean = NAN, min_distance = NAN, min_det_f = NAN, energy_gain = NAN, residual = NAN, seconds = NAN;
+  bool pass = false, judged = false;
+  std::string reason;  // what failed first; empty when it passed
+  std::string replay;  // one command
+};
+
+// Runs them; rows come as they are measured. Throws Error(Exit::usage | Exit::file).
+std::vector<HardRow> run_hard(const HardOptions& options, const std::function<void(const HardRow&)>& emit);
+
+std::string hard_json(const HardRow& row);  // one line
+std::string hard_header();
+std::string hard_line(const HardRow& row);
+std::string hard_summary(const std::vector<HardRow>& rows);
+
+// --- parts, also used by the fuzzer (tools and tests run scenes in the same way) ---
+
+// A scene to run: text, and what to call it.
+struct HardCase {
+  std::string name, method, variant, text;
+  bool expects_failure = false;  // its checks hold an outcome other than done
+};
+// The cases of one scene file.
+std::vector<HardCase> hard_cases(const std::string& path, bool full);
+
+struct Ended {
+  int code = -1;  // exit code; 128 + signal; -1: over the time limit
+  double seconds = 0;
+};
+// Runs a program without a shell; stdout and stderr go to files. Ends it when it takes longer than `limit` seconds.
+Ended run_program(const std::vector<std::string>& arguments, const std::string& out, const std::string& err, double limit);
+
+}  // namespace mortise::study
