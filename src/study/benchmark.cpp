@@ -54,8 +54,8 @@ const Benchmark* find_benchmark(const std::string& name) {
 std::span<const Benchmark> benchmarks() {
   static const Benchmark all[] = {
       {"barrier", "gap of a block on a plane under uniform pressure (B27)", {}, bench::barrier},
-      {"patch", "uniform stress through two blocks with matching and other meshes (B01, B02, B05)", {}, bench::patch},
-      {"hertz", "sphere on a block: pressure, its peak, contact radius (B07)", {"size", "d_hat", "k", "profile"}, bench::hertz},
+      {"patch", "uniform stress through two blocks with matching and other meshes (B01, B02, B05)", {"order"}, bench::patch},
+      {"hertz", "sphere on a block: pressure, its peak, contact radius (B07)", {"size", "order", "d_hat", "k", "profile"}, bench::hertz},
       {"tower", "forces and gaps in a stack of blocks under gravity (B26)", {}, bench::tower},
       {"slide", "drag of a block on a tessellated plane without friction (H58)", {}, bench::slide},
   };

@@ -182,9 +182,7 @@ Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInp
 void set_mesh(model::ModelInput& input, const std::string& body, const geometry::TetMesh& mesh) {
   for (model::BodyInput& b : input.bodies) {
     if (b.name != body) continue;
-    b.triangles = geometry::boundary_triangles(mesh);
-    b.nodes = mesh.points;
-    b.tets = mesh.tets;
+    model::set_mesh(b, mesh);
     if (b.type == model::BodyType::stiff) {
       const geometry::TriMesh surface = geometry::surface_of(mesh);
       b.nodes = surface.points, b.triangles = surface.triangles;

@@ -102,40 +102,29 @@ MORTISE_HD inline model::Expansion<kPoints> blocks_of(const model::PointMapView&
 
 }  // namespace
 
-// Over a quarter a quadratic face stands off by sum N_i N_j d_ij, with d the distance of the node in the middle of an edge of the face from
-// its mean, on the edge of the quarter parallel to it; that is at most max |d|/3.
-std::vector<double> bulges(const model::QuadraticFaces& faces, View<const Vec3> y, const std::vector<Index>& triangle_env) {
-  std::vector<double> out(triangle_env.size() - 1, 0.0);
-  if (faces.quarter.size() == 0) return out;
+void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& faces, View<const Vec3> y, Buffer<Vec3>& normal,
+             Buffer<double>& area, Buffer<double>& bow) {
+  normal.resize(surface.triangles.n), area.resize(surface.triangles.n), bow.resize(faces.quarter.size());
+  const View<Vec3> n = normal.view();
+  const View<double> a = area.view(), most = bow.view();
+  const View<const Triangle> triangles = surface.triangles;
   const View<const geometry::Face> face = faces.nodes.view();
   const View<const Index> quarter = faces.quarter.view();
-  device::env_max(
-      "mortar_contact.bulges", triangle_env,
-      [=] MORTISE_HD(Index t) {
-        if (quarter[t] < 0) return 0.0;
-        const Index* v = face[quarter[t] / 4].v;
-        double most = 0;
-        for (int e = 0; e < 3; ++e) {
-          const Vec3 d = y[v[3 + e]] - 0.5 * (y[v[geometry::edge_begin(e)]] + y[v[geometry::edge_end(e)]]);
-          most = std::fmax(most, d.norm() / 3);
-        }
-        return most;
-      },
-      out);
-  return out;
-}
-
-void measure(const geometry::SurfaceView& surface, View<const Vec3> y, Buffer<Vec3>& normal, Buffer<double>& area) {
-  normal.resize(surface.triangles.n), area.resize(surface.triangles.n);
-  const View<Vec3> n = normal.view();
-  const View<double> a = area.view();
-  const View<const Triangle> triangles = surface.triangles;
   device::parallel_for("mortar_contact.measure", triangles.n, [=] MORTISE_HD(Index t) {
     const Index* v = triangles[t].v;
     const Vec3 twice = (y[v[1]] - y[v[0]]).cross(y[v[2]] - y[v[0]]);
     const double length = twice.norm();
     n[t] = twice / length;
     a[t] = length / 2;
+    if (most.n == 0) return;
+    // Over a quarter the face stands off by sum N_i N_j d_ij, with d the distance of the node in the middle of an edge of the face from
+    // its mean, for the edge of the quarter parallel to it: by max |d|/3 at most.
+    most[t] = 0;
+    for (int e = 0; quarter[t] >= 0 && e < 3; ++e) {
+      const Index* f = face[quarter[t] / 4].v;
+      const Vec3 d = y[f[3 + e]] - 0.5 * (y[f[geometry::edge_begin(e)]] + y[f[geometry::edge_end(e)]]);
+      most[t] = std::fmax(most[t], d.norm() / 3);
+    }
   });
 }
 

@@ -85,11 +85,9 @@ class Search {
   Buffer<Index> offset_, slave_, master_;
 };
 
-// How far any quadratic face stands off its quarters, per environment (triangle_env: first triangle of each) [m]; 0 without such faces.
-std::vector<double> bulges(const model::QuadraticFaces& faces, View<const Vec3> y, const std::vector<Index>& triangle_env);
-
-// Normals and areas of all triangles.
-void measure(const geometry::SurfaceView& surface, View<const Vec3> y, Buffer<Vec3>& normal, Buffer<double>& area);
+// Normals and areas of all triangles; bow [m]: the most by which a quadratic face stands off its quarter, empty where all are linear.
+void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& faces, View<const Vec3> y, Buffer<Vec3>& normal,
+             Buffer<double>& area, Buffer<double>& bow);
 
 // The samples at y with a gap below support + margin[env].
 void freeze(const Scene& s, Search& search, const Buffer<Vec3>& y, const Buffer<double>& margin, Frozen& out);

@@ -79,6 +79,7 @@ class MortarContact final : public Effect {
     set_.share = p.flag("two_pass") ? 0.5 : 1;
     choose_pairs(p.at("pairs"), p.flag("two_pass"));
     choose_slaves();
+    margin_.upload(std::vector<double>(model.envs, 0.0));
     if (set_.quadrature == 1 && model.faces.quarter.size() > 0)
       throw Error(Exit::scene, p.at("quadrature").where(), "one point per piece is not enough for the shape functions of quadratic faces: 3, 6 or 7");
     automatic_ = !p.has("stiffness");
@@ -182,7 +183,6 @@ class MortarContact final : public Effect {
       const double way = 2 * std::min(1.0, alpha[e]) * farthest[e];
       margin[e] = std::isfinite(way) ? std::min(way, kFarthest * set_.d_hat) : 0;
       most = std::max(most, margin[e]);
-      margin[e] += bulge_[e];
     }
     if (most < 1e-3 * set_.d_hat) return;
     Buffer<double> buffer(margin);
@@ -235,9 +235,6 @@ class MortarContact final : public Effect {
           slaves.push_back(t), env.push_back(e);
       }
     slaves_.upload(slaves);
-    std::vector<Index> triangle_env;
-    for (const model::Body& body : model_.bodies) triangle_env.resize(body.triangle_end, body.env);
-    triangle_env_ = env_offsets(triangle_env, model_.envs);
     support_.upload(std::vector<double>(slaves.size(), set_.d_hat));
     search_ = Search(env_offsets(env, model_.envs));
   }
@@ -263,7 +260,7 @@ class MortarContact final : public Effect {
     surface.pair_allowed = directed_.view();
     return {set_,           surface,        near_.topology(), law_.view(),    kappa_view_.view(),
             near_.planes(), slaves_.view(), support_.view(),  normal_.view(), area_.view(),
-            std::as_const(model_.faces.nodes).view(), std::as_const(model_.faces.quarter).view()};
+            std::as_const(model_.faces.nodes).view(), std::as_const(model_.faces.quarter).view(), bow_.view()};
   }
   // The guard is the barrier of barrier_contact in its classic form: every pair of primitives has the same weight. With the mean
   // third of a slave triangle as that weight its stiffness is that of the mortar samples.
@@ -277,10 +274,7 @@ class MortarContact final : public Effect {
 
   // Samples within range at y.
   void refreeze() {
-    measure(model_.surface.view(), near_.y(), normal_, area_);
-    bulge_ = bulges(model_.faces, near_.y(), triangle_env_);
-    for (double& b : bulge_) b *= 2;  // of the slave and of the master
-    margin_.upload(bulge_);
+    measure(model_.surface.view(), model_.faces, near_.y(), normal_, area_, bow_);
     freeze(scene(), search_, near_.points(), margin_, frozen_);
   }
 
@@ -326,10 +320,8 @@ class MortarContact final : public Effect {
   double guard_kappa_ = 0;  // kappa times the weight of a guard pair [N]
   contact::Proximity near_;
   Search search_;
-  std::vector<Index> triangle_env_;  // first triangle of every environment
-  std::vector<double> bulge_;        // reach beyond the quarters of quadratic faces, per environment [m]
   Buffer<Index> law_, slaves_;
-  Buffer<double> kappa_view_, support_, margin_, area_;
+  Buffer<double> kappa_view_, support_, margin_, area_, bow_;
   Buffer<std::uint8_t> directed_;
   Buffer<Vec3> normal_;
   Frozen frozen_;

@@ -77,6 +77,8 @@ struct Scene {
   View<const double> area;     // [m^2]
   View<const geometry::Face> faces;  // quadratic ones
   View<const Index> quarter;         // per triangle: 4 face + quarter, or -1; empty where all faces are linear
+  View<const double> bow;            // and the most by which the face stands off the triangle [m]
+  MORTISE_HD double bow_of(Index triangle) const { return bow.n > 0 ? bow[triangle] : 0; }
   MORTISE_HD FaceNodes nodes_of(Index triangle) const {
     const Index q = quarter.n > 0 ? quarter[triangle] : -1;
     FaceNodes out;
@@ -251,7 +253,7 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
   const Facing f = project(s, p.plane, master, y);
   const double lowest = std::fmin(f.height[0], std::fmin(f.height[1], f.height[2]));
   const double highest = std::fmax(f.height[0], std::fmax(f.height[1], f.height[2]));
-  if (!(lowest < p.reach && highest > 0)) return;
+  if (!(lowest < p.reach + s.bow_of(p.slave) + s.bow_of(master) && highest > 0)) return;
   const bool layers = any_layer(s, p, i, f, y);
   const Bulge bulge = bulge_of(s, p.plane, master, y);
   const double least = p.bulge.on.count + bulge.on.count > 0 ? kLeastGap * p.support : 0;

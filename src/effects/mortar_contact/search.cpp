@@ -34,7 +34,7 @@ MORTISE_HD inline Index masters_near(const Scene& s, const geometry::BvhView& tr
 void Search::update(const Scene& s, View<const Vec3> y, const Buffer<double>& margin) {
   const geometry::SurfaceView& surface = s.surface;
   tree_.update({surface.triangles.n ? surface.triangles.p->v : nullptr, surface.triangles.n, 3}, surface,
-               static_cast<Index>(slave_env_.size()) - 1, y, {}, 0);
+               static_cast<Index>(slave_env_.size()) - 1, y, {}, 0, s.bow);
   const geometry::BvhView tree = tree_.view();
   const View<const double> extra = margin.view();
   offset_.resize(s.slaves.n + 1);
@@ -42,7 +42,7 @@ void Search::update(const Scene& s, View<const Vec3> y, const Buffer<double>& ma
   const Scene scene = s;
   device::parallel_for("mortar_contact.count_masters", s.slaves.n, [=] MORTISE_HD(Index i) {
     const Index env = scene.surface.env[scene.surface.triangles[scene.slaves[i]].v[0]];
-    count[i] = masters_near(scene, tree, y, scene.slaves[i], scene.support[i] + extra[env], nullptr);
+    count[i] = masters_near(scene, tree, y, scene.slaves[i], scene.support[i] + extra[env] + scene.bow_of(scene.slaves[i]), nullptr);
   });
   const Index n = device::exclusive_scan(offset_);
   slave_.resize(n), master_.resize(n);
@@ -50,7 +50,7 @@ void Search::update(const Scene& s, View<const Vec3> y, const Buffer<double>& ma
   device::parallel_for("mortar_contact.find_masters", s.slaves.n, [=] MORTISE_HD(Index i) {
     if (count[i + 1] == count[i]) return;
     const Index env = scene.surface.env[scene.surface.triangles[scene.slaves[i]].v[0]];
-    masters_near(scene, tree, y, scene.slaves[i], scene.support[i] + extra[env], master.p + count[i]);
+    masters_near(scene, tree, y, scene.slaves[i], scene.support[i] + extra[env] + scene.bow_of(scene.slaves[i]), master.p + count[i]);
     for (Index k = count[i]; k < count[i + 1]; ++k) slave[k] = i;
   });
 }

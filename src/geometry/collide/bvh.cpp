@@ -79,11 +79,11 @@ void morton_order(const Primitives& p, const SurfaceView& s, Index environments,
 }
 
 void build_leaves(const Primitives& p, const SurfaceView& s, View<const Index> order, View<const Vec3> y, View<const Vec3> dy,
-                  double grow, View<BvhNode> nodes) {
+                  double grow, View<const double> more, View<BvhNode> nodes) {
   const Index* v = p.v;
   const int corners = p.corners;
   device::parallel_for("bvh.leaves", p.n, [=] MORTISE_HD(Index i) {
-    nodes[i] = swept_box(v + order[i] * corners, corners, order[i], s, y, dy, grow);
+    nodes[i] = swept_box(v + order[i] * corners, corners, order[i], s, y, dy, more.n > 0 ? grow + more[order[i]] : grow);
   });
 }
 
@@ -109,7 +109,7 @@ void build_level(View<BvhNode> nodes, Index from, Index count, Index to, Index n
 }  // namespace
 
 void Bvh::update(const Primitives& p, const SurfaceView& surface, Index environments, View<const Vec3> y, View<const Vec3> dy,
-                 double grow) {
+                 double grow, View<const double> more) {
   constexpr int kReorderEvery = 16;  // bodies move little between updates
   if (p.n == 0) {
     shape_.levels = 0;
@@ -126,7 +126,7 @@ void Bvh::update(const Primitives& p, const SurfaceView& surface, Index environm
   }
   nodes_.resize(total);
   const View<BvhNode> nodes = nodes_.view();
-  build_leaves(p, surface, order_.view(), y, dy, grow, nodes);
+  build_leaves(p, surface, order_.view(), y, dy, grow, more, nodes);
   for (int l = 1; l < shape_.levels; ++l)
     build_level(nodes, shape_.start[l - 1], shape_.size[l - 1], shape_.start[l], shape_.size[l]);
 }

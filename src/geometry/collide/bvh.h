@@ -92,9 +92,10 @@ struct BvhCursor {
 
 class Bvh {
  public:
-  // Boxes of the primitives moving from y to y + dy, grown by `grow`; primitives and surface must be those of earlier calls.
+  // Boxes of the primitives moving from y to y + dy, grown by `grow` and, if given, by what `more` says of each; primitives and surface
+  // must be those of earlier calls.
   void update(const Primitives& primitives, const SurfaceView& surface, Index environments, device::View<const Vec3> y,
-              device::View<const Vec3> dy, double grow);
+              device::View<const Vec3> dy, double grow, device::View<const double> more = {});
   BvhView view() const;
 
  private:
