@@ -67,14 +67,15 @@ int bench_named(const Options& o, const study::Benchmark& benchmark) {
 constexpr const char* kCcdHelp = "continuous collision detection against queries with exact answers (--data DIR)";
 
 int cmd_bench(const Options& o) {
-  std::vector<std::string> names{"ccd", "hard"};
+  std::vector<std::string> names{"ccd", "hard", "fuzz"};
   for (const study::Benchmark& b : study::benchmarks()) names.push_back(b.name);
   if (o.list) {
     for (const study::Benchmark& b : study::benchmarks()) std::cout << fmt::format("{:12} {}\n", b.name, b.help);
-    std::cout << fmt::format("{:12} {}\n{:12} {}\n", "ccd", kCcdHelp, "hard", kHardHelp);
+    std::cout << fmt::format("{:12} {}\n{:12} {}\n{:12} {}\n", "ccd", kCcdHelp, "hard", kHardHelp, "fuzz", kFuzzHelp);
     return 0;
   }
   if (o.name == "ccd") return bench_ccd(o);
+  if (o.name == "fuzz") return bench_fuzz(o.hard, o.result, o.threads, o.json);
   if (o.name == "hard") return bench_hard(o.hard, o.data, o.result, o.threads, o.json);
   if (const study::Benchmark* b = study::find_benchmark(o.name)) return bench_named(o, *b);
   if (o.name.empty()) throw Error(Exit::usage, "name a benchmark; see 'mortise bench --list'");

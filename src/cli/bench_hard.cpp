@@ -15,34 +15,59 @@ void add_hard_flags(CLI::App& sub, HardFlags& flags) {
   auto* quick = sub.add_flag("--quick", flags.quick, "hard: every case cut to seconds (the default)");
   sub.add_flag("--full", flags.full, "hard: whole lengths, variants with both contact methods")->excludes(quick);
   sub.add_option("--only", flags.only, "hard: only these cases (H11, or the beginning of a scene's name)")->delimiter(',');
-  sub.add_option("--out", flags.output, "hard: folder of the runs")->capture_default_str();
+  sub.add_option("--out", flags.output, "hard, fuzz: folder of the runs (default out/hard, out/fuzz)");
+  sub.add_option("--seeds", flags.seeds, "fuzz: how many")->capture_default_str();
+  sub.add_option("--first", flags.first_seed, "fuzz: the first seed")->capture_default_str();
 }
 
-int bench_hard(const HardFlags& flags, const std::string& scenes, const std::string& result, int threads, bool json) {
-  study::HardOptions o;
-  o.scenes = scenes, o.output = flags.output, o.full = flags.full, o.only = flags.only, o.threads = threads;
-  o.time_limit = flags.full ? 3600 : 60;
-  if (!json) std::cout << study::hard_header() << std::flush;
-  const auto rows = study::run_hard(o, [&](const study::HardRow& row) { std::cout << (json ? study::hard_json(row) + "\n" : study::hard_line(row)) << std::flush; });
-  if (!json) std::cout << study::hard_summary(rows);
-  if (!result.empty()) {
-    const output::Hardware machine = output::hardware();
-    nlohmann::ordered_json j{{"benchmark", "hard"},
-                             {"program", version_text()},
-                             {"machine", {{"cpu", machine.cpu}, {"cores", machine.cores}, {"memory_bytes", machine.memory_bytes}}},
-                             {"rows", nlohmann::ordered_json::array()}};
-    for (const study::HardRow& row : rows) {
-      auto entry = nlohmann::ordered_json::parse(study::hard_json(row));
-      entry.erase("replay");  // paths of this machine
-      j["rows"].push_back(entry);
-    }
-    std::ofstream file(result);
-    file << j.dump(1) << "\n";
-    if (!file.flush()) throw Error(Exit::file, "cannot write '" + result + "'");
+namespace {
+
+void write_result(const std::string& path, const std::string& name, const std::vector<study::HardRow>& rows) {
+  if (path.empty()) return;
+  const output::Hardware machine = output::hardware();
+  nlohmann::ordered_json j{{"benchmark", name},
+                           {"program", version_text()},
+                           {"machine", {{"cpu", machine.cpu}, {"cores", machine.cores}, {"memory_bytes", machine.memory_bytes}}},
+                           {"rows", nlohmann::ordered_json::array()}};
+  for (const study::HardRow& row : rows) {
+    auto entry = nlohmann::ordered_json::parse(study::hard_json(row));
+    entry.erase("replay");  // paths of this machine
+    j["rows"].push_back(entry);
   }
+  std::ofstream file(path);
+  file << j.dump(1) << "\n";
+  if (!file.flush()) throw Error(Exit::file, "cannot write '" + path + "'");
+}
+
+int finish(const std::string& name, const std::vector<study::HardRow>& rows, const std::string& result, bool json) {
+  if (!json) std::cout << study::hard_summary(rows);
+  write_result(result, name, rows);
   for (const study::HardRow& row : rows)
     if (!row.pass) return static_cast<int>(Exit::solve);
   return static_cast<int>(Exit::done);
+}
+
+}  // namespace
+
+int bench_hard(const HardFlags& flags, const std::string& scenes, const std::string& result, int threads, bool json) {
+  study::HardOptions o;
+  o.scenes = scenes, o.output = flags.output.empty() ? "out/hard" : flags.output, o.full = flags.full, o.only = flags.only, o.threads = threads;
+  o.time_limit = flags.full ? 3600 : 60;
+  if (!json) std::cout << study::hard_header() << std::flush;
+  const auto rows = study::run_hard(o, [&](const study::HardRow& row) { std::cout << (json ? study::hard_json(row) + "\n" : study::hard_line(row)) << std::flush; });
+  return finish("hard", rows, result, json);
+}
+
+int bench_fuzz(const HardFlags& flags, const std::string& result, int threads, bool json) {
+  study::HardOptions o;
+  o.output = flags.output.empty() ? "out/fuzz" : flags.output, o.threads = threads, o.time_limit = 60;
+  if (!json) std::cout << study::hard_header() << std::flush;
+  const auto rows = study::run_fuzz(o, flags.first_seed, flags.seeds, [&](const study::HardRow& row) {
+    std::cout << (json ? study::hard_json(row) + "\n" : study::hard_line(row));
+    if (!row.pass && !json) std::cout << "    " << row.replay << "\n";
+    std::cout << std::flush;
+  });
+  return finish("fuzz", rows, result, json);
 }
 
 }  // namespace mortise::cli

@@ -10,12 +10,16 @@ namespace mortise::cli {
 struct HardFlags {
   bool quick = false, full = false;
   std::vector<std::string> only;
-  std::string output = "out/hard";
+  std::string output;
+  unsigned long seeds = 100, first_seed = 1;
 };
 void add_hard_flags(CLI::App& sub, HardFlags& flags);
 
 constexpr const char* kHardHelp = "hard cases of contact, one process per run, judged by their own criteria (H01-H73)";
 
+constexpr const char* kFuzzHelp = "random scenes under the checks of the hard cases (--seeds N --first S)";
+
+int bench_fuzz(const HardFlags& flags, const std::string& result, int threads, bool json);
 int bench_hard(const HardFlags& flags, const std::string& scenes, const std::string& result, int threads, bool json);
 
 }  // namespace mortise::cli

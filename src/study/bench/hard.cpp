@@ -108,10 +108,16 @@ std::string judge(const std::string& dir, HardRow& row) {
   return fmt::format("judge: {} (frame {})", j["what"].get<std::string>(), j["first_frame"].get<long>());
 }
 
-HardRow run_case(const HardCase& c, const HardOptions& o) {
+std::string cell(double v) { return std::isfinite(v) ? fmt::format("{:.3g}", v) : "-"; }
+
+}  // namespace
+
+HardRow run_hard_case(const HardCase& c, const HardOptions& o) {
   HardRow row;
   row.name = c.name, row.method = c.method, row.variant = c.variant;
-  std::string label = c.name + "-" + c.method + (c.variant.empty() ? "" : "-" + c.variant);
+  std::string label = c.name;
+  for (const std::string& part : {c.method, c.variant})
+    if (!part.empty()) label += "-" + part;
   for (char& ch : label)
     if (!std::isalnum(static_cast<unsigned char>(ch)) && ch != '.' && ch != '-') ch = '_';
   const std::string scene = o.output + "/" + label + ".yaml", dir = o.output + "/" + label;
@@ -136,10 +142,6 @@ HardRow run_case(const HardCase& c, const HardOptions& o) {
   row.pass = row.reason.empty();
   return row;
 }
-
-std::string cell(double v) { return std::isfinite(v) ? fmt::format("{:.3g}", v) : "-"; }
-
-}  // namespace
 
 Ended run_program(const std::vector<std::string>& arguments, const std::string& out, const std::string& err, double limit) {
   const auto begin = Time::now();
@@ -183,7 +185,7 @@ std::vector<HardRow> run_hard(const HardOptions& options, const std::function<vo
   std::vector<HardRow> rows;
   for (const std::string& file : files)
     for (const HardCase& c : hard_cases(file, o.full)) {
-      rows.push_back(run_case(c, o));
+      rows.push_back(run_hard_case(c, o));
       if (emit) emit(rows.back());
     }
   return rows;

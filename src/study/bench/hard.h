@@ -5,6 +5,7 @@
 //
 // A scene may hold, under the key `x-hard` (which `mortise run` passes over):
 //   mortar:    the mortar_contact block that replaces barrier_contact in the mortar variant; absent: there is none
+//   mortar_checks: further checks of that variant
 //   full:      --set values of a full run
 //   variants:  name -> list of --set values: runs beside the base, with barrier_contact (full: with mortar_contact as well)
 #include <cmath>
@@ -41,7 +42,7 @@ std::string hard_header();
 std::string hard_line(const HardRow& row);
 std::string hard_summary(const std::vector<HardRow>& rows);
 
-// --- parts, also used by the fuzzer (tools and tests run scenes in the same way) ---
+// --- parts ---
 
 // A scene to run: text, and what to call it.
 struct HardCase {
@@ -55,6 +56,18 @@ struct Ended {
   int code = -1;  // exit code; 128 + signal; -1: over the time limit
   double seconds = 0;
 };
+// Runs one; options.output must be absolute.
+HardRow run_hard_case(const HardCase& c, const HardOptions& options);
+
+// --- fuzzer ---
+
+// A random scene: primitives, materials, contact effects, time steps and scales from a seed, with the common checks of the hard cases.
+HardCase fuzz_case(unsigned long seed);
+// Takes parts out of a scene that failed for as long as it fails in the same way; returns the file with what is left.
+std::string reduce(const HardCase& failed, const HardRow& row, const HardOptions& options);
+// Runs the seeds first ... first + count - 1. A row that failed names the reduced scene in `replay`.
+std::vector<HardRow> run_fuzz(const HardOptions& options, unsigned long first, unsigned long count, const std::function<void(const HardRow&)>& emit);
+
 // Runs a program without a shell; stdout and stderr go to files. Ends it when it takes longer than `limit` seconds.
 Ended run_program(const std::vector<std::string>& arguments, const std::string& out, const std::string& err, double limit);
 

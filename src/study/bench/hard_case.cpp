@@ -95,6 +95,8 @@ std::vector<HardCase> hard_cases(const std::string& path, bool full) {
         if (full && hard && hard["full"]) apply(scene, hard["full"]);
         apply(scene, sets);
         if (mortar) use_mortar(scene, hard["mortar"]);
+        if (mortar && hard["mortar_checks"])
+          for (const auto& check : hard["mortar_checks"]) scene["checks"].push_back(check);
         measure_energy(scene);
         scene["output"]["precision"] = "double";
         HardCase c{name, method, variant, "", false};
