@@ -22,6 +22,14 @@ struct ContactSample {
   Index body_a = 0, body_b = 0;  // slave (or first) and master (or second) body; obstacles count after the bodies
 };
 
+// Is the other side an obstacle that does not move? Then the normal points at the first body, else away from it. Single weights do not
+// tell: shape functions of quadratic faces have both signs.
+MORTISE_HD inline bool against_obstacle(const ContactSample& s) {
+  double sum = 0;
+  for (Index k = 0; k < s.points; ++k) sum += s.weight[k];
+  return sum > 0.5;
+}
+
 struct ContactView {
   device::Buffer<ContactSample> samples;  // canonical order, environments contiguous
   std::vector<Index> env_offset;          // per environment, on the host

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "base/pass_on.h"
 #include "base/version.h"
 
 namespace mortise::run {
@@ -21,23 +22,22 @@ bool starts_with(const std::string& s, const std::string& head) { return s.rfind
 }  // namespace
 
 // The report of one state.
-class Certificate::Watch : public FieldSink {
+class Certificate::Watch : public PassOn {
  public:
+  using PassOn::PassOn;
   void points(std::string_view name, std::string_view unit, int components, std::span<const double> values) override {
-    if (next) next->points(name, unit, components, values);
+    PassOn::points(name, unit, components, values);
     for (double v : values) check(v, name);
   }
-  void cells(std::string_view name, std::string_view unit, int components, std::span<const double> values) override {
-    if (next) next->cells(name, unit, components, values);  // NaN by design on stiff bodies
-  }
+  // Cells are not looked at: NaN by design on stiff bodies.
   void rows(std::string_view group, std::string_view name, std::string_view unit, int components, std::span<const double> values) override {
-    if (next) next->rows(group, name, unit, components, values);
+    PassOn::rows(group, name, unit, components, values);
     if (name == "gap") gap[std::string(group)].assign(values.begin(), values.end());
     if (name == "force" && components == 1) force[std::string(group)].assign(values.begin(), values.end());
     for (double v : values) check(v, name);
   }
   void scalar(std::string_view group, std::string_view name, std::string_view unit, double value) override {
-    if (next) next->scalar(group, name, unit, value);
+    PassOn::scalar(group, name, unit, value);
     scalars[std::string(group) + "/" + std::string(name)] = value;
     check(value, name);
   }
@@ -50,7 +50,6 @@ class Certificate::Watch : public FieldSink {
     return it == scalars.end() ? NAN : it->second;
   }
 
-  FieldSink* next = nullptr;
   std::map<std::string, double> scalars;
   std::map<std::string, std::vector<double>> gap, force;
   long not_finite = 0;
@@ -74,34 +73,36 @@ Certificate::Certificate(const Params& scene) {
 
 FieldSink* Certificate::watch(FieldSink* next) {
   if (watch_) take(*watch_);
-  watch_ = std::make_shared<Watch>();
-  watch_->next = next;
+  watch_ = std::make_shared<Watch>(next);
   return watch_.get();
 }
 
 void Certificate::take(const Watch& seen) {
   not_finite_ += seen.not_finite;
   if (first_not_finite_.empty()) first_not_finite_ = seen.first_not_finite;
-  double energy = 0, defect = 0, term = 0;
+  double energy = 0, defect = 0;
+  double unsupported = NAN;  // load of a held body that its supports do not bear [N]
   bool any_energy = false, any_defect = false;
   for (const auto& [name, v] : seen.scalars) {
     const std::string leaf = name.substr(name.find('/') + 1);
     if (leaf == "min_distance") distance_.add(v);
     if (leaf == "det_F_min") det_F_.add(v);
     if (leaf == "clip_partition_defect") partition_.add(v);
+    if (leaf == "pressure_sum_defect") pressure_sum_.add(v);
+    if (starts_with(name, "supports/") && leaf.ends_with("_defect")) largest(unsupported, v);
     if (leaf == "energy" || leaf == "kinetic_energy") energy += v, any_energy = true;
     if (starts_with(leaf, "force_share_")) kind_share_[leaf.substr(12)] = v;
     if (!starts_with(name, "balance/") || leaf.size() < 2 || leaf.back() != 'x') continue;
     const std::string stem = name.substr(0, name.size() - 1);
-    const double size = std::hypot(v, seen.at(stem + "y"), seen.at(stem + "z"));
-    if (leaf == "defect_x")
-      defect = size, any_defect = true;
-    else
-      term = std::max(term, size);
+    if (leaf == "defect_x") defect = std::hypot(v, seen.at(stem + "y"), seen.at(stem + "z")), any_defect = true;
   }
   if (any_defect) {
     largest(balance_newton_, defect);
-    if (term > 0) largest(balance_relative_, defect / term);
+    largest(unsupported_newton_, unsupported);
+    if (const double scale = seen.at("balance/largest"); scale > 0) {
+      largest(balance_relative_, defect / scale);
+      largest(unsupported_relative_, unsupported / scale);
+    }
   }
   if (any_energy) {
     if (std::isnan(first_energy_))
@@ -148,6 +149,8 @@ std::vector<Certificate::Check> Certificate::checks() const {
     if (std::isfinite(value)) all.push_back({name, unit, value, exact, engineering});
   };
   add("force_balance_defect", "1", balance_relative_, 1e-10, 1e-3);
+  add("support_balance_defect", "1", unsupported_relative_, 1e-10, 1e-3);
+  add("pressure_sum_defect", "1", pressure_sum_.most, 1e-10, 1e-6);
   add("residual_over_tolerance", "1", over_tolerance_, 1, 1);
   add("lag_residual", "1", lag_relative_, 1e-6, 1e-2);
   add("clip_partition_defect", "1", partition_.most, 1e-12, 1e-9);
@@ -204,6 +207,9 @@ std::string Certificate::json(const End& end) const {
                      {"not_finite_values", c.not_finite_},
                      {"force_balance_defect_N", number(c.balance_newton_)},
                      {"force_balance_defect_relative", number(c.balance_relative_)},
+                     {"support_balance_defect_N", number(c.unsupported_newton_)},
+                     {"support_balance_defect_relative", number(c.unsupported_relative_)},
+                     {"pressure_sum_defect_relative", number(c.pressure_sum_.most)},
                      {"energy_first_J", number(c.first_energy_)},
                      {"energy_last_J", number(c.last_energy_)},
                      {"energy_largest_rise_J", number(c.largest_rise_)},

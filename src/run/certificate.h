@@ -50,11 +50,13 @@ class Certificate {
   std::map<std::string, double> d_hat_;  // by contact effect [m]
   // Of all states
   Range distance_, det_F_, partition_;
+  Range pressure_sum_;  // samples against the forces on points, relative
   std::map<std::string, Range> gap_share_;  // gap/d_hat of the samples that carry force, by effect
   std::map<std::string, double> kind_share_;  // share of force by kind of sample, last state
   long not_finite_ = 0;
   std::string first_not_finite_;
-  double balance_newton_ = NAN, balance_relative_ = NAN;
+  // Sum of all forces, and what the supports of a body leave of its load; relative to the largest force of one effect on one body
+  double balance_newton_ = NAN, balance_relative_ = NAN, unsupported_newton_ = NAN, unsupported_relative_ = NAN;
   double first_energy_ = NAN, last_energy_ = NAN, largest_rise_ = NAN;
   double first_momentum_[3] = {NAN, NAN, NAN}, last_momentum_[3] = {NAN, NAN, NAN};
   // Of all steps

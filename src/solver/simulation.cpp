@@ -131,13 +131,22 @@ void Simulation::report_balance(FieldSink& sink) {
   };
 
   Vec3 total = Vec3::Zero();
-  double largest = 0;
+  std::vector<Vec3> load(model_.bodies.size(), Vec3::Zero());  // of all effects
+  double largest = 0;                                          // of one effect on one body
   for (std::size_t k = 0; k < effects_.size(); ++k) {
-    const Vec3 f = -resultant(newton_.effect_gradients()[k].download());
+    const std::vector<Vec3> gradient = newton_.effect_gradients()[k].download();
+    const Vec3 f = -resultant(gradient);
     put(std::string(effects_[k]->name()), f);
     total += f;
-    largest = std::max(largest, f.norm());
+    for (std::size_t i = 0; i < load.size(); ++i) {
+      Vec3 sum = Vec3::Zero();
+      for (Index b = model_.bodies[i].block_begin; b < model_.bodies[i].block_end; ++b)
+        if (carries[b]) sum -= gradient[b];
+      load[i] += sum;
+      largest = std::max(largest, sum.norm());
+    }
   }
+  sink.scalar("balance", "largest", "N", largest);
 
   // The support's force on a held block is what the effects leave over there, in the held directions.
   const std::vector<Vec3> g = newton_.gradient().download();
@@ -163,6 +172,7 @@ void Simulation::report_balance(FieldSink& sink) {
     }
     if (!held) continue;
     for (int k = 0; k < 3; ++k) sink.scalar("supports", body.name + "_" + "xyz"[k], "N", sum[k]);
+    sink.scalar("supports", body.name + "_defect", "N", (sum + load[&body - model_.bodies.data()]).norm());  // what they do not bear
   }
   if (any) sink.points("support_force", "N", 3, field);
 }

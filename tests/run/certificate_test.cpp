@@ -27,6 +27,7 @@ Params scene() {
 void report(FieldSink& sink, double defect, double distance = 5e-4, double det = 0.9, double value = 1) {
   sink.scalar("balance", "gravity_x", "N", 0), sink.scalar("balance", "gravity_y", "N", 0), sink.scalar("balance", "gravity_z", "N", -10);
   sink.scalar("balance", "defect_x", "N", defect), sink.scalar("balance", "defect_y", "N", 0), sink.scalar("balance", "defect_z", "N", 0);
+  sink.scalar("balance", "largest", "N", 10);
   sink.scalar("mortar_contact", "min_distance", "m", distance);
   sink.scalar("elasticity", "det_F_min", "1", det);
   sink.rows("mortar_contact", "gap", "m", 1, std::vector<double>{2e-4, 5e-4, 9e-4});
@@ -58,6 +59,27 @@ TEST(Certificate, GradesByTheWorstBound) {
   EXPECT_EQ(b["reason"], "force_balance_defect exceeds its exact bound");
   EXPECT_DOUBLE_EQ(b["invariants"]["force_balance_defect_relative"], 1e-6);
   EXPECT_EQ(certificate(1)["grade"], "C");
+}
+
+// What the supports of a body do not bear, and samples that do not add up to the forces on points.
+TEST(Certificate, GradesSupportsAndSumsOfPressure) {
+  const auto with = [](double unsupported, double sum) {
+    Certificate c(scene());
+    FieldSink& sink = *c.watch(nullptr);
+    report(sink, 0);
+    sink.scalar("supports", "pad_defect", "N", unsupported);
+    sink.scalar("supports", "tool_defect", "N", 0);
+    sink.scalar("mortar_contact", "pressure_sum_defect", "1", sum);
+    c.step(good());
+    return nlohmann::json::parse(c.json({"s", "abc", "cpu", Exit::done, ""}));
+  };
+  EXPECT_EQ(with(1e-10, 1e-12)["grade"], "A");
+  const auto b = with(1e-5, 0);
+  EXPECT_EQ(b["reason"], "support_balance_defect exceeds its exact bound");
+  EXPECT_DOUBLE_EQ(b["invariants"]["support_balance_defect_N"], 1e-5);
+  EXPECT_DOUBLE_EQ(b["invariants"]["support_balance_defect_relative"], 1e-6);
+  EXPECT_EQ(with(0, 1e-8)["reason"], "pressure_sum_defect exceeds its exact bound");
+  EXPECT_EQ(with(0, 1e-3)["grade"], "C");
 }
 
 TEST(Certificate, RunsThatDidNotEndAreNeverGood) {

@@ -68,6 +68,13 @@ TEST(Sensors, UniformPressureOnAPatchGivesEqualTaxels) {
       for (double v : f.row.at(std::string("sensor_") + name + "/shear")) EXPECT_NEAR(v, 0, 1e-7);
     }
     EXPECT_NEAR(f.at("sensor_map/wrench_force_z"), pad, 1e-10);
+    // Sum of pressures times areas = force of the pair = what the support of the pad bears.
+    EXPECT_LT(f.at("mortar_contact/pressure_sum_defect"), 1e-13);
+    EXPECT_EQ(f.row.at("mortar_contact/pair_bodies"), (std::vector<double>{0, 1}));
+    EXPECT_NEAR(f.row.at("mortar_contact/pair_force")[2], pad, 1e-10);
+    EXPECT_NEAR(f.at("supports/pad_z"), -pad, 1e-10 * 1000);
+    EXPECT_LT(f.at("supports/pad_defect"), 1e-10 * 1000);
+    EXPECT_NEAR(f.at("balance/largest"), 1000, 1e-6);
     // The force acts in the middle of the patch, which the frame's origin marks: it moves with the pad.
     EXPECT_NEAR(f.at("sensor_map/wrench_moment_x"), 0, 1e-6);
   }
@@ -107,6 +114,8 @@ sensors:
       EXPECT_NEAR(f.at(std::string("sensor_map/wrench_force_") + "xyz"[c]), all[c], 1e-13) << effect;
       EXPECT_NEAR(total(f.row.at("sensor_map/force"), 3, c), all[c], 1e-13) << effect;
     }
+    EXPECT_LT(f.at(effect + "/pressure_sum_defect"), 1e-12) << effect;
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(f.row.at(effect + "/pair_force")[c], f.at(effect + "/force_pad_" + "xyz"[c]), 1e-13) << effect;
     EXPECT_LT(all[2], -1e-3) << effect << ": the ball does not press";
     EXPECT_GT(std::abs(all[0]), 0.05 * std::abs(all[2])) << effect << ": nothing is dragged";
     // Material under the ball is pressed down and dragged along; the frame stays with the pinned bottom.

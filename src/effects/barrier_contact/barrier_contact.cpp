@@ -146,11 +146,28 @@ void BarrierContact::report(FieldSink& sink) {
   const std::vector<Vec3> term_force = buffer.download();
 
   std::vector<double> area_of = point_area_.download();
-  PointForces forces(model_);
+  PointForces forces(model_, near_.points());
+  SampleRows rows;
+  double closest = law_.d_hat;
+  Buffer<model::ContactSample> sample_buffer;
+  contact::samples(scene(), active_, near_.y(), sample_buffer);
+  std::vector<model::ContactSample> samples = sample_buffer.download();
   for (std::size_t i = 0; i < terms.size(); ++i) {
+    model::ContactSample& s = samples[i];
     if (terms[i].kind == TermKind::plane && law_.area_weighted) area_of[terms[i].point[0]] = terms[i].weight;
-    for (int k = 0; k < 4; ++k)
-      if (terms[i].point[k] >= 0) forces.add(terms[i].point[k], term_force[4 * i + k]);
+    Vec3 on_first = Vec3::Zero();
+    for (int k = 0; k < 4; ++k) {
+      if (terms[i].point[k] < 0) continue;
+      const bool first = k == 0 || (k == 1 && terms[i].kind == TermKind::edge_edge);
+      forces.add(terms[i].point[k], term_force[4 * i + k], first ? s.body_b : s.body_a);
+      if (first) on_first += term_force[4 * i + k];
+    }
+    // Published forces are those that friction follows, never negative. Here what a term of negative weight takes back is reported, too.
+    const double along = on_first.dot(Vec3(s.normal[0], s.normal[1], s.normal[2]));
+    s.force = model::against_obstacle(s) ? along : -along;
+    s.pressure = s.area != 0 ? s.force / s.area : 0;
+    rows.add(s);
+    closest = std::min(closest, s.gap);
   }
   forces.report(sink, group);
   std::vector<double> pressure(model_.points, 0.0);
@@ -158,13 +175,8 @@ void BarrierContact::report(FieldSink& sink) {
     if (area_of[p] > 0) pressure[p] = forces.size(p) / area_of[p];
   sink.points("contact_pressure", "Pa", 1, pressure);
 
-  SampleRows rows;
-  double closest = law_.d_hat;
-  for (const model::ContactSample& s : model_.publish(group).samples.download()) {
-    rows.add(s);
-    closest = std::min(closest, s.gap);
-  }
   rows.report(sink, group);
+  sink.scalar(group, "pressure_sum_defect", "1", sum_defect(forces, {&rows}));
   sink.scalar(group, "min_distance", "m", closest);
   std::vector<double> stored(model_.envs, 0.0);
   energy(std::as_const(model_.q).view(), stored);

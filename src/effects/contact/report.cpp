@@ -1,43 +1,83 @@
 #include "effects/contact/report.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mortise::effects::contact {
+namespace {
 
-PointForces::PointForces(const model::Model& model)
+Vec3 vec(const double v[3]) { return {v[0], v[1], v[2]}; }
+void append(std::vector<double>& to, const Vec3& v) { to.insert(to.end(), v.data(), v.data() + 3); }
+
+}  // namespace
+
+PointForces::PointForces(const model::Model& model, const device::Buffer<Vec3>& y)
     : model_(model),
       body_(model.surface.body.download()),
+      y_(y.download()),
       force_(3 * static_cast<std::size_t>(model.points), 0.0),
       resultant_(model.bodies.size(), Vec3::Zero()) {}
 
-void PointForces::add(Index point, const Vec3& force) {
+void PointForces::add(Index point, const Vec3& force, Index from) {
   for (int c = 0; c < 3; ++c) force_[3 * point + c] += force[c];
   resultant_[body_[point]] += force;
+  if (body_[point] >= from) return;  // the pair's second body, or contact of a body with itself
+  Wrench& w = pairs_[{body_[point], from}];
+  w.force += force;
+  w.moment += y_[point].cross(force);
 }
 
 double PointForces::size(Index point) const { return std::hypot(force_[3 * point], force_[3 * point + 1], force_[3 * point + 2]); }
+
+Vec3 PointForces::on_first(const BodyPair& pair) const {
+  const auto it = pairs_.find(pair);
+  return it == pairs_.end() ? Vec3(0, 0, 0) : it->second.force;
+}
 
 void PointForces::report(FieldSink& sink, std::string_view group) const {
   sink.points("contact_force", "N", 3, force_);
   for (std::size_t b = 0; b < model_.bodies.size(); ++b)
     for (int c = 0; c < 3; ++c) sink.scalar(group, "force_" + model_.bodies[b].name + "_" + "xyz"[c], "N", resultant_[b][c]);
+  std::vector<double> bodies, force, moment;
+  for (const auto& [pair, w] : pairs_) {
+    bodies.push_back(pair.first), bodies.push_back(pair.second);
+    append(force, w.force), append(moment, w.moment);
+  }
+  sink.rows(group, "pair_bodies", "1", 2, bodies);
+  sink.rows(group, "pair_force", "N", 3, force);
+  sink.rows(group, "pair_moment", "N m", 3, moment);
 }
 
 void SampleRows::add(const model::ContactSample& s) {
-  position_.insert(position_.end(), s.position, s.position + 3);
-  normal_.insert(normal_.end(), s.normal, s.normal + 3);
+  append(position_, vec(s.position)), append(normal_, vec(s.normal));
   force_.push_back(s.force), area_.push_back(s.area), gap_.push_back(s.gap), pressure_.push_back(s.pressure);
   bodies_.push_back(s.body_a), bodies_.push_back(s.body_b);
+  if (s.body_a == s.body_b) return;
+  // The normal points at the second body, or, against an obstacle that does not move, at the first.
+  const bool away = model::against_obstacle(s) == (s.body_a < s.body_b);
+  Sum& sum = sums_[{std::min(s.body_a, s.body_b), std::max(s.body_a, s.body_b)}];
+  sum.force += (away ? s.force : -s.force) * vec(s.normal);
+  sum.size += std::abs(s.force);
 }
 
-void SampleRows::report(FieldSink& sink, std::string_view group) const {
-  sink.rows(group, "position", "m", 3, position_);
-  sink.rows(group, "normal", "1", 3, normal_);
-  sink.rows(group, "force", "N", 1, force_);
-  sink.rows(group, "area", "m^2", 1, area_);
-  sink.rows(group, "gap", "m", 1, gap_);
-  sink.rows(group, "pressure", "Pa", 1, pressure_);
-  sink.rows(group, "bodies", "1", 2, bodies_);
+void SampleRows::report(FieldSink& sink, std::string_view group, const std::string& prefix) const {
+  sink.rows(group, prefix + "position", "m", 3, position_);
+  sink.rows(group, prefix + "normal", "1", 3, normal_);
+  sink.rows(group, prefix + "force", "N", 1, force_);
+  sink.rows(group, prefix + "area", "m^2", 1, area_);
+  sink.rows(group, prefix + "gap", "m", 1, gap_);
+  sink.rows(group, prefix + "pressure", "Pa", 1, pressure_);
+  sink.rows(group, prefix + "bodies", "1", 2, bodies_);
+}
+
+double sum_defect(const PointForces& forces, const std::vector<const SampleRows*>& samples) {
+  std::map<BodyPair, SampleRows::Sum> sums;
+  for (const SampleRows* rows : samples)
+    for (const auto& [pair, sum] : rows->sums()) sums[pair].force += sum.force, sums[pair].size += sum.size;
+  double worst = 0;
+  for (const auto& [pair, sum] : sums)
+    if (sum.size > 0) worst = std::max(worst, (sum.force - forces.on_first(pair)).norm() / sum.size);
+  return worst;
 }
 
 }  // namespace mortise::effects::contact

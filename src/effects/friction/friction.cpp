@@ -99,7 +99,7 @@ void measure(const Slips& s, const Buffer<ContactSample>& published, Positions q
   device::parallel_for("friction.measure", s.size(), [=] MORTISE_HD(Index i) {
     const Vec3 r = s.slip(i, q);
     // r is the motion of the first body against an obstacle, else that of the second against the first.
-    const double sign = sample[i].weight[0] > 0 ? 1 : -1;
+    const double sign = model::against_obstacle(sample[i]) ? 1 : -1;
     u[i] = sign * r;
     f[i] = (-s.frozen[i].load * friction::f1_over_x(r.norm(), s.creep)) * u[i];
   });
@@ -225,7 +225,7 @@ void Friction::report(FieldSink& sink) {
   std::vector<Vec3> resultant(model_.bodies.size(), Vec3::Zero());
   for (std::size_t i = 0; i < force_.size(); ++i) {
     const ContactSample& s = samples[i];
-    const double sign = s.weight[0] > 0 ? 1 : -1;
+    const double sign = model::against_obstacle(s) ? 1 : -1;
     for (Index k = 0; k < s.points; ++k) {
       const Vec3 f = sign * s.weight[k] * force_[i];
       for (int c = 0; c < 3; ++c) point_force[3 * s.point[k] + c] += f[c];

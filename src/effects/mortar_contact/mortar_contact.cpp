@@ -330,14 +330,18 @@ class MortarContact final : public Effect {
 };
 
 void MortarContact::report(FieldSink& sink) {
+  if (!started_) {  // the state at the start: nothing has been published yet
+    near_.locate(std::as_const(model_.q).view());
+    update();
+  }
   const std::vector<Pair> pairs = frozen_.pairs.download();
   const std::vector<Sample> samples = frozen_.samples.download();
   const std::vector<model::ContactSample> view = model_.publish(std::string(name())).samples.download();
   const std::string group(name());
 
   std::vector<double> load(model_.points, 0.0), area_of(model_.points, 0.0), pressure(model_.points, 0.0), kind;
-  contact::PointForces forces(model_);
-  contact::SampleRows rows;
+  contact::PointForces forces(model_, near_.points());
+  contact::SampleRows rows, guard_rows;
   double total[kKinds + 1] = {};  // by kind, then the guard
   double closest = set_.d_hat;
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -346,7 +350,10 @@ void MortarContact::report(FieldSink& sink) {
     const Pair& pair = pairs[s.pair];
     Vec3 J[kPoints];
     jacobian(pair, s, J);
-    for (int k = 0; k < points_of(pair); ++k) forces.add(point_of(pair, k), c.pressure * c.area * J[k]);
+    for (int k = 0; k < points_of(pair); ++k) {
+      const Index p = point_of(pair, k);
+      forces.add(p, c.pressure * c.area * J[k], forces.body(p) == c.body_a ? c.body_b : c.body_a);
+    }
     // Of quadratic faces too the pressure is averaged with the hat functions of their quarters, which are nowhere negative.
     for (int k = 0; k < (pair.master < 0 ? 3 : 6); ++k) {
       const Index p = k < 3 ? pair.on.point[pair.on.vertex(k)] : pair.under.point[pair.under.vertex(k - 3)];
@@ -361,20 +368,28 @@ void MortarContact::report(FieldSink& sink) {
   }
   if (guard_share_ > 0) {
     Buffer<Vec3> buffer;
+    Buffer<model::ContactSample> guard_samples;
     contact::point_forces(guard_scene(), active_, near_.y(), buffer);
+    contact::samples(guard_scene(), active_, near_.y(), guard_samples);
     const std::vector<Vec3> guard = buffer.download();
+    const std::vector<model::ContactSample> guard_view = guard_samples.download();
     const std::vector<contact::Active> terms = active_.terms.download();
     for (std::size_t i = 0; i < terms.size(); ++i) {
       total[kKinds] += guard[4 * i].norm();
-      for (int k = 0; k < 4; ++k)
-        if (terms[i].point[k] >= 0) forces.add(terms[i].point[k], guard[4 * i + k]);
+      for (int k = 0; k < 4; ++k) {
+        const Index p = terms[i].point[k];
+        if (p >= 0) forces.add(p, guard[4 * i + k], forces.body(p) == guard_view[i].body_a ? guard_view[i].body_b : guard_view[i].body_a);
+      }
+      guard_rows.add(guard_view[i]);
     }
+    guard_rows.report(sink, group, "guard_");
   }
   for (Index p = 0; p < model_.points; ++p)
     if (area_of[p] > 0) pressure[p] = load[p] / area_of[p];
   forces.report(sink, group);
   sink.points("contact_pressure", "Pa", 1, pressure);
   rows.report(sink, group);
+  sink.scalar(group, "pressure_sum_defect", "1", contact::sum_defect(forces, {&rows, &guard_rows}));
   sink.rows(group, "kind", "1", 1, kind);
 
   sink.scalar(group, "min_distance", "m", closest);
