@@ -56,6 +56,10 @@ std::span<const Benchmark> benchmarks() {
       {"barrier", "gap of a block on a plane under uniform pressure (B27)", {}, bench::barrier},
       {"patch", "uniform stress through two blocks with matching and other meshes (B01, B02, B05)", {"order"}, bench::patch},
       {"hertz", "sphere on a block: pressure, its peak, contact radius (B07)", {"size", "order", "d_hat", "k", "profile"}, bench::hertz},
+      {"interface", "hydrostatic pressure through an inclined plane (B03) and a wavy surface (B04)", {"finest"}, bench::interface},
+      {"line", "cylinder on a block in plane strain: pressure, half-width (B08)", {"size"}, bench::line},
+      {"indent", "rigid flat and conical punches on a half-space (B11, B12)", {"cells"}, bench::indent},
+      {"ring", "ring pressed onto a ring: mean pressure (B23)", {"cells"}, bench::ring},
       {"tower", "forces and gaps in a stack of blocks under gravity (B26)", {}, bench::tower},
       {"slide", "drag of a block on a tessellated plane without friction (H58)", {}, bench::slide},
   };

@@ -1,6 +1,7 @@
 #include "study/meshes.h"
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 namespace mortise::study {
@@ -93,6 +94,46 @@ geometry::TetMesh ball_octant(double radius, const std::vector<double>& s, const
   // would leave tetrahedra with all four vertices there.
   const std::size_t first = s.size() % 2 ? 0 : 1;  // the last cell's diagonal starts at its outer corner
   mesh.tets = split({s.size(), s.size(), t.size()}, {first, first, 0});
+  return mesh;
+}
+
+geometry::TetMesh cylinder_quarter(double radius, const std::vector<double>& s, const std::vector<double>& t, const std::vector<double>& y) {
+  geometry::TetMesh mesh;
+  for (auto w = t.rbegin(); w != t.rend(); ++w)
+    for (double v : y)
+      for (double u : s) mesh.points.push_back({radius * u * std::sqrt(1 - *w * *w / 2), v, -radius * *w * std::sqrt(1 - u * u / 2)});  // square onto disc
+  mesh.tets = split({s.size(), y.size(), t.size()}, {s.size() % 2 ? 0u : 1u, 0, 0});  // diagonals from the edge of the square inwards
+  return mesh;
+}
+
+geometry::TetMesh ring_quarter(const std::vector<double>& r, int cells, const std::vector<double>& z) {
+  geometry::TetMesh mesh;
+  for (double height : z)
+    for (int k = 0; k <= cells; ++k)
+      for (double radius : r) {
+        const double angle = 0.5 * std::numbers::pi * k / cells;
+        mesh.points.push_back({k == cells ? 0 : radius * std::cos(angle), radius * std::sin(angle), height});
+      }
+  mesh.tets = split({r.size(), static_cast<std::size_t>(cells) + 1, z.size()}, {0, 0, 0});
+  return mesh;
+}
+
+geometry::TetMesh punch_quarter(double radius, double rise, double height, int sectors) {
+  geometry::TetMesh mesh;
+  mesh.points = {Vec3(0, 0, 0), Vec3(0, 0, height)};
+  for (int k = 0; k <= sectors; ++k) {
+    const double angle = 0.5 * std::numbers::pi * k / sectors, x = k == sectors ? 0 : radius * std::cos(angle), y = radius * std::sin(angle);
+    mesh.points.push_back({x, y, rise}), mesh.points.push_back({x, y, height});
+  }
+  for (Index k = 0; k < sectors; ++k) {
+    // Prism of the sector: lower face 0 a c, upper face 1 b d.
+    const Index a = 2 + 2 * k, b = a + 1, c = a + 2, d = a + 3;
+    mesh.tets.push_back({0, a, c, 1}), mesh.tets.push_back({a, c, 1, b}), mesh.tets.push_back({c, 1, b, d});
+  }
+  for (Tet& t : mesh.tets) {
+    const Vec3 o = mesh.points[t.v[0]];
+    if ((mesh.points[t.v[1]] - o).cross(mesh.points[t.v[2]] - o).dot(mesh.points[t.v[3]] - o) < 0) std::swap(t.v[2], t.v[3]);
+  }
   return mesh;
 }
 

@@ -24,4 +24,15 @@ geometry::TetMesh jittered_block(const Vec3& lo, const Vec3& hi, const std::arra
 // radius s / sqrt(2) and depths radius (1 - t). Every tetrahedron has a vertex off the sphere, so none is flat.
 geometry::TetMesh ball_octant(double radius, const std::vector<double>& s, const std::vector<double>& t);
 
+// Quarter x >= 0 >= z of the cylinder of this radius around the y axis between the planes y; s and t as in ball_octant: near the line
+// (0, y, -radius) lateral lengths are radius s / sqrt(2) and depths radius (1 - t).
+geometry::TetMesh cylinder_quarter(double radius, const std::vector<double>& s, const std::vector<double>& t, const std::vector<double>& y);
+
+// Quarter x, y >= 0 of a ring around the z axis; r, z: grid planes [m], `cells` equal ones over the right angle.
+geometry::TetMesh ring_quarter(const std::vector<double>& r, int cells, const std::vector<double>& z);
+
+// Quarter x, y >= 0 of a punch of this radius around the z axis between its tip at the origin and z = height: `sectors` flat facets on
+// its lower face, which rises by `rise` from the axis to the rim (0: a flat punch).
+geometry::TetMesh punch_quarter(double radius, double rise, double height, int sectors);
+
 }  // namespace mortise::study

@@ -25,6 +25,28 @@ Hertz hertz(double force, double radius, double e_star) {
   return h;
 }
 
+Hertz hertz_line(double line_load, double radius, double e_star) {
+  Hertz h;
+  h.a = 2 * std::sqrt(line_load * radius / (std::numbers::pi * e_star));
+  h.p0 = 2 * line_load / (std::numbers::pi * h.a);
+  return h;
+}
+
+double flat_punch_force(double a, double e_star, double depth) { return 2 * a * e_star * depth; }
+double flat_punch_pressure(double force, double a, double r) { return force / (2 * std::numbers::pi * a * a * std::sqrt(1 - r * r / (a * a))); }
+
+double cone_force(double slope, double e_star, double depth) { return 2 / std::numbers::pi * e_star * depth * depth / slope; }
+double cone_radius(double slope, double e_star, double force) { return std::sqrt(2 * force / (std::numbers::pi * e_star * slope)); }
+double cone_pressure(double slope, double e_star, double a, double r) { return r < a ? 0.5 * e_star * slope * std::acosh(a / r) : 0; }
+
+double flat_punch_surface(double a, double r) { return 2 / std::numbers::pi * std::asin(a / r); }
+double cone_surface(double a, double r) { return 2 / std::numbers::pi * (std::asin(a / r) + std::sqrt(r * r / (a * a) - 1) - r / a); }
+
+double pressed_rings_pressure(double a, double b, double bore, double c, double D, double modulus) {
+  const double outer = (c * c + bore * bore) / (c * c - bore * bore), inner = (b * b + a * a) / (b * b - a * a);
+  return D * modulus / (b * (outer + inner));
+}
+
 double matched_stiffness(double p, double d_hat, double h, double e_star, double k) {
   // b''(t) d_hat = (1/t + 2)/t - 2 ln t - 3; the ratio to phi rises with t beyond its minimum near 0.38.
   const auto phi = [](double t) { return (1 - t) * (1 / t - 1 - 2 * std::log(t)); };

@@ -14,6 +14,26 @@ struct Hertz {
 };
 Hertz hertz(double force, double radius, double e_star);
 
+// Line contact: cylinder of radius R under the line load P [N/m] against a half-space, a = 2 sqrt(P R/(pi E*)), p0 = 2P/(pi a)
+// (Johnson, Contact Mechanics, 1985, 4.2); r is the distance from the middle line.
+Hertz hertz_line(double line_load, double radius, double e_star);
+
+// Frictionless rigid punches on a half-space under the force F (Sneddon 1965; Johnson 3.4, 5.2).
+// Flat, radius a: F = 2 a E* d, p = F/(2 pi a^2 sqrt(1 - r^2/a^2)).
+double flat_punch_force(double a, double e_star, double depth);
+double flat_punch_pressure(double force, double a, double r);
+// Cone whose flank rises by `slope` per radius: a = (2/pi) d/slope, F = (2/pi) E* d^2/slope, p = E* slope/2 acosh(a/r).
+double cone_force(double slope, double e_star, double depth);
+double cone_radius(double slope, double e_star, double force);
+double cone_pressure(double slope, double e_star, double a, double r);
+// How deep the surface lies at r >= a, over the depth d in the middle: (2/pi) asin(a/r); cone: (2/pi) (asin(a/r) + sqrt(r^2/a^2 - 1) - r/a).
+double flat_punch_surface(double a, double r);
+double cone_surface(double a, double r);
+
+// Lame: a ring of radii a, b inside one of radii bore, c, of one material, pressed together by D: what they would overlap if they did
+// not deform under p. p b/E [(c^2+bore^2)/(c^2-bore^2) + (b^2+a^2)/(b^2-a^2)] = D in plane stress, E/(1 - nu^2) for E in plane strain.
+double pressed_rings_pressure(double a, double b, double bore, double c, double D, double modulus);
+
 // Stiffness kappa at which a layer under pressure p is `k` times as stiff as a surface mesh of edge length h:
 // kappa b''(g) h/E* = k at kappa phi(g/d_hat) = p (reference/prototype.md 3.1: 3..6 is best).
 double matched_stiffness(double p, double d_hat, double h, double e_star, double k);

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <cmath>
+#include <numbers>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
@@ -40,6 +42,34 @@ TEST(StudyHarness, HertzOfTheHandbook) {  // R 10 mm, E* 0.549451 MPa, a 1 mm (r
   EXPECT_NEAR(h.p0, 34979, 1);
   EXPECT_NEAR(h.pressure(0.6e-3), 0.8 * h.p0, 1);
   EXPECT_EQ(h.pressure(1.1e-3), 0);
+}
+
+TEST(StudyHarness, LineContactOfNafems) {  // CB-1: E* 57692 MPa, a 6.2146 mm, p0 3585.4 MPa (reference/accuracy.md, B08)
+  const Hertz h = hertz_line(35e6, 0.05, 57692e6);
+  EXPECT_NEAR(h.a, 6.2146e-3, 1e-7);
+  EXPECT_NEAR(h.p0, 3585.4e6, 0.1e6);
+}
+
+TEST(StudyHarness, PunchesOfSneddon) {
+  const double slope = 1 / std::tan(70.3 * std::numbers::pi / 180);
+  EXPECT_NEAR(cone_force(slope, 1, 1), 1.7780, 1e-4);  // reference/accuracy.md, B12
+  EXPECT_NEAR(cone_radius(slope, 1, cone_force(slope, 1, 1)), 2 / std::numbers::pi / slope, 1e-12);
+  // Forces are the integrals of the pressures; the surface starts at the rim of the contact.
+  double flat = 0, cone = 0;
+  constexpr int n = 200000;
+  for (int i = 0; i < n; ++i) {
+    const double r = (i + 0.5) / n;
+    flat += 2 * std::numbers::pi * r * flat_punch_pressure(3, 1, r) / n, cone += 2 * std::numbers::pi * r * cone_pressure(0.1, 2, 1, r) / n;
+  }
+  EXPECT_NEAR(flat, 3, 0.01);
+  EXPECT_NEAR(cone_radius(0.1, 2, cone), 1, 1e-4);
+  EXPECT_NEAR(flat_punch_surface(0.1, 0.1), 1, 1e-12);
+  EXPECT_NEAR(cone_surface(0.1, 0.1), 1 - 2 / std::numbers::pi, 1e-12);
+}
+
+TEST(StudyHarness, ShrinkFitOfLame) {  // reference/accuracy.md, B23
+  EXPECT_NEAR(pressed_rings_pressure(1, 2, 2, 3, 0.01, 1000), 1.17188, 1e-5);
+  EXPECT_NEAR(pressed_rings_pressure(1, 2, 2, 3, 0.01, 1000 / (1 - 0.09)), 1.28777, 1e-5);
 }
 
 TEST(StudyHarness, MethodsReplaceMortarContact) {
@@ -93,6 +123,10 @@ TEST(StudyBenchmarks, BarrierPasses) { expect_gates("barrier", {}, 18); }
 TEST(StudyBenchmarks, PatchPasses) { expect_gates("patch", {"methods=gmcp_consistent"}, 40); }
 TEST(StudyBenchmarks, TowerPasses) { expect_gates("tower", {"methods=gmcp_consistent"}, 10); }
 TEST(StudyBenchmarks, SlidePasses) { expect_gates("slide", {"methods=gmcp_consistent"}, 3); }
+TEST(StudyBenchmarks, InterfacePasses) { expect_gates("interface", {"methods=gmcp_consistent"}, 5); }
+TEST(StudyBenchmarks, LinePasses) { expect_gates("line", {"methods=gmcp_consistent"}, 4); }
+TEST(StudyBenchmarks, IndentPasses) { expect_gates("indent", {"methods=gmcp_consistent"}, 6); }
+TEST(StudyBenchmarks, RingPasses) { expect_gates("ring", {"methods=gmcp_consistent"}, 4); }
 TEST(StudyBenchmarks, CoarseHertzPasses) { expect_gates("hertz", {"methods=gmcp_consistent"}, 4); }
 // A wrong answer does not pass: with a guard that acts at this gap the barrier's identity no longer holds.
 TEST(StudyBenchmarks, BarrierFailsWithAGuard) {

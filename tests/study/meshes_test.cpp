@@ -84,3 +84,34 @@ TEST(StudyMeshes, BallOctantHasPositiveCellsAndARoundSurface) {
     EXPECT_NEAR(mesh.points[1][0], R * 0.05 / std::sqrt(2.0), 1e-12);
   }
 }
+
+TEST(StudyMeshes, CylinderQuarterHasPositiveCellsAndARoundSurface) {
+  const double R = 2;
+  for (int n : {6, 7}) {
+    std::vector<double> t = graded(0.05, 3, n - 3, 1);
+    for (double& v : t) v = 1 - v;
+    std::reverse(t.begin(), t.end());
+    const geometry::TetMesh mesh = cylinder_quarter(R, graded(0.05, n - 3, 3, 1), t, {0, 0.5, 1});
+    EXPECT_GT(smallest_volume(mesh), 0) << n;
+    expect_closed(mesh);
+    EXPECT_NEAR(geometry::volume(mesh), std::numbers::pi * R * R / 4, 0.05 * R * R);
+    EXPECT_LT(geometry::volume(mesh), std::numbers::pi * R * R / 4);
+    int outside = 0;
+    for (const Vec3& x : mesh.points) outside += std::abs(std::hypot(x[0], x[2]) - R) < 1e-12;
+    EXPECT_EQ(outside, 3 * (2 * n + 1));
+  }
+}
+
+TEST(StudyMeshes, RingAndPunchHaveTheVolumesOfTheirPolygons) {
+  const geometry::TetMesh ring = ring_quarter({1, 1.5, 2}, 8, {0, 0.25, 0.5});
+  EXPECT_GT(smallest_volume(ring), 0);
+  expect_closed(ring);
+  const double sector = 0.5 * std::sin(std::numbers::pi / 16);  // triangle of radius 1
+  EXPECT_NEAR(geometry::volume(ring), 0.5 * 8 * sector * (4 - 1), 1e-12);
+  for (const double rise : {0.0, 0.3}) {
+    const geometry::TetMesh punch = punch_quarter(1, rise, 0.5, 8);
+    EXPECT_GT(smallest_volume(punch), 0);
+    expect_closed(punch);
+    EXPECT_NEAR(geometry::volume(punch), 8 * sector * (0.5 - 2 * rise / 3), 1e-12);  // prism less the cone below its lower face
+  }
+}

@@ -8,5 +8,9 @@ void patch(const Bench&);
 void hertz(const Bench&);
 void tower(const Bench&);
 void slide(const Bench&);
+void interface(const Bench&);
+void ring(const Bench&);
+void indent(const Bench&);
+void line(const Bench&);
 
 }  // namespace mortise::study::bench

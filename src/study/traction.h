@@ -1,0 +1,27 @@
+#pragma once
+// Pressure on part of a body's surface as every contact method can give it: force of a node over its area. (The methods' own
+// contact_pressure counts only the part of a node's area that is in contact.)
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "study/harness.h"
+
+namespace mortise::study {
+
+struct Traction {
+  std::vector<Vec3> at;         // nodes, where they are now [m]
+  std::vector<double> p, area;  // inward normal force over area at rest [Pa], and that area [m^2]
+  double force() const;         // sum p area [N]
+  double peak() const;
+  // ||p - exact|| / ||exact|| over the nodes that `in` selects, weighted with their areas.
+  double l2(const std::function<double(const Vec3&)>& exact, const std::function<bool(const Vec3&)>& in) const;
+};
+
+// `on`: is this rest position on the part? A triangle belongs to it when its three corners do.
+Traction nodal_traction(const Solved& s, const std::string& body, const std::function<bool(const Vec3&)>& on);
+
+// Force-weighted mean gap of the samples [m].
+double mean_gap(const Solved& s, const std::string& effect);
+
+}  // namespace mortise::study
