@@ -1,0 +1,66 @@
+// Hard cases: what is made of a scene file, and random scenes.
+#include "study/bench/hard.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "engine/effect_tables.h"
+#include "scene/scene.h"
+
+namespace fs = std::filesystem;
+using namespace mortise;
+using namespace mortise::study;
+
+namespace {
+
+scene::Scene read(const std::string& text) { return scene::read_scene_text(text, "case.yaml", {}, engine::effect_tables()); }
+
+TEST(Hard, EveryCaseOfEverySceneIsAScene) {
+  int scenes = 0, cases = 0;
+  for (const auto& entry : fs::directory_iterator(std::string(MORTISE_SOURCE_DIR) + "/scenes/hard")) {
+    if (entry.path().extension() != ".yaml") continue;
+    ++scenes;
+    for (const HardCase& c : hard_cases(entry.path().string(), true)) {
+      ++cases;
+      const scene::Scene s = read(c.text);
+      EXPECT_EQ(s.root.text("name") + ".yaml", entry.path().filename().string());
+      EXPECT_EQ(s.root.at("effects").has("mortar_contact"), c.method == "mortar") << entry.path();
+      EXPECT_FALSE(s.root.at("checks").items().empty());
+      EXPECT_EQ(s.root.at("output").text("precision"), "double");
+    }
+  }
+  EXPECT_GE(scenes, 50);
+  EXPECT_GT(cases, 2 * scenes);
+}
+
+TEST(Hard, VariantsChangeWhatTheyName) {
+  const auto cases = hard_cases(std::string(MORTISE_SOURCE_DIR) + "/scenes/hard/h48_incline.yaml", false);
+  ASSERT_EQ(cases.size(), 4u);  // barrier, mortar, barrier with mu 0.49 and 0.5
+  EXPECT_EQ(read(cases[1].text).root.at("effects").at("friction").text("follows"), "mortar_contact");
+  EXPECT_EQ(cases[2].variant, "mu 0.49");
+  EXPECT_DOUBLE_EQ(read(cases[2].text).root.at("effects").at("friction").number("mu"), 0.49);
+  EXPECT_EQ(hard_cases(std::string(MORTISE_SOURCE_DIR) + "/scenes/hard/h48_incline.yaml", true).size(), 6u);
+  EXPECT_TRUE(hard_cases(std::string(MORTISE_SOURCE_DIR) + "/scenes/hard/h67_pinch.yaml", false)[0].expects_failure);
+}
+
+TEST(Hard, ProgramsThatHangOrCrashAreToldApart) {
+  EXPECT_EQ(run_program({"/bin/sh", "-c", "exit 5"}, "/dev/null", "/dev/null", 10).code, 5);
+  EXPECT_EQ(run_program({"/bin/sh", "-c", "kill -SEGV $$"}, "/dev/null", "/dev/null", 10).code, 128 + 11);
+  const Ended slow = run_program({"/bin/sleep", "10"}, "/dev/null", "/dev/null", 0.1);
+  EXPECT_EQ(slow.code, -1);
+  EXPECT_LT(slow.seconds, 5);
+}
+
+TEST(Fuzz, SeedsAreScenesAndStayTheSame) {
+  for (unsigned long seed = 1; seed <= 200; ++seed) {
+    const HardCase c = fuzz_case(seed);
+    EXPECT_NO_THROW(read(c.text)) << c.text;
+    EXPECT_EQ(c.text, fuzz_case(seed).text);
+  }
+  EXPECT_NE(fuzz_case(1).text.substr(30), fuzz_case(2).text.substr(30));
+}
+
+}  // namespace
