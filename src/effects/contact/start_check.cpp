@@ -1,5 +1,7 @@
 #include "effects/contact/start_check.h"
 
+#include <cmath>
+
 #include "base/error.h"
 #include "geometry/collide/bvh.h"
 
@@ -14,7 +16,10 @@ MORTISE_HD inline double volume(const Vec3& a, const Vec3& b, const Vec3& c, con
 // Does the segment p q pass through the triangle? (Rounding decides cases within it; those have a distance near 0 anyway.)
 MORTISE_HD inline bool crosses(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
   const double vp = volume(a, b, c, p), vq = volume(a, b, c, q);
-  if ((vp > 0 && vq > 0) || (vp < 0 && vq < 0) || (vp == 0 && vq == 0)) return false;
+  // Of an edge in the plane of the triangle (both on a flat side of one body) rounding alone says which side its ends are on.
+  const double largest = std::fmax(a.cwiseAbs().maxCoeff(), std::fmax(p.cwiseAbs().maxCoeff(), q.cwiseAbs().maxCoeff()));
+  const double rounding = 1e-14 * largest * ((b - a).cross(c - a).norm() + (q - p).norm() * ((b - a).norm() + (c - a).norm()));
+  if (vp * vq > 0 || std::fmax(std::fabs(vp), std::fabs(vq)) <= rounding) return false;
   const double s0 = volume(p, q, a, b), s1 = volume(p, q, b, c), s2 = volume(p, q, c, a);
   return (s0 >= 0 && s1 >= 0 && s2 >= 0) || (s0 <= 0 && s1 <= 0 && s2 <= 0);
 }
