@@ -40,3 +40,32 @@ TEST(Quadratic, CantileverFollowsBeamTheoryWhereLinearElementsLock) {
   }
   EXPECT_NEAR(sag(2, "neo_hookean", 0.3, F) / sag(2, "linear", 0.3, F), 1, 1e-3);
 }
+
+// A round body of curved tetrahedra falls, bounces and comes to rest on a plane and on a stiff block; nothing is passed through, and the
+// contact carries the weight in the end.
+TEST(Quadratic, RoundBodyComesToRestInContact) {
+  for (const char* contact : {"mortar_contact: {pairs: [{slave: ball, master: floor}], d_hat: 10 mm, stiffness: 20 kPa}",
+                              "barrier_contact: {d_hat: 10 mm, stiffness: 20 kPa}"}) {
+    for (const char* floor : {"floor: {type: half_space}", "floor: {type: stiff, shape: {box: {size: [2, 2, 0.5], edge_length: 1}}, material: gel, position: [0.1, 0.2, -0.25]}"}) {
+      const bool stiff = std::string(floor).find("stiff") != std::string::npos;
+      Rig rig(std::string("mortise: 1\nname: rest\ntime: {step: 20 ms, steps: 40}\nmaterials:\n  gel: {youngs_modulus: 0.2 MPa, poisson_ratio: 0.4, density: 1000}\nbodies:\n"
+                          "  ball: {type: soft, order: 2, curved: true, shape: {sphere: {radius: 0.2, edge_length: 0.2}}, material: gel, position: [0, 0, 0.22]}\n  ") +
+              floor + "\neffects:\n  inertia: {}\n  gravity: {}\n  elasticity: {}\n  " + contact + "\n" +
+              (stiff ? "  affine_body: {stiffness: 100 MPa}\n  pin: [{body: floor, where: {side: all}}]\n" : "") + "solver: {relative_tolerance: 1e-8}\n");
+      double closest = 1, least = 1;
+      for (int i = 0; i < 40; ++i) {
+        rig.step();
+        const Captured f = rig.fields();
+        const std::string effect = std::string(contact).substr(0, std::string(contact).find(':'));
+        closest = std::min(closest, f.at(effect + "/min_distance"));
+        least = std::min(least, f.at("elasticity/det_F_min"));
+        if (i == 39) {
+          const double weight = 9.81 * 1000 * 4.0 / 3 * 3.14159265 * 0.008;
+          EXPECT_NEAR(f.at(effect + "/force_ball_z") / weight, 1, 0.05) << contact << floor;
+        }
+      }
+      EXPECT_GT(closest, 0) << contact << floor;
+      EXPECT_GT(least, 0.3) << contact << floor;
+    }
+  }
+}

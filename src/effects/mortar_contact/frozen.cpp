@@ -28,7 +28,7 @@ MORTISE_HD inline Patch patch_of(const Scene& s, View<const Vec3> y, Index i, co
   p.slave = s.slaves[i];
   const Triangle t = s.surface.triangles[p.slave];
   p.plane = slave_plane(y[t.v[0]], y[t.v[1]], y[t.v[2]]);
-  p.bulge = bulge_of(s, p.plane, p.slave, y);
+  if (s.quarter.n > 0) p.face = sheet_of(s, p.plane, p.slave, y);
   p.support = s.support[i];
   p.reach = p.support + margin;
   p.master = master;

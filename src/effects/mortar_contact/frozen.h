@@ -11,9 +11,7 @@
 // would add the tension of a film with energy kappa b per area (prototype.md 2.4).
 //
 // N, M are the shape functions of the faces: linear ones, or those of the six nodes of a quadratic face, whose quarters are what is
-// clipped. Normals, weights and k_a are those of the quarters, g counts between the quadratic faces. The point over a bent face is
-// found by way of its quarter, a little beside the normal, so that moments balance to second order in the mesh size there, forces
-// always.
+// clipped. Normals, weights and k_a are those of the quarters; g counts between the quadratic faces, along the normal.
 #include "effects/mortar_contact/sampling.h"
 #include "geometry/collide/bvh.h"
 #include "linalg/stencils.h"

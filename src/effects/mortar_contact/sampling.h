@@ -61,6 +61,22 @@ struct FaceNodes {
     geometry::quarter_place(quarter, b, l);
     geometry::triangle_shape(l, w);
   }
+  // Their derivatives by b1 and b2, with b0 = 1 - b1 - b2.
+  MORTISE_HD void slope(const double b[3], double d1[6], double d2[6]) const {
+    if (quarter < 0) {
+      for (int k = 0; k < 3; ++k) d1[k] = k == 0 ? -1 : k == 1 ? 1 : 0, d2[k] = k == 0 ? -1 : k == 2 ? 1 : 0;
+      return;
+    }
+    const double corner[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    double l[3], at[3][3], by1[6], by2[6];
+    geometry::quarter_place(quarter, b, l);
+    for (int k = 0; k < 3; ++k) geometry::quarter_place(quarter, corner[k], at[k]);
+    geometry::triangle_slope(l, by1, by2);
+    for (int k = 0; k < 6; ++k) {
+      d1[k] = by1[k] * (at[1][1] - at[0][1]) + by2[k] * (at[1][2] - at[0][2]);
+      d2[k] = by1[k] * (at[2][1] - at[0][1]) + by2[k] * (at[2][2] - at[0][2]);
+    }
+  }
 };
 
 // All that a kernel reads besides positions.
@@ -150,26 +166,46 @@ MORTISE_HD inline double multiplicity(const Scene& s, Index slave, const Vec3& n
   return count > 1 ? 1.0 / count : 1;
 }
 
-// How far a quadratic face stands off the plane of its quarter, along a fixed direction: the height of every node over the plane of the
-// slave, from which those of the quarter's own vertices are taken.
-struct Bulge {
+// A face in the frame of a slave triangle: barycentrics N1, N2 and height [m] of its nodes.
+struct Sheet {
   FaceNodes on;
-  double height[6];
-  MORTISE_HD double at(const double b[3]) const {
-    if (on.quarter < 0) return 0;
-    double w[6], sum = 0;
+  Vec3 c[6];
+  MORTISE_HD Vec3 at(const double b[3]) const {
+    double w[6];
     on.shape(b, w);
-    for (int k = 0; k < 6; ++k) sum += w[k] * height[k];
-    for (int k = 0; k < 3; ++k) sum -= b[k] * height[on.vertex(k)];
-    return sum;
+    Vec3 x = Vec3::Zero();
+    for (int k = 0; k < on.count; ++k) x += w[k] * c[k];
+    return x;
   }
 };
-MORTISE_HD inline Bulge bulge_of(const Scene& s, const SlavePlane& plane, Index triangle, View<const Vec3> y) {
-  Bulge out;
-  if (s.quarter.n == 0 || s.quarter[triangle] < 0) return out;
+MORTISE_HD inline Sheet sheet_of(const Scene& s, const SlavePlane& plane, Index triangle, View<const Vec3> y) {
+  Sheet out;
   out.on = s.nodes_of(triangle);
-  for (int k = 0; k < 6; ++k) out.height[k] = (y[out.on.point[k]] - plane.a0).dot(plane.n);
+  for (int k = 0; k < out.on.count; ++k) {
+    double N[3];
+    const double height = project(plane, y[out.on.point[k]], N);
+    out.c[k] = Vec3(N[1], N[2], height);
+  }
   return out;
+}
+
+// Moves b to the point of the face exactly above or below x and returns that point. Quarters get b nearly right, so that Newton needs two
+// or three steps.
+MORTISE_HD inline Vec3 slide(const Sheet& face, const Vec3& x, double b[3]) {
+  for (int step = 0;; ++step) {
+    const Vec3 at = face.at(b);
+    const double u = at[0] - x[0], v = at[1] - x[1];
+    if (step == 5 || std::abs(u) + std::abs(v) < 1e-14) return at;
+    double d1[6], d2[6];
+    face.on.slope(b, d1, d2);
+    Vec3 x1 = Vec3::Zero(), x2 = Vec3::Zero();
+    for (int k = 0; k < face.on.count; ++k) x1 += d1[k] * face.c[k], x2 += d2[k] * face.c[k];
+    const double det = x1[0] * x2[1] - x1[1] * x2[0];
+    if (det == 0) return at;
+    b[1] += (v * x2[0] - u * x2[1]) / det;
+    b[2] += (u * x1[1] - v * x1[0]) / det;
+    b[0] = 1 - b[1] - b[2];
+  }
 }
 
 // No gap is taken to be smaller than this share of the support radius. Continuous collision detection keeps the quarters apart, not
@@ -180,7 +216,7 @@ inline constexpr double kLeastGap = 1e-3;
 struct Patch {
   Index slave;  // triangle
   SlavePlane plane;
-  Bulge bulge;
+  Sheet face;  // where the scene has quadratic faces
   double support, reach;  // samples with a gap below `reach` are wanted
   const Index* master;    // triangles
   Index masters;
@@ -255,13 +291,21 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
   const double highest = std::fmax(f.height[0], std::fmax(f.height[1], f.height[2]));
   if (!(lowest < p.reach + s.bow_of(p.slave) + s.bow_of(master) && highest > 0)) return;
   const bool layers = any_layer(s, p, i, f, y);
-  const Bulge bulge = bulge_of(s, p.plane, master, y);
-  const double least = p.bulge.on.count + bulge.on.count > 0 ? kLeastGap * p.support : 0;
+  Sheet face;
+  if (s.quarter.n > 0) face = sheet_of(s, p.plane, master, y);
+  const bool bent = p.face.on.quarter >= 0 || face.on.quarter >= 0;
   const double e = s.set.taper;
-  // Between the quarters first, which cannot meet.
-  const auto offer = [&](SampleKind kind, double weight, const double N[3], const double M[3]) {
-    const double between = height(f, M), gap = std::fmax(between + bulge.at(M) - p.bulge.at(N), least);
-    if (between > 0 && gap < p.reach && !(layers && hidden(s, p, i, y, N, between))) take(kind, weight, gap, N, M);
+  const auto offer = [&](SampleKind kind, double weight, double N[3], double M[3]) {
+    double gap = height(f, M);  // of the quarters, which cannot meet
+    if (!(gap > 0) || (layers && hidden(s, p, i, y, N, gap))) return;
+    if (bent) {
+      // Faces are sampled at points of the slave, ridges and tips at their own.
+      const bool of_slave = kind == SampleKind::face;
+      const Vec3 fixed = of_slave ? p.face.at(N) : face.at(M);
+      const Vec3 found = of_slave ? slide(face, fixed, M) : slide(p.face, fixed, N);
+      gap = std::fmax(of_slave ? found[2] - fixed[2] : fixed[2] - found[2], kLeastGap * p.support);
+    }
+    if (gap < p.reach) take(kind, weight, gap, N, M);
   };
 
   if (fade > 0) {
@@ -310,7 +354,7 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
     const Index v = s.surface.triangles[master].v[k];
     const Index begin = s.topology.point_offset[v], end = s.topology.point_offset[v + 1];
     if (s.topology.point_triangle[begin] != master) continue;
-    const double* N = f.L[k];
+    double N[3] = {f.L[k][0], f.L[k][1], f.L[k][2]};
     if (!(N[0] >= -kOnSide && N[1] >= -kOnSide && N[2] >= -kOnSide)) continue;
     const double w =
         s.set.share * multiplicity(s, p.slave, n, N) * feature_weight(s, n, s.topology.point_triangle, begin, end, 0.1 * e * e);
