@@ -47,7 +47,8 @@ const ParamTable kTable{
          param::range(param::number("taper_width", Unit::none, "0.1", 0,
                                     "Width of the taper of tapered weights, in barycentric coordinates of the master"),
                       0, 1.0 / 3)),
-     param::choice("quadrature", {"1", "3", "6", "7"}, "3", "Gauss points per piece of overlap"),
+     param::choice("quadrature", {"1", "3", "6", "7", "exact"}, "3",
+                   "Gauss points per piece of overlap; exact: along lines of equal gap, as many as the barrier asks for"),
      param::choice("gradient", {"frozen", "exact"}, "frozen",
                    "frozen: forces along the slave normal (published form); exact: also the turning of the normal, forces along "
                    "the master normal"),
@@ -74,7 +75,7 @@ class MortarContact final : public Effect {
         search_({}) {
     set_.d_hat = p.number("d_hat");
     set_.taper = p.text("weights") == "tapered" ? p.number("taper_width") : 0;
-    set_.quadrature = std::stoi(p.text("quadrature"));
+    set_.quadrature = p.text("quadrature") == "exact" ? kExact : std::stoi(p.text("quadrature"));
     set_.exact = p.text("gradient") == "exact";
     set_.share = p.flag("two_pass") ? 0.5 : 1;
     choose_pairs(p.at("pairs"), p.flag("two_pass"));

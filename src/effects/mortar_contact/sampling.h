@@ -22,7 +22,7 @@
 
 #include "effects/contact/topology.h"
 #include "effects/mortar_contact/clip.h"
-#include "effects/mortar_contact/quadrature.h"
+#include "effects/mortar_contact/level_rule.h"
 #include "geometry/mesh.h"
 #include "geometry/quadratic.h"
 
@@ -34,11 +34,13 @@ using device::View;
 enum class SampleKind : Index { face, edge, point };
 inline constexpr int kKinds = 3;
 
+inline constexpr Index kExact = 0;  // level_rule.h
+
 struct Settings {
   double d_hat = 0;  // [m]
   double taper = 0;  // width e; 0 = consistent weights
   double share = 1;  // factor of all weights: 1/2 when both sides are slaves
-  Index quadrature = 3;
+  Index quadrature = 3;  // points, or kExact
   bool exact = false;  // three-term gap gradient
 };
 
@@ -280,6 +282,34 @@ MORTISE_HD inline bool hidden(const Scene& s, const Patch& p, Index i, View<cons
   return false;
 }
 
+// Calls at(b, weight) for the points of a triangle whose corners have these gaps; weights add up to 1.
+template <class At>
+MORTISE_HD inline void integrate(const Scene& s, const double gap[3], const Patch& p, const At& at) {
+  if (s.set.quadrature == kExact && gap[0] > 0 && gap[1] > 0 && gap[2] > 0) {
+    level_rule(gap, p.support, p.reach, at);
+    return;
+  }
+  const int n = s.set.quadrature == kExact ? 7 : s.set.quadrature;
+  for (int q = 0; q < n; ++q) {
+    const TrianglePoint g = triangle_point(n, q);
+    at(g.b, g.weight);
+  }
+}
+
+// The same along a segment with gaps g0 and g1 at its ends: at(t, weight).
+template <class At>
+MORTISE_HD inline void integrate_segment(const Scene& s, double g0, double g1, const Patch& p, const At& at) {
+  if (s.set.quadrature == kExact && g0 > 0 && g1 > 0) {
+    level_segment_rule(g0, g1, p.support, p.reach, at);
+    return;
+  }
+  const int n = segment_points(s.set.quadrature);
+  for (int q = 0; q < n; ++q) {
+    const SegmentPoint g = segment_point(n, q);
+    at(g.t, g.weight);
+  }
+}
+
 // Calls take(kind, weight, gap, N, M) for every sample on master i of the patch.
 template <class Take>
 MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, View<const Vec3> y, Take& take) {
@@ -314,16 +344,17 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
       const double w = fade * p.plane.area * fan_share(poly, k);
       if (!(w > 0)) continue;
       const Corner* c[3] = {&poly.v[0], &poly.v[k], &poly.v[k + 1]};
-      for (Index q = 0; q < s.set.quadrature; ++q) {
-        const TrianglePoint g = triangle_point(s.set.quadrature, q);
+      const auto at = [&](const double b[3], double weight) {
         double N[3], M[3];
         for (int a = 0; a < 3; ++a) {
-          N[a] = g.b[0] * c[0]->N[a] + g.b[1] * c[1]->N[a] + g.b[2] * c[2]->N[a];
-          M[a] = g.b[0] * c[0]->M[a] + g.b[1] * c[1]->M[a] + g.b[2] * c[2]->M[a];
+          N[a] = b[0] * c[0]->N[a] + b[1] * c[1]->N[a] + b[2] * c[2]->N[a];
+          M[a] = b[0] * c[0]->M[a] + b[1] * c[1]->M[a] + b[2] * c[2]->M[a];
         }
         const double taper = e > 0 ? hermite(std::fmin(M[0], std::fmin(M[1], M[2])) / e) : 1;
-        if (taper > 0) offer(SampleKind::face, s.set.share * w * g.weight * taper, N, M);
-      }
+        if (taper > 0) offer(SampleKind::face, s.set.share * w * weight * taper, N, M);
+      };
+      const double corner[3] = {height(f, c[0]->M), height(f, c[1]->M), height(f, c[2]->M)};
+      integrate(s, corner, p, at);
     }
   }
 
@@ -339,15 +370,15 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
       const double slope = f.L[l][a] - f.L[k][a];
       if (std::fmax(f.L[k][a] + t0 * slope, f.L[k][a] + t1 * slope) <= kOnSide) w *= side_multiplicity(s, p.slave, n, a);
     }
-    const int points = segment_points(s.set.quadrature);
-    for (int q = 0; q < points; ++q) {
-      const SegmentPoint g = segment_point(points, q);
-      const double t = t0 + g.t * (t1 - t0), taper = e > 0 ? hermite(std::fmin(t, 1 - t) / e) : 1;
+    const auto at = [&](double along, double weight) {
+      const double t = t0 + along * (t1 - t0), taper = e > 0 ? hermite(std::fmin(t, 1 - t) / e) : 1;
       double N[3], M[3] = {0, 0, 0};
       M[k] = 1 - t, M[l] = t;
       for (int a = 0; a < 3; ++a) N[a] = (1 - t) * f.L[k][a] + t * f.L[l][a];
-      if (taper > 0) offer(SampleKind::edge, w * g.weight * taper, N, M);
-    }
+      if (taper > 0) offer(SampleKind::edge, w * weight * taper, N, M);
+    };
+    const double rise = f.height[l] - f.height[k];
+    integrate_segment(s, f.height[k] + t0 * rise, f.height[k] + t1 * rise, p, at);
   }
 
   for (int k = 0; k < 3; ++k) {
@@ -373,14 +404,15 @@ MORTISE_HD inline void sample_plane(const Scene& s, const Patch& p, const contac
   double h[6], w[6];
   for (int k = 0; k < on.count; ++k) h[k] = plane.normal.dot(y[on.point[k]] - plane.point);
   const double M[3] = {0, 0, 0};
-  for (Index q = 0; q < s.set.quadrature; ++q) {
-    const TrianglePoint g = triangle_point(s.set.quadrature, q);
-    on.shape(g.b, w);
+  const auto at = [&](const double b[3], double weight) {
+    on.shape(b, w);
     double gap = 0;
     for (int k = 0; k < on.count; ++k) gap += w[k] * h[k];
     if (on.quarter >= 0) gap = std::fmax(gap, kLeastGap * p.support);
-    if (gap > 0 && gap < p.reach) take(SampleKind::face, s.set.share * cosine * p.plane.area * g.weight, gap, g.b, M);
-  }
+    if (gap > 0 && gap < p.reach) take(SampleKind::face, s.set.share * cosine * p.plane.area * weight, gap, b, M);
+  };
+  const double corner[3] = {h[on.vertex(0)], h[on.vertex(1)], h[on.vertex(2)]};
+  integrate(s, corner, p, at);
 }
 
 }  // namespace mortise::effects::mortar
