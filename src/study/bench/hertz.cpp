@@ -25,7 +25,7 @@ struct Size {
 };
 // The ball's grid is a little coarser than the block's, so that nodes do not coincide.
 constexpr Size kSizes[] = {{"coarse", 0.016, 8, 5, 7, 2e-3, 0.06}, {"medium", 0.0075, 16, 6, 14, 7e-4, 0.035}, {"fine", 0.004, 30, 7, 14, 5e-4, 0.022}};
-// Quadratic tetrahedra: 6.7k and 20.3k nodes in all. Their layer of contact is stiffer (k = 24): with k = 4 its compliance would be all of
+// Quadratic tetrahedra: 7.5k and 20.3k nodes in all. Their layer of contact is stiffer (k = 24): with k = 4 its compliance would be all of
 // the error, 0.5 (d_hat - gap)/approach in the peak (reference/gmcp.md 3.2). Gated is r <= 0.9 a at the second size.
 constexpr Size kQuadraticSizes[] = {{"coarse", 0.02, 5, 3, 4, 6.6e-4, NAN}, {"medium", 0.0106, 9, 4, 5, 3.5e-4, 0.01}};
 constexpr double kExpectedRadius = 0.1;  // a/R, for the choice of kappa only
