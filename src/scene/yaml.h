@@ -19,11 +19,26 @@ struct Node {
   std::vector<Node> items;                            // list
   std::vector<std::pair<std::string, Node>> entries;  // map, in file order
 
+  // Defaulted below, where Node is complete: its entries hold Nodes.
+  Node();
+  Node(const Node&);
+  Node(Node&&) noexcept;
+  Node& operator=(const Node&);
+  Node& operator=(Node&&) noexcept;
+  ~Node();
+
   const Node* find(const std::string& key) const;
   Node* find(const std::string& key);
   // "a list", "'abc'": how a message calls what stands here.
   std::string describe() const;
 };
+
+inline Node::Node() = default;
+inline Node::Node(const Node&) = default;
+inline Node::Node(Node&&) noexcept = default;
+inline Node& Node::operator=(const Node&) = default;
+inline Node& Node::operator=(Node&&) noexcept = default;
+inline Node::~Node() = default;
 
 struct SyntaxError {
   SourceLoc at;
