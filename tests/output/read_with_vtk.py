@@ -49,6 +49,10 @@ def check_grid(grid, file, frame, kind):
         ids = grid.GetCell(i).GetPointIds()
         got = [ids.GetId(k) for k in range(ids.GetNumberOfIds())]
         np.testing.assert_array_equal(got, connectivity[offsets[i]:offsets[i + 1]])
+        if types[i] == vtk.VTK_QUADRATIC_TETRA:  # the last six nodes are where VTK expects them
+            for e in range(6):
+                a, b, middle = (points[grid.GetCell(i).GetEdge(e).GetPointId(k)].astype(float) for k in range(3))
+                np.testing.assert_allclose(middle, (a + b) / 2, rtol=1e-6, atol=1e-9)
     for data, count, folder in ((grid.GetPointData(), n, "PointData"), (grid.GetCellData(), cells, "CellData")):
         names = {data.GetArrayName(i) for i in range(data.GetNumberOfArrays())}
         assert names == set(file["VTKHDF/" + folder]), names
@@ -162,7 +166,7 @@ def main():
     vtk.vtkOutputWindow.SetInstance(window)
     subprocess.run([writer, work], check=True)
     check_run_json(work, schemas)
-    for name, frames, kind in (("mixed", FRAMES, np.float32), ("tets", FRAMES, np.float64), ("killed", 4, np.float32)):
+    for name, frames, kind in (("mixed", FRAMES, np.float32), ("tets", FRAMES, np.float64), ("quadratic", FRAMES, np.float64), ("killed", 4, np.float32)):
         path = os.path.join(work, name + ".vtkhdf")
         read_with_hdf_reader(path, frames, kind)
         if name != "killed":
@@ -171,7 +175,7 @@ def main():
     complaints = open(log).read() if os.path.exists(log) else ""
     assert not complaints, complaints
     # Only ParaView's XDMF reader regrets that a hyperslab cannot be cached.
-    for name, kind in (("mixed", np.float32), ("tets", np.float64)):
+    for name, kind in (("mixed", np.float32), ("tets", np.float64), ("quadratic", np.float64)):
         read_with_xdmf_reader(os.path.join(work, name + ".vtkhdf"), FRAMES, kind)
     print("read by VTK", vtk.vtkVersion().GetVTKVersion(), "and h5py", h5py.version.version)
 

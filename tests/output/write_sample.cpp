@@ -1,10 +1,11 @@
 // Writes a small run into the folder named on the command line, for tests/output/read_with_vtk.py:
-// records of runs, and field files of 7 frames, fields that come late or stay away in a frame, rows of changing number, two cell
+// records of runs, and field files of 7 frames, fields that come late or stay away in a frame, rows of changing number, several cell
 // types.
 #include <cmath>
 #include <cstdio>
 
 #include "base/error.h"
+#include "geometry/quadratic.h"
 #include "output/field_file.h"
 #include "output/run_json.h"
 
@@ -20,11 +21,11 @@ std::vector<double> wave(std::size_t n, int f, double scale) {
   return out;
 }
 
-// `tets` tetrahedra side by side, then, if asked, two triangles.
-OutputMesh mesh_of(int tets, bool triangles) {
+// `tets` tetrahedra and `quadratic` ones side by side, then, if asked, two triangles.
+OutputMesh mesh_of(int tets, int quadratic, bool triangles) {
   OutputMesh m;
   m.offsets = {0};
-  const auto cell = [&](std::uint8_t type, int body, std::initializer_list<Vec3> corners) {
+  const auto cell = [&](std::uint8_t type, int body, const std::vector<Vec3>& corners) {
     for (const Vec3& x : corners) {
       m.connectivity.push_back(static_cast<std::int64_t>(m.points.size()));
       m.points.push_back(x);
@@ -37,6 +38,11 @@ OutputMesh mesh_of(int tets, bool triangles) {
   for (int i = 0; i < tets; ++i) {
     const Vec3 o(0.01 * i, 0, 0);
     cell(tetrahedron, 0, {o, o + Vec3(0.01, 0, 0), o + Vec3(0, 0.01, 0), o + Vec3(0, 0, 0.01)});
+  }
+  for (int i = 0; i < quadratic; ++i) {
+    std::vector<Vec3> x{Vec3(0.01 * i, 0, 0.1), Vec3(0.01 * i + 0.01, 0, 0.1), Vec3(0.01 * i, 0.01, 0.1), Vec3(0.01 * i, 0, 0.11)};
+    for (int e = 0; e < 6; ++e) x.push_back(0.5 * (x[geometry::edge_begin(e)] + x[geometry::edge_end(e)]));
+    cell(quadratic_tetrahedron, 0, x);
   }
   m.body_names = {"pad"};
   if (triangles) {
@@ -90,10 +96,11 @@ int main(int, char** argv) {
     const std::string dir = argv[1];
     write_record(dir + "/run.json", Exit::done);
     write_record(dir + "/failed.json", Exit::solve);
-    write_run(dir + "/mixed.vtkhdf", mesh_of(5, true), false, 7);
-    write_run(dir + "/tets.vtkhdf", mesh_of(9, false), true, 7);
+    write_run(dir + "/mixed.vtkhdf", mesh_of(5, 2, true), false, 7);
+    write_run(dir + "/tets.vtkhdf", mesh_of(9, 0, false), true, 7);
+    write_run(dir + "/quadratic.vtkhdf", mesh_of(0, 3, false), true, 7);
     // A run killed after frame 4: the frames before must be readable as they are.
-    const OutputMesh mesh = mesh_of(5, true);
+    const OutputMesh mesh = mesh_of(5, 0, true);
     write_run(dir + "/killed.vtkhdf", mesh, false, 4);
     const auto file = FieldFile::reopen(dir + "/killed.vtkhdf", 4, 4, {});
     file->begin_frame(1, std::vector<double>(3 * mesh.points.size(), 1.0));
