@@ -60,6 +60,8 @@ std::span<const Benchmark> benchmarks() {
       {"line", "cylinder on a block in plane strain: pressure, half-width (B08)", {"size"}, bench::line},
       {"indent", "rigid flat and conical punches on a half-space (B11, B12)", {"cells"}, bench::indent},
       {"ring", "ring pressed onto a ring: mean pressure (B23)", {"cells"}, bench::ring},
+      {"partition", "overlaps of two meshes fill a face, however close the meshes come to each other (H59, H60)", {"ratio"}, bench::partition},
+      {"sharp", "sharp edge and corner pressed into a pad: true gap, steps that converge", {}, bench::sharp},
       {"tower", "forces and gaps in a stack of blocks under gravity (B26)", {}, bench::tower},
       {"slide", "drag of a block on a tessellated plane without friction (H58)", {}, bench::slide},
   };

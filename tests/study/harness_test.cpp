@@ -127,6 +127,8 @@ TEST(StudyBenchmarks, InterfacePasses) { expect_gates("interface", {"methods=gmc
 TEST(StudyBenchmarks, LinePasses) { expect_gates("line", {"methods=gmcp_consistent"}, 4); }
 TEST(StudyBenchmarks, IndentPasses) { expect_gates("indent", {"methods=gmcp_consistent"}, 6); }
 TEST(StudyBenchmarks, RingPasses) { expect_gates("ring", {"methods=gmcp_consistent"}, 4); }
+TEST(StudyBenchmarks, PartitionPasses) { expect_gates("partition", {"methods=gmcp_consistent", "ratio=10"}, 24); }
+TEST(StudyBenchmarks, SharpPasses) { expect_gates("sharp", {"methods=gmcp_consistent", "time.steps=10"}, 6); }
 TEST(StudyBenchmarks, CoarseHertzPasses) { expect_gates("hertz", {"methods=gmcp_consistent"}, 4); }
 // A wrong answer does not pass: with a guard that acts at this gap the barrier's identity no longer holds.
 TEST(StudyBenchmarks, BarrierFailsWithAGuard) {

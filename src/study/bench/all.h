@@ -9,6 +9,8 @@ void hertz(const Bench&);
 void tower(const Bench&);
 void slide(const Bench&);
 void interface(const Bench&);
+void sharp(const Bench&);
+void partition(const Bench&);
 void ring(const Bench&);
 void indent(const Bench&);
 void line(const Bench&);
