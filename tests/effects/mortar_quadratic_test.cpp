@@ -24,6 +24,7 @@ Params params(const std::string& master, const std::string& gradient = "frozen",
   p.set("weights", Params::make_text("consistent"));
   p.set("quadrature", Params::make_text(quadrature));
   p.set("gradient", Params::make_text(gradient));
+  p.set("gap", Params::make_text("pointwise"));
   p.set("two_pass", Params::make_flag(false));
   return p;
 }
@@ -149,6 +150,26 @@ TEST(MortarQuadratic, GapsFollowTheBow) {
   p.contact->report(r);
   // z = 0.25 + 0.04 (l0 l1 + l1 l2 + l2 l0): 0.01 at the middles, 0.04/3 at the centres of the faces, from where samples are taken.
   EXPECT_NEAR(r("mortar_contact/min_distance"), 0.03 - 0.04 / 3, 1e-4);
+}
+
+// Middles of edges on both sides bow into each other, while corners and middles themselves keep apart: refused at the start.
+TEST(MortarQuadratic, FacesThatMeetBetweenNodesAreRefused) {
+  for (double bow : {0.02, 0.03}) {
+    model::ModelInput in = stack(0.03, Tool::stiff);
+    const auto corners = block(2).points.size();
+    for (std::size_t i = corners; i < in.bodies[0].nodes.size(); ++i)
+      if (in.bodies[0].nodes[i][2] > 0.2499) in.bodies[0].nodes[i][2] += 0.9999 * bow;
+    if (bow < 0.03 * 3 / 4) {  // bow * 4/3 at the centre
+      EXPECT_NO_THROW(Problem(std::move(in), params("tool")));
+      continue;
+    }
+    try {
+      Problem(std::move(in), params("tool", "frozen", "7"));
+      ADD_FAILURE();
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find("curved faces of 'pad' and 'tool' meet"), std::string::npos) << e.what();
+    }
+  }
 }
 
 TEST(MortarQuadratic, OnePointIsRefused) {

@@ -49,6 +49,9 @@ const ParamTable kTable{
                       0, 1.0 / 3)),
      param::choice("quadrature", {"1", "3", "6", "7", "exact"}, "3",
                    "Gauss points per piece of overlap; exact: along lines of equal gap, as many as the barrier asks for"),
+     param::choice("gap", {"pointwise", "averaged"}, "pointwise",
+                   "pointwise: every sample has its barrier; averaged: every slave node has one, over the mean gap around it, which "
+                   "keeps pressures smooth however large the stiffness is"),
      param::choice("gradient", {"frozen", "exact"}, "frozen",
                    "frozen: forces along the slave normal (published form); exact: also the turning of the normal, forces along "
                    "the master normal"),
@@ -77,6 +80,9 @@ class MortarContact final : public Effect {
     set_.taper = p.text("weights") == "tapered" ? p.number("taper_width") : 0;
     set_.quadrature = p.text("quadrature") == "exact" ? kExact : std::stoi(p.text("quadrature"));
     set_.exact = p.text("gradient") == "exact";
+    set_.averaged = p.text("gap") == "averaged";
+    if (set_.averaged && (rest_share_ > 0 || model.faces.quarter.size() > 0))
+      throw Error(Exit::scene, p.at("gap").where(), "averaged gaps need linear tetrahedra and no rest_share");
     set_.share = p.flag("two_pass") ? 0.5 : 1;
     choose_pairs(p.at("pairs"), p.flag("two_pass"));
     choose_slaves();
@@ -117,10 +123,24 @@ class MortarContact final : public Effect {
     if (!started_) {
       contact::check_start(model_, guard_scene(), near_.candidates(), near_.y());
       refreeze();
+      check_faces();
       if (rest_share_ > 0) fit_support();
     }
     started_ = true;
     update();
+  }
+
+  // Quadratic faces must start apart as well, not their quarters only.
+  void check_faces() {
+    const std::vector<Pair> pairs = frozen_.pairs.download();
+    for (const Sample& s : frozen_.samples.download()) {
+      const Pair& pair = pairs[s.pair];
+      if (!met(pair, s.gap)) continue;
+      const std::vector<Index> body = model_.surface.body.download();
+      const model::Body& slave = model_.bodies[body[pair.on.point[0]]];
+      const std::string& master = pair.master < 0 ? model_.half_spaces[-1 - pair.master].name : model_.bodies[body[pair.under.point[0]]].name;
+      throw Error(Exit::scene, slave.where, "bodies must start apart: between their nodes, curved faces of '" + slave.name + "' and '" + master + "' meet (leave a larger gap or use a finer mesh)");
+    }
   }
 
   void energy(Positions q, std::vector<double>& per_env) override {
@@ -362,8 +382,7 @@ void MortarContact::report(FieldSink& sink) {
       if (share > 0) load[p] += share * c.pressure, area_of[p] += share;
     }
     total[static_cast<Index>(s.kind)] += c.force;
-    const bool met = pair.quadratic() && c.gap <= kLeastGap * pair.d_hat;  // the quadratic faces, not their quarters
-    closest = std::min(closest, met ? 0 : c.gap);
+    closest = std::min(closest, met(pair, c.gap) ? 0 : c.gap);
     rows.add(c);
     kind.push_back(static_cast<double>(s.kind));
   }
