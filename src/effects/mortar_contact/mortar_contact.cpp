@@ -49,9 +49,6 @@ const ParamTable kTable{
                       0, 1.0 / 3)),
      param::choice("quadrature", {"1", "3", "6", "7", "exact"}, "3",
                    "Gauss points per piece of overlap; exact: along lines of equal gap, as many as the barrier asks for"),
-     param::choice("gap", {"pointwise", "averaged"}, "pointwise",
-                   "pointwise: every sample has its barrier; averaged: every slave node has one, over the mean gap around it, which "
-                   "keeps pressures smooth however large the stiffness is"),
      param::choice("gradient", {"frozen", "exact"}, "frozen",
                    "frozen: forces along the slave normal (published form); exact: also the turning of the normal, forces along "
                    "the master normal"),
@@ -80,9 +77,6 @@ class MortarContact final : public Effect {
     set_.taper = p.text("weights") == "tapered" ? p.number("taper_width") : 0;
     set_.quadrature = p.text("quadrature") == "exact" ? kExact : std::stoi(p.text("quadrature"));
     set_.exact = p.text("gradient") == "exact";
-    set_.averaged = p.text("gap") == "averaged";
-    if (set_.averaged && (rest_share_ > 0 || model.faces.quarter.size() > 0))
-      throw Error(Exit::scene, p.at("gap").where(), "averaged gaps need linear tetrahedra and no rest_share");
     set_.share = p.flag("two_pass") ? 0.5 : 1;
     choose_pairs(p.at("pairs"), p.flag("two_pass"));
     choose_slaves();
