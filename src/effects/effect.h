@@ -10,6 +10,7 @@
 #include "base/archive.h"
 #include "base/field_sink.h"
 #include "device/device.h"
+#include "effects/curvature.h"
 #include "linalg/stencils.h"
 
 namespace mortise::effects {
@@ -46,8 +47,8 @@ class Effect {
   virtual void begin_step(const StepInfo&) {}
   // Add the effect's energy [J] at q to per_env[e].
   virtual void energy(Positions q, std::vector<double>& per_env) = 0;
-  // Fill gradient and (when `hessian`) positive semi-definite Hessian pieces at q; return the stencils.
-  virtual linalg::StencilSet& assemble(Positions q, bool hessian) = 0;
+  // Fill gradient pieces and, as far as wanted, Hessian pieces at q; return the stencils.
+  virtual linalg::StencilSet& assemble(Positions q, Curvature hessian) = 0;
   // Lower alpha[e] to the longest step q + alpha dq (alpha <= 1) that keeps the effect's energy finite.
   virtual void max_step(Positions q, View<const Vec3> dq, std::vector<double>& alpha) { (void)q, (void)dq, (void)alpha; }
   // Refresh quantities frozen during Newton (friction's normal forces) from q; true if the effect has any.

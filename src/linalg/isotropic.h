@@ -4,7 +4,8 @@
 //   twist in the plane (i, j): U (e_i e_j^T - e_j e_i^T) V^T / sqrt 2,  eigenvalue (psi_i + psi_j) / (s_i + s_j),
 //   flip  in the plane (i, j): U (e_i e_j^T + e_j e_i^T) V^T / sqrt 2,  eigenvalue (psi_i - psi_j) / (s_i - s_j),
 //   three stretches U diag(z) V^T, with z and the eigenvalues those of the 3x3 matrix d^2 psi / ds_i ds_j.
-// Clamping these eigenvalues at zero projects the 9x9 matrix d^2 psi / dF^2 to the nearest positive semi-definite one.
+// Clamping these eigenvalues at zero projects the 9x9 matrix d^2 psi / dF^2 to the nearest positive semi-definite one; scaling the
+// negative ones by a share between 0 and 1 leads from there to the exact matrix.
 #include "linalg/small.h"
 
 namespace mortise::linalg {
@@ -15,12 +16,15 @@ struct IsotropicModes {
   Mat3 stretch;
 };
 
-MORTISE_HD inline void project_psd(IsotropicModes& m) {
+// Keeps the share `concave` of the negative curvature.
+MORTISE_HD inline void scale_concave(IsotropicModes& m, double concave) {
   for (int k = 0; k < 3; ++k) {
-    m.twist[k] = m.twist[k] > 0 ? m.twist[k] : 0;
-    m.flip[k] = m.flip[k] > 0 ? m.flip[k] : 0;
+    m.twist[k] = m.twist[k] > 0 ? m.twist[k] : concave * m.twist[k];
+    m.flip[k] = m.flip[k] > 0 ? m.flip[k] : concave * m.flip[k];
   }
-  project_psd<3>(m.stretch);
+  Mat3 convex = m.stretch;
+  project_psd<3>(convex);
+  m.stretch = convex + concave * (m.stretch - convex);
 }
 
 // With F = sum_a x_a g_a^T and h_a = V^T g_a: the 3x3 piece d^2 psi / dx_a dx_b = U K U^T, where K sums lambda_m (D_m h_a)(D_m h_b)^T

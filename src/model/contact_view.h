@@ -14,10 +14,10 @@ struct ContactSample {
   double weight[kSamplePoints];  // slave side negative, master side positive: gap grows along +normal
   double normal[3];              // unit; force on a point with weight w is force * w * normal
   double position[3];            // where the sample sits [m]
-  double force = 0;              // normal force magnitude [N], >= 0
-  double area = 0;               // area the sample stands for [m^2]; 0 where the method has none
+  double force = 0;              // normal force [N]; negative where the sample takes back what others count twice
+  double area = 0;               // area the sample stands for [m^2], of the force's sign; 0 where the method has none
   double gap = 0;                // [m]
-  double pressure = 0;           // [Pa], force / area where area > 0
+  double pressure = 0;           // [Pa], force / area where there is an area
   Index env = 0;
   Index body_a = 0, body_b = 0;  // slave (or first) and master (or second) body; obstacles count after the bodies
 };

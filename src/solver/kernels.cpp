@@ -94,6 +94,21 @@ void add(View<const Vec3> from, Buffer<Vec3>& to) {
   device::parallel_for("solver.add", from.n, [=] MORTISE_HD(Index b) { t[b] += from[b]; });
 }
 
+double largest_of(const std::vector<double>& v) { return v.empty() ? 0 : *std::max_element(v.begin(), v.end()); }
+
+void subtract(View<const Vec3> a, View<const Vec3> b, Buffer<Vec3>& out) {
+  out.resize(a.n);
+  const View<Vec3> to = out.view();
+  device::parallel_for("solver.subtract", a.n, [=] MORTISE_HD(Index i) { to[i] = a[i] - b[i]; });
+}
+
+void add_scaled(View<const Vec3> v, const std::vector<double>& share, View<const Index> block_env, Buffer<Vec3>& to) {
+  const Buffer<double> shares(share);
+  const View<const double> s = shares.view();
+  const View<Vec3> t = to.view();
+  device::parallel_for("solver.add_scaled", v.n, [=] MORTISE_HD(Index b) { t[b] += s[block_env[b]] * v[b]; });
+}
+
 std::vector<double> rounding_floor(const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, const std::vector<Index>& env_rows) {
   constexpr double kEps = 2.220446049250313e-16;
   const View<const Index> start = A.row_start.view();

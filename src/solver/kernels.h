@@ -26,6 +26,11 @@ void step_of(View<const Vec3> x, View<const Vec3> c, View<const Index> row_of_bl
 // trial = q + alpha_env dq; where alpha is exactly 1 the held directions land exactly on their targets.
 void advance(View<const Vec3> q, View<const Vec3> dq, const std::vector<double>& alpha, const model::Model& model, Buffer<Vec3>& trial);
 void add(View<const Vec3> from, Buffer<Vec3>& to);
+void subtract(View<const Vec3> a, View<const Vec3> b, Buffer<Vec3>& out);
+// to_b += share_env v_b
+void add_scaled(View<const Vec3> v, const std::vector<double>& share, View<const Index> block_env, Buffer<Vec3>& to);
+// 0 of no values.
+double largest_of(const std::vector<double>& v);
 // Per environment 8 eps max |A_rr| |q_r|: positions are only known to eps |q|, and forces accordingly.
 std::vector<double> rounding_floor(const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, const std::vector<Index>& env_rows);
 // A <- A + share * (mean trace of the diagonal blocks / 3) * I.

@@ -5,16 +5,11 @@
 #include <cmath>
 #include <sstream>
 
-#include "linalg/cg.h"
-#include "linalg/stale_factor.h"
-#include "linalg/supports.h"
 #include "solver/kernels.h"
 #include "solver/timed.h"
 
 namespace mortise::solver {
 namespace {
-
-double largest_of(const std::vector<double>& v) { return v.empty() ? 0 : *std::max_element(v.begin(), v.end()); }
 
 // Diagonal of the scene at rest [m], the length against which support gaps are judged.
 double scene_length(const model::Model& model) {
@@ -81,7 +76,7 @@ Newton::Residual Newton::assemble(bool hessian) {
   for (std::size_t k = 0; k < effects_.size(); ++k) {
     effects::Effect& effect = *effects_[k];
     const Timed timed(clock_, effect.name(), hessian ? "assemble" : "gradient");
-    linalg::StencilSet& set = effect.assemble(q_.view(), hessian);
+    linalg::StencilSet& set = effect.assemble(q_.view(), effects::Curvature(hessian, concave_));
     sets_.push_back(&set);
     linalg::StencilSet* const one[] = {&set};
     assembler_.gradient(one, model_.blocks, effect_gradients_[k]);
@@ -107,67 +102,6 @@ bool Newton::converged(const Residual& r, double relative) const {
   return options_.step_tolerance <= 0 || last_step_ <= options_.step_tolerance;
 }
 
-// A fresh factor, or conjugate gradients with the last one as long as that is cheaper. A factor never outlives the step, so
-// that a restart between steps meets the same factors.
-void Newton::solve_direct(StepReport& report) {
-  constexpr double kForcing = 1e-2;  // inexact Newton: the residual still falls a hundredfold per iteration
-  constexpr Index kMost = 16;        // a factor costs about as much as this many solves with it
-  if (linear_ == Linear::reuse && factor_fresh_) {
-    const linalg::StaleResult cg = linalg::solve_with_stale_factor(matrix_, direct_, rhs_.view(), x_.view(), kForcing, kMost);
-    report.cg += cg.iterations;
-    if (cg.converged) {
-      factor_fresh_ = cg.iterations <= kMost / 2;
-      return;
-    }
-  }
-  // A static scene may be held by contact alone: a small shift then picks the shortest step among the free motions.
-  double shift = 1e-10;
-  while (!direct_.factor(matrix_)) {
-    if (shift > 1e-2) throw Failure{"the matrix is not positive definite"};
-    shift_diagonal(matrix_, shift);
-    shift *= 100;
-    ++report.regularised;
-  }
-  direct_.solve(rhs_.view(), x_.view());
-  factor_fresh_ = true;
-}
-
-void Newton::direction(StepReport& report, bool supports_move) {
-  device::Buffer<Vec3> Hc;
-  {
-    const Timed timed(clock_, "solver", "matrix");
-    assembler_.matrix(sets_, matrix_);
-    rounding_ = rounding_floor(matrix_, q_.view(), block_of_row_.view(), env_rows_);
-    if (any_partial_) linalg::project(matrix_, row_projector_.view());
-  }
-  if (supports_move) {
-    for (linalg::StencilSet* set : sets_) stencil_product(*set, support_.view());
-    assembler_.gradient(sets_, model_.blocks, Hc);
-  }
-  right_hand_side(gradient_.view(), std::as_const(Hc).view(), block_of_row_.view(), row_projector_.view(), rhs_);
-  x_.resize(rows_);
-  x_.zero();
-  if (rows_ > 0) {
-    const Timed timed(clock_, "solver", "linear_solve");
-    if (linear_ == Linear::cg) {
-      const std::vector<double> relative(model_.envs, options_.cg_tolerance);
-      const linalg::CgResult cg = linalg::conjugate_gradients(matrix_, rhs_.view(), x_.view(), env_rows_, relative, {options_.cg_iterations, 0});
-      report.cg += cg.iterations();
-      for (const linalg::CgResult::Env& env : cg.env)
-        if (env.end == linalg::CgEnd::iteration_limit || (env.end == linalg::CgEnd::not_positive_definite && env.iterations == 0)) {
-          std::ostringstream why;
-          why << "conjugate gradients stopped after " << env.iterations << " iterations at " << env.residual / env.rhs << " of the right-hand side (wanted " << options_.cg_tolerance << ")";
-          throw Failure{why.str()};
-        }
-    } else {
-      solve_direct(report);
-    }
-  }
-  step_of(x_.view(), support_.view(), row_of_block_.view(), model_.projector.view(), dq_);
-  last_step_ = largest_of(largest(dq_.view(), model_.env_blocks));
-  if (!std::isfinite(last_step_)) throw Failure{"the Newton direction is not finite"};
-}
-
 std::vector<double> Newton::energy(device::View<const Vec3> q) {
   std::vector<double> total(model_.envs, 0.0);
   energy_scale_.assign(model_.envs, 0.0);
@@ -183,61 +117,10 @@ std::vector<double> Newton::energy(device::View<const Vec3> q) {
   return total;
 }
 
-void Newton::line_search(StepReport& report, const Residual& r, double relative, bool supports_move) {
-  constexpr double kArmijo = 1e-4;
-  constexpr int kMost = 40;
-  std::vector<double> alpha(model_.envs, 1.0);
-  for (const auto& effect : effects_) {
-    const Timed timed(clock_, effect->name(), "max_step");
-    effect->max_step(q_.view(), dq_.view(), alpha);
-  }
-  const std::vector<double> before = energy(q_.view());
-  std::vector<double> slope = dot(gradient_.view(), dq_.view(), model_.env_blocks);
-  std::vector<double> rho(model_.envs, 0.0), cc(model_.envs, 0.0);
-  if (supports_move) {
-    // rho makes the quadratic model of the merit decrease over the full step and its slope negative.
-    device::Buffer<Vec3> Hdq;
-    for (linalg::StencilSet* set : sets_) stencil_product(*set, dq_.view());
-    assembler_.gradient(sets_, model_.blocks, Hdq);
-    const std::vector<double> curvature = dot(dq_.view(), Hdq.view(), model_.env_blocks);
-    cc = dot(support_.view(), support_.view(), model_.env_blocks);
-    for (Index e = 0; e < model_.envs; ++e) {
-      if (!(cc[e] > 0)) continue;
-      rho[e] = std::max(0.0, 2 * (2 * slope[e] + curvature[e]) / cc[e]);
-      slope[e] -= rho[e] * cc[e];
-    }
-  }
-  for (Index e = 0; e < model_.envs; ++e)
-    if (model_.envs > 1 && r.force[e] <= tolerance(r, e, relative) && r.support_gap[e] == 0) alpha[e] = 0;
-
-  for (int k = 0;; ++k) {
-    advance(q_.view(), dq_.view(), alpha, model_, trial_);
-    const std::vector<double> after = energy(trial_.view());
-    bool ok = true;
-    for (Index e = 0; e < model_.envs; ++e) {
-      if (alpha[e] == 0) continue;
-      const double left = (1 - alpha[e]) * (1 - alpha[e]);
-      const double change = after[e] - before[e] + 0.5 * rho[e] * (left - 1) * cc[e];
-      const double rounding = 1e-13 * energy_scale_[e];
-      if (std::isfinite(after[e]) && change <= kArmijo * alpha[e] * slope[e] + rounding) continue;
-      // A support that pushes a body into contact that no Hessian knows of yet has no finite rho beforehand: take the one for
-      // which the shortened step is good enough, or the support would creep up to the range of the contact for ever.
-      if (k >= 2 && cc[e] > 0 && std::isfinite(after[e])) continue;
-      alpha[e] *= 0.5;
-      ok = false;
-    }
-    if (ok) break;
-    ++report.line_search;
-    if (k == kMost) throw Failure{"the line search found no descent"};
-  }
-  for (double a : alpha)
-    if (a > 0) report.alpha = std::min(report.alpha, a);
-  q_.swap(trial_);
-}
-
 void Newton::iterate(StepReport& report, double relative, const std::function<void()>& stop) {
   for (Index it = 0;; ++it) {
     stop();
+    choose_curvature();
     const Residual r = assemble(true);
     report.residual = largest_of(r.force);
     report.tolerance = 0;
@@ -251,7 +134,7 @@ void Newton::iterate(StepReport& report, double relative, const std::function<vo
     }
     const bool supports_move = largest_of(r.support_gap) > 0;
     direction(report, supports_move);
-    line_search(report, r, relative, supports_move);
+    last_alpha_ = line_search(report, r, relative, supports_move);
     ++report.newton;
   }
 }
@@ -260,32 +143,34 @@ void Newton::solve(StepReport& report, const std::function<void()>& stop) {
   number_rows();
   q_.copy_from(model_.q);
   rounding_.assign(model_.envs, 0.0);
-  lags_ = options_.lags;
   factor_fresh_ = false;
+  concave_ = last_alpha_ = 0;
+  lags_ = options_.lags;
+  lag_q_.copy_from(model_.q);
+  lag_share_.assign(model_.envs, 1.0);
+  const double settled = std::max(options_.lag_tolerance, options_.relative_tolerance);
+  double relative = lags_ ? 10 * settled : options_.relative_tolerance;
   for (Index round = 0;; ++round) {
     last_step_ = 0;
-    // With quantities frozen there is no point in solving far beyond what refreshing them will change.
-    const double relative = lags_ ? std::max(options_.relative_tolerance, 0.1 * options_.lag_tolerance) : options_.relative_tolerance;
     iterate(report, relative, stop);
-    bool lagged = false;
-    for (const auto& effect : effects_) {
-      const Timed timed(clock_, effect->name(), "lag");
-      lagged |= effect->lag(q_.view());
-    }
-    if (!lagged) {
+    if (!refresh_lagged(q_.view())) {
       if (!lags_) break;
       lags_ = false;  // nothing to refresh in this step after all: solve to the end
+      relative = options_.relative_tolerance;
       continue;
     }
     ++report.lag;
     const Residual fresh = assemble(false);
     report.lag_residual = largest_of(fresh.force);
-    if (converged(fresh, std::max(options_.lag_tolerance, options_.relative_tolerance))) break;
+    if (converged(fresh, settled)) break;
     if (round == options_.lag_iterations) {
       std::ostringstream why;
       why << "lagged quantities (friction) did not settle in " << round << " rounds: residual " << report.lag_residual << " N";
       throw Failure{why.str()};
     }
+    // There is no point in solving far beyond what refreshing changes.
+    relative = std::clamp(0.1 * report.lag_residual / largest_of(fresh.scale), 0.1 * settled, 10 * settled);
+    relax_lagged(round);
   }
   const std::vector<double> phi = energy(q_.view());
   report.energy = 0;

@@ -1,8 +1,9 @@
 #pragma once
-// Projected Newton on the incremental potential Phi(q) with supports.
+// Newton's method on the incremental potential Phi(q) with supports.
 //
 //   residual   r = P grad Phi                          [N], per environment the largest |r_b| over blocks b; no smaller
 //              residual is asked for than rounding of q causes: 8 eps max_b |H_bb| |q_b|
+//   Hessian    H with a share of its negative curvature (direction.cpp)
 //   direction  (P H P + I - P) d = -P (g + H c)        c = (I - P)(target - q): what the supports still have to move
 //   step       q <- q + alpha (d + c)                  alpha per environment: conservative CCD, then Armijo
 //
@@ -50,10 +51,17 @@ class Newton {
   Residual assemble(bool hessian);
   double tolerance(const Residual& r, Index env, double relative) const;  // [N]
   bool converged(const Residual& r, double relative) const;
-  void solve_direct(StepReport& report);
+  void choose_curvature();
+  void soften();
+  void build_matrix();
+  bool solve_direct(StepReport& report);
+  bool solve_cg(StepReport& report);
+  bool solve_linear(StepReport& report, bool supports_move);
   void direction(StepReport& report, bool supports_move);
-  void line_search(StepReport& report, const Residual& r, double relative, bool supports_move);
+  double line_search(StepReport& report, const Residual& r, double relative, bool supports_move);
   void iterate(StepReport& report, double relative, const std::function<void()>& stop);
+  bool refresh_lagged(device::View<const Vec3> q);
+  void relax_lagged(Index round);
   std::vector<double> energy(device::View<const Vec3> q);
 
   model::Model& model_;
@@ -79,10 +87,14 @@ class Newton {
   std::vector<linalg::StencilSet*> sets_;
 
   device::Buffer<Vec3> q_, trial_, gradient_, support_, dq_, rhs_, x_;
+  device::Buffer<Vec3> lag_q_, lag_move_, lag_last_;  // lagging.cpp
+  std::vector<double> lag_share_;
   std::vector<device::Buffer<Vec3>> effect_gradients_;
   std::vector<double> energy_scale_;
   std::vector<double> rounding_;  // per environment: the residual that rounding of q alone can cause [N]
   double last_step_ = 0;
+  double concave_ = 0;  // share of the Hessian's negative curvature that is kept now (effects/curvature.h)
+  double last_alpha_ = 0;  // shortest accepted step of the last iteration; 0 before the first
   bool lags_ = false;  // some effect has quantities that are frozen and refreshed
 };
 

@@ -22,6 +22,7 @@ struct StepReport {
   Index lag = 0;        // refreshes of lagged quantities
   Index cg = 0;         // linear iterations (0 with the direct solver)
   Index line_search = 0;  // halvings in line searches
+  Index softened = 0;     // directions for which negative curvature had to be taken away
   Index regularised = 0;  // factorisations that needed a diagonal shift
   double alpha = 1;     // smallest accepted step length
   double residual = 0;  // largest force residual at the end [N]

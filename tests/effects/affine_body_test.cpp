@@ -28,7 +28,7 @@ std::vector<Mat3> matrices() {
 
 Mat9 hessian(const Mat3& A, bool projected) {
   Mat3 hess[6];
-  affine_body::hessian(kVk, A, projected, hess);
+  affine_body::hessian(kVk, A, projected ? 0 : 1, hess);
   Mat9 H;
   for (int a = 0, place = 0; a < 3; ++a)
     for (int b = a; b < 3; ++b, ++place) {

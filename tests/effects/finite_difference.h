@@ -94,12 +94,12 @@ struct Dense {
   Vector gradient;
   Matrix hessian;  // empty unless asked for
 };
-inline Dense effect_assemble(effects::Effect& e, const Vector& x, bool hessian) {
+inline Dense effect_assemble(effects::Effect& e, const Vector& x, effects::Curvature hessian) {
   const device::Buffer<Vec3> q(blocks_of(x));
   const linalg::StencilView s = e.assemble(q.view(), hessian).view();
   Dense d;
   d.gradient = Vector::Zero(x.size());
-  if (hessian) d.hessian = Matrix::Zero(x.size(), x.size());
+  if (hessian.wanted) d.hessian = Matrix::Zero(x.size(), x.size());
   if (s.n == 0) return d;
   const auto offset = fetch(s.offset), hess_offset = fetch(s.hess_offset), block = fetch(s.block);
   const auto grad = fetch(s.grad);
@@ -110,7 +110,7 @@ inline Dense effect_assemble(effects::Effect& e, const Vector& x, bool hessian) 
       const Index i = block[begin + a];
       if (i < 0) continue;
       d.gradient.segment<3>(3 * i) += grad[begin + a];
-      for (Index b = a; hessian && b < nb; ++b) {
+      for (Index b = a; hessian.wanted && b < nb; ++b) {
         const Index j = block[begin + b];
         if (j < 0) continue;
         const Mat3& h = hess[hess_offset[k] + linalg::pair_place(a, b, nb)];
@@ -124,10 +124,10 @@ inline Dense effect_assemble(effects::Effect& e, const Vector& x, bool hessian) 
 
 struct Errors {
   double gradient = 0;  // energy -> gradient: wanted below 1e-6
-  double hessian = 0;   // gradient -> Hessian: wanted below 1e-5 (only where nothing was projected)
+  double hessian = 0;   // gradient -> Hessian: wanted below 1e-5
 };
 inline Errors effect_errors(effects::Effect& e, const Vector& x, double h, Index envs = 1) {
-  const Dense d = effect_assemble(e, x, true);
+  const Dense d = effect_assemble(e, x, effects::Curvature(true, 1));
   const Vector g = difference_gradient([&](const Vector& y) { return effect_energy(e, y, envs); }, x, h);
   const Matrix H = difference_jacobian([&](const Vector& y) { return effect_assemble(e, y, false).gradient; }, x, h);
   return {relative_error(d.gradient, g), relative_error(d.hessian, H)};

@@ -68,14 +68,14 @@ class AffineBody final : public Effect {
         [=] MORTISE_HD(Index s) { return affine_body::energy(list[s].Vk, columns(q, list[s].first)); }, per_env);
   }
 
-  linalg::StencilSet& assemble(Positions q, bool hessian) override {
+  linalg::StencilSet& assemble(Positions q, Curvature curvature) override {
     const View<const StiffBody> list = std::as_const(bodies_).view();
     const linalg::StencilView out = stencils_.view();
     device::parallel_for("affine_body.assemble", list.n, [=] MORTISE_HD(Index s) {
       const Mat3 A = columns(q, list[s].first);
       const Mat3 g = affine_body::gradient(list[s].Vk, A);
       for (int i = 0; i < 3; ++i) out.grad[3 * s + i] = g.col(i);
-      if (hessian) affine_body::hessian(list[s].Vk, A, true, out.hess.p + 6 * s);
+      if (curvature.wanted) affine_body::hessian(list[s].Vk, A, curvature.concave, out.hess.p + 6 * s);
     });
     return stencils_;
   }

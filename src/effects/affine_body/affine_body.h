@@ -33,10 +33,10 @@ MORTISE_HD inline linalg::IsotropicModes modes(const Mat3& A) {
   }
   return m;
 }
-// hess[6]: upper triangle of the pieces d^2 E/da_i da_j, row by row [N].
-MORTISE_HD inline void hessian(double Vk, const Mat3& A, bool projected, Mat3* hess) {
+// hess[6]: upper triangle of the pieces d^2 E/da_i da_j, row by row [N], with the share `concave` of its negative curvature.
+MORTISE_HD inline void hessian(double Vk, const Mat3& A, double concave, Mat3* hess) {
   linalg::IsotropicModes m = modes(A);
-  if (projected) linalg::project_psd(m);
+  linalg::scale_concave(m, concave);
   const Mat3 h = m.V.transpose();  // column a is V^T e_a
   for (int a = 0, place = 0; a < 3; ++a)
     for (int b = a; b < 3; ++b) hess[place++] = Vk * linalg::hessian_block(m, h.col(a), h.col(b));

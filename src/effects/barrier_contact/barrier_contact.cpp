@@ -73,11 +73,11 @@ class BarrierContact final : public Effect {
     forbid(finite, per_env);
   }
 
-  linalg::StencilSet& assemble(Positions q, bool hessian) override {
+  linalg::StencilSet& assemble(Positions q, Curvature curvature) override {
     prepare();
     near_.locate(q);
     update();
-    contact::assemble(scene(), active_, near_.y(), model_.point_map(), hessian, stencils_);
+    contact::assemble(scene(), active_, near_.y(), model_.point_map(), curvature, stencils_);
     return stencils_;
   }
 
@@ -106,6 +106,7 @@ class BarrierContact final : public Effect {
     near_.watch(watched_pairs(model_, pairs_ ? &*pairs_ : nullptr));
     near_.locate(std::as_const(model_.q).view());
     weigh();
+    update();
   }
 
  private:
@@ -149,23 +150,15 @@ void BarrierContact::report(FieldSink& sink) {
   PointForces forces(model_, near_.points());
   SampleRows rows;
   double closest = law_.d_hat;
-  Buffer<model::ContactSample> sample_buffer;
-  contact::samples(scene(), active_, near_.y(), sample_buffer);
-  std::vector<model::ContactSample> samples = sample_buffer.download();
+  const std::vector<model::ContactSample> samples = model_.publish(group).samples.download();
   for (std::size_t i = 0; i < terms.size(); ++i) {
-    model::ContactSample& s = samples[i];
+    const model::ContactSample& s = samples[i];
     if (terms[i].kind == TermKind::plane && law_.area_weighted) area_of[terms[i].point[0]] = terms[i].weight;
-    Vec3 on_first = Vec3::Zero();
     for (int k = 0; k < 4; ++k) {
       if (terms[i].point[k] < 0) continue;
       const bool first = k == 0 || (k == 1 && terms[i].kind == TermKind::edge_edge);
       forces.add(terms[i].point[k], term_force[4 * i + k], first ? s.body_b : s.body_a);
-      if (first) on_first += term_force[4 * i + k];
     }
-    // Published forces are those that friction follows, never negative. Here what a term of negative weight takes back is reported, too.
-    const double along = on_first.dot(Vec3(s.normal[0], s.normal[1], s.normal[2]));
-    s.force = model::against_obstacle(s) ? along : -along;
-    s.pressure = s.area != 0 ? s.force / s.area : 0;
     rows.add(s);
     closest = std::min(closest, s.gap);
   }

@@ -2,6 +2,7 @@
 // The contact terms that act at a position: candidates within range, with equal terms of the alternating sum (law.h) merged.
 #include "effects/contact/candidates.h"
 #include "effects/contact/law.h"
+#include "effects/curvature.h"
 #include "linalg/stencils.h"
 #include "model/contact_view.h"
 #include "model/model.h"
@@ -36,7 +37,7 @@ void energy(const Scene& s, const Candidates& c, View<const Vec3> y, const std::
 void build(const Scene& s, const Candidates& c, View<const Vec3> y, Index envs, ActiveSet& out);
 
 // Stencils over the blocks of `map`, and one sample per term (model/contact_view.h).
-void assemble(const Scene& s, const ActiveSet& set, View<const Vec3> y, const model::PointMapView& map, bool hessian,
+void assemble(const Scene& s, const ActiveSet& set, View<const Vec3> y, const model::PointMapView& map, Curvature curvature,
               linalg::StencilSet& out);
 void samples(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<model::ContactSample>& out);
 

@@ -55,14 +55,15 @@ MORTISE_HD inline void differentiate(const Scene& s, const Active& a, View<const
   evaluate(c, x, range_of(s, a), s.law.kappa * a.weight, a.eps, hessian, f, grad, add);
 }
 
-// Adds the positive rank-one terms to the Hessian of a stencil; what is dropped makes it positive semi-definite. Terms of
-// negative weight keep what is positive of them.
-struct AddProjected {
+// Adds rank-one terms to the Hessian of a stencil: the positive ones, and a share of the negative ones.
+struct AddTerms {
   const model::Expansion<4>& e;
   const linalg::StencilView& out;
   Index stencil;
+  double concave;
   MORTISE_HD void operator()(double c, const Vec3* v) const {
-    if (!(c > 0)) return;
+    if (c < 0) c *= concave;
+    if (c == 0) return;
     Vec3 V[16];
     e.chain(v, V);
     model::add_rank_one(out, stencil, e.blocks, c, V);
@@ -100,8 +101,7 @@ MORTISE_HD inline ContactSample sample_of(const Scene& s, const Active& a, View<
     out.body_b = s.surface.body[a.point[a.kind == TermKind::edge_edge ? 2 : 1]];
   }
   out.area = s.law.area_weighted && a.kind != TermKind::edge_edge ? a.weight : 0;
-  out.pressure = out.area > 0 ? out.force / out.area : 0;
-  if (!(out.force > 0)) out.force = 0;
+  out.pressure = out.area != 0 ? out.force / out.area : 0;
   for (int i = 0; i < 3; ++i) out.normal[i] = n[i], out.position[i] = place[i];
   return out;
 }
@@ -135,7 +135,7 @@ void face_points(const Scene& s, const ActiveSet& set, View<const Vec3> y, View<
   });
 }
 
-void assemble(const Scene& s, const ActiveSet& set, View<const Vec3> y, const model::PointMapView& map, bool hessian,
+void assemble(const Scene& s, const ActiveSet& set, View<const Vec3> y, const model::PointMapView& map, Curvature curvature,
               linalg::StencilSet& stencils) {
   const View<const Active> terms = set.terms.view();
   Buffer<Index> counts(terms.n + 1);
@@ -149,10 +149,10 @@ void assemble(const Scene& s, const ActiveSet& set, View<const Vec3> y, const mo
     const model::Expansion<4> e = model::expand<4>(map, terms[i].point, points_of(terms[i].kind));
     const Index at = out.offset[i];
     for (Index b = 0; b < e.blocks; ++b) out.block[at + b] = e.block[b];
-    if (hessian) model::zero_hessian(out, i, e.blocks);
-    AddProjected add{e, out, i};
+    if (curvature.wanted) model::zero_hessian(out, i, e.blocks);
+    AddTerms add{e, out, i, curvature.concave};
     Vec3 grad[4];
-    differentiate(s, terms[i], y, hessian, grad, add);
+    differentiate(s, terms[i], y, curvature.wanted, grad, add);
     e.chain(grad, out.grad.p + at);
   });
 }

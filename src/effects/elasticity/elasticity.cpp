@@ -55,17 +55,17 @@ MORTISE_HD inline void at_points(const Tets& tets, Index t, Positions q, Visit&&
   }
 }
 
-MORTISE_HD inline void assemble_quadratic(const Tets& tets, Index t, Positions q, bool hessian, Vec3* grad, Mat3* hess) {
+MORTISE_HD inline void assemble_quadratic(const Tets& tets, Index t, Positions q, Curvature curvature, Vec3* grad, Mat3* hess) {
   Vec3 x[10], g[10];
   tets.nodes(t, q, x);
   for (int a = 0; a < 10; ++a) grad[a] = Vec3::Zero();
-  for (Index i = 0; hessian && i < linalg::pair_count(10); ++i) hess[i] = Mat3::Zero();
+  for (Index i = 0; curvature.wanted && i < linalg::pair_count(10); ++i) hess[i] = Mat3::Zero();
   for (int p = 0; p < geometry::kTetPoints; ++p) {
     const elasticity::Element e = tets.element(t, p);
     elasticity::quadratic_gradients(e.dm_inverse, p, g);
     const Mat3 F = elasticity::quadratic_deformation(g, x);
     elasticity::add_quadratic_gradient(e, F, g, grad);
-    if (hessian) elasticity::add_hessian(e, F, true, 10, g, hess);
+    if (curvature.wanted) elasticity::add_hessian(e, F, curvature.concave, 10, g, hess);
   }
 }
 
@@ -118,20 +118,20 @@ class Elasticity final : public Effect {
         per_env);
   }
 
-  linalg::StencilSet& assemble(Positions q, bool hessian) override {
+  linalg::StencilSet& assemble(Positions q, Curvature curvature) override {
     const Tets tets = tets_of(model_.volume);
     const linalg::StencilView out = stencils_.view();
     device::parallel_for("elasticity.assemble", tets.size(), [=] MORTISE_HD(Index t) {
       Vec3* grad = out.grad.p + out.offset[t];
       Mat3* hess = out.hess.p + out.hess_offset[t];
       if (tets.quadratic(t)) {
-        assemble_quadratic(tets, t, q, hessian, grad, hess);
+        assemble_quadratic(tets, t, q, curvature, grad, hess);
         return;
       }
       const elasticity::Element e = tets.element(t, 0);
       const Mat3 F = tets.deformation(t, q);
       elasticity::gradient(e, F, grad);
-      if (hessian) elasticity::hessian(e, F, true, hess);
+      if (curvature.wanted) elasticity::hessian(e, F, curvature.concave, hess);
     });
     return stencils_;
   }

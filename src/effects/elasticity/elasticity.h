@@ -75,7 +75,7 @@ MORTISE_HD inline Mat3 corotated_stress(const Mat3& F, double mu, double lambda)
 //   twist_ij = 2 mu (1 - 2 / (s_i + s_j)) + lambda (J - 1) s_k
 //   flip_ij  = 2 mu - lambda (J - 1) s_k
 //   psi_ii   = 2 mu + lambda c_i^2,   psi_ij = lambda (c_i c_j + (J - 1) s_k)
-// The twist is singular at s_i + s_j = 0, where R jumps; projected it is zero there.
+// The twist is singular at s_i + s_j = 0, where R jumps: there it is very negative, but finite, so that none of it can be kept.
 MORTISE_HD inline linalg::IsotropicModes corotated_modes(const Mat3& F, double mu, double lambda) {
   const linalg::Svd3 d = linalg::svd3(F);
   const Vec3& s = d.s;
@@ -85,7 +85,7 @@ MORTISE_HD inline linalg::IsotropicModes corotated_modes(const Mat3& F, double m
   for (int k = 0; k < 3; ++k) {
     const int i = (k + 1) % 3, j = (k + 2) % 3;
     const double ci = s[j] * s[k], cj = s[k] * s[i], ck = s[i] * s[j];
-    m.twist[k] = 2 * mu * (1 - 2 / (s[i] + s[j])) + lambda * j1 * s[k];
+    m.twist[k] = 2 * mu * (1 - 2 / (s[i] + s[j] > 1e-9 ? s[i] + s[j] : 1e-9)) + lambda * j1 * s[k];
     m.flip[k] = 2 * mu - lambda * j1 * s[k];
     m.stretch(k, k) = 2 * mu + lambda * ck * ck;
     m.stretch(i, j) = m.stretch(j, i) = lambda * (ci * cj + j1 * s[k]);
@@ -194,9 +194,9 @@ MORTISE_HD inline void gradient(const Element& e, const Mat3& F, Vec3* grad) {
   grad[0] = -(grad[1] + grad[2] + grad[3]);
 }
 
-// Adds to hess the upper triangle of 3x3 pieces of n nodes with shape gradients g, row by row [N/m]; `projected`: made positive
-// semi-definite. g is overwritten.
-MORTISE_HD inline void add_hessian(const Element& e, const Mat3& F, bool projected, int n, Vec3* g, Mat3* hess) {
+// Adds to hess the upper triangle of 3x3 pieces of n nodes with shape gradients g, row by row [N/m], with the share
+// `concave` of its negative curvature. g is overwritten.
+MORTISE_HD inline void add_hessian(const Element& e, const Mat3& F, double concave, int n, Vec3* g, Mat3* hess) {
   if (e.model == MaterialModel::linear) {
     for (int a = 0, place = 0; a < n; ++a)
       for (int b = a; b < n; ++b) hess[place++] += e.volume * linear_block(g[a], g[b], e.mu, e.lambda);
@@ -204,18 +204,18 @@ MORTISE_HD inline void add_hessian(const Element& e, const Mat3& F, bool project
   }
   linalg::IsotropicModes m =
       e.model == MaterialModel::corotated ? corotated_modes(F, e.mu, e.lambda) : neo_hookean_modes(F, e.mu, e.lambda);
-  if (projected) linalg::project_psd(m);
+  linalg::scale_concave(m, concave);
   for (int a = 0; a < n; ++a) g[a] = m.V.transpose() * g[a];
   for (int a = 0, place = 0; a < n; ++a)
     for (int b = a; b < n; ++b) hess[place++] += e.volume * linalg::hessian_block(m, g[a], g[b]);
 }
 
 // hess[10], overwritten.
-MORTISE_HD inline void hessian(const Element& e, const Mat3& F, bool projected, Mat3* hess) {
+MORTISE_HD inline void hessian(const Element& e, const Mat3& F, double concave, Mat3* hess) {
   Vec3 g[4];
   for (int a = 0; a < 4; ++a) g[a] = shape_gradient(e.dm_inverse, a);
   for (int i = 0; i < 10; ++i) hess[i] = Mat3::Zero();
-  add_hessian(e, F, projected, 4, g, hess);
+  add_hessian(e, F, concave, 4, g, hess);
 }
 
 // ---- quadratic tetrahedra ------------------------------------------------------------------------------------------------

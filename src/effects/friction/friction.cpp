@@ -144,18 +144,19 @@ class Friction final : public Effect {
         [=] MORTISE_HD(Index i) { return s.frozen[i].load * friction::f0(s.slip(i, q).norm(), s.creep); }, per_env);
   }
 
-  linalg::StencilSet& assemble(Positions q, bool hessian) override {
+  linalg::StencilSet& assemble(Positions q, Curvature curvature) override {
     const Slips s = slips();
     const linalg::StencilView out = stencils_.view();
+    const double concave = curvature.concave;  // of samples with a negative force
     device::parallel_for("friction.assemble", s.size(), [=] MORTISE_HD(Index i) {
       const Vec3 u = s.slip(i, q);
       const double load = s.frozen[i].load;
       const Vec3 g = (load * friction::f1_over_x(u.norm(), s.creep)) * u;
       const Index at = out.offset[i], blocks = out.blocks(i);
       for (Index b = 0; b < blocks; ++b) out.grad[at + b] = s.weight[at + b] * g;
-      if (!hessian) return;
+      if (!curvature.wanted) return;
       model::zero_hessian(out, i, blocks);
-      model::add_weighted(out, i, blocks, s.weight.p + at, load * friction::hessian(u, s.frozen[i].normal, s.creep));
+      model::add_weighted(out, i, blocks, s.weight.p + at, (load > 0 ? load : concave * load) * friction::hessian(u, s.frozen[i].normal, s.creep));
     });
     return stencils_;
   }
@@ -233,7 +234,7 @@ void Friction::report(FieldSink& sink) {
     }
     for (int c = 0; c < 3; ++c) {
       force.push_back(force_[i][c]), slip.push_back(slip_[i][c]);
-      traction.push_back(s.area > 0 ? force_[i][c] / s.area : 0);
+      traction.push_back(s.area != 0 ? force_[i][c] / s.area : 0);
     }
     normal_force.push_back(s.force);
   }

@@ -68,7 +68,7 @@ class Gravity final : public Effect {
   }
 
   // The force is constant, but written anew: the solver may use the stencils of the last call as its work space.
-  linalg::StencilSet& assemble(Positions, bool) override {
+  linalg::StencilSet& assemble(Positions, Curvature) override {
     const linalg::StencilView out = stencils_.view();
     const View<const Weight> w = std::as_const(weights_).view();
     device::parallel_for("gravity.assemble", w.n, [=] MORTISE_HD(Index s) { out.grad[s] = gravity::gradient(w[s].force); });

@@ -93,7 +93,7 @@ class Inertia final : public Effect {
         per_env);
   }
 
-  linalg::StencilSet& assemble(Positions q, bool hessian) override {
+  linalg::StencilSet& assemble(Positions q, Curvature curvature) override {
     const View<const MassPair> pair = std::as_const(pairs_).view();
     const Positions hat = std::as_const(q_hat_).view();
     const linalg::StencilView out = stencils_.view();
@@ -105,11 +105,11 @@ class Inertia final : public Effect {
       Mat3* hess = out.hess.p + out.hess_offset[s];
       if (p.i == p.j) {
         grad[0] = cm * (q[p.i] - hat[p.i]);
-        if (hessian) hess[0] = cm * Mat3::Identity();
+        if (curvature.wanted) hess[0] = cm * Mat3::Identity();
       } else {
         grad[0] = cm * (q[p.j] - hat[p.j]);
         grad[1] = cm * (q[p.i] - hat[p.i]);
-        if (hessian) hess[0] = Mat3::Zero(), hess[1] = cm * Mat3::Identity(), hess[2] = Mat3::Zero();
+        if (curvature.wanted) hess[0] = Mat3::Zero(), hess[1] = cm * Mat3::Identity(), hess[2] = Mat3::Zero();
       }
     });
     return stencils_;

@@ -144,16 +144,16 @@ class MortarContact final : public Effect {
     contact::forbid(finite, per_env);
   }
 
-  linalg::StencilSet& assemble(Positions q, bool hessian) override {
+  linalg::StencilSet& assemble(Positions q, Curvature curvature) override {
     near_.locate(q);
     refreeze();
     if (guard_share_ > 0) {
       contact::build(guard_scene(), near_.candidates(), near_.y(), model_.envs, active_);
-      contact::assemble(guard_scene(), active_, near_.y(), model_.point_map(), hessian, guard_stencils_);
+      contact::assemble(guard_scene(), active_, near_.y(), model_.point_map(), curvature, guard_stencils_);
     } else {
       guard_stencils_.resize_uniform(0, 0);
     }
-    mortar::assemble(scene(), frozen_, model_.point_map(), hessian, guard_stencils_, stencils_);
+    mortar::assemble(scene(), frozen_, model_.point_map(), curvature.wanted, guard_stencils_, stencils_);
     return stencils_;
   }
 

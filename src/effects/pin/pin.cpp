@@ -127,7 +127,7 @@ class Pin final : public Effect {
     move(step.t1());
   }
   void energy(Positions, std::vector<double>&) override {}
-  linalg::StencilSet& assemble(Positions, bool) override { return none_; }
+  linalg::StencilSet& assemble(Positions, Curvature) override { return none_; }
 
   // Writes the targets of time t.
   void move(double t) {

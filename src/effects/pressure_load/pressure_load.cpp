@@ -83,7 +83,7 @@ class PressureLoad final : public Effect {
         per_env);
   }
 
-  linalg::StencilSet& assemble(Positions, bool) override {
+  linalg::StencilSet& assemble(Positions, Curvature) override {
     const View<const Share> share = std::as_const(shares_).view();
     const View<const Strength> now = std::as_const(strength_).view();
     const linalg::StencilView out = stencils_.view();
