@@ -15,7 +15,7 @@ namespace {
 constexpr double kHat = 0.05, kKappa = 1e4;
 
 struct Options {
-  std::string weights = "consistent", gradient = "frozen", quadrature = "3", slave = "pad", master = "tool";
+  std::string weights = "consistent", gap = "pointwise", gradient = "frozen", quadrature = "3", slave = "pad", master = "tool";
   double stiffness = kKappa, guard = 0, rest_share = 0, d_hat = kHat;
   bool two_pass = false;
 };
@@ -31,6 +31,7 @@ Params params(const Options& o) {
   p.set("weights", Params::make_text(o.weights));
   p.set("taper_width", Params::make_number(0.1));
   p.set("quadrature", Params::make_text(o.quadrature));
+  p.set("gap", Params::make_text(o.gap));
   p.set("gradient", Params::make_text(o.gradient));
   p.set("guard", Params::make_number(o.guard));
   p.set("rest_share", Params::make_number(o.rest_share));
@@ -123,29 +124,62 @@ void expect_balance(Problem& p, const fd::Vector& x) {
 }  // namespace
 
 TEST(MortarContact, FrozenEnergyMatchesItsDerivatives) {
-  for (const char* gradient : {"frozen", "exact"})
-    for (const char* weights : {"consistent", "tapered"})
-      for (bool stiff : {false, true}) {
-        Options o;
-        o.gradient = gradient, o.weights = weights;
-        Problem flat(stack(0.03, stiff), o);
-        expect_frozen_derivatives(flat, shaken(positions(flat.model), 3e-3, 3), 1e-5);
-        Problem edge(tilted(0.02, turn(30, {1, 0.1, 0.2}), stiff), o);
-        expect_frozen_derivatives(edge, shaken(positions(edge.model), 1e-3, 4), 1e-5);
-      }
+  for (const char* gap : {"pointwise", "averaged"})
+    for (const char* gradient : {"frozen", "exact"})
+      for (const char* weights : {"consistent", "tapered"})
+        for (bool stiff : {false, true}) {
+          Options o;
+          o.gap = gap, o.gradient = gradient, o.weights = weights;
+          Problem flat(stack(0.03, stiff), o);
+          expect_frozen_derivatives(flat, shaken(positions(flat.model), 3e-3, 3), 1e-5);
+          Problem edge(tilted(0.02, turn(30, {1, 0.1, 0.2}), stiff), o);
+          expect_frozen_derivatives(edge, shaken(positions(edge.model), 1e-3, 4), 1e-5);
+        }
+}
+
+// The pressure of averaged gaps: kappa phi of each node's mean gap, linear in between; that of parallel faces is the pointwise one.
+TEST(MortarContact, AveragedGapsGivePressuresLinearOverSlaveTriangles) {
+  for (const bool parallel : {true, false}) {
+    Options o;
+    o.gap = "averaged";
+    model::ModelInput in = stack(0.03, true);
+    if (!parallel)
+      for (Vec3& x : in.bodies[1].nodes) x.z() += 0.01 * x.x() + 0.005 * x.y() * x.x();
+    Problem p(std::move(in), o);
+    std::map<Index, double> area, mean;  // by slave node
+    std::vector<model::ContactSample> samples;
+    const std::vector<double> kind = p.report().values.at("mortar_contact/kind");
+    for (std::size_t i = 0; i < kind.size(); ++i)
+      if (kind[i] == 0) samples.push_back(p.samples()[i]);
+    ASSERT_GT(samples.size(), 30u);
+    for (const model::ContactSample& s : samples)
+      for (int k = 0; k < 3; ++k) area[s.point[k]] += -s.weight[k] * s.area, mean[s.point[k]] += -s.weight[k] * s.area * s.gap;
+    double pointwise = 0;
+    for (const model::ContactSample& s : samples) {
+      double pressure = 0;
+      for (int k = 0; k < 3; ++k) pressure -= s.weight[k] * kKappa * effects::barrier::phi(mean[s.point[k]] / area[s.point[k]] / kHat);
+      EXPECT_NEAR(s.pressure, pressure, 1e-11 * kKappa);
+      pointwise = std::max(pointwise, std::abs(kKappa * effects::barrier::phi(s.gap / kHat) / s.pressure - 1));
+    }
+    if (parallel)
+      EXPECT_LT(pointwise, 1e-12);
+    else
+      EXPECT_GT(pointwise, 1e-2);
+  }
 }
 
 TEST(MortarContact, ForcesAndMomentsBalance) {
-  for (const char* gradient : {"frozen", "exact"})
-    for (const char* weights : {"consistent", "tapered"})
-      for (bool two_pass : {false, true}) {
-        Options o;
-        o.gradient = gradient, o.weights = weights, o.two_pass = two_pass, o.guard = 0.5;
-        Problem flat(stack(0.03), o);
-        expect_balance(flat, shaken(positions(flat.model), 5e-3, 3));
-        Problem corner(tilted(0.02, turn(40, {1, 0.4, 0.2})), o);
-        expect_balance(corner, shaken(positions(corner.model), 1e-3, 5));
-      }
+  for (const char* gap : {"pointwise", "averaged"})
+    for (const char* gradient : {"frozen", "exact"})
+      for (const char* weights : {"consistent", "tapered"})
+        for (bool two_pass : {false, true}) {
+          Options o;
+          o.gap = gap, o.gradient = gradient, o.weights = weights, o.two_pass = two_pass, o.guard = 0.5;
+          Problem flat(stack(0.03), o);
+          expect_balance(flat, shaken(positions(flat.model), 5e-3, 3));
+          Problem corner(tilted(0.02, turn(40, {1, 0.4, 0.2})), o);
+          expect_balance(corner, shaken(positions(corner.model), 1e-3, 5));
+        }
 }
 
 // The exact gap gradient is the derivative of the gap at a fixed slave point: the force on a slave triangle of one face sample

@@ -118,6 +118,7 @@ double energy(const std::string& quadrature, double dx) {
   p.set("d_hat", Params::make_number(0.05)), p.set("stiffness", Params::make_number(1e4));
   p.set("weights", Params::make_text("consistent")), p.set("taper_width", Params::make_number(0.1));
   p.set("quadrature", Params::make_text(quadrature)), p.set("gradient", Params::make_text("frozen"));
+  p.set("gap", Params::make_text("pointwise"));
   p.set("guard", Params::make_number(0)), p.set("rest_share", Params::make_number(0)), p.set("two_pass", Params::make_flag(false));
   model::ModelInput in;
   in.scene = Params::make_table();

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "effects/contact/barrier.h"
-#include "model/expand.h"
+#include "effects/mortar_contact/averaged.h"
 
 namespace mortise::effects::mortar {
 namespace {
@@ -94,12 +94,6 @@ MORTISE_HD inline double change(const Pair& p, const Vec3 J[kPoints], const Vec3
   return sum;
 }
 
-MORTISE_HD inline model::Expansion<kPoints> blocks_of(const model::PointMapView& map, const Pair& p) {
-  Index point[kPoints];
-  for (int k = 0; k < points_of(p); ++k) point[k] = point_of(p, k);
-  return model::expand<kPoints>(map, point, points_of(p));
-}
-
 }  // namespace
 
 void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& faces, View<const Vec3> y, Buffer<Vec3>& normal,
@@ -158,6 +152,7 @@ void freeze(const Scene& scene, Search& search, const Buffer<Vec3>& position, co
   });
   out.env_pairs = pick(std::as_const(pair_offset).view(), offset, search.slave_env());
   out.env_samples = pick(std::as_const(sample_offset).view(), offset, search.slave_env());
+  average(scene, out);
 }
 
 void least_gaps(const Scene& scene, const Search& search, View<const Vec3> y, Buffer<double>& least) {
@@ -207,6 +202,7 @@ void energy(const Scene& s, const Frozen& f, View<const Vec3> y, std::vector<dou
   const View<const Sample> samples = f.samples.view();
   const View<const Vec3> y0 = f.y.view();
   const View<const double> kappa = s.kappa;
+  const Settings set = s.set;
   device::env_sum(
       "mortar_contact.energy", f.env_pairs,
       [=] MORTISE_HD(Index i) {
@@ -218,11 +214,12 @@ void energy(const Scene& s, const Frozen& f, View<const Vec3> y, std::vector<dou
           jacobian(p, samples[j], J);
           const double g = samples[j].gap + change(p, J, dy);
           if (!(g > 0)) return static_cast<double>(INFINITY);
-          sum += samples[j].weight * barrier::value(g, p.d_hat);
+          if (!is_averaged(set, p, samples[j])) sum += samples[j].weight * barrier::value(g, p.d_hat);
         }
         return kappa[p.law] * sum;
       },
       per_env);
+  if (set.averaged) averaged_energy(s, f, y, per_env);
 }
 
 void assemble(const Scene& s, const Frozen& f, const model::PointMapView& point_map, bool hessian, linalg::StencilSet& guard,
@@ -232,10 +229,19 @@ void assemble(const Scene& s, const Frozen& f, const model::PointMapView& point_
   const View<const double> kappa = s.kappa;
   const linalg::StencilView extra = guard.view();
   const model::PointMapView map = point_map;
-  Buffer<Index> counts(pairs.n + extra.n + 1);
+  const View<const double> pressure = f.pressure.view();
+  const Settings settings = s.set;
+  NodeStencils nodes;  // only they have the Hessian of averaged gaps
+  const bool nodal = settings.averaged && hessian;
+  if (nodal) node_stencils(f, settings, map, nodes);
+  const View<const Index> entry = std::as_const(nodes.offset).view(), node_block = std::as_const(nodes.block).view();
+  const View<const Vec3> G = std::as_const(nodes.G).view();
+  const Index node_count = nodal ? f.averages.area.size() : 0;
+  Buffer<Index> counts(pairs.n + node_count + extra.n + 1);
   const View<Index> count = counts.view();
-  device::parallel_for("mortar_contact.count_blocks", pairs.n + extra.n, [=] MORTISE_HD(Index i) {
-    count[i] = i < pairs.n ? blocks_of(map, pairs[i]).blocks : extra.blocks(i - pairs.n);
+  device::parallel_for("mortar_contact.count_blocks", pairs.n + node_count + extra.n, [=] MORTISE_HD(Index i) {
+    const Index k = i - pairs.n;
+    count[i] = k < 0 ? blocks_of(map, pairs[i]).blocks : k < node_count ? entry[k + 1] - entry[k] : extra.blocks(k - node_count);
   });
   set.resize(std::move(counts));
   const linalg::StencilView out = set.view();
@@ -249,17 +255,26 @@ void assemble(const Scene& s, const Frozen& f, const model::PointMapView& point_
     for (int k = 0; k < kPoints; ++k) gradient[k] = Vec3::Zero();
     for (Index j = p.begin; j < p.end; ++j) {
       const Sample& sample = samples[j];
-      if (!(sample.gap < p.d_hat)) continue;
+      if (!(pressure[j] > 0)) continue;
       jacobian(p, sample, J);
-      const double w = kappa[p.law] * sample.weight, first = w * barrier::first(sample.gap, p.d_hat);
+      const double w = kappa[p.law] * sample.weight, first = -sample.weight * pressure[j];
       for (int k = 0; k < points_of(p); ++k) gradient[k] += first * J[k];
-      if (!hessian) continue;
+      if (!hessian || is_averaged(settings, p, sample)) continue;
       e.chain(J, V);
       model::add_rank_one(out, i, e.blocks, w * barrier::second(sample.gap, p.d_hat), V);
     }
     e.chain(gradient, out.grad.p + at);
   });
-  const Index begin = pairs.n;
+  const View<const double> area = f.averages.area.view(), gap = f.averages.gap.view();
+  const View<const Index> law = f.averages.law.view();
+  device::parallel_for("mortar_contact.assemble_nodes", node_count, [=] MORTISE_HD(Index i) {
+    const Index nb = entry[i + 1] - entry[i], to = out.offset[pairs.n + i];
+    for (Index b = 0; b < nb; ++b) out.block[to + b] = node_block[entry[i] + b], out.grad[to + b] = Vec3::Zero();
+    model::zero_hessian(out, pairs.n + i, nb);
+    const double c = kappa[law[i]] * area[i] * barrier::second(gap[i], settings.d_hat);
+    if (c > 0) model::add_rank_one(out, pairs.n + i, nb, c, G.p + entry[i]);
+  });
+  const Index begin = pairs.n + node_count;
   device::parallel_for("mortar_contact.append_guard", extra.n, [=] MORTISE_HD(Index i) {
     const Index nb = extra.blocks(i), from = extra.offset[i], to = out.offset[begin + i];
     for (Index b = 0; b < nb; ++b) out.block[to + b] = extra.block[from + b], out.grad[to + b] = extra.grad[from + b];
@@ -313,7 +328,7 @@ void publish(const Scene& s, const Frozen& f, model::ContactView& view) {
   const View<const Pair> pairs = f.pairs.view();
   const View<const Sample> samples = f.samples.view();
   const View<const Vec3> y = f.y.view();
-  const View<const double> kappa = s.kappa;
+  const View<const double> pressure = f.pressure.view();
   const geometry::SurfaceView surface = s.surface;
   device::parallel_for("mortar_contact.publish", samples.n, [=] MORTISE_HD(Index i) {
     const Sample& from = samples[i];
@@ -338,7 +353,7 @@ void publish(const Scene& s, const Frozen& f, model::ContactView& view) {
     for (int k = 0; k < 3; ++k) c.normal[k] = (plane ? -m[k] : m[k]) / length, c.position[k] = place[k];
     c.area = from.weight;
     c.gap = from.gap;
-    c.pressure = -kappa[p.law] * barrier::first(from.gap, p.d_hat);
+    c.pressure = pressure[i];
     c.force = c.pressure * c.area * length;
     c.env = p.env;
     c.body_a = surface.body[p.on.point[0]];

@@ -16,6 +16,7 @@
 #include "geometry/collide/bvh.h"
 #include "linalg/stencils.h"
 #include "model/contact_view.h"
+#include "model/expand.h"
 #include "model/model.h"
 
 namespace mortise::effects::mortar {
@@ -38,9 +39,19 @@ struct Sample {
   double N[3], M[3];
 };
 
+// The slave nodes that `gap: averaged` acts on (averaged.h): those with parts, the contributions of pairs to their nodes.
+struct Averages {
+  Buffer<Index> start, part;  // node i has parts part[start[i]] ... part[start[i+1] - 1]; environments contiguous
+  Buffer<Index> node, law;    // per part: its node; per node
+  Buffer<double> area, gap;   // per node [m^2], [m]
+  std::vector<Index> env_nodes;
+};
+
 struct Frozen {
   Buffer<Pair> pairs;  // environments contiguous, then by slave and master
   Buffer<Sample> samples;
+  Buffer<double> pressure;  // per sample [Pa]
+  Averages averages;        // empty unless the gap is averaged
   std::vector<Index> env_pairs, env_samples;  // offsets
   Buffer<Vec3> y;                             // where they were taken
 };
@@ -66,6 +77,12 @@ MORTISE_HD inline void jacobian(const Pair& p, const Sample& s, Vec3 J[kPoints])
 
 // Whether two quadratic faces meet, although their quarters do not.
 inline bool met(const Pair& p, double gap) { return p.quadratic() && gap <= kLeastGap * p.d_hat; }
+
+MORTISE_HD inline model::Expansion<kPoints> blocks_of(const model::PointMapView& map, const Pair& p) {
+  Index point[kPoints];
+  for (int k = 0; k < points_of(p); ++k) point[k] = point_of(p, k);
+  return model::expand<kPoints>(map, point, points_of(p));
+}
 
 // Finds the master triangles near every slave triangle.
 class Search {

@@ -10,7 +10,7 @@
 #include "effects/contact/start_check.h"
 #include "effects/body_blocks.h"
 #include "effects/list.h"
-#include "effects/mortar_contact/frozen.h"
+#include "effects/mortar_contact/averaged.h"
 #include "effects/mortar_contact/stiffness.h"
 
 namespace mortise::effects {
@@ -49,6 +49,9 @@ const ParamTable kTable{
                       0, 1.0 / 3)),
      param::choice("quadrature", {"1", "3", "6", "7", "exact"}, "3",
                    "Gauss points per piece of overlap; exact: along lines of equal gap, as many as the barrier asks for"),
+     param::choice("gap", {"pointwise", "averaged"}, "pointwise",
+                   "pointwise: every sample has its barrier; averaged: every slave node has one, over the mean gap around it, which "
+                   "keeps pressures smooth however large the stiffness is"),
      param::choice("gradient", {"frozen", "exact"}, "frozen",
                    "frozen: forces along the slave normal (published form); exact: also the turning of the normal, forces along "
                    "the master normal"),
@@ -77,10 +80,13 @@ class MortarContact final : public Effect {
     set_.taper = p.text("weights") == "tapered" ? p.number("taper_width") : 0;
     set_.quadrature = p.text("quadrature") == "exact" ? kExact : std::stoi(p.text("quadrature"));
     set_.exact = p.text("gradient") == "exact";
+    set_.averaged = p.text("gap") == "averaged";
+    if (set_.averaged && (rest_share_ > 0 || model.faces.quarter.size() > 0))
+      throw Error(Exit::scene, p.at("gap").where(), "averaged gaps need linear tetrahedra and no rest_share");
     set_.share = p.flag("two_pass") ? 0.5 : 1;
     choose_pairs(p.at("pairs"), p.flag("two_pass"));
     choose_slaves();
-    margin_.upload(std::vector<double>(model.envs, 0.0));
+    margin_.upload(std::vector<double>(model.envs, more_reach()));
     if (set_.quadrature == 1 && model.faces.quarter.size() > 0)
       throw Error(Exit::scene, p.at("quadrature").where(), "one point per piece is not enough for the shape functions of quadratic faces: 3, 6 or 7");
     automatic_ = !p.has("stiffness");
@@ -200,11 +206,15 @@ class MortarContact final : public Effect {
       most = std::max(most, margin[e]);
     }
     if (most < 1e-3 * set_.d_hat) return;
+    for (double& m : margin) m += more_reach();
     Buffer<double> buffer(margin);
     freeze(scene(), search_, near_.points(), buffer, frozen_);
   }
 
  private:
+  // Gap beyond the support radius up to which samples are wanted [m].
+  double more_reach() const { return set_.averaged ? (kAverageReach - 1) * set_.d_hat : 0; }
+
   static constexpr double kFarthest = 10;  // of d_hat: samples farther than that from contact are left to the next iteration
 
   void choose_pairs(const Params& list, bool two_pass) {

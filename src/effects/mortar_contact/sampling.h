@@ -41,7 +41,8 @@ struct Settings {
   double taper = 0;  // width e; 0 = consistent weights
   double share = 1;  // factor of all weights: 1/2 when both sides are slaves
   Index quadrature = 3;  // points, or kExact
-  bool exact = false;  // three-term gap gradient
+  bool exact = false;     // three-term gap gradient
+  bool averaged = false;  // one gap per slave node (averaged.h)
 };
 
 // The nodes that the displacement of a surface triangle hangs on: its three vertices, or the six of the quadratic face of which it is a
