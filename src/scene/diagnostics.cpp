@@ -76,7 +76,7 @@ std::string Diagnostics::source(const SourceLoc& at, const std::string& hint) co
   if (begin > 0) shown = "..." + shown, before = "..." + before;
   if (shown.size() > kWidth) {
     std::size_t cut = kWidth;
-    while (!takes_place(shown[cut])) --cut;
+    while (cut > 0 && !takes_place(shown[cut])) --cut;
     shown = shown.substr(0, cut) + "...";
   }
 

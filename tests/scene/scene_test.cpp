@@ -273,5 +273,11 @@ TEST(Schema, FollowsTheTables) {
   EXPECT_EQ(s["required"], nlohmann::json::parse(R"(["mortise", "time", "bodies", "effects"])"));
 }
 
+// Bytes that continue a character which never began (found by the fuzzer).
+TEST(Scene, BytesThatAreNoTextAreAnErrorNotACrash) {
+  EXPECT_THROW(read_scene_text(std::string(200, '\x8c') + "\x1e" "amm", "bytes.yaml", {}, {}), Error);
+  EXPECT_THROW(read_scene_text("mortise: 1\n" + std::string(300, '\x8c'), "bytes.yaml", {}, {}), Error);
+}
+
 }  // namespace
 }  // namespace mortise::scene
