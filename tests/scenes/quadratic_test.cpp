@@ -69,3 +69,39 @@ TEST(Quadratic, RoundBodyComesToRestInContact) {
     }
   }
 }
+
+// Friction on quadratic faces: a block slides down with g (sin - mu cos), or creeps no faster than it may.
+TEST(Quadratic, BlockSlidesUnderFriction) {
+  for (double mu : {0.3, 0.6}) {
+    Rig rig("mortise: 1\nname: incline\ntime: {step: 10 ms, steps: 30}\nmaterials:\n  gel: {youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}\nbodies:\n"
+            "  block: {type: soft, order: 2, shape: {box: {size: [0.2, 0.2, 0.1], edge_length: 0.1}}, material: gel, position: [0, 0, 0.05086]}\n  floor: {type: half_space}\n"
+            "effects:\n  inertia: {}\n  gravity: {acceleration: [4, 0, -9]}\n  elasticity: {}\n"
+            "  mortar_contact: {pairs: [{slave: block, master: floor}], d_hat: 1 mm, stiffness: 20 kPa}\n  friction: {follows: mortar_contact, mu: " +
+            std::to_string(mu) + "}\nsolver: {relative_tolerance: 1e-8}\n");
+    rig.steps(30);
+    const double speed = rig.fields().at("inertia/momentum_x") / 4;  // mass 4 kg
+    if (mu < 4.0 / 9) {
+      EXPECT_NEAR(speed, 0.3 * (4 - mu * 9), 0.01);
+    } else {
+      EXPECT_LT(std::abs(speed), 1e-2);
+      EXPECT_GT(speed, 0);
+    }
+  }
+}
+
+TEST(Quadratic, ScenesThatMakeNoSenseAreRefused) {
+  const auto refused = [](const std::string& body, const std::string& why) {
+    try {
+      Rig rig("mortise: 1\nname: no\ntime: {mode: static, steps: 1}\nmaterials:\n  gel: {youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}\nbodies:\n  body: " + body + "\neffects:\n  elasticity: {}\n");
+      ADD_FAILURE() << body;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), Exit::scene);
+      EXPECT_NE(std::string(e.what()).find(why), std::string::npos) << e.what();
+    }
+  };
+  const std::string box = "shape: {box: {size: [1, 1, 1], edge_length: 1}}, material: gel}";
+  refused("{type: soft, order: 3, " + box, "order");
+  refused("{type: stiff, order: 2, " + box, "order");
+  refused("{type: soft, order: 2, curved: true, " + box, "sphere, cylinder or capsule");
+  refused("{type: soft, curved: true, shape: {sphere: {radius: 1, edge_length: 1}}, material: gel}", "order: 2");
+}
