@@ -114,7 +114,11 @@ class MortarContact final : public Effect {
          {"mortar_contact.measure", "mortar_contact.count_masters", "mortar_contact.find_masters", "mortar_contact.count_samples",
           "mortar_contact.samples", "mortar_contact.env_offset", "mortar_contact.energy", "mortar_contact.count_blocks",
           "mortar_contact.assemble", "mortar_contact.append_guard", "mortar_contact.limit", "mortar_contact.publish",
-          "mortar_contact.cover", "mortar_contact.least_gaps"})
+          "mortar_contact.cover", "mortar_contact.least_gaps", "mortar_contact.pressure"})
+      out.kernels.push_back(k);
+    if (!set_.averaged) return;
+    for (const char* k : {"mortar_contact.parts", "mortar_contact.nodes", "mortar_contact.part_changes", "mortar_contact.node_energy",
+                          "mortar_contact.entries", "mortar_contact.assemble_nodes"})
       out.kernels.push_back(k);
   }
 
