@@ -130,6 +130,11 @@ TEST(StudyBenchmarks, RingPasses) { expect_gates("ring", {"methods=gmcp_consiste
 TEST(StudyBenchmarks, PartitionPasses) { expect_gates("partition", {"methods=gmcp_consistent", "ratio=10"}, 24); }
 TEST(StudyBenchmarks, SharpPasses) { expect_gates("sharp", {"methods=gmcp_consistent", "time.steps=10"}, 6); }
 TEST(StudyBenchmarks, CoarseHertzPasses) { expect_gates("hertz", {"methods=gmcp_consistent"}, 4); }
+TEST(StudyBenchmarks, CoarseHertzOnACylinderPasses) { expect_gates("hertz", {"methods=gmcp_consistent", "under=cylinder"}, 4); }
+TEST(StudyBenchmarks, HertzRefusesSizesThatItDoesNotHave) {
+  EXPECT_THROW(run_benchmark(*find_benchmark("hertz"), {"size=huge"}, {}), Error);
+  EXPECT_THROW(run_benchmark(*find_benchmark("hertz"), {"under=pad"}, {}), Error);
+}
 // A wrong answer does not pass: with a guard that acts at this gap the barrier's identity no longer holds.
 TEST(StudyBenchmarks, BarrierFailsWithAGuard) {
   bool failed = false;

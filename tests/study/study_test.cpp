@@ -1,4 +1,5 @@
 #include "study/study.h"
+#include "study/figure.h"
 
 #include <gmock/gmock.h>
 
@@ -88,4 +89,20 @@ TEST(Study, RunsABenchmarkMethodByMethod) {
   EXPECT_EQ(p[0].curve(), "gmcp_consistent");
   EXPECT_LT(p[0].error, 1e-8);
   EXPECT_GT(p[1].error, 1e-2);
+}
+
+TEST(Study, ProfilesLieOverTheExactCurve) {
+  const std::vector<Panel> panels{{"one", {{"coarse", {{0, 1}, {0.5, 0.5}, {3, 1}}}}}, {"two", {{"coarse", {{1, 0}}}, {"fine", {{1, 0.2}}}}}};
+  const std::string svg = profiles_svg(panels, [](double x) { return 1 - x; }, "title", "r", "p", 1, 1);
+  const auto count = [&](const std::string& what) {
+    int n = 0;
+    for (std::size_t at = svg.find(what); at != std::string::npos; at = svg.find(what, at + 1)) ++n;
+    return n;
+  };
+  EXPECT_EQ(count("class=\"exact\""), 2);
+  EXPECT_EQ(count("<circle"), 4 + 3);  // a dot beyond the end of the axis is left out; one per series explains it
+  EXPECT_EQ(count(">two</text>"), 1);
+  // The curve falls from the upper left to the lower right corner of the first panel: pixels grow along both axes.
+  EXPECT_NE(svg.find("points=\"56.0,64.0 "), std::string::npos);
+  EXPECT_NE(svg.find("388.0,264.0 \""), std::string::npos);
 }

@@ -1,15 +1,19 @@
-// B07: ball of radius R on a block, both elastic, of linear or quadratic tetrahedra (edges on the ball then follow the sphere). Load and pressure follow Hertz; a and p0 are computed from the measured force, so
-// that the compliance of the finite bodies does not matter (reference/gmcp.md 3.1).
+// B07: ball of radius R on a block or on a cylinder standing under it, all elastic, of linear or quadratic tetrahedra (edges on the ball then
+// follow the sphere). Load and pressure follow Hertz; a and p0 are computed from the measured force, so that the compliance of the
+// finite bodies does not matter (reference/gmcp.md 3.1).
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <span>
 
 #include "base/error.h"
 #include "geometry/midsides.h"
 #include "geometry/topology.h"
 #include "study/bench/all.h"
+#include "study/figure.h"
 #include "study/meshes.h"
 #include "study/reference.h"
 
@@ -24,7 +28,10 @@ struct Size {
   double l2;            // gate
 };
 // The ball's grid is a little coarser than the block's, so that nodes do not coincide.
-constexpr Size kSizes[] = {{"coarse", 0.016, 8, 5, 7, 2e-3, 0.06}, {"medium", 0.0075, 16, 6, 14, 7e-4, 0.035}, {"fine", 0.004, 30, 7, 14, 5e-4, 0.022}};
+constexpr Size kSizes[] = {{"coarse", 0.016, 8, 5, 7, 2e-3, 0.06},
+                            {"medium", 0.0075, 16, 6, 14, 7e-4, 0.035},
+                            {"isaac", 0.0067, 18, 7, 14, 6e-4, 0.035},
+                            {"fine", 0.004, 30, 7, 14, 5e-4, 0.022}};
 // Quadratic tetrahedra: 7.5k and 20.3k nodes in all. Their layer of contact is stiffer (k = 24): with k = 4 its compliance would be all of
 // the error, 0.5 (d_hat - gap)/approach in the peak (reference/gmcp.md 3.2). Gated is r <= 0.9 a at the second size.
 constexpr Size kQuadraticSizes[] = {{"coarse", 0.02, 5, 3, 4, 6.6e-4, NAN}, {"medium", 0.0106, 9, 4, 5, 3.5e-4, 0.01}};
@@ -95,45 +102,79 @@ double second_moment_radius(const Solved& s, const std::string& effect) {
   return std::sqrt(2.5 * moment / sum);
 }
 
-}  // namespace
+// Quarter of a cylinder of radius R standing below z = 0: a square of grid planes, rounded.
+geometry::TetMesh cylinder_block(double R, const Size& size, const std::vector<double>& depth) {
+  const std::vector<double> s = graded(size.h / R, size.fine, size.out, 1);
+  geometry::TetMesh mesh = grid_block(s, s, reversed(depth));
+  for (Vec3& x : mesh.points) {
+    const double u = x[0], v = x[1];
+    x[0] = R * u * std::sqrt(1 - v * v / 2), x[1] = R * v * std::sqrt(1 - u * u / 2);
+  }
+  return mesh;
+}
 
-void hertz(const Bench& b) {
-  const std::string wanted = b.option("size", "coarse"), order = b.option("order", "1");
-  if (order != "1" && order != "2") throw Error(Exit::usage, "--set order: 1 or 2");
-  const bool quadratic = order == "2";
-  const std::span<const Size> sizes = quadratic ? std::span<const Size>(kQuadraticSizes) : std::span<const Size>(kSizes);
-  const auto size = std::find_if(sizes.begin(), sizes.end(), [&](const Size& s) { return s.name == wanted; });
-  if (size == sizes.end()) throw Error(Exit::usage, quadratic ? "--set size with order=2: coarse or medium" : "--set size: coarse, medium or fine");
+// The meshes as JSON, for other programs: {"block": {"points": [[x, y, z], ...], "tets": [[a, b, c, d], ...]}, "ball": ...}.
+void write_meshes(const std::string& file, const model::ModelInput& input) {
+  nlohmann::ordered_json j;
+  for (const model::BodyInput& body : input.bodies) {
+    nlohmann::ordered_json points, tets;
+    for (const Vec3& x : body.nodes) points.push_back(std::array<double, 3>{x[0], x[1], x[2]});
+    for (const Tet& t : body.tets) tets.push_back(std::array<Index, 4>{t.v[0], t.v[1], t.v[2], t.v[3]});
+    j[body.name] = {{"points", points}, {"tets", tets}};
+  }
+  std::ofstream out(file);
+  out << j.dump();
+  if (!out.flush()) throw Error(Exit::file, "cannot write '" + file + "'");
+}
+
+// Profiles of all methods and sizes.
+struct Figure {
+  std::vector<Panel> panels;  // one per method
+  void add(const std::string& method, const std::string& size, const Profile& at, const Hertz& exact) {
+    auto panel = std::find_if(panels.begin(), panels.end(), [&](const Panel& p) { return p.title == method; });
+    if (panel == panels.end()) panels.push_back({method, {}}), panel = panels.end() - 1;
+    Dots dots{size, {}};
+    for (std::size_t i = 0; i < at.r.size(); ++i)
+      if (at.r[i] < 1.6 * exact.a) dots.points.emplace_back(at.r[i] / exact.a, at.p[i] / exact.p0);
+    panel->series.push_back(std::move(dots));
+  }
+};
+
+void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
+  const std::string under = b.option("under", "block");
+  if (under != "block" && under != "cylinder") throw Error(Exit::usage, "--set under: block or cylinder");
+  const bool cylinder = under == "cylinder";
   const double R = 1, E = b.scene().number("materials.rubber.youngs_modulus"), nu = b.scene().number("materials.rubber.poisson_ratio");
   const double e_star = E / (2 * (1 - nu * nu));
-  const double d_hat = std::stod(b.option("d_hat", fmt::format("{:.17g}", size->d_hat)));
+  const double d_hat = std::stod(b.option("d_hat", fmt::format("{:.17g}", size.d_hat)));
   const double expected = 2 * e_star * kExpectedRadius / (3.14159265358979 * R);
-  const double kappa = matched_stiffness(expected, d_hat, size->h, e_star, std::stod(b.option("k", quadratic ? "24" : "4")));
+  const double kappa = matched_stiffness(expected, d_hat, size.h, e_star, std::stod(b.option("k", quadratic ? "24" : "4")));
   const double gap = 0.1 * d_hat;
   for (const Method& m : b.methods()) {
     SceneText scene = b.scene();
     scene.set("bodies.ball.position", fmt::format("[0, 0, {:.17g}]", R + gap));
     scene.set("effects.mortar_contact.d_hat", d_hat);
     scene.set("effects.mortar_contact.stiffness", kappa);
-    scene.use(m, size->h * size->h / (quadratic ? 16 : 4));
+    scene.use(m, size.h * size.h / (quadratic ? 16 : 4));
     // The rounding of internal forces ends Newton a step before the sum of what is left over all nodes is below the gate.
     if (quadratic) scene.set("solver.step_tolerance", 1e-12);
     const auto element = [&](const geometry::TetMesh& mesh, const geometry::Snap& snap = {}) { return quadratic ? geometry::with_midsides(mesh, snap) : mesh; };
     const Solved s = solve(scene, [&](model::ModelInput& input) {
-      const std::vector<double> lateral = graded(size->h, size->fine, size->out, R), depth = graded(size->h, 2, size->down, R);
-      set_mesh(input, "block", element(grid_block(lateral, lateral, reversed(depth))));
+      const std::vector<double> lateral = graded(size.h, size.fine, size.out, R), depth = graded(size.h, 2, size.down, R);
+      set_mesh(input, "block", element(cylinder ? cylinder_block(R, size, depth) : grid_block(lateral, lateral, reversed(depth))));
       // Lengths near the pole are s R/sqrt(2) and (1 - t) R.
-      const double h = 1.1 * size->h;
-      std::vector<double> t = graded(h, 2, size->down, 1);
+      const double h = 1.1 * size.h;
+      std::vector<double> t = graded(h, 2, size.down, 1);
       for (double& c : t) c = 1 - c;
       std::reverse(t.begin(), t.end());
-      geometry::TetMesh octant = ball_octant(R, graded(std::sqrt(2.0) * h, static_cast<int>(size->fine / 1.1 + 0.5), size->out, 1), t);
+      geometry::TetMesh octant = ball_octant(R, graded(std::sqrt(2.0) * h, static_cast<int>(size.fine / 1.1 + 0.5), size.out, 1), t);
       octant = element(octant, [R](const Vec3& a, const Vec3& b, const Vec3& x) -> Vec3 {
         const bool on_sphere = std::abs(a.norm() - R) < 1e-9 * R && std::abs(b.norm() - R) < 1e-9 * R;
         return on_sphere ? Vec3(R * x.normalized()) : x;
       });
       for (Vec3& x : octant.points) x[2] += R + gap;
       set_mesh(input, "ball", octant);
+      if (const std::string file = b.option("mesh", ""); !file.empty()) write_meshes(file, input);
     });
     const double quarter = std::abs(s.fields.at("supports/ball_z")), F = 4 * quarter;
     const Hertz exact = study::hertz(F, R, e_star);
@@ -142,20 +183,44 @@ void hertz(const Bench& b) {
     const double peak = at.p.empty() ? NAN : *std::max_element(at.p.begin(), at.p.end());
     const double radius = second_moment_radius(s, m.effect);
     const auto gate = [&](double g) { return m.gated ? g : NAN; };
-    const std::string name = fmt::format("{}{}", size->name, quadratic ? ", quadratic" : "");
-    b.emit(s.row(name, m, "pressure L2, r <= a", whole, 0, whole, gate(quadratic ? NAN : size->l2)));
-    b.emit(s.row(name, m, "pressure L2, r <= 0.9 a", inner, 0, inner, gate(quadratic ? size->l2 : NAN)));
-    b.emit(s.row(name, m, "peak pressure", peak, exact.p0, std::abs(peak / exact.p0 - 1), gate(quadratic ? size->l2 : 0.02)));
+    const std::string name = fmt::format("{}{}{}", size.name, cylinder ? ", cylinder" : "", quadratic ? ", quadratic" : "");
+    b.emit(s.row(name, m, "pressure L2, r <= a", whole, 0, whole, gate(quadratic ? NAN : size.l2)));
+    b.emit(s.row(name, m, "pressure L2, r <= 0.9 a", inner, 0, inner, gate(quadratic ? size.l2 : NAN)));
+    b.emit(s.row(name, m, "peak pressure", peak, exact.p0, std::abs(peak / exact.p0 - 1), gate(quadratic ? size.l2 : 0.02)));
     b.emit(s.row(name, m, "contact radius", radius, exact.a, std::abs(radius / exact.a - 1), gate(0.01)));
     const double contact = s.fields.at(m.effect + "/force_ball_z");
     b.emit(s.row(name, m, "contact force", contact, quarter, std::abs(contact / quarter - 1), gate(1e-10)));
-    b.emit(s.row(name, m, "contact share of time", s.contact_share, NAN, s.contact_share, std::string(size->name) == "coarse" ? NAN : gate(0.05)));
+    b.emit(s.row(name, m, "contact share of time", s.contact_share, NAN, s.contact_share, std::string(size.name) == "coarse" ? NAN : gate(0.05)));
+    if (s.converged) figure.add(m.name, size.name, at, exact);
     if (const std::string file = b.option("profile", ""); !file.empty()) {
       std::ofstream csv(file + "_" + m.name + ".csv");
       csv << "radius_over_a,pressure_over_p0\n";
       for (std::size_t i = 0; i < at.r.size(); ++i) csv << fmt::format("{:.9g},{:.9g}\n", at.r[i] / exact.a, at.p[i] / exact.p0);
       if (!csv.flush()) throw Error(Exit::file, "cannot write '" + file + "_" + m.name + ".csv'");
     }
+  }
+}
+
+}  // namespace
+
+void hertz(const Bench& b) {
+  const std::string order = b.option("order", "1");
+  if (order != "1" && order != "2") throw Error(Exit::usage, "--set order: 1 or 2");
+  const bool quadratic = order == "2";
+  const std::span<const Size> sizes = quadratic ? std::span<const Size>(kQuadraticSizes) : std::span<const Size>(kSizes);
+  Figure figure;
+  std::string rest = b.option("size", "coarse") + ",";
+  for (std::size_t comma; (comma = rest.find(',')) != std::string::npos; rest.erase(0, comma + 1)) {
+    const std::string wanted = rest.substr(0, comma);
+    const auto size = std::find_if(sizes.begin(), sizes.end(), [&](const Size& s) { return s.name == wanted; });
+    if (size == sizes.end()) throw Error(Exit::usage, quadratic ? "--set size with order=2: coarse or medium, or both with a comma" : "--set size: some of coarse,medium,isaac,fine");
+    run(b, *size, quadratic, figure);
+  }
+  const auto curve = [](double r) { return r < 1 ? std::sqrt(1 - r * r) : 0; };
+  if (const std::string file = b.option("figure", ""); !file.empty()) {
+    std::ofstream out(file);
+    out << profiles_svg(figure.panels, curve, "Hertz", "r / a", "pressure / p0", 1.6, 1.4);
+    if (!out.flush()) throw Error(Exit::file, "cannot write '" + file + "'");
   }
 }
 
