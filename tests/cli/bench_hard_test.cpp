@@ -1,0 +1,69 @@
+// `mortise bench hard` and `bench fuzz` from outside.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "program.h"
+
+namespace fs = std::filesystem;
+
+namespace mortise::cli {
+namespace {
+
+std::vector<nlohmann::json> rows(const Result& r) {
+  std::vector<nlohmann::json> out;
+  std::istringstream lines(r.out);
+  for (std::string line; std::getline(lines, line);) out.push_back(nlohmann::json::parse(line));
+  return out;
+}
+
+TEST(BenchHard, RowsTellWhatTheRunDid) {
+  const std::string dir = (fs::temp_directory_path() / ("mortise_hard_" + std::to_string(getpid()))).string();
+  const Result r = mortise("bench hard --only H02,h68 --json --out " + dir);
+  const auto all = rows(r);
+  ASSERT_EQ(all.size(), 7u) << r.out << r.err;  // two methods each, three variants of H68
+  for (const auto& row : all) {
+    for (const char* key : {"case", "pass", "reason", "steps", "newton_max", "min_distance", "min_det_f", "energy_gain", "residual", "seconds"}) EXPECT_TRUE(row.contains(key)) << key;
+    EXPECT_TRUE(row["pass"]) << row;
+  }
+  EXPECT_EQ(all[0]["case"], "h02_face_point");
+  EXPECT_EQ(all[0]["steps"], 50);
+  EXPECT_TRUE(all[0]["judged"]);
+  EXPECT_LT(all[0]["energy_gain"], 1e-6);
+  EXPECT_EQ(r.code, 0);
+  fs::remove_all(dir);
+}
+
+// A case whose criterion does not hold is a row that says so, and the exit code of the whole.
+TEST(BenchHard, FailuresAreShown) {
+  const std::string dir = (fs::temp_directory_path() / ("mortise_hard_scenes_" + std::to_string(getpid()))).string();
+  fs::create_directories(dir);
+  std::string text = read_text(kSource + "/scenes/hard/h02_face_point.yaml");
+  text.replace(text.find("min_distance, above: 0 m"), 24, "min_distance, above: 1 m");
+  std::size_t at = 0;
+  while ((at = text.find("meshes/", at)) != std::string::npos) text.replace(at, 7, kSource + "/scenes/hard/meshes/"), at += kSource.size() + 20;
+  std::ofstream(dir + "/h02_face_point.yaml") << text;
+  const Result r = mortise("bench hard --data " + dir + " --json --out " + dir + "/out");
+  const auto all = rows(r);
+  ASSERT_EQ(all.size(), 2u) << r.out << r.err;
+  EXPECT_FALSE(all[0]["pass"]);
+  EXPECT_NE(all[0]["reason"].get<std::string>().find("min_distance above 1"), std::string::npos) << all[0];
+  EXPECT_EQ(r.code, 5);
+  EXPECT_EQ(mortise("bench hard --only nothing").code, 2);
+  fs::remove_all(dir);
+}
+
+TEST(BenchFuzz, RunsTheSeedsThatAreAskedFor) {
+  const std::string dir = (fs::temp_directory_path() / ("mortise_fuzz_" + std::to_string(getpid()))).string();
+  const Result r = mortise("bench fuzz --first 7 --seeds 2 --json --out " + dir);
+  const auto all = rows(r);
+  ASSERT_EQ(all.size(), 2u) << r.out << r.err;
+  EXPECT_EQ(all[0]["case"], "seed_7");
+  EXPECT_EQ(all[1]["case"], "seed_8");
+  fs::remove_all(dir);
+}
+
+}  // namespace
+}  // namespace mortise::cli
