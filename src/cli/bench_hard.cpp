@@ -52,7 +52,7 @@ int finish(const std::string& name, const std::vector<study::HardRow>& rows, con
 int bench_hard(const HardFlags& flags, const std::string& scenes, const std::string& result, int threads, bool json) {
   study::HardOptions o;
   o.scenes = scenes, o.output = flags.output.empty() ? "out/hard" : flags.output, o.full = flags.full, o.only = flags.only, o.threads = threads;
-  o.time_limit = flags.full ? 3600 : 60;
+  o.time_limit = flags.full ? 3600 : 30;
   if (!json) std::cout << study::hard_header() << std::flush;
   const auto rows = study::run_hard(o, [&](const study::HardRow& row) { std::cout << (json ? study::hard_json(row) + "\n" : study::hard_line(row)) << std::flush; });
   return finish("hard", rows, result, json);

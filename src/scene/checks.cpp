@@ -27,7 +27,7 @@ constexpr Quantity kQuantities[] = {
     {"energy_gain", Unit::none, false, false, "inertia",
      "Energy gained in a step beyond the work of moving supports, as a share of the largest energy of the run."},
     {"momentum_drift", Unit::none, false, false, "inertia", "Change of linear momentum since the start over the largest sum of mass times speed."},
-    {"force_balance", Unit::none, false, false, "", "Sum of all forces over the largest resultant of one effect."},
+    {"force_balance", Unit::none, false, false, "", "Sum of all forces over the largest resultant of one effect or of one body's pins."},
     {"clip_defect", Unit::none, false, false, "mortar_contact", "Largest difference between a covered face and the sum of its pieces, as a share of the face."},
     {"newton_iterations", Unit::none, false, false, "", "Newton iterations of a step."},
     {"substeps", Unit::none, false, false, "", "Parts into which a step was halved."},
