@@ -17,11 +17,11 @@ struct Options {
   std::string scene, output = "out/study";
   std::vector<std::string> overrides, vary, quantities;
   std::vector<double> references;
-  int threads = 0;
+  int threads = 0, repeats = 1;
 };
 
 int cmd_study(const Options& o) {
-  study::Study study{o.scene, o.overrides, {}, o.quantities, o.references};
+  study::Study study{o.scene, o.overrides, {}, o.quantities, o.references, o.repeats};
   for (const std::string& v : o.vary) study.vary.push_back(study::parse_vary(v));
   device::DeviceInfo device;
   run::choose_device("cpu", o.threads, device);
@@ -59,8 +59,9 @@ void add_study(CLI::App& app, Context& context) {
   add_scene_options(*sub, o->scene, o->overrides);
   sub->add_option("--vary", o->vary, "key=v1,v2,...: the first one varied is the ladder, combinations of the others are curves")->required()->take_all();
   sub->add_option("--qoi", o->quantities, "quantity to compare: group/name of a scalar at the last step, or a quantity of a benchmark")->required()->take_all();
-  sub->add_option("--reference", o->references, "its right value, one per --qoi; default: the last value of the ladder on the first curve");
+  sub->add_option("--reference", o->references, "its right value, one per --qoi; default: the limit of the ladder on the first curve (Richardson), or its last value where it has none");
   sub->add_option("-o,--output", o->output, "folder for points.csv and figures")->capture_default_str();
+  sub->add_option("--repeat", o->repeats, "runs of every setting; the fastest counts");
   sub->add_option("-j,--threads", o->threads, "CPU threads; 0: what the machine grants");
   sub->footer(
       "Examples:\n  mortise study scene.yaml --vary time.step='10 ms,5 ms,2.5 ms' --qoi elasticity/energy -o out/steps\n"

@@ -40,7 +40,9 @@ void run_scenes(const Study& study, std::vector<Point>& points) {
   for (const auto& settings : combinations(study.vary)) {
     std::vector<std::string> overrides = study.overrides;
     for (std::string& s : as_overrides(settings)) overrides.push_back(std::move(s));
-    const Solved s = solve(scene::read_scene(study.scene, overrides, tables));
+    const scene::Scene scene = scene::read_scene(study.scene, overrides, tables);
+    Solved s = solve(scene);
+    for (int i = 1; i < study.repeats; ++i) s.seconds = std::min(s.seconds, solve(scene).seconds);
     for (const std::string& q : study.quantities) {
       Point p;
       p.settings = settings, p.quantity = q, p.seconds = s.seconds, p.newton_iterations = s.newton, p.dofs = s.dofs;
@@ -59,10 +61,14 @@ void run_scenes(const Study& study, std::vector<Point>& points) {
     if (!study.references.empty()) {
       reference = study.references.at(k);
     } else {
-      Point& finest = points[(study.vary.front().values.size() - 1) * study.quantities.size() + k];
+      std::vector<double> ladder;
+      const std::size_t steps = study.vary.front().values.size();
+      for (std::size_t i = 0; i < steps; ++i) ladder.push_back(points[i * study.quantities.size() + k].value);
+      Point& finest = points[(steps - 1) * study.quantities.size() + k];
       if (finest.failed) throw Error(Exit::solve, "the run that the others are compared with did not converge; give --reference");
-      finest.reference = true;
-      reference = finest.value;
+      bool extrapolated = false;
+      reference = reference_of(ladder, &extrapolated);
+      finest.reference = !extrapolated;
     }
     for (std::size_t i = k; i < points.size(); i += study.quantities.size()) points[i].error = reference != 0 ? std::abs(points[i].value / reference - 1) : std::abs(points[i].value);
   }
@@ -77,9 +83,16 @@ void run_benchmarks(const Study& study, const Benchmark& benchmark, std::vector<
       for (const std::string& q : study.quantities) {
         if (row.quantity != q && row.name + ": " + row.quantity != q) continue;
         points.push_back({settings, row.method, q, row.value, row.error, row.seconds, row.newton_iterations, row.dofs, row.failed, false, false});
-        done(points.back());
       }
     });
+    for (int i = 1; i < study.repeats; ++i) {  // the rows come in the same order
+      std::size_t at = before;
+      run_benchmark(benchmark, sets, [&](const Row& row) {
+        for (const std::string& q : study.quantities)
+          if (row.quantity == q || row.name + ": " + row.quantity == q) points[at].seconds = std::min(points[at].seconds, row.seconds), ++at;
+      });
+    }
+    for (std::size_t i = before; i < points.size(); ++i) done(points[i]);
     if (points.size() == before) throw Error(Exit::usage, "--qoi: benchmark '" + study.scene + "' has no such quantity (a row's quantity, or 'case: quantity')");
   }
 }
@@ -112,6 +125,7 @@ Vary parse_vary(const std::string& text) {
 
 std::vector<Point> run_study(const Study& study, const std::function<void(const Point&)>& done) {
   if (study.vary.empty()) throw Error(Exit::usage, "nothing is varied: give --vary key=value1,value2,...");
+  if (study.repeats < 1) throw Error(Exit::usage, "--repeat counts from 1");
   if (study.quantities.empty()) throw Error(Exit::usage, "no quantity to compare: give --qoi group/name");
   if (!study.references.empty() && study.references.size() != study.quantities.size()) throw Error(Exit::usage, "give one --reference per --qoi");
   std::vector<Point> points;
@@ -124,6 +138,16 @@ std::vector<Point> run_study(const Study& study, const std::function<void(const 
   }
   mark_best(points);
   return points;
+}
+
+double reference_of(const std::vector<double>& ladder, bool* extrapolated) {
+  const std::size_t n = ladder.size();
+  if (extrapolated) *extrapolated = false;
+  if (n < 3) return ladder.back();
+  const double near = ladder[n - 1] - ladder[n - 2], far = ladder[n - 2] - ladder[n - 3];
+  if (!(near * far > 0) || std::abs(near) >= std::abs(far)) return ladder.back();
+  if (extrapolated) *extrapolated = true;
+  return ladder.back() - near * near / (near - far);
 }
 
 void mark_best(std::vector<Point>& points) {

@@ -106,3 +106,14 @@ TEST(Study, ProfilesLieOverTheExactCurve) {
   EXPECT_NE(svg.find("points=\"56.0,64.0 "), std::string::npos);
   EXPECT_NE(svg.find("388.0,264.0 \""), std::string::npos);
 }
+
+TEST(Study, ReferenceIsTheLimitOfALadder) {
+  bool extrapolated = false;
+  // 2 + h^1.5 at h = 1, 1/2, 1/4; the ratio need not be known.
+  EXPECT_NEAR(reference_of({3, 2 + std::pow(0.5, 1.5), 2 + std::pow(0.25, 1.5)}, &extrapolated), 2, 1e-12);
+  EXPECT_TRUE(extrapolated);
+  EXPECT_EQ(reference_of({1, 2, 1.5}, &extrapolated), 1.5);  // oscillates
+  EXPECT_FALSE(extrapolated);
+  EXPECT_EQ(reference_of({1, 2, 4}), 4);  // diverges
+  EXPECT_EQ(reference_of({1, 2}), 2);
+}
