@@ -55,7 +55,7 @@ std::span<const Benchmark> benchmarks() {
   static const Benchmark all[] = {
       {"barrier", "gap of a block on a plane under uniform pressure (B27)", {}, bench::barrier},
       {"patch", "uniform stress through two blocks with matching and other meshes (B01, B02, B05)", {"order"}, bench::patch},
-      {"hertz", "sphere on a block: pressure, its peak, contact radius (B07)", {"size", "under", "order", "d_hat", "k", "profile", "figure", "mesh"}, bench::hertz},
+      {"hertz", "sphere on a block: pressure, its peak, contact radius (B07)", {"size", "under", "order", "d_hat", "k", "start", "profile", "figure", "mesh"}, bench::hertz},
       {"interface", "hydrostatic pressure through an inclined plane (B03) and a wavy surface (B04)", {"finest"}, bench::interface},
       {"line", "cylinder on a block in plane strain: pressure, half-width (B08)", {"size"}, bench::line},
       {"indent", "rigid flat and conical punches on a half-space (B11, B12)", {"cells"}, bench::indent},
