@@ -252,7 +252,9 @@ void judge_surfaces(const Case& c, const std::vector<Vector>& x, long frame, Ver
   for (const Plane& plane : c.planes)
     for (const Body& body : c.bodies) {
       if (!c.watched.count({body.name, plane.name})) continue;
-      for (long p : body.points)
+      std::set<long> outside;  // nodes inside of an inverted element may be anywhere
+      for (const auto& t : body.triangles) outside.insert(t.begin(), t.end());
+      for (long p : outside)
         if (!(dot(x[p] - plane.point, plane.normal) > 0)) ++v.below, v.found(frame, "a vertex of " + body.name + " is on or below " + plane.name);
     }
 }
