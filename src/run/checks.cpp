@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/pass_on.h"
 #include "geometry/topology.h"
 
 namespace mortise::run {
@@ -120,27 +121,18 @@ struct Checks::State {
   double energy = NAN;
 };
 
-class Checks::Watch : public FieldSink {
+class Checks::Watch : public PassOn {
  public:
-  explicit Watch(FieldSink* next) : next_(next) {}
+  using PassOn::PassOn;
   void points(std::string_view name, std::string_view unit, int components, std::span<const double> values) override {
-    if (next_) next_->points(name, unit, components, values);
+    PassOn::points(name, unit, components, values);
     if (components == 3) seen.fields[std::string(name)].assign(values.begin(), values.end());
   }
-  void cells(std::string_view name, std::string_view unit, int components, std::span<const double> values) override {
-    if (next_) next_->cells(name, unit, components, values);
-  }
-  void rows(std::string_view group, std::string_view name, std::string_view unit, int components, std::span<const double> values) override {
-    if (next_) next_->rows(group, name, unit, components, values);
-  }
   void scalar(std::string_view group, std::string_view name, std::string_view unit, double value) override {
-    if (next_) next_->scalar(group, name, unit, value);
+    PassOn::scalar(group, name, unit, value);
     seen.scalars[std::string(group) + "/" + std::string(name)] = value;
   }
   State seen;
-
- private:
-  FieldSink* next_;
 };
 
 Checks::Checks(const model::ModelInput& input) {

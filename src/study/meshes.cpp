@@ -1,5 +1,6 @@
 #include "study/meshes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -53,6 +54,18 @@ std::vector<double> graded(double h, int fine, int coarse, double end) {
   for (int i = 1; i <= coarse; ++i) x.push_back(x.back() + h * std::pow(q, i));
   x.back() = end;
   return x;
+}
+
+std::vector<double> mirrored(std::vector<double> z) {
+  std::reverse(z.begin(), z.end());
+  for (double& c : z) c = -c;
+  return z;
+}
+
+std::vector<double> from_one(std::vector<double> t) {
+  for (double& c : t) c = 1 - c;
+  std::reverse(t.begin(), t.end());
+  return t;
 }
 
 geometry::TetMesh grid_block(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z) {

@@ -12,6 +12,11 @@ namespace mortise::study {
 // coarse = 0: h = end / fine.
 std::vector<double> graded(double h, int fine, int coarse, double end);
 
+// Grid planes 0 ... end as -end ... 0: downwards from a surface.
+std::vector<double> mirrored(std::vector<double> z);
+// Grid planes 0 ... 1 as 1 - t, ascending: fine at 1 instead of at 0.
+std::vector<double> from_one(std::vector<double> t);
+
 // Tensor-product block whose grid planes are x, y, z (ascending) [m].
 geometry::TetMesh grid_block(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z);
 

@@ -9,9 +9,8 @@
 #include <random>
 #include <thread>
 
-#include "output/checkpoint.h"
 #include "output/field_reader.h"
-#include "program.h"
+#include "process.h"
 
 namespace fs = std::filesystem;
 
@@ -35,32 +34,14 @@ const std::vector<std::string> kRun{"run", kScene, "--no-render", "--quiet", "--
 std::string command(const std::string& more) { return "run " + kScene + " --no-render --quiet --set time.steps=120 --set time.frame_every=4 " + more; }
 
 // `file_limit` > 0: no file may grow beyond so many bytes, as if the disk were full.
-pid_t start(std::vector<std::string> args, rlim_t file_limit = 0) {
-  const pid_t pid = fork();
-  if (pid != 0) return pid;
-  if (file_limit > 0) {
-    const rlimit limit{file_limit, file_limit};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  (void)!freopen("/dev/null", "w", stderr);
-  std::vector<char*> argv{const_cast<char*>(kProgram.c_str())};
-  for (std::string& a : args) argv.push_back(a.data());
-  argv.push_back(nullptr);
-  execv(argv[0], argv.data());
-  _exit(127);
-}
-
-int wait_for(pid_t pid) {
-  int status = 0;
-  waitpid(pid, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
-
-std::vector<std::vector<double>> last_state(const std::string& dir) {
-  std::vector<std::vector<double>> out;
-  const output::CheckpointReader reader(dir + "/checkpoint.h5");
-  for (const auto& [name, values] : reader.arrays()) out.push_back(values);
-  return out;
+pid_t start_silent(std::vector<std::string> args, rlim_t file_limit = 0) {
+  return start(std::move(args), [file_limit] {
+    if (file_limit > 0) {
+      const rlimit limit{file_limit, file_limit};
+      setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    (void)!freopen("/dev/null", "w", stderr);
+  });
 }
 
 // Flips one byte in the middle of a file, or cuts it there.
@@ -86,7 +67,7 @@ TEST(Interrupt, RandomMomentsCostNothingButTheRunningStep) {
   for (int i = 0; i < moments; ++i) {
     std::vector<std::string> args = kRun;
     args.insert(args.end(), {"--set", "time.steps=" + std::to_string(100 * moments), "-o", broken.path, "--resume=auto"});
-    const pid_t pid = start(args);
+    const pid_t pid = start_silent(args);
     std::this_thread::sleep_for(std::chrono::milliseconds(20 + random() % 180));
     const int signal = std::vector<int>{SIGKILL, SIGTERM, SIGINT, SIGUSR1}[i % 4];
     kill(pid, signal);
@@ -141,7 +122,7 @@ TEST(Interrupt, FullDiskEndsWithExitCode6AndGoesOnLater) {
   const auto room = fs::file_size(whole.path + "/fields.vtkhdf") / 10 * 9;
   std::vector<std::string> args = kRun;
   args.insert(args.end(), {"--set", "time.frame_every=1", "-o", out.path});
-  EXPECT_EQ(wait_for(start(args, room)), 6);
+  EXPECT_EQ(wait_for(start_silent(args, room)), 6);
   EXPECT_GT(output::FieldReader(out.path + "/fields.vtkhdf").frames(), 5);
   const Result r = mortise(command(often + "--resume -o " + out.path));
   ASSERT_EQ(r.code, 0) << r.err;

@@ -7,9 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "output/checkpoint.h"
 #include "output/field_reader.h"
-#include "program.h"
+#include "process.h"
 
 namespace fs = std::filesystem;
 
@@ -26,30 +25,6 @@ struct Folder {
 };
 
 nlohmann::json run_json(const std::string& dir) { return nlohmann::json::parse(read_text(dir + "/run.json")); }
-
-std::vector<std::vector<double>> last_state(const std::string& dir) {
-  std::vector<std::vector<double>> out;
-  const output::CheckpointReader reader(dir + "/checkpoint.h5");
-  for (const auto& [name, values] : reader.arrays()) out.push_back(values);
-  return out;
-}
-
-// Starts the program without waiting for it.
-pid_t start(const std::vector<std::string>& args) {
-  const pid_t pid = fork();
-  if (pid != 0) return pid;
-  std::vector<char*> argv{const_cast<char*>(kProgram.c_str())};
-  for (const std::string& a : args) argv.push_back(const_cast<char*>(a.c_str()));
-  argv.push_back(nullptr);
-  execv(argv[0], argv.data());
-  _exit(127);
-}
-
-int wait_for(pid_t pid) {
-  int status = 0;
-  waitpid(pid, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
 
 bool appears(const std::string& path) {
   for (int i = 0; i < 600; ++i) {

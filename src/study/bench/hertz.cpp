@@ -39,12 +39,6 @@ constexpr Size kSizes[] = {{"tiny", 0.025, 6, 4, 5, 3e-3, NAN},
 constexpr Size kQuadraticSizes[] = {{"coarse", 0.02, 5, 3, 4, 6.6e-4, NAN}, {"medium", 0.0106, 9, 4, 5, 3.5e-4, 0.01}};
 constexpr double kExpectedRadius = 0.1;  // a/R, for the choice of kappa only
 
-std::vector<double> reversed(std::vector<double> z) {  // 0 ... end -> -end ... 0
-  std::reverse(z.begin(), z.end());
-  for (double& c : z) c = -c;
-  return z;
-}
-
 // Pressure on the block's upper face.
 struct Profile {
   std::vector<double> r, p, area;
@@ -107,7 +101,7 @@ double second_moment_radius(const Solved& s, const std::string& effect) {
 // Quarter of a cylinder of radius R standing below z = 0: a square of grid planes, rounded.
 geometry::TetMesh cylinder_block(double R, const Size& size, const std::vector<double>& depth) {
   const std::vector<double> s = graded(size.h / R, size.fine, size.out, 1);
-  geometry::TetMesh mesh = grid_block(s, s, reversed(depth));
+  geometry::TetMesh mesh = grid_block(s, s, mirrored(depth));
   for (Vec3& x : mesh.points) {
     const double u = x[0], v = x[1];
     x[0] = R * u * std::sqrt(1 - v * v / 2), x[1] = R * v * std::sqrt(1 - u * u / 2);
@@ -163,12 +157,10 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
     const auto element = [&](const geometry::TetMesh& mesh, const geometry::Snap& snap = {}) { return quadratic ? geometry::with_midsides(mesh, snap) : mesh; };
     const Solved s = solve(scene, [&](model::ModelInput& input) {
       const std::vector<double> lateral = graded(size.h, size.fine, size.out, R), depth = graded(size.h, 2, size.down, R);
-      set_mesh(input, "block", element(cylinder ? cylinder_block(R, size, depth) : grid_block(lateral, lateral, reversed(depth))));
+      set_mesh(input, "block", element(cylinder ? cylinder_block(R, size, depth) : grid_block(lateral, lateral, mirrored(depth))));
       // Lengths near the pole are s R/sqrt(2) and (1 - t) R.
       const double h = 1.1 * size.h;
-      std::vector<double> t = graded(h, 2, size.down, 1);
-      for (double& c : t) c = 1 - c;
-      std::reverse(t.begin(), t.end());
+      const std::vector<double> t = from_one(graded(h, 2, size.down, 1));
       geometry::TetMesh octant = ball_octant(R, graded(std::sqrt(2.0) * h, static_cast<int>(size.fine / 1.1 + 0.5), size.out, 1), t);
       octant = element(octant, [R](const Vec3& a, const Vec3& b, const Vec3& x) -> Vec3 {
         const bool on_sphere = std::abs(a.norm() - R) < 1e-9 * R && std::abs(b.norm() - R) < 1e-9 * R;

@@ -47,9 +47,7 @@ Measured run(const Bench& b, const Case& c, const Method& m, int n) {
   Measured out;
   out.solved = solve(scene, [&](model::ModelInput& input) {
     const std::vector<double> lateral = graded(h, 5 * n / 4, 3 * n / 2, kDomain);
-    std::vector<double> down = graded(h, n / 2, 3 * n / 2, kDomain);
-    std::reverse(down.begin(), down.end());
-    for (double& z : down) z = -z;
+    const std::vector<double> down = mirrored(graded(h, n / 2, 3 * n / 2, kDomain));
     set_mesh(input, "block", grid_block(lateral, lateral, down));
     geometry::TetMesh punch = punch_quarter(radius, slope * radius, kContact, kSectors);
     for (Vec3& x : punch.points) x[2] += gap;

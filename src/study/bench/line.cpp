@@ -41,15 +41,11 @@ void line(const Bench& b) {
     scene.set("effects.mortar_contact.stiffness", matched_stiffness(kExpected, d_hat, size->h, e_star, 4));
     scene.use(m, size->h * size->h / 4);
     const Solved s = solve(scene, [&](model::ModelInput& input) {
-      std::vector<double> depth = graded(size->h, 2, size->down, kDepth);
-      std::reverse(depth.begin(), depth.end());
-      for (double& z : depth) z = -z;
+      const std::vector<double> depth = mirrored(graded(size->h, 2, size->down, kDepth));
       set_mesh(input, "block", grid_block(graded(size->h, size->fine, size->out, kWidth), graded(0, 6, 0, thickness), depth));
       // Lengths near the contact are s R/sqrt(2) and (1 - t) R. Nodes of the two bodies do not coincide.
       const double h = 1.1 * size->h / kRadius;
-      std::vector<double> t = graded(h, 2, size->down, 1);
-      for (double& c : t) c = 1 - c;
-      std::reverse(t.begin(), t.end());
+      const std::vector<double> t = from_one(graded(h, 2, size->down, 1));
       geometry::TetMesh quarter = cylinder_quarter(kRadius, graded(std::sqrt(2.0) * h, static_cast<int>(size->fine / 1.1 + 0.5), size->out, 1), t, graded(0, 5, 0, thickness));
       for (Vec3& x : quarter.points) x[2] += kRadius + gap;
       set_mesh(input, "roller", quarter);

@@ -1,0 +1,42 @@
+#pragma once
+// The built program as a process of its own, for tests that disturb it.
+#include <sys/types.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "output/checkpoint.h"
+#include "program.h"
+
+namespace mortise::cli {
+
+// Starts the program without waiting for it. `in_child` runs in the new process before the program does.
+inline pid_t start(std::vector<std::string> args, const std::function<void()>& in_child = {}) {
+  const pid_t pid = fork();
+  if (pid != 0) return pid;
+  if (in_child) in_child();
+  std::vector<char*> argv{const_cast<char*>(kProgram.c_str())};
+  for (std::string& a : args) argv.push_back(a.data());
+  argv.push_back(nullptr);
+  execv(argv[0], argv.data());
+  _exit(127);
+}
+
+inline int wait_for(pid_t pid) {
+  int status = 0;
+  waitpid(pid, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+// All arrays of the newest checkpoint in an output folder.
+inline std::vector<std::vector<double>> last_state(const std::string& dir) {
+  std::vector<std::vector<double>> out;
+  const output::CheckpointReader reader(dir + "/checkpoint.h5");
+  for (const auto& [name, values] : reader.arrays()) out.push_back(values);
+  return out;
+}
+
+}  // namespace mortise::cli
