@@ -1,14 +1,13 @@
 // mortise bench: named benchmarks with known answers.
 #include <fmt/format.h>
 
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "cli/bench_hard.h"
+#include "cli/bench_result.h"
 #include "cli/commands.h"
-#include "output/hardware.h"
 #include "run/device_choice.h"
 #include "scene/suggest.h"
 #include "study/benchmark.h"
@@ -40,25 +39,16 @@ int bench_ccd(const Options& o) {
   return static_cast<int>(result.point_triangle.false_negatives + result.edge_edge.false_negatives == 0 ? Exit::done : Exit::solve);
 }
 
-// What a committed result looks like: the rows and the machine they were measured on.
-void write_result(const std::string& path, const std::string& name, const std::vector<study::Row>& rows) {
-  const output::Hardware machine = output::hardware();
-  nlohmann::ordered_json j{{"benchmark", name},
-                           {"program", version_text()},
-                           {"machine", {{"cpu", machine.cpu}, {"cores", machine.cores}, {"memory_bytes", machine.memory_bytes}}},
-                           {"rows", nlohmann::ordered_json::array()}};
-  for (const study::Row& row : rows) j["rows"].push_back(nlohmann::ordered_json::parse(study::json_line(row)));
-  std::ofstream file(path);
-  file << j.dump(1) << "\n";
-  if (!file.flush()) throw Error(Exit::file, "cannot write '" + path + "'");
-}
-
 int bench_named(const Options& o, const study::Benchmark& benchmark) {
   device::DeviceInfo device;
   run::choose_device("cpu", o.threads, device);
   if (!o.json) std::cout << study::table_header();
   const auto rows = study::run_benchmark(benchmark, o.sets, [&](const study::Row& row) { std::cout << (o.json ? study::json_line(row) + "\n" : study::table_line(row)) << std::flush; });
-  if (!o.result.empty()) write_result(o.result, o.name, rows);
+  if (!o.result.empty()) {
+    auto list = nlohmann::ordered_json::array();
+    for (const study::Row& row : rows) list.push_back(nlohmann::ordered_json::parse(study::json_line(row)));
+    write_result(o.result, o.name, list);
+  }
   for (const study::Row& row : rows)
     if (row.gated() && !row.pass()) return static_cast<int>(Exit::solve);
   return static_cast<int>(Exit::done);

@@ -1,12 +1,10 @@
 #include "cli/bench_hard.h"
 
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "cli/commands.h"
-#include "output/hardware.h"
+#include "cli/bench_result.h"
 #include "study/bench/hard.h"
 
 namespace mortise::cli {
@@ -22,26 +20,19 @@ void add_hard_flags(CLI::App& sub, HardFlags& flags) {
 
 namespace {
 
-void write_result(const std::string& path, const std::string& name, const std::vector<study::HardRow>& rows) {
-  if (path.empty()) return;
-  const output::Hardware machine = output::hardware();
-  nlohmann::ordered_json j{{"benchmark", name},
-                           {"program", version_text()},
-                           {"machine", {{"cpu", machine.cpu}, {"cores", machine.cores}, {"memory_bytes", machine.memory_bytes}}},
-                           {"rows", nlohmann::ordered_json::array()}};
+// Without the paths of this machine.
+nlohmann::ordered_json rows_of(const std::vector<study::HardRow>& rows) {
+  auto list = nlohmann::ordered_json::array();
   for (const study::HardRow& row : rows) {
-    auto entry = nlohmann::ordered_json::parse(study::hard_json(row));
-    entry.erase("replay");  // paths of this machine
-    j["rows"].push_back(entry);
+    list.push_back(nlohmann::ordered_json::parse(study::hard_json(row)));
+    list.back().erase("replay");
   }
-  std::ofstream file(path);
-  file << j.dump(1) << "\n";
-  if (!file.flush()) throw Error(Exit::file, "cannot write '" + path + "'");
+  return list;
 }
 
 int finish(const std::string& name, const std::vector<study::HardRow>& rows, const std::string& result, bool json) {
   if (!json) std::cout << study::hard_summary(rows);
-  write_result(result, name, rows);
+  if (!result.empty()) write_result(result, name, rows_of(rows));
   for (const study::HardRow& row : rows)
     if (!row.pass) return static_cast<int>(Exit::solve);
   return static_cast<int>(Exit::done);

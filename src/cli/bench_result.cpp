@@ -1,0 +1,22 @@
+#include "cli/bench_result.h"
+
+#include <fstream>
+
+#include "base/error.h"
+#include "cli/commands.h"
+#include "output/hardware.h"
+
+namespace mortise::cli {
+
+void write_result(const std::string& path, const std::string& benchmark, const nlohmann::ordered_json& rows) {
+  const output::Hardware machine = output::hardware();
+  const nlohmann::ordered_json j{{"benchmark", benchmark},
+                                 {"program", version_text()},
+                                 {"machine", {{"cpu", machine.cpu}, {"cores", machine.cores}, {"memory_bytes", machine.memory_bytes}}},
+                                 {"rows", rows}};
+  std::ofstream file(path);
+  file << j.dump(1) << "\n";
+  if (!file.flush()) throw Error(Exit::file, "cannot write '" + path + "'");
+}
+
+}  // namespace mortise::cli
