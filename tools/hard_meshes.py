@@ -242,7 +242,7 @@ def write_all(folder):
         "wedge": taper(0.5, 1, 1, 3, (2, 3, 5)),
         "crack": crack(),
         "hole": hole(),
-        "cliff": Mesh().grid(lambda u, v, w: ((2 * u - 1) * mix(0.75, 0.5, w), (2 * v - 1) * mix(0.75, 0.5, w), w - 0.5), (2, 2, 2)),
+        "cliff": Mesh().grid(lambda u, v, w: ((2 * u - 1) * mix(0.75, 0.5, w), (2 * v - 1) * mix(0.75, 0.5, w), w - 0.5), (2, 2, 2), mirror=True),
         "internal_edges": internal_edges(),
         "link": torus(0.405, 0.095, 20, 2),
         "cone": cone(0.5, 1, 4, 4),
