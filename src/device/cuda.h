@@ -6,6 +6,9 @@ namespace mortise::device {
 
 void check(cudaError_t status, const char* what);  // throws Error(Exit::device) naming the launch
 
+// Where launches go: the default stream, except while a Graph records.
+inline cudaStream_t launch_stream = nullptr;
+
 template <class F>
 __global__ void run_kernel(Index n, F f) {
   const Index i = static_cast<Index>(blockIdx.x) * static_cast<Index>(blockDim.x) + static_cast<Index>(threadIdx.x);
@@ -17,7 +20,7 @@ void parallel_for(const char* name, Index n, F f) {
   if (n <= 0) return;
   count_launch(name);
   constexpr int kBlock = 128;
-  run_kernel<<<(n + kBlock - 1) / kBlock, kBlock>>>(n, f);
+  run_kernel<<<(n + kBlock - 1) / kBlock, kBlock, 0, launch_stream>>>(n, f);
   check(cudaGetLastError(), name);
 }
 

@@ -4,109 +4,88 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "device/graph.h"
 #include "linalg/env_sums.h"
 
 namespace mortise::linalg {
 namespace {
 
-constexpr Index kCheckEvery = 8;  // iterations between two looks at the environments' states from the host
-
 enum Status : Index { active, claimed, ended };
 
 struct EnvState {
-  Index status = active;
+  Index status = claimed;
   CgEnd end = CgEnd::iteration_limit;
-  Index iterations = 0, restarts = 0;
-  double relative = 0, target2 = 0;  // tolerance; square of the residual aimed at
-  double rhs2 = 0, rr = 0;           // b.b; r.r of the recurrence, at a restart and at the end the true one
-  double restart_rr = 0;             // true r.r at the last restart
+  Index iterations = 0, restarts = 0, limit = 0;
+  double relative = 0, absolute = 0, target2 = 0;  // tolerances; square of the residual aimed at
+  double rhs2 = 0, rr = 0;                         // b.b; r.r of the recurrence, at a restart and at the end the true one
+  double restart_rr = 0;                           // true r.r at the last restart
   double rz = 0, alpha = 0, beta = 0;
 };
 
-// Inverse of a symmetric positive definite A = L L^T as L^-T L^-1, which stays positive definite in rounding. False when a
-// pivot is not positive.
-MORTISE_HD inline bool spd_inverse(const Mat3& A, Mat3& out) {
-  const double d0 = A(0, 0);
-  if (!(d0 > 0)) return false;
-  const double l00 = std::sqrt(d0), l10 = A(0, 1) / l00, l20 = A(0, 2) / l00;
-  const double d1 = A(1, 1) - l10 * l10;
-  if (!(d1 > 0)) return false;
-  const double l11 = std::sqrt(d1), l21 = (A(1, 2) - l20 * l10) / l11;
-  const double d2 = A(2, 2) - l20 * l20 - l21 * l21;
-  if (!(d2 > 0)) return false;
-  const double l22 = std::sqrt(d2);
-  Mat3 M = Mat3::Zero();  // L^-1
-  M(0, 0) = 1 / l00, M(1, 1) = 1 / l11, M(2, 2) = 1 / l22;
-  M(1, 0) = -l10 * M(0, 0) / l11;
-  M(2, 1) = -l21 * M(1, 1) / l22;
-  M(2, 0) = -(l20 * M(0, 0) + l21 * M(1, 0)) / l22;
-  out = M.transpose() * M;
-  return true;
-}
+}  // namespace
 
-struct Cg {
-  const BlockMatrix& A;
-  View<const Vec3> b;
-  View<Vec3> x;
+struct CgState {
+  explicit CgState(const std::vector<Index>& env_rows);
+
+  Index rows, envs;
   EnvSums sums;
-  Index envs, max_iterations;
-  Buffer<Vec3> residual, direction, product;
-  Buffer<Mat3> inverse;
   Buffer<Index> env_of_row;
+  Buffer<Vec3> residual, direction, product;  // r, p, and by turns A p and z = M^-1 r
   Buffer<EnvState> states;
 
-  void prepare(const std::vector<Index>& env_rows, const std::vector<double>& relative, double absolute);
-  void begin();
-  void iterate();
-  void finish();
+  device::Graph block;
+  std::vector<const void*> recorded;  // the memory that the recorded block uses
+
+  void prepare(const Preconditioner& M, View<const Vec3> b);
+  void begin(const BlockMatrix& A, const Preconditioner& M, View<const Vec3> b, View<const Vec3> x);
+  void iterate(const RowProduct& A, const Preconditioner& M, View<Vec3> x);
+  void record(const BlockMatrix& A, const Preconditioner& M, View<Vec3> x, Index iterations);
+  void finish(const BlockMatrix& A, View<const Vec3> b, View<const Vec3> x);
 };
 
-// Preconditioner, targets. Environments whose diagonal blocks are not all positive definite end here.
-void Cg::prepare(const std::vector<Index>& env_rows, const std::vector<double>& relative, double absolute) {
-  std::vector<Index> env(A.rows);
-  std::vector<EnvState> initial(envs);
-  for (Index e = 0; e < envs; ++e) {
-    std::fill(env.begin() + env_rows[e], env.begin() + env_rows[e + 1], e);
-    initial[e].relative = relative[e];
-    initial[e].status = claimed;
-  }
+CgState::CgState(const std::vector<Index>& env_rows)
+    : rows(env_rows.back()),
+      envs(static_cast<Index>(env_rows.size()) - 1),
+      sums(env_rows),
+      residual(rows),
+      direction(rows),
+      product(rows) {
+  std::vector<Index> env(rows);
+  for (Index e = 0; e < envs; ++e) std::fill(env.begin() + env_rows[e], env.begin() + env_rows[e + 1], e);
   env_of_row.upload(env);
-  states.upload(initial);
-  residual.resize(A.rows), direction.resize(A.rows), product.resize(A.rows), inverse.resize(A.rows);
+}
 
-  const View<const Index> diagonal = A.row_start.view();
-  const View<const Mat3> value = A.value.view();
-  const View<Mat3> inv = inverse.view();
-  const View<const Vec3> rhs = b;
-  const View<const Vec2> s = sums("cg.precondition", [=] MORTISE_HD(Index i) -> Vec2 {
-    const bool good = spd_inverse(value[diagonal[i]], inv[i]);
-    return Vec2(rhs[i].squaredNorm(), good ? 0.0 : 1.0);
-  });
+// Targets. Environments in which the preconditioner met a bad pivot end here.
+void CgState::prepare(const Preconditioner& M, View<const Vec3> b) {
+  const View<const Index> bad = M.bad_rows();
+  const View<const Vec2> s = sums("cg.targets", [=] MORTISE_HD(Index i) -> Vec2 { return Vec2(b[i].squaredNorm(), 1.0 * bad[i]); });
   const View<EnvState> state = states.view();
   device::parallel_for("cg.env", envs, [=] MORTISE_HD(Index e) {
-    EnvState& env_state = state[e];
-    env_state.rhs2 = s[e][0];
-    const double target = env_state.relative * std::sqrt(s[e][0]);
-    env_state.target2 = target > absolute ? target * target : absolute * absolute;
-    if (s[e][1] > 0) env_state.status = ended, env_state.end = CgEnd::not_positive_definite;
+    EnvState& t = state[e];
+    t.rhs2 = s[e][0];
+    const double target = t.relative * std::sqrt(t.rhs2);
+    t.target2 = target > t.absolute ? target * target : t.absolute * t.absolute;
+    if (s[e][1] > 0) t.status = ended, t.end = CgEnd::not_positive_definite;
   });
 }
 
 // For every environment that claims convergence (all of them at first): r = b - A x; ends it if r is small enough, otherwise
 // (re)starts with p = z = M^-1 r.
-void Cg::begin() {
-  const RowProduct rows = row_product(A);
-  const View<const Vec3> rhs = b, x_now = x;
-  const View<Vec3> r = residual.view(), p = direction.view();
-  const View<const Mat3> inv = inverse.view();
+void CgState::begin(const BlockMatrix& A, const Preconditioner& M, View<const Vec3> b, View<const Vec3> x) {
+  const RowProduct product_of = row_product(A);
+  const View<Vec3> r = residual.view(), p = direction.view(), z = product.view();
   const View<const Index> env = env_of_row.view();
   const View<EnvState> state = states.view();
-  const View<const Vec2> s = sums("cg.begin", [=] MORTISE_HD(Index i) -> Vec2 {
+  device::parallel_for("cg.begin", rows, [=] MORTISE_HD(Index i) {
+    if (state[env[i]].status == claimed) r[i] = b[i] - product_of(i, x);
+  });
+  M.apply(r, z);
+  device::parallel_for("cg.begin", rows, [=] MORTISE_HD(Index i) {
+    if (state[env[i]].status == claimed) p[i] = z[i];
+  });
+  const View<const Vec2> s = sums("cg.dots", [=] MORTISE_HD(Index i) -> Vec2 {
     if (state[env[i]].status != claimed) return Vec2::Zero();
-    const Vec3 ri = rhs[i] - rows(i, x_now);
-    const Vec3 z = inv[i] * ri;
-    r[i] = ri, p[i] = z;
-    return Vec2(ri.dot(z), ri.squaredNorm());
+    return Vec2(r[i].dot(z[i]), r[i].squaredNorm());
   });
   device::parallel_for("cg.env", envs, [=] MORTISE_HD(Index e) {
     EnvState& t = state[e];
@@ -126,38 +105,39 @@ void Cg::begin() {
 }
 
 // alpha = r.z / p.Ap;  x += alpha p;  r -= alpha Ap;  z = M^-1 r;  beta = r.z / (r.z)_old;  p = z + beta p
-void Cg::iterate() {
-  const RowProduct rows = row_product(A);
-  const View<Vec3> r = residual.view(), p = direction.view(), q = product.view(), x_now = x;
-  const View<const Mat3> inv = inverse.view();
+void CgState::iterate(const RowProduct& A, const Preconditioner& M, View<Vec3> x) {
+  const RowProduct product_of = A;
+  const View<Vec3> r = residual.view(), p = direction.view(), q = product.view(), z = q;
+  const View<const Vec3> p_now = p;
   const View<const Index> env = env_of_row.view();
   const View<EnvState> state = states.view();
-  const Index limit = max_iterations;
-  const View<const Vec3> p_now = p;
-  View<const Vec2> s = sums("cg.multiply", [=] MORTISE_HD(Index i) -> Vec2 {
+  device::parallel_for("cg.multiply", rows, [=] MORTISE_HD(Index i) {
+    if (state[env[i]].status == active) q[i] = product_of(i, p_now);
+  });
+  View<const Vec2> s = sums("cg.dots", [=] MORTISE_HD(Index i) -> Vec2 {
     if (state[env[i]].status != active) return Vec2::Zero();
-    const Vec3 qi = rows(i, p_now);
-    q[i] = qi;
-    return Vec2(p[i].dot(qi), 0);
+    return Vec2(p[i].dot(q[i]), 0);
   });
   device::parallel_for("cg.env", envs, [=] MORTISE_HD(Index e) {
     EnvState& t = state[e];
     if (t.status != active) return;
-    if (t.iterations >= limit)
+    if (t.iterations >= t.limit)
       t.status = ended, t.end = CgEnd::iteration_limit;
     else if (!(s[e][0] > 0))
       t.status = ended, t.end = CgEnd::not_positive_definite;
     else
       t.alpha = t.rz / s[e][0];
   });
-  s = sums("cg.step", [=] MORTISE_HD(Index i) -> Vec2 {
+  device::parallel_for("cg.step", rows, [=] MORTISE_HD(Index i) {
     const EnvState& t = state[env[i]];
-    if (t.status != active) return Vec2::Zero();
-    x_now[i] += t.alpha * p[i];
-    const Vec3 ri = r[i] - t.alpha * q[i];
-    const Vec3 z = inv[i] * ri;
-    r[i] = ri, q[i] = z;
-    return Vec2(ri.dot(z), ri.squaredNorm());
+    if (t.status != active) return;
+    x[i] += t.alpha * p[i];
+    r[i] -= t.alpha * q[i];
+  });
+  M.apply(r, z);
+  s = sums("cg.dots", [=] MORTISE_HD(Index i) -> Vec2 {
+    if (state[env[i]].status != active) return Vec2::Zero();
+    return Vec2(r[i].dot(z[i]), r[i].squaredNorm());
   });
   device::parallel_for("cg.env", envs, [=] MORTISE_HD(Index e) {
     EnvState& t = state[e];
@@ -167,45 +147,63 @@ void Cg::iterate() {
     ++t.iterations;
     if (t.rr <= t.target2) t.status = claimed;
   });
-  device::parallel_for("cg.direction", A.rows, [=] MORTISE_HD(Index i) {
+  device::parallel_for("cg.direction", rows, [=] MORTISE_HD(Index i) {
     const EnvState& t = state[env[i]];
-    if (t.status == active) p[i] = q[i] + t.beta * p[i];
+    if (t.status == active) p[i] = z[i] + t.beta * p[i];
   });
 }
 
+void CgState::record(const BlockMatrix& A, const Preconditioner& M, View<Vec3> x, Index iterations) {
+  const RowProduct product_of = row_product(A);
+  std::vector<const void*> now = M.memory();
+  now.insert(now.end(), {product_of.start.p, product_of.col.p, product_of.source.p, product_of.value.p, x.p, states.view().p, &M,
+                         reinterpret_cast<const void*>(static_cast<std::uintptr_t>(iterations))});
+  if (now == recorded) return;
+  block.record([this, product_of, &M, x, iterations] {
+    for (Index i = 0; i < iterations; ++i) iterate(product_of, M, x);
+  });
+  recorded = std::move(now);
+}
+
 // True residuals of all environments.
-void Cg::finish() {
-  const RowProduct rows = row_product(A);
-  const View<const Vec3> rhs = b, x_now = x;
+void CgState::finish(const BlockMatrix& A, View<const Vec3> b, View<const Vec3> x) {
+  const RowProduct product_of = row_product(A);
+  const View<Vec3> r = residual.view();
   const View<EnvState> state = states.view();
-  const View<const Vec2> s =
-      sums("cg.finish", [=] MORTISE_HD(Index i) -> Vec2 { return Vec2((rhs[i] - rows(i, x_now)).squaredNorm(), 0); });
+  device::parallel_for("cg.finish", rows, [=] MORTISE_HD(Index i) { r[i] = b[i] - product_of(i, x); });
+  const View<const Vec2> s = sums("cg.dots", [=] MORTISE_HD(Index i) -> Vec2 { return Vec2(r[i].squaredNorm(), 0); });
   device::parallel_for("cg.env", envs, [=] MORTISE_HD(Index e) { state[e].rr = s[e][0]; });
 }
 
-}  // namespace
+ConjugateGradients::ConjugateGradients(const std::vector<Index>& env_rows) : state_(std::make_unique<CgState>(env_rows)) {}
+ConjugateGradients::~ConjugateGradients() = default;
 
-CgResult conjugate_gradients(const BlockMatrix& A, View<const Vec3> b, View<Vec3> x, const std::vector<Index>& env_rows,
-                             const std::vector<double>& relative, const CgOptions& options) {
-  const Index envs = static_cast<Index>(env_rows.size()) - 1;
-  if (envs < 0 || env_rows.front() != 0 || env_rows.back() != A.rows || static_cast<Index>(relative.size()) != envs || b.n != A.rows ||
-      x.n != A.rows)
+CgResult ConjugateGradients::solve(const BlockMatrix& A, const Preconditioner& M, View<const Vec3> b, View<Vec3> x,
+                                   const std::vector<double>& relative, const CgOptions& options) {
+  CgState& cg = *state_;
+  const std::size_t envs = static_cast<std::size_t>(cg.envs);
+  if (A.rows != cg.rows || relative.size() != envs || b.n != A.rows || x.n != A.rows || (!options.absolute.empty() && options.absolute.size() != envs))
     throw Error(Exit::internal, "conjugate gradients: sizes do not match");
-  Cg cg{A, b, x, EnvSums(env_rows), envs, options.max_iterations, {}, {}, {}, {}, {}, {}};
-  cg.prepare(env_rows, relative, options.absolute);
-  std::vector<EnvState> state;
+  std::vector<EnvState> state(envs);
+  for (std::size_t e = 0; e < envs; ++e) {
+    state[e].relative = relative[e], state[e].limit = options.max_iterations;
+    if (!options.absolute.empty()) state[e].absolute = options.absolute[e];
+  }
+  cg.states.upload(state);
+  cg.prepare(M, b);
+  cg.record(A, M, x, options.check_every);
   const auto any = [&](Index status) {
     return std::any_of(state.begin(), state.end(), [&](const EnvState& s) { return s.status == status; });
   };
   do {
-    cg.begin();
+    cg.begin(A, M, b, x);
     state = cg.states.download();
     while (any(active) && !any(claimed)) {
-      for (Index i = 0; i < kCheckEvery; ++i) cg.iterate();
+      cg.block.replay("cg.block");
       state = cg.states.download();
     }
   } while (any(claimed));
-  cg.finish();
+  cg.finish(A, b, x);
   CgResult out;
   for (const EnvState& s : cg.states.download()) out.env.push_back({s.end, s.iterations, s.restarts, std::sqrt(s.rr), std::sqrt(s.rhs2)});
   return out;

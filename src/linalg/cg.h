@@ -1,23 +1,29 @@
 #pragma once
-// Conjugate gradients for A x = b, preconditioned with the inverses of the 3x3 diagonal blocks (Hestenes and Stiefel 1952; block
-// Jacobi). A is block diagonal over environments: every environment has its own alpha, beta, tolerance and end, so its iterates
-// do not depend on its neighbours. An environment counts as converged only when its true residual b - A x says so; if the
-// recurrence claimed it wrongly, the iteration restarts from the true residual.
+// Preconditioned conjugate gradients for A x = b (Hestenes and Stiefel 1952). A is block diagonal over environments: every
+// environment has its own alpha, beta, tolerance and end, so its iterates do not depend on its neighbours. An environment counts
+// as converged only when its true residual b - A x says so; if the recurrence claimed it wrongly, the iteration restarts from the
+// true residual.
+//
+// All scalars of the iteration stay on the device. Iterations run in blocks of `check_every`, recorded once into a
+// device::Graph and replayed; between two blocks the host looks at the states. An environment that has ended stands still, so the
+// result does not depend on the length of the blocks.
+#include <memory>
 #include <vector>
 
-#include "linalg/block_matrix.h"
+#include "linalg/preconditioner.h"
 
 namespace mortise::linalg {
 
 struct CgOptions {
   Index max_iterations = 10000;  // per environment, restarts included
-  double absolute = 0;           // [unit of b] residuals up to this count as converged, whatever the relative tolerance asks
+  std::vector<double> absolute;  // [unit of b] per environment, or empty: residuals up to this count as converged
+  Index check_every = 16;        // iterations between two looks from the host
 };
 
 enum class CgEnd : std::uint8_t {
   converged,
   iteration_limit,
-  not_positive_definite,  // p^T A p <= 0, or a diagonal block without a Cholesky factor: x holds the last good iterate
+  not_positive_definite,  // p^T A p <= 0, or the preconditioner met a pivot that is not positive: x holds the last good iterate
   stagnated               // rounding keeps the true residual above the tolerance
 };
 
@@ -42,9 +48,21 @@ struct CgResult {
   }
 };
 
-// Starts at x and leaves the solution there. Environment e owns rows [env_rows[e], env_rows[e+1]) and ends when
-// ||b - A x|| <= max(relative[e] ||b||, options.absolute).
-CgResult conjugate_gradients(const BlockMatrix& A, View<const Vec3> b, View<Vec3> x, const std::vector<Index>& env_rows,
-                             const std::vector<double>& relative, const CgOptions& options = {});
+struct CgState;
+
+// Keeps its vectors and the recorded iterations from one solve to the next.
+class ConjugateGradients {
+ public:
+  // Environment e owns rows [env_rows[e], env_rows[e+1]).
+  explicit ConjugateGradients(const std::vector<Index>& env_rows);
+  ~ConjugateGradients();
+
+  // Starts at x and leaves the solution there. Environment e ends when ||b - A x|| <= max(relative[e] ||b||, absolute[e]).
+  CgResult solve(const BlockMatrix& A, const Preconditioner& M, View<const Vec3> b, View<Vec3> x, const std::vector<double>& relative,
+                 const CgOptions& options = {});
+
+ private:
+  std::unique_ptr<CgState> state_;
+};
 
 }  // namespace mortise::linalg

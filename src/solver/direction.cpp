@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "linalg/cg.h"
+#include "linalg/jacobi.h"
 #include "linalg/stale_factor.h"
 #include "linalg/supports.h"
 #include "solver/kernels.h"
@@ -67,7 +68,11 @@ bool Newton::solve_direct(StepReport& report) {
 
 bool Newton::solve_cg(StepReport& report) {
   const std::vector<double> relative(model_.envs, options_.cg_tolerance);
-  const linalg::CgResult cg = linalg::conjugate_gradients(matrix_, rhs_.view(), x_.view(), env_rows_, relative, {options_.cg_iterations, 0});
+  linalg::BlockJacobi M;
+  M.build(matrix_);
+  linalg::CgOptions cg_options;
+  cg_options.max_iterations = options_.cg_iterations;
+  const linalg::CgResult cg = linalg::ConjugateGradients(env_rows_).solve(matrix_, M, rhs_.view(), x_.view(), relative, cg_options);
   report.cg += cg.iterations();
   for (const linalg::CgResult::Env& env : cg.env) {
     if (env.end == linalg::CgEnd::not_positive_definite && concave_ > 0) return false;

@@ -4,8 +4,10 @@
 
 #include <cmath>
 
+#include "base/error.h"
 #include "linalg/direct.h"
 #include "linalg/env_sums.h"
+#include "linalg/jacobi.h"
 #include "problems.h"
 
 using namespace mortise;
@@ -13,6 +15,13 @@ using namespace mortise::linalg;
 using namespace mortise::linalg::test;
 
 namespace {
+
+CgResult conjugate_gradients(const BlockMatrix& A, View<const Vec3> b, View<Vec3> x, const std::vector<Index>& env_rows,
+                             const std::vector<double>& relative, const CgOptions& options = {}) {
+  BlockJacobi M;
+  M.build(A);
+  return ConjugateGradients(env_rows).solve(A, M, b, x, relative, options);
+}
 
 // Cubes of different size and stiffness as environments of one block diagonal matrix.
 struct Batch {
@@ -215,9 +224,51 @@ TEST(Cg, AbsoluteToleranceEndsEarly) {
   Buffer<Vec3> x(batch.A.rows);
   x.zero();
   CgOptions options;
-  options.absolute = 0.1;
+  options.absolute = {0.1};
   const CgResult r = conjugate_gradients(batch.A, batch.b.view(), x.view(), batch.env_rows, {1e-12}, options);
   EXPECT_EQ(r.env[0].end, CgEnd::converged);
   EXPECT_LE(r.env[0].residual, 0.1);
   EXPECT_GT(r.env[0].residual, 1e-3);
+}
+
+// The recorded iterations are replayed in blocks; where a block ends must not show.
+TEST(Cg, BitsDoNotDependOnTheLengthOfBlocks) {
+  Batch batch({6, 3, 5});
+  BlockJacobi M;
+  M.build(batch.A);
+  std::vector<Vec3> first;
+  for (Index every : {1, 7, 16, 1000}) {
+    Buffer<Vec3> x(batch.A.rows);
+    x.zero();
+    CgOptions options;
+    options.check_every = every;
+    const CgResult r = ConjugateGradients(batch.env_rows).solve(batch.A, M, batch.b.view(), x.view(), batch.tolerance(1e-9), options);
+    EXPECT_TRUE(r.converged());
+    if (first.empty()) first = x.download();
+    EXPECT_EQ(x.download(), first) << every;
+  }
+}
+
+// One solver for matrices whose values, structure and right-hand side change.
+TEST(Cg, SolverIsUsedAgain) {
+  Batch a({4, 3}), b({3, 4});
+  ConjugateGradients solver(a.env_rows);
+  BlockJacobi M;
+  const auto solve = [&](Batch& batch, ConjugateGradients& cg) {
+    M.build(batch.A);
+    Buffer<Vec3> x(batch.A.rows);
+    x.zero();
+    EXPECT_TRUE(cg.solve(batch.A, M, batch.b.view(), x.view(), batch.tolerance(1e-9)).converged());
+    return x.download();
+  };
+  const auto first = solve(a, solver);
+  auto value = a.A.value.download();
+  for (Mat3& v : value) v *= 4;  // in the same memory
+  a.A.value.upload(value);
+  const auto scaled = solve(a, solver);
+  for (std::size_t i = 0; i < first.size(); ++i) EXPECT_LT((4 * scaled[i] - first[i]).norm(), 1e-7 * first[i].norm());
+  Batch c({4, 3});
+  EXPECT_EQ(solve(c, solver), first) << "another matrix of the same values";
+  Buffer<Vec3> wrong(1);
+  EXPECT_THROW(solver.solve(b.A, M, b.b.view(), wrong.view(), b.tolerance(1e-9)), Error);
 }
