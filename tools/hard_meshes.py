@@ -231,7 +231,59 @@ def arch(stones, span, crown, base, gap):
     return out
 
 
+def fin_ball(radius, length, n, layers):
+    """A ball with a spike on every second cell along either direction of its cube's faces: one grid, of which the cells of the ball and
+    the columns over the chosen cells of its faces are kept. Spikes narrow to a quarter."""
+    cells = n + 2 * layers
+
+    def in_ball(q):
+        """Cube -1..1 onto the unit ball, concentric cubes onto spheres."""
+        r = max(map(abs, q))
+        size = math.sqrt(sum(c * c for c in q))
+        return tuple(c * r / size for c in q) if r else (0.0, 0.0, 0.0)
+
+    def place(*w):
+        at = [c * cells - layers for c in w]  # 0..n within the ball
+        out = [max(0.0, -a) + max(0.0, a - n) for a in at]
+        q = [2 * min(max(a, 0), n) / n - 1 for a in at]
+        t = max(out) / layers
+        if t == 0:
+            return tuple(radius * c for c in in_ball(q))
+        d = out.index(max(out))
+        axis = list(q)
+        for e in range(3):
+            if e != d:
+                axis[e] = 2 * (2 * math.floor(round(at[e]) / 2) + 0.5) / n - 1  # middle of the column, whose cell is an even one
+        base, middle = in_ball(q), in_ball(axis)
+        return tuple((radius + length * t) * m + radius * (b - m) * mix(1.0, 0.25, t) for b, m in zip(base, middle))
+
+    def keep(i, j, k):
+        at = [a - layers for a in (i, j, k)]
+        inside = [0 <= a < n for a in at]
+        if all(inside):
+            return True
+        return sum(inside) == 2 and all(a % 2 == 0 for a, b in zip(at, inside) if b)
+
+    return Mesh().grid(place, (cells, cells, cells), keep)
+
+
+def thread(inner, outer, pitch, turns, around, grow_in, grow_out):
+    """A ring whose inner and outer radius (a function of the phase 0..1 of the thread) follow a helix. Turning it by two cells and lifting it
+    by one layer gives the same mesh."""
+    layers = turns * around // 2
+
+    def place(u, v, w):
+        a, z = 2 * math.pi * u, w * turns * pitch
+        phase = (w * turns - u) % 1.0
+        r = mix(inner + grow_in(phase), outer + grow_out(phase), v)
+        return r * math.cos(a), r * math.sin(a), z
+    return Mesh().grid(place, (around, 1, layers), period=(1, 0, 0))
+
+
 def write_all(folder):
+    def ridge(phase):
+        """Height of the thread: a trapezium with a flat root and crest."""
+        return min(1.0, max(0.0, 3 * (0.5 - abs(phase - 0.5)) - 0.25))
     meshes = {
         "tet_down": tet((0, 0.943, 1), (0, 0, 0), (1, -0.471, 1), (-1, -0.471, 1)),
         "tet_up": tet((0, 0.943, -1), (0, 0, 0), (1, -0.471, -1), (-1, -0.471, -1)),
@@ -256,6 +308,9 @@ def write_all(folder):
         "slivers": slivers(1, 1e-4, 3),
         "tessellated": tessellated(2, 0.1, 12, 0.3, 1),
         "tray": block((-1, -1, 0), (1, 1, 0.9), (6, 6, 3), lambda i, j, k: k == 0 or i in (0, 5) or j in (0, 5)),
+        "fin_ball": fin_ball(0.1, 0.05, 7, 1),
+        "bolt": thread(3e-3, 8e-3, 10e-3, 4, 24, lambda p: 0, lambda p: 3e-3 * ridge(p)),
+        "nut": thread(8.3e-3, 15e-3, 10e-3, 1, 24, lambda p: 3e-3 * ridge(p), lambda p: 0),
         "tunnel": block((-3, -0.75, -0.75), (3, 0.75, 0.75), (1, 3, 3), lambda i, j, k: not (j == 1 and k == 1)),
     }
     for i, stone in enumerate(arch(9, 6.0, 7.0, 10.0, 2e-5)):

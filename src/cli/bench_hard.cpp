@@ -14,6 +14,7 @@ void add_hard_flags(CLI::App& sub, HardFlags& flags) {
   sub.add_flag("--full", flags.full, "hard: whole lengths, variants with both contact methods")->excludes(quick);
   sub.add_option("--only", flags.only, "hard: only these cases (H11, or the beginning of a scene's name)")->delimiter(',');
   sub.add_option("--out", flags.output, "hard, fuzz: folder of the runs (default out/hard, out/fuzz)");
+  sub.add_option("--expect", flags.expect, "hard: exit code 0 when no row is worse than in this file (one written by --result) and none is unsafe");
   sub.add_option("--seeds", flags.seeds, "fuzz: how many")->capture_default_str();
   sub.add_option("--first", flags.first_seed, "fuzz: the first seed")->capture_default_str();
 }
@@ -46,7 +47,11 @@ int bench_hard(const HardFlags& flags, const std::string& scenes, const std::str
   o.time_limit = flags.full ? 3600 : 30;
   if (!json) std::cout << study::hard_header() << std::flush;
   const auto rows = study::run_hard(o, [&](const study::HardRow& row) { std::cout << (json ? study::hard_json(row) + "\n" : study::hard_line(row)) << std::flush; });
-  return finish("hard", rows, result, json);
+  const int code = finish("hard", rows, result, json);
+  if (flags.expect.empty()) return code;
+  const std::vector<std::string> worse = study::regressions(rows, flags.expect, flags.only.empty());
+  for (const std::string& line : worse) std::cerr << "worse: " << line << "\n";
+  return static_cast<int>(worse.empty() ? Exit::done : Exit::solve);
 }
 
 int bench_fuzz(const HardFlags& flags, const std::string& result, int threads, bool json) {

@@ -11,6 +11,7 @@ struct HardFlags {
   bool quick = false, full = false;
   std::vector<std::string> only;
   std::string output;
+  std::string expect;  // a committed result
   unsigned long seeds = 100, first_seed = 1;
 };
 void add_hard_flags(CLI::App& sub, HardFlags& flags);

@@ -1,7 +1,7 @@
 // One build of the engine: compiled by g++ into the program, by nvcc into the CUDA module.
 #include "engine/build.h"
 
-
+#include "effects/contact/start_check.h"
 #include "effects/list.h"
 #include "model/model.h"
 #include "solver/simulation.h"
@@ -14,6 +14,8 @@ Outcome guarded(const std::function<void()>& work) {
     work();
   } catch (const solver::Stopped&) {
     return {static_cast<int>(Exit::stopped), "stopped", false};
+  } catch (const effects::contact::StartError& e) {
+    return {static_cast<int>(e.code()), e.what(), e.located(), e.obj()};
   } catch (const Error& e) {
     return {static_cast<int>(e.code()), e.what(), e.located()};
   } catch (const std::bad_alloc&) {

@@ -19,6 +19,7 @@ struct Outcome {
   int code = 0;  // Exit
   std::string message;
   bool located = false;
+  std::string picture{};  // of bodies that touch at the start: a Wavefront .obj file
 };
 
 struct PlanItem {
@@ -50,7 +51,7 @@ struct Api {
   void (*set_threads)(int);
   Outcome (*create)(const model::ModelInput&, std::unique_ptr<Engine>& out);
 };
-inline constexpr int kApiVersion = 1;
+inline constexpr int kApiVersion = 2;
 
 const Api& cpu_api();
 // The CUDA module's; nullptr where it was not built or does not load, with the reason.

@@ -27,6 +27,7 @@ class Certificate::Watch : public PassOn {
   using PassOn::PassOn;
   void points(std::string_view name, std::string_view unit, int components, std::span<const double> values) override {
     PassOn::points(name, unit, components, values);
+    if (name == "support_force") support_forces = sum_of_sizes({values.begin(), values.end()});
     for (double v : values) check(v, name);
   }
   // Cells are not looked at: NaN by design on stiff bodies.
@@ -52,6 +53,7 @@ class Certificate::Watch : public PassOn {
 
   std::map<std::string, double> scalars;
   std::map<std::string, std::vector<double>> gap, force;
+  double support_forces = 0;  // [N]
   long not_finite = 0;
   std::string first_not_finite;
 };
@@ -80,9 +82,9 @@ FieldSink* Certificate::watch(FieldSink* next) {
 void Certificate::take(const Watch& seen) {
   not_finite_ += seen.not_finite;
   if (first_not_finite_.empty()) first_not_finite_ = seen.first_not_finite;
-  double energy = 0, defect = 0;
+  double energy = 0;
   double unsupported = NAN;  // load of a held body that its supports do not bear [N]
-  bool any_energy = false, any_defect = false;
+  bool any_energy = false;
   for (const auto& [name, v] : seen.scalars) {
     const std::string leaf = name.substr(name.find('/') + 1);
     if (leaf == "min_distance") distance_.add(v);
@@ -92,17 +94,13 @@ void Certificate::take(const Watch& seen) {
     if (starts_with(name, "supports/") && leaf.ends_with("_defect")) largest(unsupported, v);
     if (leaf == "energy" || leaf == "kinetic_energy") energy += v, any_energy = true;
     if (starts_with(leaf, "force_share_")) kind_share_[leaf.substr(12)] = v;
-    if (!starts_with(name, "balance/") || leaf.size() < 2 || leaf.back() != 'x') continue;
-    const std::string stem = name.substr(0, name.size() - 1);
-    if (leaf == "defect_x") defect = std::hypot(v, seen.at(stem + "y"), seen.at(stem + "z")), any_defect = true;
   }
-  if (any_defect) {
-    largest(balance_newton_, defect);
-    largest(unsupported_newton_, unsupported);
-    if (const double scale = seen.at("balance/largest"); scale > 0) {
-      largest(balance_relative_, defect / scale);
-      largest(unsupported_relative_, unsupported / scale);
-    }
+  const ForceBalance balance = force_balance(seen.scalars, seen.support_forces);
+  largest(balance_newton_, balance.defect);
+  largest(unsupported_newton_, unsupported);
+  if (balance.scale > 0) {
+    largest(balance_relative_, balance.defect / balance.scale);
+    largest(unsupported_relative_, unsupported / balance.scale);
   }
   if (any_energy) {
     if (std::isnan(first_energy_))
@@ -213,6 +211,9 @@ std::string Certificate::json(const End& end) const {
                      {"energy_first_J", number(c.first_energy_)},
                      {"energy_last_J", number(c.last_energy_)},
                      {"energy_largest_rise_J", number(c.largest_rise_)},
+                     {"support_work_J", end.energy.work_is_known ? number(end.energy.support_work) : Json(nullptr)},
+                     {"energy_gain_largest_J", number(end.energy.largest_gain)},
+                     {"energy_gain_relative", end.energy.scale > 0 ? number(end.energy.largest_gain / end.energy.scale) : Json(nullptr)},
                      {"momentum_change_kg_m_per_s", drift}};
   j["solver"] = {{"steps", c.steps_},
                  {"first_step", c.first_step_},

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/field_sink.h"
 #include "base/params.h"
+#include "run/state_audit.h"
 #include "solver/report.h"
 
 namespace mortise::run {
@@ -28,6 +29,7 @@ class Certificate {
     std::string scene_name, scene_sha256, device;
     Exit status = Exit::done;
     std::string message;  // of the error, empty without one
+    EnergyAudit::Result energy{};
   };
   std::string json(const End& end) const;
 
@@ -55,7 +57,7 @@ class Certificate {
   std::map<std::string, double> kind_share_;  // share of force by kind of sample, last state
   long not_finite_ = 0;
   std::string first_not_finite_;
-  // Sum of all forces, and what the supports of a body leave of its load; relative to the largest force of one effect on one body
+  // Sum of all forces, and what the supports of a body leave of its load; relative to the scale of force_balance()
   double balance_newton_ = NAN, balance_relative_ = NAN, unsupported_newton_ = NAN, unsupported_relative_ = NAN;
   double first_energy_ = NAN, last_energy_ = NAN, largest_rise_ = NAN;
   double first_momentum_[3] = {NAN, NAN, NAN}, last_momentum_[3] = {NAN, NAN, NAN};

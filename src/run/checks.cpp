@@ -6,22 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "base/pass_on.h"
-#include "geometry/topology.h"
 
 namespace mortise::run {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Fields = std::map<std::string, std::vector<double>>;
-
-Vec3 at(const std::vector<double>& v, std::size_t i) { return {v[3 * i], v[3 * i + 1], v[3 * i + 2]}; }
-
-// A point field of the state, or null where no effect reported it.
-const std::vector<double>* field(const Fields& fields, const char* name) {
-  const auto it = fields.find(name);
-  return it == fields.end() || it->second.empty() ? nullptr : &it->second;
-}
-
 const char* outcome_of(Exit status) {
   if (status == Exit::done) return "done";
   if (status == Exit::scene) return "scene_error";
@@ -30,96 +19,6 @@ const char* outcome_of(Exit status) {
 }
 
 }  // namespace
-
-// Mass and mesh of a body, and where its points are among all points.
-struct Checks::Body {
-  std::string name;
-  std::size_t first = 0, count = 0;
-  std::vector<Tet> tets;            // soft
-  std::vector<Triangle> triangles;  // stiff
-  std::vector<double> mass;         // of the points, lumped (soft)
-  double density = 0, volume = 0;   // at rest
-
-  double volume_at(const std::vector<double>& points) const {
-    if (tets.empty()) return geometry::mass_properties(surface(points)).volume;
-    double sum = 0;
-    for (const Tet& t : tets) {
-      const Vec3 x = at(points, first + t.v[0]);
-      sum += (at(points, first + t.v[1]) - x).cross(at(points, first + t.v[2]) - x).dot(at(points, first + t.v[3]) - x) / 6;
-    }
-    return sum;
-  }
-  // Weighted mean of a field of vectors that is affine on stiff bodies: the value at the centre of mass.
-  Vec3 mean(const std::vector<double>& values, const std::vector<double>& points) const {
-    Vec3 sum = Vec3::Zero();
-    if (!tets.empty()) {
-      double total = 0;
-      for (std::size_t i = 0; i < count; ++i) sum += mass[i] * at(values, first + i), total += mass[i];
-      return sum / total;
-    }
-    // The affine map from points to values, at the centroid.
-    const Vec3 centre = geometry::mass_properties(surface(points)).centroid;
-    Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-    Eigen::Matrix<double, 4, 3> right = Eigen::Matrix<double, 4, 3>::Zero();
-    for (std::size_t i = 0; i < count; ++i) {
-      Eigen::Vector4d row;
-      row << 1, at(points, first + i) - centre;
-      normal += row * row.transpose();
-      right += row * at(values, first + i).transpose();
-    }
-    return normal.ldlt().solve(right).row(0).transpose();
-  }
-  Vec3 sum(const std::vector<double>& values) const {
-    Vec3 s = Vec3::Zero();
-    for (std::size_t i = 0; i < count; ++i) s += at(values, first + i);
-    return s;
-  }
-  // Angular velocity of the rigid motion nearest to the points' velocities (least squares, all points alike).
-  Vec3 spin(const std::vector<double>& velocity, const std::vector<double>& points) const {
-    const Vec3 x = sum(points) / static_cast<double>(count), v = sum(velocity) / static_cast<double>(count);
-    Mat3 inertia = Mat3::Zero();
-    Vec3 momentum = Vec3::Zero();
-    for (std::size_t i = 0; i < count; ++i) {
-      const Vec3 r = at(points, first + i) - x;
-      inertia += r.squaredNorm() * Mat3::Identity() - r * r.transpose();
-      momentum += r.cross(at(velocity, first + i) - v);
-    }
-    return inertia.ldlt().solve(momentum);
-  }
-
-  // Kinetic energy (stiff) about the mean of the points, where the velocity, being linear in space, is the mean of theirs: the body
-  // is cut into tetrahedra from there.
-  double turning_energy(const std::vector<double>& velocity, const std::vector<double>& points) const {
-    const Vec3 x = sum(points) / static_cast<double>(count), v = sum(velocity) / static_cast<double>(count);
-    double twice = 0;
-    for (const Triangle& t : triangles) {
-      Vec3 r[3], total = Vec3::Zero();
-      double squares = 0;
-      for (int k = 0; k < 3; ++k) {
-        r[k] = at(points, first + t.v[k]) - x;
-        const Vec3 w = at(velocity, first + t.v[k]) - v;
-        total += w, squares += w.squaredNorm();
-      }
-      twice += density * r[0].cross(r[1]).dot(r[2]) / 6 / 20 * (squares + total.squaredNorm());
-    }
-    return 0.5 * twice;
-  }
-
- private:
-  geometry::TriMesh surface(const std::vector<double>& points) const {
-    geometry::TriMesh mesh;
-    for (std::size_t i = 0; i < count; ++i) mesh.points.push_back(at(points, first + i));
-    mesh.triangles = triangles;
-    return mesh;
-  }
-};
-
-struct Checks::State {
-  Fields fields;
-  std::map<std::string, double> scalars;
-  std::vector<double> points;
-  double energy = NAN;
-};
 
 class Checks::Watch : public PassOn {
  public:
@@ -132,10 +31,10 @@ class Checks::Watch : public PassOn {
     PassOn::scalar(group, name, unit, value);
     seen.scalars[std::string(group) + "/" + std::string(name)] = value;
   }
-  State seen;
+  StateReport seen;
 };
 
-Checks::Checks(const model::ModelInput& input) {
+Checks::Checks(const model::ModelInput& input) : energy_(input) {
   if (const Params* list = input.scene.find("checks"))
     for (const Params& p : list->items()) {
       Criterion c;
@@ -146,27 +45,17 @@ Checks::Checks(const model::ModelInput& input) {
       if (const Params* axis = p.find("axis")) c.axis = axis->as_text() == "size" ? 3 : axis->as_text()[0] - 'x';
       criteria_.push_back(std::move(c));
     }
-  if (criteria_.empty()) return;
   force_tolerance_ = input.scene.at("solver").number("force_tolerance");
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
-    Body body;
-    body.name = b.name, body.first = start_.size() / 3, body.count = b.nodes.size();
-    body.tets = b.tets, body.triangles = b.triangles;
-    body.density = b.material.number("density");
+    bodies_.emplace_back(b, start_.size() / 3);
     for (const Vec3& x : b.nodes) start_.insert(start_.end(), x.data(), x.data() + 3);
-    body.mass.assign(body.count, 0.0);
-    for (const Tet& t : body.tets)
-      for (Index v : t.v) body.mass[v] += body.density * geometry::tet_volume(b.nodes, t) / 4;
-    body.volume = body.volume_at(start_);
-    bodies_.push_back(std::move(body));
   }
 }
 
 Checks::~Checks() = default;
 
 FieldSink* Checks::watch(FieldSink* next) {
-  if (empty()) return next;
   watch_ = std::make_unique<Watch>(next);
   return watch_.get();
 }
@@ -194,46 +83,42 @@ void Checks::take(const std::string& quantity, const std::string& body, const Ve
     if (c.quantity == quantity && c.body == body) c.take(c.axis == 3 ? v.norm() : v[c.axis]);
 }
 
-void Checks::state(const std::vector<double>& points) {
-  if (empty() || !watch_) return;
-  State now = std::move(watch_->seen);
+const EnergyAudit::Result& Checks::state(const std::vector<double>& points) {
+  if (!watch_) return energy_.result();
+  StateReport now = std::move(watch_->seen);
   watch_.reset();
   now.points = points;
+  const EnergyAudit::Result& energy = energy_.state(now);
+  if (empty()) return energy;
   double distance = INFINITY;
   for (const auto& [name, v] : now.scalars)
     if (name.ends_with("/min_distance")) distance = std::isnan(v) ? v : std::min(distance, v);
   if (std::isfinite(distance)) take("min_distance", distance);
-  const auto scalar = [&](const char* name) {
-    const auto it = now.scalars.find(name);
-    return it == now.scalars.end() ? NAN : it->second;
-  };
-  if (now.scalars.count("elasticity/det_F_min")) take("min_det_f", scalar("elasticity/det_F_min"));
-  if (now.scalars.count("mortar_contact/clip_partition_defect")) take("clip_defect", scalar("mortar_contact/clip_partition_defect"));
-  if (now.scalars.count("inertia/kinetic_energy")) take("kinetic_energy", scalar("inertia/kinetic_energy"));
+  if (now.scalars.count("elasticity/det_F_min")) take("min_det_f", now.scalar("elasticity/det_F_min"));
+  if (now.scalars.count("mortar_contact/clip_partition_defect")) take("clip_defect", now.scalar("mortar_contact/clip_partition_defect"));
+  if (now.scalars.count("inertia/kinetic_energy")) take("kinetic_energy", now.scalar("inertia/kinetic_energy"));
+  if (now.scalars.count("inertia/angular_momentum_x")) take("angular_momentum", "", now.vector("inertia/angular_momentum_"));
   if (now.scalars.count("balance/defect_x")) {
-    double largest = 0;
-    for (const auto& [name, v] : now.scalars) {
-      // Forces inside of a closed system have no resultant; what each body is held with has one.
-      if ((!name.starts_with("balance/") && !name.starts_with("supports/")) || !name.ends_with("_x") || name == "balance/defect_x") continue;
-      const std::string stem = name.substr(0, name.size() - 1);
-      largest = std::max(largest, std::hypot(v, scalar((stem + "y").c_str()), scalar((stem + "z").c_str())));
-    }
-    const double defect = std::hypot(scalar("balance/defect_x"), scalar("balance/defect_y"), scalar("balance/defect_z"));
+    const auto* support = now.field("support_force");
+    const ForceBalance balance = force_balance(now.scalars, support ? sum_of_sizes(*support) : 0);
     // Of forces that are no larger than what a step may leave unbalanced there is no share.
-    take("force_balance", largest > 1e3 * force_tolerance_ ? defect / largest : 0);
+    take("force_balance", balance.scale > 1e3 * force_tolerance_ ? balance.defect / balance.scale : 0);
   }
-  if (now.scalars.count("inertia/momentum_x")) {
-    const Vec3 p(scalar("inertia/momentum_x"), scalar("inertia/momentum_y"), scalar("inertia/momentum_z"));
-    if (!before_) momentum_first_ = p;
-    double size = 0;
-    if (const auto* v = field(now.fields, "velocity"))
-      for (const Body& b : bodies_) size += b.density * b.volume * b.mean(*v, points).norm();
-    momentum_scale_ = std::max(momentum_scale_, size);
-    if (momentum_scale_ > 0) take("momentum_drift", (p - momentum_first_).norm() / momentum_scale_);
-  }
-  now.energy = energies(now);
-  for (const Body& b : bodies_) measure(b, now);
-  before_ = std::make_unique<State>(std::move(now));
+  momentum(now);
+  if (!std::isnan(energy.gain)) take("energy_gain", energy.gain);  // divided by the scale at the end
+  for (const MeasuredBody& b : bodies_) measure(b, now);
+  return energy;
+}
+
+void Checks::momentum(const StateReport& now) {
+  if (!now.scalars.count("inertia/momentum_x")) return;
+  const Vec3 p = now.vector("inertia/momentum_");
+  if (!momentum_first_) momentum_first_ = p;
+  double size = 0;
+  if (const auto* v = now.field("velocity"))
+    for (const MeasuredBody& b : bodies_) size += b.mass() * b.mean(*v, now.points).norm();
+  momentum_scale_ = std::max(momentum_scale_, size);
+  if (momentum_scale_ > 0) take("momentum_drift", (p - *momentum_first_).norm() / momentum_scale_);
 }
 
 void Checks::step(const solver::StepReport& r) {
@@ -243,69 +128,22 @@ void Checks::step(const solver::StepReport& r) {
   if (r.tolerance > 0) take("residual", r.residual / r.tolerance);
 }
 
-// Total energy. Gain of a step: the change of kinetic and stored energy less the work of the supports.
-double Checks::energies(const State& now) {
-  double total = 0, largest = scale_;
-  for (const auto& [name, v] : now.scalars) {
-    const std::string leaf = name.substr(name.find('/') + 1);
-    if (leaf != "energy" && leaf != "kinetic_energy") continue;
-    total += v;
-    if (name != "gravity/energy") {  // which is arbitrary up to a constant
-      largest = std::max(largest, v);
-      continue;
-    }
-    if (std::isnan(gravity_first_)) gravity_first_ = v;
-    largest = std::max(largest, std::abs(v - gravity_first_));
-  }
-  // What a pinned body turns with is the doing of its pins, whose moment is not reported.
-  if (const auto* v = field(now.fields, "velocity"))
-    for (const Body& b : bodies_)
-      if (b.tets.empty() && now.scalars.count("supports/" + b.name + "_x")) total -= b.turning_energy(*v, now.points);
-  scale_ = largest;
-  if (!before_ || !wants("energy_gain", "")) return total;
-  const double work = support_work(now);
-  work_ += work;
-  scale_ = std::max(scale_, std::abs(work_));
-  take("energy_gain", total - before_->energy - work);  // divided by the scale at the end
-  return total;
-}
-
-double Checks::support_work(const State& now) const {
-  double work = 0;
-  const auto moved = [&](std::size_t i) { return Vec3(at(now.points, i) - at(before_->points, i)); };
-  if (const auto* f = field(now.fields, "support_force"))
-    for (std::size_t i = 0; i < f->size() / 3; ++i) work += at(*f, i).dot(moved(i));
-  // A pinned stiff body: its resultant on the way of its centre, and against the contact on what it turns.
-  const auto *contact = field(now.fields, "contact_force"), *friction = field(now.fields, "friction_force");
-  for (const Body& b : bodies_) {
-    const auto x = now.scalars.find("supports/" + b.name + "_x");
-    if (!b.tets.empty() || x == now.scalars.end()) continue;
-    const Vec3 force(x->second, now.scalars.at("supports/" + b.name + "_y"), now.scalars.at("supports/" + b.name + "_z"));
-    const Vec3 way = b.mean(now.points, now.points) - b.mean(before_->points, before_->points);
-    work += force.dot(way);
-    for (std::size_t i = b.first; i < b.first + b.count; ++i)
-      for (const auto* f : {contact, friction})
-        if (f) work -= at(*f, i).dot(moved(i) - way);
-  }
-  return work;
-}
-
-void Checks::measure(const Body& b, const State& now) {
+void Checks::measure(const MeasuredBody& b, const StateReport& now) {
   const std::vector<double>& x = now.points;
-  if (wants("volume_change", b.name)) take("volume_change", b.name, b.volume_at(x) / b.volume - 1);
+  if (wants("volume_change", b.name)) take("volume_change", b.name, b.volume_at(x) / b.rest_volume() - 1);
   if (wants("movement", b.name)) {
     double most = 0;
-    for (std::size_t i = b.first; i < b.first + b.count; ++i) most = std::max(most, (at(x, i) - at(start_, i)).norm());
+    for (std::size_t i = b.first; i < b.first + b.count; ++i) most = std::max(most, (vector_at(x, i) - vector_at(start_, i)).norm());
     take("movement", b.name, most);
   }
   if (wants("position", b.name)) take("position", b.name, b.mean(x, x));
   if (wants("displacement", b.name)) take("displacement", b.name, Vec3(b.mean(x, x) - b.mean(start_, start_)));
   if (wants("lowest", b.name) || wants("highest", b.name)) {
     Vec3 lo = Vec3::Constant(INFINITY), hi = -lo;
-    for (std::size_t i = b.first; i < b.first + b.count; ++i) lo = lo.cwiseMin(at(x, i)), hi = hi.cwiseMax(at(x, i));
+    for (std::size_t i = b.first; i < b.first + b.count; ++i) lo = lo.cwiseMin(vector_at(x, i)), hi = hi.cwiseMax(vector_at(x, i));
     take("lowest", b.name, lo), take("highest", b.name, hi);
   }
-  if (const auto* v = field(now.fields, "velocity")) {
+  if (const auto* v = now.field("velocity")) {
     if (wants("velocity", b.name)) take("velocity", b.name, b.mean(*v, x));
     if (wants("spin", b.name)) take("spin", b.name, b.spin(*v, x));
   }
@@ -338,7 +176,7 @@ double Checks::value(const Criterion& c) const {
     else
       v = above ? c.least : c.most;
   }
-  return c.quantity == "energy_gain" && scale_ > 0 ? v / scale_ : v;
+  return c.quantity == "energy_gain" && energy_.result().scale > 0 ? v / energy_.result().scale : v;
 }
 
 Checks::Verdict Checks::judge(const Criterion& c, Exit status, const std::string& message) const {

@@ -1,6 +1,7 @@
 #pragma once
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,8 @@
 #include "base/field_sink.h"
 #include "base/params.h"
 #include "model/input.h"
+#include "run/measured_body.h"
+#include "run/state_audit.h"
 #include "solver/report.h"
 
 namespace mortise::run {
@@ -22,8 +25,9 @@ class Checks {
   bool empty() const { return criteria_.empty(); }
   // A sink for the report of one state: takes note and passes on to `next` (may be null). Valid until the next call.
   FieldSink* watch(FieldSink* next);
-  // The state reported last is complete; points: 3 per point [m].
-  void state(const std::vector<double>& points);
+  // The state reported last is complete; points: 3 per point [m]. Its energies, also without any criterion.
+  const EnergyAudit::Result& state(const std::vector<double>& points);
+  const EnergyAudit::Result& energy() const { return energy_.result(); }
   void step(const solver::StepReport& report);
 
   struct Verdict {
@@ -38,8 +42,6 @@ class Checks {
   static std::string add_to(const std::string& certificate, const std::vector<Verdict>& verdicts);
 
  private:
-  struct Body;
-  struct State;
   class Watch;
   // One entry of the list with what was measured for it.
   struct Criterion {
@@ -55,20 +57,18 @@ class Checks {
   void take(const std::string& quantity, const std::string& body, double v);
   void take(const std::string& quantity, const std::string& body, const Vec3& v);
   bool wants(const std::string& quantity, const std::string& body) const;
-  void measure(const Body& body, const State& now);
-  double energies(const State& now);  // total [J]
-  double support_work(const State& now) const;
+  void measure(const MeasuredBody& body, const StateReport& now);
+  void momentum(const StateReport& now);
   double value(const Criterion& c) const;
   Verdict judge(const Criterion& c, Exit status, const std::string& message) const;
 
   std::vector<Criterion> criteria_;
-  std::vector<Body> bodies_;
+  std::vector<MeasuredBody> bodies_;
+  EnergyAudit energy_;
   std::unique_ptr<Watch> watch_;
-  std::unique_ptr<State> before_;
   std::vector<double> start_;  // points at rest
-  double scale_ = 0, gravity_first_ = NAN, work_ = 0;  // of energy_gain [J]
   double momentum_scale_ = 0, force_tolerance_ = 0;
-  Vec3 momentum_first_ = Vec3::Zero();
+  std::optional<Vec3> momentum_first_;
 };
 
 }  // namespace mortise::run

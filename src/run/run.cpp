@@ -45,7 +45,7 @@ void prepare_folder(const Options& o, const std::string& dir) {
   if (used && !o.overwrite && o.resume.empty())
     throw Error(Exit::usage, "'" + dir + "' is not empty; use --overwrite to replace its results, --resume to continue, or another -o");
   if (used && o.overwrite)
-    for (const char* ours : {"fields.vtkhdf", "fields.xdmf", "run.json", "certificate.json", "checkpoint.h5", "checkpoint.prev.h5", "frames"}) fs::remove_all(fs::path(dir) / ours, ec);
+    for (const char* ours : {"fields.vtkhdf", "fields.xdmf", "run.json", "certificate.json", "checkpoint.h5", "checkpoint.prev.h5", "touching.obj", "frames"}) fs::remove_all(fs::path(dir) / ours, ec);
   fs::create_directories(dir, ec);
   if (ec) throw Error(Exit::file, "cannot create '" + dir + "': " + ec.message());
 }
@@ -138,6 +138,11 @@ class Run {
         const std::string replay = fmt::format("mortise run {} -o {} --resume --frames {}", o_.scene, dir_, (engine_->steps_done() + frame_every_) / frame_every_);
         throw Error(Exit::solve, outcome.message + "\n  the last good state is in " + dir_ + "/checkpoint.h5; this replays the moment:\n    " + replay + overrides_text());
       }
+      if (!outcome.picture.empty()) {
+        const std::string picture = dir_ + "/touching.obj";
+        output::write_file_atomically(picture, outcome.picture, true);
+        throw Error(static_cast<Exit>(outcome.code), outcome.message + "\n  where they touch is drawn in " + picture);
+      }
       check(outcome);
       after_step(report);
     }
@@ -186,7 +191,7 @@ class Run {
   void capture() {
     Tee tee(checks_->watch(certificate_->watch(nullptr)));
     engine_->report(tee);
-    if (!checks_->empty()) checks_->state(engine_->points());
+    checks_->state(engine_->points());
     contact_ = tee.contact();
   }
 
@@ -197,14 +202,22 @@ class Run {
     file_->begin_frame(engine_->time(), points);
     engine_->report(*sensors_->watch(&tee));
     sensors_->finish(points);
+    audit(checks_->state(points));
     file_->end_frame();
-    checks_->state(points);
     contact_ = tee.contact();
     const auto written = Time::now();
     record_.seconds["output"] += std::chrono::duration<double>(written - begin).count();
     if (pictures_) pictures_->draw(file_->frames() - 1, engine_->time(), points, tee.point_fields());
     if (sensor_maps_) sensor_maps_->draw(file_->frames() - 1, engine_->time());
     record_.seconds["pictures"] += std::chrono::duration<double>(Time::now() - written).count();
+  }
+
+  // Energies of the frame's state beside what effects report.
+  void audit(const EnergyAudit::Result& energy) {
+    file_->scalar("audit", "total_energy", "J", energy.total);
+    if (!energy.work_is_known) return;
+    file_->scalar("audit", "support_work", "J", energy.support_work);
+    file_->scalar("audit", "largest_energy_gain", "J", std::isnan(energy.largest_gain) ? 0 : energy.largest_gain);
   }
 
   // The field file first, so that a checkpoint never speaks of frames that are not there.
@@ -227,7 +240,7 @@ class Run {
     const double wall = std::chrono::duration<double>(Time::now() - begin_).count();
     const std::string device = engine_ ? record_.device.kind : "";
     const std::vector<Checks::Verdict> verdicts = checks_ ? checks_->verdicts(status, message) : std::vector<Checks::Verdict>{};
-    const std::string certificate = certificate_->json({scene_.root.text("name"), hash_, device, status, message});
+    const std::string certificate = certificate_->json({scene_.root.text("name"), hash_, device, status, message, checks_ ? checks_->energy() : EnergyAudit::Result{}});
     output::write_file_atomically(dir_ + "/certificate.json", Checks::add_to(certificate, verdicts), true);
     for (const Checks::Verdict& v : verdicts)
       if (!v.pass) progress_->note(fmt::format("check failed: {}; it is {}", v.text, v.found.empty() ? fmt::format("{:.6g}", v.value) : v.found));

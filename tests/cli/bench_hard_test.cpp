@@ -21,7 +21,7 @@ std::vector<nlohmann::json> rows(const Result& r) {
 
 TEST(BenchHard, RowsTellWhatTheRunDid) {
   const std::string dir = (fs::temp_directory_path() / ("mortise_hard_" + std::to_string(getpid()))).string();
-  const Result r = mortise("bench hard --only H02,h68 --json --out " + dir);
+  const Result r = mortise("bench hard --only H02,h68 --json --out " + dir + " --result " + dir + ".json");
   const auto all = rows(r);
   ASSERT_EQ(all.size(), 7u) << r.out << r.err;  // two methods each, three variants of H68
   for (const auto& row : all) {
@@ -32,6 +32,26 @@ TEST(BenchHard, RowsTellWhatTheRunDid) {
   EXPECT_EQ(all[0]["steps"], 50);
   EXPECT_TRUE(all[0]["judged"]);
   EXPECT_LT(all[0]["energy_gain"], 1e-6);
+  EXPECT_EQ(r.code, 0);
+  EXPECT_EQ(mortise("bench hard --only H02 --json --out " + dir + " --expect " + dir + ".json").code, 0);
+  // Where two bodies touch is drawn: a vertex's triangles of the one, and the triangle of the other.
+  const std::string drawn = read_text(dir + "/h68_initial_touch-barrier/touching.obj");
+  EXPECT_NE(drawn.find("o lower\nv "), std::string::npos) << drawn;
+  EXPECT_NE(drawn.find("o upper\nv "), std::string::npos) << drawn;
+  EXPECT_NE(drawn.find("\nf 1 2 3\n"), std::string::npos) << drawn;
+  fs::remove_all(dir);
+  fs::remove(dir + ".json");
+}
+
+// A criterion that the method does not claim to hold is a figure, not a failure.
+TEST(BenchHard, ReportsWhatTheMethodDoesNotClaim) {
+  const std::string dir = (fs::temp_directory_path() / ("mortise_hard_reported_" + std::to_string(getpid()))).string();
+  const Result r = mortise("bench hard --only h58 --json --out " + dir);
+  const auto all = rows(r);
+  ASSERT_EQ(all.size(), 2u) << r.out << r.err;
+  EXPECT_EQ(all[0]["verdict"], "reported");
+  EXPECT_NE(all[0]["reported"].get<std::string>().find("velocity of cube (x), end near 1"), std::string::npos) << all[0];
+  EXPECT_EQ(all[1]["verdict"], "pass");
   EXPECT_EQ(r.code, 0);
   fs::remove_all(dir);
 }
@@ -51,6 +71,12 @@ TEST(BenchHard, FailuresAreShown) {
   EXPECT_FALSE(all[0]["pass"]);
   EXPECT_NE(all[0]["reason"].get<std::string>().find("min_distance above 1"), std::string::npos) << all[0];
   EXPECT_EQ(r.code, 5);
+  // As a list of what is expected, these failures are no regression; that nothing of it was run is one.
+  std::ofstream(dir + "/expected.json") << nlohmann::json{{"rows", all}};
+  EXPECT_EQ(mortise("bench hard --data " + dir + " --json --out " + dir + "/out --expect " + dir + "/expected.json").code, 0);
+  const Result other = mortise("bench hard --only H02 --json --out " + dir + "/out --expect " + kSource + "/benchmarks/hard/result.json --data " + dir);
+  EXPECT_EQ(other.code, 5);
+  EXPECT_NE(other.err.find("worse: h02_face_point barrier: passed before: min_distance above 1"), std::string::npos) << other.err;
   EXPECT_EQ(mortise("bench hard --only nothing").code, 2);
   fs::remove_all(dir);
 }

@@ -82,6 +82,30 @@ TEST(Certificate, GradesSupportsAndSumsOfPressure) {
   EXPECT_EQ(with(0, 1e-3)["grade"], "C");
 }
 
+TEST(Certificate, BalanceOfAClosedSystemIsAShareOfWhatSupportsBear) {
+  Certificate c(scene());
+  FieldSink& sink = *c.watch(nullptr);
+  report(sink, 1e-6);  // on a largest force of 10 N
+  sink.points("support_force", "N", 3, std::vector<double>{0, 0, 500, 0, 0, -500});
+  c.step(good());
+  EXPECT_DOUBLE_EQ(nlohmann::json::parse(c.json({"s", "abc", "cpu", Exit::done, ""}))["invariants"]["force_balance_defect_relative"], 1e-9);
+}
+
+TEST(Certificate, TellsTheEnergyThatWasGained) {
+  Certificate c(scene());
+  report(*c.watch(nullptr), 0);
+  c.step(good());
+  run::EnergyAudit::Result energy;
+  energy.support_work = 2, energy.largest_gain = 0.5, energy.scale = 10;
+  auto known = nlohmann::json::parse(c.json({"s", "abc", "cpu", Exit::done, "", energy}))["invariants"];
+  EXPECT_DOUBLE_EQ(known["support_work_J"], 2);
+  EXPECT_DOUBLE_EQ(known["energy_gain_relative"], 0.05);
+  energy.work_is_known = false, energy.largest_gain = NAN;
+  auto unknown = nlohmann::json::parse(c.json({"s", "abc", "cpu", Exit::done, "", energy}))["invariants"];
+  EXPECT_TRUE(unknown["support_work_J"].is_null());
+  EXPECT_TRUE(unknown["energy_gain_relative"].is_null());
+}
+
 TEST(Certificate, RunsThatDidNotEndAreNeverGood) {
   EXPECT_EQ(certificate(0, Exit::solve)["grade"], "C");
   EXPECT_EQ(certificate(0, Exit::stopped)["grade"], "C");

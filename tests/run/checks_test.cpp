@@ -113,6 +113,49 @@ TEST(Checks, EnergyGainCountsTheWorkOfSupports) {
   EXPECT_NEAR(verdict("{quantity: energy_gain, below: 1e-9}", moved, kStay, report(2)).value, 0.25, 1e-12);
 }
 
+// The energies of a frame are known without any criterion; dead loads do work that nobody counts.
+TEST(Checks, EnergiesAreKnownWithoutCriteria) {
+  const auto after_two_states = [](const std::string& more) {
+    const model::ModelInput input = engine::make_input(scene::read_scene_text(R"(
+mortise: 1
+time: {step: 0.1 s, steps: 2}
+materials: {gel: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1000}}
+bodies: {cube: {type: soft, shape: {box: {size: [1, 1, 1], edge_length: 1}}, material: gel}}
+effects: {inertia: {}, elasticity: {}, pin: [{body: cube, where: {side: z_max}}])" + more + "}\n", "test.yaml", {}, engine::effect_tables()).root);
+    Checks checks(input);
+    for (int k = 0; k < 2; ++k) {
+      FieldSink& sink = *checks.watch(nullptr);
+      std::vector<double> force(3 * input.bodies[0].nodes.size(), 0.0);
+      force[0] = 3;
+      sink.points("support_force", "N", 3, force);
+      sink.scalar("elasticity", "energy", "J", k ? 5 : 0);
+      checks.state(points(input, [&](const Vec3& x) { return Vec3(x + k * Vec3(0.5, 0, 0)); }));
+    }
+    return checks.energy();
+  };
+  const run::EnergyAudit::Result plain = after_two_states("");
+  EXPECT_DOUBLE_EQ(plain.total, 5);
+  EXPECT_DOUBLE_EQ(plain.support_work, 1.5);
+  EXPECT_DOUBLE_EQ(plain.largest_gain, 3.5);
+  EXPECT_DOUBLE_EQ(plain.scale, 5);
+  const run::EnergyAudit::Result loaded = after_two_states(", pressure_load: [{body: cube, where: {side: z_min}, pressure: {time: [0, 1], value: [0, 1]}}]");
+  EXPECT_DOUBLE_EQ(loaded.total, 5);
+  EXPECT_TRUE(std::isnan(loaded.largest_gain));
+}
+
+// Inside of one body forces have no resultant; what its points are held with is what a defect is measured against.
+TEST(Checks, BalanceIsAShareOfTheForcesThatSupportsBear) {
+  const auto share = [](double held) {
+    return verdict("{quantity: force_balance, below: 1e-6}", kStay, kStay, [&](FieldSink& sink, int) {
+             sink.points("support_force", "N", 3, std::vector<double>{held, 0, 0, -held, 0, 0});
+             sink.scalar("balance", "largest", "N", 1e-3);
+             for (const char* name : {"defect_x", "defect_y", "defect_z"}) sink.scalar("balance", name, "N", name[7] == 'x' ? 1e-3 : 0);
+           }).value;
+  };
+  EXPECT_DOUBLE_EQ(share(0), 1);
+  EXPECT_DOUBLE_EQ(share(5000), 1e-7);
+}
+
 TEST(Checks, WhatIsNotANumberFails) {
   const auto nan = [](FieldSink& sink, int k) { sink.scalar("elasticity", "det_F_min", "1", k ? 1 : NAN); };
   EXPECT_FALSE(verdict("{quantity: min_det_f, above: 0}", kStay, kStay, nan).pass);

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "base/error.h"
 #include "engine/effect_tables.h"
 #include "scene/scene.h"
 
@@ -44,6 +45,43 @@ TEST(Hard, VariantsChangeWhatTheyName) {
   EXPECT_DOUBLE_EQ(read(cases[2].text).root.at("effects").at("friction").number("mu"), 0.49);
   EXPECT_EQ(hard_cases(std::string(MORTISE_SOURCE_DIR) + "/scenes/hard/h48_incline.yaml", true).size(), 6u);
   EXPECT_TRUE(hard_cases(std::string(MORTISE_SOURCE_DIR) + "/scenes/hard/h67_pinch.yaml", false)[0].expects_failure);
+}
+
+TEST(Hard, WhatAMethodDoesNotClaimIsReported) {
+  const auto cases = hard_cases(std::string(MORTISE_SOURCE_DIR) + "/scenes/hard/h58_free_slide.yaml", false);
+  EXPECT_EQ(cases[0].reported, std::vector<std::string>{"velocity"});  // barrier
+  EXPECT_TRUE(cases[1].reported.empty());
+}
+
+HardRow row(const std::string& name, const std::string& reason) {
+  HardRow r;
+  r.name = name, r.method = "barrier", r.reason = reason, r.pass = reason.empty();
+  return r;
+}
+
+// Against a committed result: what passed must pass, what failed may fail in the same way and by no more than twice the figure.
+TEST(Hard, RegressionsAreTold) {
+  const std::string file = (fs::temp_directory_path() / ("mortise_expect_" + std::to_string(getpid()) + ".json")).string();
+  std::ofstream(file) << R"({"rows": [{"case": "a", "method": "barrier", "variant": "", "pass": true, "reason": ""},
+    {"case": "b", "method": "barrier", "variant": "", "pass": false, "reason": "energy_gain below 1e-06: 0.01"},
+    {"case": "c", "method": "barrier", "variant": "", "pass": false, "reason": "not done after 30 s"}]})";
+  const auto worse = [&](const HardRow& r) { return regressions({r}, file, false).size(); };
+  EXPECT_EQ(worse(row("a", "")), 0u);
+  EXPECT_EQ(worse(row("a", "energy_gain below 1e-06: 0.001")), 1u);
+  EXPECT_EQ(worse(row("b", "")), 0u);  // better
+  EXPECT_EQ(worse(row("b", "energy_gain below 1e-06: 0.019")), 0u);
+  EXPECT_EQ(worse(row("b", "energy_gain below 1e-06: 0.021")), 1u);
+  EXPECT_EQ(worse(row("b", "energy_gain below 1e-06: not measured")), 1u);
+  EXPECT_EQ(worse(row("b", "min_det_f above 1e-06: -0.001")), 1u);
+  EXPECT_EQ(worse(row("c", "exit code 5: step 3 failed: Newton stopped")), 0u);
+  EXPECT_EQ(worse(row("c", "ended by signal 11")), 1u);
+  EXPECT_EQ(worse(row("d", "")), 1u);  // unknown
+  HardRow touching = row("b", "energy_gain below 1e-06: 0.01");
+  touching.unsafe = "judge: triangle 1 of a meets triangle 2 of b (frame 3)";
+  EXPECT_EQ(worse(touching), 1u);
+  EXPECT_EQ(regressions({row("a", "")}, file, true).size(), 2u);  // two were not run
+  EXPECT_THROW(regressions({}, "/nowhere.json", false), Error);
+  fs::remove(file);
 }
 
 TEST(Hard, ProgramsThatHangOrCrashAreToldApart) {

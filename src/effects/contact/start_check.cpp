@@ -1,8 +1,9 @@
 #include "effects/contact/start_check.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 
-#include "base/error.h"
 #include "geometry/collide/bvh.h"
 
 namespace mortise::effects::contact {
@@ -101,8 +102,38 @@ struct Names {
   }
 };
 
-[[noreturn]] void fail(const SourceLoc& at, const std::string& what) {
-  throw Error(Exit::scene, at, "bodies must start apart: " + what + " (leave a gap; contact begins at d_hat)");
+// Triangles of a pair of primitives: those that hold all of `first` (a vertex, or the two ends of an edge), and likewise of `second`; a
+// half-space has none.
+struct Pair {
+  std::vector<Index> first, second;
+};
+
+std::string obj_of(const Names& names, const std::vector<Index>& points, const std::vector<Vec3>& y, std::size_t& written) {
+  if (points.empty()) return "";
+  const model::Body& body = names.body_of(points[0]);
+  std::string vertices, faces;
+  for (Index t = body.triangle_begin; t < body.triangle_end; ++t) {
+    const Triangle tri = fetch(names.s.surface.triangles, t);
+    const bool holds = std::all_of(points.begin(), points.end(), [&](Index p) { return has(tri, p); });
+    if (!holds) continue;
+    faces += "f";
+    for (Index v : tri.v) {
+      char line[100];
+      std::snprintf(line, sizeof line, "v %.17g %.17g %.17g\n", y[v][0], y[v][1], y[v][2]);
+      vertices += line, faces += " " + std::to_string(++written);
+    }
+    faces += "\n";
+  }
+  return "o " + body.name + "\n" + vertices + faces;
+}
+
+[[noreturn]] void fail(const Names& names, View<const Vec3> y, const Pair& pair, const std::string& what) {
+  std::vector<Vec3> points(y.n);
+  device::copy_out(points.data(), y.p, y.n * sizeof(Vec3));
+  std::size_t written = 0;
+  std::string obj = "# " + what + "\n" + obj_of(names, pair.first, points, written);
+  obj += obj_of(names, pair.second, points, written);
+  throw StartError(names.body_of(pair.first[0]).where, "bodies must start apart: " + what + " (leave a gap; contact begins at d_hat)", obj);
 }
 
 }  // namespace
@@ -111,22 +142,23 @@ void check_start(const model::Model& model, const Scene& s, const Candidates& c,
   const Names names{model, s};
   if (const Index i = below(s, y); i >= 0) {
     const Index point = fetch(s.surface.vertices, i % s.surface.vertices.n);
-    fail(names.body_of(point).where,
-         names.vertex(point) + " is on or below half-space '" + model.half_spaces[i / s.surface.vertices.n].name + "'");
+    fail(names, y, {{point}, {}}, names.vertex(point) + " is on or below half-space '" + model.half_spaces[i / s.surface.vertices.n].name + "'");
   }
   if (const Index i = touching(s, c.point_triangles(), y); i >= 0) {
     const PointTriangle p = fetch(c.point_triangles(), i);
-    fail(names.body_of(p.point).where, names.vertex(p.point) + " touches " + names.triangle(p.triangle));
+    const Triangle t = fetch(s.surface.triangles, p.triangle);
+    fail(names, y, {{p.point}, {t.v[0], t.v[1], t.v[2]}}, names.vertex(p.point) + " touches " + names.triangle(p.triangle));
   }
   if (const Index i = touching(s, c.edge_edges(), y); i >= 0) {
     const EdgeEdge p = fetch(c.edge_edges(), i);
-    fail(names.body_of(p.v[0]).where, names.edge(p.v[0], p.v[1]) + " touches " + names.edge(p.v[2], p.v[3]));
+    fail(names, y, {{p.v[0], p.v[1]}, {p.v[2], p.v[3]}}, names.edge(p.v[0], p.v[1]) + " touches " + names.edge(p.v[2], p.v[3]));
   }
   const std::vector<Index> hit = crossed_triangles(s, model.envs, y);
   for (std::size_t e = 0; e < hit.size(); ++e) {
     if (hit[e] < 0) continue;
     const Edge edge = fetch(s.surface.edges, static_cast<Index>(e));
-    fail(names.body_of(edge.v[0]).where, names.edge(edge.v[0], edge.v[1]) + " passes through " + names.triangle(hit[e]));
+    const Triangle t = fetch(s.surface.triangles, hit[e]);
+    fail(names, y, {{edge.v[0], edge.v[1]}, {t.v[0], t.v[1], t.v[2]}}, names.edge(edge.v[0], edge.v[1]) + " passes through " + names.triangle(hit[e]));
   }
 }
 

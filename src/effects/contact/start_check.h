@@ -2,11 +2,23 @@
 // Is the first configuration free of contact distance zero and of intersections?
 #include "effects/contact/candidates.h"
 #include "effects/contact/law.h"
+#include "base/error.h"
 #include "model/model.h"
 
 namespace mortise::effects::contact {
 
-// Throws Error(Exit::scene) naming both bodies and the primitives, the first in canonical order.
+// Bodies that touch or cross at the start, with a picture of where: the triangles of the two primitives, as a Wavefront .obj file with one
+// object per body.
+class StartError : public Error {
+ public:
+  StartError(const SourceLoc& at, const std::string& message, std::string obj) : Error(Exit::scene, at, message), obj_(std::move(obj)) {}
+  const std::string& obj() const { return obj_; }
+
+ private:
+  std::string obj_;
+};
+
+// Throws StartError naming both bodies and the primitives, the first in canonical order.
 void check_start(const model::Model& model, const Scene& s, const Candidates& c, View<const Vec3> y);
 
 }  // namespace mortise::effects::contact

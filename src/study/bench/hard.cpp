@@ -66,8 +66,12 @@ std::string ending(const Ended& end, const std::string& err, double limit) {
   return fmt::format("exit code {}: {}", end.code, first_error(err));
 }
 
+bool begins_with_any(const std::string& text, const std::vector<std::string>& heads) {
+  return std::any_of(heads.begin(), heads.end(), [&](const std::string& h) { return text.starts_with(h + " "); });
+}
+
 // Reads certificate.json; tells what is wrong with the run, "" if nothing.
-std::string read_certificate(const std::string& dir, bool expects_failure, const Ended& end, HardRow& row) {
+std::string read_certificate(const std::string& dir, const HardCase& asked, const Ended& end, HardRow& row) {
   const Json j = Json::parse(read_text(dir + "/certificate.json"), nullptr, false);
   if (j.is_discarded()) return "no certificate";
   const Json &solver = j["solver"], &invariants = j["invariants"];
@@ -79,14 +83,20 @@ std::string read_certificate(const std::string& dir, bool expects_failure, const
   const auto say = [&](const std::string& what) {
     if (wrong.empty()) wrong = what;
   };
-  if (end.code != 0 && !expects_failure) say(fmt::format("exit code {}: {}", end.code, first_error("error: " + j["message"].get<std::string>())));
-  const bool refused = expects_failure && end.code == static_cast<int>(Exit::scene);  // then the first state may touch
-  if (invariants["not_finite_values"] != 0 && !refused) say("not finite: " + j["reason"].get<std::string>());
+  if (end.code != 0 && !asked.expects_failure) say(fmt::format("exit code {}: {}", end.code, first_error("error: " + j["message"].get<std::string>())));
+  const bool refused = asked.expects_failure && end.code == static_cast<int>(Exit::scene);  // then the first state may touch
+  if (invariants["not_finite_values"] != 0 && !refused) say(row.unsafe = "not finite: " + j["reason"].get<std::string>());
+  if (row.residual > 1) say(row.unsafe = fmt::format("a step ended at {:.3g} times its tolerance", row.residual));
   for (const Json& c : j.value("criteria", Json::array())) {
     const std::string text = c["criterion"];
     if (text.starts_with("energy_gain")) row.energy_gain = number(c, "value");
     if (text == kOnlyMeasured) continue;
-    if (!c["pass"].get<bool>()) say(text + ": " + (c["value"].is_number() ? fmt::format("{:.4g}", c["value"].get<double>()) : c["value"].is_string() ? c["value"].get<std::string>() : "not measured"));
+    if (c["pass"].get<bool>()) continue;
+    const std::string miss = text + ": " + (c["value"].is_number() ? fmt::format("{:.4g}", c["value"].get<double>()) : c["value"].is_string() ? c["value"].get<std::string>() : "not measured");
+    if (begins_with_any(text, asked.reported))
+      row.missed += (row.missed.empty() ? "" : "; ") + miss;
+    else
+      say(miss);
   }
   return wrong;
 }
@@ -97,16 +107,23 @@ std::string refused(const HardCase& c, const Ended& end, const std::string& err)
   return "";
 }
 
-std::string judge(const std::string& dir, HardRow& row) {
+// The judge's opinion of the saved states; "" where nothing was found. A run that was killed may leave a file that cannot be read.
+std::string judge(const std::string& dir, bool killed, HardRow& row) {
   const std::string program = (fs::path(own_program()).parent_path() / "mortise_judge").string(), fields = dir + "/fields.vtkhdf";
-  if (!fs::exists(program) || !fs::exists(fields)) return "";
+  if (!fs::exists(fields)) return "";
+  if (!fs::exists(program)) return row.unsafe = "not judged: no program " + program;
   const Ended end = run_program({program, fields}, dir + "/judge.json", dir + "/judge.err", 120);
-  row.judged = true;
-  if (end.code == 0) return "";
   const Json j = Json::parse(read_text(dir + "/judge.json"), nullptr, false);
-  if (j.is_discarded()) return "the judge cannot read the fields: " + read_text(dir + "/judge.err");
-  return fmt::format("judge: {} (frame {})", j["what"].get<std::string>(), j["first_frame"].get<long>());
+  if (j.is_discarded()) return killed ? "" : row.unsafe = "the judge cannot read the fields: " + read_text(dir + "/judge.err");
+  row.judged = true;
+  row.intersections = j["intersections"].get<long>() + j["below_planes"].get<long>(), row.not_finite = j["not_finite"];
+  if (end.code == 0) return "";
+  const std::string found = fmt::format("judge: {} (frame {})", j["what"].get<std::string>(), j["first_frame"].get<long>());
+  if (row.intersections + row.not_finite > 0) row.unsafe = found;
+  return found;
 }
+
+const char* verdict(const HardRow& r) { return !r.pass ? "fails" : r.missed.empty() ? "pass" : "reported"; }
 
 std::string cell(double v) { return std::isfinite(v) ? fmt::format("{:.3g}", v) : "-"; }
 
@@ -134,10 +151,11 @@ HardRow run_hard_case(const HardCase& c, const HardOptions& o) {
   if (end.code < 0 || end.code >= 128)
     row.reason = ending(end, err, o.time_limit);
   else if (fs::exists(dir + "/certificate.json"))
-    row.reason = read_certificate(dir, c.expects_failure, end, row);
+    row.reason = read_certificate(dir, c, end, row);
   else
     row.reason = refused(c, end, err);
-  const std::string judged = end.code == static_cast<int>(Exit::scene) ? "" : judge(dir, row);
+  if (end.code >= 128 || end.code == static_cast<int>(Exit::internal)) row.unsafe = row.reason;
+  const std::string judged = end.code == static_cast<int>(Exit::scene) ? "" : judge(dir, end.code < 0, row);
   if (row.reason.empty()) row.reason = judged;
   row.pass = row.reason.empty();
   return row;
@@ -193,27 +211,30 @@ std::vector<HardRow> run_hard(const HardOptions& options, const std::function<vo
 
 std::string hard_json(const HardRow& r) {
   const auto num = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
-  return Json{{"case", r.name}, {"method", r.method}, {"variant", r.variant}, {"pass", r.pass}, {"reason", r.reason}, {"judged", r.judged}, {"steps", r.steps},
+  return Json{{"case", r.name}, {"method", r.method}, {"variant", r.variant}, {"verdict", verdict(r)}, {"pass", r.pass}, {"reason", r.reason},
+              {"reported", r.missed}, {"judged", r.judged}, {"intersections", r.intersections}, {"not_finite", r.not_finite}, {"unsafe", r.unsafe}, {"steps", r.steps},
               {"newton_max", r.newton_max}, {"newton_mean", num(r.newton_mean)}, {"halved_steps", r.halved}, {"min_distance", num(r.min_distance)},
               {"min_det_f", num(r.min_det_f)}, {"energy_gain", num(r.energy_gain)}, {"residual", num(r.residual)}, {"seconds", num(r.seconds)}, {"replay", r.replay}}
       .dump();
 }
 
 std::string hard_header() {
-  return fmt::format("{:22} {:8} {:14} {:>5} {:>10} {:>9} {:>9} {:>9} {:>8} {:>7} {:>7}  {}\n", "case", "method", "variant", "steps", "newton", "distance", "det F", "gain", "residual",
+  return fmt::format("{:22} {:8} {:14} {:>5} {:>10} {:>9} {:>9} {:>9} {:>8} {:>7} {:>8}  {}\n", "case", "method", "variant", "steps", "newton", "distance", "det F", "gain", "residual",
                      "seconds", "verdict", "reason");
 }
 
 std::string hard_line(const HardRow& r) {
-  return fmt::format("{:22} {:8} {:14} {:>5} {:>10} {:>9} {:>9} {:>9} {:>8} {:>7.1f} {:>7}  {}\n", r.name, r.method, r.variant, r.steps, fmt::format("{}/{:.1f}", r.newton_max, r.newton_mean),
-                     cell(r.min_distance), cell(r.min_det_f), cell(r.energy_gain), cell(r.residual), r.seconds, r.pass ? "pass" : "FAIL", r.reason);
+  return fmt::format("{:22} {:8} {:14} {:>5} {:>10} {:>9} {:>9} {:>9} {:>8} {:>7.1f} {:>8}  {}\n", r.name, r.method, r.variant, r.steps, fmt::format("{}/{:.1f}", r.newton_max, r.newton_mean),
+                     cell(r.min_distance), cell(r.min_det_f), cell(r.energy_gain), cell(r.residual), r.seconds, verdict(r),
+                     r.reason.empty() ? r.missed : r.reason);
 }
 
 std::string hard_summary(const std::vector<HardRow>& rows) {
-  long passed = 0, judged = 0;
+  long passed = 0, reported = 0, judged = 0, unsafe = 0;
   double seconds = 0;
-  for (const HardRow& r : rows) passed += r.pass, judged += r.judged, seconds += r.seconds;
-  return fmt::format("{} of {} pass; {} judged independently; {:.0f} s\n", passed, rows.size(), judged, seconds);
+  for (const HardRow& r : rows) passed += r.pass && r.missed.empty(), reported += r.pass && !r.missed.empty(), judged += r.judged, unsafe += !r.unsafe.empty(), seconds += r.seconds;
+  return fmt::format("{} of {} pass, {} more miss only what their method does not claim, {} fail; {} judged independently, {} unsafe; {:.0f} s\n", passed, rows.size(), reported,
+                     rows.size() - passed - reported, judged, unsafe, seconds);
 }
 
 }  // namespace mortise::study

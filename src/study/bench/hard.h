@@ -8,6 +8,8 @@
 //   mortar_checks: further checks of that variant
 //   full:      --set values of a full run
 //   variants:  name -> list of --set values: runs beside the base, with barrier_contact (full: with mortar_contact as well)
+//   reported:  barrier | mortar -> list of quantities that the method does not claim to hold (the catalogue asks them of others); they are
+//              measured, and a row that misses nothing else is "reported", neither passed nor failed
 #include <cmath>
 #include <functional>
 #include <string>
@@ -31,6 +33,9 @@ struct HardRow {
   double newton_mean = NAN, min_distance = NAN, min_det_f = NAN, energy_gain = NAN, residual = NAN, seconds = NAN;
   bool pass = false, judged = false;
   std::string reason;  // what failed first; empty when it passed
+  std::string missed;  // criteria that the method does not claim to hold, with their figures
+  long intersections = 0, not_finite = 0;  // in saved states, by the judge
+  std::string unsafe;  // what may never be: intersections, values that are not finite, crashes, steps that only seem to converge, no judgement
   std::string replay;  // one command
 };
 
@@ -48,6 +53,7 @@ std::string hard_summary(const std::vector<HardRow>& rows);
 struct HardCase {
   std::string name, method, variant, text;
   bool expects_failure = false;  // its checks hold an outcome other than done
+  std::vector<std::string> reported{};  // quantities without a verdict
 };
 // The cases of one scene file.
 std::vector<HardCase> hard_cases(const std::string& path, bool full);
@@ -58,6 +64,12 @@ struct Ended {
 };
 // Runs one; options.output must be absolute.
 HardRow run_hard_case(const HardCase& c, const HardOptions& options);
+
+// --- expectations ---
+
+// What became worse than in a file written by --result: rows that passed and do not, that fail by another criterion or by more than twice
+// the figure, that are not in the file, and whatever is unsafe. `all`: rows of the file that were not run count too. Throws Error(Exit::file).
+std::vector<std::string> regressions(const std::vector<HardRow>& rows, const std::string& file, bool all);
 
 // --- fuzzer ---
 

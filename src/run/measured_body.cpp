@@ -1,0 +1,92 @@
+#include "run/measured_body.h"
+
+#include "geometry/topology.h"
+
+namespace mortise::run {
+
+MeasuredBody::MeasuredBody(const model::BodyInput& b, std::size_t first_point)
+    : name(b.name), first(first_point), count(b.nodes.size()), tets_(b.tets), triangles_(b.triangles), mass_(b.nodes.size(), 0.0), density_(b.material.number("density")) {
+  for (const Tet& t : tets_)
+    for (Index v : t.v) mass_[v] += density_ * geometry::tet_volume(b.nodes, t) / 4;
+  if (soft()) {
+    for (const Tet& t : tets_) volume_ += geometry::tet_volume(b.nodes, t);
+  } else {
+    geometry::TriMesh mesh;
+    mesh.points = b.nodes, mesh.triangles = triangles_;
+    volume_ = geometry::mass_properties(mesh).volume;
+  }
+}
+
+double MeasuredBody::volume_at(const std::vector<double>& points) const {
+  if (!soft()) return geometry::mass_properties(surface(points)).volume;
+  double sum = 0;
+  for (const Tet& t : tets_) {
+    const Vec3 x = vector_at(points, first + t.v[0]);
+    sum += (vector_at(points, first + t.v[1]) - x).cross(vector_at(points, first + t.v[2]) - x).dot(vector_at(points, first + t.v[3]) - x) / 6;
+  }
+  return sum;
+}
+
+Vec3 MeasuredBody::mean(const std::vector<double>& values, const std::vector<double>& points) const {
+  if (soft()) {
+    Vec3 sum = Vec3::Zero();
+    double total = 0;
+    for (std::size_t i = 0; i < count; ++i) sum += mass_[i] * vector_at(values, first + i), total += mass_[i];
+    return sum / total;
+  }
+  // The affine map from points to values, at the centroid.
+  const Vec3 centre = geometry::mass_properties(surface(points)).centroid;
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Matrix<double, 4, 3> right = Eigen::Matrix<double, 4, 3>::Zero();
+  for (std::size_t i = 0; i < count; ++i) {
+    Eigen::Vector4d row;
+    row << 1, vector_at(points, first + i) - centre;
+    normal += row * row.transpose();
+    right += row * vector_at(values, first + i).transpose();
+  }
+  return normal.ldlt().solve(right).row(0).transpose();
+}
+
+Vec3 MeasuredBody::sum(const std::vector<double>& values) const {
+  Vec3 s = Vec3::Zero();
+  for (std::size_t i = 0; i < count; ++i) s += vector_at(values, first + i);
+  return s;
+}
+
+Vec3 MeasuredBody::spin(const std::vector<double>& velocity, const std::vector<double>& points) const {
+  const Vec3 x = sum(points) / static_cast<double>(count), v = sum(velocity) / static_cast<double>(count);
+  Mat3 inertia = Mat3::Zero();
+  Vec3 momentum = Vec3::Zero();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 r = vector_at(points, first + i) - x;
+    inertia += r.squaredNorm() * Mat3::Identity() - r * r.transpose();
+    momentum += r.cross(vector_at(velocity, first + i) - v);
+  }
+  return inertia.ldlt().solve(momentum);
+}
+
+// The body is cut into tetrahedra from the mean of its points, where the velocity, being linear in space, is the mean of theirs.
+double MeasuredBody::turning_energy(const std::vector<double>& velocity, const std::vector<double>& points) const {
+  const Vec3 x = sum(points) / static_cast<double>(count), v = sum(velocity) / static_cast<double>(count);
+  double twice = 0;
+  for (const Triangle& t : triangles_) {
+    Vec3 r[3], total = Vec3::Zero();
+    double squares = 0;
+    for (int k = 0; k < 3; ++k) {
+      r[k] = vector_at(points, first + t.v[k]) - x;
+      const Vec3 w = vector_at(velocity, first + t.v[k]) - v;
+      total += w, squares += w.squaredNorm();
+    }
+    twice += density_ * r[0].cross(r[1]).dot(r[2]) / 6 / 20 * (squares + total.squaredNorm());
+  }
+  return 0.5 * twice;
+}
+
+geometry::TriMesh MeasuredBody::surface(const std::vector<double>& points) const {
+  geometry::TriMesh mesh;
+  for (std::size_t i = 0; i < count; ++i) mesh.points.push_back(vector_at(points, first + i));
+  mesh.triangles = triangles_;
+  return mesh;
+}
+
+}  // namespace mortise::run

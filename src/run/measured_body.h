@@ -1,0 +1,43 @@
+#pragma once
+// What is measured of one body from the points of a state: volume, means, spin, energy of turning.
+#include <string>
+#include <vector>
+
+#include "geometry/mesh.h"
+#include "model/input.h"
+
+namespace mortise::run {
+
+inline Vec3 vector_at(const std::vector<double>& v, std::size_t i) { return {v[3 * i], v[3 * i + 1], v[3 * i + 2]}; }
+
+// Mass and mesh of a body, and where its points are among all points. Fields have 3 numbers per point.
+class MeasuredBody {
+ public:
+  // `first`: number of the body's first point among all.
+  MeasuredBody(const model::BodyInput& input, std::size_t first);
+
+  double volume_at(const std::vector<double>& points) const;
+  // Mean over the mass of a field of vectors, which is affine on stiff bodies: there the value at the centre of mass.
+  Vec3 mean(const std::vector<double>& values, const std::vector<double>& points) const;
+  Vec3 sum(const std::vector<double>& values) const;
+  // Angular velocity of the rigid motion nearest to the points' velocities (least squares, all points alike).
+  Vec3 spin(const std::vector<double>& velocity, const std::vector<double>& points) const;
+  // Kinetic energy (stiff) about the mean of the points.
+  double turning_energy(const std::vector<double>& velocity, const std::vector<double>& points) const;
+
+  std::string name;
+  std::size_t first = 0, count = 0;
+  bool soft() const { return !tets_.empty(); }
+  double mass() const { return density_ * volume_; }
+  double rest_volume() const { return volume_; }
+
+ private:
+  geometry::TriMesh surface(const std::vector<double>& points) const;
+
+  std::vector<Tet> tets_;            // soft
+  std::vector<Triangle> triangles_;  // stiff
+  std::vector<double> mass_;         // of the points, lumped (soft) [kg]
+  double density_ = 0, volume_ = 0;  // at rest
+};
+
+}  // namespace mortise::run

@@ -1,0 +1,84 @@
+#include "run/state_audit.h"
+
+#include <algorithm>
+
+namespace mortise::run {
+
+double sum_of_sizes(const std::vector<double>& vectors) {
+  double sum = 0;
+  for (std::size_t i = 0; i < vectors.size() / 3; ++i) sum += vector_at(vectors, i).norm();
+  return sum;
+}
+
+ForceBalance force_balance(const std::map<std::string, double>& scalars, double support_forces) {
+  const auto at = [&](const char* name) {
+    const auto it = scalars.find(name);
+    return it == scalars.end() ? NAN : it->second;
+  };
+  return {std::hypot(at("balance/defect_x"), at("balance/defect_y"), at("balance/defect_z")), std::fmax(at("balance/largest"), support_forces)};
+}
+
+EnergyAudit::EnergyAudit(const model::ModelInput& input) {
+  std::size_t first = 0;
+  for (const model::BodyInput& b : input.bodies) {
+    if (b.type == model::BodyType::half_space) continue;
+    bodies_.emplace_back(b, first);
+    first += b.nodes.size();
+  }
+  const Params& effects = input.scene.at("effects");
+  r_.work_is_known = effects.has("inertia") && !effects.has("pressure_load");
+}
+
+const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
+  const double before = r_.total;
+  r_.total = total(now);
+  if (!points_before_.empty() && r_.work_is_known) {
+    const double work = support_work(now);
+    r_.support_work += work;
+    r_.scale = std::max(r_.scale, std::abs(r_.support_work));
+    r_.gain = r_.total - before - work;
+    r_.largest_gain = std::fmax(r_.largest_gain, r_.gain);
+  }
+  points_before_ = now.points;
+  return r_;
+}
+
+double EnergyAudit::total(const StateReport& now) {
+  double sum = 0;
+  for (const auto& [name, v] : now.scalars) {
+    const std::string leaf = name.substr(name.find('/') + 1);
+    if (leaf != "energy" && leaf != "kinetic_energy") continue;
+    sum += v;
+    if (name != "gravity/energy") {  // which is arbitrary up to a constant
+      r_.scale = std::max(r_.scale, v);
+      continue;
+    }
+    if (std::isnan(gravity_first_)) gravity_first_ = v;
+    r_.scale = std::max(r_.scale, std::abs(v - gravity_first_));
+  }
+  // What a pinned body turns with is the doing of its pins, whose moment is not reported.
+  if (const auto* v = now.field("velocity"))
+    for (const MeasuredBody& b : bodies_)
+      if (!b.soft() && now.scalars.count("supports/" + b.name + "_x")) sum -= b.turning_energy(*v, now.points);
+  return sum;
+}
+
+double EnergyAudit::support_work(const StateReport& now) const {
+  double work = 0;
+  const auto moved = [&](std::size_t i) { return Vec3(vector_at(now.points, i) - vector_at(points_before_, i)); };
+  if (const auto* f = now.field("support_force"))
+    for (std::size_t i = 0; i < f->size() / 3; ++i) work += vector_at(*f, i).dot(moved(i));
+  // A pinned stiff body: its resultant on the way of its centre, and against the contact on what it turns.
+  const auto *contact = now.field("contact_force"), *friction = now.field("friction_force");
+  for (const MeasuredBody& b : bodies_) {
+    if (b.soft() || !now.scalars.count("supports/" + b.name + "_x")) continue;
+    const Vec3 way = b.mean(now.points, now.points) - b.mean(points_before_, points_before_);
+    work += now.vector("supports/" + b.name + "_").dot(way);
+    for (std::size_t i = b.first; i < b.first + b.count; ++i)
+      for (const auto* f : {contact, friction})
+        if (f) work -= vector_at(*f, i).dot(moved(i) - way);
+  }
+  return work;
+}
+
+}  // namespace mortise::run
