@@ -8,7 +8,7 @@
 #include "cli/bench_hard.h"
 #include "cli/bench_result.h"
 #include "cli/commands.h"
-#include "run/device_choice.h"
+#include "engine/choose.h"
 #include "scene/suggest.h"
 #include "study/benchmark.h"
 #include "study/ccd_bench.h"
@@ -17,7 +17,7 @@ namespace mortise::cli {
 namespace {
 
 struct Options {
-  std::string name, data, result;
+  std::string name, data, result, device = "cpu";
   std::vector<std::string> sets;
   int threads = 0;
   bool json = false, list = false;
@@ -39,9 +39,29 @@ int bench_ccd(const Options& o) {
   return static_cast<int>(result.point_triangle.false_negatives + result.edge_edge.false_negatives == 0 ? Exit::done : Exit::solve);
 }
 
+// The matrix product against a plain copy, from what fits into caches to what does not.
+int bench_bandwidth(const Options& o) {
+  auto list = nlohmann::ordered_json::array();
+  if (!o.json) std::cout << fmt::format("{:>8} {:>9} {:>14} {:>14} {:>14} {:>8}\n", "rows", "blocks", "product us", "product GB/s", "copy GB/s", "share");
+  for (Index edge : {20, 34, 54}) {
+    engine::Bandwidth b;
+    const engine::Outcome outcome = engine::chosen().api->bandwidth(edge, b);
+    if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message);
+    const double product = b.multiply_bytes / b.multiply_seconds, copy = b.copy_bytes / b.copy_seconds;
+    list.push_back({{"case", "bandwidth"}, {"rows", b.rows}, {"blocks", b.blocks}, {"product_seconds", b.multiply_seconds}, {"product_bytes_per_second", product},
+                    {"copy_bytes_per_second", copy}, {"share", product / copy}});
+    if (o.json)
+      std::cout << list.back().dump() << std::endl;
+    else
+      std::cout << fmt::format("{:>8} {:>9} {:>14.1f} {:>14.2f} {:>14.2f} {:>8.2f}\n", b.rows, b.blocks, b.multiply_seconds * 1e6, product * 1e-9, copy * 1e-9, product / copy) << std::flush;
+  }
+  if (!o.result.empty()) write_result(o.result, o.name, list);
+  return static_cast<int>(Exit::done);
+}
+
+constexpr const char* kBandwidthHelp = "matrix product y = A x against a copy: bytes per second on the chosen device";
+
 int bench_named(const Options& o, const study::Benchmark& benchmark) {
-  device::DeviceInfo device;
-  run::choose_device("cpu", o.threads, device);
   if (!o.json) std::cout << study::table_header();
   const auto rows = study::run_benchmark(benchmark, o.sets, [&](const study::Row& row) { std::cout << (o.json ? study::json_line(row) + "\n" : study::table_line(row)) << std::flush; });
   if (!o.result.empty()) {
@@ -57,14 +77,17 @@ int bench_named(const Options& o, const study::Benchmark& benchmark) {
 constexpr const char* kCcdHelp = "continuous collision detection against queries with exact answers (--data DIR)";
 
 int cmd_bench(const Options& o) {
-  std::vector<std::string> names{"ccd", "hard", "fuzz"};
+  std::vector<std::string> names{"ccd", "bandwidth", "hard", "fuzz"};
   for (const study::Benchmark& b : study::benchmarks()) names.push_back(b.name);
   if (o.list) {
     for (const study::Benchmark& b : study::benchmarks()) std::cout << fmt::format("{:12} {}\n", b.name, b.help);
-    std::cout << fmt::format("{:12} {}\n{:12} {}\n{:12} {}\n", "ccd", kCcdHelp, "hard", kHardHelp, "fuzz", kFuzzHelp);
+    std::cout << fmt::format("{:12} {}\n{:12} {}\n{:12} {}\n{:12} {}\n", "ccd", kCcdHelp, "bandwidth", kBandwidthHelp, "hard", kHardHelp, "fuzz", kFuzzHelp);
     return 0;
   }
+  setenv("MORTISE_DEVICE", o.device.c_str(), 1);  // for cases that run in processes of their own
+  engine::choose(o.device, o.threads);
   if (o.name == "ccd") return bench_ccd(o);
+  if (o.name == "bandwidth") return bench_bandwidth(o);
   if (o.name == "fuzz") return bench_fuzz(o.hard, o.result, o.threads, o.json);
   if (o.name == "hard") return bench_hard(o.hard, o.data, o.result, o.threads, o.json);
   if (const study::Benchmark* b = study::find_benchmark(o.name)) return bench_named(o, *b);
@@ -83,7 +106,7 @@ void add_bench(CLI::App& app, Context& context) {
   sub->add_flag("--json", o->json, "one JSON object per row");
   sub->add_option("--set", o->sets, "value of the benchmark's scene (a.b=c) or an option of its own (methods=gmcp_consistent,ipc_classic; size=medium)");
   sub->add_option("--result", o->result, "also write the rows and the machine to this file");
-  sub->add_option("--threads", o->threads, "CPU threads; 0: what the machine grants");
+  add_device_options(*sub, o->device, o->threads);
   add_hard_flags(*sub, o->hard);
   sub->footer("Examples:\n  mortise bench --list\n  mortise bench patch\n  mortise bench hertz --set size=medium --json\n  mortise bench ccd --data queries --json\n  mortise bench hard --only H11");
   sub->callback([o, &context] { context.action = [o] { return cmd_bench(*o); }; });

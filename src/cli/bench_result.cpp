@@ -4,15 +4,18 @@
 
 #include "base/error.h"
 #include "cli/commands.h"
+#include "engine/choose.h"
 #include "output/hardware.h"
 
 namespace mortise::cli {
 
 void write_result(const std::string& path, const std::string& benchmark, const nlohmann::ordered_json& rows) {
   const output::Hardware machine = output::hardware();
+  const device::DeviceInfo& device = engine::chosen().device;
   const nlohmann::ordered_json j{{"benchmark", benchmark},
                                  {"program", version_text()},
                                  {"machine", {{"cpu", machine.cpu}, {"cores", machine.cores}, {"memory_bytes", machine.memory_bytes}}},
+                                 {"device", {{"kind", device.kind}, {"name", device.name}, {"threads", device.threads}, {"driver", device.driver}, {"runtime", device.runtime}}},
                                  {"rows", rows}};
   std::ofstream file(path);
   file << j.dump(1) << "\n";

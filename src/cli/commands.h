@@ -30,6 +30,9 @@ int program(std::vector<std::string> arguments);
 // `scene` positional and repeatable --set, the same for every command that reads a scene.
 void add_scene_options(CLI::App& command, std::string& scene, std::vector<std::string>& overrides);
 
+// --device and --threads, the same for every command that solves. MORTISE_DEVICE in the environment stands for a --device that is not given.
+void add_device_options(CLI::App& command, std::string& device, int& threads);
+
 std::string version_text();  // "mortise 0.1.0 (commit)"
 
 }  // namespace mortise::cli

@@ -15,17 +15,23 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json facts() {
-  Json devices = Json::array();
+  Json devices = Json::array(), kernels = engine::cpu_api().architectures();
   std::string no_cuda;
   std::vector<device::DeviceInfo> found = engine::cpu_api().devices();
   if (const engine::Api* cuda = engine::cuda_api(no_cuda)) {
     const auto gpus = cuda->devices();
+    for (const std::string& a : cuda->architectures()) kernels.push_back(a);
     found.insert(found.end(), gpus.begin(), gpus.end());
     if (gpus.empty()) no_cuda = "no NVIDIA GPU (or driver) on this machine";
   }
   for (const device::DeviceInfo& d : found)
-    devices.push_back(
-        {{"kind", d.kind}, {"name", d.name}, {"threads", d.threads}, {"memory_bytes", d.memory}, {"driver", d.driver}});
+    devices.push_back({{"kind", d.kind},
+                       {"name", d.name},
+                       {"threads", d.threads},
+                       {"memory_bytes", d.memory},
+                       {"driver", d.driver},
+                       {"runtime", d.runtime},
+                       {"architecture", d.architecture}});
   const std::string cholmod = std::to_string(CHOLMOD_MAIN_VERSION) + "." + std::to_string(CHOLMOD_SUB_VERSION) + "." +
                               std::to_string(CHOLMOD_SUBSUB_VERSION);
   return {{"version", version()},
@@ -33,6 +39,7 @@ Json facts() {
           {"build_type", build_type()},
           {"compiler", "g++ " __VERSION__},
           {"devices", devices},
+          {"kernels_for", kernels},
           {"no_gpu_because", no_cuda},
           {"libraries",
            {{"Eigen", MORTISE_EIGEN},
@@ -54,14 +61,20 @@ int cmd_info(bool json) {
   }
   std::cout << version_text() << ", " << all["build_type"].get<std::string>() << " build, " << all["compiler"].get<std::string>()
             << "\n\ndevices\n";
+  int gpus = 0;
   for (const Json& d : all["devices"]) {
-    std::cout << "  " << d["kind"].get<std::string>() << "  " << d["name"].get<std::string>() << ", " << d["threads"]
-              << " threads, " << d["memory_bytes"].get<std::size_t>() / (1 << 20) << " MiB";
-    if (const std::string driver = d["driver"]; !driver.empty()) std::cout << ", driver " << driver;
+    const bool gpu = d["kind"] == "cuda";
+    std::cout << "  " << d["kind"].get<std::string>() << (gpu ? ":" + std::to_string(gpus++) : "") << "  " << d["name"].get<std::string>() << ", "
+              << d["threads"] << (gpu ? " multiprocessors, " : " threads, ") << d["memory_bytes"].get<std::size_t>() / (1 << 20) << " MiB";
+    if (gpu)
+      std::cout << ", " << d["architecture"].get<std::string>() << ", driver for CUDA " << d["driver"].get<std::string>() << ", runtime "
+                << d["runtime"].get<std::string>();
     std::cout << "\n";
   }
   if (const std::string why = all["no_gpu_because"]; !why.empty()) std::cout << "  no GPU: " << why << "\n";
-  std::cout << "\nlibraries\n";
+  std::cout << "kernels for";
+  for (const Json& a : all["kernels_for"]) std::cout << " " << a.get<std::string>();
+  std::cout << "\n\nlibraries\n";
   for (const auto& [name, version] : all["libraries"].items())
     std::cout << "  " << name << " " << version.get<std::string>() << "\n";
   return 0;

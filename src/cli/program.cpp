@@ -4,6 +4,7 @@
 
 #include "cli/commands.h"
 #include "cli/terminal.h"
+#include "engine/choose.h"
 #include "scene/suggest.h"
 
 namespace mortise::cli {
@@ -146,6 +147,13 @@ void add_scene_options(CLI::App& command, std::string& scene, std::vector<std::s
                   "PATH=VALUE changes one value of the scene, e.g. bodies.pad.velocity.2=-0.1; the right-most wins")
       ->allow_extra_args(false)
       ->take_all();
+}
+
+void add_device_options(CLI::App& command, std::string& device, int& threads) {
+  command.add_option("--device", device, engine::kDeviceHelp)->envname("MORTISE_DEVICE")->capture_default_str()->check([](const std::string& name) {
+    return engine::is_device_name(name) ? std::string() : "'" + name + "' is no device; must be auto, cpu, cuda, cuda:N or debug";
+  });
+  command.add_option("-j,--threads", threads, "CPU threads; default SLURM_CPUS_PER_TASK, else all that the process may use")->check(CLI::PositiveNumber);
 }
 
 }  // namespace mortise::cli

@@ -19,8 +19,7 @@ void add_run(CLI::App& app, Context& context) {
       ->check(CLI::IsMember({"yes", "auto"}))
       ->excludes(overwrite);
   sub->add_option("--frames", o->frames, "stop after so many frames; the state at the start does not count")->check(CLI::NonNegativeNumber);
-  sub->add_option("--device", o->device, "auto, cpu or cuda; cuda without a GPU is an error (exit 4)")->check(CLI::IsMember({"auto", "cpu", "cuda"}));
-  sub->add_option("-j,--threads", o->threads, "CPU threads; default SLURM_CPUS_PER_TASK, else all that the process may use")->check(CLI::PositiveNumber);
+  add_device_options(*sub, o->device, o->threads);
   sub->add_flag("--no-render", o->no_render, "no pictures");
   sub->add_flag("--json", o->json, "one JSON object per event on stdout instead of progress lines");
   sub->add_flag("-q,--quiet", o->quiet, "errors only");

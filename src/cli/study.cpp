@@ -6,15 +6,15 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "engine/choose.h"
 #include "output/atomic_file.h"
-#include "run/device_choice.h"
 #include "study/study.h"
 
 namespace mortise::cli {
 namespace {
 
 struct Options {
-  std::string scene, output = "out/study";
+  std::string scene, output = "out/study", device = "cpu";
   std::vector<std::string> overrides, vary, quantities;
   std::vector<double> references;
   int threads = 0, repeats = 1;
@@ -23,8 +23,7 @@ struct Options {
 int cmd_study(const Options& o) {
   study::Study study{o.scene, o.overrides, {}, o.quantities, o.references, o.repeats};
   for (const std::string& v : o.vary) study.vary.push_back(study::parse_vary(v));
-  device::DeviceInfo device;
-  run::choose_device("cpu", o.threads, device);
+  engine::choose(o.device, o.threads);
   const auto label = [](const study::Point& p) {
     std::string text = p.method;
     for (const auto& [key, value] : p.settings) text += (text.empty() ? "" : " ") + key + "=" + value;
@@ -62,7 +61,7 @@ void add_study(CLI::App& app, Context& context) {
   sub->add_option("--reference", o->references, "its right value, one per --qoi; default: the limit of the ladder on the first curve (Richardson), or its last value where it has none");
   sub->add_option("-o,--output", o->output, "folder for points.csv and figures")->capture_default_str();
   sub->add_option("--repeat", o->repeats, "runs of every setting; the fastest counts");
-  sub->add_option("-j,--threads", o->threads, "CPU threads; 0: what the machine grants");
+  add_device_options(*sub, o->device, o->threads);
   sub->footer(
       "Examples:\n  mortise study scene.yaml --vary time.step='10 ms,5 ms,2.5 ms' --qoi elasticity/energy -o out/steps\n"
       "  mortise study hertz --vary size=coarse,medium --qoi 'pressure L2, r <= a'      (a benchmark: one curve per method)");

@@ -1,5 +1,4 @@
-// What both backends share: the launch ledger and the memory account.
-#include <atomic>
+// What both backends share: the ledgers of launches and copies, and the memory account.
 #include <map>
 
 #include "device/device.h"
@@ -13,6 +12,7 @@ std::map<std::string, long long, std::less<>>& ledger() {
   return counts;
 }
 MemoryUse use;
+Transfers moved;
 
 }  // namespace
 
@@ -33,11 +33,21 @@ std::vector<LaunchCount> launch_counts() {
 
 void reset_launch_counts() { ledger().clear(); }
 
+Transfers transfers() { return moved; }
+
+void count_to_device(std::size_t bytes) { ++moved.to_device, moved.bytes_to_device += static_cast<long long>(bytes); }
+void count_to_host(std::size_t bytes) { ++moved.to_host, moved.bytes_to_host += static_cast<long long>(bytes); }
+
 MemoryUse memory_use() { return use; }
 
 void account(std::ptrdiff_t bytes) {
   use.now += bytes;
   if (use.now > use.peak) use.peak = use.now;
+}
+
+Error out_of_memory(std::size_t asked, std::size_t memory) {
+  const auto mib = [](std::size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"; };
+  return Error(Exit::device, "out of device memory: " + mib(asked) + " more asked for, " + mib(use.now) + " in use" + (memory > 0 ? " of " + mib(memory) : ""));
 }
 
 }  // namespace mortise::device

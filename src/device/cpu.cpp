@@ -45,25 +45,61 @@ void set_threads(int n) {
 int threads() { return thread_count > 0 ? thread_count : allowed_threads(); }
 
 std::vector<DeviceInfo> devices() {
-  return {{"cpu", cpu_name(), threads(), static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE)), ""}};
+  const std::size_t memory = static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE));
+  DeviceInfo cpu{"cpu", cpu_name(), threads(), memory, "", "", ""};
+  if (trap::on) cpu.kind = "debug", cpu.memory = trap::memory();
+  return {cpu};
+}
+
+std::vector<std::string> architectures() { return {MORTISE_ARCHITECTURES}; }
+
+void select(int number, bool debug) {
+  if (number != 0) throw Error(Exit::device, "there is one CPU device, number 0");
+  if (debug) trap::start();
 }
 
 void* allocate(std::size_t bytes) {
-  void* p = std::malloc(bytes);
-  if (!p) throw Error(Exit::device, "out of memory: could not allocate " + std::to_string(bytes >> 20) + " MiB");
+  void* p = trap::on ? trap::allocate(bytes) : std::malloc(bytes);
+  if (!p) throw out_of_memory(bytes, trap::on ? trap::memory() : 0);
   account(static_cast<std::ptrdiff_t>(bytes));
   return p;
 }
 void release(void* p, std::size_t bytes) {
-  std::free(p);
+  if (trap::owns(p))
+    trap::release(p, bytes);
+  else
+    std::free(p);
   account(-static_cast<std::ptrdiff_t>(bytes));
 }
-void copy_in(void* device, const void* host, std::size_t bytes) { std::memcpy(device, host, bytes); }
-void copy_out(void* host, const void* device, std::size_t bytes) { std::memcpy(host, device, bytes); }
-void copy(void* to, const void* from, std::size_t bytes) { std::memmove(to, from, bytes); }
-void clear(void* p, std::size_t bytes) { std::memset(p, 0, bytes); }
+void copy_in(void* device, const void* host, std::size_t bytes) {
+  count_to_device(bytes);
+  trap::check_range(device, bytes, "upload");
+  const trap::Open open("upload");
+  std::memcpy(device, host, bytes);
+}
+void copy_out(void* host, const void* device, std::size_t bytes) {
+  count_to_host(bytes);
+  trap::check_range(device, bytes, "download");
+  const trap::Open open("download");
+  std::memcpy(host, device, bytes);
+}
+void copy(void* to, const void* from, std::size_t bytes) {
+  trap::check_range(to, bytes, "copy");
+  trap::check_range(from, bytes, "copy");
+  const trap::Open open("copy");
+  std::memmove(to, from, bytes);
+}
+void clear(void* p, std::size_t bytes) {
+  trap::check_range(p, bytes, "clear");
+  const trap::Open open("clear");
+  std::memset(p, 0, bytes);
+}
+void forget(void* p, std::size_t bytes) {
+  if (trap::on) trap::forget(p, bytes);
+}
 
 Index exclusive_scan(Buffer<Index>& counts) {
+  const trap::Open open("scan");
   Index total = 0;
   View<Index> c = counts.view();
   for (Index i = 0; i + 1 < c.n; ++i) {
@@ -72,6 +108,7 @@ Index exclusive_scan(Buffer<Index>& counts) {
     total += here;
   }
   c[c.n - 1] = total;
+  count_to_host(sizeof total);  // as on a GPU
   return total;
 }
 
@@ -83,6 +120,7 @@ void sort_pairs(Buffer<std::uint64_t>& keys, Buffer<Index>& values) {
   if (n < 2) return;
   Buffer<std::uint64_t> other_keys(n);
   Buffer<Index> other_values(n);
+  const trap::Open open("sort");
   for (int shift = 0; shift < 64; shift += kBits) {
     std::array<Index, (1u << kBits)> first{};
     const View<std::uint64_t> k = keys.view();
@@ -110,10 +148,16 @@ void sort_pairs(Buffer<std::uint64_t>& keys, Buffer<Index>& values) {
 void run_starts(const Buffer<std::uint64_t>& sorted_keys, Buffer<Index>& start) {
   const View<const std::uint64_t> k = sorted_keys.view();
   std::vector<Index> s;
-  for (Index i = 0; i < k.n; ++i)
-    if (i == 0 || k[i] != k[i - 1]) s.push_back(i);
+  {
+    const trap::Open open("run_starts");
+    for (Index i = 0; i < k.n; ++i)
+      if (i == 0 || k[i] != k[i - 1]) s.push_back(i);
+  }
   s.push_back(k.n);
-  start.upload(s);
+  start.resize(static_cast<Index>(s.size()));
+  const trap::Open open("run_starts");
+  std::memcpy(start.view().p, s.data(), s.size() * sizeof(Index));
+  count_to_host(sizeof(Index));
 }
 
 }  // namespace mortise::device

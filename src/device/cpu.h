@@ -3,12 +3,20 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "device/trap.h"
+
 namespace mortise::device {
 
 template <class F>
 void parallel_for(const char* name, Index n, F f) {
   if (n <= 0) return;
   count_launch(name);
+  if (trap::on) {
+    F seen = f;  // a copy, so that the address of f itself never leaves this function
+    __builtin_clear_padding(&seen);
+    trap::check_closure(name, &seen, sizeof seen);
+  }
+  const trap::Open open(name);
   constexpr Index kSerial = 64;  // below this a task costs more than the loop
   if (n <= kSerial) {
     for (Index i = 0; i < n; ++i) f(i);

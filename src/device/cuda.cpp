@@ -3,6 +3,8 @@
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 
+#include <sstream>
+
 #include "base/error.h"
 #include "device/device.h"
 #include "device/memory.h"
@@ -17,24 +19,43 @@ void set_threads(int) {}
 int threads() { return 1; }
 
 std::vector<DeviceInfo> devices() {
-  int n = 0;
+  const auto text = [](int version) { return std::to_string(version / 1000) + "." + std::to_string(version % 1000 / 10); };
+  int n = 0, driver = 0, runtime = 0;
   if (cudaGetDeviceCount(&n) != cudaSuccess) n = 0;
-  int driver = 0;
   cudaDriverGetVersion(&driver);
+  cudaRuntimeGetVersion(&runtime);
   std::vector<DeviceInfo> out;
   for (int d = 0; d < n; ++d) {
     cudaDeviceProp p{};
     check(cudaGetDeviceProperties(&p, d), "devices");
-    out.push_back({"cuda", p.name, p.multiProcessorCount, p.totalGlobalMem, std::to_string(driver / 1000) + "." + std::to_string(driver % 1000 / 10)});
+    out.push_back({"cuda", p.name, p.multiProcessorCount, p.totalGlobalMem, text(driver), text(runtime), "sm_" + std::to_string(10 * p.major + p.minor)});
   }
   return out;
+}
+
+std::vector<std::string> architectures() {
+  std::vector<std::string> out;
+  std::istringstream names(MORTISE_ARCHITECTURES);
+  for (std::string name; names >> name;) out.push_back(name);
+  return out;
+}
+
+void select(int number, bool) {
+  check(cudaSetDevice(number), "select");
+  // Released memory stays with the process: solvers ask for the same sizes again and again.
+  cudaMemPool_t pool;
+  std::uint64_t keep = ~std::uint64_t{0};
+  check(cudaDeviceGetDefaultMemPool(&pool, number), "select");
+  check(cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &keep), "select");
 }
 
 void* allocate(std::size_t bytes) {
   void* p = nullptr;
   if (cudaMallocAsync(&p, bytes, nullptr) != cudaSuccess) {
     cudaGetLastError();
-    throw Error(Exit::device, "out of device memory: could not allocate " + std::to_string(bytes >> 20) + " MiB");
+    std::size_t free = 0, total = 0;
+    cudaMemGetInfo(&free, &total);
+    throw out_of_memory(bytes, total);
   }
   account(static_cast<std::ptrdiff_t>(bytes));
   return p;
@@ -43,10 +64,17 @@ void release(void* p, std::size_t bytes) {
   cudaFreeAsync(p, nullptr);
   account(-static_cast<std::ptrdiff_t>(bytes));
 }
-void copy_in(void* device, const void* host, std::size_t bytes) { check(cudaMemcpy(device, host, bytes, cudaMemcpyHostToDevice), "upload"); }
-void copy_out(void* host, const void* device, std::size_t bytes) { check(cudaMemcpy(host, device, bytes, cudaMemcpyDeviceToHost), "download"); }
+void copy_in(void* device, const void* host, std::size_t bytes) {
+  count_to_device(bytes);
+  check(cudaMemcpy(device, host, bytes, cudaMemcpyHostToDevice), "upload");
+}
+void copy_out(void* host, const void* device, std::size_t bytes) {
+  count_to_host(bytes);
+  check(cudaMemcpy(host, device, bytes, cudaMemcpyDeviceToHost), "download");
+}
 void copy(void* to, const void* from, std::size_t bytes) { check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice), "copy"); }
 void clear(void* p, std::size_t bytes) { check(cudaMemsetAsync(p, 0, bytes), "clear"); }
+void forget(void*, std::size_t) {}
 
 Index exclusive_scan(Buffer<Index>& counts) {
   const Index n = counts.size();

@@ -8,6 +8,7 @@
 //     the thread count or the number of environments;
 //   * memory of a Buffer is touched on the host only through upload/download.
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,13 +38,23 @@ void count_launch(std::string_view name);
 std::vector<LaunchCount> launch_counts();
 void reset_launch_counts();
 
+// Copies between host and device since the start; backends count every one.
+Transfers transfers();
+
 // Bytes held by all Buffers now, and the most held at once.
 struct MemoryUse {
   std::size_t now = 0, peak = 0;
 };
 MemoryUse memory_use();
 
+// What this build can run on: the CPU, or the GPUs of this machine.
 std::vector<DeviceInfo> devices();
+// What kernels were compiled for, e.g. "x86-64" or "sm_90".
+std::vector<std::string> architectures();
+
+// Where Buffers live and kernels run from now on; to be called before the first Buffer. CPU build: number 0, and `debug`
+// keeps Buffers out of reach of the host (trap.h). CUDA build: the number of a GPU. Throws Error(Exit::device).
+void select(int number, bool debug);
 
 // Number of CPU threads that kernels use; 0 = what the affinity mask or SLURM_CPUS_PER_TASK allows.
 void set_threads(int n);
@@ -55,6 +66,7 @@ void copy_in(void* device, const void* host, std::size_t bytes);
 void copy_out(void* host, const void* device, std::size_t bytes);
 void copy(void* to, const void* from, std::size_t bytes);  // device to device
 void clear(void* p, std::size_t bytes);
+void forget(void* p, std::size_t bytes);  // values become undefined; the debug device makes them NaN
 
 // Owns device memory of n values of a trivially copyable T.
 template <class T>
@@ -81,6 +93,8 @@ class Buffer {
       p_ = nullptr, capacity_ = 0;
       p_ = static_cast<T*>(allocate(static_cast<std::size_t>(n) * sizeof(T)));
       capacity_ = static_cast<std::size_t>(n);
+    } else if (n > n_) {
+      forget(p_ + n_, static_cast<std::size_t>(n - n_) * sizeof(T));
     }
     n_ = n;
   }
@@ -128,65 +142,43 @@ inline constexpr Index kChunk = 64;
 
 namespace mortise::device {
 
+// out[e] <- combine(out[e], f(i) over offset[e] <= i < offset[e+1]) for every environment e: chunks of kChunk terms, chunks of
+// chunks, until one value per environment is left (reduce.h).
+struct Add {
+  static constexpr double kStart = 0;
+  MORTISE_HD double operator()(double a, double b) const { return a + b; }
+};
+struct Larger {
+  static constexpr double kStart = -std::numeric_limits<double>::infinity();
+  MORTISE_HD double operator()(double a, double b) const { return b > a || b != b ? b : a; }  // a NaN wins, so that it is seen
+};
+template <class Combine, class F>
+void env_reduce(const char* name, const std::vector<Index>& offset, F f, std::vector<double>& out);
+
 // Sum of f(i), i < n, in the fixed order.
 template <class F>
 double sum(const char* name, Index n, F f) {
-  if (n <= 0) return 0;
-  Index m = (n + kChunk - 1) / kChunk;
-  Buffer<double> partial(m);
-  View<double> out = partial.view();
-  parallel_for(name, m, [=] MORTISE_HD(Index c) {
-    const Index end = (c + 1) * kChunk < n ? (c + 1) * kChunk : n;
-    double s = 0;
-    for (Index i = c * kChunk; i < end; ++i) s += f(i);
-    out[c] = s;
-  });
-  std::vector<double> level = partial.download();
-  while (level.size() > 1) {
-    std::vector<double> next((level.size() + kChunk - 1) / kChunk, 0.0);
-    for (std::size_t i = 0; i < level.size(); ++i) next[i / kChunk] += level[i];
-    level.swap(next);
-  }
-  return level[0];
+  std::vector<double> out{0.0};
+  env_reduce<Add>(name, {0, n}, f, out);
+  return out[0];
 }
-
 // Largest f(i), i < n; `least` when n is 0.
 template <class F>
 double max(const char* name, Index n, double least, F f) {
-  if (n <= 0) return least;
-  Index m = (n + kChunk - 1) / kChunk;
-  Buffer<double> partial(m);
-  View<double> out = partial.view();
-  parallel_for(name, m, [=] MORTISE_HD(Index c) {
-    const Index end = (c + 1) * kChunk < n ? (c + 1) * kChunk : n;
-    double s = least;
-    for (Index i = c * kChunk; i < end; ++i) {
-      const double v = f(i);
-      s = v > s || v != v ? v : s;  // a NaN wins, so that it is seen
-    }
-    out[c] = s;
-  });
-  double s = least;
-  for (double v : partial.download()) s = v > s || v != v ? v : s;
-  return s;
+  std::vector<double> out{least};
+  env_reduce<Larger>(name, {0, n}, f, out);
+  return out[0];
 }
-
-// Adds sum of f(i) over offset[e] <= i < offset[e+1] to out[e], each environment in its own fixed order, so that the result
+// Adds the sum of f(i) over offset[e] <= i < offset[e+1] to out[e], each environment in its own fixed order, so that the result
 // of environment e does not depend on its neighbours.
 template <class F>
 void env_sum(const char* name, const std::vector<Index>& offset, F f, std::vector<double>& out) {
-  for (std::size_t e = 0; e + 1 < offset.size(); ++e) {
-    const Index begin = offset[e];
-    out[e] += sum(name, offset[e + 1] - begin, [=] MORTISE_HD(Index i) { return f(begin + i); });
-  }
+  env_reduce<Add>(name, offset, f, out);
 }
 // Raises out[e] to the largest f(i) of environment e.
 template <class F>
 void env_max(const char* name, const std::vector<Index>& offset, F f, std::vector<double>& out) {
-  for (std::size_t e = 0; e + 1 < offset.size(); ++e) {
-    const Index begin = offset[e];
-    out[e] = max(name, offset[e + 1] - begin, out[e], [=] MORTISE_HD(Index i) { return f(begin + i); });
-  }
+  env_reduce<Larger>(name, offset, f, out);
 }
 
 // Exclusive prefix sum in place of n counts stored in a buffer of n+1 values; the last becomes the total, which is returned.
@@ -213,3 +205,5 @@ void segment_sum(const char* name, const Buffer<Index>& start, F term, Buffer<T>
 }
 
 }  // namespace mortise::device
+
+#include "device/reduce.h"

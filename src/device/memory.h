@@ -1,8 +1,16 @@
 #pragma once
 #include <cstddef>
 
+#include "base/error.h"
+
 namespace mortise::device {
 
-void account(std::ptrdiff_t bytes);  // called by the backends' allocate and release
+// What backends report of their work.
+void account(std::ptrdiff_t bytes);  // allocated, or released where negative
+void count_to_device(std::size_t bytes);
+void count_to_host(std::size_t bytes);
+
+// `memory`: of the whole device, 0 where unknown.
+Error out_of_memory(std::size_t asked, std::size_t memory);
 
 }  // namespace mortise::device

@@ -3,6 +3,7 @@
 
 #include "effects/contact/start_check.h"
 #include "effects/list.h"
+#include "engine/bandwidth.h"
 #include "model/model.h"
 #include "solver/simulation.h"
 
@@ -31,7 +32,10 @@ class Build : public Engine {
   explicit Build(const model::ModelInput& input) : model_(input), effects_(make_effects()), simulation_(model_, effects_, solver::read_options(input.scene)) {}
 
   Outcome step(const std::function<bool()>& stop_asked, solver::StepReport& report) override {
-    return guarded([&] { report = simulation_.step(stop_asked); });
+    const device::Transfers before = device::transfers();
+    const Outcome outcome = guarded([&] { report = simulation_.step(stop_asked); });
+    step_transfers_ = step_transfers_ + (device::transfers() - before);
+    return outcome;
   }
   void report(FieldSink& sink) override { simulation_.report(sink); }
   std::vector<double> points() override {
@@ -52,6 +56,8 @@ class Build : public Engine {
     for (const device::LaunchCount& l : device::launch_counts()) out.emplace_back(l.name, l.launches);
     return out;
   }
+  device::Transfers transfers() const override { return device::transfers(); }
+  device::Transfers step_transfers() const override { return step_transfers_; }
   std::size_t peak_memory() const override { return device::memory_use().peak; }
   std::vector<PlanItem> plan() const override {
     std::vector<PlanItem> out;
@@ -79,16 +85,25 @@ class Build : public Engine {
   model::Model model_;
   solver::EffectList effects_;
   solver::Simulation simulation_;
+  device::Transfers step_transfers_;
 };
 
 Outcome create(const model::ModelInput& input, std::unique_ptr<Engine>& out) {
   return guarded([&] { out = std::make_unique<Build>(input); });
 }
 
+Outcome select(int number, bool debug) {
+  return guarded([&] { device::select(number, debug); });
+}
+
+Outcome bandwidth(Index edge, Bandwidth& out) {
+  return guarded([&] { measure_bandwidth(edge, out); });
+}
+
 }  // namespace
 
 const Api& build_api() {
-  static const Api api{kApiVersion, device::devices, device::set_threads, create};
+  static const Api api{kApiVersion, device::devices, device::architectures, select, device::set_threads, create, bandwidth};
   return api;
 }
 

@@ -39,17 +39,29 @@ class Engine {
   virtual long steps_done() const = 0;
   virtual solver::Clock clock() const = 0;
   virtual std::vector<std::pair<std::string, long long>> launches() const = 0;
+  virtual device::Transfers transfers() const = 0;       // of all kinds of work so far,
+  virtual device::Transfers step_transfers() const = 0;  // and of step() alone
   virtual std::size_t peak_memory() const = 0;
   virtual std::vector<PlanItem> plan() const = 0;
   virtual std::string linear_solver() const = 0;  // and why
+};
+
+// How fast y = A x runs and how fast the device copies; bytes are those that must be moved at least.
+struct Bandwidth {
+  Index rows = 0;
+  long long blocks = 0;  // 3x3 blocks of all rows
+  double multiply_seconds = 0, multiply_bytes = 0, copy_seconds = 0, copy_bytes = 0;
 };
 
 // What a build of the engine offers.
 struct Api {
   int version;
   std::vector<device::DeviceInfo> (*devices)();
+  std::vector<std::string> (*architectures)();  // that kernels were compiled for
+  Outcome (*select)(int number, bool debug);    // device::select; before the first engine is created
   void (*set_threads)(int);
   Outcome (*create)(const model::ModelInput&, std::unique_ptr<Engine>& out);
+  Outcome (*bandwidth)(Index edge, Bandwidth& out);  // of a cube of edge^3 nodes
 };
 inline constexpr int kApiVersion = 2;
 

@@ -66,7 +66,9 @@ std::string run_json(const RunRecord& r) {
                  {"name", r.device.name},
                  {"threads", r.device.threads},
                  {"memory_bytes", r.device.memory_bytes},
-                 {"driver", r.device.driver}};
+                 {"driver", r.device.driver},
+                 {"runtime", r.device.runtime},
+                 {"architecture", r.device.architecture}};
   j["linear_solver"] = r.linear_solver;
   j["scene"] = {{"name", r.scene_name}, {"path", r.scene_path}, {"sha256", r.scene_sha256}};
   j["command_line"] = r.command_line;
@@ -79,6 +81,9 @@ std::string run_json(const RunRecord& r) {
   }
   j["launches"] = Json::object();
   for (const auto& [kernel, count] : r.launches) j["launches"][kernel] = count;
+  j["transfers"] = Json::object();
+  for (const auto& t : r.transfers)
+    j["transfers"][t.of] = {{"to_device", t.to_device}, {"bytes_to_device", t.bytes_to_device}, {"to_host", t.to_host}, {"bytes_to_host", t.bytes_to_host}};
   j["memory_peak_bytes"] = {{"host", r.host_memory_peak_bytes}, {"device", r.device_memory_peak_bytes}};
   j["frames"] = r.frames;
   Json& steps = j["steps"];

@@ -14,11 +14,16 @@ namespace mortise::output {
 // What a run tells about itself in run.json (schemas/run.schema.json).
 struct RunRecord {
   struct Device {
-    std::string kind;  // "cpu" or "cuda"
+    std::string kind;  // "cpu", "debug" or "cuda"
     std::string name;
     int threads = 0;  // CPU threads, or multiprocessors
     std::int64_t memory_bytes = 0;
-    std::string driver;
+    std::string driver, runtime, architecture;  // of a GPU
+  };
+  // Copies between host and device, of the whole run ("all") or of its steps without setup and output ("steps").
+  struct Transfers {
+    std::string of;
+    std::int64_t to_device = 0, bytes_to_device = 0, to_host = 0, bytes_to_host = 0;
   };
   struct Phase {
     std::string effect, phase;  // "elasticity", "assemble"; the solver's own under "solver"
@@ -38,6 +43,7 @@ struct RunRecord {
   std::map<std::string, double> seconds;  // parts of it: setup, solve, output, pictures ...
   std::vector<Phase> phases;
   std::vector<std::pair<std::string, std::int64_t>> launches;  // per kernel
+  std::vector<Transfers> transfers;
   std::int64_t host_memory_peak_bytes = 0, device_memory_peak_bytes = 0;
   std::int64_t frames = 0;
   std::vector<StepRow> steps;

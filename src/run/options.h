@@ -15,7 +15,7 @@ struct Options {
   bool no_render = false;
   bool json = false;                   // events as JSON lines on stdout
   bool quiet = false;
-  std::string device = "auto";         // auto | cpu | cuda
+  std::string device = "auto";         // as engine::choose takes it
   int threads = 0;                     // 0: what the machine grants
   std::string command;                 // as typed, for run.json and the replay hint
 };

@@ -13,7 +13,7 @@ void Record::write(const std::string& path, const End& end, const engine::Engine
   r.mortise_version = version();
   r.git_sha1 = git_sha1();
   r.hardware = output::hardware();
-  r.device = {device.kind, device.name, device.threads, static_cast<std::int64_t>(device.memory), device.driver};
+  r.device = {device.kind, device.name, device.threads, static_cast<std::int64_t>(device.memory), device.driver, device.runtime, device.architecture};
   r.scene_name = end.scene_name;
   r.scene_path = end.options.scene;
   r.scene_sha256 = end.scene_sha256;
@@ -26,6 +26,8 @@ void Record::write(const std::string& path, const End& end, const engine::Engine
     r.linear_solver = engine->linear_solver();
     for (const auto& [key, value] : engine->clock().seconds) r.phases.push_back({key.first, key.second, value.first, value.second});
     for (const auto& [name, n] : engine->launches()) r.launches.emplace_back(name, n);
+    for (const auto& [name, t] : {std::pair{"all", engine->transfers()}, std::pair{"steps", engine->step_transfers()}})
+      r.transfers.push_back({name, t.to_device, t.bytes_to_device, t.to_host, t.bytes_to_host});
     r.device_memory_peak_bytes = static_cast<std::int64_t>(engine->peak_memory());
   }
   r.steps = steps;

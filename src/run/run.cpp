@@ -9,13 +9,13 @@
 
 #include "base/sha256.h"
 #include "base/version.h"
+#include "engine/choose.h"
 #include "engine/input.h"
 #include "output/atomic_file.h"
 #include "output/checkpoint.h"
 #include "output/field_file.h"
 #include "run/certificate.h"
 #include "run/checks.h"
-#include "run/device_choice.h"
 #include "run/output_mesh.h"
 #include "run/pictures.h"
 #include "run/progress.h"
@@ -88,8 +88,9 @@ class Run {
     dir_ = o_.output.empty() ? "out/" + scene_.root.text("name") : o_.output;
 
     const model::ModelInput input = engine::make_input(scene_.root);
-    const engine::Api& api = choose_device(o_.device, o_.threads, record_.device);
-    check(api.create(input, engine_));
+    const engine::Choice choice = engine::choose(o_.device, o_.threads);
+    record_.device = choice.device;
+    check(choice.api->create(input, engine_));
     sensors_.emplace(input);
     prepare_folder(o_, dir_);
     started_ = true;
@@ -168,7 +169,7 @@ class Run {
 
   std::string device_text() const {
     const device::DeviceInfo& d = record_.device;
-    return d.kind == "cpu" ? fmt::format("cpu with {} threads", d.threads) : d.kind + ": " + d.name;
+    return d.kind != "cuda" ? fmt::format("{} with {} threads", d.kind, d.threads) : d.kind + ": " + d.name;
   }
 
   void after_step(const solver::StepReport& report) {

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "engine/effect_tables.h"
-#include "engine/engine.h"
+#include "engine/choose.h"
 #include "engine/input.h"
 #include "geometry/topology.h"
 
@@ -150,7 +150,7 @@ Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInp
     if (b.type == model::BodyType::stiff) out.dofs += 12;
   }
   std::unique_ptr<engine::Engine> engine;
-  check(engine::cpu_api().create(out.input, engine));
+  check(engine::chosen().api->create(out.input, engine));
   const long steps = scene.root.at("time").integer("steps");
   out.converged = true;
   for (long i = 0; i < steps && out.converged; ++i) {

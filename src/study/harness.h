@@ -82,7 +82,7 @@ struct Solved {
   Row row(const std::string& name, const Method& method, const std::string& quantity, double value, double reference, double error, double gate) const;
 };
 
-// Runs all steps of a scene on the CPU. `prepare` may exchange meshes before the engine sees them; `each` is called after every step.
+// Runs all steps of a scene on the chosen device. `prepare` may exchange meshes before the engine sees them; `each` is called after every step.
 // Throws Error for all but steps that do not converge.
 Solved solve(const SceneText& scene, const std::function<void(model::ModelInput&)>& prepare = {}, const std::function<void(const Fields&)>& each = {});
 

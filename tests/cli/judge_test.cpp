@@ -39,7 +39,7 @@ nlohmann::json judged(const Vec3& shift, const Vec3& push, const std::string& ef
     file->end_frame();
     file->close();
   }
-  const std::string command = std::string(MORTISE_BINARY_DIR) + "/bin/mortise_judge " + path + " > " + path + ".json";
+  const std::string command = test_place::kBuildFolder + "/bin/mortise_judge " + path + " > " + path + ".json";
   const int status = std::system(command.c_str());
   auto j = nlohmann::json::parse(read_text(path + ".json"), nullptr, false);
   j["code"] = WEXITSTATUS(status);

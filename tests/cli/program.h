@@ -8,10 +8,12 @@
 #include <iterator>
 #include <string>
 
+#include "place.h"
+
 namespace mortise::cli {
 
-inline const std::string kSource = MORTISE_SOURCE_DIR;
-inline const std::string kProgram = std::string(MORTISE_BINARY_DIR) + "/bin/mortise";
+inline const std::string kSource = test_place::kSourceFolder;
+inline const std::string kProgram = test_place::kBuildFolder + "/bin/mortise";
 
 struct Result {
   int code = -1;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 
 using namespace mortise;
@@ -86,4 +88,46 @@ TEST(Device, ScanReturnsTheTotal) {
   Buffer<Index> counts(std::vector<Index>{3, 0, 4, 0});
   EXPECT_EQ(exclusive_scan(counts), 7);
   EXPECT_EQ(counts.download(), (std::vector<Index>{0, 3, 3, 7}));
+}
+
+// The tree of sums, written down naively: chunks of kChunk terms, chunks of chunks.
+static double tree_sum(std::vector<double> level) {
+  while (level.size() > 1) {
+    std::vector<double> next((level.size() + kChunk - 1) / kChunk, 0.0);
+    for (std::size_t i = 0; i < level.size(); ++i) next[i / kChunk] += level[i];
+    level.swap(next);
+  }
+  return level.empty() ? 0 : level[0];
+}
+
+TEST(Device, ReductionsOfManyEnvironmentsTakeOneUploadAndOneDownload) {
+  const std::vector<Index> offset{3, 3, 70, 71, 9000, 9000, 300'000};
+  const std::vector<double> host = random_values(offset.back());
+  const Buffer<double> values(host);
+  const View<const double> v = values.view();
+  std::vector<double> sums(6, 0.5), most(6, 0.25);
+  const Transfers before = transfers();
+  env_sum("test", offset, [=] MORTISE_HD(Index i) { return v[i]; }, sums);
+  env_max("test", offset, [=] MORTISE_HD(Index i) { return v[i]; }, most);
+  const Transfers used = transfers() - before;
+  EXPECT_EQ(used.to_device, 2);
+  EXPECT_EQ(used.to_host, 2);
+  EXPECT_EQ(used.bytes_to_host, 2 * 6 * 8);
+  for (int e = 0; e < 6; ++e) {
+    const std::vector<double> part(host.begin() + offset[e], host.begin() + offset[e + 1]);
+    EXPECT_EQ(sums[e], 0.5 + tree_sum(part)) << e;
+    EXPECT_EQ(most[e], part.empty() ? 0.25 : std::max(0.25, *std::max_element(part.begin(), part.end()))) << e;
+  }
+}
+
+TEST(Device, SumOfOneEnvironmentDownloadsOneNumberHoweverManyTerms) {
+  for (Index n : {10, 1000, 1'000'000}) {
+    const Transfers before = transfers();
+    const double s = sum("test", n, [=] MORTISE_HD(Index i) { return 1.0 / (1 + i); });
+    const Transfers used = transfers() - before;
+    EXPECT_GT(s, 2);
+    EXPECT_EQ(used.to_host, 1);
+    EXPECT_EQ(used.bytes_to_host, 8);
+    EXPECT_EQ(used.to_device, 0);
+  }
 }

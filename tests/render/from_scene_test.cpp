@@ -6,6 +6,7 @@
 #include "geometry/primitives.h"
 #include "geometry/topology.h"
 #include "scene/scene.h"
+#include "place.h"
 
 namespace mortise::render {
 namespace {
@@ -36,7 +37,7 @@ class SceneViewTest : public testing::Test {
  protected:
   SceneViewTest() {
     std::string text = kScene;
-    for (std::size_t k; (k = text.find("ASSETS")) != std::string::npos;) text.replace(k, 6, MORTISE_SOURCE_DIR "/scenes/tactile/assets");
+    for (std::size_t k; (k = text.find("ASSETS")) != std::string::npos;) text.replace(k, 6, test_place::kSourceFolder + "/scenes/tactile/assets");
     static const ParamTable none{"effect elasticity", "", {}};
     const std::vector<scene::EffectTable> effects{{"elasticity", "", &none}};
     root = scene::read_scene_text(text, "test.yaml", {}, effects).root;

@@ -6,6 +6,8 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "place.h"
+
 using namespace mortise;
 using run::Certificate;
 
@@ -144,7 +146,7 @@ TEST(Certificate, TellsSolverAndModelFigures) {
 
 TEST(Certificate, HasTheKeysOfItsSchema) {
   const auto j = certificate(0);
-  std::ifstream file(MORTISE_SOURCE_DIR "/schemas/certificate.schema.json");
+  std::ifstream file(test_place::kSourceFolder + "/schemas/certificate.schema.json");
   const auto schema = nlohmann::json::parse(file);
   const std::function<void(const nlohmann::json&, const nlohmann::json&, const std::string&)> compare = [&](const auto& value, const auto& s, const std::string& at) {
     if (!s.contains("properties")) return;

@@ -77,7 +77,7 @@ TEST(Dynamics, MomentumOfFreeBodiesIsKept) {
 // The same scene on one and on two threads, and restarted in the middle, gives the same bits.
 TEST(Dynamics, BitsDoNotDependOnThreadsOrRestarts) {
   const auto final_state = [](int threads, int restart_after) {
-    engine::cpu_api().set_threads(threads);
+    engine::chosen().api->set_threads(threads);
     auto rig = std::make_unique<Rig>(kFall, std::vector<std::string>{"bodies.stiff.angular_velocity=[3,1,20]", "effects.inertia.integrator=bdf2"});
     for (int n = 0; n < 12; ++n) {
       if (n == restart_after) {
@@ -94,5 +94,5 @@ TEST(Dynamics, BitsDoNotDependOnThreadsOrRestarts) {
   const auto reference = final_state(1, -1);
   EXPECT_EQ(reference, final_state(2, -1));
   EXPECT_EQ(reference, final_state(2, 7));
-  engine::cpu_api().set_threads(0);
+  engine::chosen().api->set_threads(0);
 }

@@ -6,7 +6,7 @@
 
 #include "base/memory_archive.h"
 #include "engine/effect_tables.h"
-#include "engine/engine.h"
+#include "engine/choose.h"
 #include "engine/input.h"
 #include "scene/scene.h"
 
@@ -39,7 +39,7 @@ class Rig {
   explicit Rig(const std::string& yaml, const std::vector<std::string>& overrides = {}) {
     scene = scene::read_scene_text(yaml, "test.yaml", overrides, engine::effect_tables());
     input = engine::make_input(scene.root);
-    check(engine::cpu_api().create(input, engine));
+    check(engine::chosen().api->create(input, engine));
   }
   solver::StepReport step() {
     solver::StepReport report;

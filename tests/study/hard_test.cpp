@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "engine/effect_tables.h"
 #include "scene/scene.h"
+#include "place.h"
 
 namespace fs = std::filesystem;
 using namespace mortise;
@@ -21,7 +22,7 @@ scene::Scene read(const std::string& text) { return scene::read_scene_text(text,
 
 TEST(Hard, EveryCaseOfEverySceneIsAScene) {
   int scenes = 0, cases = 0;
-  for (const auto& entry : fs::directory_iterator(std::string(MORTISE_SOURCE_DIR) + "/scenes/hard")) {
+  for (const auto& entry : fs::directory_iterator(test_place::kSourceFolder + "/scenes/hard")) {
     if (entry.path().extension() != ".yaml") continue;
     ++scenes;
     for (const HardCase& c : hard_cases(entry.path().string(), true)) {
@@ -38,13 +39,13 @@ TEST(Hard, EveryCaseOfEverySceneIsAScene) {
 }
 
 TEST(Hard, VariantsChangeWhatTheyName) {
-  const auto cases = hard_cases(std::string(MORTISE_SOURCE_DIR) + "/scenes/hard/h48_incline.yaml", false);
+  const auto cases = hard_cases(test_place::kSourceFolder + "/scenes/hard/h48_incline.yaml", false);
   ASSERT_EQ(cases.size(), 4u);  // barrier, mortar, barrier with mu 0.49 and 0.5
   EXPECT_EQ(read(cases[1].text).root.at("effects").at("friction").text("follows"), "mortar_contact");
   EXPECT_EQ(cases[2].variant, "mu 0.49");
   EXPECT_DOUBLE_EQ(read(cases[2].text).root.at("effects").at("friction").number("mu"), 0.49);
-  EXPECT_EQ(hard_cases(std::string(MORTISE_SOURCE_DIR) + "/scenes/hard/h48_incline.yaml", true).size(), 6u);
-  EXPECT_TRUE(hard_cases(std::string(MORTISE_SOURCE_DIR) + "/scenes/hard/h67_pinch.yaml", false)[0].expects_failure);
+  EXPECT_EQ(hard_cases(test_place::kSourceFolder + "/scenes/hard/h48_incline.yaml", true).size(), 6u);
+  EXPECT_TRUE(hard_cases(test_place::kSourceFolder + "/scenes/hard/h67_pinch.yaml", false)[0].expects_failure);
 }
 
 TEST(Hard, WhatAMethodDoesNotClaimIsReported) {

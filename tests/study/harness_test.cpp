@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "study/benchmark.h"
 #include "study/reference.h"
+#include "place.h"
 
 using namespace mortise;
 using namespace mortise::study;
@@ -99,7 +100,7 @@ TEST(StudyHarness, UnknownOptionsAreRefused) {
 
 TEST(StudyBenchmarks, EachHasADescription) {
   for (const Benchmark& b : benchmarks()) {
-    const std::string folder = std::string(MORTISE_SOURCE_DIR) + "/benchmarks/" + b.name;
+    const std::string folder = test_place::kSourceFolder + "/benchmarks/" + b.name;
     EXPECT_FALSE(benchmark_scene(b.name).empty());
     for (const char* file : {"/README.md", "/result.json"}) EXPECT_TRUE(std::ifstream(folder + file).good()) << folder << file;
   }

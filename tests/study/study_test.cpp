@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "base/error.h"
+#include "place.h"
 
 using namespace mortise;
 using namespace mortise::study;
@@ -60,7 +61,7 @@ TEST(Study, FigureShowsCurvesFrontAndFailures) {
 
 // A bar of linear material under its end load: the energy is exact at any mesh, so all errors vanish against the right value ...
 TEST(Study, RunsASceneAgainstAReference) {
-  Study s{std::string(MORTISE_SOURCE_DIR) + "/scenes/first/05_static_press.yaml", {"time.steps=1", "materials.gel.model=linear"}, {parse_vary("bodies.block.shape.box.edge_length=10 mm,5 mm"), parse_vary("materials.gel.youngs_modulus=0.1 MPa,0.2 MPa")}, {"elasticity/energy"}, {}};
+  Study s{test_place::kSourceFolder + "/scenes/first/05_static_press.yaml", {"time.steps=1", "materials.gel.model=linear"}, {parse_vary("bodies.block.shape.box.edge_length=10 mm,5 mm"), parse_vary("materials.gel.youngs_modulus=0.1 MPa,0.2 MPa")}, {"elasticity/energy"}, {}};
   // p^2 V/(2 E) = 25e6 Pa^2 * 4e-6 m^3 / (2 * 1e5 Pa)
   s.references = {5e-4};
   std::vector<Point> p = run_study(s, [](const Point&) {});

@@ -12,14 +12,21 @@ struct Extent {
   double lo[3], hi[3];
 };
 
-// Bounds of the positions that primitives refer to: one extent per chunk in a kernel, the rest on the host.
-Extent bounds(const Primitives& p, View<const Vec3> y) {
+MORTISE_HD inline void widen(Extent& e, const Extent& o) {
+  for (int d = 0; d < 3; ++d) {
+    e.lo[d] = o.lo[d] < e.lo[d] ? o.lo[d] : e.lo[d];
+    e.hi[d] = o.hi[d] > e.hi[d] ? o.hi[d] : e.hi[d];
+  }
+}
+
+// Bounds of the positions that primitives refer to, left in all[0]: one extent per chunk, then one of them all.
+void bounds(const Primitives& p, View<const Vec3> y, Buffer<Extent>& all) {
   constexpr Index kSpan = 1024;
   const Index n = p.n, chunks = (n + kSpan - 1) / kSpan;
   const int corners = p.corners;
   const Index* v = p.v;
-  Buffer<Extent> partial(chunks);
-  const View<Extent> out = partial.view();
+  all.resize(chunks);
+  const View<Extent> out = all.view();
   device::parallel_for("bvh.bounds", chunks, [=] MORTISE_HD(Index c) {
     const Index end = (c + 1) * kSpan < n ? (c + 1) * kSpan : n;
     Extent e;
@@ -32,28 +39,19 @@ Extent bounds(const Primitives& p, View<const Vec3> y) {
       }
     out[c] = e;
   });
-  const std::vector<Extent> host = partial.download();
-  Extent e = host[0];
-  for (const Extent& h : host)
-    for (int d = 0; d < 3; ++d) {
-      e.lo[d] = h.lo[d] < e.lo[d] ? h.lo[d] : e.lo[d];
-      e.hi[d] = h.hi[d] > e.hi[d] ? h.hi[d] : e.hi[d];
-    }
-  return e;
+  device::parallel_for("bvh.bounds", 1, [=] MORTISE_HD(Index) {
+    for (Index c = 1; c < chunks; ++c) widen(out[0], out[c]);
+  });
 }
 
 // Orders primitives by environment, then along a Morton curve through their centroids.
 void morton_order(const Primitives& p, const SurfaceView& s, Index environments, View<const Vec3> y, Buffer<Index>& order) {
-  const Extent e = bounds(p, y);
+  Buffer<Extent> all;
+  bounds(p, y, all);
   int env_bits = 0;
   while ((Index{1} << env_bits) < environments && env_bits < 30) ++env_bits;
   const int bits = (63 - env_bits) / 3 < 16 ? (63 - env_bits) / 3 : 16;  // per axis; more only lengthens the sort
   const double cells = static_cast<double>(1 << bits);
-  // The same cell size on every axis: cells as wide as thin scenes are flat would make slabs of the nodes.
-  double extent = 0;
-  for (int d = 0; d < 3; ++d) extent = e.hi[d] - e.lo[d] > extent ? e.hi[d] - e.lo[d] : extent;
-  const double scale = extent > 0 ? cells / extent : 0;
-  const Vec3 lo(e.lo[0], e.lo[1], e.lo[2]);
   const Index* v = p.v;
   const int corners = p.corners;
   const View<const Index> env = s.env;
@@ -61,7 +59,14 @@ void morton_order(const Primitives& p, const SurfaceView& s, Index environments,
   order.resize(p.n);
   const View<std::uint64_t> k = keys.view();
   const View<Index> o = order.view();
+  const View<const Extent> whole = all.view();
   device::parallel_for("bvh.morton", p.n, [=] MORTISE_HD(Index i) {
+    const Extent& e = whole[0];
+    // The same cell size on every axis: cells as wide as thin scenes are flat would make slabs of the nodes.
+    double extent = 0;
+    for (int d = 0; d < 3; ++d) extent = e.hi[d] - e.lo[d] > extent ? e.hi[d] - e.lo[d] : extent;
+    const double scale = extent > 0 ? cells / extent : 0;
+    const Vec3 lo(e.lo[0], e.lo[1], e.lo[2]);
     const Index point = v[i * corners];
     Vec3 f = y[point];
     for (int c = 1; c < corners; ++c) f += y[v[i * corners + c]];

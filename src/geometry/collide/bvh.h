@@ -21,9 +21,9 @@ inline constexpr int kBvhLevels = 17;
 
 struct BvhView {
   device::View<const BvhNode> nodes;
-  int levels = 0;             // level 0 holds the leaves, level levels-1 the root
-  Index start[kBvhLevels];    // first node of each level
-  Index size[kBvhLevels];
+  int levels = 0;                // level 0 holds the leaves, level levels-1 the root
+  Index start[kBvhLevels] = {};  // first node of each level
+  Index size[kBvhLevels] = {};
 };
 
 // Edges or triangles as rows of `corners` point ids.

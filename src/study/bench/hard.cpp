@@ -141,7 +141,7 @@ HardRow run_hard_case(const HardCase& c, const HardOptions& o) {
   std::ofstream(scene) << c.text;
   row.replay = fmt::format("{} run {} --overwrite --no-render -o {}", own_program(), scene, dir);
   fs::remove_all(dir);
-  std::vector<std::string> arguments{own_program(), "run", scene, "--no-render", "--quiet", "--device", "cpu", "-o", dir};
+  std::vector<std::string> arguments{own_program(), "run", scene, "--no-render", "--quiet", "-o", dir};
   if (o.threads > 0) arguments.insert(arguments.end(), {"--threads", std::to_string(o.threads)});
   const std::string err_file = scene + ".err";
   const Ended end = run_program(arguments, "/dev/null", err_file, o.time_limit);

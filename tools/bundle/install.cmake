@@ -1,0 +1,44 @@
+# Install rules and packages: a folder that runs wherever it is unpacked, on any Linux with glibc 2.36 or newer.
+#
+#   bin/ lib/ scenes/ schemas/ benchmarks/gpu/     component `program`: everything but pictures
+#   lib/libmortise_render.so and what it needs     component `renderer` (OSMesa and LLVM)
+#   bin/test_*, bin/mortise_judge, tests/          component `tests`, for benchmarks/gpu/run on another machine
+#
+# Libraries beside the program are found through DT_RPATH=$ORIGIN/../lib, which also holds for what they need themselves; they are
+# copied as they are. Only glibc, its loader and the NVIDIA driver come from the machine.
+set(mortise_not_bundled PRE_EXCLUDE_REGEXES "^ld-linux" "^lib(c|m|pthread|dl|rt|resolv)\\.so" "^libcuda\\.so"
+    POST_EXCLUDE_REGEXES "/ld-linux[^/]*$" "/lib(c|m|pthread|dl|rt|resolv)\\.so[^/]*$")
+
+install(TARGETS mortise RUNTIME_DEPENDENCY_SET program_libraries RUNTIME DESTINATION bin COMPONENT program)
+if(TARGET mortise_cuda)
+  install(TARGETS mortise_cuda RUNTIME_DEPENDENCY_SET program_libraries LIBRARY DESTINATION lib COMPONENT program)
+endif()
+install(RUNTIME_DEPENDENCY_SET program_libraries ${mortise_not_bundled} LIBRARY DESTINATION lib COMPONENT program)
+install(DIRECTORY scenes schemas DESTINATION . COMPONENT program)
+install(DIRECTORY benchmarks/gpu DESTINATION benchmarks COMPONENT program USE_SOURCE_PERMISSIONS PATTERN results EXCLUDE)
+install(FILES README.md CHANGELOG.md LICENSE DESTINATION . COMPONENT program)
+
+if(TARGET mortise_render_module)
+  install(TARGETS mortise_render_module RUNTIME_DEPENDENCY_SET renderer_libraries LIBRARY DESTINATION lib COMPONENT renderer)
+  install(RUNTIME_DEPENDENCY_SET renderer_libraries ${mortise_not_bundled} LIBRARY DESTINATION lib COMPONENT renderer)
+endif()
+
+if(MORTISE_TESTS)
+  get_property(programs GLOBAL PROPERTY MORTISE_TEST_PROGRAMS)
+  install(TARGETS ${programs} RUNTIME_DEPENDENCY_SET test_libraries RUNTIME DESTINATION bin COMPONENT tests)
+  install(RUNTIME_DEPENDENCY_SET test_libraries ${mortise_not_bundled} LIBRARY DESTINATION lib COMPONENT tests)
+  install(DIRECTORY tests/cli/bad DESTINATION tests/cli COMPONENT tests)
+  install(DIRECTORY benchmarks DESTINATION . COMPONENT tests FILES_MATCHING PATTERN README.md)
+endif()
+
+set(CPACK_PACKAGE_NAME mortise)
+set(CPACK_PACKAGE_VENDOR mortise)
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_GENERATOR TXZ)
+set(CPACK_SYSTEM_NAME linux-${CMAKE_SYSTEM_PROCESSOR})
+set(CPACK_ARCHIVE_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_GROUPING IGNORE)  # one archive per component; they unpack into the same folder
+set(CPACK_COMPONENT_INCLUDE_TOPLEVEL_DIRECTORY ON)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_THREADS 0)
+include(CPack)
