@@ -55,8 +55,8 @@ BruteForce brute_force(const test::Soup& s, const std::vector<Vec3>& y, const st
 }
 
 void expect_exact(const test::Soup& s, const Broadphase& found, const BruteForce& truth) {
-  const auto pt = std::vector<PointTriangle>(found.point_triangles().p, found.point_triangles().p + found.point_triangles().n);
-  const auto ee = std::vector<EdgeEdge>(found.edge_edges().p, found.edge_edges().p + found.edge_edges().n);
+  const auto pt = test::download(found.point_triangles());
+  const auto ee = test::download(found.edge_edges());
   ASSERT_EQ(pt.size(), truth.pt.size());
   ASSERT_EQ(ee.size(), truth.ee.size());
   for (std::size_t i = 0; i < pt.size(); ++i) {
@@ -133,8 +133,8 @@ TEST(Broadphase, DoesNotDependOnThreads) {
     device::set_threads(threads);
     Broadphase b(surface);
     b.update(y.view(), {}, 0.03);
-    pt.emplace_back(b.point_triangles().p, b.point_triangles().p + b.point_triangles().n);
-    ee.emplace_back(b.edge_edges().p, b.edge_edges().p + b.edge_edges().n);
+    pt.push_back(test::download(b.point_triangles()));
+    ee.push_back(test::download(b.edge_edges()));
   }
   device::set_threads(0);
   for (int k : {1, 2}) {

@@ -10,6 +10,13 @@
 
 namespace mortise::geometry::test {
 
+template <class T>
+std::vector<T> download(device::View<const T> v) {
+  std::vector<T> host(v.n);
+  if (v.n > 0) device::copy_out(host.data(), v.p, host.size() * sizeof(T));
+  return host;
+}
+
 struct Soup {
   std::vector<Vec3> points;
   std::vector<Triangle> triangles;

@@ -1,0 +1,69 @@
+// Host and device exchange a fixed number of copies per Newton iteration, and a few numbers each, whatever the mesh.
+#include "rig.h"
+
+using namespace mortise;
+using mortise::testing::Rig;
+
+namespace {
+
+// A ball pressed into a pad and drawn along; at the finer of two resolutions everything that could be copied is larger.
+std::string scene(double edge) {
+  return R"(
+mortise: 1
+name: transfers
+time: {step: 5 ms, steps: 10}
+materials:
+  gel: {model: neo_hookean, youngs_modulus: 0.4 MPa, poisson_ratio: 0.4, density: 1000}
+bodies:
+  pad: {type: soft, shape: {box: {size: [16 mm, 12 mm, 4 mm], edge_length: )" +
+         std::to_string(edge) + R"( mm}}, material: gel, position: [0, 0, -2 mm]}
+  ball: {type: stiff, shape: {sphere: {radius: 5 mm, edge_length: )" +
+         std::to_string(edge) + R"( mm}}, material: gel, position: [0, 0, 5.15 mm]}
+effects:
+  inertia: {}
+  elasticity: {}
+  pin:
+    - {body: pad, where: {side: z_min}}
+    - body: ball
+      where: {side: all}
+      motion: {time: [0, 0.02, 0.05], translation: [[0, 0, 0], [0, 0, -0.4 mm], [0.6 mm, 0, -0.4 mm]]}
+  barrier_contact: {d_hat: 0.3 mm, stiffness: 1 MPa}
+  friction: {follows: barrier_contact, mu: 0.5, creep_speed: 1 mm/s}
+solver: {linear: cg}
+)";
+}
+
+struct Cost {
+  Index nodes = 0, newton = 0;
+  device::Transfers transfers;
+  double per_iteration(long long n) const { return static_cast<double>(n) / newton; }
+};
+
+// Of some steps in contact, after one in which patterns are sorted for the first time.
+Cost cost(double edge, const std::string& solver) {
+  Rig rig(scene(edge), {"solver.linear=" + solver});
+  rig.step();
+  Cost out;
+  for (const model::BodyInput& b : rig.input.bodies) out.nodes += static_cast<Index>(b.nodes.size());
+  const device::Transfers before = rig.engine->step_transfers();
+  for (int i = 0; i < 4; ++i) out.newton += rig.step().newton;
+  out.transfers = rig.engine->step_transfers() - before;
+  return out;
+}
+
+}  // namespace
+
+TEST(Transfers, PerIterationDoNotGrowWithTheMesh) {
+  const Cost coarse = cost(2, "cg"), fine = cost(1, "cg");
+  ASSERT_GT(fine.nodes, 4 * coarse.nodes);
+  for (const Cost& c : {coarse, fine})
+    std::cout << c.nodes << " nodes, per Newton iteration: " << c.per_iteration(c.transfers.to_device) << " uploads of " << c.per_iteration(c.transfers.bytes_to_device)
+              << " B, " << c.per_iteration(c.transfers.to_host) << " downloads of " << c.per_iteration(c.transfers.bytes_to_host) << " B\n";
+  // The rest differs by how many steps were cut and how often friction was refreshed.
+  EXPECT_LT(fine.per_iteration(fine.transfers.to_device), 1.3 * coarse.per_iteration(coarse.transfers.to_device));
+  EXPECT_LT(fine.per_iteration(fine.transfers.to_host), 1.3 * coarse.per_iteration(coarse.transfers.to_host));
+  // All of them together are far less than one field.
+  const double field = 3 * sizeof(double) * fine.nodes;
+  EXPECT_LT(fine.per_iteration(fine.transfers.bytes_to_device), 0.02 * field);
+  EXPECT_LT(fine.per_iteration(fine.transfers.bytes_to_host), 0.1 * field);
+}
