@@ -190,7 +190,11 @@ const ParamTable& solver_table() {
        integer("iterations", "100", 1, 100000, "Most Newton iterations of one step."),
        choice("linear", {"auto", "direct", "reuse", "cg"}, "auto",
               "Linear solver: a Cholesky factor in every iteration, one that is reused while it pays, or conjugate gradients."),
-       below(positive(number("cg_tolerance", Unit::none, "1e-8", 0, "Relative residual at which conjugate gradients stop.")), 1),
+       choice("preconditioner", {"auto", "jacobi", "mas"}, "auto",
+              "For conjugate gradients: the diagonal blocks, or multilevel additive Schwarz, dearer but better on large bodies."),
+       choice("cg_forcing", {"eisenstat_walker", "fixed"}, "eisenstat_walker",
+              "Conjugate gradients stop where Newton's progress makes more digits pointless, or always at cg_tolerance."),
+       below(positive(number("cg_tolerance", Unit::none, "1e-8", 0, "Smallest relative residual that conjugate gradients aim at.")), 1),
        integer("cg_iterations", "10000", 1, 10000000, "Most iterations of one linear solve by conjugate gradients."),
        integer("halvings", "6", 0, 30, "How often a failed step is tried again with half its length.")}};
   return t;

@@ -1,9 +1,6 @@
 // The Newton direction: matrix, linear solver, and how much negative curvature the matrix may keep.
 #include <cmath>
-#include <sstream>
 
-#include "linalg/cg.h"
-#include "linalg/jacobi.h"
 #include "linalg/stale_factor.h"
 #include "linalg/supports.h"
 #include "solver/kernels.h"
@@ -66,25 +63,6 @@ bool Newton::solve_direct(StepReport& report) {
   return true;
 }
 
-bool Newton::solve_cg(StepReport& report) {
-  const std::vector<double> relative(model_.envs, options_.cg_tolerance);
-  linalg::BlockJacobi M;
-  M.build(matrix_);
-  linalg::CgOptions cg_options;
-  cg_options.max_iterations = options_.cg_iterations;
-  const linalg::CgResult cg = linalg::ConjugateGradients(env_rows_).solve(matrix_, M, rhs_.view(), x_.view(), relative, cg_options);
-  report.cg += cg.iterations();
-  for (const linalg::CgResult::Env& env : cg.env) {
-    if (env.end == linalg::CgEnd::not_positive_definite && concave_ > 0) return false;
-    if (env.end == linalg::CgEnd::iteration_limit || (env.end == linalg::CgEnd::not_positive_definite && env.iterations == 0)) {
-      std::ostringstream why;
-      why << "conjugate gradients stopped after " << env.iterations << " iterations at " << env.residual / env.rhs << " of the right-hand side (wanted " << options_.cg_tolerance << ")";
-      throw Failure{why.str()};
-    }
-  }
-  return true;
-}
-
 // (P H P + I - P) x = -P (g + H c) on the rows; false if the matrix is not positive definite and can be made so.
 bool Newton::solve_linear(StepReport& report, bool supports_move) {
   build_matrix();
@@ -101,7 +79,9 @@ bool Newton::solve_linear(StepReport& report, bool supports_move) {
   return linear_ == Linear::cg ? solve_cg(report) : solve_direct(report);
 }
 
-void Newton::direction(StepReport& report, bool supports_move) {
+void Newton::direction(StepReport& report, const Residual& r, double relative, bool supports_move) {
+  wanted_.resize(model_.envs);
+  for (Index e = 0; e < model_.envs; ++e) wanted_[e] = tolerance(r, e, relative);
   while (!solve_linear(report, supports_move)) {
     soften();
     ++report.softened;

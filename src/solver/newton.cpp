@@ -65,6 +65,7 @@ void Newton::number_rows() {
   block_of_row_.upload(block_of_row);
   row_projector_.upload(row_projector);
   assembler_.set_rows(device::Buffer<Index>(row_of_block), rows_);
+  cg_.reset();
 }
 
 Newton::Residual Newton::assemble(bool hessian) {
@@ -133,7 +134,7 @@ void Newton::iterate(StepReport& report, double relative, const std::function<vo
       throw Failure{why.str()};
     }
     const bool supports_move = largest_of(r.support_gap) > 0;
-    direction(report, supports_move);
+    direction(report, r, relative, supports_move);
     last_alpha_ = line_search(report, r, relative, supports_move);
     ++report.newton;
   }
@@ -144,6 +145,7 @@ void Newton::solve(StepReport& report, const std::function<void()>& stop) {
   q_.copy_from(model_.q);
   rounding_.assign(model_.envs, 0.0);
   factor_fresh_ = false;
+  cg_last_rhs_.clear();
   concave_ = last_alpha_ = 0;
   lags_ = options_.lags;
   lag_q_.copy_from(model_.q);

@@ -17,7 +17,9 @@
 #include "effects/effect.h"
 #include "linalg/assembly.h"
 #include "linalg/block_matrix.h"
+#include "linalg/cg.h"
 #include "linalg/direct.h"
+#include "linalg/preconditioner.h"
 #include "model/model.h"
 #include "solver/options.h"
 #include "solver/report.h"
@@ -55,9 +57,13 @@ class Newton {
   void soften();
   void build_matrix();
   bool solve_direct(StepReport& report);
+  void choose_preconditioner();  // krylov.cpp, with the next four
+  void set_up_cg();
+  std::vector<double> forcing();
+  linalg::CgResult run_cg(device::View<const Vec3> b, device::View<Vec3> x, const std::vector<double>& relative, const std::vector<double>& absolute);
   bool solve_cg(StepReport& report);
   bool solve_linear(StepReport& report, bool supports_move);
-  void direction(StepReport& report, bool supports_move);
+  void direction(StepReport& report, const Residual& r, double relative, bool supports_move);
   double line_search(StepReport& report, const Residual& r, double relative, bool supports_move);
   void iterate(StepReport& report, double relative, const std::function<void()>& stop);
   bool refresh_lagged(device::View<const Vec3> q);
@@ -84,6 +90,12 @@ class Newton {
   linalg::Assembler assembler_;
   linalg::BlockMatrix matrix_;
   linalg::DirectSolver direct_;
+  std::unique_ptr<linalg::ConjugateGradients> cg_;  // of the present numbering of rows, as the preconditioner
+  std::unique_ptr<linalg::Preconditioner> preconditioner_;
+  bool schwarz_ = false;
+  device::Buffer<Vec3> row_position_;
+  std::vector<double> cg_relative_, cg_last_rhs_;  // of the last linear system in this step, per environment; empty before the first
+  std::vector<double> wanted_;                     // per environment: the residual at which Newton stops [N]
   std::vector<linalg::StencilSet*> sets_;
 
   device::Buffer<Vec3> q_, trial_, gradient_, support_, dq_, rhs_, x_;

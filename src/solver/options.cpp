@@ -14,6 +14,8 @@ Options read_options(const Params& scene) {
   o.halvings = static_cast<Index>(s.integer("halvings"));
   o.linear = s.text("linear");
   o.cg_tolerance = s.number("cg_tolerance");
+  o.cg_forcing = s.text("cg_forcing") == "eisenstat_walker";
+  o.preconditioner = s.text("preconditioner");
   o.cg_iterations = static_cast<Index>(s.integer("cg_iterations"));
 
   const Params& time = scene.at("time");

@@ -14,7 +14,9 @@ struct Options {
   Index iterations = 100;     // Newton iterations per solve before the step counts as failed
   Index halvings = 6;         // how often a failed step may be halved
   std::string linear = "auto";
-  double cg_tolerance = 1e-8;  // relative true residual
+  double cg_tolerance = 1e-8;  // relative true residual, the smallest asked for when cg_forcing
+  bool cg_forcing = true;      // solve the linear systems only as exactly as Newton's progress deserves
+  std::string preconditioner = "auto";
   Index cg_iterations = 10000;
   // Lagged quantities (friction) are refreshed until the force residual with fresh values is at most lag_tolerance times
   // the largest force, at most lag_iterations times; in between, Newton stops at a tenth of that.
