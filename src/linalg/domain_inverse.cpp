@@ -33,34 +33,42 @@ MORTISE_HD inline Mat3 inverse_of_factor(const Mat3& S, const Vec3& size, bool s
   return M;
 }
 
-// S_ij = A_ij - sum_{k<j} L_ik L_jk^T
-MORTISE_HD inline Mat3 remainder(View<const Mat3> lower, Index at, Index i, Index j) {
-  Mat3 S = lower[at + packed_place(i, j)];
-  for (Index k = 0; k < j; ++k) S -= lower[at + packed_place(i, k)] * lower[at + packed_place(j, k)].transpose();
-  return S;
+// L_jj^-1 from S_jj, which the diagonal block holds once all columns before j are done.
+MORTISE_HD inline void take_pivot(View<Mat3> lower, View<const Vec3> size, Index d, Index j, bool strict, View<Mat3> pivot, View<Index> bad) {
+  bool good = true;
+  pivot[d * kSlots + j] = inverse_of_factor(lower[d * kPacked + packed_place(j, j)], size[d * kSlots + j], strict, good);
+  if (!good) bad[d] = 1;
 }
 
-// Block column j of all factors: L_jj^-1 goes to `pivot`, L_ij = S_ij L_jj^-T below replaces A_ij. Every row computes S_jj itself.
+void first_pivots(DomainMatrices& m) {
+  const View<Mat3> lower = m.lower.view(), pivot = m.pivot.view();
+  const View<const Vec3> size = m.size.view();
+  const View<Index> bad = m.bad.view();
+  const Index strict_domains = m.strict_domains;
+  device::parallel_for("domains.factor", m.domains, [=] MORTISE_HD(Index d) {
+    bad[d] = 0;
+    take_pivot(lower, size, d, 0, d < strict_domains, pivot, bad);
+  });
+}
+
+// Block column j of all factors, a thread for every row i below it:
+//   L_ij = (A_ij - sum_{k<j} L_ik L_jk^T) L_jj^-T,   S_ii <- S_ii - L_ij L_ij^T,   and the next pivot where i = j + 1.
 void factor_column(DomainMatrices& m, Index j) {
   const View<const Index> blocks = m.blocks.view();
   const View<Mat3> lower = m.lower.view(), pivot = m.pivot.view();
-  const View<const Mat3> read = lower;
   const View<const Vec3> size = m.size.view();
   const View<Index> bad = m.bad.view();
-  const Index strict_domains = m.strict_domains, rows = kSlots - j;
+  const Index strict_domains = m.strict_domains, rows = kSlots - 1 - j;
   device::parallel_for("domains.factor", m.domains * rows, [=] MORTISE_HD(Index t) {
-    const Index d = t / rows, i = j + t % rows;
+    const Index d = t / rows, i = j + 1 + t % rows;
     if (i >= blocks[d]) return;
     const Index at = d * kPacked;
-    bool good = true;
-    const Mat3 inverse = inverse_of_factor(remainder(read, at, j, j), size[d * kSlots + j], d < strict_domains, good);
-    if (i == j) {
-      pivot[d * kSlots + j] = inverse;
-      if (!good) bad[d] = 1;
-    } else {
-      const Mat3 S = remainder(read, at, i, j);
-      lower[at + packed_place(i, j)] = S * inverse.transpose();
-    }
+    Mat3 S = lower[at + packed_place(i, j)];
+    for (Index k = 0; k < j; ++k) S -= lower[at + packed_place(i, k)] * lower[at + packed_place(j, k)].transpose();
+    const Mat3 L = S * pivot[d * kSlots + j].transpose();
+    lower[at + packed_place(i, j)] = L;
+    lower[at + packed_place(i, i)] -= L * L.transpose();
+    if (i == j + 1) take_pivot(lower, size, d, i, d < strict_domains, pivot, bad);
   });
 }
 
@@ -98,8 +106,8 @@ void DomainMatrices::resize(const Domains& of) {
 }
 
 void DomainMatrices::invert() {
-  bad.zero();
-  for (Index j = 0; j < kSlots; ++j) factor_column(*this, j);
+  first_pivots(*this);
+  for (Index j = 0; j + 1 < kSlots; ++j) factor_column(*this, j);
   invert_factors(*this);
 }
 
