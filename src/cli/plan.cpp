@@ -4,6 +4,7 @@
 
 #include "engine/engine.h"
 #include "engine/input.h"
+#include "engine/memory_needed.h"
 #include "sensors/sensors.h"
 
 namespace mortise::cli {
@@ -31,8 +32,10 @@ std::string plan_text(const Params& scene) {
   for (const sensors::Sensor& s : sensors.all())
     text += fmt::format("sensor  {:20} {} x {} taxels on '{}'\n        buffer {:24} {:>12} bytes\n", s.name(), s.spec().rows, s.spec().columns, s.body(), "grid on the surface", s.bytes());
   text += fmt::format("solver  {}\n", engine->linear_solver());
-  text += fmt::format("memory  {:.1f} MiB in the buffers above, {:.1f} MiB in all buffers so far; contact and the linear solver grow as needed\n",
-                      static_cast<double>(total) / (1 << 20), static_cast<double>(engine->peak_memory()) / (1 << 20));
+  text += fmt::format("memory  {:.1f} MiB in the buffers above, {:.1f} MiB in all buffers so far\n", static_cast<double>(total) / (1 << 20),
+                      static_cast<double>(engine->peak_memory()) / (1 << 20));
+  text += fmt::format("        about {:.1f} MiB on the device in all, with conjugate gradients; wide contact and the factor of a direct solver come on top\n",
+                      static_cast<double>(engine::memory_needed(input)) / (1 << 20));
   return text;
 }
 

@@ -165,7 +165,7 @@ void start() {
   if (on) return;
   Arena& a = arena();
   const char* limit = std::getenv("MORTISE_DEBUG_MEMORY_MIB");
-  a.limit = limit && std::atoll(limit) > 0 ? static_cast<std::size_t>(std::atoll(limit)) << 20
+  a.limit = limit && std::atof(limit) > 0 ? static_cast<std::size_t>(std::atof(limit) * (1 << 20))
                                            : static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
   void* p = mmap(nullptr, kReserved, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (p == MAP_FAILED) throw Error(Exit::device, "debug device: cannot reserve addresses");

@@ -11,6 +11,7 @@
 #include "base/version.h"
 #include "engine/choose.h"
 #include "engine/input.h"
+#include "engine/memory_needed.h"
 #include "output/atomic_file.h"
 #include "output/checkpoint.h"
 #include "output/field_file.h"
@@ -90,6 +91,7 @@ class Run {
     const model::ModelInput input = engine::make_input(scene_.root);
     const engine::Choice choice = engine::choose(o_.device, o_.threads);
     record_.device = choice.device;
+    compare_memory(input);
     check(choice.api->create(input, engine_));
     sensors_.emplace(input);
     prepare_folder(o_, dir_);
@@ -144,11 +146,22 @@ class Run {
         output::write_file_atomically(picture, outcome.picture, true);
         throw Error(static_cast<Exit>(outcome.code), outcome.message + "\n  where they touch is drawn in " + picture);
       }
+      if (outcome.code == static_cast<int>(Exit::device) && output::has_checkpoint(dir_))
+        throw Error(Exit::device, outcome.message + "\n  the last checkpoint in " + dir_ + " is good: --resume continues from it, on a device with more memory or with less contact");
       check(outcome);
       after_step(report);
     }
     file_->close();
     return Exit::done;
+  }
+
+  // Better no start than an end after hours; a prediction that is nearly right is worth a word.
+  void compare_memory(const model::ModelInput& input) const {
+    const auto need = static_cast<double>(engine::memory_needed(input)), have = static_cast<double>(record_.device.memory);
+    if (have <= 0 || need < 0.8 * have) return;
+    const std::string text = fmt::format("the scene needs about {:.0f} MiB of device memory, {} ({}) has {:.0f} MiB", need / (1 << 20), record_.device.kind, record_.device.name, have / (1 << 20));
+    if (need > have) throw Error(Exit::device, text + "; coarser meshes need less");
+    progress_->note(text);
   }
 
   std::string overrides_text() const {
