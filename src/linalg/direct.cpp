@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "base/error.h"
+#include "device/cholesky.h"
+#include "linalg/scalar_csr.h"
 
 extern "C" void openblas_set_num_threads(int);
 
@@ -38,6 +40,14 @@ struct DirectSolver::State {
   Index failed_row = -1;
   bool factored = false;
 
+  // Where the device has a direct solver of its own, it does all but the ordering.
+  struct OnDevice {
+    device::Cholesky cholesky;
+    ScalarCsr matrix;
+    Buffer<double> b, x;
+  };
+  std::unique_ptr<OnDevice> on_device;
+
   State() {
     cholmod_start(&common);
     common.print = 0;
@@ -62,6 +72,8 @@ struct DirectSolver::State {
   }
 
   void analyse(const BlockMatrix& A);
+  bool factor_on_device(const BlockMatrix& A);
+  void solve_on_device(View<const Vec3> b, View<Vec3> x);
   std::vector<int> block_ordering();
   void expand_pattern(Index rows);
   void expand_values(const BlockMatrix& A);
@@ -140,6 +152,35 @@ void DirectSolver::State::analyse(const BlockMatrix& A) {
   stats.analyse_seconds = seconds_since(start);
 }
 
+bool DirectSolver::State::factor_on_device(const BlockMatrix& A) {
+  if (!on_device) on_device = std::make_unique<OnDevice>();
+  if (A.pattern != pattern || pattern == 0) {
+    const auto start = Clock::now();
+    row_start = A.row_start.download();
+    col = A.col.download();
+    stats.unknowns = 3 * A.rows;
+    on_device->matrix.set_pattern(A, block_ordering());
+    on_device->cholesky.analyse(on_device->matrix.row_start(), on_device->matrix.col());
+    on_device->b.resize(stats.unknowns), on_device->x.resize(stats.unknowns);
+    pattern = A.pattern;
+    ++stats.analyses;
+    stats.analyse_seconds = seconds_since(start);
+  }
+  const auto start = Clock::now();
+  on_device->matrix.set_values(A);
+  factored = on_device->cholesky.factor(on_device->matrix.value());
+  ++stats.factorisations;
+  stats.factor_seconds = seconds_since(start);
+  return factored;
+}
+
+void DirectSolver::State::solve_on_device(View<const Vec3> b_of_rows, View<Vec3> x_of_rows) {
+  on_device->matrix.to(b_of_rows, on_device->b.view());
+  on_device->cholesky.solve(std::as_const(on_device->b).view(), on_device->x.view());
+  on_device->matrix.from(std::as_const(on_device->x).view(), x_of_rows);
+  ++stats.solves;
+}
+
 DirectSolver::DirectSolver(DirectOptions options) : state_(std::make_unique<State>()) { state_->options = options; }
 DirectSolver::~DirectSolver() = default;
 
@@ -148,6 +189,7 @@ bool DirectSolver::factor(const BlockMatrix& A) {
   s.failed_row = -1;
   s.factored = false;
   if (A.rows == 0) return true;
+  if (device::Cholesky::available()) return s.factor_on_device(A);
   openblas_set_num_threads(s.options.blas_threads);
   if (A.pattern != s.pattern || s.pattern == 0) s.analyse(A);
   const auto start = Clock::now();
@@ -173,6 +215,10 @@ double DirectSolver::solve(View<const Vec3> b, View<Vec3> x, int refinements) {
   State& s = *state_;
   if (b.n == 0) return refinements > 0 ? 0 : -1;
   if (!s.factored || 3 * b.n != s.stats.unknowns || x.n != b.n) throw Error(Exit::internal, "direct solve without a matching factorisation");
+  if (s.on_device) {
+    s.solve_on_device(b, x);
+    return -1;
+  }
   openblas_set_num_threads(s.options.blas_threads);
   const auto start = Clock::now();
   const std::size_t bytes = static_cast<std::size_t>(b.n) * sizeof(Vec3);

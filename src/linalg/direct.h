@@ -5,6 +5,9 @@
 //
 // Bits repeat for any number of threads while OpenBLAS runs on one thread (the default). A matrix that is block diagonal over
 // environments is factored as a whole, so the ordering, and with it the last bits of an environment, depends on the others.
+//
+// Where the device has a factorisation of its own (device/cholesky.h), only the ordering is done on the host; failed_row() and
+// refinements are not available then.
 #include <memory>
 #include <string>
 
