@@ -2,7 +2,7 @@
 //
 // Far from the solution a direction to many digits is wasted. With b_k the right-hand side of iteration k, each environment asks for
 //
-//   |b_k - A x| <= max(eta_k |b_k|, wanted / 10),   eta_k = clamp(0.9 (|b_k| / |b_k-1|)^2, cg_tolerance, 0.1)
+//   |b_k - A x| <= max(eta_k |b_k|, wanted / 10),   eta_k = clamp(0.9 (|b_k| / |b_k-1|)^2, cg_tolerance, 0.03)
 //
 // and eta_k no smaller than 0.9 eta_k-1^2 (Eisenstat, Walker, SIAM J. Sci. Comput. 17, 1996, choice 2 and its safeguard, here
 // always on); `wanted` is the residual at which Newton stops, so that the last system is solved as exactly as that needs.
@@ -18,7 +18,7 @@
 namespace mortise::solver {
 namespace {
 
-constexpr double kRoughest = 0.1;
+constexpr double kRoughest = 0.03;
 
 linalg::RowPlaces row_places(const model::Model& model, const std::vector<Index>& block_of_row) {
   const std::vector<Vec3> rest = model.rest.download();
