@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <random>
+
+#include "base/error.h"
 
 namespace mortise::study {
 namespace {
@@ -110,6 +113,10 @@ geometry::TetMesh ball_octant(double radius, const std::vector<double>& s, const
   return mesh;
 }
 
+geometry::TetMesh ball_octant(double radius, const Spot& at_pole) {
+  return ball_octant(radius, graded(std::sqrt(2.0) * at_pole.h / radius, at_pole.fine, at_pole.out, 1), from_one(graded(at_pole.h / radius, 2, at_pole.down, 1)));
+}
+
 geometry::TetMesh cylinder_quarter(double radius, const std::vector<double>& s, const std::vector<double>& t, const std::vector<double>& y) {
   geometry::TetMesh mesh;
   for (auto w = t.rbegin(); w != t.rend(); ++w)
@@ -119,15 +126,55 @@ geometry::TetMesh cylinder_quarter(double radius, const std::vector<double>& s, 
   return mesh;
 }
 
-geometry::TetMesh ring_quarter(const std::vector<double>& r, int cells, const std::vector<double>& z) {
+geometry::TetMesh cylinder_quarter(double radius, const Spot& at_line, const std::vector<double>& y) {
+  return cylinder_quarter(radius, graded(std::sqrt(2.0) * at_line.h / radius, at_line.fine, at_line.out, 1), from_one(graded(at_line.h / radius, 2, at_line.down, 1)), y);
+}
+
+geometry::TetMesh ring_sector(const std::vector<double>& r, const std::vector<double>& angles, const std::vector<double>& z) {
   geometry::TetMesh mesh;
+  // Exactly on the axes, where symmetry planes select nodes.
+  const auto exact = [](double v) { return std::abs(v) < 1e-15 ? 0 : v; };
   for (double height : z)
-    for (int k = 0; k <= cells; ++k)
-      for (double radius : r) {
-        const double angle = 0.5 * std::numbers::pi * k / cells;
-        mesh.points.push_back({k == cells ? 0 : radius * std::cos(angle), radius * std::sin(angle), height});
-      }
-  mesh.tets = split({r.size(), static_cast<std::size_t>(cells) + 1, z.size()}, {0, 0, 0});
+    for (double angle : angles)
+      for (double radius : r) mesh.points.push_back({radius * exact(std::cos(angle)), radius * exact(std::sin(angle)), height});
+  mesh.tets = split({r.size(), angles.size(), z.size()}, {0, 0, 0});
+  return mesh;
+}
+
+geometry::TetMesh ring_quarter(const std::vector<double>& r, int cells, const std::vector<double>& z) {
+  return ring_sector(r, graded(0, cells, 0, 0.5 * std::numbers::pi), z);
+}
+
+geometry::TetMesh split_to(geometry::TetMesh mesh, std::size_t vertices, std::size_t tets) {
+  while (mesh.points.size() < vertices) {
+    std::map<std::pair<Index, Index>, std::vector<std::size_t>> around;
+    for (std::size_t t = 0; t < mesh.tets.size(); ++t)
+      for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < i; ++j) around[std::minmax(mesh.tets[t].v[i], mesh.tets[t].v[j])].push_back(t);
+    const std::size_t left = vertices - mesh.points.size(), wanted = (tets - mesh.tets.size() + left / 2) / left;
+    const std::pair<const std::pair<Index, Index>, std::vector<std::size_t>>* best = nullptr;
+    const auto off = [&](const auto& edge) { return std::abs(static_cast<double>(edge.second.size()) - static_cast<double>(wanted)); };
+    const auto length = [&](const auto& edge) { return (mesh.points[edge.first.first] - mesh.points[edge.first.second]).norm(); };
+    for (const auto& edge : around)
+      if (!best || off(edge) < off(*best) || (off(edge) == off(*best) && length(edge) > length(*best) * (1 + 1e-12))) best = &edge;
+    const auto [a, b] = best->first;
+    const Index middle = static_cast<Index>(mesh.points.size());
+    const Vec3 at = 0.5 * (mesh.points[a] + mesh.points[b]);
+    mesh.points.push_back(at);
+    for (std::size_t t : best->second) {
+      Tet half = mesh.tets[t];
+      std::replace(mesh.tets[t].v, mesh.tets[t].v + 4, a, middle);
+      std::replace(half.v, half.v + 4, b, middle);
+      mesh.tets.push_back(half);
+    }
+  }
+  if (mesh.tets.size() != tets) throw Error(Exit::internal, "splitting edges does not lead to " + std::to_string(tets) + " tetrahedra");
+  return mesh;
+}
+
+geometry::TetMesh upside_down(geometry::TetMesh mesh, double height) {
+  for (Vec3& x : mesh.points) x[2] = height - x[2];
+  for (Tet& t : mesh.tets) std::swap(t.v[2], t.v[3]);
   return mesh;
 }
 

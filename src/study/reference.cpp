@@ -42,6 +42,46 @@ double cone_pressure(double slope, double e_star, double a, double r) { return r
 double flat_punch_surface(double a, double r) { return 2 / std::numbers::pi * std::asin(a / r); }
 double cone_surface(double a, double r) { return 2 / std::numbers::pi * (std::asin(a / r) + std::sqrt(r * r / (a * a) - 1) - r / a); }
 
+double pin_pressure(double half_angle, double angle) {
+  const double b = std::tan(0.5 * half_angle), y = std::tan(0.5 * angle);
+  if (std::abs(y) >= b) return 0;
+  const double c = std::sqrt(1 + b * b), s = std::sqrt(b * b - y * y);
+  return 2 / std::numbers::pi * s / ((1 + y * y) * c) + std::log((c + s) / (c - s)) / (2 * std::numbers::pi * b * b * c * c);
+}
+
+double pin_moment(double half_angle) {
+  // angle = half_angle sin u takes the root out of the ends.
+  double sum = 0, moment = 0;
+  constexpr int n = 400;
+  for (int i = 0; i < n; ++i) {
+    const double u = 0.5 * std::numbers::pi * (i + 0.5) / n, angle = half_angle * std::sin(u), w = pin_pressure(half_angle, angle) * std::cos(u);
+    sum += w, moment += w * std::sin(angle) * std::sin(angle);
+  }
+  return moment / sum;
+}
+
+namespace {
+
+// x in (lo, hi) with f(x) = 0, where f rises.
+template <class F>
+double root(double lo, double hi, const F& f) {
+  for (int i = 0; i < 100; ++i) (f(0.5 * (lo + hi)) < 0 ? lo : hi) = 0.5 * (lo + hi);
+  return 0.5 * (lo + hi);
+}
+
+}  // namespace
+
+double pin_half_angle(double clearance_over_load) {
+  return root(1e-6, 0.5 * std::numbers::pi, [&](double angle) {
+    const double q = std::pow(std::tan(0.5 * angle), 2);
+    return clearance_over_load - (2 - 2 * q * q - std::log1p(q)) / (std::numbers::pi * q * (1 + q));
+  });
+}
+
+double pin_half_angle_of_moment(double moment) {
+  return root(1e-6, 0.5 * std::numbers::pi, [&](double angle) { return pin_moment(angle) - moment; });
+}
+
 double pressed_rings_pressure(double a, double b, double bore, double c, double D, double modulus) {
   const double outer = (c * c + bore * bore) / (c * c - bore * bore), inner = (b * b + a * a) / (b * b - a * a);
   return D * modulus / (b * (outer + inner));

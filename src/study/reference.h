@@ -30,6 +30,16 @@ double cone_pressure(double slope, double e_star, double a, double r);
 double flat_punch_surface(double a, double r);
 double cone_surface(double a, double r);
 
+// Pin in the bore of an infinite plate of the same material, plane, without friction, pushed by the force Q per thickness with the
+// clearance D between the radii; modulus: E/(1 - nu^2) in plane strain. With b = tan(half-angle/2) and y = tan(angle/2)
+//   modulus D/Q = (2 - 2 b^4 - ln(1 + b^2))/(pi b^2 (1 + b^2))
+//   p R/Q = (2/pi) sqrt(b^2 - y^2)/((1 + y^2) sqrt(1 + b^2)) + ln[(sqrt(1 + b^2) + sqrt(b^2 - y^2))/(sqrt(1 + b^2) - sqrt(b^2 - y^2))]/(2 pi b^2 (1 + b^2))
+// (Persson 1964; Ciavarella, Decuzzi, Int. J. Solids Struct. 38, 2001, both for equal materials).
+double pin_half_angle(double clearance_over_load);  // modulus D/Q > 0 -> half-angle of the contact [rad]
+double pin_pressure(double half_angle, double angle);  // p R/Q
+double pin_moment(double half_angle);  // mean of sin^2(angle) over the contact, weighted with p; grows with the half-angle
+double pin_half_angle_of_moment(double moment);
+
 // Lame: a ring of radii a, b inside one of radii bore, c, of one material, pressed together by D: what they would overlap if they did
 // not deform under p. p b/E [(c^2+bore^2)/(c^2-bore^2) + (b^2+a^2)/(b^2-a^2)] = D in plane stress, E/(1 - nu^2) for E in plane strain.
 double pressed_rings_pressure(double a, double b, double bore, double c, double D, double modulus);

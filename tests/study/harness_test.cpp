@@ -68,6 +68,26 @@ TEST(StudyHarness, PunchesOfSneddon) {
   EXPECT_NEAR(cone_surface(0.1, 0.1), 1 - 2 / std::numbers::pi, 1e-12);
 }
 
+TEST(StudyHarness, PinOfPersson) {
+  // E* D/Q at 60 degrees: b^2 = 1/3, (2 - 2/9 - ln(4/3))/(pi 4/9).
+  EXPECT_NEAR(pin_half_angle((16.0 / 9 - std::log(4.0 / 3)) / (std::numbers::pi * 4 / 9)), std::numbers::pi / 3, 1e-12);
+  // A small angle is Hertz's: a^2 = 4 Q R_e/(pi E*), R_e = R^2/D, E* half of one body's; p0 = 2Q/(pi a).
+  const double small = pin_half_angle(1e4);
+  EXPECT_NEAR(small, std::sqrt(8 / (std::numbers::pi * 1e4)), 1e-3 * small);
+  EXPECT_NEAR(pin_pressure(small, 0), 2 / (std::numbers::pi * small), 1e-3 / small);
+  for (const double half : {0.2, 1.0, 1.4}) {  // the vertical part of the pressure is the force
+    double sum = 0;
+    constexpr int n = 100000;
+    for (int i = 0; i < n; ++i) {
+      const double angle = half * (i + 0.5) / n;
+      sum += 2 * pin_pressure(half, angle) * std::cos(angle) * half / n;
+    }
+    EXPECT_NEAR(sum, 1, 1e-5) << half;
+    EXPECT_NEAR(pin_half_angle_of_moment(pin_moment(half)), half, 1e-9);
+    EXPECT_EQ(pin_pressure(half, half), 0);
+  }
+}
+
 TEST(StudyHarness, ShrinkFitOfLame) {  // reference/accuracy.md, B23
   EXPECT_NEAR(pressed_rings_pressure(1, 2, 2, 3, 0.01, 1000), 1.17188, 1e-5);
   EXPECT_NEAR(pressed_rings_pressure(1, 2, 2, 3, 0.01, 1000 / (1 - 0.09)), 1.28777, 1e-5);
@@ -126,6 +146,8 @@ TEST(StudyBenchmarks, TowerPasses) { expect_gates("tower", {"methods=gmcp_consis
 TEST(StudyBenchmarks, SlidePasses) { expect_gates("slide", {"methods=gmcp_consistent"}, 3); }
 TEST(StudyBenchmarks, InterfacePasses) { expect_gates("interface", {"methods=gmcp_consistent"}, 5); }
 TEST(StudyBenchmarks, LinePasses) { expect_gates("line", {"methods=gmcp_consistent"}, 4); }
+TEST(StudyBenchmarks, SpheresPass) { expect_gates("spheres", {"methods=gmcp_consistent", "cells=5"}, 6); }
+TEST(StudyBenchmarks, PinPasses) { expect_gates("pin", {"methods=gmcp_consistent", "cells=20"}, 4); }
 TEST(StudyBenchmarks, IndentPasses) { expect_gates("indent", {"methods=gmcp_consistent"}, 6); }
 TEST(StudyBenchmarks, RingPasses) { expect_gates("ring", {"methods=gmcp_consistent"}, 4); }
 TEST(StudyBenchmarks, PartitionPasses) { expect_gates("partition", {"methods=gmcp_consistent", "ratio=10"}, 24); }

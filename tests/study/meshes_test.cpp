@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "base/error.h"
 #include "geometry/topology.h"
 
 using namespace mortise;
@@ -114,4 +115,26 @@ TEST(StudyMeshes, RingAndPunchHaveTheVolumesOfTheirPolygons) {
     expect_closed(punch);
     EXPECT_NEAR(geometry::volume(punch), 8 * sector * (0.5 - 2 * rise / 3), 1e-12);  // prism less the cone below its lower face
   }
+}
+
+TEST(StudyMeshes, EdgesAreSplitUntilTheSizeIsReached) {
+  for (const auto& [cells, vertices, tets] : {std::tuple{std::array<int, 3>{3, 3, 2}, 56u, 125u}, {std::array<int, 3>{2, 2, 2}, 32u, 70u}}) {
+    const geometry::TetMesh mesh = split_to(jittered_block(Vec3::Zero(), Vec3(1, 1, 0.5), cells, 0.25, 1), vertices, tets);
+    EXPECT_EQ(mesh.points.size(), vertices);
+    EXPECT_EQ(mesh.tets.size(), tets);
+    EXPECT_GT(smallest_volume(mesh), 0);
+    expect_closed(mesh);
+    EXPECT_NEAR(geometry::volume(mesh), 0.5, 1e-12);
+    EXPECT_NEAR(geometry::area(geometry::surface_of(mesh)), 4, 1e-12);
+    EXPECT_THROW(split_to(mesh, vertices + 1, tets + 100), Error);
+  }
+}
+
+TEST(StudyMeshes, SpotsAreFineWhereBodiesTouch) {
+  const Spot spot{0.05, 4, 3, 3};
+  const geometry::TetMesh ball = upside_down(ball_octant(2, spot));
+  EXPECT_GT(smallest_volume(ball), 0);
+  EXPECT_NEAR(ball.points[0][2], 2, 1e-14);
+  EXPECT_NEAR(ball.points[1][0], 0.05, 1e-4);  // sin(h/R) R
+  EXPECT_NEAR(cylinder_quarter(2, spot.coarser(), {0, 1}).points[1][0], 0.055, 1e-4);
 }

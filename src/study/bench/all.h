@@ -6,6 +6,8 @@ namespace mortise::study::bench {
 void barrier(const Bench&);
 void patch(const Bench&);
 void hertz(const Bench&);
+void spheres(const Bench&);
+void pin(const Bench&);
 void tower(const Bench&);
 void slide(const Bench&);
 void interface(const Bench&);

@@ -11,97 +11,34 @@
 
 #include "base/error.h"
 #include "geometry/midsides.h"
-#include "geometry/topology.h"
 #include "study/bench/all.h"
+#include "study/bench/size.h"
 #include "study/figure.h"
 #include "study/meshes.h"
 #include "study/reference.h"
+#include "study/traction.h"
 
 namespace mortise::study::bench {
 namespace {
 
-struct Size {
-  const char* name;
-  double h;             // edge length at the contact [m]
-  int fine, out, down;  // cells of that size around the contact, growing cells outwards and downwards
-  double d_hat;         // [m]
-  double l2;            // gate
-};
-// The ball's grid is a little coarser than the block's, so that nodes do not coincide.
-constexpr Size kSizes[] = {{"tiny", 0.025, 6, 4, 5, 3e-3, NAN},
-                            {"coarse", 0.016, 8, 5, 7, 2e-3, 0.06},
-                            {"small", 0.011, 11, 6, 10, 1.2e-3, 0.05},
-                            {"medium", 0.0075, 16, 6, 14, 7e-4, 0.035},
-                            {"isaac", 0.0067, 18, 7, 14, 6e-4, 0.035},
-                            {"fine", 0.004, 30, 7, 14, 5e-4, 0.022}};
+constexpr Size kSizes[] = {{"tiny", {0.025, 6, 4, 5}, 3e-3, NAN},      {"coarse", {0.016, 8, 5, 7}, 2e-3, 0.06},    {"small", {0.011, 11, 6, 10}, 1.2e-3, 0.05},
+                           {"medium", {0.0075, 16, 6, 14}, 7e-4, 0.035}, {"isaac", {0.0067, 18, 7, 14}, 6e-4, 0.035}, {"fine", {0.004, 30, 7, 14}, 5e-4, 0.022}};
 // Quadratic tetrahedra: 7.5k and 20.3k nodes in all. Their layer of contact is stiffer (k = 24): with k = 4 its compliance would be all of
 // the error, 0.5 (d_hat - gap)/approach in the peak (reference/gmcp.md 3.2). Gated is r <= 0.9 a at the second size.
-constexpr Size kQuadraticSizes[] = {{"coarse", 0.02, 5, 3, 4, 6.6e-4, NAN}, {"medium", 0.0106, 9, 4, 5, 3.5e-4, 0.01}};
+constexpr Size kQuadraticSizes[] = {{"coarse", {0.02, 5, 3, 4}, 6.6e-4, NAN}, {"medium", {0.0106, 9, 4, 5}, 3.5e-4, 0.01}};
 constexpr double kExpectedRadius = 0.1;  // a/R, for the choice of kappa only
 
-// Pressure on the block's upper face.
-struct Profile {
-  std::vector<double> r, p, area;
-  void add(double radius, double pressure, double share) { r.push_back(radius), p.push_back(pressure), area.push_back(share); }
-};
-
-// Linear: nodal traction, the force of a node over its area. The same for every method, unlike contact_pressure, which counts only the
-// part of a node's area that is in contact. Quadratic: forces at corners are zero or less, whatever the pressure, so contact_pressure it is.
-// It is a force per area now, where the face has shrunk by 1.5 % at the centre; Hertz's linear theory, like the bodies' linear law, speaks
-// of the area and of the place at rest.
-Profile profile(const Solved& s, bool quadratic) {
-  Profile out;
-  const auto force = s.fields.point.find("contact_force"), pressure = s.fields.point.find("contact_pressure");
-  if (force == s.fields.point.end() || (quadratic && pressure == s.fields.point.end())) return out;
-  std::size_t first = 0;
-  for (const model::BodyInput& body : s.input.bodies) {
-    if (body.name == "block") {
-      std::vector<Triangle> top;
-      for (const Triangle& t : body.triangles)
-        if (std::all_of(t.v, t.v + 3, [&](Index v) { return std::abs(body.nodes[v][2]) < 1e-9; })) top.push_back(t);
-      std::vector<Vec3> now;
-      for (std::size_t i = first; i < first + body.nodes.size(); ++i) now.push_back({s.points[3 * i], s.points[3 * i + 1], s.points[3 * i + 2]});
-      const std::vector<double> area = geometry::vertex_areas(body.nodes, top), area_now = geometry::vertex_areas(now, top);
-      for (std::size_t i = 0; i < body.nodes.size(); ++i) {
-        if (!(area[i] > 0)) continue;
-        if (quadratic)
-          out.add(body.nodes[i].head<2>().norm(), pressure->second[first + i] * area_now[i] / area[i], area[i]);
-        else
-          out.add(now[i].head<2>().norm(), -force->second[3 * (first + i) + 2] / area[i], area[i]);
-      }
-    }
-    if (body.type != model::BodyType::half_space) first += body.nodes.size();
-  }
-  return out;
-}
+double radius_of(const Vec3& x) { return x.head<2>().norm(); }
 
 // || p - p_Hertz || / || p_Hertz || over r <= within.
-double l2_error(const Profile& at, const Hertz& exact, double within) {
-  double wrong = 0, all = 0;
-  for (std::size_t i = 0; i < at.r.size(); ++i) {
-    const double p = exact.pressure(at.r[i]);
-    if (at.r[i] <= within) wrong += at.area[i] * (at.p[i] - p) * (at.p[i] - p), all += at.area[i] * p * p;
-  }
-  return std::sqrt(wrong / all);
-}
-
-// Contact radius from the second moment of the forces on the samples: int p r^2 dA = 2/5 a^2 F. (Moments of nodal forces would count
-// r^2 interpolated between nodes, which is too much by about h^2/3.)
-double second_moment_radius(const Solved& s, const std::string& effect) {
-  const auto position = s.fields.row.find(effect + "/position"), force = s.fields.row.find(effect + "/force");
-  if (position == s.fields.row.end() || force == s.fields.row.end()) return NAN;
-  double sum = 0, moment = 0;
-  for (std::size_t i = 0; i < force->second.size(); ++i) {
-    const double x = position->second[3 * i], y = position->second[3 * i + 1];
-    sum += force->second[i], moment += force->second[i] * (x * x + y * y);
-  }
-  return std::sqrt(2.5 * moment / sum);
+double l2_error(const Traction& at, const Hertz& exact, double within) {
+  return at.l2([&](const Vec3& x) { return exact.pressure(radius_of(x)); }, [&](const Vec3& x) { return radius_of(x) <= within; });
 }
 
 // Quarter of a cylinder of radius R standing below z = 0: a square of grid planes, rounded.
-geometry::TetMesh cylinder_block(double R, const Size& size, const std::vector<double>& depth) {
-  const std::vector<double> s = graded(size.h / R, size.fine, size.out, 1);
-  geometry::TetMesh mesh = grid_block(s, s, mirrored(depth));
+geometry::TetMesh cylinder_block(double R, const Spot& spot) {
+  const std::vector<double> s = graded(spot.h / R, spot.fine, spot.out, 1);
+  geometry::TetMesh mesh = grid_block(s, s, spot.downwards(R));
   for (Vec3& x : mesh.points) {
     const double u = x[0], v = x[1];
     x[0] = R * u * std::sqrt(1 - v * v / 2), x[1] = R * v * std::sqrt(1 - u * u / 2);
@@ -126,12 +63,12 @@ void write_meshes(const std::string& file, const model::ModelInput& input) {
 // Profiles of all methods and sizes.
 struct Figure {
   std::vector<Panel> panels;  // one per method
-  void add(const std::string& method, const std::string& size, const Profile& at, const Hertz& exact) {
+  void add(const std::string& method, const std::string& size, const Traction& at, const Hertz& exact) {
     auto panel = std::find_if(panels.begin(), panels.end(), [&](const Panel& p) { return p.title == method; });
     if (panel == panels.end()) panels.push_back({method, {}}), panel = panels.end() - 1;
     Dots dots{size, {}};
-    for (std::size_t i = 0; i < at.r.size(); ++i)
-      if (at.r[i] < 1.6 * exact.a) dots.points.emplace_back(at.r[i] / exact.a, at.p[i] / exact.p0);
+    for (std::size_t i = 0; i < at.p.size(); ++i)
+      if (const double r = radius_of(at.at[i]); r < 1.6 * exact.a) dots.points.emplace_back(r / exact.a, at.p[i] / exact.p0);
     panel->series.push_back(std::move(dots));
   }
 };
@@ -144,24 +81,21 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
   const double e_star = E / (2 * (1 - nu * nu));
   const double d_hat = std::stod(b.option("d_hat", fmt::format("{:.17g}", size.d_hat)));
   const double expected = 2 * e_star * kExpectedRadius / (3.14159265358979 * R);
-  const double kappa = matched_stiffness(expected, d_hat, size.h, e_star, std::stod(b.option("k", quadratic ? "24" : "4")));
-  const double gap = std::stod(b.option("start", "0.1")) * d_hat;
+  const double kappa = matched_stiffness(expected, d_hat, size.mesh.h, e_star, std::stod(b.option("k", quadratic ? "24" : "4")));
+  const double gap = std::stod(b.option("start", "0.3")) * d_hat;
   for (const Method& m : b.methods()) {
     SceneText scene = b.scene();
     scene.set("bodies.ball.position", fmt::format("[0, 0, {:.17g}]", R + gap));
     scene.set("effects.mortar_contact.d_hat", d_hat);
     scene.set("effects.mortar_contact.stiffness", kappa);
-    scene.use(m, size.h * size.h / (quadratic ? 16 : 4));
+    scene.use(m, size.mesh.h * size.mesh.h / (quadratic ? 16 : 4));
     // The rounding of internal forces ends Newton a step before the sum of what is left over all nodes is below the gate.
     if (quadratic) scene.set("solver.step_tolerance", 1e-12);
     const auto element = [&](const geometry::TetMesh& mesh, const geometry::Snap& snap = {}) { return quadratic ? geometry::with_midsides(mesh, snap) : mesh; };
     const Solved s = solve(scene, [&](model::ModelInput& input) {
-      const std::vector<double> lateral = graded(size.h, size.fine, size.out, R), depth = graded(size.h, 2, size.down, R);
-      set_mesh(input, "block", element(cylinder ? cylinder_block(R, size, depth) : grid_block(lateral, lateral, mirrored(depth))));
-      // Lengths near the pole are s R/sqrt(2) and (1 - t) R.
-      const double h = 1.1 * size.h;
-      const std::vector<double> t = from_one(graded(h, 2, size.down, 1));
-      geometry::TetMesh octant = ball_octant(R, graded(std::sqrt(2.0) * h, static_cast<int>(size.fine / 1.1 + 0.5), size.out, 1), t);
+      const std::vector<double> lateral = size.mesh.outwards(R);
+      set_mesh(input, "block", element(cylinder ? cylinder_block(R, size.mesh) : grid_block(lateral, lateral, size.mesh.downwards(R))));
+      geometry::TetMesh octant = ball_octant(R, size.mesh.coarser());
       octant = element(octant, [R](const Vec3& a, const Vec3& b, const Vec3& x) -> Vec3 {
         const bool on_sphere = std::abs(a.norm() - R) < 1e-9 * R && std::abs(b.norm() - R) < 1e-9 * R;
         return on_sphere ? Vec3(R * x.normalized()) : x;
@@ -172,10 +106,10 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
     });
     const double quarter = std::abs(s.fields.at("supports/ball_z")), F = 4 * quarter;
     const Hertz exact = study::hertz(F, R, e_star);
-    const Profile at = profile(s, quadratic);
+    const Traction at = nodal_traction(s, "block", [](const Vec3& x) { return std::abs(x[2]) < 1e-9; }, quadratic);
     const double whole = l2_error(at, exact, exact.a), inner = l2_error(at, exact, 0.9 * exact.a);
-    const double peak = at.p.empty() ? NAN : *std::max_element(at.p.begin(), at.p.end());
-    const double radius = second_moment_radius(s, m.effect);
+    const double peak = at.peak();
+    const double radius = std::sqrt(2.5 * sample_mean(s, m.effect, [](const Vec3& x) { return x.head<2>().squaredNorm(); }));  // int p r^2 dA = 2/5 a^2 F
     const auto gate = [&](double g) { return m.gated ? g : NAN; };
     const std::string name = fmt::format("{}{}{}", size.name, cylinder ? ", cylinder" : "", quadratic ? ", quadratic" : "");
     b.emit(s.row(name, m, "pressure L2, r <= a", whole, 0, whole, gate(quadratic ? NAN : size.l2)));
@@ -184,12 +118,12 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
     b.emit(s.row(name, m, "contact radius", radius, exact.a, std::abs(radius / exact.a - 1), gate(0.01)));
     const double contact = s.fields.at(m.effect + "/force_ball_z");
     b.emit(s.row(name, m, "contact force", contact, quarter, std::abs(contact / quarter - 1), gate(1e-10)));
-    b.emit(s.row(name, m, "contact share of time", s.contact_share, NAN, s.contact_share, size.h > 0.01 ? NAN : gate(0.05)));
+    b.emit(s.row(name, m, "contact share of time", s.contact_share, NAN, s.contact_share, size.mesh.h > 0.01 ? NAN : gate(0.05)));
     if (s.converged) figure.add(m.name, size.name, at, exact);
     if (const std::string file = b.option("profile", ""); !file.empty()) {
       std::ofstream csv(file + "_" + m.name + ".csv");
       csv << "radius_over_a,pressure_over_p0\n";
-      for (std::size_t i = 0; i < at.r.size(); ++i) csv << fmt::format("{:.9g},{:.9g}\n", at.r[i] / exact.a, at.p[i] / exact.p0);
+      for (std::size_t i = 0; i < at.p.size(); ++i) csv << fmt::format("{:.9g},{:.9g}\n", radius_of(at.at[i]) / exact.a, at.p[i] / exact.p0);
       if (!csv.flush()) throw Error(Exit::file, "cannot write '" + file + "_" + m.name + ".csv'");
     }
   }
@@ -206,9 +140,7 @@ void hertz(const Bench& b) {
   std::string rest = b.option("size", "coarse") + ",";
   for (std::size_t comma; (comma = rest.find(',')) != std::string::npos; rest.erase(0, comma + 1)) {
     const std::string wanted = rest.substr(0, comma);
-    const auto size = std::find_if(sizes.begin(), sizes.end(), [&](const Size& s) { return s.name == wanted; });
-    if (size == sizes.end()) throw Error(Exit::usage, quadratic ? "--set size with order=2: coarse or medium, or both with a comma" : "--set size: some of tiny,coarse,small,medium,isaac,fine");
-    run(b, *size, quadratic, figure);
+    run(b, size_of(sizes, wanted), quadratic, figure);
   }
   const auto curve = [](double r) { return r < 1 ? std::sqrt(1 - r * r) : 0; };
   if (const std::string file = b.option("figure", ""); !file.empty()) {

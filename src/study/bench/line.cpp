@@ -1,10 +1,8 @@
 // B08: cylinder on a block in plane strain (NAFEMS CB-1, code_aster SSNP154). a and p0 are computed from the measured force.
 #include <fmt/format.h>
 
-#include <algorithm>
-
-#include "base/error.h"
 #include "study/bench/all.h"
+#include "study/bench/size.h"
 #include "study/meshes.h"
 #include "study/reference.h"
 #include "study/traction.h"
@@ -12,41 +10,30 @@
 namespace mortise::study::bench {
 namespace {
 
-struct Size {
-  const char* name;
-  double h;             // edge length at the contact [m]
-  int fine, out, down;  // cells of that size around the contact, growing cells outwards and downwards
-  double d_hat;         // [m]
-  double l2, rest;      // gates
-};
-constexpr Size kSizes[] = {{"coarse", 0.8e-3, 10, 8, 10, 1e-4, 0.05, 0.02}, {"fine", 0.4e-3, 20, 10, 14, 5e-5, 0.05, 0.02}};
+constexpr Size kSizes[] = {{"coarse", {0.8e-3, 10, 8, 10}, 1e-4, 0.05}, {"fine", {0.4e-3, 20, 10, 14}, 5e-5, 0.05}};
+constexpr double kGate = 0.02;                                // of peak and half-width
 constexpr double kRadius = 0.05, kWidth = 0.1, kDepth = 0.2;  // of the block: half its width [m]
 constexpr double kExpected = 3585e6;                          // p0 under 35 kN/mm, for the choice of kappa only [Pa]
 
 }  // namespace
 
 void line(const Bench& b) {
-  const std::string wanted = b.option("size", "coarse");
-  const auto size = std::find_if(std::begin(kSizes), std::end(kSizes), [&](const Size& s) { return s.name == wanted; });
-  if (size == std::end(kSizes)) throw Error(Exit::usage, "--set size: coarse or fine");
+  const Size& size = size_of(kSizes, b.option("size", "coarse"));
+  const double h = size.mesh.h;
   const auto compliance = [&](const std::string& material) {
     const double nu = b.scene().number("materials." + material + ".poisson_ratio");
     return (1 - nu * nu) / b.scene().number("materials." + material + ".youngs_modulus");
   };
   const double e_star = 1 / (compliance("steel") + compliance("aluminium"));
-  const double d_hat = size->d_hat, gap = 0.1 * d_hat, thickness = 6 * size->h;
+  const double d_hat = size.d_hat, gap = 0.1 * d_hat, thickness = 6 * h;
   for (const Method& m : b.methods()) {
     SceneText scene = b.scene();
     scene.set("effects.mortar_contact.d_hat", d_hat);
-    scene.set("effects.mortar_contact.stiffness", matched_stiffness(kExpected, d_hat, size->h, e_star, 4));
-    scene.use(m, size->h * size->h / 4);
+    scene.set("effects.mortar_contact.stiffness", matched_stiffness(kExpected, d_hat, h, e_star, 4));
+    scene.use(m, h * h / 4);
     const Solved s = solve(scene, [&](model::ModelInput& input) {
-      const std::vector<double> depth = mirrored(graded(size->h, 2, size->down, kDepth));
-      set_mesh(input, "block", grid_block(graded(size->h, size->fine, size->out, kWidth), graded(0, 6, 0, thickness), depth));
-      // Lengths near the contact are s R/sqrt(2) and (1 - t) R. Nodes of the two bodies do not coincide.
-      const double h = 1.1 * size->h / kRadius;
-      const std::vector<double> t = from_one(graded(h, 2, size->down, 1));
-      geometry::TetMesh quarter = cylinder_quarter(kRadius, graded(std::sqrt(2.0) * h, static_cast<int>(size->fine / 1.1 + 0.5), size->out, 1), t, graded(0, 5, 0, thickness));
+      set_mesh(input, "block", grid_block(size.mesh.outwards(kWidth), graded(0, 6, 0, thickness), size.mesh.downwards(kDepth)));
+      geometry::TetMesh quarter = cylinder_quarter(kRadius, size.mesh.coarser(), graded(0, 5, 0, thickness));
       for (Vec3& x : quarter.points) x[2] += kRadius + gap;
       set_mesh(input, "roller", quarter);
     });
@@ -55,18 +42,14 @@ void line(const Bench& b) {
     const Traction t = nodal_traction(s, "block", [](const Vec3& x) { return std::abs(x[2]) < 1e-9; });
     const double l2 = t.l2([&](const Vec3& x) { return exact.pressure(x[0]); }, [&](const Vec3& x) { return x[0] <= exact.a; });
     // Half-width from the second moment of the forces on the samples: int p x^2 dx = a^2 P/4.
-    double sum = 0, moment = 0;
-    const auto position = s.fields.row.find(m.effect + "/position"), force = s.fields.row.find(m.effect + "/force");
-    if (position != s.fields.row.end() && force != s.fields.row.end())
-      for (std::size_t i = 0; i < force->second.size(); ++i) sum += force->second[i], moment += force->second[i] * std::pow(position->second[3 * i], 2);
-    const double width = 2 * std::sqrt(moment / sum);
+    const double width = 2 * std::sqrt(sample_mean(s, m.effect, [](const Vec3& x) { return x[0] * x[0]; }));
     const auto gate = [&](double g) { return m.gated ? g : NAN; };
-    b.emit(s.row(size->name, m, "line load [N/m]", P, 35e6, std::abs(P / 35e6 - 1), NAN));
-    b.emit(s.row(size->name, m, "pressure L2, x <= a", l2, 0, l2, gate(size->l2)));
-    b.emit(s.row(size->name, m, "peak pressure", t.peak(), exact.p0, std::abs(t.peak() / exact.p0 - 1), gate(size->rest)));
-    b.emit(s.row(size->name, m, "half-width", width, exact.a, std::abs(width / exact.a - 1), gate(size->rest)));
+    b.emit(s.row(size.name, m, "line load [N/m]", P, 35e6, std::abs(P / 35e6 - 1), NAN));
+    b.emit(s.row(size.name, m, "pressure L2, x <= a", l2, 0, l2, gate(size.l2)));
+    b.emit(s.row(size.name, m, "peak pressure", t.peak(), exact.p0, std::abs(t.peak() / exact.p0 - 1), gate(kGate)));
+    b.emit(s.row(size.name, m, "half-width", width, exact.a, std::abs(width / exact.a - 1), gate(kGate)));
     const double contact = s.fields.at(m.effect + "/force_roller_z");
-    b.emit(s.row(size->name, m, "contact force", contact, half, std::abs(contact / half - 1), gate(1e-10)));
+    b.emit(s.row(size.name, m, "contact force", contact, half, std::abs(contact / half - 1), gate(1e-10)));
   }
 }
 
