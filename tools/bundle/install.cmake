@@ -31,6 +31,7 @@ if(MORTISE_TESTS)
   install(DIRECTORY benchmarks DESTINATION . COMPONENT tests FILES_MATCHING PATTERN README.md)
 endif()
 
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # what a package holds is built by tools/bundle/make, not everything there is
 set(CPACK_PACKAGE_NAME mortise)
 set(CPACK_PACKAGE_VENDOR mortise)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
