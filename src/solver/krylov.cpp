@@ -44,9 +44,10 @@ void gather(device::View<const Vec3> from, device::View<const Index> place, devi
 
 }  // namespace
 
-// Schwarz halves the iterations of block Jacobi from some hundreds of rows on, at about twice the work for each.
+// Schwarz needs a half to a fifth of the iterations of block Jacobi, but each costs two to three times as much on CPU threads, and setting it up
+// as much as some ten of them: worth it from some ten thousand rows on (benchmarks/linear).
 void Newton::choose_preconditioner() {
-  constexpr Index kSchwarzRows = 1000;
+  constexpr Index kSchwarzRows = 20000;
   Index most = 0;
   for (Index e = 0; e < model_.envs; ++e) most = std::max(most, env_rows_[e + 1] - env_rows_[e]);
   schwarz_ = options_.preconditioner == "mas" || (options_.preconditioner == "auto" && most >= kSchwarzRows);
@@ -87,8 +88,14 @@ linalg::CgResult Newton::run_cg(device::View<const Vec3> b, device::View<Vec3> x
 // False if the matrix is not positive definite and can be made so.
 bool Newton::solve_cg(StepReport& report) {
   set_up_cg();
-  gather(q_.view(), block_of_row_.view(), row_position_);
-  preconditioner_->build(matrix_, row_position_.view());
+  // A preconditioner of an earlier iteration of the step serves on as long as it nearly keeps its speed, in iterations per digit. Not
+  // with several environments: they would have a say in each other's choice.
+  constexpr double kSlower = 1.5;
+  if (model_.envs > 1 || built_speed_ == 0 || speed_ > kSlower * built_speed_) {
+    gather(q_.view(), block_of_row_.view(), row_position_);
+    preconditioner_->build(matrix_, row_position_.view());
+    built_speed_ = 0;
+  }
 
   const std::vector<double> relative = forcing();
   std::vector<double> absolute;
@@ -98,13 +105,18 @@ bool Newton::solve_cg(StepReport& report) {
   report.cg += cg.iterations();
   for (Index e = 0; e < model_.envs; ++e) {
     const linalg::CgResult::Env& env = cg.env[e];
-    if (env.end == linalg::CgEnd::not_positive_definite && concave_ > 0) return false;
+    if (env.end == linalg::CgEnd::not_positive_definite && concave_ > 0) {
+      built_speed_ = 0;
+      return false;
+    }
     if (env.end == linalg::CgEnd::iteration_limit || (env.end == linalg::CgEnd::not_positive_definite && env.iterations == 0)) {
       std::ostringstream why;
       why << "conjugate gradients stopped after " << env.iterations << " iterations at " << env.residual / env.rhs << " of the right-hand side (wanted " << relative[e] << ")";
       throw Failure{why.str()};
     }
   }
+  speed_ = cg.env[0].iterations / std::max(1.0, std::log10(cg.env[0].rhs / cg.env[0].residual));
+  if (built_speed_ == 0) built_speed_ = speed_;
   cg_relative_ = relative;
   cg_last_rhs_.clear();
   for (const linalg::CgResult::Env& env : cg.env) cg_last_rhs_.push_back(env.rhs);

@@ -146,6 +146,7 @@ void Newton::solve(StepReport& report, const std::function<void()>& stop) {
   rounding_.assign(model_.envs, 0.0);
   factor_fresh_ = false;
   cg_last_rhs_.clear();
+  built_speed_ = 0;
   concave_ = last_alpha_ = 0;
   lags_ = options_.lags;
   lag_q_.copy_from(model_.q);

@@ -94,6 +94,7 @@ class Newton {
   std::unique_ptr<linalg::Preconditioner> preconditioner_;
   bool schwarz_ = false;
   device::Buffer<Vec3> row_position_;
+  double built_speed_ = 0, speed_ = 0;  // iterations per digit: right after the preconditioner was built (0: not in this step), last time
   std::vector<double> cg_relative_, cg_last_rhs_;  // of the last linear system in this step, per environment; empty before the first
   std::vector<double> wanted_;                     // per environment: the residual at which Newton stops [N]
   std::vector<linalg::StencilSet*> sets_;
