@@ -63,7 +63,9 @@ constexpr const char* kBandwidthHelp = "matrix product y = A x against a copy: b
 
 int bench_named(const Options& o, const study::Benchmark& benchmark) {
   if (!o.json) std::cout << study::table_header();
-  const auto rows = study::run_benchmark(benchmark, o.sets, [&](const study::Row& row) { std::cout << (o.json ? study::json_line(row) + "\n" : study::table_line(row)) << std::flush; });
+  const auto row = [&](const study::Row& r) { std::cout << (o.json ? study::json_line(r) + "\n" : study::table_line(r)) << std::flush; };
+  const auto note = [](const std::string& text) { std::cerr << text << "\n"; };
+  const auto rows = study::run_benchmark(benchmark, o.sets, {row, o.hard.output.empty() ? "out/bench/" + o.name : o.hard.output, note});
   if (!o.result.empty()) {
     auto list = nlohmann::ordered_json::array();
     for (const study::Row& row : rows) list.push_back(nlohmann::ordered_json::parse(study::json_line(row)));

@@ -13,7 +13,7 @@ void add_hard_flags(CLI::App& sub, HardFlags& flags) {
   auto* quick = sub.add_flag("--quick", flags.quick, "hard: every case cut to seconds (the default)");
   sub.add_flag("--full", flags.full, "hard: whole lengths, variants with both contact methods")->excludes(quick);
   sub.add_option("--only", flags.only, "hard: only these cases (H11, or the beginning of a scene's name)")->delimiter(',');
-  sub.add_option("--out", flags.output, "hard, fuzz: folder of the runs (default out/hard, out/fuzz)");
+  sub.add_option("--out", flags.output, "folder of the figures and pictures of a benchmark (default out/bench/NAME), of the runs of hard and fuzz (default out/hard, out/fuzz)");
   sub.add_option("--limit", flags.limit, "hard, fuzz: seconds after which a run is ended (default 60, full 3600)")->check(CLI::PositiveNumber);
   sub.add_option("--expect", flags.expect, "hard: exit code 0 when no row is worse than in this file (one written by --result) and none is unsafe");
   sub.add_option("--seeds", flags.seeds, "fuzz: how many")->capture_default_str();

@@ -1,13 +1,14 @@
 #include "study/benchmark.h"
 
 #include <algorithm>
+#include <filesystem>
 
 #include "base/error.h"
 #include "study/bench/all.h"
 
 namespace mortise::study {
 
-Bench::Bench(std::string scene, const std::vector<std::string>& sets, std::function<void(const Row&)> emit) : scene_(std::move(scene)), emit_(std::move(emit)) {
+Bench::Bench(std::string scene, const std::vector<std::string>& sets, BenchOutput output) : scene_(std::move(scene)), output_(std::move(output)) {
   for (const std::string& s : sets) {
     const std::size_t eq = s.find('=');
     if (eq == std::string::npos || eq == 0) throw Error(Exit::usage, "--set " + s + ": write key=value");
@@ -24,6 +25,24 @@ std::string Bench::option(const std::string& key, const std::string& fallback) c
   for (const auto& [k, v] : options_)
     if (k == key) value = v;
   return value;
+}
+
+void Bench::draw(const std::string& file, const std::function<void(const std::string&)>& write) const {
+  if (output_.folder.empty()) return;
+  const std::string path = output_.folder + "/" + file;
+  const auto note = [&](const std::string& text) {
+    if (output_.note) output_.note(text);
+  };
+  std::error_code ec;
+  std::filesystem::create_directories(output_.folder, ec);
+  if (ec) throw Error(Exit::file, "cannot create '" + output_.folder + "': " + ec.message());
+  try {
+    write(path);
+    note("written: " + path);
+  } catch (const Error& e) {
+    if (e.code() != Exit::device) throw;
+    note("not drawn: " + path + " (" + e.what() + ")");
+  }
 }
 
 std::vector<Method> Bench::methods() const {
@@ -54,8 +73,8 @@ const Benchmark* find_benchmark(const std::string& name) {
 std::span<const Benchmark> benchmarks() {
   static const Benchmark all[] = {
       {"barrier", "gap of a block on a plane under uniform pressure (B27)", {}, bench::barrier},
-      {"patch", "uniform stress through two blocks with matching and other meshes (B01, B02, B05)", {"order"}, bench::patch},
-      {"hertz", "sphere on a block: pressure, its peak, contact radius (B07)", {"size", "under", "order", "d_hat", "k", "start", "profile", "figure", "mesh"}, bench::hertz},
+      {"patch", "uniform stress through two blocks with matching and other meshes (B01, B02, B05)", {"order", "case", "finer"}, bench::patch},
+      {"hertz", "sphere on a block: pressure, its peak, contact radius (B07)", {"size", "under", "order", "d_hat", "k", "start", "mesh"}, bench::hertz},
       {"spheres", "sphere on a sphere: pressure, its peak, contact radius (B06)", {"cells"}, bench::spheres},
       {"pin", "pin in a bore: pressure, angle of contact (B14, without friction)", {"cells", "order", "k", "layer"}, bench::pin},
       {"interface", "hydrostatic pressure through an inclined plane (B03) and a wavy surface (B04)", {"finest"}, bench::interface},
@@ -70,7 +89,7 @@ std::span<const Benchmark> benchmarks() {
   return all;
 }
 
-std::vector<Row> run_benchmark(const Benchmark& benchmark, const std::vector<std::string>& sets, const std::function<void(const Row&)>& emit) {
+std::vector<Row> run_benchmark(const Benchmark& benchmark, const std::vector<std::string>& sets, const BenchOutput& output) {
   for (const std::string& s : sets) {
     const std::string key = s.substr(0, s.find('='));
     if (key.find('.') != std::string::npos || key == "methods") continue;
@@ -80,10 +99,12 @@ std::vector<Row> run_benchmark(const Benchmark& benchmark, const std::vector<std
     throw Error(Exit::usage, "benchmark '" + std::string(benchmark.name) + "' has no option '" + key + "'; it has " + known + " and the values of its scene (a.b=c)");
   }
   std::vector<Row> rows;
-  benchmark.run(Bench(benchmark_scene(benchmark.name), sets, [&](const Row& row) {
+  BenchOutput collected = output;
+  collected.row = [&](const Row& row) {
     rows.push_back(row);
-    if (emit) emit(row);
-  }));
+    if (output.row) output.row(row);
+  };
+  benchmark.run(Bench(benchmark_scene(benchmark.name), sets, collected));
   return rows;
 }
 

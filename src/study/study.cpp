@@ -79,18 +79,18 @@ void run_benchmarks(const Study& study, const Benchmark& benchmark, std::vector<
     std::vector<std::string> sets = study.overrides;
     for (std::string& s : as_overrides(settings)) sets.push_back(std::move(s));
     const std::size_t before = points.size();
-    run_benchmark(benchmark, sets, [&](const Row& row) {
+    run_benchmark(benchmark, sets, {[&](const Row& row) {
       for (const std::string& q : study.quantities) {
         if (row.quantity != q && row.name + ": " + row.quantity != q) continue;
         points.push_back({settings, row.method, q, row.value, row.error, row.seconds, row.newton_iterations, row.dofs, row.failed, false, false});
       }
-    });
+    }, {}, {}});
     for (int i = 1; i < study.repeats; ++i) {  // the rows come in the same order
       std::size_t at = before;
-      run_benchmark(benchmark, sets, [&](const Row& row) {
+      run_benchmark(benchmark, sets, {[&](const Row& row) {
         for (const std::string& q : study.quantities)
           if (row.quantity == q || row.name + ": " + row.quantity == q) points[at].seconds = std::min(points[at].seconds, row.seconds), ++at;
-      });
+      }, {}, {}});
     }
     for (std::size_t i = before; i < points.size(); ++i) done(points[i]);
     if (points.size() == before) throw Error(Exit::usage, "--qoi: benchmark '" + study.scene + "' has no such quantity (a row's quantity, or 'case: quantity')");

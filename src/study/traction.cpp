@@ -41,6 +41,7 @@ Traction nodal_traction(const Solved& s, const std::string& name, const std::fun
       }
       for (std::size_t i = 0; i < body.nodes.size(); ++i) {
         if (!(area[i] > 0)) continue;
+        out.node.push_back(i);
         out.now.push_back(vector(s.points, i));
         out.at.push_back(quadratic ? body.nodes[i] : out.now.back());
         out.p.push_back(quadratic ? pressure->second[first + i] * area_now[i] / area[i] : -vector(force->second, i).dot(normal[i].normalized()) / area[i]);

@@ -14,6 +14,7 @@ namespace mortise::study {
 
 struct Traction {
   std::vector<Vec3> at;         // nodes, where their pressure is compared: now, quadratic: at rest [m]
+  std::vector<std::size_t> node;  // of the body
   std::vector<Vec3> now;        // where they are [m]
   std::vector<double> p, area;  // inward normal force over area at rest [Pa], and that area [m^2]
   double force() const;         // sum p area [N]

@@ -2,8 +2,9 @@
 
 #include <gmock/gmock.h>
 
-#include <fstream>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <nlohmann/json.hpp>
 
@@ -142,11 +143,25 @@ void expect_gates(const char* name, const std::vector<std::string>& sets, int at
 
 TEST(StudyBenchmarks, BarrierPasses) { expect_gates("barrier", {}, 18); }
 TEST(StudyBenchmarks, PatchPasses) { expect_gates("patch", {"methods=gmcp_consistent"}, 40); }
+TEST(StudyBenchmarks, FinerPatchPasses) {
+  expect_gates("patch", {"methods=gmcp_consistent", "case=non-matching", "finer=2"}, 2);
+  EXPECT_THROW(run_benchmark(*find_benchmark("patch"), {"case=none"}, {}), Error);
+}
+TEST(StudyBenchmarks, HertzLeavesFigures) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "mortise_hertz";
+  std::filesystem::remove_all(folder);
+  std::vector<std::string> notes;
+  run_benchmark(*find_benchmark("hertz"), {"methods=gmcp_consistent", "size=tiny"}, {{}, folder.string(), [&](const std::string& text) { notes.push_back(text); }});
+  EXPECT_EQ(notes.size(), 3u);  // nodes, picture (or why there is none), profiles
+  for (const char* file : {"pressure.svg", "tiny_gmcp_consistent.csv"}) EXPECT_TRUE(std::filesystem::exists(folder / file)) << file;
+  EXPECT_EQ(std::filesystem::exists(folder / "tiny_gmcp_consistent.png"), notes.at(1).starts_with("written"));
+  std::filesystem::remove_all(folder);
+}
 TEST(StudyBenchmarks, TowerPasses) { expect_gates("tower", {"methods=gmcp_consistent"}, 10); }
 TEST(StudyBenchmarks, SlidePasses) { expect_gates("slide", {"methods=gmcp_consistent"}, 3); }
 TEST(StudyBenchmarks, InterfacePasses) { expect_gates("interface", {"methods=gmcp_consistent"}, 5); }
 TEST(StudyBenchmarks, LinePasses) { expect_gates("line", {"methods=gmcp_consistent"}, 4); }
-TEST(StudyBenchmarks, SpheresPass) { expect_gates("spheres", {"methods=gmcp_consistent", "cells=5"}, 6); }
+TEST(StudyBenchmarks, SpheresPass) { expect_gates("spheres", {"methods=gmcp_consistent"}, 6); }
 TEST(StudyBenchmarks, PinPasses) { expect_gates("pin", {"methods=gmcp_consistent", "cells=20"}, 4); }
 TEST(StudyBenchmarks, IndentPasses) { expect_gates("indent", {"methods=gmcp_consistent"}, 6); }
 TEST(StudyBenchmarks, RingPasses) { expect_gates("ring", {"methods=gmcp_consistent"}, 4); }

@@ -15,6 +15,7 @@
 #include "study/bench/size.h"
 #include "study/figure.h"
 #include "study/meshes.h"
+#include "study/pressure_map.h"
 #include "study/reference.h"
 #include "study/traction.h"
 
@@ -46,6 +47,12 @@ geometry::TetMesh cylinder_block(double R, const Spot& spot) {
   return mesh;
 }
 
+void write(const std::string& path, const std::string& text) {
+  std::ofstream out(path);
+  out << text;
+  if (!out.flush()) throw Error(Exit::file, "cannot write '" + path + "'");
+}
+
 // The meshes as JSON, for other programs: {"block": {"points": [[x, y, z], ...], "tets": [[a, b, c, d], ...]}, "ball": ...}.
 void write_meshes(const std::string& file, const model::ModelInput& input) {
   nlohmann::ordered_json j;
@@ -55,9 +62,14 @@ void write_meshes(const std::string& file, const model::ModelInput& input) {
     for (const Tet& t : body.tets) tets.push_back(std::array<Index, 4>{t.v[0], t.v[1], t.v[2], t.v[3]});
     j[body.name] = {{"points", points}, {"tets", tets}};
   }
-  std::ofstream out(file);
-  out << j.dump();
-  if (!out.flush()) throw Error(Exit::file, "cannot write '" + file + "'");
+  write(file, j.dump());
+}
+
+// x, y [m] and pressure [Pa] of the nodes, for other programs (tools/pressure_map.py); the exact contact radius and peak stand first.
+void write_nodes(const std::string& path, const Traction& t, const Hertz& exact) {
+  std::string csv = fmt::format("# contact_radius={:.9g} peak_pressure={:.9g}\nx,y,pressure\n", exact.a, exact.p0);
+  for (std::size_t i = 0; i < t.p.size(); ++i) csv += fmt::format("{:.9g},{:.9g},{:.9g}\n", t.at[i][0], t.at[i][1], t.p[i]);
+  write(path, csv);
 }
 
 // Profiles of all methods and sizes.
@@ -82,10 +94,12 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
   const double d_hat = std::stod(b.option("d_hat", fmt::format("{:.17g}", size.d_hat)));
   const double expected = 2 * e_star * kExpectedRadius / (3.14159265358979 * R);
   const double kappa = matched_stiffness(expected, d_hat, size.mesh.h, e_star, std::stod(b.option("k", quadratic ? "24" : "4")));
-  const double gap = std::stod(b.option("start", "0.3")) * d_hat;
+  // Where the ball starts decides how hard the first Newton iterations are; where it ends does not depend on it.
+  const double gap = std::stod(b.option("start", "0.3")) * d_hat, end = b.scene().number("effects.pin.5.motion.translation.1.2") + 0.1 * d_hat;
   for (const Method& m : b.methods()) {
     SceneText scene = b.scene();
     scene.set("bodies.ball.position", fmt::format("[0, 0, {:.17g}]", R + gap));
+    scene.set("effects.pin.5.motion.translation.1.2", end - gap);
     scene.set("effects.mortar_contact.d_hat", d_hat);
     scene.set("effects.mortar_contact.stiffness", kappa);
     scene.use(m, size.mesh.h * size.mesh.h / (quadratic ? 16 : 4));
@@ -120,12 +134,12 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
     b.emit(s.row(name, m, "contact force", contact, quarter, std::abs(contact / quarter - 1), gate(1e-10)));
     b.emit(s.row(name, m, "contact share of time", s.contact_share, NAN, s.contact_share, size.mesh.h > 0.01 ? NAN : gate(0.05)));
     if (s.converged) figure.add(m.name, size.name, at, exact);
-    if (const std::string file = b.option("profile", ""); !file.empty()) {
-      std::ofstream csv(file + "_" + m.name + ".csv");
-      csv << "radius_over_a,pressure_over_p0\n";
-      for (std::size_t i = 0; i < at.p.size(); ++i) csv << fmt::format("{:.9g},{:.9g}\n", radius_of(at.at[i]) / exact.a, at.p[i] / exact.p0);
-      if (!csv.flush()) throw Error(Exit::file, "cannot write '" + file + "_" + m.name + ".csv'");
-    }
+    if (!s.converged) continue;
+    const std::string file = fmt::format("{}{}{}_{}", size.name, cylinder ? "_cylinder" : "", quadratic ? "_quadratic" : "", m.name);
+    b.draw(file + ".csv", [&](const std::string& path) { write_nodes(path, at, exact); });
+    b.draw(file + ".png", [&](const std::string& path) {
+      write_pressure_map(path, {"block", exact.a, 1.2 * exact.p0, fmt::format("{}, {}; circle: contact radius of Hertz, p0 = {:.4g} kPa", m.name, name, 1e-3 * exact.p0)}, s, at);
+    });
   }
 }
 
@@ -143,11 +157,7 @@ void hertz(const Bench& b) {
     run(b, size_of(sizes, wanted), quadratic, figure);
   }
   const auto curve = [](double r) { return r < 1 ? std::sqrt(1 - r * r) : 0; };
-  if (const std::string file = b.option("figure", ""); !file.empty()) {
-    std::ofstream out(file);
-    out << profiles_svg(figure.panels, curve, "Hertz", "r / a", "pressure / p0", 1.6, 1.4);
-    if (!out.flush()) throw Error(Exit::file, "cannot write '" + file + "'");
-  }
+  b.draw("pressure.svg", [&](const std::string& path) { write(path, profiles_svg(figure.panels, curve, "Hertz", "r / a", "pressure / p0", 1.6, 1.4)); });
 }
 
 }  // namespace mortise::study::bench

@@ -24,6 +24,7 @@ struct Case {
   bool two_pass = false, matching = false;
   double bottom_side = 1, top_side = 1;  // squares that share the corner at the origin [m]
   bool all_methods = false;
+  int finer = 1;       // cells per cell
   bool isaac = false;  // 56/125 under 32/70 vertices/tetrahedra, as in the report on IsaacIPC
   int order = 1;  // of the tetrahedra
 };
@@ -104,9 +105,11 @@ Solved run(const Bench& b, const Case& c, const Method& m) {
 
   // Overhanging blocks have regular meshes, so that the bare part consists of whole triangles.
   const bool overhang = c.top_side != c.bottom_side;
-  const std::array<int, 3> below = overhang ? std::array<int, 3>{4, 4, 2} : std::array<int, 3>{3, 3, 2};
-  const std::array<int, 3> above = c.matching ? below : (overhang && c.top_side > c.bottom_side ? std::array<int, 3>{4, 4, 2} : std::array<int, 3>{2, 2, 2});
-  const std::array<int, 3> under = overhang && c.top_side > c.bottom_side ? std::array<int, 3>{2, 2, 2} : below;
+  const int f = c.finer;
+  const std::array<int, 3> coarse{2 * f, 2 * f, 2 * f}, fine{3 * f, 3 * f, 2 * f}, regular{4 * f, 4 * f, 2 * f};
+  const bool top_larger = c.top_side > c.bottom_side;
+  const std::array<int, 3> under = !overhang ? fine : top_larger ? coarse : regular;
+  const std::array<int, 3> above = c.matching ? under : top_larger ? regular : coarse;
   const double jitter = overhang ? 0 : 0.25;
   scene.use(m, c.bottom_side * c.bottom_side / (under[0] * under[1]));
   return solve(scene, [&](model::ModelInput& input) {
@@ -159,11 +162,16 @@ void patch(const Bench& b) {
   const double p = b.scene().number("effects.pressure_load.0.pressure");
   const std::string order = b.option("order", "");
   if (!order.empty() && order != "1" && order != "2") throw Error(Exit::usage, "--set order: 1 or 2");
+  const std::string only = b.option("case", "");
+  bool any = false;
   for (Case c : cases()) {
+    c.finer = std::stoi(b.option("finer", "1"));
     if (!order.empty() && c.order == 2) continue;  // among the first again
     if (!order.empty()) c.order = order == "1" ? 1 : 2;
     if (c.order == 2 && c.quadrature == "1") continue;  // not for quadratic faces
     if (c.order == 2) c.name += ", quadratic";
+    if (!only.empty() && c.name != only) continue;
+    any = true;
     for (const Method& m : b.methods()) {
       if (!m.gated && !c.all_methods) continue;
       const Solved s = run(b, c, m);
@@ -173,6 +181,7 @@ void patch(const Bench& b) {
       b.emit(s.row(c.name, m, "other stresses", p * e.spurious, 0, e.spurious, gate));
     }
   }
+  if (!any) throw Error(Exit::usage, "--set case: no case '" + only + "'");
 }
 
 }  // namespace mortise::study::bench
