@@ -132,6 +132,18 @@ TEST_F(Trap, WritesBehindTheEndShowAtTheLatestOnRelease) {
               testing::ExitedWithCode(kInternal), "a kernel wrote behind the end of a buffer of 80 bytes");
 }
 
+// An address that hides in device memory is no captured one; what it does shows later.
+TEST_F(Trap, WritesIntoReleasedMemoryShowWhenItIsUsedAgain) {
+  EXPECT_EXIT(run([] {
+                Buffer<double> a(10);
+                const Buffer<double*> hidden(std::vector<double*>{a.view().p});
+                a = Buffer<double>(20);  // the old one is gone at the end of this statement
+                parallel_for("late", 1, [h = hidden.view()](Index i) { *h[i] = 0; });
+                for (int k = 0; k < 8; ++k) Buffer<double>(1 << 20);
+              }),
+              testing::ExitedWithCode(kInternal), "a kernel wrote into a released buffer of 80 bytes");
+}
+
 TEST_F(Trap, CopiesStayWithinOneBuffer) {
   EXPECT_EXIT(run([] {
                 Buffer<double> a(10);
