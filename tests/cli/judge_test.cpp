@@ -12,7 +12,7 @@ namespace mortise::cli {
 namespace {
 
 // Two unit tetrahedra, the second moved by `shift`; its first vertex by `push` more in the frame.
-nlohmann::json judged(const Vec3& shift, const Vec3& push, const std::string& effects, double kinetic = 0) {
+nlohmann::json judged(const Vec3& shift, const Vec3& push, const std::string& effects, double kinetic = 0, double elastic = NAN) {
   const std::string path = (fs::temp_directory_path() / ("mortise_judge_" + std::to_string(getpid()))).string();
   output::OutputMesh mesh;
   mesh.body_names = {"a", "b"};
@@ -24,7 +24,7 @@ nlohmann::json judged(const Vec3& shift, const Vec3& push, const std::string& ef
     mesh.body_of_cell.push_back(b);
   }
   const std::string scene = "bodies: {a: {type: soft, material: m}, b: {type: soft, material: m}, ground: {type: half_space, point: [0, 0, -1], normal: [0, 0, 1]}}\n"
-                            "materials: {m: {density: 6}}\neffects: {" + effects + "}\n";
+                            "materials: {m: {density: 6, model: linear, youngs_modulus: 60, poisson_ratio: 0}}\noutput: {precision: double}\neffects: {" + effects + "}\n";
   std::vector<double> now;
   for (const Vec3& x : mesh.points) now.insert(now.end(), x.data(), x.data() + 3);
   for (int c = 0; c < 3; ++c) now[12 + c] += push[c];
@@ -36,6 +36,7 @@ nlohmann::json judged(const Vec3& shift, const Vec3& push, const std::string& ef
     file->points("velocity", "m/s", 3, std::vector<double>(24, 1.0));
     file->scalar("inertia", "kinetic_energy", "J", kinetic > 0 ? kinetic : 3);  // 2 kg at sqrt(3) m/s
     for (const char* axis : {"x", "y", "z"}) file->scalar("inertia", std::string("momentum_") + axis, "kg m/s", 2);
+    if (std::isfinite(elastic)) file->scalar("elasticity", "energy", "J", elastic);
     file->end_frame();
     file->close();
   }
@@ -55,6 +56,15 @@ TEST(Judge, PassesWhatIsSound) {
   EXPECT_NEAR(j["min_det_f"], 1, 1e-15);
   EXPECT_LT(j["kinetic_energy_error"], 1e-12);
   EXPECT_LT(j["momentum_error"], 1e-12);
+}
+
+// A vertex pushed by p along x: strains -p, -p/2, -p/2 in 1/6 m^3 of 60 Pa are 10 p^2 joules.
+TEST(Judge, RecomputesElasticEnergy) {
+  const Vec3 push(0.1, 0, 0);
+  EXPECT_EQ(judged({2, 0, 0}, push, kAll + ", elasticity: {}", 0, 0.1)["code"], 0);
+  const auto j = judged({2, 0, 0}, push, kAll + ", elasticity: {}", 0, 0.10001);
+  EXPECT_EQ(j["code"], 1);
+  EXPECT_EQ(j["what"], "the elastic energy that was reported is not that of the saved positions") << j;
 }
 
 TEST(Judge, SeesBodiesThatMeetOnlyWhereContactIsWatched) {

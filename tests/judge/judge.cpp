@@ -4,6 +4,7 @@
 //                   vertices on or below a half-space
 //   det F           volume of every tetrahedron over its volume at rest, from the saved positions
 //   kinetic energy, momentum   from the saved velocities and densities, against what the run reported
+//   elastic and gravity energy from the saved positions and the scene's materials, likewise (linear tetrahedra, double precision)
 //   finite          every position
 //
 // One JSON object on stdout. Exit code 0: nothing found; 1: something is wrong; 2: the file cannot be judged.
@@ -11,6 +12,8 @@
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Surface_mesh.h>
 #include <hdf5.h>
+
+#include <Eigen/Dense>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -95,7 +98,8 @@ struct Body {
   std::vector<std::array<long, 4>> tets;
   std::vector<std::array<long, 3>> triangles;
   std::vector<long> points;
-  double density = 0;
+  double density = 0, youngs_modulus = 0, poisson_ratio = 0;
+  std::string law;
   bool soft = false, self_contact = false, fixed = false, quadratic = false;
 };
 struct Plane {
@@ -108,6 +112,8 @@ struct Case {
   std::vector<Plane> planes;
   std::set<std::pair<std::string, std::string>> watched;  // both orders
   std::vector<Vector> rest;
+  Vector gravity{};
+  bool double_precision = false;
   long frames = 0;
 };
 
@@ -182,11 +188,16 @@ void read_scene(const File& file, Case& c) {
     }
     for (Body& body : c.bodies)
       if (body.name == name) {
-        body.density = scene["materials"][b["material"].as<std::string>()]["density"].as<double>();
+        const YAML::Node material = scene["materials"][b["material"].as<std::string>()];
+        body.density = material["density"].as<double>();
+        if (material["youngs_modulus"]) body.youngs_modulus = material["youngs_modulus"].as<double>(), body.poisson_ratio = material["poisson_ratio"].as<double>();
+        if (material["model"]) body.law = material["model"].as<std::string>();
         body.self_contact = b["self_contact"] && b["self_contact"].as<bool>();
       }
   }
   const YAML::Node effects = scene["effects"];
+  if (effects["gravity"] && effects["gravity"]["acceleration"]) c.gravity = vector_of(effects["gravity"]["acceleration"]);
+  c.double_precision = scene["output"] && scene["output"]["precision"] && scene["output"]["precision"].as<std::string>() == "double";
   const auto watch = [&](const std::string& a, const std::string& b) { c.watched.insert({a, b}), c.watched.insert({b, a}); };
   if (const YAML::Node barrier = effects["barrier_contact"]) {
     if (barrier["pairs"]) {
@@ -214,7 +225,7 @@ bool watched(const Case& c, const Body& a, const Body& b) {
 
 struct Verdict {
   long intersections = 0, below = 0, not_finite = 0, inverted = 0, first_frame = -1;
-  double min_det_f = NAN, kinetic_error = 0, momentum_error = 0;
+  double min_det_f = NAN, kinetic_error = 0, momentum_error = 0, elastic_error = 0, gravity_error = 0;
   std::string what;  // the first thing found
   void found(long frame, const std::string& text) {
     if (first_frame < 0) first_frame = frame, what = text;
@@ -297,6 +308,52 @@ void motion(const Body& body, const std::vector<Vector>& rest, const std::vector
   }
 }
 
+// Density of elastic energy at the deformation gradient F (the laws as published, with the guard against inversion; src/effects/elasticity/README.md).
+double elastic_density(const Body& body, const Eigen::Matrix3d& F) {
+  const double E = body.youngs_modulus, nu = body.poisson_ratio, mu = E / (2 * (1 + nu)), lambda = E * nu / ((1 + nu) * (1 - 2 * nu)), J = F.determinant();
+  if (body.law == "linear") {
+    const Eigen::Matrix3d strain = 0.5 * (F + F.transpose()) - Eigen::Matrix3d::Identity();
+    return mu * strain.squaredNorm() + lambda / 2 * strain.trace() * strain.trace();
+  }
+  constexpr double kGuard = 0.1;
+  const double x = J / kGuard, guard = x < 1 ? -2 * mu * (x - 1) * (x - 1) * std::log(x) : 0;
+  if (body.law == "corotated") {
+    Eigen::Vector3d stretch = Eigen::JacobiSVD<Eigen::Matrix3d>(F).singularValues();
+    if (J < 0) stretch[2] *= -1;
+    return mu * (stretch - Eigen::Vector3d::Ones()).squaredNorm() + lambda / 2 * (J - 1) * (J - 1) + guard;
+  }
+  const double m = 4.0 / 3 * mu, l = lambda + 5.0 / 6 * mu, alpha = 1 + 3 * m / (4 * l), I = F.squaredNorm();
+  return m / 2 * (I - 3) - m / 2 * std::log((I + 1) / 4) + l / 2 * ((J - alpha) * (J - alpha) - (1 - alpha) * (1 - alpha)) + guard;
+}
+
+double elastic_energy(const Body& body, const std::vector<Vector>& rest, const std::vector<Vector>& x) {
+  const auto edges = [](const std::vector<Vector>& p, const std::array<long, 4>& t) {
+    Eigen::Matrix3d D;
+    for (int k = 0; k < 3; ++k)
+      for (int i = 0; i < 3; ++i) D(i, k) = p[t[k + 1]][i] - p[t[0]][i];
+    return D;
+  };
+  double sum = 0;
+  for (const auto& t : body.tets) {
+    const Eigen::Matrix3d Dm = edges(rest, t);
+    sum += Dm.determinant() / 6 * elastic_density(body, edges(x, t) * Dm.inverse());
+  }
+  return sum;
+}
+
+// -m g . x of all mass, and the sum of its sizes; the mass of stiff bodies is cut into tetrahedra from the origin of the rest state.
+void gravity_energy(const Case& c, const Body& body, const std::vector<Vector>& x, double& energy, double& size) {
+  const auto add = [&](double mass, const std::vector<Vector>& corners) {
+    for (const Vector& p : corners) energy -= mass / 4 * dot(c.gravity, p), size += std::abs(mass / 4 * dot(c.gravity, p));
+  };
+  for (const auto& t : body.tets) add(body.density * volume(c.rest[t[0]], c.rest[t[1]], c.rest[t[2]], c.rest[t[3]]), {x[t[0]], x[t[1]], x[t[2]], x[t[3]]});
+  if (body.soft) return;
+  Vector rest{}, now{};  // the mean of the vertices moves with the affine map
+  for (long p : body.points)
+    for (int k = 0; k < 3; ++k) rest[k] += c.rest[p][k] / body.points.size(), now[k] += x[p][k] / body.points.size();
+  for (const auto& t : body.triangles) add(body.density * volume(rest, c.rest[t[0]], c.rest[t[1]], c.rest[t[2]]), {now, x[t[0]], x[t[1]], x[t[2]]});
+}
+
 std::vector<Vector> frame_of(const std::vector<double>& all, long frame, std::size_t n) {
   std::vector<Vector> out(n);
   for (std::size_t i = 0; i < n; ++i)
@@ -304,8 +361,42 @@ std::vector<Vector> frame_of(const std::vector<double>& all, long frame, std::si
   return out;
 }
 
+// Stored energies of one state against what the run reported; a share of the largest of the run so far.
+class StoredEnergies {
+ public:
+  StoredEnergies(const File& file, const Case& c) : c_(c) {
+    const bool linear_tets = std::none_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) { return b.quadratic; });
+    if (!c.double_precision || !linear_tets) return;
+    const std::string elastic = "/mortise/effects/elasticity/energy", gravity = "/mortise/effects/gravity/energy";
+    for (const Body& body : c.bodies)  // at rest the terms of an energy density cancel
+      for (const auto& t : body.tets) rounding_ += 1e-9 * body.youngs_modulus * volume(c.rest[t[0]], c.rest[t[1]], c.rest[t[2]], c.rest[t[3]]);
+    if (file.has(elastic)) elastic_ = file.numbers(elastic);
+    if (file.has(gravity)) gravity_ = file.numbers(gravity);
+  }
+  void judge(const std::vector<Vector>& x, long frame, Verdict& v) {
+    if (!elastic_.empty()) {
+      double sum = 0;
+      for (const Body& body : c_.bodies) sum += elastic_energy(body, c_.rest, x);
+      largest_ = std::max({largest_, std::abs(sum), std::abs(elastic_[frame]), rounding_});
+      v.elastic_error = std::max(v.elastic_error, std::abs(sum - elastic_[frame]) / largest_);
+    }
+    if (!gravity_.empty()) {
+      double sum = 0, size = 0;
+      for (const Body& body : c_.bodies) gravity_energy(c_, body, x, sum, size);
+      if (frame == 0) offset_ = sum - gravity_[0];  // the height of zero energy is arbitrary
+      if (size > 0) v.gravity_error = std::max(v.gravity_error, std::abs(sum - offset_ - gravity_[frame]) / size);
+    }
+  }
+
+ private:
+  const Case& c_;
+  std::vector<double> elastic_, gravity_;
+  double largest_ = 0, rounding_ = 0, offset_ = 0;
+};
+
 Verdict judge(const File& file, const Case& c) {
   Verdict v;
+  StoredEnergies stored(file, c);
   const std::size_t n = c.rest.size();
   const auto points = file.numbers("/VTKHDF/Points");
   const bool dynamic = file.has("/VTKHDF/PointData/velocity");
@@ -323,6 +414,7 @@ Verdict judge(const File& file, const Case& c) {
     }
     judge_surfaces(c, x, f, v);
     judge_elements(c, x, f, v);
+    stored.judge(x, f, v);
     if (!dynamic || !lumped) continue;
     const std::vector<Vector> velocity = frame_of(velocities, f, n);
     double kinetic = 0, size = 0;
@@ -344,6 +436,8 @@ Verdict judge(const File& file, const Case& c) {
   // Velocities are saved with single or double precision.
   if (v.kinetic_error > 1e-4) v.found(0, "the kinetic energy that was reported is not that of the saved velocities");
   if (v.momentum_error > 1e-4) v.found(0, "the momentum that was reported is not that of the saved velocities");
+  if (!(v.elastic_error <= 1e-6)) v.found(0, "the elastic energy that was reported is not that of the saved positions");
+  if (!(v.gravity_error <= 1e-6)) v.found(0, "the energy of gravity that was reported is not that of the saved positions");
   return v;
 }
 
@@ -371,6 +465,8 @@ int main(int argc, char** argv) {
                                    {"min_det_f", number(v.min_det_f)},
                                    {"kinetic_energy_error", v.kinetic_error},
                                    {"momentum_error", v.momentum_error},
+                                   {"elastic_energy_error", v.elastic_error},
+                                   {"gravity_energy_error", v.gravity_error},
                                    {"first_frame", v.first_frame},
                                    {"what", v.what}};
     std::printf("%s\n", j.dump().c_str());
