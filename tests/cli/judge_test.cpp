@@ -1,6 +1,7 @@
 // mortise_judge on field files with known faults.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "output/field_file.h"
