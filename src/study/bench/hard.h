@@ -25,6 +25,7 @@ struct HardOptions {
   std::vector<std::string> only;   // case ids or beginnings of scene names; empty: all
   int threads = 0;
   double time_limit = 120;         // of a run [s]
+  bool reduce = true;              // fuzz: take parts out of scenes that fail
 };
 
 struct HardRow {

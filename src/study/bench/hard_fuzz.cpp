@@ -267,7 +267,7 @@ std::vector<HardRow> run_fuzz(const HardOptions& options, unsigned long first, u
     HardRow row = run_hard_case(c, o);
     if (row.pass)
       fs::remove_all(o.output + "/" + c.name);
-    else
+    else if (o.reduce)
       row.replay = fmt::format("mortise run {} --overwrite --no-render", reduce(c, row, o));
     rows.push_back(row);
     if (emit_row) emit_row(row);
