@@ -172,8 +172,8 @@ def measured(command, cwd, limit):
 
 
 def mortise_row(program, size, folder):
-    run = measured([program, "bench", "hertz", "--threads", "1", "--json", "--set", "methods=gmcp_consistent", "--set", f"size={size}", "--set", f"mesh={folder}/mesh.json"], folder, 1e9)
-    rows = {r["quantity"]: r for r in map(json.loads, open(os.path.join(folder, "log.txt")))}
+    run = measured([program, "bench", "hertz", "--threads", "1", "--json", "--set", "methods=gmcp_consistent", "--set", f"size={size}", "--set", f"mesh={folder}/mesh.json", "--out", folder], folder, 1e9)
+    rows = {r["quantity"]: r for r in (json.loads(line) for line in open(os.path.join(folder, "log.txt")) if line.startswith("{"))}
     peak = rows["peak pressure"]
     return dict(run, code="mortise", method="gmcp consistent", force_N=4 * rows["contact force"]["value"], pressure_l2=rows["pressure L2, r <= a"]["value"], peak_over_p0=peak["value"] / peak["reference"],
                 iterations=peak["newton_iterations"])
@@ -218,7 +218,7 @@ def main():
                 print(row, flush=True)
     if result:
         cpu = next((l.split(":")[1].strip() for l in open("/proc/cpuinfo") if l.startswith("model name")), "")
-        json.dump({"machine": cpu, "rows": table}, open(result, "w"), indent=1)
+        json.dump({"machine": cpu, "program": subprocess.run([program, "--version"], capture_output=True, text=True).stdout.strip(), "load_average_at_end": os.getloadavg(), "rows": table}, open(result, "w"), indent=1)
 
 
 if __name__ == "__main__":
