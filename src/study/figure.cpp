@@ -80,6 +80,7 @@ std::string figure_svg(const std::vector<Point>& all, const std::string& quantit
     if (i > 0) steps += fmt::format("{:.1f},{:.1f} ", x.at(best[i]->seconds), y.at(best[i - 1]->error));
     steps += fmt::format("{:.1f},{:.1f} ", x.at(best[i]->seconds), y.at(best[i]->error));
   }
+  if (!best.empty()) steps += fmt::format("{:.1f},{:.1f} ", x.to, y.at(best.back()->error));  // nothing slower is better
   svg += "<polyline class=\"front\" points=\"" + steps + "\" fill=\"none\" stroke=\"#888888\" stroke-width=\"4\" stroke-opacity=\"0.4\" stroke-dasharray=\"6 4\"/>\n";
 
   for (std::size_t c = 0; c < curves.size(); ++c) {
@@ -100,6 +101,11 @@ std::string figure_svg(const std::vector<Point>& all, const std::string& quantit
     const double ly = kTop + 16 + 20 * static_cast<double>(c), lx = kWidth - kRight + 16;
     svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"/>\n<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", lx, ly, colour, lx + 10, ly + 4,
                        escaped(curves[c].empty() ? "runs" : curves[c]));
+  }
+  if (!best.empty()) {
+    const double ly = kTop + 16 + 20 * static_cast<double>(curves.size()), lx = kWidth - kRight + 16;
+    svg += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#888888\" stroke-width=\"4\" stroke-opacity=\"0.4\" stroke-dasharray=\"6 4\"/>\n<text x=\"{:.1f}\" y=\"{:.1f}\">Pareto front</text>\n",
+                       lx - 10, ly, lx + 6, ly, lx + 10, ly + 4);
   }
   return svg + "</svg>\n";
 }

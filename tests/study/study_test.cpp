@@ -53,6 +53,8 @@ TEST(Study, FigureShowsCurvesFrontAndFailures) {
   EXPECT_EQ(count(svg, "<circle"), 3u + 2u);  // points and legend
   EXPECT_EQ(count(svg, "class=\"failed\""), 1u);
   EXPECT_EQ(count(svg, "<polyline"), 2u + 1u);
+  EXPECT_EQ(count(svg, ">Pareto front<"), 1u);
+  EXPECT_NE(svg.find("530.0,400.0 \""), std::string::npos) << svg;  // the front goes on to the right at its least error
   EXPECT_EQ(count(svg, "a<b"), 0u);
   EXPECT_EQ(svg.find("nan"), std::string::npos);
   // Down is more accurate, right is slower: 1 s and 0.1 lie on the corner of the decades 1..10 s and 0.01..1.
