@@ -120,7 +120,7 @@ std::string obj_of(const Names& names, const std::vector<Index>& points, const s
     for (Index v : tri.v) {
       char line[100];
       std::snprintf(line, sizeof line, "v %.17g %.17g %.17g\n", y[v][0], y[v][1], y[v][2]);
-      vertices += line, faces += " " + std::to_string(++written);
+      vertices += line, faces += ' ', faces += std::to_string(++written);
     }
     faces += "\n";
   }
