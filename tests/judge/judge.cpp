@@ -315,8 +315,8 @@ double elastic_density(const Body& body, const Eigen::Matrix3d& F) {
     const Eigen::Matrix3d strain = 0.5 * (F + F.transpose()) - Eigen::Matrix3d::Identity();
     return mu * strain.squaredNorm() + lambda / 2 * strain.trace() * strain.trace();
   }
-  constexpr double kGuard = 0.1;
-  const double x = J / kGuard, guard = x < 1 ? -2 * mu * (x - 1) * (x - 1) * std::log(x) : 0;
+  constexpr double kGuard = 0.1, kFlat = 1e-6;  // J_0, J_1
+  const double x = (J - kFlat) / (kGuard - kFlat), guard = x < 1 ? -2 * mu * (1 - kFlat / kGuard) * (x - 1) * (x - 1) * std::log(x) : 0;
   if (body.law == "corotated") {
     Eigen::Vector3d stretch = Eigen::JacobiSVD<Eigen::Matrix3d>(F).singularValues();
     if (J < 0) stretch[2] *= -1;
