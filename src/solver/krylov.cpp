@@ -44,8 +44,8 @@ void gather(device::View<const Vec3> from, device::View<const Index> place, devi
 
 }  // namespace
 
-// Schwarz needs a half to a fifth of the iterations of block Jacobi, but each costs two to three times as much on CPU threads, and setting it up
-// as much as some ten of them: worth it from some ten thousand rows on (benchmarks/linear).
+// Schwarz needs a quarter to a half of the iterations of block Jacobi, but each costs twice as much on CPU threads, and setting it up as
+// much as some fifteen of them: up to some ten thousand rows neither wins (benchmarks/linear).
 void Newton::choose_preconditioner() {
   constexpr Index kSchwarzRows = 20000;
   Index most = 0;
@@ -83,6 +83,12 @@ linalg::CgResult Newton::run_cg(device::View<const Vec3> b, device::View<Vec3> x
   options.max_iterations = options_.cg_iterations;
   options.absolute = absolute;
   return cg_->solve(matrix_, *preconditioner_, b, x, relative, options);
+}
+
+void Newton::build_preconditioner() {
+  set_up_cg();
+  gather(q_.view(), block_of_row_.view(), row_position_);
+  preconditioner_->build(matrix_, row_position_.view());
 }
 
 // False if the matrix is not positive definite and can be made so.
