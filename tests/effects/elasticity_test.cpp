@@ -52,6 +52,16 @@ bool corotated_is_singular(const Mat3& F) {
   return s[1] + s[2] < 0.05;
 }
 
+// The laws without the guard against inversion, which would make inverted states infinite.
+double law_density(MaterialModel model, const Mat3& F) {
+  if (model == MaterialModel::linear) return elasticity::linear_density(F, kMu, kLambda);
+  return model == MaterialModel::corotated ? elasticity::corotated_density(F, kMu, kLambda) : elasticity::neo_hookean_density(F, kMu, kLambda);
+}
+Mat3 law_stress(MaterialModel model, const Mat3& F) {
+  if (model == MaterialModel::linear) return elasticity::linear_stress(F, kMu, kLambda);
+  return model == MaterialModel::corotated ? elasticity::corotated_stress(F, kMu, kLambda) : elasticity::neo_hookean_stress(F, kMu, kLambda);
+}
+
 Vec9 flat(const Mat3& m) { return Eigen::Map<const Vec9>(m.data()); }
 Mat3 square(const Vec9& v) { return Eigen::Map<const Mat3>(v.data()); }
 
@@ -131,8 +141,8 @@ TEST(Elasticity, DensityStressAndHessianAreDerivativesOfEachOther) {
   for (MaterialModel model : kModels)
     for (const Mat3& F : hard_deformations()) {
       if (model == MaterialModel::corotated && corotated_is_singular(F)) continue;
-      auto psi = [&](const fd::Vector& x) { return elasticity::density(model, square(x), kMu, kLambda); };
-      auto P = [&](const fd::Vector& x) -> fd::Vector { return flat(elasticity::stress(model, square(x), kMu, kLambda)); };
+      auto psi = [&](const fd::Vector& x) { return law_density(model, square(x)); };
+      auto P = [&](const fd::Vector& x) -> fd::Vector { return flat(law_stress(model, square(x))); };
       const fd::Vector x = flat(F);
       const double h = 1e-3;
       const double g = fd::relative_error(P(x), fd::difference_gradient(psi, x, h), kMu);
@@ -164,6 +174,33 @@ TEST(Elasticity, ProjectedHessianIsFiniteWhereTheRotationJumps) {
   EXPECT_TRUE(H.allFinite());
   EXPECT_TRUE(density_hessian(MaterialModel::corotated, Mat3::Zero(), true).allFinite());
   EXPECT_GE(fd::lowest_eigenvalue(0.5 * (H + H.transpose())), -1e-14);
+}
+
+TEST(Elasticity, GuardIsItsOwnDerivativeAndGoesToInfinity) {
+  Random r;
+  for (MaterialModel model : {MaterialModel::corotated, MaterialModel::neo_hookean})
+    for (double J : {0.095, 0.05, 1e-2, 1e-3, 1e-5})
+      for (int shape = 0; shape < 3; ++shape) {
+        const Vec3 s = shape == 0 ? Vec3(1.1, 0.9, J / 0.99) : shape == 1 ? Vec3(1.7, std::sqrt(J), std::sqrt(J) / 1.7) : Vec3::Constant(std::cbrt(J));
+        const Mat3 F = r.rotation() * s.asDiagonal() * r.rotation();
+        // The guard and its derivatives change over a share of J: steps must be small against the smallest singular value.
+        const double h = 1e-3 * s.minCoeff();
+        auto psi = [&](const fd::Vector& x) { return elasticity::density(model, square(x), kMu, kLambda); };
+        auto P = [&](const fd::Vector& x) -> fd::Vector { return flat(elasticity::stress(model, square(x), kMu, kLambda)); };
+        const linalg::IsotropicModes m = elasticity::modes(model, F, kMu, kLambda);
+        Mat9 H;
+        for (int a = 0; a < 3; ++a)
+          for (int b = 0; b < 3; ++b) H.block<3, 3>(3 * a, 3 * b) = linalg::hessian_block(m, m.V.transpose() * Vec3::Unit(a), m.V.transpose() * Vec3::Unit(b));
+        EXPECT_LT(fd::relative_error(P(flat(F)), fd::difference_gradient(psi, flat(F), h), kMu), 1e-6) << int(model) << " " << J << "\n" << F;
+        EXPECT_LT(fd::relative_error(H, fd::difference_jacobian(P, flat(F), h)), 1e-5) << int(model) << " " << J << "\n" << F;
+      }
+  for (MaterialModel model : {MaterialModel::corotated, MaterialModel::neo_hookean}) {
+    const Mat3 F = Vec3(1, 1, elasticity::kGuarded).asDiagonal();
+    EXPECT_EQ(elasticity::density(model, F, kMu, kLambda), law_density(model, F));  // nothing above J_0
+    EXPECT_EQ(elasticity::density(model, Vec3(1, 1, 0).asDiagonal(), kMu, kLambda), INFINITY);
+    EXPECT_EQ(elasticity::density(model, Vec3(1, 1, -0.5).asDiagonal(), kMu, kLambda), INFINITY);
+    EXPECT_EQ(elasticity::density(model, Vec3(-1, -1, -1).asDiagonal(), kMu, kLambda), INFINITY);
+  }
 }
 
 TEST(Elasticity, RestIsStressFreeAndRotationCostsNothing) {

@@ -4,6 +4,7 @@
 // where g_1, g_2, g_3 are the rows of Dm^-1 [1/m] and g_0 = -(g_1 + g_2 + g_3). Psi [Pa] is an energy density with first
 // Piola-Kirchhoff stress P = dPsi/dF [Pa]; then dE/dx_a = V P g_a [N] and d^2E/dx_a dx_b = V (d^2 Psi/dF^2)[g_a, g_b] [N/m].
 // mu, lambda [Pa] are the Lame parameters of linear elasticity; every material below matches them at small strain.
+#include "effects/contact/barrier.h"
 #include "geometry/quadratic.h"
 #include "linalg/isotropic.h"
 #include "model/input.h"
@@ -149,17 +150,54 @@ MORTISE_HD inline linalg::IsotropicModes neo_hookean_modes(const Mat3& F, double
   return w;
 }
 
+// ---- guard against inversion ---------------------------------------------------------------------------------------------
+// The laws above are finite at J = det F <= 0 and would let elements turn inside out. Below J_0 = 0.1 the nonlinear ones get
+//     Psi_guard = 2 mu b(J)/J_0,   b the barrier of contact with range J_0,
+// which is C2 at J_0, leaves J > J_0 alone, and is infinite at J = 0. Its derivatives, with c_i = s_j s_k = dJ/ds_i:
+//     P += U' dJ/dF,   twist_ij += U' s_k,   flip_ij -= U' s_k,   psi_ii += U'' c_i^2,   psi_ij += U'' c_i c_j + U' s_k.
+
+inline constexpr double kGuarded = 0.1;
+
+MORTISE_HD inline double guard_density(double J, double mu) { return J > 0 ? 2 * mu / kGuarded * barrier::value(J, kGuarded) : INFINITY; }
+MORTISE_HD inline double guard_first(double J, double mu) { return 2 * mu / kGuarded * barrier::first(J, kGuarded); }
+MORTISE_HD inline double guard_second(double J, double mu) { return 2 * mu / kGuarded * barrier::second(J, kGuarded); }
+
+MORTISE_HD inline void add_guard(linalg::IsotropicModes& m, const Mat3& F, double mu) {
+  const double J = det3(F);
+  if (J >= kGuarded) return;
+  const double first = guard_first(J, mu), second = guard_second(J, mu);
+  const Vec3 s = (m.U.transpose() * F * m.V).diagonal(), c(s[1] * s[2], s[2] * s[0], s[0] * s[1]);
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    m.twist[k] += first * s[k];
+    m.flip[k] -= first * s[k];
+    m.stretch(k, k) += second * c[k] * c[k];
+    m.stretch(i, j) += second * c[i] * c[j] + first * s[k];
+    m.stretch(j, i) = m.stretch(i, j);
+  }
+}
+
 // ---- any material --------------------------------------------------------------------------------------------------------
 
+// Infinite at det F <= 0, except of the linear law, whose small strains know no inversion.
 MORTISE_HD inline double density(MaterialModel model, const Mat3& F, double mu, double lambda) {
   if (model == MaterialModel::linear) return linear_density(F, mu, lambda);
-  if (model == MaterialModel::corotated) return corotated_density(F, mu, lambda);
-  return neo_hookean_density(F, mu, lambda);
+  const double guard = guard_density(det3(F), mu);
+  if (!(guard < INFINITY)) return guard;
+  return guard + (model == MaterialModel::corotated ? corotated_density(F, mu, lambda) : neo_hookean_density(F, mu, lambda));
 }
 MORTISE_HD inline Mat3 stress(MaterialModel model, const Mat3& F, double mu, double lambda) {
   if (model == MaterialModel::linear) return linear_stress(F, mu, lambda);
-  if (model == MaterialModel::corotated) return corotated_stress(F, mu, lambda);
-  return neo_hookean_stress(F, mu, lambda);
+  const Mat3 P = model == MaterialModel::corotated ? corotated_stress(F, mu, lambda) : neo_hookean_stress(F, mu, lambda);
+  const double J = det3(F);
+  if (J >= kGuarded) return P;
+  return P + guard_first(J, mu) * cofactor(F);
+}
+// Of a nonlinear law.
+MORTISE_HD inline linalg::IsotropicModes modes(MaterialModel model, const Mat3& F, double mu, double lambda) {
+  linalg::IsotropicModes m = model == MaterialModel::corotated ? corotated_modes(F, mu, lambda) : neo_hookean_modes(F, mu, lambda);
+  add_guard(m, F, mu);
+  return m;
 }
 // Cauchy stress P F^T / J [Pa]. Linear elasticity does not tell the two apart: P itself.
 MORTISE_HD inline Mat3 cauchy_stress(MaterialModel model, const Mat3& F, double mu, double lambda) {
@@ -202,8 +240,7 @@ MORTISE_HD inline void add_hessian(const Element& e, const Mat3& F, double conca
       for (int b = a; b < n; ++b) hess[place++] += e.volume * linear_block(g[a], g[b], e.mu, e.lambda);
     return;
   }
-  linalg::IsotropicModes m =
-      e.model == MaterialModel::corotated ? corotated_modes(F, e.mu, e.lambda) : neo_hookean_modes(F, e.mu, e.lambda);
+  linalg::IsotropicModes m = modes(e.model, F, e.mu, e.lambda);
   linalg::scale_concave(m, concave);
   for (int a = 0; a < n; ++a) g[a] = m.V.transpose() * g[a];
   for (int a = 0, place = 0; a < n; ++a)
