@@ -33,7 +33,7 @@ class Build : public Engine {
 
   Outcome step(const std::function<bool()>& stop_asked, solver::StepReport& report) override {
     const device::Transfers before = device::transfers();
-    const Outcome outcome = guarded([&] { report = simulation_.step(stop_asked); });
+    const Outcome outcome = guarded([&] { simulation_.step(stop_asked, report); });
     step_transfers_ = step_transfers_ + (device::transfers() - before);
     return outcome;
   }

@@ -17,6 +17,7 @@
 #include "output/field_file.h"
 #include "run/certificate.h"
 #include "run/checks.h"
+#include "run/newton_log.h"
 #include "run/output_mesh.h"
 #include "run/pictures.h"
 #include "run/progress.h"
@@ -134,6 +135,7 @@ class Run {
       solver::StepReport report;
       const auto begin = Time::now();
       const engine::Outcome outcome = engine_->step(stop_asked, report);
+      newton_log_.step(dir_ + "/newton.csv", report);
       record_.seconds["solve"] += std::chrono::duration<double>(Time::now() - begin).count();
       if (outcome.code == static_cast<int>(Exit::stopped)) return stopped();
       if (outcome.code == static_cast<int>(Exit::solve)) {
@@ -269,6 +271,7 @@ class Run {
   Time::time_point begin_ = Time::now();
   scene::Scene scene_;
   std::string resolved_, hash_, dir_;
+  NewtonLog newton_log_;
   std::unique_ptr<engine::Engine> engine_;
   std::unique_ptr<output::FieldFile> file_;
   std::optional<sensors::Sensors> sensors_;

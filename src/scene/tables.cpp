@@ -196,7 +196,8 @@ const ParamTable& solver_table() {
               "Conjugate gradients stop where Newton's progress makes more digits pointless, or always at cg_tolerance."),
        below(positive(number("cg_tolerance", Unit::none, "1e-8", 0, "Smallest relative residual that conjugate gradients aim at.")), 1),
        integer("cg_iterations", "10000", 1, 10000000, "Most iterations of one linear solve by conjugate gradients."),
-       integer("halvings", "6", 0, 30, "How often a failed step is tried again with half its length.")}};
+       integer("halvings", "6", 0, 30, "How often a failed step is tried again with half its length."),
+       flag("trace", "false", "Write what every Newton iteration did to newton.csv.")}};
   return t;
 }
 

@@ -89,8 +89,15 @@ Newton::Residual Newton::assemble(bool hessian) {
   support_move(q_.view(), model_.target.view(), model_.projector.view(), support_);
   r.support_gap = largest(support_.view(), model_.env_blocks);
   for (double f : r.force)
-    if (!std::isfinite(f)) throw Failure{"the force residual is not finite"};
+    if (!std::isfinite(f)) throw Failure{not_finite()};
   return r;
+}
+
+std::string Newton::not_finite() const {
+  for (std::size_t k = 0; k < effects_.size(); ++k)
+    for (double f : largest(effect_gradients_[k].view(), model_.env_blocks))
+      if (!std::isfinite(f)) return "the force of '" + std::string(effects_[k]->name()) + "' is not finite at " + name_block(model_, worst_block(model_, effect_gradients_[k]));
+  return "the force residual is not finite";
 }
 
 double Newton::tolerance(const Residual& r, Index e, double relative) const {
@@ -118,7 +125,7 @@ std::vector<double> Newton::energy(device::View<const Vec3> q) {
   return total;
 }
 
-void Newton::iterate(StepReport& report, double relative, const std::function<void()>& stop) {
+void Newton::iterate(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop) {
   for (Index it = 0;; ++it) {
     stop();
     choose_curvature();
@@ -126,6 +133,7 @@ void Newton::iterate(StepReport& report, double relative, const std::function<vo
     report.residual = largest_of(r.force);
     report.tolerance = 0;
     for (Index e = 0; e < model_.envs; ++e) report.tolerance = std::max(report.tolerance, tolerance(r, e, relative));
+    if (options_.trace) trace(info, r, it, report);
     if (converged(r, relative)) return;
     if (it == options_.iterations) {
       std::ostringstream why;
@@ -137,10 +145,21 @@ void Newton::iterate(StepReport& report, double relative, const std::function<vo
     direction(report, r, relative, supports_move);
     last_alpha_ = line_search(report, r, relative, supports_move);
     ++report.newton;
+    if (options_.trace) report.trace.back().step = last_step_, report.trace.back().alpha = last_alpha_, report.trace.back().concave = concave_;
   }
 }
 
-void Newton::solve(StepReport& report, const std::function<void()>& stop) {
+void Newton::trace(const effects::StepInfo& info, const Residual& r, Index iteration, StepReport& report) {
+  const std::vector<double> phi = energy(q_.view());
+  Iterate now;
+  now.time = info.t1(), now.dt = info.dt, now.round = report.lag, now.iteration = iteration;
+  now.residual = largest_of(r.force), now.tolerance = report.tolerance;
+  for (double e : phi) now.energy += e;
+  now.where = name_block(model_, worst_block(model_, gradient_));
+  report.trace.push_back(now);
+}
+
+void Newton::solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop) {
   number_rows();
   q_.copy_from(model_.q);
   rounding_.assign(model_.envs, 0.0);
@@ -155,7 +174,7 @@ void Newton::solve(StepReport& report, const std::function<void()>& stop) {
   double relative = lags_ ? 10 * settled : options_.relative_tolerance;
   for (Index round = 0;; ++round) {
     last_step_ = 0;
-    iterate(report, relative, stop);
+    iterate(info, report, relative, stop);
     if (!refresh_lagged(q_.view())) {
       if (!lags_) break;
       lags_ = false;  // nothing to refresh in this step after all: solve to the end

@@ -34,7 +34,7 @@ class Newton {
 
   // From model.q to the minimiser, left in q(); throws Failure. Effects' begin_step must have run. `stop` is asked between
   // iterations and may throw.
-  void solve(StepReport& report, const std::function<void()>& stop);
+  void solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
 
   device::Buffer<Vec3>& q() { return q_; }
   // Full gradient at the minimiser over all blocks [N] (at a held block: the support's force), and each effect's share.
@@ -51,6 +51,7 @@ class Newton {
   void choose_linear();
   void number_rows();
   Residual assemble(bool hessian);
+  std::string not_finite() const;  // which force, and where
   double tolerance(const Residual& r, Index env, double relative) const;  // [N]
   bool converged(const Residual& r, double relative) const;
   void choose_curvature();
@@ -65,10 +66,11 @@ class Newton {
   bool solve_linear(StepReport& report, bool supports_move);
   void direction(StepReport& report, const Residual& r, double relative, bool supports_move);
   double line_search(StepReport& report, const Residual& r, double relative, bool supports_move);
-  void iterate(StepReport& report, double relative, const std::function<void()>& stop);
+  void iterate(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop);
   bool refresh_lagged(device::View<const Vec3> q);
   void relax_lagged(Index round);
   std::vector<double> energy(device::View<const Vec3> q);
+  void trace(const effects::StepInfo& info, const Residual& r, Index iteration, StepReport& report);
 
   model::Model& model_;
   EffectList& effects_;

@@ -16,6 +16,7 @@ Options read_options(const Params& scene) {
   o.cg_tolerance = s.number("cg_tolerance");
   o.cg_forcing = s.text("cg_forcing") == "eisenstat_walker";
   o.preconditioner = s.text("preconditioner");
+  o.trace = s.flag("trace");
   o.cg_iterations = static_cast<Index>(s.integer("cg_iterations"));
 
   const Params& time = scene.at("time");

@@ -24,6 +24,8 @@ struct Options {
   double lag_tolerance = 1e-3;
   Index lag_iterations = 20;
 
+  bool trace = false;  // keep what every iteration did
+
   // Time: dynamic (dt in s) or static (pseudo-time 0..1 over `steps`).
   bool is_static = false;
   double dt = 0;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/types.h"
+#include "solver/trace.h"
 
 namespace mortise::solver {
 
@@ -30,6 +31,7 @@ struct StepReport {
   double lag_residual = 0;  // residual with fresh lagged quantities [N]
   double energy = 0;    // potential Phi at the end [J]
   double wall = 0;      // [s]
+  std::vector<Iterate> trace;  // when asked for
 };
 
 // A step that did not converge: why, where and with which figures.

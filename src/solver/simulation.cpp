@@ -38,9 +38,9 @@ void Simulation::accept() {
   solved_ = true;
 }
 
-StepReport Simulation::step(const std::function<bool()>& stop_asked) {
+void Simulation::step(const std::function<bool()>& stop_asked, StepReport& report) {
   const auto start = std::chrono::steady_clock::now();
-  StepReport report;
+  report = {};
   report.step = step_;
   report.dt = options_.dt;
   report.substeps = 0;
@@ -65,7 +65,7 @@ StepReport Simulation::step(const std::function<bool()>& stop_asked) {
         const Timed timed(clock_, effect->name(), "begin_step");
         effect->begin_step(info);
       }
-      newton_.solve(report, stop);
+      newton_.solve(info, report, stop);
     } catch (const Stopped&) {
       undo();
       throw;
@@ -93,7 +93,6 @@ StepReport Simulation::step(const std::function<bool()>& stop_asked) {
   time_ = options_.dt * step_;
   report.time = time_;
   report.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return report;
 }
 
 void Simulation::report(FieldSink& sink) {

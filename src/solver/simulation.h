@@ -16,8 +16,8 @@ class Simulation {
   Simulation(model::Model& model, EffectList& effects, const Options& options);
 
   // Advances by one step of the scene. Throws Error(Exit::solve) when even the smallest substep fails, and Stopped when
-  // `stop_asked` says so; either way the state is that before the call.
-  StepReport step(const std::function<bool()>& stop_asked);
+  // `stop_asked` says so; either way the state is that before the call, and `report` tells how far it got.
+  void step(const std::function<bool()>& stop_asked, StepReport& report);
 
   double time() const { return time_; }
   Index steps_done() const { return step_; }

@@ -1,0 +1,118 @@
+#include "linalg/gmres.h"
+
+#include <cmath>
+#include <utility>
+
+namespace mortise::linalg {
+namespace {
+
+// Scalars of one environment's Krylov space: R of the QR factorisation of the Hessenberg matrix, column by column, the rotations
+// that made it, and the rotated right-hand side.
+struct Small {
+  std::vector<std::vector<double>> R;
+  std::vector<double> c, s, g;
+
+  // Adds the column h[0..j], h[j+1] = below; returns the residual's size.
+  double add(std::vector<double> h, double below) {
+    for (std::size_t i = 0; i < c.size(); ++i) {
+      const double up = c[i] * h[i] + s[i] * h[i + 1];
+      h[i + 1] = -s[i] * h[i] + c[i] * h[i + 1];
+      h[i] = up;
+    }
+    const double last = h.back(), r = std::hypot(last, below);
+    c.push_back(r > 0 ? last / r : 1);
+    s.push_back(r > 0 ? below / r : 0);
+    h.back() = r;
+    R.push_back(std::move(h));
+    const double old = g.back();
+    g.back() = c.back() * old;
+    g.push_back(-s.back() * old);
+    return std::abs(g.back());
+  }
+
+  std::vector<double> solve() const {
+    std::vector<double> y(R.size(), 0.0);
+    for (std::size_t i = R.size(); i-- > 0;) {
+      double sum = g[i];
+      for (std::size_t j = i + 1; j < R.size(); ++j) sum -= R[j][i] * y[j];
+      y[i] = R[i][i] > 0 ? sum / R[i][i] : 0;
+    }
+    return y;
+  }
+};
+
+std::vector<double> dot(View<const Vec3> a, View<const Vec3> b, const std::vector<Index>& rows) {
+  std::vector<double> out(rows.size() - 1, 0.0);
+  device::env_sum("gmres.dot", rows, [=] MORTISE_HD(Index i) { return a[i].dot(b[i]); }, out);
+  return out;
+}
+
+// y_e <- keep y_e + share_e x_e
+void combine(double keep, const std::vector<double>& share, View<const Vec3> x, View<const Index> env, View<Vec3> y) {
+  const Buffer<double> buffer(share);
+  const View<const double> s = buffer.view();
+  device::parallel_for("gmres.combine", x.n, [=] MORTISE_HD(Index i) { y[i] = keep * y[i] + s[env[i]] * x[i]; });
+}
+
+}  // namespace
+
+GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const Vec3> b, View<Vec3> x, const std::vector<Index>& env_rows,
+                  double relative, Index most) {
+  const std::size_t envs = env_rows.size() - 1;
+  const Index n = b.n;
+  std::vector<Index> env_of;
+  for (std::size_t e = 0; e < envs; ++e) env_of.insert(env_of.end(), env_rows[e + 1] - env_rows[e], static_cast<Index>(e));
+  const Buffer<Index> env_buffer(env_of);
+  const View<const Index> env = env_buffer.view();
+
+  GmresResult out;
+  out.relative.assign(envs, 0.0);
+  const std::vector<double> square = dot(b, b, env_rows);
+  std::vector<Small> small(envs);
+  std::vector<double> size(envs), scale(envs);
+  const auto invert = [&](std::size_t e, double v) { scale[e] = v > 0 ? 1 / v : 0; };
+  bool any = false;
+  for (std::size_t e = 0; e < envs; ++e) {
+    size[e] = std::sqrt(square[e]);
+    small[e].g = {size[e]};
+    invert(e, size[e]);
+    any |= size[e] > 0;
+  }
+  std::vector<Buffer<Vec3>> v, z;
+  v.emplace_back(n);
+  combine(0, scale, b, env, v[0].view());
+  Buffer<Vec3> w(n);
+  while (any && out.iterations < most) {
+    z.emplace_back(n);
+    preconditioner(std::as_const(v.back()).view(), z.back().view());
+    A(std::as_const(z.back()).view(), w.view());
+    ++out.iterations;
+    std::vector<std::vector<double>> column(envs);
+    for (const Buffer<Vec3>& basis : v) {  // modified Gram-Schmidt
+      std::vector<double> h = dot(basis.view(), std::as_const(w).view(), env_rows);
+      for (std::size_t e = 0; e < envs; ++e) column[e].push_back(h[e]), h[e] = -h[e];
+      combine(1, h, basis.view(), env, w.view());
+    }
+    const std::vector<double> below = dot(std::as_const(w).view(), std::as_const(w).view(), env_rows);
+    any = false;
+    for (std::size_t e = 0; e < envs; ++e) {
+      const double length = std::sqrt(below[e]);
+      const double residual = small[e].add(std::move(column[e]), length);
+      out.relative[e] = size[e] > 0 ? residual / size[e] : 0;
+      invert(e, length);
+      any |= out.relative[e] > relative;
+    }
+    v.emplace_back(n);
+    combine(0, scale, std::as_const(w).view(), env, v.back().view());
+  }
+  device::clear(x.p, n * sizeof(Vec3));
+  std::vector<std::vector<double>> y(envs);
+  for (std::size_t e = 0; e < envs; ++e) y[e] = small[e].solve();
+  for (std::size_t j = 0; j < z.size(); ++j) {
+    for (std::size_t e = 0; e < envs; ++e) scale[e] = y[e][j];
+    combine(1, scale, std::as_const(z[j]).view(), env, x);
+  }
+  return out;
+}
+
+}  // namespace mortise::linalg

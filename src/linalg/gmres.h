@@ -1,0 +1,26 @@
+#pragma once
+// A x = b for an operator that need not be symmetric and is known only by its products: generalised minimal residuals with a
+// preconditioner that may itself be inexact (flexible GMRES; Saad, SIAM J. Sci. Comput. 14(2), 1993). Every environment is a system
+// of its own: its scalars never mix with another's.
+#include <functional>
+#include <vector>
+
+#include "device/device.h"
+
+namespace mortise::linalg {
+
+using device::Buffer;
+using device::View;
+
+using Operator = std::function<void(View<const Vec3> in, View<Vec3> out)>;
+
+struct GmresResult {
+  Index iterations = 0;
+  std::vector<double> relative;  // |b - A x| / |b| of every environment, by the recurrence; 0 where b is 0
+};
+
+// Starts at x = 0 and stops when every environment's residual is at most `relative` |b|, or after `most` products.
+GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const Vec3> b, View<Vec3> x, const std::vector<Index>& env_rows,
+                  double relative, Index most);
+
+}  // namespace mortise::linalg
