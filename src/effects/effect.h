@@ -56,6 +56,8 @@ class Effect {
     (void)q;
     return false;
   }
+  // Are the forces of assemble() the gradient of energy(), with nothing frozen at the state of assembly?
+  virtual bool conservative() const { return true; }
   // The step was accepted at q.
   virtual void end_step(Positions q) { (void)q; }
   virtual void report(FieldSink&) {}

@@ -47,11 +47,11 @@ std::vector<double> dot(View<const Vec3> a, View<const Vec3> b, const std::vecto
   return out;
 }
 
-// y_e <- keep y_e + share_e x_e
-void combine(double keep, const std::vector<double>& share, View<const Vec3> x, View<const Index> env, View<Vec3> y) {
+// y_e <- share_e x_e, or y_e + share_e x_e
+void combine(bool keep, const std::vector<double>& share, View<const Vec3> x, View<const Index> env, View<Vec3> y) {
   const Buffer<double> buffer(share);
   const View<const double> s = buffer.view();
-  device::parallel_for("gmres.combine", x.n, [=] MORTISE_HD(Index i) { y[i] = keep * y[i] + s[env[i]] * x[i]; });
+  device::parallel_for("gmres.combine", x.n, [=] MORTISE_HD(Index i) { y[i] = keep ? Vec3(y[i] + s[env[i]] * x[i]) : Vec3(s[env[i]] * x[i]); });
 }
 
 }  // namespace
@@ -80,7 +80,7 @@ GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const 
   }
   std::vector<Buffer<Vec3>> v, z;
   v.emplace_back(n);
-  combine(0, scale, b, env, v[0].view());
+  combine(false, scale, b, env, v[0].view());
   Buffer<Vec3> w(n);
   while (any && out.iterations < most) {
     z.emplace_back(n);
@@ -91,7 +91,7 @@ GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const 
     for (const Buffer<Vec3>& basis : v) {  // modified Gram-Schmidt
       std::vector<double> h = dot(basis.view(), std::as_const(w).view(), env_rows);
       for (std::size_t e = 0; e < envs; ++e) column[e].push_back(h[e]), h[e] = -h[e];
-      combine(1, h, basis.view(), env, w.view());
+      combine(true, h, basis.view(), env, w.view());
     }
     const std::vector<double> below = dot(std::as_const(w).view(), std::as_const(w).view(), env_rows);
     any = false;
@@ -103,14 +103,14 @@ GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const 
       any |= out.relative[e] > relative;
     }
     v.emplace_back(n);
-    combine(0, scale, std::as_const(w).view(), env, v.back().view());
+    combine(false, scale, std::as_const(w).view(), env, v.back().view());
   }
   device::clear(x.p, n * sizeof(Vec3));
   std::vector<std::vector<double>> y(envs);
   for (std::size_t e = 0; e < envs; ++e) y[e] = small[e].solve();
   for (std::size_t j = 0; j < z.size(); ++j) {
     for (std::size_t e = 0; e < envs; ++e) scale[e] = y[e][j];
-    combine(1, scale, std::as_const(z[j]).view(), env, x);
+    combine(true, scale, std::as_const(z[j]).view(), env, x);
   }
   return out;
 }

@@ -59,6 +59,12 @@ void right_hand_side(View<const Vec3> g, View<const Vec3> Hc, View<const Index> 
   });
 }
 
+void difference(View<const Vec3> a, View<const Vec3> b, const std::vector<double>& scale, View<const Index> block_of_row, View<const Index> block_env, View<Vec3> out) {
+  const Buffer<double> scales(scale);
+  const View<const double> s = scales.view();
+  device::parallel_for("solver.difference", out.n, [=] MORTISE_HD(Index r) { out[r] = s[block_env[block_of_row[r]]] * (a[r] - b[r]); });
+}
+
 void step_of(View<const Vec3> x, View<const Vec3> c, View<const Index> row_of_block, View<const Mat3> projector, Buffer<Vec3>& dq) {
   dq.resize(row_of_block.n);
   const View<Vec3> out = dq.view();

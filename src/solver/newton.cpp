@@ -23,6 +23,7 @@ double scene_length(const model::Model& model) {
 Newton::Newton(model::Model& model, EffectList& effects, const Options& options, Clock& clock)
     : model_(model), effects_(effects), options_(options), clock_(clock), length_(scene_length(model)), effect_gradients_(effects.size()) {
   choose_linear();
+  for (const auto& effect : effects_) conservative_ = conservative_ && effect->conservative();
 }
 
 // A factor of a small matrix costs next to nothing; of a larger one it is worth keeping for some iterations; and beyond some
@@ -125,7 +126,18 @@ std::vector<double> Newton::energy(device::View<const Vec3> q) {
   return total;
 }
 
-void Newton::iterate(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop) {
+// Newton's method gains digits faster and faster near a solution; what does not is a sign that the matrix lacks something.
+bool Newton::creeps(const Residual& r, Index iteration) {
+  constexpr double kFast = 0.1;
+  constexpr Index kPatience = 3;
+  const double now = largest_of(r.force);
+  slow_ = iteration > 0 && now > kFast * last_residual_ ? slow_ + 1 : 0;
+  last_residual_ = now;
+  return slow_ >= kPatience;
+}
+
+// False when it gave up because the iterations creep and coupled.cpp may do better.
+bool Newton::iterate(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop) {
   for (Index it = 0;; ++it) {
     stop();
     choose_curvature();
@@ -134,7 +146,8 @@ void Newton::iterate(const effects::StepInfo& info, StepReport& report, double r
     report.tolerance = 0;
     for (Index e = 0; e < model_.envs; ++e) report.tolerance = std::max(report.tolerance, tolerance(r, e, relative));
     if (options_.trace) trace(info, r, it, report);
-    if (converged(r, relative)) return;
+    if (converged(r, relative)) return true;
+    if (may_couple_ && creeps(r, it) && largest_of(r.support_gap) == 0) return false;
     if (it == options_.iterations) {
       std::ostringstream why;
       why << "Newton stopped after " << it << " iterations with a force residual of " << report.residual << " N (wanted " << report.tolerance << " N)";
@@ -170,11 +183,19 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
   lags_ = options_.lags;
   lag_q_.copy_from(model_.q);
   lag_share_.assign(model_.envs, 1.0);
+  constexpr Index kPlainRounds = 2;
   const double settled = std::max(options_.lag_tolerance, options_.relative_tolerance);
   double relative = lags_ ? 10 * settled : options_.relative_tolerance;
+  may_couple_ = !conservative_;
   for (Index round = 0;; ++round) {
     last_step_ = 0;
-    iterate(info, report, relative, stop);
+    if (!iterate(info, report, relative, stop) || (may_couple_ && round >= kPlainRounds)) {
+      if (solve_coupled(info, report, lags_ ? settled : options_.relative_tolerance, stop)) break;
+      may_couple_ = false;
+      refresh_lagged(q_.view());
+      lag_q_.copy_from(q_);
+      iterate(info, report, relative, stop);
+    }
     if (!refresh_lagged(q_.view())) {
       if (!lags_) break;
       lags_ = false;  // nothing to refresh in this step after all: solve to the end

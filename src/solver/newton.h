@@ -66,7 +66,14 @@ class Newton {
   bool solve_linear(StepReport& report, bool supports_move);
   void direction(StepReport& report, const Residual& r, double relative, bool supports_move);
   double line_search(StepReport& report, const Residual& r, double relative, bool supports_move);
-  void iterate(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop);
+  bool iterate(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop);
+  bool creeps(const Residual& r, Index iteration);
+  Residual fresh_residual(device::Buffer<Vec3>& at);  // coupled.cpp, from here on
+  void precondition(device::View<const Vec3> in, device::View<Vec3> out);
+  void jacobian_product(const device::Buffer<Vec3>& r0, device::View<const Vec3> v, device::View<Vec3> out);
+  std::vector<double> natural_level();
+  bool monotone_step(StepReport& report, const Residual& r, double relative);
+  bool solve_coupled(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop);
   bool refresh_lagged(device::View<const Vec3> q);
   void relax_lagged(Index round);
   std::vector<double> energy(device::View<const Vec3> q);
@@ -110,6 +117,10 @@ class Newton {
   double last_step_ = 0;
   double concave_ = 0;  // share of the Hessian's negative curvature that is kept now (effects/curvature.h)
   double last_alpha_ = 0;  // shortest accepted step of the last iteration; 0 before the first
+  bool conservative_ = true;     // all effects are
+  bool may_couple_ = false;      // coupled.cpp has not failed in this step yet
+  double last_residual_ = 0;     // [N]
+  Index slow_ = 0;               // iterations in a row that got nowhere
   bool lags_ = false;  // some effect has quantities that are frozen and refreshed
 };
 

@@ -161,6 +161,8 @@ class Friction final : public Effect {
     return stencils_;
   }
 
+  bool conservative() const override { return false; }
+
   bool lag(Positions) override {
     refresh();
     return true;

@@ -174,6 +174,8 @@ class MortarContact final : public Effect {
     foresee(std::as_const(dy).view(), alpha);
   }
 
+  bool conservative() const override { return false; }  // samples are frozen (frozen.h)
+
   bool lag(Positions q) override {  // nothing is frozen beyond assembly, but what is published must belong to q
     near_.locate(q);
     update();

@@ -4,7 +4,7 @@
 //
 //   faces    Gauss points of the exactly clipped overlap (clip.h); w = current slave area of the piece.
 //   edges    Gauss points of the master edge's projection within the slave triangle.
-//   points   the projection of a master vertex.
+//   points   the projection of a master vertex, shared between slave triangles near their edges.
 // An edge or vertex belongs to the first master triangle that has it, so every sample lives on one pair of triangles.
 //
 // consistent  w of faces as it is: over a covered slave triangle sum w N_a, sum w M_b are exact, which is what the patch test
@@ -116,7 +116,7 @@ MORTISE_HD inline double facing(const Vec3& n, const Vec3& nm) { return hermite(
 
 inline constexpr double kGate = 0.015192246987791981;  // 1 - cos 10 deg
 inline constexpr double kSharp = 0.13397459621556135;  // 1 - cos 30 deg
-inline constexpr double kOnSide = 1e-10;               // barycentric; a master vertex this near to a slave edge lies on it
+inline constexpr double kOnSide = 1e-10;               // barycentric; a master edge this near to a slave edge lies on it
 
 // Weight [m^2] of a master edge or vertex whose triangles are list[begin..end); `given_back` is what E6 or E7 multiply areas by.
 MORTISE_HD inline double feature_weight(const Scene& s, const Vec3& n, const View<const Index>& list, Index begin, Index end,
@@ -151,22 +151,35 @@ MORTISE_HD inline double side_multiplicity(const Scene& s, Index slave, const Ve
   return count > 1 ? 1.0 / count : 1;
 }
 
-// The same for a master vertex above N.
-MORTISE_HD inline double multiplicity(const Scene& s, Index slave, const Vec3& n, const double N[3]) {
-  int on = 0, side = 0, corner = 0;
-  for (int k = 0; k < 3; ++k) {
-    if (N[k] <= kOnSide)
-      ++on, side = k;
-    else
-      corner = k;
-  }
-  if (on == 0) return 1;
-  if (on == 1) return side_multiplicity(s, slave, n, side);
-  const Index v = s.surface.triangles[slave].v[corner];
-  Index count = 0;
-  for (Index j = s.topology.point_offset[v]; j < s.topology.point_offset[v + 1]; ++j)
-    if (goes_on(s, n, s.topology.point_triangle[j])) ++count;
-  return count > 1 ? 1.0 / count : 1;
+// How far [m] the point above N lies inside the nearest side of the triangle; negative outside.
+MORTISE_HD inline double inside(const SlavePlane& p, const double N[3]) {
+  const Vec3 e0 = p.e2 - p.e1;
+  return 2 * p.area * std::fmin(N[0] / e0.norm(), std::fmin(N[1] / p.e2.norm(), N[2] / p.e1.norm()));
+}
+// Does a point at height `gap` over N belong to the triangle? From 0 to 1 over a strip as wide as twice the gap, half of it outside:
+// so the force on a tip that slides over an edge of a bent slave turns, rather than jumps, from one normal to the next.
+MORTISE_HD inline double belongs(const SlavePlane& p, const double N[3], double gap) {
+  return gap > 0 ? hermite(0.5 + inside(p, N) / (2 * gap)) : 0;
+}
+
+// The share of a master vertex x that sample triangle `slave` has, where neighbouring triangles see it too: they add up to 1 on flat
+// surfaces, and to no more on bent ones.
+MORTISE_HD inline double vertex_share(const Scene& s, Index slave, const SlavePlane& plane, View<const Vec3> y, const Vec3& x) {
+  double N[3];
+  double height = project(plane, x, N);
+  const double own = belongs(plane, N, height);
+  if (own == 0 || inside(plane, N) >= height) return own;
+  double sum = 0;
+  const Triangle t = s.surface.triangles[slave];
+  for (int k = 0; k < 3; ++k)
+    for (Index j = s.topology.point_offset[t.v[k]]; j < s.topology.point_offset[t.v[k] + 1]; ++j) {
+      const Triangle other = s.surface.triangles[s.topology.point_triangle[j]];
+      if ((k > 0 && contact::has(other, t.v[0])) || (k > 1 && contact::has(other, t.v[1]))) continue;  // counted already
+      const SlavePlane around = slave_plane(y[other.v[0]], y[other.v[1]], y[other.v[2]]);
+      height = project(around, x, N);
+      sum += belongs(around, N, height);
+    }
+  return sum > 1 ? own / sum : own;
 }
 
 // A face in the frame of a slave triangle: barycentrics N1, N2 and height [m] of its nodes.
@@ -387,9 +400,9 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
     const Index begin = s.topology.point_offset[v], end = s.topology.point_offset[v + 1];
     if (s.topology.point_triangle[begin] != master) continue;
     double N[3] = {f.L[k][0], f.L[k][1], f.L[k][2]};
-    if (!(N[0] >= -kOnSide && N[1] >= -kOnSide && N[2] >= -kOnSide)) continue;
-    const double w =
-        s.set.share * multiplicity(s, p.slave, n, N) * feature_weight(s, n, s.topology.point_triangle, begin, end, 0.1 * e * e);
+    const double shared = vertex_share(s, p.slave, p.plane, y, f.y[k]);
+    if (!(shared > 0)) continue;
+    const double w = s.set.share * shared * feature_weight(s, n, s.topology.point_triangle, begin, end, 0.1 * e * e);
     double M[3] = {0, 0, 0};
     M[k] = 1;
     if (w > 0) offer(SampleKind::point, w, N, M);
