@@ -23,6 +23,7 @@
 #include "effects/contact/topology.h"
 #include "effects/mortar_contact/clip.h"
 #include "effects/mortar_contact/level_rule.h"
+#include "effects/mortar_contact/moment_rule.h"
 #include "geometry/mesh.h"
 #include "geometry/quadratic.h"
 
@@ -34,7 +35,8 @@ using device::View;
 enum class SampleKind : Index { face, edge, point };
 inline constexpr int kKinds = 3;
 
-inline constexpr Index kExact = 0;  // level_rule.h
+inline constexpr Index kExact = 0;    // level_rule.h
+inline constexpr Index kMoments = 3;  // moment_rule.h
 
 struct Settings {
   double d_hat = 0;  // [m]
@@ -354,7 +356,13 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
 
   if (fade > 0) {
     const Polygon poly = clip(f.L);
-    for (int k = 1; k + 1 < poly.n; ++k) {
+    const bool whole = s.set.quadrature == kMoments && e == 0;
+    if (whole) {
+      MomentRule rule = moment_rule(poly);
+      const double w = fade * p.plane.area * rule.share;
+      for (int q = 0; q < 3 && w > 0; ++q) offer(SampleKind::face, s.set.share * w / 3, rule.at[q].N, rule.at[q].M);
+    }
+    for (int k = 1; k + 1 < poly.n && !whole; ++k) {
       const double w = fade * p.plane.area * fan_share(poly, k);
       if (!(w > 0)) continue;
       const Corner* c[3] = {&poly.v[0], &poly.v[k], &poly.v[k + 1]};
