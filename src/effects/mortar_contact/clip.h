@@ -7,6 +7,8 @@
 // Master triangles with a common edge project its end points to the same numbers, and every intersection is computed from the
 // inner to the outer end point, so both get the same corners bit by bit. Their clipped areas therefore add up to the clipped area
 // of their union to rounding: over a covered slave triangle to its own area, whatever the meshes (none is too small to count).
+#include <cmath>
+
 #include "base/types.h"
 
 namespace mortise::effects::mortar {
@@ -31,6 +33,8 @@ struct Polygon {
 struct SlavePlane {
   Vec3 a0, e1, e2, n;
   double area;
+  // Distance of corner k from the opposite side [m].
+  MORTISE_HD double altitude(int k) const { return 2 * area / (k == 0 ? Vec3(e2 - e1) : k == 1 ? e2 : e1).norm(); }
 };
 
 MORTISE_HD inline SlavePlane slave_plane(const Vec3& a0, const Vec3& a1, const Vec3& a2) {
@@ -93,17 +97,16 @@ MORTISE_HD inline double share(const Polygon& p) {
   return sum;
 }
 
-// The part [t0, t1] of the segment from P to Q (slave barycentrics) within the slave triangle grown by `tolerance`; false if
-// none.
-MORTISE_HD inline bool clip_segment(const double P[3], const double Q[3], double tolerance, double& t0, double& t1) {
+// The part [t0, t1] of the segment from P to Q (slave barycentrics) within the slave triangle whose side k is moved outwards by
+// tolerance[k]; t0 > t1 if none.
+MORTISE_HD inline void clip_segment(const double P[3], const double Q[3], const double tolerance[3], double& t0, double& t1) {
   t0 = 0, t1 = 1;
   for (int side = 0; side < 3; ++side) {
-    const double p = P[side] + tolerance, q = Q[side] + tolerance;
-    if (p < 0 && q < 0) return false;
-    if (p < 0 && p / (p - q) > t0) t0 = p / (p - q);
-    if (q < 0 && p / (p - q) < t1) t1 = p / (p - q);
+    const double p = P[side] + tolerance[side], q = Q[side] + tolerance[side];
+    if (p < 0 && q < 0) t1 = -1;
+    else if (p < 0) t0 = std::fmax(t0, p / (p - q));
+    else if (q < 0) t1 = std::fmin(t1, p / (p - q));
   }
-  return t0 < t1;
 }
 
 }  // namespace mortise::effects::mortar

@@ -304,7 +304,7 @@ void limit(const Scene& scene, const Frozen& f, View<const Vec3> dy, double keep
           jacobian(p, samples[j], J);
           lower(samples[j].gap, change(p, J, d));
         }
-        if (p.master >= 0) {
+        if (p.master >= 0 && facing(p.n, s.normal[p.master]) > 0) {
           const Index* t = s.surface.triangles[p.slave].v;
           const SlavePlane plane = slave_plane(y[t[0]], y[t[1]], y[t[2]]);
           const Facing over = project(s, plane, p.master, y);

@@ -3,7 +3,7 @@
 // x_m = sum M_b y_b on a master triangle, with the gap g = n . (x_m - x_s) along the slave normal n and a weight w [m^2].
 //
 //   faces    Gauss points of the exactly clipped overlap (clip.h); w = current slave area of the piece.
-//   edges    Gauss points of the master edge's projection within the slave triangle.
+//   edges    Gauss points of the master edge's projection within the slave triangle, shared like points.
 //   points   the projection of a master vertex, shared between slave triangles near their edges.
 // An edge or vertex belongs to the first master triangle that has it, so every sample lives on one pair of triangles.
 //
@@ -118,7 +118,6 @@ MORTISE_HD inline double facing(const Vec3& n, const Vec3& nm) { return hermite(
 
 inline constexpr double kGate = 0.015192246987791981;  // 1 - cos 10 deg
 inline constexpr double kSharp = 0.13397459621556135;  // 1 - cos 30 deg
-inline constexpr double kOnSide = 1e-10;               // barycentric; a master edge this near to a slave edge lies on it
 
 // Weight [m^2] of a master edge or vertex whose triangles are list[begin..end); `given_back` is what E6 or E7 multiply areas by.
 MORTISE_HD inline double feature_weight(const Scene& s, const Vec3& n, const View<const Index>& list, Index begin, Index end,
@@ -141,22 +140,9 @@ MORTISE_HD inline double feature_weight(const Scene& s, const Vec3& n, const Vie
   return sum / 3 * hermite(parallel / kGate) * hermite(sharp / kSharp) * hermite(-n.dot(mean) / 0.2);
 }
 
-// Does slave triangle t go on in the direction of n (rather than round a rim)?
-MORTISE_HD inline bool goes_on(const Scene& s, const Vec3& n, Index t) { return n.dot(s.normal[t]) > 0.5; }
-
-// One over the number of slave triangles that find what lies on side k of `slave`.
-MORTISE_HD inline double side_multiplicity(const Scene& s, Index slave, const Vec3& n, int k) {
-  const Index edge = s.topology.triangle_edge[3 * slave + (k + 1) % 3];
-  Index count = 0;
-  for (Index j = s.topology.edge_offset[edge]; j < s.topology.edge_offset[edge + 1]; ++j)
-    if (goes_on(s, n, s.topology.edge_triangle[j])) ++count;
-  return count > 1 ? 1.0 / count : 1;
-}
-
 // How far [m] the point above N lies inside the nearest side of the triangle; negative outside.
 MORTISE_HD inline double inside(const SlavePlane& p, const double N[3]) {
-  const Vec3 e0 = p.e2 - p.e1;
-  return 2 * p.area * std::fmin(N[0] / e0.norm(), std::fmin(N[1] / p.e2.norm(), N[2] / p.e1.norm()));
+  return std::fmin(N[0] * p.altitude(0), std::fmin(N[1] * p.altitude(1), N[2] * p.altitude(2)));
 }
 // Does a point at height `gap` over N belong to the triangle? From 0 to 1 over a strip as wide as twice the gap, half of it outside:
 // so the force on a tip that slides over an edge of a bent slave turns, rather than jumps, from one normal to the next.
@@ -164,9 +150,9 @@ MORTISE_HD inline double belongs(const SlavePlane& p, const double N[3], double 
   return gap > 0 ? hermite(0.5 + inside(p, N) / (2 * gap)) : 0;
 }
 
-// The share of a master vertex x that sample triangle `slave` has, where neighbouring triangles see it too: they add up to 1 on flat
-// surfaces, and to no more on bent ones.
-MORTISE_HD inline double vertex_share(const Scene& s, Index slave, const SlavePlane& plane, View<const Vec3> y, const Vec3& x) {
+// The share of a point x of a master edge or vertex that triangle `slave` has, where neighbouring triangles see it too: they add up to 1
+// on flat surfaces, and to no more on bent ones.
+MORTISE_HD inline double own_share(const Scene& s, Index slave, const SlavePlane& plane, View<const Vec3> y, const Vec3& x) {
   double N[3];
   double height = project(plane, x, N);
   const double own = belongs(plane, N, height);
@@ -182,6 +168,23 @@ MORTISE_HD inline double vertex_share(const Scene& s, Index slave, const SlavePl
       sum += belongs(around, N, height);
     }
   return sum > 1 ? own / sum : own;
+}
+
+// A segment over a slave triangle grown by a margin, cut where it enters and leaves the triangle shrunk by it.
+struct Stretches {
+  double t[4];
+};
+MORTISE_HD inline bool stretches(const SlavePlane& p, const double P[3], const double Q[3], double margin, Stretches& out) {
+  double grow[3], shrink[3];
+  for (int k = 0; k < 3; ++k) grow[k] = margin / p.altitude(k), shrink[k] = -grow[k];
+  double in, back;
+  clip_segment(P, Q, grow, out.t[0], out.t[3]);
+  if (!(out.t[0] < out.t[3])) return false;
+  clip_segment(P, Q, shrink, in, back);
+  if (in > back) in = back = 0.5 * (in + std::fmax(back, 0.0));  // nothing is inside: one cut, where the inside would appear
+  out.t[1] = std::fmin(std::fmax(in, out.t[0]), out.t[3]);
+  out.t[2] = std::fmin(std::fmax(back, out.t[0]), out.t[3]);
+  return true;
 }
 
 // A face in the frame of a slave triangle: barycentrics N1, N2 and height [m] of its nodes.
@@ -384,23 +387,27 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
     const int l = k < 2 ? k + 1 : 0;
     const Index edge = s.topology.triangle_edge[3 * master + k];
     const Index begin = s.topology.edge_offset[edge], end = s.topology.edge_offset[edge + 1];
-    double t0, t1;
-    if (s.topology.edge_triangle[begin] != master || !clip_segment(f.L[k], f.L[l], kOnSide, t0, t1)) continue;
-    double w = s.set.share * (t1 - t0) * feature_weight(s, n, s.topology.edge_triangle, begin, end, e);
+    const double top = std::fmin(std::fmax(f.height[k], f.height[l]), p.reach);
+    if (s.topology.edge_triangle[begin] != master || !(top > 0)) continue;
+    // Within `top` of a side of the slave triangle the edge is shared with the next one.
+    Stretches stretch;
+    if (!stretches(p.plane, f.L[k], f.L[l], top, stretch)) continue;
+    const double w = s.set.share * feature_weight(s, n, s.topology.edge_triangle, begin, end, e);
     if (!(w > 0)) continue;
-    for (int a = 0; a < 3; ++a) {
-      const double slope = f.L[l][a] - f.L[k][a];
-      if (std::fmax(f.L[k][a] + t0 * slope, f.L[k][a] + t1 * slope) <= kOnSide) w *= side_multiplicity(s, p.slave, n, a);
+    for (int part = 0; part < 3; ++part) {
+      const double t0 = stretch.t[part], t1 = stretch.t[part + 1];
+      if (!(t1 > t0)) continue;
+      const auto at = [&](double along, double weight) {
+        const double t = t0 + along * (t1 - t0), taper = e > 0 ? hermite(std::fmin(t, 1 - t) / e) : 1;
+        const double shared = taper > 0 ? own_share(s, p.slave, p.plane, y, (1 - t) * f.y[k] + t * f.y[l]) : 0;
+        double N[3], M[3] = {0, 0, 0};
+        M[k] = 1 - t, M[l] = t;
+        for (int a = 0; a < 3; ++a) N[a] = (1 - t) * f.L[k][a] + t * f.L[l][a];
+        if (shared > 0) offer(SampleKind::edge, w * (t1 - t0) * weight * taper * shared, N, M);
+      };
+      const double rise = f.height[l] - f.height[k];
+      integrate_segment(s, f.height[k] + t0 * rise, f.height[k] + t1 * rise, p, at);
     }
-    const auto at = [&](double along, double weight) {
-      const double t = t0 + along * (t1 - t0), taper = e > 0 ? hermite(std::fmin(t, 1 - t) / e) : 1;
-      double N[3], M[3] = {0, 0, 0};
-      M[k] = 1 - t, M[l] = t;
-      for (int a = 0; a < 3; ++a) N[a] = (1 - t) * f.L[k][a] + t * f.L[l][a];
-      if (taper > 0) offer(SampleKind::edge, w * weight * taper, N, M);
-    };
-    const double rise = f.height[l] - f.height[k];
-    integrate_segment(s, f.height[k] + t0 * rise, f.height[k] + t1 * rise, p, at);
   }
 
   for (int k = 0; k < 3; ++k) {
@@ -408,7 +415,7 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
     const Index begin = s.topology.point_offset[v], end = s.topology.point_offset[v + 1];
     if (s.topology.point_triangle[begin] != master) continue;
     double N[3] = {f.L[k][0], f.L[k][1], f.L[k][2]};
-    const double shared = vertex_share(s, p.slave, p.plane, y, f.y[k]);
+    const double shared = own_share(s, p.slave, p.plane, y, f.y[k]);
     if (!(shared > 0)) continue;
     const double w = s.set.share * shared * feature_weight(s, n, s.topology.point_triangle, begin, end, 0.1 * e * e);
     double M[3] = {0, 0, 0};
