@@ -27,7 +27,8 @@ MORTISE_HD inline Patch patch_of(const Scene& s, View<const Vec3> y, Index i, co
   Patch p;
   p.slave = s.slaves[i];
   const Triangle t = s.surface.triangles[p.slave];
-  p.plane = slave_plane(y[t.v[0]], y[t.v[1]], y[t.v[2]]);
+  for (int k = 0; k < 3; ++k) p.y[k] = y[t.v[k]];
+  p.plane = slave_plane(p.y[0], p.y[1], p.y[2]);
   if (s.quarter.n > 0) p.face = sheet_of(s, p.plane, p.slave, y);
   p.support = s.support[i];
   p.reach = p.support + margin;

@@ -118,6 +118,7 @@ MORTISE_HD inline double facing(const Vec3& n, const Vec3& nm) { return hermite(
 
 inline constexpr double kGate = 0.015192246987791981;  // 1 - cos 10 deg
 inline constexpr double kSharp = 0.13397459621556135;  // 1 - cos 30 deg
+inline constexpr double kOnSide = 1e-10;               // barycentric; a master vertex this near to a slave edge lies on it
 
 // Weight [m^2] of a master edge or vertex whose triangles are list[begin..end); `given_back` is what E6 or E7 multiply areas by.
 MORTISE_HD inline double feature_weight(const Scene& s, const Vec3& n, const View<const Index>& list, Index begin, Index end,
@@ -140,34 +141,59 @@ MORTISE_HD inline double feature_weight(const Scene& s, const Vec3& n, const Vie
   return sum / 3 * hermite(parallel / kGate) * hermite(sharp / kSharp) * hermite(-n.dot(mean) / 0.2);
 }
 
-// How far [m] the point above N lies inside the nearest side of the triangle; negative outside.
-MORTISE_HD inline double inside(const SlavePlane& p, const double N[3]) {
-  return std::fmin(N[0] * p.altitude(0), std::fmin(N[1] * p.altitude(1), N[2] * p.altitude(2)));
-}
-// Does a point at height `gap` over N belong to the triangle? From 0 to 1 over a strip as wide as twice the gap, half of it outside:
-// so the force on a tip that slides over an edge of a bent slave turns, rather than jumps, from one normal to the next.
-MORTISE_HD inline double belongs(const SlavePlane& p, const double N[3], double gap) {
-  return gap > 0 ? hermite(0.5 + inside(p, N) / (2 * gap)) : 0;
+// ---- where samples of edges and points belong, tapered: to the triangle below, or to all that have it on their rim ----
+
+// Does slave triangle t go on in the direction of n (rather than round a rim)?
+MORTISE_HD inline bool goes_on(const Scene& s, const Vec3& n, Index t) { return n.dot(s.normal[t]) > 0.5; }
+
+// One over the number of slave triangles that find what lies on side k of `slave`.
+MORTISE_HD inline double side_multiplicity(const Scene& s, Index slave, const Vec3& n, int k) {
+  const Index edge = s.topology.triangle_edge[3 * slave + (k + 1) % 3];
+  Index count = 0;
+  for (Index j = s.topology.edge_offset[edge]; j < s.topology.edge_offset[edge + 1]; ++j)
+    if (goes_on(s, n, s.topology.edge_triangle[j])) ++count;
+  return count > 1 ? 1.0 / count : 1;
 }
 
-// The share of a point x of a master edge or vertex that triangle `slave` has, where neighbouring triangles see it too: they add up to 1
-// on flat surfaces, and to no more on bent ones.
-MORTISE_HD inline double own_share(const Scene& s, Index slave, const SlavePlane& plane, View<const Vec3> y, const Vec3& x) {
-  double N[3];
-  double height = project(plane, x, N);
-  const double own = belongs(plane, N, height);
-  if (own == 0 || inside(plane, N) >= height) return own;
-  double sum = 0;
-  const Triangle t = s.surface.triangles[slave];
-  for (int k = 0; k < 3; ++k)
-    for (Index j = s.topology.point_offset[t.v[k]]; j < s.topology.point_offset[t.v[k] + 1]; ++j) {
-      const Triangle other = s.surface.triangles[s.topology.point_triangle[j]];
-      if ((k > 0 && contact::has(other, t.v[0])) || (k > 1 && contact::has(other, t.v[1]))) continue;  // counted already
-      const SlavePlane around = slave_plane(y[other.v[0]], y[other.v[1]], y[other.v[2]]);
-      height = project(around, x, N);
-      sum += belongs(around, N, height);
-    }
-  return sum > 1 ? own / sum : own;
+// The same for a master vertex above N.
+MORTISE_HD inline double multiplicity(const Scene& s, Index slave, const Vec3& n, const double N[3]) {
+  int on = 0, side = 0, corner = 0;
+  for (int k = 0; k < 3; ++k) {
+    if (N[k] <= kOnSide)
+      ++on, side = k;
+    else
+      corner = k;
+  }
+  if (on == 0) return 1;
+  if (on == 1) return side_multiplicity(s, slave, n, side);
+  const Index v = s.surface.triangles[slave].v[corner];
+  Index count = 0;
+  for (Index j = s.topology.point_offset[v]; j < s.topology.point_offset[v + 1]; ++j)
+    if (goes_on(s, n, s.topology.point_triangle[j])) ++count;
+  return count > 1 ? 1.0 / count : 1;
+}
+
+// ---- the same, consistent: to all triangles nearby, so that forces are continuous ----
+
+// Distance [m] of the point with barycentrics w in a triangle's plane from its rim: positive inside.
+MORTISE_HD inline double rim_distance(const Vec3 y[3], const double w[3]) {
+  Vec3 x = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) x += w[k] * y[k];
+  double least = INFINITY;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 &a = y[k], e = y[(k + 1) % 3] - a;
+    const double t = std::fmin(std::fmax((x - a).dot(e) / e.squaredNorm(), 0.0), 1.0);
+    least = std::fmin(least, (x - a - t * e).squaredNorm());
+  }
+  const double distance = std::sqrt(least);
+  return w[0] >= 0 && w[1] >= 0 && w[2] >= 0 ? distance : -distance;
+}
+
+// How much a point at height `gap` over a triangle belongs to it: 1 inside, 0 outside, with a strip on either side of its rim, as wide as
+// the gap, in between. So the force on a tip that slides over an edge of a bent slave turns, rather than jumps, from one normal to
+// the next. Over a flat edge the shares of both triangles add up to 1.
+MORTISE_HD inline double belongs(const Vec3 y[3], const double w[3], double gap) {
+  return gap > 0 ? hermite(0.5 + rim_distance(y, w) / (2 * gap)) : 0;
 }
 
 // A segment over a slave triangle grown by a margin, cut where it enters and leaves the triangle shrunk by it.
@@ -185,6 +211,20 @@ MORTISE_HD inline bool stretches(const SlavePlane& p, const double P[3], const d
   out.t[1] = std::fmin(std::fmax(in, out.t[0]), out.t[3]);
   out.t[2] = std::fmin(std::fmax(back, out.t[0]), out.t[3]);
   return true;
+}
+
+// The part over the triangle itself.
+MORTISE_HD inline bool one_stretch(const double P[3], const double Q[3], Stretches& out) {
+  const double rim[3] = {kOnSide, kOnSide, kOnSide};
+  clip_segment(P, Q, rim, out.t[0], out.t[3]);
+  out.t[1] = out.t[0], out.t[2] = out.t[3];
+  return out.t[0] < out.t[3];
+}
+MORTISE_HD inline double edge_multiplicity(const Scene& s, Index slave, const Vec3& n, const double P[3], const double Q[3], const Stretches& part) {
+  double out = 1;
+  for (int a = 0; a < 3; ++a)
+    if (std::fmax(P[a] + part.t[0] * (Q[a] - P[a]), P[a] + part.t[3] * (Q[a] - P[a])) <= kOnSide) out *= side_multiplicity(s, slave, n, a);
+  return out;
 }
 
 // A face in the frame of a slave triangle: barycentrics N1, N2 and height [m] of its nodes.
@@ -236,6 +276,7 @@ inline constexpr double kLeastGap = 1e-3;
 // A slave triangle with the master triangles near it.
 struct Patch {
   Index slave;  // triangle
+  Vec3 y[3];    // its corners
   SlavePlane plane;
   Sheet face;  // where the scene has quadratic faces
   double support, reach;  // samples with a gap below `reach` are wanted
@@ -261,16 +302,17 @@ MORTISE_HD inline double height(const Facing& f, const double M[3]) {
   return M[0] * f.height[0] + M[1] * f.height[1] + M[2] * f.height[2];
 }
 
-// Does another master of the patch lie between the slave and its point N at gap g? Stacked layers must not add up.
-MORTISE_HD inline bool covers(const Facing& f, const double N[3], double g) {
+// How much of what lies at gap g above the slave's point N master f hides: it must lie in between, and hides less and less outside of
+// its rim, up to as far as the distance of the two. Stacked layers must not add up.
+MORTISE_HD inline double covers(const Facing& f, const double N[3], double g) {
   const double ax = f.L[1][1] - f.L[0][1], ay = f.L[1][2] - f.L[0][2], bx = f.L[2][1] - f.L[0][1], by = f.L[2][2] - f.L[0][2];
   const double px = N[1] - f.L[0][1], py = N[2] - f.L[0][2], det = ax * by - ay * bx;
-  if (det == 0) return false;
+  if (det == 0) return 0;
   double M[3];
   M[1] = (px * by - py * bx) / det, M[2] = (ax * py - ay * px) / det, M[0] = 1 - M[1] - M[2];
-  if (!(M[0] >= 0 && M[1] >= 0 && M[2] >= 0)) return false;
   const double h = height(f, M);
-  return h > 0 && h < g;
+  if (!(h > 0 && h < g)) return 0;
+  return hermite(1 + rim_distance(f.y, M) / (g - h));
 }
 MORTISE_HD inline bool may_cover(const Scene& s, const Patch& p, Index i, Index j) {
   if (i == j || !(-p.plane.n.dot(s.normal[p.master[j]]) > 0.1)) return false;
@@ -280,11 +322,12 @@ MORTISE_HD inline bool may_cover(const Scene& s, const Patch& p, Index i, Index 
   return true;
 }
 // Bounds of a master in the slave plane and along the normal: could j hide any part of i?
-MORTISE_HD inline bool boxes_overlap(const Facing& i, const Facing& j) {
+MORTISE_HD inline bool boxes_overlap(const Patch& p, const Facing& i, const Facing& j) {
   for (int c = 0; c < 3; ++c) {
     const auto lo = [c](const Facing& f) { return std::fmin(f.L[0][c], std::fmin(f.L[1][c], f.L[2][c])); };
     const auto hi = [c](const Facing& f) { return std::fmax(f.L[0][c], std::fmax(f.L[1][c], f.L[2][c])); };
-    if (!(lo(i) < hi(j) && lo(j) < hi(i))) return false;
+    const double strip = p.reach / p.plane.altitude(c);
+    if (!(lo(i) < hi(j) + strip && lo(j) < hi(i) + strip)) return false;
   }
   const double top = std::fmax(i.height[0], std::fmax(i.height[1], i.height[2])),
                floor = std::fmin(j.height[0], std::fmin(j.height[1], j.height[2]));
@@ -292,13 +335,15 @@ MORTISE_HD inline bool boxes_overlap(const Facing& i, const Facing& j) {
 }
 MORTISE_HD inline bool any_layer(const Scene& s, const Patch& p, Index i, const Facing& f, View<const Vec3> y) {
   for (Index j = 0; j < p.masters; ++j)
-    if (may_cover(s, p, i, j) && boxes_overlap(f, project(s, p.plane, p.master[j], y))) return true;
+    if (may_cover(s, p, i, j) && boxes_overlap(p, f, project(s, p.plane, p.master[j], y))) return true;
   return false;
 }
-MORTISE_HD inline bool hidden(const Scene& s, const Patch& p, Index i, View<const Vec3> y, const double N[3], double g) {
+// Share of what master i shows at N that no other master hides.
+MORTISE_HD inline double visible(const Scene& s, const Patch& p, Index i, View<const Vec3> y, const double N[3], double g) {
+  double hidden = 0;
   for (Index j = 0; j < p.masters; ++j)
-    if (may_cover(s, p, i, j) && covers(project(s, p.plane, p.master[j], y), N, g)) return true;
-  return false;
+    if (may_cover(s, p, i, j)) hidden += covers(project(s, p.plane, p.master[j], y), N, g);
+  return hidden < 1 ? 1 - hidden : 0;
 }
 
 // Calls at(b, weight) for the points of a triangle whose corners have these gaps; weights add up to 1.
@@ -346,7 +391,9 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
   const double e = s.set.taper;
   const auto offer = [&](SampleKind kind, double weight, double N[3], double M[3]) {
     double gap = height(f, M);  // of the quarters, which cannot meet
-    if (!(gap > 0) || (layers && hidden(s, p, i, y, N, gap))) return;
+    if (!(gap > 0)) return;
+    if (layers) weight *= visible(s, p, i, y, N, gap);
+    if (!(weight > 0)) return;
     if (bent) {
       // Faces are sampled at points of the slave, ridges and tips at their own.
       const bool of_slave = kind == SampleKind::face;
@@ -391,19 +438,20 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
     if (s.topology.edge_triangle[begin] != master || !(top > 0)) continue;
     // Within `top` of a side of the slave triangle the edge is shared with the next one.
     Stretches stretch;
-    if (!stretches(p.plane, f.L[k], f.L[l], top, stretch)) continue;
-    const double w = s.set.share * feature_weight(s, n, s.topology.edge_triangle, begin, end, e);
+    if (!(e > 0 ? one_stretch(f.L[k], f.L[l], stretch) : stretches(p.plane, f.L[k], f.L[l], top, stretch))) continue;
+    double w = s.set.share * feature_weight(s, n, s.topology.edge_triangle, begin, end, e);
     if (!(w > 0)) continue;
+    if (e > 0) w *= edge_multiplicity(s, p.slave, n, f.L[k], f.L[l], stretch);
     for (int part = 0; part < 3; ++part) {
       const double t0 = stretch.t[part], t1 = stretch.t[part + 1];
       if (!(t1 > t0)) continue;
       const auto at = [&](double along, double weight) {
         const double t = t0 + along * (t1 - t0), taper = e > 0 ? hermite(std::fmin(t, 1 - t) / e) : 1;
-        const double shared = taper > 0 ? own_share(s, p.slave, p.plane, y, (1 - t) * f.y[k] + t * f.y[l]) : 0;
         double N[3], M[3] = {0, 0, 0};
         M[k] = 1 - t, M[l] = t;
         for (int a = 0; a < 3; ++a) N[a] = (1 - t) * f.L[k][a] + t * f.L[l][a];
-        if (shared > 0) offer(SampleKind::edge, w * (t1 - t0) * weight * taper * shared, N, M);
+        const double shared = e > 0 ? 1 : belongs(p.y, N, height(f, M));
+        if (taper * shared > 0) offer(SampleKind::edge, w * (t1 - t0) * weight * taper * shared, N, M);
       };
       const double rise = f.height[l] - f.height[k];
       integrate_segment(s, f.height[k] + t0 * rise, f.height[k] + t1 * rise, p, at);
@@ -415,7 +463,7 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
     const Index begin = s.topology.point_offset[v], end = s.topology.point_offset[v + 1];
     if (s.topology.point_triangle[begin] != master) continue;
     double N[3] = {f.L[k][0], f.L[k][1], f.L[k][2]};
-    const double shared = own_share(s, p.slave, p.plane, y, f.y[k]);
+    const double shared = e > 0 ? (N[0] >= -kOnSide && N[1] >= -kOnSide && N[2] >= -kOnSide ? multiplicity(s, p.slave, n, N) : 0) : belongs(p.y, N, f.height[k]);
     if (!(shared > 0)) continue;
     const double w = s.set.share * shared * feature_weight(s, n, s.topology.point_triangle, begin, end, 0.1 * e * e);
     double M[3] = {0, 0, 0};

@@ -3,11 +3,14 @@
 namespace mortise::effects::mortar {
 namespace {
 
+// Edges and tips are seen up to `reach` above a slave triangle and as far beside it.
+constexpr double kBeside = 1.4142135623730951;
+
 // Counts the masters near a slave; writes them unless out is null.
 MORTISE_HD inline Index masters_near(const Scene& s, const geometry::BvhView& tree, View<const Vec3> y, Index slave, double reach,
                                      Index* out) {
   const Triangle t = s.surface.triangles[slave];
-  const geometry::BvhNode box = geometry::swept_box(t.v, 3, -1, s.surface, y, View<const Vec3>{}, reach);
+  const geometry::BvhNode box = geometry::swept_box(t.v, 3, -1, s.surface, y, View<const Vec3>{}, kBeside * reach);
   geometry::BvhCursor cursor;
   Index n = 0;
   for (Index m = cursor.next(tree, box, s.surface); m >= 0; m = cursor.next(tree, box, s.surface)) {
