@@ -29,6 +29,7 @@ MORTISE_HD inline Patch patch_of(const Scene& s, View<const Vec3> y, Index i, co
   const Triangle t = s.surface.triangles[p.slave];
   for (int k = 0; k < 3; ++k) p.y[k] = y[t.v[k]];
   p.plane = slave_plane(p.y[0], p.y[1], p.y[2]);
+  for (int k = 0; k < 3; ++k) p.bend[k] = bend(s, p.slave, k, p.plane.n);
   if (s.quarter.n > 0) p.face = sheet_of(s, p.plane, p.slave, y);
   p.support = s.support[i];
   p.reach = p.support + margin;
@@ -305,8 +306,9 @@ void limit(const Scene& scene, const Frozen& f, View<const Vec3> dy, double keep
           jacobian(p, samples[j], J);
           lower(samples[j].gap, change(p, J, d));
         }
-        if (p.master >= 0 && facing(p.n, s.normal[p.master]) > 0) {
-          const Index* t = s.surface.triangles[p.slave].v;
+        const Index *t = s.surface.triangles[p.slave].v, *under = p.master < 0 ? t : s.surface.triangles[p.master].v;
+        const Vec3 turned = (y[under[1]] - y[under[0]]).cross(y[under[2]] - y[under[0]]);
+        if (p.master >= 0 && facing(p.n, turned / turned.norm()) > 0) {
           const SlavePlane plane = slave_plane(y[t[0]], y[t[1]], y[t[2]]);
           const Facing over = project(s, plane, p.master, y);
           const Polygon poly = clip(over.L);

@@ -173,6 +173,30 @@ MORTISE_HD inline double multiplicity(const Scene& s, Index slave, const Vec3& n
   return count > 1 ? 1.0 / count : 1;
 }
 
+// A face in the frame of a slave triangle: barycentrics N1, N2 and height [m] of its nodes.
+struct Sheet {
+  FaceNodes on;
+  Vec3 c[6];
+  MORTISE_HD Vec3 at(const double b[3]) const {
+    double w[6];
+    on.shape(b, w);
+    Vec3 x = Vec3::Zero();
+    for (int k = 0; k < on.count; ++k) x += w[k] * c[k];
+    return x;
+  }
+};
+// A slave triangle with the master triangles near it.
+struct Patch {
+  Index slave;  // triangle
+  Vec3 y[3];    // its corners
+  SlavePlane plane;
+  double bend[3];  // below
+  Sheet face;  // where the scene has quadratic faces
+  double support, reach;  // samples with a gap below `reach` are wanted
+  const Index* master;    // triangles
+  Index masters;
+};
+
 // ---- the same, consistent: to all triangles nearby, so that forces are continuous ----
 
 // Distance [m] of the point with barycentrics w in a triangle's plane from its rim: positive inside.
@@ -189,20 +213,38 @@ MORTISE_HD inline double rim_distance(const Vec3 y[3], const double w[3]) {
   return w[0] >= 0 && w[1] >= 0 && w[2] >= 0 ? distance : -distance;
 }
 
-// How much a point at height `gap` over a triangle belongs to it: 1 inside, 0 outside, with a strip on either side of its rim, as wide as
-// the gap, in between. So the force on a tip that slides over an edge of a bent slave turns, rather than jumps, from one normal to
-// the next. Over a flat edge the shares of both triangles add up to 1.
-MORTISE_HD inline double belongs(const Vec3 y[3], const double w[3], double gap) {
-  return gap > 0 ? hermite(0.5 + rim_distance(y, w) / (2 * gap)) : 0;
+// How far slave triangle t is bent against its neighbour over side k: 0 where they lie in one plane, 1 from 1 degree on.
+MORTISE_HD inline double bend(const Scene& s, Index t, int k, const Vec3& n) {
+  constexpr double kBent = 1.523048436087608e-4;  // 1 - cos 1 deg
+  const Index edge = s.topology.triangle_edge[3 * t + (k + 1) % 3];
+  double most = 0;
+  for (Index j = s.topology.edge_offset[edge]; j < s.topology.edge_offset[edge + 1]; ++j) most = std::fmax(most, 1 - n.dot(s.normal[s.topology.edge_triangle[j]]));
+  return hermite(most / kBent);
 }
 
-// A segment over a slave triangle grown by a margin, cut where it enters and leaves the triangle shrunk by it.
+// Half the width [m] of the strip along side k in which triangle and neighbour share what lies at a gap above.
+MORTISE_HD inline double strip(const Patch& p, int k, double gap) {
+  constexpr double kLeast = 1e-10;  // of the altitude: what lies this near to a side lies on it
+  return std::fmax(p.bend[k] * gap, kLeast * p.plane.altitude(k));
+}
+// How much a point above w belongs to the triangle: 1 inside, 0 outside, and in between in the strips along its sides. Where the slave is
+// bent they are as wide as the gap, so that the force on an edge or a tip that slides from one triangle to the next turns with it
+// rather than jumping from one normal to the other. Over a common side the shares of both triangles add up to 1. The last factor
+// ends what the product of strips goes beyond a sharp corner.
+MORTISE_HD inline double belongs(const Patch& p, const double w[3], double gap) {
+  if (!(gap > 0)) return 0;
+  double share = 1;
+  for (int k = 0; k < 3; ++k) share *= hermite(0.5 + w[k] * p.plane.altitude(k) / (2 * strip(p, k, gap)));
+  return share > 0 ? share * hermite(2 + 2 * rim_distance(p.y, w) / gap) : 0;
+}
+
+// A segment over a slave triangle and its outer strips, cut where it enters and leaves what is within all inner ones.
 struct Stretches {
   double t[4];
 };
-MORTISE_HD inline bool stretches(const SlavePlane& p, const double P[3], const double Q[3], double margin, Stretches& out) {
+MORTISE_HD inline bool stretches(const Patch& p, const double P[3], const double Q[3], double gap, Stretches& out) {
   double grow[3], shrink[3];
-  for (int k = 0; k < 3; ++k) grow[k] = margin / p.altitude(k), shrink[k] = -grow[k];
+  for (int k = 0; k < 3; ++k) grow[k] = strip(p, k, gap) / p.plane.altitude(k), shrink[k] = -grow[k];
   double in, back;
   clip_segment(P, Q, grow, out.t[0], out.t[3]);
   if (!(out.t[0] < out.t[3])) return false;
@@ -227,18 +269,6 @@ MORTISE_HD inline double edge_multiplicity(const Scene& s, Index slave, const Ve
   return out;
 }
 
-// A face in the frame of a slave triangle: barycentrics N1, N2 and height [m] of its nodes.
-struct Sheet {
-  FaceNodes on;
-  Vec3 c[6];
-  MORTISE_HD Vec3 at(const double b[3]) const {
-    double w[6];
-    on.shape(b, w);
-    Vec3 x = Vec3::Zero();
-    for (int k = 0; k < on.count; ++k) x += w[k] * c[k];
-    return x;
-  }
-};
 MORTISE_HD inline Sheet sheet_of(const Scene& s, const SlavePlane& plane, Index triangle, View<const Vec3> y) {
   Sheet out;
   out.on = s.nodes_of(triangle);
@@ -272,17 +302,6 @@ MORTISE_HD inline Vec3 slide(const Sheet& face, const Vec3& x, double b[3]) {
 // No gap is taken to be smaller than this share of the support radius. Continuous collision detection keeps the quarters apart, not
 // the quadratic faces themselves, which a coarse mesh could bring together between its nodes.
 inline constexpr double kLeastGap = 1e-3;
-
-// A slave triangle with the master triangles near it.
-struct Patch {
-  Index slave;  // triangle
-  Vec3 y[3];    // its corners
-  SlavePlane plane;
-  Sheet face;  // where the scene has quadratic faces
-  double support, reach;  // samples with a gap below `reach` are wanted
-  const Index* master;    // triangles
-  Index masters;
-};
 
 // A master triangle over a patch.
 struct Facing {
@@ -436,9 +455,8 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
     const Index begin = s.topology.edge_offset[edge], end = s.topology.edge_offset[edge + 1];
     const double top = std::fmin(std::fmax(f.height[k], f.height[l]), p.reach);
     if (s.topology.edge_triangle[begin] != master || !(top > 0)) continue;
-    // Within `top` of a side of the slave triangle the edge is shared with the next one.
     Stretches stretch;
-    if (!(e > 0 ? one_stretch(f.L[k], f.L[l], stretch) : stretches(p.plane, f.L[k], f.L[l], top, stretch))) continue;
+    if (!(e > 0 ? one_stretch(f.L[k], f.L[l], stretch) : stretches(p, f.L[k], f.L[l], top, stretch))) continue;
     double w = s.set.share * feature_weight(s, n, s.topology.edge_triangle, begin, end, e);
     if (!(w > 0)) continue;
     if (e > 0) w *= edge_multiplicity(s, p.slave, n, f.L[k], f.L[l], stretch);
@@ -450,7 +468,7 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
         double N[3], M[3] = {0, 0, 0};
         M[k] = 1 - t, M[l] = t;
         for (int a = 0; a < 3; ++a) N[a] = (1 - t) * f.L[k][a] + t * f.L[l][a];
-        const double shared = e > 0 ? 1 : belongs(p.y, N, height(f, M));
+        const double shared = e > 0 ? 1 : belongs(p, N, height(f, M));
         if (taper * shared > 0) offer(SampleKind::edge, w * (t1 - t0) * weight * taper * shared, N, M);
       };
       const double rise = f.height[l] - f.height[k];
@@ -463,7 +481,7 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
     const Index begin = s.topology.point_offset[v], end = s.topology.point_offset[v + 1];
     if (s.topology.point_triangle[begin] != master) continue;
     double N[3] = {f.L[k][0], f.L[k][1], f.L[k][2]};
-    const double shared = e > 0 ? (N[0] >= -kOnSide && N[1] >= -kOnSide && N[2] >= -kOnSide ? multiplicity(s, p.slave, n, N) : 0) : belongs(p.y, N, f.height[k]);
+    const double shared = e > 0 ? (N[0] >= -kOnSide && N[1] >= -kOnSide && N[2] >= -kOnSide ? multiplicity(s, p.slave, n, N) : 0) : belongs(p, N, f.height[k]);
     if (!(shared > 0)) continue;
     const double w = s.set.share * shared * feature_weight(s, n, s.topology.point_triangle, begin, end, 0.1 * e * e);
     double M[3] = {0, 0, 0};
