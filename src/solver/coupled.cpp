@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "linalg/cg.h"
 #include "linalg/gmres.h"
 #include "solver/kernels.h"
 #include "solver/newton.h"
@@ -36,7 +35,7 @@ void Newton::precondition(device::View<const Vec3> in, device::View<Vec3> out) {
   }
   constexpr double kRough = 1e-2;
   device::clear(out.p, out.n * sizeof(Vec3));
-  linalg::conjugate_gradients(matrix_, in, out, env_rows_, std::vector<double>(model_.envs, kRough), {options_.cg_iterations, 0});
+  run_cg(in, out, std::vector<double>(model_.envs, kRough), std::vector<double>(model_.envs, 0.0));
 }
 
 // J v by a difference of residuals; r0 = -P grad Phi at q_.
@@ -112,11 +111,16 @@ bool Newton::solve_coupled(const effects::StepInfo& info, StepReport& report, do
     refresh_lagged(q_.view());
     const Residual r = assemble(!factored);
     report.residual = largest_of(r.force);
+    report.tolerance = 0;
+    for (Index e = 0; e < model_.envs; ++e) report.tolerance = std::max(report.tolerance, tolerance(r, e, relative));
     if (options_.trace) trace(info, r, it, report);
     if (converged(r, relative)) return true;
     if (!factored) {
       build_matrix();
-      if (linear_ != Linear::cg && !direct_.factor(matrix_)) return false;
+      if (linear_ == Linear::cg)
+        build_preconditioner();
+      else if (!direct_.factor(matrix_))
+        return false;
       factored = true;
     }
     const Timed timed(clock_, "solver", "coupled");

@@ -131,6 +131,7 @@ bool Newton::creeps(const Residual& r, Index iteration) {
   constexpr double kFast = 0.1;
   constexpr Index kPatience = 3;
   const double now = largest_of(r.force);
+  if (model_.envs > 1) return iteration == options_.iterations;  // environments must not have a say in how others are solved
   slow_ = iteration > 0 && now > kFast * last_residual_ ? slow_ + 1 : 0;
   last_residual_ = now;
   return slow_ >= kPatience;
@@ -190,7 +191,10 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
   for (Index round = 0;; ++round) {
     last_step_ = 0;
     if (!iterate(info, report, relative, stop) || (may_couple_ && round >= kPlainRounds)) {
-      if (solve_coupled(info, report, lags_ ? settled : options_.relative_tolerance, stop)) break;
+      if (solve_coupled(info, report, lags_ ? settled : options_.relative_tolerance, stop)) {
+        if (lags_) report.lag_residual = report.residual;
+        break;
+      }
       may_couple_ = false;
       refresh_lagged(q_.view());
       lag_q_.copy_from(q_);

@@ -60,6 +60,7 @@ class Newton {
   bool solve_direct(StepReport& report);
   void choose_preconditioner();  // krylov.cpp, with the next four
   void set_up_cg();
+  void build_preconditioner();
   std::vector<double> forcing();
   linalg::CgResult run_cg(device::View<const Vec3> b, device::View<Vec3> x, const std::vector<double>& relative, const std::vector<double>& absolute);
   bool solve_cg(StepReport& report);

@@ -179,7 +179,7 @@ TEST(Elasticity, ProjectedHessianIsFiniteWhereTheRotationJumps) {
 TEST(Elasticity, GuardIsItsOwnDerivativeAndGoesToInfinity) {
   Random r;
   for (MaterialModel model : {MaterialModel::corotated, MaterialModel::neo_hookean})
-    for (double J : {0.095, 0.05, 1e-2, 1e-3, 1e-5})
+    for (double J : {0.095, 0.05, 1e-2, 1e-3, 3e-5})
       for (int shape = 0; shape < 3; ++shape) {
         const Vec3 s = shape == 0 ? Vec3(1.1, 0.9, J / 0.99) : shape == 1 ? Vec3(1.7, std::sqrt(J), std::sqrt(J) / 1.7) : Vec3::Constant(std::cbrt(J));
         const Mat3 F = r.rotation() * s.asDiagonal() * r.rotation();

@@ -152,15 +152,17 @@ MORTISE_HD inline linalg::IsotropicModes neo_hookean_modes(const Mat3& F, double
 
 // ---- guard against inversion ---------------------------------------------------------------------------------------------
 // The laws above are finite at J = det F <= 0 and would let elements turn inside out. Below J_0 = 0.1 the nonlinear ones get
-//     Psi_guard = 2 mu b(J)/J_0,   b the barrier of contact with range J_0,
-// which is C2 at J_0, leaves J > J_0 alone, and is infinite at J = 0. Its derivatives, with c_i = s_j s_k = dJ/ds_i:
+//     Psi_guard = 2 mu b(J - J_1)/J_0,   b the barrier of contact with range J_0 - J_1,
+// which is C2 at J_0, leaves J > J_0 alone, and is infinite at J_1 = 1e-6: flatter elements have no meaning any more. Its derivatives, with c_i = s_j s_k = dJ/ds_i:
 //     P += U' dJ/dF,   twist_ij += U' s_k,   flip_ij -= U' s_k,   psi_ii += U'' c_i^2,   psi_ij += U'' c_i c_j + U' s_k.
 
-inline constexpr double kGuarded = 0.1;
+inline constexpr double kGuarded = 0.1, kFlattest = 1e-6;
 
-MORTISE_HD inline double guard_density(double J, double mu) { return J > 0 ? 2 * mu / kGuarded * barrier::value(J, kGuarded) : INFINITY; }
-MORTISE_HD inline double guard_first(double J, double mu) { return 2 * mu / kGuarded * barrier::first(J, kGuarded); }
-MORTISE_HD inline double guard_second(double J, double mu) { return 2 * mu / kGuarded * barrier::second(J, kGuarded); }
+MORTISE_HD inline double guard_density(double J, double mu) {
+  return J > kFlattest ? 2 * mu / kGuarded * barrier::value(J - kFlattest, kGuarded - kFlattest) : INFINITY;
+}
+MORTISE_HD inline double guard_first(double J, double mu) { return 2 * mu / kGuarded * barrier::first(J - kFlattest, kGuarded - kFlattest); }
+MORTISE_HD inline double guard_second(double J, double mu) { return 2 * mu / kGuarded * barrier::second(J - kFlattest, kGuarded - kFlattest); }
 
 MORTISE_HD inline void add_guard(linalg::IsotropicModes& m, const Mat3& F, double mu) {
   const double J = det3(F);
