@@ -102,7 +102,7 @@ bool Newton::monotone_step(StepReport& report, const Residual& r, double relativ
 
 // True when the residual with everything fresh is at most `relative`; otherwise q_ is the best state that was found.
 bool Newton::solve_coupled(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop) {
-  constexpr double kForcing = 1e-2;
+  constexpr double kForcing = 1e-4;  // what a difference of forces is good for; the last iteration then ends well below the tolerance
   constexpr Index kMostIterations = 20, kMostProducts = 30, kGood = 12;
   bool factored = false;
   for (Index it = 0; it < kMostIterations; ++it) {

@@ -29,7 +29,7 @@ Newton::Newton(model::Model& model, EffectList& effects, const Options& options,
 // A factor of a small matrix costs next to nothing; of a larger one it is worth keeping for some iterations; and beyond some
 // size its memory and work grow faster than the iterations of conjugate gradients do (README, "What it costs").
 void Newton::choose_linear() {
-  constexpr Index kDirectBlocks = 2000, kReuseBlocks = 60000;
+  constexpr Index kDirectBlocks = 2000, kReuseBlocks = 20000;
   const std::string size = std::to_string(model_.blocks) + " blocks";
   if (options_.linear != "auto") {
     linear_ = options_.linear == "cg" ? Linear::cg : options_.linear == "reuse" ? Linear::reuse : Linear::direct;
@@ -129,12 +129,12 @@ std::vector<double> Newton::energy(device::View<const Vec3> q) {
 // Newton's method gains digits faster and faster near a solution; what does not is a sign that the matrix lacks something.
 bool Newton::creeps(const Residual& r, Index iteration) {
   constexpr double kFast = 0.1;
-  constexpr Index kPatience = 3;
+  constexpr Index kPatience = 3, kUsual = 20;  // the way into contact takes some iterations, at full steps too
   const double now = largest_of(r.force);
   if (model_.envs > 1) return iteration == options_.iterations;  // environments must not have a say in how others are solved
   slow_ = iteration > 0 && now > kFast * last_residual_ ? slow_ + 1 : 0;
   last_residual_ = now;
-  return slow_ >= kPatience;
+  return slow_ >= kPatience && iteration >= kUsual;
 }
 
 // False when it gave up because the iterations creep and coupled.cpp may do better.

@@ -342,15 +342,16 @@ MORTISE_HD inline bool may_cover(const Scene& s, const Patch& p, Index i, Index 
 }
 // Bounds of a master in the slave plane and along the normal: could j hide any part of i?
 MORTISE_HD inline bool boxes_overlap(const Patch& p, const Facing& i, const Facing& j) {
+  const double top = std::fmax(i.height[0], std::fmax(i.height[1], i.height[2])),
+               floor = std::fmin(j.height[0], std::fmin(j.height[1], j.height[2]));
+  if (!(floor < top)) return false;
   for (int c = 0; c < 3; ++c) {
     const auto lo = [c](const Facing& f) { return std::fmin(f.L[0][c], std::fmin(f.L[1][c], f.L[2][c])); };
     const auto hi = [c](const Facing& f) { return std::fmax(f.L[0][c], std::fmax(f.L[1][c], f.L[2][c])); };
-    const double strip = p.reach / p.plane.altitude(c);
+    const double strip = (top - floor) / p.plane.altitude(c);  // covers() fades over no more
     if (!(lo(i) < hi(j) + strip && lo(j) < hi(i) + strip)) return false;
   }
-  const double top = std::fmax(i.height[0], std::fmax(i.height[1], i.height[2])),
-               floor = std::fmin(j.height[0], std::fmin(j.height[1], j.height[2]));
-  return floor < top;
+  return true;
 }
 MORTISE_HD inline bool any_layer(const Scene& s, const Patch& p, Index i, const Facing& f, View<const Vec3> y) {
   for (Index j = 0; j < p.masters; ++j)
