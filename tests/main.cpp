@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
   try {
     choose(wanted ? wanted : "cpu", argv);
   } catch (const mortise::Error& e) {
-    std::cerr << "error: MORTISE_TEST_DEVICE=" << wanted << ": " << e.what() << "\n";
+    std::cerr << "error: MORTISE_TEST_DEVICE=" << (wanted ? wanted : "") << ": " << e.what() << "\n";
     return static_cast<int>(e.code());
   }
   testing::InitGoogleTest(&argc, argv);
