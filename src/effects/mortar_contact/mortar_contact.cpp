@@ -128,7 +128,7 @@ class MortarContact final : public Effect {
       contact::check_start(model_, guard_scene(), near_.candidates(), near_.y());
       refreeze();
       check_faces();
-      if (rest_share_ > 0) fit_support();
+      fit_support();
     }
     started_ = true;
     update();
@@ -315,7 +315,11 @@ class MortarContact final : public Effect {
     publish(scene(), frozen_, model_.publish(std::string(name())));
   }
 
+  // From the state at the start; the same however often it is called there.
   void fit_support() {
+    if (!(rest_share_ > 0)) return;
+    support_.upload(std::vector<double>(slaves_.size(), set_.d_hat));
+    refreeze();
     Buffer<double> least;
     least_gaps(scene(), search_, near_.y(), least);
     std::vector<double> support;
@@ -363,6 +367,7 @@ class MortarContact final : public Effect {
 void MortarContact::report(FieldSink& sink) {
   if (!started_) {  // the state at the start: nothing has been published yet
     near_.locate(std::as_const(model_.q).view());
+    fit_support();
     update();
   }
   const std::vector<Pair> pairs = frozen_.pairs.download();
