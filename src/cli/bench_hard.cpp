@@ -1,5 +1,6 @@
 #include "cli/bench_hard.h"
 
+#include <algorithm>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -16,7 +17,7 @@ void add_hard_flags(CLI::App& sub, HardFlags& flags) {
   sub.add_option("--out", flags.output, "folder of the figures and pictures of a benchmark (default out/bench/NAME), of the runs of hard and fuzz (default out/hard, out/fuzz)");
   sub.add_flag("--as-is", flags.as_is, "fuzz: leave scenes that fail as they are; otherwise parts are taken out while they fail in the same way");
   sub.add_option("--limit", flags.limit, "hard, fuzz: seconds after which a run is ended (default 60, full 3600)")->check(CLI::PositiveNumber);
-  sub.add_option("--expect", flags.expect, "hard: exit code 0 when no row is worse than in this file (one written by --result) and none is unsafe");
+  sub.add_option("--expect", flags.expect, "hard: exit code 0 when at most three rows that pass in this file (one written by --result) fail and none is unsafe");
   sub.add_option("--seeds", flags.seeds, "fuzz: how many")->capture_default_str();
   sub.add_option("--first", flags.first_seed, "fuzz: the first seed")->capture_default_str();
 }
@@ -53,7 +54,10 @@ int bench_hard(const HardFlags& flags, const std::string& scenes, const std::str
   if (flags.expect.empty()) return code;
   const std::vector<std::string> worse = study::regressions(rows, flags.expect, flags.only.empty());
   for (const std::string& line : worse) std::cerr << "worse: " << line << "\n";
-  return static_cast<int>(worse.empty() ? Exit::done : Exit::solve);
+  // Some runs are chaotic: the last bits of another machine's BLAS may tip one of them over a limit. Never a safe one into an unsafe one.
+  constexpr std::size_t kTipped = 3;
+  const bool unsafe = std::any_of(rows.begin(), rows.end(), [](const study::HardRow& row) { return !row.unsafe.empty(); });
+  return static_cast<int>(unsafe || worse.size() > (flags.only.empty() ? kTipped : 0) ? Exit::solve : Exit::done);
 }
 
 int bench_fuzz(const HardFlags& flags, const std::string& result, int threads, bool json) {

@@ -68,8 +68,8 @@ HardRow run_hard_case(const HardCase& c, const HardOptions& options);
 
 // --- expectations ---
 
-// What became worse than in a file written by --result: rows that passed and do not, that fail by another criterion or by more than twice
-// the figure, that are not in the file, and whatever is unsafe. `all`: rows of the file that were not run count too. Throws Error(Exit::file).
+// What became worse than in a file written by --result: rows that passed and do not (running out of time apart), that are not in the file, and
+// whatever is unsafe. `all`: rows of the file that were not run count too. Throws Error(Exit::file).
 std::vector<std::string> regressions(const std::vector<HardRow>& rows, const std::string& file, bool all);
 
 // --- fuzzer ---
