@@ -171,11 +171,11 @@ def measured(command, cwd, limit):
     return {"exit": child.returncode, "wall_s": round(time.time() - began, 2), "cpu_s": round(usage.ru_utime + usage.ru_stime, 2), "peak_MB": round(usage.ru_maxrss / 1024)}
 
 
-def mortise_row(program, size, folder):
-    run = measured([program, "bench", "hertz", "--threads", "1", "--json", "--set", "methods=gmcp_consistent", "--set", f"size={size}", "--set", f"mesh={folder}/mesh.json", "--out", folder], folder, 1e9)
+def mortise_row(program, size, folder, linear):
+    run = measured([program, "bench", "hertz", "--threads", "1", "--json", "--set", "methods=gmcp_consistent", "--set", f"size={size}", "--set", f"solver.linear={linear}", "--set", f"mesh={folder}/mesh.json", "--out", folder], folder, 1e9)
     rows = {r["quantity"]: r for r in (json.loads(line) for line in open(os.path.join(folder, "log.txt")) if line.startswith("{"))}
     peak = rows["peak pressure"]
-    return dict(run, code="mortise", method="gmcp consistent", force_N=4 * rows["contact force"]["value"], pressure_l2=rows["pressure L2, r <= a"]["value"], peak_over_p0=peak["value"] / peak["reference"],
+    return dict(run, code="mortise", method=f"gmcp consistent, {linear}", force_N=4 * rows["contact force"]["value"], pressure_l2=rows["pressure L2, r <= a"]["value"], peak_over_p0=peak["value"] / peak["reference"],
                 iterations=peak["newton_iterations"])
 
 
@@ -198,11 +198,12 @@ def main():
     table = []
     for size in sizes:
         with tempfile.TemporaryDirectory() as folder:
-            row = dict(mortise_row(program, size, folder), size=size)
-            meshes = json.load(open(os.path.join(folder, "mesh.json")))
-            row["vertices"] = {b: len(m["points"]) for b, m in meshes.items()}
-            table.append(row)
-            print(row, flush=True)
+            for linear in ("direct", "cg"):
+                row = dict(mortise_row(program, size, folder, linear), size=size)
+                meshes = json.load(open(os.path.join(folder, "mesh.json")))
+                row["vertices"] = {b: len(m["points"]) for b, m in meshes.items()}
+                table.append(row)
+                print(row, flush=True)
             h = min(math.dist(meshes["block"]["points"][0], p) for p in meshes["block"]["points"][1:])
             for kind in ("face-to-face", "mortar"):
                 text, upper = deck(meshes, kind, 100 * YOUNG / (h * MM))
