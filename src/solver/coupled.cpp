@@ -28,6 +28,13 @@ Newton::Residual Newton::fresh_residual(device::Buffer<Vec3>& at) {
   return r;
 }
 
+// A motion given on rows as one of all blocks; supports stand still.
+void Newton::to_blocks(device::View<const Vec3> rows, device::Buffer<Vec3>& out) {
+  device::Buffer<Vec3> still(model_.blocks);
+  still.zero();
+  step_of(rows, still.view(), row_of_block_.view(), model_.projector.view(), out);
+}
+
 void Newton::precondition(device::View<const Vec3> in, device::View<Vec3> out) {
   if (linear_ != Linear::cg) {
     direct_.solve(in, out);
@@ -40,9 +47,8 @@ void Newton::precondition(device::View<const Vec3> in, device::View<Vec3> out) {
 
 // J v by a difference of residuals; r0 = -P grad Phi at q_.
 void Newton::jacobian_product(const device::Buffer<Vec3>& r0, device::View<const Vec3> v, device::View<Vec3> out) {
-  device::Buffer<Vec3> still(model_.blocks), move, near;
-  still.zero();
-  step_of(v, still.view(), row_of_block_.view(), model_.projector.view(), move);
+  device::Buffer<Vec3> move, near;
+  to_blocks(v, move);
   std::vector<double> h = largest(move.view(), model_.env_blocks), inverse(model_.envs, 0.0);
   for (Index e = 0; e < model_.envs; ++e) {
     h[e] = h[e] > 0 ? 1e-9 * length_ / h[e] : 0;
@@ -110,9 +116,7 @@ bool Newton::solve_coupled(const effects::StepInfo& info, StepReport& report, do
     concave_ = 0;
     refresh_lagged(q_.view());
     const Residual r = assemble(!factored);
-    report.residual = largest_of(r.force);
-    report.tolerance = 0;
-    for (Index e = 0; e < model_.envs; ++e) report.tolerance = std::max(report.tolerance, tolerance(r, e, relative));
+    note(r, relative, report);
     if (options_.trace) trace(info, r, it, report);
     if (converged(r, relative)) return true;
     if (!factored) {
@@ -133,9 +137,7 @@ bool Newton::solve_coupled(const effects::StepInfo& info, StepReport& report, do
         kMostProducts);
     report.cg += gmres.iterations;
     fresh_residual(q_);  // products have left the effects elsewhere
-    device::Buffer<Vec3> still(model_.blocks);
-    still.zero();
-    step_of(x_.view(), still.view(), row_of_block_.view(), model_.projector.view(), dq_);
+    to_blocks(x_.view(), dq_);
     last_step_ = largest_of(largest(dq_.view(), model_.env_blocks));
     if (!std::isfinite(last_step_) || !monotone_step(report, r, relative)) return false;
     ++report.newton;

@@ -93,13 +93,11 @@ void Newton::build_preconditioner() {
 
 // False if the matrix is not positive definite and can be made so.
 bool Newton::solve_cg(StepReport& report) {
-  set_up_cg();
   // A preconditioner of an earlier iteration of the step serves on as long as it nearly keeps its speed, in iterations per digit. Not
   // with several environments: they would have a say in each other's choice.
   constexpr double kSlower = 1.5;
   if (model_.envs > 1 || built_speed_ == 0 || speed_ > kSlower * built_speed_) {
-    gather(q_.view(), block_of_row_.view(), row_position_);
-    preconditioner_->build(matrix_, row_position_.view());
+    build_preconditioner();
     built_speed_ = 0;
   }
 

@@ -111,6 +111,12 @@ bool Newton::converged(const Residual& r, double relative) const {
   return options_.step_tolerance <= 0 || last_step_ <= options_.step_tolerance;
 }
 
+void Newton::note(const Residual& r, double relative, StepReport& report) const {
+  report.residual = largest_of(r.force);
+  report.tolerance = 0;
+  for (Index e = 0; e < model_.envs; ++e) report.tolerance = std::max(report.tolerance, tolerance(r, e, relative));
+}
+
 std::vector<double> Newton::energy(device::View<const Vec3> q) {
   std::vector<double> total(model_.envs, 0.0);
   energy_scale_.assign(model_.envs, 0.0);
@@ -143,9 +149,7 @@ bool Newton::iterate(const effects::StepInfo& info, StepReport& report, double r
     stop();
     choose_curvature();
     const Residual r = assemble(true);
-    report.residual = largest_of(r.force);
-    report.tolerance = 0;
-    for (Index e = 0; e < model_.envs; ++e) report.tolerance = std::max(report.tolerance, tolerance(r, e, relative));
+    note(r, relative, report);
     if (options_.trace) trace(info, r, it, report);
     if (converged(r, relative)) return true;
     if (may_couple_ && creeps(r, it) && largest_of(r.support_gap) == 0) return false;

@@ -54,6 +54,7 @@ class Newton {
   std::string not_finite() const;  // which force, and where
   double tolerance(const Residual& r, Index env, double relative) const;  // [N]
   bool converged(const Residual& r, double relative) const;
+  void note(const Residual& r, double relative, StepReport& report) const;
   void choose_curvature();
   void soften();
   void build_matrix();
@@ -70,6 +71,7 @@ class Newton {
   bool iterate(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop);
   bool creeps(const Residual& r, Index iteration);
   Residual fresh_residual(device::Buffer<Vec3>& at);  // coupled.cpp, from here on
+  void to_blocks(device::View<const Vec3> rows, device::Buffer<Vec3>& out);
   void precondition(device::View<const Vec3> in, device::View<Vec3> out);
   void jacobian_product(const device::Buffer<Vec3>& r0, device::View<const Vec3> v, device::View<Vec3> out);
   std::vector<double> natural_level();
