@@ -311,12 +311,12 @@ void motion(const Body& body, const std::vector<Vector>& rest, const std::vector
 // Density of elastic energy at the deformation gradient F (the laws as published, with the guard against inversion; src/effects/elasticity/README.md).
 double elastic_density(const Body& body, const Eigen::Matrix3d& F) {
   const double E = body.youngs_modulus, nu = body.poisson_ratio, mu = E / (2 * (1 + nu)), lambda = E * nu / ((1 + nu) * (1 - 2 * nu)), J = F.determinant();
-  if (body.law == "linear") {
-    const Eigen::Matrix3d strain = 0.5 * (F + F.transpose()) - Eigen::Matrix3d::Identity();
-    return mu * strain.squaredNorm() + lambda / 2 * strain.trace() * strain.trace();
-  }
   constexpr double kGuard = 0.1, kFlat = 1e-6;  // J_0, J_1
   const double x = (J - kFlat) / (kGuard - kFlat), guard = x < 1 ? -2 * mu * (1 - kFlat / kGuard) * (x - 1) * (x - 1) * std::log(x) : 0;
+  if (body.law == "linear") {
+    const Eigen::Matrix3d strain = 0.5 * (F + F.transpose()) - Eigen::Matrix3d::Identity();
+    return mu * strain.squaredNorm() + lambda / 2 * strain.trace() * strain.trace() + guard;
+  }
   if (body.law == "corotated") {
     Eigen::Vector3d stretch = Eigen::JacobiSVD<Eigen::Matrix3d>(F).singularValues();
     if (J < 0) stretch[2] *= -1;

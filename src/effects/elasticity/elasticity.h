@@ -151,7 +151,7 @@ MORTISE_HD inline linalg::IsotropicModes neo_hookean_modes(const Mat3& F, double
 }
 
 // ---- guard against inversion ---------------------------------------------------------------------------------------------
-// The laws above are finite at J = det F <= 0 and would let elements turn inside out. Below J_0 = 0.1 the nonlinear ones get
+// The laws above are finite at J = det F <= 0 and would let elements turn inside out. Below J_0 = 0.1 they get
 //     Psi_guard = 2 mu b(J - J_1)/J_0,   b the barrier of contact with range J_0 - J_1,
 // which is C2 at J_0, leaves J > J_0 alone, and is infinite at J_1 = 1e-6: flatter elements have no meaning any more. Its derivatives, with c_i = s_j s_k = dJ/ds_i:
 //     P += U' dJ/dF,   twist_ij += U' s_k,   flip_ij -= U' s_k,   psi_ii += U'' c_i^2,   psi_ij += U'' c_i c_j + U' s_k.
@@ -181,32 +181,47 @@ MORTISE_HD inline void add_guard(linalg::IsotropicModes& m, const Mat3& F, doubl
 
 // ---- any material --------------------------------------------------------------------------------------------------------
 
-// Infinite at det F <= 0, except of the linear law, whose small strains know no inversion.
-MORTISE_HD inline double density(MaterialModel model, const Mat3& F, double mu, double lambda) {
+// The laws alone, without guard.
+MORTISE_HD inline double law_density(MaterialModel model, const Mat3& F, double mu, double lambda) {
   if (model == MaterialModel::linear) return linear_density(F, mu, lambda);
+  return model == MaterialModel::corotated ? corotated_density(F, mu, lambda) : neo_hookean_density(F, mu, lambda);
+}
+MORTISE_HD inline Mat3 law_stress(MaterialModel model, const Mat3& F, double mu, double lambda) {
+  if (model == MaterialModel::linear) return linear_stress(F, mu, lambda);
+  return model == MaterialModel::corotated ? corotated_stress(F, mu, lambda) : neo_hookean_stress(F, mu, lambda);
+}
+
+// Infinite at det F <= 1e-6.
+MORTISE_HD inline double density(MaterialModel model, const Mat3& F, double mu, double lambda) {
   const double guard = guard_density(det3(F), mu);
-  if (!(guard < INFINITY)) return guard;
-  return guard + (model == MaterialModel::corotated ? corotated_density(F, mu, lambda) : neo_hookean_density(F, mu, lambda));
+  return guard < INFINITY ? guard + law_density(model, F, mu, lambda) : guard;
 }
 MORTISE_HD inline Mat3 stress(MaterialModel model, const Mat3& F, double mu, double lambda) {
-  if (model == MaterialModel::linear) return linear_stress(F, mu, lambda);
-  const Mat3 P = model == MaterialModel::corotated ? corotated_stress(F, mu, lambda) : neo_hookean_stress(F, mu, lambda);
+  const Mat3 P = law_stress(model, F, mu, lambda);
   const double J = det3(F);
-  if (J >= kGuarded) return P;
-  return P + guard_first(J, mu) * cofactor(F);
+  return J < kGuarded ? P + guard_first(J, mu) * cofactor(F) : P;
 }
-// Of a nonlinear law.
+// The modes of a nonlinear law and of the guard; of the linear law, whose second derivative is constant, of the guard alone.
 MORTISE_HD inline linalg::IsotropicModes modes(MaterialModel model, const Mat3& F, double mu, double lambda) {
-  linalg::IsotropicModes m = model == MaterialModel::corotated ? corotated_modes(F, mu, lambda) : neo_hookean_modes(F, mu, lambda);
+  linalg::IsotropicModes m;
+  if (model == MaterialModel::linear) {
+    const linalg::Svd3 d = linalg::svd3(F);
+    m = {d.U, d.V, Vec3::Zero(), Vec3::Zero(), Mat3::Zero()};
+  } else {
+    m = model == MaterialModel::corotated ? corotated_modes(F, mu, lambda) : neo_hookean_modes(F, mu, lambda);
+  }
   add_guard(m, F, mu);
   return m;
 }
-// Cauchy stress P F^T / J [Pa]. Linear elasticity does not tell the two apart: P itself.
+// Cauchy stress P F^T / J [Pa]. Linear elasticity does not tell the two apart: P itself, and the pressure of the guard.
 MORTISE_HD inline Mat3 cauchy_stress(MaterialModel model, const Mat3& F, double mu, double lambda) {
-  const Mat3 P = stress(model, F, mu, lambda);
-  if (model == MaterialModel::linear) return P;
   const double J = det3(F), floor = 1e-12;  // a squashed element reports a huge but finite stress
-  return P * F.transpose() / (std::abs(J) > floor ? J : (J < 0 ? -floor : floor));
+  if (model == MaterialModel::linear) {
+    Mat3 P = linear_stress(F, mu, lambda);
+    if (J < kGuarded) P.diagonal() += guard_first(J, mu) * Vec3(1, 1, 1);
+    return P;
+  }
+  return stress(model, F, mu, lambda) * F.transpose() / (std::abs(J) > floor ? J : (J < 0 ? -floor : floor));
 }
 
 // One point of integration and the volume that it stands for: all of a linear tetrahedron, a share of a quadratic one.
@@ -240,7 +255,7 @@ MORTISE_HD inline void add_hessian(const Element& e, const Mat3& F, double conca
   if (e.model == MaterialModel::linear) {
     for (int a = 0, place = 0; a < n; ++a)
       for (int b = a; b < n; ++b) hess[place++] += e.volume * linear_block(g[a], g[b], e.mu, e.lambda);
-    return;
+    if (det3(F) >= kGuarded) return;
   }
   linalg::IsotropicModes m = modes(e.model, F, e.mu, e.lambda);
   linalg::scale_concave(m, concave);
