@@ -5,14 +5,14 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
-#include <array>
 #include <assimp/Importer.hpp>
 #include <filesystem>
-#include <map>
 
 #include "base/error.h"
-#include "geometry/io/normals.h"
+#include "geometry/io/child.h"
+#include "geometry/io/corners.h"
 #include "geometry/io/text.h"
+#include "geometry/io/visual_bytes.h"
 
 namespace mortise::geometry {
 namespace {
@@ -57,7 +57,7 @@ VisualMaterial material(const std::string& path, const aiScene& scene, const aiM
 
 class Collector {
  public:
-  Collector(std::string path, const aiScene& scene) : path_(std::move(path)), scene_(scene) {}
+  Collector(const std::string& path, const aiScene& scene) : path_(path), scene_(scene), out_(path) {}
 
   // Depth first: every mesh of every node, in world position.
   void visit(const aiNode& node, const Eigen::Matrix4d& parent) {
@@ -67,8 +67,9 @@ class Collector {
   }
 
   VisualMesh finish() {
-    complete_normals(out_, position_, has_normal_);
-    return std::move(out_);
+    std::vector<VisualMaterial> materials;
+    for (unsigned i = 0; i < scene_.mNumMaterials; ++i) materials.push_back(material(path_, scene_, *scene_.mMaterials[i]));
+    return out_.finish(std::move(materials), has_uvs_);
   }
 
  private:
@@ -82,53 +83,36 @@ class Collector {
     if (det < 0) cofactor = -cofactor;
 
     const bool uvs = mesh.HasTextureCoords(0);
-    out_.has_uvs = out_.has_uvs || uvs;
+    has_uvs_ = has_uvs_ || uvs;
     std::vector<Index> vertex(mesh.mNumVertices);
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const Vec3 p = linear * vec(mesh.mVertices[i]) + m.topRightCorner<3, 1>();
       const Vec3 n = mesh.HasNormals() ? Vec3(cofactor * vec(mesh.mNormals[i])) : Vec3(0, 0, 0);
       const Vec2 t = uvs ? Vec2(mesh.mTextureCoords[0][i].x, mesh.mTextureCoords[0][i].y) : Vec2(0, 0);
-      if (!p.allFinite())
-        throw Error(Exit::scene, "'" + path_ + "': coordinate of vertex " + std::to_string(i) + " is not a finite number");
-      vertex[i] = add_vertex(p, n, t, mesh.HasNormals());
+      vertex[i] = out_.vertex(part_, p, n, t);
     }
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
       const aiFace& f = mesh.mFaces[i];
       if (f.mNumIndices != 3) continue;  // points and lines
-      Triangle t{{vertex[f.mIndices[0]], vertex[f.mIndices[1]], vertex[f.mIndices[2]]}};
+      Triangle t;
+      for (int k = 0; k < 3; ++k) {
+        if (f.mIndices[k] >= mesh.mNumVertices) throw Error(Exit::scene, "'" + path_ + "': triangle " + std::to_string(i) + " names a vertex that is not there");
+        t.v[k] = vertex[f.mIndices[k]];
+      }
       if (det < 0) std::swap(t.v[1], t.v[2]);
-      out_.triangles.push_back(t);
-      out_.part.push_back(part_);
-      out_.material.push_back(static_cast<Index>(mesh.mMaterialIndex));
+      out_.triangle(part_, static_cast<Index>(mesh.mMaterialIndex), t);
     }
     ++part_;
   }
 
-  Index add_vertex(const Vec3& p, const Vec3& n, const Vec2& t, bool has_normal) {
-    const Index place = positions_.try_emplace({p[0], p[1], p[2]}, static_cast<Index>(positions_.size())).first->second;
-    const auto [at, fresh] = vertices_.try_emplace({double(part_), double(place), n[0], n[1], n[2], t[0], t[1]},
-                                                   static_cast<Index>(out_.points.size()));
-    if (fresh) {
-      out_.points.push_back(p), out_.normals.push_back(n), out_.uvs.push_back(t);
-      position_.push_back(place), has_normal_.push_back(has_normal);
-    }
-    return at->second;
-  }
-
-  std::string path_;
+  const std::string& path_;
   const aiScene& scene_;
-  VisualMesh out_;
+  CornerCollector out_;
   Index part_ = 0;
-  std::map<std::array<double, 3>, Index> positions_;
-  std::map<std::array<double, 7>, Index> vertices_;
-  std::vector<Index> position_;
-  std::vector<char> has_normal_;
+  bool has_uvs_ = false;
 };
 
-}  // namespace
-
-VisualMesh read_with_assimp(const std::string& path) {
-  read_file(path);  // a missing file is Exit::file; assimp would not tell it from a broken one
+VisualMesh read_here(const std::string& path) {
   Assimp::Importer importer;
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
@@ -136,9 +120,17 @@ VisualMesh read_with_assimp(const std::string& path) {
     throw Error(Exit::scene, "'" + path + "' cannot be read as " + extension(path) + ": " + importer.GetErrorString());
   Collector collector(path, *scene);
   collector.visit(*scene->mRootNode, Eigen::Matrix4d::Identity());
-  VisualMesh mesh = collector.finish();
-  for (unsigned i = 0; i < scene->mNumMaterials; ++i) mesh.materials.push_back(material(path, *scene, *scene->mMaterials[i]));
-  return mesh;
+  return collector.finish();
+}
+
+}  // namespace
+
+VisualMesh read_with_assimp(const std::string& path) {
+  const std::size_t size = read_file(path).size();  // a missing file is Exit::file; assimp would not tell it from a broken one
+  // Damaged files crash assimp. The limits are many times what a sound file needs.
+  const ChildLimits limits{60 + static_cast<unsigned>(size >> 20), (std::size_t{4} << 30) + 100 * size};
+  const std::string bytes = in_child("'" + path + "' cannot be read as " + extension(path), limits, [&] { return to_bytes(read_here(path)); });
+  return visual_from_bytes(path, bytes);
 }
 
 }  // namespace mortise::geometry

@@ -3,13 +3,15 @@
 #include "geometry/io/assimp.h"
 #include "geometry/io/msh.h"
 #include "geometry/io/obj.h"
+#include "geometry/io/ply.h"
+#include "geometry/io/stl.h"
 #include "geometry/io/text.h"
 #include "geometry/topology.h"
 
 namespace mortise::geometry {
 namespace {
 
-bool for_assimp(const std::string& e) { return e == ".stl" || e == ".ply" || e == ".glb" || e == ".gltf" || e == ".dae"; }
+bool for_assimp(const std::string& e) { return e == ".glb" || e == ".gltf" || e == ".dae"; }
 
 [[noreturn]] void unknown(const std::string& path, const char* supported) {
   throw Error(Exit::scene, "'" + path + "': mesh format '" + extension(path) + "' is not supported here (" + supported + ")");
@@ -26,6 +28,10 @@ TriMesh read_surface(const std::string& path, double weld_tolerance) {
     MshFile msh = read_msh(path);
     if (!msh.tets.empty()) return surface_of(read_tets(path));
     mesh.points = std::move(msh.points), mesh.triangles = std::move(msh.triangles);
+  } else if (e == ".stl") {
+    mesh = surface_from(parse_stl(path, read_file(path)));
+  } else if (e == ".ply") {
+    mesh = surface_from(parse_ply(path, read_file(path)));
   } else if (for_assimp(e)) {
     const VisualMesh visual = read_with_assimp(path);
     mesh.points = visual.points, mesh.triangles = visual.triangles;
@@ -41,6 +47,10 @@ VisualMesh read_visual(const std::string& path) {
   VisualMesh mesh;
   if (e == ".obj") {
     mesh = visual_from(read_obj(path));
+  } else if (e == ".stl") {
+    mesh = visual_from(path, parse_stl(path, read_file(path)));
+  } else if (e == ".ply") {
+    mesh = visual_from(path, parse_ply(path, read_file(path)));
   } else if (for_assimp(e)) {
     mesh = read_with_assimp(path);
   } else {

@@ -30,7 +30,7 @@ bool LineReader::next() {
   while (at_ < text_.size()) {
     const std::size_t end = std::min(text_.find('\n', at_), text_.size());
     const std::string_view line = text_.substr(at_, end - at_);
-    at_ = end + 1;
+    at_ = std::min(end + 1, text_.size());
     ++line_;
     words_.clear();
     for (std::size_t i = 0; i < line.size();) {

@@ -1,6 +1,7 @@
 #pragma once
 // Reading mesh files that are text: lines, words and numbers, every complaint with file and line.
 #include <charconv>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,6 +18,16 @@ std::string read_file(const std::string& path);
 // Lower-case extension with the dot (".obj"), or "".
 std::string extension(const std::string& path);
 
+// The whole word as a number; a leading '+' is allowed.
+template <class T>
+std::optional<T> number_from(std::string_view word) {
+  if (!word.empty() && word[0] == '+') word.remove_prefix(1);
+  T value{};
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
 class LineReader {
  public:
   LineReader(std::string path, std::string_view text) : path_(std::move(path)), text_(text) {}
@@ -28,7 +39,12 @@ class LineReader {
     if (i >= words_.size()) fail(std::string("line ends where ") + what + " is expected");
     return words_[i];
   }
-  double number(std::size_t i, const char* what) const { return parse<double>(i, what); }
+  // Finite.
+  double number(std::size_t i, const char* what) const {
+    const double value = parse<double>(i, what);
+    if (!std::isfinite(value)) fail(std::string(what) + " is not a finite number: '" + std::string(words_[i]) + "'");
+    return value;
+  }
   long long integer(std::size_t i, const char* what) const { return parse<long long>(i, what); }
   Vec3 vec3(std::size_t first, const char* what) const {
     return {number(first, what), number(first + 1, what), number(first + 2, what)};
@@ -38,6 +54,7 @@ class LineReader {
   void require(const char* what);
 
   int line() const { return line_; }
+  std::size_t offset() const { return at_; }  // of the first byte behind this line
   const std::string& path() const { return path_; }
   [[noreturn]] void fail(const std::string& message) const { fail_at(line_, message); }
   [[noreturn]] void fail_at(int line, const std::string& message) const {
@@ -47,14 +64,10 @@ class LineReader {
  private:
   template <class T>
   T parse(std::size_t i, const char* what) const {
-    std::string_view w = word(i, what);
-    const std::string_view shown = w;
-    if (!w.empty() && w[0] == '+') w.remove_prefix(1);
-    T value{};
-    const auto [end, error] = std::from_chars(w.data(), w.data() + w.size(), value);
-    if (error != std::errc() || end != w.data() + w.size())
-      fail("expected " + std::string(what) + ", found '" + std::string(shown) + "'");
-    return value;
+    const std::string_view w = word(i, what);
+    const std::optional<T> value = number_from<T>(w);
+    if (!value) fail("expected " + std::string(what) + ", found '" + std::string(w) + "'");
+    return *value;
   }
 
   std::string path_;
