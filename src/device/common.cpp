@@ -1,4 +1,4 @@
-// What both backends share: the ledgers of launches and copies, and the memory account.
+// What both backends share: the ledgers of launches and copies, the memory account, and what scans are good for.
 #include <map>
 
 #include "device/device.h"
@@ -43,6 +43,29 @@ MemoryUse memory_use() { return use; }
 void account(std::ptrdiff_t bytes) {
   use.now += bytes;
   if (use.now > use.peak) use.peak = use.now;
+}
+
+Index exclusive_scan(Buffer<Index>& counts) {
+  scan(counts);
+  Index total = 0;
+  copy_out(&total, counts.view().p + (counts.size() - 1), sizeof total);
+  return total;
+}
+
+// Head flags, a scan, then every head writes its own place.
+void run_starts(const Buffer<std::uint64_t>& sorted_keys, Buffer<Index>& start, std::uint64_t limit) {
+  const Index n = sorted_keys.size();
+  Buffer<Index> place(n + 1);
+  const View<const std::uint64_t> k = sorted_keys.view();
+  const View<Index> p = place.view();
+  parallel_for("run_starts", n, [=] MORTISE_HD(Index i) { p[i] = k[i] < limit && (i == 0 || k[i] != k[i - 1]) ? 1 : 0; });
+  const Index runs = exclusive_scan(place);
+  start.resize(runs + 1);
+  const View<Index> s = start.view();
+  parallel_for("run_starts", n + 1, [=] MORTISE_HD(Index i) {
+    if (i < n && p[i + 1] > p[i]) s[p[i]] = i;
+    if ((i == n || k[i] >= limit) && (i == 0 || k[i - 1] < limit)) s[runs] = i;
+  });
 }
 
 Error out_of_memory(std::size_t asked, std::size_t memory) {

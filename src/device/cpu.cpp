@@ -98,18 +98,16 @@ void forget(void* p, std::size_t bytes) {
   if (trap::on) trap::forget(p, bytes);
 }
 
-Index exclusive_scan(Buffer<Index>& counts) {
+void scan(Buffer<Index>& counts) {
   const trap::Open open("scan");
-  Index total = 0;
+  std::uint32_t total = 0;  // wraps around where callers find out afterwards that there are too many
   View<Index> c = counts.view();
   for (Index i = 0; i + 1 < c.n; ++i) {
     const Index here = c[i];
-    c[i] = total;
-    total += here;
+    c[i] = static_cast<Index>(total);
+    total += static_cast<std::uint32_t>(here);
   }
-  c[c.n - 1] = total;
-  count_to_host(sizeof total);  // as on a GPU
-  return total;
+  c[c.n - 1] = static_cast<Index>(total);
 }
 
 // Least-significant-digit radix sort, 11 bits a pass; passes in which all keys agree are skipped.
@@ -143,21 +141,6 @@ void sort_pairs(Buffer<std::uint64_t>& keys, Buffer<Index>& values) {
     keys.swap(other_keys);
     values.swap(other_values);
   }
-}
-
-void run_starts(const Buffer<std::uint64_t>& sorted_keys, Buffer<Index>& start) {
-  const View<const std::uint64_t> k = sorted_keys.view();
-  std::vector<Index> s;
-  {
-    const trap::Open open("run_starts");
-    for (Index i = 0; i < k.n; ++i)
-      if (i == 0 || k[i] != k[i - 1]) s.push_back(i);
-  }
-  s.push_back(k.n);
-  start.resize(static_cast<Index>(s.size()));
-  const trap::Open open("run_starts");
-  std::memcpy(start.view().p, s.data(), s.size() * sizeof(Index));
-  count_to_host(sizeof(Index));
 }
 
 }  // namespace mortise::device

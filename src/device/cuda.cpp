@@ -76,7 +76,7 @@ void copy(void* to, const void* from, std::size_t bytes) { check(cudaMemcpyAsync
 void clear(void* p, std::size_t bytes) { check(cudaMemsetAsync(p, 0, bytes), "clear"); }
 void forget(void*, std::size_t) {}
 
-Index exclusive_scan(Buffer<Index>& counts) {
+void scan(Buffer<Index>& counts) {
   const Index n = counts.size();
   clear(counts.view().p + (n - 1), sizeof(Index));
   count_launch("scan");
@@ -84,9 +84,6 @@ Index exclusive_scan(Buffer<Index>& counts) {
   check(cub::DeviceScan::ExclusiveSum(nullptr, bytes, counts.view().p, counts.view().p, n), "scan");
   Buffer<char> scratch(static_cast<Index>(bytes));
   check(cub::DeviceScan::ExclusiveSum(scratch.view().p, bytes, counts.view().p, counts.view().p, n), "scan");
-  Index total = 0;
-  copy_out(&total, counts.view().p + (n - 1), sizeof total);
-  return total;
 }
 
 void sort_pairs(Buffer<std::uint64_t>& keys, Buffer<Index>& values) {
@@ -101,24 +98,6 @@ void sort_pairs(Buffer<std::uint64_t>& keys, Buffer<Index>& values) {
   check(cub::DeviceRadixSort::SortPairs(scratch.view().p, bytes, keys.view().p, other_keys.view().p, values.view().p, other_values.view().p, n), "sort");
   keys.swap(other_keys);
   values.swap(other_values);
-}
-
-// Head flags, an integer scan, then every head writes its own place.
-void run_starts(const Buffer<std::uint64_t>& sorted_keys, Buffer<Index>& start) {
-  const Index n = sorted_keys.size();
-  Buffer<Index> place(n + 1);
-  View<const std::uint64_t> k = sorted_keys.view();
-  View<Index> p = place.view();
-  parallel_for("run_starts", n, [=] MORTISE_HD(Index i) { p[i] = i == 0 || k[i] != k[i - 1] ? 1 : 0; });
-  const Index runs = exclusive_scan(place);
-  start.resize(runs + 1);
-  View<Index> s = start.view();
-  parallel_for("run_starts", n + 1, [=] MORTISE_HD(Index i) {
-    if (i == n)
-      s[runs] = n;
-    else if (i == 0 || k[i] != k[i - 1])
-      s[p[i]] = i;
-  });
 }
 
 }  // namespace mortise::device

@@ -152,6 +152,14 @@ struct Larger {
   static constexpr double kStart = -std::numeric_limits<double>::infinity();
   MORTISE_HD double operator()(double a, double b) const { return b > a || b != b ? b : a; }  // a NaN wins, so that it is seen
 };
+struct Smaller {
+  static constexpr double kStart = std::numeric_limits<double>::infinity();
+  MORTISE_HD double operator()(double a, double b) const { return b < a || b != b ? b : a; }
+};
+class Fetch;      // fetch.h
+struct EnvValues;
+template <class Combine, class F>
+void env_reduce(const char* name, const std::vector<Index>& offset, F f, EnvValues out);
 template <class Combine, class F>
 void env_reduce(const char* name, const std::vector<Index>& offset, F f, std::vector<double>& out);
 
@@ -170,25 +178,31 @@ double max(const char* name, Index n, double least, F f) {
   return out[0];
 }
 // Adds the sum of f(i) over offset[e] <= i < offset[e+1] to out[e], each environment in its own fixed order, so that the result
-// of environment e does not depend on its neighbours.
-template <class F>
-void env_sum(const char* name, const std::vector<Index>& offset, F f, std::vector<double>& out) {
+// of environment e does not depend on its neighbours. `out`: std::vector<double>&, changed here, or EnvValues, changed by the fetch.
+template <class F, class Out>
+void env_sum(const char* name, const std::vector<Index>& offset, F f, Out&& out) {
   env_reduce<Add>(name, offset, f, out);
 }
-// Raises out[e] to the largest f(i) of environment e.
-template <class F>
-void env_max(const char* name, const std::vector<Index>& offset, F f, std::vector<double>& out) {
+// Raises out[e] to the largest f(i) of environment e, or lowers it to the smallest.
+template <class F, class Out>
+void env_max(const char* name, const std::vector<Index>& offset, F f, Out&& out) {
   env_reduce<Larger>(name, offset, f, out);
 }
+template <class F, class Out>
+void env_min(const char* name, const std::vector<Index>& offset, F f, Out&& out) {
+  env_reduce<Smaller>(name, offset, f, out);
+}
 
-// Exclusive prefix sum in place of n counts stored in a buffer of n+1 values; the last becomes the total, which is returned.
-Index exclusive_scan(Buffer<Index>& counts);
+// Exclusive prefix sum in place of n counts stored in a buffer of n+1 values; the last becomes the total.
+void scan(Buffer<Index>& counts);
+Index exclusive_scan(Buffer<Index>& counts);  // returns the total too
 
 // Stable ascending sort of keys, carrying values along.
 void sort_pairs(Buffer<std::uint64_t>& keys, Buffer<Index>& values);
 
-// Start of every run of equal keys in a sorted buffer, followed by its size: run k is [start[k], start[k+1]).
-void run_starts(const Buffer<std::uint64_t>& sorted_keys, Buffer<Index>& start);
+// Start of every run of equal keys below `limit` in a sorted buffer, followed by the end of the last: run k is [start[k], start[k+1]).
+inline constexpr std::uint64_t kNoKey = ~0ull;
+void run_starts(const Buffer<std::uint64_t>& sorted_keys, Buffer<Index>& start, std::uint64_t limit = kNoKey);
 
 // out[k] = sum over j in [start[k], start[k+1]) of term(j), in order.
 template <class T, class F>
@@ -206,4 +220,5 @@ void segment_sum(const char* name, const Buffer<Index>& start, F term, Buffer<T>
 
 }  // namespace mortise::device
 
+#include "device/fetch.h"
 #include "device/reduce.h"

@@ -45,7 +45,7 @@ inline std::vector<std::vector<Index>> reduction_levels(const std::vector<Index>
 }
 
 template <class Combine, class F>
-void env_reduce(const char* name, const std::vector<Index>& offset, F f, std::vector<double>& out) {
+void env_reduce(const char* name, const std::vector<Index>& offset, F f, EnvValues out) {
   const Index envs = static_cast<Index>(offset.size()) - 1;
   if (envs < 1 || offset.back() <= offset.front()) return;
   const std::vector<std::vector<Index>> levels = reduction_levels(offset);
@@ -88,9 +88,17 @@ void env_reduce(const char* name, const std::vector<Index>& offset, F f, std::ve
     below = here;
     here.p += chunks;
   }
-  std::vector<double> result(envs);
-  copy_out(result.data(), below.p, static_cast<std::size_t>(envs) * sizeof(double));
-  for (Index e = 0; e < envs; ++e) out[e] = Combine()(out[e], result[e]);
+  out.fetch.keep(std::move(tree));
+  out.fetch.add(View<const double>(below), [&value = out.value](const std::vector<double>& result) {
+    for (std::size_t e = 0; e < result.size(); ++e) value[e] = Combine()(value[e], result[e]);
+  });
+}
+
+template <class Combine, class F>
+void env_reduce(const char* name, const std::vector<Index>& offset, F f, std::vector<double>& out) {
+  Fetch fetch;
+  env_reduce<Combine>(name, offset, f, EnvValues{out, fetch});
+  fetch.now();
 }
 
 }  // namespace mortise::device

@@ -45,12 +45,13 @@ class Effect {
 
   // Prepare the step from the accepted state (model.q holds it).
   virtual void begin_step(const StepInfo&) {}
-  // Add the effect's energy [J] at q to per_env[e].
-  virtual void energy(Positions q, std::vector<double>& per_env) = 0;
+  // Add the effect's energy [J] at q to the values of the environments.
+  virtual void energy(Positions q, device::EnvValues per_env) = 0;
+  double energy_now(Positions q, Index envs);  // of all environments
   // Fill gradient pieces and, as far as wanted, Hessian pieces at q; return the stencils.
   virtual linalg::StencilSet& assemble(Positions q, Curvature hessian) = 0;
-  // Lower alpha[e] to the longest step q + alpha dq (alpha <= 1) that keeps the effect's energy finite.
-  virtual void max_step(Positions q, View<const Vec3> dq, std::vector<double>& alpha) { (void)q, (void)dq, (void)alpha; }
+  // Lower alpha of the environments to the longest step q + alpha dq (alpha <= 1) that keeps the effect's energy finite.
+  virtual void max_step(Positions q, View<const Vec3> dq, device::EnvValues alpha) { (void)q, (void)dq, (void)alpha; }
   // Refresh quantities frozen during Newton (friction's normal forces) from q; true if the effect has any.
   virtual bool lag(Positions q) {
     (void)q;
@@ -63,5 +64,15 @@ class Effect {
   virtual void report(FieldSink&) {}
   virtual void checkpoint(Archive&) {}
 };
+
+inline double Effect::energy_now(Positions q, Index envs) {
+  std::vector<double> per_env(envs, 0.0);
+  device::Fetch fetch;
+  energy(q, {per_env, fetch});
+  fetch.now();
+  double total = 0;
+  for (double e : per_env) total += e;
+  return total;
+}
 
 }  // namespace mortise::effects

@@ -195,17 +195,23 @@ CgResult ConjugateGradients::solve(const BlockMatrix& A, const Preconditioner& M
   const auto any = [&](Index status) {
     return std::any_of(state.begin(), state.end(), [&](const EnvState& s) { return s.status == status; });
   };
-  do {
-    cg.begin(A, M, b, x);
-    state = cg.states.download();
-    while (any(active) && !any(claimed)) {
+  cg.begin(A, M, b, x);
+  cg.block.replay("cg.block");  // nothing is hardly ever left to do
+  state = cg.states.download();
+  while (any(active) || any(claimed)) {
+    if (any(claimed))
+      cg.begin(A, M, b, x);
+    else
       cg.block.replay("cg.block");
-      state = cg.states.download();
-    }
-  } while (any(claimed));
-  cg.finish(A, b, x);
+    state = cg.states.download();
+  }
+  // begin() has left the true residuals of those that converged.
+  if (std::any_of(state.begin(), state.end(), [](const EnvState& s) { return s.end != CgEnd::converged && s.end != CgEnd::stagnated; })) {
+    cg.finish(A, b, x);
+    state = cg.states.download();
+  }
   CgResult out;
-  for (const EnvState& s : cg.states.download()) out.env.push_back({s.end, s.iterations, s.restarts, std::sqrt(s.rr), std::sqrt(s.rhs2)});
+  for (const EnvState& s : state) out.env.push_back({s.end, s.iterations, s.restarts, std::sqrt(s.rr), std::sqrt(s.rhs2)});
   return out;
 }
 

@@ -9,13 +9,10 @@ void group(Buffer<std::uint64_t>&& keys, std::uint64_t limit, Grouping& out) {
   device::parallel_for("group.terms", n, [=] MORTISE_HD(Index i) { term[i] = i; });
   device::sort_pairs(keys, out.term);
   Buffer<Index> start;
-  device::run_starts(keys, start);
-
-  // The keys left out are at the end; at least one of them makes one or more runs, which a count of the kept ones skips.
+  device::run_starts(keys, start, limit);
   const View<const std::uint64_t> key = keys.view();
   const View<const Index> s = start.view();
-  const Index runs = start.size() - 1;
-  const Index groups = static_cast<Index>(device::sum("group.kept", runs, [=] MORTISE_HD(Index k) { return key[s[k]] < limit ? 1.0 : 0.0; }));
+  const Index groups = start.size() - 1;
   out.groups = groups;
   out.key.resize(groups);
   out.group_chunks.resize(groups + 1);
@@ -25,12 +22,13 @@ void group(Buffer<std::uint64_t>&& keys, std::uint64_t limit, Grouping& out) {
     group_key[k] = key[s[k]];
     gc[k] = (s[k + 1] - s[k] + device::kChunk - 1) / device::kChunk;
   });
-  const Index chunks = device::exclusive_scan(out.group_chunks);
-  out.chunk_start.resize(chunks + 1);
+  device::scan(out.group_chunks);
+  // How many chunks there are only the device knows: room for as many as there can be.
+  out.chunk_start.resize(groups + n / device::kChunk + 1);
   const View<Index> cs = out.chunk_start.view();
   device::parallel_for("group.chunks", groups + 1, [=] MORTISE_HD(Index k) {
     if (k == groups)
-      cs[chunks] = s[groups];
+      cs[gc[k]] = s[k];
     else
       for (Index c = gc[k]; c < gc[k + 1]; ++c) cs[c] = s[k] + (c - gc[k]) * device::kChunk;
   });

@@ -13,8 +13,8 @@ struct Grouping {
   Index groups = 0;
   Buffer<std::uint64_t> key;   // of every group, ascending
   Buffer<Index> term;          // terms sorted by key
-  Buffer<Index> chunk_start;   // chunks + 1, places in `term`
-  Buffer<Index> group_chunks;  // groups + 1, places in `chunk_start`
+  Buffer<Index> chunk_start;   // places in `term`: chunks + 1, and room
+  Buffer<Index> group_chunks;  // groups + 1, places in `chunk_start`; the last is the number of chunks
 };
 
 // Groups the terms 0..n-1 by keys[term]; keys >= limit are left out. Consumes `keys`.
@@ -23,17 +23,18 @@ void group(Buffer<std::uint64_t>&& keys, std::uint64_t limit, Grouping& out);
 // add(group, sum of value(term)) for every group. T is a fixed-size Eigen type or a number.
 template <class T, class Value, class Add>
 void grouped_sum(const char* name, const Grouping& g, Value value, Add add) {
-  const Index chunks = g.chunk_start.size() - 1;
-  if (g.groups == 0) return;
-  Buffer<T> partial(chunks);
+  const Index room = g.chunk_start.size() - 1, groups = g.groups;
+  if (groups == 0) return;
+  Buffer<T> partial(room);
   const View<T> part = partial.view();
   const View<const Index> term = g.term.view(), cs = g.chunk_start.view(), gc = g.group_chunks.view();
-  device::parallel_for(name, chunks, [=] MORTISE_HD(Index c) {
+  device::parallel_for(name, room, [=] MORTISE_HD(Index c) {
+    if (c >= gc[groups]) return;
     T t = value(term[cs[c]]);
     for (Index j = cs[c] + 1; j < cs[c + 1]; ++j) t += value(term[j]);
     part[c] = t;
   });
-  device::parallel_for(name, g.groups, [=] MORTISE_HD(Index k) {
+  device::parallel_for(name, groups, [=] MORTISE_HD(Index k) {
     T t = part[gc[k]];
     for (Index c = gc[k] + 1; c < gc[k + 1]; ++c) t += part[c];
     add(k, t);

@@ -27,8 +27,13 @@ void StencilSet::resize(device::Buffer<Index>&& counts) {
   const Index n = n_;
   device::parallel_for("stencils.offsets", n, [=] MORTISE_HD(Index s) { hoff[s] = pair_count(c[s]); });
   offset_.swap(counts);
-  const Index blocks = device::exclusive_scan(offset_);
-  const Index pairs = device::exclusive_scan(hess_offset_);
+  device::scan(offset_);
+  device::scan(hess_offset_);
+  Index blocks = 0, pairs = 0;
+  device::Fetch fetch;
+  fetch.add_total(offset_, blocks);
+  fetch.add_total(hess_offset_, pairs);
+  fetch.now();
   block_.resize(blocks);
   grad_.resize(blocks);
   hess_.resize(pairs);

@@ -74,7 +74,9 @@ std::vector<double> Newton::natural_level() {
 bool Newton::monotone_step(StepReport& report, const Residual& r, double relative) {
   constexpr int kMost = 10;
   std::vector<double> alpha(model_.envs, 1.0);
-  for (const auto& effect : effects_) effect->max_step(q_.view(), dq_.view(), alpha);
+  device::Fetch fetch;
+  for (const auto& effect : effects_) effect->max_step(q_.view(), dq_.view(), {alpha, fetch});
+  fetch.now();
   for (Index e = 0; e < model_.envs; ++e)
     if (r.force[e] <= tolerance(r, e, relative)) alpha[e] = 0;
   const std::vector<double> before = natural_level();
@@ -120,7 +122,9 @@ bool Newton::solve_coupled(const effects::StepInfo& info, StepReport& report, do
     if (options_.trace) trace(info, r, it, report);
     if (converged(r, relative)) return true;
     if (!factored) {
-      build_matrix();
+      device::Fetch fetch;
+      build_matrix(fetch);
+      fetch.now();
       if (linear_ == Linear::cg)
         build_preconditioner();
       else if (!direct_.factor(matrix_))

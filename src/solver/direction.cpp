@@ -28,10 +28,11 @@ void Newton::soften() {
   if (concave_ < kLeastConcave) concave_ = 0;
 }
 
-void Newton::build_matrix() {
+void Newton::build_matrix(device::Fetch& fetch) {
   const Timed timed(clock_, "solver", "matrix");
   assembler_.matrix(sets_, matrix_);
-  rounding_ = rounding_floor(matrix_, q_.view(), block_of_row_.view(), env_rows_);
+  rounding_.assign(model_.envs, 0.0);
+  rounding_floor(matrix_, q_.view(), block_of_row_.view(), env_rows_, {rounding_, fetch});
   if (any_partial_) linalg::project(matrix_, row_projector_.view());
 }
 
@@ -65,13 +66,17 @@ bool Newton::solve_direct(StepReport& report) {
 
 // (P H P + I - P) x = -P (g + H c) on the rows; false if the matrix is not positive definite and can be made so.
 bool Newton::solve_linear(StepReport& report, bool supports_move) {
-  build_matrix();
+  device::Fetch fetch;
+  build_matrix(fetch);
   device::Buffer<Vec3> Hc;
   if (supports_move) {
     for (linalg::StencilSet* set : sets_) stencil_product(*set, support_.view());
     assembler_.gradient(sets_, model_.blocks, Hc);
   }
   right_hand_side(gradient_.view(), std::as_const(Hc).view(), block_of_row_.view(), row_projector_.view(), rhs_);
+  rhs2_.assign(model_.envs, 0.0);
+  dot(std::as_const(rhs_).view(), std::as_const(rhs_).view(), env_rows_, {rhs2_, fetch});
+  fetch.now();
   x_.resize(rows_);
   x_.zero();
   if (rows_ == 0) return true;
@@ -88,7 +93,13 @@ void Newton::direction(StepReport& report, const Residual& r, double relative, b
     assemble(true);
   }
   step_of(x_.view(), support_.view(), row_of_block_.view(), model_.projector.view(), dq_);
-  last_step_ = largest_of(largest(dq_.view(), model_.env_blocks));
+  std::vector<double> longest(model_.envs, 0.0);
+  slope_.assign(model_.envs, 0.0);
+  device::Fetch fetch;
+  largest(dq_.view(), model_.env_blocks, {longest, fetch});
+  dot(gradient_.view(), dq_.view(), model_.env_blocks, {slope_, fetch});
+  fetch.now();
+  last_step_ = largest_of(longest);
   if (!std::isfinite(last_step_)) throw Failure{"the Newton direction is not finite"};
 }
 

@@ -2,21 +2,31 @@
 
 namespace mortise::solver {
 
-std::vector<double> largest(View<const Vec3> v, View<const Mat3> projector, const std::vector<Index>& env_blocks) {
-  std::vector<double> out(env_blocks.size() - 1, 0.0);
+void largest(View<const Vec3> v, View<const Mat3> projector, const std::vector<Index>& env_blocks, EnvValues out) {
   device::env_max("solver.largest", env_blocks, [=] MORTISE_HD(Index b) { return (projector[b] * v[b]).norm(); }, out);
-  return out;
+}
+
+void largest(View<const Vec3> v, const std::vector<Index>& env_blocks, EnvValues out) {
+  device::env_max("solver.largest", env_blocks, [=] MORTISE_HD(Index b) { return v[b].norm(); }, out);
 }
 
 std::vector<double> largest(View<const Vec3> v, const std::vector<Index>& env_blocks) {
   std::vector<double> out(env_blocks.size() - 1, 0.0);
-  device::env_max("solver.largest", env_blocks, [=] MORTISE_HD(Index b) { return v[b].norm(); }, out);
+  Fetch fetch;
+  largest(v, env_blocks, {out, fetch});
+  fetch.now();
   return out;
+}
+
+void dot(View<const Vec3> a, View<const Vec3> b, const std::vector<Index>& env_blocks, EnvValues out) {
+  device::env_sum("solver.dot", env_blocks, [=] MORTISE_HD(Index i) { return a[i].dot(b[i]); }, out);
 }
 
 std::vector<double> dot(View<const Vec3> a, View<const Vec3> b, const std::vector<Index>& env_blocks) {
   std::vector<double> out(env_blocks.size() - 1, 0.0);
-  device::env_sum("solver.dot", env_blocks, [=] MORTISE_HD(Index i) { return a[i].dot(b[i]); }, out);
+  Fetch fetch;
+  dot(a, b, env_blocks, {out, fetch});
+  fetch.now();
   return out;
 }
 
@@ -115,13 +125,11 @@ void add_scaled(View<const Vec3> v, const std::vector<double>& share, View<const
   device::parallel_for("solver.add_scaled", v.n, [=] MORTISE_HD(Index b) { t[b] += s[block_env[b]] * v[b]; });
 }
 
-std::vector<double> rounding_floor(const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, const std::vector<Index>& env_rows) {
+void rounding_floor(const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, const std::vector<Index>& env_rows, EnvValues out) {
   constexpr double kEps = 2.220446049250313e-16;
   const View<const Index> start = A.row_start.view();
   const View<const Mat3> value = A.value.view();
-  std::vector<double> out(env_rows.size() - 1, 0.0);
   device::env_max("solver.rounding", env_rows, [=] MORTISE_HD(Index r) { return 8 * kEps * value[start[r]].norm() * q[block_of_row[r]].norm(); }, out);
-  return out;
 }
 
 void shift_diagonal(linalg::BlockMatrix& A, double share) {

@@ -7,13 +7,17 @@
 namespace mortise::solver {
 
 using device::Buffer;
+using device::EnvValues;
+using device::Fetch;
 using device::View;
 
 // Per environment the largest |P v| over its blocks.
-std::vector<double> largest(View<const Vec3> v, View<const Mat3> projector, const std::vector<Index>& env_blocks);
+void largest(View<const Vec3> v, View<const Mat3> projector, const std::vector<Index>& env_blocks, EnvValues out);
 // Per environment the largest |v|.
+void largest(View<const Vec3> v, const std::vector<Index>& env_blocks, EnvValues out);
 std::vector<double> largest(View<const Vec3> v, const std::vector<Index>& env_blocks);
 // Per environment a . b.
+void dot(View<const Vec3> a, View<const Vec3> b, const std::vector<Index>& env_blocks, EnvValues out);
 std::vector<double> dot(View<const Vec3> a, View<const Vec3> b, const std::vector<Index>& env_blocks);
 // c = (I - P)(target - q): what the supports still have to move.
 void support_move(View<const Vec3> q, View<const Vec3> target, View<const Mat3> projector, Buffer<Vec3>& c);
@@ -34,7 +38,7 @@ void add_scaled(View<const Vec3> v, const std::vector<double>& share, View<const
 // 0 of no values.
 double largest_of(const std::vector<double>& v);
 // Per environment 8 eps max |A_rr| |q_r|: positions are only known to eps |q|, and forces accordingly.
-std::vector<double> rounding_floor(const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, const std::vector<Index>& env_rows);
+void rounding_floor(const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, const std::vector<Index>& env_rows, EnvValues out);
 // A <- A + share * (mean trace of the diagonal blocks / 3) * I.
 void shift_diagonal(linalg::BlockMatrix& A, double share);
 

@@ -63,14 +63,13 @@ void Newton::set_up_cg() {
   cg_ = std::make_unique<linalg::ConjugateGradients>(env_rows_);
 }
 
-std::vector<double> Newton::forcing() {
+std::vector<double> Newton::forcing() const {
   std::vector<double> eta(model_.envs, options_.cg_tolerance);
   if (!options_.cg_forcing) return eta;
-  const std::vector<double> rhs2 = dot(std::as_const(rhs_).view(), std::as_const(rhs_).view(), env_rows_);
   for (Index e = 0; e < model_.envs; ++e) {
     double share = kRoughest;
     if (!cg_last_rhs_.empty()) {
-      const double ratio = std::sqrt(rhs2[e]) / cg_last_rhs_[e];  // not a number where both are zero
+      const double ratio = std::sqrt(rhs2_[e]) / cg_last_rhs_[e];  // not a number where both are zero
       if (ratio < 1) share = std::min(kRoughest, 0.9 * std::max(ratio * ratio, cg_relative_[e] * cg_relative_[e]));
     }
     eta[e] = std::max(share, options_.cg_tolerance);

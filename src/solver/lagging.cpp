@@ -30,7 +30,11 @@ void Newton::relax_lagged(Index round) {
   if (round > 0) {
     device::Buffer<Vec3> change;
     subtract(lag_move_.view(), lag_last_.view(), change);
-    const std::vector<double> along = dot(lag_last_.view(), change.view(), model_.env_blocks), square = dot(change.view(), change.view(), model_.env_blocks);
+    std::vector<double> along(model_.envs, 0.0), square(model_.envs, 0.0);
+    device::Fetch fetch;
+    dot(lag_last_.view(), change.view(), model_.env_blocks, {along, fetch});
+    dot(change.view(), change.view(), model_.env_blocks, {square, fetch});
+    fetch.now();
     for (Index e = 0; e < model_.envs; ++e)
       if (square[e] > 0) lag_share_[e] = std::clamp(-lag_share_[e] * along[e] / square[e], kLeast, 1.0);
   }
@@ -40,7 +44,9 @@ void Newton::relax_lagged(Index round) {
     return;
   }
   std::vector<double> share = lag_share_;
-  for (const auto& effect : effects_) effect->max_step(lag_q_.view(), lag_move_.view(), share);
+  device::Fetch fetch;
+  for (const auto& effect : effects_) effect->max_step(lag_q_.view(), lag_move_.view(), {share, fetch});
+  fetch.now();
   add_scaled(lag_move_.view(), share, std::as_const(model_.block_env).view(), lag_q_);
   refresh_lagged(lag_q_.view());
 }

@@ -12,20 +12,24 @@ double Newton::line_search(StepReport& report, const Residual& r, double relativ
   constexpr double kArmijo = 1e-4;
   constexpr int kMost = 40;
   std::vector<double> alpha(model_.envs, 1.0);
+  device::Fetch fetch;
   for (const auto& effect : effects_) {
     const Timed timed(clock_, effect->name(), "max_step");
-    effect->max_step(q_.view(), dq_.view(), alpha);
+    effect->max_step(q_.view(), dq_.view(), {alpha, fetch});
   }
-  const std::vector<double> before = energy(q_.view());
-  std::vector<double> slope = dot(gradient_.view(), dq_.view(), model_.env_blocks);
-  std::vector<double> rho(model_.envs, 0.0), cc(model_.envs, 0.0);
+  find_energies(q_.view(), known_, fetch);
+  std::vector<double> slope = slope_, rho(model_.envs, 0.0), cc(model_.envs, 0.0), curvature(model_.envs, 0.0);
   if (supports_move) {
-    // rho makes the quadratic model of the merit decrease over the full step and its slope negative.
     device::Buffer<Vec3> Hdq;
     for (linalg::StencilSet* set : sets_) stencil_product(*set, dq_.view());
     assembler_.gradient(sets_, model_.blocks, Hdq);
-    const std::vector<double> curvature = dot(dq_.view(), Hdq.view(), model_.env_blocks);
-    cc = dot(support_.view(), support_.view(), model_.env_blocks);
+    dot(dq_.view(), Hdq.view(), model_.env_blocks, {curvature, fetch});
+    dot(support_.view(), support_.view(), model_.env_blocks, {cc, fetch});
+  }
+  fetch.now();
+  const std::vector<double> before = sum(known_);
+  if (supports_move) {
+    // rho makes the quadratic model of the merit decrease over the full step and its slope negative.
     for (Index e = 0; e < model_.envs; ++e) {
       if (!(cc[e] > 0)) continue;
       rho[e] = std::max(0.0, 2 * (2 * slope[e] + curvature[e]) / cc[e]);
@@ -37,7 +41,10 @@ double Newton::line_search(StepReport& report, const Residual& r, double relativ
 
   for (int k = 0;; ++k) {
     advance(q_.view(), dq_.view(), alpha, model_, trial_);
-    const std::vector<double> after = energy(trial_.view());
+    Energies there;
+    find_energies(trial_.view(), there, fetch);
+    fetch.now();
+    const std::vector<double> after = sum(there);
     bool ok = true;
     for (Index e = 0; e < model_.envs; ++e) {
       if (alpha[e] == 0) continue;
@@ -51,7 +58,10 @@ double Newton::line_search(StepReport& report, const Residual& r, double relativ
       alpha[e] *= 0.5;
       ok = false;
     }
-    if (ok) break;
+    if (ok) {
+      remember(std::move(there));
+      break;
+    }
     ++report.line_search;
     if (k == kMost) throw Failure{"the line search found no descent"};
   }

@@ -71,7 +71,8 @@ void Newton::number_rows() {
 
 Newton::Residual Newton::assemble(bool hessian) {
   Residual r;
-  r.scale.assign(model_.envs, 0.0);
+  std::vector<std::vector<double>> scale(effects_.size(), std::vector<double>(model_.envs, 0.0));
+  device::Fetch fetch;
   gradient_.resize(model_.blocks);
   gradient_.zero();
   sets_.clear();
@@ -82,13 +83,16 @@ Newton::Residual Newton::assemble(bool hessian) {
     sets_.push_back(&set);
     linalg::StencilSet* const one[] = {&set};
     assembler_.gradient(one, model_.blocks, effect_gradients_[k]);
-    const std::vector<double> here = largest(effect_gradients_[k].view(), model_.env_blocks);
-    for (Index e = 0; e < model_.envs; ++e) r.scale[e] = std::max(r.scale[e], here[e]);
+    largest(effect_gradients_[k].view(), model_.env_blocks, {scale[k], fetch});
     add(effect_gradients_[k].view(), gradient_);
   }
-  r.force = largest(gradient_.view(), model_.projector.view(), model_.env_blocks);
+  r.force = r.scale = r.support_gap = std::vector<double>(model_.envs, 0.0);
+  largest(gradient_.view(), model_.projector.view(), model_.env_blocks, {r.force, fetch});
   support_move(q_.view(), model_.target.view(), model_.projector.view(), support_);
-  r.support_gap = largest(support_.view(), model_.env_blocks);
+  largest(support_.view(), model_.env_blocks, {r.support_gap, fetch});
+  fetch.now();
+  for (const std::vector<double>& here : scale)
+    for (Index e = 0; e < model_.envs; ++e) r.scale[e] = std::max(r.scale[e], here[e]);
   for (double f : r.force)
     if (!std::isfinite(f)) throw Failure{not_finite()};
   return r;
@@ -117,19 +121,39 @@ void Newton::note(const Residual& r, double relative, StepReport& report) const 
   for (Index e = 0; e < model_.envs; ++e) report.tolerance = std::max(report.tolerance, tolerance(r, e, relative));
 }
 
-std::vector<double> Newton::energy(device::View<const Vec3> q) {
+void Newton::find_energies(device::View<const Vec3> q, Energies& of, device::Fetch& fetch) {
+  of.resize(effects_.size());
+  for (std::size_t k = 0; k < effects_.size(); ++k) {
+    if (!of[k].empty()) continue;
+    const Timed timed(clock_, effects_[k]->name(), "energy");
+    of[k].assign(model_.envs, 0.0);
+    effects_[k]->energy(q, {of[k], fetch});
+  }
+}
+
+std::vector<double> Newton::sum(const Energies& energies) {
   std::vector<double> total(model_.envs, 0.0);
   energy_scale_.assign(model_.envs, 0.0);
-  for (const auto& effect : effects_) {
-    const Timed timed(clock_, effect->name(), "energy");
-    std::vector<double> part(model_.envs, 0.0);
-    effect->energy(q, part);
+  for (const std::vector<double>& part : energies)
     for (Index e = 0; e < model_.envs; ++e) {
       total[e] += part[e];
       energy_scale_[e] += std::abs(part[e]);
     }
-  }
   return total;
+}
+
+std::vector<double> Newton::energy(device::View<const Vec3> q, Energies energies) {
+  device::Fetch fetch;
+  find_energies(q, energies, fetch);
+  fetch.now();
+  return sum(energies);
+}
+
+// Of effects that freeze something at assembly, energies are a matter of one iteration.
+void Newton::remember(Energies&& at_q) {
+  known_ = std::move(at_q);
+  for (std::size_t k = 0; k < known_.size(); ++k)
+    if (!effects_[k]->conservative()) known_[k].clear();
 }
 
 // Newton's method gains digits faster and faster near a solution; what does not is a sign that the matrix lacks something.
@@ -185,6 +209,7 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
   cg_last_rhs_.clear();
   built_speed_ = 0;
   concave_ = last_alpha_ = 0;
+  known_.clear();
   lags_ = options_.lags;
   lag_q_.copy_from(model_.q);
   lag_share_.assign(model_.envs, 1.0);
@@ -197,15 +222,17 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
     if (!iterate(info, report, relative, stop) || (may_couple_ && round >= kPlainRounds)) {
       if (solve_coupled(info, report, lags_ ? settled : options_.relative_tolerance, stop)) {
         if (lags_) report.lag_residual = report.residual;
+        known_.clear();
         break;
       }
       may_couple_ = false;
+      known_.clear();
       refresh_lagged(q_.view());
       lag_q_.copy_from(q_);
       iterate(info, report, relative, stop);
     }
+    if (!lags_) break;
     if (!refresh_lagged(q_.view())) {
-      if (!lags_) break;
       lags_ = false;  // nothing to refresh in this step after all: solve to the end
       relative = options_.relative_tolerance;
       continue;
@@ -223,7 +250,7 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
     relative = std::clamp(0.1 * report.lag_residual / largest_of(fresh.scale), 0.1 * settled, 10 * settled);
     relax_lagged(round);
   }
-  const std::vector<double> phi = energy(q_.view());
+  const std::vector<double> phi = energy(q_.view(), known_);
   report.energy = 0;
   for (double e : phi) report.energy += e;
 }

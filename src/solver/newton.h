@@ -57,12 +57,12 @@ class Newton {
   void note(const Residual& r, double relative, StepReport& report) const;
   void choose_curvature();
   void soften();
-  void build_matrix();
+  void build_matrix(device::Fetch& fetch);  // rounding_ is known once that is done
   bool solve_direct(StepReport& report);
   void choose_preconditioner();  // krylov.cpp, with the next four
   void set_up_cg();
   void build_preconditioner();
-  std::vector<double> forcing();
+  std::vector<double> forcing() const;
   linalg::CgResult run_cg(device::View<const Vec3> b, device::View<Vec3> x, const std::vector<double>& relative, const std::vector<double>& absolute);
   bool solve_cg(StepReport& report);
   bool solve_linear(StepReport& report, bool supports_move);
@@ -79,7 +79,11 @@ class Newton {
   bool solve_coupled(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop);
   bool refresh_lagged(device::View<const Vec3> q);
   void relax_lagged(Index round);
-  std::vector<double> energy(device::View<const Vec3> q);
+  using Energies = std::vector<std::vector<double>>;  // [J], of every effect and environment; empty where unknown
+  void find_energies(device::View<const Vec3> q, Energies& of, device::Fetch& fetch);
+  std::vector<double> sum(const Energies& energies);
+  std::vector<double> energy(device::View<const Vec3> q, Energies known = {});
+  void remember(Energies&& at_q);
   void trace(const effects::StepInfo& info, const Residual& r, Index iteration, StepReport& report);
 
   model::Model& model_;
@@ -109,12 +113,15 @@ class Newton {
   double built_speed_ = 0, speed_ = 0;  // iterations per digit: right after the preconditioner was built (0: not in this step), last time
   std::vector<double> cg_relative_, cg_last_rhs_;  // of the last linear system in this step, per environment; empty before the first
   std::vector<double> wanted_;                     // per environment: the residual at which Newton stops [N]
+  std::vector<double> rhs2_;                       // per environment: square of the right-hand side
   std::vector<linalg::StencilSet*> sets_;
 
+  std::vector<double> slope_;  // per environment: gradient . dq_ [J]
   device::Buffer<Vec3> q_, trial_, gradient_, support_, dq_, rhs_, x_;
   device::Buffer<Vec3> lag_q_, lag_move_, lag_last_;  // lagging.cpp
   std::vector<double> lag_share_;
   std::vector<device::Buffer<Vec3>> effect_gradients_;
+  Energies known_;  // at q_
   std::vector<double> energy_scale_;
   std::vector<double> rounding_;  // per environment: the residual that rounding of q alone can cause [N]
   double last_step_ = 0;

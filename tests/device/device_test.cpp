@@ -84,6 +84,55 @@ TEST(Device, RunsAndSegmentSums) {
   EXPECT_EQ(out.download(), (std::vector<double>{1, 2, 12}));
 }
 
+TEST(Device, RunsEndAtTheLimit) {
+  const Buffer<std::uint64_t> keys(std::vector<std::uint64_t>{2, 2, 5, 9, 9, 9});
+  Buffer<Index> start;
+  run_starts(keys, start, 6);
+  EXPECT_EQ(start.download(), (std::vector<Index>{0, 2, 3}));
+  run_starts(keys, start, 1);
+  EXPECT_EQ(start.download(), (std::vector<Index>{0}));
+  run_starts(Buffer<std::uint64_t>(0), start);
+  EXPECT_EQ(start.download(), (std::vector<Index>{0}));
+}
+
+TEST(Device, FetchBringsEverythingInOneCopy) {
+  const std::vector<double> host = random_values(10'000);
+  const Buffer<double> values(host);
+  const View<const double> v = values.view();
+  Buffer<Index> counts(std::vector<Index>{3, 0, 4, 0});
+  scan(counts);
+  Fetch fetch;
+  std::vector<double> sums(40, 1.0), all, least{2.0}, alone{1.0};
+  std::vector<Index> offsets;
+  std::vector<int> order;
+  Index total = 0;
+  const Transfers before = transfers();
+  for (double& s : sums) {  // more than one launch gathers
+    fetch.add(View<const double>{v.p + (&s - sums.data()), 1}, [&s, &order](const std::vector<double>& x) { s += x[0], order.push_back(1); });
+  }
+  env_min("test", {0, v.n}, [=] MORTISE_HD(Index i) { return v[i]; }, EnvValues{least, fetch});
+  fetch.then([&order] { order.push_back(2); });
+  fetch.add(v, all);
+  fetch.add(std::as_const(counts).view(), offsets);
+  fetch.add_total(counts, total);
+  EXPECT_EQ((transfers() - before).to_host, 0);
+  fetch.now();
+  EXPECT_EQ((transfers() - before).to_host, 1);
+  for (std::size_t i = 0; i < sums.size(); ++i) EXPECT_EQ(sums[i], 1.0 + host[i]);
+  EXPECT_EQ(least[0], *std::min_element(host.begin(), host.end()));
+  EXPECT_EQ(all, host);
+  EXPECT_EQ(offsets, (std::vector<Index>{0, 3, 3, 7}));
+  EXPECT_EQ(total, 7);
+  EXPECT_EQ(order.size(), 41u);
+  EXPECT_EQ(order.back(), 2);
+
+  fetch.now();  // nothing is wanted any more
+  EXPECT_EQ((transfers() - before).to_host, 1);
+  env_sum("test", {0, 5}, [=] MORTISE_HD(Index) { return 2.0; }, EnvValues{alone, fetch});
+  fetch.now();
+  EXPECT_EQ(alone[0], 11);
+}
+
 TEST(Device, ScanReturnsTheTotal) {
   Buffer<Index> counts(std::vector<Index>{3, 0, 4, 0});
   EXPECT_EQ(exclusive_scan(counts), 7);

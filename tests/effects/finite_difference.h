@@ -80,8 +80,18 @@ std::vector<std::remove_const_t<T>> fetch(device::View<T> v) {
 inline std::vector<double> effect_energies(effects::Effect& e, const Vector& x, Index envs = 1) {
   const device::Buffer<Vec3> q(blocks_of(x));
   std::vector<double> per_env(envs, 0.0);
-  e.energy(q.view(), per_env);
+  device::Fetch fetch;
+  e.energy(q.view(), {per_env, fetch});
+  fetch.now();
   return per_env;
+}
+// The longest allowed step of the one environment.
+inline double longest_step(effects::Effect& e, device::View<const Vec3> q, device::View<const Vec3> dq) {
+  std::vector<double> alpha{1};
+  device::Fetch fetch;
+  e.max_step(q, dq, {alpha, fetch});
+  fetch.now();
+  return alpha[0];
 }
 inline double effect_energy(effects::Effect& e, const Vector& x, Index envs = 1) {
   double sum = 0;

@@ -349,10 +349,9 @@ TEST(MortarContact, StepsKeepGaps) {
   down[3 * tool.block_begin + 2] = -1;
   const device::Buffer<Vec3> q(fd::blocks_of(positions(p.model))), dq(fd::blocks_of(down));
   p.contact->assemble(q.view(), true);
-  std::vector<double> alpha{1};
-  p.contact->max_step(q.view(), dq.view(), alpha);
-  EXPECT_LE(alpha[0], 0.0091);
-  EXPECT_GE(alpha[0], 0.008);
+  const double alpha = fd::longest_step(*p.contact, q.view(), dq.view());
+  EXPECT_LE(alpha, 0.0091);
+  EXPECT_GE(alpha, 0.008);
 }
 
 // Samples that a step brings into range take part in its line search.
@@ -364,8 +363,7 @@ TEST(MortarContact, LineSearchSeesWhatComesIntoRange) {
   for (Index b = tool.block_begin; b < tool.block_end; ++b) d[3 * b + 2] = -0.5 * kHat;
   const device::Buffer<Vec3> q(fd::blocks_of(x)), dq(fd::blocks_of(d));
   p.contact->assemble(q.view(), true);
-  std::vector<double> alpha{1};
-  p.contact->max_step(q.view(), dq.view(), alpha);
+  fd::longest_step(*p.contact, q.view(), dq.view());
   EXPECT_EQ(fd::effect_energy(*p.contact, x), 0);
   EXPECT_NEAR(fd::effect_energy(*p.contact, x + d) / (kKappa * effects::barrier::value(0.55 * kHat, kHat)), 1, 1e-10);
 }

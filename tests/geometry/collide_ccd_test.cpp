@@ -239,7 +239,9 @@ TEST(StepLimit, SoupsNeverIntersect) {
       const Buffer<Vec3> yb(y), dyb(dy);
       pairs.update(yb.view(), dyb.view(), 0);
       std::vector<double> alpha(envs, 1.0);
-      limit_step(pairs, yb.view(), dyb.view(), 0.1, alpha);
+      device::Fetch fetch;
+      limit_step(pairs, yb.view(), dyb.view(), 0.1, {alpha, fetch});
+      fetch.now();
       for (double a : alpha) {
         ASSERT_GT(a, 0);
         ASSERT_LE(a, 1);
@@ -267,7 +269,9 @@ TEST(StepLimit, EnvironmentsAreIndependent) {
   Broadphase pairs(surface);
   pairs.update(y.view(), d.view(), 0);
   std::vector<double> alpha{1, 0.7, 1};
-  limit_step(pairs, y.view(), d.view(), 0.1, alpha);
+  device::Fetch fetch;
+  limit_step(pairs, y.view(), d.view(), 0.1, {alpha, fetch});
+  fetch.now();
   EXPECT_NEAR(alpha[0], 0.45, 1e-9);
   EXPECT_EQ(alpha[1], 0.7);
   EXPECT_EQ(alpha[2], 1);

@@ -61,7 +61,7 @@ class AffineBody final : public Effect {
     for (const char* k : {"affine_body.pattern", "affine_body.energy", "affine_body.assemble", "affine_body.defect"}) out.kernels.push_back(k);
   }
 
-  void energy(Positions q, std::vector<double>& per_env) override {
+  void energy(Positions q, device::EnvValues per_env) override {
     const View<const StiffBody> list = std::as_const(bodies_).view();
     device::env_sum(
         "affine_body.energy", env_offset_,
@@ -87,9 +87,7 @@ class AffineBody final : public Effect {
     const double worst =
         device::max("affine_body.defect", list.n, 0, [=] MORTISE_HD(Index s) { return affine_body::defect(columns(q, list[s].first)).norm(); });
     sink.scalar("affine_body", "rigidity_defect", "1", worst);
-    std::vector<double> stored(model_.envs, 0.0);
-    energy(q, stored);
-    sink.scalar("affine_body", "energy", "J", std::accumulate(stored.begin(), stored.end(), 0.0));
+    sink.scalar("affine_body", "energy", "J", energy_now(q, model_.envs));
   }
 
  private:

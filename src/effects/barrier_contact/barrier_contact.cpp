@@ -66,7 +66,7 @@ class BarrierContact final : public Effect {
     update();
   }
 
-  void energy(Positions q, std::vector<double>& per_env) override {
+  void energy(Positions q, device::EnvValues per_env) override {
     prepare();
     const std::vector<std::uint8_t> finite = near_.locate(q);
     contact::energy(scene(), near_.candidates(), near_.y(), near_.vertex_env(), per_env);
@@ -81,7 +81,7 @@ class BarrierContact final : public Effect {
     return stencils_;
   }
 
-  void max_step(Positions q, View<const Vec3> dq, std::vector<double>& alpha) override {
+  void max_step(Positions q, View<const Vec3> dq, device::EnvValues alpha) override {
     prepare();
     Buffer<Vec3> dy;
     near_.limit(q, dq, scene(), dy, alpha);
@@ -171,9 +171,7 @@ void BarrierContact::report(FieldSink& sink) {
   rows.report(sink, group);
   sink.scalar(group, "pressure_sum_defect", "1", sum_defect(forces, {&rows}));
   sink.scalar(group, "min_distance", "m", closest);
-  std::vector<double> stored(model_.envs, 0.0);
-  energy(std::as_const(model_.q).view(), stored);
-  sink.scalar(group, "energy", "J", std::accumulate(stored.begin(), stored.end(), 0.0));
+  sink.scalar(group, "energy", "J", energy_now(std::as_const(model_.q).view(), model_.envs));
   sink.scalar(group, "active_pairs", "1", static_cast<double>(terms.size()));
 }
 

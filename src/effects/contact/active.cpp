@@ -5,7 +5,7 @@
 namespace mortise::effects::contact {
 namespace {
 
-constexpr std::uint64_t kNoKey = ~0ull;
+using device::kNoKey;
 
 // Distinct terms that one point-triangle candidate contributes to: its closest feature, its edges and its vertices.
 constexpr Index kSlots = 7;
@@ -73,13 +73,10 @@ MORTISE_HD inline Active point_term(const Scene& s, std::uint64_t key, Index coe
   return a;
 }
 
-// Point-triangle terms: every candidate within range writes its terms, equal ones are merged by sorting, and those that cancel
-// (all of them, away from the closest feature on a flat surface) disappear.
-Index point_terms(const Scene& s, View<const PointTriangle> pairs, View<const Vec3> y, Buffer<std::uint64_t>& keys,
-                  Buffer<Index>& start, Buffer<Index>& total, Buffer<Index>& kept) {
-  Buffer<Index> in_range;
-  const Index hits = select(
-      "contact.near", pairs.n, [=] MORTISE_HD(Index i) { return near(s, pairs[i], y); }, in_range);
+// Point-triangle terms: each of the candidates within range (`hits` of them) writes its terms, equal ones are merged by sorting, and
+// those that cancel (all of them, away from the closest feature on a flat surface) disappear.
+Index point_terms(const Scene& s, View<const PointTriangle> pairs, View<const Vec3> y, const Buffer<Index>& in_range, Index hits,
+                  Buffer<std::uint64_t>& keys, Buffer<Index>& start, Buffer<Index>& total, Buffer<Index>& kept) {
   if (hits == 0) return 0;
   const Index slots = s.law.area_weighted ? kSlots : 1;
   keys.resize(hits * slots);
@@ -100,14 +97,17 @@ Index point_terms(const Scene& s, View<const PointTriangle> pairs, View<const Ve
   device::sort_pairs(keys, slot);
   device::run_starts(keys, start);
   // Sorting may exchange the buffers' memory: views from here on.
-  const View<const std::uint64_t> sorted_key = keys.view();
   const View<const Index> sorted = slot.view();
   device::segment_sum(
       "contact.merge", start, [=] MORTISE_HD(Index j) { return value[sorted[j]]; }, total);
-  const View<const Index> sum = total.view(), first = start.view();
-  return select(
-      "contact.keep", total.size(), [=] MORTISE_HD(Index r) { return sum[r] != 0 && sorted_key[first[r]] != kNoKey; },
-      kept);
+  const View<const Index> sum = total.view();
+  mark(
+      "contact.keep", total.size(), [=] MORTISE_HD(Index r) { return sum[r] != 0; }, kept);
+  device::Fetch fetch;
+  Index n = 0;
+  fetch.add_total(kept, n);
+  fetch.now();
+  return n;
 }
 
 // Environment by environment, keeping the order within each.
@@ -151,15 +151,15 @@ void group_by_environment(ActiveSet& set, Index envs) {
 }  // namespace
 
 void build(const Scene& s, const Candidates& c, View<const Vec3> y, Index envs, ActiveSet& out) {
-  Buffer<std::uint64_t> keys;
-  Buffer<Index> start, total, kept, edges_at, planes_at;
-  const Index points = point_terms(s, c.point_triangles(), y, keys, start, total, kept);
-
+  Buffer<Index> points_at, edges_at, planes_at;
+  const View<const PointTriangle> pt = c.point_triangles();
+  mark(
+      "contact.near", pt.n, [=] MORTISE_HD(Index i) { return near(s, pt[i], y); }, points_at);
   const View<const EdgeEdge> ee = c.edge_edges();
-  const Index edges = select(
+  mark(
       "contact.near", ee.n, [=] MORTISE_HD(Index i) { return near(s, ee[i], y); }, edges_at);
   const Index plane_pairs = s.planes.n * s.surface.vertices.n;
-  const Index planes = select(
+  mark(
       "contact.near_planes", plane_pairs,
       [=] MORTISE_HD(Index i) {
         Index plane, point;
@@ -167,6 +167,15 @@ void build(const Scene& s, const Candidates& c, View<const Vec3> y, Index envs, 
         return plane_pair(s, i, y, plane, point, gap);
       },
       planes_at);
+  Index hits = 0, edges = 0, planes = 0;
+  device::Fetch fetch;
+  fetch.add_total(points_at, hits);
+  fetch.add_total(edges_at, edges);
+  fetch.add_total(planes_at, planes);
+  fetch.now();
+  Buffer<std::uint64_t> keys;
+  Buffer<Index> start, total, kept;
+  const Index points = point_terms(s, pt, y, points_at, hits, keys, start, total, kept);
 
   out.terms.resize(points + edges + planes);
   const View<Active> terms = out.terms.view();

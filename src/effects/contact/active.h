@@ -30,8 +30,7 @@ void face_planes(const Scene& s, View<const Vec3> y, View<double> plane_area);
 void face_points(const Scene& s, const ActiveSet& set, View<const Vec3> y, View<double> point_area);
 
 // Adds the energy of environment e to per_env[e]; +infinity where anything touches. vertex_env[e]: first surface vertex of e.
-void energy(const Scene& s, const Candidates& c, View<const Vec3> y, const std::vector<Index>& vertex_env,
-            std::vector<double>& per_env);
+void energy(const Scene& s, const Candidates& c, View<const Vec3> y, const std::vector<Index>& vertex_env, device::EnvValues per_env);
 
 // The terms at y. envs: number of environments.
 void build(const Scene& s, const Candidates& c, View<const Vec3> y, Index envs, ActiveSet& out);
@@ -46,6 +45,6 @@ void point_forces(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buff
 
 // Lowers alpha[e] so that every vertex keeps the share `keep` of its gap to every half-space (exact: the gap is linear).
 void limit_planes(const Scene& s, View<const Vec3> y, View<const Vec3> dy, double keep, const std::vector<Index>& vertex_env,
-                  std::vector<double>& alpha);
+                  device::EnvValues alpha);
 
 }  // namespace mortise::effects::contact

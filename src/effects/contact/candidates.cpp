@@ -24,18 +24,14 @@ MORTISE_HD inline double off_path(const Vec3& from, const Vec3& move, const Vec3
   return (y - from - a * move).norm();
 }
 
+// Largest distance from the path; not a number where a position is none (or out of all bounds).
 std::vector<double> largest_deviation(const std::vector<Index>& point_env, View<const Vec3> from, View<const Vec3> move,
                                       View<const Vec3> y) {
   std::vector<double> out(point_env.size() - 1, 0.0);
   device::env_max(
-      "contact.deviation", point_env, [=] MORTISE_HD(Index i) { return off_path(from[i], move[i], y[i]); }, out);
-  return out;
-}
-
-std::vector<double> not_finite(const std::vector<Index>& point_env, View<const Vec3> y) {
-  std::vector<double> out(point_env.size() - 1, 0.0);
-  device::env_max(
-      "contact.finite", point_env, [=] MORTISE_HD(Index i) { return y[i].squaredNorm() < 1e300 ? 0.0 : 1.0; }, out);
+      "contact.deviation", point_env,
+      [=] MORTISE_HD(Index i) { return !(y[i].squaredNorm() < 1e300) ? static_cast<double>(NAN) : from.n > 0 ? off_path(from[i], move[i], y[i]) : 0.0; },
+      out);
   return out;
 }
 
@@ -63,14 +59,12 @@ void Candidates::take(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>*
 void Candidates::sweep(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy) { take(y, &dy); }
 
 void Candidates::cover(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>& finite) {
-  const std::vector<double> bad = not_finite(point_env_, y.view());
-  finite.assign(bad.size(), 1);
+  const std::vector<double> off = largest_deviation(point_env_, y0_.view(), dy_.view(), y.view());
+  finite.assign(off.size(), 1);
   bool lost = !any_;
-  for (std::size_t e = 0; e < bad.size(); ++e) finite[e] = bad[e] == 0;
-  if (any_) {
-    // Two points of a pair may each be off by half of the margin.
-    const std::vector<double> off = largest_deviation(point_env_, y0_.view(), dy_.view(), y.view());
-    for (std::size_t e = 0; e < off.size(); ++e) lost = lost || (finite[e] && 2 * off[e] > kMargin * reach_);
+  for (std::size_t e = 0; e < off.size(); ++e) {
+    finite[e] = !std::isnan(off[e]);
+    lost = lost || 2 * off[e] > kMargin * reach_;  // two points of a pair may each be off by half of the margin
   }
   if (lost) take(y, nullptr);
 }

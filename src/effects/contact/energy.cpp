@@ -4,32 +4,53 @@
 namespace mortise::effects::contact {
 namespace {
 
-// Sums only over the pairs in range, so that the order of the sum is a function of y, not of how many more candidates are held.
+// The pairs in range. Energies are sums over them only, so that the order of the sum is a function of y, not of how many more
+// candidates are held.
+struct InRange {
+  Buffer<Index> at;           // offsets among them by candidate
+  std::vector<Index> bounds;  // of the environments
+};
+
 template <class Pair>
-void add_pair_energy(const char* name, const Scene& s, View<const Pair> pairs, const std::vector<Index>& env_offset,
-                     View<const Vec3> y, std::vector<double>& per_env) {
-  Buffer<Index> at_buffer;
-  const Index n = select(
-      "contact.near", pairs.n, [=] MORTISE_HD(Index i) { return near(s, pairs[i], y); }, at_buffer);
-  if (n == 0) return;
+void find(const Scene& s, View<const Pair> pairs, const std::vector<Index>& env_offset, View<const Vec3> y, InRange& out, device::Fetch& fetch) {
+  mark(
+      "contact.near", pairs.n, [=] MORTISE_HD(Index i) { return near(s, pairs[i], y); }, out.at);
+  const View<const Index> at = std::as_const(out.at).view();
+  out.bounds.assign(env_offset.size(), 0);
+  if (out.bounds.size() == 2) return fetch.add_total(out.at, out.bounds[1]);
   const Buffer<Index> offset(env_offset);
-  Buffer<Index> picked(n), bounds(offset.size());
-  const View<const Index> at = at_buffer.view(), from = offset.view();
-  const View<Index> list = picked.view(), bound = bounds.view();
+  Buffer<Index> bounds(offset.size());
+  const View<const Index> from = offset.view();
+  const View<Index> bound = bounds.view();
+  device::parallel_for("contact.env_offset", from.n, [=] MORTISE_HD(Index e) { bound[e] = at[from[e]]; });
+  fetch.add(View<const Index>(bound), out.bounds);
+  fetch.keep(std::move(bounds));
+}
+
+template <class Pair>
+void add_pair_energy(const char* name, const Scene& s, View<const Pair> pairs, const InRange& near, View<const Vec3> y, device::EnvValues per_env) {
+  if (near.bounds.back() == 0) return;
+  Buffer<Index> picked(near.bounds.back());
+  const View<const Index> at = near.at.view();
+  const View<Index> list = picked.view();
   device::parallel_for("contact.pick", pairs.n, [=] MORTISE_HD(Index i) {
     if (at[i + 1] > at[i]) list[at[i]] = i;
   });
-  device::parallel_for("contact.env_offset", from.n, [=] MORTISE_HD(Index e) { bound[e] = at[from[e]]; });
   device::env_sum(
-      name, bounds.download(), [=] MORTISE_HD(Index i) { return pair_energy(s, pairs[list[i]], y); }, per_env);
+      name, near.bounds, [=] MORTISE_HD(Index i) { return pair_energy(s, pairs[list[i]], y); }, per_env);
 }
 
 }  // namespace
 
 void energy(const Scene& s, const Candidates& c, View<const Vec3> y, const std::vector<Index>& vertex_env,
-            std::vector<double>& per_env) {
-  add_pair_energy("contact.energy_points", s, c.point_triangles(), c.pt_env_offset(), y, per_env);
-  add_pair_energy("contact.energy_edges", s, c.edge_edges(), c.ee_env_offset(), y, per_env);
+            device::EnvValues per_env) {
+  InRange points, edges;
+  device::Fetch fetch;
+  find(s, c.point_triangles(), c.pt_env_offset(), y, points, fetch);
+  find(s, c.edge_edges(), c.ee_env_offset(), y, edges, fetch);
+  fetch.now();
+  add_pair_energy("contact.energy_points", s, c.point_triangles(), points, y, per_env);
+  add_pair_energy("contact.energy_edges", s, c.edge_edges(), edges, y, per_env);
   for (Index p = 0; p < s.planes.n; ++p) {
     const Index first = p * s.surface.vertices.n;
     device::env_sum(
@@ -38,21 +59,18 @@ void energy(const Scene& s, const Candidates& c, View<const Vec3> y, const std::
 }
 
 void limit_planes(const Scene& s, View<const Vec3> y, View<const Vec3> dy, double keep, const std::vector<Index>& vertex_env,
-                  std::vector<double>& alpha) {
-  std::vector<double> negative(alpha.size());
-  for (std::size_t e = 0; e < alpha.size(); ++e) negative[e] = -alpha[e];
+                  device::EnvValues alpha) {
   for (Index p = 0; p < s.planes.n; ++p)
-    device::env_max(
+    device::env_min(
         "contact.limit_planes", vertex_env,
         [=] MORTISE_HD(Index i) {
           const Index point = s.surface.vertices[i];
-          if (!s.plane_watched[p * s.surface.bodies + s.surface.body[point]]) return -2.0;
+          if (!s.plane_watched[p * s.surface.bodies + s.surface.body[point]]) return 2.0;
           const double gap = s.planes[p].normal.dot(y[point] - s.planes[p].point), rate = -s.planes[p].normal.dot(dy[point]);
-          if (!(rate > 0)) return -2.0;
-          return gap > 0 ? -(1 - keep) * gap / rate : 0.0;
+          if (!(rate > 0)) return 2.0;
+          return gap > 0 ? (1 - keep) * gap / rate : 0.0;
         },
-        negative);
-  for (std::size_t e = 0; e < alpha.size(); ++e) alpha[e] = -negative[e];
+        alpha);
 }
 
 }  // namespace mortise::effects::contact

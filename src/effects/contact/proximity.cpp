@@ -46,7 +46,7 @@ std::vector<std::uint8_t> Proximity::locate(Positions q) {
   return finite;
 }
 
-void Proximity::limit(Positions q, View<const Vec3> dq, const Scene& s, Buffer<Vec3>& dy, std::vector<double>& alpha) {
+void Proximity::limit(Positions q, View<const Vec3> dq, const Scene& s, Buffer<Vec3>& dy, device::EnvValues alpha) {
   model_.points_of(q, y_);
   model_.points_of(dq, dy);
   candidates_.sweep(y_, dy);
@@ -66,9 +66,11 @@ Scene Proximity::scene(const Law& law, View<const double> point_area, View<const
           plane_area};
 }
 
-void forbid(const std::vector<std::uint8_t>& finite, std::vector<double>& per_env) {
-  for (std::size_t e = 0; e < per_env.size(); ++e)
-    if (!finite[e] || std::isnan(per_env[e])) per_env[e] = INFINITY;
+void forbid(const std::vector<std::uint8_t>& finite, device::EnvValues per_env) {
+  per_env.fetch.then([finite, &value = per_env.value] {
+    for (std::size_t e = 0; e < value.size(); ++e)
+      if (!finite[e] || std::isnan(value[e])) value[e] = INFINITY;
+  });
 }
 
 }  // namespace mortise::effects::contact

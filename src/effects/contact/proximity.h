@@ -31,7 +31,7 @@ class Proximity {
   // y = W q with all candidates there; tells which environments have finite positions.
   std::vector<std::uint8_t> locate(Positions q);
   // Lowers alpha so that the step dq keeps the share kKeep of every distance; dy: the step of the points.
-  void limit(Positions q, View<const Vec3> dq, const Scene& s, Buffer<Vec3>& dy, std::vector<double>& alpha);
+  void limit(Positions q, View<const Vec3> dq, const Scene& s, Buffer<Vec3>& dy, device::EnvValues alpha);
 
   const Buffer<Vec3>& points() const { return y_; }
   View<const Vec3> y() const { return y_.view(); }
@@ -54,6 +54,6 @@ class Proximity {
 };
 
 // Energies of environments whose positions, or which themselves, are not numbers become +infinity.
-void forbid(const std::vector<std::uint8_t>& finite, std::vector<double>& per_env);
+void forbid(const std::vector<std::uint8_t>& finite, device::EnvValues per_env);
 
 }  // namespace mortise::effects::contact

@@ -4,13 +4,13 @@
 
 namespace mortise::effects::contact {
 
-// Offsets of those i < n that `keep` wants; returns how many. i is kept where offset[i+1] > offset[i].
+// Offsets of those i < n that `keep` wants: i is kept where offset[i+1] > offset[i], and the last offset is their number.
 template <class Keep>
-Index select(const char* name, Index n, Keep keep, Buffer<Index>& offset) {
+void mark(const char* name, Index n, Keep keep, Buffer<Index>& offset) {
   offset.resize(n + 1);
   const View<Index> o = offset.view();
   device::parallel_for(name, n + 1, [=] MORTISE_HD(Index i) { o[i] = i < n && keep(i) ? 1 : 0; });
-  return device::exclusive_scan(offset);
+  device::scan(offset);
 }
 
 // Is a candidate within range at y?

@@ -137,7 +137,7 @@ class Friction final : public Effect {
     refresh();
   }
 
-  void energy(Positions q, std::vector<double>& per_env) override {
+  void energy(Positions q, device::EnvValues per_env) override {
     const Slips s = slips();
     device::env_sum(
         "friction.energy", env_offset_,

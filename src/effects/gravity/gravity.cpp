@@ -59,7 +59,7 @@ class Gravity final : public Effect {
     for (const char* k : {"gravity.pattern", "gravity.energy", "gravity.assemble"}) out.kernels.push_back(k);
   }
 
-  void energy(Positions q, std::vector<double>& per_env) override {
+  void energy(Positions q, device::EnvValues per_env) override {
     const View<const Weight> w = std::as_const(weights_).view();
     const Positions rest = std::as_const(model_.rest).view();
     device::env_sum(
@@ -76,11 +76,7 @@ class Gravity final : public Effect {
   }
 
   void report(FieldSink& sink) override {
-    std::vector<double> per_env(model_.envs, 0.0);
-    energy(std::as_const(model_.q).view(), per_env);
-    double total = 0;
-    for (double e : per_env) total += e;
-    sink.scalar("gravity", "energy", "J", total);
+    sink.scalar("gravity", "energy", "J", energy_now(std::as_const(model_.q).view(), model_.envs));
   }
 
  private:

@@ -80,7 +80,7 @@ class Inertia final : public Effect {
     q_begin_.copy_from(model_.q);
   }
 
-  void energy(Positions q, std::vector<double>& per_env) override {
+  void energy(Positions q, device::EnvValues per_env) override {
     const View<const MassPair> pair = std::as_const(pairs_).view();
     const Positions hat = std::as_const(q_hat_).view();
     const double c = integrator_.c();

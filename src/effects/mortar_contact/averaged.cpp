@@ -99,7 +99,7 @@ void average(const Scene& s, Frozen& f) {
   });
 }
 
-void averaged_energy(const Scene& s, const Frozen& f, View<const Vec3> y, std::vector<double>& per_env) {
+void averaged_energy(const Scene& s, const Frozen& f, View<const Vec3> y, device::EnvValues per_env) {
   const Averages& averages = f.averages;
   const View<const Pair> pairs = f.pairs.view();
   const View<const Sample> samples = f.samples.view();

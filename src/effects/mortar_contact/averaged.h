@@ -22,7 +22,7 @@ MORTISE_HD inline bool is_averaged(const Settings& set, const Pair& p, const Sam
 void average(const Scene& s, Frozen& f);
 
 // Adds the nodes' energy at y; +infinity where an average is not positive.
-void averaged_energy(const Scene& s, const Frozen& f, View<const Vec3> y, std::vector<double>& per_env);
+void averaged_energy(const Scene& s, const Frozen& f, View<const Vec3> y, device::EnvValues per_env);
 
 // G_a by blocks: node i owns entries [offset[i], offset[i+1]).
 struct NodeStencils {

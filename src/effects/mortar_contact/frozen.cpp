@@ -80,13 +80,13 @@ MORTISE_HD inline Pair make_pair(const Scene& s, View<const Vec3> y, Index i, In
   return p;
 }
 
-std::vector<Index> pick(View<const Index> offset, View<const Index> of_slave, const std::vector<Index>& slave_env) {
-  const Buffer<Index> first(slave_env);
-  Buffer<Index> picked(static_cast<Index>(slave_env.size()));
+// Offsets of the environments, from those of the candidates.
+void pick(View<const Index> offset, View<const Index> of_slave, View<const Index> first, device::Fetch& fetch, std::vector<Index>& to) {
+  Buffer<Index> picked(first.n);
   const View<Index> out = picked.view();
-  const View<const Index> at = first.view();
-  device::parallel_for("mortar_contact.env_offset", out.n, [=] MORTISE_HD(Index e) { out[e] = offset[of_slave[at[e]]]; });
-  return picked.download();
+  device::parallel_for("mortar_contact.env_offset", out.n, [=] MORTISE_HD(Index e) { out[e] = offset[of_slave[first[e]]]; });
+  fetch.add(View<const Index>(out), to);
+  fetch.keep(std::move(picked));
 }
 
 // Change of a gap with derivative J when the pair's points move by dy.
@@ -140,8 +140,15 @@ void freeze(const Scene& scene, Search& search, const Buffer<Vec3>& position, co
     samples[c] = count.n;
     pairs[c] = count.n > 0 ? 1 : 0;
   });
-  out.samples.resize(device::exclusive_scan(sample_offset));
-  out.pairs.resize(device::exclusive_scan(pair_offset));
+  device::scan(sample_offset);
+  device::scan(pair_offset);
+  const Buffer<Index> slave_env(search.slave_env());
+  device::Fetch fetch;
+  pick(std::as_const(pair_offset).view(), offset, slave_env.view(), fetch, out.env_pairs);
+  pick(std::as_const(sample_offset).view(), offset, slave_env.view(), fetch, out.env_samples);
+  fetch.now();
+  out.samples.resize(out.env_samples.back());
+  out.pairs.resize(out.env_pairs.back());
   const View<Sample> to = out.samples.view();
   const View<Pair> pair_to = out.pairs.view();
   device::parallel_for("mortar_contact.samples", n, [=] MORTISE_HD(Index c) {
@@ -152,8 +159,6 @@ void freeze(const Scene& scene, Search& search, const Buffer<Vec3>& position, co
     Write write{to.p + samples[c], pairs[c]};
     sample(s, y, offset, slave, master, extra, c, write);
   });
-  out.env_pairs = pick(std::as_const(pair_offset).view(), offset, search.slave_env());
-  out.env_samples = pick(std::as_const(sample_offset).view(), offset, search.slave_env());
   average(scene, out);
 }
 
@@ -199,7 +204,7 @@ void cover(const Scene& scene, const Search& search, View<const Vec3> y, Buffer<
   });
 }
 
-void energy(const Scene& s, const Frozen& f, View<const Vec3> y, std::vector<double>& per_env) {
+void energy(const Scene& s, const Frozen& f, View<const Vec3> y, device::EnvValues per_env) {
   const View<const Pair> pairs = f.pairs.view();
   const View<const Sample> samples = f.samples.view();
   const View<const Vec3> y0 = f.y.view();
@@ -286,13 +291,12 @@ void assemble(const Scene& s, const Frozen& f, const model::PointMapView& point_
   });
 }
 
-void limit(const Scene& scene, const Frozen& f, View<const Vec3> dy, double keep, std::vector<double>& alpha) {
+void limit(const Scene& scene, const Frozen& f, View<const Vec3> dy, double keep, device::EnvValues alpha) {
   const View<const Pair> pairs = f.pairs.view();
   const View<const Sample> samples = f.samples.view();
   const View<const Vec3> y = f.y.view();
   const Scene s = scene;
-  for (double& a : alpha) a = -a;
-  device::env_max(
+  device::env_min(
       "mortar_contact.limit", f.env_pairs,
       [=] MORTISE_HD(Index i) {
         const Pair& p = pairs[i];
@@ -318,10 +322,9 @@ void limit(const Scene& scene, const Frozen& f, View<const Vec3> dy, double keep
             lower(height(over, poly.v[k].M), rate);
           }
         }
-        return -most;
+        return most;
       },
       alpha);
-  for (double& a : alpha) a = -a;
 }
 
 void publish(const Scene& s, const Frozen& f, model::ContactView& view) {

@@ -115,14 +115,14 @@ void least_gaps(const Scene& s, const Search& search, View<const Vec3> y, Buffer
 // Sum over the masters that face a slave of their clipped share of its area.
 void cover(const Scene& s, const Search& search, View<const Vec3> y, Buffer<double>& out);
 
-void energy(const Scene& s, const Frozen& f, View<const Vec3> y, std::vector<double>& per_env);
+void energy(const Scene& s, const Frozen& f, View<const Vec3> y, device::EnvValues per_env);
 
 // Stencils 0..pairs of f, and after them those of `guard` unchanged.
 void assemble(const Scene& s, const Frozen& f, const model::PointMapView& map, bool hessian, linalg::StencilSet& guard,
               linalg::StencilSet& out);
 
 // Lowers alpha[e] so that every sample, and every corner of the clipped overlaps, keeps the share `keep` of its gap (linearised).
-void limit(const Scene& s, const Frozen& f, View<const Vec3> dy, double keep, std::vector<double>& alpha);
+void limit(const Scene& s, const Frozen& f, View<const Vec3> dy, double keep, device::EnvValues alpha);
 
 void publish(const Scene& s, const Frozen& f, model::ContactView& view);
 

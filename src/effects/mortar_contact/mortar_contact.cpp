@@ -147,7 +147,7 @@ class MortarContact final : public Effect {
     }
   }
 
-  void energy(Positions q, std::vector<double>& per_env) override {
+  void energy(Positions q, device::EnvValues per_env) override {
     const std::vector<std::uint8_t> finite = near_.locate(q);
     mortar::energy(scene(), frozen_, near_.y(), per_env);
     if (guard_share_ > 0) contact::energy(guard_scene(), near_.candidates(), near_.y(), near_.vertex_env(), per_env);
@@ -167,7 +167,7 @@ class MortarContact final : public Effect {
     return stencils_;
   }
 
-  void max_step(Positions q, View<const Vec3> dq, std::vector<double>& alpha) override {
+  void max_step(Positions q, View<const Vec3> dq, device::EnvValues alpha) override {
     Buffer<Vec3> dy;
     near_.limit(q, dq, guard_scene(), dy, alpha);
     mortar::limit(scene(), frozen_, std::as_const(dy).view(), contact::kKeep, alpha);
@@ -200,14 +200,15 @@ class MortarContact final : public Effect {
   }
 
   // Samples that the step may bring into range join the frozen ones, without any energy yet, so that the line search sees them.
-  void foresee(View<const Vec3> dy, const std::vector<double>& alpha) {
+  void foresee(View<const Vec3> dy, device::EnvValues alpha) {
     std::vector<double> farthest(model_.envs, 0.0);
     device::env_max(
-        "mortar_contact.farthest", near_.point_env(), [=] MORTISE_HD(Index i) { return dy[i].norm(); }, farthest);
+        "mortar_contact.farthest", near_.point_env(), [=] MORTISE_HD(Index i) { return dy[i].norm(); }, device::EnvValues{farthest, alpha.fetch});
+    alpha.fetch.now();
     double most = 0;
     std::vector<double> margin(model_.envs, 0.0);
     for (Index e = 0; e < model_.envs; ++e) {
-      const double way = 2 * std::min(1.0, alpha[e]) * farthest[e];
+      const double way = 2 * std::min(1.0, alpha.value[e]) * farthest[e];
       margin[e] = std::isfinite(way) ? std::min(way, kFarthest * set_.d_hat) : 0;
       most = std::max(most, margin[e]);
     }
@@ -428,9 +429,7 @@ void MortarContact::report(FieldSink& sink) {
   sink.rows(group, "kind", "1", 1, kind);
 
   sink.scalar(group, "min_distance", "m", closest);
-  std::vector<double> stored(model_.envs, 0.0);
-  energy(std::as_const(model_.q).view(), stored);
-  sink.scalar(group, "energy", "J", std::accumulate(stored.begin(), stored.end(), 0.0));
+  sink.scalar(group, "energy", "J", energy_now(std::as_const(model_.q).view(), model_.envs));
   sink.scalar(group, "active_pairs", "1", static_cast<double>(pairs.size()));
   const double sum = total[0] + total[1] + total[2] + total[3];
   const char* const share_names[] = {"force_share_faces", "force_share_edges", "force_share_points", "force_share_guard"};

@@ -126,7 +126,7 @@ class Pin final : public Effect {
     hold(step.t0, 1e-9 * step.dt);
     move(step.t1());
   }
-  void energy(Positions, std::vector<double>&) override {}
+  void energy(Positions, device::EnvValues) override {}
   linalg::StencilSet& assemble(Positions, Curvature) override { return none_; }
 
   // Writes the targets of time t.

@@ -70,7 +70,7 @@ class PressureLoad final : public Effect {
 
   void begin_step(const StepInfo& step) override { set_time(step.t1()); }
 
-  void energy(Positions q, std::vector<double>& per_env) override {
+  void energy(Positions q, device::EnvValues per_env) override {
     const View<const Share> share = std::as_const(shares_).view();
     const View<const Strength> now = std::as_const(strength_).view();
     const Positions rest = std::as_const(model_.rest).view();

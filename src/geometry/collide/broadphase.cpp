@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "base/error.h"
 
@@ -69,24 +70,30 @@ MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, co
   return n;
 }
 
-// Turns counts into offsets and returns their sum.
-Index offsets(Buffer<Index>& counts) {
-  const View<const Index> count = counts.view();
-  const double exact = device::sum("broadphase.total", count.n - 1, [=] MORTISE_HD(Index i) { return static_cast<double>(count[i]); });
-  if (exact > 2147483647.0) throw Error(Exit::device, "too many contact candidates: a bounding radius or a step is far too large for the mesh");
-  return device::exclusive_scan(counts);
+// Pairs counted by query, and on their way to the host.
+struct Counted {
+  std::vector<double> exact{0.0};  // a sum that cannot overflow
+  Buffer<Index> bounds;
+};
+
+// Turns counts into offsets, and wants to know those of the environments.
+void add_up(Buffer<Index>& counts, View<const Index> env_first, Counted& found, std::vector<Index>& env_offset, device::Fetch& fetch) {
+  const View<const Index> count = std::as_const(counts).view();
+  device::env_sum(
+      "broadphase.total", {0, count.n - 1}, [=] MORTISE_HD(Index i) { return static_cast<double>(count[i]); }, device::EnvValues{found.exact, fetch});
+  device::scan(counts);
+  found.bounds.resize(env_first.n);
+  const View<Index> out = found.bounds.view();
+  device::parallel_for("broadphase.env_offset", env_first.n, [=] MORTISE_HD(Index e) { out[e] = count[env_first[e]]; });
+  fetch.add(View<const Index>(out), env_offset);
 }
 
-std::vector<Index> env_offsets(View<const Index> first, const Buffer<Index>& counts) {
-  Buffer<Index> picked(first.n);
-  const View<Index> out = picked.view();
-  const View<const Index> offset = counts.view();
-  device::parallel_for("broadphase.env_offset", first.n, [=] MORTISE_HD(Index e) { out[e] = offset[first[e]]; });
-  return picked.download();
+void check_countable(const Counted& found) {
+  if (found.exact[0] > 2147483647.0) throw Error(Exit::device, "too many contact candidates: a bounding radius or a step is far too large for the mesh");
 }
 
-void find_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy,
-                          double grow, Buffer<Index>& counts, Buffer<Index>& noted, Buffer<PointTriangle>& pairs) {
+void count_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy,
+                           double grow, Buffer<Index>& counts, Buffer<Index>& noted) {
   counts.resize(points.n + 1);
   noted.resize(points.n * kNoted);
   const View<Index> note = noted.view();
@@ -95,8 +102,10 @@ void find_point_triangles(const SurfaceView& s, const BvhView& tree, View<const 
     const Index point = points[i];
     count[i] = triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, {note.p + i * kNoted, 1, kNoted});
   });
-  pairs.resize(offsets(counts));
-  const View<PointTriangle> out = pairs.view();
+}
+
+void fill_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy,
+                          double grow, View<const Index> count, View<const Index> note, View<PointTriangle> out) {
   device::parallel_for("broadphase.fill_point_triangle", points.n, [=] MORTISE_HD(Index i) {
     const Index n = count[i + 1] - count[i], point = points[i];
     if (n == 0) return;
@@ -116,8 +125,8 @@ void find_point_triangles(const SurfaceView& s, const BvhView& tree, View<const 
   });
 }
 
-void find_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, View<const Vec3> y, View<const Vec3> dy,
-                     double grow, Buffer<Index>& counts, Buffer<Index>& noted, Buffer<EdgeEdge>& pairs) {
+void count_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, View<const Vec3> y, View<const Vec3> dy, double grow,
+                      Buffer<Index>& counts, Buffer<Index>& noted) {
   counts.resize(edges.n + 1);
   noted.resize(edges.n * kNoted);
   const View<Index> note = noted.view();
@@ -126,8 +135,10 @@ void find_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index
     const Index a = edges[i];
     count[i] = edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, {note.p + i * kNoted, 1, kNoted});
   });
-  pairs.resize(offsets(counts));
-  const View<EdgeEdge> out = pairs.view();
+}
+
+void fill_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, View<const Vec3> y, View<const Vec3> dy, double grow,
+                     View<const Index> count, View<const Index> note, View<EdgeEdge> out) {
   device::parallel_for("broadphase.fill_edge_edge", edges.n, [=] MORTISE_HD(Index i) {
     const Index n = count[i + 1] - count[i], a = edges[i];
     if (n == 0) return;
@@ -181,11 +192,22 @@ void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius) 
   const SurfaceView s = surface_.view();
   const double grow = radius / 2;
   triangle_tree_.update({s.triangles.n ? s.triangles.p->v : nullptr, s.triangles.n, 3}, s, environments_, y, dy, grow);
-  find_point_triangles(s, triangle_tree_.view(), points_.view(), y, dy, grow, counts_, noted_, point_triangles_);
-  pt_env_offset_ = env_offsets(point_env_first_.view(), counts_);
   edge_tree_.update({s.edges.n ? s.edges.p->v : nullptr, s.edges.n, 2}, s, environments_, y, dy, grow);
-  find_edge_edges(s, edge_tree_.view(), edges_.view(), y, dy, grow, counts_, noted_, edge_edges_);
-  ee_env_offset_ = env_offsets(edge_env_first_.view(), counts_);
+  const BvhView triangles = triangle_tree_.view(), edges = edge_tree_.view();
+  const View<const Index> point = std::as_const(points_).view(), edge = std::as_const(edges_).view();
+  count_point_triangles(s, triangles, point, y, dy, grow, pt_counts_, pt_noted_);
+  count_edge_edges(s, edges, edge, y, dy, grow, ee_counts_, ee_noted_);
+  Counted pt, ee;
+  device::Fetch fetch;
+  add_up(pt_counts_, point_env_first_.view(), pt, pt_env_offset_, fetch);
+  add_up(ee_counts_, edge_env_first_.view(), ee, ee_env_offset_, fetch);
+  fetch.now();
+  check_countable(pt);
+  check_countable(ee);
+  point_triangles_.resize(pt_env_offset_.back());
+  edge_edges_.resize(ee_env_offset_.back());
+  fill_point_triangles(s, triangles, point, y, dy, grow, std::as_const(pt_counts_).view(), std::as_const(pt_noted_).view(), point_triangles_.view());
+  fill_edge_edges(s, edges, edge, y, dy, grow, std::as_const(ee_counts_).view(), std::as_const(ee_noted_).view(), edge_edges_.view());
 }
 
 }  // namespace mortise::geometry

@@ -39,7 +39,7 @@ class Broadphase {
   Index environments_ = 0;
   device::Buffer<Index> points_, edges_;                  // queries in canonical order: environment, then id
   device::Buffer<Index> point_env_first_, edge_env_first_;  // first query of each environment
-  device::Buffer<Index> counts_, noted_;                  // scratch of update
+  device::Buffer<Index> pt_counts_, pt_noted_, ee_counts_, ee_noted_;  // scratch of update
   Bvh triangle_tree_, edge_tree_;
   device::Buffer<PointTriangle> point_triangles_;
   device::Buffer<EdgeEdge> edge_edges_;

@@ -10,7 +10,7 @@ using device::View;
 
 template <class Pair>
 void limit(const char* name, View<const Pair> pairs, const std::vector<Index>& offset, bool edges, View<const Vec3> y, View<const Vec3> dy,
-           double keep, std::vector<double>& alpha) {
+           double keep, device::EnvValues alpha) {
   Buffer<double> limits(pairs.n);
   const View<double> out = limits.view();
   device::parallel_for(name, pairs.n, [=] MORTISE_HD(Index i) {
@@ -22,16 +22,14 @@ void limit(const char* name, View<const Pair> pairs, const std::vector<Index>& o
     out[i] = detail::step_limit(x0, x1, edges, keep);
   });
   const View<const double> t = limits.view();
-  for (double& a : alpha) a = -a;
-  device::env_max("step_limit.least", offset, [=] MORTISE_HD(Index i) { return -t[i]; }, alpha);
-  for (double& a : alpha) a = -a;
+  device::env_min("step_limit.least", offset, [=] MORTISE_HD(Index i) { return t[i]; }, alpha);
 }
 
 }  // namespace
 
-void limit_step(const Broadphase& pairs, View<const Vec3> y, View<const Vec3> dy, double keep, std::vector<double>& alpha_per_env) {
-  limit("step_limit.point_triangle", pairs.point_triangles(), pairs.pt_env_offset(), false, y, dy, keep, alpha_per_env);
-  limit("step_limit.edge_edge", pairs.edge_edges(), pairs.ee_env_offset(), true, y, dy, keep, alpha_per_env);
+void limit_step(const Broadphase& pairs, View<const Vec3> y, View<const Vec3> dy, double keep, device::EnvValues alpha) {
+  limit("step_limit.point_triangle", pairs.point_triangles(), pairs.pt_env_offset(), false, y, dy, keep, alpha);
+  limit("step_limit.edge_edge", pairs.edge_edges(), pairs.ee_env_offset(), true, y, dy, keep, alpha);
 }
 
 }  // namespace mortise::geometry

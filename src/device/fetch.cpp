@@ -1,0 +1,60 @@
+#include "device/device.h"
+
+namespace mortise::device {
+namespace {
+
+constexpr Index kAtOnce = 16;
+
+// Some ranges of words, gathered by one launch.
+struct Sources {
+  const std::uint32_t* from[kAtOnce] = {};
+  Index words[kAtOnce] = {}, to[kAtOnce] = {};
+};
+
+void gather(const Sources& sources, Index n, Index most, View<std::uint32_t> out) {
+  const Sources s = sources;
+  parallel_for("fetch.gather", n * most, [=] MORTISE_HD(Index i) {
+    const Index k = i / most, j = i % most;
+    if (j < s.words[k]) out[s.to[k] + j] = s.from[k][j];
+  });
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> Fetch::bring() const {
+  std::vector<const Wish*> there;
+  Index total = 0;
+  for (const Wish& w : wishes_)
+    if (w.words > 0) there.push_back(&w), total += w.words;
+  std::vector<Word> host(total);
+  if (there.size() == 1) copy_out(host.data(), there[0]->from, total * sizeof(Word));
+  if (there.size() < 2) return host;
+  Buffer<Word> staged(total);
+  Index to = 0;
+  for (std::size_t first = 0; first < there.size(); first += kAtOnce) {
+    Sources s;
+    Index n = 0, most = 0;
+    for (; n < kAtOnce && first + n < there.size(); ++n) {
+      const Wish& w = *there[first + n];
+      s.from[n] = w.from, s.words[n] = w.words, s.to[n] = to;
+      to += w.words;
+      most = w.words > most ? w.words : most;
+    }
+    gather(s, n, most, staged.view());
+  }
+  copy_out(host.data(), staged.view().p, total * sizeof(Word));
+  return host;
+}
+
+void Fetch::now() {
+  const std::vector<Word> host = bring();
+  const std::vector<Wish> wishes = std::move(wishes_);
+  wishes_.clear(), kept_.clear();
+  const Word* at = host.data();
+  for (const Wish& w : wishes) {
+    w.take(at);
+    at += w.words;
+  }
+}
+
+}  // namespace mortise::device
