@@ -79,6 +79,7 @@ TEST(Stl, VisualHasNormalsOfTheFileOrOfTheTriangles) {
   for (const Vec3& n : read_visual(folder.write("a.stl", binary(one, "", tilted))).normals) EXPECT_LT((n - tilted / 5).norm(), 1e-7);
   for (const Vec3& n : read_visual(folder.write("a.stl", ascii(one, "nan nan nan"))).normals) EXPECT_EQ(n, Vec3(0, 0, 1));
   for (const Vec3& n : read_visual(folder.write("a.stl", ascii(one, "-1.#IND 0 0"))).normals) EXPECT_EQ(n, Vec3(0, 0, 1));
+  for (const Vec3& n : read_visual(folder.write("a.stl", ascii(one, "inf 0 0"))).normals) EXPECT_EQ(n, Vec3(0, 0, 1));
 
   const VisualMesh two = read_visual(folder.write("b.stl", ascii(one) + ascii(one)));
   EXPECT_EQ(two.part, (std::vector<Index>{0, 1}));
@@ -109,6 +110,7 @@ TEST(Stl, ErrorsNameFileAndPlace) {
   std::string many = binary(sample());
   many[83] = '\x7f';
   refuse(many, {"the header counts 213", "this one has"});
+  refuse(binary(sample()) + "x", {"this one has"});
 }
 
 TEST(Stl, DamagedFilesAreRefusedOrRead) {
