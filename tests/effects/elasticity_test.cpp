@@ -229,38 +229,42 @@ TEST(Elasticity, AllMaterialsMatchLinearElasticityAtSmallStrain) {
 
 TEST(Elasticity, ElementGradientAndHessian) {
   Random r;
-  for (MaterialModel model : kModels) {
-    Mat3 Dm = Mat3::Identity() + 0.3 * r.matrix();
-    Dm *= 2e-3;  // a 2 mm element
-    const elasticity::Element e{Dm.inverse(), std::abs(Dm.determinant()) / 6, 1e5, 4e5, model};
-    std::vector<Vec3> x(4);
-    x[0] = Vec3(0.01, 0.02, -0.03);
-    const Mat3 Ds = r.rotation() * (Mat3::Identity() + 0.3 * r.matrix()) * Dm;
-    for (int a = 0; a < 3; ++a) x[a + 1] = x[0] + Ds.col(a);
-    auto F = [&](const fd::Vector& y) {
-      const auto v = fd::blocks_of(y);
-      return elasticity::deformation_gradient(e.dm_inverse, v[0], v[1], v[2], v[3]);
-    };
-    auto E = [&](const fd::Vector& y) { return elasticity::energy(e, F(y)); };
-    auto g = [&](const fd::Vector& y) -> fd::Vector {
-      std::vector<Vec3> grad(4);
-      elasticity::gradient(e, F(y), grad.data());
-      return fd::flatten(grad);
-    };
-    const fd::Vector y = fd::flatten(x);
-    Mat3 hess[10];
-    elasticity::hessian(e, F(y), 1, hess);
-    fd::Matrix H(12, 12);
-    for (int a = 0, place = 0; a < 4; ++a)
-      for (int b = a; b < 4; ++b, ++place) {
-        EXPECT_EQ(place, linalg::pair_place(a, b, 4));
-        H.block<3, 3>(3 * a, 3 * b) = hess[place];
-        H.block<3, 3>(3 * b, 3 * a) = hess[place].transpose();
-      }
-    EXPECT_LT(fd::relative_error(g(y), fd::difference_gradient(E, y, 2e-6)), 1e-6);
-    EXPECT_LT(fd::relative_error(H, fd::difference_jacobian(g, y, 2e-6)), 1e-5);
-    EXPECT_LT((H * Vec3(1, 2, 3).replicate<4, 1>()).norm(), 1e-10 * H.norm());  // translation costs nothing
-  }
+  for (MaterialModel model : kModels)
+    for (const bool squashed : {false, true}) {
+      Mat3 Dm = Mat3::Identity() + 0.3 * r.matrix();
+      Dm *= 2e-3;  // a 2 mm element
+      const elasticity::Element e{Dm.inverse(), std::abs(Dm.determinant()) / 6, 1e5, 4e5, model};
+      std::vector<Vec3> x(4);
+      x[0] = Vec3(0.01, 0.02, -0.03);
+      // Squashed: where the guard acts. Its derivatives change within a share of the smallest stretch.
+      const Mat3 stretch = squashed ? Mat3(Vec3(1.1, 0.9, 0.05).asDiagonal() * r.rotation()) : Mat3(Mat3::Identity() + 0.3 * r.matrix());
+      const double h = squashed ? 1e-7 : 2e-6;
+      const Mat3 Ds = r.rotation() * stretch * Dm;
+      for (int a = 0; a < 3; ++a) x[a + 1] = x[0] + Ds.col(a);
+      auto F = [&](const fd::Vector& y) {
+        const auto v = fd::blocks_of(y);
+        return elasticity::deformation_gradient(e.dm_inverse, v[0], v[1], v[2], v[3]);
+      };
+      auto E = [&](const fd::Vector& y) { return elasticity::energy(e, F(y)); };
+      auto g = [&](const fd::Vector& y) -> fd::Vector {
+        std::vector<Vec3> grad(4);
+        elasticity::gradient(e, F(y), grad.data());
+        return fd::flatten(grad);
+      };
+      const fd::Vector y = fd::flatten(x);
+      Mat3 hess[10];
+      elasticity::hessian(e, F(y), 1, hess);
+      fd::Matrix H(12, 12);
+      for (int a = 0, place = 0; a < 4; ++a)
+        for (int b = a; b < 4; ++b, ++place) {
+          EXPECT_EQ(place, linalg::pair_place(a, b, 4));
+          H.block<3, 3>(3 * a, 3 * b) = hess[place];
+          H.block<3, 3>(3 * b, 3 * a) = hess[place].transpose();
+        }
+      EXPECT_LT(fd::relative_error(g(y), fd::difference_gradient(E, y, h)), 1e-6);
+      EXPECT_LT(fd::relative_error(H, fd::difference_jacobian(g, y, h)), 1e-5);
+      EXPECT_LT((H * Vec3(1, 2, 3).replicate<4, 1>()).norm(), 1e-10 * H.norm());  // translation costs nothing
+    }
 }
 
 TEST(Elasticity, WholeEffectDerivatives) {
@@ -327,6 +331,14 @@ TEST(Elasticity, ReportedShearIsOrderedXyYzZx) {
   EXPECT_NEAR(s[4] / (2 * mu * 2e-4), 1, 1e-3);
   EXPECT_NEAR(s[5] / (2 * mu * 3e-4), 1, 1e-3);
   EXPECT_NEAR(sink.cell["von_mises"][0] / (2 * mu * 1e-4 * std::sqrt(3 * 14.0)), 1, 1e-3);
+}
+
+TEST(Elasticity, CauchyStressOfTheLinearLawHasThePressureOfTheGuard) {
+  const Mat3 F = Vec3(1, 1, 0.05).asDiagonal();
+  const Mat3 guard = elasticity::cauchy_stress(MaterialModel::linear, F, kMu, kLambda) - elasticity::linear_stress(F, kMu, kLambda);
+  const double h = 1e-6, pressure = (elasticity::guard_density(0.05 - h, kMu) - elasticity::guard_density(0.05 + h, kMu)) / (2 * h);
+  EXPECT_GT(pressure, 0);
+  EXPECT_LT((guard + pressure * Mat3::Identity()).norm(), 1e-6 * pressure);
 }
 
 TEST(Elasticity, CauchyStressTurnsWithTheBody) {
