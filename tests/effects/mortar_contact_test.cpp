@@ -482,7 +482,9 @@ TEST(MortarContact, LinearisedGapsLimitSteps) {
     p.master = master;
     f.pairs.upload({p});
     std::vector<double> alpha{1};
-    limit(scene, f, dy.view(), 0.1, alpha);
+    device::Fetch fetch;
+    limit(scene, f, dy.view(), 0.1, {alpha, fetch});
+    fetch.now();
     return alpha[0];
   };
   EXPECT_NEAR(limited(1), 0.9 * 0.2, 1e-14) << "corner";

@@ -1,4 +1,4 @@
-// Host and device exchange a fixed number of copies per Newton iteration, and a few numbers each, whatever the mesh.
+// Host and device exchange a fixed, small number of copies per Newton iteration, and a few numbers each, whatever the mesh.
 #include "rig.h"
 
 using namespace mortise;
@@ -7,7 +7,7 @@ using mortise::testing::Rig;
 namespace {
 
 // A ball pressed into a pad and drawn along; at the finer of two resolutions everything that could be copied is larger.
-std::string scene(double edge) {
+std::string scene(double edge, bool friction) {
   return R"(
 mortise: 1
 name: transfers
@@ -28,9 +28,7 @@ effects:
       where: {side: all}
       motion: {time: [0, 0.02, 0.05], translation: [[0, 0, 0], [0, 0, -0.4 mm], [0.6 mm, 0, -0.4 mm]]}
   barrier_contact: {d_hat: 0.3 mm, stiffness: 1 MPa}
-  friction: {follows: barrier_contact, mu: 0.5, creep_speed: 1 mm/s}
-solver: {linear: cg}
-)";
+)" + (friction ? "  friction: {follows: barrier_contact, mu: 0.5, creep_speed: 1 mm/s}\n" : "");
 }
 
 struct Cost {
@@ -39,26 +37,26 @@ struct Cost {
   double per_iteration(long long n) const { return static_cast<double>(n) / newton; }
 };
 
-// Of some steps in contact, after one in which patterns are sorted for the first time.
-Cost cost(double edge, const std::string& solver) {
-  Rig rig(scene(edge), {"solver.linear=" + solver});
+// Of some steps in contact, what happens once per step included; after one in which patterns are sorted for the first time.
+Cost cost(double edge, bool friction) {
+  Rig rig(scene(edge, friction), {"solver.linear=cg"});
   rig.step();
   Cost out;
   for (const model::BodyInput& b : rig.input.bodies) out.nodes += static_cast<Index>(b.nodes.size());
   const device::Transfers before = rig.engine->step_transfers();
   for (int i = 0; i < 4; ++i) out.newton += rig.step().newton;
   out.transfers = rig.engine->step_transfers() - before;
+  std::cout << out.nodes << " nodes" << (friction ? ", friction" : "") << ", per Newton iteration of " << out.newton << ": " << out.per_iteration(out.transfers.to_device)
+            << " uploads of " << out.per_iteration(out.transfers.bytes_to_device) << " B, " << out.per_iteration(out.transfers.to_host) << " downloads of "
+            << out.per_iteration(out.transfers.bytes_to_host) << " B\n";
   return out;
 }
 
 }  // namespace
 
 TEST(Transfers, PerIterationDoNotGrowWithTheMesh) {
-  const Cost coarse = cost(2, "cg"), fine = cost(1, "cg");
+  const Cost coarse = cost(2, true), fine = cost(1, true);
   ASSERT_GT(fine.nodes, 4 * coarse.nodes);
-  for (const Cost& c : {coarse, fine})
-    std::cout << c.nodes << " nodes, per Newton iteration: " << c.per_iteration(c.transfers.to_device) << " uploads of " << c.per_iteration(c.transfers.bytes_to_device)
-              << " B, " << c.per_iteration(c.transfers.to_host) << " downloads of " << c.per_iteration(c.transfers.bytes_to_host) << " B\n";
   // The rest differs by how many steps were cut and how often friction was refreshed.
   EXPECT_LT(fine.per_iteration(fine.transfers.to_device), 1.3 * coarse.per_iteration(coarse.transfers.to_device));
   EXPECT_LT(fine.per_iteration(fine.transfers.to_host), 1.3 * coarse.per_iteration(coarse.transfers.to_host));
@@ -66,4 +64,13 @@ TEST(Transfers, PerIterationDoNotGrowWithTheMesh) {
   const double field = 3 * sizeof(double) * fine.nodes;
   EXPECT_LT(fine.per_iteration(fine.transfers.bytes_to_device), 0.02 * field);
   EXPECT_LT(fine.per_iteration(fine.transfers.bytes_to_host), 0.1 * field);
+}
+
+// About 21 of them in an iteration, the others at the beginnings and ends of steps.
+TEST(Transfers, AreFewPerIteration) {
+  for (double edge : {2.0, 1.0}) {
+    const Cost c = cost(edge, false);
+    EXPECT_LE(c.per_iteration(c.transfers.to_host), 26) << edge;  // one of them per 16 iterations of conjugate gradients
+    EXPECT_LE(c.per_iteration(c.transfers.to_device), 3) << edge;
+  }
 }
