@@ -63,14 +63,33 @@ TEST(Device, TheEnvironmentStandsForTheFlag) {
   EXPECT_EQ(run_json(out.path)["device"]["kind"], "cpu");
 }
 
+TEST(Device, PlansPredictWhatRunsHold) {
+  const std::string press = kSource + "/scenes/tactile/press.yaml --set 'bodies.pad.shape.box.edge_length=1.4 mm' --set time.steps=3 "
+                            "--set 'effects.pin.1.motion.time=[0, 0.01, 0.02, 0.03]'",
+                    hertz = kSource + "/benchmarks/gpu/hertz.yaml --set 'bodies.block.shape.box.edge_length=2 mm' "
+                            "--set 'bodies.ball.shape.sphere.edge_length=2 mm' --set time.steps=1";
+  for (const std::string& scene : {press, hertz}) {
+    const Folder out;
+    const std::string common = scene + " --set solver.linear=cg --set solver.preconditioner=mas ";
+    ASSERT_EQ(mortise("run " + common + "--no-render --device debug -o " + out.path).code, 0);
+    const double held = run_json(out.path)["memory_peak_bytes"]["device"].get<double>() / (1 << 20);
+    const std::string plan = mortise("check --plan " + common).out;
+    const std::size_t at = plan.find("about ");
+    ASSERT_NE(at, std::string::npos);
+    const double predicted = std::stod(plan.substr(at + 6));
+    EXPECT_GE(predicted, held) << scene;
+    EXPECT_LE(predicted, 1.5 * held) << scene;
+  }
+}
+
 TEST(Device, ASceneThatWillNotFitIsRefusedBeforeItStarts) {
   const Folder out;
   const Result r = mortise("run " + kScene + " --no-render --device debug -o " + out.path, kSource, "MORTISE_DEBUG_MEMORY_MIB=2");
   EXPECT_EQ(r.code, 4);
-  EXPECT_NE(r.err.find("the scene needs about 3 MiB of device memory, debug"), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("the scene needs about 4 MiB of device memory, debug"), std::string::npos) << r.err;
   EXPECT_FALSE(fs::exists(out.path));
   const Result plan = mortise("check --plan " + kScene);
-  EXPECT_NE(plan.out.find("about 2.8 MiB on the device in all"), std::string::npos) << plan.out;
+  EXPECT_NE(plan.out.find("about 3.6 MiB on the device in all"), std::string::npos) << plan.out;
 }
 
 // The pile falls freely at first; its contacts then need more memory than there is.
