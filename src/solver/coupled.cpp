@@ -22,7 +22,7 @@ namespace mortise::solver {
 // Residual and gradient at `at`.
 Newton::Residual Newton::fresh_residual(device::Buffer<Vec3>& at) {
   q_.swap(at);
-  refresh_lagged(q_.view());
+  if (options_.lags) refresh_lagged(q_.view());
   const Residual r = assemble(false);
   q_.swap(at);
   return r;
@@ -70,22 +70,24 @@ std::vector<double> Newton::natural_level() {
   return dot(std::as_const(z).view(), std::as_const(z).view(), env_rows_);
 }
 
-// Takes a step along dq_ that lowers the level of every environment that has not converged; false if there is none.
-bool Newton::monotone_step(StepReport& report, const Residual& r, double relative) {
+// Takes a step along dq_ that lowers the level of every environment that has not converged, and the residual r with it; false if
+// there is none.
+bool Newton::monotone_step(StepReport& report, Residual& r, double relative) {
   constexpr int kMost = 10;
   std::vector<double> alpha(model_.envs, 1.0);
   device::Fetch fetch;
   for (const auto& effect : effects_) effect->max_step(q_.view(), dq_.view(), {alpha, fetch});
   fetch.now();
   for (Index e = 0; e < model_.envs; ++e)
-    if (r.force[e] <= tolerance(r, e, relative)) alpha[e] = 0;
+    if (settled(r, e, relative)) alpha[e] = 0;
   const std::vector<double> before = natural_level();
+  Residual next;
   for (int k = 0; k < kMost; ++k) {
     advance(q_.view(), dq_.view(), alpha, model_, trial_);
     const std::vector<double> phi = energy(trial_.view());
     std::vector<double> after(model_.envs, INFINITY);
     if (std::all_of(phi.begin(), phi.end(), [](double e) { return std::isfinite(e); })) {
-      fresh_residual(trial_);
+      next = fresh_residual(trial_);
       after = natural_level();
     }
     bool ok = true;
@@ -101,6 +103,7 @@ bool Newton::monotone_step(StepReport& report, const Residual& r, double relativ
         if (a > 0) last_alpha_ = std::min(last_alpha_, a);
       report.alpha = std::min(report.alpha, last_alpha_);
       q_.swap(trial_);
+      r = std::move(next);
       return true;
     }
     ++report.line_search;
@@ -112,16 +115,16 @@ bool Newton::monotone_step(StepReport& report, const Residual& r, double relativ
 bool Newton::solve_coupled(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop) {
   constexpr double kForcing = 1e-4;  // what a difference of forces is good for; the last iteration then ends well below the tolerance
   constexpr Index kMostIterations = 20, kMostProducts = 30, kGood = 12;
-  bool factored = false;
+  bool factored = factor_fresh_ && linear_ != Linear::cg;
+  concave_ = 0;
+  Residual r = fresh_residual(q_);
   for (Index it = 0; it < kMostIterations; ++it) {
     stop();
-    concave_ = 0;
-    refresh_lagged(q_.view());
-    const Residual r = assemble(!factored);
     note(r, relative, report);
     if (options_.trace) trace(info, r, it, report);
     if (converged(r, relative)) return true;
     if (!factored) {
+      assemble(true);
       device::Fetch fetch;
       build_matrix(fetch);
       fetch.now();
@@ -143,7 +146,9 @@ bool Newton::solve_coupled(const effects::StepInfo& info, StepReport& report, do
     fresh_residual(q_);  // products have left the effects elsewhere
     to_blocks(x_.view(), dq_);
     last_step_ = largest_of(largest(dq_.view(), model_.env_blocks));
+    const std::vector<double> before = r.force;
     if (!std::isfinite(last_step_) || !monotone_step(report, r, relative)) return false;
+    last_force_ = before;
     ++report.newton;
     if (options_.trace) report.trace.back().step = last_step_, report.trace.back().alpha = last_alpha_, report.trace.back().concave = -gmres.iterations;
     factored = gmres.iterations <= kGood && last_alpha_ == 1;

@@ -109,9 +109,16 @@ double Newton::tolerance(const Residual& r, Index e, double relative) const {
   return std::max({options_.force_tolerance, relative * r.scale[e], rounding_[e]});
 }
 
+// The floor of rounding is a bound; the residual may well fall below it, and is let to as long as every iteration gains a digit.
+bool Newton::settled(const Residual& r, Index e, double relative) const {
+  constexpr double kGains = 0.1;
+  const double asked = std::max(options_.force_tolerance, relative * r.scale[e]);
+  return r.force[e] <= asked || (r.force[e] <= rounding_[e] && r.force[e] > kGains * last_force_[e]);
+}
+
 bool Newton::converged(const Residual& r, double relative) const {
   for (Index e = 0; e < model_.envs; ++e)
-    if (r.force[e] > tolerance(r, e, relative) || r.support_gap[e] > 1e-13 * length_) return false;
+    if (!settled(r, e, relative) || r.support_gap[e] > 1e-13 * length_) return false;
   return options_.step_tolerance <= 0 || last_step_ <= options_.step_tolerance;
 }
 
@@ -156,19 +163,27 @@ void Newton::remember(Energies&& at_q) {
     if (!effects_[k]->conservative()) known_[k].clear();
 }
 
-// Newton's method gains digits faster and faster near a solution; what does not is a sign that the matrix lacks something.
-bool Newton::creeps(const Residual& r, Index iteration) {
-  constexpr double kFast = 0.1;
+// Newton's method gains digits faster and faster near a solution; what does not is a sign that the matrix lacks something: iterations
+// creep, or gain the same one or two digits each while more than one of them is still missing.
+bool Newton::needs_jacobian(const Residual& r, Index iteration, double relative) {
+  constexpr double kFast = 0.1, kQuadratic = 1e-3;
   constexpr Index kPatience = 3, kUsual = 20;  // the way into contact takes some iterations, at full steps too
-  const double now = largest_of(r.force);
   if (model_.envs > 1) return iteration == options_.iterations;  // environments must not have a say in how others are solved
-  slow_ = iteration > 0 && now > kFast * last_residual_ ? slow_ + 1 : 0;
-  last_residual_ = now;
-  return slow_ >= kPatience && iteration >= kUsual;
+  if (iteration == 0) {
+    slow_ = 0;
+    return false;
+  }
+  const double now = r.force[0], share = now / last_force_[0];
+  slow_ = share > kFast ? slow_ + 1 : 0;
+  const bool creeps = slow_ >= kPatience && iteration >= kUsual;
+  const bool linear = share < kFast && share > kQuadratic && last_alpha_ == 1 && now * share > tolerance(r, 0, relative);
+  factor_fresh_ &= !creeps;
+  return creeps || (linear && factor_fresh_ && !lags_);
 }
 
-// False when it gave up because the iterations creep and coupled.cpp may do better.
+// False when it gave up because coupled.cpp may do better.
 bool Newton::iterate(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop) {
+  last_force_.assign(model_.envs, 0.0);
   for (Index it = 0;; ++it) {
     stop();
     choose_curvature();
@@ -176,7 +191,7 @@ bool Newton::iterate(const effects::StepInfo& info, StepReport& report, double r
     note(r, relative, report);
     if (options_.trace) trace(info, r, it, report);
     if (converged(r, relative)) return true;
-    if (may_couple_ && creeps(r, it) && largest_of(r.support_gap) == 0) return false;
+    if (may_couple_ && needs_jacobian(r, it, relative) && largest_of(r.support_gap) == 0) return false;
     if (it == options_.iterations) {
       std::ostringstream why;
       why << "Newton stopped after " << it << " iterations with a force residual of " << report.residual << " N (wanted " << report.tolerance << " N)";
@@ -186,6 +201,7 @@ bool Newton::iterate(const effects::StepInfo& info, StepReport& report, double r
     const bool supports_move = largest_of(r.support_gap) > 0;
     direction(report, r, relative, supports_move);
     last_alpha_ = line_search(report, r, relative, supports_move);
+    last_force_ = r.force;
     ++report.newton;
     if (options_.trace) report.trace.back().step = last_step_, report.trace.back().alpha = last_alpha_, report.trace.back().concave = concave_;
   }
@@ -239,6 +255,7 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
     }
     ++report.lag;
     const Residual fresh = assemble(false);
+    last_force_.assign(model_.envs, 0.0);
     report.lag_residual = largest_of(fresh.force);
     if (converged(fresh, settled)) break;
     if (round == options_.lag_iterations) {

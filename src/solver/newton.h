@@ -2,7 +2,7 @@
 // Newton's method on the incremental potential Phi(q) with supports.
 //
 //   residual   r = P grad Phi                          [N], per environment the largest |r_b| over blocks b; no smaller
-//              residual is asked for than rounding of q causes: 8 eps max_b |H_bb| |q_b|
+//              residual is insisted on than rounding of q may cause: 8 eps max_b |H_bb| |q_b|
 //   Hessian    H with a share of its negative curvature (direction.cpp)
 //   direction  (P H P + I - P) d = -P (g + H c)        c = (I - P)(target - q): what the supports still have to move
 //   step       q <- q + alpha (d + c)                  alpha per environment: conservative CCD, then Armijo
@@ -53,6 +53,7 @@ class Newton {
   Residual assemble(bool hessian);
   std::string not_finite() const;  // which force, and where
   double tolerance(const Residual& r, Index env, double relative) const;  // [N]
+  bool settled(const Residual& r, Index env, double relative) const;
   bool converged(const Residual& r, double relative) const;
   void note(const Residual& r, double relative, StepReport& report) const;
   void choose_curvature();
@@ -69,13 +70,13 @@ class Newton {
   void direction(StepReport& report, const Residual& r, double relative, bool supports_move);
   double line_search(StepReport& report, const Residual& r, double relative, bool supports_move);
   bool iterate(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop);
-  bool creeps(const Residual& r, Index iteration);
+  bool needs_jacobian(const Residual& r, Index iteration, double relative);
   Residual fresh_residual(device::Buffer<Vec3>& at);  // coupled.cpp, from here on
   void to_blocks(device::View<const Vec3> rows, device::Buffer<Vec3>& out);
   void precondition(device::View<const Vec3> in, device::View<Vec3> out);
   void jacobian_product(const device::Buffer<Vec3>& r0, device::View<const Vec3> v, device::View<Vec3> out);
   std::vector<double> natural_level();
-  bool monotone_step(StepReport& report, const Residual& r, double relative);
+  bool monotone_step(StepReport& report, Residual& r, double relative);
   bool solve_coupled(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop);
   bool refresh_lagged(device::View<const Vec3> q);
   void relax_lagged(Index round);
@@ -124,12 +125,12 @@ class Newton {
   Energies known_;  // at q_
   std::vector<double> energy_scale_;
   std::vector<double> rounding_;  // per environment: the residual that rounding of q alone can cause [N]
+  std::vector<double> last_force_;  // per environment: the residual before the last iteration [N]; 0 before the first
   double last_step_ = 0;
   double concave_ = 0;  // share of the Hessian's negative curvature that is kept now (effects/curvature.h)
   double last_alpha_ = 0;  // shortest accepted step of the last iteration; 0 before the first
   bool conservative_ = true;     // all effects are
   bool may_couple_ = false;      // coupled.cpp has not failed in this step yet
-  double last_residual_ = 0;     // [N]
   Index slow_ = 0;               // iterations in a row that got nowhere
   bool lags_ = false;  // some effect has quantities that are frozen and refreshed
 };

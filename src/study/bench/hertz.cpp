@@ -103,8 +103,6 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
     scene.set("effects.mortar_contact.d_hat", d_hat);
     scene.set("effects.mortar_contact.stiffness", kappa);
     scene.use(m, size.mesh.h * size.mesh.h / (quadratic ? 16 : 4));
-    // The rounding of internal forces ends Newton a step before the sum of what is left over all nodes is below the gate.
-    if (quadratic) scene.set("solver.step_tolerance", 1e-12);
     const auto element = [&](const geometry::TetMesh& mesh, const geometry::Snap& snap = {}) { return quadratic ? geometry::with_midsides(mesh, snap) : mesh; };
     const Solved s = solve(scene, [&](model::ModelInput& input) {
       const std::vector<double> lateral = size.mesh.outwards(R);
