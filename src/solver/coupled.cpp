@@ -3,7 +3,7 @@
 // energies then converges slowly (the Jacobian lacks those terms), or runs in a circle. Here
 //
 //   r(q) = P grad Phi(q), everything frozen afresh at q
-//   J v  ~ (r(q + h v) - r(q)) / h,   h max|v_b| = 1e-9 of the scene's length
+//   J v  ~ (r(q + h v) - r(q)) / h,   h max|v_b| = a tenth of the last step, between 1e-12 and 1e-9 of the scene's length
 //   J d  = -r   by GMRES, preconditioned by M, the frozen Hessian (Knoll, Keyes, J. Comput. Phys. 193, 2004)
 //   q   <- q + alpha d,   alpha halved until |M^-1 r| falls by a quarter of alpha ("natural monotonicity": Deuflhard, Newton Methods
 //                         for Nonlinear Problems, 2004, ch. 3.3), and cut short of contact and inversion like every step.
@@ -11,6 +11,7 @@
 // J contains what is missing from M, unsymmetric terms too, so convergence is that of Newton's method.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "linalg/gmres.h"
 #include "solver/kernels.h"
@@ -19,13 +20,17 @@
 
 namespace mortise::solver {
 
-// Residual and gradient at `at`.
+// Residual and gradient at `at`; throws Failure where they are not finite.
 Newton::Residual Newton::fresh_residual(device::Buffer<Vec3>& at) {
-  q_.swap(at);
+  struct Exchange {
+    device::Buffer<Vec3>&a, &b;
+    Exchange(device::Buffer<Vec3>& x, device::Buffer<Vec3>& y) : a(x), b(y) { a.swap(b); }
+    ~Exchange() { a.swap(b); }
+  };
+  std::optional<Exchange> exchange;
+  if (&at != &q_) exchange.emplace(q_, at);
   if (options_.lags) refresh_lagged(q_.view());
-  const Residual r = assemble(false);
-  q_.swap(at);
-  return r;
+  return assemble(false);
 }
 
 // A motion given on rows as one of all blocks; supports stand still.
@@ -50,8 +55,9 @@ void Newton::jacobian_product(const device::Buffer<Vec3>& r0, device::View<const
   device::Buffer<Vec3> move, near;
   to_blocks(v, move);
   std::vector<double> h = largest(move.view(), model_.env_blocks), inverse(model_.envs, 0.0);
+  const double wanted = std::clamp(0.1 * last_step_, 1e-12 * length_, 1e-9 * length_);
   for (Index e = 0; e < model_.envs; ++e) {
-    h[e] = h[e] > 0 ? 1e-9 * length_ / h[e] : 0;
+    h[e] = h[e] > 0 ? wanted / h[e] : 0;
     inverse[e] = h[e] > 0 ? 1 / h[e] : 0;
   }
   near.copy_from(q_);
@@ -86,10 +92,11 @@ bool Newton::monotone_step(StepReport& report, Residual& r, double relative) {
     advance(q_.view(), dq_.view(), alpha, model_, trial_);
     const std::vector<double> phi = energy(trial_.view());
     std::vector<double> after(model_.envs, INFINITY);
-    if (std::all_of(phi.begin(), phi.end(), [](double e) { return std::isfinite(e); })) {
-      next = fresh_residual(trial_);
-      after = natural_level();
-    }
+    if (std::all_of(phi.begin(), phi.end(), [](double e) { return std::isfinite(e); })) try {
+        next = fresh_residual(trial_);
+        after = natural_level();
+      } catch (const Failure&) {
+      }
     bool ok = true;
     for (Index e = 0; e < model_.envs; ++e) {
       const double share = 1 - 0.25 * alpha[e];
@@ -138,10 +145,14 @@ bool Newton::solve_coupled(const effects::StepInfo& info, StepReport& report, do
     device::Buffer<Vec3> r0;
     right_hand_side(gradient_.view(), {}, block_of_row_.view(), row_projector_.view(), r0);
     x_.resize(rows_);
-    const linalg::GmresResult gmres = linalg::gmres(
-        [&](device::View<const Vec3> in, device::View<Vec3> out) { jacobian_product(r0, in, out); },
-        [&](device::View<const Vec3> in, device::View<Vec3> out) { precondition(in, out); }, std::as_const(r0).view(), x_.view(), env_rows_, kForcing,
-        kMostProducts);
+    linalg::GmresResult gmres;
+    try {
+      gmres = linalg::gmres([&](device::View<const Vec3> in, device::View<Vec3> out) { jacobian_product(r0, in, out); },
+                            [&](device::View<const Vec3> in, device::View<Vec3> out) { precondition(in, out); }, std::as_const(r0).view(), x_.view(),
+                            env_rows_, kForcing, kMostProducts);
+    } catch (const Failure&) {  // a difference went through a surface
+      return false;
+    }
     report.cg += gmres.iterations;
     fresh_residual(q_);  // products have left the effects elsewhere
     to_blocks(x_.view(), dq_);

@@ -13,8 +13,9 @@
 
 namespace mortise::effects::mortar {
 
-// Corners of a triangle cut by three lines: 6, and a few more where rounding makes a sliver not quite convex.
-inline constexpr int kCorners = 9;
+// Corners of a triangle cut by five lines (the slave's sides, two levels of the gap): 8, and a few more where rounding makes a sliver
+// not quite convex.
+inline constexpr int kCorners = 10;
 
 struct Corner {
   double N[3];  // barycentrics on the slave
@@ -56,32 +57,38 @@ MORTISE_HD inline double project(const SlavePlane& p, const Vec3& x, double N[3]
   return r.dot(p.n);
 }
 
-// The corner at N[side] = 0 between one inside and one outside.
-MORTISE_HD inline Corner cut(const Corner& in, const Corner& out, int side) {
-  const double t = in.N[side] / (in.N[side] - out.N[side]);
+// The corner between one inside and one outside, at the share t of the way.
+MORTISE_HD inline Corner cut(const Corner& in, const Corner& out, double t) {
   Corner c;
   for (int k = 0; k < 3; ++k) {
     c.N[k] = in.N[k] + t * (out.N[k] - in.N[k]);
     c.M[k] = in.M[k] + t * (out.M[k] - in.M[k]);
   }
-  c.N[side] = 0;
   return c;
+}
+
+// What of a polygon lies where the linear function inside(corner) >= 0; finish(c) is called for every new corner.
+template <class Inside, class Finish>
+MORTISE_HD inline Polygon keep(const Polygon& p, const Inside& inside, const Finish& finish) {
+  Polygon q;
+  for (int i = 0; i < p.n; ++i) {
+    const Corner &a = p.v[i], &b = p.v[i + 1 < p.n ? i + 1 : 0];
+    const double at_a = inside(a), at_b = inside(b);
+    if (at_a >= 0) q.push(a);
+    if ((at_a >= 0) == (at_b >= 0)) continue;
+    Corner c = at_a >= 0 ? cut(a, b, at_a / (at_a - at_b)) : cut(b, a, at_b / (at_b - at_a));
+    finish(c);
+    q.push(c);
+  }
+  return q;
 }
 
 // L[k]: slave barycentrics of projected master corner k. Empty where nothing overlaps.
 MORTISE_HD inline Polygon clip(const double L[3][3]) {
   Polygon p;
   for (int k = 0; k < 3; ++k) p.push({{L[k][0], L[k][1], L[k][2]}, {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0}});
-  for (int side = 0; side < 3 && p.n > 0; ++side) {
-    Polygon q;
-    for (int i = 0; i < p.n; ++i) {
-      const Corner &a = p.v[i], &b = p.v[i + 1 < p.n ? i + 1 : 0];
-      const bool in_a = a.N[side] >= 0, in_b = b.N[side] >= 0;
-      if (in_a) q.push(a);
-      if (in_a != in_b) q.push(in_a ? cut(a, b, side) : cut(b, a, side));
-    }
-    p = q;
-  }
+  for (int side = 0; side < 3 && p.n > 0; ++side)
+    p = keep(p, [side](const Corner& c) { return c.N[side]; }, [side](Corner& c) { c.N[side] = 0; });
   return p;
 }
 

@@ -43,7 +43,7 @@ MORTISE_HD inline MomentRule moment_rule(const Polygon& p) {
     for (int j = 0; j < 2; ++j) C[i][j] = second[i][j] / out.share - c[i] * c[j];
   const double trace = C[0][0] + C[1][1], det = C[0][0] * C[1][1] - C[0][1] * C[1][0];
   constexpr double kSliver = 1e-12;  // det C / tr C^2 below which the polygon is a line to rounding
-  const double s = det > kSliver * trace * trace ? std::sqrt(det) : 0, t = std::sqrt(trace + 2 * s);
+  const double s = det > kSliver * trace * trace ? std::sqrt(det) : 0, t = trace > 0 ? std::sqrt(trace + 2 * s) : 0;
   const double u[3][2] = {{1, 0}, {-0.5, 0.8660254037844386}, {-0.5, -0.8660254037844386}};
   for (int k = 0; k < 3; ++k) {
     double x[4] = {c[0], c[1], c[2], c[3]};

@@ -380,6 +380,25 @@ MORTISE_HD inline void integrate(const Scene& s, const double gap[3], const Patc
   }
 }
 
+// Three points for what of a polygon lies within the support radius, and three for what lies within reach beyond it: a strip that just
+// comes near is seen, however narrow. The barrier ends so smoothly (b ~ (1 - t)^3) that cutting there adds nothing to derivatives.
+// `gap` at a corner; at(corner, share of the slave triangle's area).
+template <class Gap, class At>
+MORTISE_HD inline void integrate_levels(const Patch& p, const Polygon& whole, const Gap& gap, const At& at) {
+  const auto nothing = [](Corner&) {};
+  double least = INFINITY, most = -INFINITY;
+  for (int k = 0; k < whole.n; ++k) least = std::fmin(least, gap(whole.v[k])), most = std::fmax(most, gap(whole.v[k]));
+  for (int part = 0; part < 2; ++part) {
+    const double lo = part == 0 ? -INFINITY : p.support, hi = part == 0 ? p.support : p.reach;
+    if (!(lo < hi && least < hi && most > lo)) continue;
+    Polygon poly = whole;
+    if (least < lo) poly = keep(poly, [&](const Corner& c) { return gap(c) - lo; }, nothing);
+    if (most > hi) poly = keep(poly, [&](const Corner& c) { return hi - gap(c); }, nothing);
+    const MomentRule rule = moment_rule(poly);
+    for (int q = 0; q < 3 && rule.share > 0; ++q) at(rule.at[q], rule.share / 3);
+  }
+}
+
 // The same along a segment with gaps g0 and g1 at its ends: at(t, weight).
 template <class At>
 MORTISE_HD inline void integrate_segment(const Scene& s, double g0, double g1, const Patch& p, const At& at) {
@@ -388,10 +407,25 @@ MORTISE_HD inline void integrate_segment(const Scene& s, double g0, double g1, c
     return;
   }
   const int n = segment_points(s.set.quadrature);
-  for (int q = 0; q < n; ++q) {
-    const SegmentPoint g = segment_point(n, q);
-    at(g.t, g.weight);
+  const auto piece = [&](double from, double to) {
+    for (int q = 0; q < n && from < to; ++q) {
+      const SegmentPoint g = segment_point(n, q);
+      at(from + g.t * (to - from), g.weight * (to - from));
+    }
+  };
+  if (s.set.taper > 0 || s.quarter.n > 0) {
+    piece(0, 1);
+    return;
   }
+  // In two pieces, like polygons.
+  const auto crossing = [&](double level) { return std::fmin(std::fmax((level - g0) / (g1 - g0), 0.0), 1.0); };
+  const double lo = std::fmin(g0, g1), hi = std::fmax(g0, g1);
+  const double inner = hi <= p.support ? 1 : lo >= p.support ? 0 : g0 < g1 ? crossing(p.support) : 1 - crossing(p.support);
+  const double outer = hi <= p.reach ? 1 : lo >= p.reach ? 0 : g0 < g1 ? crossing(p.reach) : 1 - crossing(p.reach);
+  if (g0 < g1)
+    piece(0, inner), piece(inner, outer);
+  else
+    piece(1 - inner, 1), piece(1 - outer, 1 - inner);
 }
 
 // Calls take(kind, weight, gap, N, M) for every sample on master i of the patch.
@@ -428,10 +462,14 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
   if (fade > 0) {
     const Polygon poly = clip(f.L);
     const bool whole = s.set.quadrature == kMoments && e == 0;
-    if (whole) {
+    if (whole && bent) {
       MomentRule rule = moment_rule(poly);
       const double w = fade * p.plane.area * rule.share;
       for (int q = 0; q < 3 && w > 0; ++q) offer(SampleKind::face, s.set.share * w / 3, rule.at[q].N, rule.at[q].M);
+    } else if (whole) {
+      integrate_levels(p, poly, [&](const Corner& c) { return height(f, c.M); }, [&](Corner c, double share) {
+        offer(SampleKind::face, s.set.share * fade * p.plane.area * share, c.N, c.M);
+      });
     }
     for (int k = 1; k + 1 < poly.n && !whole; ++k) {
       const double w = fade * p.plane.area * fan_share(poly, k);
@@ -509,6 +547,13 @@ MORTISE_HD inline void sample_plane(const Scene& s, const Patch& p, const contac
     if (gap > 0 && gap < p.reach) take(SampleKind::face, s.set.share * cosine * p.plane.area * weight, gap, b, M);
   };
   const double corner[3] = {h[on.vertex(0)], h[on.vertex(1)], h[on.vertex(2)]};
+  if (s.set.quadrature == kMoments && s.set.taper == 0 && on.quarter < 0) {
+    Polygon triangle;
+    for (int k = 2; k >= 0; --k) triangle.push({{k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0}, {0, 0, 0}});  // turns like a master
+    integrate_levels(p, triangle, [&](const Corner& c) { return c.N[0] * corner[0] + c.N[1] * corner[1] + c.N[2] * corner[2]; },
+                     [&](const Corner& c, double share) { at(c.N, share); });
+    return;
+  }
   integrate(s, corner, p, at);
 }
 
