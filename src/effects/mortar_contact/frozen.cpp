@@ -177,7 +177,7 @@ void least_gaps(const Scene& scene, const Search& search, View<const Vec3> y, Bu
         for (int k = 0; k < 3; ++k) g = std::fmin(g, p.normal.dot(y[t.v[k]] - p.point));
         continue;
       }
-      if (!(facing(plane.n, s.normal[master[c]]) > 0)) continue;
+      if (!(facing(s.set, plane.n, s.normal[master[c]]) > 0)) continue;
       const Facing f = project(s, plane, master[c], y);
       const Polygon p = clip(f.L);
       for (int k = 0; k < p.n; ++k) {
@@ -199,7 +199,7 @@ void cover(const Scene& scene, const Search& search, View<const Vec3> y, Buffer<
     const SlavePlane plane = slave_plane(y[t.v[0]], y[t.v[1]], y[t.v[2]]);
     double sum = 0;
     for (Index c = offset[i]; c < offset[i + 1]; ++c)
-      if (master[c] >= 0 && facing(plane.n, s.normal[master[c]]) > 0) sum += share(clip(project(s, plane, master[c], y).L));
+      if (master[c] >= 0 && facing(s.set, plane.n, s.normal[master[c]]) > 0) sum += share(clip(project(s, plane, master[c], y).L));
     out[i] = sum;
   });
 }
@@ -312,7 +312,7 @@ void limit(const Scene& scene, const Frozen& f, View<const Vec3> dy, double keep
         }
         const Index *t = s.surface.triangles[p.slave].v, *under = p.master < 0 ? t : s.surface.triangles[p.master].v;
         const Vec3 turned = (y[under[1]] - y[under[0]]).cross(y[under[2]] - y[under[0]]);
-        if (p.master >= 0 && facing(p.n, turned / turned.norm()) > 0) {
+        if (p.master >= 0 && facing(s.set, p.n, turned / turned.norm()) > 0) {
           const SlavePlane plane = slave_plane(y[t[0]], y[t[1]], y[t[2]]);
           const Facing over = project(s, plane, p.master, y);
           const Polygon poly = clip(over.L);

@@ -17,7 +17,8 @@
 //             H(s) = 3 s^2 - 2 s^3 from 0 to 1.
 // tapered     the published form (gmcp.md 1.4): faces x H(min_b M_b / e), edges x H(min(t, 1-t) / e), and edge and point weights
 //             that give back what the faces lose, E6 and E7: e sum_T A_T and 0.1 e^2 sum_T A_T over the facing triangles T.
-// Both fade faces out that are nearly perpendicular to the slave, between 81 and 87 degrees.
+// Faces at an angle to the slave fade out: tapered between 81 and 87 degrees; consistent between 49 and 70, since a gap along the slave's
+// normal says nothing about a surface that slides past at an angle, and what such faces hold between them are edges and tips.
 #include <cmath>
 
 #include "effects/contact/topology.h"
@@ -114,7 +115,10 @@ struct Scene {
 // C1 step.
 MORTISE_HD inline double hermite(double s) { return s <= 0 ? 0 : s >= 1 ? 1 : s * s * (3 - 2 * s); }
 // How much a master face with normal nm counts for a slave with normal n.
-MORTISE_HD inline double facing(const Vec3& n, const Vec3& nm) { return hermite((-n.dot(nm) - 0.05) / 0.1); }
+MORTISE_HD inline double facing(const Settings& set, const Vec3& n, const Vec3& nm) {
+  const double cosine = -n.dot(nm);
+  return set.taper > 0 ? hermite((cosine - 0.05) / 0.1) : hermite((cosine - 0.35) / 0.3);
+}
 
 inline constexpr double kGate = 0.015192246987791981;  // 1 - cos 10 deg
 inline constexpr double kSharp = 0.13397459621556135;  // 1 - cos 30 deg
@@ -125,7 +129,7 @@ MORTISE_HD inline double feature_weight(const Scene& s, const Vec3& n, const Vie
                                         double given_back) {
   if (s.set.taper > 0) {
     double sum = 0;
-    for (Index k = begin; k < end; ++k) sum += facing(n, s.normal[list[k]]) * -n.dot(s.normal[list[k]]) * s.area[list[k]];
+    for (Index k = begin; k < end; ++k) sum += facing(s.set, n, s.normal[list[k]]) * -n.dot(s.normal[list[k]]) * s.area[list[k]];
     return given_back * sum;
   }
   Vec3 mean = Vec3::Zero();
@@ -407,25 +411,10 @@ MORTISE_HD inline void integrate_segment(const Scene& s, double g0, double g1, c
     return;
   }
   const int n = segment_points(s.set.quadrature);
-  const auto piece = [&](double from, double to) {
-    for (int q = 0; q < n && from < to; ++q) {
-      const SegmentPoint g = segment_point(n, q);
-      at(from + g.t * (to - from), g.weight * (to - from));
-    }
-  };
-  if (s.set.taper > 0 || s.quarter.n > 0) {
-    piece(0, 1);
-    return;
+  for (int q = 0; q < n; ++q) {
+    const SegmentPoint g = segment_point(n, q);
+    at(g.t, g.weight);
   }
-  // In two pieces, like polygons.
-  const auto crossing = [&](double level) { return std::fmin(std::fmax((level - g0) / (g1 - g0), 0.0), 1.0); };
-  const double lo = std::fmin(g0, g1), hi = std::fmax(g0, g1);
-  const double inner = hi <= p.support ? 1 : lo >= p.support ? 0 : g0 < g1 ? crossing(p.support) : 1 - crossing(p.support);
-  const double outer = hi <= p.reach ? 1 : lo >= p.reach ? 0 : g0 < g1 ? crossing(p.reach) : 1 - crossing(p.reach);
-  if (g0 < g1)
-    piece(0, inner), piece(inner, outer);
-  else
-    piece(1 - inner, 1), piece(1 - outer, 1 - inner);
 }
 
 // Calls take(kind, weight, gap, N, M) for every sample on master i of the patch.
@@ -433,7 +422,7 @@ template <class Take>
 MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, View<const Vec3> y, Take& take) {
   const Index master = p.master[i];
   const Vec3 n = p.plane.n;
-  const double fade = facing(n, s.normal[master]);
+  const double fade = facing(s.set, n, s.normal[master]);
   const Facing f = project(s, p.plane, master, y);
   const double lowest = std::fmin(f.height[0], std::fmin(f.height[1], f.height[2]));
   const double highest = std::fmax(f.height[0], std::fmax(f.height[1], f.height[2]));
@@ -462,14 +451,15 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
   if (fade > 0) {
     const Polygon poly = clip(f.L);
     const bool whole = s.set.quadrature == kMoments && e == 0;
-    if (whole && bent) {
-      MomentRule rule = moment_rule(poly);
-      const double w = fade * p.plane.area * rule.share;
-      for (int q = 0; q < 3 && w > 0; ++q) offer(SampleKind::face, s.set.share * w / 3, rule.at[q].N, rule.at[q].M);
-    } else if (whole) {
-      integrate_levels(p, poly, [&](const Corner& c) { return height(f, c.M); }, [&](Corner c, double share) {
-        offer(SampleKind::face, s.set.share * fade * p.plane.area * share, c.N, c.M);
-      });
+    if (whole) {
+      // Faces that are next to parallel are cut where they leave the support radius. At an angle the strips within are narrow, and of a
+      // gap that a step only seems to close, as above.
+      const double cut = bent ? 0 : hermite((-n.dot(s.normal[master]) - 0.97) / 0.015);
+      const double area = s.set.share * fade * p.plane.area;
+      const auto at = [&](Corner c, double w) { offer(SampleKind::face, area * w, c.N, c.M); };
+      if (cut > 0) integrate_levels(p, poly, [&](const Corner& c) { return height(f, c.M); }, [&](const Corner& c, double w) { at(c, cut * w); });
+      const MomentRule rule = moment_rule(poly);
+      for (int q = 0; q < 3 && cut < 1 && rule.share > 0; ++q) at(rule.at[q], (1 - cut) * rule.share / 3);
     }
     for (int k = 1; k + 1 < poly.n && !whole; ++k) {
       const double w = fade * p.plane.area * fan_share(poly, k);
