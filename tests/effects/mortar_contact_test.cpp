@@ -314,6 +314,23 @@ TEST(MortarContact, HalfSpaceIsAMaster) {
   expect_frozen_derivatives(p, shaken(positions(p.model), 2e-3, 3), 1e-5);
 }
 
+// A block stands on one edge, turned by an angle theta: within d_hat there are strips of its lower face and of one side, much narrower than
+// their triangles. With area cos theta as weight, what presses is kappa b(g) (cot theta + tan theta) per length, whatever the mesh;
+// three points per strip find all but 5 % of it.
+TEST(MortarContact, NarrowStripsOverAHalfSpaceAreSeen) {
+  const double theta = 0.35, gap = 0.3 * kHat, expected = kKappa * effects::barrier::value(gap, kHat) * (1 / std::tan(theta) + std::tan(theta));
+  const Mat3 R = Eigen::AngleAxisd(theta, Vec3::UnitY()).toRotationMatrix();
+  for (Index cells : {1, 2, 3}) {
+    model::BodyInput pad = soft_body("pad", geometry::box({1, 1, 0.5}, std::array<Index, 3>{cells, cells, 1}), gel());
+    double low = 1e9;
+    for (Vec3& x : pad.nodes) x = R * x, low = std::min(low, x.z());
+    Options o;
+    o.master = "floor";
+    Problem p(scene({pad, half_space("floor", {0, 0, low - gap}, {0, 0, 1})}), o);
+    EXPECT_NEAR(p.report()("mortar_contact/force_pad_z"), expected, 0.08 * expected) << cells;
+  }
+}
+
 // Two thin plates over one slave: only the nearer presses.
 TEST(MortarContact, OnlyTheNearestLayerPresses) {
   const auto plate = geometry::box({1, 1, 0.01}, std::array<Index, 3>{3, 3, 1});

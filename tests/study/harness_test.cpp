@@ -168,6 +168,17 @@ TEST(StudyBenchmarks, RingPasses) { expect_gates("ring", {"methods=gmcp_consiste
 TEST(StudyBenchmarks, PartitionPasses) { expect_gates("partition", {"methods=gmcp_consistent", "ratio=10"}, 24); }
 TEST(StudyBenchmarks, SharpPasses) { expect_gates("sharp", {"methods=gmcp_consistent", "time.steps=10"}, 6); }
 TEST(StudyBenchmarks, CoarseHertzPasses) { expect_gates("hertz", {"methods=gmcp_consistent"}, 4); }
+// Newton's last iterations have the whole Jacobian, and none is wasted below rounding.
+TEST(StudyBenchmarks, HertzEndsInFewIterationsAndInBalance) {
+  int seen = 0;
+  for (const Row& row : run_benchmark(*find_benchmark("hertz"), {"methods=gmcp_consistent", "size=small"}, {})) {
+    if (row.quantity != "contact force") continue;
+    ++seen;
+    EXPECT_LE(row.error, 1e-12);
+    EXPECT_LE(row.newton_iterations, 12);
+  }
+  EXPECT_EQ(seen, 1);
+}
 TEST(StudyBenchmarks, CoarseHertzOnACylinderPasses) { expect_gates("hertz", {"methods=gmcp_consistent", "under=cylinder"}, 4); }
 TEST(StudyBenchmarks, HertzRefusesSizesThatItDoesNotHave) {
   EXPECT_THROW(run_benchmark(*find_benchmark("hertz"), {"size=huge"}, {}), Error);

@@ -130,6 +130,8 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
     b.emit(s.row(name, m, "contact radius", radius, exact.a, std::abs(radius / exact.a - 1), gate(0.01)));
     const double contact = s.fields.at(m.effect + "/force_ball_z");
     b.emit(s.row(name, m, "contact force", contact, quarter, std::abs(contact / quarter - 1), gate(1e-10)));
+    const double iterations = static_cast<double>(s.newton);
+    b.emit(s.row(name, m, "Newton iterations", iterations, NAN, iterations, std::string_view(size.name) == "isaac" ? gate(12) : NAN));
     b.emit(s.row(name, m, "contact share of time", s.contact_share, NAN, s.contact_share, size.mesh.h > 0.01 ? NAN : gate(0.05)));
     if (s.converged) figure.add(m.name, size.name, at, exact);
     if (!s.converged) continue;
