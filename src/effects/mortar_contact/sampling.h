@@ -426,7 +426,8 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
   const Facing f = project(s, p.plane, master, y);
   const double lowest = std::fmin(f.height[0], std::fmin(f.height[1], f.height[2]));
   const double highest = std::fmax(f.height[0], std::fmax(f.height[1], f.height[2]));
-  if (!(lowest < p.reach + s.bow_of(p.slave) + s.bow_of(master) && highest > 0)) return;
+  const double reach = p.reach + s.bow_of(p.slave) + s.bow_of(master);
+  if (!(lowest < reach && highest > 0)) return;
   int layers = -1;  // do others lie in between? Looked up when a sample first asks
   Sheet face;
   if (s.quarter.n > 0) face = sheet_of(s, p.plane, master, y);
@@ -434,7 +435,7 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
   const double e = s.set.taper;
   const auto offer = [&](SampleKind kind, double weight, double N[3], double M[3]) {
     double gap = height(f, M);  // of the quarters, which cannot meet
-    if (!(gap > 0) || !(bent || gap < p.reach)) return;
+    if (!(gap > 0 && gap < reach)) return;
     if (layers < 0) layers = any_layer(s, p, i, f, y);
     if (layers) weight *= visible(s, p, i, y, N, gap);
     if (!(weight > 0)) return;

@@ -100,7 +100,7 @@ void indent(const Bench& b) {
         const double ratio = at.force / at.exact;
         b.emit(s.row(name, m, "force at the depth", at.force, at.exact, std::abs(ratio - 1), NAN));
         b.emit(s.row(name, m, "pressure L2", at.l2, 0, at.l2, NAN));
-        b.emit(s.row(name, m, "contact force", at.contact, at.support, std::abs(at.contact / at.support - 1), gate(1e-8)));
+        b.emit(s.row(name, m, "contact force", at.contact, at.support, std::abs(at.contact / at.support - 1), gate(1e-10)));
         // Pressure is infinite at the rim and at the tip, so that the error of the force falls only like h.
         const double limit = 2 * ratio - before;
         if (n > cells) b.emit(s.row(fmt::format("{}, h -> 0", c.name), m, "force / exact force", limit, 1, std::abs(limit - 1), gate(c.gate)));
