@@ -74,8 +74,9 @@ void write_pressure_map(const std::string& path, const PressureMap& map, const S
   job.width = 960, job.height = 720;
   for (const Face& f : faces) job.meshes.push_back({&f.mesh, f.pressure});
   job.meshes.push_back({&ring, {}});
-  job.camera.position = map.radius * Vec3(0, -5, 8.5);
+  job.camera.position = Vec3(0, 0, top + 9.8 * map.radius);
   job.camera.look_at = Vec3(0, 0, top);
+  job.camera.up = Vec3::UnitY();
   job.camera.fov = 2 * std::atan(kShown / 9.8);
   job.bar = render::ColourBar{"contact pressure", "kPa", 0, map.highest, 1e-3};
   job.caption = map.caption;
