@@ -1,0 +1,72 @@
+#pragma once
+// A master triangle seen from a slave triangle, and what lies in between.
+#include <cmath>
+
+#include "effects/mortar_contact/patch.h"
+
+namespace mortise::effects::mortar {
+
+// A master triangle over a patch.
+struct Facing {
+  Vec3 y[3];
+  double L[3][3], height[3];  // slave barycentrics and heights of its corners
+};
+MORTISE_HD inline Facing project(const Scene& s, const SlavePlane& plane, Index master, View<const Vec3> y) {
+  Facing f;
+  for (int k = 0; k < 3; ++k) {
+    f.y[k] = y[s.surface.triangles[master].v[k]];
+    f.height[k] = project(plane, f.y[k], f.L[k]);
+  }
+  return f;
+}
+
+MORTISE_HD inline double height(const Facing& f, const double M[3]) {
+  return M[0] * f.height[0] + M[1] * f.height[1] + M[2] * f.height[2];
+}
+
+// How much of what lies at gap g above the slave's point N master f hides: it must lie in between, and hides less and less outside of
+// its rim, up to as far as the distance of the two. Stacked layers must not add up.
+MORTISE_HD inline double covers(const Facing& f, const double N[3], double g) {
+  const double ax = f.L[1][1] - f.L[0][1], ay = f.L[1][2] - f.L[0][2], bx = f.L[2][1] - f.L[0][1], by = f.L[2][2] - f.L[0][2];
+  const double px = N[1] - f.L[0][1], py = N[2] - f.L[0][2], det = ax * by - ay * bx;
+  if (det == 0) return 0;
+  double M[3];
+  M[1] = (px * by - py * bx) / det, M[2] = (ax * py - ay * px) / det, M[0] = 1 - M[1] - M[2];
+  const double h = height(f, M);
+  if (!(h > 0 && h < g)) return 0;
+  return hermite(1 + rim_distance(f.y, M) / (g - h));
+}
+MORTISE_HD inline bool may_cover(const Scene& s, const Patch& p, Index i, Index j) {
+  if (i == j || !(-p.plane.n.dot(s.normal[p.master[j]]) > 0.1)) return false;
+  const Triangle a = s.surface.triangles[p.master[i]], b = s.surface.triangles[p.master[j]];
+  for (int k = 0; k < 3; ++k)
+    if (contact::has(a, b.v[k])) return false;  // neighbours of one surface
+  return true;
+}
+// Bounds of a master in the slave plane and along the normal: could j hide any part of i?
+MORTISE_HD inline bool boxes_overlap(const Patch& p, const Facing& i, const Facing& j) {
+  const double top = std::fmax(i.height[0], std::fmax(i.height[1], i.height[2])),
+               floor = std::fmin(j.height[0], std::fmin(j.height[1], j.height[2]));
+  if (!(floor < top)) return false;
+  for (int c = 0; c < 3; ++c) {
+    const auto lo = [c](const Facing& f) { return std::fmin(f.L[0][c], std::fmin(f.L[1][c], f.L[2][c])); };
+    const auto hi = [c](const Facing& f) { return std::fmax(f.L[0][c], std::fmax(f.L[1][c], f.L[2][c])); };
+    const double strip = (top - floor) / p.plane.altitude(c);  // covers() fades over no more
+    if (!(lo(i) < hi(j) + strip && lo(j) < hi(i) + strip)) return false;
+  }
+  return true;
+}
+MORTISE_HD inline bool any_layer(const Scene& s, const Patch& p, Index i, const Facing& f, View<const Vec3> y) {
+  for (Index j = 0; j < p.masters; ++j)
+    if (may_cover(s, p, i, j) && boxes_overlap(p, f, project(s, p.plane, p.master[j], y))) return true;
+  return false;
+}
+// Share of what master i shows at N that no other master hides.
+MORTISE_HD inline double visible(const Scene& s, const Patch& p, Index i, View<const Vec3> y, const double N[3], double g) {
+  double hidden = 0;
+  for (Index j = 0; j < p.masters; ++j)
+    if (may_cover(s, p, i, j)) hidden += covers(project(s, p.plane, p.master[j], y), N, g);
+  return hidden < 1 ? 1 - hidden : 0;
+}
+
+}  // namespace mortise::effects::mortar
