@@ -168,7 +168,7 @@ TEST(BarrierStencil, PointTriangleEverywhere) {
     const double g = r.uniform(0.02, 0.5);
     expect_good(point_over(r, r.uniform(-0.6, 1.2), r.uniform(-0.6, 1.2), g), 0.6, 2e-5, worst, "random");
   }
-  RecordProperty("gradient", std::to_string(worst.gradient));
+  ::testing::Test::RecordProperty("gradient", std::to_string(worst.gradient));
   std::printf("PT random: gradient %.1e hessian %.1e\n", worst.gradient, worst.hessian);
 }
 
