@@ -11,7 +11,6 @@
 // J contains what is missing from M, unsymmetric terms too, so convergence is that of Newton's method.
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "linalg/gmres.h"
 #include "solver/kernels.h"
@@ -26,9 +25,7 @@ Newton::Residual Newton::fresh_residual(device::Buffer<Vec3>& at) {
     device::Buffer<Vec3>&a, &b;
     Exchange(device::Buffer<Vec3>& x, device::Buffer<Vec3>& y) : a(x), b(y) { a.swap(b); }
     ~Exchange() { a.swap(b); }
-  };
-  std::optional<Exchange> exchange;
-  if (&at != &q_) exchange.emplace(q_, at);
+  } exchange(q_, at);
   if (options_.lags) refresh_lagged(q_.view());
   return assemble(false);
 }

@@ -105,16 +105,15 @@ std::string Newton::not_finite() const {
   return "the force residual is not finite";
 }
 
-double Newton::tolerance(const Residual& r, Index e, double relative) const {
-  return std::max({options_.force_tolerance, relative * r.scale[e], rounding_[e]});
-}
+double Newton::asked(const Residual& r, Index e, double relative) const { return std::max(options_.force_tolerance, relative * r.scale[e]); }
+
+double Newton::tolerance(const Residual& r, Index e, double relative) const { return std::max(asked(r, e, relative), rounding_[e]); }
 
 // The floor of rounding is a bound; the residual may well fall below it, and is given one more iteration to do so where the last one gained
 // a digit.
 bool Newton::settled(const Residual& r, Index e, double relative) const {
   constexpr double kGains = 0.1;
-  const double asked = std::max(options_.force_tolerance, relative * r.scale[e]);
-  return r.force[e] <= asked || (r.force[e] <= rounding_[e] && (r.force[e] > kGains * last_force_[e] || last_force_[e] <= rounding_[e]));
+  return r.force[e] <= asked(r, e, relative) || (r.force[e] <= rounding_[e] && (r.force[e] > kGains * last_force_[e] || last_force_[e] <= rounding_[e]));
 }
 
 bool Newton::converged(const Residual& r, double relative) const {

@@ -52,7 +52,8 @@ class Newton {
   void number_rows();
   Residual assemble(bool hessian);
   std::string not_finite() const;  // which force, and where
-  double tolerance(const Residual& r, Index env, double relative) const;  // [N]
+  double asked(const Residual& r, Index env, double relative) const;      // by the scene [N]
+  double tolerance(const Residual& r, Index env, double relative) const;  // no less than rounding causes [N]
   bool settled(const Residual& r, Index env, double relative) const;
   bool converged(const Residual& r, double relative) const;
   void note(const Residual& r, double relative, StepReport& report) const;
