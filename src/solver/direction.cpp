@@ -11,6 +11,7 @@ namespace mortise::solver {
 namespace {
 
 constexpr double kLeastConcave = 0.05;  // less than this makes no difference to convergence
+constexpr double kLoose = 1e-9;         // of the mean stiffness: far above rounding, far below the softest elastic motion
 
 }  // namespace
 
@@ -34,6 +35,8 @@ void Newton::build_matrix(device::Fetch& fetch) {
   rounding_.assign(model_.envs, 0.0);
   rounding_floor(matrix_, q_.view(), block_of_row_.view(), env_rows_, {rounding_, fetch});
   if (any_partial_) linalg::project(matrix_, row_projector_.view());
+  // Without a shift rounding decides how far a body that nothing holds goes along its free motions.
+  if (any_loose_) shift_diagonal(matrix_, kLoose);
 }
 
 // A fresh factor, or conjugate gradients with the last one as long as that is cheaper. A factor never outlives the step, so
@@ -49,7 +52,7 @@ bool Newton::solve_direct(StepReport& report) {
       return true;
     }
   }
-  // A static scene may be held by contact alone: a small shift then picks the shortest step among the free motions.
+  // A small shift picks the shortest step among motions that nothing resists.
   double shift = 1e-10;
   factor_fresh_ = false;
   while (!direct_.factor(matrix_)) {

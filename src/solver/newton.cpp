@@ -62,6 +62,9 @@ void Newton::number_rows() {
     env_rows_.push_back(static_cast<Index>(block_of_row.size()));
   }
   rows_ = static_cast<Index>(block_of_row.size());
+  any_loose_ = options_.is_static && std::any_of(model_.bodies.begin(), model_.bodies.end(), [this](const model::Body& body) {
+    return std::all_of(held_.begin() + body.block_begin, held_.begin() + body.block_end, [](auto held) { return held == 0; });
+  });
   row_of_block_.upload(row_of_block);
   block_of_row_.upload(block_of_row);
   row_projector_.upload(row_projector);

@@ -104,6 +104,7 @@ class Newton {
   std::vector<Index> env_rows_;
   device::Buffer<Mat3> row_projector_;
   bool any_partial_ = false;
+  bool any_loose_ = false;  // statics: a body without any support, held by contact alone
 
   linalg::Assembler assembler_;
   linalg::BlockMatrix matrix_;

@@ -308,3 +308,27 @@ TEST(BarrierContact, ReportsBeforeTheFirstStep) {
   EXPECT_EQ(r.values["contact_pressure"].size(), static_cast<std::size_t>(p.model.points));
   EXPECT_GT(r("barrier_contact/force_upper_z"), 0);
 }
+
+// H27: a plate much thinner than d_hat, with triangles smaller than d_hat. At rest it must not push itself apart; squeezed flat it must.
+TEST(BarrierContact, SelfContactIsSilentAtRestAndActsWhereSidesMeet) {
+  for (const char* form : {"area_weighted", "classic"}) {
+    const double thickness = kHat / 5;
+    auto plate = soft_body("plate", geometry::box({0.1, 0.1, thickness}, std::array<Index, 3>{3, 3, 1}), gel());
+    plate.params = body_params(Vec3::Zero(), Vec3::Zero(), true);
+    Problem p(scene({plate}), form);
+    p.contact->begin_step({});
+    const fd::Vector rest = positions(p.model);
+    EXPECT_EQ(fd::effect_energy(*p.contact, rest), 0) << form;
+    EXPECT_EQ(fd::effect_assemble(*p.contact, rest, false).gradient.norm(), 0) << form;
+
+    fd::Vector flat = rest;
+    for (Eigen::Index i = 2; i < flat.size(); i += 3) flat[i] *= 0.4;  // sides at 0.4 of their distance at rest
+    flat = shaken(flat, 1e-4, 7);
+    const auto squeezed = fd::effect_assemble(*p.contact, flat, false);
+    double apart = 0;
+    for (Eigen::Index i = 2; i < flat.size(); i += 3)
+      if (squeezed.gradient[i] != 0) apart += -squeezed.gradient[i] * (rest[i] > 0 ? 1 : -1);
+    EXPECT_GT(apart, 0) << form;
+    expect_exact_derivatives(p, flat, 1e-8, form);
+  }
+}

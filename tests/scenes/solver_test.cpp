@@ -99,6 +99,35 @@ TEST(Solver, StopRequestLeavesTheStateOfTheLastStep) {
   EXPECT_EQ(rig.engine->points(), before);
 }
 
+// H69: nothing resists the block's sideways motions, and rounding must not decide how far it goes along them.
+TEST(Solver, BlockHeldByContactAloneStaysInItsPlace) {
+  for (const std::string effect : {"barrier_contact={d_hat: 5 mm, stiffness: 0.1 MPa}", "mortar_contact={d_hat: 5 mm, pairs: [{slave: block, master: upper}, {slave: block, master: lower}]}"}) {
+    Rig rig(R"(
+mortise: 1
+name: held
+time: {mode: static, steps: 5}
+materials:
+  gel: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1000}
+bodies:
+  block: {type: soft, shape: {box: {size: [1, 1, 0.5], edge_length: 0.34}}, material: gel}
+  lower: {type: stiff, shape: {box: {size: [1.5, 1.5, 0.1], edge_length: 1.5}}, material: gel, position: [0, 0, -0.301]}
+  upper: {type: stiff, shape: {box: {size: [1.5, 1.5, 0.1], edge_length: 1.5}}, material: gel, position: [0, 0, 0.301]}
+effects:
+  elasticity: {}
+  pin:
+    - {body: lower, where: {side: all}}
+    - {body: upper, where: {side: all}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, -0.05]]}}
+)", {"effects." + effect});
+    rig.steps(5);
+    const auto u = rig.fields().point.at("displacement");
+    Vec3 mean = Vec3::Zero();
+    const std::size_t nodes = rig.input.bodies[0].nodes.size();
+    for (std::size_t i = 0; i < nodes; ++i) mean += Vec3(u[3 * i], u[3 * i + 1], u[3 * i + 2]) / static_cast<double>(nodes);
+    std::printf("%s: %.1e %.1e\n", effect.substr(0, 6).c_str(), mean.x(), mean.y());
+    EXPECT_LT(std::hypot(mean.x(), mean.y()), 1e-4) << effect;
+  }
+}
+
 // Both linear solvers find the same equilibrium.
 TEST(Solver, ConjugateGradientsAgreeWithTheDirectSolver) {
   Rig direct(pinch("-10 mm", "corotated"), {"solver.linear=direct"}), cg(pinch("-10 mm", "corotated"), {"solver.linear=cg", "solver.cg_tolerance=1e-10", "solver.cg_forcing=fixed"});

@@ -36,19 +36,19 @@ MORTISE_HD inline void write_terms(const Scene& s, const PointTriangle& pair, Vi
   for (Index k = 0; k < kSlots; ++k) key[k] = kNoKey, coefficient[k] = 0;
   Vec3 x[4];
   gather(y, pair.v, x);
-  const double range = s.law.d_hat * s.law.d_hat;
+  const double range = point_range(s, pair.v[0], pair.v[1]), range2 = range * range;
   key[0] = term_key(pair.point, feature_of(s, pair, geometry::closest_point_triangle(x)));
   coefficient[0] = 1;
   if (!s.law.area_weighted) return;
   for (int k = 0; k < 3; ++k) {
     const Index edge = s.topology.triangle_edge[3 * pair.triangle + k];
     const Closest c = closest_on_segment(x, 1 + k, 1 + (k + 1) % 3);
-    if (!(c.squared < range)) continue;
+    if (!(c.squared < range2)) continue;
     key[1 + k] = term_key(pair.point, feature_of(s, pair, c));
     coefficient[1 + k] = edge_coefficient(s, pair.point, edge, pair.triangle);
   }
   for (int k = 0; k < 3; ++k) {
-    if (!((x[0] - x[1 + k]).squaredNorm() < range)) continue;
+    if (!((x[0] - x[1 + k]).squaredNorm() < range2)) continue;
     key[4 + k] = term_key(pair.point, vertex_feature(pair.v[1 + k]));
     coefficient[4 + k] = vertex_coefficient(s, pair.point, pair.v[1 + k], pair.triangle);
   }

@@ -29,7 +29,7 @@ MORTISE_HD inline Closest closest(const Active& a, View<const Vec3> y, Vec3 x[4]
   return c;
 }
 MORTISE_HD inline double range_of(const Scene& s, const Active& a) {
-  return a.kind == TermKind::edge_edge ? s.law.edge_range : s.law.d_hat;
+  return a.kind == TermKind::edge_edge ? edge_range(s, a.point) : point_range(s, a.point[0], a.point[1]);
 }
 
 struct NoHessian {

@@ -16,6 +16,10 @@
 // carry the whole area, and edge pairs are a guard with weight (A_e + A_e')/4 and a range of d_hat/4: they keep edges apart,
 // carry what only edges can carry, and are inactive in face contact up to p = phi(1/4) kappa = 4.3 kappa.
 //
+// Self-contact: a body's surface must not push itself apart as it is at rest, across a thin plate or between neighbouring triangles. So
+// where a body meets itself, the range is at most half of the distance at rest: of a point, to all triangles of its body but its own
+// (one range per point, so that the terms of the alternating sum still cancel); of two edges, between them.
+//
 // classic: every point-triangle pair and every edge pair within d_hat has the same weight d_hat^2 (IPC 2020, without areas): the
 // energy of a pair is kappa d_hat^2 b(d), that is, a classic barrier -(d - d_hat)^2 ln(d/d_hat) with stiffness kappa d_hat [N/m].
 #include "effects/contact/stencil.h"
@@ -45,6 +49,7 @@ struct Scene {
   View<const std::uint8_t> watched;        // bodies x bodies
   View<const std::uint8_t> plane_watched;  // planes x bodies
   View<const Plane> planes;
+  View<const double> self_range;  // range of every point towards its own body [m]; empty where no body sees itself
   View<const double> point_area;  // A_x of every point [m^2]
   View<const double> plane_area;  // the same towards half-spaces: planes x surface vertices [m^2]
   MORTISE_HD bool sees(Index a, Index b) const { return watched[surface.body[a] * surface.bodies + surface.body[b]] != 0; }
@@ -88,6 +93,22 @@ MORTISE_HD inline void gather(View<const Vec3> y, const Index v[4], Vec3 x[4]) {
   for (int i = 0; i < 4; ++i) x[i] = y[v[i] < 0 ? v[0] : v[i]];
 }
 
+inline constexpr double kSelfShare = 0.5;  // of the distance at rest
+
+// Range of a point towards a primitive with the corner `other`.
+MORTISE_HD inline double point_range(const Scene& s, Index point, Index other) {
+  return s.surface.body[point] == s.surface.body[other] ? s.self_range[point] : s.law.d_hat;
+}
+// Range of two edges {a0, a1, b0, b1}.
+MORTISE_HD inline double edge_range(const Scene& s, const Index v[4]) {
+  const double range = s.law.edge_range;
+  if (s.surface.body[v[0]] != s.surface.body[v[2]]) return range;
+  Vec3 rest[4];
+  gather(s.rest, v, rest);
+  const double own = kSelfShare * std::sqrt(geometry::closest_edge_edge(rest).squared);
+  return own < range ? own : range;
+}
+
 // A_x of a vertex towards a contact with normal n (law above). At least 1 % of A_v, so that nothing can slip through unweighted.
 MORTISE_HD inline double facing_area(const Scene& s, Index point, const Vec3& n, View<const Vec3> y) {
   double sum = 0;
@@ -112,25 +133,25 @@ MORTISE_HD inline double edge_weight(const Scene& s, Index a, Index b) {
 // Energy of one candidate [J]; +infinity at distance 0.
 MORTISE_HD inline double pair_energy(const Scene& s, const PointTriangle& pair, View<const Vec3> y) {
   if (!s.sees(pair.v[0], pair.v[1])) return 0;
-  const double d_hat = s.law.d_hat, range = d_hat * d_hat;
+  const double range = point_range(s, pair.v[0], pair.v[1]), range2 = range * range;
   Vec3 x[4];
   gather(y, pair.v, x);
   const double D = geometry::closest_point_triangle(x).squared;
-  if (!(D < range)) return 0;
   if (!(D > 0)) return INFINITY;
-  double sum = barrier::value(std::sqrt(D), d_hat);
+  if (!(D < range2)) return 0;
+  double sum = barrier::value(std::sqrt(D), range);
   if (s.law.area_weighted) {
     for (int k = 0; k < 3; ++k) {
       const Index c = edge_coefficient(s, pair.point, s.topology.triangle_edge[3 * pair.triangle + k], pair.triangle);
       if (c == 0) continue;
       const double De = closest_on_segment(x, 1 + k, 1 + (k + 1) % 3).squared;
-      if (De < range) sum += c * barrier::value(std::sqrt(De), d_hat);
+      if (De < range2) sum += c * barrier::value(std::sqrt(De), range);
     }
     for (int k = 0; k < 3; ++k) {
       const double Dv = (x[0] - x[1 + k]).squaredNorm();
-      if (!(Dv < range)) continue;
+      if (!(Dv < range2)) continue;
       const Index c = vertex_coefficient(s, pair.point, pair.v[1 + k], pair.triangle);
-      if (c != 0) sum += c * barrier::value(std::sqrt(Dv), d_hat);
+      if (c != 0) sum += c * barrier::value(std::sqrt(Dv), range);
     }
   }
   return s.law.kappa * point_weight(s, pair.point) * sum;
@@ -140,12 +161,12 @@ MORTISE_HD inline double pair_energy(const Scene& s, const EdgeEdge& pair, View<
   if (!s.sees(pair.v[0], pair.v[2])) return 0;
   Vec3 x[4], rest[4];
   gather(y, pair.v, x);
-  const double D = geometry::closest_edge_edge(x).squared;
-  if (!(D < s.law.edge_range * s.law.edge_range)) return 0;
+  const double D = geometry::closest_edge_edge(x).squared, range = edge_range(s, pair.v);
   if (!(D > 0)) return INFINITY;
+  if (!(D < range * range)) return 0;
   gather(s.rest, pair.v, rest);
   const double m = geometry::mollifier(x, geometry::mollifier_threshold(rest));
-  return s.law.kappa * edge_weight(s, pair.a, pair.b) * m * barrier::value(std::sqrt(D), s.law.edge_range);
+  return s.law.kappa * edge_weight(s, pair.a, pair.b) * m * barrier::value(std::sqrt(D), range);
 }
 
 // i counts planes x surface vertices.

@@ -1,5 +1,6 @@
 #include "effects/contact/proximity.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -17,10 +18,37 @@ std::vector<Index> vertex_environments(const geometry::Surface& surface) {
   return out;
 }
 
+// Range of every point towards its own body (law.h): kSelfShare of its distance at rest, at most `reach`.
+std::vector<double> self_ranges(model::Model& model, double reach, const std::vector<Index>& point_env) {
+  Candidates at_rest(model.broadphase(), reach / kSelfShare, point_env);
+  std::vector<std::uint8_t> finite;
+  at_rest.cover(model.rest_points, finite);
+  const View<const PointTriangle> near = at_rest.point_triangles();
+  Buffer<double> distance(near.n);
+  Buffer<Index> point(near.n);
+  const View<double> d = distance.view();
+  const View<Index> p = point.view();
+  const View<const Vec3> rest = std::as_const(model.rest_points).view();
+  const geometry::SurfaceView surface = model.surface.view();
+  device::parallel_for("contact.rest_distance", near.n, [=] MORTISE_HD(Index i) {
+    Vec3 x[4];
+    gather(rest, near[i].v, x);
+    const bool own = surface.body[near[i].v[0]] == surface.body[near[i].v[1]];
+    p[i] = near[i].point;
+    d[i] = own ? std::sqrt(geometry::closest_point_triangle(x).squared) : static_cast<double>(INFINITY);
+  });
+  std::vector<double> range(model.points, reach);
+  const std::vector<double> found = distance.download();
+  const std::vector<Index> whose = point.download();
+  for (std::size_t i = 0; i < found.size(); ++i) range[whose[i]] = std::min(range[whose[i]], kSelfShare * found[i]);
+  return range;
+}
+
 }  // namespace
 
 Proximity::Proximity(model::Model& model, double reach)
     : model_(model),
+      reach_(reach),
       topology_(model.surface, model.points),
       point_env_(env_offsets(model.surface.env.download(), model.envs)),
       vertex_env_(env_offsets(vertex_environments(model.surface), model.envs)),
@@ -37,6 +65,8 @@ void Proximity::watch(const WatchedPairs& pairs) {
       if (pairs.bodies[a * n + b]) model_.watch(a, b, true);
   watched_.upload(pairs.bodies);
   plane_watched_.upload(pairs.planes);
+  for (Index a = 0; a < n; ++a)
+    if (pairs.bodies[a * n + a]) return self_range_.upload(self_ranges(model_, reach_, point_env_));
 }
 
 std::vector<std::uint8_t> Proximity::locate(Positions q) {
@@ -62,6 +92,7 @@ Scene Proximity::scene(const Law& law, View<const double> point_area, View<const
           watched_.view(),
           plane_watched_.view(),
           planes_.view(),
+          self_range_.view(),
           point_area,
           plane_area};
 }

@@ -45,11 +45,13 @@ class Proximity {
 
  private:
   model::Model& model_;
+  double reach_;
   Topology topology_;
   std::vector<Index> point_env_, vertex_env_;
   Candidates candidates_;
   Buffer<Plane> planes_;
   Buffer<std::uint8_t> watched_, plane_watched_;
+  Buffer<double> self_range_;
   Buffer<Vec3> y_;
 };
 

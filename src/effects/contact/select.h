@@ -18,13 +18,15 @@ MORTISE_HD inline bool near(const Scene& s, const PointTriangle& pair, View<cons
   if (!s.sees(pair.v[0], pair.v[1])) return false;
   Vec3 x[4];
   gather(y, pair.v, x);
-  return geometry::closest_point_triangle(x).squared < s.law.d_hat * s.law.d_hat;
+  const double range = point_range(s, pair.v[0], pair.v[1]);
+  return geometry::closest_point_triangle(x).squared < range * range;
 }
 MORTISE_HD inline bool near(const Scene& s, const EdgeEdge& pair, View<const Vec3> y) {
   if (!s.sees(pair.v[0], pair.v[2])) return false;
   Vec3 x[4];
   gather(y, pair.v, x);
-  return geometry::closest_edge_edge(x).squared < s.law.edge_range * s.law.edge_range;
+  const double range = edge_range(s, pair.v);
+  return geometry::closest_edge_edge(x).squared < range * range;
 }
 
 }  // namespace mortise::effects::contact
