@@ -122,7 +122,8 @@ class MortarContact final : public Effect {
       out.kernels.push_back(k);
   }
 
-  void begin_step(const StepInfo&) override {
+  void begin_step(const StepInfo& info) override {
+    adapts_ = automatic_ && info.is_static;  // a contact that grows stiffer under load would set bodies in motion
     near_.locate(std::as_const(model_.q).view());
     if (!started_) {
       contact::check_start(model_, guard_scene(), near_.candidates(), near_.y());
@@ -185,7 +186,7 @@ class MortarContact final : public Effect {
   void end_step(Positions q) override {
     near_.locate(q);
     update();
-    if (automatic_) adapt();
+    if (adapts_) adapt();
   }
 
   void report(FieldSink& sink) override;
@@ -350,7 +351,7 @@ class MortarContact final : public Effect {
   model::Model& model_;
   Settings set_;
   double guard_share_, rest_share_;
-  bool automatic_ = false, started_ = false;
+  bool automatic_ = false, adapts_ = false, started_ = false;
   std::vector<Interface> interfaces_;  // laws
   std::vector<double> kappa_;
   double guard_kappa_ = 0;  // kappa times the weight of a guard pair [N]
