@@ -59,8 +59,12 @@ class Effect {
   }
   // Are the forces of assemble() the gradient of energy(), with nothing frozen at the state of assembly?
   virtual bool conservative() const { return true; }
+  // Is energy() a store that gives back what it took? No: potentials of inertia, of friction, of loads.
+  virtual bool stores_energy() const { return true; }
   // The step was accepted at q.
   virtual void end_step(Positions q) { (void)q; }
+  // After that: parameters may be fitted to what was found, at the cost of at most `budget` [J] of energy.
+  virtual void adapt(double budget) { (void)budget; }
   virtual void report(FieldSink&) {}
   virtual void checkpoint(Archive&) {}
 };

@@ -27,6 +27,7 @@ double Newton::line_search(StepReport& report, const Residual& r, double relativ
     dot(support_.view(), support_.view(), model_.env_blocks, {cc, fetch});
   }
   fetch.now();
+  if (start_.empty()) start_ = known_;
   const std::vector<double> before = sum(known_);
   if (supports_move) {
     // rho makes the quadratic model of the merit decrease over the full step and its slope negative.

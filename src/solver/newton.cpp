@@ -229,6 +229,7 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
   built_speed_ = 0;
   concave_ = last_alpha_ = 0;
   known_.clear();
+  start_.clear();
   lags_ = options_.lags;
   lag_q_.copy_from(model_.q);
   lag_share_.assign(model_.envs, 1.0);
@@ -270,7 +271,11 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
     relative = std::clamp(0.1 * report.lag_residual / largest_of(fresh.scale), 0.1 * settled, 10 * settled);
     relax_lagged(round);
   }
-  const std::vector<double> phi = energy(q_.view(), known_);
+  device::Fetch fetch;
+  find_energies(q_.view(), known_, fetch);
+  fetch.now();
+  const std::vector<double> phi = sum(known_);
+  measure_gain(known_);
   report.energy = 0;
   for (double e : phi) report.energy += e;
 }

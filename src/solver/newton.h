@@ -37,6 +37,11 @@ class Newton {
   void solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
 
   device::Buffer<Vec3>& q() { return q_; }
+  // What the integrator itself added to the energy in the last step, and what energy there was [J] (energy_guard.cpp). Not measured, and 0,
+  // of several environments, which must have no say in each other's steps.
+  bool conservative() const { return conservative_; }
+  double energy_gain() const { return gain_; }
+  double energy_there() const { return gain_scale_; }
   // Full gradient at the minimiser over all blocks [N] (at a held block: the support's force), and each effect's share.
   const device::Buffer<Vec3>& gradient() const { return gradient_; }
   const std::vector<device::Buffer<Vec3>>& effect_gradients() const { return effect_gradients_; }
@@ -86,6 +91,7 @@ class Newton {
   std::vector<double> sum(const Energies& energies);
   std::vector<double> energy(device::View<const Vec3> q, Energies known = {});
   void remember(Energies&& at_q);
+  void measure_gain(const Energies& at_end);  // energy_guard.cpp
   void trace(const effects::StepInfo& info, const Residual& r, Index iteration, StepReport& report);
 
   model::Model& model_;
@@ -125,6 +131,7 @@ class Newton {
   std::vector<double> lag_share_;
   std::vector<device::Buffer<Vec3>> effect_gradients_;
   Energies known_;  // at q_
+  Energies start_;  // where the step begins
   std::vector<double> energy_scale_;
   std::vector<double> rounding_;  // per environment: the residual that rounding of q alone can cause [N]
   std::vector<double> last_force_;  // per environment: the residual before the last iteration [N]; 0 before the first
@@ -134,6 +141,7 @@ class Newton {
   bool conservative_ = true;     // all effects are
   bool may_couple_ = false;      // coupled.cpp has not failed in this step yet
   Index slow_ = 0;               // iterations in a row that got nowhere
+  double gain_ = 0, gain_scale_ = 0;
   bool lags_ = false;  // some effect has quantities that are frozen and refreshed
 };
 

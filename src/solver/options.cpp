@@ -22,6 +22,8 @@ Options read_options(const Params& scene) {
   const Params& time = scene.at("time");
   o.is_static = time.text("mode") == "static";
   o.steps = static_cast<Index>(time.integer("steps"));
+  const Params* inertia = scene.at("effects").find("inertia");
+  o.loses_energy = inertia && inertia->text("integrator") == "backward_euler";
   o.dt = o.is_static ? 1.0 / o.steps : time.number("step");
 
   // Whichever effect lags something says how well it wants that resolved; the strictest wins.

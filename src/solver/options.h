@@ -13,6 +13,7 @@ struct Options {
   double step_tolerance = 0;  // and, when > 0, the last Newton step moved no block further than this [m]
   Index iterations = 100;     // Newton iterations per solve before the step counts as failed
   Index halvings = 6;         // how often a failed step may be halved
+  bool loses_energy = false;  // the integrator should, in every step: energy_guard.cpp
   std::string linear = "auto";
   double cg_tolerance = 1e-8;  // relative true residual, the smallest asked for when cg_forcing
   bool cg_forcing = true;      // solve the linear systems only as exactly as Newton's progress deserves

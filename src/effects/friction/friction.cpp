@@ -123,6 +123,7 @@ class Friction final : public Effect {
   }
 
   std::string_view name() const override { return "friction"; }
+  bool stores_energy() const override { return false; }
 
   void plan(Plan& out) const override {
     out.buffers.push_back({"stencils", stencils_.bytes()});

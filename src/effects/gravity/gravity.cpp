@@ -52,6 +52,7 @@ class Gravity final : public Effect {
   }
 
   std::string_view name() const override { return "gravity"; }
+  bool stores_energy() const override { return false; }
 
   void plan(Plan& out) const override {
     out.buffers.push_back({"stencils", stencils_.bytes()});

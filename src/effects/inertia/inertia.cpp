@@ -61,6 +61,7 @@ class Inertia final : public Effect {
   }
 
   std::string_view name() const override { return "inertia"; }
+  bool stores_energy() const override { return false; }
 
   void plan(Plan& out) const override {
     out.buffers.push_back({"stencils", stencils_.bytes()});

@@ -122,8 +122,7 @@ class MortarContact final : public Effect {
       out.kernels.push_back(k);
   }
 
-  void begin_step(const StepInfo& info) override {
-    adapts_ = automatic_ && info.is_static;  // a contact that grows stiffer under load would set bodies in motion
+  void begin_step(const StepInfo&) override {
     near_.locate(std::as_const(model_.q).view());
     if (!started_) {
       contact::check_start(model_, guard_scene(), near_.candidates(), near_.y());
@@ -186,7 +185,29 @@ class MortarContact final : public Effect {
   void end_step(Positions q) override {
     near_.locate(q);
     update();
-    if (adapts_) adapt();
+  }
+
+  // A stiffness whose k has left 2..8 is chosen anew at the pressure that was found. A contact that grows stiffer under load is energy from
+  // nowhere, so all of them grow by no more than the budget pays for, the guard with them.
+  void adapt(double budget) override {
+    if (!automatic_) return;
+    const std::vector<Pair> pairs = frozen_.pairs.download();
+    const std::vector<Sample> samples = frozen_.samples.download();
+    const std::vector<double> before = kappa_;
+    const double guard_before = guard_kappa_;
+    double price = 0;
+    for (std::size_t i = 0; i < interfaces_.size(); ++i) {
+      const Achieved now = achieved(interfaces_[i], static_cast<Index>(i), kappa_[i], pairs, samples);
+      if (!(now.pressure > 0) || (now.k >= kWanted / 2 && now.k <= 2 * kWanted)) continue;
+      kappa_[i] = wanted_stiffness(interfaces_[i], set_.d_hat, now.pressure);
+      price += (kappa_[i] / before[i] - 1) * now.energy;
+    }
+    const double guard = guard_energy();
+    stiffness_changed();
+    price += (guard_kappa_ / guard_before - 1) * guard;
+    if (!(price > budget)) return;
+    for (std::size_t i = 0; i < interfaces_.size(); ++i) kappa_[i] = before[i] + budget / price * (kappa_[i] - before[i]);
+    stiffness_changed();
   }
 
   void report(FieldSink& sink) override;
@@ -329,6 +350,15 @@ class MortarContact final : public Effect {
     support_.upload(support);
   }
 
+  double guard_energy() {
+    if (!(guard_share_ > 0)) return 0;
+    std::vector<double> per_env(model_.envs, 0.0);
+    device::Fetch fetch;
+    contact::energy(guard_scene(), near_.candidates(), near_.y(), near_.vertex_env(), {per_env, fetch});
+    fetch.now();
+    return std::accumulate(per_env.begin(), per_env.end(), 0.0);
+  }
+
   void stiffness_changed() {
     kappa_view_.upload(kappa_);
     guard_kappa_ = 0;
@@ -336,22 +366,10 @@ class MortarContact final : public Effect {
       guard_kappa_ = std::max(guard_kappa_, kappa_[i] * interfaces_[i].h * interfaces_[i].h / 7);
   }
 
-  // Between steps only: a stiffness whose k has left 2..8 is chosen anew at the pressure that was found.
-  void adapt() {
-    const std::vector<Pair> pairs = frozen_.pairs.download();
-    const std::vector<Sample> samples = frozen_.samples.download();
-    for (std::size_t i = 0; i < interfaces_.size(); ++i) {
-      const Achieved now = achieved(interfaces_[i], static_cast<Index>(i), kappa_[i], pairs, samples);
-      if (now.pressure > 0 && (now.k < kWanted / 2 || now.k > 2 * kWanted))
-        kappa_[i] = wanted_stiffness(interfaces_[i], set_.d_hat, now.pressure);
-    }
-    stiffness_changed();
-  }
-
   model::Model& model_;
   Settings set_;
   double guard_share_, rest_share_;
-  bool automatic_ = false, adapts_ = false, started_ = false;
+  bool automatic_ = false, started_ = false;
   std::vector<Interface> interfaces_;  // laws
   std::vector<double> kappa_;
   double guard_kappa_ = 0;  // kappa times the weight of a guard pair [N]

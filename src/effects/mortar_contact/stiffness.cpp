@@ -42,15 +42,17 @@ double wanted_stiffness(const Interface& i, double d_hat, double p) {
 
 Achieved achieved(const Interface& i, Index law, double kappa, const std::vector<Pair>& pairs,
                   const std::vector<Sample>& samples) {
-  double force = 0, pressure = 0, stiffness = 0;
+  double force = 0, pressure = 0, stiffness = 0, energy = 0;
   for (const Sample& s : samples) {
     const Pair& pair = pairs[s.pair];
-    if (pair.law != law || s.kind != SampleKind::face || !(s.gap < pair.d_hat)) continue;
+    if (pair.law != law || !(s.gap < pair.d_hat)) continue;
+    energy += s.weight * kappa * barrier::value(s.gap, pair.d_hat);
+    if (s.kind != SampleKind::face) continue;
     const double p = -kappa * barrier::first(s.gap, pair.d_hat), f = s.weight * p;
     force += f, pressure += f * p, stiffness += f * kappa * barrier::second(s.gap, pair.d_hat);
   }
   if (!(force > 0)) return {};
-  return {pressure / force, i.modulus > 0 ? stiffness / force * i.h / i.modulus : 0};
+  return {pressure / force, i.modulus > 0 ? stiffness / force * i.h / i.modulus : 0, energy};
 }
 
 }  // namespace mortise::effects::mortar

@@ -23,9 +23,10 @@ Interface interface_of(const model::Model& model, Index slave, Index master);
 // kappa [Pa] for the interface at pressure p [Pa].
 double wanted_stiffness(const Interface& i, double d_hat, double p);
 
-// Force-weighted means over the face samples of law `law`: pressure sum w p^2 / sum w p [Pa] and k; 0 without contact.
+// Force-weighted means over the face samples of law `law`: pressure sum w p^2 / sum w p [Pa] and k; and the energy of all its samples [J].
+// 0 without contact.
 struct Achieved {
-  double pressure = 0, k = 0;
+  double pressure = 0, k = 0, energy = 0;
 };
 Achieved achieved(const Interface& i, Index law, double kappa, const std::vector<Pair>& pairs,
                   const std::vector<Sample>& samples);
