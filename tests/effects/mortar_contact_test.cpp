@@ -358,7 +358,7 @@ TEST(MortarContact, OnlyTheNearestLayerPresses) {
   EXPECT_NEAR(both / one, 1, 1e-12);
 }
 
-// max_step: no sample and no corner of an overlap uses up more than nine tenths of its gap, even before any Gauss point sees it.
+// max_step: no corner of an overlap uses up more than nine tenths of its gap, even before any Gauss point sees it.
 TEST(MortarContact, StepsKeepGaps) {
   Problem p(tilted(0.01, turn(10, {1, 0.2, 0})), {});
   fd::Vector down = fd::Vector::Zero(positions(p.model).size());
@@ -385,13 +385,35 @@ TEST(MortarContact, LineSearchSeesWhatComesIntoRange) {
   EXPECT_NEAR(fd::effect_energy(*p.contact, x + d) / (kKappa * effects::barrier::value(0.55 * kHat, kHat)), 1, 1e-10);
 }
 
-TEST(MortarContact, EnergyIsInfiniteAtContact) {
+// A frozen gap that closes need not mean that surfaces meet: the energy goes on along its tangent, and collision detection has the say.
+TEST(MortarContact, FrozenGapsMayClose) {
   Problem p(stack(0.5 * kHat), {});
   fd::Vector x = positions(p.model);
   fd::effect_assemble(*p.contact, x, true);
+  const double at = fd::effect_energy(*p.contact, x) / effects::barrier::value(0.5 * kHat, kHat), least = 0.05 * kHat;
+  ASSERT_GT(at, 0);
+  const auto lower_by = [&](double way) {
+    const model::Body& tool = p.model.bodies[1];
+    for (Index b = tool.block_begin; b < tool.block_end; ++b) x[3 * b + 2] -= way;
+    return fd::effect_energy(*p.contact, x) / at;
+  };
+  EXPECT_NEAR(lower_by(0.45 * kHat) / effects::barrier::value(least, kHat), 1, 1e-10);
+  const double tangent = effects::barrier::value(least, kHat) - 0.25 * kHat * effects::barrier::first(least, kHat);
+  EXPECT_NEAR(lower_by(0.25 * kHat) / tangent, 1, 1e-10);
+}
+
+// A half-space has no rim that a sample could slide over.
+TEST(MortarContact, EnergyIsInfiniteOnAHalfSpace) {
+  Options o;
+  o.slave = "pad", o.master = "floor";
+  model::ModelInput in = stack(1);
+  in.bodies.push_back(half_space("floor", {0, 0, -0.25 - 0.5 * kHat}, {0, 0, 1}));
+  Problem p(std::move(in), o);
+  fd::Vector x = positions(p.model);
+  fd::effect_assemble(*p.contact, x, true);
   EXPECT_TRUE(std::isfinite(fd::effect_energy(*p.contact, x)));
-  const model::Body& tool = p.model.bodies[1];
-  for (Index b = tool.block_begin; b < tool.block_end; ++b) x[3 * b + 2] -= 0.5 * kHat;
+  const model::Body& pad = p.model.bodies[0];
+  for (Index b = pad.block_begin; b < pad.block_end; ++b) x[3 * b + 2] -= 0.5 * kHat;
   EXPECT_EQ(fd::effect_energy(*p.contact, x), INFINITY);
 }
 
@@ -482,17 +504,17 @@ TEST(MortarContact, GuardIsTheClassicBarrier) {
               1e-12);
 }
 
-// The limit of a step by itself, without collision detection behind it.
-TEST(MortarContact, LinearisedGapsLimitSteps) {
+// The limit of a step by itself, without collision detection behind it: only frozen gaps of quadratic faces and half-spaces count.
+TEST(MortarContact, FrozenGapsLimitSteps) {
   using namespace effects::mortar;
   const device::Buffer<Triangle> triangles({{{0, 1, 2}}, {{3, 5, 4}}});
   Frozen f;
   // The master's lowest corner lies beyond the slave, whose corner (0, 0) sees it at height 0.2.
   f.y.upload({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, -1, 0.1}, {3, -1, 0.3}, {-1, 3, 0.3}});
   Pair p{};
-  p.on.count = p.under.count = 3;
-  for (int k = 0; k < 3; ++k) p.on.point[k] = k, p.under.point[k] = 3 + k;
-  p.slave = 0, p.master = 1, p.n = p.m = Vec3::UnitZ(), p.begin = 0, p.end = 1;
+  p.under.count = 3;
+  for (int k = 0; k < 3; ++k) p.under.point[k] = 3 + k;
+  p.slave = 0, p.n = p.m = Vec3::UnitZ(), p.begin = 0, p.end = 1;
   for (Vec3& k : p.k) k = Vec3::Zero();
   const Sample s{SampleKind::face, 0, 1, 0.25, {1.0 / 3, 1.0 / 3, 1.0 / 3}, {0.5, 0.25, 0.25}};
   f.env_pairs = f.env_samples = {0, 1};
@@ -502,8 +524,11 @@ TEST(MortarContact, LinearisedGapsLimitSteps) {
   std::vector<Vec3> down(6, Vec3::Zero());
   for (int k = 3; k < 6; ++k) down[k] = -Vec3::UnitZ();
   const device::Buffer<Vec3> dy(down);
-  const auto limited = [&](Index master) {
+  const auto limited = [&](Index master, bool quadratic) {
     p.master = master;
+    p.on.count = quadratic ? 6 : 3, p.on.quarter = quadratic ? 0 : -1;
+    for (int k = 0; k < p.on.count; ++k) p.on.point[k] = 0;
+    for (int k = 0; k < 3; ++k) p.on.point[p.on.vertex(k)] = k;
     f.pairs.upload({p});
     std::vector<double> alpha{1};
     device::Fetch fetch;
@@ -511,8 +536,9 @@ TEST(MortarContact, LinearisedGapsLimitSteps) {
     fetch.now();
     return alpha[0];
   };
-  EXPECT_NEAR(limited(1), 0.9 * 0.2, 1e-14) << "corner";
-  EXPECT_NEAR(limited(-1), 0.9 * 0.25, 1e-14) << "sample";
+  EXPECT_EQ(limited(1, false), 1);
+  EXPECT_NEAR(limited(1, true), 0.9 * 0.2, 1e-14) << "corner";
+  EXPECT_NEAR(limited(-1, false), 0.9 * 0.25, 1e-14) << "sample";
 }
 
 TEST(MortarContact, BadPairsAreRefused) {

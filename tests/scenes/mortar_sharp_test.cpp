@@ -2,6 +2,7 @@
 // edges stays positive and every step converges. Face samples alone let a corner through without any force.
 #include <cstdio>
 
+#include "place.h"
 #include "rig.h"
 
 using namespace mortise;
@@ -106,4 +107,31 @@ TEST(MortarSharp, EdgesAndCornersDoNotPenetrate) {
     EXPECT_GT(r.gap, 0) << c.name;
     EXPECT_GT(r.force, 0) << c.name;
   }
+}
+
+// H07: a tetrahedron falls through a slot with 0.5 um to spare and spreads on the floor, so that its tips slide along the walls. What stands
+// beside a tip must not cut steps short.
+TEST(MortarSharp, TipsSlideAlongWalls) {
+  Rig rig(R"(
+mortise: 1
+name: slot
+time: {step: 25 ms, steps: 18}
+materials:
+  gel: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1000}
+  rock: {density: 1000}
+bodies:
+  tet: {type: soft, shape: {mesh: {file: )" + test_place::kSourceFolder + R"(/scenes/hard/meshes/tet_slot.msh}}, material: gel}
+  left: {type: stiff, shape: {box: {size: [1, 2, 1], edge_length: 2}}, material: rock, position: [-1.0000005, 0, -0.2]}
+  right: {type: stiff, shape: {box: {size: [1, 2, 1], edge_length: 2}}, material: rock, position: [1.0000005, 0, -0.2]}
+  floor: {type: half_space, point: [0, 0, -0.7]}
+effects:
+  inertia: {}
+  gravity: {}
+  elasticity: {}
+  pin:
+    - {body: left, where: {side: all}}
+    - {body: right, where: {side: all}}
+  mortar_contact: {pairs: [{slave: tet, master: left}, {slave: tet, master: right}, {slave: tet, master: floor}], d_hat: 1e-6 m}
+)");
+  for (int n = 0; n < 18; ++n) EXPECT_LE(rig.step().newton, 30) << n;
 }

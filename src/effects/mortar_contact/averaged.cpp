@@ -124,7 +124,7 @@ void averaged_energy(const Scene& s, const Frozen& f, View<const Vec3> y, device
         double moved = 0;
         for (Index j = start[i]; j < start[i + 1]; ++j) moved += change[part[j]];
         const double g = gap[i] + moved / area[i];
-        return g > 0 ? kappa[law[i]] * area[i] * barrier::value(g, set.d_hat) : static_cast<double>(INFINITY);
+        return kappa[law[i]] * area[i] * frozen_barrier(g, gap[i], set.d_hat);
       },
       per_env);
 }

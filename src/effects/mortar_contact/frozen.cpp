@@ -220,8 +220,8 @@ void energy(const Scene& s, const Frozen& f, View<const Vec3> y, device::EnvValu
         for (Index j = p.begin; j < p.end; ++j) {
           jacobian(p, samples[j], J);
           const double g = samples[j].gap + change(p, J, dy);
-          if (!(g > 0)) return static_cast<double>(INFINITY);
-          if (!is_averaged(set, p, samples[j])) sum += samples[j].weight * barrier::value(g, p.d_hat);
+          if (p.binding() && !(g > 0)) return static_cast<double>(INFINITY);
+          if (!is_averaged(set, p, samples[j])) sum += samples[j].weight * frozen_barrier(g, samples[j].gap, p.d_hat);
         }
         return kappa[p.law] * sum;
       },
@@ -301,6 +301,7 @@ void limit(const Scene& scene, const Frozen& f, View<const Vec3> dy, double keep
       [=] MORTISE_HD(Index i) {
         const Pair& p = pairs[i];
         double most = 2;
+        if (!p.binding()) return most;
         Vec3 d[kPoints], J[kPoints];
         for (int k = 0; k < points_of(p); ++k) d[k] = dy[point_of(p, k)];
         const auto lower = [&](double gap, double rate) {

@@ -1,9 +1,12 @@
 #pragma once
 // The contact samples of one position, frozen: weights, barycentrics, normals and support radii stay, and each gap is linear,
-//     g(y) = g_0 + sum_b J_b . (y_b - y0_b),     E(y) = sum kappa w b(g(y); d_hat_i)   [J],  +infinity where a gap is not
-//     positive.
-// This is the energy of the line search. Its gradient at y0 is the force of the method, its Hessian sum kappa w b'' J J^T is
-// positive semi-definite. The gap's derivative J is, per option `gradient`,
+//     g(y) = g_0 + sum_b J_b . (y_b - y0_b),     E(y) = sum kappa w b(g(y); d_hat_i)   [J].
+// This is the energy of the line search. Its gradient at y0 is the force of the method, its Hessian sum kappa w b'' J J^T is positive
+// semi-definite. A frozen gap knows nothing of surfaces that slide away from under a sample, and may close although they do not meet: that of
+// an edge beside a tip, of the side of a wedge. What keeps surfaces apart is continuous collision detection of the primitives, which leaves a
+// tenth of every distance; below a tenth of its gap a sample therefore goes on along the tangent of its barrier, and cuts no step short.
+// Half-spaces are without end, and quadratic faces are not among those primitives: their frozen gaps limit steps, and E is +infinity where one
+// is not positive. The gap's derivative J is, per option `gradient`,
 //     frozen  J = (M_b n, -N_a n)                                    (gmcp.md E4)
 //     exact   dg = [n_m . (dx_m - dx_s) - g n_m . dn] / (n_m . n),   dn = (I - n n^T) d(e1 x e2) / |e1 x e2|   (accuracy.md 5.4),
 // for faces; with m = n_m / (n_m . n), u = (I - n n^T) m / |e1 x e2| this is J = (M_b m, -N_a m - g k_a), k_1 = e2 x u,
@@ -12,6 +15,8 @@
 //
 // N, M are the shape functions of the faces: linear ones, or those of the six nodes of a quadratic face, whose quarters are what is
 // clipped. Normals, weights and k_a are those of the quarters; g counts between the quadratic faces, along the normal.
+#include "effects/contact/barrier.h"
+#include "effects/contact/proximity.h"
 #include "effects/mortar_contact/sampling.h"
 #include "geometry/collide/bvh.h"
 #include "linalg/stencils.h"
@@ -30,6 +35,7 @@ struct Pair {
   double d_hat;
   Index begin, end;  // samples
   MORTISE_HD bool quadratic() const { return on.quarter >= 0 || under.quarter >= 0; }
+  MORTISE_HD bool binding() const { return master < 0 || quadratic(); }  // a gap that closes when frozen has closed
 };
 
 struct Sample {
@@ -55,6 +61,12 @@ struct Frozen {
   std::vector<Index> env_pairs, env_samples;  // offsets
   Buffer<Vec3> y;                             // where they were taken
 };
+
+// The barrier at gap g of what was frozen at gap g0.
+MORTISE_HD inline double frozen_barrier(double g, double g0, double d_hat) {
+  const double least = contact::kKeep * std::fmin(g0, d_hat);
+  return g > least ? barrier::value(g, d_hat) : barrier::value(least, d_hat) + barrier::first(least, d_hat) * (g - least);
+}
 
 // Nodes of the slave, then of the master.
 inline constexpr int kPoints = 12;
@@ -121,7 +133,8 @@ void energy(const Scene& s, const Frozen& f, View<const Vec3> y, device::EnvValu
 void assemble(const Scene& s, const Frozen& f, const model::PointMapView& map, bool hessian, linalg::StencilSet& guard,
               linalg::StencilSet& out);
 
-// Lowers alpha[e] so that every sample, and every corner of the clipped overlaps, keeps the share `keep` of its gap (linearised).
+// Lowers alpha[e] so that every sample of pairs whose frozen gaps count, and every corner of their clipped overlaps, keeps the share `keep`
+// of its gap (linearised).
 void limit(const Scene& s, const Frozen& f, View<const Vec3> dy, double keep, device::EnvValues alpha);
 
 void publish(const Scene& s, const Frozen& f, model::ContactView& view);
