@@ -184,9 +184,18 @@ bool Newton::needs_jacobian(const Residual& r, Index iteration, double relative)
   return creeps || (linear && factor_fresh_ && !lags_);
 }
 
+// Where the residual was least: what coupled.cpp starts from, since it converges only from nearby and iterations that run in a circle may end
+// anywhere on it.
+void Newton::remember_nearest(const Residual& r) {
+  if (largest_of(r.force) >= nearest_force_) return;
+  nearest_force_ = largest_of(r.force);
+  nearest_q_.copy_from(q_);
+}
+
 // False when it gave up because coupled.cpp may do better.
 bool Newton::iterate(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop) {
   last_force_.assign(model_.envs, 0.0);
+  nearest_force_ = INFINITY;
   for (Index it = 0;; ++it) {
     stop();
     choose_curvature();
@@ -194,7 +203,13 @@ bool Newton::iterate(const effects::StepInfo& info, StepReport& report, double r
     note(r, relative, report);
     if (options_.trace) trace(info, r, it, report);
     if (converged(r, relative)) return true;
-    if (may_couple_ && needs_jacobian(r, it, relative) && largest_of(r.support_gap) == 0) return false;
+    if (may_couple_ && largest_of(r.support_gap) == 0) {
+      remember_nearest(r);
+      if (needs_jacobian(r, it, relative)) {
+        q_.copy_from(nearest_q_);
+        return false;
+      }
+    }
     if (it == options_.iterations) {
       std::ostringstream why;
       why << "Newton stopped after " << it << " iterations with a force residual of " << report.residual << " N (wanted " << report.tolerance << " N)";

@@ -77,6 +77,7 @@ class Newton {
   double line_search(StepReport& report, const Residual& r, double relative, bool supports_move);
   bool iterate(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop);
   bool needs_jacobian(const Residual& r, Index iteration, double relative);
+  void remember_nearest(const Residual& r);
   Residual fresh_residual(device::Buffer<Vec3>& at);  // coupled.cpp, from here on
   void to_blocks(device::View<const Vec3> rows, device::Buffer<Vec3>& out);
   void precondition(device::View<const Vec3> in, device::View<Vec3> out);
@@ -135,6 +136,8 @@ class Newton {
   std::vector<double> energy_scale_;
   std::vector<double> rounding_;  // per environment: the residual that rounding of q alone can cause [N]
   std::vector<double> last_force_;  // per environment: the residual before the last iteration [N]; 0 before the first
+  double nearest_force_ = INFINITY;  // least residual of these iterations [N], and where it was
+  device::Buffer<Vec3> nearest_q_;
   double last_step_ = 0;
   double concave_ = 0;  // share of the Hessian's negative curvature that is kept now (effects/curvature.h)
   double last_alpha_ = 0;  // shortest accepted step of the last iteration; 0 before the first

@@ -135,3 +135,26 @@ effects:
 )");
   for (int n = 0; n < 18; ++n) EXPECT_LE(rig.step().newton, 30) << n;
 }
+
+// H63: a cone is pressed into a pad next to a node. Newton's iterations run in a circle, as the tip passes from one slave triangle to the next; those on
+// the forces themselves must start from the nearest state of it.
+TEST(MortarSharp, ConeOnPad) {
+  Rig rig(R"(
+mortise: 1
+name: cone
+time: {mode: static, steps: 10}
+materials:
+  gel: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1000}
+  rock: {density: 1000}
+bodies:
+  pad: {type: soft, shape: {box: {size: [0.2, 0.2, 0.08], edge_length: 0.02}}, material: gel, position: [0, 0, -0.0405]}
+  cone: {type: stiff, shape: {mesh: {file: )" + test_place::kSourceFolder + R"(/scenes/hard/meshes/cone.msh, scale: 0.2}}, material: rock, position: [0.003, 0.002, 0]}
+effects:
+  elasticity: {}
+  pin:
+    - {body: pad, where: {side: z_min}}
+    - {body: cone, where: {side: all}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, -0.03]]}}
+  mortar_contact: {pairs: [{slave: pad, master: cone}], d_hat: 1 mm}
+)");
+  for (int n = 0; n < 4; ++n) EXPECT_LE(rig.step().newton, 60) << n;
+}
