@@ -12,7 +12,25 @@
 namespace mortise::solver {
 namespace {
 
-constexpr double kGain = 1e-6;  // of the energy there is; a step that makes more is tried again with half its length
+// A step that makes energy from nowhere is tried again with half its length, as long as the gain falls to about a quarter, as that of
+// backward Euler does; after one try in vain no more of this step. What frozen samples (mortar_contact) and lagged friction feed into motions does
+// not fall so, and some of it is let pass.
+class EnergyGuard {
+ public:
+  bool wants_halving(const Newton& newton) {
+    constexpr double kShare = 1e-6, kFrozenShare = 1e-3;  // of the energy there is
+    const double gain = newton.energy_gain();
+    if (!helps_ || !(gain > (newton.conservative() ? kShare : kFrozenShare) * newton.energy_there())) return false;
+    helps_ = !(gain > last_ / 3);
+    last_ = gain;
+    return helps_;
+  }
+  void accepted() { last_ = INFINITY; }
+
+ private:
+  double last_ = INFINITY;  // of the step of twice the length [J]
+  bool helps_ = true;
+};
 
 std::vector<double> flatten(const std::vector<Vec3>& v) {
   std::vector<double> out;
@@ -31,15 +49,6 @@ std::vector<Vec3> unflatten(const std::vector<double>& v) {
 
 Simulation::Simulation(model::Model& model, EffectList& effects, const Options& options)
     : model_(model), effects_(effects), options_(options), newton_(model, effects, options_, clock_) {}
-
-// Not where samples are frozen (mortar_contact): what they feed into motions does not depend on the length of the step. And only as long as
-// it helps: the gain of backward Euler falls to a quarter.
-bool Simulation::halve_for_energy(double& last_gain) const {
-  const double gain = newton_.energy_gain();
-  if (!newton_.conservative() || !(gain > kGain * newton_.energy_there()) || gain > last_gain / 3) return false;
-  last_gain = gain;
-  return true;
-}
 
 void Simulation::accept() {
   model_.q.copy_from(newton_.q());
@@ -68,7 +77,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
     before->rewind();
     checkpoint(*before);
   };
-  double last_gain = INFINITY;
+  EnergyGuard guard;
   const auto stop = [&] {
     if (stop_asked && stop_asked()) throw Stopped{};
   };
@@ -81,7 +90,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
         effect->begin_step(info);
       }
       newton_.solve(info, report, stop);
-      if (halve_for_energy(last_gain) && size > 1) {
+      if (size > 1 && guard.wants_halving(newton_)) {
         size /= 2;
         continue;
       }
@@ -103,7 +112,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
       checkpoint(*before);
     }
     accept();
-    last_gain = INFINITY;
+    guard.accepted();
     ++report.substeps;
     done += size;
     if (size < units && done % (2 * size) == 0) size *= 2;

@@ -30,7 +30,6 @@ class Simulation {
   void checkpoint(Archive& archive);
 
  private:
-  bool halve_for_energy(double& last_gain) const;
   void accept();
   void report_balance(FieldSink& sink);
 
