@@ -99,8 +99,9 @@ MORTISE_HD inline model::Expansion<kPoints> blocks_of(const model::PointMapView&
 // Finds the master triangles near every slave triangle.
 class Search {
  public:
-  // slave_env: first slave of every environment.
-  explicit Search(std::vector<Index> slave_env) : slave_env_(std::move(slave_env)) {}
+  Search() = default;
+  // slave_env: first slave of every environment; masters: triangles that may be seen, ascending, out of all `triangles`.
+  Search(std::vector<Index> slave_env, const std::vector<Index>& masters, const std::vector<Triangle>& triangles);
   // Masters within support + margin[env] of each slave at y; ascending.
   void update(const Scene& s, View<const Vec3> y, const Buffer<double>& margin);
   View<const Index> offset() const { return offset_.view(); }
@@ -112,6 +113,9 @@ class Search {
  private:
   geometry::Bvh tree_;
   std::vector<Index> slave_env_;
+  Buffer<Index> masters_;      // primitives of the tree: only those that may be seen, or slaves would find their own neighbours first
+  Buffer<Triangle> corners_;   // of the masters
+  Buffer<double> bow_;         // of the masters, as in Scene
   Buffer<Index> offset_, slave_, master_;
 };
 

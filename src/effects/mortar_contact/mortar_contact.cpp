@@ -74,8 +74,7 @@ class MortarContact final : public Effect {
       : model_(model),
         guard_share_(p.number("guard")),
         rest_share_(p.number("rest_share")),
-        near_(model, std::max(guard_share_, 0.01) * p.number("d_hat")),
-        search_({}) {
+        near_(model, std::max(guard_share_, 0.01) * p.number("d_hat")) {
     set_.d_hat = p.number("d_hat");
     set_.taper = p.text("weights") == "tapered" ? p.number("taper_width") : 0;
     set_.quadrature = p.text("quadrature") == "exact" ? kExact : std::stoi(p.text("quadrature"));
@@ -111,7 +110,7 @@ class MortarContact final : public Effect {
     out.buffers.push_back({"candidate triangles", search_.bytes()});
     out.buffers.push_back({"candidate pairs of the guard", near_.candidates().bytes()});
     for (const char* k :
-         {"mortar_contact.measure", "mortar_contact.count_masters", "mortar_contact.find_masters", "mortar_contact.count_samples",
+         {"mortar_contact.measure", "mortar_contact.bows", "mortar_contact.count_masters", "mortar_contact.find_masters", "mortar_contact.count_samples",
           "mortar_contact.samples", "mortar_contact.env_offset", "mortar_contact.energy", "mortar_contact.count_blocks",
           "mortar_contact.assemble", "mortar_contact.append_guard", "mortar_contact.limit", "mortar_contact.publish",
           "mortar_contact.cover", "mortar_contact.least_gaps", "mortar_contact.pressure"})
@@ -279,7 +278,7 @@ class MortarContact final : public Effect {
 
   void choose_slaves() {
     const Index n = static_cast<Index>(model_.bodies.size());
-    std::vector<Index> slaves, env;
+    std::vector<Index> slaves, masters, env;
     for (Index e = 0; e < model_.envs; ++e)
       for (Index b = 0; b < n; ++b) {
         if (model_.bodies[b].env != e ||
@@ -290,7 +289,11 @@ class MortarContact final : public Effect {
       }
     slaves_.upload(slaves);
     support_.upload(std::vector<double>(slaves.size(), set_.d_hat));
-    search_ = Search(env_offsets(env, model_.envs));
+    for (Index b = 0; b < n; ++b) {
+      if (std::none_of(interfaces_.begin(), interfaces_.end(), [&](const Interface& i) { return i.master == b; })) continue;
+      for (Index t = model_.bodies[b].triangle_begin; t < model_.bodies[b].triangle_end; ++t) masters.push_back(t);
+    }
+    search_ = Search(env_offsets(env, model_.envs), masters, model_.surface.triangles.download());
   }
 
   void watch() {

@@ -1,5 +1,7 @@
 #include "effects/mortar_contact/frozen.h"
 
+#include <utility>
+
 namespace mortise::effects::mortar {
 namespace {
 
@@ -7,14 +9,15 @@ namespace {
 constexpr double kBeside = 1.4142135623730951;
 
 // Counts the masters near a slave; writes them unless out is null.
-MORTISE_HD inline Index masters_near(const Scene& s, const geometry::BvhView& tree, View<const Vec3> y, Index slave, double reach,
-                                     Index* out) {
+MORTISE_HD inline Index masters_near(const Scene& s, const geometry::BvhView& tree, View<const Index> masters, View<const Vec3> y, Index slave,
+                                     double reach, Index* out) {
   const Triangle t = s.surface.triangles[slave];
   const geometry::BvhNode box = geometry::swept_box(t.v, 3, -1, s.surface, y, View<const Vec3>{}, kBeside * reach);
   geometry::BvhCursor cursor;
   Index n = 0;
-  for (Index m = cursor.next(tree, box, s.surface); m >= 0; m = cursor.next(tree, box, s.surface)) {
+  for (Index row = cursor.next(tree, box, s.surface); row >= 0; row = cursor.next(tree, box, s.surface)) {
     if (out) {
+      const Index m = masters[row];
       Index at = n;  // ascending: the order of the leaves must not show
       for (; at > 0 && out[at - 1] > m; --at) out[at] = out[at - 1];
       out[at] = m;
@@ -34,10 +37,23 @@ MORTISE_HD inline Index masters_near(const Scene& s, const geometry::BvhView& tr
 
 }  // namespace
 
+Search::Search(std::vector<Index> slave_env, const std::vector<Index>& masters, const std::vector<Triangle>& triangles)
+    : slave_env_(std::move(slave_env)) {
+  std::vector<Triangle> corners;
+  for (Index m : masters) corners.push_back(triangles[m]);
+  masters_.upload(masters);
+  corners_.upload(corners);
+}
+
 void Search::update(const Scene& s, View<const Vec3> y, const Buffer<double>& margin) {
-  const geometry::SurfaceView& surface = s.surface;
-  tree_.update({surface.triangles.n ? surface.triangles.p->v : nullptr, surface.triangles.n, 3}, surface,
-               static_cast<Index>(slave_env_.size()) - 1, y, {}, 0, s.bow);
+  const View<const Index> masters = std::as_const(masters_).view();
+  const View<const Triangle> corners = std::as_const(corners_).view();
+  const View<const double> bow = s.bow;
+  bow_.resize(bow.n > 0 ? masters.n : 0);
+  const View<double> of_masters = bow_.view();
+  device::parallel_for("mortar_contact.bows", of_masters.n, [=] MORTISE_HD(Index i) { of_masters[i] = bow[masters[i]]; });
+  tree_.update({corners.n ? corners.p->v : nullptr, corners.n, 3}, s.surface, static_cast<Index>(slave_env_.size()) - 1, y, {}, 0,
+               std::as_const(bow_).view());
   const geometry::BvhView tree = tree_.view();
   const View<const double> extra = margin.view();
   offset_.resize(s.slaves.n + 1);
@@ -45,7 +61,7 @@ void Search::update(const Scene& s, View<const Vec3> y, const Buffer<double>& ma
   const Scene scene = s;
   device::parallel_for("mortar_contact.count_masters", s.slaves.n, [=] MORTISE_HD(Index i) {
     const Index env = scene.surface.env[scene.surface.triangles[scene.slaves[i]].v[0]];
-    count[i] = masters_near(scene, tree, y, scene.slaves[i], scene.support[i] + extra[env] + scene.bow_of(scene.slaves[i]), nullptr);
+    count[i] = masters_near(scene, tree, masters, y, scene.slaves[i], scene.support[i] + extra[env] + scene.bow_of(scene.slaves[i]), nullptr);
   });
   const Index n = device::exclusive_scan(offset_);
   slave_.resize(n), master_.resize(n);
@@ -53,7 +69,7 @@ void Search::update(const Scene& s, View<const Vec3> y, const Buffer<double>& ma
   device::parallel_for("mortar_contact.find_masters", s.slaves.n, [=] MORTISE_HD(Index i) {
     if (count[i + 1] == count[i]) return;
     const Index env = scene.surface.env[scene.surface.triangles[scene.slaves[i]].v[0]];
-    masters_near(scene, tree, y, scene.slaves[i], scene.support[i] + extra[env] + scene.bow_of(scene.slaves[i]), master.p + count[i]);
+    masters_near(scene, tree, masters, y, scene.slaves[i], scene.support[i] + extra[env] + scene.bow_of(scene.slaves[i]), master.p + count[i]);
     for (Index k = count[i]; k < count[i + 1]; ++k) slave[k] = i;
   });
 }
