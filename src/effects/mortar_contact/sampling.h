@@ -62,8 +62,8 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
     const Polygon poly = clip(f.L);
     const bool whole = s.set.quadrature == kMoments && e == 0;
     if (whole) {
-      // Faces that are next to parallel are cut where they leave the support radius. At an angle the strips within are narrow, and of a
-      // gap that a step only seems to close, as above.
+      // Faces that are next to parallel are cut where they leave the support radius. At an angle the strips within are narrow, and move with
+      // the gap, which the frozen Hessian does not know.
       const double cut = bent ? 0 : hermite((-n.dot(s.normal[master]) - 0.97) / 0.015);
       const double area = s.set.share * fade * p.plane.area;
       const auto at = [&](Corner c, double w) { offer(SampleKind::face, area * w, c.N, c.M); };
