@@ -313,7 +313,7 @@ def write_all(folder):
         "nut": thread(8.3e-3, 15e-3, 10e-3, 1, 24, lambda p: 3e-3 * ridge(p), lambda p: 0),
         "tunnel": block((-3, -0.75, -0.75), (3, 0.75, 0.75), (1, 3, 3), lambda i, j, k: not (j == 1 and k == 1)),
     }
-    for i, stone in enumerate(arch(9, 6.0, 7.0, 10.0, 2e-5)):
+    for i, stone in enumerate(arch(9, 6.0, 7.0, 10.0, 2e-4)):
         meshes["arch_%d" % i] = stone
     for name, mesh in meshes.items():
         mesh.write("%s/%s.msh" % (folder, name))
