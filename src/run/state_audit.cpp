@@ -30,13 +30,16 @@ EnergyAudit::EnergyAudit(const model::ModelInput& input) {
 }
 
 const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
-  const double before = r_.total;
-  r_.total = total(now);
+  const double before = r_.total, all_before = all_;
+  all_ = total(now);
+  r_.total = all_ - turning(now);
   if (!points_before_.empty() && r_.work_is_known) {
-    const double work = support_work(now);
+    // The solver's own sum over the substeps counts moments too.
+    const bool summed = now.scalars.count("supports/work");
+    const double work = summed ? now.scalar("supports/work") : support_work(now);
     r_.support_work += work;
     r_.scale = std::max(r_.scale, std::abs(r_.support_work));
-    r_.gain = r_.total - before - work;
+    r_.gain = (summed ? all_ - all_before : r_.total - before) - work;
     r_.largest_gain = std::fmax(r_.largest_gain, r_.gain);
   }
   points_before_ = now.points;
@@ -56,10 +59,15 @@ double EnergyAudit::total(const StateReport& now) {
     if (std::isnan(gravity_first_)) gravity_first_ = v;
     r_.scale = std::max(r_.scale, std::abs(v - gravity_first_));
   }
-  // What a pinned body turns with is the doing of its pins, whose moment is not reported.
+  return sum;
+}
+
+// What a pinned body turns with is the doing of its pins, whose moment is not reported.
+double EnergyAudit::turning(const StateReport& now) const {
+  double sum = 0;
   if (const auto* v = now.field("velocity"))
     for (const MeasuredBody& b : bodies_)
-      if (!b.soft() && now.scalars.count("supports/" + b.name + "_x")) sum -= b.turning_energy(*v, now.points);
+      if (!b.soft() && now.scalars.count("supports/" + b.name + "_x")) sum += b.turning_energy(*v, now.points);
   return sum;
 }
 

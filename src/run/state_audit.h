@@ -55,10 +55,12 @@ class EnergyAudit {
 
  private:
   double total(const StateReport& now);
+  double turning(const StateReport& now) const;
   double support_work(const StateReport& now) const;
 
   std::vector<MeasuredBody> bodies_;
   Result r_;
+  double all_ = NAN;  // total energy, turning of pinned bodies included
   std::vector<double> points_before_;
   double gravity_first_ = NAN;
 };

@@ -40,7 +40,9 @@ class Newton {
   // What the integrator itself added to the energy in the last step, and what energy there was [J] (energy_guard.cpp). Not measured, and 0,
   // of several environments, which must have no say in each other's steps.
   bool conservative() const { return conservative_; }
+  bool measures_energy() const { return options_.loses_energy && model_.envs == 1; }
   double energy_gain() const { return gain_; }
+  double support_work() const { return support_work_; }  // [J]
   double energy_there() const { return gain_scale_; }
   // Full gradient at the minimiser over all blocks [N] (at a held block: the support's force), and each effect's share.
   const device::Buffer<Vec3>& gradient() const { return gradient_; }
@@ -144,7 +146,7 @@ class Newton {
   bool conservative_ = true;     // all effects are
   bool may_couple_ = false;      // coupled.cpp has not failed in this step yet
   Index slow_ = 0;               // iterations in a row that got nowhere
-  double gain_ = 0, gain_scale_ = 0;
+  double gain_ = 0, gain_scale_ = 0, support_work_ = 0;
   bool lags_ = false;  // some effect has quantities that are frozen and refreshed
 };
 

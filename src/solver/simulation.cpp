@@ -56,6 +56,7 @@ void Simulation::accept() {
     const Timed timed(clock_, effect->name(), "end_step");
     effect->end_step(model_.q.view());
   }
+  support_work_ += newton_.support_work();
   const double lost = options_.is_static ? INFINITY : std::max(-newton_.energy_gain(), 0.0);
   for (const auto& effect : effects_) effect->adapt(lost);
   solved_ = true;
@@ -67,6 +68,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
   report.step = step_;
   report.dt = options_.dt;
   report.substeps = 0;
+  support_work_ = 0;
 
   // The step is cut into 2^halvings units, so that substeps always meet its end exactly.
   const long units = 1L << options_.halvings;
@@ -185,6 +187,7 @@ void Simulation::report_balance(FieldSink& sink) {
   put("support", support);
   put("defect", total + support);
 
+  if (newton_.measures_energy()) sink.scalar("supports", "work", "J", support_work_);
   bool any = false;
   std::vector<double> field(3 * static_cast<std::size_t>(model_.points), 0.0);
   for (const model::Body& body : model_.bodies) {

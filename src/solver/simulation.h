@@ -38,6 +38,7 @@ class Simulation {
   const Options options_;
   Clock clock_;
   Newton newton_;
+  double support_work_ = 0;  // of the last step [J]
   double time_ = 0;
   Index step_ = 0;
   bool solved_ = false;  // a step has been taken since start or restart: gradients are those of the state

@@ -113,6 +113,18 @@ TEST(Checks, EnergyGainCountsTheWorkOfSupports) {
   EXPECT_NEAR(verdict("{quantity: energy_gain, below: 1e-9}", moved, kStay, report(2)).value, 0.25, 1e-12);
 }
 
+// A step that was halved: forces at its end do not tell the work, the solver's sum does.
+TEST(Checks, EnergyGainTakesTheWorkThatTheSolverSummed) {
+  const auto report = [](FieldSink& sink, int k) {
+    sink.scalar("inertia", "kinetic_energy", "J", k ? 3 : 1);
+    sink.scalar("supports", "work", "J", 2);
+    const std::vector<double> force{0.25, 0, 0, 0.25, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    sink.points("support_force", "N", 3, force);
+  };
+  const Map moved = [](const Vec3& x) { return Vec3(x + Vec3(1, 0, 0)); };
+  EXPECT_NEAR(verdict("{quantity: energy_gain, below: 1e-9}", moved, kStay, report).value, 0, 1e-12);
+}
+
 // The energies of a frame are known without any criterion; dead loads do work that nobody counts.
 TEST(Checks, EnergiesAreKnownWithoutCriteria) {
   const auto after_two_states = [](const std::string& more) {
