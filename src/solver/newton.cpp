@@ -152,11 +152,16 @@ std::vector<double> Newton::sum(const Energies& energies) {
   return total;
 }
 
-std::vector<double> Newton::energy(device::View<const Vec3> q, Energies energies) {
+std::vector<double> Newton::energy(device::View<const Vec3> q, Energies& of) {
   device::Fetch fetch;
-  find_energies(q, energies, fetch);
+  find_energies(q, of, fetch);
   fetch.now();
-  return sum(energies);
+  return sum(of);
+}
+
+std::vector<double> Newton::energy(device::View<const Vec3> q) {
+  Energies unknown;
+  return energy(q, unknown);
 }
 
 // Of effects that freeze something at assembly, energies are a matter of one iteration.
@@ -286,10 +291,7 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
     relative = std::clamp(0.1 * report.lag_residual / largest_of(fresh.scale), 0.1 * settled, 10 * settled);
     relax_lagged(round);
   }
-  device::Fetch fetch;
-  find_energies(q_.view(), known_, fetch);
-  fetch.now();
-  const std::vector<double> phi = sum(known_);
+  const std::vector<double> phi = energy(q_.view(), known_);
   measure_gain(known_);
   report.energy = 0;
   for (double e : phi) report.energy += e;

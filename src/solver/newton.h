@@ -37,13 +37,13 @@ class Newton {
   void solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
 
   device::Buffer<Vec3>& q() { return q_; }
-  // What the integrator itself added to the energy in the last step, and what energy there was [J] (energy_guard.cpp). Not measured, and 0,
-  // of several environments, which must have no say in each other's steps.
   bool conservative() const { return conservative_; }
+  // Energies of the last step [J] (energy_guard.cpp): what the integrator itself added, what there was, and the work of supports. Not measured,
+  // and 0, of several environments, which must have no say in each other's steps.
   bool measures_energy() const { return options_.loses_energy && model_.envs == 1; }
   double energy_gain() const { return gain_; }
-  double support_work() const { return support_work_; }  // [J]
   double energy_there() const { return gain_scale_; }
+  double support_work() const { return support_work_; }
   // Full gradient at the minimiser over all blocks [N] (at a held block: the support's force), and each effect's share.
   const device::Buffer<Vec3>& gradient() const { return gradient_; }
   const std::vector<device::Buffer<Vec3>>& effect_gradients() const { return effect_gradients_; }
@@ -92,7 +92,8 @@ class Newton {
   using Energies = std::vector<std::vector<double>>;  // [J], of every effect and environment; empty where unknown
   void find_energies(device::View<const Vec3> q, Energies& of, device::Fetch& fetch);
   std::vector<double> sum(const Energies& energies);
-  std::vector<double> energy(device::View<const Vec3> q, Energies known = {});
+  std::vector<double> energy(device::View<const Vec3> q, Energies& of);  // finds those that are unknown
+  std::vector<double> energy(device::View<const Vec3> q);
   void remember(Energies&& at_q);
   void measure_gain(const Energies& at_end);  // energy_guard.cpp
   void trace(const effects::StepInfo& info, const Residual& r, Index iteration, StepReport& report);

@@ -36,8 +36,9 @@ class Captured : public FieldSink {
 
 class Rig {
  public:
-  explicit Rig(const std::string& yaml, const std::vector<std::string>& overrides = {}) {
-    scene = scene::read_scene_text(yaml, "test.yaml", overrides, engine::effect_tables());
+  // file: what the scene's meshes are sought beside.
+  explicit Rig(const std::string& yaml, const std::vector<std::string>& overrides = {}, const std::string& file = "test.yaml") {
+    scene = scene::read_scene_text(yaml, file, overrides, engine::effect_tables());
     input = engine::make_input(scene.root);
     check(engine::chosen().api->create(input, engine));
   }

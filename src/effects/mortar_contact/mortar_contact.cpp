@@ -201,6 +201,7 @@ class MortarContact final : public Effect {
       kappa_[i] = wanted_stiffness(interfaces_[i], set_.d_hat, now.pressure);
       price += (kappa_[i] / before[i] - 1) * now.energy;
     }
+    if (kappa_ == before) return;
     const double guard = guard_energy();
     stiffness_changed();
     price += (guard_kappa_ / guard_before - 1) * guard;
