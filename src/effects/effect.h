@@ -61,10 +61,25 @@ class Effect {
   virtual bool conservative() const { return true; }
   // Is energy() a store that gives back what it took? No: potentials of inertia, of friction, of loads.
   virtual bool stores_energy() const { return true; }
+  // Do its forces on every body cancel? Those of elasticity do; weight, inertia and contact move bodies as a whole.
+  virtual bool internal() const { return false; }
   // The step was accepted at q.
   virtual void end_step(Positions q) { (void)q; }
-  // After that: parameters may be fitted to what was found, at the cost of at most `budget` [J] of energy.
+  // After that: parameters may be fitted to what was found, at the cost of at most `budget` [J] of energy, for the next step; what is
+  // reported belongs to the state that was solved.
   virtual void adapt(double budget) { (void)budget; }
+  // Before that: parameters that must fit the solution q of the very step are changed; says whether it has to be solved again with them, from q
+  // or from its start. Nothing outlives a step that is given up.
+  enum class Refit { none, from_here, from_start };
+  virtual Refit refit(Positions q) {
+    (void)q;
+    return Refit::none;
+  }
+  // Why q is no state of the model although forces balance there; empty if it is one.
+  virtual std::string objection(Positions q) {
+    (void)q;
+    return {};
+  }
   virtual void report(FieldSink&) {}
   virtual void checkpoint(Archive&) {}
 };

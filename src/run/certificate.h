@@ -8,17 +8,20 @@
 #include "base/error.h"
 #include "base/field_sink.h"
 #include "base/params.h"
+#include "run/layer_error.h"
+#include "run/pressure_error.h"
 #include "run/state_audit.h"
+#include "run/stress_error.h"
 #include "solver/report.h"
 
 namespace mortise::run {
 
 // How far a run can be trusted: what must hold of every state, how well each step was solved, what the contact model left between the
-// surfaces, and a grade with its first reason (../shared/reference/accuracy.md 4). Gathered from what effects report at every step, so
+// surfaces, how large the errors of its meshes are, and a grade with its first reason. Gathered from what effects report at every step, so
 // that it costs nothing; written as certificate.json (schemas/certificate.schema.json), also for a run that failed.
 class Certificate {
  public:
-  explicit Certificate(const Params& scene);
+  explicit Certificate(const model::ModelInput& input);
 
   // A sink for the report of one state: takes note and passes on to `next` (may be null). Valid until the next call.
   FieldSink* watch(FieldSink* next);
@@ -41,14 +44,17 @@ class Certificate {
   };
   // One quantity with two bounds: what a run is graded by.
   struct Check {
-    std::string name, unit;
-    double value, exact, engineering;
+    std::string name;
+    double value, good, usable;
   };
   void take(const Watch& seen);
-  std::vector<Check> checks() const;
+  std::vector<Check> checks(const EnergyAudit::Result& energy) const;
 
   std::shared_ptr<Watch> watch_;
-  double relative_tolerance_ = 0, creep_speed_ = NAN;
+  StressError stress_error_;
+  PressureError pressure_error_;
+  LayerError layer_error_;
+  double creep_speed_ = NAN;
   std::map<std::string, double> d_hat_;  // by contact effect [m]
   // Of all states
   Range distance_, det_F_, partition_;
@@ -59,12 +65,18 @@ class Certificate {
   std::string first_not_finite_;
   // Sum of all forces, and what the supports of a body leave of its load; relative to the scale of force_balance()
   double balance_newton_ = NAN, balance_relative_ = NAN, unsupported_newton_ = NAN, unsupported_relative_ = NAN;
+  double written_newton_ = NAN, written_relative_ = NAN;  // forces in the files against those of the solution
+  double rigidity_ = NAN;
+  double most_elastic_ = 0, stress_estimate_ = NAN;  // [J], at that state
+  double most_pressed_ = 0, guard_share_ = NAN;      // sum of nodal pressures [Pa], at that state
+  PressureError::Result pressure_estimate_;
+  double layer_ = NAN;
   double first_energy_ = NAN, last_energy_ = NAN, largest_rise_ = NAN;
   double first_momentum_[3] = {NAN, NAN, NAN}, last_momentum_[3] = {NAN, NAN, NAN};
   // Of all steps
   long steps_ = 0, first_step_ = 0, newton_ = 0, most_newton_ = 0, lag_ = 0, cg_ = 0, halved_ = 0, line_search_ = 0, regularised_ = 0;
   double begin_ = NAN, end_ = NAN;
-  double residual_ = NAN, over_tolerance_ = NAN, lag_residual_ = NAN, lag_relative_ = NAN, least_alpha_ = NAN;
+  double residual_ = NAN, over_tolerance_ = NAN, residual_share_ = NAN, lag_residual_ = NAN, lag_share_ = NAN, least_alpha_ = NAN;
 };
 
 }  // namespace mortise::run

@@ -97,7 +97,7 @@ class Run {
     sensors_.emplace(input);
     prepare_folder(o_, dir_);
     started_ = true;
-    certificate_.emplace(scene_.root);
+    certificate_.emplace(input);
     checks_.emplace(input);
     const std::unique_ptr<output::NewestCheckpoint> checkpoint = open_checkpoint(o_, dir_);
 

@@ -182,8 +182,10 @@ const ParamTable& solver_table() {
   static const ParamTable t{
       "solver",
       "When a step counts as solved, and how its linear systems are solved.",
-      {number("force_tolerance", Unit::force, "1e-9 N", 0, "A step has converged when no residual force is larger."),
-       below(number("relative_tolerance", Unit::none, "1e-6", 0, "Or when none is larger than this share of the largest force."),
+      {number("force_tolerance", Unit::force, "0 N", 0, "Residual forces on a body that are no larger than this are as good as none."),
+       below(number("relative_tolerance", Unit::none, "1e-6", 0,
+                    "A step has converged when the residual forces on every body are at most this share of the forces on its own free nodes, and the "
+                    "next Newton step is short."),
              1),
        number("step_tolerance", Unit::length, "0 m", 0,
               "And, when above zero, the last Newton step moved nothing further than this."),

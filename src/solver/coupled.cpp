@@ -20,7 +20,7 @@
 namespace mortise::solver {
 
 // Residual and gradient at `at`; throws Failure where they are not finite.
-Newton::Residual Newton::fresh_residual(device::Buffer<Vec3>& at) {
+Residual Newton::fresh_residual(device::Buffer<Vec3>& at) {
   struct Exchange {
     device::Buffer<Vec3>&a, &b;
     Exchange(device::Buffer<Vec3>& x, device::Buffer<Vec3>& y) : a(x), b(y) { a.swap(b); }
@@ -82,7 +82,7 @@ bool Newton::monotone_step(StepReport& report, Residual& r, double relative) {
   for (const auto& effect : effects_) effect->max_step(q_.view(), dq_.view(), {alpha, fetch});
   fetch.now();
   for (Index e = 0; e < model_.envs; ++e)
-    if (settled(r, e, relative)) alpha[e] = 0;
+    if (model_.envs > 1 && convergence_.solved(r, e, relative)) alpha[e] = 0;
   const std::vector<double> before = natural_level();
   Residual next;
   for (int k = 0; k < kMost; ++k) {
@@ -153,8 +153,11 @@ bool Newton::solve_coupled(const effects::StepInfo& info, StepReport& report, do
     report.cg += gmres.iterations;
     fresh_residual(q_);  // products have left the effects elsewhere
     to_blocks(x_.view(), dq_);
+    device::Fetch fetch;
+    convergence_.see_step(dq_.view(), r, fetch);
+    fetch.now();
     last_step_ = largest_of(largest(dq_.view(), model_.env_blocks));
-    const std::vector<double> before = r.force;
+    const std::vector<double> before = forces(r);
     if (!std::isfinite(last_step_) || !monotone_step(report, r, relative)) return false;
     last_force_ = before;
     ++report.newton;

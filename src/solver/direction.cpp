@@ -32,8 +32,7 @@ void Newton::soften() {
 void Newton::build_matrix(device::Fetch& fetch) {
   const Timed timed(clock_, "solver", "matrix");
   assembler_.matrix(sets_, matrix_);
-  rounding_.assign(model_.envs, 0.0);
-  rounding_floor(matrix_, q_.view(), block_of_row_.view(), env_rows_, {rounding_, fetch});
+  convergence_.see_matrix(matrix_, q_.view(), block_of_row_.view(), fetch);
   if (any_partial_) linalg::project(matrix_, row_projector_.view());
   // Without a shift rounding decides how far a body that nothing holds goes along its free motions.
   if (any_loose_) shift_diagonal(matrix_, kLoose);
@@ -89,7 +88,7 @@ bool Newton::solve_linear(StepReport& report, bool supports_move) {
 
 void Newton::direction(StepReport& report, const Residual& r, double relative, bool supports_move) {
   wanted_.resize(model_.envs);
-  for (Index e = 0; e < model_.envs; ++e) wanted_[e] = tolerance(r, e, relative);
+  for (Index e = 0; e < model_.envs; ++e) wanted_[e] = convergence_.least_tolerance(r, e, relative);
   while (!solve_linear(report, supports_move)) {
     soften();
     ++report.softened;
@@ -100,6 +99,7 @@ void Newton::direction(StepReport& report, const Residual& r, double relative, b
   slope_.assign(model_.envs, 0.0);
   device::Fetch fetch;
   largest(dq_.view(), model_.env_blocks, {longest, fetch});
+  convergence_.see_step(dq_.view(), r, fetch);
   dot(gradient_.view(), dq_.view(), model_.env_blocks, {slope_, fetch});
   fetch.now();
   last_step_ = largest_of(longest);

@@ -2,10 +2,6 @@
 
 namespace mortise::solver {
 
-void largest(View<const Vec3> v, View<const Mat3> projector, const std::vector<Index>& env_blocks, EnvValues out) {
-  device::env_max("solver.largest", env_blocks, [=] MORTISE_HD(Index b) { return (projector[b] * v[b]).norm(); }, out);
-}
-
 void largest(View<const Vec3> v, const std::vector<Index>& env_blocks, EnvValues out) {
   device::env_max("solver.largest", env_blocks, [=] MORTISE_HD(Index b) { return v[b].norm(); }, out);
 }
@@ -125,11 +121,32 @@ void add_scaled(View<const Vec3> v, const std::vector<double>& share, View<const
   device::parallel_for("solver.add_scaled", v.n, [=] MORTISE_HD(Index b) { t[b] += s[block_env[b]] * v[b]; });
 }
 
-void rounding_floor(const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, const std::vector<Index>& env_rows, EnvValues out) {
+void largest_force(View<const Vec3> g, View<const Mat3> projector, View<const double> lever, const std::vector<Index>& body_blocks, EnvValues out) {
+  device::env_max("solver.largest_force", body_blocks, [=] MORTISE_HD(Index b) { return (projector[b] * g[b]).norm() / lever[b]; }, out);
+}
+
+void sum_of_sizes(View<const Vec3> g, View<const double> position, const std::vector<Index>& body_blocks, EnvValues out) {
+  device::env_sum("solver.sum_of_sizes", body_blocks, [=] MORTISE_HD(Index b) { return position[b] * g[b].norm(); }, out);
+}
+
+void net_force(View<const Vec3> g, View<const double> position, int axis, const std::vector<Index>& body_blocks, EnvValues out) {
+  device::env_sum("solver.net_force", body_blocks, [=] MORTISE_HD(Index b) { return position[b] * g[b][axis]; }, out);
+}
+
+void farthest(View<const Vec3> a, View<const Vec3> b, View<const double> lever, const std::vector<Index>& body_blocks, EnvValues out) {
+  device::env_max("solver.farthest", body_blocks, [=] MORTISE_HD(Index i) { return lever[i] * (a[i] - b[i]).norm(); }, out);
+}
+
+void rounding_floor(const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, View<const double> lever, const std::vector<Index>& body_rows, EnvValues largest, EnvValues sum) {
   constexpr double kEps = 2.220446049250313e-16;
   const View<const Index> start = A.row_start.view();
   const View<const Mat3> value = A.value.view();
-  device::env_max("solver.rounding", env_rows, [=] MORTISE_HD(Index r) { return 8 * kEps * value[start[r]].norm() * q[block_of_row[r]].norm(); }, out);
+  const auto floor = [=] MORTISE_HD(Index r) {
+    const Index b = block_of_row[r];
+    return 8 * kEps * value[start[r]].norm() * q[b].norm() / lever[b];
+  };
+  device::env_max("solver.rounding", body_rows, floor, largest);
+  device::env_sum("solver.rounding_sum", body_rows, floor, sum);
 }
 
 void shift_diagonal(linalg::BlockMatrix& A, double share) {

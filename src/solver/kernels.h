@@ -11,8 +11,6 @@ using device::EnvValues;
 using device::Fetch;
 using device::View;
 
-// Per environment the largest |P v| over its blocks.
-void largest(View<const Vec3> v, View<const Mat3> projector, const std::vector<Index>& env_blocks, EnvValues out);
 // Per environment the largest |v|.
 void largest(View<const Vec3> v, const std::vector<Index>& env_blocks, EnvValues out);
 std::vector<double> largest(View<const Vec3> v, const std::vector<Index>& env_blocks);
@@ -37,8 +35,13 @@ void subtract(View<const Vec3> a, View<const Vec3> b, Buffer<Vec3>& out);
 void add_scaled(View<const Vec3> v, const std::vector<double>& share, View<const Index> block_env, Buffer<Vec3>& to);
 // 0 of no values.
 double largest_of(const std::vector<double>& v);
-// Per environment 8 eps max |A_rr| |q_r|: positions are only known to eps |q|, and forces accordingly.
-void rounding_floor(const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, const std::vector<Index>& env_rows, EnvValues out);
+// Of bodies, given by the offsets of their blocks; `lever` and `position` as in convergence.h.
+void largest_force(View<const Vec3> g, View<const Mat3> projector, View<const double> lever, const std::vector<Index>& body_blocks, EnvValues out);  // max |P g| / s
+void sum_of_sizes(View<const Vec3> g, View<const double> position, const std::vector<Index>& body_blocks, EnvValues out);                            // sum |g| over positions
+void net_force(View<const Vec3> g, View<const double> position, int axis, const std::vector<Index>& body_blocks, EnvValues out);                     // sum g over positions
+void farthest(View<const Vec3> a, View<const Vec3> b, View<const double> lever, const std::vector<Index>& body_blocks, EnvValues out);               // max s |a - b|
+// Largest and sum of 8 eps |A_rr| |q_r| / s over the rows of each body: positions are only known to eps |q|, and forces accordingly.
+void rounding_floor(const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, View<const double> lever, const std::vector<Index>& body_rows, EnvValues largest, EnvValues sum);
 // A <- A + share * (mean trace of the diagonal blocks / 3) * I.
 void shift_diagonal(linalg::BlockMatrix& A, double share);
 

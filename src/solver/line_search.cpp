@@ -38,7 +38,7 @@ double Newton::line_search(StepReport& report, const Residual& r, double relativ
     }
   }
   for (Index e = 0; e < model_.envs; ++e)
-    if (model_.envs > 1 && settled(r, e, relative) && r.support_gap[e] == 0) alpha[e] = 0;
+    if (model_.envs > 1 && convergence_.solved(r, e, relative) && r.support_gap[e] == 0) alpha[e] = 0;
 
   for (int k = 0;; ++k) {
     advance(q_.view(), dq_.view(), alpha, model_, trial_);

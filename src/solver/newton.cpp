@@ -21,7 +21,7 @@ double scene_length(const model::Model& model) {
 }  // namespace
 
 Newton::Newton(model::Model& model, EffectList& effects, const Options& options, Clock& clock)
-    : model_(model), effects_(effects), options_(options), clock_(clock), length_(scene_length(model)), effect_gradients_(effects.size()) {
+    : model_(model), effects_(effects), options_(options), clock_(clock), convergence_(model, options), length_(scene_length(model)), effect_gradients_(effects.size()) {
   choose_linear();
   for (const auto& effect : effects_) conservative_ = conservative_ && effect->conservative();
 }
@@ -68,13 +68,13 @@ void Newton::number_rows() {
   row_of_block_.upload(row_of_block);
   block_of_row_.upload(block_of_row);
   row_projector_.upload(row_projector);
+  convergence_.set_rows(row_of_block);
   assembler_.set_rows(device::Buffer<Index>(row_of_block), rows_);
   cg_.reset();
 }
 
-Newton::Residual Newton::assemble(bool hessian) {
-  Residual r;
-  std::vector<std::vector<double>> scale(effects_.size(), std::vector<double>(model_.envs, 0.0));
+Residual Newton::assemble(bool hessian) {
+  Residual r = convergence_.begin();
   device::Fetch fetch;
   gradient_.resize(model_.blocks);
   gradient_.zero();
@@ -86,16 +86,13 @@ Newton::Residual Newton::assemble(bool hessian) {
     sets_.push_back(&set);
     linalg::StencilSet* const one[] = {&set};
     assembler_.gradient(one, model_.blocks, effect_gradients_[k]);
-    largest(effect_gradients_[k].view(), model_.env_blocks, {scale[k], fetch});
+    convergence_.see_effect(effect, effect_gradients_[k].view(), r, fetch);
     add(effect_gradients_[k].view(), gradient_);
   }
-  r.force = r.scale = r.support_gap = std::vector<double>(model_.envs, 0.0);
-  largest(gradient_.view(), model_.projector.view(), model_.env_blocks, {r.force, fetch});
+  convergence_.see_sum(gradient_.view(), q_.view(), r, fetch);
   support_move(q_.view(), model_.target.view(), model_.projector.view(), support_);
   largest(support_.view(), model_.env_blocks, {r.support_gap, fetch});
   fetch.now();
-  for (const std::vector<double>& here : scale)
-    for (Index e = 0; e < model_.envs; ++e) r.scale[e] = std::max(r.scale[e], here[e]);
   for (double f : r.force)
     if (!std::isfinite(f)) throw Failure{not_finite()};
   return r;
@@ -108,27 +105,21 @@ std::string Newton::not_finite() const {
   return "the force residual is not finite";
 }
 
-double Newton::asked(const Residual& r, Index e, double relative) const { return std::max(options_.force_tolerance, relative * r.scale[e]); }
-
-double Newton::tolerance(const Residual& r, Index e, double relative) const { return std::max(asked(r, e, relative), rounding_[e]); }
-
-// The floor of rounding is a bound; the residual may well fall below it, and is given one more iteration to do so where the last one gained
-// a digit.
-bool Newton::settled(const Residual& r, Index e, double relative) const {
-  constexpr double kGains = 0.1;
-  return r.force[e] <= asked(r, e, relative) || (r.force[e] <= rounding_[e] && (r.force[e] > kGains * last_force_[e] || last_force_[e] <= rounding_[e]));
+std::vector<double> Newton::forces(const Residual& r) const {
+  std::vector<double> force;
+  for (Index e = 0; e < model_.envs; ++e) force.push_back(convergence_.largest_force(r, e));
+  return force;
 }
 
 bool Newton::converged(const Residual& r, double relative) const {
   for (Index e = 0; e < model_.envs; ++e)
-    if (!settled(r, e, relative) || r.support_gap[e] > 1e-13 * length_) return false;
+    if (!convergence_.solved(r, e, relative) || r.support_gap[e] > 1e-13 * length_) return false;
   return options_.step_tolerance <= 0 || last_step_ <= options_.step_tolerance;
 }
 
 void Newton::note(const Residual& r, double relative, StepReport& report) const {
-  report.residual = largest_of(r.force);
-  report.tolerance = 0;
-  for (Index e = 0; e < model_.envs; ++e) report.tolerance = std::max(report.tolerance, tolerance(r, e, relative));
+  const Convergence::Worst worst = convergence_.worst(r, relative);
+  report.residual = worst.force, report.tolerance = worst.tolerance, report.residual_share = convergence_.share(r);
 }
 
 void Newton::find_energies(device::View<const Vec3> q, Energies& of, device::Fetch& fetch) {
@@ -181,10 +172,10 @@ bool Newton::needs_jacobian(const Residual& r, Index iteration, double relative)
     slow_ = 0;
     return false;
   }
-  const double now = r.force[0], share = now / last_force_[0];
+  const double share = convergence_.largest_force(r, 0) / last_force_[0];
   slow_ = share > kFast ? slow_ + 1 : 0;
   const bool creeps = slow_ >= kPatience && iteration >= kUsual;
-  const bool linear = share < kFast && share > kQuadratic && last_alpha_ == 1 && now * share > tolerance(r, 0, relative);
+  const bool linear = share < kFast && share > kQuadratic && last_alpha_ == 1 && convergence_.over(r, 0, relative) * share > 1;
   factor_fresh_ &= !creeps;
   return creeps || (linear && factor_fresh_ && !lags_);
 }
@@ -192,8 +183,9 @@ bool Newton::needs_jacobian(const Residual& r, Index iteration, double relative)
 // Where the residual was least: what coupled.cpp starts from, since it converges only from nearby and iterations that run in a circle may end
 // anywhere on it.
 void Newton::remember_nearest(const Residual& r) {
-  if (largest_of(r.force) >= nearest_force_) return;
-  nearest_force_ = largest_of(r.force);
+  const double force = largest_of(r.force);
+  if (force >= nearest_force_) return;
+  nearest_force_ = force;
   nearest_q_.copy_from(q_);
 }
 
@@ -217,14 +209,14 @@ bool Newton::iterate(const effects::StepInfo& info, StepReport& report, double r
     }
     if (it == options_.iterations) {
       std::ostringstream why;
-      why << "Newton stopped after " << it << " iterations with a force residual of " << report.residual << " N (wanted " << report.tolerance << " N)";
+      why << "Newton stopped after " << it << " iterations with a force residual of " << report.residual << " N on '" << model_.bodies[convergence_.worst(r, relative).body].name << "' (wanted " << report.tolerance << " N)";
       if (largest_of(r.support_gap) > 0) why << "; supports are " << largest_of(r.support_gap) << " m from their targets";
       throw Failure{why.str()};
     }
     const bool supports_move = largest_of(r.support_gap) > 0;
     direction(report, r, relative, supports_move);
     last_alpha_ = line_search(report, r, relative, supports_move);
-    last_force_ = r.force;
+    last_force_ = forces(r);
     ++report.newton;
     if (options_.trace) report.trace.back().step = last_step_, report.trace.back().alpha = last_alpha_, report.trace.back().concave = concave_;
   }
@@ -240,10 +232,10 @@ void Newton::trace(const effects::StepInfo& info, const Residual& r, Index itera
   report.trace.push_back(now);
 }
 
-void Newton::solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop) {
+void Newton::solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop, bool again) {
   number_rows();
-  q_.copy_from(model_.q);
-  rounding_.assign(model_.envs, 0.0);
+  if (!again) q_.copy_from(model_.q);
+  convergence_.begin_step();
   factor_fresh_ = false;
   cg_last_rhs_.clear();
   built_speed_ = 0;
@@ -251,7 +243,7 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
   known_.clear();
   start_.clear();
   lags_ = options_.lags;
-  lag_q_.copy_from(model_.q);
+  lag_q_.copy_from(q_);
   lag_share_.assign(model_.envs, 1.0);
   constexpr Index kPlainRounds = 2;
   const double settled = std::max(options_.lag_tolerance, options_.relative_tolerance);
@@ -261,7 +253,7 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
     last_step_ = 0;
     if (!iterate(info, report, relative, stop) || (may_couple_ && round >= kPlainRounds)) {
       if (solve_coupled(info, report, lags_ ? settled : options_.relative_tolerance, stop)) {
-        if (lags_) report.lag_residual = report.residual;
+        if (lags_) report.lag_residual = report.residual, report.lag_share = report.residual_share;
         known_.clear();
         break;
       }
@@ -280,7 +272,8 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
     ++report.lag;
     const Residual fresh = assemble(false);
     last_force_.assign(model_.envs, 0.0);
-    report.lag_residual = largest_of(fresh.force);
+    convergence_.refreshed();
+    report.lag_residual = largest_of(fresh.force), report.lag_share = convergence_.share(fresh);
     if (converged(fresh, settled)) break;
     if (round == options_.lag_iterations) {
       std::ostringstream why;
@@ -288,7 +281,7 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
       throw Failure{why.str()};
     }
     // There is no point in solving far beyond what refreshing changes.
-    relative = std::clamp(0.1 * report.lag_residual / largest_of(fresh.scale), 0.1 * settled, 10 * settled);
+    relative = std::clamp(0.1 * report.lag_share, 0.1 * settled, 10 * settled);
     relax_lagged(round);
   }
   const std::vector<double> phi = energy(q_.view(), known_);

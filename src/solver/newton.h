@@ -1,8 +1,7 @@
 #pragma once
 // Newton's method on the incremental potential Phi(q) with supports.
 //
-//   residual   r = P grad Phi                          [N], per environment the largest |r_b| over blocks b; no smaller
-//              residual is insisted on than rounding of q may cause: 8 eps max_b |H_bb| |q_b|
+//   residual   r = P grad Phi                          [N]; when it is small enough: convergence.h
 //   Hessian    H with a share of its negative curvature (direction.cpp)
 //   direction  (P H P + I - P) d = -P (g + H c)        c = (I - P)(target - q): what the supports still have to move
 //   step       q <- q + alpha (d + c)                  alpha per environment: conservative CCD, then Armijo
@@ -21,6 +20,7 @@
 #include "linalg/direct.h"
 #include "linalg/preconditioner.h"
 #include "model/model.h"
+#include "solver/convergence.h"
 #include "solver/options.h"
 #include "solver/report.h"
 
@@ -33,8 +33,8 @@ class Newton {
   Newton(model::Model& model, EffectList& effects, const Options& options, Clock& clock);
 
   // From model.q to the minimiser, left in q(); throws Failure. Effects' begin_step must have run. `stop` is asked between
-  // iterations and may throw.
-  void solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
+  // iterations and may throw. `again`: from the minimiser that q() is already, since effects have changed.
+  void solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop, bool again = false);
 
   device::Buffer<Vec3>& q() { return q_; }
   bool conservative() const { return conservative_; }
@@ -51,22 +51,16 @@ class Newton {
   std::string linear_reason() const { return linear_reason_; }
 
  private:
-  struct Residual {
-    std::vector<double> force, scale, support_gap;
-  };
-
   void choose_linear();
   void number_rows();
   Residual assemble(bool hessian);
   std::string not_finite() const;  // which force, and where
-  double asked(const Residual& r, Index env, double relative) const;      // by the scene [N]
-  double tolerance(const Residual& r, Index env, double relative) const;  // no less than rounding causes [N]
-  bool settled(const Residual& r, Index env, double relative) const;
+  std::vector<double> forces(const Residual& r) const;  // largest of each environment [N]
   bool converged(const Residual& r, double relative) const;
   void note(const Residual& r, double relative, StepReport& report) const;
   void choose_curvature();
   void soften();
-  void build_matrix(device::Fetch& fetch);  // rounding_ is known once that is done
+  void build_matrix(device::Fetch& fetch);  // convergence_ knows its rounding once that is done
   bool solve_direct(StepReport& report);
   void choose_preconditioner();  // krylov.cpp, with the next four
   void set_up_cg();
@@ -107,6 +101,7 @@ class Newton {
   enum class Linear { direct, reuse, cg } linear_ = Linear::direct;
   bool factor_fresh_ = false;  // the last factor belongs to this step and still pays
   std::string linear_reason_;
+  Convergence convergence_;
   double length_ = 1;  // size of the scene [m]
   std::vector<std::uint8_t> held_;  // the model's state of supports when rows were numbered
   Index rows_ = 0;
@@ -137,7 +132,6 @@ class Newton {
   Energies known_;  // at q_
   Energies start_;  // where the step begins
   std::vector<double> energy_scale_;
-  std::vector<double> rounding_;  // per environment: the residual that rounding of q alone can cause [N]
   std::vector<double> last_force_;  // per environment: the residual before the last iteration [N]; 0 before the first
   double nearest_force_ = INFINITY;  // least residual of these iterations [N], and where it was
   device::Buffer<Vec3> nearest_q_;

@@ -6,8 +6,7 @@
 namespace mortise::solver {
 
 struct Options {
-  // A step is done when in every environment the largest force residual on a block [N] is at most
-  // max(force_tolerance, relative_tolerance * largest force of any one effect on a block).
+  // A step is done when the residual of every body is at most max(force_tolerance [N], relative_tolerance * forces on it): convergence.h.
   double force_tolerance = 0;
   double relative_tolerance = 1e-6;
   double step_tolerance = 0;  // and, when > 0, the last Newton step moved no block further than this [m]

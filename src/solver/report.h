@@ -28,7 +28,9 @@ struct StepReport {
   double alpha = 1;     // smallest accepted step length
   double residual = 0;  // largest force residual at the end [N]
   double tolerance = 0; // what it had to be below [N]
+  double residual_share = 0;  // worst body's residual over the forces on it, where that is more than rounding
   double lag_residual = 0;  // residual with fresh lagged quantities [N]
+  double lag_share = 0;     // the same over the forces
   double energy = 0;    // potential Phi at the end [J]
   double wall = 0;      // [s]
   std::vector<Iterate> trace;  // when asked for

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "base/memory_archive.h"
+#include "base/pass_on.h"
 #include "solver/timed.h"
 
 namespace mortise::solver {
@@ -32,6 +33,27 @@ class EnergyGuard {
   bool helps_ = true;
 };
 
+// Hands on what an effect reports, and sums its forces on points by body.
+class WrittenForces : public PassOn {
+ public:
+  WrittenForces(FieldSink& next, const model::Model& model) : PassOn(&next), model_(model), sum_(model.bodies.size(), Vec3::Zero()) {}
+  void points(std::string_view name, std::string_view unit, int components, std::span<const double> values) override {
+    PassOn::points(name, unit, components, values);
+    if (unit != "N" || components != 3) return;
+    any_ = true;
+    for (std::size_t i = 0; i < sum_.size(); ++i)
+      for (Index p = model_.bodies[i].point_begin; p < model_.bodies[i].point_end; ++p)
+        for (int c = 0; c < 3; ++c) sum_[i][c] += values[3 * static_cast<std::size_t>(p) + c];
+  }
+  bool any() const { return any_; }
+  const std::vector<Vec3>& sum() const { return sum_; }
+
+ private:
+  const model::Model& model_;
+  std::vector<Vec3> sum_;
+  bool any_ = false;
+};
+
 std::vector<double> flatten(const std::vector<Vec3>& v) {
   std::vector<double> out;
   out.reserve(3 * v.size());
@@ -49,6 +71,21 @@ std::vector<Vec3> unflatten(const std::vector<double>& v) {
 
 Simulation::Simulation(model::Model& model, EffectList& effects, const Options& options)
     : model_(model), effects_(effects), options_(options), newton_(model, effects, options_, clock_) {}
+
+// The minimiser, of effects whose parameters fit it, and a state of the model.
+void Simulation::solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop) {
+  constexpr int kMostFits = 8;  // a pressure that hangs on the stiffness is met within three or four
+  newton_.solve(info, report, stop);
+  for (int fits = 0; fits < kMostFits; ++fits) {
+    using Refit = effects::Effect::Refit;
+    Refit most = Refit::none;
+    for (const auto& effect : effects_) most = std::max(most, effect->refit(newton_.q().view()));
+    if (most == Refit::none) break;
+    newton_.solve(info, report, stop, most == Refit::from_here);
+  }
+  for (const auto& effect : effects_)
+    if (const std::string why = effect->objection(newton_.q().view()); !why.empty()) throw Failure{why};
+}
 
 void Simulation::accept() {
   model_.q.copy_from(newton_.q());
@@ -91,7 +128,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
         const Timed timed(clock_, effect->name(), "begin_step");
         effect->begin_step(info);
       }
-      newton_.solve(info, report, stop);
+      solve(info, report, stop);
       if (size > 1 && guard.wants_halving(newton_)) {
         size /= 2;
         continue;
@@ -137,23 +174,35 @@ void Simulation::report(FieldSink& sink) {
   // Before the first step, and after a restart, nothing has been evaluated at this state yet.
   if (!solved_)
     for (const auto& effect : effects_) effect->assemble(model_.q.view(), false);
-  for (const auto& effect : effects_) {
-    const Timed timed(clock_, effect->name(), "report");
-    effect->report(sink);
+  double unlike = 0;
+  for (std::size_t k = 0; k < effects_.size(); ++k) {
+    const Timed timed(clock_, effects_[k]->name(), "report");
+    WrittenForces written(sink, model_);
+    effects_[k]->report(written);
+    if (!solved_ || !written.any()) continue;
+    const std::vector<Vec3> sum = resultants(newton_.effect_gradients()[k].download());
+    for (std::size_t i = 0; i < sum.size(); ++i) unlike = std::max(unlike, (written.sum()[i] + sum[i]).norm());
   }
+  if (solved_) sink.scalar("balance", "written_defect", "N", unlike);
+}
+
+// Sum over the blocks of every body that carry translation: its nodes, or the position block of a stiff body.
+std::vector<Vec3> Simulation::resultants(const std::vector<Vec3>& g) const {
+  std::vector<Vec3> sum;
+  for (const model::Body& body : model_.bodies) {
+    sum.push_back(Vec3::Zero());
+    const Index end = body.type == model::BodyType::stiff ? body.block_begin + 1 : body.block_end;
+    for (Index b = body.block_begin; b < end; ++b) sum.back() += g[b];
+  }
+  return sum;
 }
 
 // Newton's first law of the accepted state: over all blocks that carry translation (nodes, and the position block of stiff
 // bodies) the forces of all effects and of the supports sum to zero.
 void Simulation::report_balance(FieldSink& sink) {
-  std::vector<std::uint8_t> carries(model_.blocks, 1);
-  for (const model::Body& body : model_.bodies)
-    if (body.type == model::BodyType::stiff)
-      for (Index k = 1; k < 4; ++k) carries[body.block_begin + k] = 0;
-  const auto resultant = [&](const std::vector<Vec3>& g) {
+  const auto resultant = [](const std::vector<Vec3>& sums) {
     Vec3 sum = Vec3::Zero();
-    for (std::size_t b = 0; b < g.size(); ++b)
-      if (carries[b]) sum += g[b];
+    for (const Vec3& s : sums) sum += s;
     return sum;
   };
   const auto put = [&](const std::string& name, const Vec3& f) {
@@ -164,16 +213,13 @@ void Simulation::report_balance(FieldSink& sink) {
   std::vector<Vec3> load(model_.bodies.size(), Vec3::Zero());  // of all effects
   double largest = 0;                                          // of one effect on one body
   for (std::size_t k = 0; k < effects_.size(); ++k) {
-    const std::vector<Vec3> gradient = newton_.effect_gradients()[k].download();
-    const Vec3 f = -resultant(gradient);
+    const std::vector<Vec3> sums = resultants(newton_.effect_gradients()[k].download());
+    const Vec3 f = -resultant(sums);
     put(std::string(effects_[k]->name()), f);
     total += f;
     for (std::size_t i = 0; i < load.size(); ++i) {
-      Vec3 sum = Vec3::Zero();
-      for (Index b = model_.bodies[i].block_begin; b < model_.bodies[i].block_end; ++b)
-        if (carries[b]) sum -= gradient[b];
-      load[i] += sum;
-      largest = std::max(largest, sum.norm());
+      load[i] -= sums[i];
+      largest = std::max(largest, sums[i].norm());
     }
   }
   sink.scalar("balance", "largest", "N", largest);
@@ -183,7 +229,8 @@ void Simulation::report_balance(FieldSink& sink) {
   const std::vector<Mat3> P = model_.projector.download();
   std::vector<Vec3> reaction(g.size());
   for (std::size_t b = 0; b < g.size(); ++b) reaction[b] = g[b] - P[b] * g[b];
-  const Vec3 support = resultant(reaction);
+  const std::vector<Vec3> supports = resultants(reaction);
+  const Vec3 support = resultant(supports);
   put("support", support);
   put("defect", total + support);
 
@@ -191,12 +238,11 @@ void Simulation::report_balance(FieldSink& sink) {
   bool any = false;
   std::vector<double> field(3 * static_cast<std::size_t>(model_.points), 0.0);
   for (const model::Body& body : model_.bodies) {
-    Vec3 sum = Vec3::Zero();
+    const Vec3& sum = supports[&body - model_.bodies.data()];
     bool held = false;
     for (Index b = body.block_begin; b < body.block_end; ++b) {
       if (!model_.held[b]) continue;
       held = any = true;
-      if (carries[b]) sum += reaction[b];
       if (body.type != model::BodyType::soft) continue;
       const std::size_t point = body.point_begin + (b - body.block_begin);
       for (int k = 0; k < 3; ++k) field[3 * point + k] = reaction[b][k];

@@ -30,8 +30,10 @@ class Simulation {
   void checkpoint(Archive& archive);
 
  private:
+  void solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
   void accept();
   void report_balance(FieldSink& sink);
+  std::vector<Vec3> resultants(const std::vector<Vec3>& g) const;
 
   model::Model& model_;
   EffectList& effects_;

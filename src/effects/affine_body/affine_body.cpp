@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <sstream>
 #include <utility>
 
 #include "effects/body_blocks.h"
@@ -17,6 +18,7 @@ const ParamTable kTable{"effect affine_body",
 
 struct StiffBody {
   Index first;  // block of a1; a2 and a3 follow
+  double V;     // [m^3]
   double Vk;    // [J]
 };
 
@@ -30,14 +32,18 @@ class AffineBody final : public Effect {
  public:
   AffineBody(const Params& params, model::Model& model) : model_(model) {
     const double stiffness = params.number("stiffness");
+    given_ = stiffness;
     std::vector<StiffBody> bodies;
     std::vector<Index> body_env;
     for (const model::Body& body : model.bodies) {
       if (body.type != model::BodyType::stiff) continue;
-      bodies.push_back({body.block_begin + 1, body.volume * stiffness});
+      bodies.push_back({body.block_begin + 1, body.volume, body.volume * stiffness});
+      names_.push_back(body.name);
       body_env.push_back(body.env);
     }
     bodies_.upload(bodies);
+    stiffness_.assign(bodies.size(), stiffness);
+    next_stiffness_ = stiffness_;
     env_offset_ = env_offsets(body_env, model.envs);
     write_pattern();
   }
@@ -54,6 +60,7 @@ class AffineBody final : public Effect {
   }
 
   std::string_view name() const override { return "affine_body"; }
+  bool internal() const override { return true; }
 
   void plan(Plan& out) const override {
     out.buffers.push_back({"stencils", stencils_.bytes()});
@@ -80,19 +87,74 @@ class AffineBody final : public Effect {
     return stencils_;
   }
 
-  // How far the worst body is from rigid: |A^T A - I|_F, about twice its largest strain.
-  void report(FieldSink& sink) override {
+  // How far each body is from rigid: |A^T A - I|_F, about twice its largest strain.
+  std::vector<double> defects(Positions q) const {
     const View<const StiffBody> list = std::as_const(bodies_).view();
+    device::Buffer<double> defect(list.n);
+    const View<double> out = defect.view();
+    device::parallel_for("affine_body.defect", list.n, [=] MORTISE_HD(Index s) { out[s] = affine_body::defect(columns(q, list[s].first)).norm(); });
+    return defect.download();
+  }
+
+  // The stiffness is a penalty: a body that a step strains by more than a percent takes the step anew with a larger one.
+  Refit refit(Positions q) override {
+    constexpr double kStiff = 0.02, kLargest = 1e6;  // |A^T A - I|; of the given stiffness: there rounding of q begins to tell
+    const std::vector<double> defect = defects(q);
+    Refit change = Refit::none;
+    for (std::size_t i = 0; i < defect.size(); ++i) {
+      if (!(defect[i] > kStiff) || stiffness_[i] >= kLargest * given_) continue;
+      // The defect falls as the stiffness grows, once it is small; a body that is flat says nothing about how much more is needed.
+      const double factor = defect[i] > 0.5 ? 1e3 : 2 * defect[i] / kStiff;
+      stiffness_[i] = std::min(factor * stiffness_[i], kLargest * given_);
+      change = Refit::from_start;
+    }
+    if (change != Refit::none) stiffness_changed();
+    return change;
+  }
+
+  void begin_step(const StepInfo&) override {
+    if (stiffness_ == next_stiffness_) return;
+    stiffness_ = next_stiffness_;
+    stiffness_changed();
+  }
+  void end_step(Positions) override { next_stiffness_ = stiffness_; }
+  void checkpoint(Archive& archive) override {
+    archive.io("stiffness", next_stiffness_);
+    if (archive.loading()) stiffness_ = next_stiffness_, stiffness_changed();
+  }
+
+  std::string objection(Positions q) override {
+    constexpr double kMost = 0.1;  // 5 % of strain: a body that was to be stiff is not
+    const std::vector<double> defect = defects(q);
+    const auto worst = std::max_element(defect.begin(), defect.end());
+    if (worst == defect.end() || *worst <= kMost) return {};
+    std::ostringstream why;
+    why.precision(2);
+    why << "the stiff body '" << names_[worst - defect.begin()] << "' is strained by " << 50 * *worst << " %, however stiff it is made: it is crushed";
+    return why.str();
+  }
+
+  void report(FieldSink& sink) override {
     const Positions q = std::as_const(model_.q).view();
-    const double worst =
-        device::max("affine_body.defect", list.n, 0, [=] MORTISE_HD(Index s) { return affine_body::defect(columns(q, list[s].first)).norm(); });
+    double worst = 0;
+    for (double d : defects(q)) worst = std::max(worst, d);
     sink.scalar("affine_body", "rigidity_defect", "1", worst);
+    if (!stiffness_.empty()) sink.scalar("affine_body", "stiffness_largest", "Pa", *std::max_element(stiffness_.begin(), stiffness_.end()));
     sink.scalar("affine_body", "energy", "J", energy_now(q, model_.envs));
   }
 
  private:
+  void stiffness_changed() {
+    std::vector<StiffBody> bodies = bodies_.download();
+    for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i].Vk = bodies[i].V * stiffness_[i];
+    bodies_.upload(bodies);
+  }
+
   model::Model& model_;
+  double given_ = 0;                                // [Pa]
+  std::vector<double> stiffness_, next_stiffness_;  // per body, in this step and for the next [Pa]
   device::Buffer<StiffBody> bodies_;
+  std::vector<std::string> names_;
   std::vector<Index> env_offset_;
   linalg::StencilSet stencils_;
 };

@@ -100,6 +100,7 @@ class Elasticity final : public Effect {
   }
 
   std::string_view name() const override { return "elasticity"; }
+  bool internal() const override { return true; }
 
   void plan(Plan& out) const override {
     out.buffers.push_back({"stencils", stencils_.bytes()});

@@ -96,6 +96,7 @@ class MortarContact final : public Effect {
       kappa_.push_back(automatic_ ? wanted_stiffness(interfaces_[i], set_.d_hat, kFirstPressure * interfaces_[i].modulus)
                                   : p.number("stiffness"));
     }
+    next_kappa_ = kappa_;
     stiffness_changed();
     watch();
     model.publish(std::string(name()));
@@ -121,7 +122,11 @@ class MortarContact final : public Effect {
       out.kernels.push_back(k);
   }
 
-  void begin_step(const StepInfo&) override {
+  void begin_step(const StepInfo& step) override {
+    static_ = step.is_static;
+    if (step.step != step_) step_ = step.step, stiffening_ = 0;
+    kappa_ = next_kappa_;
+    stiffness_changed();
     near_.locate(std::as_const(model_.q).view());
     if (!started_) {
       contact::check_start(model_, guard_scene(), near_.candidates(), near_.y());
@@ -184,39 +189,49 @@ class MortarContact final : public Effect {
   void end_step(Positions q) override {
     near_.locate(q);
     update();
+    stiffening_ += next_price_;
   }
 
-  // A stiffness whose k has left 2..8 is chosen anew at the pressure that was found. A contact that grows stiffer under load is energy from
-  // nowhere, so all of them grow by no more than the budget pays for, the guard with them.
+  // A contact that grows stiffer under load is energy from nowhere, so all of them grow by no more than the budget pays for, the guard with
+  // them.
   void adapt(double budget) override {
+    next_kappa_ = kappa_;
+    next_price_ = 0;
     if (!automatic_) return;
-    const std::vector<Pair> pairs = frozen_.pairs.download();
-    const std::vector<Sample> samples = frozen_.samples.download();
-    const std::vector<double> before = kappa_;
-    const double guard_before = guard_kappa_;
     double price = 0;
-    for (std::size_t i = 0; i < interfaces_.size(); ++i) {
-      const Achieved now = achieved(interfaces_[i], static_cast<Index>(i), kappa_[i], pairs, samples);
-      if (!(now.pressure > 0) || (now.k >= kWanted / 2 && now.k <= 2 * kWanted)) continue;
-      kappa_[i] = wanted_stiffness(interfaces_[i], set_.d_hat, now.pressure);
-      price += (kappa_[i] / before[i] - 1) * now.energy;
-    }
-    if (kappa_ == before) return;
-    const double guard = guard_energy();
+    const std::vector<double> wanted = fitted(price);
+    if (wanted == kappa_) return;
+    price += (guard_of(wanted) / guard_kappa_ - 1) * guard_energy();
+    const double share = price > budget ? budget / price : 1;
+    next_price_ = share * price;
+    for (std::size_t i = 0; i < kappa_.size(); ++i) next_kappa_[i] = share == 1 ? wanted[i] : kappa_[i] + share * (wanted[i] - kappa_[i]);
+  }
+
+  // A static step ends with the stiffness that its own pressure asks for. In motion that would be energy from nowhere.
+  Refit refit(Positions q) override {
+    if (!automatic_ || !static_) return Refit::none;
+    near_.locate(q);
+    update();
+    constexpr double kSame = 1.5;  // changes below this factor move a pressure by less than its mesh does: not worth another solution
+    double price = 0;
+    const std::vector<double> wanted = fitted(price);
+    bool changed = false;
+    for (std::size_t i = 0; i < kappa_.size(); ++i) changed |= wanted[i] > kSame * kappa_[i] || kappa_[i] > kSame * wanted[i];
+    if (!changed) return Refit::none;
+    kappa_ = wanted;
     stiffness_changed();
-    price += (guard_kappa_ / guard_before - 1) * guard;
-    if (!(price > budget)) return;
-    for (std::size_t i = 0; i < interfaces_.size(); ++i) kappa_[i] = before[i] + budget / price * (kappa_[i] - before[i]);
-    stiffness_changed();
+    return Refit::from_here;
   }
 
   void report(FieldSink& sink) override;
   void checkpoint(Archive& archive) override {
-    archive.io("stiffness", kappa_);
+    archive.io("stiffness", next_kappa_);
+    archive.io("stiffening", next_price_);
     std::vector<double> support = support_.download();
     archive.io("support_radius", support);
     if (!archive.loading()) return;
     support_.upload(support);
+    kappa_ = next_kappa_;
     stiffness_changed();
     started_ = true;
   }
@@ -363,11 +378,30 @@ class MortarContact final : public Effect {
     return std::accumulate(per_env.begin(), per_env.end(), 0.0);
   }
 
+  // The stiffnesses, those anew whose k has left 2..8, at the pressure that the frozen samples found; `price`: what the change adds to
+  // the energy of the samples [J].
+  std::vector<double> fitted(double& price) const {
+    const std::vector<Pair> pairs = frozen_.pairs.download();
+    const std::vector<Sample> samples = frozen_.samples.download();
+    std::vector<double> wanted = kappa_;
+    for (std::size_t i = 0; i < interfaces_.size(); ++i) {
+      const Achieved now = achieved(interfaces_[i], static_cast<Index>(i), kappa_[i], pairs, samples);
+      if (!(now.pressure > 0) || (now.k >= kWanted / 2 && now.k <= 2 * kWanted)) continue;
+      wanted[i] = wanted_stiffness(interfaces_[i], set_.d_hat, now.pressure);
+      price += (wanted[i] / kappa_[i] - 1) * now.energy;
+    }
+    return wanted;
+  }
+
+  double guard_of(const std::vector<double>& kappa) const {
+    double most = 0;
+    for (std::size_t i = 0; i < kappa.size(); ++i) most = std::max(most, kappa[i] * interfaces_[i].h * interfaces_[i].h / 7);
+    return most;
+  }
+
   void stiffness_changed() {
     kappa_view_.upload(kappa_);
-    guard_kappa_ = 0;
-    for (std::size_t i = 0; i < kappa_.size(); ++i)
-      guard_kappa_ = std::max(guard_kappa_, kappa_[i] * interfaces_[i].h * interfaces_[i].h / 7);
+    guard_kappa_ = guard_of(kappa_);
   }
 
   model::Model& model_;
@@ -375,7 +409,10 @@ class MortarContact final : public Effect {
   double guard_share_, rest_share_;
   bool automatic_ = false, started_ = false;
   std::vector<Interface> interfaces_;  // laws
-  std::vector<double> kappa_;
+  std::vector<double> kappa_, next_kappa_;      // of this step, and for the next
+  double next_price_ = 0, stiffening_ = 0;      // energy that the change to next_kappa_ adds; that changes have added in this step [J]
+  Index step_ = -1;
+  bool static_ = false;
   double guard_kappa_ = 0;  // kappa times the weight of a guard pair [N]
   contact::Proximity near_;
   Search search_;
@@ -453,6 +490,7 @@ void MortarContact::report(FieldSink& sink) {
 
   sink.scalar(group, "min_distance", "m", closest);
   sink.scalar(group, "energy", "J", energy_now(std::as_const(model_.q).view(), model_.envs));
+  if (automatic_) sink.scalar(group, "stiffening", "J", stiffening_);
   sink.scalar(group, "active_pairs", "1", static_cast<double>(pairs.size()));
   const double sum = total[0] + total[1] + total[2] + total[3];
   const char* const share_names[] = {"force_share_faces", "force_share_edges", "force_share_points", "force_share_guard"};

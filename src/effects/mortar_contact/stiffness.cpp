@@ -28,10 +28,9 @@ Interface interface_of(const model::Model& model, Index slave, Index master) {
 }
 
 double wanted_stiffness(const Interface& i, double d_hat, double p) {
-  constexpr double kSoftest = 0.376;
   const auto ratio = [](double t) { return barrier::second(t, 1.0) / barrier::phi(t); };
   const double wanted = kWanted * i.modulus * d_hat / (p * i.h);
-  double lo = kSoftest, hi = 1 - 1e-6;  // the ratio rises from lo to hi
+  double lo = kOpen, hi = 1 - 1e-6;  // the ratio rises from lo to hi
   if (wanted <= ratio(lo)) return p / barrier::phi(lo);
   for (int n = 0; n < 60; ++n) {
     const double t = 0.5 * (lo + hi);

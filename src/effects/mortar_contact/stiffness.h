@@ -4,12 +4,14 @@
 // with h the mean edge of the slave surface; best near 4 (reference prototype.md 3.1). At pressure p the gap follows from
 // p = kappa phi(t), so kappa = p / phi(t) with t the root of
 //     -phi'(t) / phi(t) = k E* d_hat / (p h).
-// The left side is smallest, 5.03, at t = 0.376: a layer of range d_hat cannot be softer than that at pressure p. Of the two
-// roots the one above is taken, which keeps gaps wide open.
+// The left side is smallest, 5.03, at t = 0.376: a layer of range d_hat cannot be softer than that at pressure p. Of the two roots the one above
+// is taken, and never one below t = 0.6, where it is 6.1: at twice the mean pressure the gap is still 0.4 d_hat there, far from the guard's range,
+// while at 0.376 peaks of pressure would be the guard's to carry.
 #include "effects/mortar_contact/frozen.h"
 
 namespace mortise::effects::mortar {
 
+inline constexpr double kOpen = 0.6;             // t
 inline constexpr double kWanted = 4;            // k
 inline constexpr double kFirstPressure = 0.01;  // p / E* before any pressure is known: a strain of a percent
 

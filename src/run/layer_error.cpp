@@ -1,0 +1,58 @@
+#include "run/layer_error.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "run/measured_body.h"
+
+namespace mortise::run {
+
+LayerError::LayerError(const model::ModelInput& input) {
+  const Params* pins = input.scene.at("effects").find("pin");
+  std::size_t first = 0;
+  for (const model::BodyInput& in : input.bodies) {
+    if (in.type == model::BodyType::half_space) continue;
+    bool pinned = false;
+    if (pins)
+      for (const Params& pin : pins->items()) pinned |= pin.text("body") == in.name;
+    bodies_.push_back({first, in.nodes.size(), in.type == model::BodyType::soft, pinned});
+    first += in.nodes.size();
+  }
+}
+
+double LayerError::indentation(std::size_t body, std::span<const double> displacement, std::span<const double> support, std::span<const double> pressure) const {
+  if (body >= bodies_.size()) return 0;  // a half-space
+  const Body& b = bodies_[body];
+  if (!b.pinned) return -1;
+  if (!b.soft) return 0;
+  const auto at = [](std::span<const double> v, std::size_t i) { return Vec3(v[3 * i], v[3 * i + 1], v[3 * i + 2]); };
+  Vec3 base = Vec3::Zero();
+  double held = 0, farthest = 0;
+  for (std::size_t i = b.first; i < b.first + b.count; ++i)
+    if (!at(support, i).isZero(0)) base += at(displacement, i), held += 1;
+  if (held == 0) return -1;
+  base /= held;
+  for (std::size_t i = b.first; i < b.first + b.count; ++i)
+    if (pressure[i] > 0) farthest = std::max(farthest, (at(displacement, i) - base).norm());
+  return farthest;
+}
+
+double LayerError::of(const Samples& s, std::span<const double> displacement, std::span<const double> support, std::span<const double> pressure) const {
+  if (support.size() != displacement.size() || 3 * pressure.size() != displacement.size()) return NAN;
+  struct Pair {
+    double force = 0, gap = 0;
+  };
+  std::map<std::pair<std::size_t, std::size_t>, Pair> pairs;
+  for (std::size_t i = 0; i < s.force.size(); ++i) {
+    Pair& pair = pairs[std::minmax(static_cast<std::size_t>(s.bodies[2 * i]), static_cast<std::size_t>(s.bodies[2 * i + 1]))];
+    pair.force += s.force[i], pair.gap += s.force[i] * s.gap[i];
+  }
+  double worst = NAN;
+  for (const auto& [bodies, pair] : pairs) {
+    const double one = indentation(bodies.first, displacement, support, pressure), other = indentation(bodies.second, displacement, support, pressure);
+    if (pair.force > 0 && one >= 0 && other >= 0 && one + other > 0) worst = std::fmax(worst, pair.gap / pair.force / (one + other));
+  }
+  return worst;
+}
+
+}  // namespace mortise::run

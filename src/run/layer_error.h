@@ -1,0 +1,36 @@
+#pragma once
+// Contact holds surfaces apart by a gap where bodies of the real world touch. Between two bodies that both are held or driven, that gap is
+// taken for indentation: with g the mean gap over the contact force and d how far the surfaces were pressed in, measured from the bodies'
+// supports, the force at the imposed travel is too large by about 3/2 g/d (Hertz: F ~ d^1.5).
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "model/input.h"
+
+namespace mortise::run {
+
+class LayerError {
+ public:
+  explicit LayerError(const model::ModelInput& input);
+  // Samples of one contact effect: pairs of bodies, gaps [m], forces [N].
+  struct Samples {
+    std::vector<double> bodies, gap, force;
+  };
+  // Largest g/d of any pair of supported bodies; NaN where there is none. Fields of all points: displacement [m], support_force [N],
+  // contact_pressure [Pa].
+  double of(const Samples& samples, std::span<const double> displacement, std::span<const double> support, std::span<const double> pressure) const;
+
+ private:
+  // Farthest that loaded points of a body are from where its supports are [m]; negative: nothing supports it.
+  double indentation(std::size_t body, std::span<const double> displacement, std::span<const double> support, std::span<const double> pressure) const;
+
+  struct Body {
+    std::size_t first, count;  // points
+    bool soft, pinned;
+  };
+  std::vector<Body> bodies_;
+};
+
+}  // namespace mortise::run

@@ -1,0 +1,34 @@
+#pragma once
+// How much of the elastic energy the mesh may have missed: stresses of linear tetrahedra jump from element to element, and their averages at
+// nodes are closer to the truth (Zienkiewicz, Zhu, Int. J. Numer. Meth. Engng 24, 1987). With s_h the stress of an element, s* the linear
+// field of averages over volume at its nodes, and w(s) = ((1 + nu) s:s - nu tr(s)^2) / (2 E) the energy density of a stress,
+//
+//   missed = sum over elements of int w(s* - s_h) dV,   estimate = missed / (missed + sum over elements of int w(s*) dV),
+//
+// which is an estimate of the relative error of the energy, so of a force at imposed travel or of a travel at imposed force. Elements that lock
+// (linear ones near nu = 1/2) show in it, as their pressures alternate. Quadratic elements are not estimated.
+#include <span>
+#include <vector>
+
+#include "model/input.h"
+
+namespace mortise::run {
+
+class StressError {
+ public:
+  explicit StressError(const model::ModelInput& input);
+  // cauchy_stress of all output cells, six components each (xx yy zz xy yz zx) [Pa]; NaN where nothing can be estimated.
+  double of(std::span<const double> stress) const;
+
+ private:
+  struct Body {
+    std::size_t first_cell;
+    std::vector<Tet> tets;
+    std::vector<double> volume;  // per tetrahedron [m^3]
+    std::size_t nodes;
+    double E, nu;
+  };
+  std::vector<Body> bodies_;
+};
+
+}  // namespace mortise::run

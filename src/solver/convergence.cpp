@@ -1,0 +1,187 @@
+#include "solver/convergence.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "effects/body_blocks.h"
+#include "solver/kernels.h"
+
+namespace mortise::solver {
+namespace {
+
+constexpr double kMotion = 1e-3;  // of the way in this step: far below what the time step itself leaves
+constexpr double kSize = 1e-6;    // of the body, for one that hardly moves
+
+}  // namespace
+
+Convergence::Convergence(const model::Model& model, const Options& options) : model_(model), options_(options), body_blocks_{0} {
+  const std::vector<Vec3> rest = model.rest_points.download();
+  const std::vector<double> position = effects::translation_share(model);
+  std::vector<double> lever(model.blocks, 1.0);
+  for (const model::Body& body : model.bodies) {
+    double radius = 0;
+    for (Index p = body.point_begin; p < body.point_end; ++p) radius = std::max(radius, (rest[p] - body.centre).norm());
+    radius_.push_back(radius);
+    body_blocks_.push_back(body.block_end);
+    for (Index b = body.block_begin; b < body.block_end; ++b)
+      if (position[b] == 0) lever[b] = radius;
+  }
+  lever_.upload(lever);
+  position_.upload(position);
+}
+
+void Convergence::begin_step() {
+  loose_.clear();
+  for (const model::Body& body : model_.bodies)
+    loose_.push_back(std::all_of(model_.held.begin() + body.block_begin, model_.held.begin() + body.block_end, [](auto held) { return held == 0; }));
+  rounding_.assign(model_.bodies.size(), 0.0);
+  rounding_sum_ = rounding_;
+  step_.clear();
+  comparable_ = false;
+}
+
+void Convergence::set_rows(const std::vector<Index>& row_of_block) {
+  body_rows_.assign(1, 0);
+  for (const model::Body& body : model_.bodies) {
+    Index end = body_rows_.back();
+    for (Index b = body.block_begin; b < body.block_end; ++b) end = std::max(end, row_of_block[b] + 1);
+    body_rows_.push_back(end);
+  }
+}
+
+Residual Convergence::begin() const {
+  Residual r;
+  r.support_gap.assign(model_.envs, 0.0);
+  const std::vector<double> none(model_.bodies.size(), 0.0);
+  r.force = r.scale = r.net[0] = r.net[1] = r.net[2] = r.load = r.way = none;
+  return r;
+}
+
+void Convergence::see_effect(const effects::Effect& effect, View<const Vec3> gradient, Residual& r, Fetch& fetch) const {
+  solver::largest_force(gradient, model_.projector.view(), lever_.view(), body_blocks_, {r.scale, fetch});
+  if (effect.internal()) return;
+  auto sum = std::make_shared<std::vector<double>>(r.load.size(), 0.0);
+  sum_of_sizes(gradient, position_.view(), body_blocks_, {*sum, fetch});
+  fetch.then([sum, &load = r.load] {
+    for (std::size_t i = 0; i < load.size(); ++i) load[i] = std::max(load[i], (*sum)[i]);
+  });
+}
+
+void Convergence::see_sum(View<const Vec3> gradient, View<const Vec3> q, Residual& r, Fetch& fetch) const {
+  solver::largest_force(gradient, model_.projector.view(), lever_.view(), body_blocks_, {r.force, fetch});
+  for (int axis = 0; axis < 3; ++axis) net_force(gradient, position_.view(), axis, body_blocks_, {r.net[axis], fetch});
+  farthest(q, model_.q.view(), lever_.view(), body_blocks_, {r.way, fetch});
+}
+
+void Convergence::see_matrix(const linalg::BlockMatrix& matrix, View<const Vec3> q, View<const Index> block_of_row, Fetch& fetch) {
+  rounding_.assign(model_.bodies.size(), 0.0);
+  rounding_sum_ = rounding_;
+  rounding_floor(matrix, q, block_of_row, lever_.view(), body_rows_, {rounding_, fetch}, {rounding_sum_, fetch});
+}
+
+void Convergence::see_step(View<const Vec3> dq, const Residual& r, Fetch& fetch) {
+  step_.assign(model_.bodies.size(), 0.0);
+  last_ = r;
+  comparable_ = true;
+  device::Buffer<Vec3> still(dq.n);
+  still.zero();
+  farthest(dq, std::as_const(still).view(), lever_.view(), body_blocks_, {step_, fetch});
+  fetch.keep(std::move(still));
+}
+
+double Convergence::net(const Residual& r, Index body) const { return std::hypot(r.net[0][body], r.net[1][body], r.net[2][body]); }
+
+// Of the two comparisons in (a), the one that is farther from holding.
+Convergence::Figures Convergence::figures(const Residual& r, Index body, double relative) const {
+  const auto tolerance = [&](double of, double rounding) { return std::max({options_.force_tolerance, relative * of, rounding}); };
+  const Figures one{r.force[body], tolerance(r.scale[body], rounding_[body])};
+  if (!loose_[body]) return one;
+  const Figures all{net(r, body), tolerance(r.load[body], rounding_sum_[body])};
+  return all.force * one.tolerance > one.force * all.tolerance ? all : one;
+}
+
+// The floor of rounding is a bound; the residual may well fall below it, and is given one more iteration to do so where the last one gained
+// a digit.
+bool Convergence::balanced(const Residual& r, Index body, double relative) const {
+  constexpr double kGains = 0.1;
+  const Figures now = figures(r, body, relative);
+  if (!(now.force <= now.tolerance)) return false;
+  const double asked = std::max(options_.force_tolerance, relative * r.scale[body]);
+  if (r.force[body] <= asked || !comparable_) return true;
+  return r.force[body] > kGains * last_.force[body] || last_.force[body] <= rounding_[body];
+}
+
+bool Convergence::at_rest(const Residual& r, Index body, double relative) const {
+  if (step_.empty()) return r.force[body] == 0;
+  const auto had_to_move = [&](Index i) {
+    const Figures then = figures(last_, i, relative);
+    return then.force > then.tolerance;
+  };
+  double fell = 0;
+  if (had_to_move(body)) {
+    fell = r.force[body] / last_.force[body];
+  } else {  // its neighbours moved it: as fast as the slowest of them
+    for (Index i = 0; i < static_cast<Index>(r.force.size()); ++i)
+      if (model_.bodies[i].env == model_.bodies[body].env && had_to_move(i)) fell = std::max(fell, r.force[i] / last_.force[i]);
+  }
+  return fell * step_[body] <= std::max(kMotion * r.way[body], kSize * radius_[body]);
+}
+
+double Convergence::largest_force(const Residual& r, Index env) const {
+  double most = 0;
+  for (std::size_t i = 0; i < r.force.size(); ++i)
+    if (model_.bodies[i].env == env) most = std::max(most, r.force[i]);
+  return most;
+}
+
+double Convergence::over(const Residual& r, Index env, double relative) const {
+  double most = 0;
+  for (std::size_t i = 0; i < r.force.size(); ++i) {
+    if (model_.bodies[i].env != env) continue;
+    const Figures f = figures(r, static_cast<Index>(i), relative);
+    if (f.force > 0) most = std::max(most, f.force / f.tolerance);
+  }
+  return most;
+}
+
+double Convergence::share(const Residual& r) const {
+  double most = 0;
+  for (std::size_t i = 0; i < r.force.size(); ++i) {
+    if (r.force[i] > rounding_[i]) most = std::max(most, r.force[i] / r.scale[i]);
+    const double all = net(r, static_cast<Index>(i));
+    if (loose_[i] && all > rounding_sum_[i]) most = std::max(most, all / r.load[i]);
+  }
+  return most;
+}
+
+bool Convergence::solved(const Residual& r, Index env, double relative) const {
+  for (std::size_t i = 0; i < r.force.size(); ++i) {
+    const Index body = static_cast<Index>(i);
+    if (model_.bodies[i].env == env && !(balanced(r, body, relative) && at_rest(r, body, relative))) return false;
+  }
+  return true;
+}
+
+double Convergence::least_tolerance(const Residual& r, Index env, double relative) const {
+  double least = INFINITY;
+  for (std::size_t i = 0; i < r.force.size(); ++i) {
+    const Index body = static_cast<Index>(i);
+    if (model_.bodies[i].env != env || (balanced(r, body, relative) && at_rest(r, body, relative))) continue;
+    const Figures f = figures(r, body, relative);
+    least = std::min({least, f.tolerance, f.force});
+  }
+  return least;
+}
+
+Convergence::Worst Convergence::worst(const Residual& r, double relative) const {
+  Worst worst;
+  double most = -1;
+  for (std::size_t i = 0; i < r.force.size(); ++i) {
+    const Figures f = figures(r, static_cast<Index>(i), relative);
+    const double share = f.force > 0 ? f.force / f.tolerance : 0;
+    if (share > most) most = share, worst = {static_cast<Index>(i), f.force, f.tolerance};
+  }
+  return worst;
+}
+
+}  // namespace mortise::solver
