@@ -19,6 +19,7 @@ struct Kind {
   const ParamTable* table;
   std::unique_ptr<Effect> (*make)(const Params&, model::Model&);
   std::vector<std::string> papers;  // printed by --citations
+  std::vector<std::string> point_fields{}, cell_fields{};  // that it reports: what scenes may keep and colour by
 };
 
 std::span<const Kind> list();  // in the order in which effects act within a step

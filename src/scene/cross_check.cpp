@@ -13,8 +13,8 @@ namespace {
 
 class CrossCheck {
  public:
-  CrossCheck(const Params& root, const std::set<std::string>& incomplete, Diagnostics& errors)
-      : root_(root), incomplete_(incomplete), errors_(errors), bodies_(root.find("bodies")), effects_(root.find("effects")) {}
+  CrossCheck(const Params& root, std::span<const EffectTable> tables, const std::set<std::string>& incomplete, Diagnostics& errors)
+      : root_(root), tables_(tables), incomplete_(incomplete), errors_(errors), bodies_(root.find("bodies")), effects_(root.find("effects")) {}
 
   void run() {
     if (const Params* name = root_.find("name"); name && !is_name(name->as_text()))
@@ -27,6 +27,7 @@ class CrossCheck {
     if (effects_)
       for (const auto& [name, effect] : effects_->entries()) references(name, effect, dotted("effects", name));
     cameras();
+    kept_fields();
     directions(root_, "");
   }
 
@@ -57,6 +58,11 @@ class CrossCheck {
     const Params* type = body.find("type");
     if (!type || type->as_text() == "half_space") return;
     const bool soft = type->as_text() == "soft";
+    if (const Params* shape = body.find("shape"); shape && !soft)
+      if (const Params* mesh = shape->find("mesh"))
+        for (const char* key : {"edge_length", "surface_edge_length"})
+          if (mesh->has(key))
+            errors_.add(mesh->at(key).where(), path + ".shape.mesh." + key + " has no meaning: the surface of a stiff body is taken as its file has it", "remove it, or make the body soft", {{type->where(), "stiff here"}});
 
     const Params* materials = root_.find("materials");
     const Params* material = body.find("material");
@@ -152,12 +158,36 @@ class CrossCheck {
       if (fov && model && model->as_text() == "pinhole" && fov->as_number() > 3.1)
         errors_.add(fov->where(), path + ".fov must be below 180 deg for a pinhole camera", "model: fisheye has no such limit");
       if (hide) bodies_in(*hide, path + ".hide");
+      if (const Params* by = camera.find("colour_by")) is_field(*by, path + ".colour_by", fields(false));
       if (const Params* unit = camera.find("unit"); unit && !parse_quantity("1 " + unit->as_text(), Unit::any).error.empty())
         errors_.add(unit->where(), path + ".unit is '" + unit->as_text() + "', which is no unit",
                     suggestion(unit->as_text(), suffixes(Unit::any)));
       if (range && (range->items().size() != 2 || !(range->items()[0].as_number() < range->items()[1].as_number())))
         errors_.add(range->where(), path + ".range must be two increasing numbers");
     }
+  }
+
+  // What the scene's effects report.
+  std::vector<std::string> fields(bool of_cells_too) const {
+    std::vector<std::string> out{"displacement"};
+    for (const EffectTable& table : tables_) {
+      if (!has_effect(table.name.c_str())) continue;
+      out.insert(out.end(), table.point_fields.begin(), table.point_fields.end());
+      if (of_cells_too) out.insert(out.end(), table.cell_fields.begin(), table.cell_fields.end());
+    }
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+  }
+  void is_field(const Params& name, const std::string& path, const std::vector<std::string>& known) {
+    if (!effects_known() || std::find(known.begin(), known.end(), name.as_text()) != known.end()) return;
+    errors_.add(name.where(), path + ": no effect of this scene reports a field '" + name.as_text() + "'", suggestion(name.as_text(), known));
+  }
+  void kept_fields() {
+    const Params* output = root_.find("output");
+    const Params* names = output ? output->find("fields") : nullptr;
+    if (!names) return;
+    for (const Params& name : names->items()) is_field(name, "output.fields", fields(true));
   }
 
   // Directions have no length of their own, but zero has no direction.
@@ -175,6 +205,7 @@ class CrossCheck {
   }
 
   const Params& root_;
+  std::span<const EffectTable> tables_;
   const std::set<std::string>& incomplete_;
   Diagnostics& errors_;
   const Params *bodies_, *effects_;
@@ -182,8 +213,8 @@ class CrossCheck {
 
 }  // namespace
 
-void cross_check(const Params& root, const std::set<std::string>& incomplete, Diagnostics& errors) {
-  CrossCheck(root, incomplete, errors).run();
+void cross_check(const Params& root, std::span<const EffectTable> effects, const std::set<std::string>& incomplete, Diagnostics& errors) {
+  CrossCheck(root, effects, incomplete, errors).run();
   check_checks(root, incomplete, errors);
   check_sensors(root, incomplete, errors);
 }

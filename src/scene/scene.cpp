@@ -87,7 +87,7 @@ Scene read_scene_text(const std::string& text, const std::string& path, const st
   for (const std::string& set : overrides) apply_override(root, set, tables.root(), errors);
   Checker checker(errors, fs::absolute(path).parent_path().string());
   scene.root = checker.table(tables.root(), root, "");
-  cross_check(scene.root, checker.incomplete(), errors);
+  cross_check(scene.root, effects, checker.incomplete(), errors);
   if (!errors.empty()) errors.raise();
   return scene;
 }

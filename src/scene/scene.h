@@ -19,6 +19,7 @@ struct EffectTable {
   std::string name;
   std::string help;  // one sentence
   const ParamTable* table = nullptr;
+  std::vector<std::string> point_fields{}, cell_fields{};  // that it reports
 };
 
 struct Scene {

@@ -11,6 +11,7 @@
 #include "engine/choose.h"
 #include "engine/input.h"
 #include "geometry/topology.h"
+#include "sensors/sensors.h"
 
 namespace mortise::study {
 namespace {
@@ -151,6 +152,7 @@ Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInp
   }
   std::unique_ptr<engine::Engine> engine;
   check(engine::chosen().api->create(out.input, engine));
+  sensors::Sensors sensors(out.input);
   const long steps = scene.root.at("time").integer("steps");
   out.converged = true;
   for (long i = 0; i < steps && out.converged; ++i) {
@@ -166,7 +168,8 @@ Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInp
     check(outcome);
     out.steps.push_back(report);
     out.fields = {};
-    engine->report(out.fields);
+    engine->report(*sensors.watch(&out.fields));
+    sensors.finish(engine->points());
     if (each) each(out.fields);
   }
   out.points = engine->points();

@@ -6,24 +6,24 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "engine/effect_tables.h"
 #include "study/benchmark.h"
+#include "study/scene_runs.h"
 
 namespace mortise::study {
 namespace {
 
-std::vector<std::string> as_overrides(const std::vector<std::pair<std::string, std::string>>& settings) {
+std::vector<std::string> as_overrides(const Settings& settings) {
   std::vector<std::string> out;
   for (const auto& [key, value] : settings) out.push_back(key + "=" + value);
   return out;
 }
 
 // Curve by curve, along the ladder.
-std::vector<std::vector<std::pair<std::string, std::string>>> combinations(const std::vector<Vary>& vary) {
-  std::vector<std::vector<std::pair<std::string, std::string>>> all{{}};
+std::vector<Settings> combinations(const std::vector<Vary>& vary) {
+  std::vector<Settings> all{{}};
   for (std::size_t k = vary.size(); k-- > 0;) {
     // The first key changes fastest, so it is put in front last.
-    std::vector<std::vector<std::pair<std::string, std::string>>> next;
+    std::vector<Settings> next;
     for (const auto& rest : all)
       for (const std::string& value : vary[k].values) {
         auto with = rest;
@@ -33,45 +33,6 @@ std::vector<std::vector<std::pair<std::string, std::string>>> combinations(const
     all = std::move(next);
   }
   return all;
-}
-
-void run_scenes(const Study& study, std::vector<Point>& points) {
-  const std::vector<scene::EffectTable> tables = engine::effect_tables();
-  for (const auto& settings : combinations(study.vary)) {
-    std::vector<std::string> overrides = study.overrides;
-    for (std::string& s : as_overrides(settings)) overrides.push_back(std::move(s));
-    const scene::Scene scene = scene::read_scene(study.scene, overrides, tables);
-    Solved s = solve(scene);
-    for (int i = 1; i < study.repeats; ++i) s.seconds = std::min(s.seconds, solve(scene).seconds);
-    for (const std::string& q : study.quantities) {
-      Point p;
-      p.settings = settings, p.quantity = q, p.seconds = s.seconds, p.newton_iterations = s.newton, p.dofs = s.dofs;
-      p.failed = !s.converged;
-      p.value = s.converged ? s.fields.at(q) : NAN;
-      if (s.converged && !s.fields.number.contains(q)) {
-        std::string known;
-        for (const auto& [name, v] : s.fields.number) known += "\n  " + name;
-        throw Error(Exit::usage, "--qoi " + q + ": nothing reports it; there are" + known);
-      }
-      points.push_back(p);
-    }
-  }
-  for (std::size_t k = 0; k < study.quantities.size(); ++k) {
-    double reference = NAN;
-    if (!study.references.empty()) {
-      reference = study.references.at(k);
-    } else {
-      std::vector<double> ladder;
-      const std::size_t steps = study.vary.front().values.size();
-      for (std::size_t i = 0; i < steps; ++i) ladder.push_back(points[i * study.quantities.size() + k].value);
-      Point& finest = points[(steps - 1) * study.quantities.size() + k];
-      if (finest.failed) throw Error(Exit::solve, "the run that the others are compared with did not converge; give --reference");
-      bool extrapolated = false;
-      reference = reference_of(ladder, &extrapolated);
-      finest.reference = !extrapolated;
-    }
-    for (std::size_t i = k; i < points.size(); i += study.quantities.size()) points[i].error = reference != 0 ? std::abs(points[i].value / reference - 1) : std::abs(points[i].value);
-  }
 }
 
 void run_benchmarks(const Study& study, const Benchmark& benchmark, std::vector<Point>& points, const std::function<void(const Point&)>& done) {
@@ -123,7 +84,7 @@ Vary parse_vary(const std::string& text) {
   return out;
 }
 
-std::vector<Point> run_study(const Study& study, const std::function<void(const Point&)>& done) {
+std::vector<Point> run_study(const Study& study, const std::function<void(const Point&)>& done, const std::function<void(const std::string&)>& note) {
   if (study.vary.empty()) throw Error(Exit::usage, "nothing is varied: give --vary key=value1,value2,...");
   if (study.repeats < 1) throw Error(Exit::usage, "--repeat counts from 1");
   if (study.quantities.empty()) throw Error(Exit::usage, "no quantity to compare: give --qoi group/name");
@@ -133,21 +94,13 @@ std::vector<Point> run_study(const Study& study, const std::function<void(const 
     if (!study.references.empty()) throw Error(Exit::usage, "a benchmark has its own references");
     run_benchmarks(study, *benchmark, points, done);
   } else {
-    run_scenes(study, points);
+    std::vector<std::string> references;
+    run_scenes(study, combinations(study.vary), points, references);
     for (const Point& p : points) done(p);
+    for (const std::string& r : references) note(r);
   }
   mark_best(points);
   return points;
-}
-
-double reference_of(const std::vector<double>& ladder, bool* extrapolated) {
-  const std::size_t n = ladder.size();
-  if (extrapolated) *extrapolated = false;
-  if (n < 3) return ladder.back();
-  const double near = ladder[n - 1] - ladder[n - 2], far = ladder[n - 2] - ladder[n - 3];
-  if (!(near * far > 0) || std::abs(near) >= std::abs(far)) return ladder.back();
-  if (extrapolated) *extrapolated = true;
-  return ladder.back() - near * near / (near - far);
 }
 
 void mark_best(std::vector<Point>& points) {

@@ -33,17 +33,13 @@ struct Study {
   std::vector<std::string> overrides;   // --set of all runs
   std::vector<Vary> vary;
   std::vector<std::string> quantities;  // "group/name" of scalars at the last step; `quantity` of a benchmark's rows
-  std::vector<double> references;       // one per quantity of a scene; none: see `reference_of`
+  std::vector<double> references;       // one per quantity of a scene; none: limit.h
   int repeats = 1;                      // runs of every setting; the fastest counts
 };
 
 // Runs everything, on the CPU. Scene settings that the scene does not have, and quantities that nothing reports, are Error(Exit::usage | Exit::scene).
-std::vector<Point> run_study(const Study& study, const std::function<void(const Point&)>& done);
-
-// What the values of a ladder tend to, from its last three: Aitken's extrapolation q1 - (q1 - q2)^2/((q1 - q2) - (q2 - q4)), which is
-// Richardson's for any order and any constant ratio of settings. The last value itself where the differences change sign or do not fall
-// (accuracy.md, appendix E); `extrapolated`, if given, tells which it is.
-double reference_of(const std::vector<double>& ladder, bool* extrapolated = nullptr);
+// `note` is told what each quantity of a scene was compared with.
+std::vector<Point> run_study(const Study& study, const std::function<void(const Point&)>& done, const std::function<void(const std::string&)>& note = [](const std::string&) {});
 
 // Marks the fronts, quantity by quantity: sorted by time, those with less error than all before.
 void mark_best(std::vector<Point>& points);

@@ -260,7 +260,8 @@ Kind friction_kind() {
       "Coulomb friction of a contact effect, smoothed below an absolute creep speed, lagged forces iterated",
       &kTable,
       [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Friction>(p, m); },
-      {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020"}};
+      {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020"},
+      {"friction_force"}};
 }
 
 }  // namespace mortise::effects

@@ -193,7 +193,8 @@ class Inertia final : public Effect {
 Kind inertia_kind() {
   return {"inertia", "bodies resist acceleration (backward Euler or BDF2)", &kTable,
           [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Inertia>(p, m); },
-          {"Hairer, Wanner: Solving Ordinary Differential Equations II. Springer, 1996 (variable-step BDF2)"}};
+          {"Hairer, Wanner: Solving Ordinary Differential Equations II. Springer, 1996 (variable-step BDF2)"},
+          {"velocity"}};
 }
 
 }  // namespace mortise::effects

@@ -522,7 +522,8 @@ Kind mortar_contact_kind() {
           [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<MortarContact>(p, m); },
           {"Liang, Han: IsaacIPC (geometric mortar contact potential). arXiv:2605.24339, 2026",
            "Puso, Laursen: A mortar segment-to-segment contact method for large deformation solid mechanics. CMAME 193, 2004",
-           "Li, Kaufman, Jiang: Convergent Incremental Potential Contact. arXiv:2307.15908, 2023"}};
+           "Li, Kaufman, Jiang: Convergent Incremental Potential Contact. arXiv:2307.15908, 2023"},
+          {"contact_force", "contact_pressure"}};
 }
 
 }  // namespace mortise::effects

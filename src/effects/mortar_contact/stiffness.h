@@ -5,13 +5,13 @@
 // p = kappa phi(t), so kappa = p / phi(t) with t the root of
 //     -phi'(t) / phi(t) = k E* d_hat / (p h).
 // The left side is smallest, 5.03, at t = 0.376: a layer of range d_hat cannot be softer than that at pressure p. Of the two roots the one above
-// is taken, and never one below t = 0.6, where it is 6.1: at twice the mean pressure the gap is still 0.4 d_hat there, far from the guard's range,
-// while at 0.376 peaks of pressure would be the guard's to carry.
+// is taken, and never one below t = 0.7, where it is 7.6: at three times the mean pressure the gap is still d_hat/2 there, far from the guard's
+// range, while from 0.376 on peaks of pressure would be the guard's to carry (half of the force of a ball on a pad with d_hat = h/50).
 #include "effects/mortar_contact/frozen.h"
 
 namespace mortise::effects::mortar {
 
-inline constexpr double kOpen = 0.6;             // t
+inline constexpr double kOpen = 0.7;             // t
 inline constexpr double kWanted = 4;            // k
 inline constexpr double kFirstPressure = 0.01;  // p / E* before any pressure is known: a strain of a percent
 

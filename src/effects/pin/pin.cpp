@@ -239,7 +239,7 @@ class Pin final : public Effect {
 
 Kind pin_kind() {
   return {"pin", "points held or moved exactly", &kTable,
-          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Pin>(p, m); }, {}};
+          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Pin>(p, m); }, {}, {"support_force"}};
 }
 
 }  // namespace mortise::effects

@@ -1,0 +1,24 @@
+#pragma once
+// What the values of a ladder of settings tend to.
+#include <string>
+#include <vector>
+
+namespace mortise::study {
+
+struct Limit {
+  double value = 0;
+  bool extrapolated = false;  // else the value is that of the finest run
+  std::string how;            // "extrapolated at an observed order of 1.9", "the finest run: ..."
+};
+
+// Sizes of the settings of a ladder, coarse to fine: lengths and time steps as they are, numbers of steps or cells as their inverses. Empty
+// where the settings are no numbers of one unit, or neither fall nor rise all along.
+std::vector<double> ladder_sizes(const std::vector<std::string>& settings);
+
+// Richardson's limit of the last three values, q(h) = q + C h^p with the order p observed from
+//   (q1 - q2) / (q2 - q3) = (h1^p - h2^p) / (h2^p - h3^p),
+// whatever the ratios of the sizes h1 > h2 > h3 are (Roache, Verification and Validation in Computational Science and Engineering, 1998,
+// ch. 5). The last value itself where differences change sign, no order between 0.5 and 5 explains them, or no sizes are known.
+Limit limit_of(const std::vector<double>& sizes, const std::vector<double>& values);
+
+}  // namespace mortise::study
