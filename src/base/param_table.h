@@ -50,6 +50,7 @@ struct Param {
   std::string help;                    // one sentence, without the unit
   std::optional<std::string> fallback; // default in scene syntax, e.g. "0.1 mm"; absent and !optional = required
   bool optional = false;               // may be absent, and then the resolved table has no such key
+  bool automatic = false;              // absent means that a value is chosen; `auto` says so aloud
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
   bool min_open = false;               // true: value must be > min
@@ -96,6 +97,11 @@ inline Param required(Param p) {
 inline Param optional(Param p) {
   p.fallback.reset();
   p.optional = true;
+  return p;
+}
+inline Param automatic(Param p) {  // optional; `auto` is as good as absent
+  p = optional(std::move(p));
+  p.automatic = true;
   return p;
 }
 inline Param range(Param p, double min, double max) {

@@ -102,13 +102,22 @@ void Params::push(Params value) {
   items_.push_back(std::move(value));
 }
 
-Schedule::Schedule(const Params& p) {
+Schedule::Schedule(const Params& p, bool smooth) {
   if (p.kind() == Params::Kind::table) {
     time_ = p.numbers("time");
     value_ = p.numbers("value");
   } else {
     time_ = {0};
     value_ = {p.as_number()};
+  }
+  if (!smooth) return;
+  slope_.assign(time_.size(), 0.0);
+  for (std::size_t k = 1; k + 1 < time_.size(); ++k) {
+    const double h0 = time_[k] - time_[k - 1], h1 = time_[k + 1] - time_[k];
+    const double d0 = (value_[k] - value_[k - 1]) / h0, d1 = (value_[k + 1] - value_[k]) / h1;
+    if (!(d0 * d1 > 0)) continue;
+    const double a = (h0 + 2 * h1) / (3 * (h0 + h1));
+    slope_[k] = d0 * d1 / (a * d1 + (1 - a) * d0);
   }
 }
 
@@ -117,7 +126,9 @@ double Schedule::operator()(double t) const {
   if (t >= time_.back()) return value_.back();
   const auto hi = std::upper_bound(time_.begin(), time_.end(), t) - time_.begin();
   const double s = (t - time_[hi - 1]) / (time_[hi] - time_[hi - 1]);
-  return value_[hi - 1] + s * (value_[hi] - value_[hi - 1]);
+  if (slope_.empty()) return value_[hi - 1] + s * (value_[hi] - value_[hi - 1]);
+  const double h = time_[hi] - time_[hi - 1], r = 1 - s;
+  return r * r * (1 + 2 * s) * value_[hi - 1] + s * s * (3 - 2 * s) * value_[hi] + h * s * r * (r * slope_[hi - 1] - s * slope_[hi]);
 }
 
 }  // namespace mortise

@@ -67,11 +67,14 @@ class Params {
 class Schedule {
  public:
   Schedule() = default;
-  explicit Schedule(const Params& p);  // number, or table {time: [...], value: [...]}
+  explicit Schedule(const Params& p, bool smooth = false);  // number, or table {time: [...], value: [...]}; smooth: see slope_
   double operator()(double t) const;
 
  private:
   std::vector<double> time_, value_;
+  // At the keys, of a cubic that starts and ends at rest and never overshoots them (Fritsch, Butland, SIAM J. Sci. Stat. Comput. 5, 1984);
+  // empty: linear in between.
+  std::vector<double> slope_;
 };
 
 }  // namespace mortise

@@ -1,6 +1,7 @@
 #include "geometry/tetrahedralise.h"
 
 #include <cmath>
+#include <sstream>
 
 #include "base/error.h"
 #include "geometry/tetrahedralise_cache.h"
@@ -27,6 +28,18 @@ void check_result(const TriMesh& given, const TetMesh& mesh, const std::string& 
                                  " % of the given surface's; use a smaller edge_length");
 }
 
+// Often a mesh drawn in millimetres and taken for metres.
+std::string too_fine(const TriMesh& surface, double edge_length) {
+  Vec3 lo = surface.points.front(), hi = lo;
+  for (const Vec3& x : surface.points) lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
+  const Vec3 size = hi - lo;
+  std::ostringstream text;
+  text.precision(3);
+  text << "it is " << size[0] << " m x " << size[1] << " m x " << size[2] << " m, far too large to be filled at an edge_length of " << edge_length << " m";
+  if (size.maxCoeff() > 0.5) text << "; if the file is in millimetres, add 'scale: 0.001'";
+  return text.str();
+}
+
 }  // namespace
 
 TetMesh tetrahedralise(const TriMesh& surface, const TetrahedraliseOptions& given, const std::string& what) {
@@ -42,9 +55,7 @@ TetMesh tetrahedralise(const TriMesh& surface, const TetrahedraliseOptions& give
   if (std::optional<TetMesh> known = cache.load()) return *std::move(known);
   check_closed_surface(surface, what);
   const double estimate = 9 * mass_properties(surface).volume / std::pow(options.edge_length, 3);
-  if (estimate > 1e8)
-    throw Error(Exit::scene,
-                what + ": edge_length is too small: about " + std::to_string(static_cast<long long>(estimate)) + " tetrahedra");
+  if (estimate > 1e8) throw Error(Exit::scene, what + ": " + too_fine(surface, options.edge_length));
   TetMesh mesh = mesh_domain(surface, options);
   check_result(surface, mesh, what);
   cache.store(mesh);

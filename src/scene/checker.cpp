@@ -96,6 +96,7 @@ Params Checker::table(const ParamTable& base, const Node& node, const std::strin
                   hint);
       continue;
     }
+    if (p->automatic && child.kind == Node::Kind::scalar && child.text == "auto") continue;
     if (p->optional && child.kind == Node::Kind::null && p->kind != Kind::table && p->kind != Kind::tables) {
       errors_.add(child.key_at, dotted(path, key) + " is empty", "give it a value or remove the key");
       continue;

@@ -77,7 +77,7 @@ class Override {
         if (here.kind == Kind::tables) here.kind = Kind::table;
         if (here.kind == Kind::vec3s) here.kind = Kind::vec3;
       } else if (here.kind == Kind::map) {
-        node = named(*node, part, "'" + part + "' under " + path);
+        node = last ? added(*node, part) : named(*node, part, "'" + part + "' under " + path);
         if (!node) return nullptr;
         here.kind = Kind::table;
       } else if (here.kind == Kind::table && here.sub) {
@@ -111,9 +111,18 @@ class Override {
     block.entries.emplace_back(key, fresh);
     return &block.entries.back().second;
   }
+  // A block with a name of its own (a body, a material) may be new when it is given whole.
+  Node* added(Node& block, const std::string& key) {
+    if (Node* found = block.find(key)) return found;
+    Node fresh;
+    fresh.at = fresh.key_at = at_;
+    block.entries.emplace_back(key, fresh);
+    return &block.entries.back().second;
+  }
   Node* named(Node& block, const std::string& key, const std::string& what) {
     if (Node* found = block.find(key)) return found;
-    errors_.add(at_, "the scene does not have " + what, suggestion(key, keys(block)));
+    const std::string near = suggestion(key, keys(block));
+    errors_.add(at_, "the scene does not have " + what, near.empty() ? "to add it, give it whole: --set 'PATH={...}'" : near);
     return nullptr;
   }
   Node* item(Node& list, const Param& what, const std::string& part, const std::string& path) {

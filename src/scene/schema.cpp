@@ -53,7 +53,7 @@ Json number(const Param& p) {
       for (char c : s) units += c == '^' ? "\\^" : std::string(1, c);
     }
     out["type"] = {"number", "string"};
-    out["pattern"] = "^[-+]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][-+]?[0-9]+)?\\s*(" + units + ")$";
+    out["pattern"] = std::string(p.automatic ? "^auto$|" : "") + "^[-+]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][-+]?[0-9]+)?\\s*(" + units + ")$";
   }
   const auto bound = [](double v) { return v == std::floor(v) ? Json(static_cast<long long>(v)) : Json(v); };
   if (std::isfinite(p.min)) out[p.min_open ? "exclusiveMinimum" : "minimum"] = bound(p.min);

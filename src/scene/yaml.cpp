@@ -87,7 +87,29 @@ class Builder : public YAML::EventHandler {
   void close() {
     Open done = std::move(stack_.back());
     stack_.pop_back();
+    if (done.node.kind == Node::Kind::map) merge(done.node);
     put(std::move(done.node), done.anchor);
+  }
+  // The key `<<` stands for the keys of the block behind it, or of a list of blocks, as far as they are not written out (yaml.org/type/merge).
+  void merge(Node& map) {
+    std::vector<Node> from;
+    for (auto entry = map.entries.begin(); entry != map.entries.end();) {
+      if (entry->first != "<<") {
+        ++entry;
+        continue;
+      }
+      Node value = std::move(entry->second);
+      entry = map.entries.erase(entry);
+      if (value.kind == Node::Kind::map) value.items = {value};
+      if (value.items.empty()) throw SyntaxError{value.at, "the merge key '<<' takes a block of keys, as in '<<: *anchor'"};
+      for (Node& item : value.items) {
+        if (item.kind != Node::Kind::map) throw SyntaxError{item.at, "the merge key '<<' takes blocks of keys"};
+        from.push_back(std::move(item));
+      }
+    }
+    for (const Node& block : from)
+      for (const auto& [key, node] : block.entries)
+        if (!map.find(key)) map.entries.emplace_back(key, node);
   }
   void put(Node n, YAML::anchor_t anchor) {
     if (anchor) anchors_[anchor] = n;

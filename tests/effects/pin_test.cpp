@@ -23,7 +23,7 @@ Params pinned(const std::string& body, const Params& where, const std::string& a
 Params lifted(Params p, const std::vector<double>& time, const std::vector<double>& z) {
   Params keys = Params::make_list();
   for (double v : z) keys.push(vec({2 * v, -v, v}));
-  p.set("motion", fd::table({{"time", fd::numbers(time)}, {"translation", keys}}));
+  p.set("motion", fd::table({{"time", fd::numbers(time)}, {"interpolation", Params::make_text("linear")}, {"translation", keys}}));
   return p;
 }
 std::unique_ptr<Effect> make(model::Model& m, std::vector<Params> pins) { return fd::make_effect("pin", Params::make_list(std::move(pins)), m); }
@@ -84,8 +84,9 @@ TEST(Pin, StiffBodyTurnsAboutAnAxisAndMoves) {
   Params p = pinned("ball", where_side("all"));
   const Vec3 c(1, 0, 0), u(0, 0, 0.5);
   p.set("motion", fd::table({{"time", fd::numbers({0, 1})},
+                             {"interpolation", Params::make_text("linear")},
                              {"translation", Params::make_list({vec(Vec3::Zero()), vec(u)})},
-                             {"rotation", fd::table({{"axis", vec({0, 0, 2})}, {"centre", vec(c)}, {"angle", fd::numbers({0, M_PI / 2})}})}}));
+                             {"rotation", Params::make_list({fd::table({{"axis", vec({0, 0, 2})}, {"centre", vec(c)}, {"angle", fd::numbers({0, M_PI / 2})}})})}}));
   const auto e = make(m, {p});
   const Index b = m.bodies[1].block_begin;
   for (Index k = 0; k < 4; ++k) {
@@ -104,6 +105,29 @@ TEST(Pin, StiffBodyTurnsAboutAnAxisAndMoves) {
   const auto half = m.target.download();
   EXPECT_NEAR(half[b + 1].dot(half[b + 2]), 0, 1e-15);
   EXPECT_NEAR(half[b + 1].norm(), 1, 1e-15);
+}
+
+// A quarter about z and then one about x, each about its own point; between keys at rest at both ends, faster in the middle.
+TEST(Pin, TurnsOneAfterTheOtherAndSmoothly) {
+  model::Model m(fd::box_and_ball());
+  Params p = pinned("ball", where_side("all"));
+  const auto turn = [](const Vec3& axis, const Vec3& centre) { return fd::table({{"axis", vec(axis)}, {"centre", vec(centre)}, {"angle", fd::numbers({0, M_PI / 2, M_PI / 2})}}); };
+  const Vec3 c(1, 0, 0), d(0, 2, 0);
+  p.set("motion", fd::table({{"time", fd::numbers({0, 1, 3})}, {"interpolation", Params::make_text("smooth")}, {"rotation", Params::make_list({turn({0, 0, 1}, c), turn({1, 0, 0}, d)})}}));
+  const auto e = make(m, {p});
+  const Index b = m.bodies[1].block_begin;
+  at(*e, 1.5, 0.5);  // both turns done, and held
+  const Vec3 r = m.bodies[1].centre - c, once = c + Vec3(-r[1], r[0], r[2]), s = once - d;
+  EXPECT_LT((m.target.download()[b] - (d + Vec3(s[0], -s[2], s[1]))).norm(), 1e-14);
+  EXPECT_LT((m.target.download()[b + 1] - Vec3(0, 0, 1)).norm(), 1e-15);  // x -> y -> z
+  const auto turned = [&](double t) {
+    at(*e, t, 0);
+    return std::acos(std::clamp(m.target.download()[b + 3].dot(Vec3(0, 0, 1)), -1., 1.));  // z turns about x only
+  };
+  EXPECT_NEAR(turned(0.5), M_PI / 4, 1e-12);
+  EXPECT_LT(turned(0.01), 3.01e-4 * M_PI / 2);  // 3 t^2 instead of t
+  EXPECT_NEAR(turned(0.99), M_PI / 2, 4e-4 * M_PI);
+  EXPECT_LE(turned(2), M_PI / 2 + 1e-12);  // no overshoot
 }
 
 TEST(Pin, ReleaseFreesFromThatTimeOn) {

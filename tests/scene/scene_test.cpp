@@ -142,6 +142,18 @@ TEST(Scene, AliasesRepeatABlock) {
   EXPECT_EQ(s.at("bodies").at("b").at("shape").at("sphere").number("radius"), 1);
 }
 
+TEST(Scene, MergeKeysFillInWhatIsNotWritten) {
+  const std::string text =
+      "mortise: 1\nx-r: &r {type: stiff, material: m, shape: {sphere: {radius: 1 m, edge_length: 0.5 m}}, position: [1, 0, 0]}\nx-s: &s {position: [2, 0, 0], velocity: [3, 0, 0]}\n"
+      "time: {step: 1, steps: 1}\nmaterials: {m: {density: 1}}\nbodies:\n  a: {<<: *r}\n  b: {position: [5, 0, 0], <<: [*s, *r]}\n  c:\n    <<: *s\n    <<: *r\neffects: {inertia: {}, affine_body: {}}\n";
+  const Params bodies = read(text).at("bodies");
+  EXPECT_EQ(bodies.at("a").vec3("position"), Vec3(1, 0, 0));
+  EXPECT_EQ(bodies.at("b").vec3("position"), Vec3(5, 0, 0));
+  EXPECT_EQ(bodies.at("b").vec3("velocity"), Vec3(3, 0, 0));
+  EXPECT_EQ(bodies.at("c").vec3("position"), Vec3(2, 0, 0));
+  EXPECT_THAT(message("mortise: 1\nbodies: {a: {<<: 3}}\n"), HasSubstr("the merge key '<<' takes a block of keys"));
+}
+
 TEST(Scene, AliasBombIsRefused) {
   std::string text = "mortise: 1\nx-0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n";
   for (int i = 1; i < 9; ++i) {
@@ -223,6 +235,13 @@ TEST(Overrides, ErrorsCiteTheFlagAndTheLineItReplaces) {
   EXPECT_THAT(message(kBase, {"bodies.bal.velocity=[0, 0, 0]"}), HasSubstr("did you mean 'ball'?"));
   EXPECT_THAT(message(kBase, {"effects.load.mu=3"}), HasSubstr("the scene does not list the effect 'load'"));
   EXPECT_THROW(read(kBase, {"time"}), Error);
+}
+
+TEST(Overrides, AddBodiesAndMaterialsWhole) {
+  const Params s = read(kBase, {"materials.tin={density: 7}", "bodies.second={type: half_space, point: [0, 0, -1]}", "bodies.second.point.0=4"});
+  EXPECT_EQ(s.at("materials").at("tin").number("density"), 7);
+  EXPECT_EQ(s.at("bodies").at("second").vec3("point"), Vec3(4, 0, -1));
+  EXPECT_THAT(message(kBase, {"bodies.zzzzzzzz.velocity=[0, 0, 0]"}), HasSubstr("the scene does not have 'zzzzzzzz' under bodies"));
 }
 
 TEST(Quantity, PowersOfTenAreExact) {

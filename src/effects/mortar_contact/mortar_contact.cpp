@@ -37,9 +37,9 @@ const ParamTable kTable{
     "potential).",
     {pair_list(), param::positive(param::number("d_hat", Unit::length, "0.1 mm", 0, "Gap at which contact begins to act")),
      param::positive(
-         param::optional(param::number("stiffness", Unit::pressure, "1 MPa", 0,
-                                       "Pressure scale kappa: the pressure is kappa phi(gap/d_hat); without it, chosen so that "
-                                       "the contact layer is four times as stiff as the surface mesh"))),
+         param::automatic(param::number("stiffness", Unit::pressure, "1 MPa", 0,
+                                       "Pressure scale kappa: the pressure is kappa phi(gap/d_hat); auto, or without it, chosen so "
+                                       "that the contact layer is four times as stiff as the surface mesh"))),
      param::choice("weights", {"consistent", "tapered"}, "consistent",
                    "consistent: exact overlap, passes the patch test, with edge and point samples where surfaces are not "
                    "parallel; tapered: the published form"),
@@ -90,11 +90,8 @@ class MortarContact final : public Effect {
       throw Error(Exit::scene, p.at("quadrature").where(), "one point per piece is not enough for the shape functions of quadratic faces: 3, 6 or 7");
     automatic_ = !p.has("stiffness");
     for (std::size_t i = 0; i < interfaces_.size(); ++i) {
-      if (automatic_ && !(interfaces_[i].modulus > 0))
-        throw Error(Exit::scene, p.at("pairs").where(),
-                    "mortar_contact cannot choose a stiffness where neither body deforms: give `stiffness`");
-      kappa_.push_back(automatic_ ? wanted_stiffness(interfaces_[i], set_.d_hat, kFirstPressure * interfaces_[i].modulus)
-                                  : p.number("stiffness"));
+      const double first = interfaces_[i].modulus > 0 ? kFirstPressure * interfaces_[i].modulus : kRigidPressure;
+      kappa_.push_back(automatic_ ? wanted_stiffness(interfaces_[i], set_.d_hat, first) : p.number("stiffness"));
     }
     next_kappa_ = kappa_;
     stiffness_changed();
@@ -386,7 +383,7 @@ class MortarContact final : public Effect {
     std::vector<double> wanted = kappa_;
     for (std::size_t i = 0; i < interfaces_.size(); ++i) {
       const Achieved now = achieved(interfaces_[i], static_cast<Index>(i), kappa_[i], pairs, samples);
-      if (!(now.pressure > 0) || (now.k >= kWanted / 2 && now.k <= 2 * kWanted)) continue;
+      if (!(now.pressure > 0) || fits(interfaces_[i], now, kappa_[i])) continue;
       wanted[i] = wanted_stiffness(interfaces_[i], set_.d_hat, now.pressure);
       price += (wanted[i] / kappa_[i] - 1) * now.energy;
     }

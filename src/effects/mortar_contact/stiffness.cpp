@@ -39,6 +39,12 @@ double wanted_stiffness(const Interface& i, double d_hat, double p) {
   return p / barrier::phi(0.5 * (lo + hi));
 }
 
+bool fits(const Interface& i, const Achieved& now, double kappa) {
+  if (i.modulus > 0) return now.k >= kWanted / 2 && now.k <= 2 * kWanted;
+  const double t = barrier::phi_inverse(now.pressure / kappa);
+  return t >= 0.5 && t <= 0.9;
+}
+
 Achieved achieved(const Interface& i, Index law, double kappa, const std::vector<Pair>& pairs,
                   const std::vector<Sample>& samples) {
   double force = 0, pressure = 0, stiffness = 0, energy = 0;

@@ -22,6 +22,9 @@ struct Interface {
 };
 Interface interface_of(const model::Model& model, Index slave, Index master);
 
+// Where nothing can deform there is no mesh to be smooth for: the gap is kept open at kOpen.
+inline constexpr double kRigidPressure = 1e4;  // of a load on its footprint, before any is known [Pa]
+
 // kappa [Pa] for the interface at pressure p [Pa].
 double wanted_stiffness(const Interface& i, double d_hat, double p);
 
@@ -30,6 +33,8 @@ double wanted_stiffness(const Interface& i, double d_hat, double p);
 struct Achieved {
   double pressure = 0, k = 0, energy = 0;
 };
+// Is the stiffness good enough to stay: k within a factor 2 of what is wanted, or, of stiff bodies, the gap neither nearly open nor half closed?
+bool fits(const Interface& i, const Achieved& now, double kappa);
 Achieved achieved(const Interface& i, Index law, double kappa, const std::vector<Pair>& pairs,
                   const std::vector<Sample>& samples);
 

@@ -20,11 +20,19 @@ const ParamTable kRotation{"pin rotation",
                             of(Param::Kind::vec3, "centre", Unit::length, "[0, 0, 0]", "A point on the axis, world coordinates at rest."),
                             of(Param::Kind::numbers, "angle", Unit::angle, std::nullopt, "Angle at each key.")}};
 
+Param rotations() {
+  Param p = param::table("rotation", &kRotation, "Rotation of the rest positions, before the translation; a list: one after the other.");
+  p.kind = Param::Kind::tables;
+  return p;
+}
+
 const ParamTable kMotion{"pin motion",
-                         "Keys between which the motion is linear.",
+                         "Keys that the motion passes.",
                          {of(Param::Kind::numbers, "time", Unit::time, std::nullopt, "Times of the keys, ascending (pseudo-time 0 to 1 in static scenes)."),
                           optional(of(Param::Kind::vec3s, "translation", Unit::length, std::nullopt, "Translation at each key.")),
-                          param::table("rotation", &kRotation, "Rotation of the rest positions, before the translation.")}};
+                          param::choice("interpolation", {"linear", "smooth"}, "linear",
+                                        "Between keys: at constant speed, or by a cubic that starts and ends at rest and never overshoots a key."),
+                          rotations()}};
 
 const ParamTable kTable = [] {
   ParamTable t{"effect pin",
@@ -45,6 +53,7 @@ class Motion {
     const Params* motion = pin.find("motion");
     if (!motion) return;
     moves_ = true;
+    smooth_ = motion->text("interpolation") == "smooth";
     const Params& time = motion->at("time");
     const std::size_t keys = time.items().size();
     if (keys == 0) throw Error(Exit::scene, time.where(), "motion needs at least one key");
@@ -59,36 +68,42 @@ class Motion {
         translation_[a] = schedule(time, values);
       }
     }
-    if (const Params* r = motion->find("rotation")) {
-      check(r->at("angle"), keys);
-      axis_ = r->vec3("axis");
-      if (!(axis_.norm() > 0)) throw Error(Exit::scene, r->at("axis").where(), "axis of rotation has no direction");
-      axis_.normalize();
-      centre_ = r->vec3("centre");
-      angle_ = schedule(time, r->at("angle"));
-    }
+    if (const Params* list = motion->find("rotation"))
+      for (const Params& r : list->items()) {
+        check(r.at("angle"), keys);
+        const Vec3 axis = r.vec3("axis");
+        if (!(axis.norm() > 0)) throw Error(Exit::scene, r.at("axis").where(), "axis of rotation has no direction");
+        turns_.push_back({axis.normalized(), r.vec3("centre"), schedule(time, r.at("angle"))});
+      }
   }
 
   bool moves() const { return moves_; }
   pin::RigidMotion at(double t) const {
-    return pin::rigid_motion(axis_, centre_, angle_(t), Vec3(translation_[0](t), translation_[1](t), translation_[2](t)));
+    pin::RigidMotion m{Mat3::Identity(), Vec3::Zero()};
+    for (const Turn& turn : turns_) m = pin::turned(m, turn.axis, turn.centre, turn.angle(t));
+    m.shift += Vec3(translation_[0](t), translation_[1](t), translation_[2](t));
+    return m;
   }
 
  private:
   static Schedule still() { return Schedule(Params::make_number(0)); }
-  static Schedule schedule(const Params& time, const Params& value) {
+  Schedule schedule(const Params& time, const Params& value) const {
     Params p = Params::make_table();
     p.set("time", time);
     p.set("value", value);
-    return Schedule(p);
+    return Schedule(p, smooth_);
   }
   static void check(const Params& list, std::size_t keys) {
     if (list.items().size() == keys) return;
     throw Error(Exit::scene, list.where(), "has " + std::to_string(list.items().size()) + " keys where 'time' has " + std::to_string(keys));
   }
-  bool moves_ = false;
-  Schedule translation_[3] = {still(), still(), still()}, angle_ = still();
-  Vec3 axis_{0, 0, 1}, centre_{0, 0, 0};
+  struct Turn {
+    Vec3 axis, centre;
+    Schedule angle;
+  };
+  bool moves_ = false, smooth_ = false;
+  Schedule translation_[3] = {still(), still(), still()};
+  std::vector<Turn> turns_;
 };
 
 struct Entry {

@@ -1,7 +1,8 @@
 #pragma once
 // A prescribed rigid motion: a point at X at rest is asked to be at
 //     x(t) = c + R(t) (X - c) + u(t),     R(t) = rotation by angle(t) about `axis` through `centre` c,
-// with translation u(t) [m] and angle(t) [rad] piecewise linear in time. A direction (column of an affine body) only turns.
+// or several such rotations one after the other, with translation u(t) [m] and angles(t) [rad] between keys linear or smooth in time. A
+// direction (column of an affine body) only turns.
 #include "base/types.h"
 
 namespace mortise::effects::pin {
@@ -20,9 +21,15 @@ inline Mat3 rotation(const Vec3& k, double angle) {
   const double half = std::sin(0.5 * angle);
   return Mat3::Identity() + std::sin(angle) * K + 2 * half * half * (K * K);
 }
-inline RigidMotion rigid_motion(const Vec3& axis, const Vec3& centre, double angle, const Vec3& translation) {
+// The rotation after `first`.
+inline RigidMotion turned(const RigidMotion& first, const Vec3& axis, const Vec3& centre, double angle) {
   const Mat3 R = rotation(axis, angle);
-  return {R, centre + translation - R * centre};
+  return {R * first.R, centre + R * (first.shift - centre)};
+}
+inline RigidMotion rigid_motion(const Vec3& axis, const Vec3& centre, double angle, const Vec3& translation) {
+  RigidMotion m = turned({Mat3::Identity(), Vec3::Zero()}, axis, centre, angle);
+  m.shift += translation;
+  return m;
 }
 
 }  // namespace mortise::effects::pin

@@ -1,0 +1,202 @@
+// Scenes as a new user writes them, nothing tuned: what a run says must be so.
+#include "rig.h"
+
+#include <gmock/gmock.h>
+
+using namespace mortise;
+using namespace mortise::testing;
+
+namespace {
+
+// A soft ball above a floor; `more` are other bodies and effects.
+std::string falling(const std::string& bodies, const std::string& effects) {
+  return R"(
+mortise: 1
+name: falling
+time: {step: 5 ms, steps: 20}
+materials:
+  gel: {youngs_modulus: 100 kPa, poisson_ratio: 0.4, density: 1000}
+  rock: {density: 7850}
+bodies:
+  ball: {type: soft, shape: {sphere: {radius: 10 mm, edge_length: 6 mm}}, material: gel, position: [0, 0, 0.1]}
+  table: {type: half_space}
+)" + bodies + R"(
+effects:
+  inertia: {}
+  gravity: {}
+  elasticity: {}
+  barrier_contact: {}
+  friction: {mu: 0.5}
+)" + effects;
+}
+
+double height_of_ball(Rig& rig) {
+  double sum = 0;
+  const std::vector<double> points = rig.engine->points();
+  const std::size_t n = rig.input.bodies[0].nodes.size();
+  for (std::size_t i = 0; i < n; ++i) sum += points[3 * i + 2] / static_cast<double>(n);
+  return sum;
+}
+
+// A gel pad under a ball that presses 0.5 mm into it; the stiffness of contact is chosen by the program.
+std::string press(int steps, const char* d_hat = "0.1 mm") {
+  return R"(
+mortise: 1
+name: press
+time: {mode: static, steps: )" + std::to_string(steps) + R"(}
+materials:
+  gel: {model: neo_hookean, youngs_modulus: 0.4 MPa, poisson_ratio: 0.4, density: 1050}
+  steel: {density: 7800}
+bodies:
+  pad: {type: soft, shape: {box: {size: [10 mm, 10 mm, 4 mm], edge_length: 1 mm}}, material: gel, position: [0, 0, -2 mm]}
+  ball: {type: stiff, shape: {sphere: {radius: 7.5 mm, edge_length: 0.7 mm}}, material: steel, position: [0, 0, 7.6 mm]}
+effects:
+  elasticity: {}
+  pin:
+    - {body: pad, where: {side: z_min}}
+    - {body: ball, where: {side: all}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, -0.6 mm]]}}
+  mortar_contact: {pairs: [{slave: pad, master: ball}], d_hat: )" + d_hat + "}\n";
+}
+
+// Force of contact on the pad from the written field, and what its supports bear [N].
+std::pair<double, double> contact_and_support(Rig& rig) {
+  const Captured f = rig.fields();
+  double contact = 0;
+  for (std::size_t i = 0; i < rig.input.bodies[0].nodes.size(); ++i) contact += f.point.at("contact_force")[3 * i + 2];
+  return {contact, f.at("supports/pad_z")};
+}
+
+std::string failure(const std::function<void()>& run) {
+  try {
+    run();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), Exit::solve);
+    return e.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+// 63 kg that a pin holds, or that fall as well, say nothing about a ball of 4 g. In 0.1.0 it hung in the air, converged after no iteration.
+TEST(Stranger, ALightBodyFallsAsIfAlone) {
+  Rig alone(falling("", ""));
+  alone.steps(20);
+  const double z = height_of_ball(alone);
+  EXPECT_LT(z, 0.051);  // g t^2 / 2 = 49 mm
+  const std::string block = "  block: {type: stiff, shape: {box: {size: [0.2, 0.2, 0.2], edge_length: 0.2}}, material: rock, position: [0.5, 0, 0.4]}\n";
+  Rig held(falling(block, "  pin: [{body: block, where: {side: all}}]\n"));
+  held.steps(20);
+  EXPECT_NEAR(height_of_ball(held), z, 1e-9);
+  Rig falls(falling(block, "  affine_body: {}\n"));
+  falls.steps(20);
+  EXPECT_NEAR(height_of_ball(falls), z, 1e-9);
+  const std::string bullet = "  bullet: {type: stiff, shape: {box: {size: [0.1, 0.1, 0.1], edge_length: 0.1}}, material: rock, position: [0.5, 0, 0.4], velocity: [300, 0, 0]}\n";
+  Rig fast(falling(bullet, "  affine_body: {}\n"));
+  fast.steps(20);
+  EXPECT_NEAR(height_of_ball(fast), z, 1e-9);
+}
+
+// Also where the ball lies on something, its own weight is what counts.
+TEST(Stranger, ALightBodyRestsWithItsOwnWeight) {
+  Rig rig(falling("  block: {type: stiff, shape: {box: {size: [0.2, 0.2, 0.2], edge_length: 0.2}}, material: rock, position: [0.5, 0, 0.1002]}\n", "  affine_body: {}\n"),
+          {"bodies.ball.position=[0, 0, 10.2 mm]", "time.steps=60"});
+  rig.steps(60);
+  const Captured f = rig.fields();
+  double mass = 0;
+  const model::BodyInput& ball = rig.input.bodies[0];
+  for (const Tet& t : ball.tets) {
+    Mat3 e;
+    for (int k = 0; k < 3; ++k) e.col(k) = ball.nodes[t.v[k + 1]] - ball.nodes[t.v[0]];
+    mass += 1000 * e.determinant() / 6;
+  }
+  EXPECT_NEAR(f.at("barrier_contact/force_ball_z") / (9.81 * mass), 1, 0.02);
+}
+
+// In 0.1.0 the stiffness grew after the solve and forces were written with it: contact 0.459 N where the supports bore 0.215 N.
+TEST(Stranger, WrittenForcesAreThoseOfTheSolution) {
+  Rig rig(press(4));
+  for (int i = 0; i < 4; ++i) {
+    rig.step();
+    const auto [contact, support] = contact_and_support(rig);
+    EXPECT_LT(contact, -0.01);
+    EXPECT_NEAR(contact + support, 0, 1e-5 * support);
+    EXPECT_LT(rig.fields().at("balance/written_defect"), 1e-12);
+  }
+}
+
+// The stiffness that a step ends with fits the pressure of that step, whether it was reached in one step or in four.
+TEST(Stranger, OneLoadStepIsAsGoodAsFour) {
+  Rig one(press(1, "0.02 mm")), four(press(4, "0.02 mm"));
+  one.steps(1), four.steps(4);
+  const double f1 = contact_and_support(one).second, f4 = contact_and_support(four).second;
+  EXPECT_NEAR(f1 / f4, 1, 0.01);
+  EXPECT_LT(one.fields().at("mortar_contact/force_share_guard"), 0.12);
+}
+
+// A press that closes on a stiff cube: steps fail instead of accepting a flat cube, and the message names it.
+TEST(Stranger, ACrushedStiffBodyFailsTheStep) {
+  Rig rig(R"(
+mortise: 1
+name: crush
+time: {step: 5 ms, steps: 60}
+materials: {steel: {density: 7800}}
+bodies:
+  cube: {type: stiff, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 10 mm}}, material: steel, position: [0, 0, 10.2 mm]}
+  press: {type: stiff, shape: {box: {size: [40 mm, 40 mm, 10 mm], edge_length: 20 mm}}, material: steel, position: [0, 0, 26 mm]}
+  floor: {type: half_space}
+effects:
+  inertia: {}
+  gravity: {}
+  affine_body: {}
+  pin: [{body: press, where: {side: all}, motion: {time: [0, 0.3], translation: [[0, 0, 0], [0, 0, -30 mm]]}}]
+  barrier_contact: {d_hat: 0.1 mm, stiffness: 0.1 MPa}
+)");
+  const std::string why = failure([&] {
+    for (int i = 0; i < 60; ++i) {
+      rig.step();
+      EXPECT_LT(rig.fields().at("affine_body/rigidity_defect"), 0.1);
+    }
+  });
+  EXPECT_THAT(why, ::testing::HasSubstr("'cube'"));
+}
+
+// Stiff bodies stay so however hard they hit: the penalty follows.
+TEST(Stranger, StiffBodiesKeepTheirShapeInAnImpact) {
+  Rig rig(R"(
+mortise: 1
+name: impact
+time: {step: 5 ms, steps: 4}
+materials: {steel: {density: 7800}}
+bodies:
+  cube: {type: stiff, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 20 mm}}, material: steel, position: [0, 0, 1], velocity: [0, 0, -500]}
+  floor: {type: half_space}
+effects: {inertia: {}, affine_body: {}, barrier_contact: {d_hat: 0.1 mm, stiffness: 0.1 MPa}}
+)");
+  for (int i = 0; i < 4; ++i) {
+    rig.step();
+    EXPECT_LE(rig.fields().at("affine_body/rigidity_defect"), 0.0201);
+  }
+  EXPECT_GT(rig.fields().at("affine_body/stiffness_largest"), 1.001e8);
+}
+
+TEST(Stranger, AStaticBodyWithoutSupportIsNamed) {
+  Rig rig(press(1), {"effects.pin=[{body: pad, where: {side: z_min}}]", "effects.affine_body={}", "effects.gravity={}", "solver.iterations=5", "solver.halvings=0"});
+  EXPECT_THAT(failure([&] { rig.step(); }), ::testing::HasSubstr("nothing but contact can hold 'ball' in this static scene"));
+}
+
+// Nothing deforms, so there is no mesh to choose a stiffness for; the weight decides.
+TEST(Stranger, MortarContactChoosesAStiffnessForStiffBodiesToo) {
+  Rig rig(R"(
+mortise: 1
+name: rests
+time: {step: 5 ms, steps: 60}
+materials: {steel: {density: 7800}}
+bodies:
+  cube: {type: stiff, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 10 mm}}, material: steel, position: [0, 0, 10.05 mm]}
+  floor: {type: half_space}
+effects: {inertia: {}, gravity: {}, affine_body: {}, mortar_contact: {pairs: [{slave: cube, master: floor}], d_hat: 0.1 mm, stiffness: auto}}
+)");
+  rig.steps(60);
+  EXPECT_NEAR(rig.fields().at("mortar_contact/force_cube_z"), 7800 * 8e-6 * 9.81, 1e-3);
+}
