@@ -13,6 +13,7 @@ enum class Exit {
   device = 4,   // device missing or out of memory
   solve = 5,    // a step failed; the last good state is on disk
   file = 6,     // cannot read or write
+  checks = 7,   // the run is done, but a criterion of its `checks` failed
   stopped = 75  // stopped by a signal with a good checkpoint: run again with --resume
 };
 

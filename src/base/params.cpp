@@ -31,6 +31,11 @@ Params Params::make_text(std::string v, SourceLoc at) {
   p.kind_ = Kind::text, p.text_ = std::move(v), p.at_ = std::move(at);
   return p;
 }
+Params Params::make_path(std::string v, SourceLoc at) {
+  Params p = make_text(std::move(v), std::move(at));
+  p.path_ = true;
+  return p;
+}
 Params Params::make_list(std::vector<Params> items, SourceLoc at) {
   Params p;
   p.kind_ = Kind::list, p.items_ = std::move(items), p.at_ = std::move(at);

@@ -22,10 +22,12 @@ class Params {
   static Params make_integer(long long v, SourceLoc at = {});
   static Params make_flag(bool v, SourceLoc at = {});
   static Params make_text(std::string v, SourceLoc at = {});
+  static Params make_path(std::string v, SourceLoc at = {});  // text that names a file
   static Params make_list(std::vector<Params> items = {}, SourceLoc at = {});
   static Params make_table(SourceLoc at = {});
 
   Kind kind() const { return kind_; }
+  bool is_path() const { return path_; }
   const SourceLoc& where() const { return at_; }
 
   // Value of this node.
@@ -57,6 +59,7 @@ class Params {
   double number_ = 0;
   long long integer_ = 0;
   std::string text_;
+  bool path_ = false;
   std::vector<Params> items_;
   std::vector<std::pair<std::string, Params>> entries_;
   SourceLoc at_;

@@ -6,6 +6,8 @@
 #include "cli/commands.h"
 #include "cli/plan.h"
 #include "engine/effect_tables.h"
+#include "engine/input.h"
+#include "run/check_start.h"
 #include "scene/suggest.h"
 
 namespace mortise::cli {
@@ -14,7 +16,7 @@ namespace {
 struct Options {
   std::string scene;
   std::vector<std::string> overrides;
-  bool print_resolved = false, plan = false;
+  bool print_resolved = false, plan = false, quick = false;
 };
 
 // "3 bodies (2 soft, 1 half_space); effects inertia, gravity; 60 steps"
@@ -32,20 +34,28 @@ std::string summary(const Params& scene) {
 
 int cmd_check(const Options& o) {
   const scene::Scene scene = scene::read_scene(o.scene, o.overrides, engine::effect_tables());
-  if (o.print_resolved) std::cout << scene::to_yaml(scene.root);
-  else if (o.plan) std::cout << plan_text(scene.root);
-  else std::cout << (o.scene == "-" ? "<stdin>" : o.scene) << ": valid: " << summary(scene.root) << "\n";
+  if (o.print_resolved) {
+    std::cout << scene::to_yaml(scene.root);
+    return 0;
+  }
+  if (o.plan) {
+    std::cout << plan_text(scene.root);
+    return 0;
+  }
+  if (!o.quick) run::check_start(scene.root, engine::make_input(scene.root));
+  std::cout << (o.scene == "-" ? "<stdin>" : o.scene) << ": valid: " << summary(scene.root) << "\n";
   return 0;
 }
 
 }  // namespace
 
 void add_check(CLI::App& app, Context& context) {
-  CLI::App* sub = app.add_subcommand("check", "read a scene and report every error in it");
+  CLI::App* sub = app.add_subcommand("check", "report every error in a scene, and all that would keep a run from its first step");
   auto o = std::make_shared<Options>();
   add_scene_options(*sub, o->scene, o->overrides);
   sub->add_flag("--print-resolved", o->print_resolved, "print the scene with all defaults filled in and every number in SI");
-  sub->add_flag("--plan", o->plan, "read the meshes too, and list effects, buffers, bytes and kernels of a run");
+  sub->add_flag("--plan", o->plan, "list effects, buffers, bytes and kernels of a run too");
+  sub->add_flag("--quick", o->quick, "read the scene alone: no meshes, no search for bodies that touch");
   sub->footer(
       "Examples:\n  mortise check scene.yaml\n  mortise check scene.yaml --set effects.friction.mu=0.3 --print-resolved\n"
       "  generate_scene.py | mortise check -");

@@ -5,15 +5,14 @@
 #include "engine/engine.h"
 #include "engine/input.h"
 #include "engine/memory_needed.h"
+#include "run/check_start.h"
 #include "sensors/sensors.h"
 
 namespace mortise::cli {
 
 std::string plan_text(const Params& scene) {
   const model::ModelInput input = engine::make_input(scene);
-  std::unique_ptr<engine::Engine> engine;
-  const engine::Outcome outcome = engine::cpu_api().create(input, engine);
-  if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message);
+  const std::unique_ptr<engine::Engine> engine = run::check_start(scene, input);
 
   std::string text;
   std::size_t total = 0;

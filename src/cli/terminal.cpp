@@ -8,6 +8,8 @@
 #include <iostream>
 #include <regex>
 
+#include "base/printable.h"
+
 namespace mortise::cli {
 namespace {
 
@@ -21,6 +23,7 @@ bool coloured() {
 }
 
 void write_stderr(std::string text) {
+  text = printable(text, true);
   if (coloured()) {
     // Lines of the scene are quoted behind "|"; only the words before a message are coloured.
     text = std::regex_replace(text, std::regex("(^|\n)([^|\n]*?)error:"), "$1$2\033[1;31merror:\033[0m");
@@ -38,7 +41,7 @@ void print_error(const Error& e) { e.located() ? write_stderr(e.what()) : print_
 void print_error(const std::string& message) { write_stderr("error: " + message); }
 
 void end_on_broken_pipe() {
-  std::signal(SIGPIPE, [](int) { _exit(0); });
+  std::signal(SIGPIPE, SIG_DFL);
 }
 
 void finish_output() {

@@ -1,6 +1,7 @@
 // One build of the engine: compiled by g++ into the program, by nvcc into the CUDA module.
 #include "engine/build.h"
 
+#include "base/added_fields.h"
 #include "effects/contact/start_check.h"
 #include "effects/list.h"
 #include "engine/bandwidth.h"
@@ -31,13 +32,20 @@ class Build : public Engine {
  public:
   explicit Build(const model::ModelInput& input) : model_(input), effects_(make_effects()), simulation_(model_, effects_, solver::read_options(input.scene)) {}
 
+  Outcome begin() override {
+    return guarded([&] { simulation_.begin(); });
+  }
   Outcome step(const std::function<bool()>& stop_asked, solver::StepReport& report) override {
     const device::Transfers before = device::transfers();
     const Outcome outcome = guarded([&] { simulation_.step(stop_asked, report); });
     step_transfers_ = step_transfers_ + (device::transfers() - before);
     return outcome;
   }
-  void report(FieldSink& sink) override { simulation_.report(sink); }
+  void report(FieldSink& sink) override {
+    AddedFields added(&sink);
+    simulation_.report(added);
+    added.finish();
+  }
   std::vector<double> points() override {
     device::Buffer<Vec3> y;
     model_.points_of(model_.q.view(), y);

@@ -31,6 +31,8 @@ struct PlanItem {
 class Engine {
  public:
   virtual ~Engine() = default;
+  // What the first step begins with, and no more: finds bodies that touch at the start.
+  virtual Outcome begin() = 0;
   virtual Outcome step(const std::function<bool()>& stop_asked, solver::StepReport& report) = 0;
   virtual void report(FieldSink& sink) = 0;
   virtual std::vector<double> points() = 0;  // 3 per point [m], accepted state
@@ -63,7 +65,7 @@ struct Api {
   Outcome (*create)(const model::ModelInput&, std::unique_ptr<Engine>& out);
   Outcome (*bandwidth)(Index edge, Bandwidth& out);  // of a cube of edge^3 nodes
 };
-inline constexpr int kApiVersion = 2;
+inline constexpr int kApiVersion = 3;
 
 const Api& cpu_api();
 // The CUDA module's; nullptr where it was not built or does not load, with the reason.

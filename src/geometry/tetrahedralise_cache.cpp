@@ -7,9 +7,11 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
+#include "base/error.h"
+#include "base/read_file.h"
 #include "base/sha256.h"
+#include "geometry/topology.h"
 
 namespace mortise::geometry {
 namespace {
@@ -44,6 +46,18 @@ bool get(std::string_view& in, std::vector<T>& values) {
   return true;
 }
 
+// The checksum tells damage, not who wrote it: numbers of points and volumes are looked at too.
+bool sound(const TetMesh& mesh) {
+  for (const Vec3& x : mesh.points)
+    if (!x.allFinite()) return false;
+  for (const Tet& t : mesh.tets) {
+    for (Index v : t.v)
+      if (v < 0 || static_cast<std::size_t>(v) >= mesh.points.size()) return false;
+    if (!(tet_volume(mesh.points, t) > 0)) return false;
+  }
+  return !mesh.tets.empty();
+}
+
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Tet) == 4 * sizeof(Index) && sizeof(Triangle) == 3 * sizeof(Index));
 
 }  // namespace
@@ -61,18 +75,19 @@ TetCache::TetCache(const TriMesh& surface, const TetrahedraliseOptions& o) {
 
 std::optional<TetMesh> TetCache::load() const {
   if (file_.empty()) return {};
-  std::ifstream in(file_, std::ios::binary);
-  if (!in) return {};
-  std::ostringstream text;
-  text << in.rdbuf();
-  const std::string all = std::move(text).str();
+  std::string all;
+  try {
+    all = read_regular_file(file_, most_bytes::mesh);
+  } catch (const Error&) {
+    return {};  // none, or nothing of ours: the mesh is made again
+  }
   constexpr std::size_t kHash = 64;  // hexadecimal digits
   if (all.size() < 2 * kHash) return {};
   std::string_view body(all.data(), all.size() - kHash);
   if (sha256(body) != std::string_view(all).substr(body.size()) || body.substr(0, kHash) != key_) return {};
   body.remove_prefix(kHash);
   TetMesh mesh;
-  if (!get(body, mesh.points) || !get(body, mesh.tets) || !body.empty()) return {};
+  if (!get(body, mesh.points) || !get(body, mesh.tets) || !body.empty() || !sound(mesh)) return {};
   return mesh;
 }
 

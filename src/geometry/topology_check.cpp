@@ -191,6 +191,9 @@ void check_closed_surface(const TriMesh& mesh, const std::string& what) {
     c.fail("the surface intersects itself in " + counted(pairs.size(), "pair") + " of triangles, the first are triangles " +
            std::to_string(pairs[0].first) + " and " + std::to_string(pairs[0].second) + " at " +
            position((centre(mesh, pairs[0].first) + centre(mesh, pairs[0].second)) / 2));
+  if (const Index t = first_wrongly_nested(mesh); t >= 0)
+    c.fail("a part of the surface (triangle " + std::to_string(t) + " at " + position(centre(mesh, t)) +
+           ") lies inside of another part and faces outwards as well, or outside of all and faces inwards; a cavity's triangles face into the cavity");
 }
 
 void check_tets(const TetMesh& mesh, const std::string& what) {

@@ -2,6 +2,10 @@
 
 #include <cholmod.h>
 
+#include <sys/mman.h>
+#include <sys/resource.h>
+
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -17,6 +21,16 @@ namespace mortise::linalg {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+// OpenBLAS asks for 128 MiB of addresses a thread, and asks again for ever where a limit (ulimit -v) gives it none.
+void require_addresses(int threads) {
+  rlimit limit = {};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
+  const std::size_t bytes = (static_cast<std::size_t>(std::max(threads, 1)) + 1) << 27;
+  void* probe = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (probe == MAP_FAILED) throw Error(Exit::device, "out of memory: the limit on address space (ulimit -v) leaves no room for the direct solver");
+  munmap(probe, bytes);
+}
+
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 double norm(const cholmod_dense* v) {
@@ -190,6 +204,7 @@ bool DirectSolver::factor(const BlockMatrix& A) {
   s.factored = false;
   if (A.rows == 0) return true;
   if (device::Cholesky::available()) return s.factor_on_device(A);
+  require_addresses(s.options.blas_threads);
   openblas_set_num_threads(s.options.blas_threads);
   if (A.pattern != s.pattern || s.pattern == 0) s.analyse(A);
   const auto start = Clock::now();

@@ -1,16 +1,16 @@
 #include "output/atomic_file.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "base/error.h"
+#include "base/read_file.h"
 
 namespace mortise::output {
 namespace {
@@ -27,7 +27,11 @@ std::string folder_of(const std::string& path) {
 }  // namespace
 
 void write_file(const std::string& path, std::string_view bytes, bool durable) {
-  const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  // What stands there goes first, so that no link is followed; a device (/dev/stdout) is written to.
+  struct stat there = {};
+  const bool special = ::stat(path.c_str(), &there) == 0 && !S_ISREG(there.st_mode);
+  if (!special) ::unlink(path.c_str());
+  const int fd = ::open(path.c_str(), special ? O_WRONLY | O_CLOEXEC : O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
   if (fd < 0) fail(path, "create", errno);
   int reason = 0;
   while (!bytes.empty() && reason == 0) {
@@ -41,7 +45,7 @@ void write_file(const std::string& path, std::string_view bytes, bool durable) {
   if (reason == 0 && durable && ::fsync(fd) != 0) reason = errno;
   if (::close(fd) != 0 && reason == 0) reason = errno;  // network file systems report a full disk only here
   if (reason != 0) {
-    if (std::filesystem::is_regular_file(path)) ::unlink(path.c_str());  // never a device
+    if (!special) ::unlink(path.c_str());
     fail(path, "write", reason);
   }
 }
@@ -73,13 +77,7 @@ void write_file_atomically(const std::string& path, std::string_view bytes, bool
 }
 
 std::string read_file(const std::string& path) {
-  errno = 0;
-  std::ifstream in(path, std::ios::binary);
-  if (!in) fail(path, "open", errno);
-  std::ostringstream out;
-  if (in.peek() != std::ifstream::traits_type::eof()) out << in.rdbuf();
-  if (in.bad() || out.bad()) fail(path, "read", errno != 0 ? errno : EIO);
-  return std::move(out).str();
+  return read_regular_file(path, most_bytes::results);
 }
 
 }  // namespace mortise::output

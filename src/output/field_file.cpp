@@ -1,8 +1,11 @@
 #include "output/field_file.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <filesystem>
 
+#include "base/child.h"
 #include "base/error.h"
 #include "output/atomic_file.h"
 #include "output/field_layout.h"
@@ -43,16 +46,47 @@ void FieldFile::guarded(F&& write) {
 
 std::unique_ptr<FieldFile> FieldFile::open(const std::string& path, const OutputMesh& mesh, const FileInfo& info,
                                            const FieldOptions& options) {
-  std::unique_ptr<FieldFile> out(new FieldFile(path, h5::Mode::create, options));
-  out->guarded([&] { out->create(mesh, info); });
+  // Under another name until it is whole: what stands at `path` can always be read.
+  const std::string aside = path + ".new";
+  std::unique_ptr<FieldFile> out(new FieldFile(aside, h5::Mode::create, options));
+  try {
+    out->guarded([&] {
+      out->create(mesh, info);
+      out->file_.rename(path);
+    });
+  } catch (const Error&) {
+    ::unlink(aside.c_str());
+    throw;
+  }
   return out;
 }
 
 std::unique_ptr<FieldFile> FieldFile::reopen(const std::string& path, std::int64_t frames, std::int64_t steps,
                                              const FieldOptions& options) {
+  rehearse(path, frames, steps);
   std::unique_ptr<FieldFile> out(new FieldFile(path, h5::Mode::write, options));
-  out->guarded([&] { out->load(frames, steps); });
+  out->guarded([&] {
+    out->load(frames, steps);
+    out->file_.flush();
+  });
+  if (out->options_.xdmf) out->write_xdmf();
   return out;
+}
+
+// On damaged files HDF5 crashes, or walks in circles. So a copy of this process goes first, with nothing that reaches the disk: it drops
+// what is to be dropped and adds a frame.
+void FieldFile::rehearse(const std::string& path, std::int64_t frames, std::int64_t steps) {
+  std::error_code unknown;
+  const auto size = std::filesystem::file_size(path, unknown);
+  constexpr std::uintmax_t kBytesPerSecond = 50 << 20;  // of a slow disk
+  const ChildLimits limits{20 + (unknown ? 0 : static_cast<unsigned>(size / kBytesPerSecond)), std::size_t{4} << 30};
+  in_child(path + ": damaged", limits, [&] {
+    FieldFile file(path, h5::Mode::rehearse, {.xdmf = false});
+    file.load(frames, steps);
+    file.begin_frame(0, std::vector<double>(3 * file.points_n_));
+    file.end_frame();
+    return std::string();
+  }, Exit::file);
 }
 
 h5::Table::Spec FieldFile::real_spec(std::string_view unit, int components, hsize_t chunk_rows) const {
@@ -194,8 +228,6 @@ void FieldFile::end_frame() {
       step_index_[i].write<std::int64_t>(file_, frames_, std::span(&entry, 1));
     }
     write_steps();
-    // The frame exists once NSteps counts it: its data go to the disk before.
-    file_.flush();
     h5::set_integer(file_, steps_group_, "NSteps", frames_ + 1);
     file_.flush();
     ++frames_;
@@ -220,6 +252,15 @@ void FieldFile::write_steps() {
   pending_steps_.clear();
 }
 
+std::vector<StepRow> FieldFile::steps() {
+  std::vector<StepRow> out(steps_n_);
+  for (std::size_t c = 0; c < step_columns.size(); ++c) {
+    const auto column = step_table_[c].read<double>(file_, 0, steps_n_);
+    for (std::size_t i = 0; i < column.size(); ++i) out[i].*step_columns[c].value = column[i];
+  }
+  return out;
+}
+
 void FieldFile::flush() {
   guarded([&] {
     write_steps();
@@ -232,7 +273,6 @@ void FieldFile::close() {
   if (in_frame_) misuse("close inside a frame");
   guarded([&] {
     write_steps();
-    file_.flush();
     file_.close();
   });
   if (options_.xdmf) write_xdmf();

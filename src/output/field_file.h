@@ -30,11 +30,12 @@ struct FieldOptions {
   bool xdmf = true;                   // write the sidecar beside it: same path, extension .xdmf
 };
 
-// Writes fields.vtkhdf (schemas/fields.md), a temporal VTKHDF file. After end_frame() the frame survives a kill of the
-// process. Every failing write throws Error(Exit::file) and leaves the frames before readable; nothing can be written then.
+// Writes fields.vtkhdf (schemas/fields.md), a temporal VTKHDF file. It goes from frame to frame in one step (paged_file.h): after
+// end_frame() the frame survives a kill and a power cut, before it there is no trace of it. Every failing write throws
+// Error(Exit::file) and leaves the frames before readable; nothing can be written then.
 class FieldFile : public FieldSink {
  public:
-  // Creates (or replaces) `path`.
+  // Creates (or replaces) `path`, which is there when it is whole.
   static std::unique_ptr<FieldFile> open(const std::string& path, const OutputMesh& mesh, const FileInfo& info,
                                          const FieldOptions& options);
   // Goes on with a file of an earlier run: keeps the first `frames` frames and the first `steps` rows of the step table and
@@ -52,6 +53,7 @@ class FieldFile : public FieldSink {
   void scalar(std::string_view group, std::string_view name, std::string_view unit, double value) override;
   void end_frame();
   void append_step(const StepRow& row);  // reaches the disk with the next end_frame(), flush() or close()
+  std::vector<StepRow> steps();          // so far, without those that have not reached it
   void flush();                          // what a checkpoint needs before it may count the steps done
   void close();
 
@@ -73,6 +75,7 @@ class FieldFile : public FieldSink {
   FieldFile(const std::string& path, h5::Mode mode, const FieldOptions& options);
   void create(const OutputMesh& mesh, const FileInfo& info);
   void load(std::int64_t frames, std::int64_t steps);
+  static void rehearse(const std::string& path, std::int64_t frames, std::int64_t steps);
   void open_groups();
   // Runs `write`; after a failure the file is left as of the last finished frame.
   template <class F>

@@ -151,9 +151,7 @@ void FieldFile::load(std::int64_t frames, std::int64_t steps) {
     throw Error(Exit::file, f.path() + ": cannot continue after step " + std::to_string(steps) + ": the file holds " +
                                 std::to_string(step_table_[0].rows()));
   }
-  // First forget the frames, then drop their data: a kill in between leaves a whole file.
   h5::set_integer(f, steps_group_, "NSteps", frames);
-  file_.flush();
   frames_ = frames, steps_n_ = static_cast<hsize_t>(steps);
   const hsize_t n = static_cast<hsize_t>(frames);
   for (auto& table : step_index_) table.resize(f, n);
@@ -188,8 +186,6 @@ void FieldFile::load(std::int64_t frames, std::int64_t steps) {
     effects_.emplace(name, std::move(group));
   }
   times_ = step_index_[values].read<double>(f, 0, n);
-  file_.flush();
-  if (options_.xdmf) write_xdmf();
 }
 
 }  // namespace mortise::output

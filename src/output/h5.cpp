@@ -1,12 +1,5 @@
 #include "output/h5.h"
 
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
-
 #include "base/error.h"
 
 namespace mortise::output::h5 {
@@ -48,19 +41,18 @@ std::string reason_of_failure() {
 
 File::File(const std::string& path, Mode mode) : path_(path) {
   silence();
+  using Access = PagedFile::Access;
+  backing_ = std::make_unique<Backing>(path, mode == Mode::create ? Access::create : mode == Mode::write ? Access::write : Access::read);
   Id access(check(H5Pcreate(H5P_FILE_ACCESS), "set up HDF5"));
+  check(use_backing(access, *backing_), "set up HDF5");
   check(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG), "set up HDF5");  // closing the file closes what is open in it
-  if (mode != Mode::read) {
-    // No chunk cache: every write reaches the operating system at once, so a full disk shows in the call that caused it.
-    check(H5Pset_cache(access, 0, 1, 0, 1.0), "set up HDF5");
-  }
+  // No chunk cache: every write reaches the file below at once, so a full disk shows in the call that caused it.
+  if (mode != Mode::read) check(H5Pset_cache(access, 0, 1, 0, 1.0), "set up HDF5");
   if (mode == Mode::create) {
     id_ = check(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), "create");
   } else {
     id_ = check(H5Fopen(path.c_str(), mode == Mode::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR, access), "open");
   }
-  on_disk_ = mode != Mode::read;
-  if (mode == Mode::write) flushed_ = reserved_ = size();
 }
 
 File File::in_memory(const std::string& path) {
@@ -90,70 +82,38 @@ std::string File::image() {
   return bytes;
 }
 
-File::~File() {
-  if (id_ >= 0) H5Fclose(id_);
-}
+File::~File() { abandon(); }
 
-int File::descriptor() const {
-  void* handle = nullptr;
-  check(H5Fget_vfd_handle(id_, H5P_DEFAULT, &handle), "write");
-  return *static_cast<int*>(handle);
-}
-
-hsize_t File::size() const {
-  hsize_t bytes = 0;
-  check(H5Fget_filesize(id_, &bytes), "write");
-  return bytes;
-}
-
-// HDF5 1.10 crashes when the disk fills up under its chunk writer, and a flush that fails half-way leaves metadata of data that
-// are not there. So the space is taken from the file system before HDF5 is asked to write into it.
-void File::reserve(hsize_t bytes) const {
-  if (!on_disk_) return;
-  constexpr hsize_t metadata = 64 * 1024;  // what HDF5 may write beside the data
-  const hsize_t end = size() + bytes + metadata;
-  if (end <= reserved_) return;
-  const int reason = ::posix_fallocate(descriptor(), static_cast<off_t>(reserved_), static_cast<off_t>(end - reserved_));
-  if (reason != 0 && reason != EINVAL && reason != EOPNOTSUPP) {
-    throw Error(Exit::file, path_ + ": cannot write: " + std::strerror(reason));
-  }
-  reserved_ = end;
+void File::check_backing() const {
+  if (backing_ && !backing_->failure.empty()) throw Error(Exit::file, backing_->failure);
 }
 
 void File::flush() {
-  reserve(0);
   check(H5Fflush(id_, H5F_SCOPE_GLOBAL), "write");
-  flushed_ = size();
+  backing_->file.commit();
 }
 
 void File::close() {
   if (id_ < 0) return;
-  flush();
   check(H5Fclose(std::exchange(id_, -1)), "close");
-  // What was reserved and not used.
-  if (::truncate(path_.c_str(), static_cast<off_t>(flushed_)) != 0) {
-    throw Error(Exit::file, path_ + ": cannot write: " + std::strerror(errno));
-  }
+  backing_->file.commit();
+  backing_->file.remove_journal();
 }
 
 void File::abandon() noexcept {
   if (id_ < 0) return;
-  void* handle = nullptr;
-  if (H5Fget_vfd_handle(id_, H5P_DEFAULT, &handle) >= 0) {
-    const int fd = *static_cast<int*>(handle);
-    // A sparse stand-in in memory: HDF5 closes in peace and what it writes is dropped.
-    if (const int sink = ::memfd_create("abandoned", MFD_CLOEXEC); sink >= 0) {
-      const bool cut = ::ftruncate(fd, static_cast<off_t>(flushed_)) == 0;  // behind the last flush there is nothing of use
-      (void)cut;                                                            // a file that is too long does no harm
-      ::dup2(sink, fd);
-      ::close(sink);
-    }
-  }
+  if (backing_) backing_->file.forget();
   H5Fclose(std::exchange(id_, -1));
   H5Eclear2(H5E_DEFAULT);
 }
 
+void File::rename(const std::string& path) {
+  backing_->file.rename(path);
+  path_ = path;
+}
+
 void File::fail(std::string_view action) const {
+  check_backing();
   throw Error(Exit::file, path_ + ": cannot " + std::string(action) + ": " + reason_of_failure());
 }
 

@@ -4,11 +4,14 @@
 #include <hdf5.h>
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "output/h5_driver.h"
 
 namespace mortise::output::h5 {
 
@@ -31,52 +34,46 @@ class Id {
   hid_t id_ = -1;
 };
 
-enum class Mode { create, read, write };
+// rehearse: as write, but nothing reaches the disk.
+enum class Mode { create, read, write, rehearse };
 
 class File {
  public:
+  // Files on disk go through h5_driver.h: what is written shows only, and then as a whole, when flush() or close() returns.
   File(const std::string& path, Mode mode);
   // Opens a file from its bytes in memory; `path` serves for messages only (HDF5 refuses images under the name of a real file).
   static File from_image(const std::string& path, std::string_view bytes);
   // A file in memory only; image() gives its bytes.
   static File in_memory(const std::string& path);
-  File(File&& other) noexcept
-      : path_(std::move(other.path_)),
-        id_(std::exchange(other.id_, -1)),
-        on_disk_(other.on_disk_),
-        flushed_(other.flushed_),
-        reserved_(other.reserved_) {}
+  File(File&& other) noexcept : path_(std::move(other.path_)), id_(std::exchange(other.id_, -1)), backing_(std::move(other.backing_)) {}
   File& operator=(File&&) = delete;
-  ~File();
+  ~File();  // without close(): what was not flushed is dropped
 
   const std::string& path() const { return path_; }
   hid_t id() const { return id_; }
-  // Takes disk space for `bytes` more bytes of data; throws if there is none.
-  void reserve(hsize_t bytes) const;
-  // Pushes everything to the operating system: what was flushed survives a kill of the process.
+  // Commits: survives a kill of the process and a power cut.
   void flush();
   void close();
-  // After a failed write: sends whatever HDF5 still wants to write into the void, so the file stays as of the last flush.
+  // Closes without what was not flushed.
   void abandon() noexcept;
+  void rename(const std::string& path);
   std::string image();
 
-  // `ok` is what an HDF5 call returned; negative means that it failed.
+  // `ok` is what an HDF5 call returned; negative means that it failed. Failed writes show here too.
   template <class R>
   R check(R ok, std::string_view action) const {
     if (ok < 0) fail(action);
+    check_backing();
     return ok;
   }
   [[noreturn]] void fail(std::string_view action) const;
 
  private:
   File(std::string path, hid_t id) : path_(std::move(path)), id_(id) {}
+  void check_backing() const;
   std::string path_;
   hid_t id_ = -1;
-  int descriptor() const;
-  hsize_t size() const;
-  bool on_disk_ = false;          // a file that is written to
-  hsize_t flushed_ = 0;           // size at the last flush [bytes]
-  mutable hsize_t reserved_ = 0;  // disk space taken so far [bytes]
+  std::unique_ptr<Backing> backing_;  // null: in memory
 };
 
 Id make_group(const File& file, hid_t parent, const std::string& name);
@@ -166,7 +163,7 @@ class Table {
   void read(const File& file, hsize_t first, hsize_t count, hid_t type, void* values) const;
   Id id_;
   std::string name_;
-  hsize_t rows_ = 0, chunk_rows_ = 0;
+  hsize_t rows_ = 0;
   int components_ = 1, rank_ = 1;
   bool single_ = false;
 };

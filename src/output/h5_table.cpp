@@ -28,7 +28,6 @@ Table Table::create(const File& file, hid_t parent, const std::string& name, con
     const double nan = std::numeric_limits<double>::quiet_NaN();
     file.check(H5Pset_fill_value(layout, H5T_NATIVE_DOUBLE, &nan), action);
   }
-  table.chunk_rows_ = chunk[0];
   table.id_ = Id(file.check(H5Dcreate2(parent, name.c_str(), spec.type, space, H5P_DEFAULT, layout, H5P_DEFAULT), action));
   set_text(file, table.id_, "unit", spec.unit);
   return table;
@@ -47,9 +46,6 @@ Table Table::open(const File& file, hid_t parent, const std::string& name) {
   table.rows_ = size[0];
   table.components_ = static_cast<int>(size[1]);
   table.single_ = H5Tequal(type, H5T_IEEE_F32LE) > 0;
-  Id layout(file.check(H5Dget_create_plist(table.id_), action));
-  if (hsize_t chunk[2] = {0, 0}; H5Pget_layout(layout) == H5D_CHUNKED && H5Pget_chunk(layout, 2, chunk) > 0)
-    table.chunk_rows_ = chunk[0];
   return table;
 }
 
@@ -68,9 +64,6 @@ void Table::write_real(const File& file, hsize_t first, std::span<const double> 
 }
 
 void Table::write(const File& file, hsize_t first, hsize_t count, hid_t type, const void* values) {
-  // Chunks are written whole, and compression may fail to make them smaller.
-  const hsize_t chunks = count == 0 ? 0 : (first + count - 1) / chunk_rows_ - first / chunk_rows_ + 1;
-  file.reserve(chunks * chunk_rows_ * static_cast<hsize_t>(components_) * (single_ ? sizeof(float) : sizeof(double)));
   if (first + count > rows_) resize(file, first + count);
   if (count == 0) return;
   const std::string action = "write " + name_;

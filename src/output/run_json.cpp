@@ -17,6 +17,7 @@ Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nul
 const char* status_of(Exit code) {
   switch (code) {
     case Exit::done:
+    case Exit::checks:
       return "done";
     case Exit::stopped:
       return "stopped";
@@ -94,6 +95,16 @@ std::string run_json(const RunRecord& r) {
   }
   // Text from outside (paths, file names in messages) need not be UTF-8.
   return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::optional<Exit> code_of_finished_run(const std::string& path, const std::string& scene_sha256) {
+  try {
+    const Json j = Json::parse(read_file(path));
+    if (j.at("filetype") == "mortise run" && j.at("status") == "done" && j.at("scene").at("sha256") == scene_sha256) return static_cast<Exit>(j.at("exit_code").get<int>());
+  } catch (const Error&) {
+  } catch (const Json::exception&) {
+  }
+  return {};
 }
 
 void write_run_json(const std::string& path, const RunRecord& record) { write_file_atomically(path, run_json(record), true); }

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -51,6 +52,9 @@ struct RunRecord {
 
 // The JSON text; numbers that are not finite become null.
 std::string run_json(const RunRecord& record);
+
+// The exit code in run.json at `path`, if it is of a run of this scene that went to its end; nothing otherwise.
+std::optional<Exit> code_of_finished_run(const std::string& path, const std::string& scene_sha256);
 
 // Writes it to `path` (temporary, fsync, rename). To be called last: a run whose run.json exists has ended, and its status says
 // how. Throws Error(Exit::file).

@@ -22,7 +22,9 @@ struct Texture {
 };
 
 // Writes beside `path` and renames, so a reader never sees half a picture. Throws Error(Exit::file).
+// Throws Error(Exit::file).
 void write_png(const std::string& path, const Image& image);
+bool is_our_png(const std::string& path);  // written by write_png, as far as its first bytes tell
 
 // Throws Error(Exit::file) where it is not a readable PNG.
 Image read_png(const std::string& path);

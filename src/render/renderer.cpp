@@ -118,7 +118,7 @@ Renderer::Renderer() : module_(std::make_unique<Module>()) {
 
 Renderer::~Renderer() = default;
 
-Image Renderer::draw(const RenderJob& job) {
+void check_job(const RenderJob& job) {
   if (job.width < 1 || job.height < 1 || job.width > 8192 || job.height > 8192)
     throw Error(Exit::scene, "a picture has between 1 and 8192 pixels a side");
   const Vec3 sight = job.camera.look_at - job.camera.position;
@@ -127,6 +127,10 @@ Image Renderer::draw(const RenderJob& job) {
     throw Error(Exit::scene, "a camera needs a look_at away from its position and an up that is not along the line of sight");
   const double widest = job.camera.model == Camera::Model::fisheye ? 2 * M_PI + 1e-9 : M_PI - 1e-3;
   if (!(job.camera.fov > 0 && job.camera.fov <= widest)) throw Error(Exit::scene, "the field of view of a camera is out of range");
+}
+
+Image Renderer::draw(const RenderJob& job) {
+  check_job(job);
 
   // Floats are relative to the middle of what is drawn.
   Eigen::AlignedBox3d box;
@@ -134,7 +138,7 @@ Image Renderer::draw(const RenderJob& job) {
     for (const Vec3& p : d.mesh->points) box.extend(p);
   if (box.isEmpty()) box.extend(job.camera.look_at);
   const Vec3 origin = box.center();
-  const double radius = std::max(0.5 * box.diagonal().norm(), 1e-3 * sight.norm());
+  const double radius = std::max(0.5 * box.diagonal().norm(), 1e-3 * (job.camera.look_at - job.camera.position).norm());
 
   std::vector<Packed> packed;
   std::vector<MortiseRenderMesh> meshes;
@@ -164,7 +168,7 @@ Image Renderer::draw(const RenderJob& job) {
   raw.planes = static_cast<std::int32_t>(planes.size()), raw.plane = planes.data();
   raw.camera.fisheye = job.camera.model == Camera::Model::fisheye ? 1 : 0;
   raw.camera.fov = static_cast<float>(job.camera.fov);
-  const Vec3 forward = sight.normalized(), right = side.normalized();
+  const Vec3 forward = (job.camera.look_at - job.camera.position).normalized(), right = forward.cross(job.camera.up).normalized();
   put(raw.camera.position, job.camera.position - origin);
   put(raw.camera.forward, forward);
   put(raw.camera.up, right.cross(forward));

@@ -8,6 +8,9 @@ namespace mortise::render {
 // Draws pictures without a display. The first one loads the drawing module, libmortise_render.so, looked for beside the
 // program, in ../lib of it, and where it was built. Not for two threads at once; several renderers may work side by side.
 // Equal jobs give equal bits.
+// Throws Error(Exit::scene) for a camera that sees nothing by construction.
+void check_job(const RenderJob& job);
+
 class Renderer {
  public:
   Renderer();  // throws Error(Exit::device) where the module is absent or does not fit
@@ -15,7 +18,7 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  // Throws Error(Exit::scene) for a camera that sees nothing by construction, Error(Exit::device) when drawing fails.
+  // Throws as check_job() does, and Error(Exit::device) when drawing fails.
   Image draw(const RenderJob& job);
 
  private:

@@ -153,6 +153,37 @@ void Certificate::take(const Watch& seen) {
   }
 }
 
+void Certificate::checkpoint(Archive& archive) {
+  if (watch_) take(*watch_);
+  watch_.reset();
+  const auto range = [&](const std::string& name, Range& r) {
+    archive.io(name + "_least", r.least);
+    archive.io(name + "_most", r.most);
+  };
+  range("distance", distance_), range("det_F", det_F_), range("partition", partition_), range("pressure_sum", pressure_sum_);
+  std::map<std::string, double> least, most;
+  for (const auto& [effect, r] : gap_share_) least[effect] = r.least, most[effect] = r.most;
+  archive.io("gap_share_least", least);
+  archive.io("gap_share_most", most);
+  for (const auto& [effect, v] : least) gap_share_[effect] = {v, most.at(effect)};
+  archive.io("kind_share", kind_share_);
+  archive.io("first_not_finite", first_not_finite_);
+  archive.io("pressure_roughness", pressure_estimate_.roughness);
+  archive.io("pressure_nodes", pressure_estimate_.nodes);
+  for (auto [name, value] : {std::pair{"not_finite", &not_finite_}, {"steps", &steps_}, {"first_step", &first_step_}, {"newton", &newton_}, {"most_newton", &most_newton_},
+                             {"lag", &lag_}, {"cg", &cg_}, {"halved", &halved_}, {"line_search", &line_search_}, {"regularised", &regularised_}})
+    archive.io(name, *value);
+  for (auto [name, value] : {std::pair{"balance_newton", &balance_newton_}, {"balance_relative", &balance_relative_}, {"unsupported_newton", &unsupported_newton_},
+                             {"unsupported_relative", &unsupported_relative_}, {"written_newton", &written_newton_}, {"written_relative", &written_relative_}, {"rigidity", &rigidity_},
+                             {"most_elastic", &most_elastic_}, {"stress_estimate", &stress_estimate_}, {"most_pressed", &most_pressed_}, {"guard_share", &guard_share_}, {"layer", &layer_},
+                             {"first_energy", &first_energy_}, {"last_energy", &last_energy_}, {"largest_rise", &largest_rise_},
+                             {"begin", &begin_}, {"end", &end_}, {"residual", &residual_}, {"over_tolerance", &over_tolerance_}, {"residual_share", &residual_share_}, {"lag_residual", &lag_residual_},
+                             {"lag_share", &lag_share_}, {"least_alpha", &least_alpha_}, {"first_momentum_x", &first_momentum_[0]}, {"first_momentum_y", &first_momentum_[1]},
+                             {"first_momentum_z", &first_momentum_[2]}, {"last_momentum_x", &last_momentum_[0]}, {"last_momentum_y", &last_momentum_[1]},
+                             {"last_momentum_z", &last_momentum_[2]}})
+    archive.io(name, *value);
+}
+
 void Certificate::step(const solver::StepReport& r) {
   if (watch_) take(*watch_);
   watch_.reset();
@@ -210,7 +241,7 @@ std::string Certificate::json(const End& end) const {
     lower("C", "the run was stopped");
   else if (end.status == Exit::solve)
     lower("C", "a step did not converge");
-  else if (end.status != Exit::done)
+  else if (end.status != Exit::done && end.status != Exit::checks)
     lower("F", "the run failed");
   if (c.steps_ == 0) lower("F", "no step was finished");
   if (c.det_F_.least <= 0) lower("F", "an element is inverted (det F <= 0)");

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/archive.h"
 #include "base/error.h"
 #include "base/field_sink.h"
 #include "base/params.h"
@@ -27,6 +28,8 @@ class Certificate {
   FieldSink* watch(FieldSink* next);
   // The step that led to the state reported last.
   void step(const solver::StepReport& report);
+  // Everything gathered so far: a resumed run certifies the whole. What is added below has to be added there.
+  void checkpoint(Archive& archive);
 
   struct End {
     std::string scene_name, scene_sha256, device;

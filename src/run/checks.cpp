@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/memory_archive.h"
 #include "base/pass_on.h"
 
 namespace mortise::run {
@@ -159,6 +160,23 @@ void Checks::measure(const MeasuredBody& b, const StateReport& now) {
   if (touched) take("contact_force", b.name, contact);
   if (held) take("support_force", b.name, support);
   if (rubbed) take("friction_force", b.name, friction);
+}
+
+void Checks::checkpoint(Archive& archive) {
+  PrefixedArchive energy(archive, "energy");
+  energy_.checkpoint(energy);
+  archive.io("momentum_scale", momentum_scale_);
+  std::vector<double> first;
+  if (momentum_first_) first.assign(momentum_first_->data(), momentum_first_->data() + 3);
+  archive.io("momentum_first", first);
+  if (first.size() == 3) momentum_first_ = Vec3(first[0], first[1], first[2]);
+  for (std::size_t i = 0; i < criteria_.size(); ++i) {
+    Criterion& c = criteria_[i];
+    PrefixedArchive part(archive, "criterion" + std::to_string(i));
+    for (auto [name, value] : {std::pair{"first", &c.first}, {"last", &c.last}, {"least", &c.least}, {"most", &c.most}, {"sum", &c.sum}}) part.io(name, *value);
+    part.io("count", c.count);
+    part.io("not_finite", c.not_finite);
+  }
 }
 
 double Checks::value(const Criterion& c) const {

@@ -15,8 +15,8 @@
 
 namespace mortise::run {
 
-// Judges a run by the scene's `checks` (src/scene/checks.cpp says what each quantity is). Verdicts do not change a run or its exit
-// code; they go into certificate.json. Covers the states and steps of this process, as the certificate does.
+// Judges a run by the scene's `checks` (src/scene/checks.cpp says what each quantity is). Verdicts do not change a run; they go into
+// certificate.json and decide between Exit::done and Exit::checks. Covers the whole run, through every --resume.
 class Checks {
  public:
   explicit Checks(const model::ModelInput& input);
@@ -29,6 +29,7 @@ class Checks {
   const EnergyAudit::Result& state(const std::vector<double>& points);
   const EnergyAudit::Result& energy() const { return energy_.result(); }
   void step(const solver::StepReport& report);
+  void checkpoint(Archive& archive);  // all that was measured so far
 
   struct Verdict {
     std::string text;  // "position of cube (z) at the end near 0.5 +- 0.001"

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
 
 #include "render/from_scene.h"
 #include "render/renderer.h"
+#include "run/folder.h"
 
 namespace mortise::run {
 
@@ -17,9 +17,7 @@ struct Pictures::State {
 
 Pictures::Pictures(const Params& scene, const model::ModelInput& input, const std::string& folder)
     : state_(new State{render::SceneView(scene, input.bodies), {}, folder}) {
-  std::error_code ec;
-  std::filesystem::create_directories(folder, ec);
-  if (ec) throw Error(Exit::file, "cannot create '" + folder + "': " + ec.message());
+  make_pictures_folder(folder);
 }
 Pictures::~Pictures() = default;
 
@@ -27,7 +25,9 @@ void Pictures::draw(long frame, double time, const std::vector<double>& points, 
   state_->view.move(points);
   for (const std::string& camera : state_->view.cameras()) {
     const render::RenderJob job = state_->view.job(camera, fields, fmt::format("t = {:.4g} s", time));
-    render::write_png(fmt::format("{}/{}_{:04}.png", state_->folder, camera, frame), state_->renderer.draw(job));
+    const std::string path = fmt::format("{}/{}_{:04}.png", state_->folder, camera, frame);
+    guard_picture(path);
+    render::write_png(path, state_->renderer.draw(job));
   }
 }
 

@@ -9,6 +9,8 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "base/printable.h"
+
 namespace mortise::run {
 namespace {
 
@@ -50,7 +52,7 @@ class Lines : public Progress {
 
  protected:
   void line(const std::string& text) const {
-    if (!quiet_) std::fputs((text + "\n").c_str(), stderr);
+    if (!quiet_) std::fputs((printable(text, true) + "\n").c_str(), stderr);
   }
   bool quiet_;
   long steps_ = 0;
@@ -105,12 +107,15 @@ class JsonLines : public Progress {
   void frame(long frame, double time) override { put({{"event", "frame"}, {"frame", frame}, {"time", time}}); }
   void note(const std::string& text) override { put({{"event", "note"}, {"text", text}}); }
   void end(const std::string& status, double seconds) override { put({{"event", "end"}, {"status", status}, {"seconds", seconds}}); }
+  bool lost() const override { return lost_; }
 
  private:
-  static void put(const nlohmann::json& j) {
-    std::fputs((j.dump() + "\n").c_str(), stdout);
-    std::fflush(stdout);
+  void put(const nlohmann::json& j) {
+    if (lost_) return;
+    const std::string line = j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";  // paths need not be UTF-8
+    lost_ = std::fputs(line.c_str(), stdout) < 0 || std::fflush(stdout) != 0;
   }
+  bool lost_ = false;
 };
 
 }  // namespace

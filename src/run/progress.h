@@ -22,6 +22,7 @@ class Progress {
   virtual void frame(long frame, double time) = 0;
   virtual void note(const std::string& text) = 0;
   virtual void end(const std::string& status, double seconds) = 0;
+  virtual bool lost() const { return false; }  // could an event not be written to where they were asked for?
 };
 
 std::unique_ptr<Progress> make_progress(bool json, bool quiet);

@@ -2,12 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cmath>
 #include <filesystem>
 #include <optional>
 
-#include "base/sha256.h"
+#include "base/memory_archive.h"
 #include "base/version.h"
 #include "engine/choose.h"
 #include "engine/input.h"
@@ -15,8 +19,11 @@
 #include "output/atomic_file.h"
 #include "output/checkpoint.h"
 #include "output/field_file.h"
+#include "output/field_reader.h"
+#include "output/run_json.h"
 #include "run/certificate.h"
 #include "run/checks.h"
+#include "run/folder.h"
 #include "run/newton_log.h"
 #include "run/output_mesh.h"
 #include "run/pictures.h"
@@ -39,27 +46,31 @@ void check(const engine::Outcome& outcome) {
   if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message);
 }
 
-// A folder with results in it is only touched on demand.
-void prepare_folder(const Options& o, const std::string& dir) {
-  std::error_code ec;
-  if (fs::exists(dir, ec) && !fs::is_directory(dir, ec)) throw Error(Exit::file, "'" + dir + "' is not a folder");
-  const bool used = fs::exists(dir, ec) && !fs::is_empty(dir, ec);
-  if (used && !o.overwrite && o.resume.empty())
+// What a run without a checkpoint may replace: results that --overwrite gives up, and a start that was cut short before its first checkpoint.
+void clear_folder(const Options& o, const Folder& folder, const std::string& hash) {
+  if (!folder.used()) return;
+  const std::string &dir = folder.path(), fields = folder.file("fields.vtkhdf");
+  if (!o.overwrite && o.resume.empty())
     throw Error(Exit::usage, "'" + dir + "' is not empty; use --overwrite to replace its results, --resume to continue, or another -o");
-  if (used && o.overwrite)
-    for (const char* ours : {"fields.vtkhdf", "fields.xdmf", "run.json", "certificate.json", "checkpoint.h5", "checkpoint.prev.h5", "touching.obj", "frames"}) fs::remove_all(fs::path(dir) / ours, ec);
-  fs::create_directories(dir, ec);
-  if (ec) throw Error(Exit::file, "cannot create '" + dir + "': " + ec.message());
+  std::error_code ec;
+  if (!o.overwrite && fs::exists(fs::symlink_status(fields, ec))) {
+    const output::FieldReader there(fields);
+    if (there.scene_sha256() != hash || there.frames() > 1)
+      throw Error(Exit::file, "'" + fields + "' holds " + std::to_string(there.frames()) + " frames, but there is no checkpoint to go on from; --overwrite replaces them");
+  }
+  folder.remove_results();
 }
 
 // Whether to continue, and from what; notes what was skipped.
-std::unique_ptr<output::NewestCheckpoint> open_checkpoint(const Options& o, const std::string& dir) {
+std::unique_ptr<output::NewestCheckpoint> open_checkpoint(const Options& o, const std::string& dir, const std::string& hash) {
   if (o.resume.empty()) return nullptr;
   if (!output::has_checkpoint(dir)) {
     if (o.resume == "auto") return nullptr;
     throw Error(Exit::file, "--resume: '" + dir + "' has no checkpoint (use --resume=auto to start afresh then)");
   }
-  return std::make_unique<output::NewestCheckpoint>(output::open_newest_valid(dir));
+  auto out = std::make_unique<output::NewestCheckpoint>(output::open_newest_valid(dir));
+  if (out->reader.info().scene_sha256 != hash) throw Error(Exit::file, "the checkpoint in '" + dir + "' belongs to another scene, other --set values or other mesh files");
+  return out;
 }
 
 // One run, from the folder's preparation to certificate.json and run.json.
@@ -68,10 +79,9 @@ class Run {
   Run(const Options& options, std::span<const scene::EffectTable> tables) : o_(options), tables_(tables), progress_(make_progress(options.json, options.quiet)) {}
 
   Exit go() {
+    Exit status;
     try {
-      const Exit status = work();
-      finish(status, "");
-      return status;
+      status = finish(work(), "");
     } catch (const Error& e) {
       try {
         finish(e.code(), e.what());
@@ -80,14 +90,33 @@ class Run {
       }
       throw;
     }
+    if (progress_->lost()) throw Error(Exit::file, "the standard output could not be written to the end; the results in '" + folder_->path() + "' are complete");
+    return status;
   }
 
  private:
   Exit work() {
     scene_ = scene::read_scene(o_.scene, o_.overrides, tables_);
     resolved_ = scene::to_yaml(scene_.root);
-    hash_ = sha256(resolved_);
-    dir_ = o_.output.empty() ? "out/" + scene_.root.text("name") : o_.output;
+    hash_ = scene::identity(scene_.root);
+    const std::string dir = o_.output.empty() ? "out/" + scene_.root.text("name") : o_.output;
+    frame_every_ = scene_.root.at("time").integer("frame_every");
+    steps_ = scene_.root.at("time").integer("steps");
+    const long last = o_.frames >= 0 ? std::min(steps_, o_.frames * frame_every_) : steps_;
+
+    folder_.emplace(dir);
+    std::unique_ptr<output::NewestCheckpoint> checkpoint;
+    if (folder_->exists()) {
+      note(folder_->lock());
+      checkpoint = open_checkpoint(o_, dir, hash_);
+      if (checkpoint && checkpoint->reader.info().step >= last)
+        if (const auto code = output::code_of_finished_run(folder_->file("run.json"), hash_)) {
+          note(fmt::format("the run in '{}' is finished: there is nothing to continue", dir));
+          return *code;
+        }
+    } else if (o_.resume == "yes") {
+      throw Error(Exit::file, "--resume: there is no folder '" + dir + "' (use --resume=auto to start afresh then)");
+    }
 
     const model::ModelInput input = engine::make_input(scene_.root);
     const engine::Choice choice = engine::choose(o_.device, o_.threads);
@@ -95,61 +124,64 @@ class Run {
     compare_memory(input);
     check(choice.api->create(input, engine_));
     sensors_.emplace(input);
-    prepare_folder(o_, dir_);
-    started_ = true;
+    note(folder_->lock());
+    if (!checkpoint) clear_folder(o_, *folder_, hash_);
     certificate_.emplace(input);
     checks_.emplace(input);
-    const std::unique_ptr<output::NewestCheckpoint> checkpoint = open_checkpoint(o_, dir_);
+    newton_log_.emplace(folder_->file("newton.csv"));
 
-    frame_every_ = scene_.root.at("time").integer("frame_every");
-    steps_ = scene_.root.at("time").integer("steps");
     output::FieldOptions fields;
     const Params& out = scene_.root.at("output");
     fields.double_precision = out.text("precision") == "double";
     if (const Params* names = out.find("fields"))
       for (const Params& name : names->items()) fields.fields.push_back(name.as_text());
-    const std::string field_path = dir_ + "/fields.vtkhdf";
+    const std::string field_path = folder_->file("fields.vtkhdf");
 
-    if (!o_.no_render && out.flag("pictures") && scene_.root.has("render")) pictures_ = std::make_unique<Pictures>(scene_.root, input, dir_ + "/frames");
-    if (!o_.no_render && out.flag("pictures") && !sensors_->empty()) sensor_maps_.emplace(*sensors_, dir_ + "/frames");
+    if (!o_.no_render && out.flag("pictures") && scene_.root.has("render")) pictures_ = std::make_unique<Pictures>(scene_.root, input, folder_->file("frames"));
+    if (!o_.no_render && out.flag("pictures") && !sensors_->empty()) sensor_maps_.emplace(*sensors_, folder_->file("frames"));
     record_.seconds["setup"] = std::chrono::duration<double>(Time::now() - begin_).count();
     progress_->start(scene_.root.text("name"), summary(input), steps_);
 
     install_signal_handlers();
     if (checkpoint) {
-      for (const std::string& why : checkpoint->skipped) progress_->note(why);
+      for (const std::string& why : checkpoint->skipped) note(why);
       output::CheckpointReader& reader = checkpoint->reader;
-      if (reader.info().scene_sha256 != hash_) throw Error(Exit::file, "the checkpoint in '" + dir_ + "' belongs to another scene or other --set values");
       check(engine_->checkpoint(reader));
+      checkpoint_own(reader);
       file_ = output::FieldFile::reopen(field_path, reader.info().frames, reader.info().step, fields);
-      progress_->note(fmt::format("continuing at step {}, t = {:.6g} s", engine_->steps_done(), engine_->time()));
+      record_.steps = file_->steps();
+      // They are of a run that ended; this one has not.
+      for (const char* end : {"certificate.json", "run.json"}) ::unlink(folder_->file(end).c_str());
+      started_ = true;
+      note(fmt::format("continuing at step {}, t = {:.6g} s", engine_->steps_done(), engine_->time()));
     } else {
+      started_ = true;
       file_ = output::FieldFile::open(field_path, output_mesh(input), {version(), git_sha1(), resolved_, hash_}, fields);
-      write_frame();
+      write_frame(nullptr);
       progress_->frame(0, 0);
+      save();
     }
 
-    const long last = o_.frames >= 0 ? std::min(steps_, o_.frames * frame_every_) : steps_;
     while (engine_->steps_done() < last) {
       if (stop_asked()) return stopped();
       solver::StepReport report;
       const auto begin = Time::now();
       const engine::Outcome outcome = engine_->step(stop_asked, report);
-      newton_log_.step(dir_ + "/newton.csv", report);
+      newton_log_->step(report);
       record_.seconds["solve"] += std::chrono::duration<double>(Time::now() - begin).count();
       if (outcome.code == static_cast<int>(Exit::stopped)) return stopped();
       if (outcome.code == static_cast<int>(Exit::solve)) {
         save();
-        const std::string replay = fmt::format("mortise run {} -o {} --resume --frames {}", o_.scene, dir_, (engine_->steps_done() + frame_every_) / frame_every_);
-        throw Error(Exit::solve, outcome.message + "\n  the last good state is in " + dir_ + "/checkpoint.h5; this replays the moment:\n    " + replay + overrides_text());
+        const std::string replay = fmt::format("mortise run {} -o {} --resume --frames {}", o_.scene, folder_->path(), (engine_->steps_done() + frame_every_) / frame_every_);
+        throw Error(Exit::solve, outcome.message + "\n  the last good state is in " + folder_->path() + "/checkpoint.h5; this replays the moment:\n    " + replay + overrides_text());
       }
       if (!outcome.picture.empty()) {
-        const std::string picture = dir_ + "/touching.obj";
+        const std::string picture = folder_->file("touching.obj");
         output::write_file_atomically(picture, outcome.picture, true);
         throw Error(static_cast<Exit>(outcome.code), outcome.message + "\n  where they touch is drawn in " + picture);
       }
-      if (outcome.code == static_cast<int>(Exit::device) && output::has_checkpoint(dir_))
-        throw Error(Exit::device, outcome.message + "\n  the last checkpoint in " + dir_ + " is good: --resume continues from it, on a device with more memory or with less contact");
+      if (outcome.code == static_cast<int>(Exit::device) && output::has_checkpoint(folder_->path()))
+        throw Error(Exit::device, outcome.message + "\n  the last checkpoint in " + folder_->path() + " is good: --resume continues from it, on a device with more memory or with less contact");
       check(outcome);
       after_step(report);
     }
@@ -163,7 +195,7 @@ class Run {
     if (have <= 0 || need < 0.8 * have) return;
     const std::string text = fmt::format("the scene needs about {:.0f} MiB of device memory, {} ({}) has {:.0f} MiB", need / (1 << 20), record_.device.kind, record_.device.name, have / (1 << 20));
     if (need > have) throw Error(Exit::device, text + "; coarser meshes need less");
-    progress_->note(text);
+    note(text);
   }
 
   std::string overrides_text() const {
@@ -179,7 +211,7 @@ class Run {
       if (b.type == model::BodyType::stiff) ++stiff;
     }
     return fmt::format("{} nodes, {} tets, {} stiff bodies; {} steps; {}; linear solver {}; results in {}", nodes, tets, stiff, steps_, device_text(),
-                       engine_->linear_solver(), dir_);
+                       engine_->linear_solver(), folder_->path());
   }
 
   std::string device_text() const {
@@ -187,31 +219,39 @@ class Run {
     return d.kind != "cuda" ? fmt::format("{} with {} threads", d.kind, d.threads) : d.kind + ": " + d.name;
   }
 
+  void note(const std::string& text) const {
+    if (!text.empty()) progress_->note(text);
+  }
+
   void after_step(const solver::StepReport& report) {
     const bool frame = engine_->steps_done() % frame_every_ == 0 || engine_->steps_done() == steps_;
-    contact_ = {NAN, NAN};
     if (frame)
-      write_frame();
+      write_frame(&report);
     else
-      capture();
+      capture(report);
     certificate_->step(report);
     checks_->step(report);
-    const output::StepRow row = step_row(report, contact_);
-    file_->append_step(row);
-    record_.steps.push_back(row);
     progress_->step(report, contact_);
     if (frame) progress_->frame(file_->frames() - 1, engine_->time());
     if (frame || checkpoint_asked()) save();
   }
 
-  void capture() {
+  void append(const solver::StepReport& report, const ContactFigures& contact) {
+    contact_ = contact;
+    const output::StepRow row = step_row(report, contact);
+    file_->append_step(row);
+    record_.steps.push_back(row);
+  }
+
+  void capture(const solver::StepReport& report) {
     Tee tee(checks_->watch(certificate_->watch(nullptr)));
     engine_->report(tee);
     checks_->state(engine_->points());
-    contact_ = tee.contact();
+    append(report, tee.contact());
   }
 
-  void write_frame() {
+  // `report`: of the step that led to this state, null at the start.
+  void write_frame(const solver::StepReport* report) {
     const auto begin = Time::now();
     const std::vector<double> points = engine_->points();
     Tee tee(checks_->watch(certificate_->watch(file_.get())));
@@ -219,8 +259,8 @@ class Run {
     engine_->report(*sensors_->watch(&tee));
     sensors_->finish(points);
     audit(checks_->state(points));
+    if (report) append(*report, tee.contact());
     file_->end_frame();
-    contact_ = tee.contact();
     const auto written = Time::now();
     record_.seconds["output"] += std::chrono::duration<double>(written - begin).count();
     if (pictures_) pictures_->draw(file_->frames() - 1, engine_->time(), points, tee.point_fields());
@@ -239,30 +279,46 @@ class Run {
   // The field file first, so that a checkpoint never speaks of frames that are not there.
   void save() {
     file_->flush();
-    output::CheckpointWriter writer(dir_, {version(), hash_, engine_->steps_done(), file_->frames(), engine_->time()});
+    output::CheckpointWriter writer(folder_->path(), {version(), hash_, engine_->steps_done(), file_->frames(), engine_->time()});
     check(engine_->checkpoint(writer));
+    checkpoint_own(writer);
     writer.commit();
+  }
+
+  // What this side of the engine has gathered.
+  void checkpoint_own(Archive& archive) {
+    PrefixedArchive certificate(archive, "run/certificate"), checks(archive, "run/checks"), log(archive, "run/newton_log"), maps(archive, "run/sensor_maps");
+    certificate_->checkpoint(certificate);
+    checks_->checkpoint(checks);
+    newton_log_->checkpoint(log);
+    bool drawn = sensor_maps_.has_value();
+    maps.io("drawn", drawn);
+    if (drawn && sensor_maps_) sensor_maps_->checkpoint(maps);
   }
 
   Exit stopped() {
     save();
     file_->close();
-    progress_->note(fmt::format("stopped after step {}; continue with --resume", engine_->steps_done()));
+    note(fmt::format("stopped after step {}; continue with --resume", engine_->steps_done()));
     return Exit::stopped;
   }
 
-  void finish(Exit status, const std::string& message) {
-    if (!started_) return;
+  // Returns the code that the program ends with.
+  Exit finish(Exit status, std::string message) {
+    if (!started_) return status;
     const double wall = std::chrono::duration<double>(Time::now() - begin_).count();
     const std::string device = engine_ ? record_.device.kind : "";
-    const std::vector<Checks::Verdict> verdicts = checks_ ? checks_->verdicts(status, message) : std::vector<Checks::Verdict>{};
-    const std::string certificate = certificate_->json({scene_.root.text("name"), hash_, device, status, message, checks_ ? checks_->energy() : EnergyAudit::Result{}});
-    output::write_file_atomically(dir_ + "/certificate.json", Checks::add_to(certificate, verdicts), true);
+    const std::vector<Checks::Verdict> verdicts = checks_->verdicts(status, message);
+    const auto failed = std::count_if(verdicts.begin(), verdicts.end(), [](const Checks::Verdict& v) { return !v.pass; });
+    if (status == Exit::done && failed > 0) status = Exit::checks, message = fmt::format("{} of {} checks failed", failed, verdicts.size());
+    const std::string certificate = certificate_->json({scene_.root.text("name"), hash_, device, status, message, checks_->energy()});
+    output::write_file_atomically(folder_->file("certificate.json"), Checks::add_to(certificate, verdicts), true);
     for (const Checks::Verdict& v : verdicts)
-      if (!v.pass) progress_->note(fmt::format("check failed: {}; it is {}", v.text, v.found.empty() ? fmt::format("{:.6g}", v.value) : v.found));
+      if (!v.pass) note(fmt::format("check failed: {}; it is {}", v.text, v.found.empty() ? fmt::format("{:.6g}", v.value) : v.found));
     record_.frames = file_ ? file_->frames() : 0;
-    record_.write(dir_ + "/run.json", {o_, scene_.root.text("name"), hash_, status, message, wall}, engine_.get());
-    if (status == Exit::done) progress_->end("done", wall);
+    record_.write(folder_->file("run.json"), {o_, scene_.root.text("name"), hash_, status, message, wall}, engine_.get());
+    if (status == Exit::done || status == Exit::checks) progress_->end(status == Exit::done ? "done" : message, wall);
+    return status;
   }
 
   const Options& o_;
@@ -270,8 +326,9 @@ class Run {
   std::unique_ptr<Progress> progress_;
   Time::time_point begin_ = Time::now();
   scene::Scene scene_;
-  std::string resolved_, hash_, dir_;
-  NewtonLog newton_log_;
+  std::string resolved_, hash_;
+  std::optional<Folder> folder_;
+  std::optional<NewtonLog> newton_log_;
   std::unique_ptr<engine::Engine> engine_;
   std::unique_ptr<output::FieldFile> file_;
   std::optional<sensors::Sensors> sensors_;
@@ -287,6 +344,9 @@ class Run {
 
 }  // namespace
 
-Exit run_scene(const Options& options, std::span<const scene::EffectTable> tables) { return Run(options, tables).go(); }
+Exit run_scene(const Options& options, std::span<const scene::EffectTable> tables) {
+  std::signal(SIGPIPE, SIG_IGN);  // a reader of the progress that went away does not end the run
+  return Run(options, tables).go();
+}
 
 }  // namespace mortise::run

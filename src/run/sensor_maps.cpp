@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "base/error.h"
 #include "render/colour_map.h"
 #include "render/overlay.h"
+#include "run/folder.h"
 
 namespace mortise::run {
 namespace {
@@ -65,9 +65,12 @@ render::Image map_of(const sensors::GridSpec& spec, const sensors::Reading& r, d
 
 SensorMaps::SensorMaps(const sensors::Sensors& sensors, const std::string& folder)
     : sensors_(sensors), folder_(folder), pressure_(sensors.all().size(), 0.0), shear_(pressure_) {
-  std::error_code ec;
-  std::filesystem::create_directories(folder, ec);
-  if (ec) throw Error(Exit::file, "cannot create '" + folder + "': " + ec.message());
+  make_pictures_folder(folder);
+}
+
+void SensorMaps::checkpoint(Archive& archive) {
+  archive.io("pressure", pressure_);
+  archive.io("shear", shear_);
 }
 
 void SensorMaps::draw(long frame, double time) {
@@ -83,7 +86,9 @@ void SensorMaps::draw(long frame, double time) {
     job.bar = render::ColourBar{"pressure", unit, 0, most, scale};
     job.caption = fmt::format("{}   t = {:.4g} s", sensor.name(), time);
     render::draw_overlays(image, job);
-    render::write_png(fmt::format("{}/sensor_{}_{:04}.png", folder_, sensor.name(), frame), image);
+    const std::string path = fmt::format("{}/sensor_{}_{:04}.png", folder_, sensor.name(), frame);
+    guard_picture(path);
+    render::write_png(path, image);
   }
 }
 

@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "base/archive.h"
 #include "sensors/sensors.h"
 
 namespace mortise::run {
@@ -13,6 +14,7 @@ class SensorMaps {
   // Creates the folder. Throws Error(Exit::file).
   SensorMaps(const sensors::Sensors& sensors, const std::string& folder);
   void draw(long frame, double time);
+  void checkpoint(Archive& archive);
 
  private:
   const sensors::Sensors& sensors_;

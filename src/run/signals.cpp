@@ -8,17 +8,15 @@
 namespace mortise::run {
 namespace {
 
-volatile std::sig_atomic_t stop = 0, interrupts = 0, checkpoint = 0;
+volatile std::sig_atomic_t stop = 0, checkpoint = 0;
 
 extern "C" void on_signal(int signal) {
   if (signal == SIGUSR1) {
     checkpoint = 1;
     return;
   }
+  if (stop) _exit(128 + signal);  // the second one ends the program, wherever it hangs
   stop = 1;
-  if (signal != SIGINT) return;
-  if (interrupts) _exit(130);
-  interrupts = 1;
 }
 
 }  // namespace

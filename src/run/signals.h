@@ -2,7 +2,7 @@
 
 namespace mortise::run {
 
-// SIGTERM and the first SIGINT ask for a stop at the next Newton iteration; a second SIGINT ends the process at once with 130.
+// The first SIGTERM or SIGINT asks for a stop at the next Newton iteration; the second ends the process at once, with 128 + its number.
 // SIGUSR1 asks for a checkpoint. Handlers only set flags.
 void install_signal_handlers();
 bool stop_asked();

@@ -51,6 +51,13 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   return r_;
 }
 
+void EnergyAudit::checkpoint(Archive& archive) {
+  for (auto [name, value] : {std::pair{"total", &r_.total}, {"support_work", &r_.support_work}, {"gain", &r_.gain}, {"largest_gain", &r_.largest_gain},
+                             {"scale", &r_.scale}, {"all", &all_}, {"gravity_first", &gravity_first_}})
+    archive.io(name, *value);
+  archive.io("points_before", points_before_);
+}
+
 double EnergyAudit::total(const StateReport& now) {
   double sum = 0;
   for (const auto& [name, v] : now.scalars) {

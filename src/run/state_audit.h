@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/archive.h"
 #include "model/input.h"
 #include "run/measured_body.h"
 
@@ -52,6 +53,7 @@ class EnergyAudit {
   };
   const Result& state(const StateReport& now);
   const Result& result() const { return r_; }
+  void checkpoint(Archive& archive);
 
  private:
   double total(const StateReport& now);

@@ -71,6 +71,9 @@ Params Checker::table(const ParamTable& base, const Node& node, const std::strin
 
   std::vector<std::string> known;
   for (const Param& p : t->params) known.push_back(p.key);
+  std::vector<std::string> free;  // what is already written is not what another key means
+  for (const std::string& k : known)
+    if (!node.find(k)) free.push_back(k);
   std::map<std::string, const Node*> written;
   std::set<std::string> meant;
   for (const auto& [key, child] : node.entries) {
@@ -81,9 +84,6 @@ Params Checker::table(const ParamTable& base, const Node& node, const std::strin
     }
     const auto p = std::find_if(t->params.begin(), t->params.end(), [&](const Param& q) { return q.key == key; });
     if (p == t->params.end()) {
-      std::vector<std::string> free;  // what is already written was not meant
-      for (const std::string& k : known)
-        if (!node.find(k)) free.push_back(k);
       const std::string best = nearest(key, free);
       meant.insert(best);
       incomplete_.insert(path);
@@ -258,7 +258,7 @@ std::optional<Params> Checker::file(const Node& n, const std::string& path) {
   }
   const fs::path full = (fs::path(folder_) / n.text).lexically_normal();
   std::error_code ignored;
-  if (fs::is_regular_file(full, ignored)) return Params::make_text(full.string(), n.at);
+  if (fs::is_regular_file(full, ignored)) return Params::make_path(full.string(), n.at);
   std::string hint = "relative paths start at the scene's folder";
   if (fs::is_directory(full, ignored)) {
     errors_.add(n.at, path + ": '" + n.text + "' is a folder, not a file");

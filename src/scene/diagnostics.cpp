@@ -1,6 +1,9 @@
 #include "scene/diagnostics.h"
 
 #include <algorithm>
+#include <span>
+
+#include "base/printable.h"
 
 namespace mortise::scene {
 namespace {
@@ -47,15 +50,15 @@ Diagnostics::Diagnostics(const std::string& text) {
       lines_.push_back(std::move(line));
       line.clear();
     } else if (c != '\r') {
-      line += c;
+      line += (static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7F ? '?' : c;  // as printable(), but every byte keeps its column
     }
   }
   lines_.push_back(std::move(line));
 }
 
 void Diagnostics::add(SourceLoc at, std::string message, std::string hint, std::vector<Note> notes) {
-  for (const Diagnostic& d : errors_)  // an alias that is used twice is wrong once
-    if (d.at.text() == at.text() && d.message == message) return;
+  message = printable(message), hint = printable(hint);
+  if (!seen_.insert(at.text() + '\n' + message).second) return;  // an alias that is used twice is wrong once
   errors_.push_back({std::move(at), std::move(message), std::move(hint), std::move(notes)});
 }
 
@@ -97,7 +100,9 @@ void Diagnostics::raise() {
     return std::pair(a.at.line, a.at.column) < std::pair(b.at.line, b.at.column);
   });
   std::string out;
-  for (const Diagnostic& d : errors_) {
+  constexpr std::size_t kShown = 100;
+  const std::size_t shown = std::min(errors_.size(), kShown);
+  for (const Diagnostic& d : std::span(errors_).first(shown)) {
     // Error prepends "file:line:col: error: " to the first one.
     if (&d != &errors_.front()) out += d.at.text() + ": error: ";
     out += d.message + "\n" + source(d.at, d.hint);
@@ -105,6 +110,7 @@ void Diagnostics::raise() {
       out += old->second.text() + ": note: the value it replaces\n" + source(old->second, "");
     for (const Note& n : d.notes) out += n.at.text() + ": note: " + n.message + "\n" + source(n.at, "");
   }
+  if (shown < errors_.size()) out += "and " + std::to_string(errors_.size() - shown) + " more errors\n";
   out.pop_back();  // what() ends without a newline, like every message
   const SourceLoc first = errors_.front().at;
   throw SceneErrors(std::move(errors_), first, out);

@@ -1,5 +1,6 @@
 #pragma once
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,7 @@ class Diagnostics {
 
   std::vector<std::string> lines_;
   std::vector<Diagnostic> errors_;
+  std::set<std::string> seen_;  // place and message of each
   std::map<std::string, SourceLoc> replaced_;
 };
 

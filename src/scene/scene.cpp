@@ -1,13 +1,9 @@
 #include "scene/scene.h"
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iostream>
-#include <iterator>
 #include <sstream>
 
+#include "base/read_file.h"
 #include "scene/checker.h"
 #include "scene/cross_check.h"
 #include "scene/overrides.h"
@@ -18,18 +14,6 @@ namespace mortise::scene {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string read_file(const std::string& path) {
-  if (path == "-") return {std::istreambuf_iterator<char>(std::cin), {}};
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) throw Error(Exit::file, "cannot read '" + path + "': it is a folder");
-  errno = 0;
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw Error(Exit::file, "cannot read '" + path + "': " + std::strerror(errno ? errno : EIO));
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (in.bad()) throw Error(Exit::file, "cannot read '" + path + "'");
-  return text;
-}
 
 // What usually is behind yaml-cpp's messages.
 std::string syntax_hint(const std::string& text, const SyntaxError& e) {
@@ -61,7 +45,7 @@ void check_version(const Node& root, Diagnostics& errors) {
 }  // namespace
 
 Scene read_scene(const std::string& path, const std::vector<std::string>& overrides, std::span<const EffectTable> effects) {
-  Scene scene = read_scene_text(read_file(path), path == "-" ? "<stdin>" : path, overrides, effects);
+  Scene scene = read_scene_text(read_stream(path, most_bytes::scene), path == "-" ? "<stdin>" : path, overrides, effects);
   scene.path = path;
   return scene;
 }

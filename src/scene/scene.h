@@ -42,4 +42,8 @@ Scene read_scene_text(const std::string& text, const std::string& path, const st
 // The resolved tree as a scene file again: all defaults written out, numbers in SI. Reading it gives the same tree.
 std::string to_yaml(const Params& root);
 
+// SHA-256 of that file, with the content of every file that it names (mesh, texture) in the place of the path: what decides whether two runs
+// are of the same scene.
+std::string identity(const Params& root);
+
 }  // namespace mortise::scene

@@ -238,8 +238,8 @@ const ParamTable& camera_table() {
 const ParamTable& render_table() {
   static const ParamTable t{"render",
                             "Pictures of the run.",
-                            {integer("width", "1280", 16, 16384, "Width of the pictures in pixels."),
-                             integer("height", "720", 16, 16384, "Height of the pictures in pixels."),
+                            {integer("width", "1280", 16, 8192, "Width of the pictures in pixels."),
+                             integer("height", "720", 16, 8192, "Height of the pictures in pixels."),
                              range(vector("background", Unit::none, "[1, 1, 1]", "Background colour: red, green, blue."), 0, 1),
                              map("cameras", &camera_table(), "Cameras by name.")}};
   return t;

@@ -1,5 +1,7 @@
 #include <nlohmann/json.hpp>
 
+#include "base/read_file.h"
+#include "base/sha256.h"
 #include "scene/quantity.h"
 #include "scene/scene.h"
 
@@ -52,7 +54,23 @@ void block(const Params& table, int indent, std::string& out) {
   }
 }
 
+// Files by what is in them.
+Params contents(const Params& p) {
+  if (p.is_path()) return Params::make_text("sha256:" + sha256(read_regular_file(p.as_text(), most_bytes::mesh)));
+  if (p.kind() == Params::Kind::list) {
+    Params out = Params::make_list();
+    for (const Params& item : p.items()) out.push(contents(item));
+    return out;
+  }
+  if (p.kind() != Params::Kind::table) return p;
+  Params out = Params::make_table();
+  for (const auto& [key, value] : p.entries()) out.set(key, contents(value));
+  return out;
+}
+
 }  // namespace
+
+std::string identity(const Params& root) { return sha256(to_yaml(contents(root))); }
 
 std::string to_yaml(const Params& root) {
   std::string out;

@@ -1,5 +1,7 @@
 #include "scene/yaml.h"
 
+#include "base/read_file.h"
+
 #include <map>
 #include <sstream>
 
@@ -34,6 +36,7 @@ class Builder : public YAML::EventHandler {
     // Tag "!" marks a quoted scalar, "?" a plain one.
     Node n = make(Node::Kind::scalar, mark);
     n.text = value;
+    weigh(n, mark);
     n.quoted = tag == "!";
     no_tag(tag, mark);
     put(std::move(n), anchor);
@@ -72,8 +75,12 @@ class Builder : public YAML::EventHandler {
   }
   void count(const Node& n, const YAML::Mark& mark) {
     if (++nodes_ > kMostNodes) throw SyntaxError{place(mark), "the scene has more than a million values"};
+    weigh(n, mark);
     for (const Node& item : n.items) count(item, mark);
     for (const auto& [key, value] : n.entries) count(value, mark);
+  }
+  void weigh(const Node& n, const YAML::Mark& mark) {
+    if (bytes_ += n.text.size(); bytes_ > most_bytes::scene) throw SyntaxError{place(mark), "the values of the scene are longer than 64 MiB in all"};
   }
   void no_tag(const std::string& tag, const YAML::Mark& mark) const {
     if (tag != "!" && tag != "?" && !tag.empty())
@@ -135,6 +142,7 @@ class Builder : public YAML::EventHandler {
   std::vector<Open> stack_;
   std::map<YAML::anchor_t, Node> anchors_;
   int nodes_ = 0;
+  std::size_t bytes_ = 0;  // of all texts, aliases counted as often as they are used
 };
 
 }  // namespace

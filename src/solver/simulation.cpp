@@ -99,6 +99,11 @@ void Simulation::accept() {
   solved_ = true;
 }
 
+void Simulation::begin() {
+  const effects::StepInfo info{time_, options_.dt, step_, options_.is_static};
+  for (const auto& effect : effects_) effect->begin_step(info);
+}
+
 void Simulation::step(const std::function<bool()>& stop_asked, StepReport& report) {
   const auto start = std::chrono::steady_clock::now();
   report = {};

@@ -17,6 +17,7 @@ class Simulation {
 
   // Advances by one step of the scene. Throws Error(Exit::solve) when even the smallest substep fails, and Stopped when
   // `stop_asked` says so; either way the state is that before the call, and `report` tells how far it got.
+  void begin();  // what the first step begins with: effects find bodies that touch at the start
   void step(const std::function<bool()>& stop_asked, StepReport& report);
 
   double time() const { return time_; }

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -31,11 +32,11 @@ inline int wait_for(pid_t pid) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-// All arrays of the newest checkpoint in an output folder.
-inline std::vector<std::vector<double>> last_state(const std::string& dir) {
-  std::vector<std::vector<double>> out;
+// All arrays of the newest checkpoint in an output folder, bit for bit (NaN is equal to itself then).
+inline std::map<std::string, std::string> last_state(const std::string& dir) {
+  std::map<std::string, std::string> out;
   const output::CheckpointReader reader(dir + "/checkpoint.h5");
-  for (const auto& [name, values] : reader.arrays()) out.push_back(values);
+  for (const auto& [name, values] : reader.arrays()) out[name].assign(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double));
   return out;
 }
 

@@ -1,11 +1,15 @@
 #include <gtest/gtest.h>
+#include <fcntl.h>
+#include <sys/socket.h>
 #include <unistd.h>
+
+#include <cerrno>
 
 #include <csignal>
 #include <cstdlib>
 #include <vector>
 
-#include "geometry/io/child.h"
+#include "base/child.h"
 #include "geometry/io/visual_bytes.h"
 #include "damage.h"
 #include "mesh_helpers.h"
@@ -38,6 +42,24 @@ TEST(Child, CrashesBecomeErrors) {
   fails(kLimits, [] { _exit(0); }, {"ends without a result"});
   fails(kLimits, [] { _exit(7); }, {"ends without a result"});
   fails({1, kLimits.bytes}, [] { for (volatile bool forever = true; forever;) {} }, {"is not done after 1 s"});
+}
+
+TEST(Child, LivesInACage) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "the sanitizer's own calls are not let through";
+#endif
+  const std::string file = testing::TempDir() + "mortise_cage";
+  const std::string told = in_child("it", kLimits, [&] {
+    std::string out;
+    out += open(file.c_str(), O_WRONLY | O_CREAT, 0600) < 0 && errno == EPERM ? "w" : "-";
+    out += socket(AF_INET, SOCK_STREAM, 0) < 0 && errno == EPERM ? "n" : "-";
+    out += fork() < 0 && errno == EPERM ? "f" : "-";
+    out += kill(getppid(), 0) < 0 && errno == EPERM ? "k" : "-";
+    out += unlink("/nowhere") < 0 && errno == EPERM ? "u" : "-";
+    out += open("/proc/self/exe", O_RDONLY) >= 0 ? "r" : "-";
+    return out;
+  });
+  EXPECT_EQ(told, "wnfkur");
 }
 
 TEST(Child, MemoryIsLimited) {

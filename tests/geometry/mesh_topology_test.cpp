@@ -241,5 +241,18 @@ TEST(MeshCheck, Tets) {
   expect_error([&] { check_tets(m, "m"); }, Exit::scene, {"m: boundary: the surface is not manifold: 1 edge", "edge 0-1"});
 }
 
+TEST(ClosedSurface, PartsInsideOfOthersAreCavities) {
+  const auto turned = [](TriMesh m) {
+    for (Triangle& t : m.triangles) std::swap(t.v[1], t.v[2]);
+    return m;
+  };
+  const TriMesh outer = cube(Vec3::Zero(), 1), inner = cube(Vec3::Zero(), 0.5), core = cube(Vec3::Zero(), 0.2), beside = cube(Vec3(3, 0, 0), 1);
+  for (const TriMesh& good : {joined(outer, beside), joined(outer, turned(inner)), joined(joined(outer, turned(inner)), core)}) EXPECT_EQ(first_wrongly_nested(good), -1);
+  EXPECT_EQ(first_wrongly_nested(joined(outer, inner)), 12);
+  EXPECT_EQ(first_wrongly_nested(joined(outer, turned(beside))), 12);
+  EXPECT_EQ(first_wrongly_nested(joined(joined(outer, turned(inner)), turned(core))), 24);
+  expect_error([&] { check_closed_surface(joined(outer, inner), "it"); }, Exit::scene, {"lies inside of another part"});
+}
+
 }  // namespace
 }  // namespace mortise::geometry

@@ -135,7 +135,7 @@ TEST(Checkpoint, FallsBackToThePreviousOne) {
   EXPECT_EQ(open_newest_valid(dir.path()).reader.info().step, 1);
   write_file(dir / "checkpoint.prev.h5", "rubbish", false);
   const std::string message = file_error([&] { open_newest_valid(dir.path()); });
-  EXPECT_THAT(message, HasSubstr("checkpoint.h5: cannot open: No such file"));
+  EXPECT_THAT(message, HasSubstr("checkpoint.h5': No such file"));
   EXPECT_THAT(message, HasSubstr("checkpoint.prev.h5: not a whole checkpoint"));
 }
 

@@ -153,8 +153,8 @@ TEST(FieldFileOpen, NamesPathAndReason) {
   Folder dir;
   const OutputMesh mesh = small_mesh();
   const auto open = [&](const std::string& path) { return file_error([&] { FieldFile::open(path, mesh, small_info(), {}); }); };
-  EXPECT_EQ(open(dir / "no/fields.vtkhdf"), (dir / "no/fields.vtkhdf") + ": cannot create: No such file or directory");
-  EXPECT_THAT(open("/proc/fields.vtkhdf"), HasSubstr("/proc/fields.vtkhdf: cannot create: "));
+  EXPECT_EQ(open(dir / "no/fields.vtkhdf"), (dir / "no/fields.vtkhdf.new") + ": cannot create: No such file or directory");
+  EXPECT_THAT(open("/proc/fields.vtkhdf"), HasSubstr("/proc/fields.vtkhdf.new: cannot create: "));
   EXPECT_THAT(open(dir.path()), HasSubstr("Is a directory"));
 }
 

@@ -327,7 +327,7 @@ TEST(FieldReader, RefusesOtherFiles) {
   std::ofstream(dir / "text") << "hello";
   EXPECT_EQ(file_error([&] { FieldReader(dir / "text"); }), (dir / "text") + ": cannot open: not an HDF5 file");
   EXPECT_EQ(file_error([&] { FieldReader(dir / "none"); }), (dir / "none") + ": cannot open: No such file or directory");
-  { h5::File other(dir / "other.h5", h5::Mode::create); }
+  h5::File(dir / "other.h5", h5::Mode::create).close();
   EXPECT_THAT(file_error([&] { FieldReader(dir / "other.h5"); }), HasSubstr("not a mortise field file"));
 }
 

@@ -9,7 +9,7 @@
 #include <filesystem>
 
 #include "base/error.h"
-#include "geometry/io/child.h"
+#include "base/child.h"
 #include "geometry/io/corners.h"
 #include "geometry/io/text.h"
 #include "geometry/io/visual_bytes.h"

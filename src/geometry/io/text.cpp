@@ -3,21 +3,10 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 namespace mortise::geometry {
 
-std::string read_file(const std::string& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) throw Error(Exit::file, "cannot read '" + path + "': it is a directory");
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw Error(Exit::file, "cannot read '" + path + "'");
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (in.bad()) throw Error(Exit::file, "cannot read '" + path + "'");
-  return std::move(text).str();
-}
+std::string read_file(const std::string& path, std::uint64_t most) { return read_regular_file(path, most); }
 
 std::string extension(const std::string& path) {
   std::string e = std::filesystem::path(path).extension().string();

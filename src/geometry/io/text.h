@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/read_file.h"
 #include "base/types.h"
 
 namespace mortise::geometry {
 
-// The bytes of a file. Throws Exit::file if it cannot be read.
-std::string read_file(const std::string& path);
+// The bytes of a regular file. Throws Exit::file if it cannot be read or has more than `most`.
+std::string read_file(const std::string& path, std::uint64_t most = most_bytes::mesh);
 
 // Lower-case extension with the dot (".obj"), or "".
 std::string extension(const std::string& path);

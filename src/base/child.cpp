@@ -1,7 +1,8 @@
-#include "geometry/io/child.h"
+#include "base/child.h"
 
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -13,9 +14,10 @@
 #include <fstream>
 #include <new>
 
+#include "base/cage.h"
 #include "base/error.h"
 
-namespace mortise::geometry {
+namespace mortise {
 namespace {
 
 constexpr int kNoMemory = 40;  // exit code of the child
@@ -30,6 +32,7 @@ class ResultFile {
   ResultFile(const ResultFile&) = delete;
   ResultFile& operator=(const ResultFile&) = delete;
 
+  int file() const { return file_; }
   bool write(const std::string& bytes) const {
     for (std::size_t done = 0; done < bytes.size();) {
       const ssize_t n = ::write(file_, bytes.data() + done, bytes.size() - done);
@@ -60,7 +63,8 @@ std::size_t data_size() {
   return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
 
-void restrict_child(ChildLimits limits) {
+void restrict_child(ChildLimits limits, [[maybe_unused]] int result) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // who ends the program ends this too
   for (int s : {SIGALRM, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGINT, SIGTERM, SIGUSR1}) std::signal(s, SIG_DFL);
   alarm(limits.seconds);
   const rlim_t bytes = data_size() + limits.bytes;
@@ -70,11 +74,14 @@ void restrict_child(ChildLimits limits) {
   const int nowhere = open("/dev/null", O_WRONLY);
   dup2(nowhere, STDOUT_FILENO);
   dup2(nowhere, STDERR_FILENO);
+#if !defined(__SANITIZE_ADDRESS__)  // whose own calls would need more
+  lock_into_cage(result);
+#endif
 }
 
 // _exit: the parent's files are not this process's to flush, nor its objects to destroy.
 [[noreturn]] void run_child(const ResultFile& result, ChildLimits limits, const std::function<std::string()>& job) {
-  restrict_child(limits);
+  restrict_child(limits, result.file());
   std::string reply;
   try {
     reply = std::string("=") + '\0' + job();
@@ -97,14 +104,14 @@ int wait_for(pid_t child) {
 
 }  // namespace
 
-std::string in_child(const std::string& what, ChildLimits limits, const std::function<std::string()>& job) {
+std::string in_child(const std::string& what, ChildLimits limits, const std::function<std::string()>& job, Exit blame) {
   const ResultFile result;
   const pid_t child = fork();
   if (child < 0) throw Error(Exit::file, "cannot start a process: " + std::string(std::strerror(errno)));
   if (child == 0) run_child(result, limits, job);
 
   const int status = wait_for(child);
-  const auto fail = [&](const std::string& reason) { throw Error(Exit::scene, what + ": " + reason); };
+  const auto fail = [&](const std::string& reason) { throw Error(blame, what + ": " + reason); };
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM) fail("its reader is not done after " + std::to_string(limits.seconds) + " s");
   if (WIFSIGNALED(status)) fail(std::string("its reader crashes on it (") + strsignal(WTERMSIG(status)) + ")");
   if (WEXITSTATUS(status) == kNoMemory) fail("its reader needs more than " + std::to_string(limits.bytes >> 20) + " MiB of memory");
@@ -114,4 +121,4 @@ std::string in_child(const std::string& what, ChildLimits limits, const std::fun
   return reply.substr(2);
 }
 
-}  // namespace mortise::geometry
+}  // namespace mortise

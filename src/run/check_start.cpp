@@ -1,0 +1,34 @@
+#include "run/check_start.h"
+
+#include "render/from_scene.h"
+#include "render/renderer.h"
+#include "run/tee.h"
+#include "sensors/sensors.h"
+
+namespace mortise::run {
+namespace {
+
+void check(const engine::Outcome& outcome) {
+  if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message);
+}
+
+}  // namespace
+
+std::unique_ptr<engine::Engine> check_start(const Params& scene, const model::ModelInput& input) {
+  std::unique_ptr<engine::Engine> engine;
+  check(engine::cpu_api().create(input, engine));
+  sensors::Sensors sensors(input);
+  const std::vector<double> points = engine->points();
+  Tee tee(nullptr);
+  engine->report(*sensors.watch(&tee));
+  sensors.finish(points);
+  if (scene.has("render") && scene.at("output").flag("pictures")) {
+    render::SceneView view(scene, input.bodies);
+    view.move(points);
+    for (const std::string& camera : view.cameras()) render::check_job(view.job(camera, tee.point_fields(), ""));
+  }
+  check(engine->begin());
+  return engine;
+}
+
+}  // namespace mortise::run

@@ -1,0 +1,137 @@
+#include "run/folder.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <sstream>
+
+#include "base/error.h"
+#include "render/image.h"
+
+namespace fs = std::filesystem;
+
+namespace mortise::run {
+namespace {
+
+constexpr const char* kLock = "run.lock";
+
+[[noreturn]] void fail(const std::string& what) { throw Error(Exit::file, what + ": " + std::strerror(errno)); }
+
+std::string host() {
+  char name[256] = {};
+  return gethostname(name, sizeof name - 1) == 0 ? name : "unknown";
+}
+
+struct Owner {
+  std::string host;
+  long process = 0;
+};
+
+// Of a lock file; no host where it was cut short before it was whole.
+Owner owner_of(int file) {
+  char text[512] = {};
+  const ssize_t n = pread(file, text, sizeof text - 1, 0);
+  Owner owner;
+  if (n > 0 && text[n - 1] == '\n') std::istringstream(text) >> owner.host >> owner.process;
+  return owner;
+}
+
+bool same_file(int file, const std::string& path) {
+  struct stat a = {}, b = {};
+  return fstat(file, &a) == 0 && lstat(path.c_str(), &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+}
+
+}  // namespace
+
+Folder::~Folder() {
+  if (lock_ < 0) return;
+  unlink(file(kLock).c_str());
+  close(lock_);
+}
+
+bool Folder::exists() const {
+  std::error_code ec;
+  const fs::file_status status = fs::status(path_, ec);
+  if (fs::exists(status) && !fs::is_directory(status)) throw Error(Exit::file, "'" + path_ + "' is not a folder");
+  return fs::exists(status);
+}
+
+bool Folder::used() const {
+  std::error_code ec;
+  for (fs::directory_iterator it(path_, ec), end; !ec && it != end; it.increment(ec))
+    if (it->path().filename() != kLock) return true;
+  return false;
+}
+
+std::string Folder::lock() {
+  if (lock_ >= 0) return "";
+  std::error_code ec;
+  fs::create_directories(path_, ec);
+  if (ec) throw Error(Exit::file, "cannot create '" + path_ + "': " + ec.message());
+  const std::string path = file(kLock), self = host();
+  for (;;) {
+    const int file = open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (file < 0) fail("cannot create '" + path + "'");
+    const bool held = flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    const Owner owner = owner_of(file);
+    if (!held && !same_file(file, path)) {  // its owner has just removed it
+      close(file);
+      continue;
+    }
+    // A file system without locks: the process is asked for.
+    const bool here = owner.host == self, lives = held || (here && owner.process != getpid() && owner.process > 0 && kill(static_cast<pid_t>(owner.process), 0) == 0);
+    if (lives || (!owner.host.empty() && !here)) {
+      close(file);
+      const std::string who = owner.host.empty() ? "another process" : "process " + std::to_string(owner.process) + " on " + owner.host;
+      throw Error(Exit::file, "'" + path_ + "' is in use by " + who + (here || held ? "" : "\n  if that run is over, remove " + path));
+    }
+    const std::string text = self + " " + std::to_string(getpid()) + "\n";
+    std::size_t written = 0;
+    for (ssize_t n = ftruncate(file, 0) == 0 ? 1 : 0; n > 0 && written < text.size(); written += static_cast<std::size_t>(std::max<ssize_t>(n, 0)))
+      n = pwrite(file, text.data() + written, text.size() - written, static_cast<off_t>(written));
+    if (written < text.size()) {
+      const int reason = errno;
+      unlink(path.c_str());
+      close(file);
+      errno = reason;
+      fail("cannot write '" + path + "'");
+    }
+    lock_ = file;
+    return owner.host.empty() ? "" : "taking over '" + path_ + "' from process " + std::to_string(owner.process) + ", which is gone";
+  }
+}
+
+void Folder::remove_results() const {
+  std::error_code ec;
+  for (const char* ours : {"fields.vtkhdf", "fields.vtkhdf.new", "fields.vtkhdf.journal", "fields.xdmf", "fields.xdmf.tmp", "run.json", "run.json.tmp", "certificate.json", "certificate.json.tmp",
+                           "checkpoint.h5", "checkpoint.h5.tmp", "checkpoint.prev.h5", "touching.obj", "touching.obj.tmp", "newton.csv"})
+    if (unlink(file(ours).c_str()) != 0 && errno != ENOENT) fail("cannot replace '" + file(ours) + "'");
+  const std::string frames = file("frames");
+  if (!fs::is_directory(fs::symlink_status(frames, ec))) return;
+  for (fs::directory_iterator it(frames, ec), end; !ec && it != end; it.increment(ec))
+    if (it->is_regular_file() && !it->is_symlink() && (render::is_our_png(it->path().string()) || (it->path().extension() == ".part" && it->file_size() == 0))) fs::remove(it->path());
+  rmdir(frames.c_str());  // if nothing is left in it
+}
+
+void guard_picture(const std::string& path) {
+  std::error_code ec;
+  const fs::file_status status = fs::symlink_status(path, ec);
+  if (fs::exists(status) && !(fs::is_regular_file(status) && render::is_our_png(path)))
+    throw Error(Exit::file, "'" + path + "' was not drawn by mortise and is left alone; move it away, or choose another folder with -o");
+}
+
+void make_pictures_folder(const std::string& path) {
+  std::error_code ec;
+  if (fs::is_symlink(fs::symlink_status(path, ec))) throw Error(Exit::file, "'" + path + "' is a symbolic link; pictures are not written through it");
+  fs::create_directories(path, ec);
+  if (ec) throw Error(Exit::file, "cannot create '" + path + "': " + ec.message());
+}
+
+}  // namespace mortise::run

@@ -1,0 +1,36 @@
+#pragma once
+#include <string>
+
+namespace mortise::run {
+
+// The results of one run. While it lives nobody else writes there: DIR/run.lock says who does (host and process), is locked by that process
+// and removed by it. What a dead process of this machine left is taken over; of a process on another machine we cannot know, so that is an error.
+class Folder {
+ public:
+  explicit Folder(std::string path) : path_(std::move(path)) {}
+  ~Folder();
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  const std::string& path() const { return path_; }
+  std::string file(const char* name) const { return path_ + "/" + name; }
+  bool exists() const;
+  bool used() const;  // anything but the lock is in it
+  // Makes the folder where it is missing. Returns a sentence about a lock that was taken over, or "".
+  std::string lock();
+  // Removes the results of an earlier run: files of our names, and in frames/ the pictures that we drew. Links go, what they point to stays;
+  // so does everything else.
+  void remove_results() const;
+
+ private:
+  std::string path_;
+  int lock_ = -1;
+};
+
+// Throws Error(Exit::file) where `path` is something that we did not draw: only pictures of ours are replaced.
+void guard_picture(const std::string& path);
+
+// DIR/frames, made where it is missing. Throws Error(Exit::file) where it is a link, which would lead out of the folder.
+void make_pictures_folder(const std::string& path);
+
+}  // namespace mortise::run
