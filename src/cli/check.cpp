@@ -6,6 +6,7 @@
 #include "cli/commands.h"
 #include "cli/plan.h"
 #include "engine/effect_tables.h"
+#include "scene/pass_through.h"
 #include "scene/suggest.h"
 
 namespace mortise::cli {
@@ -30,11 +31,21 @@ std::string summary(const Params& scene) {
          (scene.at("time").text("mode") == "static" ? " load steps" : " steps");
 }
 
+// Contact that nobody asked for is no error, but hardly ever what was meant.
+void warn_of_pass_through(const Params& scene) {
+  for (const scene::PassThrough& p : scene::pass_through(scene))
+    if (p.bodies.size() > 1) std::cerr << "warning: " << p.text() << "\n";
+}
+
 int cmd_check(const Options& o) {
   const scene::Scene scene = scene::read_scene(o.scene, o.overrides, engine::effect_tables());
   if (o.print_resolved) std::cout << scene::to_yaml(scene.root);
   else if (o.plan) std::cout << plan_text(scene.root);
-  else std::cout << (o.scene == "-" ? "<stdin>" : o.scene) << ": valid: " << summary(scene.root) << "\n";
+  else {
+    check_model(scene.root);
+    std::cout << (o.scene == "-" ? "<stdin>" : o.scene) << ": valid: " << summary(scene.root) << "\n";
+  }
+  if (!o.print_resolved) warn_of_pass_through(scene.root);
   return 0;
 }
 
@@ -44,8 +55,8 @@ void add_check(CLI::App& app, Context& context) {
   CLI::App* sub = app.add_subcommand("check", "read a scene and report every error in it");
   auto o = std::make_shared<Options>();
   add_scene_options(*sub, o->scene, o->overrides);
-  sub->add_flag("--print-resolved", o->print_resolved, "print the scene with all defaults filled in and every number in SI");
-  sub->add_flag("--plan", o->plan, "read the meshes too, and list effects, buffers, bytes and kernels of a run");
+  sub->add_flag("--print-resolved", o->print_resolved, "print the scene with all defaults filled in and every number in SI, without reading meshes");
+  sub->add_flag("--plan", o->plan, "list effects, buffers, bytes and kernels of a run, and what passes through what");
   sub->footer(
       "Examples:\n  mortise check scene.yaml\n  mortise check scene.yaml --set effects.friction.mu=0.3 --print-resolved\n"
       "  generate_scene.py | mortise check -");

@@ -10,11 +10,28 @@
 
 namespace mortise::cli {
 
+namespace {
+
+// The engine of a scene whose first state can be started from.
+std::unique_ptr<engine::Engine> started(const model::ModelInput& input) {
+  std::unique_ptr<engine::Engine> engine;
+  engine::Outcome outcome = engine::cpu_api().create(input, engine);
+  if (outcome.code == 0) outcome = engine->check_start();
+  if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message);
+  return engine;
+}
+
+}  // namespace
+
+void check_model(const Params& scene) {
+  const model::ModelInput input = engine::make_input(scene);
+  started(input);
+  sensors::Sensors{input};
+}
+
 std::string plan_text(const Params& scene) {
   const model::ModelInput input = engine::make_input(scene);
-  std::unique_ptr<engine::Engine> engine;
-  const engine::Outcome outcome = engine::cpu_api().create(input, engine);
-  if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message);
+  const std::unique_ptr<engine::Engine> engine = started(input);
 
   std::string text;
   std::size_t total = 0;

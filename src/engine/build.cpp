@@ -37,6 +37,14 @@ class Build : public Engine {
     step_transfers_ = step_transfers_ + (device::transfers() - before);
     return outcome;
   }
+  Outcome check_start() override {
+    const Params& time = model_.input.scene.at("time");
+    const bool is_static = time.text("mode") == "static";
+    const effects::StepInfo first{0, is_static ? 1.0 / static_cast<double>(time.integer("steps")) : time.number("step"), 0, is_static};
+    return guarded([&] {
+      for (const auto& effect : effects_) effect->begin_step(first);
+    });
+  }
   void report(FieldSink& sink) override { simulation_.report(sink); }
   std::vector<double> points() override {
     device::Buffer<Vec3> y;

@@ -32,6 +32,7 @@ class Engine {
  public:
   virtual ~Engine() = default;
   virtual Outcome step(const std::function<bool()>& stop_asked, solver::StepReport& report) = 0;
+  virtual Outcome check_start() = 0;  // is the first state one to start from? Only before the first step
   virtual void report(FieldSink& sink) = 0;
   virtual std::vector<double> points() = 0;  // 3 per point [m], accepted state
   virtual Outcome checkpoint(Archive& archive) = 0;
@@ -63,7 +64,7 @@ struct Api {
   Outcome (*create)(const model::ModelInput&, std::unique_ptr<Engine>& out);
   Outcome (*bandwidth)(Index edge, Bandwidth& out);  // of a cube of edge^3 nodes
 };
-inline constexpr int kApiVersion = 2;
+inline constexpr int kApiVersion = 3;
 
 const Api& cpu_api();
 // The CUDA module's; nullptr where it was not built or does not load, with the reason.

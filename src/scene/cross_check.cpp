@@ -149,31 +149,32 @@ class CrossCheck {
                 best.empty() ? "" : "did you mean '" + best + "'?", {{effects_->where(), "the effects: " + join(others, ", ")}});
   }
 
-  // Pairs that differ from the others: two bodies each, none twice, and none that an effect is asked to press together.
+  // Pairs that differ from the others: no pair twice, and none that an effect is asked to press together.
   void pairs() {
     const Params* list = root_.find("pairs");
     if (!list || list->kind() != Params::Kind::list) return;
     std::map<std::set<std::string>, SourceLoc> seen;
     for (std::size_t i = 0; i < list->items().size(); ++i) {
-      const Params& pair = list->items()[i];
-      const Params *bodies = pair.find("bodies"), *collide = pair.find("collide");
+      const Params& entry = list->items()[i];
+      const Params *bodies = entry.find("bodies"), *collide = entry.find("collide");
       if (!bodies || !collide) continue;
       const std::string path = "pairs." + std::to_string(i) + ".bodies";
-      if (bodies->items().size() != 2) {
-        errors_.add(bodies->where(), path + " has " + std::to_string(bodies->items().size()) + " names where a pair has two");
-        continue;
-      }
-      const std::string &a = bodies->items()[0].as_text(), &b = bodies->items()[1].as_text();
+      if (bodies->items().size() < 2) errors_.add(bodies->where(), path + " has " + (bodies->items().empty() ? "no name" : "one name") + " where a pair has two");
       bodies_in(*bodies, path);
-      if (a == b) errors_.add(bodies->where(), path + " names '" + a + "' twice", "whether a soft body meets itself is said by its own self_contact");
-      const auto [at, fresh] = seen.emplace(std::set<std::string>{a, b}, pair.where());
-      if (!fresh) errors_.add(pair.where(), "the pair of '" + a + "' and '" + b + "' is listed twice", "", {{at->second, "first here"}});
-      if (collide->as_flag() || !effects_) continue;
-      for (const auto& [name, effect] : effects_->entries())
-        if (const Params* asked = effect.kind() == Params::Kind::table ? listed_pair(effect, a, b) : nullptr)
-          errors_.add(pair.where(), "'" + a + "' and '" + b + "' shall not collide, but " + name + " lists them as a pair", "remove one of the two",
-                      {{asked->where(), "listed here"}});
+      for (std::size_t a = 0; a < bodies->items().size(); ++a)
+        for (std::size_t b = a + 1; b < bodies->items().size(); ++b) pair(entry, bodies->items()[a], bodies->items()[b], collide->as_flag(), seen);
     }
+  }
+  void pair(const Params& entry, const Params& first, const Params& second, bool collide, std::map<std::set<std::string>, SourceLoc>& seen) {
+    const std::string &a = first.as_text(), &b = second.as_text();
+    if (a == b) return errors_.add(second.where(), "'" + a + "' is named twice", "whether a soft body meets itself is said by its own self_contact");
+    const auto [at, fresh] = seen.emplace(std::set<std::string>{a, b}, entry.where());
+    if (!fresh) errors_.add(entry.where(), "the pair of '" + a + "' and '" + b + "' is listed twice", "", {{at->second, "first here"}});
+    if (collide || !effects_) return;
+    for (const auto& [name, effect] : effects_->entries())
+      if (const Params* asked = effect.kind() == Params::Kind::table ? listed_pair(effect, a, b) : nullptr)
+        errors_.add(entry.where(), "'" + a + "' and '" + b + "' shall not collide, but " + name + " lists them as a pair", "remove one of the two",
+                    {{asked->where(), "listed here"}});
   }
 
   void cameras() {

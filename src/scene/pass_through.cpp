@@ -17,8 +17,8 @@ bool may_collide(const Params& scene, const std::string& a, const std::string& b
   const Params* list = scene.find("pairs");
   return !list || std::none_of(list->items().begin(), list->items().end(), [&](const Params& pair) {
     const std::vector<Params>& names = pair.at("bodies").items();
-    const std::string &first = names[0].as_text(), &second = names[1].as_text();
-    return !pair.flag("collide") && ((first == a && second == b) || (first == b && second == a));
+    const auto named = [&](const std::string& body) { return std::any_of(names.begin(), names.end(), [&](const Params& n) { return n.as_text() == body; }); };
+    return !pair.flag("collide") && named(a) && named(b);
   });
 }
 
@@ -38,7 +38,7 @@ bool prescribed(const Params& scene, const std::string& name, const Params& body
 std::string PassThrough::text() const {
   if (bodies.size() == 1) return "'" + bodies[0] + "' passes through itself: " + why;
   if (bodies.size() == 2) return "'" + bodies[0] + "' and '" + bodies[1] + "' pass through each other: " + why;
-  return "all bodies pass through each other: " + why;
+  return "nothing keeps bodies apart: " + why;
 }
 
 const Params* listed_pair(const Params& effect, const std::string& a, const std::string& b) {

@@ -182,7 +182,7 @@ const ParamTable& pair_table() {
   static const ParamTable t{
       "pair",
       "What holds between two bodies, whatever effects say.",
-      {required(of(Kind::names, "bodies", Unit::none, {}, "The two bodies; half-spaces count.")),
+      {required(of(Kind::names, "bodies", Unit::none, {}, "The two bodies, half-spaces included; of more than two, every pair among them.")),
        required(of(Kind::flag, "collide", Unit::none, {}, "false: they pass through each other, and no force acts between them."))}};
   return t;
 }

@@ -106,7 +106,8 @@ void read_scene(const File& file, Case& c) {
   }
   for (const auto& p : scene["pairs"])
     if (!p["collide"].as<bool>())
-      for (int k = 0; k < 2; ++k) c.pass.insert({p["bodies"][k].as<std::string>(), p["bodies"][1 - k].as<std::string>()});
+      for (const auto& a : p["bodies"])
+        for (const auto& b : p["bodies"]) c.pass.insert({a.as<std::string>(), b.as<std::string>()});
   const auto watch = [&](const std::string& a, const std::string& b) { c.watched.insert({a, b}), c.watched.insert({b, a}); };
   if (const YAML::Node barrier = effects["barrier_contact"]) {
     if (barrier["pairs"]) {
@@ -130,7 +131,7 @@ void read_scene(const File& file, Case& c) {
 }
 
 bool Case::apart(const Body& a, const Body* b, const std::string& other) const {
-  if (!contact || pass.count({a.name, other})) return false;
+  if (!contact || (b != &a && pass.count({a.name, other}))) return false;
   if (a.prescribed && (!b || b->prescribed)) return a.motion != (b ? b->motion : "");
   return b == &a ? a.self_contact : watched.count({a.name, other}) > 0;
 }

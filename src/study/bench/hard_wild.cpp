@@ -251,8 +251,9 @@ class Wild {
 
   void loads() {
     for (int i = 0; i < bodies_; ++i) {
-      const bool box = scene_["bodies"][names_[i]]["shape"]["box"].IsDefined();
-      if (!soft_[i] || !box || !d_.chance(is_static_ ? 0.3 : 0.1)) continue;
+      const YAML::Node b = scene_["bodies"][names_[i]];
+      const bool flat = b["shape"]["box"].IsDefined() && !b["rotation"].IsDefined();  // has a side that z_max selects
+      if (!soft_[i] || !flat || !d_.chance(is_static_ ? 0.3 : 0.1)) continue;
       YAML::Node load;
       load["body"] = names_[i], load["where"]["side"] = "z_max";
       const double p = softest_ * d_.in(-0.05, 0.1);
