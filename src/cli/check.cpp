@@ -34,7 +34,7 @@ std::string summary(const Params& scene) {
 // Contact that nobody asked for is no error, but hardly ever what was meant.
 void warn_of_pass_through(const Params& scene) {
   for (const scene::PassThrough& p : scene::pass_through(scene))
-    if (p.bodies.size() > 1) std::cerr << "warning: " << p.text() << "\n";
+    if (p.everything) std::cerr << "warning: " << p.text() << "\n";
 }
 
 int cmd_check(const Options& o) {

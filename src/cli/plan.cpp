@@ -17,7 +17,7 @@ std::unique_ptr<engine::Engine> started(const model::ModelInput& input) {
   std::unique_ptr<engine::Engine> engine;
   engine::Outcome outcome = engine::cpu_api().create(input, engine);
   if (outcome.code == 0) outcome = engine->check_start();
-  if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message);
+  if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message, outcome.located);
   return engine;
 }
 

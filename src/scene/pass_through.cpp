@@ -36,9 +36,9 @@ bool prescribed(const Params& scene, const std::string& name, const Params& body
 }  // namespace
 
 std::string PassThrough::text() const {
+  if (everything) return "nothing keeps bodies apart: " + why;
   if (bodies.size() == 1) return "'" + bodies[0] + "' passes through itself: " + why;
-  if (bodies.size() == 2) return "'" + bodies[0] + "' and '" + bodies[1] + "' pass through each other: " + why;
-  return "nothing keeps bodies apart: " + why;
+  return "'" + bodies[0] + "' and '" + bodies[1] + "' pass through each other: " + why;
 }
 
 const Params* listed_pair(const Params& effect, const std::string& a, const std::string& b) {
@@ -58,9 +58,9 @@ std::vector<PassThrough> pass_through(const Params& scene) {
   const auto contacts = contact_effects(scene);
   const auto& bodies = scene.at("bodies").entries();
   if (contacts.empty()) {
-    PassThrough all{{}, "the scene has no contact effect"};
+    PassThrough all{{}, "the scene has no contact effect", true};
     for (const auto& [name, body] : bodies) all.bodies.push_back(name);
-    if (!all.bodies.empty()) out.push_back(std::move(all));
+    if (all.bodies.size() > 1) out.push_back(std::move(all));
     return out;
   }
   for (auto a = bodies.begin(); a != bodies.end(); ++a) {

@@ -112,7 +112,7 @@ TEST(Fuzz, WildSeedsAreScenesAndStayTheSame) {
     EXPECT_EQ(c.text, wild_case(seed, folder).text);
     all += c.text, interrupted |= c.interrupted, debug |= !c.arguments.empty();
   }
-  for (const char* kind : {"order: 2", "curved: true", ".msh", ".obj", "mode: static", "sensors:", "pressure_load:", "bdf2", "body19:", "barrier_contact:", "mortar_contact:", "cg", "reuse",
+  for (const char* kind : {"order: 2", "curved: true", ".msh", ".obj", "mode: static", "sensors:", "pressure_load:", "bdf2", "body18:", "barrier_contact:", "mortar_contact:", "cg", "reuse",
                            "release:", "side: all", "rotation:", "type: half_space", "follows: mortar_contact", "traction:"})
     EXPECT_NE(all.find(kind), std::string::npos) << kind;
   EXPECT_TRUE(interrupted && debug);

@@ -83,7 +83,11 @@ std::string read_certificate(const std::string& dir, const HardCase& asked, cons
   const auto say = [&](const std::string& what) {
     if (wrong.empty()) wrong = what;
   };
-  if (end.code != 0 && !asked.expects_failure) say(fmt::format("exit code {}: {}", end.code, first_error("error: " + j["message"].get<std::string>())));
+  const std::string ended = fmt::format("exit code {}: {}", end.code, first_error("error: " + j["message"].get<std::string>()));
+  if (end.code != 0 && !asked.may_stop.empty() && ended.find(asked.may_stop) != std::string::npos)
+    row.missed = ended;
+  else if (end.code != 0 && !asked.expects_failure)
+    say(ended);
   const bool refused = asked.expects_failure && end.code == static_cast<int>(Exit::scene);  // then the first state may touch
   if (invariants["not_finite_values"] != 0 && !refused) say(row.unsafe = "not finite: " + j["reason"].get<std::string>());
   if (row.residual > 1) say(row.unsafe = fmt::format("a step ended at {:.3g} times its tolerance", row.residual));
@@ -174,7 +178,7 @@ HardRow run_hard_case(const HardCase& c, const HardOptions& o) {
   if (end.code >= 128 || end.code == static_cast<int>(Exit::internal)) row.unsafe = row.reason;
   const std::string judged = end.code == static_cast<int>(Exit::scene) ? "" : judge(dir, end.code < 0, row);
   if (row.reason.empty()) row.reason = judged;
-  if (row.reason.empty() && c.interrupted) row.reason = row.unsafe = interrupt(arguments, dir, c.text, end.seconds, o.time_limit);
+  if (row.reason.empty() && row.missed.empty() && c.interrupted) row.reason = row.unsafe = interrupt(arguments, dir, c.text, end.seconds, o.time_limit);
   row.pass = row.reason.empty();
   return row;
 }

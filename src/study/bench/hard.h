@@ -56,6 +56,7 @@ struct HardCase {
   std::string name, method, variant, text;
   bool expects_failure = false;  // its checks hold an outcome other than done
   std::vector<std::string> reported{};  // quantities without a verdict
+  std::string may_stop{};                // words of an error with which a run may rightly end: such a row is reported
   std::vector<std::string> arguments{};  // further ones of `mortise run`
   bool interrupted = false;              // run once more, killed on the way and resumed: the fields must be equal
 };

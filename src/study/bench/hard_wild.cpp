@@ -41,6 +41,7 @@ class Wild {
     solver();
     checks();
     HardCase c{fmt::format("wild_{}", seed_), "", "", emit(scene_), false};
+    c.may_stop = "supports prescribe the motion of both";  // the dice may drive one body into another
     if (d_.chance(0.1)) c.arguments = {"--device", "debug"};
     c.interrupted = d_.chance(0.15);
     return c;
