@@ -100,6 +100,8 @@ void read_scene(const File& file, Case& c) {
   c.contact = effects["barrier_contact"] || effects["mortar_contact"];
   c.inertia = static_cast<bool>(effects["inertia"]), c.friction = static_cast<bool>(effects["friction"]), c.loads = static_cast<bool>(effects["pressure_load"]);
   c.bdf2 = c.inertia && effects["inertia"]["integrator"] && effects["inertia"]["integrator"].as<std::string>() == "bdf2";
+  if (scene["solver"] && scene["solver"]["relative_tolerance"]) c.tolerance = scene["solver"]["relative_tolerance"].as<double>();
+  if (c.friction && effects["friction"]["lag_tolerance"]) c.tolerance = std::max(c.tolerance, effects["friction"]["lag_tolerance"].as<double>());
   if (const YAML::Node time = scene["time"]) {
     if (time["step"]) c.step = time["step"].as<double>();
     if (time["frame_every"]) c.frame_every = time["frame_every"].as<long>();

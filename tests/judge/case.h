@@ -50,6 +50,7 @@ struct Case {
   Vector gravity{};
   bool contact = false, inertia = false, bdf2 = false, friction = false, loads = false, double_precision = false;
   double step = 0;
+  double tolerance = 0;  // share of the forces on a body to which a step is solved
   long frame_every = 1, frames = 0;
 
   // Is the pair to be kept apart? Of two prescribed bodies always, unless they move as one; b null: a half-space.
