@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes README.md beside it from result.json (`mortise bench hard --result`), fuzz.json (`mortise bench fuzz --result`) and notes.md."""
+"""Writes README.md beside it from result.json (`mortise bench hard --result`), fuzz.json (`mortise bench fuzz --result`), fuzz_wild.json (the same with --wild) and notes.md."""
 import json
 import os
 import re
@@ -56,29 +56,32 @@ def hard(j):
     return out
 
 
-def fuzz(j):
+def fuzz(j, title, command):
     rows = j["rows"]
     kinds = defaultdict(list)
     for r in rows:
         if r["verdict"] == "fails":
             kinds[re.split(r"[0-9(]", short(r["reason"]).replace("stops at step ", "a step does not converge #"))[0].strip(" #:")].append(int(r["case"].split("_")[1]))
     seeds = [int(r["case"].split("_")[1]) for r in rows]
-    out = ["", "# Random scenes", "",
-           "`mortise bench fuzz`, %s: %d seeds (%d to %d), **%d clean**. Surfaces that met (exact predicates): %d scenes. Values that are not finite: %d. Crashes: %d." % (
-               j["program"], len(rows), min(seeds), max(seeds), len(rows) - count(rows, "fails"), sum(r["intersections"] > 0 for r in rows), sum(r["not_finite"] > 0 for r in rows),
+    stopped = count(rows, "reported")
+    out = ["", "# " + title, "",
+           "`mortise %s`, %s: %d seeds (%d to %d), **%d clean**%s. Surfaces that met (exact predicates): %d scenes. Values that are not finite: %d. Crashes: %d." % (
+               command, j["program"], len(rows), min(seeds), max(seeds), len(rows) - count(rows, "fails"),
+               " (%d of them end rightly where supports drive bodies into each other)" % stopped if stopped else "", sum(r["intersections"] > 0 for r in rows), sum(r["not_finite"] > 0 for r in rows),
                sum("signal" in r["unsafe"] for r in rows)), ""]
     if kinds:
         out += ["| what failed | seeds | which |", "|---|---|---|"]
         out += ["| %s | %d | %s |" % (k, len(v), ", ".join(map(str, v))) for k, v in sorted(kinds.items(), key=lambda e: -len(e[1]))]
-        out += ["", "`mortise bench fuzz --first S --seeds 1` runs seed S again, leaves the scene, takes parts out of it while it fails in the same way, and prints the command that runs",
+        out += ["", "`mortise %s --first S --seeds 1` runs seed S again, leaves the scene, takes parts out of it while it fails in the same way, and prints the command that runs" % command,
                 "what is left."]
     return out
 
 
 def main():
     lines = hard(load("result.json"))
-    if load("fuzz.json"):
-        lines += fuzz(load("fuzz.json"))
+    for name, title, command in (("fuzz.json", "Random scenes", "bench fuzz"), ("fuzz_wild.json", "Random scenes that are not tame", "bench fuzz --wild")):
+        if load(name):
+            lines += fuzz(load(name), title, command)
     notes = os.path.join(HERE, "notes.md")
     if os.path.exists(notes):
         lines += ["", open(notes).read().rstrip()]

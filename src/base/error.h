@@ -33,6 +33,7 @@ class Error : public std::runtime_error {
   Error(Exit code, const std::string& message) : std::runtime_error(message), code_(code) {}
   Error(Exit code, const SourceLoc& at, const std::string& message)
       : std::runtime_error(at.file.empty() ? message : at.text() + ": error: " + message), code_(code), located_(!at.file.empty()) {}
+  Error(Exit code, const std::string& message, bool located) : std::runtime_error(message), code_(code), located_(located) {}
   Exit code() const { return code_; }
   bool located() const { return located_; }  // the message already carries "file:line:col: error:"
 

@@ -15,6 +15,7 @@ void add_hard_flags(CLI::App& sub, HardFlags& flags) {
   sub.add_flag("--full", flags.full, "hard: whole lengths, variants with both contact methods")->excludes(quick);
   sub.add_option("--only", flags.only, "hard: only these cases (H11, or the beginning of a scene's name)")->delimiter(',');
   sub.add_option("--out", flags.output, "folder of the figures and pictures of a benchmark (default out/bench/NAME), of the runs of hard and fuzz (default out/hard, out/fuzz)");
+  sub.add_flag("--wild", flags.wild, "fuzz: scenes that are not tame: quadratic elements, mesh files, statics, loads, sensors, BDF2, driven bodies, crowds, kills");
   sub.add_flag("--as-is", flags.as_is, "fuzz: leave scenes that fail as they are; otherwise parts are taken out while they fail in the same way");
   sub.add_option("--limit", flags.limit, "hard, fuzz: seconds after which a run is ended (default 60, full 3600)")->check(CLI::PositiveNumber);
   sub.add_option("--expect", flags.expect, "hard: exit code 0 when at most three rows that pass in this file (one written by --result) fail and none is unsafe");
@@ -64,12 +65,15 @@ int bench_fuzz(const HardFlags& flags, const std::string& result, int threads, b
   study::HardOptions o;
   o.output = flags.output.empty() ? "out/fuzz" : flags.output, o.threads = threads, o.reduce = !flags.as_is, o.time_limit = flags.limit > 0 ? flags.limit : 60;
   if (!json) std::cout << study::hard_header() << std::flush;
+  o.wild = flags.wild;
+  if (flags.wild && flags.limit <= 0) o.time_limit = 20;
   const auto rows = study::run_fuzz(o, flags.first_seed, flags.seeds, [&](const study::HardRow& row) {
     std::cout << (json ? study::hard_json(row) + "\n" : study::hard_line(row));
     if (!row.pass && !json) std::cout << "    " << row.replay << "\n";
     std::cout << std::flush;
   });
-  return finish("fuzz", rows, result, json);
+  if (!json) std::cout << study::causes(rows);
+  return finish(flags.wild ? "fuzz_wild" : "fuzz", rows, result, json);
 }
 
 }  // namespace mortise::cli

@@ -8,7 +8,7 @@ namespace mortise::cli {
 
 // Flags of `mortise bench hard` and `mortise bench fuzz`.
 struct HardFlags {
-  bool quick = false, full = false, as_is = false;
+  bool wild = false, quick = false, full = false, as_is = false;
   std::vector<std::string> only;
   std::string output;
   std::string expect;  // a committed result

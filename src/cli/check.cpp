@@ -8,6 +8,7 @@
 #include "engine/effect_tables.h"
 #include "engine/input.h"
 #include "run/check_start.h"
+#include "scene/pass_through.h"
 #include "scene/suggest.h"
 
 namespace mortise::cli {
@@ -32,6 +33,12 @@ std::string summary(const Params& scene) {
          (scene.at("time").text("mode") == "static" ? " load steps" : " steps");
 }
 
+// Contact that nobody asked for is no error, but hardly ever what was meant.
+void warn_of_pass_through(const Params& scene) {
+  for (const scene::PassThrough& p : scene::pass_through(scene))
+    if (p.everything) std::cerr << "warning: " << p.text() << "\n";
+}
+
 int cmd_check(const Options& o) {
   const scene::Scene scene = scene::read_scene(o.scene, o.overrides, engine::effect_tables());
   if (o.print_resolved) {
@@ -40,10 +47,11 @@ int cmd_check(const Options& o) {
   }
   if (o.plan) {
     std::cout << plan_text(scene.root);
-    return 0;
+  } else {
+    if (!o.quick) run::check_start(scene.root, engine::make_input(scene.root));
+    std::cout << (o.scene == "-" ? "<stdin>" : o.scene) << ": valid: " << summary(scene.root) << "\n";
   }
-  if (!o.quick) run::check_start(scene.root, engine::make_input(scene.root));
-  std::cout << (o.scene == "-" ? "<stdin>" : o.scene) << ": valid: " << summary(scene.root) << "\n";
+  warn_of_pass_through(scene.root);
   return 0;
 }
 
@@ -54,7 +62,7 @@ void add_check(CLI::App& app, Context& context) {
   auto o = std::make_shared<Options>();
   add_scene_options(*sub, o->scene, o->overrides);
   sub->add_flag("--print-resolved", o->print_resolved, "print the scene with all defaults filled in and every number in SI");
-  sub->add_flag("--plan", o->plan, "list effects, buffers, bytes and kernels of a run too");
+  sub->add_flag("--plan", o->plan, "list effects, buffers, bytes and kernels of a run too, and what passes through what");
   sub->add_flag("--quick", o->quick, "read the scene alone: no meshes, no search for bodies that touch");
   sub->footer(
       "Examples:\n  mortise check scene.yaml\n  mortise check scene.yaml --set effects.friction.mu=0.3 --print-resolved\n"

@@ -34,7 +34,10 @@ struct Body {
   double volume = 0;                           // [m^3]
   Vec3 centre = Vec3::Zero();                  // rest centre of mass [m]
   double youngs_modulus = 0, poisson_ratio = 0, density = 0;
+  Index carriage = kFree;  // whose path prescribes all of it at all times: bodies of one carriage move as one
   SourceLoc where;
+  static constexpr Index kFree = -1, kStill = 0;
+  bool prescribed() const { return carriage != kFree; }
 };
 
 // y = sum_k weight * q[block]: one term for a soft node, four for a point of a stiff body.
@@ -110,6 +113,7 @@ class Model {
   Buffer<Mat3> projector;
   Buffer<Vec3> target;
   std::vector<std::uint8_t> held;
+  bool driven = false;  // some support moves
 
   // One candidate search for all contact effects, built by the first that asks.
   geometry::Broadphase& broadphase();

@@ -7,6 +7,7 @@
 
 #include "base/pass_on.h"
 #include "base/version.h"
+#include "scene/pass_through.h"
 
 namespace mortise::run {
 namespace {
@@ -80,6 +81,7 @@ void Certificate::Range::add(double v) {
 
 Certificate::Certificate(const model::ModelInput& input) : stress_error_(input), pressure_error_(input), layer_error_(input) {
   const Params& scene = input.scene;
+  for (const scene::PassThrough& p : scene::pass_through(scene)) passes_through_.push_back(p.text());
   for (const auto& [name, effect] : scene.at("effects").entries()) {
     if (effect.kind() != Params::Kind::table) continue;
     if (const Params* d_hat = effect.find("d_hat")) d_hat_[name] = d_hat->as_number();
@@ -311,6 +313,7 @@ std::string Certificate::json(const End& end) const {
                 {"nodes_under_pressure", c.pressure_estimate_.nodes},
                 // A body at rest creeps at most at this speed, all the time (incline benchmark).
                 {"friction_creep_bound_m", number(c.creep_speed_ * (c.end_ - c.begin_))}};
+  j["passes_through"] = c.passes_through_;
   return j.dump(1) + "\n";
 }
 

@@ -57,6 +57,7 @@ class Certificate {
   StressError stress_error_;
   PressureError pressure_error_;
   LayerError layer_error_;
+  std::vector<std::string> passes_through_;  // what nothing keeps apart
   double creep_speed_ = NAN;
   std::map<std::string, double> d_hat_;  // by contact effect [m]
   // Of all states

@@ -9,7 +9,7 @@ namespace mortise::run {
 namespace {
 
 void check(const engine::Outcome& outcome) {
-  if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message);
+  if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message, outcome.located);
 }
 
 }  // namespace

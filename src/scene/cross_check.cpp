@@ -1,9 +1,11 @@
 #include "scene/cross_check.h"
 
 #include <algorithm>
+#include <map>
 
 #include "scene/checker.h"
 #include "scene/checks.h"
+#include "scene/pass_through.h"
 #include "scene/quantity.h"
 #include "scene/sensors.h"
 #include "scene/suggest.h"
@@ -26,6 +28,7 @@ class CrossCheck {
     }
     if (effects_)
       for (const auto& [name, effect] : effects_->entries()) references(name, effect, dotted("effects", name));
+    pairs();
     cameras();
     kept_fields();
     directions(root_, "");
@@ -144,6 +147,34 @@ class CrossCheck {
     const std::string best = nearest(p.as_text(), others);
     errors_.add(p.where(), path + " is '" + p.as_text() + "', which this scene does not list",
                 best.empty() ? "" : "did you mean '" + best + "'?", {{effects_->where(), "the effects: " + join(others, ", ")}});
+  }
+
+  // Pairs that differ from the others: no pair twice, and none that an effect is asked to press together.
+  void pairs() {
+    const Params* list = root_.find("pairs");
+    if (!list || list->kind() != Params::Kind::list) return;
+    std::map<std::set<std::string>, SourceLoc> seen;
+    for (std::size_t i = 0; i < list->items().size(); ++i) {
+      const Params& entry = list->items()[i];
+      const Params *bodies = entry.find("bodies"), *collide = entry.find("collide");
+      if (!bodies || !collide) continue;
+      const std::string path = "pairs." + std::to_string(i) + ".bodies";
+      if (bodies->items().size() < 2) errors_.add(bodies->where(), path + " has " + (bodies->items().empty() ? "no name" : "one name") + " where a pair has two");
+      bodies_in(*bodies, path);
+      for (std::size_t a = 0; a < bodies->items().size(); ++a)
+        for (std::size_t b = a + 1; b < bodies->items().size(); ++b) pair(entry, bodies->items()[a], bodies->items()[b], collide->as_flag(), seen);
+    }
+  }
+  void pair(const Params& entry, const Params& first, const Params& second, bool collide, std::map<std::set<std::string>, SourceLoc>& seen) {
+    const std::string &a = first.as_text(), &b = second.as_text();
+    if (a == b) return errors_.add(second.where(), "'" + a + "' is named twice", "whether a soft body meets itself is said by its own self_contact");
+    const auto [at, fresh] = seen.emplace(std::set<std::string>{a, b}, entry.where());
+    if (!fresh) errors_.add(entry.where(), "the pair of '" + a + "' and '" + b + "' is listed twice", "", {{at->second, "first here"}});
+    if (collide || !effects_) return;
+    for (const auto& [name, effect] : effects_->entries())
+      if (const Params* asked = effect.kind() == Params::Kind::table ? listed_pair(effect, a, b) : nullptr)
+        errors_.add(entry.where(), "'" + a + "' and '" + b + "' shall not collide, but " + name + " lists them as a pair", "remove one of the two",
+                    {{asked->where(), "listed here"}});
   }
 
   void cameras() {

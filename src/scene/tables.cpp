@@ -156,7 +156,7 @@ const ParamTable& soft_table() {
     ParamTable s{"soft body", "Deformable body of tetrahedra.", solid_params()};
     s.params.push_back(integer("order", "1", 1, 2, "Order of the tetrahedra: 2 has a node in the middle of every edge."));
     s.params.push_back(flag("curved", "false", "Order 2 of a sphere, cylinder or capsule: edges follow the round surface."));
-    s.params.push_back(flag("self_contact", "false", "Whether the body can touch itself."));
+    s.params.push_back(flag("self_contact", "true", "Whether the body can touch itself; false: it passes through itself."));
     return s;
   }();
   return t;
@@ -175,6 +175,15 @@ const ParamTable& half_space_table() {
 }
 const ParamTable& body_table() {
   static const ParamTable t{"body", "One body; its keys depend on `type`.", {body_type()}};
+  return t;
+}
+
+const ParamTable& pair_table() {
+  static const ParamTable t{
+      "pair",
+      "What holds between two bodies, whatever effects say.",
+      {required(of(Kind::names, "bodies", Unit::none, {}, "The two bodies, half-spaces included; of more than two, every pair among them.")),
+       required(of(Kind::flag, "collide", Unit::none, {}, "false: they pass through each other, and no force acts between them."))}};
   return t;
 }
 
@@ -264,6 +273,8 @@ SceneTables::SceneTables(std::span<const EffectTable> effects) {
   }
   Param checks = table("checks", &check_table(), "What a run has to fulfil; the verdicts are in certificate.json.");
   checks.kind = Kind::tables;
+  Param pairs = table("pairs", &pair_table(), "Pairs of bodies that differ from the others.");
+  pairs.kind = Kind::tables;
   Param sensors = map("sensors", &sensor_table(), "Grids of taxels by name.");
   sensors.optional = true;
   root_.name = "scene";
@@ -274,6 +285,7 @@ SceneTables::SceneTables(std::span<const EffectTable> effects) {
                   required(table("time", &time_table(), "Steps of the simulation.")),
                   map("materials", &material_table(), "Materials by name."),
                   map("bodies", &body_table(), "Bodies by name."),
+                  pairs,
                   required(table("effects", &effects_, "The physics: what is not named here does not exist.")),
                   always(table("solver", &solver_table(), "Accuracy and effort of the solver.")),
                   always(table("output", &output_table(), "What a run writes.")),

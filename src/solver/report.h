@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/types.h"
+#include "effects/failure.h"
 #include "solver/trace.h"
 
 namespace mortise::solver {
@@ -36,9 +37,6 @@ struct StepReport {
   std::vector<Iterate> trace;  // when asked for
 };
 
-// A step that did not converge: why, where and with which figures.
-struct Failure {
-  std::string reason;
-};
+using effects::Failure;
 
 }  // namespace mortise::solver

@@ -84,5 +84,104 @@ TEST(Judge, SeesInversionHalfSpacesAndWrongEnergies) {
   EXPECT_EQ(j["code"], 1);
 }
 
+TEST(Judge, SeesHeldBodiesUnlessTheyMoveAsOneOrMayPass) {
+  const auto pin = [](const std::string& of, const std::string& more) { return "{body: " + of + ", where: {side: all}" + more + "}"; };
+  const std::string moves = ", motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, 1]]}";
+  const Vec3 in(0.2, 0.2, 0.2), none(0, 0, 0);
+  EXPECT_GT(judged(in, none, kAll + ", pin: [" + pin("a", "") + ", " + pin("b", moves) + "]")["intersections"], 0);
+  EXPECT_GT(judged(in, none, "mortar_contact: {pairs: [{slave: a, master: ground}]}, pin: [" + pin("a", "") + ", " + pin("b", moves) + "]")["intersections"], 0);
+  EXPECT_EQ(judged(in, none, kAll + ", pin: [" + pin("a", moves) + ", " + pin("b", moves) + "]")["intersections"], 0);
+  EXPECT_EQ(judged(in, none, kAll + ", pin: [" + pin("a", "") + ", " + pin("b", "") + "]")["intersections"], 0);
+  EXPECT_EQ(judged(in, none, kAll + "}\npairs: [{bodies: [b, a], collide: false}]\nx-rest: {")["intersections"], 0);
+  EXPECT_GT(judged({3, 0, -1.5}, none, kAll + ", pin: [" + pin("b", moves) + "]")["below_planes"], 0);
+}
+
+// A file of one body, and in two static frames what acts on it.
+struct Pushed {
+  Vec3 contact{0, 0, 3}, support{0, 0, -3};
+  double residual = 1e-6;
+  bool quadratic = false;
+  Vec3 middle{0.5, 0.5, 0};  // of the edge between the second and the third corner, in the second frame
+  Vec3 other{5, 0, 0};       // where another body lies
+};
+std::string write(const Pushed& p, const std::string& name) {
+  const std::string path = (fs::temp_directory_path() / (name + std::to_string(getpid()))).string();
+  output::OutputMesh mesh;
+  mesh.body_names = {"a", "b"};
+  std::vector<Vec3> corners{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
+  mesh.offsets = {0};
+  for (int b = 0; b < 2; ++b) {
+    std::vector<Vec3> nodes = corners;
+    if (p.quadratic && b == 0)
+      for (const auto& [i, k] : {std::pair{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}) nodes.push_back(0.5 * (corners[i] + corners[k]));
+    for (const Vec3& x : nodes) {
+      mesh.connectivity.push_back(static_cast<long>(mesh.points.size())), mesh.body_of_point.push_back(b);
+      mesh.points.push_back(b ? Vec3(x + p.other) : x);
+    }
+    mesh.offsets.push_back(static_cast<long>(mesh.connectivity.size()));
+    mesh.types.push_back(p.quadratic && b == 0 ? output::quadratic_tetrahedron : output::tetrahedron);
+    mesh.body_of_cell.push_back(b);
+  }
+  const std::string scene = "bodies: {a: {type: soft, material: m}, b: {type: soft, material: m}}\nmaterials: {m: {density: 6}}\ntime: {mode: static, steps: 1, frame_every: 1}\n"
+                            "output: {precision: double}\neffects: {barrier_contact: {d_hat: 1}, pin: [{body: a, where: {side: z_min}}]}\n";
+  output::FieldOptions options;
+  options.double_precision = true, options.xdmf = false;
+  {
+    const auto file = output::FieldFile::open(path, mesh, {"", "", scene, ""}, options);
+    for (int frame = 0; frame < 2; ++frame) {
+      std::vector<double> now, contact(3 * mesh.points.size(), 0.0), support = contact;
+      for (const Vec3& x : mesh.points) now.insert(now.end(), x.data(), x.data() + 3);
+      if (p.quadratic)
+        for (int c = 0; c < 3; ++c) now[3 * 5 + c] = p.middle[c];
+      for (int c = 0; c < 3; ++c) contact[3 + c] = p.contact[c], support[6 + c] = p.support[c];
+      output::StepRow step;
+      step.substeps = 1, step.residual = p.residual;
+      if (frame == 1) file->append_step(step);
+      file->begin_frame(frame, now);
+      file->points("contact_force", "N", 3, contact), file->points("support_force", "N", 3, support);
+      file->end_frame();
+    }
+    file->close();
+  }
+  return path;
+}
+nlohmann::json judged(const Pushed& p) {
+  const std::string path = write(p, "mortise_pushed_");
+  const int status = std::system((test_place::kBuildFolder + "/bin/mortise_judge " + path + " > " + path + ".json").c_str());
+  auto j = nlohmann::json::parse(read_text(path + ".json"), nullptr, false);
+  j["code"] = WEXITSTATUS(status);
+  fs::remove(path), fs::remove(path + ".json");
+  return j;
+}
+std::string difference(const Pushed& p, const Pushed& q) {
+  const std::string a = write(p, "mortise_one_"), b = write(q, "mortise_other_");
+  const int status = std::system((test_place::kBuildFolder + "/bin/mortise_judge " + a + " " + b + " > " + a + ".txt").c_str());
+  const std::string text = read_text(a + ".txt");
+  EXPECT_EQ(WEXITSTATUS(status), text == "\n" ? 0 : 1);
+  for (const std::string& file : {a, b, a + ".txt"}) fs::remove(file);
+  return text;
+}
+
+TEST(Judge, AddsUpTheForcesOnEveryBody) {
+  const auto sound = judged(Pushed{});
+  EXPECT_EQ(sound["code"], 0) << sound;
+  EXPECT_EQ(sound["forces_judged"], 2);
+  const auto wrong = judged(Pushed{.support = {0, 0, -2.9}});
+  EXPECT_EQ(wrong["code"], 1);
+  EXPECT_EQ(wrong["what"], "the forces on a do not add up: 0.100000 N are left");
+  EXPECT_EQ(judged(Pushed{.support = {0, 0, -2.9}, .residual = 0.03})["code"], 0) << "four nodes, each with this residual";
+}
+
+TEST(Judge, SeesTheQuartersOfQuadraticFaces) {
+  EXPECT_EQ(judged(Pushed{.quadratic = true})["intersections"], 0);
+  EXPECT_GT(judged(Pushed{.quadratic = true, .middle = {0.9, 0.9, 0}, .other = {0.6, 0.6, -0.1}})["intersections"], 0);
+  EXPECT_EQ(judged(Pushed{.quadratic = true, .middle = {0.3, 0.3, 0}, .other = {0.4, 0.4, -0.1}})["intersections"], 0) << "the flat triangles of corners meet";
+}
+
+TEST(Judge, ComparesFilesBitForBit) {
+  EXPECT_EQ(difference(Pushed{}, Pushed{}), "\n");
+  EXPECT_EQ(difference(Pushed{}, Pushed{.contact = {0, 0, 3 + 1e-15}}), "VTKHDF/PointData/contact_force differs\n");
+}
+
 }  // namespace
 }  // namespace mortise::cli

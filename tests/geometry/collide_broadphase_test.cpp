@@ -5,6 +5,7 @@
 
 #include "collide_helpers.h"
 #include "geometry/collide/broadphase.h"
+#include "geometry/collide/distance.h"
 
 namespace mortise::geometry {
 namespace {
@@ -36,19 +37,29 @@ bool overlap(const Box& a, const Box& b) { return (a.lo.array() <= b.hi.array())
 BruteForce brute_force(const test::Soup& s, const std::vector<Vec3>& y, const std::vector<Vec3>& dy, double radius) {
   BruteForce out;
   const auto watched = [&](Index a, Index b) { return s.env[a] == s.env[b] && s.allowed[s.body[a] * s.bodies + s.body[b]]; };
+  // Of one body: no nearer than the radius, whatever its corners do to each other.
+  const auto far = [&](std::vector<Index> v, std::size_t first) {
+    if (s.body[v[0]] != s.body[v[first]]) return false;
+    Vec3 x[4];
+    for (int k = 0; k < 4; ++k) x[k] = y[v[k]];
+    double way = 0;
+    for (std::size_t i = 0; i < first && !dy.empty(); ++i)
+      for (std::size_t j = first; j < 4; ++j) way = std::max(way, (dy[v[i]] - dy[v[j]]).norm());
+    return std::sqrt(first == 1 ? closest_point_triangle(x).squared : closest_edge_edge(x).squared) > radius + way;
+  };
   const Index envs = s.env.empty() ? 0 : *std::max_element(s.env.begin(), s.env.end()) + 1;
   for (Index e = 0; e < envs; ++e) {
     for (Index p = 0; p < static_cast<Index>(s.points.size()); ++p)
       for (Index t = 0; s.env[p] == e && t < static_cast<Index>(s.triangles.size()); ++t) {
         const Index* v = s.triangles[t].v;
         if (!watched(p, v[0]) || v[0] == p || v[1] == p || v[2] == p) continue;
-        if (overlap(box(&p, 1, y, dy, radius), box(v, 3, y, dy, radius))) out.pt.push_back({p, t});
+        if (overlap(box(&p, 1, y, dy, radius), box(v, 3, y, dy, radius)) && !far({p, v[0], v[1], v[2]}, 1)) out.pt.push_back({p, t});
       }
     for (Index a = 0; a < static_cast<Index>(s.edges.size()); ++a)
       for (Index b = a + 1; s.env[s.edges[a].v[0]] == e && b < static_cast<Index>(s.edges.size()); ++b) {
         const Index *v = s.edges[a].v, *w = s.edges[b].v;
         if (!watched(v[0], w[0]) || v[0] == w[0] || v[0] == w[1] || v[1] == w[0] || v[1] == w[1]) continue;
-        if (overlap(box(v, 2, y, dy, radius), box(w, 2, y, dy, radius))) out.ee.push_back({a, b});
+        if (overlap(box(v, 2, y, dy, radius), box(w, 2, y, dy, radius)) && !far({v[0], v[1], w[0], w[1]}, 2)) out.ee.push_back({a, b});
       }
   }
   return out;

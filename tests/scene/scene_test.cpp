@@ -83,7 +83,7 @@ TEST(Scene, FillsDefaultsInSI) {
   EXPECT_EQ(gel.text("model"), "neo_hookean");
   const Params& ball = s.at("bodies").at("ball");
   EXPECT_EQ(ball.vec3("velocity"), Vec3::Zero());
-  EXPECT_FALSE(ball.flag("self_contact"));
+  EXPECT_TRUE(ball.flag("self_contact"));
   EXPECT_FALSE(ball.has("rotation"));
   EXPECT_EQ(ball.at("shape").at("sphere").number("radius"), 3e-3);
   EXPECT_EQ(ball.at("shape").entries().size(), 1u);

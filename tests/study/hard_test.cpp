@@ -101,4 +101,28 @@ TEST(Fuzz, SeedsAreScenesAndStayTheSame) {
   EXPECT_NE(fuzz_case(1).text.substr(30), fuzz_case(2).text.substr(30));
 }
 
+TEST(Fuzz, WildSeedsAreScenesAndStayTheSame) {
+  const std::string folder = (fs::temp_directory_path() / ("mortise_wild_" + std::to_string(getpid()))).string();
+  fs::create_directories(folder);
+  std::string all;
+  bool interrupted = false, debug = false;
+  for (unsigned long seed = 1; seed <= 200; ++seed) {
+    const HardCase c = wild_case(seed, folder);
+    EXPECT_NO_THROW(read(c.text)) << c.text;
+    EXPECT_EQ(c.text, wild_case(seed, folder).text);
+    all += c.text, interrupted |= c.interrupted, debug |= !c.arguments.empty();
+  }
+  for (const char* kind : {"order: 2", "curved: true", ".msh", ".obj", "mode: static", "sensors:", "pressure_load:", "bdf2", "body18:", "barrier_contact:", "mortar_contact:", "cg", "reuse",
+                           "release:", "side: all", "rotation:", "type: half_space", "follows: mortar_contact", "traction:"})
+    EXPECT_NE(all.find(kind), std::string::npos) << kind;
+  EXPECT_TRUE(interrupted && debug);
+  fs::remove_all(folder);
+}
+
+TEST(Fuzz, FailuresAreCountedByCause) {
+  const HardRow a = row("wild_1", "exit code 5: step 3 (t = 0.125 s, dt = 0.005 s) failed: Newton stopped after 100 iterations with 2 N"),
+                b = row("wild_2", "exit code 5: step 0 (t = 0 s, dt = 0.5 s) failed: Newton stopped after 20 iterations"), c = row("wild_3", "newton_iterations below 301: 970");
+  EXPECT_EQ(causes({a, row("wild_4", ""), c, b}), "    2 a step fails: Newton stopped after : 1 2\n    1 newton_iterations below : 3\n");
+}
+
 }  // namespace

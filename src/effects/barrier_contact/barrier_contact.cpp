@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "base/error.h"
-#include "effects/barrier_contact/pairs.h"
 #include "effects/contact/active.h"
 #include "effects/contact/proximity.h"
 #include "effects/contact/report.h"
@@ -57,10 +56,11 @@ class BarrierContact final : public Effect {
         out.kernels.push_back(k);
   }
 
-  void begin_step(const StepInfo&) override {
+  void begin_step(const StepInfo& step) override {
     prepare();
+    near_.begin_step(step);
     near_.locate(std::as_const(model_.q).view());
-    if (!checked_) check_start(model_, scene(), near_.candidates(), near_.y());
+    if (!checked_) check_start(model_, near_.obstacles(scene()), near_.candidates(), near_.y());
     checked_ = true;
     weigh();
     update();
@@ -149,7 +149,6 @@ void BarrierContact::report(FieldSink& sink) {
   std::vector<double> area_of = point_area_.download();
   PointForces forces(model_, near_.points());
   SampleRows rows;
-  double closest = law_.d_hat;
   const std::vector<model::ContactSample> samples = model_.publish(group).samples.download();
   for (std::size_t i = 0; i < terms.size(); ++i) {
     const model::ContactSample& s = samples[i];
@@ -160,7 +159,6 @@ void BarrierContact::report(FieldSink& sink) {
       forces.add(terms[i].point[k], term_force[4 * i + k], first ? s.body_b : s.body_a);
     }
     rows.add(s);
-    closest = std::min(closest, s.gap);
   }
   forces.report(sink, group);
   std::vector<double> pressure(model_.points, 0.0);
@@ -170,7 +168,7 @@ void BarrierContact::report(FieldSink& sink) {
 
   rows.report(sink, group);
   sink.scalar(group, "pressure_sum_defect", "1", sum_defect(forces, {&rows}));
-  sink.scalar(group, "min_distance", "m", closest);
+  sink.scalar(group, "min_distance", "m", std::min(law_.d_hat, least_distance(near_.obstacles(scene()), near_.candidates(), near_.y())));
   sink.scalar(group, "energy", "J", energy_now(std::as_const(model_.q).view(), model_.envs));
   sink.scalar(group, "active_pairs", "1", static_cast<double>(terms.size()));
 }

@@ -47,4 +47,8 @@ void point_forces(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buff
 void limit_planes(const Scene& s, View<const Vec3> y, View<const Vec3> dy, double keep, const std::vector<Index>& vertex_env,
                   device::EnvValues alpha);
 
+// The least distance of what is to be kept apart, of those nearer than the reach of the candidates; +infinity where nothing is. Of a body from
+// itself only what is within its own range counts (law.h).
+double least_distance(const Scene& s, const Candidates& c, View<const Vec3> y);
+
 }  // namespace mortise::effects::contact

@@ -18,6 +18,13 @@ std::vector<Index> vertex_environments(const geometry::Surface& surface) {
   return out;
 }
 
+template <class F>
+std::vector<std::uint8_t> where(const std::vector<Watch>& pairs, F is) {
+  std::vector<std::uint8_t> out;
+  for (Watch w : pairs) out.push_back(is(w) ? 1 : 0);
+  return out;
+}
+
 // Range of every point towards its own body (law.h): kSelfShare of its distance at rest, at most `reach`.
 std::vector<double> self_ranges(model::Model& model, double reach, const std::vector<Index>& point_env) {
   Candidates at_rest(model.broadphase(), reach / kSelfShare, point_env);
@@ -52,7 +59,8 @@ Proximity::Proximity(model::Model& model, double reach)
       topology_(model.surface, model.points),
       point_env_(env_offsets(model.surface.env.download(), model.envs)),
       vertex_env_(env_offsets(vertex_environments(model.surface), model.envs)),
-      candidates_(model.broadphase(), reach, point_env_) {
+      candidates_(model.broadphase(), reach, point_env_),
+      prescribed_(model) {
   std::vector<Plane> planes;
   for (const model::HalfSpace& h : model.half_spaces) planes.push_back({h.point, h.normal});
   planes_.upload(planes);
@@ -62,11 +70,13 @@ void Proximity::watch(const WatchedPairs& pairs) {
   const Index n = static_cast<Index>(model_.bodies.size());
   for (Index a = 0; a < n; ++a)
     for (Index b = a; b < n; ++b)
-      if (pairs.bodies[a * n + b]) model_.watch(a, b, true);
-  watched_.upload(pairs.bodies);
-  plane_watched_.upload(pairs.planes);
+      if (pairs.bodies[a * n + b] != Watch::no) model_.watch(a, b, true);
+  watched_.upload(where(pairs.bodies, [](Watch w) { return w == Watch::contact; }));
+  plane_watched_.upload(where(pairs.planes, [](Watch w) { return w == Watch::contact; }));
+  apart_.upload(where(pairs.bodies, [](Watch w) { return w != Watch::no; }));
+  plane_apart_.upload(where(pairs.planes, [](Watch w) { return w != Watch::no; }));
   for (Index a = 0; a < n; ++a)
-    if (pairs.bodies[a * n + a]) return self_range_.upload(self_ranges(model_, reach_, point_env_));
+    if (pairs.bodies[a * n + a] != Watch::no) return self_range_.upload(self_ranges(model_, reach_, point_env_));
 }
 
 std::vector<std::uint8_t> Proximity::locate(Positions q) {
@@ -80,8 +90,10 @@ void Proximity::limit(Positions q, View<const Vec3> dq, const Scene& s, Buffer<V
   model_.points_of(q, y_);
   model_.points_of(dq, dy);
   candidates_.sweep(y_, dy);
+  const Scene all = obstacles(s);
+  prescribed_.forbid_meeting(all, candidates_.broadphase(), y(), std::as_const(dy).view(), step_);
   geometry::limit_step(candidates_.broadphase(), y(), std::as_const(dy).view(), kKeep, alpha);
-  limit_planes(s, y(), std::as_const(dy).view(), kKeep, vertex_env_, alpha);
+  limit_planes(all, y(), std::as_const(dy).view(), kKeep, vertex_env_, alpha);
 }
 
 Scene Proximity::scene(const Law& law, View<const double> point_area, View<const double> plane_area) const {

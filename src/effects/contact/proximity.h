@@ -6,6 +6,8 @@
 
 #include "effects/contact/candidates.h"
 #include "effects/contact/law.h"
+#include "effects/contact/pairs.h"
+#include "effects/contact/prescribed.h"
 #include "effects/effect.h"
 #include "model/model.h"
 
@@ -13,11 +15,6 @@ namespace mortise::effects::contact {
 
 // Share of every distance that a step may not use up.
 inline constexpr double kKeep = 0.1;
-
-struct WatchedPairs {
-  std::vector<std::uint8_t> bodies;  // bodies x bodies, symmetric
-  std::vector<std::uint8_t> planes;  // half-spaces x bodies
-};
 
 class Proximity {
  public:
@@ -28,11 +25,16 @@ class Proximity {
   void watch(const WatchedPairs& pairs);
   bool watching() const { return watched_.size() > 0; }
 
+  // The step whose positions are asked for from now on.
+  void begin_step(const StepInfo& step) { step_ = step; }
+
   // y = W q with all candidates there; tells which environments have finite positions.
   std::vector<std::uint8_t> locate(Positions q);
-  // Lowers alpha so that the step dq keeps the share kKeep of every distance; dy: the step of the points.
+  // Lowers alpha so that the step dq keeps the share kKeep of every distance; dy: the step of the points. Throws Failure where what is
+  // prescribed would meet.
   void limit(Positions q, View<const Vec3> dq, const Scene& s, Buffer<Vec3>& dy, device::EnvValues alpha);
 
+  double reach() const { return reach_; }
   const Buffer<Vec3>& points() const { return y_; }
   View<const Vec3> y() const { return y_.view(); }
   const Candidates& candidates() const { return candidates_; }
@@ -42,6 +44,11 @@ class Proximity {
   View<const Plane> planes() const { return planes_.view(); }
   // For the barrier between pairs of primitives (law.h); the areas may be empty where the law does not ask for them.
   Scene scene(const Law& law, View<const double> point_area, View<const double> plane_area) const;
+  // The same with all bodies in sight that are to be kept apart, those between which no force acts included.
+  Scene obstacles(Scene s) const {
+    s.watched = apart_.view(), s.plane_watched = plane_apart_.view();
+    return s;
+  }
 
  private:
   model::Model& model_;
@@ -50,7 +57,10 @@ class Proximity {
   std::vector<Index> point_env_, vertex_env_;
   Candidates candidates_;
   Buffer<Plane> planes_;
-  Buffer<std::uint8_t> watched_, plane_watched_;
+  Buffer<std::uint8_t> watched_, plane_watched_;  // between which forces act
+  Buffer<std::uint8_t> apart_, plane_apart_;      // which must not meet
+  Prescribed prescribed_;
+  StepInfo step_;
   Buffer<double> self_range_;
   Buffer<Vec3> y_;
 };

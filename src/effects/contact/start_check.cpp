@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "geometry/collide/bvh.h"
 
@@ -133,7 +134,40 @@ std::string obj_of(const Names& names, const std::vector<Index>& points, const s
   std::size_t written = 0;
   std::string obj = "# " + what + "\n" + obj_of(names, pair.first, points, written);
   obj += obj_of(names, pair.second, points, written);
-  throw StartError(names.body_of(pair.first[0]).where, "bodies must start apart: " + what + " (leave a gap; contact begins at d_hat)", obj);
+  throw StartError(names.body_of(pair.first[0]).where, "bodies must start apart: " + what + " (leave a gap, contact begins at d_hat; or let them pass through each other: pairs: [{bodies: [...], collide: false}])", obj);
+}
+
+// How often the closed surface of a body winds around x: the solid angles of its triangles over 4 pi (Van Oosterom, Strackee 1983).
+double winding(const std::vector<Triangle>& triangles, const model::Body& body, const std::vector<Vec3>& y, const Vec3& x) {
+  double angle = 0;
+  for (Index t = body.triangle_begin; t < body.triangle_end; ++t) {
+    const Vec3 a = y[triangles[t].v[0]] - x, b = y[triangles[t].v[1]] - x, c = y[triangles[t].v[2]] - x;
+    const double A = a.norm(), B = b.norm(), C = c.norm();
+    angle += 2 * std::atan2(a.cross(b).dot(c), A * B * C + a.dot(b) * C + b.dot(c) * A + c.dot(a) * B);
+  }
+  return angle / (4 * std::numbers::pi);
+}
+
+// Bodies whose surfaces are apart may still lie one in the other. (In a cavity the surface winds around nothing.)
+void check_nested(const model::Model& model, const Scene& s, View<const Vec3> view) {
+  std::vector<Vec3> y(view.n);
+  device::copy_out(y.data(), view.p, y.size() * sizeof(Vec3));
+  const std::vector<Triangle> triangles = model.surface.triangles.download();
+  std::vector<std::uint8_t> seen(s.watched.n);
+  device::copy_out(seen.data(), s.watched.p, seen.size());
+  const std::size_t n = model.bodies.size();
+  std::vector<Vec3> lo(n, Vec3::Constant(INFINITY)), hi(n, Vec3::Constant(-INFINITY));
+  for (std::size_t b = 0; b < n; ++b)
+    for (Index t = model.bodies[b].triangle_begin; t < model.bodies[b].triangle_end; ++t)
+      for (Index v : triangles[t].v) lo[b] = lo[b].cwiseMin(y[v]), hi[b] = hi[b].cwiseMax(y[v]);
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = 0; b < n; ++b) {
+      const model::Body &inner = model.bodies[a], &outer = model.bodies[b];
+      if (a == b || !seen[a * n + b] || inner.triangle_begin == inner.triangle_end) continue;
+      if ((lo[a].array() < lo[b].array()).any() || (hi[a].array() > hi[b].array()).any()) continue;
+      if (std::abs(winding(triangles, outer, y, y[triangles[inner.triangle_begin].v[0]])) > 0.5)
+        throw Error(Exit::scene, inner.where, "bodies must start apart: '" + inner.name + "' lies inside '" + outer.name + "'");
+    }
 }
 
 }  // namespace
@@ -160,6 +194,7 @@ void check_start(const model::Model& model, const Scene& s, const Candidates& c,
     const Triangle t = fetch(s.surface.triangles, hit[e]);
     fail(names, y, {{edge.v[0], edge.v[1]}, {t.v[0], t.v[1], t.v[2]}}, names.edge(edge.v[0], edge.v[1]) + " passes through " + names.triangle(hit[e]));
   }
+  check_nested(model, s, y);
 }
 
 }  // namespace mortise::effects::contact

@@ -18,7 +18,7 @@ class StartError : public Error {
   std::string obj_;
 };
 
-// Throws StartError naming both bodies and the primitives, the first in canonical order.
+// Throws StartError naming both bodies and the primitives, the first in canonical order; also where one body lies inside another.
 void check_start(const model::Model& model, const Scene& s, const Candidates& c, View<const Vec3> y);
 
 }  // namespace mortise::effects::contact

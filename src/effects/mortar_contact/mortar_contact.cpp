@@ -124,9 +124,10 @@ class MortarContact final : public Effect {
     if (step.step != step_) step_ = step.step, stiffening_ = 0;
     kappa_ = next_kappa_;
     stiffness_changed();
+    near_.begin_step(step);
     near_.locate(std::as_const(model_.q).view());
     if (!started_) {
-      contact::check_start(model_, guard_scene(), near_.candidates(), near_.y());
+      contact::check_start(model_, near_.obstacles(guard_scene()), near_.candidates(), near_.y());
       refreeze();
       check_faces();
       fit_support();
@@ -311,16 +312,13 @@ class MortarContact final : public Effect {
 
   void watch() {
     const Index n = static_cast<Index>(model_.bodies.size());
-    contact::WatchedPairs pairs{std::vector<std::uint8_t>(n * n, 0), std::vector<std::uint8_t>(model_.half_spaces.size() * n, 0)};
+    contact::WatchedPairs pairs(model_);
     std::vector<std::uint8_t> directed(n * n, 0);
     for (const Interface& i : interfaces_) {
-      if (i.master >= n) {
-        pairs.planes[(i.master - n) * n + i.slave] = 1;
-        continue;
-      }
-      directed[i.slave * n + i.master] = 1;
-      pairs.bodies[i.slave * n + i.master] = pairs.bodies[i.master * n + i.slave] = 1;
+      pairs.set(i.slave, i.master, contact::Watch::contact);
+      if (i.master < n) directed[i.slave * n + i.master] = 1;
     }
+    contact::complete(model_, pairs);
     near_.watch(pairs);
     directed_.upload(directed);
   }
@@ -455,7 +453,8 @@ void MortarContact::report(FieldSink& sink) {
       if (share > 0) load[p] += share * c.pressure, area_of[p] += share;
     }
     total[static_cast<Index>(s.kind)] += c.force;
-    closest = std::min(closest, met(pair, c.gap) ? 0 : c.gap);
+    // Curved faces may meet between their nodes; what is kept apart are their quarters, and none within reach is nearer than they are.
+    closest = std::min(closest, pair.quadratic() ? std::max(c.gap, near_.reach()) : c.gap);
     rows.add(c);
     kind.push_back(static_cast<double>(s.kind));
   }
@@ -485,6 +484,7 @@ void MortarContact::report(FieldSink& sink) {
   sink.scalar(group, "pressure_sum_defect", "1", contact::sum_defect(forces, {&rows, &guard_rows}));
   sink.rows(group, "kind", "1", 1, kind);
 
+  closest = std::min(closest, contact::least_distance(near_.obstacles(guard_scene()), near_.candidates(), near_.y()));
   sink.scalar(group, "min_distance", "m", closest);
   sink.scalar(group, "energy", "J", energy_now(std::as_const(model_.q).view(), model_.envs));
   if (automatic_) sink.scalar(group, "stiffening", "J", stiffening_);

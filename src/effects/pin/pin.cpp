@@ -1,5 +1,6 @@
 #include "effects/pin/pin.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -54,6 +55,7 @@ class Motion {
     if (!motion) return;
     moves_ = true;
     smooth_ = motion->text("interpolation") == "smooth";
+    params_ = *motion;
     const Params& time = motion->at("time");
     const std::size_t keys = time.items().size();
     if (keys == 0) throw Error(Exit::scene, time.where(), "motion needs at least one key");
@@ -78,6 +80,7 @@ class Motion {
   }
 
   bool moves() const { return moves_; }
+  bool same_as(const Motion& other) const { return same(params_, other.params_); }
   pin::RigidMotion at(double t) const {
     pin::RigidMotion m{Mat3::Identity(), Vec3::Zero()};
     for (const Turn& turn : turns_) m = pin::turned(m, turn.axis, turn.centre, turn.angle(t));
@@ -101,7 +104,19 @@ class Motion {
     Vec3 axis, centre;
     Schedule angle;
   };
+  static bool same(const Params& a, const Params& b) {
+    if (a.kind() == Params::Kind::table && b.kind() == Params::Kind::table) {
+      const auto &left = a.entries(), &right = b.entries();
+      return std::equal(left.begin(), left.end(), right.begin(), right.end(), [](const auto& l, const auto& r) { return l.first == r.first && same(l.second, r.second); });
+    }
+    if (a.kind() == Params::Kind::list && b.kind() == Params::Kind::list) return std::equal(a.items().begin(), a.items().end(), b.items().begin(), b.items().end(), same);
+    if (a.kind() == Params::Kind::none || b.kind() == Params::Kind::none) return a.kind() == b.kind();
+    if (a.kind() == Params::Kind::text || b.kind() == Params::Kind::text) return a.kind() == b.kind() && a.as_text() == b.as_text();
+    return a.as_number() == b.as_number();
+  }
+
   bool moves_ = false, smooth_ = false;
+  Params params_;
   Schedule translation_[3] = {still(), still(), still()};
   std::vector<Turn> turns_;
 };
@@ -124,6 +139,7 @@ class Pin final : public Effect {
  public:
   Pin(const Params& list, model::Model& model) : model_(model), owner_(3 * model.blocks, -1) {
     for (const Params& p : list.items()) add(p);
+    name_carriages();
     device_held_.upload(held_);
     hold(-std::numeric_limits<double>::infinity(), 0);
     move(0);
@@ -210,6 +226,29 @@ class Pin final : public Effect {
       axes &= static_cast<std::uint8_t>(~(1 << a));
     }
     if (axes) held_.push_back({block, mine, axes, direction});
+  }
+
+  // Bodies that are held wholly and for ever; those by equal motions move as one (model/model.h).
+  void name_carriages() {
+    std::vector<const Motion*> carriages;
+    for (const Entry& e : entries_) model_.driven |= e.motion.moves();
+    for (model::Body& body : model_.bodies) {
+      const Index first = owner_[3 * body.block_begin];
+      bool wholly = true, as_one = true;
+      for (Index i = 3 * body.block_begin; i < 3 * body.block_end && wholly; ++i) {
+        wholly = owner_[i] >= 0 && std::isinf(entries_[owner_[i]].release);
+        as_one = as_one && wholly && entries_[owner_[i]].motion.same_as(entries_[first].motion);
+      }
+      if (!wholly) continue;
+      const Motion& motion = entries_[first].motion;
+      if (as_one && !motion.moves()) {
+        body.carriage = model::Body::kStill;
+        continue;
+      }
+      const auto known = as_one ? std::find_if(carriages.begin(), carriages.end(), [&](const Motion* m) { return m && m->same_as(motion); }) : carriages.end();
+      body.carriage = 1 + static_cast<Index>(known - carriages.begin());
+      if (known == carriages.end()) carriages.push_back(as_one ? &motion : nullptr);  // one whose parts move apart is alone
+    }
   }
 
   static std::uint8_t parse_axes(const Params& p) {

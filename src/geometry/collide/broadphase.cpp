@@ -1,10 +1,12 @@
 #include "geometry/collide/broadphase.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
 #include "base/error.h"
+#include "geometry/collide/distance.h"
 
 namespace mortise::geometry {
 namespace {
@@ -16,6 +18,25 @@ MORTISE_HD inline bool contains(const Index* v, int n, Index point) {
   for (int i = 0; i < n; ++i)
     if (v[i] == point) return true;
   return false;
+}
+
+// Two primitives of one body, {p, t0, t1, t2} or {a0, a1, b0, b1} (first: 1 or 2 points), of which the boxes overlap because they are
+// neighbours: their distance shrinks by no more than corners of the one move towards corners of the other, and neighbours move nearly alike.
+MORTISE_HD inline bool stay_apart(const Index v[4], int first, View<const Vec3> y, View<const Vec3> dy, double radius) {
+  constexpr double kRounding = 1e-12;
+  double way2 = 0;
+  for (int i = 0; i < first && dy.n > 0; ++i)
+    for (int j = first; j < 4; ++j) way2 = std::fmax(way2, (dy[v[i]] - dy[v[j]]).squaredNorm());
+  const double least = radius + std::sqrt(way2);
+  Vec3 x[4];
+  for (int k = 0; k < 4; ++k) x[k] = y[v[k]];
+  for (int a = 0; a < 3; ++a) {  // boxes as they stand, which tell most pairs of a body that moves
+    const double lo = first == 1 ? x[0][a] : std::fmin(x[0][a], x[1][a]), hi = first == 1 ? x[0][a] : std::fmax(x[0][a], x[1][a]);
+    const double lo2 = std::fmin(std::fmin(first == 1 ? x[1][a] : x[2][a], x[2][a]), x[3][a]), hi2 = std::fmax(std::fmax(first == 1 ? x[1][a] : x[2][a], x[2][a]), x[3][a]);
+    if (std::fmax(lo2 - hi, lo - hi2) * (1 - kRounding) > least) return true;
+  }
+  const double distance = std::sqrt(first == 1 ? closest_point_triangle(x).squared : closest_edge_edge(x).squared);
+  return distance * (1 - kRounding) > least;
 }
 
 MORTISE_HD inline void sift_down(Index* v, Index stride, Index root, Index n) {
@@ -53,20 +74,30 @@ struct Notes {
 };
 
 // Counts the triangles near a point and notes their ids.
-MORTISE_HD inline Index triangles_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index point, const Notes& notes) {
+MORTISE_HD inline Index triangles_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index point, View<const Vec3> y, View<const Vec3> dy, double radius, const Notes& notes) {
   Index n = 0;
   BvhCursor cursor;
-  for (Index t = cursor.next(tree, box, s); t >= 0; t = cursor.next(tree, box, s))
-    if (!contains(s.triangles[t].v, 3, point)) notes.put(n++, t);
+  for (Index t = cursor.next(tree, box, s); t >= 0; t = cursor.next(tree, box, s)) {
+    const Index* c = s.triangles[t].v;
+    if (contains(c, 3, point)) continue;
+    const Index v[4] = {point, c[0], c[1], c[2]};
+    if (s.body[point] == s.body[c[0]] && stay_apart(v, 1, y, dy, radius)) continue;
+    notes.put(n++, t);
+  }
   return n;
 }
 
-MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index edge, const Notes& notes) {
+MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index edge, View<const Vec3> y, View<const Vec3> dy, double radius, const Notes& notes) {
   Index n = 0;
   BvhCursor cursor;
   const Edge a = s.edges[edge];
-  for (Index b = cursor.next(tree, box, s); b >= 0; b = cursor.next(tree, box, s))
-    if (!contains(s.edges[b].v, 2, a.v[0]) && !contains(s.edges[b].v, 2, a.v[1])) notes.put(n++, b);
+  for (Index b = cursor.next(tree, box, s); b >= 0; b = cursor.next(tree, box, s)) {
+    const Index* c = s.edges[b].v;
+    if (contains(c, 2, a.v[0]) || contains(c, 2, a.v[1])) continue;
+    const Index v[4] = {a.v[0], a.v[1], c[0], c[1]};
+    if (s.body[a.v[0]] == s.body[c[0]] && stay_apart(v, 2, y, dy, radius)) continue;
+    notes.put(n++, b);
+  }
   return n;
 }
 
@@ -100,7 +131,7 @@ void count_point_triangles(const SurfaceView& s, const BvhView& tree, View<const
   const View<Index> count = counts.view();
   device::parallel_for("broadphase.count_point_triangle", points.n, [=] MORTISE_HD(Index i) {
     const Index point = points[i];
-    count[i] = triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, {note.p + i * kNoted, 1, kNoted});
+    count[i] = triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, y, dy, 2 * grow, {note.p + i * kNoted, 1, kNoted});
   });
 }
 
@@ -113,7 +144,7 @@ void fill_point_triangles(const SurfaceView& s, const BvhView& tree, View<const 
     constexpr Index kStride = sizeof(PointTriangle) / sizeof(Index);
     const Notes to{&mine->triangle, kStride, n};
     if (n > kNoted)
-      triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, to);
+      triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, y, dy, 2 * grow, to);
     else
       for (Index k = 0; k < n; ++k) to.put(k, note[i * kNoted + k]);
     sort_strided(&mine->triangle, kStride, n);
@@ -133,7 +164,7 @@ void count_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Inde
   const View<Index> count = counts.view();
   device::parallel_for("broadphase.count_edge_edge", edges.n, [=] MORTISE_HD(Index i) {
     const Index a = edges[i];
-    count[i] = edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, {note.p + i * kNoted, 1, kNoted});
+    count[i] = edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, y, dy, 2 * grow, {note.p + i * kNoted, 1, kNoted});
   });
 }
 
@@ -146,7 +177,7 @@ void fill_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index
     constexpr Index kStride = sizeof(EdgeEdge) / sizeof(Index);
     const Notes to{&mine->b, kStride, n};
     if (n > kNoted)
-      edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, to);
+      edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, y, dy, 2 * grow, to);
     else
       for (Index k = 0; k < n; ++k) to.put(k, note[i * kNoted + k]);
     sort_strided(&mine->b, kStride, n);

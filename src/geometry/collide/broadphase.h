@@ -18,7 +18,8 @@ struct EdgeEdge {
 };
 
 // All pairs whose boxes, swept from y to y + dy and grown by radius/2, overlap; without pairs that share a point and pairs that
-// the surface does not watch. Sorted by environment, then by the two ids. Exactly what testing all pairs would find.
+// the surface does not watch, and of one body without those that stay farther apart than the radius (broadphase.cpp). Sorted by environment, then by
+// the two ids. Exactly what testing all pairs would find.
 class Broadphase {
  public:
   // Keeps a reference to the surface, whose points and primitives must not change.

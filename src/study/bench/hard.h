@@ -25,6 +25,7 @@ struct HardOptions {
   std::vector<std::string> only;   // case ids or beginnings of scene names; empty: all
   int threads = 0;
   double time_limit = 120;         // of a run [s]
+  bool wild = false;               // fuzz: scenes that are not tame
   bool reduce = true;              // fuzz: take parts out of scenes that fail
 };
 
@@ -55,6 +56,9 @@ struct HardCase {
   std::string name, method, variant, text;
   bool expects_failure = false;  // its checks hold an outcome other than done
   std::vector<std::string> reported{};  // quantities without a verdict
+  std::string may_stop{};                // words of an error with which a run may rightly end: such a row is reported
+  std::vector<std::string> arguments{};  // further ones of `mortise run`
+  bool interrupted = false;              // run once more, killed on the way and resumed: the fields must be equal
 };
 // The cases of one scene file.
 std::vector<HardCase> hard_cases(const std::string& path, bool full);
@@ -76,6 +80,13 @@ std::vector<std::string> regressions(const std::vector<HardRow>& rows, const std
 
 // A random scene: primitives, materials, contact effects, time steps and scales from a seed, with the common checks of the hard cases.
 HardCase fuzz_case(unsigned long seed);
+// One that is not tame: quadratic and curved elements, mesh files (written into `folder`), statics, sensors, loads, BDF2, driven bodies, many
+// bodies, both contact effects, every linear solver, the debug device, a kill in the middle.
+HardCase wild_case(unsigned long seed, const std::string& folder);
+// What failed, without figures and names: failures of one kind have equal causes.
+std::string cause(const HardRow& row);
+// How many rows failed for which cause, and which; the most frequent first. "" where all passed.
+std::string causes(const std::vector<HardRow>& rows);
 // Takes parts out of a scene that failed for as long as it fails in the same way; returns the file with what is left.
 std::string reduce(const HardCase& failed, const HardRow& row, const HardOptions& options);
 // Runs the seeds first ... first + count - 1. A row that failed names the reduced scene in `replay`.

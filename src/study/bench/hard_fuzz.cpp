@@ -5,38 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <random>
+#include <map>
 
 #include "study/bench/hard.h"
+#include "study/bench/hard_dice.h"
 
 namespace fs = std::filesystem;
 
 namespace mortise::study {
 namespace {
-
-// The distributions of <random> differ between libraries; a seed must give the same scene everywhere.
-class Dice {
- public:
-  explicit Dice(unsigned long seed) : bits_(seed * 0x9e3779b97f4a7c15ull + 1) {}
-  double in(double lo, double hi) { return lo + (hi - lo) * static_cast<double>(bits_() >> 11) * 0x1p-53; }
-  double power(double lo, double hi) { return std::pow(10.0, in(lo, hi)); }
-  bool chance(double p) { return in(0, 1) < p; }
-  int below(int n) { return static_cast<int>(in(0, n)); }
-
- private:
-  std::mt19937_64 bits_;
-};
-
-std::string num(double v) { return fmt::format("{:.6g}", v); }
-YAML::Node vec(double x, double y, double z) { return YAML::Load(fmt::format("[{}, {}, {}]", num(x), num(y), num(z))); }
-
-// Scales of the scene: lengths L, times sqrt(L/g), speeds sqrt(g L).
-struct Scales {
-  double L, g = 9.81;
-  double time() const { return std::sqrt(L / g); }
-  double speed() const { return std::sqrt(g * L); }
-};
 
 // A shape and the radius of a ball around it.
 YAML::Node shape(Dice& d, const Scales& s, double& radius) {
@@ -188,78 +165,42 @@ YAML::Node random_scene(unsigned long seed) {
   return scene;
 }
 
-std::string emit(const YAML::Node& node) {
-  YAML::Emitter out;
-  out << node;
-  return std::string(out.c_str()) + "\n";
-}
-
-// Two failures are of one kind when their reasons begin alike.
-std::string kind_of(const HardRow& row) {
-  const std::size_t end = row.reason.find_first_of("0123456789(");
-  return row.reason.substr(0, std::min(end, row.reason.find(" of ")));
-}
-
-void forget_body(YAML::Node scene, const std::string& name) {
-  scene["bodies"].remove(name);
-  const auto keep = [&](YAML::Node list, const char* key) {
-    YAML::Node out(YAML::NodeType::Sequence);
-    for (const auto& item : list)
-      if (item[key].as<std::string>() != name && !(item["master"] && item["master"].as<std::string>() == name)) out.push_back(item);
-    return out;
-  };
-  YAML::Node effects = scene["effects"];
-  if (effects["pin"]) effects["pin"] = keep(effects["pin"], "body");
-  if (effects["pin"] && effects["pin"].size() == 0) effects.remove("pin");
-  if (effects["mortar_contact"]) effects["mortar_contact"]["pairs"] = keep(effects["mortar_contact"]["pairs"], "slave");
-}
-
-// Smaller scenes to try, each a little less than the one given.
-std::vector<YAML::Node> smaller(const YAML::Node& scene) {
-  std::vector<YAML::Node> out;
-  const auto with = [&](const std::function<void(YAML::Node)>& change) {
-    YAML::Node copy = YAML::Clone(scene);
-    change(copy);
-    out.push_back(copy);
-  };
-  for (const auto& body : scene["bodies"]) {
-    const std::string name = body.first.as<std::string>();
-    if (scene["bodies"].size() > 1) with([&](YAML::Node s) { forget_body(s, name); });
-    for (const char* key : {"rotation", "velocity", "angular_velocity", "self_contact"})
-      if (body.second[key]) with([&](YAML::Node s) { s["bodies"][name].remove(key); });
+// All that a run of the case has left: folders, scene and meshes.
+void remove_files(const std::string& folder, const std::string& name) {
+  std::vector<fs::path> own;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string file = entry.path().filename().string();
+    if (file.starts_with(name) && (file.size() == name.size() || !std::isdigit(static_cast<unsigned char>(file[name.size()])))) own.push_back(entry.path());
   }
-  for (const char* effect : {"friction", "pin", "gravity"})
-    if (scene["effects"][effect]) with([&](YAML::Node s) { s["effects"].remove(effect); });
-  const long steps = scene["time"]["steps"].as<long>();
-  if (steps > 1) with([&](YAML::Node s) { s["time"]["steps"] = (steps + 1) / 2; }), with([&](YAML::Node s) { s["time"]["steps"] = steps - 1; });
-  return out;
+  for (const fs::path& path : own) fs::remove_all(path);
 }
 
 }  // namespace
 
 HardCase fuzz_case(unsigned long seed) { return {fmt::format("seed_{}", seed), "", "", emit(random_scene(seed)), false}; }
 
-std::string reduce(const HardCase& failed, const HardRow& row, const HardOptions& options) {
-  YAML::Node scene = YAML::Load(failed.text);
-  const std::string kind = kind_of(row);
-  HardCase trial = failed;
-  trial.variant = "smaller";
-  double left = std::clamp(20 * row.seconds, 5.0, 30.0);  // seconds to spend
-  for (bool found = true; found && left > 0;) {
-    found = false;
-    for (const YAML::Node& candidate : smaller(scene)) {
-      if (left <= 0) break;
-      trial.text = emit(candidate);
-      const HardRow r = run_hard_case(trial, options);
-      left -= r.seconds;
-      if (r.pass || kind_of(r) != kind) continue;
-      scene = candidate, found = true;
-      break;
-    }
+std::string cause(const HardRow& row) {
+  if (row.pass) return "";
+  const std::string& r = row.reason;
+  const std::size_t failed = r.find(") failed: ");  // "exit code 5: step 3 (t = ...) failed: why"
+  const std::string why = failed == std::string::npos ? r : "a step fails: " + r.substr(failed + 10);
+  const std::size_t from = why.starts_with("exit code") ? 11 : 0;
+  return why.substr(0, std::min({why.find_first_of("0123456789('", from), why.find(" of ", from), why.size()}));
+}
+
+std::string causes(const std::vector<HardRow>& rows) {
+  std::map<std::string, std::vector<std::string>> by_cause;
+  for (const HardRow& row : rows)
+    if (!row.pass) by_cause[(row.unsafe.empty() ? "" : "UNSAFE ") + cause(row)].push_back(row.name.substr(row.name.find('_') + 1));
+  std::vector<std::pair<std::string, std::vector<std::string>>> sorted(by_cause.begin(), by_cause.end());
+  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second.size() > b.second.size(); });
+  std::string out;
+  for (const auto& [what, seeds] : sorted) {
+    out += fmt::format("{:5} {}:", seeds.size(), what);
+    for (const std::string& seed : seeds) out += " " + seed;
+    out += "\n";
   }
-  const std::string path = fs::absolute(options.output).string() + "/" + failed.name + ".smallest.yaml";
-  std::ofstream(path) << "# " << row.reason << "\n" << emit(scene);
-  return path;
+  return out;
 }
 
 std::vector<HardRow> run_fuzz(const HardOptions& options, unsigned long first, unsigned long count, const std::function<void(const HardRow&)>& emit_row) {
@@ -268,10 +209,10 @@ std::vector<HardRow> run_fuzz(const HardOptions& options, unsigned long first, u
   o.output = fs::absolute(o.output).string();
   std::vector<HardRow> rows;
   for (unsigned long seed = first; seed < first + count; ++seed) {
-    const HardCase c = fuzz_case(seed);
+    const HardCase c = o.wild ? wild_case(seed, o.output) : fuzz_case(seed);
     HardRow row = run_hard_case(c, o);
     if (row.pass)
-      fs::remove_all(o.output + "/" + c.name);
+      remove_files(o.output, c.name);
     else if (o.reduce)
       row.replay = fmt::format("mortise run {} --overwrite --no-render", reduce(c, row, o));
     rows.push_back(row);

@@ -1,0 +1,77 @@
+#include "effects/contact/pairs.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+
+namespace mortise::effects::contact {
+namespace {
+
+// Index of a body, or the number of bodies plus the index of a half-space.
+Index find(const model::Model& model, const Params& name) {
+  const Index body = model.body_index(name.as_text());
+  if (body >= 0) return body;
+  for (std::size_t p = 0; p < model.half_spaces.size(); ++p)
+    if (model.half_spaces[p].name == name.as_text()) return static_cast<Index>(model.bodies.size() + p);
+  throw Error(Exit::scene, name.where(), "no body is called '" + name.as_text() + "'");
+}
+
+bool meets_itself(const model::Model& model, const model::Body& body) {
+  if (body.type != model::BodyType::soft || body.prescribed()) return false;
+  for (const model::BodyInput& in : model.input.bodies)
+    if (in.name == body.name && in.params.has("self_contact")) return in.params.flag("self_contact");
+  return true;
+}
+
+// Do the two bodies pass through each other because the scene says so?
+bool pass(const model::Model& model, const std::string& a, const std::string& b) {
+  const Params* list = model.input.scene.find("pairs");
+  if (!list || list->kind() != Params::Kind::list) return false;
+  return std::any_of(list->items().begin(), list->items().end(), [&](const Params& pair) {
+    const std::vector<Params>& names = pair.at("bodies").items();
+    const auto named = [&](const std::string& body) { return std::any_of(names.begin(), names.end(), [&](const Params& n) { return n.as_text() == body; }); };
+    return !pair.flag("collide") && named(a) && named(b);
+  });
+}
+
+}  // namespace
+
+void complete(const model::Model& model, WatchedPairs& pairs) {
+  const Index n = pairs.n;
+  for (Index i = 0; i < n; ++i) {
+    const model::Body& a = model.bodies[i];
+    if (meets_itself(model, a)) pairs.set(i, i, Watch::contact);
+    for (Index j = i + 1; j < n; ++j) {
+      const model::Body& b = model.bodies[j];
+      if (a.env != b.env) continue;
+      if (a.prescribed() && b.prescribed()) pairs.set(i, j, a.carriage == b.carriage ? Watch::no : Watch::apart);
+      if (pass(model, a.name, b.name)) pairs.set(i, j, Watch::no);
+    }
+    for (std::size_t p = 0; p < model.half_spaces.size(); ++p) {
+      const Index plane = n + static_cast<Index>(p);
+      if (a.prescribed()) pairs.set(i, plane, a.carriage == model::Body::kStill ? Watch::no : Watch::apart);
+      if (pass(model, a.name, model.half_spaces[p].name)) pairs.set(i, plane, Watch::no);
+    }
+  }
+}
+
+WatchedPairs watched_pairs(const model::Model& model, const Params* list) {
+  WatchedPairs pairs(model);
+  const Index n = pairs.n, planes = static_cast<Index>(model.half_spaces.size());
+  if (list) {
+    for (const Params& pair : list->items()) {
+      Index a = find(model, pair.items().at(0)), b = find(model, pair.items().at(1));
+      if (a > b) std::swap(a, b);
+      if (a >= n) throw Error(Exit::scene, pair.where(), "a half-space cannot touch another half-space");
+      pairs.set(a, b, Watch::contact);
+    }
+  } else {
+    for (Index a = 0; a < n; ++a)
+      for (Index b = a + 1; b < n + planes; ++b)
+        if (b >= n || model.bodies[a].env == model.bodies[b].env) pairs.set(a, b, Watch::contact);
+  }
+  complete(model, pairs);
+  return pairs;
+}
+
+}  // namespace mortise::effects::contact

@@ -1,0 +1,115 @@
+#include "effects/contact/prescribed.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "effects/failure.h"
+#include "geometry/collide/ccd.h"
+
+namespace mortise::effects::contact {
+namespace {
+
+constexpr double kTouch = 1e-6;  // share of a distance that counts as none left
+
+// The earliest of all, the first in canonical order.
+struct Earliest {
+  double t = 2;  // of the step; above 1: never
+  Index pair = -1;
+};
+
+Earliest earliest(Index n, const Buffer<double>& times) {
+  Earliest out;
+  const View<const double> t = times.view();
+  if (!(-device::max("contact.earliest", n, -2.0, [=] MORTISE_HD(Index i) { return -t[i]; }) <= 1)) return out;
+  const std::vector<double> all = times.download();
+  const auto least = std::min_element(all.begin(), all.end());
+  return {*least, static_cast<Index>(least - all.begin())};
+}
+
+template <class Pair>
+Earliest meeting(const char* name, const Scene& s, View<const Pair> pairs, bool edges, View<const std::uint8_t> held, View<const Vec3> y, View<const Vec3> dy) {
+  Buffer<double> times(pairs.n);
+  const View<double> out = times.view();
+  device::parallel_for(name, pairs.n, [=] MORTISE_HD(Index i) {
+    Vec3 x0[4], x1[4];
+    bool all = s.sees(pairs[i].v[0], pairs[i].v[edges ? 2 : 1]);
+    for (int k = 0; k < 4; ++k) {
+      const Index p = pairs[i].v[k];
+      all = all && held[p];
+      x0[k] = y[p], x1[k] = y[p] + dy[p];
+    }
+    out[i] = all ? geometry::detail::step_limit(x0, x1, edges, kTouch) : geometry::kNoImpact;
+  });
+  return earliest(pairs.n, times);
+}
+
+Earliest plane_meeting(const Scene& s, View<const std::uint8_t> held, View<const Vec3> y, View<const Vec3> dy) {
+  const Index n = s.planes.n * s.surface.vertices.n;
+  Buffer<double> times(n);
+  const View<double> out = times.view();
+  device::parallel_for("contact.plane_meeting", n, [=] MORTISE_HD(Index i) {
+    const Index plane = i / s.surface.vertices.n, p = s.surface.vertices[i % s.surface.vertices.n];
+    out[i] = geometry::kNoImpact;
+    if (!held[p] || !s.plane_watched[plane * s.surface.bodies + s.surface.body[p]]) return;
+    const double gap = s.planes[plane].normal.dot(y[p] - s.planes[plane].point), way = -s.planes[plane].normal.dot(dy[p]);
+    if (way > (1 - kTouch) * gap) out[i] = gap / way;
+  });
+  return earliest(n, times);
+}
+
+template <class T>
+T fetch(View<const T> v, Index i) {
+  T value;
+  device::copy_out(&value, v.p + i, sizeof(T));
+  return value;
+}
+
+Vec3 at(View<const Vec3> y, View<const Vec3> dy, Index p, double t) { return fetch(y, p) + t * fetch(dy, p); }
+
+[[noreturn]] void fail(const std::string& a, const std::string& b, double t, const Vec3& x, const StepInfo& step) {
+  char when[200];
+  std::snprintf(when, sizeof when, "at %s%.6g%s near (%.4g, %.4g, %.4g) m", step.is_static ? "pseudo-time " : "t = ", step.t0 + t * step.dt, step.is_static ? "" : " s", x[0], x[1], x[2]);
+  const std::string who = a == b ? "two parts of '" + a + "' meet " : "'" + a + "' meets '" + b + "' ";
+  const std::string how = a == b ? "" : "; if they are to pass through each other, say so: pairs: [{bodies: [" + a + ", " + b + "], collide: false}]";
+  throw Failure{who + when + "; supports prescribe the motion of both, so neither can give way" + how};
+}
+
+}  // namespace
+
+void Prescribed::refresh() {
+  if (model_.held == held_) return;
+  held_ = model_.held;
+  const std::vector<Index> offset = model_.point_offset.download(), block = model_.point_block.download();
+  std::vector<std::uint8_t> point(model_.points, 0);
+  for (Index p = 0; p < model_.points; ++p)
+    point[p] = std::all_of(block.begin() + offset[p], block.begin() + offset[p + 1], [&](Index b) { return held_[b] == 2; });
+  point_.upload(point);
+}
+
+void Prescribed::forbid_meeting(const Scene& s, const geometry::Broadphase& near, View<const Vec3> y, View<const Vec3> dy, const StepInfo& step) {
+  if (!model_.driven) return;
+  refresh();
+  const View<const std::uint8_t> held = std::as_const(point_).view();
+  const Earliest plane = plane_meeting(s, held, y, dy);
+  const Earliest points = meeting("contact.points_meeting", s, near.point_triangles(), false, held, y, dy);
+  const Earliest edges = meeting("contact.edges_meeting", s, near.edge_edges(), true, held, y, dy);
+  const auto body = [&](Index p) { return model_.bodies[fetch(s.surface.body, p)].name; };
+  if (plane.t <= 1 && plane.t <= std::min(points.t, edges.t)) {
+    const Index p = fetch(s.surface.vertices, plane.pair % s.surface.vertices.n);
+    fail(body(p), model_.half_spaces[plane.pair / s.surface.vertices.n].name, plane.t, at(y, dy, p, plane.t), step);
+  }
+  if (points.t <= 1 && points.t <= edges.t) {
+    const geometry::PointTriangle pair = fetch(near.point_triangles(), points.pair);
+    fail(body(pair.v[0]), body(pair.v[1]), points.t, at(y, dy, pair.v[0], points.t), step);
+  }
+  if (edges.t <= 1) {
+    const geometry::EdgeEdge pair = fetch(near.edge_edges(), edges.pair);
+    Vec3 x[4];
+    for (int k = 0; k < 4; ++k) x[k] = at(y, dy, pair.v[k], edges.t);
+    const geometry::Closest c = geometry::closest_edge_edge(x);
+    fail(body(pair.v[0]), body(pair.v[2]), edges.t, c.w[0] * x[0] + c.w[1] * x[1], step);
+  }
+}
+
+}  // namespace mortise::effects::contact

@@ -1,0 +1,141 @@
+#include "judge/case.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+
+namespace judge {
+namespace {
+
+std::vector<std::string> lines(const std::string& text) {
+  std::vector<std::string> out;
+  std::string line;
+  for (char c : text + "\n") {
+    if (c != '\n') {
+      line += c;
+      continue;
+    }
+    if (!line.empty()) out.push_back(line);
+    line.clear();
+  }
+  return out;
+}
+
+Vector vector_of(const YAML::Node& n) { return {n[0].as<double>(), n[1].as<double>(), n[2].as<double>()}; }
+
+// Faces of tetrahedra that belong to one of them only, in the tetrahedron's order (outward); of quadratic ones their quarters.
+std::vector<std::array<long, 3>> boundary(const Body& body) {
+  constexpr int kFaces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  constexpr int kMiddle[4][4] = {{-1, 0, 2, 3}, {0, -1, 1, 4}, {2, 1, -1, 5}, {3, 4, 5, -1}};  // of the edge between two corners
+  std::map<std::array<long, 3>, std::pair<int, std::vector<std::array<long, 3>>>> seen;
+  for (std::size_t e = 0; e < body.tets.size(); ++e)
+    for (const auto& f : kFaces) {
+      const auto& t = body.tets[e];
+      const std::array<long, 3> face{t[f[0]], t[f[1]], t[f[2]]};
+      auto key = face;
+      std::sort(key.begin(), key.end());
+      auto& entry = seen[key];
+      if (++entry.first > 1) continue;
+      entry.second = {face};
+      if (!body.quadratic()) continue;
+      long m[3];
+      for (int k = 0; k < 3; ++k) m[k] = body.midsides[e][kMiddle[f[k]][f[(k + 1) % 3]]];
+      entry.second = {{face[0], m[0], m[2]}, {face[1], m[1], m[0]}, {face[2], m[2], m[1]}, {m[0], m[1], m[2]}};
+    }
+  std::vector<std::array<long, 3>> out;
+  for (const auto& [key, entry] : seen)
+    if (entry.first == 1) out.insert(out.end(), entry.second.begin(), entry.second.end());
+  return out;
+}
+
+}  // namespace
+
+void read_mesh(const File& file, Case& c) {
+  const auto connectivity = file.numbers("/VTKHDF/Connectivity"), offsets = file.numbers("/VTKHDF/Offsets"), types = file.numbers("/VTKHDF/Types");
+  const auto cell_body = file.numbers("/VTKHDF/CellData/body_id"), point_body = file.numbers("/VTKHDF/PointData/body_id"), rest = file.numbers("/mortise/mesh/rest_points");
+  for (const std::string& name : lines(file.text("/mortise/mesh/body_names"))) {
+    c.bodies.emplace_back();
+    c.bodies.back().name = name;
+  }
+  for (std::size_t i = 0; i < rest.size() / 3; ++i) {
+    c.rest.push_back({rest[3 * i], rest[3 * i + 1], rest[3 * i + 2]});
+    c.bodies.at(point_body[i]).points.push_back(i);
+  }
+  for (std::size_t k = 0; k < types.size(); ++k) {
+    Body& body = c.bodies.at(cell_body[k]);
+    const auto id = [&](int i) { return static_cast<long>(connectivity[offsets[k] + i]); };
+    if (types[k] == 5) body.triangles.push_back({id(0), id(1), id(2)});
+    if (types[k] == 10 || types[k] == 24) body.tets.push_back({id(0), id(1), id(2), id(3)});
+    if (types[k] == 24) body.midsides.push_back({id(4), id(5), id(6), id(7), id(8), id(9)});
+  }
+  for (Body& body : c.bodies) {
+    body.soft = !body.tets.empty();
+    if (body.soft) body.triangles = boundary(body);
+  }
+}
+
+void read_scene(const File& file, Case& c) {
+  const YAML::Node scene = YAML::Load(file.text("/mortise/scene"));
+  std::vector<std::string> names;
+  for (const auto& entry : scene["bodies"]) {
+    const std::string name = entry.first.as<std::string>();
+    names.push_back(name);
+    const YAML::Node b = entry.second;
+    if (b["type"].as<std::string>() == "half_space") {
+      c.planes.push_back({name, vector_of(b["point"]), vector_of(b["normal"])});
+      continue;
+    }
+    for (Body& body : c.bodies)
+      if (body.name == name) {
+        const YAML::Node material = scene["materials"][b["material"].as<std::string>()];
+        body.density = material["density"].as<double>();
+        if (material["youngs_modulus"]) body.youngs_modulus = material["youngs_modulus"].as<double>(), body.poisson_ratio = material["poisson_ratio"].as<double>();
+        if (material["model"]) body.law = material["model"].as<std::string>();
+        body.self_contact = body.soft && (!b["self_contact"] || b["self_contact"].as<bool>());
+      }
+  }
+  const YAML::Node effects = scene["effects"];
+  if (effects["gravity"] && effects["gravity"]["acceleration"]) c.gravity = vector_of(effects["gravity"]["acceleration"]);
+  c.double_precision = scene["output"] && scene["output"]["precision"] && scene["output"]["precision"].as<std::string>() == "double";
+  c.contact = effects["barrier_contact"] || effects["mortar_contact"];
+  c.inertia = static_cast<bool>(effects["inertia"]), c.friction = static_cast<bool>(effects["friction"]), c.loads = static_cast<bool>(effects["pressure_load"]);
+  c.bdf2 = c.inertia && effects["inertia"]["integrator"] && effects["inertia"]["integrator"].as<std::string>() == "bdf2";
+  if (scene["solver"] && scene["solver"]["relative_tolerance"]) c.tolerance = scene["solver"]["relative_tolerance"].as<double>();
+  if (c.friction && effects["friction"]["lag_tolerance"]) c.tolerance = std::max(c.tolerance, effects["friction"]["lag_tolerance"].as<double>());
+  if (const YAML::Node time = scene["time"]) {
+    if (time["step"]) c.step = time["step"].as<double>();
+    if (time["frame_every"]) c.frame_every = time["frame_every"].as<long>();
+  }
+  for (const auto& p : scene["pairs"])
+    if (!p["collide"].as<bool>())
+      for (const auto& a : p["bodies"])
+        for (const auto& b : p["bodies"]) c.pass.insert({a.as<std::string>(), b.as<std::string>()});
+  const auto watch = [&](const std::string& a, const std::string& b) { c.watched.insert({a, b}), c.watched.insert({b, a}); };
+  if (const YAML::Node barrier = effects["barrier_contact"]) {
+    if (barrier["pairs"]) {
+      for (const auto& p : barrier["pairs"]) watch(p[0].as<std::string>(), p[1].as<std::string>());
+    } else {
+      for (const std::string& a : names)
+        for (const std::string& b : names) watch(a, b);
+    }
+  }
+  if (const YAML::Node mortar = effects["mortar_contact"])
+    for (const auto& p : mortar["pairs"]) watch(p["slave"].as<std::string>(), p["master"].as<std::string>());
+  for (const auto& p : effects["pin"])
+    for (Body& body : c.bodies) {
+      if (body.name != p["body"].as<std::string>()) continue;
+      body.pinned = true;
+      const bool all = p["where"]["side"] && p["where"]["side"].as<std::string>() == "all", every = !p["axes"] || p["axes"].as<std::string>().size() == 3;
+      if (!all || !every || p["release"]) continue;
+      body.prescribed = true;
+      if (p["motion"]) body.motion = YAML::Dump(p["motion"]);
+    }
+}
+
+bool Case::apart(const Body& a, const Body* b, const std::string& other) const {
+  if (!contact || (b != &a && pass.count({a.name, other}))) return false;
+  if (a.prescribed && (!b || b->prescribed)) return a.motion != (b ? b->motion : "");
+  return b == &a ? a.self_contact : watched.count({a.name, other}) > 0;
+}
+
+}  // namespace judge
