@@ -8,7 +8,7 @@
 #include "engine/effect_tables.h"
 #include "engine/input.h"
 #include "run/check_start.h"
-#include "scene/pass_through.h"
+#include "run/warnings.h"
 #include "scene/suggest.h"
 
 namespace mortise::cli {
@@ -33,12 +33,6 @@ std::string summary(const Params& scene) {
          (scene.at("time").text("mode") == "static" ? " load steps" : " steps");
 }
 
-// Contact that nobody asked for is no error, but hardly ever what was meant.
-void warn_of_pass_through(const Params& scene) {
-  for (const scene::PassThrough& p : scene::pass_through(scene))
-    if (p.everything) std::cerr << "warning: " << p.text() << "\n";
-}
-
 int cmd_check(const Options& o) {
   const scene::Scene scene = scene::read_scene(o.scene, o.overrides, engine::effect_tables());
   if (o.print_resolved) {
@@ -47,11 +41,14 @@ int cmd_check(const Options& o) {
   }
   if (o.plan) {
     std::cout << plan_text(scene.root);
-  } else {
-    if (!o.quick) run::check_start(scene.root, engine::make_input(scene.root));
-    std::cout << (o.scene == "-" ? "<stdin>" : o.scene) << ": valid: " << summary(scene.root) << "\n";
+    return 0;
   }
-  warn_of_pass_through(scene.root);
+  if (!o.quick) {
+    const model::ModelInput input = engine::make_input(scene.root);
+    run::check_start(scene.root, input);
+    for (const std::string& w : run::warnings(input)) std::cerr << "warning: " << w << "\n";
+  }
+  std::cout << (o.scene == "-" ? "<stdin>" : o.scene) << ": valid: " << summary(scene.root) << "\n";
   return 0;
 }
 

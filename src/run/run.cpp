@@ -33,6 +33,7 @@
 #include "run/signals.h"
 #include "run/step_row.h"
 #include "run/tee.h"
+#include "run/warnings.h"
 #include "sensors/sensors.h"
 
 namespace fs = std::filesystem;
@@ -141,6 +142,7 @@ class Run {
     if (!o_.no_render && out.flag("pictures") && !sensors_->empty()) sensor_maps_.emplace(*sensors_, folder_->file("frames"));
     record_.seconds["setup"] = std::chrono::duration<double>(Time::now() - begin_).count();
     progress_->start(scene_.root.text("name"), summary(input), steps_);
+    for (const std::string& w : warnings(input)) note("warning: " + w);
 
     install_signal_handlers();
     if (checkpoint) {

@@ -1,0 +1,63 @@
+#include "run/warnings.h"
+
+#include <fmt/format.h>
+
+#include "scene/pass_through.h"
+
+namespace mortise::run {
+namespace {
+
+// Beyond what solids, steps and contact layers are in practice; most often a unit is missing.
+constexpr double kSoftest = 100, kStiffest = 2e12;  // Young's modulus [Pa]: the softest tissue, twice diamond
+constexpr double kLightest = 1, kHeaviest = 3e4;    // density [kg/m^3]: aerogel, above osmium
+constexpr double kLongestStep = 0.5;                // [s]
+constexpr double kThickest = 0.1;                   // d_hat over the size of a body
+
+std::string at(const SourceLoc& where, const std::string& text) { return where.file.empty() ? text : where.text() + ": " + text; }
+
+void of_materials(const Params& scene, std::vector<std::string>& out) {
+  const Params* materials = scene.find("materials");
+  if (!materials) return;
+  for (const auto& [name, m] : materials->entries()) {
+    const auto outside = [&](const char* key, const char* unit, double least, double most, const char* low, const char* high) {
+      const Params* p = m.find(key);
+      if (!p || (p->as_number() >= least && p->as_number() <= most)) return;
+      out.push_back(at(p->where(), fmt::format("materials.{}.{} is {:.3g} {}, {}; is the unit right?", name, key, p->as_number(), unit, p->as_number() < least ? low : high)));
+    };
+    outside("youngs_modulus", "Pa", kSoftest, kStiffest, "softer than the softest tissue", "stiffer than diamond");
+    outside("density", "kg/m^3", kLightest, kHeaviest, "lighter than air", "heavier than any metal");
+  }
+}
+
+void of_contact(const model::ModelInput& input, std::vector<std::string>& out) {
+  for (const auto& [name, effect] : input.scene.at("effects").entries()) {
+    const Params* d_hat = effect.kind() == Params::Kind::table ? effect.find("d_hat") : nullptr;
+    if (!d_hat) continue;
+    for (const model::BodyInput& body : input.bodies) {
+      if (body.nodes.empty()) continue;
+      Vec3 lo = body.nodes.front(), hi = lo;
+      for (const Vec3& x : body.nodes) lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
+      const double size = (hi - lo).maxCoeff();
+      if (d_hat->as_number() <= kThickest * size) continue;
+      out.push_back(at(d_hat->where(), fmt::format("effects.{}.d_hat is {:.3g} m, {:.2g} times the size of body '{}' ({:.3g} m): bodies are kept that far apart", name, d_hat->as_number(),
+                                                   d_hat->as_number() / size, body.name, size)));
+      break;
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> warnings(const model::ModelInput& input) {
+  std::vector<std::string> out;
+  of_materials(input.scene, out);
+  const Params& time = input.scene.at("time");
+  if (const Params* step = time.find("step"); step && step->as_number() > kLongestStep)
+    out.push_back(at(step->where(), fmt::format("time.step is {:.3g} s: motions and oscillations shorter than that are damped away", step->as_number())));
+  of_contact(input, out);
+  for (const scene::PassThrough& p : scene::pass_through(input.scene))
+    if (p.everything) out.push_back(p.text());
+  return out;
+}
+
+}  // namespace mortise::run
