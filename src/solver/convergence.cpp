@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "effects/body_blocks.h"
 #include "solver/kernels.h"
@@ -31,9 +32,13 @@ Convergence::Convergence(const model::Model& model, const Options& options) : mo
 }
 
 void Convergence::begin_step() {
-  loose_.clear();
-  for (const model::Body& body : model_.bodies)
-    loose_.push_back(std::all_of(model_.held.begin() + body.block_begin, model_.held.begin() + body.block_end, [](auto held) { return held == 0; }));
+  loose_.clear(), held_.clear();
+  for (const model::Body& body : model_.bodies) {
+    const auto first = model_.held.begin() + body.block_begin, last = model_.held.begin() + body.block_end;
+    loose_.push_back(std::all_of(first, last, [](auto held) { return held == 0; }));
+    held_.push_back(std::all_of(first, last, [](auto held) { return held == 2; }));
+  }
+  connect({});
   rounding_.assign(model_.bodies.size(), 0.0);
   rounding_sum_ = rounding_;
   step_.clear();
@@ -47,6 +52,29 @@ void Convergence::set_rows(const std::vector<Index>& row_of_block) {
     for (Index b = body.block_begin; b < body.block_end; ++b) end = std::max(end, row_of_block[b] + 1);
     body_rows_.push_back(end);
   }
+}
+
+void Convergence::connect(const std::vector<const model::ContactView*>& contacts) {
+  const Index n = static_cast<Index>(model_.bodies.size());
+  group_.resize(n);
+  std::iota(group_.begin(), group_.end(), 0);
+  const auto root = [&](Index b) {
+    while (group_[b] != b) b = group_[b] = group_[group_[b]];
+    return b;
+  };
+  for (const model::ContactView* view : contacts)
+    for (const model::ContactSample& s : view->samples.download()) {
+      if (s.body_a >= n || s.body_b >= n || s.force == 0 || held_[s.body_a] || held_[s.body_b]) continue;
+      const Index a = root(s.body_a), b = root(s.body_b);
+      group_[std::max(a, b)] = std::min(a, b);
+    }
+  for (Index b = 0; b < n; ++b) group_[b] = root(b);
+}
+
+void Convergence::finish(Residual& r) const {
+  std::vector<double> most(r.scale.size(), 0.0);
+  for (std::size_t i = 0; i < most.size(); ++i) most[group_[i]] = std::max(most[group_[i]], r.scale[i]);
+  for (std::size_t i = 0; i < most.size(); ++i) r.scale[i] = most[group_[i]];
 }
 
 Residual Convergence::begin() const {

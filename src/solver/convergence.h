@@ -1,17 +1,18 @@
 #pragma once
-// When is a step solved? Every body is judged by itself, against what acts on its own free directions, so that neither a heavy neighbour nor
-// what a support bears can hide that a light body has not moved yet. With r = P grad Phi the residual, g_k the gradient of effect k and s_b
+// When is a step solved? Bodies are judged against what acts on their own free directions, and on those of bodies that touch them, so that
+// neither a heavy stranger nor what a support bears can hide that a light body has not moved yet. With r = P grad Phi the residual, g_k the gradient of effect k and s_b
 // the lever of block b (1 of a position; of an axis of a stiff body the radius of the body, which makes a force of a moment and a way of a
 // change of the axis), a body is solved when
 //
-//   (a) max_b |r_b| / s_b <= relative * max_k max_b |P g_k,b| / s_b                                                        [N]
+//   (a) max_b |r_b| / s_b <= relative * max_k max_c |P g_k,c| / s_c       c over the blocks of all bodies of its group     [N]
 //       |sum_b r_b|       <= relative * max_k sum_b |g_k,b|      of a body without any support, over positions; k runs over effects whose
 //                                                                forces on a body do not cancel by themselves: weight, inertia, contact
 //       and neither is insisted on below what rounding of q may cause, 8 eps |H_bb| |q_b| / s_b,
 //   (b) max_b s_b |next Newton step| <= max(kMotion * way in this step, kSize * radius)                                    [m]
 //       where the next step is taken to be shorter than the last by as much as the residual fell since.
 //
-// A state that no Newton step has led to is solved only where the residual is exactly zero.
+// A state that no Newton step has led to is solved only where the residual is exactly zero. A group is what contact connects, not by way of
+// bodies that are wholly held.
 #include <string>
 #include <vector>
 
@@ -26,7 +27,7 @@ namespace mortise::solver {
 struct Residual {
   std::vector<double> support_gap;  // [m]
   std::vector<double> force;        // per body: largest |r_b| / s_b [N]
-  std::vector<double> scale;        // per body: right-hand side of (a) without `relative` [N]
+  std::vector<double> scale;        // per body: right-hand side of (a) without `relative`, of its group [N]
   std::vector<double> net[3];       // per body: sum_b r_b [N]
   std::vector<double> load;         // per body: what `net` is held against [N]
   std::vector<double> way;          // per body: farthest way of a block since the step began [m]
@@ -38,12 +39,14 @@ class Convergence {
 
   void begin_step();                                       // supports may have changed
   void set_rows(const std::vector<Index>& row_of_block);  // of the matrices that will be seen
+  void connect(const std::vector<const model::ContactView*>& contacts);  // groups, by what touches now
   void refreshed() { comparable_ = false; }               // what was frozen is not that of the last residual any more
 
-  // The parts of a residual; values are there once `fetch` is done.
+  // The parts of a residual; values are there once `fetch` is done, and finish() has been called.
   Residual begin() const;
   void see_effect(const effects::Effect& effect, effects::View<const Vec3> gradient, Residual& r, device::Fetch& fetch) const;
   void see_sum(effects::View<const Vec3> gradient, effects::View<const Vec3> q, Residual& r, device::Fetch& fetch) const;
+  void finish(Residual& r) const;
   // Of the matrix at q.
   void see_matrix(const linalg::BlockMatrix& matrix, effects::View<const Vec3> q, effects::View<const Index> block_of_row, device::Fetch& fetch);
   // A Newton step of full length dq was found at the state of residual r.
@@ -75,7 +78,8 @@ class Convergence {
   const Options& options_;
   std::vector<Index> body_blocks_, body_rows_;  // offsets
   std::vector<double> radius_;                  // per body [m]
-  std::vector<std::uint8_t> loose_;             // per body: no support at all
+  std::vector<std::uint8_t> loose_, held_;      // per body: no support at all; no freedom at all
+  std::vector<Index> group_;                    // per body: the first body of its group
   device::Buffer<double> lever_, position_;     // per block: s_b; 1 of a position, 0 of an axis
   std::vector<double> rounding_, rounding_sum_;  // per body [N]
   std::vector<double> step_;                    // per body: the last Newton step at full length [m]; empty before the first

@@ -1,6 +1,7 @@
 #include "solver/newton.h"
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <sstream>
@@ -93,6 +94,7 @@ Residual Newton::assemble(bool hessian) {
   support_move(q_.view(), model_.target.view(), model_.projector.view(), support_);
   largest(support_.view(), model_.env_blocks, {r.support_gap, fetch});
   fetch.now();
+  convergence_.finish(r);
   for (double f : r.force)
     if (!std::isfinite(f)) throw Failure{not_finite()};
   return r;
@@ -162,6 +164,15 @@ void Newton::remember(Energies&& at_q) {
     if (!effects_[k]->conservative()) known_[k].clear();
 }
 
+// By what contact effects published last.
+void Newton::find_groups() {
+  if (model_.bodies.size() < 2) return;
+  std::vector<const model::ContactView*> contacts;
+  for (const auto& effect : effects_)
+    if (const model::ContactView* view = model_.contact(std::string(effect->name()))) contacts.push_back(view);
+  convergence_.connect(contacts);
+}
+
 // Newton's method gains digits faster and faster near a solution; what does not is a sign that the matrix lacks something: iterations
 // creep, or gain the same one or two digits each while more than one of them is still missing.
 bool Newton::needs_jacobian(const Residual& r, Index iteration, double relative) {
@@ -191,10 +202,15 @@ void Newton::remember_nearest(const Residual& r) {
 
 // False when it gave up because coupled.cpp may do better.
 bool Newton::iterate(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop) {
+  constexpr Index kFirstLook = 4;  // at what touches by now; then ever more seldom
   last_force_.assign(model_.envs, 0.0);
   nearest_force_ = INFINITY;
   for (Index it = 0;; ++it) {
     stop();
+    if (!lags_ && it >= kFirstLook && std::has_single_bit(static_cast<unsigned>(it))) {
+      refresh_lagged(q_.view());
+      find_groups();
+    }
     choose_curvature();
     const Residual r = assemble(true);
     note(r, relative, report);
@@ -236,6 +252,7 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
   number_rows();
   if (!again) q_.copy_from(model_.q);
   convergence_.begin_step();
+  find_groups();
   factor_fresh_ = false;
   cg_last_rhs_.clear();
   built_speed_ = 0;
@@ -270,6 +287,7 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
       continue;
     }
     ++report.lag;
+    find_groups();
     const Residual fresh = assemble(false);
     last_force_.assign(model_.envs, 0.0);
     convergence_.refreshed();

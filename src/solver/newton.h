@@ -72,6 +72,7 @@ class Newton {
   void direction(StepReport& report, const Residual& r, double relative, bool supports_move);
   double line_search(StepReport& report, const Residual& r, double relative, bool supports_move);
   bool iterate(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop);
+  void find_groups();
   bool needs_jacobian(const Residual& r, Index iteration, double relative);
   void remember_nearest(const Residual& r);
   Residual fresh_residual(device::Buffer<Vec3>& at);  // coupled.cpp, from here on

@@ -91,7 +91,7 @@ class MortarContact final : public Effect {
     automatic_ = !p.has("stiffness");
     for (std::size_t i = 0; i < interfaces_.size(); ++i) {
       const double first = interfaces_[i].modulus > 0 ? kFirstPressure * interfaces_[i].modulus : kRigidPressure;
-      kappa_.push_back(automatic_ ? wanted_stiffness(interfaces_[i], set_.d_hat, first) : p.number("stiffness"));
+      kappa_.push_back(automatic_ ? wanted_stiffness(interfaces_[i], set_.d_hat, first, kSoftest) : p.number("stiffness"));
     }
     next_kappa_ = kappa_;
     stiffness_changed();
@@ -382,7 +382,7 @@ class MortarContact final : public Effect {
     for (std::size_t i = 0; i < interfaces_.size(); ++i) {
       const Achieved now = achieved(interfaces_[i], static_cast<Index>(i), kappa_[i], pairs, samples);
       if (!(now.pressure > 0) || fits(interfaces_[i], now, kappa_[i])) continue;
-      wanted[i] = wanted_stiffness(interfaces_[i], set_.d_hat, now.pressure);
+      wanted[i] = wanted_stiffness(interfaces_[i], set_.d_hat, now.pressure, static_ ? kOpen : kSoftest);
       price += (wanted[i] / kappa_[i] - 1) * now.energy;
     }
     return wanted;

@@ -27,10 +27,10 @@ Interface interface_of(const model::Model& model, Index slave, Index master) {
   return out;
 }
 
-double wanted_stiffness(const Interface& i, double d_hat, double p) {
+double wanted_stiffness(const Interface& i, double d_hat, double p, double least_t) {
   const auto ratio = [](double t) { return barrier::second(t, 1.0) / barrier::phi(t); };
   const double wanted = kWanted * i.modulus * d_hat / (p * i.h);
-  double lo = kOpen, hi = 1 - 1e-6;  // the ratio rises from lo to hi
+  double lo = least_t, hi = 1 - 1e-6;  // the ratio rises from lo to hi
   if (wanted <= ratio(lo)) return p / barrier::phi(lo);
   for (int n = 0; n < 60; ++n) {
     const double t = 0.5 * (lo + hi);
@@ -42,7 +42,7 @@ double wanted_stiffness(const Interface& i, double d_hat, double p) {
 bool fits(const Interface& i, const Achieved& now, double kappa) {
   if (i.modulus > 0) return now.k >= kWanted / 2 && now.k <= 2 * kWanted;
   const double t = barrier::phi_inverse(now.pressure / kappa);
-  return t >= 0.5 && t <= 0.9;
+  return t >= 0.3 && t <= 0.9;
 }
 
 Achieved achieved(const Interface& i, Index law, double kappa, const std::vector<Pair>& pairs,

@@ -5,13 +5,14 @@
 // p = kappa phi(t), so kappa = p / phi(t) with t the root of
 //     -phi'(t) / phi(t) = k E* d_hat / (p h).
 // The left side is smallest, 5.03, at t = 0.376: a layer of range d_hat cannot be softer than that at pressure p. Of the two roots the one above
-// is taken, and never one below t = 0.7, where it is 7.6: at three times the mean pressure the gap is still d_hat/2 there, far from the guard's
-// range, while from 0.376 on peaks of pressure would be the guard's to carry (half of the force of a ball on a pad with d_hat = h/50).
+// is taken, which keeps gaps wide open; in statics none below t = 0.7, where the left side is 7.6: at three times the mean pressure the gap is still
+// d_hat/2 there, far from the guard's range, while from 0.376 on peaks of pressure are the guard's to carry (half of the force of a ball on a
+// pad with d_hat = h/50). In motion a stiffer layer costs iterations and energy.
 #include "effects/mortar_contact/frozen.h"
 
 namespace mortise::effects::mortar {
 
-inline constexpr double kOpen = 0.7;             // t
+inline constexpr double kOpen = 0.7, kSoftest = 0.376;  // least t in statics, in motion
 inline constexpr double kWanted = 4;            // k
 inline constexpr double kFirstPressure = 0.01;  // p / E* before any pressure is known: a strain of a percent
 
@@ -22,11 +23,11 @@ struct Interface {
 };
 Interface interface_of(const model::Model& model, Index slave, Index master);
 
-// Where nothing can deform there is no mesh to be smooth for: the gap is kept open at kOpen.
+// Where nothing can deform there is no mesh to be smooth for: the gap is kept open at least_t.
 inline constexpr double kRigidPressure = 1e4;  // of a load on its footprint, before any is known [Pa]
 
 // kappa [Pa] for the interface at pressure p [Pa].
-double wanted_stiffness(const Interface& i, double d_hat, double p);
+double wanted_stiffness(const Interface& i, double d_hat, double p, double least_t);
 
 // Force-weighted means over the face samples of law `law`: pressure sum w p^2 / sum w p [Pa] and k; and the energy of all its samples [J].
 // 0 without contact.
