@@ -39,12 +39,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
     const double work = summed ? now.scalar("supports/work") : support_work(now);
     r_.support_work += work;
     r_.scale = std::max(r_.scale, std::abs(r_.support_work));
-    // A contact that was made stiffer when the step began spends energy that the step before it lost; more than that is gained.
-    double stiffening = 0;
-    for (const auto& [name, v] : now.scalars)
-      if (name.ends_with("/stiffening")) stiffening += v;
-    const double unpaid = std::max(0.0, stiffening + (std::isnan(r_.gain) ? 0 : r_.gain));
-    r_.gain = (summed ? all_ - all_before : r_.total - before) - work - stiffening + unpaid;
+    r_.gain = (summed ? all_ - all_before : r_.total - before) - work;
     r_.largest_gain = std::fmax(r_.largest_gain, r_.gain);
   }
   points_before_ = now.points;

@@ -15,7 +15,8 @@ constexpr double kSize = 1e-6;    // of the body, for one that hardly moves
 
 }  // namespace
 
-Convergence::Convergence(const model::Model& model, const Options& options) : model_(model), options_(options), body_blocks_{0} {
+Convergence::Convergence(const model::Model& model, const Options& options) : model_(model), options_(options) {
+  std::vector<Index> blocks{0};
   const std::vector<Vec3> rest = model.rest_points.download();
   const std::vector<double> position = effects::translation_share(model);
   std::vector<double> lever(model.blocks, 1.0);
@@ -23,10 +24,11 @@ Convergence::Convergence(const model::Model& model, const Options& options) : mo
     double radius = 0;
     for (Index p = body.point_begin; p < body.point_end; ++p) radius = std::max(radius, (rest[p] - body.centre).norm());
     radius_.push_back(radius);
-    body_blocks_.push_back(body.block_end);
+    blocks.push_back(body.block_end);
     for (Index b = body.block_begin; b < body.block_end; ++b)
       if (position[b] == 0) lever[b] = radius;
   }
+  blocks_ = Chunks(blocks);
   lever_.upload(lever);
   position_.upload(position);
 }
@@ -46,12 +48,13 @@ void Convergence::begin_step() {
 }
 
 void Convergence::set_rows(const std::vector<Index>& row_of_block) {
-  body_rows_.assign(1, 0);
+  std::vector<Index> rows{0};
   for (const model::Body& body : model_.bodies) {
-    Index end = body_rows_.back();
+    Index end = rows.back();
     for (Index b = body.block_begin; b < body.block_end; ++b) end = std::max(end, row_of_block[b] + 1);
-    body_rows_.push_back(end);
+    rows.push_back(end);
   }
+  rows_ = Chunks(rows);
 }
 
 void Convergence::connect(const std::vector<const model::ContactView*>& contacts) {
@@ -62,10 +65,11 @@ void Convergence::connect(const std::vector<const model::ContactView*>& contacts
     while (group_[b] != b) b = group_[b] = group_[group_[b]];
     return b;
   };
+  if (std::count(held_.begin(), held_.end(), 0) < 2) return;
   for (const model::ContactView* view : contacts)
-    for (const model::ContactSample& s : view->samples.download()) {
-      if (s.body_a >= n || s.body_b >= n || s.force == 0 || held_[s.body_a] || held_[s.body_b]) continue;
-      const Index a = root(s.body_a), b = root(s.body_b);
+    for (const auto& [one, other] : touching(view->samples.view())) {
+      if (one >= n || held_[one] || held_[other]) continue;  // a half-space counts after the bodies
+      const Index a = root(one), b = root(other);
       group_[std::max(a, b)] = std::min(a, b);
     }
   for (Index b = 0; b < n; ++b) group_[b] = root(b);
@@ -86,35 +90,36 @@ Residual Convergence::begin() const {
 }
 
 void Convergence::see_effect(const effects::Effect& effect, View<const Vec3> gradient, Residual& r, Fetch& fetch) const {
-  solver::largest_force(gradient, model_.projector.view(), lever_.view(), body_blocks_, {r.scale, fetch});
-  if (effect.internal()) return;
-  auto sum = std::make_shared<std::vector<double>>(r.load.size(), 0.0);
-  sum_of_sizes(gradient, position_.view(), body_blocks_, {*sum, fetch});
-  fetch.then([sum, &load = r.load] {
-    for (std::size_t i = 0; i < load.size(); ++i) load[i] = std::max(load[i], (*sum)[i]);
+  force_sizes(blocks_, gradient, model_.projector.view(), lever_.view(), position_.view(), fetch, [&r, moves = !effect.internal()](const std::vector<Part>& bodies) {
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      r.scale[i] = Part::larger(r.scale[i], bodies[i].most);
+      if (moves) r.load[i] = Part::larger(r.load[i], bodies[i].sum[0]);
+    }
   });
 }
 
 void Convergence::see_sum(View<const Vec3> gradient, View<const Vec3> q, Residual& r, Fetch& fetch) const {
-  solver::largest_force(gradient, model_.projector.view(), lever_.view(), body_blocks_, {r.force, fetch});
-  for (int axis = 0; axis < 3; ++axis) net_force(gradient, position_.view(), axis, body_blocks_, {r.net[axis], fetch});
-  farthest(q, model_.q.view(), lever_.view(), body_blocks_, {r.way, fetch});
+  residual_sizes(blocks_, gradient, model_.projector.view(), lever_.view(), position_.view(), q, model_.q.view(), fetch, [&r](const std::vector<Part>& bodies) {
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      r.force[i] = bodies[i].most, r.way[i] = bodies[i].far;
+      for (int k = 0; k < 3; ++k) r.net[k][i] = bodies[i].sum[k];
+    }
+  });
 }
 
 void Convergence::see_matrix(const linalg::BlockMatrix& matrix, View<const Vec3> q, View<const Index> block_of_row, Fetch& fetch) {
-  rounding_.assign(model_.bodies.size(), 0.0);
-  rounding_sum_ = rounding_;
-  rounding_floor(matrix, q, block_of_row, lever_.view(), body_rows_, {rounding_, fetch}, {rounding_sum_, fetch});
+  rounding_sizes(rows_, matrix, q, block_of_row, lever_.view(), fetch, [this](const std::vector<Part>& bodies) {
+    for (std::size_t i = 0; i < bodies.size(); ++i) rounding_[i] = bodies[i].most, rounding_sum_[i] = bodies[i].sum[0];
+  });
 }
 
 void Convergence::see_step(View<const Vec3> dq, const Residual& r, Fetch& fetch) {
-  step_.assign(model_.bodies.size(), 0.0);
   last_ = r;
   comparable_ = true;
-  device::Buffer<Vec3> still(dq.n);
-  still.zero();
-  farthest(dq, std::as_const(still).view(), lever_.view(), body_blocks_, {step_, fetch});
-  fetch.keep(std::move(still));
+  step_.assign(model_.bodies.size(), 0.0);
+  step_sizes(blocks_, dq, lever_.view(), fetch, [this](const std::vector<Part>& bodies) {
+    for (std::size_t i = 0; i < bodies.size(); ++i) step_[i] = bodies[i].far;
+  });
 }
 
 double Convergence::net(const Residual& r, Index body) const { return std::hypot(r.net[0][body], r.net[1][body], r.net[2][body]); }
@@ -194,9 +199,11 @@ double Convergence::least_tolerance(const Residual& r, Index env, double relativ
   double least = INFINITY;
   for (std::size_t i = 0; i < r.force.size(); ++i) {
     const Index body = static_cast<Index>(i);
-    if (model_.bodies[i].env != env || (balanced(r, body, relative) && at_rest(r, body, relative))) continue;
+    if (model_.bodies[i].env != env || held_[i]) continue;
     const Figures f = figures(r, body, relative);
-    least = std::min({least, f.tolerance, f.force});
+    // Rows of axes are moments: force times lever.
+    const double lever = model_.bodies[i].type == model::BodyType::stiff ? std::min(1.0, radius_[i]) : 1;
+    least = std::min(least, lever * (balanced(r, body, relative) && !at_rest(r, body, relative) ? f.force : f.tolerance));
   }
   return least;
 }

@@ -19,6 +19,7 @@
 #include "effects/effect.h"
 #include "linalg/block_matrix.h"
 #include "model/model.h"
+#include "solver/body_figures.h"
 #include "solver/options.h"
 
 namespace mortise::solver {
@@ -56,7 +57,7 @@ class Convergence {
   double over(const Residual& r, Index env, double relative) const;   // worst body's share of its tolerance; above 1: not solved
   double share(const Residual& r) const;                              // worst body's residual over its forces, of all environments
   bool solved(const Residual& r, Index env, double relative) const;   // (a) and (b)
-  // How small residuals of the environment have to become for the bodies that are not solved [N]; infinite if all are.
+  // How small residuals of the environment, by row, have to become for all of its bodies [N, N m]; infinite if nothing is free.
   double least_tolerance(const Residual& r, Index env, double relative) const;
   // The body that is farthest from its tolerance.
   struct Worst {
@@ -76,7 +77,7 @@ class Convergence {
 
   const model::Model& model_;
   const Options& options_;
-  std::vector<Index> body_blocks_, body_rows_;  // offsets
+  Chunks blocks_, rows_;                        // of bodies
   std::vector<double> radius_;                  // per body [m]
   std::vector<std::uint8_t> loose_, held_;      // per body: no support at all; no freedom at all
   std::vector<Index> group_;                    // per body: the first body of its group

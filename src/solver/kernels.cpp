@@ -121,32 +121,80 @@ void add_scaled(View<const Vec3> v, const std::vector<double>& share, View<const
   device::parallel_for("solver.add_scaled", v.n, [=] MORTISE_HD(Index b) { t[b] += s[block_env[b]] * v[b]; });
 }
 
-void largest_force(View<const Vec3> g, View<const Mat3> projector, View<const double> lever, const std::vector<Index>& body_blocks, EnvValues out) {
-  device::env_max("solver.largest_force", body_blocks, [=] MORTISE_HD(Index b) { return (projector[b] * g[b]).norm() / lever[b]; }, out);
+void force_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> projector, View<const double> lever, View<const double> position, Fetch& fetch, TakeParts take) {
+  blocks.reduce(
+      "solver.force_sizes",
+      [=] MORTISE_HD(Index b) {
+        Part p;
+        p.most = (projector[b] * g[b]).norm() / lever[b];
+        p.sum[0] = position[b] * g[b].norm();
+        return p;
+      },
+      fetch, take);
 }
 
-void sum_of_sizes(View<const Vec3> g, View<const double> position, const std::vector<Index>& body_blocks, EnvValues out) {
-  device::env_sum("solver.sum_of_sizes", body_blocks, [=] MORTISE_HD(Index b) { return position[b] * g[b].norm(); }, out);
+void residual_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> projector, View<const double> lever, View<const double> position, View<const Vec3> q, View<const Vec3> q0, Fetch& fetch,
+                    TakeParts take) {
+  blocks.reduce(
+      "solver.residual_sizes",
+      [=] MORTISE_HD(Index b) {
+        Part p;
+        p.most = (projector[b] * g[b]).norm() / lever[b];
+        for (int k = 0; k < 3; ++k) p.sum[k] = position[b] * g[b][k];
+        p.far = lever[b] * (q[b] - q0[b]).norm();
+        return p;
+      },
+      fetch, take);
 }
 
-void net_force(View<const Vec3> g, View<const double> position, int axis, const std::vector<Index>& body_blocks, EnvValues out) {
-  device::env_sum("solver.net_force", body_blocks, [=] MORTISE_HD(Index b) { return position[b] * g[b][axis]; }, out);
+void step_sizes(const Chunks& blocks, View<const Vec3> d, View<const double> lever, Fetch& fetch, TakeParts take) {
+  blocks.reduce(
+      "solver.step_sizes",
+      [=] MORTISE_HD(Index b) {
+        Part p;
+        p.far = lever[b] * d[b].norm();
+        return p;
+      },
+      fetch, take);
 }
 
-void farthest(View<const Vec3> a, View<const Vec3> b, View<const double> lever, const std::vector<Index>& body_blocks, EnvValues out) {
-  device::env_max("solver.farthest", body_blocks, [=] MORTISE_HD(Index i) { return lever[i] * (a[i] - b[i]).norm(); }, out);
-}
-
-void rounding_floor(const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, View<const double> lever, const std::vector<Index>& body_rows, EnvValues largest, EnvValues sum) {
+void rounding_sizes(const Chunks& rows, const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, View<const double> lever, Fetch& fetch, TakeParts take) {
   constexpr double kEps = 2.220446049250313e-16;
   const View<const Index> start = A.row_start.view();
   const View<const Mat3> value = A.value.view();
-  const auto floor = [=] MORTISE_HD(Index r) {
-    const Index b = block_of_row[r];
-    return 8 * kEps * value[start[r]].norm() * q[b].norm() / lever[b];
-  };
-  device::env_max("solver.rounding", body_rows, floor, largest);
-  device::env_sum("solver.rounding_sum", body_rows, floor, sum);
+  rows.reduce(
+      "solver.rounding",
+      [=] MORTISE_HD(Index r) {
+        const Index b = block_of_row[r];
+        Part p;
+        p.most = p.sum[0] = 8 * kEps * value[start[r]].norm() * q[b].norm() / lever[b];
+        return p;
+      },
+      fetch, take);
+}
+
+std::vector<std::pair<Index, Index>> touching(View<const model::ContactSample> samples) {
+  if (samples.n == 0) return {};
+  Buffer<std::uint64_t> key(samples.n);
+  Buffer<Index> place(samples.n), start;
+  const View<std::uint64_t> keys = key.view();
+  const View<Index> places = place.view();
+  device::parallel_for("solver.touching", samples.n, [=] MORTISE_HD(Index i) {
+    const model::ContactSample& s = samples[i];
+    const Index a = s.body_a < s.body_b ? s.body_b : s.body_a, b = s.body_a < s.body_b ? s.body_a : s.body_b;
+    keys[i] = s.force == 0 ? device::kNoKey : static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b);
+    places[i] = i;
+  });
+  device::sort_pairs(key, place);
+  device::run_starts(key, start);
+  Buffer<std::uint64_t> once(start.size() - 1);
+  const View<std::uint64_t> out = once.view();
+  const View<const std::uint64_t> sorted = std::as_const(key).view();
+  const View<const Index> first = std::as_const(start).view();
+  device::parallel_for("solver.pairs", out.n, [=] MORTISE_HD(Index r) { out[r] = sorted[first[r]]; });
+  std::vector<std::pair<Index, Index>> pairs;
+  for (std::uint64_t k : once.download()) pairs.emplace_back(static_cast<Index>(k >> 32), static_cast<Index>(k & 0xffffffffu));
+  return pairs;
 }
 
 void shift_diagonal(linalg::BlockMatrix& A, double share) {

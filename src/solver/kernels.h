@@ -1,8 +1,12 @@
 #pragma once
 // The solver's own kernels on arrays of 3-vectors, one per block. Reductions are per environment and of fixed order.
+#include <functional>
+#include <utility>
+
 #include "linalg/block_matrix.h"
 #include "linalg/stencils.h"
 #include "model/model.h"
+#include "solver/body_figures.h"
 
 namespace mortise::solver {
 
@@ -10,6 +14,7 @@ using device::Buffer;
 using device::EnvValues;
 using device::Fetch;
 using device::View;
+using TakeParts = std::function<void(const std::vector<Part>&)>;
 
 // Per environment the largest |v|.
 void largest(View<const Vec3> v, const std::vector<Index>& env_blocks, EnvValues out);
@@ -35,13 +40,17 @@ void subtract(View<const Vec3> a, View<const Vec3> b, Buffer<Vec3>& out);
 void add_scaled(View<const Vec3> v, const std::vector<double>& share, View<const Index> block_env, Buffer<Vec3>& to);
 // 0 of no values.
 double largest_of(const std::vector<double>& v);
-// Of bodies, given by the offsets of their blocks; `lever` and `position` as in convergence.h.
-void largest_force(View<const Vec3> g, View<const Mat3> projector, View<const double> lever, const std::vector<Index>& body_blocks, EnvValues out);  // max |P g| / s
-void sum_of_sizes(View<const Vec3> g, View<const double> position, const std::vector<Index>& body_blocks, EnvValues out);                            // sum |g| over positions
-void net_force(View<const Vec3> g, View<const double> position, int axis, const std::vector<Index>& body_blocks, EnvValues out);                     // sum g over positions
-void farthest(View<const Vec3> a, View<const Vec3> b, View<const double> lever, const std::vector<Index>& body_blocks, EnvValues out);               // max s |a - b|
-// Largest and sum of 8 eps |A_rr| |q_r| / s over the rows of each body: positions are only known to eps |q|, and forces accordingly.
-void rounding_floor(const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, View<const double> lever, const std::vector<Index>& body_rows, EnvValues largest, EnvValues sum);
+// Into Part, see convergence.h for levers and positions: most = |P g|/s, sum[0] = |g| over positions.
+void force_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> projector, View<const double> lever, View<const double> position, Fetch& fetch, TakeParts take);
+// most = |P g|/s, sum = g over positions, far = s |q - q0|.
+void residual_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> projector, View<const double> lever, View<const double> position, View<const Vec3> q, View<const Vec3> q0, Fetch& fetch,
+                    TakeParts take);
+// far = s |d|.
+void step_sizes(const Chunks& blocks, View<const Vec3> d, View<const double> lever, Fetch& fetch, TakeParts take);
+// Of rows, most and sum[0] = 8 eps |A_rr| |q_r| / s: positions are only known to eps |q|, and forces accordingly.
+void rounding_sizes(const Chunks& rows, const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, View<const double> lever, Fetch& fetch, TakeParts take);
+// Pairs of bodies of samples that carry force, as (larger number, smaller number), each once.
+std::vector<std::pair<Index, Index>> touching(View<const model::ContactSample> samples);
 // A <- A + share * (mean trace of the diagonal blocks / 3) * I.
 void shift_diagonal(linalg::BlockMatrix& A, double share);
 

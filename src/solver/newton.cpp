@@ -166,7 +166,6 @@ void Newton::remember(Energies&& at_q) {
 
 // By what contact effects published last.
 void Newton::find_groups() {
-  if (model_.bodies.size() < 2) return;
   std::vector<const model::ContactView*> contacts;
   for (const auto& effect : effects_)
     if (const model::ContactView* view = model_.contact(std::string(effect->name()))) contacts.push_back(view);
@@ -202,7 +201,7 @@ void Newton::remember_nearest(const Residual& r) {
 
 // False when it gave up because coupled.cpp may do better.
 bool Newton::iterate(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop) {
-  constexpr Index kFirstLook = 4;  // at what touches by now; then ever more seldom
+  constexpr Index kFirstLook = 8;  // at what touches by now; then ever more seldom
   last_force_.assign(model_.envs, 0.0);
   nearest_force_ = INFINITY;
   for (Index it = 0;; ++it) {

@@ -39,7 +39,7 @@ class SceneViewTest : public testing::Test {
     std::string text = kScene;
     for (std::size_t k; (k = text.find("ASSETS")) != std::string::npos;) text.replace(k, 6, test_place::kSourceFolder + "/scenes/tactile/assets");
     static const ParamTable none{"effect elasticity", "", {}};
-    const std::vector<scene::EffectTable> effects{{"elasticity", "", &none}};
+    const std::vector<scene::EffectTable> effects{{"elasticity", "", &none, {"contact_pressure"}}};
     root = scene::read_scene_text(text, "test.yaml", {}, effects).root;
     const geometry::TetMesh box = geometry::box(Vec3(1, 1, 1), 0.5);
     for (const auto& [name, params] : root.at("bodies").entries()) {

@@ -22,6 +22,7 @@ model::ModelInput scene() {
   effects.set("friction", friction);
   root.set("solver", solver);
   root.set("effects", effects);
+  root.set("bodies", Params::make_table());
   return {root, {}};
 }
 
@@ -132,12 +133,14 @@ TEST(Certificate, GradesTheErrorsOfMeshes) {
     return [=](FieldSink& sink) {
       std::vector<double> p(10, 1e3);
       p[4] = middle;
+      for (int corner : {0, 2, 6, 8}) p[corner] = 0;  // two of them belong to the ring of the middle, which then says nothing: keep those
+      p[0] = p[8] = 1e3;
       sink.points("contact_pressure", "Pa", 1, p);
     };
   };
   EXPECT_EQ(with(pressure(1e3))["grade"], "A");
   EXPECT_EQ(with(pressure(1.12e3))["grade"], "B");
-  EXPECT_NEAR(with(pressure(2e3))["model"]["pressure_roughness"], 0.5, 1e-6);
+  EXPECT_NEAR(with(pressure(2e3))["model"]["pressure_roughness"], 0.5, 1e-6);  // 1e3 of 2e3; no other node has a loaded ring
 }
 
 TEST(Certificate, BalanceOfAClosedSystemIsAShareOfWhatSupportsBear) {

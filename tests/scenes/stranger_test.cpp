@@ -169,7 +169,7 @@ name: impact
 time: {step: 5 ms, steps: 4}
 materials: {steel: {density: 7800}}
 bodies:
-  cube: {type: stiff, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 20 mm}}, material: steel, position: [0, 0, 1], velocity: [0, 0, -500]}
+  cube: {type: stiff, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 20 mm}}, material: steel, position: [0, 0, 1], velocity: [0, 0, -10000]}
   floor: {type: half_space}
 effects: {inertia: {}, affine_body: {}, barrier_contact: {d_hat: 0.1 mm, stiffness: 0.1 MPa}}
 )");

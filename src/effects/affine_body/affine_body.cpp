@@ -99,7 +99,7 @@ class AffineBody final : public Effect {
   // The stiffness is a penalty: a body that a step strains by more than a percent takes the step anew with a larger one.
   Refit refit(Positions q) override {
     constexpr double kStiff = 0.02, kLargest = 1e6;  // |A^T A - I|; of the given stiffness: there rounding of q begins to tell
-    const std::vector<double> defect = defects(q);
+    const std::vector<double>& defect = solved_defect_ = defects(q);
     Refit change = Refit::none;
     for (std::size_t i = 0; i < defect.size(); ++i) {
       if (!(defect[i] > kStiff) || stiffness_[i] >= kLargest * given_) continue;
@@ -123,9 +123,9 @@ class AffineBody final : public Effect {
     if (archive.loading()) stiffness_ = next_stiffness_, stiffness_changed();
   }
 
-  std::string objection(Positions q) override {
+  std::string objection(Positions) override {  // of the q that refit() looked at last
     constexpr double kMost = 0.1;  // 5 % of strain: a body that was to be stiff is not
-    const std::vector<double> defect = defects(q);
+    const std::vector<double>& defect = solved_defect_;
     const auto worst = std::max_element(defect.begin(), defect.end());
     if (worst == defect.end() || *worst <= kMost) return {};
     std::ostringstream why;
@@ -153,6 +153,7 @@ class AffineBody final : public Effect {
   model::Model& model_;
   double given_ = 0;                                // [Pa]
   std::vector<double> stiffness_, next_stiffness_;  // per body, in this step and for the next [Pa]
+  std::vector<double> solved_defect_;
   device::Buffer<StiffBody> bodies_;
   std::vector<std::string> names_;
   std::vector<Index> env_offset_;

@@ -121,7 +121,6 @@ class MortarContact final : public Effect {
 
   void begin_step(const StepInfo& step) override {
     static_ = step.is_static;
-    if (step.step != step_) step_ = step.step, stiffening_ = 0;
     kappa_ = next_kappa_;
     stiffness_changed();
     near_.begin_step(step);
@@ -187,7 +186,6 @@ class MortarContact final : public Effect {
   void end_step(Positions q) override {
     near_.locate(q);
     update();
-    stiffening_ += next_price_;
   }
 
   // A contact that grows stiffer under load is energy from nowhere, so all of them grow by no more than the budget pays for, the guard with
@@ -405,8 +403,7 @@ class MortarContact final : public Effect {
   bool automatic_ = false, started_ = false;
   std::vector<Interface> interfaces_;  // laws
   std::vector<double> kappa_, next_kappa_;      // of this step, and for the next
-  double next_price_ = 0, stiffening_ = 0;      // energy that the change to next_kappa_ adds; that changes have added in this step [J]
-  Index step_ = -1;
+  double next_price_ = 0;                       // energy that the change to next_kappa_ adds [J]
   bool static_ = false;
   double guard_kappa_ = 0;  // kappa times the weight of a guard pair [N]
   contact::Proximity near_;
@@ -486,8 +483,8 @@ void MortarContact::report(FieldSink& sink) {
 
   closest = std::min(closest, contact::least_distance(near_.obstacles(guard_scene()), near_.candidates(), near_.y()));
   sink.scalar(group, "min_distance", "m", closest);
-  sink.scalar(group, "energy", "J", energy_now(std::as_const(model_.q).view(), model_.envs));
-  if (automatic_) sink.scalar(group, "stiffening", "J", stiffening_);
+  // The stiffness that the next step begins with was paid for by this one.
+  sink.scalar(group, "energy", "J", energy_now(std::as_const(model_.q).view(), model_.envs) + next_price_);
   sink.scalar(group, "active_pairs", "1", static_cast<double>(pairs.size()));
   const double sum = total[0] + total[1] + total[2] + total[3];
   const char* const share_names[] = {"force_share_faces", "force_share_edges", "force_share_points", "force_share_guard"};
