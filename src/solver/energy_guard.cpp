@@ -10,16 +10,15 @@
 
 namespace mortise::solver {
 
-void Newton::measure_gain(const Energies& at_end) {
+void Newton::measure_gain(const Energies& at_end, device::Fetch& fetch) {
   gain_ = gain_scale_ = support_work_ = 0;
-  if (!measures_energy() || start_.empty()) return;
+  if (!measures_energy() || start_.empty()) return fetch.now();
   device::Buffer<Vec3> move;
   subtract(q_.view(), model_.q.view(), move);
   std::vector<std::vector<double>> along(effects_.size(), {0.0});
   std::vector<double> work{0.0};
   device::Buffer<Vec3> held;
   support_move(model_.q.view(), q_.view(), model_.projector.view(), held);
-  device::Fetch fetch;
   for (std::size_t k = 0; k < effects_.size(); ++k)
     if (effects_[k]->stores_energy()) dot(effect_gradients_[k].view(), move.view(), model_.env_blocks, {along[k], fetch});
   dot(gradient_.view(), held.view(), model_.env_blocks, {work, fetch});

@@ -301,8 +301,10 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
     relative = std::clamp(0.1 * report.lag_share, 0.1 * settled, 10 * settled);
     relax_lagged(round);
   }
-  const std::vector<double> phi = energy(q_.view(), known_);
-  measure_gain(known_);
+  device::Fetch fetch;
+  find_energies(q_.view(), known_, fetch);
+  measure_gain(known_, fetch);
+  const std::vector<double> phi = sum(known_);
   report.energy = 0;
   for (double e : phi) report.energy += e;
 }

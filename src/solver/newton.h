@@ -90,7 +90,7 @@ class Newton {
   std::vector<double> energy(device::View<const Vec3> q, Energies& of);  // finds those that are unknown
   std::vector<double> energy(device::View<const Vec3> q);
   void remember(Energies&& at_q);
-  void measure_gain(const Energies& at_end);  // energy_guard.cpp
+  void measure_gain(const Energies& at_end, device::Fetch& fetch);  // energy_guard.cpp; fetches
   void trace(const effects::StepInfo& info, const Residual& r, Index iteration, StepReport& report);
 
   model::Model& model_;

@@ -1,6 +1,7 @@
 #include "effects/contact/prescribed.h"
 
 #include <algorithm>
+#include <memory>
 #include <cstdio>
 #include <utility>
 
@@ -18,19 +19,27 @@ struct Earliest {
   Index pair = -1;
 };
 
-Earliest earliest(Index n, const Buffer<double>& times) {
-  Earliest out;
-  const View<const double> t = times.view();
-  if (!(-device::max("contact.earliest", n, -2.0, [=] MORTISE_HD(Index i) { return -t[i]; }) <= 1)) return out;
-  const std::vector<double> all = times.download();
-  const auto least = std::min_element(all.begin(), all.end());
-  return {*least, static_cast<Index>(least - all.begin())};
-}
+// When every pair of one kind meets; the earliest is known once the fetch is done.
+struct Meetings {
+  Buffer<double> times;
+  std::vector<double> first{-2.0};  // minus the earliest time
+
+  void find_first(device::Fetch& fetch) {
+    const View<const double> t = std::as_const(times).view();
+    device::env_max("contact.earliest", {0, t.n}, [=] MORTISE_HD(Index i) { return -t[i]; }, device::EnvValues{first, fetch});
+  }
+  Earliest earliest() const {
+    if (!(-first[0] <= 1)) return {};
+    const std::vector<double> all = times.download();
+    const auto least = std::min_element(all.begin(), all.end());
+    return {*least, static_cast<Index>(least - all.begin())};
+  }
+};
 
 template <class Pair>
-Earliest meeting(const char* name, const Scene& s, View<const Pair> pairs, bool edges, View<const std::uint8_t> held, View<const Vec3> y, View<const Vec3> dy) {
-  Buffer<double> times(pairs.n);
-  const View<double> out = times.view();
+void meeting(const char* name, const Scene& s, View<const Pair> pairs, bool edges, View<const std::uint8_t> held, View<const Vec3> y, View<const Vec3> dy, Meetings& found) {
+  found.times.resize(pairs.n);
+  const View<double> out = found.times.view();
   device::parallel_for(name, pairs.n, [=] MORTISE_HD(Index i) {
     Vec3 x0[4], x1[4];
     bool all = s.sees(pairs[i].v[0], pairs[i].v[edges ? 2 : 1]);
@@ -41,13 +50,12 @@ Earliest meeting(const char* name, const Scene& s, View<const Pair> pairs, bool 
     }
     out[i] = all ? geometry::detail::step_limit(x0, x1, edges, kTouch) : geometry::kNoImpact;
   });
-  return earliest(pairs.n, times);
 }
 
-Earliest plane_meeting(const Scene& s, View<const std::uint8_t> held, View<const Vec3> y, View<const Vec3> dy) {
+void plane_meeting(const Scene& s, View<const std::uint8_t> held, View<const Vec3> y, View<const Vec3> dy, Meetings& found) {
   const Index n = s.planes.n * s.surface.vertices.n;
-  Buffer<double> times(n);
-  const View<double> out = times.view();
+  found.times.resize(n);
+  const View<double> out = found.times.view();
   device::parallel_for("contact.plane_meeting", n, [=] MORTISE_HD(Index i) {
     const Index plane = i / s.surface.vertices.n, p = s.surface.vertices[i % s.surface.vertices.n];
     out[i] = geometry::kNoImpact;
@@ -55,7 +63,6 @@ Earliest plane_meeting(const Scene& s, View<const std::uint8_t> held, View<const
     const double gap = s.planes[plane].normal.dot(y[p] - s.planes[plane].point), way = -s.planes[plane].normal.dot(dy[p]);
     if (way > (1 - kTouch) * gap) out[i] = gap / way;
   });
-  return earliest(n, times);
 }
 
 template <class T>
@@ -75,6 +82,39 @@ Vec3 at(View<const Vec3> y, View<const Vec3> dy, Index p, double t) { return fet
   throw Failure{who + when + "; supports prescribe the motion of both, so neither can give way" + how};
 }
 
+// All that a message about a meeting needs.
+struct Found {
+  Meetings of_planes, of_points, of_edges;
+  Buffer<Vec3> y, dy;
+
+  void keep(View<const Vec3> from, View<const Vec3> way) {
+    y.resize(from.n), dy.resize(way.n);
+    device::copy(y.view().p, from.p, from.n * sizeof(Vec3));
+    device::copy(dy.view().p, way.p, way.n * sizeof(Vec3));
+  }
+  Vec3 place(Index p, double t) const { return at(y.view(), dy.view(), p, t); }
+
+  void fail_on_first(const model::Model& model, const Scene& s, const geometry::Broadphase& near, const StepInfo& step) const {
+    const Earliest plane = of_planes.earliest(), points = of_points.earliest(), edges = of_edges.earliest();
+    const auto body = [&](Index p) { return model.bodies[fetch(s.surface.body, p)].name; };
+    if (plane.t <= 1 && plane.t <= std::min(points.t, edges.t)) {
+      const Index p = fetch(s.surface.vertices, plane.pair % s.surface.vertices.n);
+      fail(body(p), model.half_spaces[plane.pair / s.surface.vertices.n].name, plane.t, place(p, plane.t), step);
+    }
+    if (points.t <= 1 && points.t <= edges.t) {
+      const geometry::PointTriangle pair = fetch(near.point_triangles(), points.pair);
+      fail(body(pair.v[0]), body(pair.v[1]), points.t, place(pair.v[0], points.t), step);
+    }
+    if (edges.t <= 1) {
+      const geometry::EdgeEdge pair = fetch(near.edge_edges(), edges.pair);
+      Vec3 x[4];
+      for (int k = 0; k < 4; ++k) x[k] = place(pair.v[k], edges.t);
+      const geometry::Closest c = geometry::closest_edge_edge(x);
+      fail(body(pair.v[0]), body(pair.v[2]), edges.t, c.w[0] * x[0] + c.w[1] * x[1], step);
+    }
+  }
+};
+
 }  // namespace
 
 void Prescribed::refresh() {
@@ -87,29 +127,17 @@ void Prescribed::refresh() {
   point_.upload(point);
 }
 
-void Prescribed::forbid_meeting(const Scene& s, const geometry::Broadphase& near, View<const Vec3> y, View<const Vec3> dy, const StepInfo& step) {
+void Prescribed::forbid_meeting(const Scene& s, const geometry::Broadphase& near, View<const Vec3> y, View<const Vec3> dy, const StepInfo& step, device::Fetch& fetch) {
   if (!model_.driven) return;
   refresh();
   const View<const std::uint8_t> held = std::as_const(point_).view();
-  const Earliest plane = plane_meeting(s, held, y, dy);
-  const Earliest points = meeting("contact.points_meeting", s, near.point_triangles(), false, held, y, dy);
-  const Earliest edges = meeting("contact.edges_meeting", s, near.edge_edges(), true, held, y, dy);
-  const auto body = [&](Index p) { return model_.bodies[fetch(s.surface.body, p)].name; };
-  if (plane.t <= 1 && plane.t <= std::min(points.t, edges.t)) {
-    const Index p = fetch(s.surface.vertices, plane.pair % s.surface.vertices.n);
-    fail(body(p), model_.half_spaces[plane.pair / s.surface.vertices.n].name, plane.t, at(y, dy, p, plane.t), step);
-  }
-  if (points.t <= 1 && points.t <= edges.t) {
-    const geometry::PointTriangle pair = fetch(near.point_triangles(), points.pair);
-    fail(body(pair.v[0]), body(pair.v[1]), points.t, at(y, dy, pair.v[0], points.t), step);
-  }
-  if (edges.t <= 1) {
-    const geometry::EdgeEdge pair = fetch(near.edge_edges(), edges.pair);
-    Vec3 x[4];
-    for (int k = 0; k < 4; ++k) x[k] = at(y, dy, pair.v[k], edges.t);
-    const geometry::Closest c = geometry::closest_edge_edge(x);
-    fail(body(pair.v[0]), body(pair.v[2]), edges.t, c.w[0] * x[0] + c.w[1] * x[1], step);
-  }
+  auto found = std::make_shared<Found>();
+  plane_meeting(s, held, y, dy, found->of_planes);
+  meeting("contact.points_meeting", s, near.point_triangles(), false, held, y, dy, found->of_points);
+  meeting("contact.edges_meeting", s, near.edge_edges(), true, held, y, dy, found->of_edges);
+  found->keep(y, dy);
+  for (Meetings* m : {&found->of_planes, &found->of_points, &found->of_edges}) m->find_first(fetch);
+  fetch.then([this, found, s, &near, step] { found->fail_on_first(model_, s, near, step); });
 }
 
 }  // namespace mortise::effects::contact

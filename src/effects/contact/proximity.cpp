@@ -91,7 +91,7 @@ void Proximity::limit(Positions q, View<const Vec3> dq, const Scene& s, Buffer<V
   model_.points_of(dq, dy);
   candidates_.sweep(y_, dy);
   const Scene all = obstacles(s);
-  prescribed_.forbid_meeting(all, candidates_.broadphase(), y(), std::as_const(dy).view(), step_);
+  prescribed_.forbid_meeting(all, candidates_.broadphase(), y(), std::as_const(dy).view(), step_, alpha.fetch);
   geometry::limit_step(candidates_.broadphase(), y(), std::as_const(dy).view(), kKeep, alpha);
   limit_planes(all, y(), std::as_const(dy).view(), kKeep, vertex_env_, alpha);
 }
