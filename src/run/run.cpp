@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "base/memory_archive.h"
+#include "base/shell.h"
 #include "base/version.h"
 #include "engine/choose.h"
 #include "engine/input.h"
@@ -174,7 +175,7 @@ class Run {
       if (outcome.code == static_cast<int>(Exit::stopped)) return stopped();
       if (outcome.code == static_cast<int>(Exit::solve)) {
         save();
-        const std::string replay = fmt::format("mortise run {} -o {} --resume --frames {}", o_.scene, folder_->path(), (engine_->steps_done() + frame_every_) / frame_every_);
+        const std::string replay = fmt::format("mortise run {} -o {} --resume --frames {}", shell_word(o_.scene), shell_word(folder_->path()), (engine_->steps_done() + frame_every_) / frame_every_);
         throw Error(Exit::solve, outcome.message + "\n  the last good state is in " + folder_->path() + "/checkpoint.h5; this replays the moment:\n    " + replay + overrides_text());
       }
       if (!outcome.picture.empty()) {
@@ -202,7 +203,7 @@ class Run {
 
   std::string overrides_text() const {
     std::string text;
-    for (const std::string& s : o_.overrides) text += " --set '" + s + "'";
+    for (const std::string& s : o_.overrides) text += " --set " + shell_word(s);
     return text;
   }
 

@@ -53,6 +53,41 @@ TEST(Run, LeavesFieldsCheckpointAndRunJson) {
   EXPECT_FALSE(fs::exists(out.path + "/frames"));
 }
 
+TEST(Run, RunJsonTellsTheCommandAndTheLibrariesThatInfoLists) {
+  const Folder out;
+  ASSERT_EQ(mortise("run " + kScene + " --no-render --frames 0 --set 'description=it is mine' -o " + out.path).code, 0);
+  const auto json = run_json(out.path), info = nlohmann::json::parse(mortise("info --json").out);
+  EXPECT_EQ(json.at("command_line"), kProgram + " run " + kScene + " --no-render --frames 0 --set 'description=it is mine' -o " + out.path);
+  EXPECT_EQ(json.at("libraries"), info.at("libraries"));
+  EXPECT_GE(json.at("libraries").size(), 9u);
+  for (const auto& [name, version] : json.at("libraries").items()) EXPECT_NE(version, "") << name;
+}
+
+// The same names and values as in the field file.
+TEST(Run, EventsOfStepsAreRowsOfTheStepTable) {
+  const Folder out;
+  const Result r = mortise("run " + kScene + " --json --no-render --frames 2 -o " + out.path);
+  ASSERT_EQ(r.code, 0) << r.err;
+  const std::vector<output::StepRow> rows = output::FieldReader(out.path + "/fields.vtkhdf").steps();
+  std::istringstream lines(r.out);
+  std::size_t n = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const auto event = nlohmann::json::parse(line);
+    if (event.at("event") != "step") continue;
+    std::size_t known = 0;
+    for (const output::StepColumn& column : output::step_columns) {
+      const double value = rows.at(n).*column.value;
+      EXPECT_EQ(event.contains(column.name), std::isfinite(value)) << column.name;
+      if (!std::isfinite(value)) continue;
+      EXPECT_EQ(event.at(column.name).get<double>(), value) << column.name;
+      ++known;
+    }
+    EXPECT_EQ(event.size(), known + 1) << line;
+    ++n;
+  }
+  EXPECT_EQ(n, rows.size());
+}
+
 TEST(Run, JsonEventsAreOneObjectPerLine) {
   const Folder out;
   const Result r = mortise("run " + kScene + " --json --no-render --frames 2 -o " + out.path);
