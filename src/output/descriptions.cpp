@@ -31,7 +31,7 @@ constexpr Entry kDatasets[] = {
     {"balance", "support_*", "sum of the forces of all supports"},
     {"balance", "defect_*", "sum of all forces, supports included: zero but for the residual"},
     {"balance", "*_*", "sum of the forces of this effect on all bodies"},
-    {"supports", "work", "work of moving supports in all steps so far"},
+    {"supports", "work", "work of moving supports in the step that ended here"},
     {"supports", "*_defect", "what supports and effects leave over on this body (statics: zero but for the residual)"},
     {"supports", "*_*", "force of the supports on this body"},
     {"audit", "total_energy", "kinetic and stored energy of all effects"},
