@@ -60,14 +60,15 @@ int columns() {
 }
 
 // "█████░░░  12/40  FIGURES" in fewer than `width` columns: a line that fills the last column wraps on some terminals. Figures are left out
-// while the bar would be shorter than its least.
-std::string bar_line(long done, long steps, std::vector<Figure> list, int width) {
-  constexpr int kLongest = 24, kLeast = 10;
+// while the bar would be shorter than its least; `longest` makes it never longer than the line before.
+constexpr int kLongestBar = 24;
+std::string bar_line(long done, long steps, std::vector<Figure> list, int width, int& longest) {
+  constexpr int kLeast = 10;
   const std::string count = fmt::format("{}/{}", done, steps);
   const auto room = [&] { return width - 1 - static_cast<int>(1 + count.size() + 2 + joined(list).size()); };
   while (!list.empty() && room() < kLeast)
     list.erase(std::max_element(list.begin(), list.end(), [](const Figure& a, const Figure& b) { return a.rank < b.rank; }));
-  const int length = std::clamp(list.empty() ? width - 2 - static_cast<int>(count.size()) : room(), 0, kLongest);
+  const int length = longest = std::clamp(list.empty() ? width - 2 - static_cast<int>(count.size()) : room(), 0, longest);
   const int filled = static_cast<int>(length * done / std::max(steps, 1L));
   std::string line;
   for (int i = 0; i < length; ++i) line += i < filled ? "█" : "░";
@@ -110,7 +111,8 @@ class Terminal : public Lines {
     const double left = spent / static_cast<double>(done - first_) * static_cast<double>(steps_ - done);
     std::vector<Figure> list = figures(r, c);
     list.push_back({2, duration(left) + " left"});
-    std::fputs(("\r\033[K" + bar_line(done, steps_, std::move(list), columns())).c_str(), stderr);
+    if (const int width = columns(); width != width_) width_ = width, longest_ = kLongestBar;
+    std::fputs(("\r\033[K" + bar_line(done, steps_, std::move(list), width_, longest_)).c_str(), stderr);
     std::fflush(stderr);
     open_ = true;
   }
@@ -130,6 +132,7 @@ class Terminal : public Lines {
   }
   std::chrono::steady_clock::time_point began_;
   long first_ = -1;
+  int width_ = 0, longest_ = kLongestBar;
   bool open_ = false;
 };
 

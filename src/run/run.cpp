@@ -301,12 +301,14 @@ class Run {
 
   // The field file first, so that a checkpoint never speaks of frames that are not there.
   void save() {
+    const auto begin = Time::now();
     file_->flush();
     output::CheckpointWriter writer(folder_->path(), {version(), hash_, engine_->steps_done(), file_->frames(), engine_->time()});
     check(engine_->checkpoint(writer));
     checkpoint_own(writer);
     writer.commit();
     saved_ = Time::now();
+    record_.seconds["checkpoint"] += std::chrono::duration<double>(saved_ - begin).count();
   }
 
   // What this side of the engine has gathered.
