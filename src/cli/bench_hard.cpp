@@ -46,6 +46,7 @@ int finish(const std::string& name, const std::vector<study::HardRow>& rows, con
 }  // namespace
 
 int bench_hard(const HardFlags& flags, const std::string& scenes, const std::string& result, int threads, bool json) {
+  study::require_judge();
   study::HardOptions o;
   o.scenes = scenes, o.output = flags.output.empty() ? "out/hard" : flags.output, o.full = flags.full, o.only = flags.only, o.threads = threads;
   o.time_limit = flags.limit > 0 ? flags.limit : flags.full ? 3600 : 60;
@@ -62,6 +63,7 @@ int bench_hard(const HardFlags& flags, const std::string& scenes, const std::str
 }
 
 int bench_fuzz(const HardFlags& flags, const std::string& result, int threads, bool json) {
+  study::require_judge();
   study::HardOptions o;
   o.output = flags.output.empty() ? "out/fuzz" : flags.output, o.threads = threads, o.reduce = !flags.as_is, o.time_limit = flags.limit > 0 ? flags.limit : 60;
   if (!json) std::cout << study::hard_header() << std::flush;

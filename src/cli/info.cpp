@@ -2,12 +2,12 @@
 #include <iostream>
 #include <memory>
 
-#include <cholmod.h>
 #include <nlohmann/json.hpp>
 
 #include "base/version.h"
 #include "cli/commands.h"
 #include "engine/engine.h"
+#include "run/libraries.h"
 
 namespace mortise::cli {
 namespace {
@@ -32,8 +32,6 @@ Json facts() {
                        {"driver", d.driver},
                        {"runtime", d.runtime},
                        {"architecture", d.architecture}});
-  const std::string cholmod = std::to_string(CHOLMOD_MAIN_VERSION) + "." + std::to_string(CHOLMOD_SUB_VERSION) + "." +
-                              std::to_string(CHOLMOD_SUBSUB_VERSION);
   return {{"version", version()},
           {"commit", git_sha1()},
           {"build_type", build_type()},
@@ -41,16 +39,7 @@ Json facts() {
           {"devices", devices},
           {"kernels_for", kernels},
           {"no_gpu_because", no_cuda},
-          {"libraries",
-           {{"Eigen", MORTISE_EIGEN},
-            {"oneTBB", MORTISE_TBB},
-            {"CHOLMOD", cholmod},
-            {"HDF5", MORTISE_HDF5},
-            {"assimp", MORTISE_ASSIMP},
-            {"yaml-cpp", MORTISE_YAML},
-            {"CLI11", MORTISE_CLI11},
-            {"nlohmann_json", MORTISE_JSON},
-            {"fmt", MORTISE_FMT}}}};
+          {"libraries", run::libraries()}};
 }
 
 int cmd_info(bool json) {

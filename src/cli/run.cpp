@@ -13,14 +13,14 @@ void add_run(CLI::App& app, Context& context) {
   add_scene_options(*sub, o->scene, o->overrides);
   sub->add_option("-o,--output", o->output, "output folder; default out/<name of the scene>");
   auto* overwrite = sub->add_flag("--overwrite", o->overwrite, "replace the results in the output folder");
-  sub->add_option("--resume", o->resume, "continue from the newest good checkpoint; --resume=auto starts afresh where there is none")
+  sub->add_option("--resume", o->resume, "continue from the newest good checkpoint (`output.checkpoint_every` says how often there is one); --resume=auto starts afresh where there is none")
       ->expected(0, 1)
       ->default_str("yes")
       ->check(CLI::IsMember({"yes", "auto"}))
       ->excludes(overwrite);
   sub->add_option("--frames", o->frames, "stop after so many frames; the state at the start does not count")->check(CLI::NonNegativeNumber);
   add_device_options(*sub, o->device, o->threads);
-  sub->add_flag("--no-render", o->no_render, "no pictures");
+  sub->add_flag("--no-render", o->no_render, "no pictures; fewer of them: `render: {every: N}` in the scene");
   sub->add_flag("--json", o->json, "one JSON object per event on stdout instead of progress lines");
   sub->add_flag("-q,--quiet", o->quiet, "errors only");
   sub->footer(

@@ -8,6 +8,7 @@
 #include "base/child.h"
 #include "base/error.h"
 #include "output/atomic_file.h"
+#include "output/descriptions.h"
 #include "output/field_layout.h"
 #include "output/xdmf.h"
 
@@ -89,13 +90,14 @@ void FieldFile::rehearse(const std::string& path, std::int64_t frames, std::int6
   }, Exit::file);
 }
 
-h5::Table::Spec FieldFile::real_spec(std::string_view unit, int components, hsize_t chunk_rows) const {
+h5::Table::Spec FieldFile::real_spec(std::string_view unit, int components, hsize_t chunk_rows, std::string_view description) const {
   return {.type = options_.double_precision ? H5T_IEEE_F64LE : H5T_IEEE_F32LE,
           .components = components,
           .chunk_rows = std::max<hsize_t>(chunk_rows, 1),
           .compress = true,
           .nan_fill = true,
-          .unit = std::string(unit)};
+          .unit = std::string(unit),
+          .description = std::string(description)};
 }
 
 void FieldFile::begin_frame(double time, std::span<const double> positions) {
@@ -116,7 +118,7 @@ void FieldFile::field(Fields& fields, hid_t parent, hid_t offsets, hsize_t count
   guarded([&] {
     auto at = fields.find(key);
     if (at == fields.end()) {
-      Series series{h5::Table::create(file_, parent, key, real_spec(unit, components, count)),
+      Series series{h5::Table::create(file_, parent, key, real_spec(unit, components, count, description("", key))),
                     h5::Table::create(file_, offsets, key, {.type = H5T_STD_I64LE, .chunk_rows = index_chunk})};
       // Frames before the first: blocks of NaN, which take no space.
       std::vector<std::int64_t> first(static_cast<std::size_t>(frames_));
@@ -147,6 +149,7 @@ FieldFile::EffectGroup& FieldFile::effect(std::string_view name) {
   const std::string key = checked(name);
   EffectGroup group;
   group.group = h5::make_group(file_, effects_group_, key);
+  if (const std::string_view text = description(key); !text.empty()) h5::set_text(file_, group.group, "description", text);
   group.row_offset = h5::make_group(file_, group.group, "row_offset");
   return effects_.emplace(key, std::move(group)).first->second;
 }
@@ -161,7 +164,7 @@ void FieldFile::rows(std::string_view group, std::string_view name, std::string_
     auto at = owner.rows.find(key);
     if (at == owner.rows.end()) {
       // Not compressed: a chunk that grows would move, and a kill could then hurt rows of earlier frames.
-      h5::Table::Spec spec = real_spec(unit, components, 1024);
+      h5::Table::Spec spec = real_spec(unit, components, 1024, description(group, key));
       spec.compress = false;
       Series series{h5::Table::create(file_, owner.group, key, spec),
                     h5::Table::create(file_, owner.row_offset, key, {.type = H5T_STD_I64LE, .chunk_rows = index_chunk})};
@@ -185,13 +188,23 @@ void FieldFile::scalar(std::string_view group, std::string_view name, std::strin
     if (at == owner.scalars.end()) {
       Series series{
           h5::Table::create(file_, owner.group, key,
-                            {.type = H5T_IEEE_F64LE, .chunk_rows = index_chunk, .nan_fill = true, .unit = std::string(unit)}),
+                            {.type = H5T_IEEE_F64LE, .chunk_rows = index_chunk, .nan_fill = true, .unit = std::string(unit), .description = std::string(description(group, key))}),
           {}};
       at = owner.scalars.emplace(key, std::move(series)).first;
     }
     if (at->second.written) misuse("scalar '" + key + "' twice in a frame");
     at->second.values.write<double>(file_, frames_, std::span(&value, 1));
     at->second.written = true;
+  });
+}
+
+void FieldFile::fact(std::string_view group, const char* name, const Fact& value) {
+  guarded([&] {
+    const hid_t at = effect(group).group;
+    if (const auto* text = std::get_if<std::string>(&value)) h5::set_text(file_, at, name, *text);
+    if (const auto* count = std::get_if<std::int64_t>(&value)) h5::set_integer(file_, at, name, *count);
+    if (const auto* number = std::get_if<double>(&value)) h5::set_number(file_, at, name, *number);
+    if (const auto* numbers = std::get_if<std::vector<double>>(&value)) h5::set_numbers(file_, at, name, *numbers);
   });
 }
 
@@ -229,13 +242,19 @@ void FieldFile::end_frame() {
     }
     write_steps();
     h5::set_integer(file_, steps_group_, "NSteps", frames_ + 1);
-    file_.flush();
+    file_.settle();
     ++frames_;
     times_.push_back(time_);
+    in_frame_ = false;
+    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - committed_).count() >= options_.commit_seconds) commit();
   });
-  in_frame_ = false;
+}
+
+void FieldFile::commit() {
+  file_.flush();
+  committed_ = std::chrono::steady_clock::now();
   // Rewriting the sidecar costs time in proportion to its frames; from frame 100 on only every percent.
-  if (options_.xdmf && frames_ % (1 + frames_ / 100) == 0) write_xdmf();
+  if (options_.xdmf && frames_ - sidecar_frames_ >= 1 + frames_ / 100) write_xdmf();
 }
 
 void FieldFile::append_step(const StepRow& row) { pending_steps_.push_back(row); }
@@ -264,7 +283,7 @@ std::vector<StepRow> FieldFile::steps() {
 void FieldFile::flush() {
   guarded([&] {
     write_steps();
-    file_.flush();
+    commit();
   });
 }
 
@@ -278,7 +297,8 @@ void FieldFile::close() {
   if (options_.xdmf) write_xdmf();
 }
 
-void FieldFile::write_xdmf() const {
+void FieldFile::write_xdmf() {
+  sidecar_frames_ = frames_;
   XdmfDescription d;
   const std::filesystem::path path(file_.path());
   d.hdf5_name = path.filename().string();

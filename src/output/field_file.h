@@ -1,10 +1,12 @@
 #pragma once
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <set>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "base/field_sink.h"
@@ -28,10 +30,14 @@ struct FieldOptions {
   bool double_precision = false;      // points and fields as 64-bit floats instead of 32
   std::vector<std::string> fields{};  // point and cell fields to keep; empty = all. Rows and scalars are always kept
   bool xdmf = true;                   // write the sidecar beside it: same path, extension .xdmf
+  double commit_seconds = 0;          // frames that end sooner after the last commit are committed with a later one, or with flush()
 };
 
+// What is said once about a group: text, a count, or numbers (their unit in the name: `width_m`).
+using Fact = std::variant<std::string, std::int64_t, double, std::vector<double>>;
+
 // Writes fields.vtkhdf (schemas/fields.md), a temporal VTKHDF file. It goes from frame to frame in one step (paged_file.h): after
-// end_frame() the frame survives a kill and a power cut, before it there is no trace of it. Every failing write throws
+// end_frame() (with `commit_seconds`: after flush()) the frame survives a kill and a power cut, before it there is no trace of it. Every failing write throws
 // Error(Exit::file) and leaves the frames before readable; nothing can be written then.
 class FieldFile : public FieldSink {
  public:
@@ -51,10 +57,12 @@ class FieldFile : public FieldSink {
   void rows(std::string_view group, std::string_view name, std::string_view unit, int components,
             std::span<const double> values) override;
   void scalar(std::string_view group, std::string_view name, std::string_view unit, double value) override;
+  void fact(std::string_view group, const char* name, const Fact& value);  // of an effect's group; once, in any frame
   void end_frame();
   void append_step(const StepRow& row);  // reaches the disk with the next end_frame(), flush() or close()
   std::vector<StepRow> steps();          // so far, without those that have not reached it
-  void flush();                          // what a checkpoint needs before it may count the steps done
+  void flush();                          // what a checkpoint needs before it may count the frames and steps done
+  bool can_flush() const { return !broken_ && !in_frame_ && file_.id() >= 0; }
   void close();
 
   std::int64_t frames() const { return frames_; }
@@ -85,14 +93,16 @@ class FieldFile : public FieldSink {
   void finish(Fields& fields, hsize_t count);
   EffectGroup& effect(std::string_view name);
   void write_steps();
-  void write_xdmf() const;
-  h5::Table::Spec real_spec(std::string_view unit, int components, hsize_t chunk_rows) const;
+  void commit();
+  void write_xdmf();
+  h5::Table::Spec real_spec(std::string_view unit, int components, hsize_t chunk_rows, std::string_view description = "") const;
 
   h5::File file_;
   FieldOptions options_;
   std::set<std::string> keep_;
   bool broken_ = false, in_frame_ = false;
-  std::int64_t frames_ = 0;
+  std::int64_t frames_ = 0, sidecar_frames_ = 0;
+  std::chrono::steady_clock::time_point committed_ = std::chrono::steady_clock::now();
   double time_ = 0;
   hsize_t points_n_ = 0, cells_n_ = 0, connectivity_n_ = 0;
   std::uint8_t uniform_type_ = 0;  // the type of all cells, 0 if they differ

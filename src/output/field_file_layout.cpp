@@ -98,7 +98,7 @@ void FieldFile::create(const OutputMesh& mesh, const FileInfo& info) {
   h5::make_group(f, ours, "effects");
   h5::Id table = h5::make_group(f, ours, "steps");
   for (const StepColumn& column : step_columns) {
-    h5::Table::create(f, table, column.name, {.type = H5T_IEEE_F64LE, .chunk_rows = index_chunk, .unit = column.unit});
+    h5::Table::create(f, table, column.name, {.type = H5T_IEEE_F64LE, .chunk_rows = index_chunk, .unit = column.unit, .description = column.description});
   }
   open_groups();
   file_.flush();

@@ -88,8 +88,10 @@ void File::check_backing() const {
   if (backing_ && !backing_->failure.empty()) throw Error(Exit::file, backing_->failure);
 }
 
+void File::settle() { check(H5Fflush(id_, H5F_SCOPE_GLOBAL), "write"); }
+
 void File::flush() {
-  check(H5Fflush(id_, H5F_SCOPE_GLOBAL), "write");
+  settle();
   backing_->file.commit();
 }
 

@@ -51,6 +51,8 @@ class File {
 
   const std::string& path() const { return path_; }
   hid_t id() const { return id_; }
+  // Everything that HDF5 holds back goes to the file below, which keeps it from the disk until it is committed.
+  void settle();
   // Commits: survives a kill of the process and a power cut.
   void flush();
   void close();
@@ -88,6 +90,7 @@ void set_fixed_ascii(const File& file, hid_t object, const char* name, std::stri
 void set_integers(const File& file, hid_t object, const char* name, std::span<const std::int64_t> values);  // 1-D
 void set_integer(const File& file, hid_t object, const char* name, std::int64_t value);                     // scalar, may exist
 void set_number(const File& file, hid_t object, const char* name, double value);                            // scalar
+void set_numbers(const File& file, hid_t object, const char* name, std::span<const double> values);
 std::string get_text(const File& file, hid_t object, const char* name);
 std::int64_t get_integer(const File& file, hid_t object, const char* name);
 std::vector<std::int64_t> get_integers(const File& file, hid_t object, const char* name);
@@ -131,6 +134,7 @@ class Table {
     bool compress = false;  // shuffle + deflate level 1
     bool nan_fill = false;  // rows never written read as NaN and take no space
     std::string unit = "1";
+    std::string description{};  // attribute; none where it is empty
   };
   Table() = default;
   static Table create(const File& file, hid_t parent, const std::string& name, const Spec& spec);

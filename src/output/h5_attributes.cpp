@@ -60,6 +60,14 @@ void set_number(const File& file, hid_t object, const char* name, double value) 
   file.check(H5Awrite(attribute, H5T_NATIVE_DOUBLE, &value), action);
 }
 
+void set_numbers(const File& file, hid_t object, const char* name, std::span<const double> values) {
+  const std::string action = std::string("write attribute ") + name;
+  const hsize_t size = values.size();
+  Id space(file.check(H5Screate_simple(1, &size, nullptr), action));
+  Id attribute(file.check(H5Acreate2(object, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT), action));
+  file.check(H5Awrite(attribute, H5T_NATIVE_DOUBLE, values.data()), action);
+}
+
 std::string get_text(const File& file, hid_t object, const char* name) {
   const std::string action = std::string("read attribute ") + name;
   Id attribute(file.check(H5Aopen(object, name, H5P_DEFAULT), action));

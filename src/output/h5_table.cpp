@@ -30,6 +30,7 @@ Table Table::create(const File& file, hid_t parent, const std::string& name, con
   }
   table.id_ = Id(file.check(H5Dcreate2(parent, name.c_str(), spec.type, space, H5P_DEFAULT, layout, H5P_DEFAULT), action));
   set_text(file, table.id_, "unit", spec.unit);
+  if (!spec.description.empty()) set_text(file, table.id_, "description", spec.description);
   return table;
 }
 

@@ -6,6 +6,8 @@
 
 #include <fstream>
 
+#include "base/shell.h"
+
 namespace mortise::output {
 
 Hardware hardware() {
@@ -22,6 +24,13 @@ Hardware hardware() {
   if (::sched_getaffinity(0, sizeof mine, &mine) == 0) h.cores = CPU_COUNT(&mine);
   h.memory_bytes = static_cast<std::int64_t>(::sysconf(_SC_PHYS_PAGES)) * ::sysconf(_SC_PAGESIZE);
   return h;
+}
+
+std::string command_line() {
+  std::ifstream arguments("/proc/self/cmdline", std::ios::binary);
+  std::string text;
+  for (std::string one; std::getline(arguments, one, '\0');) text += (text.empty() ? "" : " ") + shell_word(one);
+  return text;
 }
 
 std::int64_t peak_memory_bytes() {

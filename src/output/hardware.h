@@ -13,6 +13,9 @@ struct Hardware {
 
 Hardware hardware();
 
+// How this process was started: its arguments as a shell would take them.
+std::string command_line();
+
 // Largest resident memory of this process so far [bytes].
 std::int64_t peak_memory_bytes();
 

@@ -29,25 +29,26 @@ struct StepColumn {
   const char* name;
   const char* unit;
   double StepRow::*value;
+  const char* description;
 };
 
 inline constexpr std::array<StepColumn, 16> step_columns = {{
-    {"step", "1", &StepRow::step},
-    {"time", "s", &StepRow::time},
-    {"dt", "s", &StepRow::dt},
-    {"substeps", "1", &StepRow::substeps},
-    {"newton_iterations", "1", &StepRow::newton_iterations},
-    {"lag_iterations", "1", &StepRow::lag_iterations},
-    {"cg_iterations", "1", &StepRow::cg_iterations},
-    {"line_search_halvings", "1", &StepRow::line_search_halvings},
-    {"regularised", "1", &StepRow::regularised},
-    {"contacts", "1", &StepRow::contacts},
-    {"min_gap", "m", &StepRow::min_gap},
-    {"residual", "N", &StepRow::residual},
-    {"tolerance", "N", &StepRow::tolerance},
-    {"lag_residual", "N", &StepRow::lag_residual},
-    {"energy", "J", &StepRow::energy},
-    {"wall_ms", "ms", &StepRow::wall_ms},
+    {"step", "1", &StepRow::step, "number of the step, from 1"},
+    {"time", "s", &StepRow::time, "at the end of the step"},
+    {"dt", "s", &StepRow::dt, "length of the step"},
+    {"substeps", "1", &StepRow::substeps, "parts of the step; more than 1 after halvings"},
+    {"newton_iterations", "1", &StepRow::newton_iterations, "of all parts and rounds of the step"},
+    {"lag_iterations", "1", &StepRow::lag_iterations, "refreshes of lagged quantities (friction)"},
+    {"cg_iterations", "1", &StepRow::cg_iterations, "of all linear solves; 0 with a direct solver"},
+    {"line_search_halvings", "1", &StepRow::line_search_halvings, "of all Newton iterations"},
+    {"regularised", "1", &StepRow::regularised, "factorisations that needed a diagonal shift"},
+    {"contacts", "1", &StepRow::contacts, "active contact pairs"},
+    {"min_gap", "m", &StepRow::min_gap, "smallest gap"},
+    {"residual", "N", &StepRow::residual, "largest force residual at the end"},
+    {"tolerance", "N", &StepRow::tolerance, "what the residual had to be below"},
+    {"lag_residual", "N", &StepRow::lag_residual, "residual with fresh lagged quantities"},
+    {"energy", "J", &StepRow::energy, "incremental potential at the end"},
+    {"wall_ms", "ms", &StepRow::wall_ms, "time that the step took"},
 }};
 
 }  // namespace mortise::output

@@ -17,7 +17,6 @@ struct Options {
   bool quiet = false;
   std::string device = "auto";         // as engine::choose takes it
   int threads = 0;                     // 0: what the machine grants
-  std::string command;                 // as typed, for run.json and the replay hint
 };
 
 }  // namespace mortise::run

@@ -1,15 +1,19 @@
 #include "run/progress.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "base/printable.h"
+#include "run/step_row.h"
 
 namespace mortise::run {
 namespace {
@@ -27,13 +31,51 @@ std::string duration(double seconds) {
   return fmt::format("{:.0f} h {:02.0f} min", std::floor(seconds / 3600), std::fmod(seconds, 3600) / 60);
 }
 
-std::string figures(const solver::StepReport& r, const ContactFigures& c) {
-  std::string text = fmt::format("t {:.4g} s  newton {:2}  residual {:.1e} N", r.time, r.newton, r.residual);
-  if (r.lag > 0) text += fmt::format("  lag {}", r.lag);
-  if (r.cg > 0) text += fmt::format("  cg {}", r.cg);
-  if (r.substeps > 1) text += fmt::format("  substeps {}", r.substeps);
-  if (c.pairs > 0) text += fmt::format("  contacts {:.0f}  gap {}", c.pairs, length(c.min_gap));
+// What a line may tell of a step. When it is too long for the terminal, the largest `rank` goes first.
+struct Figure {
+  int rank;
+  std::string text;
+};
+
+std::vector<Figure> figures(const solver::StepReport& r, const ContactFigures& c) {
+  std::vector<Figure> list{{1, fmt::format("t {:.4g} s", r.time)}, {3, fmt::format("newton {:2}", r.newton)}, {4, fmt::format("residual {:.1e} N", r.residual)}};
+  if (r.lag > 0) list.push_back({8, fmt::format("lag {}", r.lag)});
+  if (r.cg > 0) list.push_back({9, fmt::format("cg {}", r.cg)});
+  if (r.substeps > 1) list.push_back({5, fmt::format("substeps {}", r.substeps)});
+  if (c.pairs > 0) list.push_back({7, fmt::format("contacts {:.0f}", c.pairs)}), list.push_back({6, "gap " + length(c.min_gap)});
+  return list;
+}
+
+std::string joined(const std::vector<Figure>& list) {
+  std::string text;
+  for (const Figure& f : list) text += (text.empty() ? "" : "  ") + f.text;
   return text;
+}
+
+// The columns of the terminal behind the standard error, which may change at any time.
+int columns() {
+  constexpr int kUnknown = 80;
+  winsize size = {};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : kUnknown;
+}
+
+// "█████░░░  12/40  FIGURES" in fewer than `width` columns: a line that fills the last column wraps on some terminals. Figures are left out
+// while the bar would be shorter than its least; `longest` makes it never longer than the line before.
+constexpr int kLongestBar = 24;
+std::string bar_line(long done, long steps, std::vector<Figure> list, int width, int& longest) {
+  constexpr int kLeast = 10;
+  const std::string count = fmt::format("{}/{}", done, steps);
+  const auto room = [&] { return width - 1 - static_cast<int>(1 + count.size() + 2 + joined(list).size()); };
+  while (!list.empty() && room() < kLeast)
+    list.erase(std::max_element(list.begin(), list.end(), [](const Figure& a, const Figure& b) { return a.rank < b.rank; }));
+  const int length = longest = std::clamp(list.empty() ? width - 2 - static_cast<int>(count.size()) : room(), 0, longest);
+  const int filled = static_cast<int>(length * done / std::max(steps, 1L));
+  std::string line;
+  for (int i = 0; i < length; ++i) line += i < filled ? "█" : "░";
+  if (length > 0) line += " ";
+  line += count.substr(0, static_cast<std::size_t>(std::max(width - 1, 0)));
+  if (!list.empty()) line += "  " + joined(list);
+  return line;
 }
 
 class Lines : public Progress {
@@ -44,7 +86,7 @@ class Lines : public Progress {
     line(fmt::format("{}: {}", scene, summary));
   }
   void step(const solver::StepReport& r, const ContactFigures& c) override {
-    line(fmt::format("step {:>4}/{}  {}  {:.2f} s", r.step + 1, steps_, figures(r, c), r.wall));
+    line(fmt::format("step {:>4}/{}  {}  {:.2f} s", r.step + 1, steps_, joined(figures(r, c)), r.wall));
   }
   void frame(long, double) override {}
   void note(const std::string& text) override { line(text); }
@@ -65,13 +107,12 @@ class Terminal : public Lines {
   void step(const solver::StepReport& r, const ContactFigures& c) override {
     const long done = r.step + 1;
     if (first_ < 0) first_ = r.step;
-    constexpr int kWidth = 24;
-    const int filled = static_cast<int>(kWidth * done / steps_);
-    std::string bar;
-    for (int i = 0; i < kWidth; ++i) bar += i < filled ? "█" : "░";
     const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
     const double left = spent / static_cast<double>(done - first_) * static_cast<double>(steps_ - done);
-    std::fputs(fmt::format("\r\033[K{} {}/{}  {}  {} left", bar, done, steps_, figures(r, c), duration(left)).c_str(), stderr);
+    std::vector<Figure> list = figures(r, c);
+    list.push_back({2, duration(left) + " left"});
+    if (const int width = columns(); width != width_) width_ = width, longest_ = kLongestBar;
+    std::fputs(("\r\033[K" + bar_line(done, steps_, std::move(list), width_, longest_)).c_str(), stderr);
     std::fflush(stderr);
     open_ = true;
   }
@@ -91,6 +132,7 @@ class Terminal : public Lines {
   }
   std::chrono::steady_clock::time_point began_;
   long first_ = -1;
+  int width_ = 0, longest_ = kLongestBar;
   bool open_ = false;
 };
 
@@ -98,10 +140,13 @@ class JsonLines : public Progress {
  public:
   void start(const std::string& scene, const std::string& summary, long steps) override { put({{"event", "start"}, {"scene", scene}, {"summary", summary}, {"steps", steps}}); }
   void step(const solver::StepReport& r, const ContactFigures& c) override {
-    nlohmann::json j{{"event", "step"}, {"step", r.step + 1}, {"time", r.time}, {"newton", r.newton}, {"lag", r.lag}, {"cg", r.cg}, {"substeps", r.substeps},
-                     {"residual", r.residual}, {"energy", r.energy}, {"ms", r.wall * 1e3}};
-    if (std::isfinite(c.pairs)) j["contacts"] = c.pairs;
-    if (std::isfinite(c.min_gap)) j["min_gap"] = c.min_gap;
+    nlohmann::ordered_json j{{"event", "step"}};
+    const output::StepRow row = step_row(r, c);
+    for (const output::StepColumn& column : output::step_columns)
+      if (const double value = row.*column.value; std::isfinite(value)) {
+        if (std::string_view(column.unit) == "1") j[column.name] = static_cast<long long>(value);  // a count
+        else j[column.name] = value;
+      }
     put(j);
   }
   void frame(long frame, double time) override { put({{"event", "frame"}, {"frame", frame}, {"time", time}}); }
@@ -110,7 +155,7 @@ class JsonLines : public Progress {
   bool lost() const override { return lost_; }
 
  private:
-  void put(const nlohmann::json& j) {
+  void put(const nlohmann::ordered_json& j) {
     if (lost_) return;
     const std::string line = j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";  // paths need not be UTF-8
     lost_ = std::fputs(line.c_str(), stdout) < 0 || std::fflush(stdout) != 0;

@@ -2,7 +2,7 @@
 
 #include "base/version.h"
 #include "output/run_json.h"
-#include "run/step_row.h"
+#include "run/libraries.h"
 
 namespace mortise::run {
 
@@ -17,7 +17,8 @@ void Record::write(const std::string& path, const End& end, const engine::Engine
   r.scene_name = end.scene_name;
   r.scene_path = end.options.scene;
   r.scene_sha256 = end.scene_sha256;
-  r.command_line = end.options.command;
+  r.command_line = output::command_line();
+  r.libraries = libraries();
   r.wall_seconds = end.wall;
   r.seconds = seconds;
   r.host_memory_peak_bytes = output::peak_memory_bytes();

@@ -21,7 +21,7 @@ struct Record {
   };
   device::DeviceInfo device;
   std::vector<output::StepRow> steps;
-  std::map<std::string, double> seconds;  // setup, solve, output, pictures
+  std::map<std::string, double> seconds;  // setup, solve, output, pictures, checkpoint
   long frames = 0;
 
   // `engine` may be null when the run ended before there was one.

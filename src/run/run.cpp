@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "base/memory_archive.h"
+#include "base/shell.h"
 #include "base/version.h"
 #include "engine/choose.h"
 #include "engine/input.h"
@@ -29,6 +30,7 @@
 #include "run/pictures.h"
 #include "run/progress.h"
 #include "run/record.h"
+#include "run/sensor_facts.h"
 #include "run/sensor_maps.h"
 #include "run/signals.h"
 #include "run/step_row.h"
@@ -103,14 +105,14 @@ class Run {
     const std::string dir = o_.output.empty() ? "out/" + scene_.root.text("name") : o_.output;
     frame_every_ = scene_.root.at("time").integer("frame_every");
     steps_ = scene_.root.at("time").integer("steps");
-    const long last = o_.frames >= 0 ? std::min(steps_, o_.frames * frame_every_) : steps_;
+    last_ = o_.frames >= 0 ? std::min(steps_, o_.frames * frame_every_) : steps_;
 
     folder_.emplace(dir);
     std::unique_ptr<output::NewestCheckpoint> checkpoint;
     if (folder_->exists()) {
       note(folder_->lock());
       checkpoint = open_checkpoint(o_, dir, hash_);
-      if (checkpoint && checkpoint->reader.info().step >= last)
+      if (checkpoint && checkpoint->reader.info().step >= last_)
         if (const auto code = output::code_of_finished_run(folder_->file("run.json"), hash_)) {
           note(fmt::format("the run in '{}' is finished: there is nothing to continue", dir));
           return *code;
@@ -136,10 +138,18 @@ class Run {
     fields.double_precision = out.text("precision") == "double";
     if (const Params* names = out.find("fields"))
       for (const Params& name : names->items()) fields.fields.push_back(name.as_text());
+    // A checkpoint commits the frames that it speaks of. Others may be lost in a kill, as --resume computes them again.
+    fields.commit_seconds = 1;
     const std::string field_path = folder_->file("fields.vtkhdf");
+    if (const Params* every = out.find("checkpoint_every")) {
+      if (const Params* steps = every->find("steps")) checkpoint_steps_ = steps->as_integer();
+      if (const Params* seconds = every->find("seconds")) checkpoint_seconds_ = seconds->as_number();
+    }
 
-    if (!o_.no_render && out.flag("pictures") && scene_.root.has("render")) pictures_ = std::make_unique<Pictures>(scene_.root, input, folder_->file("frames"));
-    if (!o_.no_render && out.flag("pictures") && !sensors_->empty()) sensor_maps_.emplace(*sensors_, folder_->file("frames"));
+    const Params* render = scene_.root.find("render");
+    if (render) picture_every_ = render->integer("every");
+    if (!o_.no_render && out.flag("pictures") && render && render->has("cameras")) pictures_ = std::make_unique<Pictures>(scene_.root, input, folder_->file("frames"));
+    if (!o_.no_render && out.flag("pictures") && !sensors_->empty()) sensor_maps_.emplace(scene_.root, *sensors_, folder_->file("frames"));
     record_.seconds["setup"] = std::chrono::duration<double>(Time::now() - begin_).count();
     progress_->start(scene_.root.text("name"), summary(input), steps_);
     for (const std::string& w : warnings(input)) note("warning: " + w);
@@ -164,7 +174,7 @@ class Run {
       save();
     }
 
-    while (engine_->steps_done() < last) {
+    while (engine_->steps_done() < last_) {
       if (stop_asked()) return stopped();
       solver::StepReport report;
       const auto begin = Time::now();
@@ -174,7 +184,7 @@ class Run {
       if (outcome.code == static_cast<int>(Exit::stopped)) return stopped();
       if (outcome.code == static_cast<int>(Exit::solve)) {
         save();
-        const std::string replay = fmt::format("mortise run {} -o {} --resume --frames {}", o_.scene, folder_->path(), (engine_->steps_done() + frame_every_) / frame_every_);
+        const std::string replay = fmt::format("mortise run {} -o {} --resume --frames {}", shell_word(o_.scene), shell_word(folder_->path()), (engine_->steps_done() + frame_every_) / frame_every_);
         throw Error(Exit::solve, outcome.message + "\n  the last good state is in " + folder_->path() + "/checkpoint.h5; this replays the moment:\n    " + replay + overrides_text());
       }
       if (!outcome.picture.empty()) {
@@ -202,7 +212,7 @@ class Run {
 
   std::string overrides_text() const {
     std::string text;
-    for (const std::string& s : o_.overrides) text += " --set '" + s + "'";
+    for (const std::string& s : o_.overrides) text += " --set " + shell_word(s);
     return text;
   }
 
@@ -234,8 +244,15 @@ class Run {
     certificate_->step(report);
     checks_->step(report);
     progress_->step(report, contact_);
+    if (checkpoint_due(frame) || checkpoint_asked()) save();
     if (frame) progress_->frame(file_->frames() - 1, engine_->time());
-    if (frame || checkpoint_asked()) save();
+  }
+
+  bool checkpoint_due(bool frame) const {
+    if (engine_->steps_done() == last_) return true;
+    if (checkpoint_steps_ > 0) return engine_->steps_done() % checkpoint_steps_ == 0;
+    if (checkpoint_seconds_ > 0) return std::chrono::duration<double>(Time::now() - saved_).count() >= checkpoint_seconds_;
+    return frame;
   }
 
   void append(const solver::StepReport& report, const ContactFigures& contact) {
@@ -260,13 +277,17 @@ class Run {
     file_->begin_frame(engine_->time(), points);
     engine_->report(*sensors_->watch(&tee));
     sensors_->finish(points);
+    if (file_->frames() == 0) write_sensor_facts(scene_.root, *sensors_, *file_);
     audit(checks_->state(points));
     if (report) append(*report, tee.contact());
     file_->end_frame();
     const auto written = Time::now();
     record_.seconds["output"] += std::chrono::duration<double>(written - begin).count();
-    if (pictures_) pictures_->draw(file_->frames() - 1, engine_->time(), points, tee.point_fields());
-    if (sensor_maps_) sensor_maps_->draw(file_->frames() - 1, engine_->time());
+    const long frame = file_->frames() - 1;
+    const bool drawn = frame % picture_every_ == 0;
+    if (pictures_ && drawn) pictures_->draw(frame, engine_->time(), points, tee.point_fields());
+    if (sensor_maps_) sensor_maps_->see(sensors_->readings());
+    if (sensor_maps_ && drawn) sensor_maps_->draw(frame, engine_->time(), sensors_->readings());
     record_.seconds["pictures"] += std::chrono::duration<double>(Time::now() - written).count();
   }
 
@@ -280,11 +301,14 @@ class Run {
 
   // The field file first, so that a checkpoint never speaks of frames that are not there.
   void save() {
+    const auto begin = Time::now();
     file_->flush();
     output::CheckpointWriter writer(folder_->path(), {version(), hash_, engine_->steps_done(), file_->frames(), engine_->time()});
     check(engine_->checkpoint(writer));
     checkpoint_own(writer);
     writer.commit();
+    saved_ = Time::now();
+    record_.seconds["checkpoint"] += std::chrono::duration<double>(saved_ - begin).count();
   }
 
   // What this side of the engine has gathered.
@@ -317,6 +341,7 @@ class Run {
     output::write_file_atomically(folder_->file("certificate.json"), Checks::add_to(certificate, verdicts), true);
     for (const Checks::Verdict& v : verdicts)
       if (!v.pass) note(fmt::format("check failed: {}; it is {}", v.text, v.found.empty() ? fmt::format("{:.6g}", v.value) : v.found));
+    if (file_ && file_->can_flush()) file_->flush();
     record_.frames = file_ ? file_->frames() : 0;
     record_.write(folder_->file("run.json"), {o_, scene_.root.text("name"), hash_, status, message, wall}, engine_.get());
     if (status == Exit::done || status == Exit::checks) progress_->end(status == Exit::done ? "done" : message, wall);
@@ -340,7 +365,10 @@ class Run {
   std::optional<Certificate> certificate_;
   std::optional<Checks> checks_;
   ContactFigures contact_{NAN, NAN};
-  long frame_every_ = 1, steps_ = 0;
+  long frame_every_ = 1, steps_ = 0, last_ = 0;  // last_: where this run ends, with --frames before the scene does
+  long picture_every_ = 1, checkpoint_steps_ = 0;
+  double checkpoint_seconds_ = 0;
+  Time::time_point saved_ = Time::now();
   bool started_ = false;
 };
 

@@ -6,7 +6,7 @@
 namespace mortise::run {
 
 // `mortise run`: scene -> fields.vtkhdf, checkpoint.h5, frames/*.png, run.json in the output folder. Returns Exit::done or
-// Exit::stopped; throws Error. `tables`: the effects that scenes may name. Whatever happens, finished frames and the last checkpoint stay readable.
+// Exit::stopped; throws Error. `tables`: the effects that scenes may name. Whatever happens, finished frames (after a kill: those that the last checkpoint counts) and the last checkpoint stay readable.
 Exit run_scene(const Options& options, std::span<const scene::EffectTable> tables);
 
 }  // namespace mortise::run

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "render/colour_map.h"
+#include "render/font.h"
 #include "render/overlay.h"
 #include "run/folder.h"
 
@@ -14,57 +15,96 @@ namespace mortise::run {
 namespace {
 
 constexpr int kHeight = 540, kMargin = 48, kBar = 150;  // pixels
-constexpr std::uint8_t kPaper[3] = {238, 240, 243}, kNothing[3] = {205, 208, 213}, kLine[3] = {255, 255, 255};
+constexpr std::uint8_t kPaper[3] = {238, 240, 243}, kNothing[3] = {205, 208, 213}, kArrow[3] = {255, 255, 255}, kEdge[3] = {20, 22, 26}, kText[3] = {34, 37, 42};
 
 void put(render::Image& image, int x, int y, const std::uint8_t* colour) {
   if (x >= 0 && y >= 0 && x < image.width && y < image.height) std::copy(colour, colour + 3, image.at(x, y));
 }
 
-void line(render::Image& image, double x0, double y0, double x1, double y1) {
-  const int steps = 1 + static_cast<int>(std::max(std::abs(x1 - x0), std::abs(y1 - y0)));
-  for (int i = 0; i <= steps; ++i) {
-    const double t = static_cast<double>(i) / steps;
-    put(image, static_cast<int>(x0 + t * (x1 - x0)), static_cast<int>(y0 + t * (y1 - y0)), kLine);
-  }
+struct Stroke {
+  double x0, y0, x1, y1;
+};
+
+// All pixels nearer to the stroke than `radius`, with a soft edge.
+void draw_stroke(render::Image& image, const Stroke& s, double radius, const std::uint8_t* colour) {
+  const double dx = s.x1 - s.x0, dy = s.y1 - s.y0, square = dx * dx + dy * dy;
+  for (int y = static_cast<int>(std::min(s.y0, s.y1) - radius - 1); y <= std::max(s.y0, s.y1) + radius + 1; ++y)
+    for (int x = static_cast<int>(std::min(s.x0, s.x1) - radius - 1); x <= std::max(s.x0, s.x1) + radius + 1; ++x) {
+      if (x < 0 || y < 0 || x >= image.width || y >= image.height) continue;
+      const double t = square > 0 ? std::clamp(((x - s.x0) * dx + (y - s.y0) * dy) / square, 0.0, 1.0) : 0;
+      const double cover = std::clamp(radius + 0.5 - std::hypot(x - s.x0 - t * dx, y - s.y0 - t * dy), 0.0, 1.0);
+      std::uint8_t* p = image.at(x, y);
+      for (int c = 0; c < 3; ++c) p[c] = static_cast<std::uint8_t>(std::lround(p[c] + cover * (colour[c] - p[c])));
+    }
 }
 
-// Scale of numbers at the colour bar.
+// Light with a dark edge: legible on every colour of the scale. `dx`, `dy` in pixels, y downwards.
+void draw_arrow(render::Image& image, double x, double y, double dx, double dy) {
+  const double length = std::hypot(dx, dy);
+  if (length < 1) return;
+  const double head = std::min(9.0, 0.4 * length), ux = dx / length, uy = dy / length, x1 = x + dx, y1 = y + dy;
+  const auto barb = [&](double side) { return Stroke{x1, y1, x1 - head * (ux + 0.5 * side * uy), y1 - head * (uy - 0.5 * side * ux)}; };
+  const Stroke strokes[] = {{x, y, x1, y1}, barb(1), barb(-1)};
+  for (const Stroke& s : strokes) draw_stroke(image, s, 1.9, kEdge);
+  for (const Stroke& s : strokes) draw_stroke(image, s, 0.7, kArrow);
+}
+
+// How numbers at a scale that ends at `pressure` are written.
 std::pair<const char*, double> unit_for(double pressure) {
   if (pressure >= 1e6) return {"MPa", 1e-6};
   if (pressure >= 1e3) return {"kPa", 1e-3};
   return {"Pa", 1};
 }
 
-render::Image map_of(const sensors::GridSpec& spec, const sensors::Reading& r, double most, double most_shear) {
+// The largest 1, 2 or 5 times a power of ten that is not above `value`.
+double round_down(double value) {
+  const double power = std::pow(10, std::floor(std::log10(value))), lead = value / power;
+  return power * (lead >= 5 ? 5 : lead >= 2 ? 2 : 1);
+}
+
+// An arrow beside the map, and what its length stands for.
+void draw_shear_scale(render::Image& image, int left, double pixels_per_pascal) {
+  constexpr double kLongest = 90, kSize = 16;  // pixels
+  const double shear = round_down(kLongest / pixels_per_pascal);
+  const auto [unit, scale] = unit_for(shear);
+  draw_arrow(image, left, kHeight - 70, shear * pixels_per_pascal, 0);
+  render::draw_text(image, fmt::format("shear  {:g} {}", shear * scale, unit), left, kHeight - 44, kSize, kText);
+}
+
+render::Image map_of(const sensors::GridSpec& spec, const sensors::Reading& r, double low, double high_end, double shear_low, double shear_high) {
   const int high = kHeight - 2 * kMargin, wide = std::clamp(static_cast<int>(high * spec.width / spec.height), 60, 4 * high);
   render::Image image;
   image.width = wide + 2 * kMargin + kBar, image.height = kHeight;
   image.rgb.resize(3 * static_cast<std::size_t>(image.width) * image.height);
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) put(image, x, y, kPaper);
-  const render::ColourMap colours = render::sequential_map();
+  const render::ColourMap colours = render::map_for(low, high_end);
   for (int y = 0; y < high; ++y)
     for (int x = 0; x < wide; ++x) {
       const int row = spec.rows - 1 - y * spec.rows / high, column = x * spec.columns / wide, taxel = row * spec.columns + column;
-      const double share = std::clamp(r.pressure[taxel] / most, 0.0, 1.0);
+      const double share = std::clamp((r.pressure[taxel] - low) / (high_end - low), 0.0, 1.0);
       const std::uint8_t* colour = &colours[3 * static_cast<std::size_t>(std::lround(255 * share))];
       put(image, kMargin + x, kMargin + y, r.area[taxel] > 0 ? colour : kNothing);
     }
-  const double length = 1.5 * std::min(static_cast<double>(wide) / spec.columns, static_cast<double>(high) / spec.rows);  // of the largest shear
-  for (int i = 0; i < spec.taxels() && most_shear > 0; ++i) {
-    const double u = r.shear[2 * i] / most_shear, v = r.shear[2 * i + 1] / most_shear;
-    if (std::hypot(u, v) < 0.05) continue;
+  if (!(shear_high > 0)) return image;
+  // The longest arrow goes one and a half taxels far.
+  const double length = 1.5 * std::min(static_cast<double>(wide) / spec.columns, static_cast<double>(high) / spec.rows) / shear_high;  // per pascal
+  for (int i = 0; i < spec.taxels(); ++i) {
+    const double u = r.shear[2 * i], v = r.shear[2 * i + 1], size = std::hypot(u, v);
+    if (size < shear_low || size == 0) continue;
+    const double shown = length * std::min(1.0, shear_high / size);
     const double x = kMargin + (i % spec.columns + 0.5) * wide / spec.columns;
     const double y = kMargin + (spec.rows - 0.5 - i / spec.columns) * high / spec.rows;
-    line(image, x, y, x + length * u, y - length * v);
+    draw_arrow(image, x, y, shown * u, -shown * v);
   }
+  draw_shear_scale(image, kMargin + wide + 58, length);
   return image;
 }
 
 }  // namespace
 
-SensorMaps::SensorMaps(const sensors::Sensors& sensors, const std::string& folder)
-    : sensors_(sensors), folder_(folder), pressure_(sensors.all().size(), 0.0), shear_(pressure_) {
+SensorMaps::SensorMaps(const Params& scene, const sensors::Sensors& sensors, const std::string& folder)
+    : scene_(scene), sensors_(sensors), folder_(folder), pressure_(sensors.all().size(), 0.0), shear_(pressure_) {
   make_pictures_folder(folder);
 }
 
@@ -73,17 +113,31 @@ void SensorMaps::checkpoint(Archive& archive) {
   archive.io("shear", shear_);
 }
 
-void SensorMaps::draw(long frame, double time) {
-  for (std::size_t s = 0; s < sensors_.all().size(); ++s) {
-    const sensors::Sensor& sensor = sensors_.all()[s];
-    const sensors::Reading& r = sensors_.readings().at(s);
+void SensorMaps::see(const std::vector<sensors::Reading>& readings) {
+  for (std::size_t s = 0; s < readings.size(); ++s) {
+    const sensors::Reading& r = readings[s];
     for (double p : r.pressure) pressure_[s] = std::max(pressure_[s], p);
     for (std::size_t i = 0; i < r.pressure.size(); ++i) shear_[s] = std::max(shear_[s], std::hypot(r.shear[2 * i], r.shear[2 * i + 1]));
-    const double most = pressure_[s] > 0 ? pressure_[s] : 1;
-    render::Image image = map_of(sensor.spec(), r, most, shear_[s]);
+  }
+}
+
+SensorMaps::Scale SensorMaps::scale_of(std::size_t s) const {
+  constexpr double kVisible = 0.05;  // of the longest arrow
+  Scale scale{0, pressure_[s] > 0 ? pressure_[s] : 1, kVisible * shear_[s], shear_[s]};
+  const Params& sensor = scene_.at("sensors").at(sensors_.all()[s].name());
+  if (const Params* range = sensor.find("range")) scale.low = range->as_numbers()[0], scale.high = range->as_numbers()[1];
+  if (const Params* range = sensor.find("shear_range")) scale.shear_low = range->as_numbers()[0], scale.shear_high = range->as_numbers()[1];
+  return scale;
+}
+
+void SensorMaps::draw(long frame, double time, const std::vector<sensors::Reading>& readings) const {
+  for (std::size_t s = 0; s < readings.size(); ++s) {
+    const sensors::Sensor& sensor = sensors_.all()[s];
+    const Scale scale = scale_of(s);
+    render::Image image = map_of(sensor.spec(), readings[s], scale.low, scale.high, scale.shear_low, scale.shear_high);
     render::RenderJob job;
-    const auto [unit, scale] = unit_for(most);
-    job.bar = render::ColourBar{"pressure", unit, 0, most, scale};
+    const auto [unit, factor] = unit_for(std::max(std::abs(scale.low), std::abs(scale.high)));
+    job.bar = render::ColourBar{"pressure", unit, scale.low, scale.high, factor};
     job.caption = fmt::format("{}   t = {:.4g} s", sensor.name(), time);
     render::draw_overlays(image, job);
     const std::string path = fmt::format("{}/sensor_{}_{:04}.png", folder_, sensor.name(), frame);

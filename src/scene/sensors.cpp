@@ -1,6 +1,7 @@
 #include "scene/sensors.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "scene/checker.h"
 #include "scene/suggest.h"
@@ -18,6 +19,15 @@ Param length(std::string key, std::string help) {
   return positive(required(of(Kind::number, std::move(key), Unit::length, {}, std::move(help))));
 }
 
+// Two increasing numbers; `least`: the first is no smaller.
+void check_range(const Params& sensor, const char* key, double least, const std::string& path, Diagnostics& errors) {
+  const Params* range = sensor.find(key);
+  if (!range) return;
+  const std::vector<double> ends = range->as_numbers();
+  if (ends.size() != 2 || !(ends[0] < ends[1]) || ends[0] < least)
+    errors.add(range->where(), path + "." + key + " must be two increasing " + (least == 0 ? "numbers from 0 on" : "numbers"));
+}
+
 void check(const std::string& path, const Params& sensor, const Params* bodies, Diagnostics& errors) {
   const Params* body = sensor.find("body");
   if (body && bodies) {
@@ -30,6 +40,8 @@ void check(const std::string& path, const Params& sensor, const Params* bodies, 
       errors.add(body->where(), path + ".body: half-space '" + body->as_text() + "' has no surface of finite size",
                  "name a soft or stiff body");
   }
+  check_range(sensor, "range", -std::numeric_limits<double>::infinity(), path, errors);
+  check_range(sensor, "shear_range", 0, path, errors);
   const Params *normal = sensor.find("normal"), *up = sensor.find("up");
   if (normal && up && !up->as_vec3().isZero(0) && !(normal->as_vec3().cross(up->as_vec3()).norm() > 1e-6 * normal->as_vec3().norm() * up->as_vec3().norm()))
     errors.add(up->where(), path + ".up is along its normal", "it has to lie in the plane of the grid");
@@ -52,12 +64,17 @@ const ParamTable& sensor_table() {
                             "Surface farther than this from the grid's plane does not belong to it; absent: all that faces it."))),
        choice("moves_with", {"supports", "body"}, "supports",
               "What the frame is fixed to: the nodes of the body that pins hold in all directions (without such: as body), or the "
-              "rigid motion nearest to that of all its nodes.")}};
+              "rigid motion nearest to that of all its nodes."),
+       optional(of(Kind::numbers, "range", Unit::pressure, {}, "Pictures: pressures at the two ends of the colour scale; absent takes 0 and the largest so far.")),
+       optional(of(Kind::numbers, "shear_range", Unit::pressure, {},
+                   "Pictures: least shear that has an arrow, and the shear of the longest arrow; absent takes 5 % of the largest so far, and that."))}};
   return t;
 }
 
 void check_sensors(const Params& root, const std::set<std::string>& incomplete, Diagnostics& errors) {
-  const Params* sensors = root.find("sensors");
+  const Params *sensors = root.find("sensors"), *render = root.find("render");
+  if (render && !incomplete.count("render") && !sensors && !render->has("cameras"))
+    errors.add(render->where(), "render has no 'cameras'", "there is nothing to draw without cameras and without sensors");
   if (!sensors) return;
   const Params* effects = root.find("effects");
   if (effects && !incomplete.count("effects") && !effects->has("barrier_contact") && !effects->has("mortar_contact"))

@@ -212,13 +212,27 @@ const ParamTable& solver_table() {
   return t;
 }
 
+const ParamTable& checkpoint_table() {
+  static const ParamTable t = [] {
+    ParamTable s{"checkpoint_every",
+                 "How often the state is saved, from which --resume continues: exactly one of these.",
+                 {integer("steps", {}, 1, 1e9, "After every so many steps."),
+                  positive(of(Kind::number, "seconds", Unit::time, {}, "After the first step that ends this long after the last time, by the clock."))}};
+    s.one_of = true;
+    for (Param& p : s.params) p.optional = true;
+    return s;
+  }();
+  return t;
+}
+
 const ParamTable& output_table() {
   static const ParamTable t{
       "output",
       "What a run writes.",
       {optional(of(Kind::names, "fields", Unit::none, {}, "Names of the fields to keep; absent keeps all.")),
        choice("precision", {"single", "double"}, "single", "Floating-point format of the fields."),
-       flag("pictures", "true", "Whether frames are rendered when the scene has a `render` block.")}};
+       flag("pictures", "true", "Whether pictures are drawn: by the cameras of `render`, and of sensors."),
+       table("checkpoint_every", &checkpoint_table(), "How often the state is saved; absent saves it with every frame. The last step always saves it.")}};
   return t;
 }
 
@@ -245,12 +259,14 @@ const ParamTable& camera_table() {
   return t;
 }
 const ParamTable& render_table() {
+  static const Param cameras = optional(map("cameras", &camera_table(), "Cameras by name; a scene with sensors may go without."));
   static const ParamTable t{"render",
                             "Pictures of the run.",
                             {integer("width", "1280", 16, 8192, "Width of the pictures in pixels."),
                              integer("height", "720", 16, 8192, "Height of the pictures in pixels."),
                              range(vector("background", Unit::none, "[1, 1, 1]", "Background colour: red, green, blue."), 0, 1),
-                             map("cameras", &camera_table(), "Cameras by name.")}};
+                             integer("every", "1", 1, 1e9, "Pictures, those of sensors too, are drawn of every so many frames, from frame 0 on."),
+                             cameras}};
   return t;
 }
 

@@ -81,6 +81,22 @@ TEST(BenchHard, FailuresAreShown) {
   fs::remove_all(dir);
 }
 
+// A program that was built without the tests has no judge: told before anything runs.
+TEST(BenchHard, TellsThatThereIsNoJudgeBeforeAnythingRuns) {
+  const std::string dir = (fs::temp_directory_path() / ("mortise_no_judge_" + std::to_string(getpid()))).string();
+  fs::create_directories(dir);
+  fs::copy_file(kProgram, dir + "/mortise");
+  for (const char* name : {"hard --only H02", "fuzz --seeds 1"}) {
+    const std::string command = "cd " + dir + " && ./mortise bench " + name + " --json --out " + dir + "/out --data " + kSource + "/scenes/hard >out.txt 2>err.txt";
+    const int status = std::system(command.c_str());
+    EXPECT_EQ(WEXITSTATUS(status), 6) << name;
+    EXPECT_EQ(read_text(dir + "/out.txt"), "") << name;
+    EXPECT_NE(read_text(dir + "/err.txt").find("tools/test -N"), std::string::npos) << read_text(dir + "/err.txt");
+    EXPECT_FALSE(fs::exists(dir + "/out")) << name;
+  }
+  fs::remove_all(dir);
+}
+
 TEST(BenchFuzz, RunsTheSeedsThatAreAskedFor) {
   const std::string dir = (fs::temp_directory_path() / ("mortise_fuzz_" + std::to_string(getpid()))).string();
   const Result r = mortise("bench fuzz --first 7 --seeds 2 --json --out " + dir);

@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <thread>
 
 #include "output/field_reader.h"
@@ -51,6 +53,41 @@ TEST(Run, LeavesFieldsCheckpointAndRunJson) {
   EXPECT_TRUE(elasticity);
   EXPECT_TRUE(fs::exists(out.path + "/checkpoint.h5"));
   EXPECT_FALSE(fs::exists(out.path + "/frames"));
+}
+
+TEST(Run, RunJsonTellsTheCommandAndTheLibrariesThatInfoLists) {
+  const Folder out;
+  ASSERT_EQ(mortise("run " + kScene + " --no-render --frames 0 --set 'description=it is mine' -o " + out.path).code, 0);
+  const auto json = run_json(out.path), info = nlohmann::json::parse(mortise("info --json").out);
+  EXPECT_EQ(json.at("command_line"), kProgram + " run " + kScene + " --no-render --frames 0 --set 'description=it is mine' -o " + out.path);
+  EXPECT_EQ(json.at("libraries"), info.at("libraries"));
+  EXPECT_GE(json.at("libraries").size(), 9u);
+  for (const auto& [name, version] : json.at("libraries").items()) EXPECT_NE(version, "") << name;
+}
+
+// The same names and values as in the field file.
+TEST(Run, EventsOfStepsAreRowsOfTheStepTable) {
+  const Folder out;
+  const Result r = mortise("run " + kScene + " --json --no-render --frames 2 -o " + out.path);
+  ASSERT_EQ(r.code, 0) << r.err;
+  const std::vector<output::StepRow> rows = output::FieldReader(out.path + "/fields.vtkhdf").steps();
+  std::istringstream lines(r.out);
+  std::size_t n = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const auto event = nlohmann::json::parse(line);
+    if (event.at("event") != "step") continue;
+    std::size_t known = 0;
+    for (const output::StepColumn& column : output::step_columns) {
+      const double value = rows.at(n).*column.value;
+      EXPECT_EQ(event.contains(column.name), std::isfinite(value)) << column.name;
+      if (!std::isfinite(value)) continue;
+      EXPECT_EQ(event.at(column.name).get<double>(), value) << column.name;
+      ++known;
+    }
+    EXPECT_EQ(event.size(), known + 1) << line;
+    ++n;
+  }
+  EXPECT_EQ(n, rows.size());
 }
 
 TEST(Run, JsonEventsAreOneObjectPerLine) {
@@ -126,6 +163,155 @@ TEST(Run, SigtermStopsWithACheckpointAndExit75) {
   ASSERT_EQ(mortise("run " + scene + " --no-render --resume --frames " + more + " --set time.steps=100000 -o " + out.path).code, 0);
   ASSERT_EQ(mortise("run " + scene + " --no-render --frames " + more + " --set time.steps=100000 -o " + whole.path).code, 0);
   EXPECT_EQ(last_state(whole.path), last_state(out.path));
+}
+
+// Checkpoints by steps, apart from frames; from any of them the run goes on to the same bits.
+TEST(Run, SavesItsStateAsOftenAsTheSceneSays) {
+  const Folder out;
+  const std::string flags = " --no-render --set time.steps=10 --set time.frame_every=1 --set output.checkpoint_every.steps=4 -o " + out.path;
+  const Result r = mortise("run " + kScene + flags);
+  ASSERT_EQ(r.code, 0) << r.err;
+  EXPECT_EQ(output::CheckpointReader(out.path + "/checkpoint.h5").info().step, 10);  // the last step always
+  const auto before = output::CheckpointReader(out.path + "/checkpoint.prev.h5").info();
+  EXPECT_EQ(before.step, 8);
+  EXPECT_EQ(before.frames, 9);
+  const auto state = last_state(out.path);
+  const std::vector<Vec3> points = output::FieldReader(out.path + "/fields.vtkhdf").points(10);
+  fs::remove(out.path + "/checkpoint.h5");
+  const Result again = mortise("run " + kScene + flags + " --resume");
+  ASSERT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(run_json(out.path).at("steps").at("count"), 10);
+  EXPECT_NE(again.err.find("continuing at step 8"), std::string::npos) << again.err;
+  EXPECT_EQ(last_state(out.path), state);
+  EXPECT_EQ(output::FieldReader(out.path + "/fields.vtkhdf").points(10), points);
+
+  const Folder hourly;
+  ASSERT_EQ(mortise("run " + kScene + " --no-render --frames 3 --set 'output.checkpoint_every={seconds: 3600 s}' -o " + hourly.path).code, 0);
+  EXPECT_EQ(output::CheckpointReader(hourly.path + "/checkpoint.h5").info().frames, 4);
+  EXPECT_EQ(output::CheckpointReader(hourly.path + "/checkpoint.prev.h5").info().frames, 1);
+  // Strict: one of the two, and nothing else.
+  const Result both = mortise("check " + kScene + " --set 'output.checkpoint_every={seconds: 60 s, steps: 3}'");
+  EXPECT_EQ(both.code, 3);
+  EXPECT_NE(both.err.find("must hold only one of: seconds, steps"), std::string::npos) << both.err;
+  EXPECT_EQ(mortise("check " + kScene + " --set output.checkpoint_every.steps=0").code, 3);
+}
+
+// A kill between checkpoints loses frames that --resume computes again.
+TEST(Run, FramesAfterTheLastCheckpointComeBackAfterAKill) {
+  const Folder out, whole;
+  const std::string scene = kScene, flags = " --no-render --quiet --set time.steps=400 --set time.frame_every=1 --set output.checkpoint_every.steps=50";
+  std::vector<std::string> args{"run", scene, "--no-render", "--quiet", "--set", "time.steps=400", "--set", "time.frame_every=1", "--set", "output.checkpoint_every.steps=50", "-o", out.path};
+  const pid_t pid = start(args);
+  for (int i = 0; i < 600 && !(fs::exists(out.path + "/checkpoint.prev.h5")); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  kill(pid, SIGKILL);
+  wait_for(pid);
+  const auto saved = output::CheckpointReader(out.path + "/checkpoint.h5").info();
+  EXPECT_EQ(saved.step % 50, 0);
+  EXPECT_GE(output::FieldReader(out.path + "/fields.vtkhdf").frames(), saved.frames);
+  ASSERT_EQ(mortise("run " + scene + flags + " --resume -o " + out.path).code, 0);
+  ASSERT_EQ(mortise("run " + scene + flags + " -o " + whole.path).code, 0);
+  EXPECT_EQ(last_state(whole.path), last_state(out.path));
+  const output::FieldReader a(whole.path + "/fields.vtkhdf"), b(out.path + "/fields.vtkhdf");
+  ASSERT_EQ(a.frames(), b.frames());
+  for (long f = 0; f < a.frames(); ++f) ASSERT_EQ(a.points(f), b.points(f)) << f;
+}
+
+namespace {
+
+// A pad that a stiff block presses and drags, with one sensor.
+const char* const kPressed = R"(mortise: 1
+name: pressed
+time: {mode: static, steps: 4}
+materials: {gel: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.45, density: 1000}, steel: {density: 7800, youngs_modulus: 200 GPa, poisson_ratio: 0.3}}
+bodies:
+  pad: {type: soft, shape: {box: {size: [20 mm, 20 mm, 8 mm], edge_length: 4 mm}}, material: gel, position: [0, 0, -4 mm]}
+  block: {type: stiff, shape: {box: {size: [8 mm, 8 mm, 8 mm], edge_length: 4 mm}}, material: steel, position: [0, 0, 4.05 mm]}
+effects:
+  elasticity: {}
+  affine_body: {}
+  barrier_contact: {d_hat: 0.1 mm}
+  friction: {mu: 0.5}
+  pin:
+    - {body: pad, where: {side: z_min}}
+    - {body: block, where: {side: all}, motion: {time: [0, 0.5, 1], translation: [[0, 0, 0], [0, 0, -0.5 mm], [0.4 mm, 0, -0.5 mm]]}}
+sensors:
+  skin: {body: pad, rows: 10, columns: 10, width: 20 mm, height: 20 mm}
+)";
+
+std::set<std::string> pictures(const std::string& dir) {
+  std::set<std::string> out;
+  for (const auto& entry : fs::directory_iterator(dir)) out.insert(entry.path().filename());
+  return out;
+}
+
+}  // namespace
+
+// Pictures of every second frame; drawn again from the file they are the same, and other scales change them.
+TEST(Run, SensorsAreDrawnAsOftenAsTheSceneSaysAndAgainFromTheFields) {
+  const Folder out;
+  fs::create_directories(out.path);
+  const std::string scene = out.path + "/pressed.yaml", run = out.path + "/run";
+  std::ofstream(scene) << kPressed << "render: {every: 2}\noutput: {precision: double}\n";
+  const Result r = mortise("run " + scene + " -o " + run);
+  ASSERT_EQ(r.code, 0) << r.err;
+  EXPECT_EQ(pictures(run + "/frames"), (std::set<std::string>{"sensor_skin_0000.png", "sensor_skin_0002.png", "sensor_skin_0004.png"}));
+  const std::string drawn = read_text(run + "/frames/sensor_skin_0004.png");
+  const auto redraw = [&](const std::string& flags, const std::string& name) {
+    const Result again = mortise("render " + scene + " " + run + "/fields.vtkhdf -o " + out.path + "/" + name + " " + flags);
+    EXPECT_EQ(again.code, 0) << again.err;
+    return read_text(out.path + "/" + name + "/sensor_skin_0004.png");
+  };
+  EXPECT_EQ(redraw("", "same"), drawn);
+  EXPECT_EQ(pictures(out.path + "/same"), pictures(run + "/frames"));
+  EXPECT_EQ(redraw("--frames 4", "last"), drawn);  // its scales know the frames before
+  EXPECT_EQ(pictures((redraw("--every 1", "all"), out.path + "/all")).size(), 5u);
+  const std::string ranged = redraw("--set 'sensors.skin.range=[0, 5 kPa]'", "ranged"), shear = redraw("--set 'sensors.skin.shear_range=[0, 50 kPa]'", "shear");
+  EXPECT_NE(ranged, drawn);
+  EXPECT_NE(shear, drawn);
+  EXPECT_NE(shear, ranged);
+  const Result other = mortise("render " + scene + " " + run + "/fields.vtkhdf -o " + out.path + "/other --set sensors.skin.rows=11");
+  EXPECT_EQ(other.code, 3);
+  EXPECT_NE(other.err.find("has no pressure of a sensor 'skin' with 11 x 10 taxels"), std::string::npos) << other.err;
+  for (const char* wrong : {"range=[5 kPa, 0]", "range=[1 kPa]", "range=[0, 5 mm]", "shear_range=[-1 kPa, 5 kPa]"})
+    EXPECT_EQ(mortise("check " + scene + " --set 'sensors.skin." + wrong + "'").code, 3) << wrong;
+}
+
+// What one has to know to use a sensor's numbers stands in the file.
+TEST(Run, SensorGroupsSayWhatTheyAre) {
+  const Folder out;
+  fs::create_directories(out.path);
+  std::ofstream(out.path + "/pressed.yaml") << kPressed;
+  const Result r = mortise("run pressed.yaml --no-render --frames 2 -o run", out.path);
+  ASSERT_EQ(r.code, 0) << r.err;
+  using namespace output;
+  const h5::File f(out.path + "/run/fields.vtkhdf", h5::Mode::read);
+  const h5::Id effects = h5::open_group(f, f.id(), "mortise/effects"), skin = h5::open_group(f, effects, "sensor_skin");
+  EXPECT_EQ(h5::get_text(f, skin, "body"), "pad");
+  EXPECT_EQ(h5::get_integer(f, skin, "rows"), 10);
+  EXPECT_EQ(h5::get_integer(f, skin, "columns"), 10);
+  EXPECT_EQ(h5::get_number(f, skin, "width_m"), 0.02);
+  EXPECT_EQ(h5::get_number(f, skin, "taxel_height_m"), 0.002);
+  for (const char* name : {"height_m", "taxel_width_m", "position_m", "x_axis", "y_axis", "normal", "moves_with", "description"}) EXPECT_GT(H5Aexists(skin, name), 0) << name;
+  // Every dataset of these groups is described.
+  for (const std::string& group : h5::members(f, effects)) {
+    const h5::Id at = h5::open_group(f, effects, group);
+    for (const std::string& name : h5::members(f, at)) {
+      if (name == "row_offset") continue;
+      const h5::Table table = h5::Table::open(f, at, name);
+      EXPECT_GT(H5Aexists(table.id(), "description"), 0) << group << "/" << name;
+    }
+  }
+  for (const char* folder : {"VTKHDF/PointData", "VTKHDF/CellData"}) {
+    const h5::Id at = h5::open_group(f, f.id(), folder);
+    for (const std::string& name : h5::members(f, at)) {
+      if (name == "body_id") continue;
+      EXPECT_GT(H5Aexists(h5::Table::open(f, at, name).id(), "description"), 0) << name;
+    }
+  }
+  const h5::Id balance = h5::open_group(f, effects, "balance");
+  EXPECT_NE(h5::get_text(f, h5::Table::open(f, balance, "written_defect").id(), "description").find("written as fields"), std::string::npos);
+  EXPECT_NE(h5::get_text(f, h5::Table::open(f, balance, "barrier_contact_z").id(), "description").find("this effect"), std::string::npos);
 }
 
 // Pictures of a run, then the same again from its fields.

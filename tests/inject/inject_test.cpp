@@ -84,13 +84,13 @@ std::string difference(const std::map<std::string, std::string>& a, const std::m
 
 class Campaign : public testing::Test {
  protected:
-  Campaign() {
+  explicit Campaign(const std::string& scene = kScene) {
     setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
     // In memory where there is such a place: syncs cost nothing there.
     const fs::path place = access("/dev/shm", W_OK) == 0 ? fs::path("/dev/shm") : fs::temp_directory_path();
     base_ = (place / ("mortise_inject_" + std::to_string(getpid()))).string();
     fs::create_directories(base_);
-    std::ofstream(base_ + "/tiny.yaml") << kScene;
+    std::ofstream(base_ + "/tiny.yaml") << scene;
     EXPECT_EQ(run(base_ + "/whole", {"INJECT_COUNT=" + base_ + "/count"}), 0);
     calls_ = std::atol(text_of(base_ + "/count").c_str());
     whole_ = results(base_ + "/whole");
@@ -151,12 +151,26 @@ class Campaign : public testing::Test {
   std::map<std::string, std::string> whole_;
 };
 
+// 16 frames, a checkpoint with every fifth: most frames are behind the last checkpoint, and several share a commit.
+class FewCheckpoints : public Campaign {
+ protected:
+  FewCheckpoints() : Campaign(few()) {}
+  static std::string few() {
+    std::string text = kScene;
+    const std::string often = "steps: 4, frame_every: 2";
+    return text.replace(text.find(often), often.size(), "steps: 16") + "output: {checkpoint_every: {steps: 5}}\n";
+  }
+};
+
 constexpr auto killed = [](int code) { return code == 128 + SIGKILL; };
 // Where nothing that counts was hit (removing a file that is of no use any more) the run may end well.
 constexpr auto refused = [](int code) { return code == 0 || code == 6 || code == 75; };
 
 TEST_F(Campaign, KilledBeforeEveryCall) { disturb_every_call("kill", killed); }
 TEST_F(Campaign, KilledWithinEveryCall) { disturb_every_call("half", killed); }
+TEST_F(FewCheckpoints, KilledBeforeEveryCall) { disturb_every_call("kill", killed); }
+TEST_F(FewCheckpoints, KilledWithinEveryCall) { disturb_every_call("half", killed); }
+TEST_F(FewCheckpoints, DiskFullFromEveryCallOn) { disturb_every_call("full", refused); }
 TEST_F(Campaign, EveryCallFailsOnce) { disturb_every_call("EIO", refused); }
 TEST_F(Campaign, DiskFullFromEveryCallOn) { disturb_every_call("full", refused); }
 TEST_F(Campaign, EveryWriteIsShort) {

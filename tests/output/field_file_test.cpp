@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <regex>
 #include <sstream>
 
 #include "helpers.h"
@@ -44,6 +45,41 @@ void write_run(const std::string& path, int frames, const FieldOptions& options 
   auto file = FieldFile::open(path, mesh, small_info(), options);
   for (int f = 0; f < frames; ++f) write_frame(*file, mesh, f);
   file->close();
+}
+
+// Frames that share a commit leave the same bytes; before it there is no trace of them.
+TEST(FieldFile, FramesCanShareACommit) {
+  Folder dir;
+  const OutputMesh mesh = small_mesh();
+  const auto bytes = [](const std::string& path) {
+    std::ostringstream text;
+    text << std::ifstream(path, std::ios::binary).rdbuf();
+    return text.str();
+  };
+  const std::string once = dir / "once.vtkhdf";
+  auto file = FieldFile::open(once, mesh, small_info(), {.commit_seconds = 1e9});
+  for (int f = 0; f < 5; ++f) write_frame(*file, mesh, f);
+  EXPECT_EQ(FieldReader(once).frames(), 0);
+  file->flush();
+  EXPECT_EQ(FieldReader(once).frames(), 5);
+  for (int f = 5; f < 7; ++f) write_frame(*file, mesh, f);
+  file.reset();  // as after a kill
+  EXPECT_EQ(FieldReader(once).frames(), 5);
+  file = FieldFile::reopen(once, 5, 10, {.commit_seconds = 1e9});
+  for (int f = 5; f < 7; ++f) write_frame(*file, mesh, f);
+  file->close();
+  const FieldReader whole(once);
+  EXPECT_EQ(whole.frames(), 7);
+  for (int f = 0; f < 7; ++f) expect_f32(whole.point_field("velocity", f).values, ramp(24, f));
+
+  const std::string each = dir / "each.vtkhdf", all = dir / "all.vtkhdf";
+  for (const std::string& path : {each, all}) {
+    file = FieldFile::open(path, mesh, {"0.1.0", "x", "scene", std::string(64, 'a')}, {.commit_seconds = path == all ? 1e9 : 0});
+    for (int f = 0; f < 5; ++f) write_frame(*file, mesh, f);
+    file->close();
+  }
+  const std::regex date("20[0-9][0-9]-[0-9][0-9]-[0-9][0-9]T[0-9][0-9]:[0-9][0-9]:[0-9][0-9]Z");  // the second in which it was made may differ
+  EXPECT_TRUE(std::regex_replace(bytes(each), date, "") == std::regex_replace(bytes(all), date, ""));
 }
 
 TEST(FieldFile, StructureIsTemporalVtkHdf) {

@@ -28,6 +28,8 @@ constexpr const char* kOnlyMeasured = "energy_gain below 1e+300";  // hard_case.
 
 std::string own_program() { return fs::read_symlink("/proc/self/exe").string(); }
 
+std::string judge_program() { return (fs::path(own_program()).parent_path() / "mortise_judge").string(); }
+
 std::string read_text(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
@@ -114,7 +116,7 @@ std::string refused(const HardCase& c, const Ended& end, const std::string& err)
 
 // The judge's opinion of the saved states; "" where nothing was found. A run that was killed may leave a file that cannot be read.
 std::string judge(const std::string& dir, bool killed, HardRow& row) {
-  const std::string program = (fs::path(own_program()).parent_path() / "mortise_judge").string(), fields = dir + "/fields.vtkhdf";
+  const std::string program = judge_program(), fields = dir + "/fields.vtkhdf";
   if (!fs::exists(fields)) return "";
   if (!fs::exists(program)) return row.unsafe = "not judged: no program " + program;
   const Ended end = run_program({program, fields}, dir + "/judge.json", dir + "/judge.err", 120);
@@ -210,6 +212,12 @@ Ended run_program(const std::vector<std::string>& arguments, const std::string& 
     std::this_thread::sleep_for(wait);
   }
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), elapsed()};
+}
+
+void require_judge() {
+  if (fs::exists(judge_program())) return;
+  throw Error(Exit::file, "there is no program '" + judge_program() + "', which judges the saved states\n  it is built with the tests ('tools/mortise' leaves them out): 'tools/test -N' builds "
+                          "everything and runs no test; then use build/test/bin/mortise");
 }
 
 std::vector<HardRow> run_hard(const HardOptions& options, const std::function<void(const HardRow&)>& emit) {

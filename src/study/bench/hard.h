@@ -41,6 +41,9 @@ struct HardRow {
   std::string replay;  // one command
 };
 
+// mortise_judge has to lie beside this program. Throws Error(Exit::file) that says how to build it.
+void require_judge();
+
 // Runs them; rows come as they are measured. Throws Error(Exit::usage | Exit::file).
 std::vector<HardRow> run_hard(const HardOptions& options, const std::function<void(const HardRow&)>& emit);
 
