@@ -9,8 +9,8 @@ namespace mortise::solver {
 
 // Of one value, of a chunk, of a body. A value that is not a number wins, so that it is seen.
 struct Part {
-  double most = 0, far = 0;  // largest
-  double sum[3] = {0, 0, 0};
+  double most, far;  // largest
+  double sum[3];
 
   MORTISE_HD static double larger(double a, double b) { return b > a || b != b ? b : a; }
   MORTISE_HD void add(const Part& p) {
@@ -40,12 +40,12 @@ class Chunks {
     const device::View<Part> parts = chunk.view(), out = body.view();
     const device::View<const Index> first = first_.view(), begin = begin_.view(), end = end_.view();
     device::parallel_for(name, begin.n, [=] MORTISE_HD(Index c) {
-      Part sum;
+      Part sum{};
       for (Index i = begin[c]; i < end[c]; ++i) sum.add(of(i));
       parts[c] = sum;
     });
     device::parallel_for("solver.bodies", out.n, [=] MORTISE_HD(Index b) {
-      Part sum;
+      Part sum{};
       for (Index c = first[b]; c < first[b + 1]; ++c) sum.add(parts[c]);
       out[b] = sum;
     });

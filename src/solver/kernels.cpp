@@ -125,7 +125,7 @@ void force_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> proj
   blocks.reduce(
       "solver.force_sizes",
       [=] MORTISE_HD(Index b) {
-        Part p;
+        Part p{};
         p.most = (projector[b] * g[b]).norm() / lever[b];
         p.sum[0] = position[b] * g[b].norm();
         return p;
@@ -138,7 +138,7 @@ void residual_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> p
   blocks.reduce(
       "solver.residual_sizes",
       [=] MORTISE_HD(Index b) {
-        Part p;
+        Part p{};
         p.most = (projector[b] * g[b]).norm() / lever[b];
         for (int k = 0; k < 3; ++k) p.sum[k] = position[b] * g[b][k];
         p.far = lever[b] * (q[b] - q0[b]).norm();
@@ -151,7 +151,7 @@ void step_sizes(const Chunks& blocks, View<const Vec3> d, View<const double> lev
   blocks.reduce(
       "solver.step_sizes",
       [=] MORTISE_HD(Index b) {
-        Part p;
+        Part p{};
         p.far = lever[b] * d[b].norm();
         return p;
       },
@@ -166,7 +166,7 @@ void rounding_sizes(const Chunks& rows, const linalg::BlockMatrix& A, View<const
       "solver.rounding",
       [=] MORTISE_HD(Index r) {
         const Index b = block_of_row[r];
-        Part p;
+        Part p{};
         p.most = p.sum[0] = 8 * kEps * value[start[r]].norm() * q[b].norm() / lever[b];
         return p;
       },
