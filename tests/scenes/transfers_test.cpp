@@ -70,7 +70,7 @@ TEST(Transfers, PerIterationDoNotGrowWithTheMesh) {
 TEST(Transfers, AreFewPerIteration) {
   for (double edge : {2.0, 1.0}) {
     const Cost c = cost(edge, false);
-    EXPECT_LE(c.per_iteration(c.transfers.to_host), 26) << edge;  // one of them per 16 iterations of conjugate gradients
+    EXPECT_LE(c.per_iteration(c.transfers.to_host), 27) << edge;  // one of them per 16 iterations of conjugate gradients, which end by the forces on free nodes
     EXPECT_LE(c.per_iteration(c.transfers.to_device), 3) << edge;
   }
 }
