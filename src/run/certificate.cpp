@@ -80,6 +80,14 @@ void Certificate::Range::add(double v) {
 }
 
 Certificate::Certificate(const model::ModelInput& input) : stress_error_(input), pressure_error_(input), layer_error_(input) {
+  constexpr double kStrain = 1e-10;  // far below any strain that means something, far above what rounding of positions makes
+  for (const model::BodyInput& body : input.bodies) {
+    if (body.type != model::BodyType::soft || body.nodes.empty()) continue;
+    Vec3 lo = body.nodes.front(), hi = lo;
+    for (const Vec3& p : body.nodes) lo = lo.cwiseMin(p), hi = hi.cwiseMax(p);
+    const double E = body.material.number("youngs_modulus"), size = (hi - lo).norm();
+    force_floor_ = std::max(force_floor_, kStrain * E * size * size), energy_floor_ = std::max(energy_floor_, kStrain * kStrain * E * size * size * size);
+  }
   const Params& scene = input.scene;
   for (const scene::PassThrough& p : scene::pass_through(scene)) passes_through_.push_back(p.text());
   for (const auto& [name, effect] : scene.at("effects").entries()) {
@@ -117,7 +125,7 @@ void Certificate::take(const Watch& seen) {
   }
   const ForceBalance balance = force_balance(seen.scalars, seen.support_forces);
   // Errors of fields are judged at the state that is loaded most.
-  if (!seen.stress.empty() && elastic > most_elastic_) most_elastic_ = elastic, stress_estimate_ = stress_error_.of(seen.stress);
+  if (!seen.stress.empty() && elastic > std::max(most_elastic_, energy_floor_)) most_elastic_ = elastic, stress_estimate_ = stress_error_.of(seen.stress);
   double pressed = 0;
   for (double p : seen.pressure) pressed += std::max(p, 0.0);
   if (pressed > most_pressed_) {
@@ -130,10 +138,11 @@ void Certificate::take(const Watch& seen) {
   largest(written_newton_, seen.at("balance/written_defect"));
   largest(balance_newton_, balance.defect);
   largest(unsupported_newton_, unsupported);
-  if (balance.scale > 0) {
-    largest(balance_relative_, balance.defect / balance.scale);
-    largest(written_relative_, seen.at("balance/written_defect") / balance.scale);
-    largest(unsupported_relative_, unsupported / balance.scale);
+  const double scale = std::max(balance.scale, force_floor_);  // forces below are rounding
+  if (scale > 0) {
+    largest(balance_relative_, balance.defect / scale);
+    largest(written_relative_, seen.at("balance/written_defect") / scale);
+    largest(unsupported_relative_, unsupported / scale);
   }
   if (any_energy) {
     if (std::isnan(first_energy_))
@@ -234,17 +243,17 @@ std::string Certificate::json(const End& end) const {
     grade = to, reason = why;
   };
   Json checks = Json::array();
-  for (const Check& k : c.checks(end.energy)) {
-    const char* earns = k.value <= k.good ? "A" : (k.value <= k.usable ? "B" : "C");
-    checks.push_back({{"name", k.name}, {"value", number(k.value)}, {"bound_A", k.good}, {"bound_B", k.usable}, {"grade", earns}});
-    if (earns[0] > 'A') lower(earns, fmt::format("{} is {:.2g}, more than {:.2g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable));
-  }
   if (end.status == Exit::stopped)
     lower("C", "the run was stopped");
   else if (end.status == Exit::solve)
     lower("C", "a step did not converge");
   else if (end.status != Exit::done && end.status != Exit::checks)
     lower("F", "the run failed");
+  for (const Check& k : c.checks(end.energy)) {
+    const char* earns = k.value <= k.good ? "A" : (k.value <= k.usable ? "B" : "C");
+    checks.push_back({{"name", k.name}, {"value", number(k.value)}, {"bound_A", k.good}, {"bound_B", k.usable}, {"grade", earns}});
+    if (earns[0] > 'A') lower(earns, fmt::format("{} is {:.2g}, more than {:.2g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable));
+  }
   if (c.steps_ == 0) lower("F", "no step was finished");
   if (c.det_F_.least <= 0) lower("F", "an element is inverted (det F <= 0)");
   if (c.distance_.least <= 0) lower("F", "surfaces touch or intersect");

@@ -58,6 +58,7 @@ class Certificate {
   PressureError pressure_error_;
   LayerError layer_error_;
   std::vector<std::string> passes_through_;  // what nothing keeps apart
+  double force_floor_ = 0, energy_floor_ = 0;  // [N], [J]: of strains that are rounding
   double creep_speed_ = NAN;
   std::map<std::string, double> d_hat_;  // by contact effect [m]
   // Of all states

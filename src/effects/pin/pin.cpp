@@ -1,10 +1,13 @@
 #include "effects/pin/pin.h"
 
 #include <algorithm>
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 #include <utility>
 
+#include "effects/failure.h"
 #include "effects/list.h"
 #include "effects/where.h"
 #include "model/model.h"
@@ -125,6 +128,9 @@ struct Entry {
   Motion motion;
   double release = std::numeric_limits<double>::infinity();  // [s]
   SourceLoc where;
+  std::string body;
+  double size = 0;                                                      // of the body, at rest [m]
+  Vec3 lo = Vec3::Constant(INFINITY), hi = Vec3::Constant(-INFINITY);  // of what is held of it
 };
 
 // A held block: which list entry holds which of its axes.
@@ -155,7 +161,31 @@ class Pin final : public Effect {
   // Depends on nothing but the time, so that steps may be tried again and runs resumed anywhere.
   void begin_step(const StepInfo& step) override {
     hold(step.t0, 1e-9 * step.dt);
+    for (const Entry& e : entries_)
+      if (e.motion.moves() && step.t0 < e.release) check_path(e, step);
     move(step.t1());
+  }
+
+  // Points go straight from where they are to where they are asked to be at the end of the step, and what lies beside that way is not met: a
+  // step has to be short enough for the prescribed way to be nearly straight.
+  void check_path(const Entry& e, const StepInfo& step) const {
+    constexpr int kSamples = 16;
+    constexpr double kBow = 2e-3;  // of the size of the body: 7 degrees of a turn about its middle
+    for (int c = 0; c < 8; ++c) {
+      const Vec3 corner(c & 1 ? e.hi[0] : e.lo[0], c & 2 ? e.hi[1] : e.lo[1], c & 4 ? e.hi[2] : e.lo[2]);
+      const auto at = [&](double t) { return pin::move_point(e.motion.at(t), corner); };
+      const Vec3 begin = at(step.t0), way = at(step.t1()) - begin;
+      for (int k = 1; k < kSamples; ++k) {
+        const Vec3 x = at(step.t0 + step.dt * k / kSamples) - begin;
+        const double along = way.squaredNorm() > 0 ? std::clamp(x.dot(way) / way.squaredNorm(), 0.0, 1.0) : 0;
+        const double beside = (x - along * way).norm();
+        if (beside <= kBow * e.size) continue;
+        std::ostringstream why;
+        why << "the motion prescribed for '" << e.body << "' leaves the straight way from the beginning to the end of a step of " << step.dt << (step.is_static ? "" : " s") << " by " << beside
+            << " m: take shorter steps" << (step.is_static ? " (more of them)" : "") << ", or put the keys of the motion at their ends";
+        throw Failure{why.str()};
+      }
+    }
   }
   void energy(Positions, device::EnvValues) override {}
   linalg::StencilSet& assemble(Positions, Curvature) override { return none_; }
@@ -181,12 +211,13 @@ class Pin final : public Effect {
   void add(const Params& p) {
     const std::string& name = p.text("body");
     const std::uint8_t axes = parse_axes(p.at("axes"));
-    entries_.push_back({Motion(p), std::numeric_limits<double>::infinity(), p.where()});
+    entries_.push_back({Motion(p), std::numeric_limits<double>::infinity(), p.where(), name});
     if (p.has("release")) entries_.back().release = p.number("release");
     bool found = false;
     for (const model::Body& body : model_.bodies) {  // the same name in every environment
       if (body.name != name) continue;
       found = true;
+      entries_.back().size = size_of(body);
       if (body.type == model::BodyType::stiff)
         add_stiff(p, body, axes);
       else
@@ -199,6 +230,8 @@ class Pin final : public Effect {
     const Params& where = p.at("where");
     if (!where.has("side") || where.text("side") != "all" || axes != 7)
       throw Error(Exit::scene, where.where(), "stiff body '" + body.name + "' can only be held as a whole: where: {side: all}, axes: xyz");
+    const std::vector<Vec3> rest = model_.rest_points.download();
+    for (Index point = body.point_begin; point < body.point_end; ++point) include(rest[point]);
     for (Index b = body.block_begin; b < body.block_end; ++b) hold_block(b, axes, b > body.block_begin, body);
   }
 
@@ -206,8 +239,18 @@ class Pin final : public Effect {
     const std::vector<Index> points = model::select_points(model_, body, p.at("where"));
     if (points.empty()) throw Error(Exit::scene, p.at("where").where(), "selects no node of body '" + body.name + "'");
     const std::vector<Index> offset = model_.point_offset.download(), block = model_.point_block.download();
+    const std::vector<Vec3> rest = model_.rest_points.download();
+    for (Index point : points) include(rest[point]);
     for (Index point : points) hold_block(block[offset[point]], axes, false, body);
   }
+
+  double size_of(const model::Body& body) const {
+    const std::vector<Vec3> rest = model_.rest_points.download();
+    Vec3 lo = Vec3::Constant(INFINITY), hi = -lo;
+    for (Index p = body.point_begin; p < body.point_end; ++p) lo = lo.cwiseMin(rest[p]), hi = hi.cwiseMax(rest[p]);
+    return (hi - lo).norm();
+  }
+  void include(const Vec3& x) { entries_.back().lo = entries_.back().lo.cwiseMin(x), entries_.back().hi = entries_.back().hi.cwiseMax(x); }
 
   // Adds what the newest entry holds of a block. Two entries may share an axis of a node only if both merely hold it.
   void hold_block(Index block, std::uint8_t axes, bool direction, const model::Body& body) {
