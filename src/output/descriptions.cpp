@@ -62,7 +62,6 @@ constexpr Entry kDatasets[] = {
     {"*_contact", "pressure_sum_defect", "largest difference, over pairs of bodies, between the forces of the samples and those on the nodes, as a share"},
     {"*_contact", "min_distance", "smallest distance between surfaces that can touch"},
     {"*_contact", "active_pairs", "pairs in contact"},
-    {"*_contact", "stiffening", "energy that changes of the automatic stiffness have added in this step"},
     {"*_contact", "clip_partition_defect", "largest difference between a covered face and the sum of its pieces, as a share of the face"},
     {"*_contact", "stiffness_*", "contact stiffness of this pair of bodies"},
     {"*_contact", "k_*", "relative stiffness k = kappa b'' h / E* of this pair (README of mortar_contact)"},

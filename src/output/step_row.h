@@ -18,7 +18,7 @@ struct StepRow {
   double regularised = 0;         // factorisations that needed a diagonal shift
   double contacts = unknown;      // active contact pairs
   double min_gap = unknown;       // smallest gap [m]
-  double residual = unknown;      // largest force residual at the end [N]
+  double residual = unknown;      // force residual at the end, of the body nearest its tolerance [N]
   double tolerance = unknown;     // what it had to be below [N]
   double lag_residual = unknown;  // residual with fresh lagged quantities [N]
   double energy = unknown;        // incremental potential at the end [J]
@@ -44,7 +44,7 @@ inline constexpr std::array<StepColumn, 16> step_columns = {{
     {"regularised", "1", &StepRow::regularised, "factorisations that needed a diagonal shift"},
     {"contacts", "1", &StepRow::contacts, "active contact pairs"},
     {"min_gap", "m", &StepRow::min_gap, "smallest gap"},
-    {"residual", "N", &StepRow::residual, "largest force residual at the end"},
+    {"residual", "N", &StepRow::residual, "force residual at the end of the body that is nearest its tolerance"},
     {"tolerance", "N", &StepRow::tolerance, "what the residual had to be below"},
     {"lag_residual", "N", &StepRow::lag_residual, "residual with fresh lagged quantities"},
     {"energy", "J", &StepRow::energy, "incremental potential at the end"},

@@ -27,7 +27,7 @@ struct StepReport {
   Index softened = 0;     // directions for which negative curvature had to be taken away
   Index regularised = 0;  // factorisations that needed a diagonal shift
   double alpha = 1;     // smallest accepted step length
-  double residual = 0;  // largest force residual at the end [N]
+  double residual = 0;  // force residual at the end, of the body nearest its tolerance [N]
   double tolerance = 0; // what it had to be below [N]
   double residual_share = 0;  // worst body's residual over the forces on it, where that is more than rounding
   double lag_residual = 0;  // residual with fresh lagged quantities [N]
