@@ -12,9 +12,8 @@ struct Part {
   double most, far;  // largest
   double sum[3];
 
-  MORTISE_HD static double larger(double a, double b) { return b > a || b != b ? b : a; }
   MORTISE_HD void add(const Part& p) {
-    most = larger(most, p.most), far = larger(far, p.far);
+    most = device::Larger()(most, p.most), far = device::Larger()(far, p.far);
     for (int k = 0; k < 3; ++k) sum[k] += p.sum[k];
   }
 };

@@ -92,8 +92,8 @@ Residual Convergence::begin() const {
 void Convergence::see_effect(const effects::Effect& effect, View<const Vec3> gradient, Residual& r, Fetch& fetch) const {
   force_sizes(blocks_, gradient, model_.projector.view(), lever_.view(), position_.view(), fetch, [&r, moves = !effect.internal()](const std::vector<Part>& bodies) {
     for (std::size_t i = 0; i < bodies.size(); ++i) {
-      r.scale[i] = Part::larger(r.scale[i], bodies[i].most);
-      if (moves) r.load[i] = Part::larger(r.load[i], bodies[i].sum[0]);
+      r.scale[i] = device::Larger()(r.scale[i], bodies[i].most);
+      if (moves) r.load[i] = device::Larger()(r.load[i], bodies[i].sum[0]);
     }
   });
 }

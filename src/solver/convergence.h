@@ -1,8 +1,8 @@
 #pragma once
 // When is a step solved? Bodies are judged against what acts on their own free directions, and on those of bodies that touch them, so that
-// neither a heavy stranger nor what a support bears can hide that a light body has not moved yet. With r = P grad Phi the residual, g_k the gradient of effect k and s_b
-// the lever of block b (1 of a position; of an axis of a stiff body the radius of the body, which makes a force of a moment and a way of a
-// change of the axis), a body is solved when
+// neither a heavy stranger nor what a support bears can hide that a light body has not moved yet. With r = P grad Phi the residual, g_k the
+// gradient of effect k and s_b the lever of block b (1 of a position; of an axis of a stiff body the radius of the body, which makes a force of a
+// moment and a way of a change of the axis), a body is solved when
 //
 //   (a) max_b |r_b| / s_b <= relative * max_k max_c |P g_k,c| / s_c       c over the blocks of all bodies of its group     [N]
 //       |sum_b r_b|       <= relative * max_k sum_b |g_k,b|      of a body without any support, over positions; k runs over effects whose

@@ -121,8 +121,10 @@ class MortarContact final : public Effect {
 
   void begin_step(const StepInfo& step) override {
     static_ = step.is_static;
-    kappa_ = next_kappa_;
-    stiffness_changed();
+    if (kappa_ != next_kappa_) {
+      kappa_ = next_kappa_;
+      stiffness_changed();
+    }
     near_.begin_step(step);
     near_.locate(std::as_const(model_.q).view());
     if (!started_) {

@@ -141,8 +141,7 @@ std::string interrupt(std::vector<std::string> arguments, const std::string& dir
   arguments.push_back("--resume=auto");
   const Ended end = run_program(arguments, "/dev/null", err, limit);
   if (end.code != 0) return "resumed: " + ending(end, read_text(err), limit);
-  const std::string judge = (fs::path(own_program()).parent_path() / "mortise_judge").string();
-  const Ended compared = run_program({judge, dir + "/fields.vtkhdf", again + "/fields.vtkhdf"}, again + ".diff", err, limit);
+  const Ended compared = run_program({judge_program(), dir + "/fields.vtkhdf", again + "/fields.vtkhdf"}, again + ".diff", err, limit);
   return compared.code == 0 ? "" : "resumed: the fields are not equal: " + read_text(again + ".diff");
 }
 
