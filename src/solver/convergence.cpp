@@ -157,7 +157,8 @@ bool Convergence::at_rest(const Residual& r, Index body, double relative) const 
     for (Index i = 0; i < static_cast<Index>(r.force.size()); ++i)
       if (model_.bodies[i].env == model_.bodies[body].env && had_to_move(i)) fell = std::max(fell, r.force[i] / last_.force[i]);
   }
-  return fell * step_[body] <= std::max(kMotion * r.way[body], kSize * radius_[body]);
+  const double settled = std::max(options_.lag_tolerance, options_.relative_tolerance), early = std::max(1.0, relative / settled);
+  return fell * step_[body] <= early * std::max(kMotion * r.way[body], kSize * radius_[body]);
 }
 
 double Convergence::largest_force(const Residual& r, Index env) const {

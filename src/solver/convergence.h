@@ -9,7 +9,8 @@
 //                                                                forces on a body do not cancel by themselves: weight, inertia, contact
 //       and neither is insisted on below what rounding of q may cause, 8 eps |H_bb| |q_b| / s_b,
 //   (b) max_b s_b |next Newton step| <= max(kMotion * way in this step, kSize * radius)                                    [m]
-//       where the next step is taken to be shorter than the last by as much as the residual fell since.
+//       where the next step is taken to be shorter than the last by as much as the residual fell since; early rounds of lagged quantities,
+//       which are solved less closely, allow it as many times longer.
 //
 // A state that no Newton step has led to is solved only where the residual is exactly zero. A group is what contact connects, not by way of
 // bodies that are wholly held.

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <filesystem>
+#include <functional>
 
 #include "geometry/io/obj.h"
 #include "geometry/io/read.h"
@@ -175,6 +177,39 @@ TEST(TetCache, DamagedFilesAreMadeAnew) {
   }
   EXPECT_FALSE(entry.load());
   std::ofstream(entry.file()) << "short";
+  EXPECT_FALSE(entry.load());
+}
+
+// The checksum is right, since store() computes it: what it was computed of is not a mesh.
+TEST(TetCache, SoundChecksumsOfNonsenseAreMadeAnew) {
+  const TempFolder folder;
+  const ScopedEnv cache("MORTISE_CACHE", folder.file(""));
+  const TriMesh s = surface_of(box({1, 1, 1}, 1.0));
+  TetrahedraliseOptions full = edges(0.4, 0.4);
+  full.facet_distance = 0.4 / 20;
+  const TetCache entry(s, full);
+  const TetMesh good = box({1, 1, 1}, 0.5);
+  const auto refused = [&](const char* what, const std::function<void(TetMesh&)>& spoil) {
+    TetMesh mesh = good;
+    spoil(mesh);
+    entry.store(mesh);
+    EXPECT_FALSE(entry.load()) << what;
+    EXPECT_GT(tetrahedralise(s, edges(0.4), "box").tets.size(), 40u) << what << ": made again, and stored";
+    EXPECT_TRUE(entry.load()) << what;
+  };
+  refused("a node that does not exist", [](TetMesh& m) { m.tets[3].v[1] = static_cast<Index>(m.points.size()); });
+  refused("a negative node", [](TetMesh& m) { m.tets[3].v[1] = -1; });
+  refused("an inverted tetrahedron", [](TetMesh& m) { std::swap(m.tets[0].v[0], m.tets[0].v[1]); });
+  refused("a flat tetrahedron", [](TetMesh& m) { m.tets[0].v[0] = m.tets[0].v[1]; });
+  refused("a point that is not finite", [](TetMesh& m) { m.points[2][1] = NAN; });
+  refused("no tetrahedra", [](TetMesh& m) { m.tets.clear(); });
+}
+
+TEST(TetCache, WhatIsNoFileIsNotWaitedFor) {
+  const TempFolder folder;
+  const ScopedEnv cache("MORTISE_CACHE", folder.file(""));
+  const TetCache entry(surface_of(box({1, 1, 1}, 1.0)), edges(0.4));
+  ASSERT_EQ(::mkfifo(entry.file().c_str(), 0600), 0);
   EXPECT_FALSE(entry.load());
 }
 
