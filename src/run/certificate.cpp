@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "base/pass_on.h"
 #include "base/version.h"
 #include "scene/pass_through.h"
 
@@ -23,55 +22,21 @@ void largest(double& most, double v) {
   if (std::isfinite(v) && !(most >= v)) most = v;
 }
 
+// Contact samples by effect.
+std::map<std::string, LayerError::Samples> samples_of(const Snapshot& said) {
+  std::map<std::string, LayerError::Samples> out;
+  for (const auto& [name, values] : said.row) {
+    LayerError::Samples& of = out[group_of(name)];
+    if (leaf_of(name) == "gap") of.gap = values;
+    if (leaf_of(name) == "bodies") of.bodies = values;
+    if (leaf_of(name) == "force" && values.components == 1) of.force = values;
+  }
+  return out;
+}
+
 bool starts_with(const std::string& s, const std::string& head) { return s.rfind(head, 0) == 0; }
 
 }  // namespace
-
-// The report of one state.
-class Certificate::Watch : public PassOn {
- public:
-  using PassOn::PassOn;
-  void points(std::string_view name, std::string_view unit, int components, std::span<const double> values) override {
-    PassOn::points(name, unit, components, values);
-    if (name == "contact_pressure") pressure.assign(values.begin(), values.end());
-    if (name == "displacement") displacement.assign(values.begin(), values.end());
-    if (name == "support_force") support.assign(values.begin(), values.end()), support_forces = sum_of_sizes(support);
-    for (double v : values) check(v, name);
-  }
-  // NaN by design on stiff bodies.
-  void cells(std::string_view name, std::string_view unit, int components, std::span<const double> values) override {
-    PassOn::cells(name, unit, components, values);
-    if (name == "cauchy_stress") stress.assign(values.begin(), values.end());
-  }
-  void rows(std::string_view group, std::string_view name, std::string_view unit, int components, std::span<const double> values) override {
-    PassOn::rows(group, name, unit, components, values);
-    LayerError::Samples& s = samples[std::string(group)];
-    if (name == "gap") s.gap.assign(values.begin(), values.end());
-    if (name == "bodies") s.bodies.assign(values.begin(), values.end());
-    if (name == "force" && components == 1) s.force.assign(values.begin(), values.end());
-    for (double v : values) check(v, name);
-  }
-  void scalar(std::string_view group, std::string_view name, std::string_view unit, double value) override {
-    PassOn::scalar(group, name, unit, value);
-    scalars[std::string(group) + "/" + std::string(name)] = value;
-    check(value, name);
-  }
-  void check(double v, std::string_view name) {
-    if (std::isfinite(v)) return;
-    if (not_finite++ == 0) first_not_finite = name;
-  }
-  double at(const std::string& name) const {
-    const auto it = scalars.find(name);
-    return it == scalars.end() ? NAN : it->second;
-  }
-
-  std::map<std::string, double> scalars;
-  std::map<std::string, LayerError::Samples> samples;
-  double support_forces = 0;  // [N]
-  std::vector<double> stress, pressure, displacement, support;
-  long not_finite = 0;
-  std::string first_not_finite;
-};
 
 void Certificate::Range::add(double v) {
   if (!std::isfinite(v)) return;
@@ -97,21 +62,21 @@ Certificate::Certificate(const model::ModelInput& input) : stress_error_(input),
   }
 }
 
-FieldSink* Certificate::watch(FieldSink* next) {
-  if (watch_) take(*watch_);
-  watch_ = std::make_shared<Watch>(next);
-  return watch_.get();
-}
+void Certificate::state(const Snapshot& said) {
+  const auto finite = [&](const std::string& name, double v) {
+    if (!std::isfinite(v) && not_finite_++ == 0) first_not_finite_ = name;
+  };
+  for (const auto* tables : {&said.point, &said.row})  // cells are not numbers by design, on stiff bodies
+    for (const auto& [name, values] : *tables)
+      for (double v : values) finite(leaf_of(name), v);
+  for (const auto& [name, v] : said.number) finite(leaf_of(name), v);
 
-void Certificate::take(const Watch& seen) {
-  not_finite_ += seen.not_finite;
-  if (first_not_finite_.empty()) first_not_finite_ = seen.first_not_finite;
   double energy = 0;
   double unsupported = NAN;  // load of a held body that its supports do not bear [N]
   double elastic = 0, guard_share = 0;  // [J], 1
   bool any_energy = false;
-  for (const auto& [name, v] : seen.scalars) {
-    const std::string leaf = name.substr(name.find('/') + 1);
+  for (const auto& [name, v] : said.number) {
+    const std::string leaf = leaf_of(name);
     if (leaf == "min_distance") distance_.add(v);
     if (leaf == "det_F_min") det_F_.add(v);
     if (leaf == "clip_partition_defect") partition_.add(v);
@@ -123,25 +88,32 @@ void Certificate::take(const Watch& seen) {
     if (leaf == "energy" || leaf == "kinetic_energy") energy += v, any_energy = true;
     if (starts_with(leaf, "force_share_")) kind_share_[leaf.substr(12)] = v;
   }
-  const ForceBalance balance = force_balance(seen.scalars, seen.support_forces);
+  const ForceBalance balance = force_balance(said);
   // Errors of fields are judged at the state that is loaded most.
-  if (!seen.stress.empty() && elastic > std::max(most_elastic_, energy_floor_)) most_elastic_ = elastic, stress_estimate_ = stress_error_.of(seen.stress);
+  const auto stress = said.cell.find("cauchy_stress");
+  if (stress != said.cell.end() && elastic > std::max(most_elastic_, energy_floor_)) most_elastic_ = elastic, stress_estimate_ = stress_error_.of(stress->second);
+  const std::map<std::string, LayerError::Samples> samples = samples_of(said);
   double pressed = 0;
-  for (double p : seen.pressure) pressed += std::max(p, 0.0);
+  const auto of_points = [&](const char* name, int components) {
+    const Snapshot::Values* v = said.of_points(name, components);
+    return v ? std::span<const double>(*v) : std::span<const double>();
+  };
+  const std::span<const double> pressure = of_points("contact_pressure", 1);
+  for (double p : pressure) pressed += std::max(p, 0.0);
   if (pressed > most_pressed_) {
     most_pressed_ = pressed, guard_share_ = guard_share;
-    pressure_estimate_ = pressure_error_.of(seen.pressure);
+    pressure_estimate_ = pressure_error_.of(pressure);
     layer_ = NAN;
-    for (const auto& [effect, samples] : seen.samples)
-      if (!samples.gap.empty() && samples.bodies.size() == 2 * samples.force.size()) layer_ = std::fmax(layer_, layer_error_.of(samples, seen.displacement, seen.support, seen.pressure));
+    for (const auto& [effect, of] : samples)
+      if (!of.gap.empty() && of.bodies.size() == 2 * of.force.size()) layer_ = std::fmax(layer_, layer_error_.of(of, of_points("displacement", 3), of_points("support_force", 3), pressure));
   }
-  largest(written_newton_, seen.at("balance/written_defect"));
+  largest(written_newton_, said.at("balance/written_defect"));
   largest(balance_newton_, balance.defect);
   largest(unsupported_newton_, unsupported);
   const double scale = std::max(balance.scale, force_floor_);  // forces below are rounding
   if (scale > 0) {
     largest(balance_relative_, balance.defect / scale);
-    largest(written_relative_, seen.at("balance/written_defect") / scale);
+    largest(written_relative_, said.at("balance/written_defect") / scale);
     largest(unsupported_relative_, unsupported / scale);
   }
   if (any_energy) {
@@ -152,21 +124,19 @@ void Certificate::take(const Watch& seen) {
     last_energy_ = energy;
   }
   for (int a = 0; a < 3; ++a) {
-    const double m = seen.at(std::string("inertia/momentum_") + "xyz"[a]);
+    const double m = said.at(std::string("inertia/momentum_") + "xyz"[a]);
     if (std::isnan(first_momentum_[a])) first_momentum_[a] = m;
     last_momentum_[a] = m;
   }
-  for (const auto& [effect, samples] : seen.samples) {
+  for (const auto& [effect, of] : samples) {
     const auto d_hat = d_hat_.find(effect);
     if (d_hat == d_hat_.end()) continue;
-    for (std::size_t i = 0; i < std::min(samples.gap.size(), samples.force.size()); ++i)
-      if (samples.force[i] > 0) gap_share_[effect].add(samples.gap[i] / d_hat->second);
+    for (std::size_t i = 0; i < std::min(of.gap.size(), of.force.size()); ++i)
+      if (of.force[i] > 0) gap_share_[effect].add(of.gap[i] / d_hat->second);
   }
 }
 
 void Certificate::checkpoint(Archive& archive) {
-  if (watch_) take(*watch_);
-  watch_.reset();
   const auto range = [&](const std::string& name, Range& r) {
     archive.io(name + "_least", r.least);
     archive.io(name + "_most", r.most);
@@ -196,8 +166,6 @@ void Certificate::checkpoint(Archive& archive) {
 }
 
 void Certificate::step(const solver::StepReport& r) {
-  if (watch_) take(*watch_);
-  watch_.reset();
   if (steps_ == 0) first_step_ = r.step + 1, begin_ = r.time - r.dt;
   ++steps_, end_ = r.time;
   newton_ += r.newton, lag_ += r.lag, cg_ += r.cg, line_search_ += r.line_search, regularised_ += r.regularised;
@@ -233,9 +201,7 @@ std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& e
 }
 
 std::string Certificate::json(const End& end) const {
-  Certificate c = *this;  // with the state reported last
-  if (c.watch_) c.take(*c.watch_), c.watch_.reset();
-
+  const Certificate& c = *this;
   // F: some state is no state of the model. C: incomplete, or the bound of B is exceeded. B: that of A is. A: none.
   std::string grade = "A", reason = "every bound is met";
   const auto lower = [&](const char* to, const std::string& why) {

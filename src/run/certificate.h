@@ -1,14 +1,13 @@
 #pragma once
 #include <cmath>
 #include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "base/archive.h"
 #include "base/error.h"
-#include "base/field_sink.h"
 #include "base/params.h"
+#include "base/snapshot.h"
 #include "run/layer_error.h"
 #include "run/pressure_error.h"
 #include "run/state_audit.h"
@@ -24,8 +23,7 @@ class Certificate {
  public:
   explicit Certificate(const model::ModelInput& input);
 
-  // A sink for the report of one state: takes note and passes on to `next` (may be null). Valid until the next call.
-  FieldSink* watch(FieldSink* next);
+  void state(const Snapshot& said);
   // The step that led to the state reported last.
   void step(const solver::StepReport& report);
   // Everything gathered so far: a resumed run certifies the whole. What is added below has to be added there.
@@ -40,7 +38,6 @@ class Certificate {
   std::string json(const End& end) const;
 
  private:
-  class Watch;
   struct Range {
     double least = NAN, most = NAN;
     void add(double v);
@@ -50,10 +47,8 @@ class Certificate {
     std::string name;
     double value, good, usable;
   };
-  void take(const Watch& seen);
   std::vector<Check> checks(const EnergyAudit::Result& energy) const;
 
-  std::shared_ptr<Watch> watch_;
   StressError stress_error_;
   PressureError pressure_error_;
   LayerError layer_error_;

@@ -2,7 +2,6 @@
 
 #include "render/from_scene.h"
 #include "render/renderer.h"
-#include "run/tee.h"
 #include "sensors/sensors.h"
 
 namespace mortise::run {
@@ -19,13 +18,13 @@ std::unique_ptr<engine::Engine> check_start(const Params& scene, const model::Mo
   check(engine::cpu_api().create(input, engine));
   sensors::Sensors sensors(input);
   const std::vector<double> points = engine->points();
-  Tee tee(nullptr);
-  engine->report(*sensors.watch(&tee));
-  sensors.finish(points);
+  Snapshot start;
+  engine->report(start);
+  sensors.read(start, points);
   if (scene.has("render") && scene.at("output").flag("pictures")) {
     render::SceneView view(scene, input.bodies);
     view.move(points);
-    for (const std::string& camera : view.cameras()) render::check_job(view.job(camera, tee.point_fields(), ""));
+    for (const std::string& camera : view.cameras()) render::check_job(view.job(camera, start.point_scalars(), ""));
   }
   check(engine->begin());
   return engine;

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "base/memory_archive.h"
-#include "base/pass_on.h"
 
 namespace mortise::run {
 namespace {
@@ -20,20 +19,6 @@ const char* outcome_of(Exit status) {
 }
 
 }  // namespace
-
-class Checks::Watch : public PassOn {
- public:
-  using PassOn::PassOn;
-  void points(std::string_view name, std::string_view unit, int components, std::span<const double> values) override {
-    PassOn::points(name, unit, components, values);
-    if (components == 3) seen.fields[std::string(name)].assign(values.begin(), values.end());
-  }
-  void scalar(std::string_view group, std::string_view name, std::string_view unit, double value) override {
-    PassOn::scalar(group, name, unit, value);
-    seen.scalars[std::string(group) + "/" + std::string(name)] = value;
-  }
-  StateReport seen;
-};
 
 Checks::Checks(const model::ModelInput& input) : energy_(input) {
   if (const Params* list = input.scene.find("checks"))
@@ -52,13 +37,6 @@ Checks::Checks(const model::ModelInput& input) : energy_(input) {
     bodies_.emplace_back(b, start_.size() / 3);
     for (const Vec3& x : b.nodes) start_.insert(start_.end(), x.data(), x.data() + 3);
   }
-}
-
-Checks::~Checks() = default;
-
-FieldSink* Checks::watch(FieldSink* next) {
-  watch_ = std::make_unique<Watch>(next);
-  return watch_.get();
 }
 
 void Checks::Criterion::take(double v) {
@@ -84,24 +62,20 @@ void Checks::take(const std::string& quantity, const std::string& body, const Ve
     if (c.quantity == quantity && c.body == body) c.take(c.axis == 3 ? v.norm() : v[c.axis]);
 }
 
-const EnergyAudit::Result& Checks::state(const std::vector<double>& points) {
-  if (!watch_) return energy_.result();
-  StateReport now = std::move(watch_->seen);
-  watch_.reset();
-  now.points = points;
+const EnergyAudit::Result& Checks::state(const Snapshot& said, const std::vector<double>& points) {
+  const StateReport now{said, points};
   const EnergyAudit::Result& energy = energy_.state(now);
   if (empty()) return energy;
   double distance = INFINITY;
-  for (const auto& [name, v] : now.scalars)
+  for (const auto& [name, v] : said.number)
     if (name.ends_with("/min_distance")) distance = std::isnan(v) ? v : std::min(distance, v);
   if (std::isfinite(distance)) take("min_distance", distance);
-  if (now.scalars.count("elasticity/det_F_min")) take("min_det_f", now.scalar("elasticity/det_F_min"));
-  if (now.scalars.count("mortar_contact/clip_partition_defect")) take("clip_defect", now.scalar("mortar_contact/clip_partition_defect"));
-  if (now.scalars.count("inertia/kinetic_energy")) take("kinetic_energy", now.scalar("inertia/kinetic_energy"));
-  if (now.scalars.count("inertia/angular_momentum_x")) take("angular_momentum", "", now.vector("inertia/angular_momentum_"));
-  if (now.scalars.count("balance/defect_x")) {
-    const auto* support = now.field("support_force");
-    const ForceBalance balance = force_balance(now.scalars, support ? sum_of_sizes(*support) : 0);
+  if (said.has("elasticity/det_F_min")) take("min_det_f", said.at("elasticity/det_F_min"));
+  if (said.has("mortar_contact/clip_partition_defect")) take("clip_defect", said.at("mortar_contact/clip_partition_defect"));
+  if (said.has("inertia/kinetic_energy")) take("kinetic_energy", said.at("inertia/kinetic_energy"));
+  if (said.has("inertia/angular_momentum_x")) take("angular_momentum", "", now.vector("inertia/angular_momentum_"));
+  if (said.has("balance/defect_x")) {
+    const ForceBalance balance = force_balance(said);
     // Of forces that are no larger than what a step may leave unbalanced there is no share.
     take("force_balance", balance.scale > 1e3 * force_tolerance_ ? balance.defect / balance.scale : 0);
   }
@@ -112,7 +86,7 @@ const EnergyAudit::Result& Checks::state(const std::vector<double>& points) {
 }
 
 void Checks::momentum(const StateReport& now) {
-  if (!now.scalars.count("inertia/momentum_x")) return;
+  if (!now.said.has("inertia/momentum_x")) return;
   const Vec3 p = now.vector("inertia/momentum_");
   if (!momentum_first_) momentum_first_ = p;
   double size = 0;
@@ -150,7 +124,7 @@ void Checks::measure(const MeasuredBody& b, const StateReport& now) {
   }
   Vec3 contact = Vec3::Zero(), support = Vec3::Zero(), friction = Vec3::Zero();
   bool touched = false, held = false, rubbed = false;
-  for (const auto& [name, value] : now.scalars)
+  for (const auto& [name, value] : now.said.number)
     for (int c = 0; c < 3; ++c) {
       const std::string tail = std::string("_") + "xyz"[c];
       if (name.ends_with("_contact/force_" + b.name + tail)) contact[c] += value, touched = true;

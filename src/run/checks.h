@@ -1,12 +1,11 @@
 #pragma once
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
-#include "base/field_sink.h"
+#include "base/snapshot.h"
 #include "base/params.h"
 #include "model/input.h"
 #include "run/measured_body.h"
@@ -20,13 +19,10 @@ namespace mortise::run {
 class Checks {
  public:
   explicit Checks(const model::ModelInput& input);
-  ~Checks();
 
   bool empty() const { return criteria_.empty(); }
-  // A sink for the report of one state: takes note and passes on to `next` (may be null). Valid until the next call.
-  FieldSink* watch(FieldSink* next);
-  // The state reported last is complete; points: 3 per point [m]. Its energies, also without any criterion.
-  const EnergyAudit::Result& state(const std::vector<double>& points);
+  // Takes note of what was reported of a state; points: 3 per point [m]. Its energies, also without any criterion.
+  const EnergyAudit::Result& state(const Snapshot& said, const std::vector<double>& points);
   const EnergyAudit::Result& energy() const { return energy_.result(); }
   void step(const solver::StepReport& report);
   void checkpoint(Archive& archive);  // all that was measured so far
@@ -43,7 +39,6 @@ class Checks {
   static std::string add_to(const std::string& certificate, const std::vector<Verdict>& verdicts);
 
  private:
-  class Watch;
   // One entry of the list with what was measured for it.
   struct Criterion {
     Params params;
@@ -66,7 +61,6 @@ class Checks {
   std::vector<Criterion> criteria_;
   std::vector<MeasuredBody> bodies_;
   EnergyAudit energy_;
-  std::unique_ptr<Watch> watch_;
   std::vector<double> start_;  // points at rest
   double momentum_scale_ = 0, force_tolerance_ = 0;
   std::optional<Vec3> momentum_first_;

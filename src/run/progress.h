@@ -2,15 +2,10 @@
 #include <memory>
 #include <string>
 
+#include "run/contact_figures.h"
 #include "solver/report.h"
 
 namespace mortise::run {
-
-// What the progress line shows beside the solver's own figures; NaN where no effect reported it.
-struct ContactFigures {
-  double pairs;    // active contact pairs
-  double min_gap;  // [m]
-};
 
 // Tells the user how a run goes: one line that rewrites itself on a terminal, one line per step otherwise (both on stderr), or
 // one JSON object per event on stdout.

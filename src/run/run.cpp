@@ -34,7 +34,6 @@
 #include "run/sensor_maps.h"
 #include "run/signals.h"
 #include "run/step_row.h"
-#include "run/tee.h"
 #include "run/warnings.h"
 #include "sensors/sensors.h"
 
@@ -255,39 +254,42 @@ class Run {
     return frame;
   }
 
-  void append(const solver::StepReport& report, const ContactFigures& contact) {
-    contact_ = contact;
-    const output::StepRow row = step_row(report, contact);
+  void append(const solver::StepReport& report, const Snapshot& state) {
+    contact_ = contact_figures(state);
+    const output::StepRow row = step_row(report, contact_);
     file_->append_step(row);
     record_.steps.push_back(row);
   }
 
   void capture(const solver::StepReport& report) {
-    Tee tee(checks_->watch(certificate_->watch(nullptr)));
-    engine_->report(tee);
-    checks_->state(engine_->points());
-    append(report, tee.contact());
+    Snapshot state;
+    engine_->report(state);
+    certificate_->state(state);
+    checks_->state(state, engine_->points());
+    append(report, state);
   }
 
   // `report`: of the step that led to this state, null at the start.
   void write_frame(const solver::StepReport* report) {
     const auto begin = Time::now();
     const std::vector<double> points = engine_->points();
-    Tee tee(checks_->watch(certificate_->watch(file_.get())));
+    Snapshot state;
+    engine_->report(state);
+    const std::vector<sensors::Reading> readings = sensors_->read(state, points);
+    certificate_->state(state);
     file_->begin_frame(engine_->time(), points);
-    engine_->report(*sensors_->watch(&tee));
-    sensors_->finish(points);
+    state.report(*file_);
     if (file_->frames() == 0) write_sensor_facts(scene_.root, *sensors_, *file_);
-    audit(checks_->state(points));
-    if (report) append(*report, tee.contact());
+    audit(checks_->state(state, points));
+    if (report) append(*report, state);
     file_->end_frame();
     const auto written = Time::now();
     record_.seconds["output"] += std::chrono::duration<double>(written - begin).count();
     const long frame = file_->frames() - 1;
     const bool drawn = frame % picture_every_ == 0;
-    if (pictures_ && drawn) pictures_->draw(frame, engine_->time(), points, tee.point_fields());
-    if (sensor_maps_) sensor_maps_->see(sensors_->readings());
-    if (sensor_maps_ && drawn) sensor_maps_->draw(frame, engine_->time(), sensors_->readings());
+    if (pictures_ && drawn) pictures_->draw(frame, engine_->time(), points, state.point_scalars());
+    if (sensor_maps_) sensor_maps_->see(readings);
+    if (sensor_maps_ && drawn) sensor_maps_->draw(frame, engine_->time(), readings);
     record_.seconds["pictures"] += std::chrono::duration<double>(Time::now() - written).count();
   }
 
@@ -364,7 +366,7 @@ class Run {
   Record record_;
   std::optional<Certificate> certificate_;
   std::optional<Checks> checks_;
-  ContactFigures contact_{NAN, NAN};
+  ContactFigures contact_;
   long frame_every_ = 1, steps_ = 0, last_ = 0;  // last_: where this run ends, with --frames before the scene does
   long picture_every_ = 1, checkpoint_steps_ = 0;
   double checkpoint_seconds_ = 0;

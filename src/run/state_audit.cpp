@@ -4,18 +4,11 @@
 
 namespace mortise::run {
 
-double sum_of_sizes(const std::vector<double>& vectors) {
-  double sum = 0;
-  for (std::size_t i = 0; i < vectors.size() / 3; ++i) sum += vector_at(vectors, i).norm();
-  return sum;
-}
-
-ForceBalance force_balance(const std::map<std::string, double>& scalars, double support_forces) {
-  const auto at = [&](const char* name) {
-    const auto it = scalars.find(name);
-    return it == scalars.end() ? NAN : it->second;
-  };
-  return {std::hypot(at("balance/defect_x"), at("balance/defect_y"), at("balance/defect_z")), std::fmax(at("balance/largest"), support_forces)};
+ForceBalance force_balance(const Snapshot& said) {
+  double supports = 0;
+  if (const Snapshot::Values* f = said.of_points("support_force", 3))
+    for (std::size_t i = 0; i < f->size() / 3; ++i) supports += vector_at(*f, i).norm();
+  return {std::hypot(said.at("balance/defect_x"), said.at("balance/defect_y"), said.at("balance/defect_z")), std::fmax(said.at("balance/largest"), supports)};
 }
 
 EnergyAudit::EnergyAudit(const model::ModelInput& input) {
@@ -35,8 +28,8 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   r_.total = all_ - turning(now);
   if (!points_before_.empty() && r_.work_is_known) {
     // The solver's own sum over the substeps counts moments too.
-    const bool summed = now.scalars.count("supports/work");
-    const double work = summed ? now.scalar("supports/work") : support_work(now);
+    const bool summed = now.said.has("supports/work");
+    const double work = summed ? now.said.at("supports/work") : support_work(now);
     r_.support_work += work;
     r_.scale = std::max(r_.scale, std::abs(r_.support_work));
     r_.gain = (summed ? all_ - all_before : r_.total - before) - work;
@@ -55,8 +48,8 @@ void EnergyAudit::checkpoint(Archive& archive) {
 
 double EnergyAudit::total(const StateReport& now) {
   double sum = 0;
-  for (const auto& [name, v] : now.scalars) {
-    const std::string leaf = name.substr(name.find('/') + 1);
+  for (const auto& [name, v] : now.said.number) {
+    const std::string leaf = leaf_of(name);
     if (leaf != "energy" && leaf != "kinetic_energy") continue;
     sum += v;
     if (name != "gravity/energy") {  // which is arbitrary up to a constant
@@ -74,7 +67,7 @@ double EnergyAudit::turning(const StateReport& now) const {
   double sum = 0;
   if (const auto* v = now.field("velocity"))
     for (const MeasuredBody& b : bodies_)
-      if (!b.soft() && now.scalars.count("supports/" + b.name + "_x")) sum += b.turning_energy(*v, now.points);
+      if (!b.soft() && now.said.has("supports/" + b.name + "_x")) sum += b.turning_energy(*v, now.points);
   return sum;
 }
 
@@ -86,7 +79,7 @@ double EnergyAudit::support_work(const StateReport& now) const {
   // A pinned stiff body: its resultant on the way of its centre, and against the contact on what it turns.
   const auto *contact = now.field("contact_force"), *friction = now.field("friction_force");
   for (const MeasuredBody& b : bodies_) {
-    if (b.soft() || !now.scalars.count("supports/" + b.name + "_x")) continue;
+    if (b.soft() || !now.said.has("supports/" + b.name + "_x")) continue;
     const Vec3 way = b.mean(now.points, now.points) - b.mean(points_before_, points_before_);
     work += now.vector("supports/" + b.name + "_").dot(way);
     for (std::size_t i = b.first; i < b.first + b.count; ++i)

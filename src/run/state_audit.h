@@ -2,12 +2,12 @@
 // Energy and balance of the states of a run, from what effects report of each: `mortise run` writes them to every frame (group `audit` of
 // fields.vtkhdf) and to certificate.json, and judges criteria by them.
 #include <cmath>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/archive.h"
+#include "base/snapshot.h"
 #include "model/input.h"
 #include "run/measured_body.h"
 
@@ -15,19 +15,14 @@ namespace mortise::run {
 
 // The report of one state.
 struct StateReport {
-  std::map<std::string, std::vector<double>> fields;  // of points, three components
-  std::map<std::string, double> scalars;              // "group/name"
-  std::vector<double> points;                         // [m]
+  const Snapshot& said;
+  const std::vector<double>& points;  // 3 per point [m]
 
-  double scalar(const std::string& name) const {
-    const auto it = scalars.find(name);
-    return it == scalars.end() ? NAN : it->second;
-  }
-  Vec3 vector(const std::string& stem) const { return {scalar(stem + "x"), scalar(stem + "y"), scalar(stem + "z")}; }
-  // Null where no effect reported it.
+  Vec3 vector(const std::string& stem) const { return {said.at(stem + "x"), said.at(stem + "y"), said.at(stem + "z")}; }
+  // Vectors at points; null where no effect reported them.
   const std::vector<double>* field(const char* name) const {
-    const auto it = fields.find(name);
-    return it == fields.end() || it->second.empty() ? nullptr : &it->second;
+    const Snapshot::Values* v = said.of_points(name, 3);
+    return v && !v->empty() ? v : nullptr;
   }
 };
 
@@ -36,8 +31,7 @@ struct StateReport {
 struct ForceBalance {
   double defect = NAN, scale = NAN;
 };
-ForceBalance force_balance(const std::map<std::string, double>& scalars, double support_forces);
-double sum_of_sizes(const std::vector<double>& vectors);
+ForceBalance force_balance(const Snapshot& said);
 
 class EnergyAudit {
  public:

@@ -1,19 +1,6 @@
 #include "sensors/sensors.h"
 
-#include "base/pass_on.h"
-
 namespace mortise::sensors {
-
-class Sensors::Watch : public PassOn {
- public:
-  using PassOn::PassOn;
-  void points(std::string_view name, std::string_view unit, int components, std::span<const double> values) override {
-    PassOn::points(name, unit, components, values);
-    if (name == "contact_force") contact.assign(values.begin(), values.end());
-    if (name == "friction_force") friction.assign(values.begin(), values.end());
-  }
-  std::vector<double> contact, friction;  // 3 per point [N]
-};
 
 Sensors::Sensors(const model::ModelInput& input) {
   const Params* wanted = input.scene.find("sensors");
@@ -27,36 +14,31 @@ Sensors::Sensors(const model::ModelInput& input) {
   }
 }
 
-Sensors::~Sensors() = default;
-
-FieldSink* Sensors::watch(FieldSink* next) {
-  if (empty()) return next;
-  next_ = next;
-  watch_ = std::make_unique<Watch>(next);
-  return watch_.get();
-}
-
-void Sensors::finish(const std::vector<double>& points) {
-  if (empty()) return;
-  readings_.clear();
+std::vector<Reading> Sensors::read(Snapshot& state, const std::vector<double>& points) const {
+  const auto forces = [&](const char* name) {
+    const Snapshot::Values* v = state.of_points(name, 3);
+    return v ? *v : Snapshot::Values{};
+  };
+  const Snapshot::Values contact = forces("contact_force"), friction = forces("friction_force");
+  std::vector<Reading> readings;
   for (const Sensor& s : sensors_) {
-    const Reading r = s.read(points, watch_->contact, watch_->friction);
-    readings_.push_back(r);
-    if (!next_) continue;
+    const Reading r = s.read(points, contact, friction);
+    readings.push_back(r);
     const std::string group = "sensor_" + s.name();
-    next_->rows(group, "pressure", "Pa", 1, r.pressure);
-    next_->rows(group, "shear", "Pa", 2, r.shear);
-    next_->rows(group, "force", "N", 3, r.force);
-    next_->rows(group, "displacement", "m", 3, r.displacement);
-    next_->rows(group, "area", "m^2", 1, r.area);
+    state.rows(group, "pressure", "Pa", 1, r.pressure);
+    state.rows(group, "shear", "Pa", 2, r.shear);
+    state.rows(group, "force", "N", 3, r.force);
+    state.rows(group, "displacement", "m", 3, r.displacement);
+    state.rows(group, "area", "m^2", 1, r.area);
     for (int k = 0; k < 3; ++k) {
       const std::string axis = std::string("_") + "xyz"[k];
-      next_->scalar(group, "wrench_force" + axis, "N", r.wrench_force[k]);
-      next_->scalar(group, "wrench_moment" + axis, "N m", r.wrench_moment[k]);
-      next_->scalar(group, "origin" + axis, "m", r.frame.origin[k]);
-      for (int i = 0; i < 3; ++i) next_->scalar(group, std::string("axis_") + "xyz"[k] + "_" + "xyz"[i], "1", r.frame.axes(i, k));
+      state.scalar(group, "wrench_force" + axis, "N", r.wrench_force[k]);
+      state.scalar(group, "wrench_moment" + axis, "N m", r.wrench_moment[k]);
+      state.scalar(group, "origin" + axis, "m", r.frame.origin[k]);
+      for (int i = 0; i < 3; ++i) state.scalar(group, std::string("axis_") + "xyz"[k] + "_" + "xyz"[i], "1", r.frame.axes(i, k));
     }
   }
+  return readings;
 }
 
 }  // namespace mortise::sensors

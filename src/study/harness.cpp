@@ -129,20 +129,15 @@ void SceneText::use(const Method& method, double node_area) {
   yaml_ = emit(root);
 }
 
-double Fields::at(const std::string& name) const {
-  const auto it = number.find(name);
-  return it == number.end() ? NAN : it->second;
-}
-
 Row Solved::row(const std::string& name, const Method& method, const std::string& quantity, double value, double reference, double error, double gate) const {
   return {name, method.name, quantity, converged ? value : NAN, reference, converged ? error : NAN, gate, seconds, newton, dofs, !converged};
 }
 
-Solved solve(const SceneText& text, const std::function<void(model::ModelInput&)>& prepare, const std::function<void(const Fields&)>& each) {
+Solved solve(const SceneText& text, const std::function<void(model::ModelInput&)>& prepare, const std::function<void(const Snapshot&)>& each) {
   return solve(scene::read_scene_text(text.text(), "benchmark.yaml", {}, engine::effect_tables()), prepare, each);
 }
 
-Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInput&)>& prepare, const std::function<void(const Fields&)>& each) {
+Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInput&)>& prepare, const std::function<void(const Snapshot&)>& each) {
   Solved out;
   out.input = engine::make_input(scene.root);
   if (prepare) prepare(out.input);
@@ -168,8 +163,8 @@ Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInp
     check(outcome);
     out.steps.push_back(report);
     out.fields = {};
-    engine->report(*sensors.watch(&out.fields));
-    sensors.finish(engine->points());
+    engine->report(out.fields);
+    sensors.read(out.fields, engine->points());
     if (each) each(out.fields);
   }
   out.points = engine->points();

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/field_sink.h"
+#include "base/snapshot.h"
 #include "geometry/mesh.h"
 #include "model/input.h"
 #include "scene/scene.h"
@@ -54,23 +54,9 @@ class SceneText {
   std::string yaml_;
 };
 
-// What a run reported, by name ("group/name" for rows and scalars).
-class Fields : public FieldSink {
- public:
-  void points(std::string_view name, std::string_view, int, std::span<const double> v) override { point[std::string(name)].assign(v.begin(), v.end()); }
-  void cells(std::string_view name, std::string_view, int, std::span<const double> v) override { cell[std::string(name)].assign(v.begin(), v.end()); }
-  void rows(std::string_view group, std::string_view name, std::string_view, int, std::span<const double> v) override {
-    row[std::string(group) + "/" + std::string(name)].assign(v.begin(), v.end());
-  }
-  void scalar(std::string_view group, std::string_view name, std::string_view, double v) override { number[std::string(group) + "/" + std::string(name)] = v; }
-  double at(const std::string& name) const;  // NaN where nothing reported it
-  std::map<std::string, std::vector<double>> point, cell, row;
-  std::map<std::string, double> number;
-};
-
 struct Solved {
   model::ModelInput input;
-  Fields fields;
+  Snapshot fields;  // of the last state
   std::vector<double> points;  // 3 per point [m]
   std::vector<solver::StepReport> steps;
   bool converged = false;
@@ -84,10 +70,10 @@ struct Solved {
 
 // Runs all steps of a scene on the chosen device. `prepare` may exchange meshes before the engine sees them; `each` is called after every step.
 // Throws Error for all but steps that do not converge.
-Solved solve(const SceneText& scene, const std::function<void(model::ModelInput&)>& prepare = {}, const std::function<void(const Fields&)>& each = {});
+Solved solve(const SceneText& scene, const std::function<void(model::ModelInput&)>& prepare = {}, const std::function<void(const Snapshot&)>& each = {});
 
 // The same for a scene that was read; paths in it hold.
-Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInput&)>& prepare = {}, const std::function<void(const Fields&)>& each = {});
+Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInput&)>& prepare = {}, const std::function<void(const Snapshot&)>& each = {});
 
 // Gives a body this mesh, placed as it is (world coordinates).
 void set_mesh(model::ModelInput& input, const std::string& body, const geometry::TetMesh& mesh);

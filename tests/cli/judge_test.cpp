@@ -122,7 +122,7 @@ std::string write(const Pushed& p, const std::string& name) {
     mesh.types.push_back(p.quadratic && b == 0 ? output::quadratic_tetrahedron : output::tetrahedron);
     mesh.body_of_cell.push_back(b);
   }
-  const std::string scene = "bodies: {a: {type: soft, material: m}, b: {type: soft, material: m}}\nmaterials: {m: {density: 6}}\ntime: {mode: static, steps: 1, frame_every: 1}\n"
+  const std::string scene = "bodies: {a: {type: soft, material: m}, b: {type: soft, material: m}}\nmaterials: {m: {density: 6, youngs_modulus: 1.0e+6, poisson_ratio: 0.3}}\ntime: {mode: static, steps: 1, frame_every: 1}\n"
                             "output: {precision: double}\neffects: {barrier_contact: {d_hat: 1}, pin: [{body: a, where: {side: z_min}}]}\n";
   output::FieldOptions options;
   options.double_precision = true, options.xdmf = false;
@@ -170,6 +170,8 @@ TEST(Judge, AddsUpTheForcesOnEveryBody) {
   EXPECT_EQ(wrong["code"], 1);
   EXPECT_EQ(wrong["what"], "the forces on a do not add up: 0.100000 N are left");
   EXPECT_EQ(judged(Pushed{.support = {0, 0, -2.9}, .residual = 0.03})["code"], 0) << "four nodes, each with this residual";
+  EXPECT_EQ(judged(Pushed{.contact = {0, 0, 3e-10}, .support = {0, 0, 0}, .residual = 1e-14})["code"], 0) << "no more than rounding of positions";
+  EXPECT_EQ(judged(Pushed{.contact = {0, 0, 3e-7}, .support = {0, 0, 0}, .residual = 1e-14})["code"], 1);
 }
 
 TEST(Judge, SeesTheQuartersOfQuadraticFaces) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 
 #include "judge/judge.h"
 
@@ -44,6 +45,13 @@ bool straight(const Body& body, const std::vector<Vector>& rest) {
   return true;
 }
 
+// What rounding of its positions makes of the forces in a body [N]: eps |x| is a way, E L a stiffness.
+double rounding_force(const Body& body, const std::vector<Vector>& rest) {
+  double farthest = 0, size = 0;
+  for (long p : body.points) farthest = std::fmax(farthest, norm(rest[p])), size = std::fmax(size, norm(rest[p] - rest[body.points[0]]));
+  return body.soft ? static_cast<double>(body.points.size()) * std::numeric_limits<double>::epsilon() * (farthest + size) * body.youngs_modulus * size : 0;
+}
+
 std::vector<double> column(const File& file, const std::string& path) { return file.has(path) ? file.numbers(path) : std::vector<double>{}; }
 
 }  // namespace
@@ -67,6 +75,7 @@ void judge_forces(const File& file, const Case& c, Verdict& v) {
     if (body.pinned && !body.soft)
       for (int k = 0; k < 3; ++k) support[k] = column(file, "/mortise/effects/supports/" + body.name + "_" + "xyz"[k]);
     if (body.pinned && (body.soft ? fields[2].empty() : support[2].empty())) continue;  // not saved
+    const double floor = rounding_force(body, c.rest);
     std::vector<Motion> at;  // of every frame
     for (long f = 0; f < c.frames; ++f) at.push_back(moving(body, c.rest, c.inertia ? frame_of(velocity, f, n) : std::vector<Vector>{}));
     for (long f = 1; f < c.frames; ++f) {
@@ -91,7 +100,7 @@ void judge_forces(const File& file, const Case& c, Verdict& v) {
       }
       const double nodes = body.soft ? static_cast<double>(body.points.size()) : 1;
       // The residual that is reported is the worst body's; others were solved to their own tolerance.
-      const double error = norm(sum) / (nodes * std::fmax(residual[f - 1], lag[f - 1]) + ((body.pinned ? nodes : 1) * c.tolerance + rounding) * size);
+      const double error = norm(sum) / (nodes * std::fmax(residual[f - 1], lag[f - 1]) + ((body.pinned ? nodes : 1) * c.tolerance + rounding) * size + floor);
       ++v.forces;
       if (!(error <= v.force_error)) v.force_error = error;
       if (!(error <= 1) && std::isfinite(size) && size > 0) v.found(f, "the forces on " + body.name + " do not add up: " + std::to_string(norm(sum)) + " N are left");

@@ -46,10 +46,10 @@ Checks::Verdict verdict(const std::string& criterion, const Map& map = kStay, co
   const model::ModelInput input = scene("  - " + criterion + "\n");
   Checks checks(input);
   for (int k = 0; k < 2; ++k) {
-    FieldSink& sink = *checks.watch(nullptr);
+    Snapshot sink;
     sink.points("velocity", "m/s", 3, points(input, k ? velocity : Map([](const Vec3&) { return Vec3::Zero(); })));
     if (more) more(sink, k);
-    checks.state(points(input, k ? map : kStay));
+    checks.state(sink, points(input, k ? map : kStay));
   }
   solver::StepReport step;
   step.newton = 7, step.substeps = 2, step.alpha = 0.5, step.residual = 1, step.tolerance = 4;
@@ -136,12 +136,12 @@ bodies: {cube: {type: soft, shape: {box: {size: [1, 1, 1], edge_length: 1}}, mat
 effects: {inertia: {}, elasticity: {}, pin: [{body: cube, where: {side: z_max}}])" + more + "}\n", "test.yaml", {}, engine::effect_tables()).root);
     Checks checks(input);
     for (int k = 0; k < 2; ++k) {
-      FieldSink& sink = *checks.watch(nullptr);
+      Snapshot sink;
       std::vector<double> force(3 * input.bodies[0].nodes.size(), 0.0);
       force[0] = 3;
       sink.points("support_force", "N", 3, force);
       sink.scalar("elasticity", "energy", "J", k ? 5 : 0);
-      checks.state(points(input, [&](const Vec3& x) { return Vec3(x + k * Vec3(0.5, 0, 0)); }));
+      checks.state(sink, points(input, [&](const Vec3& x) { return Vec3(x + k * Vec3(0.5, 0, 0)); }));
     }
     return checks.energy();
   };

@@ -2,9 +2,8 @@
 // Runs scenes in memory: YAML text through the real reader, mesh generators and engine; reports are captured by name.
 #include <gtest/gtest.h>
 
-#include <map>
-
 #include "base/memory_archive.h"
+#include "base/snapshot.h"
 #include "engine/effect_tables.h"
 #include "engine/choose.h"
 #include "engine/input.h"
@@ -12,26 +11,17 @@
 
 namespace mortise::testing {
 
-class Captured : public FieldSink {
+// Asked for a number that nobody reported, the test fails.
+class Captured : public Snapshot {
  public:
-  void points(std::string_view name, std::string_view, int, std::span<const double> v) override { point[std::string(name)].assign(v.begin(), v.end()); }
-  void cells(std::string_view name, std::string_view, int, std::span<const double> v) override { cell[std::string(name)].assign(v.begin(), v.end()); }
-  void rows(std::string_view group, std::string_view name, std::string_view, int, std::span<const double> v) override {
-    row[std::string(group) + "/" + std::string(name)].assign(v.begin(), v.end());
-  }
-  void scalar(std::string_view group, std::string_view name, std::string_view, double v) override { number[std::string(group) + "/" + std::string(name)] = v; }
   double at(const std::string& name) const {
-    const auto it = number.find(name);
-    if (it == number.end()) {
+    if (!has(name)) {
       std::string known;
       for (const auto& [k, v] : number) known += " " + k;
       ADD_FAILURE() << "no scalar " << name << "; there are:" << known;
-      return NAN;
     }
-    return it->second;
+    return Snapshot::at(name);
   }
-  std::map<std::string, std::vector<double>> point, cell, row;
-  std::map<std::string, double> number;
 };
 
 class Rig {

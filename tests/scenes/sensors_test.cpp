@@ -10,8 +10,8 @@ namespace {
 // A reading in the report of the present state.
 Captured sense(Rig& rig, sensors::Sensors& sensors) {
   Captured out;
-  rig.engine->report(*sensors.watch(&out));
-  sensors.finish(rig.engine->points());
+  rig.engine->report(out);
+  sensors.read(out, rig.engine->points());
   return out;
 }
 
@@ -135,5 +135,6 @@ TEST(Sensors, WithoutSensorsNothingIsAdded) {
   sensors::Sensors sensors(rig.input);
   EXPECT_TRUE(sensors.empty());
   Captured out;
-  EXPECT_EQ(sensors.watch(&out), &out);
+  EXPECT_TRUE(sensors.read(out, rig.engine->points()).empty());
+  EXPECT_TRUE(out.row.empty() && out.number.empty());
 }

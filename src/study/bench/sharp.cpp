@@ -74,7 +74,7 @@ void sharp(const Bench& b) {
         for (Vec3& x : box.points) x = R * x, lowest = std::min(lowest, x[2]);
         for (Vec3& x : box.points) x += Vec3(0.48, 0.53, gap - lowest);
         set_mesh(input, "box", box);
-      }, [&](const Fields& f) {
+      }, [&](const Snapshot& f) {
         ++done;
         most = std::max(most, std::abs(f.at(m.effect + "/force_box_z")));
       });

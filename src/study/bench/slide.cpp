@@ -38,7 +38,7 @@ void slide(const Bench& b) {
       int step = 0;
       const Solved s = solve(
           scene, [](model::ModelInput& input) { set_mesh(input, "plane", jittered_block(Vec3(0, 0, -0.1), Vec3(2, 1, 0), {17, 9, 1}, 0.3, 7)); },
-          [&](const Fields& f) {
+          [&](const Snapshot& f) {
             if (++step <= 2) return;  // still coming down
             const double x = f.at(m.effect + "/force_block_x"), y = f.at(m.effect + "/force_block_y"), z = f.at(m.effect + "/force_block_z");
             drag = std::max(drag, std::hypot(x, y) / z);

@@ -19,9 +19,9 @@ void tower(const Bench& b) {
     const auto gate = [&](double v) { return m.gated ? v : NAN; };
     const auto rows = [&](const char* what) {
       const auto it = s.fields.row.find(m.effect + "/" + what);
-      return it == s.fields.row.end() ? std::vector<double>{} : it->second;
+      return it == s.fields.row.end() ? Snapshot::Values{} : it->second;
     };
-    const std::vector<double> gap = rows("gap"), area = rows("area"), bodies = rows("bodies");
+    const Snapshot::Values gap = rows("gap"), area = rows("area"), bodies = rows("bodies");
     double above = 0;  // force of contact on all blocks above the interface
     for (int k = kBlocks - 1; k >= 0; --k) {
       const std::string name = fmt::format("interface {}", k);
