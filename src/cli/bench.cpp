@@ -10,8 +10,8 @@
 #include "cli/commands.h"
 #include "engine/choose.h"
 #include "scene/suggest.h"
-#include "study/benchmark.h"
-#include "study/ccd_bench.h"
+#include "bench/benchmark.h"
+#include "bench/ccd/ccd.h"
 
 namespace mortise::cli {
 namespace {
@@ -26,7 +26,7 @@ struct Options {
 
 int bench_ccd(const Options& o) {
   if (o.data.empty()) throw Error(Exit::usage, "bench ccd needs --data DIR, a folder of query files");
-  const study::CcdBench result = study::ccd_bench(o.data);
+  const bench::CcdBench result = bench::ccd_bench(o.data);
   if (o.json) {
     for (const auto& [kind, s] : {std::pair{"point_triangle", &result.point_triangle}, std::pair{"edge_edge", &result.edge_edge}})
       std::cout << nlohmann::ordered_json{{"case", "ccd"}, {"kind", kind}, {"queries", s->queries}, {"impacts", s->impacts}, {"false_negatives", s->false_negatives},
@@ -61,17 +61,17 @@ int bench_bandwidth(const Options& o) {
 
 constexpr const char* kBandwidthHelp = "matrix product y = A x against a copy: bytes per second on the chosen device";
 
-int bench_named(const Options& o, const study::Benchmark& benchmark) {
-  if (!o.json) std::cout << study::table_header();
-  const auto row = [&](const study::Row& r) { std::cout << (o.json ? study::json_line(r) + "\n" : study::table_line(r)) << std::flush; };
+int bench_named(const Options& o, const bench::Benchmark& benchmark) {
+  if (!o.json) std::cout << bench::table_header();
+  const auto row = [&](const bench::Row& r) { std::cout << (o.json ? bench::json_line(r) + "\n" : bench::table_line(r)) << std::flush; };
   const auto note = [](const std::string& text) { std::cerr << text << "\n"; };
-  const auto rows = study::run_benchmark(benchmark, o.sets, {row, o.hard.output.empty() ? "out/bench/" + o.name : o.hard.output, note});
+  const auto rows = bench::run_benchmark(benchmark, o.sets, {row, o.hard.output.empty() ? "out/bench/" + o.name : o.hard.output, note});
   if (!o.result.empty()) {
     auto list = nlohmann::ordered_json::array();
-    for (const study::Row& row : rows) list.push_back(nlohmann::ordered_json::parse(study::json_line(row)));
+    for (const bench::Row& row : rows) list.push_back(nlohmann::ordered_json::parse(bench::json_line(row)));
     write_result(o.result, o.name, list);
   }
-  for (const study::Row& row : rows)
+  for (const bench::Row& row : rows)
     if (row.gated() && !row.pass()) return static_cast<int>(Exit::solve);
   return static_cast<int>(Exit::done);
 }
@@ -80,9 +80,9 @@ constexpr const char* kCcdHelp = "continuous collision detection against queries
 
 int cmd_bench(const Options& o) {
   std::vector<std::string> names{"ccd", "bandwidth", "hard", "fuzz"};
-  for (const study::Benchmark& b : study::benchmarks()) names.push_back(b.name);
+  for (const bench::Benchmark& b : bench::benchmarks()) names.push_back(b.name);
   if (o.list) {
-    for (const study::Benchmark& b : study::benchmarks()) std::cout << fmt::format("{:12} {}\n", b.name, b.help);
+    for (const bench::Benchmark& b : bench::benchmarks()) std::cout << fmt::format("{:12} {}\n", b.name, b.help);
     std::cout << fmt::format("{:12} {}\n{:12} {}\n{:12} {}\n{:12} {}\n", "ccd", kCcdHelp, "bandwidth", kBandwidthHelp, "hard", kHardHelp, "fuzz", kFuzzHelp);
     return 0;
   }
@@ -92,7 +92,7 @@ int cmd_bench(const Options& o) {
   if (o.name == "bandwidth") return bench_bandwidth(o);
   if (o.name == "fuzz") return bench_fuzz(o.hard, o.result, o.threads, o.json);
   if (o.name == "hard") return bench_hard(o.hard, o.data, o.result, o.threads, o.json);
-  if (const study::Benchmark* b = study::find_benchmark(o.name)) return bench_named(o, *b);
+  if (const bench::Benchmark* b = bench::find_benchmark(o.name)) return bench_named(o, *b);
   if (o.name.empty()) throw Error(Exit::usage, "name a benchmark; see 'mortise bench --list'");
   throw Error(Exit::usage, "no benchmark '" + o.name + "'\n  " + scene::suggestion(o.name, names));
 }

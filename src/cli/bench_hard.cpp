@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "cli/bench_result.h"
-#include "study/bench/hard.h"
+#include "bench/hard/hard.h"
 
 namespace mortise::cli {
 
@@ -26,19 +26,19 @@ void add_hard_flags(CLI::App& sub, HardFlags& flags) {
 namespace {
 
 // Without the paths of this machine.
-nlohmann::ordered_json rows_of(const std::vector<study::HardRow>& rows) {
+nlohmann::ordered_json rows_of(const std::vector<bench::hard::Row>& rows) {
   auto list = nlohmann::ordered_json::array();
-  for (const study::HardRow& row : rows) {
-    list.push_back(nlohmann::ordered_json::parse(study::hard_json(row)));
+  for (const bench::hard::Row& row : rows) {
+    list.push_back(nlohmann::ordered_json::parse(bench::hard::json_line(row)));
     list.back().erase("replay");
   }
   return list;
 }
 
-int finish(const std::string& name, const std::vector<study::HardRow>& rows, const std::string& result, bool json) {
-  if (!json) std::cout << study::hard_summary(rows);
+int finish(const std::string& name, const std::vector<bench::hard::Row>& rows, const std::string& result, bool json) {
+  if (!json) std::cout << bench::hard::summary(rows);
   if (!result.empty()) write_result(result, name, rows_of(rows));
-  for (const study::HardRow& row : rows)
+  for (const bench::hard::Row& row : rows)
     if (!row.pass) return static_cast<int>(Exit::solve);
   return static_cast<int>(Exit::done);
 }
@@ -46,35 +46,35 @@ int finish(const std::string& name, const std::vector<study::HardRow>& rows, con
 }  // namespace
 
 int bench_hard(const HardFlags& flags, const std::string& scenes, const std::string& result, int threads, bool json) {
-  study::require_judge();
-  study::HardOptions o;
+  bench::hard::require_judge();
+  bench::hard::Options o;
   o.scenes = scenes, o.output = flags.output.empty() ? "out/hard" : flags.output, o.full = flags.full, o.only = flags.only, o.threads = threads;
   o.time_limit = flags.limit > 0 ? flags.limit : flags.full ? 3600 : 60;
-  if (!json) std::cout << study::hard_header() << std::flush;
-  const auto rows = study::run_hard(o, [&](const study::HardRow& row) { std::cout << (json ? study::hard_json(row) + "\n" : study::hard_line(row)) << std::flush; });
+  if (!json) std::cout << bench::hard::table_header() << std::flush;
+  const auto rows = bench::hard::run(o, [&](const bench::hard::Row& row) { std::cout << (json ? bench::hard::json_line(row) + "\n" : bench::hard::table_line(row)) << std::flush; });
   const int code = finish("hard", rows, result, json);
   if (flags.expect.empty()) return code;
-  const std::vector<std::string> worse = study::regressions(rows, flags.expect, flags.only.empty());
+  const std::vector<std::string> worse = bench::hard::regressions(rows, flags.expect, flags.only.empty());
   for (const std::string& line : worse) std::cerr << "worse: " << line << "\n";
   // Some runs are chaotic: the last bits of another machine's BLAS may tip one of them over a limit. Never a safe one into an unsafe one.
   constexpr std::size_t kTipped = 3;
-  const bool unsafe = std::any_of(rows.begin(), rows.end(), [](const study::HardRow& row) { return !row.unsafe.empty(); });
+  const bool unsafe = std::any_of(rows.begin(), rows.end(), [](const bench::hard::Row& row) { return !row.unsafe.empty(); });
   return static_cast<int>(unsafe || worse.size() > (flags.only.empty() ? kTipped : 0) ? Exit::solve : Exit::done);
 }
 
 int bench_fuzz(const HardFlags& flags, const std::string& result, int threads, bool json) {
-  study::require_judge();
-  study::HardOptions o;
+  bench::hard::require_judge();
+  bench::hard::Options o;
   o.output = flags.output.empty() ? "out/fuzz" : flags.output, o.threads = threads, o.reduce = !flags.as_is, o.time_limit = flags.limit > 0 ? flags.limit : 60;
-  if (!json) std::cout << study::hard_header() << std::flush;
+  if (!json) std::cout << bench::hard::table_header() << std::flush;
   o.wild = flags.wild;
   if (flags.wild && flags.limit <= 0) o.time_limit = 20;
-  const auto rows = study::run_fuzz(o, flags.first_seed, flags.seeds, [&](const study::HardRow& row) {
-    std::cout << (json ? study::hard_json(row) + "\n" : study::hard_line(row));
+  const auto rows = bench::hard::run_fuzz(o, flags.first_seed, flags.seeds, [&](const bench::hard::Row& row) {
+    std::cout << (json ? bench::hard::json_line(row) + "\n" : bench::hard::table_line(row));
     if (!row.pass && !json) std::cout << "    " << row.replay << "\n";
     std::cout << std::flush;
   });
-  if (!json) std::cout << study::causes(rows);
+  if (!json) std::cout << bench::hard::causes(rows);
   return finish(flags.wild ? "fuzz_wild" : "fuzz", rows, result, json);
 }
 

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "engine/effect_tables.h"
-#include "study/harness.h"
+#include "bench/harness.h"
 #include "study/limit.h"
 
 namespace mortise::study {
@@ -48,8 +48,8 @@ void run_scenes(const Study& study, const std::vector<Settings>& runs, std::vect
   for (const Settings& settings : runs) overrides.push_back(overrides_of(study, settings));
   for (std::size_t r = 0; r < runs.size(); ++r) {
     const scene::Scene scene = scene::read_scene(study.scene, overrides[r], tables);
-    Solved s = solve(scene);
-    for (int i = 1; i < study.repeats; ++i) s.seconds = std::min(s.seconds, solve(scene).seconds);
+    bench::Solved s = bench::solve(scene);
+    for (int i = 1; i < study.repeats; ++i) s.seconds = std::min(s.seconds, bench::solve(scene).seconds);
     for (const std::string& q : study.quantities) {
       Point p;
       p.settings = runs[r], p.quantity = q, p.seconds = s.seconds, p.newton_iterations = s.newton, p.dofs = s.dofs;

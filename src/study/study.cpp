@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "study/benchmark.h"
+#include "bench/benchmark.h"
 #include "study/scene_runs.h"
 
 namespace mortise::study {
@@ -35,12 +35,12 @@ std::vector<Settings> combinations(const std::vector<Vary>& vary) {
   return all;
 }
 
-void run_benchmarks(const Study& study, const Benchmark& benchmark, std::vector<Point>& points, const std::function<void(const Point&)>& done) {
+void run_benchmarks(const Study& study, const bench::Benchmark& benchmark, std::vector<Point>& points, const std::function<void(const Point&)>& done) {
   for (const auto& settings : combinations(study.vary)) {
     std::vector<std::string> sets = study.overrides;
     for (std::string& s : as_overrides(settings)) sets.push_back(std::move(s));
     const std::size_t before = points.size();
-    run_benchmark(benchmark, sets, {[&](const Row& row) {
+    bench::run_benchmark(benchmark, sets, {[&](const bench::Row& row) {
       for (const std::string& q : study.quantities) {
         if (row.quantity != q && row.name + ": " + row.quantity != q) continue;
         points.push_back({settings, row.method, q, row.value, row.error, row.seconds, row.newton_iterations, row.dofs, row.failed, false, false});
@@ -48,7 +48,7 @@ void run_benchmarks(const Study& study, const Benchmark& benchmark, std::vector<
     }, {}, {}});
     for (int i = 1; i < study.repeats; ++i) {  // the rows come in the same order
       std::size_t at = before;
-      run_benchmark(benchmark, sets, {[&](const Row& row) {
+      bench::run_benchmark(benchmark, sets, {[&](const bench::Row& row) {
         for (const std::string& q : study.quantities)
           if (row.quantity == q || row.name + ": " + row.quantity == q) points[at].seconds = std::min(points[at].seconds, row.seconds), ++at;
       }, {}, {}});
@@ -90,7 +90,7 @@ std::vector<Point> run_study(const Study& study, const std::function<void(const 
   if (study.quantities.empty()) throw Error(Exit::usage, "no quantity to compare: give --qoi group/name");
   if (!study.references.empty() && study.references.size() != study.quantities.size()) throw Error(Exit::usage, "give one --reference per --qoi");
   std::vector<Point> points;
-  if (const Benchmark* benchmark = find_benchmark(study.scene)) {
+  if (const bench::Benchmark* benchmark = bench::find_benchmark(study.scene)) {
     if (!study.references.empty()) throw Error(Exit::usage, "a benchmark has its own references");
     run_benchmarks(study, *benchmark, points, done);
   } else {

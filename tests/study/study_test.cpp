@@ -1,5 +1,5 @@
 #include "study/study.h"
-#include "study/figure.h"
+#include "bench/hertz/profiles.h"
 #include "study/limit.h"
 #include "study/scene_runs.h"
 
@@ -97,8 +97,8 @@ TEST(Study, RunsABenchmarkMethodByMethod) {
 }
 
 TEST(Study, ProfilesLieOverTheExactCurve) {
-  const std::vector<Panel> panels{{"one", {{"coarse", {{0, 1}, {0.5, 0.5}, {3, 1}}}}}, {"two", {{"coarse", {{1, 0}}}, {"fine", {{1, 0.2}}}}}};
-  const std::string svg = profiles_svg(panels, [](double x) { return 1 - x; }, "title", "r", "p", 1, 1);
+  const std::vector<bench::Panel> panels{{"one", {{"coarse", {{0, 1}, {0.5, 0.5}, {3, 1}}}}}, {"two", {{"coarse", {{1, 0}}}, {"fine", {{1, 0.2}}}}}};
+  const std::string svg = bench::profiles_svg(panels, [](double x) { return 1 - x; }, "title", "r", "p", 1, 1);
   const auto count = [&](const std::string& what) {
     int n = 0;
     for (std::size_t at = svg.find(what); at != std::string::npos; at = svg.find(what, at + 1)) ++n;
