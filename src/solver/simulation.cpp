@@ -9,6 +9,7 @@
 #include "base/memory_archive.h"
 #include "base/pass_on.h"
 #include "solver/timed.h"
+#include "solver/unsupported.h"
 
 namespace mortise::solver {
 namespace {
@@ -149,7 +150,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
       undo();
       std::ostringstream message;
       message << "step " << step_ << " (t = " << info.t0 << " s, dt = " << info.dt << " s) failed: " << failure.reason;
-      if (options_.is_static) message << unsupported();
+      if (options_.is_static) message << unsupported(model_);
       throw Error(Exit::solve, message.str());
     }
     if (size < units && !before) {
@@ -167,15 +168,6 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
   time_ = options_.dt * step_;
   report.time = time_;
   report.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-// In statics a body without any support hangs on contact alone, and often that is what fails.
-std::string Simulation::unsupported() const {
-  std::string names;
-  for (const model::Body& body : model_.bodies)
-    if (std::all_of(model_.held.begin() + body.block_begin, model_.held.begin() + body.block_end, [](auto held) { return held == 0; }))
-      names += (names.empty() ? "'" : ", '") + body.name + "'";
-  return names.empty() ? "" : "\n  nothing but contact can hold " + names + " in this static scene: pin it, or make the scene dynamic";
 }
 
 void Simulation::report(FieldSink& sink) {

@@ -33,7 +33,6 @@ class Simulation {
  private:
   void solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
   void accept();
-  std::string unsupported() const;
   void report_balance(FieldSink& sink);
   std::vector<Vec3> resultants(const std::vector<Vec3>& g) const;
 

@@ -185,6 +185,24 @@ TEST(Stranger, AStaticBodyWithoutSupportIsNamed) {
   EXPECT_THAT(failure([&] { rig.step(); }), ::testing::HasSubstr("nothing but contact can hold 'ball' in this static scene"));
 }
 
+TEST(Stranger, AStaticBodyThatHangsOnAPointIsNamed) {
+  const auto hung = [](const char* where) {
+    Rig rig(R"(
+mortise: 1
+name: hung
+time: {mode: static, steps: 1}
+materials: {gel: {youngs_modulus: 10 kPa, poisson_ratio: 0.3, density: 1000}}
+bodies:
+  ball: {type: soft, shape: {sphere: {radius: 10 mm, edge_length: 8 mm}}, material: gel}
+effects: {elasticity: {}, gravity: {acceleration: [9.81, 0, 0]}, pin: [{body: ball, where: )" + std::string(where) + R"(}]}
+solver: {iterations: 1, halvings: 0}
+)");
+    return failure([&] { rig.step(); });
+  };
+  EXPECT_THAT(hung("{side: z_max}"), ::testing::HasSubstr("supports let 'ball' move or turn as a whole"));
+  EXPECT_THAT(hung("{box: {min: [-1, -1, 0], max: [1, 1, 1]}}"), ::testing::Not(::testing::HasSubstr("as a whole")));
+}
+
 // Nothing deforms, so there is no mesh to choose a stiffness for; the weight decides.
 TEST(Stranger, MortarContactChoosesAStiffnessForStiffBodiesToo) {
   Rig rig(R"(

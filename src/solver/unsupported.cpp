@@ -1,0 +1,51 @@
+#include "solver/unsupported.h"
+
+#include <Eigen/Eigenvalues>
+
+namespace mortise::solver {
+namespace {
+
+constexpr double kFree = 1e-9;  // of the largest eigenvalue: far above rounding, far below what three points of one element make
+
+// Free rigid motions of a soft body, 0 to 6.
+int free_motions(const model::Model& model, const model::Body& body, const std::vector<Mat3>& projector, const std::vector<Vec3>& rest) {
+  double size = 0;
+  for (Index p = body.point_begin; p < body.point_end; ++p) size = std::max(size, (rest[p] - body.centre).norm());
+  Eigen::Matrix<double, 6, 6> form = Eigen::Matrix<double, 6, 6>::Zero();
+  for (Index b = body.block_begin; b < body.block_end; ++b) {
+    if (!model.held[b]) continue;
+    const Mat3 hold = Mat3::Identity() - projector[b];
+    const Vec3 x = (rest[body.point_begin + (b - body.block_begin)] - body.centre) / size;
+    Eigen::Matrix<double, 3, 6> v;  // of t and w
+    v.leftCols<3>() = hold;
+    for (int k = 0; k < 3; ++k) v.col(3 + k) = hold * Vec3::Unit(k).cross(x);
+    form += v.transpose() * v;
+  }
+  const Eigen::Matrix<double, 6, 1> eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(form, Eigen::EigenvaluesOnly).eigenvalues();
+  int free = 0;
+  for (double e : eigenvalues) free += e <= kFree * eigenvalues[5];
+  return free;
+}
+
+std::string listed(const std::string& names, const std::string& name) { return names + (names.empty() ? "'" : ", '") + name + "'"; }
+
+}  // namespace
+
+std::string unsupported(const model::Model& model) {
+  const std::vector<Mat3> projector = model.projector.download();
+  const std::vector<Vec3> rest = model.rest_points.download();
+  std::string loose, turning;
+  for (const model::Body& body : model.bodies) {
+    if (std::all_of(model.held.begin() + body.block_begin, model.held.begin() + body.block_end, [](auto held) { return held == 0; }))
+      loose = listed(loose, body.name);
+    else if (body.type == model::BodyType::soft && free_motions(model, body, projector, rest) > 0)
+      turning = listed(turning, body.name);
+  }
+  std::string text;
+  if (!loose.empty()) text += "\n  nothing but contact can hold " + loose + " in this static scene: pin it, or make the scene dynamic";
+  if (!turning.empty())
+    text += "\n  supports let " + turning + " move or turn as a whole (held at a point, along a line or in one direction), and nothing but contact keeps it from that: hold more of it, or make the scene dynamic";
+  return text;
+}
+
+}  // namespace mortise::solver
