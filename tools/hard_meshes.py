@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes the meshes of scenes/hard that no primitive can make: tools/hard_meshes.py scenes/hard/meshes
 
-Shapes: ../shared/reference/accuracy.md appendix A, turned so that z is up. All are grids of cells mapped into place, every cell cut into
+Spikes, wedges, cracks, combs and the like, z up. All are grids of cells mapped into place, every cell cut into
 six tetrahedra along the same diagonal, so that neighbours fit; cells may collapse (the tip of a spike is one node). Needs Python only.
 """
 import math

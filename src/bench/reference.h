@@ -45,7 +45,7 @@ double pin_half_angle_of_moment(double moment);
 double pressed_rings_pressure(double a, double b, double bore, double c, double D, double modulus);
 
 // Stiffness kappa at which a layer under pressure p is `k` times as stiff as a surface mesh of edge length h:
-// kappa b''(g) h/E* = k at kappa phi(g/d_hat) = p (reference/prototype.md 3.1: 3..6 is best).
+// kappa b''(g) h/E* = k at kappa phi(g/d_hat) = p (3 to 6 is best on Hertz: benchmarks/hertz/README.md).
 double matched_stiffness(double p, double d_hat, double h, double e_star, double k);
 
 }  // namespace mortise::bench

@@ -34,11 +34,11 @@ TEST(StudyHarness, RowsAreJsonWithExactlyTheseKeys) {
   EXPECT_EQ(nlohmann::json::parse(json_line(row))["pass"], false);
 }
 
-TEST(StudyHarness, BarrierGapMatchesItsTable) {  // reference/accuracy.md, B27
+TEST(StudyHarness, BarrierGapMatchesItsTable) {
   for (const auto& [ratio, t] : {std::pair{1e-4, .99424}, {1e-3, .98185}, {1e-2, .94338}, {.1, .82853}, {1., .53244}, {10., .12215}}) EXPECT_NEAR(barrier_gap(ratio), t, 5e-6);
 }
 
-TEST(StudyHarness, HertzOfTheHandbook) {  // R 10 mm, E* 0.549451 MPa, a 1 mm (reference/gmcp.md 3.4)
+TEST(StudyHarness, HertzOfTheHandbook) {  // R 10 mm, E* 0.549451 MPa, a 1 mm
   const Hertz h = hertz(0.073260, 0.01, 0.549451e6);
   EXPECT_NEAR(h.a, 1e-3, 1e-8);
   EXPECT_NEAR(h.p0, 34979, 1);
@@ -46,7 +46,7 @@ TEST(StudyHarness, HertzOfTheHandbook) {  // R 10 mm, E* 0.549451 MPa, a 1 mm (r
   EXPECT_EQ(h.pressure(1.1e-3), 0);
 }
 
-TEST(StudyHarness, LineContactOfNafems) {  // CB-1: E* 57692 MPa, a 6.2146 mm, p0 3585.4 MPa (reference/accuracy.md, B08)
+TEST(StudyHarness, LineContactOfNafems) {  // CB-1: E* 57692 MPa, a 6.2146 mm, p0 3585.4 MPa
   const Hertz h = hertz_line(35e6, 0.05, 57692e6);
   EXPECT_NEAR(h.a, 6.2146e-3, 1e-7);
   EXPECT_NEAR(h.p0, 3585.4e6, 0.1e6);
@@ -54,7 +54,7 @@ TEST(StudyHarness, LineContactOfNafems) {  // CB-1: E* 57692 MPa, a 6.2146 mm, p
 
 TEST(StudyHarness, PunchesOfSneddon) {
   const double slope = 1 / std::tan(70.3 * std::numbers::pi / 180);
-  EXPECT_NEAR(cone_force(slope, 1, 1), 1.7780, 1e-4);  // reference/accuracy.md, B12
+  EXPECT_NEAR(cone_force(slope, 1, 1), 1.7780, 1e-4);
   EXPECT_NEAR(cone_radius(slope, 1, cone_force(slope, 1, 1)), 2 / std::numbers::pi / slope, 1e-12);
   // Forces are the integrals of the pressures; the surface starts at the rim of the contact.
   double flat = 0, cone = 0;
@@ -89,7 +89,7 @@ TEST(StudyHarness, PinOfPersson) {
   }
 }
 
-TEST(StudyHarness, ShrinkFitOfLame) {  // reference/accuracy.md, B23
+TEST(StudyHarness, ShrinkFitOfLame) {
   EXPECT_NEAR(pressed_rings_pressure(1, 2, 2, 3, 0.01, 1000), 1.17188, 1e-5);
   EXPECT_NEAR(pressed_rings_pressure(1, 2, 2, 3, 0.01, 1000 / (1 - 0.09)), 1.28777, 1e-5);
 }

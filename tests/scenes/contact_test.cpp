@@ -1,4 +1,4 @@
-// Contact and friction against closed forms (reference/accuracy.md: B15, B26, B27, B29).
+// Contact and friction against closed forms.
 #include "rig.h"
 
 using namespace mortise;
@@ -108,7 +108,7 @@ solver: {relative_tolerance: 1e-12, force_tolerance: 0 N}
 )");
   rig.step();
   const Captured f = rig.fields();
-  // p / kappa = 0.1: t = 0.82853 (gmcp.md 1.3).
+  // p / kappa = 0.1: t = 0.82853.
   const auto u = f.point.at("displacement");
   double gap = INFINITY;
   for (std::size_t i = 0; i < u.size() / 3; ++i) gap = std::min(gap, rig.input.bodies[0].nodes[i][2] + u[3 * i + 2]);

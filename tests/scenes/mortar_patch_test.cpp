@@ -1,4 +1,4 @@
-// The contact patch test through the whole chain (reference/prototype.md 2, accuracy.md 5.2): two blocks with non-matching
+// The contact patch test through the whole chain: two blocks with non-matching
 // meshes, uniform pressure; every stress must be that of uniaxial compression, sigma_zz = -p and nothing else.
 #include <cstdio>
 

@@ -1,4 +1,4 @@
-// A stiff box pressed edge first and corner first into a soft pad (reference/prototype.md 2.7): the true gap of densely sampled
+// A stiff box pressed edge first and corner first into a soft pad: the true gap of densely sampled
 // edges stays positive and every step converges. Face samples alone let a corner through without any force.
 #include <cstdio>
 

@@ -1,6 +1,6 @@
 // B07: ball of radius R on a block or on a cylinder standing under it, all elastic, of linear or quadratic tetrahedra (edges on the ball then
 // follow the sphere). Load and pressure follow Hertz; a and p0 are computed from the measured force, so that the compliance of the
-// finite bodies does not matter (reference/gmcp.md 3.1).
+// finite bodies does not matter.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ namespace {
 constexpr Size kSizes[] = {{"tiny", {0.025, 6, 4, 5}, 3e-3, NAN},      {"coarse", {0.016, 8, 5, 7}, 2e-3, 0.06},    {"small", {0.011, 11, 6, 10}, 1.2e-3, 0.05},
                            {"medium", {0.0075, 16, 6, 14}, 7e-4, 0.035}, {"isaac", {0.0067, 18, 7, 14}, 6e-4, 0.035}, {"fine", {0.004, 30, 7, 14}, 5e-4, 0.022}};
 // Quadratic tetrahedra: 7.5k and 20.3k nodes in all. Their layer of contact is stiffer (k = 24): with k = 4 its compliance would be all of
-// the error, 0.5 (d_hat - gap)/approach in the peak (reference/gmcp.md 3.2). Gated is r <= 0.9 a at the second size.
+// the error, 0.5 (d_hat - gap)/approach in the peak. Gated is r <= 0.9 a at the second size.
 constexpr Size kQuadraticSizes[] = {{"coarse", {0.02, 5, 3, 4}, 6.6e-4, NAN}, {"medium", {0.0106, 9, 4, 5}, 3.5e-4, 0.01}};
 constexpr double kExpectedRadius = 0.1;  // a/R, for the choice of kappa only
 

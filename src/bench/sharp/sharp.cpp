@@ -1,5 +1,5 @@
 // Sharp features: a rigid box is pressed into a pad edge first, corner first or nearly flat. Samples on faces alone let edges through
-// (reference/prototype.md 2.7); what counts is the true gap of the box's edges above the pad's triangles.
+//; what counts is the true gap of the box's edges above the pad's triangles.
 #include <fmt/format.h>
 
 #include <numbers>
