@@ -19,6 +19,8 @@ void add_run(CLI::App&, Context&);
 void add_render(CLI::App&, Context&);
 void add_bench(CLI::App&, Context&);
 void add_study(CLI::App&, Context&);
+void add_sweep(CLI::App&, Context&);
+void add_merge(CLI::App&, Context&);
 void add_check(CLI::App&, Context&);
 void add_schema(CLI::App&, Context&);
 void add_effects(CLI::App&, Context&);

@@ -4,6 +4,7 @@
 #include "cli/commands.h"
 #include "engine/effect_tables.h"
 #include "run/run.h"
+#include "scene/quantity.h"
 
 namespace mortise::cli {
 
@@ -19,6 +20,15 @@ void add_run(CLI::App& app, Context& context) {
       ->check(CLI::IsMember({"yes", "auto"}))
       ->excludes(overwrite);
   sub->add_option("--frames", o->frames, "stop after so many frames; the state at the start does not count")->check(CLI::NonNegativeNumber);
+  const auto seconds = [](double& to) {
+    return [&to](const std::string& text) {
+      const scene::Quantity q = scene::parse_quantity(text, Unit::time);
+      if (!q.error.empty()) throw CLI::ValidationError("a time " + q.error + (q.hint.empty() ? "" : "\n  " + q.hint));
+      to = q.value;
+    };
+  };
+  auto* walltime = sub->add_option_function<std::string>("--walltime", seconds(o->walltime), "stop with a checkpoint (exit 75) before so much time is over, e.g. '4 h'");
+  sub->add_option_function<std::string>("--grace", seconds(o->grace), "how long before; a Newton iteration and a checkpoint have to fit in (default 60 s)")->needs(walltime);
   add_device_options(*sub, o->device, o->threads);
   sub->add_flag("--no-render", o->no_render, "no pictures; fewer of them: `render: {every: N}` in the scene");
   sub->add_flag("--json", o->json, "one JSON object per event on stdout instead of progress lines");

@@ -11,6 +11,8 @@ struct Options {
   std::string output;                  // folder; empty: out/<scene name>
   bool overwrite = false;
   std::string resume;                  // "": no; "yes": needs a checkpoint; "auto": a checkpoint if there is one
+  double walltime = 0;                 // stop in good time before so many seconds are over; 0: no limit
+  double grace = 60;                   // how long before [s]
   long frames = -1;                    // stop after so many frames (the state at the start does not count)
   bool no_render = false;
   bool json = false;                   // events as JSON lines on stdout

@@ -174,10 +174,10 @@ class Run {
     }
 
     while (engine_->steps_done() < last_) {
-      if (stop_asked()) return stopped();
+      if (stop()) return stopped();
       solver::StepReport report;
       const auto begin = Time::now();
-      const engine::Outcome outcome = engine_->step(stop_asked, report);
+      const engine::Outcome outcome = engine_->step([this] { return stop(); }, report);
       newton_log_->step(report);
       record_.seconds["solve"] += std::chrono::duration<double>(Time::now() - begin).count();
       if (outcome.code == static_cast<int>(Exit::stopped)) return stopped();
@@ -246,6 +246,8 @@ class Run {
     if (checkpoint_due(frame) || checkpoint_asked()) save();
     if (frame) progress_->frame(file_->frames() - 1, engine_->time());
   }
+
+  bool stop() const { return stop_asked() || (o_.walltime > 0 && std::chrono::duration<double>(Time::now() - begin_).count() > o_.walltime - o_.grace); }
 
   bool checkpoint_due(bool frame) const {
     if (engine_->steps_done() == last_) return true;

@@ -328,4 +328,17 @@ TEST(Run, PicturesCanBeDrawnAgainFromTheFields) {
   EXPECT_FALSE(fs::exists(out.path + "/again/side_0000.png"));
 }
 
+// What a batch job needs that must be over in time.
+TEST(Run, StopsBeforeItsWalltimeAndGoesOn) {
+  const Folder out;
+  const std::string run = "run scenes/first/02_block_on_floor.yaml --no-render -o " + out.path;
+  const Result r = mortise(run + " --walltime '60.3 s' --grace '1 min'");
+  EXPECT_EQ(r.code, 75) << r.err;
+  EXPECT_NE(r.err.find("continue with --resume"), std::string::npos);
+  EXPECT_EQ(mortise(run + " --frames 1 --resume=auto --walltime '1 h'").code, 0);
+  const Result wrong = mortise(run + " --walltime 3m");
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_NE(wrong.err.find("must be a time"), std::string::npos);
+}
+
 }  // namespace mortise::cli

@@ -1,0 +1,106 @@
+#include "sweep/merge.h"
+
+#include <fmt/format.h>
+#include <hdf5.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "output/atomic_file.h"
+#include "output/field_reader.h"
+#include "output/h5.h"
+
+namespace fs = std::filesystem;
+
+namespace mortise::sweep {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string cell(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string out;
+  for (char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  return "\"" + out + "\"";
+}
+
+std::string cell(double v) { return std::isfinite(v) ? fmt::format("{}", v) : ""; }
+
+Json read_json(const std::string& path) { return fs::exists(path) ? Json::parse(output::read_file(path), nullptr, false) : Json(); }
+
+double number(const Json& j, const char* block, const char* key) {
+  if (!j.is_object() || !j.contains(block) || !j[block].is_object()) return NAN;
+  const auto it = j[block].find(key);
+  return it != j[block].end() && it->is_number() ? it->get<double>() : NAN;
+}
+
+// The last values of the scalars; NaN where there are none.
+std::vector<double> at_the_end(const std::string& folder, const std::vector<std::string>& quantities) {
+  std::vector<double> out(quantities.size(), NAN);
+  if (quantities.empty() || !fs::exists(folder + "/fields.vtkhdf")) return out;
+  const output::FieldReader file(folder + "/fields.vtkhdf");
+  if (file.frames() == 0) return out;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const std::size_t slash = quantities[i].find('/');
+    const output::FieldValues v = file.scalar(quantities[i].substr(0, slash), quantities[i].substr(slash + 1), file.frames() - 1);
+    if (v.components == 1) out[i] = v.values[0];
+  }
+  return out;
+}
+
+std::string line(const Sweep& sweep, std::size_t row, const std::string& folder, const Status& status) {
+  std::string out = std::to_string(row);
+  for (const auto& [path, value] : sweep.rows[row].values) out += "," + cell(value);
+  const Json run = read_json(folder + "/run.json"), certificate = read_json(folder + "/certificate.json");
+  const auto text = [&](const char* key) { return certificate.is_object() && certificate.contains(key) && certificate[key].is_string() ? certificate[key].get<std::string>() : ""; };
+  out += fmt::format(",{},{},{},{}", name_of(status.is), status.code >= 0 ? std::to_string(status.code) : "", cell(text("grade")), cell(status.is == Status::Is::failed ? status.message : text("reason")));
+  out += "," + cell(number(certificate, "solver", "steps")) + "," + cell(number(certificate, "solver", "newton_iterations_mean")) + "," + cell(number(run, "seconds", "solve"));
+  for (double v : at_the_end(folder, sweep.quantities)) out += "," + cell(v);
+  return out + "\n";
+}
+
+std::string header(const Sweep& sweep) {
+  std::string out = "row";
+  if (!sweep.rows.empty())
+    for (const auto& [path, value] : sweep.rows.front().values) out += "," + cell(path);
+  out += ",status,exit_code,grade,reason,steps,newton_iterations_mean,solve_seconds";
+  for (const std::string& q : sweep.quantities) out += "," + cell(q);
+  return out + "\n";
+}
+
+// No values are copied: a link holds a file name, relative to this file.
+void link_fields(const std::string& folder, const std::vector<std::string>& rows) {
+  output::h5::File file(folder + "/fields.h5", output::h5::Mode::create);
+  for (const std::string& row : rows) file.check(H5Lcreate_external((row + "/fields.vtkhdf").c_str(), "/", file.id(), row.c_str(), H5P_DEFAULT, H5P_DEFAULT), "link " + row);
+  file.close();
+}
+
+}  // namespace
+
+std::vector<std::size_t> Merged::with(Status::Is is) const {
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (rows[i].is == is) out.push_back(i);
+  return out;
+}
+
+Merged merge(const std::string& folder) {
+  const Sweep sweep = sweep_in(folder);
+  Merged out;
+  std::string table = header(sweep);
+  std::vector<std::string> linked;
+  for (std::size_t i = 0; i < sweep.rows.size(); ++i) {
+    const std::string row = row_folder(folder, i);
+    out.rows.push_back(status_of(row));
+    table += line(sweep, i, row, out.rows.back());
+    if (fs::exists(row + "/fields.vtkhdf")) linked.push_back(fs::path(row).filename().string());
+  }
+  out.table = folder + "/table.csv";
+  output::write_file_atomically(out.table, table, false);
+  link_fields(folder, linked);
+  return out;
+}
+
+}  // namespace mortise::sweep

@@ -1,0 +1,141 @@
+// mortise sweep and mortise merge as a user runs them: killed, stopped, tried again.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <random>
+#include <sstream>
+#include <thread>
+
+#include "place.h"
+
+namespace {
+
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+std::string text_of(const std::string& path) {
+  std::ostringstream out;
+  out << std::ifstream(path).rdbuf();
+  return out.str();
+}
+
+class SweepProgram : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(folder_);
+    std::ofstream(folder_ + "/s.yaml") << "mortise_sweep: 1\nscene: " << mortise::test_place::kSourceFolder << "/scenes/first/03_incline_friction.yaml\n"
+                                       << "set: [time.steps=30]\nquantities: [inertia/kinetic_energy]\nrows:\n  - product: {effects.friction.mu: [0.1, 0.2, 0.3, 0.4], effects.friction.creep_speed: [0.1 mm/s, 1 mm/s]}\n";
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::vector<std::string> sweep(const std::string& out, std::vector<std::string> more = {}) const {
+    std::vector<std::string> a{program_, "sweep", folder_ + "/s.yaml", "-o", folder_ + "/" + out, "--no-render", "-j", "2", "--threads", "1"};
+    a.insert(a.end(), more.begin(), more.end());
+    return a;
+  }
+  pid_t start(const std::vector<std::string>& arguments) const {
+    const pid_t child = fork();
+    if (child != 0) return child;
+    std::vector<char*> argv;
+    for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+    argv.push_back(nullptr);
+    for (int fd : {1, 2}) dup2(open_log(fd), fd);
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+  int open_log(int fd) const { return fileno(std::fopen((folder_ + (fd == 1 ? "/out.txt" : "/err.txt")).c_str(), "w")); }
+  int run(const std::vector<std::string>& arguments) const {
+    int how = 0;
+    waitpid(start(arguments), &how, 0);
+    return WIFEXITED(how) ? WEXITSTATUS(how) : 128 + WTERMSIG(how);
+  }
+  std::string said() const { return text_of(folder_ + "/out.txt"); }
+  std::string complained() const { return text_of(folder_ + "/err.txt"); }
+  // The rows of table.csv without what hangs on the machine.
+  std::map<int, std::string> results(const std::string& out) const {
+    std::map<int, std::string> rows;
+    std::istringstream in(text_of(folder_ + "/" + out + "/table.csv"));
+    std::string line;
+    std::getline(in, line);
+    while (std::getline(in, line)) {
+      std::vector<std::string> f;
+      std::stringstream s(line);
+      for (std::string v; std::getline(s, v, ',');) f.push_back(v);
+      rows[std::stoi(f[0])] = f[1] + " " + f[2] + " " + f[3] + " " + f.back();
+    }
+    return rows;
+  }
+  const std::string program_ = mortise::test_place::kBuildFolder + "/bin/mortise";
+  const std::string folder_ = (fs::temp_directory_path() / ("mortise_sweep_cli_" + std::to_string(getpid()))).string();
+};
+
+TEST_F(SweepProgram, RunsEveryRowOnceAndMerges) {
+  ASSERT_EQ(run(sweep("a")), 0) << complained();
+  EXPECT_THAT(complained(), HasSubstr("8/8"));
+  const auto written = fs::last_write_time(folder_ + "/a/0003/fields.vtkhdf");
+  ASSERT_EQ(run(sweep("a")), 0);
+  EXPECT_THAT(complained(), HasSubstr("before"));
+  EXPECT_EQ(fs::last_write_time(folder_ + "/a/0003/fields.vtkhdf"), written);
+  EXPECT_EQ(run({program_, "merge", folder_ + "/a"}), 0);
+  EXPECT_THAT(said(), HasSubstr("8 done"));
+  EXPECT_EQ(results("a").size(), 8u);
+  EXPECT_TRUE(fs::exists(folder_ + "/a/fields.h5"));
+}
+
+// Killed at random, sweep and rows alike, it ends with the results of a run that nobody killed, and no row is run twice.
+TEST_F(SweepProgram, KilledTenTimesItEndsWithEqualResults) {
+  ASSERT_EQ(run(sweep("whole")), 0) << complained();
+  std::mt19937 dice(7);
+  int killed = 0;
+  for (int i = 0; i < 10; ++i) {
+    const pid_t child = start(sweep("killed"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20 + dice() % 250));
+    kill(child, i % 3 == 2 ? SIGTERM : SIGKILL);
+    int how = 0;
+    waitpid(child, &how, 0);
+    killed += WIFSIGNALED(how) || WEXITSTATUS(how) == 75;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // its rows die with it
+  }
+  EXPECT_GT(killed, 3);
+  ASSERT_EQ(run(sweep("killed")), 0) << complained();
+  for (const char* out : {"whole", "killed"}) ASSERT_EQ(run({program_, "merge", folder_ + "/" + out}), 0);
+  EXPECT_EQ(results("whole"), results("killed"));
+}
+
+TEST_F(SweepProgram, RowsThatFailOrAreMissingAreListed) {
+  std::ofstream(folder_ + "/s.yaml", std::ios::app) << "  - product: {solver.iterations: [100, 1]}\n";
+  ASSERT_EQ(run(sweep("b", {"--shard", "1/4"})), 5);  // rows 1, 5, 9, 13: one iteration is not enough
+  EXPECT_THAT(complained(), HasSubstr("4 of 4 rows failed: 1,5,9,13"));
+  EXPECT_EQ(run({program_, "merge", folder_ + "/b"}), 5);
+  EXPECT_THAT(said(), HasSubstr("4 failed: --array=1,5,9,13"));
+  EXPECT_THAT(said(), HasSubstr("12 missing: --array=0,2-4,6-8,10-12,14,15"));
+}
+
+TEST_F(SweepProgram, OneTaskOfAnArray) {
+  std::vector<std::string> one{program_, "sweep", folder_ + "/s.yaml", "-o", folder_ + "/c", "--no-render", "--index", "5"};
+  EXPECT_EQ(run(one), 0) << complained();
+  EXPECT_TRUE(fs::exists(folder_ + "/c/0005/run.json"));
+  EXPECT_FALSE(fs::exists(folder_ + "/c/0004"));
+  EXPECT_EQ(run(one), 0);
+  EXPECT_THAT(complained(), HasSubstr("nothing to do"));
+  one.back() = "8";
+  EXPECT_EQ(run(one), 2);
+  EXPECT_THAT(complained(), HasSubstr("rows 0 to 7"));
+}
+
+TEST_F(SweepProgram, WrongInputIsSaidAtOnce) {
+  EXPECT_EQ(run(sweep("d", {"--shard", "4/4"})), 2);
+  std::ofstream(folder_ + "/s.yaml", std::ios::app) << "  - product: {effects.frictoin.mu: [1]}\n";
+  EXPECT_EQ(run(sweep("d")), 3);
+  EXPECT_THAT(complained(), HasSubstr("did you mean 'friction'"));
+  EXPECT_FALSE(fs::exists(folder_ + "/d"));
+  EXPECT_EQ(run({program_, "merge", folder_}), 6);
+}
+
+}  // namespace
