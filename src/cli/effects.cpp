@@ -60,7 +60,7 @@ void print_params(const ParamTable& t, int indent) {
 }
 
 int cmd_effects(const std::string& wanted) {
-  const auto kinds = effects::list();
+  const effects::KindList& kinds = effects::list();
   std::vector<std::string> names;
   std::size_t width = 0;
   for (const effects::Kind& k : kinds) names.push_back(k.name), width = std::max(width, names.back().size());
@@ -68,8 +68,8 @@ int cmd_effects(const std::string& wanted) {
     for (const effects::Kind& k : kinds) std::cout << fmt::format("{:<{}}  {}\n", k.name, width, k.help);
     return 0;
   }
-  const auto k = std::find_if(kinds.begin(), kinds.end(), [&](const effects::Kind& e) { return wanted == e.name; });
-  if (k == kinds.end()) {
+  const effects::Kind* k = effects::find_kind(wanted);
+  if (!k) {
     const std::string hint = scene::suggestion(wanted, names);
     throw Error(Exit::usage, "unknown effect '" + wanted + "'" + (hint.empty() ? "" : "\n  " + hint));
   }

@@ -1,14 +1,25 @@
 #pragma once
+#include "device/device.h"
 
 namespace mortise::effects {
 
-// What assemble() is to add to the gradient: nothing, or the Hessian with a share of its negative curvature. Share 0 makes every
-// piece positive semi-definite, which Newton's method needs far from a solution; share 1 is the exact Hessian, without which it
-// converges only linearly close to one (Longva, Loschner, Fernandez-Fernandez, Larionov, Bender, "Pitfalls of Projection", 2023).
+// Which matrix linearise() is to find: none, or the Hessian with a share of its negative curvature. Share 0 makes every piece positive
+// semi-definite, which Newton's method needs far from a solution; share 1 is the exact Hessian, without which it converges only linearly
+// close to one (Longva, Loschner, Fernandez-Fernandez, Larionov, Bender, "Pitfalls of Projection", 2023).
 struct Curvature {
   constexpr Curvature(bool wanted, double concave = 0) : wanted(wanted), concave(concave) {}
+  explicit Curvature(device::View<const double> of_env) : wanted(true), of_env(of_env) {}
   bool wanted;
-  double concave;
+  double concave = 0;                   // share in all environments,
+  device::View<const double> of_env{};  // or in each of them
+  MORTISE_HD double share(Index env) const { return of_env.n > 0 ? of_env[env] : concave; }
+};
+
+// How much linearise() is to find: what it freezes, always; forces; the matrix.
+struct Want {
+  bool forces = true;
+  Curvature matrix = false;
+  static Want frozen() { return {false, false}; }
 };
 
 }  // namespace mortise::effects

@@ -1,8 +1,9 @@
 #pragma once
 // An effect is one term of the incremental potential
 //     Phi(q) = sum over effects of Phi_effect(q)   [J],      forces = -grad Phi   [N],
-// minimised over the degrees of freedom q (3-vectors) once per step. The solver knows effects only through this interface; an
-// effect exists only when the scene names it, and knows no other effect.
+// minimised over the degrees of freedom q (3-vectors) once per step. The solver knows effects only through this interface and their kinds; an
+// effect exists only when the scene names it, and knows no other effect. It holds parameters, and what the accepted states so far left behind;
+// what belongs to one state q is a Linearisation, which the caller owns.
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,7 +12,8 @@
 #include "base/field_sink.h"
 #include "device/device.h"
 #include "effects/curvature.h"
-#include "linalg/stencils.h"
+#include "effects/kind.h"
+#include "effects/linearisation.h"
 
 namespace mortise::effects {
 
@@ -26,68 +28,63 @@ struct StepInfo {
   double t1() const { return t0 + dt; }
 };
 
-// `check --plan`: what an effect will hold and launch.
-struct Plan {
-  struct Item {
-    std::string what;  // "stencils", "samples", ...
-    std::size_t bytes;
-  };
-  std::vector<Item> buffers;
-  std::vector<std::string> kernels;
+// `check --plan`: what an effect holds besides its linearisations.
+struct PlanItem {
+  std::string what;  // "pairs", "samples", ...
+  std::size_t bytes;
 };
 
 class Effect {
  public:
   virtual ~Effect() = default;
-  virtual std::string_view name() const = 0;
+  virtual const Kind& kind() const = 0;
+  std::string_view name() const { return kind().name; }
+  virtual std::vector<PlanItem> plan() const { return {}; }
 
-  virtual void plan(Plan& out) const = 0;
-
+  // All effects exist, and supports are set: find what the model provides. Once, before everything else.
+  virtual void connect() {}
   // Prepare the step from the accepted state (model.q holds it).
   virtual void begin_step(const StepInfo&) {}
-  // Add the effect's energy [J] at q to the values of the environments.
-  virtual void energy(Positions q, device::EnvValues per_env) = 0;
-  double energy_now(Positions q, Index envs);  // of all environments
-  // Fill gradient pieces and, as far as wanted, Hessian pieces at q; return the stencils.
-  virtual linalg::StencilSet& assemble(Positions q, Curvature hessian) = 0;
-  // Lower alpha of the environments to the longest step q + alpha dq (alpha <= 1) that keeps the effect's energy finite.
-  virtual void max_step(Positions q, View<const Vec3> dq, device::EnvValues alpha) { (void)q, (void)dq, (void)alpha; }
-  // Refresh quantities frozen during Newton (friction's normal forces) from q; true if the effect has any.
-  virtual bool lag(Positions q) {
-    (void)q;
-    return false;
-  }
-  // Are the forces of assemble() the gradient of energy(), with nothing frozen at the state of assembly?
-  virtual bool conservative() const { return true; }
-  // Is energy() a store that gives back what it took? No: potentials of inertia, of friction, of loads.
-  virtual bool stores_energy() const { return true; }
-  // Do its forces on every body cancel? Those of elasticity do; weight, inertia and contact move bodies as a whole.
-  virtual bool internal() const { return false; }
-  // The step was accepted at q.
-  virtual void end_step(Positions q) { (void)q; }
-  // After that: parameters may be fitted to what was found, at the cost of at most `budget` [J] of energy, for the next step; what is
-  // reported belongs to the state that was solved.
-  virtual void adapt(double budget) { (void)budget; }
-  // Before that: parameters that must fit the solution q of the very step are changed; says whether it has to be solved again with them, from q
-  // or from its start. Nothing outlives a step that is given up.
+
+  virtual std::unique_ptr<Linearisation> linearisation() const { return std::make_unique<Linearisation>(); }
+  // Fill `at` at q, as far as wanted.
+  virtual void linearise(Positions q, Want want, Linearisation& at) = 0;
+  // Fill the contact samples of the state of `at`.
+  virtual void sample(Linearisation& at) { (void)at; }
+  // Of a follower: the contact effect whose samples it wants. Takes over the lagged quantities (friction's normal forces) from them; `at` keeps
+  // them while it is filled at other states.
+  virtual std::string_view follows() const { return {}; }
+  virtual void lag(const model::ContactView& samples, Linearisation& at) { (void)samples, (void)at; }
+
+  // Add the energy [J] at q, on a way from the state of `frozen` with what is frozen there, to the values of the environments.
+  virtual void energy(Positions q, const Linearisation& frozen, device::EnvValues per_env) = 0;
+  double energy_now(Positions q, const Linearisation& frozen, Index envs);  // of all environments
+  // Lower alpha of the environments to the longest step alpha dq (alpha <= 1) from the state of `at` that keeps the energy finite; `at` may be
+  // readied for energies on that way.
+  virtual void max_step(View<const Vec3> dq, Linearisation& at, device::EnvValues alpha) { (void)dq, (void)at, (void)alpha; }
+
+  // Of an integrator: every step should lose energy (solver/energy_ledger.h).
+  virtual bool loses_energy() const { return false; }
+  // Parameters that must fit the solution q of the very step are changed; raises per_env where the step has to be solved again with them,
+  // from q or from its start. `at`: q. Nothing outlives a step that is given up.
   enum class Refit { none, from_here, from_start };
-  virtual Refit refit(Positions q) {
-    (void)q;
-    return Refit::none;
-  }
-  // Why q is no state of the model although forces balance there; empty if it is one.
-  virtual std::string objection(Positions q) {
-    (void)q;
-    return {};
-  }
-  virtual void report(FieldSink&) {}
+  virtual void refit(Positions q, const Linearisation& at, std::vector<Refit>& per_env) { (void)q, (void)at, (void)per_env; }
+  // Why q is no state of the model although forces balance there: sets the reason of environments where it is none.
+  virtual void object(Positions q, std::vector<std::string>& per_env) { (void)q, (void)per_env; }
+  // The step was accepted at q, where `at` was filled and sampled.
+  virtual void end_step(Positions q, const Linearisation& at) { (void)q, (void)at; }
+  // After that: parameters may be fitted to what was found, at the cost of at most `budget` [J] of energy of every environment, for the next step;
+  // what is reported belongs to the state that was solved.
+  virtual void adapt(const std::vector<double>& budget, const Linearisation& at) { (void)budget, (void)at; }
+  // Of the accepted state, where `at` was filled and sampled.
+  virtual void report(FieldSink&, const Linearisation& at) { (void)at; }
   virtual void checkpoint(Archive&) {}
 };
 
-inline double Effect::energy_now(Positions q, Index envs) {
+inline double Effect::energy_now(Positions q, const Linearisation& frozen, Index envs) {
   std::vector<double> per_env(envs, 0.0);
   device::Fetch fetch;
-  energy(q, {per_env, fetch});
+  energy(q, frozen, {per_env, fetch});
   fetch.now();
   double total = 0;
   for (double e : per_env) total += e;

@@ -3,18 +3,20 @@
 namespace mortise::effects {
 
 // Each is defined at the end of effects/<name>/<name>.cpp.
-Kind pin_kind();
-Kind inertia_kind();
-Kind gravity_kind();
-Kind elasticity_kind();
-Kind affine_body_kind();
-Kind barrier_contact_kind();
-Kind mortar_contact_kind();
-Kind pressure_load_kind();
-Kind friction_kind();  // after the contact effects, whose forces it reads
+const Kind& pin_kind();
+const Kind& inertia_kind();
+const Kind& gravity_kind();
+const Kind& elasticity_kind();
+const Kind& affine_body_kind();
+const Kind& barrier_contact_kind();
+const Kind& mortar_contact_kind();
+const Kind& pressure_load_kind();
+const Kind& friction_kind();  // after the contact effects, whose forces it reads
 
-std::span<const Kind> list() {
-  static const Kind kinds[] = {
+namespace {
+
+KindList& kinds() {
+  static KindList all = {
       pin_kind(),
       inertia_kind(),
       gravity_kind(),
@@ -25,7 +27,19 @@ std::span<const Kind> list() {
       pressure_load_kind(),
       friction_kind(),
   };
-  return kinds;
+  return all;
+}
+
+}  // namespace
+
+const KindList& list() { return kinds(); }
+
+void add(const Kind& kind) { kinds().push_back(kind); }
+
+const Kind* find_kind(std::string_view name) {
+  for (const Kind& kind : kinds())
+    if (name == kind.name) return &kind;
+  return nullptr;
 }
 
 }  // namespace mortise::effects

@@ -1,27 +1,18 @@
 #pragma once
 // The one visible list of effects. A new effect is one folder, one line in list.cpp and one test file.
-#include <memory>
-#include <span>
+#include <functional>
+#include <vector>
 
-#include "base/param_table.h"
-#include "base/params.h"
 #include "effects/effect.h"
-
-namespace mortise::model {
-class Model;
-}
 
 namespace mortise::effects {
 
-struct Kind {
-  const char* name;
-  const char* help;  // one line
-  const ParamTable* table;
-  std::unique_ptr<Effect> (*make)(const Params&, model::Model&);
-  std::vector<std::string> papers;  // printed by --citations
-  std::vector<std::string> point_fields{}, cell_fields{};  // that it reports: what scenes may keep and colour by
-};
+using KindList = std::vector<std::reference_wrapper<const Kind>>;
 
-std::span<const Kind> list();  // in the order in which effects act within a step
+const KindList& list();  // in the order in which effects act within a step
+// Adds a kind that lives elsewhere, and for as long as the program: tests do. It acts last.
+void add(const Kind& kind);
+// The kind of that name; nullptr if there is none.
+const Kind* find_kind(std::string_view name);
 
 }  // namespace mortise::effects

@@ -67,13 +67,11 @@ class Build : public Engine {
   device::Transfers transfers() const override { return device::transfers(); }
   device::Transfers step_transfers() const override { return step_transfers_; }
   std::size_t peak_memory() const override { return device::memory_use().peak; }
-  std::vector<PlanItem> plan() const override {
+  std::vector<PlanItem> plan() override {
     std::vector<PlanItem> out;
-    for (const auto& effect : effects_) {
-      effects::Plan plan;
-      effect->plan(plan);
-      PlanItem item{std::string(effect->name()), {}, plan.kernels};
-      for (const auto& b : plan.buffers) item.buffers.emplace_back(b.what, b.bytes);
+    for (const solver::Rehearsed& r : simulation_.rehearse()) {
+      PlanItem item{r.effect, {}, r.kernels};
+      for (const effects::PlanItem& b : r.buffers) item.buffers.emplace_back(b.what, b.bytes);
       out.push_back(std::move(item));
     }
     return out;

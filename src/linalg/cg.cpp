@@ -188,6 +188,7 @@ CgResult ConjugateGradients::solve(const BlockMatrix& A, const Preconditioner& M
   for (std::size_t e = 0; e < envs; ++e) {
     state[e].relative = relative[e], state[e].limit = options.max_iterations;
     if (!options.absolute.empty()) state[e].absolute = options.absolute[e];
+    if (!options.only.empty() && !options.only[e]) state[e].status = ended, state[e].end = CgEnd::converged;
   }
   cg.states.upload(state);
   cg.prepare(M, b);

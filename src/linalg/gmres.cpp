@@ -67,6 +67,8 @@ GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const 
 
   GmresResult out;
   out.relative.assign(envs, 0.0);
+  out.of_env.assign(envs, 0);
+  std::vector<std::uint8_t> active(envs, 0);
   const std::vector<double> square = dot(b, b, env_rows);
   std::vector<Small> small(envs);
   std::vector<double> size(envs), scale(envs);
@@ -76,6 +78,7 @@ GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const 
     size[e] = std::sqrt(square[e]);
     small[e].g = {size[e]};
     invert(e, size[e]);
+    active[e] = size[e] > 0;
     any |= size[e] > 0;
   }
   std::vector<Buffer<Vec3>> v, z;
@@ -96,11 +99,15 @@ GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const 
     const std::vector<double> below = dot(std::as_const(w).view(), std::as_const(w).view(), env_rows);
     any = false;
     for (std::size_t e = 0; e < envs; ++e) {
+      scale[e] = 0;
+      if (!active[e]) continue;
       const double length = std::sqrt(below[e]);
       const double residual = small[e].add(std::move(column[e]), length);
       out.relative[e] = size[e] > 0 ? residual / size[e] : 0;
-      invert(e, length);
-      any |= out.relative[e] > relative;
+      out.of_env[e] = out.iterations;
+      active[e] = out.relative[e] > relative;
+      if (active[e]) invert(e, length);
+      any |= active[e] != 0;
     }
     v.emplace_back(n);
     combine(false, scale, std::as_const(w).view(), env, v.back().view());
@@ -109,7 +116,7 @@ GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const 
   std::vector<std::vector<double>> y(envs);
   for (std::size_t e = 0; e < envs; ++e) y[e] = small[e].solve();
   for (std::size_t j = 0; j < z.size(); ++j) {
-    for (std::size_t e = 0; e < envs; ++e) scale[e] = y[e][j];
+    for (std::size_t e = 0; e < envs; ++e) scale[e] = j < y[e].size() ? y[e][j] : 0;
     combine(true, scale, std::as_const(z[j]).view(), env, x);
   }
   return out;

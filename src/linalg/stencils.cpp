@@ -2,9 +2,9 @@
 
 namespace mortise::linalg {
 
-void StencilSet::resize_uniform(Index n, Index nb) {
-  if (n == n_ && nb == uniform_) return;
-  n_ = n, uniform_ = nb;
+bool StencilSet::resize_uniform(Index n, Index nb) {
+  if (n == n_ && nb == uniform_) return false;
+  n_ = n, uniform_ = nb, pairs_ = n * pair_count(nb);
   offset_.resize(n + 1);
   hess_offset_.resize(n + 1);
   const auto off = offset_.view(), hoff = hess_offset_.view();
@@ -14,8 +14,9 @@ void StencilSet::resize_uniform(Index n, Index nb) {
   });
   block_.resize(n * nb);
   grad_.resize(n * nb);
-  hess_.resize(n * pair_count(nb));
+  hess_.resize(0);
   pattern_changed();
+  return true;
 }
 
 void StencilSet::resize(device::Buffer<Index>&& counts) {
@@ -29,14 +30,14 @@ void StencilSet::resize(device::Buffer<Index>&& counts) {
   offset_.swap(counts);
   device::scan(offset_);
   device::scan(hess_offset_);
-  Index blocks = 0, pairs = 0;
+  Index blocks = 0;
   device::Fetch fetch;
   fetch.add_total(offset_, blocks);
-  fetch.add_total(hess_offset_, pairs);
+  fetch.add_total(hess_offset_, pairs_);
   fetch.now();
   block_.resize(blocks);
   grad_.resize(blocks);
-  hess_.resize(pairs);
+  hess_.resize(0);
   pattern_changed();
 }
 

@@ -23,20 +23,26 @@ struct StencilView {
 
 class StencilSet {
  public:
-  // n stencils of nb blocks each. Does nothing when that is the present shape.
-  void resize_uniform(Index n, Index nb);
+  // n stencils of nb blocks each. Does nothing, and says so, when that is the present shape.
+  bool resize_uniform(Index n, Index nb);
   // Stencil s gets counts[s] blocks; counts has n+1 values, the last is ignored. Consumes the buffer.
   void resize(device::Buffer<Index>&& counts);
+  // Room for the Hessian pieces, which a new shape is without.
+  void need_hessian() { hess_.resize(pairs_); }
+  bool has_hessian() const { return hess_.size() == pairs_; }
   // Must be called after the block ids were (re)written, and only then: assembly reuses its sorting while this stands.
   void pattern_changed() { ++version_; }
 
   Index size() const { return n_; }
   std::uint64_t version() const { return version_; }
   std::size_t bytes() const { return offset_.bytes() + hess_offset_.bytes() + block_.bytes() + grad_.bytes() + hess_.bytes(); }
+  device::View<const Index> offsets() const { return offset_.view(); }
+  device::View<const Index> blocks() const { return block_.view(); }
   StencilView view() { return {offset_.view(), hess_offset_.view(), block_.view(), grad_.view(), hess_.view(), n_}; }
 
  private:
   Index n_ = 0;
+  Index pairs_ = 0;
   Index uniform_ = -1;
   std::uint64_t version_ = 0;
   device::Buffer<Index> offset_, hess_offset_, block_;

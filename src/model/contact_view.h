@@ -1,5 +1,5 @@
 #pragma once
-// What a contact effect publishes about its active samples; friction, sensors and output read it. A sample is a relative
+// What a contact effect tells about its active samples at a state; friction and the solver read it. A sample is a relative
 // position r = sum_k weight[k] * y[point[k]] of surface points (weights sum to 0, or to 1 against an analytic obstacle that
 // does not move), with the contact force along a fixed normal.
 #include "device/device.h"
@@ -33,7 +33,6 @@ MORTISE_HD inline bool against_obstacle(const ContactSample& s) {
 struct ContactView {
   device::Buffer<ContactSample> samples;  // canonical order, environments contiguous
   std::vector<Index> env_offset;          // per environment, on the host
-  std::string effect;                     // who published it
 };
 
 }  // namespace mortise::model

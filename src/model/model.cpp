@@ -34,19 +34,7 @@ void Model::watch(Index a, Index b, bool on) {
   surface.pair_allowed.upload(allowed);
 }
 
-ContactView* Model::contact(const std::string& effect) {
-  for (const auto& view : contacts_)
-    if (view->effect == effect) return view.get();
-  return nullptr;
-}
-
-ContactView& Model::publish(const std::string& effect) {
-  if (ContactView* view = contact(effect)) return *view;
-  contacts_.push_back(std::make_unique<ContactView>());
-  contacts_.back()->effect = effect;
-  contacts_.back()->env_offset.assign(envs + 1, 0);
-  return *contacts_.back();
-}
+bool Model::has_contact(std::string_view effect) const { return std::find(contacts_.begin(), contacts_.end(), effect) != contacts_.end(); }
 
 Index Model::body_index(std::string_view name) const {
   for (std::size_t b = 0; b < bodies.size(); ++b)

@@ -10,7 +10,6 @@
 #include "base/params.h"
 #include "device/device.h"
 #include "geometry/surface.h"
-#include "model/contact_view.h"
 #include "model/input.h"
 
 namespace mortise::geometry {
@@ -120,14 +119,15 @@ class Model {
   // Makes contact between two bodies (or within one) watched; by index.
   void watch(Index body_a, Index body_b, bool on);
 
-  ContactView* contact(const std::string& effect);  // nullptr if nobody publishes under that name
-  ContactView& publish(const std::string& effect);
+  // Contact effects, by name: what followers find.
+  void add_contact(std::string_view effect) { contacts_.emplace_back(effect); }
+  bool has_contact(std::string_view effect) const;
 
   Index body_index(std::string_view name) const;  // -1 if none
 
  private:
   std::unique_ptr<geometry::Broadphase> broadphase_;
-  std::vector<std::unique_ptr<ContactView>> contacts_;
+  std::vector<std::string> contacts_;
 };
 
 // Point ids of `body` that satisfy a `where` block of the scene ({side: ...}, {box: ...}, ...), tested on rest positions.

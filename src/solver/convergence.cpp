@@ -6,15 +6,9 @@
 
 #include "effects/body_blocks.h"
 #include "solver/kernels.h"
+#include "solver/tuning.h"
 
 namespace mortise::solver {
-namespace {
-
-constexpr double kMotion = 1e-3;  // of the way in this step: far below what the time step itself leaves
-constexpr double kSize = 1e-6;    // of the body, for one that hardly moves
-
-}  // namespace
-
 Convergence::Convergence(const model::Model& model, const Options& options) : model_(model), options_(options) {
   std::vector<Index> blocks{0};
   const std::vector<Vec3> rest = model.rest_points.download();
@@ -43,8 +37,9 @@ void Convergence::begin_step() {
   connect({});
   rounding_.assign(model_.bodies.size(), 0.0);
   rounding_sum_ = rounding_;
-  step_.clear();
-  comparable_ = false;
+  step_.assign(model_.bodies.size(), -1.0);
+  last_ = begin();
+  comparable_.assign(model_.bodies.size(), 0);
 }
 
 void Convergence::set_rows(const std::vector<Index>& row_of_block) {
@@ -89,8 +84,8 @@ Residual Convergence::begin() const {
   return r;
 }
 
-void Convergence::see_effect(const effects::Effect& effect, View<const Vec3> gradient, Residual& r, Fetch& fetch) const {
-  force_sizes(blocks_, gradient, model_.projector.view(), lever_.view(), position_.view(), fetch, [&r, moves = !effect.internal()](const std::vector<Part>& bodies) {
+void Convergence::see_effect(const effects::Kind& kind, View<const Vec3> gradient, Residual& r, Fetch& fetch) const {
+  force_sizes(blocks_, gradient, model_.projector.view(), lever_.view(), position_.view(), fetch, [&r, moves = kind.role != effects::Role::store](const std::vector<Part>& bodies) {
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       r.scale[i] = device::Larger()(r.scale[i], bodies[i].most);
       if (moves) r.load[i] = device::Larger()(r.load[i], bodies[i].sum[0]);
@@ -107,18 +102,23 @@ void Convergence::see_sum(View<const Vec3> gradient, View<const Vec3> q, Residua
   });
 }
 
-void Convergence::see_matrix(const linalg::BlockMatrix& matrix, View<const Vec3> q, View<const Index> block_of_row, Fetch& fetch) {
-  rounding_sizes(rows_, matrix, q, block_of_row, lever_.view(), fetch, [this](const std::vector<Part>& bodies) {
-    for (std::size_t i = 0; i < bodies.size(); ++i) rounding_[i] = bodies[i].most, rounding_sum_[i] = bodies[i].sum[0];
+void Convergence::see_matrix(const linalg::BlockMatrix& matrix, View<const Vec3> q, View<const Index> block_of_row, const EnvMask& whose, Fetch& fetch) {
+  rounding_sizes(rows_, matrix, q, block_of_row, lever_.view(), fetch, [this, whose](const std::vector<Part>& bodies) {
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      if (whose[model_.bodies[i].env]) rounding_[i] = bodies[i].most, rounding_sum_[i] = bodies[i].sum[0];
   });
 }
 
-void Convergence::see_step(View<const Vec3> dq, const Residual& r, Fetch& fetch) {
-  last_ = r;
-  comparable_ = true;
-  step_.assign(model_.bodies.size(), 0.0);
-  step_sizes(blocks_, dq, lever_.view(), fetch, [this](const std::vector<Part>& bodies) {
-    for (std::size_t i = 0; i < bodies.size(); ++i) step_[i] = bodies[i].far;
+void Convergence::see_step(View<const Vec3> dq, const Residual& r, const EnvMask& whose, Fetch& fetch) {
+  for (std::size_t i = 0; i < step_.size(); ++i) {
+    if (!whose[model_.bodies[i].env]) continue;
+    last_.force[i] = r.force[i], last_.scale[i] = r.scale[i], last_.load[i] = r.load[i], last_.way[i] = r.way[i];
+    for (int k = 0; k < 3; ++k) last_.net[k][i] = r.net[k][i];
+    comparable_[i] = 1;
+  }
+  step_sizes(blocks_, dq, lever_.view(), fetch, [this, whose](const std::vector<Part>& bodies) {
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      if (whose[model_.bodies[i].env]) step_[i] = bodies[i].far;
   });
 }
 
@@ -136,16 +136,15 @@ Convergence::Figures Convergence::figures(const Residual& r, Index body, double 
 // The floor of rounding is a bound; the residual may well fall below it, and is given one more iteration to do so where the last one gained
 // a digit.
 bool Convergence::balanced(const Residual& r, Index body, double relative) const {
-  constexpr double kGains = 0.1;
   const Figures now = figures(r, body, relative);
   if (!(now.force <= now.tolerance)) return false;
   const double asked = std::max(options_.force_tolerance, relative * r.scale[body]);
-  if (r.force[body] <= asked || !comparable_) return true;
-  return r.force[body] > kGains * last_.force[body] || last_.force[body] <= rounding_[body];
+  if (r.force[body] <= asked || !comparable_[body]) return true;
+  return r.force[body] > tuning::kGains * last_.force[body] || last_.force[body] <= rounding_[body];
 }
 
 bool Convergence::at_rest(const Residual& r, Index body, double relative) const {
-  if (step_.empty()) return r.force[body] == 0;
+  if (step_[body] < 0) return r.force[body] == 0;
   const auto had_to_move = [&](Index i) {
     const Figures then = figures(last_, i, relative);
     return then.force > then.tolerance;
@@ -158,7 +157,7 @@ bool Convergence::at_rest(const Residual& r, Index body, double relative) const 
       if (model_.bodies[i].env == model_.bodies[body].env && had_to_move(i)) fell = std::max(fell, r.force[i] / last_.force[i]);
   }
   const double settled = std::max(options_.lag_tolerance, options_.relative_tolerance), early = std::max(1.0, relative / settled);
-  return fell * step_[body] <= early * std::max(kMotion * r.way[body], kSize * radius_[body]);
+  return fell * step_[body] <= early * std::max(tuning::kMotion * r.way[body], tuning::kSize * radius_[body]);
 }
 
 double Convergence::largest_force(const Residual& r, Index env) const {
@@ -178,9 +177,16 @@ double Convergence::over(const Residual& r, Index env, double relative) const {
   return most;
 }
 
-double Convergence::share(const Residual& r) const {
+bool Convergence::finite(const Residual& r, Index env) const {
+  for (std::size_t i = 0; i < r.force.size(); ++i)
+    if (model_.bodies[i].env == env && !std::isfinite(r.force[i])) return false;
+  return true;
+}
+
+double Convergence::share(const Residual& r, Index env) const {
   double most = 0;
   for (std::size_t i = 0; i < r.force.size(); ++i) {
+    if (model_.bodies[i].env != env) continue;
     if (r.force[i] > rounding_[i]) most = std::max(most, r.force[i] / r.scale[i]);
     const double all = net(r, static_cast<Index>(i));
     if (loose_[i] && all > rounding_sum_[i]) most = std::max(most, all / r.load[i]);
@@ -209,10 +215,11 @@ double Convergence::least_tolerance(const Residual& r, Index env, double relativ
   return least;
 }
 
-Convergence::Worst Convergence::worst(const Residual& r, double relative) const {
+Convergence::Worst Convergence::worst(const Residual& r, Index env, double relative) const {
   Worst worst;
   double most = -1;
   for (std::size_t i = 0; i < r.force.size(); ++i) {
+    if (model_.bodies[i].env != env) continue;
     const Figures f = figures(r, static_cast<Index>(i), relative);
     const double share = f.force > 0 ? f.force / f.tolerance : 0;
     if (share > most) most = share, worst = {static_cast<Index>(i), f.force, f.tolerance};

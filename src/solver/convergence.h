@@ -21,6 +21,7 @@
 #include "linalg/block_matrix.h"
 #include "model/model.h"
 #include "solver/body_figures.h"
+#include "solver/envs.h"
 #include "solver/options.h"
 
 namespace mortise::solver {
@@ -42,21 +43,22 @@ class Convergence {
   void begin_step();                                       // supports may have changed
   void set_rows(const std::vector<Index>& row_of_block);  // of the matrices that will be seen
   void connect(const std::vector<const model::ContactView*>& contacts);  // groups, by what touches now
-  void refreshed() { comparable_ = false; }               // what was frozen is not that of the last residual any more
+  void refreshed() { std::fill(comparable_.begin(), comparable_.end(), 0); }  // what was frozen is not that of the last residual any more
 
   // The parts of a residual; values are there once `fetch` is done, and finish() has been called.
   Residual begin() const;
-  void see_effect(const effects::Effect& effect, effects::View<const Vec3> gradient, Residual& r, device::Fetch& fetch) const;
+  void see_effect(const effects::Kind& kind, effects::View<const Vec3> gradient, Residual& r, device::Fetch& fetch) const;
   void see_sum(effects::View<const Vec3> gradient, effects::View<const Vec3> q, Residual& r, device::Fetch& fetch) const;
   void finish(Residual& r) const;
-  // Of the matrix at q.
-  void see_matrix(const linalg::BlockMatrix& matrix, effects::View<const Vec3> q, effects::View<const Index> block_of_row, device::Fetch& fetch);
-  // A Newton step of full length dq was found at the state of residual r.
-  void see_step(effects::View<const Vec3> dq, const Residual& r, device::Fetch& fetch);
+  // Of the matrix at q, in the environments of `whose`.
+  void see_matrix(const linalg::BlockMatrix& matrix, effects::View<const Vec3> q, effects::View<const Index> block_of_row, const EnvMask& whose, device::Fetch& fetch);
+  // A Newton step of full length dq was found at the state of residual r, in the environments of `whose`.
+  void see_step(effects::View<const Vec3> dq, const Residual& r, const EnvMask& whose, device::Fetch& fetch);
 
   double largest_force(const Residual& r, Index env) const;
   double over(const Residual& r, Index env, double relative) const;   // worst body's share of its tolerance; above 1: not solved
-  double share(const Residual& r) const;                              // worst body's residual over its forces, of all environments
+  double share(const Residual& r, Index env) const;                   // worst body's residual over its forces
+  bool finite(const Residual& r, Index env) const;
   bool solved(const Residual& r, Index env, double relative) const;   // (a) and (b)
   // How small residuals of the environment, by row, have to become for all of its bodies [N, N m]; infinite if nothing is free.
   double least_tolerance(const Residual& r, Index env, double relative) const;
@@ -65,7 +67,7 @@ class Convergence {
     Index body = 0;
     double force = 0, tolerance = 0;  // [N]
   };
-  Worst worst(const Residual& r, double relative) const;
+  Worst worst(const Residual& r, Index env, double relative) const;
 
  private:
   struct Figures {
@@ -84,9 +86,9 @@ class Convergence {
   std::vector<Index> group_;                    // per body: the first body of its group
   device::Buffer<double> lever_, position_;     // per block: s_b; 1 of a position, 0 of an axis
   std::vector<double> rounding_, rounding_sum_;  // per body [N]
-  std::vector<double> step_;                    // per body: the last Newton step at full length [m]; empty before the first
+  std::vector<double> step_;                    // per body: the last Newton step at full length [m]; below 0 before the first
   Residual last_;                               // where it began
-  bool comparable_ = false;                     // to the present residual
+  std::vector<std::uint8_t> comparable_;        // per body: is that to the present residual?
 };
 
 }  // namespace mortise::solver

@@ -1,170 +1,193 @@
-// Newton's method on the forces themselves, for effects whose forces are not the gradient of what assembly freezes: the samples of
-// mortar contact turn and slide with the surfaces, friction hangs on the contact forces of the state it acts on. Newton on the frozen
-// energies then converges slowly (the Jacobian lacks those terms), or runs in a circle. Here
-//
-//   r(q) = P grad Phi(q), everything frozen afresh at q
-//   J v  ~ (r(q + h v) - r(q)) / h,   h max|v_b| = a tenth of the last step, between 1e-12 and 1e-9 of the scene's length
-//   J d  = -r   by GMRES, preconditioned by M, the frozen Hessian (Knoll, Keyes, J. Comput. Phys. 193, 2004)
-//   q   <- q + alpha d,   alpha halved until |M^-1 r| falls by a quarter of alpha ("natural monotonicity": Deuflhard, Newton Methods
-//                         for Nonlinear Problems, 2004, ch. 3.3), and cut short of contact and inversion like every step.
-//
-// J contains what is missing from M, unsymmetric terms too, so convergence is that of Newton's method.
+#include "solver/coupled.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "linalg/gmres.h"
 #include "solver/kernels.h"
-#include "solver/newton.h"
 #include "solver/timed.h"
+#include "solver/tuning.h"
 
 namespace mortise::solver {
+namespace {
 
-// Residual and gradient at `at`; throws Failure where they are not finite.
-Residual Newton::fresh_residual(device::Buffer<Vec3>& at) {
-  struct Exchange {
-    device::Buffer<Vec3>&a, &b;
-    Exchange(device::Buffer<Vec3>& x, device::Buffer<Vec3>& y) : a(x), b(y) { a.swap(b); }
-    ~Exchange() { a.swap(b); }
-  } exchange(q_, at);
-  if (options_.lags) refresh_lagged(q_.view());
-  return assemble(false);
-}
+bool any(const EnvMask& m) { return std::find(m.begin(), m.end(), 1) != m.end(); }
 
-// A motion given on rows as one of all blocks; supports stand still.
-void Newton::to_blocks(device::View<const Vec3> rows, device::Buffer<Vec3>& out) {
-  device::Buffer<Vec3> still(model_.blocks);
-  still.zero();
-  step_of(rows, still.view(), row_of_block_.view(), model_.projector.view(), out);
-}
+}  // namespace
 
-void Newton::precondition(device::View<const Vec3> in, device::View<Vec3> out) {
-  if (linear_ != Linear::cg) {
-    direct_.solve(in, out);
-    return;
+// M of the frozen Hessian at q, without negative curvature.
+void Coupled::factor(const device::Buffer<Vec3>& q, const EnvMask& whose, Linearised& at) {
+  EnvMask wanted = whose;
+  for (std::size_t e = 0; e < wanted.size(); ++e) wanted[e] = active_[e] && !factored_[e];
+  if (!any(wanted)) return;
+  system_.linearise(q.view(), {true, curvature_.wanted()}, at);
+  device::Fetch fetch;
+  system_.matrix(at, q.view(), wanted, A_, fetch);
+  fetch.now();
+  const std::vector<double> none(wanted.size(), 0.0);
+  const EnvMask good = linear_.prepare({A_, {}, {}, none, none, q.view()}, wanted);
+  for (std::size_t e = 0; e < wanted.size(); ++e) {
+    if (!wanted[e]) continue;
+    factored_[e] = good[e];
+    if (!good[e]) active_[e] = 0;
   }
-  constexpr double kRough = 1e-2;
-  device::clear(out.p, out.n * sizeof(Vec3));
-  run_cg(in, out, std::vector<double>(model_.envs, kRough), std::vector<double>(model_.envs, 0.0));
 }
 
-// J v by a difference of residuals; r0 = -P grad Phi at q_.
-void Newton::jacobian_product(const device::Buffer<Vec3>& r0, device::View<const Vec3> v, device::View<Vec3> out) {
-  device::Buffer<Vec3> move, near;
-  to_blocks(v, move);
-  std::vector<double> h = largest(move.view(), model_.env_blocks), inverse(model_.envs, 0.0);
-  const double wanted = std::clamp(0.1 * last_step_, 1e-12 * length_, 1e-9 * length_);
-  for (Index e = 0; e < model_.envs; ++e) {
+// J v by a difference of residuals; r0 = -P grad Phi at q.
+void Coupled::product(const device::Buffer<Vec3>& q, device::View<const Vec3> v, device::View<Vec3> out, Linearised& near, const EnvTable& envs) {
+  const model::Model& model = system_.model;
+  device::Buffer<Vec3> move, beside, r1;
+  system_.to_blocks(v, std::as_const(still_).view(), active_, move);
+  std::vector<double> h = largest(std::as_const(move).view(), model.env_blocks), inverse(model.envs, 0.0);
+  for (Index e = 0; e < model.envs; ++e) {
+    const double wanted = std::clamp(tuning::kDifference * envs[e].step, tuning::kLeastDifference * system_.length, tuning::kMostDifference * system_.length);
     h[e] = h[e] > 0 ? wanted / h[e] : 0;
     inverse[e] = h[e] > 0 ? 1 / h[e] : 0;
   }
-  near.copy_from(q_);
-  add_scaled(move.view(), h, std::as_const(model_.block_env).view(), near);
-  fresh_residual(near);
-  device::Buffer<Vec3> r1;
-  right_hand_side(gradient_.view(), {}, block_of_row_.view(), row_projector_.view(), r1);
-  difference(r0.view(), std::as_const(r1).view(), inverse, block_of_row_.view(), std::as_const(model_.block_env).view(), out);
+  beside.copy_from(q);
+  add_scaled(std::as_const(move).view(), h, std::as_const(model.block_env).view(), beside);
+  const Residual r = system_.linearise(std::as_const(beside).view(), {}, near, true);
+  for (Index e = 0; e < model.envs; ++e)
+    if (active_[e] && !system_.convergence.finite(r, e)) active_[e] = 0, inverse[e] = 0;
+  if (!any(active_)) throw Broken{};
+  system_.right_hand_side(near, {}, r1);
+  difference(std::as_const(r0_).view(), std::as_const(r1).view(), inverse, system_.rows.block.view(), std::as_const(model.block_env).view(), out);
 }
 
-// |M^-1 r| of every environment at the state of gradient_.
-std::vector<double> Newton::natural_level() {
-  device::Buffer<Vec3> r, z(rows_);
-  right_hand_side(gradient_.view(), {}, block_of_row_.view(), row_projector_.view(), r);
-  precondition(std::as_const(r).view(), z.view());
-  return dot(std::as_const(z).view(), std::as_const(z).view(), env_rows_);
+// dq_ along which the residual of `at` vanishes to first order; false where a difference went through a surface.
+bool Coupled::direction(const device::Buffer<Vec3>& q, Linearised& at, Linearised& near, const EnvTable& envs, StepReport& report) {
+  const Index rows = system_.rows.count();
+  system_.right_hand_side(at, {}, r0_);
+  for (Index e = 0; e < system_.model.envs; ++e)
+    if (!active_[e]) clear_blocks(r0_, system_.rows.env[e], system_.rows.env[e + 1]);
+  x_.resize(rows);
+  try {
+    const linalg::GmresResult gmres = linalg::gmres([&](device::View<const Vec3> in, device::View<Vec3> out) { product(q, in, out, near, envs); },
+                                                    [&](device::View<const Vec3> in, device::View<Vec3> out) { linear_.apply(A_, in, out, active_); }, std::as_const(r0_).view(), x_.view(),
+                                                    system_.rows.env, tuning::kCoupledForcing, tuning::kMostProducts);
+    report.cg += gmres.iterations;
+    products_ = gmres.iterations;
+    for (Index e = 0; e < system_.model.envs; ++e) factored_[e] = gmres.of_env[e] <= tuning::kGoodProducts;
+  } catch (const Broken&) {
+    return false;
+  }
+  system_.to_blocks(std::as_const(x_).view(), std::as_const(still_).view(), active_, dq_);
+  return true;
 }
 
-// Takes a step along dq_ that lowers the level of every environment that has not converged, and the residual r with it; false if
-// there is none.
-bool Newton::monotone_step(StepReport& report, Residual& r, double relative) {
-  constexpr int kMost = 10;
-  std::vector<double> alpha(model_.envs, 1.0);
+// |M^-1 r|^2 of every environment.
+std::vector<double> Coupled::natural_level(const Linearised& at) {
+  device::Buffer<Vec3> r, z(system_.rows.count());
+  system_.right_hand_side(at, {}, r);
+  linear_.apply(A_, std::as_const(r).view(), z.view(), active_);
+  return dot(std::as_const(z).view(), std::as_const(z).view(), system_.rows.env);
+}
+
+// Takes a step along dq_ that lowers the level of every active environment, and the residual r with it; those where there is none give up.
+void Coupled::monotone_step(device::Buffer<Vec3>& q, Residual& r, Linearised& at, Linearised& near, EnvTable& envs, StepReport& report) {
+  const model::Model& model = system_.model;
+  std::vector<double> alpha(model.envs, 1.0);
   device::Fetch fetch;
-  for (const auto& effect : effects_) effect->max_step(q_.view(), dq_.view(), {alpha, fetch});
+  system_.potential.max_step(std::as_const(dq_).view(), at, {alpha, fetch});
   fetch.now();
-  for (Index e = 0; e < model_.envs; ++e)
-    if (model_.envs > 1 && convergence_.solved(r, e, relative)) alpha[e] = 0;
-  const std::vector<double> before = natural_level();
-  Residual next;
-  for (int k = 0; k < kMost; ++k) {
-    advance(q_.view(), dq_.view(), alpha, model_, trial_);
-    const std::vector<double> phi = energy(trial_.view());
-    std::vector<double> after(model_.envs, INFINITY);
-    if (std::all_of(phi.begin(), phi.end(), [](double e) { return std::isfinite(e); })) try {
-        next = fresh_residual(trial_);
-        after = natural_level();
-      } catch (const Failure&) {
-      }
-    bool ok = true;
-    for (Index e = 0; e < model_.envs; ++e) {
-      const double share = 1 - 0.25 * alpha[e];
-      if (alpha[e] == 0 || after[e] <= share * share * before[e]) continue;
-      alpha[e] *= 0.5;
-      ok = false;
+  for (Index e = 0; e < model.envs; ++e)
+    if (!active_[e]) alpha[e] = 0;
+  const std::vector<double> before = natural_level(at);
+  for (int k = 1; any(active_); ++k) {
+    advance(std::as_const(q).view(), std::as_const(dq_).view(), alpha, model, trial_);
+    const EnvMask finite = finite_energies(at);
+    std::vector<double> after(model.envs, INFINITY);
+    Residual next;
+    if (any(finite)) {
+      next = system_.linearise(std::as_const(trial_).view(), {}, near, true);
+      after = natural_level(near);
     }
-    if (ok) {
-      last_alpha_ = 1;
-      for (double a : alpha)
-        if (a > 0) last_alpha_ = std::min(last_alpha_, a);
-      report.alpha = std::min(report.alpha, last_alpha_);
-      q_.swap(trial_);
-      r = std::move(next);
-      return true;
+    EnvMask again(model.envs, 0);
+    for (Index e = 0; e < model.envs; ++e) {
+      const double share = 1 - tuning::kNaturalShare * alpha[e];
+      if (alpha[e] == 0 || (finite[e] && system_.convergence.finite(next, e) && after[e] <= share * share * before[e])) continue;
+      alpha[e] *= 0.5;
+      again[e] = 1;
+    }
+    if (!any(again)) {
+      for (Index e = 0; e < model.envs; ++e) {
+        if (!active_[e]) continue;
+        envs[e].alpha = alpha[e];
+        report.alpha = std::min(report.alpha, alpha[e]);
+      }
+      q.swap(trial_);
+      r = next;
+      return;
     }
     ++report.line_search;
+    if (k < tuning::kMonotoneTries) continue;
+    for (Index e = 0; e < model.envs; ++e)
+      if (again[e]) active_[e] = 0, alpha[e] = 0;
   }
-  return false;
 }
 
-// True when the residual with everything fresh is at most `relative`; otherwise q_ is the best state that was found.
-bool Newton::solve_coupled(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop) {
-  constexpr double kForcing = 1e-4;  // what a difference of forces is good for; the last iteration then ends well below the tolerance
-  constexpr Index kMostIterations = 20, kMostProducts = 30, kGood = 12;
-  bool factored = factor_fresh_ && linear_ != Linear::cg;
-  concave_ = 0;
-  Residual r = fresh_residual(q_);
-  for (Index it = 0; it < kMostIterations; ++it) {
-    stop();
-    note(r, relative, report);
-    if (options_.trace) trace(info, r, it, report);
-    if (converged(r, relative)) return true;
-    if (!factored) {
-      assemble(true);
-      device::Fetch fetch;
-      build_matrix(fetch);
-      fetch.now();
-      if (linear_ == Linear::cg)
-        build_preconditioner();
-      else if (!direct_.factor(matrix_))
-        return false;
-      factored = true;
-    }
-    const Timed timed(clock_, "solver", "coupled");
-    device::Buffer<Vec3> r0;
-    right_hand_side(gradient_.view(), {}, block_of_row_.view(), row_projector_.view(), r0);
-    x_.resize(rows_);
-    linalg::GmresResult gmres;
-    try {
-      gmres = linalg::gmres([&](device::View<const Vec3> in, device::View<Vec3> out) { jacobian_product(r0, in, out); },
-                            [&](device::View<const Vec3> in, device::View<Vec3> out) { precondition(in, out); }, std::as_const(r0).view(), x_.view(),
-                            env_rows_, kForcing, kMostProducts);
-    } catch (const Failure&) {  // a difference went through a surface
-      return false;
-    }
-    report.cg += gmres.iterations;
-    fresh_residual(q_);  // products have left the effects elsewhere
-    to_blocks(x_.view(), dq_);
-    device::Fetch fetch;
-    convergence_.see_step(dq_.view(), r, fetch);
-    fetch.now();
-    last_step_ = largest_of(largest(dq_.view(), model_.env_blocks));
-    const std::vector<double> before = forces(r);
-    if (!std::isfinite(last_step_) || !monotone_step(report, r, relative)) return false;
-    last_force_ = before;
-    ++report.newton;
-    if (options_.trace) report.trace.back().step = last_step_, report.trace.back().alpha = last_alpha_, report.trace.back().concave = -gmres.iterations;
-    factored = gmres.iterations <= kGood && last_alpha_ == 1;
+// Where the energies at trial_ are finite, of the active environments.
+EnvMask Coupled::finite_energies(const Linearised& at) {
+  Energies energies;
+  device::Fetch fetch;
+  system_.potential.energies(std::as_const(trial_).view(), at, energies, fetch);
+  fetch.now();
+  EnvMask out = active_;
+  for (std::size_t e = 0; e < out.size(); ++e) {
+    double sum = 0;
+    for (const std::vector<double>& part : energies) sum += part[e];
+    if (!std::isfinite(sum)) out[e] = 0;
   }
-  return false;
+  return out;
+}
+
+void Coupled::solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Linearised& near, EnvTable& envs, StepReport& report, const std::function<void()>& stop, const Watch& watch) {
+  const model::Model& model = system_.model;
+  still_.resize(model.blocks);
+  still_.zero();
+  active_ = envs.mask(EnvState::stuck);
+  factored_.assign(model.envs, 0);
+  for (Index e = 0; e < model.envs; ++e) {
+    if (!active_[e]) continue;
+    factored_[e] = linear_.ready(e);
+    curvature_.make_convex(e);
+  }
+  Residual r = system_.linearise(q.view(), {}, at, true);
+  for (Index e = 0; e < model.envs; ++e)
+    if (active_[e] && !system_.convergence.finite(r, e)) envs.fail(e, system_.not_finite(at, e)), active_[e] = 0;
+  for (Index it = 0; it < tuning::kCoupledIterations; ++it) {
+    stop();
+    watch.begin(r, it, active_);
+    for (Index e = 0; e < model.envs; ++e)
+      if (active_[e] && system_.solved(r, e, relative, envs[e].step)) envs[e].state = EnvState::solved, active_[e] = 0;
+    if (!any(active_)) return;
+    factor(q, active_, at);
+    if (!any(active_)) return;
+    const Timed timed(system_.clock, "solver", "coupled");
+    if (!direction(q, at, near, envs, report)) return;
+    std::vector<double> longest(model.envs, 0.0);
+    device::Fetch fetch;
+    system_.convergence.see_step(std::as_const(dq_).view(), r, active_, fetch);
+    largest(std::as_const(dq_).view(), model.env_blocks, {longest, fetch});
+    fetch.now();
+    std::vector<double> before(model.envs);
+    for (Index e = 0; e < model.envs; ++e) {
+      before[e] = system_.convergence.largest_force(r, e);
+      if (!active_[e]) continue;
+      envs[e].step = longest[e];
+      if (!std::isfinite(longest[e])) active_[e] = 0, clear_blocks(dq_, model.env_blocks[e], model.env_blocks[e + 1]);
+    }
+    monotone_step(q, r, at, near, envs, report);
+    system_.linearise(q.view(), {}, at, true);
+    if (!any(active_)) return;
+    ++report.newton;
+    for (Index e = 0; e < model.envs; ++e) {
+      if (!active_[e]) continue;
+      envs[e].force = before[e];
+      if (envs[e].alpha != 1) factored_[e] = 0;
+    }
+    watch.end(active_, products_);
+  }
 }
 
 }  // namespace mortise::solver

@@ -1,5 +1,7 @@
 #include "solver/kernels.h"
 
+#include <algorithm>
+
 namespace mortise::solver {
 
 void largest(View<const Vec3> v, const std::vector<Index>& env_blocks, EnvValues out) {
@@ -197,12 +199,32 @@ std::vector<std::pair<Index, Index>> touching(View<const model::ContactSample> s
   return pairs;
 }
 
-void shift_diagonal(linalg::BlockMatrix& A, double share) {
+void shift_diagonal(linalg::BlockMatrix& A, double share, const std::vector<Index>& env_rows, const std::vector<std::uint8_t>& whose) {
+  if (std::find(whose.begin(), whose.end(), 1) == whose.end()) return;
   const View<const Index> start = std::as_const(A.row_start).view();
   const View<Mat3> value = A.value.view();
-  const double trace = device::sum("solver.trace", A.rows, [=] MORTISE_HD(Index r) { return value[start[r]].trace(); });
-  const double shift = share * trace / (3.0 * A.rows);
-  device::parallel_for("solver.shift_diagonal", A.rows, [=] MORTISE_HD(Index r) { value[start[r]] += shift * Mat3::Identity(); });
+  std::vector<double> trace(whose.size(), 0.0);
+  device::env_sum("solver.trace", env_rows, [=] MORTISE_HD(Index r) { return value[start[r]].trace(); }, trace);
+  for (std::size_t e = 0; e < whose.size(); ++e) {
+    if (!whose[e]) continue;
+    const Index first = env_rows[e], rows = env_rows[e + 1] - first;
+    const double shift = share * trace[e] / (3.0 * rows);
+    device::parallel_for("solver.shift_diagonal", rows, [=] MORTISE_HD(Index r) { value[start[first + r]] += shift * Mat3::Identity(); });
+  }
+}
+
+void clear_blocks(Buffer<Vec3>& v, Index begin, Index end) {
+  if (end > begin) device::clear(v.view().p + begin, static_cast<std::size_t>(end - begin) * sizeof(Vec3));
+}
+
+void copy_blocks(const Buffer<Vec3>& from, Index begin, Index end, Buffer<Vec3>& to) {
+  if (end > begin) device::copy(to.view().p + begin, from.view().p + begin, static_cast<std::size_t>(end - begin) * sizeof(Vec3));
+}
+
+void gather(View<const Vec3> from, View<const Index> place, Buffer<Vec3>& to) {
+  to.resize(place.n);
+  const View<Vec3> out = to.view();
+  device::parallel_for("solver.gather", place.n, [=] MORTISE_HD(Index i) { out[i] = from[place[i]]; });
 }
 
 }  // namespace mortise::solver

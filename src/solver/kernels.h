@@ -5,6 +5,7 @@
 
 #include "linalg/block_matrix.h"
 #include "linalg/stencils.h"
+#include "model/contact_view.h"
 #include "model/model.h"
 #include "solver/body_figures.h"
 
@@ -51,7 +52,12 @@ void step_sizes(const Chunks& blocks, View<const Vec3> d, View<const double> lev
 void rounding_sizes(const Chunks& rows, const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, View<const double> lever, Fetch& fetch, TakeParts take);
 // Pairs of bodies of samples that carry force, as (larger number, smaller number), each once.
 std::vector<std::pair<Index, Index>> touching(View<const model::ContactSample> samples);
-// A <- A + share * (mean trace of the diagonal blocks / 3) * I.
-void shift_diagonal(linalg::BlockMatrix& A, double share);
+// A <- A + share * (mean trace of the diagonal blocks / 3) * I, in the environments of `whose`, each with a mean of its own.
+void shift_diagonal(linalg::BlockMatrix& A, double share, const std::vector<Index>& env_rows, const std::vector<std::uint8_t>& whose);
+// v[begin..end) <- 0, or those of `from`.
+void clear_blocks(Buffer<Vec3>& v, Index begin, Index end);
+void copy_blocks(const Buffer<Vec3>& from, Index begin, Index end, Buffer<Vec3>& to);
+// to_i = from_place(i)
+void gather(View<const Vec3> from, View<const Index> place, Buffer<Vec3>& to);
 
 }  // namespace mortise::solver

@@ -1,77 +1,96 @@
+#include "solver/line_search.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "solver/kernels.h"
-#include "solver/newton.h"
-#include "solver/timed.h"
+#include "solver/tuning.h"
 
 namespace mortise::solver {
 
-// Returns the shortest accepted step.
-double Newton::line_search(StepReport& report, const Residual& r, double relative, bool supports_move) {
-  constexpr double kArmijo = 1e-4;
-  constexpr int kMost = 40;
-  std::vector<double> alpha(model_.envs, 1.0);
+LineSearch::Merit LineSearch::begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at, EnvTable& envs,
+                                    std::vector<double>& alpha) {
+  const model::Model& model = system_.model;
   device::Fetch fetch;
-  for (const auto& effect : effects_) {
-    const Timed timed(clock_, effect->name(), "max_step");
-    effect->max_step(q_.view(), dq_.view(), {alpha, fetch});
-  }
-  find_energies(q_.view(), known_, fetch);
-  std::vector<double> slope = slope_, rho(model_.envs, 0.0), cc(model_.envs, 0.0), curvature(model_.envs, 0.0);
-  if (supports_move) {
+  system_.potential.max_step(std::as_const(dq).view(), at, {alpha, fetch});
+  energies_.find(q, at, fetch);
+  Merit m{slope, std::vector<double>(model.envs, 0.0), std::vector<double>(model.envs, 0.0)};
+  std::vector<double> curvature(model.envs, 0.0);
+  if (c.n > 0) {
     device::Buffer<Vec3> Hdq;
-    for (linalg::StencilSet* set : sets_) stencil_product(*set, dq_.view());
-    assembler_.gradient(sets_, model_.blocks, Hdq);
-    dot(dq_.view(), Hdq.view(), model_.env_blocks, {curvature, fetch});
-    dot(support_.view(), support_.view(), model_.env_blocks, {cc, fetch});
+    system_.potential.product(at, std::as_const(dq).view(), Hdq);
+    dot(std::as_const(dq).view(), std::as_const(Hdq).view(), model.env_blocks, {curvature, fetch});
+    dot(c, c, model.env_blocks, {m.cc, fetch});
   }
   fetch.now();
-  if (start_.empty()) start_ = known_;
-  const std::vector<double> before = sum(known_);
-  if (supports_move) {
-    // rho makes the quadratic model of the merit decrease over the full step and its slope negative.
-    for (Index e = 0; e < model_.envs; ++e) {
-      if (!(cc[e] > 0)) continue;
-      rho[e] = std::max(0.0, 2 * (2 * slope[e] + curvature[e]) / cc[e]);
-      slope[e] -= rho[e] * cc[e];
+  energies_.begin_search(envs.mask(EnvState::running));
+  // rho makes the quadratic model of the merit decrease over the full step and its slope negative.
+  for (Index e = 0; e < model.envs; ++e) {
+    if (!(m.cc[e] > 0)) continue;
+    m.rho[e] = std::max(0.0, 2 * (2 * m.slope[e] + curvature[e]) / m.cc[e]);
+    m.slope[e] -= m.rho[e] * m.cc[e];
+  }
+  return m;
+}
+
+void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at, EnvTable& envs, StepReport& report) {
+  const model::Model& model = system_.model;
+  std::vector<double> alpha;
+  Merit merit;
+  for (bool done = false; !done;) {
+    alpha.assign(model.envs, 1.0);
+    try {
+      merit = begin(std::as_const(q).view(), dq, slope, c, at, envs, alpha);
+      done = true;
+    } catch (const Failure& f) {  // of what supports prescribe: of one environment, without which it is tried again
+      envs.fail(f.env, f.reason);
+      clear_blocks(dq, model.env_blocks[f.env], model.env_blocks[f.env + 1]);
+      energies_.forget();
+      if (!envs.any(EnvState::running)) return;
     }
   }
-  for (Index e = 0; e < model_.envs; ++e)
-    if (model_.envs > 1 && convergence_.solved(r, e, relative) && r.support_gap[e] == 0) alpha[e] = 0;
+  const std::vector<double> before = energies_.sum(energies_.known());
+  for (Index e = 0; e < model.envs; ++e)
+    if (!envs.is(e, EnvState::running)) alpha[e] = 0;
 
   for (int k = 0;; ++k) {
-    advance(q_.view(), dq_.view(), alpha, model_, trial_);
+    advance(std::as_const(q).view(), std::as_const(dq).view(), alpha, model, trial_);
     Energies there;
-    find_energies(trial_.view(), there, fetch);
+    device::Fetch fetch;
+    system_.potential.energies(std::as_const(trial_).view(), at, there, fetch);
     fetch.now();
-    const std::vector<double> after = sum(there);
+    std::vector<double> scale_there;
+    const std::vector<double> after = energies_.sum(there, &scale_there);
     bool ok = true;
-    for (Index e = 0; e < model_.envs; ++e) {
+    for (Index e = 0; e < model.envs; ++e) {
       if (alpha[e] == 0) continue;
       const double left = (1 - alpha[e]) * (1 - alpha[e]);
-      const double change = after[e] - before[e] + 0.5 * rho[e] * (left - 1) * cc[e];
-      const double rounding = 1e-13 * energy_scale_[e];
-      if (std::isfinite(after[e]) && change <= kArmijo * alpha[e] * slope[e] + rounding) continue;
+      const double change = after[e] - before[e] + 0.5 * merit.rho[e] * (left - 1) * merit.cc[e];
+      const double rounding = tuning::kEnergyRounding * scale_there[e];
+      if (std::isfinite(after[e]) && change <= tuning::kArmijo * alpha[e] * merit.slope[e] + rounding) continue;
       // A support that pushes a body into contact that no Hessian knows of yet has no finite rho beforehand: take the one for
       // which the shortened step is good enough, or the support would creep up to the range of the contact for ever.
-      if (k >= 2 && cc[e] > 0 && std::isfinite(after[e])) continue;
-      alpha[e] *= 0.5;
+      if (k >= tuning::kPushed && merit.cc[e] > 0 && std::isfinite(after[e])) continue;
       ok = false;
+      if (k < tuning::kMostHalvings) {
+        alpha[e] *= 0.5;
+      } else {
+        envs.fail(e, "the line search found no descent");
+        alpha[e] = 0;
+      }
     }
     if (ok) {
-      remember(std::move(there));
+      energies_.accept(std::move(there));
       break;
     }
     ++report.line_search;
-    if (k == kMost) throw Failure{"the line search found no descent"};
   }
-  double least = 1;
-  for (double a : alpha)
-    if (a > 0) least = std::min(least, a);
-  report.alpha = std::min(report.alpha, least);
-  q_.swap(trial_);
-  return least;
+  for (Index e = 0; e < model.envs; ++e) {
+    if (!envs.is(e, EnvState::running)) continue;
+    envs[e].alpha = alpha[e];
+    report.alpha = std::min(report.alpha, alpha[e]);
+  }
+  q.swap(trial_);
 }
 
 }  // namespace mortise::solver

@@ -2,311 +2,307 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cmath>
 #include <sstream>
 
 #include "solver/kernels.h"
 #include "solver/timed.h"
+#include "solver/tuning.h"
 
 namespace mortise::solver {
 namespace {
 
-// Diagonal of the scene at rest [m], the length against which support gaps are judged.
-double scene_length(const model::Model& model) {
-  Vec3 lo = Vec3::Constant(INFINITY), hi = -lo;
-  for (const Vec3& x : model.rest_points.download()) lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
-  return (hi - lo).norm();
-}
+bool any(const EnvMask& m) { return std::find(m.begin(), m.end(), 1) != m.end(); }
 
 }  // namespace
 
 Newton::Newton(model::Model& model, EffectList& effects, const Options& options, Clock& clock)
-    : model_(model), effects_(effects), options_(options), clock_(clock), convergence_(model, options), length_(scene_length(model)), effect_gradients_(effects.size()) {
-  choose_linear();
-  for (const auto& effect : effects_) conservative_ = conservative_ && effect->conservative();
+    : system_(model, effects, options, clock),
+      model_(model),
+      options_(options),
+      envs_(model.envs),
+      linear_choice_(choose_linear(model, options)),
+      linear_(linear_choice_.kind == "cg" ? make_cg(model, system_.rows, options) : make_direct(model, system_.rows, linear_choice_.kind == "reuse")),
+      curvature_(model.envs),
+      creep_(model.envs),
+      energies_(model, system_.potential),
+      line_search_(system_, energies_),
+      lag_(system_, std::max(options.lag_tolerance, options.relative_tolerance), system_.potential.lags()),
+      coupled_(system_, *linear_, curvature_, matrix_),
+      at_(system_.potential.linearised()),
+      near_(system_.potential.linearised()) {}
+
+void Newton::begin(const EnvMask& whose) {
+  q_.resize(model_.blocks);
+  for (Index e = 0; e < envs_.size(); ++e)
+    if (whose[e]) copy_blocks(model_.q, model_.env_blocks[e], model_.env_blocks[e + 1], q_);
+  system_.potential.linearise(std::as_const(q_).view(), effects::Want::frozen(), at_);
+  system_.potential.sample(at_);
+  system_.potential.lag(at_, at_);
 }
 
-// A factor of a small matrix costs next to nothing; of a larger one it is worth keeping for some iterations; and beyond some
-// size its memory and work grow faster than the iterations of conjugate gradients do (README, "What it costs").
-void Newton::choose_linear() {
-  constexpr Index kDirectBlocks = 2000, kReuseBlocks = 20000;
-  const std::string size = std::to_string(model_.blocks) + " blocks";
-  if (options_.linear != "auto") {
-    linear_ = options_.linear == "cg" ? Linear::cg : options_.linear == "reuse" ? Linear::reuse : Linear::direct;
-    linear_reason_ = "asked for by the scene";
-  } else if (model_.blocks <= kDirectBlocks) {
-    linear_ = Linear::direct, linear_reason_ = size + ", a new factor each time up to " + std::to_string(kDirectBlocks);
-  } else if (model_.blocks <= kReuseBlocks) {
-    linear_ = Linear::reuse, linear_reason_ = size + ", factors up to " + std::to_string(kReuseBlocks);
-  } else {
-    linear_ = Linear::cg, linear_reason_ = size + ", more than " + std::to_string(kReuseBlocks);
+void Newton::fail(Index env, const std::string& reason) {
+  envs_.fail(env, reason);
+  copy_blocks(model_.q, model_.env_blocks[env], model_.env_blocks[env + 1], q_);
+}
+
+// A single environment has nobody to go on for.
+void Newton::check_failed() {
+  if (envs_.size() == 1 && envs_.is(0, EnvState::failed)) throw Failure{envs_[0].reason};
+  for (Index e = 0; e < envs_.size(); ++e)
+    if (envs_.is(e, EnvState::failed)) fail(e, envs_[e].reason);
+}
+
+void Newton::solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop, const EnvMask& whose) {
+  for (Index e = 0; e < envs_.size(); ++e) {
+    envs_[e] = {};
+    envs_[e].state = whose[e] ? EnvState::running : EnvState::solved;
+    envs_[e].may_couple = !system_.potential.symmetric();
   }
-}
-
-void Newton::number_rows() {
-  if (model_.held == held_ && rows_ > 0) return;
-  held_ = model_.held;
-  const std::vector<Mat3> projector = model_.projector.download();
-  std::vector<Index> row_of_block(held_.size(), -1), block_of_row;
-  std::vector<Mat3> row_projector;
-  env_rows_.assign(1, 0);
-  any_partial_ = false;
-  for (Index e = 0; e < model_.envs; ++e) {
-    for (Index b = model_.env_blocks[e]; b < model_.env_blocks[e + 1]; ++b) {
-      if (held_[b] == 2) continue;
-      any_partial_ |= held_[b] == 1;
-      row_of_block[b] = static_cast<Index>(block_of_row.size());
-      block_of_row.push_back(b);
-      row_projector.push_back(projector[b]);
-    }
-    env_rows_.push_back(static_cast<Index>(block_of_row.size()));
+  system_.begin_solve();
+  system_.find_groups(at_);
+  linear_->begin_solve(system_.rows_changed());
+  curvature_.begin_step();
+  energies_.begin_solve();
+  lag_.begin_solve(q_);
+  for (Index round = 0;; ++round) {
+    for (Index e = 0; e < envs_.size(); ++e) envs_[e].step = 0;
+    iterate(info, report, stop);
+    couple(round, info, report, stop);
+    if (!refresh(round, report)) break;
   }
-  rows_ = static_cast<Index>(block_of_row.size());
-  any_loose_ = options_.is_static && std::any_of(model_.bodies.begin(), model_.bodies.end(), [this](const model::Body& body) {
-    return std::all_of(held_.begin() + body.block_begin, held_.begin() + body.block_end, [](auto held) { return held == 0; });
-  });
-  row_of_block_.upload(row_of_block);
-  block_of_row_.upload(block_of_row);
-  row_projector_.upload(row_projector);
-  convergence_.set_rows(row_of_block);
-  assembler_.set_rows(device::Buffer<Index>(row_of_block), rows_);
-  cg_.reset();
+  system_.potential.sample(at_);
+  energies_.close(std::as_const(q_).view(), at_);
+  report.energy = energies_.total();
 }
 
-Residual Newton::assemble(bool hessian) {
-  Residual r = convergence_.begin();
-  device::Fetch fetch;
-  gradient_.resize(model_.blocks);
-  gradient_.zero();
-  sets_.clear();
-  for (std::size_t k = 0; k < effects_.size(); ++k) {
-    effects::Effect& effect = *effects_[k];
-    const Timed timed(clock_, effect.name(), hessian ? "assemble" : "gradient");
-    linalg::StencilSet& set = effect.assemble(q_.view(), effects::Curvature(hessian, concave_));
-    sets_.push_back(&set);
-    linalg::StencilSet* const one[] = {&set};
-    assembler_.gradient(one, model_.blocks, effect_gradients_[k]);
-    convergence_.see_effect(effect, effect_gradients_[k].view(), r, fetch);
-    add(effect_gradients_[k].view(), gradient_);
-  }
-  convergence_.see_sum(gradient_.view(), q_.view(), r, fetch);
-  support_move(q_.view(), model_.target.view(), model_.projector.view(), support_);
-  largest(support_.view(), model_.env_blocks, {r.support_gap, fetch});
-  fetch.now();
-  convergence_.finish(r);
-  for (double f : r.force)
-    if (!std::isfinite(f)) throw Failure{not_finite()};
-  return r;
-}
-
-std::string Newton::not_finite() const {
-  for (std::size_t k = 0; k < effects_.size(); ++k)
-    for (double f : largest(effect_gradients_[k].view(), model_.env_blocks))
-      if (!std::isfinite(f)) return "the force of '" + std::string(effects_[k]->name()) + "' is not finite at " + name_block(model_, worst_block(model_, effect_gradients_[k]));
-  return "the force residual is not finite";
-}
-
-std::vector<double> Newton::forces(const Residual& r) const {
-  std::vector<double> force;
-  for (Index e = 0; e < model_.envs; ++e) force.push_back(convergence_.largest_force(r, e));
-  return force;
-}
-
-bool Newton::converged(const Residual& r, double relative) const {
-  for (Index e = 0; e < model_.envs; ++e)
-    if (!convergence_.solved(r, e, relative) || r.support_gap[e] > 1e-13 * length_) return false;
-  return options_.step_tolerance <= 0 || last_step_ <= options_.step_tolerance;
-}
-
-void Newton::note(const Residual& r, double relative, StepReport& report) const {
-  const Convergence::Worst worst = convergence_.worst(r, relative);
-  report.residual = worst.force, report.tolerance = worst.tolerance, report.residual_share = convergence_.share(r);
-}
-
-void Newton::find_energies(device::View<const Vec3> q, Energies& of, device::Fetch& fetch) {
-  of.resize(effects_.size());
-  for (std::size_t k = 0; k < effects_.size(); ++k) {
-    if (!of[k].empty()) continue;
-    const Timed timed(clock_, effects_[k]->name(), "energy");
-    of[k].assign(model_.envs, 0.0);
-    effects_[k]->energy(q, {of[k], fetch});
-  }
-}
-
-std::vector<double> Newton::sum(const Energies& energies) {
-  std::vector<double> total(model_.envs, 0.0);
-  energy_scale_.assign(model_.envs, 0.0);
-  for (const std::vector<double>& part : energies)
-    for (Index e = 0; e < model_.envs; ++e) {
-      total[e] += part[e];
-      energy_scale_[e] += std::abs(part[e]);
-    }
-  return total;
-}
-
-std::vector<double> Newton::energy(device::View<const Vec3> q, Energies& of) {
-  device::Fetch fetch;
-  find_energies(q, of, fetch);
-  fetch.now();
-  return sum(of);
-}
-
-std::vector<double> Newton::energy(device::View<const Vec3> q) {
-  Energies unknown;
-  return energy(q, unknown);
-}
-
-// Of effects that freeze something at assembly, energies are a matter of one iteration.
-void Newton::remember(Energies&& at_q) {
-  known_ = std::move(at_q);
-  for (std::size_t k = 0; k < known_.size(); ++k)
-    if (!effects_[k]->conservative()) known_[k].clear();
-}
-
-// By what contact effects published last.
-void Newton::find_groups() {
-  std::vector<const model::ContactView*> contacts;
-  for (const auto& effect : effects_)
-    if (const model::ContactView* view = model_.contact(std::string(effect->name()))) contacts.push_back(view);
-  convergence_.connect(contacts);
-}
-
-// Newton's method gains digits faster and faster near a solution; what does not is a sign that the matrix lacks something: iterations
-// creep, or gain the same one or two digits each while more than one of them is still missing.
-bool Newton::needs_jacobian(const Residual& r, Index iteration, double relative) {
-  constexpr double kFast = 0.1, kQuadratic = 1e-3;
-  constexpr Index kPatience = 3, kUsual = 20;  // the way into contact takes some iterations, at full steps too
-  if (model_.envs > 1) return iteration == options_.iterations;  // environments must not have a say in how others are solved
-  if (iteration == 0) {
-    slow_ = 0;
-    return false;
-  }
-  const double share = convergence_.largest_force(r, 0) / last_force_[0];
-  slow_ = share > kFast ? slow_ + 1 : 0;
-  const bool creeps = slow_ >= kPatience && iteration >= kUsual;
-  const bool linear = share < kFast && share > kQuadratic && last_alpha_ == 1 && convergence_.over(r, 0, relative) * share > 1;
-  factor_fresh_ &= !creeps;
-  return creeps || (linear && factor_fresh_ && !lags_);
-}
-
-// Where the residual was least: what coupled.cpp starts from, since it converges only from nearby and iterations that run in a circle may end
-// anywhere on it.
-void Newton::remember_nearest(const Residual& r) {
-  const double force = largest_of(r.force);
-  if (force >= nearest_force_) return;
-  nearest_force_ = force;
-  nearest_q_.copy_from(q_);
-}
-
-// False when it gave up because coupled.cpp may do better.
-bool Newton::iterate(const effects::StepInfo& info, StepReport& report, double relative, const std::function<void()>& stop) {
-  constexpr Index kFirstLook = 8;  // at what touches by now; then ever more seldom
-  last_force_.assign(model_.envs, 0.0);
-  nearest_force_ = INFINITY;
+// Until no environment runs any more: each has settled, is stuck or has failed.
+void Newton::iterate(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop) {
+  for (Index e = 0; e < envs_.size(); ++e)
+    if (envs_.is(e, EnvState::running)) envs_[e].force = 0;
+  nearest_force_.assign(envs_.size(), INFINITY);
   for (Index it = 0;; ++it) {
     stop();
-    if (!lags_ && it >= kFirstLook && std::has_single_bit(static_cast<unsigned>(it))) {
-      refresh_lagged(q_.view());
-      find_groups();
-    }
-    choose_curvature();
-    const Residual r = assemble(true);
-    note(r, relative, report);
-    if (options_.trace) trace(info, r, it, report);
-    if (converged(r, relative)) return true;
-    if (may_couple_ && largest_of(r.support_gap) == 0) {
-      remember_nearest(r);
-      if (needs_jacobian(r, it, relative)) {
-        q_.copy_from(nearest_q_);
-        return false;
-      }
-    }
-    if (it == options_.iterations) {
-      std::ostringstream why;
-      why << "Newton stopped after " << it << " iterations with a force residual of " << report.residual << " N on '" << model_.bodies[convergence_.worst(r, relative).body].name << "' (wanted " << report.tolerance << " N)";
-      if (largest_of(r.support_gap) > 0) why << "; supports are " << largest_of(r.support_gap) << " m from their targets";
-      throw Failure{why.str()};
-    }
-    const bool supports_move = largest_of(r.support_gap) > 0;
-    direction(report, r, relative, supports_move);
-    last_alpha_ = line_search(report, r, relative, supports_move);
-    last_force_ = forces(r);
+    for (Index e = 0; e < envs_.size(); ++e)
+      if (envs_.is(e, EnvState::running)) curvature_.choose(e, envs_[e].alpha);
+    system_.potential.linearise(std::as_const(q_).view(), {true, curvature_.wanted()}, at_);
+    if (!system_.potential.lags() && it >= tuning::kFirstLook && std::has_single_bit(static_cast<unsigned>(it))) system_.find_groups(at_);
+    const Residual r = system_.residual(std::as_const(q_).view(), at_);
+    for (Index e = 0; e < envs_.size(); ++e)
+      if (envs_.is(e, EnvState::running) && !system_.convergence.finite(r, e)) envs_.fail(e, system_.not_finite(at_, e));
+    check_failed();
+    note(r, [this](Index e) { return lag_.relative(e); }, report);
+    if (options_.trace) trace_begin(info, r, it, envs_.mask(EnvState::running), report);
+    settle(r, it);
+    check_failed();
+    const EnvMask running = envs_.mask(EnvState::running);
+    if (!any(running)) return;
+
+    direction(r, report);
+    check_failed();
+    const bool moves = largest_of(r.support_gap) > 0;
+    line_search_.step(q_, dq_, slope_, moves ? std::as_const(support_).view() : device::View<const Vec3>{}, at_, envs_, report);
+    check_failed();
+    for (Index e = 0; e < envs_.size(); ++e)
+      if (envs_.is(e, EnvState::running)) envs_[e].force = system_.convergence.largest_force(r, e);
     ++report.newton;
-    if (options_.trace) report.trace.back().step = last_step_, report.trace.back().alpha = last_alpha_, report.trace.back().concave = concave_;
+    if (options_.trace) trace_end(running, 0, report);
   }
 }
 
-void Newton::trace(const effects::StepInfo& info, const Residual& r, Index iteration, StepReport& report) {
-  const std::vector<double> phi = energy(q_.view());
-  Iterate now;
-  now.time = info.t1(), now.dt = info.dt, now.round = report.lag, now.iteration = iteration;
-  now.residual = largest_of(r.force), now.tolerance = report.tolerance;
-  for (double e : phi) now.energy += e;
-  now.where = name_block(model_, worst_block(model_, gradient_));
-  report.trace.push_back(now);
-}
-
-void Newton::solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop, bool again) {
-  number_rows();
-  if (!again) q_.copy_from(model_.q);
-  convergence_.begin_step();
-  find_groups();
-  factor_fresh_ = false;
-  cg_last_rhs_.clear();
-  built_speed_ = 0;
-  concave_ = last_alpha_ = 0;
-  known_.clear();
-  start_.clear();
-  lags_ = options_.lags;
-  lag_q_.copy_from(q_);
-  lag_share_.assign(model_.envs, 1.0);
-  constexpr Index kPlainRounds = 2;
-  const double settled = std::max(options_.lag_tolerance, options_.relative_tolerance);
-  double relative = lags_ ? 10 * settled : options_.relative_tolerance;
-  may_couple_ = !conservative_;
-  for (Index round = 0;; ++round) {
-    last_step_ = 0;
-    if (!iterate(info, report, relative, stop) || (may_couple_ && round >= kPlainRounds)) {
-      if (solve_coupled(info, report, lags_ ? settled : options_.relative_tolerance, stop)) {
-        if (lags_) report.lag_residual = report.residual, report.lag_share = report.residual_share;
-        known_.clear();
-        break;
-      }
-      may_couple_ = false;
-      known_.clear();
-      refresh_lagged(q_.view());
-      lag_q_.copy_from(q_);
-      iterate(info, report, relative, stop);
-    }
-    if (!lags_) break;
-    if (!refresh_lagged(q_.view())) {
-      lags_ = false;  // nothing to refresh in this step after all: solve to the end
-      relative = options_.relative_tolerance;
+// Environments that are solved to the present tolerance settle; those that get nowhere are stuck, and go back to where the residual was least:
+// the coupled iteration converges only from nearby, and iterations that run in a circle may end anywhere on it.
+void Newton::settle(const Residual& r, Index iteration) {
+  for (Index e = 0; e < envs_.size(); ++e) {
+    if (!envs_.is(e, EnvState::running)) continue;
+    const double relative = lag_.relative(e);
+    if (system_.solved(r, e, relative, envs_[e].step)) {
+      envs_[e].state = EnvState::settled;
       continue;
     }
-    ++report.lag;
-    find_groups();
-    const Residual fresh = assemble(false);
-    last_force_.assign(model_.envs, 0.0);
-    convergence_.refreshed();
-    report.lag_residual = largest_of(fresh.force), report.lag_share = convergence_.share(fresh);
-    if (converged(fresh, settled)) break;
-    if (round == options_.lag_iterations) {
-      std::ostringstream why;
-      why << "lagged quantities (friction) did not settle in " << round << " rounds: residual " << report.lag_residual << " N";
-      throw Failure{why.str()};
+    if (envs_[e].may_couple && r.support_gap[e] == 0) {
+      keep_nearest(e, r);
+      if (needs_jacobian(e, iteration, r)) {
+        copy_blocks(nearest_q_, model_.env_blocks[e], model_.env_blocks[e + 1], q_);
+        envs_[e].state = EnvState::stuck;
+        continue;
+      }
     }
-    // There is no point in solving far beyond what refreshing changes.
-    relative = std::clamp(0.1 * report.lag_share, 0.1 * settled, 10 * settled);
-    relax_lagged(round);
+    if (iteration < options_.iterations) continue;
+    const Convergence::Worst worst = system_.convergence.worst(r, e, relative);
+    std::ostringstream why;
+    why << "Newton stopped after " << iteration << " iterations with a force residual of " << worst.force << " N on '" << model_.bodies[worst.body].name << "' (wanted " << worst.tolerance << " N)";
+    if (r.support_gap[e] > 0) why << "; supports are " << r.support_gap[e] << " m from their targets";
+    envs_.fail(e, why.str());
   }
+}
+
+void Newton::keep_nearest(Index env, const Residual& r) {
+  const double force = system_.convergence.largest_force(r, env);
+  if (force >= nearest_force_[env]) return;
+  nearest_force_[env] = force;
+  if (nearest_q_.size() != q_.size()) nearest_q_.copy_from(q_);
+  copy_blocks(q_, model_.env_blocks[env], model_.env_blocks[env + 1], nearest_q_);
+}
+
+bool Newton::needs_jacobian(Index env, Index iteration, const Residual& r) {
+  const CreepWatch::Sight sight =
+      creep_.look(env, iteration, system_.convergence.largest_force(r, env) / envs_[env].force, system_.convergence.over(r, env, lag_.relative(env)), envs_[env].alpha);
+  if (sight.creeps) linear_->distrust(env);
+  return sight.creeps || (sight.linear && linear_->ready(env) && !system_.potential.lags());
+}
+
+// dq_ and its slope, in the running environments.
+void Newton::direction(const Residual& r, StepReport& report) {
+  const EnvMask running = envs_.mask(EnvState::running);
+  std::vector<double> wanted(envs_.size());
+  for (Index e = 0; e < envs_.size(); ++e) wanted[e] = system_.convergence.least_tolerance(r, e, lag_.relative(e));
+  system_.supports(std::as_const(q_).view(), support_);
+  x_.resize(system_.rows.count());
+  for (EnvMask todo = running; any(todo);) {
+    device::Fetch fetch;
+    system_.matrix(at_, std::as_const(q_).view(), todo, matrix_, fetch);
+    device::Buffer<Vec3> Hc;
+    if (largest_of(r.support_gap) > 0) system_.potential.product(at_, std::as_const(support_).view(), Hc);
+    system_.right_hand_side(at_, std::as_const(Hc).view(), rhs_);
+    std::vector<double> rhs2(envs_.size(), 0.0);
+    dot(std::as_const(rhs_).view(), std::as_const(rhs_).view(), system_.rows.env, {rhs2, fetch});
+    fetch.now();
+    for (Index e = 0; e < envs_.size(); ++e)
+      if (todo[e]) clear_blocks(x_, system_.rows.env[e], system_.rows.env[e + 1]);
+    {
+      const Timed timed(system_.clock, "solver", "linear_solve");
+      todo = linear_->solve({matrix_, std::as_const(rhs_).view(), x_.view(), rhs2, wanted, std::as_const(q_).view()}, todo, curvature_, envs_, report);
+    }
+    if (!any(todo)) break;
+    for (Index e = 0; e < envs_.size(); ++e)
+      if (todo[e]) curvature_.soften(e);
+    ++report.softened;
+    system_.potential.linearise(std::as_const(q_).view(), {true, curvature_.wanted()}, at_);
+  }
+  system_.to_blocks(std::as_const(x_).view(), std::as_const(support_).view(), envs_.mask(EnvState::running), dq_);
+  std::vector<double> longest(envs_.size(), 0.0);
+  slope_.assign(envs_.size(), 0.0);
   device::Fetch fetch;
-  find_energies(q_.view(), known_, fetch);
-  measure_gain(known_, fetch);
-  const std::vector<double> phi = sum(known_);
-  report.energy = 0;
-  for (double e : phi) report.energy += e;
+  largest(std::as_const(dq_).view(), model_.env_blocks, {longest, fetch});
+  system_.convergence.see_step(std::as_const(dq_).view(), r, envs_.mask(EnvState::running), fetch);
+  dot(std::as_const(at_.gradient).view(), std::as_const(dq_).view(), model_.env_blocks, {slope_, fetch});
+  fetch.now();
+  for (Index e = 0; e < envs_.size(); ++e) {
+    if (!envs_.is(e, EnvState::running)) continue;
+    envs_[e].step = longest[e];
+    if (std::isfinite(longest[e])) continue;
+    envs_.fail(e, "the Newton direction is not finite");
+    clear_blocks(dq_, model_.env_blocks[e], model_.env_blocks[e + 1]);
+  }
+}
+
+// The coupled iteration, for environments that are stuck, and for those that some rounds of lagged quantities have not brought to an end. Where it
+// fails too, the others' way is gone on from the best state.
+void Newton::couple(Index round, const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop) {
+  for (Index e = 0; e < envs_.size(); ++e)
+    if (round >= tuning::kPlainRounds && envs_.is(e, EnvState::settled) && envs_[e].may_couple) envs_[e].state = EnvState::stuck;
+  const EnvMask stuck = envs_.mask(EnvState::stuck);
+  if (!any(stuck)) return;
+  const Coupled::Watch watch{[&](const Residual& r, Index iteration, const EnvMask& whose) {
+                               note(r, [this](Index) { return lag_.wanted(); }, report);
+                               if (options_.trace) trace_begin(info, r, iteration, whose, report);
+                             },
+                             [&](const EnvMask& whose, Index products) {
+                               if (options_.trace) trace_end(whose, products, report);
+                             }};
+  energies_.forget();
+  coupled_.solve(q_, lag_.wanted(), at_, near_, envs_, report, stop, watch);
+  energies_.forget();
+  check_failed();
+  if (system_.potential.lags()) report.lag_residual = report.residual, report.lag_share = report.residual_share;
+  if (!envs_.any(EnvState::stuck)) return;
+  for (Index e = 0; e < envs_.size(); ++e) {
+    if (!envs_.is(e, EnvState::stuck)) continue;
+    envs_[e].may_couple = false;
+    envs_[e].state = EnvState::running;
+    lag_.restart(e, q_);
+  }
+  iterate(info, report, stop);
+}
+
+// What is frozen becomes that of the settled environments' states; those that are solved with it too are done. False when there is nothing left
+// to do.
+bool Newton::refresh(Index round, StepReport& report) {
+  const EnvMask settled = envs_.mask(EnvState::settled);
+  if (!any(settled)) return false;
+  if (!system_.potential.lags()) {
+    envs_.change(EnvState::settled, EnvState::solved);
+    return false;
+  }
+  ++report.lag;
+  system_.find_groups(at_);
+  system_.potential.lag(at_, at_);
+  const Residual fresh = system_.linearise(std::as_const(q_).view(), {}, at_);
+  system_.convergence.refreshed();
+  report.lag_residual = report.lag_share = 0;
+  for (Index e = 0; e < envs_.size(); ++e) {
+    if (!settled[e]) continue;
+    envs_[e].force = 0;
+    if (!system_.convergence.finite(fresh, e)) {
+      envs_.fail(e, system_.not_finite(at_, e));
+      continue;
+    }
+    const double residual = system_.convergence.largest_force(fresh, e), share = system_.convergence.share(fresh, e);
+    report.lag_residual = std::max(report.lag_residual, residual), report.lag_share = std::max(report.lag_share, share);
+    if (system_.solved(fresh, e, lag_.wanted(), envs_[e].step)) {
+      envs_[e].state = EnvState::solved;
+    } else if (round == options_.lag_iterations) {
+      std::ostringstream why;
+      why << "lagged quantities (friction) did not settle in " << round << " rounds: residual " << residual << " N";
+      envs_.fail(e, why.str());
+    } else {
+      lag_.refreshed(e, share);
+      envs_[e].state = EnvState::running;
+    }
+  }
+  check_failed();
+  if (!envs_.any(EnvState::running)) return false;
+  lag_.relax(q_, envs_.mask(EnvState::running), near_, at_);
+  return true;
+}
+
+// Of the environment that is farthest from its tolerance.
+void Newton::note(const Residual& r, const std::function<double(Index)>& relative, StepReport& report) const {
+  double most = -1;
+  report.residual_share = 0;
+  for (Index e = 0; e < envs_.size(); ++e) {
+    if (envs_.is(e, EnvState::failed)) continue;
+    const Convergence::Worst worst = system_.convergence.worst(r, e, relative(e));
+    const double share = worst.force > 0 ? worst.force / worst.tolerance : 0;
+    report.residual_share = std::max(report.residual_share, system_.convergence.share(r, e));
+    if (share > most) most = share, report.residual = worst.force, report.tolerance = worst.tolerance;
+  }
+}
+
+void Newton::trace_begin(const effects::StepInfo& info, const Residual& r, Index iteration, const EnvMask& whose, StepReport& report) {
+  Energies unknown;
+  device::Fetch fetch;
+  system_.potential.energies(std::as_const(q_).view(), at_, unknown, fetch);
+  fetch.now();
+  const std::vector<double> phi = energies_.sum(unknown);
+  for (Index e = 0; e < envs_.size(); ++e) {
+    if (!whose[e]) continue;
+    Iterate now;
+    now.time = info.t1(), now.dt = info.dt, now.round = report.lag, now.iteration = iteration, now.env = e;
+    now.residual = system_.convergence.largest_force(r, e), now.tolerance = report.tolerance;
+    now.energy = phi[e];
+    now.where = name_block(model_, worst_block(model_, at_.gradient, e));
+    report.trace.push_back(now);
+  }
+}
+
+void Newton::trace_end(const EnvMask& whose, Index products, StepReport& report) {
+  for (Index e = 0; e < envs_.size(); ++e) {
+    if (!whose[e]) continue;
+    const auto row = std::find_if(report.trace.rbegin(), report.trace.rend(), [e](const Iterate& i) { return i.env == e; });
+    row->step = envs_[e].step, row->alpha = envs_[e].alpha, row->products = products, row->concave = curvature_.share(e);
+  }
 }
 
 }  // namespace mortise::solver

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "effects/list.h"
+
 namespace mortise::solver {
 
 Options read_options(const Params& scene) {
@@ -22,18 +24,18 @@ Options read_options(const Params& scene) {
   const Params& time = scene.at("time");
   o.is_static = time.text("mode") == "static";
   o.steps = static_cast<Index>(time.integer("steps"));
-  const Params* inertia = scene.at("effects").find("inertia");
-  o.loses_energy = inertia && inertia->text("integrator") == "backward_euler";
   o.dt = o.is_static ? 1.0 / o.steps : time.number("step");
 
   // Whichever effect lags something says how well it wants that resolved; the strictest wins.
-  for (const auto& [name, block] : scene.at("effects").entries()) {
-    if (block.kind() != Params::Kind::table || !block.has("lag_tolerance")) continue;
-    const double tolerance = block.number("lag_tolerance");
-    const Index most = static_cast<Index>(block.integer("lag_iterations"));
-    o.lag_tolerance = !o.lags ? tolerance : std::min(o.lag_tolerance, tolerance);
-    o.lag_iterations = !o.lags ? most : std::max(o.lag_iterations, most);
-    o.lags = true;
+  bool any = false;
+  for (const effects::Kind& kind : effects::list()) {
+    const Params* block = kind.lags ? scene.at("effects").find(kind.name) : nullptr;
+    if (!block) continue;
+    const double tolerance = block->number("lag_tolerance");
+    const Index most = static_cast<Index>(block->integer("lag_iterations"));
+    o.lag_tolerance = !any ? tolerance : std::min(o.lag_tolerance, tolerance);
+    o.lag_iterations = !any ? most : std::max(o.lag_iterations, most);
+    any = true;
   }
   return o;
 }

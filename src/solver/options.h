@@ -12,7 +12,6 @@ struct Options {
   double step_tolerance = 0;  // and, when > 0, the last Newton step moved no block further than this [m]
   Index iterations = 100;     // Newton iterations per solve before the step counts as failed
   Index halvings = 6;         // how often a failed step may be halved
-  bool loses_energy = false;  // the integrator should, in every step: energy_guard.cpp
   std::string linear = "auto";
   double cg_tolerance = 1e-8;  // relative true residual, the smallest asked for when cg_forcing
   bool cg_forcing = true;      // solve the linear systems only as exactly as Newton's progress deserves
@@ -20,7 +19,6 @@ struct Options {
   Index cg_iterations = 10000;
   // Lagged quantities (friction) are refreshed until the force residual with fresh values is at most lag_tolerance times
   // the largest force, at most lag_iterations times; in between, Newton stops at a tenth of that.
-  bool lags = false;
   double lag_tolerance = 1e-3;
   Index lag_iterations = 20;
 

@@ -9,30 +9,11 @@
 #include "base/memory_archive.h"
 #include "base/pass_on.h"
 #include "solver/timed.h"
+#include "solver/tuning.h"
 #include "solver/unsupported.h"
 
 namespace mortise::solver {
 namespace {
-
-// A step that makes energy from nowhere is tried again with half its length, as long as the gain falls to about a quarter, as that of
-// backward Euler does; after one try in vain no more of this step. What frozen samples (mortar_contact) and lagged friction feed into motions does
-// not fall so, and some of it is let pass.
-class EnergyGuard {
- public:
-  bool wants_halving(const Newton& newton) {
-    constexpr double kShare = 1e-6, kFrozenShare = 1e-3;  // of the energy there is
-    const double gain = newton.energy_gain();
-    if (!helps_ || !(gain > (newton.conservative() ? kShare : kFrozenShare) * newton.energy_there())) return false;
-    helps_ = !(gain > last_ / 3);
-    last_ = gain;
-    return helps_;
-  }
-  void accepted() { last_ = INFINITY; }
-
- private:
-  double last_ = INFINITY;  // of the step of twice the length [J]
-  bool helps_ = true;
-};
 
 // Hands on what an effect reports, and sums its forces on points by body.
 class WrittenForces : public PassOn {
@@ -75,28 +56,38 @@ Simulation::Simulation(model::Model& model, EffectList& effects, const Options& 
 
 // The minimiser, of effects whose parameters fit it, and a state of the model.
 void Simulation::solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop) {
-  constexpr int kMostFits = 8;  // a pressure that hangs on the stiffness is met within three or four
-  newton_.solve(info, report, stop);
-  for (int fits = 0; fits < kMostFits; ++fits) {
-    using Refit = effects::Effect::Refit;
-    Refit most = Refit::none;
-    for (const auto& effect : effects_) most = std::max(most, effect->refit(newton_.q().view()));
-    if (most == Refit::none) break;
-    newton_.solve(info, report, stop, most == Refit::from_here);
+  using Refit = effects::Effect::Refit;
+  const EnvMask all(model_.envs, 1);
+  newton_.begin(all);
+  newton_.solve(info, report, stop, all);
+  for (int fits = 0; fits < tuning::kMostFits; ++fits) {
+    std::vector<Refit> refit(model_.envs, Refit::none);
+    for (std::size_t k = 0; k < effects_.size(); ++k) effects_[k]->refit(newton_.q().view(), *newton_.at().of[k], refit);
+    EnvMask anew, afresh;
+    for (Refit how : refit) anew.push_back(how != Refit::none), afresh.push_back(how == Refit::from_start);
+    if (std::find(anew.begin(), anew.end(), 1) == anew.end()) break;
+    if (std::find(afresh.begin(), afresh.end(), 1) != afresh.end()) newton_.begin(afresh);
+    newton_.solve(info, report, stop, anew);
   }
-  for (const auto& effect : effects_)
-    if (const std::string why = effect->objection(newton_.q().view()); !why.empty()) throw Failure{why};
+  std::vector<std::string> why(model_.envs);
+  for (const auto& effect : effects_) effect->object(newton_.q().view(), why);
+  for (Index e = 0; e < model_.envs; ++e)
+    if (!why[e].empty()) throw Failure{why[e], e};
 }
 
 void Simulation::accept() {
   model_.q.copy_from(newton_.q());
-  for (const auto& effect : effects_) {
-    const Timed timed(clock_, effect->name(), "end_step");
-    effect->end_step(model_.q.view());
+  std::vector<double> lost;
+  for (Index e = 0; e < model_.envs; ++e) {
+    const StepEnergy& energy = newton_.energies().of_step(e);
+    support_work_ += energy.work;
+    lost.push_back(options_.is_static ? INFINITY : std::max(-energy.gain, 0.0));
   }
-  support_work_ += newton_.support_work();
-  const double lost = options_.is_static ? INFINITY : std::max(-newton_.energy_gain(), 0.0);
-  for (const auto& effect : effects_) effect->adapt(lost);
+  for (std::size_t k = 0; k < effects_.size(); ++k) {
+    const Timed timed(clock_, effects_[k]->name(), "end_step");
+    effects_[k]->end_step(model_.q.view(), *newton_.at().of[k]);
+  }
+  for (std::size_t k = 0; k < effects_.size(); ++k) effects_[k]->adapt(lost, *newton_.at().of[k]);
   solved_ = true;
 }
 
@@ -122,7 +113,8 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
     before->rewind();
     checkpoint(*before);
   };
-  EnergyGuard guard;
+  std::vector<EnergyGuard> guards(model_.envs);
+  const double gain = newton_.potential().symmetric() ? tuning::kGainShare : tuning::kFrozenGainShare;
   const auto stop = [&] {
     if (stop_asked && stop_asked()) throw Stopped{};
   };
@@ -135,7 +127,9 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
         effect->begin_step(info);
       }
       solve(info, report, stop);
-      if (size > 1 && guard.wants_halving(newton_)) {
+      bool halve = false;
+      for (Index e = 0; size > 1 && e < model_.envs; ++e) halve |= guards[e].wants_halving(newton_.energies().of_step(e), gain);
+      if (halve) {
         size /= 2;
         continue;
       }
@@ -158,7 +152,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
       checkpoint(*before);
     }
     accept();
-    guard.accepted();
+    for (EnergyGuard& guard : guards) guard.accepted();
     ++report.substeps;
     done += size;
     if (size < units && done % (2 * size) == 0) size *= 2;
@@ -179,15 +173,14 @@ void Simulation::report(FieldSink& sink) {
   sink.points("displacement", "m", 3, flatten(u));
   if (solved_) report_balance(sink);
   // Before the first step, and after a restart, nothing has been evaluated at this state yet.
-  if (!solved_)
-    for (const auto& effect : effects_) effect->assemble(model_.q.view(), false);
+  if (!solved_) newton_.begin(EnvMask(model_.envs, 1));
   double unlike = 0;
   for (std::size_t k = 0; k < effects_.size(); ++k) {
     const Timed timed(clock_, effects_[k]->name(), "report");
     WrittenForces written(sink, model_);
-    effects_[k]->report(written);
+    effects_[k]->report(written, *newton_.at().of[k]);
     if (!solved_ || !written.any()) continue;
-    const std::vector<Vec3> sum = resultants(newton_.effect_gradients()[k].download());
+    const std::vector<Vec3> sum = resultants(newton_.at().gradients[k].download());
     for (std::size_t i = 0; i < sum.size(); ++i) unlike = std::max(unlike, (written.sum()[i] + sum[i]).norm());
   }
   if (solved_) sink.scalar("balance", "written_defect", "N", unlike);
@@ -220,7 +213,7 @@ void Simulation::report_balance(FieldSink& sink) {
   std::vector<Vec3> load(model_.bodies.size(), Vec3::Zero());  // of all effects
   double largest = 0;                                          // of one effect on one body
   for (std::size_t k = 0; k < effects_.size(); ++k) {
-    const std::vector<Vec3> sums = resultants(newton_.effect_gradients()[k].download());
+    const std::vector<Vec3> sums = resultants(newton_.at().gradients[k].download());
     const Vec3 f = -resultant(sums);
     put(std::string(effects_[k]->name()), f);
     total += f;
@@ -232,7 +225,7 @@ void Simulation::report_balance(FieldSink& sink) {
   sink.scalar("balance", "largest", "N", largest);
 
   // The support's force on a held block is what the effects leave over there, in the held directions.
-  const std::vector<Vec3> g = newton_.gradient().download();
+  const std::vector<Vec3> g = newton_.at().gradient.download();
   const std::vector<Mat3> P = model_.projector.download();
   std::vector<Vec3> reaction(g.size());
   for (std::size_t b = 0; b < g.size(); ++b) reaction[b] = g[b] - P[b] * g[b];
@@ -241,7 +234,7 @@ void Simulation::report_balance(FieldSink& sink) {
   put("support", support);
   put("defect", total + support);
 
-  if (newton_.measures_energy()) sink.scalar("supports", "work", "J", support_work_);
+  if (newton_.energies().measures()) sink.scalar("supports", "work", "J", support_work_);
   bool any = false;
   std::vector<double> field(3 * static_cast<std::size_t>(model_.points), 0.0);
   for (const model::Body& body : model_.bodies) {

@@ -5,6 +5,7 @@
 #include "base/archive.h"
 #include "base/field_sink.h"
 #include "solver/newton.h"
+#include "solver/rehearsal.h"
 
 namespace mortise::solver {
 
@@ -24,6 +25,7 @@ class Simulation {
   Index steps_done() const { return step_; }
   const Clock& clock() const { return clock_; }
   const Newton& newton() const { return newton_; }
+  std::vector<Rehearsed> rehearse() { return solver::rehearse(model_, newton_.potential()); }  // after begin()
 
   // Fields of the accepted state: displacement, support forces, force balance, and what every effect reports.
   void report(FieldSink& sink);

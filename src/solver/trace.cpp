@@ -15,15 +15,15 @@ std::string name_block(const model::Model& model, Index block) {
   return "block " + std::to_string(block);
 }
 
-Index worst_block(const model::Model& model, const device::Buffer<Vec3>& v) {
+Index worst_block(const model::Model& model, const device::Buffer<Vec3>& v, Index env) {
   const std::vector<Vec3> host = v.download();
   const std::vector<Mat3> P = model.projector.download();
-  Index worst = 0;
+  Index worst = model.env_blocks[env];
   double most = -1;
-  for (std::size_t b = 0; b < host.size(); ++b) {
+  for (Index b = worst; b < model.env_blocks[env + 1]; ++b) {
     const double size = (P[b] * host[b]).norm();
-    if (!std::isfinite(size)) return static_cast<Index>(b);
-    if (size > most) most = size, worst = static_cast<Index>(b);
+    if (!std::isfinite(size)) return b;
+    if (size > most) most = size, worst = b;
   }
   return worst;
 }

@@ -14,10 +14,10 @@ constexpr double kHat = 0.05, kKappa = 1e4;
 
 struct Problem {
   model::Model model;
-  std::unique_ptr<effects::Effect> contact;
+  std::unique_ptr<fd::Subject> contact;
   explicit Problem(model::ModelInput in, const std::string& form = "area_weighted", double d_hat = kHat)
       : model(std::move(in)), contact(make_effect("barrier_contact", contact_params(d_hat, kKappa, form), model)) {}
-  const std::vector<model::ContactSample> samples() { return model.contact("barrier_contact")->samples.download(); }
+  const std::vector<model::ContactSample> samples() { return contact->samples(); }
 };
 
 model::ModelInput scene(std::vector<model::BodyInput> bodies) {
@@ -202,7 +202,7 @@ TEST(BarrierContact, EnergyIsTheSameOnAndOffTheSweptPath) {
   const auto x = positions(p.model);
   const auto end = shaken(x, 0.01, 9);
   const device::Buffer<Vec3> q(fd::blocks_of(x)), dq(fd::blocks_of(end - x));
-  const double alpha = fd::longest_step(*p.contact, q.view(), dq.view());
+  const double alpha = fd::longest_step(*p.contact, dq.view());
   EXPECT_GT(alpha, 0);
   EXPECT_LE(alpha, 1);
   const fd::Vector y = x + 0.5 * alpha * (end - x);
@@ -220,7 +220,7 @@ TEST(BarrierContact, StepsStopBeforeContact) {
     const auto& mover = p.model.bodies.back();
     for (Index b = mover.block_begin; b < mover.block_end; ++b) down[b] = Vec3(0, 0, -1);
     const device::Buffer<Vec3> dq(down);
-    const double alpha = fd::longest_step(*p.contact, std::as_const(p.model.q).view(), dq.view());
+    const double alpha = fd::longest_step(*p.contact, dq.view());
     EXPECT_LE(alpha, 0.009 * (1 + 1e-9)) << plane;  // at least 10 % of the gap of 0.01 stays
     EXPECT_GT(alpha, 0.008) << plane;
     // What would pass through costs an infinite energy only by touching; NaN is infinite too.
@@ -295,7 +295,7 @@ TEST(BarrierContact, EnvironmentsDoNotSeeEachOther) {
   const auto got = fd::effect_energies(*both.contact, positions(both.model), 2);
   EXPECT_EQ(got[0], expected[0]);
   EXPECT_EQ(got[1], expected[0]);
-  const auto& offset = both.model.contact("barrier_contact")->env_offset;
+  const auto& offset = both.contact->here().contact.env_offset;
   EXPECT_EQ(offset[1], offset[2] - offset[1]);
   const auto samples = both.samples();
   for (Index i = 0; i < offset[2]; ++i) EXPECT_EQ(samples[i].env, i < offset[1] ? 0 : 1);

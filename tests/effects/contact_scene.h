@@ -19,9 +19,9 @@ inline Params contact_params(double d_hat, double stiffness, const std::string& 
 
 inline Params gel() { return material("neo_hookean", 1e5, 0.3, 1000); }
 
-inline std::unique_ptr<effects::Effect> make_effect(const std::string& name, const Params& p, model::Model& m) {
+inline std::unique_ptr<fd::Subject> make_effect(const std::string& name, const Params& p, model::Model& m) {
   for (const effects::Kind& k : effects::list())
-    if (name == k.name) return k.make(p, m);
+    if (name == k.name) return std::make_unique<fd::Subject>(m, k.make(p, m));
   throw std::runtime_error("no effect " + name);
 }
 

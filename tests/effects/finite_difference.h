@@ -8,6 +8,7 @@
 
 #include "effects/effect.h"
 #include "linalg/stencils.h"
+#include "model/model.h"
 
 namespace mortise::fd {
 
@@ -76,24 +77,72 @@ std::vector<std::remove_const_t<T>> fetch(device::View<T> v) {
   return host;
 }
 
-// The energies of all environments at x.
-inline std::vector<double> effect_energies(effects::Effect& e, const Vector& x, Index envs = 1) {
+// An effect with the linearisation that a test looks at, connected when it is first used: when all effects exist.
+struct Subject {
+  model::Model& model;
+  std::unique_ptr<effects::Effect> effect;
+  std::unique_ptr<effects::Linearisation> at;
+
+  Subject(model::Model& m, std::unique_ptr<effects::Effect> e) : model(m), effect(std::move(e)) {}
+  effects::Linearisation& here() {
+    if (at) return *at;
+    effect->connect();
+    at = effect->linearisation();
+    at->contact.env_offset.assign(model.envs + 1, 0);
+    return *at;
+  }
+  // With the samples of q, frozen there.
+  void freeze(device::View<const Vec3> q) {
+    effect->linearise(q, effects::Want::frozen(), here());
+    effect->sample(here());
+  }
+  linalg::StencilSet& linearise(device::View<const Vec3> q, effects::Curvature matrix) {
+    effect->linearise(q, {true, matrix}, here());
+    return here().stencils;
+  }
+  void begin_step(const effects::StepInfo& info) {
+    here();
+    effect->begin_step(info);
+    freeze(std::as_const(model.q).view());
+  }
+  void end_step(device::View<const Vec3> q) {
+    freeze(q);
+    effect->end_step(q, here());
+  }
+  void adapt(double budget) { effect->adapt(std::vector<double>(model.envs, budget), here()); }
+  void report(FieldSink& sink) {
+    if (!at) freeze(std::as_const(model.q).view());
+    effect->report(sink, here());
+  }
+  void checkpoint(Archive& archive) {
+    here();
+    effect->checkpoint(archive);
+  }
+  double energy_now() { return effect->energy_now(std::as_const(model.q).view(), here(), model.envs); }
+  std::vector<model::ContactSample> samples() {
+    effect->sample(here());
+    return here().contact.samples.download();
+  }
+};
+
+// The energies of all environments at x, with what the subject's linearisation has frozen.
+inline std::vector<double> effect_energies(Subject& e, const Vector& x, Index envs = 1) {
   const device::Buffer<Vec3> q(blocks_of(x));
   std::vector<double> per_env(envs, 0.0);
   device::Fetch fetch;
-  e.energy(q.view(), {per_env, fetch});
+  e.effect->energy(q.view(), e.here(), {per_env, fetch});
   fetch.now();
   return per_env;
 }
-// The longest allowed step of the one environment.
-inline double longest_step(effects::Effect& e, device::View<const Vec3> q, device::View<const Vec3> dq) {
+// The longest allowed step of the one environment, from where the subject was linearised.
+inline double longest_step(Subject& e, device::View<const Vec3> dq) {
   std::vector<double> alpha{1};
   device::Fetch fetch;
-  e.max_step(q, dq, {alpha, fetch});
+  e.effect->max_step(dq, e.here(), {alpha, fetch});
   fetch.now();
   return alpha[0];
 }
-inline double effect_energy(effects::Effect& e, const Vector& x, Index envs = 1) {
+inline double effect_energy(Subject& e, const Vector& x, Index envs = 1) {
   double sum = 0;
   for (double v : effect_energies(e, x, envs)) sum += v;
   return sum;
@@ -104,9 +153,9 @@ struct Dense {
   Vector gradient;
   Matrix hessian;  // empty unless asked for
 };
-inline Dense effect_assemble(effects::Effect& e, const Vector& x, effects::Curvature hessian) {
+inline Dense effect_assemble(Subject& e, const Vector& x, effects::Curvature hessian) {
   const device::Buffer<Vec3> q(blocks_of(x));
-  const linalg::StencilView s = e.assemble(q.view(), hessian).view();
+  const linalg::StencilView s = e.linearise(q.view(), hessian).view();
   Dense d;
   d.gradient = Vector::Zero(x.size());
   if (hessian.wanted) d.hessian = Matrix::Zero(x.size(), x.size());
@@ -136,7 +185,7 @@ struct Errors {
   double gradient = 0;  // energy -> gradient: wanted below 1e-6
   double hessian = 0;   // gradient -> Hessian: wanted below 1e-5
 };
-inline Errors effect_errors(effects::Effect& e, const Vector& x, double h, Index envs = 1) {
+inline Errors effect_errors(Subject& e, const Vector& x, double h, Index envs = 1) {
   const Dense d = effect_assemble(e, x, effects::Curvature(true, 1));
   const Vector g = difference_gradient([&](const Vector& y) { return effect_energy(e, y, envs); }, x, h);
   const Matrix H = difference_jacobian([&](const Vector& y) { return effect_assemble(e, y, false).gradient; }, x, h);

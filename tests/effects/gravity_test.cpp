@@ -6,7 +6,7 @@ using namespace mortise;
 
 namespace {
 const Vec3 kG(1, -2, -9.81);
-std::unique_ptr<effects::Effect> gravity(model::Model& m) {
+std::unique_ptr<fd::Subject> gravity(model::Model& m) {
   return fd::make_effect("gravity", fd::table({{"acceleration", mortise::testing::vec(kG)}}), m);
 }
 }  // namespace

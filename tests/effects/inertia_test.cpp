@@ -35,13 +35,13 @@ double oscillator_error(bool bdf2, int steps) {
 }
 
 // The minimum of an effect that is quadratic in q: one exact Newton step.
-fd::Vector minimum(Effect& e, const fd::Vector& x) {
+fd::Vector minimum(fd::Subject& e, const fd::Vector& x) {
   const fd::Dense d = fd::effect_assemble(e, x, true);
   return x - d.hessian.ldlt().solve(d.gradient);
 }
 
 // Moves the model to `x`, as an accepted step does.
-void accept(Effect& e, model::Model& m, const fd::Vector& x) {
+void accept(fd::Subject& e, model::Model& m, const fd::Vector& x) {
   m.q.upload(fd::blocks_of(x));
   e.end_step(std::as_const(m.q).view());
 }

@@ -41,12 +41,12 @@ Params params(const Options& o) {
 
 struct Problem {
   model::Model model;
-  std::unique_ptr<effects::Effect> contact;
+  std::unique_ptr<fd::Subject> contact;
   Problem(model::ModelInput in, const Options& o)
       : model(std::move(in)), contact(make_effect("mortar_contact", params(o), model)) {
     contact->begin_step({});
   }
-  std::vector<model::ContactSample> samples() { return model.contact("mortar_contact")->samples.download(); }
+  std::vector<model::ContactSample> samples() { return contact->samples(); }
   Recorder report() {
     Recorder r;
     contact->report(r);
@@ -192,7 +192,6 @@ TEST(MortarContact, ExactGradientIsThatOfTheProjectedGap) {
     Problem p(tilted(0.01, turn(20, {1, 0, 0}), false), o);
     const fd::Vector x = positions(p.model);
     fd::effect_assemble(*p.contact, x, false);
-    p.contact->lag(device::Buffer<Vec3>(fd::blocks_of(x)).view());
     const model::ContactSample s = p.samples().at(0);
     // Gap from the slave point with fixed weights along the slave normal to the master plane.
     const auto gap = [&](const fd::Vector& y) {
@@ -365,8 +364,8 @@ TEST(MortarContact, StepsKeepGaps) {
   const model::Body& tool = p.model.bodies[1];
   down[3 * tool.block_begin + 2] = -1;
   const device::Buffer<Vec3> q(fd::blocks_of(positions(p.model))), dq(fd::blocks_of(down));
-  p.contact->assemble(q.view(), true);
-  const double alpha = fd::longest_step(*p.contact, q.view(), dq.view());
+  p.contact->linearise(q.view(), true);
+  const double alpha = fd::longest_step(*p.contact, dq.view());
   EXPECT_LE(alpha, 0.0091);
   EXPECT_GE(alpha, 0.008);
 }
@@ -379,8 +378,8 @@ TEST(MortarContact, LineSearchSeesWhatComesIntoRange) {
   const model::Body& tool = p.model.bodies[1];
   for (Index b = tool.block_begin; b < tool.block_end; ++b) d[3 * b + 2] = -0.5 * kHat;
   const device::Buffer<Vec3> q(fd::blocks_of(x)), dq(fd::blocks_of(d));
-  p.contact->assemble(q.view(), true);
-  fd::longest_step(*p.contact, q.view(), dq.view());
+  p.contact->linearise(q.view(), true);
+  fd::longest_step(*p.contact, dq.view());
   EXPECT_EQ(fd::effect_energy(*p.contact, x), 0);
   EXPECT_NEAR(fd::effect_energy(*p.contact, x + d) / (kKappa * effects::barrier::value(0.55 * kHat, kHat)), 1, 1e-10);
 }

@@ -56,7 +56,7 @@ model::ModelInput on_floor(double gap) {
 
 struct Problem {
   model::Model model;
-  std::unique_ptr<effects::Effect> contact;
+  std::unique_ptr<fd::Subject> contact;
   Problem(model::ModelInput in, const Params& p) : model(std::move(in)), contact(make_effect("mortar_contact", p, model)) { contact->begin_step({}); }
 };
 

@@ -30,7 +30,7 @@ Params lifted(Params p, const std::vector<double>& time, const std::vector<doubl
 }
 std::unique_ptr<Effect> make(model::Model& m, std::vector<Params> pins) { return fd::make_effect("pin", Params::make_list(std::move(pins)), m); }
 
-void at(Effect& e, double t0, double dt) {
+void at(fd::Subject& e, double t0, double dt) {
   StepInfo s;
   s.t0 = t0, s.dt = dt;
   e.begin_step(s);

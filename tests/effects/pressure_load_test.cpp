@@ -20,13 +20,13 @@ Params pressed(const std::string& body, const std::string& side) {
 }
 std::unique_ptr<Effect> make(model::Model& m, std::vector<Params> loads) { return fd::make_effect("pressure_load", Params::make_list(std::move(loads)), m); }
 
-void until(Effect& e, double t) {
+void until(fd::Subject& e, double t) {
   StepInfo s;
   s.t0 = t - 0.1, s.dt = 0.1;
   e.begin_step(s);
 }
 
-Vec3 force_on(Effect& e, const model::Model& m, const model::Body& body) {
+Vec3 force_on(fd::Subject& e, const model::Model& m, const model::Body& body) {
   const auto g = fd::blocks_of(fd::effect_assemble(e, fd::shaken(m, 0.1), true).gradient);
   Vec3 force = Vec3::Zero();
   const Index end = body.type == model::BodyType::stiff ? body.block_begin + 1 : body.block_end;

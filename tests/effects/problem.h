@@ -29,9 +29,9 @@ inline model::ModelInput box_and_ball(const std::string& law = "neo_hookean", in
   return in;
 }
 
-inline std::unique_ptr<effects::Effect> make_effect(const std::string& name, const Params& params, model::Model& model) {
+inline std::unique_ptr<Subject> make_effect(const std::string& name, const Params& params, model::Model& model) {
   for (const effects::Kind& k : effects::list())
-    if (name == k.name) return k.make(params, model);
+    if (name == k.name) return std::make_unique<Subject>(model, k.make(params, model));
   throw std::runtime_error("no effect " + name);
 }
 

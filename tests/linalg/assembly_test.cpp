@@ -28,6 +28,7 @@ struct Random {
 
   Random() {
     tets.resize_uniform(100, 4);
+    tets.need_hessian();
     fill_random(tets, kBlocks, false, rng);
     new_contact();
   }
@@ -65,6 +66,7 @@ TEST(Assembly, RandomStencilsSumLikeDenseMatrices) {
 TEST(Assembly, RepeatedBlockInAStencilGivesBothHalves) {
   StencilSet set;
   set.resize_uniform(1, 2);
+  set.need_hessian();
   write(set.view().block, {0, 0});
   write(set.view().grad, {Vec3(1, 2, 3), Vec3(10, 20, 30)});
   Mat3 h;

@@ -17,6 +17,7 @@ void random_matrix(BlockMatrix& A) {
   std::mt19937 rng(11);
   StencilSet set;
   set.resize_uniform(80, 3);
+  set.need_hessian();
   fill_random(set, kRows - 1, false, rng);  // the last row has nothing but its diagonal block
   StencilSet* sets[] = {&set};
   Assembler assembler;

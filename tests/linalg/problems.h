@@ -135,9 +135,11 @@ struct Cube {
             }
           }
     elastic.resize_uniform(static_cast<Index>(block.size() / 4), 4);
+    elastic.need_hessian();
     write(elastic.view().block, block), write(elastic.view().hess, hess);
     elastic.pattern_changed();
     ground.resize_uniform(nodes, 1);
+    ground.need_hessian();
     std::vector<Index> each(nodes);
     for (Index n = 0; n < nodes; ++n) each[n] = first + n;
     write(ground.view().block, each);

@@ -59,6 +59,7 @@ struct Scene {
     // Inertia of the affine body (it holds its free motions), its orthogonality, and the springs y = p + sum X_k a_k against the top nodes.
     auto own = std::make_unique<StencilSet>(), springs = std::make_unique<StencilSet>();
     own->resize_uniform(4, 1);
+    own->need_hessian();
     std::vector<Mat3> H{Mat3(10 * Mat3::Identity())};
     for (int k = 0; k < 3; ++k) {
       Mat3 h = Mat3::Identity();
@@ -69,6 +70,7 @@ struct Scene {
     write(own->view().hess, H);
     own->pattern_changed();
     springs->resize_uniform(layer, 5);
+    springs->need_hessian();
     std::vector<Index> block;
     std::vector<Mat3> hess;
     for (Index n = 0; n < layer; ++n) {
@@ -317,6 +319,7 @@ TEST(Schwarz, CoarseUnknownsThatDoNothingAreLeftOut) {
   }
   StencilSet own;
   own.resize_uniform(kRows, 1);
+  own.need_hessian();
   std::vector<Index> each(kRows);
   for (Index i = 0; i < kRows; ++i) each[i] = i;
   write(own.view().block, each);

@@ -45,46 +45,34 @@ class AffineBody final : public Effect {
     stiffness_.assign(bodies.size(), stiffness);
     next_stiffness_ = stiffness_;
     env_offset_ = env_offsets(body_env, model.envs);
-    write_pattern();
+    env_ = body_env;
   }
 
-  // Not in the constructor: nvcc takes no kernel there.
-  void write_pattern() {
-    stencils_.resize_uniform(bodies_.size(), 3);
-    const linalg::StencilView out = stencils_.view();
-    const View<const StiffBody> list = std::as_const(bodies_).view();
-    device::parallel_for("affine_body.pattern", list.n, [=] MORTISE_HD(Index s) {
-      for (int i = 0; i < 3; ++i) out.block[3 * s + i] = list[s].first + i;
-    });
-    stencils_.pattern_changed();
-  }
+  const Kind& kind() const override;
+  std::vector<PlanItem> plan() const override { return {{"bodies", bodies_.bytes()}}; }
 
-  std::string_view name() const override { return "affine_body"; }
-  bool internal() const override { return true; }
-
-  void plan(Plan& out) const override {
-    out.buffers.push_back({"stencils", stencils_.bytes()});
-    out.buffers.push_back({"bodies", bodies_.bytes()});
-    for (const char* k : {"affine_body.pattern", "affine_body.energy", "affine_body.assemble", "affine_body.defect"}) out.kernels.push_back(k);
-  }
-
-  void energy(Positions q, device::EnvValues per_env) override {
+  void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
     const View<const StiffBody> list = std::as_const(bodies_).view();
     device::env_sum(
         "affine_body.energy", env_offset_,
         [=] MORTISE_HD(Index s) { return affine_body::energy(list[s].Vk, columns(q, list[s].first)); }, per_env);
   }
 
-  linalg::StencilSet& assemble(Positions q, Curvature curvature) override {
+  void linearise(Positions q, Want want, Linearisation& at) override {
+    if (!want.forces) return;
+    const bool fresh = at.stencils.resize_uniform(bodies_.size(), 3);
+    const Curvature curvature = want.matrix;
+    if (curvature.wanted) at.stencils.need_hessian();
     const View<const StiffBody> list = std::as_const(bodies_).view();
-    const linalg::StencilView out = stencils_.view();
+    const View<const Index> env = std::as_const(model_.block_env).view();
+    const linalg::StencilView out = at.stencils.view();
     device::parallel_for("affine_body.assemble", list.n, [=] MORTISE_HD(Index s) {
       const Mat3 A = columns(q, list[s].first);
       const Mat3 g = affine_body::gradient(list[s].Vk, A);
-      for (int i = 0; i < 3; ++i) out.grad[3 * s + i] = g.col(i);
-      if (curvature.wanted) affine_body::hessian(list[s].Vk, A, curvature.concave, out.hess.p + 6 * s);
+      for (int i = 0; i < 3; ++i) out.block[3 * s + i] = list[s].first + i, out.grad[3 * s + i] = g.col(i);
+      if (curvature.wanted) affine_body::hessian(list[s].Vk, A, curvature.share(env[list[s].first]), out.hess.p + 6 * s);
     });
-    return stencils_;
+    if (fresh) at.stencils.pattern_changed();
   }
 
   // How far each body is from rigid: |A^T A - I|_F, about twice its largest strain.
@@ -97,19 +85,19 @@ class AffineBody final : public Effect {
   }
 
   // The stiffness is a penalty: a body that a step strains by more than a percent takes the step anew with a larger one.
-  Refit refit(Positions q) override {
+  void refit(Positions q, const Linearisation&, std::vector<Refit>& per_env) override {
     constexpr double kStiff = 0.02, kLargest = 1e6;  // |A^T A - I|; of the given stiffness: there rounding of q begins to tell
-    const std::vector<double>& defect = solved_defect_ = defects(q);
-    Refit change = Refit::none;
+    const std::vector<double> defect = defects(q);
+    bool changed = false;
     for (std::size_t i = 0; i < defect.size(); ++i) {
       if (!(defect[i] > kStiff) || stiffness_[i] >= kLargest * given_) continue;
       // The defect falls as the stiffness grows, once it is small; a body that is flat says nothing about how much more is needed.
       const double factor = defect[i] > 0.5 ? 1e3 : 2 * defect[i] / kStiff;
       stiffness_[i] = std::min(factor * stiffness_[i], kLargest * given_);
-      change = Refit::from_start;
+      per_env[env_[i]] = Refit::from_start;
+      changed = true;
     }
-    if (change != Refit::none) stiffness_changed();
-    return change;
+    if (changed) stiffness_changed();
   }
 
   void begin_step(const StepInfo&) override {
@@ -117,30 +105,33 @@ class AffineBody final : public Effect {
     stiffness_ = next_stiffness_;
     stiffness_changed();
   }
-  void end_step(Positions) override { next_stiffness_ = stiffness_; }
+  void end_step(Positions, const Linearisation&) override { next_stiffness_ = stiffness_; }
   void checkpoint(Archive& archive) override {
     archive.io("stiffness", next_stiffness_);
     if (archive.loading()) stiffness_ = next_stiffness_, stiffness_changed();
   }
 
-  std::string objection(Positions) override {  // of the q that refit() looked at last
+  void object(Positions q, std::vector<std::string>& per_env) override {
     constexpr double kMost = 0.1;  // 5 % of strain: a body that was to be stiff is not
-    const std::vector<double>& defect = solved_defect_;
-    const auto worst = std::max_element(defect.begin(), defect.end());
-    if (worst == defect.end() || *worst <= kMost) return {};
-    std::ostringstream why;
-    why.precision(2);
-    why << "the stiff body '" << names_[worst - defect.begin()] << "' is strained by " << 50 * *worst << " %, however stiff it is made: it is crushed";
-    return why.str();
+    const std::vector<double> defect = defects(q);
+    std::vector<double> worst(per_env.size(), kMost);
+    for (std::size_t i = 0; i < defect.size(); ++i) {
+      if (!(defect[i] > worst[env_[i]])) continue;
+      worst[env_[i]] = defect[i];
+      std::ostringstream why;
+      why.precision(2);
+      why << "the stiff body '" << names_[i] << "' is strained by " << 50 * defect[i] << " %, however stiff it is made: it is crushed";
+      per_env[env_[i]] = why.str();
+    }
   }
 
-  void report(FieldSink& sink) override {
+  void report(FieldSink& sink, const Linearisation& at) override {
     const Positions q = std::as_const(model_.q).view();
     double worst = 0;
     for (double d : defects(q)) worst = std::max(worst, d);
     sink.scalar("affine_body", "rigidity_defect", "1", worst);
     if (!stiffness_.empty()) sink.scalar("affine_body", "stiffness_largest", "Pa", *std::max_element(stiffness_.begin(), stiffness_.end()));
-    sink.scalar("affine_body", "energy", "J", energy_now(q, model_.envs));
+    sink.scalar("affine_body", "energy", "J", energy_now(q, at, model_.envs));
   }
 
  private:
@@ -153,19 +144,20 @@ class AffineBody final : public Effect {
   model::Model& model_;
   double given_ = 0;                                // [Pa]
   std::vector<double> stiffness_, next_stiffness_;  // per body, in this step and for the next [Pa]
-  std::vector<double> solved_defect_;
   device::Buffer<StiffBody> bodies_;
   std::vector<std::string> names_;
-  std::vector<Index> env_offset_;
-  linalg::StencilSet stencils_;
+  std::vector<Index> env_, env_offset_;  // per body; per environment
 };
 
 }  // namespace
 
-Kind affine_body_kind() {
-  return {"affine_body", "stiff bodies keep their shape", &kTable,
+const Kind& affine_body_kind() {
+  static const Kind kind{"affine_body", Role::store, "stiff bodies keep their shape", &kTable,
           [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<AffineBody>(p, m); },
           {"Lan, Kaufman, Li, Jiang, Yang: Affine Body Dynamics: Fast, Stable and Intersection-free Simulation of Stiff Materials. ACM TOG 41(4), 2022"}};
+  return kind;
 }
+
+const Kind& AffineBody::kind() const { return affine_body_kind(); }
 
 }  // namespace mortise::effects

@@ -28,6 +28,14 @@ const ParamTable kTable{
      param::optional(
          param::of(Param::Kind::pairs, "pairs", Unit::none, {}, "Pairs of bodies in contact; without it, all pairs"))}};
 
+struct BarrierLinearisation final : Linearisation {
+  Buffer<Vec3> y;
+  ActiveSet active;
+  std::size_t bytes() const override { return Linearisation::bytes() + y.bytes() + active.terms.bytes(); }
+};
+BarrierLinearisation& of_barrier(Linearisation& at) { return static_cast<BarrierLinearisation&>(at); }
+const BarrierLinearisation& of_barrier(const Linearisation& at) { return static_cast<const BarrierLinearisation&>(at); }
+
 class BarrierContact final : public Effect {
  public:
   BarrierContact(const Params& p, model::Model& model) : model_(model), near_(model, p.number("d_hat")) {
@@ -37,119 +45,91 @@ class BarrierContact final : public Effect {
     law_.edge_range = law_.area_weighted ? kEdgeShare * law_.d_hat : law_.d_hat;
     if (const Params* list = p.find("pairs")) pairs_ = *list;
     plane_area_.resize(static_cast<Index>(model.half_spaces.size()) * model.surface.vertices.size());
-    model.publish(std::string(name()));
+    model.add_contact(name());
   }
 
-  std::string_view name() const override { return "barrier_contact"; }
+  const Kind& kind() const override;
+  std::vector<PlanItem> plan() const override { return {{"areas of points", point_area_.bytes() + plane_area_.bytes()}, {"candidate pairs", near_.candidates().bytes()}}; }
 
-  void plan(Plan& out) const override {
-    out.buffers.push_back({"stencils", stencils_.bytes()});
-    out.buffers.push_back({"active terms", active_.terms.bytes()});
-    out.buffers.push_back({"candidate pairs", near_.candidates().bytes()});
-    for (const char* k : {"contact.near", "contact.terms", "contact.merge", "contact.point_terms", "contact.edge_terms",
-                          "contact.count_blocks", "contact.assemble", "contact.samples", "contact.energy_points",
-                          "contact.energy_edges", "contact.face_points"})
-      out.kernels.push_back(k);
-    if (!model_.half_spaces.empty())
-      for (const char* k : {"contact.face_planes", "contact.near_planes", "contact.plane_terms", "contact.energy_planes",
-                            "contact.limit_planes"})
-        out.kernels.push_back(k);
+  void connect() override {
+    near_.watch(watched_pairs(model_, pairs_ ? &*pairs_ : nullptr));
+    weigh();
   }
 
   void begin_step(const StepInfo& step) override {
-    prepare();
     near_.begin_step(step);
-    near_.locate(std::as_const(model_.q).view());
-    if (!checked_) check_start(model_, near_.obstacles(scene()), near_.candidates(), near_.y());
-    checked_ = true;
     weigh();
-    update();
+    if (!checked_) check_start(model_, near_.obstacles(scene()), near_.candidates(), std::as_const(y_).view());
+    checked_ = true;
   }
 
-  void energy(Positions q, device::EnvValues per_env) override {
-    prepare();
-    const std::vector<std::uint8_t> finite = near_.locate(q);
-    contact::energy(scene(), near_.candidates(), near_.y(), near_.vertex_env(), per_env);
+  std::unique_ptr<Linearisation> linearisation() const override { return std::make_unique<BarrierLinearisation>(); }
+
+  void linearise(Positions q, Want want, Linearisation& out) override {
+    BarrierLinearisation& at = of_barrier(out);
+    near_.locate(q, at.y);
+    build(scene(), near_.candidates(), std::as_const(at.y).view(), model_.envs, at.active);
+    if (want.forces) contact::assemble(scene(), at.active, std::as_const(at.y).view(), model_.point_map(), want.matrix, at.stencils);
+  }
+
+  void sample(Linearisation& out) override {
+    BarrierLinearisation& at = of_barrier(out);
+    samples(scene(), at.active, std::as_const(at.y).view(), at.contact.samples);
+    at.contact.env_offset = at.active.env_offset;
+  }
+
+  void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
+    const std::vector<std::uint8_t> finite = near_.locate(q, y_);
+    contact::energy(scene(), near_.candidates(), std::as_const(y_).view(), near_.vertex_env(), per_env);
     forbid(finite, per_env);
   }
 
-  linalg::StencilSet& assemble(Positions q, Curvature curvature) override {
-    prepare();
-    near_.locate(q);
-    update();
-    contact::assemble(scene(), active_, near_.y(), model_.point_map(), curvature, stencils_);
-    return stencils_;
-  }
-
-  void max_step(Positions q, View<const Vec3> dq, device::EnvValues alpha) override {
-    prepare();
+  void max_step(View<const Vec3> dq, Linearisation& at, device::EnvValues alpha) override {
     Buffer<Vec3> dy;
-    near_.limit(q, dq, scene(), dy, alpha);
+    near_.limit(of_barrier(at).y, dq, scene(), dy, alpha);
   }
 
-  bool lag(Positions q) override {  // nothing is frozen here, but what is published must belong to q
-    near_.locate(q);
-    update();
-    return false;
-  }
+  void report(FieldSink& sink, const Linearisation& at) override;
 
-  void end_step(Positions q) override {
-    near_.locate(q);
-    update();
-  }
-
-  void report(FieldSink& sink) override;
-
-  // Supports are known only when all effects exist, so pairs are chosen at first use.
-  void prepare() {
-    if (near_.watching()) return;
-    near_.watch(watched_pairs(model_, pairs_ ? &*pairs_ : nullptr));
-    near_.locate(std::as_const(model_.q).view());
-    weigh();
-    update();
+  void checkpoint(Archive& archive) override {
+    if (archive.loading()) weigh();  // the positions have been read already
   }
 
  private:
   Scene scene() const { return near_.scene(law_, point_area_.view(), plane_area_.view()); }
 
-  // Contact areas of the vertices as they stand at y.
+  // Contact areas of the vertices as they stand at the accepted state.
   void weigh() {
-    face_planes(scene(), near_.y(), plane_area_.view());
+    near_.locate(std::as_const(model_.q).view(), y_);
+    const View<const Vec3> y = std::as_const(y_).view();
+    face_planes(scene(), y, plane_area_.view());
     point_area_.copy_from(model_.surface.vertex_area);
-    build(scene(), near_.candidates(), near_.y(), model_.envs, active_);
-    face_points(scene(), active_, near_.y(), point_area_.view());
-  }
-
-  // Active terms at y, and the samples that others see.
-  void update() {
-    build(scene(), near_.candidates(), near_.y(), model_.envs, active_);
-    model::ContactView& view = model_.publish("barrier_contact");
-    samples(scene(), active_, near_.y(), view.samples);
-    view.env_offset = active_.env_offset;
+    ActiveSet active;
+    build(scene(), near_.candidates(), y, model_.envs, active);
+    face_points(scene(), active, y, point_area_.view());
   }
 
   model::Model& model_;
   Law law_;
   std::optional<Params> pairs_;
   Proximity near_;
-  Buffer<double> point_area_, plane_area_;
-  ActiveSet active_;
-  linalg::StencilSet stencils_;
+  Buffer<double> point_area_, plane_area_;  // in this step
+  Buffer<Vec3> y_;                          // work space
   bool checked_ = false;
 };
 
-void BarrierContact::report(FieldSink& sink) {
-  prepare();
+void BarrierContact::report(FieldSink& sink, const Linearisation& accepted) {
+  const BarrierLinearisation& at = of_barrier(accepted);
   const std::string group(name());
-  const std::vector<Active> terms = active_.terms.download();
+  const std::vector<Active> terms = at.active.terms.download();
   Buffer<Vec3> buffer;
-  point_forces(scene(), active_, near_.y(), buffer);
+  point_forces(scene(), at.active, at.y.view(), buffer);
   const std::vector<Vec3> term_force = buffer.download();
 
   std::vector<double> area_of = point_area_.download();
-  PointForces forces(model_, near_.points());
+  PointForces forces(model_, at.y);
   SampleRows rows;
-  const std::vector<model::ContactSample> samples = model_.publish(group).samples.download();
+  const std::vector<model::ContactSample> samples = at.contact.samples.download();
   for (std::size_t i = 0; i < terms.size(); ++i) {
     const model::ContactSample& s = samples[i];
     if (terms[i].kind == TermKind::plane && law_.area_weighted) area_of[terms[i].point[0]] = terms[i].weight;
@@ -168,22 +148,26 @@ void BarrierContact::report(FieldSink& sink) {
 
   rows.report(sink, group);
   sink.scalar(group, "pressure_sum_defect", "1", sum_defect(forces, {&rows}));
-  sink.scalar(group, "min_distance", "m", std::min(law_.d_hat, least_distance(near_.obstacles(scene()), near_.candidates(), near_.y())));
-  sink.scalar(group, "energy", "J", energy_now(std::as_const(model_.q).view(), model_.envs));
+  sink.scalar(group, "min_distance", "m", std::min(law_.d_hat, least_distance(near_.obstacles(scene()), near_.candidates(at.y), at.y.view())));
+  sink.scalar(group, "energy", "J", energy_now(std::as_const(model_.q).view(), at, model_.envs));
   sink.scalar(group, "active_pairs", "1", static_cast<double>(terms.size()));
 }
 
 }  // namespace
 
-Kind barrier_contact_kind() {
-  return {
+const Kind& barrier_contact_kind() {
+  static const Kind kind{
       "barrier_contact",
+      Role::contact,
       "bodies never touch: incremental potential contact with an area-weighted barrier",
       &kTable,
       [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<BarrierContact>(p, m); },
       {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020",
        "Li, Kaufman, Jiang: Convergent Incremental Potential Contact. arXiv:2307.15908, 2023"},
       {"contact_force", "contact_pressure"}};
+  return kind;
 }
+
+const Kind& BarrierContact::kind() const { return barrier_contact_kind(); }
 
 }  // namespace mortise::effects

@@ -41,7 +41,7 @@ template <class Add>
 MORTISE_HD inline void differentiate(const Scene& s, const Active& a, View<const Vec3> y, bool hessian, Vec3 grad[4], Add& add) {
   if (a.kind == TermKind::plane) {
     const Plane p = s.planes[a.plane];
-    const double g = p.normal.dot(y[a.point[0]] - p.point), k = s.law.kappa * a.weight;
+    const double g = p.normal.dot(y[a.point[0]] - p.point), k = s.kappa(a.point[0]) * a.weight;
     grad[0] = k * barrier::first(g, s.law.d_hat) * p.normal;
     if (hessian) {
       const Vec3 v[4] = {p.normal, Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
@@ -52,7 +52,7 @@ MORTISE_HD inline void differentiate(const Scene& s, const Active& a, View<const
   Vec3 x[4];
   Frame f;
   const Closest c = closest(a, y, x);
-  evaluate(c, x, range_of(s, a), s.law.kappa * a.weight, a.eps, hessian, f, grad, add);
+  evaluate(c, x, range_of(s, a), s.kappa(a.point[0]) * a.weight, a.eps, hessian, f, grad, add);
 }
 
 // Adds rank-one terms to the Hessian of a stencil: the positive ones, and a share of the negative ones.
@@ -60,7 +60,7 @@ struct AddTerms {
   const model::Expansion<4>& e;
   const linalg::StencilView& out;
   Index stencil;
-  double concave;
+  double concave;  // of its environment
   MORTISE_HD void operator()(double c, const Vec3* v) const {
     if (c < 0) c *= concave;
     if (c == 0) return;
@@ -77,7 +77,7 @@ MORTISE_HD inline ContactSample sample_of(const Scene& s, const Active& a, View<
   for (Index k = 0; k < out.points; ++k) out.point[k] = a.point[k];
   out.env = a.env;
   out.body_a = s.surface.body[a.point[0]];
-  const double k = s.law.kappa * a.weight;
+  const double k = s.kappa(a.point[0]) * a.weight;
   Vec3 n, place;
   if (a.kind == TermKind::plane) {
     const Plane p = s.planes[a.plane];
@@ -144,13 +144,14 @@ void assemble(const Scene& s, const ActiveSet& set, View<const Vec3> y, const mo
     count[i] = model::expand<4>(map, terms[i].point, points_of(terms[i].kind)).blocks;
   });
   stencils.resize(std::move(counts));
+  if (curvature.wanted) stencils.need_hessian();
   const linalg::StencilView out = stencils.view();
   device::parallel_for("contact.assemble", terms.n, [=] MORTISE_HD(Index i) {
     const model::Expansion<4> e = model::expand<4>(map, terms[i].point, points_of(terms[i].kind));
     const Index at = out.offset[i];
     for (Index b = 0; b < e.blocks; ++b) out.block[at + b] = e.block[b];
     if (curvature.wanted) model::zero_hessian(out, i, e.blocks);
-    AddTerms add{e, out, i, curvature.concave};
+    AddTerms add{e, out, i, curvature.share(terms[i].env)};
     Vec3 grad[4];
     differentiate(s, terms[i], y, curvature.wanted, grad, add);
     e.chain(grad, out.grad.p + at);

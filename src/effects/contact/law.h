@@ -52,6 +52,8 @@ struct Scene {
   View<const double> self_range;  // range of every point towards its own body [m]; empty where no body sees itself
   View<const double> point_area;  // A_x of every point [m^2]
   View<const double> plane_area;  // the same towards half-spaces: planes x surface vertices [m^2]
+  View<const double> kappa_of_env{};  // instead of law.kappa, where environments differ [Pa]
+  MORTISE_HD double kappa(Index point) const { return kappa_of_env.n > 0 ? kappa_of_env[surface.env[point]] : law.kappa; }
   MORTISE_HD bool sees(Index a, Index b) const { return watched[surface.body[a] * surface.bodies + surface.body[b]] != 0; }
 };
 
@@ -154,7 +156,7 @@ MORTISE_HD inline double pair_energy(const Scene& s, const PointTriangle& pair, 
       if (c != 0) sum += c * barrier::value(std::sqrt(Dv), range);
     }
   }
-  return s.law.kappa * point_weight(s, pair.point) * sum;
+  return s.kappa(pair.point) * point_weight(s, pair.point) * sum;
 }
 
 MORTISE_HD inline double pair_energy(const Scene& s, const EdgeEdge& pair, View<const Vec3> y) {
@@ -166,7 +168,7 @@ MORTISE_HD inline double pair_energy(const Scene& s, const EdgeEdge& pair, View<
   if (!(D < range * range)) return 0;
   gather(s.rest, pair.v, rest);
   const double m = geometry::mollifier(x, geometry::mollifier_threshold(rest));
-  return s.law.kappa * edge_weight(s, pair.a, pair.b) * m * barrier::value(std::sqrt(D), range);
+  return s.kappa(pair.v[0]) * edge_weight(s, pair.a, pair.b) * m * barrier::value(std::sqrt(D), range);
 }
 
 // i counts planes x surface vertices.
@@ -186,7 +188,7 @@ MORTISE_HD inline double plane_energy(const Scene& s, Index i, View<const Vec3> 
   double gap;
   if (!plane_pair(s, i, y, plane, point, gap)) return 0;
   if (!(gap > 0)) return INFINITY;
-  return s.law.kappa * plane_weight(s, i) * barrier::value(gap, s.law.d_hat);
+  return s.kappa(point) * plane_weight(s, i) * barrier::value(gap, s.law.d_hat);
 }
 
 }  // namespace mortise::effects::contact

@@ -74,12 +74,13 @@ T fetch(View<const T> v, Index i) {
 
 Vec3 at(View<const Vec3> y, View<const Vec3> dy, Index p, double t) { return fetch(y, p) + t * fetch(dy, p); }
 
-[[noreturn]] void fail(const std::string& a, const std::string& b, double t, const Vec3& x, const StepInfo& step) {
+[[noreturn]] void fail(const model::Body& first, const std::string& b, double t, const Vec3& x, const StepInfo& step) {
+  const std::string& a = first.name;
   char when[200];
   std::snprintf(when, sizeof when, "at %s%.6g%s near (%.4g, %.4g, %.4g) m", step.is_static ? "pseudo-time " : "t = ", step.t0 + t * step.dt, step.is_static ? "" : " s", x[0], x[1], x[2]);
   const std::string who = a == b ? "two parts of '" + a + "' meet " : "'" + a + "' meets '" + b + "' ";
   const std::string how = a == b ? "" : "; if they are to pass through each other, say so: pairs: [{bodies: [" + a + ", " + b + "], collide: false}]";
-  throw Failure{who + when + "; supports prescribe the motion of both, so neither can give way" + how};
+  throw Failure{who + when + "; supports prescribe the motion of both, so neither can give way" + how, first.env};
 }
 
 // All that a message about a meeting needs.
@@ -96,21 +97,21 @@ struct Found {
 
   void fail_on_first(const model::Model& model, const Scene& s, const geometry::Broadphase& near, const StepInfo& step) const {
     const Earliest plane = of_planes.earliest(), points = of_points.earliest(), edges = of_edges.earliest();
-    const auto body = [&](Index p) { return model.bodies[fetch(s.surface.body, p)].name; };
+    const auto body = [&](Index p) -> const model::Body& { return model.bodies[fetch(s.surface.body, p)]; };
     if (plane.t <= 1 && plane.t <= std::min(points.t, edges.t)) {
       const Index p = fetch(s.surface.vertices, plane.pair % s.surface.vertices.n);
       fail(body(p), model.half_spaces[plane.pair / s.surface.vertices.n].name, plane.t, place(p, plane.t), step);
     }
     if (points.t <= 1 && points.t <= edges.t) {
       const geometry::PointTriangle pair = fetch(near.point_triangles(), points.pair);
-      fail(body(pair.v[0]), body(pair.v[1]), points.t, place(pair.v[0], points.t), step);
+      fail(body(pair.v[0]), body(pair.v[1]).name, points.t, place(pair.v[0], points.t), step);
     }
     if (edges.t <= 1) {
       const geometry::EdgeEdge pair = fetch(near.edge_edges(), edges.pair);
       Vec3 x[4];
       for (int k = 0; k < 4; ++k) x[k] = place(pair.v[k], edges.t);
       const geometry::Closest c = geometry::closest_edge_edge(x);
-      fail(body(pair.v[0]), body(pair.v[2]), edges.t, c.w[0] * x[0] + c.w[1] * x[1], step);
+      fail(body(pair.v[0]), body(pair.v[2]).name, edges.t, c.w[0] * x[0] + c.w[1] * x[1], step);
     }
   }
 };

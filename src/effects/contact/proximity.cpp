@@ -79,21 +79,27 @@ void Proximity::watch(const WatchedPairs& pairs) {
     if (pairs.bodies[a * n + a] != Watch::no) return self_range_.upload(self_ranges(model_, reach_, point_env_));
 }
 
-std::vector<std::uint8_t> Proximity::locate(Positions q) {
+std::vector<std::uint8_t> Proximity::locate(Positions q, Buffer<Vec3>& y) {
   std::vector<std::uint8_t> finite;
-  model_.points_of(q, y_);
-  candidates_.cover(y_, finite);
+  model_.points_of(q, y);
+  candidates_.cover(y, finite);
   return finite;
 }
 
-void Proximity::limit(Positions q, View<const Vec3> dq, const Scene& s, Buffer<Vec3>& dy, device::EnvValues alpha) {
-  model_.points_of(q, y_);
+const Candidates& Proximity::candidates(const Buffer<Vec3>& y) {
+  std::vector<std::uint8_t> finite;
+  candidates_.cover(y, finite);
+  return candidates_;
+}
+
+void Proximity::limit(const Buffer<Vec3>& from, View<const Vec3> dq, const Scene& s, Buffer<Vec3>& dy, device::EnvValues alpha) {
   model_.points_of(dq, dy);
-  candidates_.sweep(y_, dy);
+  candidates_.sweep(from, dy);
   const Scene all = obstacles(s);
-  prescribed_.forbid_meeting(all, candidates_.broadphase(), y(), std::as_const(dy).view(), step_, alpha.fetch);
-  geometry::limit_step(candidates_.broadphase(), y(), std::as_const(dy).view(), kKeep, alpha);
-  limit_planes(all, y(), std::as_const(dy).view(), kKeep, vertex_env_, alpha);
+  const View<const Vec3> y = from.view(), way = std::as_const(dy).view();
+  prescribed_.forbid_meeting(all, candidates_.broadphase(), y, way, step_, alpha.fetch);
+  geometry::limit_step(candidates_.broadphase(), y, way, kKeep, alpha);
+  limit_planes(all, y, way, kKeep, vertex_env_, alpha);
 }
 
 Scene Proximity::scene(const Law& law, View<const double> point_area, View<const double> plane_area) const {

@@ -1,6 +1,6 @@
 #pragma once
-// What every contact effect keeps: where the points are, which primitives are near each other there, which bodies may meet, and
-// how far all may move without touching.
+// What every contact effect keeps: which bodies may meet, which primitives were near each other lately, and how far all may move without
+// touching. Where the points are is the caller's to keep.
 #include <cstdint>
 #include <vector>
 
@@ -23,21 +23,20 @@ class Proximity {
 
   // Which bodies and half-spaces may meet; all detection in the model heeds it from now on.
   void watch(const WatchedPairs& pairs);
-  bool watching() const { return watched_.size() > 0; }
 
   // The step whose positions are asked for from now on.
   void begin_step(const StepInfo& step) { step_ = step; }
 
-  // y = W q with all candidates there; tells which environments have finite positions.
-  std::vector<std::uint8_t> locate(Positions q);
-  // Lowers alpha so that the step dq keeps the share kKeep of every distance; dy: the step of the points. Throws Failure where what is
-  // prescribed would meet.
-  void limit(Positions q, View<const Vec3> dq, const Scene& s, Buffer<Vec3>& dy, device::EnvValues alpha);
+  // y = W q, with all candidates there; tells which environments have finite positions.
+  std::vector<std::uint8_t> locate(Positions q, Buffer<Vec3>& y);
+  // Lowers alpha so that the step dq from where the points are at y keeps the share kKeep of every distance; dy: the step of the points. Throws
+  // Failure where what is prescribed would meet.
+  void limit(const Buffer<Vec3>& y, View<const Vec3> dq, const Scene& s, Buffer<Vec3>& dy, device::EnvValues alpha);
 
   double reach() const { return reach_; }
-  const Buffer<Vec3>& points() const { return y_; }
-  View<const Vec3> y() const { return y_.view(); }
-  const Candidates& candidates() const { return candidates_; }
+  const Candidates& candidates() const { return candidates_; }  // of the last locate() or limit(), and around
+  // All candidates at y.
+  const Candidates& candidates(const Buffer<Vec3>& y);
   const std::vector<Index>& point_env() const { return point_env_; }    // first point of every environment
   const std::vector<Index>& vertex_env() const { return vertex_env_; }  // first surface vertex
   TopologyView topology() const { return topology_.view(); }
@@ -62,7 +61,6 @@ class Proximity {
   Prescribed prescribed_;
   StepInfo step_;
   Buffer<double> self_range_;
-  Buffer<Vec3> y_;
 };
 
 // Energies of environments whose positions, or which themselves, are not numbers become +infinity.

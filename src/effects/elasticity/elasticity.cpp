@@ -55,17 +55,18 @@ MORTISE_HD inline void at_points(const Tets& tets, Index t, Positions q, Visit&&
   }
 }
 
-MORTISE_HD inline void assemble_quadratic(const Tets& tets, Index t, Positions q, Curvature curvature, Vec3* grad, Mat3* hess) {
+// concave: share of negative curvature; no Hessian where hess is null.
+MORTISE_HD inline void assemble_quadratic(const Tets& tets, Index t, Positions q, double concave, Vec3* grad, Mat3* hess) {
   Vec3 x[10], g[10];
   tets.nodes(t, q, x);
   for (int a = 0; a < 10; ++a) grad[a] = Vec3::Zero();
-  for (Index i = 0; curvature.wanted && i < linalg::pair_count(10); ++i) hess[i] = Mat3::Zero();
+  for (Index i = 0; hess && i < linalg::pair_count(10); ++i) hess[i] = Mat3::Zero();
   for (int p = 0; p < geometry::kTetPoints; ++p) {
     const elasticity::Element e = tets.element(t, p);
     elasticity::quadratic_gradients(e.dm_inverse, p, g);
     const Mat3 F = elasticity::quadratic_deformation(g, x);
     elasticity::add_quadratic_gradient(e, F, g, grad);
-    if (curvature.wanted) elasticity::add_hessian(e, F, curvature.concave, 10, g, hess);
+    if (hess) elasticity::add_hessian(e, F, concave, 10, g, hess);
   }
 }
 
@@ -77,37 +78,28 @@ double von_mises(const double* s) {
 
 class Elasticity final : public Effect {
  public:
-  explicit Elasticity(model::Model& model) : model_(model) {
-    write_pattern();
-  }
+  explicit Elasticity(model::Model& model) : model_(model) {}
 
-  // Not in the constructor: nvcc takes no kernel there.
-  void write_pattern() {
+  const Kind& kind() const override;
+
+  void write_pattern(linalg::StencilSet& stencils) const {
     const Tets tets = tets_of(model_.volume);
     if (tets.midsides.n == 0) {
-      stencils_.resize_uniform(tets.size(), 4);
+      stencils.resize_uniform(tets.size(), 4);
     } else {
       device::Buffer<Index> counts(tets.size() + 1);
       const View<Index> count = counts.view();
       device::parallel_for("elasticity.count_nodes", tets.size(), [=] MORTISE_HD(Index t) { count[t] = tets.quadratic(t) ? 10 : 4; });
-      stencils_.resize(std::move(counts));
+      stencils.resize(std::move(counts));
     }
-    const linalg::StencilView out = stencils_.view();
+    const linalg::StencilView out = stencils.view();
     device::parallel_for("elasticity.pattern", tets.size(), [=] MORTISE_HD(Index t) {
       for (int a = 0; a < out.blocks(t); ++a) out.block[out.offset[t] + a] = tets.node(t, a);
     });
-    stencils_.pattern_changed();
+    stencils.pattern_changed();
   }
 
-  std::string_view name() const override { return "elasticity"; }
-  bool internal() const override { return true; }
-
-  void plan(Plan& out) const override {
-    out.buffers.push_back({"stencils", stencils_.bytes()});
-    for (const char* k : {"elasticity.count_nodes", "elasticity.pattern", "elasticity.energy", "elasticity.assemble", "elasticity.report"}) out.kernels.push_back(k);
-  }
-
-  void energy(Positions q, device::EnvValues per_env) override {
+  void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
     const Tets tets = tets_of(model_.volume);
     device::env_sum(
         "elasticity.energy", model_.volume.env_offset,
@@ -119,25 +111,30 @@ class Elasticity final : public Effect {
         per_env);
   }
 
-  linalg::StencilSet& assemble(Positions q, Curvature curvature) override {
+  void linearise(Positions q, Want want, Linearisation& at) override {
+    if (!want.forces) return;
+    if (!at.shaped) write_pattern(at.stencils), at.shaped = true;
+    const Curvature curvature = want.matrix;
+    if (curvature.wanted) at.stencils.need_hessian();
     const Tets tets = tets_of(model_.volume);
-    const linalg::StencilView out = stencils_.view();
+    const View<const Index> env = std::as_const(model_.block_env).view();
+    const linalg::StencilView out = at.stencils.view();
     device::parallel_for("elasticity.assemble", tets.size(), [=] MORTISE_HD(Index t) {
       Vec3* grad = out.grad.p + out.offset[t];
-      Mat3* hess = out.hess.p + out.hess_offset[t];
+      Mat3* hess = curvature.wanted ? out.hess.p + out.hess_offset[t] : nullptr;
+      const double concave = curvature.share(env[tets.tet[t].v[0]]);
       if (tets.quadratic(t)) {
-        assemble_quadratic(tets, t, q, curvature, grad, hess);
+        assemble_quadratic(tets, t, q, concave, grad, hess);
         return;
       }
       const elasticity::Element e = tets.element(t, 0);
       const Mat3 F = tets.deformation(t, q);
       elasticity::gradient(e, F, grad);
-      if (curvature.wanted) elasticity::hessian(e, F, curvature.concave, hess);
+      if (hess) elasticity::hessian(e, F, concave, hess);
     });
-    return stencils_;
   }
 
-  void report(FieldSink& sink) override {
+  void report(FieldSink& sink, const Linearisation& at) override {
     const Tets tets = tets_of(model_.volume);
     const Positions q = std::as_const(model_.q).view();
     // Per point of integration, in Voigt order xx yy zz xy yz zx, then det F.
@@ -177,24 +174,26 @@ class Elasticity final : public Effect {
     sink.cells("cauchy_stress", "Pa", 6, stress);
     sink.cells("von_mises", "Pa", 1, mises);
     sink.scalar("elasticity", "det_F_min", "1", least);
-    sink.scalar("elasticity", "energy", "J", energy_now(q, model_.envs));
+    sink.scalar("elasticity", "energy", "J", energy_now(q, at, model_.envs));
   }
 
  private:
   model::Model& model_;
-  linalg::StencilSet stencils_;
 };
 
 }  // namespace
 
-Kind elasticity_kind() {
-  return {"elasticity", "soft bodies resist deformation (linear, corotated, stable neo-Hookean)", &kTable,
+const Kind& elasticity_kind() {
+  static const Kind kind{"elasticity", Role::store, "soft bodies resist deformation (linear, corotated, stable neo-Hookean)", &kTable,
           [](const Params&, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Elasticity>(m); },
           {"Smith, de Goes, Kim: Stable Neo-Hookean Flesh Simulation. ACM TOG 37(2), 2018",
            "Smith, de Goes, Kim: Analytic Eigensystems for Isotropic Distortion Energies. ACM TOG 38(1), 2019",
            "Stomakhin, Howes, Schroeder, Teran: Energetically Consistent Invertible Elasticity. SCA 2012"},
           {},
           {"cauchy_stress", "von_mises"}};
+  return kind;
 }
+
+const Kind& Elasticity::kind() const { return elasticity_kind(); }
 
 }  // namespace mortise::effects

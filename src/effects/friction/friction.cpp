@@ -105,13 +105,19 @@ void measure(const Slips& s, const Buffer<ContactSample>& published, Positions q
   });
 }
 
+// The samples of some state, and what became of them; the stencils are theirs.
+struct FrictionLinearisation final : Linearisation {
+  Buffer<ContactSample> samples;
+  std::vector<Index> env_offset;
+  Buffer<double> weights;
+  Buffer<Frozen> frozen;
+  std::size_t bytes() const override { return Linearisation::bytes() + samples.bytes() + weights.bytes() + frozen.bytes(); }
+};
+
 class Friction final : public Effect {
  public:
   Friction(const Params& p, model::Model& model)
-      : model_(model), follows_(p.text("follows")), creep_speed_(p.number("creep_speed")) {
-    if (!model.contact(follows_))
-      throw Error(Exit::scene, p.where(),
-                  "effect friction follows '" + follows_ + "', but the scene has no contact effect of that name");
+      : model_(model), where_(p.where()), follows_(p.text("follows")), creep_speed_(p.number("creep_speed")) {
     const Index n = static_cast<Index>(model.bodies.size() + model.half_spaces.size());
     std::vector<double> mu(n * n, p.number("mu"));
     if (const Params* list = p.find("pairs"))
@@ -122,33 +128,49 @@ class Friction final : public Effect {
     mu_.upload(mu);
   }
 
-  std::string_view name() const override { return "friction"; }
-  bool stores_energy() const override { return false; }
+  const Kind& kind() const override;
+  std::string_view follows() const override { return follows_; }
 
-  void plan(Plan& out) const override {
-    out.buffers.push_back({"stencils", stencils_.bytes()});
-    out.buffers.push_back({"frozen samples", frozen_.bytes() + weights_.bytes() + samples_.bytes()});
-    for (const char* k : {"friction.count_blocks", "friction.freeze", "friction.energy", "friction.assemble", "friction.measure"})
-      out.kernels.push_back(k);
+  void connect() override {
+    if (model_.has_contact(follows_)) return;
+    throw Error(Exit::scene, where_, "effect " + std::string(name()) + " follows '" + follows_ + "', but the scene has no contact effect of that name");
   }
 
   void begin_step(const StepInfo& info) override {
     dt_ = info.dt;
     q0_.copy_from(model_.q);
-    refresh();
   }
 
-  void energy(Positions q, device::EnvValues per_env) override {
-    const Slips s = slips();
+  std::unique_ptr<Linearisation> linearisation() const override {
+    auto at = std::make_unique<FrictionLinearisation>();
+    at->env_offset.assign(model_.envs + 1, 0);
+    return at;
+  }
+
+  // Normal forces, normals and weights.
+  void lag(const model::ContactView& view, Linearisation& lagged) override {
+    auto& at = static_cast<FrictionLinearisation&>(lagged);
+    at.samples.copy_from(view.samples);
+    at.env_offset = view.env_offset;
+    freeze(model_.point_map(), at.samples, mu_.view(), static_cast<Index>(model_.bodies.size() + model_.half_spaces.size()), at.stencils, at.weights, at.frozen);
+  }
+
+  void energy(Positions q, const Linearisation& frozen, device::EnvValues per_env) override {
+    const auto& at = static_cast<const FrictionLinearisation&>(frozen);
+    const Slips s = slips(at);
     device::env_sum(
-        "friction.energy", env_offset_,
+        "friction.energy", at.env_offset,
         [=] MORTISE_HD(Index i) { return s.frozen[i].load * friction::f0(s.slip(i, q).norm(), s.creep); }, per_env);
   }
 
-  linalg::StencilSet& assemble(Positions q, Curvature curvature) override {
-    const Slips s = slips();
-    const linalg::StencilView out = stencils_.view();
-    const double concave = curvature.concave;  // of samples with a negative force
+  void linearise(Positions q, Want want, Linearisation& lagged) override {
+    if (!want.forces) return;
+    auto& at = static_cast<FrictionLinearisation&>(lagged);
+    const Curvature curvature = want.matrix;  // negative of samples with a negative force
+    if (curvature.wanted) at.stencils.need_hessian();
+    const Slips s = slips(at);
+    const View<const ContactSample> sample = std::as_const(at.samples).view();
+    const linalg::StencilView out = at.stencils.view();
     device::parallel_for("friction.assemble", s.size(), [=] MORTISE_HD(Index i) {
       const Vec3 u = s.slip(i, q);
       const double load = s.frozen[i].load;
@@ -157,21 +179,15 @@ class Friction final : public Effect {
       for (Index b = 0; b < blocks; ++b) out.grad[at + b] = s.weight[at + b] * g;
       if (!curvature.wanted) return;
       model::zero_hessian(out, i, blocks);
-      model::add_weighted(out, i, blocks, s.weight.p + at, (load > 0 ? load : concave * load) * friction::hessian(u, s.frozen[i].normal, s.creep));
+      model::add_weighted(out, i, blocks, s.weight.p + at, (load > 0 ? load : curvature.share(sample[i].env) * load) * friction::hessian(u, s.frozen[i].normal, s.creep));
     });
-    return stencils_;
   }
 
-  bool conservative() const override { return false; }
-
-  bool lag(Positions) override {
-    refresh();
-    return true;
-  }
-
-  void end_step(Positions q) override {
+  void end_step(Positions q, const Linearisation& lagged) override {
+    const auto& at = static_cast<const FrictionLinearisation&>(lagged);
     Buffer<Vec3> force, slip;
-    measure(slips(), samples_, q, force, slip);
+    measure(slips(at), at.samples, q, force, slip);
+    samples_.copy_from(at.samples);
     force_ = force.download(), slip_ = slip.download();
     double step = 0;
     for (std::size_t i = 0; i < force_.size(); ++i) step -= force_[i].dot(slip_[i]);
@@ -179,7 +195,7 @@ class Friction final : public Effect {
     power_ = dt_ > 0 ? step / dt_ : 0;
   }
 
-  void report(FieldSink& sink) override;
+  void report(FieldSink& sink, const Linearisation&) override;
 
   // Everything else is a function of the state at the start of the step.
   void checkpoint(Archive& archive) override { archive.io("friction.dissipated", dissipated_); }
@@ -193,36 +209,23 @@ class Friction final : public Effect {
     throw Error(Exit::scene, body.where(), "no body is called '" + body.as_text() + "'");
   }
 
-  // Normal forces, normals and weights as the contact effect last published them.
-  void refresh() {
-    const model::ContactView& view = *model_.contact(follows_);
-    samples_.copy_from(view.samples);
-    env_offset_ = view.env_offset;
-    freeze(model_.point_map(), samples_, mu_.view(), static_cast<Index>(model_.bodies.size() + model_.half_spaces.size()),
-           stencils_, weights_, frozen_);
-  }
-
-  Slips slips() {
-    const linalg::StencilView v = stencils_.view();
-    return {v.offset, v.block, weights_.view(), frozen_.view(), q0_.view(), creep_speed_ * dt_};
+  Slips slips(const FrictionLinearisation& at) const {
+    return {at.stencils.offsets(), at.stencils.blocks(), at.weights.view(), at.frozen.view(), q0_.view(), creep_speed_ * dt_};
   }
 
   model::Model& model_;
+  SourceLoc where_;
   std::string follows_;
   double creep_speed_;
   double dt_ = 1;
   Buffer<double> mu_;  // bodies and half-spaces, squared
   Buffer<Vec3> q0_;
-  Buffer<ContactSample> samples_;
-  std::vector<Index> env_offset_{0};
-  Buffer<double> weights_;
-  Buffer<Frozen> frozen_;
-  linalg::StencilSet stencils_;
-  std::vector<Vec3> force_, slip_;  // of the last accepted step
+  Buffer<ContactSample> samples_;   // of the last accepted step, with
+  std::vector<Vec3> force_, slip_;  // theirs
   double dissipated_ = 0, power_ = 0;
 };
 
-void Friction::report(FieldSink& sink) {
+void Friction::report(FieldSink& sink, const Linearisation&) {
   const std::vector<ContactSample> samples = samples_.download();
   const std::vector<Index> body = model_.surface.body.download();
   std::vector<double> point_force(3 * model_.points, 0.0), force, slip, traction, normal_force;
@@ -254,14 +257,21 @@ void Friction::report(FieldSink& sink) {
 
 }  // namespace
 
-Kind friction_kind() {
-  return {
+const Kind& friction_kind() {
+  static const Kind kind{
       "friction",
+      Role::follower,
       "Coulomb friction of a contact effect, smoothed below an absolute creep speed, lagged forces iterated",
       &kTable,
       [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Friction>(p, m); },
       {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020"},
-      {"friction_force"}};
+      {"friction_force"},
+      {},
+      false,
+      true};
+  return kind;
 }
+
+const Kind& Friction::kind() const { return friction_kind(); }
 
 }  // namespace mortise::effects

@@ -36,31 +36,12 @@ class Gravity final : public Effect {
     }
     weights_.upload(weights);
     env_offset_ = env_offsets(weight_env, model.envs);
-    write_stencils();
   }
 
-  // Not in the constructor: nvcc takes no kernel there.
-  void write_stencils() {
-    stencils_.resize_uniform(weights_.size(), 1);
-    const linalg::StencilView out = stencils_.view();
-    const View<const Weight> w = std::as_const(weights_).view();
-    device::parallel_for("gravity.pattern", w.n, [=] MORTISE_HD(Index s) {
-      out.block[s] = w[s].block;
-      out.hess[s] = Mat3::Zero();
-    });
-    stencils_.pattern_changed();
-  }
+  const Kind& kind() const override;
+  std::vector<PlanItem> plan() const override { return {{"weights", weights_.bytes()}}; }
 
-  std::string_view name() const override { return "gravity"; }
-  bool stores_energy() const override { return false; }
-
-  void plan(Plan& out) const override {
-    out.buffers.push_back({"stencils", stencils_.bytes()});
-    out.buffers.push_back({"weights", weights_.bytes()});
-    for (const char* k : {"gravity.pattern", "gravity.energy", "gravity.assemble"}) out.kernels.push_back(k);
-  }
-
-  void energy(Positions q, device::EnvValues per_env) override {
+  void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
     const View<const Weight> w = std::as_const(weights_).view();
     const Positions rest = std::as_const(model_.rest).view();
     device::env_sum(
@@ -68,30 +49,40 @@ class Gravity final : public Effect {
         [=] MORTISE_HD(Index s) { return gravity::energy(w[s].force, q[w[s].block], rest[w[s].block]); }, per_env);
   }
 
-  // The force is constant, but written anew: the solver may use the stencils of the last call as its work space.
-  linalg::StencilSet& assemble(Positions, Curvature) override {
-    const linalg::StencilView out = stencils_.view();
+  // The force is constant, but written anew: the solver may have used the stencils as its work space.
+  void linearise(Positions, Want want, Linearisation& at) override {
+    if (!want.forces) return;
+    const bool fresh = at.stencils.resize_uniform(weights_.size(), 1);
+    const bool stiffness = want.matrix.wanted && !at.stencils.has_hessian();
+    if (stiffness) at.stencils.need_hessian();
+    const linalg::StencilView out = at.stencils.view();
     const View<const Weight> w = std::as_const(weights_).view();
-    device::parallel_for("gravity.assemble", w.n, [=] MORTISE_HD(Index s) { out.grad[s] = gravity::gradient(w[s].force); });
-    return stencils_;
+    device::parallel_for("gravity.assemble", w.n, [=] MORTISE_HD(Index s) {
+      out.block[s] = w[s].block;
+      out.grad[s] = gravity::gradient(w[s].force);
+      if (stiffness) out.hess[s] = Mat3::Zero();
+    });
+    if (fresh) at.stencils.pattern_changed();
   }
 
-  void report(FieldSink& sink) override {
-    sink.scalar("gravity", "energy", "J", energy_now(std::as_const(model_.q).view(), model_.envs));
+  void report(FieldSink& sink, const Linearisation& at) override {
+    sink.scalar("gravity", "energy", "J", energy_now(std::as_const(model_.q).view(), at, model_.envs));
   }
 
  private:
   model::Model& model_;
   device::Buffer<Weight> weights_;
   std::vector<Index> env_offset_;
-  linalg::StencilSet stencils_;
 };
 
 }  // namespace
 
-Kind gravity_kind() {
-  return {"gravity", "weight of all bodies", &kTable,
-          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Gravity>(p, m); }, {}};
+const Kind& gravity_kind() {
+  static const Kind kind{"gravity", Role::load, "weight of all bodies", &kTable,
+          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Gravity>(p, m); }};
+  return kind;
 }
+
+const Kind& Gravity::kind() const { return gravity_kind(); }
 
 }  // namespace mortise::effects

@@ -39,8 +39,7 @@ class Inertia final : public Effect {
     counts.push_back(0);
     env_offset_ = env_offsets(pair_env, model.envs);
     pairs_.upload(pairs);
-    stencils_.resize(device::Buffer<Index>(counts));
-    write_pattern();
+    counts_.upload(counts);
 
     q_begin_.copy_from(model.q);
     q_prev_.copy_from(model.q);
@@ -49,25 +48,23 @@ class Inertia final : public Effect {
     q_hat_.copy_from(model.q);
   }
 
-  // Not in the constructor: nvcc takes no kernel there.
-  void write_pattern() {
-    const linalg::StencilView out = stencils_.view();
+  void write_pattern(linalg::StencilSet& stencils) const {
+    device::Buffer<Index> counts;
+    counts.copy_from(counts_);
+    stencils.resize(std::move(counts));
+    const linalg::StencilView out = stencils.view();
     const View<const MassPair> p = std::as_const(pairs_).view();
     device::parallel_for("inertia.pattern", p.n, [=] MORTISE_HD(Index s) {
       out.block[out.offset[s]] = p[s].i;
       if (p[s].i != p[s].j) out.block[out.offset[s] + 1] = p[s].j;
     });
-    stencils_.pattern_changed();
+    stencils.pattern_changed();
   }
 
-  std::string_view name() const override { return "inertia"; }
-  bool stores_energy() const override { return false; }
-
-  void plan(Plan& out) const override {
-    out.buffers.push_back({"stencils", stencils_.bytes()});
-    out.buffers.push_back({"mass entries", pairs_.bytes()});
-    out.buffers.push_back({"history", q_begin_.bytes() + q_prev_.bytes() + v_.bytes() + v_prev_.bytes() + q_hat_.bytes()});
-    for (const char* k : {"inertia.pattern", "inertia.predict", "inertia.energy", "inertia.assemble", "inertia.velocity"}) out.kernels.push_back(k);
+  const Kind& kind() const override;
+  bool loses_energy() const override { return !bdf2_; }
+  std::vector<PlanItem> plan() const override {
+    return {{"mass entries", pairs_.bytes() + counts_.bytes()}, {"history", q_begin_.bytes() + q_prev_.bytes() + v_.bytes() + v_prev_.bytes() + q_hat_.bytes()}};
   }
 
   // Changes no history, so that a step may be tried again with a smaller dt.
@@ -81,7 +78,7 @@ class Inertia final : public Effect {
     q_begin_.copy_from(model_.q);
   }
 
-  void energy(Positions q, device::EnvValues per_env) override {
+  void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
     const View<const MassPair> pair = std::as_const(pairs_).view();
     const Positions hat = std::as_const(q_hat_).view();
     const double c = integrator_.c();
@@ -94,29 +91,32 @@ class Inertia final : public Effect {
         per_env);
   }
 
-  linalg::StencilSet& assemble(Positions q, Curvature curvature) override {
+  void linearise(Positions q, Want want, Linearisation& at) override {
+    if (!want.forces) return;
+    if (!at.shaped) write_pattern(at.stencils), at.shaped = true;
+    const bool stiffness = want.matrix.wanted;
+    if (stiffness) at.stencils.need_hessian();
     const View<const MassPair> pair = std::as_const(pairs_).view();
     const Positions hat = std::as_const(q_hat_).view();
-    const linalg::StencilView out = stencils_.view();
+    const linalg::StencilView out = at.stencils.view();
     const double c = integrator_.c();
     device::parallel_for("inertia.assemble", pair.n, [=] MORTISE_HD(Index s) {
       const MassPair p = pair[s];
       const double cm = c * p.m;
       Vec3* grad = out.grad.p + out.offset[s];
-      Mat3* hess = out.hess.p + out.hess_offset[s];
+      Mat3* hess = stiffness ? out.hess.p + out.hess_offset[s] : nullptr;
       if (p.i == p.j) {
         grad[0] = cm * (q[p.i] - hat[p.i]);
-        if (curvature.wanted) hess[0] = cm * Mat3::Identity();
+        if (hess) hess[0] = cm * Mat3::Identity();
       } else {
         grad[0] = cm * (q[p.j] - hat[p.j]);
         grad[1] = cm * (q[p.i] - hat[p.i]);
-        if (curvature.wanted) hess[0] = Mat3::Zero(), hess[1] = cm * Mat3::Identity(), hess[2] = Mat3::Zero();
+        if (hess) hess[0] = Mat3::Zero(), hess[1] = cm * Mat3::Identity(), hess[2] = Mat3::Zero();
       }
     });
-    return stencils_;
   }
 
-  void end_step(Positions q) override {
+  void end_step(Positions q, const Linearisation&) override {
     const inertia::Integrator in = integrator_;
     const Positions qn = std::as_const(q_begin_).view();
     const View<Vec3> qn1 = q_prev_.view(), vn = v_.view(), vn1 = v_prev_.view();
@@ -129,7 +129,7 @@ class Inertia final : public Effect {
     dt_prev_ = in.dt;
   }
 
-  void report(FieldSink& sink) override {
+  void report(FieldSink& sink, const Linearisation&) override {
     device::Buffer<Vec3> y;
     model_.points_of(std::as_const(v_).view(), y);
     const std::vector<Vec3> velocity = y.download();
@@ -178,8 +178,8 @@ class Inertia final : public Effect {
   model::Model& model_;
   bool bdf2_;
   device::Buffer<MassPair> pairs_;
+  device::Buffer<Index> counts_;  // blocks of every pair's stencil
   std::vector<Index> env_offset_;
-  linalg::StencilSet stencils_;
 
   inertia::Integrator integrator_;
   device::Buffer<Vec3> q_hat_, q_begin_;  // of the step under way
@@ -190,11 +190,14 @@ class Inertia final : public Effect {
 
 }  // namespace
 
-Kind inertia_kind() {
-  return {"inertia", "bodies resist acceleration (backward Euler or BDF2)", &kTable,
+const Kind& inertia_kind() {
+  static const Kind kind{"inertia", Role::inertia, "bodies resist acceleration (backward Euler or BDF2)", &kTable,
           [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Inertia>(p, m); },
           {"Hairer, Wanner: Solving Ordinary Differential Equations II. Springer, 1996 (variable-step BDF2)"},
           {"velocity"}};
+  return kind;
 }
+
+const Kind& Inertia::kind() const { return inertia_kind(); }
 
 }  // namespace mortise::effects

@@ -124,8 +124,7 @@ void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& 
   });
 }
 
-void freeze(const Scene& scene, Search& search, const Buffer<Vec3>& position, const Buffer<double>& margin, Frozen& out) {
-  out.y.copy_from(position);
+void freeze(const Scene& scene, Search& search, const Buffer<double>& margin, Frozen& out) {
   const View<const Vec3> y = std::as_const(out.y).view();
   search.update(scene, y, margin);
   const View<const Index> offset = search.offset(), slave = search.slave(), master = search.master();
@@ -251,6 +250,7 @@ void assemble(const Scene& s, const Frozen& f, const model::PointMapView& point_
     count[i] = k < 0 ? blocks_of(map, pairs[i]).blocks : k < node_count ? entry[k + 1] - entry[k] : extra.blocks(k - node_count);
   });
   set.resize(std::move(counts));
+  if (hessian) set.need_hessian();
   const linalg::StencilView out = set.view();
   device::parallel_for("mortar_contact.assemble", pairs.n, [=] MORTISE_HD(Index i) {
     const Pair& p = pairs[i];
@@ -328,7 +328,7 @@ void limit(const Scene& scene, const Frozen& f, View<const Vec3> dy, double keep
       alpha);
 }
 
-void publish(const Scene& s, const Frozen& f, model::ContactView& view) {
+void samples(const Scene& s, const Frozen& f, model::ContactView& view) {
   view.samples.resize(f.samples.size());
   view.env_offset = f.env_samples;
   const View<model::ContactSample> out = view.samples.view();

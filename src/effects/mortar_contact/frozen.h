@@ -123,10 +123,10 @@ class Search {
 void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& faces, View<const Vec3> y, Buffer<Vec3>& normal,
              Buffer<double>& area, Buffer<double>& bow);
 
-// The samples at y with a gap below support + margin[env].
-void freeze(const Scene& s, Search& search, const Buffer<Vec3>& y, const Buffer<double>& margin, Frozen& out);
+// The samples at out.y with a gap below support + margin[env].
+void freeze(const Scene& s, Search& search, const Buffer<double>& margin, Frozen& out);
 
-// Smallest gap of every slave at y to the corners of what it sees, INFINITY where that is not below support. Needs freeze().
+// Smallest gap of every slave at y to the corners of what it sees, INFINITY where that is not below support. The search is that of y.
 void least_gaps(const Scene& s, const Search& search, View<const Vec3> y, Buffer<double>& out);
 // Sum over the masters that face a slave of their clipped share of its area.
 void cover(const Scene& s, const Search& search, View<const Vec3> y, Buffer<double>& out);
@@ -141,6 +141,6 @@ void assemble(const Scene& s, const Frozen& f, const model::PointMapView& map, b
 // of its gap (linearised).
 void limit(const Scene& s, const Frozen& f, View<const Vec3> dy, double keep, device::EnvValues alpha);
 
-void publish(const Scene& s, const Frozen& f, model::ContactView& view);
+void samples(const Scene& s, const Frozen& f, model::ContactView& view);
 
 }  // namespace mortise::effects::mortar

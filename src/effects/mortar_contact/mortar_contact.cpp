@@ -68,6 +68,20 @@ const ParamTable kTable{
 
 constexpr double kLeastSupport = 0.01;  // of d_hat: no support radius is smaller, whatever rest_share says
 
+struct MortarLinearisation final : Linearisation {
+  Frozen frozen;
+  Buffer<Vec3> normal;       // of all triangles there,
+  Buffer<double> area, bow;  // their areas, and how far their quadratic faces stand off
+  contact::ActiveSet guard;
+  linalg::StencilSet guard_stencils;
+  View<const Vec3> y() const { return frozen.y.view(); }
+  std::size_t bytes() const override {
+    return Linearisation::bytes() + frozen.pairs.bytes() + frozen.samples.bytes() + frozen.y.bytes() + normal.bytes() + area.bytes() + guard.terms.bytes() + guard_stencils.bytes();
+  }
+};
+MortarLinearisation& of_mortar(Linearisation& at) { return static_cast<MortarLinearisation&>(at); }
+const MortarLinearisation& of_mortar(const Linearisation& at) { return static_cast<const MortarLinearisation&>(at); }
+
 class MortarContact final : public Effect {
  public:
   MortarContact(const Params& p, model::Model& model)
@@ -95,28 +109,18 @@ class MortarContact final : public Effect {
     }
     next_kappa_ = kappa_;
     stiffness_changed();
-    watch();
-    model.publish(std::string(name()));
+    model.add_contact(name());
   }
 
-  std::string_view name() const override { return "mortar_contact"; }
+  const Kind& kind() const override;
 
-  void plan(Plan& out) const override {
-    out.buffers.push_back({"stencils", stencils_.bytes()});
-    out.buffers.push_back({"pairs", frozen_.pairs.bytes()});
-    out.buffers.push_back({"samples", frozen_.samples.bytes()});
-    out.buffers.push_back({"candidate triangles", search_.bytes()});
-    out.buffers.push_back({"candidate pairs of the guard", near_.candidates().bytes()});
-    for (const char* k :
-         {"mortar_contact.measure", "mortar_contact.bows", "mortar_contact.count_masters", "mortar_contact.find_masters", "mortar_contact.count_samples",
-          "mortar_contact.samples", "mortar_contact.env_offset", "mortar_contact.energy", "mortar_contact.count_blocks",
-          "mortar_contact.assemble", "mortar_contact.append_guard", "mortar_contact.limit", "mortar_contact.publish",
-          "mortar_contact.cover", "mortar_contact.least_gaps", "mortar_contact.pressure"})
-      out.kernels.push_back(k);
-    if (!set_.averaged) return;
-    for (const char* k : {"mortar_contact.parts", "mortar_contact.nodes", "mortar_contact.part_changes", "mortar_contact.node_energy",
-                          "mortar_contact.entries", "mortar_contact.assemble_nodes"})
-      out.kernels.push_back(k);
+  std::vector<PlanItem> plan() const override {
+    return {{"candidate triangles", search_.bytes()}, {"candidate pairs of the guard", near_.candidates().bytes()}};
+  }
+
+  void connect() override {
+    watch();
+    fit_support();
   }
 
   void begin_step(const StepInfo& step) override {
@@ -126,21 +130,19 @@ class MortarContact final : public Effect {
       stiffness_changed();
     }
     near_.begin_step(step);
-    near_.locate(std::as_const(model_.q).view());
-    if (!started_) {
-      contact::check_start(model_, near_.obstacles(guard_scene()), near_.candidates(), near_.y());
-      refreeze();
-      check_faces();
-      fit_support();
-    }
+    if (started_) return;
+    MortarLinearisation at;
+    near_.locate(std::as_const(model_.q).view(), at.frozen.y);
+    contact::check_start(model_, near_.obstacles(guard_scene()), near_.candidates(), at.y());
+    refreeze(at);
+    check_faces(at);
     started_ = true;
-    update();
   }
 
   // Quadratic faces must start apart as well, not their quarters only.
-  void check_faces() {
-    const std::vector<Pair> pairs = frozen_.pairs.download();
-    for (const Sample& s : frozen_.samples.download()) {
+  void check_faces(const MortarLinearisation& at) {
+    const std::vector<Pair> pairs = at.frozen.pairs.download();
+    for (const Sample& s : at.frozen.samples.download()) {
       const Pair& pair = pairs[s.pair];
       if (!met(pair, s.gap)) continue;
       const std::vector<Index> body = model_.surface.body.download();
@@ -150,78 +152,79 @@ class MortarContact final : public Effect {
     }
   }
 
-  void energy(Positions q, device::EnvValues per_env) override {
-    const std::vector<std::uint8_t> finite = near_.locate(q);
-    mortar::energy(scene(), frozen_, near_.y(), per_env);
-    if (guard_share_ > 0) contact::energy(guard_scene(), near_.candidates(), near_.y(), near_.vertex_env(), per_env);
+  std::unique_ptr<Linearisation> linearisation() const override { return std::make_unique<MortarLinearisation>(); }
+
+  void linearise(Positions q, Want want, Linearisation& out) override {
+    MortarLinearisation& at = of_mortar(out);
+    near_.locate(q, at.frozen.y);
+    refreeze(at);
+    if (guard_share_ > 0)
+      contact::build(guard_scene(), near_.candidates(), at.y(), model_.envs, at.guard);
+    else
+      at.guard_stencils.resize_uniform(0, 0);
+    if (!want.forces) return;
+    if (guard_share_ > 0) contact::assemble(guard_scene(), at.guard, at.y(), model_.point_map(), want.matrix, at.guard_stencils);
+    mortar::assemble(scene(at), at.frozen, model_.point_map(), want.matrix.wanted, at.guard_stencils, at.stencils);
+  }
+
+  void sample(Linearisation& at) override { samples(scene(of_mortar(at)), of_mortar(at).frozen, at.contact); }
+
+  void energy(Positions q, const Linearisation& frozen, device::EnvValues per_env) override {
+    const MortarLinearisation& at = of_mortar(frozen);
+    const std::vector<std::uint8_t> finite = near_.locate(q, y_);
+    const View<const Vec3> y = std::as_const(y_).view();
+    mortar::energy(scene(at), at.frozen, y, per_env);
+    if (guard_share_ > 0) contact::energy(guard_scene(), near_.candidates(), y, near_.vertex_env(), per_env);
     contact::forbid(finite, per_env);
   }
 
-  linalg::StencilSet& assemble(Positions q, Curvature curvature) override {
-    near_.locate(q);
-    refreeze();
-    if (guard_share_ > 0) {
-      contact::build(guard_scene(), near_.candidates(), near_.y(), model_.envs, active_);
-      contact::assemble(guard_scene(), active_, near_.y(), model_.point_map(), curvature, guard_stencils_);
-    } else {
-      guard_stencils_.resize_uniform(0, 0);
-    }
-    mortar::assemble(scene(), frozen_, model_.point_map(), curvature.wanted, guard_stencils_, stencils_);
-    return stencils_;
-  }
-
-  void max_step(Positions q, View<const Vec3> dq, device::EnvValues alpha) override {
+  void max_step(View<const Vec3> dq, Linearisation& out, device::EnvValues alpha) override {
+    MortarLinearisation& at = of_mortar(out);
     Buffer<Vec3> dy;
-    near_.limit(q, dq, guard_scene(), dy, alpha);
-    mortar::limit(scene(), frozen_, std::as_const(dy).view(), contact::kKeep, alpha);
-    foresee(std::as_const(dy).view(), alpha);
+    near_.limit(at.frozen.y, dq, guard_scene(), dy, alpha);
+    mortar::limit(scene(at), at.frozen, std::as_const(dy).view(), contact::kKeep, alpha);
+    foresee(std::as_const(dy).view(), at, alpha);
   }
 
-  bool conservative() const override { return false; }  // samples are frozen (frozen.h)
-
-  bool lag(Positions q) override {  // nothing is frozen beyond assembly, but what is published must belong to q
-    near_.locate(q);
-    update();
-    return false;
-  }
-
-  void end_step(Positions q) override {
-    near_.locate(q);
-    update();
-  }
-
-  // A contact that grows stiffer under load is energy from nowhere, so all of them grow by no more than the budget pays for, the guard with
-  // them.
-  void adapt(double budget) override {
+  // A contact that grows stiffer under load is energy from nowhere, so all of an environment grow by no more than its budget pays for, the guard
+  // with them.
+  void adapt(const std::vector<double>& budget, const Linearisation& at) override {
     next_kappa_ = kappa_;
     next_price_ = 0;
     if (!automatic_) return;
-    double price = 0;
-    const std::vector<double> wanted = fitted(price);
+    std::vector<double> price;
+    const std::vector<double> wanted = fitted(of_mortar(at), price);
     if (wanted == kappa_) return;
-    price += (guard_of(wanted) / guard_kappa_ - 1) * guard_energy();
-    const double share = price > budget ? budget / price : 1;
-    next_price_ = share * price;
-    for (std::size_t i = 0; i < kappa_.size(); ++i) next_kappa_[i] = share == 1 ? wanted[i] : kappa_[i] + share * (wanted[i] - kappa_[i]);
+    const std::vector<double> guard = guard_of(wanted), held = guard_energy(of_mortar(at));
+    for (Index e = 0; e < model_.envs; ++e) {
+      if (guard[e] != guard_kappa_[e]) price[e] += (guard[e] / guard_kappa_[e] - 1) * held[e];
+      const double share = price[e] > budget[e] ? budget[e] / price[e] : 1;
+      next_price_ += share * price[e];
+      for (std::size_t i = 0; i < kappa_.size(); ++i)
+        if (env(i) == e) next_kappa_[i] = share == 1 ? wanted[i] : kappa_[i] + share * (wanted[i] - kappa_[i]);
+    }
   }
 
   // A static step ends with the stiffness that its own pressure asks for. In motion that would be energy from nowhere.
-  Refit refit(Positions q) override {
-    if (!automatic_ || !static_) return Refit::none;
-    near_.locate(q);
-    update();
+  void refit(Positions, const Linearisation& at, std::vector<Refit>& per_env) override {
+    if (!automatic_ || !static_) return;
     constexpr double kSame = 1.5;  // changes below this factor move a pressure by less than its mesh does: not worth another solution
-    double price = 0;
-    const std::vector<double> wanted = fitted(price);
-    bool changed = false;
-    for (std::size_t i = 0; i < kappa_.size(); ++i) changed |= wanted[i] > kSame * kappa_[i] || kappa_[i] > kSame * wanted[i];
-    if (!changed) return Refit::none;
-    kappa_ = wanted;
-    stiffness_changed();
-    return Refit::from_here;
+    std::vector<double> price;
+    const std::vector<double> wanted = fitted(of_mortar(at), price);
+    std::vector<std::uint8_t> changed(model_.envs, 0);
+    for (std::size_t i = 0; i < kappa_.size(); ++i)
+      if (wanted[i] > kSame * kappa_[i] || kappa_[i] > kSame * wanted[i]) changed[env(i)] = 1;
+    bool any = false;
+    for (std::size_t i = 0; i < kappa_.size(); ++i) {
+      if (!changed[env(i)]) continue;
+      any = true;
+      kappa_[i] = wanted[i];
+      per_env[env(i)] = std::max(per_env[env(i)], Refit::from_here);
+    }
+    if (any) stiffness_changed();
   }
 
-  void report(FieldSink& sink) override;
+  void report(FieldSink& sink, const Linearisation& at) override;
   void checkpoint(Archive& archive) override {
     archive.io("stiffness", next_kappa_);
     archive.io("stiffening", next_price_);
@@ -235,7 +238,7 @@ class MortarContact final : public Effect {
   }
 
   // Samples that the step may bring into range join the frozen ones, without any energy yet, so that the line search sees them.
-  void foresee(View<const Vec3> dy, device::EnvValues alpha) {
+  void foresee(View<const Vec3> dy, MortarLinearisation& at, device::EnvValues alpha) {
     std::vector<double> farthest(model_.envs, 0.0);
     device::env_max(
         "mortar_contact.farthest", near_.point_env(), [=] MORTISE_HD(Index i) { return dy[i].norm(); }, device::EnvValues{farthest, alpha.fetch});
@@ -250,7 +253,7 @@ class MortarContact final : public Effect {
     if (most < 1e-3 * set_.d_hat) return;
     for (double& m : margin) m += more_reach();
     Buffer<double> buffer(margin);
-    freeze(scene(), search_, near_.points(), buffer, frozen_);
+    freeze(scene(at), search_, buffer, at.frozen);
   }
 
  private:
@@ -323,81 +326,87 @@ class MortarContact final : public Effect {
     directed_.upload(directed);
   }
 
-  mortar::Scene scene() const {
+  Index env(std::size_t interface) const { return model_.bodies[interfaces_[interface].slave].env; }
+
+  mortar::Scene scene(const MortarLinearisation& at) const {
     geometry::SurfaceView surface = model_.surface.view();
     surface.pair_allowed = directed_.view();
     return {set_,           surface,        near_.topology(), law_.view(),    kappa_view_.view(),
-            near_.planes(), slaves_.view(), support_.view(),  normal_.view(), area_.view(),
-            std::as_const(model_.faces.nodes).view(), std::as_const(model_.faces.quarter).view(), bow_.view()};
+            near_.planes(), slaves_.view(), support_.view(),  at.normal.view(), at.area.view(),
+            std::as_const(model_.faces.nodes).view(), std::as_const(model_.faces.quarter).view(), at.bow.view()};
   }
   // The guard is the barrier of barrier_contact in its classic form: every pair of primitives has the same weight. With the mean
   // third of a slave triangle as that weight its stiffness is that of the mortar samples.
   contact::Scene guard_scene() const {
     contact::Law law;
-    law.d_hat = law.edge_range = std::max(guard_share_, 0.01) * set_.d_hat;
+    law.d_hat = law.edge_range = guard_range();
     law.area_weighted = false;
-    law.kappa = guard_kappa_ / (law.d_hat * law.d_hat);
-    return near_.scene(law, {}, {});
+    contact::Scene out = near_.scene(law, {}, {});
+    out.kappa_of_env = guard_law_.view();
+    return out;
   }
 
   // Samples within range at y.
-  void refreeze() {
-    measure(model_.surface.view(), model_.faces, near_.y(), normal_, area_, bow_);
-    freeze(scene(), search_, near_.points(), margin_, frozen_);
+  void refreeze(MortarLinearisation& at) {
+    measure(model_.surface.view(), model_.faces, at.y(), at.normal, at.area, at.bow);
+    freeze(scene(at), search_, margin_, at.frozen);
   }
 
-  void update() {
-    refreeze();
-    if (guard_share_ > 0) contact::build(guard_scene(), near_.candidates(), near_.y(), model_.envs, active_);
-    publish(scene(), frozen_, model_.publish(std::string(name())));
-  }
-
-  // From the state at the start; the same however often it is called there.
+  // From the state at the start.
   void fit_support() {
     if (!(rest_share_ > 0)) return;
-    support_.upload(std::vector<double>(slaves_.size(), set_.d_hat));
-    refreeze();
+    MortarLinearisation at;
+    near_.locate(std::as_const(model_.q).view(), at.frozen.y);
+    refreeze(at);
     Buffer<double> least;
-    least_gaps(scene(), search_, near_.y(), least);
+    least_gaps(scene(at), search_, at.y(), least);
     std::vector<double> support;
     for (double g : least.download()) support.push_back(std::clamp(rest_share_ * g, kLeastSupport * set_.d_hat, set_.d_hat));
     support_.upload(support);
   }
 
-  double guard_energy() {
-    if (!(guard_share_ > 0)) return 0;
+  // Per environment [J].
+  std::vector<double> guard_energy(const MortarLinearisation& at) {
     std::vector<double> per_env(model_.envs, 0.0);
+    if (!(guard_share_ > 0)) return per_env;
     device::Fetch fetch;
-    contact::energy(guard_scene(), near_.candidates(), near_.y(), near_.vertex_env(), {per_env, fetch});
+    contact::energy(guard_scene(), near_.candidates(at.frozen.y), at.y(), near_.vertex_env(), {per_env, fetch});
     fetch.now();
-    return std::accumulate(per_env.begin(), per_env.end(), 0.0);
+    return per_env;
   }
 
   // The stiffnesses, those anew whose k has left 2..8, at the pressure that the frozen samples found; `price`: what the change adds to
-  // the energy of the samples [J].
-  std::vector<double> fitted(double& price) const {
-    const std::vector<Pair> pairs = frozen_.pairs.download();
-    const std::vector<Sample> samples = frozen_.samples.download();
+  // the energy of the samples of every environment [J].
+  std::vector<double> fitted(const MortarLinearisation& at, std::vector<double>& price) const {
+    const std::vector<Pair> pairs = at.frozen.pairs.download();
+    const std::vector<Sample> samples = at.frozen.samples.download();
+    price.assign(model_.envs, 0.0);
     std::vector<double> wanted = kappa_;
     for (std::size_t i = 0; i < interfaces_.size(); ++i) {
       const Achieved now = achieved(interfaces_[i], static_cast<Index>(i), kappa_[i], pairs, samples);
       if (!(now.pressure > 0) || fits(interfaces_[i], now, kappa_[i])) continue;
       wanted[i] = wanted_stiffness(interfaces_[i], set_.d_hat, now.pressure, static_ ? kOpen : kSoftest);
-      price += (wanted[i] / kappa_[i] - 1) * now.energy;
+      price[env(i)] += (wanted[i] / kappa_[i] - 1) * now.energy;
     }
     return wanted;
   }
 
-  double guard_of(const std::vector<double>& kappa) const {
-    double most = 0;
-    for (std::size_t i = 0; i < kappa.size(); ++i) most = std::max(most, kappa[i] * interfaces_[i].h * interfaces_[i].h / 7);
+  std::vector<double> guard_of(const std::vector<double>& kappa) const {
+    std::vector<double> most(model_.envs, 0.0);
+    for (std::size_t i = 0; i < kappa.size(); ++i) most[env(i)] = std::max(most[env(i)], kappa[i] * interfaces_[i].h * interfaces_[i].h / 7);
     return most;
   }
 
   void stiffness_changed() {
     kappa_view_.upload(kappa_);
     guard_kappa_ = guard_of(kappa_);
+    std::vector<double> law;
+    const double d_hat = guard_range();
+    for (double kappa : guard_kappa_) law.push_back(kappa / (d_hat * d_hat));
+    guard_law_.upload(law);
   }
+
+  double guard_range() const { return std::max(guard_share_, 0.01) * set_.d_hat; }
 
   model::Model& model_;
   Settings set_;
@@ -407,31 +416,25 @@ class MortarContact final : public Effect {
   std::vector<double> kappa_, next_kappa_;      // of this step, and for the next
   double next_price_ = 0;                       // energy that the change to next_kappa_ adds [J]
   bool static_ = false;
-  double guard_kappa_ = 0;  // kappa times the weight of a guard pair [N]
+  std::vector<double> guard_kappa_;  // per environment: kappa times the weight of a guard pair [N]
+  Buffer<double> guard_law_;         // the same over the square of its range [Pa]
   contact::Proximity near_;
   Search search_;
   Buffer<Index> law_, slaves_;
-  Buffer<double> kappa_view_, support_, margin_, area_, bow_;
+  Buffer<double> kappa_view_, support_, margin_;
   Buffer<std::uint8_t> directed_;
-  Buffer<Vec3> normal_;
-  Frozen frozen_;
-  contact::ActiveSet active_;
-  linalg::StencilSet guard_stencils_, stencils_;
+  Buffer<Vec3> y_;  // work space
 };
 
-void MortarContact::report(FieldSink& sink) {
-  if (!started_) {  // the state at the start: nothing has been published yet
-    near_.locate(std::as_const(model_.q).view());
-    fit_support();
-    update();
-  }
-  const std::vector<Pair> pairs = frozen_.pairs.download();
-  const std::vector<Sample> samples = frozen_.samples.download();
-  const std::vector<model::ContactSample> view = model_.publish(std::string(name())).samples.download();
+void MortarContact::report(FieldSink& sink, const Linearisation& accepted) {
+  const MortarLinearisation& at = of_mortar(accepted);
+  const std::vector<Pair> pairs = at.frozen.pairs.download();
+  const std::vector<Sample> samples = at.frozen.samples.download();
+  const std::vector<model::ContactSample> view = at.contact.samples.download();
   const std::string group(name());
 
   std::vector<double> load(model_.points, 0.0), area_of(model_.points, 0.0), pressure(model_.points, 0.0), kind;
-  contact::PointForces forces(model_, near_.points());
+  contact::PointForces forces(model_, at.frozen.y);
   contact::SampleRows rows, guard_rows;
   double total[kKinds + 1] = {};  // by kind, then the guard
   double closest = set_.d_hat;
@@ -460,11 +463,11 @@ void MortarContact::report(FieldSink& sink) {
   if (guard_share_ > 0) {
     Buffer<Vec3> buffer;
     Buffer<model::ContactSample> guard_samples;
-    contact::point_forces(guard_scene(), active_, near_.y(), buffer);
-    contact::samples(guard_scene(), active_, near_.y(), guard_samples);
+    contact::point_forces(guard_scene(), at.guard, at.y(), buffer);
+    contact::samples(guard_scene(), at.guard, at.y(), guard_samples);
     const std::vector<Vec3> guard = buffer.download();
     const std::vector<model::ContactSample> guard_view = guard_samples.download();
-    const std::vector<contact::Active> terms = active_.terms.download();
+    const std::vector<contact::Active> terms = at.guard.terms.download();
     for (std::size_t i = 0; i < terms.size(); ++i) {
       total[kKinds] += guard[4 * i].norm();
       for (int k = 0; k < 4; ++k) {
@@ -483,10 +486,10 @@ void MortarContact::report(FieldSink& sink) {
   sink.scalar(group, "pressure_sum_defect", "1", contact::sum_defect(forces, {&rows, &guard_rows}));
   sink.rows(group, "kind", "1", 1, kind);
 
-  closest = std::min(closest, contact::least_distance(near_.obstacles(guard_scene()), near_.candidates(), near_.y()));
+  closest = std::min(closest, contact::least_distance(near_.obstacles(guard_scene()), near_.candidates(at.frozen.y), at.y()));
   sink.scalar(group, "min_distance", "m", closest);
   // The stiffness that the next step begins with was paid for by this one.
-  sink.scalar(group, "energy", "J", energy_now(std::as_const(model_.q).view(), model_.envs) + next_price_);
+  sink.scalar(group, "energy", "J", energy_now(std::as_const(model_.q).view(), at, model_.envs) + next_price_);
   sink.scalar(group, "active_pairs", "1", static_cast<double>(pairs.size()));
   const double sum = total[0] + total[1] + total[2] + total[3];
   const char* const share_names[] = {"force_share_faces", "force_share_edges", "force_share_points", "force_share_guard"};
@@ -494,7 +497,8 @@ void MortarContact::report(FieldSink& sink) {
 
   // Covered slave triangles are those whose pieces add up to their area but for rounding; stacked layers count more than once.
   Buffer<double> covered;
-  cover(scene(), search_, near_.y(), covered);
+  search_.update(scene(at), at.y(), margin_);
+  cover(scene(at), search_, at.y(), covered);
   double defect = 0;
   for (double c : covered.download())
     if (std::abs(c - 1) < 1e-6) defect = std::max(defect, std::abs(c - 1));
@@ -511,15 +515,21 @@ void MortarContact::report(FieldSink& sink) {
 
 }  // namespace
 
-Kind mortar_contact_kind() {
-  return {"mortar_contact",
+const Kind& mortar_contact_kind() {
+  static const Kind kind{"mortar_contact",
+          Role::contact,
           "contact pressure as a field: barrier over the exact overlap of two surfaces (GMCP)",
           &kTable,
           [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<MortarContact>(p, m); },
           {"Liang, Han: IsaacIPC (geometric mortar contact potential). arXiv:2605.24339, 2026",
            "Puso, Laursen: A mortar segment-to-segment contact method for large deformation solid mechanics. CMAME 193, 2004",
            "Li, Kaufman, Jiang: Convergent Incremental Potential Contact. arXiv:2307.15908, 2023"},
-          {"contact_force", "contact_pressure"}};
+          {"contact_force", "contact_pressure"},
+          {},
+          false};  // samples are frozen (frozen.h)
+  return kind;
 }
+
+const Kind& MortarContact::kind() const { return mortar_contact_kind(); }
 
 }  // namespace mortise::effects

@@ -1,7 +1,6 @@
 #include "effects/pin/pin.h"
 
 #include <algorithm>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -151,12 +150,8 @@ class Pin final : public Effect {
     move(0);
   }
 
-  std::string_view name() const override { return "pin"; }
-
-  void plan(Plan& out) const override {
-    out.buffers.push_back({"held blocks", device_held_.bytes() + motions_.bytes()});
-    out.kernels.push_back("pin.target");
-  }
+  const Kind& kind() const override;
+  std::vector<PlanItem> plan() const override { return {{"held blocks", device_held_.bytes() + motions_.bytes()}}; }
 
   // Depends on nothing but the time, so that steps may be tried again and runs resumed anywhere.
   void begin_step(const StepInfo& step) override {
@@ -187,8 +182,8 @@ class Pin final : public Effect {
       }
     }
   }
-  void energy(Positions, device::EnvValues) override {}
-  linalg::StencilSet& assemble(Positions, Curvature) override { return none_; }
+  void energy(Positions, const Linearisation&, device::EnvValues) override {}
+  void linearise(Positions, Want, Linearisation&) override {}
 
   // Writes the targets of time t.
   void move(double t) {
@@ -329,14 +324,16 @@ class Pin final : public Effect {
   std::vector<bool> active_;
   device::Buffer<Held> device_held_;
   device::Buffer<pin::RigidMotion> motions_;
-  linalg::StencilSet none_;
 };
 
 }  // namespace
 
-Kind pin_kind() {
-  return {"pin", "points held or moved exactly", &kTable,
+const Kind& pin_kind() {
+  static const Kind kind{"pin", Role::support, "points held or moved exactly", &kTable,
           [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Pin>(p, m); }, {}, {"support_force"}};
+  return kind;
 }
+
+const Kind& Pin::kind() const { return pin_kind(); }
 
 }  // namespace mortise::effects

@@ -44,34 +44,15 @@ class PressureLoad final : public Effect {
     for (const auto& [key, share] : shares) flat.push_back(share), share_env.push_back(env[share.block]);
     shares_.upload(flat);
     env_offset_ = env_offsets(share_env, model.envs);
-    write_pattern();
     set_time(0);
   }
 
-  // Not in the constructor: nvcc takes no kernel there.
-  void write_pattern() {
-    stencils_.resize_uniform(shares_.size(), 1);
-    const View<const Share> s = std::as_const(shares_).view();
-    const linalg::StencilView out = stencils_.view();
-    device::parallel_for("pressure_load.pattern", s.n, [=] MORTISE_HD(Index i) {
-      out.block[i] = s[i].block;
-      out.hess[i] = Mat3::Zero();
-    });
-    stencils_.pattern_changed();
-  }
-
-  std::string_view name() const override { return "pressure_load"; }
-  bool stores_energy() const override { return false; }
-
-  void plan(Plan& out) const override {
-    out.buffers.push_back({"stencils", stencils_.bytes()});
-    out.buffers.push_back({"loaded blocks", shares_.bytes() + strength_.bytes()});
-    for (const char* k : {"pressure_load.pattern", "pressure_load.energy", "pressure_load.assemble"}) out.kernels.push_back(k);
-  }
+  const Kind& kind() const override;
+  std::vector<PlanItem> plan() const override { return {{"loaded blocks", shares_.bytes() + strength_.bytes()}}; }
 
   void begin_step(const StepInfo& step) override { set_time(step.t1()); }
 
-  void energy(Positions q, device::EnvValues per_env) override {
+  void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
     const View<const Share> share = std::as_const(shares_).view();
     const View<const Strength> now = std::as_const(strength_).view();
     const Positions rest = std::as_const(model_.rest).view();
@@ -84,16 +65,24 @@ class PressureLoad final : public Effect {
         per_env);
   }
 
-  linalg::StencilSet& assemble(Positions, Curvature) override {
+  void linearise(Positions, Want want, Linearisation& at) override {
+    if (!want.forces) return;
+    const bool fresh = at.stencils.resize_uniform(shares_.size(), 1);
+    const bool stiffness = want.matrix.wanted && !at.stencils.has_hessian();
+    if (stiffness) at.stencils.need_hessian();
     const View<const Share> share = std::as_const(shares_).view();
     const View<const Strength> now = std::as_const(strength_).view();
-    const linalg::StencilView out = stencils_.view();
-    device::parallel_for("pressure_load.assemble", share.n, [=] MORTISE_HD(Index i) { out.grad[i] = -pressure_load::force(share[i], now[share[i].load]); });
-    return stencils_;
+    const linalg::StencilView out = at.stencils.view();
+    device::parallel_for("pressure_load.assemble", share.n, [=] MORTISE_HD(Index i) {
+      out.block[i] = share[i].block;
+      out.grad[i] = -pressure_load::force(share[i], now[share[i].load]);
+      if (stiffness) out.hess[i] = Mat3::Zero();
+    });
+    if (fresh) at.stencils.pattern_changed();
   }
 
   // Resultant force of all loads now.
-  void report(FieldSink& sink) override {
+  void report(FieldSink& sink, const Linearisation&) override {
     const std::vector<Strength> now = strength_.download();
     const std::vector<double> translation = translation_share(model_);
     Vec3 total = Vec3::Zero();
@@ -165,14 +154,16 @@ class PressureLoad final : public Effect {
   device::Buffer<Share> shares_;
   device::Buffer<Strength> strength_;  // of every load, at the end of the step
   std::vector<Index> env_offset_;
-  linalg::StencilSet stencils_;
 };
 
 }  // namespace
 
-Kind pressure_load_kind() {
-  return {"pressure_load", "dead pressure or traction on a surface", &kTable,
-          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<PressureLoad>(p, m); }, {}};
+const Kind& pressure_load_kind() {
+  static const Kind kind{"pressure_load", Role::load, "dead pressure or traction on a surface", &kTable,
+          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<PressureLoad>(p, m); }};
+  return kind;
 }
+
+const Kind& PressureLoad::kind() const { return pressure_load_kind(); }
 
 }  // namespace mortise::effects

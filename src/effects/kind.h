@@ -1,0 +1,43 @@
+#pragma once
+// A kind of effect: what scenes call it, and the traits by which all others treat it. Nobody asks an effect for its name.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/param_table.h"
+#include "base/params.h"
+
+namespace mortise::model {
+class Model;
+}
+
+namespace mortise::effects {
+
+class Effect;
+
+enum class Role {
+  support,  // holds or moves blocks; no energy
+  inertia,  // resists acceleration: makes a scene dynamic; its potential is no store
+  load,     // forces from outside; its potential is no store
+  store,    // energy that bodies hold; its forces on every body cancel
+  contact,  // energy between bodies; has samples, and a key d_hat in the scene
+  follower  // acts on the samples of the contact effect that its key `follows` names
+};
+
+struct Kind {
+  const char* name;
+  Role role;
+  const char* help;  // one line
+  const ParamTable* table;
+  std::unique_ptr<Effect> (*make)(const Params&, model::Model&);
+  std::vector<std::string> papers{};  // printed by --citations
+  std::vector<std::string> point_fields{}, cell_fields{};  // that it reports: what scenes may keep and colour by
+  // Its forces are the gradient of energy(), and linearise() freezes nothing: the Jacobian is the symmetric matrix that it finds.
+  bool symmetric = true;
+  // It has quantities that are frozen while Newton iterates, and keys lag_tolerance and lag_iterations that say how well that is resolved.
+  bool lags = false;
+
+  bool stores_energy() const { return role == Role::store || role == Role::contact; }
+};
+
+}  // namespace mortise::effects

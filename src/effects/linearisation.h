@@ -1,0 +1,19 @@
+#pragma once
+#include "linalg/stencils.h"
+#include "model/contact_view.h"
+
+namespace mortise::effects {
+
+// An effect at one state q: a value that its owner keeps, fills anew at another state, and may hold beside others. Its buffers are used again.
+// Effects that freeze more derive from it.
+struct Linearisation {
+  virtual ~Linearisation() = default;
+  // Forces and, as far as wanted, the symmetric part of their Jacobian.
+  linalg::StencilSet stencils;
+  bool shaped = false;  // the blocks of `stencils` are written: for effects that always have the same
+  // Samples of a contact effect, once sample() was called.
+  model::ContactView contact;
+  virtual std::size_t bytes() const { return stencils.bytes() + contact.samples.bytes(); }
+};
+
+}  // namespace mortise::effects

@@ -1,0 +1,43 @@
+#pragma once
+// How much of the Hessian's negative curvature the matrix keeps (effects/curvature.h), in every environment. A cut step shows that the
+// quadratic model reaches too far: convex pieces are safer then. After a full one the exact Hessian is tried again, as it converges
+// quadratically; where that matrix is not positive definite, less of it.
+#include <algorithm>
+#include <vector>
+
+#include "effects/curvature.h"
+#include "solver/tuning.h"
+
+namespace mortise::solver {
+
+class CurvaturePolicy {
+ public:
+  explicit CurvaturePolicy(Index envs) : share_(envs, 0.0) {}
+
+  void begin_step() { std::fill(share_.begin(), share_.end(), 0.0); }
+  // alpha: share of the last step that was taken; 0 before the first.
+  void choose(Index env, double alpha) {
+    double& s = share_[env];
+    s = alpha < 1 ? 0 : s == 0 ? 1 : std::min(1.0, tuning::kRegain * s);
+  }
+  void soften(Index env) {
+    double& s = share_[env];
+    s *= tuning::kSoften;
+    if (s < tuning::kLeastConcave) s = 0;
+  }
+  void make_convex(Index env) { share_[env] = 0; }
+
+  double share(Index env) const { return share_[env]; }
+  // For linearise(); stands until the next change.
+  effects::Curvature wanted() {
+    if (share_.size() == 1) return effects::Curvature(true, share_[0]);
+    device_.upload(share_);
+    return effects::Curvature(std::as_const(device_).view());
+  }
+
+ private:
+  std::vector<double> share_;
+  device::Buffer<double> device_;
+};
+
+}  // namespace mortise::solver

@@ -1,0 +1,79 @@
+#include "solver/energy_ledger.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "solver/kernels.h"
+#include "solver/tuning.h"
+
+namespace mortise::solver {
+
+EnergyLedger::EnergyLedger(const model::Model& model, Potential& potential) : model_(model), potential_(potential), step_(model.envs) {
+  for (const auto& effect : potential_.effects()) measures_ = measures_ || effect->loses_energy();
+}
+
+void EnergyLedger::begin_search(const EnvMask& whose) {
+  if (start_.empty()) start_ = known_;
+  for (std::size_t e = 0; e < whose.size(); ++e) took_part_[e] |= whose[e];
+}
+
+void EnergyLedger::accept(Energies&& there) {
+  known_ = std::move(there);
+  for (std::size_t k = 0; k < known_.size(); ++k)
+    if (!potential_.effects()[k]->kind().symmetric) known_[k].clear();
+}
+
+std::vector<double> EnergyLedger::sum(const Energies& of, std::vector<double>* scale) const {
+  std::vector<double> total(model_.envs, 0.0);
+  if (scale) scale->assign(model_.envs, 0.0);
+  for (const std::vector<double>& part : of)
+    for (Index e = 0; e < model_.envs; ++e) {
+      total[e] += part[e];
+      if (scale) (*scale)[e] += std::abs(part[e]);
+    }
+  return total;
+}
+
+void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
+  device::Fetch fetch;
+  find(q, at, fetch);
+  const EffectList& effects = potential_.effects();
+  std::vector<std::vector<double>> along(effects.size(), std::vector<double>(model_.envs, 0.0));
+  std::vector<double> work(model_.envs, 0.0);
+  device::Buffer<Vec3> move, held;
+  const bool measured = measures_ && !start_.empty();
+  if (measured) {
+    subtract(q, model_.q.view(), move);
+    support_move(model_.q.view(), q, model_.projector.view(), held);
+    for (std::size_t k = 0; k < effects.size(); ++k)
+      if (effects[k]->kind().stores_energy()) dot(at.gradients[k].view(), std::as_const(move).view(), model_.env_blocks, {along[k], fetch});
+    dot(at.gradient.view(), std::as_const(held).view(), model_.env_blocks, {work, fetch});
+  }
+  fetch.now();
+  total_ = 0;
+  for (double e : sum(known_)) total_ += e;
+  for (Index e = 0; e < model_.envs; ++e) {
+    StepEnergy& step = step_[e] = {};
+    if (!measured || !took_part_[e]) continue;
+    step.work = work[e];
+    for (std::size_t k = 0; k < effects.size(); ++k) {
+      const double before = start_[k][e], after = known_[k][e];
+      if (effects[k]->kind().stores_energy()) {
+        step.gain += after - before - along[k][e];
+        step.there += std::max(std::abs(before), std::abs(after));
+      } else if (effects[k]->kind().role == effects::Role::inertia) {
+        step.gain -= after;
+        step.there += before;
+      }
+    }
+  }
+}
+
+bool EnergyGuard::wants_halving(const StepEnergy& e, double share) {
+  if (!helps_ || !(e.gain > share * e.there)) return false;
+  helps_ = !(e.gain > last_ / tuning::kGainFalls);
+  last_ = e.gain;
+  return helps_;
+}
+
+}  // namespace mortise::solver

@@ -1,0 +1,71 @@
+#pragma once
+// The energies of a step, in every environment: what is known at the present iterate, and what the step gained from nowhere.
+//
+// Backward Euler loses energy where potentials are convex between the ends of a step. Where they are not (a body slips past an edge within one
+// step, a contact opens on another side than it closed) a step can gain some, from nowhere. With M (v1 - v0)/dt = -grad Phi(q1) + supports,
+// v1 = (q1 - q0)/dt, what a step gains over the work of supports and loads is exactly
+//
+//   gain = sum over stores [ Phi(q1) - Phi(q0) - grad Phi(q1) . (q1 - q0) ]  -  1/2 |v1 - v0|_M^2,
+//
+// and the last term is the energy of inertia at q1, as 1/2 |v0|_M^2 is that at q0. Supports did the work of what they bear at q1 on their way.
+#include "solver/envs.h"
+#include "solver/potential.h"
+
+namespace mortise::solver {
+
+// Of an environment [J].
+struct StepEnergy {
+  double gain = 0;   // what the integrator itself added
+  double there = 0;  // energy that there was
+  double work = 0;   // of supports
+};
+
+class EnergyLedger {
+ public:
+  EnergyLedger(const model::Model& model, Potential& potential);
+
+  void begin_solve() { known_.clear(), start_.clear(), took_part_.assign(model_.envs, 0); }
+  void forget() { known_.clear(); }  // what is frozen has changed
+
+  // Finds the energies at the present iterate q.
+  void find(device::View<const Vec3> q, const Linearised& at, device::Fetch& fetch) { potential_.energies(q, at, known_, fetch); }
+  const Energies& known() const { return known_; }
+  // A way from the present iterate is about to be searched in the environments of `whose`.
+  void begin_search(const EnvMask& whose);
+  // The present iterate is now where energies are `there`. Of effects that freeze something, they are a matter of one iteration.
+  void accept(Energies&& there);
+
+  // Per environment: the sum over all effects [J]; scale: of magnitudes.
+  std::vector<double> sum(const Energies& of, std::vector<double>* scale = nullptr) const;
+
+  // The step ends at q, which is the present iterate.
+  void close(device::View<const Vec3> q, const Linearised& at);
+  // Should every step lose energy? Only then it is measured.
+  bool measures() const { return measures_; }
+  const StepEnergy& of_step(Index env) const { return step_[env]; }
+  double total() const { return total_; }  // Phi at the end, of all environments [J]
+
+ private:
+  const model::Model& model_;
+  Potential& potential_;
+  bool measures_ = false;
+  Energies known_, start_;  // at the present iterate; where the step begins
+  EnvMask took_part_;
+  std::vector<StepEnergy> step_;
+  double total_ = 0;
+};
+
+// A step that makes energy from nowhere is tried again with half its length, as long as the gain falls to about a quarter, as that of backward
+// Euler does; after one try in vain no more of this step.
+class EnergyGuard {
+ public:
+  // share: of the energy there is, that may be gained.
+  bool wants_halving(const StepEnergy& e, double share);
+  void accepted() { last_ = INFINITY; }
+
+ private:
+  double last_ = INFINITY;  // of the step of twice the length [J]
+  bool helps_ = true;
+};
+
+}  // namespace mortise::solver

@@ -1,0 +1,60 @@
+#include "solver/lag_loop.h"
+
+#include <algorithm>
+
+#include "solver/kernels.h"
+#include "solver/tuning.h"
+
+namespace mortise::solver {
+
+LagLoop::LagLoop(System& system, double settled, bool lags) : system_(system), lags_(lags), wanted_(lags ? settled : system.options.relative_tolerance) {}
+
+void LagLoop::begin_solve(const device::Buffer<Vec3>& q) {
+  q_.copy_from(q);
+  round_ = 0;
+  share_.assign(system_.model.envs, 1.0);
+  relative_.assign(system_.model.envs, lags_ ? tuning::kLagCoarsest * wanted_ : wanted_);
+}
+
+void LagLoop::refreshed(Index env, double share) { relative_[env] = std::clamp(tuning::kLagShare * share, tuning::kLagFinest * wanted_, tuning::kLagCoarsest * wanted_); }
+
+void LagLoop::restart(Index env, const device::Buffer<Vec3>& q) { copy_blocks(q, system_.model.env_blocks[env], system_.model.env_blocks[env + 1], q_); }
+
+void LagLoop::relax(const device::Buffer<Vec3>& q, const EnvMask& whose, Linearised& near, Linearised& at) {
+  const model::Model& model = system_.model;
+  subtract(q.view(), std::as_const(q_).view(), move_);
+  if (round_++ > 0) {
+    device::Buffer<Vec3> change;
+    subtract(std::as_const(move_).view(), std::as_const(last_).view(), change);
+    std::vector<double> along(model.envs, 0.0), square(model.envs, 0.0);
+    device::Fetch fetch;
+    dot(std::as_const(last_).view(), std::as_const(change).view(), model.env_blocks, {along, fetch});
+    dot(std::as_const(change).view(), std::as_const(change).view(), model.env_blocks, {square, fetch});
+    fetch.now();
+    for (Index e = 0; e < model.envs; ++e)
+      if (square[e] > 0) share_[e] = std::clamp(-share_[e] * along[e] / square[e], tuning::kLeastRelaxation, 1.0);
+  }
+  last_.copy_from(move_);
+  bool any = false;
+  for (Index e = 0; e < model.envs; ++e) {
+    if (whose[e] && share_[e] < 1) {
+      any = true;
+      continue;
+    }
+    restart(e, q);
+    clear_blocks(move_, model.env_blocks[e], model.env_blocks[e + 1]);
+  }
+  if (!any) return;
+  const effects::Want frozen = effects::Want::frozen();
+  std::vector<double> share = share_;
+  system_.potential.linearise(std::as_const(q_).view(), frozen, near);
+  device::Fetch fetch;
+  system_.potential.max_step(std::as_const(move_).view(), near, {share, fetch});
+  fetch.now();
+  add_scaled(std::as_const(move_).view(), share, std::as_const(model.block_env).view(), q_);
+  system_.potential.linearise(std::as_const(q_).view(), frozen, near);
+  system_.potential.sample(near);
+  system_.potential.lag(near, at);
+}
+
+}  // namespace mortise::solver

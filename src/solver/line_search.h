@@ -1,0 +1,31 @@
+#pragma once
+// How far a Newton step goes, in every environment: q <- q + alpha (d + c), alpha from 1 down to what conservative CCD allows, then halved
+// until Armijo's condition holds. While supports move (c, Newton's d + c below), it acts on the merit Phi + rho/2 |(1 - alpha) c|^2 with rho
+// large enough that the direction descends: driving a support does work, so Phi alone may rise (Nocedal & Wright, 2nd ed., ch. 15.4; Li et al.
+// 2020 use an augmented Lagrangian for the same purpose).
+#include "solver/energy_ledger.h"
+#include "solver/system.h"
+
+namespace mortise::solver {
+
+class LineSearch {
+ public:
+  LineSearch(System& system, EnergyLedger& energies) : system_(system), energies_(energies) {}
+
+  // Moves q of the running environments along dq, from the state of `at`; slope: gradient . dq [J]; c: what supports still have to move, none
+  // where empty. Where nothing descends the environment fails.
+  void step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at, EnvTable& envs, StepReport& report);
+
+ private:
+  // Of the merit, per environment: descent promised by the slope, and what the supports add.
+  struct Merit {
+    std::vector<double> slope, rho, cc;
+  };
+  Merit begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at, EnvTable& envs, std::vector<double>& alpha);
+
+  System& system_;
+  EnergyLedger& energies_;
+  device::Buffer<Vec3> trial_;
+};
+
+}  // namespace mortise::solver

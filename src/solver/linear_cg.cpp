@@ -1,0 +1,175 @@
+// Conjugate gradients for the Newton direction: preconditioner, and how exactly every system is solved.
+//
+// Far from the solution a direction to many digits is wasted. With b_k the right-hand side of iteration k, each environment asks for
+//
+//   |b_k - A x| <= max(eta_k |b_k|, wanted / 10),   eta_k = clamp(0.9 (|b_k| / |b_k-1|)^2, cg_tolerance, 0.03)
+//
+// and eta_k no smaller than 0.9 eta_k-1^2 (Eisenstat, Walker, SIAM J. Sci. Comput. 17, 1996, choice 2 and its safeguard, here
+// always on); `wanted` is the residual at which Newton stops, so that the last system is solved as exactly as that needs.
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "linalg/cg.h"
+#include "linalg/jacobi.h"
+#include "linalg/per_environment.h"
+#include "linalg/schwarz.h"
+#include "solver/kernels.h"
+#include "solver/linear.h"
+#include "solver/tuning.h"
+
+namespace mortise::solver {
+namespace {
+
+// Of the rows [first, last).
+linalg::RowPlaces row_places(const model::Model& model, const std::vector<Index>& block_of_row, Index first, Index last) {
+  const std::vector<Vec3> rest = model.rest.download();
+  std::vector<Index> body_of_block(model.blocks, -1);
+  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+    std::fill(body_of_block.begin() + model.bodies[b].block_begin, body_of_block.begin() + model.bodies[b].block_end, static_cast<Index>(b));
+  linalg::RowPlaces rows;
+  for (Index r = first; r < last; ++r) {
+    const Index block = block_of_row[r];
+    const model::Body& body = model.bodies[body_of_block[block]];
+    const bool axis = body.type == model::BodyType::stiff && block != body.block_begin;
+    rows.place.push_back(rest[axis ? body.block_begin : block]);
+    rows.body.push_back(body_of_block[block]);
+    rows.moves.push_back(axis ? 0 : 1);
+  }
+  return rows;
+}
+
+class Cg final : public Linear {
+ public:
+  Cg(const model::Model& model, const Rows& rows, const Options& options) : model_(model), rows_(rows), options_(options), env_(model.envs) {}
+
+  const char* name() const override { return "cg"; }
+  void begin_solve(bool changed) override {
+    if (changed) cg_.reset();
+    for (Env& e : env_) e = {};
+  }
+
+  EnvMask solve(const LinearSystem& s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, StepReport& report) override {
+    EnvMask indefinite(todo.size(), 0);
+    if (s.A.rows == 0) return indefinite;
+    // A preconditioner of an earlier iteration of the step serves on as long as it nearly keeps its speed, in iterations per digit.
+    EnvMask anew(todo.size(), 0);
+    for (std::size_t e = 0; e < todo.size(); ++e) {
+      if (!todo[e] || !(env_[e].built_speed == 0 || env_[e].speed > tuning::kSlower * env_[e].built_speed)) continue;
+      anew[e] = 1;
+      env_[e].built_speed = 0;
+    }
+    build(s, anew);
+
+    std::vector<double> relative(todo.size()), absolute;
+    for (std::size_t e = 0; e < todo.size(); ++e) relative[e] = forcing(env_[e], s.b2[e]);
+    if (options_.cg_forcing)
+      for (double w : s.wanted) absolute.push_back(tuning::kBeyondWanted * w);
+    const linalg::CgResult cg = run(s.A, s.b, s.x, relative, absolute, todo);
+    Index most = 0;
+    for (Index e = 0; e < rows_.envs(); ++e) {
+      if (!todo[e]) continue;
+      const linalg::CgResult::Env& end = cg.env[e];
+      most = std::max(most, end.iterations);
+      if (end.end == linalg::CgEnd::not_positive_definite && curvature.share(e) > 0) {
+        env_[e].built_speed = 0;
+        indefinite[e] = 1;
+        continue;
+      }
+      if (end.end == linalg::CgEnd::iteration_limit || (end.end == linalg::CgEnd::not_positive_definite && end.iterations == 0)) {
+        std::ostringstream why;
+        why << "conjugate gradients stopped after " << end.iterations << " iterations at " << end.residual / end.rhs << " of the right-hand side (wanted " << relative[e] << ")";
+        envs.fail(e, why.str());
+        continue;
+      }
+      env_[e].speed = end.iterations / std::max(1.0, std::log10(end.rhs / end.residual));
+      if (env_[e].built_speed == 0) env_[e].built_speed = env_[e].speed;
+      env_[e].relative = relative[e];
+      env_[e].last_rhs = end.rhs;
+      env_[e].any = true;
+    }
+    report.cg += most;
+    return indefinite;
+  }
+
+  bool ready(Index) const override { return false; }
+  EnvMask prepare(const LinearSystem& s, const EnvMask& todo) override {
+    build(s, todo);
+    return todo;
+  }
+  void apply(linalg::BlockMatrix& A, device::View<const Vec3> in, device::View<Vec3> out, const EnvMask& todo) override {
+    device::clear(out.p, out.n * sizeof(Vec3));
+    run(A, in, out, std::vector<double>(todo.size(), tuning::kRough), std::vector<double>(todo.size(), 0.0), todo);
+  }
+  void distrust(Index) override {}
+
+ private:
+  // Within one step.
+  struct Env {
+    double built_speed = 0, speed = 0;  // iterations per digit: right after the preconditioner was built (0: not yet), last time
+    bool any = false;                   // a system has been solved; how exactly, and its right-hand side:
+    double relative = 0, last_rhs = 0;
+  };
+
+  double forcing(const Env& e, double b2) const {
+    if (!options_.cg_forcing) return options_.cg_tolerance;
+    double share = tuning::kRoughest;
+    if (e.any) {
+      const double ratio = std::sqrt(b2) / e.last_rhs;  // not a number where both are zero
+      if (ratio < 1) share = std::min(tuning::kRoughest, tuning::kForcingFactor * std::max(ratio * ratio, e.relative * e.relative));
+    }
+    return std::max(share, options_.cg_tolerance);
+  }
+
+  linalg::CgResult run(const linalg::BlockMatrix& A, device::View<const Vec3> b, device::View<Vec3> x, const std::vector<double>& relative, const std::vector<double>& absolute, const EnvMask& todo) {
+    linalg::CgOptions options;
+    options.max_iterations = options_.cg_iterations;
+    options.absolute = absolute;
+    options.only = todo;
+    return cg_->solve(A, *preconditioner_, b, x, relative, options);
+  }
+
+  // Schwarz needs a quarter to a half of the iterations of block Jacobi, but each costs twice as much on CPU threads, and setting it up as much
+  // as some fifteen of them.
+  std::unique_ptr<linalg::Preconditioner> preconditioner_of(Index first, Index last) const {
+    if (options_.preconditioner == "mas" || (options_.preconditioner == "auto" && last - first >= tuning::kSchwarzRows))
+      return std::make_unique<linalg::Schwarz>(row_places(model_, rows_.of_row, first, last), std::vector<Index>{0, last - first});
+    return std::make_unique<linalg::BlockJacobi>();
+  }
+
+  void set_up() {
+    if (cg_) return;
+    parts_ = nullptr;
+    if (rows_.envs() == 1) {
+      preconditioner_ = preconditioner_of(0, rows_.count());
+    } else {
+      auto parts = std::make_unique<linalg::PerEnvironment>(rows_.env, [this](Index first, Index last) { return preconditioner_of(first, last); });
+      parts_ = parts.get();
+      preconditioner_ = std::move(parts);
+    }
+    cg_ = std::make_unique<linalg::ConjugateGradients>(rows_.env);
+  }
+
+  void build(const LinearSystem& s, const EnvMask& todo) {
+    set_up();
+    if (std::find(todo.begin(), todo.end(), 1) == todo.end()) return;
+    gather(s.q, rows_.block.view(), position_);
+    if (parts_) parts_->choose(todo);
+    preconditioner_->build(s.A, std::as_const(position_).view());
+  }
+
+  const model::Model& model_;
+  const Rows& rows_;
+  const Options& options_;
+  std::vector<Env> env_;
+  std::unique_ptr<linalg::Preconditioner> preconditioner_;
+  linalg::PerEnvironment* parts_ = nullptr;          // the same, of several environments
+  std::unique_ptr<linalg::ConjugateGradients> cg_;  // of the present rows
+  device::Buffer<Vec3> position_;
+};
+
+}  // namespace
+
+std::unique_ptr<Linear> make_cg(const model::Model& model, const Rows& rows, const Options& options) { return std::make_unique<Cg>(model, rows, options); }
+
+}  // namespace mortise::solver

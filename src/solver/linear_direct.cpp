@@ -1,0 +1,109 @@
+// Factors: a new one for every system, or conjugate gradients with the last one as long as that is cheaper.
+#include <algorithm>
+
+#include "linalg/stale_factor.h"
+#include "linalg/submatrix.h"
+#include "solver/kernels.h"
+#include "solver/linear.h"
+#include "solver/tuning.h"
+
+namespace mortise::solver {
+namespace {
+
+class Direct final : public Linear {
+ public:
+  Direct(const model::Model& model, const Rows& rows, bool reuse) : rows_(rows), reuse_(reuse), parts_(model.envs) {}
+
+  const char* name() const override { return reuse_ ? "reuse" : "direct"; }
+  void begin_solve(bool) override {
+    for (Part& p : parts_) p.fresh = false;
+  }
+
+  EnvMask solve(const LinearSystem& s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, StepReport& report) override {
+    EnvMask indefinite(todo.size(), 0);
+    for (Index e = 0; e < rows_.envs(); ++e) {
+      if (!todo[e] || rows_.env[e] == rows_.env[e + 1]) continue;
+      Part& part = parts_[e];
+      linalg::BlockMatrix& A = of(s.A, e);
+      const device::View<const Vec3> b = range(s.b, e);
+      const device::View<Vec3> x = range(s.x, e);
+      if (reuse_ && part.fresh) {
+        const linalg::StaleResult cg = linalg::solve_with_stale_factor(A, part.solver, b, x, tuning::kStaleForcing, tuning::kStaleMost);
+        report.cg += cg.iterations;
+        if (cg.converged) {
+          part.fresh = cg.iterations <= tuning::kStaleMost / 2;
+          continue;
+        }
+      }
+      part.fresh = false;
+      double shift = tuning::kFirstShift;
+      bool factored = part.solver.factor(A);
+      while (!factored && curvature.share(e) == 0 && shift <= tuning::kLargestShift) {
+        shift_diagonal(A, shift, {0, A.rows}, {1});
+        shift *= tuning::kShiftGrowth;
+        ++report.regularised;
+        factored = part.solver.factor(A);
+      }
+      if (factored) {
+        part.solver.solve(b, x);
+        part.fresh = true;
+      } else if (curvature.share(e) > 0) {
+        indefinite[e] = 1;
+      } else {
+        envs.fail(e, "the matrix is not positive definite");
+      }
+    }
+    return indefinite;
+  }
+
+  bool ready(Index env) const override { return parts_[env].fresh; }
+  EnvMask prepare(const LinearSystem& s, const EnvMask& todo) override {
+    EnvMask good(todo.size(), 0);
+    for (Index e = 0; e < rows_.envs(); ++e)
+      if (todo[e]) good[e] = parts_[e].solver.factor(of(s.A, e));
+    return good;
+  }
+  void apply(linalg::BlockMatrix&, device::View<const Vec3> in, device::View<Vec3> out, const EnvMask& todo) override {
+    for (Index e = 0; e < rows_.envs(); ++e) {
+      const device::View<Vec3> x = range(out, e);
+      if (todo[e])
+        parts_[e].solver.solve(range(in, e), x);
+      else
+        device::clear(x.p, x.n * sizeof(Vec3));
+    }
+  }
+  void distrust(Index env) override { parts_[env].fresh = false; }
+
+ private:
+  struct Part {
+    linalg::DirectSolver solver;
+    linalg::SubMatrix own;  // of several environments
+    bool fresh = false;     // the last factor belongs to this step and still pays
+  };
+  // The environment's part of A: the factor of one does not know the others.
+  linalg::BlockMatrix& of(linalg::BlockMatrix& A, Index e) { return rows_.envs() == 1 ? A : parts_[e].own.of(A, rows_.env[e], rows_.env[e + 1]); }
+  template <class T>
+  device::View<T> range(device::View<T> v, Index e) const {
+    return {v.p + rows_.env[e], rows_.env[e + 1] - rows_.env[e]};
+  }
+
+  const Rows& rows_;
+  const bool reuse_;
+  std::vector<Part> parts_;
+};
+
+}  // namespace
+
+std::unique_ptr<Linear> make_direct(const model::Model& model, const Rows& rows, bool reuse) { return std::make_unique<Direct>(model, rows, reuse); }
+
+LinearChoice choose_linear(const model::Model& model, const Options& options) {
+  if (options.linear != "auto") return {options.linear, "asked for by the scene"};
+  Index blocks = 0;
+  for (Index e = 0; e < model.envs; ++e) blocks = std::max(blocks, model.env_blocks[e + 1] - model.env_blocks[e]);
+  const std::string size = std::to_string(blocks) + " blocks";
+  if (blocks <= tuning::kDirectBlocks) return {"direct", size + ", a new factor each time up to " + std::to_string(tuning::kDirectBlocks)};
+  if (blocks <= tuning::kReuseBlocks) return {"reuse", size + ", factors up to " + std::to_string(tuning::kReuseBlocks)};
+  return {"cg", size + ", more than " + std::to_string(tuning::kReuseBlocks)};
+}
+
+}  // namespace mortise::solver

@@ -1,0 +1,93 @@
+#include "solver/potential.h"
+
+#include "solver/kernels.h"
+#include "solver/timed.h"
+
+namespace mortise::solver {
+
+std::vector<linalg::StencilSet*> Linearised::sets() const {
+  std::vector<linalg::StencilSet*> out;
+  for (const auto& one : of) out.push_back(&one->stencils);
+  return out;
+}
+
+Potential::Potential(model::Model& model, EffectList& effects, Clock& clock)
+    : model_(model), effects_(effects), clock_(clock), followed_(effects.size(), -1), is_followed_(effects.size(), 0) {
+  for (const auto& effect : effects_) effect->connect();
+  for (std::size_t k = 0; k < effects_.size(); ++k) {
+    symmetric_ = symmetric_ && effects_[k]->kind().symmetric;
+    lags_ = lags_ || effects_[k]->kind().lags;
+    for (std::size_t c = 0; c < k; ++c)
+      if (effects_[c]->name() == effects_[k]->follows()) followed_[k] = static_cast<int>(c), is_followed_[c] = 1;
+  }
+}
+
+Linearised Potential::linearised() const {
+  Linearised at;
+  for (const auto& effect : effects_) {
+    at.of.push_back(effect->linearisation());
+    at.of.back()->contact.env_offset.assign(model_.envs + 1, 0);
+  }
+  at.gradients.resize(effects_.size());
+  return at;
+}
+
+void Potential::linearise(device::View<const Vec3> q, effects::Want want, Linearised& at, bool fresh) {
+  if (want.forces) {
+    at.gradient.resize(model_.blocks);
+    at.gradient.zero();
+  }
+  for (std::size_t k = 0; k < effects_.size(); ++k) {
+    effects::Effect& effect = *effects_[k];
+    effects::Linearisation& here = *at.of[k];
+    const Timed timed(clock_, effect.name(), want.matrix.wanted ? "assemble" : want.forces ? "gradient" : "freeze");
+    if (fresh && followed_[k] >= 0) effect.lag(at.of[followed_[k]]->contact, here);
+    effect.linearise(q, want, here);
+    if (fresh && is_followed_[k]) effect.sample(here);
+    if (!want.forces) continue;
+    linalg::StencilSet* const one[] = {&here.stencils};
+    assembler_.gradient(one, model_.blocks, at.gradients[k]);
+    add(std::as_const(at.gradients[k]).view(), at.gradient);
+  }
+}
+
+void Potential::sample(Linearised& at) {
+  for (std::size_t k = 0; k < effects_.size(); ++k) {
+    if (effects_[k]->kind().role != effects::Role::contact) continue;
+    const Timed timed(clock_, effects_[k]->name(), "sample");
+    effects_[k]->sample(*at.of[k]);
+  }
+}
+
+void Potential::lag(Linearised& from, Linearised& to) {
+  for (std::size_t k = 0; k < effects_.size(); ++k) {
+    if (followed_[k] < 0) continue;
+    const Timed timed(clock_, effects_[k]->name(), "lag");
+    effects_[k]->lag(from.of[followed_[k]]->contact, *to.of[k]);
+  }
+}
+
+void Potential::energies(device::View<const Vec3> q, const Linearised& frozen, Energies& of, device::Fetch& fetch) {
+  of.resize(effects_.size());
+  for (std::size_t k = 0; k < effects_.size(); ++k) {
+    if (!of[k].empty()) continue;
+    const Timed timed(clock_, effects_[k]->name(), "energy");
+    of[k].assign(model_.envs, 0.0);
+    effects_[k]->energy(q, *frozen.of[k], {of[k], fetch});
+  }
+}
+
+void Potential::max_step(device::View<const Vec3> dq, Linearised& at, device::EnvValues alpha) {
+  for (std::size_t k = 0; k < effects_.size(); ++k) {
+    const Timed timed(clock_, effects_[k]->name(), "max_step");
+    effects_[k]->max_step(dq, *at.of[k], alpha);
+  }
+}
+
+void Potential::product(Linearised& at, device::View<const Vec3> d, device::Buffer<Vec3>& out) {
+  const std::vector<linalg::StencilSet*> sets = at.sets();
+  for (linalg::StencilSet* set : sets) stencil_product(*set, d);
+  assembler_.gradient(sets, model_.blocks, out);
+}
+
+}  // namespace mortise::solver

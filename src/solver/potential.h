@@ -1,0 +1,59 @@
+#pragma once
+// All effects as one incremental potential Phi(q), and what it is at a state.
+#include <memory>
+#include <vector>
+
+#include "effects/effect.h"
+#include "linalg/assembly.h"
+#include "model/model.h"
+#include "solver/report.h"
+
+namespace mortise::solver {
+
+using EffectList = std::vector<std::unique_ptr<effects::Effect>>;
+using Energies = std::vector<std::vector<double>>;  // [J], of every effect and environment; empty where unknown
+
+// Phi at one state: a value; two of them never share a buffer.
+struct Linearised {
+  std::vector<std::unique_ptr<effects::Linearisation>> of;  // every effect
+  std::vector<device::Buffer<Vec3>> gradients;              // of every effect, over all blocks [N]
+  device::Buffer<Vec3> gradient;                            // their sum
+  std::vector<linalg::StencilSet*> sets() const;
+};
+
+class Potential {
+ public:
+  // Connects the effects. Throws Error(Exit::scene).
+  Potential(model::Model& model, EffectList& effects, Clock& clock);
+
+  Linearised linearised() const;
+  // `fresh`: with lagged quantities of q itself, not those that `at` holds.
+  void linearise(device::View<const Vec3> q, effects::Want want, Linearised& at, bool fresh = false);
+  // The contact samples of the state of `at`.
+  void sample(Linearised& at);
+  // Lagged quantities of `to` become those of the state of `from`.
+  void lag(Linearised& from, Linearised& to);
+  // Finds the unknown energies at q, with what is frozen.
+  void energies(device::View<const Vec3> q, const Linearised& frozen, Energies& of, device::Fetch& fetch);
+  void max_step(device::View<const Vec3> dq, Linearised& at, device::EnvValues alpha);
+
+  // sum_b H_ab d_b over all blocks. The pieces of the effects' forces in `at` are used up.
+  void product(Linearised& at, device::View<const Vec3> d, device::Buffer<Vec3>& out);
+  linalg::Assembler& assembler() { return assembler_; }
+
+  bool symmetric() const { return symmetric_; }  // all effects are
+  bool lags() const { return lags_; }            // some effect does
+  EffectList& effects() { return effects_; }
+  const EffectList& effects() const { return effects_; }
+
+ private:
+  model::Model& model_;
+  EffectList& effects_;
+  Clock& clock_;
+  linalg::Assembler assembler_;
+  std::vector<int> followed_;  // per effect: the contact effect whose samples it follows, or -1
+  std::vector<std::uint8_t> is_followed_;
+  bool symmetric_ = true, lags_ = false;
+};
+
+}  // namespace mortise::solver

@@ -1,0 +1,94 @@
+#include "solver/system.h"
+
+#include <cmath>
+
+#include "linalg/supports.h"
+#include "solver/kernels.h"
+#include "solver/timed.h"
+#include "solver/tuning.h"
+
+namespace mortise::solver {
+namespace {
+
+double scene_length(const model::Model& model) {
+  Vec3 lo = Vec3::Constant(INFINITY), hi = -lo;
+  for (const Vec3& x : model.rest_points.download()) lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
+  return (hi - lo).norm();
+}
+
+}  // namespace
+
+System::System(model::Model& model_, EffectList& effects, const Options& options_, Clock& clock_)
+    : model(model_), options(options_), clock(clock_), potential(model_, effects, clock_), convergence(model_, options_), length(scene_length(model_)) {}
+
+void System::begin_solve() {
+  rows_changed_ = rows.number(model, options.is_static);
+  if (rows_changed_) {
+    convergence.set_rows(rows.of_block_host);
+    potential.assembler().set_rows(device::Buffer<Index>(rows.of_block_host), rows.count());
+  }
+  convergence.begin_step();
+}
+
+Residual System::linearise(device::View<const Vec3> q, effects::Want want, Linearised& at, bool fresh) {
+  potential.linearise(q, want, at, fresh);
+  return residual(q, at);
+}
+
+Residual System::residual(device::View<const Vec3> q, const Linearised& at) const {
+  Residual r = convergence.begin();
+  device::Fetch fetch;
+  for (std::size_t k = 0; k < at.gradients.size(); ++k) convergence.see_effect(potential.effects()[k]->kind(), at.gradients[k].view(), r, fetch);
+  convergence.see_sum(at.gradient.view(), q, r, fetch);
+  device::Buffer<Vec3> c;
+  supports(q, c);
+  largest(std::as_const(c).view(), model.env_blocks, {r.support_gap, fetch});
+  fetch.now();
+  convergence.finish(r);
+  return r;
+}
+
+std::string System::not_finite(const Linearised& at, Index env) const {
+  for (std::size_t k = 0; k < at.gradients.size(); ++k)
+    if (!std::isfinite(largest(at.gradients[k].view(), model.env_blocks)[env]))
+      return "the force of '" + std::string(potential.effects()[k]->name()) + "' is not finite at " + name_block(model, worst_block(model, at.gradients[k], env));
+  return "the force residual is not finite";
+}
+
+void System::find_groups(Linearised& at) {
+  potential.sample(at);
+  std::vector<const model::ContactView*> contacts;
+  for (std::size_t k = 0; k < at.of.size(); ++k)
+    if (potential.effects()[k]->kind().role == effects::Role::contact) contacts.push_back(&at.of[k]->contact);
+  convergence.connect(contacts);
+}
+
+void System::supports(device::View<const Vec3> q, device::Buffer<Vec3>& c) const {
+  support_move(q, std::as_const(model.target).view(), std::as_const(model.projector).view(), c);
+}
+
+void System::matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& whose, linalg::BlockMatrix& A, device::Fetch& fetch) {
+  const Timed timed(clock, "solver", "matrix");
+  potential.assembler().matrix(at.sets(), A);
+  convergence.see_matrix(A, q, rows.block.view(), whose, fetch);
+  if (rows.any_partial) linalg::project(A, rows.projector.view());
+  // Without a shift rounding decides how far a body that nothing holds goes along its free motions.
+  shift_diagonal(A, tuning::kLoose, rows.env, rows.loose);
+}
+
+void System::right_hand_side(const Linearised& at, device::View<const Vec3> Hc, device::Buffer<Vec3>& rhs) const {
+  solver::right_hand_side(at.gradient.view(), Hc, rows.block.view(), rows.projector.view(), rhs);
+}
+
+void System::to_blocks(device::View<const Vec3> x, device::View<const Vec3> c, const EnvMask& whose, device::Buffer<Vec3>& dq) const {
+  step_of(x, c, rows.of_block.view(), std::as_const(model.projector).view(), dq);
+  for (Index e = 0; e < model.envs; ++e)
+    if (!whose[e]) clear_blocks(dq, model.env_blocks[e], model.env_blocks[e + 1]);
+}
+
+bool System::solved(const Residual& r, Index env, double relative, double last_step) const {
+  if (!convergence.solved(r, env, relative) || r.support_gap[env] > tuning::kSupportGap * length) return false;
+  return options.step_tolerance <= 0 || last_step <= options.step_tolerance;
+}
+
+}  // namespace mortise::solver

@@ -1,0 +1,51 @@
+#pragma once
+// The equations of a step: all effects at a state, what is left of their forces, and the matrix over the blocks that are free.
+#include "linalg/block_matrix.h"
+#include "solver/convergence.h"
+#include "solver/envs.h"
+#include "solver/options.h"
+#include "solver/potential.h"
+#include "solver/rows.h"
+
+namespace mortise::solver {
+
+class System {
+ public:
+  System(model::Model& model, EffectList& effects, const Options& options, Clock& clock);
+
+  void begin_solve();  // supports may have changed; says so to whoever asks rows_changed()
+  bool rows_changed() const { return rows_changed_; }
+
+  // What is left of the forces of `at`, linearised at q.
+  Residual residual(device::View<const Vec3> q, const Linearised& at) const;
+  // Potential::linearise, and that.
+  Residual linearise(device::View<const Vec3> q, effects::Want want, Linearised& at, bool fresh = false);
+  // Which force is not finite in an environment, and where.
+  std::string not_finite(const Linearised& at, Index env) const;
+  // By what touches at the state of `at`; samples it.
+  void find_groups(Linearised& at);
+
+  // c = (I - P)(target - q): what supports still have to move.
+  void supports(device::View<const Vec3> q, device::Buffer<Vec3>& c) const;
+  // P H P + I - P on the rows, with H of `at`, linearised at q. Convergence knows its rounding in the environments of `whose` once that is done.
+  void matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& whose, linalg::BlockMatrix& A, device::Fetch& fetch);
+  // -P (g + Hc), where Hc may be empty.
+  void right_hand_side(const Linearised& at, device::View<const Vec3> Hc, device::Buffer<Vec3>& rhs) const;
+  // P x + c over all blocks, for x on the rows; 0 outside of `whose`.
+  void to_blocks(device::View<const Vec3> x, device::View<const Vec3> c, const EnvMask& whose, device::Buffer<Vec3>& dq) const;
+
+  bool solved(const Residual& r, Index env, double relative, double last_step) const;
+
+  model::Model& model;
+  const Options& options;
+  Clock& clock;
+  Potential potential;
+  Convergence convergence;
+  Rows rows;
+  const double length;  // diagonal of the scene at rest [m], against which gaps of supports are judged
+
+ private:
+  bool rows_changed_ = false;
+};
+
+}  // namespace mortise::solver
