@@ -36,10 +36,13 @@ void Model::watch(Index a, Index b, bool on) {
 
 bool Model::has_contact(std::string_view effect) const { return std::find(contacts_.begin(), contacts_.end(), effect) != contacts_.end(); }
 
-Index Model::body_index(std::string_view name) const {
+std::vector<Index> Model::bodies_named(std::string_view name) const {
+  std::vector<Index> out;
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    if (bodies[b].name == name) return static_cast<Index>(b);
-  return -1;
+    if (bodies[b].name == name) out.push_back(static_cast<Index>(b));
+  for (std::size_t p = 0; p < half_spaces.size(); ++p)
+    if (half_spaces[p].name == name) out.push_back(static_cast<Index>(bodies.size() + p));
+  return out;
 }
 
 }  // namespace mortise::model

@@ -123,7 +123,10 @@ class Model {
   void add_contact(std::string_view effect) { contacts_.emplace_back(effect); }
   bool has_contact(std::string_view effect) const;
 
-  Index body_index(std::string_view name) const;  // -1 if none
+  // Bodies of that name, one of every environment that has it; or the number of bodies plus the index of the half-space of that name; none.
+  std::vector<Index> bodies_named(std::string_view name) const;
+  // Body or half-space `b` may meet body `a`: half-spaces are in all environments.
+  bool same_env(Index a, Index b) const { return b >= static_cast<Index>(bodies.size()) || bodies[a].env == bodies[b].env; }
 
  private:
   std::unique_ptr<geometry::Broadphase> broadphase_;

@@ -27,6 +27,7 @@ class LagLoop {
   // The state of the next round's lagged quantities in the environments of `whose`; elsewhere they are those of q, which `at` holds already.
   // `near`: work space.
   void relax(const device::Buffer<Vec3>& q, const EnvMask& whose, Linearised& near, Linearised& at);
+  const device::Buffer<Vec3>& state() const { return q_; }  // q_lag
   // Lagged quantities in the environment are those of q after all.
   void restart(Index env, const device::Buffer<Vec3>& q);
 

@@ -7,19 +7,16 @@
 namespace mortise::effects::contact {
 namespace {
 
-// Index of a body, or the number of bodies plus the index of a half-space.
-Index find(const model::Model& model, const Params& name) {
-  const Index body = model.body_index(name.as_text());
-  if (body >= 0) return body;
-  for (std::size_t p = 0; p < model.half_spaces.size(); ++p)
-    if (model.half_spaces[p].name == name.as_text()) return static_cast<Index>(model.bodies.size() + p);
-  throw Error(Exit::scene, name.where(), "no body is called '" + name.as_text() + "'");
+std::vector<Index> find(const model::Model& model, const Params& name) {
+  std::vector<Index> found = model.bodies_named(name.as_text());
+  if (found.empty()) throw Error(Exit::scene, name.where(), "no body is called '" + name.as_text() + "'");
+  return found;
 }
 
 bool meets_itself(const model::Model& model, const model::Body& body) {
   if (body.type != model::BodyType::soft || body.prescribed()) return false;
   for (const model::BodyInput& in : model.input.bodies)
-    if (in.name == body.name && in.params.has("self_contact")) return in.params.flag("self_contact");
+    if (in.name == body.name && in.env == body.env && in.params.has("self_contact")) return in.params.flag("self_contact");
   return true;
 }
 
@@ -60,10 +57,12 @@ WatchedPairs watched_pairs(const model::Model& model, const Params* list) {
   const Index n = pairs.n, planes = static_cast<Index>(model.half_spaces.size());
   if (list) {
     for (const Params& pair : list->items()) {
-      Index a = find(model, pair.items().at(0)), b = find(model, pair.items().at(1));
-      if (a > b) std::swap(a, b);
-      if (a >= n) throw Error(Exit::scene, pair.where(), "a half-space cannot touch another half-space");
-      pairs.set(a, b, Watch::contact);
+      for (Index first : find(model, pair.items().at(0)))
+        for (Index second : find(model, pair.items().at(1))) {
+          const Index a = std::min(first, second), b = std::max(first, second);
+          if (a >= n) throw Error(Exit::scene, pair.where(), "a half-space cannot touch another half-space");
+          if (model.same_env(a, b)) pairs.set(a, b, Watch::contact);
+        }
     }
   } else {
     for (Index a = 0; a < n; ++a)

@@ -122,8 +122,8 @@ class Friction final : public Effect {
     std::vector<double> mu(n * n, p.number("mu"));
     if (const Params* list = p.find("pairs"))
       for (const Params& pair : list->items()) {
-        const Index a = find(pair.at("a")), b = find(pair.at("b"));
-        mu[a * n + b] = mu[b * n + a] = pair.number("mu");
+        for (Index a : find(pair.at("a")))
+          for (Index b : find(pair.at("b"))) mu[a * n + b] = mu[b * n + a] = pair.number("mu");
       }
     mu_.upload(mu);
   }
@@ -201,12 +201,10 @@ class Friction final : public Effect {
   void checkpoint(Archive& archive) override { archive.io("friction.dissipated", dissipated_); }
 
  private:
-  Index find(const Params& body) const {
-    const Index b = model_.body_index(body.as_text());
-    if (b >= 0) return b;
-    for (std::size_t p = 0; p < model_.half_spaces.size(); ++p)
-      if (model_.half_spaces[p].name == body.as_text()) return static_cast<Index>(model_.bodies.size() + p);
-    throw Error(Exit::scene, body.where(), "no body is called '" + body.as_text() + "'");
+  std::vector<Index> find(const Params& body) const {
+    std::vector<Index> found = model_.bodies_named(body.as_text());
+    if (found.empty()) throw Error(Exit::scene, body.where(), "no body is called '" + body.as_text() + "'");
+    return found;
   }
 
   Slips slips(const FrictionLinearisation& at) const {

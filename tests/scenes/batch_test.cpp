@@ -1,0 +1,141 @@
+// Several environments in one model: each has the bits that it has alone, whatever the others do.
+#include "rig.h"
+
+using namespace mortise;
+using namespace mortise::testing;
+
+namespace {
+
+// One environment's part of a batch: the same scene with values of its own for bodies and materials.
+struct Environment {
+  std::vector<std::string> overrides;
+  bool fails = false;  // alone; in a batch it is given up, and the others go on
+};
+
+model::ModelInput batch(const std::string& yaml, const std::vector<std::string>& common, const std::vector<Environment>& envs) {
+  model::ModelInput out;
+  for (std::size_t e = 0; e < envs.size(); ++e) {
+    std::vector<std::string> overrides = common;
+    overrides.insert(overrides.end(), envs[e].overrides.begin(), envs[e].overrides.end());
+    model::ModelInput one = engine::make_input(scene::read_scene_text(yaml, "batch.yaml", overrides, engine::effect_tables()).root);
+    if (e == 0) out.scene = one.scene;
+    for (model::BodyInput& body : one.bodies) {
+      if (body.type == model::BodyType::half_space && e > 0) continue;  // in all environments
+      body.env = static_cast<Index>(e);
+      out.bodies.push_back(std::move(body));
+    }
+  }
+  return out;
+}
+
+// Positions after every step, up to the first that fails.
+struct Run {
+  std::vector<std::vector<double>> points;
+  std::string failure;
+};
+Run run(const model::ModelInput& input, int steps) {
+  std::unique_ptr<engine::Engine> engine;
+  Rig::check(engine::chosen().api->create(input, engine));
+  Run out;
+  for (int i = 0; i < steps; ++i) {
+    solver::StepReport report;
+    const engine::Outcome outcome = engine->step({}, report);
+    if (outcome.code != 0) {
+      out.failure = outcome.message;
+      return out;
+    }
+    out.points.push_back(engine->points());
+  }
+  return out;
+}
+
+// steps: of the batch; the environments' own points are compared after each.
+void expect_alone(const std::string& yaml, const std::vector<std::string>& common, const std::vector<Environment>& envs, int steps, const std::string& what) {
+  const Run together = run(batch(yaml, common, envs), steps);
+  ASSERT_EQ(together.failure, "") << what;
+  std::size_t first = 0;
+  for (std::size_t e = 0; e < envs.size(); ++e) {
+    const Run alone = run(batch(yaml, common, {envs[e]}), steps);
+    ASSERT_EQ(alone.failure != "", envs[e].fails) << what << ", environment " << e << " alone: " << alone.failure;
+    const std::size_t n = together.points[0].size() / envs.size();
+    for (int i = 0; i < steps && !envs[e].fails; ++i) {
+      const std::vector<double> part(together.points[i].begin() + first, together.points[i].begin() + first + n);
+      EXPECT_EQ(part, alone.points[i]) << what << ", environment " << e << ", step " << i;
+    }
+    first += n;
+  }
+}
+
+// A block that slides on a pad, and a stone that falls on the floor beside it.
+constexpr const char* kSlide = R"(
+mortise: 1
+name: slide
+time: {step: 4 ms, steps: 3}
+materials:
+  gel: {model: neo_hookean, youngs_modulus: 0.2 MPa, poisson_ratio: 0.4, density: 1000}
+  rubber: {model: neo_hookean, youngs_modulus: 1 MPa, poisson_ratio: 0.4, density: 1200}
+bodies:
+  pad: {type: soft, shape: {box: {size: [60 mm, 40 mm, 10 mm], edge_length: 10 mm}}, material: gel, position: [0, 0, -5 mm]}
+  block: {type: soft, shape: {box: {size: [20 mm, 20 mm, 10 mm], edge_length: 7 mm}}, material: rubber, position: [0, 0, 5.5 mm], velocity: [0.2, 0, -0.2]}
+  stone: {type: stiff, shape: {box: {size: [10 mm, 10 mm, 10 mm], edge_length: 10 mm}}, material: rubber, position: [60 mm, 0, -4.5 mm], velocity: [0.1, 0, -0.3]}
+  floor: {type: half_space, point: [0, 0, -10 mm]}
+effects:
+  inertia: {}
+  gravity: {acceleration: [0, 0, -9.81]}
+  elasticity: {}
+  affine_body: {stiffness: 10 MPa}
+  pin: [{body: pad, where: {side: z_min}}]
+  barrier_contact: {d_hat: 1 mm, stiffness: 50 kPa}
+  friction: {follows: barrier_contact, mu: 0.4, creep_speed: 1 mm/s}
+)";
+// The same with mortar contact.
+std::string with_mortar(std::string text) {
+  const auto replace = [&](const std::string& from, const std::string& to) { text.replace(text.find(from), from.size(), to); };
+  replace("barrier_contact: {d_hat: 1 mm, stiffness: 50 kPa}", "mortar_contact: {d_hat: 1 mm, pairs: [{slave: pad, master: block}, {slave: stone, master: floor}]}");
+  replace("follows: barrier_contact", "follows: mortar_contact");
+  return text;
+}
+const std::vector<Environment> kEnvironments{{{}},
+                                             {{"bodies.block.velocity=[0.5, 0.1, -0.6]", "materials.rubber.youngs_modulus=0.3 MPa"}},
+                                             {{"bodies.block.position=[2 mm, 1 mm, 30 mm]", "bodies.stone.velocity=[0, 0, -1]"}}};
+
+}  // namespace
+
+TEST(Batch, FrictionWithEveryLinearSolver) {
+  for (const char* linear : {"direct", "reuse", "cg"}) expect_alone(kSlide, {std::string("solver.linear=") + linear}, kEnvironments, 3, linear);
+}
+
+TEST(Batch, SchwarzPreconditioner) { expect_alone(kSlide, {"solver.linear=cg", "solver.preconditioner=mas"}, kEnvironments, 2, "mas"); }
+
+TEST(Batch, MortarContactWithFriction) {
+  for (const char* linear : {"direct", "reuse", "cg"}) expect_alone(with_mortar(kSlide), {std::string("solver.linear=") + linear}, kEnvironments, 3, std::string("mortar, ") + linear);
+}
+
+// Few iterations: some environments have to halve their steps, each by itself.
+TEST(Batch, EveryEnvironmentCutsItsStepsByItself) {
+  const std::vector<std::string> few{"solver.iterations=9", "solver.linear=direct"};
+  const auto substeps = [&](const Environment& e) {
+    std::unique_ptr<engine::Engine> engine;
+    Rig::check(engine::chosen().api->create(batch(kSlide, few, {e}), engine));
+    Index n = 0;
+    for (int i = 0; i < 3; ++i) {
+      solver::StepReport report;
+      Rig::check(engine->step({}, report));
+      n += report.substeps;
+    }
+    return n;
+  };
+  Index least = 1000, most = 0;
+  for (const Environment& e : kEnvironments) least = std::min(least, substeps(e)), most = std::max(most, substeps(e));
+  EXPECT_LT(least, most) << "they have to differ for this test to mean something";
+  expect_alone(kSlide, few, kEnvironments, 3, "halving");
+  expect_alone(with_mortar(kSlide), few, kEnvironments, 3, "halving, mortar");
+}
+
+// One is crushed: no step is short enough. The others never notice.
+TEST(Batch, OneThatFailsIsGivenUpAlone) {
+  std::vector<Environment> envs = kEnvironments;
+  envs[1] = {{"materials.rubber.density=1e9"}, true};
+  for (const char* linear : {"direct", "reuse", "cg"})
+    expect_alone(kSlide, {std::string("solver.linear=") + linear, "solver.iterations=30", "solver.halvings=1"}, envs, 3, std::string("failure, ") + linear);
+}

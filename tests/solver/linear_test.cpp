@@ -1,0 +1,162 @@
+// The linear strategies: every environment by itself, indefinite matrices, what is kept and when it is given up.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "linalg/block_matrix.h"
+#include "solver/linear.h"
+#include "toy.h"
+
+using namespace mortise;
+using namespace mortise::solver;
+
+namespace {
+
+// A chain of four blocks per environment: stiffness k between neighbours, `ground` on the diagonal.
+struct Chains {
+  model::Model model;
+  Rows rows;
+  linalg::BlockMatrix A;
+  device::Buffer<Vec3> b, x, q;
+  std::vector<double> b2, wanted;
+  Options options;
+
+  Chains(const std::vector<double>& k, const std::vector<double>& ground) : model(toy::boxes(static_cast<int>(k.size()))) {
+    rows.number(model, false);
+    const Index n = rows.count();
+    std::vector<std::uint64_t> keys;
+    std::vector<Mat3> value;
+    std::uniform_real_distribution<double> u(-1, 1);
+    std::vector<Vec3> rhs;
+    for (std::size_t e = 0; e < k.size(); ++e) {
+      std::mt19937 own(7);
+      for (Index i = 0; i < 4; ++i) {
+        const Index r = static_cast<Index>(4 * e) + i;
+        keys.push_back(linalg::block_key(r, r, n));
+        value.push_back((ground[e] + (i == 0 || i == 3 ? 1 : 2) * k[e]) * Mat3::Identity());
+        if (i < 3) keys.push_back(linalg::block_key(r, r + 1, n)), value.push_back(-k[e] * Mat3::Identity());
+        rhs.push_back(Vec3(u(own), u(own), u(own)));
+      }
+    }
+    linalg::set_pattern(device::Buffer<std::uint64_t>(keys), n, A);
+    A.value.upload(value);
+    b.upload(rhs), q.copy_from(model.q);
+    x.resize(n);
+    x.zero();
+    wanted.assign(k.size(), 1e-12), b2.assign(k.size(), 0.0);
+    for (Index r = 0; r < n; ++r) b2[r / 4] += rhs[r].squaredNorm();
+    options.cg_forcing = false;
+  }
+  LinearSystem system() { return {A, std::as_const(b).view(), x.view(), b2, wanted, std::as_const(q).view()}; }
+  double residual(Index env) {
+    device::Buffer<Vec3> y(x.size());
+    linalg::multiply(A, std::as_const(x).view(), y.view());
+    const auto left = y.download(), right = b.download();
+    double most = 0;
+    for (Index r = 4 * env; r < 4 * env + 4; ++r) most = std::max(most, (left[r] - right[r]).norm());
+    return most;
+  }
+};
+
+std::unique_ptr<Linear> make(const char* kind, const Chains& c) {
+  const std::string k = kind;
+  return k == "cg" ? make_cg(c.model, c.rows, c.options) : make_direct(c.model, c.rows, k == "reuse");
+}
+
+}  // namespace
+
+TEST(Linear, EveryEnvironmentByItself) {
+  const std::vector<double> k{1, 100, 7}, ground{1, 0.1, 30};
+  for (const char* kind : {"direct", "reuse", "cg"}) {
+    Chains all(k, ground);
+    auto linear = make(kind, all);
+    linear->begin_solve(true);
+    EnvTable envs(3);
+    StepReport report;
+    const CurvaturePolicy convex(3);
+    EXPECT_EQ(linear->solve(all.system(), {1, 1, 1}, convex, envs, report), (EnvMask{0, 0, 0}));
+    for (Index e = 0; e < 3; ++e) {
+      EXPECT_LT(all.residual(e), 1e-6) << kind;
+      Chains one({k[e]}, {ground[e]});
+      auto own = make(kind, one);
+      own->begin_solve(true);
+      EnvTable env(1);
+      own->solve(one.system(), {1}, CurvaturePolicy(1), env, report);
+      const auto x = all.x.download(), y = one.x.download();
+      for (Index i = 0; i < 4; ++i) EXPECT_EQ(x[4 * e + i], y[i]) << kind << " environment " << e;
+    }
+  }
+}
+
+TEST(Linear, WhatIsNotToDoStandsStill) {
+  for (const char* kind : {"direct", "reuse", "cg"}) {
+    Chains c({1, 2}, {1, 1});
+    auto linear = make(kind, c);
+    linear->begin_solve(true);
+    EnvTable envs(2);
+    StepReport report;
+    linear->solve(c.system(), {0, 1}, CurvaturePolicy(2), envs, report);
+    EXPECT_EQ(c.x.download()[0], Vec3::Zero()) << kind;
+    EXPECT_LT(c.residual(1), 1e-6) << kind;
+  }
+}
+
+// An indefinite matrix with negative curvature in it is for the curvature policy; a convex one that no shift repairs fails, alone.
+TEST(Linear, IndefiniteMatrices) {
+  for (const char* kind : {"direct", "cg"}) {
+    Chains c({1, 1}, {-5, 1});
+    auto linear = make(kind, c);
+    linear->begin_solve(true);
+    EnvTable envs(2);
+    StepReport report;
+    CurvaturePolicy exact(2);
+    exact.choose(0, 1), exact.choose(1, 1);
+    EXPECT_EQ(linear->solve(c.system(), {1, 1}, exact, envs, report), (EnvMask{1, 0})) << kind;
+    EXPECT_LT(c.residual(1), 1e-6) << kind;
+    linear->solve(c.system(), {1, 1}, CurvaturePolicy(2), envs, report);
+    EXPECT_TRUE(envs.is(0, EnvState::failed)) << kind;
+    EXPECT_TRUE(envs.is(1, EnvState::running)) << kind;
+  }
+}
+
+// A free chain: singular, and a small shift is enough.
+TEST(Linear, ASmallShiftMakesWhatNothingHoldsDefinite) {
+  Chains c({1}, {0});
+  c.b.upload({Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)});
+  auto linear = make("direct", c);
+  linear->begin_solve(true);
+  EnvTable envs(1);
+  StepReport report;
+  linear->solve(c.system(), {1}, CurvaturePolicy(1), envs, report);
+  EXPECT_TRUE(envs.is(0, EnvState::running));
+  EXPECT_LT(c.residual(0), 1e-6);
+}
+
+TEST(Linear, ReuseKeepsFactorsWithinAStepOnly) {
+  Chains c({1}, {1});
+  auto linear = make("reuse", c);
+  linear->begin_solve(true);
+  EnvTable envs(1);
+  StepReport report;
+  const CurvaturePolicy convex(1);
+  EXPECT_FALSE(linear->ready(0));
+  linear->solve(c.system(), {1}, convex, envs, report);
+  EXPECT_EQ(report.cg, 0) << "the first has a factor of its own";
+  EXPECT_TRUE(linear->ready(0));
+  linear->solve(c.system(), {1}, convex, envs, report);
+  EXPECT_GT(report.cg, 0) << "the second uses it";
+  linear->distrust(0);
+  EXPECT_FALSE(linear->ready(0));
+  linear->solve(c.system(), {1}, convex, envs, report);
+  linear->begin_solve(false);
+  EXPECT_FALSE(linear->ready(0)) << "another step";
+}
+
+TEST(Linear, ChoiceGoesByTheLargestEnvironment) {
+  const model::Model model(toy::boxes(3));
+  Options o;
+  EXPECT_EQ(choose_linear(model, o).kind, "direct");
+  EXPECT_EQ(choose_linear(model, o).reason.substr(0, 8), "4 blocks");
+  o.linear = "cg";
+  EXPECT_EQ(choose_linear(model, o).kind, "cg");
+}

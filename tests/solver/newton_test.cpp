@@ -1,0 +1,196 @@
+// Newton's loop and its strategies on effects with plain formulas.
+#include <gtest/gtest.h>
+
+#include "solver/kernels.h"
+#include "toy.h"
+
+using namespace mortise;
+using namespace mortise::solver;
+using toy::Law;
+using toy::Problem;
+
+namespace {
+
+const toy::Kind kStore = toy::kind("toy_store", toy::Role::contact), kInertia = toy::kind("toy_inertia", toy::Role::inertia), kTwisted = toy::kind("toy_twisted", toy::Role::contact, false);
+const Vec3 kForce(1, 2, -1);
+
+StepReport solve(Problem& p, Newton& newton) {
+  StepReport report;
+  const EnvMask all(p.model.envs, 1);
+  newton.begin(all);
+  newton.solve({0, 1, 0, false}, report, [] {}, all);
+  return report;
+}
+
+// sqrt(1 + |d|^2) - f . d: far away Newton's step overshoots without end.
+Law soft_norm(std::function<Vec3(Index)> f) {
+  return {[=](Index e, const Vec3& d, const Vec3&) { return std::sqrt(1 + d.squaredNorm()) - f(e).dot(d); },
+          [=](Index e, const Vec3& d) -> Vec3 { return d / std::sqrt(1 + d.squaredNorm()) - f(e); },
+          [=](Index, const Vec3& d) -> Mat3 {
+            const double s = std::sqrt(1 + d.squaredNorm());
+            return Mat3::Identity() / s - d * d.transpose() / (s * s * s);
+          }};
+}
+
+}  // namespace
+
+TEST(Newton, SolvesASpringInOneIteration) {
+  Problem p;
+  p.add(kStore, toy::spring([](Index) { return 4.0; }, [](Index) { return kForce; }));
+  Newton newton(p.model, p.effects, p.options, p.clock);
+  const StepReport report = solve(p, newton);
+  EXPECT_EQ(report.newton, 1);
+  for (const Vec3& d : p.moved(newton.q())) EXPECT_LT((d - kForce / 4).norm(), 1e-14);
+  EXPECT_TRUE(newton.envs().is(0, EnvState::solved));
+}
+
+// Linear, reuse and cg give every environment the bits that it has alone, however many iterations the others need, and one that fails leaves
+// the others alone.
+TEST(Newton, EnvironmentsDoNotKnowEachOther) {
+  const std::vector<Vec3> force{{0.99, 0, 0}, {0.3, 0.1, 0}, {2, 0, 0}, {0, 0.95, 0.1}};  // |f| > 1 has no minimum
+  for (const char* linear : {"direct", "reuse", "cg"}) {
+    const auto run = [&](std::vector<Index> which) {
+      Problem p(static_cast<int>(which.size()));
+      p.options.linear = linear;
+      p.options.iterations = 40;
+      p.add(kStore, soft_norm([&force, which](Index e) { return force[which[e]]; }));
+      Newton newton(p.model, p.effects, p.options, p.clock);
+      std::vector<std::vector<Vec3>> out(which.size());
+      try {
+        solve(p, newton);
+      } catch (const Failure&) {
+        return out;
+      }
+      const std::vector<Vec3> d = newton.q().download();
+      for (std::size_t e = 0; e < which.size(); ++e) {
+        if (newton.envs().is(static_cast<Index>(e), EnvState::solved)) out[e].assign(d.begin() + 4 * e, d.begin() + 4 * (e + 1));
+      }
+      return out;
+    };
+    const auto together = run({0, 1, 2, 3});
+    EXPECT_TRUE(together[2].empty()) << "has no minimum";
+    for (Index e : {0, 1, 3}) {
+      ASSERT_FALSE(together[e].empty()) << linear << " " << e;
+      EXPECT_EQ(together[e], run({e})[0]) << linear << " " << e;
+    }
+  }
+}
+
+TEST(Newton, AFailureOfTheOnlyEnvironmentIsThrown) {
+  Problem p;
+  p.options.iterations = 20;
+  p.add(kStore, soft_norm([](Index) { return Vec3(2, 0, 0); }));
+  Newton newton(p.model, p.effects, p.options, p.clock);
+  EXPECT_THROW(solve(p, newton), Failure);
+}
+
+// The matrix is only half of the truth: the force turns across d. The frozen iteration creeps, the coupled one ends it.
+TEST(Newton, WholeJacobianEndsCreepingIterations) {
+  static constexpr double k = 1, w = 0.97;
+  Law law = toy::spring([=](Index) { return k; }, [](Index) { return kForce; });
+  law.gradient = [=](Index, const Vec3& d) -> Vec3 { return k * d + w * Vec3(0, 0, 1).cross(d) - kForce; };
+  law.energy = [gradient = law.gradient](Index e, const Vec3& d, const Vec3& d0) { return gradient(e, d0).dot(d - d0) + 0.5 * k * (d - d0).squaredNorm(); };
+  Problem p;
+  p.add(kTwisted, law);
+  Newton newton(p.model, p.effects, p.options, p.clock);
+  const StepReport report = solve(p, newton);
+  EXPECT_GT(report.cg, 0) << "products with the whole Jacobian";
+  EXPECT_LT(report.newton, 40);
+  const Mat3 J = k * Mat3::Identity() + w * (Mat3() << 0, -1, 0, 1, 0, 0, 0, 0, 0).finished();
+  const Vec3 exact = J.inverse() * kForce;
+  for (const Vec3& d : p.moved(newton.q())) EXPECT_LT((d - exact).norm(), 1e-5 * exact.norm());
+}
+
+// gain = Phi(q1) - Phi(q0) - grad Phi(q1) . (q1 - q0) - inertia(q1), whatever the effects are called.
+TEST(EnergyLedger, GainIsWhatTheIntegratorAdds) {
+  const double k = 3, m = 5;
+  Problem p;
+  p.add(kInertia, toy::spring([=](Index) { return m; }, [](Index) { return Vec3(2, 0, 0); }));  // 1/2 m |d - d_hat|^2 but for a constant
+  p.add(kStore, toy::spring([=](Index) { return k; }, [](Index) { return Vec3::Zero(); }));
+  Newton newton(p.model, p.effects, p.options, p.clock);
+  solve(p, newton);
+  const double d = 2 / (k + m), store = 4 * 0.5 * k * d * d, inertia = 4 * (0.5 * m * d * d - 2 * d);
+  const StepEnergy& e = newton.energies().of_step(0);
+  EXPECT_NEAR(e.gain, store - 2 * store - inertia, 1e-12);
+  EXPECT_NEAR(e.there, store, 1e-12);
+  EXPECT_TRUE(newton.energies().measures());
+}
+
+TEST(LineSearch, HalvesUntilArmijoInEveryEnvironmentByItself) {
+  Problem p(2);
+  p.add(kStore, toy::spring([](Index) { return 1.0; }, [](Index) { return kForce; }));
+  System system(p.model, p.effects, p.options, p.clock);
+  system.begin_solve();
+  EnergyLedger energies(p.model, system.potential);
+  energies.begin_solve();
+  Linearised at = system.potential.linearised();
+  device::Buffer<Vec3> q, dq;
+  q.copy_from(p.model.q);
+  system.linearise(std::as_const(q).view(), {true, true}, at);
+  // Newton's step in the first environment, seven times that in the second.
+  std::vector<Vec3> d(8, kForce);
+  for (int b = 4; b < 8; ++b) d[b] *= 7;
+  dq.upload(d);
+  const std::vector<double> slope = dot(std::as_const(at.gradient).view(), std::as_const(dq).view(), p.model.env_blocks);
+  EnvTable envs(2);
+  StepReport report;
+  LineSearch(system, energies).step(q, dq, slope, {}, at, envs, report);
+  EXPECT_EQ(envs[0].alpha, 1);
+  EXPECT_EQ(envs[1].alpha, 0.25);  // 7/2 still goes up
+  EXPECT_EQ(report.line_search, 2);
+  const auto moved = p.moved(q);
+  EXPECT_LT((moved[0] - kForce).norm(), 1e-15);
+  EXPECT_LT((moved[4] - 1.75 * kForce).norm(), 1e-15);
+}
+
+TEST(LineSearch, FailsWhereNothingDescends) {
+  Problem p(2);
+  p.add(kStore, toy::spring([](Index) { return 1.0; }, [](Index) { return kForce; }));
+  System system(p.model, p.effects, p.options, p.clock);
+  system.begin_solve();
+  EnergyLedger energies(p.model, system.potential);
+  energies.begin_solve();
+  Linearised at = system.potential.linearised();
+  device::Buffer<Vec3> q, dq;
+  q.copy_from(p.model.q);
+  system.linearise(std::as_const(q).view(), {true, true}, at);
+  std::vector<Vec3> d(8, kForce);
+  for (int b = 4; b < 8; ++b) d[b] *= -1;  // uphill
+  dq.upload(d);
+  EnvTable envs(2);
+  StepReport report;
+  LineSearch(system, energies).step(q, dq, {-24, -24}, {}, at, envs, report);
+  EXPECT_TRUE(envs.is(1, EnvState::failed));
+  EXPECT_EQ(envs[0].alpha, 1);
+  EXPECT_LT((p.moved(q)[0] - kForce).norm(), 1e-15);
+  EXPECT_EQ(p.moved(q)[4], Vec3::Zero());
+}
+
+// Aitken's share by hand: r = 1, then -2 with w = 1 gives w = 1/3; in the second environment r = 1, then 1/2 gives more than 1: no relaxation.
+TEST(LagLoop, RelaxesEveryEnvironmentByItself) {
+  Problem p(2);
+  p.add(kStore, toy::spring([](Index) { return 1.0; }, [](Index) { return kForce; }));
+  System system(p.model, p.effects, p.options, p.clock);
+  system.begin_solve();
+  Linearised at = system.potential.linearised(), near = system.potential.linearised();
+  LagLoop lag(system, 1e-3, true);
+  device::Buffer<Vec3> q;
+  q.copy_from(p.model.q);
+  lag.begin_solve(q);
+  EXPECT_EQ(lag.relative(0), 10 * 1e-3);
+  const auto move = [&](double first, double second) {
+    std::vector<Vec3> x = p.model.q.download();
+    for (int b = 0; b < 8; ++b) x[b] += (b < 4 ? first : second) * Vec3(1, 0, 0);
+    q.upload(x);
+  };
+  move(1, 1);
+  lag.relax(q, {1, 1}, near, at);  // the first round is not relaxed: q_lag = q
+  EXPECT_NEAR(p.moved(lag.state())[0].x(), 1, 1e-15);
+  move(-1, 1.5);
+  lag.relax(q, {1, 1}, near, at);
+  EXPECT_NEAR(p.moved(lag.state())[0].x(), 1 - 2.0 / 3, 1e-14);
+  EXPECT_NEAR(p.moved(lag.state())[4].x(), 1.5, 1e-15);
+  lag.refreshed(0, 0.05), lag.refreshed(1, 1e-9);
+  EXPECT_EQ(lag.relative(0), 0.1 * 0.05);
+  EXPECT_EQ(lag.relative(1), 0.1 * 1e-3);
+}

@@ -1,0 +1,77 @@
+// The strategies of Newton's loop that need no equations: curvature, creeping, the energy guard, the table of environments.
+#include <gtest/gtest.h>
+
+#include "solver/creep_watch.h"
+#include "solver/curvature_policy.h"
+#include "solver/energy_ledger.h"
+
+using namespace mortise;
+using namespace mortise::solver;
+
+TEST(CurvaturePolicy, ConvexUntilAFullStepThenExactAndSoftenedWhereIndefinite) {
+  CurvaturePolicy p(1);
+  p.begin_step();
+  p.choose(0, 0);  // before the first step
+  EXPECT_EQ(p.share(0), 0);
+  p.choose(0, 1);
+  EXPECT_EQ(p.share(0), 1);
+  p.soften(0);
+  EXPECT_EQ(p.share(0), 0.25);
+  p.choose(0, 1);
+  EXPECT_EQ(p.share(0), 0.5);
+  p.choose(0, 0.5);  // a cut step
+  EXPECT_EQ(p.share(0), 0);
+  p.choose(0, 1);
+  for (int i = 0; i < 3; ++i) p.soften(0);
+  EXPECT_EQ(p.share(0), 0) << "shares that make no difference are none";
+}
+
+TEST(CurvaturePolicy, EveryEnvironmentHasItsOwn) {
+  CurvaturePolicy p(3);
+  p.choose(0, 1), p.choose(1, 0.5), p.choose(2, 1);
+  p.soften(2);
+  EXPECT_EQ(p.share(0), 1);
+  EXPECT_EQ(p.share(1), 0);
+  EXPECT_EQ(p.share(2), 0.25);
+  const effects::Curvature c = p.wanted();
+  std::vector<double> seen(3);
+  device::copy_out(seen.data(), c.of_env.p, 3 * sizeof(double));
+  EXPECT_EQ(seen, (std::vector<double>{1, 0, 0.25}));
+}
+
+TEST(CreepWatch, SeesThreeSlowIterationsButNotInTheFirstTwenty) {
+  CreepWatch w(2);
+  w.look(0, 0, 0, 0, 0), w.look(1, 0, 0, 0, 0);
+  for (Index it = 1; it < 20; ++it) EXPECT_FALSE(w.look(0, it, 0.9, 100, 1).creeps) << it;
+  EXPECT_TRUE(w.look(0, 20, 0.9, 100, 1).creeps);
+  EXPECT_FALSE(w.look(0, 21, 0.01, 100, 1).creeps) << "a fast one starts the count anew";
+  EXPECT_FALSE(w.look(1, 20, 0.9, 100, 1).creeps) << "of another environment";
+}
+
+TEST(CreepWatch, SeesLinearConvergenceWhileDigitsAreMissing) {
+  CreepWatch w(1);
+  w.look(0, 0, 0, 0, 0);
+  EXPECT_TRUE(w.look(0, 1, 0.01, 1e4, 1).linear);
+  EXPECT_FALSE(w.look(0, 2, 0.01, 50, 1).linear) << "one more such iteration is enough";
+  EXPECT_FALSE(w.look(0, 3, 1e-5, 1e9, 1).linear) << "quadratic";
+  EXPECT_FALSE(w.look(0, 4, 0.01, 1e4, 0.5).linear) << "a cut step says nothing";
+}
+
+TEST(EnergyGuard, HalvesWhileThatHelps) {
+  EnergyGuard g;
+  EXPECT_FALSE(g.wants_halving({1e-7, 1, 0}, 1e-6)) << "little";
+  EXPECT_TRUE(g.wants_halving({1e-2, 1, 0}, 1e-6));
+  EXPECT_TRUE(g.wants_halving({1e-2 / 4, 1, 0}, 1e-6)) << "fell as it should";
+  EXPECT_FALSE(g.wants_halving({1e-2 / 5, 1, 0}, 1e-6)) << "did not";
+  EXPECT_FALSE(g.wants_halving({1, 1, 0}, 1e-6)) << "no more of this step";
+}
+
+TEST(EnvTable, RowsChangeAlone) {
+  EnvTable t(3);
+  t.fail(1, "why");
+  EXPECT_EQ(t.mask(EnvState::running), (EnvMask{1, 0, 1}));
+  t.change(EnvState::running, EnvState::settled);
+  EXPECT_TRUE(t.is(1, EnvState::failed));
+  EXPECT_EQ(t[1].reason, "why");
+  EXPECT_FALSE(t.any(EnvState::running));
+}
