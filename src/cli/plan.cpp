@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/effect_tables.h"
 #include "engine/engine.h"
 #include "engine/input.h"
 #include "engine/memory_needed.h"
@@ -28,7 +29,7 @@ std::string plan_text(const Params& scene) {
     }
     for (const std::string& kernel : item.kernels) text += "        kernel " + kernel + "\n";
   }
-  for (const scene::PassThrough& p : scene::pass_through(scene)) text += "passes  " + p.text() + "\n";
+  for (const scene::PassThrough& p : scene::pass_through(scene, engine::effect_tables())) text += "passes  " + p.text() + "\n";
   const sensors::Sensors sensors(input);
   for (const sensors::Sensor& s : sensors.all())
     text += fmt::format("sensor  {:20} {} x {} taxels on '{}'\n        buffer {:24} {:>12} bytes\n", s.name(), s.spec().rows, s.spec().columns, s.body(), "grid on the surface", s.bytes());

@@ -25,7 +25,9 @@ struct StepInfo {
   double dt = 0;         // its length [s]; in static mode a share of pseudo-time
   Index step = 0;        // number of the step, from 0
   bool is_static = false;
+  std::vector<std::uint8_t> whose{};  // environments that take it, or empty: all do
   double t1() const { return t0 + dt; }
+  bool taken_by(Index env) const { return whose.empty() || whose[env] != 0; }
 };
 
 // `check --plan`: what an effect holds besides its linearisations.
@@ -43,7 +45,7 @@ class Effect {
 
   // All effects exist, and supports are set: find what the model provides. Once, before everything else.
   virtual void connect() {}
-  // Prepare the step from the accepted state (model.q holds it).
+  // Prepare the step of the environments that take it from the accepted state (model.q holds it). What others keep stays as it is.
   virtual void begin_step(const StepInfo&) {}
 
   virtual std::unique_ptr<Linearisation> linearisation() const { return std::make_unique<Linearisation>(); }
@@ -71,11 +73,11 @@ class Effect {
   virtual void refit(Positions q, const Linearisation& at, std::vector<Refit>& per_env) { (void)q, (void)at, (void)per_env; }
   // Why q is no state of the model although forces balance there: sets the reason of environments where it is none.
   virtual void object(Positions q, std::vector<std::string>& per_env) { (void)q, (void)per_env; }
-  // The step was accepted at q, where `at` was filled and sampled.
-  virtual void end_step(Positions q, const Linearisation& at) { (void)q, (void)at; }
+  // The environments that took the step accept it at q, where `at` was filled and sampled.
+  virtual void end_step(const StepInfo& info, Positions q, const Linearisation& at) { (void)info, (void)q, (void)at; }
   // After that: parameters may be fitted to what was found, at the cost of at most `budget` [J] of energy of every environment, for the next step;
   // what is reported belongs to the state that was solved.
-  virtual void adapt(const std::vector<double>& budget, const Linearisation& at) { (void)budget, (void)at; }
+  virtual void adapt(const StepInfo& info, const std::vector<double>& budget, const Linearisation& at) { (void)info, (void)budget, (void)at; }
   // Of the accepted state, where `at` was filled and sampled.
   virtual void report(FieldSink&, const Linearisation& at) { (void)at; }
   virtual void checkpoint(Archive&) {}

@@ -1,5 +1,7 @@
 #include "engine/memory_needed.h"
 
+#include "effects/roles.h"
+
 namespace mortise::engine {
 namespace {
 
@@ -11,7 +13,7 @@ constexpr double kPerTet = 1850, kPerQuadraticTet = 13800, kPerContactTriangle =
 
 std::size_t memory_needed(const model::ModelInput& input) {
   const Params& effects = input.scene.at("effects");
-  const bool contact = effects.has("barrier_contact") || effects.has("mortar_contact");
+  const bool contact = !effects::of_role(effects, effects::Role::contact).empty();
   const bool schwarz = input.scene.at("solver").text("preconditioner") != "jacobi";
   double bytes = 0;
   for (const model::BodyInput& b : input.bodies) {

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/version.h"
+#include "effects/roles.h"
+#include "engine/effect_tables.h"
 #include "scene/pass_through.h"
 
 namespace mortise::run {
@@ -54,12 +56,13 @@ Certificate::Certificate(const model::ModelInput& input) : stress_error_(input),
     force_floor_ = std::max(force_floor_, kStrain * E * size * size), energy_floor_ = std::max(energy_floor_, kStrain * kStrain * E * size * size * size);
   }
   const Params& scene = input.scene;
-  for (const scene::PassThrough& p : scene::pass_through(scene)) passes_through_.push_back(p.text());
-  for (const auto& [name, effect] : scene.at("effects").entries()) {
-    if (effect.kind() != Params::Kind::table) continue;
-    if (const Params* d_hat = effect.find("d_hat")) d_hat_[name] = d_hat->as_number();
-    if (const Params* creep = effect.find("creep_speed")) creep_speed_ = creep->as_number();
+  for (const scene::PassThrough& p : scene::pass_through(scene, engine::effect_tables())) passes_through_.push_back(p.text());
+  const Params& effects = scene.at("effects");
+  for (const std::string& name : effects::of_role(effects, effects::Role::contact)) d_hat_[name] = effects.at(name).number("d_hat");
+  for (const std::string& name : effects::of_role(effects, effects::Role::follower)) {
+    if (const Params* creep = effects.at(name).find("creep_speed")) creep_speed_ = creep->as_number();
   }
+  for (const std::string& name : effects::of_role(effects, effects::Role::inertia)) inertia_ = name;
 }
 
 void Certificate::state(const Snapshot& said) {
@@ -124,7 +127,7 @@ void Certificate::state(const Snapshot& said) {
     last_energy_ = energy;
   }
   for (int a = 0; a < 3; ++a) {
-    const double m = said.at(std::string("inertia/momentum_") + "xyz"[a]);
+    const double m = said.at(inertia_ + "/momentum_" + "xyz"[a]);
     if (std::isnan(first_momentum_[a])) first_momentum_[a] = m;
     last_momentum_[a] = m;
   }

@@ -54,6 +54,7 @@ class Certificate {
   LayerError layer_error_;
   std::vector<std::string> passes_through_;  // what nothing keeps apart
   double force_floor_ = 0, energy_floor_ = 0;  // [N], [J]: of strains that are rounding
+  std::string inertia_;  // the effect of that role, if there is one
   double creep_speed_ = NAN;
   std::map<std::string, double> d_hat_;  // by contact effect [m]
   // Of all states

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/memory_archive.h"
+#include "effects/roles.h"
 
 namespace mortise::run {
 namespace {
@@ -21,6 +22,9 @@ const char* outcome_of(Exit status) {
 }  // namespace
 
 Checks::Checks(const model::ModelInput& input) : energy_(input) {
+  const Params& effects = input.scene.at("effects");
+  contacts_ = effects::of_role(effects, effects::Role::contact);
+  for (const std::string& name : effects::of_role(effects, effects::Role::inertia)) inertia_ = name;
   if (const Params* list = input.scene.find("checks"))
     for (const Params& p : list->items()) {
       Criterion c;
@@ -72,8 +76,8 @@ const EnergyAudit::Result& Checks::state(const Snapshot& said, const std::vector
   if (std::isfinite(distance)) take("min_distance", distance);
   if (said.has("elasticity/det_F_min")) take("min_det_f", said.at("elasticity/det_F_min"));
   if (said.has("mortar_contact/clip_partition_defect")) take("clip_defect", said.at("mortar_contact/clip_partition_defect"));
-  if (said.has("inertia/kinetic_energy")) take("kinetic_energy", said.at("inertia/kinetic_energy"));
-  if (said.has("inertia/angular_momentum_x")) take("angular_momentum", "", now.vector("inertia/angular_momentum_"));
+  if (said.has(inertia_ + "/kinetic_energy")) take("kinetic_energy", said.at(inertia_ + "/kinetic_energy"));
+  if (said.has(inertia_ + "/angular_momentum_x")) take("angular_momentum", "", now.vector(inertia_ + "/angular_momentum_"));
   if (said.has("balance/defect_x")) {
     const ForceBalance balance = force_balance(said);
     // Of forces that are no larger than what a step may leave unbalanced there is no share.
@@ -86,8 +90,8 @@ const EnergyAudit::Result& Checks::state(const Snapshot& said, const std::vector
 }
 
 void Checks::momentum(const StateReport& now) {
-  if (!now.said.has("inertia/momentum_x")) return;
-  const Vec3 p = now.vector("inertia/momentum_");
+  if (!now.said.has(inertia_ + "/momentum_x")) return;
+  const Vec3 p = now.vector(inertia_ + "/momentum_");
   if (!momentum_first_) momentum_first_ = p;
   double size = 0;
   if (const auto* v = now.field("velocity"))
@@ -127,7 +131,8 @@ void Checks::measure(const MeasuredBody& b, const StateReport& now) {
   for (const auto& [name, value] : now.said.number)
     for (int c = 0; c < 3; ++c) {
       const std::string tail = std::string("_") + "xyz"[c];
-      if (name.ends_with("_contact/force_" + b.name + tail)) contact[c] += value, touched = true;
+      for (const std::string& effect : contacts_)
+        if (name == effect + "/force_" + b.name + tail) contact[c] += value, touched = true;
       if (name == "supports/" + b.name + tail) support[c] = value, held = true;
       if (name == "friction/force_" + b.name + tail) friction[c] = value, rubbed = true;
     }

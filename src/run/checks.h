@@ -61,6 +61,8 @@ class Checks {
   std::vector<Criterion> criteria_;
   std::vector<MeasuredBody> bodies_;
   EnergyAudit energy_;
+  std::vector<std::string> contacts_;  // effects by role
+  std::string inertia_;
   std::vector<double> start_;  // points at rest
   double momentum_scale_ = 0, force_tolerance_ = 0;
   std::optional<Vec3> momentum_first_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "effects/roles.h"
+
 namespace mortise::run {
 
 ForceBalance force_balance(const Snapshot& said) {
@@ -19,10 +21,13 @@ EnergyAudit::EnergyAudit(const model::ModelInput& input) {
     first += b.nodes.size();
   }
   const Params& effects = input.scene.at("effects");
-  r_.work_is_known = effects.has("inertia") && !effects.has("pressure_load");
+  r_.work_is_known = !effects::of_role(effects, effects::Role::inertia).empty();
+  loads_ = effects::of_role(effects, effects::Role::load);
 }
 
 const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
+  // The work of a load is counted where its potential is.
+  for (const std::string& load : loads_) r_.work_is_known = r_.work_is_known && now.said.has(load + "/energy");
   const double before = r_.total, all_before = all_;
   all_ = total(now);
   r_.total = all_ - turning(now);

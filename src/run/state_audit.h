@@ -43,7 +43,7 @@ class EnergyAudit {
     double gain = NAN;            // of this step: change of total less the work of supports [J]; NaN: the first state
     double largest_gain = NAN;    // of all steps so far [J]
     double scale = 0;             // largest energy of the run so far [J]
-    bool work_is_known = true;    // false: dead loads do work that is not counted, or nothing moves in time; then `gain` stays NaN
+    bool work_is_known = true;    // false: loads do work whose potential is not reported, or nothing moves in time; then `gain` stays NaN
   };
   const Result& state(const StateReport& now);
   const Result& result() const { return r_; }
@@ -55,6 +55,7 @@ class EnergyAudit {
   double support_work(const StateReport& now) const;
 
   std::vector<MeasuredBody> bodies_;
+  std::vector<std::string> loads_;  // effects of that role
   Result r_;
   double all_ = NAN;  // total energy, turning of pinned bodies included
   std::vector<double> points_before_;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "effects/roles.h"
+#include "engine/effect_tables.h"
 #include "scene/pass_through.h"
 
 namespace mortise::run {
@@ -30,9 +32,9 @@ void of_materials(const Params& scene, std::vector<std::string>& out) {
 }
 
 void of_contact(const model::ModelInput& input, std::vector<std::string>& out) {
-  for (const auto& [name, effect] : input.scene.at("effects").entries()) {
-    const Params* d_hat = effect.kind() == Params::Kind::table ? effect.find("d_hat") : nullptr;
-    if (!d_hat) continue;
+  const Params& effects = input.scene.at("effects");
+  for (const std::string& name : effects::of_role(effects, effects::Role::contact)) {
+    const Params* d_hat = &effects.at(name).at("d_hat");
     for (const model::BodyInput& body : input.bodies) {
       if (body.nodes.empty()) continue;
       Vec3 lo = body.nodes.front(), hi = lo;
@@ -55,7 +57,7 @@ std::vector<std::string> warnings(const model::ModelInput& input) {
   if (const Params* step = time.find("step"); step && step->as_number() > kLongestStep)
     out.push_back(at(step->where(), fmt::format("time.step is {:.3g} s: motions and oscillations shorter than that are damped away", step->as_number())));
   of_contact(input, out);
-  for (const scene::PassThrough& p : scene::pass_through(input.scene))
+  for (const scene::PassThrough& p : scene::pass_through(input.scene, engine::effect_tables()))
     if (p.everything) out.push_back(p.text());
   return out;
 }

@@ -17,7 +17,7 @@ struct Quantity {
   const char* name;
   Unit unit;
   bool body, vector;
-  const char* needs;  // the effect that it is measured on; "contact": any contact effect
+  const char* needs;  // the effect that it is measured on; "contact", "inertia": any effect of that role
   const char* help;
 };
 constexpr Quantity kQuantities[] = {
@@ -89,8 +89,8 @@ const ParamTable& outcome_table() {
 
 class Checks {
  public:
-  Checks(const Params& root, const std::set<std::string>& incomplete, Diagnostics& errors)
-      : errors_(errors), incomplete_(incomplete), bodies_(root.find("bodies")), effects_(root.find("effects")) {}
+  Checks(const Params& root, std::span<const EffectTable> tables, const std::set<std::string>& incomplete, Diagnostics& errors)
+      : errors_(errors), tables_(tables), incomplete_(incomplete), bodies_(root.find("bodies")), effects_(root.find("effects")) {}
 
   void check(const Params& c, const std::string& path) {
     const Params* name = c.find("quantity");
@@ -132,8 +132,9 @@ class Checks {
   void needs(const Quantity& q, const Params& at, const std::string& path) {
     if (!effects_ || incomplete_.count("effects") || !*q.needs) return;
     const std::string wanted = q.needs;
-    for (const auto& [name, effect] : effects_->entries())
-      if (name == wanted || (wanted == "contact" && name.ends_with("_contact"))) return;
+    if (effects_->has(wanted)) return;
+    for (const EffectTable& t : tables_)
+      if (effects_->has(t.name) && ((t.contact && wanted == "contact") || (t.inertia && wanted == "inertia"))) return;
     errors_.add(at.where(), path + ": " + q.name + " is measured on " + (wanted == "contact" ? "a contact effect" : "the effect '" + wanted + "'") + ", which the scene does not list",
                 "", {{effects_->where(), "the effects"}});
   }
@@ -146,6 +147,7 @@ class Checks {
   }
 
   Diagnostics& errors_;
+  std::span<const EffectTable> tables_;
   const std::set<std::string>& incomplete_;
   const Params *bodies_, *effects_;
 };
@@ -173,10 +175,10 @@ const Variants& check_variants() {
   return variants;
 }
 
-void check_checks(const Params& root, const std::set<std::string>& incomplete, Diagnostics& errors) {
+void check_checks(const Params& root, std::span<const EffectTable> effects, const std::set<std::string>& incomplete, Diagnostics& errors) {
   const Params* list = root.find("checks");
   if (!list) return;
-  Checks checks(root, incomplete, errors);
+  Checks checks(root, effects, incomplete, errors);
   for (std::size_t i = 0; i < list->items().size(); ++i) checks.check(list->items()[i], "checks." + std::to_string(i));
 }
 

@@ -6,6 +6,7 @@
 #include "base/param_table.h"
 #include "base/params.h"
 #include "scene/diagnostics.h"
+#include "scene/scene.h"
 #include "scene/tables.h"
 
 namespace mortise::scene {
@@ -14,6 +15,6 @@ const ParamTable& check_table();
 const Variants& check_variants();  // by `quantity`
 
 // Bounds that belong together, bodies that exist, effects without which there is nothing to measure.
-void check_checks(const Params& root, const std::set<std::string>& incomplete, Diagnostics& errors);
+void check_checks(const Params& root, std::span<const EffectTable> effects, const std::set<std::string>& incomplete, Diagnostics& errors);
 
 }  // namespace mortise::scene

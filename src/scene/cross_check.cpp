@@ -36,6 +36,12 @@ class CrossCheck {
 
  private:
   bool has_effect(const char* name) const { return effects_ && effects_->has(name); }
+  // The block of the first effect that makes a scene dynamic; null without one.
+  const Params* inertia() const {
+    for (const EffectTable& t : tables_)
+      if (t.inertia && has_effect(t.name.c_str())) return &effects_->at(t.name);
+    return nullptr;
+  }
   // Whether an effect that is not found is really not there.
   bool effects_known() const { return effects_ && !incomplete_.count("effects"); }
 
@@ -49,10 +55,10 @@ class CrossCheck {
                   "time.steps load steps divide pseudo-time 0..1 evenly", {{mode->where(), "static here"}});
     if (!is_static && !time->has("step") && !incomplete_.count("time"))
       errors_.add(time->where(), "time has no 'step'", "[s] Time step; a dynamic scene needs it.");
-    if (is_static && has_effect("inertia"))
-      errors_.add(effects_->at("inertia").where(), "a static scene has no inertia", "remove it, or make the scene dynamic",
+    if (is_static && inertia())
+      errors_.add(inertia()->where(), "a static scene has no inertia", "remove it, or make the scene dynamic",
                   {{mode->where(), "static here"}});
-    if (!is_static && effects_known() && !has_effect("inertia"))
+    if (!is_static && effects_known() && !inertia())
       errors_.add(effects_->where(), "a dynamic scene needs the effect 'inertia'", "add 'inertia: {}', or set time.mode: static");
   }
 
@@ -246,8 +252,8 @@ class CrossCheck {
 
 void cross_check(const Params& root, std::span<const EffectTable> effects, const std::set<std::string>& incomplete, Diagnostics& errors) {
   CrossCheck(root, effects, incomplete, errors).run();
-  check_checks(root, incomplete, errors);
-  check_sensors(root, incomplete, errors);
+  check_checks(root, effects, incomplete, errors);
+  check_sensors(root, effects, incomplete, errors);
 }
 
 }  // namespace mortise::scene

@@ -5,11 +5,10 @@
 namespace mortise::scene {
 namespace {
 
-// Contact effects are those with a distance at which contact begins to act.
-std::vector<std::pair<std::string, const Params*>> contact_effects(const Params& scene) {
+std::vector<std::pair<std::string, const Params*>> contact_effects(const Params& scene, std::span<const EffectTable> tables) {
   std::vector<std::pair<std::string, const Params*>> out;
   for (const auto& [name, effect] : scene.at("effects").entries())
-    if (effect.kind() == Params::Kind::table && effect.has("d_hat")) out.emplace_back(name, &effect);
+    if (std::any_of(tables.begin(), tables.end(), [&](const EffectTable& t) { return t.contact && t.name == name; })) out.emplace_back(name, &effect);
   return out;
 }
 
@@ -53,9 +52,9 @@ const Params* listed_pair(const Params& effect, const std::string& a, const std:
   return nullptr;
 }
 
-std::vector<PassThrough> pass_through(const Params& scene) {
+std::vector<PassThrough> pass_through(const Params& scene, std::span<const EffectTable> effects) {
   std::vector<PassThrough> out;
-  const auto contacts = contact_effects(scene);
+  const auto contacts = contact_effects(scene, effects);
   const auto& bodies = scene.at("bodies").entries();
   if (contacts.empty()) {
     PassThrough all{{}, "the scene has no contact effect", true};

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/params.h"
+#include "scene/scene.h"
 
 namespace mortise::scene {
 
@@ -15,7 +16,7 @@ struct PassThrough {
 };
 
 // Every such pair in which something can move, in the scene's order. Of a scene without any contact effect one entry with all bodies.
-std::vector<PassThrough> pass_through(const Params& scene);
+std::vector<PassThrough> pass_through(const Params& scene, std::span<const EffectTable> effects);
 
 // The entry of an effect's own list of pairs that names these two bodies; nullptr if it has no list or none names them.
 const Params* listed_pair(const Params& effect, const std::string& a, const std::string& b);

@@ -20,6 +20,8 @@ struct EffectTable {
   std::string help;  // one sentence
   const ParamTable* table = nullptr;
   std::vector<std::string> point_fields{}, cell_fields{};  // that it reports
+  bool inertia = false;  // makes a scene dynamic
+  bool contact = false;  // keeps bodies apart, from `d_hat` on
 };
 
 struct Scene {

@@ -71,13 +71,13 @@ const ParamTable& sensor_table() {
   return t;
 }
 
-void check_sensors(const Params& root, const std::set<std::string>& incomplete, Diagnostics& errors) {
+void check_sensors(const Params& root, std::span<const EffectTable> tables, const std::set<std::string>& incomplete, Diagnostics& errors) {
   const Params *sensors = root.find("sensors"), *render = root.find("render");
   if (render && !incomplete.count("render") && !sensors && !render->has("cameras"))
     errors.add(render->where(), "render has no 'cameras'", "there is nothing to draw without cameras and without sensors");
   if (!sensors) return;
   const Params* effects = root.find("effects");
-  if (effects && !incomplete.count("effects") && !effects->has("barrier_contact") && !effects->has("mortar_contact"))
+  if (effects && !incomplete.count("effects") && std::none_of(tables.begin(), tables.end(), [&](const EffectTable& t) { return t.contact && effects->has(t.name); }))
     errors.add(sensors->where(), "sensors read contact forces, but the scene has no contact effect",
                "add barrier_contact or mortar_contact", {{effects->where(), "the effects"}});
   const Params* bodies = incomplete.count("bodies") ? nullptr : root.find("bodies");

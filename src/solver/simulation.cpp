@@ -8,6 +8,7 @@
 
 #include "base/memory_archive.h"
 #include "base/pass_on.h"
+#include "solver/kernels.h"
 #include "solver/timed.h"
 #include "solver/tuning.h"
 #include "solver/unsupported.h"
@@ -49,45 +50,73 @@ std::vector<Vec3> unflatten(const std::vector<double>& v) {
   return out;
 }
 
+// What StepInfo says of them: nothing where all do.
+EnvMask some_of(const EnvMask& whose) { return std::find(whose.begin(), whose.end(), 0) == whose.end() ? EnvMask{} : whose; }
+
 }  // namespace
 
-Simulation::Simulation(model::Model& model, EffectList& effects, const Options& options)
-    : model_(model), effects_(effects), options_(options), newton_(model, effects, options_, clock_) {}
+void AcceptedForces::accept(const effects::StepInfo& info, const Linearised& at, const model::Model& model) {
+  own_ = model.envs > 1;
+  if (!own_) return;
+  const auto take = [&](const device::Buffer<Vec3>& from, device::Buffer<Vec3>& to) {
+    if (to.size() != from.size()) to.copy_from(from);
+    for (Index e = 0; e < model.envs; ++e)
+      if (info.taken_by(e)) copy_blocks(from, model.env_blocks[e], model.env_blocks[e + 1], to);
+  };
+  gradients_.resize(at.gradients.size());
+  for (std::size_t k = 0; k < gradients_.size(); ++k) take(at.gradients[k], gradients_[k]);
+  take(at.gradient, gradient_);
+}
 
-// The minimiser, of effects whose parameters fit it, and a state of the model.
-void Simulation::solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop) {
+Simulation::Simulation(model::Model& model, EffectList& effects, const Options& options)
+    : model_(model), effects_(effects), options_(options), newton_(model, effects, options_, clock_), lost_(model.envs) {}
+
+// The minimisers of the environments of `whose`, of effects whose parameters fit them, and states of the model: `why` says where there is none.
+void Simulation::solve(const effects::StepInfo& info, const EnvMask& whose, StepReport& report, const std::function<void()>& stop, std::vector<std::string>& why) {
   using Refit = effects::Effect::Refit;
-  const EnvMask all(model_.envs, 1);
-  newton_.begin(all);
-  newton_.solve(info, report, stop, all);
+  const auto note_failed = [&] {
+    for (Index e = 0; e < model_.envs; ++e)
+      if (whose[e] && why[e].empty() && newton_.envs().is(e, EnvState::failed)) why[e] = newton_.envs()[e].reason;
+  };
+  newton_.begin(whose);
+  newton_.solve(info, report, stop, whose);
+  note_failed();
   for (int fits = 0; fits < tuning::kMostFits; ++fits) {
     std::vector<Refit> refit(model_.envs, Refit::none);
     for (std::size_t k = 0; k < effects_.size(); ++k) effects_[k]->refit(newton_.q().view(), *newton_.at().of[k], refit);
-    EnvMask anew, afresh;
-    for (Refit how : refit) anew.push_back(how != Refit::none), afresh.push_back(how == Refit::from_start);
+    EnvMask anew(model_.envs, 0), afresh(model_.envs, 0);
+    for (Index e = 0; e < model_.envs; ++e) {
+      if (!whose[e] || !why[e].empty()) continue;
+      anew[e] = refit[e] != Refit::none;
+      afresh[e] = refit[e] == Refit::from_start;
+    }
     if (std::find(anew.begin(), anew.end(), 1) == anew.end()) break;
     if (std::find(afresh.begin(), afresh.end(), 1) != afresh.end()) newton_.begin(afresh);
     newton_.solve(info, report, stop, anew);
+    note_failed();
   }
-  std::vector<std::string> why(model_.envs);
-  for (const auto& effect : effects_) effect->object(newton_.q().view(), why);
+  std::vector<std::string> objections(model_.envs);
+  for (const auto& effect : effects_) effect->object(newton_.q().view(), objections);
   for (Index e = 0; e < model_.envs; ++e)
-    if (!why[e].empty()) throw Failure{why[e], e};
+    if (whose[e] && why[e].empty()) why[e] = objections[e];
 }
 
-void Simulation::accept() {
-  model_.q.copy_from(newton_.q());
-  std::vector<double> lost;
+// info.whose: the environments that accept.
+void Simulation::accept(const effects::StepInfo& info) {
+  std::vector<double> lost(model_.envs, 0.0);
   for (Index e = 0; e < model_.envs; ++e) {
+    if (!info.taken_by(e)) continue;
+    copy_blocks(newton_.q(), model_.env_blocks[e], model_.env_blocks[e + 1], model_.q);
     const StepEnergy& energy = newton_.energies().of_step(e);
     support_work_ += energy.work;
-    lost.push_back(options_.is_static ? INFINITY : std::max(-energy.gain, 0.0));
+    lost[e] = options_.is_static ? INFINITY : std::max(-energy.gain, 0.0);
   }
   for (std::size_t k = 0; k < effects_.size(); ++k) {
     const Timed timed(clock_, effects_[k]->name(), "end_step");
-    effects_[k]->end_step(model_.q.view(), *newton_.at().of[k]);
+    effects_[k]->end_step(info, model_.q.view(), *newton_.at().of[k]);
   }
-  for (std::size_t k = 0; k < effects_.size(); ++k) effects_[k]->adapt(lost, *newton_.at().of[k]);
+  for (std::size_t k = 0; k < effects_.size(); ++k) effects_[k]->adapt(info, lost, *newton_.at().of[k]);
+  forces_.accept(info, newton_.at(), model_);
   solved_ = true;
 }
 
@@ -104,58 +133,92 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
   report.substeps = 0;
   support_work_ = 0;
 
-  // The step is cut into 2^halvings units, so that substeps always meet its end exactly.
+  // The step is cut into 2^halvings units, so that substeps always meet its end exactly; every environment cuts it by itself.
+  struct Cut {
+    long done = 0, size = 0;
+    EnergyGuard guard;
+  };
   const long units = 1L << options_.halvings;
-  long done = 0, size = units;
+  std::vector<Cut> cuts(model_.envs);
+  for (Cut& c : cuts) c.size = units;
+  for (Index e = 0; e < model_.envs; ++e)
+    if (!lost_[e].empty()) cuts[e].done = units;
+  const double gain = newton_.potential().symmetric() ? tuning::kGainShare : tuning::kFrozenGainShare;
+  device::Buffer<Vec3> q_before;
+  q_before.copy_from(model_.q);
   std::optional<MemoryArchive> before;  // set once a substep was accepted
   const auto undo = [&] {
     if (!before) return;
     before->rewind();
     checkpoint(*before);
   };
-  std::vector<EnergyGuard> guards(model_.envs);
-  const double gain = newton_.potential().symmetric() ? tuning::kGainShare : tuning::kFrozenGainShare;
   const auto stop = [&] {
     if (stop_asked && stop_asked()) throw Stopped{};
   };
 
-  while (done < units) {
-    const effects::StepInfo info{time_ + options_.dt * (static_cast<double>(done) / units), options_.dt * (static_cast<double>(size) / units), step_, options_.is_static};
+  for (;;) {
+    // Those that are farthest behind and have as far to go.
+    const Cut* next = nullptr;
+    for (const Cut& c : cuts)
+      if (c.done < units && (!next || c.done < next->done)) next = &c;
+    if (!next) break;
+    const long done = next->done, size = next->size;
+    EnvMask whose;
+    for (const Cut& c : cuts) whose.push_back(c.done == done && c.size == size);
+    effects::StepInfo info{time_ + options_.dt * (static_cast<double>(done) / units), options_.dt * (static_cast<double>(size) / units), step_, options_.is_static};
+    info.whose = some_of(whose);
+    std::vector<std::string> why(model_.envs);
     try {
       for (const auto& effect : effects_) {
         const Timed timed(clock_, effect->name(), "begin_step");
         effect->begin_step(info);
       }
-      solve(info, report, stop);
-      bool halve = false;
-      for (Index e = 0; size > 1 && e < model_.envs; ++e) halve |= guards[e].wants_halving(newton_.energies().of_step(e), gain);
-      if (halve) {
-        size /= 2;
-        continue;
-      }
+      solve(info, whose, report, stop, why);
     } catch (const Stopped&) {
       undo();
       throw;
     } catch (const Failure& failure) {
-      if (size > 1) {
-        size /= 2;
-        continue;
-      }
-      undo();
-      std::ostringstream message;
-      message << "step " << step_ << " (t = " << info.t0 << " s, dt = " << info.dt << " s) failed: " << failure.reason;
-      if (options_.is_static) message << unsupported(model_);
-      throw Error(Exit::solve, message.str());
+      for (Index e = 0; e < model_.envs; ++e)
+        if (whose[e]) why[e] = failure.reason;
     }
+    EnvMask accepted(model_.envs, 0);
+    for (Index e = 0; e < model_.envs; ++e) {
+      if (!whose[e]) continue;
+      if (size > 1 && (!why[e].empty() || cuts[e].guard.wants_halving(newton_.energies().of_step(e), gain))) {
+        cuts[e].size /= 2;
+      } else if (!why[e].empty()) {
+        std::ostringstream message;
+        message << "step " << step_ << " (t = " << info.t0 << " s, dt = " << info.dt << " s) failed: " << why[e];
+        if (options_.is_static) message << unsupported(model_);
+        lost_[e] = message.str();
+        cuts[e].done = units;
+        copy_blocks(q_before, model_.env_blocks[e], model_.env_blocks[e + 1], model_.q);
+      } else {
+        accepted[e] = 1;
+      }
+    }
+    // The only environment, or the last: nothing has happened.
+    if (std::none_of(lost_.begin(), lost_.end(), [](const std::string& m) { return m.empty(); })) {
+      undo();
+      const std::string message = lost_[0];
+      if (model_.envs == 1) lost_[0].clear();
+      throw Error(Exit::solve, message);
+    }
+    if (std::find(accepted.begin(), accepted.end(), 1) == accepted.end()) continue;
     if (size < units && !before) {
       before.emplace();
       checkpoint(*before);
     }
-    accept();
-    for (EnergyGuard& guard : guards) guard.accepted();
+    info.whose = some_of(accepted);
+    accept(info);
     ++report.substeps;
-    done += size;
-    if (size < units && done % (2 * size) == 0) size *= 2;
+    for (Index e = 0; e < model_.envs; ++e) {
+      if (!accepted[e]) continue;
+      Cut& c = cuts[e];
+      c.guard.accepted();
+      c.done += size;
+      if (size < units && c.done % (2 * size) == 0) c.size *= 2;
+    }
   }
 
   ++step_;
@@ -180,7 +243,7 @@ void Simulation::report(FieldSink& sink) {
     WrittenForces written(sink, model_);
     effects_[k]->report(written, *newton_.at().of[k]);
     if (!solved_ || !written.any()) continue;
-    const std::vector<Vec3> sum = resultants(newton_.at().gradients[k].download());
+    const std::vector<Vec3> sum = resultants(forces_.of(k, newton_.at()).download());
     for (std::size_t i = 0; i < sum.size(); ++i) unlike = std::max(unlike, (written.sum()[i] + sum[i]).norm());
   }
   if (solved_) sink.scalar("balance", "written_defect", "N", unlike);
@@ -213,7 +276,7 @@ void Simulation::report_balance(FieldSink& sink) {
   std::vector<Vec3> load(model_.bodies.size(), Vec3::Zero());  // of all effects
   double largest = 0;                                          // of one effect on one body
   for (std::size_t k = 0; k < effects_.size(); ++k) {
-    const std::vector<Vec3> sums = resultants(newton_.at().gradients[k].download());
+    const std::vector<Vec3> sums = resultants(forces_.of(k, newton_.at()).download());
     const Vec3 f = -resultant(sums);
     put(std::string(effects_[k]->name()), f);
     total += f;
@@ -225,7 +288,7 @@ void Simulation::report_balance(FieldSink& sink) {
   sink.scalar("balance", "largest", "N", largest);
 
   // The support's force on a held block is what the effects leave over there, in the held directions.
-  const std::vector<Vec3> g = newton_.at().gradient.download();
+  const std::vector<Vec3> g = forces_.sum(newton_.at()).download();
   const std::vector<Mat3> P = model_.projector.download();
   std::vector<Vec3> reaction(g.size());
   for (std::size_t b = 0; b < g.size(); ++b) reaction[b] = g[b] - P[b] * g[b];

@@ -12,15 +12,31 @@ namespace mortise::solver {
 // The user asked to stop; the state is that of the last finished step.
 struct Stopped {};
 
+// Forces at the accepted states. Those of a single environment are what Newton left; of several, which accept at different times, they are kept.
+class AcceptedForces {
+ public:
+  void accept(const effects::StepInfo& info, const Linearised& at, const model::Model& model);
+  const device::Buffer<Vec3>& of(std::size_t effect, const Linearised& at) const { return own_ ? gradients_[effect] : at.gradients[effect]; }
+  const device::Buffer<Vec3>& sum(const Linearised& at) const { return own_ ? gradient_ : at.gradient; }
+
+ private:
+  bool own_ = false;
+  std::vector<device::Buffer<Vec3>> gradients_;
+  device::Buffer<Vec3> gradient_;
+};
+
 class Simulation {
  public:
   Simulation(model::Model& model, EffectList& effects, const Options& options);
 
   // Advances by one step of the scene. Throws Error(Exit::solve) when even the smallest substep fails, and Stopped when
-  // `stop_asked` says so; either way the state is that before the call, and `report` tells how far it got.
+  // `stop_asked` says so; either way the state is that before the call, and `report` tells how far it got. An environment among others that
+  // fails is given up where it began the step (lost()), and the others go on; the error is thrown when none is left.
   void begin();  // what the first step begins with: effects find bodies that touch at the start
   void step(const std::function<bool()>& stop_asked, StepReport& report);
 
+  // Why an environment was given up; empty where it was not.
+  const std::string& lost(Index env) const { return lost_[env]; }
   double time() const { return time_; }
   Index steps_done() const { return step_; }
   const Clock& clock() const { return clock_; }
@@ -33,8 +49,8 @@ class Simulation {
   void checkpoint(Archive& archive);
 
  private:
-  void solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
-  void accept();
+  void solve(const effects::StepInfo& info, const EnvMask& whose, StepReport& report, const std::function<void()>& stop, std::vector<std::string>& why);
+  void accept(const effects::StepInfo& info);
   void report_balance(FieldSink& sink);
   std::vector<Vec3> resultants(const std::vector<Vec3>& g) const;
 
@@ -43,7 +59,9 @@ class Simulation {
   const Options options_;
   Clock clock_;
   Newton newton_;
-  double support_work_ = 0;  // of the last step [J]
+  AcceptedForces forces_;
+  std::vector<std::string> lost_;  // per environment
+  double support_work_ = 0;        // of the last step [J]
   double time_ = 0;
   Index step_ = 0;
   bool solved_ = false;  // a step has been taken since start or restart: gradients are those of the state

@@ -38,7 +38,7 @@ Mat9 hessian(const Mat3& A, bool projected) {
   return H;
 }
 
-std::unique_ptr<Effect> affine(model::Model& m) {
+std::unique_ptr<fd::Subject> affine(model::Model& m) {
   return fd::make_effect("affine_body", fd::table({{"stiffness", Params::make_number(1e6)}}), m);
 }
 

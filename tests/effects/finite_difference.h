@@ -107,9 +107,9 @@ struct Subject {
   }
   void end_step(device::View<const Vec3> q) {
     freeze(q);
-    effect->end_step(q, here());
+    effect->end_step({}, q, here());
   }
-  void adapt(double budget) { effect->adapt(std::vector<double>(model.envs, budget), here()); }
+  void adapt(double budget) { effect->adapt({}, std::vector<double>(model.envs, budget), here()); }
   void report(FieldSink& sink) {
     if (!at) freeze(std::as_const(model.q).view());
     effect->report(sink, here());

@@ -28,7 +28,7 @@ Params lifted(Params p, const std::vector<double>& time, const std::vector<doubl
   p.set("motion", fd::table({{"time", fd::numbers(time)}, {"interpolation", Params::make_text("linear")}, {"translation", keys}}));
   return p;
 }
-std::unique_ptr<Effect> make(model::Model& m, std::vector<Params> pins) { return fd::make_effect("pin", Params::make_list(std::move(pins)), m); }
+std::unique_ptr<fd::Subject> make(model::Model& m, std::vector<Params> pins) { return fd::make_effect("pin", Params::make_list(std::move(pins)), m); }
 
 void at(fd::Subject& e, double t0, double dt) {
   StepInfo s;

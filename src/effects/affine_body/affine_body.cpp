@@ -100,12 +100,10 @@ class AffineBody final : public Effect {
     if (changed) stiffness_changed();
   }
 
-  void begin_step(const StepInfo&) override {
-    if (stiffness_ == next_stiffness_) return;
-    stiffness_ = next_stiffness_;
-    stiffness_changed();
+  void begin_step(const StepInfo& step) override {
+    if (copy_taken(step, next_stiffness_, stiffness_)) stiffness_changed();
   }
-  void end_step(Positions, const Linearisation&) override { next_stiffness_ = stiffness_; }
+  void end_step(const StepInfo& step, Positions, const Linearisation&) override { copy_taken(step, stiffness_, next_stiffness_); }
   void checkpoint(Archive& archive) override {
     archive.io("stiffness", next_stiffness_);
     if (archive.loading()) stiffness_ = next_stiffness_, stiffness_changed();
@@ -135,6 +133,16 @@ class AffineBody final : public Effect {
   }
 
  private:
+  // Of the bodies of environments that take the step; says whether anything changed.
+  bool copy_taken(const StepInfo& step, const std::vector<double>& from, std::vector<double>& to) const {
+    bool changed = false;
+    for (std::size_t i = 0; i < to.size(); ++i) {
+      if (!step.taken_by(env_[i]) || to[i] == from[i]) continue;
+      to[i] = from[i];
+      changed = true;
+    }
+    return changed;
+  }
   void stiffness_changed() {
     std::vector<StiffBody> bodies = bodies_.download();
     for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i].Vk = bodies[i].V * stiffness_[i];

@@ -53,12 +53,12 @@ class BarrierContact final : public Effect {
 
   void connect() override {
     near_.watch(watched_pairs(model_, pairs_ ? &*pairs_ : nullptr));
-    weigh();
+    weigh({});
   }
 
   void begin_step(const StepInfo& step) override {
     near_.begin_step(step);
-    weigh();
+    weigh(step);
     if (!checked_) check_start(model_, near_.obstacles(scene()), near_.candidates(), std::as_const(y_).view());
     checked_ = true;
   }
@@ -92,14 +92,16 @@ class BarrierContact final : public Effect {
   void report(FieldSink& sink, const Linearisation& at) override;
 
   void checkpoint(Archive& archive) override {
-    if (archive.loading()) weigh();  // the positions have been read already
+    if (archive.loading()) weigh({});  // the positions have been read already
   }
 
  private:
   Scene scene() const { return near_.scene(law_, point_area_.view(), plane_area_.view()); }
 
-  // Contact areas of the vertices as they stand at the accepted state.
-  void weigh() {
+  // Contact areas of the vertices of environments that take the step, as they stand at the accepted state.
+  void weigh(const StepInfo& step) {
+    Buffer<double> old_points, old_planes;
+    if (!step.whose.empty()) old_points.copy_from(point_area_), old_planes.copy_from(plane_area_);
     near_.locate(std::as_const(model_.q).view(), y_);
     const View<const Vec3> y = std::as_const(y_).view();
     face_planes(scene(), y, plane_area_.view());
@@ -107,6 +109,15 @@ class BarrierContact final : public Effect {
     ActiveSet active;
     build(scene(), near_.candidates(), y, model_.envs, active);
     face_points(scene(), active, y, point_area_.view());
+    const auto keep = [](const Buffer<double>& from, Index begin, Index end, Buffer<double>& to) {
+      if (end > begin) device::copy(to.view().p + begin, from.view().p + begin, static_cast<std::size_t>(end - begin) * sizeof(double));
+    };
+    const Index planes = static_cast<Index>(model_.half_spaces.size()), vertices = model_.surface.vertices.size();
+    for (Index e = 0; e < model_.envs; ++e) {
+      if (step.taken_by(e)) continue;
+      keep(old_points, near_.point_env()[e], near_.point_env()[e + 1], point_area_);
+      for (Index p = 0; p < planes; ++p) keep(old_planes, p * vertices + near_.vertex_env()[e], p * vertices + near_.vertex_env()[e + 1], plane_area_);
+    }
   }
 
   model::Model& model_;

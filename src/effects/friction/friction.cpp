@@ -1,4 +1,5 @@
 #include <cmath>
+#include <numeric>
 
 #include "base/error.h"
 #include "effects/friction/law.h"
@@ -126,6 +127,8 @@ class Friction final : public Effect {
           for (Index b : find(pair.at("b"))) mu[a * n + b] = mu[b * n + a] = pair.number("mu");
       }
     mu_.upload(mu);
+    env_offset_.assign(model.envs + 1, 0);
+    power_.assign(model.envs, 0.0);
   }
 
   const Kind& kind() const override;
@@ -183,16 +186,39 @@ class Friction final : public Effect {
     });
   }
 
-  void end_step(Positions q, const Linearisation& lagged) override {
+  void end_step(const StepInfo& info, Positions q, const Linearisation& lagged) override {
     const auto& at = static_cast<const FrictionLinearisation&>(lagged);
     Buffer<Vec3> force, slip;
     measure(slips(at), at.samples, q, force, slip);
-    samples_.copy_from(at.samples);
-    force_ = force.download(), slip_ = slip.download();
-    double step = 0;
-    for (std::size_t i = 0; i < force_.size(); ++i) step -= force_[i].dot(slip_[i]);
-    dissipated_ += step;
-    power_ = dt_ > 0 ? step / dt_ : 0;
+    std::vector<Vec3> f = force.download(), u = slip.download();
+    for (Index e = 0; e < model_.envs; ++e) {
+      if (!info.taken_by(e)) continue;
+      double step = 0;
+      for (Index i = at.env_offset[e]; i < at.env_offset[e + 1]; ++i) step -= f[i].dot(u[i]);
+      dissipated_ += step;
+      power_[e] = dt_ > 0 ? step / dt_ : 0;
+    }
+    if (info.whose.empty()) {
+      samples_.copy_from(at.samples);
+      env_offset_ = at.env_offset, force_ = std::move(f), slip_ = std::move(u);
+      return;
+    }
+    const std::vector<ContactSample> old = samples_.download(), now = at.samples.download();
+    std::vector<ContactSample> samples;
+    std::vector<Vec3> forces, slips;
+    std::vector<Index> offset{0};
+    for (Index e = 0; e < model_.envs; ++e) {
+      const bool taken = info.taken_by(e);
+      const std::vector<Index>& range = taken ? at.env_offset : env_offset_;
+      for (Index i = range[e]; i < range[e + 1]; ++i) {
+        samples.push_back(taken ? now[i] : old[i]);
+        forces.push_back(taken ? f[i] : force_[i]);
+        slips.push_back(taken ? u[i] : slip_[i]);
+      }
+      offset.push_back(static_cast<Index>(samples.size()));
+    }
+    samples_.upload(samples);
+    env_offset_ = std::move(offset), force_ = std::move(forces), slip_ = std::move(slips);
   }
 
   void report(FieldSink& sink, const Linearisation&) override;
@@ -220,7 +246,9 @@ class Friction final : public Effect {
   Buffer<Vec3> q0_;
   Buffer<ContactSample> samples_;   // of the last accepted step, with
   std::vector<Vec3> force_, slip_;  // theirs
-  double dissipated_ = 0, power_ = 0;
+  std::vector<Index> env_offset_;
+  double dissipated_ = 0;
+  std::vector<double> power_;  // of every environment
 };
 
 void Friction::report(FieldSink& sink, const Linearisation&) {
@@ -247,7 +275,7 @@ void Friction::report(FieldSink& sink, const Linearisation&) {
   sink.rows("friction", "slip", "m", 3, slip);
   sink.rows("friction", "traction", "Pa", 3, traction);
   sink.rows("friction", "normal_force", "N", 1, normal_force);
-  sink.scalar("friction", "power", "W", power_);
+  sink.scalar("friction", "power", "W", std::accumulate(power_.begin(), power_.end(), 0.0));
   sink.scalar("friction", "dissipation", "J", dissipated_);
   for (std::size_t b = 0; b < model_.bodies.size(); ++b)
     for (int c = 0; c < 3; ++c) sink.scalar("friction", "force_" + model_.bodies[b].name + "_" + "xyz"[c], "N", resultant[b][c]);

@@ -46,6 +46,9 @@ class Inertia final : public Effect {
     v_.copy_from(model.initial_velocity);
     v_prev_.copy_from(v_);
     q_hat_.copy_from(model.q);
+    integrator_.resize(model.envs);
+    integrators_.upload(integrator_);
+    dt_prev_.assign(model.envs, 0.0);
   }
 
   void write_pattern(linalg::StencilSet& stencils) const {
@@ -69,24 +72,28 @@ class Inertia final : public Effect {
 
   // Changes no history, so that a step may be tried again with a smaller dt.
   void begin_step(const StepInfo& step) override {
-    integrator_ = bdf2_ && dt_prev_ > 0 ? inertia::bdf2(step.dt, dt_prev_) : inertia::backward_euler(step.dt);
-    const inertia::Integrator in = integrator_;
+    for (Index e = 0; e < model_.envs; ++e)
+      if (step.taken_by(e)) integrator_[e] = bdf2_ && dt_prev_[e] > 0 ? inertia::bdf2(step.dt, dt_prev_[e]) : inertia::backward_euler(step.dt);
+    integrators_.upload(integrator_);
+    const View<const inertia::Integrator> in = std::as_const(integrators_).view();
+    const View<const Index> env = std::as_const(model_.block_env).view();
     const Positions qn = std::as_const(model_.q).view(), qn1 = std::as_const(q_prev_).view();
     const Positions vn = std::as_const(v_).view(), vn1 = std::as_const(v_prev_).view();
     const View<Vec3> hat = q_hat_.view();
-    device::parallel_for("inertia.predict", hat.n, [=] MORTISE_HD(Index b) { hat[b] = in.q_hat(qn[b], qn1[b], vn[b], vn1[b]); });
+    device::parallel_for("inertia.predict", hat.n, [=] MORTISE_HD(Index b) { hat[b] = in[env[b]].q_hat(qn[b], qn1[b], vn[b], vn1[b]); });
     q_begin_.copy_from(model_.q);
   }
 
   void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
     const View<const MassPair> pair = std::as_const(pairs_).view();
     const Positions hat = std::as_const(q_hat_).view();
-    const double c = integrator_.c();
+    const View<const inertia::Integrator> in = std::as_const(integrators_).view();
+    const View<const Index> env = std::as_const(model_.block_env).view();
     device::env_sum(
         "inertia.energy", env_offset_,
         [=] MORTISE_HD(Index s) {
           const MassPair p = pair[s];
-          return inertia::energy(p.i == p.j, c * p.m, q[p.i] - hat[p.i], q[p.j] - hat[p.j]);
+          return inertia::energy(p.i == p.j, in[env[p.i]].c() * p.m, q[p.i] - hat[p.i], q[p.j] - hat[p.j]);
         },
         per_env);
   }
@@ -99,10 +106,11 @@ class Inertia final : public Effect {
     const View<const MassPair> pair = std::as_const(pairs_).view();
     const Positions hat = std::as_const(q_hat_).view();
     const linalg::StencilView out = at.stencils.view();
-    const double c = integrator_.c();
+    const View<const inertia::Integrator> in = std::as_const(integrators_).view();
+    const View<const Index> env = std::as_const(model_.block_env).view();
     device::parallel_for("inertia.assemble", pair.n, [=] MORTISE_HD(Index s) {
       const MassPair p = pair[s];
-      const double cm = c * p.m;
+      const double cm = in[env[p.i]].c() * p.m;
       Vec3* grad = out.grad.p + out.offset[s];
       Mat3* hess = stiffness ? out.hess.p + out.hess_offset[s] : nullptr;
       if (p.i == p.j) {
@@ -116,17 +124,25 @@ class Inertia final : public Effect {
     });
   }
 
-  void end_step(Positions q, const Linearisation&) override {
-    const inertia::Integrator in = integrator_;
+  void end_step(const StepInfo& step, Positions q, const Linearisation&) override {
+    std::vector<std::uint8_t> taken;
+    for (Index e = 0; e < model_.envs; ++e) {
+      taken.push_back(step.taken_by(e));
+      if (taken.back()) dt_prev_[e] = integrator_[e].dt;
+    }
+    const device::Buffer<std::uint8_t> mask(taken);
+    const View<const std::uint8_t> mine = mask.view();
+    const View<const inertia::Integrator> in = std::as_const(integrators_).view();
+    const View<const Index> env = std::as_const(model_.block_env).view();
     const Positions qn = std::as_const(q_begin_).view();
     const View<Vec3> qn1 = q_prev_.view(), vn = v_.view(), vn1 = v_prev_.view();
     device::parallel_for("inertia.velocity", q.n, [=] MORTISE_HD(Index b) {
-      const Vec3 v = in.velocity(q[b], qn[b], qn1[b]);
+      if (!mine[env[b]]) return;
+      const Vec3 v = in[env[b]].velocity(q[b], qn[b], qn1[b]);
       qn1[b] = qn[b];
       vn1[b] = vn[b];
       vn[b] = v;
     });
-    dt_prev_ = in.dt;
   }
 
   void report(FieldSink& sink, const Linearisation&) override {
@@ -181,11 +197,12 @@ class Inertia final : public Effect {
   device::Buffer<Index> counts_;  // blocks of every pair's stencil
   std::vector<Index> env_offset_;
 
-  inertia::Integrator integrator_;
+  std::vector<inertia::Integrator> integrator_;  // of every environment
+  device::Buffer<inertia::Integrator> integrators_;
   device::Buffer<Vec3> q_hat_, q_begin_;  // of the step under way
-  // History: velocity now, positions and velocity one step before, and the length of the last step (0 before the first).
+  // History: velocity now, positions and velocity one step before, and the length of every environment's last step (0 before the first).
   device::Buffer<Vec3> v_, q_prev_, v_prev_;
-  double dt_prev_ = 0;
+  std::vector<double> dt_prev_;
 };
 
 }  // namespace

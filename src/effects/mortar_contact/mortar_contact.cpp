@@ -108,6 +108,7 @@ class MortarContact final : public Effect {
       kappa_.push_back(automatic_ ? wanted_stiffness(interfaces_[i], set_.d_hat, first, kSoftest) : p.number("stiffness"));
     }
     next_kappa_ = kappa_;
+    next_price_.assign(model.envs, 0.0);
     stiffness_changed();
     model.add_contact(name());
   }
@@ -125,10 +126,13 @@ class MortarContact final : public Effect {
 
   void begin_step(const StepInfo& step) override {
     static_ = step.is_static;
-    if (kappa_ != next_kappa_) {
-      kappa_ = next_kappa_;
-      stiffness_changed();
+    bool changed = false;
+    for (std::size_t i = 0; i < kappa_.size(); ++i) {
+      if (!step.taken_by(env(i)) || kappa_[i] == next_kappa_[i]) continue;
+      kappa_[i] = next_kappa_[i];
+      changed = true;
     }
+    if (changed) stiffness_changed();
     near_.begin_step(step);
     if (started_) return;
     MortarLinearisation at;
@@ -188,18 +192,19 @@ class MortarContact final : public Effect {
 
   // A contact that grows stiffer under load is energy from nowhere, so all of an environment grow by no more than its budget pays for, the guard
   // with them.
-  void adapt(const std::vector<double>& budget, const Linearisation& at) override {
-    next_kappa_ = kappa_;
-    next_price_ = 0;
+  void adapt(const StepInfo& step, const std::vector<double>& budget, const Linearisation& at) override {
+    for (std::size_t i = 0; i < kappa_.size(); ++i)
+      if (step.taken_by(env(i))) next_kappa_[i] = kappa_[i], next_price_[env(i)] = 0;
     if (!automatic_) return;
     std::vector<double> price;
     const std::vector<double> wanted = fitted(of_mortar(at), price);
     if (wanted == kappa_) return;
     const std::vector<double> guard = guard_of(wanted), held = guard_energy(of_mortar(at));
     for (Index e = 0; e < model_.envs; ++e) {
+      if (!step.taken_by(e)) continue;
       if (guard[e] != guard_kappa_[e]) price[e] += (guard[e] / guard_kappa_[e] - 1) * held[e];
       const double share = price[e] > budget[e] ? budget[e] / price[e] : 1;
-      next_price_ += share * price[e];
+      next_price_[e] = share * price[e];
       for (std::size_t i = 0; i < kappa_.size(); ++i)
         if (env(i) == e) next_kappa_[i] = share == 1 ? wanted[i] : kappa_[i] + share * (wanted[i] - kappa_[i]);
     }
@@ -414,7 +419,7 @@ class MortarContact final : public Effect {
   bool automatic_ = false, started_ = false;
   std::vector<Interface> interfaces_;  // laws
   std::vector<double> kappa_, next_kappa_;      // of this step, and for the next
-  double next_price_ = 0;                       // energy that the change to next_kappa_ adds [J]
+  std::vector<double> next_price_;              // per environment: energy that the change to next_kappa_ adds [J]
   bool static_ = false;
   std::vector<double> guard_kappa_;  // per environment: kappa times the weight of a guard pair [N]
   Buffer<double> guard_law_;         // the same over the square of its range [Pa]
@@ -489,7 +494,7 @@ void MortarContact::report(FieldSink& sink, const Linearisation& accepted) {
   closest = std::min(closest, contact::least_distance(near_.obstacles(guard_scene()), near_.candidates(at.frozen.y), at.y()));
   sink.scalar(group, "min_distance", "m", closest);
   // The stiffness that the next step begins with was paid for by this one.
-  sink.scalar(group, "energy", "J", energy_now(std::as_const(model_.q).view(), at, model_.envs) + next_price_);
+  sink.scalar(group, "energy", "J", energy_now(std::as_const(model_.q).view(), at, model_.envs) + std::accumulate(next_price_.begin(), next_price_.end(), 0.0));
   sink.scalar(group, "active_pairs", "1", static_cast<double>(pairs.size()));
   const double sum = total[0] + total[1] + total[2] + total[3];
   const char* const share_names[] = {"force_share_faces", "force_share_edges", "force_share_points", "force_share_guard"};

@@ -146,8 +146,10 @@ class Pin final : public Effect {
     for (const Params& p : list.items()) add(p);
     name_carriages();
     device_held_.upload(held_);
-    hold(-std::numeric_limits<double>::infinity(), 0);
-    move(0);
+    active_.resize(model.envs);
+    env_ = model.block_env.download();
+    hold({}, -std::numeric_limits<double>::infinity(), 0);
+    move({}, 0);
   }
 
   const Kind& kind() const override;
@@ -155,10 +157,10 @@ class Pin final : public Effect {
 
   // Depends on nothing but the time, so that steps may be tried again and runs resumed anywhere.
   void begin_step(const StepInfo& step) override {
-    hold(step.t0, 1e-9 * step.dt);
+    hold(step, step.t0, 1e-9 * step.dt);
     for (const Entry& e : entries_)
       if (e.motion.moves() && step.t0 < e.release) check_path(e, step);
-    move(step.t1());
+    move(step, step.t1());
   }
 
   // Points go straight from where they are to where they are asked to be at the end of the step, and what lies beside that way is not met: a
@@ -185,8 +187,13 @@ class Pin final : public Effect {
   void energy(Positions, const Linearisation&, device::EnvValues) override {}
   void linearise(Positions, Want, Linearisation&) override {}
 
-  // Writes the targets of time t.
-  void move(double t) {
+  // Writes the targets of time t, of the environments that take the step.
+  void move(const StepInfo& step, double t) {
+    std::vector<std::uint8_t> taken;
+    for (Index e = 0; e < model_.envs; ++e) taken.push_back(step.taken_by(e));
+    const device::Buffer<std::uint8_t> mask(taken);
+    const View<const std::uint8_t> mine = mask.view();
+    const View<const Index> env = std::as_const(model_.block_env).view();
     std::vector<pin::RigidMotion> motions;
     for (const Entry& e : entries_) motions.push_back(e.motion.at(t));
     motions_.upload(motions);
@@ -196,6 +203,7 @@ class Pin final : public Effect {
     const View<Vec3> target = model_.target.view();
     device::parallel_for("pin.target", held.n, [=] MORTISE_HD(Index i) {
       const Held h = held[i];
+      if (!mine[env[h.block]]) return;
       const Vec3 x = h.direction ? pin::move_direction(motion[h.entry], rest[h.block]) : pin::move_point(motion[h.entry], rest[h.block]);
       for (int a = 0; a < 3; ++a)
         if (h.axes >> a & 1) target[h.block][a] = x[a];
@@ -300,16 +308,21 @@ class Pin final : public Effect {
   }
 
   // Projectors and `held` of a step that starts at t0; touches the model only when an entry was released since.
-  void hold(double t0, double tolerance) {
+  void hold(const StepInfo& step, double t0, double tolerance) {
     std::vector<bool> active;
     for (const Entry& e : entries_) active.push_back(t0 < e.release - tolerance);
-    if (active == active_) return;
-    active_ = active;
+    bool changed = false;
+    for (Index e = 0; e < model_.envs; ++e) {
+      if (!step.taken_by(e) || active == active_[e]) continue;
+      active_[e] = active;
+      changed = true;
+    }
+    if (!changed) return;
     std::vector<Mat3> projector = model_.projector.download();
     for (const Held& h : held_) projector[h.block] = Mat3::Identity(), model_.held[h.block] = 0;
     for (const Held& h : held_)
       for (int a = 0; a < 3; ++a)
-        if (active[h.entry] && (h.axes >> a & 1)) projector[h.block](a, a) = 0;
+        if (active_[env_[h.block]][h.entry] && (h.axes >> a & 1)) projector[h.block](a, a) = 0;
     for (const Held& h : held_) {
       const double free = projector[h.block].trace();
       model_.held[h.block] = free == 3 ? 0 : (free == 0 ? 2 : 1);
@@ -321,7 +334,8 @@ class Pin final : public Effect {
   std::vector<Entry> entries_;
   std::vector<Held> held_;
   std::vector<Index> owner_;  // per block and axis: the entry that holds it, or -1
-  std::vector<bool> active_;
+  std::vector<std::vector<bool>> active_;  // of every environment: which entries hold
+  std::vector<Index> env_;                 // of every block
   device::Buffer<Held> device_held_;
   device::Buffer<pin::RigidMotion> motions_;
 };

@@ -44,23 +44,26 @@ class PressureLoad final : public Effect {
     for (const auto& [key, share] : shares) flat.push_back(share), share_env.push_back(env[share.block]);
     shares_.upload(flat);
     env_offset_ = env_offsets(share_env, model.envs);
-    set_time(0);
+    strengths_.resize(model.envs * loads_.size());
+    set_time({}, 0);
   }
 
   const Kind& kind() const override;
   std::vector<PlanItem> plan() const override { return {{"loaded blocks", shares_.bytes() + strength_.bytes()}}; }
 
-  void begin_step(const StepInfo& step) override { set_time(step.t1()); }
+  void begin_step(const StepInfo& step) override { set_time(step, step.t1()); }
 
   void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
     const View<const Share> share = std::as_const(shares_).view();
     const View<const Strength> now = std::as_const(strength_).view();
+    const View<const Index> env = std::as_const(model_.block_env).view();
+    const Index loads = static_cast<Index>(loads_.size());
     const Positions rest = std::as_const(model_.rest).view();
     device::env_sum(
         "pressure_load.energy", env_offset_,
         [=] MORTISE_HD(Index i) {
           const Share s = share[i];
-          return pressure_load::energy(pressure_load::force(s, now[s.load]), q[s.block], rest[s.block]);
+          return pressure_load::energy(pressure_load::force(s, now[env[s.block] * loads + s.load]), q[s.block], rest[s.block]);
         },
         per_env);
   }
@@ -72,10 +75,12 @@ class PressureLoad final : public Effect {
     if (stiffness) at.stencils.need_hessian();
     const View<const Share> share = std::as_const(shares_).view();
     const View<const Strength> now = std::as_const(strength_).view();
+    const View<const Index> env = std::as_const(model_.block_env).view();
+    const Index loads = static_cast<Index>(loads_.size());
     const linalg::StencilView out = at.stencils.view();
     device::parallel_for("pressure_load.assemble", share.n, [=] MORTISE_HD(Index i) {
       out.block[i] = share[i].block;
-      out.grad[i] = -pressure_load::force(share[i], now[share[i].load]);
+      out.grad[i] = -pressure_load::force(share[i], now[env[share[i].block] * loads + share[i].load]);
       if (stiffness) out.hess[i] = Mat3::Zero();
     });
     if (fresh) at.stencils.pattern_changed();
@@ -83,18 +88,20 @@ class PressureLoad final : public Effect {
 
   // Resultant force of all loads now.
   void report(FieldSink& sink, const Linearisation&) override {
-    const std::vector<Strength> now = strength_.download();
+    const std::vector<Strength>& now = strengths_;
+    const std::vector<Index> env = model_.block_env.download();
+    const std::size_t loads = loads_.size();
     const std::vector<double> translation = translation_share(model_);
     Vec3 total = Vec3::Zero();
-    for (const Share& s : shares_.download()) total += translation[s.block] * pressure_load::force(s, now[s.load]);
+    for (const Share& s : shares_.download()) total += translation[s.block] * pressure_load::force(s, now[env[s.block] * loads + s.load]);
     for (int a = 0; a < 3; ++a) sink.scalar("pressure_load", std::string("force_") + "xyz"[a], "N", total[a]);
   }
 
  private:
-  void set_time(double t) {
-    std::vector<Strength> now;
-    for (const Load& l : loads_) now.push_back({l.pressure(t), l.factor(t)});
-    strength_.upload(now);
+  void set_time(const StepInfo& step, double t) {
+    for (Index e = 0; e < model_.envs; ++e)
+      for (std::size_t l = 0; step.taken_by(e) && l < loads_.size(); ++l) strengths_[e * loads_.size() + l] = {loads_[l].pressure(t), loads_[l].factor(t)};
+    strength_.upload(strengths_);
   }
 
   void add(const Params& p, std::map<std::pair<Index, Index>, Share>& shares) {
@@ -152,7 +159,8 @@ class PressureLoad final : public Effect {
   model::Model& model_;
   std::vector<Load> loads_;
   device::Buffer<Share> shares_;
-  device::Buffer<Strength> strength_;  // of every load, at the end of the step
+  std::vector<Strength> strengths_;    // of every load in every environment, at the end of its step
+  device::Buffer<Strength> strength_;
   std::vector<Index> env_offset_;
 };
 
