@@ -9,12 +9,6 @@
 #include "solver/tuning.h"
 
 namespace mortise::solver {
-namespace {
-
-bool any(const EnvMask& m) { return std::find(m.begin(), m.end(), 1) != m.end(); }
-
-}  // namespace
-
 // M of the frozen Hessian at q, without negative curvature.
 void Coupled::factor(const device::Buffer<Vec3>& q, const EnvMask& whose, Linearised& at) {
   EnvMask wanted = whose;
@@ -40,7 +34,7 @@ void Coupled::product(const device::Buffer<Vec3>& q, device::View<const Vec3> v,
   system_.to_blocks(v, std::as_const(still_).view(), active_, move);
   std::vector<double> h = largest(std::as_const(move).view(), model.env_blocks), inverse(model.envs, 0.0);
   for (Index e = 0; e < model.envs; ++e) {
-    const double wanted = std::clamp(tuning::kDifference * envs[e].step, tuning::kLeastDifference * system_.length, tuning::kMostDifference * system_.length);
+    const double wanted = std::clamp(tuning::kDifference * envs[e].step, tuning::kLeastDifference * system_.length[e], tuning::kMostDifference * system_.length[e]);
     h[e] = h[e] > 0 ? wanted / h[e] : 0;
     inverse[e] = h[e] > 0 ? 1 / h[e] : 0;
   }
@@ -66,7 +60,7 @@ bool Coupled::direction(const device::Buffer<Vec3>& q, Linearised& at, Linearise
                                                     [&](device::View<const Vec3> in, device::View<Vec3> out) { linear_.apply(A_, in, out, active_); }, std::as_const(r0_).view(), x_.view(),
                                                     system_.rows.env, tuning::kCoupledForcing, tuning::kMostProducts);
     report.cg += gmres.iterations;
-    products_ = gmres.iterations;
+    products_ = gmres.of_env;
     for (Index e = 0; e < system_.model.envs; ++e) factored_[e] = gmres.of_env[e] <= tuning::kGoodProducts;
   } catch (const Broken&) {
     return false;

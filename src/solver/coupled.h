@@ -25,7 +25,7 @@ class Coupled {
   // Told of every iterate's residual, and of the step from it, in the environments of `whose`.
   struct Watch {
     std::function<void(const Residual& r, Index iteration, const EnvMask& whose)> begin;
-    std::function<void(const EnvMask& whose, Index products)> end;
+    std::function<void(const EnvMask& whose, const std::vector<Index>& products)> end;
   };
 
   // From q in the stuck environments, with `at` and `near` for two states. Those whose residual with everything fresh comes down to `relative` are
@@ -47,7 +47,7 @@ class Coupled {
   linalg::BlockMatrix& A_;
 
   EnvMask active_, factored_;   // per environment: still iterating; with an M that serves
-  Index products_ = 0;          // of the last system
+  std::vector<Index> products_;  // per environment: of the last system
   device::Buffer<Vec3> r0_, x_, dq_, still_, trial_;
 };
 

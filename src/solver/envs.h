@@ -1,5 +1,6 @@
 #pragma once
 // What every environment of a batch is doing within a step: a row of one table. All of them go through the same loop; none knows the others.
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 namespace mortise::solver {
 
 using EnvMask = std::vector<std::uint8_t>;
+inline bool any(const EnvMask& m) { return std::find(m.begin(), m.end(), 1) != m.end(); }
 
 enum class EnvState : std::uint8_t {
   running,  // Newton goes on

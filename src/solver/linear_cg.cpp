@@ -152,7 +152,7 @@ class Cg final : public Linear {
 
   void build(const LinearSystem& s, const EnvMask& todo) {
     set_up();
-    if (std::find(todo.begin(), todo.end(), 1) == todo.end()) return;
+    if (!any(todo)) return;
     gather(s.q, rows_.block.view(), position_);
     if (parts_) parts_->choose(todo);
     preconditioner_->build(s.A, std::as_const(position_).view());

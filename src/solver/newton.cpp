@@ -6,16 +6,9 @@
 #include <sstream>
 
 #include "solver/kernels.h"
-#include "solver/timed.h"
 #include "solver/tuning.h"
 
 namespace mortise::solver {
-namespace {
-
-bool any(const EnvMask& m) { return std::find(m.begin(), m.end(), 1) != m.end(); }
-
-}  // namespace
-
 Newton::Newton(model::Model& model, EffectList& effects, const Options& options, Clock& clock)
     : system_(model, effects, options, clock),
       model_(model),
@@ -24,11 +17,13 @@ Newton::Newton(model::Model& model, EffectList& effects, const Options& options,
       linear_choice_(choose_linear(model, options)),
       linear_(linear_choice_.kind == "cg" ? make_cg(model, system_.rows, options) : make_direct(model, system_.rows, linear_choice_.kind == "reuse")),
       curvature_(model.envs),
+      direction_(system_, *linear_, curvature_),
       creep_(model.envs),
       energies_(model, system_.potential),
       line_search_(system_, energies_),
       lag_(system_, std::max(options.lag_tolerance, options.relative_tolerance), system_.potential.lags()),
-      coupled_(system_, *linear_, curvature_, matrix_),
+      coupled_(system_, *linear_, curvature_, direction_.matrix()),
+      trace_(system_, curvature_),
       at_(system_.potential.linearised()),
       near_(system_.potential.linearised()) {}
 
@@ -92,21 +87,22 @@ void Newton::iterate(const effects::StepInfo& info, StepReport& report, const st
       if (envs_.is(e, EnvState::running) && !system_.convergence.finite(r, e)) envs_.fail(e, system_.not_finite(at_, e));
     check_failed();
     note(r, [this](Index e) { return lag_.relative(e); }, report);
-    if (options_.trace) trace_begin(info, r, it, envs_.mask(EnvState::running), report);
+    trace_.begin(info, std::as_const(q_).view(), r, it, at_, envs_.mask(EnvState::running), report);
     settle(r, it);
     check_failed();
     const EnvMask running = envs_.mask(EnvState::running);
     if (!any(running)) return;
 
-    direction(r, report);
+    std::vector<double> wanted;
+    for (Index e = 0; e < envs_.size(); ++e) wanted.push_back(system_.convergence.least_tolerance(r, e, lag_.relative(e)));
+    direction_.find(q_, r, wanted, at_, envs_, report);
     check_failed();
-    const bool moves = largest_of(r.support_gap) > 0;
-    line_search_.step(q_, dq_, slope_, moves ? std::as_const(support_).view() : device::View<const Vec3>{}, at_, envs_, report);
+    line_search_.step(q_, direction_.way(), direction_.slope(), direction_.supports(), at_, envs_, report);
     check_failed();
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running)) envs_[e].force = system_.convergence.largest_force(r, e);
     ++report.newton;
-    if (options_.trace) trace_end(running, 0, report);
+    trace_.end(envs_, running, {}, report);
   }
 }
 
@@ -152,51 +148,6 @@ bool Newton::needs_jacobian(Index env, Index iteration, const Residual& r) {
   return sight.creeps || (sight.linear && linear_->ready(env) && !system_.potential.lags());
 }
 
-// dq_ and its slope, in the running environments.
-void Newton::direction(const Residual& r, StepReport& report) {
-  const EnvMask running = envs_.mask(EnvState::running);
-  std::vector<double> wanted(envs_.size());
-  for (Index e = 0; e < envs_.size(); ++e) wanted[e] = system_.convergence.least_tolerance(r, e, lag_.relative(e));
-  system_.supports(std::as_const(q_).view(), support_);
-  x_.resize(system_.rows.count());
-  for (EnvMask todo = running; any(todo);) {
-    device::Fetch fetch;
-    system_.matrix(at_, std::as_const(q_).view(), todo, matrix_, fetch);
-    device::Buffer<Vec3> Hc;
-    if (largest_of(r.support_gap) > 0) system_.potential.product(at_, std::as_const(support_).view(), Hc);
-    system_.right_hand_side(at_, std::as_const(Hc).view(), rhs_);
-    std::vector<double> rhs2(envs_.size(), 0.0);
-    dot(std::as_const(rhs_).view(), std::as_const(rhs_).view(), system_.rows.env, {rhs2, fetch});
-    fetch.now();
-    for (Index e = 0; e < envs_.size(); ++e)
-      if (todo[e]) clear_blocks(x_, system_.rows.env[e], system_.rows.env[e + 1]);
-    {
-      const Timed timed(system_.clock, "solver", "linear_solve");
-      todo = linear_->solve({matrix_, std::as_const(rhs_).view(), x_.view(), rhs2, wanted, std::as_const(q_).view()}, todo, curvature_, envs_, report);
-    }
-    if (!any(todo)) break;
-    for (Index e = 0; e < envs_.size(); ++e)
-      if (todo[e]) curvature_.soften(e);
-    ++report.softened;
-    system_.potential.linearise(std::as_const(q_).view(), {true, curvature_.wanted()}, at_);
-  }
-  system_.to_blocks(std::as_const(x_).view(), std::as_const(support_).view(), envs_.mask(EnvState::running), dq_);
-  std::vector<double> longest(envs_.size(), 0.0);
-  slope_.assign(envs_.size(), 0.0);
-  device::Fetch fetch;
-  largest(std::as_const(dq_).view(), model_.env_blocks, {longest, fetch});
-  system_.convergence.see_step(std::as_const(dq_).view(), r, envs_.mask(EnvState::running), fetch);
-  dot(std::as_const(at_.gradient).view(), std::as_const(dq_).view(), model_.env_blocks, {slope_, fetch});
-  fetch.now();
-  for (Index e = 0; e < envs_.size(); ++e) {
-    if (!envs_.is(e, EnvState::running)) continue;
-    envs_[e].step = longest[e];
-    if (std::isfinite(longest[e])) continue;
-    envs_.fail(e, "the Newton direction is not finite");
-    clear_blocks(dq_, model_.env_blocks[e], model_.env_blocks[e + 1]);
-  }
-}
-
 // The coupled iteration, for environments that are stuck, and for those that some rounds of lagged quantities have not brought to an end. Where it
 // fails too, the others' way is gone on from the best state.
 void Newton::couple(Index round, const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop) {
@@ -206,11 +157,9 @@ void Newton::couple(Index round, const effects::StepInfo& info, StepReport& repo
   if (!any(stuck)) return;
   const Coupled::Watch watch{[&](const Residual& r, Index iteration, const EnvMask& whose) {
                                note(r, [this](Index) { return lag_.wanted(); }, report);
-                               if (options_.trace) trace_begin(info, r, iteration, whose, report);
+                               trace_.begin(info, std::as_const(q_).view(), r, iteration, at_, whose, report);
                              },
-                             [&](const EnvMask& whose, Index products) {
-                               if (options_.trace) trace_end(whose, products, report);
-                             }};
+                             [&](const EnvMask& whose, const std::vector<Index>& products) { trace_.end(envs_, whose, products, report); }};
   energies_.forget();
   coupled_.solve(q_, lag_.wanted(), at_, near_, envs_, report, stop, watch);
   energies_.forget();
@@ -277,31 +226,6 @@ void Newton::note(const Residual& r, const std::function<double(Index)>& relativ
     const double share = worst.force > 0 ? worst.force / worst.tolerance : 0;
     report.residual_share = std::max(report.residual_share, system_.convergence.share(r, e));
     if (share > most) most = share, report.residual = worst.force, report.tolerance = worst.tolerance;
-  }
-}
-
-void Newton::trace_begin(const effects::StepInfo& info, const Residual& r, Index iteration, const EnvMask& whose, StepReport& report) {
-  Energies unknown;
-  device::Fetch fetch;
-  system_.potential.energies(std::as_const(q_).view(), at_, unknown, fetch);
-  fetch.now();
-  const std::vector<double> phi = energies_.sum(unknown);
-  for (Index e = 0; e < envs_.size(); ++e) {
-    if (!whose[e]) continue;
-    Iterate now;
-    now.time = info.t1(), now.dt = info.dt, now.round = report.lag, now.iteration = iteration, now.env = e;
-    now.residual = system_.convergence.largest_force(r, e), now.tolerance = report.tolerance;
-    now.energy = phi[e];
-    now.where = name_block(model_, worst_block(model_, at_.gradient, e));
-    report.trace.push_back(now);
-  }
-}
-
-void Newton::trace_end(const EnvMask& whose, Index products, StepReport& report) {
-  for (Index e = 0; e < envs_.size(); ++e) {
-    if (!whose[e]) continue;
-    const auto row = std::find_if(report.trace.rbegin(), report.trace.rend(), [e](const Iterate& i) { return i.env == e; });
-    row->step = envs_[e].step, row->alpha = envs_[e].alpha, row->products = products, row->concave = curvature_.share(e);
   }
 }
 

@@ -3,7 +3,7 @@
 //
 //   residual   r = P grad Phi                          [N]; when it is small enough: convergence.h
 //   Hessian    H with a share of its negative curvature: curvature_policy.h
-//   direction  (P H P + I - P) d = -P (g + H c)        c = (I - P)(target - q): what the supports still have to move; linear.h
+//   direction  (P H P + I - P) d = -P (g + H c)        c = (I - P)(target - q): what the supports still have to move; direction.h, linear.h
 //   step       q <- q + alpha (d + c)                  line_search.h
 //
 // What is frozen while it iterates is refreshed by lag_loop.h; where iterations creep, coupled.h goes on with the whole Jacobian (creep_watch.h).
@@ -12,8 +12,10 @@
 
 #include "solver/coupled.h"
 #include "solver/creep_watch.h"
+#include "solver/direction.h"
 #include "solver/lag_loop.h"
 #include "solver/line_search.h"
+#include "solver/newton_trace.h"
 
 namespace mortise::solver {
 
@@ -44,12 +46,9 @@ class Newton {
   void settle(const Residual& r, Index iteration);
   void keep_nearest(Index env, const Residual& r);
   bool needs_jacobian(Index env, Index iteration, const Residual& r);
-  void direction(const Residual& r, StepReport& report);
   void couple(Index round, const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
   bool refresh(Index round, StepReport& report);
   void note(const Residual& r, const std::function<double(Index)>& relative, StepReport& report) const;
-  void trace_begin(const effects::StepInfo& info, const Residual& r, Index iteration, const EnvMask& whose, StepReport& report);
-  void trace_end(const EnvMask& whose, Index products, StepReport& report);
 
   System system_;
   const model::Model& model_;
@@ -58,16 +57,16 @@ class Newton {
   LinearChoice linear_choice_;
   std::unique_ptr<Linear> linear_;
   CurvaturePolicy curvature_;
+  Direction direction_;
   CreepWatch creep_;
   EnergyLedger energies_;
   LineSearch line_search_;
   LagLoop lag_;
   Coupled coupled_;
+  NewtonTrace trace_;
 
   Linearised at_, near_;  // at q_; at states beside it
-  linalg::BlockMatrix matrix_;
-  device::Buffer<Vec3> q_, support_, dq_, rhs_, x_;
-  std::vector<double> slope_;            // per environment: gradient . dq_ [J]
+  device::Buffer<Vec3> q_;
   std::vector<double> nearest_force_;    // per environment: least residual of these iterations [N], and where it was
   device::Buffer<Vec3> nearest_q_;
 };

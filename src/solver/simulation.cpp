@@ -90,8 +90,8 @@ void Simulation::solve(const effects::StepInfo& info, const EnvMask& whose, Step
       anew[e] = refit[e] != Refit::none;
       afresh[e] = refit[e] == Refit::from_start;
     }
-    if (std::find(anew.begin(), anew.end(), 1) == anew.end()) break;
-    if (std::find(afresh.begin(), afresh.end(), 1) != afresh.end()) newton_.begin(afresh);
+    if (!any(anew)) break;
+    if (any(afresh)) newton_.begin(afresh);
     newton_.solve(info, report, stop, anew);
     note_failed();
   }
@@ -204,7 +204,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
       if (model_.envs == 1) lost_[0].clear();
       throw Error(Exit::solve, message);
     }
-    if (std::find(accepted.begin(), accepted.end(), 1) == accepted.end()) continue;
+    if (!any(accepted)) continue;
     if (size < units && !before) {
       before.emplace();
       checkpoint(*before);

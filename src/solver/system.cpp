@@ -10,16 +10,20 @@
 namespace mortise::solver {
 namespace {
 
-double scene_length(const model::Model& model) {
-  Vec3 lo = Vec3::Constant(INFINITY), hi = -lo;
-  for (const Vec3& x : model.rest_points.download()) lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
-  return (hi - lo).norm();
+std::vector<double> lengths(const model::Model& model) {
+  std::vector<Vec3> lo(model.envs, Vec3::Constant(INFINITY)), hi(model.envs, Vec3::Constant(-INFINITY));
+  const std::vector<Vec3> rest = model.rest_points.download();
+  for (const model::Body& body : model.bodies)
+    for (Index p = body.point_begin; p < body.point_end; ++p) lo[body.env] = lo[body.env].cwiseMin(rest[p]), hi[body.env] = hi[body.env].cwiseMax(rest[p]);
+  std::vector<double> out;
+  for (Index e = 0; e < model.envs; ++e) out.push_back((hi[e] - lo[e]).norm());
+  return out;
 }
 
 }  // namespace
 
 System::System(model::Model& model_, EffectList& effects, const Options& options_, Clock& clock_)
-    : model(model_), options(options_), clock(clock_), potential(model_, effects, clock_), convergence(model_, options_), length(scene_length(model_)) {}
+    : model(model_), options(options_), clock(clock_), potential(model_, effects, clock_), convergence(model_, options_), length(lengths(model_)) {}
 
 void System::begin_solve() {
   rows_changed_ = rows.number(model, options.is_static);
@@ -87,7 +91,7 @@ void System::to_blocks(device::View<const Vec3> x, device::View<const Vec3> c, c
 }
 
 bool System::solved(const Residual& r, Index env, double relative, double last_step) const {
-  if (!convergence.solved(r, env, relative) || r.support_gap[env] > tuning::kSupportGap * length) return false;
+  if (!convergence.solved(r, env, relative) || r.support_gap[env] > tuning::kSupportGap * length[env]) return false;
   return options.step_tolerance <= 0 || last_step <= options.step_tolerance;
 }
 

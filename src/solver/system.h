@@ -42,7 +42,7 @@ class System {
   Potential potential;
   Convergence convergence;
   Rows rows;
-  const double length;  // diagonal of the scene at rest [m], against which gaps of supports are judged
+  const std::vector<double> length;  // per environment: its diagonal at rest [m], against which gaps of supports are judged
 
  private:
   bool rows_changed_ = false;

@@ -116,7 +116,7 @@ TEST(Inertia, SecondStepOfBdf2WeighsHistory) {
 TEST(Inertia, RetriedStepsStartFromTheSameState) {
   model::Model m(fd::box_and_ball());
   const auto a = fd::make_effect("inertia", integrator("bdf2"), m), b = fd::make_effect("inertia", integrator("bdf2"), m);
-  for (Effect* e : {a.get(), b.get()}) {
+  for (fd::Subject* e : {a.get(), b.get()}) {
     e->begin_step(step_info(0.03));
     e->end_step(std::as_const(m.q).view());
   }

@@ -75,3 +75,17 @@ TEST(Gmres, StopsAtTheLimitWithTheBestSoFar) {
   EXPECT_GT(r.relative[0], 1e-14);
   EXPECT_LT((dense(p.b) - p.A * dense(p.x.download())).norm(), dense(p.b).norm());
 }
+
+// One that has converged stands still while the other goes on.
+TEST(Gmres, EveryEnvironmentEndsByItself) {
+  Pair both, alone;
+  for (Index i = 0; i < 20; ++i) both.b[i] *= 1e-3;  // only relative residuals count
+  for (Index i = 20; i < 52; ++i) alone.b[i] = Vec3::Zero();
+  for (Index i = 0; i < 20; ++i) alone.b[i] = both.b[i];
+  const GmresResult all = both.solve(Dense::Identity(156, 156), 1e-6), one = alone.solve(Dense::Identity(156, 156), 1e-6);
+  ASSERT_NE(all.of_env[0], all.of_env[1]) << "or the test means nothing";
+  EXPECT_EQ(all.iterations, std::max(all.of_env[0], all.of_env[1]));
+  EXPECT_EQ(all.of_env[0], one.iterations);
+  const std::vector<Vec3> a = both.x.download(), b = alone.x.download();
+  for (Index i = 0; i < 20; ++i) EXPECT_EQ(a[i], b[i]);
+}

@@ -77,8 +77,8 @@ materials:
 bodies:
   pad: {type: soft, shape: {box: {size: [60 mm, 40 mm, 10 mm], edge_length: 10 mm}}, material: gel, position: [0, 0, -5 mm]}
   block: {type: soft, shape: {box: {size: [20 mm, 20 mm, 10 mm], edge_length: 7 mm}}, material: rubber, position: [0, 0, 5.5 mm], velocity: [0.2, 0, -0.2]}
-  stone: {type: stiff, shape: {box: {size: [10 mm, 10 mm, 10 mm], edge_length: 10 mm}}, material: rubber, position: [60 mm, 0, -4.5 mm], velocity: [0.1, 0, -0.3]}
-  floor: {type: half_space, point: [0, 0, -10 mm]}
+  stone: {type: stiff, shape: {box: {size: [10 mm, 10 mm, 10 mm], edge_length: 10 mm}}, material: rubber, position: [60 mm, 0, -5.5 mm], velocity: [0.1, 0, -0.3]}
+  floor: {type: half_space, point: [0, 0, -11.5 mm]}
 effects:
   inertia: {}
   gravity: {acceleration: [0, 0, -9.81]}
@@ -113,10 +113,10 @@ TEST(Batch, MortarContactWithFriction) {
 
 // Few iterations: some environments have to halve their steps, each by itself.
 TEST(Batch, EveryEnvironmentCutsItsStepsByItself) {
-  const std::vector<std::string> few{"solver.iterations=9", "solver.linear=direct"};
+  const std::vector<std::string> few{"solver.iterations=10", "solver.linear=direct"};
   const auto substeps = [&](const Environment& e) {
     std::unique_ptr<engine::Engine> engine;
-    Rig::check(engine::chosen().api->create(batch(kSlide, few, {e}), engine));
+    Rig::check(engine::chosen().api->create(batch(with_mortar(kSlide), few, {e}), engine));
     Index n = 0;
     for (int i = 0; i < 3; ++i) {
       solver::StepReport report;
@@ -128,14 +128,17 @@ TEST(Batch, EveryEnvironmentCutsItsStepsByItself) {
   Index least = 1000, most = 0;
   for (const Environment& e : kEnvironments) least = std::min(least, substeps(e)), most = std::max(most, substeps(e));
   EXPECT_LT(least, most) << "they have to differ for this test to mean something";
-  expect_alone(kSlide, few, kEnvironments, 3, "halving");
-  expect_alone(with_mortar(kSlide), few, kEnvironments, 3, "halving, mortar");
+  expect_alone(with_mortar(kSlide), few, kEnvironments, 3, "halving");
+  // BDF2 knows the length of the last step.
+  std::string bdf2 = with_mortar(kSlide);
+  bdf2.replace(bdf2.find("inertia: {}"), 11, "inertia: {integrator: bdf2}");
+  expect_alone(bdf2, few, kEnvironments, 3, "halving, BDF2");
 }
 
-// One is crushed: no step is short enough. The others never notice.
+// One block is shot at the pad: no step is short enough. The others never notice.
 TEST(Batch, OneThatFailsIsGivenUpAlone) {
   std::vector<Environment> envs = kEnvironments;
-  envs[1] = {{"materials.rubber.density=1e9"}, true};
+  envs[1] = {{"bodies.block.velocity=[0, 0, -200]"}, true};
   for (const char* linear : {"direct", "reuse", "cg"})
     expect_alone(kSlide, {std::string("solver.linear=") + linear, "solver.iterations=30", "solver.halvings=1"}, envs, 3, std::string("failure, ") + linear);
 }

@@ -248,15 +248,15 @@ class MortarContact final : public Effect {
     device::env_max(
         "mortar_contact.farthest", near_.point_env(), [=] MORTISE_HD(Index i) { return dy[i].norm(); }, device::EnvValues{farthest, alpha.fetch});
     alpha.fetch.now();
-    double most = 0;
-    std::vector<double> margin(model_.envs, 0.0);
+    bool any = false;
+    std::vector<double> margin(model_.envs, more_reach());
     for (Index e = 0; e < model_.envs; ++e) {
       const double way = 2 * std::min(1.0, alpha.value[e]) * farthest[e];
-      margin[e] = std::isfinite(way) ? std::min(way, kFarthest * set_.d_hat) : 0;
-      most = std::max(most, margin[e]);
+      if (!std::isfinite(way) || way < kNearest * set_.d_hat) continue;
+      margin[e] += std::min(way, kFarthest * set_.d_hat);
+      any = true;
     }
-    if (most < 1e-3 * set_.d_hat) return;
-    for (double& m : margin) m += more_reach();
+    if (!any) return;
     Buffer<double> buffer(margin);
     freeze(scene(at), search_, buffer, at.frozen);
   }
@@ -265,7 +265,8 @@ class MortarContact final : public Effect {
   // Gap beyond the support radius up to which samples are wanted [m].
   double more_reach() const { return set_.averaged ? (kAverageReach - 1) * set_.d_hat : 0; }
 
-  static constexpr double kFarthest = 10;  // of d_hat: samples farther than that from contact are left to the next iteration
+  static constexpr double kFarthest = 10;   // of d_hat: samples farther than that from contact are left to the next iteration,
+  static constexpr double kNearest = 1e-3;  // and shorter ways bring nothing that matters into range
 
   void choose_pairs(const Params& list, bool two_pass) {
     const Index n = static_cast<Index>(model_.bodies.size()), planes = static_cast<Index>(model_.half_spaces.size());

@@ -1,0 +1,34 @@
+#pragma once
+// The Newton direction: (P H P + I - P) d = -P (g + H c), with as much negative curvature in H as leaves it positive definite, and the way d + c of
+// all blocks.
+#include "solver/curvature_policy.h"
+#include "solver/linear.h"
+#include "solver/system.h"
+
+namespace mortise::solver {
+
+class Direction {
+ public:
+  Direction(System& system, Linear& linear, CurvaturePolicy& curvature) : system_(system), linear_(linear), curvature_(curvature) {}
+
+  // In the running environments, from q, where `at` is linearised with a matrix; wanted: per environment the residual at which Newton stops [N].
+  // Where there is none the environment fails.
+  void find(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs, StepReport& report);
+
+  device::Buffer<Vec3>& way() { return dq_; }
+  const std::vector<double>& slope() const { return slope_; }  // per environment: gradient . way [J]
+  // What supports still have to move; empty where none does.
+  device::View<const Vec3> supports() const { return supports_move_ ? support_.view() : device::View<const Vec3>{}; }
+  linalg::BlockMatrix& matrix() { return matrix_; }  // work space, for whoever needs one
+
+ private:
+  System& system_;
+  Linear& linear_;
+  CurvaturePolicy& curvature_;
+  linalg::BlockMatrix matrix_;
+  bool supports_move_ = false;
+  device::Buffer<Vec3> support_, rhs_, x_, dq_;
+  std::vector<double> slope_;
+};
+
+}  // namespace mortise::solver
