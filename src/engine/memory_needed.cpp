@@ -1,5 +1,6 @@
 #include "engine/memory_needed.h"
 
+#include "effects/list.h"
 #include "effects/roles.h"
 
 namespace mortise::engine {
@@ -8,15 +9,22 @@ namespace {
 // A little above the peaks of the runs in benchmarks/gpu/README.md (`linear: cg`, run.json). Per element: its stencil (10 or 55 pieces of
 // 3x3), the sorting of these, and its share of the matrix, of block Jacobi and of fields; per node: the additive Schwarz preconditioner.
 constexpr double kPerTet = 1850, kPerQuadraticTet = 13800, kPerContactTriangle = 550, kPerNode = 1500;  // [B]
+// Where something is frozen (mortar contact, friction) forces are found at states beside the present one as well: pieces of forces, and their
+// sorting.
+constexpr double kBesidePerTet = 250, kBesidePerQuadraticTet = 650;  // [B]
 
 }  // namespace
 
 std::size_t memory_needed(const model::ModelInput& input) {
-  const Params& effects = input.scene.at("effects");
-  const bool contact = !effects::of_role(effects, effects::Role::contact).empty();
+  const Params& wanted = input.scene.at("effects");
+  const bool contact = !effects::of_role(wanted, effects::Role::contact).empty();
   const bool schwarz = input.scene.at("solver").text("preconditioner") != "jacobi";
+  bool beside = false;
+  for (const auto& [name, block] : wanted.entries())
+    if (const effects::Kind* kind = effects::find_kind(name)) beside = beside || !kind->symmetric;
   double bytes = 0;
   for (const model::BodyInput& b : input.bodies) {
+    if (beside) bytes += (b.midsides.empty() ? kBesidePerTet : kBesidePerQuadraticTet) * static_cast<double>(b.tets.size());
     bytes += (b.midsides.empty() ? kPerTet : kPerQuadraticTet) * static_cast<double>(b.tets.size());
     if (contact) bytes += kPerContactTriangle * static_cast<double>(b.triangles.size());
     if (schwarz && !b.tets.empty()) bytes += kPerNode * static_cast<double>(b.nodes.size());

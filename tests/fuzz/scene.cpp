@@ -39,7 +39,7 @@ const ParamTable kNone{"none", "", {}};
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const scene::EffectTable effects[] = {{"everything", "All kinds of parameters.", &everything()}, {"inertia", "", &kNone},  {"gravity", "", &kNone},
+  const scene::EffectTable effects[] = {{"everything", "All kinds of parameters.", &everything()}, {"inertia", "", &kNone, {}, {}, true},  {"gravity", "", &kNone},
                                         {"elasticity", "", &kNone}, {"barrier_contact", "", &everything()}, {"affine_body", "", &kNone}};
   // A line that begins with "--set " is an override.
   std::string text(reinterpret_cast<const char*>(data), size);

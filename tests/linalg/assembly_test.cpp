@@ -36,6 +36,7 @@ struct Random {
     std::vector<Index> counts(n + 1);
     for (Index& c : counts) c = static_cast<Index>(rng() % 9);
     contact.resize(Buffer<Index>(counts));
+    contact.need_hessian();
     fill_random(contact, blocks, true, rng);
   }
 };

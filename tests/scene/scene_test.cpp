@@ -43,7 +43,7 @@ const ParamTable kLoad{
      optional(of(Kind::text, "follows", Unit::none, {}, "Effect.")), table("side", &kSides, "Bodies."),
      optional(of(Kind::pairs, "pairs", Unit::none, {}, "Pairs.")),
      range(number("mu", Unit::none, "0.5", 0, "Coefficient."), 0, 10), of(Kind::flag, "on", Unit::none, "true", "Switch.")}};
-const std::vector<EffectTable> kEffects{{"inertia", "One.", &kEmpty},
+const std::vector<EffectTable> kEffects{{"inertia", "One.", &kEmpty, {}, {}, true},
                                         {"elasticity", "Two.", &kEmpty},
                                         {"affine_body", "Three.", &kEmpty},
                                         {"load", "Four.", &kLoad},

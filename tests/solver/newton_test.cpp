@@ -194,3 +194,38 @@ TEST(LagLoop, RelaxesEveryEnvironmentByItself) {
   EXPECT_EQ(lag.relative(0), 0.1 * 0.05);
   EXPECT_EQ(lag.relative(1), 0.1 * 1e-3);
 }
+
+// atan has no second root, but from 3 Newton's step goes to -9.5, and on from there: the natural level has to fall. In the first environment the
+// start is near, and full steps are right.
+TEST(Coupled, TakesShareOfStepsThatLowersTheNaturalLevel) {
+  const Law atan{[](Index, const Vec3&, const Vec3&) { return 0.0; },
+                 [](Index, const Vec3& d) -> Vec3 { return {std::atan(d.x()), std::atan(d.y()), std::atan(d.z())}; },
+                 [](Index, const Vec3& d) -> Mat3 { return (Vec3(1, 1, 1) + d.cwiseProduct(d)).cwiseInverse().asDiagonal(); }};
+  Problem p(2);
+  p.add(kTwisted, atan);
+  System system(p.model, p.effects, p.options, p.clock);
+  system.begin_solve();
+  const auto linear = make_direct(p.model, system.rows, false);
+  linear->begin_solve(true);
+  CurvaturePolicy curvature(2);
+  linalg::BlockMatrix A;
+  Linearised at = system.potential.linearised(), near = system.potential.linearised();
+  std::vector<Vec3> x = p.model.q.download();
+  for (int b = 0; b < 8; ++b) x[b] += b < 4 ? Vec3(0.3, 0, 0.1) : Vec3(3, 0, -2);
+  device::Buffer<Vec3> q(x);
+  EnvTable envs(2);
+  envs[0].state = envs[1].state = EnvState::stuck;
+  StepReport report;
+  std::vector<double> least(2, 1.0);
+  const Coupled::Watch watch{[](const Residual&, Index, const EnvMask&) {},
+                             [&](const EnvMask& whose, const std::vector<Index>&) {
+                               for (Index e = 0; e < 2; ++e)
+                                 if (whose[e]) least[e] = std::min(least[e], envs[e].alpha);
+                             }};
+  Coupled(system, *linear, curvature, A).solve(q, 1e-6, at, near, envs, report, [] {}, watch);
+  EXPECT_TRUE(envs.is(0, EnvState::solved));
+  EXPECT_TRUE(envs.is(1, EnvState::solved));
+  EXPECT_EQ(least[0], 1);
+  EXPECT_LT(least[1], 1);
+  for (const Vec3& d : p.moved(q)) EXPECT_LT(d.norm(), 1e-5);
+}
