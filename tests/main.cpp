@@ -35,7 +35,8 @@ void choose(const std::string& wanted, char** argv) {
 #ifdef __CUDACC__
   (void)argv;
   const int number = wanted.size() > 5 ? std::atoi(wanted.c_str() + 5) : 0;
-  if (number >= static_cast<int>(device::devices().size())) throw Error(Exit::device, "no NVIDIA GPU (or driver) on this machine");
+  std::string why_none = "too few GPUs";
+  if (number >= static_cast<int>(device::devices(&why_none).size())) throw Error(Exit::device, why_none);
   device::select(number, false);
 #else
   char self[PATH_MAX] = {};

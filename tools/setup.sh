@@ -26,6 +26,17 @@ install_missing() {
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >&2
 }
 
+# Python packages for the tests, in $venv. A current VTK reads our files back as ParaView would; Debian's own is too old for temporal VTKHDF.
+venv=$root/.venv
+venv_ready() {
+  local stamp=$venv/.ready-1
+  [[ ! -f $stamp ]] || return 0
+  say "setting up Python packages for the tests in .venv"
+  /usr/bin/python3 -m venv "$venv"
+  "$venv/bin/pip" install -q --disable-pip-version-check 'vtk>=9.3' numpy h5py jsonschema pyyaml >&2
+  touch "$stamp"
+}
+
 # The CUDA module is built where there is a GPU to run it, for that GPU only; `.ci/run` builds it wherever nvcc is found.
 configure() {
   [[ -f $build/build.ninja ]] && return 0

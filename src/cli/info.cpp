@@ -17,12 +17,11 @@ using Json = nlohmann::ordered_json;
 Json facts() {
   Json devices = Json::array(), kernels = engine::cpu_api().architectures();
   std::string no_cuda;
-  std::vector<device::DeviceInfo> found = engine::cpu_api().devices();
+  std::vector<device::DeviceInfo> found = engine::cpu_api().devices(nullptr);
   if (const engine::Api* cuda = engine::cuda_api(no_cuda)) {
-    const auto gpus = cuda->devices();
+    const auto gpus = cuda->devices(&no_cuda);
     for (const std::string& a : cuda->architectures()) kernels.push_back(a);
     found.insert(found.end(), gpus.begin(), gpus.end());
-    if (gpus.empty()) no_cuda = "no NVIDIA GPU (or driver) on this machine";
   }
   for (const device::DeviceInfo& d : found)
     devices.push_back({{"kind", d.kind},

@@ -1,5 +1,7 @@
 #include "device/cholesky.h"
 
+#include <cmath>
+
 #include "base/error.h"
 
 #ifdef MORTISE_CUSOLVER
@@ -61,6 +63,9 @@ bool Cholesky::factor(const Buffer<double>& value) {
   s.work.resize(static_cast<Index>(work));
   count_launch("cusolver.factor");
   ask(cusolverSpDcsrcholFactor(s.handle, n, s.col.n, s.general, value.view().p, s.start.p, s.col.p, s.info, s.work.view().p), "factorisation");
+  // A pivot that is no number is none that is zero.
+  const View<const double> v = value.view();
+  if (!std::isfinite(max("cusolver.finite", v.n, 0, [=] MORTISE_HD(Index i) { return v[i] < 0 ? -v[i] : v[i]; }))) return false;
   int bad = -1;
   ask(cusolverSpDcsrcholZeroPivot(s.handle, s.info, 0.0, &bad), "factorisation");
   return bad < 0;

@@ -11,6 +11,8 @@ std::map<std::string, long long, std::less<>>& ledger() {
   static std::map<std::string, long long, std::less<>> counts;
   return counts;
 }
+const std::string none;
+const std::string* last = &none;  // a key of the ledger
 MemoryUse use;
 Transfers moved;
 
@@ -18,12 +20,12 @@ Transfers moved;
 
 void count_launch(std::string_view name) {
   auto& counts = ledger();
-  const auto it = counts.find(name);
-  if (it != counts.end())
-    ++it->second;
-  else
-    counts.emplace(std::string(name), 1);
+  auto it = counts.find(name);
+  if (it == counts.end()) it = counts.emplace(std::string(name), 0).first;
+  ++it->second;
+  last = &it->first;
 }
+const std::string& last_launch() { return *last; }
 
 std::vector<LaunchCount> launch_counts() {
   std::vector<LaunchCount> out;
@@ -31,7 +33,10 @@ std::vector<LaunchCount> launch_counts() {
   return out;
 }
 
-void reset_launch_counts() { ledger().clear(); }
+void reset_launch_counts() {
+  ledger().clear();
+  last = &none;
+}
 
 Transfers transfers() { return moved; }
 
@@ -70,7 +75,7 @@ void run_starts(const Buffer<std::uint64_t>& sorted_keys, Buffer<Index>& start, 
 
 Error out_of_memory(std::size_t asked, std::size_t memory) {
   const auto mib = [](std::size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"; };
-  return Error(Exit::device, "out of device memory: " + mib(asked) + " more asked for, " + mib(use.now) + " in use" + (memory > 0 ? " of " + mib(memory) : ""));
+  return Error(Exit::device, "out of device memory: " + mib(asked) + " more asked for" + (last_launch().empty() ? "" : " (after '" + last_launch() + "')") + ", " + mib(use.now) + " in use" + (memory > 0 ? " of " + mib(memory) : ""));
 }
 
 }  // namespace mortise::device

@@ -44,7 +44,7 @@ void set_threads(int n) {
 }
 int threads() { return thread_count > 0 ? thread_count : allowed_threads(); }
 
-std::vector<DeviceInfo> devices() {
+std::vector<DeviceInfo> devices(std::string*) {
   const std::size_t memory = static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE));
   DeviceInfo cpu{"cpu", cpu_name(), threads(), memory, "", "", ""};
   if (trap::on) cpu.kind = "debug", cpu.memory = trap::memory();
@@ -111,7 +111,7 @@ void scan(Buffer<Index>& counts) {
 }
 
 // Least-significant-digit radix sort, 11 bits a pass; passes in which all keys agree are skipped.
-void sort_pairs(Buffer<std::uint64_t>& keys, Buffer<Index>& values) {
+void sort_pairs(Buffer<std::uint64_t>& keys, Buffer<Index>& values, int) {
   constexpr int kBits = 11;
   constexpr std::uint64_t kMask = (1u << kBits) - 1;
   const Index n = keys.size();

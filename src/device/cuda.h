@@ -20,7 +20,7 @@ void parallel_for(const char* name, Index n, F f) {
   if (n <= 0) return;
   count_launch(name);
   constexpr int kBlock = 128;
-  run_kernel<<<(n + kBlock - 1) / kBlock, kBlock, 0, launch_stream>>>(n, f);
+  run_kernel<<<(n - 1) / kBlock + 1, kBlock, 0, launch_stream>>>(n, f);
   check(cudaGetLastError(), name);
 }
 

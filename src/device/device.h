@@ -35,6 +35,7 @@ struct LaunchCount {
   long long launches = 0;
 };
 void count_launch(std::string_view name);
+const std::string& last_launch();  // empty before the first
 std::vector<LaunchCount> launch_counts();
 void reset_launch_counts();
 
@@ -47,8 +48,8 @@ struct MemoryUse {
 };
 MemoryUse memory_use();
 
-// What this build can run on: the CPU, or the GPUs of this machine.
-std::vector<DeviceInfo> devices();
+// What this build can run on: the CPU, or the GPUs of this machine; where there are none, *why_none says why.
+std::vector<DeviceInfo> devices(std::string* why_none = nullptr);
 // What kernels were compiled for, e.g. "x86-64" or "sm_90".
 std::vector<std::string> architectures();
 
@@ -197,8 +198,9 @@ void env_min(const char* name, const std::vector<Index>& offset, F f, Out&& out)
 void scan(Buffer<Index>& counts);
 Index exclusive_scan(Buffer<Index>& counts);  // returns the total too
 
-// Stable ascending sort of keys, carrying values along.
-void sort_pairs(Buffer<std::uint64_t>& keys, Buffer<Index>& values);
+// Stable ascending sort of keys, carrying values along. A GPU's time goes by the number of bits, which callers may know: only the lower `bits`
+// of a key are looked at.
+void sort_pairs(Buffer<std::uint64_t>& keys, Buffer<Index>& values, int bits = 64);
 
 // Start of every run of equal keys below `limit` in a sorted buffer, followed by the end of the last: run k is [start[k], start[k+1]).
 inline constexpr std::uint64_t kNoKey = ~0ull;

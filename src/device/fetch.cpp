@@ -11,11 +11,13 @@ struct Sources {
   Index words[kAtOnce] = {}, to[kAtOnce] = {};
 };
 
-void gather(const Sources& sources, Index n, Index most, View<std::uint32_t> out) {
+// The words [begin, end) of `out`.
+void gather(const Sources& sources, Index begin, Index end, View<std::uint32_t> out) {
   const Sources s = sources;
-  parallel_for("fetch.gather", n * most, [=] MORTISE_HD(Index i) {
-    const Index k = i / most, j = i % most;
-    if (j < s.words[k]) out[s.to[k] + j] = s.from[k][j];
+  parallel_for("fetch.gather", end - begin, [=] MORTISE_HD(Index i) {
+    Index k = 0;
+    while (begin + i >= s.to[k] + s.words[k]) ++k;
+    out[begin + i] = s.from[k][begin + i - s.to[k]];
   });
 }
 
@@ -33,14 +35,13 @@ std::vector<std::uint32_t> Fetch::bring() const {
   Index to = 0;
   for (std::size_t first = 0; first < there.size(); first += kAtOnce) {
     Sources s;
-    Index n = 0, most = 0;
-    for (; n < kAtOnce && first + n < there.size(); ++n) {
+    const Index begin = to;
+    for (Index n = 0; n < kAtOnce && first + n < there.size(); ++n) {
       const Wish& w = *there[first + n];
       s.from[n] = w.from, s.words[n] = w.words, s.to[n] = to;
       to += w.words;
-      most = w.words > most ? w.words : most;
     }
-    gather(s, n, most, staged.view());
+    gather(s, begin, to, staged.view());
   }
   copy_out(host.data(), staged.view().p, total * sizeof(Word));
   return host;

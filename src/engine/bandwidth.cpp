@@ -69,8 +69,8 @@ void measure_bandwidth(Index edge, Bandwidth& out) {
   out.multiply_bytes = bytes;
   out.multiply_seconds = seconds_of([&] { linalg::multiply(A, std::as_const(x).view(), y.view()); }, finish);
 
-  const auto half = static_cast<std::size_t>(bytes / 2);
-  Buffer<char> from(static_cast<Index>(half)), to(static_cast<Index>(half));
+  const std::size_t half = static_cast<std::size_t>(bytes / 2) / sizeof(double) * sizeof(double);
+  Buffer<double> from(static_cast<Index>(half / sizeof(double))), to(from.size());
   from.zero();
   out.copy_bytes = 2.0 * static_cast<double>(half);  // read and written
   out.copy_seconds = seconds_of([&] { device::copy(to.view().p, from.view().p, half); }, finish);

@@ -17,7 +17,7 @@ Choice choose_cpu(bool debug, int threads) {
   const Api& cpu = cpu_api();
   check(cpu.select(0, debug));
   cpu.set_threads(threads);
-  return last.emplace(Choice{&cpu, cpu.devices().front()});
+  return last.emplace(Choice{&cpu, cpu.devices(nullptr).front()});
 }
 
 // The number in "cuda:3"; 0 for "cuda". -1 when the name is no GPU's.
@@ -45,13 +45,13 @@ Choice choose(const std::string& wanted, int threads) {
 
   std::string why_not;
   if (const Api* cuda = cuda_api(why_not)) {
-    const std::vector<device::DeviceInfo> found = cuda->devices();
+    const std::vector<device::DeviceInfo> found = cuda->devices(&why_not);
     const auto n = static_cast<int>(found.size());
     if (number < n) {
       check(cuda->select(number, false));
       return last.emplace(Choice{cuda, found[number]});
     }
-    why_not = n == 0 ? "no NVIDIA GPU (or driver) on this machine" : "this machine has " + std::to_string(n) + (n == 1 ? " GPU" : " GPUs");
+    if (n > 0) why_not = "this machine has " + std::to_string(n) + (n == 1 ? " GPU" : " GPUs");
   }
   if (automatic) return choose_cpu(false, threads);
   throw Error(Exit::device, "--device " + wanted + ": " + why_not);

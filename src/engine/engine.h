@@ -58,14 +58,14 @@ struct Bandwidth {
 // What a build of the engine offers.
 struct Api {
   int version;
-  std::vector<device::DeviceInfo> (*devices)();
+  std::vector<device::DeviceInfo> (*devices)(std::string* why_none);
   std::vector<std::string> (*architectures)();  // that kernels were compiled for
   Outcome (*select)(int number, bool debug);    // device::select; before the first engine is created
   void (*set_threads)(int);
   Outcome (*create)(const model::ModelInput&, std::unique_ptr<Engine>& out);
   Outcome (*bandwidth)(Index edge, Bandwidth& out);  // of a cube of edge^3 nodes
 };
-inline constexpr int kApiVersion = 3;
+inline constexpr int kApiVersion = 4;
 
 const Api& cpu_api();
 // The CUDA module's; nullptr where it was not built or does not load, with the reason.

@@ -1,5 +1,7 @@
 #include "linalg/assembly.h"
 
+#include <bit>
+
 namespace mortise::linalg {
 namespace {
 
@@ -68,7 +70,7 @@ void merge(const std::vector<const Grouping*>& lists, Index rows, Buffer<std::ui
     device::parallel_for("assembly.merge", g->groups, [=] MORTISE_HD(Index i) { key[base + i] = from[i]; });
     base += g->groups;
   }
-  device::sort_pairs(keys, order);
+  device::sort_pairs(keys, order, std::bit_width(block_key(rows - 1, rows - 1, rows)));
   device::run_starts(keys, start);
   const Index n = start.size() - 1;
   distinct.resize(n);

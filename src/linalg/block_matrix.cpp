@@ -1,6 +1,7 @@
 #include "linalg/block_matrix.h"
 
 #include <atomic>
+#include <bit>
 
 namespace mortise::linalg {
 namespace {
@@ -43,7 +44,7 @@ void set_pattern(const Buffer<std::uint64_t>& keys, Index rows, BlockMatrix& A) 
     bc[k] = static_cast<std::uint64_t>(row[k] == col[k] ? rows : col[k]);
     o[k] = k;
   });
-  device::sort_pairs(by_column, order);
+  device::sort_pairs(by_column, order, std::bit_width(static_cast<std::uint64_t>(rows)));
   const Index lower = n - rows;
   Buffer<Index> lower_row(lower), lower_start;
   const View<const std::uint64_t> sorted = by_column.view();

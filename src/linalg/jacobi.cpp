@@ -34,7 +34,10 @@ void BlockJacobi::build(const BlockMatrix& A, View<const Vec3>) {
   const View<const Mat3> value = A.value.view();
   const View<Mat3> inverse = inverse_.view();
   const View<Index> bad = bad_.view();
-  device::parallel_for("jacobi.invert", A.rows, [=] MORTISE_HD(Index i) { bad[i] = spd_inverse(value[diagonal[i]], inverse[i]) ? 0 : 1; });
+  device::parallel_for("jacobi.invert", A.rows, [=] MORTISE_HD(Index i) {
+    bad[i] = spd_inverse(value[diagonal[i]], inverse[i]) ? 0 : 1;
+    if (bad[i]) inverse[i].setZero();  // apply() may come before anybody has looked
+  });
 }
 
 void BlockJacobi::apply(View<const Vec3> r, View<Vec3> z) const {

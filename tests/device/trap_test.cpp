@@ -164,6 +164,12 @@ TEST_F(Trap, MemoryIsLimited) {
                 const Buffer<double> a(1 << 20), b(1 << 20);  // 8 MiB each
               }),
               testing::ExitedWithCode(static_cast<int>(Exit::device)), "out of device memory: 8 MiB more asked for, 8 MiB in use of 10 MiB");
+  EXPECT_EXIT(run([] {
+                const Buffer<double> a(1 << 20);
+                parallel_for("fill", 10, [v = a.view()](Index) {});
+                const Buffer<double> b(1 << 20);
+              }),
+              testing::ExitedWithCode(static_cast<int>(Exit::device)), "8 MiB more asked for \\(after 'fill'\\), 8 MiB in use of 10 MiB");
   unsetenv("MORTISE_DEBUG_MEMORY_MIB");
 }
 #endif

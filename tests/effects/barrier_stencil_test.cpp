@@ -131,6 +131,18 @@ void expect_good(const Case& k, double d_hat, double h, Errors& worst, const cha
   worst.hessian = std::max(worst.hessian, e.hessian);
 }
 
+TEST(BarrierStencil, HalfOfAnAngleWithoutTrigonometry) {
+  for (double p : {-3.0, -1e-200, -0.0, 0.0, 1e-9, 2.0})
+    for (double q : {-4.0, -1e-12, -0.0, 0.0, 1e-200, 0.5}) {
+      double cs, sn;
+      half_angle(p, q, cs, sn);
+      const double angle = p * p + q * q > 0 ? 0.5 * std::atan2(q, p) : 0;
+      EXPECT_NEAR(cs, std::cos(angle), 1e-15) << p << " " << q;
+      EXPECT_NEAR(std::fabs(sn), std::fabs(std::sin(angle)), 1e-15) << p << " " << q;
+      if (q != 0) EXPECT_GE(cs * sn * q, 0) << p << " " << q;
+    }
+}
+
 TEST(Barrier, DerivativesMatchDifferences) {
   const double d = 0.3;
   for (double t : {1e-3, 0.05, 0.3, 0.7, 0.99}) {

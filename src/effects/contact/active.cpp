@@ -1,5 +1,7 @@
 #include "effects/contact/active.h"
 
+#include <bit>
+
 #include "effects/contact/select.h"
 
 namespace mortise::effects::contact {
@@ -122,7 +124,7 @@ void group_by_environment(ActiveSet& set, Index envs) {
     const View<const Active> from = set.terms.view();
     device::parallel_for("contact.env_key", n,
                          [=] MORTISE_HD(Index i) { key[i] = static_cast<std::uint64_t>(from[i].env), o[i] = i; });
-    device::sort_pairs(keys, order);
+    device::sort_pairs(keys, order, std::bit_width(static_cast<std::uint64_t>(envs)));
     const View<Active> to = grouped.view();
     const View<const Index> sorted = order.view();
     device::parallel_for("contact.env_order", n, [=] MORTISE_HD(Index i) { to[i] = from[sorted[i]]; });

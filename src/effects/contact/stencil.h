@@ -31,6 +31,21 @@ struct Frame {
   double u[2][4];  // [1/m]
 };
 
+// Cosine and sine of half the angle of (p, q), an angle in (-pi, pi]; the one without cancellation from 2 cos^2 = 1 + p/h or 2 sin^2 = 1 - p/h.
+MORTISE_HD inline void half_angle(double p, double q, double& cs, double& sn) {
+  const double h = std::sqrt(p * p + q * q);
+  cs = 1, sn = 0;
+  if (!(h > 0)) return;
+  if (p >= 0) {
+    cs = std::sqrt(0.5 * (1 + p / h));
+    sn = q / (2 * h * cs);
+  } else {
+    sn = std::sqrt(0.5 * (1 - p / h));
+    cs = q / (2 * h * sn);
+    if (cs < 0) cs = -cs, sn = -sn;
+  }
+}
+
 MORTISE_HD inline Frame frame(const Closest& c, const Vec3 x[4]) {
   Frame f;
   f.free = c.free;
@@ -53,7 +68,8 @@ MORTISE_HD inline Frame frame(const Closest& c, const Vec3 x[4]) {
       f.u[1][i] = (c.dw[1][i] - r12 * f.u[0][i]) / r22;
       a += f.u[0][i] * f.u[0][i], b += f.u[0][i] * f.u[1][i], g += f.u[1][i] * f.u[1][i];
     }
-    const double angle = 0.5 * std::atan2(2 * b, a - g), cs = std::cos(angle), sn = std::sin(angle);
+    double cs, sn;
+    half_angle(a - g, 2 * b, cs, sn);
     for (int i = 0; i < 4; ++i) {
       const double u1 = f.u[0][i], u2 = f.u[1][i];
       f.u[0][i] = cs * u1 + sn * u2;

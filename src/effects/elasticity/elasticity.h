@@ -4,6 +4,7 @@
 // where g_1, g_2, g_3 are the rows of Dm^-1 [1/m] and g_0 = -(g_1 + g_2 + g_3). Psi [Pa] is an energy density with first
 // Piola-Kirchhoff stress P = dPsi/dF [Pa]; then dE/dx_a = V P g_a [N] and d^2E/dx_a dx_b = V (d^2 Psi/dF^2)[g_a, g_b] [N/m].
 // mu, lambda [Pa] are the Lame parameters of linear elasticity; every material below matches them at small strain.
+#include "base/math.h"
 #include "effects/contact/barrier.h"
 #include "geometry/quadratic.h"
 #include "linalg/isotropic.h"
@@ -105,7 +106,7 @@ MORTISE_HD inline double neo_hookean_lambda(double mu, double lambda) { return l
 
 // y - ln(1 + y); by its series where the difference would lose digits.
 MORTISE_HD inline double minus_log1p(double y) {
-  if (y > 0.02 || y < -0.02) return y - std::log1p(y);
+  if (y > 0.02 || y < -0.02) return y - ln1p(y);
   double sum = 0, power = y * y;
   for (int n = 2; n < 12; ++n, power *= -y) sum += power / n;
   return sum;

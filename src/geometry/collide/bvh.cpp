@@ -19,7 +19,7 @@ MORTISE_HD inline void widen(Extent& e, const Extent& o) {
   }
 }
 
-// Bounds of the positions that primitives refer to, left in all[0]: one extent per chunk, then one of them all.
+// Bounds of the positions that primitives refer to, left in all[0]: one extent per chunk, then one per chunk of these.
 void bounds(const Primitives& p, View<const Vec3> y, Buffer<Extent>& all) {
   constexpr Index kSpan = 1024;
   const Index n = p.n, chunks = (n + kSpan - 1) / kSpan;
@@ -39,9 +39,20 @@ void bounds(const Primitives& p, View<const Vec3> y, Buffer<Extent>& all) {
       }
     out[c] = e;
   });
-  device::parallel_for("bvh.bounds", 1, [=] MORTISE_HD(Index) {
-    for (Index c = 1; c < chunks; ++c) widen(out[0], out[c]);
-  });
+  Buffer<Extent> fewer;
+  while (all.size() > 1) {
+    const Index n_wide = all.size();
+    fewer.resize((n_wide - 1) / device::kChunk + 1);
+    const View<const Extent> wide = std::as_const(all).view();
+    const View<Extent> narrow = fewer.view();
+    device::parallel_for("bvh.bounds", narrow.n, [=] MORTISE_HD(Index c) {
+      const Index begin = c * device::kChunk, end = n_wide - begin < device::kChunk ? n_wide : begin + device::kChunk;
+      Extent e = wide[begin];
+      for (Index k = begin + 1; k < end; ++k) widen(e, wide[k]);
+      narrow[c] = e;
+    });
+    all.swap(fewer);
+  }
 }
 
 // Orders primitives by environment, then along a Morton curve through their centroids.
@@ -80,7 +91,7 @@ void morton_order(const Primitives& p, const SurfaceView& s, Index environments,
     k[i] = static_cast<std::uint64_t>(env[point]) << (3 * bits) | key;
     o[i] = i;
   });
-  device::sort_pairs(keys, order);
+  device::sort_pairs(keys, order, 3 * bits + env_bits);
 }
 
 void build_leaves(const Primitives& p, const SurfaceView& s, View<const Index> order, View<const Vec3> y, View<const Vec3> dy,
