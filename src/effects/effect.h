@@ -26,7 +26,9 @@ struct StepInfo {
   Index step = 0;        // number of the step, from 0
   bool is_static = false;
   std::vector<std::uint8_t> whose{};  // environments that take it, or empty: all do
+  std::vector<std::uint8_t> first_order{};  // environments in which integrators of second order take this step by their first-order form; empty: none
   double t1() const { return t0 + dt; }
+  bool of_first_order(Index env) const { return !first_order.empty() && first_order[env] != 0; }
   bool taken_by(Index env) const { return whose.empty() || whose[env] != 0; }
 };
 
@@ -67,6 +69,10 @@ class Effect {
 
   // Of an integrator: every step should lose energy (solver/energy_ledger.h).
   virtual bool loses_energy() const { return false; }
+  // Of an integrator: is the step under way of second order? Then what it adds of its own over the step to q, T(q) - T(q_n) - M a . (q - q_n), is not
+  // minus its energy at q; it goes to `gain`, and the kinetic energy T(q_n) that there was to `there` [J].
+  virtual bool second_order(Index env) const { return (void)env, false; }
+  virtual void own_gain(Positions q, device::EnvValues gain, device::EnvValues there) { (void)q, (void)gain, (void)there; }
   // Parameters that must fit the solution q of the very step are changed; raises per_env where the step has to be solved again with them,
   // from q or from its start. `at`: q. Nothing outlives a step that is given up.
   enum class Refit { none, from_here, from_start };

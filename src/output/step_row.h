@@ -16,6 +16,7 @@ struct StepRow {
   double cg_iterations = 0;      // of all linear solves; 0 with the direct solver
   double line_search_halvings = 0;
   double regularised = 0;         // factorisations that needed a diagonal shift
+  double first_order = 0;         // parts that an integrator of second order took by its first-order form
   double contacts = unknown;      // active contact pairs
   double min_gap = unknown;       // smallest gap [m]
   double residual = unknown;      // force residual at the end, of the body nearest its tolerance [N]
@@ -32,7 +33,7 @@ struct StepColumn {
   const char* description;
 };
 
-inline constexpr std::array<StepColumn, 16> step_columns = {{
+inline constexpr std::array<StepColumn, 17> step_columns = {{
     {"step", "1", &StepRow::step, "number of the step, from 1"},
     {"time", "s", &StepRow::time, "at the end of the step"},
     {"dt", "s", &StepRow::dt, "length of the step"},
@@ -42,6 +43,7 @@ inline constexpr std::array<StepColumn, 16> step_columns = {{
     {"cg_iterations", "1", &StepRow::cg_iterations, "of all linear solves; 0 with a direct solver"},
     {"line_search_halvings", "1", &StepRow::line_search_halvings, "of all Newton iterations"},
     {"regularised", "1", &StepRow::regularised, "factorisations that needed a diagonal shift"},
+    {"first_order", "1", &StepRow::first_order, "parts of the step that BDF2 left to backward Euler, since it would have gained energy"},
     {"contacts", "1", &StepRow::contacts, "active contact pairs"},
     {"min_gap", "m", &StepRow::min_gap, "smallest gap"},
     {"residual", "N", &StepRow::residual, "force residual at the end of the body that is nearest its tolerance"},

@@ -40,13 +40,19 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
   const EffectList& effects = potential_.effects();
   std::vector<std::vector<double>> along(effects.size(), std::vector<double>(model_.envs, 0.0));
   std::vector<double> work(model_.envs, 0.0);
+  std::vector<std::vector<double>> own(effects.size()), there(effects.size());  // of steps of second order
   device::Buffer<Vec3> move, held;
   const bool measured = measures_ && !start_.empty();
   if (measured) {
     subtract(q, model_.q.view(), move);
     support_move(model_.q.view(), q, model_.projector.view(), held);
     for (std::size_t k = 0; k < effects.size(); ++k)
-      if (effects[k]->kind().stores_energy()) dot(at.gradients[k].view(), std::as_const(move).view(), model_.env_blocks, {along[k], fetch});
+      if (effects[k]->loses_energy()) {
+        own[k].assign(model_.envs, 0.0), there[k] = own[k];
+        bool any = false;
+        for (Index e = 0; e < model_.envs; ++e) any = any || effects[k]->second_order(e);
+        if (any) effects[k]->own_gain(q, {own[k], fetch}, {there[k], fetch});
+      } else if (effects[k]->kind().stores_energy()) dot(at.gradients[k].view(), std::as_const(move).view(), model_.env_blocks, {along[k], fetch});
     dot(at.gradient.view(), std::as_const(held).view(), model_.env_blocks, {work, fetch});
   }
   fetch.now();
@@ -61,6 +67,9 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
       if (effects[k]->kind().stores_energy()) {
         step.gain += after - before - along[k][e];
         step.there += std::max(std::abs(before), std::abs(after));
+      } else if (effects[k]->second_order(e)) {
+        step.second_order = true;
+        step.gain += own[k][e], step.there += there[k][e];
       } else if (effects[k]->kind().role == effects::Role::inertia) {
         step.gain -= after;
         step.there += before;

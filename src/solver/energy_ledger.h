@@ -8,6 +8,8 @@
 //   gain = sum over stores [ Phi(q1) - Phi(q0) - grad Phi(q1) . (q1 - q0) ]  -  1/2 |v1 - v0|_M^2,
 //
 // and the last term is the energy of inertia at q1, as 1/2 |v0|_M^2 is that at q0. Supports did the work of what they bear at q1 on their way.
+// BDF2 bounds no energy: with M a its force at q1, T(q1) - T(q0) - M a . (q1 - q0) stands in the place of the last term. A step of it that gains too
+// much is taken anew by backward Euler, which is no less accurate where a body strikes or lets go.
 #include "solver/envs.h"
 #include "solver/potential.h"
 
@@ -18,6 +20,7 @@ struct StepEnergy {
   double gain = 0;   // what the integrator itself added
   double there = 0;  // energy that there was
   double work = 0;   // of supports
+  bool second_order = false;  // the step
 };
 
 class EnergyLedger {

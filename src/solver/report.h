@@ -25,6 +25,7 @@ struct StepReport {
   Index cg = 0;         // linear iterations (0 with the direct solver)
   Index line_search = 0;  // halvings in line searches
   Index softened = 0;     // directions for which negative curvature had to be taken away
+  Index first_order = 0;  // substeps that an integrator of second order took by its first-order form
   Index regularised = 0;  // factorisations that needed a diagonal shift
   double alpha = 1;     // smallest accepted step length
   double residual = 0;  // force residual at the end, of the body nearest its tolerance [N]

@@ -137,6 +137,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
   struct Cut {
     long done = 0, size = 0;
     EnergyGuard guard;
+    bool first_order = false;  // the step under way
   };
   const long units = 1L << options_.halvings;
   std::vector<Cut> cuts(model_.envs);
@@ -167,6 +168,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
     for (const Cut& c : cuts) whose.push_back(c.done == done && c.size == size);
     effects::StepInfo info{time_ + options_.dt * (static_cast<double>(done) / units), options_.dt * (static_cast<double>(size) / units), step_, options_.is_static};
     info.whose = some_of(whose);
+    for (const Cut& c : cuts) info.first_order.push_back(c.first_order);
     std::vector<std::string> why(model_.envs);
     try {
       for (const auto& effect : effects_) {
@@ -184,7 +186,10 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
     EnvMask accepted(model_.envs, 0);
     for (Index e = 0; e < model_.envs; ++e) {
       if (!whose[e]) continue;
-      if (size > 1 && (!why[e].empty() || cuts[e].guard.wants_halving(newton_.energies().of_step(e), gain))) {
+      const StepEnergy& energy = newton_.energies().of_step(e);
+      if (why[e].empty() && energy.second_order && energy.gain > tuning::kSecondOrderGainShare * energy.there) {
+        cuts[e].first_order = true;
+      } else if (size > 1 && (!why[e].empty() || (!energy.second_order && cuts[e].guard.wants_halving(energy, gain)))) {
         cuts[e].size /= 2;
       } else if (!why[e].empty()) {
         std::ostringstream message;
@@ -216,6 +221,8 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
       if (!accepted[e]) continue;
       Cut& c = cuts[e];
       c.guard.accepted();
+      report.first_order += c.first_order;
+      c.first_order = false;
       c.done += size;
       if (size < units && c.done % (2 * size) == 0) c.size *= 2;
     }

@@ -64,6 +64,7 @@ inline constexpr double kMostDifference = 1e-9;    // and no more than curvature
 // ---- energy (energy_ledger.h)
 inline constexpr double kGainShare = 1e-6;     // of the energy there is: what a step may gain from nowhere
 inline constexpr double kFrozenGainShare = 1e-3;  // where something is frozen, what that feeds into motions does not fall with the step
+inline constexpr double kSecondOrderGainShare = 1e-3;  // BDF2 may, as its own oscillations of energy are of that size in smooth motion
 inline constexpr double kGainFalls = 3;        // halving must lower the gain by this; that of backward Euler falls to about a quarter
 
 // ---- steps (simulation.h)

@@ -59,7 +59,7 @@ std::vector<double> column(const File& file, const std::string& path) { return f
 // Sum of the forces on a body, less the change of its momentum, against what the solver said that it left: the residual of the step in every
 // node, its tolerance as a share of the forces on the body, and rounding of what was saved.
 void judge_forces(const File& file, const Case& c, Verdict& v) {
-  const std::vector<double> residual = column(file, "/mortise/steps/residual"), lag = column(file, "/mortise/steps/lag_residual"), substeps = column(file, "/mortise/steps/substeps");
+  const std::vector<double> residual = column(file, "/mortise/steps/residual"), lag = column(file, "/mortise/steps/lag_residual"), substeps = column(file, "/mortise/steps/substeps"), first_order = column(file, "/mortise/steps/first_order");
   const long steps = static_cast<long>(residual.size());
   if (c.loads || c.frame_every != 1 || steps + 1 != c.frames || static_cast<long>(lag.size()) != steps || static_cast<long>(substeps.size()) != steps) return;
   if (c.inertia && !(c.step > 0)) return;
@@ -93,8 +93,9 @@ void judge_forces(const File& file, const Case& c, Verdict& v) {
         const Vector on{support[0][f], support[1][f], support[2][f]};
         sum += on, size += norm(on);
       }
-      if (c.inertia) {  // backward Euler, or BDF2 from the second step on
-        const Vector change = c.bdf2 && f > 1 ? 1.5 * at[f].momentum - 2 * at[f - 1].momentum - -0.5 * at[f - 2].momentum : at[f].momentum - at[f - 1].momentum;
+      if (c.inertia) {  // backward Euler, or BDF2 from the second step on, where it did not leave the step to backward Euler
+        const bool second = c.bdf2 && f > 1 && !(static_cast<long>(first_order.size()) == steps && first_order[f - 1] > 0);
+        const Vector change = second ? 1.5 * at[f].momentum - 2 * at[f - 1].momentum - -0.5 * at[f - 2].momentum : at[f].momentum - at[f - 1].momentum;
         sum += (-1 / c.step) * change;
         size += (at[f].size + at[f - 1].size) / c.step;
       }

@@ -65,7 +65,8 @@ class Inertia final : public Effect {
   }
 
   const Kind& kind() const override;
-  bool loses_energy() const override { return !bdf2_; }
+  bool loses_energy() const override { return true; }
+  bool second_order(Index env) const override { return integrator_[env].a2 != 0; }
   std::vector<PlanItem> plan() const override {
     return {{"mass entries", pairs_.bytes() + counts_.bytes()}, {"history", q_begin_.bytes() + q_prev_.bytes() + v_.bytes() + v_prev_.bytes() + q_hat_.bytes()}};
   }
@@ -73,7 +74,7 @@ class Inertia final : public Effect {
   // Changes no history, so that a step may be tried again with a smaller dt.
   void begin_step(const StepInfo& step) override {
     for (Index e = 0; e < model_.envs; ++e)
-      if (step.taken_by(e)) integrator_[e] = bdf2_ && dt_prev_[e] > 0 ? inertia::bdf2(step.dt, dt_prev_[e]) : inertia::backward_euler(step.dt);
+      if (step.taken_by(e)) integrator_[e] = bdf2_ && dt_prev_[e] > 0 && !step.of_first_order(e) ? inertia::bdf2(step.dt, dt_prev_[e]) : inertia::backward_euler(step.dt);
     integrators_.upload(integrator_);
     const View<const inertia::Integrator> in = std::as_const(integrators_).view();
     const View<const Index> env = std::as_const(model_.block_env).view();
@@ -96,6 +97,28 @@ class Inertia final : public Effect {
           return inertia::energy(p.i == p.j, in[env[p.i]].c() * p.m, q[p.i] - hat[p.i], q[p.j] - hat[p.j]);
         },
         per_env);
+  }
+
+  void own_gain(Positions q, device::EnvValues gain, device::EnvValues there) override {
+    const View<const MassPair> pair = std::as_const(pairs_).view();
+    const Positions hat = std::as_const(q_hat_).view(), qn = std::as_const(q_begin_).view(), qn1 = std::as_const(q_prev_).view(), vn = std::as_const(v_).view();
+    const View<const inertia::Integrator> in = std::as_const(integrators_).view();
+    const View<const Index> env = std::as_const(model_.block_env).view();
+    device::env_sum(
+        "inertia.own_gain", env_offset_,
+        [=] MORTISE_HD(Index s) {
+          const MassPair p = pair[s];
+          const inertia::Integrator of = in[env[p.i]];
+          const Index ij[2] = {p.i, p.j};
+          Vec3 v[2], before[2], d[2], w[2];
+          for (int k = 0; k < 2; ++k) {
+            const Index b = ij[k];
+            v[k] = of.velocity(q[b], qn[b], qn1[b]), before[k] = vn[b], d[k] = q[b] - hat[b], w[k] = q[b] - qn[b];
+          }
+          return inertia::own_gain(p.i == p.j, p.m, of.c(), v, before, d, w);
+        },
+        gain);
+    device::env_sum("inertia.kinetic", env_offset_, [=] MORTISE_HD(Index s) { return inertia::energy(pair[s].i == pair[s].j, pair[s].m, vn[pair[s].i], vn[pair[s].j]); }, there);
   }
 
   void linearise(Positions q, Want want, Linearisation& at) override {
