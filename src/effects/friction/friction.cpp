@@ -67,10 +67,10 @@ MORTISE_HD inline Index distinct_blocks(const model::PointMapView& map, const Co
   return model::expand<model::kSamplePoints>(map, s.point, s.points).blocks;
 }
 
-// Fills pattern, block weights and loads from the published samples.
-void freeze(const model::PointMapView& map, const Buffer<ContactSample>& published, View<const double> mu,
+// Fills pattern, block weights and loads from the samples.
+void freeze(const model::PointMapView& map, const Buffer<ContactSample>& samples, View<const double> mu,
             Index bodies_and_planes, linalg::StencilSet& stencils, Buffer<double>& weights, Buffer<Frozen>& frozen) {
-  const View<const ContactSample> sample = published.view();
+  const View<const ContactSample> sample = samples.view();
   Buffer<Index> counts(sample.n + 1);
   const View<Index> count = counts.view();
   device::parallel_for("friction.count_blocks", sample.n,
@@ -93,8 +93,8 @@ void freeze(const model::PointMapView& map, const Buffer<ContactSample>& publish
 }
 
 // Friction force on the first body of every sample and its slip against the second [N, m].
-void measure(const Slips& s, const Buffer<ContactSample>& published, Positions q, Buffer<Vec3>& force, Buffer<Vec3>& slip) {
-  const View<const ContactSample> sample = published.view();
+void measure(const Slips& s, const Buffer<ContactSample>& samples, Positions q, Buffer<Vec3>& force, Buffer<Vec3>& slip) {
+  const View<const ContactSample> sample = samples.view();
   force.resize(s.size()), slip.resize(s.size());
   const View<Vec3> f = force.view(), u = slip.view();
   device::parallel_for("friction.measure", s.size(), [=] MORTISE_HD(Index i) {
