@@ -43,10 +43,13 @@ def counted(build, scene, values, steps):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=Path)
+    parser.add_argument("--only", default="", help="cases with this in their names")
     parser.add_argument("--result", type=Path)
     a = parser.parse_args()
     rows, seen = [], {}
     for name, (scene, values, before, environments) in CASES.items():
+        if a.only not in name:
+            continue
         if scene not in seen:
             seen[scene] = [counted(a.build.resolve(), scene, values, n) for n in (before, before + 1)]
         (k0, n0, w0), (k1, n1, w1) = seen[scene]
