@@ -7,10 +7,13 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <sstream>
+#include <thread>
 
 #include "base/error.h"
 #include "render/image.h"
@@ -70,13 +73,28 @@ bool Folder::used() const {
   return false;
 }
 
+namespace {
+
+// Ended processes that nobody has waited for are not.
+bool alive(pid_t process) {
+  if (kill(process, 0) != 0) return false;
+  std::ifstream in("/proc/" + std::to_string(process) + "/stat");
+  std::string text;
+  std::getline(in, text);
+  const std::size_t after = text.rfind(") ");
+  return after == std::string::npos || text[after + 2] != 'Z';
+}
+
+}  // namespace
+
 std::string Folder::lock() {
   if (lock_ >= 0) return "";
   std::error_code ec;
   fs::create_directories(path_, ec);
   if (ec) throw Error(Exit::file, "cannot create '" + path_ + "': " + ec.message());
   const std::string path = file(kLock), self = host();
-  for (;;) {
+  constexpr int kTries = 20;  // a tenth of a second each: a process that was killed holds its files until the disk has answered
+  for (int tries = 0;;) {
     const int file = open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (file < 0) fail("cannot create '" + path + "'");
     const bool held = flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
@@ -86,9 +104,13 @@ std::string Folder::lock() {
       continue;
     }
     // A file system without locks: the process is asked for.
-    const bool here = owner.host == self, lives = held || (here && owner.process != getpid() && owner.process > 0 && kill(static_cast<pid_t>(owner.process), 0) == 0);
+    const bool here = owner.host == self, lives = held || (here && owner.process != getpid() && owner.process > 0 && alive(static_cast<pid_t>(owner.process)));
     if (lives || (!owner.host.empty() && !here)) {
       close(file);
+      if (lives && ++tries < kTries) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        continue;
+      }
       const std::string who = owner.host.empty() ? "another process" : "process " + std::to_string(owner.process) + " on " + owner.host;
       throw Error(Exit::file, "'" + path_ + "' is in use by " + who + (here || held ? "" : "\n  if that run is over, remove " + path));
     }

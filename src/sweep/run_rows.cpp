@@ -34,11 +34,12 @@ pid_t start(const std::vector<std::string>& arguments, const std::string& log) {
   std::vector<char*> argv;
   for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);
-  const pid_t child = fork();
+  const pid_t parent = getpid(), child = fork();
   if (child < 0) throw Error(Exit::internal, "cannot start a process");
   if (child > 0) return child;
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // a row stands that; one that nobody waits for would hold its folder
+  if (getppid() != parent) _exit(127);    // it was too late for that
   const int fd = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644), none = open("/dev/null", O_RDONLY);
   if (none >= 0) dup2(none, 0);
   if (fd >= 0) dup2(fd, 1), dup2(fd, 2);
