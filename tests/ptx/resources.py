@@ -29,7 +29,8 @@ def without_arguments(name):
 
 
 def readable(name):
-    name = without_arguments(name)
+    name = without_arguments(re.sub(r"_GLOBAL__N__[0-9a-f]{8}_", "_GLOBAL__N__", name))  # nvcc's hash of the source's path
+    name = re.sub(r"_cpp_[0-9a-f]{8}", "_cpp_", name)
     if m := re.match(r"void mortise::device::run_kernel<(.*)>$", name):
         name = m[1]
     return re.sub(r"\bmortise::|\banonymous::| const\b|\[clone [^]]*\]", "", name).replace("> >", ">>").strip()
