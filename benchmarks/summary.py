@@ -56,7 +56,7 @@ def cost():
     solve = sum(c["parts"].values())
     out = ["| part of the solve | seconds | share |", "|---|---|---|"]
     out += ["| %s | %.1f | %.1f %% |" % (name, s, 100 * s / solve) for name, s in parts]
-    return out + ["", "`%s`, %s, %s threads of %s; load average %s; solve %.0f s, pictures %.0f s, files %.1f s, in all %.0f s (%.0f CPU s)." % (
+    return out + ["", "`%s`, %s, %s threads of %s; %s; solve %.0f s, pictures %.0f s, files %.1f s, in all %.0f s (%.0f CPU s)." % (
         c["command"], c["program"], c["threads"], c["cpu"], c["load"], c["solve"], c["pictures"], c["files"], c["wall"], c["cpu_seconds"])]
 
 
