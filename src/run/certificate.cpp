@@ -204,29 +204,28 @@ std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& e
 }
 
 std::string Certificate::json(const End& end) const {
-  const Certificate& c = *this;
   // F: some state is no state of the model. C: incomplete, or the bound of B is exceeded. B: that of A is. A: none.
   std::string grade = "A", reason = "every bound is met";
   const auto lower = [&](const char* to, const std::string& why) {
     if (grade[0] >= to[0]) return;
     grade = to, reason = why;
   };
-  Json checks = Json::array();
+  Json graded = Json::array();
   if (end.status == Exit::stopped)
     lower("C", "the run was stopped");
   else if (end.status == Exit::solve)
     lower("C", "a step did not converge");
   else if (end.status != Exit::done && end.status != Exit::checks)
     lower("F", "the run failed");
-  for (const Check& k : c.checks(end.energy)) {
+  for (const Check& k : checks(end.energy)) {
     const char* earns = k.value <= k.good ? "A" : (k.value <= k.usable ? "B" : "C");
-    checks.push_back({{"name", k.name}, {"value", number(k.value)}, {"bound_A", k.good}, {"bound_B", k.usable}, {"grade", earns}});
+    graded.push_back({{"name", k.name}, {"value", number(k.value)}, {"bound_A", k.good}, {"bound_B", k.usable}, {"grade", earns}});
     if (earns[0] > 'A') lower(earns, fmt::format("{} is {:.2g}, more than {:.2g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable));
   }
-  if (c.steps_ == 0) lower("F", "no step was finished");
-  if (c.det_F_.least <= 0) lower("F", "an element is inverted (det F <= 0)");
-  if (c.distance_.least <= 0) lower("F", "surfaces touch or intersect");
-  if (c.not_finite_ > 0) lower("F", "'" + c.first_not_finite_ + "' is not finite");
+  if (steps_ == 0) lower("F", "no step was finished");
+  if (det_F_.least <= 0) lower("F", "an element is inverted (det F <= 0)");
+  if (distance_.least <= 0) lower("F", "surfaces touch or intersect");
+  if (not_finite_ > 0) lower("F", "'" + first_not_finite_ + "' is not finite");
 
   Json j;
   j["filetype"] = "mortise certificate";
@@ -239,59 +238,59 @@ std::string Certificate::json(const End& end) const {
   j["message"] = end.message;
   j["grade"] = grade;
   j["reason"] = reason;
-  j["checks"] = checks;
+  j["checks"] = graded;
   Json drift = Json::array();
-  for (int a = 0; a < 3; ++a) drift.push_back(number(c.last_momentum_[a] - c.first_momentum_[a]));
-  j["invariants"] = {{"min_distance_m", number(c.distance_.least)},
-                     {"min_det_F", number(c.det_F_.least)},
-                     {"not_finite_values", c.not_finite_},
-                     {"force_balance_defect_N", number(c.balance_newton_)},
-                     {"force_balance_defect_relative", number(c.balance_relative_)},
-                     {"support_balance_defect_N", number(c.unsupported_newton_)},
-                     {"support_balance_defect_relative", number(c.unsupported_relative_)},
-                     {"written_force_defect_N", number(c.written_newton_)},
-                     {"pressure_sum_defect_relative", number(c.pressure_sum_.most)},
-                     {"energy_first_J", number(c.first_energy_)},
-                     {"energy_last_J", number(c.last_energy_)},
-                     {"energy_largest_rise_J", number(c.largest_rise_)},
+  for (int a = 0; a < 3; ++a) drift.push_back(number(last_momentum_[a] - first_momentum_[a]));
+  j["invariants"] = {{"min_distance_m", number(distance_.least)},
+                     {"min_det_F", number(det_F_.least)},
+                     {"not_finite_values", not_finite_},
+                     {"force_balance_defect_N", number(balance_newton_)},
+                     {"force_balance_defect_relative", number(balance_relative_)},
+                     {"support_balance_defect_N", number(unsupported_newton_)},
+                     {"support_balance_defect_relative", number(unsupported_relative_)},
+                     {"written_force_defect_N", number(written_newton_)},
+                     {"pressure_sum_defect_relative", number(pressure_sum_.most)},
+                     {"energy_first_J", number(first_energy_)},
+                     {"energy_last_J", number(last_energy_)},
+                     {"energy_largest_rise_J", number(largest_rise_)},
                      {"support_work_J", end.energy.work_is_known ? number(end.energy.support_work) : Json(nullptr)},
                      {"energy_gain_largest_J", number(end.energy.largest_gain)},
                      {"energy_gain_relative", end.energy.scale > 0 ? number(end.energy.largest_gain / end.energy.scale) : Json(nullptr)},
                      {"momentum_change_kg_m_per_s", drift}};
-  j["solver"] = {{"steps", c.steps_},
-                 {"first_step", c.first_step_},
-                 {"newton_iterations_max", c.most_newton_},
-                 {"newton_iterations_mean", c.steps_ > 0 ? number(static_cast<double>(c.newton_) / static_cast<double>(c.steps_)) : Json(nullptr)},
-                 {"residual_max_N", number(c.residual_)},
-                 {"residual_over_tolerance_max", number(c.over_tolerance_)},
-                 {"halved_steps", c.halved_},
-                 {"line_search_halvings", c.line_search_},
-                 {"least_step_length", number(c.least_alpha_)},
-                 {"regularised_factorisations", c.regularised_},
-                 {"cg_iterations", c.cg_},
-                 {"lag_rounds", c.lag_},
-                 {"lag_residual_max_N", number(c.lag_residual_)},
-                 {"lag_residual_share_max", number(c.lag_share_)},
-                 {"residual_share_max", number(c.residual_share_)}};
+  j["solver"] = {{"steps", steps_},
+                 {"first_step", first_step_},
+                 {"newton_iterations_max", most_newton_},
+                 {"newton_iterations_mean", steps_ > 0 ? number(static_cast<double>(newton_) / static_cast<double>(steps_)) : Json(nullptr)},
+                 {"residual_max_N", number(residual_)},
+                 {"residual_over_tolerance_max", number(over_tolerance_)},
+                 {"halved_steps", halved_},
+                 {"line_search_halvings", line_search_},
+                 {"least_step_length", number(least_alpha_)},
+                 {"regularised_factorisations", regularised_},
+                 {"cg_iterations", cg_},
+                 {"lag_rounds", lag_},
+                 {"lag_residual_max_N", number(lag_residual_)},
+                 {"lag_residual_share_max", number(lag_share_)},
+                 {"residual_share_max", number(residual_share_)}};
   Json contact = Json::object();
-  for (const auto& [effect, d_hat] : c.d_hat_) {
-    const auto gap = c.gap_share_.find(effect);
-    const Range share = gap == c.gap_share_.end() ? Range{} : gap->second;
+  for (const auto& [effect, d_hat] : d_hat_) {
+    const auto gap = gap_share_.find(effect);
+    const Range share = gap == gap_share_.end() ? Range{} : gap->second;
     contact[effect] = {{"d_hat_m", d_hat}, {"gap_over_d_hat_min", number(share.least)}, {"gap_over_d_hat_max", number(share.most)}};
   }
   Json shares = Json::object();
-  for (const auto& [kind, share] : c.kind_share_) shares[kind] = number(share);
+  for (const auto& [kind, share] : kind_share_) shares[kind] = number(share);
   j["model"] = {{"contact", contact},
-                {"clip_partition_defect_max", number(c.partition_.most)},
+                {"clip_partition_defect_max", number(partition_.most)},
                 {"force_share_last", shares},
-                {"rigidity_defect_max", number(c.rigidity_)},
-                {"stress_error_estimate", number(c.stress_estimate_)},
-                {"pressure_roughness", number(c.pressure_estimate_.roughness)},
-                {"layer_over_indentation", number(c.layer_)},
-                {"nodes_under_pressure", c.pressure_estimate_.nodes},
+                {"rigidity_defect_max", number(rigidity_)},
+                {"stress_error_estimate", number(stress_estimate_)},
+                {"pressure_roughness", number(pressure_estimate_.roughness)},
+                {"layer_over_indentation", number(layer_)},
+                {"nodes_under_pressure", pressure_estimate_.nodes},
                 // A body at rest creeps at most at this speed, all the time (incline benchmark).
-                {"friction_creep_bound_m", number(c.creep_speed_ * (c.end_ - c.begin_))}};
-  j["passes_through"] = c.passes_through_;
+                {"friction_creep_bound_m", number(creep_speed_ * (end_ - begin_))}};
+  j["passes_through"] = passes_through_;
   return j.dump(1) + "\n";
 }
 

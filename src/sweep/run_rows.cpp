@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "base/process.h"
 #include "output/atomic_file.h"
 #include "run/signals.h"
 
@@ -31,24 +32,16 @@ struct Job {
 
 // In a process group of its own, so that what a terminal sends reaches it through here, once. Its messages go to FOLDER/0007.log.
 pid_t start(const std::vector<std::string>& arguments, const std::string& log) {
-  std::vector<char*> argv;
-  for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-  argv.push_back(nullptr);
-  const pid_t parent = getpid(), child = fork();
-  if (child < 0) throw Error(Exit::internal, "cannot start a process");
-  if (child > 0) return child;
-  setpgid(0, 0);
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // a row stands that; one that nobody waits for would hold its folder
-  if (getppid() != parent) _exit(127);    // it was too late for that
-  const int fd = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644), none = open("/dev/null", O_RDONLY);
-  if (none >= 0) dup2(none, 0);
-  if (fd >= 0) dup2(fd, 1), dup2(fd, 2);
-  execv(argv[0], argv.data());
-  _exit(127);
+  return start_program(arguments, log, log, [parent = getpid()] {
+    setpgid(0, 0);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);     // a row stands that; one that nobody waits for would hold its folder
+    if (getppid() != parent) _exit(127);  // it was too late for that
+    if (const int none = open("/dev/null", O_RDONLY); none >= 0) dup2(none, STDIN_FILENO);
+  });
 }
 
 std::vector<std::string> command(const Sweep& sweep, const RunOptions& o, std::size_t row) {
-  std::vector<std::string> out{fs::read_symlink("/proc/self/exe").string(), "run", sweep.scene, "-o", row_folder(o.folder, row), "--resume=auto", "--device", o.device};
+  std::vector<std::string> out{own_program(), "run", sweep.scene, "-o", row_folder(o.folder, row), "--resume=auto", "--device", o.device};
   if (o.threads > 0) out.insert(out.end(), {"--threads", std::to_string(o.threads)});
   if (o.no_render) out.push_back("--no-render");
   for (const std::string& set : sweep.rows[row].overrides(sweep.set)) out.insert(out.end(), {"--set", set});
@@ -113,7 +106,7 @@ Exit run_rows(const Sweep& sweep, const RunOptions& o, const std::function<void(
     const std::string folder = row_folder(o.folder, job->second.row);
     Status now = status_of(folder);
     // What ended before there was a folder, or by a signal, left no run.json.
-    const int code = WIFEXITED(how) ? WEXITSTATUS(how) : 128 + WTERMSIG(how);
+    const int code = code_of(how);
     if (now.is == Status::Is::missing || (now.finished() && code != now.code)) now = {Status::Is::failed, code, "see " + folder + ".log"};
     result = worst(result, now);
     told(job->second.row, now, std::chrono::duration<double>(Time::now() - job->second.begin).count());

@@ -1,8 +1,8 @@
 // mortise sweep and mortise merge as a user runs them: killed, stopped, tried again.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <fcntl.h>
 #include <signal.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -13,54 +13,39 @@
 #include <sstream>
 #include <thread>
 
-#include "place.h"
+#include "process.h"
 
+namespace mortise::cli {
 namespace {
 
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-std::string text_of(const std::string& path) {
-  std::ostringstream out;
-  out << std::ifstream(path).rdbuf();
-  return out.str();
-}
-
 class SweepProgram : public ::testing::Test {
  protected:
   void SetUp() override {
     fs::create_directories(folder_);
-    std::ofstream(folder_ + "/s.yaml") << "mortise_sweep: 1\nscene: " << mortise::test_place::kSourceFolder << "/scenes/first/03_incline_friction.yaml\n"
+    std::ofstream(folder_ + "/s.yaml") << "mortise_sweep: 1\nscene: " << kSource << "/scenes/first/03_incline_friction.yaml\n"
                                        << "set: [time.steps=30]\nquantities: [inertia/kinetic_energy]\nrows:\n  - product: {effects.friction.mu: [0.1, 0.2, 0.3, 0.4], effects.friction.creep_speed: [0.1 mm/s, 1 mm/s]}\n";
   }
   void TearDown() override { fs::remove_all(folder_); }
   std::vector<std::string> sweep(const std::string& out, std::vector<std::string> more = {}) const {
-    std::vector<std::string> a{program_, "sweep", folder_ + "/s.yaml", "-o", folder_ + "/" + out, "--no-render", "-j", "2", "--threads", "1"};
+    std::vector<std::string> a{"sweep", folder_ + "/s.yaml", "-o", folder_ + "/" + out, "--no-render", "-j", "2", "--threads", "1"};
     a.insert(a.end(), more.begin(), more.end());
     return a;
   }
   pid_t start(const std::vector<std::string>& arguments) const {
-    const pid_t child = fork();
-    if (child != 0) return child;
-    std::vector<char*> argv;
-    for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-    argv.push_back(nullptr);
-    for (int fd : {1, 2}) dup2(open_log(fd), fd);
-    execv(argv[0], argv.data());
-    _exit(127);
+    return cli::start(arguments, [this] {
+      for (const auto& [name, fd] : {std::pair{"/out.txt", 1}, {"/err.txt", 2}}) dup2(open((folder_ + name).c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644), fd);
+    });
   }
-  int open_log(int fd) const { return fileno(std::fopen((folder_ + (fd == 1 ? "/out.txt" : "/err.txt")).c_str(), "w")); }
-  int run(const std::vector<std::string>& arguments) const {
-    int how = 0;
-    waitpid(start(arguments), &how, 0);
-    return WIFEXITED(how) ? WEXITSTATUS(how) : 128 + WTERMSIG(how);
-  }
-  std::string said() const { return text_of(folder_ + "/out.txt"); }
-  std::string complained() const { return text_of(folder_ + "/err.txt"); }
+  int run(const std::vector<std::string>& arguments) const { return wait_for(start(arguments)); }
+  std::string said() const { return read_text(folder_ + "/out.txt"); }
+  std::string complained() const { return read_text(folder_ + "/err.txt"); }
   // The rows of table.csv without what hangs on the machine.
   std::map<int, std::string> results(const std::string& out) const {
     std::map<int, std::string> rows;
-    std::istringstream in(text_of(folder_ + "/" + out + "/table.csv"));
+    std::istringstream in(read_text(folder_ + "/" + out + "/table.csv"));
     std::string line;
     std::getline(in, line);
     while (std::getline(in, line)) {
@@ -71,7 +56,6 @@ class SweepProgram : public ::testing::Test {
     }
     return rows;
   }
-  const std::string program_ = mortise::test_place::kBuildFolder + "/bin/mortise";
   const std::string folder_ = (fs::temp_directory_path() / ("mortise_sweep_cli_" + std::to_string(getpid()))).string();
 };
 
@@ -82,7 +66,7 @@ TEST_F(SweepProgram, RunsEveryRowOnceAndMerges) {
   ASSERT_EQ(run(sweep("a")), 0);
   EXPECT_THAT(complained(), HasSubstr("before"));
   EXPECT_EQ(fs::last_write_time(folder_ + "/a/0003/fields.vtkhdf"), written);
-  EXPECT_EQ(run({program_, "merge", folder_ + "/a"}), 0);
+  EXPECT_EQ(run({"merge", folder_ + "/a"}), 0);
   EXPECT_THAT(said(), HasSubstr("8 done"));
   EXPECT_EQ(results("a").size(), 8u);
   EXPECT_TRUE(fs::exists(folder_ + "/a/fields.h5"));
@@ -97,14 +81,13 @@ TEST_F(SweepProgram, KilledTenTimesItEndsWithEqualResults) {
     const pid_t child = start(sweep("killed"));
     std::this_thread::sleep_for(std::chrono::milliseconds(20 + dice() % 250));
     kill(child, i % 3 == 2 ? SIGTERM : SIGKILL);
-    int how = 0;
-    waitpid(child, &how, 0);
-    killed += WIFSIGNALED(how) || WEXITSTATUS(how) == 75;
+    const int code = wait_for(child);
+    killed += code > 128 || code == 75;
     std::this_thread::sleep_for(std::chrono::milliseconds(50));  // its rows die with it
   }
   EXPECT_GT(killed, 3);
   ASSERT_EQ(run(sweep("killed")), 0) << complained();
-  for (const char* out : {"whole", "killed"}) ASSERT_EQ(run({program_, "merge", folder_ + "/" + out}), 0);
+  for (const char* out : {"whole", "killed"}) ASSERT_EQ(run({"merge", folder_ + "/" + out}), 0);
   EXPECT_EQ(results("whole"), results("killed"));
 }
 
@@ -112,13 +95,13 @@ TEST_F(SweepProgram, RowsThatFailOrAreMissingAreListed) {
   std::ofstream(folder_ + "/s.yaml", std::ios::app) << "  - product: {solver.iterations: [100, 1]}\n";
   ASSERT_EQ(run(sweep("b", {"--shard", "1/4"})), 5);  // rows 1, 5, 9, 13: one iteration is not enough
   EXPECT_THAT(complained(), HasSubstr("4 of 4 rows failed: 1,5,9,13"));
-  EXPECT_EQ(run({program_, "merge", folder_ + "/b"}), 5);
+  EXPECT_EQ(run({"merge", folder_ + "/b"}), 5);
   EXPECT_THAT(said(), HasSubstr("4 failed: --array=1,5,9,13"));
   EXPECT_THAT(said(), HasSubstr("12 missing: --array=0,2-4,6-8,10-12,14,15"));
 }
 
 TEST_F(SweepProgram, OneTaskOfAnArray) {
-  std::vector<std::string> one{program_, "sweep", folder_ + "/s.yaml", "-o", folder_ + "/c", "--no-render", "--index", "5"};
+  std::vector<std::string> one{"sweep", folder_ + "/s.yaml", "-o", folder_ + "/c", "--no-render", "--index", "5"};
   EXPECT_EQ(run(one), 0) << complained();
   EXPECT_TRUE(fs::exists(folder_ + "/c/0005/run.json"));
   EXPECT_FALSE(fs::exists(folder_ + "/c/0004"));
@@ -135,7 +118,8 @@ TEST_F(SweepProgram, WrongInputIsSaidAtOnce) {
   EXPECT_EQ(run(sweep("d")), 3);
   EXPECT_THAT(complained(), HasSubstr("did you mean 'friction'"));
   EXPECT_FALSE(fs::exists(folder_ + "/d"));
-  EXPECT_EQ(run({program_, "merge", folder_}), 6);
+  EXPECT_EQ(run({"merge", folder_}), 6);
 }
 
 }  // namespace
+}  // namespace mortise::cli

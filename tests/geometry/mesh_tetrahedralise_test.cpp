@@ -114,13 +114,18 @@ TEST(Tetrahedralise, Refuses) {
                {"use a smaller edge_length"});
 }
 
+// What edges(0.4) becomes before it is hashed.
+TetrahedraliseOptions filled_in() {
+  TetrahedraliseOptions full = edges(0.4, 0.4);
+  full.facet_distance = 0.4 / 20;
+  return full;
+}
+
 TEST(TetCache, HitGivesTheStoredMesh) {
   const TempFolder folder;
   const ScopedEnv cache("MORTISE_CACHE", folder.file("sub/cache"));
   const TriMesh s = surface_of(box({1, 1, 1}, 1.0));
-  TetrahedraliseOptions full = edges(0.4, 0.4);
-  full.facet_distance = 0.4 / 20;
-  const TetCache entry(s, full);
+  const TetCache entry(s, filled_in());
   EXPECT_FALSE(entry.load());
   const TetMesh fresh = tetrahedralise(s, edges(0.4), "box");
   ASSERT_TRUE(std::filesystem::exists(entry.file())) << "defaults are filled in before hashing";
@@ -185,9 +190,7 @@ TEST(TetCache, SoundChecksumsOfNonsenseAreMadeAnew) {
   const TempFolder folder;
   const ScopedEnv cache("MORTISE_CACHE", folder.file(""));
   const TriMesh s = surface_of(box({1, 1, 1}, 1.0));
-  TetrahedraliseOptions full = edges(0.4, 0.4);
-  full.facet_distance = 0.4 / 20;
-  const TetCache entry(s, full);
+  const TetCache entry(s, filled_in());
   const TetMesh good = box({1, 1, 1}, 0.5);
   const auto refused = [&](const char* what, const std::function<void(TetMesh&)>& spoil) {
     TetMesh mesh = good;

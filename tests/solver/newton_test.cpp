@@ -1,6 +1,8 @@
 // Newton's loop and its strategies on effects with plain formulas.
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "solver/kernels.h"
 #include "toy.h"
 
@@ -116,54 +118,54 @@ TEST(EnergyLedger, GainIsWhatTheIntegratorAdds) {
   EXPECT_TRUE(newton.energies().measures());
 }
 
-TEST(LineSearch, HalvesUntilArmijoInEveryEnvironmentByItself) {
-  Problem p(2);
-  p.add(kStore, toy::spring([](Index) { return 1.0; }, [](Index) { return kForce; }));
-  System system(p.model, p.effects, p.options, p.clock);
-  system.begin_solve();
-  EnergyLedger energies(p.model, system.potential);
-  energies.begin_solve();
-  Linearised at = system.potential.linearised();
+namespace {
+
+// Two environments at rest under a unit spring and a force; dq is Newton's step in the first, `times` that in the second.
+struct Searched {
+  explicit Searched(double times) {
+    p.add(kStore, toy::spring([](Index) { return 1.0; }, [](Index) { return kForce; }));
+    system.emplace(p.model, p.effects, p.options, p.clock);
+    system->begin_solve();
+    energies.emplace(p.model, system->potential);
+    energies->begin_solve();
+    at = system->potential.linearised();
+    q.copy_from(p.model.q);
+    system->linearise(std::as_const(q).view(), {true, true}, at);
+    std::vector<Vec3> d(8, kForce);
+    for (int b = 4; b < 8; ++b) d[b] *= times;
+    dq.upload(d);
+  }
+  void step(const std::vector<double>& slope) { LineSearch(*system, *energies).step(q, dq, slope, {}, at, envs, report); }
+
+  Problem p{2};
+  std::optional<System> system;
+  std::optional<EnergyLedger> energies;
+  Linearised at;
   device::Buffer<Vec3> q, dq;
-  q.copy_from(p.model.q);
-  system.linearise(std::as_const(q).view(), {true, true}, at);
-  // Newton's step in the first environment, seven times that in the second.
-  std::vector<Vec3> d(8, kForce);
-  for (int b = 4; b < 8; ++b) d[b] *= 7;
-  dq.upload(d);
-  const std::vector<double> slope = dot(std::as_const(at.gradient).view(), std::as_const(dq).view(), p.model.env_blocks);
-  EnvTable envs(2);
+  EnvTable envs{2};
   StepReport report;
-  LineSearch(system, energies).step(q, dq, slope, {}, at, envs, report);
-  EXPECT_EQ(envs[0].alpha, 1);
-  EXPECT_EQ(envs[1].alpha, 0.25);  // 7/2 still goes up
-  EXPECT_EQ(report.line_search, 2);
-  const auto moved = p.moved(q);
+};
+
+}  // namespace
+
+TEST(LineSearch, HalvesUntilArmijoInEveryEnvironmentByItself) {
+  Searched s(7);
+  s.step(dot(std::as_const(s.at.gradient).view(), std::as_const(s.dq).view(), s.p.model.env_blocks));
+  EXPECT_EQ(s.envs[0].alpha, 1);
+  EXPECT_EQ(s.envs[1].alpha, 0.25);  // 7/2 still goes up
+  EXPECT_EQ(s.report.line_search, 2);
+  const auto moved = s.p.moved(s.q);
   EXPECT_LT((moved[0] - kForce).norm(), 1e-15);
   EXPECT_LT((moved[4] - 1.75 * kForce).norm(), 1e-15);
 }
 
 TEST(LineSearch, FailsWhereNothingDescends) {
-  Problem p(2);
-  p.add(kStore, toy::spring([](Index) { return 1.0; }, [](Index) { return kForce; }));
-  System system(p.model, p.effects, p.options, p.clock);
-  system.begin_solve();
-  EnergyLedger energies(p.model, system.potential);
-  energies.begin_solve();
-  Linearised at = system.potential.linearised();
-  device::Buffer<Vec3> q, dq;
-  q.copy_from(p.model.q);
-  system.linearise(std::as_const(q).view(), {true, true}, at);
-  std::vector<Vec3> d(8, kForce);
-  for (int b = 4; b < 8; ++b) d[b] *= -1;  // uphill
-  dq.upload(d);
-  EnvTable envs(2);
-  StepReport report;
-  LineSearch(system, energies).step(q, dq, {-24, -24}, {}, at, envs, report);
-  EXPECT_TRUE(envs.is(1, EnvState::failed));
-  EXPECT_EQ(envs[0].alpha, 1);
-  EXPECT_LT((p.moved(q)[0] - kForce).norm(), 1e-15);
-  EXPECT_EQ(p.moved(q)[4], Vec3::Zero());
+  Searched s(-1);  // uphill
+  s.step({-24, -24});
+  EXPECT_TRUE(s.envs.is(1, EnvState::failed));
+  EXPECT_EQ(s.envs[0].alpha, 1);
+  EXPECT_LT((s.p.moved(s.q)[0] - kForce).norm(), 1e-15);
+  EXPECT_EQ(s.p.moved(s.q)[4], Vec3::Zero());
 }
 
 // Aitken's share by hand: r = 1, then -2 with w = 1 gives w = 1/3; in the second environment r = 1, then 1/2 gives more than 1: no relaxation.

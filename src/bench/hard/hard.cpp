@@ -1,6 +1,5 @@
 #include "bench/hard/hard.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -15,6 +14,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/process.h"
 
 namespace fs = std::filesystem;
 
@@ -23,8 +23,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using Time = std::chrono::steady_clock;
-
-std::string own_program() { return fs::read_symlink("/proc/self/exe").string(); }
 
 std::string judge_program() { return (fs::path(own_program()).parent_path() / "mortise_judge").string(); }
 
@@ -185,19 +183,7 @@ Row run_case(const Case& c, const Options& o) {
 Ended run_program(const std::vector<std::string>& arguments, const std::string& out, const std::string& err, double limit) {
   const auto begin = Time::now();
   const auto elapsed = [&] { return std::chrono::duration<double>(Time::now() - begin).count(); };
-  std::vector<char*> argv;
-  for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-  argv.push_back(nullptr);
-  const pid_t child = fork();
-  if (child < 0) throw Error(Exit::internal, "cannot start a process");
-  if (child == 0) {
-    for (const auto& [path, target] : {std::pair{&out, 1}, std::pair{&err, 2}}) {
-      const int fd = open(path->c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-      if (fd >= 0) dup2(fd, target);
-    }
-    execv(argv[0], argv.data());
-    _exit(127);
-  }
+  const pid_t child = start_program(arguments, out, err);
   int status = 0;
   for (auto wait = std::chrono::milliseconds(1); waitpid(child, &status, WNOHANG) == 0; wait = std::min(2 * wait, std::chrono::milliseconds(50))) {
     if (elapsed() > limit) {
@@ -207,7 +193,7 @@ Ended run_program(const std::vector<std::string>& arguments, const std::string& 
     }
     std::this_thread::sleep_for(wait);
   }
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), elapsed()};
+  return {code_of(status), elapsed()};
 }
 
 void require_judge() {
