@@ -16,6 +16,7 @@
 #include "linalg/scalar_csr.h"
 
 extern "C" void openblas_set_num_threads(int);
+extern "C" void omp_set_max_active_levels(int);
 
 namespace mortise::linalg {
 namespace {
@@ -29,6 +30,13 @@ void require_addresses(int threads) {
   void* probe = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (probe == MAP_FAILED) throw Error(Exit::device, "out of memory: the limit on address space (ulimit -v) leaves no room for the direct solver");
   munmap(probe, bytes);
+}
+
+// Of the calling thread. CHOLMOD would start four threads of its own, whatever was asked for, which do little but wait for each other: a sixth
+// of the CPU time of a factor.
+void limit_threads(int blas_threads) {
+  openblas_set_num_threads(blas_threads);
+  omp_set_max_active_levels(0);
 }
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -205,7 +213,7 @@ bool DirectSolver::factor(const BlockMatrix& A) {
   if (A.rows == 0) return true;
   if (device::Cholesky::available()) return s.factor_on_device(A);
   require_addresses(s.options.blas_threads);
-  openblas_set_num_threads(s.options.blas_threads);
+  limit_threads(s.options.blas_threads);
   if (A.pattern != s.pattern || s.pattern == 0) s.analyse(A);
   const auto start = Clock::now();
   s.expand_values(A);
@@ -234,7 +242,7 @@ double DirectSolver::solve(View<const Vec3> b, View<Vec3> x, int refinements) {
     s.solve_on_device(b, x);
     return -1;
   }
-  openblas_set_num_threads(s.options.blas_threads);
+  limit_threads(s.options.blas_threads);
   const auto start = Clock::now();
   const std::size_t bytes = static_cast<std::size_t>(b.n) * sizeof(Vec3);
   device::copy_out(s.b->x, b.p, bytes);

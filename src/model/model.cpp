@@ -32,6 +32,7 @@ void Model::watch(Index a, Index b, bool on) {
   const Index n = surface.bodies;
   allowed[a * n + b] = allowed[b * n + a] = on ? 1 : 0;
   surface.pair_allowed.upload(allowed);
+  if (broadphase_) broadphase_->forget();
 }
 
 bool Model::has_contact(std::string_view effect) const { return std::find(contacts_.begin(), contacts_.end(), effect) != contacts_.end(); }

@@ -134,6 +134,33 @@ INSTANTIATE_TEST_SUITE_P(Scenes, BroadphaseCases,
                          testing::Values(Case{2, 1, 8, false, false, 0.05}, Case{2, 1, 8, true, true, 0.0}, Case{9, 3, 4, true, false, 0.1},
                                          Case{40, 17, 2, false, true, 0.02}, Case{5, 1, 3, true, false, 10.0}));
 
+// Answers picked from an earlier search are those of a search.
+TEST(Broadphase, PicksExactlyWhatItWouldFind) {
+  for (bool self : {false, true}) {
+    const test::Soup s = many_bodies(9, 3, 4, 17, self);
+    const Surface surface = s.surface();
+    Broadphase broadphase(surface);
+    test::Random r(23);
+    std::vector<Vec3> y = s.points, dy(y.size());
+    double length = 1e-2;
+    for (int pass = 0; pass < 60; ++pass) {
+      const double radius = pass % 3 == 2 ? 0.02 : 0.01;
+      for (std::size_t i = 0; i < dy.size(); ++i)  // at random, or bodies as a whole against each other
+        dy[i] = pass < 40 ? test::random_vec(r, length) : length * Vec3(s.body[i] % 2 ? 1 : -1, 0, 0);
+      const bool moves = pass % 4 != 3;
+      const Buffer<Vec3> yb(y), dyb(dy);
+      broadphase.update(yb.view(), moves ? dyb.view() : device::View<const Vec3>{}, radius);
+      const BruteForce truth = brute_force(s, y, moves ? dy : std::vector<Vec3>{}, radius);
+      ASSERT_FALSE(truth.ee.empty());
+      expect_exact(s, broadphase, truth);
+      for (std::size_t i = 0; i < y.size(); ++i) y[i] += dy[i];
+      length = pass % 20 == 19 ? 1e-2 : 0.7 * length;
+    }
+    EXPECT_LT(broadphase.searches(), 30);  // most are picked,
+    EXPECT_GT(broadphase.searches(), 2);   // but not all can be
+  }
+}
+
 TEST(Broadphase, DoesNotDependOnThreads) {
   const test::Soup s = many_bodies(12, 4, 10, 3, true);
   const Surface surface = s.surface();

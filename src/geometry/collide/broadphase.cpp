@@ -2,11 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
-
-#include "base/error.h"
-#include "geometry/collide/distance.h"
 
 namespace mortise::geometry {
 namespace {
@@ -14,231 +10,100 @@ namespace {
 using device::Buffer;
 using device::View;
 
-MORTISE_HD inline bool contains(const Index* v, int n, Index point) {
-  for (int i = 0; i < n; ++i)
-    if (v[i] == point) return true;
-  return false;
-}
+constexpr double kSurplus = 3;  // of the way of the farthest point: the next question comes from its end, and ways get shorter
+constexpr double kMost = 0.1;   // of the mean edge of the finest body: more finds many neighbours that never meet
+constexpr double kRounding = 1e-14;  // of a coordinate
 
-// Two primitives of one body, {p, t0, t1, t2} or {a0, a1, b0, b1} (first: 1 or 2 points), of which the boxes overlap because they are
-// neighbours: their distance shrinks by no more than corners of the one move towards corners of the other, and neighbours move nearly alike.
-MORTISE_HD inline bool stay_apart(const Index v[4], int first, View<const Vec3> y, View<const Vec3> dy, double radius) {
-  constexpr double kRounding = 1e-12;
-  double way2 = 0;
-  for (int i = 0; i < first && dy.n > 0; ++i)
-    for (int j = first; j < 4; ++j) way2 = std::fmax(way2, (dy[v[i]] - dy[v[j]]).squaredNorm());
-  const double least = radius + std::sqrt(way2);
-  Vec3 x[4];
-  for (int k = 0; k < 4; ++k) x[k] = y[v[k]];
-  for (int a = 0; a < 3; ++a) {  // boxes as they stand, which tell most pairs of a body that moves
-    const double lo = first == 1 ? x[0][a] : std::fmin(x[0][a], x[1][a]), hi = first == 1 ? x[0][a] : std::fmax(x[0][a], x[1][a]);
-    const double lo2 = std::fmin(std::fmin(first == 1 ? x[1][a] : x[2][a], x[2][a]), x[3][a]), hi2 = std::fmax(std::fmax(first == 1 ? x[1][a] : x[2][a], x[2][a]), x[3][a]);
-    if (std::fmax(lo2 - hi, lo - hi2) * (1 - kRounding) > least) return true;
+// {largest |y - from| + |dy|, largest |dy|}; the first is infinite without `from`.
+std::pair<double, double> farthest(View<const Vec3> from, View<const Vec3> y, View<const Vec3> dy) {
+  std::vector<double> off{INFINITY}, way{0};
+  device::Fetch fetch;
+  const auto step = [=] MORTISE_HD(Index i) { return dy.n > 0 ? dy[i].norm() : 0.0; };
+  if (from.n > 0) {
+    off[0] = 0;
+    device::env_max(
+        "broadphase.off", {0, y.n}, [=] MORTISE_HD(Index i) { return (y[i] - from[i]).norm() + step(i) + kRounding * y[i].norm(); }, device::EnvValues{off, fetch});
   }
-  const double distance = std::sqrt(first == 1 ? closest_point_triangle(x).squared : closest_edge_edge(x).squared);
-  return distance * (1 - kRounding) > least;
+  device::env_max("broadphase.way", {0, y.n}, [=] MORTISE_HD(Index i) { return step(i) + kRounding * y[i].norm(); }, device::EnvValues{way, fetch});
+  fetch.now();
+  return {off[0], way[0]};
 }
 
-MORTISE_HD inline void sift_down(Index* v, Index stride, Index root, Index n) {
-  const Index value = v[root * stride];
-  for (Index child = 2 * root + 1; child < n; child = 2 * root + 1) {
-    if (child + 1 < n && v[(child + 1) * stride] > v[child * stride]) ++child;
-    if (v[child * stride] <= value) break;
-    v[root * stride] = v[child * stride];
-    root = child;
-  }
-  v[root * stride] = value;
-}
-
-// Heap sort of v[0], v[stride], ...: in place, and no worse than n log n for the few points with very many pairs.
-MORTISE_HD inline void sort_strided(Index* v, Index stride, Index n) {
-  for (Index i = n / 2 - 1; i >= 0; --i) sift_down(v, stride, i, n);
-  for (Index i = n - 1; i > 0; --i) {
-    const Index top = v[0];
-    v[0] = v[i * stride];
-    v[i * stride] = top;
-    sift_down(v, stride, 0, i);
-  }
-}
-
-// Pairs that a query may note while they are counted; queries with more walk the tree again to fill.
-constexpr Index kNoted = 16;
-
-// Ids found by a query: every stride-th Index from `to` on, as many as there is room for.
-struct Notes {
-  Index* to;
-  Index stride, room;
-  MORTISE_HD void put(Index k, Index id) const {
-    if (k < room) to[k * stride] = id;
-  }
-};
-
-// Counts the triangles near a point and notes their ids.
-MORTISE_HD inline Index triangles_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index point, View<const Vec3> y, View<const Vec3> dy, double radius, const Notes& notes) {
-  Index n = 0;
-  BvhCursor cursor;
-  for (Index t = cursor.next(tree, box, s); t >= 0; t = cursor.next(tree, box, s)) {
-    const Index* c = s.triangles[t].v;
-    if (contains(c, 3, point)) continue;
-    const Index v[4] = {point, c[0], c[1], c[2]};
-    if (s.body[point] == s.body[c[0]] && stay_apart(v, 1, y, dy, radius)) continue;
-    notes.put(n++, t);
-  }
-  return n;
-}
-
-MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index edge, View<const Vec3> y, View<const Vec3> dy, double radius, const Notes& notes) {
-  Index n = 0;
-  BvhCursor cursor;
-  const Edge a = s.edges[edge];
-  for (Index b = cursor.next(tree, box, s); b >= 0; b = cursor.next(tree, box, s)) {
-    const Index* c = s.edges[b].v;
-    if (contains(c, 2, a.v[0]) || contains(c, 2, a.v[1])) continue;
-    const Index v[4] = {a.v[0], a.v[1], c[0], c[1]};
-    if (s.body[a.v[0]] == s.body[c[0]] && stay_apart(v, 2, y, dy, radius)) continue;
-    notes.put(n++, b);
-  }
-  return n;
-}
-
-// Pairs counted by query, and on their way to the host.
-struct Counted {
-  std::vector<double> exact{0.0};  // a sum that cannot overflow
-  Buffer<Index> bounds;
-};
-
-// Turns counts into offsets, and wants to know those of the environments.
-void add_up(Buffer<Index>& counts, View<const Index> env_first, Counted& found, std::vector<Index>& env_offset, device::Fetch& fetch) {
-  const View<const Index> count = std::as_const(counts).view();
-  device::env_sum(
-      "broadphase.total", {0, count.n - 1}, [=] MORTISE_HD(Index i) { return static_cast<double>(count[i]); }, device::EnvValues{found.exact, fetch});
-  device::scan(counts);
-  found.bounds.resize(env_first.n);
-  const View<Index> out = found.bounds.view();
-  device::parallel_for("broadphase.env_offset", env_first.n, [=] MORTISE_HD(Index e) { out[e] = count[env_first[e]]; });
-  fetch.add(View<const Index>(out), env_offset);
-}
-
-void check_countable(const Counted& found) {
-  if (found.exact[0] > 2147483647.0) throw Error(Exit::device, "too many contact candidates: a bounding radius or a step is far too large for the mesh");
-}
-
-void count_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy,
-                           double grow, Buffer<Index>& counts, Buffer<Index>& noted) {
-  counts.resize(points.n + 1);
-  noted.resize(points.n * kNoted);
-  const View<Index> note = noted.view();
+// The pairs of `from` whose swept boxes overlap; `counts`: scratch.
+template <class Pair, class Near>
+void mark(const char* name, const Buffer<Pair>& from, Buffer<Index>& counts, Near near) {
+  counts.resize(from.size() + 1);
   const View<Index> count = counts.view();
-  device::parallel_for("broadphase.count_point_triangle", points.n, [=] MORTISE_HD(Index i) {
-    const Index point = points[i];
-    count[i] = triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, y, dy, 2 * grow, {note.p + i * kNoted, 1, kNoted});
+  const View<const Pair> pair = from.view();
+  device::parallel_for(name, pair.n, [=] MORTISE_HD(Index i) { count[i] = near(pair[i]) ? 1 : 0; });
+}
+
+template <class Pair>
+void compact(const char* name, const Buffer<Pair>& from, const Buffer<Index>& counts, Buffer<Pair>& to) {
+  const View<const Index> at = counts.view();
+  const View<const Pair> pair = from.view();
+  const View<Pair> out = to.view();
+  device::parallel_for(name, pair.n, [=] MORTISE_HD(Index i) {
+    if (at[i + 1] > at[i]) out[at[i]] = pair[i];
   });
 }
 
-void fill_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy,
-                          double grow, View<const Index> count, View<const Index> note, View<PointTriangle> out) {
-  device::parallel_for("broadphase.fill_point_triangle", points.n, [=] MORTISE_HD(Index i) {
-    const Index n = count[i + 1] - count[i], point = points[i];
-    if (n == 0) return;
-    PointTriangle* mine = out.p + count[i];
-    constexpr Index kStride = sizeof(PointTriangle) / sizeof(Index);
-    const Notes to{&mine->triangle, kStride, n};
-    if (n > kNoted)
-      triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, y, dy, 2 * grow, to);
-    else
-      for (Index k = 0; k < n; ++k) to.put(k, note[i * kNoted + k]);
-    sort_strided(&mine->triangle, kStride, n);
-    for (Index k = 0; k < n; ++k) {
-      const Triangle t = s.triangles[mine[k].triangle];
-      mine[k].point = mine[k].v[0] = point;
-      for (int c = 0; c < 3; ++c) mine[k].v[1 + c] = t.v[c];
-    }
-  });
+MORTISE_HD inline bool boxes_overlap(const BvhNode& a, const BvhNode& b) {
+  for (int d = 0; d < 3; ++d)
+    if (!(a.lo[d] <= b.hi[d] && b.lo[d] <= a.hi[d])) return false;
+  return true;
 }
 
-void count_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, View<const Vec3> y, View<const Vec3> dy, double grow,
-                      Buffer<Index>& counts, Buffer<Index>& noted) {
-  counts.resize(edges.n + 1);
-  noted.resize(edges.n * kNoted);
-  const View<Index> note = noted.view();
-  const View<Index> count = counts.view();
-  device::parallel_for("broadphase.count_edge_edge", edges.n, [=] MORTISE_HD(Index i) {
-    const Index a = edges[i];
-    count[i] = edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, y, dy, 2 * grow, {note.p + i * kNoted, 1, kNoted});
+// The pairs that a search at (y, dy) finds, out of those kept.
+void pick(const SurfaceView& surface, const NearPairs& kept, View<const Vec3> y, View<const Vec3> dy, double radius, NearPairs& found) {
+  const SurfaceView s = surface;
+  const double grow = radius / 2;
+  Buffer<Index> pt_counts, ee_counts;
+  mark("broadphase.near_point_triangle", kept.point_triangles, pt_counts, [=] MORTISE_HD(const PointTriangle& p) {
+    if (!boxes_overlap(swept_box(p.v, 1, 0, s, y, dy, grow), swept_box(p.v + 1, 3, 0, s, y, dy, grow))) return false;
+    return s.body[p.v[0]] != s.body[p.v[1]] || !stay_apart(p.v, 1, y, dy, radius);
   });
-}
-
-void fill_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, View<const Vec3> y, View<const Vec3> dy, double grow,
-                     View<const Index> count, View<const Index> note, View<EdgeEdge> out) {
-  device::parallel_for("broadphase.fill_edge_edge", edges.n, [=] MORTISE_HD(Index i) {
-    const Index n = count[i + 1] - count[i], a = edges[i];
-    if (n == 0) return;
-    EdgeEdge* mine = out.p + count[i];
-    constexpr Index kStride = sizeof(EdgeEdge) / sizeof(Index);
-    const Notes to{&mine->b, kStride, n};
-    if (n > kNoted)
-      edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, y, dy, 2 * grow, to);
-    else
-      for (Index k = 0; k < n; ++k) to.put(k, note[i * kNoted + k]);
-    sort_strided(&mine->b, kStride, n);
-    for (Index k = 0; k < n; ++k) {
-      mine[k].a = a;
-      for (int c = 0; c < 2; ++c) {
-        mine[k].v[c] = s.edges[a].v[c];
-        mine[k].v[2 + c] = s.edges[mine[k].b].v[c];
-      }
-    }
+  mark("broadphase.near_edge_edge", kept.edge_edges, ee_counts, [=] MORTISE_HD(const EdgeEdge& p) {
+    if (!boxes_overlap(swept_box(p.v, 2, 0, s, y, dy, grow), swept_box(p.v + 2, 2, 0, s, y, dy, grow))) return false;
+    return s.body[p.v[0]] != s.body[p.v[2]] || !stay_apart(p.v, 2, y, dy, radius);
   });
-}
-
-// Sorts queries by environment, keeping the order of ids, and notes where each environment starts.
-void by_environment(std::vector<Index> queries, const std::vector<Index>& env_of, Index environments, Buffer<Index>& sorted, Buffer<Index>& first) {
-  std::stable_sort(queries.begin(), queries.end(), [&](Index a, Index b) { return env_of[a] < env_of[b]; });
-  std::vector<Index> start(environments + 1, 0);
-  for (Index q : queries) ++start[env_of[q] + 1];
-  std::partial_sum(start.begin(), start.end(), start.begin());
-  sorted.upload(queries);
-  first.upload(start);
+  const Buffer<Index> pt_first(kept.pt_env_offset), ee_first(kept.ee_env_offset);
+  found.add_up(pt_counts, pt_first.view(), ee_counts, ee_first.view());
+  compact("broadphase.pick_point_triangle", kept.point_triangles, pt_counts, found.point_triangles);
+  compact("broadphase.pick_edge_edge", kept.edge_edges, ee_counts, found.edge_edges);
 }
 
 }  // namespace
 
-Broadphase::Broadphase(const Surface& surface) : surface_(surface) {
-  const std::vector<Index> env = surface.env.download();
-  for (Index e : env) environments_ = std::max(environments_, e + 1);
-  std::vector<Index> points = surface.vertices.download();
-  std::sort(points.begin(), points.end());
-  by_environment(points, env, environments_, points_, point_env_first_);
-
-  const std::vector<Edge> edges = surface.edges.download();
-  std::vector<Index> ids(edges.size()), edge_env(edges.size());
-  std::iota(ids.begin(), ids.end(), 0);
-  for (std::size_t i = 0; i < edges.size(); ++i) edge_env[i] = env[edges[i].v[0]];
-  by_environment(ids, edge_env, environments_, edges_, edge_env_first_);
-  pt_env_offset_.assign(environments_ + 1, 0);
-  ee_env_offset_ = pt_env_offset_;
+Broadphase::Broadphase(const Surface& surface) : surface_(surface), search_(surface) {
+  found_.pt_env_offset.assign(search_.environments() + 1, 0);
+  found_.ee_env_offset = found_.pt_env_offset;
 }
 
 void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius) {
-  const SurfaceView s = surface_.view();
-  const double grow = radius / 2;
-  triangle_tree_.update({s.triangles.n ? s.triangles.p->v : nullptr, s.triangles.n, 3}, s, environments_, y, dy, grow);
-  edge_tree_.update({s.edges.n ? s.edges.p->v : nullptr, s.edges.n, 2}, s, environments_, y, dy, grow);
-  const BvhView triangles = triangle_tree_.view(), edges = edge_tree_.view();
-  const View<const Index> point = std::as_const(points_).view(), edge = std::as_const(edges_).view();
-  count_point_triangles(s, triangles, point, y, dy, grow, pt_counts_, pt_noted_);
-  count_edge_edges(s, edges, edge, y, dy, grow, ee_counts_, ee_noted_);
-  Counted pt, ee;
-  device::Fetch fetch;
-  add_up(pt_counts_, point_env_first_.view(), pt, pt_env_offset_, fetch);
-  add_up(ee_counts_, edge_env_first_.view(), ee, ee_env_offset_, fetch);
-  fetch.now();
-  check_countable(pt);
-  check_countable(ee);
-  point_triangles_.resize(pt_env_offset_.back());
-  edge_edges_.resize(ee_env_offset_.back());
-  fill_point_triangles(s, triangles, point, y, dy, grow, std::as_const(pt_counts_).view(), std::as_const(pt_noted_).view(), point_triangles_.view());
-  fill_edge_edges(s, edges, edge, y, dy, grow, std::as_const(ee_counts_).view(), std::as_const(ee_noted_).view(), edge_edges_.view());
+  const auto [off, way] = farthest(kept_radius_ < 0 ? View<const Vec3>{} : std::as_const(kept_at_).view(), y, dy);
+  if (radius + 2 * off <= kept_radius_) return pick(surface_.view(), kept_, y, dy, radius, found_);
+  ++searches_;
+  const double more = kSurplus * way;
+  if (!(dy.n > 0 && more <= most_surplus(y))) return search_.find(y, dy, radius, found_);
+  search_.find(y, {}, radius + more, kept_);
+  kept_radius_ = radius + more;
+  kept_at_.resize(y.n);
+  device::copy(kept_at_.view().p, y.p, static_cast<std::size_t>(y.n) * sizeof(Vec3));
+  pick(surface_.view(), kept_, y, dy, radius, found_);
+}
+
+double Broadphase::most_surplus(View<const Vec3> y) {
+  if (most_surplus_ >= 0) return most_surplus_;
+  std::vector<double> length(surface_.bodies, 0.0), count(surface_.bodies, 0.0);
+  const std::vector<Index> body = surface_.body.download();
+  std::vector<Vec3> at(y.n);
+  device::copy_out(at.data(), y.p, at.size() * sizeof(Vec3));
+  for (const Edge& e : surface_.edges.download()) length[body[e.v[0]]] += (at[e.v[0]] - at[e.v[1]]).norm(), count[body[e.v[0]]] += 1;
+  double finest = INFINITY;
+  for (Index b = 0; b < surface_.bodies; ++b)
+    if (count[b] > 0) finest = std::min(finest, length[b] / count[b]);
+  return most_surplus_ = std::isfinite(finest) ? kMost * finest : 0;
 }
 
 }  // namespace mortise::geometry

@@ -1,0 +1,51 @@
+#pragma once
+// Point-triangle and edge-edge pairs, in canonical order: by environment, then by the two ids.
+#include <cmath>
+#include <vector>
+
+#include "device/device.h"
+#include "geometry/collide/distance.h"
+#include "geometry/surface.h"
+
+namespace mortise::geometry {
+
+struct PointTriangle {
+  Index point, triangle;  // point id; index into surface.triangles
+  Index v[4];             // points {p, t0, t1, t2}
+};
+struct EdgeEdge {
+  Index a, b;  // indices into surface.edges, a < b
+  Index v[4];  // points {a0, a1, b0, b1}
+};
+
+struct NearPairs {
+  device::Buffer<PointTriangle> point_triangles;
+  device::Buffer<EdgeEdge> edge_edges;
+  // Pairs of environment e are [offset[e], offset[e+1]).
+  std::vector<Index> pt_env_offset, ee_env_offset;
+
+  // Turns counts (one more than there are queries) into offsets of their first pairs, and makes room for all; *_first: first query of every
+  // environment. Throws Error(Exit::device) when there are more pairs than can be counted.
+  void add_up(device::Buffer<Index>& pt_counts, device::View<const Index> pt_first, device::Buffer<Index>& ee_counts, device::View<const Index> ee_first);
+};
+
+// Two primitives of one body, {p, t0, t1, t2} or {a0, a1, b0, b1} (first: 1 or 2 points), of which the boxes overlap because they are
+// neighbours: their distance shrinks by no more than corners of the one move towards corners of the other, and neighbours move nearly alike.
+MORTISE_HD inline bool stay_apart(const Index v[4], int first, device::View<const Vec3> y, device::View<const Vec3> dy, double radius) {
+  constexpr double kRounding = 1e-12;
+  double way2 = 0;
+  for (int i = 0; i < first && dy.n > 0; ++i)
+    for (int j = first; j < 4; ++j) way2 = std::fmax(way2, (dy[v[i]] - dy[v[j]]).squaredNorm());
+  const double least = radius + std::sqrt(way2);
+  Vec3 x[4];
+  for (int k = 0; k < 4; ++k) x[k] = y[v[k]];
+  for (int a = 0; a < 3; ++a) {  // boxes as they stand, which tell most pairs of a body that moves
+    const double lo = first == 1 ? x[0][a] : std::fmin(x[0][a], x[1][a]), hi = first == 1 ? x[0][a] : std::fmax(x[0][a], x[1][a]);
+    const double lo2 = std::fmin(std::fmin(first == 1 ? x[1][a] : x[2][a], x[2][a]), x[3][a]), hi2 = std::fmax(std::fmax(first == 1 ? x[1][a] : x[2][a], x[2][a]), x[3][a]);
+    if (std::fmax(lo2 - hi, lo - hi2) * (1 - kRounding) > least) return true;
+  }
+  const double distance = std::sqrt(first == 1 ? closest_point_triangle(x).squared : closest_edge_edge(x).squared);
+  return distance * (1 - kRounding) > least;
+}
+
+}  // namespace mortise::geometry

@@ -1,0 +1,191 @@
+#include "geometry/collide/pair_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+
+namespace mortise::geometry {
+namespace {
+
+using device::Buffer;
+using device::View;
+
+MORTISE_HD inline bool contains(const Index* v, int n, Index point) {
+  for (int i = 0; i < n; ++i)
+    if (v[i] == point) return true;
+  return false;
+}
+
+MORTISE_HD inline void sift_down(Index* v, Index stride, Index root, Index n) {
+  const Index value = v[root * stride];
+  for (Index child = 2 * root + 1; child < n; child = 2 * root + 1) {
+    if (child + 1 < n && v[(child + 1) * stride] > v[child * stride]) ++child;
+    if (v[child * stride] <= value) break;
+    v[root * stride] = v[child * stride];
+    root = child;
+  }
+  v[root * stride] = value;
+}
+
+// Heap sort of v[0], v[stride], ...: in place, and no worse than n log n for the few points with very many pairs.
+MORTISE_HD inline void sort_strided(Index* v, Index stride, Index n) {
+  for (Index i = n / 2 - 1; i >= 0; --i) sift_down(v, stride, i, n);
+  for (Index i = n - 1; i > 0; --i) {
+    const Index top = v[0];
+    v[0] = v[i * stride];
+    v[i * stride] = top;
+    sift_down(v, stride, 0, i);
+  }
+}
+
+// Pairs that a query may note while they are counted; queries with more walk the tree again to fill.
+constexpr Index kNoted = 16;
+
+// Ids found by a query: every stride-th Index from `to` on, as many as there is room for.
+struct Notes {
+  Index* to;
+  Index stride, room;
+  MORTISE_HD void put(Index k, Index id) const {
+    if (k < room) to[k * stride] = id;
+  }
+};
+
+// Counts the triangles near a point and notes their ids.
+MORTISE_HD inline Index triangles_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index point, View<const Vec3> y, View<const Vec3> dy, double radius, const Notes& notes) {
+  Index n = 0;
+  BvhCursor cursor;
+  for (Index t = cursor.next(tree, box, s); t >= 0; t = cursor.next(tree, box, s)) {
+    const Index* c = s.triangles[t].v;
+    if (contains(c, 3, point)) continue;
+    const Index v[4] = {point, c[0], c[1], c[2]};
+    if (s.body[point] == s.body[c[0]] && stay_apart(v, 1, y, dy, radius)) continue;
+    notes.put(n++, t);
+  }
+  return n;
+}
+
+MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index edge, View<const Vec3> y, View<const Vec3> dy, double radius, const Notes& notes) {
+  Index n = 0;
+  BvhCursor cursor;
+  const Edge a = s.edges[edge];
+  for (Index b = cursor.next(tree, box, s); b >= 0; b = cursor.next(tree, box, s)) {
+    const Index* c = s.edges[b].v;
+    if (contains(c, 2, a.v[0]) || contains(c, 2, a.v[1])) continue;
+    const Index v[4] = {a.v[0], a.v[1], c[0], c[1]};
+    if (s.body[a.v[0]] == s.body[c[0]] && stay_apart(v, 2, y, dy, radius)) continue;
+    notes.put(n++, b);
+  }
+  return n;
+}
+
+void count_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy,
+                           double grow, Buffer<Index>& counts, Buffer<Index>& noted) {
+  counts.resize(points.n + 1);
+  noted.resize(points.n * kNoted);
+  const View<Index> note = noted.view();
+  const View<Index> count = counts.view();
+  device::parallel_for("broadphase.count_point_triangle", points.n, [=] MORTISE_HD(Index i) {
+    const Index point = points[i];
+    count[i] = triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, y, dy, 2 * grow, {note.p + i * kNoted, 1, kNoted});
+  });
+}
+
+void fill_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy,
+                          double grow, View<const Index> count, View<const Index> note, View<PointTriangle> out) {
+  device::parallel_for("broadphase.fill_point_triangle", points.n, [=] MORTISE_HD(Index i) {
+    const Index n = count[i + 1] - count[i], point = points[i];
+    if (n == 0) return;
+    PointTriangle* mine = out.p + count[i];
+    constexpr Index kStride = sizeof(PointTriangle) / sizeof(Index);
+    const Notes to{&mine->triangle, kStride, n};
+    if (n > kNoted)
+      triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, y, dy, 2 * grow, to);
+    else
+      for (Index k = 0; k < n; ++k) to.put(k, note[i * kNoted + k]);
+    sort_strided(&mine->triangle, kStride, n);
+    for (Index k = 0; k < n; ++k) {
+      const Triangle t = s.triangles[mine[k].triangle];
+      mine[k].point = mine[k].v[0] = point;
+      for (int c = 0; c < 3; ++c) mine[k].v[1 + c] = t.v[c];
+    }
+  });
+}
+
+void count_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, View<const Vec3> y, View<const Vec3> dy, double grow,
+                      Buffer<Index>& counts, Buffer<Index>& noted) {
+  counts.resize(edges.n + 1);
+  noted.resize(edges.n * kNoted);
+  const View<Index> note = noted.view();
+  const View<Index> count = counts.view();
+  device::parallel_for("broadphase.count_edge_edge", edges.n, [=] MORTISE_HD(Index i) {
+    const Index a = edges[i];
+    count[i] = edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, y, dy, 2 * grow, {note.p + i * kNoted, 1, kNoted});
+  });
+}
+
+void fill_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, View<const Vec3> y, View<const Vec3> dy, double grow,
+                     View<const Index> count, View<const Index> note, View<EdgeEdge> out) {
+  device::parallel_for("broadphase.fill_edge_edge", edges.n, [=] MORTISE_HD(Index i) {
+    const Index n = count[i + 1] - count[i], a = edges[i];
+    if (n == 0) return;
+    EdgeEdge* mine = out.p + count[i];
+    constexpr Index kStride = sizeof(EdgeEdge) / sizeof(Index);
+    const Notes to{&mine->b, kStride, n};
+    if (n > kNoted)
+      edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, y, dy, 2 * grow, to);
+    else
+      for (Index k = 0; k < n; ++k) to.put(k, note[i * kNoted + k]);
+    sort_strided(&mine->b, kStride, n);
+    for (Index k = 0; k < n; ++k) {
+      mine[k].a = a;
+      for (int c = 0; c < 2; ++c) {
+        mine[k].v[c] = s.edges[a].v[c];
+        mine[k].v[2 + c] = s.edges[mine[k].b].v[c];
+      }
+    }
+  });
+}
+
+// Sorts queries by environment, keeping the order of ids, and notes where each environment starts.
+void by_environment(std::vector<Index> queries, const std::vector<Index>& env_of, Index environments, Buffer<Index>& sorted, Buffer<Index>& first) {
+  std::stable_sort(queries.begin(), queries.end(), [&](Index a, Index b) { return env_of[a] < env_of[b]; });
+  std::vector<Index> start(environments + 1, 0);
+  for (Index q : queries) ++start[env_of[q] + 1];
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  sorted.upload(queries);
+  first.upload(start);
+}
+
+}  // namespace
+
+PairSearch::PairSearch(const Surface& surface) : surface_(surface) {
+  const std::vector<Index> env = surface.env.download();
+  for (Index e : env) environments_ = std::max(environments_, e + 1);
+  std::vector<Index> points = surface.vertices.download();
+  std::sort(points.begin(), points.end());
+  by_environment(points, env, environments_, points_, point_env_first_);
+
+  const std::vector<Edge> edges = surface.edges.download();
+  std::vector<Index> ids(edges.size()), edge_env(edges.size());
+  std::iota(ids.begin(), ids.end(), 0);
+  for (std::size_t i = 0; i < edges.size(); ++i) edge_env[i] = env[edges[i].v[0]];
+  by_environment(ids, edge_env, environments_, edges_, edge_env_first_);
+}
+
+void PairSearch::find(View<const Vec3> y, View<const Vec3> dy, double radius, NearPairs& out) {
+  const SurfaceView s = surface_.view();
+  const double grow = radius / 2;
+  triangle_tree_.update({s.triangles.n ? s.triangles.p->v : nullptr, s.triangles.n, 3}, s, environments_, y, dy, grow);
+  edge_tree_.update({s.edges.n ? s.edges.p->v : nullptr, s.edges.n, 2}, s, environments_, y, dy, grow);
+  const BvhView triangles = triangle_tree_.view(), edges = edge_tree_.view();
+  const View<const Index> point = std::as_const(points_).view(), edge = std::as_const(edges_).view();
+  count_point_triangles(s, triangles, point, y, dy, grow, pt_counts_, pt_noted_);
+  count_edge_edges(s, edges, edge, y, dy, grow, ee_counts_, ee_noted_);
+  out.add_up(pt_counts_, point_env_first_.view(), ee_counts_, edge_env_first_.view());
+  fill_point_triangles(s, triangles, point, y, dy, grow, std::as_const(pt_counts_).view(), std::as_const(pt_noted_).view(), out.point_triangles.view());
+  fill_edge_edges(s, edges, edge, y, dy, grow, std::as_const(ee_counts_).view(), std::as_const(ee_noted_).view(), out.edge_edges.view());
+}
+
+}  // namespace mortise::geometry

@@ -1,0 +1,26 @@
+#pragma once
+// Finds near pairs by walking trees of boxes.
+#include "geometry/collide/bvh.h"
+#include "geometry/collide/near_pairs.h"
+
+namespace mortise::geometry {
+
+class PairSearch {
+ public:
+  // Keeps a reference to the surface, whose points and primitives must not change.
+  explicit PairSearch(const Surface& surface);
+
+  // As Broadphase::update (broadphase.h).
+  void find(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, NearPairs& out);
+  Index environments() const { return environments_; }
+
+ private:
+  const Surface& surface_;
+  Index environments_ = 0;
+  device::Buffer<Index> points_, edges_;                    // queries in canonical order: environment, then id
+  device::Buffer<Index> point_env_first_, edge_env_first_;  // first query of each environment
+  device::Buffer<Index> pt_counts_, pt_noted_, ee_counts_, ee_noted_;  // scratch
+  Bvh triangle_tree_, edge_tree_;
+};
+
+}  // namespace mortise::geometry
