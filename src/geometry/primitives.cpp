@@ -10,23 +10,33 @@ namespace {
 
 using Cell = std::array<Index, 3>;
 
+// A length that is a whole odd number of edges up to rounding goes to the larger even number.
 Index cells_along(double length, double edge_length) {
-  const double n = std::round(length / edge_length);
+  constexpr double kSingle = 1.5, kRounding = 1e-9;
+  const double n = length < (kSingle - kRounding) * edge_length ? 1 : 2 * std::round(0.5 * length / edge_length + kRounding);
   if (!(n < 2048))
     throw Error(Exit::scene, "edge_length " + std::to_string(edge_length) + " m is too small for a length of " +
                                  std::to_string(length) + " m: more than 2047 cells");
-  return std::max<Index>(1, static_cast<Index>(n));
+  return static_cast<Index>(n);
 }
+// Of half a body: its other half mirrors it, so that any number does.
+Index cells_of_half(double length, double edge_length) { return std::max<Index>(1, cells_along(2 * length, edge_length) / 2); }
 
 void require_positive(double value, const char* what) {
   if (!(value > 0) || !std::isfinite(value)) throw Error(Exit::scene, std::string(what) + " must be a positive number");
 }
 
-// Kuhn split of a grid: each cell into the six tetrahedra that share its diagonal. In cells below `mirror[a]` along axis a
-// the split is mirrored, which keeps neighbours consistent (the mirror plane is a grid plane) and lets the diagonals of all
-// octants point away from the mirror point. `place(i,j,k)` is the position of a grid vertex.
+// Is cell i of the n along an axis split as the mirror image of the Kuhn split, so that its diagonal runs towards lower places? Diagonals run
+// outwards in the outermost cells and turn round from every cell to the next inwards.
+bool is_mirrored(Index i, Index n) {
+  const Index depth = std::min(i, n - 1 - i);
+  return (depth % 2 == 1) != (2 * i < n - 1);
+}
+
+// Kuhn split of a grid: each cell into the six tetrahedra that share its diagonal, mirrored along axes as is_mirrored() says. What two
+// neighbours have in common is split by the axes within it, which agree. `place(i,j,k)` is the position of a grid vertex.
 template <class Place>
-TetMesh kuhn_grid(const Cell& n, const Cell& mirror, const Place& place) {
+TetMesh kuhn_grid(const Cell& n, const Place& place) {
   TetMesh mesh;
   const double count = (n[0] + 1.0) * (n[1] + 1.0) * (n[2] + 1.0);
   if (count > 2e7) throw Error(Exit::scene, "edge_length is too small: the mesh would have more than 20 million vertices");
@@ -45,7 +55,7 @@ TetMesh kuhn_grid(const Cell& n, const Cell& mirror, const Place& place) {
         Cell start = cell, step;
         bool flip = false;
         for (int a = 0; a < 3; ++a) {
-          const bool mirrored = cell[a] < mirror[a];
+          const bool mirrored = is_mirrored(cell[a], n[a]);
           step[a] = mirrored ? -1 : 1;
           if (mirrored) ++start[a];
           flip ^= mirrored;
@@ -90,7 +100,7 @@ TetMesh box(const Vec3& size, double edge_length) {
 
 TetMesh box(const Vec3& size, const std::array<Index, 3>& cells) {
   for (int a = 0; a < 3; ++a) require_positive(size[a], "box: size"), require_positive(cells[a], "box: number of cells");
-  return kuhn_grid(cells, {0, 0, 0}, [&](Index i, Index j, Index k) {
+  return kuhn_grid(cells, [&](Index i, Index j, Index k) {
     // (2i - n)/(2n): mirror images get the same bits.
     return Vec3(size[0] * (2 * i - cells[0]) / (2.0 * cells[0]), size[1] * (2 * j - cells[1]) / (2.0 * cells[1]),
                 size[2] * (2 * k - cells[2]) / (2.0 * cells[2]));
@@ -99,16 +109,16 @@ TetMesh box(const Vec3& size, const std::array<Index, 3>& cells) {
 
 TetMesh sphere(double radius, double edge_length) {
   require_positive(radius, "sphere: radius"), require_positive(edge_length, "sphere: edge_length");
-  const Index m = cells_along(radius, edge_length);
-  return kuhn_grid({2 * m, 2 * m, 2 * m}, {m, m, m},
+  const Index m = cells_of_half(radius, edge_length);
+  return kuhn_grid({2 * m, 2 * m, 2 * m},
                    [&](Index i, Index j, Index k) { return Vec3(radius / m * to_ball(Vec3(i - m, j - m, k - m))); });
 }
 
 TetMesh cylinder(double radius, double height, double edge_length) {
   require_positive(radius, "cylinder: radius"), require_positive(height, "cylinder: height");
   require_positive(edge_length, "cylinder: edge_length");
-  const Index m = cells_along(radius, edge_length), layers = cells_along(height, edge_length);
-  return kuhn_grid({2 * m, 2 * m, layers}, {m, m, layers / 2}, [&](Index i, Index j, Index k) {
+  const Index m = cells_of_half(radius, edge_length), layers = cells_along(height, edge_length);
+  return kuhn_grid({2 * m, 2 * m, layers}, [&](Index i, Index j, Index k) {
     Vec3 p = radius / m * to_ball(Vec3(i - m, j - m, 0));
     p[2] = height * (2 * k - layers) / (2.0 * layers);
     return p;
@@ -118,8 +128,8 @@ TetMesh cylinder(double radius, double height, double edge_length) {
 TetMesh capsule(double radius, double height, double edge_length) {
   require_positive(radius, "capsule: radius"), require_positive(height, "capsule: height");
   require_positive(edge_length, "capsule: edge_length");
-  const Index m = cells_along(radius, edge_length), layers = cells_along(height, edge_length);
-  return kuhn_grid({2 * m, 2 * m, 2 * m + layers}, {m, m, m + layers / 2}, [&](Index i, Index j, Index k) {
+  const Index m = cells_of_half(radius, edge_length), layers = cells_along(height, edge_length);
+  return kuhn_grid({2 * m, 2 * m, 2 * m + layers}, [&](Index i, Index j, Index k) {
     const Index below = std::min(k - m, 0), above = std::max(k - m - layers, 0), between = std::clamp(k - m, 0, layers);
     Vec3 p = radius / m * to_ball(Vec3(i - m, j - m, below + above));
     p[2] += height * (2 * between - layers) / (2.0 * layers);

@@ -1,14 +1,16 @@
 #pragma once
 // Structured, deterministic tetrahedral meshes of simple bodies, centred at the origin. Vertices that belong to a curved
-// surface lie on it. `edge_length` is the size of a grid cell [m]; the number of cells is rounded to the nearest integer >= 1.
+// surface lie on it. `edge_length` is the size of a grid cell [m]. An axis has the even number of cells that is nearest to it, or a single cell
+// where the length is below 1.5 edge_length: with even numbers the mesh is its own mirror image about all three middle planes, to the last bit.
 #include <array>
 
 #include "geometry/mesh.h"
 
 namespace mortise::geometry {
 
-// Axis-aligned box with side lengths `size` [m]. Every cell is split the same way (Kuhn), so inside a face each vertex
-// has six triangles and all vertices carry the same area.
+// Axis-aligned box with side lengths `size` [m]. Neighbouring cells are split as mirror images of each other (Kuhn): diagonals of one way would
+// bend the body's answer to a load towards it, and lock five times as much near nu = 0.5. An odd number of cells has a middle layer whose split
+// is not its own mirror image; all else is.
 TetMesh box(const Vec3& size, double edge_length);
 TetMesh box(const Vec3& size, const std::array<Index, 3>& cells);
 

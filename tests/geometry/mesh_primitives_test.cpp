@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "base/error.h"
 #include "geometry/primitives.h"
@@ -46,9 +49,9 @@ void expect_sound(const TetMesh& m, double min_angle) {
 
 TEST(Primitives, BoxFillsItsBounds) {
   const TetMesh m = box({0.02, 0.02, 0.004}, 0.0008);
-  EXPECT_EQ(m.points.size(), 26u * 26 * 6);
-  EXPECT_EQ(m.tets.size(), 25u * 25 * 5 * 6);
-  expect_sound(m, 44.9 * kDegree);
+  EXPECT_EQ(m.points.size(), 27u * 27 * 7) << "25 x 25 x 5 edges: the next even numbers";
+  EXPECT_EQ(m.tets.size(), 26u * 26 * 6 * 6);
+  expect_sound(m, 40 * kDegree);
   EXPECT_NEAR(volume(m), 1.6e-6, 1e-12 * 1.6e-6);
   EXPECT_NEAR(area(surface_of(m)), 2 * 4e-4 + 4 * 8e-5, 1e-15);
   Vec3 lo = m.points[0], hi = lo;
@@ -57,19 +60,20 @@ TEST(Primitives, BoxFillsItsBounds) {
   EXPECT_EQ(hi, Vec3(0.01, 0.01, 0.002));
 }
 
-TEST(Primitives, BoxFaceVerticesCarryEqualAreas) {
+// In the middle of a face four or eight triangles meet, in turns.
+TEST(Primitives, BoxFaceVerticesShareTheArea) {
   const TetMesh m = box({1, 1, 1}, std::array<Index, 3>{4, 4, 4});
   const std::vector<double> w = vertex_areas(m.points, boundary_triangles(m));
   double sum = 0;
   for (std::size_t i = 0; i < w.size(); ++i) {
-    const Vec3& p = m.points[i];
-    int on = 0;
-    for (int a = 0; a < 3; ++a) on += std::abs(p[a]) == 0.5;
+    const Vec3 p = 4 * m.points[i];
+    int on = 0, odd = 0;
+    for (int a = 0; a < 3; ++a) on += std::abs(p[a]) == 2, odd += std::abs(p[a]) == 1;
     if (on == 0) {
       EXPECT_EQ(w[i], 0);
     }
     if (on == 1) {
-      EXPECT_NEAR(w[i], 1.0 / 16, 1e-15);
+      EXPECT_NEAR(w[i], (odd == 1 ? 1 : 2) / 24.0, 1e-15);
     }
     sum += w[i];
   }
@@ -126,16 +130,50 @@ TEST(Primitives, Capsule) {
   expect_second_order([](double h) { return capsule(1, 1.5, h); }, (1.5 + 4.0 / 3) * M_PI);
 }
 
-TEST(Primitives, SphereIsMirrorSymmetric) {
-  const TetMesh m = sphere(1, 0.25);
-  for (int axis = 0; axis < 3; ++axis) {
-    std::map<std::array<double, 3>, int> seen;
-    for (const Vec3& p : m.points) ++seen[{p[0], p[1], p[2]}];
-    for (Vec3 p : m.points) {
-      p[axis] = -p[axis] + 0.0;
-      ASSERT_TRUE(seen.contains({p[0], p[1], p[2]}));
-    }
+// Tetrahedra whose mirror image about the middle plane of `axis` is no tetrahedron of the mesh.
+std::vector<Tet> without_image(const TetMesh& m, int axis) {
+  std::map<std::array<double, 3>, Index> at;
+  for (std::size_t i = 0; i < m.points.size(); ++i) at[{m.points[i][0], m.points[i][1], m.points[i][2]}] = static_cast<Index>(i);
+  std::set<std::array<Index, 4>> tets;
+  for (const Tet& t : m.tets) {
+    std::array<Index, 4> v{t.v[0], t.v[1], t.v[2], t.v[3]};
+    std::sort(v.begin(), v.end());
+    tets.insert(v);
   }
+  std::vector<Tet> out;
+  for (const Tet& t : m.tets) {
+    std::array<Index, 4> v;
+    for (int k = 0; k < 4; ++k) {
+      Vec3 p = m.points[t.v[k]];
+      p[axis] = -p[axis] + 0.0;
+      const auto image = at.find({p[0], p[1], p[2]});  // to the last bit
+      v[k] = image == at.end() ? -1 : image->second;
+    }
+    std::sort(v.begin(), v.end());
+    if (!tets.contains(v)) out.push_back(t);
+  }
+  return out;
+}
+
+TEST(Primitives, MeshesAreTheirOwnMirrorImages) {
+  const TetMesh meshes[] = {box({0.017, 0.013, 0.004}, 0.001), box({3, 2, 1}, 0.5), box({1, 1, 1}, std::array<Index, 3>{2, 4, 6}), sphere(1, 0.3), sphere(1, 0.25),
+                            cylinder(1, 1.7, 0.3), cylinder(1, 1.7, 0.25), capsule(1, 1.7, 0.3), capsule(1, 0.1, 0.25)};
+  for (std::size_t i = 0; i < std::size(meshes); ++i)
+    for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(without_image(meshes[i], axis).size(), i == 8 && axis == 2 ? 6 * 8u * 8 : 0u) << "mesh " << i << ", axis " << axis;
+}
+
+TEST(Primitives, OddNumbersOfCellsLeaveAMiddleLayer) {
+  const TetMesh m = box({1, 1, 1}, std::array<Index, 3>{5, 2, 1});
+  for (const Tet& t : without_image(m, 0))
+    for (Index v : t.v) EXPECT_LT(std::abs(m.points[v][0]), 0.11);
+  EXPECT_EQ(without_image(m, 0).size(), 6u * 2);
+  EXPECT_EQ(without_image(m, 1).size(), 0u);
+  EXPECT_EQ(without_image(m, 2).size(), 6u * 5 * 2);
+}
+
+TEST(Primitives, EdgeLengthsGiveEvenNumbersOfCells) {
+  for (const auto& [length, planes] : {std::pair{0.5, 1.0}, std::pair{1.49, 1.0}, std::pair{1.5, 1.5}, std::pair{2.9, 1.5}, std::pair{3.0, 2.5}, std::pair{4.9, 2.5}, std::pair{5.0, 3.5}})
+    EXPECT_EQ(box({0.1 * length, 0.1, 0.1}, 0.1).points.size(), 8 * planes) << length;
 }
 
 TEST(Primitives, Deterministic) {

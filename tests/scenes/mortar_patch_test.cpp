@@ -15,7 +15,7 @@ struct Patch {
   std::string slave = "bottom", weights = "consistent", quadrature = "3", gradient = "frozen";
   bool two_pass = false;
   double bottom_side = 1, top_side = 1;          // squares that share the corner at the origin
-  double bottom_edge = 1.0 / 3, top_edge = 0.5;  // mesh sizes
+  double bottom_edge = 0.25, top_edge = 1.0 / 6;  // mesh sizes: 4 and 6 cells
   int bottom_order = 1, top_order = 1;
 };
 
@@ -150,7 +150,7 @@ TEST(MortarPatch, PassesWithOverhang) {
       Patch c;
       c.slave = slave;
       (top_is_smaller ? c.top_side : c.bottom_side) = 0.5;
-      c.bottom_edge = top_is_smaller ? 0.25 : 0.5 / 3, c.top_edge = top_is_smaller ? 0.5 / 3 : 0.25;
+      c.bottom_edge = top_is_smaller ? 1.0 / 6 : 0.125, c.top_edge = top_is_smaller ? 0.125 : 1.0 / 6;
       expect_passes(c);
       c.two_pass = true;
       expect_passes(c);
@@ -163,15 +163,16 @@ TEST(MortarPatch, PassesWithQuadraticTetrahedra) {
     for (const char* slave : {"bottom", "top"}) {
       Patch c;
       c.bottom_order = bottom, c.top_order = top, c.slave = slave;
+      if (bottom == top) c.bottom_edge = 0.5, c.top_edge = 0.25;
       expect_passes(c, 1e-9);
     }
   Patch c;
-  c.bottom_order = c.top_order = 2;
+  c.bottom_order = c.top_order = 2, c.bottom_edge = 0.5, c.top_edge = 0.25;
   for (double kappa : {1e4, 1e9}) c.kappa = kappa, expect_passes(c, 1e-9);
   c.kappa = 1e6, c.nu = 0.49, expect_passes(c, 1e-9);
   c.nu = 0.3, c.quadrature = "6", expect_passes(c, 1e-9);
   c.two_pass = true, expect_passes(c, 1e-9);
-  c.top_side = 0.5, c.bottom_edge = 0.25, c.top_edge = 0.5 / 3, expect_passes(c, 1e-9);
+  c.top_side = 0.5, c.bottom_edge = 1.0 / 6, c.top_edge = 0.125, expect_passes(c, 1e-9);
   c.gradient = "exact", expect_passes(c, 1e-9);
 }
 
@@ -179,7 +180,7 @@ TEST(MortarPatch, PassesWithQuadraticTetrahedra) {
 TEST(MortarPatch, TaperedWeightsMissIt) {
   Patch c;
   c.weights = "tapered";
-  c.top_side = 0.5, c.bottom_edge = 0.25, c.top_edge = 0.5 / 3;
+  c.slave = "top", c.top_side = 0.5, c.bottom_edge = 1.0 / 6, c.top_edge = 0.125;
   const Result r = run(c);
   EXPECT_GT(r.szz, 1e-4);
   EXPECT_LT(r.szz, 0.2);

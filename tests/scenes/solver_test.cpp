@@ -109,7 +109,7 @@ time: {mode: static, steps: 5}
 materials:
   gel: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1000}
 bodies:
-  block: {type: soft, shape: {box: {size: [1, 1, 0.5], edge_length: 0.34}}, material: gel}
+  block: {type: soft, shape: {box: {size: [1, 1, 0.5], edge_length: 0.25}}, material: gel}
   lower: {type: stiff, shape: {box: {size: [1.5, 1.5, 0.1], edge_length: 1.5}}, material: gel, position: [0, 0, -0.301]}
   upper: {type: stiff, shape: {box: {size: [1.5, 1.5, 0.1], edge_length: 1.5}}, material: gel, position: [0, 0, 0.301]}
 effects:

@@ -134,6 +134,16 @@ TEST(Stranger, OneLoadStepIsAsGoodAsFour) {
   EXPECT_LT(one.fields().at("mortar_contact/force_share_guard"), 0.12);
 }
 
+// A ball that comes straight down pushes nothing aside, friction or not. With all diagonals of the pad's cells one way it pushed with 4.6 % of its force.
+TEST(Stranger, ABallPressedStraightDownPushesNothingAside) {
+  Rig rig(press(2), {"bodies.pad.shape.box.size=[11 mm, 9 mm, 4 mm]", "materials.gel.poisson_ratio=0.45", "effects.friction={follows: mortar_contact, mu: 0.5}"});
+  rig.steps(2);
+  const Captured f = rig.fields();
+  const double normal = f.at("supports/pad_z");
+  EXPECT_GT(normal, 0.5);
+  for (const char* across : {"supports/pad_x", "supports/pad_y", "supports/ball_x", "supports/ball_y"}) EXPECT_LT(std::abs(f.at(across)), 1e-6 * normal) << across;
+}
+
 // A press that closes on a stiff cube: steps fail instead of accepting a flat cube, and the message names it.
 TEST(Stranger, ACrushedStiffBodyFailsTheStep) {
   Rig rig(R"(
