@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/version.h"
+#include "effects/contact/layer.h"
 #include "effects/roles.h"
 #include "engine/effect_tables.h"
 #include "scene/pass_through.h"
@@ -58,7 +59,7 @@ Certificate::Certificate(const model::ModelInput& input) : stress_error_(input),
   const Params& scene = input.scene;
   for (const scene::PassThrough& p : scene::pass_through(scene, engine::effect_tables())) passes_through_.push_back(p.text());
   const Params& effects = scene.at("effects");
-  for (const std::string& name : effects::of_role(effects, effects::Role::contact)) d_hat_[name] = effects.at(name).number("d_hat");
+  for (const std::string& name : effects::of_role(effects, effects::Role::contact)) d_hat_[name] = effects::contact::support_radius(effects.at(name), input);
   for (const std::string& name : effects::of_role(effects, effects::Role::follower)) {
     if (const Params* creep = effects.at(name).find("creep_speed")) creep_speed_ = creep->as_number();
   }

@@ -34,7 +34,8 @@ void of_materials(const Params& scene, std::vector<std::string>& out) {
 void of_contact(const model::ModelInput& input, std::vector<std::string>& out) {
   const Params& effects = input.scene.at("effects");
   for (const std::string& name : effects::of_role(effects, effects::Role::contact)) {
-    const Params* d_hat = &effects.at(name).at("d_hat");
+    const Params* d_hat = effects.at(name).find("d_hat");
+    if (!d_hat) continue;
     for (const model::BodyInput& body : input.bodies) {
       if (body.nodes.empty()) continue;
       Vec3 lo = body.nodes.front(), hi = lo;

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "effects/contact/active.h"
+#include "effects/contact/layer.h"
 #include "effects/contact/proximity.h"
 #include "effects/contact/report.h"
 #include "effects/contact/start_check.h"
@@ -18,10 +19,10 @@ using namespace contact;
 const ParamTable kTable{
     "effect barrier_contact",
     "Bodies never touch: a barrier acts between surfaces nearer than d_hat (incremental potential contact).",
-    {param::positive(param::number("d_hat", Unit::length, "0.1 mm", 0, "Distance at which contact begins to act")),
-     param::positive(param::number("stiffness", Unit::pressure, "1 MPa", 0,
-                                   "Pressure scale kappa: two flat surfaces press with kappa phi(gap/d_hat), which is kappa at "
-                                   "0.53 d_hat and 4.3 kappa at d_hat/4")),
+    {support_radius_param("Distance at which contact begins to act"),
+     param::positive(param::automatic(param::number("stiffness", Unit::pressure, "1 MPa", 0,
+                                                    "Pressure scale kappa: two flat surfaces press with kappa phi(gap/d_hat), which is kappa at "
+                                                    "0.53 d_hat and 4.3 kappa at d_hat/4; auto, or without it, the bodies' largest E*, 1 MPa where all are stiff"))),
      param::choice("form", {"area_weighted", "classic"}, "area_weighted",
                    "area_weighted: pressures do not depend on the mesh; classic: every pair of primitives has the weight d_hat^2 "
                    "(stiffness kappa d_hat in N/m)"),
@@ -38,9 +39,9 @@ const BarrierLinearisation& of_barrier(const Linearisation& at) { return static_
 
 class BarrierContact final : public Effect {
  public:
-  BarrierContact(const Params& p, model::Model& model) : model_(model), near_(model, p.number("d_hat")) {
-    law_.d_hat = p.number("d_hat");
-    law_.kappa = p.number("stiffness");
+  BarrierContact(const Params& p, model::Model& model) : model_(model), near_(model, support_radius(p, model.input)) {
+    law_.d_hat = support_radius(p, model.input);
+    law_.kappa = stiffness(p, model.input);
     law_.area_weighted = p.text("form") == "area_weighted";
     law_.edge_range = law_.area_weighted ? kEdgeShare * law_.d_hat : law_.d_hat;
     if (const Params* list = p.find("pairs")) pairs_ = *list;

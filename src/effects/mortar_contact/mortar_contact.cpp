@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "effects/contact/active.h"
+#include "effects/contact/layer.h"
 #include "effects/contact/proximity.h"
 #include "effects/contact/report.h"
 #include "effects/contact/start_check.h"
@@ -35,11 +36,11 @@ const ParamTable kTable{
     "effect mortar_contact",
     "Contact pressure as a field: a barrier integrated over the exact overlap of two surfaces (geometric mortar contact "
     "potential).",
-    {pair_list(), param::positive(param::number("d_hat", Unit::length, "0.1 mm", 0, "Gap at which contact begins to act")),
+    {pair_list(), contact::support_radius_param("Gap at which contact begins to act"),
      param::positive(
          param::automatic(param::number("stiffness", Unit::pressure, "1 MPa", 0,
-                                       "Pressure scale kappa: the pressure is kappa phi(gap/d_hat); auto, or without it, chosen so "
-                                       "that the contact layer is four times as stiff as the surface mesh"))),
+                                       "Pressure scale kappa: the pressure is kappa phi(gap/d_hat); auto, or without it, the bodies' E* "
+                                       "where d_hat is left open too, else chosen so that the layer is four times as stiff as the mesh"))),
      param::choice("weights", {"consistent", "tapered"}, "consistent",
                    "consistent: exact overlap, passes the patch test, with edge and point samples where surfaces are not "
                    "parallel; tapered: the published form"),
@@ -88,8 +89,8 @@ class MortarContact final : public Effect {
       : model_(model),
         guard_share_(p.number("guard")),
         rest_share_(p.number("rest_share")),
-        near_(model, std::max(guard_share_, 0.01) * p.number("d_hat")) {
-    set_.d_hat = p.number("d_hat");
+        near_(model, std::max(guard_share_, 0.01) * contact::support_radius(p, model.input)) {
+    set_.d_hat = contact::support_radius(p, model.input);
     set_.taper = p.text("weights") == "tapered" ? p.number("taper_width") : 0;
     set_.quadrature = p.text("quadrature") == "exact" ? kExact : std::stoi(p.text("quadrature"));
     set_.exact = p.text("gradient") == "exact";
@@ -103,10 +104,8 @@ class MortarContact final : public Effect {
     if (set_.quadrature == 1 && model.faces.quarter.size() > 0)
       throw Error(Exit::scene, p.at("quadrature").where(), "one point per piece is not enough for the shape functions of quadratic faces: 3, 6 or 7");
     automatic_ = !p.has("stiffness");
-    for (std::size_t i = 0; i < interfaces_.size(); ++i) {
-      const double first = interfaces_[i].modulus > 0 ? kFirstPressure * interfaces_[i].modulus : kRigidPressure;
-      kappa_.push_back(automatic_ ? wanted_stiffness(interfaces_[i], set_.d_hat, first, kSoftest) : p.number("stiffness"));
-    }
+    for (Interface& i : interfaces_) i.fixed = !p.has("d_hat") && i.modulus > 0;
+    for (const Interface& i : interfaces_) kappa_.push_back(automatic_ ? first_stiffness(i, set_.d_hat) : p.number("stiffness"));
     next_kappa_ = kappa_;
     next_price_.assign(model.envs, 0.0);
     stiffness_changed();

@@ -1,14 +1,14 @@
 #include "effects/mortar_contact/stiffness.h"
 
 #include "effects/contact/barrier.h"
+#include "effects/contact/layer.h"
 
 namespace mortise::effects::mortar {
 namespace {
 
 double compliance(const model::Model& model, Index body) {
   if (body >= static_cast<Index>(model.bodies.size()) || model.bodies[body].type != model::BodyType::soft) return 0;
-  const model::Body& b = model.bodies[body];
-  return (1 - b.poisson_ratio * b.poisson_ratio) / b.youngs_modulus;
+  return contact::compliance(model.bodies[body].youngs_modulus, model.bodies[body].poisson_ratio);
 }
 
 }  // namespace
@@ -27,6 +27,11 @@ Interface interface_of(const model::Model& model, Index slave, Index master) {
   return out;
 }
 
+double first_stiffness(const Interface& i, double d_hat) {
+  if (i.fixed) return i.modulus;
+  return wanted_stiffness(i, d_hat, i.modulus > 0 ? kFirstPressure * i.modulus : kRigidPressure, kSoftest);
+}
+
 double wanted_stiffness(const Interface& i, double d_hat, double p, double least_t) {
   const auto ratio = [](double t) { return barrier::second(t, 1.0) / barrier::phi(t); };
   const double wanted = kWanted * i.modulus * d_hat / (p * i.h);
@@ -40,6 +45,7 @@ double wanted_stiffness(const Interface& i, double d_hat, double p, double least
 }
 
 bool fits(const Interface& i, const Achieved& now, double kappa) {
+  if (i.fixed) return true;
   if (i.modulus > 0) return now.k >= kWanted / 2 && now.k <= 2 * kWanted;
   const double t = barrier::phi_inverse(now.pressure / kappa);
   return t >= 0.3 && t <= 0.9;

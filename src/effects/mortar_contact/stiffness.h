@@ -6,8 +6,10 @@
 //     -phi'(t) / phi(t) = k E* d_hat / (p h).
 // The left side is smallest, 5.03, at t = 0.376: a layer of range d_hat cannot be softer than that at pressure p. Of the two roots the one above
 // is taken, which keeps gaps wide open; in statics none below t = 0.7, where the left side is 7.6: at three times the mean pressure the gap is still
-// d_hat/2 there, far from the guard's range, while from 0.376 on peaks of pressure are the guard's to carry (half of the force of a ball on a
-// pad with d_hat = h/50). In motion a stiffer layer costs iterations and energy.
+// d_hat/2 there, far from the guard's range, while from 0.376 on peaks of pressure are the guard's to carry. In motion a stiffer layer costs
+// iterations and energy.
+//
+// The layer that the scene does not set (contact/layer.h) is stiffer than k = 4 at any pressure that matters: kappa = E* once and for all.
 #include "effects/mortar_contact/frozen.h"
 
 namespace mortise::effects::mortar {
@@ -20,12 +22,15 @@ struct Interface {
   Index slave = 0, master = 0;  // bodies; masters after the bodies are half-spaces
   double modulus = 0;           // E* [Pa]; 0 where nothing can deform
   double h = 0;                 // mean slave edge [m]
+  bool fixed = false;           // kappa is E*
 };
 Interface interface_of(const model::Model& model, Index slave, Index master);
 
 // Where nothing can deform there is no mesh to be smooth for: the gap is kept open at least_t.
 inline constexpr double kRigidPressure = 1e4;  // of a load on its footprint, before any is known [Pa]
 
+// kappa [Pa] before any pressure is known.
+double first_stiffness(const Interface& i, double d_hat);
 // kappa [Pa] for the interface at pressure p [Pa].
 double wanted_stiffness(const Interface& i, double d_hat, double p, double least_t);
 
@@ -34,7 +39,7 @@ double wanted_stiffness(const Interface& i, double d_hat, double p, double least
 struct Achieved {
   double pressure = 0, k = 0, energy = 0;
 };
-// Is the stiffness good enough to stay: k within a factor 2 of what is wanted, or, of stiff bodies, the gap neither nearly open nor half closed?
+// Is the stiffness good enough to stay: fixed, else k within a factor 2 of what is wanted, or, of stiff bodies, the gap neither nearly open nor half closed?
 bool fits(const Interface& i, const Achieved& now, double kappa);
 Achieved achieved(const Interface& i, Index law, double kappa, const std::vector<Pair>& pairs,
                   const std::vector<Sample>& samples);

@@ -14,19 +14,15 @@ constexpr double kSurplus = 3;  // of the way of the farthest point: the next qu
 constexpr double kMost = 0.1;   // of the mean edge of the finest body: more finds many neighbours that never meet
 constexpr double kRounding = 1e-14;  // of a coordinate
 
-// {largest |y - from| + |dy|, largest |dy|}; the first is infinite without `from`.
-std::pair<double, double> farthest(View<const Vec3> from, View<const Vec3> y, View<const Vec3> dy) {
-  std::vector<double> off{INFINITY}, way{0};
+// Largest |y - from| + |dy|, without `from` |dy|.
+double farthest(View<const Vec3> from, View<const Vec3> y, View<const Vec3> dy) {
+  std::vector<double> out{0};
   device::Fetch fetch;
-  const auto step = [=] MORTISE_HD(Index i) { return dy.n > 0 ? dy[i].norm() : 0.0; };
-  if (from.n > 0) {
-    off[0] = 0;
-    device::env_max(
-        "broadphase.off", {0, y.n}, [=] MORTISE_HD(Index i) { return (y[i] - from[i]).norm() + step(i) + kRounding * y[i].norm(); }, device::EnvValues{off, fetch});
-  }
-  device::env_max("broadphase.way", {0, y.n}, [=] MORTISE_HD(Index i) { return step(i) + kRounding * y[i].norm(); }, device::EnvValues{way, fetch});
+  device::env_max(
+      "broadphase.farthest", {0, y.n},
+      [=] MORTISE_HD(Index i) { return (from.n > 0 ? (y[i] - from[i]).norm() : 0.0) + (dy.n > 0 ? dy[i].norm() : 0.0) + kRounding * y[i].norm(); }, device::EnvValues{out, fetch});
   fetch.now();
-  return {off[0], way[0]};
+  return out[0];
 }
 
 // The pairs of `from` whose swept boxes overlap; `counts`: scratch.
@@ -67,8 +63,7 @@ void pick(const SurfaceView& surface, const NearPairs& kept, View<const Vec3> y,
     if (!boxes_overlap(swept_box(p.v, 2, 0, s, y, dy, grow), swept_box(p.v + 2, 2, 0, s, y, dy, grow))) return false;
     return s.body[p.v[0]] != s.body[p.v[2]] || !stay_apart(p.v, 2, y, dy, radius);
   });
-  const Buffer<Index> pt_first(kept.pt_env_offset), ee_first(kept.ee_env_offset);
-  found.add_up(pt_counts, pt_first.view(), ee_counts, ee_first.view());
+  found.add_up(pt_counts, kept.pt_env_first.view(), ee_counts, kept.ee_env_first.view());
   compact("broadphase.pick_point_triangle", kept.point_triangles, pt_counts, found.point_triangles);
   compact("broadphase.pick_edge_edge", kept.edge_edges, ee_counts, found.edge_edges);
 }
@@ -81,16 +76,16 @@ Broadphase::Broadphase(const Surface& surface) : surface_(surface), search_(surf
 }
 
 void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius) {
-  const auto [off, way] = farthest(kept_radius_ < 0 ? View<const Vec3>{} : std::as_const(kept_at_).view(), y, dy);
-  if (radius + 2 * off <= kept_radius_) return pick(surface_.view(), kept_, y, dy, radius, found_);
+  const auto answer = [&] { pick(surface_.view(), kept_, y, dy, radius, found_); };
+  if (kept_radius_ >= radius && radius + 2 * farthest(std::as_const(kept_at_).view(), y, dy) <= kept_radius_) return answer();
   ++searches_;
-  const double more = kSurplus * way;
-  if (!(dy.n > 0 && more <= most_surplus(y))) return search_.find(y, dy, radius, found_);
+  const double more = dy.n > 0 ? kSurplus * farthest({}, y, dy) : INFINITY;
+  if (!(more <= most_surplus(y))) return search_.find(y, dy, radius, found_);
   search_.find(y, {}, radius + more, kept_);
   kept_radius_ = radius + more;
   kept_at_.resize(y.n);
   device::copy(kept_at_.view().p, y.p, static_cast<std::size_t>(y.n) * sizeof(Vec3));
-  pick(surface_.view(), kept_, y, dy, radius, found_);
+  answer();
 }
 
 double Broadphase::most_surplus(View<const Vec3> y) {

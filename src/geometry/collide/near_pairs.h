@@ -23,6 +23,7 @@ struct NearPairs {
   device::Buffer<EdgeEdge> edge_edges;
   // Pairs of environment e are [offset[e], offset[e+1]).
   std::vector<Index> pt_env_offset, ee_env_offset;
+  device::Buffer<Index> pt_env_first, ee_env_first;  // the same where kernels can read it
 
   // Turns counts (one more than there are queries) into offsets of their first pairs, and makes room for all; *_first: first query of every
   // environment. Throws Error(Exit::device) when there are more pairs than can be counted.
