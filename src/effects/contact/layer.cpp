@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace mortise::effects::contact {
 namespace {
 
 constexpr double kFine = 0.1;      // share of edges
+constexpr double kSmooth = 0.5;    // angle between triangles of a round surface [rad]
 constexpr double kOfExtent = 0.1;  // triangles of stiff bodies are as large as their faces
 
 void gather(const Params& p, std::set<std::string>& names) {
@@ -29,30 +33,55 @@ std::vector<const model::BodyInput*> bodies_of(const Params& effect, const model
   return out;
 }
 
+// The value that the share `below` of all fall short of; 0 of none.
+double quantile(std::vector<double> v, double below) {
+  if (v.empty()) return 0;
+  const auto at = v.begin() + static_cast<std::ptrdiff_t>(below * static_cast<double>(v.size()));
+  std::nth_element(v.begin(), at, v.end());
+  return *at;
+}
+
 double fine_edge(const model::BodyInput& body) {
   std::vector<double> length;
   for (const Triangle& t : body.triangles)
     for (int k = 0; k < 3; ++k) length.push_back((body.nodes[t.v[k]] - body.nodes[t.v[(k + 1) % 3]]).norm());
-  const auto at = length.begin() + static_cast<std::ptrdiff_t>(kFine * static_cast<double>(length.size()));
-  std::nth_element(length.begin(), at, length.end());
-  if (body.type == model::BodyType::soft) return *at;
+  const double edge = quantile(std::move(length), kFine);
+  if (body.type == model::BodyType::soft) return edge;
   Vec3 lo = body.nodes.front(), hi = lo;
   for (const Vec3& x : body.nodes) lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
   const double extent = (hi - lo).minCoeff();
-  return extent > 0 ? std::min(*at, kOfExtent * extent) : *at;
+  return extent > 0 ? std::min(edge, kOfExtent * extent) : edge;
+}
+
+// The circle around an equilateral triangle of edge w on a sphere of radius R is w^2/(6 R) deep, and theta = w/(sqrt(3) R).
+double facet_depth(const model::BodyInput& body) {
+  std::map<std::pair<Index, Index>, Vec3> first;  // normal of the first triangle at an edge
+  std::vector<double> depth;
+  for (const Triangle& t : body.triangles) {
+    const Vec3 n = (body.nodes[t.v[1]] - body.nodes[t.v[0]]).cross(body.nodes[t.v[2]] - body.nodes[t.v[0]]).normalized();
+    for (int k = 0; k < 3; ++k) {
+      const Index a = t.v[k], b = t.v[(k + 1) % 3];
+      const auto [other, alone] = first.try_emplace({std::min(a, b), std::max(a, b)}, n);
+      if (alone) continue;
+      const double theta = std::atan2(n.cross(other->second).norm(), n.dot(other->second));
+      if (theta < kSmooth) depth.push_back((body.nodes[a] - body.nodes[b]).norm() * theta / 3.4641016151377544);
+    }
+  }
+  return quantile(std::move(depth), 1 - kFine);
 }
 
 }  // namespace
 
 double support_radius(const Params& effect, const model::ModelInput& input) {
   if (const Params* d_hat = effect.find("d_hat")) return d_hat->as_number();
-  double soft = INFINITY, stiff = INFINITY;
+  double soft = INFINITY, stiff = INFINITY, facets = 0;
   for (const model::BodyInput* body : bodies_of(effect, input)) {
     double& finest = body->type == model::BodyType::soft ? soft : stiff;
     finest = std::min(finest, fine_edge(*body));
+    facets = std::max(facets, facet_depth(*body));
   }
-  const double finest = std::isfinite(soft) ? soft : stiff;
-  return kThickness * (std::isfinite(finest) ? finest : 1);
+  const double edge = std::isfinite(soft) ? soft : std::isfinite(stiff) ? stiff : 1;
+  return std::clamp(kOverFacets * facets, kThickness * edge, kThickest * edge);
 }
 
 Param support_radius_param(const std::string& what) {

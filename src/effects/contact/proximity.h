@@ -13,8 +13,9 @@
 
 namespace mortise::effects::contact {
 
-// Share of every distance that a step may not use up.
-inline constexpr double kKeep = 0.1;
+// Share of every distance that a step may not use up. Less brings pairs that come into range deep into the barrier, one after the other, each stiffer
+// than the last, while Newton's method only doubles a gap in an iteration; more takes longer to come near.
+inline constexpr double kKeep = 0.3;
 
 class Proximity {
  public:

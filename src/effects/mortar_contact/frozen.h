@@ -62,9 +62,11 @@ struct Frozen {
   Buffer<Vec3> y;                             // where they were taken
 };
 
+inline constexpr double kTangent = 0.1;  // of the gap, or of d_hat
+
 // The barrier at gap g of what was frozen at gap g0.
 MORTISE_HD inline double frozen_barrier(double g, double g0, double d_hat) {
-  const double least = contact::kKeep * std::fmin(g0, d_hat);
+  const double least = kTangent * std::fmin(g0, d_hat);
   return g > least ? barrier::value(g, d_hat) : barrier::value(least, d_hat) + barrier::first(least, d_hat) * (g - least);
 }
 

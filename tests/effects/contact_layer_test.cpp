@@ -1,0 +1,89 @@
+// The contact layer that a scene leaves open.
+#include <gtest/gtest.h>
+
+#include "contact_scene.h"
+#include "effects/contact/layer.h"
+
+using namespace mortise;
+using namespace mortise::testing;
+using effects::contact::stiffness;
+using effects::contact::support_radius;
+
+namespace {
+
+// A flat square plate of 10 x 10 cells, edges h.
+model::BodyInput plate(const std::string& name, double h, model::BodyType type) {
+  model::BodyInput out;
+  out.name = name, out.type = type;
+  for (int j = 0; j <= 10; ++j)
+    for (int i = 0; i <= 10; ++i) out.nodes.emplace_back(i * h, j * h, 0);
+  for (int j = 0; j < 10; ++j)
+    for (int i = 0; i < 10; ++i) {
+      const Index a = 11 * j + i;
+      out.triangles.push_back({{a, a + 1, a + 12}});
+      out.triangles.push_back({{a, a + 12, a + 11}});
+    }
+  if (type == model::BodyType::soft) out.material = gel();
+  return out;
+}
+
+// A sphere of radius 1 of 12 x 24 fields.
+model::BodyInput ball() {
+  model::BodyInput out;
+  out.name = "ball", out.type = model::BodyType::stiff;
+  const int rows = 12, columns = 24;
+  for (int i = 0; i <= rows; ++i)
+    for (int j = 0; j < columns; ++j) {
+      const double theta = M_PI * i / rows, phi = 2 * M_PI * j / columns;
+      out.nodes.emplace_back(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
+    }
+  for (int i = 0; i < rows; ++i)
+    for (int j = 0; j < columns; ++j) {
+      const Index a = i * columns + j, b = i * columns + (j + 1) % columns, c = a + columns, d = b + columns;
+      if (i > 0) out.triangles.push_back({{a, c, b}});
+      if (i < rows - 1) out.triangles.push_back({{b, c, d}});
+    }
+  return out;
+}
+
+Params naming(const std::string& a, const std::string& b) {
+  Params p = Params::make_table(), pair = Params::make_table(), pairs = Params::make_list();
+  pair.set("slave", Params::make_text(a));
+  pair.set("master", Params::make_text(b));
+  pairs.push(pair);
+  p.set("pairs", pairs);
+  return p;
+}
+
+}  // namespace
+
+TEST(ContactLayer, IsAHundredthOfTheFinestSoftMeshNamed) {
+  const model::ModelInput in{{}, {plate("coarse", 0.2, model::BodyType::soft), plate("fine", 0.1, model::BodyType::soft), plate("tool", 0.01, model::BodyType::stiff)}};
+  EXPECT_NEAR(support_radius(Params::make_table(), in), 0.001, 1e-15);
+  EXPECT_NEAR(support_radius(naming("coarse", "tool"), in), 0.002, 1e-15);
+  Params set = naming("coarse", "tool");
+  set.set("d_hat", Params::make_number(0.5));
+  EXPECT_EQ(support_radius(set, in), 0.5);
+}
+
+TEST(ContactLayer, CountsNoMoreThanATenthOfAStiffBodysExtent) {
+  model::BodyInput box = plate("box", 1, model::BodyType::stiff);
+  box.nodes.emplace_back(0, 0, 0.5);  // large triangles, and half a metre thick
+  EXPECT_NEAR(support_radius(Params::make_table(), {{}, {box}}), 0.01 * 0.05, 1e-15);
+}
+
+TEST(ContactLayer, IsNoThinnerThanFacetsAreDeep) {
+  // Radius 1, edges pi/12: on a sphere a facet is edge^2/6 deep.
+  const double h = 0.5, depth = std::pow(M_PI / 12, 2) / 6;
+  const double d_hat = support_radius(Params::make_table(), {{}, {plate("pad", h, model::BodyType::soft), ball()}});
+  EXPECT_GT(d_hat, 0.01 * h);
+  EXPECT_NEAR(d_hat, std::min(2 * depth, 0.03 * h), 0.5 * depth);
+  const double coarse = support_radius(Params::make_table(), {{}, {plate("pad", 0.05, model::BodyType::soft), ball()}});
+  EXPECT_NEAR(coarse, 0.03 * 0.05, 1e-15);
+}
+
+TEST(ContactLayer, IsAsStiffAsTheBodies) {
+  const model::ModelInput in{{}, {plate("pad", 0.1, model::BodyType::soft), plate("tool", 0.1, model::BodyType::stiff)}};
+  EXPECT_NEAR(stiffness(Params::make_table(), in), 1e5 / (1 - 0.09), 1e-6);
+  EXPECT_EQ(stiffness(Params::make_table(), {{}, {in.bodies[1]}}), effects::contact::kRigid);
+}
