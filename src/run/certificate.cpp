@@ -85,6 +85,7 @@ void Certificate::state(const Snapshot& said) {
     if (leaf == "det_F_min") det_F_.add(v);
     if (leaf == "clip_partition_defect") partition_.add(v);
     if (leaf == "rigidity_defect") largest(rigidity_, v);
+    if (leaf == "tie_error") largest(tie_error_, v);
     if (leaf == "force_share_guard") guard_share = v;
     if (name == "elasticity/energy") elastic = v;
     if (leaf == "pressure_sum_defect") pressure_sum_.add(v);
@@ -159,7 +160,7 @@ void Certificate::checkpoint(Archive& archive) {
                              {"lag", &lag_}, {"cg", &cg_}, {"halved", &halved_}, {"line_search", &line_search_}, {"regularised", &regularised_}})
     archive.io(name, *value);
   for (auto [name, value] : {std::pair{"balance_newton", &balance_newton_}, {"balance_relative", &balance_relative_}, {"unsupported_newton", &unsupported_newton_},
-                             {"unsupported_relative", &unsupported_relative_}, {"written_newton", &written_newton_}, {"written_relative", &written_relative_}, {"rigidity", &rigidity_},
+                             {"unsupported_relative", &unsupported_relative_}, {"written_newton", &written_newton_}, {"written_relative", &written_relative_}, {"rigidity", &rigidity_}, {"tie_error", &tie_error_},
                              {"most_elastic", &most_elastic_}, {"stress_estimate", &stress_estimate_}, {"most_pressed", &most_pressed_}, {"guard_share", &guard_share_}, {"layer", &layer_},
                              {"first_energy", &first_energy_}, {"last_energy", &last_energy_}, {"largest_rise", &largest_rise_},
                              {"begin", &begin_}, {"end", &end_}, {"residual", &residual_}, {"over_tolerance", &over_tolerance_}, {"residual_share", &residual_share_}, {"lag_residual", &lag_residual_},
@@ -250,6 +251,7 @@ std::string Certificate::json(const End& end) const {
                      {"support_balance_defect_N", number(unsupported_newton_)},
                      {"support_balance_defect_relative", number(unsupported_relative_)},
                      {"written_force_defect_N", number(written_newton_)},
+                     {"tie_error_m", number(tie_error_)},
                      {"pressure_sum_defect_relative", number(pressure_sum_.most)},
                      {"energy_first_J", number(first_energy_)},
                      {"energy_last_J", number(last_energy_)},
