@@ -6,6 +6,7 @@ namespace mortise::effects {
 const Kind& pin_kind();
 const Kind& joint_kind();  // after pins: what they hold cannot be tied
 const Kind& bond_kind();
+const Kind& mortar_tie_kind();
 const Kind& inertia_kind();
 const Kind& gravity_kind();
 const Kind& elasticity_kind();
@@ -22,6 +23,7 @@ KindList& kinds() {
       pin_kind(),
       joint_kind(),
       bond_kind(),
+      mortar_tie_kind(),
       inertia_kind(),
       gravity_kind(),
       elasticity_kind(),

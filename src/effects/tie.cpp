@@ -22,7 +22,7 @@ model::Tie tie_of(const char* effect, const Params& entry, Index body, Index to)
   return tie;
 }
 
-std::vector<std::pair<Index, Index>> tied_bodies(const model::Model& model, const Params& entry) {
+std::vector<std::pair<Index, Index>> tied_bodies(const model::Model& model, const Params& entry, model::BodyType type) {
   const auto found = [&](const char* key) {
     const Params& name = entry.at(key);
     std::vector<Index> all = model.bodies_named(name.as_text());
@@ -38,13 +38,20 @@ std::vector<std::pair<Index, Index>> tied_bodies(const model::Model& model, cons
     return out;
   }
   const Params& other = entry.at("to");
-  if (other.as_text() == entry.text("body")) throw Error(Exit::scene, other.where(), "ties '" + other.as_text() + "' to itself");
+  const bool stiff = type == model::BodyType::stiff;
+  if (other.as_text() == entry.text("body") && stiff) throw Error(Exit::scene, other.where(), "ties '" + other.as_text() + "' to itself");
   for (Index to : found("to")) {
-    if (model.bodies[to].type != model::BodyType::stiff) throw Error(Exit::scene, other.where(), "'" + other.as_text() + "' is soft; bodies are tied to stiff ones");
+    if (model.bodies[to].type != type)
+      throw Error(Exit::scene, other.where(), "'" + other.as_text() + (stiff ? "' is soft; joints and bonds tie to stiff bodies (mortar_tie ties soft ones)" : "' is stiff; mortar_tie ties to soft bodies (a bond ties to stiff ones)"));
     for (Index body : bodies)
       if (model.bodies[body].env == model.bodies[to].env) out.emplace_back(body, to);
   }
   return out;
+}
+
+const model::BodyInput& input_of(const model::Model& model, Index body) {
+  const model::Body& b = model.bodies[body];
+  return *std::find_if(model.input.bodies.begin(), model.input.bodies.end(), [&](const model::BodyInput& in) { return in.name == b.name && in.env == b.env; });
 }
 
 model::Follow material_point(const model::Model& model, Index body, const Vec3& place) {

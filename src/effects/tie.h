@@ -25,8 +25,11 @@ class TieEffect final : public Effect {
 model::Tie tie_of(const char* effect, const Params& entry, Index body, Index to);
 
 // The bodies of every environment in which the entry's `body` and `to` are found; `to` is model::Tie::kWorld where the entry has none. Throws
-// Error(Exit::scene) where one is a half-space, or `to` is not stiff.
-std::vector<std::pair<Index, Index>> tied_bodies(const model::Model& model, const Params& entry);
+// Error(Exit::scene) where one is a half-space, or `to` is not of the type.
+std::vector<std::pair<Index, Index>> tied_bodies(const model::Model& model, const Params& entry, model::BodyType to = model::BodyType::stiff);
+
+// The mesh of a body of the model.
+const model::BodyInput& input_of(const model::Model& model, Index body);
 
 // x = p + A X of the material point X of a stiff body that is at `place` at rest; of the world: `place` itself.
 model::Follow material_point(const model::Model& model, Index body, const Vec3& place);

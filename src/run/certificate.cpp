@@ -109,8 +109,12 @@ void Certificate::state(const Snapshot& said) {
     most_pressed_ = pressed, guard_share_ = guard_share;
     pressure_estimate_ = pressure_error_.of(pressure);
     layer_ = NAN;
+    const std::span<const double> support = of_points("support_force", 3), bond = of_points("tie_force", 3);
+    std::vector<double> held(support.begin(), support.end());
+    if (held.empty()) held.assign(bond.size(), 0.0);
+    for (std::size_t i = 0; i < bond.size(); ++i) held[i] += bond[i];
     for (const auto& [effect, of] : samples)
-      if (!of.gap.empty() && of.bodies.size() == 2 * of.force.size()) layer_ = std::fmax(layer_, layer_error_.of(of, of_points("displacement", 3), of_points("support_force", 3), pressure));
+      if (!of.gap.empty() && of.bodies.size() == 2 * of.force.size()) layer_ = std::fmax(layer_, layer_error_.of(of, of_points("displacement", 3), held, pressure));
   }
   largest(written_newton_, said.at("balance/written_defect"));
   largest(balance_newton_, balance.defect);

@@ -27,6 +27,7 @@ TieForces::TieForces(const model::Model& model, const std::vector<Vec3>& q, std:
   for (std::size_t i = 0; i < ties.size(); ++i) of_[i].place = at(ties[i].anchor);
 
   const auto pull = [&](std::size_t i, Index block, const Vec3& f) {
+    pull_[block] += f;
     Figures& figures = of_[i];
     on_body_[body[block]] += position[block] * f;
     figures.on_all += position[block] * f;
@@ -39,7 +40,6 @@ TieForces::TieForces(const model::Model& model, const std::vector<Vec3>& q, std:
     const auto i = static_cast<std::size_t>(next->first);
     const model::Follow& f = ties[i].follows[next->second];
     const Vec3 lambda = gradient[f.block];
-    pull_[f.block] = lambda;
     pull(i, f.block, lambda);
     for (const model::TieTerm& t : f.terms) {
       gradient[t.block] += t.weight * lambda;
@@ -66,14 +66,13 @@ void TieForces::report(FieldSink& sink) const {
       for (int k = 0; k < 3; ++k) sink.scalar(tie.effect, tie.name + "_" + what + "_" + "xyz"[k], unit, v[k]);
     double& worst = error[tie.effect];
     worst = std::max(worst, of_[i].error);
-    const model::Body& body = model_.bodies[tie.body];
-    if (body.type != model::BodyType::soft) continue;
-    any = true;
-    for (const model::Follow& f : tie.follows)
-      for (int k = 0; k < 3; ++k) field[3 * static_cast<std::size_t>(body.point_begin + (f.block - body.block_begin)) + k] = pull_[f.block][k];
+    any = any || model_.bodies[tie.body].type == model::BodyType::soft;
   }
+  for (const model::Body& body : model_.bodies)
+    for (Index b = body.block_begin; b < body.block_end && body.type == model::BodyType::soft; ++b)
+      for (int k = 0; k < 3; ++k) field[3 * static_cast<std::size_t>(body.point_begin + (b - body.block_begin)) + k] = pull_[b][k];
   for (const auto& [effect, worst] : error) sink.scalar(effect, "tie_error", "m", worst);
-  if (any) sink.points("bond_force", "N", 3, field);
+  if (any) sink.points("tie_force", "N", 3, field);
 }
 
 }  // namespace mortise::solver

@@ -27,7 +27,7 @@ class TieForces {
   const model::Model& model_;
   std::vector<Figures> of_;      // every tie
   std::vector<Vec3> on_body_;
-  std::vector<Vec3> pull_;       // lambda of every block
+  std::vector<Vec3> pull_;       // of all ties, on every block
 };
 
 }  // namespace mortise::solver

@@ -239,7 +239,7 @@ TEST(Bonds, PassThePatchTest) {
   EXPECT_LT(f.at("supports/top_defect"), 1e-10 * upper.norm());
   EXPECT_LT(vector(f, "balance/defect_").norm(), 1e-10 * upper.norm());
   // And node by node.
-  const std::vector<double>& force = *f.of_points("bond_force", 3);
+  const std::vector<double>& force = *f.of_points("tie_force", 3);
   Vec3 sum = Vec3::Zero(), above = Vec3::Zero();
   for (std::size_t i = 0; i < force.size() / 3; ++i) {
     const Vec3 v(force[3 * i], force[3 * i + 1], force[3 * i + 2]);
@@ -297,7 +297,7 @@ effects:
                         within));
     rig.step();
     const Captured f = rig.fields();
-    const std::vector<double>& force = *f.of_points("bond_force", 3);
+    const std::vector<double>& force = *f.of_points("tie_force", 3);
     int n = 0;
     for (std::size_t i = 0; i < force.size() / 3; ++i) n += force[3 * i] != 0 || force[3 * i + 1] != 0 || force[3 * i + 2] != 0;
     return n;
@@ -451,7 +451,7 @@ TEST(Ties, BadScenesGetOneClearMessage) {
       {"  joint: [{type: fixed, body: a, to: a}]\n", "ties 'a' to itself"},
       {"  joint: [{type: fixed, body: a, to: floor}]\n", "is a half_space, which belongs to the world: leave 'to' out"},
       {"  joint: [{type: fixed, body: pad, to: a}]\n", "'pad' is soft; joints are between stiff bodies"},
-      {"  joint: [{type: fixed, body: a, to: pad}]\n", "'pad' is soft; bodies are tied to stiff ones"},
+      {"  joint: [{type: fixed, body: a, to: pad}]\n", "'pad' is soft; joints and bonds tie to stiff bodies"},
       {"  joint: [{name: A b, type: fixed, body: a}]\n", "'A b' is not a name"},
       {"  joint:\n" + ab + bc + "    - {type: spherical, body: c, to: a, at: [0, 9 mm, 0]}\n", "a loop of joints is not possible"},
       {"  joint:\n" + ab + "    - {type: fixed, body: a}\n    - {type: fixed, body: b}\n", "a loop of joints is not possible"},
@@ -489,4 +489,179 @@ TEST(Ties, LeaveContactOut) {
   yaml.replace(yaml.find("at: [30 mm, 0, 0]"), 17, "at: [30 mm, 0, 0], contact: true");
   Rig touching(yaml);
   EXPECT_NE(touching.engine->begin().message.find("'a'"), std::string::npos);
+}
+
+// A crank that is turned by a pin, a plate that is fixed to it, and a link that hangs on it and carries a pad: what is fixed goes where the path says, and
+// the supports' work is all the energy that there is.
+TEST(Ties, FollowWhatSupportsMove) {
+  constexpr const char* kCrank = R"(
+mortise: 1
+name: crank
+time: {step: 2 ms, steps: 100}
+materials: {gel: {youngs_modulus: 1 MPa, poisson_ratio: 0.4, density: 1000}, steel: {density: 2000}}
+bodies:
+  crank: {type: stiff, shape: {box: {size: [60 mm, 8 mm, 8 mm], edge_length: 60 mm}}, material: steel, position: [30 mm, 0, 0]}
+  plate: {type: stiff, shape: {box: {size: [8 mm, 30 mm, 30 mm], edge_length: 60 mm}}, material: steel, position: [0, 0, 0]}
+  link: {type: stiff, shape: {box: {size: [8 mm, 8 mm, 60 mm], edge_length: 60 mm}}, material: steel, position: [60 mm, 0, -30 mm]}
+  pad: {type: soft, shape: {box: {size: [16 mm, 16 mm, 16 mm], edge_length: 8 mm}}, material: gel, position: [60 mm, 0, -64 mm]}
+effects:
+  inertia: {}
+  gravity: {}
+  elasticity: {}
+  affine_body: {}
+  pin: [{body: crank, where: {side: all}, motion: {time: [0, 200 ms], rotation: {axis: [0, 1, 0], angle: [0, 60 deg]}, interpolation: smooth}}]
+  joint:
+    - {type: fixed, body: crank, to: plate}
+    - {type: revolute, body: link, to: crank, at: [60 mm, 0, 0], axis: [0, 1, 0]}
+  bond: [{body: pad, to: link, within: 0}]
+)";
+  for (const char* linear : {"direct", "cg"}) {
+    Rig rig(kCrank, {std::string("solver.linear=") + linear});
+    run::EnergyAudit audit(rig.input);
+    double work = 0;
+    for (int i = 0; i < 100; ++i) {
+      rig.step();
+      const Captured now = rig.fields();
+      const std::vector<double> points = rig.engine->points();
+      work += now.at("supports/work");
+      audit.state({now, points});
+      EXPECT_LT(std::max(now.at("joint/tie_error"), now.at("bond/tie_error")), 1e-16);
+      EXPECT_LT(now.at("supports/crank_defect"), 1e-6);
+    }
+    const Mat3 R = Eigen::AngleAxisd(M_PI / 3, Vec3::UnitY()).toRotationMatrix();
+    const std::vector<double> points = rig.engine->points();
+    const std::size_t first = rig.input.bodies[0].nodes.size();
+    for (std::size_t i = 0; i < rig.input.bodies[1].nodes.size(); ++i)
+      EXPECT_LT((Vec3(points[3 * (first + i)], points[3 * (first + i) + 1], points[3 * (first + i) + 2]) - R * rig.input.bodies[1].nodes[i]).norm(), 1e-16) << linear;
+    EXPECT_GT(std::abs(work), 1e-3);
+    EXPECT_LT(audit.result().largest_gain, 1e-6 * audit.result().scale) << linear;
+    EXPECT_GT(audit.result().total, audit.result().support_work - 0.1 * audit.result().scale) << linear;  // backward Euler loses some
+  }
+}
+
+// A plate that is fixed to a driven body is prescribed as that is: in another prescribed body's way the step fails, and says so.
+TEST(Ties, WhatIsFixedToADrivenBodyMeetsOthers) {
+  constexpr const char* kMeeting = R"(
+mortise: 1
+name: meeting
+time: {step: 10 ms, steps: 10}
+materials: {steel: {density: 2000}}
+bodies:
+  ram: {type: stiff, shape: {box: {size: [10 mm, 10 mm, 10 mm], edge_length: 10 mm}}, material: steel, position: [0, 0, 40 mm]}
+  head: {type: stiff, shape: {box: {size: [20 mm, 20 mm, 4 mm], edge_length: 10 mm}}, material: steel, position: [0, 0, 20 mm]}
+  anvil: {type: stiff, shape: {box: {size: [20 mm, 20 mm, 4 mm], edge_length: 10 mm}}, material: steel}
+effects:
+  inertia: {}
+  affine_body: {}
+  pin:
+    - {body: ram, where: {side: all}, motion: {time: [0, 100 ms], translation: [[0, 0, 0], [0, 0, -30 mm]]}}
+    - {body: anvil, where: {side: all}}
+  joint: [{type: fixed, body: head, to: ram}]
+  barrier_contact: {d_hat: 1 mm, stiffness: 10 kPa}
+)";
+  Rig rig(kMeeting);
+  std::string message;
+  for (int i = 0; i < 10 && message.empty(); ++i) {
+    solver::StepReport report;
+    message = rig.engine->step({}, report).message;
+  }
+  EXPECT_NE(message.find("'head' meets 'anvil'"), std::string::npos) << message;
+}
+
+namespace {
+
+// Two blocks on each other, the upper one smaller, with meshes of their own; the lower side is pinned, the upper one pushed down and aside, and where
+// they meet they are tied.
+std::string tied_blocks(const std::string& upper, const std::string& lower, const std::string& more = "", double gap = 0) {
+  return fmt::format(R"(
+mortise: 1
+name: tied_blocks
+time: {{mode: static, steps: 1}}
+materials: {{gel: {{model: linear, youngs_modulus: 0.1 MPa, poisson_ratio: 0, density: 1000}}}}
+solver: {{relative_tolerance: 1e-12}}
+bodies:
+  upper: {{type: soft, shape: {{box: {{size: [20 mm, 20 mm, 10 mm], edge_length: {}}}}}, material: gel, position: [0, 0, {} mm]}}
+  lower: {{type: soft, shape: {{box: {{size: [20 mm, 20 mm, 10 mm], edge_length: {}}}}}, material: gel, position: [0, 0, -5 mm]}}
+effects:
+  elasticity: {{}}
+  pin:
+    - {{body: lower, where: {{side: z_min}}}}
+    - {{body: upper, where: {{side: z_max}}, motion: {{time: [0, 1], translation: [[0, 0, 0], [0, 0, -0.2 mm]]}}}}
+  mortar_tie: [{{body: upper, where: {{side: z_min}}, to: lower{}}}]
+)",
+                     upper, 5 + gap, lower, more);
+}
+
+// The largest difference from u_z = -0.01 (z + 10 mm), over 0.2 mm; the force through the tie.
+double unevenness(Rig& rig, double height = 20e-3) {
+  rig.step();
+  const Captured f = rig.fields();
+  const std::vector<double>& u = *f.of_points("displacement", 3);
+  double worst = 0;
+  std::size_t i = 0;
+  for (const model::BodyInput& body : rig.input.bodies)
+    for (const Vec3& x : body.nodes) {
+      worst = std::max(worst, (Vec3(u[3 * i], u[3 * i + 1], u[3 * i + 2]) - Vec3(0, 0, -2e-4 * (x[2] + 10e-3) / height)).norm());
+      ++i;
+    }
+  const Vec3 through = vector(f, "mortar_tie/upper_lower_force_"), top = vector(f, "supports/upper_"), bottom = vector(f, "supports/lower_");
+  EXPECT_GT(through[2], 0.35);
+  EXPECT_LT((through + top).norm(), 1e-10 * through.norm());
+  EXPECT_LT((through - bottom).norm(), 1e-10 * through.norm());
+  EXPECT_LT(vector(f, "balance/mortar_tie_").norm(), 1e-12 * through.norm());
+  EXPECT_LT(f.at("mortar_tie/tie_error"), 1e-16);
+  return worst / 2e-4;
+}
+
+}  // namespace
+
+TEST(Bonds, TiedMeshesPassThePatchTest) {
+  const char* meshes[] = {"3.3 mm", "5 mm", "7 mm"};
+  for (const char* upper : meshes)
+    for (const char* lower : meshes)
+      for (int orders = 0; orders < 4; ++orders) {
+        Rig rig(tied_blocks(upper, lower), {fmt::format("bodies.upper.order={}", 1 + orders % 2), fmt::format("bodies.lower.order={}", 1 + orders / 2)});
+        EXPECT_LT(unevenness(rig), 1e-10) << upper << " on " << lower << ", orders " << 1 + orders % 2 << " " << 1 + orders / 2;
+      }
+}
+
+// A gap is strained as the lower block is, and what it does to the tetrahedra that carry it is of the order of gap over edge, 1.6 % here.
+TEST(Bonds, TiedMeshesMayBeApart) {
+  Rig rig(tied_blocks("4 mm", "6 mm", ", within: 1 mm", 0.1));
+  EXPECT_LT(unevenness(rig, 20.1e-3), 0.016);
+}
+
+// Tied blocks that are turned as a whole are not strained: by 40 degrees, in steps that follow the way.
+TEST(Bonds, TiedMeshesTurn) {
+  for (double gap : {0.0, 0.5}) {
+    std::string yaml = tied_blocks("4 mm", "7 mm", ", within: 1 mm", gap);
+    const auto replace = [&](const std::string& from, const std::string& to) { yaml.replace(yaml.find(from), from.size(), to); };
+    replace("model: linear", "model: neo_hookean");
+    replace("steps: 1", "steps: 10");
+    replace("    - {body: lower, where: {side: z_min}}\n", "    - {body: lower, where: {side: z_min}, motion: {time: [0, 1], rotation: {axis: [1, 0.3, 0], centre: [0, 0, 0], angle: [0, 40 deg]}}}\n");
+    replace("translation: [[0, 0, 0], [0, 0, -0.2 mm]]", "rotation: {axis: [1, 0.3, 0], centre: [0, 0, 0], angle: [0, 40 deg]}");
+    Rig rig(yaml, {"solver.relative_tolerance=1e-9"});
+    rig.steps(10);
+    const Captured f = rig.fields();
+    const Mat3 R = Eigen::AngleAxisd(40 * M_PI / 180, Vec3(1, 0.3, 0).normalized()).toRotationMatrix();
+    const std::vector<double> points = rig.engine->points();
+    std::size_t i = 0;
+    double worst = 0;
+    for (const model::BodyInput& body : rig.input.bodies)
+      for (const Vec3& x : body.nodes) {
+        worst = std::max(worst, (Vec3(points[3 * i], points[3 * i + 1], points[3 * i + 2]) - R * x).norm());
+        ++i;
+      }
+    EXPECT_LT(worst, 1e-7) << gap;
+  }
+}
+
+TEST(Bonds, TiesThatDoNotFitAreRefused) {
+  EXPECT_NE(refused(tied_blocks("5 mm", "5 mm", "", 3)).find("test.yaml:15:16: error: a face of 'upper' near"), std::string::npos) << refused(tied_blocks("5 mm", "5 mm", "", 3));
+  std::string wide = tied_blocks("5 mm", "5 mm");
+  wide.replace(wide.find("[20 mm, 20 mm, 10 mm]"), 21, "[24 mm, 20 mm, 10 mm]");
+  EXPECT_NE(refused(wide).find("the side that reaches farther has to be the one that is tied 'to'"), std::string::npos) << refused(wide);
+  std::string pinned = tied_blocks("5 mm", "5 mm");
+  pinned.replace(pinned.find("{side: z_max}"), 13, "{side: x_max}");
+  EXPECT_NE(refused(pinned).find("that a pin holds or moves"), std::string::npos) << refused(pinned);
 }
