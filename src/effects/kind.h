@@ -17,6 +17,7 @@ class Effect;
 
 enum class Role {
   support,  // holds or moves blocks; no energy
+  tie,      // ties blocks to others (model/ties.h); no energy. A list, of which every entry names a `body` and one that it is tied `to`
   inertia,  // resists acceleration: makes a scene dynamic; its potential is no store
   load,     // forces from outside; its potential is no store
   store,    // energy that bodies hold; its forces on every body cancel

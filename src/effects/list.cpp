@@ -4,6 +4,9 @@ namespace mortise::effects {
 
 // Each is defined at the end of effects/<name>/<name>.cpp.
 const Kind& pin_kind();
+const Kind& joint_kind();  // after pins: what they hold cannot be tied
+const Kind& bond_kind();
+const Kind& mortar_tie_kind();
 const Kind& inertia_kind();
 const Kind& gravity_kind();
 const Kind& elasticity_kind();
@@ -18,6 +21,9 @@ namespace {
 KindList& kinds() {
   static KindList all = {
       pin_kind(),
+      joint_kind(),
+      bond_kind(),
+      mortar_tie_kind(),
       inertia_kind(),
       gravity_kind(),
       elasticity_kind(),

@@ -267,6 +267,8 @@ void build(Model& model) {
   }
   if (model.bodies.empty()) throw Error(Exit::scene, model.input.scene.where(), "the scene has no body that can move or be pressed");
 
+  for (std::size_t p = 0; p + 1 < l.point_offset.size(); ++p)
+    if (l.point_offset[p + 1] - l.point_offset[p] > kPointTerms) throw Error(Exit::internal, "a point hangs on more than " + std::to_string(kPointTerms) + " blocks");
   model.blocks = static_cast<Index>(l.rest.size());
   model.points = static_cast<Index>(l.points.size());
   model.env_blocks = offsets_by_env(l.block_env, model.envs);

@@ -11,22 +11,22 @@ namespace mortise::model {
 template <int N>
 struct Expansion {
   Index points = 0, blocks = 0;
-  Index block[4 * N];   // distinct, in the order in which the points mention them
-  int slot[N][4];       // place of point k's term j in `block`; -1 where the point has fewer terms
-  double weight[N][4];  // X_kb of that term
+  Index block[kPointTerms * N];   // distinct, in the order in which the points mention them
+  int slot[N][kPointTerms];       // place of point k's term j in `block`; -1 where the point has fewer terms
+  double weight[N][kPointTerms];  // X_kb of that term
 
   // V_b = sum_k X_kb v_k.
   MORTISE_HD void chain(const Vec3* v, Vec3* V) const {
     for (Index b = 0; b < blocks; ++b) V[b] = Vec3::Zero();
     for (Index k = 0; k < points; ++k)
-      for (int j = 0; j < 4; ++j)
+      for (int j = 0; j < kPointTerms; ++j)
         if (slot[k][j] >= 0) V[slot[k][j]] += weight[k][j] * v[k];
   }
   // The same for one number per point.
   MORTISE_HD void chain(const double* w, double* W) const {
     for (Index b = 0; b < blocks; ++b) W[b] = 0;
     for (Index k = 0; k < points; ++k)
-      for (int j = 0; j < 4; ++j)
+      for (int j = 0; j < kPointTerms; ++j)
         if (slot[k][j] >= 0) W[slot[k][j]] += weight[k][j] * w[k];
   }
 };
@@ -37,7 +37,7 @@ MORTISE_HD inline Expansion<N> expand(const PointMapView& map, const Index* poin
   Expansion<N> e;
   e.points = n;
   for (Index k = 0; k < n; ++k) {
-    for (int j = 0; j < 4; ++j) e.slot[k][j] = -1, e.weight[k][j] = 0;
+    for (int j = 0; j < kPointTerms; ++j) e.slot[k][j] = -1, e.weight[k][j] = 0;
     if (point[k] < 0) continue;
     const Index begin = map.offset[point[k]], terms = map.offset[point[k] + 1] - begin;
     for (Index j = 0; j < terms; ++j) {

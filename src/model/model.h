@@ -11,6 +11,7 @@
 #include "device/device.h"
 #include "geometry/surface.h"
 #include "model/input.h"
+#include "model/ties.h"
 
 namespace mortise::geometry {
 class Broadphase;
@@ -39,7 +40,9 @@ struct Body {
   bool prescribed() const { return carriage != kFree; }
 };
 
-// y = sum_k weight * q[block]: one term for a soft node, four for a point of a stiff body.
+// y = sum_k weight * q[block]: one term for a soft node, four for a point of a stiff body; never more, because blocks that are tied to others
+// remain blocks (model/ties.h).
+inline constexpr Index kPointTerms = 4;
 struct PointMapView {
   View<const Index> offset;  // points + 1
   View<const Index> block;
@@ -108,10 +111,13 @@ class Model {
   QuadraticFaces faces;
 
   // Supports: block b may move only within the range of projector[b] (symmetric, 3x3; identity = free, zero = held) and is
-  // asked to be at target[b] in the held directions. `held` on the host: 0 free, 1 partly, 2 fully held.
+  // asked to be at target[b] in the held directions. `held` on the host: 0 free, 1 partly, 2 fully held, 3 tied to others (its projector is
+  // that of a free one).
   Buffer<Mat3> projector;
   Buffer<Vec3> target;
   std::vector<std::uint8_t> held;
+  static constexpr std::uint8_t kTied = 3;
+  Ties ties;
   bool driven = false;  // some support moves
 
   // One candidate search for all contact effects, built by the first that asks.

@@ -85,6 +85,7 @@ void Certificate::state(const Snapshot& said) {
     if (leaf == "det_F_min") det_F_.add(v);
     if (leaf == "clip_partition_defect") partition_.add(v);
     if (leaf == "rigidity_defect") largest(rigidity_, v);
+    if (leaf == "tie_error") largest(tie_error_, v);
     if (leaf == "force_share_guard") guard_share = v;
     if (name == "elasticity/energy") elastic = v;
     if (leaf == "pressure_sum_defect") pressure_sum_.add(v);
@@ -108,8 +109,12 @@ void Certificate::state(const Snapshot& said) {
     most_pressed_ = pressed, guard_share_ = guard_share;
     pressure_estimate_ = pressure_error_.of(pressure);
     layer_ = NAN;
+    const std::span<const double> support = of_points("support_force", 3), bond = of_points("tie_force", 3);
+    std::vector<double> held(support.begin(), support.end());
+    if (held.empty()) held.assign(bond.size(), 0.0);
+    for (std::size_t i = 0; i < bond.size(); ++i) held[i] += bond[i];
     for (const auto& [effect, of] : samples)
-      if (!of.gap.empty() && of.bodies.size() == 2 * of.force.size()) layer_ = std::fmax(layer_, layer_error_.of(of, of_points("displacement", 3), of_points("support_force", 3), pressure));
+      if (!of.gap.empty() && of.bodies.size() == 2 * of.force.size()) layer_ = std::fmax(layer_, layer_error_.of(of, of_points("displacement", 3), held, pressure));
   }
   largest(written_newton_, said.at("balance/written_defect"));
   largest(balance_newton_, balance.defect);
@@ -159,7 +164,7 @@ void Certificate::checkpoint(Archive& archive) {
                              {"lag", &lag_}, {"cg", &cg_}, {"halved", &halved_}, {"line_search", &line_search_}, {"regularised", &regularised_}})
     archive.io(name, *value);
   for (auto [name, value] : {std::pair{"balance_newton", &balance_newton_}, {"balance_relative", &balance_relative_}, {"unsupported_newton", &unsupported_newton_},
-                             {"unsupported_relative", &unsupported_relative_}, {"written_newton", &written_newton_}, {"written_relative", &written_relative_}, {"rigidity", &rigidity_},
+                             {"unsupported_relative", &unsupported_relative_}, {"written_newton", &written_newton_}, {"written_relative", &written_relative_}, {"rigidity", &rigidity_}, {"tie_error", &tie_error_},
                              {"most_elastic", &most_elastic_}, {"stress_estimate", &stress_estimate_}, {"most_pressed", &most_pressed_}, {"guard_share", &guard_share_}, {"layer", &layer_},
                              {"first_energy", &first_energy_}, {"last_energy", &last_energy_}, {"largest_rise", &largest_rise_},
                              {"begin", &begin_}, {"end", &end_}, {"residual", &residual_}, {"over_tolerance", &over_tolerance_}, {"residual_share", &residual_share_}, {"lag_residual", &lag_residual_},
@@ -250,6 +255,7 @@ std::string Certificate::json(const End& end) const {
                      {"support_balance_defect_N", number(unsupported_newton_)},
                      {"support_balance_defect_relative", number(unsupported_relative_)},
                      {"written_force_defect_N", number(written_newton_)},
+                     {"tie_error_m", number(tie_error_)},
                      {"pressure_sum_defect_relative", number(pressure_sum_.most)},
                      {"energy_first_J", number(first_energy_)},
                      {"energy_last_J", number(last_energy_)},

@@ -67,7 +67,7 @@ class Certificate {
   // Sum of all forces, and what the supports of a body leave of its load; relative to the scale of force_balance()
   double balance_newton_ = NAN, balance_relative_ = NAN, unsupported_newton_ = NAN, unsupported_relative_ = NAN;
   double written_newton_ = NAN, written_relative_ = NAN;  // forces in the files against those of the solution
-  double rigidity_ = NAN;
+  double rigidity_ = NAN, tie_error_ = NAN;
   double most_elastic_ = 0, stress_estimate_ = NAN;  // [J], at that state
   double most_pressed_ = 0, guard_share_ = NAN;      // sum of nodal pressures [Pa], at that state
   PressureError::Result pressure_estimate_;

@@ -8,13 +8,16 @@
 namespace mortise::run {
 
 LayerError::LayerError(const model::ModelInput& input) {
-  const Params* pins = input.scene.at("effects").find("pin");
+  const Params &effects = input.scene.at("effects"), *pins = effects.find("pin"), *bonds = effects.find("bond");
+  const auto is_pinned = [&](const std::string& name) {
+    return pins && std::any_of(pins->items().begin(), pins->items().end(), [&](const Params& pin) { return pin.text("body") == name; });
+  };
   std::size_t first = 0;
   for (const model::BodyInput& in : input.bodies) {
     if (in.type == model::BodyType::half_space) continue;
-    bool pinned = false;
-    if (pins)
-      for (const Params& pin : pins->items()) pinned |= pin.text("body") == in.name;
+    bool pinned = is_pinned(in.name);
+    if (bonds)
+      for (const Params& bond : bonds->items()) pinned |= bond.text("body") == in.name && is_pinned(bond.text("to"));
     bodies_.push_back({first, in.nodes.size(), in.type == model::BodyType::soft, pinned});
     first += in.nodes.size();
   }

@@ -1,7 +1,7 @@
 #pragma once
 // Contact holds surfaces apart by a gap where bodies of the real world touch. Between two bodies that both are held or driven, that gap is
 // taken for indentation: with g the mean gap over the contact force and d how far the surfaces were pressed in, measured from the bodies'
-// supports, the force at the imposed travel is too large by about 3/2 g/d (Hertz: F ~ d^1.5).
+// supports, or from where they are bonded to bodies that are supported, the force at the imposed travel is too large by about 3/2 g/d (Hertz: F ~ d^1.5).
 #include <map>
 #include <span>
 #include <string>
@@ -18,8 +18,8 @@ class LayerError {
   struct Samples {
     std::vector<double> bodies, gap, force;
   };
-  // Largest g/d of any pair of supported bodies; NaN where there is none. Fields of all points: displacement [m], support_force [N],
-  // contact_pressure [Pa].
+  // Largest g/d of any pair of supported bodies; NaN where there is none. Fields of all points: displacement [m], support_force and tie_force
+  // together [N], contact_pressure [Pa].
   double of(const Samples& samples, std::span<const double> displacement, std::span<const double> support, std::span<const double> pressure) const;
 
  private:

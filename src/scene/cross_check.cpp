@@ -29,6 +29,7 @@ class CrossCheck {
     if (effects_)
       for (const auto& [name, effect] : effects_->entries()) references(name, effect, dotted("effects", name));
     pairs();
+    ties();
     cameras();
     kept_fields();
     directions(root_, "");
@@ -132,7 +133,7 @@ class CrossCheck {
     }
   }
   static bool names_body(const std::string& key) {
-    static const std::set<std::string> keys{"body", "bodies", "pairs", "slave", "master", "a", "b"};
+    static const std::set<std::string> keys{"body", "bodies", "pairs", "slave", "master", "a", "b", "to"};
     return keys.count(key) > 0;
   }
   static bool is_list_of_tables(const Params& p) {
@@ -181,6 +182,24 @@ class CrossCheck {
       if (const Params* asked = effect.kind() == Params::Kind::table ? listed_pair(effect, a, b) : nullptr)
         errors_.add(entry.where(), "'" + a + "' and '" + b + "' shall not collide, but " + name + " lists them as a pair", "remove one of the two",
                     {{asked->where(), "listed here"}});
+  }
+
+  // Ties are called by names of their own, and an effect that lists their bodies as a pair shall not be overruled in silence.
+  void ties() {
+    if (!effects_) return;
+    for (const EffectTable& table : tables_) {
+      const Params* list = table.ties ? effects_->find(table.name) : nullptr;
+      if (!list || list->kind() != Params::Kind::list) continue;
+      for (const Params& tie : list->items()) {
+        const Params *name = tie.find("name"), *body = tie.find("body"), *to = tie.find("to"), *contact = tie.find("contact");
+        if (name && !is_name(name->as_text())) errors_.add(name->where(), "'" + name->as_text() + "' is not a name; names are made of a-z, 0-9, _ and -");
+        if (!body || !to || !contact || contact->as_flag()) continue;
+        for (const auto& [effect, params] : effects_->entries())
+          if (const Params* asked = params.kind() == Params::Kind::table ? listed_pair(params, body->as_text(), to->as_text()) : nullptr)
+            errors_.add(asked->where(), effect + " lists '" + body->as_text() + "' and '" + to->as_text() + "' as a pair, but a " + table.name + " ties them, and without contact",
+                        "remove the pair, or give the " + table.name + " 'contact: true'", {{tie.where(), "tied here"}});
+      }
+    }
   }
 
   void cameras() {

@@ -21,6 +21,20 @@ bool may_collide(const Params& scene, const std::string& a, const std::string& b
   });
 }
 
+// The effect that ties the two bodies without contact between them; nullptr if none does.
+const char* tied_by(const Params& scene, std::span<const EffectTable> tables, const std::string& a, const std::string& b) {
+  for (const EffectTable& table : tables) {
+    const Params* list = table.ties ? scene.at("effects").find(table.name) : nullptr;
+    if (!list) continue;
+    for (const Params& tie : list->items()) {
+      if (!tie.has("to") || tie.flag("contact")) continue;
+      const std::string &one = tie.text("body"), &other = tie.text("to");
+      if ((one == a && other == b) || (one == b && other == a)) return table.name.c_str();
+    }
+  }
+  return nullptr;
+}
+
 // Does the scene say at all times where the body is? still: and always in the same place.
 bool prescribed(const Params& scene, const std::string& name, const Params& body, bool still) {
   if (body.text("type") == "half_space") return true;
@@ -69,6 +83,10 @@ std::vector<PassThrough> pass_through(const Params& scene, std::span<const Effec
       if (both(true)) continue;
       if (!may_collide(scene, a->first, b->first)) {
         out.push_back({{a->first, b->first}, "pairs says collide: false"});
+        continue;
+      }
+      if (const char* tie = tied_by(scene, effects, a->first, b->first)) {
+        out.push_back({{a->first, b->first}, std::string("a ") + tie + " ties them to each other (it may say contact: true)"});
         continue;
       }
       if (both(false)) continue;  // kept apart whatever effects list

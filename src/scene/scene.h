@@ -2,7 +2,7 @@
 // YAML text -> checked tree of parameters with every default filled in and every number in SI. This folder knows no physics:
 // the blocks of the scene are tables.cpp, the effects come in from outside.
 //
-// Conventions by key, checked for every block: `body`, `bodies`, `pairs`, `slave`, `master`, `a` and `b` name bodies, `material`
+// Conventions by key, checked for every block: `body`, `bodies`, `pairs`, `slave`, `master`, `a`, `b` and `to` name bodies, `material`
 // names a material, `follows` names another effect of the scene.
 #include <span>
 #include <string>
@@ -22,6 +22,7 @@ struct EffectTable {
   std::vector<std::string> point_fields{}, cell_fields{};  // that it reports
   bool inertia = false;  // makes a scene dynamic
   bool contact = false;  // keeps bodies apart, from `d_hat` on
+  bool ties = false;     // a list, whose entries tie `body` and `to` (without it the world), which pass through each other unless `contact` is true
 };
 
 struct Scene {

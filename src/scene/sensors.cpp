@@ -63,7 +63,7 @@ const ParamTable& sensor_table() {
        positive(optional(of(Kind::number, "depth", Unit::length, {},
                             "Surface farther than this from the grid's plane does not belong to it; absent: all that faces it."))),
        choice("moves_with", {"supports", "body"}, "supports",
-              "What the frame is fixed to: the nodes of the body that pins hold in all directions (without such: as body), or the "
+              "What the frame is fixed to: the nodes of the body that pins hold in all directions or that are bonded (without such: as body), or the "
               "rigid motion nearest to that of all its nodes."),
        optional(of(Kind::numbers, "range", Unit::pressure, {}, "Pictures: pressures at the two ends of the colour scale; absent takes 0 and the largest so far.")),
        optional(of(Kind::numbers, "shear_range", Unit::pressure, {},

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "model/bonded.h"
 #include "model/select.h"
 
 namespace mortise::sensors {
@@ -22,10 +23,18 @@ GridSpec spec_of(const Params& p) {
   return s;
 }
 
-// The nodes that pins hold in all directions; all nodes where there are too few of them.
-std::vector<Index> base_of(const Params& scene, const model::BodyInput& body, bool supports) {
+// The nodes that pins hold in all directions or that are bonded to a stiff body; all nodes where there are too few of them.
+std::vector<Index> base_of(const model::ModelInput& input, const model::BodyInput& body, bool supports) {
   std::vector<Index> nodes;
-  const Params* pins = scene.at("effects").find("pin");
+  const Params& effects = input.scene.at("effects");
+  const Params *pins = effects.find("pin"), *bonds = effects.find("bond");
+  if (supports && bonds)
+    for (const Params& bond : bonds->items())
+      for (const model::BodyInput& stiff : input.bodies) {
+        if (bond.text("body") != body.name || bond.text("to") != stiff.name || stiff.env != body.env) continue;
+        const std::vector<Index> held = model::bonded(bond, body, stiff);
+        nodes.insert(nodes.end(), held.begin(), held.end());
+      }
   if (supports && pins)
     for (const Params& pin : pins->items()) {
       if (pin.text("body") != body.name || pin.text("axes").size() < 3) continue;
@@ -53,7 +62,7 @@ Sensor::Sensor(std::string name, const Params& p, const model::ModelInput& input
       grid_(body, spec_),
       first_(first_point),
       rest_(body.nodes),
-      base_(base_of(input.scene, body, p.text("moves_with") == "supports")) {
+      base_(base_of(input, body, p.text("moves_with") == "supports")) {
   const std::vector<double>& area = grid_.rest_area();
   if (!(std::accumulate(area.begin(), area.end(), 0.0) > 0))
     throw Error(Exit::scene, p.where(), "sensor '" + name_ + "': no surface of '" + body_ + "' faces the grid (position, normal, width, height, depth)");

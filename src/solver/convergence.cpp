@@ -32,7 +32,7 @@ void Convergence::begin_step() {
   for (const model::Body& body : model_.bodies) {
     const auto first = model_.held.begin() + body.block_begin, last = model_.held.begin() + body.block_end;
     loose_.push_back(std::all_of(first, last, [](auto held) { return held == 0; }));
-    held_.push_back(std::all_of(first, last, [](auto held) { return held == 2; }));
+    held_.push_back(std::all_of(first, last, [](auto held) { return held >= 2; }));
   }
   connect({});
   rounding_.assign(model_.bodies.size(), 0.0);

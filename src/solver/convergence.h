@@ -1,7 +1,7 @@
 #pragma once
 // When is a step solved? Bodies are judged against what acts on their own free directions, and on those of bodies that touch them, so that
-// neither a heavy stranger nor what a support bears can hide that a light body has not moved yet. With r = P grad Phi the residual, g_k the
-// gradient of effect k and s_b the lever of block b (1 of a position; of an axis of a stiff body the radius of the body, which makes a force of a
+// neither a heavy stranger nor what a support bears can hide that a light body has not moved yet. With r = P T^T grad Phi the residual, g_k = T^T of
+// the gradient of effect k (model/ties.h) and s_b the lever of block b (1 of a position; of an axis of a stiff body the radius of the body, which makes a force of a
 // moment and a way of a change of the axis), a body is solved when
 //
 //   (a) max_b |r_b| / s_b <= relative * max_k max_c |P g_k,c| / s_c       c over the blocks of all bodies of its group     [N]
@@ -82,7 +82,7 @@ class Convergence {
   const Options& options_;
   Chunks blocks_, rows_;                        // of bodies
   std::vector<double> radius_;                  // per body [m]
-  std::vector<std::uint8_t> loose_, held_;      // per body: no support at all; no freedom at all
+  std::vector<std::uint8_t> loose_, held_;      // per body: no support or tie at all; no freedom of its own
   std::vector<Index> group_;                    // per body: the first body of its group
   device::Buffer<double> lever_, position_;     // per block: s_b; 1 of a position, 0 of an axis
   std::vector<double> rounding_, rounding_sum_;  // per body [N]

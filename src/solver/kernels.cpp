@@ -101,6 +101,7 @@ void advance(View<const Vec3> q, View<const Vec3> dq, const std::vector<double>&
     }
     out[b] = y;
   });
+  if (model.ties.any()) model.ties.place(out);
 }
 
 void add(View<const Vec3> from, Buffer<Vec3>& to) {
@@ -173,6 +174,11 @@ void rounding_sizes(const Chunks& rows, const linalg::BlockMatrix& A, View<const
         return p;
       },
       fetch, take);
+}
+
+void energy_rounding(View<const Vec3> g, View<const Vec3> q, const std::vector<Index>& env_blocks, EnvValues out) {
+  constexpr double kFourEps = 4 * 2.220446049250313e-16;
+  device::env_sum("solver.energy_rounding", env_blocks, [=] MORTISE_HD(Index b) { return kFourEps * g[b].norm() * q[b].norm(); }, out);
 }
 
 std::vector<std::pair<Index, Index>> touching(View<const model::ContactSample> samples) {

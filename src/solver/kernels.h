@@ -33,7 +33,7 @@ void right_hand_side(View<const Vec3> g, View<const Vec3> Hc, View<const Index> 
 void difference(View<const Vec3> a, View<const Vec3> b, const std::vector<double>& scale, View<const Index> block_of_row, View<const Index> block_env, View<Vec3> out);
 // dq_b = P x_row(b) + c_b.
 void step_of(View<const Vec3> x, View<const Vec3> c, View<const Index> row_of_block, View<const Mat3> projector, Buffer<Vec3>& dq);
-// trial = q + alpha_env dq; where alpha is exactly 1 the held directions land exactly on their targets.
+// trial = q + alpha_env dq; where alpha is exactly 1 the held directions land exactly on their targets, and what is tied exactly on what it follows.
 void advance(View<const Vec3> q, View<const Vec3> dq, const std::vector<double>& alpha, const model::Model& model, Buffer<Vec3>& trial);
 void add(View<const Vec3> from, Buffer<Vec3>& to);
 void subtract(View<const Vec3> a, View<const Vec3> b, Buffer<Vec3>& out);
@@ -50,6 +50,8 @@ void residual_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> p
 void step_sizes(const Chunks& blocks, View<const Vec3> d, View<const double> lever, Fetch& fetch, TakeParts take);
 // Of rows, most and sum[0] = 8 eps |A_rr| |q_r| / s: positions are only known to eps |q|, and forces accordingly.
 void rounding_sizes(const Chunks& rows, const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, View<const double> lever, Fetch& fetch, TakeParts take);
+// Per environment 4 eps sum_b |g_b| |q_b| is added: what the energy with the gradient g may change by because positions are rounded.
+void energy_rounding(View<const Vec3> g, View<const Vec3> q, const std::vector<Index>& env_blocks, EnvValues out);
 // Pairs of bodies of samples that carry force, as (larger number, smaller number), each once.
 std::vector<std::pair<Index, Index>> touching(View<const model::ContactSample> samples);
 // A <- A + share * (mean trace of the diagonal blocks / 3) * I, in the environments of `whose`, each with a mean of its own.

@@ -14,7 +14,9 @@ LineSearch::Merit LineSearch::begin(device::View<const Vec3> q, device::Buffer<V
   device::Fetch fetch;
   system_.potential.max_step(std::as_const(dq).view(), at, {alpha, fetch});
   energies_.find(q, at, fetch);
-  Merit m{slope, std::vector<double>(model.envs, 0.0), std::vector<double>(model.envs, 0.0)};
+  Merit m{slope, std::vector<double>(model.envs, 0.0), std::vector<double>(model.envs, 0.0), std::vector<double>(model.envs, 0.0)};
+  // What is tied is stiff in directions in which the weight of others acts: there rounding of positions shows in the energy before forces balance.
+  for (std::size_t k = 0; k < at.gradients.size() && model.ties.any(); ++k) energy_rounding(at.gradients[k].view(), q, model.env_blocks, {m.rounding, fetch});
   std::vector<double> curvature(model.envs, 0.0);
   if (c.n > 0) {
     device::Buffer<Vec3> Hdq;
@@ -66,7 +68,7 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
       if (alpha[e] == 0) continue;
       const double left = (1 - alpha[e]) * (1 - alpha[e]);
       const double change = after[e] - before[e] + 0.5 * merit.rho[e] * (left - 1) * merit.cc[e];
-      const double rounding = tuning::kEnergyRounding * scale_there[e];
+      const double rounding = tuning::kEnergyRounding * scale_there[e] + merit.rounding[e];
       if (std::isfinite(after[e]) && change <= tuning::kArmijo * alpha[e] * merit.slope[e] + rounding) continue;
       // A support that pushes a body into contact that no Hessian knows of yet has no finite rho beforehand: take the one for
       // which the shortened step is good enough, or the support would creep up to the range of the contact for ever.

@@ -17,9 +17,9 @@ class LineSearch {
   void step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at, EnvTable& envs, StepReport& report);
 
  private:
-  // Of the merit, per environment: descent promised by the slope, and what the supports add.
+  // Of the merit, per environment: descent promised by the slope, what the supports add, and below what it says nothing.
   struct Merit {
-    std::vector<double> slope, rho, cc;
+    std::vector<double> slope, rho, cc, rounding;
   };
   Merit begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at, EnvTable& envs, std::vector<double>& alpha);
 

@@ -49,6 +49,7 @@ void Potential::linearise(device::View<const Vec3> q, effects::Want want, Linear
     assembler_.gradient(one, model_.blocks, at.gradients[k]);
     add(std::as_const(at.gradients[k]).view(), at.gradient);
   }
+  if (want.forces) model_.ties.fold(at.gradient.view());
 }
 
 void Potential::sample(Linearised& at) {
@@ -88,6 +89,7 @@ void Potential::product(Linearised& at, device::View<const Vec3> d, device::Buff
   const std::vector<linalg::StencilSet*> sets = at.sets();
   for (linalg::StencilSet* set : sets) stencil_product(*set, d);
   assembler_.gradient(sets, model_.blocks, out);
+  model_.ties.fold(out.view());
 }
 
 }  // namespace mortise::solver

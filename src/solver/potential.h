@@ -17,7 +17,7 @@ using Energies = std::vector<std::vector<double>>;  // [J], of every effect and 
 struct Linearised {
   std::vector<std::unique_ptr<effects::Linearisation>> of;  // every effect
   std::vector<device::Buffer<Vec3>> gradients;              // of every effect, over all blocks [N]
-  device::Buffer<Vec3> gradient;                            // their sum
+  device::Buffer<Vec3> gradient;                            // T^T of their sum (model/ties.h): 0 at tied blocks
   std::vector<linalg::StencilSet*> sets() const;
 };
 
@@ -37,7 +37,7 @@ class Potential {
   void energies(device::View<const Vec3> q, const Linearised& frozen, Energies& of, device::Fetch& fetch);
   void max_step(device::View<const Vec3> dq, Linearised& at, device::EnvValues alpha);
 
-  // sum_b H_ab d_b over all blocks. The pieces of the effects' forces in `at` are used up.
+  // T^T H d, d over all blocks. The pieces of the effects' forces in `at` are used up.
   void product(Linearised& at, device::View<const Vec3> d, device::Buffer<Vec3>& out);
   linalg::Assembler& assembler() { return assembler_; }
 

@@ -15,7 +15,7 @@ bool Rows::number(const model::Model& model, bool is_static) {
   any_partial = false;
   for (Index e = 0; e < model.envs; ++e) {
     for (Index b = model.env_blocks[e]; b < model.env_blocks[e + 1]; ++b) {
-      if (held_[b] == 2) continue;
+      if (held_[b] >= 2) continue;
       any_partial |= held_[b] == 1;
       of_block_host[b] = static_cast<Index>(of_row.size());
       of_row.push_back(b);
@@ -24,12 +24,34 @@ bool Rows::number(const model::Model& model, bool is_static) {
     env.push_back(static_cast<Index>(of_row.size()));
   }
   loose.assign(model.envs, 0);
-  for (const model::Body& body : model.bodies)
-    if (is_static && std::all_of(held_.begin() + body.block_begin, held_.begin() + body.block_end, [](auto held) { return held == 0; })) loose[body.env] = 1;
+  for (const model::Body& body : model.bodies) {
+    const auto first = held_.begin() + body.block_begin, last = held_.begin() + body.block_end;
+    const auto free = [](auto held) { return held == 0; };
+    // A stiff body is held as a whole or not at all; where ties leave it some freedom nothing else may.
+    if (is_static && (body.type == model::BodyType::stiff ? std::any_of(first, last, free) : std::all_of(first, last, free))) loose[body.env] = 1;
+  }
+  number_tied(model);
   of_block.upload(of_block_host);
   block.upload(of_row);
   projector.upload(row_projector);
   return true;
+}
+
+void Rows::number_tied(const model::Model& model) {
+  tied = {};
+  if (!model.ties.any()) return;
+  tied.of_block.assign(held_.size(), -1);
+  for (Index b = 0; b < model.blocks; ++b) {
+    const std::size_t before = tied.column.size();
+    for (const model::TieTerm& term : model.ties.terms(b)) {
+      if (of_block_host[term.block] < 0) continue;
+      tied.column.push_back(of_block_host[term.block]);
+      tied.weight.push_back(term.weight);
+    }
+    if (tied.column.size() == before) continue;
+    tied.of_block[b] = tied.count();
+    tied.offset.push_back(static_cast<Index>(tied.column.size()));
+  }
 }
 
 }  // namespace mortise::solver

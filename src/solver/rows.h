@@ -21,9 +21,18 @@ class Rows {
   device::Buffer<Index> of_block, block;
   device::Buffer<Mat3> projector;              // of every row
   bool any_partial = false;                    // some block is held in some directions
-  std::vector<std::uint8_t> loose;             // per environment: statics, and a body without any support, held by contact alone
+  std::vector<std::uint8_t> loose;             // per environment: statics, and a body that can move as a whole but for contact
+
+  // Where blocks are tied: the rows of the matrix of all blocks that hang on some row, by which rows (linalg/elimination.h).
+  struct Tied {
+    std::vector<Index> of_block, offset{0}, column;
+    std::vector<double> weight;
+    Index count() const { return static_cast<Index>(offset.size()) - 1; }
+  } tied;
 
  private:
+  void number_tied(const model::Model& model);
+
   std::vector<std::uint8_t> held_;  // the model's when rows were numbered
 };
 

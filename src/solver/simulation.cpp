@@ -9,6 +9,7 @@
 #include "base/memory_archive.h"
 #include "base/pass_on.h"
 #include "solver/kernels.h"
+#include "solver/tie_forces.h"
 #include "solver/timed.h"
 #include "solver/tuning.h"
 #include "solver/unsupported.h"
@@ -280,11 +281,23 @@ void Simulation::report_balance(FieldSink& sink) {
   };
 
   Vec3 total = Vec3::Zero();
-  std::vector<Vec3> load(model_.bodies.size(), Vec3::Zero());  // of all effects
+  std::vector<Vec3> load(model_.bodies.size(), Vec3::Zero());  // of all effects and ties
   double largest = 0;                                          // of one effect on one body
+  std::optional<TieForces> ties;
+  if (model_.ties.any()) {
+    std::vector<Vec3> all(model_.blocks, Vec3::Zero());
+    for (std::size_t k = 0; k < effects_.size(); ++k) {
+      const std::vector<Vec3> g = forces_.of(k, newton_.at()).download();
+      for (std::size_t b = 0; b < all.size(); ++b) all[b] += g[b];
+    }
+    ties.emplace(model_, model_.q.download(), std::move(all));
+    load = ties->on_bodies();
+    ties->report(sink);
+  }
   for (std::size_t k = 0; k < effects_.size(); ++k) {
     const std::vector<Vec3> sums = resultants(forces_.of(k, newton_.at()).download());
-    const Vec3 f = -resultant(sums);
+    Vec3 f = -resultant(sums);
+    if (effects_[k]->kind().role == effects::Role::tie) f = ties->of_effect(effects_[k]->name());
     put(std::string(effects_[k]->name()), f);
     total += f;
     for (std::size_t i = 0; i < load.size(); ++i) {
@@ -311,7 +324,7 @@ void Simulation::report_balance(FieldSink& sink) {
     const Vec3& sum = supports[&body - model_.bodies.data()];
     bool held = false;
     for (Index b = body.block_begin; b < body.block_end; ++b) {
-      if (!model_.held[b]) continue;
+      if (!model_.held[b] || model_.held[b] == model::Model::kTied) continue;
       held = any = true;
       if (body.type != model::BodyType::soft) continue;
       const std::size_t point = body.point_begin + (b - body.block_begin);

@@ -29,7 +29,9 @@ void System::begin_solve() {
   rows_changed_ = rows.number(model, options.is_static);
   if (rows_changed_) {
     convergence.set_rows(rows.of_block_host);
-    potential.assembler().set_rows(device::Buffer<Index>(rows.of_block_host), rows.count());
+    const bool tied = model.ties.any();
+    potential.assembler().set_rows(device::Buffer<Index>(tied ? rows.tied.of_block : rows.of_block_host), tied ? rows.tied.count() : rows.count());
+    if (tied) elimination_.set(rows.tied.offset, rows.tied.column, rows.tied.weight, rows.count());
   }
   convergence.begin_step();
 }
@@ -42,7 +44,15 @@ Residual System::linearise(device::View<const Vec3> q, effects::Want want, Linea
 Residual System::residual(device::View<const Vec3> q, const Linearised& at) const {
   Residual r = convergence.begin();
   device::Fetch fetch;
-  for (std::size_t k = 0; k < at.gradients.size(); ++k) convergence.see_effect(potential.effects()[k]->kind(), at.gradients[k].view(), r, fetch);
+  for (std::size_t k = 0; k < at.gradients.size(); ++k) {
+    device::View<const Vec3> gradient = at.gradients[k].view();
+    if (model.ties.any()) {
+      folded_.copy_from(at.gradients[k]);
+      model.ties.fold(folded_.view());
+      gradient = std::as_const(folded_).view();
+    }
+    convergence.see_effect(potential.effects()[k]->kind(), gradient, r, fetch);
+  }
   convergence.see_sum(at.gradient.view(), q, r, fetch);
   device::Buffer<Vec3> c;
   supports(q, c);
@@ -69,11 +79,17 @@ void System::find_groups(Linearised& at) {
 
 void System::supports(device::View<const Vec3> q, device::Buffer<Vec3>& c) const {
   support_move(q, std::as_const(model.target).view(), std::as_const(model.projector).view(), c);
+  if (model.ties.any()) model.ties.carry(c.view());
 }
 
 void System::matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& whose, linalg::BlockMatrix& A, device::Fetch& fetch) {
   const Timed timed(clock, "solver", "matrix");
-  potential.assembler().matrix(at.sets(), A);
+  if (model.ties.any()) {
+    potential.assembler().matrix(at.sets(), whole_);
+    elimination_.reduce(whole_, A);
+  } else {
+    potential.assembler().matrix(at.sets(), A);
+  }
   convergence.see_matrix(A, q, rows.block.view(), whose, fetch);
   if (rows.any_partial) linalg::project(A, rows.projector.view());
   // Without a shift rounding decides how far a body that nothing holds goes along its free motions.
@@ -86,6 +102,7 @@ void System::right_hand_side(const Linearised& at, device::View<const Vec3> Hc, 
 
 void System::to_blocks(device::View<const Vec3> x, device::View<const Vec3> c, const EnvMask& whose, device::Buffer<Vec3>& dq) const {
   step_of(x, c, rows.of_block.view(), std::as_const(model.projector).view(), dq);
+  if (model.ties.any()) model.ties.carry(dq.view());
   for (Index e = 0; e < model.envs; ++e)
     if (!whose[e]) clear_blocks(dq, model.env_blocks[e], model.env_blocks[e + 1]);
 }

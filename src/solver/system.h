@@ -1,6 +1,7 @@
 #pragma once
 // The equations of a step: all effects at a state, what is left of their forces, and the matrix over the blocks that are free.
 #include "linalg/block_matrix.h"
+#include "linalg/elimination.h"
 #include "solver/convergence.h"
 #include "solver/envs.h"
 #include "solver/options.h"
@@ -25,13 +26,13 @@ class System {
   // By what touches at the state of `at`; samples it.
   void find_groups(Linearised& at);
 
-  // c = (I - P)(target - q): what supports still have to move.
+  // c = T (I - P)(target - q): what supports still have to move, and what is tied to it.
   void supports(device::View<const Vec3> q, device::Buffer<Vec3>& c) const;
-  // P H P + I - P on the rows, with H of `at`, linearised at q. Convergence knows its rounding in the environments of `whose` once that is done.
+  // P T^T H T P + I - P on the rows, with H of `at`, linearised at q. Convergence knows its rounding in the environments of `whose` once that is done.
   void matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& whose, linalg::BlockMatrix& A, device::Fetch& fetch);
   // -P (g + Hc), where Hc may be empty.
   void right_hand_side(const Linearised& at, device::View<const Vec3> Hc, device::Buffer<Vec3>& rhs) const;
-  // P x + c over all blocks, for x on the rows; 0 outside of `whose`.
+  // T (P x + c) over all blocks, for x on the rows; 0 outside of `whose`.
   void to_blocks(device::View<const Vec3> x, device::View<const Vec3> c, const EnvMask& whose, device::Buffer<Vec3>& dq) const;
 
   bool solved(const Residual& r, Index env, double relative, double last_step) const;
@@ -46,6 +47,10 @@ class System {
 
  private:
   bool rows_changed_ = false;
+  // Where blocks are tied:
+  linalg::Elimination elimination_;
+  linalg::BlockMatrix whole_;            // H
+  mutable device::Buffer<Vec3> folded_;  // T^T of one effect's gradient
 };
 
 }  // namespace mortise::solver

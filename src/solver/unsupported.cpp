@@ -14,7 +14,7 @@ int free_motions(const model::Model& model, const model::Body& body, const std::
   Eigen::Matrix<double, 6, 6> form = Eigen::Matrix<double, 6, 6>::Zero();
   for (Index b = body.block_begin; b < body.block_end; ++b) {
     if (!model.held[b]) continue;
-    const Mat3 hold = Mat3::Identity() - projector[b];
+    const Mat3 hold = model.held[b] == model::Model::kTied ? Mat3::Identity() : Mat3(Mat3::Identity() - projector[b]);
     const Vec3 x = (rest[body.point_begin + (b - body.block_begin)] - body.centre) / size;
     Eigen::Matrix<double, 3, 6> v;  // of t and w
     v.leftCols<3>() = hold;

@@ -42,7 +42,7 @@ void complete(const model::Model& model, WatchedPairs& pairs) {
       const model::Body& b = model.bodies[j];
       if (a.env != b.env) continue;
       if (a.prescribed() && b.prescribed()) pairs.set(i, j, a.carriage == b.carriage ? Watch::no : Watch::apart);
-      if (pass(model, a.name, b.name)) pairs.set(i, j, Watch::no);
+      if (pass(model, a.name, b.name) || model.ties.pass(i, j)) pairs.set(i, j, Watch::no);
     }
     for (std::size_t p = 0; p < model.half_spaces.size(); ++p) {
       const Index plane = n + static_cast<Index>(p);

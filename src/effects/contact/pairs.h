@@ -31,7 +31,8 @@ struct WatchedPairs {
 WatchedPairs watched_pairs(const model::Model& model, const Params* list);
 
 // What holds whatever pairs an effect names: soft bodies meet themselves unless they say `self_contact: false`; prescribed bodies are kept apart
-// from each other and from half-spaces, unless they move as one; and the scene's `pairs` with `collide: false` pass through each other.
+// from each other and from half-spaces, unless they move as one; and the scene's `pairs` with `collide: false` pass through each other, as bodies
+// do that are tied to each other.
 void complete(const model::Model& model, WatchedPairs& pairs);
 
 }  // namespace mortise::effects::contact

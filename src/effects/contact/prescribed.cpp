@@ -124,7 +124,7 @@ void Prescribed::refresh() {
   const std::vector<Index> offset = model_.point_offset.download(), block = model_.point_block.download();
   std::vector<std::uint8_t> point(model_.points, 0);
   for (Index p = 0; p < model_.points; ++p)
-    point[p] = std::all_of(block.begin() + offset[p], block.begin() + offset[p + 1], [&](Index b) { return held_[b] == 2; });
+    point[p] = std::all_of(block.begin() + offset[p], block.begin() + offset[p + 1], [&](Index b) { return model_.ties.held(b, held_); });
   point_.upload(point);
 }
 

@@ -21,7 +21,7 @@ class Prescribed {
 
   const model::Model& model_;
   std::vector<std::uint8_t> held_;  // of the model when `point_` was made
-  Buffer<std::uint8_t> point_;      // 1 where all blocks of a point are held in all directions
+  Buffer<std::uint8_t> point_;      // 1 where all that a point hangs on is held in all directions
 };
 
 }  // namespace mortise::effects::contact

@@ -1,0 +1,88 @@
+#pragma once
+// Ties: blocks that follow others exactly, by equations that are linear with constant scalars,
+//
+//     q_b = sum_k t_bk q_k + h_b        h_b: what hangs on the world [m, 1]
+//
+// because x = p + A X is linear in the blocks of a stiff body. Composed along chains, every block is a combination of blocks that follow nothing:
+// q = T z + h, T a sparse matrix of scalars (times I3). A tie is exact to rounding, whatever the step and the masses, and has no stiffness,
+// multiplier or tolerance. All effects go on seeing all blocks; the solver takes their forces and matrices back to z:
+//
+//     residual T^T g,  matrix T^T K T (linalg/elimination.h),  way dq = T dz.
+//
+// What T^T g takes from a block that follows is the force by which its tie holds it (solver/tie_forces.h).
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "linalg/grouping.h"
+
+namespace mortise::model {
+
+class Model;
+using device::Buffer;
+using device::View;
+
+struct TieTerm {
+  Index block;
+  double weight;
+};
+
+// One block and what it follows.
+struct Follow {
+  Index block;
+  std::vector<TieTerm> terms;
+  Vec3 fixed = Vec3::Zero();  // h_b
+};
+
+struct Tie {
+  std::string effect, name;  // who made it; what its figures are called
+  SourceLoc where;
+  Index body = 0, to = kWorld;
+  bool contact = false;  // the two may touch
+  std::vector<Follow> follows;
+  Follow anchor{-1, {}};  // the place that its moment is taken about
+  static constexpr Index kWorld = -1;
+};
+
+class Ties {
+ public:
+  // Adds ties between bodies of the model, and puts its state and its velocities on them. Supports must be set. Throws Error(Exit::scene).
+  void add(Model& model, std::vector<Tie> ties);
+
+  bool any() const { return !blocks_.empty(); }
+  const std::vector<Tie>& list() const { return ties_; }
+  // Every equation, (tie, place in it), such that what a block follows comes before it.
+  const std::vector<std::pair<Index, Index>>& order() const { return order_; }
+  // Are the two bodies tied to each other by a tie that leaves contact between them out?
+  bool pass(Index body_a, Index body_b) const;
+  // What a block hangs on in the end: nothing of its own where it is not tied.
+  bool tied(Index block) const { return any() && place_[block] >= 0; }
+  std::vector<TieTerm> terms(Index block) const;
+  // Every z that a tied block hangs on is held: it goes where supports say.
+  bool held(Index block, const std::vector<std::uint8_t>& held) const;
+
+  void place(View<Vec3> q) const;   // q_b <- sum t q + h, of positions
+  void carry(View<Vec3> dq) const;  // dq_b <- sum t dq, of their changes
+  void fold(View<Vec3> g) const;    // g <- T^T g: what acts on tied blocks goes to those that they follow
+
+ private:
+  void compose(const Model& model);
+  void upload();
+  void name_carriages(Model& model) const;
+  void start(Model& model) const;
+
+  std::vector<Tie> ties_;
+  std::vector<std::pair<Index, Index>> order_;
+  std::vector<Index> place_;             // per block of the model: its place in blocks_, or -1
+  std::vector<Index> blocks_, offset_;   // tied blocks, ascending; their terms
+  std::vector<TieTerm> terms_;
+  std::vector<Vec3> fixed_;
+
+  Buffer<Index> block_, start_, of_;  // the same on the device: tied blocks, their first terms, and by term the block that is followed
+  Buffer<double> weight_;
+  Buffer<Vec3> fixed_on_device_;
+  Buffer<Index> follower_;      // of every term
+  linalg::Grouping followed_;   // terms by the block that is followed
+};
+
+}  // namespace mortise::model

@@ -1,0 +1,78 @@
+#include "solver/tie_forces.h"
+
+#include <algorithm>
+#include <map>
+
+#include "effects/body_blocks.h"
+
+namespace mortise::solver {
+
+TieForces::TieForces(const model::Model& model, const std::vector<Vec3>& q, std::vector<Vec3> gradient)
+    : model_(model), of_(model.ties.list().size()), on_body_(model.bodies.size(), Vec3::Zero()), pull_(model.blocks, Vec3::Zero()) {
+  const std::vector<double> position = effects::translation_share(model);
+  const std::vector<Vec3> rest = model.rest_points.download();
+  std::vector<Index> body(model.blocks);
+  std::vector<double> radius(model.bodies.size(), 0.0);
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    const model::Body& b = model.bodies[i];
+    std::fill(body.begin() + b.block_begin, body.begin() + b.block_end, static_cast<Index>(i));
+    for (Index p = b.point_begin; p < b.point_end; ++p) radius[i] = std::max(radius[i], (rest[p] - b.centre).norm());
+  }
+  const auto at = [&](const model::Follow& f) {
+    Vec3 x = f.fixed;
+    for (const model::TieTerm& t : f.terms) x += t.weight * q[t.block];
+    return x;
+  };
+  const std::vector<model::Tie>& ties = model.ties.list();
+  for (std::size_t i = 0; i < ties.size(); ++i) of_[i].place = at(ties[i].anchor);
+
+  const auto pull = [&](std::size_t i, Index block, const Vec3& f) {
+    pull_[block] += f;
+    Figures& figures = of_[i];
+    on_body_[body[block]] += position[block] * f;
+    figures.on_all += position[block] * f;
+    if (body[block] != ties[i].body) return;
+    figures.force += position[block] * f;
+    figures.moment += (q[block] - position[block] * figures.place).cross(f);
+  };
+  const auto& order = model.ties.order();
+  for (auto next = order.rbegin(); next != order.rend(); ++next) {
+    const auto i = static_cast<std::size_t>(next->first);
+    const model::Follow& f = ties[i].follows[next->second];
+    const Vec3 lambda = gradient[f.block];
+    pull(i, f.block, lambda);
+    for (const model::TieTerm& t : f.terms) {
+      gradient[t.block] += t.weight * lambda;
+      pull(i, t.block, -t.weight * lambda);
+    }
+    of_[i].error = std::max(of_[i].error, (position[f.block] == 1 ? 1 : radius[body[f.block]]) * (q[f.block] - at(f)).norm());
+  }
+}
+
+Vec3 TieForces::of_effect(std::string_view effect) const {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < of_.size(); ++i)
+    if (model_.ties.list()[i].effect == effect) sum += of_[i].on_all;
+  return sum;
+}
+
+void TieForces::report(FieldSink& sink) const {
+  std::map<std::string, double> error;
+  bool any = false;
+  std::vector<double> field(3 * static_cast<std::size_t>(model_.points), 0.0);
+  for (std::size_t i = 0; i < of_.size(); ++i) {
+    const model::Tie& tie = model_.ties.list()[i];
+    for (const auto& [what, unit, v] : {std::tuple{"force", "N", of_[i].force}, {"moment", "N m", of_[i].moment}, {"place", "m", of_[i].place}})
+      for (int k = 0; k < 3; ++k) sink.scalar(tie.effect, tie.name + "_" + what + "_" + "xyz"[k], unit, v[k]);
+    double& worst = error[tie.effect];
+    worst = std::max(worst, of_[i].error);
+    any = any || model_.bodies[tie.body].type == model::BodyType::soft;
+  }
+  for (const model::Body& body : model_.bodies)
+    for (Index b = body.block_begin; b < body.block_end && body.type == model::BodyType::soft; ++b)
+      for (int k = 0; k < 3; ++k) field[3 * static_cast<std::size_t>(body.point_begin + (b - body.block_begin)) + k] = pull_[b][k];
+  for (const auto& [effect, worst] : error) sink.scalar(effect, "tie_error", "m", worst);
+  if (any) sink.points("tie_force", "N", 3, field);
+}
+
+}  // namespace mortise::solver

@@ -1,0 +1,33 @@
+#pragma once
+// How ties hold at the accepted state. With g the gradient of all effects [N], an equation q_b = sum_k t_bk q_k + h_b pulls its block with
+//
+//     lambda_b = g_b + sum_{c follows b} t_cb lambda_c      and every q_k that it follows with -t_bk lambda_b:
+//
+// what the blocks behind it hand on comes first. Force and moment of a tie are those of the pulls on the blocks of its first body: a stiff body that
+// is pulled with f on (p, a1, a2, a3) feels the force f_p and about the place x the moment (p - x) x f_p + sum_i a_i x f_i.
+#include "base/field_sink.h"
+#include "model/model.h"
+
+namespace mortise::solver {
+
+class TieForces {
+ public:
+  TieForces(const model::Model& model, const std::vector<Vec3>& q, std::vector<Vec3> gradient);
+
+  const std::vector<Vec3>& on_bodies() const { return on_body_; }  // of all ties [N]
+  Vec3 of_effect(std::string_view effect) const;                   // on all bodies: what the world bears [N]
+  void report(FieldSink& sink) const;
+
+ private:
+  struct Figures {
+    Vec3 force = Vec3::Zero(), moment = Vec3::Zero(), place;  // on its first body [N], [N m]; about here [m]
+    Vec3 on_all = Vec3::Zero();                               // on both [N]
+    double error = 0;  // by how far its equations are missed [m]; of axes times the radius of their body
+  };
+  const model::Model& model_;
+  std::vector<Figures> of_;      // every tie
+  std::vector<Vec3> on_body_;
+  std::vector<Vec3> pull_;       // of all ties, on every block
+};
+
+}  // namespace mortise::solver
