@@ -371,8 +371,8 @@ TEST(MortarContact, StepsKeepGaps) {
   const device::Buffer<Vec3> q(fd::blocks_of(positions(p.model))), dq(fd::blocks_of(down));
   p.contact->linearise(q.view(), true);
   const double alpha = fd::longest_step(*p.contact, dq.view());
-  EXPECT_LE(alpha, 0.0091);
-  EXPECT_GE(alpha, 0.008);
+  EXPECT_LE(alpha, 0.0071);
+  EXPECT_GE(alpha, 0.0069);
 }
 
 // Samples that a step brings into range take part in its line search.
