@@ -102,8 +102,10 @@ LinearChoice choose_linear(const model::Model& model, const Options& options) {
   for (Index e = 0; e < model.envs; ++e) blocks = std::max(blocks, model.env_blocks[e + 1] - model.env_blocks[e]);
   const std::string size = std::to_string(blocks) + " blocks";
   if (blocks <= tuning::kDirectBlocks) return {"direct", size + ", a new factor each time up to " + std::to_string(tuning::kDirectBlocks)};
-  if (blocks <= tuning::kReuseBlocks) return {"reuse", size + ", factors up to " + std::to_string(tuning::kReuseBlocks)};
-  return {"cg", size + ", more than " + std::to_string(tuning::kReuseBlocks)};
+  const Index most = options.is_static ? tuning::kReuseBlocks : tuning::kReuseInMotion;
+  const std::string bound = std::to_string(most) + (options.is_static ? " in statics" : " in motion");
+  if (blocks <= most) return {"reuse", size + ", factors up to " + bound};
+  return {"cg", size + ", more than " + bound};
 }
 
 }  // namespace mortise::solver

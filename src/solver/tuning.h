@@ -19,7 +19,8 @@ inline constexpr double kRegain = 2;           // after a full step
 
 // ---- linear systems (linear.h)
 inline constexpr Index kDirectBlocks = 2000;   // up to here a factor costs next to nothing; beyond it is kept for some iterations,
-inline constexpr Index kReuseBlocks = 20000;   // and from here on its memory and work grow faster than the iterations of conjugate gradients do
+inline constexpr Index kReuseBlocks = 20000;   // and from here on its memory and work grow faster than the iterations of conjugate gradients do;
+inline constexpr Index kReuseInMotion = 8000;  // where inertia keeps systems well conditioned the CPU times are equal here, and only those share out on threads
 inline constexpr Index kSchwarzRows = 20000;   // up to some ten thousand rows block Jacobi is as quick (benchmarks/linear)
 inline constexpr double kLoose = 1e-9;         // of the mean stiffness: far above rounding, far below the softest elastic motion
 inline constexpr double kStaleForcing = 1e-2;  // inexact Newton: the residual still falls a hundredfold per iteration

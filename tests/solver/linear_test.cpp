@@ -160,3 +160,18 @@ TEST(Linear, ChoiceGoesByTheLargestEnvironment) {
   o.linear = "cg";
   EXPECT_EQ(choose_linear(model, o).kind, "cg");
 }
+
+TEST(Linear, ChoiceGoesBySizeAndMotion) {
+  model::Model model(toy::boxes(1));
+  Options o;
+  const auto kind = [&](Index blocks, bool is_static) {
+    model.env_blocks = {0, blocks};
+    o.is_static = is_static;
+    return choose_linear(model, o).kind;
+  };
+  EXPECT_EQ(kind(2000, false), "direct");
+  EXPECT_EQ(kind(8000, false), "reuse");
+  EXPECT_EQ(kind(8001, false), "cg");
+  EXPECT_EQ(kind(8001, true), "reuse");
+  EXPECT_EQ(kind(20001, true), "cg");
+}
