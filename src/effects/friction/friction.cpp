@@ -32,7 +32,7 @@ const ParamTable kTable{
     {param::of(Param::Kind::text, "follows", Unit::none, "barrier_contact", "The contact effect whose forces cause the friction"),
      param::number("mu", Unit::none, "0.5", 0, "Friction coefficient"), pairs_param(),
      param::positive(
-         param::number("creep_speed", Unit::velocity, "1e-4 m/s", 0,
+         param::number("creep_speed", Unit::velocity, "1e-5 m/s", 0,
                        "Slip speed below which friction falls smoothly to zero; what sticks creeps slower than this")),
      param::positive(
          param::number("lag_tolerance", Unit::none, "1e-3", 0,
