@@ -67,6 +67,8 @@ class Effect {
   // readied for energies on that way.
   virtual void max_step(View<const Vec3> dq, Linearisation& at, device::EnvValues alpha) { (void)dq, (void)at, (void)alpha; }
 
+  // Of an integrator: where everything would be at the end of the step under way if nothing acted on it [m].
+  virtual Positions carried() const { return {}; }
   // Of an integrator: every step should lose energy (solver/energy_ledger.h).
   virtual bool loses_energy() const { return false; }
   // Of an integrator: is the step under way of second order? Then what it adds of its own over the step to q, T(q) - T(q_n) - M a . (q - q_n), is not

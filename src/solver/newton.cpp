@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 #include "solver/kernels.h"
 #include "solver/tuning.h"
@@ -21,6 +22,7 @@ Newton::Newton(model::Model& model, EffectList& effects, const Options& options,
       creep_(model.envs),
       energies_(model, system_.potential),
       line_search_(system_, energies_),
+      first_guess_(system_, energies_),
       lag_(system_, std::max(options.lag_tolerance, options.relative_tolerance), system_.potential.lags()),
       coupled_(system_, *linear_, curvature_, direction_.matrix()),
       trace_(system_, curvature_),
@@ -34,6 +36,8 @@ void Newton::begin(const EnvMask& whose) {
   system_.potential.linearise(std::as_const(q_).view(), effects::Want::frozen(), at_);
   system_.potential.sample(at_);
   system_.potential.lag(at_, at_);
+  fresh_.resize(envs_.size(), 0);
+  for (Index e = 0; e < envs_.size(); ++e) fresh_[e] |= whose[e];
 }
 
 void Newton::fail(Index env, const std::string& reason) {
@@ -60,6 +64,8 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
   curvature_.begin_step();
   energies_.begin_solve();
   lag_.begin_solve(q_);
+  for (Index e = 0; e < envs_.size(); ++e) fresh_[e] &= whose[e];
+  first_guess_.find(std::exchange(fresh_, EnvMask(envs_.size(), 0)), q_, at_);
   for (Index round = 0;; ++round) {
     for (Index e = 0; e < envs_.size(); ++e) envs_[e].step = 0;
     iterate(info, report, stop);

@@ -14,6 +14,7 @@
 #include "solver/creep_watch.h"
 #include "solver/direction.h"
 #include "solver/lag_loop.h"
+#include "solver/first_guess.h"
 #include "solver/line_search.h"
 #include "solver/newton_trace.h"
 
@@ -61,12 +62,14 @@ class Newton {
   CreepWatch creep_;
   EnergyLedger energies_;
   LineSearch line_search_;
+  FirstGuess first_guess_;
   LagLoop lag_;
   Coupled coupled_;
   NewtonTrace trace_;
 
   Linearised at_, near_;  // at q_; at states beside it
   device::Buffer<Vec3> q_;
+  EnvMask fresh_;  // environments that stand where the step begins
   std::vector<double> nearest_force_;    // per environment: least residual of these iterations [N], and where it was
   device::Buffer<Vec3> nearest_q_;
 };

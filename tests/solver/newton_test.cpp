@@ -46,6 +46,76 @@ TEST(Newton, SolvesASpringInOneIteration) {
   EXPECT_TRUE(newton.envs().is(0, EnvState::solved));
 }
 
+namespace {
+
+// Where inertia would carry blocks: `way` in every environment. Nothing may go farther than `wall` in x.
+class Carrier final : public effects::Effect {
+ public:
+  Carrier(model::Model& model, const std::vector<Vec3>& way, double wall) : model_(model), way_(way), wall_(wall) {
+    std::vector<Vec3> to = model.q.download();
+    const std::vector<Index> env = model.block_env.download();
+    for (std::size_t b = 0; b < to.size(); ++b) to[b] += way[env[b]];
+    to_.upload(to);
+  }
+  const effects::Kind& kind() const override { return kInertia; }
+  effects::Positions carried() const override { return to_.view(); }
+  void linearise(effects::Positions, effects::Want, effects::Linearisation& at) override { at.stencils.resize_uniform(0, 0); }
+  void energy(effects::Positions, const effects::Linearisation&, device::EnvValues) override {}
+  void max_step(device::View<const Vec3> dq, effects::Linearisation&, device::EnvValues alpha) override {
+    std::vector<Vec3> d(dq.n);
+    device::copy_out(d.data(), dq.p, dq.n * sizeof(Vec3));
+    const std::vector<Index> env = model_.block_env.download();
+    for (std::size_t b = 0; b < d.size(); ++b)
+      if (d[b][0] > wall_) alpha.value[env[b]] = std::min(alpha.value[env[b]], wall_ / d[b][0]);
+  }
+
+ private:
+  model::Model& model_;
+  std::vector<Vec3> way_;
+  double wall_;
+  device::Buffer<Vec3> to_;
+};
+
+}  // namespace
+
+// Newton starts where inertia carries an environment, where that is downhill and free: the first
+// environment is carried to the answer, the second too far to be lower; alone they take none and one iteration, and a wall on the way forbids it.
+TEST(Newton, StartsWhereInertiaCarriesUnlessThatIsWorse) {
+  Problem p(2);
+  p.add(kStore, toy::spring([](Index) { return 4.0; }, [](Index) { return kForce; }));
+  const Vec3 answer = kForce / 4;
+  p.effects.push_back(std::make_unique<Carrier>(p.model, std::vector<Vec3>{answer, 2.5 * answer}, 1.0));
+  const auto first = [&](Problem& of) {
+    Newton newton(of.model, of.effects, of.options, of.clock);
+    StepReport report;
+    const EnvMask all(of.model.envs, 1);
+    of.options.iterations = 50;
+    newton.begin(all);
+    newton.solve({0, 1, 0, false}, report, [] {}, all);
+    for (const Vec3& d : of.moved(newton.q())) EXPECT_LT((d - answer).norm(), 1e-14);
+    return report.newton;
+  };
+  EXPECT_EQ(first(p), 1);
+  Problem alone(1);
+  alone.add(kStore, toy::spring([](Index) { return 4.0; }, [](Index) { return kForce; }));
+  alone.effects.push_back(std::make_unique<Carrier>(alone.model, std::vector<Vec3>{answer}, 1.0));
+  EXPECT_EQ(first(alone), 0);  // it starts solved
+  const auto iterations = [](const Vec3* way) {  // of a problem that takes more of them from far away
+    Problem of(1);
+    of.options.iterations = 50;
+    of.add(kStore, soft_norm([](Index) { return Vec3(0.5, 0, 0); }));
+    if (way) of.effects.push_back(std::make_unique<Carrier>(of.model, std::vector<Vec3>{*way}, 100.0));
+    Newton newton(of.model, of.effects, of.options, of.clock);
+    return solve(of, newton).newton;
+  };
+  const Vec3 uphill(-30, 0, 0);
+  EXPECT_EQ(iterations(&uphill), iterations(nullptr));
+  Problem walled(1);
+  walled.add(kStore, toy::spring([](Index) { return 4.0; }, [](Index) { return kForce; }));
+  walled.effects.push_back(std::make_unique<Carrier>(walled.model, std::vector<Vec3>{answer}, 0.1));
+  EXPECT_GT(first(walled), 1);
+}
+
 // Linear, reuse and cg give every environment the bits that it has alone, however many iterations the others need, and one that fails leaves
 // the others alone.
 TEST(Newton, EnvironmentsDoNotKnowEachOther) {

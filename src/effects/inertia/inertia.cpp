@@ -85,6 +85,8 @@ class Inertia final : public Effect {
     q_begin_.copy_from(model_.q);
   }
 
+  Positions carried() const override { return q_hat_.view(); }
+
   void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
     const View<const MassPair> pair = std::as_const(pairs_).view();
     const Positions hat = std::as_const(q_hat_).view();
