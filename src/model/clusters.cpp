@@ -7,8 +7,8 @@
 namespace mortise::model {
 namespace {
 
-// The least number of tetrahedra that the star of a vertex on the surface may have: a cell of a box. Stars of corners and edges may be a single
-// one, which would lock as ever.
+// The least number of tetrahedra that the star of a vertex on the surface may have: a cell of a box. Stars of corners and edges
+// may be a single one, which would lock as ever.
 constexpr std::size_t kLeastOnSurface = 6;
 constexpr Index kNone = -1;
 
@@ -26,7 +26,8 @@ std::vector<std::array<Index, 4>> neighbours(const std::vector<Tet>& tets) {
       std::sort(face.begin(), face.end());
       sides.push_back({face, static_cast<Index>(t), k});
     }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.face != b.face ? a.face < b.face : a.tet < b.tet; });
+  std::sort(sides.begin(), sides.end(),
+            [](const Side& a, const Side& b) { return a.face != b.face ? a.face < b.face : a.tet < b.tet; });
   std::vector<std::array<Index, 4>> out(tets.size(), {kNone, kNone, kNone, kNone});
   for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
     const Side &a = sides[i], &b = sides[i + 1];
@@ -81,7 +82,8 @@ std::vector<Index> star_clusters(const BodyInput& body) {
   return cluster;
 }
 
-void ClusterLists::add(const std::vector<Index>& cluster, const std::vector<Tet>& tets, Index first, const double* volumes, double lame_lambda, Index of_env) {
+void ClusterLists::add(const std::vector<Index>& cluster, const std::vector<Tet>& tets, Index first, const double* volumes,
+                       double lame_lambda, Index of_env) {
   const Index base = static_cast<Index>(lambda.size());
   of_tet.resize(first, kNone);
   std::vector<Index> order(cluster.size());
@@ -101,7 +103,8 @@ void ClusterLists::add(const std::vector<Index>& cluster, const std::vector<Tet>
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     for (; i < end; ++i) {
       tet.push_back(first + order[i]);
-      for (Index v : tets[first + order[i]].v) slot.push_back(first_node.back() + static_cast<Index>(std::lower_bound(nodes.begin(), nodes.end(), v) - nodes.begin()));
+      for (Index v : tets[first + order[i]].v)
+        slot.push_back(first_node.back() + static_cast<Index>(std::lower_bound(nodes.begin(), nodes.end(), v) - nodes.begin()));
     }
     node.insert(node.end(), nodes.begin(), nodes.end());
     owner.insert(owner.end(), nodes.size(), base + c);

@@ -11,11 +11,13 @@ namespace {
 // Mean deflection of the end of a cantilever of 10 x 1 x 1 over that of a Timoshenko beam.
 double deflection(double nu, const std::string& body, const std::vector<std::string>& set = {}) {
   const double F = 1e-3, E = 1e3, L = 10, I = 1.0 / 12;
-  Rig rig("mortise: 1\nname: cantilever\ntime: {mode: static, steps: 1}\nmaterials: {gel: {model: linear, youngs_modulus: 1 kPa, poisson_ratio: " + std::to_string(nu) +
-              ", density: 1000}}\nbodies:\n  beam: {type: soft, material: gel, " + body +
-              "}\neffects:\n  elasticity: {}\n  pin: [{body: beam, where: {side: x_min}}]\n"
-              "  pressure_load: [{body: beam, where: {side: x_max}, traction: [0, 0, -1e-3]}]\nsolver: {relative_tolerance: 1e-8}\n",
-          set);
+  Rig rig(
+      "mortise: 1\nname: cantilever\ntime: {mode: static, steps: 1}\nmaterials: {gel: {model: linear, youngs_modulus: 1 kPa, "
+      "poisson_ratio: " +
+          std::to_string(nu) + ", density: 1000}}\nbodies:\n  beam: {type: soft, material: gel, " + body +
+          "}\neffects:\n  elasticity: {}\n  pin: [{body: beam, where: {side: x_min}}]\n"
+          "  pressure_load: [{body: beam, where: {side: x_max}, traction: [0, 0, -1e-3]}]\nsolver: {relative_tolerance: 1e-8}\n",
+      set);
   rig.step();
   const std::vector<double> y = rig.engine->points();
   const std::vector<Vec3>& X = rig.input.bodies[0].nodes;
@@ -27,14 +29,16 @@ double deflection(double nu, const std::string& body, const std::vector<std::str
   return sum / n / (F * L * L * L / (3 * E * I) + F * L / (k * G));
 }
 
-const std::string kLinear = "shape: {box: {size: [10, 1, 1], edge_length: 0.25}}", kQuadratic = "order: 2, shape: {box: {size: [10, 1, 1], edge_length: 0.5}}";
+const std::string kLinear = "shape: {box: {size: [10, 1, 1], edge_length: 0.25}}",
+                  kQuadratic = "order: 2, shape: {box: {size: [10, 1, 1], edge_length: 0.5}}";
 
 }  // namespace
 
 // Four linear tetrahedra over the height, or as many nodes of quadratic ones. Without averages mirrored boxes lose another tenth.
 TEST(Locking, ACantileverBendsAtEveryPoissonRatio) {
   for (double nu : {0.3, 0.45, 0.49, 0.499, 0.4999}) {
-    const double linear = deflection(nu, kLinear), quadratic = deflection(nu, kQuadratic), full = deflection(nu, kLinear, {"materials.gel.volumetric=full"});
+    const double linear = deflection(nu, kLinear), quadratic = deflection(nu, kQuadratic),
+                 full = deflection(nu, kLinear, {"materials.gel.volumetric=full"});
     std::printf("  nu %.4f: linear %.3f (full %.3f), quadratic %.3f of beam theory\n", nu, linear, full, quadratic);
     EXPECT_GT(linear, nu > 0.4 ? 0.9 : 0.84) << nu;
     EXPECT_NEAR(quadratic, 1, 0.03) << nu;
@@ -58,8 +62,8 @@ TEST(Locking, UnstructuredMeshesDoNotLock) {
   EXPECT_LT(full, 0.1);
 }
 
-// Large strains of a bonded block: within 3 % of the energy that quadratic elements of half the size find (plain linear ones: 59 % more), and no
-// element comes near to turning inside out.
+// Large strains of a bonded block: within 3 % of the energy that quadratic elements of half the size find (plain linear ones: 59
+// % more), and no element comes near to turning inside out.
 TEST(Locking, ABondedBlockIsPressed) {
   Rig rig(R"(
 mortise: 1

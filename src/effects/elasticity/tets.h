@@ -1,7 +1,7 @@
 #pragma once
 // Everything a kernel needs of the tetrahedra.
-#include "effects/elasticity/elasticity.h"
 #include "effects/effect.h"
+#include "effects/elasticity/elasticity.h"
 #include "model/model.h"
 
 namespace mortise::effects::elasticity {
