@@ -16,5 +16,6 @@ void partition(const Bench&);
 void ring(const Bench&);
 void indent(const Bench&);
 void line(const Bench&);
+void locking(const Bench&);
 
 }  // namespace mortise::bench

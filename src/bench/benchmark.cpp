@@ -80,6 +80,7 @@ std::span<const Benchmark> benchmarks() {
       {"interface", "hydrostatic pressure through an inclined plane (B03) and a wavy surface (B04)", {"finest"}, bench::interface},
       {"line", "cylinder on a block in plane strain: pressure, half-width (B08)", {"size"}, bench::line},
       {"indent", "rigid flat and conical punches on a half-space (B11, B12)", {"cells", "order"}, bench::indent},
+      {"locking", "cantilever, Cook's membrane and bonded pad near Poisson's ratio 0.5", {"case", "finer"}, locking},
       {"ring", "ring pressed onto a ring: mean pressure (B23)", {"cells"}, bench::ring},
       {"partition", "overlaps of two meshes fill a face, however close the meshes come to each other (H59, H60)", {"ratio"}, bench::partition},
       {"sharp", "sharp edge and corner pressed into a pad: true gap, steps that converge", {}, bench::sharp},

@@ -7,6 +7,7 @@
 #include "engine/input.h"
 #include "engine/memory_needed.h"
 #include "run/check_start.h"
+#include "run/volumetric.h"
 #include "scene/pass_through.h"
 #include "sensors/sensors.h"
 
@@ -18,9 +19,11 @@ std::string plan_text(const Params& scene) {
 
   std::string text;
   std::size_t total = 0;
-  for (const model::BodyInput& b : input.bodies)
-    if (b.type != model::BodyType::half_space)
-      text += fmt::format("body    {:20} {:>8} nodes {:>8} tets {:>8} surface triangles\n", b.name, b.nodes.size(), b.tets.size(), b.triangles.size());
+  for (const model::BodyInput& b : input.bodies) {
+    if (b.type == model::BodyType::half_space) continue;
+    text += fmt::format("body    {:20} {:>8} nodes {:>8} tets {:>8} surface triangles\n", b.name, b.nodes.size(), b.tets.size(), b.triangles.size());
+    if (b.type == model::BodyType::soft) text += fmt::format("        change of volume {}\n", run::volumetric(b));
+  }
   for (const engine::PlanItem& item : engine->plan()) {
     text += "effect  " + item.effect + "\n";
     for (const auto& [what, bytes] : item.buffers) {

@@ -2,6 +2,7 @@
 
 #include "effects/list.h"
 #include "effects/roles.h"
+#include "model/volumetric.h"
 
 namespace mortise::engine {
 namespace {
@@ -12,6 +13,8 @@ constexpr double kPerTet = 1850, kPerQuadraticTet = 13800, kPerContactTriangle =
 // Where something is frozen (mortar contact, friction) forces are found at states beside the present one as well: pieces of forces, and their
 // sorting.
 constexpr double kBesidePerTet = 250, kBesidePerQuadraticTet = 650;  // [B]
+// Of a linear tetrahedron whose change of volume is averaged: its share of a piece per pair of nodes of the cluster, and of the wider matrix.
+constexpr double kPerAveragedTet = 1000;  // [B]
 
 }  // namespace
 
@@ -25,6 +28,7 @@ std::size_t memory_needed(const model::ModelInput& input) {
   double bytes = 0;
   for (const model::BodyInput& b : input.bodies) {
     if (beside) bytes += (b.midsides.empty() ? kBesidePerTet : kBesidePerQuadraticTet) * static_cast<double>(b.tets.size());
+    if (!b.tets.empty() && b.midsides.empty() && model::averages_volume(b.material)) bytes += kPerAveragedTet * static_cast<double>(b.tets.size());
     bytes += (b.midsides.empty() ? kPerTet : kPerQuadraticTet) * static_cast<double>(b.tets.size());
     if (contact) bytes += kPerContactTriangle * static_cast<double>(b.triangles.size());
     if (schwarz && !b.tets.empty()) bytes += kPerNode * static_cast<double>(b.nodes.size());

@@ -6,8 +6,10 @@
 #include "geometry/quadratic.h"
 #include "geometry/tet_rule.h"
 #include "geometry/topology.h"
+#include "model/clusters.h"
 #include "model/model.h"
 #include "model/select.h"
+#include "model/volumetric.h"
 
 namespace mortise::model {
 namespace {
@@ -21,7 +23,8 @@ struct Layout {
   std::vector<geometry::Midsides> midsides;
   std::vector<Index> first_point{0};
   std::vector<Mat3> dm_inverse;
-  std::vector<double> rest_volume, mu, lambda;
+  std::vector<double> rest_volume, mu, lambda, mean_lambda;
+  ClusterLists clusters;
   std::vector<std::uint8_t> material;
   std::vector<Triangle> triangles;
   std::vector<geometry::Face> faces;
@@ -101,7 +104,8 @@ void add_quadratic(Layout& l, const BodyInput& in, Body& body, std::size_t t, Ve
 void add_soft(Layout& l, const BodyInput& in, Body& body) {
   const Index first = body.block_begin;
   const double E = body.youngs_modulus, nu = body.poisson_ratio;
-  const bool quadratic = !in.midsides.empty();
+  const bool quadratic = !in.midsides.empty(), averaged = averages_volume(in.material);
+  const double lambda = E * nu / ((1 + nu) * (1 - 2 * nu));
   std::vector<double> mass(in.nodes.size(), 0.0);
   std::vector<std::uint8_t> used(in.nodes.size(), 0);
   body.tet_begin = static_cast<Index>(l.tets.size());
@@ -120,10 +124,12 @@ void add_soft(Layout& l, const BodyInput& in, Body& body) {
     l.midsides.push_back(middle);
     l.first_point.push_back(static_cast<Index>(l.rest_volume.size()));
     l.mu.push_back(E / (2 * (1 + nu)));
-    l.lambda.push_back(E * nu / ((1 + nu) * (1 - 2 * nu)));
+    l.lambda.push_back(averaged ? 0 : lambda);
+    l.mean_lambda.push_back(averaged && quadratic ? lambda : 0);
     l.material.push_back(static_cast<std::uint8_t>(material_model(in.material)));
   }
   body.tet_end = static_cast<Index>(l.tets.size());
+  if (averaged && !quadratic) l.clusters.add(star_clusters(in), l.tets, body.tet_begin, l.rest_volume.data() + l.first_point[body.tet_begin], lambda, in.env);
   body.centre = moment / body.volume;
   body.mass = body.density * body.volume;
   const Vec3 v = in.params.vec3("velocity"), w = in.params.vec3("angular_velocity");
@@ -204,6 +210,24 @@ void add_body(Layout& l, Model& model, const BodyInput& in) {
   model.bodies.push_back(std::move(body));
 }
 
+// offset[e] = first element of environment e in an array ordered by environment.
+std::vector<Index> offsets_by_env(const std::vector<Index>& env_of, Index envs) {
+  std::vector<Index> offset(envs + 1, 0);
+  for (Index e : env_of) ++offset[e + 1];
+  for (Index e = 0; e < envs; ++e) offset[e + 1] += offset[e];
+  return offset;
+}
+
+void upload_clusters(ClusterLists& l, std::size_t tets, Index envs, Clusters& out) {
+  out.env_offset = offsets_by_env(l.env, envs);
+  if (l.lambda.empty()) return;
+  l.of_tet.resize(tets, -1);
+  out.of_tet.upload(l.of_tet);
+  out.first_tet.upload(l.first_tet), out.tet.upload(l.tet), out.slot.upload(l.slot);
+  out.first_node.upload(l.first_node), out.node.upload(l.node), out.owner.upload(l.owner);
+  out.lambda.upload(l.lambda), out.volume.upload(l.volume);
+}
+
 void upload_mass(Layout& l, Mass& mass, Index blocks) {
   std::stable_sort(l.mass.begin(), l.mass.end(), [](const Layout::Entry& a, const Layout::Entry& b) { return a.row != b.row ? a.row < b.row : a.column < b.column; });
   std::vector<Index> offset(blocks + 1, 0), column;
@@ -241,14 +265,6 @@ void upload_surface(const Layout& l, geometry::Surface& surface, Index bodies) {
   surface.env.upload(l.point_env);
   surface.bodies = bodies;
   surface.pair_allowed.upload(std::vector<std::uint8_t>(static_cast<std::size_t>(bodies) * bodies, 0));
-}
-
-// offset[e] = first element of environment e in an array ordered by environment.
-std::vector<Index> offsets_by_env(const std::vector<Index>& env_of, Index envs) {
-  std::vector<Index> offset(envs + 1, 0);
-  for (Index e : env_of) ++offset[e + 1];
-  for (Index e = 0; e < envs; ++e) offset[e + 1] += offset[e];
-  return offset;
 }
 
 }  // namespace
@@ -293,9 +309,11 @@ void build(Model& model) {
   v.rest_volume.upload(l.rest_volume);
   v.lame_mu.upload(l.mu);
   v.lame_lambda.upload(l.lambda);
+  v.mean_lambda.upload(l.mean_lambda);
   v.material.upload(l.material);
   v.env_offset = offsets_by_env(tet_env, model.envs);
 
+  upload_clusters(l.clusters, l.tets.size(), model.envs, model.clusters);
   upload_mass(l, model.mass, model.blocks);
   upload_surface(l, model.surface, static_cast<Index>(model.bodies.size()));
   model.projector.upload(std::vector<Mat3>(model.blocks, Mat3::Identity()));

@@ -9,6 +9,7 @@
 #include "effects/contact/layer.h"
 #include "effects/roles.h"
 #include "engine/effect_tables.h"
+#include "run/volumetric.h"
 #include "scene/pass_through.h"
 
 namespace mortise::run {
@@ -57,6 +58,9 @@ Certificate::Certificate(const model::ModelInput& input) : stress_error_(input),
     force_floor_ = std::max(force_floor_, kStrain * E * size * size), energy_floor_ = std::max(energy_floor_, kStrain * kStrain * E * size * size * size);
   }
   const Params& scene = input.scene;
+  for (const model::BodyInput& body : input.bodies)
+    if (body.type == model::BodyType::soft) volumetric_[body.name] = volumetric(body);
+  locking_risks_ = locking_risks(input);
   for (const scene::PassThrough& p : scene::pass_through(scene, engine::effect_tables())) passes_through_.push_back(p.text());
   const Params& effects = scene.at("effects");
   for (const std::string& name : effects::of_role(effects, effects::Role::contact)) d_hat_[name] = effects::contact::support_radius(effects.at(name), input);
@@ -297,6 +301,8 @@ std::string Certificate::json(const End& end) const {
                 {"nodes_under_pressure", pressure_estimate_.nodes},
                 // A body at rest creeps at most at this speed, all the time (incline benchmark).
                 {"friction_creep_bound_m", number(creep_speed_ * (end_ - begin_))}};
+  j["model"]["volumetric"] = volumetric_;
+  j["locking_risks"] = locking_risks_;
   j["passes_through"] = passes_through_;
   return j.dump(1) + "\n";
 }

@@ -52,7 +52,9 @@ class Certificate {
   StressError stress_error_;
   PressureError pressure_error_;
   LayerError layer_error_;
-  std::vector<std::string> passes_through_;  // what nothing keeps apart
+  std::vector<std::string> passes_through_;          // what nothing keeps apart
+  std::vector<std::string> locking_risks_;
+  std::map<std::string, std::string> volumetric_;    // how soft bodies resist changes of volume
   double force_floor_ = 0, energy_floor_ = 0;  // [N], [J]: of strains that are rounding
   std::string inertia_;  // the effect of that role, if there is one
   double creep_speed_ = NAN;

@@ -4,6 +4,7 @@
 
 #include "effects/roles.h"
 #include "engine/effect_tables.h"
+#include "run/volumetric.h"
 #include "scene/pass_through.h"
 
 namespace mortise::run {
@@ -58,6 +59,7 @@ std::vector<std::string> warnings(const model::ModelInput& input) {
   if (const Params* step = time.find("step"); step && step->as_number() > kLongestStep)
     out.push_back(at(step->where(), fmt::format("time.step is {:.3g} s: motions and oscillations shorter than that are damped away", step->as_number())));
   of_contact(input, out);
+  for (std::string& risk : locking_risks(input)) out.push_back(std::move(risk));
   for (const scene::PassThrough& p : scene::pass_through(input.scene, engine::effect_tables()))
     if (p.everything) out.push_back(p.text());
   return out;

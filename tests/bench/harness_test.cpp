@@ -161,6 +161,7 @@ TEST(StudyBenchmarks, TowerPasses) { expect_gates("tower", {"methods=gmcp_consis
 TEST(StudyBenchmarks, SlidePasses) { expect_gates("slide", {"methods=gmcp_consistent"}, 3); }
 TEST(StudyBenchmarks, InterfacePasses) { expect_gates("interface", {"methods=gmcp_consistent"}, 5); }
 TEST(StudyBenchmarks, LinePasses) { expect_gates("line", {"methods=gmcp_consistent"}, 4); }
+TEST(StudyBenchmarks, LockingPasses) { expect_gates("locking", {"methods=linear_averaged,quadratic_averaged"}, 56); }
 TEST(StudyBenchmarks, SpheresPass) { expect_gates("spheres", {"methods=gmcp_consistent"}, 6); }
 TEST(StudyBenchmarks, PinPasses) { expect_gates("pin", {"methods=gmcp_consistent", "cells=20"}, 4); }
 TEST(StudyBenchmarks, IndentPasses) { expect_gates("indent", {"methods=gmcp_consistent"}, 6); }

@@ -38,6 +38,13 @@ TEST(Warnings, TellWhatIsHardlyEverMeant) {
   EXPECT_THAT(warned({"effects.barrier_contact.d_hat=5 mm"}), ElementsAre(HasSubstr("d_hat is 0.005 m, 0.25 times the size of body 'block'")));
 }
 
+TEST(Warnings, TellWhereElementsLock) {
+  EXPECT_THAT(warned({"materials.gel.poisson_ratio=0.49"}), IsEmpty());
+  EXPECT_THAT(warned({"materials.gel.volumetric=full"}), IsEmpty());
+  EXPECT_THAT(warned({"materials.gel.poisson_ratio=0.49", "materials.gel.volumetric=full"}), ElementsAre(HasSubstr("the elements of body 'block' lock")));
+  EXPECT_THAT(warned({"materials.gel.poisson_ratio=0.45", "materials.gel.volumetric=full", "bodies.block.order=2"}), IsEmpty());
+}
+
 TEST(Warnings, TellWhereNothingKeepsBodiesApart) {
   const scene::Scene s = scene::read_scene_text(
       "mortise: 1\nname: w\ntime: {step: 5 ms, steps: 1}\nmaterials: {m: {density: 1000}}\nbodies:\n  a: {type: stiff, shape: {box: {size: [1, 1, 1], edge_length: 1}}, material: m}\n  floor: {type: half_space, point: [0, 0, -1]}\n"

@@ -1,59 +1,16 @@
-#include "effects/elasticity/elasticity.h"
-
 #include <algorithm>
 
+#include "effects/elasticity/mean_volume.h"
+#include "effects/elasticity/tets.h"
 #include "effects/list.h"
-#include "model/model.h"
 
 namespace mortise::effects {
 namespace {
 
+using elasticity::at_points;
+using elasticity::Tets;
+
 const ParamTable kTable{"effect elasticity", "Hyperelastic energy of soft bodies; the law is the one of each body's material.", {}};
-
-// Everything a kernel needs of the tetrahedra.
-struct Tets {
-  View<const Tet> tet;
-  View<const geometry::Midsides> midsides;
-  View<const Index> first_point;
-  View<const Mat3> dm_inverse;
-  View<const double> volume, mu, lambda;
-  View<const std::uint8_t> material;
-  Index size() const { return tet.n; }
-  MORTISE_HD bool quadratic(Index t) const { return first_point[t + 1] - first_point[t] > 1; }
-  MORTISE_HD Index node(Index t, int a) const { return a < 4 ? tet[t].v[a] : midsides[t].v[a - 4]; }
-  MORTISE_HD elasticity::Element element(Index t, int point) const {
-    const Index p = first_point[t] + point;
-    return {dm_inverse[p], volume[p], mu[t], lambda[t], static_cast<model::MaterialModel>(material[t])};
-  }
-  // Of a linear tetrahedron.
-  MORTISE_HD Mat3 deformation(Index t, Positions q) const {
-    const Tet v = tet[t];
-    return elasticity::deformation_gradient(dm_inverse[first_point[t]], q[v.v[0]], q[v.v[1]], q[v.v[2]], q[v.v[3]]);
-  }
-  MORTISE_HD void nodes(Index t, Positions q, Vec3 x[10]) const {
-    for (int a = 0; a < 10; ++a) x[a] = q[node(t, a)];
-  }
-};
-
-Tets tets_of(const model::Volume& v) {
-  return {v.tets.view(), v.midsides.view(), v.first_point.view(), v.dm_inverse.view(), v.rest_volume.view(), v.lame_mu.view(), v.lame_lambda.view(), v.material.view()};
-}
-
-// Deformation gradient at every point of integration, and the point's properties: visit(point, element, F).
-template <class Visit>
-MORTISE_HD inline void at_points(const Tets& tets, Index t, Positions q, Visit&& visit) {
-  if (!tets.quadratic(t)) {
-    visit(0, tets.element(t, 0), tets.deformation(t, q));
-    return;
-  }
-  Vec3 x[10], g[10];
-  tets.nodes(t, q, x);
-  for (int p = 0; p < geometry::kTetPoints; ++p) {
-    const elasticity::Element e = tets.element(t, p);
-    elasticity::quadratic_gradients(e.dm_inverse, p, g);
-    visit(p, e, elasticity::quadratic_deformation(g, x));
-  }
-}
 
 // concave: share of negative curvature; no Hessian where hess is null.
 MORTISE_HD inline void assemble_quadratic(const Tets& tets, Index t, Positions q, double concave, Vec3* grad, Mat3* hess) {
@@ -61,13 +18,26 @@ MORTISE_HD inline void assemble_quadratic(const Tets& tets, Index t, Positions q
   tets.nodes(t, q, x);
   for (int a = 0; a < 10; ++a) grad[a] = Vec3::Zero();
   for (Index i = 0; hess && i < linalg::pair_count(10); ++i) hess[i] = Mat3::Zero();
+  const double lambda = tets.mean_lambda[t];
+  elasticity::Mean mean;
+  if (lambda > 0) mean = elasticity::mean_of_quadratic(tets, t, x);
+  Vec3 slope[10];  // of V <theta> [m^2]
+  for (int a = 0; a < 10; ++a) slope[a] = Vec3::Zero();
   for (int p = 0; p < geometry::kTetPoints; ++p) {
-    const elasticity::Element e = tets.element(t, p);
+    elasticity::Element e = tets.element(t, p);
+    e.pressure = lambda * mean.dilation;
     elasticity::quadratic_gradients(e.dm_inverse, p, g);
     const Mat3 F = elasticity::quadratic_deformation(g, x);
     elasticity::add_quadratic_gradient(e, F, g, grad);
+    if (hess && lambda > 0) {
+      const Mat3 C = e.volume * elasticity::dilation_slope(e.model, F);
+      for (int a = 0; a < 10; ++a) slope[a] += C * g[a];
+    }
     if (hess) elasticity::add_hessian(e, F, concave, 10, g, hess);
   }
+  if (!hess || !(lambda > 0)) return;
+  for (int a = 0, place = 0; a < 10; ++a)
+    for (int b = a; b < 10; ++b) hess[place++] += (lambda / mean.volume) * slope[a] * slope[b].transpose();
 }
 
 // sqrt(3/2) |dev sigma|
@@ -83,32 +53,44 @@ class Elasticity final : public Effect {
   const Kind& kind() const override;
 
   void write_pattern(linalg::StencilSet& stencils) const {
-    const Tets tets = tets_of(model_.volume);
-    if (tets.midsides.n == 0) {
-      stencils.resize_uniform(tets.size(), 4);
+    const Tets tets(model_);
+    const Index elements = tets.size(), clusters = model_.clusters.size();
+    const View<const Index> first_node = model_.clusters.first_node.view(), node = model_.clusters.node.view();
+    if (tets.midsides.n == 0 && clusters == 0) {
+      stencils.resize_uniform(elements, 4);
     } else {
-      device::Buffer<Index> counts(tets.size() + 1);
+      device::Buffer<Index> counts(elements + clusters + 1);
       const View<Index> count = counts.view();
-      device::parallel_for("elasticity.count_nodes", tets.size(), [=] MORTISE_HD(Index t) { count[t] = tets.quadratic(t) ? 10 : 4; });
+      device::parallel_for("elasticity.count_nodes", elements + clusters, [=] MORTISE_HD(Index s) {
+        count[s] = s >= elements ? first_node[s - elements + 1] - first_node[s - elements] : tets.quadratic(s) ? 10 : 4;
+      });
       stencils.resize(std::move(counts));
     }
     const linalg::StencilView out = stencils.view();
-    device::parallel_for("elasticity.pattern", tets.size(), [=] MORTISE_HD(Index t) {
+    device::parallel_for("elasticity.pattern", elements, [=] MORTISE_HD(Index t) {
       for (int a = 0; a < out.blocks(t); ++a) out.block[out.offset[t] + a] = tets.node(t, a);
     });
+    if (clusters > 0)
+      device::parallel_for("elasticity.cluster_pattern", node.n, [=] MORTISE_HD(Index i) {
+        out.block[out.offset[elements] + i] = node[i];
+      });
     stencils.pattern_changed();
   }
 
   void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
-    const Tets tets = tets_of(model_.volume);
+    const Tets tets(model_);
     device::env_sum(
         "elasticity.energy", model_.volume.env_offset,
         [=] MORTISE_HD(Index t) {
           double sum = 0;
-          at_points(tets, t, q, [&sum](int, const elasticity::Element& e, const Mat3& F) { sum += elasticity::energy(e, F); });
+          at_points(tets, t, q, [&](int, const elasticity::Element& e, const Mat3& F) {
+            sum += elasticity::energy(e, F);
+            if (e.pressure != 0) sum += 0.5 * e.volume * e.pressure * e.pressure / tets.mean_lambda[t];  // quadratic; of clusters below
+          });
           return sum;
         },
         per_env);
+    if (model_.clusters.size() > 0) elasticity::cluster_energy(tets, model_.clusters, q, per_env);
   }
 
   void linearise(Positions q, Want want, Linearisation& at) override {
@@ -116,7 +98,8 @@ class Elasticity final : public Effect {
     if (!at.shaped) write_pattern(at.stencils), at.shaped = true;
     const Curvature curvature = want.matrix;
     if (curvature.wanted) at.stencils.need_hessian();
-    const Tets tets = tets_of(model_.volume);
+    Tets tets(model_);
+    device::Buffer<double> pressure = with_pressures(tets, q);
     const View<const Index> env = std::as_const(model_.block_env).view();
     const linalg::StencilView out = at.stencils.view();
     device::parallel_for("elasticity.assemble", tets.size(), [=] MORTISE_HD(Index t) {
@@ -132,18 +115,20 @@ class Elasticity final : public Effect {
       elasticity::gradient(e, F, grad);
       if (hess) elasticity::hessian(e, F, concave, hess);
     });
+    elasticity::cluster_stencils(tets, model_.clusters, q, tets.size(), curvature.wanted, out);
   }
 
   void report(FieldSink& sink, const Linearisation& at) override {
-    const Tets tets = tets_of(model_.volume);
+    Tets tets(model_);
     const Positions q = std::as_const(model_.q).view();
+    const device::Buffer<double> pressure = with_pressures(tets, q);
     // Per point of integration, in Voigt order xx yy zz xy yz zx, then det F.
     device::Buffer<double> buffer(7 * tets.volume.n);
     const View<double> out = buffer.view();
     device::parallel_for("elasticity.report", tets.size(), [=] MORTISE_HD(Index t) {
       double* o = out.p + 7 * tets.first_point[t];
       at_points(tets, t, q, [o](int p, const elasticity::Element& e, const Mat3& F) {
-        const Mat3 s = elasticity::cauchy_stress(e.model, F, e.mu, e.lambda);
+        const Mat3 s = elasticity::cauchy_stress(e.model, F, e.mu, e.lambda, e.pressure);
         double* at = o + 7 * p;
         at[0] = s(0, 0), at[1] = s(1, 1), at[2] = s(2, 2), at[3] = s(0, 1), at[4] = s(1, 2), at[5] = s(2, 0);
         at[6] = elasticity::det3(F);
@@ -178,6 +163,15 @@ class Elasticity final : public Effect {
   }
 
  private:
+  // Gives the tetrahedra the pressures of their clusters at q, which live as long as what is returned.
+  device::Buffer<double> with_pressures(Tets& tets, Positions q) const {
+    device::Buffer<double> pressure;
+    if (model_.clusters.size() == 0) return pressure;
+    elasticity::cluster_pressures(tets, model_.clusters, q, pressure);
+    tets.pressure = std::as_const(pressure).view();
+    return pressure;
+  }
+
   model::Model& model_;
 };
 
@@ -188,6 +182,7 @@ const Kind& elasticity_kind() {
           [](const Params&, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Elasticity>(m); },
           {"Smith, de Goes, Kim: Stable Neo-Hookean Flesh Simulation. ACM TOG 37(2), 2018",
            "Smith, de Goes, Kim: Analytic Eigensystems for Isotropic Distortion Energies. ACM TOG 38(1), 2019",
+           "Bonet, Burton: A simple average nodal pressure tetrahedral element for incompressible and nearly incompressible dynamic explicit applications. Commun. Numer. Meth. Engng 14, 1998",
            "Stomakhin, Howes, Schroeder, Teran: Energetically Consistent Invertible Elasticity. SCA 2012"},
           {},
           {"cauchy_stress", "von_mises"}};

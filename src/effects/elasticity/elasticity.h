@@ -151,11 +151,35 @@ MORTISE_HD inline linalg::IsotropicModes neo_hookean_modes(const Mat3& F, double
   return w;
 }
 
+// ---- change of volume ----------------------------------------------------------------------------------------------------
+// The part lambda/2 theta^2 of the energy, theta = J - 1 (linear: tr eps), may act on the mean of theta over many points instead of at each
+// (README.md); the rest is the law with lambda = 0. Points then feel the pressure p = lambda <theta> [Pa]: P += p dtheta/dF.
+
+MORTISE_HD inline double dilation(MaterialModel model, const Mat3& F) {
+  Mat3 G = F;
+  G.diagonal() -= Vec3(1, 1, 1);
+  return model == MaterialModel::linear ? G(0, 0) + G(1, 1) + G(2, 2) : volume_change(G);
+}
+MORTISE_HD inline Mat3 dilation_slope(MaterialModel model, const Mat3& F) { return model == MaterialModel::linear ? Mat3(Mat3::Identity()) : cofactor(F); }
+
+// A density U(J) adds to the second derivative, with c_i = s_j s_k = dJ/ds_i:
+//     twist_ij += U' s_k,   flip_ij -= U' s_k,   psi_ii += U'' c_i^2,   psi_ij += U'' c_i c_j + U' s_k.
+MORTISE_HD inline void add_volumetric(linalg::IsotropicModes& m, const Mat3& F, double first, double second) {
+  const Vec3 s = (m.U.transpose() * F * m.V).diagonal(), c(s[1] * s[2], s[2] * s[0], s[0] * s[1]);
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    m.twist[k] += first * s[k];
+    m.flip[k] -= first * s[k];
+    m.stretch(k, k) += second * c[k] * c[k];
+    m.stretch(i, j) += second * c[i] * c[j] + first * s[k];
+    m.stretch(j, i) = m.stretch(i, j);
+  }
+}
+
 // ---- guard against inversion ---------------------------------------------------------------------------------------------
 // The laws above are finite at J = det F <= 0 and would let elements turn inside out. Below J_0 = 0.1 they get
 //     Psi_guard = 2 mu b(J - J_1)/J_0,   b the barrier of contact with range J_0 - J_1,
-// which is C2 at J_0, leaves J > J_0 alone, and is infinite at J_1 = 1e-6: flatter elements have no meaning any more. Its derivatives, with c_i = s_j s_k = dJ/ds_i:
-//     P += U' dJ/dF,   twist_ij += U' s_k,   flip_ij -= U' s_k,   psi_ii += U'' c_i^2,   psi_ij += U'' c_i c_j + U' s_k.
+// which is C2 at J_0, leaves J > J_0 alone, and is infinite at J_1 = 1e-6: flatter elements have no meaning any more.
 
 inline constexpr double kGuarded = 0.1, kFlattest = 1e-6;
 
@@ -168,16 +192,7 @@ MORTISE_HD inline double guard_second(double J, double mu) { return 2 * mu / kGu
 MORTISE_HD inline void add_guard(linalg::IsotropicModes& m, const Mat3& F, double mu) {
   const double J = det3(F);
   if (J >= kGuarded) return;
-  const double first = guard_first(J, mu), second = guard_second(J, mu);
-  const Vec3 s = (m.U.transpose() * F * m.V).diagonal(), c(s[1] * s[2], s[2] * s[0], s[0] * s[1]);
-  for (int k = 0; k < 3; ++k) {
-    const int i = (k + 1) % 3, j = (k + 2) % 3;
-    m.twist[k] += first * s[k];
-    m.flip[k] -= first * s[k];
-    m.stretch(k, k) += second * c[k] * c[k];
-    m.stretch(i, j) += second * c[i] * c[j] + first * s[k];
-    m.stretch(j, i) = m.stretch(i, j);
-  }
+  add_volumetric(m, F, guard_first(J, mu), guard_second(J, mu));
 }
 
 // ---- any material --------------------------------------------------------------------------------------------------------
@@ -202,27 +217,30 @@ MORTISE_HD inline Mat3 stress(MaterialModel model, const Mat3& F, double mu, dou
   const double J = det3(F);
   return J < kGuarded ? P + guard_first(J, mu) * cofactor(F) : P;
 }
-// The modes of a nonlinear law and of the guard; of the linear law, whose second derivative is constant, of the guard alone.
-MORTISE_HD inline linalg::IsotropicModes modes(MaterialModel model, const Mat3& F, double mu, double lambda) {
+// The modes of a nonlinear law under a pressure of the mean, and of the guard; of the linear law, whose second derivative is constant, of the guard alone.
+MORTISE_HD inline linalg::IsotropicModes modes(MaterialModel model, const Mat3& F, double mu, double lambda, double pressure = 0) {
   linalg::IsotropicModes m;
   if (model == MaterialModel::linear) {
     const linalg::Svd3 d = linalg::svd3(F);
     m = {d.U, d.V, Vec3::Zero(), Vec3::Zero(), Mat3::Zero()};
   } else {
     m = model == MaterialModel::corotated ? corotated_modes(F, mu, lambda) : neo_hookean_modes(F, mu, lambda);
+    if (pressure != 0) add_volumetric(m, F, pressure, 0);
   }
   add_guard(m, F, mu);
   return m;
 }
 // Cauchy stress P F^T / J [Pa]. Linear elasticity does not tell the two apart: P itself, and the pressure of the guard.
-MORTISE_HD inline Mat3 cauchy_stress(MaterialModel model, const Mat3& F, double mu, double lambda) {
+MORTISE_HD inline Mat3 cauchy_stress(MaterialModel model, const Mat3& F, double mu, double lambda, double pressure = 0) {
   const double J = det3(F), floor = 1e-12;  // a squashed element reports a huge but finite stress
   if (model == MaterialModel::linear) {
     Mat3 P = linear_stress(F, mu, lambda);
-    if (J < kGuarded) P.diagonal() += guard_first(J, mu) * Vec3(1, 1, 1);
+    P.diagonal() += (pressure + (J < kGuarded ? guard_first(J, mu) : 0)) * Vec3(1, 1, 1);
     return P;
   }
-  return stress(model, F, mu, lambda) * F.transpose() / (std::abs(J) > floor ? J : (J < 0 ? -floor : floor));
+  Mat3 P = stress(model, F, mu, lambda);
+  if (pressure != 0) P += pressure * cofactor(F);
+  return P * F.transpose() / (std::abs(J) > floor ? J : (J < 0 ? -floor : floor));
 }
 
 // One point of integration and the volume that it stands for: all of a linear tetrahedron, a share of a quadratic one.
@@ -230,6 +248,7 @@ struct Element {
   Mat3 dm_inverse;
   double volume, mu, lambda;
   MaterialModel model;
+  double pressure = 0;  // of the mean change of volume [Pa]
 };
 
 MORTISE_HD inline Vec3 shape_gradient(const Mat3& dm_inverse, int a) {
@@ -241,11 +260,19 @@ MORTISE_HD inline Mat3 deformation_gradient(const Mat3& dm_inverse, const Vec3& 
   Ds.col(0) = x1 - x0, Ds.col(1) = x2 - x0, Ds.col(2) = x3 - x0;
   return Ds * dm_inverse;
 }
+// Without that of the mean change of volume.
 MORTISE_HD inline double energy(const Element& e, const Mat3& F) { return e.volume * density(e.model, F, e.mu, e.lambda); }
+
+// V P
+MORTISE_HD inline Mat3 volume_stress(const Element& e, const Mat3& F) {
+  Mat3 P = stress(e.model, F, e.mu, e.lambda);
+  if (e.pressure != 0) P += e.pressure * dilation_slope(e.model, F);
+  return e.volume * P;
+}
 
 // grad[4]: dE/dx_a [N].
 MORTISE_HD inline void gradient(const Element& e, const Mat3& F, Vec3* grad) {
-  const Mat3 P = e.volume * stress(e.model, F, e.mu, e.lambda);
+  const Mat3 P = volume_stress(e, F);
   for (int a = 1; a < 4; ++a) grad[a] = P * shape_gradient(e.dm_inverse, a);
   grad[0] = -(grad[1] + grad[2] + grad[3]);
 }
@@ -258,7 +285,7 @@ MORTISE_HD inline void add_hessian(const Element& e, const Mat3& F, double conca
       for (int b = a; b < n; ++b) hess[place++] += e.volume * linear_block(g[a], g[b], e.mu, e.lambda);
     if (det3(F) >= kGuarded) return;
   }
-  linalg::IsotropicModes m = modes(e.model, F, e.mu, e.lambda);
+  linalg::IsotropicModes m = modes(e.model, F, e.mu, e.lambda, e.pressure);
   linalg::scale_concave(m, concave);
   for (int a = 0; a < n; ++a) g[a] = m.V.transpose() * g[a];
   for (int a = 0, place = 0; a < n; ++a)
@@ -274,7 +301,8 @@ MORTISE_HD inline void hessian(const Element& e, const Mat3& F, double concave, 
 }
 
 // ---- quadratic tetrahedra ------------------------------------------------------------------------------------------------
-// E = sum over four points p of V_p Psi(F_p), with F = sum_a x_a g_a^T, g_a = J^-T dN_a/dl at the point and J = dX/dl at rest.
+// E = sum over four points p of V_p Psi(F_p), with F = sum_a x_a g_a^T, g_a = J^-T dN_a/dl at the point and J = dX/dl at rest; or with lambda = 0 in
+// Psi, and V lambda/2 <theta>^2 with the mean <theta> = sum_p V_p/V theta_p.
 
 MORTISE_HD inline void quadratic_gradients(const Mat3& dm_inverse, int point, Vec3 g[10]) {
   double l[4];
@@ -288,7 +316,7 @@ MORTISE_HD inline Mat3 quadratic_deformation(const Vec3 g[10], const Vec3 x[10])
   return F;
 }
 MORTISE_HD inline void add_quadratic_gradient(const Element& e, const Mat3& F, const Vec3 g[10], Vec3 grad[10]) {
-  const Mat3 P = e.volume * stress(e.model, F, e.mu, e.lambda);
+  const Mat3 P = volume_stress(e, F);
   Vec3 rest = Vec3::Zero();
   for (int a = 1; a < 10; ++a) {
     const Vec3 f = P * g[a];
