@@ -13,10 +13,9 @@ class Elimination {
   // weight 1. A has `rows` rows, and all of them stay.
   void set(const std::vector<Index>& offset, const std::vector<Index>& column, const std::vector<double>& weight, Index rows);
   void reduce(const BlockMatrix& K, BlockMatrix& A);
+  void find_pieces(const BlockMatrix& K);  // of reduce(); public, because it has kernels
 
  private:
-  void find_pieces(const BlockMatrix& K);
-
   Index rows_ = 0;
   Buffer<Index> offset_, column_;
   Buffer<double> weight_;

@@ -21,6 +21,12 @@ std::string text(const Vec3& v) {
 
 }  // namespace
 
+// Blocks by those that they hang on, and h.
+struct Ties::Composed {
+  std::map<Index, std::map<Index, double>> of;
+  std::map<Index, Vec3> fixed;
+};
+
 void Ties::add(Model& model, std::vector<Tie> ties) {
   if (ties.empty()) return;
   for (Tie& tie : ties) {
@@ -55,8 +61,9 @@ void Ties::compose(const Model& model) {
 
   // Depth first, so that what is followed is composed before its followers.
   order_.clear();
-  std::vector<std::map<Index, double>> composed(model.blocks);
-  std::vector<Vec3> fixed(model.blocks, Vec3::Zero());
+  Composed all;
+  auto &composed = all.of;
+  auto &fixed = all.fixed;
   enum : std::uint8_t { fresh, open, done };
   std::vector<std::uint8_t> state(model.blocks, fresh);
   const auto visit = [&](const auto& self, Index b) -> void {
@@ -79,18 +86,70 @@ void Ties::compose(const Model& model) {
     order_.push_back(equation[b]);
     state[b] = done;
   };
+  for (Index b = 0; b < model.blocks; ++b) visit(visit, b);
+  close(model, all);
   place_.assign(model.blocks, -1);
   blocks_.clear(), terms_.clear(), fixed_.clear();
   offset_.assign(1, 0);
-  for (Index b = 0; b < model.blocks; ++b) {
-    visit(visit, b);
-    if (equation[b] == kNone) continue;
+  for (const auto& [b, row] : composed) {
     place_[b] = static_cast<Index>(blocks_.size());
     blocks_.push_back(b);
-    for (const auto& [k, w] : composed[b]) terms_.push_back({k, w});
+    for (const auto& [k, w] : row) terms_.push_back({k, w});
     offset_.push_back(static_cast<Index>(terms_.size()));
     fixed_.push_back(fixed[b]);
   }
+}
+
+void Ties::close(const Model& model, Composed& all) {
+  constexpr double kNothing = 1e-12;  // of the largest weight in an equation: what rounding leaves of weights that cancel
+  closings_.clear();
+  Composed given;  // by the equations so far: their pivots
+  const auto expand = [](std::map<Index, double>& row, Vec3& constant, const Composed& by) {
+    std::map<Index, double> out;
+    for (const auto& [b, w] : row) {
+      const auto known = by.of.find(b);
+      if (known == by.of.end()) {
+        out[b] += w;
+        continue;
+      }
+      for (const auto& [k, t] : known->second) out[k] += w * t;
+      constant += w * by.fixed.at(b);
+    }
+    row = std::move(out);
+  };
+  for (std::size_t t = 0; t < ties_.size(); ++t)
+    for (std::size_t f = 0; f < ties_[t].closes.size(); ++f) {
+      const Follow& equation = ties_[t].closes[f];
+      std::map<Index, double> row{{equation.block, 1.0}};
+      Vec3 constant = -equation.fixed;
+      double largest = 1;
+      for (const TieTerm& term : equation.terms) row[term.block] -= term.weight, largest = std::max(largest, std::abs(term.weight));
+      const auto clean = [&] { std::erase_if(row, [&](const auto& term) { return std::abs(term.second) <= kNothing * largest; }); };
+      expand(row, constant, all);
+      clean();
+      Closing closing{static_cast<Index>(t), static_cast<Index>(f), {}, -1};
+      for (const auto& [k, w] : row) closing.row.push_back({k, w});
+      expand(row, constant, given);
+      clean();
+      if (row.empty()) continue;
+      double most = 0;
+      for (const auto& [k, w] : row)
+        if (model.held[k] != 1 && model.held[k] != 2 && std::abs(w) > most) most = std::abs(w), closing.pivot = k;
+      if (closing.pivot < 0) throw Error(Exit::scene, ties_[t].where, "joins what supports hold already: no joint can move it");
+      const Index j = closing.pivot;
+      const double pivot = row[j];
+      row.erase(j);
+      Composed one;
+      for (const auto& [k, w] : row) one.of[j][k] = -w / pivot;
+      one.of[j];
+      one.fixed[j] = -constant / pivot;
+      for (auto& [b, known] : given.of) expand(known, given.fixed[b], one);
+      given.of[j] = one.of[j], given.fixed[j] = one.fixed[j];
+      closings_.push_back(std::move(closing));
+    }
+  if (closings_.empty()) return;
+  for (auto& [b, row] : all.of) expand(row, all.fixed[b], given);
+  all.of.merge(given.of), all.fixed.merge(given.fixed);
 }
 
 void Ties::upload() {
@@ -131,6 +190,9 @@ void Ties::start(Model& model) const {
   const std::vector<Vec3> given = model.initial_velocity.download();
   carry(model.initial_velocity.view());
   const std::vector<Vec3> v = model.initial_velocity.download();
+  for (const Closing& closing : closings_)
+    if ((given[closing.pivot] - v[closing.pivot]).norm() > kSame * (given[closing.pivot].norm() + v[closing.pivot].norm()))
+      throw Error(Exit::scene, ties_[closing.tie].where, "'" + body_of(model, closing.pivot).name + "' starts with a motion that this joint, which closes a loop, does not allow");
   for (const Tie& tie : ties_)
     for (const Follow& follow : tie.follows) {
       const Index b = follow.block;

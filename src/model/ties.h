@@ -5,7 +5,8 @@
 //
 // because x = p + A X is linear in the blocks of a stiff body. Composed along chains, every block is a combination of blocks that follow nothing:
 // q = T z + h, T a sparse matrix of scalars (times I3). A tie is exact to rounding, whatever the step and the masses, and has no stiffness,
-// multiplier or tolerance. All effects go on seeing all blocks; the solver takes their forces and matrices back to z:
+// multiplier or tolerance. Equations that close a loop are linear in z too: each gives one more block of z, that where its weight is largest, and one
+// that says nothing new (a second hinge on the same axis) is left out. All effects go on seeing all blocks; the solver takes their forces and matrices back to z:
 //
 //     residual T^T g,  matrix T^T K T (linalg/elimination.h),  way dq = T dz.
 //
@@ -27,6 +28,13 @@ struct TieTerm {
   double weight;
 };
 
+// An equation that closes a loop, as row . z + constant = 0 over the blocks that follow nothing without such equations.
+struct Closing {
+  Index tie, place;  // in Tie::closes
+  std::vector<TieTerm> row;
+  Index pivot;  // the block that it gives
+};
+
 // One block and what it follows.
 struct Follow {
   Index block;
@@ -39,7 +47,8 @@ struct Tie {
   SourceLoc where;
   Index body = 0, to = kWorld;
   bool contact = false;  // the two may touch
-  std::vector<Follow> follows;
+  std::vector<Follow> follows{};
+  std::vector<Follow> closes{};  // equations of the same form that hold as well, of whatever block they give in the end
   Follow anchor{-1, {}};  // the place that its moment is taken about
   static constexpr Index kWorld = -1;
 };
@@ -53,6 +62,7 @@ class Ties {
   const std::vector<Tie>& list() const { return ties_; }
   // Every equation, (tie, place in it), such that what a block follows comes before it.
   const std::vector<std::pair<Index, Index>>& order() const { return order_; }
+  const std::vector<Closing>& closings() const { return closings_; }
   // Are the two bodies tied to each other by a tie that leaves contact between them out?
   bool pass(Index body_a, Index body_b) const;
   // What a block hangs on in the end: nothing of its own where it is not tied.
@@ -66,13 +76,16 @@ class Ties {
   void fold(View<Vec3> g) const;    // g <- T^T g: what acts on tied blocks goes to those that they follow
 
  private:
+  struct Composed;
   void compose(const Model& model);
+  void close(const Model& model, Composed& all);
   void upload();
   void name_carriages(Model& model) const;
   void start(Model& model) const;
 
   std::vector<Tie> ties_;
   std::vector<std::pair<Index, Index>> order_;
+  std::vector<Closing> closings_;
   std::vector<Index> place_;             // per block of the model: its place in blocks_, or -1
   std::vector<Index> blocks_, offset_;   // tied blocks, ascending; their terms
   std::vector<TieTerm> terms_;

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "effects/body_blocks.h"
+#include "linalg/dense.h"
 
 namespace mortise::solver {
 
@@ -35,6 +36,40 @@ TieForces::TieForces(const model::Model& model, const std::vector<Vec3>& q, std:
     figures.force += position[block] * f;
     figures.moment += (q[block] - position[block] * figures.place).cross(f);
   };
+  // Equations that close loops take first what the tree of ties would leave at the blocks that they give: (T^T (g - sum_e C_e lambda_e))_j = 0, with
+  // T without these equations, so that T^T C_e is their row.
+  const std::vector<model::Closing>& closings = model.ties.closings();
+  if (const auto n = static_cast<Index>(closings.size()); n > 0) {
+    std::vector<Vec3> folded = gradient;
+    for (auto next = model.ties.order().rbegin(); next != model.ties.order().rend(); ++next) {
+      const model::Follow& f = ties[next->first].follows[next->second];
+      for (const model::TieTerm& t : f.terms) folded[t.block] += t.weight * folded[f.block];
+    }
+    linalg::DenseMatrix C(n, n), g(n, 3);
+    for (Index j = 0; j < n; ++j) {
+      for (int k = 0; k < 3; ++k) g(j, k) = folded[closings[j].pivot][k];
+      for (Index e = 0; e < n; ++e)
+        for (const model::TieTerm& t : closings[e].row)
+          if (t.block == closings[j].pivot) C(j, e) = t.weight;
+    }
+    const linalg::DenseMatrix lambda = linalg::solve(C, g);
+    for (Index e = 0; e < n; ++e) {
+      const auto i = static_cast<std::size_t>(closings[e].tie);
+      const model::Follow& f = ties[i].closes[closings[e].place];
+      const Vec3 force(lambda(e, 0), lambda(e, 1), lambda(e, 2));
+      gradient[f.block] -= force;
+      pull(i, f.block, force);
+      for (const model::TieTerm& t : f.terms) {
+        gradient[t.block] += t.weight * force;
+        pull(i, t.block, -t.weight * force);
+      }
+    }
+  }
+  const auto miss = [&](std::size_t i, const model::Follow& f) {
+    of_[i].error = std::max(of_[i].error, (position[f.block] == 1 ? 1 : radius[body[f.block]]) * (q[f.block] - at(f)).norm());
+  };
+  for (std::size_t i = 0; i < ties.size(); ++i)
+    for (const model::Follow& f : ties[i].closes) miss(i, f);
   const auto& order = model.ties.order();
   for (auto next = order.rbegin(); next != order.rend(); ++next) {
     const auto i = static_cast<std::size_t>(next->first);
@@ -45,7 +80,7 @@ TieForces::TieForces(const model::Model& model, const std::vector<Vec3>& q, std:
       gradient[t.block] += t.weight * lambda;
       pull(i, t.block, -t.weight * lambda);
     }
-    of_[i].error = std::max(of_[i].error, (position[f.block] == 1 ? 1 : radius[body[f.block]]) * (q[f.block] - at(f)).norm());
+    miss(i, f);
   }
 }
 

@@ -34,10 +34,13 @@ std::string listed(const std::string& names, const std::string& name) { return n
 std::string unsupported(const model::Model& model) {
   const std::vector<Mat3> projector = model.projector.download();
   const std::vector<Vec3> rest = model.rest_points.download();
-  std::string loose, turning;
+  std::string loose, turning, hinged;
   for (const model::Body& body : model.bodies) {
-    if (std::all_of(model.held.begin() + body.block_begin, model.held.begin() + body.block_end, [](auto held) { return held == 0; }))
+    const auto first = model.held.begin() + body.block_begin, last = model.held.begin() + body.block_end;
+    if (std::all_of(first, last, [](auto held) { return held == 0; }))
       loose = listed(loose, body.name);
+    else if (body.type == model::BodyType::stiff && std::any_of(first, last, [](auto held) { return held == 0; }))
+      hinged = listed(hinged, body.name);
     else if (body.type == model::BodyType::soft && free_motions(model, body, projector, rest) > 0)
       turning = listed(turning, body.name);
   }
@@ -45,6 +48,8 @@ std::string unsupported(const model::Model& model) {
   if (!loose.empty()) text += "\n  nothing but contact can hold " + loose + " in this static scene: pin it, or make the scene dynamic";
   if (!turning.empty())
     text += "\n  supports let " + turning + " move or turn as a whole (held at a point, along a line or in one direction), and nothing but contact keeps it from that: hold more of it, or make the scene dynamic";
+  if (!hinged.empty())
+    text += "\n  joints let " + hinged + " turn, and nothing but contact and the weight of what hangs straight down keeps it from that: let it start where it comes to rest, join it otherwise, or make the scene dynamic";
   return text;
 }
 

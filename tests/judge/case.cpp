@@ -110,6 +110,13 @@ void read_scene(const File& file, Case& c) {
     if (!p["collide"].as<bool>())
       for (const auto& a : p["bodies"])
         for (const auto& b : p["bodies"]) c.pass.insert({a.as<std::string>(), b.as<std::string>()});
+  for (const char* effect : {"joint", "bond", "mortar_tie"})
+    for (const auto& t : effects[effect]) {
+      const std::string body = t["body"].as<std::string>(), to = t["to"] ? t["to"].as<std::string>() : "";
+      const std::string name = t["name"] ? t["name"].as<std::string>() : body + "_" + (to.empty() ? "world" : to);
+      c.ties.push_back({std::string("/mortise/effects/") + effect + "/" + name + "_force_", body, to});
+      if (!t["contact"] || !t["contact"].as<bool>()) c.pass.insert({body, to}), c.pass.insert({to, body});
+    }
   const auto watch = [&](const std::string& a, const std::string& b) { c.watched.insert({a, b}), c.watched.insert({b, a}); };
   if (const YAML::Node barrier = effects["barrier_contact"]) {
     if (barrier["pairs"]) {

@@ -42,8 +42,15 @@ struct Plane {
   Vector point, normal;
 };
 
+// A joint, bond or mortar tie.
+struct Tie {
+  std::string figures;   // where its force is, up to the axis
+  std::string body, to;  // "": the world
+};
+
 struct Case {
   std::vector<Body> bodies;
+  std::vector<Tie> ties;
   std::vector<Plane> planes;
   std::set<std::pair<std::string, std::string>> watched, pass;  // both orders
   std::vector<Vector> rest;

@@ -75,6 +75,10 @@ void judge_forces(const File& file, const Case& c, Verdict& v) {
     if (body.pinned && !body.soft)
       for (int k = 0; k < 3; ++k) support[k] = column(file, "/mortise/effects/supports/" + body.name + "_" + "xyz"[k]);
     if (body.pinned && (body.soft ? fields[2].empty() : support[2].empty())) continue;  // not saved
+    std::vector<std::pair<double, std::vector<double>>> ties;  // with which sign, and one axis after the other
+    for (const Tie& t : c.ties)
+      if (t.body == body.name || t.to == body.name)
+        for (const char* axis : {"x", "y", "z"}) ties.emplace_back(t.body == body.name ? 1 : -1, column(file, t.figures + axis));
     const double floor = rounding_force(body, c.rest);
     std::vector<Motion> at;  // of every frame
     for (long f = 0; f < c.frames; ++f) at.push_back(moving(body, c.rest, c.inertia ? frame_of(velocity, f, n) : std::vector<Vector>{}));
@@ -92,6 +96,10 @@ void judge_forces(const File& file, const Case& c, Verdict& v) {
       if (body.pinned && !body.soft) {
         const Vector on{support[0][f], support[1][f], support[2][f]};
         sum += on, size += norm(on);
+      }
+      for (std::size_t t = 0; t + 2 < ties.size(); t += 3) {
+        const Vector on{ties[t].second[f], ties[t + 1].second[f], ties[t + 2].second[f]};
+        sum += ties[t].first * on, size += norm(on);
       }
       if (c.inertia) {  // backward Euler, or BDF2 from the second step on, where it did not leave the step to backward Euler
         const bool second = c.bdf2 && f > 1 && !(static_cast<long>(first_order.size()) == steps && first_order[f - 1] > 0);

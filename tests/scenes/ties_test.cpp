@@ -453,10 +453,8 @@ TEST(Ties, BadScenesGetOneClearMessage) {
       {"  joint: [{type: fixed, body: pad, to: a}]\n", "'pad' is soft; joints are between stiff bodies"},
       {"  joint: [{type: fixed, body: a, to: pad}]\n", "'pad' is soft; joints and bonds tie to stiff bodies"},
       {"  joint: [{name: A b, type: fixed, body: a}]\n", "'A b' is not a name"},
-      {"  joint:\n" + ab + bc + "    - {type: spherical, body: c, to: a, at: [0, 9 mm, 0]}\n", "a loop of joints is not possible"},
-      {"  joint:\n" + ab + "    - {type: fixed, body: a}\n    - {type: fixed, body: b}\n", "a loop of joints is not possible"},
-      {"  pin: [{body: a, where: {side: all}}]\n  joint: [{type: fixed, body: a}]\n", "which supports hold already"},
-      {"  pin: [{body: a, where: {side: all}}, {body: b, where: {side: all}}]\n  joint:\n" + ab, "which supports hold already"},
+      {"  pin: [{body: a, where: {side: all}}]\n  joint: [{type: fixed, body: a}]\n", "supports hold both already"},
+      {"  pin: [{body: a, where: {side: all}}, {body: b, where: {side: all}}]\n  joint:\n" + ab, "supports hold both already"},
       {"  joint:\n" + ab + "  barrier_contact: {d_hat: 1 mm, stiffness: 1 kPa, pairs: [[a, b]]}\n", "barrier_contact lists 'a' and 'b' as a pair, but a joint ties them"},
       {"  bond: [{body: pad, to: a}]\n", "which nodes are bonded?"},
       {"  bond: [{body: pad, to: a, where: {side: z_min}, within: 1 mm}]\n", "no node of 'pad' among them is that near to 'a'"},
@@ -664,4 +662,95 @@ TEST(Bonds, TiesThatDoNotFitAreRefused) {
   std::string pinned = tied_blocks("5 mm", "5 mm");
   pinned.replace(pinned.find("{side: z_max}"), 13, "{side: x_max}");
   EXPECT_NE(refused(pinned).find("that a pin holds or moves"), std::string::npos) << refused(pinned);
+}
+
+namespace {
+
+// A four-bar linkage in the x-z plane: crank, coupler and rocker on two bearings, and what else hangs on it.
+std::string four_bar(const std::string& last, const std::string& more = "") {
+  return R"(
+mortise: 1
+name: four_bar
+time: {step: 2 ms, steps: 200}
+materials: {steel: {density: 2000}}
+bodies:
+  crank: {type: stiff, shape: {box: {size: [8 mm, 8 mm, 40 mm], edge_length: 60 mm}}, material: steel, position: [0, 0, -20 mm]}
+  coupler: {type: stiff, shape: {box: {size: [100 mm, 8 mm, 8 mm], edge_length: 100 mm}}, material: steel, position: [50 mm, 0, -40 mm]}
+  rocker: {type: stiff, shape: {box: {size: [8 mm, 8 mm, 60 mm], edge_length: 60 mm}}, material: steel, position: [100 mm, 0, -10 mm]}
+effects:
+  inertia: {}
+  gravity: {acceleration: [3, 0, -9.81]}
+  affine_body: {}
+  joint:
+    - {type: revolute, body: crank, at: [0, 0, 0], axis: [0, 1, 0]}
+    - {type: revolute, body: coupler, to: crank, at: [0, 0, -40 mm], axis: [0, 1, 0]}
+    - {type: revolute, body: rocker, to: coupler, at: [100 mm, 0, -40 mm], axis: [0, 1, 0]}
+    - {name: last, )" +
+         last + ", body: rocker, at: [100 mm, 0, 20 mm]}\n" + more;
+}
+
+}  // namespace
+
+// A loop moves as one mechanism: its joints hold, its links keep their lengths, energy and balance hold; the same whichever joint comes last.
+TEST(Joints, CloseLoops) {
+  std::vector<double> first;
+  for (const char* last : {"type: revolute, axis: [0, 1, 0]", "type: spherical"})
+    for (const char* linear : {"direct", "cg"}) {
+      Rig rig(four_bar(last), {std::string("solver.linear=") + linear});
+      run::EnergyAudit audit(rig.input);
+      for (int i = 0; i < 100; ++i) {
+        rig.step();
+        const Captured f = rig.fields();
+        const std::vector<double> points = rig.engine->points();
+        audit.state({f, points});
+        EXPECT_LT(f.at("joint/tie_error"), 1e-15);
+        const Vec3 bearings = vector(f, "joint/crank_world_force_") + vector(f, "joint/last_force_");
+        EXPECT_LT((vector(f, "balance/joint_") - bearings).norm(), 1e-9);
+        EXPECT_LT(vector(f, "balance/defect_").norm(), 1e-6);
+        EXPECT_LT((vector(f, "joint/last_place_") - Vec3(0.1, 0, 0.02)).norm(), 1e-15);
+      }
+      EXPECT_LT(audit.result().largest_gain, 1e-6 * audit.result().scale);
+      EXPECT_GT(std::abs(angle(rig, 0)), 0.2);
+      const std::vector<double> points = rig.engine->points();
+      if (first.empty()) first = points;
+      for (std::size_t i = 0; i < points.size(); ++i) EXPECT_NEAR(points[i], first[i], 1e-6) << last << " " << linear;
+    }
+}
+
+// At rest the force in the loop is that of statics: a beam on two ball joints bears half of its weight on each side; a second hinge on the axis of the first
+// says nothing new.
+TEST(Joints, CloseLoopsAtRest) {
+  constexpr const char* kBeam = R"(
+mortise: 1
+name: beam
+time: {step: 2 ms, steps: 200}
+materials: {steel: {density: 2000}}
+bodies:
+  beam: {type: stiff, shape: {box: {size: [100 mm, 10 mm, 10 mm], edge_length: 100 mm}}, material: steel}
+effects:
+  inertia: {}
+  gravity: {}
+  affine_body: {}
+  joint:
+    - {name: left, type: spherical, body: beam, at: [-50 mm, 0, 5 mm]}
+    - {name: right, type: TYPE, body: beam, at: [50 mm, 0, 5 mm]}
+)";
+  const double weight = 2000 * 1e-5 * kG;
+  std::string yaml = kBeam;
+  yaml.replace(yaml.find("TYPE"), 4, "spherical");
+  Rig rig(yaml);
+  rig.steps(5);
+  const Captured f = rig.fields();
+  for (const char* side : {"left", "right"}) EXPECT_NEAR(f.at(std::string("joint/") + side + "_force_z"), weight / 2, 1e-6 * weight);
+  EXPECT_LT(f.at("joint/tie_error"), 1e-16);
+
+  yaml = kBeam;
+  yaml.replace(yaml.find("type: spherical"), 15, "type: revolute, axis: [1, 0, 0]");
+  yaml.replace(yaml.find("TYPE"), 4, "revolute, axis: [1, 0, 0]");
+  Rig door(yaml);
+  door.steps(5);
+  const Captured g = door.fields();
+  EXPECT_NEAR(g.at("joint/left_force_z"), weight, 1e-6 * weight);
+  EXPECT_EQ(g.at("joint/right_force_z"), 0);
+  EXPECT_LT(g.at("joint/tie_error"), 1e-16);
 }

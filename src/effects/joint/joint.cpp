@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <optional>
 
 namespace mortise::effects {
 namespace {
@@ -51,24 +50,29 @@ Joint read(const Params& p, const model::Model& model, Index body, Index to) {
 }
 
 // The joints as a forest: from what supports hold, and where nothing is held from the body that the first joint is tied to, every body follows the
-// one before it.
+// one before it. Joints that close a loop come on top.
 class Forest {
  public:
   Forest(const model::Model& model, const std::vector<Joint>& joints) : model_(model), joints_(joints), ground_(static_cast<Index>(model.bodies.size())), edges_(ground_ + 1), reached_(ground_ + 1, 0) {
     for (std::size_t i = 0; i < joints_.size(); ++i) {
       const Index a = node(joints_[i].body), b = node(joints_[i].to);
-      if (const auto way = find_way(a, b)) refuse(joints_[i], *way);
+      if (a == b) refuse(joints_[i]);
+      if (joined(a, b)) {
+        closing_.push_back(static_cast<Index>(i));
+        continue;
+      }
       edges_[a].push_back({static_cast<Index>(i), b});
       edges_[b].push_back({static_cast<Index>(i), a});
     }
   }
 
-  // visit(joint, child)
+  // visit(joint, the body that follows)
   template <class Visit>
   void walk(Visit visit) {
     from(ground_, visit);
     for (const Joint& j : joints_) from(node(j.to), visit);
   }
+  const std::vector<Index>& closing() const { return closing_; }
 
  private:
   struct Edge {
@@ -90,32 +94,26 @@ class Forest {
       }
   }
 
-  // Joints from a to b so far.
-  std::optional<std::vector<Index>> find_way(Index a, Index b) const {
-    std::vector<Index> by(edges_.size(), -2), previous(edges_.size(), -1);
-    by[a] = -1;
-    for (std::deque<Index> todo{a}; !todo.empty(); todo.pop_front())
+  // By joints so far.
+  bool joined(Index a, Index b) const {
+    std::vector<std::uint8_t> seen(edges_.size(), 0);
+    seen[a] = 1;
+    for (std::deque<Index> todo{a}; !todo.empty() && !seen[b]; todo.pop_front())
       for (const Edge& e : edges_[todo.front()])
-        if (by[e.to] == -2) by[e.to] = e.joint, previous[e.to] = todo.front(), todo.push_back(e.to);
-    if (by[b] == -2) return {};
-    std::vector<Index> way;
-    for (Index n = b; n != a; n = previous[n]) way.push_back(by[n]);
-    return way;
+        if (!seen[e.to]) seen[e.to] = 1, todo.push_back(e.to);
+    return seen[b];
   }
 
-  [[noreturn]] void refuse(const Joint& j, const std::vector<Index>& way) const {
-    const auto called = [&](Index body) { return body == model::Tie::kWorld ? std::string("the world") : "'" + model_.bodies[body].name + "'" + (held(body) ? ", which is pinned" : ""); };
-    std::string message = "joins " + called(j.body) + " and " + called(j.to) + ", which ";
-    if (way.empty()) throw Error(Exit::scene, j.entry->where(), message + "supports hold already: no joint can move them");
-    message += "other joints join already (at";
-    for (Index other : way) message += " " + joints_[other].entry->where().text() + (other == way.back() ? "" : ",");
-    throw Error(Exit::scene, j.entry->where(), message + "): a loop of joints is not possible; leave one of them out");
+  [[noreturn]] void refuse(const Joint& j) const {
+    const auto called = [&](Index body) { return body == model::Tie::kWorld ? std::string("the world") : "'" + model_.bodies[body].name + "', which is pinned"; };
+    throw Error(Exit::scene, j.entry->where(), "joins " + called(j.body) + ", and " + called(j.to) + ": supports hold both already, and no joint can move them");
   }
 
   const model::Model& model_;
   const std::vector<Joint>& joints_;
   const Index ground_;
   std::vector<std::vector<Edge>> edges_;  // by body
+  std::vector<Index> closing_;            // joints between bodies that others join already
   std::vector<std::uint8_t> reached_;
 };
 
@@ -124,13 +122,21 @@ std::vector<model::Tie> ties(const Params& list, const model::Model& model) {
   for (const Params& p : list.items())
     for (const auto& [body, to] : tied_bodies(model, p)) joints.push_back(read(p, model, body, to));
   std::vector<model::Tie> out;
-  Forest(model, joints).walk([&](const Joint& j, Index child) {
+  Forest forest(model, joints);
+  forest.walk([&](const Joint& j, Index child) {
     model::Tie tie = tie_of("joint", *j.entry, j.body, j.to);
     const Index parent = child == j.body ? j.to : j.body;
     tie.follows = joint::follows(model, j.type, child, parent, j.at, j.axis);
     tie.anchor = material_point(model, parent, j.at);
     out.push_back(std::move(tie));
   });
+  for (Index i : forest.closing()) {
+    const Joint& j = joints[i];
+    model::Tie tie = tie_of("joint", *j.entry, j.body, j.to);
+    tie.closes = joint::follows(model, j.type, j.body, j.to, j.at, j.axis);
+    tie.anchor = material_point(model, j.to, j.at);
+    out.push_back(std::move(tie));
+  }
   return out;
 }
 

@@ -7,13 +7,13 @@
 #include "effects/mortar_tie/mortar_tie.h"
 #include "geometry/quadratic.h"
 #include "geometry/triangle_rule.h"
+#include "linalg/dense.h"
 
 namespace mortise::effects::mortar_tie {
 namespace {
 
 using Vec2 = Eigen::Vector2d;
-using Values = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
-using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+using Values = std::vector<double>;  // of the nodes of a face
 
 constexpr double kMiddle = 0.2;    // a
 constexpr double kCovered = 1e-6;  // of a face's area: what rounding of clipped polygons may leave
@@ -22,11 +22,10 @@ constexpr double kFacing = -0.5;   // cosine of the normals of two faces that lo
 
 // Shape functions of a face of n nodes at barycentrics l; smooth: N~ in their place.
 Values shape(std::size_t n, const double l[3], bool smooth) {
-  Values N(n);
-  if (n == 3) return Values(Vec3(l[0], l[1], l[2]));
+  if (n == 3) return {l[0], l[1], l[2]};
   double q[6];
   geometry::triangle_shape(l, q);
-  for (int k = 0; k < 6; ++k) N[k] = q[k];
+  Values N(q, q + 6);
   if (!smooth) return N;
   for (int e = 0; e < 3; ++e) {
     for (int c : {geometry::edge_begin(e), geometry::edge_end(e)}) N[c] += kMiddle * q[3 + e];
@@ -179,21 +178,29 @@ std::vector<Row> rows(const Side& slave, const Side& master, double reach, const
     for (std::size_t f = 0; f < boxes.size(); ++f)
       if (box.meets(boxes[f])) near.push_back(f);
     const std::vector<Point> all = points(plane, face.size(), master, near, reach);
+    const auto n = static_cast<Index>(face.size());
     double covered = 0;
-    Values c = Values::Zero(face.size());
-    Square M = Square::Zero(face.size(), face.size());
-    for (const Point& p : all) covered += p.weight, c += p.weight * p.slave, M += p.weight * p.slave * p.slave.transpose();
-    if (std::abs(covered - plane.area) > kCovered * plane.area) refuse(slave, master, plane, covered, at);
-    const Square dual = c.asDiagonal() * Square(M.inverse());
+    Values c(n, 0.0);
+    linalg::DenseMatrix M(n, n), C(n, n);
     for (const Point& p : all) {
-      const Values psi = dual * p.slave;
-      for (std::size_t a = 0; a < face.size(); ++a) {
-        Slave& node = nodes[face[a]];
-        node.seen[p.face] += p.weight;
-        for (std::size_t k = 0; k < master.faces[p.face].size(); ++k) node.terms[master.faces[p.face][k]] += p.weight * psi[a] * p.master[k];
+      covered += p.weight;
+      for (Index a = 0; a < n; ++a) {
+        c[a] += p.weight * p.slave[a];
+        for (Index b = 0; b < n; ++b) M(a, b) += p.weight * p.slave[a] * p.slave[b];
       }
     }
-    for (std::size_t a = 0; a < face.size(); ++a) nodes[face[a]].c += c[a];
+    if (std::abs(covered - plane.area) > kCovered * plane.area) refuse(slave, master, plane, covered, at);
+    for (Index a = 0; a < n; ++a) C(a, a) = c[a];
+    const linalg::DenseMatrix dual = linalg::solve(M, C);  // M^-1 C: psi_a = sum_b dual_ba N_b
+    for (const Point& p : all)
+      for (Index a = 0; a < n; ++a) {
+        double psi = 0;
+        for (Index b = 0; b < n; ++b) psi += dual(b, a) * p.slave[b];
+        Slave& node = nodes[face[a]];
+        node.seen[p.face] += p.weight;
+        for (std::size_t k = 0; k < master.faces[p.face].size(); ++k) node.terms[master.faces[p.face][k]] += p.weight * psi * p.master[k];
+      }
+    for (Index a = 0; a < n; ++a) nodes[face[a]].c += c[a];
     for (std::size_t e = 0; e + 3 < face.size(); ++e) middle[face[3 + e]] = {face[geometry::edge_begin(static_cast<int>(e))], face[geometry::edge_end(static_cast<int>(e))]};
   }
 
