@@ -92,7 +92,7 @@ TEST_F(SweepProgram, KilledTenTimesItEndsWithEqualResults) {
 }
 
 TEST_F(SweepProgram, RowsThatFailOrAreMissingAreListed) {
-  std::ofstream(folder_ + "/s.yaml", std::ios::app) << "  - product: {solver.iterations: [100, 1]}\n";
+  std::ofstream(folder_ + "/s.yaml", std::ios::app) << "  - product: {solver.iterations: [100, 1], solver.halvings: [0]}\n";
   ASSERT_EQ(run(sweep("b", {"--shard", "1/4"})), 5);  // rows 1, 5, 9, 13: one iteration is not enough
   EXPECT_THAT(complained(), HasSubstr("4 of 4 rows failed: 1,5,9,13"));
   EXPECT_EQ(run({"merge", folder_ + "/b"}), 5);
