@@ -90,6 +90,8 @@ void read_scene(const File& file, Case& c) {
         const YAML::Node material = scene["materials"][b["material"].as<std::string>()];
         body.density = material["density"].as<double>();
         if (material["youngs_modulus"]) body.youngs_modulus = material["youngs_modulus"].as<double>(), body.poisson_ratio = material["poisson_ratio"].as<double>();
+        const std::string volumetric = material["volumetric"] ? material["volumetric"].as<std::string>() : "auto";
+        body.mean_volume = volumetric == "averaged" || (volumetric == "auto" && body.poisson_ratio > 0.4);
         if (material["model"]) body.law = material["model"].as<std::string>();
         body.self_contact = body.soft && (!b["self_contact"] || b["self_contact"].as<bool>());
       }

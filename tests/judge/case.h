@@ -32,6 +32,7 @@ struct Body {
   std::vector<long> points;
   double density = 0, youngs_modulus = 0, poisson_ratio = 0;
   std::string law;
+  bool mean_volume = false;  // lambda acts on averages
   bool soft = false, self_contact = false, pinned = false;
   bool prescribed = false;  // all of it goes where the scene says, always
   std::string motion;       // of a prescribed body, "" if it stays

@@ -1,14 +1,18 @@
 #include <Eigen/Dense>
 #include <algorithm>
+#include <map>
 
+#include "judge/clusters.h"
 #include "judge/judge.h"
 
 namespace judge {
 namespace {
 
+double lame_lambda(const Body& body) { return body.youngs_modulus * body.poisson_ratio / ((1 + body.poisson_ratio) * (1 - 2 * body.poisson_ratio)); }
+
 // Density of elastic energy at the deformation gradient F (the laws as published, with the guard against inversion; src/effects/elasticity/README.md).
-double elastic_density(const Body& body, const Eigen::Matrix3d& F) {
-  const double E = body.youngs_modulus, nu = body.poisson_ratio, mu = E / (2 * (1 + nu)), lambda = E * nu / ((1 + nu) * (1 - 2 * nu)), J = F.determinant();
+double elastic_density(const Body& body, double lambda, const Eigen::Matrix3d& F) {
+  const double E = body.youngs_modulus, nu = body.poisson_ratio, mu = E / (2 * (1 + nu)), J = F.determinant();
   constexpr double kGuard = 0.1, kFlat = 1e-6;  // J_0, J_1
   const double x = (J - kFlat) / (kGuard - kFlat), guard = x < 1 ? -2 * mu * (1 - kFlat / kGuard) * (x - 1) * (x - 1) * std::log(x) : 0;
   if (body.law == "linear") {
@@ -24,7 +28,8 @@ double elastic_density(const Body& body, const Eigen::Matrix3d& F) {
   return m / 2 * (I - 3) - m / 2 * std::log((I + 1) / 4) + l / 2 * ((J - alpha) * (J - alpha) - (1 - alpha) * (1 - alpha)) + guard;
 }
 
-double elastic_energy(const Body& body, const std::vector<Vector>& rest, const std::vector<Vector>& x) {
+// groups: of tetrahedra that share the mean change of their volume; empty where each has its own.
+double elastic_energy(const Body& body, const std::vector<long>& groups, const std::vector<Vector>& rest, const std::vector<Vector>& x) {
   const auto edges = [](const std::vector<Vector>& p, const std::array<long, 4>& t) {
     Eigen::Matrix3d D;
     for (int k = 0; k < 3; ++k)
@@ -32,10 +37,17 @@ double elastic_energy(const Body& body, const std::vector<Vector>& rest, const s
     return D;
   };
   double sum = 0;
-  for (const auto& t : body.tets) {
-    const Eigen::Matrix3d Dm = edges(rest, t);
-    sum += Dm.determinant() / 6 * elastic_density(body, edges(x, t) * Dm.inverse());
+  std::map<long, std::pair<double, double>> change;  // of every group: its volume, and the integral of theta
+  for (std::size_t i = 0; i < body.tets.size(); ++i) {
+    const auto& t = body.tets[i];
+    const Eigen::Matrix3d Dm = edges(rest, t), F = edges(x, t) * Dm.inverse();
+    const double V = Dm.determinant() / 6;
+    sum += V * elastic_density(body, groups.empty() ? lame_lambda(body) : 0, F);
+    if (groups.empty()) continue;
+    auto& [volume, theta] = change[groups[i]];
+    volume += V, theta += V * (body.law == "linear" ? F.trace() - 3 : F.determinant() - 1);
   }
+  for (const auto& [group, c] : change) sum += lame_lambda(body) / 2 * c.second * c.second / c.first;
   return sum;
 }
 
@@ -105,6 +117,7 @@ StoredEnergies::StoredEnergies(const File& file, const Case& c) : c_(c) {
   const std::string elastic = "/mortise/effects/elasticity/energy", gravity = "/mortise/effects/gravity/energy";
   for (const Body& body : c.bodies)  // at rest the terms of an energy density cancel
     for (const auto& t : body.tets) rounding_ += 1e-9 * body.youngs_modulus * volume(c.rest[t[0]], c.rest[t[1]], c.rest[t[2]], c.rest[t[3]]);
+  for (const Body& body : c.bodies) groups_.push_back(body.mean_volume ? volume_groups(body) : std::vector<long>());
   if (file.has(elastic)) elastic_ = file.numbers(elastic);
   if (file.has(gravity)) gravity_ = file.numbers(gravity);
 }
@@ -112,7 +125,7 @@ StoredEnergies::StoredEnergies(const File& file, const Case& c) : c_(c) {
 void StoredEnergies::judge(const std::vector<Vector>& x, long frame, Verdict& v) {
   if (!elastic_.empty()) {
     double sum = 0;
-    for (const Body& body : c_.bodies) sum += elastic_energy(body, c_.rest, x);
+    for (std::size_t b = 0; b < c_.bodies.size(); ++b) sum += elastic_energy(c_.bodies[b], groups_[b], c_.rest, x);
     largest_ = std::max({largest_, std::abs(sum), std::abs(elastic_[frame]), rounding_});
     v.elastic_error = std::max(v.elastic_error, std::abs(sum - elastic_[frame]) / largest_);
   }

@@ -23,6 +23,7 @@ class StoredEnergies {
  private:
   const Case& c_;
   std::vector<double> elastic_, gravity_;
+  std::vector<std::vector<long>> groups_;  // of tetrahedra, per body
   double largest_ = 0, rounding_ = 0, offset_ = 0;
 };
 
