@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <set>
+
+#include "effects/contact/layer.h"
+#include "effects/roles.h"
 #include "engine/effect_tables.h"
 #include "engine/engine.h"
 #include "engine/input.h"
@@ -17,6 +21,8 @@ std::string plan_text(const Params& scene) {
   const model::ModelInput input = engine::make_input(scene);
   const std::unique_ptr<engine::Engine> engine = run::check_start(scene, input);
 
+  const std::vector<std::string> names = effects::of_role(scene.at("effects"), effects::Role::contact);
+  const std::set<std::string> contact(names.begin(), names.end());
   std::string text;
   std::size_t total = 0;
   for (const model::BodyInput& b : input.bodies) {
@@ -31,6 +37,10 @@ std::string plan_text(const Params& scene) {
       total += bytes;
     }
     for (const std::string& kernel : item.kernels) text += "        kernel " + kernel + "\n";
+    if (contact.count(item.effect)) {
+      const Params& own = scene.at("effects").at(item.effect);
+      text += fmt::format("        d_hat {:.4g} m{}\n", effects::contact::support_radius(own, input), own.has("d_hat") ? "" : ", chosen from the mesh");
+    }
   }
   for (const scene::PassThrough& p : scene::pass_through(scene, engine::effect_tables())) text += "passes  " + p.text() + "\n";
   const sensors::Sensors sensors(input);
