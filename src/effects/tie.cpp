@@ -12,6 +12,15 @@ std::vector<PlanItem> TieEffect::plan() const {
   return {{"tied blocks", bytes}};
 }
 
+ParamTable tie_table(const char* effect, std::string help, std::vector<Param> own) {
+  using param::of;
+  own.insert(own.begin(), param::optional(of(Param::Kind::text, "name", Unit::none, std::nullopt, "What its force is called in the output; without it the names of its bodies.")));
+  own.push_back(of(Param::Kind::flag, "contact", Unit::none, "false", "Whether the two bodies may touch; without it they pass through each other."));
+  ParamTable table{std::string("effect ") + effect, std::move(help), std::move(own)};
+  table.is_list = true;
+  return table;
+}
+
 model::Tie tie_of(const char* effect, const Params& entry, Index body, Index to) {
   model::Tie tie;
   tie.effect = effect;

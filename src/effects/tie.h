@@ -21,6 +21,9 @@ class TieEffect final : public Effect {
   model::Model& model_;
 };
 
+// The effect's table of parameters: `own` ones between the `name` and the `contact` that every tie has.
+ParamTable tie_table(const char* effect, std::string help, std::vector<Param> own);
+
 // The entry's tie between two bodies; it is called by its `name`, or those of the bodies.
 model::Tie tie_of(const char* effect, const Params& entry, Index body, Index to);
 

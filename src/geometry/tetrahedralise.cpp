@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "geometry/bounds.h"
 #include "geometry/tetrahedralise_cache.h"
 #include "geometry/tetrahedralise_mesher.h"
 #include "geometry/topology.h"
@@ -30,9 +31,7 @@ void check_result(const TriMesh& given, const TetMesh& mesh, const std::string& 
 
 // Often a mesh drawn in millimetres and taken for metres.
 std::string too_fine(const TriMesh& surface, double edge_length) {
-  Vec3 lo = surface.points.front(), hi = lo;
-  for (const Vec3& x : surface.points) lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
-  const Vec3 size = hi - lo;
+  const Vec3 size = bounds_of(surface.points).size();
   std::ostringstream text;
   text.precision(3);
   text << "it is " << size[0] << " m x " << size[1] << " m x " << size[2] << " m, far too large to be filled at an edge_length of " << edge_length << " m";

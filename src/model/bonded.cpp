@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
+#include "geometry/bounds.h"
 #include "geometry/collide/distance.h"
 #include "model/select.h"
 
@@ -14,15 +14,14 @@ namespace {
 // The surface of a stiff body, at rest.
 class Hull {
  public:
-  Hull(const BodyInput& body, double reach) : reach_(reach) {
+  Hull(const BodyInput& body, double reach) : reach_(reach), bounds_(geometry::bounds_of(body.nodes)) {
     for (const Triangle& t : body.triangles) corners_.push_back({body.nodes[t.v[0]], body.nodes[t.v[1]], body.nodes[t.v[2]]});
-    for (const Vec3& x : body.nodes) lo_ = lo_.cwiseMin(x), hi_ = hi_.cwiseMax(x);
   }
 
   bool holds(const Vec3& x) const {
     constexpr double kFourPi = 12.566370614359172, kRounding = 1e-9;
-    const double room = reach_ + kRounding * (hi_ - lo_).norm();
-    if ((x - lo_).minCoeff() < -room || (hi_ - x).minCoeff() < -room) return false;
+    const double room = reach_ + kRounding * bounds_.size().norm();
+    if ((x - bounds_.lo).minCoeff() < -room || (bounds_.hi - x).minCoeff() < -room) return false;
     double turned = 0;  // solid angle of the surface seen from x: 4 pi inside, 0 outside
     for (const std::array<Vec3, 3>& c : corners_) {
       const Vec3 p[4] = {x, c[0], c[1], c[2]};
@@ -36,21 +35,15 @@ class Hull {
 
  private:
   double reach_;
+  geometry::Bounds bounds_;
   std::vector<std::array<Vec3, 3>> corners_;
-  Vec3 lo_ = Vec3::Constant(INFINITY), hi_ = Vec3::Constant(-INFINITY);
 };
 
 }  // namespace
 
 std::vector<Index> bonded(const Params& bond, const BodyInput& soft, const BodyInput& stiff) {
   if (!bond.has("where") && !bond.has("within")) throw Error(Exit::scene, bond.where(), "which nodes are bonded? give 'where', 'within' or both");
-  std::vector<Index> nodes;
-  if (bond.has("where")) {
-    nodes = select(soft.nodes, bond.at("where"));
-  } else {
-    nodes.resize(soft.nodes.size());
-    std::iota(nodes.begin(), nodes.end(), 0);
-  }
+  std::vector<Index> nodes = select(soft.nodes, bond.find("where"));
   if (nodes.empty()) throw Error(Exit::scene, bond.at("where").where(), "selects no node of body '" + soft.name + "'");
   if (!bond.has("within")) return nodes;
   const Hull hull(stiff, bond.number("within"));

@@ -1,17 +1,20 @@
 #include "model/select.h"
 
+#include <numeric>
+
+#include "geometry/bounds.h"
+
 namespace mortise::model {
 
 std::vector<Index> select(std::span<const Vec3> rest, const Params& where) {
-  Vec3 lo = Vec3::Constant(INFINITY), hi = -lo;
-  for (const Vec3& x : rest) lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
-  const double close = 1e-6 * (hi - lo).norm();
+  const geometry::Bounds bounds = geometry::bounds_of(rest);
+  const double close = 1e-6 * bounds.size().norm();
   const auto inside = [&](const Vec3& x) {
     if (where.has("side")) {
       const std::string& side = where.text("side");  // "x_min" ... "z_max" or "all"
       if (side == "all") return true;
       const int axis = side[0] - 'x';
-      return side.substr(2) == "min" ? x[axis] <= lo[axis] + close : x[axis] >= hi[axis] - close;
+      return side.substr(2) == "min" ? x[axis] <= bounds.lo[axis] + close : x[axis] >= bounds.hi[axis] - close;
     }
     if (where.has("box")) {
       const Params& box = where.at("box");
@@ -25,6 +28,13 @@ std::vector<Index> select(std::span<const Vec3> rest, const Params& where) {
   for (std::size_t i = 0; i < rest.size(); ++i)
     if (inside(rest[i])) out.push_back(static_cast<Index>(i));
   return out;
+}
+
+std::vector<Index> select(std::span<const Vec3> rest, const Params* where) {
+  if (where) return select(rest, *where);
+  std::vector<Index> all(rest.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
 }
 
 }  // namespace mortise::model

@@ -10,5 +10,6 @@ namespace mortise::model {
 // Places in `rest` (positions of one body at rest) that satisfy a `where` block of the scene: {side: ...}, {box: ...} or {sphere:
 // ...}. A side is met within 1e-6 of the size of the body.
 std::vector<Index> select(std::span<const Vec3> rest, const Params& where);
+std::vector<Index> select(std::span<const Vec3> rest, const Params* where);  // all of them without a block
 
 }  // namespace mortise::model

@@ -220,6 +220,7 @@ std::vector<TieTerm> Ties::terms(Index block) const {
 }
 
 bool Ties::held(Index block, const std::vector<std::uint8_t>& held) const {
+  if (!tied(block)) return held[block] == 2;
   const std::vector<TieTerm> all = terms(block);
   return std::all_of(all.begin(), all.end(), [&](const TieTerm& t) { return held[t.block] == 2; });
 }

@@ -9,6 +9,7 @@
 #include "effects/contact/layer.h"
 #include "effects/roles.h"
 #include "engine/effect_tables.h"
+#include "geometry/bounds.h"
 #include "run/volumetric.h"
 #include "scene/pass_through.h"
 
@@ -52,9 +53,7 @@ Certificate::Certificate(const model::ModelInput& input) : stress_error_(input),
   constexpr double kStrain = 1e-10;  // far below any strain that means something, far above what rounding of positions makes
   for (const model::BodyInput& body : input.bodies) {
     if (body.type != model::BodyType::soft || body.nodes.empty()) continue;
-    Vec3 lo = body.nodes.front(), hi = lo;
-    for (const Vec3& p : body.nodes) lo = lo.cwiseMin(p), hi = hi.cwiseMax(p);
-    const double E = body.material.number("youngs_modulus"), size = (hi - lo).norm();
+    const double E = body.material.number("youngs_modulus"), size = geometry::bounds_of(body.nodes).size().norm();
     force_floor_ = std::max(force_floor_, kStrain * E * size * size), energy_floor_ = std::max(energy_floor_, kStrain * kStrain * E * size * size * size);
   }
   const Params& scene = input.scene;

@@ -4,6 +4,7 @@
 
 #include "effects/roles.h"
 #include "engine/effect_tables.h"
+#include "geometry/bounds.h"
 #include "run/volumetric.h"
 #include "scene/pass_through.h"
 
@@ -39,9 +40,7 @@ void of_contact(const model::ModelInput& input, std::vector<std::string>& out) {
     if (!d_hat) continue;
     for (const model::BodyInput& body : input.bodies) {
       if (body.nodes.empty()) continue;
-      Vec3 lo = body.nodes.front(), hi = lo;
-      for (const Vec3& x : body.nodes) lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
-      const double size = (hi - lo).maxCoeff();
+      const double size = geometry::bounds_of(body.nodes).size().maxCoeff();
       if (d_hat->as_number() <= kThickest * size) continue;
       out.push_back(at(d_hat->where(), fmt::format("effects.{}.d_hat is {:.3g} m, {:.2g} times the size of body '{}' ({:.3g} m): bodies are kept that far apart", name, d_hat->as_number(),
                                                    d_hat->as_number() / size, body.name, size)));

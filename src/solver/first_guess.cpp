@@ -32,7 +32,6 @@ void FirstGuess::find(const EnvMask& whose, device::Buffer<Vec3>& q, Linearised&
   energies_.find(std::as_const(q).view(), at, fetch);
   fetch.now();
   for (Index e = 0; e < model.envs; ++e) alpha[e] = whose[e] && alpha[e] >= 1 ? 1 : 0;
-  trial_.resize(q.size());
   const std::vector<double> before = energies_.sum(energies_.known());
   trial_.copy_from(q);
   add_scaled(std::as_const(way_).view(), alpha, model.block_env.view(), trial_);

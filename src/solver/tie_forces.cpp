@@ -36,6 +36,15 @@ TieForces::TieForces(const model::Model& model, const std::vector<Vec3>& q, std:
     figures.force += position[block] * f;
     figures.moment += (q[block] - position[block] * figures.place).cross(f);
   };
+  // The equation f of tie i holds its block with `force`, and hands on to those that it follows.
+  const auto hold = [&](std::size_t i, const model::Follow& f, const Vec3& force) {
+    gradient[f.block] -= force;
+    pull(i, f.block, force);
+    for (const model::TieTerm& t : f.terms) {
+      gradient[t.block] += t.weight * force;
+      pull(i, t.block, -t.weight * force);
+    }
+  };
   // Equations that close loops take first what the tree of ties would leave at the blocks that they give: (T^T (g - sum_e C_e lambda_e))_j = 0, with
   // T without these equations, so that T^T C_e is their row.
   const std::vector<model::Closing>& closings = model.ties.closings();
@@ -55,14 +64,7 @@ TieForces::TieForces(const model::Model& model, const std::vector<Vec3>& q, std:
     const linalg::DenseMatrix lambda = linalg::solve(C, g);
     for (Index e = 0; e < n; ++e) {
       const auto i = static_cast<std::size_t>(closings[e].tie);
-      const model::Follow& f = ties[i].closes[closings[e].place];
-      const Vec3 force(lambda(e, 0), lambda(e, 1), lambda(e, 2));
-      gradient[f.block] -= force;
-      pull(i, f.block, force);
-      for (const model::TieTerm& t : f.terms) {
-        gradient[t.block] += t.weight * force;
-        pull(i, t.block, -t.weight * force);
-      }
+      hold(i, ties[i].closes[closings[e].place], Vec3(lambda(e, 0), lambda(e, 1), lambda(e, 2)));
     }
   }
   const auto miss = [&](std::size_t i, const model::Follow& f) {
@@ -74,12 +76,7 @@ TieForces::TieForces(const model::Model& model, const std::vector<Vec3>& q, std:
   for (auto next = order.rbegin(); next != order.rend(); ++next) {
     const auto i = static_cast<std::size_t>(next->first);
     const model::Follow& f = ties[i].follows[next->second];
-    const Vec3 lambda = gradient[f.block];
-    pull(i, f.block, lambda);
-    for (const model::TieTerm& t : f.terms) {
-      gradient[t.block] += t.weight * lambda;
-      pull(i, t.block, -t.weight * lambda);
-    }
+    hold(i, f, Vec3(gradient[f.block]));
     miss(i, f);
   }
 }

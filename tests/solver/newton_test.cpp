@@ -87,11 +87,7 @@ TEST(Newton, StartsWhereInertiaCarriesUnlessThatIsWorse) {
   p.effects.push_back(std::make_unique<Carrier>(p.model, std::vector<Vec3>{answer, 2.5 * answer}, 1.0));
   const auto first = [&](Problem& of) {
     Newton newton(of.model, of.effects, of.options, of.clock);
-    StepReport report;
-    const EnvMask all(of.model.envs, 1);
-    of.options.iterations = 50;
-    newton.begin(all);
-    newton.solve({0, 1, 0, false}, report, [] {}, all);
+    const StepReport report = solve(of, newton);
     for (const Vec3& d : of.moved(newton.q())) EXPECT_LT((d - answer).norm(), 1e-14);
     return report.newton;
   };

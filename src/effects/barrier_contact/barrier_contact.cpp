@@ -40,7 +40,7 @@ const BarrierLinearisation& of_barrier(const Linearisation& at) { return static_
 class BarrierContact final : public Effect {
  public:
   BarrierContact(const Params& p, model::Model& model) : model_(model), near_(model, support_radius(p, model.input)) {
-    law_.d_hat = support_radius(p, model.input);
+    law_.d_hat = near_.reach();
     law_.kappa = stiffness(p, model.input);
     law_.area_weighted = p.text("form") == "area_weighted";
     law_.edge_range = law_.area_weighted ? kEdgeShare * law_.d_hat : law_.d_hat;

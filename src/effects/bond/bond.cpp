@@ -8,18 +8,12 @@ namespace {
 using param::of;
 using param::optional;
 
-const ParamTable kTable = [] {
-  ParamTable t{"effect bond",
-               "Nodes of soft bodies that move with a stiff body, without matching vertices.",
-               {optional(of(Param::Kind::text, "name", Unit::none, std::nullopt, "What its force is called in the output; without it the names of its bodies.")),
-                of(Param::Kind::text, "body", Unit::none, std::nullopt, "Name of the soft body."),
-                of(Param::Kind::text, "to", Unit::none, std::nullopt, "Name of the stiff body that it is bonded to."),
-                param::table("where", &where_table, "Nodes of the soft body that are bonded."),
-                optional(param::range(of(Param::Kind::number, "within", Unit::length, std::nullopt, "Only nodes inside the stiff body or as near to its surface as this."), 0, INFINITY)),
-                of(Param::Kind::flag, "contact", Unit::none, "false", "Whether the two bodies may touch; without it they pass through each other.")}};
-  t.is_list = true;
-  return t;
-}();
+const ParamTable kTable = tie_table(
+    "bond", "Nodes of soft bodies that move with a stiff body, without matching vertices.",
+    {of(Param::Kind::text, "body", Unit::none, std::nullopt, "Name of the soft body."),
+     of(Param::Kind::text, "to", Unit::none, std::nullopt, "Name of the stiff body that it is bonded to."),
+     param::table("where", &where_table, "Nodes of the soft body that are bonded."),
+     optional(param::range(of(Param::Kind::number, "within", Unit::length, std::nullopt, "Only nodes inside the stiff body or as near to its surface as this."), 0, INFINITY))});
 
 // q_n = p + A X: every node follows the material point of the stiff body that is where it is at rest.
 std::vector<model::Tie> ties(const Params& list, const model::Model& model) {

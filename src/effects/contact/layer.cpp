@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/bounds.h"
+
 namespace mortise::effects::contact {
 namespace {
 
@@ -47,9 +49,7 @@ double fine_edge(const model::BodyInput& body) {
     for (int k = 0; k < 3; ++k) length.push_back((body.nodes[t.v[k]] - body.nodes[t.v[(k + 1) % 3]]).norm());
   const double edge = quantile(std::move(length), kFine);
   if (body.type == model::BodyType::soft) return edge;
-  Vec3 lo = body.nodes.front(), hi = lo;
-  for (const Vec3& x : body.nodes) lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
-  const double extent = (hi - lo).minCoeff();
+  const double extent = geometry::bounds_of(body.nodes).size().minCoeff();
   return extent > 0 ? std::min(edge, kOfExtent * extent) : edge;
 }
 
@@ -64,7 +64,7 @@ double facet_depth(const model::BodyInput& body) {
       const auto [other, alone] = first.try_emplace({std::min(a, b), std::max(a, b)}, n);
       if (alone) continue;
       const double theta = std::atan2(n.cross(other->second).norm(), n.dot(other->second));
-      if (theta < kSmooth) depth.push_back((body.nodes[a] - body.nodes[b]).norm() * theta / 3.4641016151377544);
+      if (theta < kSmooth) depth.push_back((body.nodes[a] - body.nodes[b]).norm() * theta / std::sqrt(12.0));
     }
   }
   return quantile(std::move(depth), 1 - kFine);

@@ -10,19 +10,13 @@ using joint::Type;
 using param::of;
 using param::optional;
 
-const ParamTable kTable = [] {
-  ParamTable t{"effect joint",
-               "Joints between stiff bodies, or to the world, without stiffness or tolerance.",
-               {optional(of(Param::Kind::text, "name", Unit::none, std::nullopt, "What its force is called in the output; without it the names of its bodies.")),
-                param::required(param::choice("type", {"fixed", "spherical", "revolute"}, "", "fixed: nothing moves; spherical: a ball joint; revolute: a hinge.")),
-                of(Param::Kind::text, "body", Unit::none, std::nullopt, "Name of a stiff body."),
-                optional(of(Param::Kind::text, "to", Unit::none, std::nullopt, "Name of the stiff body that it is joined to; without it the world.")),
-                optional(of(Param::Kind::vec3, "at", Unit::length, std::nullopt, "Where the joint is, world coordinates at rest; a fixed one needs none.")),
-                optional(of(Param::Kind::vec3, "axis", Unit::none, std::nullopt, "Axis of a revolute joint, world coordinates at rest.")),
-                of(Param::Kind::flag, "contact", Unit::none, "false", "Whether the two bodies may touch; without it they pass through each other.")}};
-  t.is_list = true;
-  return t;
-}();
+const ParamTable kTable = tie_table(
+    "joint", "Joints between stiff bodies, or to the world, without stiffness or tolerance.",
+    {param::required(param::choice("type", {"fixed", "spherical", "revolute"}, "", "fixed: nothing moves; spherical: a ball joint; revolute: a hinge.")),
+     of(Param::Kind::text, "body", Unit::none, std::nullopt, "Name of a stiff body."),
+     optional(of(Param::Kind::text, "to", Unit::none, std::nullopt, "Name of the stiff body that it is joined to; without it the world.")),
+     optional(of(Param::Kind::vec3, "at", Unit::length, std::nullopt, "Where the joint is, world coordinates at rest; a fixed one needs none.")),
+     optional(of(Param::Kind::vec3, "axis", Unit::none, std::nullopt, "Axis of a revolute joint, world coordinates at rest."))});
 
 // One entry of the scene in one environment.
 struct Joint {

@@ -87,10 +87,10 @@ class MortarContact final : public Effect {
  public:
   MortarContact(const Params& p, model::Model& model)
       : model_(model),
+        set_{.d_hat = contact::support_radius(p, model.input)},
         guard_share_(p.number("guard")),
         rest_share_(p.number("rest_share")),
-        near_(model, std::max(guard_share_, 0.01) * contact::support_radius(p, model.input)) {
-    set_.d_hat = contact::support_radius(p, model.input);
+        near_(model, guard_range()) {
     set_.taper = p.text("weights") == "tapered" ? p.number("taper_width") : 0;
     set_.quadrature = p.text("quadrature") == "exact" ? kExact : std::stoi(p.text("quadrature"));
     set_.exact = p.text("gradient") == "exact";
@@ -104,8 +104,10 @@ class MortarContact final : public Effect {
     if (set_.quadrature == 1 && model.faces.quarter.size() > 0)
       throw Error(Exit::scene, p.at("quadrature").where(), "one point per piece is not enough for the shape functions of quadratic faces: 3, 6 or 7");
     automatic_ = !p.has("stiffness");
-    for (Interface& i : interfaces_) i.fixed = !p.has("d_hat") && i.modulus > 0;
-    for (const Interface& i : interfaces_) kappa_.push_back(automatic_ ? first_stiffness(i, set_.d_hat) : p.number("stiffness"));
+    for (Interface& i : interfaces_) {
+      i.fixed = !p.has("d_hat") && i.modulus > 0;
+      kappa_.push_back(automatic_ ? first_stiffness(i, set_.d_hat) : p.number("stiffness"));
+    }
     next_kappa_ = kappa_;
     next_price_.assign(model.envs, 0.0);
     stiffness_changed();

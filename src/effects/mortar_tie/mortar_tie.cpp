@@ -1,9 +1,8 @@
 #include "effects/mortar_tie/mortar_tie.h"
 
-#include <numeric>
-
 #include "effects/tie.h"
 #include "effects/where.h"
+#include "geometry/bounds.h"
 #include "model/select.h"
 
 namespace mortise::effects {
@@ -12,40 +11,21 @@ namespace {
 using param::of;
 using param::optional;
 
-const ParamTable kTable = [] {
-  ParamTable t{"effect mortar_tie",
-               "Ties surfaces of soft bodies to each other whose meshes do not match.",
-               {optional(of(Param::Kind::text, "name", Unit::none, std::nullopt, "What its force is called in the output; without it the names of its bodies.")),
-                of(Param::Kind::text, "body", Unit::none, std::nullopt, "Name of the soft body whose nodes follow."),
-                param::required(param::table("where", &where_table, "Its nodes; faces are tied of which all nodes are selected.")),
-                of(Param::Kind::text, "to", Unit::none, std::nullopt, "Name of the soft body that they follow; its surface has to cover those faces. May be the same body."),
-                param::table("to_where", &where_table, "Nodes of that body; only faces of which all nodes are selected are followed."),
-                optional(param::positive(of(Param::Kind::number, "within", Unit::length, std::nullopt,
-                                            "Farthest that the surfaces are from each other at rest; without it a thousandth of the size of the body."))),
-                of(Param::Kind::flag, "contact", Unit::none, "false", "Whether the two bodies may touch; without it they pass through each other.")}};
-  t.is_list = true;
-  return t;
-}();
+const ParamTable kTable = tie_table(
+    "mortar_tie", "Ties surfaces of soft bodies to each other whose meshes do not match.",
+    {of(Param::Kind::text, "body", Unit::none, std::nullopt, "Name of the soft body whose nodes follow."),
+     param::required(param::table("where", &where_table, "Its nodes; faces are tied of which all nodes are selected.")),
+     of(Param::Kind::text, "to", Unit::none, std::nullopt, "Name of the soft body that they follow; its surface has to cover those faces. May be the same body."),
+     param::table("to_where", &where_table, "Nodes of that body; only faces of which all nodes are selected are followed."),
+     optional(param::positive(of(Param::Kind::number, "within", Unit::length, std::nullopt,
+                                 "Farthest that the surfaces are from each other at rest; without it a thousandth of the size of the body.")))});
 
 constexpr double kNear = 1e-3;  // `within`, of the size of the body: a gap makes an error of its share of an edge
 
 mortar_tie::Side side(const model::BodyInput& body, const Params* where, const SourceLoc& at) {
-  std::vector<Index> nodes;
-  if (where) {
-    nodes = model::select(body.nodes, *where);
-  } else {
-    nodes.resize(body.nodes.size());
-    std::iota(nodes.begin(), nodes.end(), 0);
-  }
-  mortar_tie::Side out = mortar_tie::side_of(body, nodes);
+  mortar_tie::Side out = mortar_tie::side_of(body, model::select(body.nodes, where));
   if (out.faces.empty()) throw Error(Exit::scene, where ? where->where() : at, "selects no face of body '" + body.name + "'");
   return out;
-}
-
-double size_of(const model::BodyInput& body) {
-  Vec3 lo = Vec3::Constant(INFINITY), hi = -lo;
-  for (const Vec3& x : body.nodes) lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
-  return (hi - lo).norm();
 }
 
 std::vector<model::Tie> ties(const Params& list, const model::Model& model) {
@@ -57,7 +37,7 @@ std::vector<model::Tie> ties(const Params& list, const model::Model& model) {
       const model::BodyInput &mine = input_of(model, body), &other = input_of(model, to);
       const mortar_tie::Side slave = side(mine, &p.at("where"), p.where()), master = side(other, p.find("to_where"), p.where());
       model::Tie tie = tie_of("mortar_tie", p, body, to);
-      for (const mortar_tie::Row& row : mortar_tie::rows(slave, master, p.has("within") ? p.number("within") : kNear * size_of(mine), p.where())) {
+      for (const mortar_tie::Row& row : mortar_tie::rows(slave, master, p.has("within") ? p.number("within") : kNear * geometry::bounds_of(mine.nodes).size().norm(), p.where())) {
         model::Follow f{model.bodies[body].block_begin + row.node, row.terms};
         for (model::TieTerm& term : f.terms) term.block += model.bodies[to].block_begin;
         tie.anchor.terms.push_back({f.block, 1});

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "effects/mortar_tie/mortar_tie.h"
+#include "geometry/bounds.h"
 #include "geometry/quadratic.h"
 #include "geometry/triangle_rule.h"
 #include "linalg/dense.h"
@@ -74,10 +75,9 @@ std::vector<Vec2> clip(std::vector<Vec2> polygon, const Vec2 t[3]) {
   return polygon;
 }
 
-struct Box {
-  Vec3 lo = Vec3::Constant(INFINITY), hi = Vec3::Constant(-INFINITY);
+struct Box : geometry::Bounds {
   Box(const model::BodyInput& body, const std::vector<Index>& face, double grow) {
-    for (int k = 0; k < 3; ++k) lo = lo.cwiseMin(body.nodes[face[k]]), hi = hi.cwiseMax(body.nodes[face[k]]);
+    for (int k = 0; k < 3; ++k) include(body.nodes[face[k]]);
     lo.array() -= grow, hi.array() += grow;
   }
   bool meets(const Box& o) const { return (lo.array() <= o.hi.array()).all() && (o.lo.array() <= hi.array()).all(); }
@@ -218,9 +218,11 @@ std::vector<Row> rows(const Side& slave, const Side& master, double reach, const
     }
     Vec3 d = slave.body->nodes[j];
     for (const auto& [k, weight] : w) d -= weight * master.body->nodes[k];
-    const auto most = std::max_element(node.seen.begin(), node.seen.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-    const Behind tet = behind(master, most->first);
-    for (int k = 0; k < 4 && d.squaredNorm() > kRounding * kRounding * node.c; ++k) w[tet.tet.v[k]] += tet.gradient[k].dot(d);
+    if (d.squaredNorm() > kRounding * kRounding * node.c) {
+      const auto most = std::max_element(node.seen.begin(), node.seen.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+      const Behind tet = behind(master, most->first);
+      for (int k = 0; k < 4; ++k) w[tet.tet.v[k]] += tet.gradient[k].dot(d);
+    }
     Row row{j, {}};
     for (const auto& [k, weight] : w) row.terms.push_back({k, weight});
     out.push_back(std::move(row));

@@ -9,6 +9,7 @@
 #include "effects/failure.h"
 #include "effects/list.h"
 #include "effects/where.h"
+#include "geometry/bounds.h"
 #include "model/model.h"
 
 namespace mortise::effects {
@@ -249,9 +250,7 @@ class Pin final : public Effect {
 
   double size_of(const model::Body& body) const {
     const std::vector<Vec3> rest = model_.rest_points.download();
-    Vec3 lo = Vec3::Constant(INFINITY), hi = -lo;
-    for (Index p = body.point_begin; p < body.point_end; ++p) lo = lo.cwiseMin(rest[p]), hi = hi.cwiseMax(rest[p]);
-    return (hi - lo).norm();
+    return geometry::bounds_of(std::span(rest).subspan(body.point_begin, body.point_end - body.point_begin)).size().norm();
   }
   void include(const Vec3& x) { entries_.back().lo = entries_.back().lo.cwiseMin(x), entries_.back().hi = entries_.back().hi.cwiseMax(x); }
 

@@ -44,12 +44,6 @@ void compact(const char* name, const Buffer<Pair>& from, const Buffer<Index>& co
   });
 }
 
-MORTISE_HD inline bool boxes_overlap(const BvhNode& a, const BvhNode& b) {
-  for (int d = 0; d < 3; ++d)
-    if (!(a.lo[d] <= b.hi[d] && b.lo[d] <= a.hi[d])) return false;
-  return true;
-}
-
 // The pairs that a search at (y, dy) finds, out of those kept.
 void pick(const SurfaceView& surface, const NearPairs& kept, View<const Vec3> y, View<const Vec3> dy, double radius, NearPairs& found) {
   const SurfaceView s = surface;

@@ -51,11 +51,15 @@ MORTISE_HD inline BvhNode swept_box(const Index* v, int corners, Index id, const
   return b;
 }
 
+MORTISE_HD inline bool boxes_overlap(const BvhNode& a, const BvhNode& b) {
+  for (int d = 0; d < 3; ++d)
+    if (!(a.lo[d] <= b.hi[d] && b.lo[d] <= a.hi[d])) return false;
+  return true;
+}
+
 // True if something below `node` may pair with `query`; exact on leaves.
 MORTISE_HD inline bool may_pair(const BvhNode& node, const BvhNode& query, const SurfaceView& s) {
-  for (int d = 0; d < 3; ++d)
-    if (!(node.lo[d] <= query.hi[d] && query.lo[d] <= node.hi[d])) return false;
-  return node.env_lo <= query.env_lo && query.env_lo <= node.env_hi && node.id > query.id &&
+  return boxes_overlap(node, query) && node.env_lo <= query.env_lo && query.env_lo <= node.env_hi && node.id > query.id &&
          (node.body < 0 || s.pair_allowed[query.body * s.bodies + node.body] != 0);
 }
 
