@@ -15,10 +15,11 @@ struct Curvature {
   MORTISE_HD double share(Index env) const { return of_env.n > 0 ? of_env[env] : concave; }
 };
 
-// How much linearise() is to find: what it freezes, always; forces; the matrix.
+// How much linearise() is to find: what it freezes, always; forces; the matrix; and, where that is not the whole Jacobian, the rest of it.
 struct Want {
   bool forces = true;
   Curvature matrix = false;
+  bool whole = false;
   static Want frozen() { return {false, false}; }
 };
 

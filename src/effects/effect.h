@@ -55,6 +55,8 @@ class Effect {
   virtual void linearise(Positions q, Want want, Linearisation& at) = 0;
   // Fill the contact samples of the state of `at`.
   virtual void sample(Linearisation& at) { (void)at; }
+  // And how they change with the state.
+  virtual void sample_changes(Linearisation& at) { (void)at; }
   // Of a follower: the contact effect whose samples it wants. Takes over the lagged quantities (friction's normal forces) from them; `at` keeps
   // them while it is filled at other states.
   virtual std::string_view follows() const { return {}; }

@@ -1,5 +1,5 @@
 #pragma once
-#include "linalg/stencils.h"
+#include "linalg/rank_ones.h"
 #include "model/contact_view.h"
 
 namespace mortise::effects {
@@ -10,10 +10,12 @@ struct Linearisation {
   virtual ~Linearisation() = default;
   // Forces and, as far as wanted, the symmetric part of their Jacobian.
   linalg::StencilSet stencils;
+  // What the Jacobian has besides, where that was wanted: pieces of rank one, not symmetric, beside each stencil.
+  linalg::RankOnes unsymmetric;
   bool shaped = false;  // the blocks of `stencils` are written: for effects that always have the same
   // Samples of a contact effect, once sample() was called.
   model::ContactView contact;
-  virtual std::size_t bytes() const { return stencils.bytes() + contact.samples.bytes(); }
+  virtual std::size_t bytes() const { return stencils.bytes() + unsymmetric.bytes() + contact.samples.bytes(); }
 };
 
 }  // namespace mortise::effects

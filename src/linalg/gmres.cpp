@@ -57,13 +57,16 @@ void combine(bool keep, const std::vector<double>& share, View<const Vec3> x, Vi
 }  // namespace
 
 GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const Vec3> b, View<Vec3> x, const std::vector<Index>& env_rows,
-                  double relative, Index most) {
+                  const std::vector<double>& relative, Index most) {
   const std::size_t envs = env_rows.size() - 1;
   const Index n = b.n;
-  std::vector<Index> env_of;
-  for (std::size_t e = 0; e < envs; ++e) env_of.insert(env_of.end(), env_rows[e + 1] - env_rows[e], static_cast<Index>(e));
-  const Buffer<Index> env_buffer(env_of);
-  const View<const Index> env = env_buffer.view();
+  Buffer<Index> env_buffer(n);
+  for (std::size_t e = 0; e < envs; ++e) {
+    const View<Index> of = env_buffer.view();
+    const Index first = env_rows[e];
+    device::parallel_for("gmres.env", env_rows[e + 1] - first, [=] MORTISE_HD(Index i) { of[first + i] = static_cast<Index>(e); });
+  }
+  const View<const Index> env = std::as_const(env_buffer).view();
 
   GmresResult out;
   out.relative.assign(envs, 0.0);
@@ -105,7 +108,7 @@ GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const 
       const double residual = small[e].add(std::move(column[e]), length);
       out.relative[e] = size[e] > 0 ? residual / size[e] : 0;
       out.of_env[e] = out.iterations;
-      active[e] = out.relative[e] > relative;
+      active[e] = out.relative[e] > relative[e];
       if (active[e]) invert(e, length);
       any |= active[e] != 0;
     }

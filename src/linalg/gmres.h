@@ -20,8 +20,8 @@ struct GmresResult {
   std::vector<double> relative;  // |b - A x| / |b| of every environment, by the recurrence; 0 where b is 0
 };
 
-// Starts at x = 0 and stops when every environment's residual is at most `relative` |b|, or after `most` products.
+// Starts at x = 0 and stops when every environment's residual is at most its `relative` |b|, or after `most` products.
 GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const Vec3> b, View<Vec3> x, const std::vector<Index>& env_rows,
-                  double relative, Index most);
+                  const std::vector<double>& relative, Index most);
 
 }  // namespace mortise::linalg

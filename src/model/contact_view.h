@@ -16,6 +16,7 @@ struct ContactSample {
   double position[3];            // where the sample sits [m]
   double force = 0;              // normal force [N]; negative where the sample takes back what others count twice
   double area = 0;               // area the sample stands for [m^2], of the force's sign; 0 where the method has none
+  double stiffness = 0;          // -d force / d gap [N/m]
   double gap = 0;                // [m]
   double pressure = 0;           // [Pa], force / area where there is an area
   Index env = 0;
@@ -30,9 +31,22 @@ MORTISE_HD inline bool against_obstacle(const ContactSample& s) {
   return sum > 0.5;
 }
 
+// How a sample of at most four points changes with them: by functionals z_c = sum_k along_ck . dy_k,
+//     d force = sum_c force_c z_c,   d normal = sum_c normal_c z_c,   d weight_k = sum_c weight_ck z_c.
+struct SampleChange {
+  static constexpr int kPoints = 4, kMost = 6;
+  Index count = 0;
+  Vec3 along[kMost][kPoints];     // [1], or as others ask for
+  double force[kMost];            // [N/m]
+  Vec3 normal[kMost];             // [1/m]
+  double weight[kMost][kPoints];  // [1/m]
+};
+
 struct ContactView {
   device::Buffer<ContactSample> samples;  // canonical order, environments contiguous
+  device::Buffer<SampleChange> changes;   // of every sample, where that was asked for and is known: else normals and weights count as fixed
   std::vector<Index> env_offset;          // per environment, on the host
+  bool local = true;                      // the force of a sample hangs on its own gap alone, by its stiffness
 };
 
 }  // namespace mortise::model

@@ -12,7 +12,8 @@ namespace mortise::solver {
 // M of the frozen Hessian at q, without negative curvature.
 void Coupled::factor(const device::Buffer<Vec3>& q, const EnvMask& whose, Linearised& at) {
   EnvMask wanted = whose;
-  for (std::size_t e = 0; e < wanted.size(); ++e) wanted[e] = active_[e] && !factored_[e];
+  // What keeps no factors would feel that a neighbour has the matrix assembled anew.
+  for (std::size_t e = 0; e < wanted.size(); ++e) wanted[e] = active_[e] && !(factored_[e] && linear_.keeps_factors());
   if (!any(wanted)) return;
   system_.linearise(q.view(), {true, curvature_.wanted()}, at);
   device::Fetch fetch;
@@ -58,7 +59,7 @@ bool Coupled::direction(const device::Buffer<Vec3>& q, Linearised& at, Linearise
   try {
     const linalg::GmresResult gmres = linalg::gmres([&](device::View<const Vec3> in, device::View<Vec3> out) { product(q, in, out, near, envs); },
                                                     [&](device::View<const Vec3> in, device::View<Vec3> out) { linear_.apply(A_, in, out, active_); }, std::as_const(r0_).view(), x_.view(),
-                                                    system_.rows.env, tuning::kCoupledForcing, tuning::kMostProducts);
+                                                    system_.rows.env, std::vector<double>(system_.model.envs, tuning::kCoupledForcing), tuning::kMostProducts);
     report.cg += gmres.iterations;
     products_ = gmres.of_env;
     for (Index e = 0; e < system_.model.envs; ++e) factored_[e] = gmres.of_env[e] <= tuning::kGoodProducts;

@@ -7,17 +7,17 @@
 
 namespace mortise::solver {
 
-void Direction::find(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs, StepReport& report) {
-  const model::Model& model = system_.model;
-  system_.supports(q.view(), support_);
-  supports_move_ = largest_of(r.support_gap) > 0;
-  x_.resize(system_.rows.count());
-  for (EnvMask todo = envs.mask(EnvState::running); any(todo);) {
+// x_ of the environments of `todo`.
+void Direction::solve(const device::Buffer<Vec3>& q, const std::vector<double>& wanted, EnvMask todo, bool whole, Linearised& at, EnvTable& envs, StepReport& report) {
+  while (any(todo)) {
     device::Fetch fetch;
     system_.matrix(at, q.view(), todo, matrix_, fetch);
-    device::Buffer<Vec3> Hc;
-    if (supports_move_) system_.potential.product(at, std::as_const(support_).view(), Hc);
-    system_.right_hand_side(at, std::as_const(Hc).view(), rhs_);
+    device::Buffer<Vec3> Jc, Uc;
+    if (supports_move_) {
+      system_.potential.product(at, std::as_const(support_).view(), Jc);
+      if (whole) system_.potential.unsymmetric_product(at, false, std::as_const(support_).view(), Uc), add(std::as_const(Uc).view(), Jc);
+    }
+    system_.right_hand_side(at, std::as_const(Jc).view(), rhs_);
     std::vector<double> rhs2(envs.size(), 0.0);
     dot(std::as_const(rhs_).view(), std::as_const(rhs_).view(), system_.rows.env, {rhs2, fetch});
     fetch.now();
@@ -25,30 +25,70 @@ void Direction::find(const device::Buffer<Vec3>& q, const Residual& r, const std
       if (todo[e]) clear_blocks(x_, system_.rows.env[e], system_.rows.env[e + 1]);
     {
       const Timed timed(system_.clock, "solver", "linear_solve");
-      todo = linear_.solve({matrix_, std::as_const(rhs_).view(), x_.view(), rhs2, wanted, q.view()}, todo, curvature_, envs, report);
+      const linalg::Operator J = system_.whole(at, matrix_);
+      todo = linear_.solve({matrix_, std::as_const(rhs_).view(), x_.view(), rhs2, wanted, q.view(), whole ? &J : nullptr}, todo, curvature_, envs, report);
     }
     if (!any(todo)) break;
     for (Index e = 0; e < envs.size(); ++e)
       if (todo[e]) curvature_.soften(e);
     ++report.softened;
-    system_.potential.linearise(q.view(), {true, curvature_.wanted()}, at);
+    system_.potential.linearise(q.view(), want(envs), at);
+  }
+}
+
+effects::Want Direction::want(const EnvTable& envs) {
+  bool whole = false;
+  for (Index e = 0; e < envs.size(); ++e) whole = whole || (envs.is(e, EnvState::running) && envs[e].whole);
+  return {true, curvature_.wanted(), whole};
+}
+
+void Direction::find(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs, StepReport& report) {
+  system_.supports(q.view(), support_);
+  supports_move_ = largest_of(r.support_gap) > 0;
+  x_.resize(system_.rows.count());
+  EnvMask plain = envs.mask(EnvState::running), whole = plain;
+  for (Index e = 0; e < envs.size(); ++e) (envs[e].whole ? plain : whole)[e] = 0;
+  solve(q, wanted, plain, false, at, envs, report);
+  while (any(whole)) {
+    solve(q, wanted, whole, true, at, envs, report);
+    device::Fetch fetch;
+    carry(at, envs, fetch);
+    fetch.now();
+    // Uphill: with less negative curvature, and without any by its symmetric part alone.
+    EnvMask uphill = whole, symmetric(envs.size(), 0);
+    for (Index e = 0; e < envs.size(); ++e) {
+      uphill[e] = whole[e] && envs.is(e, EnvState::running) && r.support_gap[e] == 0 && !(slope_[e] < 0);
+      if (!uphill[e]) continue;
+      if (curvature_.share(e) == 0) symmetric[e] = 1, uphill[e] = 0;
+      curvature_.soften(e);
+    }
+    if (any(uphill)) ++report.softened, system_.potential.linearise(q.view(), want(envs), at);
+    solve(q, wanted, symmetric, false, at, envs, report);
+    whole = uphill;
   }
   const EnvMask running = envs.mask(EnvState::running);
-  system_.to_blocks(std::as_const(x_).view(), std::as_const(support_).view(), running, dq_);
   std::vector<double> longest(envs.size(), 0.0);
-  slope_.assign(envs.size(), 0.0);
-  device::Fetch fetch;
-  largest(std::as_const(dq_).view(), model.env_blocks, {longest, fetch});
-  system_.convergence.see_step(std::as_const(dq_).view(), r, running, fetch);
-  dot(std::as_const(at.gradient).view(), std::as_const(dq_).view(), model.env_blocks, {slope_, fetch});
-  fetch.now();
+  {
+    device::Fetch fetch;
+    carry(at, envs, fetch);
+    largest(std::as_const(dq_).view(), system_.model.env_blocks, {longest, fetch});
+    system_.convergence.see_step(std::as_const(dq_).view(), r, running, fetch);
+    fetch.now();
+  }
   for (Index e = 0; e < envs.size(); ++e) {
     if (!running[e]) continue;
     envs[e].step = longest[e];
     if (std::isfinite(longest[e])) continue;
     envs.fail(e, "the Newton direction is not finite");
-    clear_blocks(dq_, model.env_blocks[e], model.env_blocks[e + 1]);
+    clear_blocks(dq_, system_.model.env_blocks[e], system_.model.env_blocks[e + 1]);
   }
+}
+
+// From x_ to dq_ and its slope.
+void Direction::carry(const Linearised& at, const EnvTable& envs, device::Fetch& fetch) {
+  system_.to_blocks(std::as_const(x_).view(), std::as_const(support_).view(), envs.mask(EnvState::running), dq_);
+  slope_.assign(envs.size(), 0.0);
+  dot(std::as_const(at.gradient).view(), std::as_const(dq_).view(), system_.model.env_blocks, {slope_, fetch});
 }
 
 }  // namespace mortise::solver

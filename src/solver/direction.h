@@ -1,6 +1,6 @@
 #pragma once
-// The Newton direction: (P H P + I - P) d = -P (g + H c), with as much negative curvature in H as leaves it positive definite, and the way d + c of
-// all blocks.
+// The Newton direction: (P J P + I - P) d = -P (g + J c), and the way d + c of all blocks. J is the Hessian H with as much of its negative curvature
+// as leaves it positive definite; of environments that take the whole Jacobian it is H + U, with U not symmetric, as long as that leads downhill.
 #include "solver/curvature_policy.h"
 #include "solver/linear.h"
 #include "solver/system.h"
@@ -15,6 +15,9 @@ class Direction {
   // Where there is none the environment fails.
   void find(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs, StepReport& report);
 
+  // What Newton's next direction needs of its iterate.
+  effects::Want want(const EnvTable& envs);
+
   device::Buffer<Vec3>& way() { return dq_; }
   const std::vector<double>& slope() const { return slope_; }  // per environment: gradient . way [J]
   // What supports still have to move; empty where none does.
@@ -22,6 +25,8 @@ class Direction {
   linalg::BlockMatrix& matrix() { return matrix_; }  // work space, for whoever needs one
 
  private:
+  void solve(const device::Buffer<Vec3>& q, const std::vector<double>& wanted, EnvMask todo, bool whole, Linearised& at, EnvTable& envs, StepReport& report);
+  void carry(const Linearised& at, const EnvTable& envs, device::Fetch& fetch);
   System& system_;
   Linear& linear_;
   CurvaturePolicy& curvature_;

@@ -56,6 +56,10 @@ void stencil_product(linalg::StencilSet& set, View<const Vec3> d) {
   });
 }
 
+void add_to_rows(View<const Vec3> g, View<const Index> block_of_row, View<const Mat3> row_projector, View<Vec3> out) {
+  device::parallel_for("solver.add_to_rows", block_of_row.n, [=] MORTISE_HD(Index r) { out[r] += row_projector[r] * g[block_of_row[r]]; });
+}
+
 void right_hand_side(View<const Vec3> g, View<const Vec3> Hc, View<const Index> block_of_row, View<const Mat3> row_projector, Buffer<Vec3>& rhs) {
   rhs.resize(block_of_row.n);
   const View<Vec3> out = rhs.view();
@@ -77,7 +81,7 @@ void step_of(View<const Vec3> x, View<const Vec3> c, View<const Index> row_of_bl
   dq.resize(row_of_block.n);
   const View<Vec3> out = dq.view();
   device::parallel_for("solver.step_of", row_of_block.n, [=] MORTISE_HD(Index b) {
-    Vec3 d = c[b];
+    Vec3 d = c.n > 0 ? c[b] : Vec3(Vec3::Zero());
     if (row_of_block[b] >= 0) d += projector[b] * x[row_of_block[b]];
     out[b] = d;
   });

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "linalg/block_matrix.h"
+#include "linalg/gmres.h"
 #include "solver/curvature_policy.h"
 #include "solver/envs.h"
 #include "solver/options.h"
@@ -22,6 +23,7 @@ struct LinearSystem {
   const std::vector<double>& b2;      // per environment: |b|^2
   const std::vector<double>& wanted;  // per environment: the residual at which Newton stops [N]
   device::View<const Vec3> q;         // positions of blocks
+  const linalg::Operator* whole = nullptr;  // where the matrix of the system is not A but has unsymmetric parts too: its products; A is near it then
 };
 
 class Linear {
@@ -37,6 +39,8 @@ class Linear {
 
   // As the preconditioner M of an unsymmetric system. Has an earlier A left an M that still pays?
   virtual bool ready(Index env) const = 0;
+  // Does M stay that of its own A? Else it is only as good as the A that apply() is given.
+  virtual bool keeps_factors() const = 0;
   // M of this A in the environments of `todo`; false where there is none.
   virtual EnvMask prepare(const LinearSystem& system, const EnvMask& todo) = 0;
   // out = M^-1 in, in the environments of `todo`; 0 in all others.

@@ -15,7 +15,7 @@
 #include "linalg/per_environment.h"
 #include "linalg/schwarz.h"
 #include "solver/kernels.h"
-#include "solver/linear.h"
+#include "solver/linear_whole.h"
 #include "solver/tuning.h"
 
 namespace mortise::solver {
@@ -65,6 +65,22 @@ class Cg final : public Linear {
     for (std::size_t e = 0; e < todo.size(); ++e) relative[e] = forcing(env_[e], s.b2[e]);
     if (options_.cg_forcing)
       for (double w : s.wanted) absolute.push_back(tuning::kBeyondWanted * w);
+    if (s.whole) {
+      // Rounding aside |b - J x| is known; what is wanted in newtons is a share of it.
+      for (std::size_t e = 0; e < absolute.size(); ++e)
+        if (s.b2[e] > 0) relative[e] = std::max(relative[e], absolute[e] / std::sqrt(s.b2[e]));
+      const linalg::GmresResult end = solve_whole(s, todo, rows_.env, relative, options_.cg_iterations, [&](device::View<const Vec3> in, device::View<Vec3> out) {
+        device::clear(out.p, out.n * sizeof(Vec3));
+        report.cg += run(s.A, in, out, std::vector<double>(todo.size(), tuning::kInner), std::vector<double>(todo.size(), 0.0), todo).iterations();
+      });
+      for (Index e = 0; e < rows_.envs(); ++e) {
+        if (!todo[e]) continue;
+        env_[e].speed = end.of_env[e] / std::max(1.0, -std::log10(end.relative[e]));
+        if (env_[e].built_speed == 0) env_[e].built_speed = env_[e].speed;
+        env_[e].relative = relative[e], env_[e].last_rhs = std::sqrt(s.b2[e]), env_[e].any = true;
+      }
+      return indefinite;
+    }
     const linalg::CgResult cg = run(s.A, s.b, s.x, relative, absolute, todo);
     Index most = 0;
     for (Index e = 0; e < rows_.envs(); ++e) {
@@ -93,6 +109,7 @@ class Cg final : public Linear {
   }
 
   bool ready(Index) const override { return false; }
+  bool keeps_factors() const override { return false; }
   EnvMask prepare(const LinearSystem& s, const EnvMask& todo) override {
     build(s, todo);
     return todo;

@@ -1,10 +1,11 @@
-// Factors: a new one for every system, or conjugate gradients with the last one as long as that is cheaper.
+// Factors: a new one for every system, or conjugate gradients with the last one as long as that is cheaper. Unsymmetric systems are solved by GMRES
+// with the factor of their symmetric part.
 #include <algorithm>
 
 #include "linalg/stale_factor.h"
 #include "linalg/submatrix.h"
 #include "solver/kernels.h"
-#include "solver/linear.h"
+#include "solver/linear_whole.h"
 #include "solver/tuning.h"
 
 namespace mortise::solver {
@@ -20,9 +21,10 @@ class Direct final : public Linear {
   }
 
   EnvMask solve(const LinearSystem& s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, StepReport& report) override {
+    if (s.whole) return solve_whole(s, todo, curvature, envs, report);
     EnvMask indefinite(todo.size(), 0);
     for (Index e = 0; e < rows_.envs(); ++e) {
-      if (!todo[e] || rows_.env[e] == rows_.env[e + 1]) continue;
+      if (!todo[e] || empty(e)) continue;
       Part& part = parts_[e];
       linalg::BlockMatrix& A = of(s.A, e);
       const device::View<const Vec3> b = range(s.b, e);
@@ -35,32 +37,17 @@ class Direct final : public Linear {
           continue;
         }
       }
-      part.fresh = false;
-      double shift = tuning::kFirstShift;
-      bool factored = part.solver.factor(A);
-      while (!factored && curvature.share(e) == 0 && shift <= tuning::kLargestShift) {
-        shift_diagonal(A, shift, {0, A.rows}, {1});
-        shift *= tuning::kShiftGrowth;
-        ++report.regularised;
-        factored = part.solver.factor(A);
-      }
-      if (factored) {
-        part.solver.solve(b, x);
-        part.fresh = true;
-      } else if (curvature.share(e) > 0) {
-        indefinite[e] = 1;
-      } else {
-        envs.fail(e, "the matrix is not positive definite");
-      }
+      if (factor(e, A, curvature, envs, report, indefinite)) part.solver.solve(b, x);
     }
     return indefinite;
   }
 
   bool ready(Index env) const override { return parts_[env].fresh; }
+  bool keeps_factors() const override { return true; }
   EnvMask prepare(const LinearSystem& s, const EnvMask& todo) override {
     EnvMask good(todo.size(), 0);
     for (Index e = 0; e < rows_.envs(); ++e)
-      if (todo[e]) good[e] = parts_[e].solver.factor(of(s.A, e));
+      if (todo[e]) good[e] = parts_[e].solver.factor(of(s.A, e)), parts_[e].fresh = parts_[e].fresh && good[e];
     return good;
   }
   void apply(linalg::BlockMatrix&, device::View<const Vec3> in, device::View<Vec3> out, const EnvMask& todo) override {
@@ -80,6 +67,50 @@ class Direct final : public Linear {
     linalg::SubMatrix own;  // of several environments
     bool fresh = false;     // the last factor belongs to this step and still pays
   };
+  bool empty(Index e) const { return rows_.env[e] == rows_.env[e + 1]; }
+
+  // A factor of A, shifted if need be; none where A is indefinite and need not be, or the environment fails.
+  bool factor(Index e, linalg::BlockMatrix& A, const CurvaturePolicy& curvature, EnvTable& envs, StepReport& report, EnvMask& indefinite) {
+    Part& part = parts_[e];
+    double shift = tuning::kFirstShift;
+    part.fresh = part.solver.factor(A);
+    while (!part.fresh && curvature.share(e) == 0 && shift <= tuning::kLargestShift) {
+      shift_diagonal(A, shift, {0, A.rows}, {1});
+      shift *= tuning::kShiftGrowth;
+      ++report.regularised;
+      part.fresh = part.solver.factor(A);
+    }
+    if (part.fresh) return true;
+    if (curvature.share(e) > 0)
+      indefinite[e] = 1;
+    else
+      envs.fail(e, "the matrix is not positive definite");
+    return false;
+  }
+
+  EnvMask solve_whole(const LinearSystem& s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, StepReport& report) {
+    EnvMask indefinite(todo.size(), 0), left(todo.size(), 0);
+    for (Index e = 0; e < rows_.envs(); ++e) left[e] = todo[e] && !empty(e);
+    for (int round = 0; any(left); ++round) {
+      EnvMask stale(todo.size(), 0);
+      for (Index e = 0; e < rows_.envs(); ++e) {
+        if (!left[e]) continue;
+        stale[e] = reuse_ && round == 0 && parts_[e].fresh;
+        if (!stale[e]) left[e] = factor(e, of(s.A, e), curvature, envs, report, indefinite);
+      }
+      const linalg::GmresResult end = solver::solve_whole(s, left, rows_.env, std::vector<double>(todo.size(), tuning::kStaleForcing), tuning::kWholeMost,
+                                                          [&](device::View<const Vec3> in, device::View<Vec3> out) { apply(s.A, in, out, left); });
+      report.cg += end.iterations;
+      for (Index e = 0; e < rows_.envs(); ++e) {
+        if (!left[e]) continue;
+        const bool solved = end.relative[e] <= tuning::kStaleForcing;
+        parts_[e].fresh = solved && end.of_env[e] <= tuning::kStaleMost / 2;
+        left[e] = stale[e] && !solved;  // else as near as it came
+      }
+    }
+    return indefinite;
+  }
+
   // The environment's part of A: the factor of one does not know the others.
   linalg::BlockMatrix& of(linalg::BlockMatrix& A, Index e) { return rows_.envs() == 1 ? A : parts_[e].own.of(A, rows_.env[e], rows_.env[e + 1]); }
   template <class T>

@@ -53,10 +53,12 @@ void Newton::check_failed() {
 }
 
 void Newton::solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop, const EnvMask& whose) {
+  const bool whole = system_.potential.lags() && system_.potential.follows_locally(at_);
   for (Index e = 0; e < envs_.size(); ++e) {
     envs_[e] = {};
     envs_[e].state = whose[e] ? EnvState::running : EnvState::solved;
     envs_[e].may_couple = !system_.potential.symmetric();
+    envs_[e].whole = whole;
   }
   system_.begin_solve();
   system_.find_groups(at_);
@@ -86,22 +88,24 @@ void Newton::iterate(const effects::StepInfo& info, StepReport& report, const st
     stop();
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running)) curvature_.choose(e, envs_[e].alpha);
-    system_.potential.linearise(std::as_const(q_).view(), {true, curvature_.wanted()}, at_);
-    if (!system_.potential.lags() && it >= tuning::kFirstLook && std::has_single_bit(static_cast<unsigned>(it))) system_.find_groups(at_);
+    const effects::Want want = direction_.want(envs_);
+    system_.potential.linearise(std::as_const(q_).view(), want, at_, want.whole);
+    if ((!system_.potential.lags() || want.whole) && it >= tuning::kFirstLook && std::has_single_bit(static_cast<unsigned>(it))) system_.find_groups(at_);
     const Residual r = system_.residual(std::as_const(q_).view(), at_);
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running) && !system_.convergence.finite(r, e)) envs_.fail(e, system_.not_finite(at_, e));
     check_failed();
-    note(r, [this](Index e) { return lag_.relative(e); }, report);
+    note(r, [this](Index e) { return wanted(e); }, report);
+    if (want.whole) report.lag_residual = report.residual, report.lag_share = report.residual_share;
     trace_.begin(info, std::as_const(q_).view(), r, it, at_, envs_.mask(EnvState::running), report);
     settle(r, it);
     check_failed();
     const EnvMask running = envs_.mask(EnvState::running);
     if (!any(running)) return;
 
-    std::vector<double> wanted;
-    for (Index e = 0; e < envs_.size(); ++e) wanted.push_back(system_.convergence.least_tolerance(r, e, lag_.relative(e)));
-    direction_.find(q_, r, wanted, at_, envs_, report);
+    std::vector<double> tolerance;
+    for (Index e = 0; e < envs_.size(); ++e) tolerance.push_back(system_.convergence.least_tolerance(r, e, wanted(e)));
+    direction_.find(q_, r, tolerance, at_, envs_, report);
     check_failed();
     line_search_.step(q_, direction_.way(), direction_.slope(), direction_.supports(), at_, envs_, report);
     check_failed();
@@ -117,9 +121,9 @@ void Newton::iterate(const effects::StepInfo& info, StepReport& report, const st
 void Newton::settle(const Residual& r, Index iteration) {
   for (Index e = 0; e < envs_.size(); ++e) {
     if (!envs_.is(e, EnvState::running)) continue;
-    const double relative = lag_.relative(e);
+    const double relative = wanted(e);
     if (system_.solved(r, e, relative, envs_[e].step)) {
-      envs_[e].state = EnvState::settled;
+      envs_[e].state = envs_[e].whole ? EnvState::solved : EnvState::settled;
       continue;
     }
     if (envs_[e].may_couple && r.support_gap[e] == 0) {
@@ -149,36 +153,47 @@ void Newton::keep_nearest(Index env, const Residual& r) {
 
 bool Newton::needs_jacobian(Index env, Index iteration, const Residual& r) {
   const CreepWatch::Sight sight =
-      creep_.look(env, iteration, system_.convergence.largest_force(r, env) / envs_[env].force, system_.convergence.over(r, env, lag_.relative(env)), envs_[env].alpha);
+      creep_.look(env, iteration, system_.convergence.largest_force(r, env) / envs_[env].force, system_.convergence.over(r, env, wanted(env)), envs_[env].alpha);
   if (sight.creeps) linear_->distrust(env);
-  return sight.creeps || (sight.linear && linear_->ready(env) && !system_.potential.lags());
+  const bool reuses = sight.linear && linear_->ready(env);
+  // What creeps although nothing is missing is on its way through an instability, and gets there.
+  if (envs_[env].whole) return iteration >= std::min(tuning::kWholeIterations, options_.iterations) || (system_.potential.freezes() && (sight.creeps || reuses));
+  return sight.creeps || (reuses && !system_.potential.lags());
 }
 
 // The coupled iteration, for environments that are stuck, and for those that some rounds of lagged quantities have not brought to an end. Where it
 // fails too, the others' way is gone on from the best state.
 void Newton::couple(Index round, const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop) {
-  for (Index e = 0; e < envs_.size(); ++e)
+  for (Index e = 0; e < envs_.size(); ++e) {
     if (round >= tuning::kPlainRounds && envs_.is(e, EnvState::settled) && envs_[e].may_couple) envs_[e].state = EnvState::stuck;
-  const EnvMask stuck = envs_.mask(EnvState::stuck);
-  if (!any(stuck)) return;
-  const Coupled::Watch watch{[&](const Residual& r, Index iteration, const EnvMask& whose) {
-                               note(r, [this](Index) { return lag_.wanted(); }, report);
-                               trace_.begin(info, std::as_const(q_).view(), r, iteration, at_, whose, report);
-                             },
-                             [&](const EnvMask& whose, const std::vector<Index>& products) { trace_.end(envs_, whose, products, report); }};
-  energies_.forget();
-  coupled_.solve(q_, lag_.wanted(), at_, near_, envs_, report, stop, watch);
-  energies_.forget();
-  check_failed();
-  if (system_.potential.lags()) report.lag_residual = report.residual, report.lag_share = report.residual_share;
-  if (!envs_.any(EnvState::stuck)) return;
+    // Differences of forces would give no better directions than H + U where that is all.
+    if (envs_.is(e, EnvState::stuck) && envs_[e].whole && !system_.potential.freezes()) freeze(e);
+  }
+  if (envs_.any(EnvState::stuck)) {
+    const Coupled::Watch watch{[&](const Residual& r, Index iteration, const EnvMask& whose) {
+                                 note(r, [this](Index) { return lag_.wanted(); }, report);
+                                 trace_.begin(info, std::as_const(q_).view(), r, iteration, at_, whose, report);
+                               },
+                               [&](const EnvMask& whose, const std::vector<Index>& products) { trace_.end(envs_, whose, products, report); }};
+    energies_.forget();
+    coupled_.solve(q_, lag_.wanted(), at_, near_, envs_, report, stop, watch);
+    energies_.forget();
+    check_failed();
+    if (system_.potential.lags()) report.lag_residual = report.residual, report.lag_share = report.residual_share;
+  }
   for (Index e = 0; e < envs_.size(); ++e) {
     if (!envs_.is(e, EnvState::stuck)) continue;
-    envs_[e].may_couple = false;
-    envs_[e].state = EnvState::running;
-    lag_.restart(e, q_);
+    envs_[e].may_couple = envs_[e].whole;
+    freeze(e);
   }
-  iterate(info, report, stop);
+  if (envs_.any(EnvState::running)) iterate(info, report, stop);
+}
+
+// From here on with rounds of lagged quantities.
+void Newton::freeze(Index env) {
+  envs_[env].whole = false;
+  envs_[env].state = EnvState::running;
+  lag_.restart(env, q_);
 }
 
 // What is frozen becomes that of the settled environments' states; those that are solved with it too are done. False when there is nothing left

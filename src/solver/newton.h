@@ -6,7 +6,9 @@
 //   direction  (P H P + I - P) d = -P (g + H c)        c = (I - P)(target - q): what the supports still have to move; direction.h, linear.h
 //   step       q <- q + alpha (d + c)                  line_search.h
 //
-// What is frozen while it iterates is refreshed by lag_loop.h; where iterations creep, coupled.h goes on with the whole Jacobian (creep_watch.h).
+// Lagged quantities (friction's normal forces) are first taken from every iterate, with U, what their change adds to the Jacobian: then they are
+// those of the solution. An environment that does not get there goes on with rounds in which they are frozen (lag_loop.h). Where iterations creep,
+// coupled.h goes on with differences of forces in the place of the Jacobian (creep_watch.h).
 #include <functional>
 #include <memory>
 
@@ -48,7 +50,9 @@ class Newton {
   void keep_nearest(Index env, const Residual& r);
   bool needs_jacobian(Index env, Index iteration, const Residual& r);
   void couple(Index round, const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
+  void freeze(Index env);
   bool refresh(Index round, StepReport& report);
+  double wanted(Index env) const { return envs_[env].whole ? lag_.wanted() : lag_.relative(env); }
   void note(const Residual& r, const std::function<double(Index)>& relative, StepReport& report) const;
 
   System system_;

@@ -17,6 +17,7 @@ Potential::Potential(model::Model& model, EffectList& effects, Clock& clock)
   for (std::size_t k = 0; k < effects_.size(); ++k) {
     symmetric_ = symmetric_ && effects_[k]->kind().symmetric;
     lags_ = lags_ || effects_[k]->kind().lags;
+    freezes_ = freezes_ || (!effects_[k]->kind().symmetric && !effects_[k]->kind().lags);
     for (std::size_t c = 0; c < k; ++c)
       if (effects_[c]->name() == effects_[k]->follows()) followed_[k] = static_cast<int>(c), is_followed_[c] = 1;
   }
@@ -44,6 +45,7 @@ void Potential::linearise(device::View<const Vec3> q, effects::Want want, Linear
     if (fresh && followed_[k] >= 0) effect.lag(at.of[followed_[k]]->contact, here);
     effect.linearise(q, want, here);
     if (fresh && is_followed_[k]) effect.sample(here);
+    if (fresh && is_followed_[k] && want.whole) effect.sample_changes(here);
     if (!want.forces) continue;
     linalg::StencilSet* const one[] = {&here.stencils};
     assembler_.gradient(one, model_.blocks, at.gradients[k]);
@@ -90,6 +92,25 @@ void Potential::product(Linearised& at, device::View<const Vec3> d, device::Buff
   for (linalg::StencilSet* set : sets) stencil_product(*set, d);
   assembler_.gradient(sets, model_.blocks, out);
   model_.ties.fold(out.view());
+}
+
+void Potential::unsymmetric_product(Linearised& at, bool transposed, device::View<const Vec3> d, device::Buffer<Vec3>& out) {
+  out.resize(model_.blocks);
+  out.zero();
+  for (const auto& one : at.of) {
+    if (!one->unsymmetric.any()) continue;
+    linalg::multiply(one->unsymmetric, transposed, d, one->stencils);
+    linalg::StencilSet* const set[] = {&one->stencils};
+    assembler_.gradient(set, model_.blocks, product_);
+    add(std::as_const(product_).view(), out);
+  }
+  model_.ties.fold(out.view());
+}
+
+bool Potential::follows_locally(const Linearised& at) const {
+  for (std::size_t k = 0; k < at.of.size(); ++k)
+    if (is_followed_[k] && !at.of[k]->contact.local) return false;
+  return true;
 }
 
 }  // namespace mortise::solver

@@ -96,6 +96,15 @@ void System::matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& w
   shift_diagonal(A, tuning::kLoose, rows.env, rows.loose);
 }
 
+linalg::Operator System::whole(Linearised& at, const linalg::BlockMatrix& A) {
+  return [this, &at, &A](device::View<const Vec3> in, device::View<Vec3> out) {
+    linalg::multiply(A, in, out);
+    to_blocks(in, {}, EnvMask(model.envs, 1), way_);
+    potential.unsymmetric_product(at, false, std::as_const(way_).view(), force_);
+    add_to_rows(std::as_const(force_).view(), rows.block.view(), rows.projector.view(), out);
+  };
+}
+
 void System::right_hand_side(const Linearised& at, device::View<const Vec3> Hc, device::Buffer<Vec3>& rhs) const {
   solver::right_hand_side(at.gradient.view(), Hc, rows.block.view(), rows.projector.view(), rhs);
 }

@@ -2,6 +2,7 @@
 // The equations of a step: all effects at a state, what is left of their forces, and the matrix over the blocks that are free.
 #include "linalg/block_matrix.h"
 #include "linalg/elimination.h"
+#include "linalg/gmres.h"
 #include "solver/convergence.h"
 #include "solver/envs.h"
 #include "solver/options.h"
@@ -30,6 +31,8 @@ class System {
   void supports(device::View<const Vec3> q, device::Buffer<Vec3>& c) const;
   // P T^T H T P + I - P on the rows, with H of `at`, linearised at q. Convergence knows its rounding in the environments of `whose` once that is done.
   void matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& whose, linalg::BlockMatrix& A, device::Fetch& fetch);
+  // y = P T^T (H + U) T P x on the rows, with the matrix A of H, and U of `at` (Potential::unsymmetric_product).
+  linalg::Operator whole(Linearised& at, const linalg::BlockMatrix& A);
   // -P (g + Hc), where Hc may be empty.
   void right_hand_side(const Linearised& at, device::View<const Vec3> Hc, device::Buffer<Vec3>& rhs) const;
   // T (P x + c) over all blocks, for x on the rows; 0 outside of `whose`.
@@ -51,6 +54,7 @@ class System {
   linalg::Elimination elimination_;
   linalg::BlockMatrix whole_;            // H
   mutable device::Buffer<Vec3> folded_;  // T^T of one effect's gradient
+  device::Buffer<Vec3> way_, force_;     // work space of products
 };
 
 }  // namespace mortise::solver

@@ -25,6 +25,9 @@ inline constexpr Index kSchwarzRows = 20000;   // up to some ten thousand rows b
 inline constexpr double kLoose = 1e-9;         // of the mean stiffness: far above rounding, far below the softest elastic motion
 inline constexpr double kStaleForcing = 1e-4;  // of a right-hand side that thin contact layers rule: what is soft needs its digits too; a solve costs little
 inline constexpr Index kStaleMost = 16;        // a factor costs about as much as this many solves with it
+inline constexpr Index kWholeMost = 30;         // products of an unsymmetric system with a factor: friction takes some five
+inline constexpr Index kCycle = 50;             // of GMRES: its own vectors cost as much as the products then
+inline constexpr double kInner = 0.1;          // conjugate gradients inside of it: 0.3 and 0.03 cost a tenth and a quarter more (scenes/tactile/press)
 inline constexpr double kFirstShift = 1e-10;   // of the mean stiffness: picks the shortest step among motions that nothing resists,
 inline constexpr double kShiftGrowth = 100;    // grown by this,
 inline constexpr double kLargestShift = 1e-2;  // beyond which the matrix is no Hessian of anything
@@ -50,6 +53,9 @@ inline constexpr double kQuadratic = 1e-3;     // or three: what Newton's method
 inline constexpr Index kPatience = 3;          // slow iterations in a row that count as creeping,
 inline constexpr Index kUsual = 20;            // but not before this one: the way into contact takes some, at full steps too
 inline constexpr Index kPlainRounds = 2;       // rounds of lagging before the coupled iteration takes over
+
+// ---- friction of the present normal forces (newton.h)
+inline constexpr Index kWholeIterations = 60;  // before rounds of lagged quantities take over, which hold where this runs in circles
 
 // ---- coupled iteration (coupled.h)
 inline constexpr double kCoupledForcing = 1e-4;    // what a difference of forces is good for; the last iteration then ends well below the tolerance

@@ -66,6 +66,44 @@ struct Problem {
       f -= g.segment<3>(3 * i);
     return f;
   }
+  // With the samples of x itself.
+  fd::Vector fresh_force(const fd::Vector& x) {
+    const device::Buffer<Vec3> q(fd::blocks_of(x));
+    contact->freeze(q.view());
+    lag();
+    return fd::effect_assemble(*friction, x, false).gradient;
+  }
+  // d fresh_force / dx as it is assembled: the symmetric part and the pieces beside it.
+  fd::Matrix jacobian(const fd::Vector& x) {
+    const device::Buffer<Vec3> q(fd::blocks_of(x));
+    contact->freeze(q.view());
+    contact->effect->sample_changes(contact->here());
+    lag();
+    const effects::Curvature exact(true, 1);
+    fd::Matrix J = fd::effect_assemble(*friction, x, exact).hessian;
+    effects::Linearisation& at = friction->here();
+    friction->effect->linearise(q.view(), {true, exact, true}, at);
+    for (const bool transposed : {false, true}) {
+      fd::Matrix U(x.size(), x.size());
+      for (Eigen::Index i = 0; i < x.size(); ++i) {
+        const device::Buffer<Vec3> d(fd::blocks_of(fd::Vector::Unit(x.size(), i)));
+        linalg::multiply(at.unsymmetric, transposed, d.view(), at.stencils);
+        const linalg::StencilView s = at.stencils.view();
+        const auto block = fd::fetch(s.block);
+        const auto piece = fd::fetch(s.grad);
+        U.col(i).setZero();
+        for (std::size_t k = 0; k < block.size(); ++k) U.col(i).segment<3>(3 * block[k]) += piece[k];
+      }
+      if (!transposed) {
+        J += U;
+        kept_ = U;
+      } else {
+        EXPECT_LT((U - kept_.transpose()).norm(), 1e-14 * U.norm());
+      }
+    }
+    return J;
+  }
+  fd::Matrix kept_;
   double normal_force() const { return kKappa * effects::barrier::phi(0.6); }  // on the unit square, if the blocks were aligned
 };
 
@@ -131,6 +169,26 @@ TEST(Friction, DerivativesMatchDifferences) {
         EXPECT_LT(total.norm(), 1e-12 * d.gradient.norm());
       }
   std::printf("friction: gradient %.1e hessian %.1e\n", gradient, hessian);
+}
+
+// The whole Jacobian: forces with the samples of every state, which slide, turn and press differently, against their differences. At random states
+// and at adversarial ones: points over corners and edges, slips within and beyond the creep distance, gaps near nothing and near d_hat.
+TEST(Friction, TheWholeJacobianMatchesDifferencesOfForces) {
+  double worst = 0;
+  for (bool plane : {false, true})
+    for (bool stiff : {false, true})
+      for (const Vec3& shift : {Vec3(0.013, 0.021, 0), Vec3(3e-4, 2e-4, 0.3 * kHat), Vec3(0.3334, 0.2, 0), Vec3(0.25, 0.125, -0.55 * kHat), Vec3(-0.1667, 0.1667, -0.2 * kHat)})
+        for (unsigned seed : {5u, 6u}) {
+          Problem p(plane, stiff);
+          const fd::Vector x = shaken(p.moved(shift), 0.02 * kHat, seed);
+          const fd::Matrix J = p.jacobian(x);
+          const fd::Matrix difference = fd::difference_jacobian([&](const fd::Vector& at) { return p.fresh_force(at); }, x, 2e-6 * kHat);
+          EXPECT_GT(J.norm(), 0);
+          const double error = fd::relative_error(J, difference);
+          EXPECT_LT(error, 1e-6) << plane << stiff << " " << shift.transpose() << " seed " << seed;
+          worst = std::max(worst, error);
+        }
+  std::printf("friction, whole Jacobian: %.1e\n", worst);
 }
 
 TEST(Friction, HessianAtRestIsFinite) {

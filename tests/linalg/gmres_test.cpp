@@ -32,7 +32,7 @@ struct Pair {
   }
   GmresResult solve(const Dense& preconditioner, double relative, Index most = 200) {
     rhs.upload(b);
-    return gmres(by(A), by(preconditioner), rhs.view(), x.view(), rows, relative, most);
+    return gmres(by(A), by(preconditioner), rhs.view(), x.view(), rows, std::vector<double>(rows.size() - 1, relative), most);
   }
 };
 

@@ -79,6 +79,11 @@ class BarrierContact final : public Effect {
     at.contact.env_offset = at.active.env_offset;
   }
 
+  void sample_changes(Linearisation& out) override {
+    BarrierLinearisation& at = of_barrier(out);
+    contact::sample_changes(scene(), at.active, std::as_const(at.y).view(), at.contact.changes);
+  }
+
   void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
     const std::vector<std::uint8_t> finite = near_.locate(q, y_);
     contact::energy(scene(), near_.candidates(), std::as_const(y_).view(), near_.vertex_env(), per_env);

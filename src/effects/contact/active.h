@@ -40,6 +40,9 @@ void assemble(const Scene& s, const ActiveSet& set, View<const Vec3> y, const mo
               linalg::StencilSet& out);
 void samples(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<model::ContactSample>& out);
 
+// How the samples change with y: exactly.
+void sample_changes(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<model::SampleChange>& out);
+
 // Force on the four points of every term [N]: minus the gradient.
 void point_forces(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<Vec3>& out);
 

@@ -5,6 +5,7 @@ namespace mortise::effects::contact {
 namespace {
 
 using model::ContactSample;
+using model::SampleChange;
 
 MORTISE_HD inline Index points_of(TermKind kind) {
   return kind == TermKind::plane ? 1 : kind == TermKind::vertex ? 2 : kind == TermKind::edge ? 3 : 4;
@@ -85,6 +86,7 @@ MORTISE_HD inline ContactSample sample_of(const Scene& s, const Active& a, View<
     out.gap = n.dot(y[a.point[0]] - p.point);
     out.weight[0] = 1;
     out.force = -k * barrier::first(out.gap, s.law.d_hat);
+    out.stiffness = k * barrier::second(out.gap, s.law.d_hat);
     out.body_b = s.surface.bodies + a.plane;
     place = y[a.point[0]] - out.gap / 2 * n;
   } else {
@@ -98,11 +100,61 @@ MORTISE_HD inline ContactSample sample_of(const Scene& s, const Active& a, View<
     for (Index j = 0; j < 4; ++j) place += std::abs(f.w[j]) / 2 * x[j];
     const double m = a.eps > 0 ? geometry::mollifier(x, a.eps) : 1;
     out.force = -k * m * barrier::first(f.d, range_of(s, a));
+    out.stiffness = k * m * barrier::second(f.d, range_of(s, a));
     out.body_b = s.surface.body[a.point[a.kind == TermKind::edge_edge ? 2 : 1]];
   }
   out.area = s.law.area_weighted && a.kind != TermKind::edge_edge ? a.weight : 0;
   out.pressure = out.area != 0 ? out.force / out.area : 0;
   for (int i = 0; i < 3; ++i) out.normal[i] = n[i], out.position[i] = place[i];
+  return out;
+}
+
+// Weights, normal and force of sample_of() as functions of the points. With the frame of stencil.h, r = sum_i w_i x_i = d n, the closest points go on
+// by dtau_j along the tangents t_j that have a parameter, so that r stays across them:
+//     dtau_j = -(t_j . sum w dx + d n . sum u_j dx),     dw_i = sum_j u_ji dtau_j,     dd = n . sum w dx,
+//     dn     = -sum_j t_j (n . sum u_j dx) + sum_free t (t . sum w dx)/d,              d force = -k (m b'' dd + b' dm).
+MORTISE_HD inline SampleChange change_of(const Scene& s, const Active& a, View<const Vec3> y) {
+  SampleChange out;
+  for (int c = 0; c < SampleChange::kMost; ++c) {
+    out.force[c] = 0, out.normal[c] = Vec3::Zero();
+    for (int i = 0; i < 4; ++i) out.along[c][i] = Vec3::Zero(), out.weight[c][i] = 0;
+  }
+  const double k = s.kappa(a.point[0]) * a.weight;
+  if (a.kind == TermKind::plane) {
+    const Plane p = s.planes[a.plane];
+    out.count = 1;
+    out.along[0][0] = p.normal;
+    out.force[0] = -k * barrier::second(p.normal.dot(y[a.point[0]] - p.point), s.law.d_hat);
+    return out;
+  }
+  Vec3 x[4];
+  const Frame f = frame(closest(a, y, x), x);
+  const double d_hat = range_of(s, a), b1 = barrier::first(f.d, d_hat);
+  Mollifier m;
+  if (a.eps > 0) m = mollifier(x, a.eps);
+  out.count = 3 + f.free;
+  for (int i = 0; i < 4; ++i) out.along[0][i] = f.w[i] * f.n;
+  out.force[0] = -k * m.m * barrier::second(f.d, d_hat);
+  // Samples count weights and normal the other way round: from the first primitive to the second.
+  for (int j = 0; j < 2; ++j) {
+    const bool free = j >= f.free;
+    for (int i = 0; i < 4; ++i) {
+      out.along[1 + j][i] = f.w[i] * f.t[j];
+      if (free) continue;
+      out.along[3 + j][i] = f.u[j][i] * f.n;
+      out.weight[1 + j][i] = f.u[j][i];
+      out.weight[3 + j][i] = f.d * f.u[j][i];
+    }
+    if (free)
+      out.normal[1 + j] = -f.t[j] / f.d;
+    else
+      out.normal[3 + j] = f.t[j];
+  }
+  if (m.m1 > 0) {
+    const int c = static_cast<int>(out.count++);
+    spread(2 * m.v.cross(m.X), 2 * m.X.cross(m.u), out.along[c]);
+    out.force[c] = -k * m.m1 * b1;
+  }
   return out;
 }
 
@@ -163,6 +215,13 @@ void samples(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<Co
   out.resize(terms.n);
   const View<ContactSample> to = out.view();
   device::parallel_for("contact.samples", terms.n, [=] MORTISE_HD(Index i) { to[i] = sample_of(s, terms[i], y); });
+}
+
+void sample_changes(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<SampleChange>& out) {
+  const View<const Active> terms = set.terms.view();
+  out.resize(terms.n);
+  const View<SampleChange> to = out.view();
+  device::parallel_for("contact.sample_changes", terms.n, [=] MORTISE_HD(Index i) { to[i] = change_of(s, terms[i], y); });
 }
 
 void point_forces(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<Vec3>& out) {

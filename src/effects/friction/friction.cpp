@@ -13,6 +13,7 @@ namespace {
 
 using device::Buffer;
 using model::ContactSample;
+using model::SampleChange;
 
 const ParamTable kPair{"friction pair",
                        "Friction coefficient of one pair of bodies.",
@@ -44,7 +45,7 @@ const ParamTable kTable{
 // What is frozen of a sample during Newton.
 struct Frozen {
   Vec3 normal;
-  double load;  // mu times the normal force [N]
+  double mu, load;  // load: mu times the normal force [N]
 };
 
 // Views of the frozen samples in terms of blocks: sample i slips by P sum_b W_b (q_b - q0_b).
@@ -88,7 +89,8 @@ void freeze(const model::PointMapView& map, const Buffer<ContactSample>& samples
     for (Index b = 0; b < e.blocks; ++b) out.block[at + b] = e.block[b];
     e.chain(s.weight, weight.p + at);
     to[i].normal = Vec3(s.normal[0], s.normal[1], s.normal[2]);
-    to[i].load = mu[s.body_a * bodies_and_planes + s.body_b] * s.force;
+    to[i].mu = mu[s.body_a * bodies_and_planes + s.body_b];
+    to[i].load = to[i].mu * s.force;
   });
 }
 
@@ -109,10 +111,11 @@ void measure(const Slips& s, const Buffer<ContactSample>& samples, Positions q, 
 // The samples of some state, and what became of them; the stencils are theirs.
 struct FrictionLinearisation final : Linearisation {
   Buffer<ContactSample> samples;
+  Buffer<SampleChange> changes;  // of them, as the contact effect knows it
   std::vector<Index> env_offset;
   Buffer<double> weights;
   Buffer<Frozen> frozen;
-  std::size_t bytes() const override { return Linearisation::bytes() + samples.bytes() + weights.bytes() + frozen.bytes(); }
+  std::size_t bytes() const override { return Linearisation::bytes() + samples.bytes() + changes.bytes() + weights.bytes() + frozen.bytes(); }
 };
 
 class Friction final : public Effect {
@@ -154,6 +157,7 @@ class Friction final : public Effect {
   void lag(const model::ContactView& view, Linearisation& lagged) override {
     auto& at = static_cast<FrictionLinearisation&>(lagged);
     at.samples.copy_from(view.samples);
+    at.changes.copy_from(view.changes);
     at.env_offset = view.env_offset;
     freeze(model_.point_map(), at.samples, mu_.view(), static_cast<Index>(model_.bodies.size() + model_.half_spaces.size()), at.stencils, at.weights, at.frozen);
   }
@@ -169,6 +173,10 @@ class Friction final : public Effect {
   void linearise(Positions q, Want want, Linearisation& lagged) override {
     if (!want.forces) return;
     auto& at = static_cast<FrictionLinearisation&>(lagged);
+    if (want.whole)
+      follow(q, at);
+    else
+      at.unsymmetric.resize(0, 0);
     const Curvature curvature = want.matrix;  // negative of samples with a negative force
     if (curvature.wanted) at.stencils.need_hessian();
     const Slips s = slips(at);
@@ -183,6 +191,56 @@ class Friction final : public Effect {
       if (!curvature.wanted) return;
       model::zero_hessian(out, i, blocks);
       model::add_weighted(out, i, blocks, s.weight.p + at, (load > 0 ? load : curvature.share(sample[i].env) * load) * friction::hessian(u, s.frozen[i].normal, s.creep));
+    });
+  }
+
+  // What forces change by because the samples do.
+  void follow(Positions q, FrictionLinearisation& at) const {
+    const Slips s = slips(at);
+    const Index n = at.stencils.blocks().n;
+    const View<const Index> offset = at.stencils.offsets();
+    if (at.changes.size() == 0) {
+      // Only forces are known to: d(mu lambda) = -mu stiffness n . sum_b W_b dq_b.
+      at.unsymmetric.resize(1, n);
+      const View<Vec3> left = at.unsymmetric.left.view(), right = at.unsymmetric.right.view();
+      const View<const ContactSample> sample = std::as_const(at.samples).view();
+      device::parallel_for("friction.follow_force", s.size(), [=] MORTISE_HD(Index i) {
+        const Vec3 u = s.slip(i, q), pull = friction::f1_over_x(u.norm(), s.creep) * u;
+        for (Index b = offset[i]; b < offset[i + 1]; ++b) {
+          left[b] = (-s.weight[b] * s.frozen[i].mu * sample[i].stiffness) * pull;
+          right[b] = s.weight[b] * s.frozen[i].normal;
+        }
+      });
+      return;
+    }
+    at.unsymmetric.resize(SampleChange::kMost, n);
+    const View<Vec3> left = at.unsymmetric.left.view(), right = at.unsymmetric.right.view();
+    const View<const ContactSample> sample = std::as_const(at.samples).view();
+    const View<const SampleChange> change = std::as_const(at.changes).view();
+    const model::PointMapView map = model_.point_map();
+    device::parallel_for("friction.follow", s.size(), [=] MORTISE_HD(Index i) {
+      const ContactSample& here = sample[i];
+      const auto e = model::expand<SampleChange::kPoints>(map, here.point, here.points);
+      Vec3 way[SampleChange::kPoints];  // of the points since the step began
+      for (Index k = 0; k < SampleChange::kPoints; ++k) {
+        way[k] = Vec3::Zero();
+        if (k >= here.points) continue;
+        for (int j = 0; j < model::kPointTerms; ++j)
+          if (e.slot[k][j] >= 0) way[k] += e.weight[k][j] * (q[e.block[e.slot[k][j]]] - s.q0[e.block[e.slot[k][j]]]);
+      }
+      const friction::Sample at{here.weight, way, static_cast<int>(here.points), s.frozen[i].normal, s.frozen[i].load, s.frozen[i].mu};
+      for (Index c = 0; c < SampleChange::kMost; ++c) {
+        Vec3* l = left.p + c * n + offset[i];
+        Vec3* r = right.p + c * n + offset[i];
+        if (c >= change[i].count) {
+          for (Index b = 0; b < e.blocks; ++b) l[b] = r[b] = Vec3::Zero();
+          continue;
+        }
+        Vec3 force[SampleChange::kPoints];
+        friction::change(at, change[i].force[c], change[i].normal[c], change[i].weight[c], s.creep, force);
+        e.chain(force, l);
+        e.chain(change[i].along[c], r);
+      }
     });
   }
 

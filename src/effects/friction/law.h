@@ -23,4 +23,31 @@ MORTISE_HD inline Mat3 hessian(const Vec3& u, const Vec3& n, double e) {
   return K;
 }
 
+// A sample with the ways d_k of its points since the start of the step: F_k = w_k phi on point k is minus the friction force, with
+//     phi = mu lambda (f1/x) u,     u = P s,  s = sum_k w_k d_k,  P = I - n n^T.
+struct Sample {
+  const double* weight;  // w_k
+  const Vec3* way;       // d_k [m]
+  int points;
+  Vec3 normal;  // n
+  double load;  // mu lambda [N]
+  double mu;
+};
+
+// dF_k of a change of lambda, n and w while the points stand still:
+//     du = P sum dw_k d_k - dn (n . s) - n (dn . s),     d((f1/x) u) = (f1/x) du + (f1' - f1/x) s s^T du,  s = u/x,
+//     dF_k = dw_k phi + w_k [ mu (f1/x) u dlambda + mu lambda d((f1/x) u) ].
+MORTISE_HD inline void change(const Sample& at, double d_force, const Vec3& d_normal, const double* d_weight, double e, Vec3* d_F) {
+  const Vec3& n = at.normal;
+  Vec3 s = Vec3::Zero(), ds = Vec3::Zero();
+  for (int k = 0; k < at.points; ++k) s += at.weight[k] * at.way[k], ds += d_weight[k] * at.way[k];
+  const Vec3 u = s - n.dot(s) * n;
+  const Vec3 du = ds - n.dot(ds) * n - n.dot(s) * d_normal - d_normal.dot(s) * n;
+  const double x = u.norm(), over = f1_over_x(x, e);
+  Vec3 pull = over * du;
+  if (x > 0) pull -= (x < e ? 1 / (e * e * x) : 1 / (x * x * x)) * u.dot(du) * u;
+  pull = at.mu * d_force * over * u + at.load * pull;
+  for (int k = 0; k < at.points; ++k) d_F[k] = d_weight[k] * at.load * over * u + at.weight[k] * pull;
+}
+
 }  // namespace mortise::effects::friction

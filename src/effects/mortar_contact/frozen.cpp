@@ -331,11 +331,12 @@ void limit(const Scene& scene, const Frozen& f, View<const Vec3> dy, double keep
 void samples(const Scene& s, const Frozen& f, model::ContactView& view) {
   view.samples.resize(f.samples.size());
   view.env_offset = f.env_samples;
+  view.local = !s.set.averaged;
   const View<model::ContactSample> out = view.samples.view();
   const View<const Pair> pairs = f.pairs.view();
   const View<const Sample> samples = f.samples.view();
   const View<const Vec3> y = f.y.view();
-  const View<const double> pressure = f.pressure.view();
+  const View<const double> pressure = f.pressure.view(), kappa = s.kappa;
   const geometry::SurfaceView surface = s.surface;
   device::parallel_for("mortar_contact.publish", samples.n, [=] MORTISE_HD(Index i) {
     const Sample& from = samples[i];
@@ -362,6 +363,7 @@ void samples(const Scene& s, const Frozen& f, model::ContactView& view) {
     c.gap = from.gap;
     c.pressure = pressure[i];
     c.force = c.pressure * c.area * length;
+    c.stiffness = kappa[p.law] * c.area * barrier::second(c.gap, p.d_hat) * length * length;
     c.env = p.env;
     c.body_a = surface.body[p.on.point[0]];
     c.body_b = plane ? surface.bodies - 1 - p.master : surface.body[p.under.point[0]];

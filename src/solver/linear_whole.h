@@ -1,0 +1,10 @@
+#pragma once
+// Unsymmetric systems of some environments: GMRES, restarted, with whatever the linear strategy has for the symmetric part as the preconditioner.
+#include "solver/linear.h"
+
+namespace mortise::solver {
+
+// |b - J x| <= relative[e] |b|, or the best within `most` products of the environment that takes most. x stands still outside of `whose`.
+linalg::GmresResult solve_whole(const LinearSystem& system, const EnvMask& whose, const std::vector<Index>& env_rows, const std::vector<double>& relative, Index most, const linalg::Operator& preconditioner);
+
+}  // namespace mortise::solver
