@@ -8,7 +8,8 @@ namespace mortise::run {
 struct Options {
   std::string scene;                   // path, "-" = standard input
   std::vector<std::string> overrides;  // --set a.b=c
-  std::string output;                  // folder; empty: out/<scene name>
+  std::string output;                  // folder; empty: out/<scene name>, of one environment its folder in there
+  long environment = -1;               // of a scene with `environments`: this one alone, as a scene of its own
   bool overwrite = false;
   std::string resume;                  // "": no; "yes": needs a checkpoint; "auto": a checkpoint if there is one
   double walltime = 0;                 // stop in good time before so many seconds are over; 0: no limit

@@ -22,6 +22,7 @@
 #include "output/field_file.h"
 #include "output/field_reader.h"
 #include "output/run_json.h"
+#include "run/batch.h"
 #include "run/certificate.h"
 #include "run/checks.h"
 #include "run/folder.h"
@@ -35,6 +36,7 @@
 #include "run/signals.h"
 #include "run/step_row.h"
 #include "run/warnings.h"
+#include "scene/environments.h"
 #include "sensors/sensors.h"
 
 namespace fs = std::filesystem;
@@ -78,7 +80,7 @@ std::unique_ptr<output::NewestCheckpoint> open_checkpoint(const Options& o, cons
 // One run, from the folder's preparation to certificate.json and run.json.
 class Run {
  public:
-  Run(const Options& options, std::span<const scene::EffectTable> tables) : o_(options), tables_(tables), progress_(make_progress(options.json, options.quiet)) {}
+  Run(const Options& options, scene::Scene scene, Progress& progress) : o_(options), progress_(progress), scene_(std::move(scene)) {}
 
   Exit go() {
     Exit status;
@@ -92,16 +94,15 @@ class Run {
       }
       throw;
     }
-    if (progress_->lost()) throw Error(Exit::file, "the standard output could not be written to the end; the results in '" + folder_->path() + "' are complete");
+    if (progress_.lost()) throw Error(Exit::file, "the standard output could not be written to the end; the results in '" + folder_->path() + "' are complete");
     return status;
   }
 
  private:
   Exit work() {
-    scene_ = scene::read_scene(o_.scene, o_.overrides, tables_);
     resolved_ = scene::to_yaml(scene_.root);
     hash_ = scene::identity(scene_.root);
-    const std::string dir = o_.output.empty() ? "out/" + scene_.root.text("name") : o_.output;
+    const std::string dir = folder_of(o_, scene_.root);
     frame_every_ = scene_.root.at("time").integer("frame_every");
     steps_ = scene_.root.at("time").integer("steps");
     last_ = o_.frames >= 0 ? std::min(steps_, o_.frames * frame_every_) : steps_;
@@ -150,7 +151,7 @@ class Run {
     if (!o_.no_render && out.flag("pictures") && render && render->has("cameras")) pictures_ = std::make_unique<Pictures>(scene_.root, input, folder_->file("frames"));
     if (!o_.no_render && out.flag("pictures") && !sensors_->empty()) sensor_maps_.emplace(scene_.root, *sensors_, folder_->file("frames"));
     record_.seconds["setup"] = std::chrono::duration<double>(Time::now() - begin_).count();
-    progress_->start(scene_.root.text("name"), summary(input), steps_);
+    progress_.start(scene_.root.text("name"), summary(input), steps_);
     for (const std::string& w : warnings(input)) note("warning: " + w);
 
     install_signal_handlers();
@@ -169,7 +170,7 @@ class Run {
       started_ = true;
       file_ = output::FieldFile::open(field_path, output_mesh(input), {version(), git_sha1(), resolved_, hash_}, fields);
       write_frame(nullptr);
-      progress_->frame(0, 0);
+      progress_.frame(0, 0);
       save();
     }
 
@@ -210,7 +211,7 @@ class Run {
   }
 
   std::string overrides_text() const {
-    std::string text;
+    std::string text = o_.environment >= 0 ? fmt::format(" --environment {}", o_.environment) : "";
     for (const std::string& s : o_.overrides) text += " --set " + shell_word(s);
     return text;
   }
@@ -231,7 +232,7 @@ class Run {
   }
 
   void note(const std::string& text) const {
-    if (!text.empty()) progress_->note(text);
+    if (!text.empty()) progress_.note(text);
   }
 
   void after_step(const solver::StepReport& report) {
@@ -242,9 +243,9 @@ class Run {
       capture(report);
     certificate_->step(report);
     checks_->step(report);
-    progress_->step(report, contact_);
+    progress_.step(report, contact_);
     if (checkpoint_due(frame) || checkpoint_asked()) save();
-    if (frame) progress_->frame(file_->frames() - 1, engine_->time());
+    if (frame) progress_.frame(file_->frames() - 1, engine_->time());
   }
 
   bool stop() const { return stop_asked() || (o_.walltime > 0 && std::chrono::duration<double>(Time::now() - begin_).count() > o_.walltime - o_.grace); }
@@ -348,13 +349,12 @@ class Run {
     if (file_ && file_->can_flush()) file_->flush();
     record_.frames = file_ ? file_->frames() : 0;
     record_.write(folder_->file("run.json"), {o_, scene_.root.text("name"), hash_, status, message, wall}, engine_.get());
-    if (status == Exit::done || status == Exit::checks) progress_->end(status == Exit::done ? "done" : message, wall);
+    if (status == Exit::done || status == Exit::checks) progress_.end(status == Exit::done ? "done" : message, wall);
     return status;
   }
 
   const Options& o_;
-  std::span<const scene::EffectTable> tables_;
-  std::unique_ptr<Progress> progress_;
+  Progress& progress_;
   Time::time_point begin_ = Time::now();
   scene::Scene scene_;
   std::string resolved_, hash_;
@@ -378,9 +378,16 @@ class Run {
 
 }  // namespace
 
+Exit run_one(const Options& options, scene::Scene scene, Progress& progress) { return Run(options, std::move(scene), progress).go(); }
+
 Exit run_scene(const Options& options, std::span<const scene::EffectTable> tables) {
   std::signal(SIGPIPE, SIG_IGN);  // a reader of the progress that went away does not end the run
-  return Run(options, tables).go();
+  scene::Scene scene = scene::read_scene(options.scene, options.overrides, tables);
+  const long count = scene::environment_count(scene.root);
+  if (options.environment < 0 && count > 0) return run_batch(options, scene, tables);
+  const std::unique_ptr<Progress> progress = make_progress(options.json, options.quiet);
+  if (options.environment < 0) return run_one(options, std::move(scene), *progress);
+  return run_one(options, scene::one_environment(scene, options.overrides, tables, options.environment), *progress);
 }
 
 }  // namespace mortise::run
