@@ -17,10 +17,11 @@ namespace {
 
 constexpr const char* kFile = "fields.vtkhdf";
 
-// A dataset of one environment that others have too.
+// A dataset of one run that others have too.
 struct Source {
   std::size_t environment;
-  hsize_t rows;  // of what counts: per frame or step
+  std::string run;      // folder
+  hsize_t first, rows;  // frames or steps of the environment
 };
 
 // All environments' datasets of one path.
@@ -33,9 +34,9 @@ struct Stack {
   std::vector<Source> sources;
 };
 
-// What VTK reads of one environment.
+// What VTK reads of one run.
 struct Block {
-  std::size_t environment;
+  std::string run;
   hsize_t frames;
   std::vector<std::string> members;
 };
@@ -45,7 +46,11 @@ class Writer {
   Writer(const std::string& folder, const std::vector<EnvironmentFields>& all) : folder_(folder), all_(all), file_(folder + "/" + kFile, h5::Mode::create) {}
 
   void write() {
-    for (std::size_t e = 0; e < all_.size(); ++e) read(e);
+    for (std::size_t e = 0; e < all_.size(); ++e) {
+      hsize_t frames = 0, steps = 0;
+      for (std::size_t r = 0; r < all_[e].runs.size(); ++r) read(e, r, frames, steps);
+      frames_ = std::max(frames_, frames), most_steps_ = std::max(most_steps_, steps);
+    }
     h5::set_text(file_, file_.id(), "filetype", "mortise environments");
     h5::set_integers(file_, file_.id(), "version", std::vector<std::int64_t>{1, 0});
     h5::set_integer(file_, file_.id(), "count", static_cast<std::int64_t>(all_.size()));
@@ -57,9 +62,10 @@ class Writer {
   }
 
  private:
-  // What an environment's file has; other environments' meshes are the same.
-  void read(std::size_t e) {
-    const std::string path = folder_ + "/" + all_[e].folder + "/" + kFile;
+  // What a run's file has; other environments' meshes are the same. before: frames and steps of the environment's earlier runs; adds its own.
+  void read(std::size_t e, std::size_t number, hsize_t& frames_before, hsize_t& steps_before) {
+    const std::string& run = all_[e].runs[number];
+    const std::string path = folder_ + "/" + run + "/" + kFile;
     std::error_code ec;
     if (!fs::exists(path, ec)) return;
     const h5::File file(path, h5::Mode::read);
@@ -69,16 +75,19 @@ class Writer {
     const hsize_t points = one("NumberOfPoints"), cells = one("NumberOfCells");
     if (frames == 0 || (points_ > 0 && (points != points_ || cells != cells_))) return;
     points_ = points, cells_ = cells;
-    blocks_.push_back({e, frames, h5::members(file, root)});
-    frames_ = std::max(frames_, frames);
+    blocks_.push_back({run, frames, h5::members(file, root)});
+    episodes_.push_back({e, run, frames_before, frames});
+    episode_.push_back(static_cast<std::int32_t>(number));
+    const Source own{e, run, frames_before, frames};
+    frames_before += frames;
     if (frames > times_.size()) times_ = h5::Table::open(file, steps, "Values").read<double>(file, 0, frames);
 
-    add(file, root, "VTKHDF/Points", "Points", points, {e, frames});
-    add(file, steps, "VTKHDF/Steps/Values", "time", 1, {e, frames});
+    add(file, root, "VTKHDF/Points", "Points", points, own);
+    add(file, steps, "VTKHDF/Steps/Values", "time", 1, own);
     for (const auto& [group, block] : {std::pair{"PointData", points}, {"CellData", cells}}) {
       const h5::Id data = h5::open_group(file, root, group);
       for (const std::string& name : h5::members(file, data))
-        if (name != body_field) add(file, data, std::string("VTKHDF/") + group + "/" + name, std::string(group) + "/" + name, block, {e, frames});
+        if (name != body_field) add(file, data, std::string("VTKHDF/") + group + "/" + name, std::string(group) + "/" + name, block, own);
     }
     const h5::Id ours = h5::open_group(file, file.id(), "mortise"), effects = h5::open_group(file, ours, "effects"), table = h5::open_group(file, ours, "steps");
     for (const std::string& effect : h5::members(file, effects)) {
@@ -87,13 +96,15 @@ class Writer {
       const h5::Id offsets = tables ? h5::open_group(file, group, "row_offset") : h5::Id();
       for (const std::string& name : h5::members(file, group))  // a table whose number of rows changes has no such axis
         if (!h5::is_group(file, group, name) && !(tables && h5::exists(file, offsets, name)))
-          add(file, group, "mortise/effects/" + effect + "/" + name, "effects/" + effect + "/" + name, 1, {e, frames});
+          add(file, group, "mortise/effects/" + effect + "/" + name, "effects/" + effect + "/" + name, 1, own);
     }
+    hsize_t rows = 0;
     for (const std::string& column : h5::members(file, table)) {
       const h5::Table t = h5::Table::open(file, table, column);
-      most_steps_ = std::max(most_steps_, t.rows());
-      if (t.rows() > 0) add(file, table, "mortise/steps/" + column, "steps/" + column, 1, {e, t.rows()});
+      rows = t.rows();
+      if (rows > 0) add(file, table, "mortise/steps/" + column, "steps/" + column, 1, {e, run, steps_before, rows});
     }
+    steps_before += rows;
   }
 
   void add(const h5::File& file, hid_t parent, const std::string& from, const std::string& to, hsize_t block, Source source) {
@@ -121,7 +132,7 @@ class Writer {
 
   // An environment that ended early shows its last frame for the rest of the time: VTK asks all blocks for all times.
   void stand_still(const Block& block, hid_t group) const {
-    const h5::File there(folder_ + "/" + all_[block.environment].folder + "/" + kFile, h5::Mode::read);
+    const h5::File there(folder_ + "/" + block.run + "/" + kFile, h5::Mode::read);
     const h5::Id from = h5::open_group(there, there.id(), "VTKHDF/Steps"), to = h5::make_group(file_, group, "Steps");
     h5::set_integer(file_, to, "NSteps", static_cast<std::int64_t>(times_.size()));
     h5::Table::create(file_, to, "Values", {.type = H5T_IEEE_F64LE, .unit = "s"}).write<double>(file_, 0, times_);
@@ -143,12 +154,13 @@ class Writer {
     type(root, "MultiBlockDataSet");
     const h5::Id assembly = ordered_group(root, "Assembly");
     for (const Block& block : blocks_) {
-      const std::string& name = all_[block.environment].folder;
+      std::string name = block.run;  // env_0007_episode_0003
+      std::replace(name.begin(), name.end(), '/', '_');
       const h5::Id group = ordered_group(root, name);
       type(group, "UnstructuredGrid");
       if (block.frames < times_.size()) stand_still(block, group);
       for (const std::string& member : block.members)
-        if (!h5::exists(file_, group, member)) file_.check(H5Lcreate_external((name + "/" + kFile).c_str(), ("/VTKHDF/" + member).c_str(), group, member.c_str(), H5P_DEFAULT, H5P_DEFAULT), "link " + name);
+        if (!h5::exists(file_, group, member)) file_.check(H5Lcreate_external((block.run + "/" + kFile).c_str(), ("/VTKHDF/" + member).c_str(), group, member.c_str(), H5P_DEFAULT, H5P_DEFAULT), "link " + name);
       file_.check(H5Lcreate_soft(("/VTKHDF/" + name).c_str(), assembly, name.c_str(), H5P_DEFAULT, H5P_DEFAULT), "link " + name);
     }
     const h5::Id steps = h5::make_group(file_, root, "Steps");
@@ -163,6 +175,10 @@ class Writer {
     for (const EnvironmentFields& e : all_) codes.push_back(e.exit_code), folders += e.folder + "\n";
     h5::Table::create(file_, environments_, "exit_code", {.type = H5T_STD_I64LE, .description = "exit code of every environment's run; -1: it never began"}).write<std::int64_t>(file_, 0, codes);
     h5::write_text(file_, environments_, "folders", folders);
+    std::string runs;
+    for (const Block& block : blocks_) runs += block.run + "\n";
+    h5::write_text(file_, environments_, "runs", runs);
+    episodes();
     const h5::Id values = h5::make_group(file_, environments_, "values");
     if (all_.empty()) return;
     for (std::size_t v = 0; v < all_[0].values.size(); ++v) {
@@ -170,6 +186,16 @@ class Writer {
       for (const EnvironmentFields& e : all_) column.push_back(e.values[v].second);
       h5::Table::create(file_, values, all_[0].values[v].first, {.type = H5T_IEEE_F64LE, .unit = "SI", .description = "drawn for every environment"}).write<double>(file_, 0, column);
     }
+  }
+
+  // Which episode a frame is of; only where resets made several.
+  void episodes() const {
+    if (frames_ == 0 || std::count(episode_.begin(), episode_.end(), 0) == static_cast<std::ptrdiff_t>(episode_.size())) return;
+    std::vector<std::int32_t> of(all_.size() * frames_, -1);
+    for (std::size_t i = 0; i < episodes_.size(); ++i)
+      for (hsize_t f = 0; f < episodes_[i].rows; ++f) of[episodes_[i].environment * frames_ + episodes_[i].first + f] = episode_[i];
+    h5::Table::create(file_, environments_, "episode", {.type = H5T_STD_I32LE, .components = static_cast<int>(frames_), .column = true, .description = "episode that a frame belongs to; -1: there is no such frame"})
+        .write<std::int32_t>(file_, 0, of);
   }
 
   void stacks() {
@@ -199,11 +225,11 @@ class Writer {
     file_.check(H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &nothing), "make " + name);
     for (const Source& source : s.sources) {
       std::vector<hsize_t> start(rank, 0), count = shape;
-      start[0] = source.environment, count[0] = 1, count[1] = source.rows;
+      start[0] = source.environment, start[1] = source.first, count[0] = 1, count[1] = source.rows;
       file_.check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), "make " + name);
       const std::vector<hsize_t> there = s.components > 1 ? std::vector<hsize_t>{source.rows * s.block, static_cast<hsize_t>(s.components)} : std::vector<hsize_t>{source.rows * s.block};
       const h5::Id from(file_.check(H5Screate_simple(static_cast<int>(there.size()), there.data(), nullptr), "make " + name));
-      const std::string path = all_[source.environment].folder + "/" + kFile;
+      const std::string path = source.run + "/" + kFile;
       file_.check(H5Pset_virtual(creation, space, path.c_str(), s.from.c_str(), from), "make " + name);
     }
     file_.check(H5Sselect_all(space), "make " + name);
@@ -217,6 +243,8 @@ class Writer {
   h5::File file_;
   h5::Id environments_;
   std::vector<Block> blocks_;
+  std::vector<Source> episodes_;        // frames of every run,
+  std::vector<std::int32_t> episode_;   // and its number in its environment
   std::vector<double> times_;
   std::map<std::string, Stack> stacks_;  // by their path under /environments
   hsize_t points_ = 0, cells_ = 0, frames_ = 0, most_steps_ = 0;

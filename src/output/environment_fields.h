@@ -7,8 +7,9 @@ namespace mortise::output {
 
 // One environment of a batch as the file below sees it.
 struct EnvironmentFields {
-  std::string folder;  // beside the file; its fields.vtkhdf may be missing
-  int exit_code = -1;  // -1: it never began
+  std::string folder;             // beside the file
+  int exit_code = -1;             // -1: it never began
+  std::vector<std::string> runs;  // folders of its episodes one after the other, or its own; their fields.vtkhdf may be missing
   std::vector<std::pair<std::string, double>> values;  // drawn for it: path and number
 };
 

@@ -16,9 +16,11 @@
 #include "output/atomic_file.h"
 #include "output/environment_fields.h"
 #include "run/batch_progress.h"
+#include "run/environment.h"
 #include "run/environment_end.h"
 #include "run/environment_process.h"
 #include "run/folder.h"
+#include "run/grid_picture.h"
 #include "run/progress.h"
 #include "run/record.h"
 #include "run/signals.h"
@@ -98,7 +100,7 @@ class Batch {
     const std::string& drawn = scene_.root.at("environments").text("pictures");
     one.no_render = one.no_render || drawn == "none" || (drawn == "first" && e > 0);
     free_ -= one.threads;
-    running_.push_back(std::make_unique<EnvironmentProcess>(e, one, [this, e] { return scene::environment_of(scene_, o_.overrides, tables_, e); }));
+    running_.push_back(std::make_unique<EnvironmentProcess>(e, one.threads, [this, &one](Progress& progress) { return run_environment(one, scene_, tables_, progress); }));
   }
 
   void listen() {
@@ -164,6 +166,8 @@ class Batch {
       end.code = Exit::checks, end.message = fmt::format("checks failed in {} of {} environments", refused, count());
     }
     write_fields();
+    write_episodes();
+    draw_grid();
     end.wall = since_begin();
     write_table();
     output::write_file_atomically(folder_.file("environments.json"), environments_json(ends_, end), true);
@@ -185,12 +189,29 @@ class Batch {
   void write_fields() const {
     std::vector<output::EnvironmentFields> all;
     for (long e = 0; e < count(); ++e) {
-      const std::string folder = environment_folder(folder_.path(), e);
-      output::EnvironmentFields one{fs::path(folder).filename().string(), ends_[e].code, {}};
+      output::EnvironmentFields one{fs::path(environment_folder(folder_.path(), e)).filename().string(), ends_[e].code, {}, {}};
+      for (const std::string& run : ends_[e].runs) one.runs.push_back(fs::path(run).lexically_relative(folder_.path()).string());
       for (const scene::Drawn& d : ends_[e].drawn) one.values.emplace_back(d.path, d.value);
       all.push_back(std::move(one));
     }
     output::write_environment_fields(folder_.path(), all);
+  }
+
+  // All resets in one table.
+  void write_episodes() const {
+    if (!scene_.root.at("environments").has("reset")) return;
+    std::string text = "environment," + episodes_header(scene_.root) + "\n";
+    for (long e = 0; e < count(); ++e)
+      for (const Episode& episode : episodes_in(environment_folder(folder_.path(), e))) text += fmt::format("{},{}\n", e, episode.line);
+    output::write_file_atomically(folder_.file("episodes.csv"), text, true);
+  }
+
+  void draw_grid() const {
+    if (o_.no_render || scene_.root.at("environments").text("pictures") != "grid") return;
+    std::vector<std::string> folders;
+    for (const EnvironmentEnd& e : ends_)
+      if (!e.runs.empty()) folders.push_back(e.runs.front() + "/frames");
+    draw_side_by_side(folders, folder_.file("frames"));
   }
 
   static std::string text_of(const std::string& line);

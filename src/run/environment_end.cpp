@@ -35,25 +35,33 @@ std::string name_of(long environment) { return std::filesystem::path(environment
 
 }  // namespace
 
-void read_end(const std::string& folder, EnvironmentEnd& end) {
+void read_run(const std::string& folder, EnvironmentEnd& end) {
   const Json run = read_json(folder + "/run.json"), certificate = read_json(folder + "/certificate.json");
   if (run.is_object() && run.contains("steps") && run.contains("frames")) {
     const Json& steps = run["steps"];
-    end.steps = steps.value("count", 0L);
-    end.frames = run["frames"].get<long>();
-    if (const auto it = steps.find("newton_iterations"); it != steps.end() && it->is_object()) end.newton = static_cast<long>(it->value("total", 0.0));
+    end.steps += steps.value("count", 0L);
+    end.frames += run["frames"].get<long>();
+    if (const auto it = steps.find("newton_iterations"); it != steps.end() && it->is_object()) end.newton += static_cast<long>(it->value("total", 0.0));
   }
-  if (certificate.is_object()) end.grade = certificate.value("grade", ""), end.reason = certificate.value("reason", "");
+  const std::string grade = certificate.is_object() ? certificate.value("grade", "") : "";
+  if (grade > end.grade) end.grade = grade, end.reason = certificate.value("reason", "");
+  end.runs.push_back(folder);
+}
+
+void read_end(const std::string& folder, EnvironmentEnd& end) {
+  std::error_code ec;
+  if (!std::filesystem::exists(episode_folder(folder, 0), ec)) return read_run(folder, end);
+  for (long episode = 0; std::filesystem::exists(episode_folder(folder, episode), ec); ++episode) read_run(episode_folder(folder, episode), end);
 }
 
 std::string environments_csv(const std::vector<EnvironmentEnd>& all) {
-  std::string out = "environment,status,exit_code,grade,reason,message,steps,newton_iterations,cpu_seconds,wall_seconds";
+  std::string out = "environment,status,exit_code,grade,reason,message,episodes,steps,newton_iterations,cpu_seconds,wall_seconds";
   if (!all.empty())
     for (const scene::Drawn& d : all.front().drawn) out += "," + cell(d.path);
   out += "\n";
   for (std::size_t e = 0; e < all.size(); ++e) {
     const EnvironmentEnd& end = all[e];
-    out += fmt::format("{},{},{},{},{},{},{},{},{:.3f},{:.3f}", e, end.status(), end.code < 0 ? "" : std::to_string(end.code), cell(end.grade), cell(end.reason), cell(first_line(end.message)), end.steps,
+    out += fmt::format("{},{},{},{},{},{},{},{},{},{:.3f},{:.3f}", e, end.status(), end.code < 0 ? "" : std::to_string(end.code), cell(end.grade), cell(end.reason), cell(first_line(end.message)), end.runs.size(), end.steps,
                        end.newton, end.cpu, end.wall);
     for (const scene::Drawn& d : end.drawn) out += "," + scene::format_number(d.value);
     out += "\n";
@@ -105,6 +113,7 @@ std::string environments_json(const std::vector<EnvironmentEnd>& all, const Batc
                                  {"message", one.message},
                                  {"grade", one.grade.empty() ? Json(nullptr) : Json(one.grade)},
                                  {"reason", one.reason},
+                                 {"episodes", one.runs.size()},
                                  {"steps", one.steps},
                                  {"frames", one.frames},
                                  {"newton_iterations", one.newton},

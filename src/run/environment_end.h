@@ -14,7 +14,8 @@ struct EnvironmentEnd {
   double wall = 0, cpu = 0;      // [s], of its process in this command
   long long memory = 0;          // most resident memory of its process [B]
   long steps = 0, frames = 0, newton = 0;  // that its files hold; Newton iterations
-  std::string grade, reason;     // of its certificate
+  std::string grade, reason;     // of its certificate, of the worst episode's
+  std::vector<std::string> runs; // folders of its runs: its own, or those of its episodes
 
   bool done() const { return code == static_cast<int>(Exit::done) || code == static_cast<int>(Exit::checks); }
   bool stopped() const { return code == static_cast<int>(Exit::stopped); }
@@ -26,7 +27,9 @@ struct EnvironmentEnd {
   }
 };
 
-// Reads steps, frames and grade from what it left in its folder.
+// Adds steps, frames and grade of one run.
+void read_run(const std::string& folder, EnvironmentEnd& end);
+// Of all that it left in its folder.
 void read_end(const std::string& folder, EnvironmentEnd& end);
 
 struct BatchEnd {

@@ -15,7 +15,6 @@
 #include <nlohmann/json.hpp>
 
 #include "base/process.h"
-#include "run/run.h"
 
 namespace mortise::run {
 namespace {
@@ -27,14 +26,14 @@ double now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 double seconds(const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); }
 
 // The exit code; what went wrong is the last line on the standard output.
-int run_here(const Options& options, const std::function<scene::Scene()>& scene) {
+int run_here(const std::function<Exit(Progress&)>& work) {
   const auto failed = [](Exit code, const std::string& message) {
     std::fputs((Json{{"event", "error"}, {"message", message}}.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n").c_str(), stdout);
     return static_cast<int>(code);
   };
   const std::unique_ptr<Progress> progress = make_progress(true, false);
   try {
-    return static_cast<int>(run_one(options, scene(), *progress));
+    return static_cast<int>(work(*progress));
   } catch (const Error& e) {
     return failed(e.code(), e.what());
   } catch (const std::bad_alloc&) {
@@ -46,8 +45,7 @@ int run_here(const Options& options, const std::function<scene::Scene()>& scene)
 
 }  // namespace
 
-EnvironmentProcess::EnvironmentProcess(long environment, const Options& options, const std::function<scene::Scene()>& scene)
-    : environment_(environment), threads_(options.threads), began_(now()) {
+EnvironmentProcess::EnvironmentProcess(long environment, int threads, const std::function<Exit(Progress&)>& work) : environment_(environment), threads_(threads), began_(now()) {
   int ends[2];
   std::fflush(nullptr);  // or both would print what waits
   if (pipe2(ends, O_CLOEXEC) != 0) throw Error(Exit::internal, std::string("cannot make a pipe: ") + std::strerror(errno));
@@ -63,7 +61,7 @@ EnvironmentProcess::EnvironmentProcess(long environment, const Options& options,
     if (getppid() != parent) _exit(127);  // it was too late for that
     dup2(ends[1], STDOUT_FILENO);
     if (const int none = open("/dev/null", O_RDONLY); none >= 0) dup2(none, STDIN_FILENO);
-    const int code = run_here(options, scene);
+    const int code = run_here(work);
     std::fflush(nullptr);
     _exit(code);
   }

@@ -5,16 +5,15 @@
 #include <string>
 
 #include "run/environment_end.h"
-#include "run/options.h"
-#include "scene/scene.h"
+#include "run/progress.h"
 
 namespace mortise::run {
 
 // One environment in a process of its own: a copy of this one, which must not have started threads.
 class EnvironmentProcess {
  public:
-  // `scene` is called in there.
-  EnvironmentProcess(long environment, const Options& options, const std::function<scene::Scene()>& scene);
+  // `work` is called in there, and its progress is what listen() hears.
+  EnvironmentProcess(long environment, int threads, const std::function<Exit(Progress&)>& work);
   ~EnvironmentProcess();
   EnvironmentProcess(const EnvironmentProcess&) = delete;
   EnvironmentProcess& operator=(const EnvironmentProcess&) = delete;

@@ -25,7 +25,13 @@ namespace mortise::run {
 namespace {
 
 constexpr const char* kLock = "run.lock";
-constexpr const char* kEnvironment = "env_";  // and its number
+constexpr const char *kEnvironment = "env_", *kEpisode = "episode_";  // and their numbers
+
+bool is_part(const std::string& name) {
+  for (const std::string prefix : {kEnvironment, kEpisode})
+    if (name.rfind(prefix, 0) == 0 && name.size() >= prefix.size() + 4 && name.find_first_not_of("0123456789", prefix.size()) == std::string::npos) return true;
+  return false;
+}
 
 [[noreturn]] void fail(const std::string& what) { throw Error(Exit::file, what + ": " + std::strerror(errno)); }
 
@@ -57,10 +63,12 @@ bool same_file(int file, const std::string& path) {
 
 std::string environment_folder(const std::string& folder, long environment) { return fmt::format("{}/{}{:04}", folder, kEnvironment, environment); }
 
+std::string episode_folder(const std::string& folder, long episode) { return fmt::format("{}/{}{:04}", folder, kEpisode, episode); }
+
 std::string folder_of(const Options& o, const Params& scene) {
   if (!o.output.empty()) return o.output;
-  const std::string all = "out/" + scene.text("name");
-  return o.environment < 0 ? all : environment_folder(all, o.environment);
+  const std::string all = "out/" + scene.text("name"), own = o.environment < 0 ? all : environment_folder(all, o.environment);
+  return o.episode < 0 ? own : episode_folder(own, o.episode);
 }
 
 void Folder::unlock() {
@@ -144,15 +152,14 @@ std::string Folder::lock() {
 void Folder::remove_results() const {
   std::error_code ec;
   for (const char* ours : {"fields.vtkhdf", "fields.vtkhdf.new", "fields.vtkhdf.journal", "fields.xdmf", "fields.xdmf.tmp", "run.json", "run.json.tmp", "certificate.json", "certificate.json.tmp",
-                           "checkpoint.h5", "checkpoint.h5.tmp", "checkpoint.prev.h5", "touching.obj", "touching.obj.tmp", "newton.csv", "environments.csv", "environments.csv.tmp", "environments.json", "environments.json.tmp"})
+                           "checkpoint.h5", "checkpoint.h5.tmp", "checkpoint.prev.h5", "touching.obj", "touching.obj.tmp", "newton.csv", "episodes.csv", "episodes.csv.tmp", "environments.csv", "environments.csv.tmp", "environments.json", "environments.json.tmp"})
     if (unlink(file(ours).c_str()) != 0 && errno != ENOENT) fail("cannot replace '" + file(ours) + "'");
   for (fs::directory_iterator it(path_, ec), end; !ec && it != end; it.increment(ec)) {
-    const std::string name = it->path().filename().string(), number = name.substr(0, 4) == kEnvironment ? name.substr(4) : "";
-    if (number.size() < 4 || number.find_first_not_of("0123456789") != std::string::npos || !it->is_directory() || it->is_symlink()) continue;
-    Folder environment(it->path().string());
-    environment.lock();
-    environment.remove_results();
-    environment.unlock();
+    if (!is_part(it->path().filename().string()) || !it->is_directory() || it->is_symlink()) continue;
+    Folder part(it->path().string());
+    part.lock();
+    part.remove_results();
+    part.unlock();
     rmdir(it->path().c_str());
   }
   const std::string frames = file("frames");

@@ -6,8 +6,9 @@
 
 namespace mortise::run {
 
-// Where a run goes: what -o says, or out/<name>; of one of several environments env_0007 in there.
+// Where a run goes: what -o says, or out/<name>; of one of several environments env_0007 in there, of its episodes episode_0003 in there.
 std::string environment_folder(const std::string& folder, long environment);
+std::string episode_folder(const std::string& folder, long episode);
 std::string folder_of(const Options& options, const Params& scene);
 
 // The results of one run. While it lives nobody else writes there: DIR/run.lock says who does (host and process), is locked by that process

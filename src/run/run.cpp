@@ -25,12 +25,14 @@
 #include "run/batch.h"
 #include "run/certificate.h"
 #include "run/checks.h"
+#include "run/environment.h"
 #include "run/folder.h"
 #include "run/newton_log.h"
 #include "run/output_mesh.h"
 #include "run/pictures.h"
 #include "run/progress.h"
 #include "run/record.h"
+#include "run/reset_watch.h"
 #include "run/sensor_facts.h"
 #include "run/sensor_maps.h"
 #include "run/signals.h"
@@ -98,6 +100,9 @@ class Run {
     return status;
   }
 
+  // The condition that ended an episode; "" where none did.
+  std::string ended_by() const { return reset_ && reset_->due() ? reset_->reason() : ""; }
+
  private:
   Exit work() {
     resolved_ = scene::to_yaml(scene_.root);
@@ -106,6 +111,7 @@ class Run {
     frame_every_ = scene_.root.at("time").integer("frame_every");
     steps_ = scene_.root.at("time").integer("steps");
     last_ = o_.frames >= 0 ? std::min(steps_, o_.frames * frame_every_) : steps_;
+    if (o_.most_steps >= 0) last_ = std::min(last_, o_.most_steps);
 
     folder_.emplace(dir);
     std::unique_ptr<output::NewestCheckpoint> checkpoint;
@@ -132,6 +138,7 @@ class Run {
     certificate_.emplace(input);
     checks_.emplace(input);
     newton_log_.emplace(folder_->file("newton.csv"));
+    if (!o_.resets.empty()) reset_.emplace(o_.resets, input);
 
     output::FieldOptions fields;
     const Params& out = scene_.root.at("output");
@@ -169,12 +176,12 @@ class Run {
     } else {
       started_ = true;
       file_ = output::FieldFile::open(field_path, output_mesh(input), {version(), git_sha1(), resolved_, hash_}, fields);
-      write_frame(nullptr);
+      write_start();
       progress_.frame(0, 0);
       save();
     }
 
-    while (engine_->steps_done() < last_) {
+    while (engine_->steps_done() < last_ && !(reset_ && reset_->due())) {
       if (stop()) return stopped();
       solver::StepReport report;
       const auto begin = Time::now();
@@ -198,6 +205,7 @@ class Run {
       after_step(report);
     }
     file_->close();
+    if (!ended_by().empty()) note("reset: " + ended_by());
     return Exit::done;
   }
 
@@ -212,6 +220,7 @@ class Run {
 
   std::string overrides_text() const {
     std::string text = o_.environment >= 0 ? fmt::format(" --environment {}", o_.environment) : "";
+    if (o_.episode >= 0) text += fmt::format(" --episode {}", o_.episode);
     for (const std::string& s : o_.overrides) text += " --set " + shell_word(s);
     return text;
   }
@@ -236,11 +245,15 @@ class Run {
   }
 
   void after_step(const solver::StepReport& report) {
-    const bool frame = engine_->steps_done() % frame_every_ == 0 || engine_->steps_done() == steps_;
+    const std::vector<double> points = engine_->points();
+    Snapshot state;
+    engine_->report(state);
+    if (reset_) watch(state, points);
+    const bool frame = engine_->steps_done() % frame_every_ == 0 || engine_->steps_done() == last_step();
     if (frame)
-      write_frame(&report);
+      write_frame(&report, state, points);
     else
-      capture(report);
+      capture(report, state, points);
     certificate_->step(report);
     checks_->step(report);
     progress_.step(report, contact_);
@@ -248,10 +261,18 @@ class Run {
     if (frame) progress_.frame(file_->frames() - 1, engine_->time());
   }
 
+  void watch(Snapshot state, const std::vector<double>& points) {
+    sensors_->read(state, points);
+    reset_->see(engine_->steps_done(), engine_->time(), state, points);
+  }
+
   bool stop() const { return stop_asked() || (o_.walltime > 0 && std::chrono::duration<double>(Time::now() - begin_).count() > o_.walltime - o_.grace); }
 
+  // The last step of all has a frame; so has the one that ends an episode.
+  long last_step() const { return reset_ && reset_->due() ? engine_->steps_done() : o_.most_steps >= 0 ? last_ : steps_; }
+
   bool checkpoint_due(bool frame) const {
-    if (engine_->steps_done() == last_) return true;
+    if (engine_->steps_done() == last_ || engine_->steps_done() == last_step()) return true;
     if (checkpoint_steps_ > 0) return engine_->steps_done() % checkpoint_steps_ == 0;
     if (checkpoint_seconds_ > 0) return std::chrono::duration<double>(Time::now() - saved_).count() >= checkpoint_seconds_;
     return frame;
@@ -264,20 +285,21 @@ class Run {
     record_.steps.push_back(row);
   }
 
-  void capture(const solver::StepReport& report) {
-    Snapshot state;
-    engine_->report(state);
+  void capture(const solver::StepReport& report, const Snapshot& state, const std::vector<double>& points) {
     certificate_->state(state);
-    checks_->state(state, engine_->points());
+    checks_->state(state, points);
     append(report, state);
   }
 
-  // `report`: of the step that led to this state, null at the start.
-  void write_frame(const solver::StepReport* report) {
-    const auto begin = Time::now();
-    const std::vector<double> points = engine_->points();
+  void write_start() {
     Snapshot state;
     engine_->report(state);
+    write_frame(nullptr, state, engine_->points());
+  }
+
+  // `report`: of the step that led to this state, null at the start.
+  void write_frame(const solver::StepReport* report, Snapshot& state, const std::vector<double>& points) {
+    const auto begin = Time::now();
     const std::vector<sensors::Reading> readings = sensors_->read(state, points);
     certificate_->state(state);
     file_->begin_frame(engine_->time(), points);
@@ -322,6 +344,10 @@ class Run {
     certificate_->checkpoint(certificate);
     checks_->checkpoint(checks);
     newton_log_->checkpoint(log);
+    if (reset_) {
+      PrefixedArchive reset(archive, "run/reset");
+      reset_->checkpoint(reset);
+    }
     bool drawn = sensor_maps_.has_value();
     maps.io("drawn", drawn);
     if (drawn && sensor_maps_) sensor_maps_->checkpoint(maps);
@@ -368,6 +394,7 @@ class Run {
   Record record_;
   std::optional<Certificate> certificate_;
   std::optional<Checks> checks_;
+  std::optional<ResetWatch> reset_;
   ContactFigures contact_;
   long frame_every_ = 1, steps_ = 0, last_ = 0;  // last_: where this run ends, with --frames before the scene does
   long picture_every_ = 1, checkpoint_steps_ = 0;
@@ -378,7 +405,12 @@ class Run {
 
 }  // namespace
 
-Exit run_one(const Options& options, scene::Scene scene, Progress& progress) { return Run(options, std::move(scene), progress).go(); }
+Exit run_one(const Options& options, scene::Scene scene, Progress& progress, std::string* ended_by) {
+  Run run(options, std::move(scene), progress);
+  const Exit status = run.go();
+  if (ended_by) *ended_by = run.ended_by();
+  return status;
+}
 
 Exit run_scene(const Options& options, std::span<const scene::EffectTable> tables) {
   std::signal(SIGPIPE, SIG_IGN);  // a reader of the progress that went away does not end the run
@@ -387,7 +419,7 @@ Exit run_scene(const Options& options, std::span<const scene::EffectTable> table
   if (options.environment < 0 && count > 0) return run_batch(options, scene, tables);
   const std::unique_ptr<Progress> progress = make_progress(options.json, options.quiet);
   if (options.environment < 0) return run_one(options, std::move(scene), *progress);
-  return run_one(options, scene::one_environment(scene, options.overrides, tables, options.environment), *progress);
+  return run_environment(options, scene, tables, *progress);
 }
 
 }  // namespace mortise::run

@@ -11,7 +11,7 @@ namespace mortise::run {
 // A scene with `environments` has a folder of this kind for each of them (batch.h).
 Exit run_scene(const Options& options, std::span<const scene::EffectTable> tables);
 
-// The same of a scene that has been read and is one run.
-Exit run_one(const Options& options, scene::Scene scene, Progress& progress);
+// The same of a scene that has been read and is one run. `ended_by`: the condition of options.resets that ended it, if one did.
+Exit run_one(const Options& options, scene::Scene scene, Progress& progress, std::string* ended_by = nullptr);
 
 }  // namespace mortise::run

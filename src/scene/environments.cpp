@@ -41,6 +41,19 @@ const ParamTable& vary_table() {
   return t;
 }
 
+const ParamTable& reset_table() {
+  static const ParamTable t{"reset",
+                            "When an environment begins its next episode: exactly one of after, body, quantity and failure.",
+                            {positive(optional(of(Kind::number, "after", Unit::time, {}, "Time in the episode."))),
+                             optional(of(Kind::text, "body", Unit::none, {}, "Body whose centre of mass leaves what `above` and `below` leave it.")),
+                             optional(choice("axis", {"x", "y", "z"}, "", "Of the body's centre: which coordinate.")),
+                             optional(of(Kind::text, "quantity", Unit::none, {}, "Scalar that an effect reports, as group/name: mortar_contact/force_pad_z.")),
+                             optional(of(Kind::number, "above", Unit::any, {}, "The episode ends where the number is larger than this.")),
+                             optional(of(Kind::number, "below", Unit::any, {}, "The episode ends where the number is smaller than this.")),
+                             optional(of(Kind::flag, "failure", Unit::none, {}, "true: a step that fails, or bodies that touch at the start, end the episode and not the environment."))}};
+  return t;
+}
+
 std::vector<std::string> split(const std::string& path) {
   std::vector<std::string> parts{""};
   for (char c : path)
@@ -292,29 +305,59 @@ const ParamTable& environments_table() {
   static const ParamTable t = [] {
     Param vary = table("vary", &vary_table(), "Numbers that differ between environments; without any all are equal.");
     vary.kind = Kind::tables;
+    Param reset = table("reset", &reset_table(), "Conditions that end an episode. The next begins at the start, with new numbers; time.steps are the steps of all episodes of an environment.");
+    reset.kind = Kind::tables;
     return ParamTable{"environments",
                       "Copies of the scene that are run side by side and know nothing of each other, each with numbers of its own.",
                       {range(of(Kind::integer, "count", Unit::none, {}, "How many there are."), 1, 1e6),
                        range(of(Kind::integer, "seed", Unit::none, "0", "What is drawn hangs on this number, the environment and the path, and on nothing else."), 0, 9007199254740992.0), vary,
-                       choice("pictures", {"none", "first", "all"}, "first", "Which environments draw pictures.")}};
+                       choice("pictures", {"none", "first", "all", "grid"}, "first", "Which environments draw pictures; grid: all, and side by side in one picture each."), reset}};
   }();
   return t;
 }
 
+namespace {
+
+void check_reset(const Params& entry, const Node* node, const Params* bodies, Diagnostics& errors) {
+  int what = 0;
+  for (const char* key : {"after", "body", "quantity", "failure"}) what += entry.has(key);
+  if (what != 1) return errors.add(entry.where(), "a reset hangs on exactly one of after, body, quantity and failure");
+  const Params *body = entry.find("body"), *quantity = entry.find("quantity"), *failure = entry.find("failure");
+  const bool bounded = entry.has("above") || entry.has("below");
+  if ((body || quantity) && !bounded) errors.add(entry.where(), "a reset by " + std::string(body ? "a body's place" : "a quantity") + " needs 'above' or 'below'");
+  if (!body && !quantity && bounded) errors.add(entry.where(), "'above' and 'below' belong to a body or a quantity");
+  if (!body && entry.has("axis")) errors.add(entry.at("axis").where(), "'axis' belongs to a body");
+  if (body && !entry.has("axis")) errors.add(entry.where(), "a reset by a body's place needs 'axis'");
+  if (failure && !failure->as_flag()) errors.add(failure->where(), "failure: false has no meaning", "leave the entry out");
+  if (body && bodies) {
+    const Params* found = bodies->find(body->as_text());
+    if (!found) errors.add(body->where(), "no body '" + body->as_text() + "'", suggestion(body->as_text(), keys(*bodies)));
+    if (found && found->text("type") == "half_space") errors.add(body->where(), "half-space '" + body->as_text() + "' does not move");
+    for (const char* key : {"above", "below"})
+      if (const Node* bound = node ? node->find(key) : nullptr)
+        if (const Quantity q = parse_quantity(bound->text, Unit::length); !q.error.empty()) errors.add(bound->at, std::string(key) + " " + q.error, q.hint);
+  }
+  if (quantity && (quantity->as_text().find('/') == std::string::npos || quantity->as_text().back() == '/'))
+    errors.add(quantity->where(), "'" + quantity->as_text() + "' is no scalar", "write group/name, as in fields.vtkhdf under mortise/effects");
+}
+
+const Node* entry_of(const Node* list, std::size_t i) { return !list ? nullptr : list->kind != Node::Kind::list ? list : i < list->items.size() ? &list->items[i] : nullptr; }
+
+}  // namespace
+
 void check_environments(const Node& written, const Params& root, const ParamTable& table, const std::set<std::string>& incomplete, Diagnostics& errors) {
   const Params* block = root.find("environments");
-  const Params* vary = block ? block->find("vary") : nullptr;
-  if (!vary || !block->has("count") || !block->has("seed") || incomplete.count("environments")) return;
   // Where the rest is wrong, paths into it may not lead anywhere.
   const bool whole = std::all_of(incomplete.begin(), incomplete.end(), [](const std::string& path) { return path.rfind("environments", 0) == 0; });
-  if (!whole) return;
+  if (!block || !block->has("count") || !block->has("seed") || !whole || incomplete.count("environments")) return;
   const Node* environments = written.find("environments");
-  const Node* entries = environments ? environments->find("vary") : nullptr;
   Check check(root, table, errors);
-  for (std::size_t i = 0; i < vary->items().size(); ++i) {
-    const Node* node = !entries ? nullptr : entries->kind != Node::Kind::list ? entries : i < entries->items.size() ? &entries->items[i] : nullptr;
-    check.entry(vary->items()[i], node);
-  }
+  if (const Params* vary = block->find("vary"))
+    for (std::size_t i = 0; i < vary->items().size(); ++i)
+      if (!incomplete.count("environments.vary." + std::to_string(i))) check.entry(vary->items()[i], entry_of(environments ? environments->find("vary") : nullptr, i));
+  if (const Params* reset = block->find("reset"))
+    for (std::size_t i = 0; i < reset->items().size(); ++i)
+      if (!incomplete.count("environments.reset." + std::to_string(i))) check_reset(reset->items()[i], entry_of(environments ? environments->find("reset") : nullptr, i), root.find("bodies"), errors);
 }
 
 long environment_count(const Params& root) {

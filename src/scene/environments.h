@@ -30,6 +30,6 @@ std::vector<Drawn> draw(const Params& root, long environment, long episode);
 
 // An environment as a scene of its own. one_environment: also of a number that a user gave, Error(Exit::usage) where there is none such. Throws SceneErrors where what was drawn makes a scene invalid.
 Scene environment_of(const Scene& all, const std::vector<std::string>& overrides, std::span<const EffectTable> effects, long environment, long episode = 0);
-Scene one_environment(const Scene& all, const std::vector<std::string>& overrides, std::span<const EffectTable> effects, long environment);
+Scene one_environment(const Scene& all, const std::vector<std::string>& overrides, std::span<const EffectTable> effects, long environment, long episode = 0);
 
 }  // namespace mortise::scene

@@ -96,12 +96,12 @@ Scene environment_of(const Scene& all, const std::vector<std::string>& overrides
   return scene;
 }
 
-Scene one_environment(const Scene& all, const std::vector<std::string>& overrides, std::span<const EffectTable> effects, long environment) {
+Scene one_environment(const Scene& all, const std::vector<std::string>& overrides, std::span<const EffectTable> effects, long environment, long episode) {
   const long count = environment_count(all.root);
   if (count == 0) throw Error(Exit::usage, "--environment: the scene has no 'environments'");
   if (environment < 0 || environment >= count)
     throw Error(Exit::usage, "--environment " + std::to_string(environment) + ": the scene has " + (count == 1 ? "one environment, 0" : "environments 0 to " + std::to_string(count - 1)));
-  return environment_of(all, overrides, effects, environment);
+  return environment_of(all, overrides, effects, environment, episode);
 }
 
 }  // namespace mortise::scene

@@ -191,6 +191,85 @@ TEST_F(EnvironmentsProgram, AKilledEnvironmentIsNamed) {
   EXPECT_THAT(summary("out")["environments"][1]["message"].get<std::string>(), HasSubstr("signal 9"));
 }
 
+// A ball is thrown onto a pad again and again.
+std::string thrown(const std::string& reset, const std::string& heights = "[4.5 mm]") {
+  return "mortise: 1\nname: thrown\ntime: {step: 5 ms, steps: 24, frame_every: 2}\nenvironments:\n  count: 3\n  seed: 3\n  vary:\n    - {path: materials.gel.youngs_modulus, scale: {log_uniform: [0.5, 2]}}\n"
+         "    - {path: bodies.ball.velocity.2, abs: {uniform: [-0.4 m/s, -0.2 m/s]}}\n    - {path: bodies.ball.position.2, abs: {choice: " + heights + "}}\n  reset: " + reset + "\n"
+         "materials: {gel: {youngs_modulus: 0.2 MPa, poisson_ratio: 0.45, density: 1050}, steel: {density: 7850}}\n"
+         "bodies:\n"
+         "  pad: {type: soft, shape: {box: {size: [15 mm, 12 mm, 4 mm], edge_length: 3 mm}}, material: gel, position: [0, 0, -2 mm]}\n"
+         "  ball: {type: stiff, shape: {sphere: {radius: 4 mm, edge_length: 2 mm}}, material: steel, position: [-1 mm, 0, 4.5 mm], velocity: [0.1 m/s, 0, 0]}\n"
+         "effects:\n  inertia: {}\n  elasticity: {}\n  affine_body: {}\n  pin: [{body: pad, where: {side: z_min}}]\n  mortar_contact: {pairs: [{slave: pad, master: ball}]}\n"
+         "  friction: {follows: mortar_contact, mu: 0.5}\noutput: {precision: double}\n";
+}
+
+// After a reset everything is that of a run from the start: an episode has the bits that it has alone, whatever went before it.
+TEST_F(EnvironmentsProgram, EpisodesBeginAfresh) {
+  write("s.yaml", thrown("[{after: 50 ms}, {body: ball, axis: z, above: 4.6 mm}, {quantity: mortar_contact/force_pad_z, below: -0.047 N}]"));
+  const Result r = run("s.yaml -o out");
+  ASSERT_EQ(r.code, 0) << r.err;
+  std::istringstream log(read_text(at("out/episodes.csv")));
+  std::string line;
+  std::getline(log, line);
+  EXPECT_EQ(line, "environment,episode,first_step,steps,ended_by,materials.gel.youngs_modulus,bodies.ball.velocity.2,bodies.ball.position.2");
+  std::set<std::string> draws, reasons;
+  std::map<int, int> taken;
+  int compared = 0;
+  while (std::getline(log, line)) {
+    int e = 0, j = 0, first = 0, steps = 0;
+    ASSERT_EQ(std::sscanf(line.c_str(), "%d,%d,%d,%d,", &e, &j, &first, &steps), 4) << line;
+    EXPECT_EQ(first, taken[e]);
+    taken[e] += steps;
+    const std::size_t quote = line.find('"'), end = line.find('"', quote + 1);
+    draws.insert(line.substr(end)), reasons.insert(line.substr(quote + 1, 5));
+    if (steps % 2 != 0 || compared == 3 || j == 0) continue;
+    const std::string alone = "alone" + std::to_string(compared++), number = std::to_string(e), episode = std::to_string(j);
+    ASSERT_EQ(run("s.yaml -o " + alone + " --environment " + number + " --episode " + episode + " --frames " + std::to_string(steps / 2)).code, 0);
+    auto there = last_state(at("out" + env(e) + "/episode_000" + episode));
+    std::erase_if(there, [](const auto& entry) { return entry.first.rfind("run/reset", 0) == 0; });
+    EXPECT_EQ(there, last_state(at(alone))) << line;
+  }
+  EXPECT_GE(compared, 2);
+  EXPECT_GT(draws.size(), 5u);
+  EXPECT_TRUE(reasons.count("after") && reasons.count("morta")) << read_text(at("out/episodes.csv"));
+  for (const auto& [e, steps] : taken) EXPECT_EQ(steps, 24);
+}
+
+TEST_F(EnvironmentsProgram, ResetsSurviveKills) {
+  write("s.yaml", thrown("[{after: 40 ms}, {body: ball, axis: z, above: 4.6 mm}]"));
+  ASSERT_EQ(run("s.yaml -o whole").code, 0);
+  for (int i = 0; i < 6; ++i) {
+    const pid_t child = start({"run", at("s.yaml"), "-o", at("cut"), "--no-render", "--resume=auto", "-q", "-j", "2"}, [this] {
+      const int out = open(at("cut.txt").c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
+      dup2(out, 1), dup2(out, 2);
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(150 + 100 * i));
+    kill(child, i % 2 ? SIGKILL : SIGTERM);
+    wait_for(child);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  const Result last = run("s.yaml -o cut --resume");
+  ASSERT_EQ(last.code, 0) << last.err;
+  EXPECT_EQ(read_text(at("whole/episodes.csv")), read_text(at("cut/episodes.csv")));
+  for (int e = 0; e < 3; ++e)
+    for (int j = 0; fs::exists(at("whole" + env(e) + "/episode_000" + std::to_string(j))); ++j) expect_equal("whole" + env(e) + "/episode_000" + std::to_string(j), "cut" + env(e) + "/episode_000" + std::to_string(j));
+}
+
+// Episodes that start inside the pad are over at once; the environment goes on with other numbers. Without the condition it fails.
+TEST_F(EnvironmentsProgram, AFailureMayBeAReset) {
+  write("s.yaml", thrown("[{after: 40 ms}, {failure: true}]", "[4.5 mm, 3.5 mm]"));
+  const Result r = run("s.yaml -o out");
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_THAT(read_text(at("out/episodes.csv")), HasSubstr(",1,\"failure: "));
+  EXPECT_EQ(summary("out")["done"], 3);
+  write("t.yaml", thrown("[{after: 40 ms}]", "[4.5 mm, 3.5 mm]"));
+  EXPECT_EQ(run("t.yaml -o other").code, 5);
+  write("u.yaml", thrown("[{quantity: mortar_contact/force_pad_y_, above: 1 N}]"));
+  const Result unknown = run("u.yaml -o unknown");
+  EXPECT_EQ(unknown.code, 5);
+  EXPECT_THAT(unknown.err, HasSubstr("did you mean 'mortar_contact/force_pad_"));
+}
+
 TEST_F(EnvironmentsProgram, OtherCommandsKnowThem) {
   write("s.yaml", press(kMortar, "{}", varied(3)));
   const Result check = mortise("check s.yaml", folder_);
