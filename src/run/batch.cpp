@@ -80,7 +80,7 @@ class Batch {
     record_.seconds["setup"] = std::chrono::duration<double>(Time::now() - meshing).count();
     install_signal_handlers();
     const long steps = scene_.root.at("time").integer("steps"), frames = scene_.root.at("time").integer("frame_every");
-    progress_.start(name_, fmt::format("{} environments, {} at a time; {} steps each; results in {}", count(), gpu ? 1 : std::min<long>(threads_, count()), steps, folder_.path()), count(), o_.frames >= 0 ? std::min(steps, o_.frames * frames) : steps);
+    progress_.start(name_, fmt::format("{} environment{}, {} at a time; {} steps each; results in {}", count(), count() == 1 ? "" : "s", gpu ? 1 : std::min<long>(threads_, count()), steps, folder_.path()), count(), o_.frames >= 0 ? std::min(steps, o_.frames * frames) : steps);
   }
 
   // One thread each while there are enough environments for all threads; the last ones share what is left.
@@ -180,7 +180,7 @@ class Batch {
     } else {
       double cpu = 0;
       for (const EnvironmentEnd& e : ends_) cpu += e.cpu;
-      progress_.end(fmt::format("{}: {} environments, {} of CPU time", end.code == Exit::done ? "done" : end.message, count(), duration_text(cpu)), end.wall);
+      progress_.end(fmt::format("{}: {} environment{}, {} of CPU time", end.code == Exit::done ? "done" : end.message, count(), count() == 1 ? "" : "s", duration_text(cpu)), end.wall);
     }
     if (progress_.lost()) throw Error(Exit::file, "the standard output could not be written to the end; the results in '" + folder_.path() + "' are complete");
     return end.code;

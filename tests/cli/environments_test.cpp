@@ -278,6 +278,11 @@ TEST_F(EnvironmentsProgram, OtherCommandsKnowThem) {
   EXPECT_THAT(mortise("check s.yaml --plan", folder_).out, HasSubstr("environments  3"));
   EXPECT_EQ(mortise("check s.yaml --environment 3", folder_).code, 2);
   EXPECT_EQ(mortise("render s.yaml none.vtkhdf", folder_).code, 2);
+  write("sweep.yaml", "mortise_sweep: 1\nscene: s.yaml\nset: [environments.count=2, time.steps=2]\nquantities: [inertia/kinetic_energy]\nrows: [{product: {effects.friction.mu: [0.1, 0.2]}}]\n");
+  const Result sweep = mortise("sweep sweep.yaml -o swept --no-render", folder_), merged = mortise("merge swept", folder_);
+  EXPECT_EQ(sweep.code, 0) << sweep.err;
+  EXPECT_EQ(merged.code, 0) << merged.err;
+  EXPECT_THAT(read_text(at("swept/table.csv")), HasSubstr("done,0,C,"));
   EXPECT_EQ(mortise("study s.yaml --vary time.step=1ms,2ms --quantity inertia/kinetic_energy", folder_).code, 2);
 }
 

@@ -73,6 +73,18 @@ def main(mortise, work, schemas):
         points = [all["environments/Points"][e, last[e]] for e in range(3)]
         times = time[int(np.argmax(last))]
 
+    # The same with resets: what episodes wrote follows each other along the frames and steps of their environment.
+    again = os.path.join(work, "resets")
+    subprocess.run([mortise, "run", scene, "-o", again, "-q", "--device", "cpu", "--set", "solver.iterations=100", "--set", "environments.reset=[{after: 15 ms}]"], check=True)
+    with h5py.File(os.path.join(again, "fields.vtkhdf")) as all:
+        of, step, u = all["environments/episode"][:], all["environments/steps/step"][:], all["environments/PointData/displacement"]
+        assert np.array_equal(of, np.tile([0, 0, 0, 1, 1, 1], (3, 1))), of  # frames after 0, 2, 3 steps
+        assert np.array_equal(step, np.tile([1, 2, 3, 1, 2, 3], (3, 1))), step
+        for e in range(3):
+            for j in range(2):
+                with h5py.File(os.path.join(again, f"env_{e:04d}", f"episode_{j:04d}", "fields.vtkhdf")) as own:
+                    assert np.array_equal(u[e, 3 * j : 3 * j + 3].reshape(-1, 3), own["VTKHDF/PointData/displacement"][: 27 * 3])
+
     reader = vtk.vtkHDFReader()
     reader.SetFileName(path)
     reader.UpdateInformation()
