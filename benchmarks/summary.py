@@ -77,7 +77,7 @@ Error against seconds (`mortise study hertz`, `mortise study patch`; one curve p
 ![Patch test: error of the stress against seconds](study/patch.svg)
 
 Beside CalculiX on the same meshes: [peers](peers/README.md). Growth of factors and conjugate gradients with size: [linear](linear/README.md). Hard cases and random scenes:
-[hard](hard/README.md). What a GPU should measure: [gpu](gpu/README.md).
+[hard](hard/README.md). What a GPU should measure: [gpu](gpu/README.md). Many environments: [environments](environments/README.md); a sweep that is killed: [sweep](sweep/README.md).
 
 ## What a scene's parts cost
 

@@ -2,6 +2,7 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <set>
 
 #include "cli/commands.h"
 #include "cli/plan.h"
@@ -9,6 +10,7 @@
 #include "engine/input.h"
 #include "run/check_start.h"
 #include "run/warnings.h"
+#include "scene/environments.h"
 #include "scene/suggest.h"
 
 namespace mortise::cli {
@@ -18,6 +20,7 @@ struct Options {
   std::string scene;
   std::vector<std::string> overrides;
   bool print_resolved = false, plan = false, quick = false;
+  long environment = -1;
 };
 
 // "3 bodies (2 soft, 1 half_space); effects inertia, gravity; 60 steps"
@@ -33,22 +36,45 @@ std::string summary(const Params& scene) {
          (scene.at("time").text("mode") == "static" ? " load steps" : " steps");
 }
 
+// All that would keep a run of the scene from its first step.
+void check_run(const Params& scene, const std::string& called, std::set<std::string>& warned) {
+  const model::ModelInput input = engine::make_input(scene);
+  run::check_start(scene, input);
+  for (const std::string& w : run::warnings(input))
+    if (warned.insert(w).second) std::cerr << "warning: " << called << w << "\n";
+}
+
 int cmd_check(const Options& o) {
-  const scene::Scene scene = scene::read_scene(o.scene, o.overrides, engine::effect_tables());
+  const std::vector<scene::EffectTable> tables = engine::effect_tables();
+  scene::Scene scene = scene::read_scene(o.scene, o.overrides, tables);
+  if (o.environment >= 0) scene = scene::one_environment(scene, o.overrides, tables, o.environment);
+  const long environments = scene::environment_count(scene.root);
   if (o.print_resolved) {
     std::cout << scene::to_yaml(scene.root);
     return 0;
   }
   if (o.plan) {
+    if (environments > 0) {
+      std::cout << "environments  " << environments << ", each a process with what follows; one per CPU thread at a time\n";
+      scene = scene::environment_of(scene, o.overrides, tables, 0);
+    }
     std::cout << plan_text(scene.root);
     return 0;
   }
-  if (!o.quick) {
-    const model::ModelInput input = engine::make_input(scene.root);
-    run::check_start(scene.root, input);
-    for (const std::string& w : run::warnings(input)) std::cerr << "warning: " << w << "\n";
+  std::set<std::string> warned;
+  if (!o.quick && environments == 0) check_run(scene.root, "", warned);
+  if (environments > 0 && !o.quick) engine::keep_meshes(scene.root);
+  for (long e = 0; e < environments; ++e) {
+    const std::string called = "environment " + std::to_string(e) + ": ";
+    const scene::Scene one = scene::environment_of(scene, o.overrides, tables, e);
+    if (o.quick) continue;
+    try {
+      check_run(one.root, called, warned);
+    } catch (const Error& error) {
+      throw Error(error.code(), called + error.what());
+    }
   }
-  std::cout << (o.scene == "-" ? "<stdin>" : o.scene) << ": valid: " << summary(scene.root) << "\n";
+  std::cout << (o.scene == "-" ? "<stdin>" : o.scene) << ": valid: " << summary(scene.root) << (environments > 0 ? "; " + std::to_string(environments) + " environments" : "") << "\n";
   return 0;
 }
 
@@ -61,6 +87,7 @@ void add_check(CLI::App& app, Context& context) {
   sub->add_flag("--print-resolved", o->print_resolved, "print the scene with all defaults filled in and every number in SI");
   sub->add_flag("--plan", o->plan, "list effects, buffers, bytes and kernels of a run too, and what passes through what");
   sub->add_flag("--quick", o->quick, "read the scene alone: no meshes, no search for bodies that touch");
+  sub->add_option("--environment", o->environment, "of this one of the scene's `environments`, which is a scene of its own")->check(CLI::NonNegativeNumber);
   sub->footer(
       "Examples:\n  mortise check scene.yaml\n  mortise check scene.yaml --set effects.friction.mu=0.3 --print-resolved\n"
       "  generate_scene.py | mortise check -");

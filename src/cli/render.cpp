@@ -10,6 +10,7 @@
 #include "output/field_reader.h"
 #include "run/pictures.h"
 #include "run/sensor_maps.h"
+#include "scene/environments.h"
 
 namespace mortise::cli {
 namespace {
@@ -18,6 +19,7 @@ struct Options {
   std::string scene, fields, output;
   std::vector<std::string> overrides;
   long first = 0, last = -1, every = 0;  // every 0: as the scene says
+  long environment = -1;
 };
 
 // What the file holds of the sensors' readings in one frame.
@@ -37,7 +39,11 @@ std::vector<sensors::Reading> readings_of(const output::FieldReader& reader, con
 }
 
 int cmd_render(const Options& o) {
-  const scene::Scene scene = scene::read_scene(o.scene, o.overrides, engine::effect_tables());
+  const std::vector<scene::EffectTable> tables = engine::effect_tables();
+  scene::Scene scene = scene::read_scene(o.scene, o.overrides, tables);
+  if (o.environment >= 0) scene = scene::one_environment(scene, o.overrides, tables, o.environment);
+  else if (scene::environment_count(scene.root) > 0)
+    throw Error(Exit::usage, "the scene has several environments: say whose fields these are, for example --environment 0 with env_0000/fields.vtkhdf");
   const Params* render = scene.root.find("render");
   if (!render && !scene.root.has("sensors"))
     throw Error(Exit::scene, scene.root.where(), "the scene has no 'render' block: there is no camera to draw with, and no sensor to draw");
@@ -99,6 +105,7 @@ void add_render(CLI::App& app, Context& context) {
   add_scene_options(*sub, o->scene, o->overrides);
   sub->add_option("fields", o->fields, "fields.vtkhdf of a run of this scene")->required();
   sub->add_option("-o,--output", o->output, "folder of the pictures; default `frames` beside the fields");
+  sub->add_option("--environment", o->environment, "the fields are those of this one of the scene's `environments`")->check(CLI::NonNegativeNumber);
   sub->add_option("--frames", *frames, "A:B, A: or A; default all");
   sub->add_option("--every", o->every, "only every so many frames; default as `render.every` of the scene")->check(CLI::PositiveNumber);
   sub->footer(

@@ -13,6 +13,8 @@ void add_run(CLI::App& app, Context& context) {
   auto o = std::make_shared<run::Options>();
   add_scene_options(*sub, o->scene, o->overrides);
   sub->add_option("-o,--output", o->output, "output folder; default out/<name of the scene>");
+  sub->add_option("--environment", o->environment, "run this one of the scene's `environments` alone, as a scene of its own")->check(CLI::NonNegativeNumber);
+  sub->add_option("--episode", o->episode, "and of its episodes this one, in which nothing is reset")->check(CLI::NonNegativeNumber)->needs("--environment");
   auto* overwrite = sub->add_flag("--overwrite", o->overwrite, "replace the results in the output folder");
   sub->add_option("--resume", o->resume, "continue from the newest good checkpoint (`output.checkpoint_every` says how often there is one); --resume=auto starts afresh where there is none")
       ->expected(0, 1)

@@ -1,6 +1,7 @@
 #include "run/folder.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -24,6 +25,13 @@ namespace mortise::run {
 namespace {
 
 constexpr const char* kLock = "run.lock";
+constexpr const char *kEnvironment = "env_", *kEpisode = "episode_";  // and their numbers
+
+bool is_part(const std::string& name) {
+  for (const std::string prefix : {kEnvironment, kEpisode})
+    if (name.rfind(prefix, 0) == 0 && name.size() >= prefix.size() + 4 && name.find_first_not_of("0123456789", prefix.size()) == std::string::npos) return true;
+  return false;
+}
 
 [[noreturn]] void fail(const std::string& what) { throw Error(Exit::file, what + ": " + std::strerror(errno)); }
 
@@ -53,10 +61,21 @@ bool same_file(int file, const std::string& path) {
 
 }  // namespace
 
-Folder::~Folder() {
+std::string environment_folder(const std::string& folder, long environment) { return fmt::format("{}/{}{:04}", folder, kEnvironment, environment); }
+
+std::string episode_folder(const std::string& folder, long episode) { return fmt::format("{}/{}{:04}", folder, kEpisode, episode); }
+
+std::string folder_of(const Options& o, const Params& scene) {
+  if (!o.output.empty()) return o.output;
+  const std::string all = "out/" + scene.text("name"), own = o.environment < 0 ? all : environment_folder(all, o.environment);
+  return o.episode < 0 ? own : episode_folder(own, o.episode);
+}
+
+void Folder::unlock() {
   if (lock_ < 0) return;
   unlink(file(kLock).c_str());
   close(lock_);
+  lock_ = -1;
 }
 
 bool Folder::exists() const {
@@ -133,8 +152,16 @@ std::string Folder::lock() {
 void Folder::remove_results() const {
   std::error_code ec;
   for (const char* ours : {"fields.vtkhdf", "fields.vtkhdf.new", "fields.vtkhdf.journal", "fields.xdmf", "fields.xdmf.tmp", "run.json", "run.json.tmp", "certificate.json", "certificate.json.tmp",
-                           "checkpoint.h5", "checkpoint.h5.tmp", "checkpoint.prev.h5", "touching.obj", "touching.obj.tmp", "newton.csv"})
+                           "checkpoint.h5", "checkpoint.h5.tmp", "checkpoint.prev.h5", "touching.obj", "touching.obj.tmp", "newton.csv", "episodes.csv", "episodes.csv.tmp", "environments.csv", "environments.csv.tmp", "environments.json", "environments.json.tmp"})
     if (unlink(file(ours).c_str()) != 0 && errno != ENOENT) fail("cannot replace '" + file(ours) + "'");
+  for (fs::directory_iterator it(path_, ec), end; !ec && it != end; it.increment(ec)) {
+    if (!is_part(it->path().filename().string()) || !it->is_directory() || it->is_symlink()) continue;
+    Folder part(it->path().string());
+    part.lock();
+    part.remove_results();
+    part.unlock();
+    rmdir(it->path().c_str());
+  }
   const std::string frames = file("frames");
   if (!fs::is_directory(fs::symlink_status(frames, ec))) return;
   for (fs::directory_iterator it(frames, ec), end; !ec && it != end; it.increment(ec))

@@ -2,13 +2,19 @@
 #include <string>
 #include <vector>
 
+#include "base/params.h"
+
 namespace mortise::run {
 
 // The command line of `mortise run`.
 struct Options {
   std::string scene;                   // path, "-" = standard input
   std::vector<std::string> overrides;  // --set a.b=c
-  std::string output;                  // folder; empty: out/<scene name>
+  std::string output;                  // folder; empty: out/<scene name>, of one environment its folder in there
+  long environment = -1;               // of a scene with `environments`: this one alone, as a scene of its own
+  long episode = -1;                   // and of its episodes this one; -1: all that its resets make
+  std::vector<Params> resets{};        // conditions that end the run: entries of environments.reset
+  long most_steps = -1;                // stop after so many steps
   bool overwrite = false;
   std::string resume;                  // "": no; "yes": needs a checkpoint; "auto": a checkpoint if there is one
   double walltime = 0;                 // stop in good time before so many seconds are over; 0: no limit

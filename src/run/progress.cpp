@@ -16,6 +16,24 @@
 #include "run/step_row.h"
 
 namespace mortise::run {
+
+std::string duration_text(double seconds) {
+  if (seconds < 60) return fmt::format("{:.1f} s", seconds);
+  if (seconds < 3600) return fmt::format("{:.0f} min {:02.0f} s", std::floor(seconds / 60), std::fmod(seconds, 60));
+  return fmt::format("{:.0f} h {:02.0f} min", std::floor(seconds / 3600), std::fmod(seconds, 3600) / 60);
+}
+
+int terminal_columns() {
+  constexpr int kUnknown = 80;
+  winsize size = {};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : kUnknown;
+}
+
+bool on_terminal() {
+  const char* term = std::getenv("TERM");
+  return isatty(STDERR_FILENO) && term && std::string(term) != "dumb";
+}
+
 namespace {
 
 std::string length(double metres) {
@@ -23,12 +41,6 @@ std::string length(double metres) {
   if (std::abs(metres) < 1e-6) return fmt::format("{:.3g} nm", metres * 1e9);
   if (std::abs(metres) < 1e-3) return fmt::format("{:.3g} um", metres * 1e6);
   return fmt::format("{:.3g} mm", metres * 1e3);
-}
-
-std::string duration(double seconds) {
-  if (seconds < 60) return fmt::format("{:.1f} s", seconds);
-  if (seconds < 3600) return fmt::format("{:.0f} min {:02.0f} s", std::floor(seconds / 60), std::fmod(seconds, 60));
-  return fmt::format("{:.0f} h {:02.0f} min", std::floor(seconds / 3600), std::fmod(seconds, 3600) / 60);
 }
 
 // What a line may tell of a step. When it is too long for the terminal, the largest `rank` goes first.
@@ -50,13 +62,6 @@ std::string joined(const std::vector<Figure>& list) {
   std::string text;
   for (const Figure& f : list) text += (text.empty() ? "" : "  ") + f.text;
   return text;
-}
-
-// The columns of the terminal behind the standard error, which may change at any time.
-int columns() {
-  constexpr int kUnknown = 80;
-  winsize size = {};
-  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : kUnknown;
 }
 
 // "█████░░░  12/40  FIGURES" in fewer than `width` columns: a line that fills the last column wraps on some terminals. Figures are left out
@@ -90,7 +95,7 @@ class Lines : public Progress {
   }
   void frame(long, double) override {}
   void note(const std::string& text) override { line(text); }
-  void end(const std::string& status, double seconds) override { line(fmt::format("{} in {}", status, duration(seconds))); }
+  void end(const std::string& status, double seconds) override { line(fmt::format("{} in {}", status, duration_text(seconds))); }
 
  protected:
   void line(const std::string& text) const {
@@ -110,8 +115,8 @@ class Terminal : public Lines {
     const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
     const double left = spent / static_cast<double>(done - first_) * static_cast<double>(steps_ - done);
     std::vector<Figure> list = figures(r, c);
-    list.push_back({2, duration(left) + " left"});
-    if (const int width = columns(); width != width_) width_ = width, longest_ = kLongestBar;
+    list.push_back({2, duration_text(left) + " left"});
+    if (const int width = terminal_columns(); width != width_) width_ = width, longest_ = kLongestBar;
     std::fputs(("\r\033[K" + bar_line(done, steps_, std::move(list), width_, longest_)).c_str(), stderr);
     std::fflush(stderr);
     open_ = true;
@@ -167,8 +172,7 @@ class JsonLines : public Progress {
 
 std::unique_ptr<Progress> make_progress(bool json, bool quiet) {
   if (json) return std::make_unique<JsonLines>();
-  const char* term = std::getenv("TERM");
-  if (!quiet && isatty(STDERR_FILENO) && term && std::string(term) != "dumb") return std::make_unique<Terminal>();
+  if (!quiet && on_terminal()) return std::make_unique<Terminal>();
   return std::make_unique<Lines>(quiet);
 }
 

@@ -22,4 +22,8 @@ class Progress {
 
 std::unique_ptr<Progress> make_progress(bool json, bool quiet);
 
+bool on_terminal();      // the standard error is one that lines can be rewritten on
+int terminal_columns();  // of the terminal behind the standard error, which may change at any time
+std::string duration_text(double seconds);
+
 }  // namespace mortise::run

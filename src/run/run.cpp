@@ -22,19 +22,23 @@
 #include "output/field_file.h"
 #include "output/field_reader.h"
 #include "output/run_json.h"
+#include "run/batch.h"
 #include "run/certificate.h"
 #include "run/checks.h"
+#include "run/environment.h"
 #include "run/folder.h"
 #include "run/newton_log.h"
 #include "run/output_mesh.h"
 #include "run/pictures.h"
 #include "run/progress.h"
 #include "run/record.h"
+#include "run/reset_watch.h"
 #include "run/sensor_facts.h"
 #include "run/sensor_maps.h"
 #include "run/signals.h"
 #include "run/step_row.h"
 #include "run/warnings.h"
+#include "scene/environments.h"
 #include "sensors/sensors.h"
 
 namespace fs = std::filesystem;
@@ -78,7 +82,7 @@ std::unique_ptr<output::NewestCheckpoint> open_checkpoint(const Options& o, cons
 // One run, from the folder's preparation to certificate.json and run.json.
 class Run {
  public:
-  Run(const Options& options, std::span<const scene::EffectTable> tables) : o_(options), tables_(tables), progress_(make_progress(options.json, options.quiet)) {}
+  Run(const Options& options, scene::Scene scene, Progress& progress) : o_(options), progress_(progress), scene_(std::move(scene)) {}
 
   Exit go() {
     Exit status;
@@ -92,19 +96,22 @@ class Run {
       }
       throw;
     }
-    if (progress_->lost()) throw Error(Exit::file, "the standard output could not be written to the end; the results in '" + folder_->path() + "' are complete");
+    if (progress_.lost()) throw Error(Exit::file, "the standard output could not be written to the end; the results in '" + folder_->path() + "' are complete");
     return status;
   }
 
+  // The condition that ended an episode; "" where none did.
+  std::string ended_by() const { return reset_ && reset_->due() ? reset_->reason() : ""; }
+
  private:
   Exit work() {
-    scene_ = scene::read_scene(o_.scene, o_.overrides, tables_);
     resolved_ = scene::to_yaml(scene_.root);
     hash_ = scene::identity(scene_.root);
-    const std::string dir = o_.output.empty() ? "out/" + scene_.root.text("name") : o_.output;
+    const std::string dir = folder_of(o_, scene_.root);
     frame_every_ = scene_.root.at("time").integer("frame_every");
     steps_ = scene_.root.at("time").integer("steps");
     last_ = o_.frames >= 0 ? std::min(steps_, o_.frames * frame_every_) : steps_;
+    if (o_.most_steps >= 0) last_ = std::min(last_, o_.most_steps);
 
     folder_.emplace(dir);
     std::unique_ptr<output::NewestCheckpoint> checkpoint;
@@ -131,6 +138,7 @@ class Run {
     certificate_.emplace(input);
     checks_.emplace(input);
     newton_log_.emplace(folder_->file("newton.csv"));
+    if (!o_.resets.empty()) reset_.emplace(o_.resets, input);
 
     output::FieldOptions fields;
     const Params& out = scene_.root.at("output");
@@ -150,7 +158,7 @@ class Run {
     if (!o_.no_render && out.flag("pictures") && render && render->has("cameras")) pictures_ = std::make_unique<Pictures>(scene_.root, input, folder_->file("frames"));
     if (!o_.no_render && out.flag("pictures") && !sensors_->empty()) sensor_maps_.emplace(scene_.root, *sensors_, folder_->file("frames"));
     record_.seconds["setup"] = std::chrono::duration<double>(Time::now() - begin_).count();
-    progress_->start(scene_.root.text("name"), summary(input), steps_);
+    progress_.start(scene_.root.text("name"), summary(input), steps_);
     for (const std::string& w : warnings(input)) note("warning: " + w);
 
     install_signal_handlers();
@@ -168,12 +176,12 @@ class Run {
     } else {
       started_ = true;
       file_ = output::FieldFile::open(field_path, output_mesh(input), {version(), git_sha1(), resolved_, hash_}, fields);
-      write_frame(nullptr);
-      progress_->frame(0, 0);
+      write_start();
+      progress_.frame(0, 0);
       save();
     }
 
-    while (engine_->steps_done() < last_) {
+    while (engine_->steps_done() < last_ && !(reset_ && reset_->due())) {
       if (stop()) return stopped();
       solver::StepReport report;
       const auto begin = Time::now();
@@ -197,6 +205,7 @@ class Run {
       after_step(report);
     }
     file_->close();
+    if (!ended_by().empty()) note("reset: " + ended_by());
     return Exit::done;
   }
 
@@ -210,7 +219,8 @@ class Run {
   }
 
   std::string overrides_text() const {
-    std::string text;
+    std::string text = o_.environment >= 0 ? fmt::format(" --environment {}", o_.environment) : "";
+    if (o_.episode >= 0) text += fmt::format(" --episode {}", o_.episode);
     for (const std::string& s : o_.overrides) text += " --set " + shell_word(s);
     return text;
   }
@@ -231,26 +241,38 @@ class Run {
   }
 
   void note(const std::string& text) const {
-    if (!text.empty()) progress_->note(text);
+    if (!text.empty()) progress_.note(text);
   }
 
   void after_step(const solver::StepReport& report) {
-    const bool frame = engine_->steps_done() % frame_every_ == 0 || engine_->steps_done() == steps_;
+    const std::vector<double> points = engine_->points();
+    Snapshot state;
+    engine_->report(state);
+    if (reset_) watch(state, points);
+    const bool frame = engine_->steps_done() % frame_every_ == 0 || engine_->steps_done() == last_step();
     if (frame)
-      write_frame(&report);
+      write_frame(&report, state, points);
     else
-      capture(report);
+      capture(report, state, points);
     certificate_->step(report);
     checks_->step(report);
-    progress_->step(report, contact_);
+    progress_.step(report, contact_);
     if (checkpoint_due(frame) || checkpoint_asked()) save();
-    if (frame) progress_->frame(file_->frames() - 1, engine_->time());
+    if (frame) progress_.frame(file_->frames() - 1, engine_->time());
+  }
+
+  void watch(Snapshot state, const std::vector<double>& points) {
+    sensors_->read(state, points);
+    reset_->see(engine_->steps_done(), engine_->time(), state, points);
   }
 
   bool stop() const { return stop_asked() || (o_.walltime > 0 && std::chrono::duration<double>(Time::now() - begin_).count() > o_.walltime - o_.grace); }
 
+  // The last step of all has a frame; so has the one that ends an episode.
+  long last_step() const { return reset_ && reset_->due() ? engine_->steps_done() : o_.most_steps >= 0 ? last_ : steps_; }
+
   bool checkpoint_due(bool frame) const {
-    if (engine_->steps_done() == last_) return true;
+    if (engine_->steps_done() == last_ || engine_->steps_done() == last_step()) return true;
     if (checkpoint_steps_ > 0) return engine_->steps_done() % checkpoint_steps_ == 0;
     if (checkpoint_seconds_ > 0) return std::chrono::duration<double>(Time::now() - saved_).count() >= checkpoint_seconds_;
     return frame;
@@ -263,20 +285,21 @@ class Run {
     record_.steps.push_back(row);
   }
 
-  void capture(const solver::StepReport& report) {
-    Snapshot state;
-    engine_->report(state);
+  void capture(const solver::StepReport& report, const Snapshot& state, const std::vector<double>& points) {
     certificate_->state(state);
-    checks_->state(state, engine_->points());
+    checks_->state(state, points);
     append(report, state);
   }
 
-  // `report`: of the step that led to this state, null at the start.
-  void write_frame(const solver::StepReport* report) {
-    const auto begin = Time::now();
-    const std::vector<double> points = engine_->points();
+  void write_start() {
     Snapshot state;
     engine_->report(state);
+    write_frame(nullptr, state, engine_->points());
+  }
+
+  // `report`: of the step that led to this state, null at the start.
+  void write_frame(const solver::StepReport* report, Snapshot& state, const std::vector<double>& points) {
+    const auto begin = Time::now();
     const std::vector<sensors::Reading> readings = sensors_->read(state, points);
     certificate_->state(state);
     file_->begin_frame(engine_->time(), points);
@@ -321,6 +344,10 @@ class Run {
     certificate_->checkpoint(certificate);
     checks_->checkpoint(checks);
     newton_log_->checkpoint(log);
+    if (reset_) {
+      PrefixedArchive reset(archive, "run/reset");
+      reset_->checkpoint(reset);
+    }
     bool drawn = sensor_maps_.has_value();
     maps.io("drawn", drawn);
     if (drawn && sensor_maps_) sensor_maps_->checkpoint(maps);
@@ -348,13 +375,12 @@ class Run {
     if (file_ && file_->can_flush()) file_->flush();
     record_.frames = file_ ? file_->frames() : 0;
     record_.write(folder_->file("run.json"), {o_, scene_.root.text("name"), hash_, status, message, wall}, engine_.get());
-    if (status == Exit::done || status == Exit::checks) progress_->end(status == Exit::done ? "done" : message, wall);
+    if (status == Exit::done || status == Exit::checks) progress_.end(status == Exit::done ? "done" : message, wall);
     return status;
   }
 
   const Options& o_;
-  std::span<const scene::EffectTable> tables_;
-  std::unique_ptr<Progress> progress_;
+  Progress& progress_;
   Time::time_point begin_ = Time::now();
   scene::Scene scene_;
   std::string resolved_, hash_;
@@ -368,6 +394,7 @@ class Run {
   Record record_;
   std::optional<Certificate> certificate_;
   std::optional<Checks> checks_;
+  std::optional<ResetWatch> reset_;
   ContactFigures contact_;
   long frame_every_ = 1, steps_ = 0, last_ = 0;  // last_: where this run ends, with --frames before the scene does
   long picture_every_ = 1, checkpoint_steps_ = 0;
@@ -378,9 +405,21 @@ class Run {
 
 }  // namespace
 
+Exit run_one(const Options& options, scene::Scene scene, Progress& progress, std::string* ended_by) {
+  Run run(options, std::move(scene), progress);
+  const Exit status = run.go();
+  if (ended_by) *ended_by = run.ended_by();
+  return status;
+}
+
 Exit run_scene(const Options& options, std::span<const scene::EffectTable> tables) {
   std::signal(SIGPIPE, SIG_IGN);  // a reader of the progress that went away does not end the run
-  return Run(options, tables).go();
+  scene::Scene scene = scene::read_scene(options.scene, options.overrides, tables);
+  const long count = scene::environment_count(scene.root);
+  if (options.environment < 0 && count > 0) return run_batch(options, scene, tables);
+  const std::unique_ptr<Progress> progress = make_progress(options.json, options.quiet);
+  if (options.environment < 0) return run_one(options, std::move(scene), *progress);
+  return run_environment(options, scene, tables, *progress);
 }
 
 }  // namespace mortise::run

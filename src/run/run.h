@@ -1,12 +1,17 @@
 #pragma once
 #include "base/error.h"
 #include "run/options.h"
+#include "run/progress.h"
 #include "scene/scene.h"
 
 namespace mortise::run {
 
 // `mortise run`: scene -> fields.vtkhdf, checkpoint.h5, frames/*.png, run.json in the output folder. Returns Exit::done or
 // Exit::stopped; throws Error. `tables`: the effects that scenes may name. Whatever happens, finished frames (after a kill: those that the last checkpoint counts) and the last checkpoint stay readable.
+// A scene with `environments` has a folder of this kind for each of them (batch.h).
 Exit run_scene(const Options& options, std::span<const scene::EffectTable> tables);
+
+// The same of a scene that has been read and is one run. `ended_by`: the condition of options.resets that ended it, if one did.
+Exit run_one(const Options& options, scene::Scene scene, Progress& progress, std::string* ended_by = nullptr);
 
 }  // namespace mortise::run

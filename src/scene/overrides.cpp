@@ -38,7 +38,7 @@ std::vector<std::string> keys(const Node& n) {
 
 class Override {
  public:
-  Override(const std::string& text, Diagnostics& errors) : at_{"--set " + text, 0, 0}, errors_(errors) {}
+  Override(const std::string& text, const std::string& called, Diagnostics& errors) : at_{called + text, 0, 0}, errors_(errors) {}
 
   void apply(Node& root, const std::string& path, const std::string& value, const ParamTable& table) {
     Node node;
@@ -153,11 +153,11 @@ class Override {
 
 }  // namespace
 
-void apply_override(Node& root, const std::string& text, const ParamTable& table, Diagnostics& errors) {
+void apply_override(Node& root, const std::string& text, const ParamTable& table, Diagnostics& errors, const std::string& called) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
     throw Error(Exit::usage, "--set '" + text + "' is not of the form path=value, for example --set time.steps=10");
-  Override(text, errors).apply(root, text.substr(0, equals), text.substr(equals + 1), table);
+  Override(text, called, errors).apply(root, text.substr(0, equals), text.substr(equals + 1), table);
 }
 
 }  // namespace mortise::scene

@@ -6,7 +6,9 @@
 #include "base/read_file.h"
 #include "scene/checker.h"
 #include "scene/cross_check.h"
+#include "scene/environments.h"
 #include "scene/overrides.h"
+#include "scene/quantity.h"
 #include "scene/tables.h"
 #include "scene/yaml.h"
 
@@ -42,16 +44,8 @@ void check_version(const Node& root, Diagnostics& errors) {
   }
 }
 
-}  // namespace
-
-Scene read_scene(const std::string& path, const std::vector<std::string>& overrides, std::span<const EffectTable> effects) {
-  Scene scene = read_scene_text(read_stream(path, most_bytes::scene), path == "-" ? "<stdin>" : path, overrides, effects);
-  scene.path = path;
-  return scene;
-}
-
-Scene read_scene_text(const std::string& text, const std::string& path, const std::vector<std::string>& overrides,
-                      std::span<const EffectTable> effects) {
+// `environment`: numbers of an environment, which then is a scene of its own; null: the scene as written.
+Scene read(const std::string& text, const std::string& path, const std::vector<std::string>& overrides, std::span<const EffectTable> effects, const std::vector<Drawn>* environment, const std::string& called) {
   const SceneTables tables(effects);
   Diagnostics errors(text);
   Scene scene{{}, path, text};
@@ -69,11 +63,45 @@ Scene read_scene_text(const std::string& text, const std::string& path, const st
   if (!errors.empty()) errors.raise();
 
   for (const std::string& set : overrides) apply_override(root, set, tables.root(), errors);
+  if (environment) {
+    std::erase_if(root.entries, [](const auto& entry) { return entry.first == "environments"; });
+    for (const Drawn& d : *environment) apply_override(root, d.path + "=" + format_number(d.value), tables.root(), errors, called);
+  }
   Checker checker(errors, fs::absolute(path).parent_path().string());
   scene.root = checker.table(tables.root(), root, "");
   cross_check(scene.root, effects, checker.incomplete(), errors);
+  check_environments(root, scene.root, tables.root(), checker.incomplete(), errors);
   if (!errors.empty()) errors.raise();
   return scene;
+}
+
+}  // namespace
+
+Scene read_scene(const std::string& path, const std::vector<std::string>& overrides, std::span<const EffectTable> effects) {
+  Scene scene = read_scene_text(read_stream(path, most_bytes::scene), path == "-" ? "<stdin>" : path, overrides, effects);
+  scene.path = path;
+  return scene;
+}
+
+Scene read_scene_text(const std::string& text, const std::string& path, const std::vector<std::string>& overrides,
+                      std::span<const EffectTable> effects) {
+  return read(text, path, overrides, effects, nullptr, "");
+}
+
+Scene environment_of(const Scene& all, const std::vector<std::string>& overrides, std::span<const EffectTable> effects, long environment, long episode) {
+  const std::vector<Drawn> numbers = draw(all.root, environment, episode);
+  const std::string called = "environment " + std::to_string(environment) + (episode > 0 ? ", episode " + std::to_string(episode) : "") + ": ";
+  Scene scene = read(all.text, all.path == "-" ? "<stdin>" : all.path, overrides, effects, &numbers, called);
+  scene.path = all.path;
+  return scene;
+}
+
+Scene one_environment(const Scene& all, const std::vector<std::string>& overrides, std::span<const EffectTable> effects, long environment, long episode) {
+  const long count = environment_count(all.root);
+  if (count == 0) throw Error(Exit::usage, "--environment: the scene has no 'environments'");
+  if (environment < 0 || environment >= count)
+    throw Error(Exit::usage, "--environment " + std::to_string(environment) + ": the scene has " + (count == 1 ? "one environment, 0" : "environments 0 to " + std::to_string(count - 1)));
+  return environment_of(all, overrides, effects, environment, episode);
 }
 
 }  // namespace mortise::scene

@@ -1,6 +1,7 @@
 #include "scene/tables.h"
 
 #include "scene/checks.h"
+#include "scene/environments.h"
 #include "scene/sensors.h"
 
 namespace mortise::scene {
@@ -310,6 +311,7 @@ SceneTables::SceneTables(std::span<const EffectTable> effects) {
                   always(table("output", &output_table(), "What a run writes.")),
                   checks,
                   sensors,
+                  table("environments", &environments_table(), "Many copies of the scene, with numbers drawn at random."),
                   table("render", &render_table(), "Pictures of the run.")};
   for (Param& p : root_.params)
     if (p.key == "materials") p.fallback = "{}";

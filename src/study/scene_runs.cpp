@@ -31,6 +31,7 @@ std::vector<std::string> overrides_of(const Study& study, const Settings& settin
   std::vector<std::string> out = study.overrides;
   for (const auto& [key, value] : settings) out.push_back(key + "=" + value);
   const scene::Scene varied = scene::read_scene(study.scene, out, tables);
+  if (varied.root.has("environments")) throw Error(Exit::usage, "a study runs one environment at a time: take the 'environments' block out of the scene");
   const double end = end_time(scene::read_scene(study.scene, study.overrides, tables)), now = end_time(varied);
   if (same(now, end)) return out;
   if (varies(settings, "time.step") && !varies(settings, "time.steps")) {

@@ -8,14 +8,17 @@
 #include "base/philox.h"
 #include "base/read_file.h"
 #include "scene/suggest.h"
-#include "sweep/distribution.h"
-#include "sweep/flow.h"
+#include "scene/distribution.h"
+#include "scene/flow.h"
 
 namespace mortise::sweep {
 namespace {
 
 using scene::Diagnostics;
+using scene::Distribution;
+using scene::flow;
 using scene::Node;
+using scene::read_distribution;
 
 // path -> list of values; false after an error.
 bool columns(const Node& node, const std::string& what, Diagnostics& errors) {

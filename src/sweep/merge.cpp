@@ -36,10 +36,13 @@ double number(const Json& j, const char* block, const char* key) {
   return it != j[block].end() && it->is_number() ? it->get<double>() : NAN;
 }
 
+// A row of a scene with several environments: their sum stands for a certificate, and there is no one last value of a scalar.
+bool of_environments(const std::string& folder) { return fs::exists(folder + "/environments.json"); }
+
 // The last values of the scalars; NaN where there are none.
 std::vector<double> at_the_end(const std::string& folder, const std::vector<std::string>& quantities) {
   std::vector<double> out(quantities.size(), NAN);
-  if (quantities.empty() || !fs::exists(folder + "/fields.vtkhdf")) return out;
+  if (quantities.empty() || of_environments(folder) || !fs::exists(folder + "/fields.vtkhdf")) return out;
   const output::FieldReader file(folder + "/fields.vtkhdf");
   if (file.frames() == 0) return out;
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -53,7 +56,7 @@ std::vector<double> at_the_end(const std::string& folder, const std::vector<std:
 std::string line(const Sweep& sweep, std::size_t row, const std::string& folder, const Status& status) {
   std::string out = std::to_string(row);
   for (const auto& [path, value] : sweep.rows[row].values) out += "," + cell(value);
-  const Json run = read_json(folder + "/run.json"), certificate = read_json(folder + "/certificate.json");
+  const Json run = read_json(folder + "/run.json"), certificate = read_json(folder + (of_environments(folder) ? "/environments.json" : "/certificate.json"));
   const auto text = [&](const char* key) { return certificate.is_object() && certificate.contains(key) && certificate[key].is_string() ? certificate[key].get<std::string>() : ""; };
   out += fmt::format(",{},{},{},{}", name_of(status.is), status.code >= 0 ? std::to_string(status.code) : "", cell(text("grade")), cell(status.is == Status::Is::failed ? status.message : text("reason")));
   out += "," + cell(number(certificate, "solver", "steps")) + "," + cell(number(certificate, "solver", "newton_iterations_mean")) + "," + cell(number(run, "seconds", "solve"));

@@ -8,12 +8,16 @@
 //   forces          contact, friction, weight and support of every body against the change of its momentum
 //   finite          every position
 //
+// Of several environments (`environments` of a scene) each is judged in its own file.
+//
 // mortise_judge FIELDS.vtkhdf OTHER.vtkhdf: are the two equal, seconds apart?
 //
 // One JSON object on stdout, or what differs. Exit code 0: nothing found; 1: something is wrong; 2: the file cannot be judged.
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "judge/judge.h"
 
@@ -68,6 +72,49 @@ Verdict judge(const File& file, const Case& c) {
   return v;
 }
 
+// One file's; `code` as the program ends.
+nlohmann::ordered_json opinion(const File& file, int& code) {
+  Case c;
+  c.frames = file.frames();
+  read_mesh(file, c);
+  read_scene(file, c);
+  const Verdict v = judge(file, c);
+  code = v.first_frame < 0 ? 0 : 1;
+  const auto number = [](double d) { return std::isfinite(d) ? nlohmann::ordered_json(d) : nlohmann::ordered_json(nullptr); };
+  return {{"frames", c.frames},
+                                 {"intersections", v.intersections},
+                                 {"below_planes", v.below},
+                                 {"inverted", v.inverted},
+                                 {"not_finite", v.not_finite},
+                                 {"min_det_f", number(v.min_det_f)},
+                                 {"kinetic_energy_error", v.kinetic_error},
+                                 {"momentum_error", v.momentum_error},
+                                 {"elastic_energy_error", v.elastic_error},
+                                 {"gravity_energy_error", v.gravity_error},
+                                 {"force_error", v.force_error},
+                                 {"forces_judged", v.forces},
+                                 {"first_frame", v.first_frame},
+                                 {"what", v.what}};
+}
+
+// Each in its own file beside this one; the worst code of all. One that never began has none.
+int environments(const File& file, const std::string& path) {
+  const std::string folder = path.find('/') == std::string::npos ? "." : path.substr(0, path.rfind('/'));
+  std::istringstream names(file.text("/environments/runs"));
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  int worst = 0;
+  for (std::string name; std::getline(names, name);) {
+    const std::string own = folder + "/" + name + "/fields.vtkhdf";
+    int code = 0;
+    nlohmann::ordered_json j{{"environment", name}};
+    j.update(opinion(File(own.c_str()), code));
+    all.push_back(std::move(j));
+    worst = std::max(worst, code);
+  }
+  std::printf("%s\n", nlohmann::ordered_json{{"environments", all}}.dump().c_str());
+  return worst;
+}
+
 }  // namespace
 }  // namespace judge
 
@@ -85,28 +132,10 @@ int main(int argc, char** argv) {
       std::printf("%s\n", differs.c_str());
       return differs.empty() ? 0 : 1;
     }
-    Case c;
-    c.frames = file.frames();
-    read_mesh(file, c);
-    read_scene(file, c);
-    const Verdict v = judge::judge(file, c);
-    const auto number = [](double d) { return std::isfinite(d) ? nlohmann::ordered_json(d) : nlohmann::ordered_json(nullptr); };
-    const nlohmann::ordered_json j{{"frames", c.frames},
-                                   {"intersections", v.intersections},
-                                   {"below_planes", v.below},
-                                   {"inverted", v.inverted},
-                                   {"not_finite", v.not_finite},
-                                   {"min_det_f", number(v.min_det_f)},
-                                   {"kinetic_energy_error", v.kinetic_error},
-                                   {"momentum_error", v.momentum_error},
-                                   {"elastic_energy_error", v.elastic_error},
-                                   {"gravity_energy_error", v.gravity_error},
-                                   {"force_error", v.force_error},
-                                   {"forces_judged", v.forces},
-                                   {"first_frame", v.first_frame},
-                                   {"what", v.what}};
-    std::printf("%s\n", j.dump().c_str());
-    return v.first_frame < 0 ? 0 : 1;
+    if (file.has("/environments/runs")) return environments(file, argv[1]);
+    int code = 0;
+    std::printf("%s\n", opinion(file, code).dump().c_str());
+    return code;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "mortise_judge: %s: %s\n", argv[1], e.what());
     return 2;

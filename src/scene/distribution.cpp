@@ -1,17 +1,16 @@
-#include "sweep/distribution.h"
+#include "scene/distribution.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "scene/flow.h"
 #include "scene/quantity.h"
 #include "scene/suggest.h"
-#include "sweep/flow.h"
 
-namespace mortise::sweep {
+namespace mortise::scene {
 namespace {
 
 using Kind = Distribution::Kind;
-using scene::Node;
 
 const std::vector<std::string> kNames{"uniform", "log_uniform", "normal", "choice"};
 
@@ -29,21 +28,21 @@ double normal_quantile(double u) {
 
 }  // namespace
 
-std::string Distribution::at(double u) const {
-  if (kind == Kind::choice) return choices[std::min(static_cast<std::size_t>(u * static_cast<double>(choices.size())), choices.size() - 1)];
-  double v = a + (b - a) * u;
-  if (kind == Kind::log_uniform) v = a * std::pow(b / a, u);
-  if (kind == Kind::normal) v = a + b * normal_quantile(u);
-  return scene::format_number(v);
+double Distribution::number(double u) const {
+  if (kind == Kind::log_uniform) return a * std::pow(b / a, u);
+  if (kind == Kind::normal) return a + b * normal_quantile(u);
+  return a + (b - a) * u;
 }
 
-Distribution read_distribution(const Node& node, const std::string& what, scene::Diagnostics& errors) {
+std::string Distribution::at(double u) const { return kind == Kind::choice ? choices[one_of(u, choices.size())] : format_number(number(u)); }
+
+Distribution read_distribution(const Node& node, const std::string& what, Diagnostics& errors) {
   Distribution out;
   if (node.kind != Node::Kind::map || node.entries.size() != 1)
-    return errors.add(node.at, what + " is " + node.describe() + "; must have one key of " + scene::join(kNames, ", ")), out;
+    return errors.add(node.at, what + " is " + node.describe() + "; must have one key of " + join(kNames, ", ")), out;
   const auto& [name, values] = node.entries.front();
   const auto it = std::find(kNames.begin(), kNames.end(), name);
-  if (it == kNames.end()) return errors.add(values.key_at, what + ": no distribution '" + name + "'", scene::suggestion(name, kNames)), out;
+  if (it == kNames.end()) return errors.add(values.key_at, what + ": no distribution '" + name + "'", suggestion(name, kNames)), out;
   out.kind = static_cast<Kind>(it - kNames.begin());
   if (values.kind != Node::Kind::list || values.items.empty() || (out.kind != Kind::choice && values.items.size() != 2))
     return errors.add(values.at, what + "." + name + " is " + values.describe() + "; must be a list of " + (out.kind == Kind::choice ? "values" : "two numbers")), out;
@@ -53,7 +52,7 @@ Distribution read_distribution(const Node& node, const std::string& what, scene:
   }
   double* const to[] = {&out.a, &out.b};
   for (int k = 0; k < 2; ++k) {
-    const scene::Quantity q = scene::parse_quantity(values.items[k].text, Unit::any);
+    const Quantity q = parse_quantity(values.items[k].text, Unit::any);
     if (!q.error.empty()) return errors.add(values.items[k].at, what + "." + name + " " + q.error, q.hint), out;
     *to[k] = q.value;
   }
@@ -62,4 +61,4 @@ Distribution read_distribution(const Node& node, const std::string& what, scene:
   return out;
 }
 
-}  // namespace mortise::sweep
+}  // namespace mortise::scene

@@ -3,16 +3,16 @@
 
 #include "scene/yaml.h"
 
-namespace mortise::sweep {
+namespace mortise::scene {
 
 // A value as --set takes it: YAML on one line.
-inline std::string flow(const scene::Node& n) {
+inline std::string flow(const Node& n) {
   std::string out;
-  if (n.kind == scene::Node::Kind::list) {
-    for (const scene::Node& i : n.items) out += (out.empty() ? "" : ", ") + flow(i);
+  if (n.kind == Node::Kind::list) {
+    for (const Node& i : n.items) out += (out.empty() ? "" : ", ") + flow(i);
     return "[" + out + "]";
   }
-  if (n.kind == scene::Node::Kind::map) {
+  if (n.kind == Node::Kind::map) {
     for (const auto& [key, value] : n.entries) out += (out.empty() ? "" : ", ") + key + ": " + flow(value);
     return "{" + out + "}";
   }
@@ -21,4 +21,4 @@ inline std::string flow(const scene::Node& n) {
   return "\"" + out + "\"";
 }
 
-}  // namespace mortise::sweep
+}  // namespace mortise::scene

@@ -1,0 +1,244 @@
+#include "run/batch.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "engine/choose.h"
+#include "engine/input.h"
+#include "output/atomic_file.h"
+#include "output/environment_fields.h"
+#include "run/batch_progress.h"
+#include "run/environment.h"
+#include "run/environment_end.h"
+#include "run/environment_process.h"
+#include "run/folder.h"
+#include "run/grid_picture.h"
+#include "run/progress.h"
+#include "run/record.h"
+#include "run/signals.h"
+#include "scene/environments.h"
+
+namespace fs = std::filesystem;
+
+namespace mortise::run {
+namespace {
+
+using Time = std::chrono::steady_clock;
+
+class Batch {
+ public:
+  Batch(const Options& o, const scene::Scene& scene, std::span<const scene::EffectTable> tables)
+      : o_(o), scene_(scene), tables_(tables), name_(scene.root.text("name")), folder_(folder_of(o, scene.root)), progress_(o.json, o.quiet), ends_(scene::environment_count(scene.root)) {}
+
+  Exit go() {
+    prepare();
+    while (next_ < count() || !running_.empty()) {
+      if (stop()) pass_stop_on();
+      while (!stopping_ && next_ < count() && free_ > 0) launch(next_++);
+      if (checkpoint_asked())
+        for (const auto& p : running_) p->signal(SIGUSR1);
+      listen();
+    }
+    return finish();
+  }
+
+ private:
+  long count() const { return static_cast<long>(ends_.size()); }
+  double since_begin() const { return std::chrono::duration<double>(Time::now() - begin_).count(); }
+  bool stop() const { return stop_asked() || (o_.walltime > 0 && since_begin() > o_.walltime - o_.grace); }
+
+  void prepare() {
+    if (o_.resume == "yes" && !folder_.exists()) throw Error(Exit::file, "--resume: there is no folder '" + folder_.path() + "' (use --resume=auto to start afresh then)");
+    if (const std::string taken = folder_.lock(); !taken.empty()) progress_.note(taken);
+    if (folder_.used() && o_.resume.empty()) {
+      if (!o_.overwrite) throw Error(Exit::usage, "'" + folder_.path() + "' is not empty; use --overwrite to replace its results, --resume to continue, or another -o");
+      folder_.remove_results();
+    }
+    fs::remove(folder_.file("run.json"));  // written last: this run has not ended
+    for (long e = 0; e < count(); ++e) ends_[e].drawn = scene::draw(scene_.root, e, 0);
+    write_table();
+
+    // A GPU is not shared; whether it would be one must be found out elsewhere, because its driver does not stand copies of the process.
+    std::string why;
+    const bool may_be_gpu = o_.device != "cpu" && o_.device != "debug" && engine::cuda_api(why);
+    const bool gpu = may_be_gpu && asked_aside([this] { return engine::choose(o_.device, o_.threads).device.kind == "cuda" ? 0 : 1; }) == 0;
+    engine::cpu_api().set_threads(o_.threads);
+    record_.device = engine::cpu_api().devices(nullptr).front();
+    threads_ = free_ = record_.device.threads;
+    one_at_a_time_ = gpu;
+    engine::cpu_api().set_threads(1);  // copies of this process have to find no threads
+    const auto meshing = Time::now();
+    engine::keep_meshes(scene_.root);
+    record_.seconds["setup"] = std::chrono::duration<double>(Time::now() - meshing).count();
+    install_signal_handlers();
+    const long steps = scene_.root.at("time").integer("steps"), frames = scene_.root.at("time").integer("frame_every");
+    progress_.start(name_, fmt::format("{} environment{}, {} at a time; {} steps each; results in {}", count(), count() == 1 ? "" : "s", gpu ? 1 : std::min<long>(threads_, count()), steps, folder_.path()), count(), o_.frames >= 0 ? std::min(steps, o_.frames * frames) : steps);
+  }
+
+  // One thread each while there are enough environments for all threads; the last ones share what is left.
+  int share() const {
+    if (one_at_a_time_) return free_;
+    const long waiting = count() - next_ + 1;
+    return static_cast<int>(std::max<long>(1, free_ / waiting));
+  }
+
+  void launch(long e) {
+    Options one = o_;
+    one.environment = e;
+    one.output = environment_folder(folder_.path(), e);
+    one.threads = share();
+    if (!one.resume.empty()) one.resume = "auto";
+    if (one.walltime > 0) one.walltime = std::max(one.walltime - since_begin(), 1e-9);
+    const std::string& drawn = scene_.root.at("environments").text("pictures");
+    one.no_render = one.no_render || drawn == "none" || (drawn == "first" && e > 0);
+    free_ -= one.threads;
+    running_.push_back(std::make_unique<EnvironmentProcess>(e, one.threads, [this, &one](Progress& progress) { return run_environment(one, scene_, tables_, progress); }));
+  }
+
+  void listen() {
+    std::vector<pollfd> pipes;
+    for (const auto& p : running_) pipes.push_back({p->pipe(), POLLIN, 0});
+    constexpr int kMilliseconds = 50;  // how long a signal waits at most
+    if (poll(pipes.data(), pipes.size(), kMilliseconds) <= 0) return;
+    for (std::size_t i = 0; i < pipes.size(); ++i) {
+      if (pipes[i].revents == 0) continue;
+      EnvironmentProcess& p = *running_[i];
+      const long e = p.environment();
+      if (p.listen([&](const std::string& line) { hear(e, line); }, ends_[e])) continue;
+      read_end(environment_folder(folder_.path(), e), ends_[e]);
+      free_ += p.threads();
+      progress_.ended(e, ends_[e]);
+      running_[i].reset();
+    }
+    std::erase(running_, nullptr);
+  }
+
+  // What all environments would say is said once.
+  void hear(long e, const std::string& line) {
+    const bool note = line.rfind("{\"event\":\"note\"", 0) == 0, own = line.rfind("{\"event\":\"step\"", 0) == 0 || line.rfind("{\"event\":\"frame\"", 0) == 0;
+    if (note || own) progress_.event(e, line);
+    if (!note || o_.json) return;
+    const std::string text = text_of(line);
+    if (text.find("warning: ") == 0 && said_.insert(text).second) progress_.note(fmt::format("environment {}: {}", e, text));
+    if (text.find("check failed: ") == 0) progress_.note(fmt::format("environment {}: {}", e, text));
+  }
+
+  void pass_stop_on() {
+    if (!stopping_ && stop_asked())
+      for (const auto& p : running_) p->signal(SIGTERM);
+    stopping_ = true;
+    if (running_.empty()) next_ = count();
+  }
+
+  void write_table() const { output::write_file_atomically(folder_.file("environments.csv"), environments_csv(ends_), true); }
+
+  // What sums the environments up.
+  Exit finish() {
+    const auto how_many = [&](auto is) { return std::count_if(ends_.begin(), ends_.end(), is); };
+    const long failed = how_many([](const EnvironmentEnd& e) { return e.failed(); }), unfinished = how_many([](const EnvironmentEnd& e) { return e.code < 0 || e.stopped(); }),
+               refused = how_many([](const EnvironmentEnd& e) { return e.code == static_cast<int>(Exit::checks); });
+    BatchEnd end{name_, scene::identity(scene_.root), static_cast<long>(scene_.root.at("environments").integer("seed")), threads_, Exit::done, "", 0};
+    if (unfinished > 0) {
+      end.code = Exit::stopped;
+    } else if (failed > 0) {
+      end.code = Exit::solve;
+      std::string which;
+      long named = 0;
+      for (long e = 0; e < count(); ++e) {
+        if (!ends_[e].failed()) continue;
+        // A bad scene and a failed step are an environment's own; what is left hangs on the machine.
+        if (ends_[e].code != static_cast<int>(Exit::solve) && ends_[e].code != static_cast<int>(Exit::scene) && end.code == Exit::solve) end.code = static_cast<Exit>(ends_[e].code);
+        constexpr long kNamed = 10;
+        if (named++ < kNamed) which += (which.empty() ? "" : ", ") + std::to_string(e);
+        if (named == kNamed + 1) which += ", ...";
+      }
+      end.message = fmt::format("{} of {} environments failed ({}); {} says why, and all others are complete", failed, count(), which, folder_.file("environments.csv"));
+      if (failed == count()) end.message = fmt::format("all {} environments failed; the first: {}", count(), ends_[0].message);
+    } else if (refused > 0) {
+      end.code = Exit::checks, end.message = fmt::format("checks failed in {} of {} environments", refused, count());
+    }
+    write_fields();
+    write_episodes();
+    draw_grid();
+    end.wall = since_begin();
+    write_table();
+    output::write_file_atomically(folder_.file("environments.json"), environments_json(ends_, end), true);
+    for (const EnvironmentEnd& e : ends_) record_.frames += e.frames;
+    record_.write(folder_.file("run.json"), {o_, name_, end.scene_sha256, end.code, end.message, end.wall}, nullptr);
+    if (end.code == Exit::stopped) {
+      progress_.note(fmt::format("stopped with {} of {} environments finished; continue with --resume", count() - unfinished, count()));
+    } else if (failed > 0) {
+      throw Error(end.code, end.message);
+    } else {
+      double cpu = 0;
+      for (const EnvironmentEnd& e : ends_) cpu += e.cpu;
+      progress_.end(fmt::format("{}: {} environment{}, {} of CPU time", end.code == Exit::done ? "done" : end.message, count(), count() == 1 ? "" : "s", duration_text(cpu)), end.wall);
+    }
+    if (progress_.lost()) throw Error(Exit::file, "the standard output could not be written to the end; the results in '" + folder_.path() + "' are complete");
+    return end.code;
+  }
+
+  void write_fields() const {
+    std::vector<output::EnvironmentFields> all;
+    for (long e = 0; e < count(); ++e) {
+      output::EnvironmentFields one{fs::path(environment_folder(folder_.path(), e)).filename().string(), ends_[e].code, {}, {}};
+      for (const std::string& run : ends_[e].runs) one.runs.push_back(fs::path(run).lexically_relative(folder_.path()).string());
+      for (const scene::Drawn& d : ends_[e].drawn) one.values.emplace_back(d.path, d.value);
+      all.push_back(std::move(one));
+    }
+    output::write_environment_fields(folder_.path(), all);
+  }
+
+  // All resets in one table.
+  void write_episodes() const {
+    if (!scene_.root.at("environments").has("reset")) return;
+    std::string text = "environment," + episodes_header(scene_.root) + "\n";
+    for (long e = 0; e < count(); ++e)
+      for (const Episode& episode : episodes_in(environment_folder(folder_.path(), e))) text += fmt::format("{},{}\n", e, episode.line);
+    output::write_file_atomically(folder_.file("episodes.csv"), text, true);
+  }
+
+  void draw_grid() const {
+    if (o_.no_render || scene_.root.at("environments").text("pictures") != "grid") return;
+    std::vector<std::string> folders;
+    for (const EnvironmentEnd& e : ends_)
+      if (!e.runs.empty()) folders.push_back(e.runs.front() + "/frames");
+    draw_side_by_side(folders, folder_.file("frames"));
+  }
+
+  static std::string text_of(const std::string& line);
+
+  const Options& o_;
+  const scene::Scene& scene_;
+  std::span<const scene::EffectTable> tables_;
+  const std::string name_;
+  Folder folder_;
+  BatchProgress progress_;
+  Record record_;
+  Time::time_point begin_ = Time::now();
+  std::vector<EnvironmentEnd> ends_;
+  std::vector<std::unique_ptr<EnvironmentProcess>> running_;
+  std::set<std::string> said_;
+  long next_ = 0;
+  int threads_ = 1, free_ = 1;
+  bool one_at_a_time_ = false, stopping_ = false;
+};
+
+std::string Batch::text_of(const std::string& line) {
+  const auto event = nlohmann::json::parse(line, nullptr, false);
+  return event.is_object() ? event.value("text", "") : "";
+}
+
+}  // namespace
+
+Exit run_batch(const Options& options, const scene::Scene& scene, std::span<const scene::EffectTable> tables) { return Batch(options, scene, tables).go(); }
+
+}  // namespace mortise::run
