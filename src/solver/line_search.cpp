@@ -77,7 +77,11 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
       if (k < tuning::kMostHalvings) {
         alpha[e] *= 0.5;
       } else {
-        envs.fail(e, "the line search found no descent");
+        // A direction that is not the energy's own may end in its rounding before its slope does.
+        if (envs[e].whole)
+          envs[e].state = EnvState::stuck;
+        else
+          envs.fail(e, "the line search found no descent");
         alpha[e] = 0;
       }
     }

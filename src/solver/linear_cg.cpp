@@ -69,12 +69,19 @@ class Cg final : public Linear {
       // Rounding aside |b - J x| is known; what is wanted in newtons is a share of it.
       for (std::size_t e = 0; e < absolute.size(); ++e)
         if (s.b2[e] > 0) relative[e] = std::max(relative[e], absolute[e] / std::sqrt(s.b2[e]));
-      const linalg::GmresResult end = solve_whole(s, todo, rows_.env, relative, options_.cg_iterations, [&](device::View<const Vec3> in, device::View<Vec3> out) {
+      const std::vector<double> rough(todo.size(), tuning::kInner), nothing(todo.size(), 0.0);
+      // The symmetric part alone to the same share: less would not see that it is indefinite.
+      const linalg::CgResult start = run(s.A, s.b, s.x, relative, nothing, todo);
+      report.cg += start.iterations();
+      EnvMask left = todo;
+      for (Index e = 0; e < rows_.envs(); ++e)
+        if (todo[e] && start.env[e].end == linalg::CgEnd::not_positive_definite && curvature.share(e) > 0) env_[e].built_speed = 0, indefinite[e] = 1, left[e] = 0;
+      const linalg::GmresResult end = solve_whole(s, left, rows_.env, relative, tuning::kWholeMost, [&](device::View<const Vec3> in, device::View<Vec3> out) {
         device::clear(out.p, out.n * sizeof(Vec3));
-        report.cg += run(s.A, in, out, std::vector<double>(todo.size(), tuning::kInner), std::vector<double>(todo.size(), 0.0), todo).iterations();
+        report.cg += run(s.A, in, out, rough, nothing, left).iterations();
       });
       for (Index e = 0; e < rows_.envs(); ++e) {
-        if (!todo[e]) continue;
+        if (!left[e]) continue;
         env_[e].speed = end.of_env[e] / std::max(1.0, -std::log10(end.relative[e]));
         if (env_[e].built_speed == 0) env_[e].built_speed = env_[e].speed;
         env_[e].relative = relative[e], env_[e].last_rhs = std::sqrt(s.b2[e]), env_[e].any = true;

@@ -1,38 +1,43 @@
 #include "solver/linear_whole.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "solver/kernels.h"
 #include "solver/tuning.h"
 
 namespace mortise::solver {
 
 linalg::GmresResult solve_whole(const LinearSystem& s, const EnvMask& whose, const std::vector<Index>& env_rows, const std::vector<double>& relative, Index most, const linalg::Operator& preconditioner) {
-  const Index rows = s.b.n;
-  device::Buffer<Vec3> r(rows), x(rows), d(rows), Jd(rows);
-  device::copy(r.view().p, s.b.p, rows * sizeof(Vec3));
-  x.zero();
+  const Index rows = s.b.n, envs = static_cast<Index>(whose.size());
+  device::Buffer<Vec3> b(rows), r, x(rows), d(rows), Jx(rows);
+  device::copy(b.view().p, s.b.p, rows * sizeof(Vec3));
+  device::copy(x.view().p, s.x.p, rows * sizeof(Vec3));
   EnvMask left = whose;
   linalg::GmresResult sum;
-  sum.of_env.assign(whose.size(), 0), sum.relative.assign(whose.size(), 1.0);
+  sum.of_env.assign(envs, 0), sum.relative.assign(envs, 0.0);
+  for (Index e = 0; e < envs; ++e)
+    if (!whose[e]) clear_blocks(x, env_rows[e], env_rows[e + 1]);
   for (;;) {
-    for (Index e = 0; e < static_cast<Index>(whose.size()); ++e)
-      if (!left[e]) clear_blocks(r, env_rows[e], env_rows[e + 1]);
-    std::vector<double> wanted = relative;
-    for (std::size_t e = 0; e < whose.size(); ++e) wanted[e] /= sum.relative[e];
+    (*s.whole)(std::as_const(x).view(), Jx.view());
+    subtract(std::as_const(b).view(), std::as_const(Jx).view(), r);
+    const std::vector<double> r2 = dot(std::as_const(r).view(), std::as_const(r).view(), env_rows);
+    std::vector<double> wanted(envs, 0.0);
+    for (Index e = 0; e < envs; ++e) {
+      if (left[e]) sum.relative[e] = s.b2[e] > 0 ? std::sqrt(r2[e] / s.b2[e]) : 0;
+      left[e] = left[e] && sum.relative[e] > relative[e];
+      if (left[e])
+        wanted[e] = relative[e] / sum.relative[e];
+      else
+        clear_blocks(r, env_rows[e], env_rows[e + 1]);
+    }
+    if (!any(left) || sum.iterations >= most) break;
     const linalg::GmresResult cycle = linalg::gmres(*s.whole, preconditioner, std::as_const(r).view(), d.view(), env_rows, wanted, std::min(tuning::kCycle, most - sum.iterations));
     add(std::as_const(d).view(), x);
     sum.iterations += cycle.iterations;
-    for (std::size_t e = 0; e < whose.size(); ++e) {
-      if (!left[e]) continue;
-      sum.of_env[e] += cycle.of_env[e];
-      sum.relative[e] *= cycle.relative[e];
-      left[e] = sum.relative[e] > relative[e];
-    }
-    if (!any(left) || sum.iterations >= most) break;
-    (*s.whole)(std::as_const(d).view(), Jd.view());
-    subtract(std::as_const(r).view(), std::as_const(Jd).view(), d);
-    r.swap(d);
+    for (Index e = 0; e < envs; ++e) sum.of_env[e] += left[e] ? cycle.of_env[e] : 0;
   }
-  for (Index e = 0; e < static_cast<Index>(whose.size()); ++e)
+  for (Index e = 0; e < envs; ++e)
     if (whose[e]) device::copy(s.x.p + env_rows[e], std::as_const(x).view().p + env_rows[e], (env_rows[e + 1] - env_rows[e]) * sizeof(Vec3));
   return sum;
 }

@@ -4,7 +4,7 @@
 
 namespace mortise::solver {
 
-// |b - J x| <= relative[e] |b|, or the best within `most` products of the environment that takes most. x stands still outside of `whose`.
+// From system.x to |b - J x| <= relative[e] |b|, or as near as `most` products of the environment that takes most lead. x stands still outside of `whose`.
 linalg::GmresResult solve_whole(const LinearSystem& system, const EnvMask& whose, const std::vector<Index>& env_rows, const std::vector<double>& relative, Index most, const linalg::Operator& preconditioner);
 
 }  // namespace mortise::solver

@@ -33,11 +33,15 @@ void Newton::begin(const EnvMask& whose) {
   q_.resize(model_.blocks);
   for (Index e = 0; e < envs_.size(); ++e)
     if (whose[e]) copy_blocks(model_.q, model_.env_blocks[e], model_.env_blocks[e + 1], q_);
+  lag_here();
+  fresh_.resize(envs_.size(), 0);
+  for (Index e = 0; e < envs_.size(); ++e) fresh_[e] |= whose[e];
+}
+
+void Newton::lag_here() {
   system_.potential.linearise(std::as_const(q_).view(), effects::Want::frozen(), at_);
   system_.potential.sample(at_);
   system_.potential.lag(at_, at_);
-  fresh_.resize(envs_.size(), 0);
-  for (Index e = 0; e < envs_.size(); ++e) fresh_[e] |= whose[e];
 }
 
 void Newton::fail(Index env, const std::string& reason) {
@@ -186,7 +190,10 @@ void Newton::couple(Index round, const effects::StepInfo& info, StepReport& repo
     envs_[e].may_couple = envs_[e].whole;
     freeze(e);
   }
-  if (envs_.any(EnvState::running)) iterate(info, report, stop);
+  if (!envs_.any(EnvState::running)) return;
+  // In this round all environments that lag begin to: from their own states.
+  if (round == 0) lag_here();
+  iterate(info, report, stop);
 }
 
 // From here on with rounds of lagged quantities.

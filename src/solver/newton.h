@@ -50,6 +50,7 @@ class Newton {
   void keep_nearest(Index env, const Residual& r);
   bool needs_jacobian(Index env, Index iteration, const Residual& r);
   void couple(Index round, const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
+  void lag_here();
   void freeze(Index env);
   bool refresh(Index round, StepReport& report);
   double wanted(Index env) const { return envs_[env].whole ? lag_.wanted() : lag_.relative(env); }
