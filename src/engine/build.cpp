@@ -5,6 +5,7 @@
 #include "effects/contact/start_check.h"
 #include "effects/list.h"
 #include "engine/bandwidth.h"
+#include "linalg/direct.h"
 #include "model/model.h"
 #include "solver/simulation.h"
 
@@ -98,6 +99,11 @@ Outcome create(const model::ModelInput& input, std::unique_ptr<Engine>& out) {
   return guarded([&] { out = std::make_unique<Build>(input); });
 }
 
+void set_threads(int n) {
+  device::set_threads(n);
+  linalg::use_one_blas_thread();
+}
+
 Outcome select(int number, bool debug) {
   return guarded([&] { device::select(number, debug); });
 }
@@ -109,7 +115,7 @@ Outcome bandwidth(Index edge, Bandwidth& out) {
 }  // namespace
 
 const Api& build_api() {
-  static const Api api{kApiVersion, device::devices, device::architectures, select, device::set_threads, create, bandwidth};
+  static const Api api{kApiVersion, device::devices, device::architectures, select, set_threads, create, bandwidth};
   return api;
 }
 

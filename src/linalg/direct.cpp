@@ -16,6 +16,7 @@
 #include "linalg/scalar_csr.h"
 
 extern "C" void openblas_set_num_threads(int);
+extern "C" int openblas_get_num_threads(void);
 extern "C" void omp_set_max_active_levels(int);
 
 namespace mortise::linalg {
@@ -32,10 +33,11 @@ void require_addresses(int threads) {
   munmap(probe, bytes);
 }
 
-// Of the calling thread. CHOLMOD would start four threads of its own, whatever was asked for, which do little but wait for each other: a sixth
+// Of the calling thread. OpenBLAS is only told what it does not know: in a copy of a process being told starts all its threads again, which wait
+// in a loop at first. CHOLMOD would start four threads of its own, whatever was asked for, which do little but wait for each other: a sixth
 // of the CPU time of a factor.
 void limit_threads(int blas_threads) {
-  openblas_set_num_threads(blas_threads);
+  if (openblas_get_num_threads() != blas_threads) openblas_set_num_threads(blas_threads);
   omp_set_max_active_levels(0);
 }
 
@@ -49,6 +51,8 @@ double norm(const cholmod_dense* v) {
 }
 
 }  // namespace
+
+void use_one_blas_thread() { limit_threads(1); }
 
 struct DirectSolver::State {
   DirectOptions options;

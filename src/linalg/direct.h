@@ -30,6 +30,9 @@ struct DirectStats {
   double reciprocal_condition = 0;  // (smallest / largest diagonal entry of L)^2, a rough estimate
 };
 
+// For a process that will be copied: its copies then need no threads of OpenBLAS.
+void use_one_blas_thread();
+
 class DirectSolver {
  public:
   explicit DirectSolver(DirectOptions options = {});

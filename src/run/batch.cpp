@@ -79,8 +79,10 @@ class Batch {
     engine::keep_meshes(scene_.root);
     record_.seconds["setup"] = std::chrono::duration<double>(Time::now() - meshing).count();
     install_signal_handlers();
-    const long steps = scene_.root.at("time").integer("steps"), frames = scene_.root.at("time").integer("frame_every");
-    progress_.start(name_, fmt::format("{} environment{}, {} at a time; {} steps each; results in {}", count(), count() == 1 ? "" : "s", gpu ? 1 : std::min<long>(threads_, count()), steps, folder_.path()), count(), o_.frames >= 0 ? std::min(steps, o_.frames * frames) : steps);
+    const Params& time = scene_.root.at("time");
+    const long all = time.integer("steps"), steps = o_.frames >= 0 ? std::min<long>(all, o_.frames * time.integer("frame_every")) : all;
+    const long at_once = gpu ? 1 : std::min<long>(threads_, count());
+    progress_.start(name_, fmt::format("{} environment{}, {} at a time; {} steps each; results in {}", count(), count() == 1 ? "" : "s", at_once, steps, folder_.path()), count(), steps);
   }
 
   // One thread each while there are enough environments for all threads; the last ones share what is left.
