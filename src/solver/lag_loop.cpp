@@ -9,6 +9,8 @@ namespace mortise::solver {
 
 LagLoop::LagLoop(System& system, double settled, bool lags) : system_(system), lags_(lags), wanted_(lags ? settled : system.options.relative_tolerance) {}
 
+double LagLoop::finest() const { return std::max(system_.options.relative_tolerance, tuning::kLagFinest * wanted_); }
+
 void LagLoop::begin_solve(const device::Buffer<Vec3>& q) {
   q_.copy_from(q);
   round_ = 0;

@@ -21,6 +21,8 @@ class LagLoop {
   // The relative tolerance of the present round, and the one wanted in the end.
   double relative(Index env) const { return relative_[env]; }
   double wanted() const { return wanted_; }
+  // What rounds are solved to at the finest: so closely are forces that do not lag known in the end.
+  double finest() const;
 
   // The environment is solved to the present tolerance at q, where refreshed quantities leave `share` of the forces.
   void refreshed(Index env, double share);

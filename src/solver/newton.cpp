@@ -26,6 +26,8 @@ Newton::Newton(model::Model& model, EffectList& effects, const Options& options,
       lag_(system_, std::max(options.lag_tolerance, options.relative_tolerance), system_.potential.lags()),
       coupled_(system_, *linear_, curvature_, direction_.matrix()),
       trace_(system_, curvature_),
+      best_force_(model.envs, 0.0),
+      best_(model.envs, 0),
       at_(system_.potential.linearised()),
       near_(system_.potential.linearised()) {}
 
@@ -78,6 +80,9 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
     couple(round, info, report, stop);
     if (!refresh(round, report)) break;
   }
+  for (Index e = 0; e < envs_.size(); ++e)
+    if (!envs_.is(e, EnvState::solved) && !envs_.is(e, EnvState::failed)) envs_.fail(e, "Newton ended without a solution");
+  check_failed();
   system_.potential.sample(at_);
   energies_.close(std::as_const(q_).view(), at_);
   report.energy = energies_.total();
@@ -130,13 +135,11 @@ void Newton::settle(const Residual& r, Index iteration) {
       envs_[e].state = envs_[e].whole ? EnvState::solved : EnvState::settled;
       continue;
     }
-    if (envs_[e].may_couple && r.support_gap[e] == 0) {
-      keep_nearest(e, r);
-      if (needs_jacobian(e, iteration, r)) {
-        copy_blocks(nearest_q_, model_.env_blocks[e], model_.env_blocks[e + 1], q_);
-        envs_[e].state = EnvState::stuck;
-        continue;
-      }
+    if (envs_[e].may_couple && r.support_gap[e] == 0) keep_nearest(e, r);
+    if (envs_[e].whole ? gets_nowhere(e, iteration, r) : envs_[e].may_couple && r.support_gap[e] == 0 && needs_jacobian(e, iteration, r)) {
+      if (std::isfinite(nearest_force_[e])) copy_blocks(nearest_q_, model_.env_blocks[e], model_.env_blocks[e + 1], q_);
+      envs_[e].state = EnvState::stuck;
+      continue;
     }
     if (iteration < options_.iterations) continue;
     const Convergence::Worst worst = system_.convergence.worst(r, e, relative);
@@ -159,41 +162,51 @@ bool Newton::needs_jacobian(Index env, Index iteration, const Residual& r) {
   const CreepWatch::Sight sight =
       creep_.look(env, iteration, system_.convergence.largest_force(r, env) / envs_[env].force, system_.convergence.over(r, env, wanted(env)), envs_[env].alpha);
   if (sight.creeps) linear_->distrust(env);
-  const bool reuses = sight.linear && linear_->ready(env);
-  // What creeps although nothing is missing is on its way through an instability, and gets there.
-  if (envs_[env].whole) return iteration >= std::min(tuning::kWholeIterations, options_.iterations) || (system_.potential.freezes() && (sight.creeps || reuses));
-  return sight.creeps || (reuses && !system_.potential.lags());
+  return sight.creeps || (sight.linear && linear_->ready(env) && (envs_[env].whole || !system_.potential.lags()));
+}
+
+// The energies of two iterates with lagged quantities of their own are not comparable: steps may run in circles. What creeps although nothing is
+// missing from H + U is on its way through an instability, and gets there.
+bool Newton::gets_nowhere(Index env, Index iteration, const Residual& r) {
+  const double force = system_.convergence.largest_force(r, env);
+  if (iteration == 0 || force < tuning::kWholeFalls * best_force_[env]) best_force_[env] = force, best_[env] = iteration;
+  if (iteration - best_[env] >= tuning::kWholePatience || iteration >= options_.iterations) return true;
+  return system_.potential.freezes() && envs_[env].may_couple && r.support_gap[env] == 0 && needs_jacobian(env, iteration, r);
 }
 
 // The coupled iteration, for environments that are stuck, and for those that some rounds of lagged quantities have not brought to an end. Where it
 // fails too, the others' way is gone on from the best state.
 void Newton::couple(Index round, const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop) {
-  for (Index e = 0; e < envs_.size(); ++e) {
+  for (Index e = 0; e < envs_.size(); ++e)
     if (round >= tuning::kPlainRounds && envs_.is(e, EnvState::settled) && envs_[e].may_couple) envs_[e].state = EnvState::stuck;
+  for (bool first = round == 0; envs_.any(EnvState::stuck); first = false) {
     // Differences of forces would give no better directions than H + U where that is all.
-    if (envs_.is(e, EnvState::stuck) && envs_[e].whole && !system_.potential.freezes()) freeze(e);
+    for (Index e = 0; e < envs_.size(); ++e)
+      if (envs_.is(e, EnvState::stuck) && envs_[e].whole && !system_.potential.freezes()) freeze(e);
+    if (envs_.any(EnvState::stuck)) solve_coupled(info, report, stop);
+    for (Index e = 0; e < envs_.size(); ++e) {
+      if (!envs_.is(e, EnvState::stuck)) continue;
+      envs_[e].may_couple = envs_[e].whole;
+      freeze(e);
+    }
+    if (!envs_.any(EnvState::running)) return;
+    // All that lag from now on begin to together, from their own states.
+    if (first) lag_here();
+    iterate(info, report, stop);
   }
-  if (envs_.any(EnvState::stuck)) {
-    const Coupled::Watch watch{[&](const Residual& r, Index iteration, const EnvMask& whose) {
-                                 note(r, [this](Index) { return lag_.wanted(); }, report);
-                                 trace_.begin(info, std::as_const(q_).view(), r, iteration, at_, whose, report);
-                               },
-                               [&](const EnvMask& whose, const std::vector<Index>& products) { trace_.end(envs_, whose, products, report); }};
-    energies_.forget();
-    coupled_.solve(q_, lag_.wanted(), at_, near_, envs_, report, stop, watch);
-    energies_.forget();
-    check_failed();
-    if (system_.potential.lags()) report.lag_residual = report.residual, report.lag_share = report.residual_share;
-  }
-  for (Index e = 0; e < envs_.size(); ++e) {
-    if (!envs_.is(e, EnvState::stuck)) continue;
-    envs_[e].may_couple = envs_[e].whole;
-    freeze(e);
-  }
-  if (!envs_.any(EnvState::running)) return;
-  // In this round all environments that lag begin to: from their own states.
-  if (round == 0) lag_here();
-  iterate(info, report, stop);
+}
+
+void Newton::solve_coupled(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop) {
+  const Coupled::Watch watch{[&](const Residual& r, Index iteration, const EnvMask& whose) {
+                               note(r, [this](Index) { return lag_.wanted(); }, report);
+                               trace_.begin(info, std::as_const(q_).view(), r, iteration, at_, whose, report);
+                             },
+                             [&](const EnvMask& whose, const std::vector<Index>& products) { trace_.end(envs_, whose, products, report); }};
+  energies_.forget();
+  coupled_.solve(q_, lag_.wanted(), at_, near_, envs_, report, stop, watch);
+  energies_.forget();
+  check_failed();
+  if (system_.potential.lags()) report.lag_residual = report.residual, report.lag_share = report.residual_share;
 }
 
 // From here on with rounds of lagged quantities.

@@ -49,11 +49,13 @@ class Newton {
   void settle(const Residual& r, Index iteration);
   void keep_nearest(Index env, const Residual& r);
   bool needs_jacobian(Index env, Index iteration, const Residual& r);
+  bool gets_nowhere(Index env, Index iteration, const Residual& r);
   void couple(Index round, const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
+  void solve_coupled(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
   void lag_here();
   void freeze(Index env);
   bool refresh(Index round, StepReport& report);
-  double wanted(Index env) const { return envs_[env].whole ? lag_.wanted() : lag_.relative(env); }
+  double wanted(Index env) const { return envs_[env].whole ? lag_.finest() : lag_.relative(env); }
   void note(const Residual& r, const std::function<double(Index)>& relative, StepReport& report) const;
 
   System system_;
@@ -72,6 +74,8 @@ class Newton {
   Coupled coupled_;
   NewtonTrace trace_;
 
+  std::vector<double> best_force_;  // per environment with the whole Jacobian: least residual [N],
+  std::vector<Index> best_;         // and when that was
   Linearised at_, near_;  // at q_; at states beside it
   device::Buffer<Vec3> q_;
   EnvMask fresh_;  // environments that stand where the step begins

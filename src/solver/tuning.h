@@ -55,7 +55,8 @@ inline constexpr Index kUsual = 20;            // but not before this one: the w
 inline constexpr Index kPlainRounds = 2;       // rounds of lagging before the coupled iteration takes over
 
 // ---- friction of the present normal forces (newton.h)
-inline constexpr Index kWholeIterations = 60;  // before rounds of lagged quantities take over, which hold where this runs in circles
+inline constexpr Index kWholePatience = 12;    // iterations without a smaller residual,
+inline constexpr double kWholeFalls = 0.9;     // by so much: then rounds of lagged quantities take over, which do not run in circles
 
 // ---- coupled iteration (coupled.h)
 inline constexpr double kCoupledForcing = 1e-4;    // what a difference of forces is good for; the last iteration then ends well below the tolerance
