@@ -105,7 +105,10 @@ void advance(View<const Vec3> q, View<const Vec3> dq, const std::vector<double>&
     }
     out[b] = y;
   });
-  if (model.ties.any()) model.ties.place(out);
+  if (model.ties.driven())
+    model.ties.place_after(q, a, env, out);
+  else if (model.ties.any())
+    model.ties.place(out);
 }
 
 void add(View<const Vec3> from, Buffer<Vec3>& to) {

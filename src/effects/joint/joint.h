@@ -12,7 +12,7 @@
 
 namespace mortise::effects::joint {
 
-enum class Type { fixed, spherical, revolute };
+using Type = model::JointType;
 
 // How `child` follows `parent` (model::Tie::kWorld: the world).
 inline std::vector<model::Follow> follows(const model::Model& model, Type type, Index child, Index parent, const Vec3& place, const Vec3& u) {
