@@ -46,10 +46,10 @@ void Ties::settle(Model& model) {
   start(model);
 }
 
-void Ties::hand_over(Model& model, Index tie, std::string driver, std::vector<Follow> follows, Follow axis) {
+void Ties::hand_over(Model& model, Index tie, std::string driver, std::vector<Follow> follows, Follow axis, bool slides) {
   Tie& t = ties_[tie];
   if (t.follows.empty()) throw Error(Exit::scene, t.where, "closes a loop: what it would move is given by the loop's other joints. Drive one of those, or this one by a torque");
-  t.driver = std::move(driver), t.follows = std::move(follows), t.axis = std::move(axis);
+  t.driver = std::move(driver), t.follows = std::move(follows), t.axis = std::move(axis), t.slides = slides;
   driven_ = true;
   settle(model);
   for (const Closing& closing : closings_)

@@ -56,6 +56,7 @@ struct Tie {
   // Of a driven one: which effect drives it, and the direction about which its moment on `body` is that of the motor.
   std::string driver{};
   Follow axis{-1, {}};
+  bool slides = false;  // it is its force along the axis instead
   bool driven() const { return !driver.empty(); }
   static constexpr Index kWorld = -1;
 };
@@ -66,7 +67,7 @@ class Ties {
   void add(Model& model, std::vector<Tie> ties);
 
   // The tie is driven by an effect from now on, with these equations in the place of its own; once, before the first step. Throws Error(Exit::scene).
-  void hand_over(Model& model, Index tie, std::string driver, std::vector<Follow> follows, Follow axis);
+  void hand_over(Model& model, Index tie, std::string driver, std::vector<Follow> follows, Follow axis, bool slides);
   // Equations of driven ties for the step that begins.
   void drive(const Model& model, std::vector<std::pair<Index, std::vector<Follow>>> follows);
 
@@ -82,6 +83,7 @@ class Ties {
   // What a block hangs on in the end: nothing of its own where it is not tied.
   bool tied(Index block) const { return any() && place_[block] >= 0; }
   std::vector<TieTerm> terms(Index block) const;
+  Vec3 fixed(Index block) const { return fixed_[place_[block]]; }  // of a tied one: h
   // Every z that a tied block hangs on is held: it goes where supports say.
   bool held(Index block, const std::vector<std::uint8_t>& held) const;
 

@@ -99,7 +99,8 @@ void TieForces::report(FieldSink& sink) const {
     const model::Tie& tie = model_.ties.list()[i];
     for (const auto& [what, unit, v] : {std::tuple{"force", "N", of_[i].force}, {"moment", "N m", of_[i].moment}, {"place", "m", of_[i].place}})
       for (int k = 0; k < 3; ++k) sink.scalar(tie.effect, tie.name + "_" + what + "_" + "xyz"[k], unit, v[k]);
-    if (tie.driven()) sink.scalar(tie.driver, tie.name + "_torque", "N m", of_[i].moment.dot(of_[i].axis));
+    if (tie.driven() && tie.slides) sink.scalar(tie.driver, tie.name + "_force", "N", of_[i].force.dot(of_[i].axis));
+    if (tie.driven() && !tie.slides) sink.scalar(tie.driver, tie.name + "_torque", "N m", of_[i].moment.dot(of_[i].axis));
     double& worst = error[tie.effect];
     worst = std::max(worst, of_[i].error);
     any = any || model_.bodies[tie.body].type == model::BodyType::soft;

@@ -4,9 +4,9 @@
 #include <random>
 
 #include "effects/drive/law.h"
-#include "effects/hinge_energy.h"
 #include "effects/joint/stop.h"
 #include "finite_difference.h"
+#include "model/coordinate.h"
 
 using namespace mortise;
 using namespace mortise::fd;
@@ -153,6 +153,66 @@ TEST(Hinges, WayUpToAnAngle) {
     EXPECT_LT(std::min(std::abs(turned - up), std::abs(turned + down)), 1e-7);
   }
   EXPECT_GT(reached, 200);
+}
+
+// The way of a slide on a body that is anywhere, strained and turned, and on the world.
+TEST(SlideCoordinate, DerivativesAreExact) {
+  std::mt19937_64 rng(11);
+  std::normal_distribution<double> n;
+  for (bool world : {false, true})
+    for (int i = 0; i < 20; ++i) {
+      model::Coordinate c;
+      c.slides = true, c.slider = 0, c.carrier = world ? -1 : 1, c.at_rest = 0.3;
+      c.u = Vec3(n(rng), n(rng), n(rng)).normalized(), c.X = Vec3(n(rng), n(rng), n(rng));
+      Vector q(15);
+      for (Eigen::Index k = 0; k < 15; ++k) q[k] = n(rng);
+      const Wave law;
+      const auto value = [&](const Vector& x) {
+        const std::vector<Vec3> blocks = blocks_of(x);
+        return model::coordinate(c, model::reading(c, {blocks.data(), 5}));
+      };
+      const auto stencil = [&](const Vector& x) {
+        const std::vector<Vec3> blocks = blocks_of(x);
+        Index block[6];
+        Vec3 grad[6];
+        Mat3 hess[21];
+        const double s = value(x);
+        model::coordinate_stencil(c, model::reading(c, {blocks.data(), 5}), law.first(s), law.second(s), 1, block, grad, hess);
+        std::pair<Vector, Matrix> out{Vector::Zero(15), Matrix::Zero(15, 15)};
+        for (Index a = 0; a < 6; ++a) {
+          if (block[a] < 0) continue;
+          out.first.segment<3>(3 * block[a]) += grad[a];
+          for (Index b = a; b < 6; ++b) {
+            if (block[b] < 0) continue;
+            const Mat3& h = hess[linalg::pair_place(a, b, 6)];
+            out.second.block<3, 3>(3 * block[a], 3 * block[b]) += h;
+            if (a != b) out.second.block<3, 3>(3 * block[b], 3 * block[a]) += h.transpose();
+          }
+        }
+        return out;
+      };
+      const auto [g, H] = stencil(q);
+      EXPECT_LT(relative_error(g, difference_gradient([&](const Vector& x) { return law.energy(value(x)); }, q, 1e-3)), 1e-8);
+      EXPECT_LT(relative_error(H, difference_jacobian([&](const Vector& x) { return stencil(x).first; }, q, 1e-3)), 1e-8);
+      if (world) continue;
+      // Neither force nor moment is left.
+      EXPECT_LT((g.segment<3>(0) + g.segment<3>(3)).norm(), 1e-13 * g.norm());
+      Vec3 moment = Vec3::Zero();
+      for (int b = 0; b < 5; ++b) moment += Vec3(q.segment<3>(3 * b)).cross(Vec3(g.segment<3>(3 * b)));
+      EXPECT_LT(moment.norm(), 1e-12 * g.norm() * q.norm());
+      // And the way up to a stop ends there.
+      Vector w(15);
+      for (Eigen::Index k = 0; k < 15; ++k) w[k] = n(rng);
+      const std::vector<Vec3> at = blocks_of(q), way = blocks_of(w);
+      const double alpha = model::coordinate_way(c, model::reading(c, {at.data(), 5}), model::reading(c, {way.data(), 5}, true), value(q), 0.2, 0.1), end = std::min(alpha, 1.0);
+      for (int k = 1; k <= 100; ++k) {
+        const double gone = value(q + end * k / 100 * w) - value(q);
+        EXPECT_LE(gone, 0.2 + 1e-9);
+        EXPECT_GE(gone, -0.1 - 1e-9);
+      }
+      if (alpha > 1) continue;
+      EXPECT_NEAR(std::min(std::abs(value(q + alpha * w) - value(q) - 0.2), std::abs(value(q + alpha * w) - value(q) + 0.1)), 0, 1e-9);
+    }
 }
 
 TEST(Stops, DerivativesAreExact) {

@@ -402,14 +402,15 @@ TEST(Drives, Refusals) {
   const auto says = [](const std::string& message, const std::string& text) { EXPECT_NE(message.find(text), std::string::npos) << message; };
   says(drive("mode: pd, angle: 1"), "needs 'kp'");
   says(drive("mode: pd, kp: 1"), "needs a target: 'angle', 'file' or 'sine'");
-  says(drive("mode: pd, kp: 1, torque: 1"), "torque has no meaning: a drive of mode pd aims at an angle");
+  says(drive("mode: pd, kp: 1, torque: 1"), "torque has no meaning: of this joint a drive of mode pd aims at 'angle'");
   says(drive("mode: pd, kp: 1, angle: 1, velocity: 1"), "velocity needs 'effort'");
   says(drive("mode: effort, torque: 1, kp: 3"), "kp has no meaning in a drive of mode effort");
   says(drive("mode: passive"), "needs 'damping' or 'friction'");
   says(drive("mode: kinematic, angle: 20 deg"), "begins at 0.349066 rad, but the joint stands at 0 rad");
   says(drive("mode: kinematic, angle: {time: [0, 1], value: [0, 20 deg]}", ", angle_limits: [-0.1, 0.1]"), "beyond the limits of the joint");
   says(drive("mode: kinematic, angle: 0, friction: 1"), "friction has no meaning in a drive of mode kinematic");
-  says(drive("mode: pd, kp: 1, sine: {torque: 1, frequency: 1}"), "needs 'angle', its amplitude");
+  says(drive("mode: pd, kp: 1, sine: {torque: 1, frequency: 1}"), "torque has no meaning");
+  says(drive("mode: pd, kp: 1, sine: {frequency: 1}"), "needs 'angle', its amplitude");
   says(refused(link("", "mode: passive, friction: 1}, {joint: hip, mode: passive, friction: 1", 5)), "'hip' has a drive already");
   says(refused(link("", "mode: passive, friction: 1}, {joint: hp, mode: passive, friction: 1", 5)), "no joint is called 'hp'; there are: 'hip'");
   says(drive("", ", angle_limits: [0.1, 0.4]"), "stands at 0.000000 rad, which is not between its limits");
@@ -421,8 +422,130 @@ TEST(Drives, Refusals) {
   };
   says(file("time [s], hip\n0,0\n"), "refused.csv:1:11: error: column 'hip' has no unit");
   says(file("time, hip [deg]\n0,0\n"), "refused.csv:1:1: error: column 'time' has no unit");
-  says(file("time [s], hip [mm]\n0,0\n"), "refused.csv:1:11: error: 'mm' is no unit of an angle");
+  says(file("time [s], hip [mm]\n0,0\n"), "refused.csv:1:11: error: 'mm' is no unit of this drive's angle");
   says(file("time [s], hip [deg]\n0,0\n0,1\n"), "refused.csv:3:1: error: times must increase");
   says(file("time [s], knee [deg]\n0,0\n"), "has no column 'hip'; there are: 'time', 'knee'");
   says(file("time [s], hip [deg]\n0,0\n", ", unit: rad"), "says deg");
+}
+
+// ---- prismatic joints
+
+namespace {
+
+// A jaw of 40 g that slides along `axis` on what `to` says, where it stands at 20 mm.
+std::string jaws(const std::string& effects, double dt_ms, const std::string& more = "", const std::string& axis = "[1, 0, 0]") {
+  return fmt::format(R"(
+mortise: 1
+name: jaws
+time: {{step: {} ms, steps: 1000}}
+materials: {{steel: {{density: 1000}}, rubber: {{youngs_modulus: 0.2 MPa, poisson_ratio: 0.4, density: 1000}}}}
+bodies:
+  left: {{type: stiff, shape: {{box: {{size: [100 mm, 20 mm, 20 mm], edge_length: 100 mm}}}}, material: steel, position: [-70 mm, 0, 0]}}
+{}effects:
+  inertia: {{}}
+  gravity: {{}}
+  affine_body: {{stiffness: 1 GPa}}
+  joint:
+    - {{name: left, type: prismatic, body: left, axis: {}, travel: 20 mm, travel_limits: [0, 60 mm]{}}}
+{})",
+                     dt_ms, more.substr(0, more.find('|')), axis, more.find('|') == std::string::npos ? "" : more.substr(more.find('|') + 1), effects);
+}
+
+}  // namespace
+
+// On a slope of the world: weight along the axis, bearing across it, a stop at its end.
+TEST(Slides, FallAlongTheirAxis) {
+  const Vec3 u = Vec3(1, 0, -1).normalized();
+  Rig rig(jaws("", 1, "", "[1, 0, -1]"));
+  const double along = 9.81 * -u[2] * -1;
+  for (int i = 0; i < 50; ++i) rig.step();
+  Captured f = rig.fields();
+  const double t = 0.05;
+  EXPECT_NEAR(f.at("joint/left_rate"), std::abs(along) * t, 1e-6);
+  EXPECT_NEAR(f.at("joint/left_travel"), 0.02 + 0.5 * std::abs(along) * t * (t + 1e-3), 1e-7);
+  EXPECT_LT(vector(f, "balance/defect_").norm(), 1e-6);
+  // What the guide bears is across.
+  EXPECT_LT((vector(f, "supports/left_") - 0.04 * 9.81 * (Vec3(0, 0, 1) - u[2] * u)).norm(), 1e-6);
+  double highest = 0;
+  for (int i = 0; i < 400; ++i) {
+    rig.step();
+    f = rig.fields();
+    highest = std::max(highest, f.at("joint/left_travel"));
+    ASSERT_LT(f.at("joint/left_travel"), 0.06);
+  }
+  EXPECT_GT(highest, 0.0595);
+  EXPECT_NEAR(f.at("joint/left_stop"), -0.04 * std::abs(along), 1e-3 * 0.04 * 9.81);
+}
+
+// A gripper on an arm whose angle is given: one motor presses with 5 N, the other jaw mimics it exactly, and the ball between bears it.
+TEST(Slides, GripWithAGivenForce) {
+  const std::string bodies = R"(  palm: {type: stiff, shape: {box: {size: [40 mm, 40 mm, 10 mm], edge_length: 100 mm}}, material: steel, position: [0, 0, 60 mm]}
+  right: {type: stiff, shape: {box: {size: [100 mm, 20 mm, 20 mm], edge_length: 100 mm}}, material: steel, position: [70 mm, 0, 0]}
+  ball: {type: soft, shape: {sphere: {radius: 14 mm, edge_length: 6 mm}}, material: rubber}
+|, to: palm)";
+  const std::string effects = R"(    - {name: right, type: prismatic, body: right, to: palm, axis: [-1, 0, 0], mimic: {joint: left}}
+    - {name: wrist, type: revolute, body: palm, at: [0, 0, 60 mm], axis: [0.3, 1, 0.2]}
+  elasticity: {}
+  drive:
+    - {joint: left, mode: effort, force: 5 N, effort: 5, velocity: 0.2, damping: 3}
+    - {joint: wrist, mode: kinematic, angle: {time: [0.1, 0.3], value: [0, 40 deg]}, interpolation: smooth}
+  barrier_contact: {d_hat: 0.5 mm, stiffness: 50 kPa, pairs: [[ball, left], [ball, right]]}
+  friction: {follows: barrier_contact, mu: 0.8}
+)";
+  Rig rig(jaws(effects, 5, bodies), {"effects.gravity.acceleration=[0, 0, 0]"});
+  Captured f;
+  for (int i = 0; i < 80; ++i) {
+    rig.step();
+    f = rig.fields();
+    EXPECT_NEAR(f.at("joint/right_travel"), f.at("joint/left_travel") - 0.02, 1e-14);
+    EXPECT_LT(std::abs(f.at("drive/wrist_error")), 1e-13);
+    EXPECT_LT(f.at("joint/tie_error"), 1e-14);
+    EXPECT_LT(vector(f, "balance/defect_").norm(), 1e-2 * 5);
+  }
+  EXPECT_EQ(f.at("drive/left_force"), 5);
+  // Half of the motor's force on every side: the jaws share it.
+  const Vec3 on_ball = vector(f, "barrier_contact/force_ball_");
+  EXPECT_LT(on_ball.norm(), 0.1);
+  EXPECT_GT(f.at("joint/left_travel"), 0.025);
+  EXPECT_NEAR(f.at("joint/left_rate"), 0, 1e-2);
+}
+
+// Given travel, between bodies that fly: exact, and no momentum.
+TEST(Slides, GivenTravelIsExact) {
+  const std::string bodies = "  palm: {type: stiff, shape: {box: {size: [40 mm, 40 mm, 10 mm], edge_length: 100 mm}}, material: steel, position: [0, 0, 60 mm]}\n|, to: palm";
+  Rig rig(jaws("  drive: [{joint: left, mode: kinematic, travel: {time: [0, 0.1], value: [20 mm, 50 mm]}, interpolation: smooth}]\n", 2, bodies), {"effects.gravity.acceleration=[0, 0, 0]"});
+  for (int i = 0; i < 40; ++i) {
+    rig.step();
+    const Captured f = rig.fields();
+    EXPECT_LT(std::abs(f.at("drive/left_error")), 1e-14);
+    EXPECT_LT(vector(f, "inertia/momentum_").norm(), 1e-8);
+  }
+  EXPECT_GT(std::abs(rig.fields().at("drive/left_force")), 1e-3);
+}
+
+TEST(Slides, PdAgainstItsEquation) {
+  // m s'' = kp (target - s) - kd s'
+  const double kp = 40, kd = 1, target = 0.05, T = 0.1;
+  double s = 0.02, v = 0;
+  const int n = 1000000;
+  for (int i = 0; i < n; ++i) v += T / n * (kp * (target - s) - kd * v) / 0.04, s += T / n * v;
+  double error[2];
+  for (int k = 0; k < 2; ++k) {
+    const double dt = k == 0 ? 0.4 : 0.2;
+    Rig rig(jaws(fmt::format("  drive: [{{joint: left, mode: pd, kp: {}, kd: {}, travel: {}}}]\n", kp, kd, target), dt));
+    rig.steps(static_cast<int>(std::lround(T * 1e3 / dt)));
+    error[k] = std::abs(rig.fields().at("joint/left_travel") - s);
+  }
+  EXPECT_LT(error[0], 3e-4);
+  EXPECT_LT(error[1], 0.6 * error[0]);
+}
+
+TEST(Slides, Refusals) {
+  const auto says = [](const std::string& message, const std::string& text) { EXPECT_NE(message.find(text), std::string::npos) << message; };
+  const std::string palm = "  palm: {type: stiff, shape: {box: {size: [40 mm, 40 mm, 10 mm], edge_length: 100 mm}}, material: steel, position: [0, 0, 60 mm]}\n|, to: palm";
+  says(refused(jaws("", 1, palm)), "'palm' moves freely");
+  says(refused(jaws("  drive: [{joint: left, mode: pd, kp: 1, angle: 1}]\n", 1)), "angle has no meaning: of this joint a drive of mode pd aims at 'travel'");
+  says(refused(jaws("  drive: [{joint: left, mode: effort, torque: 1}]\n", 1)), "aims at 'force'");
+  says(refused(jaws("", 1, "|, mimic: {joint: right}")), "there is no such joint");
+  says(refused(jaws("", 1, "|, angle: 3")), "angle has no meaning in a prismatic joint");
 }

@@ -7,7 +7,7 @@
 #include "effects/drive/law.h"
 #include "effects/drive/target.h"
 #include "effects/failure.h"
-#include "effects/hinge_energy.h"
+#include "effects/coordinate_energy.h"
 #include "effects/list.h"
 
 namespace mortise::effects {
@@ -24,13 +24,13 @@ const ParamTable kTable = [] {
   const auto least = [](Param p) { return param::range(std::move(p), 0, INFINITY); };
   ParamTable t{"effect drive",
                "Motors of joints, and what resists in their bearings.",
-               {param::required(of(Param::Kind::text, "joint", Unit::none, std::nullopt, "Name of a revolute joint.")),
+               {param::required(of(Param::Kind::text, "joint", Unit::none, std::nullopt, "Name of a revolute or prismatic joint.")),
                 param::required(param::choice("mode", {"pd", "effort", "kinematic", "passive"}, "",
-                                              "pd: torque kp (target - angle) - kd rate, within limits; effort: the given torque; kinematic: the angle is the target, exactly; passive: no motor.")),
-                param::positive(si("kp", "Stiffness of mode pd [N m/rad].")), least(si("kd", "Damping of mode pd [N m s/rad]; without it 0.")),
-                param::positive(si("effort", "Largest torque of the motor [N m].")),
-                param::positive(si("velocity", "Rate beyond which the motor does not drive the joint [rad/s]; over the last tenth of it the torque falls to nothing. Needs `effort`.")),
-                least(si("damping", "Viscous damping of the bearing [N m s/rad].")), least(si("friction", "Dry friction of the bearing [N m], in full from 0.001 rad/s on."))}};
+                                              "pd: torque kp (target - angle) - kd rate, within limits; effort: the given torque; kinematic: the angle is the target, exactly; passive: no motor. Of prismatic joints forces and travel, in N and m.")),
+                param::positive(si("kp", "Stiffness of mode pd [N m/rad, N/m].")), least(si("kd", "Damping of mode pd [N m s/rad, N s/m]; without it 0.")),
+                param::positive(si("effort", "Largest torque or force of the motor [N m, N].")),
+                param::positive(si("velocity", "Rate beyond which the motor does not drive the joint [rad/s, m/s]; over the last tenth of it the torque falls to nothing. Needs `effort`.")),
+                least(si("damping", "Viscous damping of the bearing [N m s/rad, N s/m].")), least(si("friction", "Dry friction of the bearing [N m, N], in full from 0.001 rad/s, 0.1 mm/s on."))}};
   for (Param& p : drive::target_params()) t.params.push_back(std::move(p));
   t.is_list = true;
   return t;
@@ -47,7 +47,7 @@ struct Entry {
   bool drags() const { return damping > 0 || friction > 0; }
 };
 
-Entry read(const Params& p, bool is_static) {
+Entry read(const Params& p, bool is_static, bool slides) {
   const std::string& mode = p.text("mode");
   Entry e{mode == "pd" ? Mode::pd : mode == "effort" ? Mode::effort : mode == "kinematic" ? Mode::kinematic : Mode::passive, {}, 0, 0, INFINITY, INFINITY, 0, 0, p.where()};
   const auto number = [&](const char* key, double& to, bool allowed, const char* why) {
@@ -66,13 +66,13 @@ Entry read(const Params& p, bool is_static) {
   if (is_static)
     for (const char* key : {"kd", "velocity", "damping", "friction"})
       if (p.has(key)) throw Error(Exit::scene, p.at(key).where(), std::string(key) + " has no meaning in a static scene: there are no rates");
-  if (e.mode == Mode::pd && !p.has("kp")) throw Error(Exit::scene, p.where(), "a drive of mode pd needs 'kp', its stiffness [N m/rad]");
+  if (e.mode == Mode::pd && !p.has("kp")) throw Error(Exit::scene, p.where(), "a drive of mode pd needs 'kp', its stiffness [N m/rad, N/m]");
   if (p.has("velocity") && !p.has("effort")) throw Error(Exit::scene, p.at("velocity").where(), "velocity needs 'effort', the torque that goes where the joint is that fast");
   if (e.mode == Mode::passive) {
     if (Target::any(p)) throw Error(Exit::scene, p.where(), "a drive of mode passive has no target");
     if (!e.drags()) throw Error(Exit::scene, p.where(), "a drive of mode passive needs 'damping' or 'friction'");
   } else {
-    e.target = Target(p, e.mode == Mode::effort ? Quantity::torque : Quantity::angle);
+    e.target = Target(p, e.mode == Mode::effort ? (slides ? Quantity::force : Quantity::torque) : slides ? Quantity::travel : Quantity::angle);
   }
   return e;
 }
@@ -80,7 +80,7 @@ Entry read(const Params& p, bool is_static) {
 // A joint that an entry drives. Of the accepted state: what is reported.
 struct Driven {
   Index entry, joint;
-  double target = 0, torque = 0, drag = 0;  // [rad] or [N m], [N m], [N m]
+  double target = 0, torque = 0, drag = 0;  // [rad, m] or [N m, N], [N m, N]
   Law law{};                                // of the step under way
 };
 
@@ -91,10 +91,11 @@ class Drive final : public Effect {
     is_static_ = time.text("mode") == "static";
     std::set<Index> taken;
     for (const Params& p : list.items()) {
-      entries_.push_back(read(p, is_static_));
-      for (Index j : model::joints_named(model, p.text("joint"), p.at("joint").where())) {
+      const std::vector<Index> named = model::joints_named(model, p.text("joint"), p.at("joint").where());
+      entries_.push_back(read(p, is_static_, model.joints[named[0]].type == model::JointType::prismatic));
+      for (Index j : named) {
         const model::Joint& joint = model.joints[j];
-        if (!joint.has_coordinate()) throw Error(Exit::scene, p.at("joint").where(), "'" + joint.name + "' has nothing to drive: it is no revolute joint");
+        if (!joint.has_coordinate()) throw Error(Exit::scene, p.at("joint").where(), "'" + joint.name + "' has nothing to drive: it is neither revolute nor prismatic");
         if (!taken.insert(j).second) throw Error(Exit::scene, p.at("joint").where(), "'" + joint.name + "' has a drive already");
         const auto entry = static_cast<Index>(entries_.size()) - 1;
         if (entries_.back().mode == Mode::kinematic)
@@ -114,7 +115,7 @@ class Drive final : public Effect {
 
   const Kind& kind() const override;
   std::vector<PlanItem> plan() const override { return {{"motors", energy_.bytes()}}; }
-  std::unique_ptr<Linearisation> linearisation() const override { return std::make_unique<HingeLinearisation>(); }
+  std::unique_ptr<Linearisation> linearisation() const override { return std::make_unique<CoordinateLinearisation>(); }
 
   void begin_step(const StepInfo& step) override {
     for (Driven& d : motors_) {
@@ -124,6 +125,7 @@ class Drive final : public Effect {
       d.target = e.target(step.t1());
       d.law = {};
       d.law.effort = e.effort, d.law.velocity = e.velocity, d.law.h = is_static_ ? 1 : step.dt, d.law.damping = e.damping, d.law.friction = e.friction;
+      d.law.creep = j.type == model::JointType::prismatic ? drive::kCreepSlide : drive::kCreep;
       if (e.mode == Mode::pd) d.law.a = e.kp * (d.target - j.value), d.law.K = e.kp + e.kd / d.law.h;
       if (e.mode == Mode::effort) d.law.a = d.target;
     }
@@ -152,10 +154,10 @@ class Drive final : public Effect {
       for (const Driven& d : *all) {
         const Entry& e = entries_[d.entry];
         const model::Joint& j = model_.joints[d.joint];
-        if (e.mode == Mode::pd || e.mode == Mode::kinematic) put(j, "target", "rad", d.target), put(j, "error", "rad", j.value - d.target);
+        if (e.mode == Mode::pd || e.mode == Mode::kinematic) put(j, "target", j.unit(), d.target), put(j, "error", j.unit(), j.value - d.target);
         if (e.mode == Mode::kinematic) continue;  // its torque is that of its tie
-        if (e.mode != Mode::passive) put(j, "torque", "N m", d.torque), put(j, "power", "W", d.torque * j.rate);
-        if (e.drags()) put(j, "drag", "N m", d.drag);
+        if (e.mode != Mode::passive) put(j, j.type == model::JointType::prismatic ? "force" : "torque", j.effort_unit(), d.torque), put(j, "power", "W", d.torque * j.rate);
+        if (e.drags()) put(j, "drag", j.effort_unit(), d.drag);
       }
   }
 
@@ -179,10 +181,12 @@ class Drive final : public Effect {
   void hand_over(Driven d, const Params& time) {
     const model::Joint& j = model_.joints[d.joint];
     const Entry& e = entries_[d.entry];
-    constexpr double kSame = 1e-6;  // [rad]
+    constexpr double kSame = 1e-6;  // [rad, m]
+    const std::string unit = std::string(" ") + j.unit();
+    if (j.mimics) throw Error(Exit::scene, e.where, "'" + j.name + "' mimics another joint: drive that one");
     if (std::abs(e.target(0) - j.at_rest) > kSame) {
       std::ostringstream why;
-      why << "the target of '" << j.name << "' begins at " << e.target(0) << " rad, but the joint stands at " << j.at_rest << " rad: begin there, or place its bodies otherwise and say so with the joint's 'angle'";
+      why << "the target of '" << j.name << "' begins at " << e.target(0) << unit << ", but the joint stands at " << j.at_rest << unit << ": begin there, or place its bodies otherwise and say so with the joint's '" << (j.type == model::JointType::prismatic ? "travel" : "angle") << "'";
       throw Error(Exit::scene, e.where, why.str());
     }
     const double h = is_static_ ? 1.0 / static_cast<double>(time.integer("steps")) : time.number("step");
@@ -190,14 +194,11 @@ class Drive final : public Effect {
       const double wanted = e.target(h * static_cast<double>(n));
       if (j.low < wanted && wanted < j.high) continue;
       std::ostringstream why;
-      why << "the target of '" << j.name << "' is " << wanted << " rad at t = " << h * static_cast<double>(n) << ", beyond the limits of the joint, " << j.low << " and " << j.high << " rad";
+      why << "the target of '" << j.name << "' is " << wanted << unit << " at t = " << h * static_cast<double>(n) << ", beyond the limits of the joint, " << j.low << " and " << j.high << unit;
       throw Error(Exit::scene, e.where, why.str());
     }
-    const model::Tie& tie = model_.ties.list()[j.tie];
-    const Index follower = tie.follows.empty() ? -1 : tie.follows[0].block;
-    children_.push_back(follower == model_.bodies[j.body].block_begin ? j.body : j.to);
     given_.push_back(d);
-    model_.ties.hand_over(model_, j.tie, "drive", tie.follows.empty() ? std::vector<model::Follow>{} : model::placed_at(model_, j, children_.back(), j.at_rest), model::axis_of(model_, j));
+    model_.ties.hand_over(model_, j.tie, "drive", model::placed_at(model_, j, j.at_rest), model::axis_of(model_, j), j.type == model::JointType::prismatic);
   }
 
   // Points go straight from where they are to where they are asked to be, and what lies beside that way is not met: the same measure as for pins.
@@ -207,7 +208,7 @@ class Drive final : public Effect {
       const model::Joint& j = model_.joints[d.joint];
       if (!step.taken_by(j.env)) continue;
       d.target = entries_[d.entry].target(step.t1());
-      if (std::abs(d.target - j.value) <= kMost) continue;
+      if (j.type == model::JointType::prismatic || std::abs(d.target - j.value) <= kMost) continue;
       std::ostringstream why;
       why << "the drive of '" << j.name << "' turns it by " << std::abs(d.target - j.value) << " rad in a step of " << step.dt << (step.is_static ? "" : " s") << "; it may be " << kMost << " rad at most: take shorter steps";
       throw Failure{why.str(), j.env};
@@ -216,19 +217,21 @@ class Drive final : public Effect {
   }
   void place() {
     std::vector<std::pair<Index, std::vector<model::Follow>>> follows;
-    for (std::size_t i = 0; i < given_.size(); ++i) {
-      const model::Joint& j = model_.joints[given_[i].joint];
-      follows.emplace_back(j.tie, model::placed_at(model_, j, children_[i], given_[i].target));
+    for (const Driven& d : given_) {
+      const model::Joint& j = model_.joints[d.joint];
+      follows.emplace_back(j.tie, model::placed_at(model_, j, d.target));
     }
-    if (!follows.empty()) model_.ties.drive(model_, std::move(follows));
+    if (follows.empty()) return;
+    model_.ties.drive(model_, std::move(follows));
+    model::guide(model_);  // what slides on them
   }
 
   void upload() {
-    std::vector<HingeEnergy<drive::At>::Item> items;
+    std::vector<CoordinateEnergy<drive::At>::Item> items;
     begin_.clear();
     for (const Driven& d : motors_) {
       const model::Joint& j = model_.joints[d.joint];
-      items.push_back({{hinge_of(model_, j), j.at_rest, j.value}, {j.value, d.law}});
+      items.push_back({model::coordinate_of(model_, j), {j.value, d.law}});
       begin_.push_back(j.value);
     }
     energy_.upload(items);
@@ -238,9 +241,8 @@ class Drive final : public Effect {
   bool is_static_ = false;
   std::vector<Entry> entries_;
   std::vector<Driven> motors_, given_;  // by environment; those of mode kinematic
-  std::vector<Index> children_;         // of those: the body that follows
-  std::vector<double> begin_;           // where the joints of motors are at the beginning of the step [rad]
-  HingeEnergy<drive::At> energy_;
+  std::vector<double> begin_;           // where the joints of motors are at the beginning of the step [rad, m]
+  CoordinateEnergy<drive::At> energy_;
 };
 
 }  // namespace

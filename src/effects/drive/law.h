@@ -8,9 +8,9 @@
 // no more than `effort` either way, and none that would drive the joint beyond `velocity`; a joint that is pushed beyond it is not pushed further, and
 // braked as the law wants. tau is continuous, piecewise linear and never increases, so
 //     E(x) = - int_0^x tau                              (trapezoids between the kinks: exact)
-// is convex and once continuously differentiable. Bearings add, with D viscous damping and F dry friction, e = kCreep h:
+// is convex and once continuously differentiable. Bearings add, with D viscous damping and F dry friction, e = creep h:
 //     D x^2 / (2 h)     and     F f(|x|),  f = x^2/e - x^3/(3 e^2)  (x < e),  x - e/3  (x >= e).
-// Units: theta rad, torques N m, kp N m/rad, kd and D N m s/rad.
+// Units: theta rad, torques N m, kp N m/rad, kd and D N m s/rad; of a slide m, N, N/m, N s/m.
 #include <cmath>
 
 #include "base/types.h"
@@ -18,7 +18,7 @@
 namespace mortise::effects::drive {
 
 inline constexpr double kRamp = 0.1;    // of `velocity`: its last tenth, over which the torque goes; a step's rate has to find its place there
-inline constexpr double kCreep = 1e-3;  // [rad/s]: rate at which dry friction is fully there; what it holds creeps more slowly
+inline constexpr double kCreep = 1e-3, kCreepSlide = 1e-4;  // [rad/s], [m/s]: rate at which dry friction is fully there; what it holds creeps more slowly
 
 MORTISE_HD inline double clamp01(double t) { return t < 0 ? 0.0 : t > 1 ? 1.0 : t; }
 
@@ -26,7 +26,7 @@ struct Law {
   double a = 0, K = 0;
   double effort = INFINITY, velocity = INFINITY;
   double h = 1;
-  double damping = 0, friction = 0;
+  double damping = 0, friction = 0, creep = kCreep;
 
   MORTISE_HD double most(double v) const { return velocity < INFINITY ? effort * clamp01((velocity - v) / (kRamp * velocity)) : effort; }
   MORTISE_HD double motor(double x) const {
@@ -71,16 +71,16 @@ struct Law {
 
   // Of the bearings, against the motion [N m].
   MORTISE_HD double drag(double x) const {
-    const double e = kCreep * h, y = std::fabs(x), f = y < e ? (2 - y / e) * y / e : 1.0;
+    const double e = creep * h, y = std::fabs(x), f = y < e ? (2 - y / e) * y / e : 1.0;
     return damping * x / h + (x < 0 ? -1 : 1) * friction * f;
   }
   MORTISE_HD double energy_of(double x) const {
-    const double e = kCreep * h, y = std::fabs(x);
+    const double e = creep * h, y = std::fabs(x);
     return motor_energy(x) + 0.5 * damping * x * x / h + friction * (y < e ? y * y * (1 / e - y / (3 * e * e)) : y - e / 3);
   }
   MORTISE_HD double first_of(double x) const { return drag(x) - motor(x); }
   MORTISE_HD double second_of(double x) const {
-    const double e = kCreep * h, y = std::fabs(x);
+    const double e = creep * h, y = std::fabs(x);
     return motor_falls(x) + damping / h + (y < e ? friction * 2 * (1 - y / e) / e : 0.0);
   }
 };

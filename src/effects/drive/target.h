@@ -11,7 +11,7 @@ namespace mortise::effects::drive {
 // The keys of a drive's block that say it.
 std::vector<Param> target_params();
 
-enum class Quantity { angle, torque };  // [rad], [N m]
+enum class Quantity { angle, travel, torque, force };  // [rad], [m], [N m], [N]
 
 class Target {
  public:
@@ -21,7 +21,6 @@ class Target {
 
   // Does the block aim at anything, or at this?
   static bool any(const Params& entry);
-  static const char* key(Quantity what) { return what == Quantity::angle ? "angle" : "torque"; }
 
  private:
   Schedule keys_{Params::make_number(0)};

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "effects/hinge_energy.h"
+#include "effects/coordinate_energy.h"
 #include "effects/joint/read.h"
 #include "effects/joint/stop.h"
 
@@ -19,18 +19,15 @@ class Joints final : public Effect {
     model.ties.add(model, std::move(read.ties));
     model.joints = std::move(read.joints);
     std::vector<Index> env;
-    std::vector<model::Hinge> hinges;
     for (Index e = 0; e < model.envs; ++e)
       for (std::size_t j = 0; j < model.joints.size(); ++j) {
         const model::Joint& joint = model.joints[j];
         if (joint.env != e || !joint.has_coordinate()) continue;
-        turning_.push_back(static_cast<Index>(j));
-        hinges.push_back(hinge_of(model, joint));
+        moving_.push_back(static_cast<Index>(j));
         if (!std::isfinite(joint.low)) continue;
         stopped_.push_back(static_cast<Index>(j)), env.push_back(e);
-        stops_.push_back({joint.low, joint.high, std::min(stop::kRange, stop::kShare * (joint.high - joint.low)), read.stop_effort[j] > 0 ? read.stop_effort[j] : usual_effort(joint)});
+        stops_.push_back({joint.low, joint.high, std::min(joint.type == model::JointType::prismatic ? stop::kSlide : stop::kTurn, stop::kShare * (joint.high - joint.low)), read.stop_effort[j] > 0 ? read.stop_effort[j] : usual_effort(joint)});
       }
-    hinges_.upload(hinges);
     energy_.set_environments(env, model.envs);
     upload();
   }
@@ -41,34 +38,37 @@ class Joints final : public Effect {
     if (!stopped_.empty()) out.push_back({"stops", energy_.bytes()});
     return out;
   }
-  std::unique_ptr<Linearisation> linearisation() const override { return std::make_unique<HingeLinearisation>(); }
+  std::unique_ptr<Linearisation> linearisation() const override { return std::make_unique<CoordinateLinearisation>(); }
 
-  void begin_step(const StepInfo&) override { upload(); }
+  void connect() override { model::guide(model_); }
+  void begin_step(const StepInfo&) override {
+    model::guide(model_);
+    upload();
+  }
   void energy(Positions q, const Linearisation&, device::EnvValues per_env) override { energy_.energy("joint.energy", q, per_env); }
   void linearise(Positions q, Want want, Linearisation& at) override { energy_.linearise("joint.assemble", model_, q, want, at); }
   void max_step(View<const Vec3> dq, Linearisation& at, device::EnvValues alpha) override { energy_.max_step("joint.max_step", dq, at, alpha); }
 
   void end_step(const StepInfo& step, Positions q, const Linearisation&) override {
-    const std::vector<double> now = angles(q);
-    for (std::size_t i = 0; i < turning_.size(); ++i) {
-      model::Joint& j = model_.joints[turning_[i]];
+    const std::vector<double> now = coordinates(q);
+    for (std::size_t i = 0; i < moving_.size(); ++i) {
+      model::Joint& j = model_.joints[moving_[i]];
       if (!step.taken_by(j.env)) continue;
-      const double value = model::unwrapped(j.at_rest + now[i], j.value);
-      j.rate = step.is_static ? 0 : (value - j.value) / step.dt;
-      j.value = value;
+      j.rate = step.is_static ? 0 : (now[i] - j.value) / step.dt;
+      j.value = now[i];
     }
   }
 
   void report(FieldSink& sink, const Linearisation& at) override {
     if (!stopped_.empty()) sink.scalar("joint", "energy", "J", energy_now(std::as_const(model_.q).view(), at, model_.envs));
-    for (Index j : turning_) {
+    for (Index j : moving_) {
       const model::Joint& joint = model_.joints[j];
-      sink.scalar("joint", joint.name + "_angle", "rad", joint.value);
-      sink.scalar("joint", joint.name + "_rate", "rad/s", joint.rate);
+      sink.scalar("joint", joint.name + (joint.type == model::JointType::prismatic ? "_travel" : "_angle"), joint.unit(), joint.value);
+      sink.scalar("joint", joint.name + "_rate", std::string(joint.unit()) + "/s", joint.rate);
     }
     for (std::size_t i = 0; i < stopped_.size(); ++i) {
       const model::Joint& joint = model_.joints[stopped_[i]];
-      sink.scalar("joint", joint.name + "_stop", "N m", -stops_[i].first(joint.value));
+      sink.scalar("joint", joint.name + "_stop", joint.effort_unit(), -stops_[i].first(joint.value));
     }
   }
 
@@ -82,27 +82,35 @@ class Joints final : public Effect {
     for (std::size_t j = 0; j < value.size(); ++j) model_.joints[j].value = value[j], model_.joints[j].rate = rate[j];
   }
 
-  // Of all hinges at q, counted from rest, in (-pi, pi].
-  std::vector<double> angles(Positions q) const {
-    device::Buffer<double> angle(hinges_.size());
-    const View<double> out = angle.view();
-    const View<const model::Hinge> hinge = hinges_.view();
-    device::parallel_for("joint.angles", out.n, [=] MORTISE_HD(Index i) { out[i] = model::hinge_angle(model::directions(hinge[i], q)); });
-    return angle.download();
+  // Of all joints that have one, at q; turns counted from the accepted state.
+  std::vector<double> coordinates(Positions q) const {
+    std::vector<model::Coordinate> list;
+    for (Index j : moving_) list.push_back(model::coordinate_of(model_, model_.joints[j]));
+    const device::Buffer<model::Coordinate> all(list);
+    device::Buffer<double> value(all.size());
+    const View<double> out = value.view();
+    const View<const model::Coordinate> of = all.view();
+    device::parallel_for("joint.coordinates", out.n, [=] MORTISE_HD(Index i) {
+      const model::HingeDirections r = model::reading(of[i], q);
+      // A body that is strained by 1e-9 has an axis that is as much too long.
+      out[i] = of[i].slides ? of[i].at_rest + r.c2.dot(r.c3) / r.c3.dot(r.c3) : model::coordinate(of[i], r);
+    });
+    return value.download();
   }
 
  private:
   void upload() {
     if (stopped_.empty()) return;
-    std::vector<HingeEnergy<stop::Stops>::Item> items;
+    std::vector<CoordinateEnergy<stop::Stops>::Item> items;
     for (std::size_t i = 0; i < stopped_.size(); ++i) {
       const model::Joint& j = model_.joints[stopped_[i]];
-      items.push_back({{hinge_of(model_, j), j.at_rest, j.value}, stops_[i]});
+      items.push_back({model::coordinate_of(model_, j), stops_[i]});
     }
     energy_.upload(items);
   }
 
-  // The weight of all bodies there at a lever of the larger of the two: what a stop may have to bear at most, in order of magnitude [N m].
+  // The weight of all bodies there at a lever of the larger of the two: what a stop may have to bear at most, in order of magnitude [N m]; of a slide the
+  // weight itself [N].
   double usual_effort(const model::Joint& j) const {
     constexpr double kGravity = 9.81;
     double mass = 0, lever = 0;
@@ -114,14 +122,13 @@ class Joints final : public Effect {
       if (static_cast<Index>(b) != j.body && static_cast<Index>(b) != j.to) continue;
       for (Index p = body.point_begin; p < body.point_end; ++p) lever = std::max(lever, (rest[p] - j.place).norm());
     }
-    return kGravity * mass * lever;
+    return kGravity * mass * (j.type == model::JointType::prismatic ? 1 : lever);
   }
 
   model::Model& model_;
-  std::vector<Index> turning_, stopped_;  // joints that have an angle, and those that have stops, by environment
+  std::vector<Index> moving_, stopped_;  // joints that have a coordinate, and those that have stops, by environment
   std::vector<stop::Stops> stops_;
-  HingeEnergy<stop::Stops> energy_;
-  device::Buffer<model::Hinge> hinges_;
+  CoordinateEnergy<stop::Stops> energy_;
 };
 
 }  // namespace

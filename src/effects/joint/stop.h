@@ -4,7 +4,7 @@
 //     E = M w [b((x - low) / w) + b((high - x) / w)],     b(t) = -(t - 1)^2 ln t  (t < 1),  0 (t >= 1),
 //
 // twice continuously differentiable, without bound at the stops. Its force is M phi(t) with phi = -b' = 2 (t - 1) ln t + (t - 1)^2 / t: 1.2 M where half of
-// the range is left. M [N m].
+// the range is left. M [N m], of slides [N].
 #include <cmath>
 
 #include "base/math.h"
@@ -12,8 +12,9 @@
 
 namespace mortise::effects::stop {
 
-// The last degree before a stop, and no more than a twentieth of all there is: far below what limits are known to, wide enough for Newton's method.
-inline constexpr double kRange = 0.0175, kShare = 0.05;
+// The last degree or half millimetre before a stop, and no more than a twentieth of all there is: far below what limits are known to, wide enough for
+// Newton's method.
+inline constexpr double kTurn = 0.0175, kSlide = 5e-4, kShare = 0.05;
 // Of the distance to a stop, what a step of Newton's method leaves at least; as in contact (contact/proximity.h).
 inline constexpr double kKeep = 0.3;
 
