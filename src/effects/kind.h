@@ -17,9 +17,10 @@ class Effect;
 
 enum class Role {
   support,  // holds or moves blocks; no energy
-  tie,      // ties blocks to others (model/ties.h); no energy. A list, of which every entry names a `body` and one that it is tied `to`
+  tie,      // ties blocks to others (model/ties.h), and holds what energy its stops have. A list, of which every entry names a `body` and one that it is tied `to`
   inertia,  // resists acceleration: makes a scene dynamic; its potential is no store
   load,     // forces from outside; its potential is no store
+  motor,    // forces that come and go: no potential at all; their work counts with that of supports
   store,    // energy that bodies hold; its forces on every body cancel
   contact,  // energy between bodies; has samples, and a key d_hat in the scene
   follower  // acts on the samples of the contact effect that its key `follows` names
@@ -38,7 +39,7 @@ struct Kind {
   // It has quantities that are frozen while Newton iterates, and keys lag_tolerance and lag_iterations that say how well that is resolved.
   bool lags = false;
 
-  bool stores_energy() const { return role == Role::store || role == Role::contact; }
+  bool stores_energy() const { return role == Role::store || role == Role::contact || role == Role::tie; }
 };
 
 }  // namespace mortise::effects

@@ -5,6 +5,7 @@ namespace mortise::effects {
 // Each is defined at the end of effects/<name>/<name>.cpp.
 const Kind& pin_kind();
 const Kind& joint_kind();  // after pins: what they hold cannot be tied
+const Kind& drive_kind();  // after joints
 const Kind& bond_kind();
 const Kind& mortar_tie_kind();
 const Kind& inertia_kind();
@@ -22,6 +23,7 @@ KindList& kinds() {
   static KindList all = {
       pin_kind(),
       joint_kind(),
+      drive_kind(),
       bond_kind(),
       mortar_tie_kind(),
       inertia_kind(),

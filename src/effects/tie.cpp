@@ -4,10 +4,10 @@
 
 namespace mortise::effects {
 
-std::vector<PlanItem> TieEffect::plan() const {
+std::vector<PlanItem> tie_plan(std::string_view effect, const model::Model& model) {
   std::size_t bytes = 0;
-  for (const model::Tie& tie : model_.ties.list())
-    if (tie.effect == name_)
+  for (const model::Tie& tie : model.ties.list())
+    if (tie.effect == effect)
       for (const model::Follow& follow : tie.follows) bytes += sizeof(Index) + sizeof(Vec3) + follow.terms.size() * (sizeof(Index) + sizeof(double));
   return {{"tied blocks", bytes}};
 }

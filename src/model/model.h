@@ -11,6 +11,7 @@
 #include "device/device.h"
 #include "geometry/surface.h"
 #include "model/input.h"
+#include "model/joints.h"
 #include "model/ties.h"
 
 namespace mortise::geometry {
@@ -133,6 +134,7 @@ class Model {
   std::vector<std::uint8_t> held;
   static constexpr std::uint8_t kTied = 3;
   Ties ties;
+  std::vector<Joint> joints;
   bool driven = false;  // some support moves
 
   // One candidate search for all contact effects, built by the first that asks.

@@ -35,11 +35,32 @@ void Ties::add(Model& model, std::vector<Tie> ties) {
         throw Error(Exit::scene, tie.where, "two ties are called '" + tie.name + "' (the other at " + other.where.text() + "): give one of them a 'name'");
     ties_.push_back(std::move(tie));
   }
+  settle(model);
+}
+
+void Ties::settle(Model& model) {
   compose(model);
   upload();
   for (Index b : blocks_) model.held[b] = Model::kTied;
   name_carriages(model);
   start(model);
+}
+
+void Ties::hand_over(Model& model, Index tie, std::string driver, std::vector<Follow> follows, Follow axis, bool slides) {
+  Tie& t = ties_[tie];
+  if (t.follows.empty()) throw Error(Exit::scene, t.where, "closes a loop: what it would move is given by the loop's other joints. Drive one of those, or this one by a torque");
+  t.driver = std::move(driver), t.follows = std::move(follows), t.axis = std::move(axis), t.slides = slides;
+  driven_ = true;
+  settle(model);
+  for (const Closing& closing : closings_)
+    if (model.bodies[ties_[closing.tie].body].env == model.bodies[ties_[tie].body].env)
+      throw Error(Exit::scene, ties_[closing.tie].where, "closes a loop, and the joint at " + ties_[tie].where.text() + " is driven to given positions: loops go with drives of mode pd or effort only");
+}
+
+void Ties::drive(const Model& model, std::vector<std::pair<Index, std::vector<Follow>>> follows) {
+  for (auto& [tie, equations] : follows) ties_[tie].follows = std::move(equations);
+  compose(model);
+  upload();
 }
 
 void Ties::compose(const Model& model) {
@@ -65,7 +86,7 @@ void Ties::compose(const Model& model) {
   auto &composed = all.of;
   auto &fixed = all.fixed;
   enum : std::uint8_t { fresh, open, done };
-  std::vector<std::uint8_t> state(model.blocks, fresh);
+  std::vector<std::uint8_t> state(model.blocks, fresh), moving(model.blocks, 0);
   const auto visit = [&](const auto& self, Index b) -> void {
     if (equation[b] == kNone || state[b] == done) return;
     const Tie& tie = ties_[equation[b].first];
@@ -73,8 +94,10 @@ void Ties::compose(const Model& model) {
     state[b] = open;
     const Follow& follow = tie.follows[equation[b].second];
     fixed[b] = follow.fixed;
+    moving[b] = tie.driven();
     for (const TieTerm& term : follow.terms) {
       self(self, term.block);
+      moving[b] |= moving[term.block];
       if (equation[term.block] == kNone) {
         composed[b][term.block] += term.weight;
         continue;
@@ -89,14 +112,16 @@ void Ties::compose(const Model& model) {
   for (Index b = 0; b < model.blocks; ++b) visit(visit, b);
   close(model, all);
   place_.assign(model.blocks, -1);
-  blocks_.clear(), terms_.clear(), fixed_.clear();
+  blocks_.clear(), terms_.clear(), fixed_.clear(), moving_.clear();
   offset_.assign(1, 0);
+  ++version_;
   for (const auto& [b, row] : composed) {
     place_[b] = static_cast<Index>(blocks_.size());
     blocks_.push_back(b);
     for (const auto& [k, w] : row) terms_.push_back({k, w});
     offset_.push_back(static_cast<Index>(terms_.size()));
     fixed_.push_back(fixed[b]);
+    moving_.push_back(moving[b]);
   }
 }
 
@@ -161,25 +186,34 @@ void Ties::upload() {
       of.push_back(terms_[j].block), weight.push_back(terms_[j].weight), follower.push_back(blocks_[i]);
       key.push_back(static_cast<std::uint64_t>(terms_[j].block));
     }
-  block_.upload(blocks_), start_.upload(offset_), of_.upload(of), weight_.upload(weight), follower_.upload(follower), fixed_on_device_.upload(fixed_);
+  block_.upload(blocks_), start_.upload(offset_), of_.upload(of), weight_.upload(weight), follower_.upload(follower), fixed_on_device_.upload(fixed_), moving_on_device_.upload(moving_);
   linalg::group(Buffer<std::uint64_t>(key), device::kNoKey, followed_);
 }
 
-// Bodies that are tied wholly to what is prescribed are prescribed themselves.
+// Bodies that are tied wholly to what is prescribed are prescribed themselves; driven ones go ways of their own.
 void Ties::name_carriages(Model& model) const {
+  Index last = Body::kStill;
+  for (const Body& body : model.bodies) last = std::max(last, body.carriage);
   for (Body& body : model.bodies) {
     std::vector<Index> carriages;
-    bool wholly = true;
+    bool wholly = true, moving = false;
     for (Index b = body.block_begin; b < body.block_end && wholly; ++b) {
       wholly = tied(b);
       if (!wholly) break;
       const Index i = place_[b];
+      moving = moving || moving_[i];
       if (offset_[i] == offset_[i + 1] || !fixed_[i].isZero(0)) carriages.push_back(Body::kStill);
       for (Index j = offset_[i]; j < offset_[i + 1]; ++j) carriages.push_back(body_of(model, terms_[j].block).carriage);
     }
     if (!wholly) continue;
     std::sort(carriages.begin(), carriages.end());
-    if (carriages.front() == carriages.back()) body.carriage = carriages.front();
+    if (moving) {
+      if (carriages.front() == Body::kFree) continue;
+      body.carriage = ++last;
+      model.driven = true;
+    } else if (carriages.front() == carriages.back()) {
+      body.carriage = carriages.front();
+    }
   }
 }
 
@@ -243,6 +277,44 @@ void Ties::carry(View<Vec3> dq) const {
     Vec3 sum = Vec3::Zero();
     for (Index j = start[i]; j < start[i + 1]; ++j) sum += weight[j] * dq[of[j]];
     dq[block[i]] = sum;
+  });
+}
+
+void Ties::add_offset(View<const Vec3> q, View<Vec3> c) const {
+  const View<const Index> block = block_.view(), start = start_.view(), of = of_.view();
+  const View<const double> weight = weight_.view();
+  const View<const Vec3> fixed = fixed_on_device_.view();
+  const View<const std::uint8_t> moving = moving_on_device_.view();
+  device::parallel_for("ties.offset", block.n, [=] MORTISE_HD(Index i) {
+    if (!moving[i]) return;
+    Vec3 sum = fixed[i];
+    for (Index j = start[i]; j < start[i + 1]; ++j) sum += weight[j] * q[of[j]];
+    c[block[i]] += sum - q[block[i]];
+  });
+}
+
+void Ties::add_offset_of(View<const Vec3> c, View<Vec3> dq) const {
+  const View<const Index> block = block_.view(), start = start_.view(), of = of_.view();
+  const View<const double> weight = weight_.view();
+  const View<const std::uint8_t> moving = moving_on_device_.view();
+  device::parallel_for("ties.offset", block.n, [=] MORTISE_HD(Index i) {
+    if (!moving[i]) return;
+    Vec3 sum = Vec3::Zero();
+    for (Index j = start[i]; j < start[i + 1]; ++j) sum += weight[j] * c[of[j]];
+    dq[block[i]] += c[block[i]] - sum;
+  });
+}
+
+void Ties::place_after(View<const Vec3> q, View<const double> alpha, View<const Index> block_env, View<Vec3> trial) const {
+  const View<const Index> block = block_.view(), start = start_.view(), of = of_.view();
+  const View<const double> weight = weight_.view();
+  const View<const Vec3> fixed = fixed_on_device_.view();
+  const View<const std::uint8_t> moving = moving_on_device_.view();
+  device::parallel_for("ties.place_after", block.n, [=] MORTISE_HD(Index i) {
+    Vec3 sum = fixed[i], before = fixed[i];
+    for (Index j = start[i]; j < start[i + 1]; ++j) sum += weight[j] * trial[of[j]], before += weight[j] * q[of[j]];
+    if (moving[i]) sum -= (1 - alpha[block_env[block[i]]]) * (before - q[block[i]]);
+    trial[block[i]] = sum;
   });
 }
 

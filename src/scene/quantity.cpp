@@ -59,6 +59,8 @@ constexpr Suffix kSuffixes[] = {
     {Unit::energy, "mJ", -3, 1},
     {Unit::energy, "uJ", -6, 1},
     {Unit::energy, "kJ", 3, 1},
+    {Unit::energy, "N m", 0, 1},  // a torque
+    {Unit::energy, "N mm", -3, 1},
 };
 
 Quantity wrong(std::string error, std::string hint = "") { return {0, std::move(error), std::move(hint)}; }
@@ -78,7 +80,7 @@ const char* dimension(Unit unit) {
     case Unit::force: return "force";
     case Unit::pressure: return "pressure";
     case Unit::density: return "density";
-    case Unit::energy: return "energy";
+    case Unit::energy: return "energy or torque";
     case Unit::any: return "quantity";
   }
   return "";

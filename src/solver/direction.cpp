@@ -89,6 +89,14 @@ void Direction::carry(const Linearised& at, const EnvTable& envs, device::Fetch&
   system_.to_blocks(std::as_const(x_).view(), std::as_const(support_).view(), envs.mask(EnvState::running), dq_);
   slope_.assign(envs.size(), 0.0);
   dot(std::as_const(at.gradient).view(), std::as_const(dq_).view(), system_.model.env_blocks, {slope_, fetch});
+  if (!system_.model.ties.driven()) return;
+  // What acts on tied blocks is not in `at.gradient`: of driven ones it has a way of its own.
+  offset_.resize(system_.model.blocks);
+  offset_.zero();
+  system_.model.ties.add_offset_of(std::as_const(support_).view(), offset_.view());
+  for (Index e = 0; e < envs.size(); ++e)
+    if (!envs.is(e, EnvState::running)) clear_blocks(offset_, system_.model.env_blocks[e], system_.model.env_blocks[e + 1]);
+  for (const device::Buffer<Vec3>& g : at.gradients) dot(g.view(), std::as_const(offset_).view(), system_.model.env_blocks, {slope_, fetch});
 }
 
 }  // namespace mortise::solver

@@ -32,7 +32,7 @@ class Direction {
   CurvaturePolicy& curvature_;
   linalg::BlockMatrix matrix_;
   bool supports_move_ = false;
-  device::Buffer<Vec3> support_, rhs_, x_, dq_;
+  device::Buffer<Vec3> support_, rhs_, x_, dq_, offset_;
   std::vector<double> slope_;
 };
 

@@ -41,7 +41,7 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
   std::vector<std::vector<double>> along(effects.size(), std::vector<double>(model_.envs, 0.0));
   std::vector<double> work(model_.envs, 0.0);
   std::vector<std::vector<double>> own(effects.size()), there(effects.size());  // of steps of second order
-  device::Buffer<Vec3> move, held;
+  device::Buffer<Vec3> move, held, offset;
   const bool measured = measures_ && !start_.empty();
   if (measured) {
     subtract(q, model_.q.view(), move);
@@ -52,8 +52,16 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
         bool any = false;
         for (Index e = 0; e < model_.envs; ++e) any = any || effects[k]->second_order(e);
         if (any) effects[k]->own_gain(q, {own[k], fetch}, {there[k], fetch});
-      } else if (effects[k]->kind().stores_energy()) dot(at.gradients[k].view(), std::as_const(move).view(), model_.env_blocks, {along[k], fetch});
+      } else if (effects[k]->kind().stores_energy() || effects[k]->kind().role == effects::Role::motor) {
+        dot(at.gradients[k].view(), std::as_const(move).view(), model_.env_blocks, {along[k], fetch});
+      }
     dot(at.gradient.view(), std::as_const(held).view(), model_.env_blocks, {work, fetch});
+    if (model_.ties.driven()) {
+      offset.resize(model_.blocks);
+      offset.zero();
+      model_.ties.add_offset(std::as_const(model_.q).view(), offset.view());
+      for (const device::Buffer<Vec3>& g : at.gradients) dot(g.view(), std::as_const(offset).view(), model_.env_blocks, {work, fetch});
+    }
   }
   fetch.now();
   total_ = 0;
@@ -63,6 +71,7 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
     if (!measured || !took_part_[e]) continue;
     step.work = work[e];
     for (std::size_t k = 0; k < effects.size(); ++k) {
+      if (effects[k]->kind().role == effects::Role::motor) step.work -= along[k][e];
       const double before = start_[k][e], after = known_[k][e];
       if (effects[k]->kind().stores_energy()) {
         step.gain += after - before - along[k][e];

@@ -7,7 +7,8 @@
 //
 //   gain = sum over stores [ Phi(q1) - Phi(q0) - grad Phi(q1) . (q1 - q0) ]  -  1/2 |v1 - v0|_M^2,
 //
-// and the last term is the energy of inertia at q1, as 1/2 |v0|_M^2 is that at q0. Supports did the work of what they bear at q1 on their way.
+// and the last term is the energy of inertia at q1, as 1/2 |v0|_M^2 is that at q0. Supports and driven ties
+// did the work of what they bear at q1 on their way, motors that of their forces at q1.
 // BDF2 bounds no energy: with M a its force at q1, T(q1) - T(q0) - M a . (q1 - q0) stands in the place of the last term. A step of it that gains too
 // much is taken anew by backward Euler, which is no less accurate where a body strikes or lets go.
 #include "solver/envs.h"
@@ -19,7 +20,7 @@ namespace mortise::solver {
 struct StepEnergy {
   double gain = 0;   // what the integrator itself added
   double there = 0;  // energy that there was
-  double work = 0;   // of supports
+  double work = 0;   // of supports, driven ties and motors
   bool second_order = false;  // the step
 };
 

@@ -25,6 +25,7 @@ void FirstGuess::find(const EnvMask& whose, device::Buffer<Vec3>& q, Linearised&
   if (carried.n == 0 || !any(whose)) return;
   free_way(std::as_const(q).view(), carried, model.projector.view(), way_);
   if (model.ties.any()) model.ties.carry(way_.view());
+  if (model.ties.driven()) model.ties.add_offset(std::as_const(q).view(), way_.view());
 
   std::vector<double> alpha(model.envs, 1.0);
   device::Fetch fetch;

@@ -32,8 +32,11 @@ void support_move(View<const Vec3> q, View<const Vec3> target, View<const Mat3> 
   c.resize(q.n);
   const View<Vec3> out = c.view();
   device::parallel_for("solver.support_move", q.n, [=] MORTISE_HD(Index b) {
-    const Vec3 gap = target[b] - q[b];
-    out[b] = gap - projector[b] * gap;
+    const Vec3 gap = target[b] - q[b], left = gap - projector[b] * gap;
+    // Across a line that is not an axis rounding leaves something for ever.
+    constexpr double kRounding = 1e-15;
+    const bool there = left.norm() <= kRounding * (q[b].norm() + target[b].norm()) && !projector[b].isZero(0);
+    out[b] = there ? Vec3(Vec3::Zero()) : left;
   });
 }
 
@@ -105,7 +108,10 @@ void advance(View<const Vec3> q, View<const Vec3> dq, const std::vector<double>&
     }
     out[b] = y;
   });
-  if (model.ties.any()) model.ties.place(out);
+  if (model.ties.driven())
+    model.ties.place_after(q, a, env, out);
+  else if (model.ties.any())
+    model.ties.place(out);
 }
 
 void add(View<const Vec3> from, Buffer<Vec3>& to) {

@@ -20,7 +20,7 @@ LineSearch::Merit LineSearch::begin(device::View<const Vec3> q, device::Buffer<V
   std::vector<double> curvature(model.envs, 0.0);
   if (c.n > 0) {
     device::Buffer<Vec3> Hdq;
-    system_.potential.product(at, std::as_const(dq).view(), Hdq);
+    system_.potential.product(at, std::as_const(dq).view(), Hdq, !model.ties.driven());  // driven blocks have ways of their own
     dot(std::as_const(dq).view(), std::as_const(Hdq).view(), model.env_blocks, {curvature, fetch});
     dot(c, c, model.env_blocks, {m.cc, fetch});
   }

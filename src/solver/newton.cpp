@@ -78,7 +78,8 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
     for (Index e = 0; e < envs_.size(); ++e) envs_[e].step = 0;
     iterate(info, report, stop);
     couple(round, info, report, stop);
-    if (!refresh(round, report)) break;
+    // What got stuck again after it was frozen is no solution: it is the turn of the coupled iteration, or of giving up.
+    if (!refresh(round, report) && !envs_.any(EnvState::stuck)) break;
   }
   for (Index e = 0; e < envs_.size(); ++e)
     if (!envs_.is(e, EnvState::solved) && !envs_.is(e, EnvState::failed)) envs_.fail(e, "Newton ended without a solution");

@@ -87,11 +87,11 @@ void Potential::max_step(device::View<const Vec3> dq, Linearised& at, device::En
   }
 }
 
-void Potential::product(Linearised& at, device::View<const Vec3> d, device::Buffer<Vec3>& out) {
+void Potential::product(Linearised& at, device::View<const Vec3> d, device::Buffer<Vec3>& out, bool folded) {
   const std::vector<linalg::StencilSet*> sets = at.sets();
   for (linalg::StencilSet* set : sets) stencil_product(*set, d);
   assembler_.gradient(sets, model_.blocks, out);
-  model_.ties.fold(out.view());
+  if (folded) model_.ties.fold(out.view());
 }
 
 void Potential::unsymmetric_product(Linearised& at, bool transposed, device::View<const Vec3> d, device::Buffer<Vec3>& out) {

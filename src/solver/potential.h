@@ -37,8 +37,8 @@ class Potential {
   void energies(device::View<const Vec3> q, const Linearised& frozen, Energies& of, device::Fetch& fetch);
   void max_step(device::View<const Vec3> dq, Linearised& at, device::EnvValues alpha);
 
-  // T^T H d, d over all blocks. The pieces of the effects' forces in `at` are used up.
-  void product(Linearised& at, device::View<const Vec3> d, device::Buffer<Vec3>& out);
+  // T^T H d, d over all blocks; not folded: H d. The pieces of the effects' forces in `at` are used up.
+  void product(Linearised& at, device::View<const Vec3> d, device::Buffer<Vec3>& out, bool folded = true);
   // T^T U d, U being what the whole Jacobian has besides H (of states linearised with it), or T^T U^T d. The same.
   void unsymmetric_product(Linearised& at, bool transposed, device::View<const Vec3> d, device::Buffer<Vec3>& out);
   // Do the lagged quantities of the state of `at`, sampled, follow from it as the Jacobian says?

@@ -5,8 +5,17 @@
 namespace mortise::solver {
 
 bool Rows::number(const model::Model& model, bool is_static) {
-  if (model.held == held_ && !env.empty()) return false;
+  if (model.held == held_ && ties_ == model.ties.version() && !env.empty()) {
+    if (any_partial) {  // lines that bodies slide along turn with what carries them
+      const std::vector<Mat3> now = model.projector.download();
+      std::vector<Mat3> of_rows;
+      for (Index b : of_row) of_rows.push_back(now[b]);
+      projector.upload(of_rows);
+    }
+    return false;
+  }
   held_ = model.held;
+  ties_ = model.ties.version();
   const std::vector<Mat3> projectors = model.projector.download();
   std::vector<Mat3> row_projector;
   of_block_host.assign(held_.size(), -1);

@@ -10,7 +10,7 @@ namespace mortise::solver {
 
 class Rows {
  public:
-  // Numbers anew where supports have changed since; says whether.
+  // Numbers anew where supports or ties have changed since; says whether.
   bool number(const model::Model& model, bool is_static);
 
   Index count() const { return env.back(); }
@@ -33,7 +33,8 @@ class Rows {
  private:
   void number_tied(const model::Model& model);
 
-  std::vector<std::uint8_t> held_;  // the model's when rows were numbered
+  std::vector<std::uint8_t> held_;  // the model's when rows were numbered,
+  Index ties_ = -1;                 // and which T its ties had
 };
 
 }  // namespace mortise::solver

@@ -80,6 +80,7 @@ void System::find_groups(Linearised& at) {
 void System::supports(device::View<const Vec3> q, device::Buffer<Vec3>& c) const {
   support_move(q, std::as_const(model.target).view(), std::as_const(model.projector).view(), c);
   if (model.ties.any()) model.ties.carry(c.view());
+  if (model.ties.driven()) model.ties.add_offset(q, c.view());
 }
 
 void System::matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& whose, linalg::BlockMatrix& A, device::Fetch& fetch) {
@@ -112,6 +113,7 @@ void System::right_hand_side(const Linearised& at, device::View<const Vec3> Hc, 
 void System::to_blocks(device::View<const Vec3> x, device::View<const Vec3> c, const EnvMask& whose, device::Buffer<Vec3>& dq) const {
   step_of(x, c, rows.of_block.view(), std::as_const(model.projector).view(), dq);
   if (model.ties.any()) model.ties.carry(dq.view());
+  if (model.ties.driven() && c.n > 0) model.ties.add_offset_of(c, dq.view());
   for (Index e = 0; e < model.envs; ++e)
     if (!whose[e]) clear_blocks(dq, model.env_blocks[e], model.env_blocks[e + 1]);
 }

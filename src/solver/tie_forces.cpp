@@ -25,7 +25,10 @@ TieForces::TieForces(const model::Model& model, const std::vector<Vec3>& q, std:
     return x;
   };
   const std::vector<model::Tie>& ties = model.ties.list();
-  for (std::size_t i = 0; i < ties.size(); ++i) of_[i].place = at(ties[i].anchor);
+  for (std::size_t i = 0; i < ties.size(); ++i) {
+    of_[i].place = at(ties[i].anchor);
+    if (ties[i].driven()) of_[i].axis = at(ties[i].axis).normalized();
+  }
 
   const auto pull = [&](std::size_t i, Index block, const Vec3& f) {
     pull_[block] += f;
@@ -96,6 +99,8 @@ void TieForces::report(FieldSink& sink) const {
     const model::Tie& tie = model_.ties.list()[i];
     for (const auto& [what, unit, v] : {std::tuple{"force", "N", of_[i].force}, {"moment", "N m", of_[i].moment}, {"place", "m", of_[i].place}})
       for (int k = 0; k < 3; ++k) sink.scalar(tie.effect, tie.name + "_" + what + "_" + "xyz"[k], unit, v[k]);
+    if (tie.driven() && tie.slides) sink.scalar(tie.driver, tie.name + "_force", "N", of_[i].force.dot(of_[i].axis));
+    if (tie.driven() && !tie.slides) sink.scalar(tie.driver, tie.name + "_torque", "N m", of_[i].moment.dot(of_[i].axis));
     double& worst = error[tie.effect];
     worst = std::max(worst, of_[i].error);
     any = any || model_.bodies[tie.body].type == model::BodyType::soft;

@@ -22,6 +22,7 @@ class TieForces {
   struct Figures {
     Vec3 force = Vec3::Zero(), moment = Vec3::Zero(), place;  // on its first body [N], [N m]; about here [m]
     Vec3 on_all = Vec3::Zero();                               // on both [N]
+    Vec3 axis;                                                // of a driven one: now
     double error = 0;  // by how far its equations are missed [m]; of axes times the radius of their body
   };
   const model::Model& model_;

@@ -1,146 +1,145 @@
 #include "effects/joint/joint.h"
 
 #include <algorithm>
-#include <deque>
+#include <utility>
+
+#include "effects/coordinate_energy.h"
+#include "effects/joint/read.h"
+#include "effects/joint/stop.h"
 
 namespace mortise::effects {
 namespace {
 
-using joint::Type;
-using param::of;
-using param::optional;
-
-const ParamTable kTable = tie_table(
-    "joint", "Joints between stiff bodies, or to the world, without stiffness or tolerance.",
-    {param::required(param::choice("type", {"fixed", "spherical", "revolute"}, "", "fixed: nothing moves; spherical: a ball joint; revolute: a hinge.")),
-     of(Param::Kind::text, "body", Unit::none, std::nullopt, "Name of a stiff body."),
-     optional(of(Param::Kind::text, "to", Unit::none, std::nullopt, "Name of the stiff body that it is joined to; without it the world.")),
-     optional(of(Param::Kind::vec3, "at", Unit::length, std::nullopt, "Where the joint is, world coordinates at rest; a fixed one needs none.")),
-     optional(of(Param::Kind::vec3, "axis", Unit::none, std::nullopt, "Axis of a revolute joint, world coordinates at rest."))});
-
-// One entry of the scene in one environment.
-struct Joint {
-  const Params* entry;
-  Type type;
-  Index body, to;
-  Vec3 at, axis = Vec3::Zero();
-};
-
-Joint read(const Params& p, const model::Model& model, Index body, Index to) {
-  if (model.bodies[body].type != model::BodyType::stiff) throw Error(Exit::scene, p.at("body").where(), "'" + p.text("body") + "' is soft; joints are between stiff bodies (a bond ties soft ones)");
-  const std::string& name = p.text("type");
-  Joint j{&p, name == "fixed" ? Type::fixed : name == "spherical" ? Type::spherical : Type::revolute, body, to, model.bodies[body].centre};
-  if (p.has("at"))
-    j.at = p.vec3("at");
-  else if (j.type != Type::fixed)
-    throw Error(Exit::scene, p.where(), "a " + name + " joint needs 'at', where it is");
-  if (j.type == Type::revolute) {
-    if (!p.has("axis")) throw Error(Exit::scene, p.where(), "a revolute joint needs 'axis'");
-    j.axis = p.vec3("axis").normalized();
-  } else if (p.has("axis")) {
-    throw Error(Exit::scene, p.at("axis").where(), "axis has no meaning: a " + name + " joint has none");
-  }
-  return j;
-}
-
-// The joints as a forest: from what supports hold, and where nothing is held from the body that the first joint is tied to, every body follows the
-// one before it. Joints that close a loop come on top.
-class Forest {
+class Joints final : public Effect {
  public:
-  Forest(const model::Model& model, const std::vector<Joint>& joints) : model_(model), joints_(joints), ground_(static_cast<Index>(model.bodies.size())), edges_(ground_ + 1), reached_(ground_ + 1, 0) {
-    for (std::size_t i = 0; i < joints_.size(); ++i) {
-      const Index a = node(joints_[i].body), b = node(joints_[i].to);
-      if (a == b) refuse(joints_[i]);
-      if (joined(a, b)) {
-        closing_.push_back(static_cast<Index>(i));
-        continue;
+  Joints(const Params& list, model::Model& model) : model_(model) {
+    joint::Read read = joint::read(list, model);
+    const auto first = static_cast<Index>(model.ties.list().size());
+    for (model::Joint& j : read.joints) j.tie += first;
+    model.ties.add(model, std::move(read.ties));
+    model.joints = std::move(read.joints);
+    std::vector<Index> env;
+    for (Index e = 0; e < model.envs; ++e)
+      for (std::size_t j = 0; j < model.joints.size(); ++j) {
+        const model::Joint& joint = model.joints[j];
+        if (joint.env != e || !joint.has_coordinate()) continue;
+        moving_.push_back(static_cast<Index>(j));
+        if (!std::isfinite(joint.low)) continue;
+        stopped_.push_back(static_cast<Index>(j)), env.push_back(e);
+        stops_.push_back({joint.low, joint.high, std::min(joint.type == model::JointType::prismatic ? stop::kSlide : stop::kTurn, stop::kShare * (joint.high - joint.low)), read.stop_effort[j] > 0 ? read.stop_effort[j] : usual_effort(joint)});
       }
-      edges_[a].push_back({static_cast<Index>(i), b});
-      edges_[b].push_back({static_cast<Index>(i), a});
+    energy_.set_environments(env, model.envs);
+    upload();
+  }
+
+  const Kind& kind() const override;
+  std::vector<PlanItem> plan() const override {
+    std::vector<PlanItem> out = tie_plan("joint", model_);
+    if (!stopped_.empty()) out.push_back({"stops", energy_.bytes()});
+    return out;
+  }
+  std::unique_ptr<Linearisation> linearisation() const override { return std::make_unique<CoordinateLinearisation>(); }
+
+  void connect() override { model::guide(model_); }
+  void begin_step(const StepInfo&) override {
+    model::guide(model_);
+    upload();
+  }
+  void energy(Positions q, const Linearisation&, device::EnvValues per_env) override { energy_.energy("joint.energy", q, per_env); }
+  void linearise(Positions q, Want want, Linearisation& at) override { energy_.linearise("joint.assemble", model_, q, want, at); }
+  void max_step(View<const Vec3> dq, Linearisation& at, device::EnvValues alpha) override { energy_.max_step("joint.max_step", dq, at, alpha); }
+
+  void end_step(const StepInfo& step, Positions q, const Linearisation&) override {
+    const std::vector<double> now = coordinates(q);
+    for (std::size_t i = 0; i < moving_.size(); ++i) {
+      model::Joint& j = model_.joints[moving_[i]];
+      if (!step.taken_by(j.env)) continue;
+      j.rate = step.is_static ? 0 : (now[i] - j.value) / step.dt;
+      j.value = now[i];
     }
   }
 
-  // visit(joint, the body that follows)
-  template <class Visit>
-  void walk(Visit visit) {
-    from(ground_, visit);
-    for (const Joint& j : joints_) from(node(j.to), visit);
+  void report(FieldSink& sink, const Linearisation& at) override {
+    if (!stopped_.empty()) sink.scalar("joint", "energy", "J", energy_now(std::as_const(model_.q).view(), at, model_.envs));
+    for (Index j : moving_) {
+      const model::Joint& joint = model_.joints[j];
+      sink.scalar("joint", joint.name + (joint.type == model::JointType::prismatic ? "_travel" : "_angle"), joint.unit(), joint.value);
+      sink.scalar("joint", joint.name + "_rate", std::string(joint.unit()) + "/s", joint.rate);
+    }
+    for (std::size_t i = 0; i < stopped_.size(); ++i) {
+      const model::Joint& joint = model_.joints[stopped_[i]];
+      sink.scalar("joint", joint.name + "_stop", joint.effort_unit(), -stops_[i].first(joint.value));
+    }
   }
-  const std::vector<Index>& closing() const { return closing_; }
+
+  void checkpoint(Archive& archive) override {
+    std::vector<double> value, rate;
+    for (const model::Joint& j : model_.joints) value.push_back(j.value), rate.push_back(j.rate);
+    archive.io("value", value);
+    archive.io("rate", rate);
+    if (!archive.loading()) return;
+    if (value.size() != model_.joints.size() || rate.size() != value.size()) throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(value.size()) + " joints");
+    for (std::size_t j = 0; j < value.size(); ++j) model_.joints[j].value = value[j], model_.joints[j].rate = rate[j];
+  }
+
+  // Of all joints that have one, at q; turns counted from the accepted state.
+  std::vector<double> coordinates(Positions q) const {
+    std::vector<model::Coordinate> list;
+    for (Index j : moving_) list.push_back(model::coordinate_of(model_, model_.joints[j]));
+    const device::Buffer<model::Coordinate> all(list);
+    device::Buffer<double> value(all.size());
+    const View<double> out = value.view();
+    const View<const model::Coordinate> of = all.view();
+    device::parallel_for("joint.coordinates", out.n, [=] MORTISE_HD(Index i) {
+      const model::HingeDirections r = model::reading(of[i], q);
+      // A body that is strained by 1e-9 has an axis that is as much too long.
+      out[i] = of[i].slides ? of[i].at_rest + r.c2.dot(r.c3) / r.c3.dot(r.c3) : model::coordinate(of[i], r);
+    });
+    return value.download();
+  }
 
  private:
-  struct Edge {
-    Index joint, to;
-  };
-  bool held(Index body) const { return body == model::Tie::kWorld || model_.held[model_.bodies[body].block_begin] == 2; }
-  Index node(Index body) const { return held(body) ? ground_ : body; }  // all that supports hold is one
-
-  template <class Visit>
-  void from(Index root, Visit& visit) {
-    if (reached_[root]) return;
-    reached_[root] = 1;
-    for (std::deque<Index> todo{root}; !todo.empty(); todo.pop_front())
-      for (const Edge& e : edges_[todo.front()]) {
-        if (reached_[e.to]) continue;
-        reached_[e.to] = 1;
-        visit(joints_[e.joint], e.to);
-        todo.push_back(e.to);
-      }
+  void upload() {
+    if (stopped_.empty()) return;
+    std::vector<CoordinateEnergy<stop::Stops>::Item> items;
+    for (std::size_t i = 0; i < stopped_.size(); ++i) {
+      const model::Joint& j = model_.joints[stopped_[i]];
+      items.push_back({model::coordinate_of(model_, j), stops_[i]});
+    }
+    energy_.upload(items);
   }
 
-  // By joints so far.
-  bool joined(Index a, Index b) const {
-    std::vector<std::uint8_t> seen(edges_.size(), 0);
-    seen[a] = 1;
-    for (std::deque<Index> todo{a}; !todo.empty() && !seen[b]; todo.pop_front())
-      for (const Edge& e : edges_[todo.front()])
-        if (!seen[e.to]) seen[e.to] = 1, todo.push_back(e.to);
-    return seen[b];
+  // The weight of all bodies there at a lever of the larger of the two: what a stop may have to bear at most, in order of magnitude [N m]; of a slide the
+  // weight itself [N].
+  double usual_effort(const model::Joint& j) const {
+    constexpr double kGravity = 9.81;
+    double mass = 0, lever = 0;
+    const std::vector<Vec3> rest = model_.rest_points.download();
+    for (std::size_t b = 0; b < model_.bodies.size(); ++b) {
+      const model::Body& body = model_.bodies[b];
+      if (body.env != j.env) continue;
+      mass += body.mass;
+      if (static_cast<Index>(b) != j.body && static_cast<Index>(b) != j.to) continue;
+      for (Index p = body.point_begin; p < body.point_end; ++p) lever = std::max(lever, (rest[p] - j.place).norm());
+    }
+    return kGravity * mass * (j.type == model::JointType::prismatic ? 1 : lever);
   }
 
-  [[noreturn]] void refuse(const Joint& j) const {
-    const auto called = [&](Index body) { return body == model::Tie::kWorld ? std::string("the world") : "'" + model_.bodies[body].name + "', which is pinned"; };
-    throw Error(Exit::scene, j.entry->where(), "joins " + called(j.body) + ", and " + called(j.to) + ": supports hold both already, and no joint can move them");
-  }
-
-  const model::Model& model_;
-  const std::vector<Joint>& joints_;
-  const Index ground_;
-  std::vector<std::vector<Edge>> edges_;  // by body
-  std::vector<Index> closing_;            // joints between bodies that others join already
-  std::vector<std::uint8_t> reached_;
+  model::Model& model_;
+  std::vector<Index> moving_, stopped_;  // joints that have a coordinate, and those that have stops, by environment
+  std::vector<stop::Stops> stops_;
+  CoordinateEnergy<stop::Stops> energy_;
 };
-
-std::vector<model::Tie> ties(const Params& list, const model::Model& model) {
-  std::vector<Joint> joints;
-  for (const Params& p : list.items())
-    for (const auto& [body, to] : tied_bodies(model, p)) joints.push_back(read(p, model, body, to));
-  std::vector<model::Tie> out;
-  Forest forest(model, joints);
-  forest.walk([&](const Joint& j, Index child) {
-    model::Tie tie = tie_of("joint", *j.entry, j.body, j.to);
-    const Index parent = child == j.body ? j.to : j.body;
-    tie.follows = joint::follows(model, j.type, child, parent, j.at, j.axis);
-    tie.anchor = material_point(model, parent, j.at);
-    out.push_back(std::move(tie));
-  });
-  for (Index i : forest.closing()) {
-    const Joint& j = joints[i];
-    model::Tie tie = tie_of("joint", *j.entry, j.body, j.to);
-    tie.closes = joint::follows(model, j.type, j.body, j.to, j.at, j.axis);
-    tie.anchor = material_point(model, j.to, j.at);
-    out.push_back(std::move(tie));
-  }
-  return out;
-}
 
 }  // namespace
 
 const Kind& joint_kind() {
-  static const Kind kind{"joint", Role::tie, "stiff bodies hang together by joints", &kTable,
-          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<TieEffect>("joint", m, ties(p, m)); },
+  static const Kind kind{"joint", Role::tie, "stiff bodies hang together by joints", &joint::table,
+          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Joints>(p, m); },
           {"Chen, Diaz, Lan, Yang, Kaufman, Sifakis: A Unified Newton Barrier Method for Multibody Dynamics. ACM TOG 41(4), 2022"}};
   return kind;
 }
+
+const Kind& Joints::kind() const { return joint_kind(); }
 
 }  // namespace mortise::effects

@@ -6,13 +6,15 @@
 //     spherical   p_c = p_t + A_t X - A_c Y
 //     revolute    the same, and A_c u = A_t u, which gives the column of A_c where |u_i| is largest (then 1 / |u_i| <= sqrt 3):
 //                 a_i = (A_t u - sum_{j != i} u_j a_j) / u_i
+//     prismatic   A_c = A_t; its centre is guided along the axis by a support across it (model/joints.h), or by what it mimics:
+//     mimic       and p_c = r p_a + (1 - r) p_t + A_t (X_c - r X_a):   r times the way of a, which slides on t along the same axis
 //
 // In the world X is the place, A_t = I.
 #include "effects/tie.h"
 
 namespace mortise::effects::joint {
 
-enum class Type { fixed, spherical, revolute };
+using Type = model::JointType;
 
 // How `child` follows `parent` (model::Tie::kWorld: the world).
 inline std::vector<model::Follow> follows(const model::Model& model, Type type, Index child, Index parent, const Vec3& place, const Vec3& u) {
@@ -30,6 +32,10 @@ inline std::vector<model::Follow> follows(const model::Model& model, Type type, 
   std::vector<model::Follow> out;
   model::Follow p = material_point(model, parent, type == Type::fixed ? c.centre : place);
   p.block = c.block_begin;
+  if (type == Type::prismatic) {
+    for (int k = 0; k < 3; ++k) out.push_back(direction(a + k, Vec3::Unit(k)));
+    return out;
+  }
   if (type != Type::fixed) {
     const Vec3 Y = place - c.centre;
     for (int k = 0; k < 3; ++k) p.terms.push_back({a + k, -Y[k]});
@@ -47,6 +53,21 @@ inline std::vector<model::Follow> follows(const model::Model& model, Type type, 
     out.push_back(std::move(f));
   }
   return out;
+}
+
+// The centre of `child`, `ratio` times as far as that of `leader` on the same `parent`.
+inline model::Follow mimics(const model::Model& model, Index child, Index leader, Index parent, double ratio) {
+  const model::Body &c = model.bodies[child], &a = model.bodies[leader];
+  model::Follow f{c.block_begin, {{a.block_begin, ratio}}};
+  if (parent == model::Tie::kWorld) {
+    f.fixed = c.centre - ratio * a.centre;
+    return f;
+  }
+  const model::Body& t = model.bodies[parent];
+  const Vec3 d = c.centre - t.centre - ratio * (a.centre - t.centre);
+  f.terms.push_back({t.block_begin, 1 - ratio});
+  for (int k = 0; k < 3; ++k) f.terms.push_back({t.block_begin + 1 + k, d[k]});
+  return f;
 }
 
 }  // namespace mortise::effects::joint

@@ -1,0 +1,258 @@
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "effects/drive/law.h"
+#include "effects/drive/target.h"
+#include "effects/failure.h"
+#include "effects/coordinate_energy.h"
+#include "effects/list.h"
+
+namespace mortise::effects {
+namespace {
+
+using drive::Law;
+using drive::Quantity;
+using drive::Target;
+using param::of;
+using param::optional;
+
+const ParamTable kTable = [] {
+  const auto si = [](const char* key, std::string help) { return optional(of(Param::Kind::number, key, Unit::none, std::nullopt, std::move(help))); };
+  const auto least = [](Param p) { return param::range(std::move(p), 0, INFINITY); };
+  ParamTable t{"effect drive",
+               "Motors of joints, and what resists in their bearings.",
+               {param::required(of(Param::Kind::text, "joint", Unit::none, std::nullopt, "Name of a revolute or prismatic joint.")),
+                param::required(param::choice("mode", {"pd", "effort", "kinematic", "passive"}, "",
+                                              "pd: torque kp (target - angle) - kd rate, within limits; effort: the given torque; kinematic: the angle is the target, exactly; passive: no motor. Of prismatic joints forces and travel, in N and m.")),
+                param::positive(si("kp", "Stiffness of mode pd [N m/rad, N/m].")), least(si("kd", "Damping of mode pd [N m s/rad, N s/m]; without it 0.")),
+                param::positive(si("effort", "Largest torque or force of the motor [N m, N].")),
+                param::positive(si("velocity", "Rate beyond which the motor does not drive the joint [rad/s, m/s]; over the last tenth of it the torque falls to nothing. Needs `effort`.")),
+                least(si("damping", "Viscous damping of the bearing [N m s/rad, N s/m].")), least(si("friction", "Dry friction of the bearing [N m, N], in full from 0.001 rad/s, 0.1 mm/s on."))}};
+  for (Param& p : drive::target_params()) t.params.push_back(std::move(p));
+  t.is_list = true;
+  return t;
+}();
+
+enum class Mode { pd, effort, kinematic, passive };
+
+// One entry of the scene.
+struct Entry {
+  Mode mode;
+  Target target;
+  double kp = 0, kd = 0, effort = INFINITY, velocity = INFINITY, damping = 0, friction = 0;
+  SourceLoc where;
+  bool drags() const { return damping > 0 || friction > 0; }
+};
+
+Entry read(const Params& p, bool is_static, bool slides) {
+  const std::string& mode = p.text("mode");
+  Entry e{mode == "pd" ? Mode::pd : mode == "effort" ? Mode::effort : mode == "kinematic" ? Mode::kinematic : Mode::passive, {}, 0, 0, INFINITY, INFINITY, 0, 0, p.where()};
+  const auto number = [&](const char* key, double& to, bool allowed, const char* why) {
+    if (!p.has(key)) return;
+    if (!allowed) throw Error(Exit::scene, p.at(key).where(), std::string(key) + " has no meaning " + why);
+    to = p.number(key);
+  };
+  const std::string of_mode = "in a drive of mode " + mode;
+  const bool motor = e.mode == Mode::pd || e.mode == Mode::effort;
+  number("kp", e.kp, e.mode == Mode::pd, of_mode.c_str());
+  number("kd", e.kd, e.mode == Mode::pd, of_mode.c_str());
+  number("effort", e.effort, motor, of_mode.c_str());
+  number("velocity", e.velocity, motor, of_mode.c_str());
+  number("damping", e.damping, e.mode != Mode::kinematic, of_mode.c_str());
+  number("friction", e.friction, e.mode != Mode::kinematic, of_mode.c_str());
+  if (is_static)
+    for (const char* key : {"kd", "velocity", "damping", "friction"})
+      if (p.has(key)) throw Error(Exit::scene, p.at(key).where(), std::string(key) + " has no meaning in a static scene: there are no rates");
+  if (e.mode == Mode::pd && !p.has("kp")) throw Error(Exit::scene, p.where(), "a drive of mode pd needs 'kp', its stiffness [N m/rad, N/m]");
+  if (p.has("velocity") && !p.has("effort")) throw Error(Exit::scene, p.at("velocity").where(), "velocity needs 'effort', the torque that goes where the joint is that fast");
+  if (e.mode == Mode::passive) {
+    if (Target::any(p)) throw Error(Exit::scene, p.where(), "a drive of mode passive has no target");
+    if (!e.drags()) throw Error(Exit::scene, p.where(), "a drive of mode passive needs 'damping' or 'friction'");
+  } else {
+    e.target = Target(p, e.mode == Mode::effort ? (slides ? Quantity::force : Quantity::torque) : slides ? Quantity::travel : Quantity::angle);
+  }
+  return e;
+}
+
+// A joint that an entry drives. Of the accepted state: what is reported.
+struct Driven {
+  Index entry, joint;
+  double target = 0, torque = 0, drag = 0;  // [rad, m] or [N m, N], [N m, N]
+  Law law{};                                // of the step under way
+};
+
+class Drive final : public Effect {
+ public:
+  Drive(const Params& list, model::Model& model) : model_(model) {
+    const Params& time = model.input.scene.at("time");
+    is_static_ = time.text("mode") == "static";
+    std::set<Index> taken;
+    for (const Params& p : list.items()) {
+      const std::vector<Index> named = model::joints_named(model, p.text("joint"), p.at("joint").where());
+      entries_.push_back(read(p, is_static_, model.joints[named[0]].type == model::JointType::prismatic));
+      for (Index j : named) {
+        const model::Joint& joint = model.joints[j];
+        if (!joint.has_coordinate()) throw Error(Exit::scene, p.at("joint").where(), "'" + joint.name + "' has nothing to drive: it is neither revolute nor prismatic");
+        if (!taken.insert(j).second) throw Error(Exit::scene, p.at("joint").where(), "'" + joint.name + "' has a drive already");
+        const auto entry = static_cast<Index>(entries_.size()) - 1;
+        if (entries_.back().mode == Mode::kinematic)
+          hand_over({entry, j}, time);
+        else
+          motors_.push_back({entry, j});
+      }
+    }
+    std::stable_sort(motors_.begin(), motors_.end(), [&](const Driven& a, const Driven& b) { return model.joints[a.joint].env < model.joints[b.joint].env; });
+    std::vector<Index> env;
+    for (const Driven& d : motors_) env.push_back(model.joints[d.joint].env);
+    energy_.set_environments(env, model.envs);
+    for (std::vector<Driven>* all : {&motors_, &given_})
+      for (Driven& d : *all) d.target = entries_[d.entry].target(0);
+    upload();
+  }
+
+  const Kind& kind() const override;
+  std::vector<PlanItem> plan() const override { return {{"motors", energy_.bytes()}}; }
+  std::unique_ptr<Linearisation> linearisation() const override { return std::make_unique<CoordinateLinearisation>(); }
+
+  void begin_step(const StepInfo& step) override {
+    for (Driven& d : motors_) {
+      const Entry& e = entries_[d.entry];
+      const model::Joint& j = model_.joints[d.joint];
+      if (!step.taken_by(j.env)) continue;
+      d.target = e.target(step.t1());
+      d.law = {};
+      d.law.effort = e.effort, d.law.velocity = e.velocity, d.law.h = is_static_ ? 1 : step.dt, d.law.damping = e.damping, d.law.friction = e.friction;
+      d.law.creep = j.type == model::JointType::prismatic ? drive::kCreepSlide : drive::kCreep;
+      if (e.mode == Mode::pd) d.law.a = e.kp * (d.target - j.value), d.law.K = e.kp + e.kd / d.law.h;
+      if (e.mode == Mode::effort) d.law.a = d.target;
+    }
+    upload();
+    if (!given_.empty()) turn(step);
+  }
+
+  void energy(Positions q, const Linearisation&, device::EnvValues per_env) override { energy_.energy("drive.energy", q, per_env); }
+  void linearise(Positions q, Want want, Linearisation& at) override { energy_.linearise("drive.assemble", model_, q, want, at); }
+  void max_step(View<const Vec3> dq, Linearisation& at, device::EnvValues alpha) override { energy_.max_step("drive.max_step", dq, at, alpha); }
+
+  // Joints know where they are by now; the way of the step is that from where the law began.
+  void end_step(const StepInfo& step, Positions, const Linearisation&) override {
+    for (std::size_t i = 0; i < motors_.size(); ++i) {
+      Driven& d = motors_[i];
+      const model::Joint& j = model_.joints[d.joint];
+      if (!step.taken_by(j.env)) continue;
+      const double way = j.value - begin_[i];
+      d.torque = d.law.motor(way), d.drag = -d.law.drag(way);
+    }
+  }
+
+  void report(FieldSink& sink, const Linearisation&) override {
+    const auto put = [&](const model::Joint& j, const char* what, const char* unit, double v) { sink.scalar("drive", j.name + "_" + what, unit, v); };
+    for (const std::vector<Driven>* all : {&motors_, &given_})
+      for (const Driven& d : *all) {
+        const Entry& e = entries_[d.entry];
+        const model::Joint& j = model_.joints[d.joint];
+        if (e.mode == Mode::pd || e.mode == Mode::kinematic) put(j, "target", j.unit(), d.target), put(j, "error", j.unit(), j.value - d.target);
+        if (e.mode == Mode::kinematic) continue;  // its torque is that of its tie
+        if (e.mode != Mode::passive) put(j, j.type == model::JointType::prismatic ? "force" : "torque", j.effort_unit(), d.torque), put(j, "power", "W", d.torque * j.rate);
+        if (e.drags()) put(j, "drag", j.effort_unit(), d.drag);
+      }
+  }
+
+  void checkpoint(Archive& archive) override {
+    std::vector<double> state;
+    for (const std::vector<Driven>* all : {&motors_, &given_})
+      for (const Driven& d : *all) state.insert(state.end(), {d.target, d.torque, d.drag});
+    const std::size_t size = state.size();
+    archive.io("state", state);
+    if (!archive.loading()) return;
+    if (state.size() != size) throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(state.size() / 3) + " drives");
+    std::size_t i = 0;
+    for (std::vector<Driven>* all : {&motors_, &given_})
+      for (Driven& d : *all) d.target = state[i], d.torque = state[i + 1], d.drag = state[i + 2], i += 3;
+    upload();
+    place();
+  }
+
+ private:
+  // A joint whose angle is given: the body that follows does so wholly. The target is checked as far as the scene's time goes.
+  void hand_over(Driven d, const Params& time) {
+    const model::Joint& j = model_.joints[d.joint];
+    const Entry& e = entries_[d.entry];
+    constexpr double kSame = 1e-6;  // [rad, m]
+    const std::string unit = std::string(" ") + j.unit();
+    if (j.mimics) throw Error(Exit::scene, e.where, "'" + j.name + "' mimics another joint: drive that one");
+    if (std::abs(e.target(0) - j.at_rest) > kSame) {
+      std::ostringstream why;
+      why << "the target of '" << j.name << "' begins at " << e.target(0) << unit << ", but the joint stands at " << j.at_rest << unit << ": begin there, or place its bodies otherwise and say so with the joint's '" << (j.type == model::JointType::prismatic ? "travel" : "angle") << "'";
+      throw Error(Exit::scene, e.where, why.str());
+    }
+    const double h = is_static_ ? 1.0 / static_cast<double>(time.integer("steps")) : time.number("step");
+    for (long long n = 0; n <= time.integer("steps") && std::isfinite(j.low); ++n) {
+      const double wanted = e.target(h * static_cast<double>(n));
+      if (j.low < wanted && wanted < j.high) continue;
+      std::ostringstream why;
+      why << "the target of '" << j.name << "' is " << wanted << unit << " at t = " << h * static_cast<double>(n) << ", beyond the limits of the joint, " << j.low << " and " << j.high << unit;
+      throw Error(Exit::scene, e.where, why.str());
+    }
+    given_.push_back(d);
+    model_.ties.hand_over(model_, j.tie, "drive", model::placed_at(model_, j, j.at_rest), model::axis_of(model_, j), j.type == model::JointType::prismatic);
+  }
+
+  // Points go straight from where they are to where they are asked to be, and what lies beside that way is not met: the same measure as for pins.
+  void turn(const StepInfo& step) {
+    constexpr double kMost = 0.126;  // [rad]: an arc of it about the middle of a body leaves its chord by 0.2 % of the body
+    for (Driven& d : given_) {
+      const model::Joint& j = model_.joints[d.joint];
+      if (!step.taken_by(j.env)) continue;
+      d.target = entries_[d.entry].target(step.t1());
+      if (j.type == model::JointType::prismatic || std::abs(d.target - j.value) <= kMost) continue;
+      std::ostringstream why;
+      why << "the drive of '" << j.name << "' turns it by " << std::abs(d.target - j.value) << " rad in a step of " << step.dt << (step.is_static ? "" : " s") << "; it may be " << kMost << " rad at most: take shorter steps";
+      throw Failure{why.str(), j.env};
+    }
+    place();
+  }
+  void place() {
+    std::vector<std::pair<Index, std::vector<model::Follow>>> follows;
+    for (const Driven& d : given_) {
+      const model::Joint& j = model_.joints[d.joint];
+      follows.emplace_back(j.tie, model::placed_at(model_, j, d.target));
+    }
+    if (follows.empty()) return;
+    model_.ties.drive(model_, std::move(follows));
+    model::guide(model_);  // what slides on them
+  }
+
+  void upload() {
+    std::vector<CoordinateEnergy<drive::At>::Item> items;
+    begin_.clear();
+    for (const Driven& d : motors_) {
+      const model::Joint& j = model_.joints[d.joint];
+      items.push_back({model::coordinate_of(model_, j), {j.value, d.law}});
+      begin_.push_back(j.value);
+    }
+    energy_.upload(items);
+  }
+
+  model::Model& model_;
+  bool is_static_ = false;
+  std::vector<Entry> entries_;
+  std::vector<Driven> motors_, given_;  // by environment; those of mode kinematic
+  std::vector<double> begin_;           // where the joints of motors are at the beginning of the step [rad, m]
+  CoordinateEnergy<drive::At> energy_;
+};
+
+}  // namespace
+
+const Kind& drive_kind() {
+  static const Kind kind{"drive", Role::motor, "motors of joints: PD, given torque or given angle; friction of bearings", &kTable,
+          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Drive>(p, m); }};
+  return kind;
+}
+
+const Kind& Drive::kind() const { return drive_kind(); }
+
+}  // namespace mortise::effects

@@ -1,0 +1,99 @@
+#pragma once
+// What acts about the coordinate theta of a joint in a step of length h that began at theta_n; x = theta - theta_n is the way, v = x / h the rate.
+//
+// A motor wants the torque a - K x, and gives what it can:
+//     pd       a = kp (target - theta_n),  K = kp + kd / h:        kp (target - theta) - kd v, all at the end of the step
+//     effort   a = the given torque,       K = 0
+//     tau(x) = max(-most(-v), min(most(v), a - K x)),     most(v) = effort clamp((velocity - v) / (kRamp velocity), 0, 1):
+// no more than `effort` either way, and none that would drive the joint beyond `velocity`; a joint that is pushed beyond it is not pushed further, and
+// braked as the law wants. tau is continuous, piecewise linear and never increases, so
+//     E(x) = - int_0^x tau                              (trapezoids between the kinks: exact)
+// is convex and once continuously differentiable. Bearings add, with D viscous damping and F dry friction, e = creep h:
+//     D x^2 / (2 h)     and     F f(|x|),  f = x^2/e - x^3/(3 e^2)  (x < e),  x - e/3  (x >= e).
+// Units: theta rad, torques N m, kp N m/rad, kd and D N m s/rad; of a slide m, N, N/m, N s/m.
+#include <cmath>
+
+#include "base/types.h"
+
+namespace mortise::effects::drive {
+
+inline constexpr double kRamp = 0.1;    // of `velocity`: its last tenth, over which the torque goes; a step's rate has to find its place there
+inline constexpr double kCreep = 1e-3, kCreepSlide = 1e-4;  // [rad/s], [m/s]: rate at which dry friction is fully there; what it holds creeps more slowly
+
+MORTISE_HD inline double clamp01(double t) { return t < 0 ? 0.0 : t > 1 ? 1.0 : t; }
+
+struct Law {
+  double a = 0, K = 0;
+  double effort = INFINITY, velocity = INFINITY;
+  double h = 1;
+  double damping = 0, friction = 0, creep = kCreep;
+
+  MORTISE_HD double most(double v) const { return velocity < INFINITY ? effort * clamp01((velocity - v) / (kRamp * velocity)) : effort; }
+  MORTISE_HD double motor(double x) const {
+    const double v = x / h, hi = most(v), lo = -most(-v), wanted = a - K * x;
+    return wanted > hi ? hi : wanted < lo ? lo : wanted;
+  }
+  // - d tau / dx
+  MORTISE_HD double motor_falls(double x) const {
+    const double v = x / h, hi = most(v), lo = -most(-v), wanted = a - K * x;
+    if (wanted <= hi && wanted >= lo) return K;
+    const double rate = wanted > hi ? v : -v;
+    return rate > (1 - kRamp) * velocity && rate < velocity ? effort / (kRamp * velocity * h) : 0;
+  }
+  MORTISE_HD double motor_energy(double x) const {
+    double kink[9];
+    int n = 0;
+    const auto add = [&](double at) {
+      if (!(at * x > 0 && std::fabs(at) < std::fabs(x))) return;
+      int i = n++;
+      for (; i > 0 && std::fabs(kink[i - 1]) > std::fabs(at); --i) kink[i] = kink[i - 1];
+      kink[i] = at;
+    };
+    if (velocity < INFINITY) {
+      const double slope = effort / (kRamp * velocity * h), at_rest = effort / kRamp;  // most = at_rest - slope x on the ramp
+      for (int side = -1; side <= 1; side += 2) {
+        add(side * velocity * h), add(side * (1 - kRamp) * velocity * h);
+        if (K != slope) add((a - side * at_rest) / (K - slope));
+      }
+    }
+    if (K > 0) {
+      add(a / K);
+      if (effort < INFINITY) add((a - effort) / K), add((a + effort) / K);
+    }
+    double sum = 0, from = 0, tau = motor(0);
+    for (int i = 0; i <= n; ++i) {
+      const double to = i < n ? kink[i] : x, there = motor(to);
+      sum += 0.5 * (tau + there) * (to - from);
+      from = to, tau = there;
+    }
+    return -sum;
+  }
+
+  // Of the bearings, against the motion [N m].
+  MORTISE_HD double drag(double x) const {
+    const double e = creep * h, y = std::fabs(x), f = y < e ? (2 - y / e) * y / e : 1.0;
+    return damping * x / h + (x < 0 ? -1 : 1) * friction * f;
+  }
+  MORTISE_HD double energy_of(double x) const {
+    const double e = creep * h, y = std::fabs(x);
+    return motor_energy(x) + 0.5 * damping * x * x / h + friction * (y < e ? y * y * (1 / e - y / (3 * e * e)) : y - e / 3);
+  }
+  MORTISE_HD double first_of(double x) const { return drag(x) - motor(x); }
+  MORTISE_HD double second_of(double x) const {
+    const double e = creep * h, y = std::fabs(x);
+    return motor_falls(x) + damping / h + (y < e ? friction * 2 * (1 - y / e) / e : 0.0);
+  }
+};
+
+// The same of the angle itself, as hinges want it.
+struct At {
+  double begin = 0;  // theta_n
+  Law law;
+  MORTISE_HD double energy(double theta) const { return law.energy_of(theta - begin); }
+  MORTISE_HD double first(double theta) const { return law.first_of(theta - begin); }
+  MORTISE_HD double second(double theta) const { return law.second_of(theta - begin); }
+  MORTISE_HD double up(double) const { return INFINITY; }
+  MORTISE_HD double down(double) const { return INFINITY; }
+};
+
+}  // namespace mortise::effects::drive
