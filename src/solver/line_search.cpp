@@ -35,7 +35,7 @@ LineSearch::Merit LineSearch::begin(device::View<const Vec3> q, device::Buffer<V
   return m;
 }
 
-void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at, EnvTable& envs, StepReport& report) {
+void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at, EnvTable& envs, StepReport& report, const Better& better) {
   const model::Model& model = system_.model;
   std::vector<double> alpha;
   Merit merit;
@@ -64,6 +64,7 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
     std::vector<double> scale_there;
     const std::vector<double> after = energies_.sum(there, &scale_there);
     bool ok = true;
+    EnvMask closer;  // once looked at
     for (Index e = 0; e < model.envs; ++e) {
       if (alpha[e] == 0) continue;
       const double left = (1 - alpha[e]) * (1 - alpha[e]);
@@ -73,6 +74,10 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
       // A support that pushes a body into contact that no Hessian knows of yet has no finite rho beforehand: take the one for
       // which the shortened step is good enough, or the support would creep up to the range of the contact for ever.
       if (k >= tuning::kPushed && merit.cc[e] > 0 && std::isfinite(after[e])) continue;
+      if (k == 0 && envs[e].whole && better && std::isfinite(after[e])) {
+        if (closer.empty()) closer = better(trial_);
+        if (closer[e]) continue;
+      }
       ok = false;
       if (k < tuning::kMostHalvings) {
         alpha[e] *= 0.5;

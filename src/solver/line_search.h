@@ -3,6 +3,8 @@
 // until Armijo's condition holds. While supports move (c, Newton's d + c below), it acts on the merit Phi + rho/2 |(1 - alpha) c|^2 with rho
 // large enough that the direction descends: driving a support does work, so Phi alone may rise (Nocedal & Wright, 2nd ed., ch. 15.4; Li et al.
 // 2020 use an augmented Lagrangian for the same purpose).
+#include <functional>
+
 #include "solver/energy_ledger.h"
 #include "solver/system.h"
 
@@ -10,11 +12,14 @@ namespace mortise::solver {
 
 class LineSearch {
  public:
+  // Of environments with the whole Jacobian: where forces are closer to balance at a trial state. The energy that is searched along their way holds
+  // friction with the normal forces of the iterate and may rise although the way leads to the solution.
+  using Better = std::function<EnvMask(const device::Buffer<Vec3>& trial)>;
   LineSearch(System& system, EnergyLedger& energies) : system_(system), energies_(energies) {}
 
   // Moves q of the running environments along dq, from the state of `at`; slope: gradient . dq [J]; c: what supports still have to move, none
   // where empty. Where nothing descends the environment fails.
-  void step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at, EnvTable& envs, StepReport& report);
+  void step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at, EnvTable& envs, StepReport& report, const Better& better = {});
 
  private:
   // Of the merit, per environment: descent promised by the slope, what the supports add, and below what it says nothing.

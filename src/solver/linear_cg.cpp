@@ -66,7 +66,7 @@ class Cg final : public Linear {
     if (options_.cg_forcing)
       for (double w : s.wanted) absolute.push_back(tuning::kBeyondWanted * w);
     if (s.whole) {
-      // Rounding aside |b - J x| is known; what is wanted in newtons is a share of it.
+      for (double& share : relative) share = std::max(share, tuning::kWholeRough);
       for (std::size_t e = 0; e < absolute.size(); ++e)
         if (s.b2[e] > 0) relative[e] = std::max(relative[e], absolute[e] / std::sqrt(s.b2[e]));
       const std::vector<double> rough(todo.size(), tuning::kInner), nothing(todo.size(), 0.0);

@@ -78,8 +78,7 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
     for (Index e = 0; e < envs_.size(); ++e) envs_[e].step = 0;
     iterate(info, report, stop);
     couple(round, info, report, stop);
-    // What got stuck again after it was frozen is no solution: it is the turn of the coupled iteration, or of giving up.
-    if (!refresh(round, report) && !envs_.any(EnvState::stuck)) break;
+    if (!refresh(round, report)) break;
   }
   for (Index e = 0; e < envs_.size(); ++e)
     if (!envs_.is(e, EnvState::solved) && !envs_.is(e, EnvState::failed)) envs_.fail(e, "Newton ended without a solution");
@@ -117,7 +116,13 @@ void Newton::iterate(const effects::StepInfo& info, StepReport& report, const st
     for (Index e = 0; e < envs_.size(); ++e) tolerance.push_back(system_.convergence.least_tolerance(r, e, wanted(e)));
     direction_.find(q_, r, tolerance, at_, envs_, report);
     check_failed();
-    line_search_.step(q_, direction_.way(), direction_.slope(), direction_.supports(), at_, envs_, report);
+    line_search_.step(q_, direction_.way(), direction_.slope(), direction_.supports(), at_, envs_, report, [&](const device::Buffer<Vec3>& trial) {
+      const Residual there = system_.linearise(std::as_const(trial).view(), {}, near_, true);
+      EnvMask closer(envs_.size(), 0);
+      for (Index e = 0; e < envs_.size(); ++e)
+        closer[e] = system_.convergence.finite(there, e) && there.support_gap[e] == 0 && system_.convergence.over(there, e, wanted(e)) < tuning::kCloser * system_.convergence.over(r, e, wanted(e));
+      return closer;
+    });
     check_failed();
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running)) envs_[e].force = system_.convergence.largest_force(r, e);
@@ -131,6 +136,7 @@ void Newton::iterate(const effects::StepInfo& info, StepReport& report, const st
 void Newton::settle(const Residual& r, Index iteration) {
   for (Index e = 0; e < envs_.size(); ++e) {
     if (!envs_.is(e, EnvState::running)) continue;
+    envs_[e].arrived = r.support_gap[e] == 0;
     const double relative = wanted(e);
     if (system_.solved(r, e, relative, envs_[e].step)) {
       envs_[e].state = envs_[e].whole ? EnvState::solved : EnvState::settled;
@@ -181,9 +187,9 @@ void Newton::couple(Index round, const effects::StepInfo& info, StepReport& repo
   for (Index e = 0; e < envs_.size(); ++e)
     if (round >= tuning::kPlainRounds && envs_.is(e, EnvState::settled) && envs_[e].may_couple) envs_[e].state = EnvState::stuck;
   for (bool first = round == 0; envs_.any(EnvState::stuck); first = false) {
-    // Differences of forces would give no better directions than H + U where that is all.
+    // Differences of forces would give no better directions than H + U where that is all; and the coupled iteration moves no supports.
     for (Index e = 0; e < envs_.size(); ++e)
-      if (envs_.is(e, EnvState::stuck) && envs_[e].whole && !system_.potential.freezes()) freeze(e);
+      if (envs_.is(e, EnvState::stuck) && envs_[e].whole && (!system_.potential.freezes() || !envs_[e].arrived)) freeze(e);
     if (envs_.any(EnvState::stuck)) solve_coupled(info, report, stop);
     for (Index e = 0; e < envs_.size(); ++e) {
       if (!envs_.is(e, EnvState::stuck)) continue;

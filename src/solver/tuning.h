@@ -27,6 +27,7 @@ inline constexpr double kStaleForcing = 1e-4;  // of a right-hand side that thin
 inline constexpr Index kStaleMost = 16;        // a factor costs about as much as this many solves with it
 inline constexpr Index kWholeMost = 30;         // products of an unsymmetric system: friction takes some five
 inline constexpr Index kCycle = 50;             // of GMRES: its own vectors cost as much as the products then
+inline constexpr double kWholeRough = 0.03;     // how closely: 0.003 takes as many Newton iterations and twice those of conjugate gradients, 0.1 three times as many Newton iterations
 inline constexpr double kInner = 0.1;          // conjugate gradients inside of it: 0.3 and 0.03 cost a tenth and a quarter more (scenes/tactile/press)
 inline constexpr double kFirstShift = 1e-10;   // of the mean stiffness: picks the shortest step among motions that nothing resists,
 inline constexpr double kShiftGrowth = 100;    // grown by this,
@@ -55,6 +56,7 @@ inline constexpr Index kUsual = 20;            // but not before this one: the w
 inline constexpr Index kPlainRounds = 2;       // rounds of lagging before the coupled iteration takes over
 
 // ---- friction of the present normal forces (newton.h)
+inline constexpr double kCloser = 0.5;          // of the residual: a full step that leaves less is taken whatever energies say
 inline constexpr Index kWholePatience = 12;    // iterations without a smaller residual,
 inline constexpr double kWholeFalls = 0.9;     // by so much: then rounds of lagged quantities take over, which do not run in circles
 

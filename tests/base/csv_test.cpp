@@ -12,7 +12,7 @@ using namespace mortise;
 namespace {
 
 Csv read(const std::string& text) {
-  const std::string path = testing::TempDir() + "mortise_table.csv";
+  const std::string path = testing::TempDir() + "mortise_" + testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv";
   std::ofstream(path, std::ios::binary) << text;
   return read_csv(path);
 }

@@ -41,7 +41,7 @@ struct Law {
     return rate > (1 - kRamp) * velocity && rate < velocity ? effort / (kRamp * velocity * h) : 0;
   }
   MORTISE_HD double motor_energy(double x) const {
-    double kink[9];
+    double kink[9] = {};
     int n = 0;
     const auto add = [&](double at) {
       if (!(at * x > 0 && std::fabs(at) < std::fabs(x))) return;
