@@ -152,6 +152,22 @@ TEST(Linear, ReuseKeepsFactorsWithinAStepOnly) {
   EXPECT_FALSE(linear->ready(0)) << "another step";
 }
 
+// A preconditioner that could not be made leaves no factor that a later iteration could take for one.
+TEST(Linear, AFailedFactorIsNoFactor) {
+  Chains good({2.0}, {1.0}), bad({2.0}, {-50.0});
+  const auto linear = make_direct(good.model, good.rows, true);
+  linear->begin_solve(true);
+  CurvaturePolicy curvature(1);
+  EnvTable envs(1);
+  StepReport report;
+  linear->solve(good.system(), {1}, curvature, envs, report);
+  ASSERT_TRUE(linear->ready(0));
+  EXPECT_EQ(linear->prepare(bad.system(), {1}), EnvMask{0});
+  EXPECT_FALSE(linear->ready(0));
+  linear->solve(good.system(), {1}, curvature, envs, report);
+  EXPECT_LT(good.residual(0), 1e-12);
+}
+
 TEST(Linear, ChoiceGoesByTheLargestEnvironment) {
   const model::Model model(toy::boxes(3));
   Options o;
