@@ -1,6 +1,5 @@
 #include "solver/linear_whole.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "solver/kernels.h"
@@ -10,8 +9,7 @@ namespace mortise::solver {
 
 linalg::GmresResult solve_whole(const LinearSystem& s, const EnvMask& whose, const std::vector<Index>& env_rows, const std::vector<double>& relative, Index most, const linalg::Operator& preconditioner) {
   const Index rows = s.b.n, envs = static_cast<Index>(whose.size());
-  device::Buffer<Vec3> b(rows), r, x(rows), d(rows), Jx(rows);
-  device::copy(b.view().p, s.b.p, rows * sizeof(Vec3));
+  device::Buffer<Vec3> r, x(rows), d(rows), Jx(rows);
   device::copy(x.view().p, s.x.p, rows * sizeof(Vec3));
   EnvMask left = whose;
   linalg::GmresResult sum;
@@ -20,7 +18,7 @@ linalg::GmresResult solve_whole(const LinearSystem& s, const EnvMask& whose, con
     if (!whose[e]) clear_blocks(x, env_rows[e], env_rows[e + 1]);
   for (;;) {
     (*s.whole)(std::as_const(x).view(), Jx.view());
-    subtract(std::as_const(b).view(), std::as_const(Jx).view(), r);
+    subtract(s.b, std::as_const(Jx).view(), r);
     const std::vector<double> r2 = dot(std::as_const(r).view(), std::as_const(r).view(), env_rows);
     std::vector<double> wanted(envs, 0.0);
     for (Index e = 0; e < envs; ++e) {
@@ -32,7 +30,7 @@ linalg::GmresResult solve_whole(const LinearSystem& s, const EnvMask& whose, con
         clear_blocks(r, env_rows[e], env_rows[e + 1]);
     }
     if (!any(left) || sum.iterations >= most) break;
-    const linalg::GmresResult cycle = linalg::gmres(*s.whole, preconditioner, std::as_const(r).view(), d.view(), env_rows, wanted, std::min(tuning::kCycle, most - sum.iterations));
+    const linalg::GmresResult cycle = linalg::gmres(*s.whole, preconditioner, std::as_const(r).view(), d.view(), env_rows, wanted, most - sum.iterations);
     add(std::as_const(d).view(), x);
     sum.iterations += cycle.iterations;
     for (Index e = 0; e < envs; ++e) sum.of_env[e] += left[e] ? cycle.of_env[e] : 0;

@@ -1,5 +1,5 @@
 #pragma once
-// Unsymmetric systems of some environments: GMRES, restarted, with whatever the linear strategy has for the symmetric part as the preconditioner.
+// Unsymmetric systems of some environments: GMRES, begun anew where rounding hid that it had not ended, with whatever the linear strategy has for the symmetric part as the preconditioner.
 #include "solver/linear.h"
 
 namespace mortise::solver {

@@ -26,7 +26,6 @@ inline constexpr double kLoose = 1e-9;         // of the mean stiffness: far abo
 inline constexpr double kStaleForcing = 1e-4;  // of a right-hand side that thin contact layers rule: what is soft needs its digits too; a solve costs little
 inline constexpr Index kStaleMost = 16;        // a factor costs about as much as this many solves with it
 inline constexpr Index kWholeMost = 30;         // products of an unsymmetric system: friction takes some five
-inline constexpr Index kCycle = 50;             // of GMRES: its own vectors cost as much as the products then
 inline constexpr double kWholeRough = 0.03;     // how closely: 0.003 takes as many Newton iterations and twice those of conjugate gradients, 0.1 three times as many Newton iterations
 inline constexpr double kInner = 0.1;          // conjugate gradients inside of it: 0.3 and 0.03 cost a tenth and a quarter more (scenes/tactile/press)
 inline constexpr double kFirstShift = 1e-10;   // of the mean stiffness: picks the shortest step among motions that nothing resists,
