@@ -65,12 +65,18 @@ class Filter {
 
 // Calls of the C library while it computes, allocates, asks about files and reads them.
 constexpr unsigned kHarmless[] = {
-    SYS_read,  SYS_pread64, SYS_readv,    SYS_lseek,        SYS_close,         SYS_fstat,     SYS_newfstatat,  SYS_statx,       SYS_readlinkat, SYS_faccessat,
-    SYS_getcwd, SYS_getdents64, SYS_mmap, SYS_munmap,       SYS_mremap,        SYS_mprotect,  SYS_madvise,     SYS_brk,         SYS_futex,      SYS_getrandom,
-    SYS_clock_gettime, SYS_gettimeofday, SYS_times, SYS_getrusage, SYS_getpid, SYS_gettid,    SYS_sched_yield, SYS_sched_getaffinity, SYS_uname, SYS_sysinfo,
-    SYS_rt_sigaction, SYS_rt_sigprocmask, SYS_rt_sigreturn, SYS_exit, SYS_exit_group,
+    SYS_read,          SYS_pread64,      SYS_readv,        SYS_lseek,
+    SYS_close,         SYS_fstat,        SYS_newfstatat,   SYS_statx,
+    SYS_readlinkat,    SYS_faccessat,    SYS_getcwd,       SYS_getdents64,
+    SYS_mmap,          SYS_munmap,       SYS_mremap,       SYS_mprotect,
+    SYS_madvise,       SYS_brk,          SYS_futex,        SYS_getrandom,
+    SYS_clock_gettime, SYS_gettimeofday, SYS_times,        SYS_getrusage,
+    SYS_getpid,        SYS_gettid,       SYS_sched_yield,  SYS_sched_getaffinity,
+    SYS_uname,         SYS_sysinfo,      SYS_rt_sigaction, SYS_rt_sigprocmask,
+    SYS_rt_sigreturn,  SYS_exit,         SYS_exit_group,
 #if defined(__x86_64__)
-    SYS_stat, SYS_lstat, SYS_access, SYS_readlink, SYS_time,
+    SYS_stat,          SYS_lstat,        SYS_access,       SYS_readlink,
+    SYS_time,
 #endif
 };
 

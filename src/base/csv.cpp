@@ -62,7 +62,8 @@ Csv read_csv(const std::string& path) {
       for (const Field& f : fields) {
         const SourceLoc at{path, n, f.place};
         const std::size_t open = f.text.find('['), close = f.text.find(']');
-        if ((open == std::string::npos) != (close == std::string::npos) || (close != std::string::npos && (close < open || close + 1 != f.text.size())))
+        if ((open == std::string::npos) != (close == std::string::npos) ||
+            (close != std::string::npos && (close < open || close + 1 != f.text.size())))
           throw Error(Exit::scene, at, "'" + f.text + "' is not a name with a unit in brackets, as in 'elbow [deg]'");
         Csv::Column c{f.text.substr(0, open), open == std::string::npos ? "" : f.text.substr(open + 1, close - open - 1), f.place, {}};
         c.name.erase(c.name.find_last_not_of(" \t") + 1);
@@ -74,7 +75,9 @@ Csv read_csv(const std::string& path) {
       continue;
     }
     if (fields.size() != out.columns.size())
-      throw Error(Exit::scene, SourceLoc{path, n, 1}, "has " + std::to_string(fields.size()) + " entries where line " + std::to_string(out.header) + " names " + std::to_string(out.columns.size()) + " columns");
+      throw Error(Exit::scene, SourceLoc{path, n, 1},
+                  "has " + std::to_string(fields.size()) + " entries where line " + std::to_string(out.header) + " names " +
+                      std::to_string(out.columns.size()) + " columns");
     for (std::size_t c = 0; c < fields.size(); ++c) out.columns[c].values.push_back(number(fields[c], SourceLoc{path, n, fields[c].place}));
     out.lines.push_back(n);
   }

@@ -22,9 +22,7 @@ struct SourceLoc {
   std::string file;
   int line = 0;
   int column = 0;
-  std::string text() const {
-    return line > 0 ? file + ":" + std::to_string(line) + ":" + std::to_string(column) : file;
-  }
+  std::string text() const { return line > 0 ? file + ":" + std::to_string(line) + ":" + std::to_string(column) : file; }
 };
 
 // Every failure a user can cause. what() is the whole message, without the "error: " prefix.

@@ -47,13 +47,13 @@ struct Param {
   std::string key;
   Kind kind = Kind::number;
   Unit unit = Unit::none;
-  std::string help;                    // one sentence, without the unit
-  std::optional<std::string> fallback; // default in scene syntax, e.g. "0.1 mm"; absent and !optional = required
-  bool optional = false;               // may be absent, and then the resolved table has no such key
-  bool automatic = false;              // absent means that a value is chosen; `auto` says so aloud
+  std::string help;                     // one sentence, without the unit
+  std::optional<std::string> fallback;  // default in scene syntax, e.g. "0.1 mm"; absent and !optional = required
+  bool optional = false;                // may be absent, and then the resolved table has no such key
+  bool automatic = false;               // absent means that a value is chosen; `auto` says so aloud
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
-  bool min_open = false;               // true: value must be > min
+  bool min_open = false;  // true: value must be > min
   bool max_open = false;
   std::vector<std::string> choices;
   const ParamTable* sub = nullptr;

@@ -5,9 +5,7 @@
 namespace mortise {
 namespace {
 
-[[noreturn]] void wrong(const char* wanted, const SourceLoc& at) {
-  throw Error(Exit::internal, at, std::string("parameter is not a ") + wanted);
-}
+[[noreturn]] void wrong(const char* wanted, const SourceLoc& at) { throw Error(Exit::internal, at, std::string("parameter is not a ") + wanted); }
 
 }  // namespace
 

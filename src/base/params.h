@@ -37,8 +37,8 @@ class Params {
   const std::string& as_text() const;
   Vec3 as_vec3() const;  // list of three numbers
   std::vector<double> as_numbers() const;
-  const std::vector<Params>& items() const;                                 // list
-  const std::vector<std::pair<std::string, Params>>& entries() const;       // table, in file order
+  const std::vector<Params>& items() const;                            // list
+  const std::vector<std::pair<std::string, Params>>& entries() const;  // table, in file order
 
   // Children of a table.
   bool has(std::string_view key) const;

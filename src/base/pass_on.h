@@ -13,8 +13,7 @@ class PassOn : public FieldSink {
   void cells(std::string_view name, std::string_view unit, int components, std::span<const double> values) override {
     if (next_) next_->cells(name, unit, components, values);
   }
-  void rows(std::string_view group, std::string_view name, std::string_view unit, int components,
-            std::span<const double> values) override {
+  void rows(std::string_view group, std::string_view name, std::string_view unit, int components, std::span<const double> values) override {
     if (next_) next_->rows(group, name, unit, components, values);
   }
   void scalar(std::string_view group, std::string_view name, std::string_view unit, double value) override {

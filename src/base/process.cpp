@@ -12,7 +12,8 @@ namespace mortise {
 
 std::string own_program() { return std::filesystem::read_symlink("/proc/self/exe").string(); }
 
-pid_t start_program(const std::vector<std::string>& arguments, const std::string& out, const std::string& err, const std::function<void()>& in_child) {
+pid_t start_program(const std::vector<std::string>& arguments, const std::string& out, const std::string& err,
+                    const std::function<void()>& in_child) {
   std::vector<char*> argv;
   for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);

@@ -18,7 +18,8 @@ namespace {
 
 class File {
  public:
-  File(const std::string& path, int flags) : path_(path), file_(path == "-" ? ::dup(STDIN_FILENO) : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | flags)) {
+  File(const std::string& path, int flags)
+      : path_(path), file_(path == "-" ? ::dup(STDIN_FILENO) : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | flags)) {
     if (file_ < 0) fail(path);
   }
   ~File() { ::close(file_); }

@@ -1,8 +1,7 @@
 #pragma once
-#include <cstdint>
-
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cstdint>
 
 #include "base/hd.h"
 

@@ -74,7 +74,10 @@ std::span<const Benchmark> benchmarks() {
   static const Benchmark all[] = {
       {"barrier", "gap of a block on a plane under uniform pressure (B27)", {}, barrier},
       {"patch", "uniform stress through two blocks with matching and other meshes (B01, B02, B05)", {"order", "case", "finer"}, bench::patch},
-      {"hertz", "sphere on a block: pressure, its peak, contact radius (B07)", {"size", "under", "order", "d_hat", "k", "start", "mesh"}, bench::hertz},
+      {"hertz",
+       "sphere on a block: pressure, its peak, contact radius (B07)",
+       {"size", "under", "order", "d_hat", "k", "start", "mesh"},
+       bench::hertz},
       {"spheres", "sphere on a sphere: pressure, its peak, contact radius (B06)", {"cells"}, bench::spheres},
       {"pin", "pin in a bore: pressure, angle of contact (B14, without friction)", {"cells", "order", "k", "layer"}, bench::pin},
       {"interface", "hydrostatic pressure through an inclined plane (B03) and a wavy surface (B04)", {"finest"}, bench::interface},
@@ -97,7 +100,8 @@ std::vector<Row> run_benchmark(const Benchmark& benchmark, const std::vector<std
     if (std::find(benchmark.options.begin(), benchmark.options.end(), key) != benchmark.options.end()) continue;
     std::string known = "methods";
     for (const std::string& o : benchmark.options) known += ", " + o;
-    throw Error(Exit::usage, "benchmark '" + std::string(benchmark.name) + "' has no option '" + key + "'; it has " + known + " and the values of its scene (a.b=c)");
+    throw Error(Exit::usage, "benchmark '" + std::string(benchmark.name) + "' has no option '" + key + "'; it has " + known +
+                                 " and the values of its scene (a.b=c)");
   }
   std::vector<Row> rows;
   BenchOutput collected = output;

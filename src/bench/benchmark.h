@@ -12,8 +12,8 @@ namespace mortise::bench {
 // Where results go.
 struct BenchOutput {
   std::function<void(const Row&)> row;
-  std::string folder;                             // for figures and pictures; empty: none
-  std::function<void(const std::string&)> note;   // what was written there or could not be
+  std::string folder;                            // for figures and pictures; empty: none
+  std::function<void(const std::string&)> note;  // what was written there or could not be
 };
 
 // What a benchmark works with.

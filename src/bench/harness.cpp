@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "engine/effect_tables.h"
 #include "engine/choose.h"
+#include "engine/effect_tables.h"
 #include "engine/input.h"
 #include "geometry/topology.h"
 #include "sensors/sensors.h"
@@ -71,13 +71,14 @@ std::string json_line(const Row& r) {
 }
 
 std::string table_header() {
-  return fmt::format("{:38} {:18} {:24} {:>12} {:>12} {:>11} {:>8} {:>5} {:>8} {:>7} {:>8}\n", "case", "method", "quantity", "value", "reference", "error", "gate", "pass", "seconds",
-                     "newton", "dofs");
+  return fmt::format("{:38} {:18} {:24} {:>12} {:>12} {:>11} {:>8} {:>5} {:>8} {:>7} {:>8}\n", "case", "method", "quantity", "value", "reference",
+                     "error", "gate", "pass", "seconds", "newton", "dofs");
 }
 
 std::string table_line(const Row& r) {
-  return fmt::format("{:38} {:18} {:24} {:>12} {:>12} {:>11} {:>8} {:>5} {:>8.3g} {:>7} {:>8}\n", r.name, r.method, r.quantity, cell(r.value), cell(r.reference), cell(r.error),
-                     cell(r.gate), r.failed ? "fails" : (r.gated() ? (r.pass() ? "yes" : "NO") : "-"), r.seconds, r.newton_iterations, r.dofs);
+  return fmt::format("{:38} {:18} {:24} {:>12} {:>12} {:>11} {:>8} {:>5} {:>8.3g} {:>7} {:>8}\n", r.name, r.method, r.quantity, cell(r.value),
+                     cell(r.reference), cell(r.error), cell(r.gate), r.failed ? "fails" : (r.gated() ? (r.pass() ? "yes" : "NO") : "-"), r.seconds,
+                     r.newton_iterations, r.dofs);
 }
 
 const std::vector<Method>& methods() {
@@ -155,7 +156,8 @@ void SceneText::use(const Method& method, double node_area) {
   yaml_ = emit(root);
 }
 
-Row Solved::row(const std::string& name, const Method& method, const std::string& quantity, double value, double reference, double error, double gate) const {
+Row Solved::row(const std::string& name, const Method& method, const std::string& quantity, double value, double reference, double error,
+                double gate) const {
   return {name, method.name, quantity, converged ? value : NAN, reference, converged ? error : NAN, gate, seconds, newton, dofs, !converged};
 }
 

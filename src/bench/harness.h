@@ -60,24 +60,27 @@ class SceneText {
 
 struct Solved {
   model::ModelInput input;
-  Snapshot fields;  // of the last state
+  Snapshot fields;             // of the last state
   std::vector<double> points;  // 3 per point [m]
   std::vector<solver::StepReport> steps;
   bool converged = false;
   std::string why;  // it did not converge
   long newton = 0, dofs = 0;
-  double seconds = 0;  // of the steps
+  double seconds = 0;          // of the steps
   double contact_share = NAN;  // of these seconds, spent in contact effects
   // A row with the costs filled in; value and error are NaN when the run did not converge, whatever was reported before.
-  Row row(const std::string& name, const Method& method, const std::string& quantity, double value, double reference, double error, double gate) const;
+  Row row(const std::string& name, const Method& method, const std::string& quantity, double value, double reference, double error,
+          double gate) const;
 };
 
 // Runs all steps of a scene on the chosen device. `prepare` may exchange meshes before the engine sees them; `each` is called after every step.
 // Throws Error for all but steps that do not converge.
-Solved solve(const SceneText& scene, const std::function<void(model::ModelInput&)>& prepare = {}, const std::function<void(const Snapshot&)>& each = {});
+Solved solve(const SceneText& scene, const std::function<void(model::ModelInput&)>& prepare = {},
+             const std::function<void(const Snapshot&)>& each = {});
 
 // The same for a scene that was read; paths in it hold.
-Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInput&)>& prepare = {}, const std::function<void(const Snapshot&)>& each = {});
+Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInput&)>& prepare = {},
+             const std::function<void(const Snapshot&)>& each = {});
 
 // Gives a body this mesh, placed as it is (world coordinates).
 void set_mesh(model::ModelInput& input, const std::string& body, const geometry::TetMesh& mesh);

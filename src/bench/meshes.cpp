@@ -22,7 +22,8 @@ std::vector<Tet> split(const Grid& n, const std::array<std::size_t, 3>& first) {
     for (std::size_t j = 0; j + 1 < n[1]; ++j)
       for (std::size_t i = 0; i + 1 < n[0]; ++i)
         for (int o = 0; o < 6; ++o) {
-          const std::array<int, 3> from{static_cast<int>((i + first[0]) % 2), static_cast<int>((j + first[1]) % 2), static_cast<int>((k + first[2]) % 2)};
+          const std::array<int, 3> from{static_cast<int>((i + first[0]) % 2), static_cast<int>((j + first[1]) % 2),
+                                        static_cast<int>((k + first[2]) % 2)};
           const bool mirrored = (from[0] + from[1] + from[2]) % 2;
           std::array<int, 3> at = from;
           Tet t;
@@ -114,20 +115,23 @@ geometry::TetMesh ball_octant(double radius, const std::vector<double>& s, const
 }
 
 geometry::TetMesh ball_octant(double radius, const Spot& at_pole) {
-  return ball_octant(radius, graded(std::sqrt(2.0) * at_pole.h / radius, at_pole.fine, at_pole.out, 1), from_one(graded(at_pole.h / radius, 2, at_pole.down, 1)));
+  return ball_octant(radius, graded(std::sqrt(2.0) * at_pole.h / radius, at_pole.fine, at_pole.out, 1),
+                     from_one(graded(at_pole.h / radius, 2, at_pole.down, 1)));
 }
 
 geometry::TetMesh cylinder_quarter(double radius, const std::vector<double>& s, const std::vector<double>& t, const std::vector<double>& y) {
   geometry::TetMesh mesh;
   for (auto w = t.rbegin(); w != t.rend(); ++w)
     for (double v : y)
-      for (double u : s) mesh.points.push_back({radius * u * std::sqrt(1 - *w * *w / 2), v, -radius * *w * std::sqrt(1 - u * u / 2)});  // square onto disc
+      for (double u : s)
+        mesh.points.push_back({radius * u * std::sqrt(1 - *w * *w / 2), v, -radius * *w * std::sqrt(1 - u * u / 2)});  // square onto disc
   mesh.tets = split({s.size(), y.size(), t.size()}, {s.size() % 2 ? 0u : 1u, 0, 0});  // diagonals from the edge of the square inwards
   return mesh;
 }
 
 geometry::TetMesh cylinder_quarter(double radius, const Spot& at_line, const std::vector<double>& y) {
-  return cylinder_quarter(radius, graded(std::sqrt(2.0) * at_line.h / radius, at_line.fine, at_line.out, 1), from_one(graded(at_line.h / radius, 2, at_line.down, 1)), y);
+  return cylinder_quarter(radius, graded(std::sqrt(2.0) * at_line.h / radius, at_line.fine, at_line.out, 1),
+                          from_one(graded(at_line.h / radius, 2, at_line.down, 1)), y);
 }
 
 geometry::TetMesh ring_sector(const std::vector<double>& r, const std::vector<double>& angles, const std::vector<double>& z) {

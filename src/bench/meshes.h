@@ -50,8 +50,9 @@ geometry::TetMesh ring_sector(const std::vector<double>& r, const std::vector<do
 // Quarter x, y >= 0 of a ring with `cells` equal cells over the right angle.
 geometry::TetMesh ring_quarter(const std::vector<double>& r, int cells, const std::vector<double>& z);
 
-// The mesh with edges split in the middle, the longest of those that fit, until it has this many vertices and tetrahedra. An edge among k tetrahedra adds
-// one and k; k is as near as there is to the tetrahedra over the vertices that are missing. Throws Error(Exit::internal) where that ends beside the mark.
+// The mesh with edges split in the middle, the longest of those that fit, until it has this many vertices and tetrahedra. An edge among k tetrahedra
+// adds one and k; k is as near as there is to the tetrahedra over the vertices that are missing. Throws Error(Exit::internal) where that ends beside
+// the mark.
 geometry::TetMesh split_to(geometry::TetMesh mesh, std::size_t vertices, std::size_t tets);
 
 // Upside down: z to height - z.

@@ -8,8 +8,8 @@ double barrier_gap(double p_over_kappa);
 
 // Hertz: sphere of radius R against a half-space (or R the effective radius), E* = 1/((1-nu1^2)/E1 + (1-nu2^2)/E2).
 struct Hertz {
-  double a;   // contact radius [m], a = (3 F R/(4 E*))^(1/3)
-  double p0;  // largest pressure [Pa], p0 = 3F/(2 pi a^2)
+  double a;                         // contact radius [m], a = (3 F R/(4 E*))^(1/3)
+  double p0;                        // largest pressure [Pa], p0 = 3F/(2 pi a^2)
   double pressure(double r) const;  // p0 sqrt(1 - r^2/a^2), 0 outside
 };
 Hertz hertz(double force, double radius, double e_star);
@@ -33,11 +33,12 @@ double cone_surface(double a, double r);
 // Pin in the bore of an infinite plate of the same material, plane, without friction, pushed by the force Q per thickness with the
 // clearance D between the radii; modulus: E/(1 - nu^2) in plane strain. With b = tan(half-angle/2) and y = tan(angle/2)
 //   modulus D/Q = (2 - 2 b^4 - ln(1 + b^2))/(pi b^2 (1 + b^2))
-//   p R/Q = (2/pi) sqrt(b^2 - y^2)/((1 + y^2) sqrt(1 + b^2)) + ln[(sqrt(1 + b^2) + sqrt(b^2 - y^2))/(sqrt(1 + b^2) - sqrt(b^2 - y^2))]/(2 pi b^2 (1 + b^2))
+//   p R/Q = (2/pi) sqrt(b^2 - y^2)/((1 + y^2) sqrt(1 + b^2)) + ln[(sqrt(1 + b^2) + sqrt(b^2 - y^2))/(sqrt(1 + b^2) - sqrt(b^2 - y^2))]/(2 pi b^2 (1 +
+//   b^2))
 // (Persson 1964; Ciavarella, Decuzzi, Int. J. Solids Struct. 38, 2001, both for equal materials).
-double pin_half_angle(double clearance_over_load);  // modulus D/Q > 0 -> half-angle of the contact [rad]
+double pin_half_angle(double clearance_over_load);     // modulus D/Q > 0 -> half-angle of the contact [rad]
 double pin_pressure(double half_angle, double angle);  // p R/Q
-double pin_moment(double half_angle);  // mean of sin^2(angle) over the contact, weighted with p; grows with the half-angle
+double pin_moment(double half_angle);                  // mean of sin^2(angle) over the contact, weighted with p; grows with the half-angle
 double pin_half_angle_of_moment(double moment);
 
 // Lame: a ring of radii a, b inside one of radii bore, c, of one material, pressed together by D: what they would overlap if they did

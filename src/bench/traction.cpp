@@ -44,7 +44,8 @@ Traction nodal_traction(const Solved& s, const std::string& name, const std::fun
         out.node.push_back(i);
         out.now.push_back(vector(s.points, i));
         out.at.push_back(quadratic ? body.nodes[i] : out.now.back());
-        out.p.push_back(quadratic ? pressure->second[first + i] * area_now[i] / area[i] : -vector(force->second, i).dot(normal[i].normalized()) / area[i]);
+        out.p.push_back(quadratic ? pressure->second[first + i] * area_now[i] / area[i]
+                                  : -vector(force->second, i).dot(normal[i].normalized()) / area[i]);
         out.area.push_back(area[i]);
       }
     }
@@ -57,7 +58,8 @@ double sample_mean(const Solved& s, const std::string& effect, const std::functi
   const auto position = s.fields.row.find(effect + "/position"), force = s.fields.row.find(effect + "/force");
   if (position == s.fields.row.end() || force == s.fields.row.end()) return NAN;
   double sum = 0, total = 0;
-  for (std::size_t i = 0; i < force->second.size(); ++i) sum += force->second[i] * of(Vec3(position->second.data() + 3 * i)), total += force->second[i];
+  for (std::size_t i = 0; i < force->second.size(); ++i)
+    sum += force->second[i] * of(Vec3(position->second.data() + 3 * i)), total += force->second[i];
   return sum / total;
 }
 

@@ -13,11 +13,11 @@
 namespace mortise::bench {
 
 struct Traction {
-  std::vector<Vec3> at;         // nodes, where their pressure is compared: now, quadratic: at rest [m]
+  std::vector<Vec3> at;           // nodes, where their pressure is compared: now, quadratic: at rest [m]
   std::vector<std::size_t> node;  // of the body
-  std::vector<Vec3> now;        // where they are [m]
-  std::vector<double> p, area;  // inward normal force over area at rest [Pa], and that area [m^2]
-  double force() const;         // sum p area [N]
+  std::vector<Vec3> now;          // where they are [m]
+  std::vector<double> p, area;    // inward normal force over area at rest [Pa], and that area [m^2]
+  double force() const;           // sum p area [N]
   double peak() const;
   // ||p - exact|| / ||exact|| over the nodes that `in` selects, weighted with their areas.
   double l2(const std::function<double(const Vec3&)>& exact, const std::function<bool(const Vec3&)>& in) const;

@@ -5,13 +5,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench/benchmark.h"
+#include "bench/ccd/ccd.h"
 #include "cli/bench_hard.h"
 #include "cli/bench_result.h"
 #include "cli/commands.h"
 #include "engine/choose.h"
 #include "scene/suggest.h"
-#include "bench/benchmark.h"
-#include "bench/ccd/ccd.h"
 
 namespace mortise::cli {
 namespace {
@@ -29,8 +29,14 @@ int bench_ccd(const Options& o) {
   const bench::CcdBench result = bench::ccd_bench(o.data);
   if (o.json) {
     for (const auto& [kind, s] : {std::pair{"point_triangle", &result.point_triangle}, std::pair{"edge_edge", &result.edge_edge}})
-      std::cout << nlohmann::ordered_json{{"case", "ccd"}, {"kind", kind}, {"queries", s->queries}, {"impacts", s->impacts}, {"false_negatives", s->false_negatives},
-                                          {"false_positives", s->false_positives}, {"seconds", s->seconds}, {"microseconds_per_query", s->microseconds_per_query()}}
+      std::cout << nlohmann::ordered_json{{"case", "ccd"},
+                                          {"kind", kind},
+                                          {"queries", s->queries},
+                                          {"impacts", s->impacts},
+                                          {"false_negatives", s->false_negatives},
+                                          {"false_positives", s->false_positives},
+                                          {"seconds", s->seconds},
+                                          {"microseconds_per_query", s->microseconds_per_query()}}
                        .dump()
                 << "\n";
   } else {
@@ -42,18 +48,26 @@ int bench_ccd(const Options& o) {
 // The matrix product against a plain copy, from what fits into caches to what does not.
 int bench_bandwidth(const Options& o) {
   auto list = nlohmann::ordered_json::array();
-  if (!o.json) std::cout << fmt::format("{:>8} {:>9} {:>14} {:>14} {:>14} {:>8}\n", "rows", "blocks", "product us", "product GB/s", "copy GB/s", "share");
+  if (!o.json)
+    std::cout << fmt::format("{:>8} {:>9} {:>14} {:>14} {:>14} {:>8}\n", "rows", "blocks", "product us", "product GB/s", "copy GB/s", "share");
   for (Index edge : {20, 34, 54}) {
     engine::Bandwidth b;
     const engine::Outcome outcome = engine::chosen().api->bandwidth(edge, b);
     if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message);
     const double product = b.multiply_bytes / b.multiply_seconds, copy = b.copy_bytes / b.copy_seconds;
-    list.push_back({{"case", "bandwidth"}, {"rows", b.rows}, {"blocks", b.blocks}, {"product_seconds", b.multiply_seconds}, {"product_bytes_per_second", product},
-                    {"copy_bytes_per_second", copy}, {"share", product / copy}});
+    list.push_back({{"case", "bandwidth"},
+                    {"rows", b.rows},
+                    {"blocks", b.blocks},
+                    {"product_seconds", b.multiply_seconds},
+                    {"product_bytes_per_second", product},
+                    {"copy_bytes_per_second", copy},
+                    {"share", product / copy}});
     if (o.json)
       std::cout << list.back().dump() << std::endl;
     else
-      std::cout << fmt::format("{:>8} {:>9} {:>14.1f} {:>14.2f} {:>14.2f} {:>8.2f}\n", b.rows, b.blocks, b.multiply_seconds * 1e6, product * 1e-9, copy * 1e-9, product / copy) << std::flush;
+      std::cout << fmt::format("{:>8} {:>9} {:>14.1f} {:>14.2f} {:>14.2f} {:>8.2f}\n", b.rows, b.blocks, b.multiply_seconds * 1e6, product * 1e-9,
+                               copy * 1e-9, product / copy)
+                << std::flush;
   }
   if (!o.result.empty()) write_result(o.result, o.name, list);
   return static_cast<int>(Exit::done);
@@ -83,7 +97,8 @@ int cmd_bench(const Options& o) {
   for (const bench::Benchmark& b : bench::benchmarks()) names.push_back(b.name);
   if (o.list) {
     for (const bench::Benchmark& b : bench::benchmarks()) std::cout << fmt::format("{:12} {}\n", b.name, b.help);
-    std::cout << fmt::format("{:12} {}\n{:12} {}\n{:12} {}\n{:12} {}\n", "ccd", kCcdHelp, "bandwidth", kBandwidthHelp, "hard", kHardHelp, "fuzz", kFuzzHelp);
+    std::cout << fmt::format("{:12} {}\n{:12} {}\n{:12} {}\n{:12} {}\n", "ccd", kCcdHelp, "bandwidth", kBandwidthHelp, "hard", kHardHelp, "fuzz",
+                             kFuzzHelp);
     return 0;
   }
   setenv("MORTISE_DEVICE", o.device.c_str(), 1);  // for cases that run in processes of their own
@@ -106,11 +121,14 @@ void add_bench(CLI::App& app, Context& context) {
   sub->add_flag("--list", o->list, "list the benchmarks");
   sub->add_option("--data", o->data, "folder with the benchmark's data");
   sub->add_flag("--json", o->json, "one JSON object per row");
-  sub->add_option("--set", o->sets, "value of the benchmark's scene (a.b=c) or an option of its own (methods=gmcp_consistent,ipc_classic; size=medium)");
+  sub->add_option("--set", o->sets,
+                  "value of the benchmark's scene (a.b=c) or an option of its own (methods=gmcp_consistent,ipc_classic; size=medium)");
   sub->add_option("--result", o->result, "also write the rows and the machine to this file");
   add_device_options(*sub, o->device, o->threads);
   add_hard_flags(*sub, o->hard);
-  sub->footer("Examples:\n  mortise bench --list\n  mortise bench patch\n  mortise bench hertz --set size=medium --json\n  mortise bench ccd --data queries --json\n  mortise bench hard --only H11");
+  sub->footer(
+      "Examples:\n  mortise bench --list\n  mortise bench patch\n  mortise bench hertz --set size=medium --json\n  mortise bench ccd --data queries "
+      "--json\n  mortise bench hard --only H11");
   sub->callback([o, &context] { context.action = [o] { return cmd_bench(*o); }; });
 }
 

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "cli/bench_result.h"
 #include "bench/hard/hard.h"
+#include "cli/bench_result.h"
 
 namespace mortise::cli {
 
@@ -14,11 +14,15 @@ void add_hard_flags(CLI::App& sub, HardFlags& flags) {
   auto* quick = sub.add_flag("--quick", flags.quick, "hard: every case cut to seconds (the default)");
   sub.add_flag("--full", flags.full, "hard: whole lengths, variants with both contact methods")->excludes(quick);
   sub.add_option("--only", flags.only, "hard: only these cases (H11, or the beginning of a scene's name)")->delimiter(',');
-  sub.add_option("--out", flags.output, "folder of the figures and pictures of a benchmark (default out/bench/NAME), of the runs of hard and fuzz (default out/hard, out/fuzz)");
-  sub.add_flag("--wild", flags.wild, "fuzz: scenes that are not tame: quadratic elements, mesh files, statics, loads, sensors, BDF2, driven bodies, crowds, kills");
+  sub.add_option(
+      "--out", flags.output,
+      "folder of the figures and pictures of a benchmark (default out/bench/NAME), of the runs of hard and fuzz (default out/hard, out/fuzz)");
+  sub.add_flag("--wild", flags.wild,
+               "fuzz: scenes that are not tame: quadratic elements, mesh files, statics, loads, sensors, BDF2, driven bodies, crowds, kills");
   sub.add_flag("--as-is", flags.as_is, "fuzz: leave scenes that fail as they are; otherwise parts are taken out while they fail in the same way");
   sub.add_option("--limit", flags.limit, "hard, fuzz: seconds after which a run is ended (default 60, full 3600)")->check(CLI::PositiveNumber);
-  sub.add_option("--expect", flags.expect, "hard: exit code 0 when at most three rows that pass in this file (one written by --result) fail and none is unsafe");
+  sub.add_option("--expect", flags.expect,
+                 "hard: exit code 0 when at most three rows that pass in this file (one written by --result) fail and none is unsafe");
   sub.add_option("--seeds", flags.seeds, "fuzz: how many")->capture_default_str();
   sub.add_option("--first", flags.first_seed, "fuzz: the first seed")->capture_default_str();
 }
@@ -51,7 +55,8 @@ int bench_hard(const HardFlags& flags, const std::string& scenes, const std::str
   o.scenes = scenes, o.output = flags.output.empty() ? "out/hard" : flags.output, o.full = flags.full, o.only = flags.only, o.threads = threads;
   o.time_limit = flags.limit > 0 ? flags.limit : flags.full ? 3600 : 60;
   if (!json) std::cout << bench::hard::table_header() << std::flush;
-  const auto rows = bench::hard::run(o, [&](const bench::hard::Row& row) { std::cout << (json ? bench::hard::json_line(row) + "\n" : bench::hard::table_line(row)) << std::flush; });
+  const auto rows = bench::hard::run(
+      o, [&](const bench::hard::Row& row) { std::cout << (json ? bench::hard::json_line(row) + "\n" : bench::hard::table_line(row)) << std::flush; });
   const int code = finish("hard", rows, result, json);
   if (flags.expect.empty()) return code;
   const std::vector<std::string> worse = bench::hard::regressions(rows, flags.expect, flags.only.empty());
@@ -65,7 +70,8 @@ int bench_hard(const HardFlags& flags, const std::string& scenes, const std::str
 int bench_fuzz(const HardFlags& flags, const std::string& result, int threads, bool json) {
   bench::hard::require_judge();
   bench::hard::Options o;
-  o.output = flags.output.empty() ? "out/fuzz" : flags.output, o.threads = threads, o.reduce = !flags.as_is, o.time_limit = flags.limit > 0 ? flags.limit : 60;
+  o.output = flags.output.empty() ? "out/fuzz" : flags.output, o.threads = threads, o.reduce = !flags.as_is,
+  o.time_limit = flags.limit > 0 ? flags.limit : 60;
   if (!json) std::cout << bench::hard::table_header() << std::flush;
   o.wild = flags.wild;
   if (flags.wild && flags.limit <= 0) o.time_limit = 20;

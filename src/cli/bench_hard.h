@@ -12,7 +12,7 @@ struct HardFlags {
   std::vector<std::string> only;
   std::string output;
   std::string expect;  // a committed result
-  double limit = 0;  // seconds per run; 0: by the length of the cases
+  double limit = 0;    // seconds per run; 0: by the length of the cases
   unsigned long seeds = 100, first_seed = 1;
 };
 void add_hard_flags(CLI::App& sub, HardFlags& flags);

@@ -16,11 +16,12 @@ void write_result(const std::string& path, const std::string& benchmark, const n
   const device::DeviceInfo& device = engine::chosen().device;
   double load[3] = {NAN, NAN, NAN};  // beside what ran here: one busy thread counts 1
   getloadavg(load, 3);
-  const nlohmann::ordered_json j{{"benchmark", benchmark},
-                                 {"program", version_text()},
-                                 {"machine", {{"cpu", machine.cpu}, {"cores", machine.cores}, {"memory_bytes", machine.memory_bytes}, {"load_average", load}}},
-                                 {"device", {{"kind", device.kind}, {"name", device.name}, {"threads", device.threads}, {"driver", device.driver}, {"runtime", device.runtime}}},
-                                 {"rows", rows}};
+  const nlohmann::ordered_json j{
+      {"benchmark", benchmark},
+      {"program", version_text()},
+      {"machine", {{"cpu", machine.cpu}, {"cores", machine.cores}, {"memory_bytes", machine.memory_bytes}, {"load_average", load}}},
+      {"device", {{"kind", device.kind}, {"name", device.name}, {"threads", device.threads}, {"driver", device.driver}, {"runtime", device.runtime}}},
+      {"rows", rows}};
   std::ofstream file(path);
   file << j.dump(1) << "\n";
   if (!file.flush()) throw Error(Exit::file, "cannot write '" + path + "'");

@@ -31,9 +31,8 @@ std::string summary(const Params& scene) {
   for (const auto& [type, count] : types) bodies.push_back(std::to_string(count) + " " + type);
   for (const auto& [name, block] : scene.at("effects").entries()) effects.push_back(name);
   const std::size_t n = scene.at("bodies").entries().size();
-  return std::to_string(n) + (n == 1 ? " body (" : " bodies (") + scene::join(bodies, ", ") + "); effects " +
-         scene::join(effects, ", ") + "; " + std::to_string(scene.at("time").integer("steps")) +
-         (scene.at("time").text("mode") == "static" ? " load steps" : " steps");
+  return std::to_string(n) + (n == 1 ? " body (" : " bodies (") + scene::join(bodies, ", ") + "); effects " + scene::join(effects, ", ") + "; " +
+         std::to_string(scene.at("time").integer("steps")) + (scene.at("time").text("mode") == "static" ? " load steps" : " steps");
 }
 
 // All that would keep a run of the scene from its first step.
@@ -74,7 +73,8 @@ int cmd_check(const Options& o) {
       throw Error(error.code(), called + error.what());
     }
   }
-  std::cout << (o.scene == "-" ? "<stdin>" : o.scene) << ": valid: " << summary(scene.root) << (environments > 0 ? "; " + std::to_string(environments) + " environments" : "") << "\n";
+  std::cout << (o.scene == "-" ? "<stdin>" : o.scene) << ": valid: " << summary(scene.root)
+            << (environments > 0 ? "; " + std::to_string(environments) + " environments" : "") << "\n";
   return 0;
 }
 
@@ -87,7 +87,8 @@ void add_check(CLI::App& app, Context& context) {
   sub->add_flag("--print-resolved", o->print_resolved, "print the scene with all defaults filled in and every number in SI");
   sub->add_flag("--plan", o->plan, "list effects, buffers, bytes and kernels of a run too, and what passes through what");
   sub->add_flag("--quick", o->quick, "read the scene alone: no meshes, no search for bodies that touch");
-  sub->add_option("--environment", o->environment, "of this one of the scene's `environments`, which is a scene of its own")->check(CLI::NonNegativeNumber);
+  sub->add_option("--environment", o->environment, "of this one of the scene's `environments`, which is a scene of its own")
+      ->check(CLI::NonNegativeNumber);
   sub->footer(
       "Examples:\n  mortise check scene.yaml\n  mortise check scene.yaml --set effects.friction.mu=0.3 --print-resolved\n"
       "  generate_scene.py | mortise check -");

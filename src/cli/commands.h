@@ -1,11 +1,10 @@
 #pragma once
 // One file per subcommand: add_x() declares its flags and, when the user names it, leaves what to do in the context.
+#include <CLI/CLI.hpp>
 #include <functional>
 #include <span>
 #include <string>
 #include <vector>
-
-#include <CLI/CLI.hpp>
 
 #include "scene/scene.h"
 

@@ -1,13 +1,12 @@
 // mortise effects [NAME]: what physics there is, from the same tables that check scenes.
-#include "effects/list.h"
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <iostream>
 #include <memory>
 
-#include <fmt/format.h>
-
 #include "cli/commands.h"
+#include "effects/list.h"
 #include "scene/checker.h"
 #include "scene/quantity.h"
 #include "scene/suggest.h"
@@ -17,21 +16,36 @@ namespace {
 
 const char* kind_text(Param::Kind kind) {
   switch (kind) {
-    case Param::Kind::number: return "number";
-    case Param::Kind::integer: return "whole number";
-    case Param::Kind::flag: return "true or false";
-    case Param::Kind::text: return "text";
-    case Param::Kind::path: return "file";
-    case Param::Kind::choice: return "one of";
-    case Param::Kind::vec3: return "[x, y, z]";
-    case Param::Kind::numbers: return "list of numbers";
-    case Param::Kind::vec3s: return "list of [x, y, z]";
-    case Param::Kind::schedule: return "number, or {time: [...], value: [...]}";
-    case Param::Kind::names: return "list of names";
-    case Param::Kind::pairs: return "list of [name, name]";
-    case Param::Kind::table: return "block";
-    case Param::Kind::tables: return "block, or a list of blocks";
-    case Param::Kind::map: return "named blocks";
+    case Param::Kind::number:
+      return "number";
+    case Param::Kind::integer:
+      return "whole number";
+    case Param::Kind::flag:
+      return "true or false";
+    case Param::Kind::text:
+      return "text";
+    case Param::Kind::path:
+      return "file";
+    case Param::Kind::choice:
+      return "one of";
+    case Param::Kind::vec3:
+      return "[x, y, z]";
+    case Param::Kind::numbers:
+      return "list of numbers";
+    case Param::Kind::vec3s:
+      return "list of [x, y, z]";
+    case Param::Kind::schedule:
+      return "number, or {time: [...], value: [...]}";
+    case Param::Kind::names:
+      return "list of names";
+    case Param::Kind::pairs:
+      return "list of [name, name]";
+    case Param::Kind::table:
+      return "block";
+    case Param::Kind::tables:
+      return "block, or a list of blocks";
+    case Param::Kind::map:
+      return "named blocks";
   }
   return "";
 }
@@ -44,8 +58,10 @@ std::string type_text(const Param& p) {
   Param bare = p;  // the unit has been said
   bare.unit = Unit::none;
   if (const std::string range = scene::range_text(bare); !range.empty()) out += ", " + range;
-  if (p.fallback && p.kind != Param::Kind::table) out += ", default " + (p.fallback->empty() ? "empty" : *p.fallback);
-  else if (!p.fallback) out += p.optional ? ", optional" : ", required";
+  if (p.fallback && p.kind != Param::Kind::table)
+    out += ", default " + (p.fallback->empty() ? "empty" : *p.fallback);
+  else if (!p.fallback)
+    out += p.optional ? ", optional" : ", required";
   return out;
 }
 
@@ -75,9 +91,12 @@ int cmd_effects(const std::string& wanted) {
   }
   std::cout << fmt::format("{} - {}\n", k->name, k->help);
   if (k->table->help != k->help && !k->table->help.empty()) std::cout << fmt::format("\n{}\n", k->table->help);
-  if (k->table->is_list) std::cout << fmt::format("\nThe value is a block, or a list of blocks, of these keys:\n");
-  else if (k->table->params.empty()) std::cout << fmt::format("\nIt has no keys: write '{}: {{}}'.\n", k->name);
-  else std::cout << fmt::format("\nKeys:\n");
+  if (k->table->is_list)
+    std::cout << fmt::format("\nThe value is a block, or a list of blocks, of these keys:\n");
+  else if (k->table->params.empty())
+    std::cout << fmt::format("\nIt has no keys: write '{}: {{}}'.\n", k->name);
+  else
+    std::cout << fmt::format("\nKeys:\n");
   print_params(*k->table, 2);
   if (!k->papers.empty()) std::cout << fmt::format("\nPapers:\n");
   for (const std::string& paper : k->papers) std::cout << fmt::format("  {}\n", paper);

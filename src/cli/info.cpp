@@ -1,7 +1,6 @@
 // mortise info: what this build is and what it runs on.
 #include <iostream>
 #include <memory>
-
 #include <nlohmann/json.hpp>
 
 #include "base/version.h"
@@ -31,14 +30,8 @@ Json facts() {
                        {"driver", d.driver},
                        {"runtime", d.runtime},
                        {"architecture", d.architecture}});
-  return {{"version", version()},
-          {"commit", git_sha1()},
-          {"build_type", build_type()},
-          {"compiler", "g++ " __VERSION__},
-          {"devices", devices},
-          {"kernels_for", kernels},
-          {"no_gpu_because", no_cuda},
-          {"libraries", run::libraries()}};
+  return {{"version", version()}, {"commit", git_sha1()},   {"build_type", build_type()}, {"compiler", "g++ " __VERSION__},
+          {"devices", devices},   {"kernels_for", kernels}, {"no_gpu_because", no_cuda},  {"libraries", run::libraries()}};
 }
 
 int cmd_info(bool json) {
@@ -47,8 +40,7 @@ int cmd_info(bool json) {
     std::cout << all.dump(2) << "\n";
     return 0;
   }
-  std::cout << version_text() << ", " << all["build_type"].get<std::string>() << " build, " << all["compiler"].get<std::string>()
-            << "\n\ndevices\n";
+  std::cout << version_text() << ", " << all["build_type"].get<std::string>() << " build, " << all["compiler"].get<std::string>() << "\n\ndevices\n";
   int gpus = 0;
   for (const Json& d : all["devices"]) {
     const bool gpu = d["kind"] == "cuda";
@@ -63,8 +55,7 @@ int cmd_info(bool json) {
   std::cout << "kernels for";
   for (const Json& a : all["kernels_for"]) std::cout << " " << a.get<std::string>();
   std::cout << "\n\nlibraries\n";
-  for (const auto& [name, version] : all["libraries"].items())
-    std::cout << "  " << name << " " << version.get<std::string>() << "\n";
+  for (const auto& [name, version] : all["libraries"].items()) std::cout << "  " << name << " " << version.get<std::string>() << "\n";
   return 0;
 }
 

@@ -1,4 +1,6 @@
 // mortise merge: one table from the rows of a sweep.
+#include "sweep/merge.h"
+
 #include <fmt/format.h>
 
 #include <iostream>
@@ -6,7 +8,6 @@
 
 #include "base/shell.h"
 #include "cli/commands.h"
-#include "sweep/merge.h"
 
 namespace mortise::cli {
 namespace {
@@ -18,7 +19,8 @@ int cmd_merge(const std::string& folder, bool parquet) {
   if (parquet) {
     const std::string script = "import sys, pyarrow.csv as c, pyarrow.parquet as p; p.write_table(c.read_csv(sys.argv[1]), sys.argv[2])";
     const std::string to = folder + "/table.parquet";
-    if (std::system(("python3 -c " + shell_word(script) + " " + shell_word(m.table) + " " + shell_word(to)).c_str()) != 0) throw Error(Exit::file, "--parquet: python3 with pyarrow could not write '" + to + "'");
+    if (std::system(("python3 -c " + shell_word(script) + " " + shell_word(m.table) + " " + shell_word(to)).c_str()) != 0)
+      throw Error(Exit::file, "--parquet: python3 with pyarrow could not write '" + to + "'");
     std::cout << "written: " << to << "\n";
   }
   bool whole = true;
@@ -40,7 +42,9 @@ void add_merge(CLI::App& app, Context& context) {
   auto parquet = std::make_shared<bool>(false);
   sub->add_option("folder", *folder, "folder of the sweep")->required();
   sub->add_flag("--parquet", *parquet, "also table.parquet, by python3 with pyarrow");
-  sub->footer("Rows that failed or are missing are listed as sbatch's --array takes them.\nExample:\n  mortise merge out/mu\nExit codes: 0 every row is finished, 5 some failed or are missing (the table is written)");
+  sub->footer(
+      "Rows that failed or are missing are listed as sbatch's --array takes them.\nExample:\n  mortise merge out/mu\nExit codes: 0 every row is "
+      "finished, 5 some failed or are missing (the table is written)");
   sub->callback([=, &context] { context.action = [=] { return cmd_merge(*folder, *parquet); }; });
 }
 

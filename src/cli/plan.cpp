@@ -39,18 +39,21 @@ std::string plan_text(const Params& scene) {
     for (const std::string& kernel : item.kernels) text += "        kernel " + kernel + "\n";
     if (contact.count(item.effect)) {
       const Params& own = scene.at("effects").at(item.effect);
-      text += fmt::format("        d_hat {:.4g} m{}\n", effects::contact::support_radius(own, input), own.has("d_hat") ? "" : ", chosen from the mesh");
+      text +=
+          fmt::format("        d_hat {:.4g} m{}\n", effects::contact::support_radius(own, input), own.has("d_hat") ? "" : ", chosen from the mesh");
     }
   }
   for (const scene::PassThrough& p : scene::pass_through(scene, engine::effect_tables())) text += "passes  " + p.text() + "\n";
   const sensors::Sensors sensors(input);
   for (const sensors::Sensor& s : sensors.all())
-    text += fmt::format("sensor  {:20} {} x {} taxels on '{}'\n        buffer {:24} {:>12} bytes\n", s.name(), s.spec().rows, s.spec().columns, s.body(), "grid on the surface", s.bytes());
+    text += fmt::format("sensor  {:20} {} x {} taxels on '{}'\n        buffer {:24} {:>12} bytes\n", s.name(), s.spec().rows, s.spec().columns,
+                        s.body(), "grid on the surface", s.bytes());
   text += fmt::format("solver  {}\n", engine->linear_solver());
   text += fmt::format("memory  {:.1f} MiB in the buffers above, {:.1f} MiB in all buffers so far\n", static_cast<double>(total) / (1 << 20),
                       static_cast<double>(engine->peak_memory()) / (1 << 20));
-  text += fmt::format("        about {:.1f} MiB on the device in all, with conjugate gradients; wide contact and the factor of a direct solver come on top\n",
-                      static_cast<double>(engine::memory_needed(input)) / (1 << 20));
+  text += fmt::format(
+      "        about {:.1f} MiB on the device in all, with conjugate gradients; wide contact and the factor of a direct solver come on top\n",
+      static_cast<double>(engine::memory_needed(input)) / (1 << 20));
   return text;
 }
 

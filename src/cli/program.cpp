@@ -20,7 +20,8 @@ constexpr const char* kExamples =
     "  mortise check scene.yaml --set time.steps=10                find every error in a scene\n"
     "  mortise effects barrier_contact                             what an effect does, its keys and units\n"
     "\n"
-    "Exit codes: 0 done, 1 internal error, 2 usage, 3 scene invalid, 4 device, 5 solve failed, 6 file, 7 checks failed,\n            75 stopped (run --resume), 141 standard output closed";
+    "Exit codes: 0 done, 1 internal error, 2 usage, 3 scene invalid, 4 device, 5 solve failed, 6 file, 7 checks failed,\n            75 stopped (run "
+    "--resume), 141 standard output closed";
 
 std::vector<std::string> command_names(const CLI::App& app) {
   std::vector<std::string> out;
@@ -33,9 +34,12 @@ void take_colour(std::vector<std::string>& args) {
   for (std::size_t i = 0; i < args.size() && args[i] != "--"; ++i) {
     std::string value;
     std::size_t used = 1;
-    if (args[i].rfind("--color=", 0) == 0) value = args[i].substr(8);
-    else if (args[i] == "--color" && i + 1 < args.size()) value = args[i + 1], used = 2;
-    else continue;
+    if (args[i].rfind("--color=", 0) == 0)
+      value = args[i].substr(8);
+    else if (args[i] == "--color" && i + 1 < args.size())
+      value = args[i + 1], used = 2;
+    else
+      continue;
     if (value != "auto" && value != "always" && value != "never")
       throw Error(Exit::usage, "--color is '" + value + "'; must be auto, always or never");
     set_colour(value == "always" ? Colour::always : value == "never" ? Colour::never : Colour::automatic);
@@ -47,17 +51,15 @@ void take_colour(std::vector<std::string>& args) {
 // `mortise scene.yaml` is `mortise run scene.yaml`.
 void insert_run(std::vector<std::string>& args, const std::vector<std::string>& commands) {
   static const std::vector<std::string> global{"-h", "--help", "--version"};
-  if (args.empty() || std::count(commands.begin(), commands.end(), args[0]) || std::count(global.begin(), global.end(), args[0]))
-    return;
+  if (args.empty() || std::count(commands.begin(), commands.end(), args[0]) || std::count(global.begin(), global.end(), args[0])) return;
   const std::string& first = args[0];
   std::error_code ignored;
-  const bool scene = first == "-" || first.find('/') != std::string::npos || first.find(".y") != std::string::npos ||
-                     std::filesystem::exists(first, ignored);
+  const bool scene =
+      first == "-" || first.find('/') != std::string::npos || first.find(".y") != std::string::npos || std::filesystem::exists(first, ignored);
   const bool flag = first.size() > 1 && first[0] == '-';
   // A flag in front: its command can only be run, if there is a scene at all.
-  const bool scene_follows = flag && std::any_of(args.begin(), args.end(), [](const std::string& a) {
-                               return a == "-" || a.find(".y") != std::string::npos;
-                             });
+  const bool scene_follows =
+      flag && std::any_of(args.begin(), args.end(), [](const std::string& a) { return a == "-" || a.find(".y") != std::string::npos; });
   if (scene || scene_follows) {
     args.insert(args.begin(), "run");
   } else if (!flag) {
@@ -142,9 +144,7 @@ int program(std::vector<std::string> arguments) {
 
 void add_scene_options(CLI::App& command, std::string& scene, std::vector<std::string>& overrides) {
   command.add_option("scene", scene, "scene file; - reads the standard input")->required();
-  command
-      .add_option("--set", overrides,
-                  "PATH=VALUE changes one value of the scene, e.g. bodies.pad.velocity.2=-0.1; the right-most wins")
+  command.add_option("--set", overrides, "PATH=VALUE changes one value of the scene, e.g. bodies.pad.velocity.2=-0.1; the right-most wins")
       ->allow_extra_args(false)
       ->take_all();
 }
@@ -153,7 +153,8 @@ void add_device_options(CLI::App& command, std::string& device, int& threads) {
   command.add_option("--device", device, engine::kDeviceHelp)->envname("MORTISE_DEVICE")->capture_default_str()->check([](const std::string& name) {
     return engine::is_device_name(name) ? std::string() : "'" + name + "' is no device; must be auto, cpu, cuda, cuda:N or debug";
   });
-  command.add_option("-j,--threads", threads, "CPU threads; default SLURM_CPUS_PER_TASK, else all that the process may use")->check(CLI::PositiveNumber);
+  command.add_option("-j,--threads", threads, "CPU threads; default SLURM_CPUS_PER_TASK, else all that the process may use")
+      ->check(CLI::PositiveNumber);
 }
 
 }  // namespace mortise::cli

@@ -29,7 +29,8 @@ std::vector<sensors::Reading> readings_of(const output::FieldReader& reader, con
     const auto rows = [&](const char* name, int components) {
       output::FieldValues v = reader.rows("sensor_" + s.name(), name, frame);
       if (v.values.size() != static_cast<std::size_t>(s.spec().taxels()) * components)
-        throw Error(Exit::scene, fmt::format("'{}' has no {} of a sensor '{}' with {} x {} taxels: it is not the result of this scene", fields, name, s.name(), s.spec().rows, s.spec().columns));
+        throw Error(Exit::scene, fmt::format("'{}' has no {} of a sensor '{}' with {} x {} taxels: it is not the result of this scene", fields, name,
+                                             s.name(), s.spec().rows, s.spec().columns));
       return std::move(v.values);
     };
     sensors::Reading& r = out.emplace_back();
@@ -41,9 +42,11 @@ std::vector<sensors::Reading> readings_of(const output::FieldReader& reader, con
 int cmd_render(const Options& o) {
   const std::vector<scene::EffectTable> tables = engine::effect_tables();
   scene::Scene scene = scene::read_scene(o.scene, o.overrides, tables);
-  if (o.environment >= 0) scene = scene::one_environment(scene, o.overrides, tables, o.environment);
+  if (o.environment >= 0)
+    scene = scene::one_environment(scene, o.overrides, tables, o.environment);
   else if (scene::environment_count(scene.root) > 0)
-    throw Error(Exit::usage, "the scene has several environments: say whose fields these are, for example --environment 0 with env_0000/fields.vtkhdf");
+    throw Error(Exit::usage,
+                "the scene has several environments: say whose fields these are, for example --environment 0 with env_0000/fields.vtkhdf");
   const Params* render = scene.root.find("render");
   if (!render && !scene.root.has("sensors"))
     throw Error(Exit::scene, scene.root.where(), "the scene has no 'render' block: there is no camera to draw with, and no sensor to draw");
@@ -52,12 +55,14 @@ int cmd_render(const Options& o) {
   std::size_t nodes = 0;
   for (const model::BodyInput& b : input.bodies) nodes += b.nodes.size();
   if (nodes != reader.mesh().points.size())
-    throw Error(Exit::scene, fmt::format("'{}' holds {} points, the scene's meshes have {}: it is not the result of this scene", o.fields, reader.mesh().points.size(), nodes));
+    throw Error(Exit::scene, fmt::format("'{}' holds {} points, the scene's meshes have {}: it is not the result of this scene", o.fields,
+                                         reader.mesh().points.size(), nodes));
   const long last = o.last < 0 ? static_cast<long>(reader.frames()) - 1 : o.last;
   if (o.first > last || last >= static_cast<long>(reader.frames()))
     throw Error(Exit::usage, fmt::format("--frames {}:{}: '{}' holds frames 0 to {}", o.first, last, o.fields, reader.frames() - 1));
 
-  const std::string folder = !o.output.empty() ? o.output : o.fields.substr(0, o.fields.rfind('/') == std::string::npos ? 0 : o.fields.rfind('/') + 1) + "frames";
+  const std::string folder =
+      !o.output.empty() ? o.output : o.fields.substr(0, o.fields.rfind('/') == std::string::npos ? 0 : o.fields.rfind('/') + 1) + "frames";
   const long every = o.every > 0 ? o.every : render ? render->integer("every") : 1;
   const sensors::Sensors sensors(input);
   std::optional<run::Pictures> pictures;

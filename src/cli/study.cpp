@@ -1,4 +1,6 @@
 // mortise study: accuracy against time.
+#include "study/study.h"
+
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -8,7 +10,6 @@
 #include "cli/commands.h"
 #include "engine/choose.h"
 #include "output/atomic_file.h"
-#include "study/study.h"
 
 namespace mortise::cli {
 namespace {
@@ -29,10 +30,14 @@ int cmd_study(const Options& o) {
     for (const auto& [key, value] : p.settings) text += (text.empty() ? "" : " ") + key + "=" + value;
     return text;
   };
-  const std::vector<study::Point> points = study::run_study(study, [&](const study::Point& p) {
-    std::cerr << fmt::format("{:50} {:28} {:>13} error {:>11} {:>9.3g} s\n", label(p), p.quantity, p.failed ? "failed" : fmt::format("{:.6g}", p.value),
-                             p.reference ? "reference" : (p.failed ? "-" : fmt::format("{:.3g}", p.error)), p.seconds);
-  }, [](const std::string& reference) { std::cerr << reference << "\n"; });
+  const std::vector<study::Point> points = study::run_study(
+      study,
+      [&](const study::Point& p) {
+        std::cerr << fmt::format("{:50} {:28} {:>13} error {:>11} {:>9.3g} s\n", label(p), p.quantity,
+                                 p.failed ? "failed" : fmt::format("{:.6g}", p.value),
+                                 p.reference ? "reference" : (p.failed ? "-" : fmt::format("{:.3g}", p.error)), p.seconds);
+      },
+      [](const std::string& reference) { std::cerr << reference << "\n"; });
   std::error_code ec;
   std::filesystem::create_directories(o.output, ec);
   if (ec) throw Error(Exit::file, "cannot create '" + o.output + "': " + ec.message());
@@ -41,7 +46,8 @@ int cmd_study(const Options& o) {
     std::string name = o.quantities[k];
     for (char& c : name)
       if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-    output::write_file_atomically(o.output + "/" + name + ".svg", study::figure_svg(points, o.quantities[k], std::filesystem::path(o.scene).stem().string()), false);
+    output::write_file_atomically(o.output + "/" + name + ".svg",
+                                  study::figure_svg(points, o.quantities[k], std::filesystem::path(o.scene).stem().string()), false);
   }
   std::cout << "on the front (nothing faster is as accurate):\n";
   for (const study::Point& p : points)
@@ -56,14 +62,22 @@ void add_study(CLI::App& app, Context& context) {
   CLI::App* sub = app.add_subcommand("study", "run with varied settings and compare accuracy and time");
   auto o = std::make_shared<Options>();
   add_scene_options(*sub, o->scene, o->overrides);
-  sub->add_option("--vary", o->vary, "key=v1,v2,...: the first one varied is the ladder, combinations of the others are curves")->required()->take_all();
-  sub->add_option("--qoi", o->quantities, "quantity to compare: group/name of any scalar at the last step (sensors' too), or a quantity of a benchmark")->required()->take_all();
-  sub->add_option("--reference", o->references, "its right value, one per --qoi; default: the limit of the ladder on the first curve (Richardson, order observed), or its last value where it has none; printed");
+  sub->add_option("--vary", o->vary, "key=v1,v2,...: the first one varied is the ladder, combinations of the others are curves")
+      ->required()
+      ->take_all();
+  sub->add_option("--qoi", o->quantities,
+                  "quantity to compare: group/name of any scalar at the last step (sensors' too), or a quantity of a benchmark")
+      ->required()
+      ->take_all();
+  sub->add_option("--reference", o->references,
+                  "its right value, one per --qoi; default: the limit of the ladder on the first curve (Richardson, order observed), or its last "
+                  "value where it has none; printed");
   sub->add_option("-o,--output", o->output, "folder for points.csv and figures")->capture_default_str();
   sub->add_option("--repeat", o->repeats, "runs of every setting; the fastest counts");
   add_device_options(*sub, o->device, o->threads);
   sub->footer(
-      "Examples:\n  mortise study scene.yaml --vary time.step='10 ms,5 ms,2.5 ms' --qoi elasticity/energy -o out/steps      (all runs end at the same time)\n"
+      "Examples:\n  mortise study scene.yaml --vary time.step='10 ms,5 ms,2.5 ms' --qoi elasticity/energy -o out/steps      (all runs end at the "
+      "same time)\n"
       "  mortise study hertz --vary size=coarse,medium --qoi 'pressure L2, r <= a'      (a benchmark: one curve per method)");
   sub->callback([o, &context] { context.action = [o] { return cmd_study(*o); }; });
 }

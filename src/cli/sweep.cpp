@@ -75,11 +75,13 @@ int cmd_sweep(const Options& o) {
     ++ended;
     if (!status.finished() && status.is != sweep::Status::Is::stopped) failed.push_back(row);
     if (o.quiet) return;
-    std::cerr << fmt::format("{:>4}/{}  row {:04}  {:14}  {:>8}  {}\n", ended, r.rows.size(), row, sweep::name_of(status.is), seconds > 0 ? fmt::format("{:.1f} s", seconds) : "before", values(s.rows[row]));
+    std::cerr << fmt::format("{:>4}/{}  row {:04}  {:14}  {:>8}  {}\n", ended, r.rows.size(), row, sweep::name_of(status.is),
+                             seconds > 0 ? fmt::format("{:.1f} s", seconds) : "before", values(s.rows[row]));
     if (!status.message.empty() && !status.finished()) std::cerr << "        " << status.message.substr(0, status.message.find('\n')) << "\n";
   });
   std::sort(failed.begin(), failed.end());
-  if (!failed.empty()) std::cerr << fmt::format("{} of {} rows failed: {}; the same command tries them again\n", failed.size(), r.rows.size(), sweep::ranges(failed));
+  if (!failed.empty())
+    std::cerr << fmt::format("{} of {} rows failed: {}; the same command tries them again\n", failed.size(), r.rows.size(), sweep::ranges(failed));
   if (code == Exit::stopped) std::cerr << "stopped; the same command goes on\n";
   if (!o.quiet) std::cerr << fmt::format("'mortise merge {}' gathers the results\n", folder);
   return static_cast<int>(code);
@@ -92,7 +94,9 @@ void add_sweep(CLI::App& app, Context& context) {
   auto o = std::make_shared<Options>();
   sub->add_option("sweep", o->file, "file of the sweep (schemas/sweep.md)")->required();
   sub->add_option("-o,--output", o->output, "folder of the rows' folders; default out/<name of the sweep>");
-  auto* index = sub->add_option("--index", o->index, "only this row, in this process, with the exit code of its run (for array jobs: $SLURM_ARRAY_TASK_ID)")->check(CLI::NonNegativeNumber);
+  auto* index =
+      sub->add_option("--index", o->index, "only this row, in this process, with the exit code of its run (for array jobs: $SLURM_ARRAY_TASK_ID)")
+          ->check(CLI::NonNegativeNumber);
   sub->add_option("--shard", o->shard, "I/N: only rows I, I + N, I + 2 N, ...")->excludes(index);
   sub->add_flag("--dry-run", o->dry_run, "print the rows and check the scene of each")->excludes(index);
   sub->add_option("-j,--jobs", o->jobs, "rows at once")->check(CLI::PositiveNumber)->capture_default_str()->excludes(index);
@@ -101,8 +105,10 @@ void add_sweep(CLI::App& app, Context& context) {
   sub->add_flag("--no-render", o->no_render, "no pictures");
   sub->add_flag("-q,--quiet", o->quiet, "errors only");
   sub->footer(
-      "A finished row is never run again; one that was cut short goes on from its checkpoint, one that failed is tried again: the same command until it ends with 0.\n"
-      "Examples:\n  mortise sweep mu.yaml --dry-run\n  mortise sweep mu.yaml -j 8\n  mortise sweep mu.yaml --index 7        (one task of an array; exit 75: run it again)\n  mortise merge out/mu\n"
+      "A finished row is never run again; one that was cut short goes on from its checkpoint, one that failed is tried again: the same command until "
+      "it ends with 0.\n"
+      "Examples:\n  mortise sweep mu.yaml --dry-run\n  mortise sweep mu.yaml -j 8\n  mortise sweep mu.yaml --index 7        (one task of an array; "
+      "exit 75: run it again)\n  mortise merge out/mu\n"
       "Exit codes: 0 all rows done, 5 a row failed, 7 checks of a row failed, 75 stopped by a signal (run the same again)");
   sub->callback([o, &context] { context.action = [o] { return cmd_sweep(*o); }; });
 }

@@ -40,9 +40,7 @@ void set_colour(Colour c) { choice = c; }
 void print_error(const Error& e) { e.located() ? write_stderr(e.what()) : print_error(std::string(e.what())); }
 void print_error(const std::string& message) { write_stderr("error: " + message); }
 
-void end_on_broken_pipe() {
-  std::signal(SIGPIPE, SIG_DFL);
-}
+void end_on_broken_pipe() { std::signal(SIGPIPE, SIG_DFL); }
 
 void finish_output() {
   std::cout.flush();

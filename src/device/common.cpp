@@ -75,7 +75,9 @@ void run_starts(const Buffer<std::uint64_t>& sorted_keys, Buffer<Index>& start, 
 
 Error out_of_memory(std::size_t asked, std::size_t memory) {
   const auto mib = [](std::size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"; };
-  return Error(Exit::device, "out of device memory: " + mib(asked) + " more asked for" + (last_launch().empty() ? "" : " (after '" + last_launch() + "')") + ", " + mib(use.now) + " in use" + (memory > 0 ? " of " + mib(memory) : ""));
+  return Error(Exit::device, "out of device memory: " + mib(asked) + " more asked for" +
+                                 (last_launch().empty() ? "" : " (after '" + last_launch() + "')") + ", " + mib(use.now) + " in use" +
+                                 (memory > 0 ? " of " + mib(memory) : ""));
 }
 
 }  // namespace mortise::device

@@ -1,9 +1,8 @@
 // CUDA backend: device memory, CUB radix sort and integer scan (both exact, so order does not matter).
 #ifdef __CUDACC__
+#include <cstdlib>
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
-
-#include <cstdlib>
 #include <sstream>
 
 #include "base/error.h"
@@ -27,7 +26,9 @@ void check(cudaError_t status, const char* what) {
   if (status == cudaSuccess) return;
   const bool earlier = status >= cudaErrorIllegalAddress && status <= cudaErrorLaunchFailure;
   throw Error(Exit::device, std::string("CUDA: ") + cudaGetErrorString(status) + " in " + what +
-                                (earlier ? ", by it or a kernel before it (the last launch: '" + last_launch() + "'; CUDA_LAUNCH_BLOCKING=1 in the environment names the kernel)" : ""));
+                                (earlier ? ", by it or a kernel before it (the last launch: '" + last_launch() +
+                                               "'; CUDA_LAUNCH_BLOCKING=1 in the environment names the kernel)"
+                                         : ""));
 }
 
 void set_threads(int) {}
@@ -43,7 +44,8 @@ std::vector<DeviceInfo> devices(std::string* why_none) {
     if (driver == 0)
       *why_none = "no NVIDIA driver on this machine";
     else if (status == cudaErrorInsufficientDriver)
-      *why_none = "the NVIDIA driver is too old: it knows CUDA " + version_text(driver) + ", this build needs " + version_text(runtime) + "; update the driver";
+      *why_none = "the NVIDIA driver is too old: it knows CUDA " + version_text(driver) + ", this build needs " + version_text(runtime) +
+                  "; update the driver";
     else if (status == cudaSuccess || status == cudaErrorNoDevice)
       *why_none = "no NVIDIA GPU on this machine (or CUDA_VISIBLE_DEVICES hides it)";
     else
@@ -53,7 +55,8 @@ std::vector<DeviceInfo> devices(std::string* why_none) {
   for (int d = 0; d < n; ++d) {
     cudaDeviceProp p{};
     check(cudaGetDeviceProperties(&p, d), "devices");
-    out.push_back({"cuda", p.name, p.multiProcessorCount, p.totalGlobalMem, version_text(driver), version_text(runtime), "sm_" + std::to_string(10 * p.major + p.minor)});
+    out.push_back({"cuda", p.name, p.multiProcessorCount, p.totalGlobalMem, version_text(driver), version_text(runtime),
+                   "sm_" + std::to_string(10 * p.major + p.minor)});
   }
   return out;
 }
@@ -120,9 +123,12 @@ void sort_pairs(Buffer<std::uint64_t>& keys, Buffer<Index>& values, int bits) {
   Buffer<std::uint64_t> other_keys(n);
   Buffer<Index> other_values(n);
   std::size_t bytes = 0;
-  check(cub::DeviceRadixSort::SortPairs(nullptr, bytes, keys.view().p, other_keys.view().p, values.view().p, other_values.view().p, n, 0, bits), "sort");
+  check(cub::DeviceRadixSort::SortPairs(nullptr, bytes, keys.view().p, other_keys.view().p, values.view().p, other_values.view().p, n, 0, bits),
+        "sort");
   Buffer<double> scratch(static_cast<Index>((bytes + 7) / 8));
-  check(cub::DeviceRadixSort::SortPairs(scratch.view().p, bytes, keys.view().p, other_keys.view().p, values.view().p, other_values.view().p, n, 0, bits), "sort");
+  check(cub::DeviceRadixSort::SortPairs(scratch.view().p, bytes, keys.view().p, other_keys.view().p, values.view().p, other_values.view().p, n, 0,
+                                        bits),
+        "sort");
   keys.swap(other_keys);
   values.swap(other_values);
 }

@@ -120,9 +120,7 @@ class Buffer {
   std::size_t bytes() const { return capacity_ * sizeof(T); }
   View<T> view() { return {p_, n_}; }
   View<const T> view() const { return {p_, n_}; }
-  void swap(Buffer& o) noexcept {
-    std::swap(p_, o.p_), std::swap(n_, o.n_), std::swap(capacity_, o.capacity_);
-  }
+  void swap(Buffer& o) noexcept { std::swap(p_, o.p_), std::swap(n_, o.n_), std::swap(capacity_, o.capacity_); }
 
  private:
   T* p_ = nullptr;
@@ -157,7 +155,7 @@ struct Smaller {
   static constexpr double kStart = std::numeric_limits<double>::infinity();
   MORTISE_HD double operator()(double a, double b) const { return b < a || b != b ? b : a; }
 };
-class Fetch;      // fetch.h
+class Fetch;  // fetch.h
 struct EnvValues;
 template <class Combine, class F>
 void env_reduce(const char* name, const std::vector<Index>& offset, F f, EnvValues out);

@@ -18,11 +18,12 @@ class Fetch {
   template <class T, class Take>
   void add(View<const T> values, Take take) {
     static_assert(sizeof(T) % sizeof(Word) == 0 && alignof(T) >= sizeof(Word));
-    wishes_.push_back({reinterpret_cast<const Word*>(values.p), static_cast<Index>(values.n * (sizeof(T) / sizeof(Word))), [n = values.n, take](const Word* from) {
-                         std::vector<T> host(n);
-                         if (n) std::memcpy(host.data(), from, n * sizeof(T));
-                         take(host);
-                       }});
+    wishes_.push_back(
+        {reinterpret_cast<const Word*>(values.p), static_cast<Index>(values.n * (sizeof(T) / sizeof(Word))), [n = values.n, take](const Word* from) {
+           std::vector<T> host(n);
+           if (n) std::memcpy(host.data(), from, n * sizeof(T));
+           take(host);
+         }});
   }
   template <class T>
   void add(View<const T> values, std::vector<T>& to) {

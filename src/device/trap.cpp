@@ -26,10 +26,10 @@ bool on = false;
 
 namespace {
 
-constexpr std::size_t kReserved = std::size_t{1} << 38;    // addresses, not memory
-constexpr std::size_t kStep = std::size_t{64} << 20;       // the range in use grows by this
-constexpr std::size_t kFence = 64;                         // bytes behind every block that nobody may write
-constexpr std::size_t kQuarantine = std::size_t{32} << 20; // released bytes that are kept unused
+constexpr std::size_t kReserved = std::size_t{1} << 38;     // addresses, not memory
+constexpr std::size_t kStep = std::size_t{64} << 20;        // the range in use grows by this
+constexpr std::size_t kFence = 64;                          // bytes behind every block that nobody may write
+constexpr std::size_t kQuarantine = std::size_t{32} << 20;  // released bytes that are kept unused
 constexpr unsigned char kUndefined = 0xff, kFenceByte = 0xa5;
 
 struct Block {
@@ -166,7 +166,7 @@ void start() {
   Arena& a = arena();
   const char* limit = std::getenv("MORTISE_DEBUG_MEMORY_MIB");
   a.limit = limit && std::atof(limit) > 0 ? static_cast<std::size_t>(std::atof(limit) * (1 << 20))
-                                           : static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+                                          : static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
   void* p = mmap(nullptr, kReserved, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (p == MAP_FAILED) throw Error(Exit::device, "debug device: cannot reserve addresses");
   madvise(p, kReserved, MADV_HUGEPAGE);  // fewer pages to protect at every launch
@@ -240,7 +240,8 @@ void check_closure(const char* kernel, const void* closure, std::size_t bytes) {
     if (word < kLeast || word >= kEnd) continue;
     const void* p = reinterpret_cast<const void*>(word);
     const auto complain = [&](const std::string& what) {
-      throw Error(Exit::internal, std::string("debug device: kernel '") + kernel + "' captures " + what + " (byte " + std::to_string(at) + " of its closure)");
+      throw Error(Exit::internal,
+                  std::string("debug device: kernel '") + kernel + "' captures " + what + " (byte " + std::to_string(at) + " of its closure)");
     };
     if (inside(p)) {
       const std::lock_guard lock(arena().mutex);

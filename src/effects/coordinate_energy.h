@@ -1,11 +1,11 @@
 #pragma once
-// Energies of the coordinates of joints, one per joint: what stops and drives have in common. Law: energy(x), first(x), second(x) >= 0 of the coordinate x
-// [rad or m], and up(x), down(x): how far a step of Newton's method may go from there, INFINITY where it does not matter.
+// Energies of the coordinates of joints, one per joint: what stops and drives have in common. Law: energy(x), first(x), second(x) >= 0 of the
+// coordinate x [rad or m], and up(x), down(x): how far a step of Newton's method may go from there, INFINITY where it does not matter.
 #include <utility>
 #include <vector>
 
-#include "effects/effect.h"
 #include "effects/body_blocks.h"
+#include "effects/effect.h"
 #include "model/coordinate.h"
 
 namespace mortise::effects {
@@ -32,7 +32,8 @@ class CoordinateEnergy {
     if (items_.empty()) return;
     const View<const Item> list = items_.view();
     device::env_sum(
-        kernel, env_offset_, [=] MORTISE_HD(Index i) { return list[i].law.energy(model::coordinate(list[i].of, model::reading(list[i].of, q))); }, per_env);
+        kernel, env_offset_, [=] MORTISE_HD(Index i) { return list[i].law.energy(model::coordinate(list[i].of, model::reading(list[i].of, q))); },
+        per_env);
   }
 
   void linearise(const char* kernel, const model::Model& model, Positions q, Want want, Linearisation& at) const {
@@ -54,7 +55,7 @@ class CoordinateEnergy {
       const double x = model::coordinate(item.of, d), share = curvature.wanted ? curvature.share(env[item.of.any_block()]) : 0;
       const Index first = model::kCoordinateBlocks * i;
       model::coordinate_stencil(item.of, d, item.law.first(x), item.law.second(x), share, out.block.p + first, out.grad.p + first,
-                           curvature.wanted ? out.hess.p + linalg::pair_count(model::kCoordinateBlocks) * i : nullptr);
+                                curvature.wanted ? out.hess.p + linalg::pair_count(model::kCoordinateBlocks) * i : nullptr);
     });
     if (fresh) at.stencils.pattern_changed();
   }

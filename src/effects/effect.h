@@ -21,11 +21,11 @@ using device::View;
 using Positions = View<const Vec3>;  // one 3-vector per block
 
 struct StepInfo {
-  double t0 = 0;         // time at the start of the step [s]
-  double dt = 0;         // its length [s]; in static mode a share of pseudo-time
-  Index step = 0;        // number of the step, from 0
+  double t0 = 0;   // time at the start of the step [s]
+  double dt = 0;   // its length [s]; in static mode a share of pseudo-time
+  Index step = 0;  // number of the step, from 0
   bool is_static = false;
-  std::vector<std::uint8_t> whose{};  // environments that take it, or empty: all do
+  std::vector<std::uint8_t> whose{};        // environments that take it, or empty: all do
   std::vector<std::uint8_t> first_order{};  // environments in which integrators of second order take this step by their first-order form; empty: none
   double t1() const { return t0 + dt; }
   bool of_first_order(Index env) const { return !first_order.empty() && first_order[env] != 0; }

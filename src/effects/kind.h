@@ -17,7 +17,8 @@ class Effect;
 
 enum class Role {
   support,  // holds or moves blocks; no energy
-  tie,      // ties blocks to others (model/ties.h), and holds what energy its stops have. A list, of which every entry names a `body` and one that it is tied `to`
+  tie,  // ties blocks to others (model/ties.h), and holds what energy its stops have. A list, of which every entry names a `body` and one that it is
+        // tied `to`
   inertia,  // resists acceleration: makes a scene dynamic; its potential is no store
   load,     // forces from outside; its potential is no store
   motor,    // forces that come and go: no potential at all; their work counts with that of supports
@@ -32,7 +33,7 @@ struct Kind {
   const char* help;  // one line
   const ParamTable* table;
   std::unique_ptr<Effect> (*make)(const Params&, model::Model&);
-  std::vector<std::string> papers{};  // printed by --citations
+  std::vector<std::string> papers{};                       // printed by --citations
   std::vector<std::string> point_fields{}, cell_fields{};  // that it reports: what scenes may keep and colour by
   // Its forces are the gradient of energy(), and linearise() freezes nothing: the Jacobian is the symmetric matrix that it finds.
   bool symmetric = true;

@@ -21,19 +21,8 @@ namespace {
 
 KindList& kinds() {
   static KindList all = {
-      pin_kind(),
-      joint_kind(),
-      drive_kind(),
-      bond_kind(),
-      mortar_tie_kind(),
-      inertia_kind(),
-      gravity_kind(),
-      elasticity_kind(),
-      affine_body_kind(),
-      barrier_contact_kind(),
-      mortar_contact_kind(),
-      pressure_load_kind(),
-      friction_kind(),
+      pin_kind(),        joint_kind(),       drive_kind(),           bond_kind(),           mortar_tie_kind(),    inertia_kind(),  gravity_kind(),
+      elasticity_kind(), affine_body_kind(), barrier_contact_kind(), mortar_contact_kind(), pressure_load_kind(), friction_kind(),
   };
   return all;
 }

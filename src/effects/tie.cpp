@@ -14,7 +14,8 @@ std::vector<PlanItem> tie_plan(std::string_view effect, const model::Model& mode
 
 ParamTable tie_table(const char* effect, std::string help, std::vector<Param> own) {
   using param::of;
-  own.insert(own.begin(), param::optional(of(Param::Kind::text, "name", Unit::none, std::nullopt, "What its force is called in the output; without it the names of its bodies.")));
+  own.insert(own.begin(), param::optional(of(Param::Kind::text, "name", Unit::none, std::nullopt,
+                                             "What its force is called in the output; without it the names of its bodies.")));
   own.push_back(of(Param::Kind::flag, "contact", Unit::none, "false", "Whether the two bodies may touch; without it they pass through each other."));
   ParamTable table{std::string("effect ") + effect, std::move(help), std::move(own)};
   table.is_list = true;
@@ -37,7 +38,9 @@ std::vector<std::pair<Index, Index>> tied_bodies(const model::Model& model, cons
     std::vector<Index> all = model.bodies_named(name.as_text());
     if (all.empty()) throw Error(Exit::scene, name.where(), "no body is called '" + name.as_text() + "'");
     if (all.front() >= static_cast<Index>(model.bodies.size()))
-      throw Error(Exit::scene, name.where(), "'" + name.as_text() + "' is a half_space, which belongs to the world" + (std::string(key) == "to" ? ": leave 'to' out" : " and cannot be tied to anything"));
+      throw Error(Exit::scene, name.where(),
+                  "'" + name.as_text() + "' is a half_space, which belongs to the world" +
+                      (std::string(key) == "to" ? ": leave 'to' out" : " and cannot be tied to anything"));
     return all;
   };
   const std::vector<Index> bodies = found("body");
@@ -51,7 +54,10 @@ std::vector<std::pair<Index, Index>> tied_bodies(const model::Model& model, cons
   if (other.as_text() == entry.text("body") && stiff) throw Error(Exit::scene, other.where(), "ties '" + other.as_text() + "' to itself");
   for (Index to : found("to")) {
     if (model.bodies[to].type != type)
-      throw Error(Exit::scene, other.where(), "'" + other.as_text() + (stiff ? "' is soft; joints and bonds tie to stiff bodies (mortar_tie ties soft ones)" : "' is stiff; mortar_tie ties to soft bodies (a bond ties to stiff ones)"));
+      throw Error(Exit::scene, other.where(),
+                  "'" + other.as_text() +
+                      (stiff ? "' is soft; joints and bonds tie to stiff bodies (mortar_tie ties soft ones)"
+                             : "' is stiff; mortar_tie ties to soft bodies (a bond ties to stiff ones)"));
     for (Index body : bodies)
       if (model.bodies[body].env == model.bodies[to].env) out.emplace_back(body, to);
   }
@@ -60,7 +66,8 @@ std::vector<std::pair<Index, Index>> tied_bodies(const model::Model& model, cons
 
 const model::BodyInput& input_of(const model::Model& model, Index body) {
   const model::Body& b = model.bodies[body];
-  return *std::find_if(model.input.bodies.begin(), model.input.bodies.end(), [&](const model::BodyInput& in) { return in.name == b.name && in.env == b.env; });
+  return *std::find_if(model.input.bodies.begin(), model.input.bodies.end(),
+                       [&](const model::BodyInput& in) { return in.name == b.name && in.env == b.env; });
 }
 
 model::Follow material_point(const model::Model& model, Index body, const Vec3& place) {

@@ -13,7 +13,9 @@ std::vector<PlanItem> tie_plan(std::string_view effect, const model::Model& mode
 
 class TieEffect final : public Effect {
  public:
-  TieEffect(const char* name, model::Model& model, std::vector<model::Tie> ties) : name_(name), model_(model) { model.ties.add(model, std::move(ties)); }
+  TieEffect(const char* name, model::Model& model, std::vector<model::Tie> ties) : name_(name), model_(model) {
+    model.ties.add(model, std::move(ties));
+  }
   const Kind& kind() const override { return *find_kind(name_); }
   std::vector<PlanItem> plan() const override { return tie_plan(name_, model_); }
   void energy(Positions, const Linearisation&, device::EnvValues) override {}

@@ -31,7 +31,8 @@ Outcome guarded(const std::function<void()>& work) {
 
 class Build : public Engine {
  public:
-  explicit Build(const model::ModelInput& input) : model_(input), effects_(make_effects()), simulation_(model_, effects_, solver::read_options(input.scene)) {}
+  explicit Build(const model::ModelInput& input)
+      : model_(input), effects_(make_effects()), simulation_(model_, effects_, solver::read_options(input.scene)) {}
 
   Outcome begin() override {
     return guarded([&] { simulation_.begin(); });

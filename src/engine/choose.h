@@ -7,7 +7,8 @@
 namespace mortise::engine {
 
 // What `--device` takes.
-inline constexpr const char* kDeviceHelp = "auto, cpu, cuda, cuda:N (the N-th GPU, from 0) or debug (the CPU with GPU memory rules enforced); cuda without a GPU is an error (exit 4)";
+inline constexpr const char* kDeviceHelp =
+    "auto, cpu, cuda, cuda:N (the N-th GPU, from 0) or debug (the CPU with GPU memory rules enforced); cuda without a GPU is an error (exit 4)";
 
 struct Choice {
   const Api* api;

@@ -44,7 +44,7 @@ class Engine {
   virtual device::Transfers transfers() const = 0;       // of all kinds of work so far,
   virtual device::Transfers step_transfers() const = 0;  // and of step() alone
   virtual std::size_t peak_memory() const = 0;
-  virtual std::vector<PlanItem> plan() = 0;  // after begin()
+  virtual std::vector<PlanItem> plan() = 0;       // after begin()
   virtual std::string linear_solver() const = 0;  // and why
 };
 

@@ -23,7 +23,8 @@ const Api* cuda_api(std::string& why_not) {
     void* handle = dlopen((dir + "../lib/libmortise_cuda.so").c_str(), RTLD_NOW | RTLD_LOCAL);
     if (!handle) {
       const char* error = dlerror();
-      reason = access((dir + "../lib/libmortise_cuda.so").c_str(), F_OK) != 0 ? "this build has no CUDA module" : std::string(error ? error : "unknown error");
+      reason = access((dir + "../lib/libmortise_cuda.so").c_str(), F_OK) != 0 ? "this build has no CUDA module"
+                                                                              : std::string(error ? error : "unknown error");
     } else if (const auto get = reinterpret_cast<const Api* (*)()>(dlsym(handle, "mortise_engine_api"))) {
       if (get()->version == kApiVersion)
         api = get();

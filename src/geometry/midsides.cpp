@@ -47,8 +47,7 @@ TetMesh with_midsides(TetMesh mesh, const Snap& snap) {
 std::vector<Face> boundary_faces(const TetMesh& mesh) {
   std::vector<std::pair<Key, Index>> middle;
   for (std::size_t t = 0; t < mesh.tets.size(); ++t)
-    for (int e = 0; e < 6; ++e)
-      middle.emplace_back(key(mesh.tets[t].v[edge_begin(e)], mesh.tets[t].v[edge_end(e)]), mesh.midsides[t].v[e]);
+    for (int e = 0; e < 6; ++e) middle.emplace_back(key(mesh.tets[t].v[edge_begin(e)], mesh.tets[t].v[edge_end(e)]), mesh.midsides[t].v[e]);
   std::sort(middle.begin(), middle.end());
   std::vector<Face> out;
   for (const Triangle& t : boundary_triangles(mesh)) {

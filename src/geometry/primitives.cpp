@@ -15,8 +15,8 @@ Index cells_along(double length, double edge_length) {
   constexpr double kSingle = 1.5, kRounding = 1e-9;
   const double n = length < (kSingle - kRounding) * edge_length ? 1 : 2 * std::round(0.5 * length / edge_length + kRounding);
   if (!(n < 2048))
-    throw Error(Exit::scene, "edge_length " + std::to_string(edge_length) + " m is too small for a length of " +
-                                 std::to_string(length) + " m: more than 2047 cells");
+    throw Error(Exit::scene, "edge_length " + std::to_string(edge_length) + " m is too small for a length of " + std::to_string(length) +
+                                 " m: more than 2047 cells");
   return static_cast<Index>(n);
 }
 // Of half a body: its other half mirrors it, so that any number does.
@@ -110,8 +110,7 @@ TetMesh box(const Vec3& size, const std::array<Index, 3>& cells) {
 TetMesh sphere(double radius, double edge_length) {
   require_positive(radius, "sphere: radius"), require_positive(edge_length, "sphere: edge_length");
   const Index m = cells_of_half(radius, edge_length);
-  return kuhn_grid({2 * m, 2 * m, 2 * m},
-                   [&](Index i, Index j, Index k) { return Vec3(radius / m * to_ball(Vec3(i - m, j - m, k - m))); });
+  return kuhn_grid({2 * m, 2 * m, 2 * m}, [&](Index i, Index j, Index k) { return Vec3(radius / m * to_ball(Vec3(i - m, j - m, k - m))); });
 }
 
 TetMesh cylinder(double radius, double height, double edge_length) {

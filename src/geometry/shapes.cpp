@@ -36,8 +36,7 @@ TetMesh primitive(const std::string& kind, const Params& p) {
 }
 
 const std::pair<std::string, Params>& only_entry(const Params& shape) {
-  if (shape.entries().size() != 1)
-    throw Error(Exit::scene, shape.where(), "a shape is exactly one of box, sphere, cylinder, capsule, mesh");
+  if (shape.entries().size() != 1) throw Error(Exit::scene, shape.where(), "a shape is exactly one of box, sphere, cylinder, capsule, mesh");
   return shape.entries().front();
 }
 
@@ -80,8 +79,7 @@ TetMesh mesh_tets(const Params& p) {
     check_tets(mesh, named(p));
     return mesh;
   }
-  if (!p.has("edge_length"))
-    throw Error(Exit::scene, named(p) + " is a surface: a soft body needs edge_length to fill it with tetrahedra");
+  if (!p.has("edge_length")) throw Error(Exit::scene, named(p) + " is a surface: a soft body needs edge_length to fill it with tetrahedra");
   TetrahedraliseOptions options;
   options.edge_length = p.number("edge_length");
   if (p.has("surface_edge_length")) options.surface_edge_length = p.number("surface_edge_length");

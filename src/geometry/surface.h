@@ -7,13 +7,13 @@
 namespace mortise::geometry {
 
 struct SurfaceView {
-  device::View<const Index> vertices;      // point ids that collide as points
-  device::View<const Edge> edges;          // unique edges, v[0] < v[1]
-  device::View<const Triangle> triangles;  // outward orientation
-  device::View<const Index> body;          // per point: body
-  device::View<const Index> env;           // per point: environment
-  device::View<const double> vertex_area;  // per point [m^2]: a third of the rest areas of its triangles (0 inside bodies)
-  device::View<const double> edge_area;    // per edge [m^2]: a third of the rest areas of its triangles
+  device::View<const Index> vertices;             // point ids that collide as points
+  device::View<const Edge> edges;                 // unique edges, v[0] < v[1]
+  device::View<const Triangle> triangles;         // outward orientation
+  device::View<const Index> body;                 // per point: body
+  device::View<const Index> env;                  // per point: environment
+  device::View<const double> vertex_area;         // per point [m^2]: a third of the rest areas of its triangles (0 inside bodies)
+  device::View<const double> edge_area;           // per edge [m^2]: a third of the rest areas of its triangles
   device::View<const std::uint8_t> pair_allowed;  // bodies x bodies: 1 where contact between them is watched
   Index bodies = 0;
 
@@ -31,7 +31,8 @@ struct Surface {
   Index bodies = 0;
 
   SurfaceView view() const {
-    return {vertices.view(), edges.view(), triangles.view(), body.view(), env.view(), vertex_area.view(), edge_area.view(), pair_allowed.view(), bodies};
+    return {vertices.view(),    edges.view(),     triangles.view(),    body.view(), env.view(),
+            vertex_area.view(), edge_area.view(), pair_allowed.view(), bodies};
   }
 };
 

@@ -66,8 +66,7 @@ TetCache::TetCache(const TriMesh& surface, const TetrahedraliseOptions& o) {
   std::string content(kVersion);
   put(content, surface.points);
   put(content, surface.triangles);
-  put(content, std::vector<double>{o.edge_length, o.surface_edge_length, o.facet_distance, o.feature_angle, o.facet_angle,
-                                   o.radius_edge_ratio});
+  put(content, std::vector<double>{o.edge_length, o.surface_edge_length, o.facet_distance, o.feature_angle, o.facet_angle, o.radius_edge_ratio});
   key_ = sha256(content);
   const std::filesystem::path folder = cache_folder();
   if (!folder.empty()) file_ = (folder / ("tets-" + key_ + ".bin")).string();

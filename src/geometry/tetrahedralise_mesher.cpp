@@ -58,13 +58,12 @@ TetMesh mesh_domain(const TriMesh& surface, const TetrahedraliseOptions& o) {
   const double surface_edge = scale * o.surface_edge_length;
   const Criteria criteria(param::edge_size = surface_edge, param::facet_angle = o.facet_angle * 180 / CGAL_PI,
                           param::facet_size = kFacetRadius * surface_edge, param::facet_distance = scale * o.facet_distance,
-                          param::cell_radius_edge_ratio = o.radius_edge_ratio,
-                          param::cell_size = kCellRadius * scale * o.edge_length);
+                          param::cell_radius_edge_ratio = o.radius_edge_ratio, param::cell_size = kCellRadius * scale * o.edge_length);
   // Without a limit of their own both sliver removals stop after the time that refinement took: a mesh that depends on the
   // clock. 0 means no limit; they end by themselves when no tetrahedron below the bound can be improved.
-  const Complex complex = CGAL::make_mesh_3<Complex>(domain, criteria, param::manifold(),
-                                                     param::perturb(param::time_limit = 0, param::sliver_bound = kSliverAngle),
-                                                     param::exude(param::time_limit = 0, param::sliver_bound = kSliverAngle));
+  const Complex complex =
+      CGAL::make_mesh_3<Complex>(domain, criteria, param::manifold(), param::perturb(param::time_limit = 0, param::sliver_bound = kSliverAngle),
+                                 param::exude(param::time_limit = 0, param::sliver_bound = kSliverAngle));
 
   TetMesh out;
   std::unordered_map<Triangulation::Vertex_handle, Index> number;

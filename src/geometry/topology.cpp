@@ -23,8 +23,7 @@ std::vector<Index> renumbering(std::size_t points, const std::vector<Element>& e
 }
 
 template <class Mesh, class Element, int N>
-Mesh compact(const std::vector<Vec3>& points, std::vector<Element> elements, std::vector<Element> Mesh::*member,
-             std::vector<Index>* source) {
+Mesh compact(const std::vector<Vec3>& points, std::vector<Element> elements, std::vector<Element> Mesh::*member, std::vector<Index>* source) {
   Index used = 0;
   const std::vector<Index> number = renumbering<Element, N>(points.size(), elements, used);
   Mesh out;
@@ -62,8 +61,7 @@ std::vector<Triangle> boundary_triangles(const TetMesh& mesh) {
       std::sort(face.key.begin(), face.key.end());
       faces.push_back(face);
     }
-  std::sort(faces.begin(), faces.end(),
-            [](const Face& a, const Face& b) { return a.key != b.key ? a.key < b.key : a.id < b.id; });
+  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.key != b.key ? a.key < b.key : a.id < b.id; });
 
   std::vector<Index> single;
   for (std::size_t i = 0; i < faces.size();) {
@@ -122,8 +120,7 @@ std::vector<Edge> unique_edges(const std::vector<Triangle>& triangles) {
     }
   const auto key = [](const Edge& e) { return std::pair(e.v[0], e.v[1]); };
   std::sort(edges.begin(), edges.end(), [&](const Edge& a, const Edge& b) { return key(a) < key(b); });
-  edges.erase(std::unique(edges.begin(), edges.end(), [&](const Edge& a, const Edge& b) { return key(a) == key(b); }),
-              edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end(), [&](const Edge& a, const Edge& b) { return key(a) == key(b); }), edges.end());
   return edges;
 }
 
@@ -136,16 +133,14 @@ std::vector<double> vertex_areas(const std::vector<Vec3>& points, const std::vec
   return w;
 }
 
-std::vector<double> edge_areas(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles,
-                               const std::vector<Edge>& edges) {
+std::vector<double> edge_areas(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles, const std::vector<Edge>& edges) {
   std::vector<double> w(edges.size(), 0.0);
   for (const Triangle& t : triangles) {
     const double third = triangle_area(points, t) / 3;
     for (int k = 0; k < 3; ++k) {
       const std::pair key = std::minmax(t.v[k], t.v[(k + 1) % 3]);
-      const auto at = std::lower_bound(edges.begin(), edges.end(), key, [](const Edge& e, const std::pair<Index, Index>& k) {
-        return std::pair(e.v[0], e.v[1]) < k;
-      });
+      const auto at = std::lower_bound(edges.begin(), edges.end(), key,
+                                       [](const Edge& e, const std::pair<Index, Index>& k) { return std::pair(e.v[0], e.v[1]) < k; });
       w[at - edges.begin()] += third;
     }
   }
@@ -179,15 +174,12 @@ double min_dihedral_angle(const TetMesh& mesh) {
     }
     // Outward normals of two faces enclose pi minus the dihedral angle between them.
     for (int f = 0; f < 4; ++f)
-      for (int g = f + 1; g < 4; ++g)
-        smallest = std::min(smallest, M_PI - std::atan2(normal[f].cross(normal[g]).norm(), normal[f].dot(normal[g])));
+      for (int g = f + 1; g < 4; ++g) smallest = std::min(smallest, M_PI - std::atan2(normal[f].cross(normal[g]).norm(), normal[f].dot(normal[g])));
   }
   return smallest;
 }
 
-Mat3 MassProperties::inertia(double density) const {
-  return density * (second_moment.trace() * Mat3::Identity() - second_moment);
-}
+Mat3 MassProperties::inertia(double density) const { return density * (second_moment.trace() * Mat3::Identity() - second_moment); }
 
 // The inside is the signed sum of the tetrahedra (o, a, b, c) over all triangles. With D = det(a,b,c) measured from o:
 //   int dV = D/6,   int x dV = D/24 (a+b+c),   int x x^T dV = D/120 (a a^T + b b^T + c c^T + s s^T),  s = a+b+c.

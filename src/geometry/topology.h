@@ -23,8 +23,7 @@ std::vector<Edge> unique_edges(const std::vector<Triangle>& triangles);
 
 // A third of the area of the triangles around each vertex / at each edge [m^2]; both sum up to the area of the surface.
 std::vector<double> vertex_areas(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles);
-std::vector<double> edge_areas(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles,
-                               const std::vector<Edge>& edges);
+std::vector<double> edge_areas(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles, const std::vector<Edge>& edges);
 
 double area(const TriMesh& mesh);                                    // [m^2]
 double volume(const TetMesh& mesh);                                  // [m^3], signed

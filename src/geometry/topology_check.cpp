@@ -13,9 +13,7 @@ namespace mortise::geometry {
 namespace {
 
 // 12 -> "12 triangles", 1 -> "1 triangle"
-std::string counted(std::size_t n, const std::string& noun, const std::string& plural) {
-  return std::to_string(n) + " " + (n == 1 ? noun : plural);
-}
+std::string counted(std::size_t n, const std::string& noun, const std::string& plural) { return std::to_string(n) + " " + (n == 1 ? noun : plural); }
 std::string counted(std::size_t n, const std::string& noun) { return counted(n, noun, noun + "s"); }
 
 std::string position(const Vec3& p) {
@@ -34,8 +32,8 @@ struct Check {
   const std::string& what;
 
   [[noreturn]] void fail(const std::string& message) const {
-    throw Error(Exit::scene, what + ": " + message + " (" + counted(mesh.points.size(), "point") + ", " +
-                                 counted(mesh.triangles.size(), "triangle") + ")");
+    throw Error(Exit::scene,
+                what + ": " + message + " (" + counted(mesh.points.size(), "point") + ", " + counted(mesh.triangles.size(), "triangle") + ")");
   }
 };
 
@@ -51,8 +49,8 @@ void check_finite(const std::vector<Vec3>& points, const Elements& elements, con
   for (std::size_t e = 0; e < elements.size(); ++e)
     for (Index v : elements[e].v)
       if (v < 0 || static_cast<std::size_t>(v) >= points.size())
-        throw Error(Exit::scene, what + ": element " + std::to_string(e) + " refers to point " + std::to_string(v) +
-                                     ", but there are " + counted(points.size(), "point"));
+        throw Error(Exit::scene, what + ": element " + std::to_string(e) + " refers to point " + std::to_string(v) + ", but there are " +
+                                     counted(points.size(), "point"));
 }
 
 // Height over the longest edge below 1e-9: no normal can be computed that means anything.
@@ -85,8 +83,7 @@ void check_triangles(const Check& c) {
     if (key(order[i]) == key(order[i - 1]) && (bad++ == 0 || order[i] < repeated.second)) repeated = {order[i - 1], order[i]};
   if (bad > 0)
     c.fail(counted(bad, "triangle repeats", "triangles repeat") + " the vertices of another, the first is triangle " +
-           std::to_string(repeated.second) + " (same as " + std::to_string(repeated.first) + ") at " +
-           position(centre(m, repeated.second)));
+           std::to_string(repeated.second) + " (same as " + std::to_string(repeated.first) + ") at " + position(centre(m, repeated.second)));
 }
 
 struct HalfEdge {
@@ -130,14 +127,13 @@ void check_edges(const Check& c) {
            std::to_string(f.first.triangle) + " at " + position((c.mesh.points[f.first.low] + c.mesh.points[f.first.high]) / 2);
   };
   if (fan.count > 0)
-    c.fail("the surface is not manifold: " + counted(fan.count, "edge belongs", "edges belong") +
-           " to more than two triangles, " + place(fan));
+    c.fail("the surface is not manifold: " + counted(fan.count, "edge belongs", "edges belong") + " to more than two triangles, " + place(fan));
   if (open.count > 0)
-    c.fail("the surface is open: " + counted(open.count, "edge belongs", "edges belong") + " to one triangle only, " +
-           place(open) + "; if vertices only nearly coincide there, weld them");
+    c.fail("the surface is open: " + counted(open.count, "edge belongs", "edges belong") + " to one triangle only, " + place(open) +
+           "; if vertices only nearly coincide there, weld them");
   if (turned.count > 0)
-    c.fail("the surface is not consistently oriented: across " + counted(turned.count, "edge") +
-           " the two triangles face opposite sides, " + place(turned));
+    c.fail("the surface is not consistently oriented: across " + counted(turned.count, "edge") + " the two triangles face opposite sides, " +
+           place(turned));
 }
 
 // All edges have two triangles here, so the triangles around a vertex form one or more closed fans; one is right.
@@ -167,9 +163,8 @@ void check_vertices(const Check& c) {
     if (steps != end - begin && bad++ == 0) first = static_cast<Index>(v);
   }
   if (bad > 0)
-    c.fail("the surface is not manifold: at " + counted(bad, "vertex", "vertices") +
-           " parts of it touch in a single point, the first is vertex " + std::to_string(first) + " at " +
-           position(m.points[first]));
+    c.fail("the surface is not manifold: at " + counted(bad, "vertex", "vertices") + " parts of it touch in a single point, the first is vertex " +
+           std::to_string(first) + " at " + position(m.points[first]));
 }
 
 void check_manifold(const Check& c) {
@@ -192,8 +187,9 @@ void check_closed_surface(const TriMesh& mesh, const std::string& what) {
            std::to_string(pairs[0].first) + " and " + std::to_string(pairs[0].second) + " at " +
            position((centre(mesh, pairs[0].first) + centre(mesh, pairs[0].second)) / 2));
   if (const Index t = first_wrongly_nested(mesh); t >= 0)
-    c.fail("a part of the surface (triangle " + std::to_string(t) + " at " + position(centre(mesh, t)) +
-           ") lies inside of another part and faces outwards as well, or outside of all and faces inwards; a cavity's triangles face into the cavity");
+    c.fail(
+        "a part of the surface (triangle " + std::to_string(t) + " at " + position(centre(mesh, t)) +
+        ") lies inside of another part and faces outwards as well, or outside of all and faces inwards; a cavity's triangles face into the cavity");
 }
 
 void check_tets(const TetMesh& mesh, const std::string& what) {

@@ -16,9 +16,8 @@ void group_gradient(const StencilView& s, Index terms, Index blocks, Grouping& o
   Buffer<std::uint64_t> keys(terms);
   const View<std::uint64_t> key = keys.view();
   const View<const Index> block = s.block;
-  device::parallel_for("assembly.grad_keys", terms, [=] MORTISE_HD(Index i) {
-    key[i] = static_cast<std::uint64_t>(block[i] < 0 ? blocks : block[i]);
-  });
+  device::parallel_for("assembly.grad_keys", terms,
+                       [=] MORTISE_HD(Index i) { key[i] = static_cast<std::uint64_t>(block[i] < 0 ? blocks : block[i]); });
   group(std::move(keys), static_cast<std::uint64_t>(blocks), out);
 }
 

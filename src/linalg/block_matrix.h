@@ -49,9 +49,7 @@ struct RowProduct {
     return y;
   }
 };
-inline RowProduct row_product(const BlockMatrix& A) {
-  return {A.full_start.view(), A.full_col.view(), A.full_source.view(), A.value.view()};
-}
+inline RowProduct row_product(const BlockMatrix& A) { return {A.full_start.view(), A.full_col.view(), A.full_source.view(), A.value.view()}; }
 
 // y = A x; x and y must not overlap.
 void multiply(const BlockMatrix& A, View<const Vec3> x, View<Vec3> y);

@@ -44,12 +44,7 @@ struct CgState {
 };
 
 CgState::CgState(const std::vector<Index>& env_rows)
-    : rows(env_rows.back()),
-      envs(static_cast<Index>(env_rows.size()) - 1),
-      sums(env_rows),
-      residual(rows),
-      direction(rows),
-      product(rows) {
+    : rows(env_rows.back()), envs(static_cast<Index>(env_rows.size()) - 1), sums(env_rows), residual(rows), direction(rows), product(rows) {
   std::vector<Index> env(rows);
   for (Index e = 0; e < envs; ++e) std::fill(env.begin() + env_rows[e], env.begin() + env_rows[e + 1], e);
   env_of_row.upload(env);
@@ -182,7 +177,8 @@ CgResult ConjugateGradients::solve(const BlockMatrix& A, const Preconditioner& M
                                    const std::vector<double>& relative, const CgOptions& options) {
   CgState& cg = *state_;
   const std::size_t envs = static_cast<std::size_t>(cg.envs);
-  if (A.rows != cg.rows || relative.size() != envs || b.n != A.rows || x.n != A.rows || (!options.absolute.empty() && options.absolute.size() != envs))
+  if (A.rows != cg.rows || relative.size() != envs || b.n != A.rows || x.n != A.rows ||
+      (!options.absolute.empty() && options.absolute.size() != envs))
     throw Error(Exit::internal, "conjugate gradients: sizes do not match");
   std::vector<EnvState> state(envs);
   for (std::size_t e = 0; e < envs; ++e) {
@@ -193,9 +189,7 @@ CgResult ConjugateGradients::solve(const BlockMatrix& A, const Preconditioner& M
   cg.states.upload(state);
   cg.prepare(M, b);
   cg.record(A, M, x, options.check_every);
-  const auto any = [&](Index status) {
-    return std::any_of(state.begin(), state.end(), [&](const EnvState& s) { return s.status == status; });
-  };
+  const auto any = [&](Index status) { return std::any_of(state.begin(), state.end(), [&](const EnvState& s) { return s.status == status; }); };
   cg.begin(A, M, b, x);
   cg.block.replay("cg.block");  // nothing is hardly ever left to do
   state = cg.states.download();

@@ -15,9 +15,9 @@
 namespace mortise::linalg {
 
 struct CgOptions {
-  Index max_iterations = 10000;  // per environment, restarts included
-  std::vector<double> absolute;  // [unit of b] per environment, or empty: residuals up to this count as converged
-  Index check_every = 16;        // iterations between two looks from the host
+  Index max_iterations = 10000;      // per environment, restarts included
+  std::vector<double> absolute;      // [unit of b] per environment, or empty: residuals up to this count as converged
+  Index check_every = 16;            // iterations between two looks from the host
   std::vector<std::uint8_t> only{};  // per environment: whether it is solved at all, or empty: all are
 };
 

@@ -1,7 +1,6 @@
 #include "linalg/direct.h"
 
 #include <cholmod.h>
-
 #include <sys/mman.h>
 #include <sys/resource.h>
 

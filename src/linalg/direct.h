@@ -20,14 +20,14 @@ struct DirectOptions {
 };
 
 struct DirectStats {
-  std::string ordering;             // "metis" or "amd"
-  Index unknowns = 0;               // scalar
-  double factor_entries = 0;        // nnz(L)
+  std::string ordering;       // "metis" or "amd"
+  Index unknowns = 0;         // scalar
+  double factor_entries = 0;  // nnz(L)
   double factor_flops = 0;
-  std::size_t memory = 0;           // bytes held by CHOLMOD
+  std::size_t memory = 0;  // bytes held by CHOLMOD
   long long analyses = 0, factorisations = 0, solves = 0;
   double analyse_seconds = 0, factor_seconds = 0, solve_seconds = 0;  // of the last call each
-  double reciprocal_condition = 0;  // (smallest / largest diagonal entry of L)^2, a rough estimate
+  double reciprocal_condition = 0;                                    // (smallest / largest diagonal entry of L)^2, a rough estimate
 };
 
 // For a process that will be copied: its copies then need no threads of OpenBLAS.

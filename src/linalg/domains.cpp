@@ -53,9 +53,8 @@ void split(std::vector<Atom>& atoms, std::size_t begin, std::size_t end, const C
   }
   int axis = 0;
   (hi - lo).maxCoeff(&axis);
-  std::sort(atoms.begin() + begin, atoms.begin() + end, [axis](const Atom& a, const Atom& b) {
-    return a.place[axis] != b.place[axis] ? a.place[axis] < b.place[axis] : a.first < b.first;
-  });
+  std::sort(atoms.begin() + begin, atoms.begin() + end,
+            [axis](const Atom& a, const Atom& b) { return a.place[axis] != b.place[axis] ? a.place[axis] < b.place[axis] : a.first < b.first; });
   const Index domains = (blocks + kSlots - 1) / kSlots;
   const Index wanted = static_cast<Index>(static_cast<long long>(blocks) * (domains / 2) / domains);
   std::size_t cut = begin;

@@ -16,9 +16,9 @@ inline constexpr Index kSlots = 16;  // blocks of a domain
 
 // What the rows are.
 struct RowPlaces {
-  std::vector<Vec3> place;     // where a row's degree of freedom sits at rest [m]; the axes of an affine body at its centre
-  std::vector<Index> body;     // rows of different bodies share a coarse item only where that is needed to get coarser
-  std::vector<double> moves;   // what a translation adds: 1 for nodes and positions of affine bodies, 0 for axes
+  std::vector<Vec3> place;    // where a row's degree of freedom sits at rest [m]; the axes of an affine body at its centre
+  std::vector<Index> body;    // rows of different bodies share a coarse item only where that is needed to get coarser
+  std::vector<double> moves;  // what a translation adds: 1 for nodes and positions of affine bodies, 0 for axes
 };
 
 struct DomainLevel {

@@ -43,7 +43,8 @@ struct Small {
 
 std::vector<double> dot(View<const Vec3> a, View<const Vec3> b, const std::vector<Index>& rows) {
   std::vector<double> out(rows.size() - 1, 0.0);
-  device::env_sum("gmres.dot", rows, [=] MORTISE_HD(Index i) { return a[i].dot(b[i]); }, out);
+  device::env_sum(
+      "gmres.dot", rows, [=] MORTISE_HD(Index i) { return a[i].dot(b[i]); }, out);
   return out;
 }
 

@@ -15,8 +15,8 @@ using device::View;
 using Operator = std::function<void(View<const Vec3> in, View<Vec3> out)>;
 
 struct GmresResult {
-  Index iterations = 0;            // of the environment that took most,
-  std::vector<Index> of_env;       // and of each: one that has converged stands still
+  Index iterations = 0;          // of the environment that took most,
+  std::vector<Index> of_env;     // and of each: one that has converged stands still
   std::vector<double> relative;  // |b - A x| / |b| of every environment, by the recurrence; 0 where b is 0
 };
 

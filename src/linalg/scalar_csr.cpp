@@ -10,7 +10,8 @@ void ScalarCsr::set_pattern(const BlockMatrix& A, const std::vector<int>& order)
   const std::vector<Index> full_start = A.full_start.download(), full_col = A.full_col.download(), full_source = A.full_source.download();
   std::vector<Index> place(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<Index>(k);
-  if (9 * static_cast<std::size_t>(full_col.size()) > 0x7fffffff) throw Error(Exit::device, "the matrix is too large for the direct solver; use `linear: cg`");
+  if (9 * static_cast<std::size_t>(full_col.size()) > 0x7fffffff)
+    throw Error(Exit::device, "the matrix is too large for the direct solver; use `linear: cg`");
   std::vector<Index> start{0}, col, source;
   col.reserve(9 * full_col.size()), source.reserve(9 * full_col.size());
   std::vector<std::pair<Index, Index>> row;  // new column, place in the full structure

@@ -145,7 +145,8 @@ Schwarz::Schwarz(const RowPlaces& rows, const std::vector<Index>& env_rows) {
 
 std::size_t Schwarz::bytes() const {
   std::size_t n = domains_.lower.bytes() + domains_.size.bytes() + domains_.pivot.bytes() + domains_.inverse.bytes() + restricted_.bytes() * 3 +
-                  row_place_.bytes() * 2 + row_slot_.bytes() * 3 + row_moves_.bytes() + centre_.bytes() * 2 + slot_.bytes() * 3 + row_of_slot_.bytes();
+                  row_place_.bytes() * 2 + row_slot_.bytes() * 3 + row_moves_.bytes() + centre_.bytes() * 2 + slot_.bytes() * 3 +
+                  row_of_slot_.bytes();
   for (const CoarseMatrix& A : coarse_) n += A.value.bytes() + A.row.bytes() * 2 + A.terms.term.bytes() + A.terms.key.bytes();
   return n;
 }

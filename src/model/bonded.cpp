@@ -48,7 +48,10 @@ std::vector<Index> bonded(const Params& bond, const BodyInput& soft, const BodyI
   if (!bond.has("within")) return nodes;
   const Hull hull(stiff, bond.number("within"));
   std::erase_if(nodes, [&](Index i) { return !hull.holds(soft.nodes[i]); });
-  if (nodes.empty()) throw Error(Exit::scene, bond.at("within").where(), "no node of '" + soft.name + "'" + (bond.has("where") ? " among them" : "") + " is that near to '" + stiff.name + "' or inside of it");
+  if (nodes.empty())
+    throw Error(
+        Exit::scene, bond.at("within").where(),
+        "no node of '" + soft.name + "'" + (bond.has("where") ? " among them" : "") + " is that near to '" + stiff.name + "' or inside of it");
   return nodes;
 }
 

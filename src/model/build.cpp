@@ -52,7 +52,8 @@ Mat3 rest_jacobian(const std::array<Vec3, 10>& X, const double l[4]) {
 }
 
 [[noreturn]] void inside_out(const BodyInput& in, const Body& body, std::size_t t, double volume) {
-  throw Error(Exit::scene, body.where, "body '" + in.name + "': tetrahedron " + std::to_string(t) + " has volume " + std::to_string(volume) + " m^3; it must be positive");
+  throw Error(Exit::scene, body.where,
+              "body '" + in.name + "': tetrahedron " + std::to_string(t) + " has volume " + std::to_string(volume) + " m^3; it must be positive");
 }
 
 // Linear: one point, mass lumped on the corners.
@@ -129,14 +130,14 @@ void add_soft(Layout& l, const BodyInput& in, Body& body) {
     l.material.push_back(static_cast<std::uint8_t>(material_model(in.material)));
   }
   body.tet_end = static_cast<Index>(l.tets.size());
-  if (averaged && !quadratic) l.clusters.add(star_clusters(in), l.tets, body.tet_begin, l.rest_volume.data() + l.first_point[body.tet_begin], lambda, in.env);
+  if (averaged && !quadratic)
+    l.clusters.add(star_clusters(in), l.tets, body.tet_begin, l.rest_volume.data() + l.first_point[body.tet_begin], lambda, in.env);
   body.centre = moment / body.volume;
   body.mass = body.density * body.volume;
   const Vec3 v = in.params.vec3("velocity"), w = in.params.vec3("angular_velocity");
   for (std::size_t i = 0; i < in.nodes.size(); ++i) {
     const Index block = first + static_cast<Index>(i);
-    if (!used[i])
-      throw Error(Exit::scene, body.where, "body '" + in.name + "': node " + std::to_string(i) + " belongs to no tetrahedron");
+    if (!used[i]) throw Error(Exit::scene, body.where, "body '" + in.name + "': node " + std::to_string(i) + " belongs to no tetrahedron");
     l.rest.push_back(in.nodes[i]);
     l.velocity.push_back(v + w.cross(in.nodes[i] - body.centre));
     if (!quadratic) l.mass.push_back({block, block, mass[i]});
@@ -150,7 +151,8 @@ void add_soft(Layout& l, const BodyInput& in, Body& body) {
 void add_stiff(Layout& l, const BodyInput& in, Body& body) {
   const Index first = body.block_begin;
   const geometry::MassProperties m = geometry::mass_properties({in.nodes, in.triangles});
-  if (!(m.volume > 0)) throw Error(Exit::scene, body.where, "body '" + in.name + "': its surface encloses no positive volume (are the triangles outward?)");
+  if (!(m.volume > 0))
+    throw Error(Exit::scene, body.where, "body '" + in.name + "': its surface encloses no positive volume (are the triangles outward?)");
   body.volume = m.volume;
   body.centre = m.centroid;
   body.mass = body.density * m.volume;
@@ -229,7 +231,8 @@ void upload_clusters(ClusterLists& l, std::size_t tets, Index envs, Clusters& ou
 }
 
 void upload_mass(Layout& l, Mass& mass, Index blocks) {
-  std::stable_sort(l.mass.begin(), l.mass.end(), [](const Layout::Entry& a, const Layout::Entry& b) { return a.row != b.row ? a.row < b.row : a.column < b.column; });
+  std::stable_sort(l.mass.begin(), l.mass.end(),
+                   [](const Layout::Entry& a, const Layout::Entry& b) { return a.row != b.row ? a.row < b.row : a.column < b.column; });
   std::vector<Index> offset(blocks + 1, 0), column;
   std::vector<double> value;
   for (std::size_t i = 0; i < l.mass.size(); ++i) {
@@ -284,7 +287,8 @@ void build(Model& model) {
   if (model.bodies.empty()) throw Error(Exit::scene, model.input.scene.where(), "the scene has no body that can move or be pressed");
 
   for (std::size_t p = 0; p + 1 < l.point_offset.size(); ++p)
-    if (l.point_offset[p + 1] - l.point_offset[p] > kPointTerms) throw Error(Exit::internal, "a point hangs on more than " + std::to_string(kPointTerms) + " blocks");
+    if (l.point_offset[p + 1] - l.point_offset[p] > kPointTerms)
+      throw Error(Exit::internal, "a point hangs on more than " + std::to_string(kPointTerms) + " blocks");
   model.blocks = static_cast<Index>(l.rest.size());
   model.points = static_cast<Index>(l.points.size());
   model.env_blocks = offsets_by_env(l.block_env, model.envs);

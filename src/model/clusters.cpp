@@ -26,8 +26,7 @@ std::vector<std::array<Index, 4>> neighbours(const std::vector<Tet>& tets) {
       std::sort(face.begin(), face.end());
       sides.push_back({face, static_cast<Index>(t), k});
     }
-  std::sort(sides.begin(), sides.end(),
-            [](const Side& a, const Side& b) { return a.face != b.face ? a.face < b.face : a.tet < b.tet; });
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.face != b.face ? a.face < b.face : a.tet < b.tet; });
   std::vector<std::array<Index, 4>> out(tets.size(), {kNone, kNone, kNone, kNone});
   for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
     const Side &a = sides[i], &b = sides[i + 1];
@@ -82,8 +81,8 @@ std::vector<Index> star_clusters(const BodyInput& body) {
   return cluster;
 }
 
-void ClusterLists::add(const std::vector<Index>& cluster, const std::vector<Tet>& tets, Index first, const double* volumes,
-                       double lame_lambda, Index of_env) {
+void ClusterLists::add(const std::vector<Index>& cluster, const std::vector<Tet>& tets, Index first, const double* volumes, double lame_lambda,
+                       Index of_env) {
   const Index base = static_cast<Index>(lambda.size());
   of_tet.resize(first, kNone);
   std::vector<Index> order(cluster.size());

@@ -16,8 +16,7 @@ struct ClusterLists {
   std::vector<Index> of_tet, first_tet{0}, tet, slot, first_node{0}, node, owner, env;
   std::vector<double> lambda, volume;
   // Appends the clusters of linear tetrahedra [first, end) of one body; `volumes` are theirs [m^3].
-  void add(const std::vector<Index>& cluster, const std::vector<Tet>& tets, Index first, const double* volumes,
-           double lame_lambda, Index env);
+  void add(const std::vector<Index>& cluster, const std::vector<Tet>& tets, Index first, const double* volumes, double lame_lambda, Index env);
 };
 
 }  // namespace mortise::model

@@ -37,10 +37,14 @@ MORTISE_HD inline HingeDirections reading(const Coordinate& c, device::View<cons
   return r;
 }
 
-MORTISE_HD inline double coordinate(const Coordinate& c, const HingeDirections& r) { return c.slides ? c.at_rest + r.c2.dot(r.c3) : unwrapped(c.at_rest + hinge_angle(r), c.before); }
+MORTISE_HD inline double coordinate(const Coordinate& c, const HingeDirections& r) {
+  return c.slides ? c.at_rest + r.c2.dot(r.c3) : unwrapped(c.at_rest + hinge_angle(r), c.before);
+}
 
-// Gradient and Hessian of E of the coordinate, as hinge_stencil. Negative curvature of a slide is of t alone and of t with c; t is given where slides have energies.
-MORTISE_HD inline void coordinate_stencil(const Coordinate& c, const HingeDirections& r, double e1, double e2, double concave, Index* block, Vec3* grad, Mat3* hess) {
+// Gradient and Hessian of E of the coordinate, as hinge_stencil. Negative curvature of a slide is of t alone and of t with c; t is given where slides
+// have energies.
+MORTISE_HD inline void coordinate_stencil(const Coordinate& c, const HingeDirections& r, double e1, double e2, double concave, Index* block,
+                                          Vec3* grad, Mat3* hess) {
   if (!c.slides) return hinge_stencil(c.hinge, r, e1, e2, concave, block, grad, hess);
   // c, t, a1, a2, a3, unused
   Vec3 g[kCoordinateBlocks];

@@ -1,6 +1,6 @@
 #pragma once
-// The angle of a hinge. At rest A = I in every stiff body, so that with the axis u and two directions e2, e3 (right-handed with it, unit) the body c turns
-// against t by
+// The angle of a hinge. At rest A = I in every stiff body, so that with the axis u and two directions e2, e3 (right-handed with it, unit) the body c
+// turns against t by
 //
 //     theta = atan2(s, k),    s = c2 . t3 - c3 . t2,    k = c2 . t2 + c3 . t3,        c_i = A_c e_i,  t_i = A_t e_i  (in the world t_i = e_i)
 //
@@ -13,8 +13,8 @@
 // theta does not change when all directions turn together, so that a torque on c and its reaction on t add up to nothing; nor when c2 and c3 are
 // strained alike, so that at rest a torque only turns its bodies and strains none.
 #include "base/angle.h"
-#include "linalg/stencils.h"
 #include "linalg/small.h"
+#include "linalg/stencils.h"
 
 namespace mortise::model {
 
@@ -56,7 +56,8 @@ MORTISE_HD inline double unwrapped(double angle, double near) {
 
 // Gradient and Hessian of E(theta) with E' = e1, E'' = e2 >= 0 and the share `concave` of the negative curvature; blocks as directions() reads them.
 // hess: null where none is wanted.
-MORTISE_HD inline void hinge_stencil(const Hinge& h, const HingeDirections& d, double e1, double e2, double concave, Index* block, Vec3* grad, Mat3* hess) {
+MORTISE_HD inline void hinge_stencil(const Hinge& h, const HingeDirections& d, double e1, double e2, double concave, Index* block, Vec3* grad,
+                                     Mat3* hess) {
   using Vec12 = linalg::VecN<12>;
   using Mat12 = linalg::MatN<12>;
   const double s = sine(d), k = cosine(d), r2 = s * s + k * k;
@@ -119,12 +120,13 @@ MORTISE_HD inline double first_root(double c0, double c1, double c2) {
   return -2 * c0 / (c1 + root);
 }
 
-// How far one may go along the change `w` of the directions d before the angle has turned by `up` > 0 or by -`down` < 0, each at most kFarthest: up to
-// the rays at those angles, which the quadratic z(alpha) crosses.
+// How far one may go along the change `w` of the directions d before the angle has turned by `up` > 0 or by -`down` < 0, each at most kFarthest: up
+// to the rays at those angles, which the quadratic z(alpha) crosses.
 inline constexpr double kFarthest = 2.9;  // [rad]: short of a half turn, behind which an angle is its own opposite
 MORTISE_HD inline double hinge_way(const HingeDirections& d, const HingeDirections& w, double up, double down) {
   const double k0 = cosine(d), s0 = sine(d);
-  const double k1 = w.c2.dot(d.t2) + w.c3.dot(d.t3) + d.c2.dot(w.t2) + d.c3.dot(w.t3), s1 = w.c2.dot(d.t3) - w.c3.dot(d.t2) + d.c2.dot(w.t3) - d.c3.dot(w.t2);
+  const double k1 = w.c2.dot(d.t2) + w.c3.dot(d.t3) + d.c2.dot(w.t2) + d.c3.dot(w.t3),
+               s1 = w.c2.dot(d.t3) - w.c3.dot(d.t2) + d.c2.dot(w.t3) - d.c3.dot(w.t2);
   const double k2 = cosine(w), s2 = sine(w);
   // z conj(z0)
   const double x[3] = {k0 * k0 + s0 * s0, k1 * k0 + s1 * s0, k2 * k0 + s2 * s0}, y[3] = {0, s1 * k0 - k1 * s0, s2 * k0 - k2 * s0};

@@ -17,13 +17,13 @@ struct BodyInput {
   std::string name;
   BodyType type = BodyType::soft;
   int env = 0;
-  std::vector<Vec3> nodes;          // soft: all nodes; stiff: surface vertices
-  std::vector<Tet> tets;            // soft only, positively oriented: corners
-  std::vector<Triangle> triangles;  // surface, outward; of quadratic tetrahedra: the quarters of `faces`, four each
+  std::vector<Vec3> nodes;                     // soft: all nodes; stiff: surface vertices
+  std::vector<Tet> tets;                       // soft only, positively oriented: corners
+  std::vector<Triangle> triangles;             // surface, outward; of quadratic tetrahedra: the quarters of `faces`, four each
   std::vector<geometry::Midsides> midsides{};  // quadratic tetrahedra only: one per tetrahedron
   std::vector<geometry::Face> faces{};         // and their surface
-  Params params;    // the body's block of the scene
-  Params material;  // its material block (youngs_modulus, poisson_ratio, density, model)
+  Params params;                               // the body's block of the scene
+  Params material;                             // its material block (youngs_modulus, poisson_ratio, density, model)
 };
 
 // Gives a soft body this mesh, placed as it is.

@@ -69,7 +69,8 @@ std::vector<Follow> placed_at(const Model& model, const Joint& joint, double val
     return f;
   };
   const Vec3 from = centre_of(model, parent);
-  std::vector<Follow> out{follow(c.block_begin, slides ? Vec3(c.centre - from + change * joint.axis) : Vec3(joint.place - from - R * (joint.place - c.centre)), false)};
+  std::vector<Follow> out{
+      follow(c.block_begin, slides ? Vec3(c.centre - from + change * joint.axis) : Vec3(joint.place - from - R * (joint.place - c.centre)), false)};
   for (int k = 0; k < 3; ++k) out.push_back(follow(c.block_begin + 1 + k, R.col(k), true));
   return out;
 }
@@ -88,7 +89,10 @@ void guide(Model& model) {
     const Index slider = model.bodies[j.follower].block_begin, carrier = carrier_of(j);
     if (model.ties.tied(slider)) continue;  // its way is given
     if (carrier != Tie::kWorld && !model.bodies[carrier].prescribed())
-      throw Error(Exit::scene, j.where, "'" + model.bodies[carrier].name + "' moves freely: a body slides on one that is pinned, driven to given positions or the world; elsewhere a prismatic joint needs a drive of mode kinematic");
+      throw Error(Exit::scene, j.where,
+                  "'" + model.bodies[carrier].name +
+                      "' moves freely: a body slides on one that is pinned, driven to given positions or the world; elsewhere a prismatic joint "
+                      "needs a drive of mode kinematic");
     if (target.empty()) target = model.target.download(), projector = model.projector.download();
     // Blocks of what is prescribed, at the end of the step.
     const auto at_end = [&](Index block) {

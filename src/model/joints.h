@@ -1,6 +1,6 @@
 #pragma once
-// Joints between stiff bodies as what drives, limits and reports see of them: where they are, and the coordinate that they leave free. A joint is held
-// by its tie (model/ties.h); this is its name and its frame.
+// Joints between stiff bodies as what drives, limits and reports see of them: where they are, and the coordinate that they leave free. A joint is
+// held by its tie (model/ties.h); this is its name and its frame.
 #include <string>
 #include <vector>
 
@@ -14,7 +14,8 @@ class Model;
 
 enum class JointType { fixed, spherical, revolute, prismatic };
 
-// The coordinate of a revolute joint is the angle of `body` against `to`, right-handed about `axis` [rad]; that of a prismatic one the way of `body` along it [m].
+// The coordinate of a revolute joint is the angle of `body` against `to`, right-handed about `axis` [rad]; that of a prismatic one the way of `body`
+// along it [m].
 struct Joint {
   std::string name;  // as its tie is called
   SourceLoc where;
@@ -48,8 +49,9 @@ std::vector<Follow> placed_at(const Model& model, const Joint& joint, double val
 // The axis as the body `to` has it.
 Follow axis_of(const Model& model, const Joint& joint);
 
-// Prismatic joints of which no coordinate is given guide the centre of the body that follows along the axis of the other, which has to be prescribed at all
-// times: that is a support across the axis (Model::projector), where it will be at the end of the step, once targets and driven ties say so. Throws Error(Exit::scene).
+// Prismatic joints of which no coordinate is given guide the centre of the body that follows along the axis of the other, which has to be prescribed
+// at all times: that is a support across the axis (Model::projector), where it will be at the end of the step, once targets and driven ties say so.
+// Throws Error(Exit::scene).
 void guide(Model& model);
 
 }  // namespace mortise::model

@@ -53,26 +53,26 @@ struct PointMapView {
 // Tetrahedra of all soft bodies, linear or quadratic, and the points that integrate over them: one of a linear tetrahedron, four of
 // a quadratic one (geometry/quadratic.h).
 struct Volume {
-  Buffer<Tet> tets;                         // block ids of the corners
-  Buffer<geometry::Midsides> midsides;      // of the middles of edges, -1 in linear tetrahedra; empty where all are linear
-  Buffer<Index> first_point;                // elements + 1
-  Buffer<Mat3> dm_inverse;                  // per point: inverse of dX/d(l1, l2, l3) at rest [1/m]
-  Buffer<double> rest_volume;               // per point: its share of the volume [m^3]
+  Buffer<Tet> tets;                     // block ids of the corners
+  Buffer<geometry::Midsides> midsides;  // of the middles of edges, -1 in linear tetrahedra; empty where all are linear
+  Buffer<Index> first_point;            // elements + 1
+  Buffer<Mat3> dm_inverse;              // per point: inverse of dX/d(l1, l2, l3) at rest [1/m]
+  Buffer<double> rest_volume;           // per point: its share of the volume [m^3]
   // Per element [Pa]. lambda, which resists changes of volume, acts at every point; in nearly incompressible bodies on the mean over a quadratic
   // tetrahedron or over a cluster of linear ones instead.
   Buffer<double> lame_mu, lame_lambda, mean_lambda;
-  Buffer<std::uint8_t> material;            // MaterialModel
+  Buffer<std::uint8_t> material;  // MaterialModel
   std::vector<Index> env_offset;
 };
 
 // Clusters of linear tetrahedra that resist a change of their volume together (model/clusters.h).
 struct Clusters {
-  Buffer<Index> of_tet;               // per element, -1: none; empty where there are no clusters
-  Buffer<Index> first_tet, tet;       // clusters + 1; their elements
-  Buffer<Index> slot;                 // four per entry of `tet`: the entries of its corners in `node`
-  Buffer<Index> first_node, node;     // clusters + 1; their block ids, each once
-  Buffer<Index> owner;                // cluster of every entry of `node`
-  Buffer<double> lambda, volume;      // [Pa], [m^3]
+  Buffer<Index> of_tet;            // per element, -1: none; empty where there are no clusters
+  Buffer<Index> first_tet, tet;    // clusters + 1; their elements
+  Buffer<Index> slot;              // four per entry of `tet`: the entries of its corners in `node`
+  Buffer<Index> first_node, node;  // clusters + 1; their block ids, each once
+  Buffer<Index> owner;             // cluster of every entry of `node`
+  Buffer<double> lambda, volume;   // [Pa], [m^3]
   std::vector<Index> env_offset{0};
   Index size() const { return lambda.size(); }
 };

@@ -32,7 +32,8 @@ void Ties::add(Model& model, std::vector<Tie> ties) {
   for (Tie& tie : ties) {
     for (const Tie& other : ties_)
       if (other.name == tie.name && model.bodies[other.body].env == model.bodies[tie.body].env)
-        throw Error(Exit::scene, tie.where, "two ties are called '" + tie.name + "' (the other at " + other.where.text() + "): give one of them a 'name'");
+        throw Error(Exit::scene, tie.where,
+                    "two ties are called '" + tie.name + "' (the other at " + other.where.text() + "): give one of them a 'name'");
     ties_.push_back(std::move(tie));
   }
   settle(model);
@@ -48,13 +49,17 @@ void Ties::settle(Model& model) {
 
 void Ties::hand_over(Model& model, Index tie, std::string driver, std::vector<Follow> follows, Follow axis, bool slides) {
   Tie& t = ties_[tie];
-  if (t.follows.empty()) throw Error(Exit::scene, t.where, "closes a loop: what it would move is given by the loop's other joints. Drive one of those, or this one by a torque");
+  if (t.follows.empty())
+    throw Error(Exit::scene, t.where,
+                "closes a loop: what it would move is given by the loop's other joints. Drive one of those, or this one by a torque");
   t.driver = std::move(driver), t.follows = std::move(follows), t.axis = std::move(axis), t.slides = slides;
   driven_ = true;
   settle(model);
   for (const Closing& closing : closings_)
     if (model.bodies[ties_[closing.tie].body].env == model.bodies[ties_[tie].body].env)
-      throw Error(Exit::scene, ties_[closing.tie].where, "closes a loop, and the joint at " + ties_[tie].where.text() + " is driven to given positions: loops go with drives of mode pd or effort only");
+      throw Error(Exit::scene, ties_[closing.tie].where,
+                  "closes a loop, and the joint at " + ties_[tie].where.text() +
+                      " is driven to given positions: loops go with drives of mode pd or effort only");
 }
 
 void Ties::drive(const Model& model, std::vector<std::pair<Index, std::vector<Follow>>> follows) {
@@ -72,19 +77,21 @@ void Ties::compose(const Model& model) {
       const Index b = ties_[t].follows[f].block;
       pinned += model.held[b] == 1 || model.held[b] == 2;
       if (equation[b] != kNone)
-        throw Error(Exit::scene, ties_[t].where, "ties what the tie at " + ties_[equation[b].first].where.text() + " ties already: parts of '" + body_of(model, b).name + "'");
+        throw Error(Exit::scene, ties_[t].where,
+                    "ties what the tie at " + ties_[equation[b].first].where.text() + " ties already: parts of '" + body_of(model, b).name + "'");
       equation[b] = {static_cast<Index>(t), static_cast<Index>(f)};
     }
     if (pinned > 0)
       throw Error(Exit::scene, ties_[t].where,
-                  "ties " + std::to_string(pinned) + " nodes of '" + body_of(model, ties_[t].follows[0].block).name + "' that a pin holds or moves: what is tied cannot be pinned too");
+                  "ties " + std::to_string(pinned) + " nodes of '" + body_of(model, ties_[t].follows[0].block).name +
+                      "' that a pin holds or moves: what is tied cannot be pinned too");
   }
 
   // Depth first, so that what is followed is composed before its followers.
   order_.clear();
   Composed all;
-  auto &composed = all.of;
-  auto &fixed = all.fixed;
+  auto& composed = all.of;
+  auto& fixed = all.fixed;
   enum : std::uint8_t { fresh, open, done };
   std::vector<std::uint8_t> state(model.blocks, fresh), moving(model.blocks, 0);
   const auto visit = [&](const auto& self, Index b) -> void {
@@ -186,7 +193,8 @@ void Ties::upload() {
       of.push_back(terms_[j].block), weight.push_back(terms_[j].weight), follower.push_back(blocks_[i]);
       key.push_back(static_cast<std::uint64_t>(terms_[j].block));
     }
-  block_.upload(blocks_), start_.upload(offset_), of_.upload(of), weight_.upload(weight), follower_.upload(follower), fixed_on_device_.upload(fixed_), moving_on_device_.upload(moving_);
+  block_.upload(blocks_), start_.upload(offset_), of_.upload(of), weight_.upload(weight), follower_.upload(follower), fixed_on_device_.upload(fixed_),
+      moving_on_device_.upload(moving_);
   linalg::group(Buffer<std::uint64_t>(key), device::kNoKey, followed_);
 }
 
@@ -226,7 +234,8 @@ void Ties::start(Model& model) const {
   const std::vector<Vec3> v = model.initial_velocity.download();
   for (const Closing& closing : closings_)
     if ((given[closing.pivot] - v[closing.pivot]).norm() > kSame * (given[closing.pivot].norm() + v[closing.pivot].norm()))
-      throw Error(Exit::scene, ties_[closing.tie].where, "'" + body_of(model, closing.pivot).name + "' starts with a motion that this joint, which closes a loop, does not allow");
+      throw Error(Exit::scene, ties_[closing.tie].where,
+                  "'" + body_of(model, closing.pivot).name + "' starts with a motion that this joint, which closes a loop, does not allow");
   for (const Tie& tie : ties_)
     for (const Follow& follow : tie.follows) {
       const Index b = follow.block;
@@ -234,17 +243,23 @@ void Ties::start(Model& model) const {
       const bool soft = body.type == BodyType::soft;
       if ((given[b] - v[b]).norm() <= kSame * (given[b].norm() + v[b].norm())) continue;
       if (soft || (b == body.block_begin && !given[b].isZero(0)))
-        throw Error(Exit::scene, tie.where, "'" + body.name + "' starts with the velocity " + text(given[b]) + " m/s where the tie makes it " + text(v[b]) + " m/s: give it that" + (soft ? " (velocity and angular_velocity of the body that it is tied to)" : ", or none"));
+        throw Error(Exit::scene, tie.where,
+                    "'" + body.name + "' starts with the velocity " + text(given[b]) + " m/s where the tie makes it " + text(v[b]) +
+                        " m/s: give it that" + (soft ? " (velocity and angular_velocity of the body that it is tied to)" : ", or none"));
       if (b == body.block_begin) continue;
       Mat3 rate;
       for (int k = 0; k < 3; ++k) rate.col(k) = v[body.block_begin + 1 + k];
       if ((rate + rate.transpose()).norm() > kSame * rate.norm())
-        throw Error(Exit::scene, tie.where, "'" + body.name + "' starts with a turning that the tie does not allow: its angular_velocity may differ from that of the other body only about the axis");
+        throw Error(Exit::scene, tie.where,
+                    "'" + body.name +
+                        "' starts with a turning that the tie does not allow: its angular_velocity may differ from that of the other body only about "
+                        "the axis");
     }
 }
 
 bool Ties::pass(Index a, Index b) const {
-  return std::any_of(ties_.begin(), ties_.end(), [&](const Tie& t) { return !t.contact && ((t.body == a && t.to == b) || (t.body == b && t.to == a)); });
+  return std::any_of(ties_.begin(), ties_.end(),
+                     [&](const Tie& t) { return !t.contact && ((t.body == a && t.to == b) || (t.body == b && t.to == a)); });
 }
 
 std::vector<TieTerm> Ties::terms(Index block) const {
@@ -324,7 +339,8 @@ void Ties::fold(View<Vec3> g) const {
   const View<const double> weight = weight_.view();
   const View<const std::uint64_t> to = followed_.key.view();
   linalg::grouped_sum<Vec3>(
-      "ties.fold", followed_, [=] MORTISE_HD(Index e) -> Vec3 { return weight[e] * g[follower[e]]; }, [=] MORTISE_HD(Index k, const Vec3& t) { g[static_cast<Index>(to[k])] += t; });
+      "ties.fold", followed_, [=] MORTISE_HD(Index e) -> Vec3 { return weight[e] * g[follower[e]]; },
+      [=] MORTISE_HD(Index k, const Vec3& t) { g[static_cast<Index>(to[k])] += t; });
   device::parallel_for("ties.fold", block.n, [=] MORTISE_HD(Index i) { g[block[i]] = Vec3::Zero(); });
 }
 

@@ -6,7 +6,8 @@
 // because x = p + A X is linear in the blocks of a stiff body. Composed along chains, every block is a combination of blocks that follow nothing:
 // q = T z + h, T a sparse matrix of scalars (times I3). A tie is exact to rounding, whatever the step and the masses, and has no stiffness,
 // multiplier or tolerance. Equations that close a loop are linear in z too: each gives one more block of z, that where its weight is largest, and one
-// that says nothing new (a second hinge on the same axis) is left out. All effects go on seeing all blocks; the solver takes their forces and matrices back to z:
+// that says nothing new (a second hinge on the same axis) is left out. All effects go on seeing all blocks; the solver takes their forces and
+// matrices back to z:
 //
 //     residual T^T g,  matrix T^T K T (linalg/elimination.h),  way dq = T dz.
 //
@@ -52,7 +53,7 @@ struct Tie {
   bool contact = false;  // the two may touch
   std::vector<Follow> follows{};
   std::vector<Follow> closes{};  // equations of the same form that hold as well, of whatever block they give in the end
-  Follow anchor{-1, {}};  // the place that its moment is taken about
+  Follow anchor{-1, {}};         // the place that its moment is taken about
   // Of a driven one: which effect drives it, and the direction about which its moment on `body` is that of the motor.
   std::string driver{};
   Follow axis{-1, {}};
@@ -91,9 +92,10 @@ class Ties {
   void carry(View<Vec3> dq) const;  // dq_b <- sum t dq, of their changes
   void fold(View<Vec3> g) const;    // g <- T^T g: what acts on tied blocks goes to those that they follow
   // Where ties are driven:
-  void add_offset(View<const Vec3> q, View<Vec3> c) const;           // c_b += o_b
-  void add_offset_of(View<const Vec3> c, View<Vec3> dq) const;       // dq_b += c_b - sum t c: the offset that c holds
-  void place_after(View<const Vec3> q, View<const double> alpha, View<const Index> block_env, View<Vec3> trial) const;  // of trial = q + alpha dq: all but (1 - alpha) o_b
+  void add_offset(View<const Vec3> q, View<Vec3> c) const;      // c_b += o_b
+  void add_offset_of(View<const Vec3> c, View<Vec3> dq) const;  // dq_b += c_b - sum t c: the offset that c holds
+  void place_after(View<const Vec3> q, View<const double> alpha, View<const Index> block_env,
+                   View<Vec3> trial) const;  // of trial = q + alpha dq: all but (1 - alpha) o_b
 
  private:
   struct Composed;
@@ -107,11 +109,11 @@ class Ties {
   std::vector<Tie> ties_;
   std::vector<std::pair<Index, Index>> order_;
   std::vector<Closing> closings_;
-  std::vector<Index> place_;             // per block of the model: its place in blocks_, or -1
-  std::vector<Index> blocks_, offset_;   // tied blocks, ascending; their terms
+  std::vector<Index> place_;            // per block of the model: its place in blocks_, or -1
+  std::vector<Index> blocks_, offset_;  // tied blocks, ascending; their terms
   std::vector<TieTerm> terms_;
   std::vector<Vec3> fixed_;
-  std::vector<std::uint8_t> moving_;     // per tied block: it hangs on a tie that is driven
+  std::vector<std::uint8_t> moving_;  // per tied block: it hangs on a tie that is driven
   bool driven_ = false;
   Index version_ = 0;
 
@@ -119,8 +121,8 @@ class Ties {
   Buffer<double> weight_;
   Buffer<Vec3> fixed_on_device_;
   Buffer<std::uint8_t> moving_on_device_;
-  Buffer<Index> follower_;      // of every term
-  linalg::Grouping followed_;   // terms by the block that is followed
+  Buffer<Index> follower_;     // of every term
+  linalg::Grouping followed_;  // terms by the block that is followed
 };
 
 }  // namespace mortise::model

@@ -25,8 +25,7 @@ bool present(const std::string& path) { return ::access(path.c_str(), F_OK) == 0
 
 }  // namespace
 
-CheckpointWriter::CheckpointWriter(const std::string& dir, const CheckpointInfo& info)
-    : dir_(dir), file_(h5::File::in_memory(newest(dir))) {
+CheckpointWriter::CheckpointWriter(const std::string& dir, const CheckpointInfo& info) : dir_(dir), file_(h5::File::in_memory(newest(dir))) {
   h5::set_text(file_, file_.id(), "filetype", filetype);
   h5::set_integers(file_, file_.id(), "version", version);
   h5::set_text(file_, file_.id(), "mortise_version", info.mortise_version);
@@ -68,8 +67,7 @@ void CheckpointWriter::commit() {
 CheckpointReader::CheckpointReader(const std::string& path) : path_(path) {
   std::string bytes = read_file(path);
   const std::string_view all = bytes;
-  const bool sealed =
-      all.size() > seal_size && all.substr(all.size() - seal_size, seal_mark.size()) == seal_mark && all.back() == '\n';
+  const bool sealed = all.size() > seal_size && all.substr(all.size() - seal_size, seal_mark.size()) == seal_mark && all.back() == '\n';
   if (!sealed) throw Error(Exit::file, path + ": not a whole checkpoint: the checksum at its end is missing (truncated file?)");
   const std::string_view content = all.substr(0, all.size() - seal_size);
   if (sha256(content) != all.substr(all.size() - 65, 64)) {
@@ -103,8 +101,7 @@ void CheckpointReader::load(const h5::File& file, hid_t group, const std::string
 void CheckpointReader::io(std::string_view name, std::vector<double>& values) {
   const auto at = arrays_.find(name);
   if (at == arrays_.end()) {
-    throw Error(Exit::file,
-                path_ + ": the checkpoint has no '" + std::string(name) + "': it belongs to another scene or version");
+    throw Error(Exit::file, path_ + ": the checkpoint has no '" + std::string(name) + "': it belongs to another scene or version");
   }
   values = at->second;
 }

@@ -26,9 +26,9 @@ struct Source {
 
 // All environments' datasets of one path.
 struct Stack {
-  std::string from;      // path in the environments' files
-  hsize_t block = 1;     // rows that belong to one frame
-  int components = 1;    // 1: one-dimensional
+  std::string from;    // path in the environments' files
+  hsize_t block = 1;   // rows that belong to one frame
+  int components = 1;  // 1: one-dimensional
   bool single = false;
   std::string unit = "1", description;
   std::vector<Source> sources;
@@ -43,7 +43,8 @@ struct Block {
 
 class Writer {
  public:
-  Writer(const std::string& folder, const std::vector<EnvironmentFields>& all) : folder_(folder), all_(all), file_(folder + "/" + kFile, h5::Mode::create) {}
+  Writer(const std::string& folder, const std::vector<EnvironmentFields>& all)
+      : folder_(folder), all_(all), file_(folder + "/" + kFile, h5::Mode::create) {}
 
   void write() {
     for (std::size_t e = 0; e < all_.size(); ++e) {
@@ -89,7 +90,8 @@ class Writer {
       for (const std::string& name : h5::members(file, data))
         if (name != body_field) add(file, data, std::string("VTKHDF/") + group + "/" + name, std::string(group) + "/" + name, block, own);
     }
-    const h5::Id ours = h5::open_group(file, file.id(), "mortise"), effects = h5::open_group(file, ours, "effects"), table = h5::open_group(file, ours, "steps");
+    const h5::Id ours = h5::open_group(file, file.id(), "mortise"), effects = h5::open_group(file, ours, "effects"),
+                 table = h5::open_group(file, ours, "steps");
     for (const std::string& effect : h5::members(file, effects)) {
       const h5::Id group = h5::open_group(file, effects, effect);
       const bool tables = h5::exists(file, group, "row_offset");
@@ -141,7 +143,8 @@ class Writer {
       rows.resize(times_.size(), rows.back());
       h5::Table::create(file_, target, name, {.type = H5T_STD_I64LE, .column = column}).write<std::int64_t>(file_, 0, rows);
     };
-    for (int i = number_of_parts; i <= connectivity_offsets; ++i) longer(from, to, step_index_names[i], i == cell_offsets || i == connectivity_offsets);
+    for (int i = number_of_parts; i <= connectivity_offsets; ++i)
+      longer(from, to, step_index_names[i], i == cell_offsets || i == connectivity_offsets);
     for (const char* of : {"PointDataOffsets", "CellDataOffsets"}) {
       const h5::Id source = h5::open_group(there, from, of), target = h5::make_group(file_, to, of);
       for (const std::string& name : h5::members(there, source)) longer(source, target, name, false);
@@ -160,7 +163,10 @@ class Writer {
       type(group, "UnstructuredGrid");
       if (block.frames < times_.size()) stand_still(block, group);
       for (const std::string& member : block.members)
-        if (!h5::exists(file_, group, member)) file_.check(H5Lcreate_external((block.run + "/" + kFile).c_str(), ("/VTKHDF/" + member).c_str(), group, member.c_str(), H5P_DEFAULT, H5P_DEFAULT), "link " + name);
+        if (!h5::exists(file_, group, member))
+          file_.check(
+              H5Lcreate_external((block.run + "/" + kFile).c_str(), ("/VTKHDF/" + member).c_str(), group, member.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+              "link " + name);
       file_.check(H5Lcreate_soft(("/VTKHDF/" + name).c_str(), assembly, name.c_str(), H5P_DEFAULT, H5P_DEFAULT), "link " + name);
     }
     const h5::Id steps = h5::make_group(file_, root, "Steps");
@@ -173,7 +179,9 @@ class Writer {
     std::vector<std::int64_t> codes;
     std::string folders;
     for (const EnvironmentFields& e : all_) codes.push_back(e.exit_code), folders += e.folder + "\n";
-    h5::Table::create(file_, environments_, "exit_code", {.type = H5T_STD_I64LE, .description = "exit code of every environment's run; -1: it never began"}).write<std::int64_t>(file_, 0, codes);
+    h5::Table::create(file_, environments_, "exit_code",
+                      {.type = H5T_STD_I64LE, .description = "exit code of every environment's run; -1: it never began"})
+        .write<std::int64_t>(file_, 0, codes);
     h5::write_text(file_, environments_, "folders", folders);
     std::string runs;
     for (const Block& block : blocks_) runs += block.run + "\n";
@@ -184,7 +192,8 @@ class Writer {
     for (std::size_t v = 0; v < all_[0].values.size(); ++v) {
       std::vector<double> column;
       for (const EnvironmentFields& e : all_) column.push_back(e.values[v].second);
-      h5::Table::create(file_, values, all_[0].values[v].first, {.type = H5T_IEEE_F64LE, .unit = "SI", .description = "drawn for every environment"}).write<double>(file_, 0, column);
+      h5::Table::create(file_, values, all_[0].values[v].first, {.type = H5T_IEEE_F64LE, .unit = "SI", .description = "drawn for every environment"})
+          .write<double>(file_, 0, column);
     }
   }
 
@@ -194,7 +203,11 @@ class Writer {
     std::vector<std::int32_t> of(all_.size() * frames_, -1);
     for (std::size_t i = 0; i < episodes_.size(); ++i)
       for (hsize_t f = 0; f < episodes_[i].rows; ++f) of[episodes_[i].environment * frames_ + episodes_[i].first + f] = episode_[i];
-    h5::Table::create(file_, environments_, "episode", {.type = H5T_STD_I32LE, .components = static_cast<int>(frames_), .column = true, .description = "episode that a frame belongs to; -1: there is no such frame"})
+    h5::Table::create(file_, environments_, "episode",
+                      {.type = H5T_STD_I32LE,
+                       .components = static_cast<int>(frames_),
+                       .column = true,
+                       .description = "episode that a frame belongs to; -1: there is no such frame"})
         .write<std::int32_t>(file_, 0, of);
   }
 
@@ -227,13 +240,15 @@ class Writer {
       std::vector<hsize_t> start(rank, 0), count = shape;
       start[0] = source.environment, start[1] = source.first, count[0] = 1, count[1] = source.rows;
       file_.check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), "make " + name);
-      const std::vector<hsize_t> there = s.components > 1 ? std::vector<hsize_t>{source.rows * s.block, static_cast<hsize_t>(s.components)} : std::vector<hsize_t>{source.rows * s.block};
+      const std::vector<hsize_t> there = s.components > 1 ? std::vector<hsize_t>{source.rows * s.block, static_cast<hsize_t>(s.components)}
+                                                          : std::vector<hsize_t>{source.rows * s.block};
       const h5::Id from(file_.check(H5Screate_simple(static_cast<int>(there.size()), there.data(), nullptr), "make " + name));
       const std::string path = source.run + "/" + kFile;
       file_.check(H5Pset_virtual(creation, space, path.c_str(), s.from.c_str(), from), "make " + name);
     }
     file_.check(H5Sselect_all(space), "make " + name);
-    const h5::Id set(file_.check(H5Dcreate2(parent, name.c_str(), s.single ? H5T_IEEE_F32LE : H5T_IEEE_F64LE, space, H5P_DEFAULT, creation, H5P_DEFAULT), "make " + name));
+    const h5::Id set(file_.check(
+        H5Dcreate2(parent, name.c_str(), s.single ? H5T_IEEE_F32LE : H5T_IEEE_F64LE, space, H5P_DEFAULT, creation, H5P_DEFAULT), "make " + name));
     h5::set_text(file_, set, "unit", s.unit);
     if (!s.description.empty()) h5::set_text(file_, set, "description", s.description);
   }
@@ -243,8 +258,8 @@ class Writer {
   h5::File file_;
   h5::Id environments_;
   std::vector<Block> blocks_;
-  std::vector<Source> episodes_;        // frames of every run,
-  std::vector<std::int32_t> episode_;   // and its number in its environment
+  std::vector<Source> episodes_;       // frames of every run,
+  std::vector<std::int32_t> episode_;  // and its number in its environment
   std::vector<double> times_;
   std::map<std::string, Stack> stacks_;  // by their path under /environments
   hsize_t points_ = 0, cells_ = 0, frames_ = 0, most_steps_ = 0;

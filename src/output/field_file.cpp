@@ -45,8 +45,7 @@ void FieldFile::guarded(F&& write) {
   }
 }
 
-std::unique_ptr<FieldFile> FieldFile::open(const std::string& path, const OutputMesh& mesh, const FileInfo& info,
-                                           const FieldOptions& options) {
+std::unique_ptr<FieldFile> FieldFile::open(const std::string& path, const OutputMesh& mesh, const FileInfo& info, const FieldOptions& options) {
   // Under another name until it is whole: what stands at `path` can always be read.
   const std::string aside = path + ".new";
   std::unique_ptr<FieldFile> out(new FieldFile(aside, h5::Mode::create, options));
@@ -62,8 +61,7 @@ std::unique_ptr<FieldFile> FieldFile::open(const std::string& path, const Output
   return out;
 }
 
-std::unique_ptr<FieldFile> FieldFile::reopen(const std::string& path, std::int64_t frames, std::int64_t steps,
-                                             const FieldOptions& options) {
+std::unique_ptr<FieldFile> FieldFile::reopen(const std::string& path, std::int64_t frames, std::int64_t steps, const FieldOptions& options) {
   rehearse(path, frames, steps);
   std::unique_ptr<FieldFile> out(new FieldFile(path, h5::Mode::write, options));
   out->guarded([&] {
@@ -81,13 +79,16 @@ void FieldFile::rehearse(const std::string& path, std::int64_t frames, std::int6
   const auto size = std::filesystem::file_size(path, unknown);
   constexpr std::uintmax_t kBytesPerSecond = 50 << 20;  // of a slow disk
   const ChildLimits limits{20 + (unknown ? 0 : static_cast<unsigned>(size / kBytesPerSecond)), std::size_t{4} << 30};
-  in_child(path + ": damaged", limits, [&] {
-    FieldFile file(path, h5::Mode::rehearse, {.xdmf = false});
-    file.load(frames, steps);
-    file.begin_frame(0, std::vector<double>(3 * file.points_n_));
-    file.end_frame();
-    return std::string();
-  }, Exit::file);
+  in_child(
+      path + ": damaged", limits,
+      [&] {
+        FieldFile file(path, h5::Mode::rehearse, {.xdmf = false});
+        file.load(frames, steps);
+        file.begin_frame(0, std::vector<double>(3 * file.points_n_));
+        file.end_frame();
+        return std::string();
+      },
+      Exit::file);
 }
 
 h5::Table::Spec FieldFile::real_spec(std::string_view unit, int components, hsize_t chunk_rows, std::string_view description) const {
@@ -108,8 +109,8 @@ void FieldFile::begin_frame(double time, std::span<const double> positions) {
   time_ = time;
 }
 
-void FieldFile::field(Fields& fields, hid_t parent, hid_t offsets, hsize_t count, std::string_view name, std::string_view unit,
-                      int components, std::span<const double> data) {
+void FieldFile::field(Fields& fields, hid_t parent, hid_t offsets, hsize_t count, std::string_view name, std::string_view unit, int components,
+                      std::span<const double> data) {
   if (!in_frame_) misuse("a field outside a frame");
   if (!keep_.empty() && !keep_.contains(std::string(name))) return;
   const std::string key = checked(name);
@@ -154,8 +155,7 @@ FieldFile::EffectGroup& FieldFile::effect(std::string_view name) {
   return effects_.emplace(key, std::move(group)).first->second;
 }
 
-void FieldFile::rows(std::string_view group, std::string_view name, std::string_view unit, int components,
-                     std::span<const double> data) {
+void FieldFile::rows(std::string_view group, std::string_view name, std::string_view unit, int components, std::span<const double> data) {
   const std::string key = checked(name);
   if (components < 1 || data.size() % components != 0) misuse("rows '" + key + "' are not whole");
   guarded([&] {
@@ -186,10 +186,13 @@ void FieldFile::scalar(std::string_view group, std::string_view name, std::strin
     if (key == "row_offset" || owner.rows.contains(key)) misuse("the name '" + key + "' is taken");
     auto at = owner.scalars.find(key);
     if (at == owner.scalars.end()) {
-      Series series{
-          h5::Table::create(file_, owner.group, key,
-                            {.type = H5T_IEEE_F64LE, .chunk_rows = index_chunk, .nan_fill = true, .unit = std::string(unit), .description = std::string(description(group, key))}),
-          {}};
+      Series series{h5::Table::create(file_, owner.group, key,
+                                      {.type = H5T_IEEE_F64LE,
+                                       .chunk_rows = index_chunk,
+                                       .nan_fill = true,
+                                       .unit = std::string(unit),
+                                       .description = std::string(description(group, key))}),
+                    {}};
       at = owner.scalars.emplace(key, std::move(series)).first;
     }
     if (at->second.written) misuse("scalar '" + key + "' twice in a frame");
@@ -235,9 +238,7 @@ void FieldFile::end_frame() {
     }
     step_index_[values].write<double>(file_, frames_, std::span(&time_, 1));
     for (std::size_t i = number_of_parts; i < step_index_.size(); ++i) {
-      const std::int64_t entry = i == number_of_parts ? 1
-                                 : i == point_offsets ? static_cast<std::int64_t>(frames_ * points_n_)
-                                                      : 0;
+      const std::int64_t entry = i == number_of_parts ? 1 : i == point_offsets ? static_cast<std::int64_t>(frames_ * points_n_) : 0;
       step_index_[i].write<std::int64_t>(file_, frames_, std::span(&entry, 1));
     }
     write_steps();
@@ -263,8 +264,7 @@ void FieldFile::write_steps() {
   if (pending_steps_.empty()) return;
   std::vector<double> column(pending_steps_.size());
   for (std::size_t c = 0; c < step_columns.size(); ++c) {
-    std::transform(pending_steps_.begin(), pending_steps_.end(), column.begin(),
-                   [&](const StepRow& row) { return row.*step_columns[c].value; });
+    std::transform(pending_steps_.begin(), pending_steps_.end(), column.begin(), [&](const StepRow& row) { return row.*step_columns[c].value; });
     step_table_[c].write<double>(file_, steps_n_, column);
   }
   steps_n_ += pending_steps_.size();

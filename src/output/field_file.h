@@ -37,25 +37,22 @@ struct FieldOptions {
 using Fact = std::variant<std::string, std::int64_t, double, std::vector<double>>;
 
 // Writes fields.vtkhdf (schemas/fields.md), a temporal VTKHDF file. It goes from frame to frame in one step (paged_file.h): after
-// end_frame() (with `commit_seconds`: after flush()) the frame survives a kill and a power cut, before it there is no trace of it. Every failing write throws
-// Error(Exit::file) and leaves the frames before readable; nothing can be written then.
+// end_frame() (with `commit_seconds`: after flush()) the frame survives a kill and a power cut, before it there is no trace of it. Every failing
+// write throws Error(Exit::file) and leaves the frames before readable; nothing can be written then.
 class FieldFile : public FieldSink {
  public:
   // Creates (or replaces) `path`, which is there when it is whole.
-  static std::unique_ptr<FieldFile> open(const std::string& path, const OutputMesh& mesh, const FileInfo& info,
-                                         const FieldOptions& options);
+  static std::unique_ptr<FieldFile> open(const std::string& path, const OutputMesh& mesh, const FileInfo& info, const FieldOptions& options);
   // Goes on with a file of an earlier run: keeps the first `frames` frames and the first `steps` rows of the step table and
   // drops the rest. Precision stays what it was. Throws Error(Exit::file) if the file holds fewer.
-  static std::unique_ptr<FieldFile> reopen(const std::string& path, std::int64_t frames, std::int64_t steps,
-                                           const FieldOptions& options);
+  static std::unique_ptr<FieldFile> reopen(const std::string& path, std::int64_t frames, std::int64_t steps, const FieldOptions& options);
   ~FieldFile() override;  // without close(): what end_frame() did not finish is lost
 
   // `points`: current positions [m], x y z per point of the mesh.
   void begin_frame(double time, std::span<const double> points);
   void points(std::string_view name, std::string_view unit, int components, std::span<const double> values) override;
   void cells(std::string_view name, std::string_view unit, int components, std::span<const double> values) override;
-  void rows(std::string_view group, std::string_view name, std::string_view unit, int components,
-            std::span<const double> values) override;
+  void rows(std::string_view group, std::string_view name, std::string_view unit, int components, std::span<const double> values) override;
   void scalar(std::string_view group, std::string_view name, std::string_view unit, double value) override;
   void fact(std::string_view group, const char* name, const Fact& value);  // of an effect's group; once, in any frame
   void end_frame();
@@ -88,8 +85,8 @@ class FieldFile : public FieldSink {
   // Runs `write`; after a failure the file is left as of the last finished frame.
   template <class F>
   void guarded(F&& write);
-  void field(Fields& fields, hid_t parent, hid_t offsets, hsize_t count, std::string_view name, std::string_view unit,
-             int components, std::span<const double> values);
+  void field(Fields& fields, hid_t parent, hid_t offsets, hsize_t count, std::string_view name, std::string_view unit, int components,
+             std::span<const double> values);
   void finish(Fields& fields, hsize_t count);
   EffectGroup& effect(std::string_view name);
   void write_steps();

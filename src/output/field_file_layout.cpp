@@ -25,8 +25,7 @@ void write_constant(const h5::File& file, hid_t parent, const char* name, hid_t 
                     const char* unit = "1") {
   const hsize_t rows = data.size() / components;
   h5::Table table = h5::Table::create(
-      file, parent, name,
-      {.type = type, .components = components, .chunk_rows = std::max<hsize_t>(rows, 1), .compress = true, .unit = unit});
+      file, parent, name, {.type = type, .components = components, .chunk_rows = std::max<hsize_t>(rows, 1), .compress = true, .unit = unit});
   table.write<T>(file, 0, data);
 }
 
@@ -98,7 +97,8 @@ void FieldFile::create(const OutputMesh& mesh, const FileInfo& info) {
   h5::make_group(f, ours, "effects");
   h5::Id table = h5::make_group(f, ours, "steps");
   for (const StepColumn& column : step_columns) {
-    h5::Table::create(f, table, column.name, {.type = H5T_IEEE_F64LE, .chunk_rows = index_chunk, .unit = column.unit, .description = column.description});
+    h5::Table::create(f, table, column.name,
+                      {.type = H5T_IEEE_F64LE, .chunk_rows = index_chunk, .unit = column.unit, .description = column.description});
   }
   open_groups();
   file_.flush();
@@ -116,9 +116,7 @@ void FieldFile::open_groups() {
   step_table_group_ = h5::open_group(f, f.id(), "mortise/steps");
   point_positions_ = h5::Table::open(f, root_, "Points");
   options_.double_precision = !point_positions_.single();
-  const auto size = [&](const char* name) {
-    return static_cast<hsize_t>(h5::Table::open(f, root_, name).read<std::int64_t>(f, 0, 1)[0]);
-  };
+  const auto size = [&](const char* name) { return static_cast<hsize_t>(h5::Table::open(f, root_, name).read<std::int64_t>(f, 0, 1)[0]); };
   points_n_ = size("NumberOfPoints"), cells_n_ = size("NumberOfCells"), connectivity_n_ = size("NumberOfConnectivityIds");
   h5::Id mesh_group = h5::open_group(f, f.id(), "mortise/mesh");
   if (h5::exists(f, mesh_group, "xdmf_topology")) {
@@ -144,12 +142,11 @@ void FieldFile::load(std::int64_t frames, std::int64_t steps) {
   open_groups();
   const std::int64_t there = h5::get_integer(f, steps_group_, "NSteps");
   if (frames < 0 || frames > there) {
-    throw Error(Exit::file, f.path() + ": cannot continue after frame " + std::to_string(frames) + ": the file holds " +
-                                std::to_string(there));
+    throw Error(Exit::file, f.path() + ": cannot continue after frame " + std::to_string(frames) + ": the file holds " + std::to_string(there));
   }
   if (steps < 0 || static_cast<hsize_t>(steps) > step_table_[0].rows()) {
-    throw Error(Exit::file, f.path() + ": cannot continue after step " + std::to_string(steps) + ": the file holds " +
-                                std::to_string(step_table_[0].rows()));
+    throw Error(Exit::file,
+                f.path() + ": cannot continue after step " + std::to_string(steps) + ": the file holds " + std::to_string(step_table_[0].rows()));
   }
   h5::set_integer(f, steps_group_, "NSteps", frames);
   frames_ = frames, steps_n_ = static_cast<hsize_t>(steps);

@@ -14,8 +14,7 @@ inline constexpr hsize_t index_chunk = 512;  // rows of the arrays with one numb
 
 // Arrays of VTKHDF/Steps in the order of FieldFile::step_index_; the offsets of the constant fields follow.
 enum StepIndex { values, number_of_parts, part_offsets, point_offsets, cell_offsets, connectivity_offsets };
-inline constexpr const char* step_index_names[] = {"Values",       "NumberOfParts", "PartOffsets",
-                                                   "PointOffsets", "CellOffsets",   "ConnectivityIdOffsets"};
+inline constexpr const char* step_index_names[] = {"Values", "NumberOfParts", "PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets"};
 
 [[noreturn]] inline void misuse(const std::string& what) { throw Error(Exit::internal, "field file: " + what); }
 

@@ -42,8 +42,7 @@ FieldReader::FieldReader(const std::string& path) : file_(path, h5::Mode::read) 
 
 void FieldReader::check_frame(std::int64_t frame) const {
   if (frame < 0 || frame >= frames()) {
-    throw Error(Exit::file,
-                file_.path() + ": there is no frame " + std::to_string(frame) + ", the file holds " + std::to_string(frames()));
+    throw Error(Exit::file, file_.path() + ": there is no frame " + std::to_string(frame) + ", the file holds " + std::to_string(frames()));
   }
 }
 
@@ -95,9 +94,7 @@ FieldValues FieldReader::scalar(const std::string& group, const std::string& nam
   return {table.components(), table.unit(file_), table.read<double>(file_, frame, 1)};
 }
 
-std::vector<std::string> FieldReader::names(const std::string& folder) const {
-  return h5::members(file_, h5::open_group(file_, file_.id(), folder));
-}
+std::vector<std::string> FieldReader::names(const std::string& folder) const { return h5::members(file_, h5::open_group(file_, file_.id(), folder)); }
 
 std::vector<std::string> FieldReader::point_fields() const { return names("VTKHDF/PointData"); }
 std::vector<std::string> FieldReader::cell_fields() const { return names("VTKHDF/CellData"); }

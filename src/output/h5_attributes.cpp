@@ -19,8 +19,7 @@ void set_text(const File& file, hid_t object, const char* name, std::string_view
   const std::string copy(value);
   const char* text = copy.c_str();
   Id type = text_type(file), space = scalar_space(file);
-  Id attribute(
-      file.check(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), std::string("write attribute ") + name));
+  Id attribute(file.check(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), std::string("write attribute ") + name));
   file.check(H5Awrite(attribute, type, &text), std::string("write attribute ") + name);
 }
 
@@ -28,16 +27,14 @@ void set_fixed_ascii(const File& file, hid_t object, const char* name, std::stri
   Id type(file.check(H5Tcopy(H5T_C_S1), "make a string type")), space = scalar_space(file);
   H5Tset_size(type, value.size());
   H5Tset_strpad(type, H5T_STR_NULLPAD);
-  Id attribute(
-      file.check(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), std::string("write attribute ") + name));
+  Id attribute(file.check(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), std::string("write attribute ") + name));
   file.check(H5Awrite(attribute, type, value.data()), std::string("write attribute ") + name);
 }
 
 void set_integers(const File& file, hid_t object, const char* name, std::span<const std::int64_t> values) {
   const hsize_t size = values.size();
   Id space(file.check(H5Screate_simple(1, &size, nullptr), "make a dataspace"));
-  Id attribute(file.check(H5Acreate2(object, name, H5T_STD_I64LE, space, H5P_DEFAULT, H5P_DEFAULT),
-                          std::string("write attribute ") + name));
+  Id attribute(file.check(H5Acreate2(object, name, H5T_STD_I64LE, space, H5P_DEFAULT, H5P_DEFAULT), std::string("write attribute ") + name));
   file.check(H5Awrite(attribute, H5T_NATIVE_INT64, values.data()), std::string("write attribute ") + name);
 }
 

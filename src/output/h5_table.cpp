@@ -77,8 +77,8 @@ void Table::write(const File& file, hsize_t first, hsize_t count, hid_t type, co
 void Table::read(const File& file, hsize_t first, hsize_t count, hid_t type, void* values) const {
   const std::string action = "read " + name_;
   if (first + count > rows_) {
-    throw Error(Exit::file, file.path() + ": " + name_ + " has " + std::to_string(rows_) + " rows, " +
-                                std::to_string(first + count) + " are needed: the file is damaged");
+    throw Error(Exit::file, file.path() + ": " + name_ + " has " + std::to_string(rows_) + " rows, " + std::to_string(first + count) +
+                                " are needed: the file is damaged");
   }
   if (count == 0) return;
   const hsize_t start[2] = {first, 0}, size[2] = {count, static_cast<hsize_t>(components_)};

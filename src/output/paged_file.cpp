@@ -202,7 +202,8 @@ void PagedFile::write_pages(const Pages& pages, std::uint64_t end) {
   for (auto it = pages.begin(); it != pages.end();) {
     const std::uint64_t first = it->first * kPage;
     run.clear();
-    for (std::uint64_t next = it->first; it != pages.end() && it->first == next && run.size() < kRun; ++it, ++next) run.append(it->second.data(), kPage);
+    for (std::uint64_t next = it->first; it != pages.end() && it->first == next && run.size() < kRun; ++it, ++next)
+      run.append(it->second.data(), kPage);
     if (first < end) write_file(first, run.data(), std::min<std::uint64_t>(run.size(), end - first));
   }
 }

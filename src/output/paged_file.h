@@ -16,14 +16,18 @@ namespace mortise::output {
 // Error(Exit::file) with path and reason. Symbolic links are not followed where anything is written.
 class PagedFile {
  public:
-  enum class Access { create, write, read };  // create: replaces what is there; read: changes neither file nor journal, and keeps in memory what is written
+  enum class Access {
+    create,
+    write,
+    read
+  };  // create: replaces what is there; read: changes neither file nor journal, and keeps in memory what is written
   PagedFile(const std::string& path, Access access);
   ~PagedFile();
   PagedFile(const PagedFile&) = delete;
   PagedFile& operator=(const PagedFile&) = delete;
 
   const std::string& path() const { return path_; }
-  std::uint64_t end() const { return end_; }  // in bytes, with what is not committed yet
+  std::uint64_t end() const { return end_; }                            // in bytes, with what is not committed yet
   void read(std::uint64_t at, char* bytes, std::uint64_t count) const;  // zeros behind the end
   void write(std::uint64_t at, const char* bytes, std::uint64_t count);
   void set_end(std::uint64_t end) { end_ = end; }

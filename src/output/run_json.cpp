@@ -63,13 +63,9 @@ std::string run_json(const RunRecord& r) {
   j["git_sha1"] = r.git_sha1;
   j["libraries"] = r.libraries;
   j["hardware"] = {{"cpu", r.hardware.cpu}, {"cores", r.hardware.cores}, {"memory_bytes", r.hardware.memory_bytes}};
-  j["device"] = {{"kind", r.device.kind},
-                 {"name", r.device.name},
-                 {"threads", r.device.threads},
-                 {"memory_bytes", r.device.memory_bytes},
-                 {"driver", r.device.driver},
-                 {"runtime", r.device.runtime},
-                 {"architecture", r.device.architecture}};
+  j["device"] = {
+      {"kind", r.device.kind},     {"name", r.device.name},       {"threads", r.device.threads},          {"memory_bytes", r.device.memory_bytes},
+      {"driver", r.device.driver}, {"runtime", r.device.runtime}, {"architecture", r.device.architecture}};
   j["linear_solver"] = r.linear_solver;
   j["scene"] = {{"name", r.scene_name}, {"path", r.scene_path}, {"sha256", r.scene_sha256}};
   j["command_line"] = r.command_line;
@@ -84,7 +80,8 @@ std::string run_json(const RunRecord& r) {
   for (const auto& [kernel, count] : r.launches) j["launches"][kernel] = count;
   j["transfers"] = Json::object();
   for (const auto& t : r.transfers)
-    j["transfers"][t.of] = {{"to_device", t.to_device}, {"bytes_to_device", t.bytes_to_device}, {"to_host", t.to_host}, {"bytes_to_host", t.bytes_to_host}};
+    j["transfers"][t.of] = {
+        {"to_device", t.to_device}, {"bytes_to_device", t.bytes_to_device}, {"to_host", t.to_host}, {"bytes_to_host", t.bytes_to_host}};
   j["memory_peak_bytes"] = {{"host", r.host_memory_peak_bytes}, {"device", r.device_memory_peak_bytes}};
   j["frames"] = r.frames;
   Json& steps = j["steps"];
@@ -100,7 +97,8 @@ std::string run_json(const RunRecord& r) {
 std::optional<Exit> code_of_finished_run(const std::string& path, const std::string& scene_sha256) {
   try {
     const Json j = Json::parse(read_file(path));
-    if (j.at("filetype") == "mortise run" && j.at("status") == "done" && j.at("scene").at("sha256") == scene_sha256) return static_cast<Exit>(j.at("exit_code").get<int>());
+    if (j.at("filetype") == "mortise run" && j.at("status") == "done" && j.at("scene").at("sha256") == scene_sha256)
+      return static_cast<Exit>(j.at("exit_code").get<int>());
   } catch (const Error&) {
   } catch (const Json::exception&) {
   }

@@ -44,21 +44,19 @@ std::string escaped(const std::string& text) {
 }
 
 // Rows [first, first + count) of a dataset of `total` rows.
-std::string slab(const std::string& location, std::uint64_t first, std::uint64_t count, std::uint64_t total, int components,
-                 int precision) {
+std::string slab(const std::string& location, std::uint64_t first, std::uint64_t count, std::uint64_t total, int components, int precision) {
   const std::string c = std::to_string(components), n = std::to_string(count);
   return "<DataItem ItemType=\"HyperSlab\" Dimensions=\"" + n + " " + c + "\" Type=\"HyperSlab\">" + "<DataItem Dimensions=\"3 " +
-         std::string(components > 1 ? "2" : "1") + "\" Format=\"XML\">" + std::to_string(first) +
-         (components > 1 ? " 0 1 1 " : " 1 ") + n + (components > 1 ? " " + c : "") + "</DataItem>" + "<DataItem Dimensions=\"" +
-         std::to_string(total) + (components > 1 ? " " + c : "") + "\" NumberType=\"Float\" Precision=\"" +
-         std::to_string(precision) + "\" Format=\"HDF\">" + location + "</DataItem></DataItem>";
+         std::string(components > 1 ? "2" : "1") + "\" Format=\"XML\">" + std::to_string(first) + (components > 1 ? " 0 1 1 " : " 1 ") + n +
+         (components > 1 ? " " + c : "") + "</DataItem>" + "<DataItem Dimensions=\"" + std::to_string(total) + (components > 1 ? " " + c : "") +
+         "\" NumberType=\"Float\" Precision=\"" + std::to_string(precision) + "\" Format=\"HDF\">" + location + "</DataItem></DataItem>";
 }
 
 std::string topology(const XdmfDescription& d, const std::string& file) {
   const bool uniform = d.uniform_type != 0;
   const std::string cells = std::to_string(d.cells);
-  std::string text = "<Topology TopologyType=\"" + std::string(uniform ? shape_of(d.uniform_type).xdmf_name : "Mixed") +
-                     "\" NumberOfElements=\"" + cells + "\"><DataItem Dimensions=\"";
+  std::string text = "<Topology TopologyType=\"" + std::string(uniform ? shape_of(d.uniform_type).xdmf_name : "Mixed") + "\" NumberOfElements=\"" +
+                     cells + "\"><DataItem Dimensions=\"";
   text += uniform ? cells + " " + std::to_string(d.cells > 0 ? d.topology_size / d.cells : 0) : std::to_string(d.topology_size);
   return text + "\" NumberType=\"Int\" Precision=\"8\" Format=\"HDF\">" + file +
          (uniform ? ":/VTKHDF/Connectivity" : ":/mortise/mesh/xdmf_topology") + "</DataItem></Topology>";
@@ -79,20 +77,15 @@ std::string xdmf_text(const XdmfDescription& d) {
     char time[64];
     std::snprintf(time, sizeof time, "%.17g", d.times[f]);
     text += "<Grid Name=\"frame_" + std::to_string(f) + "\" GridType=\"Uniform\"><Time Value=\"" + time + "\"/>\n" + mesh +
-            "\n<Geometry GeometryType=\"XYZ\">" +
-            slab(file + ":/VTKHDF/Points", f * d.points, d.points, frames * d.points, 3, d.precision) + "</Geometry>\n";
+            "\n<Geometry GeometryType=\"XYZ\">" + slab(file + ":/VTKHDF/Points", f * d.points, d.points, frames * d.points, 3, d.precision) +
+            "</Geometry>\n";
     for (const XdmfField& field : d.fields) {
       const std::uint64_t n = field.on_cells ? d.cells : d.points;
-      const char* type = field.components == 1   ? "Scalar"
-                         : field.components == 3 ? "Vector"
-                         : field.components == 9 ? "Tensor"
-                                                 : "Matrix";
+      const char* type = field.components == 1 ? "Scalar" : field.components == 3 ? "Vector" : field.components == 9 ? "Tensor" : "Matrix";
       const std::string where = file + (field.on_cells ? ":/VTKHDF/CellData/" : ":/VTKHDF/PointData/") + field.name;
-      text += "<Attribute Name=\"" + field.name + "\" AttributeType=\"" + type + "\" Center=\"" +
-              (field.on_cells ? "Cell" : "Node") + "\">";
+      text += "<Attribute Name=\"" + field.name + "\" AttributeType=\"" + type + "\" Center=\"" + (field.on_cells ? "Cell" : "Node") + "\">";
       if (field.constant) {
-        text += "<DataItem Dimensions=\"" + std::to_string(n) + "\" NumberType=\"Int\" Precision=\"4\" Format=\"HDF\">" + where +
-                "</DataItem>";
+        text += "<DataItem Dimensions=\"" + std::to_string(n) + "\" NumberType=\"Int\" Precision=\"4\" Format=\"HDF\">" + where + "</DataItem>";
       } else {
         text += slab(where, f * n, n, frames * n, field.components, d.precision);
       }

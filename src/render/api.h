@@ -18,12 +18,12 @@ struct MortiseRenderPart {
 
 struct MortiseRenderMesh {
   std::int32_t vertices, triangles, parts;
-  const float* positions;          // vertices x 3
-  const float* normals;            // vertices x 3, unit
-  const float* uvs;                // vertices x 2 or null; v points up, as in OBJ
-  const float* scalars;            // vertices or null: coloured by the colour map
-  const std::int32_t* corners;     // triangles x 3
-  const MortiseRenderPart* part;   // parts
+  const float* positions;         // vertices x 3
+  const float* normals;           // vertices x 3, unit
+  const float* uvs;               // vertices x 2 or null; v points up, as in OBJ
+  const float* scalars;           // vertices or null: coloured by the colour map
+  const std::int32_t* corners;    // triangles x 3
+  const MortiseRenderPart* part;  // parts
 };
 
 struct MortiseRenderPlane {
@@ -33,9 +33,9 @@ struct MortiseRenderPlane {
 };
 
 struct MortiseRenderCamera {
-  std::int32_t fisheye;                       // 0: pinhole
-  float position[3], forward[3], up[3];       // forward and up: unit, orthogonal
-  float fov;                                  // rad; pinhole: over the height; fisheye: over the shorter side
+  std::int32_t fisheye;                  // 0: pinhole
+  float position[3], forward[3], up[3];  // forward and up: unit, orthogonal
+  float fov;                             // rad; pinhole: over the height; fisheye: over the shorter side
 };
 
 struct MortiseRenderJob {
@@ -43,10 +43,10 @@ struct MortiseRenderJob {
   const MortiseRenderMesh* mesh;
   const MortiseRenderPlane* plane;
   MortiseRenderCamera camera;
-  float world_up[3];                          // where the light comes from
+  float world_up[3];  // where the light comes from
   float background_top[3], background_bottom[3];
-  float centre[3], radius;                    // sphere around everything that throws a shadow
-  const std::uint8_t* colour_map;             // 256 x 3, sRGB
+  float centre[3], radius;         // sphere around everything that throws a shadow
+  const std::uint8_t* colour_map;  // 256 x 3, sRGB
   float scalar_low, scalar_high;
 };
 

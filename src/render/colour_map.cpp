@@ -17,9 +17,7 @@ std::array<double, 3> linear_of_oklab(double lightness, double a, double b) {
           -0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s};
 }
 
-bool shown(const std::array<double, 3>& c) {
-  return *std::min_element(c.begin(), c.end()) >= 0 && *std::max_element(c.begin(), c.end()) <= 1;
-}
+bool shown(const std::array<double, 3>& c) { return *std::min_element(c.begin(), c.end()) >= 0 && *std::max_element(c.begin(), c.end()) <= 1; }
 
 // Lightness and hue are kept; chroma stays below nine tenths of what a screen can show there.
 void put(ColourMap& map, int i, double lightness, double chroma, double hue_degrees) {
@@ -31,8 +29,7 @@ void put(ColourMap& map, int i, double lightness, double chroma, double hue_degr
   }
   chroma = std::min(chroma, 0.9 * low);
   const auto c = linear_of_oklab(lightness, chroma * std::cos(h), chroma * std::sin(h));
-  for (int k = 0; k < 3; ++k)
-    map[3 * i + k] = static_cast<std::uint8_t>(std::lround(255 * srgb_of_linear(std::clamp(c[k], 0.0, 1.0))));
+  for (int k = 0; k < 3; ++k) map[3 * i + k] = static_cast<std::uint8_t>(std::lround(255 * srgb_of_linear(std::clamp(c[k], 0.0, 1.0))));
 }
 
 }  // namespace

@@ -18,9 +18,7 @@ constexpr double kCrease = 0.7;  // [rad] sharper edges of simulation surfaces a
 Vec3 linear(const Vec3& srgb) { return {linear_of_srgb(srgb[0]), linear_of_srgb(srgb[1]), linear_of_srgb(srgb[2])}; }
 
 // The look of a body that has no materials of its own.
-Material material_of(const Params& visual) {
-  return {linear(visual.vec3("color")), visual.number("roughness"), visual.number("metallic"), nullptr};
-}
+Material material_of(const Params& visual) { return {linear(visual.vec3("color")), visual.number("roughness"), visual.number("metallic"), nullptr}; }
 
 std::shared_ptr<const Texture> texture_of(const geometry::Texture& t, const std::string& name) {
   if (t.empty()) return nullptr;
@@ -35,8 +33,7 @@ DrawMesh read_draw_mesh(const Params& body) {
   const Params* mesh = shape != nullptr ? shape->find("mesh") : nullptr;
   const double scale = mesh != nullptr ? mesh->number("scale") : 1;
   Mat3 rotation = Mat3::Identity();
-  if (const Params* r = body.find("rotation"))
-    rotation = Eigen::AngleAxisd(r->number("angle"), r->vec3("axis").normalized()).toRotationMatrix();
+  if (const Params* r = body.find("rotation")) rotation = Eigen::AngleAxisd(r->number("angle"), r->vec3("axis").normalized()).toRotationMatrix();
   DrawMesh out;
   for (const Vec3& x : file.points) out.points.push_back(rotation * (scale * x) + body.vec3("position"));
   for (const Vec3& n : file.normals) out.normals.push_back(rotation * n);
@@ -46,8 +43,7 @@ DrawMesh read_draw_mesh(const Params& body) {
   out.materials.clear();
   // Materials of the file hold; where it names none the keys of `visual` do, and `visual.texture` replaces the file's.
   for (const geometry::VisualMaterial& m : file.materials)
-    out.materials.push_back(m.name.empty() ? material_of(visual)
-                                           : Material{m.base_color, m.roughness, m.metallic, texture_of(m.texture, m.name)});
+    out.materials.push_back(m.name.empty() ? material_of(visual) : Material{m.base_color, m.roughness, m.metallic, texture_of(m.texture, m.name)});
   if (out.materials.empty()) out.materials.push_back(material_of(visual));
   if (const Params* texture = visual.find("texture")) {
     const auto picture = std::make_shared<Texture>(read_texture(texture->as_text()));

@@ -12,8 +12,8 @@
 
 namespace mortise::render {
 
-Camera camera_of(const Params& camera);                     // one entry of render.cameras
-GroundPlane ground_of(const Params& body);                  // a body of type half_space
+Camera camera_of(const Params& camera);     // one entry of render.cameras
+GroundPlane ground_of(const Params& body);  // a body of type half_space
 // The label is the field's name, written with spaces; `low`, `high` in SI. Without a `unit` the numbers are SI and bare.
 ColourBar bar_of(const Params& camera, double low, double high);
 

@@ -15,8 +15,8 @@ struct Camera {
   Model model = Model::pinhole;
   Vec3 position{0, -1, 0.5};
   Vec3 look_at{0, 0, 0};
-  Vec3 up{0, 0, 1};   // where up is in the world; need not be orthogonal to the line of sight
-  double fov = 0.6;   // [rad]; pinhole: over the height; fisheye: over the shorter side, at most 2 pi
+  Vec3 up{0, 0, 1};  // where up is in the world; need not be orthogonal to the line of sight
+  double fov = 0.6;  // [rad]; pinhole: over the height; fisheye: over the shorter side, at most 2 pi
 };
 
 struct Material {

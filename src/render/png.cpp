@@ -1,6 +1,5 @@
-#include <png.h>
-
 #include <fcntl.h>
+#include <png.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -31,8 +30,8 @@ bool encode(std::FILE* file, const Image& image) {
   png_init_io(png, file);
   png_set_compression_level(png, 2);
   png_set_filter(png, 0, PNG_FILTER_SUB | PNG_FILTER_UP);
-  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 8, PNG_COLOR_TYPE_RGB,
-               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
   char key[] = "Software", name[] = "mortise";  // by which is_our_png() knows it again
   png_text text = {};
@@ -75,8 +74,7 @@ Image read_png(const std::string& path) {
   png_image header;
   std::memset(&header, 0, sizeof header);
   header.version = PNG_IMAGE_VERSION;
-  if (png_image_begin_read_from_file(&header, path.c_str()) == 0)
-    throw Error(Exit::file, "cannot read the picture " + path + ": " + header.message);
+  if (png_image_begin_read_from_file(&header, path.c_str()) == 0) throw Error(Exit::file, "cannot read the picture " + path + ": " + header.message);
   if (header.width > 16384 || header.height > 16384) {
     png_image_free(&header);
     throw Error(Exit::file, "the picture " + path + " is larger than 16384 x 16384 pixels");

@@ -64,8 +64,9 @@ struct Renderer::Module {
     const auto known = textures.find(texture.get());
     if (known != textures.end()) return known->second.second;
     const int id = api->add_texture(context, texture->rgba.data(), texture->width, texture->height);
-    if (id == 0) throw Error(Exit::device, "the renderer cannot take a texture of " + std::to_string(texture->width) + " x " +
-                                               std::to_string(texture->height) + " pixels");
+    if (id == 0)
+      throw Error(Exit::device,
+                  "the renderer cannot take a texture of " + std::to_string(texture->width) + " x " + std::to_string(texture->height) + " pixels");
     textures[texture.get()] = {texture, id};
     return id;
   }
@@ -105,8 +106,7 @@ Renderer::Renderer() : module_(std::make_unique<Module>()) {
     if (module_->handle != nullptr) break;
     tried += std::string("\n  ") + dlerror();
   }
-  if (module_->handle == nullptr)
-    throw Error(Exit::device, std::string("no pictures: the drawing module ") + kModule + " cannot be loaded" + tried);
+  if (module_->handle == nullptr) throw Error(Exit::device, std::string("no pictures: the drawing module ") + kModule + " cannot be loaded" + tried);
   const auto entry = reinterpret_cast<MortiseRenderEntry>(dlsym(module_->handle, "mortise_render_api"));
   module_->api = entry != nullptr ? entry() : nullptr;
   if (module_->api == nullptr || module_->api->version != MORTISE_RENDER_API)
@@ -148,9 +148,8 @@ Image Renderer::draw(const RenderJob& job) {
   }
   for (const Packed& p : packed)
     meshes.push_back({static_cast<std::int32_t>(p.positions.size() / 3), static_cast<std::int32_t>(p.corners.size() / 3),
-                      static_cast<std::int32_t>(p.parts.size()), p.positions.data(), p.normals.data(),
-                      p.uvs.empty() ? nullptr : p.uvs.data(), p.scalars.empty() ? nullptr : p.scalars.data(), p.corners.data(),
-                      p.parts.data()});
+                      static_cast<std::int32_t>(p.parts.size()), p.positions.data(), p.normals.data(), p.uvs.empty() ? nullptr : p.uvs.data(),
+                      p.scalars.empty() ? nullptr : p.scalars.data(), p.corners.data(), p.parts.data()});
   std::vector<MortiseRenderPlane> planes;
   for (const GroundPlane& g : job.planes) {
     MortiseRenderPlane& plane = planes.emplace_back();

@@ -31,8 +31,7 @@ Texture read_texture(const std::vector<std::uint8_t>& bytes, const std::string& 
   if (t.width > kMostSide || t.height > kMostSide || static_cast<long long>(t.width) * t.height > kMostPixels)
     throw Error(Exit::scene, "texture " + name + " has " + std::to_string(t.width) + " x " + std::to_string(t.height) + " pixels; must be at most " +
                                  std::to_string(kMostSide) + " on a side and " + std::to_string(kMostPixels >> 20) + " million in all");
-  stbi_uc* pixels =
-      stbi_load_from_memory(bytes.data(), static_cast<int>(bytes.size()), &t.width, &t.height, &channels, 4);
+  stbi_uc* pixels = stbi_load_from_memory(bytes.data(), static_cast<int>(bytes.size()), &t.width, &t.height, &channels, 4);
   if (pixels == nullptr) refuse();
   t.rgba.assign(pixels, pixels + static_cast<std::size_t>(t.width) * t.height * 4);
   stbi_image_free(pixels);

@@ -36,7 +36,13 @@ using Time = std::chrono::steady_clock;
 class Batch {
  public:
   Batch(const Options& o, const scene::Scene& scene, std::span<const scene::EffectTable> tables)
-      : o_(o), scene_(scene), tables_(tables), name_(scene.root.text("name")), folder_(folder_of(o, scene.root)), progress_(o.json, o.quiet), ends_(scene::environment_count(scene.root)) {}
+      : o_(o),
+        scene_(scene),
+        tables_(tables),
+        name_(scene.root.text("name")),
+        folder_(folder_of(o, scene.root)),
+        progress_(o.json, o.quiet),
+        ends_(scene::environment_count(scene.root)) {}
 
   Exit go() {
     prepare();
@@ -56,10 +62,13 @@ class Batch {
   bool stop() const { return stop_asked() || (o_.walltime > 0 && since_begin() > o_.walltime - o_.grace); }
 
   void prepare() {
-    if (o_.resume == "yes" && !folder_.exists()) throw Error(Exit::file, "--resume: there is no folder '" + folder_.path() + "' (use --resume=auto to start afresh then)");
+    if (o_.resume == "yes" && !folder_.exists())
+      throw Error(Exit::file, "--resume: there is no folder '" + folder_.path() + "' (use --resume=auto to start afresh then)");
     if (const std::string taken = folder_.lock(); !taken.empty()) progress_.note(taken);
     if (folder_.used() && o_.resume.empty()) {
-      if (!o_.overwrite) throw Error(Exit::usage, "'" + folder_.path() + "' is not empty; use --overwrite to replace its results, --resume to continue, or another -o");
+      if (!o_.overwrite)
+        throw Error(Exit::usage,
+                    "'" + folder_.path() + "' is not empty; use --overwrite to replace its results, --resume to continue, or another -o");
       folder_.remove_results();
     }
     fs::remove(folder_.file("run.json"));  // written last: this run has not ended
@@ -82,7 +91,10 @@ class Batch {
     const Params& time = scene_.root.at("time");
     const long all = time.integer("steps"), steps = o_.frames >= 0 ? std::min<long>(all, o_.frames * time.integer("frame_every")) : all;
     const long at_once = gpu ? 1 : std::min<long>(threads_, count());
-    progress_.start(name_, fmt::format("{} environment{}, {} at a time; {} steps each; results in {}", count(), count() == 1 ? "" : "s", at_once, steps, folder_.path()), count(), steps);
+    progress_.start(
+        name_,
+        fmt::format("{} environment{}, {} at a time; {} steps each; results in {}", count(), count() == 1 ? "" : "s", at_once, steps, folder_.path()),
+        count(), steps);
   }
 
   // One thread each while there are enough environments for all threads; the last ones share what is left.
@@ -102,7 +114,8 @@ class Batch {
     const std::string& drawn = scene_.root.at("environments").text("pictures");
     one.no_render = one.no_render || drawn == "none" || (drawn == "first" && e > 0);
     free_ -= one.threads;
-    running_.push_back(std::make_unique<EnvironmentProcess>(e, one.threads, [this, &one](Progress& progress) { return run_environment(one, scene_, tables_, progress); }));
+    running_.push_back(std::make_unique<EnvironmentProcess>(
+        e, one.threads, [this, &one](Progress& progress) { return run_environment(one, scene_, tables_, progress); }));
   }
 
   void listen() {
@@ -125,7 +138,8 @@ class Batch {
 
   // What all environments would say is said once.
   void hear(long e, const std::string& line) {
-    const bool note = line.rfind("{\"event\":\"note\"", 0) == 0, own = line.rfind("{\"event\":\"step\"", 0) == 0 || line.rfind("{\"event\":\"frame\"", 0) == 0;
+    const bool note = line.rfind("{\"event\":\"note\"", 0) == 0,
+               own = line.rfind("{\"event\":\"step\"", 0) == 0 || line.rfind("{\"event\":\"frame\"", 0) == 0;
     if (note || own) progress_.event(e, line);
     if (!note || o_.json) return;
     const std::string text = text_of(line);
@@ -145,8 +159,9 @@ class Batch {
   // What sums the environments up.
   Exit finish() {
     const auto how_many = [&](auto is) { return std::count_if(ends_.begin(), ends_.end(), is); };
-    const long failed = how_many([](const EnvironmentEnd& e) { return e.failed(); }), unfinished = how_many([](const EnvironmentEnd& e) { return e.code < 0 || e.stopped(); }),
-               refused = how_many([](const EnvironmentEnd& e) { return e.code == static_cast<int>(Exit::checks); });
+    const long failed = how_many([](const EnvironmentEnd&e) { return e.failed(); }),
+               unfinished = how_many([](const EnvironmentEnd&e) { return e.code < 0 || e.stopped(); }),
+               refused = how_many([](const EnvironmentEnd&e) { return e.code == static_cast<int>(Exit::checks); });
     BatchEnd end{name_, scene::identity(scene_.root), static_cast<long>(scene_.root.at("environments").integer("seed")), threads_, Exit::done, "", 0};
     if (unfinished > 0) {
       end.code = Exit::stopped;
@@ -157,12 +172,14 @@ class Batch {
       for (long e = 0; e < count(); ++e) {
         if (!ends_[e].failed()) continue;
         // A bad scene and a failed step are an environment's own; what is left hangs on the machine.
-        if (ends_[e].code != static_cast<int>(Exit::solve) && ends_[e].code != static_cast<int>(Exit::scene) && end.code == Exit::solve) end.code = static_cast<Exit>(ends_[e].code);
+        if (ends_[e].code != static_cast<int>(Exit::solve) && ends_[e].code != static_cast<int>(Exit::scene) && end.code == Exit::solve)
+          end.code = static_cast<Exit>(ends_[e].code);
         constexpr long kNamed = 10;
         if (named++ < kNamed) which += (which.empty() ? "" : ", ") + std::to_string(e);
         if (named == kNamed + 1) which += ", ...";
       }
-      end.message = fmt::format("{} of {} environments failed ({}); {} says why, and all others are complete", failed, count(), which, folder_.file("environments.csv"));
+      end.message = fmt::format("{} of {} environments failed ({}); {} says why, and all others are complete", failed, count(), which,
+                                folder_.file("environments.csv"));
       if (failed == count()) end.message = fmt::format("all {} environments failed; the first: {}", count(), ends_[0].message);
     } else if (refused > 0) {
       end.code = Exit::checks, end.message = fmt::format("checks failed in {} of {} environments", refused, count());
@@ -182,9 +199,12 @@ class Batch {
     } else {
       double cpu = 0;
       for (const EnvironmentEnd& e : ends_) cpu += e.cpu;
-      progress_.end(fmt::format("{}: {} environment{}, {} of CPU time", end.code == Exit::done ? "done" : end.message, count(), count() == 1 ? "" : "s", duration_text(cpu)), end.wall);
+      progress_.end(fmt::format("{}: {} environment{}, {} of CPU time", end.code == Exit::done ? "done" : end.message, count(),
+                                count() == 1 ? "" : "s", duration_text(cpu)),
+                    end.wall);
     }
-    if (progress_.lost()) throw Error(Exit::file, "the standard output could not be written to the end; the results in '" + folder_.path() + "' are complete");
+    if (progress_.lost())
+      throw Error(Exit::file, "the standard output could not be written to the end; the results in '" + folder_.path() + "' are complete");
     return end.code;
   }
 
@@ -241,6 +261,8 @@ std::string Batch::text_of(const std::string& line) {
 
 }  // namespace
 
-Exit run_batch(const Options& options, const scene::Scene& scene, std::span<const scene::EffectTable> tables) { return Batch(options, scene, tables).go(); }
+Exit run_batch(const Options& options, const scene::Scene& scene, std::span<const scene::EffectTable> tables) {
+  return Batch(options, scene, tables).go();
+}
 
 }  // namespace mortise::run

@@ -49,7 +49,8 @@ void BatchProgress::ended(long environment, const EnvironmentEnd& end) {
   if (json_) return;
   if (end.failed() || !terminal_) {
     clear();
-    std::string text = fmt::format("environment {:>4}  {:<13}  {:>3}/{}  {:>4} steps  newton {:>5}  {:.2f} s", environment, end.status(), ended_, environments_, end.steps, end.newton, end.wall);
+    std::string text = fmt::format("environment {:>4}  {:<13}  {:>3}/{}  {:>4} steps  newton {:>5}  {:.2f} s", environment, end.status(), ended_,
+                                   environments_, end.steps, end.newton, end.wall);
     if (!end.grade.empty()) text += "  grade " + end.grade;
     if (end.failed()) text += "\n  " + end.message;
     line(text);

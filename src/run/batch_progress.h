@@ -6,8 +6,8 @@
 
 namespace mortise::run {
 
-// Tells the user how a batch goes: one line that rewrites itself on a terminal, one line per environment otherwise (both on stderr), or the events of all
-// environments with their number, as JSON lines on stdout.
+// Tells the user how a batch goes: one line that rewrites itself on a terminal, one line per environment otherwise (both on stderr), or the events of
+// all environments with their number, as JSON lines on stdout.
 class BatchProgress {
  public:
   BatchProgress(bool json, bool quiet);

@@ -54,7 +54,8 @@ Certificate::Certificate(const model::ModelInput& input) : stress_error_(input),
   for (const model::BodyInput& body : input.bodies) {
     if (body.type != model::BodyType::soft || body.nodes.empty()) continue;
     const double E = body.material.number("youngs_modulus"), size = geometry::bounds_of(body.nodes).size().norm();
-    force_floor_ = std::max(force_floor_, kStrain * E * size * size), energy_floor_ = std::max(energy_floor_, kStrain * kStrain * E * size * size * size);
+    force_floor_ = std::max(force_floor_, kStrain * E * size * size),
+    energy_floor_ = std::max(energy_floor_, kStrain * kStrain * E * size * size * size);
   }
   const Params& scene = input.scene;
   for (const model::BodyInput& body : input.bodies)
@@ -62,7 +63,8 @@ Certificate::Certificate(const model::ModelInput& input) : stress_error_(input),
   locking_risks_ = locking_risks(input);
   for (const scene::PassThrough& p : scene::pass_through(scene, engine::effect_tables())) passes_through_.push_back(p.text());
   const Params& effects = scene.at("effects");
-  for (const std::string& name : effects::of_role(effects, effects::Role::contact)) d_hat_[name] = effects::contact::support_radius(effects.at(name), input);
+  for (const std::string& name : effects::of_role(effects, effects::Role::contact))
+    d_hat_[name] = effects::contact::support_radius(effects.at(name), input);
   for (const std::string& name : effects::of_role(effects, effects::Role::follower)) {
     if (const Params* creep = effects.at(name).find("creep_speed")) creep_speed_ = creep->as_number();
   }
@@ -79,7 +81,7 @@ void Certificate::state(const Snapshot& said) {
   for (const auto& [name, v] : said.number) finite(leaf_of(name), v);
 
   double energy = 0;
-  double unsupported = NAN;  // load of a held body that its supports do not bear [N]
+  double unsupported = NAN;             // load of a held body that its supports do not bear [N]
   double elastic = 0, guard_share = 0;  // [J], 1
   bool any_energy = false;
   for (const auto& [name, v] : said.number) {
@@ -99,7 +101,8 @@ void Certificate::state(const Snapshot& said) {
   const ForceBalance balance = force_balance(said);
   // Errors of fields are judged at the state that is loaded most.
   const auto stress = said.cell.find("cauchy_stress");
-  if (stress != said.cell.end() && elastic > std::max(most_elastic_, energy_floor_)) most_elastic_ = elastic, stress_estimate_ = stress_error_.of(stress->second);
+  if (stress != said.cell.end() && elastic > std::max(most_elastic_, energy_floor_))
+    most_elastic_ = elastic, stress_estimate_ = stress_error_.of(stress->second);
   const std::map<std::string, LayerError::Samples> samples = samples_of(said);
   double pressed = 0;
   const auto of_points = [&](const char* name, int components) {
@@ -117,7 +120,8 @@ void Certificate::state(const Snapshot& said) {
     if (held.empty()) held.assign(bond.size(), 0.0);
     for (std::size_t i = 0; i < bond.size(); ++i) held[i] += bond[i];
     for (const auto& [effect, of] : samples)
-      if (!of.gap.empty() && of.bodies.size() == 2 * of.force.size()) layer_ = std::fmax(layer_, layer_error_.of(of, of_points("displacement", 3), held, pressure));
+      if (!of.gap.empty() && of.bodies.size() == 2 * of.force.size())
+        layer_ = std::fmax(layer_, layer_error_.of(of, of_points("displacement", 3), held, pressure));
   }
   largest(written_newton_, said.at("balance/written_defect"));
   largest(balance_newton_, balance.defect);
@@ -163,16 +167,46 @@ void Certificate::checkpoint(Archive& archive) {
   archive.io("first_not_finite", first_not_finite_);
   archive.io("pressure_roughness", pressure_estimate_.roughness);
   archive.io("pressure_nodes", pressure_estimate_.nodes);
-  for (auto [name, value] : {std::pair{"not_finite", &not_finite_}, {"steps", &steps_}, {"first_step", &first_step_}, {"newton", &newton_}, {"most_newton", &most_newton_},
-                             {"lag", &lag_}, {"cg", &cg_}, {"halved", &halved_}, {"line_search", &line_search_}, {"regularised", &regularised_}})
+  for (auto [name, value] : {std::pair{"not_finite", &not_finite_},
+                             {"steps", &steps_},
+                             {"first_step", &first_step_},
+                             {"newton", &newton_},
+                             {"most_newton", &most_newton_},
+                             {"lag", &lag_},
+                             {"cg", &cg_},
+                             {"halved", &halved_},
+                             {"line_search", &line_search_},
+                             {"regularised", &regularised_}})
     archive.io(name, *value);
-  for (auto [name, value] : {std::pair{"balance_newton", &balance_newton_}, {"balance_relative", &balance_relative_}, {"unsupported_newton", &unsupported_newton_},
-                             {"unsupported_relative", &unsupported_relative_}, {"written_newton", &written_newton_}, {"written_relative", &written_relative_}, {"rigidity", &rigidity_}, {"tie_error", &tie_error_},
-                             {"most_elastic", &most_elastic_}, {"stress_estimate", &stress_estimate_}, {"most_pressed", &most_pressed_}, {"guard_share", &guard_share_}, {"layer", &layer_},
-                             {"first_energy", &first_energy_}, {"last_energy", &last_energy_}, {"largest_rise", &largest_rise_},
-                             {"begin", &begin_}, {"end", &end_}, {"residual", &residual_}, {"over_tolerance", &over_tolerance_}, {"residual_share", &residual_share_}, {"lag_residual", &lag_residual_},
-                             {"lag_share", &lag_share_}, {"least_alpha", &least_alpha_}, {"first_momentum_x", &first_momentum_[0]}, {"first_momentum_y", &first_momentum_[1]},
-                             {"first_momentum_z", &first_momentum_[2]}, {"last_momentum_x", &last_momentum_[0]}, {"last_momentum_y", &last_momentum_[1]},
+  for (auto [name, value] : {std::pair{"balance_newton", &balance_newton_},
+                             {"balance_relative", &balance_relative_},
+                             {"unsupported_newton", &unsupported_newton_},
+                             {"unsupported_relative", &unsupported_relative_},
+                             {"written_newton", &written_newton_},
+                             {"written_relative", &written_relative_},
+                             {"rigidity", &rigidity_},
+                             {"tie_error", &tie_error_},
+                             {"most_elastic", &most_elastic_},
+                             {"stress_estimate", &stress_estimate_},
+                             {"most_pressed", &most_pressed_},
+                             {"guard_share", &guard_share_},
+                             {"layer", &layer_},
+                             {"first_energy", &first_energy_},
+                             {"last_energy", &last_energy_},
+                             {"largest_rise", &largest_rise_},
+                             {"begin", &begin_},
+                             {"end", &end_},
+                             {"residual", &residual_},
+                             {"over_tolerance", &over_tolerance_},
+                             {"residual_share", &residual_share_},
+                             {"lag_residual", &lag_residual_},
+                             {"lag_share", &lag_share_},
+                             {"least_alpha", &least_alpha_},
+                             {"first_momentum_x", &first_momentum_[0]},
+                             {"first_momentum_y", &first_momentum_[1]},
+                             {"first_momentum_z", &first_momentum_[2]},
+                             {"last_momentum_x", &last_momentum_[0]},
+                             {"last_momentum_y", &last_momentum_[1]},
                              {"last_momentum_z", &last_momentum_[2]}})
     archive.io(name, *value);
 }

@@ -52,17 +52,17 @@ class Certificate {
   StressError stress_error_;
   PressureError pressure_error_;
   LayerError layer_error_;
-  std::vector<std::string> passes_through_;          // what nothing keeps apart
+  std::vector<std::string> passes_through_;  // what nothing keeps apart
   std::vector<std::string> locking_risks_;
-  std::map<std::string, std::string> volumetric_;    // how soft bodies resist changes of volume
-  double force_floor_ = 0, energy_floor_ = 0;  // [N], [J]: of strains that are rounding
-  std::string inertia_;  // the effect of that role, if there is one
+  std::map<std::string, std::string> volumetric_;  // how soft bodies resist changes of volume
+  double force_floor_ = 0, energy_floor_ = 0;      // [N], [J]: of strains that are rounding
+  std::string inertia_;                            // the effect of that role, if there is one
   double creep_speed_ = NAN;
   std::map<std::string, double> d_hat_;  // by contact effect [m]
   // Of all states
   Range distance_, det_F_, partition_;
-  Range pressure_sum_;  // samples against the forces on points, relative
-  std::map<std::string, Range> gap_share_;  // gap/d_hat of the samples that carry force, by effect
+  Range pressure_sum_;                        // samples against the forces on points, relative
+  std::map<std::string, Range> gap_share_;    // gap/d_hat of the samples that carry force, by effect
   std::map<std::string, double> kind_share_;  // share of force by kind of sample, last state
   long not_finite_ = 0;
   std::string first_not_finite_;

@@ -152,7 +152,8 @@ void Checks::checkpoint(Archive& archive) {
   for (std::size_t i = 0; i < criteria_.size(); ++i) {
     Criterion& c = criteria_[i];
     PrefixedArchive part(archive, "criterion" + std::to_string(i));
-    for (auto [name, value] : {std::pair{"first", &c.first}, {"last", &c.last}, {"least", &c.least}, {"most", &c.most}, {"sum", &c.sum}}) part.io(name, *value);
+    for (auto [name, value] : {std::pair{"first", &c.first}, {"last", &c.last}, {"least", &c.least}, {"most", &c.most}, {"sum", &c.sum}})
+      part.io(name, *value);
     part.io("count", c.count);
     part.io("not_finite", c.not_finite);
   }

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/snapshot.h"
 #include "base/params.h"
+#include "base/snapshot.h"
 #include "model/input.h"
 #include "run/measured_body.h"
 #include "run/state_audit.h"
@@ -28,7 +28,7 @@ class Checks {
   void checkpoint(Archive& archive);  // all that was measured so far
 
   struct Verdict {
-    std::string text;  // "position of cube (z) at the end near 0.5 +- 0.001"
+    std::string text;    // "position of cube (z) at the end near 0.5 +- 0.001"
     double value = NAN;  // the worst, or the one asked for; NaN: none was measured
     std::string found;   // of an outcome
     bool pass = false;

@@ -29,7 +29,12 @@ std::string cell(const std::string& text) {
 class Episodes {
  public:
   Episodes(const Options& o, const scene::Scene& all, std::span<const scene::EffectTable> tables, Progress& progress)
-      : o_(o), all_(all), tables_(tables), progress_(progress), folder_(folder_of(o, all.root)), conditions_(all.root.at("environments").at("reset").items()) {}
+      : o_(o),
+        all_(all),
+        tables_(tables),
+        progress_(progress),
+        folder_(folder_of(o, all.root)),
+        conditions_(all.root.at("environments").at("reset").items()) {}
 
   Exit go() {
     prepare();
@@ -49,7 +54,9 @@ class Episodes {
     if (o_.frames >= 0) total_ = std::min(total_, o_.frames * static_cast<long>(time.integer("frame_every")));
     if (const std::string taken_over = folder_.lock(); !taken_over.empty()) progress_.note(taken_over);
     if (o_.resume.empty() && folder_.used()) {
-      if (!o_.overwrite) throw Error(Exit::usage, "'" + folder_.path() + "' is not empty; use --overwrite to replace its results, --resume to continue, or another -o");
+      if (!o_.overwrite)
+        throw Error(Exit::usage,
+                    "'" + folder_.path() + "' is not empty; use --overwrite to replace its results, --resume to continue, or another -o");
       folder_.remove_results();
     }
     done_ = episodes_in(folder_.path());
@@ -57,7 +64,8 @@ class Episodes {
 
   long taken() const { return done_.empty() ? 0 : done_.back().first_step + done_.back().steps; }
   bool survives(Exit code) const {
-    return (code == Exit::solve || code == Exit::scene) && std::any_of(conditions_.begin(), conditions_.end(), [](const Params& c) { return c.has("failure"); });
+    return (code == Exit::solve || code == Exit::scene) &&
+           std::any_of(conditions_.begin(), conditions_.end(), [](const Params& c) { return c.has("failure"); });
   }
 
   // Runs one; `more`: a condition ended it.

@@ -9,8 +9,9 @@
 
 namespace mortise::run {
 
-// Environment options.environment of a scene as a scene of its own, or one episode of it. With environments.reset its episodes follow each other until all have
-// taken time.steps in sum, each in a folder of its own, episode_0003, from the start and with numbers of its own: nothing of one reaches the next. Returns and throws as run_one().
+// Environment options.environment of a scene as a scene of its own, or one episode of it. With environments.reset its episodes follow each other
+// until all have taken time.steps in sum, each in a folder of its own, episode_0003, from the start and with numbers of its own: nothing of one
+// reaches the next. Returns and throws as run_one().
 Exit run_environment(const Options& options, const scene::Scene& all, std::span<const scene::EffectTable> tables, Progress& progress);
 
 // What an environment's episodes.csv says of an episode that has ended.

@@ -41,7 +41,8 @@ void read_run(const std::string& folder, EnvironmentEnd& end) {
     const Json& steps = run["steps"];
     end.steps += steps.value("count", 0L);
     end.frames += run["frames"].get<long>();
-    if (const auto it = steps.find("newton_iterations"); it != steps.end() && it->is_object()) end.newton += static_cast<long>(it->value("total", 0.0));
+    if (const auto it = steps.find("newton_iterations"); it != steps.end() && it->is_object())
+      end.newton += static_cast<long>(it->value("total", 0.0));
   }
   const std::string grade = certificate.is_object() ? certificate.value("grade", "") : "";
   if (grade > end.grade) end.grade = grade, end.reason = certificate.value("reason", "");
@@ -61,8 +62,8 @@ std::string environments_csv(const std::vector<EnvironmentEnd>& all) {
   out += "\n";
   for (std::size_t e = 0; e < all.size(); ++e) {
     const EnvironmentEnd& end = all[e];
-    out += fmt::format("{},{},{},{},{},{},{},{},{},{:.3f},{:.3f}", e, end.status(), end.code < 0 ? "" : std::to_string(end.code), cell(end.grade), cell(end.reason), cell(first_line(end.message)), end.runs.size(), end.steps,
-                       end.newton, end.cpu, end.wall);
+    out += fmt::format("{},{},{},{},{},{},{},{},{},{:.3f},{:.3f}", e, end.status(), end.code < 0 ? "" : std::to_string(end.code), cell(end.grade),
+                       cell(end.reason), cell(first_line(end.message)), end.runs.size(), end.steps, end.newton, end.cpu, end.wall);
     for (const scene::Drawn& d : end.drawn) out += "," + scene::format_number(d.value);
     out += "\n";
   }

@@ -9,13 +9,13 @@ namespace mortise::run {
 // What is known of one environment of a batch when it has ended, or the batch has.
 struct EnvironmentEnd {
   std::vector<scene::Drawn> drawn;
-  int code = -1;        // Exit; -1: it never began
-  std::string message;  // of a failure
-  double wall = 0, cpu = 0;      // [s], of its process in this command
-  long long memory = 0;          // most resident memory of its process [B]
+  int code = -1;                           // Exit; -1: it never began
+  std::string message;                     // of a failure
+  double wall = 0, cpu = 0;                // [s], of its process in this command
+  long long memory = 0;                    // most resident memory of its process [B]
   long steps = 0, frames = 0, newton = 0;  // that its files hold; Newton iterations
-  std::string grade, reason;     // of its certificate, of the worst episode's
-  std::vector<std::string> runs; // folders of its runs: its own, or those of its episodes
+  std::string grade, reason;               // of its certificate, of the worst episode's
+  std::vector<std::string> runs;           // folders of its runs: its own, or those of its episodes
 
   bool done() const { return code == static_cast<int>(Exit::done) || code == static_cast<int>(Exit::checks); }
   bool stopped() const { return code == static_cast<int>(Exit::stopped); }

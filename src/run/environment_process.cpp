@@ -45,7 +45,8 @@ int run_here(const std::function<Exit(Progress&)>& work) {
 
 }  // namespace
 
-EnvironmentProcess::EnvironmentProcess(long environment, int threads, const std::function<Exit(Progress&)>& work) : environment_(environment), threads_(threads), began_(now()) {
+EnvironmentProcess::EnvironmentProcess(long environment, int threads, const std::function<Exit(Progress&)>& work)
+    : environment_(environment), threads_(threads), began_(now()) {
   int ends[2];
   std::fflush(nullptr);  // or both would print what waits
   if (pipe2(ends, O_CLOEXEC) != 0) throw Error(Exit::internal, std::string("cannot make a pipe: ") + std::strerror(errno));
@@ -111,7 +112,9 @@ void EnvironmentProcess::ended(EnvironmentEnd& end) {
   end.memory = 1024LL * used.ru_maxrss;
   end.message = error_;
   end.code = WIFEXITED(how) ? WEXITSTATUS(how) : static_cast<int>(Exit::internal);
-  if (WIFSIGNALED(how)) end.message = fmt::format("its process was ended by signal {} ({}){}", WTERMSIG(how), strsignal(WTERMSIG(how)), WTERMSIG(how) == SIGKILL ? ", as the system does where memory is short" : "");
+  if (WIFSIGNALED(how))
+    end.message = fmt::format("its process was ended by signal {} ({}){}", WTERMSIG(how), strsignal(WTERMSIG(how)),
+                              WTERMSIG(how) == SIGKILL ? ", as the system does where memory is short" : "");
 }
 
 int asked_aside(const std::function<int()>& work) {

@@ -29,7 +29,8 @@ constexpr const char *kEnvironment = "env_", *kEpisode = "episode_";  // and the
 
 bool is_part(const std::string& name) {
   for (const std::string prefix : {kEnvironment, kEpisode})
-    if (name.rfind(prefix, 0) == 0 && name.size() >= prefix.size() + 4 && name.find_first_not_of("0123456789", prefix.size()) == std::string::npos) return true;
+    if (name.rfind(prefix, 0) == 0 && name.size() >= prefix.size() + 4 && name.find_first_not_of("0123456789", prefix.size()) == std::string::npos)
+      return true;
   return false;
 }
 
@@ -123,7 +124,8 @@ std::string Folder::lock() {
       continue;
     }
     // A file system without locks: the process is asked for.
-    const bool here = owner.host == self, lives = held || (here && owner.process != getpid() && owner.process > 0 && alive(static_cast<pid_t>(owner.process)));
+    const bool here = owner.host == self,
+               lives = held || (here && owner.process != getpid() && owner.process > 0 && alive(static_cast<pid_t>(owner.process)));
     if (lives || (!owner.host.empty() && !here)) {
       close(file);
       if (lives && ++tries < kTries) {
@@ -151,8 +153,13 @@ std::string Folder::lock() {
 
 void Folder::remove_results() const {
   std::error_code ec;
-  for (const char* ours : {"fields.vtkhdf", "fields.vtkhdf.new", "fields.vtkhdf.journal", "fields.xdmf", "fields.xdmf.tmp", "run.json", "run.json.tmp", "certificate.json", "certificate.json.tmp",
-                           "checkpoint.h5", "checkpoint.h5.tmp", "checkpoint.prev.h5", "touching.obj", "touching.obj.tmp", "newton.csv", "episodes.csv", "episodes.csv.tmp", "environments.csv", "environments.csv.tmp", "environments.json", "environments.json.tmp"})
+  for (const char* ours : {"fields.vtkhdf",        "fields.vtkhdf.new", "fields.vtkhdf.journal",
+                           "fields.xdmf",          "fields.xdmf.tmp",   "run.json",
+                           "run.json.tmp",         "certificate.json",  "certificate.json.tmp",
+                           "checkpoint.h5",        "checkpoint.h5.tmp", "checkpoint.prev.h5",
+                           "touching.obj",         "touching.obj.tmp",  "newton.csv",
+                           "episodes.csv",         "episodes.csv.tmp",  "environments.csv",
+                           "environments.csv.tmp", "environments.json", "environments.json.tmp"})
     if (unlink(file(ours).c_str()) != 0 && errno != ENOENT) fail("cannot replace '" + file(ours) + "'");
   for (fs::directory_iterator it(path_, ec), end; !ec && it != end; it.increment(ec)) {
     if (!is_part(it->path().filename().string()) || !it->is_directory() || it->is_symlink()) continue;
@@ -165,7 +172,9 @@ void Folder::remove_results() const {
   const std::string frames = file("frames");
   if (!fs::is_directory(fs::symlink_status(frames, ec))) return;
   for (fs::directory_iterator it(frames, ec), end; !ec && it != end; it.increment(ec))
-    if (it->is_regular_file() && !it->is_symlink() && (render::is_our_png(it->path().string()) || (it->path().extension() == ".part" && it->file_size() == 0))) fs::remove(it->path());
+    if (it->is_regular_file() && !it->is_symlink() &&
+        (render::is_our_png(it->path().string()) || (it->path().extension() == ".part" && it->file_size() == 0)))
+      fs::remove(it->path());
   rmdir(frames.c_str());  // if nothing is left in it
 }
 

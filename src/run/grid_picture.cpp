@@ -17,7 +17,8 @@ namespace {
 void shrink(const render::Image& from, render::Image& to, int left, int top, int width, int height) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const int x0 = x * from.width / width, x1 = std::max((x + 1) * from.width / width, x0 + 1), y0 = y * from.height / height, y1 = std::max((y + 1) * from.height / height, y0 + 1);
+      const int x0 = x * from.width / width, x1 = std::max((x + 1) * from.width / width, x0 + 1), y0 = y * from.height / height,
+                y1 = std::max((y + 1) * from.height / height, y0 + 1);
       for (int c = 0; c < 3; ++c) {
         long sum = 0;
         for (int j = y0; j < y1; ++j)
@@ -40,7 +41,8 @@ void draw_side_by_side(const std::vector<std::string>& folders, const std::strin
       if (it->path().extension() == ".png") names.insert(it->path().filename().string());
   if (names.empty()) return;
   make_pictures_folder(to);
-  const int columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(folders.size())))), rows = (static_cast<int>(folders.size()) + columns - 1) / columns;
+  const int columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(folders.size())))),
+            rows = (static_cast<int>(folders.size()) + columns - 1) / columns;
   render::Image all;
   std::string camera;
   for (const std::string& name : names) {
@@ -53,7 +55,8 @@ void draw_side_by_side(const std::vector<std::string>& folders, const std::strin
         camera = camera_of(name);
         all = {columns * width, rows * height, std::vector<std::uint8_t>(3ul * columns * width * rows * height, 255)};
       }
-      if (columns * width == all.width && rows * height == all.height) shrink(one, all, static_cast<int>(i) % columns * width, static_cast<int>(i) / columns * height, width, height);
+      if (columns * width == all.width && rows * height == all.height)
+        shrink(one, all, static_cast<int>(i) % columns * width, static_cast<int>(i) / columns * height, width, height);
     }
     guard_picture(to + "/" + name);
     render::write_png(to + "/" + name, all);

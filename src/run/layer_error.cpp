@@ -23,7 +23,8 @@ LayerError::LayerError(const model::ModelInput& input) {
   }
 }
 
-double LayerError::indentation(std::size_t body, std::span<const double> displacement, std::span<const double> support, std::span<const double> pressure) const {
+double LayerError::indentation(std::size_t body, std::span<const double> displacement, std::span<const double> support,
+                               std::span<const double> pressure) const {
   if (body >= bodies_.size()) return 0;  // a half-space
   const Body& b = bodies_[body];
   if (!b.pinned) return -1;
@@ -40,7 +41,8 @@ double LayerError::indentation(std::size_t body, std::span<const double> displac
   return farthest;
 }
 
-double LayerError::of(const Samples& s, std::span<const double> displacement, std::span<const double> support, std::span<const double> pressure) const {
+double LayerError::of(const Samples& s, std::span<const double> displacement, std::span<const double> support,
+                      std::span<const double> pressure) const {
   if (support.size() != displacement.size() || 3 * pressure.size() != displacement.size()) return NAN;
   struct Pair {
     double force = 0, gap = 0;
@@ -52,7 +54,8 @@ double LayerError::of(const Samples& s, std::span<const double> displacement, st
   }
   double worst = NAN;
   for (const auto& [bodies, pair] : pairs) {
-    const double one = indentation(bodies.first, displacement, support, pressure), other = indentation(bodies.second, displacement, support, pressure);
+    const double one = indentation(bodies.first, displacement, support, pressure),
+                 other = indentation(bodies.second, displacement, support, pressure);
     if (pair.force > 0 && one >= 0 && other >= 0 && one + other > 0) worst = std::fmax(worst, pair.gap / pair.force / (one + other));
   }
   return worst;

@@ -1,7 +1,8 @@
 #pragma once
 // Contact holds surfaces apart by a gap where bodies of the real world touch. Between two bodies that both are held or driven, that gap is
 // taken for indentation: with g the mean gap over the contact force and d how far the surfaces were pressed in, measured from the bodies'
-// supports, or from where they are bonded to bodies that are supported, the force at the imposed travel is too large by about 3/2 g/d (Hertz: F ~ d^1.5).
+// supports, or from where they are bonded to bodies that are supported, the force at the imposed travel is too large by about 3/2 g/d (Hertz: F ~
+// d^1.5).
 #include <map>
 #include <span>
 #include <string>

@@ -5,7 +5,13 @@
 namespace mortise::run {
 
 MeasuredBody::MeasuredBody(const model::BodyInput& b, std::size_t first_point)
-    : name(b.name), first(first_point), count(b.nodes.size()), tets_(b.tets), triangles_(b.triangles), mass_(b.nodes.size(), 0.0), density_(b.material.number("density")) {
+    : name(b.name),
+      first(first_point),
+      count(b.nodes.size()),
+      tets_(b.tets),
+      triangles_(b.triangles),
+      mass_(b.nodes.size(), 0.0),
+      density_(b.material.number("density")) {
   for (const Tet& t : tets_)
     for (Index v : t.v) mass_[v] += density_ * geometry::tet_volume(b.nodes, t) / 4;
   if (soft()) {

@@ -30,8 +30,8 @@ class NewtonLog {
     open();
     std::string text = length_ > 0 ? "" : "step,time,dt,round,iteration,residual,tolerance,energy,concave,products,step_length,alpha,where\n";
     for (const solver::Iterate& i : r.trace)
-      text += fmt::format("{},{:.9g},{:.6g},{},{},{:.6g},{:.6g},{:.15g},{:.4g},{},{:.6g},{:.6g},{}\n", r.step + 1, i.time, i.dt, i.round, i.iteration, i.residual, i.tolerance, i.energy, i.concave,
-                          i.products, i.step, i.alpha, i.where);
+      text += fmt::format("{},{:.9g},{:.6g},{},{},{:.6g},{:.6g},{:.15g},{:.4g},{},{:.6g},{:.6g},{}\n", r.step + 1, i.time, i.dt, i.round, i.iteration,
+                          i.residual, i.tolerance, i.energy, i.concave, i.products, i.step, i.alpha, i.where);
     for (std::size_t done = 0; done < text.size();) {
       const ssize_t n = ::write(file_, text.data() + done, text.size() - done);
       if (n <= 0 && errno != EINTR) fail();

@@ -16,15 +16,15 @@ struct Options {
   std::vector<Params> resets{};        // conditions that end the run: entries of environments.reset
   long most_steps = -1;                // stop after so many steps
   bool overwrite = false;
-  std::string resume;                  // "": no; "yes": needs a checkpoint; "auto": a checkpoint if there is one
-  double walltime = 0;                 // stop in good time before so many seconds are over; 0: no limit
-  double grace = 60;                   // how long before [s]
-  long frames = -1;                    // stop after so many frames (the state at the start does not count)
+  std::string resume;   // "": no; "yes": needs a checkpoint; "auto": a checkpoint if there is one
+  double walltime = 0;  // stop in good time before so many seconds are over; 0: no limit
+  double grace = 60;    // how long before [s]
+  long frames = -1;     // stop after so many frames (the state at the start does not count)
   bool no_render = false;
-  bool json = false;                   // events as JSON lines on stdout
+  bool json = false;  // events as JSON lines on stdout
   bool quiet = false;
-  std::string device = "auto";         // as engine::choose takes it
-  int threads = 0;                     // 0: what the machine grants
+  std::string device = "auto";  // as engine::choose takes it
+  int threads = 0;              // 0: what the machine grants
 };
 
 }  // namespace mortise::run

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-
 #include "render/from_scene.h"
 #include "render/renderer.h"
 #include "run/folder.h"

@@ -23,7 +23,7 @@ class PressureError {
   Result of(std::span<const double> pressure) const;
 
  private:
-  std::vector<Vec3> rest_;                 // of all points [m]
+  std::vector<Vec3> rest_;                // of all points [m]
   std::vector<std::vector<Index>> ring_;  // per point: its neighbours on the surface; empty off soft surfaces
 };
 

@@ -50,7 +50,8 @@ struct Figure {
 };
 
 std::vector<Figure> figures(const solver::StepReport& r, const ContactFigures& c) {
-  std::vector<Figure> list{{1, fmt::format("t {:.4g} s", r.time)}, {3, fmt::format("newton {:2}", r.newton)}, {4, fmt::format("residual {:.1e} N", r.residual)}};
+  std::vector<Figure> list{
+      {1, fmt::format("t {:.4g} s", r.time)}, {3, fmt::format("newton {:2}", r.newton)}, {4, fmt::format("residual {:.1e} N", r.residual)}};
   if (r.lag > 0) list.push_back({8, fmt::format("lag {}", r.lag)});
   if (r.cg > 0) list.push_back({9, fmt::format("cg {}", r.cg)});
   if (r.substeps > 1) list.push_back({5, fmt::format("substeps {}", r.substeps)});
@@ -143,14 +144,18 @@ class Terminal : public Lines {
 
 class JsonLines : public Progress {
  public:
-  void start(const std::string& scene, const std::string& summary, long steps) override { put({{"event", "start"}, {"scene", scene}, {"summary", summary}, {"steps", steps}}); }
+  void start(const std::string& scene, const std::string& summary, long steps) override {
+    put({{"event", "start"}, {"scene", scene}, {"summary", summary}, {"steps", steps}});
+  }
   void step(const solver::StepReport& r, const ContactFigures& c) override {
     nlohmann::ordered_json j{{"event", "step"}};
     const output::StepRow row = step_row(r, c);
     for (const output::StepColumn& column : output::step_columns)
       if (const double value = row.*column.value; std::isfinite(value)) {
-        if (std::string_view(column.unit) == "1") j[column.name] = static_cast<long long>(value);  // a count
-        else j[column.name] = value;
+        if (std::string_view(column.unit) == "1")
+          j[column.name] = static_cast<long long>(value);  // a count
+        else
+          j[column.name] = value;
       }
     put(j);
   }

@@ -1,13 +1,12 @@
 #include "run/run.h"
 
 #include <fmt/format.h>
-
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <optional>
 
@@ -62,7 +61,8 @@ void clear_folder(const Options& o, const Folder& folder, const std::string& has
   if (!o.overwrite && fs::exists(fs::symlink_status(fields, ec))) {
     const output::FieldReader there(fields);
     if (there.scene_sha256() != hash || there.frames() > 1)
-      throw Error(Exit::file, "'" + fields + "' holds " + std::to_string(there.frames()) + " frames, but there is no checkpoint to go on from; --overwrite replaces them");
+      throw Error(Exit::file, "'" + fields + "' holds " + std::to_string(there.frames()) +
+                                  " frames, but there is no checkpoint to go on from; --overwrite replaces them");
   }
   folder.remove_results();
 }
@@ -75,7 +75,8 @@ std::unique_ptr<output::NewestCheckpoint> open_checkpoint(const Options& o, cons
     throw Error(Exit::file, "--resume: '" + dir + "' has no checkpoint (use --resume=auto to start afresh then)");
   }
   auto out = std::make_unique<output::NewestCheckpoint>(output::open_newest_valid(dir));
-  if (out->reader.info().scene_sha256 != hash) throw Error(Exit::file, "the checkpoint in '" + dir + "' belongs to another scene, other --set values or other mesh files");
+  if (out->reader.info().scene_sha256 != hash)
+    throw Error(Exit::file, "the checkpoint in '" + dir + "' belongs to another scene, other --set values or other mesh files");
   return out;
 }
 
@@ -96,7 +97,8 @@ class Run {
       }
       throw;
     }
-    if (progress_.lost()) throw Error(Exit::file, "the standard output could not be written to the end; the results in '" + folder_->path() + "' are complete");
+    if (progress_.lost())
+      throw Error(Exit::file, "the standard output could not be written to the end; the results in '" + folder_->path() + "' are complete");
     return status;
   }
 
@@ -155,7 +157,8 @@ class Run {
 
     const Params* render = scene_.root.find("render");
     if (render) picture_every_ = render->integer("every");
-    if (!o_.no_render && out.flag("pictures") && render && render->has("cameras")) pictures_ = std::make_unique<Pictures>(scene_.root, input, folder_->file("frames"));
+    if (!o_.no_render && out.flag("pictures") && render && render->has("cameras"))
+      pictures_ = std::make_unique<Pictures>(scene_.root, input, folder_->file("frames"));
     if (!o_.no_render && out.flag("pictures") && !sensors_->empty()) sensor_maps_.emplace(scene_.root, *sensors_, folder_->file("frames"));
     record_.seconds["setup"] = std::chrono::duration<double>(Time::now() - begin_).count();
     progress_.start(scene_.root.text("name"), summary(input), steps_);
@@ -191,8 +194,10 @@ class Run {
       if (outcome.code == static_cast<int>(Exit::stopped)) return stopped();
       if (outcome.code == static_cast<int>(Exit::solve)) {
         save();
-        const std::string replay = fmt::format("mortise run {} -o {} --resume --frames {}", shell_word(o_.scene), shell_word(folder_->path()), (engine_->steps_done() + frame_every_) / frame_every_);
-        throw Error(Exit::solve, outcome.message + "\n  the last good state is in " + folder_->path() + "/checkpoint.h5; this replays the moment:\n    " + replay + overrides_text());
+        const std::string replay = fmt::format("mortise run {} -o {} --resume --frames {}", shell_word(o_.scene), shell_word(folder_->path()),
+                                               (engine_->steps_done() + frame_every_) / frame_every_);
+        throw Error(Exit::solve, outcome.message + "\n  the last good state is in " + folder_->path() +
+                                     "/checkpoint.h5; this replays the moment:\n    " + replay + overrides_text());
       }
       if (!outcome.picture.empty()) {
         const std::string picture = folder_->file("touching.obj");
@@ -200,7 +205,8 @@ class Run {
         throw Error(static_cast<Exit>(outcome.code), outcome.message + "\n  where they touch is drawn in " + picture);
       }
       if (outcome.code == static_cast<int>(Exit::device) && output::has_checkpoint(folder_->path()))
-        throw Error(Exit::device, outcome.message + "\n  the last checkpoint in " + folder_->path() + " is good: --resume continues from it, on a device with more memory or with less contact");
+        throw Error(Exit::device, outcome.message + "\n  the last checkpoint in " + folder_->path() +
+                                      " is good: --resume continues from it, on a device with more memory or with less contact");
       check(outcome);
       after_step(report);
     }
@@ -213,7 +219,8 @@ class Run {
   void compare_memory(const model::ModelInput& input) const {
     const auto need = static_cast<double>(engine::memory_needed(input)), have = static_cast<double>(record_.device.memory);
     if (have <= 0 || need < 0.8 * have) return;
-    const std::string text = fmt::format("the scene needs about {:.0f} MiB of device memory, {} ({}) has {:.0f} MiB", need / (1 << 20), record_.device.kind, record_.device.name, have / (1 << 20));
+    const std::string text = fmt::format("the scene needs about {:.0f} MiB of device memory, {} ({}) has {:.0f} MiB", need / (1 << 20),
+                                         record_.device.kind, record_.device.name, have / (1 << 20));
     if (need > have) throw Error(Exit::device, text + "; coarser meshes need less");
     note(text);
   }
@@ -266,7 +273,9 @@ class Run {
     reset_->see(engine_->steps_done(), engine_->time(), state, points);
   }
 
-  bool stop() const { return stop_asked() || (o_.walltime > 0 && std::chrono::duration<double>(Time::now() - begin_).count() > o_.walltime - o_.grace); }
+  bool stop() const {
+    return stop_asked() || (o_.walltime > 0 && std::chrono::duration<double>(Time::now() - begin_).count() > o_.walltime - o_.grace);
+  }
 
   // The last step of all has a frame; so has the one that ends an episode.
   long last_step() const { return reset_ && reset_->due() ? engine_->steps_done() : o_.most_steps >= 0 ? last_ : steps_; }
@@ -340,7 +349,8 @@ class Run {
 
   // What this side of the engine has gathered.
   void checkpoint_own(Archive& archive) {
-    PrefixedArchive certificate(archive, "run/certificate"), checks(archive, "run/checks"), log(archive, "run/newton_log"), maps(archive, "run/sensor_maps");
+    PrefixedArchive certificate(archive, "run/certificate"), checks(archive, "run/checks"), log(archive, "run/newton_log"),
+        maps(archive, "run/sensor_maps");
     certificate_->checkpoint(certificate);
     checks_->checkpoint(checks);
     newton_log_->checkpoint(log);

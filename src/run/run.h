@@ -7,8 +7,8 @@
 namespace mortise::run {
 
 // `mortise run`: scene -> fields.vtkhdf, checkpoint.h5, frames/*.png, run.json in the output folder. Returns Exit::done or
-// Exit::stopped; throws Error. `tables`: the effects that scenes may name. Whatever happens, finished frames (after a kill: those that the last checkpoint counts) and the last checkpoint stay readable.
-// A scene with `environments` has a folder of this kind for each of them (batch.h).
+// Exit::stopped; throws Error. `tables`: the effects that scenes may name. Whatever happens, finished frames (after a kill: those that the last
+// checkpoint counts) and the last checkpoint stay readable. A scene with `environments` has a folder of this kind for each of them (batch.h).
 Exit run_scene(const Options& options, std::span<const scene::EffectTable> tables);
 
 // The same of a scene that has been read and is one run. `ended_by`: the condition of options.resets that ended it, if one did.

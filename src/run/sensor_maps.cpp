@@ -15,7 +15,8 @@ namespace mortise::run {
 namespace {
 
 constexpr int kHeight = 540, kMargin = 48, kBar = 150;  // pixels
-constexpr std::uint8_t kPaper[3] = {238, 240, 243}, kNothing[3] = {205, 208, 213}, kArrow[3] = {255, 255, 255}, kEdge[3] = {20, 22, 26}, kText[3] = {34, 37, 42};
+constexpr std::uint8_t kPaper[3] = {238, 240, 243}, kNothing[3] = {205, 208, 213}, kArrow[3] = {255, 255, 255}, kEdge[3] = {20, 22, 26},
+                       kText[3] = {34, 37, 42};
 
 void put(render::Image& image, int x, int y, const std::uint8_t* colour) {
   if (x >= 0 && y >= 0 && x < image.width && y < image.height) std::copy(colour, colour + 3, image.at(x, y));

@@ -10,7 +10,8 @@ ForceBalance force_balance(const Snapshot& said) {
   double supports = 0;
   if (const Snapshot::Values* f = said.of_points("support_force", 3))
     for (std::size_t i = 0; i < f->size() / 3; ++i) supports += vector_at(*f, i).norm();
-  return {std::hypot(said.at("balance/defect_x"), said.at("balance/defect_y"), said.at("balance/defect_z")), std::fmax(said.at("balance/largest"), supports)};
+  return {std::hypot(said.at("balance/defect_x"), said.at("balance/defect_y"), said.at("balance/defect_z")),
+          std::fmax(said.at("balance/largest"), supports)};
 }
 
 EnergyAudit::EnergyAudit(const model::ModelInput& input) {
@@ -45,8 +46,13 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
 }
 
 void EnergyAudit::checkpoint(Archive& archive) {
-  for (auto [name, value] : {std::pair{"total", &r_.total}, {"support_work", &r_.support_work}, {"gain", &r_.gain}, {"largest_gain", &r_.largest_gain},
-                             {"scale", &r_.scale}, {"all", &all_}, {"gravity_first", &gravity_first_}})
+  for (auto [name, value] : {std::pair{"total", &r_.total},
+                             {"support_work", &r_.support_work},
+                             {"gain", &r_.gain},
+                             {"largest_gain", &r_.largest_gain},
+                             {"scale", &r_.scale},
+                             {"all", &all_},
+                             {"gravity_first", &gravity_first_}})
     archive.io(name, *value);
   archive.io("points_before", points_before_);
 }

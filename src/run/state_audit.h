@@ -38,12 +38,12 @@ class EnergyAudit {
   explicit EnergyAudit(const model::ModelInput& input);
 
   struct Result {
-    double total = NAN;           // kinetic and stored energy [J], without the turning of pinned stiff bodies, whose moment is not reported
-    double support_work = 0;      // of moving supports since the start [J]
-    double gain = NAN;            // of this step: change of total less the work of supports [J]; NaN: the first state
-    double largest_gain = NAN;    // of all steps so far [J]
-    double scale = 0;             // largest energy of the run so far [J]
-    bool work_is_known = true;    // false: loads do work whose potential is not reported, or nothing moves in time; then `gain` stays NaN
+    double total = NAN;         // kinetic and stored energy [J], without the turning of pinned stiff bodies, whose moment is not reported
+    double support_work = 0;    // of moving supports since the start [J]
+    double gain = NAN;          // of this step: change of total less the work of supports [J]; NaN: the first state
+    double largest_gain = NAN;  // of all steps so far [J]
+    double scale = 0;           // largest energy of the run so far [J]
+    bool work_is_known = true;  // false: loads do work whose potential is not reported, or nothing moves in time; then `gain` stays NaN
   };
   const Result& state(const StateReport& now);
   const Result& result() const { return r_; }

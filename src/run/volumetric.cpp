@@ -30,10 +30,9 @@ std::vector<std::string> locking_risks(const model::ModelInput& input) {
     const double above = b.midsides.empty() ? model::kAveragedAbove : kQuadraticLocks;
     if (!(b.material.number("poisson_ratio") > above) || model::averages_volume(b.material)) continue;
     const Params& key = b.material.at("volumetric");
-    out.push_back(fmt::format(
-        "{}{}volumetric: full at Poisson's ratio {:g}: the elements of body '{}' lock and its deformations come out too small",
-        key.where().file.empty() ? "" : key.where().text(), key.where().file.empty() ? "" : ": ",
-        b.material.number("poisson_ratio"), b.name));
+    out.push_back(fmt::format("{}{}volumetric: full at Poisson's ratio {:g}: the elements of body '{}' lock and its deformations come out too small",
+                              key.where().file.empty() ? "" : key.where().text(), key.where().file.empty() ? "" : ": ",
+                              b.material.number("poisson_ratio"), b.name));
   }
   return out;
 }

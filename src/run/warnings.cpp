@@ -26,7 +26,8 @@ void of_materials(const Params& scene, std::vector<std::string>& out) {
     const auto outside = [&](const char* key, const char* unit, double least, double most, const char* low, const char* high) {
       const Params* p = m.find(key);
       if (!p || (p->as_number() >= least && p->as_number() <= most)) return;
-      out.push_back(at(p->where(), fmt::format("materials.{}.{} is {:.3g} {}, {}; is the unit right?", name, key, p->as_number(), unit, p->as_number() < least ? low : high)));
+      out.push_back(at(p->where(), fmt::format("materials.{}.{} is {:.3g} {}, {}; is the unit right?", name, key, p->as_number(), unit,
+                                               p->as_number() < least ? low : high)));
     };
     outside("youngs_modulus", "Pa", kSoftest, kStiffest, "softer than the softest tissue", "stiffer than diamond");
     outside("density", "kg/m^3", kLightest, kHeaviest, "lighter than air", "heavier than any metal");
@@ -42,8 +43,9 @@ void of_contact(const model::ModelInput& input, std::vector<std::string>& out) {
       if (body.nodes.empty()) continue;
       const double size = geometry::bounds_of(body.nodes).size().maxCoeff();
       if (d_hat->as_number() <= kThickest * size) continue;
-      out.push_back(at(d_hat->where(), fmt::format("effects.{}.d_hat is {:.3g} m, {:.2g} times the size of body '{}' ({:.3g} m): bodies are kept that far apart", name, d_hat->as_number(),
-                                                   d_hat->as_number() / size, body.name, size)));
+      out.push_back(at(d_hat->where(),
+                       fmt::format("effects.{}.d_hat is {:.3g} m, {:.2g} times the size of body '{}' ({:.3g} m): bodies are kept that far apart",
+                                   name, d_hat->as_number(), d_hat->as_number() / size, body.name, size)));
       break;
     }
   }
@@ -56,7 +58,8 @@ std::vector<std::string> warnings(const model::ModelInput& input) {
   of_materials(input.scene, out);
   const Params& time = input.scene.at("time");
   if (const Params* step = time.find("step"); step && step->as_number() > kLongestStep)
-    out.push_back(at(step->where(), fmt::format("time.step is {:.3g} s: motions and oscillations shorter than that are damped away", step->as_number())));
+    out.push_back(
+        at(step->where(), fmt::format("time.step is {:.3g} s: motions and oscillations shorter than that are damped away", step->as_number())));
   of_contact(input, out);
   for (std::string& risk : locking_risks(input)) out.push_back(std::move(risk));
   for (const scene::PassThrough& p : scene::pass_through(input.scene, engine::effect_tables()))

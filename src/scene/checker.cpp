@@ -27,17 +27,15 @@ std::string dotted(const std::string& path, const std::string& key) { return pat
 bool is_private_key(const std::string& key) { return key.rfind("x-", 0) == 0; }
 
 bool is_name(const std::string& s) {
-  return !s.empty() && std::all_of(s.begin(), s.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-  });
+  return !s.empty() &&
+         std::all_of(s.begin(), s.end(), [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-'; });
 }
 
 std::string range_text(const Param& p) {
   const std::string symbol = si_symbol(p.unit), unit = symbol.empty() ? "" : " " + symbol;
   const bool lower = std::isfinite(p.min), upper = std::isfinite(p.max);
   if (lower && upper)
-    return "in " + std::string(p.min_open ? "(" : "[") + format_number(p.min) + ", " + format_number(p.max) +
-           (p.max_open ? ")" : "]") + unit;
+    return "in " + std::string(p.min_open ? "(" : "[") + format_number(p.min) + ", " + format_number(p.max) + (p.max_open ? ")" : "]") + unit;
   if (lower) return (p.min_open ? "> " : ">= ") + format_number(p.min) + unit;
   if (upper) return (p.max_open ? "< " : "<= ") + format_number(p.max) + unit;
   return "";
@@ -49,8 +47,7 @@ Params Checker::table(const ParamTable& base, const Node& node, const std::strin
   if (node.kind != Node::Kind::map && node.kind != Node::Kind::null) {
     std::vector<std::string> keys;
     for (const Param& p : base.params) keys.push_back(p.key + ": ...");
-    errors_.add(node.at, where + " is " + node.describe() + "; must be a block of keys",
-                keys.size() > 4 ? "" : "{" + join(keys, ", ") + "}");
+    errors_.add(node.at, where + " is " + node.describe() + "; must be a block of keys", keys.size() > 4 ? "" : "{" + join(keys, ", ") + "}");
     incomplete_.insert(path);
     return out;
   }
@@ -64,7 +61,8 @@ Params Checker::table(const ParamTable& base, const Node& node, const std::strin
     if (t == &base) {  // nothing else can be judged
       if (!key)
         errors_.add(node.key_at, where + " has no '" + variants->key + "'", "one of: " + join(base.params.front().choices, ", "));
-      else value(base.params.front(), *key, dotted(path, variants->key));
+      else
+        value(base.params.front(), *key, dotted(path, variants->key));
       return out;
     }
   }
@@ -92,8 +90,7 @@ Params Checker::table(const ParamTable& base, const Node& node, const std::strin
         const std::string effect = path.substr(0, path.find('.', 8));  // "effects.friction"
         hint = "'mortise effects" + (effect.size() > 8 ? " " + effect.substr(8) : "") + "' lists all";
       }
-      errors_.add(child.key_at, (path == "effects" ? "unknown effect '" + key + "'" : "unknown key '" + key + "' in " + where),
-                  hint);
+      errors_.add(child.key_at, (path == "effects" ? "unknown effect '" + key + "'" : "unknown key '" + key + "' in " + where), hint);
       continue;
     }
     if (p->automatic && child.kind == Node::Kind::scalar && child.text == "auto") continue;
@@ -101,8 +98,10 @@ Params Checker::table(const ParamTable& base, const Node& node, const std::strin
       errors_.add(child.key_at, dotted(path, key) + " is empty", "give it a value or remove the key");
       continue;
     }
-    if (std::optional<Params> v = value(*p, child, dotted(path, key))) out.set(key, std::move(*v));
-    else incomplete_.insert(path);
+    if (std::optional<Params> v = value(*p, child, dotted(path, key)))
+      out.set(key, std::move(*v));
+    else
+      incomplete_.insert(path);
   }
 
   // Defaults, and what must be there.
@@ -129,14 +128,12 @@ void Checker::one_of(const ParamTable& t, const Node& node, const std::string& p
     if (std::find(known.begin(), known.end(), key) != known.end()) found.push_back(&child), names.push_back(key);
   if (found.empty() && !incomplete_.count(path)) errors_.add(node.key_at, path + " must hold one of: " + join(known, ", "));
   if (found.size() > 1)
-    errors_.add(found[1]->key_at, path + " must hold only one of: " + join(names, ", "), "",
-                {{found[0]->key_at, "the first one"}});
+    errors_.add(found[1]->key_at, path + " must hold only one of: " + join(names, ", "), "", {{found[0]->key_at, "the first one"}});
 }
 
 // A list called `time` must increase, and every other list of the block belongs to it entry by entry.
 void Checker::times(const ParamTable& t, const Params& block, const std::string& path) {
-  const auto p =
-      std::find_if(t.params.begin(), t.params.end(), [](const Param& q) { return q.key == "time" && q.kind == Kind::numbers; });
+  const auto p = std::find_if(t.params.begin(), t.params.end(), [](const Param& q) { return q.key == "time" && q.kind == Kind::numbers; });
   const Params* time = block.find("time");
   if (p == t.params.end() || !time) return;
   const std::vector<Params>& items = time->items();
@@ -148,37 +145,46 @@ void Checker::times(const ParamTable& t, const Params& block, const std::string&
   lengths(t, block, items.size(), dotted(path, "time"), path);
 }
 
-void Checker::lengths(const ParamTable& t, const Params& block, std::size_t wanted, const std::string& time_path,
-                      const std::string& path) {
+void Checker::lengths(const ParamTable& t, const Params& block, std::size_t wanted, const std::string& time_path, const std::string& path) {
   for (const Param& p : t.params) {
     const Params* v = block.find(p.key);
     if (!v || p.key == "time") continue;
     if (p.kind == Kind::table) {
       lengths(*p.sub, *v, wanted, time_path, dotted(path, p.key));
     } else if ((p.kind == Kind::numbers || p.kind == Kind::vec3s) && v->items().size() != wanted) {
-      errors_.add(v->where(), dotted(path, p.key) + " has " + std::to_string(v->items().size()) + " entries, " + time_path +
-                                  " has " + std::to_string(wanted) + "; they must match");
+      errors_.add(v->where(), dotted(path, p.key) + " has " + std::to_string(v->items().size()) + " entries, " + time_path + " has " +
+                                  std::to_string(wanted) + "; they must match");
     }
   }
 }
 
 std::optional<Params> Checker::value(const Param& p, const Node& n, const std::string& path) {
   switch (p.kind) {
-    case Kind::number: return number(p, n, path);
-    case Kind::integer: return integer(p, n, path);
-    case Kind::flag: return flag(n, path);
-    case Kind::text: return text(p, n, path);
-    case Kind::path: return file(n, path);
-    case Kind::choice: return choice(p, n, path);
-    case Kind::schedule: return schedule(p, n, path);
-    case Kind::table: return table(*p.sub, n, path);
-    case Kind::map: return map(p, n, path);
+    case Kind::number:
+      return number(p, n, path);
+    case Kind::integer:
+      return integer(p, n, path);
+    case Kind::flag:
+      return flag(n, path);
+    case Kind::text:
+      return text(p, n, path);
+    case Kind::path:
+      return file(n, path);
+    case Kind::choice:
+      return choice(p, n, path);
+    case Kind::schedule:
+      return schedule(p, n, path);
+    case Kind::table:
+      return table(*p.sub, n, path);
+    case Kind::map:
+      return map(p, n, path);
     case Kind::vec3:
     case Kind::numbers:
     case Kind::vec3s:
     case Kind::names:
     case Kind::pairs:
-    case Kind::tables: return list(p, n, path);
+    case Kind::tables:
+      return list(p, n, path);
   }
   return {};
 }
@@ -191,11 +197,9 @@ std::optional<Params> Checker::in_range(const Param& p, double v, const Node& n,
 }
 
 std::optional<Params> Checker::number(const Param& p, const Node& n, const std::string& path) {
-  const std::string wanted =
-      p.unit == Unit::none || p.unit == Unit::any ? "a number" : "a number [" + std::string(si_symbol(p.unit)) + "]";
+  const std::string wanted = p.unit == Unit::none || p.unit == Unit::any ? "a number" : "a number [" + std::string(si_symbol(p.unit)) + "]";
   if (n.kind != Node::Kind::scalar ||
-      !(looks_like_quantity(n.text) ||
-        (n.text.size() < 12 && n.text.find_first_not_of("+-.infatyINFATY") == std::string::npos))) {
+      !(looks_like_quantity(n.text) || (n.text.size() < 12 && n.text.find_first_not_of("+-.infatyINFATY") == std::string::npos))) {
     errors_.add(n.at, path + " is " + n.describe() + "; must be " + wanted);
     return {};
   }
@@ -230,8 +234,7 @@ std::optional<Params> Checker::integer(const Param& p, const Node& n, const std:
 }
 
 std::optional<Params> Checker::flag(const Node& n, const std::string& path) {
-  if (n.kind == Node::Kind::scalar && !n.quoted && (n.text == "true" || n.text == "false"))
-    return Params::make_flag(n.text == "true", n.at);
+  if (n.kind == Node::Kind::scalar && !n.quoted && (n.text == "true" || n.text == "false")) return Params::make_flag(n.text == "true", n.at);
   errors_.add(n.at, path + " is " + n.describe() + "; must be true or false");
   return {};
 }
@@ -246,8 +249,7 @@ std::optional<Params> Checker::choice(const Param& p, const Node& n, const std::
   if (n.kind == Node::Kind::scalar && std::find(p.choices.begin(), p.choices.end(), n.text) != p.choices.end())
     return Params::make_text(n.text, n.at);
   const std::string best = n.kind == Node::Kind::scalar ? nearest(n.text, p.choices) : "";
-  errors_.add(n.at, path + " is " + n.describe() + "; must be one of: " + join(p.choices, ", "),
-              best.empty() ? "" : "did you mean '" + best + "'?");
+  errors_.add(n.at, path + " is " + n.describe() + "; must be one of: " + join(p.choices, ", "), best.empty() ? "" : "did you mean '" + best + "'?");
   return {};
 }
 
@@ -324,8 +326,7 @@ std::optional<Params> Checker::list(const Param& p, const Node& n, const std::st
   for (std::size_t i = 0; i < n.items.size(); ++i) {
     const std::string item_path = dotted(path, std::to_string(i));
     if (kind == Kind::pairs && n.items[i].kind == Node::Kind::list && n.items[i].items.size() != 2) {
-      errors_.add(n.items[i].at,
-                  item_path + " has " + std::to_string(n.items[i].items.size()) + " entries; must be [name, name]");
+      errors_.add(n.items[i].at, item_path + " has " + std::to_string(n.items[i].items.size()) + " entries; must be [name, name]");
       good = false;
       continue;
     }

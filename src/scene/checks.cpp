@@ -30,7 +30,8 @@ constexpr Quantity kQuantities[] = {
     {"angular_momentum", Unit::none, false, true, "inertia", "Angular momentum of all bodies about the origin [kg m^2/s]."},
     {"force_balance", Unit::none, false, false, "",
      "Sum of all forces over the largest force of one effect on one body or, where larger, the sum of the supports' forces on points."},
-    {"clip_defect", Unit::none, false, false, "mortar_contact", "Largest difference between a covered face and the sum of its pieces, as a share of the face."},
+    {"clip_defect", Unit::none, false, false, "mortar_contact",
+     "Largest difference between a covered face and the sum of its pieces, as a share of the face."},
     {"newton_iterations", Unit::none, false, false, "", "Newton iterations of a step."},
     {"substeps", Unit::none, false, false, "", "Parts into which a step was halved."},
     {"step_length", Unit::none, false, false, "", "Smallest accepted share of a Newton step."},
@@ -69,8 +70,8 @@ ParamTable table_of(const Quantity& q) {
   t.params.push_back(optional(of(Kind::number, "above", q.unit, {}, "Must be larger.")));
   t.params.push_back(optional(of(Kind::number, "below", q.unit, {}, "Must be smaller.")));
   t.params.push_back(optional(of(Kind::number, "near", q.unit, {}, "Must differ from this by no more than `tolerance` or `share`.")));
-  t.params.push_back(range(optional(of(Kind::number, "tolerance", q.unit, {}, "Largest difference from `near`.")), 0,
-                           std::numeric_limits<double>::infinity()));
+  t.params.push_back(
+      range(optional(of(Kind::number, "tolerance", q.unit, {}, "Largest difference from `near`.")), 0, std::numeric_limits<double>::infinity()));
   t.params.push_back(range(optional(of(Kind::number, "share", Unit::none, {}, "Largest difference from `near`, as a share of it.")), 0,
                            std::numeric_limits<double>::infinity()));
   return t;
@@ -106,7 +107,8 @@ class Checks {
 
  private:
   void bounds(const Params& c, const std::string& path) {
-    const Params *above = c.find("above"), *below = c.find("below"), *near = c.find("near"), *tolerance = c.find("tolerance"), *share = c.find("share");
+    const Params *above = c.find("above"), *below = c.find("below"), *near = c.find("near"), *tolerance = c.find("tolerance"),
+                 *share = c.find("share");
     if (incomplete_.count(path)) return;
     if (!above && !below && !near) errors_.add(c.where(), path + " has no bound", "give it above, below, or near with tolerance or share");
     if (near && !tolerance && !share) errors_.add(near->where(), path + ".near needs a tolerance", "write tolerance (absolute) or share (relative)");
@@ -121,7 +123,8 @@ class Checks {
     if (!bodies_ || incomplete_.count("bodies")) return;
     if (const Params* found = bodies_->find(name.as_text())) {
       const Params* type = found->find("type");
-      if (type && type->as_text() == "half_space") errors_.add(name.where(), path + ".body: half-space '" + name.as_text() + "' has nothing to measure", "name a soft or stiff body");
+      if (type && type->as_text() == "half_space")
+        errors_.add(name.where(), path + ".body: half-space '" + name.as_text() + "' has nothing to measure", "name a soft or stiff body");
       return;
     }
     std::vector<std::string> names;
@@ -135,7 +138,9 @@ class Checks {
     if (effects_->has(wanted)) return;
     for (const EffectTable& t : tables_)
       if (effects_->has(t.name) && ((t.contact && wanted == "contact") || (t.inertia && wanted == "inertia"))) return;
-    errors_.add(at.where(), path + ": " + q.name + " is measured on " + (wanted == "contact" ? "a contact effect" : "the effect '" + wanted + "'") + ", which the scene does not list",
+    errors_.add(at.where(),
+                path + ": " + q.name + " is measured on " + (wanted == "contact" ? "a contact effect" : "the effect '" + wanted + "'") +
+                    ", which the scene does not list",
                 "", {{effects_->where(), "the effects"}});
   }
 

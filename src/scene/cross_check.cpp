@@ -52,13 +52,12 @@ class CrossCheck {
     if (!mode) return;
     const bool is_static = mode->as_text() == "static";
     if (is_static && time->has("step"))
-      errors_.add(time->at("step").where(), "time.step has no meaning in a static scene",
-                  "time.steps load steps divide pseudo-time 0..1 evenly", {{mode->where(), "static here"}});
+      errors_.add(time->at("step").where(), "time.step has no meaning in a static scene", "time.steps load steps divide pseudo-time 0..1 evenly",
+                  {{mode->where(), "static here"}});
     if (!is_static && !time->has("step") && !incomplete_.count("time"))
       errors_.add(time->where(), "time has no 'step'", "[s] Time step; a dynamic scene needs it.");
     if (is_static && inertia())
-      errors_.add(inertia()->where(), "a static scene has no inertia", "remove it, or make the scene dynamic",
-                  {{mode->where(), "static here"}});
+      errors_.add(inertia()->where(), "a static scene has no inertia", "remove it, or make the scene dynamic", {{mode->where(), "static here"}});
     if (!is_static && effects_known() && !inertia())
       errors_.add(effects_->where(), "a dynamic scene needs the effect 'inertia'", "add 'inertia: {}', or set time.mode: static");
   }
@@ -72,7 +71,9 @@ class CrossCheck {
       if (const Params* mesh = shape->find("mesh"))
         for (const char* key : {"edge_length", "surface_edge_length"})
           if (mesh->has(key))
-            errors_.add(mesh->at(key).where(), path + ".shape.mesh." + key + " has no meaning: the surface of a stiff body is taken as its file has it", "remove it, or make the body soft", {{type->where(), "stiff here"}});
+            errors_.add(mesh->at(key).where(),
+                        path + ".shape.mesh." + key + " has no meaning: the surface of a stiff body is taken as its file has it",
+                        "remove it, or make the body soft", {{type->where(), "stiff here"}});
 
     const Params* materials = root_.find("materials");
     const Params* material = body.find("material");
@@ -110,8 +111,7 @@ class CrossCheck {
   }
 
   // Whether the named block exists; an error if not.
-  bool exists(const Params& blocks, const std::string& wanted, const std::string& what, const Params& cited,
-              const std::string& path) {
+  bool exists(const Params& blocks, const std::string& wanted, const std::string& what, const Params& cited, const std::string& path) {
     if (blocks.has(wanted)) return true;
     std::vector<std::string> names;
     for (const auto& [name, block] : blocks.entries()) names.push_back(name);
@@ -126,9 +126,12 @@ class CrossCheck {
       for (std::size_t i = 0; i < p.items().size(); ++i) references(effect, p.items()[i], dotted(path, std::to_string(i)));
     } else if (p.kind() == Params::Kind::table) {
       for (const auto& [key, value] : p.entries()) {
-        if (names_body(key) && !is_list_of_tables(value)) bodies_in(value, dotted(path, key));
-        else if (key == "follows" && value.kind() == Params::Kind::text) follows(effect, value, dotted(path, key));
-        else references(effect, value, dotted(path, key));
+        if (names_body(key) && !is_list_of_tables(value))
+          bodies_in(value, dotted(path, key));
+        else if (key == "follows" && value.kind() == Params::Kind::text)
+          follows(effect, value, dotted(path, key));
+        else
+          references(effect, value, dotted(path, key));
       }
     }
   }
@@ -152,8 +155,8 @@ class CrossCheck {
       if (name != effect) others.push_back(name);
     if (std::find(others.begin(), others.end(), p.as_text()) != others.end()) return;
     const std::string best = nearest(p.as_text(), others);
-    errors_.add(p.where(), path + " is '" + p.as_text() + "', which this scene does not list",
-                best.empty() ? "" : "did you mean '" + best + "'?", {{effects_->where(), "the effects: " + join(others, ", ")}});
+    errors_.add(p.where(), path + " is '" + p.as_text() + "', which this scene does not list", best.empty() ? "" : "did you mean '" + best + "'?",
+                {{effects_->where(), "the effects: " + join(others, ", ")}});
   }
 
   // Pairs that differ from the others: no pair twice, and none that an effect is asked to press together.
@@ -166,7 +169,8 @@ class CrossCheck {
       const Params *bodies = entry.find("bodies"), *collide = entry.find("collide");
       if (!bodies || !collide) continue;
       const std::string path = "pairs." + std::to_string(i) + ".bodies";
-      if (bodies->items().size() < 2) errors_.add(bodies->where(), path + " has " + (bodies->items().empty() ? "no name" : "one name") + " where a pair has two");
+      if (bodies->items().size() < 2)
+        errors_.add(bodies->where(), path + " has " + (bodies->items().empty() ? "no name" : "one name") + " where a pair has two");
       bodies_in(*bodies, path);
       for (std::size_t a = 0; a < bodies->items().size(); ++a)
         for (std::size_t b = a + 1; b < bodies->items().size(); ++b) pair(entry, bodies->items()[a], bodies->items()[b], collide->as_flag(), seen);
@@ -192,11 +196,14 @@ class CrossCheck {
       if (!list || list->kind() != Params::Kind::list) continue;
       for (const Params& tie : list->items()) {
         const Params *name = tie.find("name"), *body = tie.find("body"), *to = tie.find("to"), *contact = tie.find("contact");
-        if (name && !is_name(name->as_text())) errors_.add(name->where(), "'" + name->as_text() + "' is not a name; names are made of a-z, 0-9, _ and -");
+        if (name && !is_name(name->as_text()))
+          errors_.add(name->where(), "'" + name->as_text() + "' is not a name; names are made of a-z, 0-9, _ and -");
         if (!body || !to || !contact || contact->as_flag()) continue;
         for (const auto& [effect, params] : effects_->entries())
           if (const Params* asked = params.kind() == Params::Kind::table ? listed_pair(params, body->as_text(), to->as_text()) : nullptr)
-            errors_.add(asked->where(), effect + " lists '" + body->as_text() + "' and '" + to->as_text() + "' as a pair, but a " + table.name + " ties them, and without contact",
+            errors_.add(asked->where(),
+                        effect + " lists '" + body->as_text() + "' and '" + to->as_text() + "' as a pair, but a " + table.name +
+                            " ties them, and without contact",
                         "remove the pair, or give the " + table.name + " 'contact: true'", {{tie.where(), "tied here"}});
       }
     }
@@ -216,8 +223,7 @@ class CrossCheck {
       if (hide) bodies_in(*hide, path + ".hide");
       if (const Params* by = camera.find("colour_by")) is_field(*by, path + ".colour_by", fields(false));
       if (const Params* unit = camera.find("unit"); unit && !parse_quantity("1 " + unit->as_text(), Unit::any).error.empty())
-        errors_.add(unit->where(), path + ".unit is '" + unit->as_text() + "', which is no unit",
-                    suggestion(unit->as_text(), suffixes(Unit::any)));
+        errors_.add(unit->where(), path + ".unit is '" + unit->as_text() + "', which is no unit", suggestion(unit->as_text(), suffixes(Unit::any)));
       if (range && (range->items().size() != 2 || !(range->items()[0].as_number() < range->items()[1].as_number())))
         errors_.add(range->where(), path + ".range must be two increasing numbers");
     }
@@ -252,8 +258,7 @@ class CrossCheck {
       for (std::size_t i = 0; i < p.items().size(); ++i) directions(p.items()[i], dotted(path, std::to_string(i)));
     if (p.kind() != Params::Kind::table) return;
     for (const auto& [key, value] : p.entries()) {
-      const bool direction =
-          (key == "axis" || key == "normal" || key == "up") && value.kind() == Params::Kind::list && value.items().size() == 3;
+      const bool direction = (key == "axis" || key == "normal" || key == "up") && value.kind() == Params::Kind::list && value.items().size() == 3;
       if (direction && value.items()[0].kind() != Params::Kind::list && value.as_vec3().isZero(0))
         errors_.add(value.where(), dotted(path, key) + " is zero; a direction is wanted");
       directions(value, dotted(path, key));

@@ -64,8 +64,7 @@ void Diagnostics::add(SourceLoc at, std::string message, std::string hint, std::
 
 // "   23 |   mu: -1\n      |       ^~ hint\n"
 std::string Diagnostics::source(const SourceLoc& at, const std::string& hint) const {
-  if (at.line < 1 || at.line > static_cast<int>(lines_.size()) || lines_[at.line - 1].empty())
-    return hint.empty() ? "" : "      | " + hint + "\n";
+  if (at.line < 1 || at.line > static_cast<int>(lines_.size()) || lines_[at.line - 1].empty()) return hint.empty() ? "" : "      | " + hint + "\n";
   const std::string& line = lines_[at.line - 1];
   const std::size_t column = std::min<std::size_t>(std::max(at.column, 1) - 1, line.size());
   const std::size_t length = token_length(line, column);
@@ -91,14 +90,12 @@ std::string Diagnostics::source(const SourceLoc& at, const std::string& hint) co
   caret += '^';
   for (std::size_t i = column + 1; i < std::min(column + length, line.size()) && caret.size() < kWidth; ++i)
     if (takes_place(line[i])) caret += '~';
-  return number + " | " + shown + "\n" + std::string(number.size(), ' ') + " | " + caret + (hint.empty() ? "" : " " + hint) +
-         "\n";
+  return number + " | " + shown + "\n" + std::string(number.size(), ' ') + " | " + caret + (hint.empty() ? "" : " " + hint) + "\n";
 }
 
 void Diagnostics::raise() {
-  std::stable_sort(errors_.begin(), errors_.end(), [](const Diagnostic& a, const Diagnostic& b) {
-    return std::pair(a.at.line, a.at.column) < std::pair(b.at.line, b.at.column);
-  });
+  std::stable_sort(errors_.begin(), errors_.end(),
+                   [](const Diagnostic& a, const Diagnostic& b) { return std::pair(a.at.line, a.at.column) < std::pair(b.at.line, b.at.column); });
   std::string out;
   constexpr std::size_t kShown = 100;
   const std::size_t shown = std::min(errors_.size(), kShown);

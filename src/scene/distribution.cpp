@@ -19,7 +19,8 @@ double normal_quantile(double u) {
   if (u > 0.5) return -normal_quantile(1 - u);
   double x = -std::sqrt(std::max(0.0, -2 * std::log(2 * u)));
   for (int i = 0; i < 60; ++i) {
-    const double density = std::exp(-0.5 * x * x) / std::sqrt(2 * 3.14159265358979323846), step = (0.5 * std::erfc(-x / std::sqrt(2.0)) - u) / density;
+    const double density = std::exp(-0.5 * x * x) / std::sqrt(2 * 3.14159265358979323846),
+                 step = (0.5 * std::erfc(-x / std::sqrt(2.0)) - u) / density;
     x -= step;
     if (std::abs(step) < 1e-15 * (1 + std::abs(x))) break;
   }
@@ -45,7 +46,9 @@ Distribution read_distribution(const Node& node, const std::string& what, Diagno
   if (it == kNames.end()) return errors.add(values.key_at, what + ": no distribution '" + name + "'", suggestion(name, kNames)), out;
   out.kind = static_cast<Kind>(it - kNames.begin());
   if (values.kind != Node::Kind::list || values.items.empty() || (out.kind != Kind::choice && values.items.size() != 2))
-    return errors.add(values.at, what + "." + name + " is " + values.describe() + "; must be a list of " + (out.kind == Kind::choice ? "values" : "two numbers")), out;
+    return errors.add(values.at, what + "." + name + " is " + values.describe() + "; must be a list of " +
+                                     (out.kind == Kind::choice ? "values" : "two numbers")),
+           out;
   if (out.kind == Kind::choice) {
     for (const Node& v : values.items) out.choices.push_back(flow(v));
     return out;
@@ -56,7 +59,8 @@ Distribution read_distribution(const Node& node, const std::string& what, Diagno
     if (!q.error.empty()) return errors.add(values.items[k].at, what + "." + name + " " + q.error, q.hint), out;
     *to[k] = q.value;
   }
-  if (out.kind == Kind::normal ? out.b < 0 : out.b < out.a) errors.add(values.at, what + "." + name + ": the second number must not be " + (out.kind == Kind::normal ? "negative" : "below the first"));
+  if (out.kind == Kind::normal ? out.b < 0 : out.b < out.a)
+    errors.add(values.at, what + "." + name + ": the second number must not be " + (out.kind == Kind::normal ? "negative" : "below the first"));
   if (out.kind == Kind::log_uniform && out.a <= 0) errors.add(values.at, what + ".log_uniform: both ends must be positive");
   return out;
 }

@@ -9,8 +9,10 @@ namespace mortise::scene {
 namespace {
 
 Distribution distribution_of(const Params& written) {
-  static const std::map<std::string, Distribution::Kind> kinds{
-      {"uniform", Distribution::Kind::uniform}, {"log_uniform", Distribution::Kind::log_uniform}, {"normal", Distribution::Kind::normal}, {"choice", Distribution::Kind::choice}};
+  static const std::map<std::string, Distribution::Kind> kinds{{"uniform", Distribution::Kind::uniform},
+                                                               {"log_uniform", Distribution::Kind::log_uniform},
+                                                               {"normal", Distribution::Kind::normal},
+                                                               {"choice", Distribution::Kind::choice}};
   const auto& [name, numbers] = written.entries().front();
   Distribution out;
   out.kind = kinds.at(name);

@@ -14,7 +14,8 @@ namespace {
 
 class Check {
  public:
-  Check(const Params& root, const ParamTable& table, Diagnostics& errors) : block_(root.at("environments")), root_(root), table_(table), errors_(errors) {}
+  Check(const Params& root, const ParamTable& table, Diagnostics& errors)
+      : block_(root.at("environments")), root_(root), table_(table), errors_(errors) {}
 
   void entry(const Params& entry, const Node* node) {
     const Params* path = entry.find("path");
@@ -24,13 +25,16 @@ class Check {
     if (!how) {
       int ways = 0;
       for (const char* w : kWays) ways += entry.has(w);
-      return errors_.add(entry.where(), "what is drawn for '" + path->as_text() + "' must be used in one way: scale, add or abs", ways == 0 ? "for example scale: {log_uniform: [0.5, 2]}" : "");
+      return errors_.add(entry.where(), "what is drawn for '" + path->as_text() + "' must be used in one way: scale, add or abs",
+                         ways == 0 ? "for example scale: {log_uniform: [0.5, 2]}" : "");
     }
     if (const auto [first, fresh] = seen_.emplace(path->as_text(), path->where()); !fresh)
       return errors_.add(path->where(), "'" + path->as_text() + "' is varied twice", "", {{first->second, "first here"}});
     const Place place = find_place(*path, root_, table_, errors_);
     if (!place.found || how->entries().size() != 1) return;
-    if (!place.value && way != "abs") return errors_.add(path->where(), path->as_text() + " is left to be chosen; there is no number to " + way + (way == "add" ? " to" : ""), "write one in the scene, or use abs");
+    if (!place.value && way != "abs")
+      return errors_.add(path->where(), path->as_text() + " is left to be chosen; there is no number to " + way + (way == "add" ? " to" : ""),
+                         "write one in the scene, or use abs");
     if (distribution(*how, way == "scale" ? Unit::none : place.param.unit, node ? node->find(way) : nullptr, way)) values(*path, *how, way, place);
   }
 
@@ -46,7 +50,8 @@ class Check {
     }
     if (name == "choice") return count_ == before;
     if (numbers.items().size() != 2) {
-      fail(numbers.where(), way + "." + name + " has " + std::to_string(numbers.items().size()) + (numbers.items().size() == 1 ? " number" : " numbers") + "; must have two");
+      fail(numbers.where(), way + "." + name + " has " + std::to_string(numbers.items().size()) +
+                                (numbers.items().size() == 1 ? " number" : " numbers") + "; must have two");
       return false;
     }
     const double a = numbers.items()[0].as_number(), b = numbers.items()[1].as_number();
@@ -73,7 +78,10 @@ class Check {
     }
     for (long e = 0; e < block_.integer("count"); ++e)
       if (const double v = combined(way, base, drawn_from(how, chance(block_, path.as_text(), e, 0))); !fits(v))
-        return errors_.add(numbers.where(), path.as_text() + " becomes " + format_number(v) + " in environment " + std::to_string(e) + "; must be " + (wanted.empty() ? "finite" : wanted), "a smaller deviation, or uniform, stays in the range");
+        return errors_.add(numbers.where(),
+                           path.as_text() + " becomes " + format_number(v) + " in environment " + std::to_string(e) + "; must be " +
+                               (wanted.empty() ? "finite" : wanted),
+                           "a smaller deviation, or uniform, stays in the range");
   }
 
   void fail(const SourceLoc& at, const std::string& what, const std::string& hint = "") {
@@ -94,7 +102,8 @@ void check_reset(const Params& entry, const Node* node, const Params* bodies, Di
   if (what != 1) return errors.add(entry.where(), "a reset hangs on exactly one of after, body, quantity and failure");
   const Params *body = entry.find("body"), *quantity = entry.find("quantity"), *failure = entry.find("failure");
   const bool bounded = entry.has("above") || entry.has("below");
-  if ((body || quantity) && !bounded) errors.add(entry.where(), "a reset by " + std::string(body ? "a body's place" : "a quantity") + " needs 'above' or 'below'");
+  if ((body || quantity) && !bounded)
+    errors.add(entry.where(), "a reset by " + std::string(body ? "a body's place" : "a quantity") + " needs 'above' or 'below'");
   if (!body && !quantity && bounded) errors.add(entry.where(), "'above' and 'below' belong to a body or a quantity");
   if (!body && entry.has("axis")) errors.add(entry.at("axis").where(), "'axis' belongs to a body");
   if (body && !entry.has("axis")) errors.add(entry.where(), "a reset by a body's place needs 'axis'");
@@ -105,17 +114,21 @@ void check_reset(const Params& entry, const Node* node, const Params* bodies, Di
     if (found && found->text("type") == "half_space") errors.add(body->where(), "half-space '" + body->as_text() + "' does not move");
     for (const char* key : {"above", "below"})
       if (const Node* bound = node ? node->find(key) : nullptr)
-        if (const Quantity q = parse_quantity(bound->text, Unit::length); !q.error.empty()) errors.add(bound->at, std::string(key) + " " + q.error, q.hint);
+        if (const Quantity q = parse_quantity(bound->text, Unit::length); !q.error.empty())
+          errors.add(bound->at, std::string(key) + " " + q.error, q.hint);
   }
   if (quantity && (quantity->as_text().find('/') == std::string::npos || quantity->as_text().back() == '/'))
     errors.add(quantity->where(), "'" + quantity->as_text() + "' is no scalar", "write group/name, as in fields.vtkhdf under mortise/effects");
 }
 
-const Node* entry_of(const Node* list, std::size_t i) { return !list ? nullptr : list->kind != Node::Kind::list ? list : i < list->items.size() ? &list->items[i] : nullptr; }
+const Node* entry_of(const Node* list, std::size_t i) {
+  return !list ? nullptr : list->kind != Node::Kind::list ? list : i < list->items.size() ? &list->items[i] : nullptr;
+}
 
 }  // namespace
 
-void check_environments(const Node& written, const Params& root, const ParamTable& table, const std::set<std::string>& incomplete, Diagnostics& errors) {
+void check_environments(const Node& written, const Params& root, const ParamTable& table, const std::set<std::string>& incomplete,
+                        Diagnostics& errors) {
   const Params* block = root.find("environments");
   // Where the rest is wrong, paths into it may not lead anywhere.
   const bool whole = std::all_of(incomplete.begin(), incomplete.end(), [](const std::string& path) { return path.rfind("environments", 0) == 0; });
@@ -124,10 +137,12 @@ void check_environments(const Node& written, const Params& root, const ParamTabl
   Check check(root, table, errors);
   if (const Params* vary = block->find("vary"))
     for (std::size_t i = 0; i < vary->items().size(); ++i)
-      if (!incomplete.count("environments.vary." + std::to_string(i))) check.entry(vary->items()[i], entry_of(environments ? environments->find("vary") : nullptr, i));
+      if (!incomplete.count("environments.vary." + std::to_string(i)))
+        check.entry(vary->items()[i], entry_of(environments ? environments->find("vary") : nullptr, i));
   if (const Params* reset = block->find("reset"))
     for (std::size_t i = 0; i < reset->items().size(); ++i)
-      if (!incomplete.count("environments.reset." + std::to_string(i))) check_reset(reset->items()[i], entry_of(environments ? environments->find("reset") : nullptr, i), root.find("bodies"), errors);
+      if (!incomplete.count("environments.reset." + std::to_string(i)))
+        check_reset(reset->items()[i], entry_of(environments ? environments->find("reset") : nullptr, i), root.find("bodies"), errors);
 }
 
 }  // namespace mortise::scene

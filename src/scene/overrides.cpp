@@ -14,8 +14,10 @@ using Kind = Param::Kind;
 std::vector<std::string> split(const std::string& path) {
   std::vector<std::string> parts{""};
   for (char c : path) {
-    if (c == '.') parts.emplace_back();
-    else parts.back() += c;
+    if (c == '.')
+      parts.emplace_back();
+    else
+      parts.back() += c;
   }
   return parts;
 }
@@ -135,8 +137,7 @@ class Override {
     }
     const std::size_t i = std::stoul(part);
     if (i < n) return &list.items[i];
-    errors_.add(at_,
-                path + " has no entry " + part + "; it has " + std::to_string(n) + (n == 1 ? " entry, 0" : " entries, from 0"));
+    errors_.add(at_, path + " has no entry " + part + "; it has " + std::to_string(n) + (n == 1 ? " entry, 0" : " entries, from 0"));
     return nullptr;
   }
   Node* unknown(const std::string& part, const std::string& path, const ParamTable& table) {

@@ -16,7 +16,9 @@ bool may_collide(const Params& scene, const std::string& a, const std::string& b
   const Params* list = scene.find("pairs");
   return !list || std::none_of(list->items().begin(), list->items().end(), [&](const Params& pair) {
     const std::vector<Params>& names = pair.at("bodies").items();
-    const auto named = [&](const std::string& body) { return std::any_of(names.begin(), names.end(), [&](const Params& n) { return n.as_text() == body; }); };
+    const auto named = [&](const std::string& body) {
+      return std::any_of(names.begin(), names.end(), [&](const Params& n) { return n.as_text() == body; });
+    };
     return !pair.flag("collide") && named(a) && named(b);
   });
 }
@@ -60,7 +62,8 @@ const Params* listed_pair(const Params& effect, const std::string& a, const std:
   for (const Params& pair : list->items()) {
     const bool table = pair.kind() == Params::Kind::table;
     if (table ? !pair.has("slave") || !pair.has("master") : pair.items().size() != 2) continue;
-    const std::string &first = table ? pair.text("slave") : pair.items()[0].as_text(), &second = table ? pair.text("master") : pair.items()[1].as_text();
+    const std::string &first = table ? pair.text("slave") : pair.items()[0].as_text(),
+                      &second = table ? pair.text("master") : pair.items()[1].as_text();
     if ((first == a && second == b) || (first == b && second == a)) return &pair;
   }
   return nullptr;

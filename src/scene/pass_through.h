@@ -11,7 +11,7 @@ namespace mortise::scene {
 struct PassThrough {
   std::vector<std::string> bodies;  // two, or one that passes through itself
   std::string why;
-  bool everything = false;  // no contact effect at all
+  bool everything = false;   // no contact effect at all
   std::string text() const;  // "'a' and 'b' pass through each other: why"
 };
 

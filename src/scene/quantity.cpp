@@ -69,19 +69,32 @@ Quantity wrong(std::string error, std::string hint = "") { return {0, std::move(
 
 const char* dimension(Unit unit) {
   switch (unit) {
-    case Unit::none: return "pure number";
-    case Unit::length: return "length";
-    case Unit::time: return "time";
-    case Unit::mass: return "mass";
-    case Unit::angle: return "angle";
-    case Unit::velocity: return "velocity";
-    case Unit::angular_velocity: return "angular velocity";
-    case Unit::acceleration: return "acceleration";
-    case Unit::force: return "force";
-    case Unit::pressure: return "pressure";
-    case Unit::density: return "density";
-    case Unit::energy: return "energy or torque";
-    case Unit::any: return "quantity";
+    case Unit::none:
+      return "pure number";
+    case Unit::length:
+      return "length";
+    case Unit::time:
+      return "time";
+    case Unit::mass:
+      return "mass";
+    case Unit::angle:
+      return "angle";
+    case Unit::velocity:
+      return "velocity";
+    case Unit::angular_velocity:
+      return "angular velocity";
+    case Unit::acceleration:
+      return "acceleration";
+    case Unit::force:
+      return "force";
+    case Unit::pressure:
+      return "pressure";
+    case Unit::density:
+      return "density";
+    case Unit::energy:
+      return "energy or torque";
+    case Unit::any:
+      return "quantity";
   }
   return "";
 }
@@ -114,8 +127,7 @@ Quantity parse_quantity(const std::string& text, Unit unit) {
   if (!std::regex_match(text, m, form)) return wrong("is '" + text + "', which is not a number");
   const std::string digits = m[1], exponent = m[2], suffix = m[3];
   if (std::regex_match(digits, octal))
-    return wrong("is '" + text + "': with a leading zero some YAML readers take it as octal",
-                 "write it without the leading zero");
+    return wrong("is '" + text + "': with a leading zero some YAML readers take it as octal", "write it without the leading zero");
 
   const Suffix* found = nullptr;
   if (!suffix.empty()) {
@@ -131,13 +143,10 @@ Quantity parse_quantity(const std::string& text, Unit unit) {
       if (unit == Unit::none) return wrong("is '" + text + "'; must be a pure number without unit");
       const std::string allowed = "units of " + std::string(dimension(unit)) + ": " + join(known, ", ");
       if (elsewhere)
-        return wrong(
-            "is '" + text + "', a " + dimension(elsewhere->unit) + "; must be a" +
-                (unit == Unit::acceleration || unit == Unit::angle || unit == Unit::angular_velocity || unit == Unit::energy
-                     ? "n "
-                     : " ") +
-                dimension(unit),
-            allowed);
+        return wrong("is '" + text + "', a " + dimension(elsewhere->unit) + "; must be a" +
+                         (unit == Unit::acceleration || unit == Unit::angle || unit == Unit::angular_velocity || unit == Unit::energy ? "n " : " ") +
+                         dimension(unit),
+                     allowed);
       return wrong("has the unknown unit '" + suffix + "'", unit == Unit::any ? suggestion(suffix, known) : allowed);
     }
   }
@@ -148,8 +157,10 @@ Quantity parse_quantity(const std::string& text, Unit unit) {
   const char* begin = decimal.c_str() + (decimal[0] == '+');
   const auto [end, code] = std::from_chars(begin, decimal.c_str() + decimal.size(), value);
   // Out of range is either too large or too close to zero; the latter is zero for every purpose here.
-  if (code == std::errc::result_out_of_range && power < 0) value = 0;
-  else if (code != std::errc{} || *end != '\0') return wrong("is '" + text + "', which is too large for a number");
+  if (code == std::errc::result_out_of_range && power < 0)
+    value = 0;
+  else if (code != std::errc{} || *end != '\0')
+    return wrong("is '" + text + "', which is too large for a number");
   return {value * (found ? found->factor : 1), "", ""};
 }
 

@@ -25,8 +25,7 @@ std::string syntax_hint(const std::string& text, const SyntaxError& e) {
   const std::size_t tab = line.find_first_not_of(' ');
   if (tab != std::string::npos && line[tab] == '\t') return "YAML is indented with spaces, never with tabs";
   if (e.message.find("end of map flow") != std::string::npos) return "a '{' before this place is not closed, or a ',' is missing";
-  if (e.message.find("end of sequence flow") != std::string::npos)
-    return "a '[' before this place is not closed, or a ',' is missing";
+  if (e.message.find("end of sequence flow") != std::string::npos) return "a '[' before this place is not closed, or a ',' is missing";
   if (e.message.find("end of map") != std::string::npos || e.message.find("illegal map value") != std::string::npos)
     return "check the indentation, and that every key is followed by ': '";
   return "";
@@ -36,16 +35,15 @@ std::string syntax_hint(const std::string& text, const SyntaxError& e) {
 void check_version(const Node& root, Diagnostics& errors) {
   const Node* version = root.find("mortise");
   if (!version) {
-    errors.add(root.at, "the scene does not say its format version",
-               "add the line 'mortise: " + std::to_string(kFormatVersion) + "'");
+    errors.add(root.at, "the scene does not say its format version", "add the line 'mortise: " + std::to_string(kFormatVersion) + "'");
   } else if (version->kind != Node::Kind::scalar || version->quoted || version->text != std::to_string(kFormatVersion)) {
-    errors.add(version->at,
-               "format version is " + version->describe() + "; this program reads version " + std::to_string(kFormatVersion));
+    errors.add(version->at, "format version is " + version->describe() + "; this program reads version " + std::to_string(kFormatVersion));
   }
 }
 
 // `environment`: numbers of an environment, which then is a scene of its own; null: the scene as written.
-Scene read(const std::string& text, const std::string& path, const std::vector<std::string>& overrides, std::span<const EffectTable> effects, const std::vector<Drawn>* environment, const std::string& called) {
+Scene read(const std::string& text, const std::string& path, const std::vector<std::string>& overrides, std::span<const EffectTable> effects,
+           const std::vector<Drawn>* environment, const std::string& called) {
   const SceneTables tables(effects);
   Diagnostics errors(text);
   Scene scene{{}, path, text};
@@ -57,9 +55,12 @@ Scene read(const std::string& text, const std::string& path, const std::vector<s
     errors.raise();
   }
   root.at = root.key_at = {path, 1, 1};
-  if (root.kind == Node::Kind::null) errors.add(root.at, "the scene is empty");
-  else if (root.kind != Node::Kind::map) errors.add(root.at, "the scene is " + root.describe() + "; must be a block of keys");
-  else check_version(root, errors);
+  if (root.kind == Node::Kind::null)
+    errors.add(root.at, "the scene is empty");
+  else if (root.kind != Node::Kind::map)
+    errors.add(root.at, "the scene is " + root.describe() + "; must be a block of keys");
+  else
+    check_version(root, errors);
   if (!errors.empty()) errors.raise();
 
   for (const std::string& set : overrides) apply_override(root, set, tables.root(), errors);
@@ -88,7 +89,8 @@ Scene read_scene_text(const std::string& text, const std::string& path, const st
   return read(text, path, overrides, effects, nullptr, "");
 }
 
-Scene environment_of(const Scene& all, const std::vector<std::string>& overrides, std::span<const EffectTable> effects, long environment, long episode) {
+Scene environment_of(const Scene& all, const std::vector<std::string>& overrides, std::span<const EffectTable> effects, long environment,
+                     long episode) {
   const std::vector<Drawn> numbers = draw(all.root, environment, episode);
   const std::string called = "environment " + std::to_string(environment) + (episode > 0 ? ", episode " + std::to_string(episode) : "") + ": ";
   Scene scene = read(all.text, all.path == "-" ? "<stdin>" : all.path, overrides, effects, &numbers, called);
@@ -96,11 +98,13 @@ Scene environment_of(const Scene& all, const std::vector<std::string>& overrides
   return scene;
 }
 
-Scene one_environment(const Scene& all, const std::vector<std::string>& overrides, std::span<const EffectTable> effects, long environment, long episode) {
+Scene one_environment(const Scene& all, const std::vector<std::string>& overrides, std::span<const EffectTable> effects, long environment,
+                      long episode) {
   const long count = environment_count(all.root);
   if (count == 0) throw Error(Exit::usage, "--environment: the scene has no 'environments'");
   if (environment < 0 || environment >= count)
-    throw Error(Exit::usage, "--environment " + std::to_string(environment) + ": the scene has " + (count == 1 ? "one environment, 0" : "environments 0 to " + std::to_string(count - 1)));
+    throw Error(Exit::usage, "--environment " + std::to_string(environment) + ": the scene has " +
+                                 (count == 1 ? "one environment, 0" : "environments 0 to " + std::to_string(count - 1)));
   return environment_of(all, overrides, effects, environment, episode);
 }
 

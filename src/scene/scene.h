@@ -20,9 +20,9 @@ struct EffectTable {
   std::string help;  // one sentence
   const ParamTable* table = nullptr;
   std::vector<std::string> point_fields{}, cell_fields{};  // that it reports
-  bool inertia = false;  // makes a scene dynamic
-  bool contact = false;  // keeps bodies apart, from `d_hat` on
-  bool ties = false;     // a list, whose entries tie `body` and `to` (without it the world), which pass through each other unless `contact` is true
+  bool inertia = false;                                    // makes a scene dynamic
+  bool contact = false;                                    // keeps bodies apart, from `d_hat` on
+  bool ties = false;  // a list, whose entries tie `body` and `to` (without it the world), which pass through each other unless `contact` is true
 };
 
 struct Scene {
@@ -35,8 +35,7 @@ struct Scene {
 // Paths inside the scene are returned absolute, taken relative to the scene's folder.
 // Throws SceneErrors with everything that is wrong, Error(Exit::file) when the file cannot be read, Error(Exit::usage) when an
 // override is not of the form path=value.
-Scene read_scene(const std::string& path_or_dash, const std::vector<std::string>& overrides,
-                 std::span<const EffectTable> effects);
+Scene read_scene(const std::string& path_or_dash, const std::vector<std::string>& overrides, std::span<const EffectTable> effects);
 
 // The same for text in memory; `path` is what messages cite and what relative paths resolve against.
 Scene read_scene_text(const std::string& text, const std::string& path, const std::vector<std::string>& overrides,

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-
 #include <nlohmann/json.hpp>
 
 #include "scene/quantity.h"
@@ -19,7 +18,8 @@ Json block(const ParamTable& t);
 
 Json to_json(const Node& n) {
   switch (n.kind) {
-    case Node::Kind::null: return nullptr;
+    case Node::Kind::null:
+      return nullptr;
     case Node::Kind::list: {
       Json out = Json::array();
       for (const Node& item : n.items) out.push_back(to_json(item));
@@ -30,7 +30,8 @@ Json to_json(const Node& n) {
       for (const auto& [key, value] : n.entries) out[key] = to_json(value);
       return out;
     }
-    case Node::Kind::scalar: break;
+    case Node::Kind::scalar:
+      break;
   }
   if (!n.quoted && (n.text == "true" || n.text == "false")) return n.text == "true";
   if (!n.quoted && looks_like_quantity(n.text)) {
@@ -73,20 +74,28 @@ Json described(const Param& p);
 
 Json value(const Param& p) {
   switch (p.kind) {
-    case Kind::number: return number(p);
+    case Kind::number:
+      return number(p);
     case Kind::integer: {
       Json out = number(p);
       out["type"] = "integer";
       return out;
     }
-    case Kind::flag: return {{"type", "boolean"}};
+    case Kind::flag:
+      return {{"type", "boolean"}};
     case Kind::text:
-    case Kind::path: return {{"type", "string"}};
-    case Kind::choice: return {{"enum", p.choices}};
-    case Kind::vec3: return vec3(p);
-    case Kind::numbers: return list_of(number(p));
-    case Kind::vec3s: return list_of(vec3(p));
-    case Kind::names: return list_of({{"type", "string"}}, 0);
+    case Kind::path:
+      return {{"type", "string"}};
+    case Kind::choice:
+      return {{"enum", p.choices}};
+    case Kind::vec3:
+      return vec3(p);
+    case Kind::numbers:
+      return list_of(number(p));
+    case Kind::vec3s:
+      return list_of(vec3(p));
+    case Kind::names:
+      return list_of({{"type", "string"}}, 0);
     case Kind::pairs: {
       Json pair = list_of({{"type", "string"}}, 2);
       pair["maxItems"] = 2;
@@ -101,8 +110,10 @@ Json value(const Param& p) {
                     {"additionalProperties", false}};
       return {{"oneOf", Json::array({number(p), std::move(table)})}};
     }
-    case Kind::table: return block(*p.sub);
-    case Kind::tables: return {{"oneOf", Json::array({block(*p.sub), list_of(block(*p.sub))})}};
+    case Kind::table:
+      return block(*p.sub);
+    case Kind::tables:
+      return {{"oneOf", Json::array({block(*p.sub), list_of(block(*p.sub))})}};
     case Kind::map:
       return {{"type", "object"}, {"propertyNames", {{"pattern", "^[a-z0-9_-]+$"}}}, {"additionalProperties", block(*p.sub)}};
   }

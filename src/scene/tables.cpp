@@ -10,9 +10,7 @@ namespace {
 using Kind = Param::Kind;
 using namespace param;
 
-Param length(std::string key, std::string help) {
-  return positive(required(of(Kind::number, std::move(key), Unit::length, {}, std::move(help))));
-}
+Param length(std::string key, std::string help) { return positive(required(of(Kind::number, std::move(key), Unit::length, {}, std::move(help)))); }
 Param vector(std::string key, Unit unit, std::optional<std::string> fallback, std::string help) {
   return of(Kind::vec3, std::move(key), unit, std::move(fallback), std::move(help));
 }
@@ -43,8 +41,7 @@ const ParamTable& time_table() {
   static const ParamTable t{
       "time",
       "Steps of the simulation.",
-      {choice("mode", {"dynamic", "static"}, "dynamic",
-              "dynamic marches through time; static finds equilibrium under growing loads."),
+      {choice("mode", {"dynamic", "static"}, "dynamic", "dynamic marches through time; static finds equilibrium under growing loads."),
        positive(optional(of(Kind::number, "step", Unit::time, {}, "Time step; required when dynamic, not allowed when static."))),
        integer("steps", {}, 1, 1e9, "Number of steps; static: load steps that divide pseudo-time 0..1 evenly."),
        integer("frame_every", "1", 1, 1e9, "A frame is written every so many steps.")}};
@@ -57,11 +54,10 @@ const ParamTable& material_table() {
       "What a body is made of.",
       {choice("model", {"linear", "corotated", "neo_hookean"}, "neo_hookean", "Elastic law of soft bodies."),
        positive(optional(of(Kind::number, "youngs_modulus", Unit::pressure, {}, "Young's modulus; required for soft bodies"))),
-       below(range(optional(of(Kind::number, "poisson_ratio", Unit::none, {}, "Poisson's ratio; required for soft bodies")), 0,
-                   0.5),
-             0.5),
+       below(range(optional(of(Kind::number, "poisson_ratio", Unit::none, {}, "Poisson's ratio; required for soft bodies")), 0, 0.5), 0.5),
        choice("volumetric", {"auto", "full", "averaged"}, "auto",
-              "How a soft body resists changes of volume: at every point, or on average over the elements around a vertex (order 2: over an element), which does not lock near "
+              "How a soft body resists changes of volume: at every point, or on average over the elements around a vertex (order 2: over an "
+              "element), which does not lock near "
               "Poisson's ratio 0.5. auto averages above 0.4."),
        positive(required(of(Kind::number, "density", Unit::density, {}, "Mass per volume at rest.")))}};
   return t;
@@ -76,16 +72,16 @@ const ParamTable& rotation_table() {
 }
 
 const ParamTable& box_table() {
-  static const ParamTable t{"box",
-                            "Box centred at the origin.",
-                            {positive(vector("size", Unit::length, {}, "Lengths of the sides along x, y, z.")),
-                             length("edge_length", "Target length of mesh edges; every side gets the nearest even number of cells, below 1.5 edges a single one.")}};
+  static const ParamTable t{
+      "box",
+      "Box centred at the origin.",
+      {positive(vector("size", Unit::length, {}, "Lengths of the sides along x, y, z.")),
+       length("edge_length", "Target length of mesh edges; every side gets the nearest even number of cells, below 1.5 edges a single one.")}};
   return t;
 }
 const ParamTable& sphere_table() {
-  static const ParamTable t{"sphere",
-                            "Sphere centred at the origin.",
-                            {length("radius", "Radius."), length("edge_length", "Target length of mesh edges.")}};
+  static const ParamTable t{
+      "sphere", "Sphere centred at the origin.", {length("radius", "Radius."), length("edge_length", "Target length of mesh edges.")}};
   return t;
 }
 const ParamTable& cylinder_table() {
@@ -96,11 +92,11 @@ const ParamTable& cylinder_table() {
   return t;
 }
 const ParamTable& capsule_table() {
-  static const ParamTable t{"capsule",
-                            "Capsule centred at the origin, axis z.",
-                            {length("radius", "Radius of the caps and of the middle part."),
-                             length("height", "Length of the cylindrical middle part, without the caps."),
-                             length("edge_length", "Target length of mesh edges.")}};
+  static const ParamTable t{
+      "capsule",
+      "Capsule centred at the origin, axis z.",
+      {length("radius", "Radius of the caps and of the middle part."), length("height", "Length of the cylindrical middle part, without the caps."),
+       length("edge_length", "Target length of mesh edges.")}};
   return t;
 }
 const ParamTable& mesh_table() {
@@ -111,17 +107,15 @@ const ParamTable& mesh_table() {
        positive(number("scale", Unit::none, "1", 0, "Factor from the file's length unit to metres.")),
        number("weld", Unit::length, "0 m", 0, "Vertices nearer than this are merged."),
        positive(optional(of(Kind::number, "edge_length", Unit::length, {}, "Target length of tetrahedron edges."))),
-       positive(optional(of(Kind::number, "surface_edge_length", Unit::length, {},
-                            "Target length of surface edges; absent keeps the surface.")))}};
+       positive(optional(of(Kind::number, "surface_edge_length", Unit::length, {}, "Target length of surface edges; absent keeps the surface.")))}};
   return t;
 }
 const ParamTable& shape_table() {
   static const ParamTable t = [] {
     ParamTable s{"shape",
                  "Rest shape: exactly one of these.",
-                 {table("box", &box_table(), "Box."), table("sphere", &sphere_table(), "Sphere."),
-                  table("cylinder", &cylinder_table(), "Cylinder."), table("capsule", &capsule_table(), "Capsule."),
-                  table("mesh", &mesh_table(), "Mesh from a file.")}};
+                 {table("box", &box_table(), "Box."), table("sphere", &sphere_table(), "Sphere."), table("cylinder", &cylinder_table(), "Cylinder."),
+                  table("capsule", &capsule_table(), "Capsule."), table("mesh", &mesh_table(), "Mesh from a file.")}};
     s.one_of = true;
     return s;
   }();
@@ -129,14 +123,13 @@ const ParamTable& shape_table() {
 }
 
 const ParamTable& visual_table() {
-  static const ParamTable t{
-      "visual",
-      "How pictures show the body; without a mesh its simulation surface is drawn.",
-      {optional(of(Kind::path, "mesh", Unit::none, {}, "Mesh file that is drawn and moves with the body.")),
-       range(vector("color", Unit::none, "[0.7, 0.7, 0.7]", "Base colour: red, green, blue."), 0, 1),
-       optional(of(Kind::path, "texture", Unit::none, {}, "Image file mapped by the mesh's texture coordinates.")),
-       range(number("roughness", Unit::none, "0.6", 0, "0 is a mirror, 1 is matt"), 0, 1),
-       range(number("metallic", Unit::none, "0", 0, "0 is a dielectric, 1 is a metal"), 0, 1)}};
+  static const ParamTable t{"visual",
+                            "How pictures show the body; without a mesh its simulation surface is drawn.",
+                            {optional(of(Kind::path, "mesh", Unit::none, {}, "Mesh file that is drawn and moves with the body.")),
+                             range(vector("color", Unit::none, "[0.7, 0.7, 0.7]", "Base colour: red, green, blue."), 0, 1),
+                             optional(of(Kind::path, "texture", Unit::none, {}, "Image file mapped by the mesh's texture coordinates.")),
+                             range(number("roughness", Unit::none, "0.6", 0, "0 is a mirror, 1 is matt"), 0, 1),
+                             range(number("metallic", Unit::none, "0", 0, "0 is a dielectric, 1 is a metal"), 0, 1)}};
   return t;
 }
 
@@ -145,15 +138,14 @@ Param body_type() {
                          "soft deforms, stiff is an affine body of few degrees of freedom, half_space is a fixed plane."));
 }
 std::vector<Param> solid_params() {
-  return {
-      body_type(),
-      required(table("shape", &shape_table(), "Rest shape.")),
-      text("material", {}, "Name of a material."),
-      vector("position", Unit::length, "[0, 0, 0]", "Where the shape's origin is placed."),
-      table("rotation", &rotation_table(), "Rotation of the shape about its origin."),
-      vector("velocity", Unit::velocity, "[0, 0, 0]", "Velocity at the start."),
-      vector("angular_velocity", Unit::angular_velocity, "[0, 0, 0]", "Angular velocity about the centre of mass at the start."),
-      always(table("visual", &visual_table(), "Appearance in pictures."))};
+  return {body_type(),
+          required(table("shape", &shape_table(), "Rest shape.")),
+          text("material", {}, "Name of a material."),
+          vector("position", Unit::length, "[0, 0, 0]", "Where the shape's origin is placed."),
+          table("rotation", &rotation_table(), "Rotation of the shape about its origin."),
+          vector("velocity", Unit::velocity, "[0, 0, 0]", "Velocity at the start."),
+          vector("angular_velocity", Unit::angular_velocity, "[0, 0, 0]", "Angular velocity about the centre of mass at the start."),
+          always(table("visual", &visual_table(), "Appearance in pictures."))};
 }
 const ParamTable& soft_table() {
   static const ParamTable t = [] {
@@ -200,8 +192,7 @@ const ParamTable& solver_table() {
                     "A step has converged when the residual forces on every body are at most this share of the forces on its own free nodes, and the "
                     "next Newton step is short."),
              1),
-       number("step_tolerance", Unit::length, "0 m", 0,
-              "And, when above zero, the last Newton step moved nothing further than this."),
+       number("step_tolerance", Unit::length, "0 m", 0, "And, when above zero, the last Newton step moved nothing further than this."),
        integer("iterations", "100", 1, 100000, "Most Newton iterations of one step."),
        choice("linear", {"auto", "direct", "reuse", "cg"}, "auto",
               "Linear solver: a Cholesky factor in every iteration, one that is reused while it pays, or conjugate gradients."),
@@ -218,10 +209,11 @@ const ParamTable& solver_table() {
 
 const ParamTable& checkpoint_table() {
   static const ParamTable t = [] {
-    ParamTable s{"checkpoint_every",
-                 "How often the state is saved, from which --resume continues: exactly one of these.",
-                 {integer("steps", {}, 1, 1e9, "After every so many steps."),
-                  positive(of(Kind::number, "seconds", Unit::time, {}, "After the first step that ends this long after the last time, by the clock."))}};
+    ParamTable s{
+        "checkpoint_every",
+        "How often the state is saved, from which --resume continues: exactly one of these.",
+        {integer("steps", {}, 1, 1e9, "After every so many steps."),
+         positive(of(Kind::number, "seconds", Unit::time, {}, "After the first step that ends this long after the last time, by the clock."))}};
     s.one_of = true;
     for (Param& p : s.params) p.optional = true;
     return s;
@@ -230,13 +222,13 @@ const ParamTable& checkpoint_table() {
 }
 
 const ParamTable& output_table() {
-  static const ParamTable t{
-      "output",
-      "What a run writes.",
-      {optional(of(Kind::names, "fields", Unit::none, {}, "Names of the fields to keep; absent keeps all.")),
-       choice("precision", {"single", "double"}, "single", "Floating-point format of the fields."),
-       flag("pictures", "true", "Whether pictures are drawn: by the cameras of `render`, and of sensors."),
-       table("checkpoint_every", &checkpoint_table(), "How often the state is saved; absent saves it with every frame. The last step always saves it.")}};
+  static const ParamTable t{"output",
+                            "What a run writes.",
+                            {optional(of(Kind::names, "fields", Unit::none, {}, "Names of the fields to keep; absent keeps all.")),
+                             choice("precision", {"single", "double"}, "single", "Floating-point format of the fields."),
+                             flag("pictures", "true", "Whether pictures are drawn: by the cameras of `render`, and of sensors."),
+                             table("checkpoint_every", &checkpoint_table(),
+                                   "How often the state is saved; absent saves it with every frame. The last step always saves it.")}};
   return t;
 }
 
@@ -244,41 +236,36 @@ const ParamTable& camera_table() {
   static const ParamTable t{
       "camera",
       "One picture per frame.",
-      {vector("position", Unit::length, {}, "Where the camera stands."),
-       vector("look_at", Unit::length, {}, "Point in the middle of the picture."),
+      {vector("position", Unit::length, {}, "Where the camera stands."), vector("look_at", Unit::length, {}, "Point in the middle of the picture."),
        vector("up", Unit::none, "[0, 0, 1]", "Direction that is up in the picture."),
        choice("model", {"pinhole", "fisheye"}, "pinhole",
               "Projection; fisheye: the angle from the axis is proportional to the distance from the middle."),
-       positive(range(number("fov", Unit::angle, "35 deg", 0,
-                             "Field of view: of the height (pinhole, below 180 deg), of the image circle (fisheye)."),
-                      0, 6.2831853071796)),
+       positive(
+           range(number("fov", Unit::angle, "35 deg", 0, "Field of view: of the height (pinhole, below 180 deg), of the image circle (fisheye)."), 0,
+                 6.2831853071796)),
        optional(of(Kind::names, "hide", Unit::none, {}, "Names of bodies that this camera does not see.")),
-       range(optional(of(Kind::vec3, "background", Unit::none, {},
-                         "Background colour of this camera; absent takes that of `render`.")),
-             0, 1),
+       range(optional(of(Kind::vec3, "background", Unit::none, {}, "Background colour of this camera; absent takes that of `render`.")), 0, 1),
        optional(of(Kind::text, "colour_by", Unit::none, {}, "Field that colours the bodies.")),
-       optional(of(Kind::numbers, "range", Unit::any, {},
-                   "Values at the two ends of the colour scale; absent takes the run's extremes.")),
+       optional(of(Kind::numbers, "range", Unit::any, {}, "Values at the two ends of the colour scale; absent takes the run's extremes.")),
        optional(of(Kind::text, "unit", Unit::none, {}, "Unit of the numbers at the colour scale."))}};
   return t;
 }
 const ParamTable& render_table() {
   static const Param cameras = optional(map("cameras", &camera_table(), "Cameras by name; a scene with sensors may go without."));
-  static const ParamTable t{"render",
-                            "Pictures of the run.",
-                            {integer("width", "1280", 16, 8192, "Width of the pictures in pixels."),
-                             integer("height", "720", 16, 8192, "Height of the pictures in pixels."),
-                             range(vector("background", Unit::none, "[1, 1, 1]", "Background colour: red, green, blue."), 0, 1),
-                             integer("every", "1", 1, 1e9, "Pictures, those of sensors too, are drawn of every so many frames, from frame 0 on."),
-                             cameras}};
+  static const ParamTable t{
+      "render",
+      "Pictures of the run.",
+      {integer("width", "1280", 16, 8192, "Width of the pictures in pixels."),
+       integer("height", "720", 16, 8192, "Height of the pictures in pixels."),
+       range(vector("background", Unit::none, "[1, 1, 1]", "Background colour: red, green, blue."), 0, 1),
+       integer("every", "1", 1, 1e9, "Pictures, those of sensors too, are drawn of every so many frames, from frame 0 on."), cameras}};
   return t;
 }
 
 }  // namespace
 
 const Variants* variants_of(const ParamTable& t) {
-  static const Variants body{
-      &body_table(), "type", {{"soft", &soft_table()}, {"stiff", &stiff_table()}, {"half_space", &half_space_table()}}};
+  static const Variants body{&body_table(), "type", {{"soft", &soft_table()}, {"stiff", &stiff_table()}, {"half_space", &half_space_table()}}};
   if (&t == &check_table()) return &check_variants();
   return &t == body.table ? &body : nullptr;
 }

@@ -18,10 +18,14 @@ std::string quoted(const std::string& s) {
 
 std::string flow(const Params& p) {
   switch (p.kind()) {
-    case Params::Kind::number: return format_number(p.as_number());
-    case Params::Kind::integer: return std::to_string(p.as_integer());
-    case Params::Kind::flag: return p.as_flag() ? "true" : "false";
-    case Params::Kind::text: return quoted(p.as_text());
+    case Params::Kind::number:
+      return format_number(p.as_number());
+    case Params::Kind::integer:
+      return std::to_string(p.as_integer());
+    case Params::Kind::flag:
+      return p.as_flag() ? "true" : "false";
+    case Params::Kind::text:
+      return quoted(p.as_text());
     case Params::Kind::list: {
       std::string out;
       for (const Params& item : p.items()) out += (out.empty() ? "" : ", ") + flow(item);
@@ -32,7 +36,8 @@ std::string flow(const Params& p) {
       for (const auto& [key, value] : p.entries()) out += (out.empty() ? "" : ", ") + key + ": " + flow(value);
       return "{" + out + "}";
     }
-    case Params::Kind::none: break;
+    case Params::Kind::none:
+      break;
   }
   return "~";
 }

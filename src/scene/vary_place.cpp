@@ -41,7 +41,9 @@ class Finder {
     std::string path;
     for (const std::string& part : split_path(cited.as_text())) {
       if (path.empty())
-        if (const std::string why = common(part); !why.empty()) return fail(cited, "'" + part + "' cannot differ between environments: " + why, part == "environments" ? "" : "a sweep can vary it: mortise sweep");
+        if (const std::string why = common(part); !why.empty())
+          return fail(cited, "'" + part + "' cannot differ between environments: " + why,
+                      part == "environments" ? "" : "a sweep can vary it: mortise sweep");
       if (here.value && here.value->kind() == Params::Kind::list) {
         if (!item(here, part, path, cited)) return {};
       } else if (here.param.kind == Kind::map && here.value) {
@@ -59,7 +61,8 @@ class Finder {
         return fail(cited, path + (here.value ? " is a single value; it has no '" + part + "'" : " is not written in the scene"), "");
       }
       path = dotted(path, part);
-      if (path.rfind("bodies.", 0) == 0 && part == "shape") return fail(cited, path + " cannot differ between environments: all have the same meshes", "a sweep can vary it: mortise sweep");
+      if (path.rfind("bodies.", 0) == 0 && part == "shape")
+        return fail(cited, path + " cannot differ between environments: all have the same meshes", "a sweep can vary it: mortise sweep");
     }
     return number(here, path, cited);
   }
@@ -73,14 +76,19 @@ class Finder {
     const std::size_t n = here.value->items().size();
     const bool digits = !part.empty() && part.size() < 7 && part.find_first_not_of("0123456789") == std::string::npos;
     if (!digits || std::stoul(part) >= n) {
-      fail(cited, path + " is a list; its entries are named 0" + (n > 1 ? " to " + std::to_string(n - 1) : ""), digits ? "" : "write " + path + ".0." + part);
+      fail(cited, path + " is a list; its entries are named 0" + (n > 1 ? " to " + std::to_string(n - 1) : ""),
+           digits ? "" : "write " + path + ".0." + part);
       return false;
     }
     here.value = &here.value->items()[std::stoul(part)];
-    if (here.param.kind == Kind::tables) here.param.kind = Kind::table;
-    else if (here.param.kind == Kind::vec3s) here.param.kind = Kind::vec3;
-    else if (here.param.kind == Kind::vec3 || here.param.kind == Kind::numbers) here.param.kind = Kind::number;
-    else here.param.kind = Kind::text;
+    if (here.param.kind == Kind::tables)
+      here.param.kind = Kind::table;
+    else if (here.param.kind == Kind::vec3s)
+      here.param.kind = Kind::vec3;
+    else if (here.param.kind == Kind::vec3 || here.param.kind == Kind::numbers)
+      here.param.kind = Kind::number;
+    else
+      here.param.kind = Kind::text;
     return true;
   }
   bool key(Place& here, const std::string& part, const std::string& path, const Params& cited) const {
@@ -101,11 +109,14 @@ class Finder {
     return true;
   }
   Place number(Place here, const std::string& path, const Params& cited) const {
-    if (here.param.kind == Kind::integer) return fail(cited, path + " is a whole number, of which all environments have the same", "only numbers that measure something can differ");
+    if (here.param.kind == Kind::integer)
+      return fail(cited, path + " is a whole number, of which all environments have the same", "only numbers that measure something can differ");
     if (here.param.kind == Kind::schedule && (!here.value || here.value->kind() != Params::Kind::table)) here.param.kind = Kind::number;
     if (here.param.kind == Kind::number) return here.found = true, here;
-    if (here.value && here.value->kind() == Params::Kind::list && !here.value->items().empty()) return fail(cited, path + " is a list; name one of its numbers", "write " + path + ".0");
-    if (here.value && here.value->kind() == Params::Kind::table) return fail(cited, path + " is a block; name one of its numbers", "it has " + join(keys_of(*here.value), ", "));
+    if (here.value && here.value->kind() == Params::Kind::list && !here.value->items().empty())
+      return fail(cited, path + " is a list; name one of its numbers", "write " + path + ".0");
+    if (here.value && here.value->kind() == Params::Kind::table)
+      return fail(cited, path + " is a block; name one of its numbers", "it has " + join(keys_of(*here.value), ", "));
     return fail(cited, path + " is no number", "only numbers can differ between environments");
   }
 
@@ -116,13 +127,17 @@ class Finder {
 
 }  // namespace
 
-Place find_place(const Params& cited, const Params& root, const ParamTable& table, Diagnostics& errors) { return Finder(root, table, errors).find(cited); }
+Place find_place(const Params& cited, const Params& root, const ParamTable& table, Diagnostics& errors) {
+  return Finder(root, table, errors).find(cited);
+}
 
 std::vector<std::string> split_path(const std::string& path) {
   std::vector<std::string> parts{""};
   for (char c : path)
-    if (c == '.') parts.emplace_back();
-    else parts.back() += c;
+    if (c == '.')
+      parts.emplace_back();
+    else
+      parts.back() += c;
   return parts;
 }
 

@@ -1,14 +1,14 @@
 #include "scene/yaml.h"
 
-#include "base/read_file.h"
-
-#include <map>
-#include <sstream>
-
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/mark.h>
 #include <yaml-cpp/parser.h>
+
+#include <map>
+#include <sstream>
+
+#include "base/read_file.h"
 
 namespace mortise::scene {
 namespace {
@@ -41,8 +41,7 @@ class Builder : public YAML::EventHandler {
     no_tag(tag, mark);
     put(std::move(n), anchor);
   }
-  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
-                       YAML::EmitterStyle::value) override {
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
     no_tag(tag, mark);
     open(make(Node::Kind::list, mark), anchor);
   }
@@ -83,8 +82,7 @@ class Builder : public YAML::EventHandler {
     if (bytes_ += n.text.size(); bytes_ > most_bytes::scene) throw SyntaxError{place(mark), "the values of the scene are longer than 64 MiB in all"};
   }
   void no_tag(const std::string& tag, const YAML::Mark& mark) const {
-    if (tag != "!" && tag != "?" && !tag.empty())
-      throw SyntaxError{place(mark), "YAML tags ('" + tag + "') are not used in scenes"};
+    if (tag != "!" && tag != "?" && !tag.empty()) throw SyntaxError{place(mark), "YAML tags ('" + tag + "') are not used in scenes"};
   }
   void open(Node n, YAML::anchor_t anchor) {
     if (!stack_.empty() && stack_.back().node.kind == Node::Kind::map && !stack_.back().has_key)
@@ -156,10 +154,14 @@ Node* Node::find(const std::string& key) { return const_cast<Node*>(static_cast<
 
 std::string Node::describe() const {
   switch (kind) {
-    case Kind::null: return "empty";
-    case Kind::scalar: return quoted ? "the text \"" + text + "\"" : "'" + text + "'";
-    case Kind::list: return "a list";
-    case Kind::map: return "a block of keys";
+    case Kind::null:
+      return "empty";
+    case Kind::scalar:
+      return quoted ? "the text \"" + text + "\"" : "'" + text + "'";
+    case Kind::list:
+      return "a list";
+    case Kind::map:
+      return "a block of keys";
   }
   return "";
 }
@@ -171,8 +173,7 @@ Node parse_yaml(const std::string& text, const std::string& file, const SourceLo
     YAML::Parser parser(in);
     if (!parser.HandleNextDocument(builder)) return builder.root;
     Builder second(file, fixed);
-    if (parser.HandleNextDocument(second))
-      throw SyntaxError{second.root.at, "a second YAML document starts here; a scene is one document"};
+    if (parser.HandleNextDocument(second)) throw SyntaxError{second.root.at, "a second YAML document starts here; a scene is one document"};
   } catch (const YAML::Exception& e) {
     throw SyntaxError{e.mark.is_null() ? SourceLoc{file, 0, 0} : builder.place(e.mark), "not valid YAML: " + e.msg};
   }

@@ -73,9 +73,7 @@ Carriers carriers(const model::BodyInput& body) {
   return c;
 }
 
-double triangle_area(const std::vector<Vec3>& x, const Triangle& t) {
-  return (x[t.v[1]] - x[t.v[0]]).cross(x[t.v[2]] - x[t.v[0]]).norm() / 2;
-}
+double triangle_area(const std::vector<Vec3>& x, const Triangle& t) { return (x[t.v[1]] - x[t.v[0]]).cross(x[t.v[2]] - x[t.v[0]]).norm() / 2; }
 
 }  // namespace
 

@@ -18,10 +18,10 @@
 namespace mortise::sensors {
 
 struct GridSpec {
-  int rows = 1, columns = 1;       // along y, along x
-  double width = 0, height = 0;    // along x, along y [m]
+  int rows = 1, columns = 1;                               // along y, along x
+  double width = 0, height = 0;                            // along x, along y [m]
   double depth = std::numeric_limits<double>::infinity();  // surface farther than this from the plane does not count [m]
-  Frame frame;                     // at rest; origin in the middle of the grid
+  Frame frame;                                             // at rest; origin in the middle of the grid
   int taxels() const { return rows * columns; }
 };
 

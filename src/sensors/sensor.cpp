@@ -65,11 +65,11 @@ Sensor::Sensor(std::string name, const Params& p, const model::ModelInput& input
       base_(base_of(input, body, p.text("moves_with") == "supports")) {
   const std::vector<double>& area = grid_.rest_area();
   if (!(std::accumulate(area.begin(), area.end(), 0.0) > 0))
-    throw Error(Exit::scene, p.where(), "sensor '" + name_ + "': no surface of '" + body_ + "' faces the grid (position, normal, width, height, depth)");
+    throw Error(Exit::scene, p.where(),
+                "sensor '" + name_ + "': no surface of '" + body_ + "' faces the grid (position, normal, width, height, depth)");
 }
 
-Reading Sensor::read(const std::vector<double>& points, const std::vector<double>& contact,
-                     const std::vector<double>& friction) const {
+Reading Sensor::read(const std::vector<double>& points, const std::vector<double>& contact, const std::vector<double>& friction) const {
   Reading out;
   std::vector<Vec3> from, to, y(rest_.size()), force(rest_.size(), Vec3::Zero()), moved(rest_.size());
   for (std::size_t i = 0; i < y.size(); ++i) {

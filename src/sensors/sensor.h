@@ -9,12 +9,12 @@ namespace mortise::sensors {
 
 // What a sensor reads of one state. Vectors are in the sensor's frame: x along a row, y along a column, z out of the body.
 struct Reading {
-  Frame frame;                       // now
-  std::vector<double> pressure;      // per taxel: -F_z / A [Pa]
-  std::vector<double> shear;         // 2 per taxel: F_x / A, F_y / A [Pa]
-  std::vector<double> force;         // 3 per taxel: contact and friction on it [N]
-  std::vector<double> displacement;  // 3 per taxel: of its material against the frame, since the start [m]
-  std::vector<double> area;          // per taxel: of its surface now [m^2]; 0 where the grid reaches beyond the body
+  Frame frame;                                                     // now
+  std::vector<double> pressure;                                    // per taxel: -F_z / A [Pa]
+  std::vector<double> shear;                                       // 2 per taxel: F_x / A, F_y / A [Pa]
+  std::vector<double> force;                                       // 3 per taxel: contact and friction on it [N]
+  std::vector<double> displacement;                                // 3 per taxel: of its material against the frame, since the start [m]
+  std::vector<double> area;                                        // per taxel: of its surface now [m^2]; 0 where the grid reaches beyond the body
   Vec3 wrench_force = Vec3::Zero(), wrench_moment = Vec3::Zero();  // on the whole body, about the frame's origin [N, N m]
 };
 

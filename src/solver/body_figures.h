@@ -26,7 +26,8 @@ class Chunks {
   explicit Chunks(const std::vector<Index>& offset) {
     std::vector<Index> first{0}, begin, end;
     for (std::size_t i = 0; i + 1 < offset.size(); ++i) {
-      for (Index from = offset[i]; from < offset[i + 1]; from += device::kChunk) begin.push_back(from), end.push_back(from + device::kChunk < offset[i + 1] ? from + device::kChunk : offset[i + 1]);
+      for (Index from = offset[i]; from < offset[i + 1]; from += device::kChunk)
+        begin.push_back(from), end.push_back(from + device::kChunk < offset[i + 1] ? from + device::kChunk : offset[i + 1]);
       first.push_back(static_cast<Index>(begin.size()));
     }
     first_.upload(first), begin_.upload(begin), end_.upload(end);

@@ -85,24 +85,27 @@ Residual Convergence::begin() const {
 }
 
 void Convergence::see_effect(const effects::Kind& kind, View<const Vec3> gradient, Residual& r, Fetch& fetch) const {
-  force_sizes(blocks_, gradient, model_.projector.view(), lever_.view(), position_.view(), fetch, [&r, moves = kind.role != effects::Role::store](const std::vector<Part>& bodies) {
-    for (std::size_t i = 0; i < bodies.size(); ++i) {
-      r.scale[i] = device::Larger()(r.scale[i], bodies[i].most);
-      if (moves) r.load[i] = device::Larger()(r.load[i], bodies[i].sum[0]);
-    }
-  });
+  force_sizes(blocks_, gradient, model_.projector.view(), lever_.view(), position_.view(), fetch,
+              [&r, moves = kind.role != effects::Role::store](const std::vector<Part>& bodies) {
+                for (std::size_t i = 0; i < bodies.size(); ++i) {
+                  r.scale[i] = device::Larger()(r.scale[i], bodies[i].most);
+                  if (moves) r.load[i] = device::Larger()(r.load[i], bodies[i].sum[0]);
+                }
+              });
 }
 
 void Convergence::see_sum(View<const Vec3> gradient, View<const Vec3> q, Residual& r, Fetch& fetch) const {
-  residual_sizes(blocks_, gradient, model_.projector.view(), lever_.view(), position_.view(), q, model_.q.view(), fetch, [&r](const std::vector<Part>& bodies) {
-    for (std::size_t i = 0; i < bodies.size(); ++i) {
-      r.force[i] = bodies[i].most, r.way[i] = bodies[i].far;
-      for (int k = 0; k < 3; ++k) r.net[k][i] = bodies[i].sum[k];
-    }
-  });
+  residual_sizes(blocks_, gradient, model_.projector.view(), lever_.view(), position_.view(), q, model_.q.view(), fetch,
+                 [&r](const std::vector<Part>& bodies) {
+                   for (std::size_t i = 0; i < bodies.size(); ++i) {
+                     r.force[i] = bodies[i].most, r.way[i] = bodies[i].far;
+                     for (int k = 0; k < 3; ++k) r.net[k][i] = bodies[i].sum[k];
+                   }
+                 });
 }
 
-void Convergence::see_matrix(const linalg::BlockMatrix& matrix, View<const Vec3> q, View<const Index> block_of_row, const EnvMask& whose, Fetch& fetch) {
+void Convergence::see_matrix(const linalg::BlockMatrix& matrix, View<const Vec3> q, View<const Index> block_of_row, const EnvMask& whose,
+                             Fetch& fetch) {
   rounding_sizes(rows_, matrix, q, block_of_row, lever_.view(), fetch, [this, whose](const std::vector<Part>& bodies) {
     for (std::size_t i = 0; i < bodies.size(); ++i)
       if (whose[model_.bodies[i].env]) rounding_[i] = bodies[i].most, rounding_sum_[i] = bodies[i].sum[0];

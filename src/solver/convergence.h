@@ -1,8 +1,8 @@
 #pragma once
 // When is a step solved? Bodies are judged against what acts on their own free directions, and on those of bodies that touch them, so that
 // neither a heavy stranger nor what a support bears can hide that a light body has not moved yet. With r = P T^T grad Phi the residual, g_k = T^T of
-// the gradient of effect k (model/ties.h) and s_b the lever of block b (1 of a position; of an axis of a stiff body the radius of the body, which makes a force of a
-// moment and a way of a change of the axis), a body is solved when
+// the gradient of effect k (model/ties.h) and s_b the lever of block b (1 of a position; of an axis of a stiff body the radius of the body, which
+// makes a force of a moment and a way of a change of the axis), a body is solved when
 //
 //   (a) max_b |r_b| / s_b <= relative * max_k max_c |P g_k,c| / s_c       c over the blocks of all bodies of its group     [N]
 //       |sum_b r_b|       <= relative * max_k sum_b |g_k,b|      of a body without any support, over positions; k runs over effects whose
@@ -40,9 +40,9 @@ class Convergence {
  public:
   Convergence(const model::Model& model, const Options& options);
 
-  void begin_step();                                       // supports may have changed
-  void set_rows(const std::vector<Index>& row_of_block);  // of the matrices that will be seen
-  void connect(const std::vector<const model::ContactView*>& contacts);  // groups, by what touches now
+  void begin_step();                                                          // supports may have changed
+  void set_rows(const std::vector<Index>& row_of_block);                      // of the matrices that will be seen
+  void connect(const std::vector<const model::ContactView*>& contacts);       // groups, by what touches now
   void refreshed() { std::fill(comparable_.begin(), comparable_.end(), 0); }  // what was frozen is not that of the last residual any more
 
   // The parts of a residual; values are there once `fetch` is done, and finish() has been called.
@@ -51,15 +51,16 @@ class Convergence {
   void see_sum(effects::View<const Vec3> gradient, effects::View<const Vec3> q, Residual& r, device::Fetch& fetch) const;
   void finish(Residual& r) const;
   // Of the matrix at q, in the environments of `whose`.
-  void see_matrix(const linalg::BlockMatrix& matrix, effects::View<const Vec3> q, effects::View<const Index> block_of_row, const EnvMask& whose, device::Fetch& fetch);
+  void see_matrix(const linalg::BlockMatrix& matrix, effects::View<const Vec3> q, effects::View<const Index> block_of_row, const EnvMask& whose,
+                  device::Fetch& fetch);
   // A Newton step of full length dq was found at the state of residual r, in the environments of `whose`.
   void see_step(effects::View<const Vec3> dq, const Residual& r, const EnvMask& whose, device::Fetch& fetch);
 
   double largest_force(const Residual& r, Index env) const;
-  double over(const Residual& r, Index env, double relative) const;   // worst body's share of its tolerance; above 1: not solved
-  double share(const Residual& r, Index env) const;                   // worst body's residual over its forces
+  double over(const Residual& r, Index env, double relative) const;  // worst body's share of its tolerance; above 1: not solved
+  double share(const Residual& r, Index env) const;                  // worst body's residual over its forces
   bool finite(const Residual& r, Index env) const;
-  bool solved(const Residual& r, Index env, double relative) const;   // (a) and (b)
+  bool solved(const Residual& r, Index env, double relative) const;  // (a) and (b)
   // How small residuals of the environment, by row, have to become for all of its bodies [N, N m]; infinite if nothing is free.
   double least_tolerance(const Residual& r, Index env, double relative) const;
   // The body that is farthest from its tolerance.
@@ -80,15 +81,15 @@ class Convergence {
 
   const model::Model& model_;
   const Options& options_;
-  Chunks blocks_, rows_;                        // of bodies
-  std::vector<double> radius_;                  // per body [m]
-  std::vector<std::uint8_t> loose_, held_;      // per body: no support or tie at all; no freedom of its own
-  std::vector<Index> group_;                    // per body: the first body of its group
-  device::Buffer<double> lever_, position_;     // per block: s_b; 1 of a position, 0 of an axis
+  Chunks blocks_, rows_;                         // of bodies
+  std::vector<double> radius_;                   // per body [m]
+  std::vector<std::uint8_t> loose_, held_;       // per body: no support or tie at all; no freedom of its own
+  std::vector<Index> group_;                     // per body: the first body of its group
+  device::Buffer<double> lever_, position_;      // per block: s_b; 1 of a position, 0 of an axis
   std::vector<double> rounding_, rounding_sum_;  // per body [N]
-  std::vector<double> step_;                    // per body: the last Newton step at full length [m]; below 0 before the first
-  Residual last_;                               // where it began
-  std::vector<std::uint8_t> comparable_;        // per body: is that to the present residual?
+  std::vector<double> step_;                     // per body: the last Newton step at full length [m]; below 0 before the first
+  Residual last_;                                // where it began
+  std::vector<std::uint8_t> comparable_;         // per body: is that to the present residual?
 };
 
 }  // namespace mortise::solver

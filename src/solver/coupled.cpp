@@ -35,7 +35,8 @@ void Coupled::product(const device::Buffer<Vec3>& q, device::View<const Vec3> v,
   system_.to_blocks(v, std::as_const(still_).view(), active_, move);
   std::vector<double> h = largest(std::as_const(move).view(), model.env_blocks), inverse(model.envs, 0.0);
   for (Index e = 0; e < model.envs; ++e) {
-    const double wanted = std::clamp(tuning::kDifference * envs[e].step, tuning::kLeastDifference * system_.length[e], tuning::kMostDifference * system_.length[e]);
+    const double wanted =
+        std::clamp(tuning::kDifference * envs[e].step, tuning::kLeastDifference * system_.length[e], tuning::kMostDifference * system_.length[e]);
     h[e] = h[e] > 0 ? wanted / h[e] : 0;
     inverse[e] = h[e] > 0 ? 1 / h[e] : 0;
   }
@@ -57,9 +58,10 @@ bool Coupled::direction(const device::Buffer<Vec3>& q, Linearised& at, Linearise
     if (!active_[e]) clear_blocks(r0_, system_.rows.env[e], system_.rows.env[e + 1]);
   x_.resize(rows);
   try {
-    const linalg::GmresResult gmres = linalg::gmres([&](device::View<const Vec3> in, device::View<Vec3> out) { product(q, in, out, near, envs); },
-                                                    [&](device::View<const Vec3> in, device::View<Vec3> out) { linear_.apply(A_, in, out, active_); }, std::as_const(r0_).view(), x_.view(),
-                                                    system_.rows.env, std::vector<double>(system_.model.envs, tuning::kCoupledForcing), tuning::kMostProducts);
+    const linalg::GmresResult gmres =
+        linalg::gmres([&](device::View<const Vec3> in, device::View<Vec3> out) { product(q, in, out, near, envs); },
+                      [&](device::View<const Vec3> in, device::View<Vec3> out) { linear_.apply(A_, in, out, active_); }, std::as_const(r0_).view(),
+                      x_.view(), system_.rows.env, std::vector<double>(system_.model.envs, tuning::kCoupledForcing), tuning::kMostProducts);
     report.cg += gmres.iterations;
     products_ = gmres.of_env;
     for (Index e = 0; e < system_.model.envs; ++e) factored_[e] = gmres.of_env[e] <= tuning::kGoodProducts;
@@ -136,7 +138,8 @@ EnvMask Coupled::finite_energies(const Linearised& at) {
   return out;
 }
 
-void Coupled::solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Linearised& near, EnvTable& envs, StepReport& report, const std::function<void()>& stop, const Watch& watch) {
+void Coupled::solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Linearised& near, EnvTable& envs, StepReport& report,
+                    const std::function<void()>& stop, const Watch& watch) {
   const model::Model& model = system_.model;
   still_.resize(model.blocks);
   still_.zero();

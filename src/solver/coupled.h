@@ -20,7 +20,8 @@ namespace mortise::solver {
 
 class Coupled {
  public:
-  Coupled(System& system, Linear& linear, CurvaturePolicy& curvature, linalg::BlockMatrix& A) : system_(system), linear_(linear), curvature_(curvature), A_(A) {}
+  Coupled(System& system, Linear& linear, CurvaturePolicy& curvature, linalg::BlockMatrix& A)
+      : system_(system), linear_(linear), curvature_(curvature), A_(A) {}
 
   // Told of every iterate's residual, and of the step from it, in the environments of `whose`.
   struct Watch {
@@ -30,7 +31,8 @@ class Coupled {
 
   // From q in the stuck environments, with `at` and `near` for two states. Those whose residual with everything fresh comes down to `relative` are
   // solved then; the others stay stuck at the best state that was found, or fail where forces are not finite. `at` is left at q.
-  void solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Linearised& near, EnvTable& envs, StepReport& report, const std::function<void()>& stop, const Watch& watch);
+  void solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Linearised& near, EnvTable& envs, StepReport& report,
+             const std::function<void()>& stop, const Watch& watch);
 
  private:
   struct Broken {};  // every product went through a surface
@@ -46,7 +48,7 @@ class Coupled {
   CurvaturePolicy& curvature_;
   linalg::BlockMatrix& A_;
 
-  EnvMask active_, factored_;   // per environment: still iterating; with an M that serves
+  EnvMask active_, factored_;    // per environment: still iterating; with an M that serves
   std::vector<Index> products_;  // per environment: of the last system
   device::Buffer<Vec3> r0_, x_, dq_, still_, trial_;
 };

@@ -22,7 +22,8 @@ class CreepWatch {
       return {};
     }
     slow_[env] = share > tuning::kFast ? slow_[env] + 1 : 0;
-    return {slow_[env] >= tuning::kPatience && iteration >= tuning::kUsual, share < tuning::kFast && share > tuning::kQuadratic && alpha == 1 && over * share > 1};
+    return {slow_[env] >= tuning::kPatience && iteration >= tuning::kUsual,
+            share < tuning::kFast && share > tuning::kQuadratic && alpha == 1 && over * share > 1};
   }
 
  private:

@@ -8,7 +8,8 @@
 namespace mortise::solver {
 
 // x_ of the environments of `todo`.
-void Direction::solve(const device::Buffer<Vec3>& q, const std::vector<double>& wanted, EnvMask todo, bool whole, Linearised& at, EnvTable& envs, StepReport& report) {
+void Direction::solve(const device::Buffer<Vec3>& q, const std::vector<double>& wanted, EnvMask todo, bool whole, Linearised& at, EnvTable& envs,
+                      StepReport& report) {
   while (any(todo)) {
     device::Fetch fetch;
     system_.matrix(at, q.view(), todo, matrix_, fetch);
@@ -26,7 +27,8 @@ void Direction::solve(const device::Buffer<Vec3>& q, const std::vector<double>& 
     {
       const Timed timed(system_.clock, "solver", "linear_solve");
       const linalg::Operator J = system_.whole(at, matrix_);
-      todo = linear_.solve({matrix_, std::as_const(rhs_).view(), x_.view(), rhs2, wanted, q.view(), whole ? &J : nullptr}, todo, curvature_, envs, report);
+      todo = linear_.solve({matrix_, std::as_const(rhs_).view(), x_.view(), rhs2, wanted, q.view(), whole ? &J : nullptr}, todo, curvature_, envs,
+                           report);
     }
     if (!any(todo)) break;
     for (Index e = 0; e < envs.size(); ++e)
@@ -42,7 +44,8 @@ effects::Want Direction::want(const EnvTable& envs) {
   return {true, curvature_.wanted(), whole};
 }
 
-void Direction::find(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs, StepReport& report) {
+void Direction::find(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs,
+                     StepReport& report) {
   system_.supports(q.view(), support_);
   supports_move_ = largest_of(r.support_gap) > 0;
   x_.resize(system_.rows.count());

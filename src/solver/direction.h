@@ -25,7 +25,8 @@ class Direction {
   linalg::BlockMatrix& matrix() { return matrix_; }  // work space, for whoever needs one
 
  private:
-  void solve(const device::Buffer<Vec3>& q, const std::vector<double>& wanted, EnvMask todo, bool whole, Linearised& at, EnvTable& envs, StepReport& report);
+  void solve(const device::Buffer<Vec3>& q, const std::vector<double>& wanted, EnvMask todo, bool whole, Linearised& at, EnvTable& envs,
+             StepReport& report);
   void carry(const Linearised& at, const EnvTable& envs, device::Fetch& fetch);
   System& system_;
   Linear& linear_;

@@ -18,9 +18,9 @@ namespace mortise::solver {
 
 // Of an environment [J].
 struct StepEnergy {
-  double gain = 0;   // what the integrator itself added
-  double there = 0;  // energy that there was
-  double work = 0;   // of supports, driven ties and motors
+  double gain = 0;            // what the integrator itself added
+  double there = 0;           // energy that there was
+  double work = 0;            // of supports, driven ties and motors
   bool second_order = false;  // the step
 };
 

@@ -1,7 +1,7 @@
 #pragma once
-// Where Newton's method starts in a step. Beginning where the last step ended, all that moves evenly - what flies, what creeps under friction - would be
-// brought to rest and set in motion again. Instead it starts where inertia alone would carry everything in this step, q^, in the environments where
-// nothing is met on the way there and the potential is lower.
+// Where Newton's method starts in a step. Beginning where the last step ended, all that moves evenly - what flies, what creeps under friction - would
+// be brought to rest and set in motion again. Instead it starts where inertia alone would carry everything in this step, q^, in the environments
+// where nothing is met on the way there and the potential is lower.
 #include "solver/energy_ledger.h"
 #include "solver/system.h"
 

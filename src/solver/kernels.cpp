@@ -5,7 +5,8 @@
 namespace mortise::solver {
 
 void largest(View<const Vec3> v, const std::vector<Index>& env_blocks, EnvValues out) {
-  device::env_max("solver.largest", env_blocks, [=] MORTISE_HD(Index b) { return v[b].norm(); }, out);
+  device::env_max(
+      "solver.largest", env_blocks, [=] MORTISE_HD(Index b) { return v[b].norm(); }, out);
 }
 
 std::vector<double> largest(View<const Vec3> v, const std::vector<Index>& env_blocks) {
@@ -17,7 +18,8 @@ std::vector<double> largest(View<const Vec3> v, const std::vector<Index>& env_bl
 }
 
 void dot(View<const Vec3> a, View<const Vec3> b, const std::vector<Index>& env_blocks, EnvValues out) {
-  device::env_sum("solver.dot", env_blocks, [=] MORTISE_HD(Index i) { return a[i].dot(b[i]); }, out);
+  device::env_sum(
+      "solver.dot", env_blocks, [=] MORTISE_HD(Index i) { return a[i].dot(b[i]); }, out);
 }
 
 std::vector<double> dot(View<const Vec3> a, View<const Vec3> b, const std::vector<Index>& env_blocks) {
@@ -74,7 +76,8 @@ void right_hand_side(View<const Vec3> g, View<const Vec3> Hc, View<const Index> 
   });
 }
 
-void difference(View<const Vec3> a, View<const Vec3> b, const std::vector<double>& scale, View<const Index> block_of_row, View<const Index> block_env, View<Vec3> out) {
+void difference(View<const Vec3> a, View<const Vec3> b, const std::vector<double>& scale, View<const Index> block_of_row, View<const Index> block_env,
+                View<Vec3> out) {
   const Buffer<double> scales(scale);
   const View<const double> s = scales.view();
   device::parallel_for("solver.difference", out.n, [=] MORTISE_HD(Index r) { out[r] = s[block_env[block_of_row[r]]] * (a[r] - b[r]); });
@@ -134,7 +137,8 @@ void add_scaled(View<const Vec3> v, const std::vector<double>& share, View<const
   device::parallel_for("solver.add_scaled", v.n, [=] MORTISE_HD(Index b) { t[b] += s[block_env[b]] * v[b]; });
 }
 
-void force_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> projector, View<const double> lever, View<const double> position, Fetch& fetch, TakeParts take) {
+void force_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> projector, View<const double> lever, View<const double> position,
+                 Fetch& fetch, TakeParts take) {
   blocks.reduce(
       "solver.force_sizes",
       [=] MORTISE_HD(Index b) {
@@ -146,8 +150,8 @@ void force_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> proj
       fetch, take);
 }
 
-void residual_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> projector, View<const double> lever, View<const double> position, View<const Vec3> q, View<const Vec3> q0, Fetch& fetch,
-                    TakeParts take) {
+void residual_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> projector, View<const double> lever, View<const double> position,
+                    View<const Vec3> q, View<const Vec3> q0, Fetch& fetch, TakeParts take) {
   blocks.reduce(
       "solver.residual_sizes",
       [=] MORTISE_HD(Index b) {
@@ -171,7 +175,8 @@ void step_sizes(const Chunks& blocks, View<const Vec3> d, View<const double> lev
       fetch, take);
 }
 
-void rounding_sizes(const Chunks& rows, const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, View<const double> lever, Fetch& fetch, TakeParts take) {
+void rounding_sizes(const Chunks& rows, const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, View<const double> lever,
+                    Fetch& fetch, TakeParts take) {
   constexpr double kEps = 2.220446049250313e-16;
   const View<const Index> start = A.row_start.view();
   const View<const Mat3> value = A.value.view();
@@ -188,7 +193,8 @@ void rounding_sizes(const Chunks& rows, const linalg::BlockMatrix& A, View<const
 
 void energy_rounding(View<const Vec3> g, View<const Vec3> q, const std::vector<Index>& env_blocks, EnvValues out) {
   constexpr double kFourEps = 4 * 2.220446049250313e-16;
-  device::env_sum("solver.energy_rounding", env_blocks, [=] MORTISE_HD(Index b) { return kFourEps * g[b].norm() * q[b].norm(); }, out);
+  device::env_sum(
+      "solver.energy_rounding", env_blocks, [=] MORTISE_HD(Index b) { return kFourEps * g[b].norm() * q[b].norm(); }, out);
 }
 
 std::vector<std::pair<Index, Index>> touching(View<const model::ContactSample> samples) {
@@ -220,7 +226,8 @@ void shift_diagonal(linalg::BlockMatrix& A, double share, const std::vector<Inde
   const View<const Index> start = std::as_const(A.row_start).view();
   const View<Mat3> value = A.value.view();
   std::vector<double> trace(whose.size(), 0.0);
-  device::env_sum("solver.trace", env_rows, [=] MORTISE_HD(Index r) { return value[start[r]].trace(); }, trace);
+  device::env_sum(
+      "solver.trace", env_rows, [=] MORTISE_HD(Index r) { return value[start[r]].trace(); }, trace);
   for (std::size_t e = 0; e < whose.size(); ++e) {
     if (!whose[e]) continue;
     const Index first = env_rows[e], rows = env_rows[e + 1] - first;

@@ -32,7 +32,8 @@ void right_hand_side(View<const Vec3> g, View<const Vec3> Hc, View<const Index> 
 // out_row += P g at the block of the row.
 void add_to_rows(View<const Vec3> g, View<const Index> block_of_row, View<const Mat3> row_projector, View<Vec3> out);
 // out_row = (a_row - b_row) * scale of the row's environment.
-void difference(View<const Vec3> a, View<const Vec3> b, const std::vector<double>& scale, View<const Index> block_of_row, View<const Index> block_env, View<Vec3> out);
+void difference(View<const Vec3> a, View<const Vec3> b, const std::vector<double>& scale, View<const Index> block_of_row, View<const Index> block_env,
+                View<Vec3> out);
 // dq_b = P x_row(b) + c_b; c may be empty.
 void step_of(View<const Vec3> x, View<const Vec3> c, View<const Index> row_of_block, View<const Mat3> projector, Buffer<Vec3>& dq);
 // trial = q + alpha_env dq; where alpha is exactly 1 the held directions land exactly on their targets, and what is tied exactly on what it follows.
@@ -44,14 +45,16 @@ void add_scaled(View<const Vec3> v, const std::vector<double>& share, View<const
 // 0 of no values.
 double largest_of(const std::vector<double>& v);
 // Into Part, see convergence.h for levers and positions: most = |P g|/s, sum[0] = |g| over positions.
-void force_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> projector, View<const double> lever, View<const double> position, Fetch& fetch, TakeParts take);
+void force_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> projector, View<const double> lever, View<const double> position,
+                 Fetch& fetch, TakeParts take);
 // most = |P g|/s, sum = g over positions, far = s |q - q0|.
-void residual_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> projector, View<const double> lever, View<const double> position, View<const Vec3> q, View<const Vec3> q0, Fetch& fetch,
-                    TakeParts take);
+void residual_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> projector, View<const double> lever, View<const double> position,
+                    View<const Vec3> q, View<const Vec3> q0, Fetch& fetch, TakeParts take);
 // far = s |d|.
 void step_sizes(const Chunks& blocks, View<const Vec3> d, View<const double> lever, Fetch& fetch, TakeParts take);
 // Of rows, most and sum[0] = 8 eps |A_rr| |q_r| / s: positions are only known to eps |q|, and forces accordingly.
-void rounding_sizes(const Chunks& rows, const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, View<const double> lever, Fetch& fetch, TakeParts take);
+void rounding_sizes(const Chunks& rows, const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, View<const double> lever,
+                    Fetch& fetch, TakeParts take);
 // Per environment 4 eps sum_b |g_b| |q_b| is added: what the energy with the gradient g may change by because positions are rounded.
 void energy_rounding(View<const Vec3> g, View<const Vec3> q, const std::vector<Index>& env_blocks, EnvValues out);
 // Pairs of bodies of samples that carry force, as (larger number, smaller number), each once.

@@ -7,7 +7,8 @@
 
 namespace mortise::solver {
 
-LagLoop::LagLoop(System& system, double settled, bool lags) : system_(system), lags_(lags), wanted_(lags ? settled : system.options.relative_tolerance) {}
+LagLoop::LagLoop(System& system, double settled, bool lags)
+    : system_(system), lags_(lags), wanted_(lags ? settled : system.options.relative_tolerance) {}
 
 double LagLoop::finest() const { return std::max(system_.options.relative_tolerance, tuning::kLagFinest * wanted_); }
 
@@ -18,9 +19,13 @@ void LagLoop::begin_solve(const device::Buffer<Vec3>& q) {
   relative_.assign(system_.model.envs, lags_ ? tuning::kLagCoarsest * wanted_ : wanted_);
 }
 
-void LagLoop::refreshed(Index env, double share) { relative_[env] = std::clamp(tuning::kLagShare * share, tuning::kLagFinest * wanted_, tuning::kLagCoarsest * wanted_); }
+void LagLoop::refreshed(Index env, double share) {
+  relative_[env] = std::clamp(tuning::kLagShare * share, tuning::kLagFinest * wanted_, tuning::kLagCoarsest * wanted_);
+}
 
-void LagLoop::restart(Index env, const device::Buffer<Vec3>& q) { copy_blocks(q, system_.model.env_blocks[env], system_.model.env_blocks[env + 1], q_); }
+void LagLoop::restart(Index env, const device::Buffer<Vec3>& q) {
+  copy_blocks(q, system_.model.env_blocks[env], system_.model.env_blocks[env + 1], q_);
+}
 
 void LagLoop::relax(const device::Buffer<Vec3>& q, const EnvMask& whose, Linearised& near, Linearised& at) {
   const model::Model& model = system_.model;

@@ -8,15 +8,16 @@
 
 namespace mortise::solver {
 
-LineSearch::Merit LineSearch::begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at, EnvTable& envs,
-                                    std::vector<double>& alpha) {
+LineSearch::Merit LineSearch::begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, const std::vector<double>& slope,
+                                    device::View<const Vec3> c, Linearised& at, EnvTable& envs, std::vector<double>& alpha) {
   const model::Model& model = system_.model;
   device::Fetch fetch;
   system_.potential.max_step(std::as_const(dq).view(), at, {alpha, fetch});
   energies_.find(q, at, fetch);
   Merit m{slope, std::vector<double>(model.envs, 0.0), std::vector<double>(model.envs, 0.0), std::vector<double>(model.envs, 0.0)};
   // What is tied is stiff in directions in which the weight of others acts: there rounding of positions shows in the energy before forces balance.
-  for (std::size_t k = 0; k < at.gradients.size() && model.ties.any(); ++k) energy_rounding(at.gradients[k].view(), q, model.env_blocks, {m.rounding, fetch});
+  for (std::size_t k = 0; k < at.gradients.size() && model.ties.any(); ++k)
+    energy_rounding(at.gradients[k].view(), q, model.env_blocks, {m.rounding, fetch});
   std::vector<double> curvature(model.envs, 0.0);
   if (c.n > 0) {
     device::Buffer<Vec3> Hdq;
@@ -35,7 +36,8 @@ LineSearch::Merit LineSearch::begin(device::View<const Vec3> q, device::Buffer<V
   return m;
 }
 
-void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at, EnvTable& envs, StepReport& report, const Better& better) {
+void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at,
+                      EnvTable& envs, StepReport& report, const Better& better) {
   const model::Model& model = system_.model;
   std::vector<double> alpha;
   Merit merit;

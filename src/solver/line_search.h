@@ -19,14 +19,16 @@ class LineSearch {
 
   // Moves q of the running environments along dq, from the state of `at`; slope: gradient . dq [J]; c: what supports still have to move, none
   // where empty. Where nothing descends the environment fails.
-  void step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at, EnvTable& envs, StepReport& report, const Better& better = {});
+  void step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at,
+            EnvTable& envs, StepReport& report, const Better& better = {});
 
  private:
   // Of the merit, per environment: descent promised by the slope, what the supports add, and below what it says nothing.
   struct Merit {
     std::vector<double> slope, rho, cc, rounding;
   };
-  Merit begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at, EnvTable& envs, std::vector<double>& alpha);
+  Merit begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at,
+              EnvTable& envs, std::vector<double>& alpha);
 
   System& system_;
   EnergyLedger& energies_;

@@ -20,9 +20,9 @@ struct LinearSystem {
   linalg::BlockMatrix& A;  // block diagonal over environments; may be shifted
   device::View<const Vec3> b;
   device::View<Vec3> x;
-  const std::vector<double>& b2;      // per environment: |b|^2
-  const std::vector<double>& wanted;  // per environment: the residual at which Newton stops [N]
-  device::View<const Vec3> q;         // positions of blocks
+  const std::vector<double>& b2;            // per environment: |b|^2
+  const std::vector<double>& wanted;        // per environment: the residual at which Newton stops [N]
+  device::View<const Vec3> q;               // positions of blocks
   const linalg::Operator* whole = nullptr;  // where the matrix of the system is not A but has unsymmetric parts too: its products; A is near it then
 };
 

@@ -75,11 +75,13 @@ class Cg final : public Linear {
       report.cg += start.iterations();
       EnvMask left = todo;
       for (Index e = 0; e < rows_.envs(); ++e)
-        if (todo[e] && start.env[e].end == linalg::CgEnd::not_positive_definite && curvature.share(e) > 0) env_[e].built_speed = 0, indefinite[e] = 1, left[e] = 0;
-      const linalg::GmresResult end = solve_whole(s, left, rows_.env, relative, tuning::kWholeMost, [&](device::View<const Vec3> in, device::View<Vec3> out) {
-        device::clear(out.p, out.n * sizeof(Vec3));
-        report.cg += run(s.A, in, out, rough, nothing, left).iterations();
-      });
+        if (todo[e] && start.env[e].end == linalg::CgEnd::not_positive_definite && curvature.share(e) > 0)
+          env_[e].built_speed = 0, indefinite[e] = 1, left[e] = 0;
+      const linalg::GmresResult end =
+          solve_whole(s, left, rows_.env, relative, tuning::kWholeMost, [&](device::View<const Vec3> in, device::View<Vec3> out) {
+            device::clear(out.p, out.n * sizeof(Vec3));
+            report.cg += run(s.A, in, out, rough, nothing, left).iterations();
+          });
       for (Index e = 0; e < rows_.envs(); ++e) {
         if (!left[e]) continue;
         env_[e].speed = end.of_env[e] / std::max(1.0, -std::log10(end.relative[e]));
@@ -101,7 +103,8 @@ class Cg final : public Linear {
       }
       if (end.end == linalg::CgEnd::iteration_limit || (end.end == linalg::CgEnd::not_positive_definite && end.iterations == 0)) {
         std::ostringstream why;
-        why << "conjugate gradients stopped after " << end.iterations << " iterations at " << end.residual / end.rhs << " of the right-hand side (wanted " << relative[e] << ")";
+        why << "conjugate gradients stopped after " << end.iterations << " iterations at " << end.residual / end.rhs
+            << " of the right-hand side (wanted " << relative[e] << ")";
         envs.fail(e, why.str());
         continue;
       }
@@ -145,7 +148,8 @@ class Cg final : public Linear {
     return std::max(share, options_.cg_tolerance);
   }
 
-  linalg::CgResult run(const linalg::BlockMatrix& A, device::View<const Vec3> b, device::View<Vec3> x, const std::vector<double>& relative, const std::vector<double>& absolute, const EnvMask& todo) {
+  linalg::CgResult run(const linalg::BlockMatrix& A, device::View<const Vec3> b, device::View<Vec3> x, const std::vector<double>& relative,
+                       const std::vector<double>& absolute, const EnvMask& todo) {
     linalg::CgOptions options;
     options.max_iterations = options_.cg_iterations;
     options.absolute = absolute;
@@ -187,13 +191,15 @@ class Cg final : public Linear {
   const Options& options_;
   std::vector<Env> env_;
   std::unique_ptr<linalg::Preconditioner> preconditioner_;
-  linalg::PerEnvironment* parts_ = nullptr;          // the same, of several environments
+  linalg::PerEnvironment* parts_ = nullptr;         // the same, of several environments
   std::unique_ptr<linalg::ConjugateGradients> cg_;  // of the present rows
   device::Buffer<Vec3> position_;
 };
 
 }  // namespace
 
-std::unique_ptr<Linear> make_cg(const model::Model& model, const Rows& rows, const Options& options) { return std::make_unique<Cg>(model, rows, options); }
+std::unique_ptr<Linear> make_cg(const model::Model& model, const Rows& rows, const Options& options) {
+  return std::make_unique<Cg>(model, rows, options);
+}
 
 }  // namespace mortise::solver

@@ -100,8 +100,9 @@ class Direct final : public Linear {
       }
       for (Index e = 0; e < rows_.envs(); ++e)
         if (left[e]) device::clear(range(s.x, e).p, range(s.x, e).n * sizeof(Vec3));
-      const linalg::GmresResult end = solver::solve_whole(s, left, rows_.env, std::vector<double>(todo.size(), tuning::kStaleForcing), tuning::kWholeMost,
-                                                          [&](device::View<const Vec3> in, device::View<Vec3> out) { apply(s.A, in, out, left); });
+      const linalg::GmresResult end =
+          solver::solve_whole(s, left, rows_.env, std::vector<double>(todo.size(), tuning::kStaleForcing), tuning::kWholeMost,
+                              [&](device::View<const Vec3> in, device::View<Vec3> out) { apply(s.A, in, out, left); });
       report.cg += end.iterations;
       for (Index e = 0; e < rows_.envs(); ++e) {
         if (!left[e]) continue;

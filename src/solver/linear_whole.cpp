@@ -7,7 +7,8 @@
 
 namespace mortise::solver {
 
-linalg::GmresResult solve_whole(const LinearSystem& s, const EnvMask& whose, const std::vector<Index>& env_rows, const std::vector<double>& relative, Index most, const linalg::Operator& preconditioner) {
+linalg::GmresResult solve_whole(const LinearSystem& s, const EnvMask& whose, const std::vector<Index>& env_rows, const std::vector<double>& relative,
+                                Index most, const linalg::Operator& preconditioner) {
   const Index rows = s.b.n, envs = static_cast<Index>(whose.size());
   device::Buffer<Vec3> r, x(rows), d(rows), Jx(rows);
   device::copy(x.view().p, s.x.p, rows * sizeof(Vec3));
@@ -30,7 +31,8 @@ linalg::GmresResult solve_whole(const LinearSystem& s, const EnvMask& whose, con
         clear_blocks(r, env_rows[e], env_rows[e + 1]);
     }
     if (!any(left) || sum.iterations >= most) break;
-    const linalg::GmresResult cycle = linalg::gmres(*s.whole, preconditioner, std::as_const(r).view(), d.view(), env_rows, wanted, most - sum.iterations);
+    const linalg::GmresResult cycle =
+        linalg::gmres(*s.whole, preconditioner, std::as_const(r).view(), d.view(), env_rows, wanted, most - sum.iterations);
     add(std::as_const(d).view(), x);
     sum.iterations += cycle.iterations;
     for (Index e = 0; e < envs; ++e) sum.of_env[e] += left[e] ? cycle.of_env[e] : 0;

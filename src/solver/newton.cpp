@@ -99,12 +99,14 @@ void Newton::iterate(const effects::StepInfo& info, StepReport& report, const st
       if (envs_.is(e, EnvState::running)) curvature_.choose(e, envs_[e].alpha);
     const effects::Want want = direction_.want(envs_);
     system_.potential.linearise(std::as_const(q_).view(), want, at_, want.whole);
-    if ((!system_.potential.lags() || want.whole) && it >= tuning::kFirstLook && std::has_single_bit(static_cast<unsigned>(it))) system_.find_groups(at_);
+    if ((!system_.potential.lags() || want.whole) && it >= tuning::kFirstLook && std::has_single_bit(static_cast<unsigned>(it)))
+      system_.find_groups(at_);
     const Residual r = system_.residual(std::as_const(q_).view(), at_);
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running) && !system_.convergence.finite(r, e)) envs_.fail(e, system_.not_finite(at_, e));
     check_failed();
-    note(r, [this](Index e) { return wanted(e); }, report);
+    note(
+        r, [this](Index e) { return wanted(e); }, report);
     if (want.whole) report.lag_residual = report.residual, report.lag_share = report.residual_share;
     trace_.begin(info, std::as_const(q_).view(), r, it, at_, envs_.mask(EnvState::running), report);
     settle(r, it);
@@ -120,7 +122,8 @@ void Newton::iterate(const effects::StepInfo& info, StepReport& report, const st
       const Residual there = system_.linearise(std::as_const(trial).view(), {}, near_, true);
       EnvMask closer(envs_.size(), 0);
       for (Index e = 0; e < envs_.size(); ++e)
-        closer[e] = system_.convergence.finite(there, e) && there.support_gap[e] == 0 && system_.convergence.over(there, e, wanted(e)) < tuning::kCloser * system_.convergence.over(r, e, wanted(e));
+        closer[e] = system_.convergence.finite(there, e) && there.support_gap[e] == 0 &&
+                    system_.convergence.over(there, e, wanted(e)) < tuning::kCloser * system_.convergence.over(r, e, wanted(e));
       return closer;
     });
     check_failed();
@@ -151,7 +154,8 @@ void Newton::settle(const Residual& r, Index iteration) {
     if (iteration < options_.iterations) continue;
     const Convergence::Worst worst = system_.convergence.worst(r, e, relative);
     std::ostringstream why;
-    why << "Newton stopped after " << iteration << " iterations with a force residual of " << worst.force << " N on '" << model_.bodies[worst.body].name << "' (wanted " << worst.tolerance << " N)";
+    why << "Newton stopped after " << iteration << " iterations with a force residual of " << worst.force << " N on '"
+        << model_.bodies[worst.body].name << "' (wanted " << worst.tolerance << " N)";
     if (r.support_gap[e] > 0) why << "; supports are " << r.support_gap[e] << " m from their targets";
     envs_.fail(e, why.str());
   }
@@ -166,8 +170,8 @@ void Newton::keep_nearest(Index env, const Residual& r) {
 }
 
 bool Newton::needs_jacobian(Index env, Index iteration, const Residual& r) {
-  const CreepWatch::Sight sight =
-      creep_.look(env, iteration, system_.convergence.largest_force(r, env) / envs_[env].force, system_.convergence.over(r, env, wanted(env)), envs_[env].alpha);
+  const CreepWatch::Sight sight = creep_.look(env, iteration, system_.convergence.largest_force(r, env) / envs_[env].force,
+                                              system_.convergence.over(r, env, wanted(env)), envs_[env].alpha);
   if (sight.creeps) linear_->distrust(env);
   return sight.creeps || (sight.linear && linear_->ready(env) && (envs_[env].whole || !system_.potential.lags()));
 }
@@ -205,7 +209,8 @@ void Newton::couple(Index round, const effects::StepInfo& info, StepReport& repo
 
 void Newton::solve_coupled(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop) {
   const Coupled::Watch watch{[&](const Residual& r, Index iteration, const EnvMask& whose) {
-                               note(r, [this](Index) { return lag_.wanted(); }, report);
+                               note(
+                                   r, [this](Index) { return lag_.wanted(); }, report);
                                trace_.begin(info, std::as_const(q_).view(), r, iteration, at_, whose, report);
                              },
                              [&](const EnvMask& whose, const std::vector<Index>& products) { trace_.end(envs_, whose, products, report); }};

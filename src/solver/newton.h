@@ -15,8 +15,8 @@
 #include "solver/coupled.h"
 #include "solver/creep_watch.h"
 #include "solver/direction.h"
-#include "solver/lag_loop.h"
 #include "solver/first_guess.h"
+#include "solver/lag_loop.h"
 #include "solver/line_search.h"
 #include "solver/newton_trace.h"
 
@@ -76,10 +76,10 @@ class Newton {
 
   std::vector<double> best_force_;  // per environment with the whole Jacobian: least residual [N],
   std::vector<Index> best_;         // and when that was
-  Linearised at_, near_;  // at q_; at states beside it
+  Linearised at_, near_;            // at q_; at states beside it
   device::Buffer<Vec3> q_;
-  EnvMask fresh_;  // environments that stand where the step begins
-  std::vector<double> nearest_force_;    // per environment: least residual of these iterations [N], and where it was
+  EnvMask fresh_;                      // environments that stand where the step begins
+  std::vector<double> nearest_force_;  // per environment: least residual of these iterations [N], and where it was
   device::Buffer<Vec3> nearest_q_;
 };
 

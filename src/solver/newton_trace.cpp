@@ -4,7 +4,8 @@
 
 namespace mortise::solver {
 
-void NewtonTrace::begin(const effects::StepInfo& info, device::View<const Vec3> q, const Residual& r, Index iteration, const Linearised& at, const EnvMask& whose, StepReport& report) {
+void NewtonTrace::begin(const effects::StepInfo& info, device::View<const Vec3> q, const Residual& r, Index iteration, const Linearised& at,
+                        const EnvMask& whose, StepReport& report) {
   if (!system_.options.trace) return;
   Energies energies;
   device::Fetch fetch;

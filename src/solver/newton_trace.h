@@ -10,7 +10,8 @@ class NewtonTrace {
   NewtonTrace(System& system, const CurvaturePolicy& curvature) : system_(system), curvature_(curvature) {}
 
   // At q, where `at` is linearised, in the environments of `whose`.
-  void begin(const effects::StepInfo& info, device::View<const Vec3> q, const Residual& r, Index iteration, const Linearised& at, const EnvMask& whose, StepReport& report);
+  void begin(const effects::StepInfo& info, device::View<const Vec3> q, const Residual& r, Index iteration, const Linearised& at,
+             const EnvMask& whose, StepReport& report);
   // The step from there; products: with the whole Jacobian, per environment; empty without.
   void end(const EnvTable& envs, const EnvMask& whose, const std::vector<Index>& products, StepReport& report);
 

@@ -16,12 +16,12 @@ class Rows {
   Index count() const { return env.back(); }
   Index envs() const { return static_cast<Index>(env.size()) - 1; }
 
-  std::vector<Index> env;                      // offsets: environment e owns rows [env[e], env[e+1])
-  std::vector<Index> of_block_host, of_row;    // -1: no row; block of every row
+  std::vector<Index> env;                    // offsets: environment e owns rows [env[e], env[e+1])
+  std::vector<Index> of_block_host, of_row;  // -1: no row; block of every row
   device::Buffer<Index> of_block, block;
-  device::Buffer<Mat3> projector;              // of every row
-  bool any_partial = false;                    // some block is held in some directions
-  std::vector<std::uint8_t> loose;             // per environment: statics, and a body that can move as a whole but for contact
+  device::Buffer<Mat3> projector;   // of every row
+  bool any_partial = false;         // some block is held in some directions
+  std::vector<std::uint8_t> loose;  // per environment: statics, and a body that can move as a whole but for contact
 
   // Where blocks are tied: the rows of the matrix of all blocks that hang on some row, by which rows (linalg/elimination.h).
   struct Tied {

@@ -73,7 +73,8 @@ Simulation::Simulation(model::Model& model, EffectList& effects, const Options& 
     : model_(model), effects_(effects), options_(options), newton_(model, effects, options_, clock_), lost_(model.envs) {}
 
 // The minimisers of the environments of `whose`, of effects whose parameters fit them, and states of the model: `why` says where there is none.
-void Simulation::solve(const effects::StepInfo& info, const EnvMask& whose, StepReport& report, const std::function<void()>& stop, std::vector<std::string>& why) {
+void Simulation::solve(const effects::StepInfo& info, const EnvMask& whose, StepReport& report, const std::function<void()>& stop,
+                       std::vector<std::string>& why) {
   using Refit = effects::Effect::Refit;
   const auto note_failed = [&] {
     for (Index e = 0; e < model_.envs; ++e)
@@ -167,7 +168,8 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
     const long done = next->done, size = next->size;
     EnvMask whose;
     for (const Cut& c : cuts) whose.push_back(c.done == done && c.size == size);
-    effects::StepInfo info{time_ + options_.dt * (static_cast<double>(done) / units), options_.dt * (static_cast<double>(size) / units), step_, options_.is_static};
+    effects::StepInfo info{time_ + options_.dt * (static_cast<double>(done) / units), options_.dt * (static_cast<double>(size) / units), step_,
+                           options_.is_static};
     info.whose = some_of(whose);
     for (const Cut& c : cuts) info.first_order.push_back(c.first_order);
     std::vector<std::string> why(model_.envs);
@@ -345,7 +347,9 @@ void Simulation::checkpoint(Archive& archive) {
   std::vector<double> q = archive.loading() ? std::vector<double>{} : flatten(model_.q.download());
   archive.io("q", q);
   if (archive.loading()) {
-    if (q.size() != 3 * static_cast<std::size_t>(model_.blocks)) throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(q.size() / 3) + " blocks, the scene " + std::to_string(model_.blocks));
+    if (q.size() != 3 * static_cast<std::size_t>(model_.blocks))
+      throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(q.size() / 3) + " blocks, the scene " +
+                                  std::to_string(model_.blocks));
     model_.q.upload(unflatten(q));
     solved_ = false;
   }

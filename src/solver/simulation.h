@@ -49,7 +49,8 @@ class Simulation {
   void checkpoint(Archive& archive);
 
  private:
-  void solve(const effects::StepInfo& info, const EnvMask& whose, StepReport& report, const std::function<void()>& stop, std::vector<std::string>& why);
+  void solve(const effects::StepInfo& info, const EnvMask& whose, StepReport& report, const std::function<void()>& stop,
+             std::vector<std::string>& why);
   void accept(const effects::StepInfo& info);
   void report_balance(FieldSink& sink);
   std::vector<Vec3> resultants(const std::vector<Vec3>& g) const;

@@ -14,7 +14,8 @@ std::vector<double> lengths(const model::Model& model) {
   std::vector<Vec3> lo(model.envs, Vec3::Constant(INFINITY)), hi(model.envs, Vec3::Constant(-INFINITY));
   const std::vector<Vec3> rest = model.rest_points.download();
   for (const model::Body& body : model.bodies)
-    for (Index p = body.point_begin; p < body.point_end; ++p) lo[body.env] = lo[body.env].cwiseMin(rest[p]), hi[body.env] = hi[body.env].cwiseMax(rest[p]);
+    for (Index p = body.point_begin; p < body.point_end; ++p)
+      lo[body.env] = lo[body.env].cwiseMin(rest[p]), hi[body.env] = hi[body.env].cwiseMax(rest[p]);
   std::vector<double> out;
   for (Index e = 0; e < model.envs; ++e) out.push_back((hi[e] - lo[e]).norm());
   return out;
@@ -65,7 +66,8 @@ Residual System::residual(device::View<const Vec3> q, const Linearised& at) cons
 std::string System::not_finite(const Linearised& at, Index env) const {
   for (std::size_t k = 0; k < at.gradients.size(); ++k)
     if (!std::isfinite(largest(at.gradients[k].view(), model.env_blocks)[env]))
-      return "the force of '" + std::string(potential.effects()[k]->name()) + "' is not finite at " + name_block(model, worst_block(model, at.gradients[k], env));
+      return "the force of '" + std::string(potential.effects()[k]->name()) + "' is not finite at " +
+             name_block(model, worst_block(model, at.gradients[k], env));
   return "the force residual is not finite";
 }
 

@@ -29,7 +29,8 @@ class System {
 
   // c = T (I - P)(target - q): what supports still have to move, and what is tied to it.
   void supports(device::View<const Vec3> q, device::Buffer<Vec3>& c) const;
-  // P T^T H T P + I - P on the rows, with H of `at`, linearised at q. Convergence knows its rounding in the environments of `whose` once that is done.
+  // P T^T H T P + I - P on the rows, with H of `at`, linearised at q. Convergence knows its rounding in the environments of `whose` once that is
+  // done.
   void matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& whose, linalg::BlockMatrix& A, device::Fetch& fetch);
   // y = P T^T (H + U) T P x on the rows, with the matrix A of H, and U of `at` (Potential::unsymmetric_product).
   linalg::Operator whole(Linearised& at, const linalg::BlockMatrix& A);

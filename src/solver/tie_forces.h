@@ -23,12 +23,12 @@ class TieForces {
     Vec3 force = Vec3::Zero(), moment = Vec3::Zero(), place;  // on its first body [N], [N m]; about here [m]
     Vec3 on_all = Vec3::Zero();                               // on both [N]
     Vec3 axis;                                                // of a driven one: now
-    double error = 0;  // by how far its equations are missed [m]; of axes times the radius of their body
+    double error = 0;                                         // by how far its equations are missed [m]; of axes times the radius of their body
   };
   const model::Model& model_;
-  std::vector<Figures> of_;      // every tie
+  std::vector<Figures> of_;  // every tie
   std::vector<Vec3> on_body_;
-  std::vector<Vec3> pull_;       // of all ties, on every block
+  std::vector<Vec3> pull_;  // of all ties, on every block
 };
 
 }  // namespace mortise::solver

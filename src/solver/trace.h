@@ -8,9 +8,9 @@
 namespace mortise::solver {
 
 struct Iterate {
-  double time = 0;       // at the end of the (sub)step [s]
-  double dt = 0;         // its length [s]
-  Index round = 0;       // of lagged quantities
+  double time = 0;  // at the end of the (sub)step [s]
+  double dt = 0;    // its length [s]
+  Index round = 0;  // of lagged quantities
   Index iteration = 0;
   Index env = 0;
   double residual = 0;   // largest force residual [N]

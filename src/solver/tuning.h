@@ -6,11 +6,11 @@
 namespace mortise::solver::tuning {
 
 // ---- when is a step solved? (convergence.h)
-inline constexpr double kMotion = 1e-3;        // of the way in this step: far below what the time step itself leaves
-inline constexpr double kSize = 1e-6;          // of the body, for one that hardly moves
-inline constexpr double kGains = 0.1;          // a residual below the floor of rounding goes on while an iteration still gains a digit
-inline constexpr double kSupportGap = 1e-13;   // of the scene's length: what rounding leaves of the way of a support
-inline constexpr Index kFirstLook = 8;         // iteration at which what touches by now is looked at; then ever more seldom, by powers of two
+inline constexpr double kMotion = 1e-3;       // of the way in this step: far below what the time step itself leaves
+inline constexpr double kSize = 1e-6;         // of the body, for one that hardly moves
+inline constexpr double kGains = 0.1;         // a residual below the floor of rounding goes on while an iteration still gains a digit
+inline constexpr double kSupportGap = 1e-13;  // of the scene's length: what rounding leaves of the way of a support
+inline constexpr Index kFirstLook = 8;        // iteration at which what touches by now is looked at; then ever more seldom, by powers of two
 
 // ---- curvature (curvature_policy.h)
 inline constexpr double kLeastConcave = 0.05;  // a smaller share of negative curvature makes no difference to convergence
@@ -20,14 +20,16 @@ inline constexpr double kRegain = 2;           // after a full step
 // ---- linear systems (linear.h)
 inline constexpr Index kDirectBlocks = 2000;   // up to here a factor costs next to nothing; beyond it is kept for some iterations,
 inline constexpr Index kReuseBlocks = 20000;   // and from here on its memory and work grow faster than the iterations of conjugate gradients do;
-inline constexpr Index kReuseInMotion = 8000;  // where inertia keeps systems well conditioned the CPU times are equal here, and only those share out on threads
+inline constexpr Index kReuseInMotion = 8000;  // inertia keeps systems well conditioned: CPU times are equal here, only those share out on threads
 inline constexpr Index kSchwarzRows = 20000;   // up to some ten thousand rows block Jacobi is as quick (benchmarks/linear)
 inline constexpr double kLoose = 1e-9;         // of the mean stiffness: far above rounding, far below the softest elastic motion
-inline constexpr double kStaleForcing = 1e-4;  // of a right-hand side that thin contact layers rule: what is soft needs its digits too; a solve costs little
-inline constexpr Index kStaleMost = 16;        // a factor costs about as much as this many solves with it
-inline constexpr Index kWholeMost = 30;         // products of an unsymmetric system: friction takes some five
-inline constexpr double kWholeRough = 0.03;     // how closely: 0.003 takes as many Newton iterations and twice those of conjugate gradients, 0.1 three times as many Newton iterations
-inline constexpr double kInner = 0.1;          // conjugate gradients inside of it: 0.3 and 0.03 cost a tenth and a quarter more (scenes/tactile/press)
+inline constexpr double kStaleForcing =
+    1e-4;                                    // where thin contact layers rule the right-hand side what is soft needs digits too; a solve costs little
+inline constexpr Index kStaleMost = 16;      // a factor costs about as much as this many solves with it
+inline constexpr Index kWholeMost = 30;      // products of an unsymmetric system: friction takes some five
+inline constexpr double kWholeRough = 0.03;  // how closely: 0.003 takes as many Newton iterations and twice those of conjugate gradients, 0.1 three
+                                             // times as many Newton iterations
+inline constexpr double kInner = 0.1;        // conjugate gradients inside of it: 0.3 and 0.03 cost a tenth and a quarter more (scenes/tactile/press)
 inline constexpr double kFirstShift = 1e-10;   // of the mean stiffness: picks the shortest step among motions that nothing resists,
 inline constexpr double kShiftGrowth = 100;    // grown by this,
 inline constexpr double kLargestShift = 1e-2;  // beyond which the matrix is no Hessian of anything
@@ -37,31 +39,31 @@ inline constexpr double kBeyondWanted = 0.1;   // of the residual at which Newto
 inline constexpr double kSlower = 1.5;         // a preconditioner that has lost more of its speed (iterations per digit) is built anew
 
 // ---- line search (line_search.h)
-inline constexpr double kArmijo = 1e-4;        // Nocedal, Wright, 2nd ed., ch. 3.1
-inline constexpr int kMostHalvings = 40;       // 1e-12 of a step
+inline constexpr double kArmijo = 1e-4;           // Nocedal, Wright, 2nd ed., ch. 3.1
+inline constexpr int kMostHalvings = 40;          // 1e-12 of a step
 inline constexpr double kEnergyRounding = 1e-13;  // of the sum of magnitudes of all energies
-inline constexpr int kPushed = 2;              // halvings after which a support that pushes into new contact is no longer held back
+inline constexpr int kPushed = 2;                 // halvings after which a support that pushes into new contact is no longer held back
 
 // ---- lagged quantities (lag_loop.h)
-inline constexpr double kLeastRelaxation = 0.1;  // Aitken's share: smaller ones creep
-inline constexpr double kLagShare = 0.1;         // of what refreshing changed: what a round is solved to, but
+inline constexpr double kLeastRelaxation = 0.1;               // Aitken's share: smaller ones creep
+inline constexpr double kLagShare = 0.1;                      // of what refreshing changed: what a round is solved to, but
 inline constexpr double kLagFinest = 0.1, kLagCoarsest = 10;  // no finer and no coarser than this, of what is wanted in the end
 
 // ---- when the frozen matrix lacks something (creep_watch.h)
-inline constexpr double kFast = 0.1;           // share of the residual that an iteration may leave and still gain a digit,
-inline constexpr double kQuadratic = 1e-3;     // or three: what Newton's method does near a solution
-inline constexpr Index kPatience = 3;          // slow iterations in a row that count as creeping,
-inline constexpr Index kUsual = 20;            // but not before this one: the way into contact takes some, at full steps too
-inline constexpr Index kPlainRounds = 2;       // rounds of lagging before the coupled iteration takes over
+inline constexpr double kFast = 0.1;        // share of the residual that an iteration may leave and still gain a digit,
+inline constexpr double kQuadratic = 1e-3;  // or three: what Newton's method does near a solution
+inline constexpr Index kPatience = 3;       // slow iterations in a row that count as creeping,
+inline constexpr Index kUsual = 20;         // but not before this one: the way into contact takes some, at full steps too
+inline constexpr Index kPlainRounds = 2;    // rounds of lagging before the coupled iteration takes over
 
 // ---- friction of the present normal forces (newton.h)
-inline constexpr double kCloser = 0.5;          // of the residual: a full step that leaves less is taken whatever energies say
-inline constexpr Index kWholePatience = 12;    // iterations without a smaller residual,
-inline constexpr double kWholeFalls = 0.9;     // by so much: then rounds of lagged quantities take over, which do not run in circles
+inline constexpr double kCloser = 0.5;       // of the residual: a full step that leaves less is taken whatever energies say
+inline constexpr Index kWholePatience = 12;  // iterations without a smaller residual,
+inline constexpr double kWholeFalls = 0.9;   // by so much: then rounds of lagged quantities take over, which do not run in circles
 
 // ---- coupled iteration (coupled.h)
-inline constexpr double kCoupledForcing = 1e-4;    // what a difference of forces is good for; the last iteration then ends well below the tolerance
-inline constexpr double kRough = 1e-2;             // conjugate gradients as a preconditioner
+inline constexpr double kCoupledForcing = 1e-4;  // what a difference of forces is good for; the last iteration then ends well below the tolerance
+inline constexpr double kRough = 1e-2;           // conjugate gradients as a preconditioner
 inline constexpr Index kCoupledIterations = 20, kMostProducts = 30;
 inline constexpr Index kGoodProducts = 12;         // with no more of them the factor serves another iteration
 inline constexpr int kMonotoneTries = 10;          // shares of a step
@@ -71,12 +73,12 @@ inline constexpr double kLeastDifference = 1e-12;  // but no less than rounding,
 inline constexpr double kMostDifference = 1e-9;    // and no more than curvature allows; of the scene's length
 
 // ---- energy (energy_ledger.h)
-inline constexpr double kGainShare = 1e-6;     // of the energy there is: what a step may gain from nowhere
-inline constexpr double kFrozenGainShare = 1e-3;  // where something is frozen, what that feeds into motions does not fall with the step
+inline constexpr double kGainShare = 1e-6;             // of the energy there is: what a step may gain from nowhere
+inline constexpr double kFrozenGainShare = 1e-3;       // where something is frozen, what that feeds into motions does not fall with the step
 inline constexpr double kSecondOrderGainShare = 1e-3;  // BDF2 may, as its own oscillations of energy are of that size in smooth motion
-inline constexpr double kGainFalls = 3;        // halving must lower the gain by this; that of backward Euler falls to about a quarter
+inline constexpr double kGainFalls = 3;                // halving must lower the gain by this; that of backward Euler falls to about a quarter
 
 // ---- steps (simulation.h)
-inline constexpr int kMostFits = 8;            // a pressure that hangs on the stiffness is met within three or four
+inline constexpr int kMostFits = 8;  // a pressure that hangs on the stiffness is met within three or four
 
 }  // namespace mortise::solver::tuning

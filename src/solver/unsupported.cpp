@@ -21,7 +21,8 @@ int free_motions(const model::Model& model, const model::Body& body, const std::
     for (int k = 0; k < 3; ++k) v.col(3 + k) = hold * Vec3::Unit(k).cross(x);
     form += v.transpose() * v;
   }
-  const Eigen::Matrix<double, 6, 1> eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(form, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::Matrix<double, 6, 1> eigenvalues =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(form, Eigen::EigenvaluesOnly).eigenvalues();
   int free = 0;
   for (double e : eigenvalues) free += e <= kFree * eigenvalues[5];
   return free;
@@ -47,9 +48,13 @@ std::string unsupported(const model::Model& model) {
   std::string text;
   if (!loose.empty()) text += "\n  nothing but contact can hold " + loose + " in this static scene: pin it, or make the scene dynamic";
   if (!turning.empty())
-    text += "\n  supports let " + turning + " move or turn as a whole (held at a point, along a line or in one direction), and nothing but contact keeps it from that: hold more of it, or make the scene dynamic";
+    text += "\n  supports let " + turning +
+            " move or turn as a whole (held at a point, along a line or in one direction), and nothing but contact keeps it from that: hold more of "
+            "it, or make the scene dynamic";
   if (!hinged.empty())
-    text += "\n  joints let " + hinged + " turn, and nothing but contact and the weight of what hangs straight down keeps it from that: let it start where it comes to rest, join it otherwise, or make the scene dynamic";
+    text += "\n  joints let " + hinged +
+            " turn, and nothing but contact and the weight of what hangs straight down keeps it from that: let it start where it comes to rest, join "
+            "it otherwise, or make the scene dynamic";
   return text;
 }
 

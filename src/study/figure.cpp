@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kWidth = 760, kHeight = 460, kLeft = 80, kRight = 230, kTop = 40, kBottom = 60;  // legend at the right
 constexpr double kLeastError = 1e-16;
-constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};  // Okabe and Ito: told apart by everyone
+constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                    "#e69f00", "#56b4e9", "#000000"};  // Okabe and Ito: told apart by everyone
 
 std::string escaped(const std::string& s) {
   std::string out;
@@ -49,9 +50,10 @@ std::string figure_svg(const std::vector<Point>& all, const std::string& quantit
     errors.push_back(points.back().error);
   }
   const Axis x(seconds, kLeft, kWidth - kRight), y(errors, kHeight - kBottom, kTop);
-  std::string svg = fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" font-family=\"sans-serif\" font-size=\"13\">\n"
-                                "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"{2}\" y=\"24\" font-size=\"15\">{3}</text>\n",
-                                kWidth, kHeight, kLeft, escaped(title + ": " + quantity));
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" font-family=\"sans-serif\" font-size=\"13\">\n"
+      "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"{2}\" y=\"24\" font-size=\"15\">{3}</text>\n",
+      kWidth, kHeight, kLeft, escaped(title + ": " + quantity));
   const auto line = [&](double x0, double y0, double x1, double y1, const char* colour) {
     svg += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\"/>\n", x0, y0, x1, y1, colour);
   };
@@ -68,7 +70,8 @@ std::string figure_svg(const std::vector<Point>& all, const std::string& quantit
   }
   line(x.from, y.from, x.to, y.from, "black"), line(x.from, y.from, x.from, y.to, "black");
   svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">seconds</text>\n", 0.5 * (x.from + x.to), kHeight - 16);
-  svg += fmt::format("<text x=\"20\" y=\"{0:.1f}\" text-anchor=\"middle\" transform=\"rotate(-90 20 {0:.1f})\">error</text>\n", 0.5 * (y.from + y.to));
+  svg +=
+      fmt::format("<text x=\"20\" y=\"{0:.1f}\" text-anchor=\"middle\" transform=\"rotate(-90 20 {0:.1f})\">error</text>\n", 0.5 * (y.from + y.to));
 
   // The front: no error smaller than this has been reached within that time.
   std::vector<const Point*> best;
@@ -81,7 +84,8 @@ std::string figure_svg(const std::vector<Point>& all, const std::string& quantit
     steps += fmt::format("{:.1f},{:.1f} ", x.at(best[i]->seconds), y.at(best[i]->error));
   }
   if (!best.empty()) steps += fmt::format("{:.1f},{:.1f} ", x.to, y.at(best.back()->error));  // nothing slower is better
-  svg += "<polyline class=\"front\" points=\"" + steps + "\" fill=\"none\" stroke=\"#888888\" stroke-width=\"4\" stroke-opacity=\"0.4\" stroke-dasharray=\"6 4\"/>\n";
+  svg += "<polyline class=\"front\" points=\"" + steps +
+         "\" fill=\"none\" stroke=\"#888888\" stroke-width=\"4\" stroke-opacity=\"0.4\" stroke-dasharray=\"6 4\"/>\n";
 
   for (std::size_t c = 0; c < curves.size(); ++c) {
     const char* colour = kColours[c % std::size(kColours)];
@@ -90,22 +94,25 @@ std::string figure_svg(const std::vector<Point>& all, const std::string& quantit
       if (p.curve() != curves[c]) continue;
       const double px = x.at(p.seconds);
       if (p.failed || !std::isfinite(p.error)) {
-        marks += fmt::format("<path class=\"failed\" d=\"M{0:.1f} {1:.1f}l8 8m0 -8l-8 8\" stroke=\"{2}\" stroke-width=\"2\"/>\n", px - 4, y.to + 4, colour);
+        marks += fmt::format("<path class=\"failed\" d=\"M{0:.1f} {1:.1f}l8 8m0 -8l-8 8\" stroke=\"{2}\" stroke-width=\"2\"/>\n", px - 4, y.to + 4,
+                             colour);
         continue;
       }
       path += fmt::format("{:.1f},{:.1f} ", px, y.at(p.error));
-      marks += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"><title>{}={}</title></circle>\n", px, y.at(p.error), colour, escaped(p.settings.front().first),
-                           escaped(p.settings.front().second));
+      marks += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"><title>{}={}</title></circle>\n", px, y.at(p.error), colour,
+                           escaped(p.settings.front().first), escaped(p.settings.front().second));
     }
     svg += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.5\"/>\n", path, colour) + marks;
     const double ly = kTop + 16 + 20 * static_cast<double>(c), lx = kWidth - kRight + 16;
-    svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"/>\n<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", lx, ly, colour, lx + 10, ly + 4,
-                       escaped(curves[c].empty() ? "runs" : curves[c]));
+    svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"/>\n<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", lx, ly, colour,
+                       lx + 10, ly + 4, escaped(curves[c].empty() ? "runs" : curves[c]));
   }
   if (!best.empty()) {
     const double ly = kTop + 16 + 20 * static_cast<double>(curves.size()), lx = kWidth - kRight + 16;
-    svg += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#888888\" stroke-width=\"4\" stroke-opacity=\"0.4\" stroke-dasharray=\"6 4\"/>\n<text x=\"{:.1f}\" y=\"{:.1f}\">Pareto front</text>\n",
-                       lx - 10, ly, lx + 6, ly, lx + 10, ly + 4);
+    svg += fmt::format(
+        "<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#888888\" stroke-width=\"4\" stroke-opacity=\"0.4\" "
+        "stroke-dasharray=\"6 4\"/>\n<text x=\"{:.1f}\" y=\"{:.1f}\">Pareto front</text>\n",
+        lx - 10, ly, lx + 6, ly, lx + 10, ly + 4);
   }
   return svg + "</svg>\n";
 }

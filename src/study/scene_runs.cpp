@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "engine/effect_tables.h"
 #include "bench/harness.h"
+#include "engine/effect_tables.h"
 #include "study/limit.h"
 
 namespace mortise::study {
@@ -31,16 +31,19 @@ std::vector<std::string> overrides_of(const Study& study, const Settings& settin
   std::vector<std::string> out = study.overrides;
   for (const auto& [key, value] : settings) out.push_back(key + "=" + value);
   const scene::Scene varied = scene::read_scene(study.scene, out, tables);
-  if (varied.root.has("environments")) throw Error(Exit::usage, "a study runs one environment at a time: take the 'environments' block out of the scene");
+  if (varied.root.has("environments"))
+    throw Error(Exit::usage, "a study runs one environment at a time: take the 'environments' block out of the scene");
   const double end = end_time(scene::read_scene(study.scene, study.overrides, tables)), now = end_time(varied);
   if (same(now, end)) return out;
   if (varies(settings, "time.step") && !varies(settings, "time.steps")) {
     const double step = varied.root.at("time").number("step"), steps = std::round(end / step);
-    if (!same(steps * step, end)) throw Error(Exit::usage, fmt::format("--vary time.step: steps of {:g} s do not end at {:g} s, when the scene does", step, end));
+    if (!same(steps * step, end))
+      throw Error(Exit::usage, fmt::format("--vary time.step: steps of {:g} s do not end at {:g} s, when the scene does", step, end));
     out.push_back(fmt::format("time.steps={}", static_cast<long>(steps)));
     return out;
   }
-  throw Error(Exit::usage, fmt::format("the runs would end at {:g} s and {:g} s, where their results do not compare; vary time.step alone", end, now));
+  throw Error(Exit::usage,
+              fmt::format("the runs would end at {:g} s and {:g} s, where their results do not compare; vary time.step alone", end, now));
 }
 
 void run_scenes(const Study& study, const std::vector<Settings>& runs, std::vector<Point>& points, std::vector<std::string>& references) {

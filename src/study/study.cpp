@@ -35,26 +35,36 @@ std::vector<Settings> combinations(const std::vector<Vary>& vary) {
   return all;
 }
 
-void run_benchmarks(const Study& study, const bench::Benchmark& benchmark, std::vector<Point>& points, const std::function<void(const Point&)>& done) {
+void run_benchmarks(const Study& study, const bench::Benchmark& benchmark, std::vector<Point>& points,
+                    const std::function<void(const Point&)>& done) {
   for (const auto& settings : combinations(study.vary)) {
     std::vector<std::string> sets = study.overrides;
     for (std::string& s : as_overrides(settings)) sets.push_back(std::move(s));
     const std::size_t before = points.size();
-    bench::run_benchmark(benchmark, sets, {[&](const bench::Row& row) {
-      for (const std::string& q : study.quantities) {
-        if (row.quantity != q && row.name + ": " + row.quantity != q) continue;
-        points.push_back({settings, row.method, q, row.value, row.error, row.seconds, row.newton_iterations, row.dofs, row.failed, false, false});
-      }
-    }, {}, {}});
+    bench::run_benchmark(benchmark, sets,
+                         {[&](const bench::Row& row) {
+                            for (const std::string& q : study.quantities) {
+                              if (row.quantity != q && row.name + ": " + row.quantity != q) continue;
+                              points.push_back({settings, row.method, q, row.value, row.error, row.seconds, row.newton_iterations, row.dofs,
+                                                row.failed, false, false});
+                            }
+                          },
+                          {},
+                          {}});
     for (int i = 1; i < study.repeats; ++i) {  // the rows come in the same order
       std::size_t at = before;
-      bench::run_benchmark(benchmark, sets, {[&](const bench::Row& row) {
-        for (const std::string& q : study.quantities)
-          if (row.quantity == q || row.name + ": " + row.quantity == q) points[at].seconds = std::min(points[at].seconds, row.seconds), ++at;
-      }, {}, {}});
+      bench::run_benchmark(benchmark, sets,
+                           {[&](const bench::Row& row) {
+                              for (const std::string& q : study.quantities)
+                                if (row.quantity == q || row.name + ": " + row.quantity == q)
+                                  points[at].seconds = std::min(points[at].seconds, row.seconds), ++at;
+                            },
+                            {},
+                            {}});
     }
     for (std::size_t i = before; i < points.size(); ++i) done(points[i]);
-    if (points.size() == before) throw Error(Exit::usage, "--qoi: benchmark '" + study.scene + "' has no such quantity (a row's quantity, or 'case: quantity')");
+    if (points.size() == before)
+      throw Error(Exit::usage, "--qoi: benchmark '" + study.scene + "' has no such quantity (a row's quantity, or 'case: quantity')");
   }
 }
 
@@ -109,7 +119,8 @@ void mark_best(std::vector<Point>& points) {
     p.best = false;
     if (!p.failed && !p.reference && std::isfinite(p.error)) order.push_back(&p);
   }
-  std::stable_sort(order.begin(), order.end(), [](const Point* a, const Point* b) { return a->quantity != b->quantity ? a->quantity < b->quantity : a->seconds < b->seconds; });
+  std::stable_sort(order.begin(), order.end(),
+                   [](const Point* a, const Point* b) { return a->quantity != b->quantity ? a->quantity < b->quantity : a->seconds < b->seconds; });
   const Point* last = nullptr;
   for (Point* p : order) {
     if (last && last->quantity == p->quantity && !(p->error < last->error)) continue;
@@ -130,8 +141,8 @@ std::string points_csv(const std::vector<Point>& points) {
   csv += "method,quantity,value,error,seconds,newton_iterations,dofs,status,pareto\n";
   for (const Point& p : points) {
     for (const auto& [key, value] : p.settings) csv += quoted(value) + ",";
-    csv += fmt::format("{},{},{:.17g},{:.17g},{:.6g},{},{},{},{}\n", quoted(p.method), quoted(p.quantity), p.value, p.error, p.seconds, p.newton_iterations, p.dofs,
-                       p.failed ? "failed" : (p.reference ? "reference" : "done"), p.best ? 1 : 0);
+    csv += fmt::format("{},{},{:.17g},{:.17g},{:.6g},{},{},{},{}\n", quoted(p.method), quoted(p.quantity), p.value, p.error, p.seconds,
+                       p.newton_iterations, p.dofs, p.failed ? "failed" : (p.reference ? "reference" : "done"), p.best ? 1 : 0);
   }
   return csv;
 }

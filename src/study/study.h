@@ -29,17 +29,19 @@ struct Point {
 };
 
 struct Study {
-  std::string scene;                    // path, or the name of a benchmark
-  std::vector<std::string> overrides;   // --set of all runs
+  std::string scene;                   // path, or the name of a benchmark
+  std::vector<std::string> overrides;  // --set of all runs
   std::vector<Vary> vary;
   std::vector<std::string> quantities;  // "group/name" of scalars at the last step; `quantity` of a benchmark's rows
   std::vector<double> references;       // one per quantity of a scene; none: limit.h
   int repeats = 1;                      // runs of every setting; the fastest counts
 };
 
-// Runs everything, on the CPU. Scene settings that the scene does not have, and quantities that nothing reports, are Error(Exit::usage | Exit::scene).
-// `note` is told what each quantity of a scene was compared with.
-std::vector<Point> run_study(const Study& study, const std::function<void(const Point&)>& done, const std::function<void(const std::string&)>& note = [](const std::string&) {});
+// Runs everything, on the CPU. Scene settings that the scene does not have, and quantities that nothing reports, are Error(Exit::usage |
+// Exit::scene). `note` is told what each quantity of a scene was compared with.
+std::vector<Point> run_study(
+    const Study& study, const std::function<void(const Point&)>& done,
+    const std::function<void(const std::string&)>& note = [](const std::string&) {});
 
 // Marks the fronts, quantity by quantity: sorted by time, those with less error than all before.
 void mark_best(std::vector<Point>& points);

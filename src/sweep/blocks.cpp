@@ -7,9 +7,9 @@
 
 #include "base/philox.h"
 #include "base/read_file.h"
-#include "scene/suggest.h"
 #include "scene/distribution.h"
 #include "scene/flow.h"
+#include "scene/suggest.h"
 
 namespace mortise::sweep {
 namespace {
@@ -22,10 +22,12 @@ using scene::read_distribution;
 
 // path -> list of values; false after an error.
 bool columns(const Node& node, const std::string& what, Diagnostics& errors) {
-  if (node.kind != Node::Kind::map || node.entries.empty()) return errors.add(node.at, what + " is " + node.describe() + "; must be a block of PATH: [values]"), false;
+  if (node.kind != Node::Kind::map || node.entries.empty())
+    return errors.add(node.at, what + " is " + node.describe() + "; must be a block of PATH: [values]"), false;
   bool fine = true;
   for (const auto& [path, values] : node.entries)
-    if (values.kind != Node::Kind::list || values.items.empty()) errors.add(values.at, what + "." + path + " is " + values.describe() + "; must be a list of values"), fine = false;
+    if (values.kind != Node::Kind::list || values.items.empty())
+      errors.add(values.at, what + "." + path + " is " + values.describe() + "; must be a list of values"), fine = false;
   return fine;
 }
 
@@ -50,7 +52,9 @@ std::vector<Row> zip(const Node& node, Diagnostics& errors) {
   std::vector<Row> out(values.items.size());
   for (const auto& [path, column] : node.entries) {
     if (column.items.size() != out.size())
-      return errors.add(column.at, "zip." + path + " has " + std::to_string(column.items.size()) + " values, zip." + first + " has " + std::to_string(out.size())), std::vector<Row>{};
+      return errors.add(column.at, "zip." + path + " has " + std::to_string(column.items.size()) + " values, zip." + first + " has " +
+                                       std::to_string(out.size())),
+             std::vector<Row>{};
     for (std::size_t i = 0; i < out.size(); ++i) out[i].values.emplace_back(path, flow(column.items[i]));
   }
   return out;
@@ -71,13 +75,16 @@ Draws draws(const Node& node, const std::string& what, Diagnostics& errors) {
   const auto whole = [&](const char* key, std::uint64_t least) -> std::uint64_t {
     const Node* n = node.find(key);
     if (!n) return errors.add(node.at, what + " needs '" + std::string(key) + "'"), 0;
-    const bool digits = !n->text.empty() && n->text.size() < 19 && std::all_of(n->text.begin(), n->text.end(), [](unsigned char c) { return std::isdigit(c); });
-    if (!digits || std::stoull(n->text) < least) return errors.add(n->at, what + "." + key + " is " + n->describe() + "; must be a whole number from " + std::to_string(least)), 0;
+    const bool digits =
+        !n->text.empty() && n->text.size() < 19 && std::all_of(n->text.begin(), n->text.end(), [](unsigned char c) { return std::isdigit(c); });
+    if (!digits || std::stoull(n->text) < least)
+      return errors.add(n->at, what + "." + key + " is " + n->describe() + "; must be a whole number from " + std::to_string(least)), 0;
     return std::stoull(n->text);
   };
   out.count = whole("count", 1), out.seed = whole("seed", 0);
   const Node* vary = node.find("vary");
-  if (!vary || vary->kind != Node::Kind::map || vary->entries.empty()) return errors.add(vary ? vary->at : node.at, what + " needs 'vary', a block of PATH: {uniform: [a, b]}"), out;
+  if (!vary || vary->kind != Node::Kind::map || vary->entries.empty())
+    return errors.add(vary ? vary->at : node.at, what + " needs 'vary', a block of PATH: {uniform: [a, b]}"), out;
   for (const auto& [path, how] : vary->entries) out.vary.emplace_back(path, read_distribution(how, what + ".vary." + path, errors));
   return out;
 }
@@ -99,7 +106,8 @@ std::vector<Row> latin_hypercube(const Node& node, Diagnostics& errors) {
     std::vector<std::size_t> order(d.count);
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return stream.at(a)[0] < stream.at(b)[0]; });
-    for (std::size_t i = 0; i < d.count; ++i) out[i].values.emplace_back(path, distribution.at((static_cast<double>(order[i]) + stream.at(i)[1]) / static_cast<double>(d.count)));
+    for (std::size_t i = 0; i < d.count; ++i)
+      out[i].values.emplace_back(path, distribution.at((static_cast<double>(order[i]) + stream.at(i)[1]) / static_cast<double>(d.count)));
   }
   return out;
 }
@@ -148,7 +156,8 @@ std::vector<Row> file(const Node& node, const std::string& folder, Diagnostics& 
       continue;
     }
     if (values.size() != paths.size()) {
-      errors.add(node.at, path + ":" + std::to_string(line_number) + " has " + std::to_string(values.size()) + " values, the first line has " + std::to_string(paths.size()) + " paths");
+      errors.add(node.at, path + ":" + std::to_string(line_number) + " has " + std::to_string(values.size()) + " values, the first line has " +
+                              std::to_string(paths.size()) + " paths");
       return {};
     }
     Row row;
@@ -165,7 +174,8 @@ std::vector<std::string> block_names() { return {"product", "zip", "random", "la
 
 std::vector<Row> rows_of_block(const Node& block, const std::string& folder, Diagnostics& errors) {
   if (block.kind != Node::Kind::map || block.entries.size() != 1)
-    return errors.add(block.at, "an entry of rows is " + block.describe() + "; must have one key of " + scene::join(block_names(), ", ")), std::vector<Row>{};
+    return errors.add(block.at, "an entry of rows is " + block.describe() + "; must have one key of " + scene::join(block_names(), ", ")),
+           std::vector<Row>{};
   const auto& [name, node] = block.entries.front();
   if (name == "product") return product(node, errors);
   if (name == "zip") return zip(node, errors);

@@ -25,7 +25,8 @@ std::string to_json(const Sweep& s) {
     for (const auto& [path, value] : row.values) values[path] = value;
     rows.push_back(values);
   }
-  const Json j{{"filetype", "mortise sweep"}, {"version", {1, 0}}, {"name", s.name}, {"scene", s.scene}, {"set", s.set}, {"quantities", s.quantities}, {"rows", rows}};
+  const Json j{{"filetype", "mortise sweep"}, {"version", {1, 0}}, {"name", s.name}, {"scene", s.scene}, {"set", s.set},
+               {"quantities", s.quantities},  {"rows", rows}};
   return j.dump(1) + "\n";
 }
 

@@ -56,10 +56,15 @@ std::vector<double> at_the_end(const std::string& folder, const std::vector<std:
 std::string line(const Sweep& sweep, std::size_t row, const std::string& folder, const Status& status) {
   std::string out = std::to_string(row);
   for (const auto& [path, value] : sweep.rows[row].values) out += "," + cell(value);
-  const Json run = read_json(folder + "/run.json"), certificate = read_json(folder + (of_environments(folder) ? "/environments.json" : "/certificate.json"));
-  const auto text = [&](const char* key) { return certificate.is_object() && certificate.contains(key) && certificate[key].is_string() ? certificate[key].get<std::string>() : ""; };
-  out += fmt::format(",{},{},{},{}", name_of(status.is), status.code >= 0 ? std::to_string(status.code) : "", cell(text("grade")), cell(status.is == Status::Is::failed ? status.message : text("reason")));
-  out += "," + cell(number(certificate, "solver", "steps")) + "," + cell(number(certificate, "solver", "newton_iterations_mean")) + "," + cell(number(run, "seconds", "solve"));
+  const Json run = read_json(folder + "/run.json"),
+             certificate = read_json(folder + (of_environments(folder) ? "/environments.json" : "/certificate.json"));
+  const auto text = [&](const char* key) {
+    return certificate.is_object() && certificate.contains(key) && certificate[key].is_string() ? certificate[key].get<std::string>() : "";
+  };
+  out += fmt::format(",{},{},{},{}", name_of(status.is), status.code >= 0 ? std::to_string(status.code) : "", cell(text("grade")),
+                     cell(status.is == Status::Is::failed ? status.message : text("reason")));
+  out += "," + cell(number(certificate, "solver", "steps")) + "," + cell(number(certificate, "solver", "newton_iterations_mean")) + "," +
+         cell(number(run, "seconds", "solve"));
   for (double v : at_the_end(folder, sweep.quantities)) out += "," + cell(v);
   return out + "\n";
 }
@@ -76,7 +81,8 @@ std::string header(const Sweep& sweep) {
 // No values are copied: a link holds a file name, relative to this file.
 void link_fields(const std::string& folder, const std::vector<std::string>& rows) {
   output::h5::File file(folder + "/fields.h5", output::h5::Mode::create);
-  for (const std::string& row : rows) file.check(H5Lcreate_external((row + "/fields.vtkhdf").c_str(), "/", file.id(), row.c_str(), H5P_DEFAULT, H5P_DEFAULT), "link " + row);
+  for (const std::string& row : rows)
+    file.check(H5Lcreate_external((row + "/fields.vtkhdf").c_str(), "/", file.id(), row.c_str(), H5P_DEFAULT, H5P_DEFAULT), "link " + row);
   file.close();
 }
 

@@ -8,7 +8,7 @@ namespace mortise::sweep {
 
 struct Merged {
   std::vector<Status> rows;
-  std::string table;                             // path of the CSV file
+  std::string table;  // path of the CSV file
   std::vector<std::size_t> with(Status::Is is) const;
 };
 

@@ -79,7 +79,8 @@ Sweep read_sweep(const std::string& path) {
     errors.raise();
   }
   for (const auto& [key, node] : root.entries)
-    if (!key.starts_with("x-") && !std::count(kKeys.begin(), kKeys.end(), key)) errors.add(node.key_at, "unknown key '" + key + "' in a sweep", scene::suggestion(key, kKeys));
+    if (!key.starts_with("x-") && !std::count(kKeys.begin(), kKeys.end(), key))
+      errors.add(node.key_at, "unknown key '" + key + "' in a sweep", scene::suggestion(key, kKeys));
   const Node* version = root.find("mortise_sweep");
   if (!version || version->text != "1") errors.add(version ? version->at : SourceLoc{path, 1, 1}, "a sweep begins with 'mortise_sweep: 1'");
   if (const Node* name = root.find("name")) out.name = name->text;
@@ -92,7 +93,8 @@ Sweep read_sweep(const std::string& path) {
   if (const Node* set = root.find("set")) out.set = texts(*set, "set", errors);
   if (const Node* quantities = root.find("quantities")) out.quantities = texts(*quantities, "quantities", errors);
   for (const std::string& q : out.quantities)
-    if (q.find('/') == std::string::npos) errors.add(root.find("quantities")->at, "quantity '" + q + "' is not of the form group/name, e.g. mortar_contact/force_pad_z");
+    if (q.find('/') == std::string::npos)
+      errors.add(root.find("quantities")->at, "quantity '" + q + "' is not of the form group/name, e.g. mortar_contact/force_pad_z");
   const Node* rows = root.find("rows");
   if (!rows || rows->kind != Node::Kind::list || rows->items.empty()) {
     errors.add(rows ? rows->at : SourceLoc{path, 1, 1}, "a sweep needs 'rows:', a list of blocks (" + scene::join(block_names(), ", ") + ")");

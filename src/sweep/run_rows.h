@@ -21,9 +21,9 @@ const char* name_of(Status::Is is);
 
 struct RunOptions {
   std::string folder;
-  std::string device;             // as --device
-  int threads = 0;                // of every row; 0: those of the machine shared out among the jobs
-  int jobs = 1;                   // rows at once
+  std::string device;  // as --device
+  int threads = 0;     // of every row; 0: those of the machine shared out among the jobs
+  int jobs = 1;        // rows at once
   bool no_render = false;
   std::vector<std::size_t> rows;  // which
 };

@@ -1,11 +1,10 @@
 #include "visual/mapper.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <numeric>
-
-#include <Eigen/Geometry>
 
 #include "base/error.h"
 
@@ -34,8 +33,7 @@ Vec3 closest(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
 // Binary tree of boxes over triangles, split at the middle of the longest side.
 class Tree {
  public:
-  Tree(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles)
-      : points_(points), triangles_(triangles), order_(triangles.size()) {
+  Tree(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles) : points_(points), triangles_(triangles), order_(triangles.size()) {
     std::iota(order_.begin(), order_.end(), 0);
     build(0, static_cast<Index>(order_.size()));
   }
@@ -106,9 +104,7 @@ class Tree {
     }
   }
 
-  Vec3 middle(Index t) const {
-    return (points_[triangles_[t].v[0]] + points_[triangles_[t].v[1]] + points_[triangles_[t].v[2]]) / 3;
-  }
+  Vec3 middle(Index t) const { return (points_[triangles_[t].v[0]] + points_[triangles_[t].v[1]] + points_[triangles_[t].v[2]]) / 3; }
 
   const std::vector<Vec3>& points_;
   const std::vector<Triangle>& triangles_;

@@ -24,7 +24,7 @@ Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
 
 SmoothNormals::SmoothNormals(const std::vector<Vec3>& points, const std::vector<Vec3>& normals, std::vector<Triangle> triangles)
     : triangles_(std::move(triangles)), group_(points.size()) {
-  constexpr double same = 0.996;  // cosine of 5 degrees
+  constexpr double same = 0.996;                           // cosine of 5 degrees
   std::map<std::array<double, 3>, std::vector<Index>> at;  // position -> first vertex of each group there
   std::vector<Index> leader_group(points.size());
   for (Index i = 0; i < static_cast<Index>(points.size()); ++i) {
@@ -70,8 +70,7 @@ SplitSurface split_creases(const std::vector<Vec3>& points, const std::vector<Tr
       int a = k, b = (k + 1) % 3;
       if (triangles[t].v[a] > triangles[t].v[b]) std::swap(a, b);
       const auto [it, fresh] =
-          edges.try_emplace({triangles[t].v[a], triangles[t].v[b]},
-                            std::array<Index, 3>{static_cast<Index>(t), corner(t, a), corner(t, b)});
+          edges.try_emplace({triangles[t].v[a], triangles[t].v[b]}, std::array<Index, 3>{static_cast<Index>(t), corner(t, a), corner(t, b)});
       if (fresh || face[it->second[0]].dot(face[t]) < limit) continue;
       parent[root(corner(t, a))] = root(it->second[1]);
       parent[root(corner(t, b))] = root(it->second[2]);

@@ -22,7 +22,9 @@ TEST(Math, LnIsWithinOneUnitInTheLastPlace) {
   std::uniform_real_distribution<double> unit(0, 1), exponent(-300, 300);
   double worst = 0;
   for (int i = 0; i < 1'000'000; ++i) {
-    const double x = i % 3 == 0 ? unit(random) : i % 3 == 1 ? 1 + (unit(random) - 0.5) * std::pow(10, -8 * unit(random)) : std::pow(10, exponent(random));
+    const double x = i % 3 == 0   ? unit(random)
+                     : i % 3 == 1 ? 1 + (unit(random) - 0.5) * std::pow(10, -8 * unit(random))
+                                  : std::pow(10, exponent(random));
     if (x == 1) continue;
     worst = std::max(worst, ulps(ln(x), std::log(static_cast<long double>(x))));
   }

@@ -9,8 +9,8 @@
 
 #include "base/error.h"
 #include "engine/effect_tables.h"
-#include "scene/scene.h"
 #include "place.h"
+#include "scene/scene.h"
 
 namespace fs = std::filesystem;
 using namespace mortise;
@@ -112,8 +112,9 @@ TEST(Fuzz, WildSeedsAreScenesAndStayTheSame) {
     EXPECT_EQ(c.text, wild_case(seed, folder).text);
     all += c.text, interrupted |= c.interrupted, debug |= !c.arguments.empty();
   }
-  for (const char* kind : {"order: 2", "curved: true", ".msh", ".obj", "mode: static", "sensors:", "pressure_load:", "bdf2", "body18:", "barrier_contact:", "mortar_contact:", "cg", "reuse",
-                           "release:", "side: all", "rotation:", "type: half_space", "follows: mortar_contact", "traction:"})
+  for (const char* kind : {"order: 2", "curved: true", ".msh", ".obj", "mode: static", "sensors:", "pressure_load:", "bdf2",
+                           "body18:", "barrier_contact:", "mortar_contact:", "cg", "reuse", "release:", "side: all", "rotation:", "type: half_space",
+                           "follows: mortar_contact", "traction:"})
     EXPECT_NE(all.find(kind), std::string::npos) << kind;
   EXPECT_TRUE(interrupted && debug);
   fs::remove_all(folder);
@@ -121,7 +122,8 @@ TEST(Fuzz, WildSeedsAreScenesAndStayTheSame) {
 
 TEST(Fuzz, FailuresAreCountedByCause) {
   const Row a = row("wild_1", "exit code 5: step 3 (t = 0.125 s, dt = 0.005 s) failed: Newton stopped after 100 iterations with 2 N"),
-                b = row("wild_2", "exit code 5: step 0 (t = 0 s, dt = 0.5 s) failed: Newton stopped after 20 iterations"), c = row("wild_3", "newton_iterations below 301: 970");
+            b = row("wild_2", "exit code 5: step 0 (t = 0 s, dt = 0.5 s) failed: Newton stopped after 20 iterations"),
+            c = row("wild_3", "newton_iterations below 301: 970");
   EXPECT_EQ(causes({a, row("wild_4", ""), c, b}), "    2 a step fails: Newton stopped after : 1 2\n    1 newton_iterations below : 3\n");
 }
 

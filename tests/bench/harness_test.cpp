@@ -5,8 +5,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <numbers>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "base/error.h"
 #include "bench/benchmark.h"
@@ -21,7 +21,8 @@ TEST(StudyHarness, RowsAreJsonWithExactlyTheseKeys) {
   const auto j = nlohmann::ordered_json::parse(json_line(row));
   std::vector<std::string> keys;
   for (const auto& [key, v] : j.items()) keys.push_back(key);
-  EXPECT_THAT(keys, testing::ElementsAre("case", "method", "quantity", "value", "reference", "error", "gate", "pass", "seconds", "newton_iterations", "dofs"));
+  EXPECT_THAT(keys, testing::ElementsAre("case", "method", "quantity", "value", "reference", "error", "gate", "pass", "seconds", "newton_iterations",
+                                         "dofs"));
   EXPECT_EQ(j["pass"], false);
   EXPECT_EQ(j["newton_iterations"], 7);
   row.error = 1e-9;
@@ -35,7 +36,8 @@ TEST(StudyHarness, RowsAreJsonWithExactlyTheseKeys) {
 }
 
 TEST(StudyHarness, BarrierGapMatchesItsTable) {
-  for (const auto& [ratio, t] : {std::pair{1e-4, .99424}, {1e-3, .98185}, {1e-2, .94338}, {.1, .82853}, {1., .53244}, {10., .12215}}) EXPECT_NEAR(barrier_gap(ratio), t, 5e-6);
+  for (const auto& [ratio, t] : {std::pair{1e-4, .99424}, {1e-3, .98185}, {1e-2, .94338}, {.1, .82853}, {1., .53244}, {10., .12215}})
+    EXPECT_NEAR(barrier_gap(ratio), t, 5e-6);
 }
 
 TEST(StudyHarness, HertzOfTheHandbook) {  // R 10 mm, E* 0.549451 MPa, a 1 mm
@@ -151,7 +153,8 @@ TEST(StudyBenchmarks, HertzLeavesFigures) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "mortise_hertz";
   std::filesystem::remove_all(folder);
   std::vector<std::string> notes;
-  run_benchmark(*find_benchmark("hertz"), {"methods=gmcp_consistent", "size=tiny"}, {{}, folder.string(), [&](const std::string& text) { notes.push_back(text); }});
+  run_benchmark(*find_benchmark("hertz"), {"methods=gmcp_consistent", "size=tiny"},
+                {{}, folder.string(), [&](const std::string& text) { notes.push_back(text); }});
   EXPECT_EQ(notes.size(), 3u);  // nodes, picture (or why there is none), profiles
   for (const char* file : {"pressure.svg", "tiny_gmcp_consistent.csv"}) EXPECT_TRUE(std::filesystem::exists(folder / file)) << file;
   EXPECT_EQ(std::filesystem::exists(folder / "tiny_gmcp_consistent.png"), notes.at(1).starts_with("written"));
@@ -188,6 +191,7 @@ TEST(StudyBenchmarks, HertzRefusesSizesThatItDoesNotHave) {
 // A wrong answer does not pass: with a guard that acts at this gap the barrier's identity no longer holds.
 TEST(StudyBenchmarks, BarrierFailsWithAGuard) {
   bool failed = false;
-  for (const Row& row : run_benchmark(*find_benchmark("barrier"), {"methods=gmcp_consistent", "effects.mortar_contact.guard=0.2"}, {})) failed |= !row.pass();
+  for (const Row& row : run_benchmark(*find_benchmark("barrier"), {"methods=gmcp_consistent", "effects.mortar_contact.guard=0.2"}, {}))
+    failed |= !row.pass();
   EXPECT_TRUE(failed);
 }

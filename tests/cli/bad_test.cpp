@@ -1,13 +1,12 @@
-// Every way to write a bad scene, and what the user then reads from `check`; bad_mesh: sound scenes with damaged meshes, and what one reads from `run`.
-// <case>.txt holds the exit code and the expected stderr, without the folder of the sources; lines "# --set a.b=c" at the top of a scene become arguments.
-// MORTISE_UPDATE_GOLDEN=1 rewrites the expectations.
+// Every way to write a bad scene, and what the user then reads from `check`; bad_mesh: sound scenes with damaged meshes, and what one reads from
+// `run`. <case>.txt holds the exit code and the expected stderr, without the folder of the sources; lines "# --set a.b=c" at the top of a scene
+// become arguments. MORTISE_UPDATE_GOLDEN=1 rewrites the expectations.
+#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <sstream>
 #include <vector>
-
-#include <gtest/gtest.h>
 
 #include "program.h"
 
@@ -30,8 +29,7 @@ void message_is_as_expected(const std::string& command, const std::string& folde
   std::string arguments = command + " " + scene;
   std::istringstream lines(read_text(folder + "/" + scene));
   const std::string mark = "# --set ";
-  for (std::string line; std::getline(lines, line) && line.rfind(mark, 0) == 0;)
-    arguments += " --set " + quoted(line.substr(mark.size()));
+  for (std::string line; std::getline(lines, line) && line.rfind(mark, 0) == 0;) arguments += " --set " + quoted(line.substr(mark.size()));
 
   const Result r = mortise(arguments, folder);
   EXPECT_EQ(r.out, "") << "results only on stdout";

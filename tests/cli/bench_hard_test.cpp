@@ -25,7 +25,8 @@ TEST(BenchHard, RowsTellWhatTheRunDid) {
   const auto all = rows(r);
   ASSERT_EQ(all.size(), 7u) << r.out << r.err;  // two methods each, three variants of H68
   for (const auto& row : all) {
-    for (const char* key : {"case", "pass", "reason", "steps", "newton_max", "min_distance", "min_det_f", "energy_gain", "residual", "seconds"}) EXPECT_TRUE(row.contains(key)) << key;
+    for (const char* key : {"case", "pass", "reason", "steps", "newton_max", "min_distance", "min_det_f", "energy_gain", "residual", "seconds"})
+      EXPECT_TRUE(row.contains(key)) << key;
     EXPECT_TRUE(row["pass"]) << row;
   }
   EXPECT_EQ(all[0]["case"], "h02_face_point");
@@ -74,7 +75,8 @@ TEST(BenchHard, FailuresAreShown) {
   // As a list of what is expected, these failures are no regression; that nothing of it was run is one.
   std::ofstream(dir + "/expected.json") << nlohmann::json{{"rows", all}};
   EXPECT_EQ(mortise("bench hard --data " + dir + " --json --out " + dir + "/out --expect " + dir + "/expected.json").code, 0);
-  const Result other = mortise("bench hard --only H02 --json --out " + dir + "/out --expect " + kSource + "/benchmarks/hard/result.json --data " + dir);
+  const Result other =
+      mortise("bench hard --only H02 --json --out " + dir + "/out --expect " + kSource + "/benchmarks/hard/result.json --data " + dir);
   EXPECT_EQ(other.code, 5);
   EXPECT_NE(other.err.find("worse: h02_face_point barrier: passed before: min_distance above 1"), std::string::npos) << other.err;
   EXPECT_EQ(mortise("bench hard --only nothing").code, 2);
@@ -87,7 +89,8 @@ TEST(BenchHard, TellsThatThereIsNoJudgeBeforeAnythingRuns) {
   fs::create_directories(dir);
   fs::copy_file(kProgram, dir + "/mortise");
   for (const char* name : {"hard --only H02", "fuzz --seeds 1"}) {
-    const std::string command = "cd " + dir + " && ./mortise bench " + name + " --json --out " + dir + "/out --data " + kSource + "/scenes/hard >out.txt 2>err.txt";
+    const std::string command =
+        "cd " + dir + " && ./mortise bench " + name + " --json --out " + dir + "/out --data " + kSource + "/scenes/hard >out.txt 2>err.txt";
     const int status = std::system(command.c_str());
     EXPECT_EQ(WEXITSTATUS(status), 6) << name;
     EXPECT_EQ(read_text(dir + "/out.txt"), "") << name;

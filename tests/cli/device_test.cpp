@@ -64,9 +64,11 @@ TEST(Device, TheEnvironmentStandsForTheFlag) {
 }
 
 TEST(Device, PlansPredictWhatRunsHold) {
-  const std::string press = kSource + "/scenes/tactile/press.yaml --set 'bodies.pad.shape.box.edge_length=1.4 mm' --set time.steps=3 "
+  const std::string press = kSource +
+                            "/scenes/tactile/press.yaml --set 'bodies.pad.shape.box.edge_length=1.4 mm' --set time.steps=3 "
                             "--set 'effects.pin.1.motion.time=[0, 0.01, 0.02, 0.03]'",
-                    hertz = kSource + "/benchmarks/gpu/hertz.yaml --set 'bodies.block.shape.box.edge_length=2 mm' "
+                    hertz = kSource +
+                            "/benchmarks/gpu/hertz.yaml --set 'bodies.block.shape.box.edge_length=2 mm' "
                             "--set 'bodies.ball.shape.sphere.edge_length=2 mm' --set time.steps=1";
   for (const std::string& scene : {press, hertz}) {
     const Folder out;

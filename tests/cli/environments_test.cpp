@@ -31,14 +31,16 @@ std::string press(const std::string& contact, const std::string& solver, const s
          "  pad: {type: soft, shape: {box: {size: [12 mm, 9 mm, 4 mm], edge_length: 2 mm}}, material: gel, position: [0, 0, -2 mm]}\n"
          "  ball: {type: stiff, shape: {sphere: {radius: 4 mm, edge_length: 2 mm}}, material: steel, position: [-1 mm, 0, 4.05 mm]}\n"
          "effects:\n  inertia: {}\n  elasticity: {}\n"
-         "  pin: [{body: pad, where: {side: z_min}}, {body: ball, where: {side: all}, motion: {time: [0, 20 ms, 40 ms], translation: [[0, 0, 0], [0, 0, -0.4 mm], [0.4 mm, 0, -0.4 mm]]}}]\n" +
+         "  pin: [{body: pad, where: {side: z_min}}, {body: ball, where: {side: all}, motion: {time: [0, 20 ms, 40 ms], translation: [[0, 0, 0], [0, "
+         "0, -0.4 mm], [0.4 mm, 0, -0.4 mm]]}}]\n" +
          contact + "output: {precision: double}\n";
 }
 const std::string kMortar = "  mortar_contact: {pairs: [{slave: pad, master: ball}]}\n  friction: {follows: mortar_contact, mu: 0.5}\n",
                   kBarrier = "  barrier_contact: {}\n  friction: {follows: barrier_contact, mu: 0.5}\n";
 std::string varied(int count) {
   return "environments:\n  count: " + std::to_string(count) +
-         "\n  seed: 7\n  vary:\n    - {path: materials.gel.youngs_modulus, scale: {log_uniform: [0.5, 2]}}\n    - {path: effects.friction.mu, abs: {uniform: [0.2, 0.8]}}\n"
+         "\n  seed: 7\n  vary:\n    - {path: materials.gel.youngs_modulus, scale: {log_uniform: [0.5, 2]}}\n    - {path: effects.friction.mu, abs: "
+         "{uniform: [0.2, 0.8]}}\n"
          "    - {path: bodies.ball.position.0, add: {normal: [0, 0.5 mm]}}\n";
 }
 
@@ -55,7 +57,10 @@ class EnvironmentsProgram : public ::testing::Test {
   void expect_equal(const std::string& a, const std::string& b) const {
     EXPECT_EQ(last_state(at(a)), last_state(at(b))) << a << " and " << b;
     const std::string said = at("judge.txt");
-    EXPECT_EQ(std::system((quoted(kJudge) + " " + quoted(at(a) + "/fields.vtkhdf") + " " + quoted(at(b) + "/fields.vtkhdf") + " > " + quoted(said)).c_str()), 0) << a << " and " << b << ": " << read_text(said);
+    EXPECT_EQ(std::system(
+                  (quoted(kJudge) + " " + quoted(at(a) + "/fields.vtkhdf") + " " + quoted(at(b) + "/fields.vtkhdf") + " > " + quoted(said)).c_str()),
+              0)
+        << a << " and " << b << ": " << read_text(said);
   }
   // Environment k of many, of few, alone, with more threads, and as a scene of its own.
   void expect_invariant(const std::string& scene_of_six, const std::string& scene_of_three, int k) const {
@@ -70,7 +75,8 @@ class EnvironmentsProgram : public ::testing::Test {
     ASSERT_EQ(printed.out.find("environments:"), std::string::npos);
     write("own.yaml", printed.out);
     ASSERT_EQ(run("own.yaml -o own").code, 0);
-    for (const char* other : {"three", "alone", "own"}) expect_equal("six" + env(k), std::string(other) + (std::string(other) == "three" ? env(k) : ""));
+    for (const char* other : {"three", "alone", "own"})
+      expect_equal("six" + env(k), std::string(other) + (std::string(other) == "three" ? env(k) : ""));
     EXPECT_NE(last_state(at("six" + env(0))), last_state(at("six" + env(1))));
   }
   const std::string folder_ = (fs::temp_directory_path() / ("mortise_environments_" + std::to_string(getpid()))).string();
@@ -91,7 +97,8 @@ TEST_F(EnvironmentsProgram, LeaveAFolderEachAndWhatSumsThemUp) {
   for (int e = 0; e < 3; ++e) {
     std::getline(table, line);
     EXPECT_EQ(line.rfind(std::to_string(e) + ",done,0,", 0), 0u) << line;
-    for (const char* file : {"fields.vtkhdf", "run.json", "certificate.json", "checkpoint.h5"}) EXPECT_TRUE(fs::exists(at("out" + env(e) + "/" + file)));
+    for (const char* file : {"fields.vtkhdf", "run.json", "certificate.json", "checkpoint.h5"})
+      EXPECT_TRUE(fs::exists(at("out" + env(e) + "/" + file)));
     EXPECT_EQ(j["environments"][e]["steps"], 8);
   }
   EXPECT_EQ(nlohmann::json::parse(read_text(at("out/run.json")))["status"], "done");
@@ -104,9 +111,15 @@ TEST_F(EnvironmentsProgram, LeaveAFolderEachAndWhatSumsThemUp) {
   EXPECT_EQ(nlohmann::json::parse(read_text(at("judged")))["environments"].size(), 2u);
 }
 
-TEST_F(EnvironmentsProgram, MortarAndFrictionBitForBit) { expect_invariant(press(kMortar, "{linear: direct}", varied(6)), press(kMortar, "{linear: direct}", varied(3)), 2); }
-TEST_F(EnvironmentsProgram, ReusedFactorsBitForBit) { expect_invariant(press(kBarrier, "{linear: reuse}", varied(6)), press(kBarrier, "{linear: reuse}", varied(3)), 1); }
-TEST_F(EnvironmentsProgram, ConjugateGradientsBitForBit) { expect_invariant(press(kMortar, "{linear: cg}", varied(6)), press(kMortar, "{linear: cg}", varied(3)), 2); }
+TEST_F(EnvironmentsProgram, MortarAndFrictionBitForBit) {
+  expect_invariant(press(kMortar, "{linear: direct}", varied(6)), press(kMortar, "{linear: direct}", varied(3)), 2);
+}
+TEST_F(EnvironmentsProgram, ReusedFactorsBitForBit) {
+  expect_invariant(press(kBarrier, "{linear: reuse}", varied(6)), press(kBarrier, "{linear: reuse}", varied(3)), 1);
+}
+TEST_F(EnvironmentsProgram, ConjugateGradientsBitForBit) {
+  expect_invariant(press(kMortar, "{linear: cg}", varied(6)), press(kMortar, "{linear: cg}", varied(3)), 2);
+}
 
 TEST_F(EnvironmentsProgram, JointsBitForBit) {
   std::string scene = read_text(kSource + "/scenes/first/07_pendulum_with_pad.yaml");
@@ -114,7 +127,8 @@ TEST_F(EnvironmentsProgram, JointsBitForBit) {
     std::string s = scene;
     s.replace(s.find("steps: 200"), 10, "steps: 90");
     return s + "\nenvironments: {count: " + std::to_string(count) +
-           ", seed: 2, vary: [{path: materials.rubber.youngs_modulus, scale: {log_uniform: [0.5, 2]}}, {path: effects.friction.mu, abs: {uniform: [0.2, 0.8]}}, {path: materials.steel.density, scale: {uniform: [0.8, 1.25]}}]}\n";
+           ", seed: 2, vary: [{path: materials.rubber.youngs_modulus, scale: {log_uniform: [0.5, 2]}}, {path: effects.friction.mu, abs: {uniform: "
+           "[0.2, 0.8]}}, {path: materials.steel.density, scale: {uniform: [0.8, 1.25]}}]}\n";
   };
   expect_invariant(of(3), of(2), 1);
 }
@@ -122,7 +136,9 @@ TEST_F(EnvironmentsProgram, JointsBitForBit) {
 // One fails in a step, one starts inside the pad, one is killed: the others have the bits of runs without them.
 TEST_F(EnvironmentsProgram, FailuresAreTheirOwn) {
   const auto scene = [](const std::string& of_heights, const std::string& iterations) {
-    return press(kBarrier, "{iterations: " + iterations + ", halvings: 0}", "environments:\n  count: 5\n  vary: [{path: bodies.ball.position.2, add: {choice: " + of_heights + "}}, {path: materials.gel.youngs_modulus, scale: {log_uniform: [0.9, 1.1]}}]\n");
+    return press(kBarrier, "{iterations: " + iterations + ", halvings: 0}",
+                 "environments:\n  count: 5\n  vary: [{path: bodies.ball.position.2, add: {choice: " + of_heights +
+                     "}}, {path: materials.gel.youngs_modulus, scale: {log_uniform: [0.9, 1.1]}}]\n");
   };
   write("good.yaml", scene("[0 mm]", "100")), write("bad.yaml", scene("[0 mm, -0.5 mm]", "100"));
   ASSERT_EQ(run("good.yaml -o good").code, 0);
@@ -197,13 +213,18 @@ TEST_F(EnvironmentsProgram, AKilledEnvironmentIsNamed) {
 
 // A ball is thrown onto a pad again and again.
 std::string thrown(const std::string& reset, const std::string& heights = "[4.5 mm]") {
-  return "mortise: 1\nname: thrown\ntime: {step: 5 ms, steps: 24, frame_every: 2}\nenvironments:\n  count: 3\n  seed: 3\n  vary:\n    - {path: materials.gel.youngs_modulus, scale: {log_uniform: [0.5, 2]}}\n"
-         "    - {path: bodies.ball.velocity.2, abs: {uniform: [-0.4 m/s, -0.2 m/s]}}\n    - {path: bodies.ball.position.2, abs: {choice: " + heights + "}}\n  reset: " + reset + "\n"
+  return "mortise: 1\nname: thrown\ntime: {step: 5 ms, steps: 24, frame_every: 2}\nenvironments:\n  count: 3\n  seed: 3\n  vary:\n    - {path: "
+         "materials.gel.youngs_modulus, scale: {log_uniform: [0.5, 2]}}\n"
+         "    - {path: bodies.ball.velocity.2, abs: {uniform: [-0.4 m/s, -0.2 m/s]}}\n    - {path: bodies.ball.position.2, abs: {choice: " +
+         heights + "}}\n  reset: " + reset +
+         "\n"
          "materials: {gel: {youngs_modulus: 0.2 MPa, poisson_ratio: 0.45, density: 1050}, steel: {density: 7850}}\n"
          "bodies:\n"
          "  pad: {type: soft, shape: {box: {size: [15 mm, 12 mm, 4 mm], edge_length: 3 mm}}, material: gel, position: [0, 0, -2 mm]}\n"
-         "  ball: {type: stiff, shape: {sphere: {radius: 4 mm, edge_length: 2 mm}}, material: steel, position: [-1 mm, 0, 4.5 mm], velocity: [0.1 m/s, 0, 0]}\n"
-         "effects:\n  inertia: {}\n  elasticity: {}\n  affine_body: {}\n  pin: [{body: pad, where: {side: z_min}}]\n  mortar_contact: {pairs: [{slave: pad, master: ball}]}\n"
+         "  ball: {type: stiff, shape: {sphere: {radius: 4 mm, edge_length: 2 mm}}, material: steel, position: [-1 mm, 0, 4.5 mm], velocity: [0.1 "
+         "m/s, 0, 0]}\n"
+         "effects:\n  inertia: {}\n  elasticity: {}\n  affine_body: {}\n  pin: [{body: pad, where: {side: z_min}}]\n  mortar_contact: {pairs: "
+         "[{slave: pad, master: ball}]}\n"
          "  friction: {follows: mortar_contact, mu: 0.5}\noutput: {precision: double}\n";
 }
 
@@ -256,7 +277,8 @@ TEST_F(EnvironmentsProgram, ResetsSurviveKills) {
   ASSERT_EQ(last.code, 0) << last.err;
   EXPECT_EQ(read_text(at("whole/episodes.csv")), read_text(at("cut/episodes.csv")));
   for (int e = 0; e < 3; ++e)
-    for (int j = 0; fs::exists(at("whole" + env(e) + "/episode_000" + std::to_string(j))); ++j) expect_equal("whole" + env(e) + "/episode_000" + std::to_string(j), "cut" + env(e) + "/episode_000" + std::to_string(j));
+    for (int j = 0; fs::exists(at("whole" + env(e) + "/episode_000" + std::to_string(j))); ++j)
+      expect_equal("whole" + env(e) + "/episode_000" + std::to_string(j), "cut" + env(e) + "/episode_000" + std::to_string(j));
 }
 
 // Episodes that start inside the pad are over at once; the environment goes on with other numbers. Without the condition it fails.
@@ -282,7 +304,9 @@ TEST_F(EnvironmentsProgram, OtherCommandsKnowThem) {
   EXPECT_THAT(mortise("check s.yaml --plan", folder_).out, HasSubstr("environments  3"));
   EXPECT_EQ(mortise("check s.yaml --environment 3", folder_).code, 2);
   EXPECT_EQ(mortise("render s.yaml none.vtkhdf", folder_).code, 2);
-  write("sweep.yaml", "mortise_sweep: 1\nscene: s.yaml\nset: [environments.count=2, time.steps=2]\nquantities: [inertia/kinetic_energy]\nrows: [{product: {effects.friction.mu: [0.1, 0.2]}}]\n");
+  write("sweep.yaml",
+        "mortise_sweep: 1\nscene: s.yaml\nset: [environments.count=2, time.steps=2]\nquantities: [inertia/kinetic_energy]\nrows: [{product: "
+        "{effects.friction.mu: [0.1, 0.2]}}]\n");
   const Result sweep = mortise("sweep sweep.yaml -o swept --no-render", folder_), merged = mortise("merge swept", folder_);
   EXPECT_EQ(sweep.code, 0) << sweep.err;
   EXPECT_EQ(merged.code, 0) << merged.err;

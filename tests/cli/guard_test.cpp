@@ -28,7 +28,9 @@ time: {step: 2 ms, steps: 4, frame_every: 2}
 materials:
   gel: {youngs_modulus: 50 kPa, poisson_ratio: 0.4, density: 1000}
 )";
-constexpr const char* kBlock = "  block: {type: soft, shape: {box: {size: [10 mm, 10 mm, 10 mm], edge_length: 10 mm}}, material: gel, position: [0, 0, 5.08 mm], velocity: [0, 0, -0.1]}\n  floor: {type: half_space}\n";
+constexpr const char* kBlock =
+    "  block: {type: soft, shape: {box: {size: [10 mm, 10 mm, 10 mm], edge_length: 10 mm}}, material: gel, position: [0, 0, 5.08 mm], velocity: [0, "
+    "0, -0.1]}\n  floor: {type: half_space}\n";
 constexpr const char* kEffects = "effects:\n  inertia: {}\n  gravity: {}\n  elasticity: {}\n  barrier_contact: {d_hat: 0.1 mm, stiffness: 10 kPa}\n";
 
 class Guard : public testing::Test {
@@ -43,9 +45,12 @@ class Guard : public testing::Test {
     fs::create_directories(fs::path(at(name)).parent_path());
     std::ofstream(at(name), std::ios::binary) << text;
   }
-  Result run(const std::string& more, const std::string& before = "") const { return mortise("run " + at("a.yaml") + " --no-render -j 1 -o " + at("out") + " " + more, kSource, before); }
+  Result run(const std::string& more, const std::string& before = "") const {
+    return mortise("run " + at("a.yaml") + " --no-render -j 1 -o " + at("out") + " " + more, kSource, before);
+  }
   std::string stiff_scene(const std::string& mesh, const std::string& more = "") const {
-    return std::string(kHead) + "bodies:\n  b: {type: stiff, shape: {mesh: {file: " + mesh + "}}, material: gel, position: [0, 0, 2]" + more + "}\neffects: {inertia: {}, gravity: {}, affine_body: {}}\n";
+    return std::string(kHead) + "bodies:\n  b: {type: stiff, shape: {mesh: {file: " + mesh + "}}, material: gel, position: [0, 0, 2]" + more +
+           "}\neffects: {inertia: {}, gravity: {}, affine_body: {}}\n";
   }
   const std::string dir_ = (fs::temp_directory_path() / ("mortise_guard_" + std::to_string(getpid()))).string();
 };
@@ -56,9 +61,11 @@ std::string cube(double side, bool inner = false, bool outward = false) {
   for (const double s : inner ? std::vector<double>{side, side / 2} : std::vector<double>{side}) {
     for (int i = 0; i < 8; ++i)
       for (int k = 0; k < 3; ++k) out += (k == 0 ? "v " : " ") + std::to_string((i >> k & 1 ? 0.5 : -0.5) * s) + (k == 2 ? "\n" : "");
-    for (const std::array<int, 3>& f : std::vector<std::array<int, 3>>{{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}}) {
+    for (const std::array<int, 3>& f : std::vector<std::array<int, 3>>{
+             {0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}}) {
       const bool turned = first > 1 && !outward;
-      out += "f " + std::to_string(f[0] + first) + " " + std::to_string(f[turned ? 2 : 1] + first) + " " + std::to_string(f[turned ? 1 : 2] + first) + "\n";
+      out += "f " + std::to_string(f[0] + first) + " " + std::to_string(f[turned ? 2 : 1] + first) + " " + std::to_string(f[turned ? 1 : 2] + first) +
+             "\n";
     }
     first += 8;
   }
@@ -80,7 +87,8 @@ TEST_F(Guard, ProgramsAreHardened) {
 #endif
   std::vector<std::string> files{kProgram};
   for (const auto& entry : fs::directory_iterator(std::string(MORTISE_BINARY_DIR) + "/bin")) files.push_back(entry.path());
-  if (fs::exists(std::string(MORTISE_BINARY_DIR) + "/lib/libmortise_render.so")) files.push_back(std::string(MORTISE_BINARY_DIR) + "/lib/libmortise_render.so");
+  if (fs::exists(std::string(MORTISE_BINARY_DIR) + "/lib/libmortise_render.so"))
+    files.push_back(std::string(MORTISE_BINARY_DIR) + "/lib/libmortise_render.so");
   for (const std::string& file : files) {
     const std::string seen = at("readelf");
     ASSERT_EQ(std::system(("readelf -dlhW " + quoted(file) + " >" + seen + " 2>&1").c_str()), 0);
@@ -170,7 +178,9 @@ TEST_F(Guard, FieldsWithoutACheckpointAreNotStartedAfresh) {
 TEST_F(Guard, ASceneIsWhatIsInItsFilesNotWhereTheyLie) {
   write("one/cube.obj", cube(1)), write("two/cube.obj", cube(1)), write("three/cube.obj", cube(1.02));
   for (const char* place : {"one", "two", "three"}) write(std::string(place) + "/s.yaml", stiff_scene("cube.obj"));
-  const auto go = [&](const std::string& place, const std::string& how) { return mortise("run " + at(place + "/s.yaml") + " --no-render -q -o " + at("out") + " " + how); };
+  const auto go = [&](const std::string& place, const std::string& how) {
+    return mortise("run " + at(place + "/s.yaml") + " --no-render -q -o " + at("out") + " " + how);
+  };
   ASSERT_EQ(go("one", "--frames 1").code, 0);
   const Result other = go("three", "--resume");
   EXPECT_EQ(other.code, 6);
@@ -195,7 +205,11 @@ TEST_F(Guard, DamagedFieldsAreAnError) {
 }
 
 TEST_F(Guard, OutputThatNobodyReads) {
-  const auto code = [&](const std::string& rest) { return WEXITSTATUS(std::system(("bash -c " + quoted(quoted(kProgram) + " run " + at("a.yaml") + " --overwrite --no-render --json -o " + at("out") + rest) + " 2>/dev/null").c_str())); };
+  const auto code = [&](const std::string& rest) {
+    return WEXITSTATUS(std::system(
+        ("bash -c " + quoted(quoted(kProgram) + " run " + at("a.yaml") + " --overwrite --no-render --json -o " + at("out") + rest) + " 2>/dev/null")
+            .c_str()));
+  };
   for (const char* rest : {" >/dev/full", " | true; exit ${PIPESTATUS[0]}"}) {
     EXPECT_EQ(code(rest), 6) << rest;
     EXPECT_EQ(nlohmann::json::parse(read_text(at("out/run.json")))["status"], "done") << rest;
@@ -225,7 +239,8 @@ TEST_F(Guard, InputThatIsNoFile) {
   write("m.mtl", "newmtl a\nmap_Kd .\n");
   refused(stiff_scene("cube.obj", ", visual: {mesh: m.obj}") + picture, "it is a folder");
   // Signature and header of a grey PNG of 23000 x 23000: nothing of it is unpacked.
-  const unsigned char png[] = {0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R', 0, 0, 0x59, 0xD8, 0, 0, 0x59, 0xD8, 8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 'I', 'D', 'A', 'T', 0, 0, 0, 0};
+  const unsigned char png[] = {0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R', 0,   0,   0x59, 0xD8, 0, 0, 0x59,
+                               0xD8, 8,   0,   0,   0,  0,  0,  0,  0, 0, 0, 0,  0,   0,   'I', 'D', 'A', 'T', 0,    0,    0, 0};
   write("big.png", std::string(reinterpret_cast<const char*>(png), sizeof png));
   write("m.mtl", "newmtl a\nmap_Kd big.png\n");
   refused(stiff_scene("cube.obj", ", visual: {mesh: m.obj}") + picture, "has 23000 x 23000 pixels");
@@ -262,7 +277,8 @@ TEST_F(Guard, LittleAddressSpaceIsAnError) {
   GTEST_SKIP() << "the sanitizer reserves terabytes of addresses";
 #endif
   for (const int kib : {150000, 300000, 600000, 1000000}) {
-    const std::string command = "bash -c 'ulimit -v " + std::to_string(kib) + "; timeout -s KILL 20 " + kProgram + " run " + at("a.yaml") + " --no-render -q -o " + at("out") + " 2>" + at("err") + "'";
+    const std::string command = "bash -c 'ulimit -v " + std::to_string(kib) + "; timeout -s KILL 20 " + kProgram + " run " + at("a.yaml") +
+                                " --no-render -q -o " + at("out") + " 2>" + at("err") + "'";
     EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 4) << kib;
     EXPECT_THAT(read_text(at("err")), HasSubstr("ulimit -v")) << kib;
   }
@@ -286,10 +302,13 @@ TEST_F(Guard, CheckRefusesWhatRunRefuses) {
 
 // Two contact effects in a scene: what both report of the points is their sum.
 TEST_F(Guard, TwoContactEffectsWriteOneField) {
-  write("a.yaml", std::string(kHead) + "bodies:\n" + kBlock +
-                      "  upper: {type: soft, shape: {box: {size: [10 mm, 10 mm, 10 mm], edge_length: 10 mm}}, material: gel, position: [0, 0, 15.16 mm], velocity: [0, 0, -0.1]}\n" +
-                      "effects:\n  inertia: {}\n  gravity: {}\n  elasticity: {}\n  barrier_contact: {d_hat: 0.1 mm, stiffness: 10 kPa, pairs: [[upper, block]]}\n"
-                      "  mortar_contact: {d_hat: 0.1 mm, stiffness: 10 kPa, pairs: [{slave: block, master: floor}]}\n");
+  write(
+      "a.yaml",
+      std::string(kHead) + "bodies:\n" + kBlock +
+          "  upper: {type: soft, shape: {box: {size: [10 mm, 10 mm, 10 mm], edge_length: 10 mm}}, material: gel, position: [0, 0, 15.16 mm], "
+          "velocity: [0, 0, -0.1]}\n" +
+          "effects:\n  inertia: {}\n  gravity: {}\n  elasticity: {}\n  barrier_contact: {d_hat: 0.1 mm, stiffness: 10 kPa, pairs: [[upper, block]]}\n"
+          "  mortar_contact: {d_hat: 0.1 mm, stiffness: 10 kPa, pairs: [{slave: block, master: floor}]}\n");
   const Result r = run("-q");
   ASSERT_EQ(r.code, 0) << r.err;
   const output::FieldReader fields(at("out/fields.vtkhdf"));

@@ -31,7 +31,9 @@ struct Folder {
 const std::string kScene = kSource + "/scenes/first/03_incline_friction.yaml";
 const std::vector<std::string> kRun{"run", kScene, "--no-render", "--quiet", "--set", "time.steps=120", "--set", "time.frame_every=4"};
 
-std::string command(const std::string& more) { return "run " + kScene + " --no-render --quiet --set time.steps=120 --set time.frame_every=4 " + more; }
+std::string command(const std::string& more) {
+  return "run " + kScene + " --no-render --quiet --set time.steps=120 --set time.frame_every=4 " + more;
+}
 
 // `file_limit` > 0: no file may grow beyond so many bytes, as if the disk were full.
 pid_t start_silent(std::vector<std::string> args, rlim_t file_limit = 0) {

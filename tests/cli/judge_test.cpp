@@ -24,8 +24,10 @@ nlohmann::json judged(const Vec3& shift, const Vec3& push, const std::string& ef
     for (int k = 0; k < 4; ++k) mesh.connectivity.push_back(4 * b + k), mesh.body_of_point.push_back(b);
     mesh.body_of_cell.push_back(b);
   }
-  const std::string scene = "bodies: {a: {type: soft, material: m}, b: {type: soft, material: m}, ground: {type: half_space, point: [0, 0, -1], normal: [0, 0, 1]}}\n"
-                            "materials: {m: {density: 6, model: linear, youngs_modulus: 60, poisson_ratio: 0}}\noutput: {precision: double}\neffects: {" + effects + "}\n";
+  const std::string scene =
+      "bodies: {a: {type: soft, material: m}, b: {type: soft, material: m}, ground: {type: half_space, point: [0, 0, -1], normal: [0, 0, 1]}}\n"
+      "materials: {m: {density: 6, model: linear, youngs_modulus: 60, poisson_ratio: 0}}\noutput: {precision: double}\neffects: {" +
+      effects + "}\n";
   std::vector<double> now;
   for (const Vec3& x : mesh.points) now.insert(now.end(), x.data(), x.data() + 3);
   for (int c = 0; c < 3; ++c) now[12 + c] += push[c];
@@ -89,7 +91,9 @@ TEST(Judge, SeesHeldBodiesUnlessTheyMoveAsOneOrMayPass) {
   const std::string moves = ", motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, 1]]}";
   const Vec3 in(0.2, 0.2, 0.2), none(0, 0, 0);
   EXPECT_GT(judged(in, none, kAll + ", pin: [" + pin("a", "") + ", " + pin("b", moves) + "]")["intersections"], 0);
-  EXPECT_GT(judged(in, none, "mortar_contact: {pairs: [{slave: a, master: ground}]}, pin: [" + pin("a", "") + ", " + pin("b", moves) + "]")["intersections"], 0);
+  EXPECT_GT(judged(in, none,
+                   "mortar_contact: {pairs: [{slave: a, master: ground}]}, pin: [" + pin("a", "") + ", " + pin("b", moves) + "]")["intersections"],
+            0);
   EXPECT_EQ(judged(in, none, kAll + ", pin: [" + pin("a", moves) + ", " + pin("b", moves) + "]")["intersections"], 0);
   EXPECT_EQ(judged(in, none, kAll + ", pin: [" + pin("a", "") + ", " + pin("b", "") + "]")["intersections"], 0);
   EXPECT_EQ(judged(in, none, kAll + "}\npairs: [{bodies: [b, a], collide: false}]\nx-rest: {")["intersections"], 0);
@@ -122,8 +126,10 @@ std::string write(const Pushed& p, const std::string& name) {
     mesh.types.push_back(p.quadratic && b == 0 ? output::quadratic_tetrahedron : output::tetrahedron);
     mesh.body_of_cell.push_back(b);
   }
-  const std::string scene = "bodies: {a: {type: soft, material: m}, b: {type: soft, material: m}}\nmaterials: {m: {density: 6, youngs_modulus: 1.0e+6, poisson_ratio: 0.3}}\ntime: {mode: static, steps: 1, frame_every: 1}\n"
-                            "output: {precision: double}\neffects: {barrier_contact: {d_hat: 1}, pin: [{body: a, where: {side: z_min}}]}\n";
+  const std::string scene =
+      "bodies: {a: {type: soft, material: m}, b: {type: soft, material: m}}\nmaterials: {m: {density: 6, youngs_modulus: 1.0e+6, poisson_ratio: "
+      "0.3}}\ntime: {mode: static, steps: 1, frame_every: 1}\n"
+      "output: {precision: double}\neffects: {barrier_contact: {d_hat: 1}, pin: [{body: a, where: {side: z_min}}]}\n";
   output::FieldOptions options;
   options.double_precision = true, options.xdmf = false;
   {
@@ -177,7 +183,8 @@ TEST(Judge, AddsUpTheForcesOnEveryBody) {
 TEST(Judge, SeesTheQuartersOfQuadraticFaces) {
   EXPECT_EQ(judged(Pushed{.quadratic = true})["intersections"], 0);
   EXPECT_GT(judged(Pushed{.quadratic = true, .middle = {0.9, 0.9, 0}, .other = {0.6, 0.6, -0.1}})["intersections"], 0);
-  EXPECT_EQ(judged(Pushed{.quadratic = true, .middle = {0.3, 0.3, 0}, .other = {0.4, 0.4, -0.1}})["intersections"], 0) << "the flat triangles of corners meet";
+  EXPECT_EQ(judged(Pushed{.quadratic = true, .middle = {0.3, 0.3, 0}, .other = {0.4, 0.4, -0.1}})["intersections"], 0)
+      << "the flat triangles of corners meet";
 }
 
 TEST(Judge, ComparesFilesBitForBit) {

@@ -34,10 +34,9 @@ inline std::string quoted(const std::string& s) {
 // `arguments` are shell words; the program runs in `folder`. `before` stands in front of the command ("NO_COLOR=1", "cat x |").
 inline Result mortise(const std::string& arguments, const std::string& folder = kSource, const std::string& before = "") {
   static int count = 0;
-  const std::string base =
-      std::filesystem::temp_directory_path() / ("mortise_test_" + std::to_string(getpid()) + "_" + std::to_string(count++));
-  const std::string command = "cd " + quoted(folder) + " && " + before + " " + quoted(kProgram) + " " + arguments + " >" +
-                              quoted(base + ".out") + " 2>" + quoted(base + ".err");
+  const std::string base = std::filesystem::temp_directory_path() / ("mortise_test_" + std::to_string(getpid()) + "_" + std::to_string(count++));
+  const std::string command = "cd " + quoted(folder) + " && " + before + " " + quoted(kProgram) + " " + arguments + " >" + quoted(base + ".out") +
+                              " 2>" + quoted(base + ".err");
   const int status = std::system(command.c_str());
   Result r{WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(base + ".out"), read_text(base + ".err")};
   std::filesystem::remove(base + ".out");

@@ -1,17 +1,17 @@
 // The command line itself: streams, exit codes, suggestions, schema drift.
-#include <csignal>
-#include <unistd.h>
-
-#include <vector>
+#include "program.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <csignal>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "../scene/check_table.h"
 #include "cli/commands.h"
 #include "engine/effect_tables.h"
-#include "program.h"
 
 namespace mortise::cli {
 namespace {
@@ -65,15 +65,12 @@ TEST(Program, MissingFileIsAFileError) {
   EXPECT_EQ(mortise("check scenes").code, 6);
 }
 
-TEST(Program, AFullDiskIsAFileError) {
-  EXPECT_EQ(WEXITSTATUS(std::system((quoted(kProgram) + " schema >/dev/full 2>/dev/null").c_str())), 6);
-}
+TEST(Program, AFullDiskIsAFileError) { EXPECT_EQ(WEXITSTATUS(std::system((quoted(kProgram) + " schema >/dev/full 2>/dev/null").c_str())), 6); }
 
 TEST(Program, BrokenPipeEndsQuietly) {
   const std::string folder = fs::temp_directory_path(), err = folder + "/mortise_pipe_" + std::to_string(getpid());
   // bash reports the exit code of the left side; `true` reads nothing.
-  const std::string command =
-      "bash -c " + quoted(quoted(kProgram) + " schema 2>" + quoted(err) + " | (sleep 0.2; true); exit ${PIPESTATUS[0]}");
+  const std::string command = "bash -c " + quoted(quoted(kProgram) + " schema 2>" + quoted(err) + " | (sleep 0.2; true); exit ${PIPESTATUS[0]}");
   EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 128 + SIGPIPE);
   EXPECT_EQ(read_text(err), "");
   fs::remove(err);
@@ -86,9 +83,8 @@ TEST(Program, ColourOnlyWhenAskedOrOnATerminal) {
   if (std::system("script -qc true /dev/null >/dev/null 2>&1") != 0) GTEST_SKIP() << "no terminal can be made here by `script`";
   const auto on_terminal = [](const std::string& environment) {
     const std::string file = fs::temp_directory_path() / ("mortise_tty_" + std::to_string(getpid()));
-    const int status = std::system(
-        ("script -qc " + quoted("env " + environment + " " + kProgram + " check no_such.yaml") + " /dev/null >" + quoted(file))
-            .c_str());
+    const int status =
+        std::system(("script -qc " + quoted("env " + environment + " " + kProgram + " check no_such.yaml") + " /dev/null >" + quoted(file)).c_str());
     EXPECT_EQ(status, 0);
     const std::string seen = read_text(file);
     fs::remove(file);

@@ -199,8 +199,11 @@ TEST(Run, SavesItsStateAsOftenAsTheSceneSays) {
 // A kill between checkpoints loses frames that --resume computes again.
 TEST(Run, FramesAfterTheLastCheckpointComeBackAfterAKill) {
   const Folder out, whole;
-  const std::string scene = kScene, flags = " --no-render --quiet --set time.steps=400 --set time.frame_every=1 --set output.checkpoint_every.steps=50";
-  std::vector<std::string> args{"run", scene, "--no-render", "--quiet", "--set", "time.steps=400", "--set", "time.frame_every=1", "--set", "output.checkpoint_every.steps=50", "-o", out.path};
+  const std::string scene = kScene,
+                    flags = " --no-render --quiet --set time.steps=400 --set time.frame_every=1 --set output.checkpoint_every.steps=50";
+  std::vector<std::string> args{
+      "run", scene,   "--no-render", "--quiet", "--set", "time.steps=400", "--set", "time.frame_every=1", "--set", "output.checkpoint_every.steps=50",
+      "-o",  out.path};
   const pid_t pid = start(args);
   for (int i = 0; i < 600 && !(fs::exists(out.path + "/checkpoint.prev.h5")); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
@@ -266,7 +269,8 @@ TEST(Run, SensorsAreDrawnAsOftenAsTheSceneSaysAndAgainFromTheFields) {
   EXPECT_EQ(pictures(out.path + "/same"), pictures(run + "/frames"));
   EXPECT_EQ(redraw("--frames 4", "last"), drawn);  // its scales know the frames before
   EXPECT_EQ(pictures((redraw("--every 1", "all"), out.path + "/all")).size(), 5u);
-  const std::string ranged = redraw("--set 'sensors.skin.range=[0, 5 kPa]'", "ranged"), shear = redraw("--set 'sensors.skin.shear_range=[0, 50 kPa]'", "shear");
+  const std::string ranged = redraw("--set 'sensors.skin.range=[0, 5 kPa]'", "ranged"),
+                    shear = redraw("--set 'sensors.skin.shear_range=[0, 50 kPa]'", "shear");
   EXPECT_NE(ranged, drawn);
   EXPECT_NE(shear, drawn);
   EXPECT_NE(shear, ranged);
@@ -292,7 +296,8 @@ TEST(Run, SensorGroupsSayWhatTheyAre) {
   EXPECT_EQ(h5::get_integer(f, skin, "columns"), 10);
   EXPECT_EQ(h5::get_number(f, skin, "width_m"), 0.02);
   EXPECT_EQ(h5::get_number(f, skin, "taxel_height_m"), 0.002);
-  for (const char* name : {"height_m", "taxel_width_m", "position_m", "x_axis", "y_axis", "normal", "moves_with", "description"}) EXPECT_GT(H5Aexists(skin, name), 0) << name;
+  for (const char* name : {"height_m", "taxel_width_m", "position_m", "x_axis", "y_axis", "normal", "moves_with", "description"})
+    EXPECT_GT(H5Aexists(skin, name), 0) << name;
   // Every dataset of these groups is described.
   for (const std::string& group : h5::members(f, effects)) {
     const h5::Id at = h5::open_group(f, effects, group);

@@ -1,7 +1,7 @@
 // mortise sweep and mortise merge as a user runs them: killed, stopped, tried again.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <fcntl.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -26,7 +26,8 @@ class SweepProgram : public ::testing::Test {
   void SetUp() override {
     fs::create_directories(folder_);
     std::ofstream(folder_ + "/s.yaml") << "mortise_sweep: 1\nscene: " << kSource << "/scenes/first/03_incline_friction.yaml\n"
-                                       << "set: [time.steps=30]\nquantities: [inertia/kinetic_energy]\nrows:\n  - product: {effects.friction.mu: [0.1, 0.2, 0.3, 0.4], effects.friction.creep_speed: [0.1 mm/s, 1 mm/s]}\n";
+                                       << "set: [time.steps=30]\nquantities: [inertia/kinetic_energy]\nrows:\n  - product: {effects.friction.mu: "
+                                          "[0.1, 0.2, 0.3, 0.4], effects.friction.creep_speed: [0.1 mm/s, 1 mm/s]}\n";
   }
   void TearDown() override { fs::remove_all(folder_); }
   std::vector<std::string> sweep(const std::string& out, std::vector<std::string> more = {}) const {
@@ -36,7 +37,8 @@ class SweepProgram : public ::testing::Test {
   }
   pid_t start(const std::vector<std::string>& arguments) const {
     return cli::start(arguments, [this] {
-      for (const auto& [name, fd] : {std::pair{"/out.txt", 1}, {"/err.txt", 2}}) dup2(open((folder_ + name).c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644), fd);
+      for (const auto& [name, fd] : {std::pair{"/out.txt", 1}, {"/err.txt", 2}})
+        dup2(open((folder_ + name).c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644), fd);
     });
   }
   int run(const std::vector<std::string>& arguments) const { return wait_for(start(arguments)); }

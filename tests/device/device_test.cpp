@@ -44,8 +44,10 @@ TEST(Device, EnvironmentSumDoesNotDependOnItsNeighbours) {
   const Buffer<double> a(one), b(both);
   const View<const double> va = a.view(), vb = b.view();
   std::vector<double> alone{0}, batch{0, 0};
-  env_sum("test", {0, 777}, [=] MORTISE_HD(Index i) { return va[i]; }, alone);
-  env_sum("test", {0, 901, 901 + 777}, [=] MORTISE_HD(Index i) { return vb[i]; }, batch);
+  env_sum(
+      "test", {0, 777}, [=] MORTISE_HD(Index i) { return va[i]; }, alone);
+  env_sum(
+      "test", {0, 901, 901 + 777}, [=] MORTISE_HD(Index i) { return vb[i]; }, batch);
   EXPECT_EQ(alone[0], batch[1]);
 }
 
@@ -80,7 +82,8 @@ TEST(Device, RunsAndSegmentSums) {
   run_starts(keys, start);
   EXPECT_EQ(start.download(), (std::vector<Index>{0, 2, 3, 6}));
   Buffer<double> out;
-  segment_sum<double>("test", start, [=] MORTISE_HD(Index j) { return double(j); }, out);
+  segment_sum<double>(
+      "test", start, [=] MORTISE_HD(Index j) { return double(j); }, out);
   EXPECT_EQ(out.download(), (std::vector<double>{1, 2, 12}));
 }
 
@@ -110,7 +113,8 @@ TEST(Device, FetchBringsEverythingInOneCopy) {
   for (double& s : sums) {  // more than one launch gathers
     fetch.add(View<const double>{v.p + (&s - sums.data()), 1}, [&s, &order](const std::vector<double>& x) { s += x[0], order.push_back(1); });
   }
-  env_min("test", {0, v.n}, [=] MORTISE_HD(Index i) { return v[i]; }, EnvValues{least, fetch});
+  env_min(
+      "test", {0, v.n}, [=] MORTISE_HD(Index i) { return v[i]; }, EnvValues{least, fetch});
   fetch.then([&order] { order.push_back(2); });
   fetch.add(v, all);
   fetch.add(std::as_const(counts).view(), offsets);
@@ -128,7 +132,8 @@ TEST(Device, FetchBringsEverythingInOneCopy) {
 
   fetch.now();  // nothing is wanted any more
   EXPECT_EQ((transfers() - before).to_host, 1);
-  env_sum("test", {0, 5}, [=] MORTISE_HD(Index) { return 2.0; }, EnvValues{alone, fetch});
+  env_sum(
+      "test", {0, 5}, [=] MORTISE_HD(Index) { return 2.0; }, EnvValues{alone, fetch});
   fetch.now();
   EXPECT_EQ(alone[0], 11);
 }
@@ -156,8 +161,10 @@ TEST(Device, ReductionsOfManyEnvironmentsTakeOneUploadAndOneDownload) {
   const View<const double> v = values.view();
   std::vector<double> sums(6, 0.5), most(6, 0.25);
   const Transfers before = transfers();
-  env_sum("test", offset, [=] MORTISE_HD(Index i) { return v[i]; }, sums);
-  env_max("test", offset, [=] MORTISE_HD(Index i) { return v[i]; }, most);
+  env_sum(
+      "test", offset, [=] MORTISE_HD(Index i) { return v[i]; }, sums);
+  env_max(
+      "test", offset, [=] MORTISE_HD(Index i) { return v[i]; }, most);
   const Transfers used = transfers() - before;
   EXPECT_EQ(used.to_device, 2);
   EXPECT_EQ(used.to_host, 2);

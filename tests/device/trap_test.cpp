@@ -65,7 +65,8 @@ TEST_F(Trap, HostReadOfDeviceMemoryEndsTheProgram) {
                 volatile double x = a.view()[3];
                 (void)x;
               }),
-              testing::ExitedWithCode(kInternal), "host code reads from device memory \\(byte 24 of a buffer of 80 bytes\\); last kernel or copy: 'upload'");
+              testing::ExitedWithCode(kInternal),
+              "host code reads from device memory \\(byte 24 of a buffer of 80 bytes\\); last kernel or copy: 'upload'");
 }
 
 TEST_F(Trap, HostWriteToDeviceMemoryEndsTheProgram) {

@@ -32,20 +32,17 @@ model::ModelInput stack(double gap, bool stiff = false, Index upper_cells = 3) {
   const auto lower = geometry::box({1, 1, 0.5}, std::array<Index, 3>{2, 2, 1});
   const auto upper = geometry::box({1, 1, 0.5}, std::array<Index, 3>{upper_cells, upper_cells, 1});
   const Vec3 up(0, 0, 0.5 + gap);
-  return scene(
-      {soft_body("lower", lower, gel()), stiff ? stiff_body("upper", upper, gel(), up) : soft_body("upper", upper, gel(), up)});
+  return scene({soft_body("lower", lower, gel()), stiff ? stiff_body("upper", upper, gel(), up) : soft_body("upper", upper, gel(), up)});
 }
 
 // A tilted stiff box whose corner and edges come close to a soft one, over a half-space.
 model::ModelInput mixed(double gap) {
   auto stiff = stiff_body("tool", geometry::box({0.4, 0.4, 0.4}, 0.4), gel());
-  const Mat3 R =
-      (Eigen::AngleAxisd(0.7, Vec3(1, 0.3, 0.2).normalized()) * Eigen::AngleAxisd(0.4, Vec3::UnitZ())).toRotationMatrix();
+  const Mat3 R = (Eigen::AngleAxisd(0.7, Vec3(1, 0.3, 0.2).normalized()) * Eigen::AngleAxisd(0.4, Vec3::UnitZ())).toRotationMatrix();
   double low = 1e9;
   for (Vec3& x : stiff.nodes) x = R * x, low = std::min(low, x.z());
   for (Vec3& x : stiff.nodes) x.z() += 0.25 + gap - low;
-  return scene(
-      {soft_body("pad", geometry::box({1, 1, 0.5}, 0.5), gel()), stiff, half_space("floor", {0, 0, -0.25 - gap}, {0, 0, 1})});
+  return scene({soft_body("pad", geometry::box({1, 1, 0.5}, 0.5), gel()), stiff, half_space("floor", {0, 0, -0.25 - gap}, {0, 0, 1})});
 }
 
 void expect_exact_derivatives(Problem& p, const fd::Vector& x, double h, const char* what) {
@@ -89,8 +86,7 @@ TEST(BarrierContact, GradientMatchesEnergy) {
 TEST(BarrierContact, CrossingEdgesKeepApart) {
   auto roof = [](const std::string& name, double angle_z, double flip) {
     auto b = soft_body(name, geometry::box({1, 0.2, 0.2}, std::array<Index, 3>{1, 1, 1}), gel());
-    const Mat3 R =
-        (Eigen::AngleAxisd(angle_z, Vec3::UnitZ()) * Eigen::AngleAxisd(EIGEN_PI / 4, Vec3::UnitX())).toRotationMatrix();
+    const Mat3 R = (Eigen::AngleAxisd(angle_z, Vec3::UnitZ()) * Eigen::AngleAxisd(EIGEN_PI / 4, Vec3::UnitX())).toRotationMatrix();
     for (Vec3& x : b.nodes) x = R * x, x.z() += flip * 0.1 * std::sqrt(2.0);
     return b;
   };
@@ -128,8 +124,7 @@ TEST(BarrierContact, FlatFacesCarryTheirAreaOnce) {
 TEST(BarrierContact, BlockOnHalfSpaceObeysTheBarrierIdentity) {
   for (double P : {1e-3, 0.1, 1.0, 10.0}) {
     const double gap = kHat * effects::barrier::phi_inverse(P);
-    Problem p(scene(
-        {soft_body("block", geometry::box({1, 1, 0.5}, 0.25), gel()), half_space("floor", {0, 0, -0.25 - gap}, {0, 0, 1})}));
+    Problem p(scene({soft_body("block", geometry::box({1, 1, 0.5}, 0.25), gel()), half_space("floor", {0, 0, -0.25 - gap}, {0, 0, 1})}));
     p.contact->begin_step({});
     const auto g = fd::effect_assemble(*p.contact, positions(p.model), false).gradient;
     const auto [force, moment] = resultant(p.model, positions(p.model), g);
@@ -211,9 +206,8 @@ TEST(BarrierContact, EnergyIsTheSameOnAndOffTheSweptPath) {
 
 TEST(BarrierContact, StepsStopBeforeContact) {
   for (bool plane : {false, true}) {
-    Problem p(
-        plane ? scene({soft_body("block", geometry::box({1, 1, 0.5}, 0.5), gel()), half_space("floor", {0, 0, -0.26}, {0, 0, 1})})
-              : stack(0.01));
+    Problem p(plane ? scene({soft_body("block", geometry::box({1, 1, 0.5}, 0.5), gel()), half_space("floor", {0, 0, -0.26}, {0, 0, 1})})
+                    : stack(0.01));
     p.contact->begin_step({});
     auto q = p.model.q.download();
     std::vector<Vec3> down(q.size(), Vec3::Zero());
@@ -253,8 +247,7 @@ TEST(BarrierContact, BodiesMustStartApart) {
   EXPECT_NE(crossing.find("passes through triangle"), std::string::npos) << crossing;
   const std::string touching = message(stack(0));
   EXPECT_NE(touching.find("touches"), std::string::npos) << touching;
-  const std::string below =
-      message(scene({soft_body("block", geometry::box({1, 1, 1}, 1), gel()), half_space("floor", {0, 0, -0.4}, {0, 0, 1})}));
+  const std::string below = message(scene({soft_body("block", geometry::box({1, 1, 1}, 1), gel()), half_space("floor", {0, 0, -0.4}, {0, 0, 1})}));
   EXPECT_NE(below.find("half-space 'floor'"), std::string::npos) << below;
 }
 

@@ -68,8 +68,7 @@ Errors compare(const Case& k, double d_hat, double h) {
     Vec12 e = Vec12::Zero();
     e[i] = h;
     difference[i] =
-        (8 * (energy(k, q + e, d_hat) - energy(k, q - e, d_hat)) - (energy(k, q + 2 * e, d_hat) - energy(k, q - 2 * e, d_hat))) /
-        (12 * h);
+        (8 * (energy(k, q + e, d_hat) - energy(k, q - e, d_hat)) - (energy(k, q + 2 * e, d_hat) - energy(k, q - 2 * e, d_hat))) / (12 * h);
     Vec12 a, b, c, d;
     energy(k, q + e, d_hat, &a), energy(k, q - e, d_hat, &b), energy(k, q + 2 * e, d_hat, &c), energy(k, q - 2 * e, d_hat, &d);
     dH.col(i) = (8 * (a - b) - (c - d)) / (12 * h);
@@ -147,12 +146,10 @@ TEST(Barrier, DerivativesMatchDifferences) {
   const double d = 0.3;
   for (double t : {1e-3, 0.05, 0.3, 0.7, 0.99}) {
     const double g = t * d, h = 1e-5 * g;
-    const double b1 = (8 * (barrier::value(g + h, d) - barrier::value(g - h, d)) -
-                       (barrier::value(g + 2 * h, d) - barrier::value(g - 2 * h, d))) /
-                      (12 * h);
-    const double b2 = (8 * (barrier::first(g + h, d) - barrier::first(g - h, d)) -
-                       (barrier::first(g + 2 * h, d) - barrier::first(g - 2 * h, d))) /
-                      (12 * h);
+    const double b1 =
+        (8 * (barrier::value(g + h, d) - barrier::value(g - h, d)) - (barrier::value(g + 2 * h, d) - barrier::value(g - 2 * h, d))) / (12 * h);
+    const double b2 =
+        (8 * (barrier::first(g + h, d) - barrier::first(g - h, d)) - (barrier::first(g + 2 * h, d) - barrier::first(g - 2 * h, d))) / (12 * h);
     EXPECT_NEAR(b1 / barrier::first(g, d), 1, 1e-8) << t;
     EXPECT_NEAR(b2 / barrier::second(g, d), 1, 1e-8) << t;
   }
@@ -211,8 +208,7 @@ TEST(BarrierStencil, EdgeEdgeEverywhere) {
   Samples r(4);
   Errors worst;
   for (int i = 0; i < 300; ++i)
-    expect_good(edges_at(r, r.uniform(-0.3, 1.3), r.uniform(-0.3, 1.3), r.uniform(0.05, 0.5), r.uniform(0.1, 3.0)), 0.6, 2e-5,
-                worst, "random");
+    expect_good(edges_at(r, r.uniform(-0.3, 1.3), r.uniform(-0.3, 1.3), r.uniform(0.05, 0.5), r.uniform(0.1, 3.0)), 0.6, 2e-5, worst, "random");
   std::printf("EE random: gradient %.1e hessian %.1e\n", worst.gradient, worst.hessian);
 }
 

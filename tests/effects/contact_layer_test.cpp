@@ -58,7 +58,8 @@ Params naming(const std::string& a, const std::string& b) {
 }  // namespace
 
 TEST(ContactLayer, IsAHundredthOfTheFinestSoftMeshNamed) {
-  const model::ModelInput in{{}, {plate("coarse", 0.2, model::BodyType::soft), plate("fine", 0.1, model::BodyType::soft), plate("tool", 0.01, model::BodyType::stiff)}};
+  const model::ModelInput in{
+      {}, {plate("coarse", 0.2, model::BodyType::soft), plate("fine", 0.1, model::BodyType::soft), plate("tool", 0.01, model::BodyType::stiff)}};
   EXPECT_NEAR(support_radius(Params::make_table(), in), 0.001, 1e-15);
   EXPECT_NEAR(support_radius(naming("coarse", "tool"), in), 0.002, 1e-15);
   Params set = naming("coarse", "tool");

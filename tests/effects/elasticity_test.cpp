@@ -37,8 +37,8 @@ struct Random {
 std::vector<Mat3> hard_deformations() {
   Random r;
   std::vector<Mat3> list{Mat3::Identity()};
-  const std::vector<Vec3> stretches = {{1, 1, 1},     {1.2, 0.9, 0.8}, {1, 1, 1e-3},   {1, 1, -1e-3},   {1.1, 0.7, -0.4},
-                                       {5, 2, 0.05},  {1, 1, 0},       {0.3, 0.2, 0},  {1.5, 1e-3, 1e-4}, {2, 1.9, -1.2}};
+  const std::vector<Vec3> stretches = {{1, 1, 1},    {1.2, 0.9, 0.8}, {1, 1, 1e-3},  {1, 1, -1e-3},     {1.1, 0.7, -0.4},
+                                       {5, 2, 0.05}, {1, 1, 0},       {0.3, 0.2, 0}, {1.5, 1e-3, 1e-4}, {2, 1.9, -1.2}};
   for (const Vec3& s : stretches)
     for (int k = 0; k < 3; ++k) list.push_back(r.rotation() * s.asDiagonal() * r.rotation());
   for (int k = 0; k < 10; ++k) list.push_back(Mat3::Identity() + 0.5 * r.matrix());
@@ -69,9 +69,8 @@ Mat9 density_hessian(MaterialModel model, const Mat3& F, bool projected) {
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b) {
       const Vec3 ga = Vec3::Unit(a), gb = Vec3::Unit(b);
-      H.block<3, 3>(3 * a, 3 * b) = model == MaterialModel::linear
-                                        ? elasticity::linear_block(ga, gb, kMu, kLambda)
-                                        : linalg::hessian_block(m, m.V.transpose() * ga, m.V.transpose() * gb);
+      H.block<3, 3>(3 * a, 3 * b) = model == MaterialModel::linear ? elasticity::linear_block(ga, gb, kMu, kLambda)
+                                                                   : linalg::hessian_block(m, m.V.transpose() * ga, m.V.transpose() * gb);
     }
   return H;
 }
@@ -175,7 +174,9 @@ TEST(Elasticity, GuardIsItsOwnDerivativeAndGoesToInfinity) {
   for (MaterialModel model : kModels)
     for (double J : {0.095, 0.05, 1e-2, 1e-3, 3e-5})
       for (int shape = 0; shape < 3; ++shape) {
-        const Vec3 s = shape == 0 ? Vec3(1.1, 0.9, J / 0.99) : shape == 1 ? Vec3(1.7, std::sqrt(J), std::sqrt(J) / 1.7) : Vec3::Constant(std::cbrt(J));
+        const Vec3 s = shape == 0   ? Vec3(1.1, 0.9, J / 0.99)
+                       : shape == 1 ? Vec3(1.7, std::sqrt(J), std::sqrt(J) / 1.7)
+                                    : Vec3::Constant(std::cbrt(J));
         const Mat3 F = r.rotation() * s.asDiagonal() * r.rotation();
         // The guard and its derivatives change over a share of J: steps must be small against the smallest singular value.
         const double h = 1e-3 * s.minCoeff();
@@ -279,7 +280,8 @@ TEST(Elasticity, WholeEffectDerivatives) {
     // Crushed: the gradient stays exact, and the assembled Hessian has no negative eigenvalue.
     const fd::Vector crushed = 0.6 * fd::shaken(m, 0.3);
     const fd::Dense d = fd::effect_assemble(*e, crushed, true);
-    EXPECT_LT(fd::relative_error(d.gradient, fd::difference_gradient([&](const fd::Vector& y) { return fd::effect_energy(*e, y); }, crushed, 1e-4)), 1e-6);
+    EXPECT_LT(fd::relative_error(d.gradient, fd::difference_gradient([&](const fd::Vector& y) { return fd::effect_energy(*e, y); }, crushed, 1e-4)),
+              1e-6);
     EXPECT_GT(fd::lowest_eigenvalue(d.hessian), -1e-13) << law;
   }
 }

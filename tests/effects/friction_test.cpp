@@ -54,16 +54,14 @@ struct Problem {
   fd::Vector moved(const Vec3& d) const {
     fd::Vector x = positions(model);
     const model::Body& b = model.bodies.back();
-    for (Index i = b.block_begin; i < (b.type == model::BodyType::soft ? b.block_end : b.block_begin + 1); ++i)
-      x.segment<3>(3 * i) += d;
+    for (Index i = b.block_begin; i < (b.type == model::BodyType::soft ? b.block_end : b.block_begin + 1); ++i) x.segment<3>(3 * i) += d;
     return x;
   }
   Vec3 force_on_block(const fd::Vector& x) {
     const auto g = fd::effect_assemble(*friction, x, false).gradient;
     const model::Body& b = model.bodies.back();
     Vec3 f = Vec3::Zero();
-    for (Index i = b.block_begin; i < (b.type == model::BodyType::soft ? b.block_end : b.block_begin + 1); ++i)
-      f -= g.segment<3>(3 * i);
+    for (Index i = b.block_begin; i < (b.type == model::BodyType::soft ? b.block_end : b.block_begin + 1); ++i) f -= g.segment<3>(3 * i);
     return f;
   }
   // With the samples of x itself.
@@ -177,7 +175,8 @@ TEST(Friction, TheWholeJacobianMatchesDifferencesOfForces) {
   double worst = 0;
   for (bool plane : {false, true})
     for (bool stiff : {false, true})
-      for (const Vec3& shift : {Vec3(0.013, 0.021, 0), Vec3(3e-4, 2e-4, 0.3 * kHat), Vec3(0.3334, 0.2, 0), Vec3(0.25, 0.125, -0.55 * kHat), Vec3(-0.1667, 0.1667, -0.2 * kHat)})
+      for (const Vec3& shift : {Vec3(0.013, 0.021, 0), Vec3(3e-4, 2e-4, 0.3 * kHat), Vec3(0.3334, 0.2, 0), Vec3(0.25, 0.125, -0.55 * kHat),
+                                Vec3(-0.1667, 0.1667, -0.2 * kHat)})
         for (unsigned seed : {5u, 6u}) {
           Problem p(plane, stiff);
           const fd::Vector x = shaken(p.moved(shift), 0.02 * kHat, seed);

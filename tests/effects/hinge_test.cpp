@@ -204,7 +204,8 @@ TEST(SlideCoordinate, DerivativesAreExact) {
       Vector w(15);
       for (Eigen::Index k = 0; k < 15; ++k) w[k] = n(rng);
       const std::vector<Vec3> at = blocks_of(q), way = blocks_of(w);
-      const double alpha = model::coordinate_way(c, model::reading(c, {at.data(), 5}), model::reading(c, {way.data(), 5}, true), value(q), 0.2, 0.1), end = std::min(alpha, 1.0);
+      const double alpha = model::coordinate_way(c, model::reading(c, {at.data(), 5}), model::reading(c, {way.data(), 5}, true), value(q), 0.2, 0.1),
+                   end = std::min(alpha, 1.0);
       for (int k = 1; k <= 100; ++k) {
         const double gone = value(q + end * k / 100 * w) - value(q);
         EXPECT_LE(gone, 0.2 + 1e-9);
@@ -219,7 +220,8 @@ TEST(Stops, DerivativesAreExact) {
   const effects::stop::Stops s{-0.3, 0.9, 0.06, 5};
   for (double x : {-0.2999, -0.29, -0.26, -0.243, 0.0, 0.5, 0.85, 0.88, 0.8999}) {
     const double h = 1e-3 * std::min({0.06, x - s.low, s.high - x});
-    EXPECT_NEAR(s.first(x), (8 * (s.energy(x + h) - s.energy(x - h)) - s.energy(x + 2 * h) + s.energy(x - 2 * h)) / (12 * h), 1e-7 * (1 + std::abs(s.first(x))));
+    EXPECT_NEAR(s.first(x), (8 * (s.energy(x + h) - s.energy(x - h)) - s.energy(x + 2 * h) + s.energy(x - 2 * h)) / (12 * h),
+                1e-7 * (1 + std::abs(s.first(x))));
     EXPECT_NEAR(s.second(x), (8 * (s.first(x + h) - s.first(x - h)) - s.first(x + 2 * h) + s.first(x - 2 * h)) / (12 * h), 1e-7 * (1 + s.second(x)));
     EXPECT_GE(s.second(x), 0);
   }
@@ -256,7 +258,8 @@ TEST(DriveLaw, EnergyIsTheIntegral) {
         const double y = x * (i + 0.5) / n;
         sum += l.first_of(y) * x / n;
       }
-      EXPECT_NEAR(l.energy_of(x), sum, 1e-6 * (std::abs(sum) + std::abs(x * l.first_of(x))) + 1e-12) << l.a << " " << l.K << " " << l.effort << " " << l.velocity << " " << x;
+      EXPECT_NEAR(l.energy_of(x), sum, 1e-6 * (std::abs(sum) + std::abs(x * l.first_of(x))) + 1e-12)
+          << l.a << " " << l.K << " " << l.effort << " " << l.velocity << " " << x;
       const double tau = l.motor(x), v = x / l.h;
       EXPECT_LE(std::abs(tau), l.effort);
       EXPECT_LE(l.motor(x + 1e-4), tau + 1e-12);

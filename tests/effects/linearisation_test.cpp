@@ -32,10 +32,19 @@ Params table(std::initializer_list<std::pair<std::string, Params>> entries) {
 }
 
 Params mortar(const std::string& gap) {
-  Params pair = table({{"slave", Params::make_text("pad")}, {"master", Params::make_text("block")}}), floor = table({{"slave", Params::make_text("stone")}, {"master", Params::make_text("floor")}});
-  return table({{"pairs", Params::make_list({pair, floor})}, {"d_hat", Params::make_number(kHat)}, {"stiffness", Params::make_number(1e4)}, {"weights", Params::make_text("consistent")},
-                {"taper_width", Params::make_number(0.1)}, {"quadrature", Params::make_text("3")}, {"gap", Params::make_text(gap)}, {"gradient", Params::make_text("frozen")},
-                {"guard", Params::make_number(0.2)}, {"rest_share", Params::make_number(0)}, {"two_pass", Params::make_flag(false)}});
+  Params pair = table({{"slave", Params::make_text("pad")}, {"master", Params::make_text("block")}}),
+         floor = table({{"slave", Params::make_text("stone")}, {"master", Params::make_text("floor")}});
+  return table({{"pairs", Params::make_list({pair, floor})},
+                {"d_hat", Params::make_number(kHat)},
+                {"stiffness", Params::make_number(1e4)},
+                {"weights", Params::make_text("consistent")},
+                {"taper_width", Params::make_number(0.1)},
+                {"quadrature", Params::make_text("3")},
+                {"gap", Params::make_text(gap)},
+                {"gradient", Params::make_text("frozen")},
+                {"guard", Params::make_number(0.2)},
+                {"rest_share", Params::make_number(0)},
+                {"two_pass", Params::make_flag(false)}});
 }
 
 struct Whole {
@@ -110,15 +119,18 @@ TEST(Linearisation, TwoLiveSideBySide) {
   expect_value({"inertia", table({{"integrator", Params::make_text("backward_euler")}})});
   expect_value({"barrier_contact", barrier});
   expect_value({"mortar_contact", mortar("pointwise")});
-  expect_value({"friction",
-                table({{"follows", Params::make_text("barrier_contact")}, {"mu", Params::make_number(0.5)}, {"creep_speed", Params::make_number(0.1)}}),
-                &barrier});
+  expect_value(
+      {"friction",
+       table({{"follows", Params::make_text("barrier_contact")}, {"mu", Params::make_number(0.5)}, {"creep_speed", Params::make_number(0.1)}}),
+       &barrier});
 }
 
 // Forces alone are the forces that come with a matrix, bit for bit.
 TEST(Linearisation, ForcesDoNotDependOnWhatElseIsWanted) {
   for (const char* name : {"elasticity", "barrier_contact", "mortar_contact"}) {
-    Case c(name, name == std::string("elasticity") ? Params::make_table() : name == std::string("barrier_contact") ? contact_params(kHat, 1e4) : mortar("pointwise"));
+    Case c(name, name == std::string("elasticity")        ? Params::make_table()
+                 : name == std::string("barrier_contact") ? contact_params(kHat, 1e4)
+                                                          : mortar("pointwise"));
     const fd::Vector x = shaken(positions(c.model), 0.1 * kHat, 1);
     const device::Buffer<Vec3> q(fd::blocks_of(x));
     const auto with = c.effect->linearisation(), without = c.effect->linearisation();

@@ -21,8 +21,8 @@ Params gel(const std::string& law, const char* volumetric = "averaged", double n
 
 // A box of 2 x 4 x 3 cells, shaken so that no two elements are alike; with `order` 2 of 1 x 2 x 1.
 geometry::TetMesh mesh(int order) {
-  geometry::TetMesh m = order == 1 ? geometry::box({1, 2, 1.5}, std::array<Index, 3>{2, 4, 3})
-                                   : geometry::box({1, 2, 1}, std::array<Index, 3>{1, 2, 1});
+  geometry::TetMesh m =
+      order == 1 ? geometry::box({1, 2, 1.5}, std::array<Index, 3>{2, 4, 3}) : geometry::box({1, 2, 1}, std::array<Index, 3>{1, 2, 1});
   std::mt19937_64 rng(3);
   std::uniform_real_distribution<double> u(-0.06, 0.06);
   for (Vec3& x : m.points)
@@ -35,8 +35,8 @@ model::ModelInput bodies(const std::string& law, int order, int envs = 1) {
   model::ModelInput in;
   in.scene = Params::make_table();
   for (int e = 0; e < envs; ++e) {
-    in.bodies.push_back(mortise::testing::stiff_body("ball", geometry::sphere(0.5, 0.5),
-                                                     mortise::testing::material("linear", 1e9, 0.3, 2000), {0, 5, 0}));
+    in.bodies.push_back(
+        mortise::testing::stiff_body("ball", geometry::sphere(0.5, 0.5), mortise::testing::material("linear", 1e9, 0.3, 2000), {0, 5, 0}));
     in.bodies.push_back(mortise::testing::soft_body("plain", geometry::box({1, 1, 1}, 1.0), gel(law, "full"), {5, 0, 0}));
     in.bodies.push_back(mortise::testing::soft_body("gel", mesh(order), gel(law)));
     for (std::size_t i = in.bodies.size() - 3; i < in.bodies.size(); ++i) in.bodies[i].env = e;
@@ -94,8 +94,7 @@ TEST(MeanVolume, UniformDeformationsAreAsWithoutAverages) {
 
 TEST(MeanVolume, EnvironmentsAreCountedApart) {
   model::Model both(bodies("neo_hookean", 1, 2)), one(bodies("neo_hookean", 1));
-  const auto e2 = fd::make_effect("elasticity", Params::make_table(), both),
-             e1 = fd::make_effect("elasticity", Params::make_table(), one);
+  const auto e2 = fd::make_effect("elasticity", Params::make_table(), both), e1 = fd::make_effect("elasticity", Params::make_table(), one);
   const fd::Vector x = fd::shaken(both, 0.05);
   const std::vector<double> energies = fd::effect_energies(*e2, x, 2);
   EXPECT_EQ(energies[0], fd::effect_energies(*e1, x.head(3 * one.blocks), 1)[0]);
@@ -107,8 +106,7 @@ TEST(MeanVolume, SlopeOfALargeMesh) {
   for (const char* law : {"linear", "neo_hookean"}) {
     model::ModelInput in;
     in.scene = Params::make_table();
-    in.bodies.push_back(
-        mortise::testing::soft_body("gel", geometry::box({1, 1.4, 0.6}, std::array<Index, 3>{18, 14, 4}), gel(law)));
+    in.bodies.push_back(mortise::testing::soft_body("gel", geometry::box({1, 1.4, 0.6}, std::array<Index, 3>{18, 14, 4}), gel(law)));
     model::Model m(in);
     EXPECT_EQ(m.clusters.size(), 9 * 7 * 2);
     const auto e = fd::make_effect("elasticity", Params::make_table(), m);
@@ -143,9 +141,7 @@ TEST(MeanVolume, AutoAveragesAboveAThreshold) {
 // Blocks of eight cells in boxes; whatever the mesh, every tetrahedron is in one cluster, which hangs together and is neither
 // tiny nor huge.
 TEST(Clusters, AreStars) {
-  const auto of = [](const geometry::TetMesh& m) {
-    return model::star_clusters(mortise::testing::soft_body("b", m, gel("linear")));
-  };
+  const auto of = [](const geometry::TetMesh& m) { return model::star_clusters(mortise::testing::soft_body("b", m, gel("linear"))); };
   const geometry::TetMesh box = geometry::box({1, 1, 1}, std::array<Index, 3>{6, 4, 2});
   const std::vector<Index> blocks = of(box);
   EXPECT_EQ(*std::max_element(blocks.begin(), blocks.end()), 5);
@@ -155,8 +151,8 @@ TEST(Clusters, AreStars) {
     const Index block = static_cast<Index>((centre[0] + 0.5) * 3) + 3 * static_cast<Index>((centre[1] + 0.5) * 2);
     EXPECT_EQ(blocks[t], block);
   }
-  for (const geometry::TetMesh& m : {mesh(1), geometry::sphere(1, 0.3), geometry::capsule(1, 1.3, 0.5),
-                                     geometry::box({4, 4, 1}, 1.0), geometry::box({1, 1, 1}, 1.0)}) {
+  for (const geometry::TetMesh& m :
+       {mesh(1), geometry::sphere(1, 0.3), geometry::capsule(1, 1.3, 0.5), geometry::box({4, 4, 1}, 1.0), geometry::box({1, 1, 1}, 1.0)}) {
     const std::vector<Index> cluster = of(m);
     std::map<Index, std::vector<std::size_t>> members;
     for (std::size_t t = 0; t < cluster.size(); ++t) members[cluster[t]].push_back(t);

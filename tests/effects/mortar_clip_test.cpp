@@ -30,8 +30,7 @@ Soup square(int n, double z, bool up, double jitter, unsigned seed) {
   Soup out;
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i) {
-      const Vec3 a = x[j * (n + 1) + i], b = x[j * (n + 1) + i + 1], c = x[(j + 1) * (n + 1) + i + 1],
-                 d = x[(j + 1) * (n + 1) + i];
+      const Vec3 a = x[j * (n + 1) + i], b = x[j * (n + 1) + i + 1], c = x[(j + 1) * (n + 1) + i + 1], d = x[(j + 1) * (n + 1) + i];
       if (up)
         out.push_back({a, b, c}), out.push_back({a, c, d});
       else
@@ -136,8 +135,7 @@ TEST(MortarClip, CornersLieAboveEachOther) {
   int corners = 0;
   for (int n = 0; n < 200; ++n) {
     Vec3 s[3], m[3];
-    for (int k = 0; k < 3; ++k)
-      s[k] = {u(random), u(random), 0.1 * u(random)}, m[k] = {u(random), u(random), 1 + 0.3 * u(random)};
+    for (int k = 0; k < 3; ++k) s[k] = {u(random), u(random), 0.1 * u(random)}, m[k] = {u(random), u(random), 1 + 0.3 * u(random)};
     const SlavePlane plane = slave_plane(s[0], s[1], s[2]);
     double L[3][3];
     for (int k = 0; k < 3; ++k) project(plane, m[k], L[k]);

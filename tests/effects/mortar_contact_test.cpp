@@ -42,8 +42,7 @@ Params params(const Options& o) {
 struct Problem {
   model::Model model;
   std::unique_ptr<fd::Subject> contact;
-  Problem(model::ModelInput in, const Options& o)
-      : model(std::move(in)), contact(make_effect("mortar_contact", params(o), model)) {
+  Problem(model::ModelInput in, const Options& o) : model(std::move(in)), contact(make_effect("mortar_contact", params(o), model)) {
     contact->begin_step({});
   }
   std::vector<model::ContactSample> samples() { return contact->samples(); }
@@ -66,8 +65,7 @@ model::ModelInput stack(double gap, bool stiff = false, Index cells = 3, double 
   const auto lower = geometry::box({1, 1, 0.5}, std::array<Index, 3>{2, 2, 1});
   const auto upper = geometry::box({size, size, 0.5}, std::array<Index, 3>{cells, cells, 1});
   const Vec3 up(0, 0, 0.5 + gap);
-  return scene(
-      {soft_body("pad", lower, gel()), stiff ? stiff_body("tool", upper, gel(), up) : soft_body("tool", upper, gel(), up)});
+  return scene({soft_body("pad", lower, gel()), stiff ? stiff_body("tool", upper, gel(), up) : soft_body("tool", upper, gel(), up)});
 }
 
 // A cube pushed corner first, edge first or face first (angle from it) towards a pad, over a half-space.
@@ -79,9 +77,7 @@ model::ModelInput tilted(double gap, const Mat3& R, bool stiff = true) {
   for (Vec3& x : tool.nodes) x += Vec3(0.03, 0.02, 0.25 + gap - low);
   return scene({soft_body("pad", geometry::box({1, 1, 0.5}, 0.5), gel()), tool});
 }
-Mat3 turn(double degrees, const Vec3& axis) {
-  return Eigen::AngleAxisd(degrees * M_PI / 180, axis.normalized()).toRotationMatrix();
-}
+Mat3 turn(double degrees, const Vec3& axis) { return Eigen::AngleAxisd(degrees * M_PI / 180, axis.normalized()).toRotationMatrix(); }
 
 double mean_edge(const model::Model& m) {  // of the first body's surface
   double sum = 0;
@@ -208,9 +204,8 @@ TEST(MortarContact, ExactGradientIsThatOfTheProjectedGap) {
     };
     EXPECT_NEAR(gap(x), s.gap, 1e-14);
     const fd::Vector slope = fd::difference_gradient(gap, x, 1e-5);
-    const double normal =
-        std::sqrt(slope.segment<3>(3 * s.point[3]).squaredNorm() + slope.segment<3>(3 * s.point[4]).squaredNorm() +
-                  slope.segment<3>(3 * s.point[5]).squaredNorm());
+    const double normal = std::sqrt(slope.segment<3>(3 * s.point[3]).squaredNorm() + slope.segment<3>(3 * s.point[4]).squaredNorm() +
+                                    slope.segment<3>(3 * s.point[5]).squaredNorm());
     Vec3 published[6];
     double error = 0;
     for (int k = 3; k < 6; ++k) {
@@ -256,8 +251,7 @@ TEST(MortarContact, FlatFacesPressUniformly) {
     for (bool two_pass : {false, true})
       for (const char* slave : {"pad", "tool"}) {
         Options o;
-        o.quadrature = quadrature, o.two_pass = two_pass, o.slave = slave,
-        o.master = slave == o.slave && o.slave == "pad" ? "tool" : "pad";
+        o.quadrature = quadrature, o.two_pass = two_pass, o.slave = slave, o.master = slave == o.slave && o.slave == "pad" ? "tool" : "pad";
         if (o.slave == "pad") o.master = "tool";
         Problem p(stack(gap, false, 3, 0.5), o);
         double area = 0;
@@ -511,8 +505,7 @@ TEST(MortarContact, GuardIsTheClassicBarrier) {
   ASSERT_GT(c.gradient.norm(), 0);
   EXPECT_LT((a.gradient - b.gradient - c.gradient).norm(), 1e-10 * a.gradient.norm());
   EXPECT_LT((a.hessian - b.hessian - c.hessian).norm(), 1e-10 * a.hessian.norm());
-  EXPECT_NEAR(fd::effect_energy(*guarded.contact, x), fd::effect_energy(*bare.contact, x) + fd::effect_energy(*classic, x),
-              1e-12);
+  EXPECT_NEAR(fd::effect_energy(*guarded.contact, x), fd::effect_energy(*bare.contact, x) + fd::effect_energy(*classic, x), 1e-12);
 }
 
 // The limit of a step by itself, without collision detection behind it: only frozen gaps of quadratic faces and half-spaces count.

@@ -19,8 +19,8 @@ using Long = long double;
 // F with F'' = b for d_hat = 1, and its derivatives: F = F' = 0 at 1 and beyond.
 Long F(Long t) {
   if (t >= 1) return 0;
-  return -(t * t * t * t / 12 - t * t * t / 3 + t * t / 2) * std::log(t) + 7 * t * t * t * t / 144 - 5 * t * t * t / 18 +
-         3 * t * t / 4 - 11 * t / 18 + Long(13) / 144;
+  return -(t * t * t * t / 12 - t * t * t / 3 + t * t / 2) * std::log(t) + 7 * t * t * t * t / 144 - 5 * t * t * t / 18 + 3 * t * t / 4 -
+         11 * t / 18 + Long(13) / 144;
 }
 
 // Divided difference F[t0, ..., tn] of distinct nodes.
@@ -51,8 +51,8 @@ double by_gauss(int n, const double t[3], const std::function<double(double, con
 }
 double b(double t, const double*) { return effects::barrier::value(t, 1); }
 
-const double kGaps[][3] = {{0.3, 0.5, 0.7},  {0.7, 0.3, 0.5},   {0.5, 0.7, 0.3},   {0.02, 0.6, 0.4}, {0.9, 1.2, 0.4},
-                           {0.2, 1.7, 3.0},  {0.95, 1.05, 0.99}, {0.31, 0.33, 0.30}, {1e-3, 0.9, 0.5}, {0.6, 0.2, 0.9}};
+const double kGaps[][3] = {{0.3, 0.5, 0.7}, {0.7, 0.3, 0.5},    {0.5, 0.7, 0.3},    {0.02, 0.6, 0.4}, {0.9, 1.2, 0.4},
+                           {0.2, 1.7, 3.0}, {0.95, 1.05, 0.99}, {0.31, 0.33, 0.30}, {1e-3, 0.9, 0.5}, {0.6, 0.2, 0.9}};
 
 }  // namespace
 
@@ -93,9 +93,7 @@ TEST(LevelRule, DoesNotDependOnTheDivision) {
   const double x[4][2] = {{0, 0}, {1, 0.1}, {1.2, 0.9}, {-0.1, 0.8}};
   double g[4];
   for (int i = 0; i < 4; ++i) g[i] = 0.2 + 0.5 * x[i][0] + 0.15 * x[i][1];
-  const auto area = [&](int i, int j, int k) {
-    return ((x[j][0] - x[i][0]) * (x[k][1] - x[i][1]) - (x[k][0] - x[i][0]) * (x[j][1] - x[i][1])) / 2;
-  };
+  const auto area = [&](int i, int j, int k) { return ((x[j][0] - x[i][0]) * (x[k][1] - x[i][1]) - (x[k][0] - x[i][0]) * (x[j][1] - x[i][1])) / 2; };
   const auto sum = [&](const std::function<double(const double*)>& mean, int i) {
     const int j = (i + 1) % 4, k = (i + 2) % 4, l = (i + 3) % 4;
     const double one[3] = {g[i], g[j], g[k]}, two[3] = {g[i], g[k], g[l]};

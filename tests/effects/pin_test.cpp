@@ -1,10 +1,9 @@
 #include "effects/pin/pin.h"
 
-#include "effects/failure.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "effects/failure.h"
 #include "problem.h"
 
 using namespace mortise;
@@ -85,10 +84,12 @@ TEST(Pin, StiffBodyTurnsAboutAnAxisAndMoves) {
   model::Model m(fd::box_and_ball());
   Params p = pinned("ball", where_side("all"));
   const Vec3 c(1, 0, 0), u(0, 0, 0.5);
-  p.set("motion", fd::table({{"time", fd::numbers({0, 1})},
-                             {"interpolation", Params::make_text("linear")},
-                             {"translation", Params::make_list({vec(Vec3::Zero()), vec(u)})},
-                             {"rotation", Params::make_list({fd::table({{"axis", vec({0, 0, 2})}, {"centre", vec(c)}, {"angle", fd::numbers({0, M_PI / 2})}})})}}));
+  p.set("motion",
+        fd::table(
+            {{"time", fd::numbers({0, 1})},
+             {"interpolation", Params::make_text("linear")},
+             {"translation", Params::make_list({vec(Vec3::Zero()), vec(u)})},
+             {"rotation", Params::make_list({fd::table({{"axis", vec({0, 0, 2})}, {"centre", vec(c)}, {"angle", fd::numbers({0, M_PI / 2})}})})}}));
   const auto e = make(m, {p});
   const Index b = m.bodies[1].block_begin;
   for (Index k = 0; k < 4; ++k) {
@@ -114,8 +115,11 @@ TEST(Pin, StiffBodyTurnsAboutAnAxisAndMoves) {
 TEST(Pin, StepsFollowThePrescribedWay) {
   model::Model m(fd::box_and_ball());
   Params turn = pinned("ball", where_side("all"));
-  turn.set("motion", fd::table({{"time", fd::numbers({0, 1})}, {"interpolation", Params::make_text("linear")},
-                                {"rotation", Params::make_list({fd::table({{"axis", vec({0, 0, 1})}, {"centre", vec(m.bodies[1].centre)}, {"angle", fd::numbers({0, M_PI / 2})}})})}}));
+  turn.set("motion",
+           fd::table({{"time", fd::numbers({0, 1})},
+                      {"interpolation", Params::make_text("linear")},
+                      {"rotation", Params::make_list({fd::table(
+                                       {{"axis", vec({0, 0, 1})}, {"centre", vec(m.bodies[1].centre)}, {"angle", fd::numbers({0, M_PI / 2})}})})}}));
   const auto e = make(m, {turn});
   EXPECT_NO_THROW(at(*e, 0, 0.05));
   EXPECT_THROW(at(*e, 0, 0.2), Failure);
@@ -130,9 +134,13 @@ TEST(Pin, StepsFollowThePrescribedWay) {
 TEST(Pin, TurnsOneAfterTheOtherAndSmoothly) {
   model::Model m(fd::box_and_ball());
   Params p = pinned("ball", where_side("all"));
-  const auto turn = [](const Vec3& axis, const Vec3& centre) { return fd::table({{"axis", vec(axis)}, {"centre", vec(centre)}, {"angle", fd::numbers({0, M_PI / 2, M_PI / 2})}}); };
+  const auto turn = [](const Vec3& axis, const Vec3& centre) {
+    return fd::table({{"axis", vec(axis)}, {"centre", vec(centre)}, {"angle", fd::numbers({0, M_PI / 2, M_PI / 2})}});
+  };
   const Vec3 c(1, 0, 0), d(0, 2, 0);
-  p.set("motion", fd::table({{"time", fd::numbers({0, 1, 3})}, {"interpolation", Params::make_text("smooth")}, {"rotation", Params::make_list({turn({0, 0, 1}, c), turn({1, 0, 0}, d)})}}));
+  p.set("motion", fd::table({{"time", fd::numbers({0, 1, 3})},
+                             {"interpolation", Params::make_text("smooth")},
+                             {"rotation", Params::make_list({turn({0, 0, 1}, c), turn({1, 0, 0}, d)})}}));
   const auto e = make(m, {p});
   const Index b = m.bodies[1].block_begin;
   at(*e, 1.5, 0.5);  // both turns done, and held
@@ -170,7 +178,8 @@ TEST(Pin, ReleaseFreesFromThatTimeOn) {
 
 TEST(Pin, PinsOfDifferentAxesOfOneNodeCombine) {
   model::Model m(fd::box_and_ball());
-  const auto e = make(m, {pinned("box", where_side("z_min"), "xy"), lifted(pinned("box", where_side("all"), "z"), {0, 1}, {0, 0.1}), pinned("box", where_side("x_min"), "x")});
+  const auto e = make(m, {pinned("box", where_side("z_min"), "xy"), lifted(pinned("box", where_side("all"), "z"), {0, 1}, {0, 0.1}),
+                          pinned("box", where_side("x_min"), "x")});
   const auto rest = m.rest.download();
   Index corner = 0;
   while (rest[corner][2] > -0.999 || rest[corner][0] > -0.499) ++corner;
@@ -181,14 +190,20 @@ TEST(Pin, PinsOfDifferentAxesOfOneNodeCombine) {
 
 TEST(Pin, ErrorsNameTheScenePlace) {
   model::Model m(fd::box_and_ball());
-  EXPECT_THAT(message([&] { make(m, {pinned("cube", where_side("all"))}); }), ::testing::HasSubstr("scene.yaml:7:12: error: no soft or stiff body is named 'cube'"));
+  EXPECT_THAT(message([&] { make(m, {pinned("cube", where_side("all"))}); }),
+              ::testing::HasSubstr("scene.yaml:7:12: error: no soft or stiff body is named 'cube'"));
   Params empty = Params::make_table(SourceLoc{"scene.yaml", 8, 3});
   empty.set("sphere", fd::table({{"centre", vec({9, 9, 9})}, {"radius", Params::make_number(0.1)}}));
   EXPECT_THAT(message([&] { make(m, {pinned("box", empty)}); }), ::testing::HasSubstr("scene.yaml:8:3: error: selects no node of body 'box'"));
-  EXPECT_THAT(message([&] { make(m, {pinned("box", where_side("z_min")), lifted(pinned("box", where_side("x_min"), "z"), {0, 1}, {0, 1})}); }),
+  EXPECT_THAT(message([&] {
+                make(m, {pinned("box", where_side("z_min")), lifted(pinned("box", where_side("x_min"), "z"), {0, 1}, {0, 1})});
+              }),
               ::testing::HasSubstr("moves points of body 'box' along z that the pin at scene.yaml:7:5 holds too"));
   EXPECT_THAT(message([&] { make(m, {pinned("ball", where_side("z_min"))}); }), ::testing::HasSubstr("can only be held as a whole"));
   EXPECT_THAT(message([&] { make(m, {pinned("box", where_side("all"), "xx")}); }), ::testing::HasSubstr("each at most once"));
-  EXPECT_THAT(message([&] { make(m, {lifted(pinned("box", where_side("all")), {0, 1}, {0})}); }), ::testing::HasSubstr("has 1 keys where 'time' has 2"));
+  EXPECT_THAT(message([&] {
+                make(m, {lifted(pinned("box", where_side("all")), {0, 1}, {0})});
+              }),
+              ::testing::HasSubstr("has 1 keys where 'time' has 2"));
   EXPECT_THAT(message([&] { make(m, {lifted(pinned("box", where_side("all")), {0, 0}, {0, 0})}); }), ::testing::HasSubstr("must ascend"));
 }

@@ -18,7 +18,9 @@ Params pressed(const std::string& body, const std::string& side) {
   p.set("pressure", fd::table({{"time", fd::numbers({0, 1})}, {"value", fd::numbers({0, 2000})}}));
   return p;
 }
-std::unique_ptr<fd::Subject> make(model::Model& m, std::vector<Params> loads) { return fd::make_effect("pressure_load", Params::make_list(std::move(loads)), m); }
+std::unique_ptr<fd::Subject> make(model::Model& m, std::vector<Params> loads) {
+  return fd::make_effect("pressure_load", Params::make_list(std::move(loads)), m);
+}
 
 void until(fd::Subject& e, double t) {
   StepInfo s;

@@ -22,8 +22,8 @@ inline model::ModelInput box_and_ball(const std::string& law = "neo_hookean", in
     const double density = 1000 + 100 * e;
     in.bodies.push_back(mortise::testing::soft_body("box", geometry::box({1, 1, 2}, 1.0), mortise::testing::material(law, 1e5, 0.4, density), at,
                                                     mortise::testing::body_params({1, -2, 0.5}, {0.3, 0.1, -0.7})));
-    in.bodies.push_back(mortise::testing::stiff_body("ball", ball, mortise::testing::material("linear", 1e9, 0.3, 2000),
-                                                     at + Vec3(0.2, 0.1, 3), mortise::testing::body_params({1, 2, 3}, {0.5, -1, 4})));
+    in.bodies.push_back(mortise::testing::stiff_body("ball", ball, mortise::testing::material("linear", 1e9, 0.3, 2000), at + Vec3(0.2, 0.1, 3),
+                                                     mortise::testing::body_params({1, 2, 3}, {0.5, -1, 4})));
     in.bodies[in.bodies.size() - 2].env = in.bodies.back().env = e;
   }
   return in;

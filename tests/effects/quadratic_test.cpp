@@ -61,7 +61,8 @@ TEST(Quadratic, ElasticityDerivatives) {
     EXPECT_LT(errors.hessian, 1e-5) << law;
     const fd::Vector crushed = 0.6 * fd::shaken(m, 0.1);
     const fd::Dense d = fd::effect_assemble(*e, crushed, true);
-    EXPECT_LT(fd::relative_error(d.gradient, fd::difference_gradient([&](const fd::Vector& y) { return fd::effect_energy(*e, y); }, crushed, 1e-4)), 1e-6);
+    EXPECT_LT(fd::relative_error(d.gradient, fd::difference_gradient([&](const fd::Vector& y) { return fd::effect_energy(*e, y); }, crushed, 1e-4)),
+              1e-6);
     EXPECT_GT(fd::lowest_eigenvalue(d.hessian), -1e-13) << law;
   }
 }
@@ -106,7 +107,10 @@ TEST(Quadratic, MassIsConsistentAndPositive) {
 // On a plane face a uniform pressure loads the middles of the edges and not the corners.
 TEST(Quadratic, PressureLoadIsConsistent) {
   model::Model m(straight_box());
-  Params load = fd::table({{"body", Params::make_text("box")}, {"where", where_side("z_max")}, {"traction_factor", Params::make_number(1)}, {"pressure", Params::make_number(2000)}});
+  Params load = fd::table({{"body", Params::make_text("box")},
+                           {"where", where_side("z_max")},
+                           {"traction_factor", Params::make_number(1)},
+                           {"pressure", Params::make_number(2000)}});
   const auto e = fd::make_effect("pressure_load", Params::make_list({load}), m);
   StepInfo step;
   step.dt = 1;
@@ -132,7 +136,10 @@ TEST(Quadratic, PressureLoadIsConsistent) {
 // Pressure all around a bent body has no resultant and works on its volume: -p dV/dq.
 TEST(Quadratic, PressureAroundABentBodyBalances) {
   model::Model m(bent_and_straight("linear"));
-  Params load = fd::table({{"body", Params::make_text("bent")}, {"where", where_side("all")}, {"traction_factor", Params::make_number(1)}, {"pressure", Params::make_number(2000)}});
+  Params load = fd::table({{"body", Params::make_text("bent")},
+                           {"where", where_side("all")},
+                           {"traction_factor", Params::make_number(1)},
+                           {"pressure", Params::make_number(2000)}});
   const auto e = fd::make_effect("pressure_load", Params::make_list({load}), m);
   StepInfo step;
   step.dt = 1;
@@ -172,6 +179,4 @@ TEST(Quadratic, InertiaKeepsFreeMotion) {
   EXPECT_GT(fd::lowest_eigenvalue(fd::effect_assemble(*e, fd::shaken(m, 0), true).hessian), 0);
 }
 
-TEST(Quadratic, InsideOutElementsAreRefused) {
-  EXPECT_THROW(model::Model m(bent_and_straight("linear", 1.0)), Error);
-}
+TEST(Quadratic, InsideOutElementsAreRefused) { EXPECT_THROW(model::Model m(bent_and_straight("linear", 1.0)), Error); }

@@ -1,5 +1,6 @@
-// libFuzzer target: .glb, .gltf and .dae, which assimp reads in a process of its own. Whatever the bytes, a mesh with indices within its points is returned
-// or Error is thrown. The first byte chooses the format. The other process is not observed, so coverage does not guide this one: it needs files to start from.
+// libFuzzer target: .glb, .gltf and .dae, which assimp reads in a process of its own. Whatever the bytes, a mesh with indices within its points is
+// returned or Error is thrown. The first byte chooses the format. The other process is not observed, so coverage does not guide this one: it needs
+// files to start from.
 #include <unistd.h>
 
 #include <cstdint>

@@ -1,6 +1,7 @@
 // libFuzzer target: .msh. Whatever the bytes, the reader returns a mesh with indices within its points or throws Error.
-#include "check.h"
 #include "geometry/io/msh.h"
+
+#include "check.h"
 
 using namespace mortise;
 

@@ -1,6 +1,7 @@
 // libFuzzer target: .ply. Whatever the bytes, the reader returns a mesh with indices within its points or throws Error.
-#include "check.h"
 #include "geometry/io/ply.h"
+
+#include "check.h"
 #include "geometry/io/read.h"
 
 using namespace mortise;

@@ -1,7 +1,8 @@
 // libFuzzer target: .stl. Whatever the bytes, the reader returns a mesh with indices within its points or throws Error.
+#include "geometry/io/stl.h"
+
 #include "check.h"
 #include "geometry/io/read.h"
-#include "geometry/io/stl.h"
 
 using namespace mortise;
 

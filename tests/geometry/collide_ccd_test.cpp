@@ -86,26 +86,31 @@ TEST(Ccd, PairsStayApartBeforeTheTimeFound) {
 
 TEST(Ccd, PassesCloseByWithoutAHit) {
   for (const double gap : {1e-3, 1e-6, 1e-9}) {
-    const Motion slide{{Vec3(-5, 0.2, gap), Vec3(-1, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {Vec3(5, 0.2, gap), Vec3(-1, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}};
+    const Motion slide{{Vec3(-5, 0.2, gap), Vec3(-1, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)},
+                       {Vec3(5, 0.2, gap), Vec3(-1, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}};
     EXPECT_EQ(slide.impact(false), kNoImpact) << gap;
-    const Motion edges{{Vec3(-5, -1, gap), Vec3(-5, 1, gap), Vec3(-1, 0, 0), Vec3(1, 0, 0)}, {Vec3(5, -1, gap), Vec3(5, 1, gap), Vec3(-1, 0, 0), Vec3(1, 0, 0)}};
+    const Motion edges{{Vec3(-5, -1, gap), Vec3(-5, 1, gap), Vec3(-1, 0, 0), Vec3(1, 0, 0)},
+                       {Vec3(5, -1, gap), Vec3(5, 1, gap), Vec3(-1, 0, 0), Vec3(1, 0, 0)}};
     EXPECT_EQ(edges.impact(true), kNoImpact) << gap;
     // Parallel edges, one above the other.
-    const Motion parallel{{Vec3(-5, 0, gap), Vec3(-4, 0, gap), Vec3(-1, 0, 0), Vec3(1, 0, 0)}, {Vec3(5, 0, gap), Vec3(6, 0, gap), Vec3(-1, 0, 0), Vec3(1, 0, 0)}};
+    const Motion parallel{{Vec3(-5, 0, gap), Vec3(-4, 0, gap), Vec3(-1, 0, 0), Vec3(1, 0, 0)},
+                          {Vec3(5, 0, gap), Vec3(6, 0, gap), Vec3(-1, 0, 0), Vec3(1, 0, 0)}};
     EXPECT_EQ(parallel.impact(true), kNoImpact) << gap;
   }
 }
 
 TEST(Ccd, RespectsMinimumDistanceAndEndTime) {
   // Falls from height 1 at speed 2: at 0.1 above the triangle after 0.45, on it after 0.5.
-  const Motion fall{{Vec3(0.2, 0.2, 1), Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {Vec3(0.2, 0.2, -1), Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}};
+  const Motion fall{{Vec3(0.2, 0.2, 1), Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)},
+                    {Vec3(0.2, 0.2, -1), Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}};
   EXPECT_NEAR(fall.impact(false), 0.5, 1e-5);
   EXPECT_LE(fall.impact(false), 0.5);
   EXPECT_NEAR(fall.impact(false, 0.1), 0.45, 1e-5);
   EXPECT_LE(fall.impact(false, 0.1), 0.45);
   EXPECT_EQ(fall.impact(false, 0, 0.4), kNoImpact);
   EXPECT_NEAR(fall.impact(false, 0, 0.6), 0.5, 1e-5);
-  const Motion cross{{Vec3(-1, 0, 1), Vec3(1, 0, 1), Vec3(0, -1, 0), Vec3(0, 1, 0)}, {Vec3(-1, 0, -3), Vec3(1, 0, -3), Vec3(0, -1, 0), Vec3(0, 1, 0)}};
+  const Motion cross{{Vec3(-1, 0, 1), Vec3(1, 0, 1), Vec3(0, -1, 0), Vec3(0, 1, 0)},
+                     {Vec3(-1, 0, -3), Vec3(1, 0, -3), Vec3(0, -1, 0), Vec3(0, 1, 0)}};
   EXPECT_NEAR(cross.impact(true), 0.25, 1e-5);
   EXPECT_LE(cross.impact(true), 0.25);
 }
@@ -164,7 +169,8 @@ TEST(StepLimit, KeepsItsShareOfTheDistanceAndIsNotTimid) {
 TEST(StepLimit, IsPositiveWheneverThereIsADistance) {
   for (const double gap : {1e-3, 1e-9, 1e-14, 1e-17, 1e-100, 1e-150})
     for (const double speed : {1e-12, 1.0, 1e3}) {
-      const Motion m{{Vec3(0.3, 0.3, gap), Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {Vec3(0.3, 0.3, gap - speed), Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}};
+      const Motion m{{Vec3(0.3, 0.3, gap), Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)},
+                     {Vec3(0.3, 0.3, gap - speed), Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}};
       const double t = detail::step_limit(m.x0, m.x1, false, 0.1);
       EXPECT_GT(t, 0) << gap << " " << speed;
       if (speed > gap && gap > 1e-15) {  // below that the positions themselves are not that exact
@@ -174,7 +180,8 @@ TEST(StepLimit, IsPositiveWheneverThereIsADistance) {
       const Motion away{{m.x0[0], m.x0[1], m.x0[2], m.x0[3]}, {Vec3(0.3, 0.3, gap + speed), m.x0[1], m.x0[2], m.x0[3]}};
       EXPECT_GT(detail::step_limit(away.x0, away.x1, false, 0.1), gap > 1e-13 ? 1 : 0) << gap << " " << speed;
     }
-  const Motion touching{{Vec3(0.25, 0.25, 0), Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {Vec3(0.25, 0.25, -1), Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}};
+  const Motion touching{{Vec3(0.25, 0.25, 0), Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)},
+                        {Vec3(0.25, 0.25, -1), Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}};
   EXPECT_EQ(detail::step_limit(touching.x0, touching.x1, false, 0.1), 0);
 }
 

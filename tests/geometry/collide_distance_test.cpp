@@ -143,7 +143,7 @@ TEST(Distance, IsTheLeastOverBothPrimitives) {
   for (int trial = 0; trial < 300; ++trial) {
     Vec3 x[4];
     for (Vec3& v : x) v = test::random_vec(r, 1);
-    if (trial % 3 == 1) x[3] = x[2] + 1e-9 * test::random_vec(r, 1);               // tiny edge, needle triangle
+    if (trial % 3 == 1) x[3] = x[2] + 1e-9 * test::random_vec(r, 1);                   // tiny edge, needle triangle
     if (trial % 3 == 2) x[3] = x[2] + (x[1] - x[0]) + 1e-10 * test::random_vec(r, 1);  // parallel edges
     constexpr int n = 60;
     for (const bool edges : {false, true}) {

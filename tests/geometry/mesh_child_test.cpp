@@ -1,17 +1,16 @@
-#include <gtest/gtest.h>
 #include <fcntl.h>
+#include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <cerrno>
-
 #include <csignal>
 #include <cstdlib>
 #include <vector>
 
 #include "base/child.h"
-#include "geometry/io/visual_bytes.h"
 #include "damage.h"
+#include "geometry/io/visual_bytes.h"
 #include "mesh_helpers.h"
 
 namespace mortise::geometry {
@@ -41,7 +40,12 @@ TEST(Child, CrashesBecomeErrors) {
   fails(kLimits, [] { std::abort(); }, {"crashes on it (Aborted)"});
   fails(kLimits, [] { _exit(0); }, {"ends without a result"});
   fails(kLimits, [] { _exit(7); }, {"ends without a result"});
-  fails({1, kLimits.bytes}, [] { for (volatile bool forever = true; forever;) {} }, {"is not done after 1 s"});
+  fails({1, kLimits.bytes},
+        [] {
+          for (volatile bool forever = true; forever;) {
+          }
+        },
+        {"is not done after 1 s"});
 }
 
 TEST(Child, LivesInACage) {
@@ -66,8 +70,11 @@ TEST(Child, MemoryIsLimited) {
 #if defined(__SANITIZE_ADDRESS__)
   GTEST_SKIP() << "the sanitizer ends a process that runs out of memory";
 #endif
-  expect_error([] { in_child("it", {20, std::size_t{64} << 20}, [] { return std::string(std::vector<char>(std::size_t{256} << 20, 'x').data(), 1); }); }, Exit::scene,
-               {"it: its reader needs more than 64 MiB of memory"});
+  expect_error(
+      [] {
+        in_child("it", {20, std::size_t{64} << 20}, [] { return std::string(std::vector<char>(std::size_t{256} << 20, 'x').data(), 1); });
+      },
+      Exit::scene, {"it: its reader needs more than 64 MiB of memory"});
 }
 
 TEST(VisualBytes, AreReadBackOrRefused) {

@@ -53,8 +53,7 @@ void expect_error(const F& f, Exit code, const std::vector<std::string>& words) 
     ADD_FAILURE() << "no error";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), code) << e.what();
-    for (const std::string& w : words)
-      EXPECT_NE(std::string(e.what()).find(w), std::string::npos) << "'" << w << "' is not in: " << e.what();
+    for (const std::string& w : words) EXPECT_NE(std::string(e.what()).find(w), std::string::npos) << "'" << w << "' is not in: " << e.what();
   }
 }
 

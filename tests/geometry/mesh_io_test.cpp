@@ -18,9 +18,8 @@ const std::string kFormat4 = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
 const std::string kNodes2 = "$Nodes\n5\n1 0 0 0\n2 1 0 0\n7 0 1 0\n4 0 0 1.25e-1\n5 9 9 9\n$EndNodes\n";
 
 TEST(Msh, Version2) {
-  const MshFile m =
-      parse_msh("a.msh", kFormat2 + "$PhysicalNames\n1\n3 1 \"gel\"\n$EndPhysicalNames\n" + kNodes2 +
-                             "$Elements\n4\n1 15 2 0 1 1\n2 1 2 0 1 1 2\n3 2 2 0 1 1 2 7\n4 4 3 0 1 5 1 2 7 4\n$EndElements\n");
+  const MshFile m = parse_msh("a.msh", kFormat2 + "$PhysicalNames\n1\n3 1 \"gel\"\n$EndPhysicalNames\n" + kNodes2 +
+                                           "$Elements\n4\n1 15 2 0 1 1\n2 1 2 0 1 1 2\n3 2 2 0 1 1 2 7\n4 4 3 0 1 5 1 2 7 4\n$EndElements\n");
   ASSERT_EQ(m.points.size(), 5u);
   EXPECT_EQ(m.points[3], Vec3(0, 0, 0.125));
   expect_same(m.triangles, {{{0, 1, 2}}});
@@ -28,12 +27,11 @@ TEST(Msh, Version2) {
 }
 
 TEST(Msh, Version4) {
-  const MshFile m = parse_msh(
-      "a.msh",
-      kFormat4 +
-          "$Entities\n0 0 0 1\n1 0 0 0 1 1 1 0 0\n$EndEntities\n"
-          "$Nodes\n2 4 1 10\n0 1 0 1\n10\n1 0 0\n3 1 1 3\n1\n3\n4\n0 0 0 0.1 0.2 0.3\n0 1 0 0 0 0\n0 0 1 0 0 0\n$EndNodes\n"
-          "$Elements\n3 3 1 3\n0 1 15 1\n1 10\n2 1 2 1\n2 1 10 3\n3 1 4 1\n3 1 10 3 4\n$EndElements\n");
+  const MshFile m =
+      parse_msh("a.msh", kFormat4 +
+                             "$Entities\n0 0 0 1\n1 0 0 0 1 1 1 0 0\n$EndEntities\n"
+                             "$Nodes\n2 4 1 10\n0 1 0 1\n10\n1 0 0\n3 1 1 3\n1\n3\n4\n0 0 0 0.1 0.2 0.3\n0 1 0 0 0 0\n0 0 1 0 0 0\n$EndNodes\n"
+                             "$Elements\n3 3 1 3\n0 1 15 1\n1 10\n2 1 2 1\n2 1 10 3\n3 1 4 1\n3 1 10 3 4\n$EndElements\n");
   expect_same(m.points, {{1, 0, 0}, {0, 0, 0}, {0, 1, 0}, {0, 0, 1}});
   expect_same(m.triangles, {{{1, 0, 2}}});
   expect_same(m.tets, {{{1, 0, 2, 3}}});
@@ -127,10 +125,8 @@ TEST(Obj, RoundTripKeepsBits) {
 
 TEST(Obj, Materials) {
   const TempFolder folder;
-  folder.write("look.mtl",
-               "newmtl dark wood\nKd 0.1 0.2 0.3\nNs 10\nPr 0.25\nPm 1\nmap_Kd wood grain.png\nnewmtl plain\nKd 1 0 0\n");
-  const std::string path =
-      folder.write("a.obj", "mtllib look.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl plain\nf 1 2 3\nusemtl dark wood\nf 1 3 2\n");
+  folder.write("look.mtl", "newmtl dark wood\nKd 0.1 0.2 0.3\nNs 10\nPr 0.25\nPm 1\nmap_Kd wood grain.png\nnewmtl plain\nKd 1 0 0\n");
+  const std::string path = folder.write("a.obj", "mtllib look.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl plain\nf 1 2 3\nusemtl dark wood\nf 1 3 2\n");
   const VisualMesh v = read_visual(path);
   const VisualMaterial& wood = v.materials[v.material[1]];
   EXPECT_EQ(wood.name, "dark wood");
@@ -231,9 +227,8 @@ std::string glb(const std::string& picture) {
 "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},{"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}]})";
   json.resize((json.size() + 3) / 4 * 4, ' ');
   const auto word = [](std::uint32_t x) { return std::string(reinterpret_cast<const char*>(&x), 4); };
-  return "glTF" + word(2) + word(static_cast<std::uint32_t>(28 + json.size() + bin.size())) +
-         word(static_cast<std::uint32_t>(json.size())) + "JSON" + json + word(static_cast<std::uint32_t>(bin.size())) +
-         std::string("BIN\0", 4) + bin;
+  return "glTF" + word(2) + word(static_cast<std::uint32_t>(28 + json.size() + bin.size())) + word(static_cast<std::uint32_t>(json.size())) + "JSON" +
+         json + word(static_cast<std::uint32_t>(bin.size())) + std::string("BIN\0", 4) + bin;
 }
 
 TEST(Glb, TransformsMaterialsAndEmbeddedTexture) {
@@ -294,8 +289,7 @@ TEST(ReadMesh, Errors) {
 std::string shared(const std::string& name) { return std::string(MORTISE_SHARED_DATA) + "/" + name; }
 
 TEST(RealMeshes, UmiGripper) {
-  const std::string holder = shared("robots/umi_gripper/left_finger_holder.stl"),
-                    finger = shared("robots/umi_gripper/left_finger.stl");
+  const std::string holder = shared("robots/umi_gripper/left_finger_holder.stl"), finger = shared("robots/umi_gripper/left_finger.stl");
   if (!std::filesystem::exists(holder)) GTEST_SKIP() << "no shared data";
   const TriMesh s = read_surface(holder);
   EXPECT_NO_THROW(check_closed_surface(s, "holder"));

@@ -42,17 +42,18 @@ struct Body {
 
 // Every kind of type, properties nobody asked for, elements before, between and behind; faces are a triangle and a quadrangle.
 std::string everything(Form form) {
-  Body b{form, std::string("ply\r\nformat ") + name_of(form) + " 1.0\r\ncomment made by hand\nobj_info none\n"
-         "element camera 1\nproperty list uint8 int16 numbers\nproperty char sign\n"
-         "element vertex 5\nproperty double x\nproperty uchar red\nproperty float32 z\nproperty float y\nproperty list ushort uint rings\n"
-         "property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n"
-         "element edge 1\nproperty int vertex1\nproperty int32 vertex2\n"
-         "element face 2\nproperty int8 flags\nproperty list uint8 int vertex_indices\nproperty list uchar float texcoord\nend_header\n"};
+  Body b{form, std::string("ply\r\nformat ") + name_of(form) +
+                   " 1.0\r\ncomment made by hand\nobj_info none\n"
+                   "element camera 1\nproperty list uint8 int16 numbers\nproperty char sign\n"
+                   "element vertex 5\nproperty double x\nproperty uchar red\nproperty float32 z\nproperty float y\nproperty list ushort uint rings\n"
+                   "property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n"
+                   "element edge 1\nproperty int vertex1\nproperty int32 vertex2\n"
+                   "element face 2\nproperty int8 flags\nproperty list uint8 int vertex_indices\nproperty list uchar float texcoord\nend_header\n"};
   b.put(std::uint8_t{2}), b.put(std::int16_t{-7}), b.put(std::int16_t{300}), b.put(std::int8_t{-1}), b.end_line();
   const Vec3 p[] = {{0.1, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {-0.25, 2.5, 1e3}};
   for (int i = 0; i < 5; ++i) {
     b.put(p[i][0]), b.put(std::uint8_t(250)), b.put(float(p[i][2])), b.put(float(p[i][1]));
-    b.put(std::uint16_t(i)); 
+    b.put(std::uint16_t(i));
     for (int k = 0; k < i; ++k) b.put(std::uint32_t{4000000000u});
     b.put(0.0f), b.put(0.0f), b.put(2.0f), b.put(0.5f * i), b.put(0.25f), b.end_line();
   }
@@ -121,7 +122,8 @@ TEST(Ply, ErrorsNameFileAndPlace) {
   const auto refuse = [](const std::string& text, const std::vector<std::string>& words) {
     expect_error([&] { parse_ply("dir/a.ply", text); }, Exit::scene, words);
   };
-  const std::string begin = "ply\nformat ascii 1.0\n", vertex = "property float x\nproperty float y\nproperty float z\n", face = "element face 1\nproperty list uchar int vertex_indices\n";
+  const std::string begin = "ply\nformat ascii 1.0\n", vertex = "property float x\nproperty float y\nproperty float z\n",
+                    face = "element face 1\nproperty list uchar int vertex_indices\n";
   const auto file = [&](const std::string& body) { return begin + "element vertex 3\n" + vertex + face + "end_header\n" + body; };
   refuse("", {"dir/a.ply", "not a PLY file"});
   refuse("solid", {"dir/a.ply:1:1: error: not a PLY file"});

@@ -22,8 +22,7 @@ double smallest_tet(const TetMesh& m) {
 }
 
 int euler_characteristic(const TriMesh& s) {
-  return static_cast<int>(s.points.size()) - static_cast<int>(unique_edges(s.triangles).size()) +
-         static_cast<int>(s.triangles.size());
+  return static_cast<int>(s.points.size()) - static_cast<int>(unique_edges(s.triangles).size()) + static_cast<int>(s.triangles.size());
 }
 
 // Each directed edge once and its reverse once: closed, manifold along edges, consistently oriented.
@@ -156,10 +155,18 @@ std::vector<Tet> without_image(const TetMesh& m, int axis) {
 }
 
 TEST(Primitives, MeshesAreTheirOwnMirrorImages) {
-  const TetMesh meshes[] = {box({0.017, 0.013, 0.004}, 0.001), box({3, 2, 1}, 0.5), box({1, 1, 1}, std::array<Index, 3>{2, 4, 6}), sphere(1, 0.3), sphere(1, 0.25),
-                            cylinder(1, 1.7, 0.3), cylinder(1, 1.7, 0.25), capsule(1, 1.7, 0.3), capsule(1, 0.1, 0.25)};
+  const TetMesh meshes[] = {box({0.017, 0.013, 0.004}, 0.001),
+                            box({3, 2, 1}, 0.5),
+                            box({1, 1, 1}, std::array<Index, 3>{2, 4, 6}),
+                            sphere(1, 0.3),
+                            sphere(1, 0.25),
+                            cylinder(1, 1.7, 0.3),
+                            cylinder(1, 1.7, 0.25),
+                            capsule(1, 1.7, 0.3),
+                            capsule(1, 0.1, 0.25)};
   for (std::size_t i = 0; i < std::size(meshes); ++i)
-    for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(without_image(meshes[i], axis).size(), i == 8 && axis == 2 ? 6 * 8u * 8 : 0u) << "mesh " << i << ", axis " << axis;
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_EQ(without_image(meshes[i], axis).size(), i == 8 && axis == 2 ? 6 * 8u * 8 : 0u) << "mesh " << i << ", axis " << axis;
 }
 
 TEST(Primitives, OddNumbersOfCellsLeaveAMiddleLayer) {
@@ -172,7 +179,8 @@ TEST(Primitives, OddNumbersOfCellsLeaveAMiddleLayer) {
 }
 
 TEST(Primitives, EdgeLengthsGiveEvenNumbersOfCells) {
-  for (const auto& [length, planes] : {std::pair{0.5, 1.0}, std::pair{1.49, 1.0}, std::pair{1.5, 1.5}, std::pair{2.9, 1.5}, std::pair{3.0, 2.5}, std::pair{4.9, 2.5}, std::pair{5.0, 3.5}})
+  for (const auto& [length, planes] : {std::pair{0.5, 1.0}, std::pair{1.49, 1.0}, std::pair{1.5, 1.5}, std::pair{2.9, 1.5}, std::pair{3.0, 2.5},
+                                       std::pair{4.9, 2.5}, std::pair{5.0, 3.5}})
     EXPECT_EQ(box({0.1 * length, 0.1, 0.1}, 0.1).points.size(), 8 * planes) << length;
 }
 

@@ -41,10 +41,8 @@ TEST(Shapes, Primitives) {
   EXPECT_NEAR(volume(tet_shape(box_shape)), 6, 1e-12);
   expect_same(surface_shape(box_shape).points, surface_of(box({1, 2, 3}, 0.5)).points);
   expect_same(tet_shape(shape("sphere", {{"radius", 2}, {"edge_length", 0.5}})).points, sphere(2, 0.5).points);
-  expect_same(tet_shape(shape("cylinder", {{"radius", 1}, {"height", 3}, {"edge_length", 0.5}})).points,
-              cylinder(1, 3, 0.5).points);
-  expect_same(tet_shape(shape("capsule", {{"radius", 1}, {"height", 3}, {"edge_length", 0.5}})).points,
-              capsule(1, 3, 0.5).points);
+  expect_same(tet_shape(shape("cylinder", {{"radius", 1}, {"height", 3}, {"edge_length", 0.5}})).points, cylinder(1, 3, 0.5).points);
+  expect_same(tet_shape(shape("capsule", {{"radius", 1}, {"height", 3}, {"edge_length", 0.5}})).points, capsule(1, 3, 0.5).points);
   expect_error([&] { tet_shape(shape("cone", {{"edge_length", 1}})); }, Exit::scene, {"scene.yaml:7:5", "cone"});
   expect_error([&] { surface_shape(Params::make_table({"scene.yaml", 3, 1})); }, Exit::scene, {"scene.yaml:3:1", "exactly one"});
 }
@@ -60,8 +58,7 @@ TEST(Shapes, TetsOfAFileAreUsedAsTheyAre) {
 
   std::swap(m.tets[5].v[0], m.tets[5].v[1]);
   write_msh(folder.file("bad.msh"), m);
-  expect_error([&] { tet_shape(mesh_shape(folder.file("bad.msh"))); }, Exit::scene,
-               {"scene.yaml:7:5: error: mesh '", "bad.msh'", "tetrahedron 5"});
+  expect_error([&] { tet_shape(mesh_shape(folder.file("bad.msh"))); }, Exit::scene, {"scene.yaml:7:5: error: mesh '", "bad.msh'", "tetrahedron 5"});
 }
 
 TEST(Shapes, SurfacesAreCheckedThenFilledOrUsed) {
@@ -75,19 +72,13 @@ TEST(Shapes, SurfacesAreCheckedThenFilledOrUsed) {
   expect_error([&] { tet_shape(stiff); }, Exit::scene, {"scene.yaml:7:5", "needs edge_length"});
   const TetMesh coarse = tet_shape(mesh_shape(folder.file("part.obj"), {{"scale", 1e-3}, {"edge_length", 25e-3}}));
   EXPECT_NEAR(volume(coarse), 5e-4, 1e-15);
-  const TetMesh fine =
-      tet_shape(mesh_shape(folder.file("part.obj"), {{"scale", 1e-3}, {"edge_length", 25e-3}, {"surface_edge_length", 12e-3}}));
+  const TetMesh fine = tet_shape(mesh_shape(folder.file("part.obj"), {{"scale", 1e-3}, {"edge_length", 25e-3}, {"surface_edge_length", 12e-3}}));
   EXPECT_GT(fine.points.size(), 2 * coarse.points.size());
 
   s.triangles.pop_back();
   write_obj(folder.file("open.obj"), s);
-  expect_error([&] { surface_shape(mesh_shape(folder.file("open.obj"))); }, Exit::scene,
-               {"scene.yaml:7:5: error: mesh '", "the surface is open"});
-  expect_error(
-      [&] {
-        tet_shape(mesh_shape(folder.file("open.obj"), {{"edge_length", 20}}));
-      },
-      Exit::scene, {"scene.yaml:7:5", "open"});
+  expect_error([&] { surface_shape(mesh_shape(folder.file("open.obj"))); }, Exit::scene, {"scene.yaml:7:5: error: mesh '", "the surface is open"});
+  expect_error([&] { tet_shape(mesh_shape(folder.file("open.obj"), {{"edge_length", 20}})); }, Exit::scene, {"scene.yaml:7:5", "open"});
   expect_error([&] { surface_shape(mesh_shape(folder.file("lost.obj"))); }, Exit::file, {"lost.obj"});
 }
 

@@ -59,7 +59,8 @@ TEST(Stl, BinaryAndAsciiGiveTheSurfaceThatWasWritten) {
 }
 
 TEST(Stl, AsciiKeepsAllDigits) {
-  const StlFile f = parse_stl("a.stl", "solid\nfacet normal 0 0 1\nouter loop\nvertex 0.123456789012345 0 0\nvertex 1 0 0\nvertex +1 1e-3 0\nendloop\nendfacet\nendsolid");
+  const StlFile f = parse_stl(
+      "a.stl", "solid\nfacet normal 0 0 1\nouter loop\nvertex 0.123456789012345 0 0\nvertex 1 0 0\nvertex +1 1e-3 0\nendloop\nendfacet\nendsolid");
   EXPECT_EQ(f.facets.at(0).corner[0][0], 0.123456789012345);
   EXPECT_EQ(f.facets[0].corner[2], Vec3(1, 1e-3, 0));
 }

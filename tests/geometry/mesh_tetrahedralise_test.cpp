@@ -106,12 +106,12 @@ TEST(Tetrahedralise, Refuses) {
   open.triangles.pop_back();
   expect_error([&] { tetrahedralise(open, edges(0.2), "mesh 'o'"); }, Exit::scene, {"mesh 'o': the surface is open"});
   expect_error([&] { tetrahedralise(s, edges(0), "mesh 'o'"); }, Exit::scene, {"mesh 'o'", "positive"});
-  expect_error([&] { tetrahedralise(s, edges(1e-4), "mesh 'o'"); }, Exit::scene, {"it is 1 m x 1 m x 1 m, far too large to be filled at an edge_length of 0.0001 m", "add 'scale: 0.001'"});
+  expect_error([&] { tetrahedralise(s, edges(1e-4), "mesh 'o'"); }, Exit::scene,
+               {"it is 1 m x 1 m x 1 m, far too large to be filled at an edge_length of 0.0001 m", "add 'scale: 0.001'"});
   // A far coarser aim than the body: what comes out is no longer the body.
   TetrahedraliseOptions coarse = edges(5);
   coarse.facet_distance = 1;
-  expect_error([&] { tetrahedralise(surface_of(sphere(1, 0.1)), coarse, "mesh 'o'"); }, Exit::scene,
-               {"use a smaller edge_length"});
+  expect_error([&] { tetrahedralise(surface_of(sphere(1, 0.1)), coarse, "mesh 'o'"); }, Exit::scene, {"use a smaller edge_length"});
 }
 
 // What edges(0.4) becomes before it is hashed.

@@ -152,8 +152,7 @@ TEST(MeshCheck, OpenSurface) {
   const Triangle t = s.triangles.back();
   s.triangles.pop_back();
   const std::pair e = std::minmax({t.v[0], t.v[1], t.v[2]});
-  expect_refused(s, {"part 'x': the surface is open: 3 edges belong to one triangle only, the first is edge " +
-                         std::to_string(e.first) + "-",
+  expect_refused(s, {"part 'x': the surface is open: 3 edges belong to one triangle only, the first is edge " + std::to_string(e.first) + "-",
                      "(8 points, 11 triangles)"});
 }
 
@@ -164,8 +163,7 @@ TEST(MeshCheck, NonManifoldEdge) {
     for (Index& v : t.v)
       for (Index w = 0; w < v; ++w)
         if (s.points[w] == s.points[v]) v = w;
-  expect_refused(without_unused_points(s),
-                 {"the surface is not manifold: 1 edge belongs to more than two triangles", "(0.5, 0.5, 0) m"});
+  expect_refused(without_unused_points(s), {"the surface is not manifold: 1 edge belongs to more than two triangles", "(0.5, 0.5, 0) m"});
 }
 
 TEST(MeshCheck, NonManifoldVertex) {
@@ -247,7 +245,8 @@ TEST(ClosedSurface, PartsInsideOfOthersAreCavities) {
     return m;
   };
   const TriMesh outer = cube(Vec3::Zero(), 1), inner = cube(Vec3::Zero(), 0.5), core = cube(Vec3::Zero(), 0.2), beside = cube(Vec3(3, 0, 0), 1);
-  for (const TriMesh& good : {joined(outer, beside), joined(outer, turned(inner)), joined(joined(outer, turned(inner)), core)}) EXPECT_EQ(first_wrongly_nested(good), -1);
+  for (const TriMesh& good : {joined(outer, beside), joined(outer, turned(inner)), joined(joined(outer, turned(inner)), core)})
+    EXPECT_EQ(first_wrongly_nested(good), -1);
   EXPECT_EQ(first_wrongly_nested(joined(outer, inner)), 12);
   EXPECT_EQ(first_wrongly_nested(joined(outer, turned(beside))), 12);
   EXPECT_EQ(first_wrongly_nested(joined(joined(outer, turned(inner)), turned(core))), 24);

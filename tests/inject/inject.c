@@ -82,18 +82,28 @@ _Noreturn static void die(void) {
 // `now`: the whole call; `part`: with half of the bytes.
 #define CHANGE(decision, now, part) \
   switch (decision) {               \
-    case KILL: die();               \
-    case HALF: part; die();         \
-    case SHORT: return part;        \
-    case FAIL: return -1;           \
-    default: return now;            \
+    case KILL:                      \
+      die();                        \
+    case HALF:                      \
+      part;                         \
+      die();                        \
+    case SHORT:                     \
+      return part;                  \
+    case FAIL:                      \
+      return -1;                    \
+    default:                        \
+      return now;                   \
   }
 
 typedef ssize_t (*write_t)(int, const void*, size_t);
 typedef ssize_t (*pwrite_t)(int, const void*, size_t, off_t);
-ssize_t write(int fd, const void* b, size_t n) { CHANGE(next_of(fd), REAL(write_t, "write", fd, b, n), REAL(write_t, "write", fd, b, (n + 1) / 2)) }
-ssize_t pwrite(int fd, const void* b, size_t n, off_t o) { CHANGE(next_of(fd), REAL(pwrite_t, "pwrite", fd, b, n, o), REAL(pwrite_t, "pwrite", fd, b, (n + 1) / 2, o)) }
-ssize_t pwrite64(int fd, const void* b, size_t n, off_t o) { CHANGE(next_of(fd), REAL(pwrite_t, "pwrite64", fd, b, n, o), REAL(pwrite_t, "pwrite64", fd, b, (n + 1) / 2, o)) }
+ssize_t write(int fd, const void* b,
+              size_t n){CHANGE(next_of(fd), REAL(write_t, "write", fd, b, n), REAL(write_t, "write", fd, b, (n + 1) / 2))} ssize_t
+    pwrite(int fd, const void* b, size_t n,
+           off_t o){CHANGE(next_of(fd), REAL(pwrite_t, "pwrite", fd, b, n, o), REAL(pwrite_t, "pwrite", fd, b, (n + 1) / 2, o))} ssize_t
+    pwrite64(int fd, const void* b, size_t n, off_t o) {
+  CHANGE(next_of(fd), REAL(pwrite_t, "pwrite64", fd, b, n, o), REAL(pwrite_t, "pwrite64", fd, b, (n + 1) / 2, o))
+}
 
 typedef int (*fd_t)(int);
 int fsync(int fd) { CHANGE(next_of(fd), REAL(fd_t, "fsync", fd), REAL(fd_t, "fsync", fd)) }
@@ -109,13 +119,14 @@ int unlink(const char* a) { CHANGE(access(a, F_OK) == 0 ? next_at(AT_FDCWD, a) :
 
 // Opening for writing.
 typedef int (*open_t)(const char*, int, ...);
-#define OPEN(name)                                                                                                       \
-  int name(const char* path, int flags, ...) {                                                                          \
-    va_list more;                                                                                                       \
-    va_start(more, flags);                                                                                              \
-    const mode_t mode = (flags & O_CREAT) ? va_arg(more, mode_t) : 0;                                                   \
-    va_end(more);                                                                                                       \
-    CHANGE((flags & O_ACCMODE) != O_RDONLY ? next_at(AT_FDCWD, path) : PASS, REAL(open_t, #name, path, flags, mode), REAL(open_t, #name, path, flags, mode)) \
+#define OPEN(name)                                                                                                   \
+  int name(const char* path, int flags, ...) {                                                                       \
+    va_list more;                                                                                                    \
+    va_start(more, flags);                                                                                           \
+    const mode_t mode = (flags & O_CREAT) ? va_arg(more, mode_t) : 0;                                                \
+    va_end(more);                                                                                                    \
+    CHANGE((flags & O_ACCMODE) != O_RDONLY ? next_at(AT_FDCWD, path) : PASS, REAL(open_t, #name, path, flags, mode), \
+           REAL(open_t, #name, path, flags, mode))                                                                   \
   }
 OPEN(open)
 OPEN(open64)

@@ -110,7 +110,8 @@ class Campaign : public testing::Test {
       }
       if (!freopen(log.c_str(), "w", stderr)) _exit(99);
       const std::string program = std::string(MORTISE_BINARY_DIR) + "/bin/mortise", scene = base_ + "/tiny.yaml";
-      execl(program.c_str(), "mortise", "run", scene.c_str(), "-o", dir.c_str(), "--resume=auto", "--no-render", "-q", "-j", "1", static_cast<char*>(nullptr));
+      execl(program.c_str(), "mortise", "run", scene.c_str(), "-o", dir.c_str(), "--resume=auto", "--no-render", "-q", "-j", "1",
+            static_cast<char*>(nullptr));
       _exit(98);
     }
     int status = 0;
@@ -124,7 +125,8 @@ class Campaign : public testing::Test {
     std::atomic<long> next = 1, lost = 0;
     const auto work = [&] {
       for (long at = next++; at <= calls_; at = next++) {
-        const std::string dir = base_ + "/" + what + std::to_string(at), log = dir + ".log", name = what + " at call " + std::to_string(at) + " of " + std::to_string(calls_);
+        const std::string dir = base_ + "/" + what + std::to_string(at), log = dir + ".log",
+                          name = what + " at call " + std::to_string(at) + " of " + std::to_string(calls_);
         const int code = run(dir, {"INJECT=" + what, "INJECT_AT=" + std::to_string(at)}, log);
         EXPECT_TRUE(fits(code)) << name << ": exit code " << code << "\n" << text_of(log);
         const int again = run(dir, {}, log);

@@ -52,7 +52,8 @@ std::vector<std::array<long, 3>> boundary(const Body& body) {
 
 void read_mesh(const File& file, Case& c) {
   const auto connectivity = file.numbers("/VTKHDF/Connectivity"), offsets = file.numbers("/VTKHDF/Offsets"), types = file.numbers("/VTKHDF/Types");
-  const auto cell_body = file.numbers("/VTKHDF/CellData/body_id"), point_body = file.numbers("/VTKHDF/PointData/body_id"), rest = file.numbers("/mortise/mesh/rest_points");
+  const auto cell_body = file.numbers("/VTKHDF/CellData/body_id"), point_body = file.numbers("/VTKHDF/PointData/body_id"),
+             rest = file.numbers("/mortise/mesh/rest_points");
   for (const std::string& name : lines(file.text("/mortise/mesh/body_names"))) {
     c.bodies.emplace_back();
     c.bodies.back().name = name;
@@ -89,7 +90,8 @@ void read_scene(const File& file, Case& c) {
       if (body.name == name) {
         const YAML::Node material = scene["materials"][b["material"].as<std::string>()];
         body.density = material["density"].as<double>();
-        if (material["youngs_modulus"]) body.youngs_modulus = material["youngs_modulus"].as<double>(), body.poisson_ratio = material["poisson_ratio"].as<double>();
+        if (material["youngs_modulus"])
+          body.youngs_modulus = material["youngs_modulus"].as<double>(), body.poisson_ratio = material["poisson_ratio"].as<double>();
         const std::string volumetric = material["volumetric"] ? material["volumetric"].as<std::string>() : "auto";
         body.mean_volume = volumetric == "averaged" || (volumetric == "auto" && body.poisson_ratio > 0.4);
         if (material["model"]) body.law = material["model"].as<std::string>();
@@ -100,7 +102,8 @@ void read_scene(const File& file, Case& c) {
   if (effects["gravity"] && effects["gravity"]["acceleration"]) c.gravity = vector_of(effects["gravity"]["acceleration"]);
   c.double_precision = scene["output"] && scene["output"]["precision"] && scene["output"]["precision"].as<std::string>() == "double";
   c.contact = effects["barrier_contact"] || effects["mortar_contact"];
-  c.inertia = static_cast<bool>(effects["inertia"]), c.friction = static_cast<bool>(effects["friction"]), c.loads = static_cast<bool>(effects["pressure_load"]);
+  c.inertia = static_cast<bool>(effects["inertia"]), c.friction = static_cast<bool>(effects["friction"]),
+  c.loads = static_cast<bool>(effects["pressure_load"]);
   c.bdf2 = c.inertia && effects["inertia"]["integrator"] && effects["inertia"]["integrator"].as<std::string>() == "bdf2";
   if (scene["solver"] && scene["solver"]["relative_tolerance"]) c.tolerance = scene["solver"]["relative_tolerance"].as<double>();
   if (c.friction && effects["friction"]["lag_tolerance"]) c.tolerance = std::max(c.tolerance, effects["friction"]["lag_tolerance"].as<double>());
@@ -134,7 +137,8 @@ void read_scene(const File& file, Case& c) {
     for (Body& body : c.bodies) {
       if (body.name != p["body"].as<std::string>()) continue;
       body.pinned = true;
-      const bool all = p["where"]["side"] && p["where"]["side"].as<std::string>() == "all", every = !p["axes"] || p["axes"].as<std::string>().size() == 3;
+      const bool all = p["where"]["side"] && p["where"]["side"].as<std::string>() == "all",
+                 every = !p["axes"] || p["axes"].as<std::string>().size() == 3;
       if (!all || !every || p["release"]) continue;
       body.prescribed = true;
       if (p["motion"]) body.motion = YAML::Dump(p["motion"]);

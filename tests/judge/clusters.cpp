@@ -6,8 +6,8 @@
 
 namespace judge {
 
-// Stars of vertices, those inside first, each in the order of their numbers, where no tetrahedron of the star has a group yet; a vertex of the surface
-// needs a star of at least six. Then, round by round, what touches a group across faces joins the smallest.
+// Stars of vertices, those inside first, each in the order of their numbers, where no tetrahedron of the star has a group yet; a vertex of the
+// surface needs a star of at least six. Then, round by round, what touches a group across faces joins the smallest.
 std::vector<long> volume_groups(const Body& body) {
   std::map<long, std::vector<std::size_t>> star;
   std::map<std::set<long>, std::vector<std::size_t>> face;
@@ -29,7 +29,9 @@ std::vector<long> volume_groups(const Body& body) {
   };
   for (bool outside : {false, true})
     for (const auto& [v, tets] : star)
-      if (surface.count(v) == (outside ? 1u : 0u) && (!outside || tets.size() >= 6) && std::all_of(tets.begin(), tets.end(), [&](std::size_t t) { return group[t] < 0; })) open(tets);
+      if (surface.count(v) == (outside ? 1u : 0u) && (!outside || tets.size() >= 6) &&
+          std::all_of(tets.begin(), tets.end(), [&](std::size_t t) { return group[t] < 0; }))
+        open(tets);
 
   const auto join = [&](std::size_t t) {
     long best = -1;

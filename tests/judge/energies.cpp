@@ -10,7 +10,8 @@ namespace {
 
 double lame_lambda(const Body& body) { return body.youngs_modulus * body.poisson_ratio / ((1 + body.poisson_ratio) * (1 - 2 * body.poisson_ratio)); }
 
-// Density of elastic energy at the deformation gradient F (the laws as published, with the guard against inversion; src/effects/elasticity/README.md).
+// Density of elastic energy at the deformation gradient F (the laws as published, with the guard against inversion;
+// src/effects/elasticity/README.md).
 double elastic_density(const Body& body, double lambda, const Eigen::Matrix3d& F) {
   const double E = body.youngs_modulus, nu = body.poisson_ratio, mu = E / (2 * (1 + nu)), J = F.determinant();
   constexpr double kGuard = 0.1, kFlat = 1e-6;  // J_0, J_1
@@ -56,7 +57,8 @@ void gravity_energy(const Case& c, const Body& body, const std::vector<Vector>& 
   const auto add = [&](double mass, const std::vector<Vector>& corners) {
     for (const Vector& p : corners) energy -= mass / 4 * dot(c.gravity, p), size += std::abs(mass / 4 * dot(c.gravity, p));
   };
-  for (const auto& t : body.tets) add(body.density * volume(c.rest[t[0]], c.rest[t[1]], c.rest[t[2]], c.rest[t[3]]), {x[t[0]], x[t[1]], x[t[2]], x[t[3]]});
+  for (const auto& t : body.tets)
+    add(body.density * volume(c.rest[t[0]], c.rest[t[1]], c.rest[t[2]], c.rest[t[3]]), {x[t[0]], x[t[1]], x[t[2]], x[t[3]]});
   if (body.soft) return;
   Vector rest{}, now{};  // the mean of the vertices moves with the affine map
   for (long p : body.points)

@@ -49,7 +49,8 @@ bool straight(const Body& body, const std::vector<Vector>& rest) {
 double rounding_force(const Body& body, const std::vector<Vector>& rest) {
   double farthest = 0, size = 0;
   for (long p : body.points) farthest = std::fmax(farthest, norm(rest[p])), size = std::fmax(size, norm(rest[p] - rest[body.points[0]]));
-  return body.soft ? static_cast<double>(body.points.size()) * std::numeric_limits<double>::epsilon() * (farthest + size) * body.youngs_modulus * size : 0;
+  return body.soft ? static_cast<double>(body.points.size()) * std::numeric_limits<double>::epsilon() * (farthest + size) * body.youngs_modulus * size
+                   : 0;
 }
 
 std::vector<double> column(const File& file, const std::string& path) { return file.has(path) ? file.numbers(path) : std::vector<double>{}; }
@@ -59,14 +60,17 @@ std::vector<double> column(const File& file, const std::string& path) { return f
 // Sum of the forces on a body, less the change of its momentum, against what the solver said that it left: the residual of the step in every
 // node, its tolerance as a share of the forces on the body, and rounding of what was saved.
 void judge_forces(const File& file, const Case& c, Verdict& v) {
-  const std::vector<double> residual = column(file, "/mortise/steps/residual"), lag = column(file, "/mortise/steps/lag_residual"), substeps = column(file, "/mortise/steps/substeps"), first_order = column(file, "/mortise/steps/first_order");
+  const std::vector<double> residual = column(file, "/mortise/steps/residual"), lag = column(file, "/mortise/steps/lag_residual"),
+                            substeps = column(file, "/mortise/steps/substeps"), first_order = column(file, "/mortise/steps/first_order");
   const long steps = static_cast<long>(residual.size());
-  if (c.loads || c.frame_every != 1 || steps + 1 != c.frames || static_cast<long>(lag.size()) != steps || static_cast<long>(substeps.size()) != steps) return;
+  if (c.loads || c.frame_every != 1 || steps + 1 != c.frames || static_cast<long>(lag.size()) != steps || static_cast<long>(substeps.size()) != steps)
+    return;
   if (c.inertia && !(c.step > 0)) return;
   const double rounding = c.double_precision ? 1e-9 : 1e-6;
   const std::size_t n = c.rest.size();
   std::vector<std::vector<double>> fields;
-  for (const char* name : {"contact_force", "friction_force", "support_force"}) fields.push_back(column(file, std::string("/VTKHDF/PointData/") + name));
+  for (const char* name : {"contact_force", "friction_force", "support_force"})
+    fields.push_back(column(file, std::string("/VTKHDF/PointData/") + name));
   const std::vector<double> velocity = c.inertia ? column(file, "/VTKHDF/PointData/velocity") : std::vector<double>{};
   if ((c.contact && fields[0].empty()) || (c.friction && fields[1].empty()) || (c.inertia && velocity.empty())) return;
   for (const Body& body : c.bodies) {
@@ -75,7 +79,7 @@ void judge_forces(const File& file, const Case& c, Verdict& v) {
     if (body.pinned && !body.soft)
       for (int k = 0; k < 3; ++k) support[k] = column(file, "/mortise/effects/supports/" + body.name + "_" + "xyz"[k]);
     if (body.pinned && (body.soft ? fields[2].empty() : support[2].empty())) continue;  // not saved
-    std::vector<std::pair<double, std::vector<double>>> ties;  // with which sign, and one axis after the other
+    std::vector<std::pair<double, std::vector<double>>> ties;                           // with which sign, and one axis after the other
     for (const Tie& t : c.ties)
       if (t.body == body.name || t.to == body.name)
         for (const char* axis : {"x", "y", "z"}) ties.emplace_back(t.body == body.name ? 1 : -1, column(file, t.figures + axis));
@@ -103,16 +107,19 @@ void judge_forces(const File& file, const Case& c, Verdict& v) {
       }
       if (c.inertia) {  // backward Euler, or BDF2 from the second step on, where it did not leave the step to backward Euler
         const bool second = c.bdf2 && f > 1 && !(static_cast<long>(first_order.size()) == steps && first_order[f - 1] > 0);
-        const Vector change = second ? 1.5 * at[f].momentum - 2 * at[f - 1].momentum - -0.5 * at[f - 2].momentum : at[f].momentum - at[f - 1].momentum;
+        const Vector change =
+            second ? 1.5 * at[f].momentum - 2 * at[f - 1].momentum - -0.5 * at[f - 2].momentum : at[f].momentum - at[f - 1].momentum;
         sum += (-1 / c.step) * change;
         size += (at[f].size + at[f - 1].size) / c.step;
       }
       const double nodes = body.soft ? static_cast<double>(body.points.size()) : 1;
       // The residual that is reported is the worst body's; others were solved to their own tolerance.
-      const double error = norm(sum) / (nodes * std::fmax(residual[f - 1], lag[f - 1]) + ((body.pinned ? nodes : 1) * c.tolerance + rounding) * size + floor);
+      const double error =
+          norm(sum) / (nodes * std::fmax(residual[f - 1], lag[f - 1]) + ((body.pinned ? nodes : 1) * c.tolerance + rounding) * size + floor);
       ++v.forces;
       if (!(error <= v.force_error)) v.force_error = error;
-      if (!(error <= 1) && std::isfinite(size) && size > 0) v.found(f, "the forces on " + body.name + " do not add up: " + std::to_string(norm(sum)) + " N are left");
+      if (!(error <= 1) && std::isfinite(size) && size > 0)
+        v.found(f, "the forces on " + body.name + " do not add up: " + std::to_string(norm(sum)) + " N are left");
     }
   }
 }

@@ -1,6 +1,7 @@
 // mortise_judge FIELDS.vtkhdf: an opinion on saved states that shares no code with the solver.
 //
-//   intersections   pairs of triangles of surfaces that are to be kept apart (quarters of quadratic faces; held bodies too) that touch or cross, all bodies together, by CGAL's exact predicates; and
+//   intersections   pairs of triangles of surfaces that are to be kept apart (quarters of quadratic faces; held bodies too) that touch or cross, all
+//   bodies together, by CGAL's exact predicates; and
 //                   vertices on or below a half-space
 //   det F           volume of every tetrahedron over its volume at rest, from the saved positions
 //   kinetic energy, momentum   from the saved velocities and densities, against what the run reported
@@ -13,13 +14,13 @@
 // mortise_judge FIELDS.vtkhdf OTHER.vtkhdf: are the two equal, seconds apart?
 //
 // One JSON object on stdout, or what differs. Exit code 0: nothing found; 1: something is wrong; 2: the file cannot be judged.
+#include "judge/judge.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
-
-#include "judge/judge.h"
 
 namespace judge {
 namespace {
@@ -33,7 +34,8 @@ Verdict judge(const File& file, const Case& c) {
   const auto velocities = dynamic ? file.numbers("/VTKHDF/PointData/velocity") : std::vector<double>{};
   std::map<std::string, std::vector<double>> said;
   if (dynamic)
-    for (const char* name : {"kinetic_energy", "momentum_x", "momentum_y", "momentum_z"}) said[name] = file.numbers(std::string("/mortise/effects/inertia/") + name);
+    for (const char* name : {"kinetic_energy", "momentum_x", "momentum_y", "momentum_z"})
+      said[name] = file.numbers(std::string("/mortise/effects/inertia/") + name);
   const bool lumped = std::none_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) { return b.quadratic(); });
   for (long f = 0; f < c.frames; ++f) {
     const std::vector<Vector> x = frame_of(points, f, n);
@@ -55,7 +57,8 @@ Verdict judge(const File& file, const Case& c) {
       kinetic += own;
       double mass = 0;
       for (const auto& t : body.tets) mass += body.density * volume(c.rest[t[0]], c.rest[t[1]], c.rest[t[2]], c.rest[t[3]]);
-      for (const auto& t : body.soft ? std::vector<std::array<long, 3>>{} : body.triangles) mass += body.density * volume({}, c.rest[t[0]], c.rest[t[1]], c.rest[t[2]]);
+      for (const auto& t : body.soft ? std::vector<std::array<long, 3>>{} : body.triangles)
+        mass += body.density * volume({}, c.rest[t[0]], c.rest[t[1]], c.rest[t[2]]);
       size += std::sqrt(2 * mass * own);  // the momentum of this energy, if all moved alike
     }
     if (kinetic > 0) v.kinetic_error = std::max(v.kinetic_error, std::abs(said["kinetic_energy"][f] / kinetic - 1));
@@ -82,19 +85,19 @@ nlohmann::ordered_json opinion(const File& file, int& code) {
   code = v.first_frame < 0 ? 0 : 1;
   const auto number = [](double d) { return std::isfinite(d) ? nlohmann::ordered_json(d) : nlohmann::ordered_json(nullptr); };
   return {{"frames", c.frames},
-                                 {"intersections", v.intersections},
-                                 {"below_planes", v.below},
-                                 {"inverted", v.inverted},
-                                 {"not_finite", v.not_finite},
-                                 {"min_det_f", number(v.min_det_f)},
-                                 {"kinetic_energy_error", v.kinetic_error},
-                                 {"momentum_error", v.momentum_error},
-                                 {"elastic_energy_error", v.elastic_error},
-                                 {"gravity_energy_error", v.gravity_error},
-                                 {"force_error", v.force_error},
-                                 {"forces_judged", v.forces},
-                                 {"first_frame", v.first_frame},
-                                 {"what", v.what}};
+          {"intersections", v.intersections},
+          {"below_planes", v.below},
+          {"inverted", v.inverted},
+          {"not_finite", v.not_finite},
+          {"min_det_f", number(v.min_det_f)},
+          {"kinetic_energy_error", v.kinetic_error},
+          {"momentum_error", v.momentum_error},
+          {"elastic_energy_error", v.elastic_error},
+          {"gravity_energy_error", v.gravity_error},
+          {"force_error", v.force_error},
+          {"forces_judged", v.forces},
+          {"first_frame", v.first_frame},
+          {"what", v.what}};
 }
 
 // Each in its own file beside this one; the worst code of all. One that never began has none.

@@ -71,10 +71,17 @@ TEST(Supports, ProjectionIsTheDenseOne) {
   for (const Vec3& v : random_vector(kRows, 8)) {
     const Vec3 n = v.normalized();
     switch (rng() % 4) {
-      case 0: P.push_back(Mat3::Identity()); break;
-      case 1: P.push_back(Mat3::Zero()); break;
-      case 2: P.push_back(Mat3::Identity() - n * n.transpose()); break;
-      default: P.push_back(n * n.transpose());
+      case 0:
+        P.push_back(Mat3::Identity());
+        break;
+      case 1:
+        P.push_back(Mat3::Zero());
+        break;
+      case 2:
+        P.push_back(Mat3::Identity() - n * n.transpose());
+        break;
+      default:
+        P.push_back(n * n.transpose());
     }
     const Index r = static_cast<Index>(P.size()) - 1;
     full.block<3, 3>(3 * r, 3 * r) = P.back();

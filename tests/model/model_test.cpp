@@ -13,8 +13,8 @@ model::ModelInput two_bodies() {
   model::ModelInput in;
   in.scene = Params::make_table();
   in.bodies.push_back(soft_body("pad", geometry::box({2, 1, 1}, 0.5), material("neo_hookean", 1e5, 0.3, 1000)));
-  in.bodies.push_back(stiff_body("ball", geometry::sphere(0.5, 0.1), material("linear", 1e9, 0.3, 2000), {0, 0, 2},
-                                 body_params({1, 2, 3}, {0, 0, 4})));
+  in.bodies.push_back(
+      stiff_body("ball", geometry::sphere(0.5, 0.1), material("linear", 1e9, 0.3, 2000), {0, 0, 2}, body_params({1, 2, 3}, {0, 0, 4})));
   in.bodies.push_back(half_space("floor", {0, 0, -1}, {0, 0, 5}));
   return in;
 }

@@ -22,7 +22,8 @@ model::ModelInput row_of_balls(int n, const Vec3& velocity = Vec3::Zero(), const
   const Params steel = material("linear", 1e9, 0.3, 2000);
   for (int i = 0; i < n; ++i)
     in.bodies.push_back(stiff_body("ball" + std::to_string(i), geometry::sphere(0.5, 0.5), steel, {1.0 * i, 0, 0}, body_params(velocity, turning)));
-  in.bodies.push_back(soft_body("pad", geometry::box({1, 1, 1}, 0.5), material("linear", 1e5, 0.3, 1000), {1.0 * n, 0, 0}, body_params(velocity, turning)));
+  in.bodies.push_back(
+      soft_body("pad", geometry::box({1, 1, 1}, 0.5), material("linear", 1e5, 0.3, 1000), {1.0 * n, 0, 0}, body_params(velocity, turning)));
   return in;
 }
 
@@ -145,8 +146,14 @@ TEST(Ties, RefuseWhatCannotBe) {
   EXPECT_EQ(add([](Model&, auto&) {}), "");
   EXPECT_NE(add([](Model& m, auto&) { m.held[m.bodies[1].block_begin] = 2; }).find("'ball1' that a pin holds"), std::string::npos);
   EXPECT_NE(add([](Model&, auto& t) { t[1].name = "j0"; }).find("two ties are called 'j0'"), std::string::npos);
-  EXPECT_NE(add([](Model& m, auto& t) { t.push_back(bond(m, 2, 0, {1})), t.push_back(bond(m, 2, 1, {1})), t.back().name = "again"; }).find("already: parts of 'pad'"), std::string::npos);
-  EXPECT_NE(add([](Model& m, auto& t) { t[0].follows[0].terms.push_back({m.bodies[1].block_begin, 0.5}); }).find("closes a circle"), std::string::npos);
+  EXPECT_NE(add([](Model& m, auto& t) {
+              t.push_back(bond(m, 2, 0, {1})), t.push_back(bond(m, 2, 1, {1})), t.back().name = "again";
+            }).find("already: parts of 'pad'"),
+            std::string::npos);
+  EXPECT_NE(add([](Model& m, auto& t) {
+              t[0].follows[0].terms.push_back({m.bodies[1].block_begin, 0.5});
+            }).find("closes a circle"),
+            std::string::npos);
 }
 
 TEST(Ties, TakeOverVelocities) {

@@ -112,8 +112,7 @@ TEST(Checkpoint, EveryTruncationIsDetected) {
   Folder dir;
   write(dir.path(), 4);
   const std::string path = dir / "checkpoint.h5", good = read_file(path);
-  for (const std::size_t size :
-       {std::size_t(0), std::size_t(1), std::size_t(85), good.size() / 2, good.size() - 85, good.size() - 1}) {
+  for (const std::size_t size : {std::size_t(0), std::size_t(1), std::size_t(85), good.size() / 2, good.size() - 85, good.size() - 1}) {
     write_file(path, good.substr(0, size), false);
     EXPECT_THAT(file_error([&] { CheckpointReader reader(path); }), HasSubstr("truncated")) << size;
   }
@@ -149,9 +148,7 @@ TEST(Checkpoint, FailedWriteLeavesTheOldOnes) {
     try {
       write(dir.path(), 2);
     } catch (const Error& error) {
-      return error.code() == Exit::file && std::string(error.what()).find("cannot write: File too large") != std::string::npos
-                 ? 7
-                 : 8;
+      return error.code() == Exit::file && std::string(error.what()).find("cannot write: File too large") != std::string::npos ? 7 : 8;
     }
     return 9;
   });

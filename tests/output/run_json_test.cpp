@@ -76,8 +76,7 @@ TEST(AtomicFile, FailureKeepsTheOldFile) {
   EXPECT_THAT(file_error([&] { write_file_atomically(dir / "taken", "new", false); }), HasSubstr("taken: cannot replace"));
   EXPECT_EQ(read_file(dir / "taken/inside"), "x");
   EXPECT_FALSE(std::filesystem::exists(dir / "taken.tmp"));
-  EXPECT_THAT(file_error([&] { write_file("/dev/full", "x", false); }),
-              HasSubstr("/dev/full: cannot write: No space left on device"));
+  EXPECT_THAT(file_error([&] { write_file("/dev/full", "x", false); }), HasSubstr("/dev/full: cannot write: No space left on device"));
 }
 
 TEST(Hardware, PeakMemoryGrowsWithUse) {

@@ -57,7 +57,8 @@ struct Case {
 };
 const std::vector<Case>& cases() {
   static const std::vector<Case> all{
-      {"sound", "", [] {
+      {"sound", "",
+       [] {
          double* p = buffer<double>(10);
          write_at<<<1, 32>>>(p, 10);
          read_at<<<1, 10>>>(p, filled<double>(10), 0);
@@ -66,24 +67,28 @@ const std::vector<Case>& cases() {
          std::vector<double> host(10);
          cudaMemcpy(host.data(), p, 80, cudaMemcpyDeviceToHost);
        }},
-      {"write_outside", "access outside a buffer \\(writes\\) in .*write_at.*: thread 10, byte 80 of a buffer of 80 bytes", [] { write_at<<<1, 32>>>(buffer<double>(10), 11); }},
+      {"write_outside", "access outside a buffer \\(writes\\) in .*write_at.*: thread 10, byte 80 of a buffer of 80 bytes",
+       [] { write_at<<<1, 32>>>(buffer<double>(10), 11); }},
       {"byte_outside", "access outside a buffer \\(writes\\) in .*write_bytes", [] { write_bytes<<<1, 32>>>(buffer<unsigned char>(13), 14); }},
       {"read_before", "access outside a buffer \\(reads\\)", [] { read_at<<<1, 4>>>(filled<double>(10), filled<double>(10), -1); }},
-      {"released", "access outside a buffer", [] {
+      {"released", "access outside a buffer",
+       [] {
          double* p = buffer<double>(10);
          cudaFreeAsync(p, nullptr);
          write_at<<<1, 32>>>(p, 10);
        }},
       {"never_written", "value that nobody wrote \\(reads\\) in .*read_at", [] { read_at<<<1, 4>>>(buffer<double>(10), filled<double>(10), 0); }},
       {"misaligned", "misaligned access \\(reads\\)", [] { misaligned<<<1, 4>>>(filled<char>(64), filled<int>(4)); }},
-      {"host_pointer", "access to host memory \\(writes\\)", [] {
+      {"host_pointer", "access to host memory \\(writes\\)",
+       [] {
          static double host = 0;
          static double* const address = &host;
          double** p = buffer<double*>(1);
          cudaMemcpy(p, &address, sizeof address, cudaMemcpyHostToDevice);
          through_pointer<<<1, 1>>>(p);
        }},
-      {"host_stack", "access to host memory \\(writes\\)", [] {
+      {"host_stack", "access to host memory \\(writes\\)",
+       [] {
          double host = 0;
          double* const address = &host;
          double** p = buffer<double*>(1);
@@ -94,25 +99,30 @@ const std::vector<Case>& cases() {
       {"write_write_race", "race with a thread that wrote \\(writes\\) in .*all_to_one", [] { all_to_one<<<1, 2>>>(filled<int>(1)); }},
       {"shared", "access outside shared memory", [] { beyond_shared<<<1, 32>>>(filled<int>(32), 1); }},
       {"mask", "a lane outside the mask takes part", [] { wrong_mask<<<1, 16>>>(filled<int>(32)); }},
-      {"download", "download of bytes that nobody wrote: 80 of 80", [] {
+      {"download", "download of bytes that nobody wrote: 80 of 80",
+       [] {
          std::vector<double> host(10);
          cudaMemcpy(host.data(), buffer<double>(10), 80, cudaMemcpyDeviceToHost);
        }},
-      {"copy_outside", "copy outside a buffer", [] {
+      {"copy_outside", "copy outside a buffer",
+       [] {
          std::vector<double> host(11);
          cudaMemcpy(filled<double>(10), host.data(), 88, cudaMemcpyHostToDevice);
        }},
-      {"copy_direction", "copy in a direction that its pointers do not have", [] {
+      {"copy_direction", "copy in a direction that its pointers do not have",
+       [] {
          std::vector<double> host(11);
          cudaMemcpy(host.data(), host.data() + 1, 8, cudaMemcpyHostToDevice);
        }},
-      {"capture", "cudaMallocAsync while a stream is being captured", [] {
+      {"capture", "cudaMallocAsync while a stream is being captured",
+       [] {
          cudaStream_t s;
          cudaStreamCreateWithFlags(&s, cudaStreamNonBlocking);
          cudaStreamBeginCapture(s, cudaStreamCaptureModeThreadLocal);
          buffer<int>(1);
        }},
-      {"other_stream", "work for the default stream while another is being captured", [] {
+      {"other_stream", "work for the default stream while another is being captured",
+       [] {
          int* p = filled<int>(1);
          cudaStream_t s;
          cudaStreamCreateWithFlags(&s, cudaStreamNonBlocking);
@@ -121,7 +131,8 @@ const std::vector<Case>& cases() {
        }},
       {"empty_launch", "empty launch of .*add_all", [] { add_all<<<0, 1>>>(filled<int>(1)); }},
       {"large_block", "too large a launch of .*add_all", [] { add_all<<<1, 2048>>>(filled<int>(1)); }},
-      {"twice_released", "release of what is no buffer", [] {
+      {"twice_released", "release of what is no buffer",
+       [] {
          int* p = buffer<int>(1);
          cudaFreeAsync(p, nullptr), cudaFreeAsync(p, nullptr);
        }},
@@ -147,7 +158,9 @@ TEST_P(Fault, IsReported) {
     EXPECT_EXIT(child(), testing::ExitedWithCode(0), "^$");
 }
 INSTANTIATE_TEST_SUITE_P(Both, Fault, testing::Combine(testing::Range(0, static_cast<int>(cases().size())), testing::Values("forwards", "backwards")),
-                         [](const auto& info) { return std::string(cases()[static_cast<std::size_t>(std::get<0>(info.param))].name) + "_" + std::get<1>(info.param); });
+                         [](const auto& info) {
+                           return std::string(cases()[static_cast<std::size_t>(std::get<0>(info.param))].name) + "_" + std::get<1>(info.param);
+                         });
 
 // Local memory is filled with NaN, so that what was never written shows in the result.
 TEST(UnwrittenLocal, IsNan) {

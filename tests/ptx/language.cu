@@ -41,14 +41,22 @@ __host__ __device__ __noinline__ Pair shuffled(Pair p, int by, const double* tab
 }
 __host__ __device__ int chosen(int k, int x) {
   switch (k) {
-    case 0: return x * 3;
-    case 1: return x ^ 0x55;
-    case 2: return x - 100;
-    case 3: return x * x;
-    case 4: return ~x;
-    case 5: return x / 7;
-    case 6: return x << 3;
-    default: return 1;
+    case 0:
+      return x * 3;
+    case 1:
+      return x ^ 0x55;
+    case 2:
+      return x - 100;
+    case 3:
+      return x * x;
+    case 4:
+      return ~x;
+    case 5:
+      return x / 7;
+    case 6:
+      return x << 3;
+    default:
+      return 1;
   }
 }
 __host__ __device__ double work(int i, const double* table) {
@@ -81,7 +89,9 @@ TEST(Language, VectorsAndSmallTypes) {
   std::vector<double2> d;
   std::vector<uint4> w;
   std::vector<uchar4> b;
-  for (unsigned i = 0; i < 64; ++i) d.push_back({i + 0.5, -1.0 * i}), w.push_back({i, i + 1, i + 2, i + 3}), b.push_back({static_cast<unsigned char>(i), 7, 0, static_cast<unsigned char>(200 + i)});
+  for (unsigned i = 0; i < 64; ++i)
+    d.push_back({i + 0.5, -1.0 * i}), w.push_back({i, i + 1, i + 2, i + 3}),
+        b.push_back({static_cast<unsigned char>(i), 7, 0, static_cast<unsigned char>(200 + i)});
   OnDevice<double2> dd(d), dr(d);
   OnDevice<uint4> wd(w), wr(w);
   OnDevice<uchar4> bd(b);
@@ -114,8 +124,10 @@ __global__ void meet(const int* in, int* out) {
   o[6] = static_cast<int>(__ballot_sync(kAll, v & 1));
   o[7] = __any_sync(kAll, v == 33) + 2 * __all_sync(kAll, v < 100);
   o[8] = static_cast<int>(__match_any_sync(kAll, v % 5));
-  if (i % 32 < 16) o[9] = __shfl_sync(0xffff, v, 3);
-  else o[9] = __shfl_sync(0xffff0000u, v, 20);
+  if (i % 32 < 16)
+    o[9] = __shfl_sync(0xffff, v, 3);
+  else
+    o[9] = __shfl_sync(0xffff0000u, v, 20);
   __syncwarp();
   unsigned lower;
   asm("mov.u32 %0, %%lanemask_lt;" : "=r"(lower));

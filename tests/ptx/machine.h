@@ -20,7 +20,9 @@ typedef struct Kernel {
   int meets;  // has barriers, votes or shuffles
   uint32_t shared_bytes, most_threads;
   int architecture, parameter_count;
-  struct { uint32_t offset, size; } parameter[32];
+  struct {
+    uint32_t offset, size;
+  } parameter[32];
 } Kernel;
 
 enum Access { READS, WRITES, SHARES };  // the last: atomic
@@ -49,29 +51,60 @@ uint32_t ptx_shfl(Thread*, enum Shuffle, uint32_t value, uint32_t lane, uint32_t
 }
 #else
 
-#define CHECK(a, n, how) if (__builtin_expect(ptx_checked, 0)) ptx_check(t, a, n, how)
-#define CHECK_SHARED(a, n, how) if (__builtin_expect(ptx_checked, 0)) ptx_check_shared(t, a, n)
-#define CHECK_LOCAL(a, n, how) if (__builtin_expect(ptx_checked, 0)) ptx_check_local(t, a, n)
+#define CHECK(a, n, how) \
+  if (__builtin_expect(ptx_checked, 0)) ptx_check(t, a, n, how)
+#define CHECK_SHARED(a, n, how) \
+  if (__builtin_expect(ptx_checked, 0)) ptx_check_shared(t, a, n)
+#define CHECK_LOCAL(a, n, how) \
+  if (__builtin_expect(ptx_checked, 0)) ptx_check_local(t, a, n)
 #define TABLE __attribute__((section("ptx_tables"), aligned(16)))  // variables of the module
 // NaN as a double, -1 as an integer: so that a local variable that is read before it is written shows.
-#define UNWRITTEN(array) if (__builtin_expect(ptx_checked, 0)) memset(array, 0xff, sizeof array)
+#define UNWRITTEN(array) \
+  if (__builtin_expect(ptx_checked, 0)) memset(array, 0xff, sizeof array)
 
-static inline float f32_of(uint32_t b) { float x; memcpy(&x, &b, 4); return x; }
-static inline double f64_of(uint64_t b) { double x; memcpy(&x, &b, 8); return x; }
-static inline uint32_t bits_of_f32(float x) { uint32_t b; memcpy(&b, &x, 4); return b; }
-static inline uint64_t bits_of_f64(double x) { uint64_t b; memcpy(&b, &x, 8); return b; }
+static inline float f32_of(uint32_t b) {
+  float x;
+  memcpy(&x, &b, 4);
+  return x;
+}
+static inline double f64_of(uint64_t b) {
+  double x;
+  memcpy(&x, &b, 8);
+  return x;
+}
+static inline uint32_t bits_of_f32(float x) {
+  uint32_t b;
+  memcpy(&b, &x, 4);
+  return b;
+}
+static inline uint64_t bits_of_f64(double x) {
+  uint64_t b;
+  memcpy(&b, &x, 8);
+  return b;
+}
 
 // Division by zero is undefined in PTX; a GPU gives all ones.
-#define DIVISION(T, name) \
+#define DIVISION(T, name)                                                                                                  \
   static inline T div_##name(T a, T b) { return b == 0 ? (T)-1 : (T)-1 < 0 && b == (T)-1 ? (T)(0 - (uint64_t)a) : a / b; } \
   static inline T rem_##name(T a, T b) { return b == 0 ? a : (T)-1 < 0 && b == (T)-1 ? 0 : a % b; }
-DIVISION(int16_t, s16) DIVISION(uint16_t, u16) DIVISION(int32_t, s32) DIVISION(uint32_t, u32) DIVISION(int64_t, s64) DIVISION(uint64_t, u64)
+DIVISION(int16_t, s16)
+DIVISION(uint16_t, u16)
+DIVISION(int32_t, s32)
+DIVISION(uint32_t, u32)
+DIVISION(int64_t, s64)
+DIVISION(uint64_t, u64)
 
 // Saturating; NaN becomes 0.
-#define TO_INTEGER(T, name, low, high) static inline T to_##name(double x) { return x != x ? 0 : x <= (double)low ? low : x >= (double)high ? high : (T)x; }
-TO_INTEGER(int8_t, s8, INT8_MIN, INT8_MAX) TO_INTEGER(int16_t, s16, INT16_MIN, INT16_MAX) TO_INTEGER(int32_t, s32, INT32_MIN, INT32_MAX)
-TO_INTEGER(int64_t, s64, INT64_MIN, INT64_MAX) TO_INTEGER(uint8_t, u8, 0, UINT8_MAX) TO_INTEGER(uint16_t, u16, 0, UINT16_MAX)
-TO_INTEGER(uint32_t, u32, 0, UINT32_MAX) TO_INTEGER(uint64_t, u64, 0, UINT64_MAX)
+#define TO_INTEGER(T, name, low, high) \
+  static inline T to_##name(double x) { return x != x ? 0 : x <= (double)low ? low : x >= (double)high ? high : (T)x; }
+TO_INTEGER(int8_t, s8, INT8_MIN, INT8_MAX)
+TO_INTEGER(int16_t, s16, INT16_MIN, INT16_MAX)
+TO_INTEGER(int32_t, s32, INT32_MIN, INT32_MAX)
+TO_INTEGER(int64_t, s64, INT64_MIN, INT64_MAX)
+TO_INTEGER(uint8_t, u8, 0, UINT8_MAX)
+TO_INTEGER(uint16_t, u16, 0, UINT16_MAX)
+TO_INTEGER(uint32_t, u32, 0, UINT32_MAX)
+TO_INTEGER(uint64_t, u64, 0, UINT64_MAX)
 
 static inline double upper_word(double x) { return f64_of(bits_of_f64(x) & 0xffffffff00000000ull); }
 static inline double saturate(double x) { return !(x > 0) ? 0 : x > 1 ? 1 : x; }

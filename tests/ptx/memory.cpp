@@ -17,9 +17,9 @@ namespace ptx {
 namespace {
 
 constexpr std::size_t kRange = std::size_t{32} << 30;
-constexpr std::size_t kGuard = 256;      // bytes between buffers, and their alignment, as cudaMalloc's
-constexpr std::size_t kQuarantine = 4;   // released buffers of one size before the first of them is used again
-constexpr std::uint32_t kMany = ~0u;     // read by several threads
+constexpr std::size_t kGuard = 256;     // bytes between buffers, and their alignment, as cudaMalloc's
+constexpr std::size_t kQuarantine = 4;  // released buffers of one size before the first of them is used again
+constexpr std::uint32_t kMany = ~0u;    // read by several threads
 
 // Who touched 4 bytes last, in which launch; and a bit for each of them: allocated, written.
 struct Word {
@@ -144,7 +144,8 @@ using namespace ptx;
 
 namespace {
 void fault(const Thread* t, Access how, const char* what, const std::string& where) {
-  report(std::string(what) + " (" + kDoes[how] + ") in " + readable(t->kernel), "thread " + std::to_string(t->number - 1) + (where.empty() ? "" : ", " + where));
+  report(std::string(what) + " (" + kDoes[how] + ") in " + readable(t->kernel),
+         "thread " + std::to_string(t->number - 1) + (where.empty() ? "" : ", " + where));
 }
 }  // namespace
 
@@ -156,7 +157,8 @@ void ptx_check(Thread* t, std::uint64_t address, std::uint32_t size, Access how)
     const char* here = static_cast<const char*>(__builtin_frame_address(0));
     const bool local = p >= here && p + size <= reinterpret_cast<const char*>(t->stack_end);
     const bool table = p >= __start_ptx_tables && p + size <= __stop_ptx_tables;
-    const bool shared = t->shared && address >= reinterpret_cast<std::uint64_t>(t->shared) && address + size <= reinterpret_cast<std::uint64_t>(t->shared) + t->shared_bytes;
+    const bool shared = t->shared && address >= reinterpret_cast<std::uint64_t>(t->shared) &&
+                        address + size <= reinterpret_cast<std::uint64_t>(t->shared) + t->shared_bytes;
     if (!local && !table && !shared) {
       fault(t, how, "access to host memory", "");
       std::fflush(stderr);
@@ -177,7 +179,8 @@ void ptx_check(Thread* t, std::uint64_t address, std::uint32_t size, Access how)
       if (race && other_wrote) fault(t, how, "race with a thread that wrote", "thread " + std::to_string(w.writer - 1) + ", " + place(p + i));
       w.reader = other_read ? kMany : t->number, w.read_in = m.launch;
     } else {
-      if (race && how == WRITES && other_wrote) fault(t, how, "race with a thread that wrote", "thread " + std::to_string(w.writer - 1) + ", " + place(p + i));
+      if (race && how == WRITES && other_wrote)
+        fault(t, how, "race with a thread that wrote", "thread " + std::to_string(w.writer - 1) + ", " + place(p + i));
       if (race && how == WRITES && other_read) fault(t, how, "race with a thread that read", place(p + i));
       w.written |= bits;
       if (size >= 4) w.writer = t->number, w.written_in = m.launch;
@@ -187,7 +190,8 @@ void ptx_check(Thread* t, std::uint64_t address, std::uint32_t size, Access how)
 
 void ptx_check_shared(Thread* t, std::uint64_t address, std::uint32_t size) {
   const std::uint64_t offset = address - reinterpret_cast<std::uint64_t>(t->shared);
-  if (offset + size > t->shared_bytes) fault(t, READS, "access outside shared memory", "byte " + std::to_string(offset) + " of " + std::to_string(t->shared_bytes));
+  if (offset + size > t->shared_bytes)
+    fault(t, READS, "access outside shared memory", "byte " + std::to_string(offset) + " of " + std::to_string(t->shared_bytes));
   if (address % size != 0) fault(t, READS, "misaligned access to shared memory", "");
 }
 

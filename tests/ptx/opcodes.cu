@@ -36,10 +36,49 @@ std::vector<T> samples() {
   std::vector<T> out;
   if constexpr (std::is_floating_point_v<T>) {
     using L = std::numeric_limits<T>;
-    out = {0, -T(0), 1, -1, T(0.5), T(-1.5), T(2.5), 3, L::infinity(), -L::infinity(), L::quiet_NaN(), L::max(), L::lowest(), L::min(), L::denorm_min(), L::epsilon(), T(1e9), T(-1e10), T(1) / 3};
+    out = {0,
+           -T(0),
+           1,
+           -1,
+           T(0.5),
+           T(-1.5),
+           T(2.5),
+           3,
+           L::infinity(),
+           -L::infinity(),
+           L::quiet_NaN(),
+           L::max(),
+           L::lowest(),
+           L::min(),
+           L::denorm_min(),
+           L::epsilon(),
+           T(1e9),
+           T(-1e10),
+           T(1) / 3};
   } else {
     using L = std::numeric_limits<T>;
-    out = {0, 1, 2, 3, 5, 8, 15, 31, 32, 33, 63, 64, 255, T(-1), T(-2), T(-7), L::max(), L::min(), T(L::max() - 1), T(L::min() + 1), T(L::max() / 3), T(0x89abcdef01234567ull)};
+    out = {0,
+           1,
+           2,
+           3,
+           5,
+           8,
+           15,
+           31,
+           32,
+           33,
+           63,
+           64,
+           255,
+           T(-1),
+           T(-2),
+           T(-7),
+           L::max(),
+           L::min(),
+           T(L::max() - 1),
+           T(L::min() + 1),
+           T(L::max() / 3),
+           T(0x89abcdef01234567ull)};
   }
   std::mt19937_64 random(7);
   for (int k = 0; k < 6; ++k) {
@@ -96,18 +135,19 @@ void compare(const char* name, void (*kernel)(const A*, const B*, const C*, R*, 
 }
 
 // OPCODE(name, type of the result, types of a, b and c, assembly with %0 = result and %1, %2, %3 = a, b, c, the same for g++)
-#define OPCODE(name, R, A, B, C, text, ...)                                                                         \
-  __global__ void k_##name(const A* a, const B* b, const C* c, R* out, int n) {                                     \
-    const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);                                          \
-    if (i >= n) return;                                                                                             \
-    R r;                                                                                                            \
-    asm volatile(text : "=" REG_##R(r) : REG_##A(a[i]), REG_##B(b[i]), REG_##C(c[i]));                              \
-    out[i] = r;                                                                                                     \
-  }                                                                                                                 \
-  TEST(Opcode, name) {                                                                                              \
+#define OPCODE(name, R, A, B, C, text, ...)                                                                                                  \
+  __global__ void k_##name(const A* a, const B* b, const C* c, R* out, int n) {                                                              \
+    const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);                                                                   \
+    if (i >= n) return;                                                                                                                      \
+    R r;                                                                                                                                     \
+    asm volatile(text : "=" REG_##R(r) : REG_##A(a[i]), REG_##B(b[i]), REG_##C(c[i]));                                                       \
+    out[i] = r;                                                                                                                              \
+  }                                                                                                                                          \
+  TEST(Opcode, name) {                                                                                                                       \
     compare<R, A, B, C>(#name, k_##name, []([[maybe_unused]] A a, [[maybe_unused]] B b, [[maybe_unused]] C c) -> R { return __VA_ARGS__; }); \
   }
-#define PREDICATE(name, A, instruction, expression) OPCODE(name, u32, A, A, u32, "{ .reg .pred p; " instruction " p, %1, %2; selp.b32 %0, 1, 0, p; }", (expression) ? 1 : 0)
+#define PREDICATE(name, A, instruction, expression) \
+  OPCODE(name, u32, A, A, u32, "{ .reg .pred p; " instruction " p, %1, %2; selp.b32 %0, 1, 0, p; }", (expression) ? 1 : 0)
 
 // --- integers ---
 OPCODE(add_s32, s32, s32, s32, u16, "add.s32 %0, %1, %2;", static_cast<s32>(u32(a) + u32(b)))
@@ -117,7 +157,7 @@ OPCODE(sub_s32, s32, s32, s32, u16, "sub.s32 %0, %1, %2;", static_cast<s32>(u32(
 OPCODE(sub_s16, s16, s16, s16, u16, "sub.s16 %0, %1, %2;", static_cast<s16>(a - b))
 OPCODE(sub_s64, s64, s64, s64, u16, "sub.s64 %0, %1, %2;", static_cast<s64>(u64(a) - u64(b)))
 OPCODE(mul_lo_s32, s32, s32, s32, u16, "mul.lo.s32 %0, %1, %2;", static_cast<s32>(u32(a) * u32(b)))
-OPCODE(mul_lo_s16, s16, s16, s16, u16, "mul.lo.s16 %0, %1, %2;", static_cast<s16>(a * b))
+OPCODE(mul_lo_s16, s16, s16, s16, u16, "mul.lo.s16 %0, %1, %2;", static_cast<s16>(a* b))
 OPCODE(mul_lo_s64, s64, s64, s64, u16, "mul.lo.s64 %0, %1, %2;", static_cast<s64>(u64(a) * u64(b)))
 OPCODE(mul_hi_s32, s32, s32, s32, u16, "mul.hi.s32 %0, %1, %2;", static_cast<s32>((s64(a) * s64(b)) >> 32))
 OPCODE(mul_hi_u32, u32, u32, u32, u16, "mul.hi.u32 %0, %1, %2;", static_cast<u32>((u64(a) * u64(b)) >> 32))
@@ -151,8 +191,10 @@ OPCODE(add_carry, u64, u64, u64, u64, "{ " UNPACK "add.cc.u32 r0, a0, b0; addc.u
 OPCODE(sub_carry, u64, u64, u64, u64, "{ " UNPACK "sub.cc.u32 r0, a0, b0; subc.u32 r1, a1, b1; mov.b64 %0, {r0, r1}; }", a - b)
 OPCODE(carry_out, u64, u64, u64, u64, "{ " UNPACK "add.cc.u32 r0, a0, b0; addc.cc.u32 r1, a1, b1; addc.u32 r0, 0, 0; mov.b64 %0, {r0, r1}; }",
        u64(static_cast<u32>((a + b) >> 32)) << 32 | (a + b < a ? 1u : 0u))
-OPCODE(mad_carry, u64, u64, u64, u64, "{ " UNPACK "mad.lo.cc.u32 r0, a0, b0, c0; madc.hi.u32 r1, a0, b0, c1; mov.b64 %0, {r0, r1}; }", u64(u32(a)) * u64(u32(b)) + c)
-OPCODE(mad_chain, u64, u64, u64, u64, "{ " UNPACK "mad.lo.cc.u32 r0, a0, b0, c0; madc.hi.cc.u32 r1, a0, b0, c1; madc.lo.cc.u32 r1, a1, b1, r1; mov.b64 %0, {r0, r1}; }",
+OPCODE(mad_carry, u64, u64, u64, u64, "{ " UNPACK "mad.lo.cc.u32 r0, a0, b0, c0; madc.hi.u32 r1, a0, b0, c1; mov.b64 %0, {r0, r1}; }",
+       u64(u32(a)) * u64(u32(b)) + c)
+OPCODE(mad_chain, u64, u64, u64, u64,
+       "{ " UNPACK "mad.lo.cc.u32 r0, a0, b0, c0; madc.hi.cc.u32 r1, a0, b0, c1; madc.lo.cc.u32 r1, a1, b1, r1; mov.b64 %0, {r0, r1}; }",
        [](u64 a, u64 b, u64 c) {
          const unsigned __int128 s = static_cast<unsigned __int128>(u64(u32(a)) * u64(u32(b))) + c;
          const u32 carry = static_cast<u32>(s >> 64), high = static_cast<u32>(u64(s) >> 32);
@@ -255,7 +297,8 @@ OPCODE(min_f64, f64, f64, f64, u16, "min.f64 %0, %1, %2;", lesser(a, b))
 OPCODE(max_f64, f64, f64, f64, u16, "max.f64 %0, %1, %2;", -lesser(-a, -b))
 OPCODE(min_f32, f32, f32, f32, u16, "min.f32 %0, %1, %2;", lesser(a, b))
 OPCODE(copysign_f64, f64, f64, f64, u16, "copysign.f64 %0, %1, %2;", std::copysign(b, a))
-#define TESTP(kind, expression) OPCODE(testp_##kind, u32, f64, u16, u16, "{ .reg .pred p; testp." #kind ".f64 p, %1; selp.b32 %0, 1, 0, p; }", (expression) ? 1 : 0)
+#define TESTP(kind, expression) \
+  OPCODE(testp_##kind, u32, f64, u16, u16, "{ .reg .pred p; testp." #kind ".f64 p, %1; selp.b32 %0, 1, 0, p; }", (expression) ? 1 : 0)
 TESTP(finite, std::isfinite(a))
 TESTP(infinite, std::isinf(a))
 TESTP(number, !std::isnan(a))
@@ -263,7 +306,7 @@ TESTP(notanumber, std::isnan(a))
 
 // --- comparisons: unordered ones are true with a NaN ---
 PREDICATE(setp_eq_f64, f64, "setp.eq.f64", a == b)
-PREDICATE(setp_ne_f64, f64, "setp.ne.f64", a < b || a > b)
+PREDICATE(setp_ne_f64, f64, "setp.ne.f64", a<b || a> b)
 PREDICATE(setp_lt_f64, f64, "setp.lt.f64", a < b)
 PREDICATE(setp_le_f64, f64, "setp.le.f64", a <= b)
 PREDICATE(setp_gt_f64, f64, "setp.gt.f64", a > b)
@@ -285,11 +328,14 @@ PREDICATE(setp_ge_s64, s64, "setp.ge.s64", a >= b)
 PREDICATE(setp_ge_u64, u64, "setp.ge.u64", a >= b)
 PREDICATE(setp_ne_s16, s16, "setp.ne.s16", a != b)
 OPCODE(setp_two, u32, s32, s32, u32, "{ .reg .pred p, q; setp.lt.s32 p|q, %1, %2; selp.b32 %0, 1, 0, q; }", a < b ? 0u : 1u)
-OPCODE(setp_and, u32, s32, s32, s32, "{ .reg .pred p, q; setp.lt.s32 q, %2, %3; setp.lt.and.s32 p, %1, %2, q; selp.b32 %0, 1, 0, p; }", a < b && b < c ? 1u : 0u)
+OPCODE(setp_and, u32, s32, s32, s32, "{ .reg .pred p, q; setp.lt.s32 q, %2, %3; setp.lt.and.s32 p, %1, %2, q; selp.b32 %0, 1, 0, p; }",
+       a < b && b < c ? 1u : 0u)
 OPCODE(predicates, u32, s32, s32, s32,
-       "{ .reg .pred p, q, r; setp.lt.s32 p, %1, %2; setp.lt.s32 q, %2, %3; and.pred r, p, q; not.pred p, p; or.pred r, r, p; xor.pred r, r, q; mov.pred q, r; selp.u32 %0, 1, 0, q; }",
+       "{ .reg .pred p, q, r; setp.lt.s32 p, %1, %2; setp.lt.s32 q, %2, %3; and.pred r, p, q; not.pred p, p; or.pred r, r, p; xor.pred r, r, q; "
+       "mov.pred q, r; selp.u32 %0, 1, 0, q; }",
        ((a < b && b < c) || !(a < b)) != (b < c) ? 1u : 0u)
-OPCODE(guards, u32, s32, s32, s32, "{ .reg .pred p; setp.lt.s32 p, %1, %2; mov.u32 %0, 1; @p mov.u32 %0, 2; @!p add.u32 %0, %0, 4; }", a < b ? 2u : 5u)
+OPCODE(guards, u32, s32, s32, s32, "{ .reg .pred p; setp.lt.s32 p, %1, %2; mov.u32 %0, 1; @p mov.u32 %0, 2; @!p add.u32 %0, %0, 4; }",
+       a < b ? 2u : 5u)
 OPCODE(selp_f64, f64, f64, f64, s32, "{ .reg .pred p; setp.gt.s32 p, %3, 0; selp.f64 %0, %1, %2, p; }", c > 0 ? a : b)
 OPCODE(selp_u16, u16, u16, u16, s32, "{ .reg .pred p; setp.gt.s32 p, %3, 0; selp.u16 %0, %1, %2, p; }", c > 0 ? a : b)
 

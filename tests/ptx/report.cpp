@@ -8,7 +8,9 @@
 #include <map>
 
 int ptx_checked = 0;
-__attribute__((constructor(101))) static void choose() { ptx_checked = std::getenv("MORTISE_PTX_CHECK") != nullptr; }  // before all other constructors
+__attribute__((constructor(101))) static void choose() {
+  ptx_checked = std::getenv("MORTISE_PTX_CHECK") != nullptr;
+}  // before all other constructors
 
 namespace ptx {
 namespace {
@@ -50,11 +52,13 @@ void write(const Ledger& l) {
   std::FILE* f = name ? std::fopen(name, "a") : nullptr;
   if (!f) return;
   const auto number = [](const std::string& key, long long n) { return quoted(key) + ": " + std::to_string(n); };
-  const auto run = [](const Kernel* k, const Runs& r) { 
-    return quoted(readable(k)) + ": [" + std::to_string(r.launches) + ", " + std::to_string(r.threads) + ", " + std::to_string(r.traffic.accessed) + ", " + std::to_string(r.traffic.touched) + "]";
+  const auto run = [](const Kernel* k, const Runs& r) {
+    return quoted(readable(k)) + ": [" + std::to_string(r.launches) + ", " + std::to_string(r.threads) + ", " + std::to_string(r.traffic.accessed) +
+           ", " + std::to_string(r.traffic.touched) + "]";
   };
-  std::fprintf(f, "{\"checked\": %s, \"backwards\": %s, \"waits\": %lld, \"faults\": %s, \"calls\": %s, \"kernels\": %s}\n", ptx_checked ? "true" : "false",
-               settings().backwards ? "true" : "false", l.waits, object(l.faults, number).c_str(), object(l.calls, number).c_str(), object(l.runs, run).c_str());
+  std::fprintf(f, "{\"checked\": %s, \"backwards\": %s, \"waits\": %lld, \"faults\": %s, \"calls\": %s, \"kernels\": %s}\n",
+               ptx_checked ? "true" : "false", settings().backwards ? "true" : "false", l.waits, object(l.faults, number).c_str(),
+               object(l.calls, number).c_str(), object(l.runs, run).c_str());
   std::fclose(f);
 }
 
@@ -80,7 +84,8 @@ std::string readable(const Kernel* kernel) {
 const Settings& settings() {
   static const auto text = [](const char* name) { return std::string(std::getenv(name) ? std::getenv(name) : ""); };
   static const Settings s{text("MORTISE_PTX_ORDER") == "backwards",
-                          (text("MORTISE_PTX_MEMORY_MIB").empty() ? std::size_t{8192} : std::stoul(text("MORTISE_PTX_MEMORY_MIB"))) << 20, text("MORTISE_PTX_FAIL")};
+                          (text("MORTISE_PTX_MEMORY_MIB").empty() ? std::size_t{8192} : std::stoul(text("MORTISE_PTX_MEMORY_MIB"))) << 20,
+                          text("MORTISE_PTX_FAIL")};
   return s;
 }
 

@@ -141,8 +141,10 @@ cudaError_t cudaLaunchKernel(const void* host, dim3 grid, dim3 block, void** arg
   if (it == kernels().end()) return wrong(cudaErrorInvalidDeviceFunction, "launch of a kernel that was not translated: " + names()[host]);
   const Kernel* k = it->second;
   const std::size_t threads = std::size_t{block.x} * block.y * block.z;
-  if (threads == 0 || grid.x == 0 || grid.y == 0 || grid.z == 0) return wrong(cudaErrorInvalidConfiguration, std::string("empty launch of ") + k->name);
-  if (threads > k->most_threads || grid.x > 0x7fffffffu || grid.y > 65535 || grid.z > 65535) return wrong(cudaErrorInvalidConfiguration, std::string("too large a launch of ") + k->name);
+  if (threads == 0 || grid.x == 0 || grid.y == 0 || grid.z == 0)
+    return wrong(cudaErrorInvalidConfiguration, std::string("empty launch of ") + k->name);
+  if (threads > k->most_threads || grid.x > 0x7fffffffu || grid.y > 65535 || grid.z > 65535)
+    return wrong(cudaErrorInvalidConfiguration, std::string("too large a launch of ") + k->name);
   if (k->shared_bytes + shared > kSharedBytes) return wrong(cudaErrorInvalidConfiguration, std::string("too much shared memory for ") + k->name);
   Launch l{k, {grid.x, grid.y, grid.z}, {block.x, block.y, block.z}, static_cast<std::uint32_t>(shared), {}};
   for (int i = 0; i < k->parameter_count; ++i) {
@@ -172,9 +174,14 @@ cudaError_t cudaGetDeviceProperties(cudaDeviceProp* p, int) {
   return cudaSuccess;
 }
 cudaError_t cudaDeviceGetAttribute(int* value, cudaDeviceAttr a, int) {
-  const std::map<int, int> known{{cudaDevAttrMultiProcessorCount, 4},    {cudaDevAttrComputeCapabilityMajor, architecture() / 10}, {cudaDevAttrComputeCapabilityMinor, architecture() % 10},
-                                 {cudaDevAttrMaxGridDimX, 0x7fffffff},   {cudaDevAttrMaxThreadsPerBlock, 1024},                    {cudaDevAttrMaxSharedMemoryPerBlock, kSharedBytes},
-                                 {cudaDevAttrWarpSize, 32},              {cudaDevAttrMaxSharedMemoryPerBlockOptin, kSharedBytes}};
+  const std::map<int, int> known{{cudaDevAttrMultiProcessorCount, 4},
+                                 {cudaDevAttrComputeCapabilityMajor, architecture() / 10},
+                                 {cudaDevAttrComputeCapabilityMinor, architecture() % 10},
+                                 {cudaDevAttrMaxGridDimX, 0x7fffffff},
+                                 {cudaDevAttrMaxThreadsPerBlock, 1024},
+                                 {cudaDevAttrMaxSharedMemoryPerBlock, kSharedBytes},
+                                 {cudaDevAttrWarpSize, 32},
+                                 {cudaDevAttrMaxSharedMemoryPerBlockOptin, kSharedBytes}};
   const auto it = known.find(a);
   if (it == known.end()) return wrong(cudaErrorInvalidValue, "device attribute " + std::to_string(a) + " is not known to tests/ptx");
   *value = it->second;
@@ -216,11 +223,16 @@ cudaError_t cudaOccupancyMaxActiveBlocksPerMultiprocessorWithFlags(int* n, const
 
 const char* cudaGetErrorString(cudaError_t e) {
   switch (e) {
-    case cudaErrorMemoryAllocation: return "out of memory";
-    case cudaErrorInsufficientDriver: return "CUDA driver version is insufficient for CUDA runtime version";
-    case cudaErrorNoDevice: return "no CUDA-capable device is detected";
-    case cudaErrorNoKernelImageForDevice: return "no kernel image is available for execution on the device";
-    case cudaErrorIllegalAddress: return "an illegal memory access was encountered";
+    case cudaErrorMemoryAllocation:
+      return "out of memory";
+    case cudaErrorInsufficientDriver:
+      return "CUDA driver version is insufficient for CUDA runtime version";
+    case cudaErrorNoDevice:
+      return "no CUDA-capable device is detected";
+    case cudaErrorNoKernelImageForDevice:
+      return "no kernel image is available for execution on the device";
+    case cudaErrorIllegalAddress:
+      return "an illegal memory access was encountered";
     default: {
       static thread_local char text[32];
       std::snprintf(text, sizeof text, "CUDA error %d", static_cast<int>(e));
@@ -256,17 +268,22 @@ cudaError_t cudaMemGetInfo(std::size_t* free, std::size_t* total) {
 cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind, cudaStream_t stream) {
   if (const cudaError_t e = enter("cudaMemcpyAsync")) return e;
   if (bytes == 0) return cudaSuccess;
-  const bool to_device = kind == cudaMemcpyHostToDevice || kind == cudaMemcpyDeviceToDevice, from_device = kind == cudaMemcpyDeviceToHost || kind == cudaMemcpyDeviceToDevice;
-  if (to_device != on_device(to) || from_device != on_device(from)) return wrong(cudaErrorInvalidValue, "copy in a direction that its pointers do not have");
-  if ((to_device && !one_buffer(to, bytes)) || (from_device && !one_buffer(from, bytes))) return wrong(cudaErrorInvalidValue, "copy outside a buffer");
-  if (to_device && from_device && static_cast<char*>(to) < static_cast<const char*>(from) + bytes && static_cast<const char*>(from) < static_cast<char*>(to) + bytes)
+  const bool to_device = kind == cudaMemcpyHostToDevice || kind == cudaMemcpyDeviceToDevice,
+             from_device = kind == cudaMemcpyDeviceToHost || kind == cudaMemcpyDeviceToDevice;
+  if (to_device != on_device(to) || from_device != on_device(from))
+    return wrong(cudaErrorInvalidValue, "copy in a direction that its pointers do not have");
+  if ((to_device && !one_buffer(to, bytes)) || (from_device && !one_buffer(from, bytes)))
+    return wrong(cudaErrorInvalidValue, "copy outside a buffer");
+  if (to_device && from_device && static_cast<char*>(to) < static_cast<const char*>(from) + bytes &&
+      static_cast<const char*>(from) < static_cast<char*>(to) + bytes)
     report("copy within the device between ranges that overlap");
   return submit(stream, [=] {
     std::memmove(to, from, bytes);
     if (to_device && from_device) mark_copied(to, from, bytes);
     if (to_device && !from_device) mark_written(to, bytes);
     if (from_device && !to_device)
-      if (const std::size_t n = never_written(from, bytes)) report("download of bytes that nobody wrote", std::to_string(n) + " of " + std::to_string(bytes) + ", " + place(from));
+      if (const std::size_t n = never_written(from, bytes))
+        report("download of bytes that nobody wrote", std::to_string(n) + " of " + std::to_string(bytes) + ", " + place(from));
   });
 }
 cudaError_t cudaMemcpy(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind) {

@@ -136,10 +136,17 @@ void conclude(Lane* warp, std::uint32_t mask, int meeting) {
       const std::uint32_t b = l.lane & 31, segment = l.clamp >> 8 & 31, most = (i & segment) | (l.clamp & 31 & ~segment);
       std::int64_t from = i;
       switch (meeting - kShuffle) {
-        case SHFL_UP: from = std::int64_t{i} - b, l.inside = from >= most; break;
-        case SHFL_DOWN: from = i + b, l.inside = from <= most; break;
-        case SHFL_BFLY: from = i ^ b, l.inside = from <= most; break;
-        default: from = (i & segment) | (b & ~segment), l.inside = from <= most;
+        case SHFL_UP:
+          from = std::int64_t{i} - b, l.inside = from >= most;
+          break;
+        case SHFL_DOWN:
+          from = i + b, l.inside = from <= most;
+          break;
+        case SHFL_BFLY:
+          from = i ^ b, l.inside = from <= most;
+          break;
+        default:
+          from = (i & segment) | (b & ~segment), l.inside = from <= most;
       }
       if (!l.inside) from = i;
       if (!(mask >> from & 1)) report("a shuffle reads a lane outside its mask");
@@ -196,7 +203,8 @@ int ptx_vote_any(Thread* t, int p, std::uint32_t mask) { return static_cast<int>
 int ptx_vote_uni(Thread* t, int p, std::uint32_t mask) { return static_cast<int>(meet(t, kUniform, mask, p != 0).result); }
 std::uint32_t ptx_vote_ballot(Thread* t, int p, std::uint32_t mask) { return meet(t, kBallot, mask, p != 0).result; }
 std::uint32_t ptx_match_any(Thread* t, std::uint64_t value, std::uint32_t mask) { return meet(t, kMatch, mask, value).result; }
-std::uint32_t ptx_shfl(Thread* t, Shuffle mode, std::uint32_t value, std::uint32_t lane, std::uint32_t clamp, std::uint32_t mask, std::uint8_t* inside) {
+std::uint32_t ptx_shfl(Thread* t, Shuffle mode, std::uint32_t value, std::uint32_t lane, std::uint32_t clamp, std::uint32_t mask,
+                       std::uint8_t* inside) {
   const Lane& l = meet(t, kShuffle + static_cast<int>(mode), mask, value, lane, clamp);
   *inside = l.inside;
   return l.result;
@@ -211,7 +219,9 @@ void ptx::run(Launch& l) {
   const std::uint32_t per_block = l.block[0] * l.block[1] * l.block[2], blocks = l.grid[0] * l.grid[1] * l.grid[2];
   std::vector<std::uint64_t> shared((l.kernel->shared_bytes + l.dynamic_shared + 15) / 16 * 2 + 2);
   const auto thread = [&](std::uint32_t block, std::uint32_t i) {
-    const auto at = [](std::uint32_t n, const std::uint32_t* size, int axis) { return axis == 0 ? n % size[0] : axis == 1 ? n / size[0] % size[1] : n / size[0] / size[1]; };
+    const auto at = [](std::uint32_t n, const std::uint32_t* size, int axis) {
+      return axis == 0 ? n % size[0] : axis == 1 ? n / size[0] % size[1] : n / size[0] / size[1];
+    };
     Thread t{};
     for (int a = 0; a < 3; ++a) t.tid[a] = at(i, l.block, a), t.ntid[a] = l.block[a], t.ctaid[a] = at(block, l.grid, a), t.nctaid[a] = l.grid[a];
     t.linear = i, t.lane = i % 32, t.number = block * per_block + i + 1;

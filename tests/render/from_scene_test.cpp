@@ -5,8 +5,8 @@
 #include "base/error.h"
 #include "geometry/primitives.h"
 #include "geometry/topology.h"
-#include "scene/scene.h"
 #include "place.h"
+#include "scene/scene.h"
 
 namespace mortise::render {
 namespace {

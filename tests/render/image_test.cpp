@@ -51,8 +51,8 @@ TEST(Png, FailuresNameTheFile) {
 }
 
 double lightness(const ColourMap& m, int i) {  // CIE L* / 100 of an sRGB colour
-  const double y = 0.2126 * linear_of_srgb(m[3 * i] / 255.0) + 0.7152 * linear_of_srgb(m[3 * i + 1] / 255.0) +
-                   0.0722 * linear_of_srgb(m[3 * i + 2] / 255.0);
+  const double y =
+      0.2126 * linear_of_srgb(m[3 * i] / 255.0) + 0.7152 * linear_of_srgb(m[3 * i + 1] / 255.0) + 0.0722 * linear_of_srgb(m[3 * i + 2] / 255.0);
   return 1.16 * std::cbrt(y) - 0.16;
 }
 

@@ -14,7 +14,8 @@ using run::Certificate;
 namespace {
 
 model::ModelInput scene() {
-  Params solver = Params::make_table(), contact = Params::make_table(), friction = Params::make_table(), effects = Params::make_table(), root = Params::make_table();
+  Params solver = Params::make_table(), contact = Params::make_table(), friction = Params::make_table(), effects = Params::make_table(),
+         root = Params::make_table();
   solver.set("relative_tolerance", Params::make_number(1e-6));
   contact.set("d_hat", Params::make_number(1e-3));
   friction.set("creep_speed", Params::make_number(1e-4));
@@ -47,7 +48,8 @@ solver::StepReport good() {
   return r;
 }
 
-nlohmann::json certificate(double defect, Exit status = Exit::done, double distance = 5e-4, double det = 0.9, double value = 1, const solver::StepReport& step = good()) {
+nlohmann::json certificate(double defect, Exit status = Exit::done, double distance = 5e-4, double det = 0.9, double value = 1,
+                           const solver::StepReport& step = good()) {
   Certificate c(scene());
   c.state(state(0));
   c.state(state(defect, distance, det, value));
@@ -209,7 +211,8 @@ TEST(Certificate, HasTheKeysOfItsSchema) {
   const auto j = certificate(0);
   std::ifstream file(test_place::kSourceFolder + "/schemas/certificate.schema.json");
   const auto schema = nlohmann::json::parse(file);
-  const std::function<void(const nlohmann::json&, const nlohmann::json&, const std::string&)> compare = [&](const auto& value, const auto& s, const std::string& at) {
+  const std::function<void(const nlohmann::json&, const nlohmann::json&, const std::string&)> compare = [&](const auto& value, const auto& s,
+                                                                                                            const std::string& at) {
     if (!s.contains("properties")) return;
     for (const auto& key : s["required"]) EXPECT_TRUE(value.contains(key)) << at << "." << key;
     for (const auto& [key, v] : value.items()) {

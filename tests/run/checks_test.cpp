@@ -41,8 +41,9 @@ std::vector<double> points(const model::ModelInput& input, const Map& map) {
 }
 
 // Verdict of one criterion after a state at rest and a state moved by `map`, whose points have these velocities.
-Checks::Verdict verdict(const std::string& criterion, const Map& map = kStay, const Map& velocity = [](const Vec3&) { return Vec3::Zero(); },
-                        const std::function<void(FieldSink&, int)>& more = {}, Exit status = Exit::done, const std::string& message = "") {
+Checks::Verdict verdict(
+    const std::string& criterion, const Map& map = kStay, const Map& velocity = [](const Vec3&) { return Vec3::Zero(); },
+    const std::function<void(FieldSink&, int)>& more = {}, Exit status = Exit::done, const std::string& message = "") {
   const model::ModelInput input = scene("  - " + criterion + "\n");
   Checks checks(input);
   for (int k = 0; k < 2; ++k) {
@@ -61,7 +62,9 @@ TEST(Checks, MeasuresTheBody) {
   const Map moved = [](const Vec3& x) { return Vec3(2 * x[0] + 3, x[1], x[2]); };
   const Map turning = [](const Vec3& x) { return Vec3(Vec3(0, 0, 2).cross(x) + Vec3(1, 0, 0)); };
   const std::string end = ", when: end, near: 0, tolerance: 0}";
-  const auto value = [&](const std::string& q, const std::string& axis) { return verdict("{quantity: " + q + ", body: cube" + axis + end, moved, turning).value; };
+  const auto value = [&](const std::string& q, const std::string& axis) {
+    return verdict("{quantity: " + q + ", body: cube" + axis + end, moved, turning).value;
+  };
   EXPECT_NEAR(value("position", ", axis: x"), 3, 1e-12);
   EXPECT_NEAR(value("displacement", ", axis: size"), 3, 1e-12);
   EXPECT_NEAR(value("lowest", ", axis: x"), 2, 1e-12);
@@ -133,7 +136,10 @@ mortise: 1
 time: {step: 0.1 s, steps: 2}
 materials: {gel: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1000}}
 bodies: {cube: {type: soft, shape: {box: {size: [1, 1, 1], edge_length: 1}}, material: gel}}
-effects: {inertia: {}, elasticity: {}, pin: [{body: cube, where: {side: z_max}}])" + more + "}\n", "test.yaml", {}, engine::effect_tables()).root);
+effects: {inertia: {}, elasticity: {}, pin: [{body: cube, where: {side: z_max}}])" +
+                                                                                  more + "}\n",
+                                                                              "test.yaml", {}, engine::effect_tables())
+                                                           .root);
     Checks checks(input);
     for (int k = 0; k < 2; ++k) {
       Snapshot sink;
@@ -150,7 +156,8 @@ effects: {inertia: {}, elasticity: {}, pin: [{body: cube, where: {side: z_max}}]
   EXPECT_DOUBLE_EQ(plain.support_work, 1.5);
   EXPECT_DOUBLE_EQ(plain.largest_gain, 3.5);
   EXPECT_DOUBLE_EQ(plain.scale, 5);
-  const run::EnergyAudit::Result loaded = after_two_states(", pressure_load: [{body: cube, where: {side: z_min}, pressure: {time: [0, 1], value: [0, 1]}}]");
+  const run::EnergyAudit::Result loaded =
+      after_two_states(", pressure_load: [{body: cube, where: {side: z_min}, pressure: {time: [0, 1], value: [0, 1]}}]");
   EXPECT_DOUBLE_EQ(loaded.total, 5);
   EXPECT_TRUE(std::isnan(loaded.largest_gain));
 }
@@ -158,11 +165,13 @@ effects: {inertia: {}, elasticity: {}, pin: [{body: cube, where: {side: z_max}}]
 // Inside of one body forces have no resultant; what its points are held with is what a defect is measured against.
 TEST(Checks, BalanceIsAShareOfTheForcesThatSupportsBear) {
   const auto share = [](double held) {
-    return verdict("{quantity: force_balance, below: 1e-6}", kStay, kStay, [&](FieldSink& sink, int) {
-             sink.points("support_force", "N", 3, std::vector<double>{held, 0, 0, -held, 0, 0});
-             sink.scalar("balance", "largest", "N", 1e-3);
-             for (const char* name : {"defect_x", "defect_y", "defect_z"}) sink.scalar("balance", name, "N", name[7] == 'x' ? 1e-3 : 0);
-           }).value;
+    return verdict("{quantity: force_balance, below: 1e-6}", kStay, kStay,
+                   [&](FieldSink& sink, int) {
+                     sink.points("support_force", "N", 3, std::vector<double>{held, 0, 0, -held, 0, 0});
+                     sink.scalar("balance", "largest", "N", 1e-3);
+                     for (const char* name : {"defect_x", "defect_y", "defect_z"}) sink.scalar("balance", name, "N", name[7] == 'x' ? 1e-3 : 0);
+                   })
+        .value;
   };
   EXPECT_DOUBLE_EQ(share(0), 1);
   EXPECT_DOUBLE_EQ(share(5000), 1e-7);

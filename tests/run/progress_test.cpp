@@ -51,7 +51,8 @@ int width_of(const std::string& text) {
   int width = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (text[i] == '\033')
-      while (i + 1 < text.size() && !std::isalpha(static_cast<unsigned char>(text[++i]))) {}
+      while (i + 1 < text.size() && !std::isalpha(static_cast<unsigned char>(text[++i]))) {
+      }
     else
       width += (static_cast<unsigned char>(text[i]) & 0xC0) != 0x80;
   }
@@ -95,7 +96,8 @@ TEST(Progress, LeavesOutTheLeastImportantFiguresFirst) {
   EXPECT_EQ(at80.find("cg"), std::string::npos) << at80;
   EXPECT_EQ(at110.find("cg"), std::string::npos) << at110;
   EXPECT_NE(at110.find("substeps 64"), std::string::npos) << at110;
-  for (const char* figure : {"cg 123456", "lag 100", "contacts 123456", "gap 12.3 um", "residual 1.2e-10 N"}) EXPECT_NE(wide.find(figure), std::string::npos) << wide;
+  for (const char* figure : {"cg 123456", "lag 100", "contacts 123456", "gap 12.3 um", "residual 1.2e-10 N"})
+    EXPECT_NE(wide.find(figure), std::string::npos) << wide;
   EXPECT_NE(at80.find("█"), std::string::npos) << at80;
 }
 

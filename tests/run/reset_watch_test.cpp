@@ -59,7 +59,9 @@ TEST(ResetWatch, EndsByTime) {
 }
 
 TEST(ResetWatch, EndsByTheCentreOfTheBodyThatIsNamed) {
-  const auto bounds = [](const char* body, const char* axis, const char* which, double v) { return std::vector<Params>{condition({{"body", text(body)}, {"axis", text(axis)}, {which, number(v)}})}; };
+  const auto bounds = [](const char* body, const char* axis, const char* which, double v) {
+    return std::vector<Params>{condition({{"body", text(body)}, {"axis", text(axis)}, {which, number(v)}})};
+  };
   EXPECT_EQ(ended(bounds("high", "z", "above", 5.5), {.up = 0.24}), "");
   EXPECT_EQ(ended(bounds("high", "z", "above", 5.5), {.up = 0.26}), "high z = 5.51 above 5.5");
   EXPECT_EQ(ended(bounds("low", "z", "above", 0.5), {.up = 9}), "");
@@ -83,7 +85,8 @@ TEST(ResetWatch, EndsByAQuantityOutsideOfItsBounds) {
 
 TEST(ResetWatch, TheFirstConditionStaysAndSurvivesARestart) {
   const model::ModelInput input = two_boxes();
-  const std::vector<Params> c{condition({{"failure", Params::make_flag(true)}}), condition({{"after", number(1)}}), condition({{"body", text("high")}, {"axis", text("z")}, {"above", number(5)}})};
+  const std::vector<Params> c{condition({{"failure", Params::make_flag(true)}}), condition({{"after", number(1)}}),
+                              condition({{"body", text("high")}, {"axis", text("z")}, {"above", number(5)}})};
   ResetWatch watch(c, input), again(c, input);
   watch.see(1, 0.5, {}, points(input, 0));
   ASSERT_TRUE(watch.due());

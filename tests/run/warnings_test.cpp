@@ -23,7 +23,8 @@ bodies:
   block: {type: soft, shape: {box: {size: [20 mm, 20 mm, 10 mm], edge_length: 10 mm}}, material: gel, position: [0, 0, 6 mm]}
   floor: {type: half_space}
 effects: {inertia: {}, elasticity: {}, barrier_contact: {}}
-)", "w.yaml", set, engine::effect_tables());
+)",
+                                                "w.yaml", set, engine::effect_tables());
   return run::warnings(engine::make_input(s.root));
 }
 
@@ -32,7 +33,8 @@ effects: {inertia: {}, elasticity: {}, barrier_contact: {}}
 // What 0.1.0 took without a word: a modulus of 50 Pa, steps of 100 s, a contact layer as thick as the scene, a floor without contact.
 TEST(Warnings, TellWhatIsHardlyEverMeant) {
   EXPECT_THAT(warned({}), IsEmpty());
-  EXPECT_THAT(warned({"materials.gel.youngs_modulus=50"}), ElementsAre(HasSubstr("materials.gel.youngs_modulus is 50 Pa, softer than the softest tissue")));
+  EXPECT_THAT(warned({"materials.gel.youngs_modulus=50"}),
+              ElementsAre(HasSubstr("materials.gel.youngs_modulus is 50 Pa, softer than the softest tissue")));
   EXPECT_THAT(warned({"materials.gel.density=1 g/cm^3"}), IsEmpty());
   EXPECT_THAT(warned({"time.step=100 s"}), ElementsAre(HasSubstr("time.step is 100 s")));
   EXPECT_THAT(warned({"effects.barrier_contact.d_hat=5 mm"}), ElementsAre(HasSubstr("d_hat is 0.005 m, 0.25 times the size of body 'block'")));
@@ -41,13 +43,16 @@ TEST(Warnings, TellWhatIsHardlyEverMeant) {
 TEST(Warnings, TellWhereElementsLock) {
   EXPECT_THAT(warned({"materials.gel.poisson_ratio=0.49"}), IsEmpty());
   EXPECT_THAT(warned({"materials.gel.volumetric=full"}), IsEmpty());
-  EXPECT_THAT(warned({"materials.gel.poisson_ratio=0.49", "materials.gel.volumetric=full"}), ElementsAre(HasSubstr("the elements of body 'block' lock")));
+  EXPECT_THAT(warned({"materials.gel.poisson_ratio=0.49", "materials.gel.volumetric=full"}),
+              ElementsAre(HasSubstr("the elements of body 'block' lock")));
   EXPECT_THAT(warned({"materials.gel.poisson_ratio=0.45", "materials.gel.volumetric=full", "bodies.block.order=2"}), IsEmpty());
 }
 
 TEST(Warnings, TellWhereNothingKeepsBodiesApart) {
   const scene::Scene s = scene::read_scene_text(
-      "mortise: 1\nname: w\ntime: {step: 5 ms, steps: 1}\nmaterials: {m: {density: 1000}}\nbodies:\n  a: {type: stiff, shape: {box: {size: [1, 1, 1], edge_length: 1}}, material: m}\n  floor: {type: half_space, point: [0, 0, -1]}\n"
-      "effects: {inertia: {}, gravity: {}, affine_body: {}}\n", "w.yaml", {}, engine::effect_tables());
+      "mortise: 1\nname: w\ntime: {step: 5 ms, steps: 1}\nmaterials: {m: {density: 1000}}\nbodies:\n  a: {type: stiff, shape: {box: {size: [1, 1, "
+      "1], edge_length: 1}}, material: m}\n  floor: {type: half_space, point: [0, 0, -1]}\n"
+      "effects: {inertia: {}, gravity: {}, affine_body: {}}\n",
+      "w.yaml", {}, engine::effect_tables());
   EXPECT_THAT(run::warnings(engine::make_input(s.root)), ElementsAre(HasSubstr("nothing keeps bodies apart")));
 }

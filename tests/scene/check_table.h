@@ -1,8 +1,8 @@
 #pragma once
+#include <gtest/gtest.h>
+
 #include <set>
 #include <string>
-
-#include <gtest/gtest.h>
 
 #include "scene/checker.h"
 #include "scene/tables.h"

@@ -1,12 +1,12 @@
 // What is drawn for environments, and the scenes that they are.
 #include "scene/environments.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 namespace mortise::scene {
 namespace {
@@ -16,11 +16,13 @@ using testing::Not;
 
 const ParamTable kNothing{"elasticity", "", {}};
 const ParamTable kInertia{"inertia", "", {}};
-const std::vector<EffectTable> kEffects{{.name = "elasticity", .help = "", .table = &kNothing}, {.name = "inertia", .help = "", .table = &kInertia, .inertia = true}};
+const std::vector<EffectTable> kEffects{{.name = "elasticity", .help = "", .table = &kNothing},
+                                        {.name = "inertia", .help = "", .table = &kInertia, .inertia = true}};
 
 std::string text(const std::string& environments) {
   return "mortise: 1\ntime: {step: 1 ms, steps: 2}\nmaterials: {gel: {youngs_modulus: 0.4 MPa, poisson_ratio: 0.25, density: 1000}}\n"
-         "bodies: {pad: {type: soft, shape: {sphere: {radius: 10 mm, edge_length: 5 mm}}, material: gel, rotation: {axis: [0, 0, 1], angle: 10 deg}}}\n"
+         "bodies: {pad: {type: soft, shape: {sphere: {radius: 10 mm, edge_length: 5 mm}}, material: gel, rotation: {axis: [0, 0, 1], angle: 10 "
+         "deg}}}\n"
          "effects: {elasticity: {}, inertia: {}}\nenvironments: " +
          environments + "\n";
 }
@@ -39,24 +41,32 @@ double distance(std::vector<double> v, F wanted) {
   std::sort(v.begin(), v.end());
   double most = 0;
   for (std::size_t i = 0; i < v.size(); ++i)
-    for (const double step : {0.0, 1.0}) most = std::max(most, std::abs(wanted(v[i]) - (static_cast<double>(i) + step) / static_cast<double>(v.size())));
+    for (const double step : {0.0, 1.0})
+      most = std::max(most, std::abs(wanted(v[i]) - (static_cast<double>(i) + step) / static_cast<double>(v.size())));
   return most;
 }
 
 TEST(Environments, ValuesAreDistributedAsAsked) {
   constexpr long n = 4000;
   const double most = 1.95 / std::sqrt(static_cast<double>(n));
-  EXPECT_LT(distance(values("{path: materials.gel.youngs_modulus, scale: {log_uniform: [0.5, 2]}}", n), [](double v) { return std::log(v / 0.2e6) / std::log(4.0); }), most);
+  EXPECT_LT(distance(values("{path: materials.gel.youngs_modulus, scale: {log_uniform: [0.5, 2]}}", n),
+                     [](double v) { return std::log(v / 0.2e6) / std::log(4.0); }),
+            most);
   EXPECT_LT(distance(values("{path: materials.gel.poisson_ratio, add: {uniform: [-0.25, 0.2]}}", n), [](double v) { return v / 0.45; }), most);
-  EXPECT_LT(distance(values("{path: bodies.pad.position.2, add: {normal: [1 mm, 2 mm]}}", n), [](double v) { return 0.5 * std::erfc(-(v - 1e-3) / 2e-3 / std::sqrt(2.0)); }), most);
+  EXPECT_LT(distance(values("{path: bodies.pad.position.2, add: {normal: [1 mm, 2 mm]}}", n),
+                     [](double v) { return 0.5 * std::erfc(-(v - 1e-3) / 2e-3 / std::sqrt(2.0)); }),
+            most);
   std::vector<double> choice = values("{path: bodies.pad.rotation.angle, abs: {choice: [0, 90 deg, 180 deg]}}", n);
   for (double wanted : {0.0, std::acos(0.0), std::acos(-1.0)})
-    EXPECT_NEAR(static_cast<double>(std::count_if(choice.begin(), choice.end(), [&](double v) { return std::abs(v - wanted) < 1e-12; })), n / 3.0, 4 * std::sqrt(n * 2 / 9.0));
+    EXPECT_NEAR(static_cast<double>(std::count_if(choice.begin(), choice.end(), [&](double v) { return std::abs(v - wanted) < 1e-12; })), n / 3.0,
+                4 * std::sqrt(n * 2 / 9.0));
 }
 
 TEST(Environments, ADrawHangsOnSeedEnvironmentEpisodeAndPathAlone) {
-  const std::string modulus = "{path: materials.gel.youngs_modulus, scale: {uniform: [0.5, 2]}}", density = "{path: materials.gel.density, scale: {uniform: [0.5, 2]}}";
-  const Scene few = scene_of("{count: 2, seed: 7, vary: [" + modulus + "]}"), many = scene_of("{count: 500, seed: 7, vary: [" + density + ", " + modulus + "]}"),
+  const std::string modulus = "{path: materials.gel.youngs_modulus, scale: {uniform: [0.5, 2]}}",
+                    density = "{path: materials.gel.density, scale: {uniform: [0.5, 2]}}";
+  const Scene few = scene_of("{count: 2, seed: 7, vary: [" + modulus + "]}"),
+              many = scene_of("{count: 500, seed: 7, vary: [" + density + ", " + modulus + "]}"),
               other = scene_of("{count: 2, seed: 8, vary: [" + modulus + "]}");
   for (long e = 0; e < 2; ++e) {
     EXPECT_EQ(draw(few.root, e, 0)[0].value, draw(many.root, e, 0)[1].value);
@@ -72,15 +82,20 @@ TEST(Environments, ADrawHangsOnSeedEnvironmentEpisodeAndPathAlone) {
 // Draws of different paths, and of neighbouring environments, are not correlated: r has a deviation of 1/sqrt(n).
 TEST(Environments, DrawsAreIndependent) {
   constexpr long n = 4000;
-  const Scene s = scene_of("{count: 4000, vary: [{path: materials.gel.youngs_modulus, scale: {uniform: [0.5, 2]}}, {path: materials.gel.density, scale: {uniform: [0.5, 2]}}]}");
+  const Scene s = scene_of(
+      "{count: 4000, vary: [{path: materials.gel.youngs_modulus, scale: {uniform: [0.5, 2]}}, {path: materials.gel.density, scale: {uniform: [0.5, "
+      "2]}}]}");
   double paths = 0, neighbours = 0, episodes = 0;
   const auto at = [&](long e, long episode, int k) { return (draw(s.root, e, episode)[k].draw - 1.25) / std::sqrt(1.5 * 1.5 / 12); };
-  for (long e = 0; e < n; ++e) paths += at(e, 0, 0) * at(e, 0, 1) / n, neighbours += at(e, 0, 0) * at(e + 1, 0, 0) / n, episodes += at(e, 0, 0) * at(e, 1, 0) / n;
+  for (long e = 0; e < n; ++e)
+    paths += at(e, 0, 0) * at(e, 0, 1) / n, neighbours += at(e, 0, 0) * at(e + 1, 0, 0) / n, episodes += at(e, 0, 0) * at(e, 1, 0) / n;
   for (double r : {paths, neighbours, episodes}) EXPECT_LT(std::abs(r), 4 / std::sqrt(static_cast<double>(n)));
 }
 
 TEST(Environments, AnEnvironmentIsAScene) {
-  const Scene all = scene_of("{count: 3, seed: 7, vary: [{path: materials.gel.youngs_modulus, scale: {uniform: [0.5, 2]}}, {path: bodies.pad.position.1, add: {normal: [0, 1 mm]}}]}");
+  const Scene all = scene_of(
+      "{count: 3, seed: 7, vary: [{path: materials.gel.youngs_modulus, scale: {uniform: [0.5, 2]}}, {path: bodies.pad.position.1, add: {normal: [0, "
+      "1 mm]}}]}");
   const Scene one = environment_of(all, {}, kEffects, 2);
   EXPECT_FALSE(one.root.has("environments"));
   EXPECT_EQ(one.root.at("materials").at("gel").number("youngs_modulus"), draw(all.root, 2, 0)[0].value);

@@ -1,19 +1,19 @@
 // Reading scenes with tables of our own, so that these tests do not change with the effects.
 #include "scene/scene.h"
 
-#include <filesystem>
-#include <fstream>
-#include <numbers>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "check_table.h"
 #include "scene/quantity.h"
 #include "scene/schema.h"
 #include "scene/suggest.h"
 #include "scene/tables.h"
-#include "check_table.h"
 
 namespace mortise::scene {
 namespace {
@@ -24,11 +24,10 @@ using namespace param;
 using Kind = Param::Kind;
 
 const ParamTable kSpin{"spin", "", {of(Kind::numbers, "angle", Unit::angle, {}, "Angles.")}};
-const ParamTable kMove{
-    "move",
-    "",
-    {of(Kind::text, "body", Unit::none, {}, "Body."), of(Kind::numbers, "time", Unit::time, {}, "Times."),
-     optional(of(Kind::vec3s, "translation", Unit::length, {}, "Translations.")), table("spin", &kSpin, "Rotation.")}};
+const ParamTable kMove{"move",
+                       "",
+                       {of(Kind::text, "body", Unit::none, {}, "Body."), of(Kind::numbers, "time", Unit::time, {}, "Times."),
+                        optional(of(Kind::vec3s, "translation", Unit::length, {}, "Translations.")), table("spin", &kSpin, "Rotation.")}};
 const ParamTable kMoves = [] {
   ParamTable t = kMove;
   t.is_list = true;
@@ -39,9 +38,8 @@ const ParamTable kSides{"sides", "", {of(Kind::text, "slave", Unit::none, {}, "B
 const ParamTable kLoad{
     "load",
     "",
-    {of(Kind::schedule, "pressure", Unit::pressure, "0", "Pressure."),
-     optional(of(Kind::text, "follows", Unit::none, {}, "Effect.")), table("side", &kSides, "Bodies."),
-     optional(of(Kind::pairs, "pairs", Unit::none, {}, "Pairs.")),
+    {of(Kind::schedule, "pressure", Unit::pressure, "0", "Pressure."), optional(of(Kind::text, "follows", Unit::none, {}, "Effect.")),
+     table("side", &kSides, "Bodies."), optional(of(Kind::pairs, "pairs", Unit::none, {}, "Pairs.")),
      range(number("mu", Unit::none, "0.5", 0, "Coefficient."), 0, 10), of(Kind::flag, "on", Unit::none, "true", "Switch.")}};
 const std::vector<EffectTable> kEffects{{"inertia", "One.", &kEmpty, {}, {}, true},
                                         {"elasticity", "Two.", &kEmpty},
@@ -59,9 +57,7 @@ effects:
   elasticity:
 )";
 
-Params read(const std::string& text, const std::vector<std::string>& set = {}) {
-  return read_scene_text(text, "s.yaml", set, kEffects).root;
-}
+Params read(const std::string& text, const std::vector<std::string>& set = {}) { return read_scene_text(text, "s.yaml", set, kEffects).root; }
 
 // The whole message; "" when the scene is fine.
 std::string message(const std::string& text, const std::vector<std::string>& set = {}) {
@@ -106,12 +102,9 @@ TEST(Scene, OneBlockIsAListOfOne) {
 }
 
 TEST(Scene, ListsThatBelongToTimesHaveTheirLength) {
-  EXPECT_THAT(message(kBase + "  move: {body: ball, time: [0, 1], translation: [[0, 0, 0]]}\n"),
-              HasSubstr("translation has 1 entries"));
-  EXPECT_THAT(message(kBase + "  move: {body: ball, time: [0, 1], spin: {angle: [0, 1, 2]}}\n"),
-              HasSubstr("spin.angle has 3 entries"));
-  EXPECT_THAT(message(kBase + "  move: {body: ball, time: [0, 0]}\n"),
-              HasSubstr("s.yaml:9:32: error: effects.move.time must increase"));
+  EXPECT_THAT(message(kBase + "  move: {body: ball, time: [0, 1], translation: [[0, 0, 0]]}\n"), HasSubstr("translation has 1 entries"));
+  EXPECT_THAT(message(kBase + "  move: {body: ball, time: [0, 1], spin: {angle: [0, 1, 2]}}\n"), HasSubstr("spin.angle has 3 entries"));
+  EXPECT_THAT(message(kBase + "  move: {body: ball, time: [0, 0]}\n"), HasSubstr("s.yaml:9:32: error: effects.move.time must increase"));
 }
 
 TEST(Scene, ReportsAllErrorsInTheOrderOfTheFile) {
@@ -144,8 +137,10 @@ TEST(Scene, AliasesRepeatABlock) {
 
 TEST(Scene, MergeKeysFillInWhatIsNotWritten) {
   const std::string text =
-      "mortise: 1\nx-r: &r {type: stiff, material: m, shape: {sphere: {radius: 1 m, edge_length: 0.5 m}}, position: [1, 0, 0]}\nx-s: &s {position: [2, 0, 0], velocity: [3, 0, 0]}\n"
-      "time: {step: 1, steps: 1}\nmaterials: {m: {density: 1}}\nbodies:\n  a: {<<: *r}\n  b: {position: [5, 0, 0], <<: [*s, *r]}\n  c:\n    <<: *s\n    <<: *r\neffects: {inertia: {}, affine_body: {}}\n";
+      "mortise: 1\nx-r: &r {type: stiff, material: m, shape: {sphere: {radius: 1 m, edge_length: 0.5 m}}, position: [1, 0, 0]}\nx-s: &s {position: "
+      "[2, 0, 0], velocity: [3, 0, 0]}\n"
+      "time: {step: 1, steps: 1}\nmaterials: {m: {density: 1}}\nbodies:\n  a: {<<: *r}\n  b: {position: [5, 0, 0], <<: [*s, *r]}\n  c:\n    <<: *s\n "
+      "   <<: *r\neffects: {inertia: {}, affine_body: {}}\n";
   const Params bodies = read(text).at("bodies");
   EXPECT_EQ(bodies.at("a").vec3("position"), Vec3(1, 0, 0));
   EXPECT_EQ(bodies.at("b").vec3("position"), Vec3(5, 0, 0));
@@ -187,8 +182,7 @@ TEST(Scene, PairsNameBodies) {
   EXPECT_THAT(message(kBase + "  load: {side: {slave: bal}}\n"), HasSubstr("effects.load.side.slave: no body 'bal'"));
   EXPECT_EQ(message(kBase + "  load: {pairs: [[ball, ball]]}\n"), "");
   EXPECT_THAT(message(kBase + "  load: {pairs: [[ball, bal]]}\n"), HasSubstr("effects.load.pairs.0.1: no body 'bal'"));
-  EXPECT_THAT(message(kBase + "  load: {pairs: [[ball]]}\n"),
-              HasSubstr("effects.load.pairs.0 has 1 entries; must be [name, name]"));
+  EXPECT_THAT(message(kBase + "  load: {pairs: [[ball]]}\n"), HasSubstr("effects.load.pairs.0 has 1 entries; must be [name, name]"));
 }
 
 TEST(Scene, PathsResolveAgainstTheScene) {
@@ -217,9 +211,8 @@ TEST(Scene, ResolvedTextReadsBack) {
 
 TEST(Overrides, ReachEveryKindOfPlace) {
   const std::string text = kBase + "  move: {body: ball, time: [0, 1], translation: [[0, 0, 0], [0, 0, 1]]}\n";
-  const Params s =
-      read(text, {"time.steps=9", "solver.iterations=5", "bodies.ball.velocity.2=-1 mm/s", "effects.move.0.translation.1.0=7",
-                  "effects.load={mu: 2}", "bodies.ball.shape.sphere.radius=9 mm", "effects.load.mu=3"});
+  const Params s = read(text, {"time.steps=9", "solver.iterations=5", "bodies.ball.velocity.2=-1 mm/s", "effects.move.0.translation.1.0=7",
+                               "effects.load={mu: 2}", "bodies.ball.shape.sphere.radius=9 mm", "effects.load.mu=3"});
   EXPECT_EQ(s.at("time").integer("steps"), 9);
   EXPECT_EQ(s.at("solver").integer("iterations"), 5);
   EXPECT_EQ(s.at("bodies").at("ball").vec3("velocity"), Vec3(0, 0, -1e-3));
@@ -256,8 +249,7 @@ TEST(Quantity, PowersOfTenAreExact) {
 }
 
 TEST(Quantity, RefusesWhatIsNoFiniteNumberOfTheUnit) {
-  for (const char* bad :
-       {"", "m", "1 kPa", "1 m m", "1..2", "0x10", "010", "1e999", ".inf", "nan", "1,5", "1_000", "1 2", "--1", "1e", "5 Mm"})
+  for (const char* bad : {"", "m", "1 kPa", "1 m m", "1..2", "0x10", "010", "1e999", ".inf", "nan", "1,5", "1_000", "1 2", "--1", "1e", "5 Mm"})
     EXPECT_NE(parse_quantity(bad, Unit::length).error, "") << bad;
   EXPECT_NE(parse_quantity("1 m", Unit::none).error, "");
   EXPECT_EQ(parse_quantity("1e-999", Unit::none).value, 0);
@@ -294,7 +286,10 @@ TEST(Schema, FollowsTheTables) {
 
 // Bytes that continue a character which never began (found by the fuzzer).
 TEST(Scene, BytesThatAreNoTextAreAnErrorNotACrash) {
-  EXPECT_THROW(read_scene_text(std::string(200, '\x8c') + "\x1e" "amm", "bytes.yaml", {}, {}), Error);
+  EXPECT_THROW(read_scene_text(std::string(200, '\x8c') + "\x1e"
+                                                          "amm",
+                               "bytes.yaml", {}, {}),
+               Error);
   EXPECT_THROW(read_scene_text("mortise: 1\n" + std::string(300, '\x8c'), "bytes.yaml", {}, {}), Error);
 }
 

@@ -50,7 +50,8 @@ Run run(const model::ModelInput& input, int steps) {
 }
 
 // steps: of the batch; the environments' own points are compared after each.
-void expect_alone(const std::string& yaml, const std::vector<std::string>& common, const std::vector<Environment>& envs, int steps, const std::string& what) {
+void expect_alone(const std::string& yaml, const std::vector<std::string>& common, const std::vector<Environment>& envs, int steps,
+                  const std::string& what) {
   const Run together = run(batch(yaml, common, envs), steps);
   ASSERT_EQ(together.failure, "") << what;
   std::size_t first = 0;
@@ -91,7 +92,8 @@ effects:
 // The same with mortar contact.
 std::string with_mortar(std::string text) {
   const auto replace = [&](const std::string& from, const std::string& to) { text.replace(text.find(from), from.size(), to); };
-  replace("barrier_contact: {d_hat: 1 mm, stiffness: 50 kPa}", "mortar_contact: {d_hat: 1 mm, pairs: [{slave: pad, master: block}, {slave: stone, master: floor}]}");
+  replace("barrier_contact: {d_hat: 1 mm, stiffness: 50 kPa}",
+          "mortar_contact: {d_hat: 1 mm, pairs: [{slave: pad, master: block}, {slave: stone, master: floor}]}");
   replace("follows: barrier_contact", "follows: mortar_contact");
   return text;
 }
@@ -108,7 +110,8 @@ TEST(Batch, FrictionWithEveryLinearSolver) {
 TEST(Batch, SchwarzPreconditioner) { expect_alone(kSlide, {"solver.linear=cg", "solver.preconditioner=mas"}, kEnvironments, 2, "mas"); }
 
 TEST(Batch, MortarContactWithFriction) {
-  for (const char* linear : {"direct", "reuse", "cg"}) expect_alone(with_mortar(kSlide), {std::string("solver.linear=") + linear}, kEnvironments, 3, std::string("mortar, ") + linear);
+  for (const char* linear : {"direct", "reuse", "cg"})
+    expect_alone(with_mortar(kSlide), {std::string("solver.linear=") + linear}, kEnvironments, 3, std::string("mortar, ") + linear);
 }
 
 // Few iterations: some environments have to halve their steps, each by itself.
@@ -140,5 +143,6 @@ TEST(Batch, OneThatFailsIsGivenUpAlone) {
   std::vector<Environment> envs = kEnvironments;
   envs[1] = {{"bodies.block.velocity=[0, 0, -2000]"}, true};
   for (const char* linear : {"direct", "reuse", "cg"})
-    expect_alone(kSlide, {std::string("solver.linear=") + linear, "solver.iterations=12", "effects.friction.lag_iterations=2", "solver.halvings=0"}, envs, 3, std::string("failure, ") + linear);
+    expect_alone(kSlide, {std::string("solver.linear=") + linear, "solver.iterations=12", "effects.friction.lag_iterations=2", "solver.halvings=0"},
+                 envs, 3, std::string("failure, ") + linear);
 }

@@ -14,7 +14,8 @@ namespace {
 // A link of 100 x 20 x 20 mm and 40 g on a hinge at its end, from the horizontal; weight turns it by kWeight cos(angle) about y.
 constexpr double kInertia = 0.04 * (0.1 * 0.1 / 3 + 0.02 * 0.02 / 12), kWeight = 0.04 * 9.81 * 0.05;
 
-std::string link(const std::string& joint, const std::string& drive, double dt_ms, const std::string& integrator = "backward_euler", int steps = 1000) {
+std::string link(const std::string& joint, const std::string& drive, double dt_ms, const std::string& integrator = "backward_euler",
+                 int steps = 1000) {
   return fmt::format(R"(
 mortise: 1
 name: link
@@ -40,7 +41,8 @@ std::pair<double, double> motion(F torque, double t, int n = 20000) {
   const auto a = [&](double at, double y, double w) { return torque(at, y, w) / kInertia; };
   for (int i = 0; i < n; ++i) {
     const double s = i * h;
-    const double k1 = v, l1 = a(s, x, v), k2 = v + h / 2 * l1, l2 = a(s + h / 2, x + h / 2 * k1, k2), k3 = v + h / 2 * l2, l3 = a(s + h / 2, x + h / 2 * k2, k3), k4 = v + h * l3, l4 = a(s + h, x + h * k3, k4);
+    const double k1 = v, l1 = a(s, x, v), k2 = v + h / 2 * l1, l2 = a(s + h / 2, x + h / 2 * k1, k2), k3 = v + h / 2 * l2,
+                 l3 = a(s + h / 2, x + h / 2 * k2, k3), k4 = v + h * l3, l4 = a(s + h, x + h * k3, k4);
     x += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4), v += h / 6 * (l1 + 2 * l2 + 2 * l3 + l4);
   }
   return {x, v};
@@ -100,7 +102,8 @@ TEST(Drives, EffortIsLimited) {
 }
 
 TEST(Drives, VelocityIsLimited) {
-  for (const char* drive : {"mode: effort, torque: 1e-2, effort: 1e-2, velocity: 2", "mode: pd, kp: 50, kd: 0, angle: 40 rad, effort: 1e-2, velocity: 2"}) {
+  for (const char* drive :
+       {"mode: effort, torque: 1e-2, effort: 1e-2, velocity: 2", "mode: pd, kp: 50, kd: 0, angle: 40 rad, effort: 1e-2, velocity: 2"}) {
     Rig rig(link("", drive, 2), {kNoWeight});
     double fastest = 0, torque = 0;
     for (int i = 0; i < 300; ++i) {
@@ -117,8 +120,11 @@ TEST(Drives, VelocityIsLimited) {
 
 TEST(Drives, BearingsDrag) {
   const double T = 0.3, D = 1e-3, F = 4e-3;
-  const auto [x, v] = motion([&](double t, double, double w) { return 1e-2 * (t < 0.1) - D * w - (std::abs(w) > 1e-2 ? F * w / std::abs(w) : F * w / 1e-2); }, T);
-  Rig rig(link("", fmt::format("mode: effort, torque: {{time: [0, 0.1, 0.1000001], value: [1e-2, 1e-2, 0]}}, damping: {}, friction: {}", D, F), 0.5, "bdf2"), {kNoWeight});
+  const auto [x, v] =
+      motion([&](double t, double, double w) { return 1e-2 * (t < 0.1) - D * w - (std::abs(w) > 1e-2 ? F * w / std::abs(w) : F * w / 1e-2); }, T);
+  Rig rig(link("", fmt::format("mode: effort, torque: {{time: [0, 0.1, 0.1000001], value: [1e-2, 1e-2, 0]}}, damping: {}, friction: {}", D, F), 0.5,
+               "bdf2"),
+          {kNoWeight});
   rig.steps(600);
   const Captured f = rig.fields();
   EXPECT_GT(x, 0.25);
@@ -153,7 +159,8 @@ effects:
                        first, drives);
   };
   const std::string hip = "    - {name: hip, type: revolute, body: upper, at: [0, 0, 0], axis: [0, 1, 0]}\n";
-  const std::string drive_hip = "    - {joint: hip, mode: kinematic, sine: {angle: 60 deg, frequency: 2}}\n", drive_knee = "    - {joint: knee, mode: kinematic, angle: {time: [0, 1], value: [0, -100 deg]}, interpolation: smooth}\n";
+  const std::string drive_hip = "    - {joint: hip, mode: kinematic, sine: {angle: 60 deg, frequency: 2}}\n",
+                    drive_knee = "    - {joint: knee, mode: kinematic, angle: {time: [0, 1], value: [0, -100 deg]}, interpolation: smooth}\n";
   const std::string swing = "    - {joint: hip, mode: passive, damping: 1e-3}\n";
   for (const std::string& yaml : {scene(hip, drive_hip + drive_knee), scene(hip, swing + drive_knee), scene("", drive_knee)}) {
     Rig rig(yaml);
@@ -191,9 +198,12 @@ TEST(Drives, TorqueOfGivenAngles) {
 
 // Two links in free flight turn each other: no momentum comes of it.
 TEST(Drives, ActOnBothBodies) {
-  for (const char* drive : {"mode: pd, kp: 0.2, kd: 1e-3, angle: 50 deg", "mode: kinematic, angle: {time: [0, 0.2], value: [0, 50 deg]}, interpolation: smooth", "mode: effort, torque: 1e-3"}) {
+  for (const char* drive : {"mode: pd, kp: 0.2, kd: 1e-3, angle: 50 deg",
+                            "mode: kinematic, angle: {time: [0, 0.2], value: [0, 50 deg]}, interpolation: smooth", "mode: effort, torque: 1e-3"}) {
     std::string yaml = link("", drive, 1);
-    yaml.replace(yaml.find("effects:"), 8, "  other: {type: stiff, shape: {box: {size: [60 mm, 30 mm, 20 mm], edge_length: 100 mm}}, material: steel, position: [-30 mm, 0, 0]}\neffects:");
+    yaml.replace(yaml.find("effects:"), 8,
+                 "  other: {type: stiff, shape: {box: {size: [60 mm, 30 mm, 20 mm], edge_length: 100 mm}}, material: steel, position: [-30 mm, 0, "
+                 "0]}\neffects:");
     yaml.replace(yaml.find("body: arm,"), 10, "body: arm, to: other,");
     Rig rig(yaml, {kNoWeight});
     double turning = 0, left = 0, linear = 0;
@@ -281,8 +291,10 @@ effects:
     - {name: hip, type: revolute, body: thigh, at: [0, 0, 0], axis: [0, 1, 0], angle_limits: [-60 deg, 60 deg]}
     - {name: knee, type: revolute, body: calf, to: thigh, at: [0, 0, -80 mm], axis: [0, 1, 0], angle_limits: [-1 deg, 100 deg]}
   drive:
-    - {joint: hip, mode: pd, kp: 4, kd: 0.04, effort: 3, velocity: 20, file: {path: )" + csv + R"(, column: hip}}
-    - {joint: knee, mode: kinematic, file: {path: )" + csv + R"(, column: knee, unit: rad}}
+    - {joint: hip, mode: pd, kp: 4, kd: 0.04, effort: 3, velocity: 20, file: {path: )" +
+         csv + R"(, column: hip}}
+    - {joint: knee, mode: kinematic, file: {path: )" +
+         csv + R"(, column: knee, unit: rad}}
   bond: [{body: foot, to: calf, within: 0}]
   barrier_contact: {d_hat: 1 mm, stiffness: 50 kPa, pairs: [[foot, ground]]}
   friction: {follows: barrier_contact, mu: 0.6}
@@ -316,7 +328,8 @@ std::vector<double> run_input(const model::ModelInput& input, int before, int be
   Captured f;
   engine->report(f);
   std::vector<double> out = engine->points();
-  for (const char* name : {"joint/hip_angle", "joint/hip_rate", "drive/hip_torque", "drive/knee_torque", "joint/knee_angle"}) out.push_back(f.at(name));
+  for (const char* name : {"joint/hip_angle", "joint/hip_rate", "drive/hip_torque", "drive/knee_torque", "joint/knee_angle"})
+    out.push_back(f.at(name));
   return out;
 }
 
@@ -369,7 +382,9 @@ TEST(Drives, StepsAreCutWhereTurnsAreLong) {
 // What is given has to pass, or the step fails: a driven link and a pinned wall, both of which nothing moves.
 TEST(Drives, GivenWaysAreChecked) {
   std::string yaml = link("", "mode: kinematic, angle: {time: [0, 0.5], value: [0, 80 deg]}", 5);
-  yaml.replace(yaml.find("effects:"), 8, "  wall: {type: stiff, shape: {box: {size: [20 mm, 60 mm, 20 mm], edge_length: 100 mm}}, material: steel, position: [60 mm, 0, -60 mm]}\neffects:\n  pin: [{body: wall, where: {side: all}}]\n  barrier_contact: {d_hat: 1 mm}\n");
+  yaml.replace(yaml.find("effects:"), 8,
+               "  wall: {type: stiff, shape: {box: {size: [20 mm, 60 mm, 20 mm], edge_length: 100 mm}}, material: steel, position: [60 mm, 0, -60 "
+               "mm]}\neffects:\n  pin: [{body: wall, where: {side: all}}]\n  barrier_contact: {d_hat: 1 mm}\n");
   Rig rig(yaml);
   std::string why;
   try {
@@ -448,7 +463,8 @@ bodies:
   joint:
     - {{name: left, type: prismatic, body: left, axis: {}, travel: 20 mm, travel_limits: [0, 60 mm]{}}}
 {})",
-                     dt_ms, more.substr(0, more.find('|')), axis, more.find('|') == std::string::npos ? "" : more.substr(more.find('|') + 1), effects);
+                     dt_ms, more.substr(0, more.find('|')), axis, more.find('|') == std::string::npos ? "" : more.substr(more.find('|') + 1),
+                     effects);
 }
 
 }  // namespace
@@ -479,7 +495,8 @@ TEST(Slides, FallAlongTheirAxis) {
 
 // A gripper on an arm whose angle is given: one motor presses with 5 N, the other jaw mimics it exactly, and the ball between bears it.
 TEST(Slides, GripWithAGivenForce) {
-  const std::string bodies = R"(  palm: {type: stiff, shape: {box: {size: [40 mm, 40 mm, 10 mm], edge_length: 100 mm}}, material: steel, position: [0, 0, 60 mm]}
+  const std::string bodies =
+      R"(  palm: {type: stiff, shape: {box: {size: [40 mm, 40 mm, 10 mm], edge_length: 100 mm}}, material: steel, position: [0, 0, 60 mm]}
   right: {type: stiff, shape: {box: {size: [100 mm, 20 mm, 20 mm], edge_length: 100 mm}}, material: steel, position: [70 mm, 0, 0]}
   ball: {type: soft, shape: {sphere: {radius: 14 mm, edge_length: 6 mm}}, material: rubber}
 |, to: palm)";
@@ -512,8 +529,11 @@ TEST(Slides, GripWithAGivenForce) {
 
 // Given travel, between bodies that fly: exact, and no momentum.
 TEST(Slides, GivenTravelIsExact) {
-  const std::string bodies = "  palm: {type: stiff, shape: {box: {size: [40 mm, 40 mm, 10 mm], edge_length: 100 mm}}, material: steel, position: [0, 0, 60 mm]}\n|, to: palm";
-  Rig rig(jaws("  drive: [{joint: left, mode: kinematic, travel: {time: [0, 0.1], value: [20 mm, 50 mm]}, interpolation: smooth}]\n", 2, bodies), {"effects.gravity.acceleration=[0, 0, 0]"});
+  const std::string bodies =
+      "  palm: {type: stiff, shape: {box: {size: [40 mm, 40 mm, 10 mm], edge_length: 100 mm}}, material: steel, position: [0, 0, 60 mm]}\n|, to: "
+      "palm";
+  Rig rig(jaws("  drive: [{joint: left, mode: kinematic, travel: {time: [0, 0.1], value: [20 mm, 50 mm]}, interpolation: smooth}]\n", 2, bodies),
+          {"effects.gravity.acceleration=[0, 0, 0]"});
   for (int i = 0; i < 40; ++i) {
     rig.step();
     const Captured f = rig.fields();
@@ -542,9 +562,12 @@ TEST(Slides, PdAgainstItsEquation) {
 
 TEST(Slides, Refusals) {
   const auto says = [](const std::string& message, const std::string& text) { EXPECT_NE(message.find(text), std::string::npos) << message; };
-  const std::string palm = "  palm: {type: stiff, shape: {box: {size: [40 mm, 40 mm, 10 mm], edge_length: 100 mm}}, material: steel, position: [0, 0, 60 mm]}\n|, to: palm";
+  const std::string palm =
+      "  palm: {type: stiff, shape: {box: {size: [40 mm, 40 mm, 10 mm], edge_length: 100 mm}}, material: steel, position: [0, 0, 60 mm]}\n|, to: "
+      "palm";
   says(refused(jaws("", 1, palm)), "'palm' moves freely");
-  says(refused(jaws("  drive: [{joint: left, mode: pd, kp: 1, angle: 1}]\n", 1)), "angle has no meaning: of this joint a drive of mode pd aims at 'travel'");
+  says(refused(jaws("  drive: [{joint: left, mode: pd, kp: 1, angle: 1}]\n", 1)),
+       "angle has no meaning: of this joint a drive of mode pd aims at 'travel'");
   says(refused(jaws("  drive: [{joint: left, mode: effort, torque: 1}]\n", 1)), "aims at 'force'");
   says(refused(jaws("", 1, "|, mimic: {joint: right}")), "there is no such joint");
   says(refused(jaws("", 1, "|, angle: 3")), "angle has no meaning in a prismatic joint");

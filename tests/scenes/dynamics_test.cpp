@@ -106,7 +106,8 @@ TEST(Dynamics, ContactMakesNoEnergy) {
   const std::string path = test_place::kSourceFolder + "/scenes/hard/h04_edge_edge_parallel.yaml";
   std::ifstream file(path);
   const std::string yaml{std::istreambuf_iterator<char>(file), {}};
-  const std::string barrier = "barrier_contact: {d_hat: 5 mm, stiffness: 0.1 MPa}", mortar = "mortar_contact: {d_hat: 5 mm, pairs: [{slave: upper, master: lower}]}";
+  const std::string barrier = "barrier_contact: {d_hat: 5 mm, stiffness: 0.1 MPa}",
+                    mortar = "mortar_contact: {d_hat: 5 mm, pairs: [{slave: upper, master: lower}]}";
   for (const std::string& contact : {barrier, mortar}) {
     std::string text = yaml;
     text.replace(text.find(barrier), barrier.size(), contact);

@@ -69,7 +69,8 @@ TEST(Krylov, ForcingSavesNearlyHalfOfTheIterations) {
 }
 
 TEST(Krylov, SchwarzSavesIterations) {
-  const Outcome jacobi = run({"linear=cg", "preconditioner=jacobi", "cg_forcing=fixed"}), mas = run({"linear=cg", "preconditioner=mas", "cg_forcing=fixed"});
+  const Outcome jacobi = run({"linear=cg", "preconditioner=jacobi", "cg_forcing=fixed"}),
+                mas = run({"linear=cg", "preconditioner=mas", "cg_forcing=fixed"});
   std::printf("cg %d, %d\n", jacobi.cg, mas.cg);
   EXPECT_LT(1.5 * mas.cg, jacobi.cg);
 }

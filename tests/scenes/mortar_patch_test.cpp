@@ -14,7 +14,7 @@ struct Patch {
   double d_hat = 1e-2, kappa = 1e6, nu = 0.3;
   std::string slave = "bottom", weights = "consistent", quadrature = "3", gradient = "frozen";
   bool two_pass = false;
-  double bottom_side = 1, top_side = 1;          // squares that share the corner at the origin
+  double bottom_side = 1, top_side = 1;           // squares that share the corner at the origin
   double bottom_edge = 0.25, top_edge = 1.0 / 6;  // mesh sizes: 4 and 6 cells
   int bottom_order = 1, top_order = 1;
 };
@@ -27,15 +27,14 @@ std::string num(double v) {
 
 std::string block(const std::string& name, double side, double edge, double z, int order) {
   return "  " + name + ": {type: soft, order: " + std::to_string(order) + ", shape: {box: {size: [" + num(side) + ", " + num(side) +
-         ", 0.5], edge_length: " + num(edge) + "}}, material: rubber, position: [" + num(side / 2) + ", " + num(side / 2) + ", " +
-         num(z) + "]}\n";
+         ", 0.5], edge_length: " + num(edge) + "}}, material: rubber, position: [" + num(side / 2) + ", " + num(side / 2) + ", " + num(z) + "]}\n";
 }
 
 // The part of the larger square that the smaller one leaves bare, as two rectangles at height z.
 std::string bare(const std::string& body, double small, double large, double z) {
   const auto part = [&](double x0, double x1, double y0, double y1) {
-    return "    - {body: " + body + ", where: {box: {min: [" + num(x0 - 1e-6) + ", " + num(y0 - 1e-6) + ", " + num(z - 1e-6) +
-           "], max: [" + num(x1 + 1e-6) + ", " + num(y1 + 1e-6) + ", " + num(z + 1e-6) + "]}}, pressure: 1 kPa}\n";
+    return "    - {body: " + body + ", where: {box: {min: [" + num(x0 - 1e-6) + ", " + num(y0 - 1e-6) + ", " + num(z - 1e-6) + "], max: [" +
+           num(x1 + 1e-6) + ", " + num(y1 + 1e-6) + ", " + num(z + 1e-6) + "]}}, pressure: 1 kPa}\n";
   };
   return part(small, large, 0, large) + part(0, small, small, large);
 }
@@ -61,9 +60,9 @@ Result run(const Patch& c) {
       "where: {side: y_min}, axes: y}\n"
       "  pressure_load:\n" +
       loads + "  mortar_contact:\n    pairs: [{slave: " + c.slave + ", master: " + (c.slave == "top" ? "bottom" : "top") +
-      "}]\n    d_hat: " + num(c.d_hat) + "\n    stiffness: " + num(c.kappa) + "\n    weights: " + c.weights +
-      "\n    quadrature: " + c.quadrature + "\n    gradient: " + c.gradient +
-      "\n    two_pass: " + (c.two_pass ? "true" : "false") + "\nsolver: {relative_tolerance: 1e-13, force_tolerance: 0}\n");
+      "}]\n    d_hat: " + num(c.d_hat) + "\n    stiffness: " + num(c.kappa) + "\n    weights: " + c.weights + "\n    quadrature: " + c.quadrature +
+      "\n    gradient: " + c.gradient + "\n    two_pass: " + (c.two_pass ? "true" : "false") +
+      "\nsolver: {relative_tolerance: 1e-13, force_tolerance: 0}\n");
   Result r;
   r.newton = rig.step().newton;
   const Captured f = rig.fields();
@@ -80,16 +79,16 @@ Result run(const Patch& c) {
   r.guard = f.at("mortar_contact/force_share_guard");
   r.balance = 0;
   for (const char* axis : {"x", "y", "z"})
-    r.balance = std::max(r.balance, std::abs(f.at(std::string("mortar_contact/force_top_") + axis) +
-                                             f.at(std::string("mortar_contact/force_bottom_") + axis)));
+    r.balance = std::max(r.balance,
+                         std::abs(f.at(std::string("mortar_contact/force_top_") + axis) + f.at(std::string("mortar_contact/force_bottom_") + axis)));
   const double side = std::min(c.bottom_side, c.top_side);
   // Positions of about 1 m are known to 2e-16 m, so forces are to that times the stiffness of the layer.
   const double t = effects::barrier::phi_inverse(1e3 / c.kappa), layer = c.kappa * effects::barrier::second(t * c.d_hat, c.d_hat);
   // The more nodes, the larger the sum of what rounding leaves at each.
   EXPECT_NEAR(f.at("mortar_contact/force_top_z"), 1e3 * side * side, (c.bottom_order + c.top_order > 2 ? 1e-6 : 1e-7) + 2e-16 * layer * side * side);
-  std::printf("  d_hat %.0e kappa %.0e nu %.2f %s %s q%s %s%s %g/%g: szz %.1e spurious %.1e, %ld iterations\n", c.d_hat, c.kappa,
-              c.nu, c.slave.c_str(), c.weights.c_str(), c.quadrature.c_str(), c.gradient.c_str(), c.two_pass ? " two-pass" : "",
-              c.bottom_side, c.top_side, r.szz, r.spurious, r.newton);
+  std::printf("  d_hat %.0e kappa %.0e nu %.2f %s %s q%s %s%s %g/%g: szz %.1e spurious %.1e, %ld iterations\n", c.d_hat, c.kappa, c.nu,
+              c.slave.c_str(), c.weights.c_str(), c.quadrature.c_str(), c.gradient.c_str(), c.two_pass ? " two-pass" : "", c.bottom_side, c.top_side,
+              r.szz, r.spurious, r.newton);
   return r;
 }
 

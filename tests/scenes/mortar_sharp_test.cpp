@@ -20,8 +20,7 @@ struct Sharp {
   std::string stiffness = "10 MPa";
 };
 
-Sharp turned(const std::string& name, double degrees, const Vec3& axis, const std::string& options = "",
-             const std::string& stiffness = "10 MPa") {
+Sharp turned(const std::string& name, double degrees, const Vec3& axis, const std::string& options = "", const std::string& stiffness = "10 MPa") {
   char text[160];
   std::snprintf(text, sizeof text, "{axis: [%.17g, %.17g, %.17g], angle: %.17g deg}", axis[0], axis[1], axis[2], degrees);
   return {name, Eigen::AngleAxisd(degrees * M_PI / 180, axis.normalized()).toRotationMatrix(), text, options, stiffness};
@@ -44,8 +43,7 @@ double true_gap(Rig& rig) {
           const Vec3 n = (c[1] - c[0]).cross(c[2] - c[0]);
           if (!(n.z() > 0.5 * n.norm())) continue;
           double M[3];
-          M[1] = (p - c[0]).cross(c[2] - c[0]).z() / n.z(), M[2] = (c[1] - c[0]).cross(p - c[0]).z() / n.z(),
-          M[0] = 1 - M[1] - M[2];
+          M[1] = (p - c[0]).cross(c[2] - c[0]).z() / n.z(), M[2] = (c[1] - c[0]).cross(p - c[0]).z() / n.z(), M[0] = 1 - M[1] - M[2];
           if (M[0] < 0 || M[1] < 0 || M[2] < 0) continue;
           least = std::min(least, p.z() - (M[0] * c[0] + M[1] * c[1] + M[2] * c[2]).z());
         }
@@ -62,8 +60,7 @@ struct Result {
 // 2 d_hat of travel after first coming into range, in `steps` static steps.
 Result press(const Sharp& c, int steps) {
   double low = INFINITY;
-  for (int i = 0; i < 8; ++i)
-    low = std::min(low, (c.R * Vec3(i & 1 ? 0.275 : -0.275, i & 2 ? 0.3 : -0.3, i & 4 ? 0.25 : -0.25)).z());
+  for (int i = 0; i < 8; ++i) low = std::min(low, (c.R * Vec3(i & 1 ? 0.275 : -0.275, i & 2 ? 0.3 : -0.3, i & 4 ? 0.25 : -0.25)).z());
   char text[2000];
   std::snprintf(text, sizeof text, R"(
 mortise: 1
@@ -92,8 +89,8 @@ solver: {relative_tolerance: 1e-8, force_tolerance: 1e-9 N, iterations: 60}
     r.gap = std::min(r.gap, true_gap(rig));
   }
   r.force = rig.fields().at("mortar_contact/force_box_z");
-  std::printf("  %s: least true gap %.3f d_hat, force %.4g N, %ld iterations in all, %ld at most\n", c.name.c_str(), r.gap / kHat,
-              r.force, r.newton, r.most);
+  std::printf("  %s: least true gap %.3f d_hat, force %.4g N, %ld iterations in all, %ld at most\n", c.name.c_str(), r.gap / kHat, r.force, r.newton,
+              r.most);
   return r;
 }
 
@@ -120,7 +117,8 @@ materials:
   gel: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1000}
   rock: {density: 1000}
 bodies:
-  tet: {type: soft, shape: {mesh: {file: )" + test_place::kSourceFolder + R"(/scenes/hard/meshes/tet_slot.msh}}, material: gel}
+  tet: {type: soft, shape: {mesh: {file: )" +
+          test_place::kSourceFolder + R"(/scenes/hard/meshes/tet_slot.msh}}, material: gel}
   left: {type: stiff, shape: {box: {size: [1, 2, 1], edge_length: 2}}, material: rock, position: [-1.0000005, 0, -0.2]}
   right: {type: stiff, shape: {box: {size: [1, 2, 1], edge_length: 2}}, material: rock, position: [1.0000005, 0, -0.2]}
   floor: {type: half_space, point: [0, 0, -0.7]}
@@ -136,8 +134,8 @@ effects:
   for (int n = 0; n < 18; ++n) EXPECT_LE(rig.step().newton, 30) << n;
 }
 
-// H63: a cone is pressed into a pad next to a node. Newton's iterations run in a circle, as the tip passes from one slave triangle to the next; those on
-// the forces themselves must start from the nearest state of it.
+// H63: a cone is pressed into a pad next to a node. Newton's iterations run in a circle, as the tip passes from one slave triangle to the next; those
+// on the forces themselves must start from the nearest state of it.
 TEST(MortarSharp, ConeOnPad) {
   Rig rig(R"(
 mortise: 1
@@ -148,7 +146,8 @@ materials:
   rock: {density: 1000}
 bodies:
   pad: {type: soft, shape: {box: {size: [0.2, 0.2, 0.08], edge_length: 0.02}}, material: gel, position: [0, 0, -0.0405]}
-  cone: {type: stiff, shape: {mesh: {file: )" + test_place::kSourceFolder + R"(/scenes/hard/meshes/cone.msh, scale: 0.2}}, material: rock, position: [0.003, 0.002, 0]}
+  cone: {type: stiff, shape: {mesh: {file: )" +
+          test_place::kSourceFolder + R"(/scenes/hard/meshes/cone.msh, scale: 0.2}}, material: rock, position: [0.003, 0.002, 0]}
 effects:
   elasticity: {}
   pin:

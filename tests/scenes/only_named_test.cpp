@@ -46,7 +46,8 @@ std::string without(const std::vector<std::string>& drop) {
   std::string out, line;
   while (std::getline(in, line)) {
     const std::string key = line.substr(std::min(line.find_first_not_of(' '), line.size()));
-    const bool gone = line.size() > 2 && line[2] != ' ' && std::any_of(drop.begin(), drop.end(), [&](const std::string& d) { return key.rfind(d, 0) == 0; });
+    const bool gone =
+        line.size() > 2 && line[2] != ' ' && std::any_of(drop.begin(), drop.end(), [&](const std::string& d) { return key.rfind(d, 0) == 0; });
     if (!gone) out += line + "\n";
   }
   return out;

@@ -24,7 +24,9 @@ class Renamed : public PassOn {
   void rows(std::string_view group, std::string_view name, std::string_view unit, int components, std::span<const double> v) override {
     PassOn::rows(group == from_ ? to_ : group, name, unit, components, v);
   }
-  void scalar(std::string_view group, std::string_view name, std::string_view unit, double v) override { PassOn::scalar(group == from_ ? to_ : group, name, unit, v); }
+  void scalar(std::string_view group, std::string_view name, std::string_view unit, double v) override {
+    PassOn::scalar(group == from_ ? to_ : group, name, unit, v);
+  }
 
  private:
   std::string_view from_, to_;
@@ -91,9 +93,11 @@ bodies:
   block: {type: soft, shape: {box: {size: [20 mm, 20 mm, 10 mm], edge_length: 7 mm}}, material: gel, position: [0, 0, 6 mm], velocity: [0, 0, -0.4]}
   floor: {type: half_space}
 effects:
-  )" + my + R"(inertia: {}
+  )" + my +
+         R"(inertia: {}
   elasticity: {}
-  )" + my + R"(barrier_contact: {d_hat: 2 mm, stiffness: 1 kPa}
+  )" + my +
+         R"(barrier_contact: {d_hat: 2 mm, stiffness: 1 kPa}
 checks:
   - {quantity: kinetic_energy, above: 0 J}
   - {quantity: min_distance, above: 0 m}

@@ -11,17 +11,21 @@ using ::testing::HasSubstr;
 namespace {
 
 // A held cube of 20 mm at the origin (or a floor 10 mm below it), and one that comes from 25 mm above it; a crumb that falls beside them.
-std::string scene(const std::string& mover, const std::string& obstacle, const std::string& pins, const std::string& more = "", const std::string& time = "step: 5 ms, steps: 30") {
+std::string scene(const std::string& mover, const std::string& obstacle, const std::string& pins, const std::string& more = "",
+                  const std::string& time = "step: 5 ms, steps: 30") {
   return "mortise: 1\ntime: {" + time + R"(}
 materials: {gel: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1050}}
 bodies:
-  obstacle: )" + obstacle + R"(
-  mover: {type: )" + mover + R"(, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 20 mm}}, material: gel, position: [0, 0, 25 mm]}
+  obstacle: )" +
+         obstacle + R"(
+  mover: {type: )" +
+         mover + R"(, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 20 mm}}, material: gel, position: [0, 0, 25 mm]}
   crumb: {type: soft, shape: {box: {size: [5 mm, 5 mm, 5 mm], edge_length: 5 mm}}, material: gel, position: [30 mm, 0, 25 mm]}
 effects:
   elasticity: {}
   affine_body: {stiffness: 1 MPa}
-  pin: [)" + pins + "]\n" + more;
+  pin: [)" +
+         pins + "]\n" + more;
 }
 const std::string kCube = "{type: stiff, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 20 mm}}, material: gel}";
 const std::string kSoftCube = "{type: soft, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 20 mm}}, material: gel}";
@@ -60,7 +64,8 @@ TEST(Prescribed, MeetsWhatIsHeldOrStill) {
 
 TEST(Prescribed, MeetsWithinOneStep) {
   const std::string through = "{body: mover, where: {side: all}, motion: {time: [0, 0.004], translation: [[0, 0, 0], [0, 0, -80 mm]]}}";
-  for (const std::string& obstacle : {kCube, kSoftCube}) EXPECT_THAT(failure(scene("stiff", obstacle, kHold + through, kContact), 1), HasSubstr("meets"));
+  for (const std::string& obstacle : {kCube, kSoftCube})
+    EXPECT_THAT(failure(scene("stiff", obstacle, kHold + through, kContact), 1), HasSubstr("meets"));
 }
 
 TEST(Prescribed, MeetsWithMortarContactThoughNoPairNamesIt) {
@@ -69,11 +74,15 @@ TEST(Prescribed, MeetsWithMortarContactThoughNoPairNamesIt) {
 }
 
 TEST(Prescribed, MeetsInStaticsAndPartOfABodyCounts) {
-  const std::string down = "{body: mover, where: {side: z_max}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, -30 mm]]}}, {body: crumb, where: {side: z_min}}";
-  const std::string what = failure(scene("soft", kFloor, down, "  barrier_contact: {d_hat: 0.1 mm, stiffness: 0.1 MPa}\n", "mode: static, steps: 5"), 5);
+  const std::string down =
+      "{body: mover, where: {side: z_max}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, -30 mm]]}}, {body: crumb, where: {side: z_min}}";
+  const std::string what =
+      failure(scene("soft", kFloor, down, "  barrier_contact: {d_hat: 0.1 mm, stiffness: 0.1 MPa}\n", "mode: static, steps: 5"), 5);
   EXPECT_NE(what, "");  // its upper side is driven through the floor; the part below cannot give way for ever
-  const std::string all = "{body: mover, where: {side: all}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, -30 mm]]}}, {body: crumb, where: {side: z_min}}";
-  EXPECT_THAT(failure(scene("soft", kFloor, all, "  barrier_contact: {d_hat: 0.1 mm, stiffness: 0.1 MPa}\n", "mode: static, steps: 5"), 5), HasSubstr("pseudo-time 0.1666"));
+  const std::string all =
+      "{body: mover, where: {side: all}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, -30 mm]]}}, {body: crumb, where: {side: z_min}}";
+  EXPECT_THAT(failure(scene("soft", kFloor, all, "  barrier_contact: {d_hat: 0.1 mm, stiffness: 0.1 MPa}\n", "mode: static, steps: 5"), 5),
+              HasSubstr("pseudo-time 0.1666"));
 }
 
 TEST(Prescribed, MayPassWhereTheSceneSaysSo) {
@@ -84,11 +93,19 @@ TEST(Prescribed, MayPassWhereTheSceneSaysSo) {
 
 // Bodies on one carriage may touch, as parts of one tool do; so may two that never move.
 TEST(Prescribed, MovesAsOne) {
-  const std::string together = "{body: obstacle, where: {side: all}, motion: {time: [0, 0.1], translation: [[0, 0, 5 mm], [0, 0, -25 mm]]}}, "
-                               "{body: mover, where: {side: all}, motion: {time: [0, 0.1], translation: [[0, 0, 5 mm], [0, 0, -25 mm]]}}";
-  EXPECT_EQ(failure(scene("stiff", "{type: stiff, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 20 mm}}, material: gel, position: [0, 0, 10 mm]}", together, kContact), 5), "");
-  EXPECT_EQ(failure(scene("stiff", "{type: stiff, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 20 mm}}, material: gel, position: [0, 0, 10 mm]}",
-                          kHold + "{body: mover, where: {side: all}}", kContact), 5), "");
+  const std::string together =
+      "{body: obstacle, where: {side: all}, motion: {time: [0, 0.1], translation: [[0, 0, 5 mm], [0, 0, -25 mm]]}}, "
+      "{body: mover, where: {side: all}, motion: {time: [0, 0.1], translation: [[0, 0, 5 mm], [0, 0, -25 mm]]}}";
+  EXPECT_EQ(
+      failure(scene("stiff", "{type: stiff, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 20 mm}}, material: gel, position: [0, 0, 10 mm]}",
+                    together, kContact),
+              5),
+      "");
+  EXPECT_EQ(
+      failure(scene("stiff", "{type: stiff, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 20 mm}}, material: gel, position: [0, 0, 10 mm]}",
+                    kHold + "{body: mover, where: {side: all}}", kContact),
+              5),
+      "");
 }
 
 // What is released later has been an obstacle all the time, and lands on what is still held.

@@ -10,14 +10,15 @@ namespace {
 
 // Largest sag of a cantilever of 10 x 1 x 1 under a force on its free end.
 double sag(int order, const std::string& law, double nu, double end_traction) {
-  Rig rig(
-      "mortise: 1\nname: cantilever\ntime: {mode: static, steps: 1}\nmaterials:\n  rubber: {model: " + law +
-      ", youngs_modulus: 1 MPa, poisson_ratio: " + std::to_string(nu) +
-      ", density: 1000}\nbodies:\n  beam: {type: soft, order: " + std::to_string(order) +
-      ", shape: {box: {size: [10, 1, 1], edge_length: 0.5}}, material: rubber}\n"
-      "effects:\n  elasticity: {}\n  pin: [{body: beam, where: {side: x_min}, axes: xyz}]\n"
-      "  pressure_load: [{body: beam, where: {side: x_max}, traction: [0, 0, " + std::to_string(-end_traction) + "]}]\n"
-      "solver: {relative_tolerance: 1e-10}\n");
+  Rig rig("mortise: 1\nname: cantilever\ntime: {mode: static, steps: 1}\nmaterials:\n  rubber: {model: " + law +
+          ", youngs_modulus: 1 MPa, poisson_ratio: " + std::to_string(nu) +
+          ", density: 1000}\nbodies:\n  beam: {type: soft, order: " + std::to_string(order) +
+          ", shape: {box: {size: [10, 1, 1], edge_length: 0.5}}, material: rubber}\n"
+          "effects:\n  elasticity: {}\n  pin: [{body: beam, where: {side: x_min}, axes: xyz}]\n"
+          "  pressure_load: [{body: beam, where: {side: x_max}, traction: [0, 0, " +
+          std::to_string(-end_traction) +
+          "]}]\n"
+          "solver: {relative_tolerance: 1e-10}\n");
   rig.step();
   const std::vector<double> points = rig.engine->points();
   double lowest = 0;
@@ -46,12 +47,17 @@ TEST(Quadratic, CantileverFollowsBeamTheoryWhereLinearElementsLock) {
 TEST(Quadratic, RoundBodyComesToRestInContact) {
   for (const char* contact : {"mortar_contact: {pairs: [{slave: ball, master: floor}], d_hat: 10 mm, stiffness: 20 kPa}",
                               "barrier_contact: {d_hat: 10 mm, stiffness: 20 kPa}"}) {
-    for (const char* floor : {"floor: {type: half_space}", "floor: {type: stiff, shape: {box: {size: [2, 2, 0.5], edge_length: 1}}, material: gel, position: [0.1, 0.2, -0.25]}"}) {
+    for (const char* floor :
+         {"floor: {type: half_space}",
+          "floor: {type: stiff, shape: {box: {size: [2, 2, 0.5], edge_length: 1}}, material: gel, position: [0.1, 0.2, -0.25]}"}) {
       const bool stiff = std::string(floor).find("stiff") != std::string::npos;
-      Rig rig(std::string("mortise: 1\nname: rest\ntime: {step: 20 ms, steps: 40}\nmaterials:\n  gel: {youngs_modulus: 0.2 MPa, poisson_ratio: 0.4, density: 1000}\nbodies:\n"
-                          "  ball: {type: soft, order: 2, curved: true, shape: {sphere: {radius: 0.2, edge_length: 0.2}}, material: gel, position: [0, 0, 0.22]}\n  ") +
+      Rig rig(std::string("mortise: 1\nname: rest\ntime: {step: 20 ms, steps: 40}\nmaterials:\n  gel: {youngs_modulus: 0.2 MPa, poisson_ratio: 0.4, "
+                          "density: 1000}\nbodies:\n"
+                          "  ball: {type: soft, order: 2, curved: true, shape: {sphere: {radius: 0.2, edge_length: 0.2}}, material: gel, position: "
+                          "[0, 0, 0.22]}\n  ") +
               floor + "\neffects:\n  inertia: {}\n  gravity: {}\n  elasticity: {}\n  " + contact + "\n" +
-              (stiff ? "  affine_body: {stiffness: 100 MPa}\n  pin: [{body: floor, where: {side: all}}]\n" : "") + "solver: {relative_tolerance: 1e-8}\n");
+              (stiff ? "  affine_body: {stiffness: 100 MPa}\n  pin: [{body: floor, where: {side: all}}]\n" : "") +
+              "solver: {relative_tolerance: 1e-8}\n");
       double closest = 1, least = 1;
       for (int i = 0; i < 40; ++i) {
         rig.step();
@@ -73,11 +79,14 @@ TEST(Quadratic, RoundBodyComesToRestInContact) {
 // Friction on quadratic faces: a block slides down with g (sin - mu cos), or creeps no faster than it may.
 TEST(Quadratic, BlockSlidesUnderFriction) {
   for (double mu : {0.3, 0.6}) {
-    Rig rig("mortise: 1\nname: incline\ntime: {step: 10 ms, steps: 30}\nmaterials:\n  gel: {youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}\nbodies:\n"
-            "  block: {type: soft, order: 2, shape: {box: {size: [0.2, 0.2, 0.1], edge_length: 0.1}}, material: gel, position: [0, 0, 0.05086]}\n  floor: {type: half_space}\n"
-            "effects:\n  inertia: {}\n  gravity: {acceleration: [4, 0, -9]}\n  elasticity: {}\n"
-            "  mortar_contact: {pairs: [{slave: block, master: floor}], d_hat: 1 mm, stiffness: 20 kPa}\n  friction: {follows: mortar_contact, mu: " +
-            std::to_string(mu) + "}\nsolver: {relative_tolerance: 1e-8}\n");
+    Rig rig(
+        "mortise: 1\nname: incline\ntime: {step: 10 ms, steps: 30}\nmaterials:\n  gel: {youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: "
+        "1000}\nbodies:\n"
+        "  block: {type: soft, order: 2, shape: {box: {size: [0.2, 0.2, 0.1], edge_length: 0.1}}, material: gel, position: [0, 0, 0.05086]}\n  "
+        "floor: {type: half_space}\n"
+        "effects:\n  inertia: {}\n  gravity: {acceleration: [4, 0, -9]}\n  elasticity: {}\n"
+        "  mortar_contact: {pairs: [{slave: block, master: floor}], d_hat: 1 mm, stiffness: 20 kPa}\n  friction: {follows: mortar_contact, mu: " +
+        std::to_string(mu) + "}\nsolver: {relative_tolerance: 1e-8}\n");
     rig.steps(30);
     const double speed = rig.fields().at("inertia/momentum_x") / 4;  // mass 4 kg
     if (mu < 4.0 / 9) {
@@ -92,7 +101,10 @@ TEST(Quadratic, BlockSlidesUnderFriction) {
 TEST(Quadratic, ScenesThatMakeNoSenseAreRefused) {
   const auto refused = [](const std::string& body, const std::string& why) {
     try {
-      Rig rig("mortise: 1\nname: no\ntime: {mode: static, steps: 1}\nmaterials:\n  gel: {youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}\nbodies:\n  body: " + body + "\neffects:\n  elasticity: {}\n");
+      Rig rig(
+          "mortise: 1\nname: no\ntime: {mode: static, steps: 1}\nmaterials:\n  gel: {youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: "
+          "1000}\nbodies:\n  body: " +
+          body + "\neffects:\n  elasticity: {}\n");
       ADD_FAILURE() << body;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), Exit::scene);

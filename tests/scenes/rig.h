@@ -4,8 +4,8 @@
 
 #include "base/memory_archive.h"
 #include "base/snapshot.h"
-#include "engine/effect_tables.h"
 #include "engine/choose.h"
+#include "engine/effect_tables.h"
 #include "engine/input.h"
 #include "scene/scene.h"
 

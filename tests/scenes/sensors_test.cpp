@@ -1,6 +1,7 @@
 // Sensors in whole scenes: what taxels read of contact and friction that the solver found.
-#include "rig.h"
 #include "sensors/sensors.h"
+
+#include "rig.h"
 
 using namespace mortise;
 using namespace mortise::testing;
@@ -41,7 +42,8 @@ effects:
     - {body: top, where: {side: x_min}, axes: x}
     - {body: top, where: {side: y_min}, axes: y}
   pressure_load: [{body: top, where: {side: z_max}, pressure: 1 kPa}]
-)" + effect + R"(
+)" + effect +
+         R"(
 solver: {relative_tolerance: 1e-13, force_tolerance: 0}
 sensors:
   map: {body: pad, position: [0.5, 0.5, 0.5], rows: 5, columns: 7, width: 1, height: 1}
@@ -82,8 +84,10 @@ TEST(Sensors, UniformPressureOnAPatchGivesEqualTaxels) {
 
 // With friction: the taxels carry all of the normal and of the tangential force of a ball that is dragged over the pad.
 TEST(Sensors, ConserveContactAndFriction) {
-  for (const std::string& contact : {std::string("  barrier_contact: {d_hat: 0.2 mm, stiffness: 50 kPa}\n  friction: {follows: barrier_contact, mu: 0.4}"),
-                                     std::string("  mortar_contact: {pairs: [{slave: pad, master: ball}], d_hat: 0.2 mm, stiffness: 50 kPa}\n  friction: {follows: mortar_contact, mu: 0.4}")}) {
+  for (const std::string& contact :
+       {std::string("  barrier_contact: {d_hat: 0.2 mm, stiffness: 50 kPa}\n  friction: {follows: barrier_contact, mu: 0.4}"),
+        std::string("  mortar_contact: {pairs: [{slave: pad, master: ball}], d_hat: 0.2 mm, stiffness: 50 kPa}\n  friction: {follows: "
+                    "mortar_contact, mu: 0.4}")}) {
     Rig rig(R"(
 mortise: 1
 name: drag
@@ -99,7 +103,8 @@ effects:
   pin:
     - {body: pad, where: {side: z_min}}
     - {body: ball, where: {side: all}, motion: {time: [0, 30 ms, 60 ms], translation: [[0, 0, 0], [0, 0, -0.8 mm], [0.6 mm, 0.3 mm, -0.8 mm]]}}
-)" + contact + R"(
+)" + contact +
+            R"(
 sensors:
   map: {body: pad, rows: 16, columns: 16, width: 20 mm, height: 20 mm}
 )");

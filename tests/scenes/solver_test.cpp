@@ -13,7 +13,8 @@ mortise: 1
 name: pinch
 time: {mode: static, steps: 4}
 materials:
-  rubber: {model: )" + model + R"(, youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}
+  rubber: {model: )" +
+         model + R"(, youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}
 bodies:
   block: {type: soft, shape: {box: {size: [0.1, 0.1, 0.1], edge_length: 0.034}}, material: rubber}
   upper: {type: stiff, shape: {box: {size: [0.2, 0.2, 0.02], edge_length: 0.2}}, material: rubber, position: [0, 0, 0.0605]}
@@ -23,7 +24,8 @@ effects:
   affine_body: {stiffness: 10 MPa}
   pin:
     - {body: lower, where: {side: all}}
-    - {body: upper, where: {side: all}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, )" + travel + R"(]]}}
+    - {body: upper, where: {side: all}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, )" +
+         travel + R"(]]}}
   barrier_contact: {d_hat: 1 mm, stiffness: 50 kPa}
 solver: {iterations: 60, halvings: 3, relative_tolerance: 1e-8, force_tolerance: 0 N}
 )";
@@ -101,7 +103,8 @@ TEST(Solver, StopRequestLeavesTheStateOfTheLastStep) {
 
 // H69: nothing resists the block's sideways motions, and rounding must not decide how far it goes along them.
 TEST(Solver, BlockHeldByContactAloneStaysInItsPlace) {
-  for (const std::string effect : {"barrier_contact={d_hat: 5 mm, stiffness: 0.1 MPa}", "mortar_contact={d_hat: 5 mm, pairs: [{slave: block, master: upper}, {slave: block, master: lower}]}"}) {
+  for (const std::string effect : {"barrier_contact={d_hat: 5 mm, stiffness: 0.1 MPa}",
+                                   "mortar_contact={d_hat: 5 mm, pairs: [{slave: block, master: upper}, {slave: block, master: lower}]}"}) {
     Rig rig(R"(
 mortise: 1
 name: held
@@ -117,7 +120,8 @@ effects:
   pin:
     - {body: lower, where: {side: all}}
     - {body: upper, where: {side: all}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, -0.05]]}}
-)", {"effects." + effect});
+)",
+            {"effects." + effect});
     rig.steps(5);
     const auto u = rig.fields().point.at("displacement");
     Vec3 mean = Vec3::Zero();
@@ -130,7 +134,8 @@ effects:
 
 // Both linear solvers find the same equilibrium. Plates without friction let the block slide: how far is nobody's to say.
 TEST(Solver, ConjugateGradientsAgreeWithTheDirectSolver) {
-  Rig direct(pinch("-10 mm", "corotated"), {"solver.linear=direct"}), cg(pinch("-10 mm", "corotated"), {"solver.linear=cg", "solver.cg_tolerance=1e-10", "solver.cg_forcing=fixed"});
+  Rig direct(pinch("-10 mm", "corotated"), {"solver.linear=direct"}),
+      cg(pinch("-10 mm", "corotated"), {"solver.linear=cg", "solver.cg_tolerance=1e-10", "solver.cg_forcing=fixed"});
   direct.steps(2);
   cg.steps(2);
   EXPECT_GT(cg.engine->linear_solver().find("cg") == 0, 0);

@@ -1,7 +1,7 @@
 // Scenes as a new user writes them, nothing tuned: what a run says must be so.
-#include "rig.h"
-
 #include <gmock/gmock.h>
+
+#include "rig.h"
 
 using namespace mortise;
 using namespace mortise::testing;
@@ -20,7 +20,8 @@ materials:
 bodies:
   ball: {type: soft, shape: {sphere: {radius: 10 mm, edge_length: 6 mm}}, material: gel, position: [0, 0, 0.1]}
   table: {type: half_space}
-)" + bodies + R"(
+)" + bodies +
+         R"(
 effects:
   inertia: {}
   gravity: {}
@@ -43,7 +44,8 @@ std::string press(int steps, const char* d_hat = "0.1 mm") {
   return R"(
 mortise: 1
 name: press
-time: {mode: static, steps: )" + std::to_string(steps) + R"(}
+time: {mode: static, steps: )" +
+         std::to_string(steps) + R"(}
 materials:
   gel: {model: neo_hookean, youngs_modulus: 0.4 MPa, poisson_ratio: 0.4, density: 1050}
   steel: {density: 7800}
@@ -55,7 +57,8 @@ effects:
   pin:
     - {body: pad, where: {side: z_min}}
     - {body: ball, where: {side: all}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, -0.6 mm]]}}
-  mortar_contact: {pairs: [{slave: pad, master: ball}], d_hat: )" + d_hat + "}\n";
+  mortar_contact: {pairs: [{slave: pad, master: ball}], d_hat: )" +
+         d_hat + "}\n";
 }
 
 // Force of contact on the pad from the written field, and what its supports bear [N].
@@ -84,14 +87,17 @@ TEST(Stranger, ALightBodyFallsAsIfAlone) {
   alone.steps(20);
   const double z = height_of_ball(alone);
   EXPECT_LT(z, 0.051);  // g t^2 / 2 = 49 mm
-  const std::string block = "  block: {type: stiff, shape: {box: {size: [0.2, 0.2, 0.2], edge_length: 0.2}}, material: rock, position: [0.5, 0, 0.4]}\n";
+  const std::string block =
+      "  block: {type: stiff, shape: {box: {size: [0.2, 0.2, 0.2], edge_length: 0.2}}, material: rock, position: [0.5, 0, 0.4]}\n";
   Rig held(falling(block, "  pin: [{body: block, where: {side: all}}]\n"));
   held.steps(20);
   EXPECT_NEAR(height_of_ball(held), z, 1e-9);
   Rig falls(falling(block, "  affine_body: {}\n"));
   falls.steps(20);
   EXPECT_NEAR(height_of_ball(falls), z, 1e-9);
-  const std::string bullet = "  bullet: {type: stiff, shape: {box: {size: [0.1, 0.1, 0.1], edge_length: 0.1}}, material: rock, position: [0.5, 0, 0.4], velocity: [300, 0, 0]}\n";
+  const std::string bullet =
+      "  bullet: {type: stiff, shape: {box: {size: [0.1, 0.1, 0.1], edge_length: 0.1}}, material: rock, position: [0.5, 0, 0.4], velocity: [300, 0, "
+      "0]}\n";
   Rig fast(falling(bullet, "  affine_body: {}\n"));
   fast.steps(20);
   EXPECT_NEAR(height_of_ball(fast), z, 1e-9);
@@ -99,7 +105,8 @@ TEST(Stranger, ALightBodyFallsAsIfAlone) {
 
 // Also where the ball lies on something, its own weight is what counts.
 TEST(Stranger, ALightBodyRestsWithItsOwnWeight) {
-  Rig rig(falling("  block: {type: stiff, shape: {box: {size: [0.2, 0.2, 0.2], edge_length: 0.2}}, material: rock, position: [0.5, 0, 0.1002]}\n", "  affine_body: {}\n"),
+  Rig rig(falling("  block: {type: stiff, shape: {box: {size: [0.2, 0.2, 0.2], edge_length: 0.2}}, material: rock, position: [0.5, 0, 0.1002]}\n",
+                  "  affine_body: {}\n"),
           {"bodies.ball.position=[0, 0, 10.2 mm]", "time.steps=60"});
   rig.steps(60);
   const Captured f = rig.fields();
@@ -134,14 +141,17 @@ TEST(Stranger, OneLoadStepIsAsGoodAsFour) {
   EXPECT_LT(one.fields().at("mortar_contact/force_share_guard"), 0.12);
 }
 
-// A ball that comes straight down pushes nothing aside, friction or not. With all diagonals of the pad's cells one way it pushed with 4.6 % of its force.
+// A ball that comes straight down pushes nothing aside, friction or not. With all diagonals of the pad's cells one way it pushed with 4.6 % of its
+// force.
 TEST(Stranger, ABallPressedStraightDownPushesNothingAside) {
-  Rig rig(press(2), {"bodies.pad.shape.box.size=[11 mm, 9 mm, 4 mm]", "materials.gel.poisson_ratio=0.45", "effects.friction={follows: mortar_contact, mu: 0.5}"});
+  Rig rig(press(2), {"bodies.pad.shape.box.size=[11 mm, 9 mm, 4 mm]", "materials.gel.poisson_ratio=0.45",
+                     "effects.friction={follows: mortar_contact, mu: 0.5}"});
   rig.steps(2);
   const Captured f = rig.fields();
   const double normal = f.at("supports/pad_z");
   EXPECT_GT(normal, 0.5);
-  for (const char* across : {"supports/pad_x", "supports/pad_y", "supports/ball_x", "supports/ball_y"}) EXPECT_LT(std::abs(f.at(across)), 1e-6 * normal) << across;
+  for (const char* across : {"supports/pad_x", "supports/pad_y", "supports/ball_x", "supports/ball_y"})
+    EXPECT_LT(std::abs(f.at(across)), 1e-6 * normal) << across;
 }
 
 // The plainest tactile task with nothing set but bodies and materials: a 15 mm ball pressed 0.5 mm into a pad. 1.27 N is true (quadratic elements, no
@@ -259,7 +269,8 @@ effects: {inertia: {}, affine_body: {}, barrier_contact: {d_hat: 0.1 mm, stiffne
 }
 
 TEST(Stranger, AStaticBodyWithoutSupportIsNamed) {
-  Rig rig(press(1), {"effects.pin=[{body: pad, where: {side: z_min}}]", "effects.affine_body={}", "effects.gravity={}", "solver.iterations=5", "solver.halvings=0"});
+  Rig rig(press(1), {"effects.pin=[{body: pad, where: {side: z_min}}]", "effects.affine_body={}", "effects.gravity={}", "solver.iterations=5",
+                     "solver.halvings=0"});
   EXPECT_THAT(failure([&] { rig.step(); }), ::testing::HasSubstr("nothing but contact can hold 'ball' in this static scene"));
 }
 
@@ -272,7 +283,8 @@ time: {mode: static, steps: 1}
 materials: {gel: {youngs_modulus: 10 kPa, poisson_ratio: 0.3, density: 1000}}
 bodies:
   ball: {type: soft, shape: {sphere: {radius: 10 mm, edge_length: 8 mm}}, material: gel}
-effects: {elasticity: {}, gravity: {acceleration: [9.81, 0, 0]}, pin: [{body: ball, where: )" + std::string(where) + R"(}]}
+effects: {elasticity: {}, gravity: {acceleration: [9.81, 0, 0]}, pin: [{body: ball, where: )" +
+            std::string(where) + R"(}]}
 solver: {iterations: 1, halvings: 0}
 )");
     return failure([&] { rig.step(); });

@@ -14,10 +14,13 @@ constexpr double kG = 9.81;
 
 // Boxes of a * a * c in a row along x from the origin, joined by hinges about y at their ends; the last may be heavier. `first`: what
 // the first hangs on.
-std::string chain(int links, double heavy, const std::string& first, double dt_ms, const std::string& integrator = "backward_euler", const std::string& more = "") {
+std::string chain(int links, double heavy, const std::string& first, double dt_ms, const std::string& integrator = "backward_euler",
+                  const std::string& more = "") {
   std::string bodies, joints;
   for (int i = 0; i < links; ++i) {
-    bodies += fmt::format("  link{}: {{type: stiff, shape: {{box: {{size: [100 mm, 20 mm, 20 mm], edge_length: 100 mm}}}}, material: {}, position: [{} mm, 0, 0]}}\n", i, i + 1 == links ? "end" : "link", 50 + 100 * i);
+    bodies += fmt::format(
+        "  link{}: {{type: stiff, shape: {{box: {{size: [100 mm, 20 mm, 20 mm], edge_length: 100 mm}}}}, material: {}, position: [{} mm, 0, 0]}}\n",
+        i, i + 1 == links ? "end" : "link", 50 + 100 * i);
     if (i > 0) joints += fmt::format("    - {{type: revolute, body: link{}, to: link{}, at: [{} mm, 0, 0], axis: [0, 1, 0]}}\n", i, i - 1, 100 * i);
   }
   return fmt::format(R"(
@@ -56,11 +59,13 @@ double angle(Rig& rig, int link) {
 struct Links {
   double m1, m2, l = 0.1, inertia1, inertia2;
   using State = std::array<double, 4>;  // angles and their rates
-  Links(double mass1, double mass2) : m1(mass1), m2(mass2), inertia1(mass1 * (0.1 * 0.1 + 0.02 * 0.02) / 12), inertia2(mass2 * (0.1 * 0.1 + 0.02 * 0.02) / 12) {}
+  Links(double mass1, double mass2)
+      : m1(mass1), m2(mass2), inertia1(mass1 * (0.1 * 0.1 + 0.02 * 0.02) / 12), inertia2(mass2 * (0.1 * 0.1 + 0.02 * 0.02) / 12) {}
   State rate(const State& s) const {
     const double h = l / 2, c = std::cos(s[0] - s[1]), sn = std::sin(s[0] - s[1]);
     const double a11 = m1 * h * h + inertia1 + m2 * l * l, a12 = m2 * l * h * c, a22 = m2 * h * h + inertia2;
-    const double b1 = -m2 * l * h * sn * s[3] * s[3] + (m1 * h + m2 * l) * kG * std::cos(s[0]), b2 = m2 * l * h * sn * s[2] * s[2] + m2 * h * kG * std::cos(s[1]);
+    const double b1 = -m2 * l * h * sn * s[3] * s[3] + (m1 * h + m2 * l) * kG * std::cos(s[0]),
+                 b2 = m2 * l * h * sn * s[2] * s[2] + m2 * h * kG * std::cos(s[1]);
     const double det = a11 * a22 - a12 * a12;
     return {s[2], s[3], (a22 * b1 - a12 * b2) / det, (a11 * b2 - a12 * b1) / det};
   }
@@ -136,7 +141,8 @@ TEST(Joints, OfAChainHold) {
 // A chain that hangs straight: every joint bears what is below it, the first all of it, and the world feels that.
 TEST(Joints, BearWhatHangsOnThem) {
   for (const char* linear : {"direct", "reuse", "cg"}) {
-    Rig rig(chain(4, 50, "type: spherical, body: link0, at: [0, 0, 0]", 5), {"effects.gravity.acceleration=[9.81, 0, 0]", std::string("solver.linear=") + linear});
+    Rig rig(chain(4, 50, "type: spherical, body: link0, at: [0, 0, 0]", 5),
+            {"effects.gravity.acceleration=[9.81, 0, 0]", std::string("solver.linear=") + linear});
     rig.steps(10);  // the links have a strain of 1e-6, which has to come to rest
     const Captured f = rig.fields();
     const double link = 1000 * 0.1 * 0.02 * 0.02 * kG, weight = 53 * link;
@@ -189,8 +195,8 @@ TEST(Joints, KeepMomentumAndEnergy) {
 
 namespace {
 
-// A plate that is pinned or moved, turned against the axes, with a pad of poisson's ratio 0 bonded under it; the pad's other side is bonded to a second
-// plate.
+// A plate that is pinned or moved, turned against the axes, with a pad of poisson's ratio 0 bonded under it; the pad's other side is bonded to a
+// second plate.
 std::string sandwich(const std::string& effects, const std::string& mode = "mode: static, steps: 2") {
   return fmt::format(R"(
 mortise: 1
@@ -228,7 +234,8 @@ TEST(Bonds, PassThePatchTest) {
   double worst = 0, lo = INFINITY, hi = -INFINITY;
   for (const Vec3& x : rest) lo = std::min(lo, x[2]), hi = std::max(hi, x[2]);
   for (std::size_t i = 0; i < rest.size(); ++i)
-    worst = std::max(worst, (Vec3(u[3 * (first + i)], u[3 * (first + i) + 1], u[3 * (first + i) + 2]) - Vec3(0, 0, -1e-4 * (rest[i][2] - lo) / (hi - lo))).norm());
+    worst = std::max(
+        worst, (Vec3(u[3 * (first + i)], u[3 * (first + i) + 1], u[3 * (first + i) + 2]) - Vec3(0, 0, -1e-4 * (rest[i][2] - lo) / (hi - lo))).norm());
   EXPECT_LT(worst, 1e-10 * 1e-4);
   const Vec3 upper = vector(f, "bond/pad_top_force_"), lower = vector(f, "bond/pad_base_force_");
   EXPECT_LT(upper[2], -0.4);
@@ -302,8 +309,8 @@ effects:
     for (std::size_t i = 0; i < force.size() / 3; ++i) n += force[3 * i] != 0 || force[3 * i + 1] != 0 || force[3 * i + 2] != 0;
     return n;
   };
-  EXPECT_EQ(bonded("within: 0"), 27);                             // a grid of 5 x 5 x 5 nodes, of which 3 x 3 x 3 are in the core or on it
-  EXPECT_EQ(bonded("within: 10 mm"), 27 + 6 * 9);                 // and those before its faces
+  EXPECT_EQ(bonded("within: 0"), 27);              // a grid of 5 x 5 x 5 nodes, of which 3 x 3 x 3 are in the core or on it
+  EXPECT_EQ(bonded("within: 10 mm"), 27 + 6 * 9);  // and those before its faces
   EXPECT_EQ(bonded("within: 10 mm, where: {side: x_max}"), 9);
 }
 
@@ -338,8 +345,8 @@ effects:
   barrier_contact: {d_hat: 1 mm, stiffness: 50 kPa}
   friction: {follows: barrier_contact, mu: 0.4}
 )",
-                                                                       "striking.yaml", all, engine::effect_tables())
-                                                  .root);
+                                                                      "striking.yaml", all, engine::effect_tables())
+                                                   .root);
     if (e == 0) out.scene = one.scene;
     for (model::BodyInput& body : one.bodies) {
       body.env = static_cast<Index>(e);
@@ -368,7 +375,8 @@ TEST(Ties, InBatchesWithEveryLinearSolver) {
   for (const char* linear : {"direct", "reuse", "cg"}) {
     const std::vector<std::string> with{std::string("solver.linear=") + linear};
     Captured f;
-    const std::vector<double> both = after(striking(with, {2000, 5000}), 5), one = after(striking(with, {2000}), 5, &f), other = after(striking(with, {5000}), 5);
+    const std::vector<double> both = after(striking(with, {2000, 5000}), 5), one = after(striking(with, {2000}), 5, &f),
+                              other = after(striking(with, {5000}), 5);
     std::vector<double> apart = one;
     apart.insert(apart.end(), other.begin(), other.end());
     EXPECT_EQ(both, apart) << linear;
@@ -431,15 +439,16 @@ bodies:
   c: {type: stiff, shape: {box: {size: [50 mm, 8 mm, 8 mm], edge_length: 60 mm}}, material: steel, position: [120 mm, 0, 0]}
   pad: {type: soft, shape: {box: {size: [20 mm, 20 mm, 10 mm], edge_length: 5 mm}}, material: gel, position: [0, 0, 20 mm]}
   floor: {type: half_space, point: [0, 0, -50 mm]}
-)" + bodies + "effects:\n  inertia: {}\n  elasticity: {}\n  affine_body: {}\n" +
-         effects;
+)" + bodies +
+         "effects:\n  inertia: {}\n  elasticity: {}\n  affine_body: {}\n" + effects;
 }
 
 }  // namespace
 
 // Every message cites the place, and says what to do.
 TEST(Ties, BadScenesGetOneClearMessage) {
-  const std::string ab = "    - {type: spherical, body: a, to: b, at: [30 mm, 0, 0]}\n", bc = "    - {type: spherical, body: b, to: c, at: [90 mm, 0, 0]}\n";
+  const std::string ab = "    - {type: spherical, body: a, to: b, at: [30 mm, 0, 0]}\n",
+                    bc = "    - {type: spherical, body: b, to: c, at: [90 mm, 0, 0]}\n";
   const std::vector<std::pair<std::string, std::string>> cases{
       {"  joint: [{type: spherical, body: a, to: bb, at: [0, 0, 0]}]\n", "test.yaml:16:42: error: effects.joint.0.to: no body 'bb'"},
       {"  joint: [{type: spheric, body: a, at: [0, 0, 0]}]\n", "did you mean 'spherical'?"},
@@ -455,25 +464,34 @@ TEST(Ties, BadScenesGetOneClearMessage) {
       {"  joint: [{name: A b, type: fixed, body: a}]\n", "'A b' is not a name"},
       {"  pin: [{body: a, where: {side: all}}]\n  joint: [{type: fixed, body: a}]\n", "supports hold both already"},
       {"  pin: [{body: a, where: {side: all}}, {body: b, where: {side: all}}]\n  joint:\n" + ab, "supports hold both already"},
-      {"  joint:\n" + ab + "  barrier_contact: {d_hat: 1 mm, stiffness: 1 kPa, pairs: [[a, b]]}\n", "barrier_contact lists 'a' and 'b' as a pair, but a joint ties them"},
+      {"  joint:\n" + ab + "  barrier_contact: {d_hat: 1 mm, stiffness: 1 kPa, pairs: [[a, b]]}\n",
+       "barrier_contact lists 'a' and 'b' as a pair, but a joint ties them"},
       {"  bond: [{body: pad, to: a}]\n", "which nodes are bonded?"},
       {"  bond: [{body: pad, to: a, where: {side: z_min}, within: 1 mm}]\n", "no node of 'pad' among them is that near to 'a'"},
       {"  bond: [{body: pad, where: {side: z_min}}]\n", "effects.bond.0 has no 'to'"},
       {"  bond: [{body: b, to: a, within: 1 mm}]\n", "'b' is stiff; bonds are of soft bodies"},
-      {"  pin: [{body: pad, where: {side: x_min}}]\n  bond: [{body: pad, to: a, where: {side: z_min}}]\n", "ties 5 nodes of 'pad' that a pin holds or moves"},
+      {"  pin: [{body: pad, where: {side: x_min}}]\n  bond: [{body: pad, to: a, where: {side: z_min}}]\n",
+       "ties 5 nodes of 'pad' that a pin holds or moves"},
       {"  bond: [{body: pad, to: a, where: {side: z_min}}, {body: pad, to: b, where: {side: x_min}}]\n", "ties already: parts of 'pad'"},
       {"  bond: [{body: pad, to: a, where: {side: z_min}}, {body: pad, to: a, where: {side: z_max}}]\n", "two ties are called 'pad_a'"},
   };
-  for (const auto& [effects, message] : cases) EXPECT_NE(refused(links(effects)).find(message), std::string::npos) << effects << refused(links(effects));
-  EXPECT_EQ(refused(links("  joint:\n" + ab + bc + "    - {type: fixed, body: c}\n  bond: [{body: pad, to: a, where: {side: z_min}}, {name: other, body: pad, to: b, where: {side: z_max}}]\n")), "");
+  for (const auto& [effects, message] : cases)
+    EXPECT_NE(refused(links(effects)).find(message), std::string::npos) << effects << refused(links(effects));
+  EXPECT_EQ(refused(links("  joint:\n" + ab + bc +
+                          "    - {type: fixed, body: c}\n  bond: [{body: pad, to: a, where: {side: z_min}}, {name: other, body: pad, to: b, where: "
+                          "{side: z_max}}]\n")),
+            "");
 }
 
 // Bodies that are tied pass through each other, and only they, unless the scene wants contact.
 TEST(Ties, LeaveContactOut) {
   const auto list = [](const std::string& contact) {
-    const std::string yaml = links("  barrier_contact: {d_hat: 1 mm, stiffness: 1 kPa}\n  joint:\n    - {type: spherical, body: a, to: b, at: [30 mm, 0, 0]" + contact + "}\n");
+    const std::string yaml = links(
+        "  barrier_contact: {d_hat: 1 mm, stiffness: 1 kPa}\n  joint:\n    - {type: spherical, body: a, to: b, at: [30 mm, 0, 0]" + contact + "}\n");
     std::vector<std::string> out;
-    for (const scene::PassThrough& p : scene::pass_through(scene::read_scene_text(yaml, "test.yaml", {}, engine::effect_tables()).root, engine::effect_tables())) out.push_back(p.text());
+    for (const scene::PassThrough& p :
+         scene::pass_through(scene::read_scene_text(yaml, "test.yaml", {}, engine::effect_tables()).root, engine::effect_tables()))
+      out.push_back(p.text());
     return out;
   };
   EXPECT_EQ(list(""), std::vector<std::string>{"'a' and 'b' pass through each other: a joint ties them to each other (it may say contact: true)"});
@@ -489,8 +507,8 @@ TEST(Ties, LeaveContactOut) {
   EXPECT_NE(touching.engine->begin().message.find("'a'"), std::string::npos);
 }
 
-// A crank that is turned by a pin, a plate that is fixed to it, and a link that hangs on it and carries a pad: what is fixed goes where the path says, and
-// the supports' work is all the energy that there is.
+// A crank that is turned by a pin, a plate that is fixed to it, and a link that hangs on it and carries a pad: what is fixed goes where the path
+// says, and the supports' work is all the energy that there is.
 TEST(Ties, FollowWhatSupportsMove) {
   constexpr const char* kCrank = R"(
 mortise: 1
@@ -530,7 +548,9 @@ effects:
     const std::vector<double> points = rig.engine->points();
     const std::size_t first = rig.input.bodies[0].nodes.size();
     for (std::size_t i = 0; i < rig.input.bodies[1].nodes.size(); ++i)
-      EXPECT_LT((Vec3(points[3 * (first + i)], points[3 * (first + i) + 1], points[3 * (first + i) + 2]) - R * rig.input.bodies[1].nodes[i]).norm(), 1e-16) << linear;
+      EXPECT_LT((Vec3(points[3 * (first + i)], points[3 * (first + i) + 1], points[3 * (first + i) + 2]) - R * rig.input.bodies[1].nodes[i]).norm(),
+                1e-16)
+          << linear;
     EXPECT_GT(std::abs(work), 1e-3);
     EXPECT_LT(audit.result().largest_gain, 1e-6 * audit.result().scale) << linear;
     EXPECT_GT(audit.result().total, audit.result().support_work - 0.1 * audit.result().scale) << linear;  // backward Euler loses some
@@ -618,7 +638,8 @@ TEST(Bonds, TiedMeshesPassThePatchTest) {
   for (const char* upper : meshes)
     for (const char* lower : meshes)
       for (int orders = 0; orders < 4; ++orders) {
-        Rig rig(tied_blocks(upper, lower), {fmt::format("bodies.upper.order={}", 1 + orders % 2), fmt::format("bodies.lower.order={}", 1 + orders / 2)});
+        Rig rig(tied_blocks(upper, lower),
+                {fmt::format("bodies.upper.order={}", 1 + orders % 2), fmt::format("bodies.lower.order={}", 1 + orders / 2)});
         EXPECT_LT(unevenness(rig), 1e-10) << upper << " on " << lower << ", orders " << 1 + orders % 2 << " " << 1 + orders / 2;
       }
 }
@@ -636,7 +657,9 @@ TEST(Bonds, TiedMeshesTurn) {
     const auto replace = [&](const std::string& from, const std::string& to) { yaml.replace(yaml.find(from), from.size(), to); };
     replace("model: linear", "model: neo_hookean");
     replace("steps: 1", "steps: 10");
-    replace("    - {body: lower, where: {side: z_min}}\n", "    - {body: lower, where: {side: z_min}, motion: {time: [0, 1], rotation: {axis: [1, 0.3, 0], centre: [0, 0, 0], angle: [0, 40 deg]}}}\n");
+    replace(
+        "    - {body: lower, where: {side: z_min}}\n",
+        "    - {body: lower, where: {side: z_min}, motion: {time: [0, 1], rotation: {axis: [1, 0.3, 0], centre: [0, 0, 0], angle: [0, 40 deg]}}}\n");
     replace("translation: [[0, 0, 0], [0, 0, -0.2 mm]]", "rotation: {axis: [1, 0.3, 0], centre: [0, 0, 0], angle: [0, 40 deg]}");
     Rig rig(yaml, {"solver.relative_tolerance=1e-9"});
     rig.steps(10);
@@ -655,7 +678,8 @@ TEST(Bonds, TiedMeshesTurn) {
 }
 
 TEST(Bonds, TiesThatDoNotFitAreRefused) {
-  EXPECT_NE(refused(tied_blocks("5 mm", "5 mm", "", 3)).find("test.yaml:15:16: error: a face of 'upper' near"), std::string::npos) << refused(tied_blocks("5 mm", "5 mm", "", 3));
+  EXPECT_NE(refused(tied_blocks("5 mm", "5 mm", "", 3)).find("test.yaml:15:16: error: a face of 'upper' near"), std::string::npos)
+      << refused(tied_blocks("5 mm", "5 mm", "", 3));
   std::string wide = tied_blocks("5 mm", "5 mm");
   wide.replace(wide.find("[20 mm, 20 mm, 10 mm]"), 21, "[24 mm, 20 mm, 10 mm]");
   EXPECT_NE(refused(wide).find("the side that reaches farther has to be the one that is tied 'to'"), std::string::npos) << refused(wide);
@@ -717,8 +741,8 @@ TEST(Joints, CloseLoops) {
     }
 }
 
-// At rest the force in the loop is that of statics: a beam on two ball joints bears half of its weight on each side; a second hinge on the axis of the first
-// says nothing new.
+// At rest the force in the loop is that of statics: a beam on two ball joints bears half of its weight on each side; a second hinge on the axis of
+// the first says nothing new.
 TEST(Joints, CloseLoopsAtRest) {
   constexpr const char* kBeam = R"(
 mortise: 1

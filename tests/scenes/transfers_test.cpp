@@ -46,9 +46,9 @@ Cost cost(double edge, bool friction) {
   const device::Transfers before = rig.engine->step_transfers();
   for (int i = 0; i < 4; ++i) out.newton += rig.step().newton;
   out.transfers = rig.engine->step_transfers() - before;
-  std::cout << out.nodes << " nodes" << (friction ? ", friction" : "") << ", per Newton iteration of " << out.newton << ": " << out.per_iteration(out.transfers.to_device)
-            << " uploads of " << out.per_iteration(out.transfers.bytes_to_device) << " B, " << out.per_iteration(out.transfers.to_host) << " downloads of "
-            << out.per_iteration(out.transfers.bytes_to_host) << " B\n";
+  std::cout << out.nodes << " nodes" << (friction ? ", friction" : "") << ", per Newton iteration of " << out.newton << ": "
+            << out.per_iteration(out.transfers.to_device) << " uploads of " << out.per_iteration(out.transfers.bytes_to_device) << " B, "
+            << out.per_iteration(out.transfers.to_host) << " downloads of " << out.per_iteration(out.transfers.bytes_to_host) << " B\n";
   return out;
 }
 
@@ -70,7 +70,8 @@ TEST(Transfers, PerIterationDoNotGrowWithTheMesh) {
 TEST(Transfers, AreFewPerIteration) {
   for (double edge : {2.0, 1.0}) {
     const Cost c = cost(edge, false);
-    EXPECT_LE(c.per_iteration(c.transfers.to_host), 30) << edge;  // one of them per 16 iterations of conjugate gradients, which end by the forces on free nodes
+    EXPECT_LE(c.per_iteration(c.transfers.to_host), 30)
+        << edge;  // one of them per 16 iterations of conjugate gradients, which end by the forces on free nodes
     EXPECT_LE(c.per_iteration(c.transfers.to_device), 3.5) << edge;
   }
 }

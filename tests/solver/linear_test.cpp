@@ -1,10 +1,11 @@
 // The linear strategies: every environment by itself, indefinite matrices, what is kept and when it is given up.
+#include "solver/linear.h"
+
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "linalg/block_matrix.h"
-#include "solver/linear.h"
 #include "toy.h"
 
 using namespace mortise;

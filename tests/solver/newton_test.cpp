@@ -13,14 +13,16 @@ using toy::Problem;
 
 namespace {
 
-const toy::Kind kStore = toy::kind("toy_store", toy::Role::contact), kInertia = toy::kind("toy_inertia", toy::Role::inertia), kTwisted = toy::kind("toy_twisted", toy::Role::contact, false);
+const toy::Kind kStore = toy::kind("toy_store", toy::Role::contact), kInertia = toy::kind("toy_inertia", toy::Role::inertia),
+                kTwisted = toy::kind("toy_twisted", toy::Role::contact, false);
 const Vec3 kForce(1, 2, -1);
 
 StepReport solve(Problem& p, Newton& newton) {
   StepReport report;
   const EnvMask all(p.model.envs, 1);
   newton.begin(all);
-  newton.solve({0, 1, 0, false}, report, [] {}, all);
+  newton.solve(
+      {0, 1, 0, false}, report, [] {}, all);
   return report;
 }
 
@@ -95,7 +97,7 @@ TEST(Newton, StartsWhereInertiaCarriesUnlessThatIsWorse) {
   Problem alone(1);
   alone.add(kStore, toy::spring([](Index) { return 4.0; }, [](Index) { return kForce; }));
   alone.effects.push_back(std::make_unique<Carrier>(alone.model, std::vector<Vec3>{answer}, 1.0));
-  EXPECT_EQ(first(alone), 0);  // it starts solved
+  EXPECT_EQ(first(alone), 0);                    // it starts solved
   const auto iterations = [](const Vec3* way) {  // of a problem that takes more of them from far away
     Problem of(1);
     of.options.iterations = 50;
@@ -157,7 +159,9 @@ TEST(Newton, WholeJacobianEndsCreepingIterations) {
   static constexpr double k = 1, w = 0.97;
   Law law = toy::spring([=](Index) { return k; }, [](Index) { return kForce; });
   law.gradient = [=](Index, const Vec3& d) -> Vec3 { return k * d + w * Vec3(0, 0, 1).cross(d) - kForce; };
-  law.energy = [gradient = law.gradient](Index e, const Vec3& d, const Vec3& d0) { return gradient(e, d0).dot(d - d0) + 0.5 * k * (d - d0).squaredNorm(); };
+  law.energy = [gradient = law.gradient](Index e, const Vec3& d, const Vec3& d0) {
+    return gradient(e, d0).dot(d - d0) + 0.5 * k * (d - d0).squaredNorm();
+  };
   Problem p;
   p.add(kTwisted, law);
   Newton newton(p.model, p.effects, p.options, p.clock);
@@ -267,7 +271,9 @@ TEST(LagLoop, RelaxesEveryEnvironmentByItself) {
 // start is near, and full steps are right.
 TEST(Coupled, TakesShareOfStepsThatLowersTheNaturalLevel) {
   const Law atan{[](Index, const Vec3&, const Vec3&) { return 0.0; },
-                 [](Index, const Vec3& d) -> Vec3 { return {std::atan(d.x()), std::atan(d.y()), std::atan(d.z())}; },
+                 [](Index, const Vec3& d) -> Vec3 {
+                   return {std::atan(d.x()), std::atan(d.y()), std::atan(d.z())};
+                 },
                  [](Index, const Vec3& d) -> Mat3 { return (Vec3(1, 1, 1) + d.cwiseProduct(d)).cwiseInverse().asDiagonal(); }};
   Problem p(2);
   p.add(kTwisted, atan);
@@ -290,7 +296,9 @@ TEST(Coupled, TakesShareOfStepsThatLowersTheNaturalLevel) {
                                for (Index e = 0; e < 2; ++e)
                                  if (whose[e]) least[e] = std::min(least[e], envs[e].alpha);
                              }};
-  Coupled(system, *linear, curvature, A).solve(q, 1e-6, at, near, envs, report, [] {}, watch);
+  Coupled(system, *linear, curvature, A)
+      .solve(
+          q, 1e-6, at, near, envs, report, [] {}, watch);
   EXPECT_TRUE(envs.is(0, EnvState::solved));
   EXPECT_TRUE(envs.is(1, EnvState::solved));
   EXPECT_EQ(least[0], 1);

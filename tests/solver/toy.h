@@ -44,7 +44,8 @@ struct FieldLinearisation final : Linearisation {
 
 class Field final : public effects::Effect {
  public:
-  Field(const Kind& kind, model::Model& model, Law law) : kind_(kind), model_(model), law_(std::move(law)), rest_(model.rest.download()), env_(model.block_env.download()) {}
+  Field(const Kind& kind, model::Model& model, Law law)
+      : kind_(kind), model_(model), law_(std::move(law)), rest_(model.rest.download()), env_(model.block_env.download()) {}
   const Kind& kind() const override { return kind_; }
   bool loses_energy() const override { return kind_.role == Role::inertia; }
   std::unique_ptr<Linearisation> linearisation() const override { return std::make_unique<FieldLinearisation>(); }
@@ -89,8 +90,8 @@ inline Kind kind(const char* name, Role role, bool symmetric = true) { return {n
 
 // k/2 |d|^2 - f . d
 inline Law spring(std::function<double(Index)> k, std::function<Vec3(Index)> f) {
-  return {[=](Index e, const Vec3& d, const Vec3&) { return 0.5 * k(e) * d.squaredNorm() - f(e).dot(d); }, [=](Index e, const Vec3& d) -> Vec3 { return k(e) * d - f(e); },
-          [=](Index e, const Vec3&) -> Mat3 { return k(e) * Mat3::Identity(); }};
+  return {[=](Index e, const Vec3& d, const Vec3&) { return 0.5 * k(e) * d.squaredNorm() - f(e).dot(d); },
+          [=](Index e, const Vec3& d) -> Vec3 { return k(e) * d - f(e); }, [=](Index e, const Vec3&) -> Mat3 { return k(e) * Mat3::Identity(); }};
 }
 
 inline Options options() {

@@ -1,14 +1,14 @@
 #include "study/study.h"
-#include "bench/hertz/profiles.h"
-#include "study/limit.h"
-#include "study/scene_runs.h"
 
 #include <gmock/gmock.h>
 
 #include <fstream>
 
 #include "base/error.h"
+#include "bench/hertz/profiles.h"
 #include "place.h"
+#include "study/limit.h"
+#include "study/scene_runs.h"
 
 using namespace mortise;
 using namespace mortise::study;
@@ -37,7 +37,8 @@ TEST(Study, ParsesWhatIsVaried) {
 }
 
 TEST(Study, FrontHoldsWhatNothingFasterBeats) {
-  std::vector<Point> p{point("a", 1, 0.1), point("a", 4, 0.01), point("b", 2, 0.2), point("b", 3, 0.05), point("b", 5, 0.01), point("a", 9, 0.5, "r"), point("a", 0.5, 1e-9), point("a", 0.6, 1e-8)};
+  std::vector<Point> p{point("a", 1, 0.1),  point("a", 4, 0.01),     point("b", 2, 0.2),    point("b", 3, 0.05),
+                       point("b", 5, 0.01), point("a", 9, 0.5, "r"), point("a", 0.5, 1e-9), point("a", 0.6, 1e-8)};
   p[6].reference = true;
   p[7].failed = true;
   mark_best(p);
@@ -65,7 +66,11 @@ TEST(Study, FigureShowsCurvesFrontAndFailures) {
 
 // A bar of linear material under its end load: the energy is exact at any mesh, so all errors vanish against the right value ...
 TEST(Study, RunsASceneAgainstAReference) {
-  Study s{test_place::kSourceFolder + "/scenes/first/05_static_press.yaml", {"time.steps=1", "materials.gel.model=linear"}, {parse_vary("bodies.block.shape.box.edge_length=10 mm,5 mm"), parse_vary("materials.gel.youngs_modulus=0.1 MPa,0.2 MPa")}, {"elasticity/energy"}, {}};
+  Study s{test_place::kSourceFolder + "/scenes/first/05_static_press.yaml",
+          {"time.steps=1", "materials.gel.model=linear"},
+          {parse_vary("bodies.block.shape.box.edge_length=10 mm,5 mm"), parse_vary("materials.gel.youngs_modulus=0.1 MPa,0.2 MPa")},
+          {"elasticity/energy"},
+          {}};
   // p^2 V/(2 E) = 25e6 Pa^2 * 4e-6 m^3 / (2 * 1e5 Pa)
   s.references = {5e-4};
   std::vector<Point> p = run_study(s, [](const Point&) {});
@@ -88,7 +93,11 @@ TEST(Study, RunsASceneAgainstAReference) {
 }
 
 TEST(Study, RunsABenchmarkMethodByMethod) {
-  const Study s{"barrier", {"methods=gmcp_consistent,ipc_classic"}, {parse_vary("effects.pressure_load.0.pressure=1000,2000")}, {"p/kappa=1: gap (worst sample)"}, {}};
+  const Study s{"barrier",
+                {"methods=gmcp_consistent,ipc_classic"},
+                {parse_vary("effects.pressure_load.0.pressure=1000,2000")},
+                {"p/kappa=1: gap (worst sample)"},
+                {}};
   const std::vector<Point> p = run_study(s, [](const Point&) {});
   ASSERT_EQ(p.size(), 4u);
   EXPECT_EQ(p[0].curve(), "gmcp_consistent");
@@ -98,7 +107,8 @@ TEST(Study, RunsABenchmarkMethodByMethod) {
 
 TEST(Study, ProfilesLieOverTheExactCurve) {
   const std::vector<bench::Panel> panels{{"one", {{"coarse", {{0, 1}, {0.5, 0.5}, {3, 1}}}}}, {"two", {{"coarse", {{1, 0}}}, {"fine", {{1, 0.2}}}}}};
-  const std::string svg = bench::profiles_svg(panels, [](double x) { return 1 - x; }, "title", "r", "p", 1, 1);
+  const std::string svg = bench::profiles_svg(
+      panels, [](double x) { return 1 - x; }, "title", "r", "p", 1, 1);
   const auto count = [&](const std::string& what) {
     int n = 0;
     for (std::size_t at = svg.find(what); at != std::string::npos; at = svg.find(what, at + 1)) ++n;
@@ -133,7 +143,8 @@ TEST(Study, ReferenceIsTheLimitOfAnUnevenLadder) {
 TEST(Study, LaddersHaveSizes) {
   EXPECT_THAT(ladder_sizes({"2 mm", "1500 um", "1 mm"}), testing::Pointwise(testing::DoubleNear(1e-15), {2e-3, 1.5e-3, 1e-3}));
   EXPECT_THAT(ladder_sizes({"2", "4", "10"}), testing::Pointwise(testing::DoubleNear(1e-15), {0.5, 0.25, 0.1}));
-  for (const std::vector<std::string>& none : {std::vector<std::string>{"a", "b"}, {"1 mm", "2 s"}, {"1", "3", "2"}, {"[1]", "[2]"}}) EXPECT_TRUE(ladder_sizes(none).empty());
+  for (const std::vector<std::string>& none : {std::vector<std::string>{"a", "b"}, {"1 mm", "2 s"}, {"1", "3", "2"}, {"[1]", "[2]"}})
+    EXPECT_TRUE(ladder_sizes(none).empty());
 }
 
 // Falling for 0.1 s whatever the step is, and never compared at different times.

@@ -57,8 +57,10 @@ std::vector<std::string> column(const Sweep& s, const std::string& path) {
 // Known answers of the Random123 library (kat_vectors).
 TEST(PhiloxTest, KnownAnswers) {
   EXPECT_EQ(philox({0, 0, 0, 0}, {0, 0}), (Philox{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
-  EXPECT_EQ(philox({0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff}, {0xffffffff, 0xffffffff}), (Philox{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd}));
-  EXPECT_EQ(philox({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}), (Philox{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
+  EXPECT_EQ(philox({0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff}, {0xffffffff, 0xffffffff}),
+            (Philox{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd}));
+  EXPECT_EQ(philox({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}),
+            (Philox{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
 }
 
 TEST(PhiloxTest, StreamsAreOfTheirSeedAndName) {
@@ -90,7 +92,8 @@ TEST_F(SweepFile, DrawsDoNotKnowTheirNeighbours) {
 }
 
 TEST_F(SweepFile, DistributionsHaveTheirMoments) {
-  const Sweep s = read("  - latin_hypercube: {count: 1000, seed: 1, vary: {n: {normal: [2, 0.5]}, l: {log_uniform: [1 kPa, 100 kPa]}, c: {choice: [x, y]}}}\n");
+  const Sweep s =
+      read("  - latin_hypercube: {count: 1000, seed: 1, vary: {n: {normal: [2, 0.5]}, l: {log_uniform: [1 kPa, 100 kPa]}, c: {choice: [x, y]}}}\n");
   double mean = 0, square = 0, log_mean = 0;
   for (const std::string& v : column(s, "n")) mean += std::stod(v) / 1000, square += std::pow(std::stod(v) - 2, 2) / 1000;
   for (const std::string& v : column(s, "l")) log_mean += std::log10(std::stod(v)) / 1000;
@@ -130,7 +133,8 @@ TEST_F(SweepFile, ErrorsSayWhereAndWhatWasMeant) {
   EXPECT_THAT(error("  - random: {count: 2.5, seed: 1, vary: {a: {uniform: [1, 2]}}}\n"), HasSubstr("random.count is '2.5'; must be a whole number"));
   EXPECT_THAT(error("  - random: {count: 2, seed: 1, vary: {a: {uniform: [1 apple, 2]}}}\n"), HasSubstr("random.vary.a.uniform"));
   EXPECT_THAT(error("  - random: {count: 2, seed: 1, vary: {a: {log_uniform: [0, 2]}}}\n"), HasSubstr("both ends must be positive"));
-  EXPECT_THAT(error("  - random: {count: 900000, seed: 1, vary: {a: {uniform: [1, 2]}}}\n  - product: {b: [1, 2]}\n"), HasSubstr("more than a million rows"));
+  EXPECT_THAT(error("  - random: {count: 900000, seed: 1, vary: {a: {uniform: [1, 2]}}}\n  - product: {b: [1, 2]}\n"),
+              HasSubstr("more than a million rows"));
   EXPECT_THAT(error("  []\n"), HasSubstr("needs 'rows:'"));
 }
 

@@ -23,8 +23,7 @@ double largest_distance(const std::vector<Vec3>& a, const std::vector<Vec3>& b) 
 // Bend, twist and stretch of about a third: smooth, far from rigid.
 Vec3 deform(const Vec3& x) {
   const Vec3 s = x / kRadius;
-  return kRadius * Vec3(s.x() * (1 + 0.3 * s.z()) + 0.2 * s.y() * s.y(),
-                        s.y() + 0.25 * std::sin(s.x() * s.z()), 0.7 * s.z() + 0.15 * s.x() * s.x());
+  return kRadius * Vec3(s.x() * (1 + 0.3 * s.z()) + 0.2 * s.y() * s.y(), s.y() + 0.25 * std::sin(s.x() * s.z()), 0.7 * s.z() + 0.15 * s.x() * s.x());
 }
 
 std::vector<Vec3> moved(const std::vector<Vec3>& points, const auto& f) {
@@ -88,9 +87,7 @@ TEST(Mapper, FindsTheNearestTriangle) {
   EXPECT_NEAR(out[1].z(), 0.1e-3, 1e-12);
 }
 
-TEST(Mapper, NeedsASurface) {
-  EXPECT_THROW(Mapper({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{{0, 1, 2}}}, {{0, 0, 0}}), Error);
-}
+TEST(Mapper, NeedsASurface) { EXPECT_THROW(Mapper({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{{0, 1, 2}}}, {{0, 0, 0}}), Error); }
 
 }  // namespace
 }  // namespace mortise::visual

@@ -27,7 +27,8 @@ void barrier(const Bench& b) {
         }
       // The classic form has no areas: its gaps depend on the mesh and are shown only.
       const double gate = m.weights == "classic" ? NAN : 1e-8;
-      b.emit(s.row(fmt::format("p/kappa={:g}", ratio), m, "gap (worst sample)", any ? worst : NAN, wanted, any ? std::abs(worst / wanted - 1) : NAN, gate));
+      b.emit(s.row(fmt::format("p/kappa={:g}", ratio), m, "gap (worst sample)", any ? worst : NAN, wanted, any ? std::abs(worst / wanted - 1) : NAN,
+                   gate));
     }
 }
 

@@ -114,8 +114,8 @@ std::string CcdBench::text() const {
   std::string out = "kind             queries   impacts  false negatives  false positives  us/query\n";
   for (const auto& [name, s] : {std::pair{"point-triangle", &point_triangle}, std::pair{"edge-edge", &edge_edge}}) {
     char line[160];
-    std::snprintf(line, sizeof line, "%-14s %9lld %9lld %16lld %16lld %9.3f\n", name, s->queries, s->impacts, s->false_negatives,
-                  s->false_positives, s->microseconds_per_query());
+    std::snprintf(line, sizeof line, "%-14s %9lld %9lld %16lld %16lld %9.3f\n", name, s->queries, s->impacts, s->false_negatives, s->false_positives,
+                  s->microseconds_per_query());
     out += line;
   }
   return out;

@@ -24,7 +24,7 @@ struct CcdScore {
   long long impacts = 0;          // by the truth
   long long false_negatives = 0;  // missed impacts
   long long false_positives = 0;
-  double seconds = 0;             // on one thread, reading not counted
+  double seconds = 0;  // on one thread, reading not counted
   double microseconds_per_query() const { return queries ? seconds * 1e6 / static_cast<double>(queries) : 0; }
 };
 struct CcdBench {

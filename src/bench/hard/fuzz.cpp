@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <map>
 
-#include "bench/hard/hard.h"
 #include "bench/hard/dice.h"
+#include "bench/hard/hard.h"
 
 namespace fs = std::filesystem;
 
@@ -56,7 +56,8 @@ YAML::Node pin(Dice& d, const Scales& s, const std::string& body, double end) {
   return p;
 }
 
-YAML::Node contact(Dice& d, const Scales& s, double modulus, const std::vector<std::string>& names, const std::vector<bool>& soft, bool half_space, bool mortar) {
+YAML::Node contact(Dice& d, const Scales& s, double modulus, const std::vector<std::string>& names, const std::vector<bool>& soft, bool half_space,
+                   bool mortar) {
   YAML::Node c;
   const double d_hat = s.L * d.power(-3.5, -2), stiffness = modulus * d.power(-1.5, 0);
   c["d_hat"] = num(d_hat);
@@ -115,7 +116,8 @@ YAML::Node random_scene(unsigned long seed) {
     const double E = modulus * (m ? d.power(-1, 2) : 1);
     softest = std::min(softest, E);
     material["model"] = kModels[d.below(4)];
-    material["youngs_modulus"] = num(E), material["poisson_ratio"] = num(d.in(0, 0.48)), material["density"] = num(density * (m ? d.power(-1, 1) : 1));
+    material["youngs_modulus"] = num(E), material["poisson_ratio"] = num(d.in(0, 0.48)),
+    material["density"] = num(density * (m ? d.power(-1, 1) : 1));
   }
   std::vector<std::string> names;
   std::vector<bool> soft;
@@ -147,8 +149,9 @@ YAML::Node random_scene(unsigned long seed) {
   if (half_space) {
     scene["bodies"]["floor"] = YAML::Load("{type: half_space}");
   } else {
-    scene["bodies"]["floor"] = YAML::Load(fmt::format("{{type: stiff, material: m0, shape: {{box: {{size: [{0}, {0}, {1}], edge_length: {2}}}}}, position: [{3}, 0, {4}]}}", num(6 * s.L), num(0.4 * s.L),
-                                                      num(6 * s.L / (1 + d.below(3))), num(far_x), num(-0.2 * s.L)));
+    scene["bodies"]["floor"] =
+        YAML::Load(fmt::format("{{type: stiff, material: m0, shape: {{box: {{size: [{0}, {0}, {1}], edge_length: {2}}}}}, position: [{3}, 0, {4}]}}",
+                               num(6 * s.L), num(0.4 * s.L), num(6 * s.L / (1 + d.below(3))), num(far_x), num(-0.2 * s.L)));
     YAML::Node hold;
     hold["body"] = "floor", hold["where"]["side"] = "all";
     effects["pin"].push_back(hold);
@@ -157,7 +160,8 @@ YAML::Node random_scene(unsigned long seed) {
   const std::string kind = mortar ? "mortar_contact" : "barrier_contact";
   effects[kind] = contact(d, s, softest, names, soft, half_space, mortar);
   const bool friction = d.chance(0.5);
-  if (friction) effects["friction"]["follows"] = kind, effects["friction"]["mu"] = num(d.in(0.05, 1)), effects["friction"]["creep_speed"] = num(1e-3 * s.speed());
+  if (friction)
+    effects["friction"]["follows"] = kind, effects["friction"]["mu"] = num(d.in(0.05, 1)), effects["friction"]["creep_speed"] = num(1e-3 * s.speed());
   scene["solver"]["force_tolerance"] = 0;
   if (d.chance(0.15)) scene["solver"]["linear"] = "cg";
   scene["output"]["precision"] = "double";
@@ -170,7 +174,8 @@ void remove_files(const std::string& folder, const std::string& name) {
   std::vector<fs::path> own;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string file = entry.path().filename().string();
-    if (file.starts_with(name) && (file.size() == name.size() || !std::isdigit(static_cast<unsigned char>(file[name.size()])))) own.push_back(entry.path());
+    if (file.starts_with(name) && (file.size() == name.size() || !std::isdigit(static_cast<unsigned char>(file[name.size()]))))
+      own.push_back(entry.path());
   }
   for (const fs::path& path : own) fs::remove_all(path);
 }

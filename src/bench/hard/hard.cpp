@@ -94,7 +94,10 @@ std::string read_certificate(const std::string& dir, const Case& asked, const En
   for (const Json& c : j.value("criteria", Json::array())) {
     const std::string text = c["criterion"];
     if (c["pass"].get<bool>() || (!row.missed.empty() && c["value"].is_null())) continue;  // what rightly stopped at once measured nothing
-    const std::string miss = text + ": " + (c["value"].is_number() ? fmt::format("{:.4g}", c["value"].get<double>()) : c["value"].is_string() ? c["value"].get<std::string>() : "not measured");
+    const std::string miss = text + ": " +
+                             (c["value"].is_number()   ? fmt::format("{:.4g}", c["value"].get<double>())
+                              : c["value"].is_string() ? c["value"].get<std::string>()
+                                                       : "not measured");
     if (begins_with_any(text, asked.reported))
       row.missed += (row.missed.empty() ? "" : "; ") + miss;
     else
@@ -175,7 +178,8 @@ Row run_case(const Case& c, const Options& o) {
   if (end.code >= 128 || end.code == static_cast<int>(Exit::internal)) row.unsafe = row.reason;
   const std::string judged = end.code == static_cast<int>(Exit::scene) ? "" : judge(dir, end.code < 0, row);
   if (row.reason.empty()) row.reason = judged;
-  if (row.reason.empty() && row.missed.empty() && c.interrupted) row.reason = row.unsafe = interrupt(arguments, dir, c.text, end.seconds, o.time_limit);
+  if (row.reason.empty() && row.missed.empty() && c.interrupted)
+    row.reason = row.unsafe = interrupt(arguments, dir, c.text, end.seconds, o.time_limit);
   row.pass = row.reason.empty();
   return row;
 }
@@ -198,8 +202,10 @@ Ended run_program(const std::vector<std::string>& arguments, const std::string& 
 
 void require_judge() {
   if (fs::exists(judge_program())) return;
-  throw Error(Exit::file, "there is no program '" + judge_program() + "', which judges the saved states\n  it is built with the tests ('tools/mortise' leaves them out): 'tools/test -N' builds "
-                          "everything and runs no test; then use build/test/bin/mortise");
+  throw Error(Exit::file,
+              "there is no program '" + judge_program() +
+                  "', which judges the saved states\n  it is built with the tests ('tools/mortise' leaves them out): 'tools/test -N' builds "
+                  "everything and runs no test; then use build/test/bin/mortise");
 }
 
 std::vector<Row> run(const Options& options, const std::function<void(const Row&)>& emit) {
@@ -224,30 +230,49 @@ std::vector<Row> run(const Options& options, const std::function<void(const Row&
 
 std::string json_line(const Row& r) {
   const auto num = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
-  return Json{{"case", r.name}, {"method", r.method}, {"variant", r.variant}, {"verdict", verdict(r)}, {"pass", r.pass}, {"reason", r.reason},
-              {"reported", r.missed}, {"judged", r.judged}, {"intersections", r.intersections}, {"not_finite", r.not_finite}, {"unsafe", r.unsafe}, {"steps", r.steps},
-              {"newton_max", r.newton_max}, {"newton_mean", num(r.newton_mean)}, {"halved_steps", r.halved}, {"min_distance", num(r.min_distance)},
-              {"min_det_f", num(r.min_det_f)}, {"energy_gain", num(r.energy_gain)}, {"residual", num(r.residual)}, {"seconds", num(r.seconds)}, {"replay", r.replay}}
+  return Json{{"case", r.name},
+              {"method", r.method},
+              {"variant", r.variant},
+              {"verdict", verdict(r)},
+              {"pass", r.pass},
+              {"reason", r.reason},
+              {"reported", r.missed},
+              {"judged", r.judged},
+              {"intersections", r.intersections},
+              {"not_finite", r.not_finite},
+              {"unsafe", r.unsafe},
+              {"steps", r.steps},
+              {"newton_max", r.newton_max},
+              {"newton_mean", num(r.newton_mean)},
+              {"halved_steps", r.halved},
+              {"min_distance", num(r.min_distance)},
+              {"min_det_f", num(r.min_det_f)},
+              {"energy_gain", num(r.energy_gain)},
+              {"residual", num(r.residual)},
+              {"seconds", num(r.seconds)},
+              {"replay", r.replay}}
       .dump();
 }
 
 std::string table_header() {
-  return fmt::format("{:22} {:8} {:14} {:>5} {:>10} {:>9} {:>9} {:>9} {:>8} {:>7} {:>8}  {}\n", "case", "method", "variant", "steps", "newton", "distance", "det F", "gain", "residual",
-                     "seconds", "verdict", "reason");
+  return fmt::format("{:22} {:8} {:14} {:>5} {:>10} {:>9} {:>9} {:>9} {:>8} {:>7} {:>8}  {}\n", "case", "method", "variant", "steps", "newton",
+                     "distance", "det F", "gain", "residual", "seconds", "verdict", "reason");
 }
 
 std::string table_line(const Row& r) {
-  return fmt::format("{:22} {:8} {:14} {:>5} {:>10} {:>9} {:>9} {:>9} {:>8} {:>7.1f} {:>8}  {}\n", r.name, r.method, r.variant, r.steps, fmt::format("{}/{:.1f}", r.newton_max, r.newton_mean),
-                     cell(r.min_distance), cell(r.min_det_f), cell(r.energy_gain), cell(r.residual), r.seconds, verdict(r),
-                     r.reason.empty() ? r.missed : r.reason);
+  return fmt::format("{:22} {:8} {:14} {:>5} {:>10} {:>9} {:>9} {:>9} {:>8} {:>7.1f} {:>8}  {}\n", r.name, r.method, r.variant, r.steps,
+                     fmt::format("{}/{:.1f}", r.newton_max, r.newton_mean), cell(r.min_distance), cell(r.min_det_f), cell(r.energy_gain),
+                     cell(r.residual), r.seconds, verdict(r), r.reason.empty() ? r.missed : r.reason);
 }
 
 std::string summary(const std::vector<Row>& rows) {
   long passed = 0, reported = 0, judged = 0, unsafe = 0;
   double seconds = 0;
-  for (const Row& r : rows) passed += r.pass && r.missed.empty(), reported += r.pass && !r.missed.empty(), judged += r.judged, unsafe += !r.unsafe.empty(), seconds += r.seconds;
-  return fmt::format("{} of {} pass, {} more miss only what their method does not claim, {} fail; {} judged independently, {} unsafe; {:.0f} s\n", passed, rows.size(), reported,
-                     rows.size() - passed - reported, judged, unsafe, seconds);
+  for (const Row& r : rows)
+    passed += r.pass && r.missed.empty(), reported += r.pass && !r.missed.empty(), judged += r.judged, unsafe += !r.unsafe.empty(),
+        seconds += r.seconds;
+  return fmt::format("{} of {} pass, {} more miss only what their method does not claim, {} fail; {} judged independently, {} unsafe; {:.0f} s\n",
+                     passed, rows.size(), reported, rows.size() - passed - reported, judged, unsafe, seconds);
 }
 
 }  // namespace mortise::bench::hard

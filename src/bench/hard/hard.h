@@ -19,14 +19,14 @@
 namespace mortise::bench::hard {
 
 struct Options {
-  std::string scenes;              // folder; empty: scenes/hard, searched upwards from here and from the program
-  std::string output;              // folder of the runs
-  bool full = false;               // whole lengths and all variants; otherwise each case is cut to seconds
-  std::vector<std::string> only;   // case ids or beginnings of scene names; empty: all
+  std::string scenes;             // folder; empty: scenes/hard, searched upwards from here and from the program
+  std::string output;             // folder of the runs
+  bool full = false;              // whole lengths and all variants; otherwise each case is cut to seconds
+  std::vector<std::string> only;  // case ids or beginnings of scene names; empty: all
   int threads = 0;
-  double time_limit = 120;         // of a run [s]
-  bool wild = false;               // fuzz: scenes that are not tame
-  bool reduce = true;              // fuzz: take parts out of scenes that fail
+  double time_limit = 120;  // of a run [s]
+  bool wild = false;        // fuzz: scenes that are not tame
+  bool reduce = true;       // fuzz: take parts out of scenes that fail
 };
 
 struct Row {
@@ -34,8 +34,8 @@ struct Row {
   long steps = 0, newton_max = 0, halved = 0;
   double newton_mean = NAN, min_distance = NAN, min_det_f = NAN, energy_gain = NAN, residual = NAN, seconds = NAN;
   bool pass = false, judged = false;
-  std::string reason;  // what failed first; empty when it passed
-  std::string missed;  // criteria that the method does not claim to hold, with their figures
+  std::string reason;                      // what failed first; empty when it passed
+  std::string missed;                      // criteria that the method does not claim to hold, with their figures
   long intersections = 0, not_finite = 0;  // in saved states, by the judge
   std::string unsafe;  // what may never be: intersections, values that are not finite, crashes, steps that only seem to converge, no judgement
   std::string replay;  // one command
@@ -57,8 +57,8 @@ std::string summary(const std::vector<Row>& rows);
 // A scene to run: text, and what to call it.
 struct Case {
   std::string name, method, variant, text;
-  bool expects_failure = false;  // its checks hold an outcome other than done
-  std::vector<std::string> reported{};  // quantities without a verdict
+  bool expects_failure = false;          // its checks hold an outcome other than done
+  std::vector<std::string> reported{};   // quantities without a verdict
   std::string may_stop{};                // words of an error with which a run may rightly end: such a row is reported
   std::vector<std::string> arguments{};  // further ones of `mortise run`
   bool interrupted = false;              // run once more, killed on the way and resumed: the fields must be equal

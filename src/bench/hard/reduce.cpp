@@ -4,8 +4,8 @@
 #include <fstream>
 #include <functional>
 
-#include "bench/hard/hard.h"
 #include "bench/hard/dice.h"
+#include "bench/hard/hard.h"
 
 namespace fs = std::filesystem;
 

@@ -3,12 +3,12 @@
 #include <filesystem>
 #include <fstream>
 
+#include "bench/hard/dice.h"
+#include "bench/hard/hard.h"
 #include "geometry/io/msh.h"
 #include "geometry/io/obj.h"
 #include "geometry/primitives.h"
 #include "geometry/topology.h"
-#include "bench/hard/hard.h"
-#include "bench/hard/dice.h"
 
 namespace fs = std::filesystem;
 
@@ -22,7 +22,7 @@ class Wild {
     scene_["name"] = fmt::format("wild_{}", seed);
     s_.L = d_.power(-3, 1);
     const double kind = d_.in(0, 1);
-    is_static_ = kind < 0.2, bdf2_ = kind > 0.75;
+    is_static_ = kind<0.2, bdf2_ = kind> 0.75;
     const bool crowd = !is_static_ && d_.chance(0.1);
     bodies_ = is_static_ ? 2 + d_.below(2) : crowd ? 5 + d_.below(16) : 1 + d_.below(4);
     crowd_ = bodies_ > 4;
@@ -104,7 +104,8 @@ class Wild {
         break;
       case 2:
         radius = 0.5 * std::hypot(a, b);
-        out["cylinder"]["radius"] = num(0.5 * a), out["cylinder"]["height"] = num(b), out["cylinder"]["edge_length"] = num(0.5 * a * std::max(fine, 0.8));
+        out["cylinder"]["radius"] = num(0.5 * a), out["cylinder"]["height"] = num(b),
+        out["cylinder"]["edge_length"] = num(0.5 * a * std::max(fine, 0.8));
         break;
       default:
         radius = 0.5 * (a + b);
@@ -163,8 +164,9 @@ class Wild {
       return;
     }
     const bool soft = d_.chance(0.2);  // held wholly: an obstacle like a stiff one
-    scene_["bodies"]["floor"] = YAML::Load(fmt::format("{{type: {0}, material: m0, shape: {{box: {{size: [{1}, {1}, {2}], edge_length: {3}}}}}, position: [{4}, {4}, {5}]}}", soft ? "soft" : "stiff",
-                                                       num(7 * s_.L), num(0.4 * s_.L), num(7 * s_.L / (1 + d_.below(3))), num(crowd_ ? s_.L : 0), num(-0.2 * s_.L)));
+    scene_["bodies"]["floor"] = YAML::Load(fmt::format(
+        "{{type: {0}, material: m0, shape: {{box: {{size: [{1}, {1}, {2}], edge_length: {3}}}}}, position: [{4}, {4}, {5}]}}",
+        soft ? "soft" : "stiff", num(7 * s_.L), num(0.4 * s_.L), num(7 * s_.L / (1 + d_.below(3))), num(crowd_ ? s_.L : 0), num(-0.2 * s_.L)));
     YAML::Node hold;
     hold["body"] = "floor", hold["where"]["side"] = "all";
     scene_["effects"]["pin"].push_back(hold);
@@ -207,7 +209,8 @@ class Wild {
 
   void contact() {
     YAML::Node effects = scene_["effects"];
-    const bool loose_stiff = std::count(soft_.begin(), soft_.end() - 1, false) > 0, any_soft = soft_floor_ || std::count(soft_.begin(), soft_.end(), true) > 0;
+    const bool loose_stiff = std::count(soft_.begin(), soft_.end() - 1, false) > 0,
+               any_soft = soft_floor_ || std::count(soft_.begin(), soft_.end(), true) > 0;
     if (!is_static_) effects["inertia"]["integrator"] = bdf2_ ? "bdf2" : "backward_euler";
     if (!is_static_ || d_.chance(0.5)) effects["gravity"]["acceleration"] = vec(0, 0, is_static_ ? -0.1 * s_.g : -s_.g);
     if (any_soft) effects["elasticity"] = YAML::Node(YAML::NodeType::Map);
@@ -316,7 +319,8 @@ class Wild {
   YAML::Node scene_;
   std::vector<std::string> names_;  // the floor last
   std::vector<bool> soft_;
-  bool is_static_ = false, bdf2_ = false, crowd_ = false, half_space_ = false, soft_floor_ = false, friction_ = false, loaded_ = false, automatic_ = true;
+  bool is_static_ = false, bdf2_ = false, crowd_ = false, half_space_ = false, soft_floor_ = false, friction_ = false, loaded_ = false,
+       automatic_ = true;
   int bodies_ = 0, steps_ = 0;
   double step_ = 0, density_ = 0, modulus_ = 0, softest_ = 0, z_ = 0;
 };

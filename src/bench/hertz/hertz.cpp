@@ -10,20 +10,21 @@
 #include <span>
 
 #include "base/error.h"
-#include "geometry/midsides.h"
 #include "bench/all.h"
-#include "bench/size.h"
+#include "bench/hertz/pressure_map.h"
 #include "bench/hertz/profiles.h"
 #include "bench/meshes.h"
-#include "bench/hertz/pressure_map.h"
 #include "bench/reference.h"
+#include "bench/size.h"
 #include "bench/traction.h"
+#include "geometry/midsides.h"
 
 namespace mortise::bench {
 namespace {
 
-constexpr Size kSizes[] = {{"tiny", {0.025, 6, 4, 5}, 3e-3, NAN},      {"coarse", {0.016, 8, 5, 7}, 2e-3, 0.06},    {"small", {0.011, 11, 6, 10}, 1.2e-3, 0.05},
-                           {"medium", {0.0075, 16, 6, 14}, 7e-4, 0.035}, {"isaac", {0.0067, 18, 7, 14}, 6e-4, 0.035}, {"fine", {0.004, 30, 7, 14}, 5e-4, 0.022}};
+constexpr Size kSizes[] = {{"tiny", {0.025, 6, 4, 5}, 3e-3, NAN},       {"coarse", {0.016, 8, 5, 7}, 2e-3, 0.06},
+                           {"small", {0.011, 11, 6, 10}, 1.2e-3, 0.05}, {"medium", {0.0075, 16, 6, 14}, 7e-4, 0.035},
+                           {"isaac", {0.0067, 18, 7, 14}, 6e-4, 0.035}, {"fine", {0.004, 30, 7, 14}, 5e-4, 0.022}};
 // Quadratic tetrahedra: 7.5k and 20.3k nodes in all. Their layer of contact is stiffer (k = 24): with k = 4 its compliance would be all of
 // the error, 0.5 (d_hat - gap)/approach in the peak. Gated is r <= 0.9 a at the second size.
 constexpr Size kQuadraticSizes[] = {{"coarse", {0.02, 5, 3, 4}, 6.6e-4, NAN}, {"medium", {0.0106, 9, 4, 5}, 3.5e-4, 0.01}};
@@ -95,7 +96,8 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
   const double expected = 2 * e_star * kExpectedRadius / (3.14159265358979 * R);
   const double kappa = matched_stiffness(expected, d_hat, size.mesh.h, e_star, std::stod(b.option("k", quadratic ? "24" : "4")));
   // Where the ball starts decides how hard the first Newton iterations are; where it ends does not depend on it.
-  const double gap = std::stod(b.option("start", "0.3")) * d_hat, end = b.scene().number(b.scene().moving_pin() + ".motion.translation.1.2") + 0.1 * d_hat;
+  const double gap = std::stod(b.option("start", "0.3")) * d_hat,
+               end = b.scene().number(b.scene().moving_pin() + ".motion.translation.1.2") + 0.1 * d_hat;
   for (const Method& m : b.methods()) {
     SceneText scene = b.scene();
     scene.set("bodies.ball.position", fmt::format("[0, 0, {:.17g}]", R + gap));
@@ -103,7 +105,9 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
     scene.set("effects.mortar_contact.d_hat", d_hat);
     scene.set("effects.mortar_contact.stiffness", kappa);
     scene.use(m, size.mesh.h * size.mesh.h / (quadratic ? 16 : 4));
-    const auto element = [&](const geometry::TetMesh& mesh, const geometry::Snap& snap = {}) { return quadratic ? geometry::with_midsides(mesh, snap) : mesh; };
+    const auto element = [&](const geometry::TetMesh& mesh, const geometry::Snap& snap = {}) {
+      return quadratic ? geometry::with_midsides(mesh, snap) : mesh;
+    };
     const Solved s = solve(scene, [&](model::ModelInput& input) {
       const std::vector<double> lateral = size.mesh.outwards(R);
       set_mesh(input, "block", element(cylinder ? cylinder_block(R, size.mesh) : grid_block(lateral, lateral, size.mesh.downwards(R))));
@@ -118,10 +122,12 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
     });
     const double quarter = std::abs(s.fields.at("supports/ball_z")), F = 4 * quarter;
     const Hertz exact = bench::hertz(F, R, e_star);
-    const Traction at = nodal_traction(s, "block", [](const Vec3& x) { return std::abs(x[2]) < 1e-9; }, quadratic);
+    const Traction at = nodal_traction(
+        s, "block", [](const Vec3& x) { return std::abs(x[2]) < 1e-9; }, quadratic);
     const double whole = l2_error(at, exact, exact.a), inner = l2_error(at, exact, 0.9 * exact.a);
     const double peak = at.peak();
-    const double radius = std::sqrt(2.5 * sample_mean(s, m.effect, [](const Vec3& x) { return x.head<2>().squaredNorm(); }));  // int p r^2 dA = 2/5 a^2 F
+    const double radius =
+        std::sqrt(2.5 * sample_mean(s, m.effect, [](const Vec3& x) { return x.head<2>().squaredNorm(); }));  // int p r^2 dA = 2/5 a^2 F
     const auto gate = [&](double g) { return m.gated ? g : NAN; };
     const std::string name = fmt::format("{}{}{}", size.name, cylinder ? ", cylinder" : "", quadratic ? ", quadratic" : "");
     b.emit(s.row(name, m, "pressure L2, r <= a", whole, 0, whole, gate(quadratic ? NAN : size.l2)));
@@ -138,7 +144,10 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
     const std::string file = fmt::format("{}{}{}_{}", size.name, cylinder ? "_cylinder" : "", quadratic ? "_quadratic" : "", m.name);
     b.draw(file + ".csv", [&](const std::string& path) { write_nodes(path, at, exact); });
     b.draw(file + ".png", [&](const std::string& path) {
-      write_pressure_map(path, {"block", exact.a, 1.2 * exact.p0, fmt::format("{}, {}; circle: contact radius of Hertz, p0 = {:.4g} kPa", m.name, name, 1e-3 * exact.p0)}, s, at);
+      write_pressure_map(
+          path,
+          {"block", exact.a, 1.2 * exact.p0, fmt::format("{}, {}; circle: contact radius of Hertz, p0 = {:.4g} kPa", m.name, name, 1e-3 * exact.p0)},
+          s, at);
     });
   }
 }
@@ -157,7 +166,8 @@ void hertz(const Bench& b) {
     run(b, size_of(sizes, wanted), quadratic, figure);
   }
   const auto curve = [](double r) { return r < 1 ? std::sqrt(1 - r * r) : 0; };
-  b.draw("pressure.svg", [&](const std::string& path) { write(path, profiles_svg(figure.panels, curve, "Hertz", "r / a", "pressure / p0", 1.6, 1.4)); });
+  b.draw("pressure.svg",
+         [&](const std::string& path) { write(path, profiles_svg(figure.panels, curve, "Hertz", "r / a", "pressure / p0", 1.6, 1.4)); });
 }
 
 }  // namespace mortise::bench

@@ -1,8 +1,8 @@
+#include "bench/hertz/profiles.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-
-#include "bench/hertz/profiles.h"
 
 namespace mortise::bench {
 namespace {
@@ -13,12 +13,13 @@ constexpr double kRadius[] = {3.4, 2.6, 2.2, 1.8};  // later series lie on earli
 
 }  // namespace
 
-std::string profiles_svg(const std::vector<Panel>& panels, const std::function<double(double)>& exact, const std::string& title, const std::string& x_label, const std::string& y_label,
-                         double x_end, double y_end) {
+std::string profiles_svg(const std::vector<Panel>& panels, const std::function<double(double)>& exact, const std::string& title,
+                         const std::string& x_label, const std::string& y_label, double x_end, double y_end) {
   const std::size_t columns = panels.size() > 1 ? 2 : 1, rows = (panels.size() + columns - 1) / columns;
-  std::string svg = fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" font-family=\"sans-serif\" font-size=\"12\">\n"
-                                "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"{2}\" y=\"20\" font-size=\"15\">{3}</text>\n",
-                                columns * kWidth, rows * kHeight + kHead, kLeft, title);
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" font-family=\"sans-serif\" font-size=\"12\">\n"
+      "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"{2}\" y=\"20\" font-size=\"15\">{3}</text>\n",
+      columns * kWidth, rows * kHeight + kHead, kLeft, title);
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const double left = static_cast<double>(i % columns) * kWidth + kLeft, top = static_cast<double>(i / columns) * kHeight + kHead + kTop;
     const double right = left - kLeft + kWidth - kRight, bottom = top - kTop + kHeight - kBottom;
@@ -28,11 +29,15 @@ std::string profiles_svg(const std::vector<Panel>& panels, const std::function<d
     for (int k = 0; 0.2 * k <= std::max(x_end, y_end) + 1e-9; ++k) {
       const double v = 0.2 * k;
       if (v <= x_end + 1e-9)
-        svg += fmt::format("<line x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1:.1f}\" y2=\"{2:.1f}\" stroke=\"#e4e4e4\"/><text x=\"{0:.1f}\" y=\"{3:.1f}\" text-anchor=\"middle\">{4:.1f}</text>\n", x(v), top,
-                           bottom, bottom + 16, v);
+        svg += fmt::format(
+            "<line x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1:.1f}\" y2=\"{2:.1f}\" stroke=\"#e4e4e4\"/><text x=\"{0:.1f}\" y=\"{3:.1f}\" "
+            "text-anchor=\"middle\">{4:.1f}</text>\n",
+            x(v), top, bottom, bottom + 16, v);
       if (v <= y_end + 1e-9)
-        svg += fmt::format("<line x1=\"{0:.1f}\" x2=\"{1:.1f}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\" stroke=\"#e4e4e4\"/><text x=\"{3:.1f}\" y=\"{4:.1f}\" text-anchor=\"end\">{5:.1f}</text>\n", left, right, y(v),
-                           left - 6, y(v) + 4, v);
+        svg += fmt::format(
+            "<line x1=\"{0:.1f}\" x2=\"{1:.1f}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\" stroke=\"#e4e4e4\"/><text x=\"{3:.1f}\" y=\"{4:.1f}\" "
+            "text-anchor=\"end\">{5:.1f}</text>\n",
+            left, right, y(v), left - 6, y(v) + 4, v);
     }
     for (std::size_t k = 0; k < panels[i].series.size(); ++k) {
       const Dots& dots = panels[i].series[k];
@@ -41,14 +46,16 @@ std::string profiles_svg(const std::vector<Panel>& panels, const std::function<d
       for (const auto& [r, p] : dots.points)
         if (r <= x_end) svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\"/>", x(r), y(p), kRadius[look]);
       const double at = top + 14 + 16 * static_cast<double>(k);
-      svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\"/></g>\n<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", right - 70, at, right - 62, at + 4, dots.name);
+      svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\"/></g>\n<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", right - 70, at, right - 62,
+                         at + 4, dots.name);
     }
     std::string curve;
     constexpr int kSteps = 400;
     for (int k = 0; k <= kSteps; ++k) curve += fmt::format("{:.1f},{:.1f} ", x(x_end * k / kSteps), y(exact(x_end * k / kSteps)));
     svg += fmt::format("<polyline class=\"exact\" points=\"{}\" fill=\"none\" stroke=\"black\" stroke-width=\"1.6\"/>\n", curve);
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>\n", 0.5 * (left + right), bottom + 34, x_label);
-    svg += fmt::format("<text x=\"{0:.1f}\" y=\"{1:.1f}\" text-anchor=\"middle\" transform=\"rotate(-90 {0:.1f} {1:.1f})\">{2}</text>\n", left - 40, 0.5 * (top + bottom), y_label);
+    svg += fmt::format("<text x=\"{0:.1f}\" y=\"{1:.1f}\" text-anchor=\"middle\" transform=\"rotate(-90 {0:.1f} {1:.1f})\">{2}</text>\n", left - 40,
+                       0.5 * (top + bottom), y_label);
   }
   return svg + "</svg>\n";
 }

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <numbers>
 
-#include "geometry/midsides.h"
 #include "bench/all.h"
 #include "bench/meshes.h"
 #include "bench/reference.h"
 #include "bench/traction.h"
+#include "geometry/midsides.h"
 
 namespace mortise::bench {
 namespace {
@@ -46,11 +46,13 @@ struct Measured {
 
 // With edges of length a/n at the contact.
 Measured run(const Bench& b, const Case& c, const Method& m, int n, bool quadratic) {
-  const double E = b.scene().number("materials.rubber.youngs_modulus"), nu = b.scene().number("materials.rubber.poisson_ratio"), e_star = E / (1 - nu * nu);
+  const double E = b.scene().number("materials.rubber.youngs_modulus"), nu = b.scene().number("materials.rubber.poisson_ratio"),
+               e_star = E / (1 - nu * nu);
   const bool flat = c.angle == 90;
   const double slope = flat ? 0 : 1 / std::tan(c.angle * std::numbers::pi / 180), radius = flat ? kContact : 2 * kContact;
   const double h = kContact / n, d_hat = 0.08 * h, gap = 0.5 * d_hat;
-  const double expected = (flat ? flat_punch_force(kContact, e_star, c.depth) : cone_force(slope, e_star, c.depth)) / (std::numbers::pi * kContact * kContact);
+  const double expected =
+      (flat ? flat_punch_force(kContact, e_star, c.depth) : cone_force(slope, e_star, c.depth)) / (std::numbers::pi * kContact * kContact);
   SceneText scene = b.scene();
   scene.set(scene.moving_pin() + ".motion.translation.1", fmt::format("[0, 0, {:.17g}]", -c.depth - gap));
   scene.set("effects.mortar_contact.d_hat", d_hat);
@@ -70,11 +72,13 @@ Measured run(const Bench& b, const Case& c, const Method& m, int n, bool quadrat
   const Solved& s = out.solved;
   if (!s.converged) return out;
   out.contact = s.fields.at(m.effect + "/force_punch_z"), out.support = std::abs(s.fields.at("supports/block_z")), out.force = 4 * out.contact;
-  const Traction t = nodal_traction(s, "block", [](const Vec3& x) { return std::abs(x[2]) < 1e-9; }, quadratic);
+  const Traction t = nodal_traction(
+      s, "block", [](const Vec3& x) { return std::abs(x[2]) < 1e-9; }, quadratic);
   const auto r = [](const Vec3& x) { return std::hypot(x[0], x[1]); };
   const double a = flat ? kContact : cone_radius(slope, e_star, out.force);
   // Depth is counted from the surface some radii away: what a half-space does beyond, a finite block does not.
-  const Vec3 far = *std::min_element(t.now.begin(), t.now.end(), [&](const Vec3& x, const Vec3& y) { return std::abs(r(x) - kFar * a) < std::abs(r(y) - kFar * a); });
+  const Vec3 far = *std::min_element(t.now.begin(), t.now.end(),
+                                     [&](const Vec3& x, const Vec3& y) { return std::abs(r(x) - kFar * a) < std::abs(r(y) - kFar * a); });
   double tip = 0;  // of the punch that the surface follows on average, weighted with the force [m]
   for (std::size_t i = 0; i < t.p.size(); ++i) tip += t.p[i] * t.area[i] * (t.now[i][2] - slope * r(t.now[i])) / t.force();
   const double depth = (far[2] - tip) / (1 - (flat ? flat_punch_surface(a, r(far)) : cone_surface(a, r(far))));

@@ -20,7 +20,8 @@ struct Interface {
   double amplitude = 0;  // of waves whose crests meet the sides of the blocks at right angles [m]
   double z(double x, double y) const { return 0.5 * kHeight + slope * (x - 0.5) + amplitude * std::cos(kWave * x) * std::cos(kWave * y); }
   Vec3 normal(double x, double y) const {
-    const double fx = slope - amplitude * kWave * std::sin(kWave * x) * std::cos(kWave * y), fy = -amplitude * kWave * std::cos(kWave * x) * std::sin(kWave * y);
+    const double fx = slope - amplitude * kWave * std::sin(kWave * x) * std::cos(kWave * y),
+                 fy = -amplitude * kWave * std::cos(kWave * x) * std::sin(kWave * y);
     return Vec3(-fx, -fy, 1).normalized();
   }
   static constexpr double kWave = std::numbers::pi;
@@ -41,8 +42,8 @@ void shape_top(geometry::TetMesh& cube, const Interface& f, double gap) {
   }
 }
 
-Solved run(const Bench& b, const Method& m, const Interface& f, double p, double d_hat, double kappa, const std::array<int, 3>& below, const std::array<int, 3>& above,
-           double jitter) {
+Solved run(const Bench& b, const Method& m, const Interface& f, double p, double d_hat, double kappa, const std::array<int, 3>& below,
+           const std::array<int, 3>& above, double jitter) {
   const double E = b.scene().number("materials.rubber.youngs_modulus");
   const double shrink = 1 - p * (1 - 2 * b.scene().number("materials.rubber.poisson_ratio")) / E;
   // Loads count areas at rest, contact those of now. Everything shrinks about the origin, the gap with it.
@@ -58,7 +59,8 @@ Solved run(const Bench& b, const Method& m, const Interface& f, double p, double
   if (m.effect != "mortar_contact") scene.set("solver", "{relative_tolerance: 1e-9}");  // they do not settle to rounding
   scene.use(m, 1.0 / (below[0] * below[1]));
   return solve(scene, [&](model::ModelInput& input) {
-    geometry::TetMesh bottom = jittered_block(Vec3::Zero(), Vec3::Ones(), below, jitter, 1), top = jittered_block(Vec3::Zero(), Vec3::Ones(), above, jitter, 2);
+    geometry::TetMesh bottom = jittered_block(Vec3::Zero(), Vec3::Ones(), below, jitter, 1),
+                      top = jittered_block(Vec3::Zero(), Vec3::Ones(), above, jitter, 2);
     shape_bottom(bottom, f), shape_top(top, f, gap);
     set_mesh(input, "bottom", bottom), set_mesh(input, "top", top);
   });
@@ -96,7 +98,8 @@ void tilted(const Bench& b, double p) {
     for (const Method& m : b.methods()) {
       Interface f;
       f.slope = std::tan(angle * std::numbers::pi / 180);
-      const Solved s = run(b, m, f, p, b.scene().number("effects.mortar_contact.d_hat"), b.scene().number("effects.mortar_contact.stiffness"), {3, 3, 2}, {2, 2, 2}, 0.25);
+      const Solved s = run(b, m, f, p, b.scene().number("effects.mortar_contact.d_hat"), b.scene().number("effects.mortar_contact.stiffness"),
+                           {3, 3, 2}, {2, 2, 2}, 0.25);
       const double e = deviation(s, p).largest;
       b.emit(s.row(fmt::format("tilt={:g}", angle), m, "stress (worst)", -p * (1 + e), -p, e, m.gated ? 1e-10 : NAN));
     }

@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 
 #include "bench/all.h"
-#include "bench/size.h"
 #include "bench/meshes.h"
 #include "bench/reference.h"
+#include "bench/size.h"
 #include "bench/traction.h"
 
 namespace mortise::bench {

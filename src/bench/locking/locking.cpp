@@ -19,18 +19,16 @@ struct Elements {
   int order;
   const char* volumetric;
 };
-constexpr Elements kElements[] = {{"linear_full", 1, "full"},
-                                  {"linear_averaged", 1, "averaged"},
-                                  {"quadratic_full", 2, "full"},
-                                  {"quadratic_averaged", 2, "averaged"}};
+constexpr Elements kElements[] = {
+    {"linear_full", 1, "full"}, {"linear_averaged", 1, "averaged"}, {"quadratic_full", 2, "full"}, {"quadratic_averaged", 2, "averaged"}};
 
 constexpr double kRatios[] = {0.3, 0.49, 0.499, 0.4999};
 
 struct Case {
   const char* name;
-  std::vector<int> cells;  // linear elements over the height
-  double reference[4];  // [m], at kRatios: beam theory, or what quadratic elements find on meshes four and two times finer than
-                        // the finest here
+  std::vector<int> cells;              // linear elements over the height
+  double reference[4];                 // [m], at kRatios: beam theory, or what quadratic elements find on meshes four and two times finer than
+                                       // the finest here
   double gate_linear, gate_quadratic;  // with averages
   void (*prepare)(SceneText&);
   geometry::TetMesh (*mesh)(int cells);
@@ -46,8 +44,7 @@ geometry::TetMesh beam(int n) { return geometry::box({10, 1, 1}, std::array<Inde
 geometry::TetMesh meshed_beam(int n) {
   geometry::TetrahedraliseOptions options;
   options.edge_length = options.surface_edge_length = 1.0 / n;
-  return geometry::tetrahedralise(geometry::surface_of(geometry::box({10, 1, 1}, std::array<Index, 3>{1, 1, 1})), options,
-                                  "beam");
+  return geometry::tetrahedralise(geometry::surface_of(geometry::box({10, 1, 1}, std::array<Index, 3>{1, 1, 1})), options, "beam");
 }
 
 // Cook's membrane in plane strain: a tapered panel, 48 wide, 44 high at the held end and 16 at the other, two cells thick.
@@ -73,8 +70,7 @@ void pad_supports(SceneText& scene) {
   scene.set("effects.pin",
             "[{body: body, where: {side: z_min}}, {body: body, where: {side: x_min}, axes: x}, {body: body, where: {side: "
             "y_min}, axes: y}]");
-  scene.set("effects.pressure_load",
-            "[{body: body, where: {box: {min: [-0.01, -0.01, 0.99], max: [1.01, 1.01, 1.01]}}, pressure: 1000}]");
+  scene.set("effects.pressure_load", "[{body: body, where: {box: {min: [-0.01, -0.01, 0.99], max: [1.01, 1.01, 1.01]}}, pressure: 1000}]");
 }
 
 // Timoshenko: F L^3/(3 E I) + F L/(k A G), k = 10 (1 + nu)/(12 + 11 nu).
@@ -94,14 +90,7 @@ double deflection(const Solved& s, const Vec3& at) {
 
 const std::vector<Case>& cases() {
   static const std::vector<Case> all = {
-      {"cantilever",
-       {4, 8},
-       {beam_theory(0.3), beam_theory(0.49), beam_theory(0.499), beam_theory(0.4999)},
-       0.1,
-       0.03,
-       nullptr,
-       beam,
-       {5, 0, 0}},
+      {"cantilever", {4, 8}, {beam_theory(0.3), beam_theory(0.49), beam_theory(0.499), beam_theory(0.4999)}, 0.1, 0.03, nullptr, beam, {5, 0, 0}},
       {"cantilever, meshed",
        {4},
        {beam_theory(0.3), beam_theory(0.49), beam_theory(0.499), beam_theory(0.4999)},
@@ -120,8 +109,7 @@ std::vector<Elements> wanted(const Bench& b) {
   std::vector<Elements> out;
   for (const Elements& e : kElements)
     if (names == ",," || names.find("," + std::string(e.name) + ",") != std::string::npos) out.push_back(e);
-  if (out.empty())
-    throw Error(Exit::usage, "--set methods: there are linear_full, linear_averaged, quadratic_full, quadratic_averaged");
+  if (out.empty()) throw Error(Exit::usage, "--set methods: there are linear_full, linear_averaged, quadratic_full, quadratic_averaged");
   return out;
 }
 
@@ -145,8 +133,8 @@ void locking(const Bench& b) {
           });
           const double found = deflection(s, c.at), error = std::abs(found / c.reference[r] - 1);
           const bool averaged = std::string(e.volumetric) == "averaged";
-          b.emit(s.row(fmt::format("{}, {} cells, nu={:g}", c.name, finer * cells, kRatios[r]), {e.name, "", ""}, "deflection",
-                       found, c.reference[r], error, averaged ? (e.order == 1 ? c.gate_linear : c.gate_quadratic) : NAN));
+          b.emit(s.row(fmt::format("{}, {} cells, nu={:g}", c.name, finer * cells, kRatios[r]), {e.name, "", ""}, "deflection", found, c.reference[r],
+                       error, averaged ? (e.order == 1 ? c.gate_linear : c.gate_quadratic) : NAN));
         }
   }
 }

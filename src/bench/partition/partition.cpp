@@ -31,7 +31,8 @@ geometry::TetMesh master_mesh(const Case& c, double gap) {
   const double h = 1.0 / c.master;
   const int margin = 1 + static_cast<int>(std::ceil((c.shift / c.slave + 0.6 * std::sin(c.turn)) / h));  // cells
   const double out = margin * h;
-  geometry::TetMesh mesh = jittered_block(Vec3(-out, -out, gap), Vec3(1 + out, 1 + out, gap + 0.5), {c.master + 2 * margin, c.master + 2 * margin, 1}, 0, 1);
+  geometry::TetMesh mesh =
+      jittered_block(Vec3(-out, -out, gap), Vec3(1 + out, 1 + out, gap + 0.5), {c.master + 2 * margin, c.master + 2 * margin, 1}, 0, 1);
   const Mat3 R = Eigen::AngleAxisd(c.turn, Vec3::UnitZ()).toRotationMatrix();
   const Vec3 middle(0.5, 0.5, 0), shift(c.shift / c.slave, 0.5 * c.shift / c.slave, 0);
   for (Vec3& x : mesh.points) x = middle + R * (x - middle) + shift;

@@ -6,10 +6,10 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "geometry/midsides.h"
 #include "bench/all.h"
 #include "bench/meshes.h"
 #include "bench/reference.h"
+#include "geometry/midsides.h"
 
 namespace mortise::bench {
 namespace {
@@ -26,13 +26,15 @@ struct Case {
   bool all_methods = false;
   int finer = 1;       // cells per cell
   bool isaac = false;  // 56/125 under 32/70 vertices/tetrahedra, as in the report on IsaacIPC
-  int order = 1;  // of the tetrahedra
+  int order = 1;       // of the tetrahedra
 };
 
 std::string triple(const Vec3& v) { return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v[0], v[1], v[2]); }
 
 // Selects the nodes of an edge along y, or of the plane through `at` with normal n: a ball so large that it is flat here.
-std::string edge(const Vec3& at) { return fmt::format("{{box: {{min: {}, max: {}}}}}", triple(at - Vec3(1e-6, 1, 1e-6)), triple(at + Vec3(1e-6, 2, 1e-6))); }
+std::string edge(const Vec3& at) {
+  return fmt::format("{{box: {{min: {}, max: {}}}}}", triple(at - Vec3(1e-6, 1, 1e-6)), triple(at + Vec3(1e-6, 2, 1e-6)));
+}
 std::string plane(const Vec3& at, const Vec3& n) {
   constexpr double kRadius = 1e6;
   return fmt::format("{{sphere: {{centre: {}, radius: {:.17g}}}}}", triple(at + kRadius * n), kRadius + 1e-5);
@@ -41,7 +43,8 @@ std::string plane(const Vec3& at, const Vec3& n) {
 // What the larger square has bare of the smaller one: pressure p on two rectangles at height z.
 std::string bare(const std::string& body, double small, double large, double z, double p) {
   const auto part = [&](double x0, double x1, double y0, double y1) {
-    return fmt::format(", {{body: {}, where: {{box: {{min: {}, max: {}}}}}, pressure: {:.17g}}}", body, triple(Vec3(x0 - 1e-6, y0 - 1e-6, z - 1e-6)), triple(Vec3(x1 + 1e-6, y1 + 1e-6, z + 1e-6)), p);
+    return fmt::format(", {{body: {}, where: {{box: {{min: {}, max: {}}}}}, pressure: {:.17g}}}", body, triple(Vec3(x0 - 1e-6, y0 - 1e-6, z - 1e-6)),
+                       triple(Vec3(x1 + 1e-6, y1 + 1e-6, z + 1e-6)), p);
   };
   return part(small, large, 0, large) + part(0, small, small, large);
 }
@@ -93,12 +96,13 @@ Solved run(const Bench& b, const Case& c, const Method& m) {
   const double e = c.nu * p / E, closed = c.d_hat * barrier_gap(p / c.kappa / ((1 + e) * (1 + e)));
   const Vec3 stretch = R * Vec3(c.bottom_side * e, 0, 0), sink = (-p * kHeight / E + closed - gap) * up;
   scene.set("effects.pin",
-            fmt::format("[{{body: bottom, where: {{side: y_min}}, axes: y}}, {{body: top, where: {{side: y_min}}, axes: y}}, {{body: bottom, where: {}, axes: xz}}, "
+            fmt::format("[{{body: bottom, where: {{side: y_min}}, axes: y}}, {{body: top, where: {{side: y_min}}, axes: y}}, {{body: bottom, where: "
+                        "{}, axes: xz}}, "
                         "{{body: bottom, where: {}, axes: xz, motion: {{time: [0, 1], translation: [[0, 0, 0], {}]}}}}, "
                         "{{body: top, where: {}, axes: x, motion: {{time: [0, 1], translation: [[0, 0, 0], {}]}}}}]",
                         edge(Vec3(0, 0, 0)), edge(R * Vec3(c.bottom_side, 0, 0)), triple(stretch), edge(R * Vec3(0, 0, lift)), triple(sink)));
-  std::string loads = fmt::format("[{{body: bottom, where: {}, pressure: {:.17g}}}, {{body: top, where: {}, pressure: {:.17g}}}", plane(Vec3(0, 0, 0), -up), p,
-                                  plane((lift + kHeight) * up, up), p);
+  std::string loads = fmt::format("[{{body: bottom, where: {}, pressure: {:.17g}}}, {{body: top, where: {}, pressure: {:.17g}}}",
+                                  plane(Vec3(0, 0, 0), -up), p, plane((lift + kHeight) * up, up), p);
   if (c.top_side < c.bottom_side) loads += bare("bottom", c.top_side, c.bottom_side, kHeight, p);
   if (c.top_side > c.bottom_side) loads += bare("top", c.bottom_side, c.top_side, lift, p);
   scene.set("effects.pressure_load", loads + "]");
@@ -134,22 +138,34 @@ std::vector<Case> cases() {
     change(c);
     all.push_back(c);
   };
-  add("matching", [](Case& c) { c.matching = true; }, true);
-  add("non-matching", [](Case&) {}, true);
-  add("56/125 under 32/70", [](Case& c) { c.isaac = true; }, true);
+  add(
+      "matching", [](Case& c) { c.matching = true; }, true);
+  add(
+      "non-matching", [](Case&) {}, true);
+  add(
+      "56/125 under 32/70", [](Case& c) { c.isaac = true; }, true);
   add("slave top", [](Case& c) { c.slave = "top"; });
   add("two passes", [](Case& c) { c.two_pass = true; });
   for (const char* q : {"1", "6", "7"}) add(fmt::format("quadrature {}", q), [&](Case& c) { c.quadrature = q; });
-  for (double k : {1e3, 1e4, 1e5, 1e7, 1e8, 1e9, 1e10, 1e11}) add(fmt::format("kappa={:.0e}", k), [&](Case& c) { c.kappa = k; }, k == 1e4 || k == 1e8);
-  for (double d : {1e-3, 1e-4, 1e-5}) add(fmt::format("d_hat={:.0e}", d), [&](Case& c) { c.d_hat = d, c.kappa = 1e4 / d; }, true);
+  for (double k : {1e3, 1e4, 1e5, 1e7, 1e8, 1e9, 1e10, 1e11})
+    add(
+        fmt::format("kappa={:.0e}", k), [&](Case& c) { c.kappa = k; }, k == 1e4 || k == 1e8);
+  for (double d : {1e-3, 1e-4, 1e-5})
+    add(
+        fmt::format("d_hat={:.0e}", d), [&](Case& c) { c.d_hat = d, c.kappa = 1e4 / d; }, true);
   for (double nu : {0.0, 0.45, 0.49}) add(fmt::format("nu={:g}", nu), [&](Case& c) { c.nu = nu; });
-  for (double a : {10.0, 30.0, 60.0}) add(fmt::format("tilt={:g}", a), [&](Case& c) { c.angle = a; }, a == 30);
-  add("top smaller", [](Case& c) { c.top_side = 0.75; }, true);
+  for (double a : {10.0, 30.0, 60.0})
+    add(
+        fmt::format("tilt={:g}", a), [&](Case& c) { c.angle = a; }, a == 30);
+  add(
+      "top smaller", [](Case& c) { c.top_side = 0.75; }, true);
   add("top smaller, slave top", [](Case& c) { c.top_side = 0.75, c.slave = "top"; });
-  add("top overhangs", [](Case& c) { c.bottom_side = 0.75; }, true);
+  add(
+      "top overhangs", [](Case& c) { c.bottom_side = 0.75; }, true);
   add("top overhangs, slave top", [](Case& c) { c.bottom_side = 0.75, c.slave = "top"; });
   add("matching", [](Case& c) { c.order = 2, c.matching = true; });
-  add("non-matching", [](Case& c) { c.order = 2; }, true);
+  add(
+      "non-matching", [](Case& c) { c.order = 2; }, true);
   add("slave top", [](Case& c) { c.order = 2, c.slave = "top"; });
   add("tilt=30", [](Case& c) { c.order = 2, c.angle = 30; });
   add("top smaller", [](Case& c) { c.order = 2, c.top_side = 0.75; });

@@ -5,17 +5,17 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "geometry/midsides.h"
 #include "bench/all.h"
 #include "bench/meshes.h"
 #include "bench/reference.h"
 #include "bench/traction.h"
+#include "geometry/midsides.h"
 
 namespace mortise::bench {
 namespace {
 
-// Bore, core of the pin, half the width of the plate, clearance [m]. The core is held: nearly the point force of the theory. The plate's sides change the
-// strains at the bore by about (kRadius/kPlate)^2.
+// Bore, core of the pin, half the width of the plate, clearance [m]. The core is held: nearly the point force of the theory. The plate's sides change
+// the strains at the bore by about (kRadius/kPlate)^2.
 constexpr double kRadius = 1, kCore = 0.1, kPlate = 20, kClearance = 0.01;
 constexpr double kFine = 75 * std::numbers::pi / 180;  // from the direction of the force [rad]
 
@@ -46,14 +46,16 @@ void pin(const Bench& b) {
   if (order != "1" && order != "2") throw Error(Exit::usage, "--set order: 1 or 2");
   const bool quadratic = order == "2";
   const int cells = std::stoi(b.option("cells", quadratic ? "32" : "64"));  // over the fine angle
-  const double E = b.scene().number("materials.metal.youngs_modulus"), nu = b.scene().number("materials.metal.poisson_ratio"), modulus = E / (1 - nu * nu);
+  const double E = b.scene().number("materials.metal.youngs_modulus"), nu = b.scene().number("materials.metal.poisson_ratio"),
+               modulus = E / (1 - nu * nu);
   const double bore = kRadius + kClearance, h = kRadius * kFine / cells, thickness = h;
   const double d_hat = std::stod(b.option("layer", "0.04")) * kClearance, gap = 0.5 * d_hat, expected = 0.7 * modulus * kClearance / kRadius;
   for (const Method& m : b.methods()) {
     SceneText scene = b.scene();
     scene.set(scene.moving_pin() + ".where.sphere.radius", std::hypot(kCore, thickness) * 1.001 + kClearance);
     scene.set("effects.mortar_contact.d_hat", d_hat);
-    scene.set("effects.mortar_contact.stiffness", matched_stiffness(expected, d_hat, h, 0.5 * modulus, std::stod(b.option("k", quadratic ? "24" : "4"))));
+    scene.set("effects.mortar_contact.stiffness",
+              matched_stiffness(expected, d_hat, h, 0.5 * modulus, std::stod(b.option("k", quadratic ? "24" : "4"))));
     scene.use(m, h * thickness / (quadratic ? 8 : 2));
     const auto element = [&](const geometry::TetMesh& mesh, double radius) {
       if (!quadratic) return mesh;
@@ -67,19 +69,23 @@ void pin(const Bench& b) {
     const double down = kClearance - gap;  // of the pin's centre: nearly in contact
     const Solved s = solve(scene, [&](model::ModelInput& input) {
       std::vector<double> inward = mirrored(graded(h, 3, cells / 4, kRadius - kCore));
-      set_mesh(input, "plate", element(plate(bore, from(bore, graded(1.1 * h, 2, cells / 2, kPlate - bore)), angles(cells * 9 / 10, cells / 2), {0, thickness}), bore));
+      set_mesh(
+          input, "plate",
+          element(plate(bore, from(bore, graded(1.1 * h, 2, cells / 2, kPlate - bore)), angles(cells * 9 / 10, cells / 2), {0, thickness}), bore));
       geometry::TetMesh disc = element(ring_sector(from(kRadius, inward), angles(cells, cells / 2), {0, thickness}), kRadius);
       for (Vec3& x : disc.points) x[1] -= down;
       set_mesh(input, "pin", disc);
     });
     const double half = std::abs(s.fields.at("supports/pin_y")), Q = 2 * half / thickness;
     const double exact = pin_half_angle(modulus * (kClearance - mean_gap(s, m.effect)) / Q);
-    const Traction t = nodal_traction(s, "pin", [&](const Vec3& x) { return std::abs(std::hypot(x[0], x[1] + down) - kRadius) < 1e-9; }, quadratic);
+    const Traction t = nodal_traction(
+        s, "pin", [&](const Vec3& x) { return std::abs(std::hypot(x[0], x[1] + down) - kRadius) < 1e-9; }, quadratic);
     // From the direction of the force, about the pin's centre: as its core has moved, quadratic: at rest.
     const double now = -down + b.scene().number(b.scene().moving_pin() + ".motion.translation.1.1"), centre = quadratic ? -down : now;
     const auto angle = [](const Vec3& x, double centre) { return std::atan2(std::abs(x[0]), centre - x[1]); };
     const double peak = Q / kRadius * pin_pressure(exact, 0);
-    const double l2 = t.l2([&](const Vec3& x) { return Q / kRadius * pin_pressure(exact, angle(x, centre)); }, [&](const Vec3& x) { return angle(x, centre) <= exact; });
+    const double l2 = t.l2([&](const Vec3& x) { return Q / kRadius * pin_pressure(exact, angle(x, centre)); },
+                           [&](const Vec3& x) { return angle(x, centre) <= exact; });
     const double reached = pin_half_angle_of_moment(sample_mean(s, m.effect, [&](const Vec3& x) { return std::pow(std::sin(angle(x, now)), 2); }));
     const auto gate = [&](double g) { return m.gated ? g : NAN; };
     const std::string name = fmt::format("{} cells{}", cells, quadratic ? ", quadratic" : "");

@@ -29,8 +29,8 @@ std::string outside(double q, int cells) {
   std::string out;
   for (int k = 0; k < cells; ++k) {
     const double angle = half * (2 * k + 1), r = kOuter * std::cos(half);
-    out += fmt::format("{}{{body: outer, where: {{sphere: {{centre: [{:.17g}, {:.17g}, {:.17g}], radius: {:.17g}}}}}, pressure: {:.17g}}}", k ? ", " : "[", r * std::cos(angle), r * std::sin(angle),
-                       0.5 * kThickness, reach, q);
+    out += fmt::format("{}{{body: outer, where: {{sphere: {{centre: [{:.17g}, {:.17g}, {:.17g}], radius: {:.17g}}}}}, pressure: {:.17g}}}",
+                       k ? ", " : "[", r * std::cos(angle), r * std::sin(angle), 0.5 * kThickness, reach, q);
   }
   return out + "]";
 }
@@ -39,7 +39,8 @@ std::string outside(double q, int cells) {
 
 void ring(const Bench& b) {
   const double E = b.scene().number("materials.metal.youngs_modulus"), nu = b.scene().number("materials.metal.poisson_ratio");
-  const double d_hat = b.scene().number("effects.mortar_contact.d_hat"), kappa = b.scene().number("effects.mortar_contact.stiffness"), clearance = 0.6 * d_hat, bore = kContact + clearance;
+  const double d_hat = b.scene().number("effects.mortar_contact.d_hat"), kappa = b.scene().number("effects.mortar_contact.stiffness"),
+               clearance = 0.6 * d_hat, bore = kContact + clearance;
   const int cells = std::stoi(b.option("cells", "96"));
   for (const bool strain : {false, true})
     for (const Method& m : b.methods()) {
@@ -47,7 +48,8 @@ void ring(const Bench& b) {
       const double q = (kInterference + clearance) * modulus * (kOuter * kOuter - bore * bore) / (2 * bore * kOuter * kOuter);
       // p and the gap depend on each other.
       double p = pressed_rings_pressure(kInner, kContact, bore, kOuter, kInterference, modulus);
-      for (int i = 0; i < 100; ++i) p = pressed_rings_pressure(kInner, kContact, bore, kOuter, kInterference + d_hat * barrier_gap(p / kappa), modulus);
+      for (int i = 0; i < 100; ++i)
+        p = pressed_rings_pressure(kInner, kContact, bore, kOuter, kInterference + d_hat * barrier_gap(p / kappa), modulus);
       SceneText scene = b.scene();
       if (strain)
         for (const char* body : {"inner", "outer"}) scene.add("effects.pin", fmt::format("{{body: {}, where: {{side: z_max}}, axes: z}}", body));

@@ -31,7 +31,8 @@ double edge_gap(const Solved& s) {
     for (std::size_t i = first; i < first + body.nodes.size(); ++i) at.push_back(Vec3(s.points[3 * i], s.points[3 * i + 1], s.points[3 * i + 2]));
     first += body.nodes.size();
     for (const Triangle& t : body.triangles) {
-      if (body.name == "pad" && std::abs(body.nodes[t.v[0]][2]) + std::abs(body.nodes[t.v[1]][2]) + std::abs(body.nodes[t.v[2]][2]) < 1e-9) top.push_back(t);
+      if (body.name == "pad" && std::abs(body.nodes[t.v[0]][2]) + std::abs(body.nodes[t.v[1]][2]) + std::abs(body.nodes[t.v[2]][2]) < 1e-9)
+        top.push_back(t);
       if (body.name == "box")
         for (int k = 0; k < 3; ++k)
           if (t.v[k] < t.v[(k + 1) % 3]) edges.emplace_back(t.v[k], t.v[(k + 1) % 3]);
@@ -65,19 +66,23 @@ void sharp(const Bench& b) {
       Solved s;
       double least = INFINITY, most = 0;
       long done = 0;
-      s = solve(scene, [&](model::ModelInput& input) {
-        set_mesh(input, "pad", jittered_block(Vec3(0, 0, -0.5), Vec3(1, 1, 0), {6, 6, 3}, 0.2, 3));
-        geometry::TetMesh box = jittered_block(Vec3(-0.275, -0.3, -0.25), Vec3(0.275, 0.3, 0.25), {1, 1, 1}, 0, 1);
-        const double degree = std::numbers::pi / 180;
-        const Mat3 R = (Eigen::AngleAxisd(c.pitch * degree, Vec3::UnitX()) * Eigen::AngleAxisd(c.roll * degree, Vec3::UnitY())).toRotationMatrix();
-        double lowest = INFINITY;
-        for (Vec3& x : box.points) x = R * x, lowest = std::min(lowest, x[2]);
-        for (Vec3& x : box.points) x += Vec3(0.48, 0.53, gap - lowest);
-        set_mesh(input, "box", box);
-      }, [&](const Snapshot& f) {
-        ++done;
-        most = std::max(most, std::abs(f.at(m.effect + "/force_box_z")));
-      });
+      s = solve(
+          scene,
+          [&](model::ModelInput& input) {
+            set_mesh(input, "pad", jittered_block(Vec3(0, 0, -0.5), Vec3(1, 1, 0), {6, 6, 3}, 0.2, 3));
+            geometry::TetMesh box = jittered_block(Vec3(-0.275, -0.3, -0.25), Vec3(0.275, 0.3, 0.25), {1, 1, 1}, 0, 1);
+            const double degree = std::numbers::pi / 180;
+            const Mat3 R =
+                (Eigen::AngleAxisd(c.pitch * degree, Vec3::UnitX()) * Eigen::AngleAxisd(c.roll * degree, Vec3::UnitY())).toRotationMatrix();
+            double lowest = INFINITY;
+            for (Vec3& x : box.points) x = R * x, lowest = std::min(lowest, x[2]);
+            for (Vec3& x : box.points) x += Vec3(0.48, 0.53, gap - lowest);
+            set_mesh(input, "box", box);
+          },
+          [&](const Snapshot& f) {
+            ++done;
+            most = std::max(most, std::abs(f.at(m.effect + "/force_box_z")));
+          });
       least = edge_gap(s);
       b.emit(s.row(c.name, m, "steps that converged", static_cast<double>(done), steps, steps - static_cast<double>(done), m.gated ? 0 : NAN));
       const double t = least / d_hat;

@@ -27,17 +27,21 @@ constexpr Case kCases[] = {{"nu=0, slave block", 0, "block", "frozen", true},
 void slide(const Bench& b) {
   for (const Case& c : kCases)
     for (const Method& m : b.methods()) {
-      if (m.effect != "mortar_contact" && std::string(c.gradient) == "exact") continue;         // the same again
+      if (m.effect != "mortar_contact" && std::string(c.gradient) == "exact") continue;  // the same again
       if (m.effect != "mortar_contact" && c.nu > 0 && std::string(c.slave) == "block") continue;
       SceneText scene = b.scene();
       scene.set("materials.rubber.poisson_ratio", c.nu);
-      scene.set("effects.mortar_contact.pairs", fmt::format("[{{slave: {}, master: {}}}]", c.slave, std::string(c.slave) == "plane" ? "block" : "plane"));
+      scene.set("effects.mortar_contact.pairs",
+                fmt::format("[{{slave: {}, master: {}}}]", c.slave, std::string(c.slave) == "plane" ? "block" : "plane"));
       scene.set("effects.mortar_contact.gradient", c.gradient);
       scene.use(m, 0.01);
       double drag = 0, lowest = INFINITY, highest = 0;
       int step = 0;
       const Solved s = solve(
-          scene, [](model::ModelInput& input) { set_mesh(input, "plane", jittered_block(Vec3(0, 0, -0.1), Vec3(2, 1, 0), {17, 9, 1}, 0.3, 7)); },
+          scene,
+          [](model::ModelInput& input) {
+            set_mesh(input, "plane", jittered_block(Vec3(0, 0, -0.1), Vec3(2, 1, 0), {17, 9, 1}, 0.3, 7));
+          },
           [&](const Snapshot& f) {
             if (++step <= 2) return;  // still coming down
             const double x = f.at(m.effect + "/force_block_x"), y = f.at(m.effect + "/force_block_y"), z = f.at(m.effect + "/force_block_z");

@@ -15,7 +15,7 @@ constexpr double kRadius = 0.05, kEffective = 0.5 * kRadius;  // 1/R_e = 1/R + 1
 
 struct Case {
   const char* name;
-  double approach;  // [m]
+  double approach;          // [m]
   double peak, radius, l2;  // gates
 };
 // The second one, a/R = 0.2, is beyond small strains: Hertz's profile no longer fits.
@@ -25,7 +25,8 @@ constexpr Case kCases[] = {{"approach R/500", 1e-4, 0.01, 0.01, 0.05}, {"approac
 
 void spheres(const Bench& b) {
   const int cells = std::stoi(b.option("cells", "6"));  // per contact radius
-  const double E = b.scene().number("materials.metal.youngs_modulus"), nu = b.scene().number("materials.metal.poisson_ratio"), e_star = E / (2 * (1 - nu * nu));
+  const double E = b.scene().number("materials.metal.youngs_modulus"), nu = b.scene().number("materials.metal.poisson_ratio"),
+               e_star = E / (2 * (1 - nu * nu));
   for (const Case& c : kCases)
     for (const Method& m : b.methods()) {
       const double a = std::sqrt(kEffective * c.approach), p0 = 2 * e_star * a / (std::numbers::pi * kEffective);
@@ -44,7 +45,8 @@ void spheres(const Bench& b) {
       });
       const double quarter = std::abs(s.fields.at("supports/upper_z"));
       const Hertz exact = bench::hertz(4 * quarter, kEffective, e_star);
-      const Traction t = nodal_traction(s, "lower", [](const Vec3& x) { return std::abs((x + Vec3(0, 0, kRadius)).norm() - kRadius) < 1e-9 * kRadius; });
+      const Traction t =
+          nodal_traction(s, "lower", [](const Vec3& x) { return std::abs((x + Vec3(0, 0, kRadius)).norm() - kRadius) < 1e-9 * kRadius; });
       const auto r = [](const Vec3& x) { return x.head<2>().norm(); };
       const double l2 = t.l2([&](const Vec3& x) { return exact.pressure(r(x)); }, [&](const Vec3& x) { return r(x) <= exact.a; });
       const double radius = std::sqrt(2.5 * sample_mean(s, m.effect, [&](const Vec3& x) { return r(x) * r(x); }));  // int p r^2 dA = 2/5 a^2 F

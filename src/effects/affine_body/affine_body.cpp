@@ -54,8 +54,7 @@ class AffineBody final : public Effect {
   void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
     const View<const StiffBody> list = std::as_const(bodies_).view();
     device::env_sum(
-        "affine_body.energy", env_offset_,
-        [=] MORTISE_HD(Index s) { return affine_body::energy(list[s].Vk, columns(q, list[s].first)); }, per_env);
+        "affine_body.energy", env_offset_, [=] MORTISE_HD(Index s) { return affine_body::energy(list[s].Vk, columns(q, list[s].first)); }, per_env);
   }
 
   void linearise(Positions q, Want want, Linearisation& at) override {
@@ -160,9 +159,13 @@ class AffineBody final : public Effect {
 }  // namespace
 
 const Kind& affine_body_kind() {
-  static const Kind kind{"affine_body", Role::store, "stiff bodies keep their shape", &kTable,
-          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<AffineBody>(p, m); },
-          {"Lan, Kaufman, Li, Jiang, Yang: Affine Body Dynamics: Fast, Stable and Intersection-free Simulation of Stiff Materials. ACM TOG 41(4), 2022"}};
+  static const Kind kind{
+      "affine_body",
+      Role::store,
+      "stiff bodies keep their shape",
+      &kTable,
+      [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<AffineBody>(p, m); },
+      {"Lan, Kaufman, Li, Jiang, Yang: Affine Body Dynamics: Fast, Stable and Intersection-free Simulation of Stiff Materials. ACM TOG 41(4), 2022"}};
   return kind;
 }
 

@@ -20,14 +20,14 @@ const ParamTable kTable{
     "effect barrier_contact",
     "Bodies never touch: a barrier acts between surfaces nearer than d_hat (incremental potential contact).",
     {support_radius_param("Distance at which contact begins to act"),
-     param::positive(param::automatic(param::number("stiffness", Unit::pressure, "1 MPa", 0,
-                                                    "Pressure scale kappa: two flat surfaces press with kappa phi(gap/d_hat), which is kappa at "
-                                                    "0.53 d_hat and 4.3 kappa at d_hat/4; auto, or without it, the bodies' largest E*, 1 MPa where all are stiff"))),
+     param::positive(param::automatic(
+         param::number("stiffness", Unit::pressure, "1 MPa", 0,
+                       "Pressure scale kappa: two flat surfaces press with kappa phi(gap/d_hat), which is kappa at "
+                       "0.53 d_hat and 4.3 kappa at d_hat/4; auto, or without it, the bodies' largest E*, 1 MPa where all are stiff"))),
      param::choice("form", {"area_weighted", "classic"}, "area_weighted",
                    "area_weighted: pressures do not depend on the mesh; classic: every pair of primitives has the weight d_hat^2 "
                    "(stiffness kappa d_hat in N/m)"),
-     param::optional(
-         param::of(Param::Kind::pairs, "pairs", Unit::none, {}, "Pairs of bodies in contact; without it, all pairs"))}};
+     param::optional(param::of(Param::Kind::pairs, "pairs", Unit::none, {}, "Pairs of bodies in contact; without it, all pairs"))}};
 
 struct BarrierLinearisation final : Linearisation {
   Buffer<Vec3> y;
@@ -50,7 +50,9 @@ class BarrierContact final : public Effect {
   }
 
   const Kind& kind() const override;
-  std::vector<PlanItem> plan() const override { return {{"areas of points", point_area_.bytes() + plane_area_.bytes()}, {"candidate pairs", near_.candidates().bytes()}}; }
+  std::vector<PlanItem> plan() const override {
+    return {{"areas of points", point_area_.bytes() + plane_area_.bytes()}, {"candidate pairs", near_.candidates().bytes()}};
+  }
 
   void connect() override {
     near_.watch(watched_pairs(model_, pairs_ ? &*pairs_ : nullptr));
@@ -122,7 +124,8 @@ class BarrierContact final : public Effect {
     for (Index e = 0; e < model_.envs; ++e) {
       if (step.taken_by(e)) continue;
       keep(old_points, near_.point_env()[e], near_.point_env()[e + 1], point_area_);
-      for (Index p = 0; p < planes; ++p) keep(old_planes, p * vertices + near_.vertex_env()[e], p * vertices + near_.vertex_env()[e + 1], plane_area_);
+      for (Index p = 0; p < planes; ++p)
+        keep(old_planes, p * vertices + near_.vertex_env()[e], p * vertices + near_.vertex_env()[e + 1], plane_area_);
     }
   }
 
@@ -173,15 +176,14 @@ void BarrierContact::report(FieldSink& sink, const Linearisation& accepted) {
 }  // namespace
 
 const Kind& barrier_contact_kind() {
-  static const Kind kind{
-      "barrier_contact",
-      Role::contact,
-      "bodies never touch: incremental potential contact with an area-weighted barrier",
-      &kTable,
-      [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<BarrierContact>(p, m); },
-      {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020",
-       "Li, Kaufman, Jiang: Convergent Incremental Potential Contact. arXiv:2307.15908, 2023"},
-      {"contact_force", "contact_pressure"}};
+  static const Kind kind{"barrier_contact",
+                         Role::contact,
+                         "bodies never touch: incremental potential contact with an area-weighted barrier",
+                         &kTable,
+                         [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<BarrierContact>(p, m); },
+                         {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020",
+                          "Li, Kaufman, Jiang: Convergent Incremental Potential Contact. arXiv:2307.15908, 2023"},
+                         {"contact_force", "contact_pressure"}};
   return kind;
 }
 

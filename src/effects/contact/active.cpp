@@ -33,8 +33,7 @@ MORTISE_HD inline Index feature_of(const Scene& s, const PointTriangle& pair, co
 }
 
 // Writes the keys and coefficients of one candidate within range.
-MORTISE_HD inline void write_terms(const Scene& s, const PointTriangle& pair, View<const Vec3> y, std::uint64_t* key,
-                                   Index* coefficient) {
+MORTISE_HD inline void write_terms(const Scene& s, const PointTriangle& pair, View<const Vec3> y, std::uint64_t* key, Index* coefficient) {
   for (Index k = 0; k < kSlots; ++k) key[k] = kNoKey, coefficient[k] = 0;
   Vec3 x[4];
   gather(y, pair.v, x);
@@ -122,8 +121,7 @@ void group_by_environment(ActiveSet& set, Index envs) {
     const View<std::uint64_t> key = keys.view();
     const View<Index> o = order.view();
     const View<const Active> from = set.terms.view();
-    device::parallel_for("contact.env_key", n,
-                         [=] MORTISE_HD(Index i) { key[i] = static_cast<std::uint64_t>(from[i].env), o[i] = i; });
+    device::parallel_for("contact.env_key", n, [=] MORTISE_HD(Index i) { key[i] = static_cast<std::uint64_t>(from[i].env), o[i] = i; });
     device::sort_pairs(keys, order, std::bit_width(static_cast<std::uint64_t>(envs)));
     const View<Active> to = grouped.view();
     const View<const Index> sorted = order.view();
@@ -206,8 +204,7 @@ void build(const Scene& s, const Candidates& c, View<const Vec3> y, Index envs, 
     Index plane, point;
     double gap;
     plane_pair(s, i, y, plane, point, gap);
-    terms[points + edges + plane_at[i]] = {TermKind::plane, s.surface.env[point], {point, -1, -1, -1},
-                                           plane,           plane_weight(s, i),   0};
+    terms[points + edges + plane_at[i]] = {TermKind::plane, s.surface.env[point], {point, -1, -1, -1}, plane, plane_weight(s, i), 0};
   });
   group_by_environment(out, envs);
 }

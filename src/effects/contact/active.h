@@ -36,8 +36,7 @@ void energy(const Scene& s, const Candidates& c, View<const Vec3> y, const std::
 void build(const Scene& s, const Candidates& c, View<const Vec3> y, Index envs, ActiveSet& out);
 
 // Stencils over the blocks of `map`, and one sample per term (model/contact_view.h).
-void assemble(const Scene& s, const ActiveSet& set, View<const Vec3> y, const model::PointMapView& map, Curvature curvature,
-              linalg::StencilSet& out);
+void assemble(const Scene& s, const ActiveSet& set, View<const Vec3> y, const model::PointMapView& map, Curvature curvature, linalg::StencilSet& out);
 void samples(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<model::ContactSample>& out);
 
 // How the samples change with y: exactly.

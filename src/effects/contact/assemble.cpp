@@ -162,18 +162,15 @@ MORTISE_HD inline SampleChange change_of(const Scene& s, const Active& a, View<c
 
 void face_planes(const Scene& s, View<const Vec3> y, View<double> plane_area) {
   const Index n = s.surface.vertices.n;
-  device::parallel_for("contact.face_planes", plane_area.n, [=] MORTISE_HD(Index i) {
-    plane_area[i] = facing_area(s, s.surface.vertices[i % n], s.planes[i / n].normal, y);
-  });
+  device::parallel_for("contact.face_planes", plane_area.n,
+                       [=] MORTISE_HD(Index i) { plane_area[i] = facing_area(s, s.surface.vertices[i % n], s.planes[i / n].normal, y); });
 }
 
 void face_points(const Scene& s, const ActiveSet& set, View<const Vec3> y, View<double> point_area) {
   const View<const Active> terms = set.terms.view();
   device::parallel_for("contact.face_points", terms.n, [=] MORTISE_HD(Index i) {
     const Index point = terms[i].point[0];
-    const auto mine = [&](Index j) {
-      return j >= 0 && j < terms.n && terms[j].kind <= TermKind::triangle && terms[j].point[0] == point;
-    };
+    const auto mine = [&](Index j) { return j >= 0 && j < terms.n && terms[j].kind <= TermKind::triangle && terms[j].point[0] == point; };
     if (!mine(i) || mine(i - 1)) return;  // the first of the point's terms speaks for all
     Vec3 force = Vec3::Zero();
     for (Index j = i; mine(j); ++j) {
@@ -192,9 +189,8 @@ void assemble(const Scene& s, const ActiveSet& set, View<const Vec3> y, const mo
   const View<const Active> terms = set.terms.view();
   Buffer<Index> counts(terms.n + 1);
   const View<Index> count = counts.view();
-  device::parallel_for("contact.count_blocks", terms.n, [=] MORTISE_HD(Index i) {
-    count[i] = model::expand<4>(map, terms[i].point, points_of(terms[i].kind)).blocks;
-  });
+  device::parallel_for("contact.count_blocks", terms.n,
+                       [=] MORTISE_HD(Index i) { count[i] = model::expand<4>(map, terms[i].point, points_of(terms[i].kind)).blocks; });
   stencils.resize(std::move(counts));
   if (curvature.wanted) stencils.need_hessian();
   const linalg::StencilView out = stencils.view();

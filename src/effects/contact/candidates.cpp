@@ -25,12 +25,13 @@ MORTISE_HD inline double off_path(const Vec3& from, const Vec3& move, const Vec3
 }
 
 // Largest distance from the path; not a number where a position is none (or out of all bounds).
-std::vector<double> largest_deviation(const std::vector<Index>& point_env, View<const Vec3> from, View<const Vec3> move,
-                                      View<const Vec3> y) {
+std::vector<double> largest_deviation(const std::vector<Index>& point_env, View<const Vec3> from, View<const Vec3> move, View<const Vec3> y) {
   std::vector<double> out(point_env.size() - 1, 0.0);
   device::env_max(
       "contact.deviation", point_env,
-      [=] MORTISE_HD(Index i) { return !(y[i].squaredNorm() < 1e300) ? static_cast<double>(NAN) : from.n > 0 ? off_path(from[i], move[i], y[i]) : 0.0; },
+      [=] MORTISE_HD(Index i) {
+        return !(y[i].squaredNorm() < 1e300) ? static_cast<double>(NAN) : from.n > 0 ? off_path(from[i], move[i], y[i]) : 0.0;
+      },
       out);
   return out;
 }

@@ -47,8 +47,7 @@ double least(const char* name, Index n, F f) {
 
 }  // namespace
 
-void energy(const Scene& s, const Candidates& c, View<const Vec3> y, const std::vector<Index>& vertex_env,
-            device::EnvValues per_env) {
+void energy(const Scene& s, const Candidates& c, View<const Vec3> y, const std::vector<Index>& vertex_env, device::EnvValues per_env) {
   InRange points, edges;
   device::Fetch fetch;
   find(s, c.point_triangles(), c.pt_env_offset(), y, points, fetch);
@@ -99,10 +98,10 @@ double least_distance(const Scene& s, const Candidates& c, View<const Vec3> y) {
   });
   double gap = std::sqrt(std::fmin(points2, edges2));
   gap = std::fmin(gap, least("contact.nearest_planes", s.planes.n * s.surface.vertices.n, [=] MORTISE_HD(Index i) {
-    const Index plane = i / s.surface.vertices.n, p = s.surface.vertices[i % s.surface.vertices.n];
-    if (!s.plane_watched[plane * s.surface.bodies + s.surface.body[p]]) return static_cast<double>(INFINITY);
-    return s.planes[plane].normal.dot(y[p] - s.planes[plane].point);
-  }));
+                    const Index plane = i / s.surface.vertices.n, p = s.surface.vertices[i % s.surface.vertices.n];
+                    if (!s.plane_watched[plane * s.surface.bodies + s.surface.body[p]]) return static_cast<double>(INFINITY);
+                    return s.planes[plane].normal.dot(y[p] - s.planes[plane].point);
+                  }));
   return gap;
 }
 

@@ -49,9 +49,9 @@ struct Scene {
   View<const std::uint8_t> watched;        // bodies x bodies
   View<const std::uint8_t> plane_watched;  // planes x bodies
   View<const Plane> planes;
-  View<const double> self_range;  // range of every point towards its own body [m]; empty where no body sees itself
-  View<const double> point_area;  // A_x of every point [m^2]
-  View<const double> plane_area;  // the same towards half-spaces: planes x surface vertices [m^2]
+  View<const double> self_range;      // range of every point towards its own body [m]; empty where no body sees itself
+  View<const double> point_area;      // A_x of every point [m^2]
+  View<const double> plane_area;      // the same towards half-spaces: planes x surface vertices [m^2]
   View<const double> kappa_of_env{};  // instead of law.kappa, where environments differ [Pa]
   MORTISE_HD double kappa(Index point) const { return kappa_of_env.n > 0 ? kappa_of_env[surface.env[point]] : law.kappa; }
   MORTISE_HD bool sees(Index a, Index b) const { return watched[surface.body[a] * surface.bodies + surface.body[b]] != 0; }
@@ -179,9 +179,7 @@ MORTISE_HD inline bool plane_pair(const Scene& s, Index i, View<const Vec3> y, I
   gap = s.planes[plane].normal.dot(y[point] - s.planes[plane].point);
   return gap < s.law.d_hat;
 }
-MORTISE_HD inline double plane_weight(const Scene& s, Index i) {
-  return s.law.area_weighted ? s.plane_area[i] : s.law.d_hat * s.law.d_hat;
-}
+MORTISE_HD inline double plane_weight(const Scene& s, Index i) { return s.law.area_weighted ? s.plane_area[i] : s.law.d_hat * s.law.d_hat; }
 
 MORTISE_HD inline double plane_energy(const Scene& s, Index i, View<const Vec3> y) {
   Index plane, point;

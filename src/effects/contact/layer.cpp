@@ -85,14 +85,16 @@ double support_radius(const Params& effect, const model::ModelInput& input) {
 }
 
 Param support_radius_param(const std::string& what) {
-  return param::positive(param::automatic(param::number("d_hat", Unit::length, "0.1 mm", 0, what + "; auto, or without it, a hundredth of the finest mesh in contact")));
+  return param::positive(
+      param::automatic(param::number("d_hat", Unit::length, "0.1 mm", 0, what + "; auto, or without it, a hundredth of the finest mesh in contact")));
 }
 
 double stiffness(const Params& effect, const model::ModelInput& input) {
   if (const Params* kappa = effect.find("stiffness")) return kappa->as_number();
   double most = 0;
   for (const model::BodyInput* body : bodies_of(effect, input))
-    if (body->type == model::BodyType::soft) most = std::max(most, 1 / compliance(body->material.number("youngs_modulus"), body->material.number("poisson_ratio")));
+    if (body->type == model::BodyType::soft)
+      most = std::max(most, 1 / compliance(body->material.number("youngs_modulus"), body->material.number("poisson_ratio")));
   return most > 0 ? most : kRigid;
 }
 

@@ -26,7 +26,9 @@ bool pass(const model::Model& model, const std::string& a, const std::string& b)
   if (!list || list->kind() != Params::Kind::list) return false;
   return std::any_of(list->items().begin(), list->items().end(), [&](const Params& pair) {
     const std::vector<Params>& names = pair.at("bodies").items();
-    const auto named = [&](const std::string& body) { return std::any_of(names.begin(), names.end(), [&](const Params& n) { return n.as_text() == body; }); };
+    const auto named = [&](const std::string& body) {
+      return std::any_of(names.begin(), names.end(), [&](const Params& n) { return n.as_text() == body; });
+    };
     return !pair.flag("collide") && named(a) && named(b);
   });
 }

@@ -16,7 +16,8 @@ struct WatchedPairs {
   Index n = 0;                // bodies
   std::vector<Watch> bodies;  // bodies x bodies, symmetric
   std::vector<Watch> planes;  // half-spaces x bodies
-  explicit WatchedPairs(const model::Model& model) : n(static_cast<Index>(model.bodies.size())), bodies(n * n, Watch::no), planes(model.half_spaces.size() * n, Watch::no) {}
+  explicit WatchedPairs(const model::Model& model)
+      : n(static_cast<Index>(model.bodies.size())), bodies(n * n, Watch::no), planes(model.half_spaces.size() * n, Watch::no) {}
   // a: a body; b: a body, or the number of bodies plus the index of a half-space.
   void set(Index a, Index b, Watch how) {
     if (b >= n)

@@ -1,8 +1,8 @@
 #include "effects/contact/prescribed.h"
 
 #include <algorithm>
-#include <memory>
 #include <cstdio>
+#include <memory>
 #include <utility>
 
 #include "effects/failure.h"
@@ -26,7 +26,8 @@ struct Meetings {
 
   void find_first(device::Fetch& fetch) {
     const View<const double> t = std::as_const(times).view();
-    device::env_max("contact.earliest", {0, t.n}, [=] MORTISE_HD(Index i) { return -t[i]; }, device::EnvValues{first, fetch});
+    device::env_max(
+        "contact.earliest", {0, t.n}, [=] MORTISE_HD(Index i) { return -t[i]; }, device::EnvValues{first, fetch});
   }
   Earliest earliest() const {
     if (!(-first[0] <= 1)) return {};
@@ -37,7 +38,8 @@ struct Meetings {
 };
 
 template <class Pair>
-void meeting(const char* name, const Scene& s, View<const Pair> pairs, bool edges, View<const std::uint8_t> held, View<const Vec3> y, View<const Vec3> dy, Meetings& found) {
+void meeting(const char* name, const Scene& s, View<const Pair> pairs, bool edges, View<const std::uint8_t> held, View<const Vec3> y,
+             View<const Vec3> dy, Meetings& found) {
   found.times.resize(pairs.n);
   const View<double> out = found.times.view();
   device::parallel_for(name, pairs.n, [=] MORTISE_HD(Index i) {
@@ -77,7 +79,8 @@ Vec3 at(View<const Vec3> y, View<const Vec3> dy, Index p, double t) { return fet
 [[noreturn]] void fail(const model::Body& first, const std::string& b, double t, const Vec3& x, const StepInfo& step) {
   const std::string& a = first.name;
   char when[200];
-  std::snprintf(when, sizeof when, "at %s%.6g%s near (%.4g, %.4g, %.4g) m", step.is_static ? "pseudo-time " : "t = ", step.t0 + t * step.dt, step.is_static ? "" : " s", x[0], x[1], x[2]);
+  std::snprintf(when, sizeof when, "at %s%.6g%s near (%.4g, %.4g, %.4g) m", step.is_static ? "pseudo-time " : "t = ", step.t0 + t * step.dt,
+                step.is_static ? "" : " s", x[0], x[1], x[2]);
   const std::string who = a == b ? "two parts of '" + a + "' meet " : "'" + a + "' meets '" + b + "' ";
   const std::string how = a == b ? "" : "; if they are to pass through each other, say so: pairs: [{bodies: [" + a + ", " + b + "], collide: false}]";
   throw Failure{who + when + "; supports prescribe the motion of both, so neither can give way" + how, first.env};
@@ -128,7 +131,8 @@ void Prescribed::refresh() {
   point_.upload(point);
 }
 
-void Prescribed::forbid_meeting(const Scene& s, const geometry::Broadphase& near, View<const Vec3> y, View<const Vec3> dy, const StepInfo& step, device::Fetch& fetch) {
+void Prescribed::forbid_meeting(const Scene& s, const geometry::Broadphase& near, View<const Vec3> y, View<const Vec3> dy, const StepInfo& step,
+                                device::Fetch& fetch) {
   if (!model_.driven) return;
   refresh();
   const View<const std::uint8_t> held = std::as_const(point_).view();

@@ -14,7 +14,8 @@ class Prescribed {
 
   // Once `fetch` is done it throws Failure if primitives of which all points are prescribed meet on the way from y to y + dy, naming the bodies,
   // the time within the step and the place. near: as swept along that way; s: with all bodies that are to be kept apart.
-  void forbid_meeting(const Scene& s, const geometry::Broadphase& near, View<const Vec3> y, View<const Vec3> dy, const StepInfo& step, device::Fetch& fetch);
+  void forbid_meeting(const Scene& s, const geometry::Broadphase& near, View<const Vec3> y, View<const Vec3> dy, const StepInfo& step,
+                      device::Fetch& fetch);
 
  private:
   void refresh();

@@ -11,9 +11,7 @@ namespace mortise::effects::contact {
 namespace {
 
 // Six times the signed volume of a tetrahedron.
-MORTISE_HD inline double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  return (b - a).cross(c - a).dot(d - a);
-}
+MORTISE_HD inline double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return (b - a).cross(c - a).dot(d - a); }
 
 // Does the segment p q pass through the triangle? (Rounding decides cases within it; those have a distance near 0 anyway.)
 MORTISE_HD inline bool crosses(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -134,7 +132,10 @@ std::string obj_of(const Names& names, const std::vector<Index>& points, const s
   std::size_t written = 0;
   std::string obj = "# " + what + "\n" + obj_of(names, pair.first, points, written);
   obj += obj_of(names, pair.second, points, written);
-  throw StartError(names.body_of(pair.first[0]).where, "bodies must start apart: " + what + " (leave a gap, contact begins at d_hat; or let them pass through each other: pairs: [{bodies: [...], collide: false}])", obj);
+  throw StartError(names.body_of(pair.first[0]).where,
+                   "bodies must start apart: " + what +
+                       " (leave a gap, contact begins at d_hat; or let them pass through each other: pairs: [{bodies: [...], collide: false}])",
+                   obj);
 }
 
 // How often the closed surface of a body winds around x: the solid angles of its triangles over 4 pi (Van Oosterom, Strackee 1983).
@@ -192,7 +193,8 @@ void check_start(const model::Model& model, const Scene& s, const Candidates& c,
     if (hit[e] < 0) continue;
     const Edge edge = fetch(s.surface.edges, static_cast<Index>(e));
     const Triangle t = fetch(s.surface.triangles, hit[e]);
-    fail(names, y, {{edge.v[0], edge.v[1]}, {t.v[0], t.v[1], t.v[2]}}, names.edge(edge.v[0], edge.v[1]) + " passes through " + names.triangle(hit[e]));
+    fail(names, y, {{edge.v[0], edge.v[1]}, {t.v[0], t.v[1], t.v[2]}},
+         names.edge(edge.v[0], edge.v[1]) + " passes through " + names.triangle(hit[e]));
   }
   check_nested(model, s, y);
 }

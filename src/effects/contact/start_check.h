@@ -1,8 +1,8 @@
 #pragma once
 // Is the first configuration free of contact distance zero and of intersections?
+#include "base/error.h"
 #include "effects/contact/candidates.h"
 #include "effects/contact/law.h"
-#include "base/error.h"
 #include "model/model.h"
 
 namespace mortise::effects::contact {

@@ -181,8 +181,8 @@ MORTISE_HD inline void mollifier_hessian(const Frame& f, const Mollifier& k, dou
 // Value of scale * [m] b(d); gradient per point. eps > 0 asks for the mollifier. add(c, v) receives the Hessian's rank-one terms
 // when `hessian`. The frame used is returned through f.
 template <class Add>
-MORTISE_HD inline double evaluate(const Closest& c, const Vec3 x[4], double d_hat, double scale, double eps, bool hessian,
-                                  Frame& f, Vec3 grad[4], Add& add) {
+MORTISE_HD inline double evaluate(const Closest& c, const Vec3 x[4], double d_hat, double scale, double eps, bool hessian, Frame& f, Vec3 grad[4],
+                                  Add& add) {
   f = frame(c, x);
   const double b = barrier::value(f.d, d_hat), b1 = barrier::first(f.d, d_hat);
   Mollifier k;

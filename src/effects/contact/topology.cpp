@@ -7,8 +7,7 @@ namespace mortise::effects::contact {
 namespace {
 
 // Rows of `values`, row r holding those with row[i] == r, in order.
-void rows(Index n, const std::vector<Index>& row, const std::vector<Index>& values, Buffer<Index>& offset_out,
-          Buffer<Index>& values_out) {
+void rows(Index n, const std::vector<Index>& row, const std::vector<Index>& values, Buffer<Index>& offset_out, Buffer<Index>& values_out) {
   std::vector<Index> offset(n + 1, 0), sorted(values.size());
   for (Index r : row) ++offset[r + 1];
   for (Index r = 0; r < n; ++r) offset[r + 1] += offset[r];

@@ -23,8 +23,7 @@ struct Topology {
   Buffer<Index> triangle_edge, edge_offset, edge_triangle, point_offset, point_triangle, point_edges;
   Topology(const geometry::Surface& surface, Index points);
   TopologyView view() const {
-    return {triangle_edge.view(), edge_offset.view(),    edge_triangle.view(),
-            point_offset.view(),  point_triangle.view(), point_edges.view()};
+    return {triangle_edge.view(), edge_offset.view(), edge_triangle.view(), point_offset.view(), point_triangle.view(), point_edges.view()};
   }
 };
 

@@ -4,10 +4,10 @@
 #include <sstream>
 #include <utility>
 
+#include "effects/coordinate_energy.h"
 #include "effects/drive/law.h"
 #include "effects/drive/target.h"
 #include "effects/failure.h"
-#include "effects/coordinate_energy.h"
 #include "effects/list.h"
 
 namespace mortise::effects {
@@ -22,15 +22,20 @@ using param::optional;
 const ParamTable kTable = [] {
   const auto si = [](const char* key, std::string help) { return optional(of(Param::Kind::number, key, Unit::none, std::nullopt, std::move(help))); };
   const auto least = [](Param p) { return param::range(std::move(p), 0, INFINITY); };
-  ParamTable t{"effect drive",
-               "Motors of joints, and what resists in their bearings.",
-               {param::required(of(Param::Kind::text, "joint", Unit::none, std::nullopt, "Name of a revolute or prismatic joint.")),
-                param::required(param::choice("mode", {"pd", "effort", "kinematic", "passive"}, "",
-                                              "pd: torque kp (target - angle) - kd rate, within limits; effort: the given torque; kinematic: the angle is the target, exactly; passive: no motor. Of prismatic joints forces and travel, in N and m.")),
-                param::positive(si("kp", "Stiffness of mode pd [N m/rad, N/m].")), least(si("kd", "Damping of mode pd [N m s/rad, N s/m]; without it 0.")),
-                param::positive(si("effort", "Largest torque or force of the motor [N m, N].")),
-                param::positive(si("velocity", "Rate beyond which the motor does not drive the joint [rad/s, m/s]; over the last tenth of it the torque falls to nothing. Needs `effort`.")),
-                least(si("damping", "Viscous damping of the bearing [N m s/rad, N s/m].")), least(si("friction", "Dry friction of the bearing [N m, N], in full from 0.001 rad/s, 0.1 mm/s on."))}};
+  ParamTable t{
+      "effect drive",
+      "Motors of joints, and what resists in their bearings.",
+      {param::required(of(Param::Kind::text, "joint", Unit::none, std::nullopt, "Name of a revolute or prismatic joint.")),
+       param::required(param::choice("mode", {"pd", "effort", "kinematic", "passive"}, "",
+                                     "pd: torque kp (target - angle) - kd rate, within limits; effort: the given torque; kinematic: the "
+                                     "angle is the target, exactly; passive: no motor. Of prismatic joints forces and travel, in N and m.")),
+       param::positive(si("kp", "Stiffness of mode pd [N m/rad, N/m].")), least(si("kd", "Damping of mode pd [N m s/rad, N s/m]; without it 0.")),
+       param::positive(si("effort", "Largest torque or force of the motor [N m, N].")),
+       param::positive(si("velocity",
+                          "Rate beyond which the motor does not drive the joint [rad/s, m/s]; over the last tenth of it the torque falls to "
+                          "nothing. Needs `effort`.")),
+       least(si("damping", "Viscous damping of the bearing [N m s/rad, N s/m].")),
+       least(si("friction", "Dry friction of the bearing [N m, N], in full from 0.001 rad/s, 0.1 mm/s on."))}};
   for (Param& p : drive::target_params()) t.params.push_back(std::move(p));
   t.is_list = true;
   return t;
@@ -49,7 +54,18 @@ struct Entry {
 
 Entry read(const Params& p, bool is_static, bool slides) {
   const std::string& mode = p.text("mode");
-  Entry e{mode == "pd" ? Mode::pd : mode == "effort" ? Mode::effort : mode == "kinematic" ? Mode::kinematic : Mode::passive, {}, 0, 0, INFINITY, INFINITY, 0, 0, p.where()};
+  Entry e{mode == "pd"          ? Mode::pd
+          : mode == "effort"    ? Mode::effort
+          : mode == "kinematic" ? Mode::kinematic
+                                : Mode::passive,
+          {},
+          0,
+          0,
+          INFINITY,
+          INFINITY,
+          0,
+          0,
+          p.where()};
   const auto number = [&](const char* key, double& to, bool allowed, const char* why) {
     if (!p.has(key)) return;
     if (!allowed) throw Error(Exit::scene, p.at(key).where(), std::string(key) + " has no meaning " + why);
@@ -67,7 +83,8 @@ Entry read(const Params& p, bool is_static, bool slides) {
     for (const char* key : {"kd", "velocity", "damping", "friction"})
       if (p.has(key)) throw Error(Exit::scene, p.at(key).where(), std::string(key) + " has no meaning in a static scene: there are no rates");
   if (e.mode == Mode::pd && !p.has("kp")) throw Error(Exit::scene, p.where(), "a drive of mode pd needs 'kp', its stiffness [N m/rad, N/m]");
-  if (p.has("velocity") && !p.has("effort")) throw Error(Exit::scene, p.at("velocity").where(), "velocity needs 'effort', the torque that goes where the joint is that fast");
+  if (p.has("velocity") && !p.has("effort"))
+    throw Error(Exit::scene, p.at("velocity").where(), "velocity needs 'effort', the torque that goes where the joint is that fast");
   if (e.mode == Mode::passive) {
     if (Target::any(p)) throw Error(Exit::scene, p.where(), "a drive of mode passive has no target");
     if (!e.drags()) throw Error(Exit::scene, p.where(), "a drive of mode passive needs 'damping' or 'friction'");
@@ -95,7 +112,8 @@ class Drive final : public Effect {
       entries_.push_back(read(p, is_static_, model.joints[named[0]].type == model::JointType::prismatic));
       for (Index j : named) {
         const model::Joint& joint = model.joints[j];
-        if (!joint.has_coordinate()) throw Error(Exit::scene, p.at("joint").where(), "'" + joint.name + "' has nothing to drive: it is neither revolute nor prismatic");
+        if (!joint.has_coordinate())
+          throw Error(Exit::scene, p.at("joint").where(), "'" + joint.name + "' has nothing to drive: it is neither revolute nor prismatic");
         if (!taken.insert(j).second) throw Error(Exit::scene, p.at("joint").where(), "'" + joint.name + "' has a drive already");
         const auto entry = static_cast<Index>(entries_.size()) - 1;
         if (entries_.back().mode == Mode::kinematic)
@@ -104,7 +122,8 @@ class Drive final : public Effect {
           motors_.push_back({entry, j});
       }
     }
-    std::stable_sort(motors_.begin(), motors_.end(), [&](const Driven& a, const Driven& b) { return model.joints[a.joint].env < model.joints[b.joint].env; });
+    std::stable_sort(motors_.begin(), motors_.end(),
+                     [&](const Driven& a, const Driven& b) { return model.joints[a.joint].env < model.joints[b.joint].env; });
     std::vector<Index> env;
     for (const Driven& d : motors_) env.push_back(model.joints[d.joint].env);
     energy_.set_environments(env, model.envs);
@@ -124,7 +143,8 @@ class Drive final : public Effect {
       if (!step.taken_by(j.env)) continue;
       d.target = e.target(step.t1());
       d.law = {};
-      d.law.effort = e.effort, d.law.velocity = e.velocity, d.law.h = is_static_ ? 1 : step.dt, d.law.damping = e.damping, d.law.friction = e.friction;
+      d.law.effort = e.effort, d.law.velocity = e.velocity, d.law.h = is_static_ ? 1 : step.dt, d.law.damping = e.damping,
+      d.law.friction = e.friction;
       d.law.creep = j.type == model::JointType::prismatic ? drive::kCreepSlide : drive::kCreep;
       if (e.mode == Mode::pd) d.law.a = e.kp * (d.target - j.value), d.law.K = e.kp + e.kd / d.law.h;
       if (e.mode == Mode::effort) d.law.a = d.target;
@@ -156,7 +176,8 @@ class Drive final : public Effect {
         const model::Joint& j = model_.joints[d.joint];
         if (e.mode == Mode::pd || e.mode == Mode::kinematic) put(j, "target", j.unit(), d.target), put(j, "error", j.unit(), j.value - d.target);
         if (e.mode == Mode::kinematic) continue;  // its torque is that of its tie
-        if (e.mode != Mode::passive) put(j, j.type == model::JointType::prismatic ? "force" : "torque", j.effort_unit(), d.torque), put(j, "power", "W", d.torque * j.rate);
+        if (e.mode != Mode::passive)
+          put(j, j.type == model::JointType::prismatic ? "force" : "torque", j.effort_unit(), d.torque), put(j, "power", "W", d.torque * j.rate);
         if (e.drags()) put(j, "drag", j.effort_unit(), d.drag);
       }
   }
@@ -168,7 +189,8 @@ class Drive final : public Effect {
     const std::size_t size = state.size();
     archive.io("state", state);
     if (!archive.loading()) return;
-    if (state.size() != size) throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(state.size() / 3) + " drives");
+    if (state.size() != size)
+      throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(state.size() / 3) + " drives");
     std::size_t i = 0;
     for (std::vector<Driven>* all : {&motors_, &given_})
       for (Driven& d : *all) d.target = state[i], d.torque = state[i + 1], d.drag = state[i + 2], i += 3;
@@ -186,7 +208,9 @@ class Drive final : public Effect {
     if (j.mimics) throw Error(Exit::scene, e.where, "'" + j.name + "' mimics another joint: drive that one");
     if (std::abs(e.target(0) - j.at_rest) > kSame) {
       std::ostringstream why;
-      why << "the target of '" << j.name << "' begins at " << e.target(0) << unit << ", but the joint stands at " << j.at_rest << unit << ": begin there, or place its bodies otherwise and say so with the joint's '" << (j.type == model::JointType::prismatic ? "travel" : "angle") << "'";
+      why << "the target of '" << j.name << "' begins at " << e.target(0) << unit << ", but the joint stands at " << j.at_rest << unit
+          << ": begin there, or place its bodies otherwise and say so with the joint's '"
+          << (j.type == model::JointType::prismatic ? "travel" : "angle") << "'";
       throw Error(Exit::scene, e.where, why.str());
     }
     const double h = is_static_ ? 1.0 / static_cast<double>(time.integer("steps")) : time.number("step");
@@ -194,11 +218,13 @@ class Drive final : public Effect {
       const double wanted = e.target(h * static_cast<double>(n));
       if (j.low < wanted && wanted < j.high) continue;
       std::ostringstream why;
-      why << "the target of '" << j.name << "' is " << wanted << unit << " at t = " << h * static_cast<double>(n) << ", beyond the limits of the joint, " << j.low << " and " << j.high << unit;
+      why << "the target of '" << j.name << "' is " << wanted << unit << " at t = " << h * static_cast<double>(n)
+          << ", beyond the limits of the joint, " << j.low << " and " << j.high << unit;
       throw Error(Exit::scene, e.where, why.str());
     }
     given_.push_back(d);
-    model_.ties.hand_over(model_, j.tie, "drive", model::placed_at(model_, j, j.at_rest), model::axis_of(model_, j), j.type == model::JointType::prismatic);
+    model_.ties.hand_over(model_, j.tie, "drive", model::placed_at(model_, j, j.at_rest), model::axis_of(model_, j),
+                          j.type == model::JointType::prismatic);
   }
 
   // Points go straight from where they are to where they are asked to be, and what lies beside that way is not met: the same measure as for pins.
@@ -210,7 +236,8 @@ class Drive final : public Effect {
       d.target = entries_[d.entry].target(step.t1());
       if (j.type == model::JointType::prismatic || std::abs(d.target - j.value) <= kMost) continue;
       std::ostringstream why;
-      why << "the drive of '" << j.name << "' turns it by " << std::abs(d.target - j.value) << " rad in a step of " << step.dt << (step.is_static ? "" : " s") << "; it may be " << kMost << " rad at most: take shorter steps";
+      why << "the drive of '" << j.name << "' turns it by " << std::abs(d.target - j.value) << " rad in a step of " << step.dt
+          << (step.is_static ? "" : " s") << "; it may be " << kMost << " rad at most: take shorter steps";
       throw Failure{why.str(), j.env};
     }
     place();
@@ -249,7 +276,7 @@ class Drive final : public Effect {
 
 const Kind& drive_kind() {
   static const Kind kind{"drive", Role::motor, "motors of joints: PD, given torque or given angle; friction of bearings", &kTable,
-          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Drive>(p, m); }};
+                         [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Drive>(p, m); }};
   return kind;
 }
 

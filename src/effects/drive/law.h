@@ -5,8 +5,8 @@
 //     pd       a = kp (target - theta_n),  K = kp + kd / h:        kp (target - theta) - kd v, all at the end of the step
 //     effort   a = the given torque,       K = 0
 //     tau(x) = max(-most(-v), min(most(v), a - K x)),     most(v) = effort clamp((velocity - v) / (kRamp velocity), 0, 1):
-// no more than `effort` either way, and none that would drive the joint beyond `velocity`; a joint that is pushed beyond it is not pushed further, and
-// braked as the law wants. tau is continuous, piecewise linear and never increases, so
+// no more than `effort` either way, and none that would drive the joint beyond `velocity`; a joint that is pushed beyond it is not pushed further,
+// and braked as the law wants. tau is continuous, piecewise linear and never increases, so
 //     E(x) = - int_0^x tau                              (trapezoids between the kinks: exact)
 // is convex and once continuously differentiable. Bearings add, with D viscous damping and F dry friction, e = creep h:
 //     D x^2 / (2 h)     and     F f(|x|),  f = x^2/e - x^3/(3 e^2)  (x < e),  x - e/3  (x >= e).
@@ -17,8 +17,9 @@
 
 namespace mortise::effects::drive {
 
-inline constexpr double kRamp = 0.1;    // of `velocity`: its last tenth, over which the torque goes; a step's rate has to find its place there
-inline constexpr double kCreep = 1e-3, kCreepSlide = 1e-4;  // [rad/s], [m/s]: rate at which dry friction is fully there; what it holds creeps more slowly
+inline constexpr double kRamp = 0.1;  // of `velocity`: its last tenth, over which the torque goes; a step's rate has to find its place there
+inline constexpr double kCreep = 1e-3,
+                        kCreepSlide = 1e-4;  // [rad/s], [m/s]: rate at which dry friction is fully there; what it holds creeps more slowly
 
 MORTISE_HD inline double clamp01(double t) { return t < 0 ? 0.0 : t > 1 ? 1.0 : t; }
 

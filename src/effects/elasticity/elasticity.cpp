@@ -71,9 +71,7 @@ class Elasticity final : public Effect {
       for (int a = 0; a < out.blocks(t); ++a) out.block[out.offset[t] + a] = tets.node(t, a);
     });
     if (clusters > 0)
-      device::parallel_for("elasticity.cluster_pattern", node.n, [=] MORTISE_HD(Index i) {
-        out.block[out.offset[elements] + i] = node[i];
-      });
+      device::parallel_for("elasticity.cluster_pattern", node.n, [=] MORTISE_HD(Index i) { out.block[out.offset[elements] + i] = node[i]; });
     stencils.pattern_changed();
   }
 
@@ -149,7 +147,8 @@ class Elasticity final : public Effect {
           for (int c = 0; c < 6; ++c) mean[c] += volume[p] / all * host[7 * p + c];
         stress.insert(stress.end(), mean, mean + 6);
         mises.push_back(von_mises(mean));
-        for (Index p = first[t]; first[t + 1] - first[t] > 1 && p < first[t + 1]; ++p) of_points.insert(of_points.end(), host.data() + 7 * p, host.data() + 7 * p + 6);
+        for (Index p = first[t]; first[t + 1] - first[t] > 1 && p < first[t + 1]; ++p)
+          of_points.insert(of_points.end(), host.data() + 7 * p, host.data() + 7 * p + 6);
       }
       if (body.type == model::BodyType::soft) continue;
       stress.insert(stress.end(), 6 * (body.triangle_end - body.triangle_begin), std::nan(""));
@@ -178,14 +177,18 @@ class Elasticity final : public Effect {
 }  // namespace
 
 const Kind& elasticity_kind() {
-  static const Kind kind{"elasticity", Role::store, "soft bodies resist deformation (linear, corotated, stable neo-Hookean)", &kTable,
-          [](const Params&, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Elasticity>(m); },
-          {"Smith, de Goes, Kim: Stable Neo-Hookean Flesh Simulation. ACM TOG 37(2), 2018",
-           "Smith, de Goes, Kim: Analytic Eigensystems for Isotropic Distortion Energies. ACM TOG 38(1), 2019",
-           "Bonet, Burton: A simple average nodal pressure tetrahedral element for incompressible and nearly incompressible dynamic explicit applications. Commun. Numer. Meth. Engng 14, 1998",
-           "Stomakhin, Howes, Schroeder, Teran: Energetically Consistent Invertible Elasticity. SCA 2012"},
-          {},
-          {"cauchy_stress", "von_mises"}};
+  static const Kind kind{"elasticity",
+                         Role::store,
+                         "soft bodies resist deformation (linear, corotated, stable neo-Hookean)",
+                         &kTable,
+                         [](const Params&, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Elasticity>(m); },
+                         {"Smith, de Goes, Kim: Stable Neo-Hookean Flesh Simulation. ACM TOG 37(2), 2018",
+                          "Smith, de Goes, Kim: Analytic Eigensystems for Isotropic Distortion Energies. ACM TOG 38(1), 2019",
+                          "Bonet, Burton: A simple average nodal pressure tetrahedral element for incompressible and nearly incompressible dynamic "
+                          "explicit applications. Commun. Numer. Meth. Engng 14, 1998",
+                          "Stomakhin, Howes, Schroeder, Teran: Energetically Consistent Invertible Elasticity. SCA 2012"},
+                         {},
+                         {"cauchy_stress", "von_mises"}};
   return kind;
 }
 

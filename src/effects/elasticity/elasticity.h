@@ -160,7 +160,9 @@ MORTISE_HD inline double dilation(MaterialModel model, const Mat3& F) {
   G.diagonal() -= Vec3(1, 1, 1);
   return model == MaterialModel::linear ? G(0, 0) + G(1, 1) + G(2, 2) : volume_change(G);
 }
-MORTISE_HD inline Mat3 dilation_slope(MaterialModel model, const Mat3& F) { return model == MaterialModel::linear ? Mat3(Mat3::Identity()) : cofactor(F); }
+MORTISE_HD inline Mat3 dilation_slope(MaterialModel model, const Mat3& F) {
+  return model == MaterialModel::linear ? Mat3(Mat3::Identity()) : cofactor(F);
+}
 
 // A density U(J) adds to the second derivative, with c_i = s_j s_k = dJ/ds_i:
 //     twist_ij += U' s_k,   flip_ij -= U' s_k,   psi_ii += U'' c_i^2,   psi_ij += U'' c_i c_j + U' s_k.
@@ -217,7 +219,8 @@ MORTISE_HD inline Mat3 stress(MaterialModel model, const Mat3& F, double mu, dou
   const double J = det3(F);
   return J < kGuarded ? P + guard_first(J, mu) * cofactor(F) : P;
 }
-// The modes of a nonlinear law under a pressure of the mean, and of the guard; of the linear law, whose second derivative is constant, of the guard alone.
+// The modes of a nonlinear law under a pressure of the mean, and of the guard; of the linear law, whose second derivative is constant, of the guard
+// alone.
 MORTISE_HD inline linalg::IsotropicModes modes(MaterialModel model, const Mat3& F, double mu, double lambda, double pressure = 0) {
   linalg::IsotropicModes m;
   if (model == MaterialModel::linear) {

@@ -8,8 +8,7 @@ namespace {
 struct Members {
   View<const Index> first, tet;
   View<const double> lambda, volume;
-  explicit Members(const model::Clusters& c)
-      : first(c.first_tet.view()), tet(c.tet.view()), lambda(c.lambda.view()), volume(c.volume.view()) {}
+  explicit Members(const model::Clusters& c) : first(c.first_tet.view()), tet(c.tet.view()), lambda(c.lambda.view()), volume(c.volume.view()) {}
   // <theta>_c
   MORTISE_HD double mean(const Tets& tets, Index c, Positions q) const {
     double sum = 0;
@@ -27,8 +26,7 @@ void cluster_pressures(const Tets& tets, const model::Clusters& clusters, Positi
   const Members all(clusters);
   pressure.resize(clusters.size());
   const View<double> p = pressure.view();
-  device::parallel_for("elasticity.cluster_pressures", clusters.size(),
-                       [=] MORTISE_HD(Index c) { p[c] = all.lambda[c] * all.mean(tets, c, q); });
+  device::parallel_for("elasticity.cluster_pressures", clusters.size(), [=] MORTISE_HD(Index c) { p[c] = all.lambda[c] * all.mean(tets, c, q); });
 }
 
 void cluster_energy(const Tets& tets, const model::Clusters& clusters, Positions q, device::EnvValues per_env) {
@@ -42,8 +40,7 @@ void cluster_energy(const Tets& tets, const model::Clusters& clusters, Positions
       per_env);
 }
 
-void cluster_stencils(const Tets& tets, const model::Clusters& clusters, Positions q, Index first, bool hessian,
-                      const linalg::StencilView& out) {
+void cluster_stencils(const Tets& tets, const model::Clusters& clusters, Positions q, Index first, bool hessian, const linalg::StencilView& out) {
   if (clusters.size() == 0) return;
   device::parallel_for("elasticity.cluster_forces", clusters.node.size(),
                        [=] MORTISE_HD(Index i) { out.grad[out.offset[first] + i] = Vec3::Zero(); });
@@ -56,8 +53,7 @@ void cluster_stencils(const Tets& tets, const model::Clusters& clusters, Positio
     for (Index i = first_node[c]; i < first_node[c + 1]; ++i) g[i] = Vec3::Zero();
     for (Index i = all.first[c]; i < all.first[c + 1]; ++i) {
       const Index t = all.tet[i], p = tets.first_point[t];
-      const Mat3 dm_inverse = tets.dm_inverse[p],
-                 slope = (tets.volume[p] / all.volume[c]) * dilation_slope(tets.model(t), tets.deformation(t, q));
+      const Mat3 dm_inverse = tets.dm_inverse[p], slope = (tets.volume[p] / all.volume[c]) * dilation_slope(tets.model(t), tets.deformation(t, q));
       Vec3 sum = Vec3::Zero();
       for (int a = 1; a < 4; ++a) {
         const Vec3 of_corner = slope * shape_gradient(dm_inverse, a);

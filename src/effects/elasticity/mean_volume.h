@@ -12,7 +12,6 @@ namespace mortise::effects::elasticity {
 void cluster_pressures(const Tets& tets, const model::Clusters& clusters, Positions q, device::Buffer<double>& pressure);
 void cluster_energy(const Tets& tets, const model::Clusters& clusters, Positions q, device::EnvValues per_env);
 // Fills the stencils from `first` on, one per cluster: no forces, and the Hessian if wanted.
-void cluster_stencils(const Tets& tets, const model::Clusters& clusters, Positions q, Index first, bool hessian,
-                      const linalg::StencilView& out);
+void cluster_stencils(const Tets& tets, const model::Clusters& clusters, Positions q, Index first, bool hessian, const linalg::StencilView& out);
 
 }  // namespace mortise::effects::elasticity

@@ -32,15 +32,11 @@ const ParamTable kTable{
     "Coulomb friction of the contact that it follows, smoothed below an absolute creep speed.",
     {param::of(Param::Kind::text, "follows", Unit::none, "barrier_contact", "The contact effect whose forces cause the friction"),
      param::number("mu", Unit::none, "0.5", 0, "Friction coefficient"), pairs_param(),
-     param::positive(
-         param::number("creep_speed", Unit::velocity, "1e-5 m/s", 0,
-                       "Slip speed below which friction falls smoothly to zero; what sticks creeps slower than this")),
-     param::positive(
-         param::number("lag_tolerance", Unit::none, "1e-3", 0,
-                       "Residual with refreshed contact forces at which lagging ends, as a share of the largest force")),
-     param::range(
-         param::of(Param::Kind::integer, "lag_iterations", Unit::none, "20", "Most refreshes of the contact forces in a step"), 1,
-         1000)}};
+     param::positive(param::number("creep_speed", Unit::velocity, "1e-5 m/s", 0,
+                                   "Slip speed below which friction falls smoothly to zero; what sticks creeps slower than this")),
+     param::positive(param::number("lag_tolerance", Unit::none, "1e-3", 0,
+                                   "Residual with refreshed contact forces at which lagging ends, as a share of the largest force")),
+     param::range(param::of(Param::Kind::integer, "lag_iterations", Unit::none, "20", "Most refreshes of the contact forces in a step"), 1, 1000)}};
 
 // What is frozen of a sample during Newton.
 struct Frozen {
@@ -69,13 +65,12 @@ MORTISE_HD inline Index distinct_blocks(const model::PointMapView& map, const Co
 }
 
 // Fills pattern, block weights and loads from the samples.
-void freeze(const model::PointMapView& map, const Buffer<ContactSample>& samples, View<const double> mu,
-            Index bodies_and_planes, linalg::StencilSet& stencils, Buffer<double>& weights, Buffer<Frozen>& frozen) {
+void freeze(const model::PointMapView& map, const Buffer<ContactSample>& samples, View<const double> mu, Index bodies_and_planes,
+            linalg::StencilSet& stencils, Buffer<double>& weights, Buffer<Frozen>& frozen) {
   const View<const ContactSample> sample = samples.view();
   Buffer<Index> counts(sample.n + 1);
   const View<Index> count = counts.view();
-  device::parallel_for("friction.count_blocks", sample.n,
-                       [=] MORTISE_HD(Index i) { count[i] = distinct_blocks(map, sample[i]); });
+  device::parallel_for("friction.count_blocks", sample.n, [=] MORTISE_HD(Index i) { count[i] = distinct_blocks(map, sample[i]); });
   stencils.resize(std::move(counts));
   const linalg::StencilView out = stencils.view();
   weights.resize(out.block.n);
@@ -139,7 +134,8 @@ class Friction final : public Effect {
 
   void connect() override {
     if (model_.has_contact(follows_)) return;
-    throw Error(Exit::scene, where_, "effect " + std::string(name()) + " follows '" + follows_ + "', but the scene has no contact effect of that name");
+    throw Error(Exit::scene, where_,
+                "effect " + std::string(name()) + " follows '" + follows_ + "', but the scene has no contact effect of that name");
   }
 
   void begin_step(const StepInfo& info) override {
@@ -159,15 +155,15 @@ class Friction final : public Effect {
     at.samples.copy_from(view.samples);
     at.changes.copy_from(view.changes);
     at.env_offset = view.env_offset;
-    freeze(model_.point_map(), at.samples, mu_.view(), static_cast<Index>(model_.bodies.size() + model_.half_spaces.size()), at.stencils, at.weights, at.frozen);
+    freeze(model_.point_map(), at.samples, mu_.view(), static_cast<Index>(model_.bodies.size() + model_.half_spaces.size()), at.stencils, at.weights,
+           at.frozen);
   }
 
   void energy(Positions q, const Linearisation& frozen, device::EnvValues per_env) override {
     const auto& at = static_cast<const FrictionLinearisation&>(frozen);
     const Slips s = slips(at);
     device::env_sum(
-        "friction.energy", at.env_offset,
-        [=] MORTISE_HD(Index i) { return s.frozen[i].load * friction::f0(s.slip(i, q).norm(), s.creep); }, per_env);
+        "friction.energy", at.env_offset, [=] MORTISE_HD(Index i) { return s.frozen[i].load * friction::f0(s.slip(i, q).norm(), s.creep); }, per_env);
   }
 
   void linearise(Positions q, Want want, Linearisation& lagged) override {
@@ -190,7 +186,8 @@ class Friction final : public Effect {
       for (Index b = 0; b < blocks; ++b) out.grad[at + b] = s.weight[at + b] * g;
       if (!curvature.wanted) return;
       model::zero_hessian(out, i, blocks);
-      model::add_weighted(out, i, blocks, s.weight.p + at, (load > 0 ? load : curvature.share(sample[i].env) * load) * friction::hessian(u, s.frozen[i].normal, s.creep));
+      model::add_weighted(out, i, blocks, s.weight.p + at,
+                          (load > 0 ? load : curvature.share(sample[i].env) * load) * friction::hessian(u, s.frozen[i].normal, s.creep));
     });
   }
 
@@ -342,17 +339,16 @@ void Friction::report(FieldSink& sink, const Linearisation&) {
 }  // namespace
 
 const Kind& friction_kind() {
-  static const Kind kind{
-      "friction",
-      Role::follower,
-      "Coulomb friction of a contact effect, smoothed below an absolute creep speed, lagged forces iterated",
-      &kTable,
-      [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Friction>(p, m); },
-      {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020"},
-      {"friction_force"},
-      {},
-      false,
-      true};
+  static const Kind kind{"friction",
+                         Role::follower,
+                         "Coulomb friction of a contact effect, smoothed below an absolute creep speed, lagged forces iterated",
+                         &kTable,
+                         [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Friction>(p, m); },
+                         {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020"},
+                         {"friction_force"},
+                         {},
+                         false,
+                         true};
   return kind;
 }
 

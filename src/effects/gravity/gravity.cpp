@@ -45,8 +45,7 @@ class Gravity final : public Effect {
     const View<const Weight> w = std::as_const(weights_).view();
     const Positions rest = std::as_const(model_.rest).view();
     device::env_sum(
-        "gravity.energy", env_offset_,
-        [=] MORTISE_HD(Index s) { return gravity::energy(w[s].force, q[w[s].block], rest[w[s].block]); }, per_env);
+        "gravity.energy", env_offset_, [=] MORTISE_HD(Index s) { return gravity::energy(w[s].force, q[w[s].block], rest[w[s].block]); }, per_env);
   }
 
   // The force is constant, but written anew: the solver may have used the stencils as its work space.
@@ -79,7 +78,7 @@ class Gravity final : public Effect {
 
 const Kind& gravity_kind() {
   static const Kind kind{"gravity", Role::load, "weight of all bodies", &kTable,
-          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Gravity>(p, m); }};
+                         [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Gravity>(p, m); }};
   return kind;
 }
 

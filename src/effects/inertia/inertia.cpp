@@ -8,11 +8,10 @@
 namespace mortise::effects {
 namespace {
 
-const ParamTable kTable{
-    "effect inertia",
-    "Bodies resist acceleration; makes the scene dynamic.",
-    {param::choice("integrator", {"backward_euler", "bdf2"}, "backward_euler",
-                   "Time integrator: backward_euler is first-order and damps, bdf2 is second-order and damps far less.")}};
+const ParamTable kTable{"effect inertia",
+                        "Bodies resist acceleration; makes the scene dynamic.",
+                        {param::choice("integrator", {"backward_euler", "bdf2"}, "backward_euler",
+                                       "Time integrator: backward_euler is first-order and damps, bdf2 is second-order and damps far less.")}};
 
 // One nonzero m_ij, i <= j, of the mass matrix.
 struct MassPair {
@@ -68,13 +67,15 @@ class Inertia final : public Effect {
   bool loses_energy() const override { return true; }
   bool second_order(Index env) const override { return integrator_[env].a2 != 0; }
   std::vector<PlanItem> plan() const override {
-    return {{"mass entries", pairs_.bytes() + counts_.bytes()}, {"history", q_begin_.bytes() + q_prev_.bytes() + v_.bytes() + v_prev_.bytes() + q_hat_.bytes()}};
+    return {{"mass entries", pairs_.bytes() + counts_.bytes()},
+            {"history", q_begin_.bytes() + q_prev_.bytes() + v_.bytes() + v_prev_.bytes() + q_hat_.bytes()}};
   }
 
   // Changes no history, so that a step may be tried again with a smaller dt.
   void begin_step(const StepInfo& step) override {
     for (Index e = 0; e < model_.envs; ++e)
-      if (step.taken_by(e)) integrator_[e] = bdf2_ && dt_prev_[e] > 0 && !step.of_first_order(e) ? inertia::bdf2(step.dt, dt_prev_[e]) : inertia::backward_euler(step.dt);
+      if (step.taken_by(e))
+        integrator_[e] = bdf2_ && dt_prev_[e] > 0 && !step.of_first_order(e) ? inertia::bdf2(step.dt, dt_prev_[e]) : inertia::backward_euler(step.dt);
     integrators_.upload(integrator_);
     const View<const inertia::Integrator> in = std::as_const(integrators_).view();
     const View<const Index> env = std::as_const(model_.block_env).view();
@@ -103,7 +104,8 @@ class Inertia final : public Effect {
 
   void own_gain(Positions q, device::EnvValues gain, device::EnvValues there) override {
     const View<const MassPair> pair = std::as_const(pairs_).view();
-    const Positions hat = std::as_const(q_hat_).view(), qn = std::as_const(q_begin_).view(), qn1 = std::as_const(q_prev_).view(), vn = std::as_const(v_).view();
+    const Positions hat = std::as_const(q_hat_).view(), qn = std::as_const(q_begin_).view(), qn1 = std::as_const(q_prev_).view(),
+                    vn = std::as_const(v_).view();
     const View<const inertia::Integrator> in = std::as_const(integrators_).view();
     const View<const Index> env = std::as_const(model_.block_env).view();
     device::env_sum(
@@ -120,7 +122,9 @@ class Inertia final : public Effect {
           return inertia::own_gain(p.i == p.j, p.m, of.c(), v, before, d, w);
         },
         gain);
-    device::env_sum("inertia.kinetic", env_offset_, [=] MORTISE_HD(Index s) { return inertia::energy(pair[s].i == pair[s].j, pair[s].m, vn[pair[s].i], vn[pair[s].j]); }, there);
+    device::env_sum(
+        "inertia.kinetic", env_offset_,
+        [=] MORTISE_HD(Index s) { return inertia::energy(pair[s].i == pair[s].j, pair[s].m, vn[pair[s].i], vn[pair[s].j]); }, there);
   }
 
   void linearise(Positions q, Want want, Linearisation& at) override {
@@ -233,10 +237,13 @@ class Inertia final : public Effect {
 }  // namespace
 
 const Kind& inertia_kind() {
-  static const Kind kind{"inertia", Role::inertia, "bodies resist acceleration (backward Euler or BDF2)", &kTable,
-          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Inertia>(p, m); },
-          {"Hairer, Wanner: Solving Ordinary Differential Equations II. Springer, 1996 (variable-step BDF2)"},
-          {"velocity"}};
+  static const Kind kind{"inertia",
+                         Role::inertia,
+                         "bodies resist acceleration (backward Euler or BDF2)",
+                         &kTable,
+                         [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Inertia>(p, m); },
+                         {"Hairer, Wanner: Solving Ordinary Differential Equations II. Springer, 1996 (variable-step BDF2)"},
+                         {"velocity"}};
   return kind;
 }
 

@@ -34,7 +34,8 @@ inline Integrator bdf2(double dt, double dt_prev) {
 MORTISE_HD inline double energy(bool diagonal, double cm, const Vec3& di, const Vec3& dj) { return (diagonal ? 0.5 : 1.0) * cm * di.dot(dj); }
 
 // What the pair adds to T(q) - T(q_n) - M a . (q - q_n), a = c (q - q_hat): velocities v now and vn before, d = q - q_hat, w = q - q_n [J].
-MORTISE_HD inline double own_gain(bool diagonal, double m, double c, const Vec3 (&v)[2], const Vec3 (&vn)[2], const Vec3 (&d)[2], const Vec3 (&w)[2]) {
+MORTISE_HD inline double own_gain(bool diagonal, double m, double c, const Vec3 (&v)[2], const Vec3 (&vn)[2], const Vec3 (&d)[2],
+                                  const Vec3 (&w)[2]) {
   return energy(diagonal, m, v[0], v[1]) - energy(diagonal, m, vn[0], vn[1]) - c * m * (diagonal ? d[0].dot(w[0]) : d[0].dot(w[1]) + d[1].dot(w[0]));
 }
 

@@ -26,7 +26,9 @@ class Joints final : public Effect {
         moving_.push_back(static_cast<Index>(j));
         if (!std::isfinite(joint.low)) continue;
         stopped_.push_back(static_cast<Index>(j)), env.push_back(e);
-        stops_.push_back({joint.low, joint.high, std::min(joint.type == model::JointType::prismatic ? stop::kSlide : stop::kTurn, stop::kShare * (joint.high - joint.low)), read.stop_effort[j] > 0 ? read.stop_effort[j] : usual_effort(joint)});
+        stops_.push_back({joint.low, joint.high,
+                          std::min(joint.type == model::JointType::prismatic ? stop::kSlide : stop::kTurn, stop::kShare * (joint.high - joint.low)),
+                          read.stop_effort[j] > 0 ? read.stop_effort[j] : usual_effort(joint)});
       }
     energy_.set_environments(env, model.envs);
     upload();
@@ -78,7 +80,8 @@ class Joints final : public Effect {
     archive.io("value", value);
     archive.io("rate", rate);
     if (!archive.loading()) return;
-    if (value.size() != model_.joints.size() || rate.size() != value.size()) throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(value.size()) + " joints");
+    if (value.size() != model_.joints.size() || rate.size() != value.size())
+      throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(value.size()) + " joints");
     for (std::size_t j = 0; j < value.size(); ++j) model_.joints[j].value = value[j], model_.joints[j].rate = rate[j];
   }
 
@@ -109,8 +112,8 @@ class Joints final : public Effect {
     energy_.upload(items);
   }
 
-  // The weight of all bodies there at a lever of the larger of the two: what a stop may have to bear at most, in order of magnitude [N m]; of a slide the
-  // weight itself [N].
+  // The weight of all bodies there at a lever of the larger of the two: what a stop may have to bear at most, in order of magnitude [N m]; of a slide
+  // the weight itself [N].
   double usual_effort(const model::Joint& j) const {
     constexpr double kGravity = 9.81;
     double mass = 0, lever = 0;
@@ -134,9 +137,12 @@ class Joints final : public Effect {
 }  // namespace
 
 const Kind& joint_kind() {
-  static const Kind kind{"joint", Role::tie, "stiff bodies hang together by joints", &joint::table,
-          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Joints>(p, m); },
-          {"Chen, Diaz, Lan, Yang, Kaufman, Sifakis: A Unified Newton Barrier Method for Multibody Dynamics. ACM TOG 41(4), 2022"}};
+  static const Kind kind{"joint",
+                         Role::tie,
+                         "stiff bodies hang together by joints",
+                         &joint::table,
+                         [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Joints>(p, m); },
+                         {"Chen, Diaz, Lan, Yang, Kaufman, Sifakis: A Unified Newton Barrier Method for Multibody Dynamics. ACM TOG 41(4), 2022"}};
   return kind;
 }
 

@@ -11,25 +11,34 @@ namespace mortise::effects::joint {
 using param::of;
 using param::optional;
 
-const ParamTable kMimic{"joint mimic",
-                        "A joint of the same axis between the same `to` and another body, that this one follows exactly.",
-                        {param::required(of(Param::Kind::text, "joint", Unit::none, std::nullopt, "Its name.")),
-                         param::number("ratio", Unit::none, "1", -INFINITY, "How far this joint goes for every metre of the other; the axes may be opposite.")}};
+const ParamTable kMimic{
+    "joint mimic",
+    "A joint of the same axis between the same `to` and another body, that this one follows exactly.",
+    {param::required(of(Param::Kind::text, "joint", Unit::none, std::nullopt, "Its name.")),
+     param::number("ratio", Unit::none, "1", -INFINITY, "How far this joint goes for every metre of the other; the axes may be opposite.")}};
 
 const ParamTable table = tie_table(
     "joint", "Joints between stiff bodies, or to the world, without stiffness or tolerance.",
-    {param::required(param::choice("type", {"fixed", "spherical", "revolute", "prismatic"}, "", "fixed: nothing moves; spherical: a ball joint; revolute: a hinge; prismatic: a slide.")),
+    {param::required(param::choice("type", {"fixed", "spherical", "revolute", "prismatic"}, "",
+                                   "fixed: nothing moves; spherical: a ball joint; revolute: a hinge; prismatic: a slide.")),
      of(Param::Kind::text, "body", Unit::none, std::nullopt, "Name of a stiff body."),
      optional(of(Param::Kind::text, "to", Unit::none, std::nullopt, "Name of the stiff body that it is joined to; without it the world.")),
-     optional(of(Param::Kind::vec3, "at", Unit::length, std::nullopt, "Where the joint is, world coordinates at rest; a fixed or prismatic one needs none.")),
+     optional(of(Param::Kind::vec3, "at", Unit::length, std::nullopt,
+                 "Where the joint is, world coordinates at rest; a fixed or prismatic one needs none.")),
      optional(of(Param::Kind::vec3, "axis", Unit::none, std::nullopt, "Axis of a revolute or prismatic joint, world coordinates at rest.")),
-     optional(of(Param::Kind::number, "angle", Unit::angle, std::nullopt, "Of a revolute joint: the angle of `body` against `to`, right-handed about the axis, as the bodies stand in the scene; without it 0.")),
-     optional(of(Param::Kind::numbers, "angle_limits", Unit::angle, std::nullopt, "Least and largest angle of a revolute joint, which it never reaches.")),
-     optional(of(Param::Kind::number, "travel", Unit::length, std::nullopt, "Of a prismatic joint: how far `body` is along the axis, against `to`, as the bodies stand in the scene; without it 0.")),
-     optional(of(Param::Kind::numbers, "travel_limits", Unit::length, std::nullopt, "Least and largest travel of a prismatic joint, which it never reaches.")),
+     optional(
+         of(Param::Kind::number, "angle", Unit::angle, std::nullopt,
+            "Of a revolute joint: the angle of `body` against `to`, right-handed about the axis, as the bodies stand in the scene; without it 0.")),
+     optional(
+         of(Param::Kind::numbers, "angle_limits", Unit::angle, std::nullopt, "Least and largest angle of a revolute joint, which it never reaches.")),
+     optional(of(Param::Kind::number, "travel", Unit::length, std::nullopt,
+                 "Of a prismatic joint: how far `body` is along the axis, against `to`, as the bodies stand in the scene; without it 0.")),
+     optional(of(Param::Kind::numbers, "travel_limits", Unit::length, std::nullopt,
+                 "Least and largest travel of a prismatic joint, which it never reaches.")),
      param::table("mimic", &kMimic, "Of a prismatic joint: it goes as another one does."),
      param::positive(optional(of(Param::Kind::number, "stop_effort", Unit::none, std::nullopt,
-                                 "Torque [N m] or force [N] with which a stop pushes back where some half of its range, the last degree or half millimetre, is left; it grows without bound. Without it a figure of the bodies' weights.")))});
+                                 "Torque [N m] or force [N] with which a stop pushes back where some half of its range, the last degree or half "
+                                 "millimetre, is left; it grows without bound. Without it a figure of the bodies' weights.")))});
 
 namespace {
 
@@ -53,21 +62,32 @@ void read_coordinate(const Params& p, Joint& j) {
   const char *stands = turns ? "angle" : "travel", *limited = turns ? "angle_limits" : "travel_limits", *unit = turns ? " rad" : " m";
   if (p.has(stands)) j.stands = p.number(stands);
   if (!p.has(limited)) {
-    if (p.has("stop_effort")) throw Error(Exit::scene, p.at("stop_effort").where(), std::string("stop_effort has no meaning without ") + (turns ? "angle_limits" : "travel_limits"));
+    if (p.has("stop_effort"))
+      throw Error(Exit::scene, p.at("stop_effort").where(),
+                  std::string("stop_effort has no meaning without ") + (turns ? "angle_limits" : "travel_limits"));
     return;
   }
   const Params& limits = p.at(limited);
   const std::vector<double> ends = limits.as_numbers();
-  if (ends.size() != 2 || !(ends[0] < ends[1])) throw Error(Exit::scene, limits.where(), std::string(limited) + " must be two increasing " + (turns ? "angles" : "lengths"));
+  if (ends.size() != 2 || !(ends[0] < ends[1]))
+    throw Error(Exit::scene, limits.where(), std::string(limited) + " must be two increasing " + (turns ? "angles" : "lengths"));
   j.low = ends[0], j.high = ends[1];
   if (j.low < j.stands && j.stands < j.high) return;
-  throw Error(Exit::scene, limits.where(), "the joint stands at " + std::to_string(j.stands) + unit + ", which is not between its limits " + std::to_string(j.low) + " and " + std::to_string(j.high) + unit + ": place its bodies otherwise, or say with '" + stands + "' where they stand");
+  throw Error(Exit::scene, limits.where(),
+              "the joint stands at " + std::to_string(j.stands) + unit + ", which is not between its limits " + std::to_string(j.low) + " and " +
+                  std::to_string(j.high) + unit + ": place its bodies otherwise, or say with '" + stands + "' where they stand");
 }
 
 Joint read_entry(const Params& p, const model::Model& model, Index body, Index to) {
-  if (model.bodies[body].type != model::BodyType::stiff) throw Error(Exit::scene, p.at("body").where(), "'" + p.text("body") + "' is soft; joints are between stiff bodies (a bond ties soft ones)");
+  if (model.bodies[body].type != model::BodyType::stiff)
+    throw Error(Exit::scene, p.at("body").where(), "'" + p.text("body") + "' is soft; joints are between stiff bodies (a bond ties soft ones)");
   const std::string& name = p.text("type");
-  Joint j{&p, name == "fixed" ? Type::fixed : name == "spherical" ? Type::spherical : name == "revolute" ? Type::revolute : Type::prismatic, body, to, model.bodies[body].centre};
+  Joint j{&p,
+          name == "fixed"       ? Type::fixed
+          : name == "spherical" ? Type::spherical
+          : name == "revolute"  ? Type::revolute
+                                : Type::prismatic,
+          body, to, model.bodies[body].centre};
   if (p.has("at"))
     j.at = p.vec3("at");
   else if (j.type == Type::spherical || j.type == Type::revolute)
@@ -86,7 +106,8 @@ Joint read_entry(const Params& p, const model::Model& model, Index body, Index t
 // one before it. Joints that close a loop come on top.
 class Forest {
  public:
-  Forest(const model::Model& model, const std::vector<Joint>& joints) : model_(model), joints_(joints), ground_(static_cast<Index>(model.bodies.size())), edges_(ground_ + 1), reached_(ground_ + 1, 0) {
+  Forest(const model::Model& model, const std::vector<Joint>& joints)
+      : model_(model), joints_(joints), ground_(static_cast<Index>(model.bodies.size())), edges_(ground_ + 1), reached_(ground_ + 1, 0) {
     for (std::size_t i = 0; i < joints_.size(); ++i) {
       const Index a = node(joints_[i].body), b = node(joints_[i].to);
       if (a == b) refuse(joints_[i]);
@@ -138,8 +159,11 @@ class Forest {
   }
 
   [[noreturn]] void refuse(const Joint& j) const {
-    const auto called = [&](Index body) { return body == model::Tie::kWorld ? std::string("the world") : "'" + model_.bodies[body].name + "', which is pinned"; };
-    throw Error(Exit::scene, j.entry->where(), "joins " + called(j.body) + ", and " + called(j.to) + ": supports hold both already, and no joint can move them");
+    const auto called = [&](Index body) {
+      return body == model::Tie::kWorld ? std::string("the world") : "'" + model_.bodies[body].name + "', which is pinned";
+    };
+    throw Error(Exit::scene, j.entry->where(),
+                "joins " + called(j.body) + ", and " + called(j.to) + ": supports hold both already, and no joint can move them");
   }
 
   const model::Model& model_;
@@ -154,13 +178,19 @@ class Forest {
 void mimic(const model::Model& model, const Joint& j, Read& all) {
   const Params& p = j.entry->at("mimic");
   const std::string mine = tie_of("joint", *j.entry, j.body, j.to).name;
-  const auto named = [&](const std::string& name) { return std::find_if(all.joints.begin(), all.joints.end(), [&](const model::Joint& o) { return o.name == name && o.env == model.bodies[j.body].env; }); };
+  const auto named = [&](const std::string& name) {
+    return std::find_if(all.joints.begin(), all.joints.end(),
+                        [&](const model::Joint& o) { return o.name == name && o.env == model.bodies[j.body].env; });
+  };
   const auto me = named(mine), leader = named(p.text("joint"));
-  const auto refuse = [&](const std::string& why) { throw Error(Exit::scene, p.where(), "'" + mine + "' cannot mimic '" + p.text("joint") + "': " + why); };
+  const auto refuse = [&](const std::string& why) {
+    throw Error(Exit::scene, p.where(), "'" + mine + "' cannot mimic '" + p.text("joint") + "': " + why);
+  };
   if (leader == all.joints.end()) refuse("there is no such joint");
   if (leader == me || leader->mimics) refuse("that one mimics, too");
   constexpr double kParallel = 1e-9;
-  if (leader->type != Type::prismatic || leader->to != me->to || leader->axis.cross(me->axis).norm() > kParallel) refuse("it has to be prismatic, with a parallel axis and the same 'to'");
+  if (leader->type != Type::prismatic || leader->to != me->to || leader->axis.cross(me->axis).norm() > kParallel)
+    refuse("it has to be prismatic, with a parallel axis and the same 'to'");
   if (leader->follower != leader->body || me->follower != me->body) refuse("of both, 'body' has to be what slides");
   const double ratio = p.number("ratio") * (leader->axis.dot(me->axis) > 0 ? 1 : -1);
   all.ties[me->tie].follows.push_back(mimics(model, me->body, leader->body, me->to, ratio));
@@ -197,7 +227,8 @@ Read read(const Params& list, const model::Model& model) {
   });
   for (Index i : forest.closing()) {
     const Joint& j = joints[i];
-    if (j.type == Type::prismatic) throw Error(Exit::scene, j.entry->where(), "a prismatic joint cannot close a loop of joints: list it before the others of the loop");
+    if (j.type == Type::prismatic)
+      throw Error(Exit::scene, j.entry->where(), "a prismatic joint cannot close a loop of joints: list it before the others of the loop");
     model::Tie tie = tie_of("joint", *j.entry, j.body, j.to);
     tie.closes = joint::follows(model, j.type, j.body, j.to, j.at, j.axis);
     tie.anchor = material_point(model, j.to, j.at);

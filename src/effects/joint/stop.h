@@ -3,8 +3,8 @@
 //
 //     E = M w [b((x - low) / w) + b((high - x) / w)],     b(t) = -(t - 1)^2 ln t  (t < 1),  0 (t >= 1),
 //
-// twice continuously differentiable, without bound at the stops. Its force is M phi(t) with phi = -b' = 2 (t - 1) ln t + (t - 1)^2 / t: 1.2 M where half of
-// the range is left. M [N m], of slides [N].
+// twice continuously differentiable, without bound at the stops. Its force is M phi(t) with phi = -b' = 2 (t - 1) ln t + (t - 1)^2 / t: 1.2 M where
+// half of the range is left. M [N m], of slides [N].
 #include <cmath>
 
 #include "base/math.h"

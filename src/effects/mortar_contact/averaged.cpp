@@ -9,9 +9,7 @@
 namespace mortise::effects::mortar {
 namespace {
 
-MORTISE_HD inline std::uint64_t key(Index high, Index low) {
-  return static_cast<std::uint64_t>(high) << 32 | static_cast<std::uint64_t>(low);
-}
+MORTISE_HD inline std::uint64_t key(Index high, Index low) { return static_cast<std::uint64_t>(high) << 32 | static_cast<std::uint64_t>(low); }
 MORTISE_HD inline Index high(std::uint64_t key) { return static_cast<Index>(key >> 32); }
 
 // Adds w N_a J of the averaged samples of a pair to J_a.
@@ -140,9 +138,7 @@ void node_stencils(const Frozen& f, const Settings& set, const model::PointMapVi
   Buffer<Index> counts(parts + 1);
   const View<Index> at = counts.view();
   const auto acts = [=] MORTISE_HD(Index i) { return area[node[i]] > 0 && gap[node[i]] < set.d_hat; };
-  device::parallel_for("mortar_contact.count_entries", parts, [=] MORTISE_HD(Index i) {
-    at[i] = acts(i) ? blocks_of(map, pairs[i / 3]).blocks : 0;
-  });
+  device::parallel_for("mortar_contact.count_entries", parts, [=] MORTISE_HD(Index i) { at[i] = acts(i) ? blocks_of(map, pairs[i / 3]).blocks : 0; });
   const Index n = device::exclusive_scan(counts);
   Buffer<std::uint64_t> keys(n);
   Buffer<Index> order(n), start;

@@ -88,7 +88,8 @@ MORTISE_HD inline Polygon clip(const double L[3][3]) {
   Polygon p;
   for (int k = 0; k < 3; ++k) p.push({{L[k][0], L[k][1], L[k][2]}, {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0}});
   for (int side = 0; side < 3 && p.n > 0; ++side)
-    p = keep(p, [side](const Corner& c) { return c.N[side]; }, [side](Corner& c) { c.N[side] = 0; });
+    p = keep(
+        p, [side](const Corner& c) { return c.N[side]; }, [side](Corner& c) { c.N[side] = 0; });
   return p;
 }
 
@@ -110,9 +111,12 @@ MORTISE_HD inline void clip_segment(const double P[3], const double Q[3], const 
   t0 = 0, t1 = 1;
   for (int side = 0; side < 3; ++side) {
     const double p = P[side] + tolerance[side], q = Q[side] + tolerance[side];
-    if (p < 0 && q < 0) t1 = -1;
-    else if (p < 0) t0 = std::fmax(t0, p / (p - q));
-    else if (q < 0) t1 = std::fmin(t1, p / (p - q));
+    if (p < 0 && q < 0)
+      t1 = -1;
+    else if (p < 0)
+      t0 = std::fmax(t0, p / (p - q));
+    else if (q < 0)
+      t1 = std::fmin(t1, p / (p - q));
   }
 }
 

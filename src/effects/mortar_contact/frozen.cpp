@@ -41,8 +41,8 @@ MORTISE_HD inline Patch patch_of(const Scene& s, View<const Vec3> y, Index i, co
 
 // Samples of candidate c.
 template <class Take>
-MORTISE_HD inline void sample(const Scene& s, View<const Vec3> y, View<const Index> offset, View<const Index> slave,
-                              View<const Index> master, View<const double> margin, Index c, Take& take) {
+MORTISE_HD inline void sample(const Scene& s, View<const Vec3> y, View<const Index> offset, View<const Index> slave, View<const Index> master,
+                              View<const double> margin, Index c, Take& take) {
   const Index i = slave[c], first = offset[i];
   const Index env = s.surface.env[s.surface.triangles[s.slaves[i]].v[0]];
   const Patch p = patch_of(s, y, i, master.p + first, offset[i + 1] - first, margin[env]);
@@ -98,8 +98,8 @@ MORTISE_HD inline double change(const Pair& p, const Vec3 J[kPoints], const Vec3
 
 }  // namespace
 
-void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& faces, View<const Vec3> y, Buffer<Vec3>& normal,
-             Buffer<double>& area, Buffer<double>& bow) {
+void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& faces, View<const Vec3> y, Buffer<Vec3>& normal, Buffer<double>& area,
+             Buffer<double>& bow) {
   normal.resize(surface.triangles.n), area.resize(surface.triangles.n), bow.resize(faces.quarter.size());
   const View<Vec3> n = normal.view();
   const View<double> a = area.view(), most = bow.view();

@@ -56,8 +56,8 @@ struct Averages {
 struct Frozen {
   Buffer<Pair> pairs;  // environments contiguous, then by slave and master
   Buffer<Sample> samples;
-  Buffer<double> pressure;  // per sample [Pa]
-  Averages averages;        // empty unless the gap is averaged
+  Buffer<double> pressure;                    // per sample [Pa]
+  Averages averages;                          // empty unless the gap is averaged
   std::vector<Index> env_pairs, env_samples;  // offsets
   Buffer<Vec3> y;                             // where they were taken
 };
@@ -115,15 +115,15 @@ class Search {
  private:
   geometry::Bvh tree_;
   std::vector<Index> slave_env_;
-  Buffer<Index> masters_;      // primitives of the tree: only those that may be seen, or slaves would find their own neighbours first
-  Buffer<Triangle> corners_;   // of the masters
-  Buffer<double> bow_;         // of the masters, as in Scene
+  Buffer<Index> masters_;     // primitives of the tree: only those that may be seen, or slaves would find their own neighbours first
+  Buffer<Triangle> corners_;  // of the masters
+  Buffer<double> bow_;        // of the masters, as in Scene
   Buffer<Index> offset_, slave_, master_;
 };
 
 // Normals and areas of all triangles; bow [m]: the most by which a quadratic face stands off its quarter, empty where all are linear.
-void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& faces, View<const Vec3> y, Buffer<Vec3>& normal,
-             Buffer<double>& area, Buffer<double>& bow);
+void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& faces, View<const Vec3> y, Buffer<Vec3>& normal, Buffer<double>& area,
+             Buffer<double>& bow);
 
 // The samples at out.y with a gap below support + margin[env].
 void freeze(const Scene& s, Search& search, const Buffer<double>& margin, Frozen& out);
@@ -136,8 +136,7 @@ void cover(const Scene& s, const Search& search, View<const Vec3> y, Buffer<doub
 void energy(const Scene& s, const Frozen& f, View<const Vec3> y, device::EnvValues per_env);
 
 // Stencils 0..pairs of f, and after them those of `guard` unchanged.
-void assemble(const Scene& s, const Frozen& f, const model::PointMapView& map, bool hessian, linalg::StencilSet& guard,
-              linalg::StencilSet& out);
+void assemble(const Scene& s, const Frozen& f, const model::PointMapView& map, bool hessian, linalg::StencilSet& guard, linalg::StencilSet& out);
 
 // Lowers alpha[e] so that every sample of pairs whose frozen gaps count, and every corner of their clipped overlaps, keeps the share `keep`
 // of its gap (linearised).

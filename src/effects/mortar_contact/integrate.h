@@ -34,8 +34,12 @@ MORTISE_HD inline void integrate_levels(const Patch& p, const Polygon& whole, co
     const double lo = part == 0 ? -INFINITY : p.support, hi = part == 0 ? p.support : p.reach;
     if (!(lo < hi && least < hi && most > lo)) continue;
     Polygon poly = whole;
-    if (least < lo) poly = keep(poly, [&](const Corner& c) { return gap(c) - lo; }, nothing);
-    if (most > hi) poly = keep(poly, [&](const Corner& c) { return hi - gap(c); }, nothing);
+    if (least < lo)
+      poly = keep(
+          poly, [&](const Corner& c) { return gap(c) - lo; }, nothing);
+    if (most > hi)
+      poly = keep(
+          poly, [&](const Corner& c) { return hi - gap(c); }, nothing);
     const MomentRule rule = moment_rule(poly);
     for (int q = 0; q < 3 && rule.share > 0; ++q) at(rule.at[q], rule.share / 3);
   }

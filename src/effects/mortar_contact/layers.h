@@ -20,9 +20,7 @@ MORTISE_HD inline Facing project(const Scene& s, const SlavePlane& plane, Index 
   return f;
 }
 
-MORTISE_HD inline double height(const Facing& f, const double M[3]) {
-  return M[0] * f.height[0] + M[1] * f.height[1] + M[2] * f.height[2];
-}
+MORTISE_HD inline double height(const Facing& f, const double M[3]) { return M[0] * f.height[0] + M[1] * f.height[1] + M[2] * f.height[2]; }
 
 // How much of what lies at gap g above the slave's point N master f hides: it must lie in between, and hides less and less outside of
 // its rim, up to as far as the distance of the two. Stacked layers must not add up.
@@ -45,8 +43,7 @@ MORTISE_HD inline bool may_cover(const Scene& s, const Patch& p, Index i, Index 
 }
 // Bounds of a master in the slave plane and along the normal: could j hide any part of i?
 MORTISE_HD inline bool boxes_overlap(const Patch& p, const Facing& i, const Facing& j) {
-  const double top = std::fmax(i.height[0], std::fmax(i.height[1], i.height[2])),
-               floor = std::fmin(j.height[0], std::fmin(j.height[1], j.height[2]));
+  const double top = std::fmax(i.height[0], std::fmax(i.height[1], i.height[2])), floor = std::fmin(j.height[0], std::fmin(j.height[1], j.height[2]));
   if (!(floor < top)) return false;
   for (int c = 0; c < 3; ++c) {
     const auto lo = [c](const Facing& f) { return std::fmin(f.L[0][c], std::fmin(f.L[1][c], f.L[2][c])); };

@@ -4,12 +4,12 @@
 #include <utility>
 
 #include "base/error.h"
+#include "effects/body_blocks.h"
 #include "effects/contact/active.h"
 #include "effects/contact/layer.h"
 #include "effects/contact/proximity.h"
 #include "effects/contact/report.h"
 #include "effects/contact/start_check.h"
-#include "effects/body_blocks.h"
 #include "effects/list.h"
 #include "effects/mortar_contact/averaged.h"
 #include "effects/mortar_contact/stiffness.h"
@@ -22,8 +22,7 @@ using namespace mortar;
 const ParamTable kPair{
     "contact pair of mortar_contact",
     "Which surface carries the samples and which one they see.",
-    {param::of(Param::Kind::text, "slave", Unit::none, std::nullopt,
-               "Body whose surface is integrated over: the finer, the softer, the sensor"),
+    {param::of(Param::Kind::text, "slave", Unit::none, std::nullopt, "Body whose surface is integrated over: the finer, the softer, the sensor"),
      param::of(Param::Kind::text, "master", Unit::none, std::nullopt, "Body or half-space that presses on it")}};
 
 Param pair_list() {
@@ -39,15 +38,14 @@ const ParamTable kTable{
     {pair_list(), contact::support_radius_param("Gap at which contact begins to act"),
      param::positive(
          param::automatic(param::number("stiffness", Unit::pressure, "1 MPa", 0,
-                                       "Pressure scale kappa: the pressure is kappa phi(gap/d_hat); auto, or without it, the bodies' E* "
-                                       "where d_hat is left open too, else chosen so that the layer is four times as stiff as the mesh"))),
+                                        "Pressure scale kappa: the pressure is kappa phi(gap/d_hat); auto, or without it, the bodies' E* "
+                                        "where d_hat is left open too, else chosen so that the layer is four times as stiff as the mesh"))),
      param::choice("weights", {"consistent", "tapered"}, "consistent",
                    "consistent: exact overlap, passes the patch test, with edge and point samples where surfaces are not "
                    "parallel; tapered: the published form"),
-     param::positive(
-         param::range(param::number("taper_width", Unit::none, "0.1", 0,
-                                    "Width of the taper of tapered weights, in barycentric coordinates of the master"),
-                      0, 1.0 / 3)),
+     param::positive(param::range(
+         param::number("taper_width", Unit::none, "0.1", 0, "Width of the taper of tapered weights, in barycentric coordinates of the master"), 0,
+         1.0 / 3)),
      param::choice("quadrature", {"1", "3", "6", "7", "exact"}, "3",
                    "Gauss points per piece of overlap; exact: along lines of equal gap, as many as the barrier asks for"),
      param::choice("gap", {"pointwise", "averaged"}, "pointwise",
@@ -56,16 +54,14 @@ const ParamTable kTable{
      param::choice("gradient", {"frozen", "exact"}, "frozen",
                    "frozen: forces along the slave normal (published form); exact: also the turning of the normal, forces along "
                    "the master normal"),
-     param::range(
-         param::number("guard", Unit::none, "0.2", 0,
-                       "Share of d_hat within which a barrier between points, edges and triangles acts as well; 0: none"),
-         0, 1),
+     param::range(param::number("guard", Unit::none, "0.2", 0,
+                                "Share of d_hat within which a barrier between points, edges and triangles acts as well; 0: none"),
+                  0, 1),
      param::range(param::number("rest_share", Unit::none, "0", 0,
                                 "d_hat is reduced to this share of the gap at the start, triangle by triangle, so that nothing "
                                 "presses at the start (1); 0: it is not"),
                   0, 1),
-     param::of(Param::Kind::flag, "two_pass", Unit::none, "false",
-               "Both surfaces of every pair are slaves, with half of the weight")}};
+     param::of(Param::Kind::flag, "two_pass", Unit::none, "false", "Both surfaces of every pair are slaves, with half of the weight")}};
 
 constexpr double kLeastSupport = 0.01;  // of d_hat: no support radius is smaller, whatever rest_share says
 
@@ -77,7 +73,8 @@ struct MortarLinearisation final : Linearisation {
   linalg::StencilSet guard_stencils;
   View<const Vec3> y() const { return frozen.y.view(); }
   std::size_t bytes() const override {
-    return Linearisation::bytes() + frozen.pairs.bytes() + frozen.samples.bytes() + frozen.y.bytes() + normal.bytes() + area.bytes() + guard.terms.bytes() + guard_stencils.bytes();
+    return Linearisation::bytes() + frozen.pairs.bytes() + frozen.samples.bytes() + frozen.y.bytes() + normal.bytes() + area.bytes() +
+           guard.terms.bytes() + guard_stencils.bytes();
   }
 };
 MortarLinearisation& of_mortar(Linearisation& at) { return static_cast<MortarLinearisation&>(at); }
@@ -153,7 +150,9 @@ class MortarContact final : public Effect {
       const std::vector<Index> body = model_.surface.body.download();
       const model::Body& slave = model_.bodies[body[pair.on.point[0]]];
       const std::string& master = pair.master < 0 ? model_.half_spaces[-1 - pair.master].name : model_.bodies[body[pair.under.point[0]]].name;
-      throw Error(Exit::scene, slave.where, "bodies must start apart: between their nodes, curved faces of '" + slave.name + "' and '" + master + "' meet (leave a larger gap or use a finer mesh)");
+      throw Error(Exit::scene, slave.where,
+                  "bodies must start apart: between their nodes, curved faces of '" + slave.name + "' and '" + master +
+                      "' meet (leave a larger gap or use a finer mesh)");
     }
   }
 
@@ -287,8 +286,7 @@ class MortarContact final : public Effect {
           const bool plane = b >= n;
           if ((plane ? model_.half_spaces[b - n].name : model_.bodies[b].name) != master) continue;
           master_found = true;
-          if (a == b)
-            throw Error(Exit::scene, pair.where(), "a body cannot be its own master: use barrier_contact for self-contact");
+          if (a == b) throw Error(Exit::scene, pair.where(), "a body cannot be its own master: use barrier_contact for self-contact");
           if (!plane && model_.bodies[a].env != model_.bodies[b].env) continue;
           add(a, b, pair.where());
           if (two_pass && !plane) add(b, a, pair.where());
@@ -305,11 +303,9 @@ class MortarContact final : public Effect {
     std::vector<Index> slaves, masters, env;
     for (Index e = 0; e < model_.envs; ++e)
       for (Index b = 0; b < n; ++b) {
-        if (model_.bodies[b].env != e ||
-            std::none_of(interfaces_.begin(), interfaces_.end(), [&](const Interface& i) { return i.slave == b; }))
+        if (model_.bodies[b].env != e || std::none_of(interfaces_.begin(), interfaces_.end(), [&](const Interface& i) { return i.slave == b; }))
           continue;
-        for (Index t = model_.bodies[b].triangle_begin; t < model_.bodies[b].triangle_end; ++t)
-          slaves.push_back(t), env.push_back(e);
+        for (Index t = model_.bodies[b].triangle_begin; t < model_.bodies[b].triangle_end; ++t) slaves.push_back(t), env.push_back(e);
       }
     slaves_.upload(slaves);
     support_.upload(std::vector<double>(slaves.size(), set_.d_hat));
@@ -338,9 +334,19 @@ class MortarContact final : public Effect {
   mortar::Scene scene(const MortarLinearisation& at) const {
     geometry::SurfaceView surface = model_.surface.view();
     surface.pair_allowed = directed_.view();
-    return {set_,           surface,        near_.topology(), law_.view(),    kappa_view_.view(),
-            near_.planes(), slaves_.view(), support_.view(),  at.normal.view(), at.area.view(),
-            std::as_const(model_.faces.nodes).view(), std::as_const(model_.faces.quarter).view(), at.bow.view()};
+    return {set_,
+            surface,
+            near_.topology(),
+            law_.view(),
+            kappa_view_.view(),
+            near_.planes(),
+            slaves_.view(),
+            support_.view(),
+            at.normal.view(),
+            at.area.view(),
+            std::as_const(model_.faces.nodes).view(),
+            std::as_const(model_.faces.quarter).view(),
+            at.bow.view()};
   }
   // The guard is the barrier of barrier_contact in its classic form: every pair of primitives has the same weight. With the mean
   // third of a slave triangle as that weight its stiffness is that of the mortar samples.
@@ -419,9 +425,9 @@ class MortarContact final : public Effect {
   Settings set_;
   double guard_share_, rest_share_;
   bool automatic_ = false, started_ = false;
-  std::vector<Interface> interfaces_;  // laws
-  std::vector<double> kappa_, next_kappa_;      // of this step, and for the next
-  std::vector<double> next_price_;              // per environment: energy that the change to next_kappa_ adds [J]
+  std::vector<Interface> interfaces_;       // laws
+  std::vector<double> kappa_, next_kappa_;  // of this step, and for the next
+  std::vector<double> next_price_;          // per environment: energy that the change to next_kappa_ adds [J]
   bool static_ = false;
   std::vector<double> guard_kappa_;  // per environment: kappa times the weight of a guard pair [N]
   Buffer<double> guard_law_;         // the same over the square of its range [Pa]
@@ -496,7 +502,8 @@ void MortarContact::report(FieldSink& sink, const Linearisation& accepted) {
   closest = std::min(closest, contact::least_distance(near_.obstacles(guard_scene()), near_.candidates(at.frozen.y), at.y()));
   sink.scalar(group, "min_distance", "m", closest);
   // The stiffness that the next step begins with was paid for by this one.
-  sink.scalar(group, "energy", "J", energy_now(std::as_const(model_.q).view(), at, model_.envs) + std::accumulate(next_price_.begin(), next_price_.end(), 0.0));
+  sink.scalar(group, "energy", "J",
+              energy_now(std::as_const(model_.q).view(), at, model_.envs) + std::accumulate(next_price_.begin(), next_price_.end(), 0.0));
   sink.scalar(group, "active_pairs", "1", static_cast<double>(pairs.size()));
   const double sum = total[0] + total[1] + total[2] + total[3];
   const char* const share_names[] = {"force_share_faces", "force_share_edges", "force_share_points", "force_share_guard"};
@@ -513,8 +520,8 @@ void MortarContact::report(FieldSink& sink, const Linearisation& accepted) {
   for (std::size_t i = 0; i < interfaces_.size(); ++i) {
     const Interface& at = interfaces_[i];
     const Index n = static_cast<Index>(model_.bodies.size());
-    const std::string pair = model_.bodies[at.slave].name + "_" +
-                             (at.master < n ? model_.bodies[at.master].name : model_.half_spaces[at.master - n].name);
+    const std::string pair =
+        model_.bodies[at.slave].name + "_" + (at.master < n ? model_.bodies[at.master].name : model_.half_spaces[at.master - n].name);
     sink.scalar(group, "stiffness_" + pair, "Pa", kappa_[i]);
     sink.scalar(group, "k_" + pair, "1", achieved(at, static_cast<Index>(i), kappa_[i], pairs, samples).k);
   }
@@ -524,16 +531,16 @@ void MortarContact::report(FieldSink& sink, const Linearisation& accepted) {
 
 const Kind& mortar_contact_kind() {
   static const Kind kind{"mortar_contact",
-          Role::contact,
-          "contact pressure as a field: barrier over the exact overlap of two surfaces (GMCP)",
-          &kTable,
-          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<MortarContact>(p, m); },
-          {"Liang, Han: IsaacIPC (geometric mortar contact potential). arXiv:2605.24339, 2026",
-           "Puso, Laursen: A mortar segment-to-segment contact method for large deformation solid mechanics. CMAME 193, 2004",
-           "Li, Kaufman, Jiang: Convergent Incremental Potential Contact. arXiv:2307.15908, 2023"},
-          {"contact_force", "contact_pressure"},
-          {},
-          false};  // samples are frozen (frozen.h)
+                         Role::contact,
+                         "contact pressure as a field: barrier over the exact overlap of two surfaces (GMCP)",
+                         &kTable,
+                         [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<MortarContact>(p, m); },
+                         {"Liang, Han: IsaacIPC (geometric mortar contact potential). arXiv:2605.24339, 2026",
+                          "Puso, Laursen: A mortar segment-to-segment contact method for large deformation solid mechanics. CMAME 193, 2004",
+                          "Li, Kaufman, Jiang: Convergent Incremental Potential Contact. arXiv:2307.15908, 2023"},
+                         {"contact_force", "contact_pressure"},
+                         {},
+                         false};  // samples are frozen (frozen.h)
   return kind;
 }
 

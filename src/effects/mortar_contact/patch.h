@@ -11,8 +11,8 @@ struct Patch {
   Index slave;  // triangle
   Vec3 y[3];    // its corners
   SlavePlane plane;
-  double bend[3];  // below
-  Sheet face;  // where the scene has quadratic faces
+  double bend[3];         // below
+  Sheet face;             // where the scene has quadratic faces
   double support, reach;  // samples with a gap below `reach` are wanted
   const Index* master;    // triangles
   Index masters;
@@ -71,7 +71,8 @@ MORTISE_HD inline double bend(const Scene& s, Index t, int k, const Vec3& n) {
   constexpr double kBent = 1.523048436087608e-4;  // 1 - cos 1 deg
   const Index edge = s.topology.triangle_edge[3 * t + (k + 1) % 3];
   double most = 0;
-  for (Index j = s.topology.edge_offset[edge]; j < s.topology.edge_offset[edge + 1]; ++j) most = std::fmax(most, 1 - n.dot(s.normal[s.topology.edge_triangle[j]]));
+  for (Index j = s.topology.edge_offset[edge]; j < s.topology.edge_offset[edge + 1]; ++j)
+    most = std::fmax(most, 1 - n.dot(s.normal[s.topology.edge_triangle[j]]));
   return hermite(most / kBent);
 }
 

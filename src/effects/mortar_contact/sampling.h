@@ -67,7 +67,9 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
       const double cut = bent ? 0 : hermite((-n.dot(s.normal[master]) - 0.97) / 0.015);
       const double area = s.set.share * fade * p.plane.area;
       const auto at = [&](Corner c, double w) { offer(SampleKind::face, area * w, c.N, c.M); };
-      if (cut > 0) integrate_levels(p, poly, [&](const Corner& c) { return height(f, c.M); }, [&](const Corner& c, double w) { at(c, cut * w); });
+      if (cut > 0)
+        integrate_levels(
+            p, poly, [&](const Corner& c) { return height(f, c.M); }, [&](const Corner& c, double w) { at(c, cut * w); });
       const MomentRule rule = moment_rule(poly);
       for (int q = 0; q < 3 && cut < 1 && rule.share > 0; ++q) at(rule.at[q], (1 - cut) * rule.share / 3);
     }
@@ -121,7 +123,8 @@ MORTISE_HD inline void sample_master(const Scene& s, const Patch& p, Index i, Vi
     const Index begin = s.topology.point_offset[v], end = s.topology.point_offset[v + 1];
     if (s.topology.point_triangle[begin] != master) continue;
     double N[3] = {f.L[k][0], f.L[k][1], f.L[k][2]};
-    const double shared = e > 0 ? (N[0] >= -kOnSide && N[1] >= -kOnSide && N[2] >= -kOnSide ? multiplicity(s, p.slave, n, N) : 0) : belongs(p, N, f.height[k]);
+    const double shared =
+        e > 0 ? (N[0] >= -kOnSide && N[1] >= -kOnSide && N[2] >= -kOnSide ? multiplicity(s, p.slave, n, N) : 0) : belongs(p, N, f.height[k]);
     if (!(shared > 0)) continue;
     const double w = s.set.share * shared * feature_weight(s, n, s.topology.point_triangle, begin, end, 0.1 * e * e);
     double M[3] = {0, 0, 0};
@@ -150,8 +153,9 @@ MORTISE_HD inline void sample_plane(const Scene& s, const Patch& p, const contac
   if (s.set.quadrature == kMoments && s.set.taper == 0 && on.quarter < 0) {
     Polygon triangle;
     for (int k = 2; k >= 0; --k) triangle.push({{k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0}, {0, 0, 0}});  // turns like a master
-    integrate_levels(p, triangle, [&](const Corner& c) { return c.N[0] * corner[0] + c.N[1] * corner[1] + c.N[2] * corner[2]; },
-                     [&](const Corner& c, double share) { at(c.N, share); });
+    integrate_levels(
+        p, triangle, [&](const Corner& c) { return c.N[0] * corner[0] + c.N[1] * corner[1] + c.N[2] * corner[2]; },
+        [&](const Corner& c, double share) { at(c.N, share); });
     return;
   }
   integrate(s, corner, p, at);

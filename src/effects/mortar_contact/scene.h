@@ -18,10 +18,10 @@ inline constexpr Index kExact = 0;    // level_rule.h
 inline constexpr Index kMoments = 3;  // moment_rule.h
 
 struct Settings {
-  double d_hat = 0;  // [m]
-  double taper = 0;  // width e; 0 = consistent weights
-  double share = 1;  // factor of all weights: 1/2 when both sides are slaves
-  Index quadrature = 3;  // points, or kExact
+  double d_hat = 0;       // [m]
+  double taper = 0;       // width e; 0 = consistent weights
+  double share = 1;       // factor of all weights: 1/2 when both sides are slaves
+  Index quadrature = 3;   // points, or kExact
   bool exact = false;     // three-term gap gradient
   bool averaged = false;  // one gap per slave node (averaged.h)
 };
@@ -71,10 +71,10 @@ struct Scene {
   View<const Index> law;     // bodies x (bodies + half-spaces): slave, master -> law, or -1
   View<const double> kappa;  // per law [Pa]
   View<const contact::Plane> planes;
-  View<const Index> slaves;    // triangles that are slaves, environments contiguous
-  View<const double> support;  // their support radius d_hat_i [m]
-  View<const Vec3> normal;     // of every triangle, now
-  View<const double> area;     // [m^2]
+  View<const Index> slaves;          // triangles that are slaves, environments contiguous
+  View<const double> support;        // their support radius d_hat_i [m]
+  View<const Vec3> normal;           // of every triangle, now
+  View<const double> area;           // [m^2]
   View<const geometry::Face> faces;  // quadratic ones
   View<const Index> quarter;         // per triangle: 4 face + quarter, or -1; empty where all faces are linear
   View<const double> bow;            // and the most by which the face stands off the triangle [m]
@@ -103,8 +103,7 @@ inline constexpr double kSharp = 0.13397459621556135;  // 1 - cos 30 deg
 inline constexpr double kOnSide = 1e-10;               // barycentric; a master vertex this near to a slave edge lies on it
 
 // Weight [m^2] of a master edge or vertex whose triangles are list[begin..end); `given_back` is what E6 or E7 multiply areas by.
-MORTISE_HD inline double feature_weight(const Scene& s, const Vec3& n, const View<const Index>& list, Index begin, Index end,
-                                        double given_back) {
+MORTISE_HD inline double feature_weight(const Scene& s, const Vec3& n, const View<const Index>& list, Index begin, Index end, double given_back) {
   if (s.set.taper > 0) {
     double sum = 0;
     for (Index k = begin; k < end; ++k) sum += facing(s.set, n, s.normal[list[k]]) * -n.dot(s.normal[list[k]]) * s.area[list[k]];

@@ -1,6 +1,6 @@
-#include "effects/mortar_contact/frozen.h"
-
 #include <utility>
+
+#include "effects/mortar_contact/frozen.h"
 
 namespace mortise::effects::mortar {
 namespace {

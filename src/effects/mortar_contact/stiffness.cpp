@@ -51,8 +51,7 @@ bool fits(const Interface& i, const Achieved& now, double kappa) {
   return t >= 0.3 && t <= 0.9;
 }
 
-Achieved achieved(const Interface& i, Index law, double kappa, const std::vector<Pair>& pairs,
-                  const std::vector<Sample>& samples) {
+Achieved achieved(const Interface& i, Index law, double kappa, const std::vector<Pair>& pairs, const std::vector<Sample>& samples) {
   double force = 0, pressure = 0, stiffness = 0, energy = 0;
   for (const Sample& s : samples) {
     const Pair& pair = pairs[s.pair];

@@ -15,8 +15,8 @@
 namespace mortise::effects::mortar {
 
 inline constexpr double kOpen = 0.7, kSoftest = 0.376;  // least t in statics, in motion
-inline constexpr double kWanted = 4;            // k
-inline constexpr double kFirstPressure = 0.01;  // p / E* before any pressure is known: a strain of a percent
+inline constexpr double kWanted = 4;                    // k
+inline constexpr double kFirstPressure = 0.01;          // p / E* before any pressure is known: a strain of a percent
 
 struct Interface {
   Index slave = 0, master = 0;  // bodies; masters after the bodies are half-spaces
@@ -39,9 +39,9 @@ double wanted_stiffness(const Interface& i, double d_hat, double p, double least
 struct Achieved {
   double pressure = 0, k = 0, energy = 0;
 };
-// Is the stiffness good enough to stay: fixed, else k within a factor 2 of what is wanted, or, of stiff bodies, the gap neither nearly open nor half closed?
+// Is the stiffness good enough to stay: fixed, else k within a factor 2 of what is wanted, or, of stiff bodies, the gap neither nearly open nor half
+// closed?
 bool fits(const Interface& i, const Achieved& now, double kappa);
-Achieved achieved(const Interface& i, Index law, double kappa, const std::vector<Pair>& pairs,
-                  const std::vector<Sample>& samples);
+Achieved achieved(const Interface& i, Index law, double kappa, const std::vector<Pair>& pairs, const std::vector<Sample>& samples);
 
 }  // namespace mortise::effects::mortar

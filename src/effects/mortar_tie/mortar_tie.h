@@ -8,8 +8,8 @@
 //     x_j = sum_k w_jk x_k,   w_jk = int psi_j N_k dA / c_j.
 //
 // Both hold what is linear: sum_j psi_j = 1 hands on an even pressure, and a linear field is the same on both sides. Quadratic faces have c = 0 at
-// corners; there N~_corner = N + a (N of the middles beside it) and N~_middle = (1 - 2a) N take the place of N, a = 1/5, and the nodes follow from their
-// coefficients x~ (Popp, Wohlmuth, Gee, Wall, SIAM J. Sci. Comput. 34, 2012):
+// corners; there N~_corner = N + a (N of the middles beside it) and N~_middle = (1 - 2a) N take the place of N, a = 1/5, and the nodes follow from
+// their coefficients x~ (Popp, Wohlmuth, Gee, Wall, SIAM J. Sci. Comput. 34, 2012):
 //
 //     x_corner = x~_corner,   x_middle = (1 - 2a) x~_middle + a (x~ of the two corners beside it).
 //
@@ -31,8 +31,8 @@ struct Side {
 Side side_of(const model::BodyInput& body, const std::vector<Index>& nodes);
 
 struct Row {
-  Index node;                             // of the slave's body
-  std::vector<model::TieTerm> terms;      // nodes of the master's body
+  Index node;                         // of the slave's body
+  std::vector<model::TieTerm> terms;  // nodes of the master's body
 };
 // What every slave node follows. Master faces farther than `reach` along the slave's normal are not seen. Throws Error(Exit::scene, at) where a slave
 // face is not covered, or twice.

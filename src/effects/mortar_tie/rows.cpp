@@ -16,10 +16,10 @@ namespace {
 using Vec2 = Eigen::Vector2d;
 using Values = std::vector<double>;  // of the nodes of a face
 
-constexpr double kMiddle = 0.2;    // a
-constexpr double kCovered = 1e-6;  // of a face's area: what rounding of clipped polygons may leave
+constexpr double kMiddle = 0.2;      // a
+constexpr double kCovered = 1e-6;    // of a face's area: what rounding of clipped polygons may leave
 constexpr double kRounding = 1e-12;  // of the slave's face: offsets that rounding makes
-constexpr double kFacing = -0.5;   // cosine of the normals of two faces that look at each other
+constexpr double kFacing = -0.5;     // cosine of the normals of two faces that look at each other
 
 // Shape functions of a face of n nodes at barycentrics l; smooth: N~ in their place.
 Values shape(std::size_t n, const double l[3], bool smooth) {
@@ -124,7 +124,8 @@ std::vector<Point> points(const Plane& plane, std::size_t slave_nodes, const Sid
   if (covered > plane.area)
     why << "covered twice by '" << master.body->name << "': say which of its faces are meant, by 'to_where' or a smaller 'within'";
   else
-    why << "covered by '" << master.body->name << "' to " << 100 * covered / plane.area << " % only: the side that reaches farther has to be the one that is tied 'to'; or the two are farther apart than 'within'";
+    why << "covered by '" << master.body->name << "' to " << 100 * covered / plane.area
+        << " % only: the side that reaches farther has to be the one that is tied 'to'; or the two are farther apart than 'within'";
   throw Error(Exit::scene, at, why.str());
 }
 
@@ -136,7 +137,9 @@ struct Behind {
 Behind behind(const Side& side, std::size_t face) {
   const std::vector<Index>& f = side.faces[face];
   const auto& tets = side.body->tets;
-  const auto found = std::find_if(tets.begin(), tets.end(), [&](const Tet& t) { return std::all_of(f.begin(), f.begin() + 3, [&](Index n) { return std::find(t.v, t.v + 4, n) != t.v + 4; }); });
+  const auto found = std::find_if(tets.begin(), tets.end(), [&](const Tet& t) {
+    return std::all_of(f.begin(), f.begin() + 3, [&](Index n) { return std::find(t.v, t.v + 4, n) != t.v + 4; });
+  });
   Behind out;
   out.tet = *found;
   Mat3 dm;
@@ -166,7 +169,7 @@ std::vector<Row> rows(const Side& slave, const Side& master, double reach, const
   for (const auto& f : master.faces) boxes.emplace_back(*master.body, f, reach);
   struct Slave {
     double c = 0;
-    std::map<Index, double> terms;      // c w
+    std::map<Index, double> terms;       // c w
     std::map<std::size_t, double> seen;  // master faces: how much of them
   };
   std::map<Index, Slave> nodes;
@@ -201,7 +204,8 @@ std::vector<Row> rows(const Side& slave, const Side& master, double reach, const
         for (std::size_t k = 0; k < master.faces[p.face].size(); ++k) node.terms[master.faces[p.face][k]] += p.weight * psi * p.master[k];
       }
     for (Index a = 0; a < n; ++a) nodes[face[a]].c += c[a];
-    for (std::size_t e = 0; e + 3 < face.size(); ++e) middle[face[3 + e]] = {face[geometry::edge_begin(static_cast<int>(e))], face[geometry::edge_end(static_cast<int>(e))]};
+    for (std::size_t e = 0; e + 3 < face.size(); ++e)
+      middle[face[3 + e]] = {face[geometry::edge_begin(static_cast<int>(e))], face[geometry::edge_end(static_cast<int>(e))]};
   }
 
   std::vector<Row> out;

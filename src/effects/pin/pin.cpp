@@ -30,22 +30,24 @@ Param rotations() {
   return p;
 }
 
-const ParamTable kMotion{"pin motion",
-                         "Keys that the motion passes.",
-                         {of(Param::Kind::numbers, "time", Unit::time, std::nullopt, "Times of the keys, ascending (pseudo-time 0 to 1 in static scenes)."),
-                          optional(of(Param::Kind::vec3s, "translation", Unit::length, std::nullopt, "Translation at each key.")),
-                          param::choice("interpolation", {"linear", "smooth"}, "linear",
-                                        "Between keys: at constant speed, or by a cubic that starts and ends at rest and never overshoots a key."),
-                          rotations()}};
+const ParamTable kMotion{
+    "pin motion",
+    "Keys that the motion passes.",
+    {of(Param::Kind::numbers, "time", Unit::time, std::nullopt, "Times of the keys, ascending (pseudo-time 0 to 1 in static scenes)."),
+     optional(of(Param::Kind::vec3s, "translation", Unit::length, std::nullopt, "Translation at each key.")),
+     param::choice("interpolation", {"linear", "smooth"}, "linear",
+                   "Between keys: at constant speed, or by a cubic that starts and ends at rest and never overshoots a key."),
+     rotations()}};
 
 const ParamTable kTable = [] {
-  ParamTable t{"effect pin",
-               "Holds or moves points exactly.",
-               {of(Param::Kind::text, "body", Unit::none, std::nullopt, "Name of the body."),
-                param::required(param::table("where", &where_table, "Points of the body that are held; a stiff body is held as a whole (side: all).")),
-                of(Param::Kind::text, "axes", Unit::none, "xyz", "Directions that are held: any of x, y, z."),
-                param::table("motion", &kMotion, "Prescribed motion; without it the points stay where they are."),
-                optional(of(Param::Kind::number, "release", Unit::time, std::nullopt, "Time from which the points are free."))}};
+  ParamTable t{
+      "effect pin",
+      "Holds or moves points exactly.",
+      {of(Param::Kind::text, "body", Unit::none, std::nullopt, "Name of the body."),
+       param::required(param::table("where", &where_table, "Points of the body that are held; a stiff body is held as a whole (side: all).")),
+       of(Param::Kind::text, "axes", Unit::none, "xyz", "Directions that are held: any of x, y, z."),
+       param::table("motion", &kMotion, "Prescribed motion; without it the points stay where they are."),
+       optional(of(Param::Kind::number, "release", Unit::time, std::nullopt, "Time from which the points are free."))}};
   t.is_list = true;
   return t;
 }();
@@ -64,7 +66,8 @@ class Motion {
     if (keys == 0) throw Error(Exit::scene, time.where(), "motion needs at least one key");
     for (std::size_t k = 1; k < keys; ++k)
       if (!(time.items()[k].as_number() > time.items()[k - 1].as_number())) throw Error(Exit::scene, time.where(), "times of the keys must ascend");
-    if (!motion->has("translation") && !motion->has("rotation")) throw Error(Exit::scene, motion->where(), "motion needs 'translation' or 'rotation'");
+    if (!motion->has("translation") && !motion->has("rotation"))
+      throw Error(Exit::scene, motion->where(), "motion needs 'translation' or 'rotation'");
     if (const Params* list = motion->find("translation")) {
       check(*list, keys);
       for (int a = 0; a < 3; ++a) {
@@ -110,9 +113,11 @@ class Motion {
   static bool same(const Params& a, const Params& b) {
     if (a.kind() == Params::Kind::table && b.kind() == Params::Kind::table) {
       const auto &left = a.entries(), &right = b.entries();
-      return std::equal(left.begin(), left.end(), right.begin(), right.end(), [](const auto& l, const auto& r) { return l.first == r.first && same(l.second, r.second); });
+      return std::equal(left.begin(), left.end(), right.begin(), right.end(),
+                        [](const auto& l, const auto& r) { return l.first == r.first && same(l.second, r.second); });
     }
-    if (a.kind() == Params::Kind::list && b.kind() == Params::Kind::list) return std::equal(a.items().begin(), a.items().end(), b.items().begin(), b.items().end(), same);
+    if (a.kind() == Params::Kind::list && b.kind() == Params::Kind::list)
+      return std::equal(a.items().begin(), a.items().end(), b.items().begin(), b.items().end(), same);
     if (a.kind() == Params::Kind::none || b.kind() == Params::Kind::none) return a.kind() == b.kind();
     if (a.kind() == Params::Kind::text || b.kind() == Params::Kind::text) return a.kind() == b.kind() && a.as_text() == b.as_text();
     return a.as_number() == b.as_number();
@@ -129,7 +134,7 @@ struct Entry {
   double release = std::numeric_limits<double>::infinity();  // [s]
   SourceLoc where;
   std::string body;
-  double size = 0;                                                      // of the body, at rest [m]
+  double size = 0;                                                     // of the body, at rest [m]
   Vec3 lo = Vec3::Constant(INFINITY), hi = Vec3::Constant(-INFINITY);  // of what is held of it
 };
 
@@ -179,8 +184,9 @@ class Pin final : public Effect {
         const double beside = (x - along * way).norm();
         if (beside <= kBow * e.size) continue;
         std::ostringstream why;
-        why << "the motion prescribed for '" << e.body << "' leaves the straight way from the beginning to the end of a step of " << step.dt << (step.is_static ? "" : " s") << " by " << beside
-            << " m: take shorter steps" << (step.is_static ? " (more of them)" : "") << ", or put the keys of the motion at their ends";
+        why << "the motion prescribed for '" << e.body << "' leaves the straight way from the beginning to the end of a step of " << step.dt
+            << (step.is_static ? "" : " s") << " by " << beside << " m: take shorter steps" << (step.is_static ? " (more of them)" : "")
+            << ", or put the keys of the motion at their ends";
         throw Failure{why.str()};
       }
     }
@@ -267,7 +273,8 @@ class Pin final : public Effect {
       }
       const Entry& o = entries_[other];
       if (e.motion.moves() || o.motion.moves() || e.release != o.release)
-        throw Error(Exit::scene, e.where, "moves points of body '" + body.name + "' along " + "xyz"[a] + " that the pin at " + o.where.text() + " holds too");
+        throw Error(Exit::scene, e.where,
+                    "moves points of body '" + body.name + "' along " + "xyz"[a] + " that the pin at " + o.where.text() + " holds too");
       axes &= static_cast<std::uint8_t>(~(1 << a));
     }
     if (axes) held_.push_back({block, mine, axes, direction});
@@ -290,7 +297,8 @@ class Pin final : public Effect {
         body.carriage = model::Body::kStill;
         continue;
       }
-      const auto known = as_one ? std::find_if(carriages.begin(), carriages.end(), [&](const Motion* m) { return m && m->same_as(motion); }) : carriages.end();
+      const auto known =
+          as_one ? std::find_if(carriages.begin(), carriages.end(), [&](const Motion* m) { return m && m->same_as(motion); }) : carriages.end();
       body.carriage = 1 + static_cast<Index>(known - carriages.begin());
       if (known == carriages.end()) carriages.push_back(as_one ? &motion : nullptr);  // one whose parts move apart is alone
     }
@@ -299,7 +307,8 @@ class Pin final : public Effect {
   static std::uint8_t parse_axes(const Params& p) {
     std::uint8_t axes = 0;
     for (char c : p.as_text()) {
-      if (c < 'x' || c > 'z' || (axes >> (c - 'x') & 1)) throw Error(Exit::scene, p.where(), "axes '" + p.as_text() + "': give x, y, z, each at most once");
+      if (c < 'x' || c > 'z' || (axes >> (c - 'x') & 1))
+        throw Error(Exit::scene, p.where(), "axes '" + p.as_text() + "': give x, y, z, each at most once");
       axes |= static_cast<std::uint8_t>(1 << (c - 'x'));
     }
     if (axes == 0) throw Error(Exit::scene, p.where(), "axes: holds nothing");
@@ -332,7 +341,7 @@ class Pin final : public Effect {
   model::Model& model_;
   std::vector<Entry> entries_;
   std::vector<Held> held_;
-  std::vector<Index> owner_;  // per block and axis: the entry that holds it, or -1
+  std::vector<Index> owner_;               // per block and axis: the entry that holds it, or -1
   std::vector<std::vector<bool>> active_;  // of every environment: which entries hold
   std::vector<Index> env_;                 // of every block
   device::Buffer<Held> device_held_;
@@ -342,8 +351,13 @@ class Pin final : public Effect {
 }  // namespace
 
 const Kind& pin_kind() {
-  static const Kind kind{"pin", Role::support, "points held or moved exactly", &kTable,
-          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Pin>(p, m); }, {}, {"support_force"}};
+  static const Kind kind{"pin",
+                         Role::support,
+                         "points held or moved exactly",
+                         &kTable,
+                         [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Pin>(p, m); },
+                         {},
+                         {"support_force"}};
   return kind;
 }
 

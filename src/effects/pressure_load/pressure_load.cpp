@@ -100,7 +100,8 @@ class PressureLoad final : public Effect {
  private:
   void set_time(const StepInfo& step, double t) {
     for (Index e = 0; e < model_.envs; ++e)
-      for (std::size_t l = 0; step.taken_by(e) && l < loads_.size(); ++l) strengths_[e * loads_.size() + l] = {loads_[l].pressure(t), loads_[l].factor(t)};
+      for (std::size_t l = 0; step.taken_by(e) && l < loads_.size(); ++l)
+        strengths_[e * loads_.size() + l] = {loads_[l].pressure(t), loads_[l].factor(t)};
     strength_.upload(strengths_);
   }
 
@@ -159,7 +160,7 @@ class PressureLoad final : public Effect {
   model::Model& model_;
   std::vector<Load> loads_;
   device::Buffer<Share> shares_;
-  std::vector<Strength> strengths_;    // of every load in every environment, at the end of its step
+  std::vector<Strength> strengths_;  // of every load in every environment, at the end of its step
   device::Buffer<Strength> strength_;
   std::vector<Index> env_offset_;
 };
@@ -168,7 +169,7 @@ class PressureLoad final : public Effect {
 
 const Kind& pressure_load_kind() {
   static const Kind kind{"pressure_load", Role::load, "dead pressure or traction on a surface", &kTable,
-          [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<PressureLoad>(p, m); }};
+                         [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<PressureLoad>(p, m); }};
   return kind;
 }
 

@@ -10,8 +10,8 @@ namespace {
 using device::Buffer;
 using device::View;
 
-constexpr double kSurplus = 3;  // of the way of the farthest point: the next question comes from its end, and ways get shorter
-constexpr double kMost = 0.1;   // of the mean edge of the finest body: more finds many neighbours that never meet
+constexpr double kSurplus = 3;       // of the way of the farthest point: the next question comes from its end, and ways get shorter
+constexpr double kMost = 0.1;        // of the mean edge of the finest body: more finds many neighbours that never meet
 constexpr double kRounding = 1e-14;  // of a coordinate
 
 // Largest |y - from| + |dy|, without `from` |dy|.
@@ -20,7 +20,8 @@ double farthest(View<const Vec3> from, View<const Vec3> y, View<const Vec3> dy) 
   device::Fetch fetch;
   device::env_max(
       "broadphase.farthest", {0, y.n},
-      [=] MORTISE_HD(Index i) { return (from.n > 0 ? (y[i] - from[i]).norm() : 0.0) + (dy.n > 0 ? dy[i].norm() : 0.0) + kRounding * y[i].norm(); }, device::EnvValues{out, fetch});
+      [=] MORTISE_HD(Index i) { return (from.n > 0 ? (y[i] - from[i]).norm() : 0.0) + (dy.n > 0 ? dy[i].norm() : 0.0) + kRounding * y[i].norm(); },
+      device::EnvValues{out, fetch});
   fetch.now();
   return out[0];
 }

@@ -39,7 +39,7 @@ class Broadphase {
   PairSearch search_;
   NearPairs found_, kept_;
   device::Buffer<Vec3> kept_at_;
-  double kept_radius_ = -1;  // of kept_ [m]; negative: none
+  double kept_radius_ = -1;   // of kept_ [m]; negative: none
   double most_surplus_ = -1;  // [m]; negative: not known yet
   Index searches_ = 0;
 };

@@ -94,8 +94,8 @@ void morton_order(const Primitives& p, const SurfaceView& s, Index environments,
   device::sort_pairs(keys, order, 3 * bits + env_bits);
 }
 
-void build_leaves(const Primitives& p, const SurfaceView& s, View<const Index> order, View<const Vec3> y, View<const Vec3> dy,
-                  double grow, View<const double> more, View<BvhNode> nodes) {
+void build_leaves(const Primitives& p, const SurfaceView& s, View<const Index> order, View<const Vec3> y, View<const Vec3> dy, double grow,
+                  View<const double> more, View<BvhNode> nodes) {
   const Index* v = p.v;
   const int corners = p.corners;
   device::parallel_for("bvh.leaves", p.n, [=] MORTISE_HD(Index i) {
@@ -124,8 +124,8 @@ void build_level(View<BvhNode> nodes, Index from, Index count, Index to, Index n
 
 }  // namespace
 
-void Bvh::update(const Primitives& p, const SurfaceView& surface, Index environments, View<const Vec3> y, View<const Vec3> dy,
-                 double grow, View<const double> more) {
+void Bvh::update(const Primitives& p, const SurfaceView& surface, Index environments, View<const Vec3> y, View<const Vec3> dy, double grow,
+                 View<const double> more) {
   constexpr int kReorderEvery = 16;  // bodies move little between updates
   if (p.n == 0) {
     shape_.levels = 0;
@@ -143,8 +143,7 @@ void Bvh::update(const Primitives& p, const SurfaceView& surface, Index environm
   nodes_.resize(total);
   const View<BvhNode> nodes = nodes_.view();
   build_leaves(p, surface, order_.view(), y, dy, grow, more, nodes);
-  for (int l = 1; l < shape_.levels; ++l)
-    build_level(nodes, shape_.start[l - 1], shape_.size[l - 1], shape_.start[l], shape_.size[l]);
+  for (int l = 1; l < shape_.levels; ++l) build_level(nodes, shape_.start[l - 1], shape_.size[l - 1], shape_.start[l], shape_.size[l]);
 }
 
 BvhView Bvh::view() const {

@@ -11,10 +11,10 @@ namespace mortise::geometry {
 
 // A node, a leaf (`id` is then the primitive) or, on the other side of the test, a query.
 struct BvhNode {
-  double lo[3], hi[3];     // [m]
-  Index env_lo, env_hi;    // environments below
-  Index body;              // the body of all primitives below, -1 if several
-  Index id;                // largest primitive id below; in a query: only larger ids are wanted
+  double lo[3], hi[3];   // [m]
+  Index env_lo, env_hi;  // environments below
+  Index body;            // the body of all primitives below, -1 if several
+  Index id;              // largest primitive id below; in a query: only larger ids are wanted
 };
 
 inline constexpr int kBvhLevels = 17;
@@ -98,8 +98,8 @@ class Bvh {
  public:
   // Boxes of the primitives moving from y to y + dy, grown by `grow` and, if given, by what `more` says of each; primitives and surface
   // must be those of earlier calls.
-  void update(const Primitives& primitives, const SurfaceView& surface, Index environments, device::View<const Vec3> y,
-              device::View<const Vec3> dy, double grow, device::View<const double> more = {});
+  void update(const Primitives& primitives, const SurfaceView& surface, Index environments, device::View<const Vec3> y, device::View<const Vec3> dy,
+              double grow, device::View<const double> more = {});
   BvhView view() const;
 
  private:

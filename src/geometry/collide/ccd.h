@@ -91,8 +91,8 @@ MORTISE_HD inline Vec3 separating_direction(const Corners& c, const Vec3 x0[4], 
 
 // Until when the distance certainly stays above `distance`: kNoImpact, or a time <= t_max after which nothing is known; `excess`
 // is how far above it the distance still is then. Ends when the excess is at most `close`.
-MORTISE_HD inline double advance(const Corners& c, const Vec3 x0[4], const Vec3 x1[4], double distance, double t_max, double close,
-                                 double rounding, int iterations, double& excess) {
+MORTISE_HD inline double advance(const Corners& c, const Vec3 x0[4], const Vec3 x1[4], double distance, double t_max, double close, double rounding,
+                                 int iterations, double& excess) {
   double t = 0;
   for (int i = 0; i < iterations; ++i) {
     double gap = 0;
@@ -125,8 +125,7 @@ MORTISE_HD inline double inclusion(const Corners& c, double distance, double t_b
       L[0] = std::fmax(L[0], std::fabs(c.to[k][d] - c.from[k][d]));
       largest = std::fmax(largest, std::fmax(std::fabs(c.from[k][d]), std::fabs(c.to[k][d])));
     }
-    for (int k = 1; k < 3; ++k)
-      L[k] = std::fmax(L[k], std::fmax(std::fabs(c.from[k][d] - c.from[0][d]), std::fabs(c.to[k][d] - c.to[0][d])));
+    for (int k = 1; k < 3; ++k) L[k] = std::fmax(L[k], std::fmax(std::fabs(c.from[k][d] - c.from[0][d]), std::fabs(c.to[k][d] - c.to[0][d])));
   }
   const double inflate = distance + 32 * kEps * largest;  // |1-u-v|+u+v <= 3 rounded products of rounded corners
   const double slack = L[0] > 0 ? std::fmin(tolerance / L[0], t_max - t_begin) : t_max - t_begin;  // resolution in time

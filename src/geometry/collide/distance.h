@@ -16,16 +16,14 @@ enum class Feature : std::uint8_t { point_point, point_edge, point_triangle, edg
 
 struct Closest {
   Feature type = Feature::point_point;
-  int free = 0;              // number of free parameters beta: 0, 1 or 2
-  double w[4] = {};          // weights of the vertices in r, first primitive positive
-  double dw[2][4] = {};      // w'_k
-  double squared = 0;        // D [m^2]
+  int free = 0;          // number of free parameters beta: 0, 1 or 2
+  double w[4] = {};      // weights of the vertices in r, first primitive positive
+  double dw[2][4] = {};  // w'_k
+  double squared = 0;    // D [m^2]
 };
 
 // r relative to the first vertex, so that the error is relative to the size of the pair, not to its place in the world.
-MORTISE_HD inline Vec3 combine(const double w[4], const Vec3 x[4]) {
-  return w[1] * (x[1] - x[0]) + w[2] * (x[2] - x[0]) + w[3] * (x[3] - x[0]);
-}
+MORTISE_HD inline Vec3 combine(const double w[4], const Vec3 x[4]) { return w[1] * (x[1] - x[0]) + w[2] * (x[2] - x[0]) + w[3] * (x[3] - x[0]); }
 MORTISE_HD inline Vec3 relative_position(const Closest& c, const Vec3 x[4]) { return combine(c.w, x); }
 
 namespace detail {

@@ -13,7 +13,8 @@ using device::View;
 using Exact = std::vector<double>;  // one sum that cannot overflow
 
 // Turns counts into offsets, and wants to know those of the environments.
-void add_up(Buffer<Index>& counts, View<const Index> env_first, Exact& exact, Buffer<Index>& bounds, std::vector<Index>& env_offset, device::Fetch& fetch) {
+void add_up(Buffer<Index>& counts, View<const Index> env_first, Exact& exact, Buffer<Index>& bounds, std::vector<Index>& env_offset,
+            device::Fetch& fetch) {
   const View<const Index> count = std::as_const(counts).view();
   device::env_sum(
       "broadphase.total", {0, count.n - 1}, [=] MORTISE_HD(Index i) { return static_cast<double>(count[i]); }, device::EnvValues{exact, fetch});

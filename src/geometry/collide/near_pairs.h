@@ -27,7 +27,8 @@ struct NearPairs {
 
   // Turns counts (one more than there are queries) into offsets of their first pairs, and makes room for all; *_first: first query of every
   // environment. Throws Error(Exit::device) when there are more pairs than can be counted.
-  void add_up(device::Buffer<Index>& pt_counts, device::View<const Index> pt_first, device::Buffer<Index>& ee_counts, device::View<const Index> ee_first);
+  void add_up(device::Buffer<Index>& pt_counts, device::View<const Index> pt_first, device::Buffer<Index>& ee_counts,
+              device::View<const Index> ee_first);
 };
 
 // Two primitives of one body, {p, t0, t1, t2} or {a0, a1, b0, b1} (first: 1 or 2 points), of which the boxes overlap because they are
@@ -42,7 +43,8 @@ MORTISE_HD inline bool stay_apart(const Index v[4], int first, device::View<cons
   for (int k = 0; k < 4; ++k) x[k] = y[v[k]];
   for (int a = 0; a < 3; ++a) {  // boxes as they stand, which tell most pairs of a body that moves
     const double lo = first == 1 ? x[0][a] : std::fmin(x[0][a], x[1][a]), hi = first == 1 ? x[0][a] : std::fmax(x[0][a], x[1][a]);
-    const double lo2 = std::fmin(std::fmin(first == 1 ? x[1][a] : x[2][a], x[2][a]), x[3][a]), hi2 = std::fmax(std::fmax(first == 1 ? x[1][a] : x[2][a], x[2][a]), x[3][a]);
+    const double lo2 = std::fmin(std::fmin(first == 1 ? x[1][a] : x[2][a], x[2][a]), x[3][a]),
+                 hi2 = std::fmax(std::fmax(first == 1 ? x[1][a] : x[2][a], x[2][a]), x[3][a]);
     if (std::fmax(lo2 - hi, lo - hi2) * (1 - kRounding) > least) return true;
   }
   const double distance = std::sqrt(first == 1 ? closest_point_triangle(x).squared : closest_edge_edge(x).squared);

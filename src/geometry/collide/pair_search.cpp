@@ -5,7 +5,6 @@
 #include <numeric>
 #include <utility>
 
-
 namespace mortise::geometry {
 namespace {
 
@@ -53,7 +52,8 @@ struct Notes {
 };
 
 // Counts the triangles near a point and notes their ids.
-MORTISE_HD inline Index triangles_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index point, View<const Vec3> y, View<const Vec3> dy, double radius, const Notes& notes) {
+MORTISE_HD inline Index triangles_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index point, View<const Vec3> y,
+                                       View<const Vec3> dy, double radius, const Notes& notes) {
   Index n = 0;
   BvhCursor cursor;
   for (Index t = cursor.next(tree, box, s); t >= 0; t = cursor.next(tree, box, s)) {
@@ -66,7 +66,8 @@ MORTISE_HD inline Index triangles_near(const BvhView& tree, const SurfaceView& s
   return n;
 }
 
-MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index edge, View<const Vec3> y, View<const Vec3> dy, double radius, const Notes& notes) {
+MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index edge, View<const Vec3> y, View<const Vec3> dy,
+                                   double radius, const Notes& notes) {
   Index n = 0;
   BvhCursor cursor;
   const Edge a = s.edges[edge];
@@ -80,8 +81,8 @@ MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, co
   return n;
 }
 
-void count_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy,
-                           double grow, Buffer<Index>& counts, Buffer<Index>& noted) {
+void count_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy, double grow,
+                           Buffer<Index>& counts, Buffer<Index>& noted) {
   counts.resize(points.n + 1);
   noted.resize(points.n * kNoted);
   const View<Index> note = noted.view();
@@ -92,8 +93,8 @@ void count_point_triangles(const SurfaceView& s, const BvhView& tree, View<const
   });
 }
 
-void fill_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy,
-                          double grow, View<const Index> count, View<const Index> note, View<PointTriangle> out) {
+void fill_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy, double grow,
+                          View<const Index> count, View<const Index> note, View<PointTriangle> out) {
   device::parallel_for("broadphase.fill_point_triangle", points.n, [=] MORTISE_HD(Index i) {
     const Index n = count[i + 1] - count[i], point = points[i];
     if (n == 0) return;
@@ -184,7 +185,8 @@ void PairSearch::find(View<const Vec3> y, View<const Vec3> dy, double radius, Ne
   count_point_triangles(s, triangles, point, y, dy, grow, pt_counts_, pt_noted_);
   count_edge_edges(s, edges, edge, y, dy, grow, ee_counts_, ee_noted_);
   out.add_up(pt_counts_, point_env_first_.view(), ee_counts_, edge_env_first_.view());
-  fill_point_triangles(s, triangles, point, y, dy, grow, std::as_const(pt_counts_).view(), std::as_const(pt_noted_).view(), out.point_triangles.view());
+  fill_point_triangles(s, triangles, point, y, dy, grow, std::as_const(pt_counts_).view(), std::as_const(pt_noted_).view(),
+                       out.point_triangles.view());
   fill_edge_edges(s, edges, edge, y, dy, grow, std::as_const(ee_counts_).view(), std::as_const(ee_noted_).view(), out.edge_edges.view());
 }
 

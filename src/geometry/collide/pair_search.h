@@ -17,8 +17,8 @@ class PairSearch {
  private:
   const Surface& surface_;
   Index environments_ = 0;
-  device::Buffer<Index> points_, edges_;                    // queries in canonical order: environment, then id
-  device::Buffer<Index> point_env_first_, edge_env_first_;  // first query of each environment
+  device::Buffer<Index> points_, edges_;                               // queries in canonical order: environment, then id
+  device::Buffer<Index> point_env_first_, edge_env_first_;             // first query of each environment
   device::Buffer<Index> pt_counts_, pt_noted_, ee_counts_, ee_noted_;  // scratch
   Bvh triangle_tree_, edge_tree_;
 };

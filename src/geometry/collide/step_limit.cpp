@@ -22,7 +22,8 @@ void limit(const char* name, View<const Pair> pairs, const std::vector<Index>& o
     out[i] = detail::step_limit(x0, x1, edges, keep);
   });
   const View<const double> t = limits.view();
-  device::env_min("step_limit.least", offset, [=] MORTISE_HD(Index i) { return t[i]; }, alpha);
+  device::env_min(
+      "step_limit.least", offset, [=] MORTISE_HD(Index i) { return t[i]; }, alpha);
 }
 
 }  // namespace

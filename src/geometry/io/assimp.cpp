@@ -8,8 +8,8 @@
 #include <assimp/Importer.hpp>
 #include <filesystem>
 
-#include "base/error.h"
 #include "base/child.h"
+#include "base/error.h"
 #include "geometry/io/corners.h"
 #include "geometry/io/text.h"
 #include "geometry/io/visual_bytes.h"
@@ -96,7 +96,8 @@ class Collector {
       if (f.mNumIndices != 3) continue;  // points and lines
       Triangle t;
       for (int k = 0; k < 3; ++k) {
-        if (f.mIndices[k] >= mesh.mNumVertices) throw Error(Exit::scene, "'" + path_ + "': triangle " + std::to_string(i) + " names a vertex that is not there");
+        if (f.mIndices[k] >= mesh.mNumVertices)
+          throw Error(Exit::scene, "'" + path_ + "': triangle " + std::to_string(i) + " names a vertex that is not there");
         t.v[k] = vertex[f.mIndices[k]];
       }
       if (det < 0) std::swap(t.v[1], t.v[2]);
@@ -116,8 +117,7 @@ VisualMesh read_here(const std::string& path) {
   Assimp::Importer importer;
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
-  if (!scene || !scene->mRootNode)
-    throw Error(Exit::scene, "'" + path + "' cannot be read as " + extension(path) + ": " + importer.GetErrorString());
+  if (!scene || !scene->mRootNode) throw Error(Exit::scene, "'" + path + "' cannot be read as " + extension(path) + ": " + importer.GetErrorString());
   Collector collector(path, *scene);
   collector.visit(*scene->mRootNode, Eigen::Matrix4d::Identity());
   return collector.finish();

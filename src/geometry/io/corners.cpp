@@ -14,7 +14,8 @@ Index CornerCollector::vertex(Index part, const Vec3& p, const Vec3& normal, con
   const bool given = normal.allFinite() && normal.norm() > 0;
   const Vec3 n = given ? normal : Vec3(0, 0, 0);
   const Index place = positions_.try_emplace({p[0], p[1], p[2]}, static_cast<Index>(positions_.size())).first->second;
-  const auto [at, fresh] = vertices_.try_emplace({double(part), double(place), n[0], n[1], n[2], t[0], t[1]}, static_cast<Index>(mesh_.points.size()));
+  const auto [at, fresh] =
+      vertices_.try_emplace({double(part), double(place), n[0], n[1], n[2], t[0], t[1]}, static_cast<Index>(mesh_.points.size()));
   if (fresh) {
     mesh_.points.push_back(p), mesh_.normals.push_back(n), mesh_.uvs.push_back(t);
     position_.push_back(place), has_normal_.push_back(given);

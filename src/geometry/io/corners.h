@@ -8,8 +8,8 @@
 
 namespace mortise::geometry {
 
-// Puts together the mesh that is drawn from corners of triangles that carry their own position, normal and texture coordinates: corners of one part that agree in all of
-// them become one vertex. Errors: coordinates that are not finite.
+// Puts together the mesh that is drawn from corners of triangles that carry their own position, normal and texture coordinates: corners of one part
+// that agree in all of them become one vertex. Errors: coordinates that are not finite.
 class CornerCollector {
  public:
   explicit CornerCollector(std::string path) : path_(std::move(path)) {}

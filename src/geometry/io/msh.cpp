@@ -59,8 +59,7 @@ class MshParser {
   void read_format() {
     in_.require("the format version");
     const std::string version(in_.words()[0]);
-    if (version[0] != '2' && version != "4.1")
-      in_.fail("Gmsh format " + version + " is not supported; save as 2.2 or 4.1 (Mesh.MshFileVersion)");
+    if (version[0] != '2' && version != "4.1") in_.fail("Gmsh format " + version + " is not supported; save as 2.2 or 4.1 (Mesh.MshFileVersion)");
     if (in_.integer(1, "the file type") != 0) in_.fail("binary Gmsh files are not supported; save as ASCII (Mesh.Binary = 0)");
     four_ = version[0] == '4';
     end("$EndMeshFormat");
@@ -73,8 +72,7 @@ class MshParser {
   }
 
   void add_node(long long tag, std::size_t first) {
-    if (!number_.emplace(tag, static_cast<Index>(out_.points.size())).second)
-      in_.fail("node " + std::to_string(tag) + " is defined twice");
+    if (!number_.emplace(tag, static_cast<Index>(out_.points.size())).second) in_.fail("node " + std::to_string(tag) + " is defined twice");
     out_.points.push_back(in_.vec3(first, "a coordinate"));
   }
 

@@ -57,12 +57,10 @@ std::vector<VisualMaterial> read_mtl(const std::string& path) {
 Index resolve(const LineReader& in, std::string_view word, std::size_t defined, const char* what) {
   long long i = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), i);
-  if (error != std::errc() || end != word.data() + word.size())
-    in.fail("expected " + std::string(what) + ", found '" + std::string(word) + "'");
+  if (error != std::errc() || end != word.data() + word.size()) in.fail("expected " + std::string(what) + ", found '" + std::string(word) + "'");
   const long long n = static_cast<long long>(defined);
   const long long at = i > 0 ? i - 1 : n + i;
-  if (i == 0 || at < 0 || at >= n)
-    in.fail(std::string(what) + " " + std::to_string(i) + " is not defined (" + std::to_string(n) + " so far)");
+  if (i == 0 || at < 0 || at >= n) in.fail(std::string(what) + " " + std::to_string(i) + " is not defined (" + std::to_string(n) + " so far)");
   return static_cast<Index>(at);
 }
 
@@ -99,8 +97,7 @@ ObjFile parse_obj(const std::string& path, std::string_view text, bool materials
     if (key == "v") {
       obj.points.push_back(in.vec3(1, "a coordinate"));
     } else if (key == "vt") {
-      obj.uvs.push_back(
-          {in.number(1, "a texture coordinate"), in.words().size() > 2 ? in.number(2, "a texture coordinate") : 0.0});
+      obj.uvs.push_back({in.number(1, "a texture coordinate"), in.words().size() > 2 ? in.number(2, "a texture coordinate") : 0.0});
     } else if (key == "vn") {
       obj.normals.push_back(in.vec3(1, "a normal component"));
     } else if (key == "f") {
@@ -108,8 +105,7 @@ ObjFile parse_obj(const std::string& path, std::string_view text, bool materials
       for (std::size_t i = 1; i < in.words().size(); ++i) corners.push_back(read_corner(in, in.words()[i], obj));
       if (corners.size() < 3) in.fail("a face needs at least three vertices");
       if (material < 0) material = material_index("");
-      for (std::size_t i = 2; i < corners.size(); ++i)
-        obj.faces.push_back({{corners[0], corners[i - 1], corners[i]}, material, part});
+      for (std::size_t i = 2; i < corners.size(); ++i) obj.faces.push_back({{corners[0], corners[i - 1], corners[i]}, material, part});
       part_used = true;
     } else if (key == "usemtl") {
       material = material_index(rest(in, 1, "a material name"));

@@ -61,19 +61,28 @@ class BinaryValues final : public Values {
   }
   double next(Type type, const char* what) override {
     switch (type) {
-      case Type::i8: return in_.take<std::int8_t>(what);
-      case Type::u8: return in_.take<std::uint8_t>(what);
-      case Type::i16: return in_.take<std::int16_t>(what);
-      case Type::u16: return in_.take<std::uint16_t>(what);
-      case Type::i32: return in_.take<std::int32_t>(what);
-      case Type::u32: return in_.take<std::uint32_t>(what);
-      case Type::f32: return in_.take<float>(what);
-      case Type::f64: break;
+      case Type::i8:
+        return in_.take<std::int8_t>(what);
+      case Type::u8:
+        return in_.take<std::uint8_t>(what);
+      case Type::i16:
+        return in_.take<std::int16_t>(what);
+      case Type::u16:
+        return in_.take<std::uint16_t>(what);
+      case Type::i32:
+        return in_.take<std::int32_t>(what);
+      case Type::u32:
+        return in_.take<std::uint32_t>(what);
+      case Type::f32:
+        return in_.take<float>(what);
+      case Type::f64:
+        break;
     }
     return in_.take<double>(what);
   }
   void end() override {
-    if (in_.left() > 0) fail("expected the end of the file after as many elements as the header counts, found " + std::to_string(in_.left()) + " bytes more");
+    if (in_.left() > 0)
+      fail("expected the end of the file after as many elements as the header counts, found " + std::to_string(in_.left()) + " bytes more");
   }
   void fail(const std::string& message) const override { in_.fail(message); }
 
@@ -83,8 +92,8 @@ class BinaryValues final : public Values {
 
 // The place of a vertex' property among x y z nx ny nz s t, -1 for others.
 int slot(const Property& p) {
-  constexpr std::pair<const char*, int> kSlots[] = {{"x", 0}, {"y", 1}, {"z", 2}, {"nx", 3}, {"ny", 4}, {"nz", 5},
-                                                    {"s", 6}, {"t", 7}, {"u", 6}, {"v", 7}, {"texture_u", 6}, {"texture_v", 7}};
+  constexpr std::pair<const char*, int> kSlots[] = {{"x", 0}, {"y", 1}, {"z", 2}, {"nx", 3}, {"ny", 4},        {"nz", 5},
+                                                    {"s", 6}, {"t", 7}, {"u", 6}, {"v", 7},  {"texture_u", 6}, {"texture_v", 7}};
   for (const auto& [name, place] : kSlots)
     if (p.name == name && !p.count) return place;
   return -1;
@@ -185,7 +194,8 @@ VisualMesh visual_from(const std::string& path, const PlyFile& ply) {
   CornerCollector collector(path);
   std::vector<Index> vertex;
   for (std::size_t i = 0; i < ply.points.size(); ++i)
-    vertex.push_back(collector.vertex(0, ply.points[i], ply.normals.empty() ? Vec3(0, 0, 0) : ply.normals[i], ply.uvs.empty() ? Vec2(0, 0) : ply.uvs[i]));
+    vertex.push_back(
+        collector.vertex(0, ply.points[i], ply.normals.empty() ? Vec3(0, 0, 0) : ply.normals[i], ply.uvs.empty() ? Vec2(0, 0) : ply.uvs[i]));
   for (const Triangle& t : ply.triangles) collector.triangle(0, 0, {{vertex[t.v[0]], vertex[t.v[1]], vertex[t.v[2]]}});
   return collector.finish({VisualMaterial{}}, !ply.uvs.empty());
 }

@@ -7,7 +7,7 @@ namespace mortise::geometry::ply {
 namespace {
 
 // Both families of names that are in use.
-constexpr const char* kNames[][2] = {{"char", "int8"}, {"uchar", "uint8"}, {"short", "int16"}, {"ushort", "uint16"},
+constexpr const char* kNames[][2] = {{"char", "int8"}, {"uchar", "uint8"}, {"short", "int16"},   {"ushort", "uint16"},
                                      {"int", "int32"}, {"uint", "uint32"}, {"float", "float32"}, {"double", "float64"}};
 
 Type read_type(const LineReader& in, std::size_t word) {

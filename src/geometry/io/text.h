@@ -47,9 +47,7 @@ class LineReader {
     return value;
   }
   long long integer(std::size_t i, const char* what) const { return parse<long long>(i, what); }
-  Vec3 vec3(std::size_t first, const char* what) const {
-    return {number(first, what), number(first + 1, what), number(first + 2, what)};
-  }
+  Vec3 vec3(std::size_t first, const char* what) const { return {number(first, what), number(first + 1, what), number(first + 2, what)}; }
 
   // next(), and an error that names `what` if the file is over.
   void require(const char* what);
@@ -58,9 +56,7 @@ class LineReader {
   std::size_t offset() const { return at_; }  // of the first byte behind this line
   const std::string& path() const { return path_; }
   [[noreturn]] void fail(const std::string& message) const { fail_at(line_, message); }
-  [[noreturn]] void fail_at(int line, const std::string& message) const {
-    throw Error(Exit::scene, SourceLoc{path_, line, 1}, message);
-  }
+  [[noreturn]] void fail_at(int line, const std::string& message) const { throw Error(Exit::scene, SourceLoc{path_, line, 1}, message); }
 
  private:
   template <class T>

@@ -1,7 +1,7 @@
 #pragma once
 // OSMesa exports every entry point of the core profile, so no loader is needed.
-#include <GL/osmesa.h>
 #include <GL/glcorearb.h>
+#include <GL/osmesa.h>
 
 #include <array>
 #include <cmath>
@@ -17,9 +17,7 @@ inline V3 operator+(V3 a, V3 b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}
 inline V3 operator-(V3 a, V3 b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 inline V3 operator*(float s, V3 a) { return {s * a[0], s * a[1], s * a[2]}; }
 inline float dot(V3 a, V3 b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-inline V3 cross(V3 a, V3 b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
+inline V3 cross(V3 a, V3 b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
 inline V3 unit(V3 a) { return (1.0f / std::sqrt(dot(a, a))) * a; }
 inline V3 vec(const float* p) { return {p[0], p[1], p[2]}; }
 inline V3 perpendicular(V3 a) { return unit(cross(a, std::abs(a[0]) < 0.7f ? V3{1, 0, 0} : V3{0, 1, 0})); }
@@ -33,7 +31,7 @@ inline M4 operator*(const M4& a, const M4& b) {
 }
 // Right-handed view: -z looks along `forward`.
 inline M4 view_matrix(V3 eye, V3 right, V3 up, V3 forward) {
-  return {right[0], up[0], -forward[0], 0, right[1], up[1], -forward[1], 0,
+  return {right[0], up[0], -forward[0], 0, right[1],         up[1],         -forward[1],       0,
           right[2], up[2], -forward[2], 0, -dot(right, eye), -dot(up, eye), dot(forward, eye), 1};
 }
 inline M4 perspective(float tan_x, float tan_y, float near, float far) {

@@ -19,8 +19,8 @@ struct Painter::Programs {
 };
 
 Painter::Painter() : surface_(16 * 16 * 4) {
-  const int attributes[] = {OSMESA_FORMAT, OSMESA_RGBA, OSMESA_PROFILE, OSMESA_CORE_PROFILE, OSMESA_CONTEXT_MAJOR_VERSION, 3,
-                            OSMESA_CONTEXT_MINOR_VERSION, 3, 0};
+  const int attributes[] = {
+      OSMESA_FORMAT, OSMESA_RGBA, OSMESA_PROFILE, OSMESA_CORE_PROFILE, OSMESA_CONTEXT_MAJOR_VERSION, 3, OSMESA_CONTEXT_MINOR_VERSION, 3, 0};
   context_ = OSMesaCreateContextAttribs(attributes, nullptr);
   if (context_ == nullptr) throw std::runtime_error("OSMesa cannot create an OpenGL 3.3 core context");
   current();
@@ -36,8 +36,7 @@ Painter::~Painter() {
 }
 
 void Painter::current() {
-  if (OSMesaMakeCurrent(context_, surface_.data(), GL_UNSIGNED_BYTE, 16, 16) == GL_FALSE)
-    throw std::runtime_error("OSMesa cannot use its context");
+  if (OSMesaMakeCurrent(context_, surface_.data(), GL_UNSIGNED_BYTE, 16, 16) == GL_FALSE) throw std::runtime_error("OSMesa cannot use its context");
 }
 
 int Painter::add_texture(const std::uint8_t* rgba, int width, int height) {
@@ -72,8 +71,7 @@ void Painter::draw(const MortiseRenderJob& job, std::uint8_t* rgb) {
   glReadPixels(0, 0, job.width, job.height, GL_RGB, GL_UNSIGNED_BYTE, bottom_up.data());
   for (std::size_t y = 0; y < rows; ++y) std::memcpy(rgb + y * row, bottom_up.data() + (rows - 1 - y) * row, row);
   free_geometry();
-  if (const GLenum error = glGetError(); error != GL_NO_ERROR)
-    throw std::runtime_error("OpenGL error " + std::to_string(error));
+  if (const GLenum error = glGetError(); error != GL_NO_ERROR) throw std::runtime_error("OpenGL error " + std::to_string(error));
 }
 
 void Painter::draw_shadow(const MortiseRenderJob& job) {
@@ -190,9 +188,8 @@ void Painter::draw_fisheye(const MortiseRenderJob& job, const View& front) {
   }
   const V3 r = front.right, u = front.up, f = front.forward, b = -1.0f * f;
   // Order and orientation as in kFisheyeFragment: front, right, left, up, down, back.
-  const View views[6] = {{front.eye, r, u, f, reach, reach},          {front.eye, b, u, r, reach, reach},
-                         {front.eye, f, u, -1.0f * r, reach, reach},  {front.eye, r, b, u, reach, reach},
-                         {front.eye, r, f, -1.0f * u, reach, reach},  {front.eye, -1.0f * r, u, b, reach, reach}};
+  const View views[6] = {{front.eye, r, u, f, reach, reach}, {front.eye, b, u, r, reach, reach},         {front.eye, f, u, -1.0f * r, reach, reach},
+                         {front.eye, r, b, u, reach, reach}, {front.eye, r, f, -1.0f * u, reach, reach}, {front.eye, -1.0f * r, u, b, reach, reach}};
   for (int k = 0; k < 6; ++k) {
     if (k == 5 && job.camera.fov < 4.3f) continue;  // cube corners lie 125 degrees off the axis
     draw_view(job, views[k], face_);
