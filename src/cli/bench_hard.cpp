@@ -20,7 +20,7 @@ void add_hard_flags(CLI::App& sub, HardFlags& flags) {
   sub.add_flag("--wild", flags.wild,
                "fuzz: scenes that are not tame: quadratic elements, mesh files, statics, loads, sensors, BDF2, driven bodies, crowds, kills");
   sub.add_flag("--as-is", flags.as_is, "fuzz: leave scenes that fail as they are; otherwise parts are taken out while they fail in the same way");
-  sub.add_option("--limit", flags.limit, "hard, fuzz: seconds after which a run is ended (default 60, full 3600)")->check(CLI::PositiveNumber);
+  sub.add_option("--limit", flags.limit, "hard, fuzz: CPU seconds after which a run is ended (default 60, full 3600)")->check(CLI::PositiveNumber);
   sub.add_option("--expect", flags.expect,
                  "hard: exit code 0 when at most three rows that pass in this file (one written by --result) fail and none is unsafe");
   sub.add_option("--seeds", flags.seeds, "fuzz: how many")->capture_default_str();

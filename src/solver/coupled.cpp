@@ -145,6 +145,7 @@ void Coupled::solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Li
   still_.zero();
   active_ = envs.mask(EnvState::stuck);
   factored_.assign(model.envs, 0);
+  std::vector<Index> short_steps(model.envs, 0);  // in a row
   for (Index e = 0; e < model.envs; ++e) {
     if (!active_[e]) continue;
     factored_[e] = linear_.ready(e);
@@ -183,8 +184,11 @@ void Coupled::solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Li
       if (!active_[e]) continue;
       envs[e].force = before[e];
       if (envs[e].alpha != 1) factored_[e] = 0;
+      short_steps[e] = envs[e].alpha < tuning::kShort ? short_steps[e] + 1 : 0;
     }
     watch.end(active_, products_);
+    for (Index e = 0; e < model.envs; ++e)
+      if (short_steps[e] >= tuning::kMostShort) active_[e] = 0;
   }
 }
 

@@ -14,16 +14,18 @@ LineSearch::Merit LineSearch::begin(device::View<const Vec3> q, device::Buffer<V
   device::Fetch fetch;
   system_.potential.max_step(std::as_const(dq).view(), at, {alpha, fetch});
   energies_.find(q, at, fetch);
-  Merit m{slope, std::vector<double>(model.envs, 0.0), std::vector<double>(model.envs, 0.0), std::vector<double>(model.envs, 0.0)};
+  const std::vector<double> none(model.envs, 0.0);
+  Merit m{slope, none, none, none, none};
   // What is tied is stiff in directions in which the weight of others acts: there rounding of positions shows in the energy before forces balance.
   for (std::size_t k = 0; k < at.gradients.size() && model.ties.any(); ++k)
     energy_rounding(at.gradients[k].view(), q, model.env_blocks, {m.rounding, fetch});
-  std::vector<double> curvature(model.envs, 0.0);
+  std::vector<double> curvature = none;
   if (c.n > 0) {
     device::Buffer<Vec3> Hdq;
     system_.potential.product(at, std::as_const(dq).view(), Hdq, !model.ties.driven());  // driven blocks have ways of their own
     dot(std::as_const(dq).view(), std::as_const(Hdq).view(), model.env_blocks, {curvature, fetch});
     dot(c, c, model.env_blocks, {m.cc, fetch});
+    largest(c, model.env_blocks, {m.farthest, fetch});
   }
   fetch.now();
   energies_.begin_search(envs.mask(EnvState::running));
@@ -37,7 +39,7 @@ LineSearch::Merit LineSearch::begin(device::View<const Vec3> q, device::Buffer<V
 }
 
 void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at,
-                      EnvTable& envs, StepReport& report, const Better& better) {
+                      EnvTable& envs, StepReport& report, const Forces& forces) {
   const model::Model& model = system_.model;
   std::vector<double> alpha;
   Merit merit;
@@ -66,18 +68,24 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
     std::vector<double> scale_there;
     const std::vector<double> after = energies_.sum(there, &scale_there);
     bool ok = true;
-    EnvMask closer;  // once looked at
+    EnvMask closer;                   // once looked at,
+    std::vector<double> slope_there;  // once asked for
     for (Index e = 0; e < model.envs; ++e) {
       if (alpha[e] == 0) continue;
       const double left = (1 - alpha[e]) * (1 - alpha[e]);
       const double change = after[e] - before[e] + 0.5 * merit.rho[e] * (left - 1) * merit.cc[e];
       const double rounding = tuning::kEnergyRounding * scale_there[e] + merit.rounding[e];
-      if (std::isfinite(after[e]) && change <= tuning::kArmijo * alpha[e] * merit.slope[e] + rounding) continue;
-      // A support that pushes a body into contact that no Hessian knows of yet has no finite rho beforehand: take the one for
-      // which the shortened step is good enough, or the support would creep up to the range of the contact for ever.
-      if (k >= tuning::kPushed && merit.cc[e] > 0 && std::isfinite(after[e])) continue;
-      if (k == 0 && envs[e].whole && better && std::isfinite(after[e])) {
-        if (closer.empty()) closer = better(trial_);
+      if (std::isfinite(after[e]) && change <= tuning::kArmijo * alpha[e] * merit.slope[e] + rounding) {
+        const bool blind = alpha[e] * std::abs(merit.slope[e]) <= rounding && !(merit.cc[e] > 0) && k < tuning::kMostDoubts;
+        if (!blind || forces.doubtful.empty() || !forces.doubtful[e]) continue;
+        if (slope_there.empty()) slope_there = forces.slope(trial_);
+        if (slope_there[e] <= (1 - 2 * tuning::kArmijo) * std::abs(merit.slope[e])) continue;
+      } else if (k >= tuning::kPushed && merit.farthest[e] > tuning::kPushing * envs[e].step && std::isfinite(after[e])) {
+        // A support that pushes a body into contact that no Hessian knows of yet has no finite rho beforehand: take the one for
+        // which the shortened step is good enough, or the support would creep up to the range of the contact for ever.
+        continue;
+      } else if (k == 0 && envs[e].whole && forces.closer && std::isfinite(after[e])) {
+        if (closer.empty()) closer = forces.closer(trial_);
         if (closer[e]) continue;
       }
       ok = false;
@@ -100,7 +108,7 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
   }
   for (Index e = 0; e < model.envs; ++e) {
     if (!envs.is(e, EnvState::running)) continue;
-    envs[e].alpha = alpha[e];
+    envs[e].alpha = alpha[e], envs[e].energy = before[e];
     report.alpha = std::min(report.alpha, alpha[e]);
   }
   q.swap(trial_);

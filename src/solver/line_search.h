@@ -3,6 +3,10 @@
 // until Armijo's condition holds. While supports move (c, Newton's d + c below), it acts on the merit Phi + rho/2 |(1 - alpha) c|^2 with rho
 // large enough that the direction descends: driving a support does work, so Phi alone may rise (Nocedal & Wright, 2nd ed., ch. 15.4; Li et al.
 // 2020 use an augmented Lagrangian for the same purpose).
+//
+// Where what the slope promises is below the rounding of Phi (a light body beside a heavy one) and the iteration before gained little, the slope at
+// the new state decides: phi'(alpha) <= (1 - 2 kArmijo) |phi'(0)|, which for a parabola is Armijo's condition (Hager, Zhang, SIAM J. Optim. 16, 2005,
+// "approximate Wolfe").
 #include <functional>
 
 #include "solver/energy_ledger.h"
@@ -12,20 +16,26 @@ namespace mortise::solver {
 
 class LineSearch {
  public:
-  // Of environments with the whole Jacobian: where forces are closer to balance at a trial state. The energy that is searched along their way holds
-  // friction with the normal forces of the iterate and may rise although the way leads to the solution.
-  using Better = std::function<EnvMask(const device::Buffer<Vec3>& trial)>;
+  // What forces say of a trial state, with everything that is frozen or lags taken from that state itself.
+  struct Forces {
+    // Where they are closer to balance: the energy that is searched along the way of the whole Jacobian holds friction with the normal forces of the
+    // iterate, and may rise although the way leads to the solution.
+    std::function<EnvMask(const device::Buffer<Vec3>& trial)> closer;
+    std::function<std::vector<double>(const device::Buffer<Vec3>& trial)> slope;  // along the way [J]
+    EnvMask doubtful;                                                             // where the iteration before gained little: the slope is asked for
+  };
   LineSearch(System& system, EnergyLedger& energies) : system_(system), energies_(energies) {}
 
   // Moves q of the running environments along dq, from the state of `at`; slope: gradient . dq [J]; c: what supports still have to move, none
   // where empty. Where nothing descends the environment fails.
   void step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at,
-            EnvTable& envs, StepReport& report, const Better& better = {});
+            EnvTable& envs, StepReport& report, const Forces& forces = {});
 
  private:
-  // Of the merit, per environment: descent promised by the slope, what the supports add, and below what it says nothing.
+  // Of the merit, per environment: descent promised by the slope, what the supports add, and below what it says nothing. farthest: of the supports'
+  // ways that are left [m].
   struct Merit {
-    std::vector<double> slope, rho, cc, rounding;
+    std::vector<double> slope, rho, cc, rounding, farthest;
   };
   Merit begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at,
               EnvTable& envs, std::vector<double>& alpha);

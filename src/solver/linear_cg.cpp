@@ -66,12 +66,10 @@ class Cg final : public Linear {
     if (options_.cg_forcing)
       for (double w : s.wanted) absolute.push_back(tuning::kBeyondWanted * w);
     if (s.whole) {
-      for (double& share : relative) share = std::max(share, tuning::kWholeRough);
-      for (std::size_t e = 0; e < absolute.size(); ++e)
-        if (s.b2[e] > 0) relative[e] = std::max(relative[e], absolute[e] / std::sqrt(s.b2[e]));
       const std::vector<double> rough(todo.size(), tuning::kInner), nothing(todo.size(), 0.0);
-      // The symmetric part alone to the same share: less would not see that it is indefinite.
-      const linalg::CgResult start = run(s.A, s.b, s.x, relative, nothing, todo);
+      // The symmetric part alone first: less would not see that it is indefinite.
+      for (double& share : relative) share = std::max(share, tuning::kWholeRough);
+      const linalg::CgResult start = run(s.A, s.b, s.x, relative, absolute, todo);
       report.cg += start.iterations();
       EnvMask left = todo;
       for (Index e = 0; e < rows_.envs(); ++e)

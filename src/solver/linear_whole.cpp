@@ -6,11 +6,48 @@
 #include "solver/tuning.h"
 
 namespace mortise::solver {
+namespace {
+
+// D^-1/2 per row [1/sqrt(N/m)].
+device::Buffer<double> row_weights(const linalg::BlockMatrix& A) {
+  device::Buffer<double> out(A.rows);
+  const device::View<double> w = out.view();
+  const device::View<const Index> start = A.row_start.view();
+  const device::View<const Mat3> value = A.value.view();
+  device::parallel_for("solver.row_weights", A.rows, [=] MORTISE_HD(Index i) {
+    const double stiffness = value[start[i]].trace() / 3;
+    w[i] = stiffness > 0 ? 1 / std::sqrt(stiffness) : 1;
+  });
+  return out;
+}
+
+void weigh(device::View<const double> w, device::View<const Vec3> in, device::View<Vec3> out) {
+  device::parallel_for("solver.weigh", in.n, [=] MORTISE_HD(Index i) { out[i] = w[i] * in[i]; });
+}
+
+void unweigh(device::View<const double> w, device::View<const Vec3> in, device::View<Vec3> out) {
+  device::parallel_for("solver.unweigh", in.n, [=] MORTISE_HD(Index i) { out[i] = in[i] / w[i]; });
+}
+
+}  // namespace
 
 linalg::GmresResult solve_whole(const LinearSystem& s, const EnvMask& whose, const std::vector<Index>& env_rows, const std::vector<double>& relative,
                                 Index most, const linalg::Operator& preconditioner) {
   const Index rows = s.b.n, envs = static_cast<Index>(whose.size());
-  device::Buffer<Vec3> r, x(rows), d(rows), Jx(rows);
+  device::Buffer<Vec3> r(rows), x(rows), d(rows), Jx(rows), forces(rows);
+  const device::Buffer<double> weights = row_weights(s.A);
+  const device::View<const double> w = weights.view();
+  weigh(w, s.b, r.view());
+  const std::vector<double> b2 = dot(std::as_const(r).view(), std::as_const(r).view(), env_rows);
+  // D^-1/2 J, and its preconditioner.
+  const linalg::Operator product = [&](device::View<const Vec3> in, device::View<Vec3> out) {
+    (*s.whole)(in, out);
+    weigh(w, out, out);
+  };
+  const linalg::Operator inverse = [&](device::View<const Vec3> in, device::View<Vec3> out) {
+    unweigh(w, in, forces.view());
+    preconditioner(std::as_const(forces).view(), out);
+  };
   device::copy(x.view().p, s.x.p, rows * sizeof(Vec3));
   EnvMask left = whose;
   linalg::GmresResult sum;
@@ -20,10 +57,11 @@ linalg::GmresResult solve_whole(const LinearSystem& s, const EnvMask& whose, con
   for (;;) {
     (*s.whole)(std::as_const(x).view(), Jx.view());
     subtract(s.b, std::as_const(Jx).view(), r);
+    weigh(w, std::as_const(r).view(), r.view());
     const std::vector<double> r2 = dot(std::as_const(r).view(), std::as_const(r).view(), env_rows);
     std::vector<double> wanted(envs, 0.0);
     for (Index e = 0; e < envs; ++e) {
-      if (left[e]) sum.relative[e] = s.b2[e] > 0 ? std::sqrt(r2[e] / s.b2[e]) : 0;
+      if (left[e]) sum.relative[e] = b2[e] > 0 ? std::sqrt(r2[e] / b2[e]) : 0;
       left[e] = left[e] && sum.relative[e] > relative[e];
       if (left[e])
         wanted[e] = relative[e] / sum.relative[e];
@@ -31,8 +69,7 @@ linalg::GmresResult solve_whole(const LinearSystem& s, const EnvMask& whose, con
         clear_blocks(r, env_rows[e], env_rows[e + 1]);
     }
     if (!any(left) || sum.iterations >= most) break;
-    const linalg::GmresResult cycle =
-        linalg::gmres(*s.whole, preconditioner, std::as_const(r).view(), d.view(), env_rows, wanted, most - sum.iterations);
+    const linalg::GmresResult cycle = linalg::gmres(product, inverse, std::as_const(r).view(), d.view(), env_rows, wanted, most - sum.iterations);
     add(std::as_const(d).view(), x);
     sum.iterations += cycle.iterations;
     for (Index e = 0; e < envs; ++e) sum.of_env[e] += left[e] ? cycle.of_env[e] : 0;

@@ -1,11 +1,16 @@
 #pragma once
 // Unsymmetric systems of some environments: GMRES, begun anew where rounding hid that it had not ended, with whatever the linear strategy has for the
-// symmetric part as the preconditioner.
+// symmetric part as the preconditioner. Residuals are weighed by |r|_D, D the mean diagonal of every row's block: an energy of each row's own
+// stiffness,
+//
+//   |r|_D^2 = sum_i |r_i|^2 / D_i,   D_i = tr A_ii / 3   [J],
+//
+// as what is light and soft beside something heavy is solved as closely then; |r| sees only the heavy.
 #include "solver/linear.h"
 
 namespace mortise::solver {
 
-// From system.x to |b - J x| <= relative[e] |b|, or as near as `most` products of the environment that takes most lead. x stands still outside of
+// From system.x to |b - J x|_D <= relative[e] |b|_D, or as near as `most` products of the environment that takes most lead. x stands still outside of
 // `whose`.
 linalg::GmresResult solve_whole(const LinearSystem& system, const EnvMask& whose, const std::vector<Index>& env_rows,
                                 const std::vector<double>& relative, Index most, const linalg::Operator& preconditioner);

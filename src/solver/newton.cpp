@@ -27,6 +27,7 @@ Newton::Newton(model::Model& model, EffectList& effects, const Options& options,
       coupled_(system_, *linear_, curvature_, direction_.matrix()),
       trace_(system_, curvature_),
       best_force_(model.envs, 0.0),
+      best_energy_(model.envs, 0.0),
       best_(model.envs, 0),
       at_(system_.potential.linearised()),
       near_(system_.potential.linearised()) {}
@@ -118,20 +119,36 @@ void Newton::iterate(const effects::StepInfo& info, StepReport& report, const st
     for (Index e = 0; e < envs_.size(); ++e) tolerance.push_back(system_.convergence.least_tolerance(r, e, wanted(e)));
     direction_.find(q_, r, tolerance, at_, envs_, report);
     check_failed();
-    line_search_.step(q_, direction_.way(), direction_.slope(), direction_.supports(), at_, envs_, report, [&](const device::Buffer<Vec3>& trial) {
-      const Residual there = system_.linearise(std::as_const(trial).view(), {}, near_, true);
-      EnvMask closer(envs_.size(), 0);
-      for (Index e = 0; e < envs_.size(); ++e)
-        closer[e] = system_.convergence.finite(there, e) && there.support_gap[e] == 0 &&
-                    system_.convergence.over(there, e, wanted(e)) < tuning::kCloser * system_.convergence.over(r, e, wanted(e));
-      return closer;
-    });
+    line_search_.step(q_, direction_.way(), direction_.slope(), direction_.supports(), at_, envs_, report, forces_beside(r));
     check_failed();
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running)) envs_[e].force = system_.convergence.largest_force(r, e);
     ++report.newton;
     trace_.end(envs_, running, {}, report);
   }
+}
+
+// What the line search may ask of forces at states beside q, where the residual is r.
+LineSearch::Forces Newton::forces_beside(const Residual& r) {
+  LineSearch::Forces out;
+  out.closer = [this, &r](const device::Buffer<Vec3>& trial) {
+    const Residual there = system_.linearise(std::as_const(trial).view(), {}, near_, true);
+    EnvMask closer(envs_.size(), 0);
+    for (Index e = 0; e < envs_.size(); ++e)
+      closer[e] = system_.convergence.finite(there, e) && there.support_gap[e] == 0 &&
+                  system_.convergence.over(there, e, wanted(e)) < tuning::kCloser * system_.convergence.over(r, e, wanted(e));
+    return closer;
+  };
+  out.slope = [this](const device::Buffer<Vec3>& trial) {
+    system_.potential.linearise(std::as_const(trial).view(), {}, near_, true);
+    return dot(std::as_const(near_.gradient).view(), std::as_const(direction_.way()).view(), model_.env_blocks);
+  };
+  // Forces of a state by itself are not the slope of energies with something frozen.
+  out.doubtful.assign(envs_.size(), 0);
+  for (Index e = 0; e < envs_.size(); ++e)
+    out.doubtful[e] = envs_[e].force > 0 && system_.convergence.largest_force(r, e) > tuning::kCloser * envs_[e].force &&
+                      (envs_[e].whole || !system_.potential.lags()) && !system_.potential.freezes() && !model_.ties.driven();
+  return out;
 }
 
 // Environments that are solved to the present tolerance settle; those that get nowhere are stuck, and go back to where the residual was least:
@@ -177,12 +194,16 @@ bool Newton::needs_jacobian(Index env, Index iteration, const Residual& r) {
 }
 
 // The energies of two iterates with lagged quantities of their own are not comparable: steps may run in circles. What creeps although nothing is
-// missing from H + U is on its way through an instability, and gets there.
+// missing from H + U is on its way through an instability, and gets there; so does what falls to ever lower energies along negative curvature.
 bool Newton::gets_nowhere(Index env, Index iteration, const Residual& r) {
-  const double force = system_.convergence.largest_force(r, env);
+  const double force = system_.convergence.largest_force(r, env), share = curvature_.share(env);
   if (iteration == 0 || force < tuning::kWholeFalls * best_force_[env]) best_force_[env] = force, best_[env] = iteration;
+  if (iteration <= 1) best_energy_[env] = INFINITY;
+  const bool falls = iteration > 0 && share > 0 && share < 1 && envs_[env].energy < best_energy_[env];
+  if (iteration > 0) best_energy_[env] = std::min(best_energy_[env], envs_[env].energy);
+  if (falls) best_[env] = iteration;
   if (iteration - best_[env] >= tuning::kWholePatience || iteration >= options_.iterations) return true;
-  return system_.potential.freezes() && envs_[env].may_couple && r.support_gap[env] == 0 && needs_jacobian(env, iteration, r);
+  return !falls && system_.potential.freezes() && envs_[env].may_couple && r.support_gap[env] == 0 && needs_jacobian(env, iteration, r);
 }
 
 // The coupled iteration, for environments that are stuck, and for those that some rounds of lagged quantities have not brought to an end. Where it

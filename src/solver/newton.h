@@ -46,6 +46,7 @@ class Newton {
   void fail(Index env, const std::string& reason);
   void check_failed();
   void iterate(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
+  LineSearch::Forces forces_beside(const Residual& r);
   void settle(const Residual& r, Index iteration);
   void keep_nearest(Index env, const Residual& r);
   bool needs_jacobian(Index env, Index iteration, const Residual& r);
@@ -74,9 +75,9 @@ class Newton {
   Coupled coupled_;
   NewtonTrace trace_;
 
-  std::vector<double> best_force_;  // per environment with the whole Jacobian: least residual [N],
-  std::vector<Index> best_;         // and when that was
-  Linearised at_, near_;            // at q_; at states beside it
+  std::vector<double> best_force_, best_energy_;  // per environment with the whole Jacobian: least residual [N] and energy [J],
+  std::vector<Index> best_;                       // and when it last got closer
+  Linearised at_, near_;                          // at q_; at states beside it
   device::Buffer<Vec3> q_;
   EnvMask fresh_;                      // environments that stand where the step begins
   std::vector<double> nearest_force_;  // per environment: least residual of these iterations [N], and where it was

@@ -27,11 +27,11 @@ inline constexpr double kStaleForcing =
     1e-4;                                    // where thin contact layers rule the right-hand side what is soft needs digits too; a solve costs little
 inline constexpr Index kStaleMost = 16;      // a factor costs about as much as this many solves with it
 inline constexpr Index kWholeMost = 30;      // products of an unsymmetric system: friction takes some five
-inline constexpr double kWholeRough = 0.03;  // how closely: 0.003 takes as many Newton iterations and twice those of conjugate gradients, 0.1 three
-                                             // times as many Newton iterations
-inline constexpr double kInner = 0.1;        // conjugate gradients inside of it: 0.3 and 0.03 cost a tenth and a quarter more (scenes/tactile/press)
-inline constexpr double kFirstShift = 1e-10;   // of the mean stiffness: picks the shortest step among motions that nothing resists,
-inline constexpr double kShiftGrowth = 100;    // grown by this,
+inline constexpr double kWholeRough = 0.01;  // how closely: 0.03 leaves what is light beside something heavy so rough that H37 with cg takes five
+                                             // times the iterations, 0.003 costs conjugate gradients a third more
+inline constexpr double kInner = 0.1;         // conjugate gradients inside of it: 0.3 and 0.03 cost a tenth and a quarter more (scenes/tactile/press)
+inline constexpr double kFirstShift = 1e-10;  // of the mean stiffness: picks the shortest step among motions that nothing resists,
+inline constexpr double kShiftGrowth = 100;   // grown by this,
 inline constexpr double kLargestShift = 1e-2;  // beyond which the matrix is no Hessian of anything
 inline constexpr double kRoughest = 0.003;     // the same: rougher directions cost Newton iterations (Eisenstat-Walker)
 inline constexpr double kForcingFactor = 0.9;  // gamma of Eisenstat and Walker, choice 2
@@ -42,7 +42,9 @@ inline constexpr double kSlower = 1.5;         // a preconditioner that has lost
 inline constexpr double kArmijo = 1e-4;           // Nocedal, Wright, 2nd ed., ch. 3.1
 inline constexpr int kMostHalvings = 40;          // 1e-12 of a step
 inline constexpr double kEnergyRounding = 1e-13;  // of the sum of magnitudes of all energies
-inline constexpr int kPushed = 2;                 // halvings after which a support that pushes into new contact is no longer held back
+inline constexpr int kPushed = 2;                 // halvings after which a support that pushes into new contact is no longer held back,
+inline constexpr double kPushing = 0.5;           // as long as its way is so much of the longest in the step: else it is not what raises the energy
+inline constexpr int kMostDoubts = 10;            // halvings because of a slope that energy cannot see: beyond, rounding rules the slope too
 
 // ---- lagged quantities (lag_loop.h)
 inline constexpr double kLeastRelaxation = 0.1;               // Aitken's share: smaller ones creep
@@ -67,6 +69,8 @@ inline constexpr double kRough = 1e-2;           // conjugate gradients as a pre
 inline constexpr Index kCoupledIterations = 20, kMostProducts = 30;
 inline constexpr Index kGoodProducts = 12;         // with no more of them the factor serves another iteration
 inline constexpr int kMonotoneTries = 10;          // shares of a step
+inline constexpr double kShort = 0.25;             // a solution is not near where steps are shorter
+inline constexpr Index kMostShort = 3;             // so often in a row
 inline constexpr double kNaturalShare = 0.25;      // of alpha: how much the natural level has to fall
 inline constexpr double kDifference = 0.1;         // of the last step,
 inline constexpr double kLeastDifference = 1e-12;  // but no less than rounding,

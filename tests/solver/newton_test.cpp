@@ -190,10 +190,14 @@ TEST(EnergyLedger, GainIsWhatTheIntegratorAdds) {
 
 namespace {
 
-// Two environments at rest under a unit spring and a force; dq is Newton's step in the first, `times` that in the second.
+// Two environments at rest under a unit spring and a force; dq is Newton's step in the first, `times` that in the second. beside: energy per block
+// that does not change [J].
 struct Searched {
-  explicit Searched(double times) {
+  explicit Searched(double times, double beside = 0) {
     p.add(kStore, toy::spring([](Index) { return 1.0; }, [](Index) { return kForce; }));
+    if (beside > 0)
+      p.add(kStore, {[beside](Index, const Vec3&, const Vec3&) { return beside; }, [](Index, const Vec3&) -> Vec3 { return Vec3::Zero(); },
+                     [](Index, const Vec3&) -> Mat3 { return Mat3::Zero(); }});
     system.emplace(p.model, p.effects, p.options, p.clock);
     system->begin_solve();
     energies.emplace(p.model, system->potential);
@@ -238,6 +242,52 @@ TEST(LineSearch, FailsWhereNothingDescends) {
   EXPECT_EQ(s.p.moved(s.q)[4], Vec3::Zero());
 }
 
+// With 1e18 J beside them, of which 1e5 J are rounding, energies say nothing; the slope along the way does, where it is asked.
+TEST(LineSearch, TheSlopeDecidesWhereEnergyIsBlind) {
+  for (const bool doubtful : {false, true}) {
+    Searched s(7, 1e18);
+    LineSearch::Forces forces;
+    forces.doubtful.assign(2, doubtful);
+    forces.slope = [&](const device::Buffer<Vec3>& trial) {
+      Linearised there = s.system->potential.linearised();
+      s.system->potential.linearise(std::as_const(trial).view(), {}, there);
+      return dot(std::as_const(there.gradient).view(), std::as_const(s.dq).view(), s.p.model.env_blocks);
+    };
+    const std::vector<double> slope = dot(std::as_const(s.at.gradient).view(), std::as_const(s.dq).view(), s.p.model.env_blocks);
+    LineSearch(*s.system, *s.energies).step(s.q, s.dq, slope, {}, s.at, s.envs, s.report, forces);
+    EXPECT_EQ(s.envs[0].alpha, 1);
+    EXPECT_EQ(s.envs[1].alpha, doubtful ? 0.25 : 1);  // 7/2 still goes beyond the mirrored start
+  }
+}
+
+// A wall that the Hessian does not know yet: a support that does most of the moving is let into it, one that hardly moves is not what hits it.
+TEST(LineSearch, OnlySupportsThatMoveMostAreLetIntoNewContact) {
+  Problem p(2);
+  p.add(kStore, {[](Index, const Vec3& d, const Vec3&) {
+                   const double in = std::max(0.0, d.x() - 0.1);
+                   return 0.5 * d.squaredNorm() - kForce.dot(d) + 1e6 * in * in;
+                 },
+                 [](Index, const Vec3& d) -> Vec3 { return d - kForce; }, [](Index, const Vec3&) -> Mat3 { return Mat3::Identity(); }});
+  System system(p.model, p.effects, p.options, p.clock);
+  system.begin_solve();
+  EnergyLedger energies(p.model, system.potential);
+  energies.begin_solve();
+  Linearised at = system.potential.linearised();
+  device::Buffer<Vec3> q, dq(std::vector<Vec3>(8, kForce));
+  q.copy_from(p.model.q);
+  system.linearise(std::as_const(q).view(), {true, true}, at);
+  std::vector<Vec3> left(8, kForce);  // of the supports' ways
+  for (int b = 4; b < 8; ++b) left[b] *= 0.01;
+  const device::Buffer<Vec3> supports(left);
+  EnvTable envs(2);
+  envs[0].step = envs[1].step = kForce.norm();
+  StepReport report;
+  const std::vector<double> slope = dot(std::as_const(at.gradient).view(), std::as_const(dq).view(), p.model.env_blocks);
+  LineSearch(system, energies).step(q, dq, slope, supports.view(), at, envs, report);
+  EXPECT_EQ(envs[0].alpha, 0.25);
+  EXPECT_EQ(envs[1].alpha, 0.0625);
+}
+
 // Aitken's share by hand: r = 1, then -2 with w = 1 gives w = 1/3; in the second environment r = 1, then 1/2 gives more than 1: no relaxation.
 TEST(LagLoop, RelaxesEveryEnvironmentByItself) {
   Problem p(2);
@@ -267,16 +317,19 @@ TEST(LagLoop, RelaxesEveryEnvironmentByItself) {
   EXPECT_EQ(lag.relative(1), 0.1 * 1e-3);
 }
 
+namespace {
+const Law kAtan{[](Index, const Vec3&, const Vec3&) { return 0.0; },
+                [](Index, const Vec3& d) -> Vec3 {
+                  return {std::atan(d.x()), std::atan(d.y()), std::atan(d.z())};
+                },
+                [](Index, const Vec3& d) -> Mat3 { return (Vec3(1, 1, 1) + d.cwiseProduct(d)).cwiseInverse().asDiagonal(); }};
+}  // namespace
+
 // atan has no second root, but from 3 Newton's step goes to -9.5, and on from there: the natural level has to fall. In the first environment the
 // start is near, and full steps are right.
 TEST(Coupled, TakesShareOfStepsThatLowersTheNaturalLevel) {
-  const Law atan{[](Index, const Vec3&, const Vec3&) { return 0.0; },
-                 [](Index, const Vec3& d) -> Vec3 {
-                   return {std::atan(d.x()), std::atan(d.y()), std::atan(d.z())};
-                 },
-                 [](Index, const Vec3& d) -> Mat3 { return (Vec3(1, 1, 1) + d.cwiseProduct(d)).cwiseInverse().asDiagonal(); }};
   Problem p(2);
-  p.add(kTwisted, atan);
+  p.add(kTwisted, kAtan);
   System system(p.model, p.effects, p.options, p.clock);
   system.begin_solve();
   const auto linear = make_direct(p.model, system.rows, false);
@@ -304,4 +357,33 @@ TEST(Coupled, TakesShareOfStepsThatLowersTheNaturalLevel) {
   EXPECT_EQ(least[0], 1);
   EXPECT_LT(least[1], 1);
   for (const Vec3& d : p.moved(q)) EXPECT_LT(d.norm(), 1e-5);
+}
+
+// Where something keeps steps short no solution is near: after three of them it gives up and says so.
+TEST(Coupled, GivesUpWhereStepsStayShort) {
+  Problem p;
+  p.add(kTwisted, kAtan);
+  p.effects.push_back(std::make_unique<Carrier>(p.model, std::vector<Vec3>{Vec3::Zero()}, 0.05));
+  System system(p.model, p.effects, p.options, p.clock);
+  system.begin_solve();
+  const auto linear = make_direct(p.model, system.rows, false);
+  linear->begin_solve(true);
+  CurvaturePolicy curvature(1);
+  linalg::BlockMatrix A;
+  Linearised at = system.potential.linearised(), near = system.potential.linearised();
+  std::vector<Vec3> x = p.model.q.download();
+  for (Vec3& d : x) d += Vec3(-1, 0, 0);
+  device::Buffer<Vec3> q(x);
+  EnvTable envs(1);
+  envs[0].state = EnvState::stuck;
+  StepReport report;
+  std::vector<double> alpha;
+  const Coupled::Watch watch{[](const Residual&, Index, const EnvMask&) {},
+                             [&](const EnvMask&, const std::vector<Index>&) { alpha.push_back(envs[0].alpha); }};
+  Coupled(system, *linear, curvature, A)
+      .solve(
+          q, 1e-6, at, near, envs, report, [] {}, watch);
+  EXPECT_TRUE(envs.is(0, EnvState::stuck));
+  EXPECT_EQ(alpha.size(), 3u);
+  for (double a : alpha) EXPECT_LT(a, 0.25);
 }

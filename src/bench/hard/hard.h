@@ -24,7 +24,7 @@ struct Options {
   bool full = false;              // whole lengths and all variants; otherwise each case is cut to seconds
   std::vector<std::string> only;  // case ids or beginnings of scene names; empty: all
   int threads = 0;
-  double time_limit = 120;  // of a run [s]
+  double time_limit = 120;  // of a run [CPU s]
   bool wild = false;        // fuzz: scenes that are not tame
   bool reduce = true;       // fuzz: take parts out of scenes that fail
 };
@@ -67,8 +67,8 @@ struct Case {
 std::vector<Case> cases_of(const std::string& path, bool full);
 
 struct Ended {
-  int code = -1;  // exit code; 128 + signal; -1: over the time limit
-  double seconds = 0;
+  int code = -1;       // exit code; 128 + signal; -1: over the time limit
+  double seconds = 0;  // of CPU time
 };
 // Runs one; options.output must be absolute.
 Row run_case(const Case& c, const Options& options);
@@ -95,7 +95,7 @@ std::string reduce(const Case& failed, const Row& row, const Options& options);
 // Runs the seeds first ... first + count - 1. A row that failed names the reduced scene in `replay`.
 std::vector<Row> run_fuzz(const Options& options, unsigned long first, unsigned long count, const std::function<void(const Row&)>& emit);
 
-// Runs a program without a shell; stdout and stderr go to files. Ends it when it takes longer than `limit` seconds.
+// Runs a program without a shell; stdout and stderr go to files. Ends it when it takes more than `limit` seconds of CPU time.
 Ended run_program(const std::vector<std::string>& arguments, const std::string& out, const std::string& err, double limit);
 
 }  // namespace mortise::bench::hard
