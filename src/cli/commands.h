@@ -20,6 +20,7 @@ void add_bench(CLI::App&, Context&);
 void add_study(CLI::App&, Context&);
 void add_sweep(CLI::App&, Context&);
 void add_merge(CLI::App&, Context&);
+void add_import(CLI::App&, Context&);
 void add_check(CLI::App&, Context&);
 void add_schema(CLI::App&, Context&);
 void add_effects(CLI::App&, Context&);

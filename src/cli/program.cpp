@@ -12,7 +12,8 @@ namespace {
 
 // The one list of subcommands, in the order of the help text.
 using Add = void (*)(CLI::App&, Context&);
-constexpr Add kCommands[] = {add_run, add_render, add_bench, add_study, add_sweep, add_merge, add_check, add_effects, add_schema, add_info};
+constexpr Add kCommands[] = {add_run,    add_render, add_bench,   add_study,  add_sweep, add_merge,
+                             add_import, add_check,  add_effects, add_schema, add_info};
 
 constexpr const char* kExamples =
     "Examples:\n"

@@ -2,24 +2,12 @@
 
 #include <map>
 
+#include "geometry/placement.h"
 #include "geometry/shapes.h"
 #include "scene/scene.h"
 
 namespace mortise::engine {
 namespace {
-
-// x -> R x + t, as the body's block says.
-struct Placement {
-  Mat3 R = Mat3::Identity();
-  Vec3 t = Vec3::Zero();
-  explicit Placement(const Params& body) : t(body.vec3("position")) {
-    if (const Params* rotation = body.find("rotation"))
-      R = Eigen::AngleAxisd(rotation->number("angle"), rotation->vec3("axis").normalized()).toRotationMatrix();
-  }
-  void apply(std::vector<Vec3>& points) const {
-    for (Vec3& x : points) x = R * x + t;
-  }
-};
 
 // All that the mesh of a body hangs on.
 std::string key_of(const Params& body) {
@@ -57,7 +45,7 @@ model::BodyInput make_body(const Params& scene, const std::string& name, const P
     out.type = model::BodyType::half_space;
     return out;
   }
-  out.material = scene.at("materials").at(body.text("material"));
+  if (body.has("material")) out.material = scene.at("materials").at(body.text("material"));  // a stiff one of stated mass may have none
   if (type == "soft") {
     out.type = model::BodyType::soft;
     model::set_mesh(out, mesh_of(kept().soft, body, soft_mesh));
@@ -67,7 +55,7 @@ model::BodyInput make_body(const Params& scene, const std::string& name, const P
     out.nodes = std::move(mesh.points);
     out.triangles = std::move(mesh.triangles);
   }
-  Placement(body).apply(out.nodes);
+  geometry::Placement(body).apply(out.nodes);
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include "geometry/io/read.h"
 #include "geometry/io/text.h"
 #include "geometry/midsides.h"
+#include "geometry/placement.h"
 #include "geometry/primitives.h"
 #include "geometry/tetrahedralise.h"
 #include "geometry/topology.h"
@@ -36,7 +37,7 @@ TetMesh primitive(const std::string& kind, const Params& p) {
 }
 
 const std::pair<std::string, Params>& only_entry(const Params& shape) {
-  if (shape.entries().size() != 1) throw Error(Exit::scene, shape.where(), "a shape is exactly one of box, sphere, cylinder, capsule, mesh");
+  if (shape.entries().size() != 1) throw Error(Exit::scene, shape.where(), "a shape is exactly one of box, sphere, cylinder, capsule, mesh, parts");
   return shape.entries().front();
 }
 
@@ -86,12 +87,26 @@ TetMesh mesh_tets(const Params& p) {
   return tetrahedralise(scaled_surface(p), options, named(p));
 }
 
+// Side by side or one in the other: parts of a stiff body never move against each other, so their surfaces may cross.
+TriMesh all_parts(const Params& list) {
+  TriMesh all;
+  for (const Params& part : list.items()) {
+    TriMesh mesh = surface_shape(part.at("shape"));
+    Placement(part).apply(mesh.points);
+    const auto first = static_cast<Index>(all.points.size());
+    all.points.insert(all.points.end(), mesh.points.begin(), mesh.points.end());
+    for (const Triangle& t : mesh.triangles) all.triangles.push_back({{first + t.v[0], first + t.v[1], first + t.v[2]}});
+  }
+  return all;
+}
+
 }  // namespace
 
 TetMesh tet_shape(const Params& shape, const ElementOrder& element) {
   const auto& [kind, p] = only_entry(shape);
   return located(p.where(), [&, kind = kind, &p = p] {
     if (element.curved && element.order == 1) throw Error(Exit::scene, "curved edges need `order: 2`");
+    if (kind == "parts") throw Error(Exit::scene, "'parts' are for stiff bodies: a soft body is of one piece");
     const Snap snap = element.curved ? surface_snap(kind, p) : Snap{};
     TetMesh mesh = kind == "mesh" ? mesh_tets(p) : primitive(kind, p);
     if (mesh.quadratic() && element.order == 1) throw Error(Exit::scene, named(p) + " has tetrahedra of second order: give the body `order: 2`");
@@ -101,6 +116,7 @@ TetMesh tet_shape(const Params& shape, const ElementOrder& element) {
 
 TriMesh surface_shape(const Params& shape) {
   const auto& [kind, p] = only_entry(shape);
+  if (kind == "parts") return all_parts(p);
   return located(p.where(), [&, kind = kind, &p = p] {
     if (kind != "mesh") return surface_of(primitive(kind, p));
     TriMesh mesh = scaled_surface(p);

@@ -4,7 +4,7 @@
 
 namespace mortise::geometry {
 
-// The `shape` block of a body (scene format: exactly one of box, sphere, cylinder, capsule, mesh) as a mesh in the body's own
+// The `shape` block of a body (scene format: exactly one of box, sphere, cylinder, capsule, mesh, parts) as a mesh in the body's own
 // frame [m]; position and rotation are the caller's. Everything returned has passed check_tets / check_closed_surface.
 // Errors carry the block's place in the scene.
 
@@ -20,7 +20,7 @@ struct ElementOrder {
 // `surface_edge_length`.
 TetMesh tet_shape(const Params& shape, const ElementOrder& element = {});
 
-// For stiff bodies. mesh: the surface of the file as it is.
+// For stiff bodies. mesh: the surface of the file as it is; parts: the surfaces of all, each placed.
 TriMesh surface_shape(const Params& shape);
 
 }  // namespace mortise::geometry

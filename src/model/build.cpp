@@ -9,6 +9,7 @@
 #include "model/clusters.h"
 #include "model/model.h"
 #include "model/select.h"
+#include "model/stiff_mass.h"
 #include "model/volumetric.h"
 
 namespace mortise::model {
@@ -150,24 +151,23 @@ void add_soft(Layout& l, const BodyInput& in, Body& body) {
 
 void add_stiff(Layout& l, const BodyInput& in, Body& body) {
   const Index first = body.block_begin;
-  const geometry::MassProperties m = geometry::mass_properties({in.nodes, in.triangles});
-  if (!(m.volume > 0))
-    throw Error(Exit::scene, body.where, "body '" + in.name + "': its surface encloses no positive volume (are the triangles outward?)");
+  const StiffMass m = stiff_mass(in);
   body.volume = m.volume;
-  body.centre = m.centroid;
-  body.mass = body.density * m.volume;
+  body.centre = m.centre;
+  body.mass = m.mass;
+  body.density = m.mass / m.volume;
   const Vec3 v = in.params.vec3("velocity"), w = in.params.vec3("angular_velocity");
-  l.rest.push_back(m.centroid);
+  l.rest.push_back(m.centre);
   l.velocity.push_back(v);
   l.mass.push_back({first, first, body.mass});
   for (int k = 0; k < 3; ++k) {
     l.rest.push_back(Vec3::Unit(k));
     l.velocity.push_back(w.cross(Vec3::Unit(k)));
     // int rho X X^T dV about the centre of mass; the mixed terms with p vanish there.
-    for (int j = 0; j < 3; ++j) l.mass.push_back({first + 1 + k, first + 1 + j, body.density * m.second_moment(k, j)});
+    for (int j = 0; j < 3; ++j) l.mass.push_back({first + 1 + k, first + 1 + j, m.second_moment(k, j)});
   }
   for (const Vec3& node : in.nodes) {
-    const Vec3 X = node - m.centroid;
+    const Vec3 X = node - m.centre;
     l.points.push_back(node);
     for (int k = 0; k < 4; ++k) {
       l.point_block.push_back(first + k);
@@ -186,8 +186,8 @@ void add_body(Layout& l, Model& model, const BodyInput& in) {
   if (in.type == BodyType::soft) {
     body.youngs_modulus = in.material.number("youngs_modulus");
     body.poisson_ratio = in.material.number("poisson_ratio");
+    body.density = in.material.number("density");
   }
-  body.density = in.material.number("density");
   body.block_begin = static_cast<Index>(l.rest.size());
   body.point_begin = static_cast<Index>(l.points.size());
   if (in.type == BodyType::soft)

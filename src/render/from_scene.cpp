@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "geometry/io/read.h"
+#include "geometry/placement.h"
 #include "render/colour_map.h"
 #include "scene/quantity.h"
 #include "visual/mapper.h"
@@ -25,18 +26,17 @@ std::shared_ptr<const Texture> texture_of(const geometry::Texture& t, const std:
   return std::make_shared<Texture>(t.bytes.empty() ? read_texture(t.file) : read_texture(t.bytes, name));
 }
 
-// A visual mesh in the place of its body: the same scale, rotation and position as the body's shape.
+// A visual mesh in its place in its body, and with it in the scene.
 DrawMesh read_draw_mesh(const Params& body) {
   const Params& visual = body.at("visual");
   const geometry::VisualMesh file = geometry::read_visual(visual.text("mesh"));
   const Params* shape = body.find("shape");
   const Params* mesh = shape != nullptr ? shape->find("mesh") : nullptr;
-  const double scale = mesh != nullptr ? mesh->number("scale") : 1;
-  Mat3 rotation = Mat3::Identity();
-  if (const Params* r = body.find("rotation")) rotation = Eigen::AngleAxisd(r->number("angle"), r->vec3("axis").normalized()).toRotationMatrix();
+  const double scale = visual.has("scale") ? visual.number("scale") : mesh != nullptr ? mesh->number("scale") : 1;
+  const geometry::Placement in_body(visual), in_scene(body);
   DrawMesh out;
-  for (const Vec3& x : file.points) out.points.push_back(rotation * (scale * x) + body.vec3("position"));
-  for (const Vec3& n : file.normals) out.normals.push_back(rotation * n);
+  for (const Vec3& x : file.points) out.points.push_back(in_scene(in_body(scale * x)));
+  for (const Vec3& n : file.normals) out.normals.push_back(in_scene.R * (in_body.R * n));
   if (file.has_uvs) out.uvs = file.uvs;
   out.triangles = file.triangles;
   out.material = file.material;

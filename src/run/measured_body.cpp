@@ -5,22 +5,19 @@
 namespace mortise::run {
 
 MeasuredBody::MeasuredBody(const model::BodyInput& b, std::size_t first_point)
-    : name(b.name),
-      first(first_point),
-      count(b.nodes.size()),
-      tets_(b.tets),
-      triangles_(b.triangles),
-      mass_(b.nodes.size(), 0.0),
-      density_(b.material.number("density")) {
-  for (const Tet& t : tets_)
-    for (Index v : t.v) mass_[v] += density_ * geometry::tet_volume(b.nodes, t) / 4;
+    : name(b.name), first(first_point), count(b.nodes.size()), tets_(b.tets), triangles_(b.triangles), mass_(b.nodes.size(), 0.0) {
   if (soft()) {
-    for (const Tet& t : tets_) volume_ += geometry::tet_volume(b.nodes, t);
-  } else {
-    geometry::TriMesh mesh;
-    mesh.points = b.nodes, mesh.triangles = triangles_;
-    volume_ = geometry::mass_properties(mesh).volume;
+    density_ = b.material.number("density");
+    for (const Tet& t : tets_) {
+      volume_ += geometry::tet_volume(b.nodes, t);
+      for (Index v : t.v) mass_[v] += density_ * geometry::tet_volume(b.nodes, t) / 4;
+    }
+    return;
   }
+  const model::StiffMass stiff = model::stiff_mass(b);
+  volume_ = stiff.volume;
+  density_ = b.params.has("mass") ? stiff.mass / stiff.volume : b.material.number("density");
+  if (b.params.has("inertia")) stated_ = stiff, rest_ = b.nodes;
 }
 
 double MeasuredBody::volume_at(const std::vector<double>& points) const {
@@ -40,6 +37,7 @@ Vec3 MeasuredBody::mean(const std::vector<double>& values, const std::vector<dou
     for (std::size_t i = 0; i < count; ++i) sum += mass_[i] * vector_at(values, first + i), total += mass_[i];
     return sum / total;
   }
+  if (stated_) return affine(values).row(0).transpose();
   // The affine map from points to values, at the centroid.
   const Vec3 centre = geometry::mass_properties(surface(points)).centroid;
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
@@ -51,6 +49,19 @@ Vec3 MeasuredBody::mean(const std::vector<double>& values, const std::vector<dou
     right += row * vector_at(values, first + i).transpose();
   }
   return normal.ldlt().solve(right).row(0).transpose();
+}
+
+// Of values that are affine in the place at rest: the value at the centre of mass, and its slopes.
+Eigen::Matrix<double, 4, 3> MeasuredBody::affine(const std::vector<double>& values) const {
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Matrix<double, 4, 3> right = Eigen::Matrix<double, 4, 3>::Zero();
+  for (std::size_t i = 0; i < count; ++i) {
+    Eigen::Vector4d row;
+    row << 1, rest_[i] - stated_->centre;
+    normal += row * row.transpose();
+    right += row * vector_at(values, first + i).transpose();
+  }
+  return normal.ldlt().solve(right);
 }
 
 Vec3 MeasuredBody::sum(const std::vector<double>& values) const {
@@ -73,6 +84,10 @@ Vec3 MeasuredBody::spin(const std::vector<double>& velocity, const std::vector<d
 
 // The body is cut into tetrahedra from the mean of its points, where the velocity, being linear in space, is the mean of theirs.
 double MeasuredBody::turning_energy(const std::vector<double>& velocity, const std::vector<double>& points) const {
+  if (stated_) {  // 1/2 tr(B^T S B), B the slopes of the velocity, S = int rho X X^T
+    const Mat3 B = affine(velocity).bottomRows<3>();
+    return 0.5 * (B.transpose() * stated_->second_moment * B).trace();
+  }
   const Vec3 x = sum(points) / static_cast<double>(count), v = sum(velocity) / static_cast<double>(count);
   double twice = 0;
   for (const Triangle& t : triangles_) {

@@ -1,10 +1,11 @@
 #pragma once
 // What is measured of one body from the points of a state: volume, means, spin, energy of turning.
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "geometry/mesh.h"
-#include "model/input.h"
+#include "model/stiff_mass.h"
 
 namespace mortise::run {
 
@@ -22,7 +23,7 @@ class MeasuredBody {
   Vec3 sum(const std::vector<double>& values) const;
   // Angular velocity of the rigid motion nearest to the points' velocities (least squares, all points alike).
   Vec3 spin(const std::vector<double>& velocity, const std::vector<double>& points) const;
-  // Kinetic energy (stiff) about the mean of the points.
+  // Kinetic energy (stiff) about the mean of the points; where the scene states the inertia, about the centre of mass.
   double turning_energy(const std::vector<double>& velocity, const std::vector<double>& points) const;
 
   std::string name;
@@ -32,12 +33,15 @@ class MeasuredBody {
   double rest_volume() const { return volume_; }
 
  private:
+  Eigen::Matrix<double, 4, 3> affine(const std::vector<double>& values) const;
   geometry::TriMesh surface(const std::vector<double>& points) const;
 
-  std::vector<Tet> tets_;            // soft
-  std::vector<Triangle> triangles_;  // stiff
-  std::vector<double> mass_;         // of the points, lumped (soft) [kg]
-  double density_ = 0, volume_ = 0;  // at rest
+  std::vector<Tet> tets_;                   // soft
+  std::vector<Triangle> triangles_;         // stiff
+  std::vector<double> mass_;                // of the points, lumped (soft) [kg]
+  double density_ = 0, volume_ = 0;         // at rest
+  std::optional<model::StiffMass> stated_;  // stiff, where the scene states its inertia
+  std::vector<Vec3> rest_;                  // then
 };
 
 }  // namespace mortise::run

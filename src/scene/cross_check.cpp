@@ -67,13 +67,14 @@ class CrossCheck {
     const Params* type = body.find("type");
     if (!type || type->as_text() == "half_space") return;
     const bool soft = type->as_text() == "soft";
-    if (const Params* shape = body.find("shape"); shape && !soft)
-      if (const Params* mesh = shape->find("mesh"))
-        for (const char* key : {"edge_length", "surface_edge_length"})
-          if (mesh->has(key))
-            errors_.add(mesh->at(key).where(),
-                        path + ".shape.mesh." + key + " has no meaning: the surface of a stiff body is taken as its file has it",
-                        "remove it, or make the body soft", {{type->where(), "stiff here"}});
+    if (const Params* shape = body.find("shape"); shape && !soft) stiff_mesh(*shape, path + ".shape", *type);
+    if (const Params* shape = body.find("shape"); shape && soft && shape->has("parts"))
+      errors_.add(shape->at("parts").where(), path + ".shape.parts are for stiff bodies: a soft body is of one piece", "",
+                  {{type->where(), "soft here"}});
+    if (!soft && body.has("inertia") && !body.has("mass") && !incomplete_.count(path))
+      errors_.add(body.at("inertia").where(), path + ".inertia needs the body's 'mass'");
+    if (!soft && !body.has("material") && !body.has("mass") && !incomplete_.count(path))
+      errors_.add(body.where(), path + " has neither 'material' nor 'mass'");
 
     const Params* materials = root_.find("materials");
     const Params* material = body.find("material");
@@ -87,6 +88,18 @@ class CrossCheck {
     if (effects_known() && !soft && !has_effect("affine_body") && !fully_pinned(name))
       errors_.add(body.where(), "stiff body '" + name + "' needs the effect 'affine_body'",
                   "add it under effects, or pin all of the body (where: {side: all})", {{effects_->where(), "the effects"}});
+  }
+
+  void stiff_mesh(const Params& shape, const std::string& path, const Params& type) {
+    if (const Params* parts = shape.find("parts"))
+      for (std::size_t i = 0; i < parts->items().size(); ++i)
+        if (const Params* part = parts->items()[i].find("shape")) stiff_mesh(*part, path + ".parts." + std::to_string(i) + ".shape", type);
+    const Params* mesh = shape.find("mesh");
+    if (!mesh) return;
+    for (const char* key : {"edge_length", "surface_edge_length"})
+      if (mesh->has(key))
+        errors_.add(mesh->at(key).where(), path + ".mesh." + key + " has no meaning: the surface of a stiff body is taken as its file has it",
+                    "remove it, or make the body soft", {{type.where(), "stiff here"}});
   }
 
   void elastic_constants(bool soft, const Params& materials, const Params& name) {

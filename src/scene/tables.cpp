@@ -110,12 +110,29 @@ const ParamTable& mesh_table() {
        positive(optional(of(Kind::number, "surface_edge_length", Unit::length, {}, "Target length of surface edges; absent keeps the surface.")))}};
   return t;
 }
+std::vector<Param> plain_shapes() {
+  return {table("box", &box_table(), "Box."), table("sphere", &sphere_table(), "Sphere."), table("cylinder", &cylinder_table(), "Cylinder."),
+          table("capsule", &capsule_table(), "Capsule."), table("mesh", &mesh_table(), "Mesh from a file.")};
+}
+const ParamTable& part_table() {
+  static const ParamTable plain = [] {
+    ParamTable s{"shape of a part", "Rest shape: exactly one of these.", plain_shapes()};
+    s.one_of = true;
+    return s;
+  }();
+  static const ParamTable t{"part",
+                            "One of the shapes that make up a stiff body.",
+                            {required(table("shape", &plain, "Its shape.")),
+                             vector("position", Unit::length, "[0, 0, 0]", "Where the part's origin is placed in the body's shape."),
+                             table("rotation", &rotation_table(), "Rotation of the part about its origin.")}};
+  return t;
+}
 const ParamTable& shape_table() {
   static const ParamTable t = [] {
-    ParamTable s{"shape",
-                 "Rest shape: exactly one of these.",
-                 {table("box", &box_table(), "Box."), table("sphere", &sphere_table(), "Sphere."), table("cylinder", &cylinder_table(), "Cylinder."),
-                  table("capsule", &capsule_table(), "Capsule."), table("mesh", &mesh_table(), "Mesh from a file.")}};
+    ParamTable s{"shape", "Rest shape: exactly one of these.", plain_shapes()};
+    Param parts = table("parts", &part_table(), "Several shapes that move as one stiff body; they may overlap (and then weigh twice there).");
+    parts.kind = Kind::tables;
+    s.params.push_back(std::move(parts));
     s.one_of = true;
     return s;
   }();
@@ -126,6 +143,10 @@ const ParamTable& visual_table() {
   static const ParamTable t{"visual",
                             "How pictures show the body; without a mesh its simulation surface is drawn.",
                             {optional(of(Kind::path, "mesh", Unit::none, {}, "Mesh file that is drawn and moves with the body.")),
+                             positive(optional(of(Kind::number, "scale", Unit::none, {},
+                                                  "Factor from the mesh file's length unit to metres; without it that of the body's shape."))),
+                             vector("position", Unit::length, "[0, 0, 0]", "Where the mesh's origin is placed in the body's shape."),
+                             table("rotation", &rotation_table(), "Rotation of the mesh about its origin."),
                              range(vector("color", Unit::none, "[0.7, 0.7, 0.7]", "Base colour: red, green, blue."), 0, 1),
                              optional(of(Kind::path, "texture", Unit::none, {}, "Image file mapped by the mesh's texture coordinates.")),
                              range(number("roughness", Unit::none, "0.6", 0, "0 is a mirror, 1 is matt"), 0, 1),
@@ -157,8 +178,25 @@ const ParamTable& soft_table() {
   }();
   return t;
 }
+const ParamTable& inertia_table() {
+  static const ParamTable t{
+      "inertia",
+      "How the mass of a stiff body is spread, in the axes of its shape.",
+      {optional(of(Kind::vec3, "centre", Unit::length, {}, "Centre of mass in the body's shape; without it that of the shape filled evenly.")),
+       positive(vector("moments", Unit::none, {}, "Ixx, Iyy, Izz of the tensor of inertia about the centre of mass [kg m^2].")),
+       vector("products", Unit::none, "[0, 0, 0]", "Ixy, Ixz, Iyz of that tensor [kg m^2].")}};
+  return t;
+}
 const ParamTable& stiff_table() {
-  static const ParamTable t{"stiff body", "Body that moves by an affine map, nearly rigid.", solid_params()};
+  static const ParamTable t = [] {
+    ParamTable s{"stiff body", "Body that moves by an affine map, nearly rigid.", solid_params()};
+    for (Param& p : s.params)
+      if (p.key == "material")
+        p.optional = true, p.help = "Name of a material, whose density fills the shape; a body that states its mass needs none.";
+    s.params.push_back(positive(optional(of(Kind::number, "mass", Unit::mass, {}, "Mass, whatever the material's density."))));
+    s.params.push_back(table("inertia", &inertia_table(), "How the mass is spread; without it evenly over the shape. Needs `mass`."));
+    return s;
+  }();
   return t;
 }
 const ParamTable& half_space_table() {

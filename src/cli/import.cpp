@@ -1,0 +1,122 @@
+// mortise import: a robot's file becomes a scene.
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+
+#include "cli/commands.h"
+#include "engine/effect_tables.h"
+#include "geometry/io/write.h"
+#include "importers/urdf/machine.h"
+#include "importers/urdf/meshes.h"
+#include "importers/urdf/read.h"
+#include "importers/urdf/write.h"
+#include "scene/quantity.h"
+
+namespace mortise::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string robot, output, base = "free", missing = "error";
+  std::vector<std::string> packages, joints, soft;
+  double clearance = 2e-3;
+  int apart = 2;
+  bool overwrite = false;
+};
+
+std::pair<std::string, std::string> split(const std::string& flag, const std::string& text) {
+  const std::size_t at = text.find('=');
+  if (at == 0 || at == std::string::npos || at + 1 == text.size()) throw Error(Exit::usage, flag + " " + text + ": must be NAME=VALUE");
+  return {text.substr(0, at), text.substr(at + 1)};
+}
+
+// "0.9", "50 deg", "20 mm".
+double coordinate(const std::string& flag, const std::string& text) {
+  const scene::Quantity q = scene::parse_quantity(text, Unit::any);
+  if (!q.error.empty()) throw Error(Exit::usage, flag + " " + q.error);
+  return q.value;
+}
+
+std::string command_line(const Options& o) {
+  const auto word = [](const std::string& s) { return s.find_first_of(" *?$'\"\\&;|<>()") == std::string::npos ? s : "'" + s + "'"; };
+  std::string out = "mortise import " + word(fs::path(o.robot).filename().string());
+  for (const std::string& j : o.joints) out += " --joint " + word(j);
+  for (const std::string& s : o.soft) out += " --soft " + word(s);
+  if (o.base != "free") out += " --base " + o.base;
+  if (o.missing != "error") out += " --missing-meshes " + o.missing;
+  return out;
+}
+
+int cmd_import(const Options& o) {
+  using namespace importers;
+  const bool to_file = o.output != "-";
+  std::error_code ignored;
+  if (to_file && !o.overwrite && fs::exists(o.output, ignored))
+    throw Error(Exit::usage, "'" + o.output + "' exists already; --overwrite replaces it");
+
+  urdf::MeshOptions meshes;
+  for (const std::string& p : o.packages) meshes.packages.insert(split("--package", p));
+  meshes.skip_missing = o.missing == "skip";
+  const fs::path target = to_file ? fs::path(o.output) : fs::path(o.robot).filename().replace_extension(".yaml");
+  meshes.folder = (target.parent_path() / (target.stem().string() + "_meshes")).string();
+
+  urdf::MachineOptions options;
+  for (const std::string& j : o.joints) {
+    const auto [name, value] = split("--joint", j);
+    options.stands.emplace_back(name, coordinate("--joint " + name, value));
+  }
+  options.soft = o.soft, options.held = o.base == "fixed", options.clearance = o.clearance, options.apart = o.apart;
+
+  Notes notes;
+  urdf::Robot robot = urdf::read(o.robot, notes);
+  urdf::find_meshes(robot, meshes, notes);
+  urdf::mend_collision_meshes(robot, meshes, notes);
+  const urdf::Machine machine = urdf::assemble(robot, options, notes);
+  const std::string text = urdf::write_scene(machine, urdf::passing_pairs(machine, o.apart), target.string(), command_line(o));
+  for (const std::string& line : notes.lines()) std::cerr << line << "\n";
+  const scene::Scene scene = scene::read_scene_text(text, target.string(), {}, engine::effect_tables());
+  if (!to_file) {
+    std::cout << text;
+    return 0;
+  }
+  if (const fs::path folder = target.parent_path(); !folder.empty()) fs::create_directories(folder);
+  geometry::write_file(o.output, text);
+  std::cout << o.output << ": " << scene.root.at("bodies").entries().size() << " bodies; try: mortise run " << o.output << "\n";
+  return 0;
+}
+
+}  // namespace
+
+void add_import(CLI::App& app, Context& context) {
+  CLI::App* sub = app.add_subcommand("import", "turn a robot's URDF file into a scene that runs");
+  auto o = std::make_shared<Options>();
+  sub->add_option("robot", o->robot, "URDF file")->required();
+  sub->add_option("-o,--output", o->output, "scene file to write; - writes to the standard output")->required();
+  sub->add_option("--package", o->packages, "NAME=FOLDER where package://NAME is; without it beside or above the robot's file, and ROS_PACKAGE_PATH")
+      ->allow_extra_args(false)
+      ->take_all();
+  sub->add_option("--joint", o->joints,
+                  "NAME=VALUE where a joint stands: '*_calf_joint=-1.8', elbow='50 deg'; * and ? match any; the right-most wins")
+      ->allow_extra_args(false)
+      ->take_all();
+  sub->add_option("--soft", o->soft, "LINK becomes a soft pad bonded to what it is fixed to")->allow_extra_args(false)->take_all();
+  sub->add_option("--base", o->base, "free or fixed; a root link called world is always fixed")
+      ->check(CLI::IsMember({"free", "fixed"}))
+      ->capture_default_str();
+  sub->add_option("--missing-meshes", o->missing, "error, or skip: go on without them")
+      ->check(CLI::IsMember({"error", "skip"}))
+      ->capture_default_str();
+  sub->add_option("--clearance", o->clearance, "of the lowest point above the floor [m]")->check(CLI::PositiveNumber)->capture_default_str();
+  sub->add_option("--apart", o->apart, "bodies with no more joints than this between them pass through each other")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  sub->add_flag("--overwrite", o->overwrite, "replace the scene file");
+  sub->footer(
+      "Examples:\n  mortise import arm.urdf -o arm.yaml --base fixed\n"
+      "  mortise import go2.urdf -o go2.yaml --missing-meshes skip --joint '*_thigh_joint=0.9' --joint '*_calf_joint=-1.8' --soft FL_foot");
+  sub->callback([o, &context] { context.action = [o] { return cmd_import(*o); }; });
+}
+
+}  // namespace mortise::cli

@@ -1,0 +1,405 @@
+#include "importers/urdf/machine.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "geometry/bounds.h"
+#include "geometry/topology.h"
+#include "importers/urdf/names.h"
+#include "importers/urdf/solid.h"
+#include "importers/urdf/tuning.h"
+#include "scene/suggest.h"
+
+namespace mortise::importers::urdf {
+namespace {
+
+constexpr std::ptrdiff_t kWorld = -1;
+
+Mat3 about(const Vec3& r) { return r.squaredNorm() * Mat3::Identity() - r * r.transpose(); }
+
+// Both as one: I = sum I_i + m_i (|r_i|^2 1 - r_i r_i^T), r_i from the common centre.
+Inertial together(const Inertial& a, const Inertial& b) {
+  Inertial out;
+  out.mass = a.mass + b.mass;
+  out.where = a.mass > 0 ? a.where : b.where;
+  if (!(out.mass > 0)) return out;
+  out.centre = (a.mass * a.centre + b.mass * b.centre) / out.mass;
+  out.tensor = a.tensor + b.tensor + a.mass * about(a.centre - out.centre) + b.mass * about(b.centre - out.centre);
+  return out;
+}
+
+Inertial moved(Inertial in, const Pose& at) {
+  in.centre = at(in.centre);
+  in.tensor = at.R * in.tensor * at.R.transpose();
+  return in;
+}
+
+class Assembly {
+ public:
+  Assembly(const Robot& robot, const MachineOptions& options, Notes& notes) : robot_(robot), options_(options), notes_(notes) {}
+
+  Machine machine() {
+    out_.name = scene_name(robot_.name);
+    group();
+    stand();
+    place();
+    for (std::size_t b = 0; b < out_.bodies.size(); ++b) {
+      out_.bodies[b].at = in_world_[frame_[b]];
+      shape_of(b);
+      mass_of(out_.bodies[b]);
+    }
+    axes();
+    pads();
+    lift();
+    return std::move(out_);
+  }
+
+ private:
+  const Joint& joint_of(std::size_t link) const { return robot_.joints[robot_.joint_of[link]]; }
+  bool softened(std::size_t link) const {
+    const auto& names = options_.soft;
+    return std::find(names.begin(), names.end(), robot_.links[link].name) != names.end();
+  }
+
+  // Which links are one body, and where they are in it. A root called 'world' is the world.
+  void group() {
+    std::vector<std::string> names;
+    for (const Link& l : robot_.links) names.push_back(l.name);
+    for (const std::string& s : options_.soft)
+      if (std::find(names.begin(), names.end(), s) == names.end())
+        throw Error(Exit::usage, "--soft " + s + ": the robot has no such link; " + scene::suggestion(s, names));
+    body_.assign(robot_.links.size(), kWorld);
+    in_body_.assign(robot_.links.size(), Pose{});
+    Names taken;
+    for (const std::size_t link : robot_.order) {
+      const Link& l = robot_.links[link];
+      const bool root = link == robot_.root, world = root && l.name == "world" && !l.inertial;
+      if (world && l.collisions.empty() && l.visuals.empty()) continue;
+      if (!root && joint_of(link).type == Joint::Type::fixed) {
+        const Joint& j = joint_of(link);
+        if (body_[j.parent] != kWorld || softened(link)) {
+          body_[link] = body_[j.parent], in_body_[link] = in_body_[j.parent] * j.origin;
+          if (softened(link)) {
+            if (body_[link] == kWorld) throw Error(Exit::usage, "--soft " + l.name + ": what it is fixed to is the world, not a body");
+            soft_.push_back(link);
+          } else {
+            merge(out_.bodies[body_[link]], l, in_body_[link]);
+          }
+          continue;
+        }
+      } else if (softened(link)) {
+        throw Error(Exit::usage, "--soft " + l.name + ": only a link that a fixed joint ties to its parent can become soft; this one " +
+                                     (root ? "is the root" : "has joint '" + joint_of(link).name + "'"));
+      }
+      Body b;
+      b.name = taken.of(l.name), b.where = l.where;
+      b.held = world || (root && options_.held) || (!root && joint_of(link).type == Joint::Type::fixed);
+      body_[link] = static_cast<std::ptrdiff_t>(out_.bodies.size());
+      if (!root && joint_of(link).type == Joint::Type::fixed) in_body_[link] = Pose{};
+      merge(b, l, Pose{});
+      frame_.push_back(link);
+      out_.bodies.push_back(std::move(b));
+    }
+    for (std::size_t s : soft_)
+      for (const Joint& j : robot_.joints)
+        if (j.parent == s)
+          throw Error(Exit::usage,
+                      "--soft " + robot_.links[s].name + ": joint '" + j.name + "' hangs on it; only the last link of a limb can become soft");
+  }
+
+  void merge(Body& b, const Link& l, const Pose& at) {
+    b.links.push_back(l.name);
+    if (l.inertial) b.inertial = together(b.inertial, moved(*l.inertial, at));
+    for (Shape s : l.collisions) {
+      s.at = at * s.at;
+      b.shapes.push_back(std::move(s));
+    }
+    for (Shape s : l.visuals) {
+      s.at = at * s.at;
+      if (!b.colour) b.colour = s.colour;
+      if (s.kind == Shape::Kind::mesh) {
+        const bool even = s.scale[0] > 0 && s.scale[0] == s.scale[1] && s.scale[0] == s.scale[2];
+        if (!even)
+          notes_.add(s.where, "a visual mesh is scaled or mirrored along single axes, and left out");
+        else if (b.drawn)
+          notes_.add(s.where, "a body is drawn with one mesh; a second visual mesh is left out");
+        else
+          b.drawn = s;
+      }
+      visuals_.emplace_back(&l, s);
+    }
+  }
+
+  // The coordinate of every joint: as asked for, else as near to zero as its limits let it stand. Of a hinge that cannot be straight the parallel one
+  // before it takes half of the bend back: a leg of two equal links then ends below where it begins.
+  void stand() {
+    stands_.assign(robot_.joints.size(), 0);
+    for (const auto& [pattern, value] : options_.stands)
+      if (std::none_of(robot_.joints.begin(), robot_.joints.end(), [&, p = pattern](const Joint& j) { return j.moves() && matches(p, j.name); })) {
+        std::vector<std::string> names;
+        for (const Joint& j : robot_.joints)
+          if (j.moves()) names.push_back(j.name);
+        throw Error(Exit::usage, "--joint " + pattern + ": no joint that moves is called so; " + scene::suggestion(pattern, names));
+      }
+    std::vector<std::uint8_t> free(robot_.joints.size(), 0);
+    for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
+      const Joint& j = robot_.joints[i];
+      if (!j.moves()) continue;
+      bool asked = false;
+      for (const auto& [pattern, value] : options_.stands)
+        if (matches(pattern, j.name)) stands_[i] = value, asked = true;
+      free[i] = !asked && !j.mimic && j.type == Joint::Type::revolute;
+      if (!j.limits || j.mimic) continue;
+      const auto [low, high] = *j.limits;
+      if (asked && !(low < stands_[i] && stands_[i] < high))
+        throw Error(Exit::usage, "--joint " + j.name + "=" + std::to_string(stands_[i]) + ": its limits are " + std::to_string(low) + " and " +
+                                     std::to_string(high));
+      const double range = std::min(kStopRange[j.type == Joint::Type::prismatic], (high - low) / 20);
+      if (!asked) stands_[i] = std::clamp(0.0, low + kFromLimit * range, high - kFromLimit * range);
+    }
+    bend_back(free);
+    for (std::size_t round = 0; round < robot_.joints.size(); ++round)  // leaders that follow others
+      for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
+        const Joint& j = robot_.joints[i];
+        if (j.mimic && j.moves()) stands_[i] = j.mimic->multiplier * stands_[leader(j)] + j.mimic->offset;
+      }
+  }
+  void bend_back(const std::vector<std::uint8_t>& free) {
+    constexpr double kParallel = 1e-3;
+    const std::vector<double> bent = stands_;
+    stands_.assign(bent.size(), 0);
+    place();  // axes as the file has them
+    stands_ = bent;
+    const auto axis = [&](const Joint& j) -> Vec3 { return in_world_[j.child].R * j.axis; };
+    for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
+      const Joint& j = robot_.joints[i];
+      if (!free[i] || bent[i] == 0) continue;
+      std::ptrdiff_t before = robot_.joint_of[j.parent];
+      while (before >= 0 && robot_.joints[before].type == Joint::Type::fixed) before = robot_.joint_of[robot_.joints[before].parent];
+      if (before < 0 || !free[before] || bent[before] != 0 || axis(robot_.joints[before]).cross(axis(j)).norm() > kParallel) continue;
+      const double back = -0.5 * bent[i] * (axis(robot_.joints[before]).dot(axis(j)) > 0 ? 1 : -1);
+      const auto& limits = robot_.joints[before].limits;
+      if (!limits || (limits->first + kStopRange[0] < back && back < limits->second - kStopRange[0])) stands_[before] = back;
+    }
+  }
+  std::size_t leader(const Joint& j) const {
+    return std::find_if(robot_.joints.begin(), robot_.joints.end(), [&](const Joint& o) { return o.name == j.mimic->joint; }) - robot_.joints.begin();
+  }
+
+  // Links in the world; the root's frame is the world's.
+  void place() {
+    in_world_.assign(robot_.links.size(), Pose{});
+    for (const std::size_t link : robot_.order) {
+      if (link == robot_.root) continue;
+      const Joint& j = joint_of(link);
+      const double s = stands_[robot_.joint_of[link]];
+      Pose motion;
+      if (j.type == Joint::Type::revolute) motion.R = Eigen::AngleAxisd(s, j.axis).toRotationMatrix();
+      if (j.type == Joint::Type::prismatic) motion.t = s * j.axis;
+      in_world_[link] = in_world_[j.parent] * j.origin * motion;
+    }
+  }
+
+  // A body needs a surface: what touches, else what is seen, else a small ball.
+  void shape_of(std::size_t index) {
+    Body& b = out_.bodies[index];
+    if (!b.shapes.empty()) return;
+    for (const auto& [link, shape] : visuals_)
+      if (std::find(b.links.begin(), b.links.end(), link->name) != b.links.end() && shape.kind != Shape::Kind::mesh) b.shapes.push_back(shape);
+    if (!b.shapes.empty()) {
+      notes_.add(b.where, "a link without collision shape touches with its visual shapes");
+      return;
+    }
+    Shape ball;
+    ball.kind = Shape::Kind::sphere, ball.radius = kStandInRadius, ball.at.t = b.inertial.centre, ball.where = b.where;
+    b.shapes.push_back(ball);
+    notes_.add(b.where, "a link without a shape that can touch gets a ball of 10 mm at its centre of mass");
+  }
+
+  void mass_of(Body& b) {
+    Inertial& in = b.inertial;
+    if (!(in.mass > 0)) {
+      in.mass = kLeastMass;
+      double sum = 0;
+      for (const Shape& s : b.shapes) sum += volume(s);
+      in.mass = std::max(kDensity * sum, kLeastMass);
+      if (!b.held) notes_.add(b.where, "a link that moves has no mass: its shapes are filled with 1000 kg/m^3");
+      b.even = true;
+      return;
+    }
+    if (in.mass < kLeastMass) {
+      notes_.add(in.where, "a mass below 1 g is taken as 1 g, and its inertia with it");
+      in.tensor *= kLeastMass / in.mass, in.mass = kLeastMass;
+    }
+    if (!(in.tensor.trace() > 0)) {
+      if (!b.held) notes_.add(in.where, "moments of inertia of zero: the mass fills the link's shapes evenly");
+      b.even = true;
+      return;
+    }
+    const Mat3 S = 0.5 * in.tensor.trace() * Mat3::Identity() - in.tensor;  // int rho X X^T, which is positive for every body
+    const Eigen::SelfAdjointEigenSolver<Mat3> eigen(S);
+    const double least = kThinnest * 0.5 * in.tensor.trace();
+    if (eigen.eigenvalues()[0] >= least) return;
+    const Vec3 mended = eigen.eigenvalues().cwiseMax(least);
+    const Mat3 M = eigen.eigenvectors() * mended.asDiagonal() * eigen.eigenvectors().transpose();
+    in.tensor = M.trace() * Mat3::Identity() - M;
+    notes_.add(in.where, "moments of inertia that no body has (one is not below the sum of the others) are mended");
+  }
+
+  void axes() {
+    Names taken;
+    std::vector<std::ptrdiff_t> axis_of(robot_.joints.size(), -1);
+    for (const std::size_t link : robot_.order) {
+      if (link == robot_.root || !joint_of(link).moves()) continue;
+      const auto number = static_cast<std::size_t>(robot_.joint_of[link]);
+      const Joint& j = robot_.joints[number];
+      Axis a;
+      a.name = taken.of(j.name), a.type = j.type, a.where = j.where;
+      a.body = static_cast<std::size_t>(body_[link]), a.to = body_[j.parent];
+      a.place = in_world_[link].t - (j.type == Joint::Type::prismatic ? Vec3(stands_[number] * (in_world_[link].R * j.axis)) : Vec3::Zero());
+      a.direction = in_world_[link].R * j.axis;
+      a.stands = stands_[number], a.limits = j.limits;
+      a.effort = j.effort, a.velocity = j.velocity, a.damping = j.damping, a.friction = j.friction;
+      a.given = j.type == Joint::Type::prismatic && a.to != kWorld && !out_.bodies[a.to].held;
+      axis_of[number] = static_cast<std::ptrdiff_t>(out_.axes.size());
+      out_.axes.push_back(a);
+    }
+    for (std::size_t i = 0; i < robot_.joints.size(); ++i)
+      if (const Joint& j = robot_.joints[i]; j.mimic && axis_of[i] >= 0) mimic(out_.axes[axis_of[i]], j, axis_of[leader(j)]);
+  }
+
+  void mimic(Axis& a, const Joint& j, std::ptrdiff_t leader) {
+    constexpr double kParallel = 1e-9;
+    const Axis* other = leader >= 0 ? &out_.axes[leader] : nullptr;
+    if (other && a.type == Joint::Type::prismatic && other->type == Joint::Type::prismatic && other->to == a.to &&
+        other->direction.cross(a.direction).norm() < kParallel && other->mimics < 0) {
+      a.mimics = leader, a.ratio = j.mimic->multiplier, a.limits.reset();
+      return;
+    }
+    if (a.limits && !(a.limits->first < a.stands && a.stands < a.limits->second)) a.limits.reset();
+    notes_.add(j.where, "a joint that mimics another has a motor of its own with the same target: only slides side by side follow exactly");
+  }
+
+  void pads() {
+    Names taken;
+    for (const Body& b : out_.bodies) taken.of(b.name);
+    for (std::size_t link : soft_) {
+      const Link& l = robot_.links[link];
+      if (l.collisions.size() != 1)
+        throw Error(Exit::usage, "--soft " + l.name + ": it has " + (l.collisions.empty() ? "no" : std::to_string(l.collisions.size())) +
+                                     " collision shapes; a pad is made of one");
+      Pad p;
+      p.name = taken.of(l.name), p.body = static_cast<std::size_t>(body_[link]), p.where = l.where;
+      p.shape = l.collisions[0];
+      p.shape.at = in_world_[link] * p.shape.at;
+      if (!l.visuals.empty()) p.colour = l.visuals[0].colour;
+      const double density = l.inertial ? l.inertial->mass / volume(p.shape) : 0;
+      p.density = density >= kPadDensity[0] && density <= kPadDensity[1] ? density : kPadDensity[2];
+      if (p.density != density) notes_.add(l.where, "a pad whose mass and volume make no solid is given 1100 kg/m^3");
+      out_.pads.push_back(p);
+    }
+  }
+
+  // Clear of the floor.
+  void lift() {
+    double lowest = INFINITY;
+    for (const Body& b : out_.bodies)
+      for (const Shape& s : b.shapes) lowest = std::min(lowest, bounds(s, b.at * s.at).first[2]);
+    for (const Pad& p : out_.pads) lowest = std::min(lowest, bounds(p.shape, p.shape.at).first[2]);
+    const Vec3 up(0, 0, options_.clearance - lowest);
+    for (Body& b : out_.bodies) b.at.t += up;
+    for (Axis& a : out_.axes) a.place += up;
+    for (Pad& p : out_.pads) p.shape.at.t += up;
+  }
+
+  const Robot& robot_;
+  const MachineOptions& options_;
+  Notes& notes_;
+  Machine out_;
+  std::vector<std::ptrdiff_t> body_;  // by link
+  std::vector<Pose> in_body_, in_world_;
+  std::vector<std::size_t> frame_;                      // by body: the link whose frame it has
+  std::vector<std::size_t> soft_;                       // links
+  std::vector<std::pair<const Link*, Shape>> visuals_;  // in their bodies
+  std::vector<double> stands_;                          // by joint
+};
+
+}  // namespace
+
+double Machine::mass() const {
+  double sum = 0;
+  for (const Body& b : bodies) sum += b.held ? 0 : b.inertial.mass;
+  for (const Pad& p : pads) sum += p.density * volume(p.shape);
+  return sum;
+}
+
+Machine assemble(const Robot& robot, const MachineOptions& options, Notes& notes) { return Assembly(robot, options, notes).machine(); }
+
+double volume(const Shape& s) {
+  const double disc = std::numbers::pi * s.radius * s.radius;
+  switch (s.kind) {
+    case Shape::Kind::box:
+      return s.size.prod();
+    case Shape::Kind::sphere:
+      return disc * s.radius * 4 / 3;
+    case Shape::Kind::cylinder:
+      return disc * s.length;
+    case Shape::Kind::capsule:
+      return disc * (s.length + s.radius * 4 / 3);
+    case Shape::Kind::mesh:
+      break;
+  }
+  return geometry::mass_properties(surface(s, Pose{})).volume;
+}
+
+std::pair<Vec3, Vec3> bounds(const Shape& s, const Pose& at) {
+  if (s.kind == Shape::Kind::mesh) {
+    const geometry::Bounds b = geometry::bounds_of(surface(s, at).points);
+    return {b.lo, b.hi};
+  }
+  Vec3 half = Vec3::Constant(s.radius);
+  if (s.kind == Shape::Kind::box) half = 0.5 * (at.R.cwiseAbs() * s.size);
+  if (s.kind == Shape::Kind::capsule) half += 0.5 * s.length * at.R.col(2).cwiseAbs();
+  if (s.kind == Shape::Kind::cylinder)  // a disc of normal n reaches r sqrt(1 - n_i^2) along axis i
+    for (int i = 0; i < 3; ++i) half[i] = 0.5 * s.length * std::abs(at.R(i, 2)) + s.radius * std::sqrt(std::max(0.0, 1 - at.R(i, 2) * at.R(i, 2)));
+  return {at.t - half, at.t + half};
+}
+
+std::vector<PassingPair> passing_pairs(const Machine& m, int apart) {
+  const std::size_t bodies = m.bodies.size(), n = bodies + m.pads.size();
+  std::vector<std::vector<std::size_t>> beside(n);
+  const auto join = [&](std::size_t a, std::size_t b) { beside[a].push_back(b), beside[b].push_back(a); };
+  for (const Axis& a : m.axes)
+    if (a.to >= 0) join(a.body, static_cast<std::size_t>(a.to));
+  for (std::size_t p = 0; p < m.pads.size(); ++p) join(bodies + p, m.pads[p].body);
+  std::vector<geometry::TriMesh> surfaces(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::vector<Shape> one = i < bodies ? m.bodies[i].shapes : std::vector<Shape>{m.pads[i - bodies].shape};
+    for (const Shape& s : one) {
+      const geometry::TriMesh mesh = surface(s, i < bodies ? m.bodies[i].at * s.at : s.at);
+      const auto first = static_cast<Index>(surfaces[i].points.size());
+      surfaces[i].points.insert(surfaces[i].points.end(), mesh.points.begin(), mesh.points.end());
+      for (const Triangle& t : mesh.triangles) surfaces[i].triangles.push_back({{first + t.v[0], first + t.v[1], first + t.v[2]}});
+    }
+  }
+  std::vector<PassingPair> out;
+  for (std::size_t a = 0; a < n; ++a) {
+    std::vector<int> hops(n, -1);
+    hops[a] = 0;
+    std::vector<std::size_t> todo{a};
+    for (std::size_t k = 0; k < todo.size(); ++k)
+      for (std::size_t b : beside[todo[k]])
+        if (hops[b] < 0) hops[b] = hops[todo[k]] + 1, todo.push_back(b);
+    for (std::size_t b = a + 1; b < n; ++b) {
+      if (hops[b] == 1) continue;  // a joint or bond says so already
+      const bool neighbours = hops[b] > 1 && hops[b] <= apart;
+      if (neighbours || meet(surfaces[a], surfaces[b], kOverlap)) out.push_back({a, b, !neighbours});
+    }
+  }
+  return out;
+}
+
+}  // namespace mortise::importers::urdf

@@ -1,0 +1,78 @@
+#pragma once
+// A robot as a scene has it: what moves as one is one body, placed in the world with its joints where they are to stand.
+#include "importers/notes.h"
+#include "importers/urdf/robot.h"
+
+namespace mortise::importers::urdf {
+
+struct MachineOptions {
+  std::vector<std::pair<std::string, double>> stands;  // joints, by pattern with * and ?: where they stand [rad, m]; the right-most holds
+  std::vector<std::string> soft;                       // links that become soft pads
+  bool held = false;                                   // the base does not move
+  double clearance = 2e-3;                             // of the lowest point above the floor z = 0 [m]
+  int apart = 2;                                       // bodies that no more joints than these lie between pass through each other
+};
+
+struct Body {
+  std::string name;
+  std::vector<std::string> links;  // the first gives the body's frame
+  std::vector<Shape> shapes;       // in it
+  std::optional<Shape> drawn;      // a mesh
+  std::optional<Vec3> colour;
+  Inertial inertial;  // in its frame
+  bool even = false;  // the mass fills the shapes evenly: no tensor is known
+  bool held = false;
+  Pose at;  // in the world
+  SourceLoc where;
+};
+
+struct Axis {  // a joint that moves
+  std::string name;
+  Joint::Type type = Joint::Type::revolute;
+  std::size_t body = 0;
+  std::ptrdiff_t to = -1;  // -1: the world
+  Vec3 place, direction;   // in the world
+  double stands = 0;
+  std::optional<std::pair<double, double>> limits;
+  double effort = 0, velocity = 0, damping = 0, friction = 0;
+  std::ptrdiff_t mimics = -1;  // a slide that another one leads exactly
+  double ratio = 1;
+  bool given = false;  // a slide on a body that moves freely: only a given travel can be had
+  SourceLoc where;
+};
+
+// A link that becomes a soft body, bonded to the body that it was fixed to.
+struct Pad {
+  std::string name;
+  std::size_t body = 0;
+  Shape shape;  // in the world
+  std::optional<Vec3> colour;
+  double density = 0;  // [kg/m^3]
+  SourceLoc where;
+};
+
+struct Machine {
+  std::string name;
+  std::vector<Body> bodies;
+  std::vector<Axis> axes;
+  std::vector<Pad> pads;
+  double mass() const;
+};
+
+// Links that fixed joints tie are one body, whose mass, centre and tensor are those of all. What has no mass, or moments of inertia that no body
+// has, gets some (the README says which), with a note. Throws Error(Exit::scene), Error(Exit::usage) for options that name nothing.
+Machine assemble(const Robot& robot, const MachineOptions& options, Notes& notes);
+
+// Pairs of bodies and pads (numbered after the bodies) that are no neighbours and shall pass through each other.
+struct PassingPair {
+  std::size_t a, b;
+  bool overlap;  // they lie in each other as they stand; else: few joints lie between them
+};
+std::vector<PassingPair> passing_pairs(const Machine& machine, int apart);
+
+// Corners of the box around a shape in its own frame, turned and moved by `at`; enough to find what lies lowest, and where cameras stand.
+std::pair<Vec3, Vec3> bounds(const Shape& shape, const Pose& at);
+
+double volume(const Shape& shape);  // [m^3]
+
+}  // namespace mortise::importers::urdf

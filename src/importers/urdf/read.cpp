@@ -1,0 +1,266 @@
+#include "importers/urdf/read.h"
+
+#include <algorithm>
+#include <map>
+
+#include "base/read_file.h"
+#include "importers/urdf/element.h"
+#include "scene/suggest.h"
+
+namespace mortise::importers::urdf {
+namespace {
+
+// Turns about the fixed axes x, y and z, in this order.
+Mat3 of_rpy(const Vec3& rpy) {
+  const auto turn = [](double angle, int axis) { return Eigen::AngleAxisd(angle, Vec3::Unit(axis)); };
+  return (turn(rpy[2], 2) * turn(rpy[1], 1) * turn(rpy[0], 0)).toRotationMatrix();
+}
+
+class Reader {
+ public:
+  Reader(const std::string& text, const std::string& path, Notes& notes) : source_(text, path), notes_(notes) { robot_.path = path; }
+
+  Robot robot(const pugi::xml_node& document) {
+    const Element root(document, source_);
+    if (root.name() != "robot") root.fail("the file describes a <" + root.name() + ">, not a <robot>; this reads URDF");
+    for (const pugi::xml_node& n : document.children())
+      if (std::string(n.name()).rfind("xacro:", 0) == 0)
+        Element(n, source_).fail("<" + std::string(n.name()) + ">: this is a xacro file; expand it first: xacro FILE > robot.urdf");
+    root.expect({"name", "version"}, {"link", "joint", "material"},
+                {"transmission", "gazebo", "sensor", "ros2_control", "mujoco", "plugin", "actuator"}, notes_);
+    robot_.name = root.has("name") ? root.text("name") : "robot";
+    for (const Element& m : root.children("material")) material(m, true);
+    for (const Element& l : root.children("link")) link(l);
+    for (const Element& j : root.children("joint")) joint(j);
+    if (robot_.links.empty()) root.fail("the robot has no <link>");
+    tree();
+    return std::move(robot_);
+  }
+
+ private:
+  Pose origin(const Element& of) {
+    const auto o = of.child("origin");
+    if (!o) return {};
+    o->expect({"xyz", "rpy"}, {}, {}, notes_);
+    return {of_rpy(o->vector("rpy", Vec3::Zero())), o->vector("xyz", Vec3::Zero())};
+  }
+
+  // Colour of a <material>, which may be defined elsewhere by name.
+  std::optional<Vec3> material(const Element& m, bool defines) {
+    m.expect({"name"}, {"color"}, {"texture"}, notes_);
+    const std::string name = m.has("name") ? m.text("name") : "";
+    if (const auto c = m.child("color")) {
+      c->expect({"rgba", "rgb"}, {}, {}, notes_);
+      const std::vector<double> v = c->numbers(c->has("rgb") ? "rgb" : "rgba");
+      if (v.size() < 3) c->fail("a colour is made of three numbers and an opacity");
+      const Vec3 colour = Vec3(v[0], v[1], v[2]).cwiseMax(0).cwiseMin(1);
+      if (defines || !name.empty()) colours_.emplace(name, colour);
+      return colour;
+    }
+    const auto it = colours_.find(name);
+    return it == colours_.end() ? std::nullopt : std::optional(it->second);
+  }
+
+  Shape shape(const Element& e) {
+    Shape out;
+    out.where = e.where();
+    out.at = origin(e);
+    const auto geometry = e.child("geometry");
+    if (!geometry) e.fail("<" + e.name() + "> has no <geometry>");
+    geometry->expect({}, {"box", "cylinder", "sphere", "capsule", "mesh"}, {"plane", "heightmap", "polyline"}, notes_);
+    const auto positive = [](const Element& g, const char* key) {
+      const double x = g.number(key);
+      if (!(x > 0)) g.fail("attribute '" + std::string(key) + "' of <" + g.name() + "> must be above zero");
+      return x;
+    };
+    if (const auto box = geometry->child("box")) {
+      box->expect({"size"}, {}, {}, notes_);
+      out.kind = Shape::Kind::box, out.size = box->vector("size");
+      if (!(out.size.minCoeff() > 0)) box->fail("attribute 'size' of <box> must be above zero");
+    } else if (const auto sphere = geometry->child("sphere")) {
+      sphere->expect({"radius"}, {}, {}, notes_);
+      out.kind = Shape::Kind::sphere, out.radius = positive(*sphere, "radius");
+    } else if (const auto mesh = geometry->child("mesh")) {
+      mesh->expect({"filename", "scale"}, {}, {}, notes_);
+      out.kind = Shape::Kind::mesh, out.file = mesh->text("filename"), out.where = mesh->where();
+      if (mesh->has("scale")) {
+        const std::vector<double> s = mesh->numbers("scale");
+        if (s.size() != 3 && s.size() != 1) mesh->fail("attribute 'scale' of <mesh> must be three numbers");
+        out.scale = s.size() == 1 ? Vec3::Constant(s[0]) : Vec3(s[0], s[1], s[2]);
+        if (out.scale.prod() == 0) mesh->fail("attribute 'scale' of <mesh> is zero");
+      }
+    } else {
+      const bool round = geometry->child("cylinder").has_value();
+      const auto g = geometry->child(round ? "cylinder" : "capsule");
+      if (!g) geometry->fail("<geometry> holds none of box, cylinder, sphere, capsule, mesh");
+      g->expect({"radius", "length"}, {}, {}, notes_);
+      out.kind = round ? Shape::Kind::cylinder : Shape::Kind::capsule, out.radius = positive(*g, "radius"), out.length = positive(*g, "length");
+    }
+    return out;
+  }
+
+  void link(const Element& e) {
+    e.expect({"name"}, {"inertial", "visual", "collision"}, {"type", "self_collide", "kinematic", "contact", "sensor", "gravity"}, notes_);
+    Link l;
+    l.name = e.text("name"), l.where = e.where();
+    for (const Link& other : robot_.links)
+      if (other.name == l.name) e.fail("a second link '" + l.name + "'; the first is in line " + std::to_string(other.where.line));
+    if (const auto i = e.child("inertial")) {
+      i->expect({}, {"origin", "mass", "inertia"}, {}, notes_);
+      Inertial in;
+      in.where = i->where();
+      const Pose at = origin(*i);
+      in.centre = at.t;
+      const auto mass = i->child("mass"), tensor = i->child("inertia");
+      if (!mass) i->fail("<inertial> has no <mass>");
+      mass->expect({"value"}, {}, {}, notes_);
+      in.mass = mass->number("value");
+      if (in.mass < 0) mass->fail("the mass is negative");
+      if (tensor) {
+        tensor->expect({"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}, {}, {}, notes_);
+        const double xy = tensor->number("ixy", 0.0), xz = tensor->number("ixz", 0.0), yz = tensor->number("iyz", 0.0);
+        Mat3 I;
+        I << tensor->number("ixx"), xy, xz, xy, tensor->number("iyy"), yz, xz, yz, tensor->number("izz");
+        in.tensor = at.R * I * at.R.transpose();
+      }
+      l.inertial = in;
+    }
+    for (const Element& v : e.children("visual")) {
+      v.expect({"name"}, {"origin", "geometry", "material"}, {}, notes_);
+      l.visuals.push_back(shape(v));
+      const std::vector<Element> materials = v.children("material");  // exporters write one per part of the mesh
+      if (!materials.empty()) l.visuals.back().colour = material(materials[0], false);
+    }
+    for (const Element& c : e.children("collision")) {
+      c.expect({"name"}, {"origin", "geometry"}, {"verbose", "contact_coefficients", "group", "material", "surface"}, notes_);
+      l.collisions.push_back(shape(c));
+    }
+    robot_.links.push_back(std::move(l));
+  }
+
+  std::size_t link_named(const Element& joint, const char* which) {
+    const auto e = joint.child(which);
+    if (!e) joint.fail("joint '" + joint.text("name") + "' has no <" + which + ">");
+    const std::string name = e->text("link");
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < robot_.links.size(); ++i) {
+      if (robot_.links[i].name == name) return i;
+      names.push_back(robot_.links[i].name);
+    }
+    const std::string near = scene::nearest(name, names);
+    e->fail("there is no link '" + name + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?"));
+  }
+
+  void joint(const Element& e) {
+    e.expect({"name", "type"}, {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"},
+             {"dont_collapse", "calibration", "safety_controller", "motor", "hardwareInterface"}, notes_);
+    Joint j;
+    j.name = e.text("name"), j.where = e.where();
+    for (const Joint& other : robot_.joints)
+      if (other.name == j.name) e.fail("a second joint '" + j.name + "'; the first is in line " + std::to_string(other.where.line));
+    const std::string type = e.text("type");
+    const bool turns = type == "revolute" || type == "continuous", slides = type == "prismatic";
+    if (turns || slides)
+      j.type = turns ? Joint::Type::revolute : Joint::Type::prismatic;
+    else if (type == "floating")
+      j.type = Joint::Type::floating;
+    else if (type != "fixed")
+      e.fail("joint '" + j.name + "' is '" + type + "'; only revolute, continuous, prismatic, fixed and floating joints are imported");
+    j.parent = link_named(e, "parent"), j.child = link_named(e, "child");
+    if (j.parent == j.child) e.fail("joint '" + j.name + "' joins a link to itself");
+    j.origin = origin(e);
+    if (j.moves()) {
+      motion(e, type, j);
+      if (j.limits && j.limits->first == j.limits->second) {
+        notes_.add(e.where(), "a joint whose limits leave no way is taken as fixed");
+        const double stands = j.limits->first;
+        j.origin =
+            j.origin * (turns ? Pose{Eigen::AngleAxisd(stands, j.axis).toRotationMatrix(), Vec3::Zero()} : Pose{Mat3::Identity(), stands * j.axis});
+        j.type = Joint::Type::fixed, j.limits.reset(), j.mimic.reset();
+      }
+    }
+    robot_.joints.push_back(std::move(j));
+  }
+
+  void motion(const Element& e, const std::string& type, Joint& j) {
+    if (const auto a = e.child("axis")) {
+      j.axis = a->vector("xyz");
+      if (!(j.axis.norm() > 0)) a->fail("the axis of joint '" + j.name + "' is zero");
+      j.axis.normalize();
+    }
+    const auto limit = e.child("limit");
+    if (!limit && type != "continuous") e.fail("a " + type + " joint needs a <limit>");
+    if (limit) {
+      limit->expect({"lower", "upper", "effort", "velocity"}, {}, {"stiffness", "damping", "acceleration", "jerk"}, notes_);
+      j.effort = std::max(0.0, limit->number("effort", 0.0)), j.velocity = std::max(0.0, limit->number("velocity", 0.0));
+      if (type != "continuous") {
+        j.limits = {limit->number("lower", 0.0), limit->number("upper", 0.0)};
+        if (j.limits->first > j.limits->second) limit->fail("joint '" + j.name + "': 'lower' is above 'upper'");
+      }
+    }
+    if (const auto d = e.child("dynamics")) {
+      d->expect({"damping", "friction"}, {}, {"spring_reference", "spring_stiffness", "armature"}, notes_);
+      j.damping = std::max(0.0, d->number("damping", 0.0)), j.friction = std::max(0.0, d->number("friction", 0.0));
+    }
+    if (const auto m = e.child("mimic")) {
+      m->expect({"joint", "multiplier", "offset"}, {}, {}, notes_);
+      j.mimic = Joint::Mimic{m->text("joint"), m->number("multiplier", 1.0), m->number("offset", 0.0)};
+    }
+  }
+
+  // Every link hangs on one other, all on one root.
+  void tree() {
+    const std::size_t n = robot_.links.size();
+    robot_.joint_of.assign(n, -1);
+    for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
+      const Joint& j = robot_.joints[i];
+      std::ptrdiff_t& mine = robot_.joint_of[j.child];
+      if (mine >= 0)
+        throw Error(Exit::scene, j.where,
+                    "link '" + robot_.links[j.child].name + "' has a second parent; the first is joint '" + robot_.joints[mine].name + "'");
+      mine = static_cast<std::ptrdiff_t>(i);
+    }
+    std::vector<std::size_t> roots;
+    for (std::size_t i = 0; i < n; ++i)
+      if (robot_.joint_of[i] < 0) roots.push_back(i);
+    if (roots.size() > 1)
+      throw Error(Exit::scene, robot_.links[roots[1]].where,
+                  "link '" + robot_.links[roots[1]].name + "' hangs on no other, and neither does '" + robot_.links[roots[0]].name +
+                      "': a robot is one tree");
+    robot_.order = roots;
+    for (std::size_t k = 0; k < robot_.order.size(); ++k)
+      for (const Joint& j : robot_.joints)
+        if (j.parent == robot_.order[k]) robot_.order.push_back(j.child);
+    if (robot_.order.size() < n) {  // also where there is no root
+      const auto lost = std::find_if(robot_.links.begin(), robot_.links.end(), [&](const Link& l) {
+        return std::find(robot_.order.begin(), robot_.order.end(), static_cast<std::size_t>(&l - robot_.links.data())) == robot_.order.end();
+      });
+      throw Error(Exit::scene, lost->where, "link '" + lost->name + "' hangs on itself: the joints go in a circle");
+    }
+    robot_.root = roots[0];
+    for (Joint& j : robot_.joints) {
+      if (!j.mimic) continue;
+      const auto leader = std::find_if(robot_.joints.begin(), robot_.joints.end(), [&](const Joint& o) { return o.name == j.mimic->joint; });
+      if (leader == robot_.joints.end() || leader->name == j.name)
+        throw Error(Exit::scene, j.where, "joint '" + j.name + "' mimics '" + j.mimic->joint + "', which is no other joint");
+    }
+  }
+
+  Robot robot_;
+  Source source_;
+  Notes& notes_;
+  std::map<std::string, Vec3> colours_;
+};
+
+}  // namespace
+
+Robot read_text(const std::string& text, const std::string& path, Notes& notes) {
+  pugi::xml_document document;
+  const pugi::xml_parse_result result = document.load_buffer(text.data(), text.size());
+  if (!result) throw Error(Exit::scene, Source(text, path).at(result.offset), std::string("not well-formed XML: ") + result.description());
+  return Reader(text, path, notes).robot(document.document_element());
+}
+
+Robot read(const std::string& path, Notes& notes) { return read_text(read_regular_file(path, most_bytes::scene), path, notes); }
+
+}  // namespace mortise::importers::urdf

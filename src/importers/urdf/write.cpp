@@ -1,0 +1,292 @@
+#include "importers/urdf/write.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "geometry/bounds.h"
+#include "importers/urdf/solid.h"
+#include "importers/urdf/tuning.h"
+#include "scene/suggest.h"
+
+namespace mortise::importers::urdf {
+namespace {
+
+// Nine digits: a nanometre in a metre, and nobody has to read 0.30000000000000004.
+std::string number(double x) {
+  const std::string out = fmt::format("{:.9g}", std::abs(x) < 1e-12 ? 0.0 : x);
+  return out == "-0" ? "0" : out;
+}
+std::string vector(const Vec3& v) { return fmt::format("[{}, {}, {}]", number(v[0]), number(v[1]), number(v[2])); }
+std::string place(const Vec3& v) { return vector(v); }
+std::string length(double x) { return std::abs(x) < 1 ? number(1e3 * x) + " mm" : number(x) + " m"; }
+std::string angle(double x) {
+  const double degrees = x * 180 / std::numbers::pi;
+  return std::abs(degrees - std::round(100 * degrees) / 100) < 1e-7 ? number(std::round(100 * degrees) / 100) + " deg" : number(x);
+}
+std::string quoted(const std::string& s) {
+  std::string out = "\"";
+  for (char c : s) out += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
+  return out + "\"";
+}
+std::string rounded(double x) { return fmt::format("{:.4g}", x); }
+
+// ", position: ..., rotation: ..." of what is not at its origin.
+std::string placed(const Pose& at, const char* separator) {
+  std::string out;
+  if (at.t.norm() > 1e-12) out += separator + std::string("position: ") + place(at.t);
+  const Eigen::AngleAxisd turn(at.R);
+  if (std::abs(turn.angle()) > 1e-9) {
+    Vec3 axis = turn.axis();
+    for (double& x : axis) x = std::abs(x) < 1e-9 ? 0 : x;
+    out += separator + fmt::format("rotation: {{axis: {}, angle: {}}}", vector(axis), angle(turn.angle()));
+  }
+  return out;
+}
+
+class Writer {
+ public:
+  Writer(const Machine& m, const std::vector<PassingPair>& passing, const std::string& path) : m_(m), passing_(passing), path_(path) {
+    for (const Body& b : m.bodies)
+      for (const Shape& s : b.shapes) include(bounds(s, b.at * s.at));
+    for (const Pad& p : m.pads) include(bounds(p.shape, p.shape.at));
+  }
+
+  std::string scene(const std::string& command) {
+    line("# Written by: " + command);
+    line(fmt::format(
+        "# {} bodies, {} joints{}, {:.4g} kg that move. Where bodies stand and what is chosen for want of it in the file (motors' gains, contact,",
+        m_.bodies.size(), m_.axes.size(), m_.pads.empty() ? "" : fmt::format(", {} soft pads", m_.pads.size()), m_.mass()));
+    line(
+        "# friction, cameras) is meant to be edited. A motor's target may be keys {time: [...], value: [...]} or a column of a CSV file: mortise "
+        "effects drive.");
+    line("mortise: 1");
+    line("name: " + m_.name);
+    line("");
+    line("time: {step: 5 ms, steps: 200, frame_every: 10}");
+    line("");
+    if (!m_.pads.empty()) materials();
+    bodies();
+    pairs();
+    effects();
+    cameras();
+    return out_;
+  }
+
+ private:
+  void line(const std::string& text) { out_ += text + "\n"; }
+  void include(const std::pair<Vec3, Vec3>& b) { around_.include(b.first), around_.include(b.second); }
+
+  std::string file(const std::string& mesh) const {
+    namespace fs = std::filesystem;
+    const fs::path folder = fs::absolute(path_).lexically_normal().parent_path();
+    const std::string near = fs::path(mesh).lexically_proximate(folder).string();
+    return quoted(near.rfind("../../..", 0) == 0 ? mesh : near);
+  }
+
+  std::string shape(const Shape& s, double h) const {
+    const std::string edge = length(h);
+    switch (s.kind) {
+      case Shape::Kind::box:
+        return fmt::format("{{box: {{size: {}, edge_length: {}}}}}", place(s.size), edge);
+      case Shape::Kind::sphere:
+        return fmt::format("{{sphere: {{radius: {}, edge_length: {}}}}}", length(s.radius), edge);
+      case Shape::Kind::cylinder:
+      case Shape::Kind::capsule:
+        return fmt::format("{{{}: {{radius: {}, height: {}, edge_length: {}}}}}", s.kind == Shape::Kind::cylinder ? "cylinder" : "capsule",
+                           length(s.radius), length(s.length), edge);
+      case Shape::Kind::mesh:
+        break;
+    }
+    const std::string scale = s.scale[0] == 1 ? "" : ", scale: " + number(s.scale[0]);
+    return fmt::format("{{mesh: {{file: {}{}}}}}", file(s.file), scale);
+  }
+
+  void materials() {
+    line("materials:");
+    for (std::size_t p = 0; p < m_.pads.size(); ++p) {
+      if (p != same_density(p)) continue;
+      line(fmt::format("  {}: {{youngs_modulus: {} MPa, poisson_ratio: 0.45, density: {} kg/m^3}}", rubber(p), rounded(kRubber * 1e-6),
+                       rounded(m_.pads[p].density)));
+    }
+    line("");
+  }
+  std::size_t same_density(std::size_t p) const {
+    std::size_t first = 0;
+    while (rounded(m_.pads[first].density) != rounded(m_.pads[p].density)) ++first;
+    return first;
+  }
+  std::string rubber(std::size_t p) const {
+    const std::size_t first = same_density(p);
+    return first == 0 ? "rubber" : "rubber_" + m_.pads[first].name;
+  }
+
+  void bodies() {
+    line("bodies:");
+    for (const Body& b : m_.bodies) body(b);
+    for (std::size_t p = 0; p < m_.pads.size(); ++p) pad(p);
+    line("  floor: {type: half_space}");
+    line("");
+  }
+
+  void body(const Body& b) {
+    line("  " + b.name + ":" + (b.links.size() > 1 ? "  # " + scene::join(b.links, ", ") : b.name != b.links[0] ? "  # " + b.links[0] : ""));
+    line("    type: stiff");
+    const Shape& first = b.shapes[0];
+    if (b.shapes.size() == 1 && placed(first.at, "").empty()) {
+      line("    shape: " + shape(first, edge_length(first)));
+    } else {
+      line("    shape:");
+      line("      parts:");
+      for (const Shape& s : b.shapes) line("        - {shape: " + shape(s, edge_length(s)) + placed(s.at, ", ") + "}");
+    }
+    const Inertial& in = b.inertial;
+    line("    mass: " + number(in.mass) + " kg");
+    if (!b.even) {
+      const Mat3& I = in.tensor;
+      const Vec3 products(I(0, 1), I(0, 2), I(1, 2));
+      line(fmt::format("    inertia: {{centre: {}, moments: {}{}}}", place(in.centre), vector(I.diagonal()),
+                       products.isZero(0) ? "" : ", products: " + vector(products)));
+    }
+    const std::string where = placed(b.at, "\n    ");
+    if (!where.empty()) line(where.substr(1));
+    std::string visual = "color: " + vector(b.colour.value_or(Vec3(0.7, 0.7, 0.7)));
+    if (b.drawn) {
+      visual += ", mesh: " + file(b.drawn->file) + placed(b.drawn->at, ", ");
+      visual += ", scale: " + number(b.drawn->scale[0]);
+    }
+    line("    visual: {" + visual + "}");
+  }
+
+  void pad(std::size_t index) {
+    const Pad& p = m_.pads[index];
+    const double h = pad_cell(p.shape);
+    line("  " + p.name + ":");
+    line("    type: soft");
+    std::string text = shape(p.shape, h);
+    if (p.shape.kind == Shape::Kind::mesh) text.insert(text.size() - 2, ", edge_length: " + length(h));
+    line("    shape: " + text);
+    line("    material: " + rubber(index));
+    line("    self_contact: false");
+    const std::string where = placed(p.shape.at, "\n    ");
+    if (!where.empty()) line(where.substr(1));
+    line("    visual: {color: " + vector(p.colour.value_or(Vec3(0.2, 0.2, 0.22))) + "}");
+  }
+
+  static double pad_cell(const Shape& shape) {
+    const auto [lo, hi] = bounds(shape, Pose{});
+    return std::round(1e5 * std::cbrt((hi - lo).prod()) / kPadCells) / 1e5;
+  }
+
+  const std::string& name(std::size_t i) const { return i < m_.bodies.size() ? m_.bodies[i].name : m_.pads[i - m_.bodies.size()].name; }
+  void pairs() {
+    if (passing_.empty()) return;
+    line("# What passes through each other besides neighbours: with few joints between them, or overlapping as they stand.");
+    line("pairs:");
+    for (const PassingPair& p : passing_)
+      line(fmt::format("  - {{bodies: [{}, {}], collide: false}}{}", name(p.a), name(p.b), p.overlap ? "  # overlap" : ""));
+    line("");
+  }
+
+  void effects() {
+    const auto any = [](const auto& list, auto what) { return std::any_of(list.begin(), list.end(), what); };
+    line("effects:");
+    line("  inertia: {}");
+    line("  gravity: {}");
+    line("  affine_body: {}");
+    if (!m_.pads.empty()) line("  elasticity: {}");
+    if (any(m_.bodies, [](const Body& b) { return b.held; })) {
+      line("  pin:");
+      for (const Body& b : m_.bodies)
+        if (b.held) line(fmt::format("    - {{body: {}, where: {{side: all}}}}", b.name));
+    }
+    if (!m_.axes.empty()) {
+      line("  joint:");
+      for (const Axis& a : m_.axes) joint(a);
+      line("  drive:");
+      for (const Axis& a : m_.axes)
+        if (a.mimics < 0) drive(a);
+    }
+    if (!m_.pads.empty()) {
+      line("  bond:");
+      for (const Pad& p : m_.pads) bond(p);
+    }
+    line("  barrier_contact: {d_hat: " + length(kOverlap) + "}");
+    line("  friction: {follows: barrier_contact, mu: 0.8}");
+    line("");
+  }
+
+  void joint(const Axis& a) {
+    const bool turns = a.type == Joint::Type::revolute;
+    std::string text = fmt::format("name: {}, type: {}, body: {}", a.name, turns ? "revolute" : "prismatic", m_.bodies[a.body].name);
+    if (a.to >= 0) text += ", to: " + m_.bodies[a.to].name;
+    text += ", at: " + place(a.place) + ", axis: " + vector(a.direction);
+    if (a.mimics >= 0) text += fmt::format(", mimic: {{joint: {}, ratio: {}}}", m_.axes[a.mimics].name, number(a.ratio));
+    if (std::abs(a.stands) > 1e-12) text += std::string(turns ? ", angle: " + angle(a.stands) : ", travel: " + length(a.stands));
+    if (a.limits) {
+      const auto limit = [&](double x) { return turns ? angle(x) : length(x); };
+      text += fmt::format(", {}: [{}, {}]", turns ? "angle_limits" : "travel_limits", limit(a.limits->first), limit(a.limits->second));
+    }
+    line("    - {" + text + "}");
+  }
+
+  void drive(const Axis& a) {
+    const bool turns = a.type == Joint::Type::revolute;
+    std::string text = "joint: " + a.name;
+    if (a.given) {
+      text += ", mode: kinematic";
+    } else {
+      const double effort = a.effort > 0 ? a.effort : kHold * 9.81 * m_.mass() * (turns ? 0.1 : 1), kp = effort / kFullEffort[!turns];
+      text += fmt::format(", mode: pd, kp: {}, kd: {}", rounded(kp), rounded(kSettling * kp));
+      if (a.effort > 0) text += ", effort: " + number(a.effort);
+      if (a.effort > 0 && a.velocity > 0) text += ", velocity: " + number(a.velocity);
+      if (a.damping > 0) text += ", damping: " + number(a.damping);
+      if (a.friction > 0) text += ", friction: " + number(a.friction);
+    }
+    text += turns ? ", angle: " + angle(a.stands) : ", travel: " + length(a.stands);
+    line("    - {" + text + "}");
+  }
+
+  // A ball has a core of half its size; anything else is held where it lies in its link or near to it.
+  void bond(const Pad& p) {
+    const std::string& to = m_.bodies[p.body].name;
+    if (p.shape.kind == Shape::Kind::sphere)
+      line(fmt::format("    - {{body: {}, to: {}, where: {{sphere: {{centre: {}, radius: {}}}}}}}", p.name, to, place(p.shape.at.t),
+                       length(0.5 * p.shape.radius)));
+    else
+      line(fmt::format("    - {{body: {}, to: {}, within: {}}}", p.name, to, length(0.25 * pad_cell(p.shape))));
+  }
+
+  void cameras() {
+    const Vec3 middle = 0.5 * (around_.lo + around_.hi);
+    const double size = around_.size().norm(), away = 1.7 * size;
+    const auto from = [&](const Vec3& d) {
+      Vec3 p = middle + away * d.normalized();
+      for (double& x : p) x = std::round(1e3 * x) / 1e3;
+      return place(p);
+    };
+    Vec3 at = middle;
+    for (double& x : at) x = std::round(1e3 * x) / 1e3;
+    line("render:");
+    line("  cameras:");
+    line("    front: {position: " + from({0.8, -1, 0.45}) + ", look_at: " + place(at) + "}");
+    line("    side: {position: " + from({0, -1, 0.1}) + ", look_at: " + place(at) + "}");
+  }
+
+  const Machine& m_;
+  const std::vector<PassingPair>& passing_;
+  const std::string& path_;
+  geometry::Bounds around_;
+  std::string out_;
+};
+
+}  // namespace
+
+std::string write_scene(const Machine& machine, const std::vector<PassingPair>& passing, const std::string& path, const std::string& command) {
+  return Writer(machine, passing, path).scene(command);
+}
+
+}  // namespace mortise::importers::urdf

@@ -1,0 +1,298 @@
+// URDF files as they come: what is read, merged, placed, mended, refused.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "geometry/io/obj.h"
+#include "geometry/primitives.h"
+#include "geometry/topology.h"
+#include "importers/urdf/machine.h"
+#include "importers/urdf/meshes.h"
+#include "importers/urdf/read.h"
+#include "importers/urdf/solid.h"
+#include "importers/urdf/write.h"
+
+namespace mortise::importers::urdf {
+namespace {
+
+std::string link(const std::string& name, const std::string& more = "") { return "<link name='" + name + "'>" + more + "</link>\n"; }
+std::string text(double x) {
+  char out[40];
+  std::snprintf(out, sizeof out, "%.9g", x);
+  return out;
+}
+std::string inertial(double mass, const std::string& xyz, double i) {
+  const std::string I = text(i);
+  return "<inertial><origin xyz='" + xyz + "'/><mass value='" + text(mass) + "'/><inertia ixx='" + I + "' iyy='" + I + "' izz='" + I +
+         "'/></inertial>";
+}
+const std::string kBall = "<collision><geometry><sphere radius='0.05'/></geometry></collision>";
+std::string joint(const std::string& name, const std::string& type, const std::string& parent, const std::string& child, const std::string& more) {
+  return "<joint name='" + name + "' type='" + type + "'><parent link='" + parent + "'/><child link='" + child + "'/>" + more + "</joint>\n";
+}
+Robot robot(const std::string& inside, Notes* notes = nullptr) {
+  Notes own;
+  return read_text("<robot name='r'>\n" + inside + "</robot>", "r.urdf", notes ? *notes : own);
+}
+std::string refusal(const std::string& inside, const MachineOptions& options = {}) {
+  try {
+    Notes notes;
+    assemble(robot(inside), options, notes);
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "nothing";
+}
+Machine machine(const std::string& inside, const MachineOptions& options = {}, Notes* notes = nullptr) {
+  Notes own;
+  Notes& n = notes ? *notes : own;
+  return assemble(robot(inside, &n), options, n);
+}
+bool told(const Notes& notes, const std::string& what) {
+  for (const std::string& line : notes.lines())
+    if (line.find(what) != std::string::npos) return true;
+  return false;
+}
+
+TEST(Urdf, OriginsTurnAboutFixedAxes) {
+  const Robot r = robot(link("a") + link("b") + joint("j", "fixed", "a", "b", "<origin xyz='1 2 3' rpy='0.1 -0.2 0.3'/>"));
+  const Pose& p = r.joints[0].origin;
+  const double cr = std::cos(0.1), sr = std::sin(0.1), cp = std::cos(-0.2), sp = std::sin(-0.2), cy = std::cos(0.3), sy = std::sin(0.3);
+  Mat3 R;  // Rz(yaw) Ry(pitch) Rx(roll)
+  R << cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr, sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr, -sp, cp * sr, cp * cr;
+  EXPECT_LT((p.R - R).norm(), 1e-15);
+  EXPECT_EQ(p.t, Vec3(1, 2, 3));
+}
+
+// Two balls of a dumbbell and the rod between them as three links.
+TEST(Urdf, FixedLinksAreOneBodyWithTheInertiaOfAll) {
+  const Machine m = machine(link("rod", kBall + inertial(2, "0 0 0", 0.01)) + link("left", kBall + inertial(1, "0 0 0.1", 0.002)) +
+                            link("right", kBall + inertial(3, "0 0 0", 0.003)) +
+                            joint("l", "fixed", "rod", "left", "<origin xyz='-0.5 0 0' rpy='0 1.5707963267948966 0'/>") +
+                            joint("r", "fixed", "rod", "right", "<origin xyz='0.5 0 0'/>"));
+  ASSERT_EQ(m.bodies.size(), 1u);
+  const Body& b = m.bodies[0];
+  EXPECT_EQ(b.links, (std::vector<std::string>{"rod", "left", "right"}));
+  EXPECT_EQ(b.shapes.size(), 3u);
+  EXPECT_NEAR(b.inertial.mass, 6, 1e-15);
+  const double left = -0.5 + 0.1, centre = (left + 3 * 0.5) / 6;
+  EXPECT_LT((b.inertial.centre - Vec3(centre, 0, 0)).norm(), 1e-15);
+  const double across = 0.015 + 2 * centre * centre + (left - centre) * (left - centre) + 3 * (0.5 - centre) * (0.5 - centre);
+  EXPECT_LT((b.inertial.tensor - Vec3(0.015, across, across).asDiagonal().toDenseMatrix()).norm(), 1e-14);
+  EXPECT_NEAR(b.at.t[2], 0.05 + 2e-3, 1e-15) << "clear of the floor";
+}
+
+// A planar arm of two links of 1 m and 0.5 m.
+std::string arm(const std::string& limits = "lower='-2' upper='2' effort='5' velocity='3'") {
+  return link("base", kBall + inertial(1, "0 0 0", 0.1)) + link("upper", kBall + inertial(1, "0 0 0", 0.1)) +
+         link("Lower", kBall + inertial(1, "0 0 0", 0.1)) + joint("shoulder", "continuous", "base", "upper", "<axis xyz='0 2 0'/>") +
+         joint("elbow", "revolute", "upper", "Lower", "<origin xyz='1 0 0'/><axis xyz='0 1 0'/><limit " + limits + "/>");
+}
+
+TEST(Urdf, JointsStandWhereTheyAreAskedTo) {
+  MachineOptions o;
+  o.stands = {{"*", 9}, {"shoulder", -0.6}, {"elb?w", 0.9}};
+  const Machine m = machine(arm(), o);
+  ASSERT_EQ(m.axes.size(), 2u);
+  const Axis& elbow = m.axes[1];
+  EXPECT_EQ(m.bodies[elbow.body].name, "lower");
+  EXPECT_EQ(elbow.to, 1);
+  const Vec3 base = m.bodies[0].at.t;
+  EXPECT_LT((elbow.place - base - Vec3(std::cos(0.6), 0, std::sin(0.6))).norm(), 1e-14);
+  EXPECT_LT((elbow.direction - Vec3(0, 1, 0)).norm(), 1e-15);
+  EXPECT_LT((m.bodies[2].at.R - Eigen::AngleAxisd(0.3, Vec3::UnitY()).toRotationMatrix()).norm(), 1e-14);
+  EXPECT_EQ(elbow.stands, 0.9);
+  EXPECT_EQ(elbow.effort, 5);
+}
+
+TEST(Urdf, AJointThatMayNotBeAtZeroStandsInsideItsLimits) {
+  const Machine m = machine(arm("lower='-2.7' upper='-0.8'"));
+  EXPECT_LT(m.axes[1].stands, -0.8 - 0.017);
+  EXPECT_GT(m.axes[1].stands, -0.9);
+  EXPECT_NEAR(m.axes[0].stands, -0.5 * m.axes[1].stands, 1e-15) << "the parallel hinge before it takes half of the bend back";
+  MachineOptions o;
+  o.stands = {{"shoulder", 0.1}};
+  EXPECT_EQ(machine(arm("lower='-2.7' upper='-0.8'"), o).axes[0].stands, 0.1);
+}
+
+TEST(Urdf, NeighboursAndWhatOverlapsPassThroughEachOther) {
+  std::string chain = link("a0", kBall + inertial(1, "0 0 0", 0.1));
+  for (int i = 1; i < 5; ++i) {
+    const std::string me = "a" + std::to_string(i), before = "a" + std::to_string(i - 1);
+    const std::string back = i == 4 ? "-0.45" : "0.2";  // the last link lies in the second
+    chain += link(me, kBall + inertial(1, "0 0 0", 0.1)) + joint("j" + me, "continuous", before, me, "<origin xyz='" + back + " 0 0'/>");
+  }
+  const auto pairs = passing_pairs(machine(chain), 2);
+  ASSERT_EQ(pairs.size(), 4u);
+  for (const PassingPair& p : pairs) EXPECT_EQ(p.overlap, p.b - p.a != 2) << p.a << " " << p.b;
+  EXPECT_TRUE(std::any_of(pairs.begin(), pairs.end(), [](const PassingPair& p) { return p.a == 1 && p.b == 4 && p.overlap; }));
+  EXPECT_EQ(passing_pairs(machine(chain), 1).size(), 1u);
+}
+
+TEST(Urdf, MeshesThatNestMeet) {
+  const geometry::TriMesh outer = geometry::surface_of(geometry::sphere(1, 0.4)), inner = geometry::surface_of(geometry::sphere(0.2, 0.1));
+  EXPECT_TRUE(meet(outer, inner, 1e-3));
+  EXPECT_TRUE(meet(inner, outer, 1e-3));
+  geometry::TriMesh away = inner;
+  for (Vec3& x : away.points) x[0] += 1.25;
+  EXPECT_FALSE(meet(outer, away, 1e-3));
+  EXPECT_TRUE(meet(outer, away, 0.1));
+}
+
+TEST(Urdf, WhatHasNoMassOrImpossibleMomentsGetsSome) {
+  Notes notes;
+  const Machine m = machine(link("a", kBall) + link("b", kBall + inertial(1e-6, "0 0 0", 1e-9)) + link("c") +
+                                link("d", kBall + "<inertial><mass value='2'/><inertia ixx='1' iyy='1' izz='3'/></inertial>") +
+                                link("e", kBall + "<inertial><mass value='2'/><inertia ixx='0' iyy='0' izz='0'/></inertial>") +
+                                joint("1", "continuous", "a", "b", "") + joint("2", "continuous", "b", "c", "<origin xyz='0.3 0 0'/>") +
+                                joint("3", "continuous", "c", "d", "") + joint("4", "continuous", "d", "e", ""),
+                            {}, &notes);
+  EXPECT_NEAR(m.bodies[0].inertial.mass, 1000 * 4 / 3.0 * M_PI * 0.05 * 0.05 * 0.05, 1e-12);
+  EXPECT_TRUE(m.bodies[0].even);
+  EXPECT_EQ(m.bodies[1].inertial.mass, 1e-3);
+  EXPECT_NEAR(m.bodies[1].inertial.tensor(0, 0), 1e-6, 1e-18);
+  ASSERT_EQ(m.bodies[2].shapes.size(), 1u);
+  const Mat3 I = m.bodies[3].inertial.tensor;
+  EXPECT_GT(I(0, 0) + I(1, 1) - I(2, 2), 1e-4);
+  EXPECT_NEAR(I(2, 2), 3, 0.01);
+  EXPECT_TRUE(m.bodies[4].even);
+  for (const char* what : {"has no mass", "below 1 g", "ball of 10 mm", "are mended", "moments of inertia of zero"})
+    EXPECT_TRUE(told(notes, what)) << what;
+}
+
+TEST(Urdf, ARootCalledWorldHoldsWhatIsFixedToIt) {
+  const Machine m =
+      machine(link("world") + link("stand", kBall) + link("arm", kBall + inertial(1, "0 0 0", 0.1)) +
+              link("cart", kBall + inertial(1, "0 0 0", 0.1)) + joint("f", "fixed", "world", "stand", "<origin xyz='0 0 1'/>") +
+              joint("t", "continuous", "stand", "arm", "") + joint("rail", "prismatic", "world", "cart", "<limit lower='-1' upper='1'/>"));
+  ASSERT_EQ(m.bodies.size(), 3u);
+  EXPECT_TRUE(m.bodies[0].held);
+  EXPECT_FALSE(m.bodies[1].held);
+  ASSERT_EQ(m.axes[0].name, "rail");
+  EXPECT_EQ(m.axes[1].to, 0);
+  EXPECT_EQ(m.axes[0].to, -1);
+  EXPECT_FALSE(m.axes[0].given) << "a slide on the world can have a motor of any kind";
+}
+
+TEST(Urdf, ParallelSlidesMimicExactlyAndHingesByMotor) {
+  const std::string limits = "<limit lower='0' upper='0.04'/>";
+  Notes notes;
+  const Machine m = machine(
+      link("hand", kBall + inertial(1, "0 0 0", 0.1)) + link("l", kBall + inertial(1, "0 0 0", 0.1)) + link("r", kBall + inertial(1, "0 0 0", 0.1)) +
+          link("k", kBall + inertial(1, "0 0 0", 0.1)) + joint("left", "prismatic", "hand", "l", "<axis xyz='0 1 0'/>" + limits) +
+          joint("right", "prismatic", "hand", "r", "<axis xyz='0 -1 0'/><mimic joint='left'/>" + limits) +
+          joint("knuckle", "revolute", "hand", "k", "<mimic joint='left' multiplier='10' offset='0.3'/><limit lower='-1' upper='1'/>"),
+      {{{"left", 0.02}}, {}, true}, &notes);
+  EXPECT_EQ(m.axes[1].mimics, 0);
+  EXPECT_EQ(m.axes[1].stands, 0.02);
+  EXPECT_LT((m.bodies[2].at.t - m.bodies[0].at.t - Vec3(0, -0.02, 0)).norm(), 1e-15);
+  EXPECT_EQ(m.axes[2].mimics, -1);
+  EXPECT_NEAR(m.axes[2].stands, 0.5, 1e-15);
+  EXPECT_TRUE(told(notes, "a motor of its own"));
+}
+
+TEST(Urdf, SoftLinksArePadsBondedToTheirBody) {
+  MachineOptions o;
+  o.soft = {"toe"};
+  const std::string leg = arm() + link("toe", inertial(0.5, "0 0 0", 1e-5) + kBall) + joint("f", "fixed", "Lower", "toe", "<origin xyz='0.5 0 0'/>");
+  const Machine m = machine(leg, o);
+  ASSERT_EQ(m.pads.size(), 1u);
+  EXPECT_EQ(m.pads[0].body, 2u);
+  EXPECT_EQ(m.bodies[2].shapes.size(), 1u) << "its ball is no part of the link";
+  EXPECT_NEAR(m.bodies[2].inertial.mass, 1, 1e-15);
+  EXPECT_NEAR(m.pads[0].density * volume(m.pads[0].shape), 0.5, 1e-12);
+  const std::string text = write_scene(m, passing_pairs(m, 2), "x.yaml", "test");
+  EXPECT_NE(text.find("toe:\n    type: soft"), std::string::npos);
+  EXPECT_NE(text.find("- {body: toe, to: lower, where: {sphere:"), std::string::npos) << text;
+  o.soft = {"upper"};
+  EXPECT_NE(refusal(leg, o).find("has joint 'shoulder'"), std::string::npos);
+}
+
+TEST(Urdf, WhatIsLeftOutIsToldOnceWithItsPlace) {
+  Notes notes;
+  robot("<link name='a' colour='red'>\n  <inertial><mass value='1' unit='kg'/></inertial></link>\n<transmission/>\n<transmission/><joints/>", &notes);
+  const std::vector<std::string> lines = notes.lines();
+  ASSERT_EQ(lines.size(), 4u);
+  EXPECT_EQ(lines[0], "r.urdf:2:1: warning: attribute 'colour' of <link> is none of URDF's, and not imported");
+  EXPECT_EQ(lines[1], "r.urdf:3:13: warning: attribute 'unit' of <mass> is none of URDF's, and not imported");
+  EXPECT_EQ(lines[2], "r.urdf:4:1: warning: <transmission> in <robot> is not imported (and 1 more)");
+  EXPECT_EQ(lines[3], "r.urdf:5:16: warning: <joints> in <robot> is none of URDF's, and not imported; did you mean 'joint'?");
+}
+
+TEST(Urdf, RefusalsNameTheLine) {
+  EXPECT_EQ(refusal("<link name='a'/>\n<link name='a'/>"), "r.urdf:3:1: error: a second link 'a'; the first is in line 2");
+  EXPECT_NE(refusal(link("a") + link("b")).find("hangs on no other"), std::string::npos);
+  EXPECT_NE(refusal(link("a") + link("foot") + joint("j", "fixed", "a", "foots", "")).find("there is no link 'foots'; did you mean 'foot'?"),
+            std::string::npos);
+  EXPECT_NE(refusal(link("a") + link("b") + joint("j", "planar", "a", "b", "")).find("'planar'"), std::string::npos);
+  EXPECT_NE(refusal(link("a") + link("b") + joint("j", "revolute", "a", "b", "")).find("needs a <limit>"), std::string::npos);
+  EXPECT_NE(refusal(link("a") + link("b") + link("c") + joint("i", "fixed", "b", "c", "") + joint("j", "fixed", "c", "b", "")).find("in a circle"),
+            std::string::npos);
+  EXPECT_NE(refusal(link("a") + link("b") + joint("i", "fixed", "a", "b", "") + joint("j", "fixed", "a", "b", "")).find("second parent"),
+            std::string::npos);
+  EXPECT_NE(refusal("<link name='a'><collision><geometry><sphere radius='1..2'/></geometry></collision></link>").find("not made of numbers"),
+            std::string::npos);
+  EXPECT_NE(refusal("<link name='a'><collision><geometry><sphere radius='nan'/></geometry></collision></link>").find("not made of numbers"),
+            std::string::npos);
+  EXPECT_NE(refusal("<link name='a'").find("r.urdf:"), std::string::npos);
+  EXPECT_NE(refusal("<xacro:macro/>").find("expand it first"), std::string::npos);
+}
+
+class Folder : public testing::Test {
+ protected:
+  void SetUp() override {
+    path_ = std::filesystem::temp_directory_path() / ("mortise_urdf_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(path_ / "thing_description/meshes");
+  }
+  void TearDown() override { std::filesystem::remove_all(path_); }
+  std::filesystem::path path_;
+};
+
+TEST_F(Folder, MeshesAreFoundInPackagesAndOnesThatNoBodyCanHaveBecomeHulls) {
+  geometry::TriMesh sound = geometry::surface_of(geometry::box({0.1, 0.2, 0.3}, 1)), open = sound;
+  open.triangles.pop_back();
+  const std::filesystem::path meshes = path_ / "thing_description/meshes";
+  geometry::write_obj((meshes / "sound.obj").string(), sound);
+  geometry::write_obj((meshes / "open.obj").string(), open);
+  const auto collision = [](const std::string& file, const std::string& scale) {
+    return "<collision><geometry><mesh filename='" + file + "'" + scale + "/></geometry></collision>";
+  };
+  std::filesystem::create_directories(path_ / "thing_description/urdf");
+  const std::string file = (path_ / "thing_description/urdf/r.urdf").string();
+  std::ofstream(file) << "<robot name='r'>"
+                      << link("a", collision("package://thing_description/meshes/sound.obj", " scale='2 2 2'") + collision("../meshes/open.obj", "") +
+                                       collision("../meshes/sound.obj", " scale='1 -1 1'") +
+                                       collision("package://thing_description/meshes/none.stl", ""))
+                      << "</robot>";
+  Notes notes;
+  Robot r = read(file, notes);
+  MeshOptions options;
+  options.folder = (path_ / "out_meshes").string();
+  try {
+    find_meshes(r, options, notes);
+    ADD_FAILURE() << "a mesh is missing";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("there is no mesh 'package://thing_description/meshes/none.stl'"), std::string::npos) << e.what();
+  }
+  r = read(file, notes);
+  options.skip_missing = true;
+  find_meshes(r, options, notes);
+  ASSERT_EQ(r.links[0].collisions.size(), 3u);
+  mend_collision_meshes(r, options, notes);
+  const std::vector<Shape>& s = r.links[0].collisions;
+  EXPECT_EQ(s[0].file, (meshes / "sound.obj").string());
+  EXPECT_EQ(s[0].scale, Vec3::Constant(2));
+  for (int i : {1, 2}) {
+    EXPECT_EQ(s[i].file, (path_ / "out_meshes" / ("a_" + std::to_string(i) + ".obj")).string());
+    EXPECT_NEAR(volume(s[i]), 0.1 * 0.2 * 0.3, 1e-12);
+  }
+  EXPECT_TRUE(told(notes, "is no closed surface"));
+  EXPECT_TRUE(told(notes, "mirrored along single axes"));
+  EXPECT_TRUE(told(notes, "is missing and left out"));
+}
+
+}  // namespace
+}  // namespace mortise::importers::urdf
