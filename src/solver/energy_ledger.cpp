@@ -8,8 +8,25 @@
 
 namespace mortise::solver {
 
-EnergyLedger::EnergyLedger(const model::Model& model, Potential& potential) : model_(model), potential_(potential), step_(model.envs) {
+EnergyLedger::EnergyLedger(const model::Model& model, Potential& potential)
+    : model_(model), potential_(potential), gone_(model.envs, 0), step_(model.envs) {
   for (const auto& effect : potential_.effects()) measures_ = measures_ || effect->loses_energy();
+}
+
+// What is known of the others stays: found again with other pairs in another order its last digits could differ, and one environment would feel what
+// became of another.
+void EnergyLedger::find(device::View<const Vec3> q, const Linearised& at, device::Fetch& fetch) {
+  if (any(gone_) && !known_.empty()) {
+    Energies here;
+    device::Fetch now;
+    potential_.energies(q, at, here, now);
+    now.now();
+    for (std::size_t k = 0; k < here.size(); ++k)
+      for (std::size_t e = 0; e < gone_.size() && !known_[k].empty(); ++e)
+        if (gone_[e]) known_[k][e] = here[k][e];
+  }
+  std::fill(gone_.begin(), gone_.end(), 0);
+  potential_.energies(q, at, known_, fetch);
 }
 
 void EnergyLedger::begin_search(const EnvMask& whose) {

@@ -28,11 +28,12 @@ class EnergyLedger {
  public:
   EnergyLedger(const model::Model& model, Potential& potential);
 
-  void begin_solve() { known_.clear(), start_.clear(), took_part_.assign(model_.envs, 0); }
-  void forget() { known_.clear(); }  // what is frozen has changed
+  void begin_solve() { known_.clear(), start_.clear(), took_part_.assign(model_.envs, 0), gone_ = took_part_; }
+  // The environment is not where its energies are known any more.
+  void forget(Index env) { gone_[env] = 1; }
 
   // Finds the energies at the present iterate q.
-  void find(device::View<const Vec3> q, const Linearised& at, device::Fetch& fetch) { potential_.energies(q, at, known_, fetch); }
+  void find(device::View<const Vec3> q, const Linearised& at, device::Fetch& fetch);
   const Energies& known() const { return known_; }
   // A way from the present iterate is about to be searched in the environments of `whose`.
   void begin_search(const EnvMask& whose);
@@ -54,7 +55,7 @@ class EnergyLedger {
   Potential& potential_;
   bool measures_ = false;
   Energies known_, start_;  // at the present iterate; where the step begins
-  EnvMask took_part_;
+  EnvMask took_part_, gone_;
   std::vector<StepEnergy> step_;
   double total_ = 0;
 };

@@ -45,8 +45,7 @@ void FirstGuess::find(const EnvMask& whose, device::Buffer<Vec3>& q, Linearised&
   for (Index e = 0; e < model.envs; ++e) taken[e] = alpha[e] == 1 && std::isfinite(after[e]) && after[e] < before[e];
   energies_.begin_search(taken);
   for (Index e = 0; e < model.envs; ++e)
-    if (taken[e]) copy_blocks(trial_, model.env_blocks[e], model.env_blocks[e + 1], q);
-  energies_.forget();
+    if (taken[e]) copy_blocks(trial_, model.env_blocks[e], model.env_blocks[e + 1], q), energies_.forget(e);
 }
 
 }  // namespace mortise::solver

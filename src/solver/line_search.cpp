@@ -51,7 +51,7 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
     } catch (const Failure& f) {  // of what supports prescribe: of one environment, without which it is tried again
       envs.fail(f.env, f.reason);
       clear_blocks(dq, model.env_blocks[f.env], model.env_blocks[f.env + 1]);
-      energies_.forget();
+      energies_.forget(f.env);
       if (!envs.any(EnvState::running)) return;
     }
   }
@@ -59,6 +59,7 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
   for (Index e = 0; e < model.envs; ++e)
     if (!envs.is(e, EnvState::running)) alpha[e] = 0;
 
+  EnvMask far_enough(model.envs, 0);
   for (int k = 0;; ++k) {
     advance(std::as_const(q).view(), std::as_const(dq).view(), alpha, model, trial_);
     Energies there;
@@ -71,7 +72,8 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
     EnvMask closer;                   // once looked at,
     std::vector<double> slope_there;  // once asked for
     for (Index e = 0; e < model.envs; ++e) {
-      if (alpha[e] == 0) continue;
+      if (alpha[e] == 0 || far_enough[e]) continue;
+      far_enough[e] = 1;  // unless what follows says otherwise
       const double left = (1 - alpha[e]) * (1 - alpha[e]);
       const double change = after[e] - before[e] + 0.5 * merit.rho[e] * (left - 1) * merit.cc[e];
       const double rounding = tuning::kEnergyRounding * scale_there[e] + merit.rounding[e];
@@ -89,6 +91,7 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
         if (closer[e]) continue;
       }
       ok = false;
+      far_enough[e] = 0;
       if (k < tuning::kMostHalvings) {
         alpha[e] *= 0.5;
       } else {

@@ -62,14 +62,14 @@ linalg::GmresResult solve_whole(const LinearSystem& s, const EnvMask& whose, con
     std::vector<double> wanted(envs, 0.0);
     for (Index e = 0; e < envs; ++e) {
       if (left[e]) sum.relative[e] = b2[e] > 0 ? std::sqrt(r2[e] / b2[e]) : 0;
-      left[e] = left[e] && sum.relative[e] > relative[e];
+      left[e] = left[e] && sum.relative[e] > relative[e] && sum.of_env[e] < most;
       if (left[e])
         wanted[e] = relative[e] / sum.relative[e];
       else
         clear_blocks(r, env_rows[e], env_rows[e + 1]);
     }
-    if (!any(left) || sum.iterations >= most) break;
-    const linalg::GmresResult cycle = linalg::gmres(product, inverse, std::as_const(r).view(), d.view(), env_rows, wanted, most - sum.iterations);
+    if (!any(left)) break;
+    const linalg::GmresResult cycle = linalg::gmres(product, inverse, std::as_const(r).view(), d.view(), env_rows, wanted, most);
     add(std::as_const(d).view(), x);
     sum.iterations += cycle.iterations;
     for (Index e = 0; e < envs; ++e) sum.of_env[e] += left[e] ? cycle.of_env[e] : 0;

@@ -164,7 +164,10 @@ void Newton::settle(const Residual& r, Index iteration) {
     }
     if (envs_[e].may_couple && r.support_gap[e] == 0) keep_nearest(e, r);
     if (envs_[e].whole ? gets_nowhere(e, iteration, r) : envs_[e].may_couple && r.support_gap[e] == 0 && needs_jacobian(e, iteration, r)) {
-      if (std::isfinite(nearest_force_[e])) copy_blocks(nearest_q_, model_.env_blocks[e], model_.env_blocks[e + 1], q_);
+      if (std::isfinite(nearest_force_[e])) {
+        copy_blocks(nearest_q_, model_.env_blocks[e], model_.env_blocks[e + 1], q_);
+        energies_.forget(e);
+      }
       envs_[e].state = EnvState::stuck;
       continue;
     }
@@ -235,9 +238,9 @@ void Newton::solve_coupled(const effects::StepInfo& info, StepReport& report, co
                                trace_.begin(info, std::as_const(q_).view(), r, iteration, at_, whose, report);
                              },
                              [&](const EnvMask& whose, const std::vector<Index>& products) { trace_.end(envs_, whose, products, report); }};
-  energies_.forget();
+  for (Index e = 0; e < envs_.size(); ++e)
+    if (envs_.is(e, EnvState::stuck)) energies_.forget(e);
   coupled_.solve(q_, lag_.wanted(), at_, near_, envs_, report, stop, watch);
-  energies_.forget();
   check_failed();
   if (system_.potential.lags()) report.lag_residual = report.residual, report.lag_share = report.residual_share;
 }
