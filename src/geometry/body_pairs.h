@@ -26,7 +26,8 @@ class BodyPairs {
     long long begin = 0;
     for (std::size_t first = 0, end = 0; first < env.size(); first = end) {
       while (end < env.size() && env[end] == env[first]) ++end;
-      for (std::size_t a = first; a < end; ++a, begin += static_cast<long long>(end - first)) row_[a] = static_cast<Index>(begin - static_cast<long long>(first));
+      for (std::size_t a = first; a < end; ++a, begin += static_cast<long long>(end - first))
+        row_[a] = static_cast<Index>(begin - static_cast<long long>(first));
       if (begin > std::numeric_limits<Index>::max()) throw std::length_error("too many pairs of bodies");
     }
     pairs_ = static_cast<Index>(begin);

@@ -17,9 +17,9 @@ inline constexpr double kBent = 1.523048436087608e-4;  // 1 - cos 1 deg: below i
 inline constexpr double kStrip = 1e-10;                // of the altitude: what lies this near to a side lies on it
 
 // ---- edges and points of tapered weights (tapered.h)
-inline constexpr double kOnSide = 1e-10;     // barycentric; a master vertex this near to a slave edge lies on it
-inline constexpr double kGoesOn = 0.5;       // cos 60 deg: triangles that are bent more against each other do not share what lies on their common side
-inline constexpr double kPointShare = 0.1;   // of e^2 sum A: what tapers of faces and edges leave at a vertex (README)
+inline constexpr double kOnSide = 1e-10;    // barycentric; a master vertex this near to a slave edge lies on it
+inline constexpr double kGoesOn = 0.5;      // cos 60 deg: triangles that are bent more against each other do not share what lies on their common side
+inline constexpr double kPointShare = 0.1;  // of e^2 sum A: what tapers of faces and edges leave at a vertex (README)
 
 // ---- layers (layers.h)
 inline constexpr double kLayerFaces = 0.1;  // c: what stands nearly upright hides nothing
@@ -28,9 +28,9 @@ inline constexpr double kLayerFaces = 0.1;  // c: what stands nearly upright hid
 // Faces within 10 degrees of parallel (fading until 14) are cut where they leave the support radius. At an angle the strips within are narrow, and
 // move with the gap, which the frozen Hessian does not know.
 inline constexpr double kCutNone = 0.97, kCutFade = 0.015;
-inline constexpr double kSlabGrowth = 1.4;  // of the gap over a slab: Gauss rules of six points then err by 1e-12
-inline constexpr double kSlabLeast = 1e-3;  // of d_hat: thinner slabs hold no more than rounding of the whole
-inline constexpr double kLevel = 1e-7;      // of the gap: what varies by less over a piece is constant, to 1e-14 of its integral
+inline constexpr double kSlabGrowth = 1.4;             // of the gap over a slab: Gauss rules of six points then err by 1e-12
+inline constexpr double kSlabLeast = 1e-3;             // of d_hat: thinner slabs hold no more than rounding of the whole
+inline constexpr double kLevel = 1e-7;                 // of the gap: what varies by less over a piece is constant, to 1e-14 of its integral
 inline constexpr double kBeside = 1.4142135623730951;  // edges and tips are seen up to the reach above a slave triangle and as far beside it
 
 // ---- frozen gaps (frozen.h)
@@ -50,10 +50,10 @@ inline constexpr double kNearest = 1e-3;  // and shorter ways bring nothing that
 inline constexpr double kAverageReach = 10;
 
 // ---- stiffness (stiffness.h)
-inline constexpr double kWanted = 4;                    // k: sample pressures are best there on every mesh (README)
-inline constexpr double kOpen = 0.7, kSoftest = 0.376;  // least t in statics, in motion
-inline constexpr double kFirstPressure = 0.01;          // p / E* before any pressure is known: a strain of a percent
-inline constexpr double kRigidPressure = 1e4;           // [Pa] of a load on its footprint, before any is known, where nothing can deform
+inline constexpr double kWanted = 4;                           // k: sample pressures are best there on every mesh (README)
+inline constexpr double kOpen = 0.7, kSoftest = 0.376;         // least t in statics, in motion
+inline constexpr double kFirstPressure = 0.01;                 // p / E* before any pressure is known: a strain of a percent
+inline constexpr double kRigidPressure = 1e4;                  // [Pa] of a load on its footprint, before any is known, where nothing can deform
 inline constexpr double kRigidOpen = 0.9, kRigidClosed = 0.3;  // t of bodies that cannot deform: beyond these the stiffness is chosen anew
 inline constexpr double kSame = 1.5;  // changes of stiffness below this factor move a pressure by less than its mesh does: not worth another solution
 
