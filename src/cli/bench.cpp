@@ -114,22 +114,21 @@ int cmd_bench(const Options& o) {
 
 }  // namespace
 
-void add_bench(CLI::App& app, Context& context) {
-  CLI::App* sub = app.add_subcommand("bench", "run a benchmark with a known answer");
+void add_bench(Command app, Context& context) {
+  const Command sub = app.command("bench", "run a benchmark with a known answer");
   auto o = std::make_shared<Options>();
-  sub->add_option("name", o->name, "which; see --list");
-  sub->add_flag("--list", o->list, "list the benchmarks");
-  sub->add_option("--data", o->data, "folder with the benchmark's data");
-  sub->add_flag("--json", o->json, "one JSON object per row");
-  sub->add_option("--set", o->sets,
-                  "value of the benchmark's scene (a.b=c) or an option of its own (methods=gmcp_consistent,ipc_classic; size=medium)");
-  sub->add_option("--result", o->result, "also write the rows and the machine to this file");
-  add_device_options(*sub, o->device, o->threads);
-  add_hard_flags(*sub, o->hard);
-  sub->footer(
+  sub.option("name", o->name, "which; see --list");
+  sub.flag("--list", o->list, "list the benchmarks");
+  sub.option("--data", o->data, "folder with the benchmark's data");
+  sub.flag("--json", o->json, "one JSON object per row");
+  sub.option("--set", o->sets, "value of the benchmark's scene (a.b=c) or an option of its own (methods=gmcp_consistent,ipc_classic; size=medium)");
+  sub.option("--result", o->result, "also write the rows and the machine to this file");
+  add_device_options(sub, o->device, o->threads);
+  add_hard_flags(sub, o->hard);
+  sub.footer(
       "Examples:\n  mortise bench --list\n  mortise bench patch\n  mortise bench hertz --set size=medium --json\n  mortise bench ccd --data queries "
       "--json\n  mortise bench hard --only H11");
-  sub->callback([o, &context] { context.action = [o] { return cmd_bench(*o); }; });
+  sub.action([o, &context] { context.action = [o] { return cmd_bench(*o); }; });
 }
 
 }  // namespace mortise::cli

@@ -10,21 +10,20 @@
 
 namespace mortise::cli {
 
-void add_hard_flags(CLI::App& sub, HardFlags& flags) {
-  auto* quick = sub.add_flag("--quick", flags.quick, "hard: every case cut to seconds (the default)");
-  sub.add_flag("--full", flags.full, "hard: whole lengths, variants with both contact methods")->excludes(quick);
-  sub.add_option("--only", flags.only, "hard: only these cases (H11, or the beginning of a scene's name)")->delimiter(',');
-  sub.add_option(
-      "--out", flags.output,
-      "folder of the figures and pictures of a benchmark (default out/bench/NAME), of the runs of hard and fuzz (default out/hard, out/fuzz)");
-  sub.add_flag("--wild", flags.wild,
-               "fuzz: scenes that are not tame: quadratic elements, mesh files, statics, loads, sensors, BDF2, driven bodies, crowds, kills");
-  sub.add_flag("--as-is", flags.as_is, "fuzz: leave scenes that fail as they are; otherwise parts are taken out while they fail in the same way");
-  sub.add_option("--limit", flags.limit, "hard, fuzz: CPU seconds after which a run is ended (default 60, full 3600)")->check(CLI::PositiveNumber);
-  sub.add_option("--expect", flags.expect,
-                 "hard: exit code 0 when at most three rows that pass in this file (one written by --result) fail and none is unsafe");
-  sub.add_option("--seeds", flags.seeds, "fuzz: how many")->capture_default_str();
-  sub.add_option("--first", flags.first_seed, "fuzz: the first seed")->capture_default_str();
+void add_hard_flags(Command sub, HardFlags& flags) {
+  const Flag quick = sub.flag("--quick", flags.quick, "hard: every case cut to seconds (the default)");
+  sub.flag("--full", flags.full, "hard: whole lengths, variants with both contact methods").excludes(quick);
+  sub.option("--only", flags.only, "hard: only these cases (H11, or the beginning of a scene's name)").split(',');
+  sub.option("--out", flags.output,
+             "folder of the figures and pictures of a benchmark (default out/bench/NAME), of the runs of hard and fuzz (default out/hard, out/fuzz)");
+  sub.flag("--wild", flags.wild,
+           "fuzz: scenes that are not tame: quadratic elements, mesh files, statics, loads, sensors, BDF2, driven bodies, crowds, kills");
+  sub.flag("--as-is", flags.as_is, "fuzz: leave scenes that fail as they are; otherwise parts are taken out while they fail in the same way");
+  sub.option("--limit", flags.limit, "hard, fuzz: CPU seconds after which a run is ended (default 60, full 3600)").positive();
+  sub.option("--expect", flags.expect,
+             "hard: exit code 0 when at most three rows that pass in this file (one written by --result) fail and none is unsafe");
+  sub.option("--seeds", flags.seeds, "fuzz: how many").show_default();
+  sub.option("--first", flags.first_seed, "fuzz: the first seed").show_default();
 }
 
 namespace {

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "CLI/CLI.hpp"
+#include "cli/flags.h"
 
 namespace mortise::cli {
 
@@ -15,7 +15,7 @@ struct HardFlags {
   double limit = 0;    // seconds per run; 0: by the length of the cases
   unsigned long seeds = 100, first_seed = 1;
 };
-void add_hard_flags(CLI::App& sub, HardFlags& flags);
+void add_hard_flags(Command sub, HardFlags& flags);
 
 constexpr const char* kHardHelp = "hard cases of contact, one process per run, judged by their own criteria (H01-H73)";
 

@@ -80,19 +80,18 @@ int cmd_check(const Options& o) {
 
 }  // namespace
 
-void add_check(CLI::App& app, Context& context) {
-  CLI::App* sub = app.add_subcommand("check", "report every error in a scene, and all that would keep a run from its first step");
+void add_check(Command app, Context& context) {
+  const Command sub = app.command("check", "report every error in a scene, and all that would keep a run from its first step");
   auto o = std::make_shared<Options>();
-  add_scene_options(*sub, o->scene, o->overrides);
-  sub->add_flag("--print-resolved", o->print_resolved, "print the scene with all defaults filled in and every number in SI");
-  sub->add_flag("--plan", o->plan, "list effects, buffers, bytes and kernels of a run too, and what passes through what");
-  sub->add_flag("--quick", o->quick, "read the scene alone: no meshes, no search for bodies that touch");
-  sub->add_option("--environment", o->environment, "of this one of the scene's `environments`, which is a scene of its own")
-      ->check(CLI::NonNegativeNumber);
-  sub->footer(
+  add_scene_options(sub, o->scene, o->overrides);
+  sub.flag("--print-resolved", o->print_resolved, "print the scene with all defaults filled in and every number in SI");
+  sub.flag("--plan", o->plan, "list effects, buffers, bytes and kernels of a run too, and what passes through what");
+  sub.flag("--quick", o->quick, "read the scene alone: no meshes, no search for bodies that touch");
+  sub.option("--environment", o->environment, "of this one of the scene's `environments`, which is a scene of its own").not_negative();
+  sub.footer(
       "Examples:\n  mortise check scene.yaml\n  mortise check scene.yaml --set effects.friction.mu=0.3 --print-resolved\n"
       "  generate_scene.py | mortise check -");
-  sub->callback([o, &context] { context.action = [o] { return cmd_check(*o); }; });
+  sub.action([o, &context] { context.action = [o] { return cmd_check(*o); }; });
 }
 
 }  // namespace mortise::cli

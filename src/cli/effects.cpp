@@ -105,12 +105,12 @@ int cmd_effects(const std::string& wanted) {
 
 }  // namespace
 
-void add_effects(CLI::App& app, Context& context) {
-  CLI::App* sub = app.add_subcommand("effects", "list the effects a scene can name, or explain one");
+void add_effects(Command app, Context& context) {
+  const Command sub = app.command("effects", "list the effects a scene can name, or explain one");
   auto name = std::make_shared<std::string>();
-  sub->add_option("name", *name, "effect to explain: its keys with units, ranges and defaults, and its papers");
-  sub->footer("Examples:\n  mortise effects\n  mortise effects friction");
-  sub->callback([name, &context] { context.action = [name] { return cmd_effects(*name); }; });
+  sub.option("name", *name, "effect to explain: its keys with units, ranges and defaults, and its papers");
+  sub.footer("Examples:\n  mortise effects\n  mortise effects friction");
+  sub.action([name, &context] { context.action = [name] { return cmd_effects(*name); }; });
 }
 
 }  // namespace mortise::cli

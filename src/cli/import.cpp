@@ -89,34 +89,27 @@ int cmd_import(const Options& o) {
 
 }  // namespace
 
-void add_import(CLI::App& app, Context& context) {
-  CLI::App* sub = app.add_subcommand("import", "turn a robot's URDF file into a scene that runs");
+void add_import(Command app, Context& context) {
+  const Command sub = app.command("import", "turn a robot's URDF file into a scene that runs");
   auto o = std::make_shared<Options>();
-  sub->add_option("robot", o->robot, "URDF file")->required();
-  sub->add_option("-o,--output", o->output, "scene file to write; - writes to the standard output")->required();
-  sub->add_option("--package", o->packages, "NAME=FOLDER where package://NAME is; without it beside or above the robot's file, and ROS_PACKAGE_PATH")
-      ->allow_extra_args(false)
-      ->take_all();
-  sub->add_option("--joint", o->joints,
-                  "NAME=VALUE where a joint stands: '*_calf_joint=-1.8', elbow='50 deg'; * and ? match any; the right-most wins")
-      ->allow_extra_args(false)
-      ->take_all();
-  sub->add_option("--soft", o->soft, "LINK becomes a soft pad bonded to what it is fixed to")->allow_extra_args(false)->take_all();
-  sub->add_option("--base", o->base, "free or fixed; a root link called world is always fixed")
-      ->check(CLI::IsMember({"free", "fixed"}))
-      ->capture_default_str();
-  sub->add_option("--missing-meshes", o->missing, "error, or skip: go on without them")
-      ->check(CLI::IsMember({"error", "skip"}))
-      ->capture_default_str();
-  sub->add_option("--clearance", o->clearance, "of the lowest point above the floor [m]")->check(CLI::PositiveNumber)->capture_default_str();
-  sub->add_option("--apart", o->apart, "bodies with no more joints than this between them pass through each other")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
-  sub->add_flag("--overwrite", o->overwrite, "replace the scene file");
-  sub->footer(
+  sub.option("robot", o->robot, "URDF file").required();
+  sub.option("-o,--output", o->output, "scene file to write; - writes to the standard output").required();
+  sub.option("--package", o->packages, "NAME=FOLDER where package://NAME is; without it beside or above the robot's file, and ROS_PACKAGE_PATH")
+      .one_each()
+      .take_all();
+  sub.option("--joint", o->joints, "NAME=VALUE where a joint stands: '*_calf_joint=-1.8', elbow='50 deg'; * and ? match any; the right-most wins")
+      .one_each()
+      .take_all();
+  sub.option("--soft", o->soft, "LINK becomes a soft pad bonded to what it is fixed to").one_each().take_all();
+  sub.option("--base", o->base, "free or fixed; a root link called world is always fixed").one_of({"free", "fixed"}).show_default();
+  sub.option("--missing-meshes", o->missing, "error, or skip: go on without them").one_of({"error", "skip"}).show_default();
+  sub.option("--clearance", o->clearance, "of the lowest point above the floor [m]").positive().show_default();
+  sub.option("--apart", o->apart, "bodies with no more joints than this between them pass through each other").within(1, 100).show_default();
+  sub.flag("--overwrite", o->overwrite, "replace the scene file");
+  sub.footer(
       "Examples:\n  mortise import arm.urdf -o arm.yaml --base fixed\n"
       "  mortise import go2.urdf -o go2.yaml --missing-meshes skip --joint '*_thigh_joint=0.9' --joint '*_calf_joint=-1.8' --soft FL_foot");
-  sub->callback([o, &context] { context.action = [o] { return cmd_import(*o); }; });
+  sub.action([o, &context] { context.action = [o] { return cmd_import(*o); }; });
 }
 
 }  // namespace mortise::cli

@@ -5,7 +5,7 @@
 
 #include "base/version.h"
 #include "cli/commands.h"
-#include "engine/engine.h"
+#include "engine/api.h"
 #include "run/libraries.h"
 
 namespace mortise::cli {
@@ -66,12 +66,12 @@ std::string version_text() {
   return std::string("mortise ") + version() + (commit.empty() ? "" : " (" + commit + ")");
 }
 
-void add_info(CLI::App& app, Context& context) {
-  CLI::App* sub = app.add_subcommand("info", "version, build, devices and libraries");
+void add_info(Command app, Context& context) {
+  const Command sub = app.command("info", "version, build, devices and libraries");
   auto json = std::make_shared<bool>(false);
-  sub->add_flag("--json", *json, "as one JSON object");
-  sub->footer("Examples:\n  mortise info\n  mortise info --json");
-  sub->callback([json, &context] { context.action = [json] { return cmd_info(*json); }; });
+  sub.flag("--json", *json, "as one JSON object");
+  sub.footer("Examples:\n  mortise info\n  mortise info --json");
+  sub.action([json, &context] { context.action = [json] { return cmd_info(*json); }; });
 }
 
 }  // namespace mortise::cli

@@ -36,16 +36,16 @@ int cmd_merge(const std::string& folder, bool parquet) {
 
 }  // namespace
 
-void add_merge(CLI::App& app, Context& context) {
-  CLI::App* sub = app.add_subcommand("merge", "gather what the rows of a sweep left in one table");
+void add_merge(Command app, Context& context) {
+  const Command sub = app.command("merge", "gather what the rows of a sweep left in one table");
   auto folder = std::make_shared<std::string>();
   auto parquet = std::make_shared<bool>(false);
-  sub->add_option("folder", *folder, "folder of the sweep")->required();
-  sub->add_flag("--parquet", *parquet, "also table.parquet, by python3 with pyarrow");
-  sub->footer(
+  sub.option("folder", *folder, "folder of the sweep").required();
+  sub.flag("--parquet", *parquet, "also table.parquet, by python3 with pyarrow");
+  sub.footer(
       "Rows that failed or are missing are listed as sbatch's --array takes them.\nExample:\n  mortise merge out/mu\nExit codes: 0 every row is "
       "finished, 5 some failed or are missing (the table is written)");
-  sub->callback([=, &context] { context.action = [=] { return cmd_merge(*folder, *parquet); }; });
+  sub.action([=, &context] { context.action = [=] { return cmd_merge(*folder, *parquet); }; });
 }
 
 }  // namespace mortise::cli

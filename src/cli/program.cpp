@@ -1,3 +1,4 @@
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -11,7 +12,7 @@ namespace mortise::cli {
 namespace {
 
 // The one list of subcommands, in the order of the help text.
-using Add = void (*)(CLI::App&, Context&);
+using Add = void (*)(Command, Context&);
 constexpr Add kCommands[] = {add_run,    add_render, add_bench,   add_study,  add_sweep, add_merge,
                              add_import, add_check,  add_effects, add_schema, add_info};
 
@@ -101,7 +102,7 @@ int run(std::vector<std::string> args) {
   app.add_option("--color", "colour of messages: auto, always, never");  // for the help text; taken out before parsing
   app.require_subcommand(0, 1);
   app.footer(kExamples);
-  for (Add add : kCommands) add(app, context);
+  for (Add add : kCommands) add(Command(&app), context);
 
   take_colour(args);
   if (args.empty()) {
@@ -143,19 +144,18 @@ int program(std::vector<std::string> arguments) {
   }
 }
 
-void add_scene_options(CLI::App& command, std::string& scene, std::vector<std::string>& overrides) {
-  command.add_option("scene", scene, "scene file; - reads the standard input")->required();
-  command.add_option("--set", overrides, "PATH=VALUE changes one value of the scene, e.g. bodies.pad.velocity.2=-0.1; the right-most wins")
-      ->allow_extra_args(false)
-      ->take_all();
+void add_scene_options(Command command, std::string& scene, std::vector<std::string>& overrides) {
+  command.option("scene", scene, "scene file; - reads the standard input").required();
+  command.option("--set", overrides, "PATH=VALUE changes one value of the scene, e.g. bodies.pad.velocity.2=-0.1; the right-most wins")
+      .one_each()
+      .take_all();
 }
 
-void add_device_options(CLI::App& command, std::string& device, int& threads) {
-  command.add_option("--device", device, engine::kDeviceHelp)->envname("MORTISE_DEVICE")->capture_default_str()->check([](const std::string& name) {
+void add_device_options(Command command, std::string& device, int& threads) {
+  command.option("--device", device, engine::kDeviceHelp).environment_variable("MORTISE_DEVICE").show_default().check([](const std::string& name) {
     return engine::is_device_name(name) ? std::string() : "'" + name + "' is no device; must be auto, cpu, cuda, cuda:N or debug";
   });
-  command.add_option("-j,--threads", threads, "CPU threads; default SLURM_CPUS_PER_TASK, else all that the process may use")
-      ->check(CLI::PositiveNumber);
+  command.option("-j,--threads", threads, "CPU threads; default SLURM_CPUS_PER_TASK, else all that the process may use").positive();
 }
 
 }  // namespace mortise::cli

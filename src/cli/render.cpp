@@ -103,21 +103,21 @@ void parse_range(const std::string& text, Options& o) {
 
 }  // namespace
 
-void add_render(CLI::App& app, Context& context) {
-  CLI::App* sub = app.add_subcommand("render", "draw pictures from saved fields, e.g. with another camera or other scales");
+void add_render(Command app, Context& context) {
+  const Command sub = app.command("render", "draw pictures from saved fields, e.g. with another camera or other scales");
   auto o = std::make_shared<Options>();
   auto frames = std::make_shared<std::string>();
-  add_scene_options(*sub, o->scene, o->overrides);
-  sub->add_option("fields", o->fields, "fields.vtkhdf of a run of this scene")->required();
-  sub->add_option("-o,--output", o->output, "folder of the pictures; default `frames` beside the fields");
-  sub->add_option("--environment", o->environment, "the fields are those of this one of the scene's `environments`")->check(CLI::NonNegativeNumber);
-  sub->add_option("--frames", *frames, "A:B, A: or A; default all");
-  sub->add_option("--every", o->every, "only every so many frames; default as `render.every` of the scene")->check(CLI::PositiveNumber);
-  sub->footer(
+  add_scene_options(sub, o->scene, o->overrides);
+  sub.option("fields", o->fields, "fields.vtkhdf of a run of this scene").required();
+  sub.option("-o,--output", o->output, "folder of the pictures; default `frames` beside the fields");
+  sub.option("--environment", o->environment, "the fields are those of this one of the scene's `environments`").not_negative();
+  sub.option("--frames", *frames, "A:B, A: or A; default all");
+  sub.option("--every", o->every, "only every so many frames; default as `render.every` of the scene").positive();
+  sub.footer(
       "Examples:\n  mortise render scenes/tactile/press.yaml out/press/fields.vtkhdf\n"
       "  mortise render press.yaml out/press/fields.vtkhdf --frames 40: -o closeup --set render.cameras.beauty.fov=0.2\n"
       "  mortise render pad.yaml out/pad/fields.vtkhdf --every 1 --set 'sensors.map.range=[0, 20 kPa]'");
-  sub->callback([o, frames, &context] {
+  sub.action([o, frames, &context] {
     context.action = [o, frames] {
       if (!frames->empty()) parse_range(*frames, *o);
       return cmd_render(*o);

@@ -16,10 +16,10 @@ int cmd_schema() {
 
 }  // namespace
 
-void add_schema(CLI::App& app, Context& context) {
-  CLI::App* sub = app.add_subcommand("schema", "print the JSON Schema (draft-07) of scene files");
-  sub->footer("Example:\n  mortise schema > schemas/scene.schema.json");
-  sub->callback([&context] { context.action = cmd_schema; });
+void add_schema(Command app, Context& context) {
+  const Command sub = app.command("schema", "print the JSON Schema (draft-07) of scene files");
+  sub.footer("Example:\n  mortise schema > schemas/scene.schema.json");
+  sub.action([&context] { context.action = cmd_schema; });
 }
 
 }  // namespace mortise::cli

@@ -58,28 +58,25 @@ int cmd_study(const Options& o) {
 
 }  // namespace
 
-void add_study(CLI::App& app, Context& context) {
-  CLI::App* sub = app.add_subcommand("study", "run with varied settings and compare accuracy and time");
+void add_study(Command app, Context& context) {
+  const Command sub = app.command("study", "run with varied settings and compare accuracy and time");
   auto o = std::make_shared<Options>();
-  add_scene_options(*sub, o->scene, o->overrides);
-  sub->add_option("--vary", o->vary, "key=v1,v2,...: the first one varied is the ladder, combinations of the others are curves")
-      ->required()
-      ->take_all();
-  sub->add_option("--qoi", o->quantities,
-                  "quantity to compare: group/name of any scalar at the last step (sensors' too), or a quantity of a benchmark")
-      ->required()
-      ->take_all();
-  sub->add_option("--reference", o->references,
-                  "its right value, one per --qoi; default: the limit of the ladder on the first curve (Richardson, order observed), or its last "
-                  "value where it has none; printed");
-  sub->add_option("-o,--output", o->output, "folder for points.csv and figures")->capture_default_str();
-  sub->add_option("--repeat", o->repeats, "runs of every setting; the fastest counts");
-  add_device_options(*sub, o->device, o->threads);
-  sub->footer(
+  add_scene_options(sub, o->scene, o->overrides);
+  sub.option("--vary", o->vary, "key=v1,v2,...: the first one varied is the ladder, combinations of the others are curves").required().take_all();
+  sub.option("--qoi", o->quantities, "quantity to compare: group/name of any scalar at the last step (sensors' too), or a quantity of a benchmark")
+      .required()
+      .take_all();
+  sub.option("--reference", o->references,
+             "its right value, one per --qoi; default: the limit of the ladder on the first curve (Richardson, order observed), or its last "
+             "value where it has none; printed");
+  sub.option("-o,--output", o->output, "folder for points.csv and figures").show_default();
+  sub.option("--repeat", o->repeats, "runs of every setting; the fastest counts");
+  add_device_options(sub, o->device, o->threads);
+  sub.footer(
       "Examples:\n  mortise study scene.yaml --vary time.step='10 ms,5 ms,2.5 ms' --qoi elasticity/energy -o out/steps      (all runs end at the "
       "same time)\n"
       "  mortise study hertz --vary size=coarse,medium --qoi 'pressure L2, r <= a'      (a benchmark: one curve per method)");
-  sub->callback([o, &context] { context.action = [o] { return cmd_study(*o); }; });
+  sub.action([o, &context] { context.action = [o] { return cmd_study(*o); }; });
 }
 
 }  // namespace mortise::cli

@@ -89,28 +89,28 @@ int cmd_sweep(const Options& o) {
 
 }  // namespace
 
-void add_sweep(CLI::App& app, Context& context) {
-  CLI::App* sub = app.add_subcommand("sweep", "run one scene with many rows of parameters, one folder per row");
+void add_sweep(Command app, Context& context) {
+  const Command sub = app.command("sweep", "run one scene with many rows of parameters, one folder per row");
   auto o = std::make_shared<Options>();
-  sub->add_option("sweep", o->file, "file of the sweep (schemas/sweep.md)")->required();
-  sub->add_option("-o,--output", o->output, "folder of the rows' folders; default out/<name of the sweep>");
-  auto* index =
-      sub->add_option("--index", o->index, "only this row, in this process, with the exit code of its run (for array jobs: $SLURM_ARRAY_TASK_ID)")
-          ->check(CLI::NonNegativeNumber);
-  sub->add_option("--shard", o->shard, "I/N: only rows I, I + N, I + 2 N, ...")->excludes(index);
-  sub->add_flag("--dry-run", o->dry_run, "print the rows and check the scene of each")->excludes(index);
-  sub->add_option("-j,--jobs", o->jobs, "rows at once")->check(CLI::PositiveNumber)->capture_default_str()->excludes(index);
-  sub->add_option("--threads", o->threads, "CPU threads of every row; default: those of the machine shared out")->check(CLI::PositiveNumber);
-  sub->add_option("--device", o->device, "as for run")->envname("MORTISE_DEVICE")->capture_default_str();
-  sub->add_flag("--no-render", o->no_render, "no pictures");
-  sub->add_flag("-q,--quiet", o->quiet, "errors only");
-  sub->footer(
+  sub.option("sweep", o->file, "file of the sweep (schemas/sweep.md)").required();
+  sub.option("-o,--output", o->output, "folder of the rows' folders; default out/<name of the sweep>");
+  const Flag index =
+      sub.option("--index", o->index, "only this row, in this process, with the exit code of its run (for array jobs: $SLURM_ARRAY_TASK_ID)")
+          .not_negative();
+  sub.option("--shard", o->shard, "I/N: only rows I, I + N, I + 2 N, ...").excludes(index);
+  sub.flag("--dry-run", o->dry_run, "print the rows and check the scene of each").excludes(index);
+  sub.option("-j,--jobs", o->jobs, "rows at once").positive().show_default().excludes(index);
+  sub.option("--threads", o->threads, "CPU threads of every row; default: those of the machine shared out").positive();
+  sub.option("--device", o->device, "as for run").environment_variable("MORTISE_DEVICE").show_default();
+  sub.flag("--no-render", o->no_render, "no pictures");
+  sub.flag("-q,--quiet", o->quiet, "errors only");
+  sub.footer(
       "A finished row is never run again; one that was cut short goes on from its checkpoint, one that failed is tried again: the same command until "
       "it ends with 0.\n"
       "Examples:\n  mortise sweep mu.yaml --dry-run\n  mortise sweep mu.yaml -j 8\n  mortise sweep mu.yaml --index 7        (one task of an array; "
       "exit 75: run it again)\n  mortise merge out/mu\n"
       "Exit codes: 0 all rows done, 5 a row failed, 7 checks of a row failed, 75 stopped by a signal (run the same again)");
-  sub->callback([o, &context] { context.action = [o] { return cmd_sweep(*o); }; });
+  sub.action([o, &context] { context.action = [o] { return cmd_sweep(*o); }; });
 }
 
 }  // namespace mortise::cli

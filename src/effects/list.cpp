@@ -2,28 +2,32 @@
 
 namespace mortise::effects {
 
-// Each is defined at the end of effects/<name>/<name>.cpp.
-const Kind& pin_kind();
-const Kind& joint_kind();  // after pins: what they hold cannot be tied
-const Kind& drive_kind();  // after joints
-const Kind& bond_kind();
-const Kind& mortar_tie_kind();
-const Kind& inertia_kind();
-const Kind& gravity_kind();
-const Kind& elasticity_kind();
-const Kind& affine_body_kind();
-const Kind& barrier_contact_kind();
-const Kind& mortar_contact_kind();
-const Kind& pressure_load_kind();
-const Kind& friction_kind();  // after the contact effects, whose forces it reads
+// The list: a line per effect, in the order in which they act within a step. x_kind() stands at the end of effects/x/x.cpp.
+// clang-format off
+#define MORTISE_EFFECTS(effect) \
+  effect(pin) \
+  effect(joint)    /* after pins: what they hold cannot be tied */ \
+  effect(drive)    /* after joints */ \
+  effect(bond) \
+  effect(mortar_tie) \
+  effect(inertia) \
+  effect(gravity) \
+  effect(elasticity) \
+  effect(affine_body) \
+  effect(barrier_contact) \
+  effect(mortar_contact) \
+  effect(pressure_load) \
+  effect(friction) /* after the contact effects, whose forces it reads */
+// clang-format on
+
+#define MORTISE_DECLARE(name) const Kind& name##_kind();
+MORTISE_EFFECTS(MORTISE_DECLARE)
 
 namespace {
 
 KindList& kinds() {
-  static KindList all = {
-      pin_kind(),        joint_kind(),       drive_kind(),           bond_kind(),           mortar_tie_kind(),    inertia_kind(),  gravity_kind(),
-      elasticity_kind(), affine_body_kind(), barrier_contact_kind(), mortar_contact_kind(), pressure_load_kind(), friction_kind(),
-  };
+#define MORTISE_ENTRY(name) name##_kind(),
+  static KindList all = {MORTISE_EFFECTS(MORTISE_ENTRY)};
   return all;
 }
 

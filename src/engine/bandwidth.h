@@ -1,5 +1,5 @@
 #pragma once
-#include "engine/engine.h"
+#include "engine/api.h"
 
 namespace mortise::engine {
 

@@ -2,7 +2,7 @@
 // Which device the engine runs on. The choice holds for the process: runs, benchmarks and tests ask for chosen().
 #include <string>
 
-#include "engine/engine.h"
+#include "engine/api.h"
 
 namespace mortise::engine {
 

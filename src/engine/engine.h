@@ -1,7 +1,7 @@
 #pragma once
-// The engine as the front end sees it: the same code compiled for CPU threads (linked into the program) and for CUDA (a module
-// loaded at run time). What crosses this line is plain data - numbers, strings, standard containers, and 3x3 arrays of
-// doubles without alignment - and never an exception of ours (type information is private to each side).
+// A model under simulation as the front end sees it, whichever build of the engine holds it (api.h). What crosses this line is plain data -
+// numbers, strings, standard containers, and 3x3 arrays of doubles without alignment - and never an exception of ours (type information is
+// private to each side).
 #include <functional>
 #include <memory>
 #include <string>
@@ -10,7 +10,6 @@
 #include "base/archive.h"
 #include "base/field_sink.h"
 #include "device/device_info.h"
-#include "model/input.h"
 #include "solver/report.h"
 
 namespace mortise::engine {
@@ -47,28 +46,5 @@ class Engine {
   virtual std::vector<PlanItem> plan() = 0;       // after begin()
   virtual std::string linear_solver() const = 0;  // and why
 };
-
-// How fast y = A x runs and how fast the device copies; bytes are those that must be moved at least.
-struct Bandwidth {
-  Index rows = 0;
-  long long blocks = 0;  // 3x3 blocks of all rows
-  double multiply_seconds = 0, multiply_bytes = 0, copy_seconds = 0, copy_bytes = 0;
-};
-
-// What a build of the engine offers.
-struct Api {
-  int version;
-  std::vector<device::DeviceInfo> (*devices)(std::string* why_none);
-  std::vector<std::string> (*architectures)();  // that kernels were compiled for
-  Outcome (*select)(int number, bool debug);    // device::select; before the first engine is created
-  void (*set_threads)(int);
-  Outcome (*create)(const model::ModelInput&, std::unique_ptr<Engine>& out);
-  Outcome (*bandwidth)(Index edge, Bandwidth& out);  // of a cube of edge^3 nodes
-};
-inline constexpr int kApiVersion = 4;
-
-const Api& cpu_api();
-// The CUDA module's; nullptr where it was not built or does not load, with the reason.
-const Api* cuda_api(std::string& why_not);
 
 }  // namespace mortise::engine

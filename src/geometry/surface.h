@@ -2,7 +2,7 @@
 // What contact sees of all bodies: points with positions y (m), and the triangles, edges and vertices among them that collide.
 // Point ids run over *all* points of the model (soft nodes and vertices of stiff bodies, body after body); primitives refer to
 // them. How y depends on the degrees of freedom is not this layer's business (model/model.h).
-#include "device/device.h"
+#include "geometry/body_pairs.h"
 
 namespace mortise::geometry {
 
@@ -14,11 +14,11 @@ struct SurfaceView {
   device::View<const Index> env;                  // per point: environment
   device::View<const double> vertex_area;         // per point [m^2]: a third of the rest areas of its triangles (0 inside bodies)
   device::View<const double> edge_area;           // per edge [m^2]: a third of the rest areas of its triangles
-  device::View<const std::uint8_t> pair_allowed;  // bodies x bodies: 1 where contact between them is watched
-  Index bodies = 0;
+  BodyPairsView pairs;                            // where tables keep what holds of two bodies
+  device::View<const std::uint8_t> pair_allowed;  // per pair of bodies: 1 where contact between them is watched
 
   MORTISE_HD bool watched(Index point_a, Index point_b) const {
-    return env[point_a] == env[point_b] && pair_allowed[body[point_a] * bodies + body[point_b]] != 0;
+    return env[point_a] == env[point_b] && pair_allowed[pairs.of(body[point_a], body[point_b])] != 0;
   }
 };
 
@@ -27,12 +27,12 @@ struct Surface {
   device::Buffer<Edge> edges;
   device::Buffer<Triangle> triangles;
   device::Buffer<double> vertex_area, edge_area;
+  BodyPairs pairs;
   device::Buffer<std::uint8_t> pair_allowed;
-  Index bodies = 0;
 
   SurfaceView view() const {
-    return {vertices.view(),    edges.view(),     triangles.view(),    body.view(), env.view(),
-            vertex_area.view(), edge_area.view(), pair_allowed.view(), bodies};
+    return {vertices.view(),    edges.view(),     triangles.view(), body.view(),        env.view(),
+            vertex_area.view(), edge_area.view(), pairs.view(),     pair_allowed.view()};
   }
 };
 

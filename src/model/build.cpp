@@ -251,7 +251,7 @@ void upload_mass(Layout& l, Mass& mass, Index blocks) {
   mass.value.upload(value);
 }
 
-void upload_surface(const Layout& l, geometry::Surface& surface, Index bodies) {
+void upload_surface(const Layout& l, geometry::Surface& surface, const std::vector<Body>& bodies) {
   const std::vector<Edge> edges = geometry::unique_edges(l.triangles);
   surface.vertex_area.upload(geometry::vertex_areas(l.points, l.triangles));
   surface.edge_area.upload(geometry::edge_areas(l.points, l.triangles, edges));
@@ -266,8 +266,10 @@ void upload_surface(const Layout& l, geometry::Surface& surface, Index bodies) {
   surface.triangles.upload(l.triangles);
   surface.body.upload(l.point_body);
   surface.env.upload(l.point_env);
-  surface.bodies = bodies;
-  surface.pair_allowed.upload(std::vector<std::uint8_t>(static_cast<std::size_t>(bodies) * bodies, 0));
+  std::vector<Index> body_env;
+  for (const Body& b : bodies) body_env.push_back(b.env);
+  surface.pairs = geometry::BodyPairs(body_env);
+  surface.pair_allowed.upload(std::vector<std::uint8_t>(surface.pairs.size(0), 0));
 }
 
 }  // namespace
@@ -319,7 +321,7 @@ void build(Model& model) {
 
   upload_clusters(l.clusters, l.tets.size(), model.envs, model.clusters);
   upload_mass(l, model.mass, model.blocks);
-  upload_surface(l, model.surface, static_cast<Index>(model.bodies.size()));
+  upload_surface(l, model.surface, model.bodies);
   model.projector.upload(std::vector<Mat3>(model.blocks, Mat3::Identity()));
   model.target.upload(l.rest);
   model.held.assign(model.blocks, 0);

@@ -27,10 +27,10 @@ geometry::Broadphase& Model::broadphase() {
   return *broadphase_;
 }
 
-void Model::watch(Index a, Index b, bool on) {
+void Model::watch(const std::vector<std::uint8_t>& pairs) {
   std::vector<std::uint8_t> allowed = surface.pair_allowed.download();
-  const Index n = surface.bodies;
-  allowed[a * n + b] = allowed[b * n + a] = on ? 1 : 0;
+  for (std::size_t i = 0; i < allowed.size(); ++i)
+    if (pairs[i]) allowed[i] = 1;
   surface.pair_allowed.upload(allowed);
   if (broadphase_) broadphase_->forget();
 }

@@ -139,8 +139,8 @@ class Model {
 
   // One candidate search for all contact effects, built by the first that asks.
   geometry::Broadphase& broadphase();
-  // Makes contact between two bodies (or within one) watched; by index.
-  void watch(Index body_a, Index body_b, bool on);
+  // Makes contact watched between two bodies (or within one) where the table (of surface.pairs) is not zero.
+  void watch(const std::vector<std::uint8_t>& pairs);
 
   // Contact effects, by name: what followers find.
   void add_contact(std::string_view effect) { contacts_.emplace_back(effect); }

@@ -1,5 +1,6 @@
 #include "run/check_start.h"
 
+#include "engine/api.h"
 #include "render/from_scene.h"
 #include "render/renderer.h"
 #include "sensors/sensors.h"

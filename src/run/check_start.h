@@ -1,6 +1,7 @@
 #pragma once
 #include "base/params.h"
 #include "engine/engine.h"
+#include "model/input.h"
 
 namespace mortise::run {
 

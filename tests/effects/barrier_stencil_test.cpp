@@ -138,7 +138,9 @@ TEST(BarrierStencil, HalfOfAnAngleWithoutTrigonometry) {
       const double angle = p * p + q * q > 0 ? 0.5 * std::atan2(q, p) : 0;
       EXPECT_NEAR(cs, std::cos(angle), 1e-15) << p << " " << q;
       EXPECT_NEAR(std::fabs(sn), std::fabs(std::sin(angle)), 1e-15) << p << " " << q;
-      if (q != 0) EXPECT_GE(cs * sn * q, 0) << p << " " << q;
+      if (q != 0) {
+        EXPECT_GE(cs * sn * q, 0) << p << " " << q;
+      }
     }
 }
 

@@ -53,7 +53,7 @@ double partition_defect(const Soup& slaves, const Soup& masters) {
     for (const auto& m : masters) {
       double L[3][3];
       for (int k = 0; k < 3; ++k) project(plane, m[k], L[k]);
-      sum += share(clip(L));
+      sum += polygon_area(clip(L));
     }
     worst = std::max(worst, std::abs(sum - 1));
   }
@@ -125,7 +125,7 @@ TEST(MortarClip, SliversAreKept) {
   double L[3][3];
   const Vec3 master[3] = {{0, 0, 0.1}, {width, 1, 0.1}, {width, 0, 0.1}};
   for (int k = 0; k < 3; ++k) project(plane, master[k], L[k]);
-  EXPECT_NEAR(share(clip(L)) / width, 1, 1e-2);
+  EXPECT_NEAR(polygon_area(clip(L)) / width, 1, 1e-2);
 }
 
 // Both sets of barycentrics of a clipped corner describe one line along the normal.

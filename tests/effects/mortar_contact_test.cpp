@@ -268,7 +268,7 @@ TEST(MortarContact, FlatFacesPressUniformly) {
       }
 }
 
-// Tapered weights: what the taper takes from faces comes back by edges and points (gmcp.md E6, E7). The rule has to resolve the
+// Tapered weights: what the taper takes from faces comes back by edges and points (the README of mortar_contact). The rule has to resolve the
 // taper, hence the fine pad; with 24 cells master edges and vertices lie on slave edges and vertices and must count once.
 TEST(MortarContact, TaperedWeightsConserveTheTotalLoad) {
   Options o;
@@ -512,7 +512,7 @@ TEST(MortarContact, GuardIsTheClassicBarrier) {
 TEST(MortarContact, FrozenGapsLimitSteps) {
   using namespace effects::mortar;
   const device::Buffer<Triangle> triangles({{{0, 1, 2}}, {{3, 5, 4}}});
-  Frozen f;
+  FrozenSamples f;
   // The master's lowest corner lies beyond the slave, whose corner (0, 0) sees it at height 0.2.
   f.y.upload({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, -1, 0.1}, {3, -1, 0.3}, {-1, 3, 0.3}});
   Pair p{};
@@ -523,8 +523,8 @@ TEST(MortarContact, FrozenGapsLimitSteps) {
   const Sample s{SampleKind::face, 0, 1, 0.25, {1.0 / 3, 1.0 / 3, 1.0 / 3}, {0.5, 0.25, 0.25}};
   f.env_pairs = f.env_samples = {0, 1};
   f.samples.upload({s});
-  Scene scene{};
-  scene.surface.triangles = triangles.view();
+  MortarView view{};
+  view.surface.triangles = triangles.view();
   std::vector<Vec3> down(6, Vec3::Zero());
   for (int k = 3; k < 6; ++k) down[k] = -Vec3::UnitZ();
   const device::Buffer<Vec3> dy(down);
@@ -536,7 +536,7 @@ TEST(MortarContact, FrozenGapsLimitSteps) {
     f.pairs.upload({p});
     std::vector<double> alpha{1};
     device::Fetch fetch;
-    limit(scene, f, dy.view(), 0.1, {alpha, fetch});
+    limit(view, f, dy.view(), 0.1, {alpha, fetch});
     fetch.now();
     return alpha[0];
   };

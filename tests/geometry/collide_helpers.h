@@ -51,7 +51,7 @@ struct Soup {
     s.edges.upload(edges);
     s.triangles.upload(triangles);
     s.pair_allowed.upload(allowed);
-    s.bodies = bodies;
+    s.pairs = geometry::BodyPairs(std::vector<Index>(bodies, 0));  // a column for every body, as environments may be mixed here
     return s;
   }
 };

@@ -39,11 +39,11 @@ const BarrierLinearisation& of_barrier(const Linearisation& at) { return static_
 
 class BarrierContact final : public Effect {
  public:
-  BarrierContact(const Params& p, model::Model& model) : model_(model), near_(model, support_radius(p, model.input)) {
-    law_.d_hat = near_.reach();
-    law_.kappa = stiffness(p, model.input);
-    law_.area_weighted = p.text("form") == "area_weighted";
-    law_.edge_range = law_.area_weighted ? kEdgeShare * law_.d_hat : law_.d_hat;
+  BarrierContact(const Params& p, model::Model& model) : model_(model), proximity_(model, support_radius(p, model.input)) {
+    barrier_.d_hat = proximity_.reach();
+    barrier_.kappa = stiffness(p, model.input);
+    barrier_.area_weighted = p.text("form") == "area_weighted";
+    barrier_.edge_range = barrier_.area_weighted ? kEdgeShare * barrier_.d_hat : barrier_.d_hat;
     if (const Params* list = p.find("pairs")) pairs_ = *list;
     plane_area_.resize(static_cast<Index>(model.half_spaces.size()) * model.surface.vertices.size());
     model.add_contact(name());
@@ -51,18 +51,18 @@ class BarrierContact final : public Effect {
 
   const Kind& kind() const override;
   std::vector<PlanItem> plan() const override {
-    return {{"areas of points", point_area_.bytes() + plane_area_.bytes()}, {"candidate pairs", near_.candidates().bytes()}};
+    return {{"areas of points", point_area_.bytes() + plane_area_.bytes()}, {"candidate pairs", proximity_.candidates().bytes()}};
   }
 
   void connect() override {
-    near_.watch(watched_pairs(model_, pairs_ ? &*pairs_ : nullptr));
+    proximity_.watch(watched_pairs(model_, pairs_ ? &*pairs_ : nullptr));
     weigh({});
   }
 
   void begin_step(const StepInfo& step) override {
-    near_.begin_step(step);
+    proximity_.begin_step(step);
     weigh(step);
-    if (!checked_) check_start(model_, near_.obstacles(scene()), near_.candidates(), std::as_const(y_).view());
+    if (!checked_) check_start(model_, proximity_.obstacles(view()), proximity_.candidates(), std::as_const(y_).view());
     checked_ = true;
   }
 
@@ -70,31 +70,31 @@ class BarrierContact final : public Effect {
 
   void linearise(Positions q, Want want, Linearisation& out) override {
     BarrierLinearisation& at = of_barrier(out);
-    near_.locate(q, at.y);
-    build(scene(), near_.candidates(), std::as_const(at.y).view(), model_.envs, at.active);
-    if (want.forces) contact::assemble(scene(), at.active, std::as_const(at.y).view(), model_.point_map(), want.matrix, at.stencils);
+    proximity_.locate(q, at.y);
+    build(view(), proximity_.candidates(), std::as_const(at.y).view(), model_.envs, at.active);
+    if (want.forces) contact::assemble(view(), at.active, std::as_const(at.y).view(), model_.point_map(), want.matrix, at.stencils);
   }
 
   void sample(Linearisation& out) override {
     BarrierLinearisation& at = of_barrier(out);
-    samples(scene(), at.active, std::as_const(at.y).view(), at.contact.samples);
+    samples(view(), at.active, std::as_const(at.y).view(), at.contact.samples);
     at.contact.env_offset = at.active.env_offset;
   }
 
   void sample_changes(Linearisation& out) override {
     BarrierLinearisation& at = of_barrier(out);
-    contact::sample_changes(scene(), at.active, std::as_const(at.y).view(), at.contact.changes);
+    contact::sample_changes(view(), at.active, std::as_const(at.y).view(), at.contact.changes);
   }
 
   void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
-    const std::vector<std::uint8_t> finite = near_.locate(q, y_);
-    contact::energy(scene(), near_.candidates(), std::as_const(y_).view(), near_.vertex_env(), per_env);
+    const std::vector<std::uint8_t> finite = proximity_.locate(q, y_);
+    contact::energy(view(), proximity_.candidates(), std::as_const(y_).view(), proximity_.vertex_env(), per_env);
     forbid(finite, per_env);
   }
 
   void max_step(View<const Vec3> dq, Linearisation& at, device::EnvValues alpha) override {
     Buffer<Vec3> dy;
-    near_.limit(of_barrier(at).y, dq, scene(), dy, alpha);
+    proximity_.limit(of_barrier(at).y, dq, view(), dy, alpha);
   }
 
   void report(FieldSink& sink, const Linearisation& at) override;
@@ -104,35 +104,35 @@ class BarrierContact final : public Effect {
   }
 
  private:
-  Scene scene() const { return near_.scene(law_, point_area_.view(), plane_area_.view()); }
+  BarrierView view() const { return proximity_.view(barrier_, point_area_.view(), plane_area_.view()); }
 
   // Contact areas of the vertices of environments that take the step, as they stand at the accepted state.
   void weigh(const StepInfo& step) {
     Buffer<double> old_points, old_planes;
     if (!step.whose.empty()) old_points.copy_from(point_area_), old_planes.copy_from(plane_area_);
-    near_.locate(std::as_const(model_.q).view(), y_);
+    proximity_.locate(std::as_const(model_.q).view(), y_);
     const View<const Vec3> y = std::as_const(y_).view();
-    face_planes(scene(), y, plane_area_.view());
+    face_planes(view(), y, plane_area_.view());
     point_area_.copy_from(model_.surface.vertex_area);
     ActiveSet active;
-    build(scene(), near_.candidates(), y, model_.envs, active);
-    face_points(scene(), active, y, point_area_.view());
+    build(view(), proximity_.candidates(), y, model_.envs, active);
+    face_points(view(), active, y, point_area_.view());
     const auto keep = [](const Buffer<double>& from, Index begin, Index end, Buffer<double>& to) {
       if (end > begin) device::copy(to.view().p + begin, from.view().p + begin, static_cast<std::size_t>(end - begin) * sizeof(double));
     };
     const Index planes = static_cast<Index>(model_.half_spaces.size()), vertices = model_.surface.vertices.size();
     for (Index e = 0; e < model_.envs; ++e) {
       if (step.taken_by(e)) continue;
-      keep(old_points, near_.point_env()[e], near_.point_env()[e + 1], point_area_);
+      keep(old_points, proximity_.point_env()[e], proximity_.point_env()[e + 1], point_area_);
       for (Index p = 0; p < planes; ++p)
-        keep(old_planes, p * vertices + near_.vertex_env()[e], p * vertices + near_.vertex_env()[e + 1], plane_area_);
+        keep(old_planes, p * vertices + proximity_.vertex_env()[e], p * vertices + proximity_.vertex_env()[e + 1], plane_area_);
     }
   }
 
   model::Model& model_;
-  Law law_;
+  BarrierParams barrier_;
   std::optional<Params> pairs_;
-  Proximity near_;
+  Proximity proximity_;
   Buffer<double> point_area_, plane_area_;  // in this step
   Buffer<Vec3> y_;                          // work space
   bool checked_ = false;
@@ -143,7 +143,7 @@ void BarrierContact::report(FieldSink& sink, const Linearisation& accepted) {
   const std::string group(name());
   const std::vector<Active> terms = at.active.terms.download();
   Buffer<Vec3> buffer;
-  point_forces(scene(), at.active, at.y.view(), buffer);
+  point_forces(view(), at.active, at.y.view(), buffer);
   const std::vector<Vec3> term_force = buffer.download();
 
   std::vector<double> area_of = point_area_.download();
@@ -152,7 +152,7 @@ void BarrierContact::report(FieldSink& sink, const Linearisation& accepted) {
   const std::vector<model::ContactSample> samples = at.contact.samples.download();
   for (std::size_t i = 0; i < terms.size(); ++i) {
     const model::ContactSample& s = samples[i];
-    if (terms[i].kind == TermKind::plane && law_.area_weighted) area_of[terms[i].point[0]] = terms[i].weight;
+    if (terms[i].kind == TermKind::plane && barrier_.area_weighted) area_of[terms[i].point[0]] = terms[i].weight;
     for (int k = 0; k < 4; ++k) {
       if (terms[i].point[k] < 0) continue;
       const bool first = k == 0 || (k == 1 && terms[i].kind == TermKind::edge_edge);
@@ -168,7 +168,8 @@ void BarrierContact::report(FieldSink& sink, const Linearisation& accepted) {
 
   rows.report(sink, group);
   sink.scalar(group, "pressure_sum_defect", "1", sum_defect(forces, {&rows}));
-  sink.scalar(group, "min_distance", "m", std::min(law_.d_hat, least_distance(near_.obstacles(scene()), near_.candidates(at.y), at.y.view())));
+  sink.scalar(group, "min_distance", "m",
+              std::min(barrier_.d_hat, least_distance(proximity_.obstacles(view()), proximity_.candidates(at.y), at.y.view())));
   sink.scalar(group, "energy", "J", energy_now(std::as_const(model_.q).view(), at, model_.envs));
   sink.scalar(group, "active_pairs", "1", static_cast<double>(terms.size()));
 }

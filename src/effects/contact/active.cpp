@@ -17,11 +17,11 @@ MORTISE_HD inline std::uint64_t term_key(Index point, Index feature) {
   return static_cast<std::uint64_t>(point) << 32 | static_cast<std::uint64_t>(feature);
 }
 MORTISE_HD inline Index vertex_feature(Index v) { return v; }
-MORTISE_HD inline Index edge_feature(const Scene& s, Index e) { return s.rest.n + e; }
-MORTISE_HD inline Index triangle_feature(const Scene& s, Index t) { return s.rest.n + s.surface.edges.n + t; }
+MORTISE_HD inline Index edge_feature(const BarrierView& s, Index e) { return s.rest.n + e; }
+MORTISE_HD inline Index triangle_feature(const BarrierView& s, Index t) { return s.rest.n + s.surface.edges.n + t; }
 
 // The feature of a triangle's corner or side that a closest point lies on; c.w marks the corners that take part.
-MORTISE_HD inline Index feature_of(const Scene& s, const PointTriangle& pair, const Closest& c) {
+MORTISE_HD inline Index feature_of(const BarrierView& s, const PointTriangle& pair, const Closest& c) {
   if (c.type == geometry::Feature::point_triangle) return triangle_feature(s, pair.triangle);
   for (int k = 0; k < 3; ++k) {
     const int j = (k + 1) % 3;
@@ -33,14 +33,14 @@ MORTISE_HD inline Index feature_of(const Scene& s, const PointTriangle& pair, co
 }
 
 // Writes the keys and coefficients of one candidate within range.
-MORTISE_HD inline void write_terms(const Scene& s, const PointTriangle& pair, View<const Vec3> y, std::uint64_t* key, Index* coefficient) {
+MORTISE_HD inline void write_terms(const BarrierView& s, const PointTriangle& pair, View<const Vec3> y, std::uint64_t* key, Index* coefficient) {
   for (Index k = 0; k < kSlots; ++k) key[k] = kNoKey, coefficient[k] = 0;
   Vec3 x[4];
   gather(y, pair.v, x);
   const double range = point_range(s, pair.v[0], pair.v[1]), range2 = range * range;
   key[0] = term_key(pair.point, feature_of(s, pair, geometry::closest_point_triangle(x)));
   coefficient[0] = 1;
-  if (!s.law.area_weighted) return;
+  if (!s.barrier.area_weighted) return;
   for (int k = 0; k < 3; ++k) {
     const Index edge = s.topology.triangle_edge[3 * pair.triangle + k];
     const Closest c = closest_on_segment(x, 1 + k, 1 + (k + 1) % 3);
@@ -55,7 +55,7 @@ MORTISE_HD inline void write_terms(const Scene& s, const PointTriangle& pair, Vi
   }
 }
 
-MORTISE_HD inline Active point_term(const Scene& s, std::uint64_t key, Index coefficient) {
+MORTISE_HD inline Active point_term(const BarrierView& s, std::uint64_t key, Index coefficient) {
   const Index point = static_cast<Index>(key >> 32);
   Index feature = static_cast<Index>(key & 0xffffffffull);
   Active a{TermKind::vertex, s.surface.env[point], {point, -1, -1, -1}, -1, coefficient * point_weight(s, point), 0};
@@ -76,10 +76,10 @@ MORTISE_HD inline Active point_term(const Scene& s, std::uint64_t key, Index coe
 
 // Point-triangle terms: each of the candidates within range (`hits` of them) writes its terms, equal ones are merged by sorting, and
 // those that cancel (all of them, away from the closest feature on a flat surface) disappear.
-Index point_terms(const Scene& s, View<const PointTriangle> pairs, View<const Vec3> y, const Buffer<Index>& in_range, Index hits,
+Index point_terms(const BarrierView& s, View<const PointTriangle> pairs, View<const Vec3> y, const Buffer<Index>& in_range, Index hits,
                   Buffer<std::uint64_t>& keys, Buffer<Index>& start, Buffer<Index>& total, Buffer<Index>& kept) {
   if (hits == 0) return 0;
-  const Index slots = s.law.area_weighted ? kSlots : 1;
+  const Index slots = s.barrier.area_weighted ? kSlots : 1;
   keys.resize(hits * slots);
   Buffer<Index> slot(hits * slots), coefficient(hits * slots);
   const View<std::uint64_t> key = keys.view();
@@ -150,7 +150,7 @@ void group_by_environment(ActiveSet& set, Index envs) {
 
 }  // namespace
 
-void build(const Scene& s, const Candidates& c, View<const Vec3> y, Index envs, ActiveSet& out) {
+void build(const BarrierView& s, const Candidates& c, View<const Vec3> y, Index envs, ActiveSet& out) {
   Buffer<Index> points_at, edges_at, planes_at;
   const View<const PointTriangle> pt = c.point_triangles();
   mark(

@@ -1,7 +1,7 @@
 #pragma once
-// The contact terms that act at a position: candidates within range, with equal terms of the alternating sum (law.h) merged.
+// The contact terms that act at a position: candidates within range, with equal terms of the alternating sum (pair_energy.h) merged.
 #include "effects/contact/candidates.h"
-#include "effects/contact/law.h"
+#include "effects/contact/pair_energy.h"
 #include "effects/curvature.h"
 #include "linalg/stencils.h"
 #include "model/contact_view.h"
@@ -25,32 +25,33 @@ struct ActiveSet {
   std::vector<Index> env_offset;
 };
 
-// Contact areas (law.h) as bodies stand at y: towards every half-space, and towards the contacts of `set` for the points in them.
-void face_planes(const Scene& s, View<const Vec3> y, View<double> plane_area);
-void face_points(const Scene& s, const ActiveSet& set, View<const Vec3> y, View<double> point_area);
+// Contact areas (pair_energy.h) as bodies stand at y: towards every half-space, and towards the contacts of `set` for the points in them.
+void face_planes(const BarrierView& s, View<const Vec3> y, View<double> plane_area);
+void face_points(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, View<double> point_area);
 
 // Adds the energy of environment e to per_env[e]; +infinity where anything touches. vertex_env[e]: first surface vertex of e.
-void energy(const Scene& s, const Candidates& c, View<const Vec3> y, const std::vector<Index>& vertex_env, device::EnvValues per_env);
+void energy(const BarrierView& s, const Candidates& c, View<const Vec3> y, const std::vector<Index>& vertex_env, device::EnvValues per_env);
 
 // The terms at y. envs: number of environments.
-void build(const Scene& s, const Candidates& c, View<const Vec3> y, Index envs, ActiveSet& out);
+void build(const BarrierView& s, const Candidates& c, View<const Vec3> y, Index envs, ActiveSet& out);
 
 // Stencils over the blocks of `map`, and one sample per term (model/contact_view.h).
-void assemble(const Scene& s, const ActiveSet& set, View<const Vec3> y, const model::PointMapView& map, Curvature curvature, linalg::StencilSet& out);
-void samples(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<model::ContactSample>& out);
+void assemble(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, const model::PointMapView& map, Curvature curvature,
+              linalg::StencilSet& out);
+void samples(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, Buffer<model::ContactSample>& out);
 
 // How the samples change with y: exactly.
-void sample_changes(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<model::SampleChange>& out);
+void sample_changes(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, Buffer<model::SampleChange>& out);
 
 // Force on the four points of every term [N]: minus the gradient.
-void point_forces(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<Vec3>& out);
+void point_forces(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, Buffer<Vec3>& out);
 
 // Lowers alpha[e] so that every vertex keeps the share `keep` of its gap to every half-space (exact: the gap is linear).
-void limit_planes(const Scene& s, View<const Vec3> y, View<const Vec3> dy, double keep, const std::vector<Index>& vertex_env,
+void limit_planes(const BarrierView& s, View<const Vec3> y, View<const Vec3> dy, double keep, const std::vector<Index>& vertex_env,
                   device::EnvValues alpha);
 
 // The least distance of what is to be kept apart, of those nearer than the reach of the candidates; +infinity where nothing is. Of a body from
-// itself only what is within its own range counts (law.h).
-double least_distance(const Scene& s, const Candidates& c, View<const Vec3> y);
+// itself only what is within its own range counts (pair_energy.h).
+double least_distance(const BarrierView& s, const Candidates& c, View<const Vec3> y);
 
 }  // namespace mortise::effects::contact

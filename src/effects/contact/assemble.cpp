@@ -29,7 +29,7 @@ MORTISE_HD inline Closest closest(const Active& a, View<const Vec3> y, Vec3 x[4]
   c.squared = (x[0] - x[1]).squaredNorm();
   return c;
 }
-MORTISE_HD inline double range_of(const Scene& s, const Active& a) {
+MORTISE_HD inline double range_of(const BarrierView& s, const Active& a) {
   return a.kind == TermKind::edge_edge ? edge_range(s, a.point) : point_range(s, a.point[0], a.point[1]);
 }
 
@@ -39,14 +39,14 @@ struct NoHessian {
 
 // Gradient per point.
 template <class Add>
-MORTISE_HD inline void differentiate(const Scene& s, const Active& a, View<const Vec3> y, bool hessian, Vec3 grad[4], Add& add) {
+MORTISE_HD inline void differentiate(const BarrierView& s, const Active& a, View<const Vec3> y, bool hessian, Vec3 grad[4], Add& add) {
   if (a.kind == TermKind::plane) {
     const Plane p = s.planes[a.plane];
     const double g = p.normal.dot(y[a.point[0]] - p.point), k = s.kappa(a.point[0]) * a.weight;
-    grad[0] = k * barrier::first(g, s.law.d_hat) * p.normal;
+    grad[0] = k * barrier::first(g, s.barrier.d_hat) * p.normal;
     if (hessian) {
       const Vec3 v[4] = {p.normal, Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-      add(k * barrier::second(g, s.law.d_hat), v);
+      add(k * barrier::second(g, s.barrier.d_hat), v);
     }
     return;
   }
@@ -71,7 +71,7 @@ struct AddTerms {
   }
 };
 
-MORTISE_HD inline ContactSample sample_of(const Scene& s, const Active& a, View<const Vec3> y) {
+MORTISE_HD inline ContactSample sample_of(const BarrierView& s, const Active& a, View<const Vec3> y) {
   ContactSample out;
   for (Index k = 0; k < model::kSamplePoints; ++k) out.point[k] = -1, out.weight[k] = 0;
   out.points = points_of(a.kind);
@@ -85,9 +85,9 @@ MORTISE_HD inline ContactSample sample_of(const Scene& s, const Active& a, View<
     n = p.normal;
     out.gap = n.dot(y[a.point[0]] - p.point);
     out.weight[0] = 1;
-    out.force = -k * barrier::first(out.gap, s.law.d_hat);
-    out.stiffness = k * barrier::second(out.gap, s.law.d_hat);
-    out.body_b = s.surface.bodies + a.plane;
+    out.force = -k * barrier::first(out.gap, s.barrier.d_hat);
+    out.stiffness = k * barrier::second(out.gap, s.barrier.d_hat);
+    out.body_b = s.surface.pairs.bodies + a.plane;
     place = y[a.point[0]] - out.gap / 2 * n;
   } else {
     Vec3 x[4];
@@ -103,7 +103,7 @@ MORTISE_HD inline ContactSample sample_of(const Scene& s, const Active& a, View<
     out.stiffness = k * m * barrier::second(f.d, range_of(s, a));
     out.body_b = s.surface.body[a.point[a.kind == TermKind::edge_edge ? 2 : 1]];
   }
-  out.area = s.law.area_weighted && a.kind != TermKind::edge_edge ? a.weight : 0;
+  out.area = s.barrier.area_weighted && a.kind != TermKind::edge_edge ? a.weight : 0;
   out.pressure = out.area != 0 ? out.force / out.area : 0;
   for (int i = 0; i < 3; ++i) out.normal[i] = n[i], out.position[i] = place[i];
   return out;
@@ -113,7 +113,7 @@ MORTISE_HD inline ContactSample sample_of(const Scene& s, const Active& a, View<
 // by dtau_j along the tangents t_j that have a parameter, so that r stays across them:
 //     dtau_j = -(t_j . sum w dx + d n . sum u_j dx),     dw_i = sum_j u_ji dtau_j,     dd = n . sum w dx,
 //     dn     = -sum_j t_j (n . sum u_j dx) + sum_free t (t . sum w dx)/d,              d force = -k (m b'' dd + b' dm).
-MORTISE_HD inline SampleChange change_of(const Scene& s, const Active& a, View<const Vec3> y) {
+MORTISE_HD inline SampleChange change_of(const BarrierView& s, const Active& a, View<const Vec3> y) {
   SampleChange out;
   for (int c = 0; c < SampleChange::kMost; ++c) {
     out.force[c] = 0, out.normal[c] = Vec3::Zero();
@@ -124,7 +124,7 @@ MORTISE_HD inline SampleChange change_of(const Scene& s, const Active& a, View<c
     const Plane p = s.planes[a.plane];
     out.count = 1;
     out.along[0][0] = p.normal;
-    out.force[0] = -k * barrier::second(p.normal.dot(y[a.point[0]] - p.point), s.law.d_hat);
+    out.force[0] = -k * barrier::second(p.normal.dot(y[a.point[0]] - p.point), s.barrier.d_hat);
     return out;
   }
   Vec3 x[4];
@@ -160,13 +160,13 @@ MORTISE_HD inline SampleChange change_of(const Scene& s, const Active& a, View<c
 
 }  // namespace
 
-void face_planes(const Scene& s, View<const Vec3> y, View<double> plane_area) {
+void face_planes(const BarrierView& s, View<const Vec3> y, View<double> plane_area) {
   const Index n = s.surface.vertices.n;
   device::parallel_for("contact.face_planes", plane_area.n,
                        [=] MORTISE_HD(Index i) { plane_area[i] = facing_area(s, s.surface.vertices[i % n], s.planes[i / n].normal, y); });
 }
 
-void face_points(const Scene& s, const ActiveSet& set, View<const Vec3> y, View<double> point_area) {
+void face_points(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, View<double> point_area) {
   const View<const Active> terms = set.terms.view();
   device::parallel_for("contact.face_points", terms.n, [=] MORTISE_HD(Index i) {
     const Index point = terms[i].point[0];
@@ -184,7 +184,7 @@ void face_points(const Scene& s, const ActiveSet& set, View<const Vec3> y, View<
   });
 }
 
-void assemble(const Scene& s, const ActiveSet& set, View<const Vec3> y, const model::PointMapView& map, Curvature curvature,
+void assemble(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, const model::PointMapView& map, Curvature curvature,
               linalg::StencilSet& stencils) {
   const View<const Active> terms = set.terms.view();
   Buffer<Index> counts(terms.n + 1);
@@ -206,21 +206,21 @@ void assemble(const Scene& s, const ActiveSet& set, View<const Vec3> y, const mo
   });
 }
 
-void samples(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<ContactSample>& out) {
+void samples(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, Buffer<ContactSample>& out) {
   const View<const Active> terms = set.terms.view();
   out.resize(terms.n);
   const View<ContactSample> to = out.view();
   device::parallel_for("contact.samples", terms.n, [=] MORTISE_HD(Index i) { to[i] = sample_of(s, terms[i], y); });
 }
 
-void sample_changes(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<SampleChange>& out) {
+void sample_changes(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, Buffer<SampleChange>& out) {
   const View<const Active> terms = set.terms.view();
   out.resize(terms.n);
   const View<SampleChange> to = out.view();
   device::parallel_for("contact.sample_changes", terms.n, [=] MORTISE_HD(Index i) { to[i] = change_of(s, terms[i], y); });
 }
 
-void point_forces(const Scene& s, const ActiveSet& set, View<const Vec3> y, Buffer<Vec3>& out) {
+void point_forces(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, Buffer<Vec3>& out) {
   const View<const Active> terms = set.terms.view();
   out.resize(4 * terms.n);
   const View<Vec3> to = out.view();

@@ -12,7 +12,8 @@ struct InRange {
 };
 
 template <class Pair>
-void find(const Scene& s, View<const Pair> pairs, const std::vector<Index>& env_offset, View<const Vec3> y, InRange& out, device::Fetch& fetch) {
+void find(const BarrierView& s, View<const Pair> pairs, const std::vector<Index>& env_offset, View<const Vec3> y, InRange& out,
+          device::Fetch& fetch) {
   mark(
       "contact.near", pairs.n, [=] MORTISE_HD(Index i) { return near(s, pairs[i], y); }, out.at);
   const View<const Index> at = std::as_const(out.at).view();
@@ -28,7 +29,8 @@ void find(const Scene& s, View<const Pair> pairs, const std::vector<Index>& env_
 }
 
 template <class Pair>
-void add_pair_energy(const char* name, const Scene& s, View<const Pair> pairs, const InRange& near, View<const Vec3> y, device::EnvValues per_env) {
+void add_pair_energy(const char* name, const BarrierView& s, View<const Pair> pairs, const InRange& near, View<const Vec3> y,
+                     device::EnvValues per_env) {
   if (near.bounds.back() == 0) return;
   Buffer<Index> picked(near.bounds.back());
   const View<const Index> at = near.at.view();
@@ -47,7 +49,7 @@ double least(const char* name, Index n, F f) {
 
 }  // namespace
 
-void energy(const Scene& s, const Candidates& c, View<const Vec3> y, const std::vector<Index>& vertex_env, device::EnvValues per_env) {
+void energy(const BarrierView& s, const Candidates& c, View<const Vec3> y, const std::vector<Index>& vertex_env, device::EnvValues per_env) {
   InRange points, edges;
   device::Fetch fetch;
   find(s, c.point_triangles(), c.pt_env_offset(), y, points, fetch);
@@ -62,14 +64,14 @@ void energy(const Scene& s, const Candidates& c, View<const Vec3> y, const std::
   }
 }
 
-void limit_planes(const Scene& s, View<const Vec3> y, View<const Vec3> dy, double keep, const std::vector<Index>& vertex_env,
+void limit_planes(const BarrierView& s, View<const Vec3> y, View<const Vec3> dy, double keep, const std::vector<Index>& vertex_env,
                   device::EnvValues alpha) {
   for (Index p = 0; p < s.planes.n; ++p)
     device::env_min(
         "contact.limit_planes", vertex_env,
         [=] MORTISE_HD(Index i) {
           const Index point = s.surface.vertices[i];
-          if (!s.plane_watched[p * s.surface.bodies + s.surface.body[point]]) return 2.0;
+          if (!s.sees_plane(point, p)) return 2.0;
           const double gap = s.planes[p].normal.dot(y[point] - s.planes[p].point), rate = -s.planes[p].normal.dot(dy[point]);
           if (!(rate > 0)) return 2.0;
           return gap > 0 ? (1 - keep) * gap / rate : 0.0;
@@ -77,7 +79,7 @@ void limit_planes(const Scene& s, View<const Vec3> y, View<const Vec3> dy, doubl
         alpha);
 }
 
-double least_distance(const Scene& s, const Candidates& c, View<const Vec3> y) {
+double least_distance(const BarrierView& s, const Candidates& c, View<const Vec3> y) {
   const View<const PointTriangle> points = c.point_triangles();
   const View<const EdgeEdge> edges = c.edge_edges();
   const double points2 = least("contact.nearest_points", points.n, [=] MORTISE_HD(Index i) {
@@ -99,7 +101,7 @@ double least_distance(const Scene& s, const Candidates& c, View<const Vec3> y) {
   double gap = std::sqrt(std::fmin(points2, edges2));
   gap = std::fmin(gap, least("contact.nearest_planes", s.planes.n * s.surface.vertices.n, [=] MORTISE_HD(Index i) {
                     const Index plane = i / s.surface.vertices.n, p = s.surface.vertices[i % s.surface.vertices.n];
-                    if (!s.plane_watched[plane * s.surface.bodies + s.surface.body[p]]) return static_cast<double>(INFINITY);
+                    if (!s.sees_plane(p, plane)) return static_cast<double>(INFINITY);
                     return s.planes[plane].normal.dot(y[p] - s.planes[plane].point);
                   }));
   return gap;

@@ -36,13 +36,12 @@ bool pass(const model::Model& model, const std::string& a, const std::string& b)
 }  // namespace
 
 void complete(const model::Model& model, WatchedPairs& pairs) {
-  const Index n = pairs.n;
+  const Index n = pairs.of.bodies();
   for (Index i = 0; i < n; ++i) {
     const model::Body& a = model.bodies[i];
     if (meets_itself(model, a)) pairs.set(i, i, Watch::contact);
-    for (Index j = i + 1; j < n; ++j) {
+    for (Index j = i + 1; j < n && model.bodies[j].env == a.env; ++j) {
       const model::Body& b = model.bodies[j];
-      if (a.env != b.env) continue;
       if (a.prescribed() && b.prescribed()) pairs.set(i, j, a.carriage == b.carriage ? Watch::no : Watch::apart);
       if (pass(model, a.name, b.name) || model.ties.pass(i, j)) pairs.set(i, j, Watch::no);
     }
@@ -56,7 +55,7 @@ void complete(const model::Model& model, WatchedPairs& pairs) {
 
 WatchedPairs watched_pairs(const model::Model& model, const Params* list) {
   WatchedPairs pairs(model);
-  const Index n = pairs.n, planes = static_cast<Index>(model.half_spaces.size());
+  const Index n = pairs.of.bodies(), planes = static_cast<Index>(model.half_spaces.size());
   if (list) {
     for (const Params& pair : list->items()) {
       for (Index first : find(model, pair.items().at(0)))
@@ -67,9 +66,10 @@ WatchedPairs watched_pairs(const model::Model& model, const Params* list) {
         }
     }
   } else {
-    for (Index a = 0; a < n; ++a)
-      for (Index b = a + 1; b < n + planes; ++b)
-        if (b >= n || model.bodies[a].env == model.bodies[b].env) pairs.set(a, b, Watch::contact);
+    for (Index a = 0; a < n; ++a) {
+      for (Index b = a + 1; b < n && model.bodies[b].env == model.bodies[a].env; ++b) pairs.set(a, b, Watch::contact);
+      for (Index p = 0; p < planes; ++p) pairs.set(a, n + p, Watch::contact);
+    }
   }
   complete(model, pairs);
   return pairs;

@@ -13,17 +13,13 @@ namespace mortise::effects::contact {
 enum class Watch : std::uint8_t { no = 0, contact = 1, apart = 2 };
 
 struct WatchedPairs {
-  Index n = 0;                // bodies
-  std::vector<Watch> bodies;  // bodies x bodies, symmetric
-  std::vector<Watch> planes;  // half-spaces x bodies
-  explicit WatchedPairs(const model::Model& model)
-      : n(static_cast<Index>(model.bodies.size())), bodies(n * n, Watch::no), planes(model.half_spaces.size() * n, Watch::no) {}
-  // a: a body; b: a body, or the number of bodies plus the index of a half-space.
-  void set(Index a, Index b, Watch how) {
-    if (b >= n)
-      planes[(b - n) * n + a] = how;
-    else
-      bodies[a * n + b] = bodies[b * n + a] = how;
+  const geometry::BodyPairs& of;
+  std::vector<Watch> how;  // per pair of bodies of one environment, symmetric, and of half-spaces
+  explicit WatchedPairs(const model::Model& model) : of(model.surface.pairs), how(of.size(model.half_spaces.size()), Watch::no) {}
+  // a: a body; b: a body of its environment, or the number of bodies plus the index of a half-space.
+  void set(Index a, Index b, Watch to) {
+    how[of.of(a, b)] = to;
+    if (b < of.bodies()) how[of.of(b, a)] = to;
   }
 };
 

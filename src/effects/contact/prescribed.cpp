@@ -38,7 +38,7 @@ struct Meetings {
 };
 
 template <class Pair>
-void meeting(const char* name, const Scene& s, View<const Pair> pairs, bool edges, View<const std::uint8_t> held, View<const Vec3> y,
+void meeting(const char* name, const BarrierView& s, View<const Pair> pairs, bool edges, View<const std::uint8_t> held, View<const Vec3> y,
              View<const Vec3> dy, Meetings& found) {
   found.times.resize(pairs.n);
   const View<double> out = found.times.view();
@@ -54,14 +54,14 @@ void meeting(const char* name, const Scene& s, View<const Pair> pairs, bool edge
   });
 }
 
-void plane_meeting(const Scene& s, View<const std::uint8_t> held, View<const Vec3> y, View<const Vec3> dy, Meetings& found) {
+void plane_meeting(const BarrierView& s, View<const std::uint8_t> held, View<const Vec3> y, View<const Vec3> dy, Meetings& found) {
   const Index n = s.planes.n * s.surface.vertices.n;
   found.times.resize(n);
   const View<double> out = found.times.view();
   device::parallel_for("contact.plane_meeting", n, [=] MORTISE_HD(Index i) {
     const Index plane = i / s.surface.vertices.n, p = s.surface.vertices[i % s.surface.vertices.n];
     out[i] = geometry::kNoImpact;
-    if (!held[p] || !s.plane_watched[plane * s.surface.bodies + s.surface.body[p]]) return;
+    if (!held[p] || !s.sees_plane(p, plane)) return;
     const double gap = s.planes[plane].normal.dot(y[p] - s.planes[plane].point), way = -s.planes[plane].normal.dot(dy[p]);
     if (way > (1 - kTouch) * gap) out[i] = gap / way;
   });
@@ -98,7 +98,7 @@ struct Found {
   }
   Vec3 place(Index p, double t) const { return at(y.view(), dy.view(), p, t); }
 
-  void fail_on_first(const model::Model& model, const Scene& s, const geometry::Broadphase& near, const StepInfo& step) const {
+  void fail_on_first(const model::Model& model, const BarrierView& s, const geometry::Broadphase& near, const StepInfo& step) const {
     const Earliest plane = of_planes.earliest(), points = of_points.earliest(), edges = of_edges.earliest();
     const auto body = [&](Index p) -> const model::Body& { return model.bodies[fetch(s.surface.body, p)]; };
     if (plane.t <= 1 && plane.t <= std::min(points.t, edges.t)) {
@@ -131,7 +131,7 @@ void Prescribed::refresh() {
   point_.upload(point);
 }
 
-void Prescribed::forbid_meeting(const Scene& s, const geometry::Broadphase& near, View<const Vec3> y, View<const Vec3> dy, const StepInfo& step,
+void Prescribed::forbid_meeting(const BarrierView& s, const geometry::Broadphase& near, View<const Vec3> y, View<const Vec3> dy, const StepInfo& step,
                                 device::Fetch& fetch) {
   if (!model_.driven) return;
   refresh();

@@ -25,7 +25,7 @@ std::vector<std::uint8_t> where(const std::vector<Watch>& pairs, F is) {
   return out;
 }
 
-// Range of every point towards its own body (law.h): kSelfShare of its distance at rest, at most `reach`.
+// Range of every point towards its own body (pair_energy.h): kSelfShare of its distance at rest, at most `reach`.
 std::vector<double> self_ranges(model::Model& model, double reach, const std::vector<Index>& point_env) {
   Candidates at_rest(model.broadphase(), reach / kSelfShare, point_env);
   std::vector<std::uint8_t> finite;
@@ -67,16 +67,12 @@ Proximity::Proximity(model::Model& model, double reach)
 }
 
 void Proximity::watch(const WatchedPairs& pairs) {
-  const Index n = static_cast<Index>(model_.bodies.size());
-  for (Index a = 0; a < n; ++a)
-    for (Index b = a; b < n; ++b)
-      if (pairs.bodies[a * n + b] != Watch::no) model_.watch(a, b, true);
-  watched_.upload(where(pairs.bodies, [](Watch w) { return w == Watch::contact; }));
-  plane_watched_.upload(where(pairs.planes, [](Watch w) { return w == Watch::contact; }));
-  apart_.upload(where(pairs.bodies, [](Watch w) { return w != Watch::no; }));
-  plane_apart_.upload(where(pairs.planes, [](Watch w) { return w != Watch::no; }));
-  for (Index a = 0; a < n; ++a)
-    if (pairs.bodies[a * n + a] != Watch::no) return self_range_.upload(self_ranges(model_, reach_, point_env_));
+  const std::vector<std::uint8_t> apart = where(pairs.how, [](Watch w) { return w != Watch::no; });
+  model_.watch(apart);
+  watched_.upload(where(pairs.how, [](Watch w) { return w == Watch::contact; }));
+  apart_.upload(apart);
+  for (Index a = 0; a < pairs.of.bodies(); ++a)
+    if (apart[pairs.of.of(a, a)]) return self_range_.upload(self_ranges(model_, reach_, point_env_));
 }
 
 std::vector<std::uint8_t> Proximity::locate(Positions q, Buffer<Vec3>& y) {
@@ -92,26 +88,19 @@ const Candidates& Proximity::candidates(const Buffer<Vec3>& y) {
   return candidates_;
 }
 
-void Proximity::limit(const Buffer<Vec3>& from, View<const Vec3> dq, const Scene& s, Buffer<Vec3>& dy, device::EnvValues alpha) {
+void Proximity::limit(const Buffer<Vec3>& from, View<const Vec3> dq, const BarrierView& s, Buffer<Vec3>& dy, device::EnvValues alpha) {
   model_.points_of(dq, dy);
   candidates_.sweep(from, dy);
-  const Scene all = obstacles(s);
+  const BarrierView all = obstacles(s);
   const View<const Vec3> y = from.view(), way = std::as_const(dy).view();
   prescribed_.forbid_meeting(all, candidates_.broadphase(), y, way, step_, alpha.fetch);
   geometry::limit_step(candidates_.broadphase(), y, way, kKeep, alpha);
   limit_planes(all, y, way, kKeep, vertex_env_, alpha);
 }
 
-Scene Proximity::scene(const Law& law, View<const double> point_area, View<const double> plane_area) const {
-  return {law,
-          model_.surface.view(),
-          topology_.view(),
-          std::as_const(model_.rest_points).view(),
-          watched_.view(),
-          plane_watched_.view(),
-          planes_.view(),
-          self_range_.view(),
-          point_area,
+BarrierView Proximity::view(const BarrierParams& barrier, View<const double> point_area, View<const double> plane_area) const {
+  return {barrier,         model_.surface.view(), topology_.view(),   std::as_const(model_.rest_points).view(),
+          watched_.view(), planes_.view(),        self_range_.view(), point_area,
           plane_area};
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "effects/contact/candidates.h"
-#include "effects/contact/law.h"
+#include "effects/contact/pair_energy.h"
 #include "effects/contact/pairs.h"
 #include "effects/contact/prescribed.h"
 #include "effects/effect.h"
@@ -32,7 +32,7 @@ class Proximity {
   std::vector<std::uint8_t> locate(Positions q, Buffer<Vec3>& y);
   // Lowers alpha so that the step dq from where the points are at y keeps the share kKeep of every distance; dy: the step of the points. Throws
   // Failure where what is prescribed would meet.
-  void limit(const Buffer<Vec3>& y, View<const Vec3> dq, const Scene& s, Buffer<Vec3>& dy, device::EnvValues alpha);
+  void limit(const Buffer<Vec3>& y, View<const Vec3> dq, const BarrierView& s, Buffer<Vec3>& dy, device::EnvValues alpha);
 
   double reach() const { return reach_; }
   const Candidates& candidates() const { return candidates_; }  // of the last locate() or limit(), and around
@@ -42,11 +42,11 @@ class Proximity {
   const std::vector<Index>& vertex_env() const { return vertex_env_; }  // first surface vertex
   TopologyView topology() const { return topology_.view(); }
   View<const Plane> planes() const { return planes_.view(); }
-  // For the barrier between pairs of primitives (law.h); the areas may be empty where the law does not ask for them.
-  Scene scene(const Law& law, View<const double> point_area, View<const double> plane_area) const;
+  // For the barrier between pairs of primitives (pair_energy.h); the areas may be empty where the barrier does not ask for them.
+  BarrierView view(const BarrierParams& barrier, View<const double> point_area, View<const double> plane_area) const;
   // The same with all bodies in sight that are to be kept apart, those between which no force acts included.
-  Scene obstacles(Scene s) const {
-    s.watched = apart_.view(), s.plane_watched = plane_apart_.view();
+  BarrierView obstacles(BarrierView s) const {
+    s.watched = apart_.view();
     return s;
   }
 
@@ -57,8 +57,8 @@ class Proximity {
   std::vector<Index> point_env_, vertex_env_;
   Candidates candidates_;
   Buffer<Plane> planes_;
-  Buffer<std::uint8_t> watched_, plane_watched_;  // between which forces act
-  Buffer<std::uint8_t> apart_, plane_apart_;      // which must not meet
+  Buffer<std::uint8_t> watched_;  // pairs between which forces act,
+  Buffer<std::uint8_t> apart_;    // which must not meet
   Prescribed prescribed_;
   StepInfo step_;
   Buffer<double> self_range_;

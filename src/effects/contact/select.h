@@ -1,6 +1,6 @@
 #pragma once
 // Picking those of many that a condition holds for, and the condition that matters here.
-#include "effects/contact/law.h"
+#include "effects/contact/pair_energy.h"
 
 namespace mortise::effects::contact {
 
@@ -14,14 +14,14 @@ void mark(const char* name, Index n, Keep keep, Buffer<Index>& offset) {
 }
 
 // Is a candidate within range at y?
-MORTISE_HD inline bool near(const Scene& s, const PointTriangle& pair, View<const Vec3> y) {
+MORTISE_HD inline bool near(const BarrierView& s, const PointTriangle& pair, View<const Vec3> y) {
   if (!s.sees(pair.v[0], pair.v[1])) return false;
   Vec3 x[4];
   gather(y, pair.v, x);
   const double range = point_range(s, pair.v[0], pair.v[1]);
   return geometry::closest_point_triangle(x).squared < range * range;
 }
-MORTISE_HD inline bool near(const Scene& s, const EdgeEdge& pair, View<const Vec3> y) {
+MORTISE_HD inline bool near(const BarrierView& s, const EdgeEdge& pair, View<const Vec3> y) {
   if (!s.sees(pair.v[0], pair.v[2])) return false;
   Vec3 x[4];
   gather(y, pair.v, x);

@@ -25,7 +25,7 @@ MORTISE_HD inline bool crosses(const Vec3& p, const Vec3& q, const Vec3& a, cons
 }
 
 // For every edge the first triangle that it passes through, or -1.
-std::vector<Index> crossed_triangles(const Scene& s, Index envs, View<const Vec3> y) {
+std::vector<Index> crossed_triangles(const BarrierView& s, Index envs, View<const Vec3> y) {
   geometry::Bvh tree;
   tree.update({s.surface.triangles.n ? s.surface.triangles.p->v : nullptr, s.surface.triangles.n, 3}, s.surface, envs, y, {}, 0);
   const geometry::BvhView view = tree.view();
@@ -52,7 +52,7 @@ Index first_where(const char* name, Index n, F wrong) {
   return found > 0 ? n - static_cast<Index>(found) : -1;
 }
 
-Index touching(const Scene& s, View<const PointTriangle> pairs, View<const Vec3> y) {
+Index touching(const BarrierView& s, View<const PointTriangle> pairs, View<const Vec3> y) {
   return first_where("contact.touching_points", pairs.n, [=] MORTISE_HD(Index i) {
     if (!s.sees(pairs[i].v[0], pairs[i].v[1])) return false;
     Vec3 x[4];
@@ -60,7 +60,7 @@ Index touching(const Scene& s, View<const PointTriangle> pairs, View<const Vec3>
     return !(geometry::closest_point_triangle(x).squared > 0);
   });
 }
-Index touching(const Scene& s, View<const EdgeEdge> pairs, View<const Vec3> y) {
+Index touching(const BarrierView& s, View<const EdgeEdge> pairs, View<const Vec3> y) {
   return first_where("contact.touching_edges", pairs.n, [=] MORTISE_HD(Index i) {
     if (!s.sees(pairs[i].v[0], pairs[i].v[2])) return false;
     Vec3 x[4];
@@ -68,7 +68,7 @@ Index touching(const Scene& s, View<const EdgeEdge> pairs, View<const Vec3> y) {
     return !(geometry::closest_edge_edge(x).squared > 0);
   });
 }
-Index below(const Scene& s, View<const Vec3> y) {
+Index below(const BarrierView& s, View<const Vec3> y) {
   return first_where("contact.below_planes", s.planes.n * s.surface.vertices.n, [=] MORTISE_HD(Index i) {
     Index plane, point;
     double gap = 1;
@@ -86,7 +86,7 @@ T fetch(View<const T> v, Index i) {
 // Names primitives by the numbers that they have in their body's mesh.
 struct Names {
   const model::Model& model;
-  const Scene& s;
+  const BarrierView& s;
   const model::Body& body_of(Index point) const {
     std::size_t b = 0;
     while (point >= model.bodies[b].point_end) ++b;
@@ -150,7 +150,7 @@ double winding(const std::vector<Triangle>& triangles, const model::Body& body, 
 }
 
 // Bodies whose surfaces are apart may still lie one in the other. (In a cavity the surface winds around nothing.)
-void check_nested(const model::Model& model, const Scene& s, View<const Vec3> view) {
+void check_nested(const model::Model& model, const BarrierView& s, View<const Vec3> view) {
   std::vector<Vec3> y(view.n);
   device::copy_out(y.data(), view.p, y.size() * sizeof(Vec3));
   const std::vector<Triangle> triangles = model.surface.triangles.download();
@@ -164,7 +164,9 @@ void check_nested(const model::Model& model, const Scene& s, View<const Vec3> vi
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = 0; b < n; ++b) {
       const model::Body &inner = model.bodies[a], &outer = model.bodies[b];
-      if (a == b || !seen[a * n + b] || inner.triangle_begin == inner.triangle_end) continue;
+      if (a == b || inner.env != outer.env || !seen[model.surface.pairs.of(static_cast<Index>(a), static_cast<Index>(b))] ||
+          inner.triangle_begin == inner.triangle_end)
+        continue;
       if ((lo[a].array() < lo[b].array()).any() || (hi[a].array() > hi[b].array()).any()) continue;
       if (std::abs(winding(triangles, outer, y, y[triangles[inner.triangle_begin].v[0]])) > 0.5)
         throw Error(Exit::scene, inner.where, "bodies must start apart: '" + inner.name + "' lies inside '" + outer.name + "'");
@@ -173,7 +175,7 @@ void check_nested(const model::Model& model, const Scene& s, View<const Vec3> vi
 
 }  // namespace
 
-void check_start(const model::Model& model, const Scene& s, const Candidates& c, View<const Vec3> y) {
+void check_start(const model::Model& model, const BarrierView& s, const Candidates& c, View<const Vec3> y) {
   const Names names{model, s};
   if (const Index i = below(s, y); i >= 0) {
     const Index point = fetch(s.surface.vertices, i % s.surface.vertices.n);

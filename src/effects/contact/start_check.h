@@ -2,7 +2,7 @@
 // Is the first configuration free of contact distance zero and of intersections?
 #include "base/error.h"
 #include "effects/contact/candidates.h"
-#include "effects/contact/law.h"
+#include "effects/contact/pair_energy.h"
 #include "model/model.h"
 
 namespace mortise::effects::contact {
@@ -19,6 +19,6 @@ class StartError : public Error {
 };
 
 // Throws StartError naming both bodies and the primitives, the first in canonical order; also where one body lies inside another.
-void check_start(const model::Model& model, const Scene& s, const Candidates& c, View<const Vec3> y);
+void check_start(const model::Model& model, const BarrierView& s, const Candidates& c, View<const Vec3> y);
 
 }  // namespace mortise::effects::contact

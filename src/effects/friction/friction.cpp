@@ -39,7 +39,7 @@ const ParamTable kTable{
      param::range(param::of(Param::Kind::integer, "lag_iterations", Unit::none, "20", "Most refreshes of the contact forces in a step"), 1, 1000)}};
 
 // What is frozen of a sample during Newton.
-struct Frozen {
+struct FrozenContact {
   Vec3 normal;
   double mu, load;  // load: mu times the normal force [N]
 };
@@ -48,7 +48,7 @@ struct Frozen {
 struct Slips {
   View<const Index> offset, block;
   View<const double> weight;
-  View<const Frozen> frozen;
+  View<const FrozenContact> frozen;
   View<const Vec3> q0;
   double creep;  // creep distance of a step [m]
   Index size() const { return frozen.n; }
@@ -65,8 +65,8 @@ MORTISE_HD inline Index distinct_blocks(const model::PointMapView& map, const Co
 }
 
 // Fills pattern, block weights and loads from the samples.
-void freeze(const model::PointMapView& map, const Buffer<ContactSample>& samples, View<const double> mu, Index bodies_and_planes,
-            linalg::StencilSet& stencils, Buffer<double>& weights, Buffer<Frozen>& frozen) {
+void freeze(const model::PointMapView& map, const Buffer<ContactSample>& samples, View<const double> mu, geometry::BodyPairsView pairs,
+            linalg::StencilSet& stencils, Buffer<double>& weights, Buffer<FrozenContact>& frozen) {
   const View<const ContactSample> sample = samples.view();
   Buffer<Index> counts(sample.n + 1);
   const View<Index> count = counts.view();
@@ -76,7 +76,7 @@ void freeze(const model::PointMapView& map, const Buffer<ContactSample>& samples
   weights.resize(out.block.n);
   frozen.resize(sample.n);
   const View<double> weight = weights.view();
-  const View<Frozen> to = frozen.view();
+  const View<FrozenContact> to = frozen.view();
   device::parallel_for("friction.freeze", sample.n, [=] MORTISE_HD(Index i) {
     const ContactSample& s = sample[i];
     const auto e = model::expand<model::kSamplePoints>(map, s.point, s.points);
@@ -84,7 +84,7 @@ void freeze(const model::PointMapView& map, const Buffer<ContactSample>& samples
     for (Index b = 0; b < e.blocks; ++b) out.block[at + b] = e.block[b];
     e.chain(s.weight, weight.p + at);
     to[i].normal = Vec3(s.normal[0], s.normal[1], s.normal[2]);
-    to[i].mu = mu[s.body_a * bodies_and_planes + s.body_b];
+    to[i].mu = mu[pairs.of(s.body_a, s.body_b)];
     to[i].load = to[i].mu * s.force;
   });
 }
@@ -109,7 +109,7 @@ struct FrictionLinearisation final : Linearisation {
   Buffer<SampleChange> changes;  // of them, as the contact effect knows it
   std::vector<Index> env_offset;
   Buffer<double> weights;
-  Buffer<Frozen> frozen;
+  Buffer<FrozenContact> frozen;
   std::size_t bytes() const override { return Linearisation::bytes() + samples.bytes() + changes.bytes() + weights.bytes() + frozen.bytes(); }
 };
 
@@ -117,12 +117,15 @@ class Friction final : public Effect {
  public:
   Friction(const Params& p, model::Model& model)
       : model_(model), where_(p.where()), follows_(p.text("follows")), creep_speed_(p.number("creep_speed")) {
-    const Index n = static_cast<Index>(model.bodies.size() + model.half_spaces.size());
-    std::vector<double> mu(n * n, p.number("mu"));
+    const geometry::BodyPairs& pairs = model.surface.pairs;
+    const Index bodies = pairs.bodies();
+    std::vector<double> mu(pairs.size(model.half_spaces.size()), p.number("mu"));
     if (const Params* list = p.find("pairs"))
       for (const Params& pair : list->items()) {
         for (Index a : find(pair.at("a")))
-          for (Index b : find(pair.at("b"))) mu[a * n + b] = mu[b * n + a] = pair.number("mu");
+          for (Index b : find(pair.at("b")))
+            for (const auto& [first, second] : {std::pair{a, b}, std::pair{b, a}})
+              if (first < bodies && model.same_env(first, second)) mu[pairs.of(first, second)] = pair.number("mu");
       }
     mu_.upload(mu);
     env_offset_.assign(model.envs + 1, 0);
@@ -155,8 +158,7 @@ class Friction final : public Effect {
     at.samples.copy_from(view.samples);
     at.changes.copy_from(view.changes);
     at.env_offset = view.env_offset;
-    freeze(model_.point_map(), at.samples, mu_.view(), static_cast<Index>(model_.bodies.size() + model_.half_spaces.size()), at.stencils, at.weights,
-           at.frozen);
+    freeze(model_.point_map(), at.samples, mu_.view(), model_.surface.pairs.view(), at.stencils, at.weights, at.frozen);
   }
 
   void energy(Positions q, const Linearisation& frozen, device::EnvValues per_env) override {
@@ -297,7 +299,7 @@ class Friction final : public Effect {
   std::string follows_;
   double creep_speed_;
   double dt_ = 1;
-  Buffer<double> mu_;  // bodies and half-spaces, squared
+  Buffer<double> mu_;  // per pair (Surface::pairs)
   Buffer<Vec3> q0_;
   Buffer<ContactSample> samples_;   // of the last accepted step, with
   std::vector<Vec3> force_, slip_;  // theirs

@@ -26,7 +26,7 @@ MORTISE_HD inline void weigh(const Settings& set, const Pair& p, View<const Samp
 }  // namespace
 
 // A part is what one pair contributes to one node of its slave: part 3 i + a of pair i.
-void average(const Scene& s, Frozen& f) {
+void average(const MortarView& s, FrozenSamples& f) {
   const View<const Pair> pairs = std::as_const(f.pairs).view();
   const View<const Sample> samples = std::as_const(f.samples).view();
   const Settings set = s.set;
@@ -35,15 +35,15 @@ void average(const Scene& s, Frozen& f) {
   const View<double> pressure = f.pressure.view();
   Averages& out = f.averages;
   if (!set.averaged || pairs.n == 0) {
-    out.area.resize(0), out.gap.resize(0), out.law.resize(0), out.node.resize(0);
+    out.area.resize(0), out.gap.resize(0), out.interface.resize(0), out.node.resize(0);
     out.env_nodes.assign(f.env_pairs.size(), 0);
     device::parallel_for("mortar_contact.pressure", samples.n, [=] MORTISE_HD(Index i) {
       const Pair& p = pairs[samples[i].pair];
-      pressure[i] = -kappa[p.law] * barrier::first(samples[i].gap, p.d_hat);
+      pressure[i] = -kappa[p.interface] * barrier::first(samples[i].gap, p.d_hat);
     });
     return;
   }
-  const Index parts = 3 * pairs.n, laws = kappa.n;
+  const Index parts = 3 * pairs.n, interfaces = kappa.n;
   Buffer<std::uint64_t> keys(parts);
   Buffer<double> area_buffer(parts), moment_buffer(parts);
   out.part.resize(parts), out.node.resize(parts);
@@ -54,7 +54,7 @@ void average(const Scene& s, Frozen& f) {
     device::parallel_for("mortar_contact.parts", parts, [=] MORTISE_HD(Index i) {
       const Pair& p = pairs[i / 3];
       const int a = i % 3;
-      k[i] = key(p.env * laws + p.law, p.on.point[a]);
+      k[i] = key(p.env * interfaces + p.interface, p.on.point[a]);
       part[i] = i;
       area[i] = moment[i] = 0;
       for (Index j = p.begin; j < p.end; ++j) {
@@ -73,14 +73,14 @@ void average(const Scene& s, Frozen& f) {
   device::segment_sum(
       "mortar_contact.node_gap", out.start, [=] MORTISE_HD(Index j) { return moment[part[j]]; }, out.gap);
   const Index nodes = out.area.size();
-  out.law.resize(nodes);
+  out.interface.resize(nodes);
   Buffer<Index> env_buffer(nodes);
-  const View<Index> node = out.node.view(), law = out.law.view(), env = env_buffer.view();
+  const View<Index> node = out.node.view(), interface = out.interface.view(), env = env_buffer.view();
   const View<double> gap = out.gap.view();
   const View<const double> node_area = std::as_const(out.area).view();
   device::parallel_for("mortar_contact.nodes", nodes, [=] MORTISE_HD(Index i) {
     const Pair& p = pairs[part[start[i]] / 3];
-    law[i] = p.law, env[i] = p.env;
+    interface[i] = p.interface, env[i] = p.env;
     gap[i] = node_area[i] > 0 ? gap[i] / node_area[i] : 2 * set.d_hat;
     for (Index j = start[i]; j < start[i + 1]; ++j) node[part[j]] = i;
   });
@@ -93,11 +93,11 @@ void average(const Scene& s, Frozen& f) {
       for (int a = 0; a < 3; ++a) sum -= sample.N[a] * barrier::first(gap[node[3 * sample.pair + a]], p.d_hat);
     else
       sum = -barrier::first(sample.gap, p.d_hat);
-    pressure[i] = kappa[p.law] * sum;
+    pressure[i] = kappa[p.interface] * sum;
   });
 }
 
-void averaged_energy(const Scene& s, const Frozen& f, View<const Vec3> y, device::EnvValues per_env) {
+void averaged_energy(const MortarView& s, const FrozenSamples& f, View<const Vec3> y, device::EnvValues per_env) {
   const Averages& averages = f.averages;
   const View<const Pair> pairs = f.pairs.view();
   const View<const Sample> samples = f.samples.view();
@@ -113,7 +113,7 @@ void averaged_energy(const Scene& s, const Frozen& f, View<const Vec3> y, device
     for (int k = 0; k < points_of(p); ++k) sum += J[k].dot(y[point_of(p, k)] - y0[point_of(p, k)]);
     change[i] = sum;
   });
-  const View<const Index> part = averages.part.view(), start = averages.start.view(), law = averages.law.view();
+  const View<const Index> part = averages.part.view(), start = averages.start.view(), interface = averages.interface.view();
   const View<const double> area = averages.area.view(), gap = averages.gap.view(), kappa = s.kappa;
   device::env_sum(
       "mortar_contact.node_energy", averages.env_nodes,
@@ -122,12 +122,12 @@ void averaged_energy(const Scene& s, const Frozen& f, View<const Vec3> y, device
         double moved = 0;
         for (Index j = start[i]; j < start[i + 1]; ++j) moved += change[part[j]];
         const double g = gap[i] + moved / area[i];
-        return kappa[law[i]] * area[i] * frozen_barrier(g, gap[i], set.d_hat);
+        return kappa[interface[i]] * area[i] * frozen_barrier(g, gap[i], set.d_hat);
       },
       per_env);
 }
 
-void node_stencils(const Frozen& f, const Settings& set, const model::PointMapView& point_map, NodeStencils& out) {
+void node_stencils(const FrozenSamples& f, const Settings& set, const model::PointMapView& point_map, NodeStencils& out) {
   const Averages& averages = f.averages;
   const View<const Pair> pairs = f.pairs.view();
   const View<const Sample> samples = f.samples.view();

@@ -2,33 +2,29 @@
 // `gap: averaged`: one barrier per slave node a instead of one per sample,
 //     E = sum_a kappa A_a b(g_a),   A_a = sum w N_a,   g_a = sum w N_a g / A_a,
 // summed over all face samples near it, also beyond d_hat. The pressure, lambda = sum_a N_a kappa phi(g_a / d_hat), is then as smooth
-// as the slave's mesh and depends less on kappa where that is too stiff for the samples (reference/prototype.md 3.2). Forces are those of
+// as the slave's mesh and depends less on kappa where that is too stiff for the samples (README). Forces are those of
 // the samples with this pressure; the Hessian has one rank-one term kappa A_a b''(g_a) G_a G_a^T, G_a = sum w N_a J / A_a, per node, over
 // all that the node's samples hang on. Samples of ridges and tips keep their own barrier. All samples must keep a positive gap.
 #include "effects/mortar_contact/frozen.h"
 
 namespace mortise::effects::mortar {
 
-// Gap up to which samples count, as a multiple of d_hat. A cut at d_hat makes averages jump where samples come within range, so that steps
-// do not converge; nodes that reach this far hardly act any more.
-inline constexpr double kAverageReach = 10;
-
 // Does the sample act through the averages?
 MORTISE_HD inline bool is_averaged(const Settings& set, const Pair& p, const Sample& s) {
-  return set.averaged && s.kind == SampleKind::face && s.gap < kAverageReach * p.d_hat;
+  return set.averaged && s.kind == SampleKind::face && s.gap < tuning::kAverageReach * p.d_hat;
 }
 
 // Averages and pressures of frozen samples.
-void average(const Scene& s, Frozen& f);
+void average(const MortarView& s, FrozenSamples& f);
 
 // Adds the nodes' energy at y; +infinity where an average is not positive.
-void averaged_energy(const Scene& s, const Frozen& f, View<const Vec3> y, device::EnvValues per_env);
+void averaged_energy(const MortarView& s, const FrozenSamples& f, View<const Vec3> y, device::EnvValues per_env);
 
 // G_a by blocks: node i owns entries [offset[i], offset[i+1]).
 struct NodeStencils {
   Buffer<Index> offset, block;
   Buffer<Vec3> G;
 };
-void node_stencils(const Frozen& f, const Settings& set, const model::PointMapView& map, NodeStencils& out);
+void node_stencils(const FrozenSamples& f, const Settings& set, const model::PointMapView& map, NodeStencils& out);
 
 }  // namespace mortise::effects::mortar

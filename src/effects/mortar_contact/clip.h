@@ -95,13 +95,13 @@ MORTISE_HD inline Polygon clip(const double L[3][3]) {
 
 // Area of fan triangle (0, i, i+1) as a share of the slave's, positive where the master's projection turns against the slave
 // (the faces look at each other).
-MORTISE_HD inline double fan_share(const Polygon& p, int i) {
+MORTISE_HD inline double fan_area(const Polygon& p, int i) {
   const Corner &o = p.v[0], &a = p.v[i], &b = p.v[i + 1];
   return (b.N[1] - o.N[1]) * (a.N[2] - o.N[2]) - (a.N[1] - o.N[1]) * (b.N[2] - o.N[2]);
 }
-MORTISE_HD inline double share(const Polygon& p) {
+MORTISE_HD inline double polygon_area(const Polygon& p) {
   double sum = 0;
-  for (int i = 1; i + 1 < p.n; ++i) sum += fan_share(p, i);
+  for (int i = 1; i + 1 < p.n; ++i) sum += fan_area(p, i);
   return sum;
 }
 

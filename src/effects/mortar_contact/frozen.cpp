@@ -23,7 +23,7 @@ struct Write {
 };
 
 // The patch of slave i; candidates [begin, end) are its masters, triangles first.
-MORTISE_HD inline Patch patch_of(const Scene& s, View<const Vec3> y, Index i, const Index* master, Index n, double margin) {
+MORTISE_HD inline Patch patch_of(const MortarView& s, View<const Vec3> y, Index i, const Index* master, Index n, double margin) {
   Patch p;
   p.slave = s.slaves[i];
   const Triangle t = s.surface.triangles[p.slave];
@@ -41,7 +41,7 @@ MORTISE_HD inline Patch patch_of(const Scene& s, View<const Vec3> y, Index i, co
 
 // Samples of candidate c.
 template <class Take>
-MORTISE_HD inline void sample(const Scene& s, View<const Vec3> y, View<const Index> offset, View<const Index> slave, View<const Index> master,
+MORTISE_HD inline void sample(const MortarView& s, View<const Vec3> y, View<const Index> offset, View<const Index> slave, View<const Index> master,
                               View<const double> margin, Index c, Take& take) {
   const Index i = slave[c], first = offset[i];
   const Index env = s.surface.env[s.surface.triangles[s.slaves[i]].v[0]];
@@ -52,7 +52,7 @@ MORTISE_HD inline void sample(const Scene& s, View<const Vec3> y, View<const Ind
     sample_plane(s, p, s.planes[-1 - master[c]], y, take);
 }
 
-MORTISE_HD inline Pair make_pair(const Scene& s, View<const Vec3> y, Index i, Index master) {
+MORTISE_HD inline Pair make_pair(const MortarView& s, View<const Vec3> y, Index i, Index master) {
   Pair p;
   p.slave = s.slaves[i], p.master = master, p.d_hat = s.support[i];
   const Triangle t = s.surface.triangles[p.slave];
@@ -62,15 +62,15 @@ MORTISE_HD inline Pair make_pair(const Scene& s, View<const Vec3> y, Index i, In
   for (int a = 0; a < 3; ++a) p.k[a] = Vec3::Zero();
   const Index body = s.surface.body[t.v[0]];
   if (master < 0) {
-    p.law = s.law_of(body, s.surface.bodies - 1 - master);
+    p.interface = s.interface_at(body, s.surface.pairs.bodies - 1 - master);
     p.n = p.m = -s.planes[-1 - master].normal;
     return p;
   }
   p.under = s.nodes_of(master);
-  p.law = s.law_of(body, s.surface.body[p.under.point[0]]);
+  p.interface = s.interface_at(body, s.surface.body[p.under.point[0]]);
   p.n = p.m = plane.n;
   const double cosine = s.normal[master].dot(plane.n);
-  if (s.set.exact && cosine < -0.05) {
+  if (s.set.exact && cosine < -tuning::kTurned) {
     p.m = s.normal[master] / cosine;
     const Vec3 u = (p.m - plane.n.dot(p.m) * plane.n) / (2 * plane.area);
     p.k[1] = plane.e2.cross(u);
@@ -124,12 +124,12 @@ void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& 
   });
 }
 
-void freeze(const Scene& scene, Search& search, const Buffer<double>& margin, Frozen& out) {
+void freeze(const MortarView& view, Search& search, const Buffer<double>& margin, FrozenSamples& out) {
   const View<const Vec3> y = std::as_const(out.y).view();
-  search.update(scene, y, margin);
+  search.update(view, y, margin);
   const View<const Index> offset = search.offset(), slave = search.slave(), master = search.master();
   const View<const double> extra = margin.view();
-  const Scene s = scene;
+  const MortarView s = view;
   const Index n = slave.n;
   Buffer<Index> sample_offset(n + 1), pair_offset(n + 1);
   const View<Index> samples = sample_offset.view(), pairs = pair_offset.view();
@@ -158,14 +158,14 @@ void freeze(const Scene& scene, Search& search, const Buffer<double>& margin, Fr
     Write write{to.p + samples[c], pairs[c]};
     sample(s, y, offset, slave, master, extra, c, write);
   });
-  average(scene, out);
+  average(view, out);
 }
 
-void least_gaps(const Scene& scene, const Search& search, View<const Vec3> y, Buffer<double>& least) {
-  least.resize(scene.slaves.n);
+void least_gaps(const MortarView& view, const Search& search, View<const Vec3> y, Buffer<double>& least) {
+  least.resize(view.slaves.n);
   const View<double> out = least.view();
   const View<const Index> offset = search.offset(), master = search.master();
-  const Scene s = scene;
+  const MortarView s = view;
   device::parallel_for("mortar_contact.least_gaps", s.slaves.n, [=] MORTISE_HD(Index i) {
     const Triangle t = s.surface.triangles[s.slaves[i]];
     const SlavePlane plane = slave_plane(y[t.v[0]], y[t.v[1]], y[t.v[2]]);
@@ -188,22 +188,22 @@ void least_gaps(const Scene& scene, const Search& search, View<const Vec3> y, Bu
   });
 }
 
-void cover(const Scene& scene, const Search& search, View<const Vec3> y, Buffer<double>& covered) {
-  covered.resize(scene.slaves.n);
+void cover(const MortarView& view, const Search& search, View<const Vec3> y, Buffer<double>& covered) {
+  covered.resize(view.slaves.n);
   const View<double> out = covered.view();
   const View<const Index> offset = search.offset(), master = search.master();
-  const Scene s = scene;
+  const MortarView s = view;
   device::parallel_for("mortar_contact.cover", s.slaves.n, [=] MORTISE_HD(Index i) {
     const Triangle t = s.surface.triangles[s.slaves[i]];
     const SlavePlane plane = slave_plane(y[t.v[0]], y[t.v[1]], y[t.v[2]]);
     double sum = 0;
     for (Index c = offset[i]; c < offset[i + 1]; ++c)
-      if (master[c] >= 0 && facing(s.set, plane.n, s.normal[master[c]]) > 0) sum += share(clip(project(s, plane, master[c], y).L));
+      if (master[c] >= 0 && facing(s.set, plane.n, s.normal[master[c]]) > 0) sum += polygon_area(clip(project(s, plane, master[c], y).L));
     out[i] = sum;
   });
 }
 
-void energy(const Scene& s, const Frozen& f, View<const Vec3> y, device::EnvValues per_env) {
+void energy(const MortarView& s, const FrozenSamples& f, View<const Vec3> y, device::EnvValues per_env) {
   const View<const Pair> pairs = f.pairs.view();
   const View<const Sample> samples = f.samples.view();
   const View<const Vec3> y0 = f.y.view();
@@ -222,13 +222,13 @@ void energy(const Scene& s, const Frozen& f, View<const Vec3> y, device::EnvValu
           if (p.binding() && !(g > 0)) return static_cast<double>(INFINITY);
           if (!is_averaged(set, p, samples[j])) sum += samples[j].weight * frozen_barrier(g, samples[j].gap, p.d_hat);
         }
-        return kappa[p.law] * sum;
+        return kappa[p.interface] * sum;
       },
       per_env);
   if (set.averaged) averaged_energy(s, f, y, per_env);
 }
 
-void assemble(const Scene& s, const Frozen& f, const model::PointMapView& point_map, bool hessian, linalg::StencilSet& guard,
+void assemble(const MortarView& s, const FrozenSamples& f, const model::PointMapView& point_map, bool hessian, linalg::StencilSet& guard,
               linalg::StencilSet& set) {
   const View<const Pair> pairs = f.pairs.view();
   const View<const Sample> samples = f.samples.view();
@@ -264,7 +264,7 @@ void assemble(const Scene& s, const Frozen& f, const model::PointMapView& point_
       const Sample& sample = samples[j];
       if (!(pressure[j] > 0)) continue;
       jacobian(p, sample, J);
-      const double w = kappa[p.law] * sample.weight, first = -sample.weight * pressure[j];
+      const double w = kappa[p.interface] * sample.weight, first = -sample.weight * pressure[j];
       for (int k = 0; k < points_of(p); ++k) gradient[k] += first * J[k];
       if (!hessian || is_averaged(settings, p, sample)) continue;
       e.chain(J, V);
@@ -273,12 +273,12 @@ void assemble(const Scene& s, const Frozen& f, const model::PointMapView& point_
     e.chain(gradient, out.grad.p + at);
   });
   const View<const double> area = f.averages.area.view(), gap = f.averages.gap.view();
-  const View<const Index> law = f.averages.law.view();
+  const View<const Index> interface = f.averages.interface.view();
   device::parallel_for("mortar_contact.assemble_nodes", node_count, [=] MORTISE_HD(Index i) {
     const Index nb = entry[i + 1] - entry[i], to = out.offset[pairs.n + i];
     for (Index b = 0; b < nb; ++b) out.block[to + b] = node_block[entry[i] + b], out.grad[to + b] = Vec3::Zero();
     model::zero_hessian(out, pairs.n + i, nb);
-    const double c = kappa[law[i]] * area[i] * barrier::second(gap[i], settings.d_hat);
+    const double c = kappa[interface[i]] * area[i] * barrier::second(gap[i], settings.d_hat);
     if (c > 0) model::add_rank_one(out, pairs.n + i, nb, c, G.p + entry[i]);
   });
   const Index begin = pairs.n + node_count;
@@ -291,11 +291,11 @@ void assemble(const Scene& s, const Frozen& f, const model::PointMapView& point_
   });
 }
 
-void limit(const Scene& scene, const Frozen& f, View<const Vec3> dy, double keep, device::EnvValues alpha) {
+void limit(const MortarView& view, const FrozenSamples& f, View<const Vec3> dy, double keep, device::EnvValues alpha) {
   const View<const Pair> pairs = f.pairs.view();
   const View<const Sample> samples = f.samples.view();
   const View<const Vec3> y = f.y.view();
-  const Scene s = scene;
+  const MortarView s = view;
   device::env_min(
       "mortar_contact.limit", f.env_pairs,
       [=] MORTISE_HD(Index i) {
@@ -328,7 +328,7 @@ void limit(const Scene& scene, const Frozen& f, View<const Vec3> dy, double keep
       alpha);
 }
 
-void samples(const Scene& s, const Frozen& f, model::ContactView& view) {
+void samples(const MortarView& s, const FrozenSamples& f, model::ContactView& view) {
   view.samples.resize(f.samples.size());
   view.env_offset = f.env_samples;
   view.local = !s.set.averaged;
@@ -363,10 +363,10 @@ void samples(const Scene& s, const Frozen& f, model::ContactView& view) {
     c.gap = from.gap;
     c.pressure = pressure[i];
     c.force = c.pressure * c.area * length;
-    c.stiffness = kappa[p.law] * c.area * barrier::second(c.gap, p.d_hat) * length * length;
+    c.stiffness = kappa[p.interface] * c.area * barrier::second(c.gap, p.d_hat) * length * length;
     c.env = p.env;
     c.body_a = surface.body[p.on.point[0]];
-    c.body_b = plane ? surface.bodies - 1 - p.master : surface.body[p.under.point[0]];
+    c.body_b = plane ? surface.pairs.bodies - 1 - p.master : surface.body[p.under.point[0]];
     out[i] = c;
   });
 }

@@ -7,11 +7,11 @@
 // tenth of every distance; below a tenth of its gap a sample therefore goes on along the tangent of its barrier, and cuts no step short.
 // Half-spaces are without end, and quadratic faces are not among those primitives: their frozen gaps limit steps, and E is +infinity where one
 // is not positive. The gap's derivative J is, per option `gradient`,
-//     frozen  J = (M_b n, -N_a n)                                    (gmcp.md E4)
-//     exact   dg = [n_m . (dx_m - dx_s) - g n_m . dn] / (n_m . n),   dn = (I - n n^T) d(e1 x e2) / |e1 x e2|   (accuracy.md 5.4),
+//     frozen  J = (M_b n, -N_a n)                                    (published)
+//     exact   dg = [n_m . (dx_m - dx_s) - g n_m . dn] / (n_m . n),   dn = (I - n n^T) d(e1 x e2) / |e1 x e2|   (README),
 // for faces; with m = n_m / (n_m . n), u = (I - n n^T) m / |e1 x e2| this is J = (M_b m, -N_a m - g k_a), k_1 = e2 x u,
 // k_2 = u x e1, k_0 = -k_1 - k_2. Both give balanced forces and moments. Nothing is differentiated through the clipping: that
-// would add the tension of a film with energy kappa b per area (prototype.md 2.4).
+// would add the tension of a film with energy kappa b per area (README).
 //
 // N, M are the shape functions of the faces: linear ones, or those of the six nodes of a quadratic face, whose quarters are what is
 // clipped. Normals, weights and k_a are those of the quarters; g counts between the quadratic faces, along the normal.
@@ -29,7 +29,7 @@ namespace mortise::effects::mortar {
 // A slave triangle and a master triangle or half-space with samples between them: one stencil.
 struct Pair {
   Index slave, master;  // triangles; master = -1 - h: half-space h
-  Index env, law;
+  Index env, interface;
   FaceNodes on, under;  // nodes of the slave, and of the master (none of a half-space)
   Vec3 n, m, k[3];
   double d_hat;
@@ -47,13 +47,13 @@ struct Sample {
 
 // The slave nodes that `gap: averaged` acts on (averaged.h): those with parts, the contributions of pairs to their nodes.
 struct Averages {
-  Buffer<Index> start, part;  // node i has parts part[start[i]] ... part[start[i+1] - 1]; environments contiguous
-  Buffer<Index> node, law;    // per part: its node; per node
-  Buffer<double> area, gap;   // per node [m^2], [m]
+  Buffer<Index> start, part;      // node i has parts part[start[i]] ... part[start[i+1] - 1]; environments contiguous
+  Buffer<Index> node, interface;  // per part: its node; per node
+  Buffer<double> area, gap;       // per node [m^2], [m]
   std::vector<Index> env_nodes;
 };
 
-struct Frozen {
+struct FrozenSamples {
   Buffer<Pair> pairs;  // environments contiguous, then by slave and master
   Buffer<Sample> samples;
   Buffer<double> pressure;                    // per sample [Pa]
@@ -62,11 +62,9 @@ struct Frozen {
   Buffer<Vec3> y;                             // where they were taken
 };
 
-inline constexpr double kTangent = 0.1;  // of the gap, or of d_hat
-
 // The barrier at gap g of what was frozen at gap g0.
 MORTISE_HD inline double frozen_barrier(double g, double g0, double d_hat) {
-  const double least = kTangent * std::fmin(g0, d_hat);
+  const double least = tuning::kTangent * std::fmin(g0, d_hat);
   return g > least ? barrier::value(g, d_hat) : barrier::value(least, d_hat) + barrier::first(least, d_hat) * (g - least);
 }
 
@@ -90,7 +88,7 @@ MORTISE_HD inline void jacobian(const Pair& p, const Sample& s, Vec3 J[kPoints])
 }
 
 // Whether two quadratic faces meet, although their quarters do not.
-inline bool met(const Pair& p, double gap) { return p.quadratic() && gap <= kLeastGap * p.d_hat; }
+inline bool met(const Pair& p, double gap) { return p.quadratic() && gap <= tuning::kLeastGap * p.d_hat; }
 
 MORTISE_HD inline model::Expansion<kPoints> blocks_of(const model::PointMapView& map, const Pair& p) {
   Index point[kPoints];
@@ -105,7 +103,7 @@ class Search {
   // slave_env: first slave of every environment; masters: triangles that may be seen, ascending, out of all `triangles`.
   Search(std::vector<Index> slave_env, const std::vector<Index>& masters, const std::vector<Triangle>& triangles);
   // Masters within support + margin[env] of each slave at y; ascending.
-  void update(const Scene& s, View<const Vec3> y, const Buffer<double>& margin);
+  void update(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin);
   View<const Index> offset() const { return offset_.view(); }
   View<const Index> slave() const { return slave_.view(); }    // per candidate: which slave
   View<const Index> master() const { return master_.view(); }  // per candidate: triangle, or -1 - half-space
@@ -117,7 +115,7 @@ class Search {
   std::vector<Index> slave_env_;
   Buffer<Index> masters_;     // primitives of the tree: only those that may be seen, or slaves would find their own neighbours first
   Buffer<Triangle> corners_;  // of the masters
-  Buffer<double> bow_;        // of the masters, as in Scene
+  Buffer<double> bow_;        // of the masters, as in MortarView
   Buffer<Index> offset_, slave_, master_;
 };
 
@@ -126,22 +124,23 @@ void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& 
              Buffer<double>& bow);
 
 // The samples at out.y with a gap below support + margin[env].
-void freeze(const Scene& s, Search& search, const Buffer<double>& margin, Frozen& out);
+void freeze(const MortarView& s, Search& search, const Buffer<double>& margin, FrozenSamples& out);
 
 // Smallest gap of every slave at y to the corners of what it sees, INFINITY where that is not below support. The search is that of y.
-void least_gaps(const Scene& s, const Search& search, View<const Vec3> y, Buffer<double>& out);
+void least_gaps(const MortarView& s, const Search& search, View<const Vec3> y, Buffer<double>& out);
 // Sum over the masters that face a slave of their clipped share of its area.
-void cover(const Scene& s, const Search& search, View<const Vec3> y, Buffer<double>& out);
+void cover(const MortarView& s, const Search& search, View<const Vec3> y, Buffer<double>& out);
 
-void energy(const Scene& s, const Frozen& f, View<const Vec3> y, device::EnvValues per_env);
+void energy(const MortarView& s, const FrozenSamples& f, View<const Vec3> y, device::EnvValues per_env);
 
 // Stencils 0..pairs of f, and after them those of `guard` unchanged.
-void assemble(const Scene& s, const Frozen& f, const model::PointMapView& map, bool hessian, linalg::StencilSet& guard, linalg::StencilSet& out);
+void assemble(const MortarView& s, const FrozenSamples& f, const model::PointMapView& map, bool hessian, linalg::StencilSet& guard,
+              linalg::StencilSet& out);
 
 // Lowers alpha[e] so that every sample of pairs whose frozen gaps count, and every corner of their clipped overlaps, keeps the share `keep`
 // of its gap (linearised).
-void limit(const Scene& s, const Frozen& f, View<const Vec3> dy, double keep, device::EnvValues alpha);
+void limit(const MortarView& s, const FrozenSamples& f, View<const Vec3> dy, double keep, device::EnvValues alpha);
 
-void samples(const Scene& s, const Frozen& f, model::ContactView& view);
+void samples(const MortarView& s, const FrozenSamples& f, model::ContactView& view);
 
 }  // namespace mortise::effects::mortar

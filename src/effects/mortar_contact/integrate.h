@@ -10,7 +10,7 @@ namespace mortise::effects::mortar {
 
 // Calls at(b, weight) for the points of a triangle whose corners have these gaps; weights add up to 1.
 template <class At>
-MORTISE_HD inline void integrate(const Scene& s, const double gap[3], const Patch& p, const At& at) {
+MORTISE_HD inline void integrate(const MortarView& s, const double gap[3], const Patch& p, const At& at) {
   if (s.set.quadrature == kExact && gap[0] > 0 && gap[1] > 0 && gap[2] > 0) {
     level_rule(gap, p.support, p.reach, at);
     return;
@@ -41,13 +41,13 @@ MORTISE_HD inline void integrate_levels(const Patch& p, const Polygon& whole, co
       poly = keep(
           poly, [&](const Corner& c) { return hi - gap(c); }, nothing);
     const MomentRule rule = moment_rule(poly);
-    for (int q = 0; q < 3 && rule.share > 0; ++q) at(rule.at[q], rule.share / 3);
+    for (int q = 0; q < 3 && rule.area > 0; ++q) at(rule.at[q], rule.area / 3);
   }
 }
 
 // The same along a segment with gaps g0 and g1 at its ends: at(t, weight).
 template <class At>
-MORTISE_HD inline void integrate_segment(const Scene& s, double g0, double g1, const Patch& p, const At& at) {
+MORTISE_HD inline void integrate_segment(const MortarView& s, double g0, double g1, const Patch& p, const At& at) {
   if (s.set.quadrature == kExact && g0 > 0 && g1 > 0) {
     level_segment_rule(g0, g1, p.support, p.reach, at);
     return;

@@ -11,7 +11,7 @@ struct Facing {
   Vec3 y[3];
   double L[3][3], height[3];  // slave barycentrics and heights of its corners
 };
-MORTISE_HD inline Facing project(const Scene& s, const SlavePlane& plane, Index master, View<const Vec3> y) {
+MORTISE_HD inline Facing project(const MortarView& s, const SlavePlane& plane, Index master, View<const Vec3> y) {
   Facing f;
   for (int k = 0; k < 3; ++k) {
     f.y[k] = y[s.surface.triangles[master].v[k]];
@@ -34,8 +34,8 @@ MORTISE_HD inline double covers(const Facing& f, const double N[3], double g) {
   if (!(h > 0 && h < g)) return 0;
   return hermite(1 + rim_distance(f.y, M) / (g - h));
 }
-MORTISE_HD inline bool may_cover(const Scene& s, const Patch& p, Index i, Index j) {
-  if (i == j || !(-p.plane.n.dot(s.normal[p.master[j]]) > 0.1)) return false;
+MORTISE_HD inline bool may_cover(const MortarView& s, const Patch& p, Index i, Index j) {
+  if (i == j || !(-p.plane.n.dot(s.normal[p.master[j]]) > tuning::kLayerFaces)) return false;
   const Triangle a = s.surface.triangles[p.master[i]], b = s.surface.triangles[p.master[j]];
   for (int k = 0; k < 3; ++k)
     if (contact::has(a, b.v[k])) return false;  // neighbours of one surface
@@ -53,13 +53,13 @@ MORTISE_HD inline bool boxes_overlap(const Patch& p, const Facing& i, const Faci
   }
   return true;
 }
-MORTISE_HD inline bool any_layer(const Scene& s, const Patch& p, Index i, const Facing& f, View<const Vec3> y) {
+MORTISE_HD inline bool any_layer(const MortarView& s, const Patch& p, Index i, const Facing& f, View<const Vec3> y) {
   for (Index j = 0; j < p.masters; ++j)
     if (may_cover(s, p, i, j) && boxes_overlap(p, f, project(s, p.plane, p.master[j], y))) return true;
   return false;
 }
 // Share of what master i shows at N that no other master hides.
-MORTISE_HD inline double visible(const Scene& s, const Patch& p, Index i, View<const Vec3> y, const double N[3], double g) {
+MORTISE_HD inline double visible(const MortarView& s, const Patch& p, Index i, View<const Vec3> y, const double N[3], double g) {
   double hidden = 0;
   for (Index j = 0; j < p.masters; ++j)
     if (may_cover(s, p, i, j)) hidden += covers(project(s, p.plane, p.master[j], y), N, g);

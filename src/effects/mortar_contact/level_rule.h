@@ -7,6 +7,7 @@
 // (Trefethen, Approximation Theory and Practice, ch. 19): below 1e-12 throughout. Integrals of b, b' N_a and b'' N_a N_b then depend on
 // the polygon alone, not on how it is divided into triangles.
 #include "effects/mortar_contact/quadrature.h"
+#include "effects/mortar_contact/tuning.h"
 
 namespace mortise::effects::mortar {
 
@@ -23,7 +24,7 @@ MORTISE_HD inline SegmentPoint across_point(int n, int i) {
 template <class Slab>
 MORTISE_HD inline void slabs(double lo, double mid, double hi, double d_hat, double reach, const Slab& slab) {
   for (double u = lo; u < hi && u < reach;) {
-    double v = std::fmax(1.4 * u, u + 1e-3 * d_hat);
+    double v = std::fmax(tuning::kSlabGrowth * u, u + tuning::kSlabLeast * d_hat);
     if (u < mid) v = std::fmin(v, mid);
     if (u < d_hat) v = std::fmin(v, d_hat);
     v = std::fmin(v, hi);
@@ -34,7 +35,7 @@ MORTISE_HD inline void slabs(double lo, double mid, double hi, double d_hat, dou
 }
 
 // As good as constant?
-MORTISE_HD inline bool level(double lo, double hi) { return !(hi - lo > 1e-7 * hi); }
+MORTISE_HD inline bool level(double lo, double hi) { return !(hi - lo > tuning::kLevel * hi); }
 
 // Calls take(t, weight) for points 0 <= t <= 1 of a segment with gaps g0 > 0 at 0 and g1 > 0 at 1; weights add up to 1, less what lies
 // beyond `reach`.

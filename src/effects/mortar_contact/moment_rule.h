@@ -16,7 +16,7 @@
 namespace mortise::effects::mortar {
 
 struct MomentRule {
-  double share = 0;  // of the slave triangle's area
+  double area = 0;  // in areas of the slave triangle
   Corner at[3];
 };
 
@@ -26,21 +26,21 @@ MORTISE_HD inline MomentRule moment_rule(const Polygon& p) {
   double first[4] = {0, 0, 0, 0}, second[4][2] = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
   const Corner& o = p.v[0];
   for (int k = 1; k + 1 < p.n; ++k) {
-    const double w = fan_share(p, k);
+    const double w = fan_area(p, k);
     const Corner &a = p.v[k], &b = p.v[k + 1];
     const double x[4] = {a.N[1] - o.N[1], a.N[2] - o.N[2], a.M[1] - o.M[1], a.M[2] - o.M[2]};
     const double y[4] = {b.N[1] - o.N[1], b.N[2] - o.N[2], b.M[1] - o.M[1], b.M[2] - o.M[2]};
-    out.share += w;
+    out.area += w;
     for (int i = 0; i < 4; ++i) {
       first[i] += w / 3 * (x[i] + y[i]);
       for (int j = 0; j < 2; ++j) second[i][j] += w / 12 * (x[i] * x[j] + y[i] * y[j] + (x[i] + y[i]) * (x[j] + y[j]));
     }
   }
-  if (!(out.share > 0)) return out;
+  if (!(out.area > 0)) return out;
   double c[4], C[4][2];
-  for (int i = 0; i < 4; ++i) c[i] = first[i] / out.share;
+  for (int i = 0; i < 4; ++i) c[i] = first[i] / out.area;
   for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 2; ++j) C[i][j] = second[i][j] / out.share - c[i] * c[j];
+    for (int j = 0; j < 2; ++j) C[i][j] = second[i][j] / out.area - c[i] * c[j];
   const double trace = C[0][0] + C[1][1], det = C[0][0] * C[1][1] - C[0][1] * C[1][0];
   constexpr double kSliver = 1e-12;  // det C / tr C^2 below which the polygon is a line to rounding
   const double s = det > kSliver * trace * trace ? std::sqrt(det) : 0, t = trace > 0 ? std::sqrt(trace + 2 * s) : 0;

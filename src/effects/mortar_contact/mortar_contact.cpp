@@ -63,10 +63,8 @@ const ParamTable kTable{
                   0, 1),
      param::of(Param::Kind::flag, "two_pass", Unit::none, "false", "Both surfaces of every pair are slaves, with half of the weight")}};
 
-constexpr double kLeastSupport = 0.01;  // of d_hat: no support radius is smaller, whatever rest_share says
-
 struct MortarLinearisation final : Linearisation {
-  Frozen frozen;
+  FrozenSamples frozen;
   Buffer<Vec3> normal;       // of all triangles there,
   Buffer<double> area, bow;  // their areas, and how far their quadratic faces stand off
   contact::ActiveSet guard;
@@ -87,14 +85,14 @@ class MortarContact final : public Effect {
         set_{.d_hat = contact::support_radius(p, model.input)},
         guard_share_(p.number("guard")),
         rest_share_(p.number("rest_share")),
-        near_(model, guard_range()) {
+        proximity_(model, guard_range()) {
     set_.taper = p.text("weights") == "tapered" ? p.number("taper_width") : 0;
     set_.quadrature = p.text("quadrature") == "exact" ? kExact : std::stoi(p.text("quadrature"));
     set_.exact = p.text("gradient") == "exact";
     set_.averaged = p.text("gap") == "averaged";
     if (set_.averaged && (rest_share_ > 0 || model.faces.quarter.size() > 0))
       throw Error(Exit::scene, p.at("gap").where(), "averaged gaps need linear tetrahedra and no rest_share");
-    set_.share = p.flag("two_pass") ? 0.5 : 1;
+    set_.pass_weight = p.flag("two_pass") ? 0.5 : 1;
     choose_pairs(p.at("pairs"), p.flag("two_pass"));
     choose_slaves();
     margin_.upload(std::vector<double>(model.envs, more_reach()));
@@ -114,7 +112,7 @@ class MortarContact final : public Effect {
   const Kind& kind() const override;
 
   std::vector<PlanItem> plan() const override {
-    return {{"candidate triangles", search_.bytes()}, {"candidate pairs of the guard", near_.candidates().bytes()}};
+    return {{"candidate triangles", search_.bytes()}, {"candidate pairs of the guard", proximity_.candidates().bytes()}};
   }
 
   void connect() override {
@@ -131,11 +129,11 @@ class MortarContact final : public Effect {
       changed = true;
     }
     if (changed) stiffness_changed();
-    near_.begin_step(step);
+    proximity_.begin_step(step);
     if (started_) return;
     MortarLinearisation at;
-    near_.locate(std::as_const(model_.q).view(), at.frozen.y);
-    contact::check_start(model_, near_.obstacles(guard_scene()), near_.candidates(), at.y());
+    proximity_.locate(std::as_const(model_.q).view(), at.frozen.y);
+    contact::check_start(model_, proximity_.obstacles(guard_view()), proximity_.candidates(), at.y());
     refreeze(at);
     check_faces(at);
     started_ = true;
@@ -160,33 +158,33 @@ class MortarContact final : public Effect {
 
   void linearise(Positions q, Want want, Linearisation& out) override {
     MortarLinearisation& at = of_mortar(out);
-    near_.locate(q, at.frozen.y);
+    proximity_.locate(q, at.frozen.y);
     refreeze(at);
     if (guard_share_ > 0)
-      contact::build(guard_scene(), near_.candidates(), at.y(), model_.envs, at.guard);
+      contact::build(guard_view(), proximity_.candidates(), at.y(), model_.envs, at.guard);
     else
       at.guard_stencils.resize_uniform(0, 0);
     if (!want.forces) return;
-    if (guard_share_ > 0) contact::assemble(guard_scene(), at.guard, at.y(), model_.point_map(), want.matrix, at.guard_stencils);
-    mortar::assemble(scene(at), at.frozen, model_.point_map(), want.matrix.wanted, at.guard_stencils, at.stencils);
+    if (guard_share_ > 0) contact::assemble(guard_view(), at.guard, at.y(), model_.point_map(), want.matrix, at.guard_stencils);
+    mortar::assemble(view(at), at.frozen, model_.point_map(), want.matrix.wanted, at.guard_stencils, at.stencils);
   }
 
-  void sample(Linearisation& at) override { samples(scene(of_mortar(at)), of_mortar(at).frozen, at.contact); }
+  void sample(Linearisation& at) override { samples(view(of_mortar(at)), of_mortar(at).frozen, at.contact); }
 
   void energy(Positions q, const Linearisation& frozen, device::EnvValues per_env) override {
     const MortarLinearisation& at = of_mortar(frozen);
-    const std::vector<std::uint8_t> finite = near_.locate(q, y_);
+    const std::vector<std::uint8_t> finite = proximity_.locate(q, y_);
     const View<const Vec3> y = std::as_const(y_).view();
-    mortar::energy(scene(at), at.frozen, y, per_env);
-    if (guard_share_ > 0) contact::energy(guard_scene(), near_.candidates(), y, near_.vertex_env(), per_env);
+    mortar::energy(view(at), at.frozen, y, per_env);
+    if (guard_share_ > 0) contact::energy(guard_view(), proximity_.candidates(), y, proximity_.vertex_env(), per_env);
     contact::forbid(finite, per_env);
   }
 
   void max_step(View<const Vec3> dq, Linearisation& out, device::EnvValues alpha) override {
     MortarLinearisation& at = of_mortar(out);
     Buffer<Vec3> dy;
-    near_.limit(at.frozen.y, dq, guard_scene(), dy, alpha);
-    mortar::limit(scene(at), at.frozen, std::as_const(dy).view(), contact::kKeep, alpha);
+    proximity_.limit(at.frozen.y, dq, guard_view(), dy, alpha);
+    mortar::limit(view(at), at.frozen, std::as_const(dy).view(), contact::kKeep, alpha);
     foresee(std::as_const(dy).view(), at, alpha);
   }
 
@@ -213,12 +211,11 @@ class MortarContact final : public Effect {
   // A static step ends with the stiffness that its own pressure asks for. In motion that would be energy from nowhere.
   void refit(Positions, const Linearisation& at, std::vector<Refit>& per_env) override {
     if (!automatic_ || !static_) return;
-    constexpr double kSame = 1.5;  // changes below this factor move a pressure by less than its mesh does: not worth another solution
     std::vector<double> price;
     const std::vector<double> wanted = fitted(of_mortar(at), price);
     std::vector<std::uint8_t> changed(model_.envs, 0);
     for (std::size_t i = 0; i < kappa_.size(); ++i)
-      if (wanted[i] > kSame * kappa_[i] || kappa_[i] > kSame * wanted[i]) changed[env(i)] = 1;
+      if (wanted[i] > tuning::kSame * kappa_[i] || kappa_[i] > tuning::kSame * wanted[i]) changed[env(i)] = 1;
     bool any = false;
     for (std::size_t i = 0; i < kappa_.size(); ++i) {
       if (!changed[env(i)]) continue;
@@ -246,34 +243,33 @@ class MortarContact final : public Effect {
   void foresee(View<const Vec3> dy, MortarLinearisation& at, device::EnvValues alpha) {
     std::vector<double> farthest(model_.envs, 0.0);
     device::env_max(
-        "mortar_contact.farthest", near_.point_env(), [=] MORTISE_HD(Index i) { return dy[i].norm(); }, device::EnvValues{farthest, alpha.fetch});
+        "mortar_contact.farthest", proximity_.point_env(), [=] MORTISE_HD(Index i) { return dy[i].norm(); },
+        device::EnvValues{farthest, alpha.fetch});
     alpha.fetch.now();
     bool any = false;
     std::vector<double> margin(model_.envs, more_reach());
     for (Index e = 0; e < model_.envs; ++e) {
       const double way = 2 * std::min(1.0, alpha.value[e]) * farthest[e];
-      if (!std::isfinite(way) || way < kNearest * set_.d_hat) continue;
-      margin[e] += std::min(way, kFarthest * set_.d_hat);
+      if (!std::isfinite(way) || way < tuning::kNearest * set_.d_hat) continue;
+      margin[e] += std::min(way, tuning::kFarthest * set_.d_hat);
       any = true;
     }
     if (!any) return;
     Buffer<double> buffer(margin);
-    freeze(scene(at), search_, buffer, at.frozen);
+    freeze(view(at), search_, buffer, at.frozen);
   }
 
  private:
   // Gap beyond the support radius up to which samples are wanted [m].
-  double more_reach() const { return set_.averaged ? (kAverageReach - 1) * set_.d_hat : 0; }
-
-  static constexpr double kFarthest = 10;   // of d_hat: samples farther than that from contact are left to the next iteration,
-  static constexpr double kNearest = 1e-3;  // and shorter ways bring nothing that matters into range
+  double more_reach() const { return set_.averaged ? (tuning::kAverageReach - 1) * set_.d_hat : 0; }
 
   void choose_pairs(const Params& list, bool two_pass) {
     const Index n = static_cast<Index>(model_.bodies.size()), planes = static_cast<Index>(model_.half_spaces.size());
-    std::vector<Index> law(n * (n + planes), -1);
+    const geometry::BodyPairs& pairs = model_.surface.pairs;
+    std::vector<Index> interface_of_pair(pairs.size(planes), -1);
     const auto add = [&](Index slave, Index master, const SourceLoc& at) {
-      if (law[slave * (n + planes) + master] >= 0) throw Error(Exit::scene, at, "this pair is listed twice");
-      law[slave * (n + planes) + master] = static_cast<Index>(interfaces_.size());
+      if (interface_of_pair[pairs.of(slave, master)] >= 0) throw Error(Exit::scene, at, "this pair is listed twice");
+      interface_of_pair[pairs.of(slave, master)] = static_cast<Index>(interfaces_.size());
       interfaces_.push_back(interface_of(model_, slave, master));
     };
     for (const Params& pair : list.items()) {
@@ -295,7 +291,7 @@ class MortarContact final : public Effect {
       if (!slave_found) throw Error(Exit::scene, pair.at("slave").where(), "no soft or stiff body is called '" + slave + "'");
       if (!master_found) throw Error(Exit::scene, pair.at("master").where(), "no body is called '" + master + "'");
     }
-    law_.upload(law);
+    interface_at_.upload(interface_of_pair);
   }
 
   void choose_slaves() {
@@ -319,27 +315,27 @@ class MortarContact final : public Effect {
   void watch() {
     const Index n = static_cast<Index>(model_.bodies.size());
     contact::WatchedPairs pairs(model_);
-    std::vector<std::uint8_t> directed(n * n, 0);
+    std::vector<std::uint8_t> directed(pairs.of.size(0), 0);
     for (const Interface& i : interfaces_) {
       pairs.set(i.slave, i.master, contact::Watch::contact);
-      if (i.master < n) directed[i.slave * n + i.master] = 1;
+      if (i.master < n) directed[pairs.of.of(i.slave, i.master)] = 1;
     }
     contact::complete(model_, pairs);
-    near_.watch(pairs);
+    proximity_.watch(pairs);
     directed_.upload(directed);
   }
 
   Index env(std::size_t interface) const { return model_.bodies[interfaces_[interface].slave].env; }
 
-  mortar::Scene scene(const MortarLinearisation& at) const {
+  mortar::MortarView view(const MortarLinearisation& at) const {
     geometry::SurfaceView surface = model_.surface.view();
     surface.pair_allowed = directed_.view();
     return {set_,
             surface,
-            near_.topology(),
-            law_.view(),
+            proximity_.topology(),
+            interface_at_.view(),
             kappa_view_.view(),
-            near_.planes(),
+            proximity_.planes(),
             slaves_.view(),
             support_.view(),
             at.normal.view(),
@@ -350,31 +346,31 @@ class MortarContact final : public Effect {
   }
   // The guard is the barrier of barrier_contact in its classic form: every pair of primitives has the same weight. With the mean
   // third of a slave triangle as that weight its stiffness is that of the mortar samples.
-  contact::Scene guard_scene() const {
-    contact::Law law;
-    law.d_hat = law.edge_range = guard_range();
-    law.area_weighted = false;
-    contact::Scene out = near_.scene(law, {}, {});
-    out.kappa_of_env = guard_law_.view();
+  contact::BarrierView guard_view() const {
+    contact::BarrierParams barrier;
+    barrier.d_hat = barrier.edge_range = guard_range();
+    barrier.area_weighted = false;
+    contact::BarrierView out = proximity_.view(barrier, {}, {});
+    out.kappa_of_env = guard_kappa_view_.view();
     return out;
   }
 
   // Samples within range at y.
   void refreeze(MortarLinearisation& at) {
     measure(model_.surface.view(), model_.faces, at.y(), at.normal, at.area, at.bow);
-    freeze(scene(at), search_, margin_, at.frozen);
+    freeze(view(at), search_, margin_, at.frozen);
   }
 
   // From the state at the start.
   void fit_support() {
     if (!(rest_share_ > 0)) return;
     MortarLinearisation at;
-    near_.locate(std::as_const(model_.q).view(), at.frozen.y);
+    proximity_.locate(std::as_const(model_.q).view(), at.frozen.y);
     refreeze(at);
     Buffer<double> least;
-    least_gaps(scene(at), search_, at.y(), least);
+    least_gaps(view(at), search_, at.y(), least);
     std::vector<double> support;
-    for (double g : least.download()) support.push_back(std::clamp(rest_share_ * g, kLeastSupport * set_.d_hat, set_.d_hat));
+    for (double g : least.download()) support.push_back(std::clamp(rest_share_ * g, tuning::kLeastSupport * set_.d_hat, set_.d_hat));
     support_.upload(support);
   }
 
@@ -383,7 +379,7 @@ class MortarContact final : public Effect {
     std::vector<double> per_env(model_.envs, 0.0);
     if (!(guard_share_ > 0)) return per_env;
     device::Fetch fetch;
-    contact::energy(guard_scene(), near_.candidates(at.frozen.y), at.y(), near_.vertex_env(), {per_env, fetch});
+    contact::energy(guard_view(), proximity_.candidates(at.frozen.y), at.y(), proximity_.vertex_env(), {per_env, fetch});
     fetch.now();
     return per_env;
   }
@@ -398,7 +394,7 @@ class MortarContact final : public Effect {
     for (std::size_t i = 0; i < interfaces_.size(); ++i) {
       const Achieved now = achieved(interfaces_[i], static_cast<Index>(i), kappa_[i], pairs, samples);
       if (!(now.pressure > 0) || fits(interfaces_[i], now, kappa_[i])) continue;
-      wanted[i] = wanted_stiffness(interfaces_[i], set_.d_hat, now.pressure, static_ ? kOpen : kSoftest);
+      wanted[i] = wanted_stiffness(interfaces_[i], set_.d_hat, now.pressure, static_ ? tuning::kOpen : tuning::kSoftest);
       price[env(i)] += (wanted[i] / kappa_[i] - 1) * now.energy;
     }
     return wanted;
@@ -413,27 +409,27 @@ class MortarContact final : public Effect {
   void stiffness_changed() {
     kappa_view_.upload(kappa_);
     guard_kappa_ = guard_of(kappa_);
-    std::vector<double> law;
+    std::vector<double> stiffness;
     const double d_hat = guard_range();
-    for (double kappa : guard_kappa_) law.push_back(kappa / (d_hat * d_hat));
-    guard_law_.upload(law);
+    for (double kappa : guard_kappa_) stiffness.push_back(kappa / (d_hat * d_hat));
+    guard_kappa_view_.upload(stiffness);
   }
 
-  double guard_range() const { return std::max(guard_share_, 0.01) * set_.d_hat; }
+  double guard_range() const { return std::max(guard_share_, tuning::kLeastGuard) * set_.d_hat; }
 
   model::Model& model_;
   Settings set_;
   double guard_share_, rest_share_;
   bool automatic_ = false, started_ = false;
-  std::vector<Interface> interfaces_;       // laws
+  std::vector<Interface> interfaces_;       // interfaces
   std::vector<double> kappa_, next_kappa_;  // of this step, and for the next
   std::vector<double> next_price_;          // per environment: energy that the change to next_kappa_ adds [J]
   bool static_ = false;
   std::vector<double> guard_kappa_;  // per environment: kappa times the weight of a guard pair [N]
-  Buffer<double> guard_law_;         // the same over the square of its range [Pa]
-  contact::Proximity near_;
+  Buffer<double> guard_kappa_view_;  // the same over the square of its range [Pa]
+  contact::Proximity proximity_;
   Search search_;
-  Buffer<Index> law_, slaves_;
+  Buffer<Index> interface_at_, slaves_;
   Buffer<double> kappa_view_, support_, margin_;
   Buffer<std::uint8_t> directed_;
   Buffer<Vec3> y_;  // work space
@@ -443,7 +439,7 @@ void MortarContact::report(FieldSink& sink, const Linearisation& accepted) {
   const MortarLinearisation& at = of_mortar(accepted);
   const std::vector<Pair> pairs = at.frozen.pairs.download();
   const std::vector<Sample> samples = at.frozen.samples.download();
-  const std::vector<model::ContactSample> view = at.contact.samples.download();
+  const std::vector<model::ContactSample> contact_samples = at.contact.samples.download();
   const std::string group(name());
 
   std::vector<double> load(model_.points, 0.0), area_of(model_.points, 0.0), pressure(model_.points, 0.0), kind;
@@ -453,7 +449,7 @@ void MortarContact::report(FieldSink& sink, const Linearisation& accepted) {
   double closest = set_.d_hat;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Sample& s = samples[i];
-    const model::ContactSample& c = view.at(i);
+    const model::ContactSample& c = contact_samples.at(i);
     const Pair& pair = pairs[s.pair];
     Vec3 J[kPoints];
     jacobian(pair, s, J);
@@ -469,15 +465,15 @@ void MortarContact::report(FieldSink& sink, const Linearisation& accepted) {
     }
     total[static_cast<Index>(s.kind)] += c.force;
     // Curved faces may meet between their nodes; what is kept apart are their quarters, and none within reach is nearer than they are.
-    closest = std::min(closest, pair.quadratic() ? std::max(c.gap, near_.reach()) : c.gap);
+    closest = std::min(closest, pair.quadratic() ? std::max(c.gap, proximity_.reach()) : c.gap);
     rows.add(c);
     kind.push_back(static_cast<double>(s.kind));
   }
   if (guard_share_ > 0) {
     Buffer<Vec3> buffer;
     Buffer<model::ContactSample> guard_samples;
-    contact::point_forces(guard_scene(), at.guard, at.y(), buffer);
-    contact::samples(guard_scene(), at.guard, at.y(), guard_samples);
+    contact::point_forces(guard_view(), at.guard, at.y(), buffer);
+    contact::samples(guard_view(), at.guard, at.y(), guard_samples);
     const std::vector<Vec3> guard = buffer.download();
     const std::vector<model::ContactSample> guard_view = guard_samples.download();
     const std::vector<contact::Active> terms = at.guard.terms.download();
@@ -499,7 +495,7 @@ void MortarContact::report(FieldSink& sink, const Linearisation& accepted) {
   sink.scalar(group, "pressure_sum_defect", "1", contact::sum_defect(forces, {&rows, &guard_rows}));
   sink.rows(group, "kind", "1", 1, kind);
 
-  closest = std::min(closest, contact::least_distance(near_.obstacles(guard_scene()), near_.candidates(at.frozen.y), at.y()));
+  closest = std::min(closest, contact::least_distance(proximity_.obstacles(guard_view()), proximity_.candidates(at.frozen.y), at.y()));
   sink.scalar(group, "min_distance", "m", closest);
   // The stiffness that the next step begins with was paid for by this one.
   sink.scalar(group, "energy", "J",
@@ -511,8 +507,8 @@ void MortarContact::report(FieldSink& sink, const Linearisation& accepted) {
 
   // Covered slave triangles are those whose pieces add up to their area but for rounding; stacked layers count more than once.
   Buffer<double> covered;
-  search_.update(scene(at), at.y(), margin_);
-  cover(scene(at), search_, at.y(), covered);
+  search_.update(view(at), at.y(), margin_);
+  cover(view(at), search_, at.y(), covered);
   double defect = 0;
   for (double c : covered.download())
     if (std::abs(c - 1) < 1e-6) defect = std::max(defect, std::abs(c - 1));

@@ -5,14 +5,11 @@
 namespace mortise::effects::mortar {
 namespace {
 
-// Edges and tips are seen up to `reach` above a slave triangle and as far beside it.
-constexpr double kBeside = 1.4142135623730951;
-
 // Counts the masters near a slave; writes them unless out is null.
-MORTISE_HD inline Index masters_near(const Scene& s, const geometry::BvhView& tree, View<const Index> masters, View<const Vec3> y, Index slave,
+MORTISE_HD inline Index masters_near(const MortarView& s, const geometry::BvhView& tree, View<const Index> masters, View<const Vec3> y, Index slave,
                                      double reach, Index* out) {
   const Triangle t = s.surface.triangles[slave];
-  const geometry::BvhNode box = geometry::swept_box(t.v, 3, -1, s.surface, y, View<const Vec3>{}, kBeside * reach);
+  const geometry::BvhNode box = geometry::swept_box(t.v, 3, -1, s.surface, y, View<const Vec3>{}, tuning::kBeside * reach);
   geometry::BvhCursor cursor;
   Index n = 0;
   for (Index row = cursor.next(tree, box, s.surface); row >= 0; row = cursor.next(tree, box, s.surface)) {
@@ -25,7 +22,7 @@ MORTISE_HD inline Index masters_near(const Scene& s, const geometry::BvhView& tr
     ++n;
   }
   for (Index p = 0; p < s.planes.n; ++p) {
-    if (s.law_of(s.surface.body[t.v[0]], s.surface.bodies + p) < 0) continue;
+    if (s.interface_at(s.surface.body[t.v[0]], s.surface.pairs.bodies + p) < 0) continue;
     double least = INFINITY;
     for (int k = 0; k < 3; ++k) least = std::fmin(least, s.planes[p].normal.dot(y[t.v[k]] - s.planes[p].point));
     if (!(least < reach)) continue;
@@ -45,7 +42,7 @@ Search::Search(std::vector<Index> slave_env, const std::vector<Index>& masters, 
   corners_.upload(corners);
 }
 
-void Search::update(const Scene& s, View<const Vec3> y, const Buffer<double>& margin) {
+void Search::update(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin) {
   const View<const Index> masters = std::as_const(masters_).view();
   const View<const Triangle> corners = std::as_const(corners_).view();
   const View<const double> bow = s.bow;
@@ -58,18 +55,18 @@ void Search::update(const Scene& s, View<const Vec3> y, const Buffer<double>& ma
   const View<const double> extra = margin.view();
   offset_.resize(s.slaves.n + 1);
   const View<Index> count = offset_.view();
-  const Scene scene = s;
+  const MortarView view = s;
   device::parallel_for("mortar_contact.count_masters", s.slaves.n, [=] MORTISE_HD(Index i) {
-    const Index env = scene.surface.env[scene.surface.triangles[scene.slaves[i]].v[0]];
-    count[i] = masters_near(scene, tree, masters, y, scene.slaves[i], scene.support[i] + extra[env] + scene.bow_of(scene.slaves[i]), nullptr);
+    const Index env = view.surface.env[view.surface.triangles[view.slaves[i]].v[0]];
+    count[i] = masters_near(view, tree, masters, y, view.slaves[i], view.support[i] + extra[env] + view.bow_of(view.slaves[i]), nullptr);
   });
   const Index n = device::exclusive_scan(offset_);
   slave_.resize(n), master_.resize(n);
   const View<Index> slave = slave_.view(), master = master_.view();
   device::parallel_for("mortar_contact.find_masters", s.slaves.n, [=] MORTISE_HD(Index i) {
     if (count[i + 1] == count[i]) return;
-    const Index env = scene.surface.env[scene.surface.triangles[scene.slaves[i]].v[0]];
-    masters_near(scene, tree, masters, y, scene.slaves[i], scene.support[i] + extra[env] + scene.bow_of(scene.slaves[i]), master.p + count[i]);
+    const Index env = view.surface.env[view.surface.triangles[view.slaves[i]].v[0]];
+    masters_near(view, tree, masters, y, view.slaves[i], view.support[i] + extra[env] + view.bow_of(view.slaves[i]), master.p + count[i]);
     for (Index k = count[i]; k < count[i + 1]; ++k) slave[k] = i;
   });
 }

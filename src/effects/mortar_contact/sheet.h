@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "effects/mortar_contact/clip.h"
-#include "effects/mortar_contact/scene.h"
+#include "effects/mortar_contact/view.h"
 
 namespace mortise::effects::mortar {
 
@@ -20,7 +20,7 @@ struct Sheet {
   }
 };
 
-MORTISE_HD inline Sheet sheet_of(const Scene& s, const SlavePlane& plane, Index triangle, View<const Vec3> y) {
+MORTISE_HD inline Sheet sheet_of(const MortarView& s, const SlavePlane& plane, Index triangle, View<const Vec3> y) {
   Sheet out;
   out.on = s.nodes_of(triangle);
   for (int k = 0; k < out.on.count; ++k) {
@@ -49,9 +49,5 @@ MORTISE_HD inline Vec3 slide(const Sheet& face, const Vec3& x, double b[3]) {
     b[0] = 1 - b[1] - b[2];
   }
 }
-
-// No gap is taken to be smaller than this share of the support radius. Continuous collision detection keeps the quarters apart, not
-// the quadratic faces themselves, which a coarse mesh could bring together between its nodes.
-inline constexpr double kLeastGap = 1e-3;
 
 }  // namespace mortise::effects::mortar

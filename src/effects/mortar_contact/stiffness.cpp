@@ -29,12 +29,12 @@ Interface interface_of(const model::Model& model, Index slave, Index master) {
 
 double first_stiffness(const Interface& i, double d_hat) {
   if (i.fixed) return i.modulus;
-  return wanted_stiffness(i, d_hat, i.modulus > 0 ? kFirstPressure * i.modulus : kRigidPressure, kSoftest);
+  return wanted_stiffness(i, d_hat, i.modulus > 0 ? tuning::kFirstPressure * i.modulus : tuning::kRigidPressure, tuning::kSoftest);
 }
 
 double wanted_stiffness(const Interface& i, double d_hat, double p, double least_t) {
   const auto ratio = [](double t) { return barrier::second(t, 1.0) / barrier::phi(t); };
-  const double wanted = kWanted * i.modulus * d_hat / (p * i.h);
+  const double wanted = tuning::kWanted * i.modulus * d_hat / (p * i.h);
   double lo = least_t, hi = 1 - 1e-6;  // the ratio rises from lo to hi
   if (wanted <= ratio(lo)) return p / barrier::phi(lo);
   for (int n = 0; n < 60; ++n) {
@@ -46,16 +46,16 @@ double wanted_stiffness(const Interface& i, double d_hat, double p, double least
 
 bool fits(const Interface& i, const Achieved& now, double kappa) {
   if (i.fixed) return true;
-  if (i.modulus > 0) return now.k >= kWanted / 2 && now.k <= 2 * kWanted;
+  if (i.modulus > 0) return now.k >= tuning::kWanted / 2 && now.k <= 2 * tuning::kWanted;
   const double t = barrier::phi_inverse(now.pressure / kappa);
-  return t >= 0.3 && t <= 0.9;
+  return t >= tuning::kRigidClosed && t <= tuning::kRigidOpen;
 }
 
-Achieved achieved(const Interface& i, Index law, double kappa, const std::vector<Pair>& pairs, const std::vector<Sample>& samples) {
+Achieved achieved(const Interface& i, Index number, double kappa, const std::vector<Pair>& pairs, const std::vector<Sample>& samples) {
   double force = 0, pressure = 0, stiffness = 0, energy = 0;
   for (const Sample& s : samples) {
     const Pair& pair = pairs[s.pair];
-    if (pair.law != law || !(s.gap < pair.d_hat)) continue;
+    if (pair.interface != number || !(s.gap < pair.d_hat)) continue;
     energy += s.weight * kappa * barrier::value(s.gap, pair.d_hat);
     if (s.kind != SampleKind::face) continue;
     const double p = -kappa * barrier::first(s.gap, pair.d_hat), f = s.weight * p;

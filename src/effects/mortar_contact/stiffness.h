@@ -1,7 +1,7 @@
 #pragma once
 // Automatic stiffness. What decides the quality of the pressure is the stiffness of the barrier layer against that of the bodies,
 //     k = kappa b''(g) h / E*,      1/E* = sum over the two bodies of (1 - nu^2)/E  (0 for stiff bodies and half-spaces),
-// with h the mean edge of the slave surface; best near 4 (reference prototype.md 3.1). At pressure p the gap follows from
+// with h the mean edge of the slave surface; best near 4 (README). At pressure p the gap follows from
 // p = kappa phi(t), so kappa = p / phi(t) with t the root of
 //     -phi'(t) / phi(t) = k E* d_hat / (p h).
 // The left side is smallest, 5.03, at t = 0.376: a layer of range d_hat cannot be softer than that at pressure p. Of the two roots the one above
@@ -14,10 +14,6 @@
 
 namespace mortise::effects::mortar {
 
-inline constexpr double kOpen = 0.7, kSoftest = 0.376;  // least t in statics, in motion
-inline constexpr double kWanted = 4;                    // k
-inline constexpr double kFirstPressure = 0.01;          // p / E* before any pressure is known: a strain of a percent
-
 struct Interface {
   Index slave = 0, master = 0;  // bodies; masters after the bodies are half-spaces
   double modulus = 0;           // E* [Pa]; 0 where nothing can deform
@@ -26,15 +22,12 @@ struct Interface {
 };
 Interface interface_of(const model::Model& model, Index slave, Index master);
 
-// Where nothing can deform there is no mesh to be smooth for: the gap is kept open at least_t.
-inline constexpr double kRigidPressure = 1e4;  // of a load on its footprint, before any is known [Pa]
-
 // kappa [Pa] before any pressure is known.
 double first_stiffness(const Interface& i, double d_hat);
-// kappa [Pa] for the interface at pressure p [Pa].
+// kappa [Pa] for the interface at pressure p [Pa]. Where nothing can deform there is no mesh to be smooth for: the gap is kept open at least_t.
 double wanted_stiffness(const Interface& i, double d_hat, double p, double least_t);
 
-// Force-weighted means over the face samples of law `law`: pressure sum w p^2 / sum w p [Pa] and k; and the energy of all its samples [J].
+// Force-weighted means over the face samples of interface `number`: pressure sum w p^2 / sum w p [Pa] and k; and the energy of all its samples [J].
 // 0 without contact.
 struct Achieved {
   double pressure = 0, k = 0, energy = 0;
@@ -42,6 +35,6 @@ struct Achieved {
 // Is the stiffness good enough to stay: fixed, else k within a factor 2 of what is wanted, or, of stiff bodies, the gap neither nearly open nor half
 // closed?
 bool fits(const Interface& i, const Achieved& now, double kappa);
-Achieved achieved(const Interface& i, Index law, double kappa, const std::vector<Pair>& pairs, const std::vector<Sample>& samples);
+Achieved achieved(const Interface& i, Index number, double kappa, const std::vector<Pair>& pairs, const std::vector<Sample>& samples);
 
 }  // namespace mortise::effects::mortar

@@ -85,13 +85,13 @@ void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius) 
 
 double Broadphase::most_surplus(View<const Vec3> y) {
   if (most_surplus_ >= 0) return most_surplus_;
-  std::vector<double> length(surface_.bodies, 0.0), count(surface_.bodies, 0.0);
+  std::vector<double> length(surface_.pairs.bodies(), 0.0), count(surface_.pairs.bodies(), 0.0);
   const std::vector<Index> body = surface_.body.download();
   std::vector<Vec3> at(y.n);
   device::copy_out(at.data(), y.p, at.size() * sizeof(Vec3));
   for (const Edge& e : surface_.edges.download()) length[body[e.v[0]]] += (at[e.v[0]] - at[e.v[1]]).norm(), count[body[e.v[0]]] += 1;
   double finest = INFINITY;
-  for (Index b = 0; b < surface_.bodies; ++b)
+  for (Index b = 0; b < surface_.pairs.bodies(); ++b)
     if (count[b] > 0) finest = std::min(finest, length[b] / count[b]);
   return most_surplus_ = std::isfinite(finest) ? kMost * finest : 0;
 }

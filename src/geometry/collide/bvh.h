@@ -60,7 +60,7 @@ MORTISE_HD inline bool boxes_overlap(const BvhNode& a, const BvhNode& b) {
 // True if something below `node` may pair with `query`; exact on leaves.
 MORTISE_HD inline bool may_pair(const BvhNode& node, const BvhNode& query, const SurfaceView& s) {
   return boxes_overlap(node, query) && node.env_lo <= query.env_lo && query.env_lo <= node.env_hi && node.id > query.id &&
-         (node.body < 0 || s.pair_allowed[query.body * s.bodies + node.body] != 0);
+         (node.body < 0 || s.pair_allowed[s.pairs.of(query.body, node.body)] != 0);
 }
 
 // Walks the leaves that pair with a query, in leaf order.

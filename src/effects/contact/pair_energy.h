@@ -32,7 +32,7 @@ namespace mortise::effects::contact {
 using geometry::EdgeEdge;
 using geometry::PointTriangle;
 
-struct Law {
+struct BarrierParams {
   double d_hat = 0;       // range of points against triangles and half-spaces [m]
   double edge_range = 0;  // range of edge pairs [m]
   double kappa = 0;       // [Pa]
@@ -41,25 +41,27 @@ struct Law {
 inline constexpr double kEdgeShare = 0.25;  // edge_range / d_hat when area-weighted
 
 // All that a kernel reads besides positions.
-struct Scene {
-  Law law;
+struct BarrierView {
+  BarrierParams barrier;
   geometry::SurfaceView surface;
   TopologyView topology;
-  View<const Vec3> rest;                   // rest positions of the points
-  View<const std::uint8_t> watched;        // bodies x bodies
-  View<const std::uint8_t> plane_watched;  // planes x bodies
+  View<const Vec3> rest;             // rest positions of the points
+  View<const std::uint8_t> watched;  // per pair (surface.pairs) of bodies, and of half-spaces
   View<const Plane> planes;
   View<const double> self_range;      // range of every point towards its own body [m]; empty where no body sees itself
   View<const double> point_area;      // A_x of every point [m^2]
   View<const double> plane_area;      // the same towards half-spaces: planes x surface vertices [m^2]
-  View<const double> kappa_of_env{};  // instead of law.kappa, where environments differ [Pa]
-  MORTISE_HD double kappa(Index point) const { return kappa_of_env.n > 0 ? kappa_of_env[surface.env[point]] : law.kappa; }
-  MORTISE_HD bool sees(Index a, Index b) const { return watched[surface.body[a] * surface.bodies + surface.body[b]] != 0; }
+  View<const double> kappa_of_env{};  // instead of barrier.kappa, where environments differ [Pa]
+  MORTISE_HD double kappa(Index point) const { return kappa_of_env.n > 0 ? kappa_of_env[surface.env[point]] : barrier.kappa; }
+  MORTISE_HD bool sees(Index a, Index b) const { return watched[surface.pairs.of(surface.body[a], surface.body[b])] != 0; }
+  MORTISE_HD bool sees_plane(Index point, Index plane) const {
+    return watched[surface.pairs.of(surface.body[point], surface.pairs.bodies + plane)] != 0;
+  }
 };
 
 // Coefficient of (point, edge) in the alternating sum, handed to the one triangle that accounts for it: the first at the edge
 // that does not hold the point itself (self-contact sees the surface without the point's own triangles). 0 for the others.
-MORTISE_HD inline Index edge_coefficient(const Scene& s, Index point, Index edge, Index triangle) {
+MORTISE_HD inline Index edge_coefficient(const BarrierView& s, Index point, Index edge, Index triangle) {
   Index count = 0, owner = -1;
   for (Index k = s.topology.edge_offset[edge]; k < s.topology.edge_offset[edge + 1]; ++k) {
     const Index t = s.topology.edge_triangle[k];
@@ -70,7 +72,7 @@ MORTISE_HD inline Index edge_coefficient(const Scene& s, Index point, Index edge
   return owner == triangle ? 1 - count : 0;
 }
 // The same for (point, vertex).
-MORTISE_HD inline Index vertex_coefficient(const Scene& s, Index point, Index vertex, Index triangle) {
+MORTISE_HD inline Index vertex_coefficient(const BarrierView& s, Index point, Index vertex, Index triangle) {
   Index count = 0, owner = -1, own = 0;
   for (Index k = s.topology.point_offset[vertex]; k < s.topology.point_offset[vertex + 1]; ++k) {
     const Index t = s.topology.point_triangle[k];
@@ -98,12 +100,12 @@ MORTISE_HD inline void gather(View<const Vec3> y, const Index v[4], Vec3 x[4]) {
 inline constexpr double kSelfShare = 0.5;  // of the distance at rest
 
 // Range of a point towards a primitive with the corner `other`.
-MORTISE_HD inline double point_range(const Scene& s, Index point, Index other) {
-  return s.surface.body[point] == s.surface.body[other] ? s.self_range[point] : s.law.d_hat;
+MORTISE_HD inline double point_range(const BarrierView& s, Index point, Index other) {
+  return s.surface.body[point] == s.surface.body[other] ? s.self_range[point] : s.barrier.d_hat;
 }
 // Range of two edges {a0, a1, b0, b1}.
-MORTISE_HD inline double edge_range(const Scene& s, const Index v[4]) {
-  const double range = s.law.edge_range;
+MORTISE_HD inline double edge_range(const BarrierView& s, const Index v[4]) {
+  const double range = s.barrier.edge_range;
   if (s.surface.body[v[0]] != s.surface.body[v[2]]) return range;
   Vec3 rest[4];
   gather(s.rest, v, rest);
@@ -111,8 +113,8 @@ MORTISE_HD inline double edge_range(const Scene& s, const Index v[4]) {
   return own < range ? own : range;
 }
 
-// A_x of a vertex towards a contact with normal n (law above). At least 1 % of A_v, so that nothing can slip through unweighted.
-MORTISE_HD inline double facing_area(const Scene& s, Index point, const Vec3& n, View<const Vec3> y) {
+// A_x of a vertex towards a contact with normal n (above). At least 1 % of A_v, so that nothing can slip through unweighted.
+MORTISE_HD inline double facing_area(const BarrierView& s, Index point, const Vec3& n, View<const Vec3> y) {
   double sum = 0;
   for (Index k = s.topology.point_offset[point]; k < s.topology.point_offset[point + 1]; ++k) {
     const Triangle t = s.surface.triangles[s.topology.point_triangle[k]];
@@ -125,15 +127,15 @@ MORTISE_HD inline double facing_area(const Scene& s, Index point, const Vec3& n,
   return sum > least ? sum : least;
 }
 
-MORTISE_HD inline double point_weight(const Scene& s, Index point) {
-  return s.law.area_weighted ? s.point_area[point] / 2 : s.law.d_hat * s.law.d_hat;
+MORTISE_HD inline double point_weight(const BarrierView& s, Index point) {
+  return s.barrier.area_weighted ? s.point_area[point] / 2 : s.barrier.d_hat * s.barrier.d_hat;
 }
-MORTISE_HD inline double edge_weight(const Scene& s, Index a, Index b) {
-  return s.law.area_weighted ? (s.surface.edge_area[a] + s.surface.edge_area[b]) / 4 : s.law.d_hat * s.law.d_hat;
+MORTISE_HD inline double edge_weight(const BarrierView& s, Index a, Index b) {
+  return s.barrier.area_weighted ? (s.surface.edge_area[a] + s.surface.edge_area[b]) / 4 : s.barrier.d_hat * s.barrier.d_hat;
 }
 
 // Energy of one candidate [J]; +infinity at distance 0.
-MORTISE_HD inline double pair_energy(const Scene& s, const PointTriangle& pair, View<const Vec3> y) {
+MORTISE_HD inline double pair_energy(const BarrierView& s, const PointTriangle& pair, View<const Vec3> y) {
   if (!s.sees(pair.v[0], pair.v[1])) return 0;
   const double range = point_range(s, pair.v[0], pair.v[1]), range2 = range * range;
   Vec3 x[4];
@@ -142,7 +144,7 @@ MORTISE_HD inline double pair_energy(const Scene& s, const PointTriangle& pair, 
   if (!(D > 0)) return INFINITY;
   if (!(D < range2)) return 0;
   double sum = barrier::value(std::sqrt(D), range);
-  if (s.law.area_weighted) {
+  if (s.barrier.area_weighted) {
     for (int k = 0; k < 3; ++k) {
       const Index c = edge_coefficient(s, pair.point, s.topology.triangle_edge[3 * pair.triangle + k], pair.triangle);
       if (c == 0) continue;
@@ -159,7 +161,7 @@ MORTISE_HD inline double pair_energy(const Scene& s, const PointTriangle& pair, 
   return s.kappa(pair.point) * point_weight(s, pair.point) * sum;
 }
 
-MORTISE_HD inline double pair_energy(const Scene& s, const EdgeEdge& pair, View<const Vec3> y) {
+MORTISE_HD inline double pair_energy(const BarrierView& s, const EdgeEdge& pair, View<const Vec3> y) {
   if (!s.sees(pair.v[0], pair.v[2])) return 0;
   Vec3 x[4], rest[4];
   gather(y, pair.v, x);
@@ -172,21 +174,23 @@ MORTISE_HD inline double pair_energy(const Scene& s, const EdgeEdge& pair, View<
 }
 
 // i counts planes x surface vertices.
-MORTISE_HD inline bool plane_pair(const Scene& s, Index i, View<const Vec3> y, Index& plane, Index& point, double& gap) {
+MORTISE_HD inline bool plane_pair(const BarrierView& s, Index i, View<const Vec3> y, Index& plane, Index& point, double& gap) {
   plane = i / s.surface.vertices.n;
   point = s.surface.vertices[i % s.surface.vertices.n];
-  if (!s.plane_watched[plane * s.surface.bodies + s.surface.body[point]]) return false;
+  if (!s.sees_plane(point, plane)) return false;
   gap = s.planes[plane].normal.dot(y[point] - s.planes[plane].point);
-  return gap < s.law.d_hat;
+  return gap < s.barrier.d_hat;
 }
-MORTISE_HD inline double plane_weight(const Scene& s, Index i) { return s.law.area_weighted ? s.plane_area[i] : s.law.d_hat * s.law.d_hat; }
+MORTISE_HD inline double plane_weight(const BarrierView& s, Index i) {
+  return s.barrier.area_weighted ? s.plane_area[i] : s.barrier.d_hat * s.barrier.d_hat;
+}
 
-MORTISE_HD inline double plane_energy(const Scene& s, Index i, View<const Vec3> y) {
+MORTISE_HD inline double plane_energy(const BarrierView& s, Index i, View<const Vec3> y) {
   Index plane, point;
   double gap;
   if (!plane_pair(s, i, y, plane, point, gap)) return 0;
   if (!(gap > 0)) return INFINITY;
-  return s.kappa(point) * plane_weight(s, i) * barrier::value(gap, s.law.d_hat);
+  return s.kappa(point) * plane_weight(s, i) * barrier::value(gap, s.barrier.d_hat);
 }
 
 }  // namespace mortise::effects::contact

@@ -1,8 +1,9 @@
 #pragma once
-// What the kernels of mortar_contact read besides positions, and the weights that need nothing else (formulas: sampling.h).
+// What the kernels of mortar_contact read besides positions.
 #include <cmath>
 
 #include "effects/contact/topology.h"
+#include "effects/mortar_contact/tuning.h"
 #include "geometry/mesh.h"
 #include "geometry/quadratic.h"
 
@@ -18,12 +19,13 @@ inline constexpr Index kExact = 0;    // level_rule.h
 inline constexpr Index kMoments = 3;  // moment_rule.h
 
 struct Settings {
-  double d_hat = 0;       // [m]
-  double taper = 0;       // width e; 0 = consistent weights
-  double share = 1;       // factor of all weights: 1/2 when both sides are slaves
-  Index quadrature = 3;   // points, or kExact
-  bool exact = false;     // three-term gap gradient
-  bool averaged = false;  // one gap per slave node (averaged.h)
+  double d_hat = 0;        // [m]
+  double taper = 0;        // width e; 0 = consistent weights
+  double pass_weight = 1;  // factor of all weights: 1/2 when both sides are slaves
+  Index quadrature = 3;    // points, or kExact
+  bool exact = false;      // three-term gap gradient
+  bool averaged = false;   // one gap per slave node (averaged.h)
+  MORTISE_HD bool tapered() const { return taper > 0; }
 };
 
 // The nodes that the displacement of a surface triangle hangs on: its three vertices, or the six of the quadratic face of which it is a
@@ -64,12 +66,12 @@ struct FaceNodes {
 };
 
 // All that a kernel reads besides positions.
-struct Scene {
+struct MortarView {
   Settings set;
-  geometry::SurfaceView surface;  // pair_allowed: slave body x master body
+  geometry::SurfaceView surface;  // pair_allowed: slave, master
   contact::TopologyView topology;
-  View<const Index> law;     // bodies x (bodies + half-spaces): slave, master -> law, or -1
-  View<const double> kappa;  // per law [Pa]
+  View<const Index> interface;  // per pair of slave and master body or half-space: interface, or -1
+  View<const double> kappa;     // per interface [Pa]
   View<const contact::Plane> planes;
   View<const Index> slaves;          // triangles that are slaves, environments contiguous
   View<const double> support;        // their support radius d_hat_i [m]
@@ -87,39 +89,10 @@ struct Scene {
     for (int k = 0; k < out.count; ++k) out.point[k] = q < 0 ? surface.triangles[triangle].v[k] : faces[q / 4].v[k];
     return out;
   }
-  MORTISE_HD Index law_of(Index slave_body, Index master) const { return law[slave_body * (surface.bodies + planes.n) + master]; }
+  MORTISE_HD Index interface_at(Index slave_body, Index master) const { return interface[surface.pairs.of(slave_body, master)]; }
 };
 
 // C1 step.
 MORTISE_HD inline double hermite(double s) { return s <= 0 ? 0 : s >= 1 ? 1 : s * s * (3 - 2 * s); }
-// How much a master face with normal nm counts for a slave with normal n.
-MORTISE_HD inline double facing(const Settings& set, const Vec3& n, const Vec3& nm) {
-  const double cosine = -n.dot(nm);
-  return set.taper > 0 ? hermite((cosine - 0.05) / 0.1) : hermite((cosine - 0.35) / 0.3);
-}
-
-inline constexpr double kGate = 0.015192246987791981;  // 1 - cos 10 deg
-inline constexpr double kSharp = 0.13397459621556135;  // 1 - cos 30 deg
-inline constexpr double kOnSide = 1e-10;               // barycentric; a master vertex this near to a slave edge lies on it
-
-// Weight [m^2] of a master edge or vertex whose triangles are list[begin..end); `given_back` is what E6 or E7 multiply areas by.
-MORTISE_HD inline double feature_weight(const Scene& s, const Vec3& n, const View<const Index>& list, Index begin, Index end, double given_back) {
-  if (s.set.taper > 0) {
-    double sum = 0;
-    for (Index k = begin; k < end; ++k) sum += facing(s.set, n, s.normal[list[k]]) * -n.dot(s.normal[list[k]]) * s.area[list[k]];
-    return given_back * sum;
-  }
-  Vec3 mean = Vec3::Zero();
-  double sum = 0, parallel = 2, sharp = 0;
-  for (Index k = begin; k < end; ++k) {
-    const Vec3 nm = s.normal[list[k]];
-    mean += nm;
-    sum += s.area[list[k]];
-    parallel = std::fmin(parallel, 1 + n.dot(nm));
-  }
-  mean /= mean.norm();
-  for (Index k = begin; k < end; ++k) sharp = std::fmax(sharp, 1 - mean.dot(s.normal[list[k]]));
-  return sum / 3 * hermite(parallel / kGate) * hermite(sharp / kSharp) * hermite(-n.dot(mean) / 0.2);
-}
 
 }  // namespace mortise::effects::mortar

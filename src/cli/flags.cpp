@@ -1,0 +1,50 @@
+#include "cli/flags.h"
+
+#include <CLI/CLI.hpp>
+
+#include "scene/quantity.h"
+
+namespace mortise::cli {
+
+Flag Flag::required() const { return Flag(option_->required()); }
+Flag Flag::take_all() const { return Flag(option_->take_all()); }
+Flag Flag::one_each() const { return Flag(option_->allow_extra_args(false)); }
+Flag Flag::show_default() const { return Flag(option_->capture_default_str()); }
+Flag Flag::maybe_value(const std::string& otherwise) const { return Flag(option_->expected(0, 1)->default_str(otherwise)); }
+Flag Flag::split(char at) const { return Flag(option_->delimiter(at)); }
+Flag Flag::environment_variable(const std::string& name) const { return Flag(option_->envname(name)); }
+Flag Flag::excludes(Flag other) const { return Flag(option_->excludes(other.option_)); }
+Flag Flag::needs(Flag other) const { return Flag(option_->needs(other.option_)); }
+Flag Flag::positive() const { return Flag(option_->check(CLI::PositiveNumber)); }
+Flag Flag::not_negative() const { return Flag(option_->check(CLI::NonNegativeNumber)); }
+Flag Flag::within(int least, int most) const { return Flag(option_->check(CLI::Range(least, most))); }
+Flag Flag::one_of(const std::vector<std::string>& values) const { return Flag(option_->check(CLI::IsMember(values))); }
+Flag Flag::check(std::function<std::string(const std::string&)> wrong) const {
+  return Flag(option_->check([wrong](const std::string& value) { return wrong(value); }));
+}
+
+Command Command::command(const std::string& name, const std::string& help) const { return Command(app_->add_subcommand(name, help)); }
+Flag Command::option(const std::string& name, std::string& to, const std::string& help) const { return Flag(app_->add_option(name, to, help)); }
+Flag Command::option(const std::string& name, std::vector<std::string>& to, const std::string& help) const {
+  return Flag(app_->add_option(name, to, help));
+}
+Flag Command::option(const std::string& name, std::vector<double>& to, const std::string& help) const {
+  return Flag(app_->add_option(name, to, help));
+}
+Flag Command::option(const std::string& name, int& to, const std::string& help) const { return Flag(app_->add_option(name, to, help)); }
+Flag Command::option(const std::string& name, long& to, const std::string& help) const { return Flag(app_->add_option(name, to, help)); }
+Flag Command::option(const std::string& name, unsigned long& to, const std::string& help) const { return Flag(app_->add_option(name, to, help)); }
+Flag Command::option(const std::string& name, double& to, const std::string& help) const { return Flag(app_->add_option(name, to, help)); }
+Flag Command::time(const std::string& name, double& to, const std::string& help) const {
+  const auto read = [&to](const std::string& text) {
+    const scene::Quantity q = scene::parse_quantity(text, Unit::time);
+    if (!q.error.empty()) throw CLI::ValidationError("a time " + q.error + (q.hint.empty() ? "" : "\n  " + q.hint));
+    to = q.value;
+  };
+  return Flag(app_->add_option_function<std::string>(name, read, help));
+}
+Flag Command::flag(const std::string& name, bool& to, const std::string& help) const { return Flag(app_->add_flag(name, to, help)); }
+void Command::footer(const std::string& text) const { app_->footer(text); }
+void Command::action(std::function<void()> when_named) const { app_->callback(std::move(when_named)); }
+
+}  // namespace mortise::cli

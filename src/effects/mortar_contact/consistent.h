@@ -1,0 +1,93 @@
+#pragma once
+// Consistent weights: the exact overlap as it is. Over a covered slave triangle sum w N_a and sum w M_b are exact, which is what the patch
+// test asks for. Edges and points are there for what faces cannot see, a ridge or a tip: their w is a third of the area of the adjacent
+// triangles T times
+//     H(min_T (1 + n . n_T) / (1 - cos 10 deg))           none where a face is parallel to the slave
+//   x H(max_T (1 - c . n_T) / (1 - cos 30 deg))           none where the master is flat, next to none on the facets of a curved
+//                                                         surface; c = mean normal
+//   x H(-n . c / 0.2)                                     none on the far side,
+// H(s) = 3 s^2 - 2 s^3 from 0 to 1. They belong to all slave triangles nearby, so that forces are continuous. Faces at an angle to the
+// slave fade out between 49 and 70 degrees: what such faces hold between them are edges and tips.
+#include <cmath>
+
+#include "effects/mortar_contact/layers.h"
+
+namespace mortise::effects::mortar {
+
+// How far slave triangle t is bent against its neighbour over side k: 0 where they lie in one plane, 1 from 1 degree on.
+MORTISE_HD inline double bend(const MortarView& s, Index t, int k, const Vec3& n) {
+  const Index edge = s.topology.triangle_edge[3 * t + (k + 1) % 3];
+  double largest = 0;
+  for (Index j = s.topology.edge_offset[edge]; j < s.topology.edge_offset[edge + 1]; ++j)
+    largest = std::fmax(largest, 1 - n.dot(s.normal[s.topology.edge_triangle[j]]));
+  return hermite(largest / tuning::kBent);
+}
+
+// Half the width [m] of the strip along side k in which triangle and neighbour share what lies at a gap above.
+MORTISE_HD inline double strip(const Patch& p, int k, double gap) { return std::fmax(p.bend[k] * gap, tuning::kStrip * p.plane.altitude(k)); }
+
+// How much a point above w belongs to the triangle: 1 inside, 0 outside, and in between in the strips along its sides. Where the slave is
+// bent they are as wide as the gap, so that the force on an edge or a tip that slides from one triangle to the next turns with it
+// rather than jumping from one normal to the other. Over a common side the shares of both triangles add up to 1. The last factor
+// ends what the product of strips goes beyond a sharp corner.
+MORTISE_HD inline double belongs(const Patch& p, const double w[3], double gap) {
+  if (!(gap > 0)) return 0;
+  double part = 1;
+  for (int k = 0; k < 3; ++k) part *= hermite(0.5 + w[k] * p.plane.altitude(k) / (2 * strip(p, k, gap)));
+  return part > 0 ? part * hermite(2 + 2 * rim_distance(p.y, w) / gap) : 0;
+}
+
+struct Consistent {
+  static constexpr bool kWhole = true;  // overlaps may be integrated from their moments
+
+  MORTISE_HD explicit Consistent(const Settings&) {}
+
+  MORTISE_HD double facing(const Vec3& n, const Vec3& nm) const { return hermite((-n.dot(nm) - tuning::kFaceNone) / tuning::kFaceFade); }
+
+  // Factors of samples at barycentrics M of the master triangle, at t along its edge.
+  MORTISE_HD double on_face(const double[3]) const { return 1; }
+  MORTISE_HD double on_edge(double) const { return 1; }
+
+  // The edge from P to Q over the triangle and its outer strips, cut where it enters and leaves what is within all inner ones.
+  MORTISE_HD bool stretches(const Patch& p, const double P[3], const double Q[3], double gap, Stretches& out) const {
+    double grow[3], shrink[3];
+    for (int k = 0; k < 3; ++k) grow[k] = strip(p, k, gap) / p.plane.altitude(k), shrink[k] = -grow[k];
+    double in, back;
+    clip_segment(P, Q, grow, out.t[0], out.t[3]);
+    if (!(out.t[0] < out.t[3])) return false;
+    clip_segment(P, Q, shrink, in, back);
+    if (in > back) in = back = 0.5 * (in + std::fmax(back, 0.0));  // nothing is inside: one cut, where the inside would appear
+    out.t[1] = std::fmin(std::fmax(in, out.t[0]), out.t[3]);
+    out.t[2] = std::fmin(std::fmax(back, out.t[0]), out.t[3]);
+    return true;
+  }
+  // How much of the edge, of a point on it at a gap, of a vertex belongs to the triangle.
+  MORTISE_HD double share_of_edge(const MortarView&, const Patch&, const double[3], const double[3], const Stretches&) const { return 1; }
+  MORTISE_HD double share_on_edge(const Patch& p, const double N[3], double gap) const { return belongs(p, N, gap); }
+  MORTISE_HD double share_of_point(const MortarView&, const Patch& p, const double N[3], double gap) const { return belongs(p, N, gap); }
+
+  // Weight [m^2] of a master edge or vertex whose triangles are list[begin..end).
+  MORTISE_HD double edge_weight(const MortarView& s, const Vec3& n, const View<const Index>& list, Index begin, Index end) const {
+    return feature_weight(s, n, list, begin, end);
+  }
+  MORTISE_HD double point_weight(const MortarView& s, const Vec3& n, const View<const Index>& list, Index begin, Index end) const {
+    return feature_weight(s, n, list, begin, end);
+  }
+
+ private:
+  MORTISE_HD static double feature_weight(const MortarView& s, const Vec3& n, const View<const Index>& list, Index begin, Index end) {
+    Vec3 mean = Vec3::Zero();
+    double sum = 0, parallel = 2, sharp = 0;
+    for (Index k = begin; k < end; ++k) {
+      const Vec3 nm = s.normal[list[k]];
+      mean += nm;
+      sum += s.area[list[k]];
+      parallel = std::fmin(parallel, 1 + n.dot(nm));
+    }
+    mean /= mean.norm();
+    for (Index k = begin; k < end; ++k) sharp = std::fmax(sharp, 1 - mean.dot(s.normal[list[k]]));
+    return sum / 3 * hermite(parallel / tuning::kGate) * hermite(sharp / tuning::kSharp) * hermite(-n.dot(mean) / tuning::kFarSide);
+  }
+};
+
+}  // namespace mortise::effects::mortar

@@ -1,0 +1,87 @@
+#pragma once
+// Tapered weights, the published form: faces x H(min_b M_b / e), edges x H(min(t, 1-t) / e), and edge and point weights that give back
+// what the faces lose, e sum_T A_T and 0.1 e^2 sum_T A_T over the facing triangles T (README). Edges and points belong to the slave triangle
+// below, or in equal parts to all that have them on their rim. Faces at an angle to the slave fade out between 81 and 87 degrees.
+#include <cmath>
+
+#include "effects/mortar_contact/layers.h"
+
+namespace mortise::effects::mortar {
+
+// Does slave triangle t go on in the direction of n (rather than round a rim)?
+MORTISE_HD inline bool goes_on(const MortarView& s, const Vec3& n, Index t) { return n.dot(s.normal[t]) > tuning::kGoesOn; }
+
+// One over the number of slave triangles that find what lies on side k of `slave`.
+MORTISE_HD inline double side_multiplicity(const MortarView& s, Index slave, const Vec3& n, int k) {
+  const Index edge = s.topology.triangle_edge[3 * slave + (k + 1) % 3];
+  Index count = 0;
+  for (Index j = s.topology.edge_offset[edge]; j < s.topology.edge_offset[edge + 1]; ++j)
+    if (goes_on(s, n, s.topology.edge_triangle[j])) ++count;
+  return count > 1 ? 1.0 / count : 1;
+}
+
+// The same for a master vertex above N.
+MORTISE_HD inline double multiplicity(const MortarView& s, Index slave, const Vec3& n, const double N[3]) {
+  int on = 0, side = 0, corner = 0;
+  for (int k = 0; k < 3; ++k) {
+    if (N[k] <= tuning::kOnSide)
+      ++on, side = k;
+    else
+      corner = k;
+  }
+  if (on == 0) return 1;
+  if (on == 1) return side_multiplicity(s, slave, n, side);
+  const Index v = s.surface.triangles[slave].v[corner];
+  Index count = 0;
+  for (Index j = s.topology.point_offset[v]; j < s.topology.point_offset[v + 1]; ++j)
+    if (goes_on(s, n, s.topology.point_triangle[j])) ++count;
+  return count > 1 ? 1.0 / count : 1;
+}
+
+struct Tapered {
+  static constexpr bool kWhole = false;  // the taper's bends would be lost in moments
+
+  double e;
+  MORTISE_HD explicit Tapered(const Settings& set) : e(set.taper) {}
+
+  MORTISE_HD double facing(const Vec3& n, const Vec3& nm) const { return hermite((-n.dot(nm) - tuning::kTaperedNone) / tuning::kTaperedFade); }
+
+  MORTISE_HD double on_face(const double M[3]) const { return hermite(std::fmin(M[0], std::fmin(M[1], M[2])) / e); }
+  MORTISE_HD double on_edge(double t) const { return hermite(std::fmin(t, 1 - t) / e); }
+
+  // The part of the edge over the triangle itself.
+  MORTISE_HD bool stretches(const Patch&, const double P[3], const double Q[3], double, Stretches& out) const {
+    const double rim[3] = {tuning::kOnSide, tuning::kOnSide, tuning::kOnSide};
+    clip_segment(P, Q, rim, out.t[0], out.t[3]);
+    out.t[1] = out.t[0], out.t[2] = out.t[3];
+    return out.t[0] < out.t[3];
+  }
+  MORTISE_HD double share_of_edge(const MortarView& s, const Patch& p, const double P[3], const double Q[3], const Stretches& part) const {
+    double out = 1;
+    for (int a = 0; a < 3; ++a)
+      if (std::fmax(P[a] + part.t[0] * (Q[a] - P[a]), P[a] + part.t[3] * (Q[a] - P[a])) <= tuning::kOnSide)
+        out *= side_multiplicity(s, p.slave, p.plane.n, a);
+    return out;
+  }
+  MORTISE_HD double share_on_edge(const Patch&, const double[3], double) const { return 1; }
+  MORTISE_HD double share_of_point(const MortarView& s, const Patch& p, const double N[3], double) const {
+    const bool above = N[0] >= -tuning::kOnSide && N[1] >= -tuning::kOnSide && N[2] >= -tuning::kOnSide;
+    return above ? multiplicity(s, p.slave, p.plane.n, N) : 0;
+  }
+
+  MORTISE_HD double edge_weight(const MortarView& s, const Vec3& n, const View<const Index>& list, Index begin, Index end) const {
+    return e * facing_area(s, n, list, begin, end);
+  }
+  MORTISE_HD double point_weight(const MortarView& s, const Vec3& n, const View<const Index>& list, Index begin, Index end) const {
+    return tuning::kPointShare * e * e * facing_area(s, n, list, begin, end);
+  }
+
+ private:
+  MORTISE_HD double facing_area(const MortarView& s, const Vec3& n, const View<const Index>& list, Index begin, Index end) const {
+    double sum = 0;
+    for (Index k = begin; k < end; ++k) sum += facing(n, s.normal[list[k]]) * -n.dot(s.normal[list[k]]) * s.area[list[k]];
+    return sum;
+  }
+};
+
+}  // namespace mortise::effects::mortar

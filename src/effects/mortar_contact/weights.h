@@ -1,0 +1,19 @@
+#pragma once
+// The two weightings of the same samples, and the one place that tells them apart.
+#include "effects/mortar_contact/consistent.h"
+#include "effects/mortar_contact/tapered.h"
+
+namespace mortise::effects::mortar {
+
+// f(weighting) with the weighting that the scene asks for.
+template <class F>
+MORTISE_HD inline auto weighted(const Settings& set, const F& f) {
+  return set.tapered() ? f(Tapered(set)) : f(Consistent(set));
+}
+
+// How much a master face with normal nm counts for a slave with normal n.
+MORTISE_HD inline double facing(const Settings& set, const Vec3& n, const Vec3& nm) {
+  return set.tapered() ? Tapered(set).facing(n, nm) : Consistent(set).facing(n, nm);
+}
+
+}  // namespace mortise::effects::mortar
