@@ -31,7 +31,11 @@ Checks::Checks(const model::ModelInput& input) : energy_(input) {
       c.params = p;
       c.quantity = p.text("quantity");
       if (const Params* body = p.find("body")) c.body = body->as_text();
+      if (const Params* list = p.find("bodies"))
+        for (const Params& one : list->items()) c.bodies.insert(one.as_text());
       if (const Params* when = p.find("when")) c.when = when->as_text();
+      if (const Params* from = p.find("from")) c.from = from->as_number();
+      if (const Params* until = p.find("until")) c.until = until->as_number();
       if (const Params* axis = p.find("axis")) c.axis = axis->as_text() == "size" ? 3 : axis->as_text()[0] - 'x';
       criteria_.push_back(std::move(c));
     }
@@ -59,14 +63,20 @@ bool Checks::wants(const std::string& quantity, const std::string& body) const {
 void Checks::take(const std::string& quantity, double v) { take(quantity, "", v); }
 void Checks::take(const std::string& quantity, const std::string& body, double v) {
   for (Criterion& c : criteria_)
-    if (c.quantity == quantity && c.body == body) c.take(v);
+    if (c.quantity == quantity && c.body == body && c.bodies.empty() && c.counts(now_)) c.take(v);
 }
 void Checks::take(const std::string& quantity, const std::string& body, const Vec3& v) {
   for (Criterion& c : criteria_)
-    if (c.quantity == quantity && c.body == body) c.take(c.axis == 3 ? v.norm() : v[c.axis]);
+    if (c.quantity != quantity || !c.counts(now_))
+      continue;
+    else if (c.bodies.count(body))
+      c.together += v, c.any = true;
+    else if (c.body == body && c.bodies.empty())
+      c.take(v);
 }
 
-const EnergyAudit::Result& Checks::state(const Snapshot& said, const std::vector<double>& points) {
+const EnergyAudit::Result& Checks::state(const Snapshot& said, const std::vector<double>& points, double time) {
+  now_ = time;
   const StateReport now{said, points};
   const EnergyAudit::Result& energy = energy_.state(now);
   if (empty()) return energy;
@@ -85,7 +95,10 @@ const EnergyAudit::Result& Checks::state(const Snapshot& said, const std::vector
   }
   momentum(now);
   if (!std::isnan(energy.gain)) take("energy_gain", energy.gain);  // divided by the scale at the end
+  for (Criterion& c : criteria_) c.together = Vec3::Zero(), c.any = false;
   for (const MeasuredBody& b : bodies_) measure(b, now);
+  for (Criterion& c : criteria_)
+    if (c.any) c.take(c.together);
   return energy;
 }
 
@@ -101,6 +114,7 @@ void Checks::momentum(const StateReport& now) {
 }
 
 void Checks::step(const solver::StepReport& r) {
+  now_ = r.time;
   take("newton_iterations", r.newton);
   take("substeps", r.substeps);
   take("step_length", r.alpha);
@@ -192,8 +206,11 @@ Checks::Verdict Checks::judge(const Criterion& c, Exit status, const std::string
   }
   out.text = c.quantity;
   if (!c.body.empty()) out.text += " of " + c.body;
+  for (const std::string& body : c.bodies) out.text += (body == *c.bodies.begin() ? " of " : " + ") + body;
   if (c.axis >= 0) out.text += c.axis == 3 ? " (size)" : fmt::format(" ({})", "xyz"[c.axis]);
   if (c.when != "always") out.text += ", " + c.when;
+  if (std::isfinite(c.from)) out.text += fmt::format(", from {:.6g} s", c.from);
+  if (std::isfinite(c.until)) out.text += fmt::format(", until {:.6g} s", c.until);
   out.value = value(c);
   out.pass = std::isfinite(out.value);
   const auto bound = [&](const char* key, bool holds) {

@@ -1,6 +1,8 @@
 #pragma once
+#include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,7 +24,7 @@ class Checks {
 
   bool empty() const { return criteria_.empty(); }
   // Takes note of what was reported of a state; points: 3 per point [m]. Its energies, also without any criterion.
-  const EnergyAudit::Result& state(const Snapshot& said, const std::vector<double>& points);
+  const EnergyAudit::Result& state(const Snapshot& said, const std::vector<double>& points, double time = 0);
   const EnergyAudit::Result& energy() const { return energy_.result(); }
   void step(const solver::StepReport& report);
   void checkpoint(Archive& archive);  // all that was measured so far
@@ -43,11 +45,18 @@ class Checks {
   struct Criterion {
     Params params;
     std::string quantity, body, when;
+    std::set<std::string> bodies;  // several, whose values are added up to `together`
+    Vec3 together = Vec3::Zero();
+    bool any = false;  // of them has a value in this state
+    double from = -INFINITY, until = INFINITY;
+    // So that a mean of whole cycles has each of their steps once. Times are sums of steps: a hair of rounding decides nothing.
+    bool counts(double t) const { return t > from + 1e-9 && t < until + 1e-9; }
     int axis = -1;  // 0..2, 3: length
     double first = NAN, last = NAN, least = NAN, most = NAN, sum = 0;
     long count = 0;
     bool not_finite = false;  // once: no bound holds
     void take(double v);
+    void take(const Vec3& v) { take(axis == 3 ? v.norm() : v[axis]); }
   };
   void take(const std::string& quantity, double v);
   void take(const std::string& quantity, const std::string& body, double v);
@@ -58,6 +67,7 @@ class Checks {
   double value(const Criterion& c) const;
   Verdict judge(const Criterion& c, Exit status, const std::string& message) const;
 
+  double now_ = 0;  // time of the state or step that is looked at [s]
   std::vector<Criterion> criteria_;
   std::vector<MeasuredBody> bodies_;
   EnergyAudit energy_;

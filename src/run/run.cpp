@@ -296,7 +296,7 @@ class Run {
 
   void capture(const solver::StepReport& report, const Snapshot& state, const std::vector<double>& points) {
     certificate_->state(state);
-    checks_->state(state, points);
+    checks_->state(state, points, engine_->time());
     append(report, state);
   }
 
@@ -314,7 +314,7 @@ class Run {
     file_->begin_frame(engine_->time(), points);
     state.report(*file_);
     if (file_->frames() == 0) write_sensor_facts(scene_.root, *sensors_, *file_);
-    audit(checks_->state(state, points));
+    audit(checks_->state(state, points, engine_->time()));
     if (report) append(*report, state);
     file_->end_frame();
     const auto written = Time::now();

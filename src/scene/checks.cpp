@@ -63,10 +63,17 @@ Param quantity_param() {
 
 ParamTable table_of(const Quantity& q) {
   ParamTable t{"check", std::string(q.name) + ": " + q.help, {quantity_param()}};
-  if (q.body) t.params.push_back(of(Kind::text, "body", Unit::none, {}, "Name of the body."));
+  if (q.body && q.unit == Unit::force) {
+    t.params.push_back(optional(of(Kind::text, "body", Unit::none, {}, "Name of the body.")));
+    t.params.push_back(optional(of(Kind::names, "bodies", Unit::none, {}, "Or the names of several, whose forces are added up.")));
+  } else if (q.body) {
+    t.params.push_back(of(Kind::text, "body", Unit::none, {}, "Name of the body."));
+  }
   if (q.vector) t.params.push_back(required(choice("axis", {"x", "y", "z", "size"}, "", "Component; size: length of the vector.")));
   t.params.push_back(choice("when", {"always", "start", "end", "mean"}, "always",
                             "always: at every state and step; start, end: in the first or last one; mean: of all of them."));
+  t.params.push_back(optional(of(Kind::number, "from", Unit::time, {}, "Only of steps and states later than this.")));
+  t.params.push_back(optional(of(Kind::number, "until", Unit::time, {}, "Only of steps and states no later than this.")));
   t.params.push_back(optional(of(Kind::number, "above", q.unit, {}, "Must be larger.")));
   t.params.push_back(optional(of(Kind::number, "below", q.unit, {}, "Must be smaller.")));
   t.params.push_back(optional(of(Kind::number, "near", q.unit, {}, "Must differ from this by no more than `tolerance` or `share`.")));
@@ -99,7 +106,13 @@ class Checks {
     const Quantity* q = find_quantity(name->as_text());
     if (!q) return;
     bounds(c, path);
-    if (const Params* body = c.find("body")) this->body(*body, path);
+    const Params *body = c.find("body"), *bodies = c.find("bodies"), *from = c.find("from"), *until = c.find("until");
+    if (body) this->body(*body, path);
+    if (bodies)
+      for (const Params& one : bodies->items()) this->body(one, path);
+    if (body && bodies) errors_.add(bodies->where(), path + " has body and bodies; write one of them");
+    if (q->body && !body && !bodies && !incomplete_.count(path)) errors_.add(c.where(), path + " names no body", "give it body or bodies");
+    if (from && until && !(from->as_number() < until->as_number())) errors_.add(until->where(), path + ".until must be later than its from");
     needs(*q, *name, path);
     if (q->name == std::string("energy_gain")) without({"pressure_load"}, *name, path, "which does work that is not counted");
     if (q->name == std::string("momentum_drift")) without({"gravity", "pin", "pressure_load"}, *name, path, "which changes momentum");

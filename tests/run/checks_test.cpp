@@ -128,6 +128,43 @@ TEST(Checks, EnergyGainTakesTheWorkThatTheSolverSummed) {
   EXPECT_NEAR(verdict("{quantity: energy_gain, below: 1e-9}", moved, kStay, report).value, 0, 1e-12);
 }
 
+// A mean over whole cycles of the force that several feet bear together.
+TEST(Checks, ForcesOfSeveralBodiesAddUpOverAWindowOfTime) {
+  const model::ModelInput input = engine::make_input(scene::read_scene_text(R"(
+mortise: 1
+time: {step: 0.1 s, steps: 6}
+materials: {gel: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1000}}
+bodies:
+  a: {type: soft, shape: {box: {size: [1, 1, 1], edge_length: 1}}, material: gel}
+  b: {type: soft, shape: {box: {size: [1, 1, 1], edge_length: 1}}, material: gel, position: [2, 0, 0]}
+effects: {inertia: {}, elasticity: {}, barrier_contact: {}}
+checks:
+  - {quantity: contact_force, bodies: [a, b], axis: z, when: mean, from: 0.2 s, until: 0.4 s, near: 0 N, tolerance: 0 N}
+  - {quantity: contact_force, body: a, axis: z, when: mean, near: 0 N, tolerance: 0 N}
+  - {quantity: newton_iterations, from: 0.4 s, below: 5}
+)",
+                                                                            "test.yaml", {}, engine::effect_tables())
+                                                         .root);
+  Checks checks(input);
+  for (int k = 0; k <= 6; ++k) {  // forces k and 10 k
+    Snapshot said;
+    said.scalar("barrier_contact", "force_a_z", "N", k);
+    said.scalar("barrier_contact", "force_b_z", "N", 10 * k);
+    std::vector<double> at;
+    for (const model::BodyInput& b : input.bodies)
+      for (const Vec3& x : b.nodes) at.insert(at.end(), x.data(), x.data() + 3);
+    checks.state(said, at, 0.1 * k);
+    solver::StepReport step;
+    step.time = 0.1 * k, step.newton = 10 - k;
+    checks.step(step);
+  }
+  const auto verdicts = checks.verdicts(Exit::done, "");
+  EXPECT_DOUBLE_EQ(verdicts[0].value, 11 * 3.5) << "steps 3 and 4";
+  EXPECT_EQ(verdicts[0].text, "contact_force of a + b (z), mean, from 0.2 s, until 0.4 s near 0 +- 0");
+  EXPECT_DOUBLE_EQ(verdicts[1].value, 3);
+  EXPECT_EQ(verdicts[2].value, 5) << "steps 5 and 6";
+}
+
 // The energies of a frame are known without any criterion; dead loads do work that nobody counts.
 TEST(Checks, EnergiesAreKnownWithoutCriteria) {
   const auto after_two_states = [](const std::string& more) {
