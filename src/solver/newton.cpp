@@ -129,8 +129,8 @@ void Newton::iterate(const effects::StepInfo& info, StepReport& report, const st
 }
 
 // What the line search may ask of forces at states beside q, where the residual is r.
-LineSearch::Forces Newton::forces_beside(const Residual& r) {
-  LineSearch::Forces out;
+Newton::Search::Forces Newton::forces_beside(const Residual& r) {
+  Search::Forces out;
   out.closer = [this, &r](const device::Buffer<Vec3>& trial) {
     const Residual there = system_.linearise(std::as_const(trial).view(), {}, near_, true);
     EnvMask closer(envs_.size(), 0);

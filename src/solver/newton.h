@@ -24,6 +24,7 @@ namespace mortise::solver {
 
 class Newton {
  public:
+  using Search = LineSearch;  // the globalisation: another one has its step() and Forces
   Newton(model::Model& model, EffectList& effects, const Options& options, Clock& clock);
 
   // The state at model.q with its own lagged quantities, in the environments of `whose`: what a step starts from. Effects' begin_step must have run.
@@ -46,7 +47,7 @@ class Newton {
   void fail(Index env, const std::string& reason);
   void check_failed();
   void iterate(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
-  LineSearch::Forces forces_beside(const Residual& r);
+  Search::Forces forces_beside(const Residual& r);
   void settle(const Residual& r, Index iteration);
   void keep_nearest(Index env, const Residual& r);
   bool needs_jacobian(Index env, Index iteration, const Residual& r);
@@ -69,7 +70,7 @@ class Newton {
   Direction direction_;
   CreepWatch creep_;
   EnergyLedger energies_;
-  LineSearch line_search_;
+  Search line_search_;
   FirstGuess first_guess_;
   LagLoop lag_;
   Coupled coupled_;
