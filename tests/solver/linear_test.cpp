@@ -133,6 +133,19 @@ TEST(Linear, ASmallShiftMakesWhatNothingHoldsDefinite) {
   EXPECT_LT(c.residual(0), 1e-6);
 }
 
+// What is softer than nothing by less than that is as good as free.
+TEST(Linear, AShiftGrowsUntilAMatrixThatIsHardlyIndefiniteIsDefinite) {
+  Chains c({1}, {-1e-9});
+  c.b.upload({Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)});
+  auto linear = make("direct", c);
+  linear->begin_solve(true);
+  EnvTable envs(1);
+  StepReport report;
+  linear->solve(c.system(), {1}, CurvaturePolicy(1), envs, report);
+  EXPECT_TRUE(envs.is(0, EnvState::running));
+  EXPECT_EQ(report.regularised, 2);
+}
+
 TEST(Linear, ReuseKeepsFactorsWithinAStepOnly) {
   Chains c({1}, {1});
   auto linear = make("reuse", c);
