@@ -41,7 +41,7 @@ def hard(j):
         if not r["variant"]:
             base[r["case"]].append(r)
     out = ["# Hard cases: results", "",
-           "`mortise bench hard --threads 1 --result benchmarks/hard/result.json`, %s, %s; two cores shared with other work, so seconds are upper bounds." % (j["machine"]["cpu"], j["program"]),
+           "`mortise bench hard --threads 1 --result benchmarks/hard/result.json`, %s, %s; seconds are CPU time." % (j["machine"]["cpu"], j["program"]),
            "Scenes and criteria: `scenes/hard`. Every run is judged by its scene's `checks` and, independently, by `mortise_judge`. This file is written by `table.py`.", "",
            "**%s** (barrier_contact: %s; mortar_contact: %s). Of the %d scenes %d pass with every contact method they are run with. %.0f s in all." % (
                share(rows), share(part("barrier")), share(part("mortar")), len(base), sum(all(r["verdict"] != "fails" for r in v) for v in base.values()), sum(r["seconds"] for r in rows)),
