@@ -233,6 +233,38 @@ TEST(LineSearch, HalvesUntilArmijoInEveryEnvironmentByItself) {
   EXPECT_LT((moved[4] - 1.75 * kForce).norm(), 1e-15);
 }
 
+// The first goes its full way although its energy rises, as forces are closer to balance there; that the second is halved changes nothing of it.
+TEST(LineSearch, AFullStepThatIsCloserStandsWhileOthersAreHalved) {
+  Searched s(7);
+  s.dq.upload(std::vector<Vec3>(8, 7 * kForce));
+  s.envs[0].whole = true;
+  LineSearch::Forces forces;
+  forces.closer = [](const device::Buffer<Vec3>&) { return EnvMask{1, 1}; };
+  const std::vector<double> slope = dot(std::as_const(s.at.gradient).view(), std::as_const(s.dq).view(), s.p.model.env_blocks);
+  LineSearch(*s.system, *s.energies).step(s.q, s.dq, slope, {}, s.at, s.envs, s.report, forces);
+  EXPECT_EQ(s.envs[0].alpha, 1);
+  EXPECT_EQ(s.envs[1].alpha, 0.25);
+}
+
+// What is forgotten of one environment is found again; of the other, what was known stands.
+TEST(EnergyLedger, ForgetsOneEnvironmentAlone) {
+  Searched s(7);
+  const auto find = [&](const device::Buffer<Vec3>& q) {
+    device::Fetch fetch;
+    s.energies->find(q.view(), s.at, fetch);
+    fetch.now();
+    return s.energies->sum(s.energies->known());
+  };
+  const std::vector<double> here = find(s.q);
+  std::vector<Vec3> x = s.q.download();
+  for (Vec3& p : x) p += kForce;
+  const device::Buffer<Vec3> there(x);
+  s.energies->forget(0);
+  const std::vector<double> after = find(there);
+  EXPECT_NEAR(after[0], here[0] - 4 * 0.5 * kForce.squaredNorm(), 1e-12);
+  EXPECT_EQ(after[1], here[1]);
+}
+
 TEST(LineSearch, FailsWhereNothingDescends) {
   Searched s(-1);  // uphill
   s.step({-24, -24});
