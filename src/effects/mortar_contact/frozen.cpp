@@ -40,14 +40,14 @@ MORTISE_HD inline Patch patch_of(const MortarView& s, View<const Vec3> y, Index 
 }
 
 // Samples of candidate c.
-template <class Take>
+template <class Weights, class Take>
 MORTISE_HD inline void sample(const MortarView& s, View<const Vec3> y, View<const Index> offset, View<const Index> slave, View<const Index> master,
-                              View<const double> margin, Index c, Take& take) {
+                              View<const double> margin, Index c, const Weights& weights, Take& take) {
   const Index i = slave[c], first = offset[i];
   const Index env = s.surface.env[s.surface.triangles[s.slaves[i]].v[0]];
   const Patch p = patch_of(s, y, i, master.p + first, offset[i + 1] - first, margin[env]);
   if (master[c] >= 0)
-    sample_master(s, p, c - first, y, take);
+    sample_master(s, p, c - first, y, weights, take);
   else
     sample_plane(s, p, s.planes[-1 - master[c]], y, take);
 }
@@ -96,6 +96,43 @@ MORTISE_HD inline double change(const Pair& p, const Vec3 J[kPoints], const Vec3
   return sum;
 }
 
+template <class Weights>
+void freeze(const MortarView& view, Search& search, const Buffer<double>& margin, const Weights weights, FrozenSamples& out) {
+  const View<const Vec3> y = std::as_const(out.y).view();
+  search.update(view, y, margin);
+  const View<const Index> offset = search.offset(), slave = search.slave(), master = search.master();
+  const View<const double> extra = margin.view();
+  const MortarView s = view;
+  const Index n = slave.n;
+  Buffer<Index> sample_offset(n + 1), pair_offset(n + 1);
+  const View<Index> samples = sample_offset.view(), pairs = pair_offset.view();
+  device::parallel_for("mortar_contact.count_samples", n, [=] MORTISE_HD(Index c) {
+    Count count;
+    sample(s, y, offset, slave, master, extra, c, weights, count);
+    samples[c] = count.n;
+    pairs[c] = count.n > 0 ? 1 : 0;
+  });
+  device::scan(sample_offset);
+  device::scan(pair_offset);
+  const Buffer<Index> slave_env(search.slave_env());
+  device::Fetch fetch;
+  pick(std::as_const(pair_offset).view(), offset, slave_env.view(), fetch, out.env_pairs);
+  pick(std::as_const(sample_offset).view(), offset, slave_env.view(), fetch, out.env_samples);
+  fetch.now();
+  out.samples.resize(out.env_samples.back());
+  out.pairs.resize(out.env_pairs.back());
+  const View<Sample> to = out.samples.view();
+  const View<Pair> pair_to = out.pairs.view();
+  device::parallel_for("mortar_contact.samples", n, [=] MORTISE_HD(Index c) {
+    if (pairs[c + 1] == pairs[c]) return;
+    Pair p = make_pair(s, y, slave[c], master[c]);
+    p.begin = samples[c], p.end = samples[c + 1];
+    pair_to[pairs[c]] = p;
+    Write write{to.p + samples[c], pairs[c]};
+    sample(s, y, offset, slave, master, extra, c, weights, write);
+  });
+}
+
 }  // namespace
 
 void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& faces, View<const Vec3> y, Buffer<Vec3>& normal, Buffer<double>& area,
@@ -125,39 +162,7 @@ void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& 
 }
 
 void freeze(const MortarView& view, Search& search, const Buffer<double>& margin, FrozenSamples& out) {
-  const View<const Vec3> y = std::as_const(out.y).view();
-  search.update(view, y, margin);
-  const View<const Index> offset = search.offset(), slave = search.slave(), master = search.master();
-  const View<const double> extra = margin.view();
-  const MortarView s = view;
-  const Index n = slave.n;
-  Buffer<Index> sample_offset(n + 1), pair_offset(n + 1);
-  const View<Index> samples = sample_offset.view(), pairs = pair_offset.view();
-  device::parallel_for("mortar_contact.count_samples", n, [=] MORTISE_HD(Index c) {
-    Count count;
-    sample(s, y, offset, slave, master, extra, c, count);
-    samples[c] = count.n;
-    pairs[c] = count.n > 0 ? 1 : 0;
-  });
-  device::scan(sample_offset);
-  device::scan(pair_offset);
-  const Buffer<Index> slave_env(search.slave_env());
-  device::Fetch fetch;
-  pick(std::as_const(pair_offset).view(), offset, slave_env.view(), fetch, out.env_pairs);
-  pick(std::as_const(sample_offset).view(), offset, slave_env.view(), fetch, out.env_samples);
-  fetch.now();
-  out.samples.resize(out.env_samples.back());
-  out.pairs.resize(out.env_pairs.back());
-  const View<Sample> to = out.samples.view();
-  const View<Pair> pair_to = out.pairs.view();
-  device::parallel_for("mortar_contact.samples", n, [=] MORTISE_HD(Index c) {
-    if (pairs[c + 1] == pairs[c]) return;
-    Pair p = make_pair(s, y, slave[c], master[c]);
-    p.begin = samples[c], p.end = samples[c + 1];
-    pair_to[pairs[c]] = p;
-    Write write{to.p + samples[c], pairs[c]};
-    sample(s, y, offset, slave, master, extra, c, write);
-  });
+  weighted(view.set, [&](const auto& weights) { freeze(view, search, margin, weights, out); });
   average(view, out);
 }
 

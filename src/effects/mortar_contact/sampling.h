@@ -159,16 +159,13 @@ struct Sampler {
 };
 
 // Every sample on master i of the patch.
-template <class Take>
-MORTISE_HD inline void sample_master(const MortarView& s, const Patch& p, Index i, View<const Vec3> y, Take& take) {
-  const auto sample = [&](const auto& weights) {
-    Sampler sampler(s, p, i, y, weights, take);
-    if (!sampler.within()) return;
-    sampler.faces();
-    sampler.edges();
-    sampler.points();
-  };
-  weighted(s.set, sample);
+template <class Weights, class Take>
+MORTISE_HD inline void sample_master(const MortarView& s, const Patch& p, Index i, View<const Vec3> y, const Weights& weights, Take& take) {
+  Sampler sampler(s, p, i, y, weights, take);
+  if (!sampler.within()) return;
+  sampler.faces();
+  sampler.edges();
+  sampler.points();
 }
 
 // Against a half-space: g = n_p . (x_s - p), exact for every point of the slave; w = slave area projected onto the plane.

@@ -5,10 +5,10 @@
 
 namespace mortise::effects::mortar {
 
-// f(weighting) with the weighting that the scene asks for.
+// f(weighting) with the weighting that the scene asks for: on the host, so that every kernel holds one of them.
 template <class F>
-MORTISE_HD inline auto weighted(const Settings& set, const F& f) {
-  return set.tapered() ? f(Tapered(set)) : f(Consistent(set));
+inline void weighted(const Settings& set, const F& f) {
+  set.tapered() ? f(Tapered(set)) : f(Consistent(set));
 }
 
 // How much a master face with normal nm counts for a slave with normal n.
