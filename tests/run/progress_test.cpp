@@ -46,6 +46,15 @@ class TerminalOf {
   int own_ = -1, before_ = -1;
 };
 
+class Progress : public testing::Test {
+ protected:
+  void SetUp() override {
+    const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+    if (terminal < 0) GTEST_SKIP() << "no terminal can be made here: is /dev/pts mounted?";
+    close(terminal);
+  }
+};
+
 // Columns that a text takes: characters of UTF-8 without escape sequences.
 int width_of(const std::string& text) {
   int width = 0;
@@ -79,7 +88,7 @@ std::string shown(int columns, bool long_figures = true) {
   return text.substr(text.rfind("\033[K") + 3);
 }
 
-TEST(Progress, NeverWraps) {
+TEST_F(Progress, NeverWraps) {
   for (int columns = 4; columns <= 300; ++columns) {
     const std::string line = shown(columns);
     EXPECT_LT(width_of(line), columns) << line;
@@ -87,7 +96,7 @@ TEST(Progress, NeverWraps) {
   }
 }
 
-TEST(Progress, LeavesOutTheLeastImportantFiguresFirst) {
+TEST_F(Progress, LeavesOutTheLeastImportantFiguresFirst) {
   const std::string at80 = shown(80), at110 = shown(110), wide = shown(200);
   for (const char* figure : {"99999/100000", "t 1.234e-05 s", "newton 1234", " left"}) {
     EXPECT_NE(at80.find(figure), std::string::npos) << at80;
@@ -101,7 +110,7 @@ TEST(Progress, LeavesOutTheLeastImportantFiguresFirst) {
   EXPECT_NE(at80.find("█"), std::string::npos) << at80;
 }
 
-TEST(Progress, FollowsTheTerminalAndTakes80WhereItsWidthIsUnknown) {
+TEST_F(Progress, FollowsTheTerminalAndTakes80WhereItsWidthIsUnknown) {
   setenv("TERM", "xterm", 1);
   TerminalOf terminal(200);
   const auto progress = run::make_progress(false, false);
