@@ -83,13 +83,10 @@ TEST(Krylov, RunsRepeatBitForBit) {
 // Neither the preconditioner nor the forcing of a step knows the steps before it.
 TEST(Krylov, RestartEqualsTheUnbrokenRun) {
   const std::vector<std::string> sets{"solver.linear=cg", "solver.preconditioner=mas"};
-  Rig whole(kPress, sets), first(kPress, sets), second(kPress, sets);
+  Rig whole(kPress, sets), broken(kPress, sets);
   whole.steps(4);
-  first.steps(2);
-  MemoryArchive archive;
-  Rig::check(first.engine->checkpoint(archive));
-  archive.rewind();
-  Rig::check(second.engine->checkpoint(archive));
-  second.steps(2);
-  EXPECT_EQ(second.engine->points(), whole.engine->points());
+  broken.steps(2);
+  broken.resume();
+  broken.steps(2);
+  EXPECT_EQ(broken.engine->points(), whole.engine->points());
 }

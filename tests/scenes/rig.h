@@ -30,8 +30,9 @@ class Rig {
   explicit Rig(const std::string& yaml, const std::vector<std::string>& overrides = {}, const std::string& file = "test.yaml") {
     scene = scene::read_scene_text(yaml, file, overrides, engine::effect_tables());
     input = engine::make_input(scene.root);
-    check(engine::chosen().api->create(input, engine));
+    start();
   }
+  explicit Rig(model::ModelInput of) : input(std::move(of)) { start(); }
   solver::StepReport step() {
     solver::StepReport report;
     check(engine->step({}, report));
@@ -39,6 +40,14 @@ class Rig {
   }
   void steps(int n) {
     for (int i = 0; i < n; ++i) step();
+  }
+  // Goes on in a new engine, from a checkpoint.
+  void resume() {
+    MemoryArchive archive;
+    check(engine->checkpoint(archive));
+    start();
+    archive.rewind();
+    check(engine->checkpoint(archive));
   }
   Captured fields() {
     Captured out;
@@ -52,6 +61,11 @@ class Rig {
   scene::Scene scene;
   model::ModelInput input;
   std::unique_ptr<engine::Engine> engine;
+
+ private:
+  void start() { check(engine::chosen().api->create(input, engine)); }
 };
+
+inline Vec3 vector(const Captured& f, const std::string& stem) { return {f.at(stem + "x"), f.at(stem + "y"), f.at(stem + "z")}; }
 
 }  // namespace mortise::testing

@@ -86,8 +86,6 @@ struct Links {
   }
 };
 
-Vec3 vector(const Captured& f, const std::string& stem) { return {f.at(stem + "x"), f.at(stem + "y"), f.at(stem + "z")}; }
-
 }  // namespace
 
 // A link on a hinge, from the horizontal, by BDF2: the error is that of the integrator and falls with the square of the step.
@@ -357,14 +355,10 @@ effects:
 }
 
 std::vector<double> after(const model::ModelInput& input, int steps, Captured* last = nullptr) {
-  std::unique_ptr<engine::Engine> engine;
-  Rig::check(engine::chosen().api->create(input, engine));
-  for (int i = 0; i < steps; ++i) {
-    solver::StepReport report;
-    Rig::check(engine->step({}, report));
-  }
-  if (last) engine->report(*last);
-  return engine->points();
+  Rig rig(input);
+  rig.steps(steps);
+  if (last) *last = rig.fields();
+  return rig.engine->points();
 }
 
 }  // namespace
@@ -391,27 +385,12 @@ TEST(Ties, InBatchesWithEveryLinearSolver) {
 
 TEST(Ties, ResumeWithTheSameBits) {
   const model::ModelInput input = striking({}, {2000});
-  const auto run = [&](int before, int behind) {
-    std::unique_ptr<engine::Engine> engine;
-    Rig::check(engine::chosen().api->create(input, engine));
-    const auto steps = [&](int n) {
-      for (int i = 0; i < n; ++i) {
-        solver::StepReport report;
-        Rig::check(engine->step({}, report));
-      }
-    };
-    steps(before);
-    MemoryArchive archive;
-    Rig::check(engine->checkpoint(archive));
-    if (before > 0) {
-      Rig::check(engine::chosen().api->create(input, engine));
-      archive.rewind();
-      Rig::check(engine->checkpoint(archive));
-    }
-    steps(behind);
-    return engine->points();
-  };
-  EXPECT_EQ(run(0, 6), run(3, 3));
+  Rig unbroken(input), broken(input);
+  unbroken.steps(6);
+  broken.steps(3);
+  broken.resume();
+  broken.steps(3);
+  EXPECT_EQ(unbroken.engine->points(), broken.engine->points());
 }
 
 namespace {

@@ -120,30 +120,31 @@ TEST(Linear, IndefiniteMatrices) {
   }
 }
 
+// One chain with forces that move nothing as a whole, solved directly.
+struct OnGround {
+  explicit OnGround(double ground) : c({1}, {ground}) {
+    c.b.upload({Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)});
+    auto linear = make("direct", c);
+    linear->begin_solve(true);
+    linear->solve(c.system(), {1}, CurvaturePolicy(1), envs, report);
+  }
+  Chains c;
+  EnvTable envs{1};
+  StepReport report;
+};
+
 // A free chain: singular, and a small shift is enough.
 TEST(Linear, ASmallShiftMakesWhatNothingHoldsDefinite) {
-  Chains c({1}, {0});
-  c.b.upload({Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)});
-  auto linear = make("direct", c);
-  linear->begin_solve(true);
-  EnvTable envs(1);
-  StepReport report;
-  linear->solve(c.system(), {1}, CurvaturePolicy(1), envs, report);
-  EXPECT_TRUE(envs.is(0, EnvState::running));
-  EXPECT_LT(c.residual(0), 1e-6);
+  OnGround free(0);
+  EXPECT_TRUE(free.envs.is(0, EnvState::running));
+  EXPECT_LT(free.c.residual(0), 1e-6);
 }
 
 // What is softer than nothing by less than that is as good as free.
 TEST(Linear, AShiftGrowsUntilAMatrixThatIsHardlyIndefiniteIsDefinite) {
-  Chains c({1}, {-1e-9});
-  c.b.upload({Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)});
-  auto linear = make("direct", c);
-  linear->begin_solve(true);
-  EnvTable envs(1);
-  StepReport report;
-  linear->solve(c.system(), {1}, CurvaturePolicy(1), envs, report);
-  EXPECT_TRUE(envs.is(0, EnvState::running));
-  EXPECT_EQ(report.regularised, 2);
+  OnGround soft(-1e-9);
+  EXPECT_TRUE(soft.envs.is(0, EnvState::running));
+  EXPECT_EQ(soft.report.regularised, 2);
 }
 
 TEST(Linear, ReuseKeepsFactorsWithinAStepOnly) {

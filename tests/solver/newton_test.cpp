@@ -355,6 +355,37 @@ const Law kAtan{[](Index, const Vec3&, const Vec3&) { return 0.0; },
                   return {std::atan(d.x()), std::atan(d.y()), std::atan(d.z())};
                 },
                 [](Index, const Vec3& d) -> Mat3 { return (Vec3(1, 1, 1) + d.cwiseProduct(d)).cwiseInverse().asDiagonal(); }};
+
+// The coupled iteration on kAtan, in environments that are stuck `start` from its root; kept: alpha of every step, per environment.
+struct Stuck {
+  Stuck(Problem& of, const std::vector<Vec3>& start) : p(of), envs(static_cast<Index>(start.size())), alpha(start.size()) {
+    System system(p.model, p.effects, p.options, p.clock);
+    system.begin_solve();
+    const auto linear = make_direct(p.model, system.rows, false);
+    linear->begin_solve(true);
+    CurvaturePolicy curvature(envs.size());
+    linalg::BlockMatrix A;
+    Linearised at = system.potential.linearised(), near = system.potential.linearised();
+    std::vector<Vec3> x = p.model.q.download();
+    for (std::size_t b = 0; b < x.size(); ++b) x[b] += start[b / 4];
+    q.upload(x);
+    for (Index e = 0; e < envs.size(); ++e) envs[e].state = EnvState::stuck;
+    StepReport report;
+    const Coupled::Watch watch{[](const Residual&, Index, const EnvMask&) {},
+                               [&](const EnvMask& whose, const std::vector<Index>&) {
+                                 for (Index e = 0; e < envs.size(); ++e)
+                                   if (whose[e]) alpha[e].push_back(envs[e].alpha);
+                               }};
+    Coupled(system, *linear, curvature, A)
+        .solve(
+            q, 1e-6, at, near, envs, report, [] {}, watch);
+  }
+  Problem& p;
+  device::Buffer<Vec3> q;
+  EnvTable envs;
+  std::vector<std::vector<double>> alpha;
+};
+
 }  // namespace
 
 // atan has no second root, but from 3 Newton's step goes to -9.5, and on from there: the natural level has to fall. In the first environment the
@@ -362,33 +393,12 @@ const Law kAtan{[](Index, const Vec3&, const Vec3&) { return 0.0; },
 TEST(Coupled, TakesShareOfStepsThatLowersTheNaturalLevel) {
   Problem p(2);
   p.add(kTwisted, kAtan);
-  System system(p.model, p.effects, p.options, p.clock);
-  system.begin_solve();
-  const auto linear = make_direct(p.model, system.rows, false);
-  linear->begin_solve(true);
-  CurvaturePolicy curvature(2);
-  linalg::BlockMatrix A;
-  Linearised at = system.potential.linearised(), near = system.potential.linearised();
-  std::vector<Vec3> x = p.model.q.download();
-  for (int b = 0; b < 8; ++b) x[b] += b < 4 ? Vec3(0.3, 0, 0.1) : Vec3(3, 0, -2);
-  device::Buffer<Vec3> q(x);
-  EnvTable envs(2);
-  envs[0].state = envs[1].state = EnvState::stuck;
-  StepReport report;
-  std::vector<double> least(2, 1.0);
-  const Coupled::Watch watch{[](const Residual&, Index, const EnvMask&) {},
-                             [&](const EnvMask& whose, const std::vector<Index>&) {
-                               for (Index e = 0; e < 2; ++e)
-                                 if (whose[e]) least[e] = std::min(least[e], envs[e].alpha);
-                             }};
-  Coupled(system, *linear, curvature, A)
-      .solve(
-          q, 1e-6, at, near, envs, report, [] {}, watch);
-  EXPECT_TRUE(envs.is(0, EnvState::solved));
-  EXPECT_TRUE(envs.is(1, EnvState::solved));
-  EXPECT_EQ(least[0], 1);
-  EXPECT_LT(least[1], 1);
-  for (const Vec3& d : p.moved(q)) EXPECT_LT(d.norm(), 1e-5);
+  const Stuck s(p, {Vec3(0.3, 0, 0.1), Vec3(3, 0, -2)});
+  EXPECT_TRUE(s.envs.is(0, EnvState::solved));
+  EXPECT_TRUE(s.envs.is(1, EnvState::solved));
+  EXPECT_EQ(*std::min_element(s.alpha[0].begin(), s.alpha[0].end()), 1);
+  EXPECT_LT(*std::min_element(s.alpha[1].begin(), s.alpha[1].end()), 1);
+  for (const Vec3& d : p.moved(s.q)) EXPECT_LT(d.norm(), 1e-5);
 }
 
 // Where something keeps steps short no solution is near: after three of them it gives up and says so.
@@ -396,26 +406,8 @@ TEST(Coupled, GivesUpWhereStepsStayShort) {
   Problem p;
   p.add(kTwisted, kAtan);
   p.effects.push_back(std::make_unique<Carrier>(p.model, std::vector<Vec3>{Vec3::Zero()}, 0.05));
-  System system(p.model, p.effects, p.options, p.clock);
-  system.begin_solve();
-  const auto linear = make_direct(p.model, system.rows, false);
-  linear->begin_solve(true);
-  CurvaturePolicy curvature(1);
-  linalg::BlockMatrix A;
-  Linearised at = system.potential.linearised(), near = system.potential.linearised();
-  std::vector<Vec3> x = p.model.q.download();
-  for (Vec3& d : x) d += Vec3(-1, 0, 0);
-  device::Buffer<Vec3> q(x);
-  EnvTable envs(1);
-  envs[0].state = EnvState::stuck;
-  StepReport report;
-  std::vector<double> alpha;
-  const Coupled::Watch watch{[](const Residual&, Index, const EnvMask&) {},
-                             [&](const EnvMask&, const std::vector<Index>&) { alpha.push_back(envs[0].alpha); }};
-  Coupled(system, *linear, curvature, A)
-      .solve(
-          q, 1e-6, at, near, envs, report, [] {}, watch);
-  EXPECT_TRUE(envs.is(0, EnvState::stuck));
-  EXPECT_EQ(alpha.size(), 3u);
-  for (double a : alpha) EXPECT_LT(a, 0.25);
+  const Stuck s(p, {Vec3(-1, 0, 0)});
+  EXPECT_TRUE(s.envs.is(0, EnvState::stuck));
+  EXPECT_EQ(s.alpha[0].size(), 3u);
+  for (double a : s.alpha[0]) EXPECT_LT(a, 0.25);
 }
