@@ -93,9 +93,7 @@ TriMesh all_parts(const Params& list) {
   for (const Params& part : list.items()) {
     TriMesh mesh = surface_shape(part.at("shape"));
     Placement(part).apply(mesh.points);
-    const auto first = static_cast<Index>(all.points.size());
-    all.points.insert(all.points.end(), mesh.points.begin(), mesh.points.end());
-    for (const Triangle& t : mesh.triangles) all.triangles.push_back({{first + t.v[0], first + t.v[1], first + t.v[2]}});
+    append(mesh, all);
   }
   return all;
 }

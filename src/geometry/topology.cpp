@@ -86,6 +86,12 @@ TriMesh surface_of(const TetMesh& mesh, std::vector<Index>* source) {
   return compact<TriMesh, Triangle, 3>(mesh.points, boundary_triangles(mesh), &TriMesh::triangles, source);
 }
 
+void append(const TriMesh& more, TriMesh& to) {
+  const auto first = static_cast<Index>(to.points.size());
+  to.points.insert(to.points.end(), more.points.begin(), more.points.end());
+  for (const Triangle& t : more.triangles) to.triangles.push_back({{first + t.v[0], first + t.v[1], first + t.v[2]}});
+}
+
 TriMesh without_unused_points(const TriMesh& mesh) {
   return compact<TriMesh, Triangle, 3>(mesh.points, mesh.triangles, &TriMesh::triangles, nullptr);
 }
@@ -180,6 +186,7 @@ double min_dihedral_angle(const TetMesh& mesh) {
 }
 
 Mat3 MassProperties::inertia(double density) const { return density * (second_moment.trace() * Mat3::Identity() - second_moment); }
+Mat3 second_moment_of(const Mat3& inertia) { return 0.5 * inertia.trace() * Mat3::Identity() - inertia; }
 
 // The inside is the signed sum of the tetrahedra (o, a, b, c) over all triangles. With D = det(a,b,c) measured from o:
 //   int dV = D/6,   int x dV = D/24 (a+b+c),   int x x^T dV = D/120 (a a^T + b b^T + c c^T + s s^T),  s = a+b+c.

@@ -14,6 +14,9 @@ std::vector<Triangle> boundary_triangles(const TetMesh& mesh);
 // `source`, if given, receives the point of `mesh` behind each point of the result.
 TriMesh surface_of(const TetMesh& mesh, std::vector<Index>* source = nullptr);
 
+// The triangles of `more` behind those of `to`.
+void append(const TriMesh& more, TriMesh& to);
+
 // Drops points that no element uses; the rest keep their order.
 TriMesh without_unused_points(const TriMesh& mesh);
 TetMesh without_unused_points(const TetMesh& mesh);
@@ -38,6 +41,8 @@ struct MassProperties {
   Mat3 inertia(double density) const;  // tensor of inertia about the centroid [kg m^2]
 };
 MassProperties mass_properties(const TriMesh& mesh);
+// int rho X X^T dV of a body with the tensor of inertia I = int rho (X.X 1 - X X^T) dV: tr(I)/2 1 - I.
+Mat3 second_moment_of(const Mat3& inertia);
 
 // Component of each point (points joined by triangle edges), numbered by first point; -1 for unused points.
 std::vector<Index> connected_components(const TriMesh& mesh);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "geometry/solid_angle.h"
 #include "geometry/topology_check.h"
 
 namespace mortise::geometry {
@@ -38,14 +39,12 @@ std::vector<Part> parts_of(const TriMesh& mesh) {
   return parts;
 }
 
-// How often the part winds around x: its solid angles (Van Oosterom and Strackee 1983) over 4 pi.
+// How often the part winds around x.
 int winding(const TriMesh& mesh, const Part& part, const Vec3& x) {
   double angle = 0;
   for (Index i : part.triangles) {
-    const Triangle& t = mesh.triangles[i];
-    const Vec3 a = mesh.points[t.v[0]] - x, b = mesh.points[t.v[1]] - x, c = mesh.points[t.v[2]] - x;
-    const double la = a.norm(), lb = b.norm(), lc = c.norm();
-    angle += 2 * std::atan2(a.cross(b).dot(c), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+    const Index* v = mesh.triangles[i].v;
+    angle += solid_angle(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], x);
   }
   return static_cast<int>(std::lround(angle / (4 * M_PI)));
 }

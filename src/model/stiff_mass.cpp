@@ -15,7 +15,7 @@ Mat3 stated_second_moment(const BodyInput& body, const Params& inertia, const Ma
   const Vec3 m = inertia.vec3("moments"), p = inertia.vec3("products");
   Mat3 I;
   I << m[0], p[0], p[1], p[0], m[1], p[2], p[1], p[2], m[2];
-  const Mat3 S = 0.5 * I.trace() * Mat3::Identity() - I;
+  const Mat3 S = geometry::second_moment_of(I);
   if (!(Eigen::SelfAdjointEigenSolver<Mat3>(S, Eigen::EigenvaluesOnly).eigenvalues()[0] > kThinnest * S.trace())) {
     const Vec3 principal = Eigen::SelfAdjointEigenSolver<Mat3>(I, Eigen::EigenvaluesOnly).eigenvalues();
     char moments[120];

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "geometry/collide/bvh.h"
+#include "geometry/solid_angle.h"
 
 namespace mortise::effects::contact {
 namespace {
@@ -138,13 +139,12 @@ std::string obj_of(const Names& names, const std::vector<Index>& points, const s
                    obj);
 }
 
-// How often the closed surface of a body winds around x: the solid angles of its triangles over 4 pi (Van Oosterom, Strackee 1983).
+// How often the closed surface of a body winds around x.
 double winding(const std::vector<Triangle>& triangles, const model::Body& body, const std::vector<Vec3>& y, const Vec3& x) {
   double angle = 0;
   for (Index t = body.triangle_begin; t < body.triangle_end; ++t) {
-    const Vec3 a = y[triangles[t].v[0]] - x, b = y[triangles[t].v[1]] - x, c = y[triangles[t].v[2]] - x;
-    const double A = a.norm(), B = b.norm(), C = c.norm();
-    angle += 2 * std::atan2(a.cross(b).dot(c), A * B * C + a.dot(b) * C + b.dot(c) * A + c.dot(a) * B);
+    const Index* v = triangles[t].v;
+    angle += geometry::solid_angle(y[v[0]], y[v[1]], y[v[2]], x);
   }
   return angle / (4 * std::numbers::pi);
 }

@@ -11,12 +11,12 @@ namespace {
 
 bool holds(const std::vector<std::string>& words, const std::string& word) { return std::find(words.begin(), words.end(), word) != words.end(); }
 
+}  // namespace
+
 std::string with_hint(const std::string& what, const std::string& typed, const std::vector<std::string>& known) {
   const std::string near = scene::nearest(typed, known);
   return what + (near.empty() ? "" : "; did you mean '" + near + "'?");
 }
-
-}  // namespace
 
 Source::Source(const std::string& text, std::string path) : path_(std::move(path)), lines_{0} {
   for (std::size_t i = 0; i < text.size(); ++i)

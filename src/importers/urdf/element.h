@@ -23,6 +23,9 @@ class Source {
   std::vector<std::ptrdiff_t> lines_;  // offsets of their first characters
 };
 
+// `what`, and which of the known words was meant, if one is near to what was typed.
+std::string with_hint(const std::string& what, const std::string& typed, const std::vector<std::string>& known);
+
 class Element {
  public:
   Element(pugi::xml_node node, const Source& source) : node_(node), source_(&source) {}

@@ -98,7 +98,6 @@ class Assembly {
       b.name = taken.of(l.name), b.where = l.where;
       b.held = world || (root && options_.held) || (!root && joint_of(link).type == Joint::Type::fixed);
       body_[link] = static_cast<std::ptrdiff_t>(out_.bodies.size());
-      if (!root && joint_of(link).type == Joint::Type::fixed) in_body_[link] = Pose{};
       merge(b, l, Pose{});
       frame_.push_back(link);
       out_.bodies.push_back(std::move(b));
@@ -121,8 +120,7 @@ class Assembly {
       s.at = at * s.at;
       if (!b.colour) b.colour = s.colour;
       if (s.kind == Shape::Kind::mesh) {
-        const bool even = s.scale[0] > 0 && s.scale[0] == s.scale[1] && s.scale[0] == s.scale[2];
-        if (!even)
+        if (!s.even())
           notes_.add(s.where, "a visual mesh is scaled or mirrored along single axes, and left out");
         else if (b.drawn)
           notes_.add(s.where, "a body is drawn with one mesh; a second visual mesh is left out");
@@ -164,7 +162,7 @@ class Assembly {
     for (std::size_t round = 0; round < robot_.joints.size(); ++round)  // leaders that follow others
       for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
         const Joint& j = robot_.joints[i];
-        if (j.mimic && j.moves()) stands_[i] = j.mimic->multiplier * stands_[leader(j)] + j.mimic->offset;
+        if (j.mimic && j.moves()) stands_[i] = j.mimic->multiplier * stands_[j.mimic->leader] + j.mimic->offset;
       }
   }
   void bend_back(const std::vector<std::uint8_t>& free) {
@@ -185,10 +183,6 @@ class Assembly {
       if (!limits || (limits->first + kStopRange[0] < back && back < limits->second - kStopRange[0])) stands_[before] = back;
     }
   }
-  std::size_t leader(const Joint& j) const {
-    return std::find_if(robot_.joints.begin(), robot_.joints.end(), [&](const Joint& o) { return o.name == j.mimic->joint; }) - robot_.joints.begin();
-  }
-
   // Links in the world; the root's frame is the world's.
   void place() {
     in_world_.assign(robot_.links.size(), Pose{});
@@ -222,7 +216,6 @@ class Assembly {
   void mass_of(Body& b) {
     Inertial& in = b.inertial;
     if (!(in.mass > 0)) {
-      in.mass = kLeastMass;
       double sum = 0;
       for (const Shape& s : b.shapes) sum += volume(s);
       in.mass = std::max(kDensity * sum, kLeastMass);
@@ -239,7 +232,7 @@ class Assembly {
       b.even = true;
       return;
     }
-    const Mat3 S = 0.5 * in.tensor.trace() * Mat3::Identity() - in.tensor;  // int rho X X^T, which is positive for every body
+    const Mat3 S = geometry::second_moment_of(in.tensor);  // positive for every body
     const Eigen::SelfAdjointEigenSolver<Mat3> eigen(S);
     const double least = kThinnest * 0.5 * in.tensor.trace();
     if (eigen.eigenvalues()[0] >= least) return;
@@ -268,7 +261,7 @@ class Assembly {
       out_.axes.push_back(a);
     }
     for (std::size_t i = 0; i < robot_.joints.size(); ++i)
-      if (const Joint& j = robot_.joints[i]; j.mimic && axis_of[i] >= 0) mimic(out_.axes[axis_of[i]], j, axis_of[leader(j)]);
+      if (const Joint& j = robot_.joints[i]; j.mimic && axis_of[i] >= 0) mimic(out_.axes[axis_of[i]], j, axis_of[j.mimic->leader]);
   }
 
   void mimic(Axis& a, const Joint& j, std::ptrdiff_t leader) {
@@ -378,12 +371,7 @@ std::vector<PassingPair> passing_pairs(const Machine& m, int apart) {
   std::vector<geometry::TriMesh> surfaces(n);
   for (std::size_t i = 0; i < n; ++i) {
     const std::vector<Shape> one = i < bodies ? m.bodies[i].shapes : std::vector<Shape>{m.pads[i - bodies].shape};
-    for (const Shape& s : one) {
-      const geometry::TriMesh mesh = surface(s, i < bodies ? m.bodies[i].at * s.at : s.at);
-      const auto first = static_cast<Index>(surfaces[i].points.size());
-      surfaces[i].points.insert(surfaces[i].points.end(), mesh.points.begin(), mesh.points.end());
-      for (const Triangle& t : mesh.triangles) surfaces[i].triangles.push_back({{first + t.v[0], first + t.v[1], first + t.v[2]}});
-    }
+    for (const Shape& s : one) geometry::append(surface(s, i < bodies ? m.bodies[i].at * s.at : s.at), surfaces[i]);
   }
   std::vector<PassingPair> out;
   for (std::size_t a = 0; a < n; ++a) {

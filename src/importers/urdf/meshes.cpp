@@ -59,8 +59,6 @@ std::string found(const std::string& name, const Robot& robot, const MeshOptions
   return is_file(file) ? file.lexically_normal().string() : "";
 }
 
-bool even_scale(const Vec3& s) { return s[0] > 0 && s[0] == s[1] && s[0] == s[2]; }
-
 std::string without_location(const Error& e) {
   const std::string text = e.what();
   const std::size_t at = text.find(": error: ");
@@ -112,7 +110,7 @@ void mend_collision_meshes(Robot& robot, const MeshOptions& options, Notes& note
         throw Error(e.code(), s.where, "mesh '" + s.file + "' cannot be read: " + without_location(e));
       }
       std::string why;
-      if (!even_scale(s.scale)) {
+      if (!s.even()) {
         why = "is scaled or mirrored along single axes";
       } else if (mesh.triangles.size() > kMostTriangles) {
         why = "has more than " + std::to_string(kMostTriangles) + " triangles";

@@ -5,7 +5,6 @@
 
 #include "base/read_file.h"
 #include "importers/urdf/element.h"
-#include "scene/suggest.h"
 
 namespace mortise::importers::urdf {
 namespace {
@@ -147,8 +146,7 @@ class Reader {
       if (robot_.links[i].name == name) return i;
       names.push_back(robot_.links[i].name);
     }
-    const std::string near = scene::nearest(name, names);
-    e->fail("there is no link '" + name + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?"));
+    e->fail(with_hint("there is no link '" + name + "'", name, names));
   }
 
   void joint(const Element& e) {
@@ -243,6 +241,7 @@ class Reader {
       const auto leader = std::find_if(robot_.joints.begin(), robot_.joints.end(), [&](const Joint& o) { return o.name == j.mimic->joint; });
       if (leader == robot_.joints.end() || leader->name == j.name)
         throw Error(Exit::scene, j.where, "joint '" + j.name + "' mimics '" + j.mimic->joint + "', which is no other joint");
+      j.mimic->leader = static_cast<std::size_t>(leader - robot_.joints.begin());
     }
   }
 

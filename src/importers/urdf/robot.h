@@ -27,6 +27,7 @@ struct Shape {
   Pose at;                        // in the link
   std::optional<Vec3> colour;     // of visuals
   SourceLoc where;
+  bool even() const { return scale[0] > 0 && scale[0] == scale[1] && scale[0] == scale[2]; }  // no axis is scaled or mirrored by itself
 };
 
 struct Inertial {
@@ -56,6 +57,7 @@ struct Joint {
   struct Mimic {
     std::string joint;
     double multiplier = 1, offset = 0;
+    std::size_t leader = 0;  // the joint's number
   };
   std::optional<Mimic> mimic;
   SourceLoc where;

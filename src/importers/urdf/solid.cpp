@@ -8,6 +8,7 @@
 #include "geometry/collide/distance.h"
 #include "geometry/io/read.h"
 #include "geometry/primitives.h"
+#include "geometry/solid_angle.h"
 #include "geometry/topology.h"
 #include "importers/urdf/tuning.h"
 
@@ -47,14 +48,10 @@ bool near(const Corners& a, const Corners& b, double distance) {
   return false;
 }
 
-// How often a closed surface winds around x (Van Oosterom, Strackee 1983).
+// How often a closed surface winds around x.
 double winding(const std::vector<Corners>& surface, const Vec3& x) {
   double angle = 0;
-  for (const Corners& t : surface) {
-    const Vec3 a = t.v[0] - x, b = t.v[1] - x, c = t.v[2] - x;
-    const double A = a.norm(), B = b.norm(), C = c.norm();
-    angle += 2 * std::atan2(a.cross(b).dot(c), A * B * C + a.dot(b) * C + b.dot(c) * A + c.dot(a) * B);
-  }
+  for (const Corners& t : surface) angle += geometry::solid_angle(t.v[0], t.v[1], t.v[2], x);
   return angle / (4 * std::numbers::pi);
 }
 

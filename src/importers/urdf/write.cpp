@@ -21,7 +21,6 @@ std::string number(double x) {
   return out == "-0" ? "0" : out;
 }
 std::string vector(const Vec3& v) { return fmt::format("[{}, {}, {}]", number(v[0]), number(v[1]), number(v[2])); }
-std::string place(const Vec3& v) { return vector(v); }
 std::string length(double x) { return std::abs(x) < 1 ? number(1e3 * x) + " mm" : number(x) + " m"; }
 std::string angle(double x) {
   const double degrees = x * 180 / std::numbers::pi;
@@ -37,7 +36,7 @@ std::string rounded(double x) { return fmt::format("{:.4g}", x); }
 // ", position: ..., rotation: ..." of what is not at its origin.
 std::string placed(const Pose& at, const char* separator) {
   std::string out;
-  if (at.t.norm() > 1e-12) out += separator + std::string("position: ") + place(at.t);
+  if (at.t.norm() > 1e-12) out += separator + std::string("position: ") + vector(at.t);
   const Eigen::AngleAxisd turn(at.R);
   if (std::abs(turn.angle()) > 1e-9) {
     Vec3 axis = turn.axis();
@@ -91,7 +90,7 @@ class Writer {
     const std::string edge = length(h);
     switch (s.kind) {
       case Shape::Kind::box:
-        return fmt::format("{{box: {{size: {}, edge_length: {}}}}}", place(s.size), edge);
+        return fmt::format("{{box: {{size: {}, edge_length: {}}}}}", vector(s.size), edge);
       case Shape::Kind::sphere:
         return fmt::format("{{sphere: {{radius: {}, edge_length: {}}}}}", length(s.radius), edge);
       case Shape::Kind::cylinder:
@@ -148,7 +147,7 @@ class Writer {
     if (!b.even) {
       const Mat3& I = in.tensor;
       const Vec3 products(I(0, 1), I(0, 2), I(1, 2));
-      line(fmt::format("    inertia: {{centre: {}, moments: {}{}}}", place(in.centre), vector(I.diagonal()),
+      line(fmt::format("    inertia: {{centre: {}, moments: {}{}}}", vector(in.centre), vector(I.diagonal()),
                        products.isZero(0) ? "" : ", products: " + vector(products)));
     }
     const std::string where = placed(b.at, "\n    ");
@@ -223,7 +222,7 @@ class Writer {
     const bool turns = a.type == Joint::Type::revolute;
     std::string text = fmt::format("name: {}, type: {}, body: {}", a.name, turns ? "revolute" : "prismatic", m_.bodies[a.body].name);
     if (a.to >= 0) text += ", to: " + m_.bodies[a.to].name;
-    text += ", at: " + place(a.place) + ", axis: " + vector(a.direction);
+    text += ", at: " + vector(a.place) + ", axis: " + vector(a.direction);
     if (a.mimics >= 0) text += fmt::format(", mimic: {{joint: {}, ratio: {}}}", m_.axes[a.mimics].name, number(a.ratio));
     if (std::abs(a.stands) > 1e-12) text += std::string(turns ? ", angle: " + angle(a.stands) : ", travel: " + length(a.stands));
     if (a.limits) {
@@ -254,7 +253,7 @@ class Writer {
   void bond(const Pad& p) {
     const std::string& to = m_.bodies[p.body].name;
     if (p.shape.kind == Shape::Kind::sphere)
-      line(fmt::format("    - {{body: {}, to: {}, where: {{sphere: {{centre: {}, radius: {}}}}}}}", p.name, to, place(p.shape.at.t),
+      line(fmt::format("    - {{body: {}, to: {}, where: {{sphere: {{centre: {}, radius: {}}}}}}}", p.name, to, vector(p.shape.at.t),
                        length(0.5 * p.shape.radius)));
     else
       line(fmt::format("    - {{body: {}, to: {}, within: {}}}", p.name, to, length(0.25 * pad_cell(p.shape))));
@@ -263,17 +262,12 @@ class Writer {
   void cameras() {
     const Vec3 middle = 0.5 * (around_.lo + around_.hi);
     const double size = around_.size().norm(), away = 1.7 * size;
-    const auto from = [&](const Vec3& d) {
-      Vec3 p = middle + away * d.normalized();
-      for (double& x : p) x = std::round(1e3 * x) / 1e3;
-      return place(p);
-    };
-    Vec3 at = middle;
-    for (double& x : at) x = std::round(1e3 * x) / 1e3;
+    const auto near = [](const Vec3& x) { return vector(((1e3 * x).array().round() / 1e3).matrix()); };  // to a millimetre
+    const auto from = [&](const Vec3& d) { return near(middle + away * d.normalized()); };
     line("render:");
     line("  cameras:");
-    line("    front: {position: " + from({0.8, -1, 0.45}) + ", look_at: " + place(at) + "}");
-    line("    side: {position: " + from({0, -1, 0.1}) + ", look_at: " + place(at) + "}");
+    line("    front: {position: " + from({0.8, -1, 0.45}) + ", look_at: " + near(middle) + "}");
+    line("    side: {position: " + from({0, -1, 0.1}) + ", look_at: " + near(middle) + "}");
   }
 
   const Machine& m_;
