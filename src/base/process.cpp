@@ -32,4 +32,9 @@ pid_t start_program(const std::vector<std::string>& arguments, const std::string
 
 int code_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
 
+double cpu_seconds(const rusage& used) {
+  const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+  return seconds(used.ru_utime) + seconds(used.ru_stime);
+}
+
 }  // namespace mortise

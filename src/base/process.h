@@ -1,4 +1,5 @@
 #pragma once
+#include <sys/resource.h>
 #include <sys/types.h>
 
 #include <functional>
@@ -15,5 +16,7 @@ pid_t start_program(const std::vector<std::string>& arguments, const std::string
                     const std::function<void()>& in_child = {});
 
 int code_of(int status);  // of waitpid: exit code, or 128 + signal
+
+double cpu_seconds(const rusage& used);  // of wait4: of a program and those that it has waited for [s]
 
 }  // namespace mortise

@@ -23,8 +23,6 @@ using Json = nlohmann::ordered_json;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-double seconds(const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); }
-
 // The exit code; what went wrong is the last line on the standard output.
 int run_here(const std::function<Exit(Progress&)>& work) {
   const auto failed = [](Exit code, const std::string& message) {
@@ -108,7 +106,7 @@ void EnvironmentProcess::ended(EnvironmentEnd& end) {
   }
   process_ = -1;
   end.wall = now() - began_;
-  end.cpu = seconds(used.ru_utime) + seconds(used.ru_stime);
+  end.cpu = cpu_seconds(used);
   end.memory = 1024LL * used.ru_maxrss;
   end.message = error_;
   end.code = WIFEXITED(how) ? WEXITSTATUS(how) : static_cast<int>(Exit::internal);

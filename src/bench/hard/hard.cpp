@@ -1,7 +1,6 @@
 #include "bench/hard/hard.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -191,25 +190,23 @@ Row run_case(const Case& c, const Options& o) {
 Ended run_program(const std::vector<std::string>& arguments, const std::string& out, const std::string& err, double limit) {
   const auto begin = Time::now();
   const auto elapsed = [&] { return std::chrono::duration<double>(Time::now() - begin).count(); };
-  const auto seconds = [](const auto& t, double fraction) { return static_cast<double>(t.tv_sec) + 1e-9 * fraction; };
   const pid_t child = start_program(arguments, out, err);
   clockid_t clock;
   const bool counts = clock_getcpuclockid(child, &clock) == 0;
   int status = 0;
   rusage used{};
-  const auto spent = [&] { return seconds(used.ru_utime, 1e3 * used.ru_utime.tv_usec) + seconds(used.ru_stime, 1e3 * used.ru_stime.tv_usec); };
   for (auto wait = std::chrono::milliseconds(1); wait4(child, &status, WNOHANG, &used) == 0;
        wait = std::min(2 * wait, std::chrono::milliseconds(50))) {
     timespec now{};
-    const bool over = counts && clock_gettime(clock, &now) == 0 && seconds(now, now.tv_nsec) > limit;
+    const bool over = counts && clock_gettime(clock, &now) == 0 && static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec) > limit;
     if (over || elapsed() > kMostWaiting * limit) {
       kill(child, SIGKILL);
       wait4(child, &status, 0, &used);
-      return {-1, spent()};
+      return {-1, cpu_seconds(used)};
     }
     std::this_thread::sleep_for(wait);
   }
-  return {code_of(status), spent()};
+  return {code_of(status), cpu_seconds(used)};
 }
 
 void require_judge() {
