@@ -1,6 +1,7 @@
 #pragma once
 // What every environment of a batch is doing within a step: a row of one table. All of them go through the same loop; none knows the others.
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -22,14 +23,16 @@ enum class EnvState : std::uint8_t {
 
 struct EnvStatus {
   EnvState state = EnvState::running;
-  double alpha = 0;         // share of the last step that was taken; 0 before the first
-  double step = 0;          // longest move of a block in the last step at full length [m]
-  double force = 0;         // residual before the last iteration [N]; 0 before the first
-  double energy = 0;        // Phi there [J]
-  bool whole = false;       // lagged quantities are those of every iterate, and directions those of the whole Jacobian
-  bool arrived = false;     // supports stand on their targets
-  bool may_couple = false;  // the coupled iteration has not failed in this step yet
-  std::string reason;       // of a failure
+  double alpha = 0;                // share of the last step that was taken; 0 before the first
+  double step = 0;                 // longest move of a block in the last step at full length [m]
+  double force = 0;                // residual before the last iteration [N]; 0 before the first
+  double energy = 0;               // Phi there [J]
+  bool whole = false;              // lagged quantities are those of every iterate, and directions those of the whole Jacobian
+  bool arrived = false;            // supports stand on their targets
+  bool may_couple = false;         // the coupled iteration may be tried,
+  double couple_below = INFINITY;  // where a residual is less than this [N]: farther away it has failed
+  int coupled = 0;                 // times that it has failed in this step
+  std::string reason;              // of a failure
 };
 
 class EnvTable {

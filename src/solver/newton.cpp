@@ -20,15 +20,13 @@ Newton::Newton(model::Model& model, EffectList& effects, const Options& options,
       curvature_(model.envs),
       direction_(system_, *linear_, curvature_),
       creep_(model.envs),
+      progress_(model.envs),
       energies_(model, system_.potential),
       line_search_(system_, energies_),
       first_guess_(system_, energies_),
       lag_(system_, std::max(options.lag_tolerance, options.relative_tolerance), system_.potential.lags()),
       coupled_(system_, *linear_, curvature_, direction_.matrix()),
       trace_(system_, curvature_),
-      best_force_(model.envs, 0.0),
-      best_energy_(model.envs, 0.0),
-      best_(model.envs, 0),
       at_(system_.potential.linearised()),
       near_(system_.potential.linearised()) {}
 
@@ -162,8 +160,13 @@ void Newton::settle(const Residual& r, Index iteration) {
       envs_[e].state = envs_[e].whole ? EnvState::solved : EnvState::settled;
       continue;
     }
+    const double share = curvature_.share(e);
+    const ProgressWatch::Sight sight =
+        progress_.look(e, iteration, system_.convergence.largest_force(r, e), envs_[e].energy, !envs_[e].whole || (share > 0 && share < 1));
+    // What is kept lies where the energy is lowest, unless it is nearer than the coupled iteration has ever begun.
+    if (sight.falls && nearest_force_[e] > envs_[e].couple_below) nearest_force_[e] = INFINITY;
     if (envs_[e].may_couple && r.support_gap[e] == 0) keep_nearest(e, r);
-    if (envs_[e].whole ? gets_nowhere(e, iteration, r) : envs_[e].may_couple && r.support_gap[e] == 0 && needs_jacobian(e, iteration, r)) {
+    if (wants_coupled(e, iteration, r, sight)) {
       if (std::isfinite(nearest_force_[e])) {
         copy_blocks(nearest_q_, model_.env_blocks[e], model_.env_blocks[e + 1], q_);
         energies_.forget(e);
@@ -171,7 +174,8 @@ void Newton::settle(const Residual& r, Index iteration) {
       envs_[e].state = EnvState::stuck;
       continue;
     }
-    if (iteration < options_.iterations) continue;
+    const bool hopeless = envs_[e].coupled > 0 && !envs_[e].may_couple && sight.idle >= tuning::kHopeless;
+    if (iteration < options_.iterations && !hopeless) continue;
     const Convergence::Worst worst = system_.convergence.worst(r, e, relative);
     std::ostringstream why;
     why << "Newton stopped after " << iteration << " iterations with a force residual of " << worst.force << " N on '"
@@ -196,24 +200,24 @@ bool Newton::needs_jacobian(Index env, Index iteration, const Residual& r) {
   return sight.creeps || (sight.linear && linear_->ready(env) && (envs_[env].whole || !system_.potential.lags()));
 }
 
-// The energies of two iterates with lagged quantities of their own are not comparable: steps may run in circles. What creeps although nothing is
-// missing from H + U is on its way through an instability, and gets there; so does what falls to ever lower energies along negative curvature.
-bool Newton::gets_nowhere(Index env, Index iteration, const Residual& r) {
-  const double force = system_.convergence.largest_force(r, env), share = curvature_.share(env);
-  if (iteration == 0 || force < tuning::kWholeFalls * best_force_[env]) best_force_[env] = force, best_[env] = iteration;
-  if (iteration <= 1) best_energy_[env] = INFINITY;
-  const bool falls = iteration > 0 && share > 0 && share < 1 && envs_[env].energy < best_energy_[env];
-  if (iteration > 0) best_energy_[env] = std::min(best_energy_[env], envs_[env].energy);
-  if (falls) best_[env] = iteration;
-  if (iteration - best_[env] >= tuning::kWholePatience || iteration >= options_.iterations) return true;
-  return !falls && system_.potential.freezes() && envs_[env].may_couple && r.support_gap[env] == 0 && needs_jacobian(env, iteration, r);
+// With the whole Jacobian: the energies of two iterates with lagged quantities of their own are not comparable, steps may run in circles; what
+// creeps although nothing is missing from H + U is on its way through an instability, and gets there; so does what falls to ever lower energies
+// along negative curvature. With something frozen: where the coupled iteration has failed before, once nothing falls any more, or nearer.
+bool Newton::wants_coupled(Index env, Index iteration, const Residual& r, const ProgressWatch::Sight& sight) {
+  const EnvStatus& now = envs_[env];
+  const bool idle = sight.idle >= tuning::kWholePatience;
+  if (now.whole && (idle || iteration >= options_.iterations)) return true;
+  if (now.whole && (sight.falls || !system_.potential.freezes())) return false;
+  if (!now.may_couple || r.support_gap[env] > 0 || !needs_jacobian(env, iteration, r)) return false;
+  return now.coupled == 0 || idle || (!sight.falls && nearest_force_[env] < now.couple_below);
 }
 
 // The coupled iteration, for environments that are stuck, and for those that some rounds of lagged quantities have not brought to an end. Where it
 // fails too, the others' way is gone on from the best state.
 void Newton::couple(Index round, const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop) {
   for (Index e = 0; e < envs_.size(); ++e)
-    if (round >= tuning::kPlainRounds && envs_.is(e, EnvState::settled) && envs_[e].may_couple) envs_[e].state = EnvState::stuck;
+    if (round >= tuning::kPlainRounds && envs_.is(e, EnvState::settled) && envs_[e].may_couple && envs_[e].coupled == 0)
+      envs_[e].state = EnvState::stuck;
   for (bool first = round == 0; envs_.any(EnvState::stuck); first = false) {
     // Differences of forces would give no better directions than H + U where that is all; and the coupled iteration moves no supports.
     for (Index e = 0; e < envs_.size(); ++e)
@@ -221,7 +225,10 @@ void Newton::couple(Index round, const effects::StepInfo& info, StepReport& repo
     if (envs_.any(EnvState::stuck)) solve_coupled(info, report, stop);
     for (Index e = 0; e < envs_.size(); ++e) {
       if (!envs_.is(e, EnvState::stuck)) continue;
-      envs_[e].may_couple = envs_[e].whole;
+      if (!envs_[e].whole) {
+        envs_[e].couple_below = tuning::kNearer * nearest_force_[e];
+        envs_[e].may_couple = ++envs_[e].coupled < tuning::kMostCoupled;
+      }
       freeze(e);
     }
     if (!envs_.any(EnvState::running)) return;

@@ -19,6 +19,7 @@
 #include "solver/lag_loop.h"
 #include "solver/line_search.h"
 #include "solver/newton_trace.h"
+#include "solver/progress_watch.h"
 
 namespace mortise::solver {
 
@@ -51,7 +52,7 @@ class Newton {
   void settle(const Residual& r, Index iteration);
   void keep_nearest(Index env, const Residual& r);
   bool needs_jacobian(Index env, Index iteration, const Residual& r);
-  bool gets_nowhere(Index env, Index iteration, const Residual& r);
+  bool wants_coupled(Index env, Index iteration, const Residual& r, const ProgressWatch::Sight& sight);
   void couple(Index round, const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
   void solve_coupled(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
   void lag_here();
@@ -69,6 +70,7 @@ class Newton {
   CurvaturePolicy curvature_;
   Direction direction_;
   CreepWatch creep_;
+  ProgressWatch progress_;
   EnergyLedger energies_;
   Search line_search_;
   FirstGuess first_guess_;
@@ -76,9 +78,7 @@ class Newton {
   Coupled coupled_;
   NewtonTrace trace_;
 
-  std::vector<double> best_force_, best_energy_;  // per environment with the whole Jacobian: least residual [N] and energy [J],
-  std::vector<Index> best_;                       // and when it last got closer
-  Linearised at_, near_;                          // at q_; at states beside it
+  Linearised at_, near_;  // at q_; at states beside it
   device::Buffer<Vec3> q_;
   EnvMask fresh_;                      // environments that stand where the step begins
   std::vector<double> nearest_force_;  // per environment: least residual of these iterations [N], and where it was

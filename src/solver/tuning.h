@@ -59,9 +59,13 @@ inline constexpr Index kUsual = 20;         // but not before this one: the way 
 inline constexpr Index kPlainRounds = 2;    // rounds of lagging before the coupled iteration takes over
 
 // ---- friction of the present normal forces (newton.h)
-inline constexpr double kCloser = 0.5;       // of the residual: a full step that leaves less is taken whatever energies say
-inline constexpr Index kWholePatience = 12;  // iterations without a smaller residual,
-inline constexpr double kWholeFalls = 0.9;   // by so much: then rounds of lagged quantities take over, which do not run in circles
+inline constexpr double kCloser = 0.5;  // of the residual: a full step that leaves less is taken whatever energies say
+
+// ---- do iterations get anywhere? (progress_watch.h)
+inline constexpr double kProgress = 0.9;     // of the least residual
+inline constexpr Index kWholePatience = 12;  // iterations without: then rounds of lagged quantities take over from the whole Jacobian, and the
+                                             // coupled iteration is tried again
+inline constexpr Index kHopeless = 24;       // where that has failed too: time for a shorter step
 
 // ---- coupled iteration (coupled.h)
 inline constexpr double kCoupledForcing = 1e-4;  // what a difference of forces is good for; the last iteration then ends well below the tolerance
@@ -71,6 +75,8 @@ inline constexpr Index kGoodProducts = 12;         // with no more of them the f
 inline constexpr int kMonotoneTries = 10;          // shares of a step
 inline constexpr double kShort = 0.25;             // a solution is not near where steps are shorter
 inline constexpr Index kMostShort = 3;             // so often in a row
+inline constexpr double kNearer = 0.5;             // of the residual from which it has failed: nearer it is tried again,
+inline constexpr int kMostCoupled = 4;             // so often
 inline constexpr double kNaturalShare = 0.25;      // of alpha: how much the natural level has to fall
 inline constexpr double kDifference = 0.1;         // of the last step,
 inline constexpr double kLeastDifference = 1e-12;  // but no less than rounding,

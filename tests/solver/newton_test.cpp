@@ -154,23 +154,118 @@ TEST(Newton, AFailureOfTheOnlyEnvironmentIsThrown) {
   EXPECT_THROW(solve(p, newton), Failure);
 }
 
-// The matrix is only half of the truth: the force turns across d. The frozen iteration creeps, the coupled one ends it.
-TEST(Newton, WholeJacobianEndsCreepingIterations) {
-  static constexpr double k = 1, w = 0.97;
+namespace {
+
+// The matrix, k, is only part of the truth: the force turns across d as well, and `more` may be there besides.
+Law twisted(
+    double k, double w, std::function<Vec3(const Vec3& d)> more = [](const Vec3&) -> Vec3 { return Vec3::Zero(); }) {
   Law law = toy::spring([=](Index) { return k; }, [](Index) { return kForce; });
-  law.gradient = [=](Index, const Vec3& d) -> Vec3 { return k * d + w * Vec3(0, 0, 1).cross(d) - kForce; };
-  law.energy = [gradient = law.gradient](Index e, const Vec3& d, const Vec3& d0) {
+  law.gradient = [=](Index, const Vec3& d) -> Vec3 { return k * d + w * Vec3(0, 0, 1).cross(d) - kForce + more(d); };
+  law.energy = [k, gradient = law.gradient](Index e, const Vec3& d, const Vec3& d0) {
     return gradient(e, d0).dot(d - d0) + 0.5 * k * (d - d0).squaredNorm();
   };
+  return law;
+}
+
+Vec3 root_of_twisted(double k, double w) {
+  const Mat3 J = k * Mat3::Identity() + w * (Mat3() << 0, -1, 0, 1, 0, 0, 0, 0, 0).finished();
+  return J.inverse() * kForce;
+}
+
+// No force, but blocks may go no farther in one step than `way` while they are inside (or outside) of a sphere.
+class Mud final : public effects::Effect {
+ public:
+  struct Where {
+    Vec3 centre;
+    double radius, way;
+    bool inside;
+  };
+  Mud(model::Model& model, const Where& where) : where_(where), rest_(model.rest.download()) {}
+  const effects::Kind& kind() const override { return kInertia; }
+  std::unique_ptr<effects::Linearisation> linearisation() const override { return std::make_unique<toy::FieldLinearisation>(); }
+  void linearise(effects::Positions q, effects::Want, effects::Linearisation& at) override {
+    at.stencils.resize_uniform(0, 0);
+    static_cast<toy::FieldLinearisation&>(at).x = host(q);
+  }
+  void energy(effects::Positions, const effects::Linearisation&, device::EnvValues) override {}
+  void max_step(device::View<const Vec3> dq, effects::Linearisation& at, device::EnvValues alpha) override {
+    const std::vector<Vec3> d = host(dq), &x = static_cast<toy::FieldLinearisation&>(at).x;
+    for (std::size_t b = 0; b < x.size(); ++b)
+      if (((x[b] - rest_[b] - where_.centre).norm() < where_.radius) == where_.inside)
+        alpha.value[0] = std::min(alpha.value[0], where_.way / d[b].norm());
+  }
+
+ private:
+  static std::vector<Vec3> host(device::View<const Vec3> v) {
+    std::vector<Vec3> out(v.n);
+    device::copy_out(out.data(), v.p, v.n * sizeof(Vec3));
+    return out;
+  }
+  Where where_;
+  std::vector<Vec3> rest_;
+};
+
+}  // namespace
+
+// The frozen iteration creeps, the coupled one ends it.
+TEST(Newton, WholeJacobianEndsCreepingIterations) {
   Problem p;
-  p.add(kTwisted, law);
+  p.add(kTwisted, twisted(1, 0.97));
   Newton newton(p.model, p.effects, p.options, p.clock);
   const StepReport report = solve(p, newton);
   EXPECT_GT(report.cg, 0) << "products with the whole Jacobian";
   EXPECT_LT(report.newton, 40);
-  const Mat3 J = k * Mat3::Identity() + w * (Mat3() << 0, -1, 0, 1, 0, 0, 0, 0, 0).finished();
-  const Vec3 exact = J.inverse() * kForce;
+  const Vec3 exact = root_of_twisted(1, 0.97);
   for (const Vec3& d : p.moved(newton.q())) EXPECT_LT((d - exact).norm(), 1e-5 * exact.norm());
+}
+
+// Far from the solution, where steps are short, the coupled iteration gives up; the frozen one creeps nearer, where it is tried again.
+TEST(Newton, TheWholeJacobianIsTriedAgainNearer) {
+  const Vec3 exact = root_of_twisted(1, 0.97);
+  Problem p;
+  p.add(kTwisted, twisted(1, 0.97));
+  p.effects.push_back(std::make_unique<Mud>(p.model, Mud::Where{exact, 0.05 * exact.norm(), 0.03 * exact.norm(), false}));
+  Newton newton(p.model, p.effects, p.options, p.clock);
+  const StepReport report = solve(p, newton);
+  EXPECT_GT(report.newton, 2 * 20) << "the first try failed";
+  EXPECT_LT(report.newton, 100);
+  for (const Vec3& d : p.moved(newton.q())) EXPECT_LT((d - exact).norm(), 1e-5 * exact.norm());
+}
+
+// Where the step begins forces are small, but the coupled iteration gets nowhere; the frozen one leaves for lower energies, and circles there. The
+// coupled one has to begin there then, although forces are larger.
+TEST(Newton, TheWholeJacobianIsTriedAgainWhereEnergyIsLowest) {
+  const Vec3 exact = root_of_twisted(1, 1);
+  const double far = exact.norm(), near = 0.2 * far;
+  const auto force = [=](const Vec3& d) -> Vec3 { return (d.norm() < near ? 0.05 : 1) * (d + Vec3(0, 0, 1).cross(d) - kForce); };
+  Law law = twisted(1, 1);
+  law.gradient = [=](Index, const Vec3& d) { return force(d); };
+  law.energy = [=](Index, const Vec3& d, const Vec3& d0) {
+    return 0.5 * (d0 - exact).squaredNorm() + force(d0).dot(d - d0) + 0.5 * (d - d0).squaredNorm();
+  };
+  Problem p;
+  p.add(kTwisted, law);
+  p.effects.push_back(std::make_unique<Mud>(p.model, Mud::Where{Vec3::Zero(), near, 0.01 * far, true}));
+  Newton newton(p.model, p.effects, p.options, p.clock);
+  const StepReport report = solve(p, newton);
+  EXPECT_GT(report.newton, 2 * 20) << "the first try failed";
+  for (const Vec3& d : p.moved(newton.q())) EXPECT_LT((d - exact).norm(), 1e-5 * far);
+}
+
+// A force that jumps over zero has no root, and iterations no end: that is seen long before their limit, once the coupled iteration has failed too.
+TEST(Newton, IterationsInACircleAreGivenUp) {
+  Problem p;
+  p.options.iterations = 1000;
+  const Vec3 root = root_of_twisted(1, 1.5);
+  p.add(kTwisted, twisted(1, 1.5, [=](const Vec3& d) -> Vec3 { return 0.1 * (d - root).normalized(); }));
+  Newton newton(p.model, p.effects, p.options, p.clock);
+  try {
+    solve(p, newton);
+    FAIL() << "solved";
+  } catch (const Failure& f) {
+    EXPECT_NE(f.reason.find("Newton stopped after "), std::string::npos) << f.reason;
+    EXPECT_LT(std::stoi(f.reason.substr(21)), 100) << f.reason;
+  }
 }
 
 // gain = Phi(q1) - Phi(q0) - grad Phi(q1) . (q1 - q0) - inertia(q1), whatever the effects are called.

@@ -1,9 +1,10 @@
-// The strategies of Newton's loop that need no equations: curvature, creeping, the energy guard, the table of environments.
+// The strategies of Newton's loop that need no equations: curvature, creeping, progress, the energy guard, the table of environments.
 #include <gtest/gtest.h>
 
 #include "solver/creep_watch.h"
 #include "solver/curvature_policy.h"
 #include "solver/energy_ledger.h"
+#include "solver/progress_watch.h"
 
 using namespace mortise;
 using namespace mortise::solver;
@@ -55,6 +56,26 @@ TEST(CreepWatch, SeesLinearConvergenceWhileDigitsAreMissing) {
   EXPECT_FALSE(w.look(0, 2, 0.01, 50, 1).linear) << "one more such iteration is enough";
   EXPECT_FALSE(w.look(0, 3, 1e-5, 1e9, 1).linear) << "quadratic";
   EXPECT_FALSE(w.look(0, 4, 0.01, 1e4, 0.5).linear) << "a cut step says nothing";
+}
+
+TEST(ProgressWatch, ForcesAndEnergiesCountEachByItself) {
+  ProgressWatch w(2);
+  EXPECT_EQ(w.look(0, 0, 100, 0, true).idle, 0);
+  EXPECT_EQ(w.look(0, 1, 95, -1, true).idle, 0) << "the first energy";
+  EXPECT_EQ(w.look(0, 2, 95, -1, true).idle, 1) << "a residual must fall by a tenth";
+  EXPECT_EQ(w.look(0, 3, 80, 5, true).idle, 0);
+  EXPECT_EQ(w.look(0, 4, 90, 0, true).idle, 1);
+  ProgressWatch::Sight s = w.look(0, 5, 1e9, -2, true);
+  EXPECT_TRUE(s.falls);
+  EXPECT_EQ(s.idle, 0) << "forces may rise where energies fall";
+  s = w.look(0, 6, 1e9, -3, false);
+  EXPECT_FALSE(s.falls) << "where energies say nothing";
+  EXPECT_EQ(s.idle, 1);
+  EXPECT_FALSE(w.look(0, 7, 1e9, -2.5, true).falls) << "the lowest is remembered all the same";
+  w.look(1, 0, 1, 0, true);
+  EXPECT_EQ(w.look(1, 1, 1, 0, false).idle, 1) << "of another environment";
+  EXPECT_EQ(w.look(0, 0, 1e12, 0, true).idle, 0) << "iterations begin anew";
+  EXPECT_TRUE(w.look(0, 1, 1e12, 100, true).falls);
 }
 
 TEST(EnergyGuard, HalvesWhileThatHelps) {

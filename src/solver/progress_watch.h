@@ -1,0 +1,39 @@
+#pragma once
+// Whether iterations get anywhere: they do while the residual falls, or the energy to ever lower values. One of them may rise meanwhile: forces on
+// the way through an instability, energies of iterates that have frozen something of their own.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "solver/tuning.h"
+
+namespace mortise::solver {
+
+class ProgressWatch {
+ public:
+  explicit ProgressWatch(Index envs) : rows_(envs) {}
+
+  struct Sight {
+    bool falls;  // the energy, to the lowest of these iterations
+    Index idle;  // iterations since the last progress
+  };
+  // force: residual [N]; energy: of the iterate before [J]; by_energy: does a falling energy count?
+  Sight look(Index env, Index iteration, double force, double energy, bool by_energy) {
+    Row& row = rows_[env];
+    if (iteration == 0 || force < tuning::kProgress * row.force) row.force = force, row.since = iteration;
+    if (iteration <= 1) row.energy = INFINITY;
+    const bool falls = by_energy && iteration > 0 && energy < row.energy;
+    if (iteration > 0) row.energy = std::min(row.energy, energy);
+    if (falls) row.since = iteration;
+    return {falls, iteration - row.since};
+  }
+
+ private:
+  struct Row {
+    double force = 0, energy = INFINITY;  // least so far
+    Index since = 0;                      // iteration of the last progress
+  };
+  std::vector<Row> rows_;  // environments
+};
+
+}  // namespace mortise::solver
