@@ -16,6 +16,8 @@ def error(row):
     e = row["error"]
     if e is None:
         return ""
+    if row["reference"] is None and row["quantity"].endswith("iterations"):
+        return f"{row['value']:g}"
     if e < 1e-5:
         return f"{e:.1e}"
     if row["quantity"].startswith("rate"):

@@ -11,6 +11,7 @@
 #include "engine/effect_tables.h"
 #include "engine/input.h"
 #include "geometry/topology.h"
+#include "run/certificate.h"
 #include "sensors/sensors.h"
 
 namespace mortise::bench {
@@ -66,6 +67,7 @@ std::string json_line(const Row& r) {
     j["pass"] = r.pass();
   else
     j["pass"] = nullptr;
+  if (!r.grade.empty()) j["grade"] = r.grade, j["grade_reason"] = r.reason, j["over_bound"] = number(r.over);
   j["seconds"] = number(r.seconds), j["newton_iterations"] = r.newton_iterations, j["dofs"] = r.dofs;
   return j.dump();
 }
@@ -158,7 +160,8 @@ void SceneText::use(const Method& method, double node_area) {
 
 Row Solved::row(const std::string& name, const Method& method, const std::string& quantity, double value, double reference, double error,
                 double gate) const {
-  return {name, method.name, quantity, converged ? value : NAN, reference, converged ? error : NAN, gate, seconds, newton, dofs, !converged};
+  return {name,  method.name, quantity, converged ? value : NAN, reference, converged ? error : NAN, gate, seconds, newton, dofs, !converged,
+          grade, reason,      over};
 }
 
 Solved solve(const SceneText& text, const std::function<void(model::ModelInput&)>& prepare, const std::function<void(const Snapshot&)>& each) {
@@ -176,6 +179,17 @@ Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInp
   std::unique_ptr<engine::Engine> engine;
   check(engine::chosen().api->create(out.input, engine));
   sensors::Sensors sensors(out.input);
+  run::Certificate certificate(out.input);
+  run::EnergyAudit energy(out.input);
+  const auto see = [&] {
+    out.points = engine->points();
+    out.fields = {};
+    engine->report(out.fields);
+    sensors.read(out.fields, out.points);
+    certificate.state(out.fields);
+    energy.state({out.fields, out.points});
+  };
+  see();
   const long steps = scene.root.at("time").integer("steps");
   out.converged = true;
   for (long i = 0; i < steps && out.converged; ++i) {
@@ -190,12 +204,12 @@ Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInp
     }
     check(outcome);
     out.steps.push_back(report);
-    out.fields = {};
-    engine->report(out.fields);
-    sensors.read(out.fields, engine->points());
+    see();
+    certificate.step(report);
     if (each) each(out.fields);
   }
-  out.points = engine->points();
+  const run::Certificate::Grade grade = certificate.grade({"", "", "", out.converged ? Exit::done : Exit::solve, "", energy.result()});
+  out.grade = grade.letter, out.reason = grade.reason, out.over = grade.over;
   double contact = 0, total = 0;
   for (const auto& [key, value] : engine->clock().seconds) {
     total += value.first;

@@ -22,7 +22,9 @@ struct Row {
   double gate = NAN;  // largest error that passes; NaN: reported only
   double seconds = 0;
   long newton_iterations = 0, dofs = 0;
-  bool failed = false;  // the run did not converge
+  bool failed = false;        // the run did not converge
+  std::string grade, reason;  // of its certificate; empty: there is none
+  double over = NAN;          // the worst of what is graded, over its bound
   bool gated() const { return !std::isnan(gate); }
   bool pass() const { return !failed && (!gated() || error <= gate); }  // an error that is not a number does not pass a gate
 };
@@ -68,6 +70,8 @@ struct Solved {
   long newton = 0, dofs = 0;
   double seconds = 0;          // of the steps
   double contact_share = NAN;  // of these seconds, spent in contact effects
+  std::string grade, reason;   // as of the certificate of `mortise run`
+  double over = NAN;
   // A row with the costs filled in; value and error are NaN when the run did not converge, whatever was reported before.
   Row row(const std::string& name, const Method& method, const std::string& quantity, double value, double reference, double error,
           double gate) const;

@@ -246,14 +246,13 @@ std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& e
   return all;
 }
 
-std::string Certificate::json(const End& end) const {
-  // F: some state is no state of the model. C: incomplete, or the bound of B is exceeded. B: that of A is. A: none.
-  std::string grade = "A", reason = "every bound is met";
+// F: some state is no state of the model. C: incomplete, or the bound of B is exceeded. B: that of A is. A: none.
+Certificate::Grade Certificate::grade(const End& end) const {
+  Grade out{"A", "every bound is met"};
   const auto lower = [&](const char* to, const std::string& why) {
-    if (grade[0] >= to[0]) return;
-    grade = to, reason = why;
+    if (out.letter[0] >= to[0]) return;
+    out.letter = to, out.reason = why;
   };
-  Json graded = Json::array();
   if (end.status == Exit::stopped)
     lower("C", "the run was stopped");
   else if (end.status == Exit::solve)
@@ -261,14 +260,22 @@ std::string Certificate::json(const End& end) const {
   else if (end.status != Exit::done && end.status != Exit::checks)
     lower("F", "the run failed");
   for (const Check& k : checks(end.energy)) {
-    const char* earns = k.value <= k.good ? "A" : (k.value <= k.usable ? "B" : "C");
-    graded.push_back({{"name", k.name}, {"value", number(k.value)}, {"bound_A", k.good}, {"bound_B", k.usable}, {"grade", earns}});
+    out.over = std::max(out.over, k.value / k.good);
+    const char* earns = k.earns();
     if (earns[0] > 'A') lower(earns, fmt::format("{} is {:.2g}, more than {:.2g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable));
   }
   if (steps_ == 0) lower("F", "no step was finished");
   if (det_F_.least <= 0) lower("F", "an element is inverted (det F <= 0)");
   if (distance_.least <= 0) lower("F", "surfaces touch or intersect");
   if (not_finite_ > 0) lower("F", "'" + first_not_finite_ + "' is not finite");
+  return out;
+}
+
+std::string Certificate::json(const End& end) const {
+  const Grade all = grade(end);
+  Json graded = Json::array();
+  for (const Check& k : checks(end.energy))
+    graded.push_back({{"name", k.name}, {"value", number(k.value)}, {"bound_A", k.good}, {"bound_B", k.usable}, {"grade", k.earns()}});
 
   Json j;
   j["filetype"] = "mortise certificate";
@@ -279,8 +286,8 @@ std::string Certificate::json(const End& end) const {
   j["device"] = end.device;
   j["exit_code"] = static_cast<int>(end.status);
   j["message"] = end.message;
-  j["grade"] = grade;
-  j["reason"] = reason;
+  j["grade"] = all.letter;
+  j["reason"] = all.reason;
   j["checks"] = graded;
   Json drift = Json::array();
   for (int a = 0; a < 3; ++a) drift.push_back(number(last_momentum_[a] - first_momentum_[a]));

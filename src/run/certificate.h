@@ -35,6 +35,11 @@ class Certificate {
     std::string message;  // of the error, empty without one
     EnergyAudit::Result energy{};
   };
+  struct Grade {
+    std::string letter, reason;
+    double over = 0;  // the worst of all quantities that are graded, over its bound for an A
+  };
+  Grade grade(const End& end) const;
   std::string json(const End& end) const;
 
  private:
@@ -46,6 +51,7 @@ class Certificate {
   struct Check {
     std::string name;
     double value, good, usable;
+    const char* earns() const { return value <= good ? "A" : (value <= usable ? "B" : "C"); }
   };
   std::vector<Check> checks(const EnergyAudit::Result& energy) const;
 
