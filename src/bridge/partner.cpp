@@ -150,7 +150,6 @@ std::string Partner::ask(const std::string& question, const std::string& to, con
       if (stop()) throw Stopped{};
       gone(to);
     }
-    if (heard_all_) out_.clear();
     pollfd ends[2] = {{heard_all_ ? -1 : input_, POLLIN, 0}, {out_.empty() ? -1 : output_, POLLOUT, 0}};
     const double left = until - now();
     if (left <= 0)

@@ -29,7 +29,11 @@ void add_run(Command app, Context& context) {
   const Flag bridge =
       sub.option("--bridge", o->bridge,
                  "a program that drives the scene's motors, step by step, by lines of JSON (src/bridge): a command for the shell, or - "
-                 "for the standard streams");
+                 "for the standard streams")
+          .check([](const std::string& command) {
+            return command.find_first_not_of(" \t") == std::string::npos ? std::string("needs a command, or - for the standard streams")
+                                                                         : std::string();
+          });
   const Flag every =
       sub.option("--bridge-every", o->bridge_every, "time steps from one message of it to the next; default 1").positive().needs(bridge);
   sub.time("--bridge-timeout", o->bridge_timeout, "how long an answer may take, 0 s for ever; default 60 s, then exit 8 with a checkpoint")

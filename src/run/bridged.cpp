@@ -35,7 +35,6 @@ void refuse(const Options& o, const scene::Scene& scene) {
     wrong("a bridge drives one environment: name one of the scene's " + std::to_string(count) + " with --environment");
   if (o.bridge == "-" && o.scene == "-") wrong("--bridge - takes the standard input, from which the scene would come; give the scene as a file");
   if (o.bridge == "-" && o.json) wrong("--bridge - takes the standard output, where --json would write");
-  if (o.bridge.find_first_not_of(" \t") == std::string::npos && !o.bridge.empty()) wrong("--bridge needs a command, or - for the standard streams");
 }
 
 // The recording that an episode repeats; none where there are no more.
