@@ -22,8 +22,9 @@ constexpr const char* kExamples =
     "  mortise check scene.yaml --set time.steps=10                find every error in a scene\n"
     "  mortise effects barrier_contact                             what an effect does, its keys and units\n"
     "\n"
-    "Exit codes: 0 done, 1 internal error, 2 usage, 3 scene invalid, 4 device, 5 solve failed, 6 file, 7 checks failed,\n            75 stopped (run "
-    "--resume), 141 standard output closed";
+    "Exit codes: 0 done, 1 internal error, 2 usage, 3 scene invalid, 4 device, 5 solve failed, 6 file, 7 checks failed,\n            8 a bridge's "
+    "partner "
+    "failed, 75 stopped (run --resume), 141 standard output closed";
 
 std::vector<std::string> command_names(const CLI::App& app) {
   std::vector<std::string> out;

@@ -26,13 +26,30 @@ void add_run(Command app, Context& context) {
   sub.option("--frames", o->frames, "stop after so many frames; the state at the start does not count").not_negative();
   const Flag walltime = sub.time("--walltime", o->walltime, "stop with a checkpoint (exit 75) before so much time is over, e.g. '4 h'");
   sub.time("--grace", o->grace, "how long before; a Newton iteration and a checkpoint have to fit in (default 60 s)").needs(walltime);
+  const Flag bridge =
+      sub.option("--bridge", o->bridge,
+                 "a program that drives the scene's motors, step by step, by lines of JSON (src/bridge): a command for the shell, or - "
+                 "for the standard streams")
+          .check([](const std::string& command) {
+            return command.find_first_not_of(" \t") == std::string::npos ? std::string("needs a command, or - for the standard streams")
+                                                                         : std::string();
+          });
+  const Flag every =
+      sub.option("--bridge-every", o->bridge_every, "time steps from one message of it to the next; default 1").positive().needs(bridge);
+  sub.time("--bridge-timeout", o->bridge_timeout, "how long an answer may take, 0 s for ever; default 60 s, then exit 8 with a checkpoint")
+      .needs(bridge);
+  sub.option("--replay", o->replay, "drive the motors as the output folder (or its bridge.jsonl) of an earlier run recorded it")
+      .excludes(bridge)
+      .excludes(every);
   add_device_options(sub, o->device, o->threads);
   sub.flag("--no-render", o->no_render, "no pictures; fewer of them: `render: {every: N}` in the scene");
   sub.flag("--json", o->json, "one JSON object per event on stdout instead of progress lines");
   sub.flag("-q,--quiet", o->quiet, "errors only");
   sub.footer(
       "Examples:\n  mortise run scenes/tactile/press.yaml -o out/press\n  mortise run scene.yaml --set time.steps=10 --frames 5 --no-render\n"
-      "  mortise run scene.yaml -o out/a --resume=auto         (exit 75 = stopped by a signal: run the same again)");
+      "  mortise run scene.yaml -o out/a --resume=auto         (exit 75 = stopped by a signal: run the same again)\n"
+      "  mortise run arm.yaml -o out/arm --bridge 'python3 tools/bridge_policy.py' --bridge-every 4\n"
+      "  mortise run arm.yaml -o out/again --replay out/arm    (the same, bit for bit, without the program)");
   sub.action([o, &context] { context.action = [o] { return static_cast<int>(run::run_scene(*o, engine::effect_tables())); }; });
 }
 

@@ -2,6 +2,7 @@
 #include "engine/build.h"
 
 #include "base/added_fields.h"
+#include "effects/commanded.h"
 #include "effects/contact/start_check.h"
 #include "effects/list.h"
 #include "engine/bandwidth.h"
@@ -36,6 +37,10 @@ class Build : public Engine {
 
   Outcome begin() override {
     return guarded([&] { simulation_.begin(); });
+  }
+  void command(const std::vector<model::Command>& commands) override {
+    for (const auto& effect : effects_)
+      if (auto* commanded = dynamic_cast<effects::Commanded*>(effect.get())) commanded->command(commands);
   }
   Outcome step(const std::function<bool()>& stop_asked, solver::StepReport& report) override {
     const device::Transfers before = device::transfers();

@@ -10,6 +10,7 @@
 #include "base/archive.h"
 #include "base/field_sink.h"
 #include "device/device_info.h"
+#include "model/command.h"
 #include "solver/report.h"
 
 namespace mortise::engine {
@@ -32,6 +33,8 @@ class Engine {
   virtual ~Engine() = default;
   // What the first step begins with, and no more: finds bodies that touch at the start.
   virtual Outcome begin() = 0;
+  // What drives aim at from the next step on, in place of what the scene says; they are no part of a checkpoint.
+  virtual void command(const std::vector<model::Command>& commands) = 0;
   virtual Outcome step(const std::function<bool()>& stop_asked, solver::StepReport& report) = 0;
   virtual void report(FieldSink& sink) = 0;
   virtual std::vector<double> points() = 0;  // 3 per point [m], accepted state

@@ -159,7 +159,8 @@ void Folder::remove_results() const {
                            "checkpoint.h5",        "checkpoint.h5.tmp", "checkpoint.prev.h5",
                            "touching.obj",         "touching.obj.tmp",  "newton.csv",
                            "episodes.csv",         "episodes.csv.tmp",  "environments.csv",
-                           "environments.csv.tmp", "environments.json", "environments.json.tmp"})
+                           "environments.csv.tmp", "environments.json", "environments.json.tmp",
+                           "bridge.jsonl"})
     if (unlink(file(ours).c_str()) != 0 && errno != ENOENT) fail("cannot replace '" + file(ours) + "'");
   for (fs::directory_iterator it(path_, ec), end; !ec && it != end; it.increment(ec)) {
     if (!is_part(it->path().filename().string()) || !it->is_directory() || it->is_symlink()) continue;

@@ -13,6 +13,7 @@
 #include "base/memory_archive.h"
 #include "base/shell.h"
 #include "base/version.h"
+#include "bridge/bridge.h"
 #include "engine/choose.h"
 #include "engine/input.h"
 #include "engine/memory_needed.h"
@@ -22,6 +23,7 @@
 #include "output/field_reader.h"
 #include "output/run_json.h"
 #include "run/batch.h"
+#include "run/bridged.h"
 #include "run/certificate.h"
 #include "run/checks.h"
 #include "run/environment.h"
@@ -83,7 +85,8 @@ std::unique_ptr<output::NewestCheckpoint> open_checkpoint(const Options& o, cons
 // One run, from the folder's preparation to certificate.json and run.json.
 class Run {
  public:
-  Run(const Options& options, scene::Scene scene, Progress& progress) : o_(options), progress_(progress), scene_(std::move(scene)) {}
+  Run(const Options& options, scene::Scene scene, Progress& progress, const bridge::Options* bridge)
+      : o_(options), progress_(progress), scene_(std::move(scene)), bridge_options_(bridge) {}
 
   Exit go() {
     Exit status;
@@ -135,8 +138,10 @@ class Run {
     compare_memory(input);
     check(choice.api->create(input, engine_));
     sensors_.emplace(input);
+    if (bridge_options_) bridge_.emplace(*bridge_options_, input, *sensors_);
     note(folder_->lock());
     if (!checkpoint) clear_folder(o_, *folder_, hash_);
+    if (bridge_) note(bridge_->begin(folder_->path(), hash_, checkpoint ? checkpoint->reader.info().step : 0, last_, checkpoint != nullptr));
     certificate_.emplace(input);
     checks_.emplace(input);
     newton_log_.emplace(folder_->file("newton.csv"));
@@ -170,6 +175,7 @@ class Run {
       output::CheckpointReader& reader = checkpoint->reader;
       check(engine_->checkpoint(reader));
       checkpoint_own(reader);
+      if (bridge_) engine_->command(bridge_->commands());
       file_ = output::FieldFile::reopen(field_path, reader.info().frames, reader.info().step, fields);
       record_.steps = file_->steps();
       // They are of a run that ended; this one has not.
@@ -186,6 +192,11 @@ class Run {
 
     while (engine_->steps_done() < last_ && !(reset_ && reset_->due())) {
       if (stop()) return stopped();
+      if (bridge_ && bridge_->due(engine_->steps_done())) {
+        const auto answer = hear();
+        if (!answer) return stopped();
+        if (ended_ = *answer != bridge::Bridge::Answer::go_on; ended_) break;
+      }
       solver::StepReport report;
       const auto begin = Time::now();
       const engine::Outcome outcome = engine_->step([this] { return stop(); }, report);
@@ -210,9 +221,34 @@ class Run {
       check(outcome);
       after_step(report);
     }
+    if (bridge_ && !ended_) note(bridge_->ask_last(engine_->steps_done(), [this] { return stop(); }));
+    if (ended_) save();
     file_->close();
     if (!ended_by().empty()) note("reset: " + ended_by());
     return Exit::done;
+  }
+
+  // What is commanded before a step; nothing where the run was asked to stop instead.
+  std::optional<bridge::Bridge::Answer> hear() {
+    const auto begin = Time::now();
+    try {
+      const bridge::Bridge::Answer answer = bridge_->ask(engine_->steps_done(), engine_->time(), [this] { return stop(); });
+      engine_->command(bridge_->commands());
+      record_.seconds["bridge"] += std::chrono::duration<double>(Time::now() - begin).count();
+      return answer;
+    } catch (const bridge::Partner::Stopped&) {
+      return {};
+    } catch (const Error& e) {
+      save();
+      throw Error(e.code(), fmt::format("{}\n  the state of step {} is in {}/checkpoint.h5; --resume with --bridge goes on from there", e.what(),
+                                        engine_->steps_done(), folder_->path()));
+    }
+  }
+
+  void tell(Snapshot state, const std::vector<double>& points) {
+    if (!bridge_ || !(bridge_->due(engine_->steps_done()) || engine_->steps_done() == last_)) return;
+    const std::vector<sensors::Reading> readings = sensors_->read(state, points);
+    bridge_->see(engine_->steps_done(), engine_->time(), state, points, readings);
   }
 
   // Better no start than an end after hours; a prediction that is nearly right is worth a word.
@@ -256,6 +292,7 @@ class Run {
     Snapshot state;
     engine_->report(state);
     if (reset_) watch(state, points);
+    if (bridge_) tell(state, points);
     const bool frame = engine_->steps_done() % frame_every_ == 0 || engine_->steps_done() == last_step();
     if (frame)
       write_frame(&report, state, points);
@@ -303,6 +340,7 @@ class Run {
   void write_start() {
     Snapshot state;
     engine_->report(state);
+    if (bridge_) tell(state, engine_->points());
     write_frame(nullptr, state, engine_->points());
   }
 
@@ -358,6 +396,10 @@ class Run {
       PrefixedArchive reset(archive, "run/reset");
       reset_->checkpoint(reset);
     }
+    if (bridge_) {
+      PrefixedArchive bridge(archive, "run/bridge");
+      bridge_->checkpoint(bridge);
+    }
     bool drawn = sensor_maps_.has_value();
     maps.io("drawn", drawn);
     if (drawn && sensor_maps_) sensor_maps_->checkpoint(maps);
@@ -405,6 +447,9 @@ class Run {
   std::optional<Certificate> certificate_;
   std::optional<Checks> checks_;
   std::optional<ResetWatch> reset_;
+  const bridge::Options* bridge_options_;
+  std::optional<bridge::Bridge> bridge_;
+  bool ended_ = false;  // by its partner
   ContactFigures contact_;
   long frame_every_ = 1, steps_ = 0, last_ = 0;  // last_: where this run ends, with --frames before the scene does
   long picture_every_ = 1, checkpoint_steps_ = 0;
@@ -415,8 +460,8 @@ class Run {
 
 }  // namespace
 
-Exit run_one(const Options& options, scene::Scene scene, Progress& progress, std::string* ended_by) {
-  Run run(options, std::move(scene), progress);
+Exit run_one(const Options& options, scene::Scene scene, Progress& progress, std::string* ended_by, const bridge::Options* bridge) {
+  Run run(options, std::move(scene), progress, bridge);
   const Exit status = run.go();
   if (ended_by) *ended_by = run.ended_by();
   return status;
@@ -425,6 +470,7 @@ Exit run_one(const Options& options, scene::Scene scene, Progress& progress, std
 Exit run_scene(const Options& options, std::span<const scene::EffectTable> tables) {
   std::signal(SIGPIPE, SIG_IGN);  // a reader of the progress that went away does not end the run
   scene::Scene scene = scene::read_scene(options.scene, options.overrides, tables);
+  if (is_bridged(options, scene)) return run_bridged(options, scene, tables);
   const long count = scene::environment_count(scene.root);
   if (options.environment < 0 && count > 0) return run_batch(options, scene, tables);
   const std::unique_ptr<Progress> progress = make_progress(options.json, options.quiet);

@@ -4,6 +4,10 @@
 #include "run/progress.h"
 #include "scene/scene.h"
 
+namespace mortise::bridge {
+struct Options;
+}
+
 namespace mortise::run {
 
 // `mortise run`: scene -> fields.vtkhdf, checkpoint.h5, frames/*.png, run.json in the output folder. Returns Exit::done or
@@ -11,7 +15,9 @@ namespace mortise::run {
 // checkpoint counts) and the last checkpoint stay readable. A scene with `environments` has a folder of this kind for each of them (batch.h).
 Exit run_scene(const Options& options, std::span<const scene::EffectTable> tables);
 
-// The same of a scene that has been read and is one run. `ended_by`: the condition of options.resets that ended it, if one did.
-Exit run_one(const Options& options, scene::Scene scene, Progress& progress, std::string* ended_by = nullptr);
+// The same of a scene that has been read and is one run. `ended_by`: the condition of options.resets that ended it, if one did. `bridge`: who drives
+// it, if somebody does.
+Exit run_one(const Options& options, scene::Scene scene, Progress& progress, std::string* ended_by = nullptr,
+             const bridge::Options* bridge = nullptr);
 
 }  // namespace mortise::run

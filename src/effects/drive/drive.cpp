@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <sstream>
 #include <utility>
 
+#include "effects/commanded.h"
 #include "effects/coordinate_energy.h"
 #include "effects/drive/law.h"
 #include "effects/drive/target.h"
@@ -101,7 +103,7 @@ struct Driven {
   Law law{};                                // of the step under way
 };
 
-class Drive final : public Effect {
+class Drive final : public Effect, public Commanded {
  public:
   Drive(const Params& list, model::Model& model) : model_(model) {
     const Params& time = model.input.scene.at("time");
@@ -136,12 +138,17 @@ class Drive final : public Effect {
   std::vector<PlanItem> plan() const override { return {{"motors", energy_.bytes()}}; }
   std::unique_ptr<Linearisation> linearisation() const override { return std::make_unique<CoordinateLinearisation>(); }
 
+  void command(const std::vector<model::Command>& commands) override {
+    commands_.clear();
+    for (const model::Command& c : commands) commands_.emplace(c.joint, c);
+  }
+
   void begin_step(const StepInfo& step) override {
     for (Driven& d : motors_) {
       const Entry& e = entries_[d.entry];
       const model::Joint& j = model_.joints[d.joint];
       if (!step.taken_by(j.env)) continue;
-      d.target = e.target(step.t1());
+      d.target = wanted(d, step.t1());
       d.law = {};
       d.law.effort = e.effort, d.law.velocity = e.velocity, d.law.h = is_static_ ? 1 : step.dt, d.law.damping = e.damping,
       d.law.friction = e.friction;
@@ -199,6 +206,11 @@ class Drive final : public Effect {
   }
 
  private:
+  double wanted(const Driven& d, double t) const {
+    const auto command = commands_.find(model_.joints[d.joint].name);
+    return command != commands_.end() ? command->second.at(t) : entries_[d.entry].target(t);
+  }
+
   // A joint whose angle is given: the body that follows does so wholly. The target is checked as far as the scene's time goes.
   void hand_over(Driven d, const Params& time) {
     const model::Joint& j = model_.joints[d.joint];
@@ -233,7 +245,7 @@ class Drive final : public Effect {
     for (Driven& d : given_) {
       const model::Joint& j = model_.joints[d.joint];
       if (!step.taken_by(j.env)) continue;
-      d.target = entries_[d.entry].target(step.t1());
+      d.target = wanted(d, step.t1());
       if (j.type == model::JointType::prismatic || std::abs(d.target - j.value) <= kMost) continue;
       std::ostringstream why;
       why << "the drive of '" << j.name << "' turns it by " << std::abs(d.target - j.value) << " rad in a step of " << step.dt
@@ -267,8 +279,9 @@ class Drive final : public Effect {
   model::Model& model_;
   bool is_static_ = false;
   std::vector<Entry> entries_;
-  std::vector<Driven> motors_, given_;  // by environment; those of mode kinematic
-  std::vector<double> begin_;           // where the joints of motors are at the beginning of the step [rad, m]
+  std::vector<Driven> motors_, given_;              // by environment; those of mode kinematic
+  std::map<std::string, model::Command> commands_;  // by joint; empty unless somebody outside drives
+  std::vector<double> begin_;                       // where the joints of motors are at the beginning of the step [rad, m]
   CoordinateEnergy<drive::At> energy_;
 };
 
