@@ -99,9 +99,10 @@ void Certificate::state(const Snapshot& said) {
     if (starts_with(leaf, "force_share_")) kind_share_[leaf.substr(12)] = v;
   }
   const ForceBalance balance = force_balance(said);
-  // Errors of fields are judged at the state that is loaded most.
+  // Errors of fields are judged at the state that is loaded most; where a run starts nothing is solved yet.
+  const bool solved = states_++ > 0;
   const auto stress = said.cell.find("cauchy_stress");
-  if (stress != said.cell.end() && elastic > std::max(most_elastic_, energy_floor_))
+  if (solved && stress != said.cell.end() && elastic > std::max(most_elastic_, energy_floor_))
     most_elastic_ = elastic, stress_estimate_ = stress_error_.of(stress->second);
   const std::map<std::string, LayerError::Samples> samples = samples_of(said);
   double pressed = 0;
@@ -111,9 +112,9 @@ void Certificate::state(const Snapshot& said) {
   };
   const std::span<const double> pressure = of_points("contact_pressure", 1);
   for (double p : pressure) pressed += std::max(p, 0.0);
-  if (pressed > most_pressed_) {
+  if (solved && pressed > most_pressed_) {
     most_pressed_ = pressed, guard_share_ = guard_share;
-    pressure_estimate_ = pressure_error_.of(pressure);
+    pressure_estimate_ = pressure_error_.of(pressure, of_points("contact_force", 3), of_points("displacement", 3));
     layer_ = NAN;
     const std::span<const double> support = of_points("support_force", 3), bond = of_points("tie_force", 3);
     std::vector<double> held(support.begin(), support.end());
@@ -121,7 +122,7 @@ void Certificate::state(const Snapshot& said) {
     for (std::size_t i = 0; i < bond.size(); ++i) held[i] += bond[i];
     for (const auto& [effect, of] : samples)
       if (!of.gap.empty() && of.bodies.size() == 2 * of.force.size())
-        layer_ = std::fmax(layer_, layer_error_.of(of, of_points("displacement", 3), held, pressure));
+        layer_ = std::fmax(layer_, layer_error_.of(of, {of_points("displacement", 3), held, of_points("contact_force", 3), pressure}));
   }
   largest(written_newton_, said.at("balance/written_defect"));
   largest(balance_newton_, balance.defect);
@@ -166,8 +167,10 @@ void Certificate::checkpoint(Archive& archive) {
   archive.io("kind_share", kind_share_);
   archive.io("first_not_finite", first_not_finite_);
   archive.io("pressure_roughness", pressure_estimate_.roughness);
+  archive.io("pressure_misfit", pressure_estimate_.misfit);
   archive.io("pressure_nodes", pressure_estimate_.nodes);
   for (auto [name, value] : {std::pair{"not_finite", &not_finite_},
+                             {"states", &states_},
                              {"steps", &steps_},
                              {"first_step", &first_step_},
                              {"newton", &newton_},
@@ -242,6 +245,7 @@ std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& e
   add("guard_share", guard_share_, 0.02, 0.1);
   add("stress_error", stress_estimate_, kStressGood, kStressUsable);
   add("pressure_roughness", pressure_estimate_.roughness, 0.1, 0.15);
+  add("pressure_misfit", pressure_estimate_.misfit, 0.05, 0.1);
   add("layer_over_indentation", layer_, 0.03, 0.07);
   return all;
 }
@@ -337,6 +341,7 @@ std::string Certificate::json(const End& end) const {
                 {"rigidity_defect_max", number(rigidity_)},
                 {"stress_error_estimate", number(stress_estimate_)},
                 {"pressure_roughness", number(pressure_estimate_.roughness)},
+                {"pressure_misfit", number(pressure_estimate_.misfit)},
                 {"layer_over_indentation", number(layer_)},
                 {"nodes_under_pressure", pressure_estimate_.nodes},
                 // A body at rest creeps at most at this speed, all the time (incline benchmark).

@@ -66,6 +66,7 @@ class Certificate {
   double creep_speed_ = NAN;
   std::map<std::string, double> d_hat_;  // by contact effect [m]
   // Of all states
+  long states_ = 0;
   Range distance_, det_F_, partition_;
   Range pressure_sum_;                        // samples against the forces on points, relative
   std::map<std::string, Range> gap_share_;    // gap/d_hat of the samples that carry force, by effect

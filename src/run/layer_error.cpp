@@ -23,27 +23,40 @@ LayerError::LayerError(const model::ModelInput& input) {
   }
 }
 
-double LayerError::indentation(std::size_t body, std::span<const double> displacement, std::span<const double> support,
-                               std::span<const double> pressure) const {
+namespace {
+Vec3 at(std::span<const double> v, std::size_t i) { return {v[3 * i], v[3 * i + 1], v[3 * i + 2]}; }
+}  // namespace
+
+double LayerError::indentation(std::size_t body, const Fields& f) const {
   if (body >= bodies_.size()) return 0;  // a half-space
   const Body& b = bodies_[body];
   if (!b.pinned) return -1;
   if (!b.soft) return 0;
-  const auto at = [](std::span<const double> v, std::size_t i) { return Vec3(v[3 * i], v[3 * i + 1], v[3 * i + 2]); };
   Vec3 base = Vec3::Zero();
   double held = 0, farthest = 0;
   for (std::size_t i = b.first; i < b.first + b.count; ++i)
-    if (!at(support, i).isZero(0)) base += at(displacement, i), held += 1;
+    if (!at(f.support, i).isZero(0)) base += at(f.displacement, i), held += 1;
   if (held == 0) return -1;
   base /= held;
   for (std::size_t i = b.first; i < b.first + b.count; ++i)
-    if (pressure[i] > 0) farthest = std::max(farthest, (at(displacement, i) - base).norm());
+    if (f.pressure[i] > 0) farthest = std::max(farthest, (at(f.displacement, i) - base).norm());
   return farthest;
 }
 
-double LayerError::of(const Samples& s, std::span<const double> displacement, std::span<const double> support,
-                      std::span<const double> pressure) const {
-  if (support.size() != displacement.size() || 3 * pressure.size() != displacement.size()) return NAN;
+double LayerError::borne(std::size_t body, const Fields& f) const {
+  constexpr double kOneWay = 0.1;  // forces from opposite sides have no resultant that supports could bear
+  if (body >= bodies_.size()) return 1;
+  Vec3 contact = Vec3::Zero(), support = Vec3::Zero();
+  double all = 0;
+  for (std::size_t i = bodies_[body].first; i < bodies_[body].first + bodies_[body].count; ++i)
+    contact += at(f.contact, i), support += at(f.support, i), all += at(f.contact, i).norm();
+  if (!(contact.norm() > kOneWay * all)) return 1;
+  return std::clamp(-support.dot(contact) / contact.squaredNorm(), 0.0, 1.0);
+}
+
+double LayerError::of(const Samples& s, const Fields& f) const {
+  if (f.support.size() != f.displacement.size() || f.contact.size() != f.displacement.size() || 3 * f.pressure.size() != f.displacement.size())
+    return NAN;
   struct Pair {
     double force = 0, gap = 0;
   };
@@ -54,9 +67,10 @@ double LayerError::of(const Samples& s, std::span<const double> displacement, st
   }
   double worst = NAN;
   for (const auto& [bodies, pair] : pairs) {
-    const double one = indentation(bodies.first, displacement, support, pressure),
-                 other = indentation(bodies.second, displacement, support, pressure);
-    if (pair.force > 0 && one >= 0 && other >= 0 && one + other > 0) worst = std::fmax(worst, pair.gap / pair.force / (one + other));
+    const double one = indentation(bodies.first, f), other = indentation(bodies.second, f);
+    if (!(pair.force > 0 && one >= 0 && other >= 0 && one + other > 0)) continue;
+    const double share = std::min(borne(bodies.first, f), borne(bodies.second, f));
+    worst = std::fmax(worst, share * pair.gap / pair.force / (one + other));
   }
   return worst;
 }

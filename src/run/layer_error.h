@@ -2,7 +2,8 @@
 // Contact holds surfaces apart by a gap where bodies of the real world touch. Between two bodies that both are held or driven, that gap is
 // taken for indentation: with g the mean gap over the contact force and d how far the surfaces were pressed in, measured from the bodies'
 // supports, or from where they are bonded to bodies that are supported, the force at the imposed travel is too large by about 3/2 g/d (Hertz: F ~
-// d^1.5).
+// d^1.5). Where loads balance the contact force, and not supports, no travel is imposed and the gap is no error of forces: g/d counts by the share
+// of the contact force that the supports of both bodies bear.
 #include <map>
 #include <span>
 #include <string>
@@ -19,13 +20,18 @@ class LayerError {
   struct Samples {
     std::vector<double> bodies, gap, force;
   };
-  // Largest g/d of any pair of supported bodies; NaN where there is none. Fields of all points: displacement [m], support_force and tie_force
-  // together [N], contact_pressure [Pa].
-  double of(const Samples& samples, std::span<const double> displacement, std::span<const double> support, std::span<const double> pressure) const;
+  // Of all points: displacement [m], support_force and tie_force together [N], contact_force [N], contact_pressure [Pa].
+  struct Fields {
+    std::span<const double> displacement, support, contact, pressure;
+  };
+  // Largest share of g/d of any pair of supported bodies; NaN where there is none.
+  double of(const Samples& samples, const Fields& fields) const;
 
  private:
   // Farthest that loaded points of a body are from where its supports are [m]; negative: nothing supports it.
-  double indentation(std::size_t body, std::span<const double> displacement, std::span<const double> support, std::span<const double> pressure) const;
+  double indentation(std::size_t body, const Fields& fields) const;
+  // Share of the contact force on a body that its supports bear.
+  double borne(std::size_t body, const Fields& fields) const;
 
   struct Body {
     std::size_t first, count;  // points

@@ -20,41 +20,49 @@ double plane_at_origin(const std::vector<Vec3>& x, const std::vector<double>& p)
   return decomposition.solve(b)[0];
 }
 
+// Root mean square of differences over that of the larger of the two: at most 1 where one of them vanishes everywhere.
+struct Misses {
+  double missed = 0, all = 0;
+  void add(double is, double expected) { missed += (is - expected) * (is - expected), all += std::max(is * is, expected * expected); }
+  double share() const { return all > 0 ? std::sqrt(missed / all) : NAN; }
+};
+
 }  // namespace
 
-PressureError::PressureError(const model::ModelInput& input) {
-  for (const model::BodyInput& in : input.bodies) {
-    if (in.type == model::BodyType::half_space) continue;
-    const Index first = static_cast<Index>(ring_.size());
-    ring_.resize(ring_.size() + in.nodes.size());
-    rest_.insert(rest_.end(), in.nodes.begin(), in.nodes.end());
-    if (in.type != model::BodyType::soft) continue;
-    for (const Triangle& t : in.triangles)
-      for (int k = 0; k < 3; ++k)
-        for (int other : {(k + 1) % 3, (k + 2) % 3}) ring_[first + t.v[k]].push_back(first + t.v[other]);
-  }
-  for (std::vector<Index>& ring : ring_) {
-    std::sort(ring.begin(), ring.end());
-    ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
-  }
-}
-
-PressureError::Result PressureError::of(std::span<const double> pressure) const {
+double PressureError::roughness(const std::vector<ContactPatch::Node>& interior, std::span<const double> pressure) const {
   constexpr std::size_t kPlane = 4;  // a plane through three neighbours has no say about a fourth
-  Result r;
-  double missed = 0, all = 0;
-  for (std::size_t i = 0; i < ring_.size(); ++i) {
-    if (ring_[i].empty() || !(pressure[i] > 0)) continue;
-    ++r.nodes;
-    if (ring_[i].size() < kPlane || std::any_of(ring_[i].begin(), ring_[i].end(), [&](Index j) { return !(pressure[j] > 0); })) continue;
+  Misses sums;
+  for (const ContactPatch::Node& node : interior) {
+    if (node.ring.size() < kPlane) continue;
     std::vector<Vec3> x;
     std::vector<double> p;
-    for (Index j : ring_[i]) x.push_back(rest_[j] - rest_[i]), p.push_back(pressure[j]);
-    const double miss = pressure[i] - plane_at_origin(x, p);
-    missed += miss * miss, all += pressure[i] * pressure[i];
+    for (Index j : node.ring) x.push_back(patch_.rest()[j] - patch_.rest()[node.point]), p.push_back(pressure[j]);
+    sums.add(pressure[node.point], plane_at_origin(x, p));
   }
-  if (all > 0) r.roughness = std::sqrt(missed / all);
-  return r;
+  return sums.share();
+}
+
+double PressureError::misfit(const std::vector<ContactPatch::Node>& interior, std::span<const double> pressure, std::span<const double> force,
+                             std::span<const double> displacement) const {
+  if (force.size() != 3 * patch_.rest().size()) return NAN;
+  std::vector<double> area(patch_.rest().size(), 0.0);  // of nodes, as they stand now [m^2]
+  const auto at = [&](Index i) -> Vec3 {
+    return displacement.size() != force.size() ? patch_.rest()[i] : patch_.rest()[i] + Eigen::Map<const Vec3>(displacement.data() + 3 * i);
+  };
+  for (const Triangle& t : patch_.triangles()) {
+    const double third = (at(t.v[1]) - at(t.v[0])).cross(at(t.v[2]) - at(t.v[0])).norm() / 6;
+    for (Index v : t.v) area[v] += third;
+  }
+  Misses sums;
+  for (const ContactPatch::Node& node : interior)
+    if (area[node.point] > 0) sums.add(Eigen::Map<const Vec3>(force.data() + 3 * node.point).norm(), pressure[node.point] * area[node.point]);
+  return sums.share();
+}
+
+PressureError::Result PressureError::of(std::span<const double> pressure, std::span<const double> force, std::span<const double> displacement) const {
+  if (pressure.empty()) return {};
+  const std::vector<ContactPatch::Node> interior = patch_.interior(pressure);
+  return {roughness(interior, pressure), misfit(interior, pressure, force, displacement), patch_.loaded(pressure)};
 }
 
 }  // namespace mortise::run

@@ -96,27 +96,30 @@ TEST(Certificate, GradesWhatStatesSay) {
 
 // A result is no better than its mesh: stresses that jump, pressures that alternate, a layer as thick as the indentation.
 TEST(Certificate, GradesTheErrorsOfMeshes) {
-  const auto with = [](const std::function<void(FieldSink&)>& add) {
+  const auto with = [](const std::function<void(FieldSink&)>& add, bool at_start = false) {
     model::ModelInput input = scene();
     Params material = Params::make_table();
     material.set("youngs_modulus", Params::make_number(1e5)), material.set("poisson_ratio", Params::make_number(0.3));
     model::BodyInput pad;
     pad.name = "pad", pad.material = material;
-    // A square with a raised middle under two tetrahedra; only the surface counts for pressures.
-    for (double x : {0., 1., 2.})
-      for (double y : {0., 1., 2.}) pad.nodes.push_back({x, y, 0});
-    for (Index i = 0; i < 2; ++i)
-      for (Index j = 0; j < 2; ++j) {
-        const Index a = 3 * i + j;
-        pad.triangles.push_back({{a, a + 3, a + 4}}), pad.triangles.push_back({{a, a + 4, a + 1}});
+    // Five nodes by five, and two tetrahedra somewhere under them; only the surface counts for pressures.
+    for (double x : {0., 1., 2., 3., 4.})
+      for (double y : {0., 1., 2., 3., 4.}) pad.nodes.push_back({x, y, 0});
+    for (Index i = 0; i < 4; ++i)
+      for (Index j = 0; j < 4; ++j) {
+        const Index a = 5 * i + j;
+        pad.triangles.push_back({{a, a + 5, a + 6}}), pad.triangles.push_back({{a, a + 6, a + 1}});
       }
     pad.nodes.push_back({0, 0, -1});
-    pad.tets = {{{0, 3, 1, 9}}, {{4, 1, 3, 9}}};
-    std::swap(pad.tets[0].v[1], pad.tets[0].v[2]), std::swap(pad.tets[1].v[1], pad.tets[1].v[2]);
+    pad.tets = {{{0, 1, 5, 25}}, {{6, 5, 1, 25}}};
     input.bodies.push_back(pad);
     Certificate c(input);
-    Snapshot said = state(0);
-    add(said);
+    Snapshot start = state(0), said = state(0);
+    if (at_start)
+      add(start);
+    else
+      add(said);
+    c.state(start);
     c.state(said);
     c.step(good());
     return nlohmann::json::parse(c.json({"s", "abc", "cpu", Exit::done, ""}));
@@ -133,18 +136,53 @@ TEST(Certificate, GradesTheErrorsOfMeshes) {
   const auto jump = with(stress(1e3, -1e3));
   EXPECT_EQ(jump["grade"], "C");
   EXPECT_EQ(std::string(jump["reason"]).substr(0, 12), "stress_error");
-  const auto pressure = [](double middle) {
+  EXPECT_EQ(with(stress(1e3, -1e3), true)["grade"], "A") << "nothing is solved where a run starts";
+  // Inner nodes carry 1 kPa, which is 1 kN each, but for the one in the middle.
+  const auto pressure = [](double middle, double force) {
     return [=](FieldSink& sink) {
-      std::vector<double> p(10, 1e3);
-      p[4] = middle;
-      for (int corner : {0, 2, 6, 8}) p[corner] = 0;  // two of them belong to the ring of the middle, which then says nothing: keep those
-      p[0] = p[8] = 1e3;
+      std::vector<double> p(26, 0.0), f(78, 0.0);
+      for (int i : {1, 2, 3})
+        for (int j : {1, 2, 3}) p[5 * i + j] = 1e3, f[3 * (5 * i + j) + 2] = -1e3;
+      p[12] = middle, f[3 * 12 + 2] = -force;
       sink.points("contact_pressure", "Pa", 1, p);
+      sink.points("contact_force", "N", 3, f);
     };
   };
-  EXPECT_EQ(with(pressure(1e3))["grade"], "A");
-  EXPECT_EQ(with(pressure(1.12e3))["grade"], "B");
-  EXPECT_NEAR(with(pressure(2e3))["model"]["pressure_roughness"], 0.5, 1e-6);  // 1e3 of 2e3; no other node has a loaded ring
+  EXPECT_EQ(with(pressure(1e3, 1e3))["grade"], "A");
+  EXPECT_EQ(with(pressure(1.12e3, 1.12e3))["grade"], "B");
+  EXPECT_NEAR(with(pressure(2e3, 2e3))["model"]["pressure_roughness"], 0.5, 1e-6);  // 1e3 of 2e3; no other node is in the interior
+  EXPECT_NEAR(with(pressure(0, 0))["model"]["pressure_roughness"], 1, 1e-6) << "a node left out among others is no rim";
+  EXPECT_EQ(with(pressure(2e3, 2e3), true)["grade"], "A");
+  const auto uneven = with(pressure(1e3, 0.8e3));
+  EXPECT_EQ(uneven["grade"], "C");
+  EXPECT_NEAR(uneven["model"]["pressure_misfit"], 0.2, 1e-6);
+  EXPECT_NEAR(uneven["model"]["pressure_roughness"], 0, 1e-6);
+}
+
+// A pad of two triangles, held below and pressed by a held body to half of its way; the layer between them is a tenth of that.
+TEST(Certificate, TheLayerCountsWhereATravelIsImposed) {
+  const auto layer = [](double borne) {
+    model::ModelInput input = scene();
+    Params pin = Params::make_table(), pins = Params::make_list();
+    pin.set("body", Params::make_text("pad"));
+    pins.push(pin);
+    Params effects = input.scene.at("effects");
+    effects.set("pin", pins);
+    input.scene.set("effects", effects);
+    input.bodies.clear();
+    model::BodyInput pad;
+    pad.name = "pad", pad.type = model::BodyType::soft;
+    pad.nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}};
+    input.bodies.push_back(pad);
+    const std::vector<double> gap{0.01}, force{10}, bodies{0, 1}, pressure{20, 20, 20, 0};
+    std::vector<double> moved(12, 0.0), contact(12, 0.0), support(12, 0.0);
+    for (int i = 0; i < 3; ++i) moved[3 * i + 2] = -0.1, contact[3 * i + 2] = -10. / 3;
+    support[11] = 10 * borne, support[9] = 1;
+    return run::LayerError(input).of({bodies, gap, force}, {moved, support, contact, pressure});
+  };
+  EXPECT_NEAR(layer(1), 0.1, 1e-12) << "a half-space, as body 1 is, bears what there is";
+  EXPECT_NEAR(layer(0.25), 0.025, 1e-12) << "the rest is a load's";
+  EXPECT_EQ(layer(0), 0);
 }
 
 TEST(Certificate, BalanceOfAClosedSystemIsAShareOfWhatSupportsBear) {

@@ -1,5 +1,5 @@
 // B01, B02, B05: two blocks under uniform pressure p. sigma_zz = -p and nothing else, in every tetrahedron, whatever the meshes,
-// the contact parameters, the side that is integrated over and the direction of the stack.
+// the contact parameters, the side that is integrated over and the direction of the stack; and the nodal contact pressure is the same everywhere.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +10,7 @@
 #include "bench/meshes.h"
 #include "bench/reference.h"
 #include "geometry/midsides.h"
+#include "run/contact_patch.h"
 
 namespace mortise::bench {
 namespace {
@@ -75,7 +76,19 @@ Stress stress_error(const Solved& s, const Mat3& R, double p) {
   return out;
 }
 
-Solved run(const Bench& b, const Case& c, const Method& m) {
+// How far nodal contact pressures inside of the patch are from their mean, root mean square over that.
+double pressure_error(const Solved& s) {
+  const Snapshot::Values* p = s.fields.of_points("contact_pressure", 1);
+  if (!p) return NAN;
+  double sum = 0, square = 0;
+  const std::vector<run::ContactPatch::Node> interior = run::ContactPatch(s.input).interior(*p);
+  for (const auto& node : interior) sum += (*p)[node.point];
+  const double n = static_cast<double>(interior.size()), mean = sum / n;
+  for (const auto& node : interior) square += ((*p)[node.point] - mean) * ((*p)[node.point] - mean);
+  return std::sqrt(square / n) / mean;
+}
+
+Solved solved(const Bench& b, const Case& c, const Method& m) {
   const double p = b.scene().number("effects.pressure_load.0.pressure"), E = b.scene().number("materials.rubber.youngs_modulus");
   const double gap = 0.5 * c.d_hat, lift = kHeight + gap, radians = c.angle * std::numbers::pi / 180;
   const Mat3 R = Eigen::AngleAxisd(radians, Vec3::UnitY()).toRotationMatrix();
@@ -190,11 +203,13 @@ void patch(const Bench& b) {
     any = true;
     for (const Method& m : b.methods()) {
       if (!m.gated && !c.all_methods) continue;
-      const Solved s = run(b, c, m);
+      const Solved s = solved(b, c, m);
       const Stress e = stress_error(s, Eigen::AngleAxisd(c.angle * std::numbers::pi / 180, Vec3::UnitY()).toRotationMatrix(), p);
       const double gate = m.gated ? (c.order == 1 ? 1e-10 : 1e-9) : NAN;
       b.emit(s.row(c.name, m, "stress along the stack", -p * (1 + e.zz), -p, e.zz, gate));
       b.emit(s.row(c.name, m, "other stresses", p * e.spurious, 0, e.spurious, gate));
+      const double uneven = pressure_error(s);
+      if (std::isfinite(uneven)) b.emit(s.row(c.name, m, "unevenness of pressure", uneven, 0, uneven, NAN));
     }
   }
   if (!any) throw Error(Exit::usage, "--set case: no case '" + only + "'");
