@@ -40,6 +40,13 @@ double coordinate(const std::string& flag, const std::string& text) {
   return q.value;
 }
 
+double sway(const std::string& text) {
+  const scene::Quantity q = scene::parse_quantity(text, Unit::angle);
+  if (!q.error.empty()) throw Error(Exit::usage, "--sway " + q.error + (q.hint.empty() ? "" : "\n  " + q.hint));
+  if (q.value < 0) throw Error(Exit::usage, "--sway must not be below zero");
+  return q.value;
+}
+
 std::string command_line(const Options& o) {
   const auto word = [](const std::string& s) { return s.find_first_of(" *?$'\"\\&;|<>()") == std::string::npos ? s : "'" + s + "'"; };
   std::string out = "mortise import " + word(fs::path(o.robot).filename().string());
@@ -69,8 +76,7 @@ int cmd_import(const Options& o) {
     const auto [name, value] = split("--joint", j);
     options.stands.emplace_back(name, coordinate("--joint " + name, value));
   }
-  if (!o.sway.empty()) options.sway = coordinate("--sway", o.sway);
-  if (options.sway < 0) throw Error(Exit::usage, "--sway must not be below zero");
+  if (!o.sway.empty()) options.sway = sway(o.sway);
   options.soft = o.soft, options.held = o.base == "fixed", options.clearance = o.clearance, options.apart = o.apart;
 
   Notes notes;
