@@ -22,6 +22,7 @@ struct Options {
   std::string robot, output, base = "free", missing = "error";
   std::vector<std::string> packages, joints, soft;
   double clearance = 2e-3;
+  std::string sway;
   int apart = 2;
   bool overwrite = false;
 };
@@ -39,11 +40,19 @@ double coordinate(const std::string& flag, const std::string& text) {
   return q.value;
 }
 
+double sway(const std::string& text) {
+  const scene::Quantity q = scene::parse_quantity(text, Unit::angle);
+  if (!q.error.empty()) throw Error(Exit::usage, "--sway " + q.error + (q.hint.empty() ? "" : "\n  " + q.hint));
+  if (q.value < 0) throw Error(Exit::usage, "--sway must not be below zero");
+  return q.value;
+}
+
 std::string command_line(const Options& o) {
   const auto word = [](const std::string& s) { return s.find_first_of(" *?$'\"\\&;|<>()") == std::string::npos ? s : "'" + s + "'"; };
   std::string out = "mortise import " + word(fs::path(o.robot).filename().string());
   for (const std::string& j : o.joints) out += " --joint " + word(j);
   for (const std::string& s : o.soft) out += " --soft " + word(s);
+  if (!o.sway.empty()) out += " --sway " + word(o.sway);
   if (o.base != "free") out += " --base " + o.base;
   if (o.missing != "error") out += " --missing-meshes " + o.missing;
   return out;
@@ -67,6 +76,7 @@ int cmd_import(const Options& o) {
     const auto [name, value] = split("--joint", j);
     options.stands.emplace_back(name, coordinate("--joint " + name, value));
   }
+  if (!o.sway.empty()) options.sway = sway(o.sway);
   options.soft = o.soft, options.held = o.base == "fixed", options.clearance = o.clearance, options.apart = o.apart;
 
   Notes notes;
@@ -101,6 +111,8 @@ void add_import(Command app, Context& context) {
       .one_each()
       .take_all();
   sub.option("--soft", o->soft, "LINK becomes a soft pad bonded to what it is fixed to").one_each().take_all();
+  sub.option("--sway", o->sway,
+             "all joints swing by this about where they stand, once a second: '10 deg' (slides: 100 mm per radian), within their limits");
   sub.option("--base", o->base, "free or fixed; a root link called world is always fixed").one_of({"free", "fixed"}).show_default();
   sub.option("--missing-meshes", o->missing, "error, or skip: go on without them").one_of({"error", "skip"}).show_default();
   sub.option("--clearance", o->clearance, "of the lowest point above the floor [m]").positive().show_default();
@@ -108,7 +120,8 @@ void add_import(Command app, Context& context) {
   sub.flag("--overwrite", o->overwrite, "replace the scene file");
   sub.footer(
       "Examples:\n  mortise import arm.urdf -o arm.yaml --base fixed\n"
-      "  mortise import go2.urdf -o go2.yaml --missing-meshes skip --joint '*_thigh_joint=0.9' --joint '*_calf_joint=-1.8' --soft FL_foot");
+      "  mortise import go2.urdf -o go2.yaml --missing-meshes skip --joint '*_thigh_joint=0.9' --joint '*_calf_joint=-1.8' --soft FL_foot\n"
+      "  mortise import robot.urdf -o - --sway '10 deg' | mortise run - -o out/robot       a moving robot and its pictures");
   sub.action([o, &context] { context.action = [o] { return cmd_import(*o); }; });
 }
 

@@ -131,6 +131,7 @@ void Checks::measure(const MeasuredBody& b, const StateReport& now) {
   }
   if (wants("position", b.name)) take("position", b.name, b.mean(x, x));
   if (wants("displacement", b.name)) take("displacement", b.name, Vec3(b.mean(x, x) - b.mean(start_, start_)));
+  if (wants("rotation", b.name)) take("rotation", b.name, b.rotation(start_, x));
   if (wants("lowest", b.name) || wants("highest", b.name)) {
     Vec3 lo = Vec3::Constant(INFINITY), hi = -lo;
     for (std::size_t i = b.first; i < b.first + b.count; ++i) lo = lo.cwiseMin(vector_at(x, i)), hi = hi.cwiseMax(vector_at(x, i));

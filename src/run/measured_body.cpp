@@ -1,6 +1,9 @@
 #include "run/measured_body.h"
 
+#include <Eigen/Geometry>
+
 #include "geometry/topology.h"
+#include "sensors/frame.h"
 
 namespace mortise::run {
 
@@ -68,6 +71,13 @@ Vec3 MeasuredBody::sum(const std::vector<double>& values) const {
   Vec3 s = Vec3::Zero();
   for (std::size_t i = 0; i < count; ++i) s += vector_at(values, first + i);
   return s;
+}
+
+Vec3 MeasuredBody::rotation(const std::vector<double>& start, const std::vector<double>& points) const {
+  std::vector<Vec3> from, to;
+  for (std::size_t i = first; i < first + count; ++i) from.push_back(vector_at(start, i)), to.push_back(vector_at(points, i));
+  const Eigen::AngleAxisd turn(sensors::nearest_motion(from, to).R);
+  return turn.angle() * turn.axis();
 }
 
 Vec3 MeasuredBody::spin(const std::vector<double>& velocity, const std::vector<double>& points) const {

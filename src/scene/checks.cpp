@@ -40,6 +40,8 @@ constexpr Quantity kQuantities[] = {
     {"movement", Unit::length, true, false, "", "Largest distance of any point from where it started."},
     {"position", Unit::length, true, true, "", "Centre of mass."},
     {"displacement", Unit::length, true, true, "", "Way of the centre of mass since the start."},
+    {"rotation", Unit::angle, true, true, "",
+     "Rotation since the start, of the rigid motion that fits the points best: its angle along its axis; size: the angle, at most half a turn."},
     {"lowest", Unit::length, true, true, "", "Lowest coordinate of any point along the axis."},
     {"highest", Unit::length, true, true, "", "Highest coordinate of any point along the axis."},
     {"velocity", Unit::velocity, true, true, "inertia", "Velocity of the centre of mass."},

@@ -194,6 +194,24 @@ TEST(Urdf, ParallelSlidesMimicExactlyAndHingesByMotor) {
   EXPECT_TRUE(told(notes, "a motor of its own"));
 }
 
+TEST(Urdf, SwayIsAboutWhereJointsStandWithinTheirLimits) {
+  MachineOptions o;
+  o.sway = 0.3;
+  EXPECT_EQ(machine(arm("lower='-2' upper='2'"), o).axes[1].swing, 0.3);
+  const Axis tight = machine(arm("lower='-0.1' upper='2'"), o).axes[1];
+  EXPECT_NEAR(tight.swing, 0.8 * (tight.stands + 0.1), 1e-15);
+  EXPECT_EQ(machine(arm()).axes[1].swing, 0) << "nobody asked for it";
+  const std::string limits = "<limit lower='0' upper='0.4'/>", body = kBall + inertial(1, "0 0 0", 0.1);
+  o.stands = {{"left", 0.2}};
+  const Machine m =
+      machine(link("hand", body) + link("l", body) + link("k", body) + joint("left", "prismatic", "hand", "l", "<axis xyz='0 1 0'/>" + limits) +
+                  joint("knuckle", "revolute", "hand", "k", "<mimic joint='left' multiplier='-2'/><limit lower='-1' upper='1'/>"),
+              o);
+  EXPECT_NEAR(m.axes[0].swing, 0.03, 1e-15) << "slides: 0.1 m for a radian";
+  EXPECT_NEAR(m.axes[1].swing, -0.06, 1e-15) << "what mimics swings along";
+  EXPECT_NE(write_scene(m, {}, "r.yaml", "").find("sine: {travel: 30 mm, frequency: 1}"), std::string::npos);
+}
+
 TEST(Urdf, SoftLinksArePadsBondedToTheirBody) {
   MachineOptions o;
   o.soft = {"toe"};

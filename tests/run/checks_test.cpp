@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -73,6 +74,12 @@ TEST(Checks, MeasuresTheBody) {
   EXPECT_NEAR(value("volume_change", ""), 1, 1e-12);
   EXPECT_NEAR(value("velocity", ", axis: x"), 1, 1e-12);
   EXPECT_NEAR(verdict("{quantity: spin, body: cube, axis: z" + end, kStay, turning).value, 2, 1e-12);
+  // A turn by 2 rad about an axis of any direction, with a shift and a stretch that is none.
+  const Vec3 axis = Vec3(1, -2, 2) / 3;
+  const Map turned = [&](const Vec3& x) { return Vec3(1.5 * (Eigen::AngleAxisd(2, axis) * x) + Vec3(4, 5, 6)); };
+  for (int c = 0; c < 3; ++c)
+    EXPECT_NEAR(verdict("{quantity: rotation, body: cube, axis: " + std::string(1, "xyz"[c]) + end, turned).value, 2 * axis[c], 1e-12);
+  EXPECT_NEAR(verdict("{quantity: rotation, body: cube, axis: size" + end, turned).value, 2, 1e-12);
 }
 
 TEST(Checks, TakesForcesAndStepsFromReports) {

@@ -257,11 +257,17 @@ class Assembly {
       a.stands = stands_[number], a.limits = j.limits;
       a.effort = j.effort, a.velocity = j.velocity, a.damping = j.damping, a.friction = j.friction;
       a.given = j.type == Joint::Type::prismatic && a.to != kWorld && !out_.bodies[a.to].held;
+      a.swing = swing(a);
       axis_of[number] = static_cast<std::ptrdiff_t>(out_.axes.size());
       out_.axes.push_back(a);
     }
     for (std::size_t i = 0; i < robot_.joints.size(); ++i)
       if (const Joint& j = robot_.joints[i]; j.mimic && axis_of[i] >= 0) mimic(out_.axes[axis_of[i]], j, axis_of[j.mimic->leader]);
+  }
+
+  double swing(const Axis& a) const {
+    const double most = options_.sway * (a.type == Joint::Type::revolute ? 1 : kSwaySlide);
+    return a.limits ? std::max(0.0, std::min(most, kSwayRoom * std::min(a.stands - a.limits->first, a.limits->second - a.stands))) : most;
   }
 
   void mimic(Axis& a, const Joint& j, std::ptrdiff_t leader) {
@@ -273,6 +279,7 @@ class Assembly {
       return;
     }
     if (a.limits && !(a.limits->first < a.stands && a.stands < a.limits->second)) a.limits.reset();
+    if (other) a.swing = std::copysign(std::min(a.swing, std::abs(j.mimic->multiplier) * other->swing), j.mimic->multiplier);
     notes_.add(j.where, "a joint that mimics another has a motor of its own with the same target: only slides side by side follow exactly");
   }
 

@@ -10,6 +10,7 @@ struct MachineOptions {
   std::vector<std::string> soft;                       // links that become soft pads
   bool held = false;                                   // the base does not move
   double clearance = 2e-3;                             // of the lowest point above the floor z = 0 [m]
+  double sway = 0;                                     // motors swing their hinges by this about where they stand [rad]
   int apart = 2;                                       // bodies that no more joints than these lie between pass through each other
 };
 
@@ -37,6 +38,7 @@ struct Axis {  // a joint that moves
   double effort = 0, velocity = 0, damping = 0, friction = 0;
   std::ptrdiff_t mimics = -1;  // a slide that another one leads exactly
   double ratio = 1;
+  double swing = 0;    // amplitude of its motor's target [rad, m]
   bool given = false;  // a slide on a body that moves freely: only a given travel can be had
   SourceLoc where;
 };

@@ -246,6 +246,8 @@ class Writer {
       if (a.friction > 0) text += ", friction: " + number(a.friction);
     }
     text += turns ? ", angle: " + angle(a.stands) : ", travel: " + length(a.stands);
+    if (a.swing != 0)
+      text += fmt::format(", sine: {{{}, frequency: {}}}", turns ? "angle: " + angle(a.swing) : "travel: " + length(a.swing), number(kSwayRate));
     line("    - {" + text + "}");
   }
 
