@@ -8,6 +8,8 @@
 
 #include "bench/benchmark.h"
 #include "cli/commands.h"
+#include "output/atomic_file.h"
+#include "study/effects_off.h"
 #include "study/read.h"
 #include "study/report.h"
 #include "study/run_study.h"
@@ -20,8 +22,8 @@ struct Options {
   std::vector<std::string> overrides, vary, quantities;
   std::vector<double> references;
   int threads = 1, repeats = 0;
-  double limit = 0;
-  bool one_at_a_time = false, dry_run = false, quiet = false;
+  double limit = 0, budget = 0;
+  bool one_at_a_time = false, effects = false, dry_run = false, quiet = false;
 };
 
 study::Study of_flags(const Options& o) {
@@ -49,6 +51,8 @@ study::Study study_of(const Options& o) {
   if (s.methods.empty()) s.methods.emplace_back();
   if (o.repeats > 0) s.repeats = o.repeats;
   if (o.limit > 0) s.limit = o.limit;
+  s.budget = o.budget;
+  if (o.budget > 0 && !study::is_study(o.what)) s.one_at_a_time = true;
   return s;
 }
 
@@ -67,19 +71,25 @@ std::string values_text(const study::Study& s, const study::RunResult& r) {
 }
 
 int cmd_study(const Options& o) {
-  const study::Study s = study_of(o);
+  study::Study s = study_of(o);
+  const study::Place place{o.output.empty() ? "out/" + (study::is_study(o.what) ? s.name : "study") : o.output, o.device, o.threads};
+  const auto told_run = [&](std::size_t done, std::size_t all, const study::RunResult& r) {
+    if (!o.quiet)
+      std::cerr << fmt::format("{:>3}{}  {:50} {:>9}{}  {}\n", done, all > 0 ? fmt::format("/{}", all) : "", r.label.empty() ? "as it is" : r.label,
+                               study::seconds_text(r.seconds), r.before ? " (before)" : "", values_text(s, r));
+  };
+  if (o.effects) {
+    s.ladders.clear();
+    const study::StudyFolder folder(place.folder);
+    const auto runs = study::run_without_effects(s, place, {told_run});
+    output::write_file_atomically(place.folder + "/effects.csv", study::effects_csv(s, runs), false);
+    std::cout << study::effects_table(s, runs) << "written to " << place.folder << ": effects.csv\n";
+    return 0;
+  }
   const study::Plan plan = study::plan_of(s);
   if (o.dry_run) return list_runs(plan), 0;
-  const study::Place place{o.output.empty() ? "out/" + (study::is_study(o.what) ? s.name : "study") : o.output, o.device, o.threads};
   const study::StudyFolder folder(place.folder);
-  const study::Results results =
-      study::run_study(s, place,
-                       {[&](std::size_t done, std::size_t all, const study::RunResult& r) {
-                          if (!o.quiet)
-                            std::cerr << fmt::format("{:>3}/{}  {:50} {:>9}{}  {}\n", done, all, r.label.empty() ? "as it is" : r.label,
-                                                     study::seconds_text(r.seconds), r.before ? " (before)" : "", values_text(s, r));
-                        },
-                        [](const std::string& note) { std::cerr << note << "\n"; }});
+  const study::Results results = study::run_study(s, place, {told_run});
   study::write_reports(results, place.folder);
   std::cout << study::text_report(results) << "written to " << place.folder << ": study.html, work_precision.svg and .png, points.csv, study.json"
             << (s.benchmark.empty() ? ", recommended.yaml" : "") << "\n";
@@ -93,9 +103,10 @@ void add_study(Command app, Context& context) {
   auto o = std::make_shared<Options>();
   sub.option("study", o->what, "file of a study (src/study/README.md), a scene, or the name of a benchmark").required();
   sub.option("--set", o->overrides, "path=value of all runs, as for run").one_each();
-  sub.option("--vary", o->vary, "path=v1,v2,... from coarse to fine: a ladder. Several: the first is climbed, combinations of the others are curves")
-      .take_all();
-  sub.flag("--one-at-a-time", o->one_at_a_time, "every ladder alone, from the scene as it is");
+  const Flag vary = sub.option("--vary", o->vary,
+                               "path=v1,v2,... from coarse to fine: a ladder. Several: the first is climbed, combinations of the others are curves")
+                        .take_all();
+  const Flag one = sub.flag("--one-at-a-time", o->one_at_a_time, "every ladder alone, from the scene as it is");
   sub.option("--qoi", o->quantities,
              "quantity: group/name of any scalar (sensors' too), or a block '{value: contact_pressure, body: pad, over: max}'")
       .take_all();
@@ -104,6 +115,8 @@ void add_study(Command app, Context& context) {
   sub.option("-o,--output", o->output, "folder of runs, figures and tables; default out/study, of a study's file out/<its name>");
   sub.option("--repeat", o->repeats, "runs of every setting; the fastest counts").positive();
   sub.time("--limit", o->limit, "CPU time after which a run counts as failed, e.g. '60 s'");
+  sub.flag("--effects", o->effects, "run with every effect off in turn instead: time saved and change of each quantity").excludes(vary).excludes(one);
+  sub.time("--budget", o->budget, "CPU time of all runs: one knob at a time, then together, always the knob that takes away most error per second");
   sub.flag("--dry-run", o->dry_run, "list the runs and check the scene of each");
   sub.option("--device", o->device, "as for run").environment_variable("MORTISE_DEVICE").show_default();
   sub.option("--threads", o->threads, "CPU threads of every run").positive().show_default();
@@ -113,7 +126,7 @@ void add_study(Command app, Context& context) {
       "Examples:\n  mortise study scene.yaml --vary time.step='10 ms,5 ms,2.5 ms' --qoi elasticity/energy      (all runs end at the same time)\n"
       "  mortise study scene.yaml --one-at-a-time --vary time.step='4 ms,2 ms,1 ms' --vary bodies.ball.shape.sphere.edge_length='4 mm,3 mm,2 mm' \\\n"
       "      --qoi '{value: contact_pressure, body: ball, over: max, when: largest}'\n"
-      "  mortise study press_study.yaml --dry-run\n"
+      "  mortise study press_study.yaml --budget '5 min'\n  mortise study scene.yaml --effects --qoi supports/ball_z\n"
       "  mortise study hertz --vary size=tiny,coarse,small --qoi 'pressure L2, r <= a'      (a benchmark: one curve per method)\n"
       "Exit codes: 0 done, also where some runs failed (the tables say which and why); 5 nothing to compare; 75 stopped by a signal");
   sub.action([o, &context] { context.action = [o] { return cmd_study(*o); }; });

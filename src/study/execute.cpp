@@ -28,8 +28,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double seconds(const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); }
-
 Json read_json(const std::string& path) { return fs::exists(path) ? Json::parse(output::read_file(path), nullptr, false) : Json(); }
 
 double number(const Json& j, const char* block, const char* key) {
@@ -50,7 +48,7 @@ Ended wait_for(const std::vector<std::string>& command, const std::string& log, 
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(127);
     if (limit > 0) {
-      const auto whole = static_cast<rlim_t>(std::ceil(limit));
+      const auto whole = static_cast<rlim_t>(std::max(1.0, std::floor(limit)));
       const rlimit most{whole, whole + 5};
       setrlimit(RLIMIT_CPU, &most);
     }
@@ -61,7 +59,7 @@ Ended wait_for(const std::vector<std::string>& command, const std::string& log, 
     int how = 0;
     rusage used{};
     const pid_t ended = wait4(child, &how, WNOHANG, &used);
-    if (ended == child) return {code_of(how), seconds(used.ru_utime) + seconds(used.ru_stime)};
+    if (ended == child) return {code_of(how), cpu_seconds(used)};
     if (run::stop_asked() && !passed_on) kill(child, SIGTERM), passed_on = true;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
@@ -168,11 +166,15 @@ RunResult execute(const Planned& run, const Place& place, int repeats, double li
   return out;
 }
 
-void measure_all(const Study& study, const Place& place, RunResult& result) {
+void measure_all(const Study& study, const Place& place, RunResult& result, bool may_be_gone) {
   result.values.assign(study.quantities.size(), NAN);
   if (result.failed()) return;
   const output::FieldReader file(place.folder + "/runs/" + result.id + "/fields.vtkhdf");
-  for (std::size_t k = 0; k < study.quantities.size(); ++k) result.values[k] = measure(file, study.quantities[k]);
+  for (std::size_t k = 0; k < study.quantities.size(); ++k) try {
+      result.values[k] = measure(file, study.quantities[k]);
+    } catch (const Error& e) {
+      if (!may_be_gone || e.code() != Exit::usage) throw;
+    }
 }
 
 }  // namespace mortise::study

@@ -15,8 +15,8 @@ struct Place {
 // Error(Exit::stopped) after a signal, Error(Exit::file).
 RunResult execute(const Planned& run, const Place& place, int repeats, double limit);
 
-// The quantities of a run that did not fail; throws Error(Exit::usage) where its results know no such quantity.
-void measure_all(const Study& study, const Place& place, RunResult& result);
+// The quantities of a run that did not fail; throws Error(Exit::usage) where its results know no such quantity, unless it may be gone.
+void measure_all(const Study& study, const Place& place, RunResult& result, bool may_be_gone = false);
 
 double load_average();  // of the machine over the last minute
 

@@ -26,7 +26,8 @@ struct Curve {
 struct Plan {
   std::vector<Planned> runs;
   std::vector<Curve> curves;
-  std::vector<std::size_t> base;  // one knob at a time: per method the run of the scene as it is
+  std::vector<std::size_t> base;       // one knob at a time: per method the run of the scene as it is
+  std::vector<std::size_t> refined{};  // with several knobs moved together, in the order in which they were tried
 };
 
 // Throws Error(Exit::usage) for studies that make no sense. The scene of every run is made before the first one runs: wrong settings are told with

@@ -127,7 +127,7 @@ bool needs_over_resolved(const Plan& plan, const Results& r) {
 }
 
 void compare(const Plan& plan, const RunResult* over, Results& r) {
-  r.references.clear(), r.points.clear(), r.shares.clear();
+  r.references.clear(), r.points.clear(), r.shares.clear(), r.notes.clear();
   for (std::size_t k = 0; k < r.study.quantities.size(); ++k) {
     bool extrapolated = true;
     Reference ref = r.study.quantities[k].reference ? given(r.study.quantities[k]) : of_ladders(plan, r, k, extrapolated);
@@ -143,6 +143,10 @@ void compare(const Plan& plan, const RunResult* over, Results& r) {
     }
     for (const Curve& c : plan.curves)
       for (std::size_t i = 0; i < c.runs.size(); ++i) r.points.push_back(point(c, plan.runs[c.runs[i]], r.runs[c.runs[i]], i, k, r));
+    for (std::size_t i = 0; i < plan.refined.size(); ++i) {
+      r.points.push_back(point({"knobs together", 0, 0, {}}, plan.runs[plan.refined[i]], r.runs[plan.refined[i]], i, k, r));
+      r.points.back().refines = true;
+    }
     // A run that all others are compared with has no error of its own.
     if (ref.how.starts_with("the finest run"))
       for (Point& p : r.points)

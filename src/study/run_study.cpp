@@ -12,6 +12,7 @@
 #include "base/version.h"
 #include "output/hardware.h"
 #include "run/signals.h"
+#include "study/budget.h"
 #include "study/compare.h"
 
 namespace fs = std::filesystem;
@@ -44,6 +45,7 @@ void describe_machine(const Place& place, Results& r) {
 
 Results run_study(const Study& study, const Place& place, const Told& told) {
   run::install_signal_handlers();
+  if (study.budget > 0) return run_with_budget(study, place, told);
   if (!study.benchmark.empty()) return run_benchmark_study(study, place, told);
   const Plan plan = plan_of(study);
   Results out;
@@ -72,9 +74,9 @@ Results run_study(const Study& study, const Place& place, const Told& told) {
     over = execute(run, place, 1, 0);
     measure_all(study, place, over);
     told.run(all + 1, all + 1, over);
-    if (over.failed()) out.notes.push_back("the over-resolved run failed: " + over.message);
   }
   compare(plan, needed ? &over : nullptr, out);
+  if (needed && over.failed()) out.notes.push_back("the over-resolved run failed: " + over.message);
   if (needed) out.runs.push_back(over);
   describe_machine(place, out);
   return out;

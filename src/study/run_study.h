@@ -9,7 +9,6 @@ namespace mortise::study {
 
 struct Told {
   std::function<void(std::size_t done, std::size_t all, const RunResult&)> run = [](std::size_t, std::size_t, const RunResult&) {};
-  std::function<void(const std::string&)> note = [](const std::string&) {};
 };
 
 // Runs all that is planned and was not run before, and compares. A run that fails is told and the study goes on; Error(Exit::solve) where none is

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <thread>
@@ -126,6 +127,39 @@ TEST_F(StudyProgram, ARunTakesNoLongerThanItMay) {
             "ladders:\n  - {knob: bodies.ball.shape.sphere.edge_length, values: [4 mm, 0.7 mm]}\n");
   ASSERT_EQ(run({"study", study, "-o", folder_ + "/a"}), 0) << complained();
   EXPECT_THAT(said(), HasSubstr("failed: took more than 2 s of CPU time"));
+}
+
+TEST_F(StudyProgram, EffectsAreSwitchedOffInTurn) {
+  ASSERT_EQ(run({"study", kSource + "/scenes/first/03_incline_friction.yaml", "--set", "time.steps=20", "--effects", "--qoi",
+                 "{value: displacement, body: block, over: mean, axis: x}", "--qoi", "barrier_contact/force_block_z", "-o", folder_ + "/a"}),
+            0)
+      << complained();
+  // A step of implicit Euler with g sin(20 deg) instead of g (sin(20 deg) - mu cos(20 deg)): 2.22 times as far.
+  EXPECT_THAT(said(), testing::ContainsRegex("friction +[0-9.e-]+ s +-?[0-9]+ % +\\+1[12][0-9] %"));
+  EXPECT_THAT(said(), testing::ContainsRegex("barrier_contact and friction .* gone"));
+  EXPECT_THAT(said(), testing::ContainsRegex("inertia +cannot be left out: "));
+  EXPECT_THAT(file("a/effects.csv"), HasSubstr("\"inertia\",,,,"));
+}
+
+// What is planned does not fit; what is run, setup included, does.
+TEST_F(StudyProgram, StaysWithinItsBudget) {
+  const std::string study = write("mortise_study: 1\nscene: " + kSource +
+                                  "/scenes/first/04_two_bodies.yaml\nset: [time.steps=10]\nquantities: [supports/stamp]\nladders:\n"
+                                  "  - {name: step, knob: time.step, values: [4 ms, 2 ms, 1 ms, 0.5 ms]}\n"
+                                  "  - {name: d_hat, knob: effects.barrier_contact.d_hat, values: [0.2 mm, 0.1 mm, 0.05 mm]}\n"
+                                  "  - {name: mesh, knob: bodies.ball.shape.sphere.edge_length, values: [4 mm, 2.5 mm, 1.2 mm, 0.8 mm]}\n");
+  ASSERT_EQ(run({"study", study, "-o", folder_ + "/a", "--budget", "12 s"}), 0) << complained();
+  const auto j = json("a/study.json");
+  double spent = 0;
+  std::map<std::string, double> runs;
+  for (const auto& r : j["runs"])
+    if (r["id"] != "") runs[r["id"]] = r["cpu_seconds_of_processes"];
+  for (const auto& [id, seconds] : runs) spent += seconds;
+  EXPECT_LT(spent, 13);
+  EXPECT_GT(spent, 2);
+  EXPECT_THAT(said(), HasSubstr("not run: the budget was spent"));
+  EXPECT_THAT(said(), HasSubstr("of CPU time, "));
+  EXPECT_THAT(said(), HasSubstr("knobs together"));
 }
 
 TEST_F(StudyProgram, WrongQuantitiesSayWhatThereIs) {

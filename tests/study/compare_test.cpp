@@ -10,6 +10,7 @@
 #include "study/axis.h"
 #include "study/canvas.h"
 #include "study/figure.h"
+#include "study/greedy.h"
 #include "study/read.h"
 #include "study/report.h"
 #include "study/run_study.h"
@@ -234,4 +235,23 @@ TEST(Study, ProfilesLieOverTheExactCurve) {
   // The curve falls from the upper left to the lower right corner of the first panel: pixels grow along both axes.
   EXPECT_NE(svg.find("points=\"56.0,64.0 "), std::string::npos);
   EXPECT_NE(svg.find("388.0,264.0 \""), std::string::npos);
+}
+
+// Knob 0 leaves 0.8 at the base, then 0.4, 0.2 at twice and four times the time; knob 1 0.1, then 0.05 at 1.5 times.
+TEST(Greedy, TakesWhatTakesAwayMostPerSecond) {
+  const std::vector<Knob> knobs{{0.8, {0.4, 0.2}, {2, 4}}, {0.1, {0.05}, {1.5}}};
+  auto move = best_move(knobs, {kBase, kBase}, 100);
+  ASSERT_TRUE(move);
+  EXPECT_EQ(move->knob, 0u);
+  EXPECT_EQ(move->step, 0u);  // log(0.9/0.5)/log 2 = 0.85 against log(0.9/0.3)/log 4 = 0.79
+  EXPECT_NEAR(move->error, 0.5, 1e-12);
+  move = best_move(knobs, {1, kBase}, 100);
+  ASSERT_TRUE(move);
+  EXPECT_EQ(move->knob, 1u);
+  EXPECT_NEAR(move->cost, 6, 1e-12);
+  EXPECT_FALSE(best_move(knobs, {1, 0}, 100));      // nothing is finer
+  EXPECT_FALSE(best_move(knobs, {1, kBase}, 5.9));  // it would not fit
+  EXPECT_FALSE(best_move({{0.1, {NAN}, {NAN}}}, {kBase}, 100));
+  // What is cheaper and better is taken first, whatever else there is.
+  EXPECT_EQ(best_move({{0.8, {0.1}, {2}}, {0.1, {0.09}, {0.9}}}, {kBase, kBase}, 100)->knob, 1u);
 }
