@@ -161,8 +161,9 @@ void SceneText::use(const Method& method, double node_area) {
 
 Row Solved::row(const std::string& name, const Method& method, const std::string& quantity, double value, double reference, double error,
                 double gate) const {
-  return {name,  method.name, quantity, converged ? value : NAN, reference, converged ? error : NAN, gate, seconds, newton, dofs, !converged,
-          grade, reason,      over,     cpu_seconds};
+  return {
+      name,   method.name, quantity,   converged ? value : NAN, reference, converged ? error : NAN, gate, seconds, newton, dofs, !converged, grade,
+      reason, over,        cpu_seconds};
 }
 
 Solved solve(const SceneText& text, const std::function<void(model::ModelInput&)>& prepare, const std::function<void(const Snapshot&)>& each) {

@@ -66,7 +66,8 @@ std::string values_text(const study::Study& s, const study::RunResult& r) {
   if (r.failed()) return "failed: " + r.message;
   std::string out;
   for (std::size_t k = 0; k < s.quantities.size(); ++k)
-    out += fmt::format("{}{} {:.6g}", k == 0 ? "" : ", ", s.quantities.size() == 1 ? "" : s.quantities[k].name, r.values[k]);
+    out += fmt::format("{}{} {}", k == 0 ? "" : ", ", s.quantities.size() == 1 ? "" : s.quantities[k].name,
+                       std::isfinite(r.values[k]) ? fmt::format("{:.6g}", r.values[k]) : "-");
   return out;
 }
 

@@ -33,7 +33,8 @@ std::string first_error(const Error& e) {
 
 std::string change_text(double before, double now) {
   if (!std::isfinite(now)) return "gone";
-  if (before == now) return "none";
+  constexpr double kRounding = 1e-9;  // of sums that are added up in another order
+  if (std::abs(now - before) <= kRounding * std::abs(before)) return "none";
   return before != 0 ? fmt::format("{:+.3g} %", 100 * (now / before - 1)) : fmt::format("{:+.3g}", now);
 }
 

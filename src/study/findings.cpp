@@ -17,6 +17,23 @@ std::string error_text(double e, const Reference& ref) {
 
 std::string seconds_text(double s) { return std::isfinite(s) ? fmt::format("{:.3g} s", s) : "-"; }
 
+namespace {
+
+// The knobs that the error comes from.
+std::string shares_text(const Results& r, std::size_t k, const std::string& method) {
+  const auto mine = [&](const Share& s) { return s.quantity == k && s.method == method; };
+  double all = 0;
+  for (const Share& s : r.shares)
+    if (mine(s)) all += s.error;
+  std::string out;
+  for (const Share& s : r.shares)
+    if (mine(s) && all > 0)
+      out += fmt::format("{}{} {} ({:.0f} %)", out.empty() ? "" : ", ", s.ladder, error_text(s.error, r.references[k]), 100 * s.error / all);
+  return out;
+}
+
+}  // namespace
+
 std::vector<std::string> findings(const Results& r) {
   std::vector<std::string> out;
   for (std::size_t k = 0; k < r.study.quantities.size(); ++k) {
@@ -32,16 +49,9 @@ std::vector<std::string> findings(const Results& r) {
         out.push_back(fmt::format("{}, {}: failed, {}", name, p.label, p.why));
       else if (p.quantity == k && p.step == SIZE_MAX)
         out.push_back(fmt::format("{}, {}: {}", name, p.label, of(p)));
-    // The knobs that its error comes from.
-    double all = 0;
-    for (const Share& s : r.shares)
-      if (s.quantity == k) all += s.error;
-    std::string parts;
-    for (const Share& s : r.shares)
-      if (s.quantity == k && all > 0)
-        parts += fmt::format("{}{}{}{} {} ({:.0f} %)", parts.empty() ? "" : ", ", s.method, s.method.empty() ? "" : ": ", s.ladder,
-                             error_text(s.error, ref), 100 * s.error / all);
-    if (!parts.empty()) out.push_back(fmt::format("{}, where the error as it is comes from: {}", name, parts));
+    for (const Method& m : r.study.methods)
+      if (const std::string parts = shares_text(r, k, m.name); !parts.empty())
+        out.push_back(fmt::format("{}{}{}, where the error as it is comes from: {}", name, m.name.empty() ? "" : ", ", m.name, parts));
     for (const Point& p : r.points) {
       if (p.quantity != k || !p.knee) continue;
       std::string text = fmt::format("{}, at the knee ({}): {}", name, p.label.empty() ? p.curve : p.label, of(p));

@@ -35,36 +35,60 @@ void note_equal_runs(const Plan& plan, Results& r) {
 
 Reference given(const Quantity& q) { return {*q.reference, q.uncertainty, 1, true, "given"}; }
 
-// Errors of knobs add up, to first order: q = q_base + sum over ladders of (limit of the ladder - q_base).
+// Errors of knobs add up, to first order: q = q_base + sum over ladders of d, d = limit of the ladder - q_base. Of second order are products of their
+// shares, d1 d2 / q_base: as large may the error of the sum be.
 Reference added_up(const Plan& plan, const Results& r, std::size_t k, bool& extrapolated) {
   const double base = r.runs[plan.base.front()].values[k];
   Reference out{base, 0, 1, true, ""};
   std::string how;
+  double changes = 0, products = 0;
   for (const Curve& c : plan.curves) {
     const Ladder& ladder = r.study.ladders[c.ladder];
     if (c.method != 0 || ladder.sizes.empty()) continue;
     const Limit limit = limit_along(c, r, k);
     extrapolated = extrapolated && limit.extrapolated;
+    const double change = std::abs(limit.value - base);
+    products += changes * change, changes += change;
     out.value += limit.value - base, out.uncertainty += limit.uncertainty;
     how += (how.empty() ? "" : "; ") + ladder.name + ": " + limit.how;
   }
-  out.how = how.empty() ? "the scene as it is: no ladder is one of refinement"
-                        : (r.study.ladders.size() > 1 ? "limits of the ladders, added up (" + how + ")" : how);
-  if (how.empty()) extrapolated = false, out.uncertainty = NAN;
+  if (base != 0) out.uncertainty += products / std::abs(base);
+  out.how = r.study.ladders.size() > 1 ? "limits of the ladders, added up (" + how + ")" : how;
+  if (how.empty()) extrapolated = false, out.uncertainty = NAN, out.how = "the scene as it is: no ladder is one of refinement";
   return out;
+}
+
+// Of combinations the limit of the finest curve: the first method, the first of alternatives, the last steps of all ladders of refinement. Of two
+// such ladders the limit along the second of the limits along the first.
+Reference of_combinations(const Plan& plan, const Results& r, std::size_t k, bool& extrapolated) {
+  const std::vector<Ladder>& ladders = r.study.ladders;
+  std::size_t finest = 0, stride = 1, refining = 0;
+  for (std::size_t l = ladders.size(); l-- > 1; stride *= ladders[l].steps.size())
+    if (!ladders[l].sizes.empty()) finest += stride * (ladders[l].steps.size() - 1), ++refining;
+  const auto has_value = [&](const Curve& c) {
+    return std::any_of(c.runs.begin(), c.runs.end(), [&](std::size_t run) { return std::isfinite(r.runs[run].values[k]); });
+  };
+  if (!has_value(plan.curves[finest])) {
+    const auto any = std::find_if(plan.curves.begin(), plan.curves.end(), has_value);
+    finest = any == plan.curves.end() ? 0 : static_cast<std::size_t>(any - plan.curves.begin()), refining = 0;
+  }
+  const Curve& curve = plan.curves[finest];
+  const Limit along = limit_along(curve, r, k);
+  extrapolated = along.extrapolated;
+  const std::string of = plan.curves.size() > 1 ? ", of the curve '" + curve.name + "'" : "";
+  if (ladders.size() != 2 || refining != 1) return {along.value, along.uncertainty, 1, true, along.how + of};
+  std::vector<double> sizes, values;
+  for (std::size_t i = 0; i < ladders[1].steps.size(); ++i)
+    if (has_value(plan.curves[i])) sizes.push_back(ladders[1].sizes[i]), values.push_back(limit_along(plan.curves[i], r, k).value);
+  const Limit across = limit_of(sizes, values);
+  extrapolated = extrapolated && across.extrapolated;
+  const std::string how = fmt::format("{}: {}; then {}: {}", ladders[0].name, along.how, ladders[1].name, across.how);
+  return {across.value, along.uncertainty + across.uncertainty, 1, true, how};
 }
 
 Reference of_ladders(const Plan& plan, const Results& r, std::size_t k, bool& extrapolated) {
   extrapolated = true;
-  if (!plan.base.empty()) return added_up(plan, r, k, extrapolated);
-  const auto has_value = [&](const Curve& c) {
-    return std::any_of(c.runs.begin(), c.runs.end(), [&](std::size_t run) { return std::isfinite(r.runs[run].values[k]); });
-  };
-  auto first = std::find_if(plan.curves.begin(), plan.curves.end(), has_value);
-  if (first == plan.curves.end()) first = plan.curves.begin();
-  const Limit limit = limit_along(*first, r, k);
-  extrapolated = limit.extrapolated;
-  return {limit.value, limit.uncertainty, 1, true, limit.how + (plan.curves.size() > 1 ? ", of the curve '" + first->name + "'" : "")};
+  return plan.base.empty() ? of_combinations(plan, r, k, extrapolated) : added_up(plan, r, k, extrapolated);
 }
 
 // Of the runs of the first method the finest, or what the finest of all ladders would be together.
@@ -148,7 +172,7 @@ void compare(const Plan& plan, const RunResult* over, Results& r) {
       r.points.back().refines = true;
     }
     // A run that all others are compared with has no error of its own.
-    if (ref.how.starts_with("the finest run"))
+    if (ref.how.starts_with("the finest run"))  // of one ladder
       for (Point& p : r.points)
         if (p.quantity == k && p.value == ref.value) p.reference = true;
   }

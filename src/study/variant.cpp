@@ -23,7 +23,7 @@ bool varies(const std::vector<std::string>& overrides, const std::string& path) 
   return std::any_of(overrides.begin(), overrides.end(), [&](const std::string& o) { return o.starts_with(path + "="); });
 }
 
-scene::Scene read(const Study& study, const Method& method, const std::vector<std::string>& overrides) {
+scene::Scene read(const Study& study, const Method& method, const std::vector<std::string>& overrides, bool keep_pictures = false) {
   const auto tables = engine::effect_tables();
   std::vector<std::string> all = study.set;
   if (method.without.empty()) {
@@ -37,7 +37,7 @@ scene::Scene read(const Study& study, const Method& method, const std::vector<st
     if (!std::count(known.begin(), known.end(), name))
       throw Error(Exit::usage, method.at,
                   fmt::format("method '{}' is without '{}', which the scene does not list\n  {}", method.name, name, scene::suggestion(name, known)));
-  return scene::read_scene_text(scene::to_yaml(without_effects(whole.root, method.without)),
+  return scene::read_scene_text(scene::to_yaml(without_effects(whole.root, method.without, keep_pictures)),
                                 fmt::format("{} (without {})", study.scene, scene::join(method.without, ", ")), overrides, tables);
 }
 
@@ -45,10 +45,10 @@ Variant of(const scene::Scene& scene) { return {scene::to_yaml(scene.root), scen
 
 }  // namespace
 
-Params without_effects(const Params& root, const std::vector<std::string>& effects) {
+Params without_effects(const Params& root, const std::vector<std::string>& effects, bool keep_pictures) {
   Params out = Params::make_table(root.where());
   for (const auto& [key, block] : root.entries()) {
-    if (key == "checks") continue;
+    if (key == "checks" || (key == "render" && !keep_pictures)) continue;
     if (key != "effects") {
       out.set(key, block);
       continue;
@@ -77,7 +77,11 @@ Variant variant_of(const Study& study, const Method& method, const Settings& set
       throw Error(Exit::usage, fmt::format("time.step: steps of {:g} s do not end at {:g} s, when the scene does", step, end));
     overrides.push_back(fmt::format("time.steps={}", static_cast<long>(steps)));
   }
-  if (as_written) return of(read(study, method, overrides));
+  if (as_written) try {
+      return of(read(study, method, overrides, true));
+    } catch (const scene::SceneErrors&) {  // a picture shows what is not there
+      return of(read(study, method, overrides));
+    }
   // What quantities are made of: every step where they look at more than the last, and all digits of fields. A run that was cut short begins again,
   // so that its time is whole: checkpoints would only cost.
   const auto any = [&](auto is) { return std::any_of(study.quantities.begin(), study.quantities.end(), is); };

@@ -17,7 +17,7 @@ struct Variant {
 // runs would end at different times or have several environments, and what reading a scene throws.
 Variant variant_of(const Study& study, const Method& method, const Settings& settings, bool as_written = false);
 
-// Without these effects and without checks, which may speak of them.
-Params without_effects(const Params& root, const std::vector<std::string>& effects);
+// Without these effects and without what may speak of them: checks, and unless they are kept pictures.
+Params without_effects(const Params& root, const std::vector<std::string>& effects, bool keep_pictures = false);
 
 }  // namespace mortise::study

@@ -1,6 +1,7 @@
 // Errors, fronts, knees and figures of results that are made up.
 #include "study/compare.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -102,8 +103,8 @@ TEST(Compare, ErrorsOfKnobsAddUp) {
   TwoKnobs k;
   compare(k.plan, nullptr, k.results);
   const Reference& ref = k.results.references[0];
-  EXPECT_NEAR(ref.value, 3, 1e-9);  // though no run comes near to it: 4.5 and 4.56 are the nearest
-  EXPECT_GT(ref.uncertainty, 0);
+  EXPECT_NEAR(ref.value, 3, 1e-9);              // though no run comes near to it: 4.5 and 4.56 are the nearest
+  EXPECT_GT(ref.uncertainty, 1 * 1.25 / 5.25);  // products of the changes by h and t are not known
   EXPECT_THAT(ref.how,
               testing::AllOf(HasSubstr("h: extrapolated at an observed order of 1"), HasSubstr("t: extrapolated at an observed order of 2")));
   ASSERT_EQ(k.results.shares.size(), 2u);
@@ -148,6 +149,24 @@ TEST(Compare, EqualMeshesAreOneStep) {
   ASSERT_EQ(k.results.notes.size(), 1u);
   EXPECT_THAT(k.results.notes[0], HasSubstr("they count as one step"));
   EXPECT_THAT(k.results.references[0].how, HasSubstr("h: the finest run: a limit needs three"));
+}
+
+// q = 3 + 2 h + 5 t^2 again, in all combinations of three sizes: the limit of the limits.
+TEST(Compare, OfCombinationsTheLimitOfLimitsCounts) {
+  TwoKnobs k;
+  k.results.runs.clear(), k.plan = {};
+  k.results.study.one_at_a_time = false;
+  for (double t : {1.0, 0.5, 0.25}) {
+    k.plan.curves.push_back({fmt::format("t={}", t), 0, 0, {}});
+    for (double h : {1.0, 0.5, 0.25}) k.plan.curves.back().runs.push_back(k.run(h, t));
+  }
+  compare(k.plan, nullptr, k.results);
+  EXPECT_NEAR(k.results.references[0].value, 3, 1e-9);
+  EXPECT_THAT(k.results.references[0].how, HasSubstr("h: extrapolated at an observed order of 1; then t: extrapolated at an observed order of 2"));
+  k.results.study.ladders[1].sizes.clear();  // alternatives: the first is what all are compared with
+  compare(k.plan, nullptr, k.results);
+  EXPECT_NEAR(k.results.references[0].value, 8, 1e-9);
+  EXPECT_THAT(k.results.references[0].how, HasSubstr("of the curve 't=1'"));
 }
 
 TEST(Figure, ShowsCurvesFrontAndWhatIsBelowTheReference) {
