@@ -71,10 +71,10 @@ Each folder has its physics, its reference and its committed results, with the p
 
 ## What accuracy costs
 
-Error against seconds (`mortise study hertz`, `mortise study patch`; one curve per method, dashed the Pareto front; on a busy machine, so that seconds show the order only):
+Error against CPU seconds, a curve per method or knob; six [studies](studies/README.md), two of them here:
 
-![Hertz: error of the pressure against seconds](study/hertz.svg)
-![Patch test: error of the stress against seconds](study/patch.svg)
+![Hertz: error of the pressure against seconds](studies/hertz/work_precision.svg)
+![Gel pad: errors of force and pressure against seconds](studies/gel/work_precision.svg)
 
 Beside CalculiX on the same meshes: [peers](peers/README.md). Growth of factors and conjugate gradients with size: [linear](linear/README.md). Hard cases and random scenes:
 [hard](hard/README.md). What a GPU should measure: [gpu](gpu/README.md). Many environments: [environments](environments/README.md); a sweep that is killed: [sweep](sweep/README.md).

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "base/cpu_time.h"
 #include "base/error.h"
 #include "engine/choose.h"
 #include "engine/effect_tables.h"
@@ -160,8 +161,9 @@ void SceneText::use(const Method& method, double node_area) {
 
 Row Solved::row(const std::string& name, const Method& method, const std::string& quantity, double value, double reference, double error,
                 double gate) const {
-  return {name,  method.name, quantity, converged ? value : NAN, reference, converged ? error : NAN, gate, seconds, newton, dofs, !converged,
-          grade, reason,      over};
+  return {
+      name,   method.name, quantity,   converged ? value : NAN, reference, converged ? error : NAN, gate, seconds, newton, dofs, !converged, grade,
+      reason, over,        cpu_seconds};
 }
 
 Solved solve(const SceneText& text, const std::function<void(model::ModelInput&)>& prepare, const std::function<void(const Snapshot&)>& each) {
@@ -195,8 +197,10 @@ Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInp
   for (long i = 0; i < steps && out.converged; ++i) {
     solver::StepReport report;
     const auto begin = std::chrono::steady_clock::now();
+    const double cpu = cpu_time();
     const engine::Outcome outcome = engine->step([] { return false; }, report);
     out.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    out.cpu_seconds += cpu_time() - cpu;
     out.newton += report.newton;
     if (outcome.code == static_cast<int>(Exit::solve)) {
       out.converged = false, out.why = outcome.message;

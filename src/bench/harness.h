@@ -25,6 +25,7 @@ struct Row {
   bool failed = false;        // the run did not converge
   std::string grade, reason;  // of its certificate; empty: there is none
   double over = NAN;          // the worst of what is graded, over its bound
+  double cpu_seconds = NAN;   // of the same steps: user and system time of all threads
   bool gated() const { return !std::isnan(gate); }
   bool pass() const { return !failed && (!gated() || error <= gate); }  // an error that is not a number does not pass a gate
 };
@@ -69,6 +70,7 @@ struct Solved {
   std::string why;  // it did not converge
   long newton = 0, dofs = 0;
   double seconds = 0;          // of the steps
+  double cpu_seconds = 0;      // the same, user and system time of all threads
   double contact_share = NAN;  // of these seconds, spent in contact effects
   std::string grade, reason;   // as of the certificate of `mortise run`
   double over = NAN;

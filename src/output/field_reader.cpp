@@ -99,6 +99,19 @@ std::vector<std::string> FieldReader::names(const std::string& folder) const { r
 std::vector<std::string> FieldReader::point_fields() const { return names("VTKHDF/PointData"); }
 std::vector<std::string> FieldReader::cell_fields() const { return names("VTKHDF/CellData"); }
 
+std::vector<std::string> FieldReader::scalars() const {
+  std::vector<std::string> out;
+  const h5::Id effects = h5::open_group(file_, file_.id(), "mortise/effects");
+  for (const std::string& group : h5::members(file_, effects)) {
+    const h5::Id owner = h5::open_group(file_, effects, group);
+    const bool tables = h5::exists(file_, owner, "row_offset");
+    for (const std::string& name : h5::members(file_, owner))
+      if (!h5::is_group(file_, owner, name) && !(tables && h5::exists(file_, h5::open_group(file_, owner, "row_offset"), name)))
+        out.push_back(group + "/" + name);
+  }
+  return out;
+}
+
 std::vector<StepRow> FieldReader::steps() const {
   h5::Id group = h5::open_group(file_, file_.id(), "mortise/steps");
   std::vector<StepRow> out;

@@ -34,6 +34,7 @@ class FieldReader {
   FieldValues scalar(const std::string& group, const std::string& name, std::int64_t frame) const;
   std::vector<std::string> point_fields() const;
   std::vector<std::string> cell_fields() const;
+  std::vector<std::string> scalars() const;  // as "group/name", sorted
   std::vector<StepRow> steps() const;
 
   const std::string& scene_text() const { return scene_text_; }

@@ -53,7 +53,7 @@ std::string run_json(const RunRecord& r) {
   const std::time_t now = std::time(nullptr);
   Json j;
   j["filetype"] = "mortise run";
-  j["version"] = {1, 0};
+  j["version"] = {1, 1};
   j["status"] = status_of(r.exit_code);
   j["exit_code"] = static_cast<int>(r.exit_code);
   j["message"] = r.message;
@@ -72,6 +72,8 @@ std::string run_json(const RunRecord& r) {
   j["wall_seconds"] = number(r.wall_seconds);
   j["seconds"] = Json::object();
   for (const auto& [part, seconds] : r.seconds) j["seconds"][part] = number(seconds);
+  j["cpu_seconds"] = Json::object();
+  for (const auto& [part, seconds] : r.cpu_seconds) j["cpu_seconds"][part] = number(seconds);
   j["phases"] = Json::array();
   for (const auto& p : r.phases) {
     j["phases"].push_back({{"effect", p.effect}, {"phase", p.phase}, {"seconds", number(p.seconds)}, {"calls", p.calls}});

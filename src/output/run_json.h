@@ -40,8 +40,9 @@ struct RunRecord {
   std::string linear_solver;
   std::string scene_name, scene_path, scene_sha256;  // hash of the resolved scene
   std::string command_line;
-  double wall_seconds = 0;                // whole run
-  std::map<std::string, double> seconds;  // parts of it: setup, solve, output, pictures ...
+  double wall_seconds = 0;                    // whole run
+  std::map<std::string, double> seconds;      // parts of it: setup, solve, output, pictures ...
+  std::map<std::string, double> cpu_seconds;  // the same, user and system time of all threads
   std::vector<Phase> phases;
   std::vector<std::pair<std::string, std::int64_t>> launches;  // per kernel
   std::vector<Transfers> transfers;

@@ -20,7 +20,7 @@ void Record::write(const std::string& path, const End& end, const engine::Engine
   r.command_line = output::command_line();
   r.libraries = libraries();
   r.wall_seconds = end.wall;
-  r.seconds = seconds;
+  r.seconds = seconds, r.cpu_seconds = cpu_seconds;
   r.host_memory_peak_bytes = output::peak_memory_bytes();
   r.frames = frames;
   if (engine) {

@@ -7,6 +7,7 @@
 #include "engine/engine.h"
 #include "output/step_row.h"
 #include "run/options.h"
+#include "run/stopwatch.h"
 
 namespace mortise::run {
 
@@ -21,9 +22,10 @@ struct Record {
   };
   device::DeviceInfo device;
   std::vector<output::StepRow> steps;
-  std::map<std::string, double> seconds;  // setup, solve, output, pictures, checkpoint
+  std::map<std::string, double> seconds, cpu_seconds;  // setup, solve, output, pictures, checkpoint
   long frames = 0;
 
+  void spent(const char* part, const Stopwatch& since) { seconds[part] += since.wall(), cpu_seconds[part] += since.cpu(); }
   // `engine` may be null when the run ended before there was one.
   void write(const std::string& path, const End& end, const engine::Engine* engine) const;
 };

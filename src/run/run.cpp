@@ -38,6 +38,7 @@
 #include "run/sensor_maps.h"
 #include "run/signals.h"
 #include "run/step_row.h"
+#include "run/stopwatch.h"
 #include "run/warnings.h"
 #include "scene/environments.h"
 #include "sensors/sensors.h"
@@ -165,7 +166,7 @@ class Run {
     if (!o_.no_render && out.flag("pictures") && render && render->has("cameras"))
       pictures_ = std::make_unique<Pictures>(scene_.root, input, folder_->file("frames"));
     if (!o_.no_render && out.flag("pictures") && !sensors_->empty()) sensor_maps_.emplace(scene_.root, *sensors_, folder_->file("frames"));
-    record_.seconds["setup"] = std::chrono::duration<double>(Time::now() - begin_).count();
+    record_.spent("setup", setup_);
     progress_.start(scene_.root.text("name"), summary(input), steps_);
     for (const std::string& w : warnings(input)) note("warning: " + w);
 
@@ -198,10 +199,10 @@ class Run {
         if (ended_ = *answer != bridge::Bridge::Answer::go_on; ended_) break;
       }
       solver::StepReport report;
-      const auto begin = Time::now();
+      const Stopwatch solve;
       const engine::Outcome outcome = engine_->step([this] { return stop(); }, report);
       newton_log_->step(report);
-      record_.seconds["solve"] += std::chrono::duration<double>(Time::now() - begin).count();
+      record_.spent("solve", solve);
       if (outcome.code == static_cast<int>(Exit::stopped)) return stopped();
       if (outcome.code == static_cast<int>(Exit::solve)) {
         save();
@@ -346,7 +347,7 @@ class Run {
 
   // `report`: of the step that led to this state, null at the start.
   void write_frame(const solver::StepReport* report, Snapshot& state, const std::vector<double>& points) {
-    const auto begin = Time::now();
+    const Stopwatch output;
     const std::vector<sensors::Reading> readings = sensors_->read(state, points);
     certificate_->state(state);
     file_->begin_frame(engine_->time(), points);
@@ -355,14 +356,14 @@ class Run {
     audit(checks_->state(state, points, engine_->time()));
     if (report) append(*report, state);
     file_->end_frame();
-    const auto written = Time::now();
-    record_.seconds["output"] += std::chrono::duration<double>(written - begin).count();
+    record_.spent("output", output);
+    const Stopwatch pictures;
     const long frame = file_->frames() - 1;
     const bool drawn = frame % picture_every_ == 0;
     if (pictures_ && drawn) pictures_->draw(frame, engine_->time(), points, state.point_scalars());
     if (sensor_maps_) sensor_maps_->see(readings);
     if (sensor_maps_ && drawn) sensor_maps_->draw(frame, engine_->time(), readings);
-    record_.seconds["pictures"] += std::chrono::duration<double>(Time::now() - written).count();
+    record_.spent("pictures", pictures);
   }
 
   // Energies of the frame's state beside what effects report.
@@ -375,14 +376,14 @@ class Run {
 
   // The field file first, so that a checkpoint never speaks of frames that are not there.
   void save() {
-    const auto begin = Time::now();
+    const Stopwatch checkpoint;
     file_->flush();
     output::CheckpointWriter writer(folder_->path(), {version(), hash_, engine_->steps_done(), file_->frames(), engine_->time()});
     check(engine_->checkpoint(writer));
     checkpoint_own(writer);
     writer.commit();
     saved_ = Time::now();
-    record_.seconds["checkpoint"] += std::chrono::duration<double>(saved_ - begin).count();
+    record_.spent("checkpoint", checkpoint);
   }
 
   // What this side of the engine has gathered.
@@ -434,6 +435,7 @@ class Run {
   const Options& o_;
   Progress& progress_;
   Time::time_point begin_ = Time::now();
+  Stopwatch setup_;
   scene::Scene scene_;
   std::string resolved_, hash_;
   std::optional<Folder> folder_;

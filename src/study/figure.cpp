@@ -1,120 +1,250 @@
-// The figure of a study, drawn directly as SVG.
+#include "study/figure.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "study/study.h"
+#include "study/axis.h"
+#include "study/canvas.h"
+#include "study/compare.h"
+#include "study/tuning.h"
 
 namespace mortise::study {
 namespace {
 
-constexpr double kWidth = 760, kHeight = 460, kLeft = 80, kRight = 230, kTop = 40, kBottom = 60;  // legend at the right
-constexpr double kLeastError = 1e-16;
-constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                    "#e69f00", "#56b4e9", "#000000"};  // Okabe and Ito: told apart by everyone
+constexpr double kPlotWidth = 330, kPlotHeight = 250, kLeft = 74, kTop = 34, kBottom = 52, kGap = 22, kLegendLine = 21, kText = 12;
+constexpr Colour kBlack{0, 0, 0}, kGrey{120, 120, 120}, kGrid{222, 222, 222}, kFaint{240, 240, 240}, kWhite{255, 255, 255}, kBand{226, 226, 226};
+// Okabe and Ito: told apart by everyone.
+constexpr Colour kColours[] = {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {204, 121, 167}, {230, 159, 0}, {86, 180, 233}, {90, 90, 90}};
 
-std::string escaped(const std::string& s) {
-  std::string out;
-  for (char c : s) out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
+// Disc, square, triangle, diamond, triangle downwards: with the colours 35 that differ.
+std::vector<Place2> marker(std::size_t kind, double x, double y, double size) {
+  std::vector<Place2> out;
+  const int corners[] = {24, 4, 3, 4, 3};
+  const double turns[] = {0, 0.125, 0.25, 0.25, 0.75}, sizes[] = {1, 1.2, 1.3, 1.3, 1.3};
+  const std::size_t k = kind % 5;
+  for (int i = 0; i < corners[k]; ++i) {
+    const double a = 2 * M_PI * (turns[k] + static_cast<double>(i) / corners[k]);
+    out.emplace_back(x + size * sizes[k] * std::cos(a), y - size * sizes[k] * std::sin(a));
+  }
   return out;
 }
 
-// Whole decades that hold the values.
-struct Axis {
-  int lo = 0, hi = 1;
-  double from, to;  // pixels
-  Axis(const std::vector<double>& values, double from_pixel, double to_pixel) : from(from_pixel), to(to_pixel) {
-    if (values.empty()) return;
-    const auto [least, most] = std::minmax_element(values.begin(), values.end());
-    lo = static_cast<int>(std::floor(std::log10(*least))), hi = static_cast<int>(std::ceil(std::log10(*most)));
-    if (hi == lo) ++hi;
-  }
-  double at(double v) const { return from + (to - from) * (std::log10(v) - lo) / (hi - lo); }
+void cross(Canvas& c, double x, double y, Colour colour) {
+  c.line({{x - 4, y - 4}, {x + 4, y + 4}}, {colour, 2});
+  c.line({{x - 4, y + 4}, {x + 4, y - 4}}, {colour, 2});
+}
+
+const Stroke kFront{kGrey, 5, 0.35};
+
+struct Style {
+  std::string curve;
+  Colour colour;
+  std::size_t marker;
+  bool line;
 };
+
+// The same curve has the same look in all panels.
+std::vector<Style> styles(const Results& r) {
+  std::vector<Style> out;
+  std::size_t colours = 0;
+  for (const Point& p : r.points) {
+    if (std::any_of(out.begin(), out.end(), [&](const Style& s) { return s.curve == p.curve; })) continue;
+    if (p.step == SIZE_MAX)
+      out.push_back({p.curve, kBlack, 3, false});
+    else
+      out.push_back({p.curve, kColours[colours % std::size(kColours)], colours, p.refines}), ++colours;
+  }
+  // What all curves meet in lies on top.
+  std::stable_partition(out.begin(), out.end(), [](const Style& s) { return s.line; });
+  return out;
+}
+
+class Panel {
+ public:
+  Panel(const Results& r, std::size_t quantity, const std::vector<Style>& styles, double left, double top)
+      : r_(r), q_(quantity), styles_(styles), left_(left), top_(top) {
+    const Reference& ref = r.references[q_];
+    band_ = std::isfinite(ref.uncertainty) ? ref.uncertainty / ref.scale : 0;
+    std::vector<double> xs, ys;
+    for (const Point& p : r.points) {
+      if (p.quantity != q_ || p.reference) continue;
+      if (std::isfinite(p.seconds)) xs.push_back(std::max(p.seconds, 1e-6));
+      // What is known no better than the band may lie anywhere below: the axis ends soon after.
+      if (!p.failed && std::isfinite(p.error)) ys.push_back(std::max({p.error, band_ / 4, tuning::kRounding}));
+    }
+    if (band_ > 0) ys.push_back(1.5 * band_);
+    x_ = Axis(xs, left_, left_ + kPlotWidth), y_ = Axis(ys, top_ + kPlotHeight, top_);
+  }
+
+  void draw(Canvas& c) const {
+    const double right = left_ + kPlotWidth, bottom = top_ + kPlotHeight;
+    if (band_ > 0) {
+      const double at = std::clamp(y_.at(band_), top_, bottom);
+      c.shape({{left_, at}, {right, at}, {right, bottom}, {left_, bottom}}, kBand, 0.7, nullptr, "below the uncertainty of the reference");
+    }
+    for (const Axis::Tick& t : x_.ticks()) {
+      c.line({{t.at, top_}, {t.at, bottom}}, {t.label.empty() ? kFaint : kGrid, 1});
+      if (!t.label.empty()) c.text({t.at, bottom + 17}, t.label, kText, Anchor::middle, kBlack);
+    }
+    for (const Axis::Tick& t : y_.ticks()) {
+      c.line({{left_, t.at}, {right, t.at}}, {t.label.empty() ? kFaint : kGrid, 1});
+      if (!t.label.empty()) c.text({left_ - 7, t.at + 4}, t.label, kText, Anchor::end, kBlack);
+    }
+    front(c);
+    for (const Style& s : styles_) curve(c, s);
+    c.line({{left_, top_}, {left_, bottom}, {right, bottom}, {right, top_}, {left_, top_}}, {kBlack, 1});
+    const Reference& ref = r_.references[q_];
+    c.text({left_ + 0.5 * kPlotWidth, top_ - 11}, shortened(r_.study.quantities[q_].name, kPlotWidth + kLeft - 20, 13), 13, Anchor::middle, kBlack,
+           false, true);
+    c.text({left_ + 0.5 * kPlotWidth, bottom + 38}, r_.device == "cuda" ? "seconds" : "CPU seconds", kText, Anchor::middle, kBlack);
+    c.text({left_ - 56, top_ + 0.5 * kPlotHeight}, ref.relative ? "relative error" : "error", kText, Anchor::middle, kBlack, true);
+  }
+
+  bool has_band() const { return band_ > 0; }
+
+ private:
+  static std::string shortened(std::string text, double width, double size) {
+    if (text_width(text, size) <= width) return text;
+    while (text.size() > 4 && text_width(text + "…", size) > width) {
+      text.pop_back();
+      while (!text.empty() && (static_cast<unsigned char>(text.back()) & 0xC0) == 0x80) text.pop_back();
+    }
+    return text + "…";
+  }
+
+  Place2 place(const Point& p) const {
+    const double y = y_.at(std::max(p.error, tuning::kRounding));
+    return {x_.at(std::max(p.seconds, 1e-6)), std::clamp(y, top_, top_ + kPlotHeight - 5)};
+  }
+
+  void front(Canvas& c) const {
+    std::vector<const Point*> best;
+    for (const Point& p : r_.points)
+      if (p.quantity == q_ && p.best) best.push_back(&p);
+    std::sort(best.begin(), best.end(), [](const Point* a, const Point* b) { return a->seconds < b->seconds; });
+    std::vector<Place2> steps;
+    for (const Point* p : best) {
+      Point known = *p;  // no better than the reference
+      known.error = std::max(p->error, band_);
+      if (!steps.empty()) steps.emplace_back(place(known).first, steps.back().second);
+      steps.push_back(place(known));
+    }
+    if (best.empty()) return;
+    steps.insert(steps.begin(), {steps.front().first, top_});     // nothing is quicker
+    steps.emplace_back(left_ + kPlotWidth, steps.back().second);  // nothing slower is better
+    c.line(steps, kFront);
+  }
+
+  void curve(Canvas& c, const Style& s) const {
+    std::vector<Place2> path;
+    const auto mine = [&](const Point& p) { return p.quantity == q_ && p.curve == s.curve && !p.reference; };
+    for (const Point& p : r_.points)
+      if (mine(p) && !p.failed && std::isfinite(p.error)) path.push_back(place(p));
+    if (s.line) c.line(path, {s.colour, 1.6});
+    for (const Point& p : r_.points) {
+      if (!mine(p)) continue;
+      const std::string tip =
+          fmt::format("{}: {}", p.label, p.failed ? p.why : fmt::format("{:.6g}, error {:.3g}, {:.3g} s", p.value, p.error, p.seconds));
+      if (p.failed || !std::isfinite(p.error)) {
+        if (std::isfinite(p.seconds)) cross(c, x_.at(std::max(p.seconds, 1e-6)), top_ + 8, s.colour);
+        continue;
+      }
+      const auto [x, y] = place(p);
+      if (p.slowest > p.seconds * 1.05) c.line({{x, y}, {x_.at(p.slowest), y}}, {s.colour, 1, 0.7});
+      if (p.knee) {
+        const Stroke ring{kBlack, 1.4};
+        c.shape(marker(0, x, y, 9), kWhite, 0, &ring, "");
+      }
+      const Stroke edge{s.colour, 1.6};
+      c.shape(marker(s.marker, x, y, 4.2), p.hollow ? kWhite : s.colour, 1, &edge, tip);
+    }
+  }
+
+  const Results& r_;
+  std::size_t q_;
+  const std::vector<Style>& styles_;
+  double left_, top_, band_ = 0;
+  Axis x_, y_;
+};
+
+// What the marks mean, as many side by side as there is room for; only what there is. Returns the height.
+double legend(Canvas* c, const Results& r, const std::vector<Style>& all, bool band, double top, double width) {
+  double x = 14, y = top;
+  const auto place = [&](const std::string& text, auto&& mark) {
+    const double wide = 30 + text_width(text, kText) + 18;
+    if (x + wide > width && x > 14) x = 14, y += kLegendLine;
+    if (c) mark(x + 12, y), c->text({x + 28, y + 4}, text, kText, Anchor::start, kBlack);
+    x += wide;
+  };
+  const auto any = [&](auto is) { return std::any_of(r.points.begin(), r.points.end(), is); };
+  for (const Style& s : all)
+    place(s.curve.empty() ? "runs" : s.curve, [&](double px, double py) {
+      if (s.line) c->line({{px - 11, py}, {px + 11, py}}, {s.colour, 1.6});
+      const Stroke edge{s.colour, 1.6};
+      c->shape(marker(s.marker, px, py, 4.2), s.colour, 1, &edge, "");
+    });
+  if (any([](const Point& p) { return p.best; })) {
+    place("Pareto front", [&](double px, double py) { c->line({{px - 11, py}, {px + 11, py}}, kFront); });
+    place("knee", [&](double px, double py) {
+      const Stroke ring{kBlack, 1.4};
+      c->shape(marker(0, px, py, 8), kWhite, 0, &ring, "");
+    });
+  }
+  if (band)
+    place("below the reference's uncertainty", [&](double px, double py) {
+      c->shape({{px - 10, py - 6}, {px + 10, py - 6}, {px + 10, py + 6}, {px - 10, py + 6}}, kBand, 0.7, nullptr, "");
+      const Stroke edge{kGrey, 1.6};
+      c->shape(marker(0, px, py, 4.2), kWhite, 1, &edge, "");
+    });
+  if (any([](const Point& p) { return p.failed && std::isfinite(p.seconds); }))
+    place("failed", [&](double px, double py) { cross(*c, px, py, kGrey); });
+  return y + kLegendLine - top;
+}
+
+struct Layout {
+  std::size_t columns, rows;
+  double width, plots, height;
+};
+
+Layout layout(const Results& r, const std::vector<Style>& all) {
+  const std::size_t n = std::max<std::size_t>(1, r.study.quantities.size());
+  Layout out{};
+  out.columns = n == 4 ? 2 : std::min<std::size_t>(n, 3), out.rows = (n + out.columns - 1) / out.columns;
+  out.width = static_cast<double>(out.columns) * (kLeft + kPlotWidth) + kGap,
+  out.plots = static_cast<double>(out.rows) * (kTop + kPlotHeight + kBottom);
+  out.height = out.plots + legend(nullptr, r, all, true, 0, out.width) + 6;
+  return out;
+}
+
+void draw(Canvas& c, const Results& r, const std::vector<Style>& all, const Layout& l) {
+  bool band = false;
+  for (std::size_t k = 0; k < r.study.quantities.size(); ++k) {
+    const Panel panel(r, k, all, kLeft + static_cast<double>(k % l.columns) * (kLeft + kPlotWidth),
+                      kTop + static_cast<double>(k / l.columns) * (kTop + kPlotHeight + kBottom));
+    panel.draw(c);
+    band = band || panel.has_band();
+  }
+  legend(&c, r, all, band, l.plots + 10, l.width);
+}
 
 }  // namespace
 
-std::string figure_svg(const std::vector<Point>& all, const std::string& quantity, const std::string& title) {
-  std::vector<Point> points;
-  std::vector<std::string> curves;
-  std::vector<double> seconds, errors;
-  for (const Point& p : all) {
-    if (p.quantity != quantity || p.reference) continue;
-    points.push_back(p);
-    points.back().seconds = std::max(p.seconds, 1e-6);
-    seconds.push_back(points.back().seconds);
-    if (std::find(curves.begin(), curves.end(), p.curve()) == curves.end()) curves.push_back(p.curve());
-    if (p.failed || !std::isfinite(p.error)) continue;
-    points.back().error = std::max(p.error, kLeastError);
-    errors.push_back(points.back().error);
-  }
-  const Axis x(seconds, kLeft, kWidth - kRight), y(errors, kHeight - kBottom, kTop);
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" font-family=\"sans-serif\" font-size=\"13\">\n"
-      "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"{2}\" y=\"24\" font-size=\"15\">{3}</text>\n",
-      kWidth, kHeight, kLeft, escaped(title + ": " + quantity));
-  const auto line = [&](double x0, double y0, double x1, double y1, const char* colour) {
-    svg += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\"/>\n", x0, y0, x1, y1, colour);
-  };
-  for (int d = x.lo; d <= x.hi; ++d) {
-    const double at = x.at(std::pow(10.0, d));
-    line(at, y.from, at, y.to, "#dddddd");
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">1e{}</text>\n", at, y.from + 18, d);
-  }
-  const int every = std::max(1, (y.hi - y.lo + 7) / 8);
-  for (int d = y.lo; d <= y.hi; d += every) {
-    const double at = y.at(std::pow(10.0, d));
-    line(x.from, at, x.to, at, "#dddddd");
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">1e{}</text>\n", x.from - 6, at + 4, d);
-  }
-  line(x.from, y.from, x.to, y.from, "black"), line(x.from, y.from, x.from, y.to, "black");
-  svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">seconds</text>\n", 0.5 * (x.from + x.to), kHeight - 16);
-  svg +=
-      fmt::format("<text x=\"20\" y=\"{0:.1f}\" text-anchor=\"middle\" transform=\"rotate(-90 20 {0:.1f})\">error</text>\n", 0.5 * (y.from + y.to));
+std::string figure_svg(const Results& r) {
+  const std::vector<Style> all = styles(r);
+  const Layout l = layout(r, all);
+  SvgCanvas c(l.width, l.height);
+  draw(c, r, all, l);
+  return c.finished();
+}
 
-  // The front: no error smaller than this has been reached within that time.
-  std::vector<const Point*> best;
-  for (const Point& p : points)
-    if (p.best) best.push_back(&p);
-  std::sort(best.begin(), best.end(), [](const Point* a, const Point* b) { return a->seconds < b->seconds; });
-  std::string steps;
-  for (std::size_t i = 0; i < best.size(); ++i) {
-    if (i > 0) steps += fmt::format("{:.1f},{:.1f} ", x.at(best[i]->seconds), y.at(best[i - 1]->error));
-    steps += fmt::format("{:.1f},{:.1f} ", x.at(best[i]->seconds), y.at(best[i]->error));
-  }
-  if (!best.empty()) steps += fmt::format("{:.1f},{:.1f} ", x.to, y.at(best.back()->error));  // nothing slower is better
-  svg += "<polyline class=\"front\" points=\"" + steps +
-         "\" fill=\"none\" stroke=\"#888888\" stroke-width=\"4\" stroke-opacity=\"0.4\" stroke-dasharray=\"6 4\"/>\n";
-
-  for (std::size_t c = 0; c < curves.size(); ++c) {
-    const char* colour = kColours[c % std::size(kColours)];
-    std::string path, marks;
-    for (const Point& p : points) {
-      if (p.curve() != curves[c]) continue;
-      const double px = x.at(p.seconds);
-      if (p.failed || !std::isfinite(p.error)) {
-        marks += fmt::format("<path class=\"failed\" d=\"M{0:.1f} {1:.1f}l8 8m0 -8l-8 8\" stroke=\"{2}\" stroke-width=\"2\"/>\n", px - 4, y.to + 4,
-                             colour);
-        continue;
-      }
-      path += fmt::format("{:.1f},{:.1f} ", px, y.at(p.error));
-      marks += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"><title>{}={}</title></circle>\n", px, y.at(p.error), colour,
-                           escaped(p.settings.front().first), escaped(p.settings.front().second));
-    }
-    svg += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.5\"/>\n", path, colour) + marks;
-    const double ly = kTop + 16 + 20 * static_cast<double>(c), lx = kWidth - kRight + 16;
-    svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"/>\n<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", lx, ly, colour,
-                       lx + 10, ly + 4, escaped(curves[c].empty() ? "runs" : curves[c]));
-  }
-  if (!best.empty()) {
-    const double ly = kTop + 16 + 20 * static_cast<double>(curves.size()), lx = kWidth - kRight + 16;
-    svg += fmt::format(
-        "<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#888888\" stroke-width=\"4\" stroke-opacity=\"0.4\" "
-        "stroke-dasharray=\"6 4\"/>\n<text x=\"{:.1f}\" y=\"{:.1f}\">Pareto front</text>\n",
-        lx - 10, ly, lx + 6, ly, lx + 10, ly + 4);
-  }
-  return svg + "</svg>\n";
+void write_figure_png(const Results& r, const std::string& path) {
+  const std::vector<Style> all = styles(r);
+  const Layout l = layout(r, all);
+  PixelCanvas c(l.width, l.height, 2);
+  draw(c, r, all, l);
+  c.write(path);
 }
 
 }  // namespace mortise::study

@@ -1,53 +1,68 @@
 #pragma once
-// Accuracy against time: runs a scene or a benchmark with varied settings and compares quantities of interest.
-#include <functional>
+// What a study is: a scene or a benchmark, ladders of settings, quantities of interest. Nothing in here runs anything.
+#include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
+#include "base/types.h"
+
 namespace mortise::study {
 
-// "key=v1,v2,...": the first one varied is the ladder along a curve, every combination of the others is a curve of its own.
-struct Vary {
-  std::string key;
-  std::vector<std::string> values;
-};
-Vary parse_vary(const std::string& text);  // commas inside brackets belong to a value; throws Error(Exit::usage)
+using Settings = std::vector<std::pair<std::string, std::string>>;  // paths and values of --set
 
-// One quantity of one run.
-struct Point {
-  std::vector<std::pair<std::string, std::string>> settings;  // in the order of the varied keys
-  std::string method;                                         // of a benchmark; empty for scenes
-  std::string quantity;
-  double value = 0, error = 0;  // |value/reference - 1|, or |value| where the reference is 0
-  double seconds = 0;           // of the steps
-  long newton_iterations = 0, dofs = 0;
-  bool failed = false;     // did not converge
-  bool reference = false;  // the others are compared with it
-  bool best = false;       // on the Pareto front: nothing faster is as accurate
-  std::string curve() const;
+// The values of a knob from coarse to fine, or alternatives of which none is finer.
+struct Ladder {
+  struct Step {
+    Settings settings;  // several where knobs move together
+    std::string label;  // "2 ms"
+  };
+  std::string name;
+  std::vector<Step> steps;
+  std::vector<double> sizes;  // falling with the error, one per step; empty: alternatives
+  SourceLoc at;
+};
+
+// A way to compute the same: every ladder is climbed with each of them.
+struct Method {
+  std::string name;
+  std::vector<std::string> without;  // effects that are left out
+  std::vector<std::string> set;      // --set
+  SourceLoc at{};
+};
+
+// A number that a run leaves (README.md says what there is).
+struct Quantity {
+  std::string name;
+  std::string value;                  // group/name of a scalar or vector, steps/column, or a field of points of `body`
+  std::string axis;                   // component of a vector: x, y, z or size
+  std::string body, over = "";        // of its points: mean, max, min, integral, area, percentile
+  std::optional<Vec3> point;          // or at this place of the body at rest [m]
+  double percent = NAN;               // of `percentile`
+  std::string when = "end";           // end, start, largest, smallest, mean, sum, range
+  std::optional<double> at;           // or at this time [s]
+  std::optional<double> reference;    // its right value, SI
+  double uncertainty = 0, scale = 0;  // of that value; errors are shares of the reference or of this, whichever is larger
+  SourceLoc place{};                  // where it is written
+  bool of_history() const { return at || (when != "end" && when != "start"); }
 };
 
 struct Study {
-  std::string scene;                   // path, or the name of a benchmark
-  std::vector<std::string> overrides;  // --set of all runs
-  std::vector<Vary> vary;
-  std::vector<std::string> quantities;  // "group/name" of scalars at the last step; `quantity` of a benchmark's rows
-  std::vector<double> references;       // one per quantity of a scene; none: limit.h
-  int repeats = 1;                      // runs of every setting; the fastest counts
+  std::string name;
+  std::string scene;             // path of a scene ...
+  std::string benchmark;         // ... or name of a benchmark
+  std::vector<std::string> set;  // --set of all runs
+  std::vector<Ladder> ladders;
+  std::vector<Method> methods;  // one without a name where the study has none
+  std::vector<Quantity> quantities;
+  bool one_at_a_time = false;  // else all combinations: the first ladder along a curve, the others from curve to curve
+  Settings over_resolved;      // of the run that others are compared with where ladders have no limit
+  SourceLoc over_resolved_at{};
+  int repeats = 1;    // runs of everything; the fastest counts
+  double limit = 0;   // CPU time of a run after which it counts as failed [s]; 0: none
+  double budget = 0;  // CPU time of all runs together [s]; 0: all that is planned is run
 };
-
-// Runs everything, on the CPU. Scene settings that the scene does not have, and quantities that nothing reports, are Error(Exit::usage |
-// Exit::scene). `note` is told what each quantity of a scene was compared with.
-std::vector<Point> run_study(
-    const Study& study, const std::function<void(const Point&)>& done,
-    const std::function<void(const std::string&)>& note = [](const std::string&) {});
-
-// Marks the fronts, quantity by quantity: sorted by time, those with less error than all before.
-void mark_best(std::vector<Point>& points);
-
-std::string points_csv(const std::vector<Point>& points);
-// Error over seconds of one quantity, both logarithmic: one line per curve, the front dashed, the reference left out, failed runs as crosses.
-std::string figure_svg(const std::vector<Point>& points, const std::string& quantity, const std::string& title);
 
 }  // namespace mortise::study

@@ -1,6 +1,6 @@
 // Every way to write a bad scene, and what the user then reads from `check`; bad_mesh: sound scenes with damaged meshes, and what one reads from
-// `run`. <case>.txt holds the exit code and the expected stderr, without the folder of the sources; lines "# --set a.b=c" at the top of a scene
-// become arguments. MORTISE_UPDATE_GOLDEN=1 rewrites the expectations.
+// `run`; bad_study: wrong studies, and what `study` says. <case>.txt holds the exit code and the expected stderr, without the folder of the sources;
+// lines "# --set a.b=c" at the top of a scene become arguments. MORTISE_UPDATE_GOLDEN=1 rewrites the expectations.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -14,7 +14,7 @@ namespace mortise::cli {
 namespace {
 
 namespace fs = std::filesystem;
-const std::string kScenes = kSource + "/tests/cli/bad", kMeshes = kSource + "/tests/cli/bad_mesh";
+const std::string kScenes = kSource + "/tests/cli/bad", kMeshes = kSource + "/tests/cli/bad_mesh", kStudies = kSource + "/tests/cli/bad_study";
 
 std::vector<std::string> cases(const std::string& folder) {
   std::vector<std::string> out;
@@ -49,6 +49,10 @@ INSTANTIATE_TEST_SUITE_P(Scene, Bad, testing::ValuesIn(cases(kScenes)), kName);
 class BadMesh : public testing::TestWithParam<std::string> {};
 TEST_P(BadMesh, MessageIsAsExpected) { message_is_as_expected("run", kMeshes, GetParam()); }
 INSTANTIATE_TEST_SUITE_P(Scene, BadMesh, testing::ValuesIn(cases(kMeshes)), kName);
+
+class BadStudy : public testing::TestWithParam<std::string> {};
+TEST_P(BadStudy, MessageIsAsExpected) { message_is_as_expected("study --dry-run", kStudies, GetParam()); }
+INSTANTIATE_TEST_SUITE_P(Study, BadStudy, testing::ValuesIn(cases(kStudies)), kName);
 
 // assimp 5.2.5 crashes on this file; others may refuse it.
 TEST(BadMeshes, WhatCrashesAReaderIsOneMessage) {

@@ -20,7 +20,7 @@ RunRecord record() {
   r.device = {"cpu", "Some CPU", 2, 1024, ""};
   r.scene_path = "scenes/\xff.yaml";  // not UTF-8
   r.wall_seconds = 1.5;
-  r.seconds["output"] = 0.25;
+  r.seconds["output"] = 0.25, r.cpu_seconds["output"] = 0.125;
   r.phases = {{"elasticity", "assemble", 0.5, 12}};
   r.launches = {{"elasticity.gradient", 12}, {"solver.step", 3}};
   r.frames = 4;
@@ -39,6 +39,7 @@ TEST(RunJson, SaysWhatTheRecordHolds) {
   EXPECT_EQ(j["exit_code"], 75);
   EXPECT_EQ(j["message"], "stopped \"by\" signal");
   EXPECT_EQ(j["seconds"]["output"], 0.25);
+  EXPECT_EQ(j["cpu_seconds"]["output"], 0.125);
   EXPECT_EQ(j["phases"][0]["calls"], 12);
   EXPECT_EQ(j["launches"]["solver.step"], 3);
   EXPECT_EQ(j["steps"]["count"], 4);

@@ -1,0 +1,180 @@
+#include "study/execute.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "base/process.h"
+#include "base/sha256.h"
+#include "base/version.h"
+#include "output/atomic_file.h"
+#include "run/signals.h"
+#include "study/measure.h"
+
+namespace fs = std::filesystem;
+
+namespace mortise::study {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json read_json(const std::string& path) { return fs::exists(path) ? Json::parse(output::read_file(path), nullptr, false) : Json(); }
+
+double number(const Json& j, const char* block, const char* key) {
+  return j.is_object() && j.contains(block) && j[block].is_object() && j[block].contains(key) && j[block][key].is_number()
+             ? j[block][key].get<double>()
+             : NAN;
+}
+
+struct Ended {
+  int code;
+  double cpu;  // of the process [s]
+};
+
+// In a process group of its own, so that what a terminal sends reaches it through here, once.
+Ended wait_for(const std::vector<std::string>& command, const std::string& log, double limit) {
+  const pid_t child = start_program(command, log, log, [parent = getpid(), limit] {
+    setpgid(0, 0);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(127);
+    if (limit > 0) {
+      const auto whole = static_cast<rlim_t>(std::max(1.0, std::floor(limit)));
+      const rlimit most{whole, whole + 5};
+      setrlimit(RLIMIT_CPU, &most);
+    }
+    if (const int none = open("/dev/null", O_RDONLY); none >= 0) dup2(none, STDIN_FILENO);
+  });
+  bool passed_on = false;
+  for (;;) {
+    int how = 0;
+    rusage used{};
+    const pid_t ended = wait4(child, &how, WNOHANG, &used);
+    if (ended == child) return {code_of(how), cpu_seconds(used)};
+    if (run::stop_asked() && !passed_on) kill(child, SIGTERM), passed_on = true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+}
+
+// Ends that would be the same again: results, steps that fail, scenes that are refused, and limits of time (longer ones are tried again).
+bool final(const Json& record, double limit) {
+  const int code = record.value("code", -1);
+  if (code == 128 + SIGXCPU) return limit > 0 && limit <= record.value("limit", 0.0);
+  for (Exit e : {Exit::done, Exit::checks, Exit::solve, Exit::scene})
+    if (code == static_cast<int>(e)) return true;
+  return false;
+}
+
+// Degrees of freedom: three per node of a soft body, twelve per stiff one.
+long dofs(const output::FieldReader& file) {
+  std::vector<bool> soft(file.mesh().body_names.size(), false);
+  for (std::size_t c = 0; c < file.mesh().cells(); ++c)
+    if (file.mesh().types[c] != output::CellType::triangle) soft[file.mesh().body_of_cell[c]] = true;
+  long n = 0;
+  for (int body : file.mesh().body_of_point) n += soft[body] ? 3 : 0;
+  return n + 12 * static_cast<long>(std::count(soft.begin(), soft.end(), false));
+}
+
+std::string first_line(const std::string& text) {
+  const std::string line = text.substr(0, text.find('\n'));
+  const std::size_t at = line.find("error: ");
+  return at == std::string::npos ? line : line.substr(at + 7);
+}
+
+RunResult from(const Json& record) {
+  RunResult out;
+  out.id = record["id"], out.label = record["label"], out.code = record["code"], out.message = record["message"];
+  const auto value = [&](const char* key) { return record[key].is_number() ? record[key].get<double>() : NAN; };
+  out.seconds = value("seconds"), out.slowest = value("slowest"), out.process = value("process_seconds"), out.load = value("load");
+  out.newton = record["newton_iterations"], out.dofs = record["dofs"], out.grade = record["grade"];
+  return out;
+}
+
+}  // namespace
+
+double load_average() {
+  double load = 0;
+  return getloadavg(&load, 1) == 1 ? load : 0;
+}
+
+RunResult execute(const Planned& run, const Place& place, int repeats, double limit) {
+  const std::string id = sha256(run.variant.id + place.device + std::to_string(place.threads) + std::to_string(repeats)).substr(0, 12);
+  const std::string stem = place.folder + "/runs/" + id, version = std::string(mortise::version()) + " " + git_sha1();
+  if (const Json before = read_json(stem + ".json"); before.is_object() && before.value("version", "") == version && final(before, limit)) {
+    RunResult found = from(before);
+    found.before = true, found.label = run.label;
+    return found;
+  }
+  output::write_file_atomically(stem + ".yaml", "# " + run.label + "\n" + run.variant.yaml, false);
+  RunResult out;
+  out.id = id, out.label = run.label;
+  for (int i = 0; i < repeats; ++i) {
+    out.load = std::max(out.load, load_average());
+    const std::vector<std::string> command{own_program(), "run",     stem + ".yaml", "-o",         stem,        "--overwrite",
+                                           "--no-render", "--quiet", "--device",     place.device, "--threads", std::to_string(place.threads)};
+    const Ended ended = wait_for(command, stem + ".log", limit);
+    out.load = std::max(out.load, load_average());
+    out.code = ended.code, out.process += ended.cpu;
+    if (ended.code == static_cast<int>(Exit::stopped) || run::stop_asked()) throw Error(Exit::stopped, "stopped; the same command goes on");
+    const Json said = read_json(stem + "/run.json");
+    const bool gpu = said.is_object() && said.contains("device") && said["device"].value("kind", "") == "cuda";
+    double cost = number(said, gpu ? "seconds" : "cpu_seconds", "solve");
+    if (!std::isfinite(cost)) cost = ended.cpu;  // it ended before its first step
+    out.seconds = i == 0 ? cost : std::min(out.seconds, cost), out.slowest = i == 0 ? cost : std::max(out.slowest, cost);
+    if (said.is_object() && said.contains("steps") && said["steps"].contains("newton_iterations") && said["steps"]["newton_iterations"].is_object())
+      out.newton = static_cast<long>(said["steps"]["newton_iterations"].value("total", 0.0));
+    if (out.failed()) {
+      out.message = ended.code == 128 + SIGXCPU ? fmt::format("took more than {:g} s of CPU time", limit)
+                    : said.is_object()          ? first_line(said.value("message", ""))
+                                                : first_line(output::read_file(stem + ".log"));
+      if (out.message.empty())
+        out.message = ended.code > 128 ? fmt::format("ended by signal {}", ended.code - 128) : fmt::format("exit code {}", ended.code);
+      break;
+    }
+  }
+  if (!out.failed()) {
+    out.dofs = dofs(output::FieldReader(stem + "/fields.vtkhdf"));
+    const Json certificate = read_json(stem + "/certificate.json");
+    if (certificate.is_object()) out.grade = certificate.value("grade", "");
+  }
+  const auto finite = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
+  const Json record{{"filetype", "mortise study run"},
+                    {"version", version},
+                    {"id", id},
+                    {"label", run.label},
+                    {"code", out.code},
+                    {"message", out.message},
+                    {"seconds", finite(out.seconds)},
+                    {"slowest", finite(out.slowest)},
+                    {"process_seconds", out.process},
+                    {"load", out.load},
+                    {"repeats", repeats},
+                    {"limit", limit},
+                    {"newton_iterations", out.newton},
+                    {"dofs", out.dofs},
+                    {"grade", out.grade}};
+  output::write_file_atomically(stem + ".json", record.dump(1, ' ', false, Json::error_handler_t::replace) + "\n", false);
+  return out;
+}
+
+void measure_all(const Study& study, const Place& place, RunResult& result, bool may_be_gone) {
+  result.values.assign(study.quantities.size(), NAN);
+  if (result.failed()) return;
+  const output::FieldReader file(place.folder + "/runs/" + result.id + "/fields.vtkhdf");
+  for (std::size_t k = 0; k < study.quantities.size(); ++k) try {
+      result.values[k] = measure(file, study.quantities[k]);
+    } catch (const Error& e) {
+      if (!may_be_gone || e.code() != Exit::usage) throw;
+    }
+}
+
+}  // namespace mortise::study

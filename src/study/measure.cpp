@@ -1,0 +1,136 @@
+#include "study/measure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/snapshot.h"
+#include "scene/suggest.h"
+
+namespace mortise::study {
+namespace {
+
+using output::FieldReader;
+using output::FieldValues;
+
+[[noreturn]] void unknown(const Quantity& q, const std::string& what, const std::vector<std::string>& known) {
+  std::string text = fmt::format("quantity '{}': {}", q.name, what);
+  const std::string best = scene::nearest(q.value, known);
+  if (!best.empty()) text += "; did you mean '" + best + "'?";
+  std::vector<std::string> near;  // of the same group, or all
+  for (const std::string& k : known)
+    if (group_of(k) == group_of(q.value)) near.push_back(k);
+  text += "\n  there are: " + scene::join(near.empty() ? known : near, ", ");
+  throw Error(Exit::usage, q.place, text);
+}
+
+double component(const double* v, int components, const std::string& axis) {
+  if (components == 1) return v[0];
+  if (axis.size() == 1) return v[axis[0] - 'x'];
+  double squares = 0;
+  for (int c = 0; c < components; ++c) squares += v[c] * v[c];
+  return std::sqrt(squares);
+}
+
+History of_steps(const FieldReader& file, const Quantity& q) {
+  const std::string name = leaf_of(q.value);
+  std::vector<std::string> known;
+  for (const output::StepColumn& column : output::step_columns) {
+    known.push_back(std::string("steps/") + column.name);
+    if (name != column.name) continue;
+    History out;
+    for (const output::StepRow& row : file.steps())
+      if (std::isfinite(row.*column.value)) out.time.push_back(row.time), out.value.push_back(row.*column.value);
+    return out;
+  }
+  unknown(q, "steps have no such column", known);
+}
+
+// A scalar, or the vector whose components are called <name>_x, _y, _z.
+History of_scalar(const FieldReader& file, const Quantity& q) {
+  const std::vector<std::string> known = file.scalars();
+  const auto has = [&](const std::string& name) { return std::count(known.begin(), known.end(), name) > 0; };
+  std::vector<std::string> parts;
+  if (has(q.value))
+    parts = {q.value};
+  else if (has(q.value + "_x") && has(q.value + "_z"))
+    for (const char* c : {"_x", "_y", "_z"}) parts.push_back(q.value + c);
+  else
+    unknown(q, "nothing reports '" + q.value + "'", known);
+  if (parts.size() == 1 && !q.axis.empty())
+    throw Error(Exit::usage, q.place, fmt::format("quantity '{}': '{}' is a number and has no axis", q.name, q.value));
+  History out;
+  for (std::int64_t f = 0; f < file.frames(); ++f) {
+    double v[3] = {};
+    for (std::size_t c = 0; c < parts.size(); ++c) v[c] = file.scalar(group_of(parts[c]), leaf_of(parts[c]), f).values.at(0);
+    const double value = component(v, static_cast<int>(parts.size()), q.axis);
+    if (std::isfinite(value)) out.time.push_back(file.time(f)), out.value.push_back(value);
+  }
+  return out;
+}
+
+History of_field(const FieldReader& file, const Quantity& q) {
+  std::vector<std::string> known = file.point_fields();
+  std::erase(known, "body_id");
+  known.emplace_back("position");
+  if (!std::count(known.begin(), known.end(), q.value)) unknown(q, "there is no field of points '" + q.value + "'", known);
+  const std::vector<std::string>& bodies = file.mesh().body_names;
+  if (!std::count(bodies.begin(), bodies.end(), q.body))
+    throw Error(Exit::usage, q.place, fmt::format("quantity '{}': no body '{}' has points\n  {}", q.name, q.body, scene::suggestion(q.body, bodies)));
+  History out;
+  for (std::int64_t f = q.of_history() || q.when == "start" ? 0 : file.frames() - 1; f < file.frames(); ++f) {
+    const std::vector<Vec3> points = file.points(f);
+    FieldValues values;
+    if (q.value == "position") {
+      values.components = 3;
+      for (const Vec3& x : points) values.values.insert(values.values.end(), x.data(), x.data() + 3);
+    } else {
+      values = file.point_field(q.value, f);
+    }
+    // One number per point from here on.
+    FieldValues one{1, values.unit, {}};
+    for (std::size_t i = 0; i < points.size(); ++i) one.values.push_back(component(&values.values[i * values.components], values.components, q.axis));
+    const double value = over_body(file.mesh(), points, one, q);
+    if (std::isfinite(value)) out.time.push_back(file.time(f)), out.value.push_back(value);
+  }
+  return out;
+}
+
+}  // namespace
+
+double reduced(const History& h, const Quantity& q) {
+  if (h.value.empty()) return NAN;
+  const auto [least, most] = std::minmax_element(h.value.begin(), h.value.end());
+  if (q.at) {
+    // Times are sums of steps: a hair of rounding decides nothing.
+    const double t = *q.at, hair = 1e-9 * std::max(std::abs(h.time.back()), std::abs(t));
+    if (t < h.time.front() - hair || t > h.time.back() + hair) return NAN;
+    const auto after = std::lower_bound(h.time.begin(), h.time.end(), t - hair);
+    const std::size_t i = std::min<std::size_t>(after - h.time.begin(), h.time.size() - 1);
+    if (i == 0 || std::abs(h.time[i] - t) <= hair) return h.value[i];
+    const double s = (t - h.time[i - 1]) / (h.time[i] - h.time[i - 1]);
+    return (1 - s) * h.value[i - 1] + s * h.value[i];
+  }
+  if (q.when == "start") return h.value.front();
+  if (q.when == "largest") return *most;
+  if (q.when == "smallest") return *least;
+  if (q.when == "range") return *most - *least;
+  double sum = 0, area = 0;
+  for (std::size_t i = 0; i < h.value.size(); ++i) {
+    sum += h.value[i];
+    if (i > 0) area += 0.5 * (h.value[i] + h.value[i - 1]) * (h.time[i] - h.time[i - 1]);
+  }
+  if (q.when == "sum") return sum;
+  if (q.when == "mean") return h.value.size() > 1 ? area / (h.time.back() - h.time.front()) : h.value[0];
+  return h.value.back();
+}
+
+double measure(const FieldReader& file, const Quantity& q) {
+  if (file.frames() == 0) return NAN;
+  if (q.value.find('/') == std::string::npos) return reduced(of_field(file, q), q);
+  if (group_of(q.value) == "steps") return reduced(of_steps(file, q), q);
+  return reduced(of_scalar(file, q), q);
+}
+
+}  // namespace mortise::study

@@ -1,0 +1,28 @@
+#pragma once
+// Every number of this folder that was chosen.
+
+namespace mortise::study::tuning {
+
+// Orders that a method has; what converges faster or slower than these does so by chance. (Linear elements: 1 in stress, 2 in displacement; quadratic
+// ones and energies: up to 4; edges of contact and corners take up to a half off.)
+inline constexpr double kLeastOrder = 0.5, kMostOrder = 5;
+
+// Roache's factor of safety of an extrapolation from three runs with an observed order (Verification and Validation in Computational Science and
+// Engineering, 1998, ch. 5), and the one where no order could be observed.
+inline constexpr double kSafety = 1.25, kUnknownOrder = 3;
+// Two limits that agree by chance do not make a reference exact: it is no better than this share of what was extrapolated.
+inline constexpr double kLeastShare = 0.1;
+
+// How much finer than every ladder a run has to be for the others to be compared with it.
+inline constexpr double kOverResolved = 4;
+
+// A front bends where it passes below the straight line from its first to its last point by this share of the way along it (both axes logarithmic).
+inline constexpr double kBend = 0.05;
+
+// Accuracies at which the methods' times are compared.
+inline constexpr double kSameErrors[] = {0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001};
+
+// Errors below this are rounding: they are drawn and compared as if they were this.
+inline constexpr double kRounding = 1e-16;
+
+}  // namespace mortise::study::tuning

@@ -1,0 +1,179 @@
+// mortise study as a user runs it: killed, stopped, with runs that fail, with wrong quantities.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <thread>
+
+#include "process.h"
+
+namespace mortise::cli {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+namespace fs = std::filesystem;
+
+class StudyProgram : public ::testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(folder_); }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string write(const std::string& text) const {
+    std::ofstream(folder_ + "/s.yaml") << text;
+    return folder_ + "/s.yaml";
+  }
+  std::string free_fall(const std::string& more = "") const {
+    return write("mortise_study: 1\nscene: " + kSource +
+                 "/scenes/first/01_free_fall.yaml\nset: [time.step=10 ms, time.steps=10]\nladders:\n  - {knob: time.step, values: [10 ms, 5 ms, 2.5 "
+                 "ms, 1.25 ms]}\n" +
+                 more);
+  }
+  pid_t start(const std::vector<std::string>& arguments) const {
+    return cli::start(arguments, [this] {
+      for (const auto& [name, fd] : {std::pair{"/out.txt", 1}, {"/err.txt", 2}})
+        dup2(open((folder_ + name).c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644), fd);
+    });
+  }
+  int run(const std::vector<std::string>& arguments) const { return wait_for(start(arguments)); }
+  std::string said() const { return read_text(folder_ + "/out.txt"); }
+  std::string complained() const { return read_text(folder_ + "/err.txt"); }
+  std::string file(const std::string& name) const { return read_text(folder_ + "/" + name); }
+  nlohmann::json json(const std::string& name) const { return nlohmann::json::parse(file(name)); }
+  // Of every run its settings and value.
+  std::string values(const std::string& out) const {
+    std::string text;
+    for (const auto& r : json(out + "/study.json")["runs"]) text += r["label"].get<std::string>() + " " + r["values"].dump() + "\n";
+    return text;
+  }
+  const std::string folder_ = (fs::temp_directory_path() / ("mortise_study_cli_" + std::to_string(getpid()))).string();
+};
+
+// Backward Euler falls too far by g t dt / 2: first order, a limit of g t^2 / 2 = 49.05 mm, and every error is known.
+TEST_F(StudyProgram, FindsOrderLimitAndErrorsOfAFall) {
+  const std::string study = free_fall("quantities:\n  - {name: fall, value: displacement, body: box, over: mean, axis: z}\n");
+  ASSERT_EQ(run({"study", study, "-o", folder_ + "/a"}), 0) << complained();
+  const auto q = json("a/study.json")["quantities"][0];
+  EXPECT_NEAR(q["reference"]["value"].get<double>(), -9.81 * 0.01 / 2, 1e-7);
+  EXPECT_NEAR(q["error_shares"][0]["observed_order"].get<double>(), 1, 1e-3);
+  EXPECT_NEAR(q["error_shares"][0]["error"].get<double>(), 0.1, 1e-4);  // dt / t
+  EXPECT_THAT(said(), HasSubstr("as it is: -0.053955, error 10 %"));
+  EXPECT_THAT(file("a/study.html"), HasSubstr("</svg>"));
+  EXPECT_EQ(file("a/work_precision.png").substr(1, 3), "PNG");
+  // The scene of the knee runs, and is written like any other: nothing of the study is left in it.
+  EXPECT_THAT(file("a/recommended.yaml"), Not(HasSubstr("precision: double")));
+  EXPECT_EQ(run({"run", folder_ + "/a/recommended.yaml", "-o", folder_ + "/recommended", "--no-render"}), 0) << complained();
+}
+
+TEST_F(StudyProgram, AFinishedRunIsNeverRunAgain) {
+  const std::string study = free_fall("quantities: [gravity/energy]\n");
+  ASSERT_EQ(run({"study", study, "-o", folder_ + "/a"}), 0) << complained();
+  EXPECT_THAT(complained(), Not(HasSubstr("before")));
+  const std::string first = file("a/points.csv");
+  ASSERT_EQ(run({"study", study, "-o", folder_ + "/a"}), 0);
+  EXPECT_THAT(complained(), HasSubstr("4/4"));
+  EXPECT_THAT(complained(), HasSubstr("(before)"));
+  EXPECT_EQ(file("a/points.csv"), first);
+  // Another ladder runs what is new in it.
+  std::ofstream(study, std::ios::app) << "  # the same\nrepeat: 1\n";
+  ASSERT_EQ(run({"study", study, "-o", folder_ + "/a", "--set", "time.steps=20"}), 0);
+  EXPECT_THAT(complained(), Not(HasSubstr("before")));
+}
+
+// Killed at random, study and runs alike, it ends with the values of a study that nobody killed.
+TEST_F(StudyProgram, KilledItEndsWithEqualResults) {
+  const std::string study = free_fall("quantities: [gravity/energy, {value: steps/newton_iterations, when: sum}]\n");
+  ASSERT_EQ(run({"study", study, "-o", folder_ + "/whole"}), 0) << complained();
+  std::mt19937 dice(7);
+  int killed = 0;
+  for (int i = 0; i < 8; ++i) {
+    const pid_t child = start({"study", study, "-o", folder_ + "/killed"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(10 + dice() % 120));
+    kill(child, i % 3 == 2 ? SIGTERM : SIGKILL);
+    const int code = wait_for(child);
+    killed += code > 128 || code == 75;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // its runs die with it
+  }
+  EXPECT_GT(killed, 2);
+  ASSERT_EQ(run({"study", study, "-o", folder_ + "/killed"}), 0) << complained();
+  EXPECT_EQ(values("whole"), values("killed"));
+}
+
+TEST_F(StudyProgram, GoesOnWhenARunFails) {
+  const std::string study = write("mortise_study: 1\nscene: " + kSource +
+                                  "/scenes/first/03_incline_friction.yaml\nset: [time.steps=5]\nquantities: [inertia/kinetic_energy]\n"
+                                  "ladders:\n  - {name: newton, knobs: {solver.iterations: [1, 50, 100], solver.halvings: [0, 4, 4]}}\n");
+  ASSERT_EQ(run({"study", study, "-o", folder_ + "/a"}), 0) << complained();
+  EXPECT_THAT(said(), HasSubstr("failed: "));
+  EXPECT_THAT(file("a/points.csv"), HasSubstr(",failed,"));
+  EXPECT_THAT(file("a/work_precision.svg"), HasSubstr(">failed</text>"));
+  ASSERT_EQ(run({"study", kSource + "/scenes/first/03_incline_friction.yaml", "--set", "time.steps=5", "--set", "solver.halvings=0", "--vary",
+                 "solver.iterations=1", "--qoi", "inertia/kinetic_energy", "-o", folder_ + "/b"}),
+            5);
+  EXPECT_THAT(complained(), HasSubstr("every run failed, the first with: "));
+}
+
+TEST_F(StudyProgram, ARunTakesNoLongerThanItMay) {
+  const std::string study =
+      write("mortise_study: 1\nscene: " + kSource +
+            "/scenes/first/04_two_bodies.yaml\nset: [time.steps=2]\nlimit: 2 s\nquantities: [supports/stamp]\nplan: combinations\n"
+            "ladders:\n  - {knob: bodies.ball.shape.sphere.edge_length, values: [4 mm, 0.7 mm]}\n");
+  ASSERT_EQ(run({"study", study, "-o", folder_ + "/a"}), 0) << complained();
+  EXPECT_THAT(said(), HasSubstr("failed: took more than 2 s of CPU time"));
+}
+
+TEST_F(StudyProgram, EffectsAreSwitchedOffInTurn) {
+  ASSERT_EQ(run({"study", kSource + "/scenes/first/03_incline_friction.yaml", "--set", "time.steps=20", "--effects", "--qoi",
+                 "{value: displacement, body: block, over: mean, axis: x}", "--qoi", "barrier_contact/force_block_z", "-o", folder_ + "/a"}),
+            0)
+      << complained();
+  // A step of implicit Euler with g sin(20 deg) instead of g (sin(20 deg) - mu cos(20 deg)): 2.22 times as far.
+  EXPECT_THAT(said(), testing::ContainsRegex("friction +[0-9.e-]+ s +-?[0-9]+ % +\\+1[12][0-9] %"));
+  EXPECT_THAT(said(), testing::ContainsRegex("barrier_contact and friction .* gone"));
+  EXPECT_THAT(said(), testing::ContainsRegex("inertia +cannot be left out: "));
+  EXPECT_THAT(file("a/effects.csv"), HasSubstr("\"inertia\",,,,"));
+}
+
+// What is planned does not fit; what is run, setup included, does.
+TEST_F(StudyProgram, StaysWithinItsBudget) {
+  const std::string study = write("mortise_study: 1\nscene: " + kSource +
+                                  "/scenes/first/04_two_bodies.yaml\nset: [time.steps=10]\nquantities: [supports/stamp]\nladders:\n"
+                                  "  - {name: step, knob: time.step, values: [4 ms, 2 ms, 1 ms, 0.5 ms]}\n"
+                                  "  - {name: d_hat, knob: effects.barrier_contact.d_hat, values: [0.2 mm, 0.1 mm, 0.05 mm]}\n"
+                                  "  - {name: mesh, knob: bodies.ball.shape.sphere.edge_length, values: [4 mm, 2.5 mm, 1.2 mm, 0.8 mm]}\n");
+  ASSERT_EQ(run({"study", study, "-o", folder_ + "/a", "--budget", "12 s"}), 0) << complained();
+  const auto j = json("a/study.json");
+  double spent = 0;
+  std::map<std::string, double> runs;
+  for (const auto& r : j["runs"])
+    if (r["id"] != "") runs[r["id"]] = r["cpu_seconds_of_processes"];
+  for (const auto& [id, seconds] : runs) spent += seconds;
+  EXPECT_LT(spent, 13);
+  EXPECT_GT(spent, 2);
+  EXPECT_THAT(said(), HasSubstr("not run: the budget was spent"));
+  EXPECT_THAT(said(), HasSubstr("of CPU time, "));
+  EXPECT_THAT(said(), HasSubstr("knobs together"));
+}
+
+TEST_F(StudyProgram, WrongQuantitiesSayWhatThereIs) {
+  const auto error = [&](const std::string& quantity) {
+    EXPECT_EQ(run({"study", free_fall("quantities:\n  - " + quantity + "\n"), "-o", folder_ + "/a"}), 2);
+    return complained();
+  };
+  EXPECT_THAT(error("inertia/kinetic_enrgy"),
+              testing::AllOf(HasSubstr("s.yaml:7:5: error:"), HasSubstr("did you mean 'inertia/kinetic_energy'?"), HasSubstr("inertia/momentum_x")));
+  EXPECT_THAT(error("steps/newton"), HasSubstr("steps/newton_iterations"));
+  EXPECT_THAT(error("{value: velocty, body: box, over: max}"), HasSubstr("did you mean 'velocity'?"));
+  EXPECT_THAT(error("{value: velocity, body: bx, over: max}"), HasSubstr("no body 'bx' has points"));
+  EXPECT_EQ(run({"study", free_fall("quantities: [gravity/energy]\n"), "--vary", "time.step=1 ms"}), 2);
+}
+
+}  // namespace
+}  // namespace mortise::cli
