@@ -21,8 +21,8 @@ class ContactPatch {
   std::vector<Node> interior(std::span<const double> pressure) const;
   long loaded(std::span<const double> pressure) const;  // nodes that carry pressure
 
-  const std::vector<Vec3>& rest() const { return rest_; }                 // of all points [m]
-  const std::vector<Triangle>& triangles() const { return triangles_; }   // of soft bodies of linear tetrahedra
+  const std::vector<Vec3>& rest() const { return rest_; }                // of all points [m]
+  const std::vector<Triangle>& triangles() const { return triangles_; }  // of soft bodies of linear tetrahedra
 
  private:
   std::vector<Vec3> rest_;
