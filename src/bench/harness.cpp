@@ -12,7 +12,6 @@
 #include "engine/effect_tables.h"
 #include "engine/input.h"
 #include "geometry/topology.h"
-#include "run/certificate.h"
 #include "sensors/sensors.h"
 
 namespace mortise::bench {
@@ -68,7 +67,7 @@ std::string json_line(const Row& r) {
     j["pass"] = r.pass();
   else
     j["pass"] = nullptr;
-  if (!r.grade.empty()) j["grade"] = r.grade, j["grade_reason"] = r.reason, j["over_bound"] = number(r.over);
+  if (!r.as.letter.empty()) j["grade"] = r.as.letter, j["grade_reason"] = r.as.reason, j["graded"] = r.as.graded;
   j["seconds"] = number(r.seconds), j["newton_iterations"] = r.newton_iterations, j["dofs"] = r.dofs;
   return j.dump();
 }
@@ -161,9 +160,8 @@ void SceneText::use(const Method& method, double node_area) {
 
 Row Solved::row(const std::string& name, const Method& method, const std::string& quantity, double value, double reference, double error,
                 double gate) const {
-  return {
-      name,   method.name, quantity,   converged ? value : NAN, reference, converged ? error : NAN, gate, seconds, newton, dofs, !converged, grade,
-      reason, over,        cpu_seconds};
+  return {name,       method.name, quantity,   converged ? value : NAN, reference, converged ? error : NAN, gate, seconds, newton, dofs,
+          !converged, as,          cpu_seconds};
 }
 
 Solved solve(const SceneText& text, const std::function<void(model::ModelInput&)>& prepare, const std::function<void(const Snapshot&)>& each) {
@@ -212,8 +210,7 @@ Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInp
     certificate.step(report);
     if (each) each(out.fields);
   }
-  const run::Certificate::Grade grade = certificate.grade({"", "", "", out.converged ? Exit::done : Exit::solve, "", energy.result()});
-  out.grade = grade.letter, out.reason = grade.reason, out.over = grade.over;
+  out.as = certificate.grade({"", "", "", out.converged ? Exit::done : Exit::solve, "", energy.result()});
   double contact = 0, total = 0;
   for (const auto& [key, value] : engine->clock().seconds) {
     total += value.first;

@@ -114,7 +114,7 @@ void Certificate::state(const Snapshot& said) {
   for (double p : pressure) pressed += std::max(p, 0.0);
   if (solved && pressed > most_pressed_) {
     most_pressed_ = pressed, guard_share_ = guard_share;
-    pressure_estimate_ = pressure_error_.of(pressure, of_points("contact_force", 3), of_points("displacement", 3));
+    pressure_estimate_ = pressure_error_.of({pressure, of_points("contact_force", 3), of_points("displacement", 3)});
     layer_ = NAN;
     const std::span<const double> support = of_points("support_force", 3), bond = of_points("tie_force", 3);
     std::vector<double> held(support.begin(), support.end());
@@ -252,7 +252,7 @@ std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& e
 
 // F: some state is no state of the model. C: incomplete, or the bound of B is exceeded. B: that of A is. A: none.
 Certificate::Grade Certificate::grade(const End& end) const {
-  Grade out{"A", "every bound is met"};
+  Grade out{"A", "every bound is met", {}};
   const auto lower = [&](const char* to, const std::string& why) {
     if (out.letter[0] >= to[0]) return;
     out.letter = to, out.reason = why;
@@ -264,7 +264,7 @@ Certificate::Grade Certificate::grade(const End& end) const {
   else if (end.status != Exit::done && end.status != Exit::checks)
     lower("F", "the run failed");
   for (const Check& k : checks(end.energy)) {
-    out.over = std::max(out.over, k.value / k.good);
+    out.graded[k.name] = k.value;
     const char* earns = k.earns();
     if (earns[0] > 'A') lower(earns, fmt::format("{} is {:.2g}, more than {:.2g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable));
   }

@@ -37,7 +37,7 @@ class Certificate {
   };
   struct Grade {
     std::string letter, reason;
-    double over = 0;  // the worst of all quantities that are graded, over its bound for an A
+    std::map<std::string, double> graded;  // what it rests on
   };
   Grade grade(const End& end) const;
   std::string json(const End& end) const;

@@ -2,8 +2,8 @@
 // Contact holds surfaces apart by a gap where bodies of the real world touch. Between two bodies that both are held or driven, that gap is
 // taken for indentation: with g the mean gap over the contact force and d how far the surfaces were pressed in, measured from the bodies'
 // supports, or from where they are bonded to bodies that are supported, the force at the imposed travel is too large by about 3/2 g/d (Hertz: F ~
-// d^1.5). Where loads balance the contact force, and not supports, no travel is imposed and the gap is no error of forces: g/d counts by the share
-// of the contact force that the supports of both bodies bear.
+// d^1.5). Where loads balance the contact force, and not supports, no travel is imposed and the gap is no error of forces: g/d counts fully
+// where supports of both bodies bear the contact force, less where they bear a part, and not where they bear less than half of it.
 #include <map>
 #include <span>
 #include <string>

@@ -29,40 +29,19 @@ struct Misses {
 
 }  // namespace
 
-double PressureError::roughness(const std::vector<ContactPatch::Node>& interior, std::span<const double> pressure) const {
+PressureError::Result PressureError::of(const ContactPatch::Fields& f) const {
   constexpr std::size_t kPlane = 4;  // a plane through three neighbours has no say about a fourth
-  Misses sums;
-  for (const ContactPatch::Node& node : interior) {
+  Misses smooth, fit;
+  for (const ContactPatch::Node& node : patch_.interior(f)) {
+    const double here = f.pressure[node.point];
+    if (node.area > 0) fit.add(Eigen::Map<const Vec3>(f.force.data() + 3 * node.point).norm(), here * node.area);
     if (node.ring.size() < kPlane) continue;
     std::vector<Vec3> x;
     std::vector<double> p;
-    for (Index j : node.ring) x.push_back(patch_.rest()[j] - patch_.rest()[node.point]), p.push_back(pressure[j]);
-    sums.add(pressure[node.point], plane_at_origin(x, p));
+    for (Index j : node.ring) x.push_back(patch_.rest()[j] - patch_.rest()[node.point]), p.push_back(f.pressure[j]);
+    smooth.add(here, plane_at_origin(x, p));
   }
-  return sums.share();
-}
-
-double PressureError::misfit(const std::vector<ContactPatch::Node>& interior, std::span<const double> pressure, std::span<const double> force,
-                             std::span<const double> displacement) const {
-  if (force.size() != 3 * patch_.rest().size()) return NAN;
-  std::vector<double> area(patch_.rest().size(), 0.0);  // of nodes, as they stand now [m^2]
-  const auto at = [&](Index i) -> Vec3 {
-    return displacement.size() != force.size() ? patch_.rest()[i] : patch_.rest()[i] + Eigen::Map<const Vec3>(displacement.data() + 3 * i);
-  };
-  for (const Triangle& t : patch_.triangles()) {
-    const double third = (at(t.v[1]) - at(t.v[0])).cross(at(t.v[2]) - at(t.v[0])).norm() / 6;
-    for (Index v : t.v) area[v] += third;
-  }
-  Misses sums;
-  for (const ContactPatch::Node& node : interior)
-    if (area[node.point] > 0) sums.add(Eigen::Map<const Vec3>(force.data() + 3 * node.point).norm(), pressure[node.point] * area[node.point]);
-  return sums.share();
-}
-
-PressureError::Result PressureError::of(std::span<const double> pressure, std::span<const double> force, std::span<const double> displacement) const {
-  if (pressure.empty()) return {};
-  const std::vector<ContactPatch::Node> interior = patch_.interior(pressure);
-  return {roughness(interior, pressure), misfit(interior, pressure, force, displacement), patch_.loaded(pressure)};
+  return {smooth.share(), fit.share(), patch_.loaded(f.pressure)};
 }
 
 }  // namespace mortise::run

@@ -24,14 +24,9 @@ class PressureError {
     double roughness = NAN, misfit = NAN;  // NaN where there is no interior
     long nodes = 0;                        // that carry pressure
   };
-  // Of all points: contact_pressure [Pa]; contact_force [N] and displacement [m], three each, or empty.
-  Result of(std::span<const double> pressure, std::span<const double> force, std::span<const double> displacement) const;
+  Result of(const ContactPatch::Fields& fields) const;
 
  private:
-  double roughness(const std::vector<ContactPatch::Node>& interior, std::span<const double> pressure) const;
-  double misfit(const std::vector<ContactPatch::Node>& interior, std::span<const double> pressure, std::span<const double> force,
-                std::span<const double> displacement) const;
-
   ContactPatch patch_;
 };
 
