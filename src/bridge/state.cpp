@@ -5,6 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "geometry/rigid_motion.h"
+
 namespace mortise::bridge {
 namespace {
 
@@ -86,7 +88,7 @@ std::string State::line(long step, double time, const Snapshot& said, const std:
   for (const Body& b : bodies_) {
     std::vector<Vec3> now;
     for (std::size_t i = b.first; i < b.first + b.rest.size(); ++i) now.emplace_back(points[3 * i], points[3 * i + 1], points[3 * i + 2]);
-    const sensors::Motion m = sensors::nearest_motion(b.rest, now);
+    const geometry::Motion m = geometry::nearest_motion(b.rest, now);
     const Eigen::Quaterniond q(Mat3(m.R * b.placed.R));
     const double sign = q.w() < 0 ? -1 : 1;
     poses[b.name] = {{"position", of(m.R * b.placed.t + m.t)}, {"quaternion", {sign * q.w(), sign * q.x(), sign * q.y(), sign * q.z()}}};

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "geometry/io/read.h"
 #include "geometry/placement.h"
+#include "geometry/rigid_motion.h"
 #include "render/colour_map.h"
 #include "scene/quantity.h"
 #include "visual/mapper.h"
@@ -56,14 +57,14 @@ DrawMesh read_draw_mesh(const Params& body) {
 
 struct SceneView::Body {
   std::string name;
-  std::size_t first = 0;  // among all points
-  std::vector<Vec3> points;
+  std::size_t first = 0;            // among all points
+  std::vector<Vec3> points, start;  // now; at the start
   DrawMesh mesh;
   std::unique_ptr<visual::Mapper> mapper;  // with a visual mesh
   std::vector<Index> source;               // without: simulation point of each vertex
   std::unique_ptr<visual::SmoothNormals> normals;
 
-  explicit Body(const model::BodyInput& input) : name(input.name), points(input.nodes) {
+  explicit Body(const model::BodyInput& input) : name(input.name), points(input.nodes), start(input.nodes) {
     const Params& visual = input.params.at("visual");
     if (visual.has("mesh")) {
       mesh = read_draw_mesh(input.params);
@@ -160,6 +161,13 @@ RenderJob SceneView::job(const std::string& name, const std::map<std::string, st
   RenderJob job;
   job.width = static_cast<int>(render_.integer("width")), job.height = static_cast<int>(render_.integer("height"));
   job.camera = camera_of(p);
+  if (const Params* carrier = p.find("rides_on"))
+    for (const auto& body : bodies_)
+      if (body->name == carrier->as_text()) {
+        const geometry::Motion way = geometry::nearest_motion(body->start, body->points);
+        for (Vec3* place : {&job.camera.position, &job.camera.look_at}) *place = way.R * *place + way.t;
+        job.camera.up = way.R * job.camera.up;
+      }
   job.caption = std::move(caption);
   const Params* own = p.find("background");
   job.background_top = own != nullptr ? own->as_vec3() : render_.vec3("background");

@@ -51,6 +51,7 @@ class Session {
       : o_(o), all_(all), tables_(tables), partner_(partner), first_(folder_of(o, all.root)), progress_(make_progress(o.json, o.quiet)) {}
 
   Exit go() {
+    if (o_.environment >= 0 && all_.root.at("environments").has("reset")) progress_->note("environments.reset is not watched: the partner says when");
     for (long episode = 0;; ++episode) {
       Options one = o_;
       one.output = folder_of_episode(first_, episode);

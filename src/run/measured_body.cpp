@@ -2,8 +2,8 @@
 
 #include <Eigen/Geometry>
 
+#include "geometry/rigid_motion.h"
 #include "geometry/topology.h"
-#include "sensors/frame.h"
 
 namespace mortise::run {
 
@@ -76,7 +76,7 @@ Vec3 MeasuredBody::sum(const std::vector<double>& values) const {
 Vec3 MeasuredBody::rotation(const std::vector<double>& start, const std::vector<double>& points) const {
   std::vector<Vec3> from, to;
   for (std::size_t i = first; i < first + count; ++i) from.push_back(vector_at(start, i)), to.push_back(vector_at(points, i));
-  const Eigen::AngleAxisd turn(sensors::nearest_motion(from, to).R);
+  const Eigen::AngleAxisd turn(geometry::nearest_motion(from, to).R);
   return turn.angle() * turn.axis();
 }
 

@@ -234,6 +234,12 @@ class CrossCheck {
       if (fov && model && model->as_text() == "pinhole" && fov->as_number() > 3.1)
         errors_.add(fov->where(), path + ".fov must be below 180 deg for a pinhole camera", "model: fisheye has no such limit");
       if (hide) bodies_in(*hide, path + ".hide");
+      if (const Params* carrier = camera.find("rides_on")) {
+        bodies_in(*carrier, path + ".rides_on");
+        const Params *body = bodies_ ? bodies_->find(carrier->as_text()) : nullptr, *type = body ? body->find("type") : nullptr;
+        if (type && type->as_text() == "half_space")
+          errors_.add(carrier->where(), path + ".rides_on: '" + carrier->as_text() + "' is a half_space, which never moves");
+      }
       if (const Params* by = camera.find("colour_by")) is_field(*by, path + ".colour_by", fields(false));
       if (const Params* unit = camera.find("unit"); unit && !parse_quantity("1 " + unit->as_text(), Unit::any).error.empty())
         errors_.add(unit->where(), path + ".unit is '" + unit->as_text() + "', which is no unit", suggestion(unit->as_text(), suffixes(Unit::any)));

@@ -281,6 +281,8 @@ const ParamTable& camera_table() {
        positive(
            range(number("fov", Unit::angle, "35 deg", 0, "Field of view: of the height (pinhole, below 180 deg), of the image circle (fisheye)."), 0,
                  6.2831853071796)),
+       optional(of(Kind::text, "rides_on", Unit::none, {},
+                   "Name of a body that the camera moves with, as rigidly as that does; position, look_at and up are those of the start.")),
        optional(of(Kind::names, "hide", Unit::none, {}, "Names of bodies that this camera does not see.")),
        range(optional(of(Kind::vec3, "background", Unit::none, {}, "Background colour of this camera; absent takes that of `render`.")), 0, 1),
        optional(of(Kind::text, "colour_by", Unit::none, {}, "Field that colours the bodies.")),

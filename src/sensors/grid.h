@@ -12,10 +12,12 @@
 #include <limits>
 #include <vector>
 
+#include "geometry/rigid_motion.h"
 #include "model/input.h"
-#include "sensors/frame.h"
 
 namespace mortise::sensors {
+
+using geometry::Frame;
 
 struct GridSpec {
   int rows = 1, columns = 1;                               // along y, along x

@@ -45,7 +45,7 @@ std::vector<Index> base_of(const model::ModelInput& input, const model::BodyInpu
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   std::vector<Vec3> places;
   for (Index i : nodes) places.push_back(body.nodes[i]);
-  if (fixes_a_frame(places)) return nodes;
+  if (geometry::fixes_a_frame(places)) return nodes;
   nodes.resize(body.nodes.size());
   std::iota(nodes.begin(), nodes.end(), 0);
   return nodes;
@@ -78,7 +78,7 @@ Reading Sensor::read(const std::vector<double>& points, const std::vector<double
       if (!f->empty()) force[i] += at(*f, first_ + i);
   }
   for (Index i : base_) from.push_back(rest_[i]), to.push_back(y[i]);
-  out.frame = nearest_motion(from, to).moved(spec_.frame);
+  out.frame = geometry::nearest_motion(from, to).moved(spec_.frame);
   for (std::size_t i = 0; i < y.size(); ++i) {
     moved[i] = local(out.frame, y[i]) - local(spec_.frame, rest_[i]);
     out.wrench_force += force[i];

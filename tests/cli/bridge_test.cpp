@@ -168,7 +168,8 @@ TEST_F(Bridge, SilentAndSlowPartners) {
 
 TEST_F(Bridge, ASignalStopsTheWait) {
   const pid_t pid = start({"run", dir_ / "arm.yaml", "-q", "--no-render", "-o", out("live"), "--bridge-timeout", "0 s", "--bridge", "exec sleep 60"});
-  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  for (int i = 0; i < 600 && !fs::exists(out("live/checkpoint.h5")); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
   kill(pid, SIGTERM);
   EXPECT_EQ(wait_for(pid), 75);
   ASSERT_EQ(run("-o live --resume --bridge-every 1 --bridge " + quoted(kSame)).code, 0);
@@ -204,7 +205,7 @@ TEST(BridgePolicy, KilledRunsGoOnBitForBit) {
   int killed = 0;
   for (int i = 0; i < 3; ++i) {
     const pid_t pid = start(args);
-    std::this_thread::sleep_for(std::chrono::milliseconds(700 + 300 * i));
+    std::this_thread::sleep_for(std::chrono::milliseconds(400 + 300 * i));
     kill(pid, SIGKILL);
     killed += wait_for(pid) != 0;
   }

@@ -31,6 +31,7 @@ render:
     map: {position: [0, -9, 2], look_at: [1, 0, 0], model: fisheye, fov: 200 deg, hide: [b, floor], colour_by: contact_pressure,
           range: [0, 20 kPa], unit: kPa, background: [0, 0, 0]}
     free: {position: [0, -9, 2], look_at: [1, 0, 0], colour_by: contact_pressure}
+    riding: {position: [3, 0, 2], look_at: [3, 0, 0], up: [0, 1, 0], rides_on: b}
 )";
 
 class SceneViewTest : public testing::Test {
@@ -66,7 +67,7 @@ class SceneViewTest : public testing::Test {
 
 TEST_F(SceneViewTest, CamerasTakeTheirBlocks) {
   SceneView view(root, bodies);
-  EXPECT_EQ(view.cameras(), (std::vector<std::string>{"all", "map", "free"}));
+  EXPECT_EQ(view.cameras(), (std::vector<std::string>{"all", "map", "free", "riding"}));
   const RenderJob all = view.job("all", fields, "hello"), map = view.job("map", fields, "");
   EXPECT_EQ(all.width, 320);
   EXPECT_EQ(all.height, 200);
@@ -122,6 +123,23 @@ TEST_F(SceneViewTest, MeshesMoveWithTheirBodies) {
   EXPECT_LT((centre(*before.meshes[0].mesh) - a - Vec3(1, 0, 0)).norm(), 1e-12);
   EXPECT_LT((centre(*before.meshes[1].mesh) - b - Vec3(0, 0, 2)).norm(), 1e-12);
   EXPECT_THROW(view.move(std::vector<double>(3)), Error);
+}
+
+// Half a turn and a way: what is before the camera stays before it.
+TEST_F(SceneViewTest, CamerasRideOnBodies) {
+  SceneView view(root, bodies);
+  view.move(rest);
+  EXPECT_LT((view.job("riding", fields, "").camera.position - Vec3(3, 0, 2)).norm(), 1e-12);
+  for (std::size_t i = 3 * bodies[0].nodes.size(); i < rest.size(); i += 3) {
+    const Vec3 x(rest[i], rest[i + 1], rest[i + 2]), y = Vec3(5, 6, 7) + Vec3(-x[2], -x[1], -x[0]);
+    std::copy(y.data(), y.data() + 3, rest.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  view.move(rest);
+  const Camera c = view.job("riding", fields, "").camera;
+  EXPECT_LT((c.position - Vec3(3, 6, 4)).norm(), 1e-12);
+  EXPECT_LT((c.look_at - Vec3(5, 6, 4)).norm(), 1e-12);
+  EXPECT_LT((c.up - Vec3(0, -1, 0)).norm(), 1e-12);
+  EXPECT_EQ(view.job("all", fields, "").camera.position, Vec3(0, -9, 2)) << "others stand";
 }
 
 TEST_F(SceneViewTest, MaterialsComeFromTheMeshOrTheScene) {

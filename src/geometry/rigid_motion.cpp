@@ -1,8 +1,8 @@
-#include "sensors/frame.h"
+#include "geometry/rigid_motion.h"
 
 #include <Eigen/Dense>
 
-namespace mortise::sensors {
+namespace mortise::geometry {
 namespace {
 
 Vec3 mean(const std::vector<Vec3>& points) {
@@ -34,4 +34,4 @@ bool fixes_a_frame(const std::vector<Vec3>& points) {
   return size[1] > 1e-6 * size[2];
 }
 
-}  // namespace mortise::sensors
+}  // namespace mortise::geometry

@@ -3,9 +3,9 @@
 
 #include "base/types.h"
 
-namespace mortise::sensors {
+namespace mortise::geometry {
 
-// Where a sensor is: origin [m] and the directions x, y, z as columns.
+// Where something is and how it stands: origin [m] and the directions x, y, z as columns.
 struct Frame {
   Vec3 origin = Vec3::Zero();
   Mat3 axes = Mat3::Identity();
@@ -25,4 +25,4 @@ Motion nearest_motion(const std::vector<Vec3>& from, const std::vector<Vec3>& to
 // Do the points span more than a line?
 bool fixes_a_frame(const std::vector<Vec3>& points);
 
-}  // namespace mortise::sensors
+}  // namespace mortise::geometry
