@@ -17,7 +17,7 @@ using namespace mortise;
 using namespace mortise::bench;
 
 TEST(StudyHarness, RowsAreJsonWithExactlyTheseKeys) {
-  Row row{"c", "gmcp_consistent", "gap", 1.5, 1, 0.5, 1e-8, 0.25, 7, 99, false};
+  Row row{"c", "gmcp_consistent", "gap", 1.5, 1, 0.5, 1e-8, 0.25, 7, 99, false, {}, NAN};
   const auto j = nlohmann::ordered_json::parse(json_line(row));
   std::vector<std::string> keys;
   for (const auto& [key, v] : j.items()) keys.push_back(key);
@@ -33,6 +33,11 @@ TEST(StudyHarness, RowsAreJsonWithExactlyTheseKeys) {
   EXPECT_TRUE(nlohmann::json::parse(json_line(row))["pass"].is_null());
   row.failed = true;
   EXPECT_EQ(nlohmann::json::parse(json_line(row))["pass"], false);
+  row.as = {"B", "stress_error is 0.07, more than 0.05", {{"stress_error", 0.07}}};
+  const auto graded = nlohmann::json::parse(json_line(row));
+  EXPECT_EQ(graded["grade"], "B");
+  EXPECT_EQ(graded["grade_reason"], row.as.reason);
+  EXPECT_EQ(graded["graded"]["stress_error"], 0.07);
 }
 
 TEST(StudyHarness, BarrierGapMatchesItsTable) {

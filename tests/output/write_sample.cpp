@@ -60,7 +60,7 @@ void write_record(const std::string& path, Exit code) {
   r.mortise_version = "0.1.0";
   r.libraries["hdf5"] = "1.10.8";
   r.hardware = hardware();
-  r.device = {"cpu", "cpu", 2, 0, ""};
+  r.device = {"cpu", "cpu", 2, 0, "", "", ""};
   r.scene_sha256 = std::string(64, '0');
   r.seconds["output"] = 1;
   r.phases = {{"solver", "solve", 0.5, 3}};

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 
 #include "place.h"
+#include "run/contact_patch.h"
 
 using namespace mortise;
 using run::Certificate;
@@ -157,6 +159,31 @@ TEST(Certificate, GradesTheErrorsOfMeshes) {
   EXPECT_EQ(uneven["grade"], "C");
   EXPECT_NEAR(uneven["model"]["pressure_misfit"], 0.2, 1e-6);
   EXPECT_NEAR(uneven["model"]["pressure_roughness"], 0, 1e-6);
+}
+
+// A cube pressed from above and below: all its nodes are loaded, but what bears is the two faces that face the forces.
+TEST(ContactPatch, EndsWhereNothingFacesTheForce) {
+  model::ModelInput input = scene();
+  model::BodyInput cube;
+  for (double z : {0., 1.})
+    for (double y : {0., 1.})
+      for (double x : {0., 1.}) cube.nodes.push_back({x, y, z});
+  for (const auto& [a, b, c, d] :
+       std::vector<std::array<Index, 4>>{{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}})
+    cube.triangles.push_back({{a, b, c}}), cube.triangles.push_back({{a, c, d}});
+  input.bodies.push_back(cube);
+  const std::vector<double> pressure(8, 1e3);
+  std::vector<double> force(24, 0.0);
+  for (int i = 0; i < 8; ++i) force[3 * i + 2] = i < 4 ? 250 : -250;
+  const run::ContactPatch patch(input);
+  const auto nodes = patch.interior({pressure, force, {}});
+  ASSERT_EQ(nodes.size(), 8u) << "the edge of a body is no rim";
+  double area = 0;
+  for (const auto& node : nodes) {
+    area += node.area;
+    for (Index j : node.ring) EXPECT_EQ(patch.rest()[j][2], patch.rest()[node.point][2]);
+  }
+  EXPECT_NEAR(area, 2, 1e-12) << "top and bottom";
 }
 
 // A pad of two triangles, held below and pressed by a held body to half of its way; the layer between them is a tenth of that.
