@@ -105,7 +105,9 @@ Results run_with_budget(const Study& study, const Place& place, const Told& told
     for (std::size_t k = 0; k < knobs.size(); ++k)
       if (at[k] != kBase)
         for (const auto& s : study.ladders[ladders[k]].steps[at[k]].settings) next.settings.push_back(s);
-    next.label = label_of(next.settings);
+    for (std::size_t k = 0; k < knobs.size(); ++k)
+      if (at[k] != kBase)
+        next.label += (next.label.empty() ? "" : ", ") + step_label(study.ladders[ladders[k]], study.ladders[ladders[k]].steps[at[k]]);
     next.variant = variant_of(study, study.methods.front(), next.settings);
     const RunResult result = budget.run(next, 0);
     if (result.failed() && result.message == kNotRun) break;

@@ -37,6 +37,7 @@ Plan plan_of(const Study& study);
 // The settings of the over-resolved run, if they are fine enough; throws Error(Exit::usage) where they are not.
 Settings over_resolved(const Study& study);
 
-std::string label_of(const Settings& settings);
+std::string label_of(const Settings& settings);                          // "time.step=2 ms, a.b=1"
+std::string step_label(const Ladder& ladder, const Ladder::Step& step);  // "mesh 2 mm" of a ladder with a name of its own, else "time.step=2 ms"
 
 }  // namespace mortise::study
