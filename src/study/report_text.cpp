@@ -77,10 +77,11 @@ std::string text_report(const Results& r) {
   for (const std::string& f : findings(r)) out += f + "\n";
   for (const std::string& n : r.notes) out += n + "\n";
   out += fmt::format(
-      "\ntime: {} of the steps on {} ({} cores, load up to {:.1f}, {} threads){}\n* nothing faster is as accurate; <: the reference is known no "
+      "\ntime: {} of the steps on {} ({} cores, load up to {:.1f}, {} threads){}; mortise {}\n* nothing faster is as accurate; <: the reference is "
+      "known no "
       "better\n",
       r.device == "cuda" ? "wall seconds" : "CPU seconds", r.cpu, r.cores, r.load, r.threads,
-      r.load > r.cores ? "; the machine was overloaded, which makes CPU seconds longer too" : "");
+      r.load > r.cores ? "; the machine was overloaded, which makes CPU seconds longer too" : "", r.version);
   return out;
 }
 
