@@ -23,6 +23,7 @@ std::string points_table(const Results& r, std::size_t k) {
         continue;
       }
       std::string mark = p->knee ? " * knee" : p->best ? " *" : "";
+      if (!p->cancel.empty()) mark += "  (" + p->cancel + " cancel)";
       out += fmt::format("  {:{}} {:>13.6g} {:>11} {:>11} {:>8} {:>7}{}\n", p->label, wide, p->value,
                          p->reference ? "reference" : (p->hollow ? "<" : "") + error_text(p->hollow ? ref.uncertainty / ref.scale : p->error, ref),
                          seconds_text(p->seconds), p->newton, p->dofs, mark);
