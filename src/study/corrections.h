@@ -26,7 +26,8 @@ std::vector<Correction> corrections(const Plan& plan, const Results& results, st
 
 double root_of_squares(const std::vector<Correction>& all);
 
-// "mesh +38.7 % and d_hat -43.9 %" where they cancel: where together they are well below the root of their squares; else empty.
+// "mesh +38.7 % and d_hat -43.9 %", more or less than it should be, where they cancel: where together they are well below the root of their squares;
+// else empty.
 std::string cancelling(const std::vector<Correction>& all, double scale);
 
 // The settings of a run with all refining knobs moved together, each by its first step that is better than the scene as it is: what it differs from
@@ -34,8 +35,8 @@ std::string cancelling(const std::vector<Correction>& all, double scale);
 std::vector<OnCurve> joint_steps(const Plan& plan, const Results& results);
 Planned joint_run(const Study& study, const Plan& plan, const std::vector<OnCurve>& steps);
 
-// What the interaction of all ladders may be at their limits: that of the joint run, as much larger as the products of the knobs' changes are there;
-// where there was none, these products over the quantity itself.
+// What the interaction of all ladders may be at their limits: that of the joint run, as much larger as the products of the knobs' changes are there
+// (and a quarter more, as those of a limit are); where there was none, these products over the quantity itself.
 double interaction(const Plan& plan, const Results& results, std::size_t quantity);
 
 }  // namespace mortise::study

@@ -119,7 +119,7 @@ Point point(const Curve& c, const Planned& planned, const RunResult& run, std::s
   const Reference& ref = r.references[k];
   if (p.failed) return p;
   p.error = std::max(std::abs(p.value - ref.value), root_of_squares(left)) / ref.scale;
-  p.cancel = cancelling(left, ref.scale);
+  p.cancel = cancelling(left, ref.value < 0 ? -ref.scale : ref.scale);
   p.hollow = std::isfinite(ref.uncertainty) && p.error < ref.uncertainty / ref.scale;
   return p;
 }
