@@ -104,8 +104,9 @@ TEST(Compare, ErrorsOfKnobsAddUp) {
   TwoKnobs k;
   compare(k.plan, nullptr, k.results);
   const Reference& ref = k.results.references[0];
-  EXPECT_NEAR(ref.value, 3, 1e-9);              // though no run comes near to it: 4.5 and 4.56 are the nearest
-  EXPECT_GT(ref.uncertainty, 1 * 1.25 / 5.25);  // there was no joint run: the product of the changes by h and t
+  EXPECT_NEAR(ref.value, 3, 1e-9);  // though no run comes near to it: 4.5 and 4.56 are the nearest
+  // Of both limits, and as there was no joint run, the product of the changes by h and t.
+  EXPECT_NEAR(ref.uncertainty, 1.25 * (0.5 + 0.3125) + 1 * 1.25 / 5.25, 1e-6);
   EXPECT_THAT(ref.how,
               testing::AllOf(HasSubstr("h: extrapolated at an observed order of 1"), HasSubstr("t: extrapolated at an observed order of 2")));
   ASSERT_EQ(k.results.shares.size(), 2u);
