@@ -109,7 +109,8 @@ Results run_benchmark_study(const Study& study, const Place& place, const Told& 
         for (std::size_t k = 0; k < study.quantities.size(); ++k) {
           if (!row.is(study.quantities[k].value)) continue;
           Point p;
-          p.curve = row.method + (curve.name.empty() || row.method.empty() ? "" : ", ") + curve.name, p.label = planned.label, p.run = result.id;
+          p.curve = row.method + (curve.name.empty() || row.method.empty() ? "" : ", ") + curve.name,
+          p.label = row.method + (row.method.empty() ? "" : ", ") + planned.label, p.run = result.id;
           p.settings = planned.settings, p.quantity = k, p.step = i, p.value = row.value, p.error = row.error, p.seconds = row.seconds,
           p.slowest = row.slowest;
           p.newton = row.newton, p.dofs = row.dofs, p.failed = row.failed, p.why = row.failed ? "did not converge" : "";

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "study/compare.h"
+#include "study/corrections.h"
 #include "study/greedy.h"
 
 namespace mortise::study {
@@ -56,10 +57,11 @@ double expected(const Curve& c, const Ladder& ladder, const std::vector<RunResul
   return ladder.sizes.empty() ? last.process : last.process * ladder.sizes[step - 1] / ladder.sizes[step];
 }
 
-std::vector<Knob> knobs_of(const Plan& plan, const Results& r, std::vector<std::size_t>& ladders) {
+std::vector<Knob> knobs_of(const Plan& plan, const Results& r, std::vector<std::size_t>& curves) {
   std::vector<Knob> out;
   const RunResult& base = r.runs[plan.base.front()];
-  for (const Curve& c : plan.curves) {
+  for (std::size_t at = 0; at < plan.curves.size(); ++at) {
+    const Curve& c = plan.curves[at];
     if (c.method != 0 || r.study.ladders[c.ladder].sizes.empty()) continue;
     const auto share =
         std::find_if(r.shares.begin(), r.shares.end(), [&](const Share& s) { return s.quantity == 0 && s.ladder == r.study.ladders[c.ladder].name; });
@@ -69,7 +71,7 @@ std::vector<Knob> knobs_of(const Plan& plan, const Results& r, std::vector<std::
       k.error.push_back(std::abs(r.runs[run].values[0] - share->limit.value) / r.references[0].scale);
       k.cost.push_back(r.runs[run].process / base.process);
     }
-    out.push_back(k), ladders.push_back(c.ladder);
+    out.push_back(k), curves.push_back(at);
   }
   return out;
 }
@@ -90,10 +92,19 @@ Results run_with_budget(const Study& study, const Place& place, const Told& told
     for (const Curve& c : plan.curves)
       if (level < c.runs.size())
         out.runs[c.runs[level]] = budget.run(plan.runs[c.runs[level]], expected(c, study.ladders[c.ladder], out.runs, level));
+  if (const std::vector<OnCurve> steps = joint_steps(plan, out); !steps.empty()) {
+    const Planned joint = joint_run(study, plan, steps);
+    double factor = 1;  // times of knobs multiply
+    for (const OnCurve& s : steps) factor *= out.runs[plan.curves[s.curve].runs[s.step]].process / out.runs[plan.base.front()].process;
+    if (const RunResult result = budget.run(joint, factor * out.runs[plan.base.front()].process); !result.failed()) {
+      plan.refined.push_back({plan.runs.size(), steps});
+      plan.runs.push_back(joint), out.runs.push_back(result);
+    }
+  }
   compare(plan, nullptr, out);
 
-  std::vector<std::size_t> ladders;
-  const std::vector<Knob> knobs = knobs_of(plan, out, ladders);
+  std::vector<std::size_t> curves;
+  const std::vector<Knob> knobs = knobs_of(plan, out, curves);
   std::vector<std::size_t> at(knobs.size(), kBase);
   const double base = out.runs[plan.base.front()].process;
   double scale = 1;  // of what runs took over what was predicted
@@ -101,16 +112,14 @@ Results run_with_budget(const Study& study, const Place& place, const Told& told
     const auto move = best_move(knobs, at, budget.left() / (base * scale));
     if (!move) break;
     at[move->knob] = move->step;
-    Planned next{0, {}, ""};
+    std::vector<OnCurve> steps;
     for (std::size_t k = 0; k < knobs.size(); ++k)
-      if (at[k] != kBase)
-        for (const auto& s : study.ladders[ladders[k]].steps[at[k]].settings) next.settings.push_back(s);
-    next.label = label_of(next.settings);
-    next.variant = variant_of(study, study.methods.front(), next.settings);
+      if (at[k] != kBase) steps.push_back({curves[k], at[k]});
+    const Planned next = joint_run(study, plan, steps);
     const RunResult result = budget.run(next, 0);
     if (result.failed() && result.message == kNotRun) break;
     if (!result.failed() && result.process > 0) scale = result.process / (base * move->cost);
-    plan.refined.push_back(plan.runs.size());
+    plan.refined.push_back({plan.runs.size(), steps});
     plan.runs.push_back(next), out.runs.push_back(result);
     if (result.failed()) break;
   }

@@ -132,6 +132,9 @@ RunResult execute(const Planned& run, const Place& place, int repeats, double li
     out.seconds = i == 0 ? cost : std::min(out.seconds, cost), out.slowest = i == 0 ? cost : std::max(out.slowest, cost);
     if (said.is_object() && said.contains("steps") && said["steps"].contains("newton_iterations") && said["steps"]["newton_iterations"].is_object())
       out.newton = static_cast<long>(said["steps"]["newton_iterations"].value("total", 0.0));
+    if (ended.code == static_cast<int>(Exit::file))  // a full disk says nothing about the settings
+      throw Error(Exit::file,
+                  "a run could not be written: " + first_line(output::read_file(stem + ".log")) + "\n  the same command goes on when there is room");
     if (out.failed()) {
       out.message = ended.code == 128 + SIGXCPU ? fmt::format("took more than {:g} s of CPU time", limit)
                     : said.is_object()          ? first_line(said.value("message", ""))

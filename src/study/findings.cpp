@@ -41,7 +41,8 @@ std::vector<std::string> findings(const Results& r) {
     const std::string& name = r.study.quantities[k].name;
     const double u = std::isfinite(ref.uncertainty) ? ref.uncertainty / ref.scale : 0;
     const auto of = [&](const Point& p) {
-      return fmt::format("{:.6g}, {} {} in {}", p.value, p.hollow ? "error below" : "error", error_text(p.hollow ? u : p.error, ref),
+      const std::string cancel = p.cancel.empty() ? "" : fmt::format(" (errors of {} cancel: that the value is near is luck)", p.cancel);
+      return fmt::format("{:.6g}, {} {}{} in {}", p.value, p.hollow ? "error below" : "error", error_text(p.hollow ? u : p.error, ref), cancel,
                          seconds_text(p.seconds));
     };
     for (const Point& p : r.points)

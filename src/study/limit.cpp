@@ -45,7 +45,10 @@ Limit richardson(const std::vector<double>& h, const std::vector<double>& q, std
   const double h1 = h[last - 2], h2 = h[last - 1], h3 = h[last], far = q[last - 2] - q[last - 1], near = q[last - 1] - q[last];
   Limit out{q[last], false, 0, tuning::kUnknownOrder * std::abs(near), ""};
   if (far == 0 && near == 0) return {q[last], false, 0, 0, "the finest run: the last three are equal"};
-  if (!(near * far > 0)) return out.how = "the finest run: differences change sign, no limit is in sight", out;
+  if (!(near * far > 0)) {  // it may have come near by chance, and go off as far again
+    out.uncertainty = std::max(out.uncertainty, std::abs(far));
+    return out.how = "the finest run: differences change sign, no limit is in sight", out;
+  }
   // Of p the right-hand side rises from log(h1/h2)/log(h2/h3) at p = 0 on.
   const auto excess = [&](double p) { return (std::pow(h1, p) - std::pow(h2, p)) / (std::pow(h2, p) - std::pow(h3, p)) - far / near; };
   double lo = tuning::kLeastOrder, hi = tuning::kMostOrder;

@@ -23,8 +23,8 @@ void make_scene(const Study& study, Planned& run, const SourceLoc& at) {
   }
 }
 
-std::size_t add(const Study& study, Plan& plan, std::size_t method, const Settings& settings, const SourceLoc& at) {
-  Planned run{method, settings, joined(study.methods[method].name, label_of(settings))};
+std::size_t add(const Study& study, Plan& plan, std::size_t method, const Settings& settings, const std::string& label, const SourceLoc& at) {
+  Planned run{method, settings, joined(study.methods[method].name, label), {}};
   make_scene(study, run, at);
   plan.runs.push_back(std::move(run));
   return plan.runs.size() - 1;
@@ -32,11 +32,12 @@ std::size_t add(const Study& study, Plan& plan, std::size_t method, const Settin
 
 void one_at_a_time(const Study& study, Plan& plan) {
   for (std::size_t m = 0; m < study.methods.size(); ++m) {
-    plan.base.push_back(add(study, plan, m, {}, study.methods[m].at));
-    plan.runs.back().label = joined(study.methods[m].name, "as it is");
+    const std::string& method = study.methods[m].name;
+    plan.base.push_back(add(study, plan, m, {}, "as it is", study.methods[m].at));
     for (std::size_t l = 0; l < study.ladders.size(); ++l) {
-      Curve curve{joined(study.methods[m].name, study.ladders.size() > 1 || study.methods[m].name.empty() ? study.ladders[l].name : ""), m, l, {}};
-      for (const Ladder::Step& s : study.ladders[l].steps) curve.runs.push_back(add(study, plan, m, s.settings, study.ladders[l].at));
+      const Ladder& ladder = study.ladders[l];
+      Curve curve{joined(method, study.ladders.size() > 1 || method.empty() ? ladder.name : ""), m, l, {}};
+      for (const Ladder::Step& s : ladder.steps) curve.runs.push_back(add(study, plan, m, s.settings, step_label(ladder, s), ladder.at));
       plan.curves.push_back(std::move(curve));
     }
   }
@@ -44,29 +45,35 @@ void one_at_a_time(const Study& study, Plan& plan) {
 
 // Curve by curve, along the first ladder; the last ladder's steps change fastest from curve to curve.
 void combinations(const Study& study, Plan& plan) {
-  std::vector<Settings> rests{{}};
+  std::vector<Ladder::Step> rests{{}};
   for (std::size_t l = 1; l < study.ladders.size(); ++l) {
-    std::vector<Settings> next;
-    for (const Settings& rest : rests)
+    std::vector<Ladder::Step> next;
+    for (const Ladder::Step& rest : rests)
       for (const Ladder::Step& s : study.ladders[l].steps) {
-        next.push_back(rest);
-        next.back().insert(next.back().end(), s.settings.begin(), s.settings.end());
+        next.push_back({rest.settings, joined(rest.label, step_label(study.ladders[l], s))});
+        next.back().settings.insert(next.back().settings.end(), s.settings.begin(), s.settings.end());
       }
     rests = std::move(next);
   }
+  const Ladder& first = study.ladders.front();
   for (std::size_t m = 0; m < study.methods.size(); ++m)
-    for (const Settings& rest : rests) {
-      Curve curve{joined(study.methods[m].name, label_of(rest)), m, 0, {}};
-      for (const Ladder::Step& s : study.ladders.front().steps) {
+    for (const Ladder::Step& rest : rests) {
+      Curve curve{joined(study.methods[m].name, rest.label), m, 0, {}};
+      for (const Ladder::Step& s : first.steps) {
         Settings all = s.settings;
-        all.insert(all.end(), rest.begin(), rest.end());
-        curve.runs.push_back(add(study, plan, m, all, study.ladders.front().at));
+        all.insert(all.end(), rest.settings.begin(), rest.settings.end());
+        curve.runs.push_back(add(study, plan, m, all, joined(step_label(first, s), rest.label), first.at));
       }
       plan.curves.push_back(std::move(curve));
     }
 }
 
 }  // namespace
+
+std::string step_label(const Ladder& ladder, const Ladder::Step& step) {
+  const bool named = ladder.name != step.settings.front().first;
+  return ladder.name + (named ? " " : "=") + step.label;
+}
 
 std::string label_of(const Settings& settings) {
   std::string out;

@@ -4,26 +4,11 @@
 #include <algorithm>
 
 #include "study/compare.h"
+#include "study/corrections.h"
 #include "study/tuning.h"
 
 namespace mortise::study {
 namespace {
-
-// Whether two steps made the same: a mesh has whole numbers of cells, and edge lengths that differ a little may make equal ones.
-bool same_run(const RunResult& a, const RunResult& b) { return a.dofs == b.dofs && a.newton == b.newton && a.values == b.values; }
-
-// Of the runs along a curve that did not fail; of equal ones the one that was meant to be finer.
-Limit limit_along(const Curve& curve, const Results& r, std::size_t quantity) {
-  std::vector<double> sizes, values;
-  const Ladder& ladder = r.study.ladders[curve.ladder];
-  for (std::size_t i = 0; i < curve.runs.size(); ++i) {
-    const RunResult& run = r.runs[curve.runs[i]];
-    if (!std::isfinite(run.values[quantity]) || (i + 1 < curve.runs.size() && same_run(run, r.runs[curve.runs[i + 1]]))) continue;
-    values.push_back(run.values[quantity]);
-    if (!ladder.sizes.empty()) sizes.push_back(ladder.sizes[i]);
-  }
-  return limit_of(sizes, values);
-}
 
 void note_equal_runs(const Plan& plan, Results& r) {
   for (const Curve& c : plan.curves)
@@ -35,24 +20,20 @@ void note_equal_runs(const Plan& plan, Results& r) {
 
 Reference given(const Quantity& q) { return {*q.reference, q.uncertainty, 1, true, "given"}; }
 
-// Errors of knobs add up, to first order: q = q_base + sum over ladders of d, d = limit of the ladder - q_base. Of second order are products of their
-// shares, d1 d2 / q_base: as large may the error of the sum be.
+// Errors of knobs add up, to first order: q = q_base + sum over ladders of (limit of the ladder - q_base). Their interaction is of second order.
 Reference added_up(const Plan& plan, const Results& r, std::size_t k, bool& extrapolated) {
   const double base = r.runs[plan.base.front()].values[k];
   Reference out{base, 0, 1, true, ""};
   std::string how;
-  double changes = 0, products = 0;
   for (const Curve& c : plan.curves) {
     const Ladder& ladder = r.study.ladders[c.ladder];
     if (c.method != 0 || ladder.sizes.empty()) continue;
     const Limit limit = limit_along(c, r, k);
     extrapolated = extrapolated && limit.extrapolated;
-    const double change = std::abs(limit.value - base);
-    products += changes * change, changes += change;
     out.value += limit.value - base, out.uncertainty += limit.uncertainty;
     how += (how.empty() ? "" : "; ") + ladder.name + ": " + limit.how;
   }
-  if (base != 0) out.uncertainty += products / std::abs(base);
+  if (!how.empty()) out.uncertainty += interaction(plan, r, k);
   out.how = r.study.ladders.size() > 1 ? "limits of the ladders, added up (" + how + ")" : how;
   if (how.empty()) extrapolated = false, out.uncertainty = NAN, out.how = "the scene as it is: no ladder is one of refinement";
   return out;
@@ -126,7 +107,9 @@ void add_shares(const Plan& plan, Results& r) {
   }
 }
 
-Point point(const Curve& c, const Planned& planned, const RunResult& run, std::size_t step, std::size_t k, const Results& r) {
+// `left`: what the knobs of the run still move, each by itself. Errors that cancel do not make a run better than these.
+Point point(const Curve& c, const Planned& planned, const RunResult& run, std::size_t step, std::size_t k, const Results& r,
+            const std::vector<Correction>& left) {
   Point p;
   p.curve = c.name, p.label = planned.label, p.run = run.id, p.settings = planned.settings, p.quantity = k, p.method = c.method, p.step = step;
   p.seconds = run.seconds, p.slowest = run.slowest, p.newton = run.newton, p.dofs = run.dofs;
@@ -135,9 +118,32 @@ Point point(const Curve& c, const Planned& planned, const RunResult& run, std::s
   p.refines = step == SIZE_MAX || !r.study.ladders[c.ladder].sizes.empty();
   const Reference& ref = r.references[k];
   if (p.failed) return p;
-  p.error = std::abs(p.value - ref.value) / ref.scale;
+  p.error = std::max(std::abs(p.value - ref.value), root_of_squares(left)) / ref.scale;
+  p.cancel = cancelling(left, ref.value < 0 ? -ref.scale : ref.scale);
   p.hollow = std::isfinite(ref.uncertainty) && p.error < ref.uncertainty / ref.scale;
   return p;
+}
+
+void add_points(const Plan& plan, Results& r, std::size_t k) {
+  // A value that was given is the truth: then errors are what they are.
+  const bool given = r.study.quantities[k].reference.has_value();
+  const auto put = [&](const Curve& c, std::size_t run, std::size_t step, const std::vector<Correction>& left) {
+    r.points.push_back(point(c, plan.runs[run], r.runs[run], step, k, r, given ? std::vector<Correction>{} : left));
+  };
+  for (std::size_t m = 0; m < plan.base.size(); ++m)
+    put({plan.runs[plan.base[m]].label, m, 0, {}}, plan.base[m], SIZE_MAX, corrections(plan, r, k, m, {}));
+  for (std::size_t at = 0; at < plan.curves.size(); ++at) {
+    const Curve& c = plan.curves[at];
+    const bool refines = !r.study.ladders[c.ladder].sizes.empty();
+    for (std::size_t i = 0; i < c.runs.size(); ++i)
+      put(c, c.runs[i], i,
+          plan.base.empty() ? corrections(plan, r, k, {at, i}, r.references[k].value)
+                            : (refines ? corrections(plan, r, k, c.method, {{at, i}}) : std::vector<Correction>{}));
+  }
+  for (std::size_t i = 0; i < plan.refined.size(); ++i) {
+    put({"knobs together", 0, 0, {}}, plan.refined[i].run, i, corrections(plan, r, k, 0, plan.refined[i].steps));
+    r.points.back().refines = true;
+  }
 }
 
 }  // namespace
@@ -161,16 +167,7 @@ void compare(const Plan& plan, const RunResult* over, Results& r) {
                                            plan.base.empty() ? "no run of the first curve has a value" : "the scene as it is has no value"));
     scale(ref, r.study.quantities[k]);
     r.references.push_back(ref);
-    for (std::size_t m = 0; m < plan.base.size(); ++m) {
-      Curve c{plan.runs[plan.base[m]].label, m, 0, {}};
-      r.points.push_back(point(c, plan.runs[plan.base[m]], r.runs[plan.base[m]], SIZE_MAX, k, r));
-    }
-    for (const Curve& c : plan.curves)
-      for (std::size_t i = 0; i < c.runs.size(); ++i) r.points.push_back(point(c, plan.runs[c.runs[i]], r.runs[c.runs[i]], i, k, r));
-    for (std::size_t i = 0; i < plan.refined.size(); ++i) {
-      r.points.push_back(point({"knobs together", 0, 0, {}}, plan.runs[plan.refined[i]], r.runs[plan.refined[i]], i, k, r));
-      r.points.back().refines = true;
-    }
+    add_points(plan, r, k);
     // A run that all others are compared with has no error of its own.
     if (ref.how.starts_with("the finest run"))  // of one ladder
       for (Point& p : r.points)

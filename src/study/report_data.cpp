@@ -35,13 +35,15 @@ std::string settings_text(const Settings& s) {
 
 std::string points_csv(const Results& r) {
   std::string out =
-      "curve,settings,quantity,value,reference,uncertainty,error,cpu_seconds,cpu_seconds_slowest,newton_iterations,dofs,status,reason,pareto,knee,"
+      "curve,settings,quantity,value,reference,uncertainty,error,cpu_seconds,cpu_seconds_slowest,newton_iterations,dofs,status,reason,cancelling,"
+      "pareto,knee,"
       "run\n";
   for (const Point& p : r.points) {
     const Reference& ref = r.references[p.quantity];
-    out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", cell(p.curve), cell(settings_text(p.settings)),
-                       cell(r.study.quantities[p.quantity].name), cell(p.value), cell(ref.value), cell(ref.uncertainty), cell(p.error),
-                       cell(p.seconds), cell(p.slowest), p.newton, p.dofs, status(p), cell(p.why), p.best ? 1 : 0, p.knee ? 1 : 0, p.run);
+    out +=
+        fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", cell(p.curve), cell(settings_text(p.settings)),
+                    cell(r.study.quantities[p.quantity].name), cell(p.value), cell(ref.value), cell(ref.uncertainty), cell(p.error), cell(p.seconds),
+                    cell(p.slowest), p.newton, p.dofs, status(p), cell(p.why), cell(p.cancel), p.best ? 1 : 0, p.knee ? 1 : 0, p.run);
   }
   return out;
 }

@@ -25,15 +25,15 @@ std::string row(const std::vector<std::string>& cells, const char* tag = "td", c
 
 std::string points(const Results& r, std::size_t k) {
   const Reference& ref = r.references[k];
-  std::string out = "<table>\n" + row({"run", "curve", "value", "error", "CPU time", "newton", "dofs"}, "th");
+  std::string out = "<table>\n" + row({"run", "curve", "value", "error", "CPU time", "newton", "dofs", "errors that cancel"}, "th");
   for (const Point& p : r.points) {
     if (p.quantity != k) continue;
     if (p.failed)
-      out += row({p.label, p.curve, "failed: " + p.why, "", seconds_text(p.seconds), "", ""}, "td", "failed");
+      out += row({p.label, p.curve, "failed: " + p.why, "", seconds_text(p.seconds), "", "", ""}, "td", "failed");
     else
       out += row({p.label, p.curve, fmt::format("{:.8g}", p.value),
                   p.reference ? "reference" : (p.hollow ? "< " : "") + error_text(p.hollow ? ref.uncertainty / ref.scale : p.error, ref),
-                  seconds_text(p.seconds), std::to_string(p.newton), std::to_string(p.dofs)},
+                  seconds_text(p.seconds), std::to_string(p.newton), std::to_string(p.dofs), p.cancel},
                  "td",
                  p.knee   ? "knee"
                  : p.best ? "best"

@@ -23,6 +23,7 @@ std::string points_table(const Results& r, std::size_t k) {
         continue;
       }
       std::string mark = p->knee ? " * knee" : p->best ? " *" : "";
+      if (!p->cancel.empty()) mark += "  (" + p->cancel + " cancel)";
       out += fmt::format("  {:{}} {:>13.6g} {:>11} {:>11} {:>8} {:>7}{}\n", p->label, wide, p->value,
                          p->reference ? "reference" : (p->hollow ? "<" : "") + error_text(p->hollow ? ref.uncertainty / ref.scale : p->error, ref),
                          seconds_text(p->seconds), p->newton, p->dofs, mark);
@@ -77,10 +78,11 @@ std::string text_report(const Results& r) {
   for (const std::string& f : findings(r)) out += f + "\n";
   for (const std::string& n : r.notes) out += n + "\n";
   out += fmt::format(
-      "\ntime: {} of the steps on {} ({} cores, load up to {:.1f}, {} threads){}\n* nothing faster is as accurate; <: the reference is known no "
+      "\ntime: {} of the steps on {} ({} cores, load up to {:.1f}, {} threads){}; mortise {}\n* nothing faster is as accurate; <: the reference is "
+      "known no "
       "better\n",
       r.device == "cuda" ? "wall seconds" : "CPU seconds", r.cpu, r.cores, r.load, r.threads,
-      r.load > r.cores ? "; the machine was overloaded, which makes CPU seconds longer too" : "");
+      r.load > r.cores ? "; the machine was overloaded, which makes CPU seconds longer too" : "", r.version);
   return out;
 }
 

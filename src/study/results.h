@@ -41,6 +41,7 @@ struct Point {
   long newton = 0, dofs = 0;
   bool failed = false;
   std::string why;         // it failed
+  std::string cancel;      // errors of knobs that cancel: "mesh +39 % and d_hat -44 %"
   bool reference = false;  // the others are compared with it
   bool hollow = false;     // its error is below the uncertainty of the reference
   bool best = false;       // on the Pareto front: nothing faster is as accurate

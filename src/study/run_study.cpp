@@ -14,6 +14,7 @@
 #include "run/signals.h"
 #include "study/budget.h"
 #include "study/compare.h"
+#include "study/corrections.h"
 
 namespace fs = std::filesystem;
 
@@ -47,7 +48,7 @@ Results run_study(const Study& study, const Place& place, const Told& told) {
   run::install_signal_handlers();
   if (study.budget > 0) return run_with_budget(study, place, told);
   if (!study.benchmark.empty()) return run_benchmark_study(study, place, told);
-  const Plan plan = plan_of(study);
+  Plan plan = plan_of(study);
   Results out;
   out.study = study;
   std::map<std::string, RunResult> by_scene;  // equal scenes are run once
@@ -66,6 +67,16 @@ Results run_study(const Study& study, const Place& place, const Told& told) {
   }
   if (std::all_of(out.runs.begin(), out.runs.end(), [](const RunResult& r) { return r.failed(); }))
     throw Error(Exit::solve, "every run failed, the first with: " + out.runs.front().message);
+  // How knobs interact: a run with all of them finer.
+  const bool limits = std::any_of(study.quantities.begin(), study.quantities.end(), [](const Quantity& q) { return !q.reference; });
+  if (const std::vector<OnCurve> steps = joint_steps(plan, out); limits && !steps.empty()) {
+    const Planned joint = joint_run(study, plan, steps);
+    RunResult result = execute(joint, place, study.repeats, study.limit);
+    measure_all(study, place, result);
+    told.run(all + 1, all + 1, result);
+    plan.refined.push_back({plan.runs.size(), steps});
+    plan.runs.push_back(joint), out.runs.push_back(result);
+  }
   RunResult over;
   const bool needed = !study.over_resolved.empty() && needs_over_resolved(plan, out);
   if (needed) {

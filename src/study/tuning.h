@@ -16,6 +16,10 @@ inline constexpr double kLeastShare = 0.1;
 // How much finer than every ladder a run has to be for the others to be compared with it.
 inline constexpr double kOverResolved = 4;
 
+// Errors of knobs cancel where their sum is below this share of the root of their squares, to which errors that have nothing to do with each other
+// add up; knobs with less than the second share of it are not named.
+inline constexpr double kCancels = 0.7, kCancelsWorthNaming = 0.2;
+
 // A front bends where it passes below the straight line from its first to its last point by this share of the way along it (both axes logarithmic).
 inline constexpr double kBend = 0.05;
 

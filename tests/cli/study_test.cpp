@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -118,6 +119,20 @@ TEST_F(StudyProgram, GoesOnWhenARunFails) {
                  "solver.iterations=1", "--qoi", "inertia/kinetic_energy", "-o", folder_ + "/b"}),
             5);
   EXPECT_THAT(complained(), HasSubstr("every run failed, the first with: "));
+}
+
+// A disk that is full (here: files may not grow) says nothing about the settings: no cross, and the same command goes on.
+TEST_F(StudyProgram, AFullDiskEndsTheStudy) {
+  const std::string study = free_fall("quantities: [gravity/energy]\n");
+  const pid_t child = cli::start({"study", study, "-o", folder_ + "/a"}, [this] {
+    dup2(open((folder_ + "/err.txt").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644), 2);
+    const rlimit most{20000, 20000};
+    setrlimit(RLIMIT_FSIZE, &most);
+  });
+  EXPECT_EQ(wait_for(child), 6);
+  EXPECT_THAT(complained(), HasSubstr("a run could not be written: "));
+  EXPECT_THAT(complained(), HasSubstr("the same command goes on"));
+  EXPECT_EQ(run({"study", study, "-o", folder_ + "/a"}), 0) << complained();
 }
 
 TEST_F(StudyProgram, ARunTakesNoLongerThanItMay) {

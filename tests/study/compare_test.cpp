@@ -10,6 +10,7 @@
 #include "render/image.h"
 #include "study/axis.h"
 #include "study/canvas.h"
+#include "study/corrections.h"
 #include "study/figure.h"
 #include "study/greedy.h"
 #include "study/read.h"
@@ -103,16 +104,76 @@ TEST(Compare, ErrorsOfKnobsAddUp) {
   TwoKnobs k;
   compare(k.plan, nullptr, k.results);
   const Reference& ref = k.results.references[0];
-  EXPECT_NEAR(ref.value, 3, 1e-9);              // though no run comes near to it: 4.5 and 4.56 are the nearest
-  EXPECT_GT(ref.uncertainty, 1 * 1.25 / 5.25);  // products of the changes by h and t are not known
+  EXPECT_NEAR(ref.value, 3, 1e-9);  // though no run comes near to it: 4.5 and 4.56 are the nearest
+  // Of both limits, and as there was no joint run, the product of the changes by h and t.
+  EXPECT_NEAR(ref.uncertainty, 1.25 * (0.5 + 0.3125) + 1 * 1.25 / 5.25, 1e-6);
   EXPECT_THAT(ref.how,
               testing::AllOf(HasSubstr("h: extrapolated at an observed order of 1"), HasSubstr("t: extrapolated at an observed order of 2")));
   ASSERT_EQ(k.results.shares.size(), 2u);
   EXPECT_NEAR(k.results.shares[0].error, 1.0 / 3, 1e-9);
   EXPECT_NEAR(k.results.shares[1].error, 1.25 / 3, 1e-9);
   EXPECT_NEAR(k.results.points[0].error, 2.25 / 3, 1e-9);  // as it is
+  EXPECT_EQ(k.results.points[0].cancel, "");
   const std::string said = testing::PrintToString(findings(k.results));
   EXPECT_THAT(said, HasSubstr("h 33.3 % (44 %), t 41.7 % (56 %)"));
+}
+
+// q = 3 + 2 h - 5 t^2: at h = t = 1/2 the knobs cancel, but each of them moves the value by as much as before.
+TEST(Compare, ErrorsThatCancelMakeNoRunBetter) {
+  TwoKnobs k;
+  const auto q = [](double h, double t) { return 3 + 2 * h - 5 * t * t; };
+  std::size_t at = 0;
+  for (auto [h, t] : {std::pair{0.5, 0.5}, {1.0, 0.5}, {0.5, 0.5}, {0.25, 0.5}, {0.5, 1.0}, {0.5, 0.5}, {0.5, 0.25}})
+    k.results.runs[at++].values = {q(h, t)};
+  compare(k.plan, nullptr, k.results);
+  EXPECT_NEAR(k.results.references[0].value, 3, 1e-9);
+  const Point& base = k.results.points[0];
+  EXPECT_NEAR(base.value, 2.75, 1e-12);                      // 8 % off
+  EXPECT_NEAR(base.error, std::hypot(1.0, 1.25) / 3, 1e-9);  // though not by merit
+  EXPECT_EQ(base.cancel, "h +33.3 % and t -41.7 %");
+  EXPECT_FALSE(base.best && base.hollow);
+  EXPECT_THAT(text_report(k.results), HasSubstr("(h +33.3 % and t -41.7 % cancel)"));
+  EXPECT_THAT(testing::PrintToString(findings(k.results)), HasSubstr("that the value is near is luck"));
+  // Of combinations the same: along the curve, and from its limit to the reference.
+  TwoKnobs all;
+  all.results.runs.clear(), all.plan = {};
+  all.results.study.one_at_a_time = false;
+  for (double t : {1.0, 0.5, 0.25}) {
+    all.plan.curves.push_back({fmt::format("t={}", t), 0, 0, {}});
+    for (double h : {1.0, 0.5, 0.25}) {
+      all.plan.curves.back().runs.push_back(all.run(h, t));
+      all.results.runs.back().values = {q(h, t)};
+    }
+  }
+  compare(all.plan, nullptr, all.results);
+  EXPECT_NEAR(all.results.references[0].value, 3, 1e-9);
+  EXPECT_NEAR(all.results.points[4].error, std::hypot(1.0, 1.25) / 3, 1e-9);
+  EXPECT_EQ(all.results.points[4].cancel, "h +33.3 % and t -41.7 %");
+  // Against a value that is given the error is what it is.
+  k.results.study.quantities[0].reference = 3;
+  compare(k.plan, nullptr, k.results);
+  EXPECT_NEAR(k.results.points[0].error, 0.25 / 3, 1e-12);
+}
+
+// q = 3 + 2 h + 5 t^2 + 4 h t: a run with both knobs finer, h = 1/4 and t = 1/4, shows what the sum of the knobs misses.
+TEST(Compare, InteractionOfKnobsIsMeasured) {
+  const auto q = [](double h, double t) { return 3 + 2 * h + 5 * t * t + 4 * h * t; };
+  TwoKnobs k;
+  std::size_t at = 0;
+  for (auto [h, t] : {std::pair{0.5, 0.5}, {1.0, 0.5}, {0.5, 0.5}, {0.25, 0.5}, {0.5, 1.0}, {0.5, 0.5}, {0.5, 0.25}})
+    k.results.runs[at++].values = {q(h, t)};
+  const std::vector<OnCurve> steps = joint_steps(k.plan, k.results);
+  ASSERT_EQ(steps.size(), 2u);
+  EXPECT_EQ(steps[0].step, 2u);
+  EXPECT_EQ(steps[1].step, 2u);
+  k.plan.refined.push_back({k.run(0.25, 0.25), steps});
+  k.results.runs.back().values = {q(0.25, 0.25)};
+  const double missed = interaction(k.plan, k.results, 0);
+  compare(k.plan, nullptr, k.results);
+  const Reference& ref = k.results.references[0];
+  EXPECT_GT(missed, std::abs(ref.value - 3));  // the truth is 3: the sum of the knobs misses it by the interaction
+  EXPECT_GT(ref.uncertainty, std::abs(ref.value - 3));
+  EXPECT_EQ(k.results.points.back().curve, "knobs together");
 }
 
 TEST(Compare, FailuresAreCrossesAndNoPartOfTheLimit) {

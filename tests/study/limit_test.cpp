@@ -48,6 +48,7 @@ TEST(Limit, UncertaintyHoldsTheTruth) {
   EXPECT_LT(limit_of({1, 0.5, 0.25, 0.125}, along({1, 0.5, 0.25, 0.125}, q)).uncertainty,
             0.3 * limit_of({0.5, 0.25, 0.125}, along({0.5, 0.25, 0.125}, q)).uncertainty);
   EXPECT_DOUBLE_EQ(limit_of({4, 2, 1}, {1, 2, 1.5}).uncertainty, 1.5);  // three times the last difference
+  EXPECT_DOUBLE_EQ(limit_of({4, 2, 1}, {1, 2, 1.9}).uncertainty, 1);    // near by chance
   EXPECT_TRUE(std::isnan(limit_of({1}, {1}).uncertainty));
   EXPECT_EQ(limit_of({4, 2, 1}, {7, 7, 7}).uncertainty, 0);
 }
