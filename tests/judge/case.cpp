@@ -88,8 +88,14 @@ void read_scene(const File& file, Case& c) {
     }
     for (Body& body : c.bodies)
       if (body.name == name) {
-        const YAML::Node material = scene["materials"][b["material"].as<std::string>()];
-        body.density = material["density"].as<double>();
+        const YAML::Node material = b["material"] ? scene["materials"][b["material"].as<std::string>()] : YAML::Node(YAML::NodeType::Map);
+        if (material["density"]) body.density = material["density"].as<double>();
+        if (b["mass"]) {
+          double filled = 0;
+          for (const auto& t : body.triangles) filled += volume({}, c.rest[t[0]], c.rest[t[1]], c.rest[t[2]]);
+          body.density = b["mass"].as<double>() / filled;
+        }
+        body.stated = static_cast<bool>(b["inertia"]);
         if (material["youngs_modulus"])
           body.youngs_modulus = material["youngs_modulus"].as<double>(), body.poisson_ratio = material["poisson_ratio"].as<double>();
         const std::string volumetric = material["volumetric"] ? material["volumetric"].as<std::string>() : "auto";

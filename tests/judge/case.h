@@ -34,6 +34,7 @@ struct Body {
   std::string law;
   bool mean_volume = false;  // lambda acts on averages
   bool soft = false, self_contact = false, pinned = false;
+  bool stated = false;      // its mass is spread as the scene says, not evenly: what hangs on that is not judged
   bool prescribed = false;  // all of it goes where the scene says, always
   std::string motion;       // of a prescribed body, "" if it stays
   bool quadratic() const { return !midsides.empty(); }

@@ -121,7 +121,8 @@ StoredEnergies::StoredEnergies(const File& file, const Case& c) : c_(c) {
     for (const auto& t : body.tets) rounding_ += 1e-9 * body.youngs_modulus * volume(c.rest[t[0]], c.rest[t[1]], c.rest[t[2]], c.rest[t[3]]);
   for (const Body& body : c.bodies) groups_.push_back(body.mean_volume ? volume_groups(body) : std::vector<long>());
   if (file.has(elastic)) elastic_ = file.numbers(elastic);
-  if (file.has(gravity)) gravity_ = file.numbers(gravity);
+  const bool even = std::none_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) { return b.stated; });
+  if (even && file.has(gravity)) gravity_ = file.numbers(gravity);
 }
 
 void StoredEnergies::judge(const std::vector<Vector>& x, long frame, Verdict& v) {

@@ -74,7 +74,7 @@ void judge_forces(const File& file, const Case& c, Verdict& v) {
   const std::vector<double> velocity = c.inertia ? column(file, "/VTKHDF/PointData/velocity") : std::vector<double>{};
   if ((c.contact && fields[0].empty()) || (c.friction && fields[1].empty()) || (c.inertia && velocity.empty())) return;
   for (const Body& body : c.bodies) {
-    if (!straight(body, c.rest)) continue;
+    if (body.stated || !straight(body, c.rest)) continue;
     std::vector<double> support[3];
     if (body.pinned && !body.soft)
       for (int k = 0; k < 3; ++k) support[k] = column(file, "/mortise/effects/supports/" + body.name + "_" + "xyz"[k]);

@@ -36,7 +36,7 @@ Verdict judge(const File& file, const Case& c) {
   if (dynamic)
     for (const char* name : {"kinetic_energy", "momentum_x", "momentum_y", "momentum_z"})
       said[name] = file.numbers(std::string("/mortise/effects/inertia/") + name);
-  const bool lumped = std::none_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) { return b.quadratic(); });
+  const bool lumped = std::none_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) { return b.quadratic() || b.stated; });
   for (long f = 0; f < c.frames; ++f) {
     const std::vector<Vector> x = frame_of(points, f, n);
     const long bad = std::count_if(x.begin(), x.end(), [](const Vector& p) { return !std::isfinite(p[0] + p[1] + p[2]); });
