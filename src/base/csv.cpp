@@ -46,7 +46,7 @@ const Csv::Column& Csv::column(const std::string& name) const {
 }
 
 Csv read_csv(const std::string& path) {
-  const std::string text = read_regular_file(path, most_bytes::scene);
+  const std::string text = read_regular_file(path, max_bytes::scene);
   Csv out{path, 0, {}, {}};
   int n = 0;
   for (std::size_t begin = text.rfind("\xEF\xBB\xBF", 0) == 0 ? 3 : 0; begin < text.size();) {

@@ -50,22 +50,22 @@ class File {
   int file_;
 };
 
-std::string limit(std::uint64_t most) { return "it is longer than " + std::to_string(most >> 20) + " MiB"; }
+std::string too_long(std::uint64_t limit) { return "it is longer than " + std::to_string(limit >> 20) + " MiB"; }
 
 }  // namespace
 
-std::string read_regular_file(const std::string& path, std::uint64_t most) {
+std::string read_regular_file(const std::string& path, std::uint64_t limit) {
   const File file(path, O_NONBLOCK);
   const struct stat status = file.status();
   if (!S_ISREG(status.st_mode)) fail(path, "it is not a regular file");
   const auto size = static_cast<std::uint64_t>(status.st_size);
-  if (size > most) fail(path, limit(most));
+  if (size > limit) fail(path, too_long(limit));
   std::string bytes(size, '\0');
   if (file.read(bytes.data(), size) != size) fail(path, "it ends before its length of " + std::to_string(size) + " bytes");
   return bytes;
 }
 
-std::string read_stream(const std::string& path, std::uint64_t most) {
+std::string read_stream(const std::string& path, std::uint64_t limit) {
   const File file(path, 0);
   file.status();
   constexpr std::size_t kPiece = 1 << 16;
@@ -75,7 +75,7 @@ std::string read_stream(const std::string& path, std::uint64_t most) {
     bytes.resize(before + kPiece);
     n = file.read(bytes.data() + before, kPiece);
     bytes.resize(before + n);
-    if (bytes.size() > most) fail(path, limit(most));
+    if (bytes.size() > limit) fail(path, too_long(limit));
   }
   return bytes;
 }

@@ -17,7 +17,7 @@ Flag Flag::excludes(Flag other) const { return Flag(option_->excludes(other.opti
 Flag Flag::needs(Flag other) const { return Flag(option_->needs(other.option_)); }
 Flag Flag::positive() const { return Flag(option_->check(CLI::PositiveNumber)); }
 Flag Flag::not_negative() const { return Flag(option_->check(CLI::NonNegativeNumber)); }
-Flag Flag::within(int least, int most) const { return Flag(option_->check(CLI::Range(least, most))); }
+Flag Flag::within(int low, int high) const { return Flag(option_->check(CLI::Range(low, high))); }
 Flag Flag::one_of(const std::vector<std::string>& values) const { return Flag(option_->check(CLI::IsMember(values))); }
 Flag Flag::check(std::function<std::string(const std::string&)> wrong) const {
   return Flag(option_->check([wrong](const std::string& value) { return wrong(value); }));

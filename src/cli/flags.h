@@ -25,7 +25,7 @@ class Flag {
   Flag needs(Flag other) const;
   Flag positive() const;
   Flag not_negative() const;
-  Flag within(int least, int most) const;
+  Flag within(int low, int high) const;
   Flag one_of(const std::vector<std::string>& values) const;
   Flag check(std::function<std::string(const std::string&)> wrong) const;  // empty where it is not
 

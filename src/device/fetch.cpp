@@ -53,7 +53,7 @@ void Fetch::now() {
   wishes_.clear(), kept_.clear();
   const Word* at = host.data();
   for (const Wish& w : wishes) {
-    w.take(at);
+    w.receive(at);
     at += w.words;
   }
 }

@@ -15,15 +15,15 @@ class Fetch {
   Fetch& operator=(const Fetch&) = delete;
 
   // `values` must stay as they are until now(), which hands a copy to take(const std::vector<T>&).
-  template <class T, class Take>
-  void add(View<const T> values, Take take) {
+  template <class T, class Receive>
+  void add(View<const T> values, Receive receive) {
     static_assert(sizeof(T) % sizeof(Word) == 0 && alignof(T) >= sizeof(Word));
-    wishes_.push_back(
-        {reinterpret_cast<const Word*>(values.p), static_cast<Index>(values.n * (sizeof(T) / sizeof(Word))), [n = values.n, take](const Word* from) {
-           std::vector<T> host(n);
-           if (n) std::memcpy(host.data(), from, n * sizeof(T));
-           take(host);
-         }});
+    wishes_.push_back({reinterpret_cast<const Word*>(values.p), static_cast<Index>(values.n * (sizeof(T) / sizeof(Word))),
+                       [n = values.n, receive](const Word* from) {
+                         std::vector<T> host(n);
+                         if (n) std::memcpy(host.data(), from, n * sizeof(T));
+                         receive(host);
+                       }});
   }
   template <class T>
   void add(View<const T> values, std::vector<T>& to) {
@@ -51,7 +51,7 @@ class Fetch {
   struct Wish {
     const Word* from;
     Index words;
-    std::function<void(const Word*)> take;
+    std::function<void(const Word*)> receive;
   };
   std::vector<Word> bring() const;
 

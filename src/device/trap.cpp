@@ -124,9 +124,9 @@ bool all(const char* p, std::size_t bytes, unsigned char value) {
   _exit(static_cast<int>(Exit::internal));
 }
 
-void leave_quarantine(std::size_t most) {
+void leave_quarantine(std::size_t limit) {
   Arena& a = arena();
-  while (a.quarantined > most) {
+  while (a.quarantined > limit) {
     char* p = a.quarantine.front();
     a.quarantine.pop_front();
     const Block& b = a.blocks.at(p);
@@ -136,7 +136,7 @@ void leave_quarantine(std::size_t most) {
   }
 }
 
-char* take(std::size_t size) {
+char* carve(std::size_t size) {
   Arena& a = arena();
   auto& same = a.free[size];
   if (!same.empty()) {
@@ -187,7 +187,7 @@ void* allocate(std::size_t bytes) {
   const std::lock_guard lock(a.mutex);
   if (a.live + bytes > a.limit) return nullptr;
   const std::size_t size = rounded(bytes + kFence);
-  char* p = take(size);
+  char* p = carve(size);
   a.live += bytes;
   a.blocks[p] = {bytes, size, true};
   protect(PROT_READ | PROT_WRITE);

@@ -7,13 +7,13 @@
 namespace mortise::effects {
 
 // 1 for blocks that are positions (soft nodes, centres of stiff bodies), 0 for the columns (a1, a2, a3) of affine bodies: the
-// generator of a rigid translation, d q_b / d c = share[b] I.
-inline std::vector<double> translation_share(const model::Model& model) {
-  std::vector<double> share(model.blocks, 1.0);
+// generator of a rigid translation, d q_b / d c = weight[b] I.
+inline std::vector<double> translation_weight(const model::Model& model) {
+  std::vector<double> weight(model.blocks, 1.0);
   for (const model::Body& body : model.bodies)
     if (body.type == model::BodyType::stiff)
-      for (Index b = body.block_begin + 1; b < body.block_end; ++b) share[b] = 0;
-  return share;
+      for (Index b = body.block_begin + 1; b < body.block_end; ++b) weight[b] = 0;
+  return weight;
 }
 
 // offset[e] = first element of environment e in a list ordered by environment, as device::env_sum wants it.

@@ -52,9 +52,9 @@ class CoordinateEnergy {
       const model::HingeDirections d = model::reading(item.of, q);
       there[i] = d;
       if (!forces) return;
-      const double x = model::coordinate(item.of, d), share = curvature.wanted ? curvature.share(env[item.of.any_block()]) : 0;
+      const double x = model::coordinate(item.of, d), concavity = curvature.wanted ? curvature.concavity(env[item.of.any_block()]) : 0;
       const Index first = model::kCoordinateBlocks * i;
-      model::coordinate_stencil(item.of, d, item.law.first(x), item.law.second(x), share, out.block.p + first, out.grad.p + first,
+      model::coordinate_stencil(item.of, d, item.law.first(x), item.law.second(x), concavity, out.block.p + first, out.grad.p + first,
                                 curvature.wanted ? out.hess.p + linalg::pair_count(model::kCoordinateBlocks) * i : nullptr);
     });
     if (fresh) at.stencils.pattern_changed();

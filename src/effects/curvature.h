@@ -12,7 +12,7 @@ struct Curvature {
   bool wanted;
   double concave = 0;                   // share in all environments,
   device::View<const double> of_env{};  // or in each of them
-  MORTISE_HD double share(Index env) const { return of_env.n > 0 ? of_env[env] : concave; }
+  MORTISE_HD double concavity(Index env) const { return of_env.n > 0 ? of_env[env] : concave; }
 };
 
 // How much linearise() is to find: what it freezes, always; forces; the matrix; and, where that is not the whole Jacobian, the rest of it.

@@ -76,7 +76,7 @@ std::optional<TetMesh> TetCache::load() const {
   if (file_.empty()) return {};
   std::string all;
   try {
-    all = read_regular_file(file_, most_bytes::mesh);
+    all = read_regular_file(file_, max_bytes::mesh);
   } catch (const Error&) {
     return {};  // none, or nothing of ours: the mesh is made again
   }

@@ -43,9 +43,9 @@ struct CgResult {
     return true;
   }
   Index iterations() const {
-    Index most = 0;
-    for (const Env& e : env) most = e.iterations > most ? e.iterations : most;
-    return most;
+    Index largest = 0;
+    for (const Env& e : env) largest = e.iterations > largest ? e.iterations : largest;
+    return largest;
   }
 };
 

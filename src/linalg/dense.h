@@ -28,9 +28,9 @@ inline DenseMatrix solve(DenseMatrix A, DenseMatrix B) {
     for (Index j = 0; j < B.cols; ++j) std::swap(B(k, j), B(best, j));
     for (Index i = 0; i < A.rows; ++i) {
       if (i == k || A(i, k) == 0) continue;
-      const double share = A(i, k) / A(k, k);
-      for (Index j = k; j < A.cols; ++j) A(i, j) -= share * A(k, j);
-      for (Index j = 0; j < B.cols; ++j) B(i, j) -= share * B(k, j);
+      const double factor = A(i, k) / A(k, k);
+      for (Index j = k; j < A.cols; ++j) A(i, j) -= factor * A(k, j);
+      for (Index j = 0; j < B.cols; ++j) B(i, j) -= factor * B(k, j);
     }
   }
   for (Index k = 0; k < A.rows; ++k)

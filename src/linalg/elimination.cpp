@@ -28,12 +28,12 @@ void Elimination::find_pieces(const BlockMatrix& K) {
     count[k] = i == j ? ni * (ni + 1) / 2 : ni * nj;
   });
   const Index n = device::exclusive_scan(first);
-  piece_.resize(n), share_.resize(n), entry_.resize(n);
+  piece_.resize(n), product_.resize(n), entry_.resize(n);
   Buffer<std::uint64_t> keys(n);
   const View<std::uint64_t> key = keys.view();
   const View<Index> piece = piece_.view();
   const View<const Index> begin = std::as_const(first).view();
-  const View<double> share = share_.view();
+  const View<double> product = product_.view();
   const View<std::uint8_t> entry = entry_.view();
   const Index rows = rows_;
   device::parallel_for("elimination.pieces", K.upper_blocks(), [=] MORTISE_HD(Index k) {
@@ -43,7 +43,7 @@ void Elimination::find_pieces(const BlockMatrix& K) {
       for (Index t = i == j ? s : offset[j]; t < offset[j + 1]; ++t, ++e) {
         const Index a = column[s], b = column[t];
         piece[e] = k;
-        share[e] = weight[s] * weight[t];
+        product[e] = weight[s] * weight[t];
         key[e] = a <= b ? block_key(a, b, rows) : block_key(b, a, rows);
         entry[e] = i != j && a == b ? both : a > b ? transposed : direct;
       }
@@ -62,7 +62,7 @@ void Elimination::reduce(const BlockMatrix& K, BlockMatrix& A) {
     pattern_ = A.pattern;
   }
   const View<const Index> piece = piece_.view();
-  const View<const double> share = share_.view();
+  const View<const double> product = product_.view();
   const View<const std::uint8_t> entry = entry_.view();
   const View<const Mat3> from = K.value.view();
   const View<Mat3> to = A.value.view();
@@ -70,9 +70,9 @@ void Elimination::reduce(const BlockMatrix& K, BlockMatrix& A) {
       "elimination.sum", groups_,
       [=] MORTISE_HD(Index e) -> Mat3 {
         const Mat3& H = from[piece[e]];
-        if (entry[e] == direct) return share[e] * H;
-        if (entry[e] == transposed) return share[e] * H.transpose();
-        return share[e] * (H + H.transpose());
+        if (entry[e] == direct) return product[e] * H;
+        if (entry[e] == transposed) return product[e] * H.transpose();
+        return product[e] * (H + H.transpose());
       },
       [=] MORTISE_HD(Index k, const Mat3& t) { to[k] = t; });
 }

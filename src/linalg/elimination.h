@@ -22,7 +22,7 @@ class Elimination {
 
   std::uint64_t of_ = 0, pattern_ = 0;  // structure of K that the pieces belong to, and of A
   Buffer<Index> piece_;                 // the block of K that it is taken from
-  Buffer<double> share_;                // t_ia t_jb
+  Buffer<double> product_;              // t_ia t_jb
   Buffer<std::uint8_t> entry_;          // how it enters: elimination.cpp
   Grouping groups_;
 };

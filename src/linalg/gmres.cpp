@@ -49,8 +49,8 @@ std::vector<double> dot(View<const Vec3> a, View<const Vec3> b, const std::vecto
 }
 
 // y_e <- share_e x_e, or y_e + share_e x_e
-void combine(bool keep, const std::vector<double>& share, View<const Vec3> x, View<const Index> env, View<Vec3> y) {
-  const Buffer<double> buffer(share);
+void combine(bool keep, const std::vector<double>& scale, View<const Vec3> x, View<const Index> env, View<Vec3> y) {
+  const Buffer<double> buffer(scale);
   const View<const double> s = buffer.view();
   device::parallel_for("gmres.combine", x.n, [=] MORTISE_HD(Index i) { y[i] = keep ? Vec3(y[i] + s[env[i]] * x[i]) : Vec3(s[env[i]] * x[i]); });
 }
@@ -58,7 +58,7 @@ void combine(bool keep, const std::vector<double>& share, View<const Vec3> x, Vi
 }  // namespace
 
 GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const Vec3> b, View<Vec3> x, const std::vector<Index>& env_rows,
-                  const std::vector<double>& relative, Index most) {
+                  const std::vector<double>& relative, Index limit) {
   const std::size_t envs = env_rows.size() - 1;
   const Index n = b.n;
   Buffer<Index> env_buffer(n);
@@ -89,7 +89,7 @@ GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const 
   v.emplace_back(n);
   combine(false, scale, b, env, v[0].view());
   Buffer<Vec3> w(n);
-  while (any && out.iterations < most) {
+  while (any && out.iterations < limit) {
     z.emplace_back(n);
     preconditioner(std::as_const(v.back()).view(), z.back().view());
     A(std::as_const(z.back()).view(), w.view());

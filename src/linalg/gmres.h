@@ -22,6 +22,6 @@ struct GmresResult {
 
 // Starts at x = 0 and stops when every environment's residual is at most its `relative` |b|, or after `most` products.
 GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const Vec3> b, View<Vec3> x, const std::vector<Index>& env_rows,
-                  const std::vector<double>& relative, Index most);
+                  const std::vector<double>& relative, Index limit);
 
 }  // namespace mortise::linalg

@@ -22,7 +22,7 @@ void turn(View<const Vec3> z, double beta, View<Vec3> p) {
 
 }  // namespace
 
-StaleResult solve_with_stale_factor(const BlockMatrix& A, DirectSolver& factor, View<const Vec3> b, View<Vec3> x, double relative, Index most) {
+StaleResult solve_with_stale_factor(const BlockMatrix& A, DirectSolver& factor, View<const Vec3> b, View<Vec3> x, double relative, Index limit) {
   StaleResult out;
   const Index n = b.n;
   Buffer<Vec3> r(n), z(n), p(n), Ap(n);
@@ -31,7 +31,7 @@ StaleResult solve_with_stale_factor(const BlockMatrix& A, DirectSolver& factor, 
   p.zero();
   const double target = relative * std::sqrt(dot(b, b));
   double rz = 0;
-  for (; out.iterations < most; ++out.iterations) {
+  for (; out.iterations < limit; ++out.iterations) {
     if (std::sqrt(dot(std::as_const(r).view(), std::as_const(r).view())) <= target) {
       out.converged = true;
       return out;

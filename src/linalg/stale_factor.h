@@ -11,6 +11,6 @@ struct StaleResult {
 };
 
 // Starts at x = 0; gives up after `most` iterations, or where A is not positive definite along a direction.
-StaleResult solve_with_stale_factor(const BlockMatrix& A, DirectSolver& factor, View<const Vec3> b, View<Vec3> x, double relative, Index most);
+StaleResult solve_with_stale_factor(const BlockMatrix& A, DirectSolver& factor, View<const Vec3> b, View<Vec3> x, double relative, Index limit);
 
 }  // namespace mortise::linalg

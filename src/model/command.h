@@ -10,8 +10,8 @@ struct Command {
   double from = 0, to = 0, begin = 0, end = 0;
   double at(double t) const {
     constexpr double kThere = 1 - 1e-9;  // times are sums of steps, rounded
-    const double share = end > begin ? (t - begin) / (end - begin) : 1;
-    return share >= kThere ? to : share <= 0 ? from : from + share * (to - from);
+    const double fraction = end > begin ? (t - begin) / (end - begin) : 1;
+    return fraction >= kThere ? to : fraction <= 0 ? from : from + fraction * (to - from);
   }
 };
 

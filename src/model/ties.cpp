@@ -164,9 +164,9 @@ void Ties::close(const Model& model, Composed& all) {
       expand(row, constant, given);
       clean();
       if (row.empty()) continue;
-      double most = 0;
+      double heaviest = 0;
       for (const auto& [k, w] : row)
-        if (model.held[k] != 1 && model.held[k] != 2 && std::abs(w) > most) most = std::abs(w), closing.pivot = k;
+        if (model.held[k] != 1 && model.held[k] != 2 && std::abs(w) > heaviest) heaviest = std::abs(w), closing.pivot = k;
       if (closing.pivot < 0) throw Error(Exit::scene, ties_[t].where, "joins what supports hold already: no joint can move it");
       const Index j = closing.pivot;
       const double pivot = row[j];

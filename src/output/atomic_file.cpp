@@ -76,6 +76,6 @@ void write_file_atomically(const std::string& path, std::string_view bytes, bool
   if (durable) sync_folder_of(path);
 }
 
-std::string read_file(const std::string& path) { return read_regular_file(path, most_bytes::results); }
+std::string read_file(const std::string& path) { return read_regular_file(path, max_bytes::results); }
 
 }  // namespace mortise::output

@@ -227,8 +227,8 @@ class Writer {
   }
 
   // (environments, frames, rows of a frame, components); the last two only where there are more than one.
-  void stack_up(const Stack& s, hid_t parent, const std::string& name, hsize_t most) {
-    std::vector<hsize_t> shape{all_.size(), most};
+  void stack_up(const Stack& s, hid_t parent, const std::string& name, hsize_t largest) {
+    std::vector<hsize_t> shape{all_.size(), largest};
     if (s.block > 1) shape.push_back(s.block);
     if (s.components > 1) shape.push_back(static_cast<hsize_t>(s.components));
     const auto rank = static_cast<int>(shape.size());

@@ -24,7 +24,7 @@ constexpr std::uint64_t kRun = 1 << 20;  // bytes written by one call at most wh
 
 void put(std::string& out, std::uint64_t value) { out.append(reinterpret_cast<const char*>(&value), sizeof value); }
 
-std::uint64_t take(std::string_view& in) {
+std::uint64_t read_number(std::string_view& in) {
   std::uint64_t value = 0;
   std::memcpy(&value, in.data(), sizeof value);
   in.remove_prefix(sizeof value);
@@ -187,10 +187,10 @@ bool PagedFile::read_journal(Pages& pages, std::uint64_t& end) const {
   in.remove_suffix(kSum);
   if (sha256(in) != sum) return false;
   in.remove_prefix(kMark.size());
-  end = take(in);
-  if (const std::uint64_t count = take(in); in.size() != count * (8 + kPage)) return false;
+  end = read_number(in);
+  if (const std::uint64_t count = read_number(in); in.size() != count * (8 + kPage)) return false;
   while (!in.empty()) {
-    Page& page = pages[take(in)];
+    Page& page = pages[read_number(in)];
     std::copy_n(in.data(), kPage, page.data());
     in.remove_prefix(kPage);
   }

@@ -28,15 +28,15 @@ const char* status_of(Exit code) {
 
 // Sum, mean and largest of one column over the steps that know it.
 Json summary(const std::vector<StepRow>& steps, double StepRow::*column) {
-  double total = 0, most = -INFINITY, least = INFINITY;
+  double total = 0, largest = -INFINITY, smallest = INFINITY;
   int n = 0;
   for (const StepRow& row : steps) {
     const double value = row.*column;
     if (!std::isfinite(value)) continue;
-    total += value, most = std::max(most, value), least = std::min(least, value), ++n;
+    total += value, largest = std::max(largest, value), smallest = std::min(smallest, value), ++n;
   }
   if (n == 0) return nullptr;
-  return {{"total", number(total)}, {"mean", number(total / n)}, {"min", number(least)}, {"max", number(most)}};
+  return {{"total", number(total)}, {"mean", number(total / n)}, {"min", number(smallest)}, {"max", number(largest)}};
 }
 
 std::string utc(std::time_t time) {

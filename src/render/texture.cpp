@@ -39,7 +39,7 @@ Texture read_texture(const std::vector<std::uint8_t>& bytes, const std::string& 
 }
 
 Texture read_texture(const std::string& path) {
-  const std::string bytes = read_regular_file(path, most_bytes::texture);
+  const std::string bytes = read_regular_file(path, max_bytes::texture);
   return read_texture(std::vector<std::uint8_t>(bytes.begin(), bytes.end()), path);
 }
 

@@ -98,7 +98,7 @@ class Batch {
   }
 
   // One thread each while there are enough environments for all threads; the last ones share what is left.
-  int share() const {
+  int threads_each() const {
     if (one_at_a_time_) return free_;
     const long waiting = count() - next_ + 1;
     return static_cast<int>(std::max<long>(1, free_ / waiting));
@@ -108,7 +108,7 @@ class Batch {
     Options one = o_;
     one.environment = e;
     one.output = environment_folder(folder_.path(), e);
-    one.threads = share();
+    one.threads = threads_each();
     if (!one.resume.empty()) one.resume = "auto";
     if (one.walltime > 0) one.walltime = std::max(one.walltime - since_begin(), 1e-9);
     const std::string& drawn = scene_.root.at("environments").text("pictures");

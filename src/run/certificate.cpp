@@ -222,8 +222,8 @@ void Certificate::step(const solver::StepReport& r) {
   if (r.substeps > 1) ++halved_;
   largest(residual_, r.residual);
   if (r.tolerance > 0) largest(over_tolerance_, r.residual / r.tolerance);
-  largest(residual_share_, r.lag > 0 ? r.lag_share : r.residual_share);
-  if (r.lag > 0) largest(lag_residual_, r.lag_residual), largest(lag_share_, r.lag_share);
+  largest(residual_share_, r.lag > 0 ? r.relative_lag_residual : r.relative_residual);
+  if (r.lag > 0) largest(lag_residual_, r.lag_residual), largest(lag_share_, r.relative_lag_residual);
   if (!(least_alpha_ <= r.alpha)) least_alpha_ = r.alpha;
 }
 

@@ -47,11 +47,11 @@ Checks::Checks(const model::ModelInput& input) : energy_(input) {
   }
 }
 
-void Checks::Criterion::take(double v) {
+void Checks::Criterion::record(double v) {
   if (count++ == 0) first = v;
   last = v;
   sum += v;
-  least = std::fmin(least, v), most = std::fmax(most, v);
+  smallest = std::fmin(smallest, v), largest = std::fmax(largest, v);
   if (!std::isfinite(v)) not_finite = true;
 }
 
@@ -60,19 +60,19 @@ bool Checks::wants(const std::string& quantity, const std::string& body) const {
     if (c.quantity == quantity && c.body == body) return true;
   return false;
 }
-void Checks::take(const std::string& quantity, double v) { take(quantity, "", v); }
-void Checks::take(const std::string& quantity, const std::string& body, double v) {
+void Checks::record(const std::string& quantity, double v) { record(quantity, "", v); }
+void Checks::record(const std::string& quantity, const std::string& body, double v) {
   for (Criterion& c : criteria_)
-    if (c.quantity == quantity && c.body == body && c.bodies.empty() && c.counts(now_)) c.take(v);
+    if (c.quantity == quantity && c.body == body && c.bodies.empty() && c.counts(now_)) c.record(v);
 }
-void Checks::take(const std::string& quantity, const std::string& body, const Vec3& v) {
+void Checks::record(const std::string& quantity, const std::string& body, const Vec3& v) {
   for (Criterion& c : criteria_)
     if (c.quantity != quantity || !c.counts(now_))
       continue;
     else if (c.bodies.count(body))
       c.together += v, c.any = true;
     else if (c.body == body && c.bodies.empty())
-      c.take(v);
+      c.record(v);
 }
 
 const EnergyAudit::Result& Checks::state(const Snapshot& said, const std::vector<double>& points, double time) {
@@ -83,22 +83,22 @@ const EnergyAudit::Result& Checks::state(const Snapshot& said, const std::vector
   double distance = INFINITY;
   for (const auto& [name, v] : said.number)
     if (name.ends_with("/min_distance")) distance = std::isnan(v) ? v : std::min(distance, v);
-  if (std::isfinite(distance)) take("min_distance", distance);
-  if (said.has("elasticity/det_F_min")) take("min_det_f", said.at("elasticity/det_F_min"));
-  if (said.has("mortar_contact/clip_partition_defect")) take("clip_defect", said.at("mortar_contact/clip_partition_defect"));
-  if (said.has(inertia_ + "/kinetic_energy")) take("kinetic_energy", said.at(inertia_ + "/kinetic_energy"));
-  if (said.has(inertia_ + "/angular_momentum_x")) take("angular_momentum", "", now.vector(inertia_ + "/angular_momentum_"));
+  if (std::isfinite(distance)) record("min_distance", distance);
+  if (said.has("elasticity/det_F_min")) record("min_det_f", said.at("elasticity/det_F_min"));
+  if (said.has("mortar_contact/clip_partition_defect")) record("clip_defect", said.at("mortar_contact/clip_partition_defect"));
+  if (said.has(inertia_ + "/kinetic_energy")) record("kinetic_energy", said.at(inertia_ + "/kinetic_energy"));
+  if (said.has(inertia_ + "/angular_momentum_x")) record("angular_momentum", "", now.vector(inertia_ + "/angular_momentum_"));
   if (said.has("balance/defect_x")) {
     const ForceBalance balance = force_balance(said);
     // Of forces that are no larger than what a step may leave unbalanced there is no share.
-    take("force_balance", balance.scale > 1e3 * force_tolerance_ ? balance.defect / balance.scale : 0);
+    record("force_balance", balance.scale > 1e3 * force_tolerance_ ? balance.defect / balance.scale : 0);
   }
   momentum(now);
-  if (!std::isnan(energy.gain)) take("energy_gain", energy.gain);  // divided by the scale at the end
+  if (!std::isnan(energy.gain)) record("energy_gain", energy.gain);  // divided by the scale at the end
   for (Criterion& c : criteria_) c.together = Vec3::Zero(), c.any = false;
   for (const MeasuredBody& b : bodies_) measure(b, now);
   for (Criterion& c : criteria_)
-    if (c.any) c.take(c.together);
+    if (c.any) c.record(c.together);
   return energy;
 }
 
@@ -110,36 +110,36 @@ void Checks::momentum(const StateReport& now) {
   if (const auto* v = now.field("velocity"))
     for (const MeasuredBody& b : bodies_) size += b.mass() * b.mean(*v, now.points).norm();
   momentum_scale_ = std::max(momentum_scale_, size);
-  if (momentum_scale_ > 0) take("momentum_drift", (p - *momentum_first_).norm() / momentum_scale_);
+  if (momentum_scale_ > 0) record("momentum_drift", (p - *momentum_first_).norm() / momentum_scale_);
 }
 
 void Checks::step(const solver::StepReport& r) {
   now_ = r.time;
-  take("newton_iterations", r.newton);
-  take("substeps", r.substeps);
-  take("step_length", r.alpha);
-  if (r.tolerance > 0) take("residual", r.residual / r.tolerance);
+  record("newton_iterations", r.newton);
+  record("substeps", r.substeps);
+  record("step_length", r.alpha);
+  if (r.tolerance > 0) record("residual", r.residual / r.tolerance);
 }
 
 void Checks::measure(const MeasuredBody& b, const StateReport& now) {
   const std::vector<double>& x = now.points;
-  if (wants("volume_change", b.name)) take("volume_change", b.name, b.volume_at(x) / b.rest_volume() - 1);
+  if (wants("volume_change", b.name)) record("volume_change", b.name, b.volume_at(x) / b.rest_volume() - 1);
   if (wants("movement", b.name)) {
-    double most = 0;
-    for (std::size_t i = b.first; i < b.first + b.count; ++i) most = std::max(most, (vector_at(x, i) - vector_at(start_, i)).norm());
-    take("movement", b.name, most);
+    double largest = 0;
+    for (std::size_t i = b.first; i < b.first + b.count; ++i) largest = std::max(largest, (vector_at(x, i) - vector_at(start_, i)).norm());
+    record("movement", b.name, largest);
   }
-  if (wants("position", b.name)) take("position", b.name, b.mean(x, x));
-  if (wants("displacement", b.name)) take("displacement", b.name, Vec3(b.mean(x, x) - b.mean(start_, start_)));
-  if (wants("rotation", b.name)) take("rotation", b.name, b.rotation(start_, x));
+  if (wants("position", b.name)) record("position", b.name, b.mean(x, x));
+  if (wants("displacement", b.name)) record("displacement", b.name, Vec3(b.mean(x, x) - b.mean(start_, start_)));
+  if (wants("rotation", b.name)) record("rotation", b.name, b.rotation(start_, x));
   if (wants("lowest", b.name) || wants("highest", b.name)) {
     Vec3 lo = Vec3::Constant(INFINITY), hi = -lo;
     for (std::size_t i = b.first; i < b.first + b.count; ++i) lo = lo.cwiseMin(vector_at(x, i)), hi = hi.cwiseMax(vector_at(x, i));
-    take("lowest", b.name, lo), take("highest", b.name, hi);
+    record("lowest", b.name, lo), record("highest", b.name, hi);
   }
   if (const auto* v = now.field("velocity")) {
-    if (wants("velocity", b.name)) take("velocity", b.name, b.mean(*v, x));
-    if (wants("spin", b.name)) take("spin", b.name, b.spin(*v, x));
+    if (wants("velocity", b.name)) record("velocity", b.name, b.mean(*v, x));
+    if (wants("spin", b.name)) record("spin", b.name, b.spin(*v, x));
   }
   Vec3 contact = Vec3::Zero(), support = Vec3::Zero(), friction = Vec3::Zero();
   bool touched = false, held = false, rubbed = false;
@@ -151,9 +151,9 @@ void Checks::measure(const MeasuredBody& b, const StateReport& now) {
       if (name == "supports/" + b.name + tail) support[c] = value, held = true;
       if (name == "friction/force_" + b.name + tail) friction[c] = value, rubbed = true;
     }
-  if (touched) take("contact_force", b.name, contact);
-  if (held) take("support_force", b.name, support);
-  if (rubbed) take("friction_force", b.name, friction);
+  if (touched) record("contact_force", b.name, contact);
+  if (held) record("support_force", b.name, support);
+  if (rubbed) record("friction_force", b.name, friction);
 }
 
 void Checks::checkpoint(Archive& archive) {
@@ -167,7 +167,7 @@ void Checks::checkpoint(Archive& archive) {
   for (std::size_t i = 0; i < criteria_.size(); ++i) {
     Criterion& c = criteria_[i];
     PrefixedArchive part(archive, "criterion" + std::to_string(i));
-    for (auto [name, value] : {std::pair{"first", &c.first}, {"last", &c.last}, {"least", &c.least}, {"most", &c.most}, {"sum", &c.sum}})
+    for (auto [name, value] : {std::pair{"first", &c.first}, {"last", &c.last}, {"least", &c.smallest}, {"most", &c.largest}, {"sum", &c.sum}})
       part.io(name, *value);
     part.io("count", c.count);
     part.io("not_finite", c.not_finite);
@@ -183,11 +183,11 @@ double Checks::value(const Criterion& c) const {
     const Params *near = c.params.find("near"), *above = c.params.find("above"), *below = c.params.find("below");
     // The worst: furthest from `near`, or furthest beyond the bound; between two bounds the one that is missed by more.
     if (near)
-      v = std::abs(c.least - near->as_number()) > std::abs(c.most - near->as_number()) ? c.least : c.most;
+      v = std::abs(c.smallest - near->as_number()) > std::abs(c.largest - near->as_number()) ? c.smallest : c.largest;
     else if (above && below)
-      v = above->as_number() - c.least > c.most - below->as_number() ? c.least : c.most;
+      v = above->as_number() - c.smallest > c.largest - below->as_number() ? c.smallest : c.largest;
     else
-      v = above ? c.least : c.most;
+      v = above ? c.smallest : c.largest;
   }
   return c.quantity == "energy_gain" && energy_.result().scale > 0 ? v / energy_.result().scale : v;
 }

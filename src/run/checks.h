@@ -52,15 +52,15 @@ class Checks {
     // So that a mean of whole cycles has each of their steps once. Times are sums of steps: a hair of rounding decides nothing.
     bool counts(double t) const { return t > from + 1e-9 && t < until + 1e-9; }
     int axis = -1;  // 0..2, 3: length
-    double first = NAN, last = NAN, least = NAN, most = NAN, sum = 0;
+    double first = NAN, last = NAN, smallest = NAN, largest = NAN, sum = 0;
     long count = 0;
     bool not_finite = false;  // once: no bound holds
-    void take(double v);
-    void take(const Vec3& v) { take(axis == 3 ? v.norm() : v[axis]); }
+    void record(double v);
+    void record(const Vec3& v) { record(axis == 3 ? v.norm() : v[axis]); }
   };
-  void take(const std::string& quantity, double v);
-  void take(const std::string& quantity, const std::string& body, double v);
-  void take(const std::string& quantity, const std::string& body, const Vec3& v);
+  void record(const std::string& quantity, double v);
+  void record(const std::string& quantity, const std::string& body, double v);
+  void record(const std::string& quantity, const std::string& body, const Vec3& v);
   bool wants(const std::string& quantity, const std::string& body) const;
   void measure(const MeasuredBody& body, const StateReport& now);
   void momentum(const StateReport& now);

@@ -69,8 +69,8 @@ double LayerError::of(const Samples& s, const Fields& f) const {
   for (const auto& [bodies, pair] : pairs) {
     const double one = indentation(bodies.first, f), other = indentation(bodies.second, f);
     if (!(pair.force > 0 && one >= 0 && other >= 0 && one + other > 0)) continue;
-    const double share = std::max(0.0, 2 * std::min(borne(bodies.first, f), borne(bodies.second, f)) - 1);
-    worst = std::fmax(worst, share * pair.gap / pair.force / (one + other));
+    const double fraction = std::max(0.0, 2 * std::min(borne(bodies.first, f), borne(bodies.second, f)) - 1);
+    worst = std::fmax(worst, fraction * pair.gap / pair.force / (one + other));
   }
   return worst;
 }

@@ -24,7 +24,7 @@ double plane_at_origin(const std::vector<Vec3>& x, const std::vector<double>& p)
 struct Misses {
   double missed = 0, all = 0;
   void add(double is, double expected) { missed += (is - expected) * (is - expected), all += std::max(is * is, expected * expected); }
-  double share() const { return all > 0 ? std::sqrt(missed / all) : NAN; }
+  double relative() const { return all > 0 ? std::sqrt(missed / all) : NAN; }
 };
 
 }  // namespace
@@ -41,7 +41,7 @@ PressureError::Result PressureError::of(const ContactPatch::Fields& f) const {
     for (Index j : node.ring) x.push_back(patch_.rest()[j] - patch_.rest()[node.point]), p.push_back(f.pressure[j]);
     smooth.add(here, plane_at_origin(x, p));
   }
-  return {smooth.share(), fit.share(), patch_.loaded(f.pressure)};
+  return {smooth.relative(), fit.relative(), patch_.loaded(f.pressure)};
 }
 
 }  // namespace mortise::run

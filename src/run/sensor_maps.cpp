@@ -83,8 +83,8 @@ render::Image map_of(const sensors::GridSpec& spec, const sensors::Reading& r, d
   for (int y = 0; y < high; ++y)
     for (int x = 0; x < wide; ++x) {
       const int row = spec.rows - 1 - y * spec.rows / high, column = x * spec.columns / wide, taxel = row * spec.columns + column;
-      const double share = std::clamp((r.pressure[taxel] - low) / (high_end - low), 0.0, 1.0);
-      const std::uint8_t* colour = &colours[3 * static_cast<std::size_t>(std::lround(255 * share))];
+      const double fraction = std::clamp((r.pressure[taxel] - low) / (high_end - low), 0.0, 1.0);
+      const std::uint8_t* colour = &colours[3 * static_cast<std::size_t>(std::lround(255 * fraction))];
       put(image, kMargin + x, kMargin + y, r.area[taxel] > 0 ? colour : kNothing);
     }
   if (!(shear_high > 0)) return image;

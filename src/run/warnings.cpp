@@ -23,11 +23,11 @@ void of_materials(const Params& scene, std::vector<std::string>& out) {
   const Params* materials = scene.find("materials");
   if (!materials) return;
   for (const auto& [name, m] : materials->entries()) {
-    const auto outside = [&](const char* key, const char* unit, double least, double most, const char* low, const char* high) {
+    const auto outside = [&](const char* key, const char* unit, double lowest, double highest, const char* low, const char* high) {
       const Params* p = m.find(key);
-      if (!p || (p->as_number() >= least && p->as_number() <= most)) return;
+      if (!p || (p->as_number() >= lowest && p->as_number() <= highest)) return;
       out.push_back(at(p->where(), fmt::format("materials.{}.{} is {:.3g} {}, {}; is the unit right?", name, key, p->as_number(), unit,
-                                               p->as_number() < least ? low : high)));
+                                               p->as_number() < lowest ? low : high)));
     };
     outside("youngs_modulus", "Pa", kSoftest, kStiffest, "softer than the softest tissue", "stiffer than diamond");
     outside("density", "kg/m^3", kLightest, kHeaviest, "lighter than air", "heavier than any metal");

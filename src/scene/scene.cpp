@@ -79,7 +79,7 @@ Scene read(const std::string& text, const std::string& path, const std::vector<s
 }  // namespace
 
 Scene read_scene(const std::string& path, const std::vector<std::string>& overrides, std::span<const EffectTable> effects) {
-  Scene scene = read_scene_text(read_stream(path, most_bytes::scene), path == "-" ? "<stdin>" : path, overrides, effects);
+  Scene scene = read_scene_text(read_stream(path, max_bytes::scene), path == "-" ? "<stdin>" : path, overrides, effects);
   scene.path = path;
   return scene;
 }

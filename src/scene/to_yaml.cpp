@@ -61,7 +61,7 @@ void block(const Params& table, int indent, std::string& out) {
 
 // Files by what is in them.
 Params contents(const Params& p) {
-  if (p.is_path()) return Params::make_text("sha256:" + sha256(read_regular_file(p.as_text(), most_bytes::mesh)));
+  if (p.is_path()) return Params::make_text("sha256:" + sha256(read_regular_file(p.as_text(), max_bytes::mesh)));
   if (p.kind() == Params::Kind::list) {
     Params out = Params::make_list();
     for (const Params& item : p.items()) out.push(contents(item));

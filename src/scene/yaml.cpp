@@ -79,7 +79,7 @@ class Builder : public YAML::EventHandler {
     for (const auto& [key, value] : n.entries) count(value, mark);
   }
   void weigh(const Node& n, const YAML::Mark& mark) {
-    if (bytes_ += n.text.size(); bytes_ > most_bytes::scene) throw SyntaxError{place(mark), "the values of the scene are longer than 64 MiB in all"};
+    if (bytes_ += n.text.size(); bytes_ > max_bytes::scene) throw SyntaxError{place(mark), "the values of the scene are longer than 64 MiB in all"};
   }
   void no_tag(const std::string& tag, const YAML::Mark& mark) const {
     if (tag != "!" && tag != "?" && !tag.empty()) throw SyntaxError{place(mark), "YAML tags ('" + tag + "') are not used in scenes"};

@@ -99,15 +99,15 @@ TaxelGrid::TaxelGrid(const model::BodyInput& body, const GridSpec& spec) : taxel
   rest_area_.assign(taxels_, 0.0);
   for (const Piece& p : pieces_) rest_area_[p.taxel] += p.part * triangle_area(body.nodes, triangles_[p.triangle]);
 
-  std::map<std::pair<Index, Index>, double> share, mean;
+  std::map<std::pair<Index, Index>, double> distribute, mean;
   std::vector<std::vector<std::pair<Index, double>>> from(body.nodes.size());  // corner -> nodes whose force it carries
   for (std::size_t i = 0; i < carry.of.size(); ++i)
     for (const auto& [corner, part] : carry.of[i]) from[corner].push_back({static_cast<Index>(i), part});
   for (const Weight& w : integral) {
-    for (const auto& [node, part] : from[w.node]) share[{w.taxel, node}] += part * w.value / hat[w.node];
+    for (const auto& [node, part] : from[w.node]) distribute[{w.taxel, node}] += part * w.value / hat[w.node];
     mean[{w.taxel, w.node}] += w.value / rest_area_[w.taxel];
   }
-  for (const auto& [at, value] : share) share_.push_back({at.first, at.second, value});
+  for (const auto& [at, value] : distribute) fraction_.push_back({at.first, at.second, value});
   for (const auto& [at, value] : mean) mean_.push_back({at.first, at.second, value});
 }
 
@@ -138,9 +138,9 @@ void TaxelGrid::cut(const GridSpec& spec, Index triangle, const Vec3 corner[3], 
   }
 }
 
-std::vector<Vec3> TaxelGrid::share(const std::vector<Vec3>& force) const {
+std::vector<Vec3> TaxelGrid::distribute(const std::vector<Vec3>& force) const {
   std::vector<Vec3> out(taxels_, Vec3::Zero());
-  for (const Weight& w : share_) out[w.taxel] += w.value * force[w.node];
+  for (const Weight& w : fraction_) out[w.taxel] += w.value * force[w.node];
   return out;
 }
 
@@ -157,7 +157,7 @@ std::vector<double> TaxelGrid::area(const std::vector<Vec3>& node) const {
 }
 
 std::size_t TaxelGrid::bytes() const {
-  return triangles_.size() * sizeof(Triangle) + pieces_.size() * sizeof(Piece) + (share_.size() + mean_.size()) * sizeof(Weight) +
+  return triangles_.size() * sizeof(Triangle) + pieces_.size() * sizeof(Piece) + (fraction_.size() + mean_.size()) * sizeof(Weight) +
          rest_area_.size() * sizeof(double);
 }
 

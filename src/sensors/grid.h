@@ -32,9 +32,9 @@ class TaxelGrid {
   TaxelGrid(const model::BodyInput& body, const GridSpec& spec);
 
   // Taxel = row * columns + column; row 0 at the least y, column 0 at the least x. All arguments are of the body's nodes.
-  std::vector<Vec3> share(const std::vector<Vec3>& node_force) const;  // [N] per taxel
-  std::vector<Vec3> mean(const std::vector<Vec3>& node_value) const;   // over the taxel's area at rest; zero where it has none
-  std::vector<double> area(const std::vector<Vec3>& node) const;       // [m^2], of the surface as it is now
+  std::vector<Vec3> distribute(const std::vector<Vec3>& node_force) const;  // [N] per taxel
+  std::vector<Vec3> mean(const std::vector<Vec3>& node_value) const;        // over the taxel's area at rest; zero where it has none
+  std::vector<double> area(const std::vector<Vec3>& node) const;            // [m^2], of the surface as it is now
   const std::vector<double>& rest_area() const { return rest_area_; }
   std::size_t bytes() const;
 
@@ -53,7 +53,7 @@ class TaxelGrid {
   std::vector<Triangle> triangles_;  // that face the grid, of corners
   std::vector<Piece> pieces_;
   std::vector<double> rest_area_;
-  std::vector<Weight> share_, mean_;  // by taxel, then node
+  std::vector<Weight> fraction_, mean_;  // by taxel, then node
 };
 
 }  // namespace mortise::sensors

@@ -88,7 +88,7 @@ Reading Sensor::read(const std::vector<double>& points, const std::vector<double
   out.wrench_moment = out.frame.axes.transpose() * out.wrench_moment;
 
   out.area = grid_.area(y);
-  const std::vector<Vec3> taxel = grid_.share(force), shift = grid_.mean(moved);
+  const std::vector<Vec3> taxel = grid_.distribute(force), shift = grid_.mean(moved);
   for (int i = 0; i < spec_.taxels(); ++i) {
     const Vec3 f = out.frame.axes.transpose() * taxel[i];
     const double per_area = out.area[i] > 0 ? 1 / out.area[i] : 0;

@@ -9,11 +9,11 @@ namespace mortise::solver {
 
 // Of one value, of a chunk, of a body. A value that is not a number wins, so that it is seen.
 struct Part {
-  double most, far;  // largest
+  double largest, far;  // largest
   double sum[3];
 
   MORTISE_HD void add(const Part& p) {
-    most = device::Larger()(most, p.most), far = device::Larger()(far, p.far);
+    largest = device::Larger()(largest, p.largest), far = device::Larger()(far, p.far);
     for (int k = 0; k < 3; ++k) sum[k] += p.sum[k];
   }
 };
@@ -34,8 +34,8 @@ class Chunks {
   }
 
   // take(std::vector<Part>), one per body, once the fetch is done; of(i) is the part of value i.
-  template <class F, class Take>
-  void reduce(const char* name, F of, device::Fetch& fetch, Take take) const {
+  template <class F, class Receive>
+  void reduce(const char* name, F of, device::Fetch& fetch, Receive receive) const {
     device::Buffer<Part> chunk(begin_.size()), body(first_.size() - 1);
     const device::View<Part> parts = chunk.view(), out = body.view();
     const device::View<const Index> first = first_.view(), begin = begin_.view(), end = end_.view();
@@ -49,7 +49,7 @@ class Chunks {
       for (Index c = first[b]; c < first[b + 1]; ++c) sum.add(parts[c]);
       out[b] = sum;
     });
-    fetch.add(device::View<const Part>(out), take);
+    fetch.add(device::View<const Part>(out), receive);
     fetch.keep(std::move(chunk));
     fetch.keep(std::move(body));
   }

@@ -12,7 +12,7 @@ namespace mortise::solver {
 Convergence::Convergence(const model::Model& model, const Options& options) : model_(model), options_(options) {
   std::vector<Index> blocks{0};
   const std::vector<Vec3> rest = model.rest_points.download();
-  const std::vector<double> position = effects::translation_share(model);
+  const std::vector<double> position = effects::translation_weight(model);
   std::vector<double> lever(model.blocks, 1.0);
   for (const model::Body& body : model.bodies) {
     double radius = 0;
@@ -71,9 +71,9 @@ void Convergence::connect(const std::vector<const model::ContactView*>& contacts
 }
 
 void Convergence::finish(Residual& r) const {
-  std::vector<double> most(r.scale.size(), 0.0);
-  for (std::size_t i = 0; i < most.size(); ++i) most[group_[i]] = std::max(most[group_[i]], r.scale[i]);
-  for (std::size_t i = 0; i < most.size(); ++i) r.scale[i] = most[group_[i]];
+  std::vector<double> largest(r.scale.size(), 0.0);
+  for (std::size_t i = 0; i < largest.size(); ++i) largest[group_[i]] = std::max(largest[group_[i]], r.scale[i]);
+  for (std::size_t i = 0; i < largest.size(); ++i) r.scale[i] = largest[group_[i]];
 }
 
 Residual Convergence::begin() const {
@@ -88,7 +88,7 @@ void Convergence::see_effect(const effects::Kind& kind, View<const Vec3> gradien
   force_sizes(blocks_, gradient, model_.projector.view(), lever_.view(), position_.view(), fetch,
               [&r, moves = kind.role != effects::Role::store](const std::vector<Part>& bodies) {
                 for (std::size_t i = 0; i < bodies.size(); ++i) {
-                  r.scale[i] = device::Larger()(r.scale[i], bodies[i].most);
+                  r.scale[i] = device::Larger()(r.scale[i], bodies[i].largest);
                   if (moves) r.load[i] = device::Larger()(r.load[i], bodies[i].sum[0]);
                 }
               });
@@ -98,7 +98,7 @@ void Convergence::see_sum(View<const Vec3> gradient, View<const Vec3> q, Residua
   residual_sizes(blocks_, gradient, model_.projector.view(), lever_.view(), position_.view(), q, model_.q.view(), fetch,
                  [&r](const std::vector<Part>& bodies) {
                    for (std::size_t i = 0; i < bodies.size(); ++i) {
-                     r.force[i] = bodies[i].most, r.way[i] = bodies[i].far;
+                     r.force[i] = bodies[i].largest, r.way[i] = bodies[i].far;
                      for (int k = 0; k < 3; ++k) r.net[k][i] = bodies[i].sum[k];
                    }
                  });
@@ -108,7 +108,7 @@ void Convergence::see_matrix(const linalg::BlockMatrix& matrix, View<const Vec3>
                              Fetch& fetch) {
   rounding_sizes(rows_, matrix, q, block_of_row, lever_.view(), fetch, [this, whose](const std::vector<Part>& bodies) {
     for (std::size_t i = 0; i < bodies.size(); ++i)
-      if (whose[model_.bodies[i].env]) rounding_[i] = bodies[i].most, rounding_sum_[i] = bodies[i].sum[0];
+      if (whose[model_.bodies[i].env]) rounding_[i] = bodies[i].largest, rounding_sum_[i] = bodies[i].sum[0];
   });
 }
 
@@ -164,20 +164,20 @@ bool Convergence::at_rest(const Residual& r, Index body, double relative) const 
 }
 
 double Convergence::largest_force(const Residual& r, Index env) const {
-  double most = 0;
+  double largest = 0;
   for (std::size_t i = 0; i < r.force.size(); ++i)
-    if (model_.bodies[i].env == env) most = std::max(most, r.force[i]);
-  return most;
+    if (model_.bodies[i].env == env) largest = std::max(largest, r.force[i]);
+  return largest;
 }
 
 double Convergence::over(const Residual& r, Index env, double relative) const {
-  double most = 0;
+  double largest = 0;
   for (std::size_t i = 0; i < r.force.size(); ++i) {
     if (model_.bodies[i].env != env) continue;
     const Figures f = figures(r, static_cast<Index>(i), relative);
-    if (f.force > 0) most = std::max(most, f.force / f.tolerance);
+    if (f.force > 0) largest = std::max(largest, f.force / f.tolerance);
   }
-  return most;
+  return largest;
 }
 
 bool Convergence::finite(const Residual& r, Index env) const {
@@ -186,15 +186,15 @@ bool Convergence::finite(const Residual& r, Index env) const {
   return true;
 }
 
-double Convergence::share(const Residual& r, Index env) const {
-  double most = 0;
+double Convergence::relative_residual(const Residual& r, Index env) const {
+  double largest = 0;
   for (std::size_t i = 0; i < r.force.size(); ++i) {
     if (model_.bodies[i].env != env) continue;
-    if (r.force[i] > rounding_[i]) most = std::max(most, r.force[i] / r.scale[i]);
+    if (r.force[i] > rounding_[i]) largest = std::max(largest, r.force[i] / r.scale[i]);
     const double all = net(r, static_cast<Index>(i));
-    if (loose_[i] && all > rounding_sum_[i]) most = std::max(most, all / r.load[i]);
+    if (loose_[i] && all > rounding_sum_[i]) largest = std::max(largest, all / r.load[i]);
   }
-  return most;
+  return largest;
 }
 
 bool Convergence::solved(const Residual& r, Index env, double relative) const {
@@ -220,12 +220,12 @@ double Convergence::least_tolerance(const Residual& r, Index env, double relativ
 
 Convergence::Worst Convergence::worst(const Residual& r, Index env, double relative) const {
   Worst worst;
-  double most = -1;
+  double largest = -1;
   for (std::size_t i = 0; i < r.force.size(); ++i) {
     if (model_.bodies[i].env != env) continue;
     const Figures f = figures(r, static_cast<Index>(i), relative);
-    const double share = f.force > 0 ? f.force / f.tolerance : 0;
-    if (share > most) most = share, worst = {static_cast<Index>(i), f.force, f.tolerance};
+    const double ratio = f.force > 0 ? f.force / f.tolerance : 0;
+    if (ratio > largest) largest = ratio, worst = {static_cast<Index>(i), f.force, f.tolerance};
   }
   return worst;
 }

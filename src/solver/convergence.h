@@ -45,6 +45,9 @@ class Convergence {
   void connect(const std::vector<const model::ContactView*>& contacts);       // groups, by what touches now
   void refreshed() { std::fill(comparable_.begin(), comparable_.end(), 0); }  // what was frozen is not that of the last residual any more
 
+  effects::View<const double> lever() const { return lever_.view(); }        // s_b of every block,
+  effects::View<const double> position() const { return position_.view(); }  // 1 of a position, 0 of an axis
+
   // The parts of a residual; values are there once `fetch` is done, and finish() has been called.
   Residual begin() const;
   void see_effect(const effects::Kind& kind, effects::View<const Vec3> gradient, Residual& r, device::Fetch& fetch) const;
@@ -58,7 +61,7 @@ class Convergence {
 
   double largest_force(const Residual& r, Index env) const;
   double over(const Residual& r, Index env, double relative) const;  // worst body's share of its tolerance; above 1: not solved
-  double share(const Residual& r, Index env) const;                  // worst body's residual over its forces
+  double relative_residual(const Residual& r, Index env) const;      // worst body's residual over its forces
   bool finite(const Residual& r, Index env) const;
   bool solved(const Residual& r, Index env, double relative) const;  // (a) and (b)
   // How small residuals of the environment, by row, have to become for all of its bodies [N, N m]; infinite if nothing is free.

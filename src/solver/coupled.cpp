@@ -101,8 +101,8 @@ void Coupled::monotone_step(device::Buffer<Vec3>& q, Residual& r, Linearised& at
     }
     EnvMask again(model.envs, 0);
     for (Index e = 0; e < model.envs; ++e) {
-      const double share = 1 - tuning::kNaturalShare * alpha[e];
-      if (alpha[e] == 0 || (finite[e] && system_.convergence.finite(next, e) && after[e] <= share * share * before[e])) continue;
+      const double level = 1 - tuning::kNaturalShare * alpha[e];
+      if (alpha[e] == 0 || (finite[e] && system_.convergence.finite(next, e) && after[e] <= level * level * before[e])) continue;
       alpha[e] *= 0.5;
       again[e] = 1;
     }

@@ -15,15 +15,15 @@ class CreepWatch {
     bool creeps = false;  // the residual hardly falls any more
     bool linear = false;  // it falls by the same share each time
   };
-  // share: the residual over that before the last iteration; over: the worst body's residual over its tolerance; alpha: of the last step.
-  Sight look(Index env, Index iteration, double share, double over, double alpha) {
+  // left: the residual over that before the last iteration; over: the worst body's residual over its tolerance; alpha: of the last step.
+  Sight look(Index env, Index iteration, double left, double over, double alpha) {
     if (iteration == 0) {
       slow_[env] = 0;
       return {};
     }
-    slow_[env] = share > tuning::kFast ? slow_[env] + 1 : 0;
+    slow_[env] = left > tuning::kFast ? slow_[env] + 1 : 0;
     return {slow_[env] >= tuning::kPatience && iteration >= tuning::kUsual,
-            share < tuning::kFast && share > tuning::kQuadratic && alpha == 1 && over * share > 1};
+            left < tuning::kFast && left > tuning::kQuadratic && alpha == 1 && over * left > 1};
   }
 
  private:

@@ -12,31 +12,31 @@ namespace mortise::solver {
 
 class CurvaturePolicy {
  public:
-  explicit CurvaturePolicy(Index envs) : share_(envs, 0.0) {}
+  explicit CurvaturePolicy(Index envs) : concavity_(envs, 0.0) {}
 
-  void begin_step() { std::fill(share_.begin(), share_.end(), 0.0); }
+  void begin_step() { std::fill(concavity_.begin(), concavity_.end(), 0.0); }
   // alpha: share of the last step that was taken; 0 before the first.
   void choose(Index env, double alpha) {
-    double& s = share_[env];
+    double& s = concavity_[env];
     s = alpha < 1 ? 0 : s == 0 ? 1 : std::min(1.0, tuning::kRegain * s);
   }
   void soften(Index env) {
-    double& s = share_[env];
+    double& s = concavity_[env];
     s *= tuning::kSoften;
     if (s < tuning::kLeastConcave) s = 0;
   }
-  void make_convex(Index env) { share_[env] = 0; }
+  void make_convex(Index env) { concavity_[env] = 0; }
 
-  double share(Index env) const { return share_[env]; }
+  double concavity(Index env) const { return concavity_[env]; }
   // For linearise(); stands until the next change.
   effects::Curvature wanted() {
-    if (share_.size() == 1) return effects::Curvature(true, share_[0]);
-    device_.upload(share_);
+    if (concavity_.size() == 1) return effects::Curvature(true, concavity_[0]);
+    device_.upload(concavity_);
     return effects::Curvature(std::as_const(device_).view());
   }
 
  private:
-  std::vector<double> share_;
+  std::vector<double> concavity_;
   device::Buffer<double> device_;
 };
 

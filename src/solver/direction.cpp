@@ -62,7 +62,7 @@ void Direction::find(const device::Buffer<Vec3>& q, const Residual& r, const std
     for (Index e = 0; e < envs.size(); ++e) {
       uphill[e] = whole[e] && envs.is(e, EnvState::running) && r.support_gap[e] == 0 && !(slope_[e] < 0);
       if (!uphill[e]) continue;
-      if (curvature_.share(e) == 0) symmetric[e] = 1, uphill[e] = 0;
+      if (curvature_.concavity(e) == 0) symmetric[e] = 1, uphill[e] = 0;
       curvature_.soften(e);
     }
     if (any(uphill)) ++report.softened, system_.potential.linearise(q.view(), want(envs), at);

@@ -104,8 +104,8 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
   }
 }
 
-bool EnergyGuard::wants_halving(const StepEnergy& e, double share) {
-  if (!helps_ || !(e.gain > share * e.there)) return false;
+bool EnergyGuard::wants_halving(const StepEnergy& e, double allowed) {
+  if (!helps_ || !(e.gain > allowed * e.there)) return false;
   helps_ = !(e.gain > last_ / tuning::kGainFalls);
   last_ = e.gain;
   return helps_;

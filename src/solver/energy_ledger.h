@@ -64,8 +64,8 @@ class EnergyLedger {
 // Euler does; after one try in vain no more of this step.
 class EnergyGuard {
  public:
-  // share: of the energy there is, that may be gained.
-  bool wants_halving(const StepEnergy& e, double share);
+  // allowed: share of the energy there is, that may be gained.
+  bool wants_halving(const StepEnergy& e, double allowed);
   void accepted() { last_ = INFINITY; }
 
  private:

@@ -130,41 +130,41 @@ void subtract(View<const Vec3> a, View<const Vec3> b, Buffer<Vec3>& out) {
   device::parallel_for("solver.subtract", a.n, [=] MORTISE_HD(Index i) { to[i] = a[i] - b[i]; });
 }
 
-void add_scaled(View<const Vec3> v, const std::vector<double>& share, View<const Index> block_env, Buffer<Vec3>& to) {
-  const Buffer<double> shares(share);
-  const View<const double> s = shares.view();
+void add_scaled(View<const Vec3> v, const std::vector<double>& scale, View<const Index> block_env, Buffer<Vec3>& to) {
+  const Buffer<double> scales(scale);
+  const View<const double> s = scales.view();
   const View<Vec3> t = to.view();
   device::parallel_for("solver.add_scaled", v.n, [=] MORTISE_HD(Index b) { t[b] += s[block_env[b]] * v[b]; });
 }
 
 void force_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> projector, View<const double> lever, View<const double> position,
-                 Fetch& fetch, TakeParts take) {
+                 Fetch& fetch, ReceiveParts receive) {
   blocks.reduce(
       "solver.force_sizes",
       [=] MORTISE_HD(Index b) {
         Part p{};
-        p.most = (projector[b] * g[b]).norm() / lever[b];
+        p.largest = (projector[b] * g[b]).norm() / lever[b];
         p.sum[0] = position[b] * g[b].norm();
         return p;
       },
-      fetch, take);
+      fetch, receive);
 }
 
 void residual_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> projector, View<const double> lever, View<const double> position,
-                    View<const Vec3> q, View<const Vec3> q0, Fetch& fetch, TakeParts take) {
+                    View<const Vec3> q, View<const Vec3> q0, Fetch& fetch, ReceiveParts receive) {
   blocks.reduce(
       "solver.residual_sizes",
       [=] MORTISE_HD(Index b) {
         Part p{};
-        p.most = (projector[b] * g[b]).norm() / lever[b];
+        p.largest = (projector[b] * g[b]).norm() / lever[b];
         for (int k = 0; k < 3; ++k) p.sum[k] = position[b] * g[b][k];
         p.far = lever[b] * (q[b] - q0[b]).norm();
         return p;
       },
-      fetch, take);
+      fetch, receive);
 }
 
-void step_sizes(const Chunks& blocks, View<const Vec3> d, View<const double> lever, Fetch& fetch, TakeParts take) {
+void step_sizes(const Chunks& blocks, View<const Vec3> d, View<const double> lever, Fetch& fetch, ReceiveParts receive) {
   blocks.reduce(
       "solver.step_sizes",
       [=] MORTISE_HD(Index b) {
@@ -172,11 +172,11 @@ void step_sizes(const Chunks& blocks, View<const Vec3> d, View<const double> lev
         p.far = lever[b] * d[b].norm();
         return p;
       },
-      fetch, take);
+      fetch, receive);
 }
 
 void rounding_sizes(const Chunks& rows, const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, View<const double> lever,
-                    Fetch& fetch, TakeParts take) {
+                    Fetch& fetch, ReceiveParts receive) {
   constexpr double kEps = 2.220446049250313e-16;
   const View<const Index> start = A.row_start.view();
   const View<const Mat3> value = A.value.view();
@@ -185,10 +185,10 @@ void rounding_sizes(const Chunks& rows, const linalg::BlockMatrix& A, View<const
       [=] MORTISE_HD(Index r) {
         const Index b = block_of_row[r];
         Part p{};
-        p.most = p.sum[0] = 8 * kEps * value[start[r]].norm() * q[b].norm() / lever[b];
+        p.largest = p.sum[0] = 8 * kEps * value[start[r]].norm() * q[b].norm() / lever[b];
         return p;
       },
-      fetch, take);
+      fetch, receive);
 }
 
 void energy_rounding(View<const Vec3> g, View<const Vec3> q, const std::vector<Index>& env_blocks, EnvValues out) {
@@ -221,7 +221,7 @@ std::vector<std::pair<Index, Index>> touching(View<const model::ContactSample> s
   return pairs;
 }
 
-void shift_diagonal(linalg::BlockMatrix& A, double share, const std::vector<Index>& env_rows, const std::vector<std::uint8_t>& whose) {
+void shift_diagonal(linalg::BlockMatrix& A, double scale, const std::vector<Index>& env_rows, const std::vector<std::uint8_t>& whose) {
   if (std::find(whose.begin(), whose.end(), 1) == whose.end()) return;
   const View<const Index> start = std::as_const(A.row_start).view();
   const View<Mat3> value = A.value.view();
@@ -231,9 +231,30 @@ void shift_diagonal(linalg::BlockMatrix& A, double share, const std::vector<Inde
   for (std::size_t e = 0; e < whose.size(); ++e) {
     if (!whose[e]) continue;
     const Index first = env_rows[e], rows = env_rows[e + 1] - first;
-    const double shift = share * trace[e] / (3.0 * rows);
+    const double shift = scale * trace[e] / (3.0 * rows);
     device::parallel_for("solver.shift_diagonal", rows, [=] MORTISE_HD(Index r) { value[start[first + r]] += shift * Mat3::Identity(); });
   }
+}
+
+double hold_rows(linalg::BlockMatrix& A, double scale, View<const Index> list, Index begin, Index end, View<const Index> block_of_row,
+                 View<const double> lever, View<const double> position) {
+  if (end == begin) return 0;
+  const View<const Index> start = std::as_const(A.row_start).view();
+  const View<Mat3> value = A.value.view();
+  std::vector<double> trace{0}, positions{0};
+  device::env_sum(
+      "solver.hold_stiffness", {begin, end}, [=] MORTISE_HD(Index i) { return position[block_of_row[list[i]]] * value[start[list[i]]].trace() / 3; },
+      trace);
+  device::env_sum(
+      "solver.hold_positions", {begin, end}, [=] MORTISE_HD(Index i) { return position[block_of_row[list[i]]]; }, positions);
+  if (positions[0] == 0) return 0;
+  const double k = trace[0] / positions[0];
+  device::parallel_for("solver.hold", end - begin, [=] MORTISE_HD(Index i) {
+    const Index r = list[begin + i];
+    const double s = lever[block_of_row[r]];
+    value[start[r]] += scale * k * s * s * Mat3::Identity();
+  });
+  return k;
 }
 
 void clear_blocks(Buffer<Vec3>& v, Index begin, Index end) {

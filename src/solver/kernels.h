@@ -15,7 +15,7 @@ using device::Buffer;
 using device::EnvValues;
 using device::Fetch;
 using device::View;
-using TakeParts = std::function<void(const std::vector<Part>&)>;
+using ReceiveParts = std::function<void(const std::vector<Part>&)>;
 
 // Per environment the largest |v|.
 void largest(View<const Vec3> v, const std::vector<Index>& env_blocks, EnvValues out);
@@ -40,27 +40,31 @@ void step_of(View<const Vec3> x, View<const Vec3> c, View<const Index> row_of_bl
 void advance(View<const Vec3> q, View<const Vec3> dq, const std::vector<double>& alpha, const model::Model& model, Buffer<Vec3>& trial);
 void add(View<const Vec3> from, Buffer<Vec3>& to);
 void subtract(View<const Vec3> a, View<const Vec3> b, Buffer<Vec3>& out);
-// to_b += share_env v_b
-void add_scaled(View<const Vec3> v, const std::vector<double>& share, View<const Index> block_env, Buffer<Vec3>& to);
+// to_b += scale_env v_b
+void add_scaled(View<const Vec3> v, const std::vector<double>& scale, View<const Index> block_env, Buffer<Vec3>& to);
 // 0 of no values.
 double largest_of(const std::vector<double>& v);
-// Into Part, see convergence.h for levers and positions: most = |P g|/s, sum[0] = |g| over positions.
+// Into Part, see convergence.h for levers and positions: largest = |P g|/s, sum[0] = |g| over positions.
 void force_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> projector, View<const double> lever, View<const double> position,
-                 Fetch& fetch, TakeParts take);
-// most = |P g|/s, sum = g over positions, far = s |q - q0|.
+                 Fetch& fetch, ReceiveParts receive);
+// largest = |P g|/s, sum = g over positions, far = s |q - q0|.
 void residual_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> projector, View<const double> lever, View<const double> position,
-                    View<const Vec3> q, View<const Vec3> q0, Fetch& fetch, TakeParts take);
+                    View<const Vec3> q, View<const Vec3> q0, Fetch& fetch, ReceiveParts receive);
 // far = s |d|.
-void step_sizes(const Chunks& blocks, View<const Vec3> d, View<const double> lever, Fetch& fetch, TakeParts take);
-// Of rows, most and sum[0] = 8 eps |A_rr| |q_r| / s: positions are only known to eps |q|, and forces accordingly.
+void step_sizes(const Chunks& blocks, View<const Vec3> d, View<const double> lever, Fetch& fetch, ReceiveParts receive);
+// Of rows, largest and sum[0] = 8 eps |A_rr| |q_r| / s: positions are only known to eps |q|, and forces accordingly.
 void rounding_sizes(const Chunks& rows, const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, View<const double> lever,
-                    Fetch& fetch, TakeParts take);
+                    Fetch& fetch, ReceiveParts receive);
 // Per environment 4 eps sum_b |g_b| |q_b| is added: what the energy with the gradient g may change by because positions are rounded.
 void energy_rounding(View<const Vec3> g, View<const Vec3> q, const std::vector<Index>& env_blocks, EnvValues out);
 // Pairs of bodies of samples that carry force, as (larger number, smaller number), each once.
 std::vector<std::pair<Index, Index>> touching(View<const model::ContactSample> samples);
-// A <- A + share * (mean trace of the diagonal blocks / 3) * I, in the environments of `whose`, each with a mean of its own.
-void shift_diagonal(linalg::BlockMatrix& A, double share, const std::vector<Index>& env_rows, const std::vector<std::uint8_t>& whose);
+// A <- A + scale * (mean trace of the diagonal blocks / 3) * I, in the environments of `whose`, each with a mean of its own.
+void shift_diagonal(linalg::BlockMatrix& A, double scale, const std::vector<Index>& env_rows, const std::vector<std::uint8_t>& whose);
+// The mean k of trace A_rr / 3 over the positions among the rows list[begin..end), and A_rr += scale k s^2 I of all of them, with s the lever of the
+// block of the row (convergence.h). Returns k.
+double hold_rows(linalg::BlockMatrix& A, double scale, View<const Index> list, Index begin, Index end, View<const Index> block_of_row,
+                 View<const double> lever, View<const double> position);
 // v[begin..end) <- 0, or those of `from`.
 void clear_blocks(Buffer<Vec3>& v, Index begin, Index end);
 void copy_blocks(const Buffer<Vec3>& from, Index begin, Index end, Buffer<Vec3>& to);

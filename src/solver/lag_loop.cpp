@@ -15,12 +15,12 @@ double LagLoop::finest() const { return std::max(system_.options.relative_tolera
 void LagLoop::begin_solve(const device::Buffer<Vec3>& q) {
   q_.copy_from(q);
   round_ = 0;
-  share_.assign(system_.model.envs, 1.0);
+  relaxation_.assign(system_.model.envs, 1.0);
   relative_.assign(system_.model.envs, lags_ ? tuning::kLagCoarsest * wanted_ : wanted_);
 }
 
-void LagLoop::refreshed(Index env, double share) {
-  relative_[env] = std::clamp(tuning::kLagShare * share, tuning::kLagFinest * wanted_, tuning::kLagCoarsest * wanted_);
+void LagLoop::refreshed(Index env, double relative_residual) {
+  relative_[env] = std::clamp(tuning::kLagShare * relative_residual, tuning::kLagFinest * wanted_, tuning::kLagCoarsest * wanted_);
 }
 
 void LagLoop::restart(Index env, const device::Buffer<Vec3>& q) {
@@ -39,12 +39,12 @@ void LagLoop::relax(const device::Buffer<Vec3>& q, const EnvMask& whose, Lineari
     dot(std::as_const(change).view(), std::as_const(change).view(), model.env_blocks, {square, fetch});
     fetch.now();
     for (Index e = 0; e < model.envs; ++e)
-      if (square[e] > 0) share_[e] = std::clamp(-share_[e] * along[e] / square[e], tuning::kLeastRelaxation, 1.0);
+      if (square[e] > 0) relaxation_[e] = std::clamp(-relaxation_[e] * along[e] / square[e], tuning::kLeastRelaxation, 1.0);
   }
   last_.copy_from(move_);
   bool any = false;
   for (Index e = 0; e < model.envs; ++e) {
-    if (whose[e] && share_[e] < 1) {
+    if (whose[e] && relaxation_[e] < 1) {
       any = true;
       continue;
     }
@@ -53,12 +53,12 @@ void LagLoop::relax(const device::Buffer<Vec3>& q, const EnvMask& whose, Lineari
   }
   if (!any) return;
   const effects::Want frozen = effects::Want::frozen();
-  std::vector<double> share = share_;
+  std::vector<double> relative_residual = relaxation_;
   system_.potential.linearise(std::as_const(q_).view(), frozen, near);
   device::Fetch fetch;
-  system_.potential.max_step(std::as_const(move_).view(), near, {share, fetch});
+  system_.potential.max_step(std::as_const(move_).view(), near, {relative_residual, fetch});
   fetch.now();
-  add_scaled(std::as_const(move_).view(), share, std::as_const(model.block_env).view(), q_);
+  add_scaled(std::as_const(move_).view(), relative_residual, std::as_const(model.block_env).view(), q_);
   system_.potential.linearise(std::as_const(q_).view(), frozen, near);
   system_.potential.sample(near);
   system_.potential.lag(near, at);

@@ -24,8 +24,8 @@ class LagLoop {
   // What rounds are solved to at the finest: so closely are forces that do not lag known in the end.
   double finest() const;
 
-  // The environment is solved to the present tolerance at q, where refreshed quantities leave `share` of the forces.
-  void refreshed(Index env, double share);
+  // The environment is solved to the present tolerance at q, where refreshed quantities leave `relative_residual` of the forces.
+  void refreshed(Index env, double relative_residual);
   // The state of the next round's lagged quantities in the environments of `whose`; elsewhere they are those of q, which `at` holds already.
   // `near`: work space.
   void relax(const device::Buffer<Vec3>& q, const EnvMask& whose, Linearised& near, Linearised& at);
@@ -38,8 +38,8 @@ class LagLoop {
   const bool lags_;
   const double wanted_;
   Index round_ = 0;
-  std::vector<double> relative_, share_;  // per environment; w
-  device::Buffer<Vec3> q_, move_, last_;  // q_lag, r, r_old
+  std::vector<double> relative_, relaxation_;  // per environment; w
+  device::Buffer<Vec3> q_, move_, last_;       // q_lag, r, r_old
 };
 
 }  // namespace mortise::solver

@@ -69,7 +69,7 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
     std::vector<double> scale_there;
     const std::vector<double> after = energies_.sum(there, &scale_there);
     bool ok = true;
-    EnvMask closer;                   // once looked at,
+    EnvMask closer, astray;           // once looked at,
     std::vector<double> slope_there;  // once asked for
     for (Index e = 0; e < model.envs; ++e) {
       if (alpha[e] == 0 || far_enough[e]) continue;
@@ -77,6 +77,14 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
       const double left = (1 - alpha[e]) * (1 - alpha[e]);
       const double change = after[e] - before[e] + 0.5 * merit.rho[e] * (left - 1) * merit.cc[e];
       const double rounding = tuning::kEnergyRounding * scale_there[e] + merit.rounding[e];
+      if (k == 0 && !forces.far.empty() && forces.far[e] && std::isfinite(after[e])) {
+        if (astray.empty()) astray = forces.astray(trial_);
+        if (astray[e]) {
+          alpha[e] = 0;
+          ok = false;
+          continue;
+        }
+      }
       if (std::isfinite(after[e]) && change <= tuning::kArmijo * alpha[e] * merit.slope[e] + rounding) {
         const bool blind = alpha[e] * std::abs(merit.slope[e]) <= rounding && !(merit.cc[e] > 0) && k < tuning::kMostDoubts;
         if (!blind || forces.doubtful.empty() || !forces.doubtful[e]) continue;
@@ -112,7 +120,7 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
   for (Index e = 0; e < model.envs; ++e) {
     if (!envs.is(e, EnvState::running)) continue;
     envs[e].alpha = alpha[e], envs[e].energy = before[e];
-    report.alpha = std::min(report.alpha, alpha[e]);
+    if (alpha[e] > 0) report.alpha = std::min(report.alpha, alpha[e]);
   }
   q.swap(trial_);
 }

@@ -23,6 +23,9 @@ class LineSearch {
     std::function<EnvMask(const device::Buffer<Vec3>& trial)> closer;
     std::function<std::vector<double>(const device::Buffer<Vec3>& trial)> slope;  // along the way [J]
     EnvMask doubtful;                                                             // where the iteration before gained little: the slope is asked for
+    // Where they are so much farther from balance that the state is not taken at all, asked for where a full step leads far (loose_hold.h).
+    std::function<EnvMask(const device::Buffer<Vec3>& trial)> astray;
+    EnvMask far;
   };
   LineSearch(System& system, EnergyLedger& energies) : system_(system), energies_(energies) {}
 

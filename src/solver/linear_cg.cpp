@@ -68,12 +68,12 @@ class Cg final : public Linear {
     if (s.whole) {
       const std::vector<double> rough(todo.size(), tuning::kInner), nothing(todo.size(), 0.0);
       // The symmetric part alone first: less would not see that it is indefinite.
-      for (double& share : relative) share = std::max(share, tuning::kWholeRough);
+      for (double& asked : relative) asked = std::max(asked, tuning::kWholeRough);
       const linalg::CgResult start = run(s.A, s.b, s.x, relative, absolute, todo);
       report.cg += start.iterations();
       EnvMask left = todo;
       for (Index e = 0; e < rows_.envs(); ++e)
-        if (todo[e] && start.env[e].end == linalg::CgEnd::not_positive_definite && curvature.share(e) > 0)
+        if (todo[e] && start.env[e].end == linalg::CgEnd::not_positive_definite && curvature.concavity(e) > 0)
           env_[e].built_speed = 0, indefinite[e] = 1, left[e] = 0;
       const linalg::GmresResult end =
           solve_whole(s, left, rows_.env, relative, tuning::kWholeMost, [&](device::View<const Vec3> in, device::View<Vec3> out) {
@@ -89,12 +89,12 @@ class Cg final : public Linear {
       return indefinite;
     }
     const linalg::CgResult cg = run(s.A, s.b, s.x, relative, absolute, todo);
-    Index most = 0;
+    Index iterations = 0;
     for (Index e = 0; e < rows_.envs(); ++e) {
       if (!todo[e]) continue;
       const linalg::CgResult::Env& end = cg.env[e];
-      most = std::max(most, end.iterations);
-      if (end.end == linalg::CgEnd::not_positive_definite && curvature.share(e) > 0) {
+      iterations = std::max(iterations, end.iterations);
+      if (end.end == linalg::CgEnd::not_positive_definite && curvature.concavity(e) > 0) {
         env_[e].built_speed = 0;
         indefinite[e] = 1;
         continue;
@@ -112,7 +112,7 @@ class Cg final : public Linear {
       env_[e].last_rhs = end.rhs;
       env_[e].any = true;
     }
-    report.cg += most;
+    report.cg += iterations;
     return indefinite;
   }
 
@@ -138,12 +138,12 @@ class Cg final : public Linear {
 
   double forcing(const Env& e, double b2) const {
     if (!options_.cg_forcing) return options_.cg_tolerance;
-    double share = tuning::kRoughest;
+    double forcing = tuning::kRoughest;
     if (e.any) {
       const double ratio = std::sqrt(b2) / e.last_rhs;  // not a number where both are zero
-      if (ratio < 1) share = std::min(tuning::kRoughest, tuning::kForcingFactor * std::max(ratio * ratio, e.relative * e.relative));
+      if (ratio < 1) forcing = std::min(tuning::kRoughest, tuning::kForcingFactor * std::max(ratio * ratio, e.relative * e.relative));
     }
-    return std::max(share, options_.cg_tolerance);
+    return std::max(forcing, options_.cg_tolerance);
   }
 
   linalg::CgResult run(const linalg::BlockMatrix& A, device::View<const Vec3> b, device::View<Vec3> x, const std::vector<double>& relative,

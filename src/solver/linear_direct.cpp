@@ -74,14 +74,14 @@ class Direct final : public Linear {
     Part& part = parts_[e];
     double shift = tuning::kFirstShift;
     part.fresh = part.solver.factor(A);
-    while (!part.fresh && curvature.share(e) == 0 && shift <= tuning::kLargestShift) {
+    while (!part.fresh && curvature.concavity(e) == 0 && shift <= tuning::kLargestShift) {
       shift_diagonal(A, shift, {0, A.rows}, {1});
       shift *= tuning::kShiftGrowth;
       ++report.regularised;
       part.fresh = part.solver.factor(A);
     }
     if (part.fresh) return true;
-    if (curvature.share(e) > 0)
+    if (curvature.concavity(e) > 0)
       indefinite[e] = 1;
     else
       envs.fail(e, "the matrix is not positive definite");
@@ -136,9 +136,9 @@ LinearChoice choose_linear(const model::Model& model, const Options& options) {
   for (Index e = 0; e < model.envs; ++e) blocks = std::max(blocks, model.env_blocks[e + 1] - model.env_blocks[e]);
   const std::string size = std::to_string(blocks) + " blocks";
   if (blocks <= tuning::kDirectBlocks) return {"direct", size + ", a new factor each time up to " + std::to_string(tuning::kDirectBlocks)};
-  const Index most = options.is_static ? tuning::kReuseBlocks : tuning::kReuseInMotion;
-  const std::string bound = std::to_string(most) + (options.is_static ? " in statics" : " in motion");
-  if (blocks <= most) return {"reuse", size + ", factors up to " + bound};
+  const Index limit = options.is_static ? tuning::kReuseBlocks : tuning::kReuseInMotion;
+  const std::string bound = std::to_string(limit) + (options.is_static ? " in statics" : " in motion");
+  if (blocks <= limit) return {"reuse", size + ", factors up to " + bound};
   return {"cg", size + ", more than " + bound};
 }
 

@@ -32,7 +32,7 @@ void unweigh(device::View<const double> w, device::View<const Vec3> in, device::
 }  // namespace
 
 linalg::GmresResult solve_whole(const LinearSystem& s, const EnvMask& whose, const std::vector<Index>& env_rows, const std::vector<double>& relative,
-                                Index most, const linalg::Operator& preconditioner) {
+                                Index limit, const linalg::Operator& preconditioner) {
   const Index rows = s.b.n, envs = static_cast<Index>(whose.size());
   device::Buffer<Vec3> r(rows), x(rows), d(rows), Jx(rows), forces(rows);
   const device::Buffer<double> weights = row_weights(s.A);
@@ -62,14 +62,14 @@ linalg::GmresResult solve_whole(const LinearSystem& s, const EnvMask& whose, con
     std::vector<double> wanted(envs, 0.0);
     for (Index e = 0; e < envs; ++e) {
       if (left[e]) sum.relative[e] = b2[e] > 0 ? std::sqrt(r2[e] / b2[e]) : 0;
-      left[e] = left[e] && sum.relative[e] > relative[e] && sum.of_env[e] < most;
+      left[e] = left[e] && sum.relative[e] > relative[e] && sum.of_env[e] < limit;
       if (left[e])
         wanted[e] = relative[e] / sum.relative[e];
       else
         clear_blocks(r, env_rows[e], env_rows[e + 1]);
     }
     if (!any(left)) break;
-    const linalg::GmresResult cycle = linalg::gmres(product, inverse, std::as_const(r).view(), d.view(), env_rows, wanted, most);
+    const linalg::GmresResult cycle = linalg::gmres(product, inverse, std::as_const(r).view(), d.view(), env_rows, wanted, limit);
     add(std::as_const(d).view(), x);
     sum.iterations += cycle.iterations;
     for (Index e = 0; e < envs; ++e) sum.of_env[e] += left[e] ? cycle.of_env[e] : 0;

@@ -14,6 +14,6 @@ namespace mortise::solver {
 // itself; where rounding hid that it had not ended, and fewer were needed, it has them once more. x stands still outside of
 // `whose`.
 linalg::GmresResult solve_whole(const LinearSystem& system, const EnvMask& whose, const std::vector<Index>& env_rows,
-                                const std::vector<double>& relative, Index most, const linalg::Operator& preconditioner);
+                                const std::vector<double>& relative, Index limit, const linalg::Operator& preconditioner);
 
 }  // namespace mortise::solver

@@ -28,7 +28,7 @@ Newton::Newton(model::Model& model, EffectList& effects, const Options& options,
       coupled_(system_, *linear_, curvature_, direction_.matrix()),
       trace_(system_, curvature_),
       at_(system_.potential.linearised()),
-      near_(system_.potential.linearised()) {}
+      beside_(system_.potential.linearised()) {}
 
 void Newton::begin(const EnvMask& whose) {
   q_.resize(model_.blocks);
@@ -104,9 +104,12 @@ void Newton::iterate(const effects::StepInfo& info, StepReport& report, const st
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running) && !system_.convergence.finite(r, e)) envs_.fail(e, system_.not_finite(at_, e));
     check_failed();
+    for (Index e = 0; e < envs_.size(); ++e)
+      if (envs_.is(e, EnvState::running) && system_.rows.loose[e])
+        system_.hold.look(e, envs_[e].force, system_.convergence.largest_force(r, e), envs_[e].alpha, envs_[e].step);
     note(
         r, [this](Index e) { return wanted(e); }, report);
-    if (want.whole) report.lag_residual = report.residual, report.lag_share = report.residual_share;
+    if (want.whole) report.lag_residual = report.residual, report.relative_lag_residual = report.relative_residual;
     trace_.begin(info, std::as_const(q_).view(), r, it, at_, envs_.mask(EnvState::running), report);
     settle(r, it);
     check_failed();
@@ -120,6 +123,8 @@ void Newton::iterate(const effects::StepInfo& info, StepReport& report, const st
     line_search_.step(q_, direction_.way(), direction_.slope(), direction_.supports(), at_, envs_, report, forces_beside(r));
     check_failed();
     for (Index e = 0; e < envs_.size(); ++e)
+      if (envs_.is(e, EnvState::running) && envs_[e].alpha == 0) system_.hold.tighten(e);
+    for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running)) envs_[e].force = system_.convergence.largest_force(r, e);
     ++report.newton;
     trace_.end(envs_, running, {}, report);
@@ -130,7 +135,7 @@ void Newton::iterate(const effects::StepInfo& info, StepReport& report, const st
 Newton::Search::Forces Newton::forces_beside(const Residual& r) {
   Search::Forces out;
   out.closer = [this, &r](const device::Buffer<Vec3>& trial) {
-    const Residual there = system_.linearise(std::as_const(trial).view(), {}, near_, true);
+    const Residual there = system_.linearise(std::as_const(trial).view(), {}, beside_, true);
     EnvMask closer(envs_.size(), 0);
     for (Index e = 0; e < envs_.size(); ++e)
       closer[e] = system_.convergence.finite(there, e) && there.support_gap[e] == 0 &&
@@ -138,9 +143,21 @@ Newton::Search::Forces Newton::forces_beside(const Residual& r) {
     return closer;
   };
   out.slope = [this](const device::Buffer<Vec3>& trial) {
-    system_.potential.linearise(std::as_const(trial).view(), {}, near_, true);
-    return dot(std::as_const(near_.gradient).view(), std::as_const(direction_.way()).view(), model_.env_blocks);
+    system_.potential.linearise(std::as_const(trial).view(), {}, beside_, true);
+    return dot(std::as_const(beside_.gradient).view(), std::as_const(direction_.way()).view(), model_.env_blocks);
   };
+  out.astray = [this, &r](const device::Buffer<Vec3>& trial) {
+    const Residual there = system_.linearise(std::as_const(trial).view(), {}, beside_, true);
+    EnvMask astray(envs_.size(), 0);
+    for (Index e = 0; e < envs_.size(); ++e)
+      astray[e] = !system_.convergence.finite(there, e) ||
+                  system_.hold.astray(e, system_.convergence.largest_force(r, e), system_.convergence.largest_force(there, e));
+    return astray;
+  };
+  out.far.assign(envs_.size(), 0);
+  for (Index e = 0; e < envs_.size(); ++e)
+    out.far[e] =
+        envs_.is(e, EnvState::running) && system_.rows.loose[e] && system_.hold.far(e, system_.convergence.largest_force(r, e), envs_[e].step);
   // Forces of a state by itself are not the slope of energies with something frozen.
   out.doubtful.assign(envs_.size(), 0);
   for (Index e = 0; e < envs_.size(); ++e)
@@ -160,9 +177,9 @@ void Newton::settle(const Residual& r, Index iteration) {
       envs_[e].state = envs_[e].whole ? EnvState::solved : EnvState::settled;
       continue;
     }
-    const double share = curvature_.share(e);
+    const double concavity = curvature_.concavity(e);
     const ProgressWatch::Sight sight =
-        progress_.look(e, iteration, system_.convergence.largest_force(r, e), envs_[e].energy, !envs_[e].whole || (share > 0 && share < 1));
+        progress_.look(e, iteration, system_.convergence.largest_force(r, e), envs_[e].energy, !envs_[e].whole || (concavity > 0 && concavity < 1));
     // What is kept lies where the energy is lowest, unless it is nearer than the coupled iteration has ever begun.
     if (sight.falls && nearest_force_[e] > envs_[e].couple_below) nearest_force_[e] = INFINITY;
     if (envs_[e].may_couple && r.support_gap[e] == 0) keep_nearest(e, r);
@@ -247,9 +264,9 @@ void Newton::solve_coupled(const effects::StepInfo& info, StepReport& report, co
                              [&](const EnvMask& whose, const std::vector<Index>& products) { trace_.end(envs_, whose, products, report); }};
   for (Index e = 0; e < envs_.size(); ++e)
     if (envs_.is(e, EnvState::stuck)) energies_.forget(e);
-  coupled_.solve(q_, lag_.wanted(), at_, near_, envs_, report, stop, watch);
+  coupled_.solve(q_, lag_.wanted(), at_, beside_, envs_, report, stop, watch);
   check_failed();
-  if (system_.potential.lags()) report.lag_residual = report.residual, report.lag_share = report.residual_share;
+  if (system_.potential.lags()) report.lag_residual = report.residual, report.relative_lag_residual = report.relative_residual;
 }
 
 // From here on with rounds of lagged quantities.
@@ -273,7 +290,7 @@ bool Newton::refresh(Index round, StepReport& report) {
   system_.potential.lag(at_, at_);
   const Residual fresh = system_.linearise(std::as_const(q_).view(), {}, at_);
   system_.convergence.refreshed();
-  report.lag_residual = report.lag_share = 0;
+  report.lag_residual = report.relative_lag_residual = 0;
   for (Index e = 0; e < envs_.size(); ++e) {
     if (!settled[e]) continue;
     envs_[e].force = 0;
@@ -281,8 +298,8 @@ bool Newton::refresh(Index round, StepReport& report) {
       envs_.fail(e, system_.not_finite(at_, e));
       continue;
     }
-    const double residual = system_.convergence.largest_force(fresh, e), share = system_.convergence.share(fresh, e);
-    report.lag_residual = std::max(report.lag_residual, residual), report.lag_share = std::max(report.lag_share, share);
+    const double residual = system_.convergence.largest_force(fresh, e), relative = system_.convergence.relative_residual(fresh, e);
+    report.lag_residual = std::max(report.lag_residual, residual), report.relative_lag_residual = std::max(report.relative_lag_residual, relative);
     if (system_.solved(fresh, e, lag_.wanted(), envs_[e].step)) {
       envs_[e].state = EnvState::solved;
     } else if (round == options_.lag_iterations) {
@@ -290,26 +307,26 @@ bool Newton::refresh(Index round, StepReport& report) {
       why << "lagged quantities (friction) did not settle in " << round << " rounds: residual " << residual << " N";
       envs_.fail(e, why.str());
     } else {
-      lag_.refreshed(e, share);
+      lag_.refreshed(e, relative);
       envs_[e].state = EnvState::running;
     }
   }
   check_failed();
   if (!envs_.any(EnvState::running)) return false;
-  lag_.relax(q_, envs_.mask(EnvState::running), near_, at_);
+  lag_.relax(q_, envs_.mask(EnvState::running), beside_, at_);
   return true;
 }
 
 // Of the environment that is farthest from its tolerance.
 void Newton::note(const Residual& r, const std::function<double(Index)>& relative, StepReport& report) const {
-  double most = -1;
-  report.residual_share = 0;
+  double worst_ratio = -1;
+  report.relative_residual = 0;
   for (Index e = 0; e < envs_.size(); ++e) {
     if (envs_.is(e, EnvState::failed)) continue;
     const Convergence::Worst worst = system_.convergence.worst(r, e, relative(e));
-    const double share = worst.force > 0 ? worst.force / worst.tolerance : 0;
-    report.residual_share = std::max(report.residual_share, system_.convergence.share(r, e));
-    if (share > most) most = share, report.residual = worst.force, report.tolerance = worst.tolerance;
+    const double ratio = worst.force > 0 ? worst.force / worst.tolerance : 0;
+    report.relative_residual = std::max(report.relative_residual, system_.convergence.relative_residual(r, e));
+    if (ratio > worst_ratio) worst_ratio = ratio, report.residual = worst.force, report.tolerance = worst.tolerance;
   }
 }
 

@@ -78,7 +78,7 @@ class Newton {
   Coupled coupled_;
   NewtonTrace trace_;
 
-  Linearised at_, near_;  // at q_; at states beside it
+  Linearised at_, beside_;  // at q_; at states beside it
   device::Buffer<Vec3> q_;
   EnvMask fresh_;                      // environments that stand where the step begins
   std::vector<double> nearest_force_;  // per environment: least residual of these iterations [N], and where it was

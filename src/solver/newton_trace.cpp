@@ -27,7 +27,7 @@ void NewtonTrace::end(const EnvTable& envs, const EnvMask& whose, const std::vec
   for (Index e = 0; e < envs.size(); ++e) {
     if (!whose[e]) continue;
     const auto row = std::find_if(report.trace.rbegin(), report.trace.rend(), [e](const Iterate& i) { return i.env == e; });
-    row->step = envs[e].step, row->alpha = envs[e].alpha, row->products = products.empty() ? 0 : products[e], row->concave = curvature_.share(e);
+    row->step = envs[e].step, row->alpha = envs[e].alpha, row->products = products.empty() ? 0 : products[e], row->concave = curvature_.concavity(e);
   }
 }
 

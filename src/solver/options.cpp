@@ -32,9 +32,9 @@ Options read_options(const Params& scene) {
     const Params* block = kind.lags ? scene.at("effects").find(kind.name) : nullptr;
     if (!block) continue;
     const double tolerance = block->number("lag_tolerance");
-    const Index most = static_cast<Index>(block->integer("lag_iterations"));
+    const Index rounds = static_cast<Index>(block->integer("lag_iterations"));
     o.lag_tolerance = !any ? tolerance : std::min(o.lag_tolerance, tolerance);
-    o.lag_iterations = !any ? most : std::max(o.lag_iterations, most);
+    o.lag_iterations = !any ? rounds : std::max(o.lag_iterations, rounds);
     any = true;
   }
   return o;

@@ -1,6 +1,7 @@
 #include "solver/rows.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace mortise::solver {
 
@@ -33,12 +34,19 @@ bool Rows::number(const model::Model& model, bool is_static) {
     env.push_back(static_cast<Index>(of_row.size()));
   }
   loose.assign(model.envs, 0);
+  std::vector<Index> loose_rows;
+  loose_env.assign(model.envs + 1, 0);
   for (const model::Body& body : model.bodies) {
     const auto first = held_.begin() + body.block_begin, last = held_.begin() + body.block_end;
     const auto free = [](auto held) { return held == 0; };
     // A stiff body is held as a whole or not at all; where ties leave it some freedom nothing else may.
-    if (is_static && (body.type == model::BodyType::stiff ? std::any_of(first, last, free) : std::all_of(first, last, free))) loose[body.env] = 1;
+    if (!is_static || !(body.type == model::BodyType::stiff ? std::any_of(first, last, free) : std::all_of(first, last, free))) continue;
+    loose[body.env] = 1;
+    for (Index b = body.block_begin; b < body.block_end; ++b)
+      if (of_block_host[b] >= 0) loose_rows.push_back(of_block_host[b]), ++loose_env[body.env + 1];
   }
+  std::partial_sum(loose_env.begin(), loose_env.end(), loose_env.begin());
+  loose_row.upload(loose_rows);
   number_tied(model);
   of_block.upload(of_block_host);
   block.upload(of_row);

@@ -22,6 +22,8 @@ class Rows {
   device::Buffer<Mat3> projector;   // of every row
   bool any_partial = false;         // some block is held in some directions
   std::vector<std::uint8_t> loose;  // per environment: statics, and a body that can move as a whole but for contact
+  device::Buffer<Index> loose_row;  // of such bodies; environment e has [loose_env[e], loose_env[e+1]) of them
+  std::vector<Index> loose_env;
 
   // Where blocks are tied: the rows of the matrix of all blocks that hang on some row, by which rows (linalg/elimination.h).
   struct Tied {

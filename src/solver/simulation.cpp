@@ -59,14 +59,14 @@ EnvMask some_of(const EnvMask& whose) { return std::find(whose.begin(), whose.en
 void AcceptedForces::accept(const effects::StepInfo& info, const Linearised& at, const model::Model& model) {
   own_ = model.envs > 1;
   if (!own_) return;
-  const auto take = [&](const device::Buffer<Vec3>& from, device::Buffer<Vec3>& to) {
+  const auto copy = [&](const device::Buffer<Vec3>& from, device::Buffer<Vec3>& to) {
     if (to.size() != from.size()) to.copy_from(from);
     for (Index e = 0; e < model.envs; ++e)
       if (info.taken_by(e)) copy_blocks(from, model.env_blocks[e], model.env_blocks[e + 1], to);
   };
   gradients_.resize(at.gradients.size());
-  for (std::size_t k = 0; k < gradients_.size(); ++k) take(at.gradients[k], gradients_[k]);
-  take(at.gradient, gradient_);
+  for (std::size_t k = 0; k < gradients_.size(); ++k) copy(at.gradients[k], gradients_[k]);
+  copy(at.gradient, gradient_);
 }
 
 Simulation::Simulation(model::Model& model, EffectList& effects, const Options& options)

@@ -24,7 +24,13 @@ std::vector<double> lengths(const model::Model& model) {
 }  // namespace
 
 System::System(model::Model& model_, EffectList& effects, const Options& options_, Clock& clock_)
-    : model(model_), options(options_), clock(clock_), potential(model_, effects, clock_), convergence(model_, options_), length(lengths(model_)) {}
+    : model(model_),
+      options(options_),
+      clock(clock_),
+      potential(model_, effects, clock_),
+      convergence(model_, options_),
+      hold(model_.envs),
+      length(lengths(model_)) {}
 
 void System::begin_solve() {
   rows_changed_ = rows.number(model, options.is_static);
@@ -35,6 +41,7 @@ void System::begin_solve() {
     if (tied) elimination_.set(rows.tied.offset, rows.tied.column, rows.tied.weight, rows.count());
   }
   convergence.begin_step();
+  hold.begin_solve();
 }
 
 Residual System::linearise(device::View<const Vec3> q, effects::Want want, Linearised& at, bool fresh) {
@@ -97,6 +104,10 @@ void System::matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& w
   if (rows.any_partial) linalg::project(A, rows.projector.view());
   // Without a shift rounding decides how far a body that nothing holds goes along its free motions.
   shift_diagonal(A, tuning::kLoose, rows.env, rows.loose);
+  for (Index e = 0; e < model.envs; ++e)
+    if (whose[e] && rows.loose[e])
+      hold.set_stiffness(e, hold_rows(A, hold.scale(e), std::as_const(rows.loose_row).view(), rows.loose_env[e], rows.loose_env[e + 1],
+                                      rows.block.view(), convergence.lever(), convergence.position()));
 }
 
 linalg::Operator System::whole(Linearised& at, const linalg::BlockMatrix& A) {

@@ -5,6 +5,7 @@
 #include "linalg/gmres.h"
 #include "solver/convergence.h"
 #include "solver/envs.h"
+#include "solver/loose_hold.h"
 #include "solver/options.h"
 #include "solver/potential.h"
 #include "solver/rows.h"
@@ -46,6 +47,7 @@ class System {
   Clock& clock;
   Potential potential;
   Convergence convergence;
+  LooseHold hold;
   Rows rows;
   const std::vector<double> length;  // per environment: its diagonal at rest [m], against which gaps of supports are judged
 

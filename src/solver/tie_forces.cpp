@@ -10,7 +10,7 @@ namespace mortise::solver {
 
 TieForces::TieForces(const model::Model& model, const std::vector<Vec3>& q, std::vector<Vec3> gradient)
     : model_(model), of_(model.ties.list().size()), on_body_(model.bodies.size(), Vec3::Zero()), pull_(model.blocks, Vec3::Zero()) {
-  const std::vector<double> position = effects::translation_share(model);
+  const std::vector<double> position = effects::translation_weight(model);
   const std::vector<Vec3> rest = model.rest_points.download();
   std::vector<Index> body(model.blocks);
   std::vector<double> radius(model.bodies.size(), 0.0);

@@ -19,11 +19,11 @@ Index worst_block(const model::Model& model, const device::Buffer<Vec3>& v, Inde
   const std::vector<Vec3> host = v.download();
   const std::vector<Mat3> P = model.projector.download();
   Index worst = model.env_blocks[env];
-  double most = -1;
+  double largest = -1;
   for (Index b = worst; b < model.env_blocks[env + 1]; ++b) {
     const double size = (P[b] * host[b]).norm();
     if (!std::isfinite(size)) return b;
-    if (size > most) most = size, worst = b;
+    if (size > largest) largest = size, worst = b;
   }
   return worst;
 }

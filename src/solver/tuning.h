@@ -38,6 +38,15 @@ inline constexpr double kForcingFactor = 0.9;  // gamma of Eisenstat and Walker,
 inline constexpr double kBeyondWanted = 0.1;   // of the residual at which Newton stops: the last system is solved as exactly as that needs
 inline constexpr double kSlower = 1.5;         // a preconditioner that has lost more of its speed (iterations per digit) is built anew
 
+// ---- bodies that only contact holds, in statics (loose_hold.h)
+inline constexpr double kFar = 100;           // of what the residual over their stiffness explains
+inline constexpr double kFirstHold = 1e-4;    // of their stiffness: seen by motions that meet next to none,
+inline constexpr double kHoldGrowth = 10;     // grown by this,
+inline constexpr double kLargestHold = 1e-2;  // up to where contact itself converges more slowly for it;
+inline constexpr double kHoldFalls = 4;       // slowly back, for what is too loose leads astray again
+inline constexpr double kAstray = 0.5;        // of the residual before: a far step that leaves more did not do what it was to do,
+inline constexpr double kAway = 2;            // and one that leaves so much more is not taken
+
 // ---- line search (line_search.h)
 inline constexpr double kArmijo = 1e-4;           // Nocedal, Wright, 2nd ed., ch. 3.1
 inline constexpr int kMostHalvings = 40;          // 1e-12 of a step

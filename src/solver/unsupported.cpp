@@ -46,7 +46,9 @@ std::string unsupported(const model::Model& model) {
       turning = listed(turning, body.name);
   }
   std::string text;
-  if (!loose.empty()) text += "\n  nothing but contact can hold " + loose + " in this static scene: pin it, or make the scene dynamic";
+  if (!loose.empty())
+    text += "\n  nothing but contact can hold " + loose +
+            " in this static scene, and without friction it slides off whatever leans: pin it, name friction, or make the scene dynamic";
   if (!turning.empty())
     text += "\n  supports let " + turning +
             " move or turn as a whole (held at a point, along a line or in one direction), and nothing but contact keeps it from that: hold more of "

@@ -35,14 +35,14 @@ double seconds(const Node& node, const std::string& what, Diagnostics& errors) {
 bool is_study(const std::string& path) {
   if (path == "-" || !fs::is_regular_file(path)) return false;
   try {
-    return scene::parse_yaml(read_regular_file(path, most_bytes::scene), path).find("mortise_study") != nullptr;
+    return scene::parse_yaml(read_regular_file(path, max_bytes::scene), path).find("mortise_study") != nullptr;
   } catch (const scene::SyntaxError&) {
     return false;
   }
 }
 
 Study read_study(const std::string& path) {
-  const std::string text = read_regular_file(path, most_bytes::scene);
+  const std::string text = read_regular_file(path, max_bytes::scene);
   Diagnostics errors(text);
   const Node root = scene::parse_yaml(text, path);
   const std::string folder = fs::absolute(path).parent_path().string();

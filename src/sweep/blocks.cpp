@@ -138,7 +138,7 @@ std::vector<Row> file(const Node& node, const std::string& folder, Diagnostics& 
   const std::string path = (std::filesystem::path(folder) / node.text).lexically_normal().string();
   std::string text;
   try {
-    text = read_regular_file(path, most_bytes::scene);
+    text = read_regular_file(path, max_bytes::scene);
   } catch (const Error& e) {
     return errors.add(node.at, e.what()), std::vector<Row>{};
   }

@@ -20,16 +20,16 @@ const std::vector<std::string> kKeys{"mortise_sweep", "name", "scene", "set", "q
 // A list of texts; one text stands for a list of one.
 std::vector<std::string> texts(const Node& node, const std::string& key, Diagnostics& errors) {
   std::vector<std::string> out;
-  const auto take = [&](const Node& n) {
+  const auto collect = [&](const Node& n) {
     if (n.kind == Node::Kind::scalar)
       out.push_back(n.text);
     else
       errors.add(n.at, key + " has " + n.describe() + "; must be text");
   };
   if (node.kind == Node::Kind::list)
-    for (const Node& n : node.items) take(n);
+    for (const Node& n : node.items) collect(n);
   else
-    take(node);
+    collect(node);
   return out;
 }
 
@@ -62,7 +62,7 @@ void no_path_twice(const std::vector<std::vector<Row>>& blocks, const Node& at, 
 }  // namespace
 
 Sweep read_sweep(const std::string& path) {
-  const std::string text = read_regular_file(path, most_bytes::scene);
+  const std::string text = read_regular_file(path, max_bytes::scene);
   Diagnostics errors(text);
   Node root;
   try {

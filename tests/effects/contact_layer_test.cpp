@@ -86,5 +86,5 @@ TEST(ContactLayer, IsNoThinnerThanFacetsAreDeep) {
 TEST(ContactLayer, IsAsStiffAsTheBodies) {
   const model::ModelInput in{{}, {plate("pad", 0.1, model::BodyType::soft), plate("tool", 0.1, model::BodyType::stiff)}};
   EXPECT_NEAR(stiffness(Params::make_table(), in), 1e5 / (1 - 0.09), 1e-6);
-  EXPECT_EQ(stiffness(Params::make_table(), {{}, {in.bodies[1]}}), effects::contact::kRigid);
+  EXPECT_EQ(stiffness(Params::make_table(), {{}, {in.bodies[1]}}), effects::contact::tuning::kRigid);
 }

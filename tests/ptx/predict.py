@@ -65,7 +65,7 @@ def main():
         row["launch_ms"], row["wait_ms"] = 1e3 * LAUNCH * row["launches"], 1e3 * WAIT * row["waits"]
         row["memory_ms"] = 1e3 * environments * touched / newton / BANDWIDTH
         row["predicted_ms"] = row["wait_ms"] + sum(1e3 * max(LAUNCH * l, environments * b / BANDWIDTH) for b, l, _ in kernels) / newton
-        row["most_bytes"] = [{"kernel": k[:160], "megabytes": environments * b / newton / 1e6, "launches": l / newton} for b, l, k in sorted(kernels, reverse=True)[:8]]
+        row["max_bytes"] = [{"kernel": k[:160], "megabytes": environments * b / newton / 1e6, "launches": l / newton} for b, l, k in sorted(kernels, reverse=True)[:8]]
         rows.append(row)
         print(f"{name:26} {launches / newton:6.0f} launches {row['waits']:5.1f} waits {row['megabytes_touched']:9.2f} MB: {row['predicted_ms']:.2f} ms per Newton iteration (predicted)")
     if a.result:

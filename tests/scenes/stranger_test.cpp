@@ -274,6 +274,33 @@ TEST(Stranger, AStaticBodyWithoutSupportIsNamed) {
   EXPECT_THAT(failure([&] { rig.step(); }), ::testing::HasSubstr("nothing but contact can hold 'ball' in this static scene"));
 }
 
+// A punch under a dead load, without friction: only contact holds it, and nothing keeps it from sliding.
+TEST(Stranger, ADeadLoadedPunchRestsFromAnyGapWithEverySolver) {
+  for (const char* linear : {"direct", "reuse", "cg"})
+    for (const char* z : {"5.02 mm", "5.5 mm", "7.7 mm", "20 mm"}) {
+      SCOPED_TRACE(std::string(linear) + ", from " + z);
+      Rig rig(R"(
+mortise: 1
+name: punch
+time: {mode: static, steps: 1}
+materials: {m: {density: 1000}, g: {youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}}
+bodies:
+  punch: {type: stiff, shape: {box: {size: [10 mm, 10 mm, 10 mm], edge_length: 10 mm}}, material: m, position: [0, 0, )" +
+              std::string(z) + R"(]}
+  pad: {type: soft, shape: {box: {size: [20 mm, 20 mm, 10 mm], edge_length: 5 mm}}, material: g, position: [0, 0, -5 mm]}
+effects:
+  elasticity: {}
+  affine_body: {}
+  pin: [{body: pad, where: {side: z_min}}]
+  pressure_load: [{body: punch, where: {side: z_max}, pressure: 1 kPa}]
+  mortar_contact: {pairs: [{slave: pad, master: punch}]}
+solver: {halvings: 0, linear: )" +
+              std::string(linear) + "}\n");
+      EXPECT_EQ(failure([&] { rig.step(); }), "");
+      EXPECT_NEAR(rig.fields().at("supports/pad_z"), 0.1, 1e-6);  // 1 kPa on 100 mm^2
+    }
+}
+
 TEST(Stranger, AStaticBodyThatHangsOnAPointIsNamed) {
   const auto hung = [](const char* where) {
     Rig rig(R"(

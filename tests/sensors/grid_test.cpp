@@ -99,7 +99,7 @@ TEST(TaxelGrid, SharesOutEveryForceOnTheSurfaceItCovers) {
       if (on_top(body.nodes[i])) f[i] = Vec3(force(random), force(random), force(random));
     for (const GridSpec& s : {grid(7, 9, 0.04, 0.03), grid(3, 2, 0.06, 0.05, 0.4)}) {
       const TaxelGrid taxels(body, s);
-      EXPECT_LT((sum(taxels.share(f)) - sum(f)).norm(), 1e-13);
+      EXPECT_LT((sum(taxels.distribute(f)) - sum(f)).norm(), 1e-13);
       const std::vector<double>& area = taxels.rest_area();
       EXPECT_NEAR(std::accumulate(area.begin(), area.end(), 0.0), 0.04 * 0.03, 1e-16);
     }
@@ -111,7 +111,7 @@ TEST(TaxelGrid, UniformPressureGivesEqualTaxels) {
   for (bool quadratic : {false, true}) {
     const model::BodyInput body = pad(quadratic);
     for (const GridSpec& s : {grid(6, 8, 0.04, 0.03), grid(5, 7, 0.018, 0.02, 0.5)}) {
-      const std::vector<Vec3> f = TaxelGrid(body, s).share(load(body, t));
+      const std::vector<Vec3> f = TaxelGrid(body, s).distribute(load(body, t));
       const double cell = s.width * s.height / s.taxels();
       for (const Vec3& x : f) EXPECT_LT((x / cell - t).norm(), 1e-10);
     }
@@ -124,7 +124,7 @@ TEST(TaxelGrid, SeesTheSideItFaces) {
   std::vector<Vec3> f(body.nodes.size(), Vec3::Zero());
   for (std::size_t i = 0; i < f.size(); ++i)
     if (body.nodes[i][2] < -kTop + 1e-9) f[i] = Vec3(0, 0, 1);
-  EXPECT_EQ(sum(TaxelGrid(body, grid(4, 4, 0.04, 0.03)).share(f)).norm(), 0);
+  EXPECT_EQ(sum(TaxelGrid(body, grid(4, 4, 0.04, 0.03)).distribute(f)).norm(), 0);
   GridSpec far = grid(4, 4, 0.04, 0.03);
   far.frame.origin[2] += 0.005, far.depth = 0.004;
   const TaxelGrid none(body, far);

@@ -4,6 +4,7 @@
 #include "solver/creep_watch.h"
 #include "solver/curvature_policy.h"
 #include "solver/energy_ledger.h"
+#include "solver/loose_hold.h"
 #include "solver/progress_watch.h"
 
 using namespace mortise;
@@ -13,27 +14,27 @@ TEST(CurvaturePolicy, ConvexUntilAFullStepThenExactAndSoftenedWhereIndefinite) {
   CurvaturePolicy p(1);
   p.begin_step();
   p.choose(0, 0);  // before the first step
-  EXPECT_EQ(p.share(0), 0);
+  EXPECT_EQ(p.concavity(0), 0);
   p.choose(0, 1);
-  EXPECT_EQ(p.share(0), 1);
+  EXPECT_EQ(p.concavity(0), 1);
   p.soften(0);
-  EXPECT_EQ(p.share(0), 0.25);
+  EXPECT_EQ(p.concavity(0), 0.25);
   p.choose(0, 1);
-  EXPECT_EQ(p.share(0), 0.5);
+  EXPECT_EQ(p.concavity(0), 0.5);
   p.choose(0, 0.5);  // a cut step
-  EXPECT_EQ(p.share(0), 0);
+  EXPECT_EQ(p.concavity(0), 0);
   p.choose(0, 1);
   for (int i = 0; i < 3; ++i) p.soften(0);
-  EXPECT_EQ(p.share(0), 0) << "shares that make no difference are none";
+  EXPECT_EQ(p.concavity(0), 0) << "shares that make no difference are none";
 }
 
 TEST(CurvaturePolicy, EveryEnvironmentHasItsOwn) {
   CurvaturePolicy p(3);
   p.choose(0, 1), p.choose(1, 0.5), p.choose(2, 1);
   p.soften(2);
-  EXPECT_EQ(p.share(0), 1);
-  EXPECT_EQ(p.share(1), 0);
-  EXPECT_EQ(p.share(2), 0.25);
+  EXPECT_EQ(p.concavity(0), 1);
+  EXPECT_EQ(p.concavity(1), 0);
+  EXPECT_EQ(p.concavity(2), 0.25);
   const effects::Curvature c = p.wanted();
   std::vector<double> seen(3);
   device::copy_out(seen.data(), c.of_env.p, 3 * sizeof(double));
@@ -95,4 +96,37 @@ TEST(EnvTable, RowsChangeAlone) {
   EXPECT_TRUE(t.is(1, EnvState::failed));
   EXPECT_EQ(t[1].reason, "why");
   EXPECT_FALSE(t.any(EnvState::running));
+}
+
+TEST(LooseHold, TightensAfterFarStepsThatLeadNowhereAndLoosensWhereItHoldsBack) {
+  LooseHold hold(2);
+  hold.begin_solve();
+  hold.set_stiffness(0, 1e4), hold.set_stiffness(1, 1e4);
+  EXPECT_EQ(hold.scale(0), 0);
+  EXPECT_FALSE(hold.far(0, 1, 1e-4)) << "1 N over 10 kN/m explain 0.1 mm";
+  EXPECT_TRUE(hold.far(0, 1, 0.011));
+  hold.look(0, 1, 0.9, 1, 1e-4);
+  EXPECT_EQ(hold.scale(0), 0) << "a short step that gains little is contact's own affair";
+  hold.look(0, 1, 0.9, 0.5, 1);
+  EXPECT_EQ(hold.scale(0), 0) << "a cut step says nothing";
+  hold.look(0, 1, 0.1, 1, 1);
+  EXPECT_EQ(hold.scale(0), 0) << "a far step that does what it should";
+  hold.look(0, 1, 0.9, 1, 1);
+  EXPECT_EQ(hold.scale(0), tuning::kFirstHold);
+  hold.tighten(0);
+  EXPECT_EQ(hold.scale(0), tuning::kFirstHold * tuning::kHoldGrowth);
+  hold.look(0, 1, 0.5, 1, 0.4);  // 4 N were held back
+  EXPECT_EQ(hold.scale(0), tuning::kFirstHold * tuning::kHoldGrowth / tuning::kHoldFalls);
+  for (int i = 0; i < 9; ++i) hold.tighten(0);
+  EXPECT_EQ(hold.scale(0), tuning::kLargestHold);
+  EXPECT_EQ(hold.scale(1), 0) << "of another environment";
+}
+
+TEST(LooseHold, RefusesWhatRaisesTheResidualUntilItIsTight) {
+  LooseHold hold(1);
+  hold.begin_solve();
+  EXPECT_TRUE(hold.astray(0, 1, 2.1));
+  EXPECT_FALSE(hold.astray(0, 1, 1.9));
+  for (int i = 0; i < 9; ++i) hold.tighten(0);
+  EXPECT_FALSE(hold.astray(0, 1, 100)) << "else Newton would stand still";
 }

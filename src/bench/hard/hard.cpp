@@ -137,8 +137,8 @@ std::string interrupt(std::vector<std::string> arguments, const std::string& dir
   const std::string again = dir + "_resumed", err = again + ".err";
   *(std::find(arguments.begin(), arguments.end(), "-o") + 1) = again;
   fs::remove_all(again);
-  const double share = 0.3 + 0.6 * static_cast<double>(std::hash<std::string>{}(text) % 1000) / 1000;
-  if (run_program(arguments, "/dev/null", err, share * seconds).code != -1) fs::remove_all(again);  // it was faster this time: nothing to resume
+  const double fraction = 0.3 + 0.6 * static_cast<double>(std::hash<std::string>{}(text) % 1000) / 1000;
+  if (run_program(arguments, "/dev/null", err, fraction * seconds).code != -1) fs::remove_all(again);  // it was faster this time: nothing to resume
   arguments.push_back("--resume=auto");
   const Ended end = run_program(arguments, "/dev/null", err, limit);
   if (end.code != 0) return "resumed: " + ending(end, read_text(err), limit);

@@ -32,8 +32,8 @@ void round_off(geometry::TetMesh& block) {
   for (Vec3& x : block.points) {
     const double m = std::max(x[0], x[1]), length = std::hypot(x[0], x[1]);
     if (m == 0) continue;
-    const double share = m < kContact ? m / kContact : (kDomain - m) / (kDomain - kContact);
-    x.head<2>() *= 1 - share + share * m / length;
+    const double fraction = m < kContact ? m / kContact : (kDomain - m) / (kDomain - kContact);
+    x.head<2>() *= 1 - fraction + fraction * m / length;
   }
 }
 

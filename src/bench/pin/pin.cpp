@@ -31,10 +31,10 @@ std::vector<double> angles(int fine, int coarse) { return from(-0.5 * std::numbe
 geometry::TetMesh plate(double bore, const std::vector<double>& r, const std::vector<double>& angles, const std::vector<double>& z) {
   geometry::TetMesh mesh = ring_sector(r, angles, z);
   for (Vec3& x : mesh.points) {
-    const double length = x.head<2>().norm(), share = (length - bore) / (kPlate - bore);
+    const double length = x.head<2>().norm(), fraction = (length - bore) / (kPlate - bore);
     const double side = kPlate * length / std::max(std::abs(x[0]), std::abs(x[1]));  // along the same ray
-    const double at = (1 - share) * bore + share * side;
-    x.head<2>() *= share > 1e-12 ? at / length : 1;
+    const double at = (1 - fraction) * bore + fraction * side;
+    x.head<2>() *= fraction > 1e-12 ? at / length : 1;
   }
   return mesh;
 }

@@ -38,18 +38,18 @@ double edge_gap(const Solved& s) {
           if (t.v[k] < t.v[(k + 1) % 3]) edges.emplace_back(t.v[k], t.v[(k + 1) % 3]);
     }
   }
-  double least = INFINITY;
+  double smallest = INFINITY;
   for (const auto& [i, j] : edges)
     for (int k = 0; k <= kPoints; ++k) {
       const Vec3 x = box[i] + (box[j] - box[i]) * k / kPoints;
       for (const Triangle& t : top) {
         const Vec3 a = pad[t.v[0]], u = pad[t.v[1]] - a, v = pad[t.v[2]] - a, d = x - a, n = u.cross(v).normalized();
-        if (d.dot(n) > least) continue;
+        if (d.dot(n) > smallest) continue;
         const double det = u[0] * v[1] - u[1] * v[0], s1 = (d[0] * v[1] - d[1] * v[0]) / det, s2 = (u[0] * d[1] - u[1] * d[0]) / det;
-        if (s1 >= 0 && s2 >= 0 && s1 + s2 <= 1) least = d.dot(n);
+        if (s1 >= 0 && s2 >= 0 && s1 + s2 <= 1) smallest = d.dot(n);
       }
     }
-  return least;
+  return smallest;
 }
 
 }  // namespace
@@ -64,7 +64,7 @@ void sharp(const Bench& b) {
       scene.use(m, 0.01);
       const double steps = scene.number("time.steps");
       Solved s;
-      double least = INFINITY, most = 0;
+      double smallest = INFINITY, largest = 0;
       long done = 0;
       s = solve(
           scene,
@@ -81,13 +81,13 @@ void sharp(const Bench& b) {
           },
           [&](const Snapshot& f) {
             ++done;
-            most = std::max(most, std::abs(f.at(m.effect + "/force_box_z")));
+            largest = std::max(largest, std::abs(f.at(m.effect + "/force_box_z")));
           });
-      least = edge_gap(s);
+      smallest = edge_gap(s);
       b.emit(s.row(c.name, m, "steps that converged", static_cast<double>(done), steps, steps - static_cast<double>(done), m.gated ? 0 : NAN));
-      const double t = least / d_hat;
+      const double t = smallest / d_hat;
       b.emit(s.row(c.name, m, "gap of edges over d_hat", t, kLeastGap, std::max(0.0, kLeastGap - t), m.gated ? 0 : NAN));
-      b.emit(s.row(c.name, m, "force [N]", most, NAN, NAN, NAN));
+      b.emit(s.row(c.name, m, "force [N]", largest, NAN, NAN, NAN));
     }
 }
 

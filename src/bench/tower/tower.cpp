@@ -33,8 +33,8 @@ void tower(const Bench& b) {
       for (std::size_t i = 0; i < gap.size(); ++i) {
         const double lower = std::min(bodies[2 * i], bodies[2 * i + 1]), upper = std::max(bodies[2 * i], bodies[2 * i + 1]);
         if (k > 0 ? lower != k - 1 || upper != k : lower != 0 || upper < kBlocks) continue;
-        const double share = area[i] > 0 ? area[i] : 1;
-        sum += share * gap[i], total += share;
+        const double fraction = area[i] > 0 ? area[i] : 1;
+        sum += fraction * gap[i], total += fraction;
       }
       const double gap_wanted = d_hat * barrier_gap(wanted / (kappa * kSide * kSide)), mean = sum / total;
       b.emit(s.row(name, m, "mean gap", mean, gap_wanted, std::abs(mean / gap_wanted - 1), gate(1e-3)));

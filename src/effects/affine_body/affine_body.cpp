@@ -69,7 +69,7 @@ class AffineBody final : public Effect {
       const Mat3 A = columns(q, list[s].first);
       const Mat3 g = affine_body::gradient(list[s].Vk, A);
       for (int i = 0; i < 3; ++i) out.block[3 * s + i] = list[s].first + i, out.grad[3 * s + i] = g.col(i);
-      if (curvature.wanted) affine_body::hessian(list[s].Vk, A, curvature.share(env[list[s].first]), out.hess.p + 6 * s);
+      if (curvature.wanted) affine_body::hessian(list[s].Vk, A, curvature.concavity(env[list[s].first]), out.hess.p + 6 * s);
     });
     if (fresh) at.stencils.pattern_changed();
   }

@@ -43,7 +43,7 @@ class BarrierContact final : public Effect {
     barrier_.d_hat = proximity_.reach();
     barrier_.kappa = stiffness(p, model.input);
     barrier_.area_weighted = p.text("form") == "area_weighted";
-    barrier_.edge_range = barrier_.area_weighted ? kEdgeShare * barrier_.d_hat : barrier_.d_hat;
+    barrier_.edge_range = barrier_.area_weighted ? contact::tuning::kEdgeRange * barrier_.d_hat : barrier_.d_hat;
     if (const Params* list = p.find("pairs")) pairs_ = *list;
     plane_area_.resize(static_cast<Index>(model.half_spaces.size()) * model.surface.vertices.size());
     model.add_contact(name());

@@ -199,7 +199,7 @@ void assemble(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, co
     const Index at = out.offset[i];
     for (Index b = 0; b < e.blocks; ++b) out.block[at + b] = e.block[b];
     if (curvature.wanted) model::zero_hessian(out, i, e.blocks);
-    AddTerms add{e, out, i, curvature.share(terms[i].env)};
+    AddTerms add{e, out, i, curvature.concavity(terms[i].env)};
     Vec3 grad[4];
     differentiate(s, terms[i], y, curvature.wanted, grad, add);
     e.chain(grad, out.grad.p + at);

@@ -2,13 +2,12 @@
 
 #include <cmath>
 
+#include "effects/contact/tuning.h"
+
 namespace mortise::effects::contact {
 namespace {
 
 using device::View;
-
-// Pairs are searched this much farther than the reach, so that positions a little off the path need no new search.
-constexpr double kMargin = 0.5;
 
 template <class T>
 void copy_view(View<const T> from, device::Buffer<T>& to) {
@@ -41,8 +40,8 @@ std::vector<double> largest_deviation(const std::vector<Index>& point_env, View<
 Candidates::Candidates(geometry::Broadphase& broadphase, double reach, std::vector<Index> point_env)
     : broadphase_(broadphase), reach_(reach), point_env_(std::move(point_env)) {}
 
-void Candidates::take(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>* dy) {
-  broadphase_.update(y.view(), dy ? dy->view() : View<const Vec3>{}, reach_ * (1 + kMargin));
+void Candidates::rebuild(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>* dy) {
+  broadphase_.update(y.view(), dy ? dy->view() : View<const Vec3>{}, reach_ * (1 + tuning::kMargin));
   copy_view(broadphase_.point_triangles(), point_triangles_);
   copy_view(broadphase_.edge_edges(), edge_edges_);
   pt_env_offset_ = broadphase_.pt_env_offset();
@@ -57,7 +56,7 @@ void Candidates::take(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>*
   any_ = true;
 }
 
-void Candidates::sweep(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy) { take(y, &dy); }
+void Candidates::sweep(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy) { rebuild(y, &dy); }
 
 void Candidates::cover(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>& finite) {
   const std::vector<double> off = largest_deviation(point_env_, y0_.view(), dy_.view(), y.view());
@@ -65,9 +64,9 @@ void Candidates::cover(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>&
   bool lost = !any_;
   for (std::size_t e = 0; e < off.size(); ++e) {
     finite[e] = !std::isnan(off[e]);
-    lost = lost || 2 * off[e] > kMargin * reach_;  // two points of a pair may each be off by half of the margin
+    lost = lost || 2 * off[e] > tuning::kMargin * reach_;  // two points of a pair may each be off by half of the margin
   }
-  if (lost) take(y, nullptr);
+  if (lost) rebuild(y, nullptr);
 }
 
 }  // namespace mortise::effects::contact

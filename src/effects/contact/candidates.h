@@ -24,7 +24,7 @@ class Candidates {
   std::size_t bytes() const { return point_triangles_.bytes() + edge_edges_.bytes() + y0_.bytes() + dy_.bytes(); }
 
  private:
-  void take(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>* dy);
+  void rebuild(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>* dy);
 
   geometry::Broadphase& broadphase_;  // shared with other contact effects, therefore the results are copied
   double reach_;

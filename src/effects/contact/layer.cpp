@@ -13,10 +13,6 @@
 namespace mortise::effects::contact {
 namespace {
 
-constexpr double kFine = 0.1;      // share of edges
-constexpr double kSmooth = 0.5;    // angle between triangles of a round surface [rad]
-constexpr double kOfExtent = 0.1;  // triangles of stiff bodies are as large as their faces
-
 void gather(const Params& p, std::set<std::string>& names) {
   if (p.kind() == Params::Kind::text) names.insert(p.as_text());
   if (p.kind() == Params::Kind::list)
@@ -47,10 +43,10 @@ double fine_edge(const model::BodyInput& body) {
   std::vector<double> length;
   for (const Triangle& t : body.triangles)
     for (int k = 0; k < 3; ++k) length.push_back((body.nodes[t.v[k]] - body.nodes[t.v[(k + 1) % 3]]).norm());
-  const double edge = quantile(std::move(length), kFine);
+  const double edge = quantile(std::move(length), tuning::kFine);
   if (body.type == model::BodyType::soft) return edge;
   const double extent = geometry::bounds_of(body.nodes).size().minCoeff();
-  return extent > 0 ? std::min(edge, kOfExtent * extent) : edge;
+  return extent > 0 ? std::min(edge, tuning::kOfExtent * extent) : edge;
 }
 
 // The circle around an equilateral triangle of edge w on a sphere of radius R is w^2/(6 R) deep, and theta = w/(sqrt(3) R).
@@ -64,10 +60,10 @@ double facet_depth(const model::BodyInput& body) {
       const auto [other, alone] = first.try_emplace({std::min(a, b), std::max(a, b)}, n);
       if (alone) continue;
       const double theta = std::atan2(n.cross(other->second).norm(), n.dot(other->second));
-      if (theta < kSmooth) depth.push_back((body.nodes[a] - body.nodes[b]).norm() * theta / std::sqrt(12.0));
+      if (theta < tuning::kSmooth) depth.push_back((body.nodes[a] - body.nodes[b]).norm() * theta / std::sqrt(12.0));
     }
   }
-  return quantile(std::move(depth), 1 - kFine);
+  return quantile(std::move(depth), 1 - tuning::kFine);
 }
 
 }  // namespace
@@ -81,7 +77,7 @@ double support_radius(const Params& effect, const model::ModelInput& input) {
     facets = std::max(facets, facet_depth(*body));
   }
   const double edge = std::isfinite(soft) ? soft : std::isfinite(stiff) ? stiff : 1;
-  return std::clamp(kOverFacets * facets, kThickness * edge, kThickest * edge);
+  return std::clamp(tuning::kOverFacets * facets, tuning::kThickness * edge, tuning::kThickest * edge);
 }
 
 Param support_radius_param(const std::string& what) {
@@ -91,11 +87,11 @@ Param support_radius_param(const std::string& what) {
 
 double stiffness(const Params& effect, const model::ModelInput& input) {
   if (const Params* kappa = effect.find("stiffness")) return kappa->as_number();
-  double most = 0;
+  double largest = 0;
   for (const model::BodyInput* body : bodies_of(effect, input))
     if (body->type == model::BodyType::soft)
-      most = std::max(most, 1 / compliance(body->material.number("youngs_modulus"), body->material.number("poisson_ratio")));
-  return most > 0 ? most : kRigid;
+      largest = std::max(largest, 1 / compliance(body->material.number("youngs_modulus"), body->material.number("poisson_ratio")));
+  return largest > 0 ? largest : tuning::kRigid;
 }
 
 }  // namespace mortise::effects::contact

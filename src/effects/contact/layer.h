@@ -7,13 +7,10 @@
 // multiply. Such a layer is far stiffer than the mesh under it at any pressure, so its stiffness need not be fitted to one: with
 // kappa = E* it is 0.72 d_hat thick at p = 0.3 E*, more than bodies bear, and still open at ten times that.
 #include "base/param_table.h"
+#include "effects/contact/tuning.h"
 #include "model/input.h"
 
 namespace mortise::effects::contact {
-
-inline constexpr double kThickness = 0.01;  // d_hat over edge, if facets are no deeper,
-inline constexpr double kOverFacets = 2;    // else over their depth,
-inline constexpr double kThickest = 0.03;   // up to this over the edge: deeper facets are shape, not error
 
 // 1/E* = (1 - nu^2)/E of a soft body [1/Pa].
 inline double compliance(double youngs_modulus, double poisson_ratio) { return (1 - poisson_ratio * poisson_ratio) / youngs_modulus; }
@@ -27,8 +24,7 @@ double support_radius(const Params& effect, const model::ModelInput& input);
 // Its place in the effect's table of parameters.
 Param support_radius_param(const std::string& what);
 
-// `stiffness` of the effect, or the largest E* of these bodies, kRigid where none is soft [Pa].
-inline constexpr double kRigid = 1e6;
+// `stiffness` of the effect, or the largest E* of these bodies, tuning::kRigid where none is soft [Pa].
 double stiffness(const Params& effect, const model::ModelInput& input);
 
 }  // namespace mortise::effects::contact

@@ -24,6 +24,7 @@
 // energy of a pair is kappa d_hat^2 b(d), that is, a classic barrier -(d - d_hat)^2 ln(d/d_hat) with stiffness kappa d_hat [N/m].
 #include "effects/contact/stencil.h"
 #include "effects/contact/topology.h"
+#include "effects/contact/tuning.h"
 #include "geometry/collide/broadphase.h"
 #include "geometry/collide/mollifier.h"
 
@@ -38,7 +39,6 @@ struct BarrierParams {
   double kappa = 0;       // [Pa]
   bool area_weighted = true;
 };
-inline constexpr double kEdgeShare = 0.25;  // edge_range / d_hat when area-weighted
 
 // All that a kernel reads besides positions.
 struct BarrierView {
@@ -97,8 +97,6 @@ MORTISE_HD inline void gather(View<const Vec3> y, const Index v[4], Vec3 x[4]) {
   for (int i = 0; i < 4; ++i) x[i] = y[v[i] < 0 ? v[0] : v[i]];
 }
 
-inline constexpr double kSelfShare = 0.5;  // of the distance at rest
-
 // Range of a point towards a primitive with the corner `other`.
 MORTISE_HD inline double point_range(const BarrierView& s, Index point, Index other) {
   return s.surface.body[point] == s.surface.body[other] ? s.self_range[point] : s.barrier.d_hat;
@@ -109,7 +107,7 @@ MORTISE_HD inline double edge_range(const BarrierView& s, const Index v[4]) {
   if (s.surface.body[v[0]] != s.surface.body[v[2]]) return range;
   Vec3 rest[4];
   gather(s.rest, v, rest);
-  const double own = kSelfShare * std::sqrt(geometry::closest_edge_edge(rest).squared);
+  const double own = tuning::kSelfRange * std::sqrt(geometry::closest_edge_edge(rest).squared);
   return own < range ? own : range;
 }
 

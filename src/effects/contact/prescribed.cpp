@@ -5,13 +5,12 @@
 #include <memory>
 #include <utility>
 
+#include "effects/contact/tuning.h"
 #include "effects/failure.h"
 #include "geometry/collide/ccd.h"
 
 namespace mortise::effects::contact {
 namespace {
-
-constexpr double kTouch = 1e-6;  // share of a distance that counts as none left
 
 // The earliest of all, the first in canonical order.
 struct Earliest {
@@ -50,7 +49,7 @@ void meeting(const char* name, const BarrierView& s, View<const Pair> pairs, boo
       all = all && held[p];
       x0[k] = y[p], x1[k] = y[p] + dy[p];
     }
-    out[i] = all ? geometry::detail::step_limit(x0, x1, edges, kTouch) : geometry::kNoImpact;
+    out[i] = all ? geometry::detail::step_limit(x0, x1, edges, tuning::kTouch) : geometry::kNoImpact;
   });
 }
 
@@ -63,7 +62,7 @@ void plane_meeting(const BarrierView& s, View<const std::uint8_t> held, View<con
     out[i] = geometry::kNoImpact;
     if (!held[p] || !s.sees_plane(p, plane)) return;
     const double gap = s.planes[plane].normal.dot(y[p] - s.planes[plane].point), way = -s.planes[plane].normal.dot(dy[p]);
-    if (way > (1 - kTouch) * gap) out[i] = gap / way;
+    if (way > (1 - tuning::kTouch) * gap) out[i] = gap / way;
   });
 }
 

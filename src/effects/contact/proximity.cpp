@@ -25,9 +25,9 @@ std::vector<std::uint8_t> where(const std::vector<Watch>& pairs, F is) {
   return out;
 }
 
-// Range of every point towards its own body (pair_energy.h): kSelfShare of its distance at rest, at most `reach`.
+// Range of every point towards its own body (pair_energy.h): tuning::kSelfRange of its distance at rest, at most `reach`.
 std::vector<double> self_ranges(model::Model& model, double reach, const std::vector<Index>& point_env) {
-  Candidates at_rest(model.broadphase(), reach / kSelfShare, point_env);
+  Candidates at_rest(model.broadphase(), reach / tuning::kSelfRange, point_env);
   std::vector<std::uint8_t> finite;
   at_rest.cover(model.rest_points, finite);
   const View<const PointTriangle> near = at_rest.point_triangles();
@@ -47,7 +47,7 @@ std::vector<double> self_ranges(model::Model& model, double reach, const std::ve
   std::vector<double> range(model.points, reach);
   const std::vector<double> found = distance.download();
   const std::vector<Index> whose = point.download();
-  for (std::size_t i = 0; i < found.size(); ++i) range[whose[i]] = std::min(range[whose[i]], kSelfShare * found[i]);
+  for (std::size_t i = 0; i < found.size(); ++i) range[whose[i]] = std::min(range[whose[i]], tuning::kSelfRange * found[i]);
   return range;
 }
 
@@ -94,8 +94,8 @@ void Proximity::limit(const Buffer<Vec3>& from, View<const Vec3> dq, const Barri
   const BarrierView all = obstacles(s);
   const View<const Vec3> y = from.view(), way = std::as_const(dy).view();
   prescribed_.forbid_meeting(all, candidates_.broadphase(), y, way, step_, alpha.fetch);
-  geometry::limit_step(candidates_.broadphase(), y, way, kKeep, alpha);
-  limit_planes(all, y, way, kKeep, vertex_env_, alpha);
+  geometry::limit_step(candidates_.broadphase(), y, way, tuning::kKeep, alpha);
+  limit_planes(all, y, way, tuning::kKeep, vertex_env_, alpha);
 }
 
 BarrierView Proximity::view(const BarrierParams& barrier, View<const double> point_area, View<const double> plane_area) const {

@@ -8,14 +8,11 @@
 #include "effects/contact/pair_energy.h"
 #include "effects/contact/pairs.h"
 #include "effects/contact/prescribed.h"
+#include "effects/contact/tuning.h"
 #include "effects/effect.h"
 #include "model/model.h"
 
 namespace mortise::effects::contact {
-
-// Share of every distance that a step may not use up. Less brings pairs that come into range deep into the barrier, one after the other, each stiffer
-// than the last, while Newton's method only doubles a gap in an iteration; more takes longer to come near.
-inline constexpr double kKeep = 0.3;
 
 class Proximity {
  public:
@@ -30,8 +27,8 @@ class Proximity {
 
   // y = W q, with all candidates there; tells which environments have finite positions.
   std::vector<std::uint8_t> locate(Positions q, Buffer<Vec3>& y);
-  // Lowers alpha so that the step dq from where the points are at y keeps the share kKeep of every distance; dy: the step of the points. Throws
-  // Failure where what is prescribed would meet.
+  // Lowers alpha so that the step dq from where the points are at y keeps the share tuning::kKeep of every distance; dy: the step of the points.
+  // Throws Failure where what is prescribed would meet.
   void limit(const Buffer<Vec3>& y, View<const Vec3> dq, const BarrierView& s, Buffer<Vec3>& dy, device::EnvValues alpha);
 
   double reach() const { return reach_; }

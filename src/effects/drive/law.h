@@ -29,14 +29,14 @@ struct Law {
   double h = 1;
   double damping = 0, friction = 0, creep = kCreep;
 
-  MORTISE_HD double most(double v) const { return velocity < INFINITY ? effort * clamp01((velocity - v) / (kRamp * velocity)) : effort; }
+  MORTISE_HD double effort_limit(double v) const { return velocity < INFINITY ? effort * clamp01((velocity - v) / (kRamp * velocity)) : effort; }
   MORTISE_HD double motor(double x) const {
-    const double v = x / h, hi = most(v), lo = -most(-v), wanted = a - K * x;
+    const double v = x / h, hi = effort_limit(v), lo = -effort_limit(-v), wanted = a - K * x;
     return wanted > hi ? hi : wanted < lo ? lo : wanted;
   }
   // - d tau / dx
   MORTISE_HD double motor_falls(double x) const {
-    const double v = x / h, hi = most(v), lo = -most(-v), wanted = a - K * x;
+    const double v = x / h, hi = effort_limit(v), lo = -effort_limit(-v), wanted = a - K * x;
     if (wanted <= hi && wanted >= lo) return K;
     const double rate = wanted > hi ? v : -v;
     return rate > (1 - kRamp) * velocity && rate < velocity ? effort / (kRamp * velocity * h) : 0;

@@ -103,7 +103,7 @@ class Elasticity final : public Effect {
     device::parallel_for("elasticity.assemble", tets.size(), [=] MORTISE_HD(Index t) {
       Vec3* grad = out.grad.p + out.offset[t];
       Mat3* hess = curvature.wanted ? out.hess.p + out.hess_offset[t] : nullptr;
-      const double concave = curvature.share(env[tets.tet[t].v[0]]);
+      const double concave = curvature.concavity(env[tets.tet[t].v[0]]);
       if (tets.quadratic(t)) {
         assemble_quadratic(tets, t, q, concave, grad, hess);
         return;

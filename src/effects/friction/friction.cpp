@@ -189,7 +189,7 @@ class Friction final : public Effect {
       if (!curvature.wanted) return;
       model::zero_hessian(out, i, blocks);
       model::add_weighted(out, i, blocks, s.weight.p + at,
-                          (load > 0 ? load : curvature.share(sample[i].env) * load) * friction::hessian(u, s.frozen[i].normal, s.creep));
+                          (load > 0 ? load : curvature.concavity(sample[i].env) * load) * friction::hessian(u, s.frozen[i].normal, s.creep));
     });
   }
 

@@ -24,12 +24,12 @@ class Gravity final : public Effect {
     const auto row = model.mass.row_offset.download(), column = model.mass.column.download();
     const auto value = model.mass.value.download();
     const auto env = model.block_env.download();
-    const std::vector<double> share = translation_share(model);
+    const std::vector<double> weight = translation_weight(model);
     std::vector<Weight> weights;
     std::vector<Index> weight_env;
     for (Index i = 0; i < model.blocks; ++i) {
       double mass = 0;
-      for (Index k = row[i]; k < row[i + 1]; ++k) mass += value[k] * share[column[k]];
+      for (Index k = row[i]; k < row[i + 1]; ++k) mass += value[k] * weight[column[k]];
       if (mass == 0) continue;
       weights.push_back({i, mass * g});
       weight_env.push_back(env[i]);

@@ -183,15 +183,15 @@ class Inertia final : public Effect {
     // Kinetic energy 1/2 v.Mv; momentum of a rigid translation, sum_ij share_i m_ij v_j; and of a rigid rotation about the
     // origin, which turns every block alike, sum_ij q_i x m_ij v_j.
     const std::vector<Vec3> v = v_.download(), q = model_.q.download();
-    const std::vector<double> share = translation_share(model_);
+    const std::vector<double> weight = translation_weight(model_);
     double kinetic = 0;
     Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
     for (const MassPair& p : pairs_.download()) {
       kinetic += inertia::energy(p.i == p.j, p.m, v[p.i], v[p.j]);
-      linear += p.m * share[p.i] * v[p.j];
+      linear += p.m * weight[p.i] * v[p.j];
       angular += p.m * q[p.i].cross(v[p.j]);
       if (p.i == p.j) continue;
-      linear += p.m * share[p.j] * v[p.i];
+      linear += p.m * weight[p.j] * v[p.i];
       angular += p.m * q[p.j].cross(v[p.i]);
     }
     sink.scalar("inertia", "kinetic_energy", "J", kinetic);

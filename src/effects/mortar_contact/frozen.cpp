@@ -40,16 +40,16 @@ MORTISE_HD inline Patch patch_of(const MortarView& s, View<const Vec3> y, Index 
 }
 
 // Samples of candidate c.
-template <class Weights, class Take>
+template <class Weights, class Emit>
 MORTISE_HD inline void sample(const MortarView& s, View<const Vec3> y, View<const Index> offset, View<const Index> slave, View<const Index> master,
-                              View<const double> margin, Index c, const Weights& weights, Take& take) {
+                              View<const double> margin, Index c, const Weights& weights, Emit& emit) {
   const Index i = slave[c], first = offset[i];
   const Index env = s.surface.env[s.surface.triangles[s.slaves[i]].v[0]];
   const Patch p = patch_of(s, y, i, master.p + first, offset[i + 1] - first, margin[env]);
   if (master[c] >= 0)
-    sample_master(s, p, c - first, y, weights, take);
+    sample_master(s, p, c - first, y, weights, emit);
   else
-    sample_plane(s, p, s.planes[-1 - master[c]], y, take);
+    sample_plane(s, p, s.planes[-1 - master[c]], y, emit);
 }
 
 MORTISE_HD inline Pair make_pair(const MortarView& s, View<const Vec3> y, Index i, Index master) {
@@ -139,7 +139,7 @@ void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& 
              Buffer<double>& bow) {
   normal.resize(surface.triangles.n), area.resize(surface.triangles.n), bow.resize(faces.quarter.size());
   const View<Vec3> n = normal.view();
-  const View<double> a = area.view(), most = bow.view();
+  const View<double> a = area.view(), deepest = bow.view();
   const View<const Triangle> triangles = surface.triangles;
   const View<const geometry::Face> face = faces.nodes.view();
   const View<const Index> quarter = faces.quarter.view();
@@ -149,14 +149,14 @@ void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& 
     const double length = twice.norm();
     n[t] = twice / length;
     a[t] = length / 2;
-    if (most.n == 0) return;
+    if (deepest.n == 0) return;
     // Over a quarter the face stands off by sum N_i N_j d_ij, with d the distance of the node in the middle of an edge of the face from
     // its mean, for the edge of the quarter parallel to it: by max |d|/3 at most.
-    most[t] = 0;
+    deepest[t] = 0;
     for (int e = 0; quarter[t] >= 0 && e < 3; ++e) {
       const Index* f = face[quarter[t] / 4].v;
       const Vec3 d = y[f[3 + e]] - 0.5 * (y[f[geometry::edge_begin(e)]] + y[f[geometry::edge_end(e)]]);
-      most[t] = std::fmax(most[t], d.norm() / 3);
+      deepest[t] = std::fmax(deepest[t], d.norm() / 3);
     }
   });
 }
@@ -305,12 +305,12 @@ void limit(const MortarView& view, const FrozenSamples& f, View<const Vec3> dy, 
       "mortar_contact.limit", f.env_pairs,
       [=] MORTISE_HD(Index i) {
         const Pair& p = pairs[i];
-        double most = 2;
-        if (!p.binding()) return most;
+        double step = 2;
+        if (!p.binding()) return step;
         Vec3 d[kPoints], J[kPoints];
         for (int k = 0; k < points_of(p); ++k) d[k] = dy[point_of(p, k)];
         const auto lower = [&](double gap, double rate) {
-          if (rate < 0 && gap > 0) most = std::fmin(most, (1 - keep) * gap / -rate);
+          if (rate < 0 && gap > 0) step = std::fmin(step, (1 - keep) * gap / -rate);
         };
         for (Index j = p.begin; j < p.end; ++j) {
           jacobian(p, samples[j], J);
@@ -328,7 +328,7 @@ void limit(const MortarView& view, const FrozenSamples& f, View<const Vec3> dy, 
             lower(height(over, poly.v[k].M), rate);
           }
         }
-        return most;
+        return step;
       },
       alpha);
 }

@@ -28,16 +28,16 @@ MORTISE_HD inline void integrate(const MortarView& s, const double gap[3], const
 template <class Gap, class At>
 MORTISE_HD inline void integrate_levels(const Patch& p, const Polygon& whole, const Gap& gap, const At& at) {
   const auto nothing = [](Corner&) {};
-  double least = INFINITY, most = -INFINITY;
-  for (int k = 0; k < whole.n; ++k) least = std::fmin(least, gap(whole.v[k])), most = std::fmax(most, gap(whole.v[k]));
+  double least = INFINITY, largest = -INFINITY;
+  for (int k = 0; k < whole.n; ++k) least = std::fmin(least, gap(whole.v[k])), largest = std::fmax(largest, gap(whole.v[k]));
   for (int part = 0; part < 2; ++part) {
     const double lo = part == 0 ? -INFINITY : p.support, hi = part == 0 ? p.support : p.reach;
-    if (!(lo < hi && least < hi && most > lo)) continue;
+    if (!(lo < hi && least < hi && largest > lo)) continue;
     Polygon poly = whole;
     if (least < lo)
       poly = keep(
           poly, [&](const Corner& c) { return gap(c) - lo; }, nothing);
-    if (most > hi)
+    if (largest > hi)
       poly = keep(
           poly, [&](const Corner& c) { return hi - gap(c); }, nothing);
     const MomentRule rule = moment_rule(poly);

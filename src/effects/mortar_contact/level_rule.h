@@ -39,24 +39,24 @@ MORTISE_HD inline bool level(double lo, double hi) { return !(hi - lo > tuning::
 
 // Calls take(t, weight) for points 0 <= t <= 1 of a segment with gaps g0 > 0 at 0 and g1 > 0 at 1; weights add up to 1, less what lies
 // beyond `reach`.
-template <class Take>
-MORTISE_HD inline void level_segment_rule(double g0, double g1, double d_hat, double reach, const Take& take) {
+template <class Emit>
+MORTISE_HD inline void level_segment_rule(double g0, double g1, double d_hat, double reach, const Emit& emit) {
   const double lo = std::fmin(g0, g1), hi = std::fmax(g0, g1);
   if (level(lo, hi)) {
-    for (int q = 0; q < 2; ++q) take(segment_point(2, q).t, segment_point(2, q).weight);
+    for (int q = 0; q < 2; ++q) emit(segment_point(2, q).t, segment_point(2, q).weight);
     return;
   }
   slabs(lo, lo, hi, d_hat, reach, [&](double u, double v, int n) {
     for (int q = 0; q < n; ++q) {
       const SegmentPoint p = across_point(n, q);
-      take((u + p.t * (v - u) - g0) / (g1 - g0), p.weight * (v - u) / (hi - lo));
+      emit((u + p.t * (v - u) - g0) / (g1 - g0), p.weight * (v - u) / (hi - lo));
     }
   });
 }
 
 // The same for a triangle: take(b, weight) gets barycentrics. g: gaps at the corners, > 0.
-template <class Take>
-MORTISE_HD inline void level_rule(const double g[3], double d_hat, double reach, const Take& take) {
+template <class Emit>
+MORTISE_HD inline void level_rule(const double g[3], double d_hat, double reach, const Emit& emit) {
   int a = 0, b = 1, c = 2;  // corners by gap
   if (g[b] < g[a]) a = 1, b = 0;
   if (g[c] < g[a]) {
@@ -68,7 +68,7 @@ MORTISE_HD inline void level_rule(const double g[3], double d_hat, double reach,
   if (level(lo, hi)) {
     for (int q = 0; q < 3; ++q) {
       const TrianglePoint p = triangle_point(3, q);
-      take(p.b, p.weight);
+      emit(p.b, p.weight);
     }
     return;
   }
@@ -86,7 +86,7 @@ MORTISE_HD inline void level_rule(const double g[3], double d_hat, double reach,
         at[a] = (1 - along.t) * (1 - t) + (below ? along.t * (1 - s) : 0);
         at[b] = along.t * (below ? s : 1 - s);
         at[c] = (1 - along.t) * t + (below ? 0 : along.t * s);
-        take(at, p.weight * (v - u) * density * along.weight);
+        emit(at, p.weight * (v - u) * density * along.weight);
       }
     }
   });

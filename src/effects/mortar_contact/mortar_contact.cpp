@@ -83,14 +83,14 @@ class MortarContact final : public Effect {
   MortarContact(const Params& p, model::Model& model)
       : model_(model),
         set_{.d_hat = contact::support_radius(p, model.input)},
-        guard_share_(p.number("guard")),
-        rest_share_(p.number("rest_share")),
+        guard_(p.number("guard")),
+        rest_(p.number("rest_share")),
         proximity_(model, guard_range()) {
     set_.taper = p.text("weights") == "tapered" ? p.number("taper_width") : 0;
     set_.quadrature = p.text("quadrature") == "exact" ? kExact : std::stoi(p.text("quadrature"));
     set_.exact = p.text("gradient") == "exact";
     set_.averaged = p.text("gap") == "averaged";
-    if (set_.averaged && (rest_share_ > 0 || model.faces.quarter.size() > 0))
+    if (set_.averaged && (rest_ > 0 || model.faces.quarter.size() > 0))
       throw Error(Exit::scene, p.at("gap").where(), "averaged gaps need linear tetrahedra and no rest_share");
     set_.pass_weight = p.flag("two_pass") ? 0.5 : 1;
     choose_pairs(p.at("pairs"), p.flag("two_pass"));
@@ -160,12 +160,12 @@ class MortarContact final : public Effect {
     MortarLinearisation& at = of_mortar(out);
     proximity_.locate(q, at.frozen.y);
     refreeze(at);
-    if (guard_share_ > 0)
+    if (guard_ > 0)
       contact::build(guard_view(), proximity_.candidates(), at.y(), model_.envs, at.guard);
     else
       at.guard_stencils.resize_uniform(0, 0);
     if (!want.forces) return;
-    if (guard_share_ > 0) contact::assemble(guard_view(), at.guard, at.y(), model_.point_map(), want.matrix, at.guard_stencils);
+    if (guard_ > 0) contact::assemble(guard_view(), at.guard, at.y(), model_.point_map(), want.matrix, at.guard_stencils);
     mortar::assemble(view(at), at.frozen, model_.point_map(), want.matrix.wanted, at.guard_stencils, at.stencils);
   }
 
@@ -176,7 +176,7 @@ class MortarContact final : public Effect {
     const std::vector<std::uint8_t> finite = proximity_.locate(q, y_);
     const View<const Vec3> y = std::as_const(y_).view();
     mortar::energy(view(at), at.frozen, y, per_env);
-    if (guard_share_ > 0) contact::energy(guard_view(), proximity_.candidates(), y, proximity_.vertex_env(), per_env);
+    if (guard_ > 0) contact::energy(guard_view(), proximity_.candidates(), y, proximity_.vertex_env(), per_env);
     contact::forbid(finite, per_env);
   }
 
@@ -184,7 +184,7 @@ class MortarContact final : public Effect {
     MortarLinearisation& at = of_mortar(out);
     Buffer<Vec3> dy;
     proximity_.limit(at.frozen.y, dq, guard_view(), dy, alpha);
-    mortar::limit(view(at), at.frozen, std::as_const(dy).view(), contact::kKeep, alpha);
+    mortar::limit(view(at), at.frozen, std::as_const(dy).view(), contact::tuning::kKeep, alpha);
     foresee(std::as_const(dy).view(), at, alpha);
   }
 
@@ -201,10 +201,10 @@ class MortarContact final : public Effect {
     for (Index e = 0; e < model_.envs; ++e) {
       if (!step.taken_by(e)) continue;
       if (guard[e] != guard_kappa_[e]) price[e] += (guard[e] / guard_kappa_[e] - 1) * held[e];
-      const double share = price[e] > budget[e] ? budget[e] / price[e] : 1;
-      next_price_[e] = share * price[e];
+      const double fraction = price[e] > budget[e] ? budget[e] / price[e] : 1;
+      next_price_[e] = fraction * price[e];
       for (std::size_t i = 0; i < kappa_.size(); ++i)
-        if (env(i) == e) next_kappa_[i] = share == 1 ? wanted[i] : kappa_[i] + share * (wanted[i] - kappa_[i]);
+        if (env(i) == e) next_kappa_[i] = fraction == 1 ? wanted[i] : kappa_[i] + fraction * (wanted[i] - kappa_[i]);
     }
   }
 
@@ -363,21 +363,21 @@ class MortarContact final : public Effect {
 
   // From the state at the start.
   void fit_support() {
-    if (!(rest_share_ > 0)) return;
+    if (!(rest_ > 0)) return;
     MortarLinearisation at;
     proximity_.locate(std::as_const(model_.q).view(), at.frozen.y);
     refreeze(at);
     Buffer<double> least;
     least_gaps(view(at), search_, at.y(), least);
     std::vector<double> support;
-    for (double g : least.download()) support.push_back(std::clamp(rest_share_ * g, tuning::kLeastSupport * set_.d_hat, set_.d_hat));
+    for (double g : least.download()) support.push_back(std::clamp(rest_ * g, tuning::kLeastSupport * set_.d_hat, set_.d_hat));
     support_.upload(support);
   }
 
   // Per environment [J].
   std::vector<double> guard_energy(const MortarLinearisation& at) {
     std::vector<double> per_env(model_.envs, 0.0);
-    if (!(guard_share_ > 0)) return per_env;
+    if (!(guard_ > 0)) return per_env;
     device::Fetch fetch;
     contact::energy(guard_view(), proximity_.candidates(at.frozen.y), at.y(), proximity_.vertex_env(), {per_env, fetch});
     fetch.now();
@@ -401,9 +401,9 @@ class MortarContact final : public Effect {
   }
 
   std::vector<double> guard_of(const std::vector<double>& kappa) const {
-    std::vector<double> most(model_.envs, 0.0);
-    for (std::size_t i = 0; i < kappa.size(); ++i) most[env(i)] = std::max(most[env(i)], kappa[i] * interfaces_[i].h * interfaces_[i].h / 7);
-    return most;
+    std::vector<double> largest(model_.envs, 0.0);
+    for (std::size_t i = 0; i < kappa.size(); ++i) largest[env(i)] = std::max(largest[env(i)], kappa[i] * interfaces_[i].h * interfaces_[i].h / 7);
+    return largest;
   }
 
   void stiffness_changed() {
@@ -415,11 +415,11 @@ class MortarContact final : public Effect {
     guard_kappa_view_.upload(stiffness);
   }
 
-  double guard_range() const { return std::max(guard_share_, tuning::kLeastGuard) * set_.d_hat; }
+  double guard_range() const { return std::max(guard_, tuning::kLeastGuard) * set_.d_hat; }
 
   model::Model& model_;
   Settings set_;
-  double guard_share_, rest_share_;
+  double guard_, rest_;
   bool automatic_ = false, started_ = false;
   std::vector<Interface> interfaces_;       // interfaces
   std::vector<double> kappa_, next_kappa_;  // of this step, and for the next
@@ -460,8 +460,8 @@ void MortarContact::report(FieldSink& sink, const Linearisation& accepted) {
     // Of quadratic faces too the pressure is averaged with the hat functions of their quarters, which are nowhere negative.
     for (int k = 0; k < (pair.master < 0 ? 3 : 6); ++k) {
       const Index p = k < 3 ? pair.on.point[pair.on.vertex(k)] : pair.under.point[pair.under.vertex(k - 3)];
-      const double share = c.area * (k < 3 ? s.N[k] : s.M[k - 3]);
-      if (share > 0) load[p] += share * c.pressure, area_of[p] += share;
+      const double area = c.area * (k < 3 ? s.N[k] : s.M[k - 3]);
+      if (area > 0) load[p] += area * c.pressure, area_of[p] += area;
     }
     total[static_cast<Index>(s.kind)] += c.force;
     // Curved faces may meet between their nodes; what is kept apart are their quarters, and none within reach is nearer than they are.
@@ -469,7 +469,7 @@ void MortarContact::report(FieldSink& sink, const Linearisation& accepted) {
     rows.add(c);
     kind.push_back(static_cast<double>(s.kind));
   }
-  if (guard_share_ > 0) {
+  if (guard_ > 0) {
     Buffer<Vec3> buffer;
     Buffer<model::ContactSample> guard_samples;
     contact::point_forces(guard_view(), at.guard, at.y(), buffer);

@@ -15,14 +15,14 @@
 namespace mortise::effects::mortar {
 
 // Master i of a patch, seen from its slave triangle. Calls take(kind, weight, gap, N, M) for every sample.
-template <class Weights, class Take>
+template <class Weights, class Emit>
 struct Sampler {
   const MortarView& s;
   const Patch& p;
   const Index i;
   const View<const Vec3> y;
   const Weights& weights;
-  Take& take;
+  Emit& emit;
   const Index master;
   const Vec3 n;
   const Facing f;
@@ -31,13 +31,13 @@ struct Sampler {
   bool bent = false;
   int layers = -1;  // do others lie in between? Looked up when a sample first asks
 
-  MORTISE_HD Sampler(const MortarView& view, const Patch& patch, Index which, View<const Vec3> positions, const Weights& how, Take& to)
+  MORTISE_HD Sampler(const MortarView& view, const Patch& patch, Index which, View<const Vec3> positions, const Weights& how, Emit& to)
       : s(view),
         p(patch),
         i(which),
         y(positions),
         weights(how),
-        take(to),
+        emit(to),
         master(patch.master[which]),
         n(patch.plane.n),
         f(project(view, patch.plane, master, positions)),
@@ -66,7 +66,7 @@ struct Sampler {
       const Vec3 found = of_slave ? slide(face, fixed, M) : slide(p.face, fixed, N);
       gap = std::fmax(of_slave ? found[2] - fixed[2] : fixed[2] - found[2], tuning::kLeastGap * p.support);
     }
-    if (gap < p.reach) take(kind, weight, gap, N, M);
+    if (gap < p.reach) emit(kind, weight, gap, N, M);
   }
 
   MORTISE_HD void faces() {
@@ -159,9 +159,9 @@ struct Sampler {
 };
 
 // Every sample on master i of the patch.
-template <class Weights, class Take>
-MORTISE_HD inline void sample_master(const MortarView& s, const Patch& p, Index i, View<const Vec3> y, const Weights& weights, Take& take) {
-  Sampler sampler(s, p, i, y, weights, take);
+template <class Weights, class Emit>
+MORTISE_HD inline void sample_master(const MortarView& s, const Patch& p, Index i, View<const Vec3> y, const Weights& weights, Emit& emit) {
+  Sampler sampler(s, p, i, y, weights, emit);
   if (!sampler.within()) return;
   sampler.faces();
   sampler.edges();
@@ -169,8 +169,8 @@ MORTISE_HD inline void sample_master(const MortarView& s, const Patch& p, Index 
 }
 
 // Against a half-space: g = n_p . (x_s - p), exact for every point of the slave; w = slave area projected onto the plane.
-template <class Take>
-MORTISE_HD inline void sample_plane(const MortarView& s, const Patch& p, const contact::Plane& plane, View<const Vec3> y, Take& take) {
+template <class Emit>
+MORTISE_HD inline void sample_plane(const MortarView& s, const Patch& p, const contact::Plane& plane, View<const Vec3> y, Emit& emit) {
   const double cosine = -p.plane.n.dot(plane.normal);
   if (!(cosine > 0)) return;
   const FaceNodes on = s.nodes_of(p.slave);
@@ -182,7 +182,7 @@ MORTISE_HD inline void sample_plane(const MortarView& s, const Patch& p, const c
     double gap = 0;
     for (int k = 0; k < on.count; ++k) gap += w[k] * h[k];
     if (on.quarter >= 0) gap = std::fmax(gap, tuning::kLeastGap * p.support);
-    if (gap > 0 && gap < p.reach) take(SampleKind::face, s.set.pass_weight * cosine * p.plane.area * weight, gap, b, M);
+    if (gap > 0 && gap < p.reach) emit(SampleKind::face, s.set.pass_weight * cosine * p.plane.area * weight, gap, b, M);
   };
   const double corner[3] = {h[on.vertex(0)], h[on.vertex(1)], h[on.vertex(2)]};
   if (s.set.quadrature == kMoments && !s.set.tapered() && on.quarter < 0) {
@@ -190,7 +190,7 @@ MORTISE_HD inline void sample_plane(const MortarView& s, const Patch& p, const c
     for (int k = 2; k >= 0; --k) triangle.push({{k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0}, {0, 0, 0}});  // turns like a master
     integrate_levels(
         p, triangle, [&](const Corner& c) { return c.N[0] * corner[0] + c.N[1] * corner[1] + c.N[2] * corner[2]; },
-        [&](const Corner& c, double share) { at(c.N, share); });
+        [&](const Corner& c, double weight) { at(c.N, weight); });
     return;
   }
   integrate(s, corner, p, at);

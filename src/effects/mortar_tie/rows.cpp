@@ -154,13 +154,13 @@ Behind behind(const Side& side, std::size_t face) {
 
 Side side_of(const model::BodyInput& body, const std::vector<Index>& nodes) {
   Side out{&body, {}};
-  const auto take = [&](const Index* v, int n) {
+  const auto mark = [&](const Index* v, int n) {
     if (std::all_of(v, v + n, [&](Index i) { return std::binary_search(nodes.begin(), nodes.end(), i); })) out.faces.emplace_back(v, v + n);
   };
   if (body.faces.empty())
-    for (const Triangle& t : body.triangles) take(t.v, 3);
+    for (const Triangle& t : body.triangles) mark(t.v, 3);
   else
-    for (const geometry::Face& f : body.faces) take(f.v, 6);
+    for (const geometry::Face& f : body.faces) mark(f.v, 6);
   return out;
 }
 
@@ -211,8 +211,8 @@ std::vector<Row> rows(const Side& slave, const Side& master, double reach, const
   std::vector<Row> out;
   for (const auto& [j, node] : nodes) {
     std::map<Index, double> w;
-    const auto add = [&](const Slave& of, double share) {
-      for (const auto& [k, cw] : of.terms) w[k] += share * cw / of.c;
+    const auto add = [&](const Slave& of, double fraction) {
+      for (const auto& [k, cw] : of.terms) w[k] += fraction * cw / of.c;
     };
     if (const auto m = middle.find(j); m != middle.end()) {
       add(node, 1 - 2 * kMiddle);
@@ -223,8 +223,8 @@ std::vector<Row> rows(const Side& slave, const Side& master, double reach, const
     Vec3 d = slave.body->nodes[j];
     for (const auto& [k, weight] : w) d -= weight * master.body->nodes[k];
     if (d.squaredNorm() > kRounding * kRounding * node.c) {
-      const auto most = std::max_element(node.seen.begin(), node.seen.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-      const Behind tet = behind(master, most->first);
+      const auto largest = std::max_element(node.seen.begin(), node.seen.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+      const Behind tet = behind(master, largest->first);
       for (int k = 0; k < 4; ++k) w[tet.tet.v[k]] += tet.gradient[k].dot(d);
     }
     Row row{j, {}};

@@ -12,7 +12,7 @@ namespace {
 
 using param::of;
 using param::optional;
-using pressure_load::Share;
+using pressure_load::BlockLoad;
 using pressure_load::Strength;
 
 const ParamTable kTable = [] {
@@ -36,25 +36,25 @@ class PressureLoad final : public Effect {
  public:
   PressureLoad(const Params& list, model::Model& model) : model_(model) {
     // Ordered by block, so that environments are contiguous; then by load.
-    std::map<std::pair<Index, Index>, Share> shares;
-    for (const Params& p : list.items()) add(p, shares);
+    std::map<std::pair<Index, Index>, BlockLoad> loads_of;
+    for (const Params& p : list.items()) add(p, loads_of);
     const std::vector<Index> env = model.block_env.download();
-    std::vector<Share> flat;
-    std::vector<Index> share_env;
-    for (const auto& [key, share] : shares) flat.push_back(share), share_env.push_back(env[share.block]);
-    shares_.upload(flat);
-    env_offset_ = env_offsets(share_env, model.envs);
+    std::vector<BlockLoad> flat;
+    std::vector<Index> loaded_env;
+    for (const auto& [key, load_of] : loads_of) flat.push_back(load_of), loaded_env.push_back(env[load_of.block]);
+    loaded_.upload(flat);
+    env_offset_ = env_offsets(loaded_env, model.envs);
     strengths_.resize(model.envs * loads_.size());
     set_time({}, 0);
   }
 
   const Kind& kind() const override;
-  std::vector<PlanItem> plan() const override { return {{"loaded blocks", shares_.bytes() + strength_.bytes()}}; }
+  std::vector<PlanItem> plan() const override { return {{"loaded blocks", loaded_.bytes() + strength_.bytes()}}; }
 
   void begin_step(const StepInfo& step) override { set_time(step, step.t1()); }
 
   void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
-    const View<const Share> share = std::as_const(shares_).view();
+    const View<const BlockLoad> load_of = std::as_const(loaded_).view();
     const View<const Strength> now = std::as_const(strength_).view();
     const View<const Index> env = std::as_const(model_.block_env).view();
     const Index loads = static_cast<Index>(loads_.size());
@@ -62,7 +62,7 @@ class PressureLoad final : public Effect {
     device::env_sum(
         "pressure_load.energy", env_offset_,
         [=] MORTISE_HD(Index i) {
-          const Share s = share[i];
+          const BlockLoad s = load_of[i];
           return pressure_load::energy(pressure_load::force(s, now[env[s.block] * loads + s.load]), q[s.block], rest[s.block]);
         },
         per_env);
@@ -70,17 +70,17 @@ class PressureLoad final : public Effect {
 
   void linearise(Positions, Want want, Linearisation& at) override {
     if (!want.forces) return;
-    const bool fresh = at.stencils.resize_uniform(shares_.size(), 1);
+    const bool fresh = at.stencils.resize_uniform(loaded_.size(), 1);
     const bool stiffness = want.matrix.wanted && !at.stencils.has_hessian();
     if (stiffness) at.stencils.need_hessian();
-    const View<const Share> share = std::as_const(shares_).view();
+    const View<const BlockLoad> load_of = std::as_const(loaded_).view();
     const View<const Strength> now = std::as_const(strength_).view();
     const View<const Index> env = std::as_const(model_.block_env).view();
     const Index loads = static_cast<Index>(loads_.size());
     const linalg::StencilView out = at.stencils.view();
-    device::parallel_for("pressure_load.assemble", share.n, [=] MORTISE_HD(Index i) {
-      out.block[i] = share[i].block;
-      out.grad[i] = -pressure_load::force(share[i], now[env[share[i].block] * loads + share[i].load]);
+    device::parallel_for("pressure_load.assemble", load_of.n, [=] MORTISE_HD(Index i) {
+      out.block[i] = load_of[i].block;
+      out.grad[i] = -pressure_load::force(load_of[i], now[env[load_of[i].block] * loads + load_of[i].load]);
       if (stiffness) out.hess[i] = Mat3::Zero();
     });
     if (fresh) at.stencils.pattern_changed();
@@ -91,9 +91,9 @@ class PressureLoad final : public Effect {
     const std::vector<Strength>& now = strengths_;
     const std::vector<Index> env = model_.block_env.download();
     const std::size_t loads = loads_.size();
-    const std::vector<double> translation = translation_share(model_);
+    const std::vector<double> translation = translation_weight(model_);
     Vec3 total = Vec3::Zero();
-    for (const Share& s : shares_.download()) total += translation[s.block] * pressure_load::force(s, now[env[s.block] * loads + s.load]);
+    for (const BlockLoad& s : loaded_.download()) total += translation[s.block] * pressure_load::force(s, now[env[s.block] * loads + s.load]);
     for (int a = 0; a < 3; ++a) sink.scalar("pressure_load", std::string("force_") + "xyz"[a], "N", total[a]);
   }
 
@@ -105,7 +105,7 @@ class PressureLoad final : public Effect {
     strength_.upload(strengths_);
   }
 
-  void add(const Params& p, std::map<std::pair<Index, Index>, Share>& shares) {
+  void add(const Params& p, std::map<std::pair<Index, Index>, BlockLoad>& loads_of) {
     const Params* pressure = p.find("pressure");
     const Params* traction = p.find("traction");
     if (!pressure && !traction) throw Error(Exit::scene, p.where(), "a load needs 'pressure' or 'traction'");
@@ -115,13 +115,13 @@ class PressureLoad final : public Effect {
     for (const model::Body& body : model_.bodies) {  // the same name in every environment
       if (body.name != p.text("body")) continue;
       found = true;
-      if (!add_body(p, body, load, traction ? traction->as_vec3() : Vec3(0, 0, 0), shares))
+      if (!add_body(p, body, load, traction ? traction->as_vec3() : Vec3(0, 0, 0), loads_of))
         throw Error(Exit::scene, p.at("where").where(), "selects no surface triangle of body '" + body.name + "'");
     }
     if (!found) throw Error(Exit::scene, p.at("body").where(), "no soft or stiff body is named '" + p.text("body") + "'");
   }
 
-  bool add_body(const Params& p, const model::Body& body, Index load, const Vec3& traction, std::map<std::pair<Index, Index>, Share>& shares) {
+  bool add_body(const Params& p, const model::Body& body, Index load, const Vec3& traction, std::map<std::pair<Index, Index>, BlockLoad>& loads_of) {
     std::vector<bool> selected(model_.points, false);
     for (Index point : model::select_points(model_, body, p.at("where"))) selected[point] = true;
     const auto triangles = model_.surface.triangles.download();
@@ -133,7 +133,7 @@ class PressureLoad final : public Effect {
     // N [m^2] and N n [m^2] integrated over the triangle, at one of its points.
     const auto spread = [&](Index point, double area, const Vec3& directed) {
       for (Index j = offset[point]; j < offset[point + 1]; ++j) {
-        Share& s = shares.try_emplace({block[j], load}, Share{block[j], load, Vec3::Zero(), Vec3::Zero()}).first->second;
+        BlockLoad& s = loads_of.try_emplace({block[j], load}, BlockLoad{block[j], load, Vec3::Zero(), Vec3::Zero()}).first->second;
         s.pushed -= weight[j] * directed;
         s.pulled += weight[j] * area * traction;
       }
@@ -159,7 +159,7 @@ class PressureLoad final : public Effect {
 
   model::Model& model_;
   std::vector<Load> loads_;
-  device::Buffer<Share> shares_;
+  device::Buffer<BlockLoad> loaded_;
   std::vector<Strength> strengths_;  // of every load in every environment, at the end of its step
   device::Buffer<Strength> strength_;
   std::vector<Index> env_offset_;

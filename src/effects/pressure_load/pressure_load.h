@@ -10,7 +10,7 @@
 namespace mortise::effects::pressure_load {
 
 // f_b = p pushed + factor pulled, with `pushed` = -sum w A n / 3 [m^2] and `pulled` = sum w A s / 3 [N].
-struct Share {
+struct BlockLoad {
   Index block, load;
   Vec3 pushed, pulled;
 };
@@ -18,7 +18,7 @@ struct Strength {
   double pressure;  // [Pa]
   double factor;    // of the traction
 };
-MORTISE_HD inline Vec3 force(const Share& s, const Strength& now) { return now.pressure * s.pushed + now.factor * s.pulled; }
+MORTISE_HD inline Vec3 force(const BlockLoad& s, const Strength& now) { return now.pressure * s.pushed + now.factor * s.pulled; }
 MORTISE_HD inline double energy(const Vec3& f, const Vec3& q, const Vec3& rest) { return -f.dot(q - rest); }
 
 // int N_a dA [m^2] and int N_a n dA [m^2] over one quarter of the quadratic face with nodes x. n dA = x_1 x x_2 dl1 dl2 has degree 4 with

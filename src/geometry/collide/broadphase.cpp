@@ -4,15 +4,13 @@
 #include <cmath>
 #include <utility>
 
+#include "geometry/collide/tuning.h"
+
 namespace mortise::geometry {
 namespace {
 
 using device::Buffer;
 using device::View;
-
-constexpr double kSurplus = 3;       // of the way of the farthest point: the next question comes from its end, and ways get shorter
-constexpr double kMost = 0.1;        // of the mean edge of the finest body: more finds many neighbours that never meet
-constexpr double kRounding = 1e-14;  // of a coordinate
 
 // Largest |y - from| + |dy|, without `from` |dy|.
 double farthest(View<const Vec3> from, View<const Vec3> y, View<const Vec3> dy) {
@@ -20,7 +18,9 @@ double farthest(View<const Vec3> from, View<const Vec3> y, View<const Vec3> dy) 
   device::Fetch fetch;
   device::env_max(
       "broadphase.farthest", {0, y.n},
-      [=] MORTISE_HD(Index i) { return (from.n > 0 ? (y[i] - from[i]).norm() : 0.0) + (dy.n > 0 ? dy[i].norm() : 0.0) + kRounding * y[i].norm(); },
+      [=] MORTISE_HD(Index i) {
+        return (from.n > 0 ? (y[i] - from[i]).norm() : 0.0) + (dy.n > 0 ? dy[i].norm() : 0.0) + tuning::kCoordinate * y[i].norm();
+      },
       device::EnvValues{out, fetch});
   fetch.now();
   return out[0];
@@ -74,7 +74,7 @@ void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius) 
   const auto answer = [&] { pick(surface_.view(), kept_, y, dy, radius, found_); };
   if (kept_radius_ >= radius && radius + 2 * farthest(std::as_const(kept_at_).view(), y, dy) <= kept_radius_) return answer();
   ++searches_;
-  const double more = dy.n > 0 ? kSurplus * farthest({}, y, dy) : INFINITY;
+  const double more = dy.n > 0 ? tuning::kSurplus * farthest({}, y, dy) : INFINITY;
   if (!(more <= most_surplus(y))) return search_.find(y, dy, radius, found_);
   search_.find(y, {}, radius + more, kept_);
   kept_radius_ = radius + more;
@@ -93,7 +93,7 @@ double Broadphase::most_surplus(View<const Vec3> y) {
   double finest = INFINITY;
   for (Index b = 0; b < surface_.pairs.bodies(); ++b)
     if (count[b] > 0) finest = std::min(finest, length[b] / count[b]);
-  return most_surplus_ = std::isfinite(finest) ? kMost * finest : 0;
+  return most_surplus_ = std::isfinite(finest) ? tuning::kLargestSurplus * finest : 0;
 }
 
 }  // namespace mortise::geometry

@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "geometry/collide/tuning.h"
+
 namespace mortise::geometry {
 namespace {
 
@@ -126,12 +128,11 @@ void build_level(View<BvhNode> nodes, Index from, Index count, Index to, Index n
 
 void Bvh::update(const Primitives& p, const SurfaceView& surface, Index environments, View<const Vec3> y, View<const Vec3> dy, double grow,
                  View<const double> more) {
-  constexpr int kReorderEvery = 16;  // bodies move little between updates
   if (p.n == 0) {
     shape_.levels = 0;
     return;
   }
-  if (age_++ % kReorderEvery == 0) morton_order(p, surface, environments, y, order_);
+  if (age_++ % tuning::kReorderEvery == 0) morton_order(p, surface, environments, y, order_);
   Index total = 0, n = p.n;
   shape_.levels = 0;
   for (;; n = (n + 3) / 4) {

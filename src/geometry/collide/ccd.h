@@ -8,6 +8,7 @@
 //   * inclusion: subdivision of (t, u, v) with the bounds of the multilinear difference (Wang et al. 2021, "A large-scale
 //     benchmark and an inclusion-based algorithm for CCD"), for what the first leaves undecided.
 #include "geometry/collide/distance.h"
+#include "geometry/collide/tuning.h"
 
 namespace mortise::geometry {
 
@@ -129,16 +130,14 @@ MORTISE_HD inline double inclusion(const Corners& c, double distance, double t_b
   }
   const double inflate = distance + 32 * kEps * largest;  // |1-u-v|+u+v <= 3 rounded products of rounded corners
   const double slack = L[0] > 0 ? std::fmin(tolerance / L[0], t_max - t_begin) : t_max - t_begin;  // resolution in time
-  constexpr int kDepth = 160;
-  constexpr double kNarrow = 1e-14;
-  Cell stack[kDepth];
+  Cell stack[tuning::kCellsWaiting];
   int n = 1;
   stack[0] = {{t_begin, 0, 0}, {t_max - t_begin, 1, 1}};
   double best = INFINITY;
   for (int i = 0; n > 0; ++i) {
     const Cell cell = stack[--n];
     if (cell.lo[0] >= best - slack) continue;
-    if (i >= iterations || n + 2 > kDepth) {
+    if (i >= iterations || n + 2 > tuning::kCellsWaiting) {
       best = std::fmin(best, cell.lo[0]);  // undecided: every remaining cell counts as a hit
       continue;
     }
@@ -164,7 +163,7 @@ MORTISE_HD inline double inclusion(const Corners& c, double distance, double t_b
     int split = 0;
     for (int k = 1; k < 3; ++k)
       if (cell.width[k] * L[k] > cell.width[split] * L[split]) split = k;
-    if (tiny || cell.width[split] <= kNarrow) {
+    if (tiny || cell.width[split] <= tuning::kNarrowest) {
       best = cell.lo[0];
       continue;
     }
@@ -180,29 +179,24 @@ MORTISE_HD inline double inclusion(const Corners& c, double distance, double t_b
 }
 
 MORTISE_HD inline double first_impact(const Vec3 x0[4], const Vec3 x1[4], bool edges, double min_distance, double t_max) {
-  // All but in contact, subdivision mostly confirms what is known: a few cells suffice to clear pairs that miss each other by the
-  // rounding of the first certificate.
-  constexpr int kAdvances = 128, kCells = 1000000, kCellsInContact = 512;
-  constexpr double kTolerance = 1e-6;
   const Corners c = corners(x0, x1, edges);
   if (!(c.size < INFINITY)) return 0;  // nothing can be certified of NaN
   double excess = INFINITY;
-  const double t = advance(c, x0, x1, min_distance, t_max, 0, advance_rounding(c), kAdvances, excess);
+  const double t = advance(c, x0, x1, min_distance, t_max, 0, advance_rounding(c), tuning::kAdvances, excess);
   if (t > t_max) return kNoImpact;
-  const double tolerance = kTolerance * c.size;
-  return inclusion(c, min_distance, t, t_max, tolerance, excess > tolerance ? kCells : kCellsInContact);
+  const double tolerance = tuning::kResolution * c.size;
+  return inclusion(c, min_distance, t, t_max, tolerance, excess > tolerance ? tuning::kCells : tuning::kCellsInContact);
 }
 
 // Longest step t in (0, 1] that certainly keeps the share `keep` of the present distance, or kNoImpact; 0 only if the primitives
 // touch or are not finite. Stops when all but a hundredth of what may be used of the distance is used.
 MORTISE_HD inline double step_limit(const Vec3 x0[4], const Vec3 x1[4], bool edges, double keep) {
-  constexpr int kAdvances = 512;  // random motions: one in 5000 takes more than 64
   const Corners c = corners(x0, x1, edges);
   const Closest near = edges ? closest_edge_edge(x0) : closest_point_triangle(x0);
   const double distance = std::sqrt(near.squared), usable = (1 - keep) * distance;
   if (!(distance > 0 && c.size < INFINITY)) return 0;
   double excess = 0;
-  const double t = advance(c, x0, x1, keep * distance, 1, usable / 100, advance_rounding(c), kAdvances, excess);
+  const double t = advance(c, x0, x1, keep * distance, 1, usable / tuning::kUsable, advance_rounding(c), tuning::kStepAdvances, excess);
   if (t > 0) return t;
   // Distances at the resolution of doubles: |q| shrinks no faster than its corners move.
   double speed = 0;

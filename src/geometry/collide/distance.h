@@ -9,6 +9,7 @@
 #include <cstdint>
 
 #include "base/types.h"
+#include "geometry/collide/tuning.h"
 
 namespace mortise::geometry {
 
@@ -53,9 +54,6 @@ MORTISE_HD inline void nearer_on_segment(const Vec3 x[4], int p, int i, int j, d
   if (n.squared < c.squared) c = n;
 }
 
-// Where sin^2 of the angle between two directions is below this, their plane carries no information in doubles.
-inline constexpr double kParallel = 1e-16;
-
 }  // namespace detail
 
 // x = {p, t0, t1, t2}; r = p - (l0 t0 + l1 t1 + l2 t2). Degenerate triangles fall back to their edges.
@@ -65,7 +63,7 @@ MORTISE_HD inline Closest closest_point_triangle(const Vec3 x[4]) {
   const double nn = n.squaredNorm();
   Closest c;
   c.squared = INFINITY;
-  if (nn > detail::kParallel * e1.squaredNorm() * e2.squaredNorm()) {
+  if (nn > tuning::kParallel * e1.squaredNorm() * e2.squaredNorm()) {
     const double l1 = q.cross(e2).dot(n) / nn, l2 = e1.cross(q).dot(n) / nn, l0 = 1 - l1 - l2;
     if (l0 > 0 && l1 > 0 && l2 > 0) {
       c.type = Feature::point_triangle;
@@ -95,7 +93,7 @@ MORTISE_HD inline Closest closest_edge_edge(const Vec3 x[4]) {
   const Vec3 u = x[1] - x[0], v = x[3] - x[2], q = x[2] - x[0];
   const Vec3 n = u.cross(v);
   const double nn = n.squaredNorm();
-  if (!(nn > detail::kParallel * u.squaredNorm() * v.squaredNorm())) return c;
+  if (!(nn > tuning::kParallel * u.squaredNorm() * v.squaredNorm())) return c;
   const double s = q.cross(v).dot(n) / nn, t = q.cross(u).dot(n) / nn;
   if (!(s > 0 && s < 1 && t > 0 && t < 1)) return c;
   const double w[4] = {1 - s, s, t - 1, -t};

@@ -5,6 +5,7 @@
 
 #include "device/device.h"
 #include "geometry/collide/distance.h"
+#include "geometry/collide/tuning.h"
 #include "geometry/surface.h"
 
 namespace mortise::geometry {
@@ -34,7 +35,6 @@ struct NearPairs {
 // Two primitives of one body, {p, t0, t1, t2} or {a0, a1, b0, b1} (first: 1 or 2 points), of which the boxes overlap because they are
 // neighbours: their distance shrinks by no more than corners of the one move towards corners of the other, and neighbours move nearly alike.
 MORTISE_HD inline bool stay_apart(const Index v[4], int first, device::View<const Vec3> y, device::View<const Vec3> dy, double radius) {
-  constexpr double kRounding = 1e-12;
   double way2 = 0;
   for (int i = 0; i < first && dy.n > 0; ++i)
     for (int j = first; j < 4; ++j) way2 = std::fmax(way2, (dy[v[i]] - dy[v[j]]).squaredNorm());
@@ -45,10 +45,10 @@ MORTISE_HD inline bool stay_apart(const Index v[4], int first, device::View<cons
     const double lo = first == 1 ? x[0][a] : std::fmin(x[0][a], x[1][a]), hi = first == 1 ? x[0][a] : std::fmax(x[0][a], x[1][a]);
     const double lo2 = std::fmin(std::fmin(first == 1 ? x[1][a] : x[2][a], x[2][a]), x[3][a]),
                  hi2 = std::fmax(std::fmax(first == 1 ? x[1][a] : x[2][a], x[2][a]), x[3][a]);
-    if (std::fmax(lo2 - hi, lo - hi2) * (1 - kRounding) > least) return true;
+    if (std::fmax(lo2 - hi, lo - hi2) * (1 - tuning::kApart) > least) return true;
   }
   const double distance = std::sqrt(first == 1 ? closest_point_triangle(x).squared : closest_edge_edge(x).squared);
-  return distance * (1 - kRounding) > least;
+  return distance * (1 - tuning::kApart) > least;
 }
 
 }  // namespace mortise::geometry

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "geometry/collide/tuning.h"
+
 namespace mortise::geometry {
 namespace {
 
@@ -38,9 +40,6 @@ MORTISE_HD inline void sort_strided(Index* v, Index stride, Index n) {
     sift_down(v, stride, 0, i);
   }
 }
-
-// Pairs that a query may note while they are counted; queries with more walk the tree again to fill.
-constexpr Index kNoted = 16;
 
 // Ids found by a query: every stride-th Index from `to` on, as many as there is room for.
 struct Notes {
@@ -84,12 +83,13 @@ MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, co
 void count_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy, double grow,
                            Buffer<Index>& counts, Buffer<Index>& noted) {
   counts.resize(points.n + 1);
-  noted.resize(points.n * kNoted);
+  noted.resize(points.n * tuning::kNoted);
   const View<Index> note = noted.view();
   const View<Index> count = counts.view();
   device::parallel_for("broadphase.count_point_triangle", points.n, [=] MORTISE_HD(Index i) {
     const Index point = points[i];
-    count[i] = triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, y, dy, 2 * grow, {note.p + i * kNoted, 1, kNoted});
+    count[i] =
+        triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, y, dy, 2 * grow, {note.p + i * tuning::kNoted, 1, tuning::kNoted});
   });
 }
 
@@ -101,10 +101,10 @@ void fill_point_triangles(const SurfaceView& s, const BvhView& tree, View<const 
     PointTriangle* mine = out.p + count[i];
     constexpr Index kStride = sizeof(PointTriangle) / sizeof(Index);
     const Notes to{&mine->triangle, kStride, n};
-    if (n > kNoted)
+    if (n > tuning::kNoted)
       triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, y, dy, 2 * grow, to);
     else
-      for (Index k = 0; k < n; ++k) to.put(k, note[i * kNoted + k]);
+      for (Index k = 0; k < n; ++k) to.put(k, note[i * tuning::kNoted + k]);
     sort_strided(&mine->triangle, kStride, n);
     for (Index k = 0; k < n; ++k) {
       const Triangle t = s.triangles[mine[k].triangle];
@@ -117,12 +117,13 @@ void fill_point_triangles(const SurfaceView& s, const BvhView& tree, View<const 
 void count_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, View<const Vec3> y, View<const Vec3> dy, double grow,
                       Buffer<Index>& counts, Buffer<Index>& noted) {
   counts.resize(edges.n + 1);
-  noted.resize(edges.n * kNoted);
+  noted.resize(edges.n * tuning::kNoted);
   const View<Index> note = noted.view();
   const View<Index> count = counts.view();
   device::parallel_for("broadphase.count_edge_edge", edges.n, [=] MORTISE_HD(Index i) {
     const Index a = edges[i];
-    count[i] = edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, y, dy, 2 * grow, {note.p + i * kNoted, 1, kNoted});
+    count[i] =
+        edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, y, dy, 2 * grow, {note.p + i * tuning::kNoted, 1, tuning::kNoted});
   });
 }
 
@@ -134,10 +135,10 @@ void fill_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index
     EdgeEdge* mine = out.p + count[i];
     constexpr Index kStride = sizeof(EdgeEdge) / sizeof(Index);
     const Notes to{&mine->b, kStride, n};
-    if (n > kNoted)
+    if (n > tuning::kNoted)
       edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, y, dy, 2 * grow, to);
     else
-      for (Index k = 0; k < n; ++k) to.put(k, note[i * kNoted + k]);
+      for (Index k = 0; k < n; ++k) to.put(k, note[i * tuning::kNoted + k]);
     sort_strided(&mine->b, kStride, n);
     for (Index k = 0; k < n; ++k) {
       mine[k].a = a;

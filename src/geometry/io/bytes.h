@@ -24,7 +24,7 @@ class ByteReader {
     return bytes_.substr(at_ - n, n);
   }
   template <class T>
-  T take(const char* what) {
+  T read(const char* what) {
     char in[sizeof(T)];
     std::memcpy(in, raw(sizeof(T), what).data(), sizeof(T));
     if (swap_) std::reverse(in, in + sizeof(T));

@@ -27,7 +27,7 @@ std::string beside(const std::string& path, const std::string& name) {
 
 // MTL: the subset that the renderer can show. https://en.wikipedia.org/wiki/Wavefront_.obj_file#Material_template_library
 std::vector<VisualMaterial> read_mtl(const std::string& path) {
-  const std::string text = read_file(path, most_bytes::materials);
+  const std::string text = read_file(path, max_bytes::materials);
   LineReader in(path, text);
   std::vector<VisualMaterial> materials;
   while (in.next()) {

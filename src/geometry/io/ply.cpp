@@ -62,23 +62,23 @@ class BinaryValues final : public Values {
   double next(Type type, const char* what) override {
     switch (type) {
       case Type::i8:
-        return in_.take<std::int8_t>(what);
+        return in_.read<std::int8_t>(what);
       case Type::u8:
-        return in_.take<std::uint8_t>(what);
+        return in_.read<std::uint8_t>(what);
       case Type::i16:
-        return in_.take<std::int16_t>(what);
+        return in_.read<std::int16_t>(what);
       case Type::u16:
-        return in_.take<std::uint16_t>(what);
+        return in_.read<std::uint16_t>(what);
       case Type::i32:
-        return in_.take<std::int32_t>(what);
+        return in_.read<std::int32_t>(what);
       case Type::u32:
-        return in_.take<std::uint32_t>(what);
+        return in_.read<std::uint32_t>(what);
       case Type::f32:
-        return in_.take<float>(what);
+        return in_.read<float>(what);
       case Type::f64:
         break;
     }
-    return in_.take<double>(what);
+    return in_.read<double>(what);
   }
   void end() override {
     if (in_.left() > 0)

@@ -14,7 +14,7 @@ constexpr std::size_t kHeader = 80, kCount = 4, kFacet = 50;
 std::uint64_t size_of(std::uint64_t triangles) { return kHeader + kCount + kFacet * triangles; }
 
 bool is_binary(std::string_view bytes) {
-  if (bytes.size() >= kHeader + kCount && size_of(ByteReader("", bytes, kHeader).take<std::uint32_t>("")) == bytes.size()) return true;
+  if (bytes.size() >= kHeader + kCount && size_of(ByteReader("", bytes, kHeader).read<std::uint32_t>("")) == bytes.size()) return true;
   const std::size_t word = bytes.find_first_not_of(" \t\r\n");
   return word == std::string_view::npos || bytes.substr(word, 5) != "solid" || bytes.find('\0') != std::string_view::npos;
 }
@@ -24,7 +24,7 @@ StlFile parse_binary(const std::string& path, std::string_view bytes) {
   if (bytes.size() < kHeader + kCount)
     in.fail("not an STL file: it neither begins with 'solid' nor has the " + std::to_string(kHeader + kCount) + " bytes of a binary header");
   in.raw(kHeader, "the header");
-  const std::uint32_t n = in.take<std::uint32_t>("the number of triangles");
+  const std::uint32_t n = in.read<std::uint32_t>("the number of triangles");
   if (size_of(n) != bytes.size())
     in.fail("the header counts " + std::to_string(n) + " triangles, which makes a file of " + std::to_string(size_of(n)) + " bytes; this one has " +
             std::to_string(bytes.size()));
@@ -32,7 +32,7 @@ StlFile parse_binary(const std::string& path, std::string_view bytes) {
 
   const auto vec3 = [&](const char* what) {
     Vec3 v;
-    for (int k = 0; k < 3; ++k) v[k] = in.take<float>(what);
+    for (int k = 0; k < 3; ++k) v[k] = in.read<float>(what);
     return v;
   };
   StlFile stl;

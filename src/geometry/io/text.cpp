@@ -6,7 +6,7 @@
 
 namespace mortise::geometry {
 
-std::string read_file(const std::string& path, std::uint64_t most) { return read_regular_file(path, most); }
+std::string read_file(const std::string& path, std::uint64_t limit) { return read_regular_file(path, limit); }
 
 std::string extension(const std::string& path) {
   std::string e = std::filesystem::path(path).extension().string();

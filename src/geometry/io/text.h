@@ -14,7 +14,7 @@
 namespace mortise::geometry {
 
 // The bytes of a regular file. Throws Exit::file if it cannot be read or has more than `most`.
-std::string read_file(const std::string& path, std::uint64_t most = most_bytes::mesh);
+std::string read_file(const std::string& path, std::uint64_t limit = max_bytes::mesh);
 
 // Lower-case extension with the dot (".obj"), or "".
 std::string extension(const std::string& path);

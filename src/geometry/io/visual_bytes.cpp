@@ -15,7 +15,7 @@ void put(std::string& out, const List& list) {
 template <class List>
 void get(ByteReader& in, List& list) {
   using Value = typename List::value_type;
-  const std::uint64_t n = in.take<std::uint64_t>("a length");
+  const std::uint64_t n = in.read<std::uint64_t>("a length");
   if (n > in.left() / sizeof(Value)) in.fail("a list runs past the end");
   list.resize(n);
   const std::string_view bytes = in.raw(n * sizeof(Value), "a list");
@@ -54,10 +54,10 @@ VisualMesh visual_from_bytes(const std::string& path, const std::string& bytes) 
   ByteReader in(path, bytes, 0, std::endian::native);
   VisualMesh mesh;
   get(in, mesh.points), get(in, mesh.normals), get(in, mesh.uvs), get(in, mesh.triangles), get(in, mesh.part), get(in, mesh.material);
-  mesh.has_uvs = in.take<char>("a flag") != 0;
+  mesh.has_uvs = in.read<char>("a flag") != 0;
   while (in.left() > 0) {
     VisualMaterial& m = mesh.materials.emplace_back();
-    for (double* number : {&m.base_color[0], &m.base_color[1], &m.base_color[2], &m.roughness, &m.metallic}) *number = in.take<double>("a number");
+    for (double* number : {&m.base_color[0], &m.base_color[1], &m.base_color[2], &m.roughness, &m.metallic}) *number = in.read<double>("a number");
     get(in, m.name), get(in, m.texture.file), get(in, m.texture.bytes);
   }
   check(in, mesh);

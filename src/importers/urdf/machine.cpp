@@ -266,8 +266,8 @@ class Assembly {
   }
 
   double swing(const Axis& a) const {
-    const double most = options_.sway * (a.type == Joint::Type::revolute ? 1 : kSwaySlide);
-    return a.limits ? std::max(0.0, std::min(most, kSwayRoom * std::min(a.stands - a.limits->first, a.limits->second - a.stands))) : most;
+    const double widest = options_.sway * (a.type == Joint::Type::revolute ? 1 : kSwaySlide);
+    return a.limits ? std::max(0.0, std::min(widest, kSwayRoom * std::min(a.stands - a.limits->first, a.limits->second - a.stands))) : widest;
   }
 
   void mimic(Axis& a, const Joint& j, std::ptrdiff_t leader) {

@@ -260,6 +260,6 @@ Robot read_text(const std::string& text, const std::string& path, Notes& notes) 
   return Reader(text, path, notes).robot(document.document_element());
 }
 
-Robot read(const std::string& path, Notes& notes) { return read_text(read_regular_file(path, most_bytes::scene), path, notes); }
+Robot read(const std::string& path, Notes& notes) { return read_text(read_regular_file(path, max_bytes::scene), path, notes); }
 
 }  // namespace mortise::importers::urdf

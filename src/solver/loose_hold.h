@@ -1,0 +1,53 @@
+#pragma once
+// Statics, and a body that nothing but contact holds: along the surface it rests on it meets hardly any stiffness, and what it meets the frozen
+// matrix does not know, since that is how samples turn and slide. Newton's steps then lead far along it and disturb everything else. Such bodies
+// are held to where an iterate has them,
+//     A += s k I,    k = mean stiffness of their rows [N/m],
+// more or less as that turns out (Levenberg, Marquardt). A step is far when k |dq| is much more than any force there is; a far one that raises the
+// residual is not taken, and one that hardly lowers it is the last so loose. The hold falls again where what is left of the residual is what it
+// held back, s k |dq|. The residual itself knows nothing of it, so that a solution is one of the scene.
+#include <algorithm>
+#include <vector>
+
+#include "solver/tuning.h"
+
+namespace mortise::solver {
+
+class LooseHold {
+ public:
+  explicit LooseHold(Index envs) : rows_(envs) {}
+
+  void begin_solve() { rows_.assign(rows_.size(), {}); }
+  void set_stiffness(Index env, double stiffness) { rows_[env].stiffness = stiffness; }
+
+  // Of a step of `length` [m] where the residual is `force` [N].
+  bool far(Index env, double force, double length) const { return rows_[env].stiffness * length > tuning::kFar * force; }
+  // After a step of share alpha, and of `length` at full length, that has changed the residual from `before` to `after`.
+  void look(Index env, double before, double after, double alpha, double length) {
+    if (alpha < 1 || !(before > 0)) return;
+    Row& row = rows_[env];
+    const double held_back = row.scale * row.stiffness * length;
+    if (after > tuning::kAstray * before && after > 2 * held_back && far(env, before, length))
+      tighten(env);
+    else if (2 * held_back > after)
+      row.scale /= tuning::kHoldFalls;
+  }
+  void tighten(Index env) {
+    double& s = rows_[env].scale;
+    s = s > 0 ? std::min(tuning::kLargestHold, s * tuning::kHoldGrowth) : tuning::kFirstHold;
+  }
+  // A far step that is not to be taken.
+  bool astray(Index env, double before, double after) const {
+    return after > tuning::kAway * before && rows_[env].scale < tuning::kLargestHold;
+  }
+
+  double scale(Index env) const { return rows_[env].scale; }
+
+ private:
+  struct Row {
+    double scale = 0, stiffness = 0;  // s; k
+  };
+  std::vector<Row> rows_;  // environments
+};
+
+}  // namespace mortise::solver
