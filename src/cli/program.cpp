@@ -14,7 +14,7 @@ namespace {
 // The one list of subcommands, in the order of the help text.
 using Add = void (*)(Command, Context&);
 constexpr Add kCommands[] = {add_run,    add_render, add_bench,   add_study,  add_sweep, add_merge,
-                             add_import, add_check,  add_effects, add_schema, add_info};
+                             add_import, add_export, add_check,   add_effects, add_schema, add_info};
 
 constexpr const char* kExamples =
     "Examples:\n"

@@ -95,7 +95,7 @@ Json value(const Param& p) {
     case Kind::vec3s:
       return list_of(vec3(p));
     case Kind::names:
-      return list_of({{"type", "string"}}, 0);
+      return p.choices.empty() ? list_of({{"type", "string"}}, 0) : list_of({{"enum", p.choices}});
     case Kind::pairs: {
       Json pair = list_of({{"type", "string"}}, 2);
       pair["maxItems"] = 2;

@@ -27,6 +27,11 @@ Param always(Param p) {  // a block that is filled with its defaults when the sc
   p.optional = false, p.fallback = "{}";
   return p;
 }
+Param any_of(std::string key, std::vector<std::string> choices, std::string help) {
+  Param p = of(Kind::names, std::move(key), Unit::none, {}, std::move(help));
+  p.choices = std::move(choices);
+  return p;
+}
 Param map(std::string key, const ParamTable* sub, std::string help) {
   Param p = of(Kind::map, std::move(key), Unit::none, {}, std::move(help));
   p.sub = sub;
@@ -273,7 +278,7 @@ const ParamTable& output_table() {
 const ParamTable& camera_table() {
   static const ParamTable t{
       "camera",
-      "One picture per frame.",
+      "Pictures of every frame, each set with a file of where the camera was and how it projects.",
       {vector("position", Unit::length, {}, "Where the camera stands."), vector("look_at", Unit::length, {}, "Point in the middle of the picture."),
        vector("up", Unit::none, "[0, 0, 1]", "Direction that is up in the picture."),
        choice("model", {"pinhole", "fisheye"}, "pinhole",
@@ -281,6 +286,9 @@ const ParamTable& camera_table() {
        positive(
            range(number("fov", Unit::angle, "35 deg", 0, "Field of view: of the height (pinhole, below 180 deg), of the image circle (fisheye)."), 0,
                  6.2831853071796)),
+       optional(any_of("outputs", {"color", "depth", "segmentation"},
+                       "What is written: color pictures, depth images (16-bit PNG), images of which body is seen (indexed PNG); absent: color.")),
+       positive(optional(of(Kind::number, "depth_unit", Unit::length, {}, "What one count of a depth image stands for; absent: 1 mm."))),
        optional(of(Kind::text, "rides_on", Unit::none, {},
                    "Name of a body that the camera moves with, as rigidly as that does; position, look_at and up are those of the start.")),
        optional(of(Kind::names, "hide", Unit::none, {}, "Names of bodies that this camera does not see.")),
