@@ -66,7 +66,8 @@ int film(const Options& o) {
   refuse_existing(o, o.output);
   const Range range = range_of(o.frames);
   std::error_code ec;
-  const std::string beside = fs::is_directory(o.run, ec) ? o.run : fs::path(o.run).parent_path().string(), folder = (beside.empty() ? "." : beside) + "/frames";
+  const std::string beside = fs::is_directory(o.run, ec) ? o.run : fs::path(o.run).parent_path().string(),
+                    folder = (beside.empty() ? "." : beside) + "/frames";
   const auto all = exporters::picture_series(folder);
   std::vector<std::string> names;
   for (const auto& [name, unused] : all) names.push_back(name);
@@ -119,8 +120,9 @@ int meshes(const Options& o, const std::string& kind) {
   if (kind == ".glb") {
     refuse_existing(o, o.output);
     exporters::write_gltf(o.output, view, frames, scene.root, o.fps);
-    std::cout << fmt::format("{}: {} bodies, {} frames, {:.1f} MB\n", o.output, view.labels().size(), frames.numbers.size(),
-                             1e-6 * static_cast<double>(fs::file_size(o.output)));
+    const double size = static_cast<double>(fs::file_size(o.output));
+    std::cout << fmt::format("{}: {} bodies, {} frames, {:.3g} {}\n", o.output, view.labels().size(), frames.numbers.size(),
+                             size * (size < 1e6 ? 1e-3 : 1e-6), size < 1e6 ? "kB" : "MB");
     return 0;
   }
   const std::string stem = o.output.substr(0, o.output.size() - 4);
@@ -136,7 +138,8 @@ int cmd_export(const Options& o) {
   const std::string kind = fs::path(o.output).extension().string();
   const bool is_film = kind == ".mp4" || kind == ".gif";
   if (!is_film && kind != ".glb" && kind != ".obj")
-    throw Error(Exit::usage, "-o " + o.output + ": must end with .glb (animated glTF), .obj (a file per frame), .mp4 or .gif (a film of a camera's pictures)");
+    throw Error(Exit::usage,
+                "-o " + o.output + ": must end with .glb (animated glTF), .obj (a file per frame), .mp4 or .gif (a film of a camera's pictures)");
   if (!o.camera.empty() && !is_film) throw Error(Exit::usage, "--camera belongs to films (.mp4, .gif); a " + kind + " file holds the whole scene");
   if (kind == ".obj" && o.fps > 0) throw Error(Exit::usage, "--fps has no meaning for a sequence of .obj files");
   if (is_film && !(o.scene.empty() && o.overrides.empty()))

@@ -13,9 +13,9 @@ namespace {
 
 using Json = Glb::Json;
 
-constexpr double kStill = 1e-9;      // a body of this size that moves by less, in its lengths, stands still
-constexpr double kPlaneReach = 3;    // half the edge of a half space's square, in radii of the scene
-constexpr double kNearest = 1e-3;    // of a camera, in distances to what it looks at
+constexpr double kStill = 1e-9;    // a body of this size that moves by less, in its lengths, stands still
+constexpr double kPlaneReach = 3;  // half the edge of a half space's square, in radii of the scene
+constexpr double kNearest = 1e-3;  // of a camera, in distances to what it looks at
 
 struct Key {
   Vec3 place;
@@ -26,9 +26,9 @@ struct Key {
 struct Track {
   int node = -1;
   bool soft = false;
-  Vec3 centre = Vec3::Zero();          // of the mesh at the start; origin of a stiff body's node
-  render::DrawMesh start;              // soft: of the first frame
-  std::vector<Key> keys;               // stiff
+  Vec3 centre = Vec3::Zero();                      // of the mesh at the start; origin of a stiff body's node
+  render::DrawMesh start;                          // soft: of the first frame
+  std::vector<Key> keys;                           // stiff
   std::vector<std::vector<Vec3>> points, normals;  // soft: of each further frame, less those of the first
 };
 
@@ -83,8 +83,9 @@ class Writer {
         if (camera.model != render::Camera::Model::pinhole) continue;  // glTF has no other
         const double distance = (camera.look_at - camera.position).norm();
         const double aspect = static_cast<double>(render->integer("width")) / static_cast<double>(render->integer("height"));
-        file_.json["cameras"].push_back(
-            {{"type", "perspective"}, {"name", name}, {"perspective", {{"yfov", camera.fov}, {"aspectRatio", aspect}, {"znear", kNearest * distance}}}});
+        file_.json["cameras"].push_back({{"type", "perspective"},
+                                         {"name", name},
+                                         {"perspective", {{"yfov", camera.fov}, {"aspectRatio", aspect}, {"znear", kNearest * distance}}}});
         cameras_.emplace_back(name, Track{});
         cameras_.back().second.node = add_node({{"name", name}, {"camera", file_.json["cameras"].size() - 1}});
       }
@@ -101,7 +102,8 @@ class Writer {
         t.start = mesh;
       } else {
         std::vector<Vec3> points(mesh.points.size()), normals(mesh.points.size());
-        for (std::size_t i = 0; i < points.size(); ++i) points[i] = mesh.points[i] - t.start.points[i], normals[i] = mesh.normals[i] - t.start.normals[i];
+        for (std::size_t i = 0; i < points.size(); ++i)
+          points[i] = mesh.points[i] - t.start.points[i], normals[i] = mesh.normals[i] - t.start.normals[i];
         t.points.push_back(std::move(points)), t.normals.push_back(std::move(normals));
       }
       for (const Vec3& p : mesh.points) box_.extend(p);
@@ -152,7 +154,8 @@ class Writer {
     Json whole = {{"name", name}, {"primitives", std::move(primitives)}};
     if (!targets.empty()) {
       whole["weights"] = std::vector<int>(targets.size(), 0);
-      for (std::size_t k = 1; k < frames_.numbers.size(); ++k) whole["extras"]["targetNames"].push_back("frame " + std::to_string(frames_.numbers[k]));
+      for (std::size_t k = 1; k < frames_.numbers.size(); ++k)
+        whole["extras"]["targetNames"].push_back("frame " + std::to_string(frames_.numbers[k]));
     }
     file_.json["meshes"].push_back(std::move(whole));
     return static_cast<int>(file_.json["meshes"].size()) - 1;

@@ -22,8 +22,8 @@ void write_materials(const std::string& stem, const render::SceneView& view) {
     for (std::size_t k = 0; k < body.mesh->materials.size(); ++k) {
       const render::Material& m = body.mesh->materials[k];
       // Kd is the linear colour, as most readers take it; Pr and Pm are roughness and metal of the usual extension.
-      text += fmt::format("newmtl {}\nKd {:.6g} {:.6g} {:.6g}\nPr {:.6g}\nPm {:.6g}\nillum 2\n", material_name(body.label->name, k), m.colour[0], m.colour[1],
-                          m.colour[2], m.roughness, m.metallic);
+      text += fmt::format("newmtl {}\nKd {:.6g} {:.6g} {:.6g}\nPr {:.6g}\nPm {:.6g}\nillum 2\n", material_name(body.label->name, k), m.colour[0],
+                          m.colour[1], m.colour[2], m.roughness, m.metallic);
       if (!m.texture) continue;
       const auto [known, fresh] = textures.try_emplace(m.texture.get(), fmt::format("{}_texture_{}.png", stem, textures.size()));
       if (fresh) {

@@ -133,7 +133,8 @@ ColourBar bar_of(const Params& camera, double low, double high) {
   return bar;
 }
 
-SceneView::SceneView(const Params& scene, const std::vector<model::BodyInput>& bodies) : render_(scene.has("render") ? scene.at("render") : Params::make_table()) {
+SceneView::SceneView(const Params& scene, const std::vector<model::BodyInput>& bodies)
+    : render_(scene.has("render") ? scene.at("render") : Params::make_table()) {
   if (const Params* cameras = render_.find("cameras"))
     for (const auto& [name, camera] : cameras->entries()) cameras_.push_back(name);
   for (const model::BodyInput& input : bodies) {

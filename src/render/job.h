@@ -54,7 +54,8 @@ struct ColourBar {
   double low = 0, high = 1, scale = 1;
 };
 
-// First row on top. `distance` [m]: along the line of sight, the z of the camera (pinhole), or along the ray (fisheye); infinite where nothing is seen.
+// First row on top. `distance` [m]: along the line of sight, the z of the camera (pinhole), or along the ray (fisheye); infinite where nothing is
+// seen.
 struct Measurement {
   int width = 0, height = 0;
   std::vector<int> id;           // of Drawn and GroundPlane; 0: nothing

@@ -21,9 +21,9 @@ using File = std::unique_ptr<std::FILE, Close>;
 
 // libpng reports through longjmp; nothing with a destructor lives in this frame.
 struct Rows {
-  int width, height, bits, type;        // of a sample; libpng's colour type
-  const void* data;                     // rows from the top, samples as they lie in memory
-  std::size_t stride;                   // [bytes]
+  int width, height, bits, type;          // of a sample; libpng's colour type
+  const void* data;                       // rows from the top, samples as they lie in memory
+  std::size_t stride;                     // [bytes]
   const std::vector<png_color>* colours;  // of indices, or null
 };
 bool encode(std::FILE* file, const Rows& image) {

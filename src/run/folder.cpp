@@ -175,7 +175,8 @@ void Folder::remove_results() const {
   if (!fs::is_directory(fs::symlink_status(frames, ec))) return;
   for (fs::directory_iterator it(frames, ec), end; !ec && it != end; it.increment(ec))
     if (it->is_regular_file() && !it->is_symlink() &&
-        (render::is_our_png(it->path().string()) || is_our_camera_file(it->path().string()) || ((it->path().extension() == ".part" || it->path().extension() == ".tmp") && it->file_size() == 0)))
+        (render::is_our_png(it->path().string()) || is_our_camera_file(it->path().string()) ||
+         ((it->path().extension() == ".part" || it->path().extension() == ".tmp") && it->file_size() == 0)))
       fs::remove(it->path());
   rmdir(frames.c_str());  // if nothing is left in it
 }

@@ -27,8 +27,8 @@ class Folder {
   // Makes the folder where it is missing. Returns a sentence about a lock that was taken over, or "".
   std::string lock();
   void unlock();
-  // Removes the results of an earlier run: files of our names, and in frames/ the pictures and camera files that we wrote. Links go, what they point to stays;
-  // so does everything else. Folders of environments go where nothing is left in them.
+  // Removes the results of an earlier run: files of our names, and in frames/ the pictures and camera files that we wrote. Links go, what they point
+  // to stays; so does everything else. Folders of environments go where nothing is left in them.
   void remove_results() const;
 
  private:

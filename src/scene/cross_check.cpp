@@ -249,8 +249,8 @@ class CrossCheck {
       for (const auto& [other, unused] : cameras->entries())
         for (const char* kind : {"depth", "segmentation"})
           if (other == name + "_" + kind && writes(camera, kind))
-            errors_.add(camera.at("outputs").where(), path + ": its " + kind + " images would have the names of the pictures of camera '" + other + "'",
-                        "rename one of them");
+            errors_.add(camera.at("outputs").where(),
+                        path + ": its " + kind + " images would have the names of the pictures of camera '" + other + "'", "rename one of them");
       if (const Params* unit = camera.find("depth_unit"); unit && !writes(camera, "depth"))
         errors_.add(unit->where(), path + ".depth_unit is of no use: the camera writes no depth", "outputs: [color, depth]");
       if (const Params* by = camera.find("colour_by")) is_field(*by, path + ".colour_by", fields(false));

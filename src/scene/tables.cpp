@@ -2,6 +2,7 @@
 
 #include "scene/checks.h"
 #include "scene/environments.h"
+#include "scene/robot.h"
 #include "scene/sensors.h"
 
 namespace mortise::scene {
@@ -338,6 +339,7 @@ SceneTables::SceneTables(std::span<const EffectTable> effects) {
                   text("name", "scene", "Short name of the scene: a-z, 0-9, _ and -."),
                   text("description", "\"\"", "One line on what happens."),
                   required(table("time", &time_table(), "Steps of the simulation.")),
+                  table("robot", &robot_table(), "A robot's file, which stands for bodies, joints, motors, contact and cameras."),
                   map("materials", &material_table(), "Materials by name."),
                   map("bodies", &body_table(), "Bodies by name."),
                   pairs,

@@ -1,5 +1,6 @@
 #pragma once
-// A scene of two frames with all that an export may meet: a stiff body that moves and turns, a soft one that stretches, one that stands still, a plane.
+// A scene of two frames with all that an export may meet: a stiff body that moves and turns, a soft one that stretches, one that stands still, a
+// plane.
 #include "exporters/frames.h"
 #include "geometry/primitives.h"
 #include "geometry/topology.h"
@@ -23,7 +24,7 @@ bodies:
   pad: {type: soft, material: gel, shape: {box: {size: [1, 1, 1], edge_length: 0.5}}, visual: {color: [1, 0, 0], roughness: 0.25, metallic: 1}}
   post: {type: stiff, mass: 1, shape: {box: {size: [2, 1, 1], edge_length: 1}}}
   floor: {type: half_space, point: [0, 0, -1], visual: {color: [0, 0, 1]}}
-effects: {elasticity: {}}
+effects: {elasticity: {}, affine_body: {}}
 render:
   width: 320
   height: 160
@@ -33,7 +34,7 @@ render:
     eye: {position: [0, -9, 2], look_at: [1, 0, 0], model: fisheye, fov: 3}
 )";
     static const ParamTable none{"effect elasticity", "", {}};
-    const std::vector<scene::EffectTable> effects{{"elasticity", "", &none}};
+    const std::vector<scene::EffectTable> effects{{"elasticity", "", &none}, {"affine_body", "", &none}};
     root = scene::read_scene_text(text, "sample.yaml", {}, effects).root;
     const geometry::TetMesh cube = geometry::box(Vec3(1, 1, 1), 0.5), block = geometry::box(Vec3(2, 1, 1), 1.0);
     for (const auto& [name, params] : root.at("bodies").entries()) {
@@ -50,7 +51,9 @@ render:
       std::vector<double>& all = points.emplace_back();
       for (const model::BodyInput& body : bodies)
         for (const Vec3& x : body.nodes) {
-          const Vec3 y = body.name == "urchin" ? Vec3(turn(frame) * x + way(frame)) : body.name == "pad" ? Vec3(x[0], x[1], (1 + 0.25 * frame) * x[2]) : x;
+          const Vec3 y = body.name == "urchin" ? Vec3(turn(frame) * x + way(frame))
+                         : body.name == "pad"  ? Vec3(x[0], x[1], (1 + 0.25 * frame) * x[2])
+                                               : x;
           all.insert(all.end(), y.data(), y.data() + 3);
         }
       frames.numbers.push_back(10 * frame), frames.times.push_back(0.2 + 0.1 * frame);

@@ -184,7 +184,9 @@ TEST_F(Exporters, ObjFilesHoldEachFrame) {
         for (int k = 0; k < 3; ++k) {
           ASSERT_LT((read.points[theirs.v[k]] - body.mesh->points[mine.v[k]]).norm(), 1e-7) << body.label->name;
           ASSERT_LT((read.normals[theirs.v[k]] - body.mesh->normals[mine.v[k]]).norm(), 1e-4) << body.label->name;
-          if (!body.mesh->uvs.empty()) ASSERT_LT((read.uvs[theirs.v[k]] - body.mesh->uvs[mine.v[k]]).norm(), 1e-5);
+          if (!body.mesh->uvs.empty()) {
+            ASSERT_LT((read.uvs[theirs.v[k]] - body.mesh->uvs[mine.v[k]]).norm(), 1e-5);
+          }
         }
         EXPECT_EQ(read.materials[read.material[t]].name, body.label->name);
         ++t;
@@ -224,7 +226,8 @@ TEST_F(Exporters, FilmsAreMadeOfOnePictureAfterTheOther) {
     return std::string();
   };
   EXPECT_NE(message().find("ffmpeg, which is not installed"), std::string::npos);
-  play("for a; do last=$a; done\nwhile read line; do echo \"$line\"; done < \"" + folder_ + "/it's.mp4.list\" > \"$last\"\necho \"$*\" >> \"$last\"\n");
+  play("for a; do last=$a; done\nwhile read line; do echo \"$line\"; done < \"" + folder_ +
+       "/it's.mp4.list\" > \"$last\"\necho \"$*\" >> \"$last\"\n");
   EXPECT_EQ(message(), "");
   const std::string told = bytes_of(folder_ + "/it's.mp4");
   EXPECT_NE(told.find("file '" + folder_ + "/front_0000.png'\nduration 0.1\nfile '" + folder_ + "/front_0006.png'\n"), std::string::npos) << told;

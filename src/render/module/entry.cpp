@@ -38,7 +38,8 @@ std::int32_t draw(MortiseRenderContext* c, const MortiseRenderJob* job, std::uin
   }
 }
 
-std::int32_t measure(MortiseRenderContext* c, const MortiseRenderJob* job, std::int32_t* mesh, float* distance, char* message, std::int32_t capacity) {
+std::int32_t measure(MortiseRenderContext* c, const MortiseRenderJob* job, std::int32_t* mesh, float* distance, char* message,
+                     std::int32_t capacity) {
   try {
     c->painter.measure(*job, mesh, distance);
     return 0;
