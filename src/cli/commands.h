@@ -21,6 +21,7 @@ void add_study(Command, Context&);
 void add_sweep(Command, Context&);
 void add_merge(Command, Context&);
 void add_import(Command, Context&);
+void add_export(Command, Context&);
 void add_check(Command, Context&);
 void add_schema(Command, Context&);
 void add_effects(Command, Context&);

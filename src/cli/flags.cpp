@@ -15,7 +15,9 @@ Flag Flag::split(char at) const { return Flag(option_->delimiter(at)); }
 Flag Flag::environment_variable(const std::string& name) const { return Flag(option_->envname(name)); }
 Flag Flag::excludes(Flag other) const { return Flag(option_->excludes(other.option_)); }
 Flag Flag::needs(Flag other) const { return Flag(option_->needs(other.option_)); }
-Flag Flag::positive() const { return Flag(option_->check(CLI::PositiveNumber)); }
+Flag Flag::positive() const {  // CLI11 would say that it is not in the range up to the largest number there is
+  return check([](const std::string& value) { return CLI::PositiveNumber(value).empty() ? std::string() : value + " must be a number above zero"; });
+}
 Flag Flag::not_negative() const { return Flag(option_->check(CLI::NonNegativeNumber)); }
 Flag Flag::within(int low, int high) const { return Flag(option_->check(CLI::Range(low, high))); }
 Flag Flag::one_of(const std::vector<std::string>& values) const { return Flag(option_->check(CLI::IsMember(values))); }

@@ -1,4 +1,6 @@
 // mortise import: a robot's file becomes a scene.
+#include "importers/urdf/import.h"
+
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -7,10 +9,6 @@
 #include "cli/commands.h"
 #include "engine/effect_tables.h"
 #include "geometry/io/write.h"
-#include "importers/urdf/machine.h"
-#include "importers/urdf/meshes.h"
-#include "importers/urdf/read.h"
-#include "importers/urdf/write.h"
 #include "scene/quantity.h"
 
 namespace mortise::cli {
@@ -65,26 +63,22 @@ int cmd_import(const Options& o) {
   if (to_file && !o.overwrite && fs::exists(o.output, ignored))
     throw Error(Exit::usage, "'" + o.output + "' exists already; --overwrite replaces it");
 
-  urdf::MeshOptions meshes;
-  for (const std::string& p : o.packages) meshes.packages.insert(split("--package", p));
-  meshes.skip_missing = o.missing == "skip";
+  urdf::Request r;
+  for (const std::string& p : o.packages) r.meshes.packages.insert(split("--package", p));
+  r.meshes.skip_missing = o.missing == "skip";
   const fs::path target = to_file ? fs::path(o.output) : fs::path(o.robot).filename().replace_extension(".yaml");
-  meshes.folder = (target.parent_path() / (target.stem().string() + "_meshes")).string();
-
-  urdf::MachineOptions options;
+  r.meshes.folder = (target.parent_path() / (target.stem().string() + "_meshes")).string();
+  r.robot = o.robot, r.target = target.string(), r.command = command_line(o);
   for (const std::string& j : o.joints) {
     const auto [name, value] = split("--joint", j);
-    options.stands.emplace_back(name, coordinate("--joint " + name, value));
+    r.machine.stands.emplace_back(name, coordinate("--joint " + name, value));
   }
-  if (!o.sway.empty()) options.sway = sway(o.sway);
-  options.soft = o.soft, options.held = o.base == "fixed", options.clearance = o.clearance, options.apart = o.apart;
+  if (!o.sway.empty()) r.machine.sway = sway(o.sway);
+  r.machine.soft.assign(o.soft.begin(), o.soft.end());
+  r.machine.held = o.base == "fixed", r.machine.clearance = o.clearance, r.machine.apart = o.apart;
 
   Notes notes;
-  urdf::Robot robot = urdf::read(o.robot, notes);
-  urdf::find_meshes(robot, meshes, notes);
-  urdf::mend_collision_meshes(robot, meshes, notes);
-  const urdf::Machine machine = urdf::assemble(robot, options, notes);
-  const std::string text = urdf::write_scene(machine, urdf::passing_pairs(machine, o.apart), target.string(), command_line(o));
+  const std::string text = urdf::import_scene(r, notes);
   for (const std::string& line : notes.lines()) std::cerr << line << "\n";
   const scene::Scene scene = scene::read_scene_text(text, target.string(), {}, engine::effect_tables());
   if (!to_file) {
@@ -110,7 +104,7 @@ void add_import(Command app, Context& context) {
   sub.option("--joint", o->joints, "NAME=VALUE where a joint stands: '*_calf_joint=-1.8', elbow='50 deg'; * and ? match any; the right-most wins")
       .one_each()
       .take_all();
-  sub.option("--soft", o->soft, "LINK becomes a soft pad bonded to what it is fixed to").one_each().take_all();
+  sub.option("--soft", o->soft, "LINK becomes a soft pad bonded to what it is fixed to; * and ? match any: '*_foot'").one_each().take_all();
   sub.option("--sway", o->sway,
              "all joints swing by this about where they stand, once a second: '10 deg' (slides: 100 mm per radian), within their limits");
   sub.option("--base", o->base, "free or fixed; a root link called world is always fixed").one_of({"free", "fixed"}).show_default();

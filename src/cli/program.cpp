@@ -6,6 +6,8 @@
 #include "cli/commands.h"
 #include "cli/terminal.h"
 #include "engine/choose.h"
+#include "importers/robot_block.h"
+#include "scene/robot.h"
 #include "scene/suggest.h"
 
 namespace mortise::cli {
@@ -13,8 +15,8 @@ namespace {
 
 // The one list of subcommands, in the order of the help text.
 using Add = void (*)(Command, Context&);
-constexpr Add kCommands[] = {add_run,    add_render, add_bench,   add_study,  add_sweep, add_merge,
-                             add_import, add_check,  add_effects, add_schema, add_info};
+constexpr Add kCommands[] = {add_run,    add_render, add_bench, add_study,   add_sweep,  add_merge,
+                             add_import, add_export, add_check, add_effects, add_schema, add_info};
 
 constexpr const char* kExamples =
     "Examples:\n"
@@ -131,6 +133,7 @@ int run(std::vector<std::string> args) {
 
 int program(std::vector<std::string> arguments) {
   end_on_broken_pipe();
+  scene::set_robot_reader(importers::scene_of_robot);
   try {
     return run(std::move(arguments));
   } catch (const Error& e) {

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +10,7 @@
 #include "base/error.h"
 #include "base/read_file.h"
 #include "base/sha256.h"
+#include "geometry/cache_folder.h"
 #include "geometry/topology.h"
 
 namespace mortise::geometry {
@@ -18,13 +18,6 @@ namespace {
 
 // Changes whenever the mesher or its parameters change, so that old results are not taken for new ones.
 constexpr char kVersion[] = "mortise tet cache 1, CGAL Mesh_3 5.5";
-
-std::filesystem::path cache_folder() {
-  if (const char* own = std::getenv("MORTISE_CACHE")) return own;
-  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg) return std::filesystem::path(xdg) / "mortise";
-  if (const char* home = std::getenv("HOME"); home && *home) return std::filesystem::path(home) / ".cache" / "mortise";
-  return {};
-}
 
 template <class T>
 void put(std::string& out, const std::vector<T>& values) {

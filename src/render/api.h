@@ -6,7 +6,7 @@
 
 extern "C" {
 
-constexpr int MORTISE_RENDER_API = 1;
+constexpr int MORTISE_RENDER_API = 2;
 
 // A run of triangles of one material. `texture` is a handle from add_texture, 0 = none.
 struct MortiseRenderPart {
@@ -61,6 +61,9 @@ struct MortiseRenderApi {
   std::int32_t (*add_texture)(MortiseRenderContext*, const std::uint8_t* rgba, std::int32_t width, std::int32_t height);
   // rgb: width x height x 3, sRGB, first row on top. 0 = done, otherwise the reason is in `message`.
   std::int32_t (*draw)(MortiseRenderContext*, const MortiseRenderJob*, std::uint8_t* rgb, char* message, std::int32_t capacity);
+  // What the middle of each pixel sees of the meshes (planes are left to the caller, who knows them exactly), first row on top: index of the mesh or
+  // -1, and how far it is [m], along the line of sight (pinhole) or along the ray (fisheye). As draw() otherwise.
+  std::int32_t (*measure)(MortiseRenderContext*, const MortiseRenderJob*, std::int32_t* mesh, float* distance, char* message, std::int32_t capacity);
 };
 
 // The one exported symbol of the module.

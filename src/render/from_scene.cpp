@@ -57,6 +57,7 @@ DrawMesh read_draw_mesh(const Params& body) {
 
 struct SceneView::Body {
   std::string name;
+  int id = 0;                       // of its label
   std::size_t first = 0;            // among all points
   std::vector<Vec3> points, start;  // now; at the start
   DrawMesh mesh;
@@ -94,6 +95,8 @@ struct SceneView::Body {
     normals->compute(mesh.points, mesh.normals);
   }
 
+  geometry::Motion motion() const { return geometry::nearest_motion(start, points); }
+
   std::vector<double> scalar(std::span<const double> all) const {
     const auto mine = all.subspan(first, points.size());
     std::vector<double> out;
@@ -130,12 +133,15 @@ ColourBar bar_of(const Params& camera, double low, double high) {
   return bar;
 }
 
-SceneView::SceneView(const Params& scene, const std::vector<model::BodyInput>& bodies) : render_(scene.at("render")) {
+SceneView::SceneView(const Params& scene, const std::vector<model::BodyInput>& bodies)
+    : render_(scene.has("render") ? scene.at("render") : Params::make_table()) {
   if (const Params* cameras = render_.find("cameras"))
     for (const auto& [name, camera] : cameras->entries()) cameras_.push_back(name);
   for (const model::BodyInput& input : bodies) {
+    labels_.push_back({static_cast<int>(labels_.size()) + 1, input.name, input.params.text("type")});
     if (input.type == model::BodyType::half_space) {
       planes_[input.name] = ground_of(input.params);
+      planes_[input.name].id = labels_.back().id;
       continue;
     }
     try {
@@ -144,6 +150,7 @@ SceneView::SceneView(const Params& scene, const std::vector<model::BodyInput>& b
       if (e.located()) throw;
       throw Error(e.code(), input.params.where(), "body '" + input.name + "': " + e.what());
     }
+    bodies_.back()->id = labels_.back().id;
     bodies_.back()->first = points_;
     points_ += input.nodes.size();
   }
@@ -156,18 +163,37 @@ void SceneView::move(std::span<const double> points) {
   for (const auto& body : bodies_) body->move(points);
 }
 
+std::vector<SceneView::Moved> SceneView::moved() const {
+  std::vector<Moved> out;
+  for (const auto& body : bodies_) out.push_back({&labels_[static_cast<std::size_t>(body->id - 1)], &body->mesh, body->motion()});
+  return out;
+}
+
+std::vector<std::pair<const BodyLabel*, GroundPlane>> SceneView::planes() const {
+  std::vector<std::pair<const BodyLabel*, GroundPlane>> out;
+  for (const auto& [name, plane] : planes_) out.emplace_back(&labels_[static_cast<std::size_t>(plane.id - 1)], plane);
+  return out;
+}
+
+Camera SceneView::camera(const std::string& name) const {
+  const Params& p = render_.at("cameras").at(name);
+  Camera out = camera_of(p);
+  const Params* carrier = p.find("rides_on");
+  if (carrier == nullptr) return out;
+  for (const auto& body : bodies_)
+    if (body->name == carrier->as_text()) {
+      const geometry::Motion way = body->motion();
+      for (Vec3* place : {&out.position, &out.look_at}) *place = way.R * *place + way.t;
+      out.up = way.R * out.up;
+    }
+  return out;
+}
+
 RenderJob SceneView::job(const std::string& name, const std::map<std::string, std::vector<double>>& fields, std::string caption) {
   const Params& p = render_.at("cameras").at(name);
   RenderJob job;
   job.width = static_cast<int>(render_.integer("width")), job.height = static_cast<int>(render_.integer("height"));
-  job.camera = camera_of(p);
-  if (const Params* carrier = p.find("rides_on"))
-    for (const auto& body : bodies_)
-      if (body->name == carrier->as_text()) {
-        const geometry::Motion way = geometry::nearest_motion(body->start, body->points);
-        for (Vec3* place : {&job.camera.position, &job.camera.look_at}) *place = way.R * *place + way.t;
-        job.camera.up = way.R * job.camera.up;
-      }
+  job.camera = camera(name);
   job.caption = std::move(caption);
   const Params* own = p.find("background");
   job.background_top = own != nullptr ? own->as_vec3() : render_.vec3("background");
@@ -185,6 +211,7 @@ RenderJob SceneView::job(const std::string& name, const std::map<std::string, st
     if (!shown(body->name)) continue;
     Drawn& drawn = job.meshes.emplace_back();
     drawn.mesh = &body->mesh;
+    drawn.id = body->id;
     if (!coloured) continue;
     drawn.scalar = body->scalar(field->second);
     for (double& v : drawn.scalar) {

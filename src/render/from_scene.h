@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/params.h"
+#include "geometry/rigid_motion.h"
 #include "model/input.h"
 #include "render/job.h"
 
@@ -17,6 +18,12 @@ GroundPlane ground_of(const Params& body);  // a body of type half_space
 // The label is the field's name, written with spaces; `low`, `high` in SI. Without a `unit` the numbers are SI and bare.
 ColourBar bar_of(const Params& camera, double low, double high);
 
+// What the images of a camera call a body: `id` counts the scene's bodies from 1, half spaces included.
+struct BodyLabel {
+  int id;
+  std::string name, type;  // as the scene has them
+};
+
 // Everything of a scene's pictures that does not change from frame to frame, and the moving meshes.
 class SceneView {
  public:
@@ -26,8 +33,20 @@ class SceneView {
 
   const std::vector<std::string>& cameras() const { return cameras_; }
 
+  const std::vector<BodyLabel>& labels() const { return labels_; }
+
   // Moves all meshes: three coordinates per point [m], body after body (half spaces have none).
   void move(std::span<const double> points);
+
+  // The bodies that move, as they are now, in the order of the scene; half spaces, which do not.
+  struct Moved {
+    const BodyLabel* label;
+    const DrawMesh* mesh;
+    geometry::Motion motion;  // the rigid one that is nearest to what the body has done since the start
+  };
+  std::vector<Moved> moved() const;
+  std::vector<std::pair<const BodyLabel*, GroundPlane>> planes() const;
+  Camera camera(const std::string& name) const;  // where it is now
 
   // What a camera sees now. `fields`: one value per point by name, in SI. The job refers to the meshes of this view.
   // Without a `range` the colour scale spans the extremes of the field up to this frame.
@@ -38,6 +57,7 @@ class SceneView {
   const Params render_;
   std::vector<std::string> cameras_;
   std::vector<std::unique_ptr<Body>> bodies_;
+  std::vector<BodyLabel> labels_;
   std::map<std::string, GroundPlane> planes_;
   std::map<std::string, std::pair<double, double>> extremes_;  // per camera
   std::size_t points_ = 0;

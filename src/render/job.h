@@ -38,18 +38,28 @@ struct DrawMesh {
 struct Drawn {
   const DrawMesh* mesh = nullptr;
   std::vector<double> scalar;  // empty, or one value per point: drawn in the colours of the colour bar
+  int id = 0;                  // which body it is, above zero; 0: none that a measurement names
 };
 
 struct GroundPlane {
   Vec3 point{0, 0, 0}, normal{0, 0, 1};
   Vec3 colour{0.62, 0.62, 0.64};
   double checker = 0;  // edge of the squares [m], 0: plain
+  int id = 0;          // as of Drawn
 };
 
 // Colours for the values in [low, high] (SI); shown in `unit` after multiplication with `scale`.
 struct ColourBar {
   std::string label, unit;
   double low = 0, high = 1, scale = 1;
+};
+
+// First row on top. `distance` [m]: along the line of sight, the z of the camera (pinhole), or along the ray (fisheye); infinite where nothing is
+// seen.
+struct Measurement {
+  int width = 0, height = 0;
+  std::vector<int> id;           // of Drawn and GroundPlane; 0: nothing
+  std::vector<double> distance;  // [m]
 };
 
 struct RenderJob {

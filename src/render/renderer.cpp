@@ -5,10 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
+#include <limits>
 #include <map>
+#include <optional>
 
 #include "base/error.h"
 #include "render/api.h"
+#include "render/camera.h"
 #include "render/colour_map.h"
 #include "render/overlay.h"
 
@@ -129,62 +133,102 @@ void check_job(const RenderJob& job) {
   if (!(job.camera.fov > 0 && job.camera.fov <= widest)) throw Error(Exit::scene, "the field of view of a camera is out of range");
 }
 
-Image Renderer::draw(const RenderJob& job) {
-  check_job(job);
+namespace {
 
-  // Floats are relative to the middle of what is drawn.
+// A job as the module takes it, and what it points to.
+struct Prepared {
+  Vec3 origin;  // floats are relative to the middle of what is drawn
+  std::vector<Packed> packed;
+  std::vector<int> ids;  // of the meshes
+  std::vector<MortiseRenderMesh> meshes;
+  std::vector<MortiseRenderPlane> planes;
+  ColourMap map;
+  MortiseRenderJob raw{};
+};
+
+void prepare(const RenderJob& job, Prepared& p, const std::function<Packed(const Drawn&, const Vec3&)>& pack) {
+  check_job(job);
   Eigen::AlignedBox3d box;
   for (const Drawn& d : job.meshes)
-    for (const Vec3& p : d.mesh->points) box.extend(p);
+    for (const Vec3& x : d.mesh->points) box.extend(x);
   if (box.isEmpty()) box.extend(job.camera.look_at);
-  const Vec3 origin = box.center();
+  p.origin = box.center();
   const double radius = std::max(0.5 * box.diagonal().norm(), 1e-3 * (job.camera.look_at - job.camera.position).norm());
 
-  std::vector<Packed> packed;
-  std::vector<MortiseRenderMesh> meshes;
   for (const Drawn& d : job.meshes) {
     if (d.mesh->triangles.empty()) continue;
-    packed.push_back(module_->pack(d, origin));
+    p.packed.push_back(pack(d, p.origin));
+    p.ids.push_back(d.id);
   }
-  for (const Packed& p : packed)
-    meshes.push_back({static_cast<std::int32_t>(p.positions.size() / 3), static_cast<std::int32_t>(p.corners.size() / 3),
-                      static_cast<std::int32_t>(p.parts.size()), p.positions.data(), p.normals.data(), p.uvs.empty() ? nullptr : p.uvs.data(),
-                      p.scalars.empty() ? nullptr : p.scalars.data(), p.corners.data(), p.parts.data()});
-  std::vector<MortiseRenderPlane> planes;
+  for (const Packed& m : p.packed)
+    p.meshes.push_back({static_cast<std::int32_t>(m.positions.size() / 3), static_cast<std::int32_t>(m.corners.size() / 3),
+                        static_cast<std::int32_t>(m.parts.size()), m.positions.data(), m.normals.data(), m.uvs.empty() ? nullptr : m.uvs.data(),
+                        m.scalars.empty() ? nullptr : m.scalars.data(), m.corners.data(), m.parts.data()});
   for (const GroundPlane& g : job.planes) {
-    MortiseRenderPlane& plane = planes.emplace_back();
-    put(plane.point, g.point - origin);
+    MortiseRenderPlane& plane = p.planes.emplace_back();
+    put(plane.point, g.point - p.origin);
     put(plane.normal, g.normal.normalized());
     put(plane.colour, linear(g.colour));
     plane.checker = static_cast<float>(g.checker);
   }
 
   const ColourBar bar = job.bar.value_or(ColourBar{});
-  const ColourMap map = map_for(bar.low, bar.high);
-  MortiseRenderJob raw{};
+  p.map = map_for(bar.low, bar.high);
+  MortiseRenderJob& raw = p.raw;
   raw.width = job.width, raw.height = job.height;
-  raw.meshes = static_cast<std::int32_t>(meshes.size()), raw.mesh = meshes.data();
-  raw.planes = static_cast<std::int32_t>(planes.size()), raw.plane = planes.data();
+  raw.meshes = static_cast<std::int32_t>(p.meshes.size()), raw.mesh = p.meshes.data();
+  raw.planes = static_cast<std::int32_t>(p.planes.size()), raw.plane = p.planes.data();
   raw.camera.fisheye = job.camera.model == Camera::Model::fisheye ? 1 : 0;
   raw.camera.fov = static_cast<float>(job.camera.fov);
-  const Vec3 forward = (job.camera.look_at - job.camera.position).normalized(), right = forward.cross(job.camera.up).normalized();
-  put(raw.camera.position, job.camera.position - origin);
-  put(raw.camera.forward, forward);
-  put(raw.camera.up, right.cross(forward));
+  const Pose pose = pose_of(job.camera);
+  put(raw.camera.position, job.camera.position - p.origin);
+  put(raw.camera.forward, pose.forward);
+  put(raw.camera.up, -pose.down);
   put(raw.world_up, job.camera.up.normalized());
   put(raw.background_top, linear(job.background_top));
   put(raw.background_bottom, linear(job.background_bottom));
   raw.radius = static_cast<float>(radius);
-  raw.colour_map = map.data();
+  raw.colour_map = p.map.data();
   raw.scalar_low = static_cast<float>(bar.low), raw.scalar_high = static_cast<float>(bar.high);
+}
 
+}  // namespace
+
+Image Renderer::draw(const RenderJob& job) {
+  Prepared p;
+  prepare(job, p, [&](const Drawn& d, const Vec3& origin) { return module_->pack(d, origin); });
   Image image{job.width, job.height, {}};
   image.rgb.resize(static_cast<std::size_t>(job.width) * job.height * 3);
   char message[kMessage] = "";
-  if (module_->api->draw(module_->context, &raw, image.rgb.data(), message, kMessage) != 0)
+  if (module_->api->draw(module_->context, &p.raw, image.rgb.data(), message, kMessage) != 0)
     throw Error(Exit::device, std::string("drawing failed: ") + message);
   draw_overlays(image, job);
   return image;
+}
+
+Measurement Renderer::measure(const RenderJob& job) {
+  Prepared p;
+  prepare(job, p, [&](const Drawn& d, const Vec3& origin) { return module_->pack(d, origin); });
+  const std::size_t pixels = static_cast<std::size_t>(job.width) * job.height;
+  std::vector<std::int32_t> mesh(pixels);
+  std::vector<float> distance(pixels);
+  char message[kMessage] = "";
+  if (module_->api->measure(module_->context, &p.raw, mesh.data(), distance.data(), message, kMessage) != 0)
+    throw Error(Exit::device, std::string("drawing failed: ") + message);
+
+  Measurement out{job.width, job.height, std::vector<int>(pixels, 0), std::vector<double>(pixels, std::numeric_limits<double>::infinity())};
+  for (int y = 0; y < job.height; ++y)
+    for (int x = 0; x < job.width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * job.width + x;
+      if (mesh[i] >= 0) out.id[i] = p.ids[static_cast<std::size_t>(mesh[i])], out.distance[i] = distance[i];
+      const std::optional<Vec3> ray = job.planes.empty() ? std::nullopt : ray_of(job, x, y);
+      if (!ray) continue;
+      for (const GroundPlane& g : job.planes) {
+        const double along = g.normal.dot(g.point - job.camera.position) / g.normal.dot(*ray);
+        if (along > 0 && along < out.distance[i]) out.id[i] = g.id, out.distance[i] = along;
+      }
+    }
+  return out;
 }
 
 }  // namespace mortise::render

@@ -21,6 +21,9 @@ class Renderer {
   // Throws as check_job() does, and Error(Exit::device) when drawing fails.
   Image draw(const RenderJob& job);
 
+  // What the middle of each pixel sees: which body, and how far. Throws as draw() does.
+  Measurement measure(const RenderJob& job);
+
  private:
   struct Module;
   std::unique_ptr<Module> module_;

@@ -27,8 +27,8 @@ class Folder {
   // Makes the folder where it is missing. Returns a sentence about a lock that was taken over, or "".
   std::string lock();
   void unlock();
-  // Removes the results of an earlier run: files of our names, and in frames/ the pictures that we drew. Links go, what they point to stays;
-  // so does everything else. Folders of environments go where nothing is left in them.
+  // Removes the results of an earlier run: files of our names, and in frames/ the pictures and camera files that we wrote. Links go, what they point
+  // to stays; so does everything else. Folders of environments go where nothing is left in them.
   void remove_results() const;
 
  private:
@@ -36,7 +36,7 @@ class Folder {
   int lock_ = -1;
 };
 
-// Throws Error(Exit::file) where `path` is something that we did not draw: only pictures of ours are replaced.
+// Throws Error(Exit::file) where `path` is something that we did not write: only pictures and camera files of ours are replaced.
 void guard_picture(const std::string& path);
 
 // DIR/frames, made where it is missing. Throws Error(Exit::file) where it is a link, which would lead out of the folder.

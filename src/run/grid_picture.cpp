@@ -38,7 +38,7 @@ void draw_side_by_side(const std::vector<std::string>& folders, const std::strin
   std::error_code ec;
   for (const std::string& folder : folders)
     for (fs::directory_iterator it(folder, ec), end; !ec && it != end; it.increment(ec))
-      if (it->path().extension() == ".png") names.insert(it->path().filename().string());
+      if (it->path().extension() == ".png" && render::is_color_png(it->path().string())) names.insert(it->path().filename().string());
   if (names.empty()) return;
   make_pictures_folder(to);
   const int columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(folders.size())))),

@@ -9,7 +9,7 @@
 
 namespace mortise::run {
 
-// Draws the scene's cameras, one PNG per frame and camera: FOLDER/<camera>_0042.png.
+// Draws the scene's cameras: FOLDER/<camera>_0042.png, its depth and segmentation where it writes them, and where it was (schemas/camera.md).
 class Pictures {
  public:
   Pictures(const Params& scene, const model::ModelInput& input, const std::string& folder);

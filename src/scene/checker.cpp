@@ -310,7 +310,7 @@ std::optional<Params> Checker::list(const Param& p, const Node& n, const std::st
     errors_.add(n.at, path + " has " + std::to_string(n.items.size()) + " entries; must be " + wanted);
     return {};
   }
-  if (n.items.empty() && kind != Kind::names && kind != Kind::pairs) {
+  if (n.items.empty() && ((kind != Kind::names && kind != Kind::pairs) || !p.choices.empty())) {
     errors_.add(n.at, path + " is an empty list");
     return {};
   }
@@ -318,7 +318,7 @@ std::optional<Params> Checker::list(const Param& p, const Node& n, const std::st
   if (kind == Kind::vec3s) item.kind = Kind::vec3;
   if (kind == Kind::tables) item.kind = Kind::table;
   if (kind == Kind::vec3 || kind == Kind::numbers) item.kind = Kind::number;
-  if (kind == Kind::names) item.kind = Kind::text;
+  if (kind == Kind::names) item.kind = p.choices.empty() ? Kind::text : Kind::choice;
   if (kind == Kind::pairs) item.kind = Kind::names;
 
   Params out = Params::make_list({}, kind == Kind::tables ? n.key_at : n.at);

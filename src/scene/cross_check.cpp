@@ -222,6 +222,12 @@ class CrossCheck {
     }
   }
 
+  static bool writes(const Params& camera, const std::string& kind) {
+    const Params* outputs = camera.find("outputs");
+    if (!outputs) return kind == "color";
+    return std::any_of(outputs->items().begin(), outputs->items().end(), [&](const Params& o) { return o.as_text() == kind; });
+  }
+
   void cameras() {
     const Params* render = root_.find("render");
     const Params* cameras = render ? render->find("cameras") : nullptr;
@@ -240,6 +246,13 @@ class CrossCheck {
         if (type && type->as_text() == "half_space")
           errors_.add(carrier->where(), path + ".rides_on: '" + carrier->as_text() + "' is a half_space, which never moves");
       }
+      for (const auto& [other, unused] : cameras->entries())
+        for (const char* kind : {"depth", "segmentation"})
+          if (other == name + "_" + kind && writes(camera, kind))
+            errors_.add(camera.at("outputs").where(),
+                        path + ": its " + kind + " images would have the names of the pictures of camera '" + other + "'", "rename one of them");
+      if (const Params* unit = camera.find("depth_unit"); unit && !writes(camera, "depth"))
+        errors_.add(unit->where(), path + ".depth_unit is of no use: the camera writes no depth", "outputs: [color, depth]");
       if (const Params* by = camera.find("colour_by")) is_field(*by, path + ".colour_by", fields(false));
       if (const Params* unit = camera.find("unit"); unit && !parse_quantity("1 " + unit->as_text(), Unit::any).error.empty())
         errors_.add(unit->where(), path + ".unit is '" + unit->as_text() + "', which is no unit", suggestion(unit->as_text(), suffixes(Unit::any)));

@@ -9,6 +9,7 @@
 #include "scene/environments.h"
 #include "scene/overrides.h"
 #include "scene/quantity.h"
+#include "scene/robot.h"
 #include "scene/tables.h"
 #include "scene/yaml.h"
 
@@ -63,12 +64,20 @@ Scene read(const std::string& text, const std::string& path, const std::vector<s
     check_version(root, errors);
   if (!errors.empty()) errors.raise();
 
-  for (const std::string& set : overrides) apply_override(root, set, tables.root(), errors);
+  // Those of `robot` say what it stands for, all others what is changed of that.
+  const auto of_robot = [](const std::string& set) { return set.rfind("robot.", 0) == 0 || set.rfind("robot=", 0) == 0; };
+  const std::string folder = fs::absolute(path).parent_path().string();
+  for (const std::string& set : overrides)
+    if (of_robot(set)) apply_override(root, set, tables.root(), errors);
+  expand_robot(root, path, folder, tables.root(), errors);
+  if (!errors.empty()) errors.raise();
+  for (const std::string& set : overrides)
+    if (!of_robot(set)) apply_override(root, set, tables.root(), errors);
   if (environment) {
     std::erase_if(root.entries, [](const auto& entry) { return entry.first == "environments"; });
     for (const Drawn& d : *environment) apply_override(root, d.path + "=" + format_number(d.value), tables.root(), errors, called);
   }
-  Checker checker(errors, fs::absolute(path).parent_path().string());
+  Checker checker(errors, folder);
   scene.root = checker.table(tables.root(), root, "");
   cross_check(scene.root, effects, checker.incomplete(), errors);
   check_environments(root, scene.root, tables.root(), checker.incomplete(), errors);

@@ -95,7 +95,7 @@ Json value(const Param& p) {
     case Kind::vec3s:
       return list_of(vec3(p));
     case Kind::names:
-      return list_of({{"type", "string"}}, 0);
+      return p.choices.empty() ? list_of({{"type", "string"}}, 0) : list_of({{"enum", p.choices}});
     case Kind::pairs: {
       Json pair = list_of({{"type", "string"}}, 2);
       pair["maxItems"] = 2;
@@ -178,9 +178,19 @@ Json block(const ParamTable& t) {
 std::string schema(std::span<const EffectTable> effects) {
   const SceneTables tables(effects);
   Json out = {{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "mortise scene"}};
-  const Json root = block(tables.root());
-  for (const auto& [key, item] : root.items()) out[key] = item;
-  out["properties"]["mortise"] = {{"description", "Version of the scene format."}, {"const", kFormatVersion}};
+  Json root = block(tables.root());
+  root["properties"]["mortise"] = {{"description", "Version of the scene format."}, {"const", kFormatVersion}};
+  for (const char* key : {"description", "type"}) out[key] = root[key], root.erase(key);
+  // What a robot's file brings need not be said again: beside `robot` blocks may hold only what differs, and the program alone can tell.
+  Json beside = Json::object();
+  for (const auto& [key, item] : root["properties"].items()) beside[key] = {{"description", item["description"]}};
+  for (const char* whole : {"mortise", "robot"}) beside[whole] = root["properties"][whole];
+  out["if"] = {{"required", {"robot"}}};
+  out["then"] = {{"properties", std::move(beside)},
+                 {"required", {"mortise"}},
+                 {"patternProperties", root["patternProperties"]},
+                 {"additionalProperties", false}};
+  out["else"] = std::move(root);
   return out.dump(1) + "\n";
 }
 

@@ -2,6 +2,7 @@
 
 #include "scene/checks.h"
 #include "scene/environments.h"
+#include "scene/robot.h"
 #include "scene/sensors.h"
 
 namespace mortise::scene {
@@ -25,6 +26,11 @@ Param text(std::string key, std::optional<std::string> fallback, std::string hel
 }
 Param always(Param p) {  // a block that is filled with its defaults when the scene leaves it out
   p.optional = false, p.fallback = "{}";
+  return p;
+}
+Param any_of(std::string key, std::vector<std::string> choices, std::string help) {
+  Param p = of(Kind::names, std::move(key), Unit::none, {}, std::move(help));
+  p.choices = std::move(choices);
   return p;
 }
 Param map(std::string key, const ParamTable* sub, std::string help) {
@@ -273,7 +279,7 @@ const ParamTable& output_table() {
 const ParamTable& camera_table() {
   static const ParamTable t{
       "camera",
-      "One picture per frame.",
+      "Pictures of every frame, each set with a file of where the camera was and how it projects.",
       {vector("position", Unit::length, {}, "Where the camera stands."), vector("look_at", Unit::length, {}, "Point in the middle of the picture."),
        vector("up", Unit::none, "[0, 0, 1]", "Direction that is up in the picture."),
        choice("model", {"pinhole", "fisheye"}, "pinhole",
@@ -281,6 +287,9 @@ const ParamTable& camera_table() {
        positive(
            range(number("fov", Unit::angle, "35 deg", 0, "Field of view: of the height (pinhole, below 180 deg), of the image circle (fisheye)."), 0,
                  6.2831853071796)),
+       optional(any_of("outputs", {"color", "depth", "segmentation"},
+                       "What is written: color pictures, depth images (16-bit PNG), images of which body is seen (indexed PNG); absent: color.")),
+       positive(optional(of(Kind::number, "depth_unit", Unit::length, {}, "What one count of a depth image stands for; absent: 1 mm."))),
        optional(of(Kind::text, "rides_on", Unit::none, {},
                    "Name of a body that the camera moves with, as rigidly as that does; position, look_at and up are those of the start.")),
        optional(of(Kind::names, "hide", Unit::none, {}, "Names of bodies that this camera does not see.")),
@@ -330,6 +339,7 @@ SceneTables::SceneTables(std::span<const EffectTable> effects) {
                   text("name", "scene", "Short name of the scene: a-z, 0-9, _ and -."),
                   text("description", "\"\"", "One line on what happens."),
                   required(table("time", &time_table(), "Steps of the simulation.")),
+                  table("robot", &robot_table(), "A robot's file, which stands for bodies, joints, motors, contact and cameras."),
                   map("materials", &material_table(), "Materials by name."),
                   map("bodies", &body_table(), "Bodies by name."),
                   pairs,

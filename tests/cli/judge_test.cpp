@@ -187,6 +187,48 @@ TEST(Judge, SeesTheQuartersOfQuadraticFaces) {
       << "the flat triangles of corners meet";
 }
 
+// A thrown, tumbling body whose stated inertia is not that of its shape, and one without a stated centre: energies, momentum and forces are its own.
+TEST(Judge, KnowsMassThatIsSpreadAsStated) {
+  const std::string folder = (fs::temp_directory_path() / ("mortise_stated_" + std::to_string(getpid()))).string(),
+                    fields = folder + "/out/fields.vtkhdf";
+  fs::create_directories(folder);
+  std::ofstream(folder + "/scene.yaml") << R"(
+mortise: 1
+time: {step: 2 ms, steps: 10}
+bodies:
+  a: {type: stiff, mass: 0.3, shape: {box: {size: [0.2, 0.1, 0.1], edge_length: 0.1}}, position: [1, 2, 3], rotation: {axis: [1, 2, 3], angle: 50 deg},
+      inertia: {centre: [0.05, 0.01, -0.02], moments: [0.002, 0.003, 0.004], products: [0.0004, 0, -0.0003]}, velocity: [1, 0, 2], angular_velocity: [3, -4, 5]}
+  b: {type: stiff, mass: 0.5, shape: {parts: [{shape: {box: {size: [0.2, 0.1, 0.1], edge_length: 0.2}}}, {shape: {box: {size: [0.1, 0.1, 0.1], edge_length: 0.1}}, position: [0.3, 0, 0]}]},
+      inertia: {moments: [0.002, 0.003, 0.004]}, angular_velocity: [0, 6, 1]}
+effects: {inertia: {}, gravity: {}, affine_body: {}}
+output: {precision: double}
+)";
+  ASSERT_EQ(mortise("run scene.yaml -o out -q", folder).code, 0);
+  const auto judge = [&] {
+    const std::string command = test_place::kBuildFolder + "/bin/mortise_judge " + fields + " > " + folder + "/j.json";
+    const int status = std::system(command.c_str());
+    auto j = nlohmann::json::parse(read_text(folder + "/j.json"), nullptr, false);
+    j["code"] = WEXITSTATUS(status);
+    return j;
+  };
+  const auto sound = judge();
+  EXPECT_EQ(sound["code"], 0) << sound;
+  EXPECT_LT(sound["kinetic_energy_error"], 1e-9) << sound;
+  EXPECT_LT(sound["momentum_error"], 1e-9) << sound;
+  EXPECT_LT(sound["gravity_energy_error"], 1e-9) << sound;
+  EXPECT_EQ(sound["forces_judged"], 20);
+  std::string bytes = read_text(fields);
+  const auto swap = [&](const std::string& from, const std::string& to) {
+    const std::size_t at = bytes.find(from);
+    ASSERT_NE(at, std::string::npos);
+    bytes.replace(at, from.size(), to);
+    std::ofstream(fields, std::ios::binary) << bytes;
+  };
+  swap("moments: [0.002, 0.003, 0.004]", "moments: [0.002, 0.003, 0.003]");
+  EXPECT_EQ(judge()["code"], 1) << "another moment of inertia";
+  fs::remove_all(folder);
+}
+
 TEST(Judge, ComparesFilesBitForBit) {
   EXPECT_EQ(difference(Pushed{}, Pushed{}), "\n");
   EXPECT_EQ(difference(Pushed{}, Pushed{.contact = {0, 0, 3 + 1e-15}}), "VTKHDF/PointData/contact_force differs\n");

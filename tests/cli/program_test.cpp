@@ -166,11 +166,11 @@ TEST(Schema, FileIsWhatTheProgramPrints) {
 TEST(Schema, DescribesUnitsAndForbidsUnknownKeys) {
   const auto schema = nlohmann::json::parse(mortise("schema").out);
   EXPECT_EQ(schema["$schema"], "http://json-schema.org/draft-07/schema#");
-  EXPECT_EQ(schema["additionalProperties"], false);
-  const auto& step = schema["properties"]["time"]["properties"]["step"];
+  EXPECT_EQ(schema["else"]["additionalProperties"], false);
+  const auto& step = schema["else"]["properties"]["time"]["properties"]["step"];
   EXPECT_EQ(step["description"].get<std::string>().rfind("[s] ", 0), 0u);
   EXPECT_EQ(step["exclusiveMinimum"], 0.0);
-  const auto& effects = schema["properties"]["effects"];
+  const auto& effects = schema["else"]["properties"]["effects"];
   EXPECT_EQ(effects["additionalProperties"], false);
   EXPECT_TRUE(effects["properties"].contains("gravity"));
 }

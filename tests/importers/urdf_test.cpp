@@ -185,7 +185,7 @@ TEST(Urdf, ParallelSlidesMimicExactlyAndHingesByMotor) {
           link("k", kBall + inertial(1, "0 0 0", 0.1)) + joint("left", "prismatic", "hand", "l", "<axis xyz='0 1 0'/>" + limits) +
           joint("right", "prismatic", "hand", "r", "<axis xyz='0 -1 0'/><mimic joint='left'/>" + limits) +
           joint("knuckle", "revolute", "hand", "k", "<mimic joint='left' multiplier='10' offset='0.3'/><limit lower='-1' upper='1'/>"),
-      {{{"left", 0.02}}, {}, true}, &notes);
+      {{{"left", 0.02}}, {}, true, 2e-3, 0, 2, {}}, &notes);
   EXPECT_EQ(m.axes[1].mimics, 0);
   EXPECT_EQ(m.axes[1].stands, 0.02);
   EXPECT_LT((m.bodies[2].at.t - m.bodies[0].at.t - Vec3(0, -0.02, 0)).norm(), 1e-15);

@@ -95,7 +95,7 @@ void read_scene(const File& file, Case& c) {
           for (const auto& t : body.triangles) filled += volume({}, c.rest[t[0]], c.rest[t[1]], c.rest[t[2]]);
           body.density = b["mass"].as<double>() / filled;
         }
-        body.stated = static_cast<bool>(b["inertia"]);
+        if (b["inertia"]) body.spread = stated_spread(b, body, c.rest);
         if (material["youngs_modulus"])
           body.youngs_modulus = material["youngs_modulus"].as<double>(), body.poisson_ratio = material["poisson_ratio"].as<double>();
         const std::string volumetric = material["volumetric"] ? material["volumetric"].as<std::string>() : "auto";

@@ -1,28 +1,18 @@
 #pragma once
 // What is to be judged: the bodies of a field file, and what its scene asks of them.
 #include <array>
-#include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "judge/file.h"
+#include "judge/stiff.h"
+#include "judge/vector.h"
 
 namespace judge {
-
-using Vector = std::array<double, 3>;
-inline Vector operator-(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-inline Vector& operator+=(Vector& a, const Vector& b) {
-  for (int k = 0; k < 3; ++k) a[k] += b[k];
-  return a;
-}
-inline Vector operator*(double s, const Vector& a) { return {s * a[0], s * a[1], s * a[2]}; }
-inline double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-inline double norm(const Vector& a) { return std::sqrt(dot(a, a)); }
-inline Vector cross(const Vector& a, const Vector& b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
-inline double volume(const Vector& a, const Vector& b, const Vector& c, const Vector& d) { return dot(cross(b - a, c - a), d - a) / 6; }
 
 struct Body {
   std::string name;
@@ -34,9 +24,9 @@ struct Body {
   std::string law;
   bool mean_volume = false;  // lambda acts on averages
   bool soft = false, self_contact = false, pinned = false;
-  bool stated = false;      // its mass is spread as the scene says, not evenly: what hangs on that is not judged
-  bool prescribed = false;  // all of it goes where the scene says, always
-  std::string motion;       // of a prescribed body, "" if it stays
+  std::optional<Spread> spread;  // its mass is spread as the scene says, not evenly
+  bool prescribed = false;       // all of it goes where the scene says, always
+  std::string motion;            // of a prescribed body, "" if it stays
   bool quadratic() const { return !midsides.empty(); }
 };
 struct Plane {

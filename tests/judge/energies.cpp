@@ -60,6 +60,11 @@ void gravity_energy(const Case& c, const Body& body, const std::vector<Vector>& 
   for (const auto& t : body.tets)
     add(body.density * volume(c.rest[t[0]], c.rest[t[1]], c.rest[t[2]], c.rest[t[3]]), {x[t[0]], x[t[1]], x[t[2]], x[t[3]]});
   if (body.soft) return;
+  if (body.spread) {
+    const double own = body.spread->mass * dot(c.gravity, at_centre(*body.spread, body, c.rest, x));
+    energy -= own, size += std::abs(own);
+    return;
+  }
   Vector rest{}, now{};  // the mean of the vertices moves with the affine map
   for (long p : body.points)
     for (int k = 0; k < 3; ++k) rest[k] += c.rest[p][k] / body.points.size(), now[k] += x[p][k] / body.points.size();
@@ -77,7 +82,7 @@ void judge_elements(const Case& c, const std::vector<Vector>& x, long frame, Ver
     }
 }
 
-// Kinetic energy and momentum. Soft: masses lumped at nodes. Stiff: the velocity is linear in space; the body is cut into tetrahedra from
+// Kinetic energy and momentum. Soft: masses lumped at nodes. Stiff: the velocity is linear in space; a body filled evenly is cut into tetrahedra from
 // the mean of its vertices, where the velocity is the mean of theirs, and integrated exactly.
 void motion(const Body& body, const std::vector<Vector>& rest, const std::vector<Vector>& velocity, double& kinetic, Vector& momentum) {
   if (body.soft) {
@@ -88,6 +93,12 @@ void motion(const Body& body, const std::vector<Vector>& rest, const std::vector
         for (int k = 0; k < 3; ++k) momentum[k] += m * velocity[p][k];
       }
     }
+    return;
+  }
+  if (body.spread) {
+    double square = 0;
+    momentum += body.spread->mass * at_centre(*body.spread, body, rest, velocity, &square);
+    kinetic += 0.5 * square;
     return;
   }
   Vector x{}, v{};
@@ -121,8 +132,7 @@ StoredEnergies::StoredEnergies(const File& file, const Case& c) : c_(c) {
     for (const auto& t : body.tets) rounding_ += 1e-9 * body.youngs_modulus * volume(c.rest[t[0]], c.rest[t[1]], c.rest[t[2]], c.rest[t[3]]);
   for (const Body& body : c.bodies) groups_.push_back(body.mean_volume ? volume_groups(body) : std::vector<long>());
   if (file.has(elastic)) elastic_ = file.numbers(elastic);
-  const bool even = std::none_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) { return b.stated; });
-  if (even && file.has(gravity)) gravity_ = file.numbers(gravity);
+  if (file.has(gravity)) gravity_ = file.numbers(gravity);
 }
 
 void StoredEnergies::judge(const std::vector<Vector>& x, long frame, Verdict& v) {

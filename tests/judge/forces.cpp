@@ -26,7 +26,10 @@ Motion moving(const Body& body, const std::vector<Vector>& rest, const std::vect
       for (long p : body.midsides[e]) add(m / 5, velocity[p]);
   }
   if (body.soft) return out;
-  for (const auto& t : body.triangles) out.mass += body.density * volume({}, rest[t[0]], rest[t[1]], rest[t[2]]);
+  if (body.spread)
+    out.mass = body.spread->mass;
+  else
+    for (const auto& t : body.triangles) out.mass += body.density * volume({}, rest[t[0]], rest[t[1]], rest[t[2]]);
   if (velocity.empty()) return out;
   double kinetic = 0;
   motion(body, rest, velocity, kinetic, out.momentum);
@@ -74,7 +77,7 @@ void judge_forces(const File& file, const Case& c, Verdict& v) {
   const std::vector<double> velocity = c.inertia ? column(file, "/VTKHDF/PointData/velocity") : std::vector<double>{};
   if ((c.contact && fields[0].empty()) || (c.friction && fields[1].empty()) || (c.inertia && velocity.empty())) return;
   for (const Body& body : c.bodies) {
-    if (body.stated || !straight(body, c.rest)) continue;
+    if (!straight(body, c.rest)) continue;
     std::vector<double> support[3];
     if (body.pinned && !body.soft)
       for (int k = 0; k < 3; ++k) support[k] = column(file, "/mortise/effects/supports/" + body.name + "_" + "xyz"[k]);

@@ -36,7 +36,7 @@ Verdict judge(const File& file, const Case& c) {
   if (dynamic)
     for (const char* name : {"kinetic_energy", "momentum_x", "momentum_y", "momentum_z"})
       said[name] = file.numbers(std::string("/mortise/effects/inertia/") + name);
-  const bool lumped = std::none_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) { return b.quadratic() || b.stated; });
+  const bool lumped = std::none_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) { return b.quadratic(); });
   for (long f = 0; f < c.frames; ++f) {
     const std::vector<Vector> x = frame_of(points, f, n);
     const long bad = std::count_if(x.begin(), x.end(), [](const Vector& p) { return !std::isfinite(p[0] + p[1] + p[2]); });
@@ -57,7 +57,8 @@ Verdict judge(const File& file, const Case& c) {
       kinetic += own;
       double mass = 0;
       for (const auto& t : body.tets) mass += body.density * volume(c.rest[t[0]], c.rest[t[1]], c.rest[t[2]], c.rest[t[3]]);
-      for (const auto& t : body.soft ? std::vector<std::array<long, 3>>{} : body.triangles)
+      if (body.spread) mass = body.spread->mass;
+      for (const auto& t : body.soft || body.spread ? std::vector<std::array<long, 3>>{} : body.triangles)
         mass += body.density * volume({}, c.rest[t[0]], c.rest[t[1]], c.rest[t[2]]);
       size += std::sqrt(2 * mass * own);  // the momentum of this energy, if all moved alike
     }

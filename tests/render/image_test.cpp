@@ -35,6 +35,28 @@ TEST(Png, ReadsBackWhatWasWritten) {
   EXPECT_EQ(texture.rgba[4 * 40 + 3], 255);
 }
 
+TEST(Png, CountsAndIndicesKeepTheirValues) {
+  const std::string path = temporary("mortise_counts.png");
+  const auto byte = [&](long at) {
+    std::ifstream in(path, std::ios::binary);
+    in.seekg(at);
+    return in.get();
+  };
+  write_png(path, GrayImage{2, 1, {0x1234, 0xffff}});
+  EXPECT_EQ(byte(24), 16);
+  EXPECT_EQ(byte(25), 0) << "grey";
+  EXPECT_TRUE(is_our_png(path));
+  EXPECT_FALSE(is_color_png(path));
+  IndexedImage image{3, 1, {0, 255, 7}, {}};
+  for (int i = 0; i < 256; ++i) image.colours.push_back({static_cast<std::uint8_t>(i), 0, static_cast<std::uint8_t>(255 - i)});
+  write_png(path, image);
+  EXPECT_EQ(byte(25), 3) << "a palette";
+  EXPECT_TRUE(is_our_png(path)) << "behind 256 colours";
+  EXPECT_EQ(read_png(path).rgb, (std::vector<std::uint8_t>{0, 0, 255, 255, 0, 0, 7, 0, 248}));
+  write_png(path, gradient());
+  EXPECT_TRUE(is_color_png(path));
+}
+
 TEST(Png, FailuresNameTheFile) {
   try {
     write_png("/nowhere/at/all.png", gradient());

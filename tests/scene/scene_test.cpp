@@ -277,11 +277,12 @@ TEST(Suggest, FindsTypingErrorsOnly) {
 
 TEST(Schema, FollowsTheTables) {
   const auto s = nlohmann::json::parse(schema(kEffects));
-  const auto& load = s["properties"]["effects"]["properties"]["load"]["properties"];
+  const auto& load = s["else"]["properties"]["effects"]["properties"]["load"]["properties"];
   EXPECT_EQ(load["mu"]["maximum"], 10);
   EXPECT_EQ(load["mu"]["default"], 0.5);
   EXPECT_EQ(load["pressure"]["description"], "[Pa] Pressure.");
-  EXPECT_EQ(s["required"], nlohmann::json::parse(R"(["mortise", "time", "bodies", "effects"])"));
+  EXPECT_EQ(s["else"]["required"], nlohmann::json::parse(R"(["mortise", "time", "bodies", "effects"])"));
+  EXPECT_EQ(s["then"]["required"], nlohmann::json::parse(R"(["mortise"])")) << "what a robot brings need not be said";
 }
 
 // Bytes that continue a character which never began (found by the fuzzer).

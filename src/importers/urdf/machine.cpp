@@ -59,18 +59,25 @@ class Assembly {
 
  private:
   const Joint& joint_of(std::size_t link) const { return robot_.joints[robot_.joint_of[link]]; }
-  bool softened(std::size_t link) const {
-    const auto& names = options_.soft;
-    return std::find(names.begin(), names.end(), robot_.links[link].name) != names.end();
+  // What asks for a link to be soft; null where nothing does.
+  const SoftLink* soft(std::size_t link) const {
+    const SoftLink* out = nullptr;
+    for (const SoftLink& s : options_.soft)
+      if (matches(s.link, robot_.links[link].name)) out = &s;
+    return out;
   }
+  bool softened(std::size_t link) const { return soft(link) != nullptr; }
 
   // Which links are one body, and where they are in it. A root called 'world' is the world.
   void group() {
     std::vector<std::string> names;
     for (const Link& l : robot_.links) names.push_back(l.name);
-    for (const std::string& s : options_.soft)
-      if (std::find(names.begin(), names.end(), s) == names.end())
-        throw Error(Exit::usage, "--soft " + s + ": the robot has no such link; " + scene::suggestion(s, names));
+    const auto known = [&](const std::string& link) {
+      if (std::none_of(names.begin(), names.end(), [&](const std::string& n) { return matches(link, n); }))
+        throw Error(Exit::usage, options_.asked_soft + link + ": the robot has no such link; " + scene::suggestion(link, names));
+    };
+    for (const SoftLink& s : options_.soft) known(s.link);
+    for (const auto& [link, colour] : options_.colours) known(link);
     body_.assign(robot_.links.size(), kWorld);
     in_body_.assign(robot_.links.size(), Pose{});
     Names taken;
@@ -83,7 +90,7 @@ class Assembly {
         if (body_[j.parent] != kWorld || softened(link)) {
           body_[link] = body_[j.parent], in_body_[link] = in_body_[j.parent] * j.origin;
           if (softened(link)) {
-            if (body_[link] == kWorld) throw Error(Exit::usage, "--soft " + l.name + ": what it is fixed to is the world, not a body");
+            if (body_[link] == kWorld) throw Error(Exit::usage, options_.asked_soft + l.name + ": what it is fixed to is the world, not a body");
             soft_.push_back(link);
           } else {
             merge(out_.bodies[body_[link]], l, in_body_[link]);
@@ -91,7 +98,7 @@ class Assembly {
           continue;
         }
       } else if (softened(link)) {
-        throw Error(Exit::usage, "--soft " + l.name + ": only a link that a fixed joint ties to its parent can become soft; this one " +
+        throw Error(Exit::usage, options_.asked_soft + l.name + ": only a link that a fixed joint ties to its parent can become soft; this one " +
                                      (root ? "is the root" : "has joint '" + joint_of(link).name + "'"));
       }
       Body b;
@@ -105,12 +112,20 @@ class Assembly {
     for (std::size_t s : soft_)
       for (const Joint& j : robot_.joints)
         if (j.parent == s)
-          throw Error(Exit::usage,
-                      "--soft " + robot_.links[s].name + ": joint '" + j.name + "' hangs on it; only the last link of a limb can become soft");
+          throw Error(Exit::usage, options_.asked_soft + robot_.links[s].name + ": joint '" + j.name +
+                                       "' hangs on it; only the last link of a limb can become soft");
+  }
+
+  std::optional<Vec3> colour_of(const std::string& link) const {
+    std::optional<Vec3> out;
+    for (const auto& [pattern, colour] : options_.colours)
+      if (matches(pattern, link)) out = colour;
+    return out;
   }
 
   void merge(Body& b, const Link& l, const Pose& at) {
     b.links.push_back(l.name);
+    if (const std::optional<Vec3> asked = colour_of(l.name)) b.colour = asked;
     if (l.inertial) b.inertial = together(b.inertial, moved(*l.inertial, at));
     for (Shape s : l.collisions) {
       s.at = at * s.at;
@@ -140,7 +155,7 @@ class Assembly {
         std::vector<std::string> names;
         for (const Joint& j : robot_.joints)
           if (j.moves()) names.push_back(j.name);
-        throw Error(Exit::usage, "--joint " + pattern + ": no joint that moves is called so; " + scene::suggestion(pattern, names));
+        throw Error(Exit::usage, options_.asked_joint + pattern + ": no joint that moves is called so; " + scene::suggestion(pattern, names));
       }
     std::vector<std::uint8_t> free(robot_.joints.size(), 0);
     for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
@@ -153,8 +168,8 @@ class Assembly {
       if (!j.limits || j.mimic) continue;
       const auto [low, high] = *j.limits;
       if (asked && !(low < stands_[i] && stands_[i] < high))
-        throw Error(Exit::usage, "--joint " + j.name + "=" + std::to_string(stands_[i]) + ": its limits are " + std::to_string(low) + " and " +
-                                     std::to_string(high));
+        throw Error(Exit::usage, options_.asked_joint + j.name + "=" + std::to_string(stands_[i]) + ": its limits are " + std::to_string(low) +
+                                     " and " + std::to_string(high));
       const double range = std::min(kStopRange[j.type == Joint::Type::prismatic], (high - low) / 20);
       if (!asked) stands_[i] = std::clamp(0.0, low + kFromLimit * range, high - kFromLimit * range);
     }
@@ -289,13 +304,16 @@ class Assembly {
     for (std::size_t link : soft_) {
       const Link& l = robot_.links[link];
       if (l.collisions.size() != 1)
-        throw Error(Exit::usage, "--soft " + l.name + ": it has " + (l.collisions.empty() ? "no" : std::to_string(l.collisions.size())) +
+        throw Error(Exit::usage, options_.asked_soft + l.name + ": it has " + (l.collisions.empty() ? "no" : std::to_string(l.collisions.size())) +
                                      " collision shapes; a pad is made of one");
       Pad p;
       p.name = taken.of(l.name), p.body = static_cast<std::size_t>(body_[link]), p.where = l.where;
       p.shape = l.collisions[0];
       p.shape.at = in_world_[link] * p.shape.at;
       if (!l.visuals.empty()) p.colour = l.visuals[0].colour;
+      if (const std::optional<Vec3> asked = colour_of(l.name)) p.colour = asked;
+      const SoftLink& wanted = *soft(link);
+      p.youngs_modulus = wanted.youngs_modulus, p.poisson_ratio = wanted.poisson_ratio, p.edge_length = wanted.edge_length;
       const double density = l.inertial ? l.inertial->mass / volume(p.shape) : 0;
       p.density = density >= kPadDensity[0] && density <= kPadDensity[1] ? density : kPadDensity[2];
       if (p.density != density) notes_.add(l.where, "a pad whose mass and volume make no solid is given 1100 kg/m^3");

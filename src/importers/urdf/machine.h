@@ -2,16 +2,28 @@
 // A robot as a scene has it: what moves as one is one body, placed in the world with its joints where they are to stand.
 #include "importers/notes.h"
 #include "importers/urdf/robot.h"
+#include "importers/urdf/tuning.h"
 
 namespace mortise::importers::urdf {
 
+// Links that become soft pads, by pattern with * and ?.
+struct SoftLink {
+  std::string link;
+  double youngs_modulus = kRubber, poisson_ratio = kRubberPoisson;  // [Pa]
+  double edge_length = 0;                                           // [m]; 0: what suits the pad's size
+  SoftLink(std::string name) : link(std::move(name)) {}
+  SoftLink(const char* name) : link(name) {}
+};
+
 struct MachineOptions {
-  std::vector<std::pair<std::string, double>> stands;  // joints, by pattern with * and ?: where they stand [rad, m]; the right-most holds
-  std::vector<std::string> soft;                       // links that become soft pads
-  bool held = false;                                   // the base does not move
-  double clearance = 2e-3;                             // of the lowest point above the floor z = 0 [m]
-  double sway = 0;                                     // motors swing their hinges by this about where they stand [rad]
-  int apart = 2;                                       // bodies that no more joints than these lie between pass through each other
+  std::vector<std::pair<std::string, double>> stands;            // joints, by pattern with * and ?: where they stand [rad, m]; the right-most holds
+  std::vector<SoftLink> soft;                                    // of those that fit a link the right-most holds
+  bool held = false;                                             // the base does not move
+  double clearance = 2e-3;                                       // of the lowest point above the floor z = 0 [m]
+  double sway = 0;                                               // motors swing their hinges by this about where they stand [rad]
+  int apart = 2;                                                 // bodies that no more joints than these lie between pass through each other
+  std::vector<std::pair<std::string, Vec3>> colours;             // links, by pattern: sRGB of the body that has them
+  std::string asked_soft = "--soft ", asked_joint = "--joint ";  // how messages call what asked for a soft link, for a joint's place
 };
 
 struct Body {
@@ -49,7 +61,9 @@ struct Pad {
   std::size_t body = 0;
   Shape shape;  // in the world
   std::optional<Vec3> colour;
-  double density = 0;  // [kg/m^3]
+  double density = 0;                                               // [kg/m^3]
+  double youngs_modulus = kRubber, poisson_ratio = kRubberPoisson;  // [Pa]
+  double edge_length = 0;                                           // [m]; 0: what suits its size
   SourceLoc where;
 };
 

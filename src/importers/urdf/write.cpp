@@ -107,19 +107,20 @@ class Writer {
   void materials() {
     line("materials:");
     for (std::size_t p = 0; p < m_.pads.size(); ++p) {
-      if (p != same_density(p)) continue;
-      line(fmt::format("  {}: {{youngs_modulus: {} MPa, poisson_ratio: 0.45, density: {} kg/m^3}}", rubber(p), rounded(kRubber * 1e-6),
-                       rounded(m_.pads[p].density)));
+      if (p != same_material(p)) continue;
+      line(fmt::format("  {}: {{youngs_modulus: {} MPa, poisson_ratio: {}, density: {} kg/m^3}}", rubber(p),
+                       rounded(m_.pads[p].youngs_modulus * 1e-6), rounded(m_.pads[p].poisson_ratio), rounded(m_.pads[p].density)));
     }
     line("");
   }
-  std::size_t same_density(std::size_t p) const {
+  std::size_t same_material(std::size_t p) const {
+    const auto of = [](const Pad& pad) { return rounded(pad.density) + " " + rounded(pad.youngs_modulus) + " " + rounded(pad.poisson_ratio); };
     std::size_t first = 0;
-    while (rounded(m_.pads[first].density) != rounded(m_.pads[p].density)) ++first;
+    while (of(m_.pads[first]) != of(m_.pads[p])) ++first;
     return first;
   }
   std::string rubber(std::size_t p) const {
-    const std::size_t first = same_density(p);
+    const std::size_t first = same_material(p);
     return first == 0 ? "rubber" : "rubber_" + m_.pads[first].name;
   }
 
@@ -162,7 +163,7 @@ class Writer {
 
   void pad(std::size_t index) {
     const Pad& p = m_.pads[index];
-    const double h = pad_cell(p.shape);
+    const double h = p.edge_length > 0 ? p.edge_length : pad_cell(p.shape);
     line("  " + p.name + ":");
     line("    type: soft");
     std::string text = shape(p.shape, h);

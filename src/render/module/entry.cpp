@@ -38,9 +38,20 @@ std::int32_t draw(MortiseRenderContext* c, const MortiseRenderJob* job, std::uin
   }
 }
 
+std::int32_t measure(MortiseRenderContext* c, const MortiseRenderJob* job, std::int32_t* mesh, float* distance, char* message,
+                     std::int32_t capacity) {
+  try {
+    c->painter.measure(*job, mesh, distance);
+    return 0;
+  } catch (const std::exception& e) {
+    std::snprintf(message, static_cast<std::size_t>(capacity), "%s", e.what());
+    return 1;
+  }
+}
+
 }  // namespace
 
 extern "C" __attribute__((visibility("default"))) const MortiseRenderApi* mortise_render_api() {
-  static const MortiseRenderApi api{MORTISE_RENDER_API, create, destroy, add_texture, draw};
+  static const MortiseRenderApi api{MORTISE_RENDER_API, create, destroy, add_texture, draw, measure};
   return &api;
 }

@@ -7,16 +7,17 @@
 
 namespace mortise::render::module {
 
-struct Painter::Programs {
-  Program depth{kMeshVertex, kDepthFragment};
-  Program normal{kMeshVertex, kNormalFragment};
-  Program occlusion{kScreenVertex, kOcclusionFragment};
-  Program blur{kScreenVertex, kBlurFragment};
-  Program screen{kScreenVertex, std::string(kBackground) + kScreenFragment};
-  Program surface{kMeshVertex, std::string(kBackground) + "#define PLANE 0" + kSurfaceFragment};
-  Program plane{kMeshVertex, std::string(kBackground) + "#define PLANE 1" + kSurfaceFragment};
-  Program fisheye{kScreenVertex, kFisheyeFragment};
-};
+Painter::Programs::Programs()
+    : depth(kMeshVertex, kDepthFragment),
+      normal(kMeshVertex, kNormalFragment),
+      occlusion(kScreenVertex, kOcclusionFragment),
+      blur(kScreenVertex, kBlurFragment),
+      screen(kScreenVertex, std::string(kBackground) + kScreenFragment),
+      surface(kMeshVertex, std::string(kBackground) + "#define PLANE 0" + kSurfaceFragment),
+      plane(kMeshVertex, std::string(kBackground) + "#define PLANE 1" + kSurfaceFragment),
+      fisheye(kScreenVertex, kFisheyeFragment),
+      measure(kMeshVertex, kMeasureFragment),
+      measure_fisheye(kScreenVertex, kMeasureFisheyeFragment) {}
 
 Painter::Painter() : surface_(16 * 16 * 4) {
   const int attributes[] = {
@@ -54,16 +55,12 @@ void Painter::draw(const MortiseRenderJob& job, std::uint8_t* rgb) {
   upload(job);
   lights(job);
   draw_shadow(job);
-  const MortiseRenderCamera& c = job.camera;
-  View view{vec(c.position), cross(vec(c.forward), vec(c.up)), vec(c.up), vec(c.forward), 1, 1};
+  const View view = front_view(job);
   picture_.resize(job.width, job.height);
-  if (c.fisheye != 0) {
+  if (job.camera.fisheye != 0)
     draw_fisheye(job, view);
-  } else {
-    view.tan_y = std::tan(0.5f * c.fov);
-    view.tan_x = view.tan_y * static_cast<float>(job.width) / static_cast<float>(job.height);
+  else
     draw_view(job, view, picture_);
-  }
   glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_.resolved);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   const std::size_t row = static_cast<std::size_t>(job.width) * 3, rows = static_cast<std::size_t>(job.height);
@@ -72,6 +69,22 @@ void Painter::draw(const MortiseRenderJob& job, std::uint8_t* rgb) {
   for (std::size_t y = 0; y < rows; ++y) std::memcpy(rgb + y * row, bottom_up.data() + (rows - 1 - y) * row, row);
   free_geometry();
   if (const GLenum error = glGetError(); error != GL_NO_ERROR) throw std::runtime_error("OpenGL error " + std::to_string(error));
+}
+
+// The whole picture of a pinhole camera, or where a fisheye looks.
+Painter::View Painter::front_view(const MortiseRenderJob& job) const {
+  const MortiseRenderCamera& c = job.camera;
+  View view{vec(c.position), cross(vec(c.forward), vec(c.up)), vec(c.up), vec(c.forward), 1, 1};
+  if (c.fisheye != 0) return view;
+  view.tan_y = std::tan(0.5f * c.fov);
+  view.tan_x = view.tan_y * static_cast<float>(job.width) / static_cast<float>(job.height);
+  return view;
+}
+
+M4 Painter::projection(const MortiseRenderJob& job, const View& view) {
+  const float distance = std::sqrt(dot(vec(job.centre) - view.eye, vec(job.centre) - view.eye));
+  const float near = std::max(0.002f * (distance + job.radius), 0.2f * (distance - job.radius)), far = distance + 12 * job.radius;
+  return perspective(view.tan_x, view.tan_y, near, far);
 }
 
 void Painter::draw_shadow(const MortiseRenderJob& job) {
@@ -97,10 +110,8 @@ void Painter::background_uniforms(const MortiseRenderJob& job, const View& view,
 }
 
 void Painter::draw_view(const MortiseRenderJob& job, const View& view, Target& target) {
-  const float distance = std::sqrt(dot(vec(job.centre) - view.eye, vec(job.centre) - view.eye));
-  const float near = std::max(0.002f * (distance + job.radius), 0.2f * (distance - job.radius)), far = distance + 12 * job.radius;
   const M4 look = view_matrix(view.eye, view.right, view.up, view.forward);
-  const M4 project = perspective(view.tan_x, view.tan_y, near, far) * look;
+  const M4 project = projection(job, view) * look;
   glViewport(0, 0, target.width, target.height);
   const float reach = 0.12f * job.radius;
 
@@ -175,10 +186,25 @@ void Painter::draw_view(const MortiseRenderJob& job, const View& view, Target& t
   glBlitFramebuffer(0, 0, target.width, target.height, 0, 0, target.width, target.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
+// A face has at its centre size / (2 reach) pixels per radian; the picture has side / fov.
+int Painter::face_size(const MortiseRenderJob& job) const {
+  const float side = static_cast<float>(std::min(job.width, job.height));
+  return std::clamp(static_cast<int>(std::ceil(2.2f * kReach * side / job.camera.fov)), 64, 2048);
+}
+
+// Order and orientation as in kFisheyeFragment.
+std::array<Painter::View, 6> Painter::faces_of(const View& front) const {
+  const V3 r = front.right, u = front.up, f = front.forward, b = -1.0f * f;
+  return {{{front.eye, r, u, f, kReach, kReach},
+           {front.eye, b, u, r, kReach, kReach},
+           {front.eye, f, u, -1.0f * r, kReach, kReach},
+           {front.eye, r, b, u, kReach, kReach},
+           {front.eye, r, f, -1.0f * u, kReach, kReach},
+           {front.eye, -1.0f * r, u, b, kReach, kReach}}};
+}
+
 void Painter::draw_fisheye(const MortiseRenderJob& job, const View& front) {
-  // A face has at its centre size / (2 reach) pixels per radian; the picture has side / fov.
-  const float reach = 1.02f, side = static_cast<float>(std::min(job.width, job.height));
-  const int size = std::clamp(static_cast<int>(std::ceil(2.2f * reach * side / job.camera.fov)), 64, 2048);
+  const int size = face_size(job);
   face_.resize(size, size);
   if (faces_ == 0) faces_ = new_texture(GL_TEXTURE_2D_ARRAY, GL_LINEAR, GL_CLAMP_TO_EDGE);
   bind(4, GL_TEXTURE_2D_ARRAY, faces_);
@@ -186,13 +212,10 @@ void Painter::draw_fisheye(const MortiseRenderJob& job, const View& front) {
     glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA8, size, size, 6, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
     faces_size_ = size;
   }
-  const V3 r = front.right, u = front.up, f = front.forward, b = -1.0f * f;
-  // Order and orientation as in kFisheyeFragment: front, right, left, up, down, back.
-  const View views[6] = {{front.eye, r, u, f, reach, reach}, {front.eye, b, u, r, reach, reach},         {front.eye, f, u, -1.0f * r, reach, reach},
-                         {front.eye, r, b, u, reach, reach}, {front.eye, r, f, -1.0f * u, reach, reach}, {front.eye, -1.0f * r, u, b, reach, reach}};
+  const std::array<View, 6> views = faces_of(front);
   for (int k = 0; k < 6; ++k) {
-    if (k == 5 && job.camera.fov < 4.3f) continue;  // cube corners lie 125 degrees off the axis
-    draw_view(job, views[k], face_);
+    if (k == 5 && job.camera.fov < kSeesBack) continue;
+    draw_view(job, views[static_cast<std::size_t>(k)], face_);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, face_.resolved);
     glActiveTexture(GL_TEXTURE4);
     glCopyTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, k, 0, 0, size, size);
@@ -206,7 +229,7 @@ void Painter::draw_fisheye(const MortiseRenderJob& job, const View& front) {
   p.set("faces", 4);
   p.set("image", static_cast<float>(job.width), static_cast<float>(job.height));
   p.set("fov", job.camera.fov);
-  p.set("reach", reach);
+  p.set("reach", kReach);
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 

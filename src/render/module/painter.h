@@ -17,6 +17,7 @@ class Painter {
 
   int add_texture(const std::uint8_t* rgba, int width, int height);
   void draw(const MortiseRenderJob& job, std::uint8_t* rgb);
+  void measure(const MortiseRenderJob& job, std::int32_t* mesh, float* distance);
 
  private:
   // One perspective view: the whole picture of a pinhole camera or a face of a fisheye.
@@ -27,11 +28,20 @@ class Painter {
   struct Geometry {  // a mesh on the device
     GLuint array = 0, buffers[5] = {};
   };
-  struct Programs;
+  struct Programs {
+    Program depth, normal, occlusion, blur, screen, surface, plane, fisheye, measure, measure_fisheye;
+    Programs();
+  };
 
   void current();
   void upload(const MortiseRenderJob& job);
   void free_geometry();
+  View front_view(const MortiseRenderJob& job) const;
+  static M4 projection(const MortiseRenderJob& job, const View& view);
+  std::array<View, 6> faces_of(const View& front) const;  // of a fisheye: front, right, left, up, down, back
+  int face_size(const MortiseRenderJob& job) const;
+  void measure_view(const MortiseRenderJob& job, const View& view, const MeasureTarget& target);
+  void measure_fisheye(const MortiseRenderJob& job, const View& front);
   void draw_shadow(const MortiseRenderJob& job);
   void draw_view(const MortiseRenderJob& job, const View& view, Target& target);
   void draw_fisheye(const MortiseRenderJob& job, const View& front);
@@ -44,9 +54,10 @@ class Painter {
   std::vector<std::uint8_t> surface_;  // what OSMesa insists on; pictures go to framebuffers of ours
   std::unique_ptr<Programs> programs_;
   Target picture_, face_;
+  MeasureTarget measured_, measured_face_;
   Shadow shadow_;
-  GLuint colour_map_ = 0, empty_ = 0, faces_ = 0;
-  int faces_size_ = 0;
+  GLuint colour_map_ = 0, empty_ = 0, faces_ = 0, measured_faces_ = 0;
+  int faces_size_ = 0, measured_faces_size_ = 0;
   std::vector<GLuint> textures_;
   std::vector<Geometry> meshes_, planes_;
   std::vector<std::array<V3, 2>> plane_axes_;

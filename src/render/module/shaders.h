@@ -240,4 +240,46 @@ void main() {
   colour = vec4(c * (1.0 - smoothstep(1.0 - edge, 1.0, r)), 1.0);
 })";
 
+// Which mesh, counted from 1, and how far along the view axis.
+inline constexpr const char* kMeasureFragment = R"(#version 330 core
+in vec3 world; in vec3 world_normal; in vec2 texel; in float value;
+uniform mat4 view;
+uniform float mesh;
+out vec2 seen;
+void main() { seen = vec2(mesh, -(view * vec4(world, 1.0)).z); })";
+
+// The same along the rays of an equidistant fisheye, from the six views around the camera. Between four texels of one smooth surface the
+// reciprocal of the distance is linear where the surface is flat; elsewhere the nearest texel counts.
+inline constexpr const char* kMeasureFisheyeFragment = R"(#version 330 core
+in vec2 at;
+uniform sampler2DArray faces;
+uniform vec2 image;
+uniform float fov, reach;
+out vec2 seen;
+const float smooth_surface = 1.05;  // ratio of distances of neighbouring texels below which they are of one surface
+void main() {
+  vec2 q = (at - 0.5) * image / (0.5 * min(image.x, image.y));
+  float r = length(q), theta = 0.5 * fov * r;
+  seen = vec2(0.0);
+  if (r > 1.0) return;
+  vec2 w = r > 0.0 ? q / r : vec2(0.0);
+  vec3 d = vec3(sin(theta) * w, cos(theta)), a = abs(d);
+  int face; vec2 s;
+  if (a.z >= a.x && a.z >= a.y) { face = d.z > 0.0 ? 0 : 5; s = vec2(d.x * sign(d.z), d.y) / a.z; }
+  else if (a.x >= a.y) { face = d.x > 0.0 ? 1 : 2; s = vec2(-d.z * sign(d.x), d.y) / a.x; }
+  else { face = d.y > 0.0 ? 3 : 4; s = vec2(d.x, -d.z * sign(d.y)) / a.y; }
+  ivec2 last = textureSize(faces, 0).xy - 1;
+  vec2 place = (0.5 + 0.5 * s / reach) * vec2(last + 1) - 0.5, low = floor(place), part = place - low;
+  ivec2 first = clamp(ivec2(low), ivec2(0), last - 1);
+  vec2 t00 = texelFetch(faces, ivec3(first, face), 0).rg, t10 = texelFetch(faces, ivec3(first + ivec2(1, 0), face), 0).rg;
+  vec2 t01 = texelFetch(faces, ivec3(first + ivec2(0, 1), face), 0).rg, t11 = texelFetch(faces, ivec3(first + ivec2(1, 1), face), 0).rg;
+  vec2 row0 = part.x < 0.5 ? t00 : t10, row1 = part.x < 0.5 ? t01 : t11, nearest = part.y < 0.5 ? row0 : row1;
+  if (nearest.x < 0.5) return;
+  vec4 z = vec4(t00.y, t10.y, t01.y, t11.y);
+  float least = min(min(z.x, z.y), min(z.z, z.w)), most = max(max(z.x, z.y), max(z.z, z.w));
+  bool one = t00.x == t10.x && t00.x == t01.x && t00.x == t11.x && most < smooth_surface * least;
+  float along = one ? 1.0 / mix(mix(1.0 / z.x, 1.0 / z.y, part.x), mix(1.0 / z.z, 1.0 / z.w, part.x), part.y) : nearest.y;
+  seen = vec2(nearest.x, along / max(a.x, max(a.y, a.z)));
+})";
+
 }  // namespace mortise::render::module

@@ -64,6 +64,21 @@ void Target::release() {
   width = height = 0;
 }
 
+void MeasureTarget::resize(int w, int h) {
+  if (w == width && h == height) return;
+  if (width != 0) {
+    glDeleteTextures(1, &values);
+    glDeleteFramebuffers(1, &frame);
+    glDeleteRenderbuffers(1, &buffer);
+  }
+  width = w, height = h;
+  values = image_texture(GL_RG32F, GL_RG, GL_FLOAT, w, h);
+  frame = frame_of(values, nullptr);
+  glGenRenderbuffers(1, &buffer);
+  attach_buffer(buffer, 0, GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT, w, h);
+  check_frame("distance");
+}
+
 void Shadow::create() {
   texture = new_texture(GL_TEXTURE_2D, GL_LINEAR, GL_CLAMP_TO_EDGE);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, kShadowSize, kShadowSize, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);

@@ -18,6 +18,18 @@ struct Target {
   void release();
 };
 
+// Which mesh and how far, per pixel: one sample in the middle of each.
+struct MeasureTarget {
+  int width = 0, height = 0;
+  GLuint values = 0, frame = 0, buffer = 0;
+  void resize(int w, int h);
+};
+
+// Cameras that are fisheyes look through the faces of a cube, a little wider than these [tan of half the opening].
+constexpr float kReach = 1.02f;
+// [rad] wider fields of view see the face behind: cube corners lie 125 degrees off the axis
+constexpr float kSeesBack = 4.3f;
+
 struct Shadow {
   GLuint texture = 0, frame = 0;
   void create();

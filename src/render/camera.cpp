@@ -1,0 +1,30 @@
+#include "render/camera.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mortise::render {
+
+Pose pose_of(const Camera& camera) {
+  const Vec3 forward = (camera.look_at - camera.position).normalized(), right = forward.cross(camera.up).normalized();
+  return {right, forward.cross(right), forward};
+}
+
+Intrinsics intrinsics_of(const RenderJob& job) {
+  const double focal = job.camera.model == Camera::Model::fisheye ? std::min(job.width, job.height) / job.camera.fov
+                                                                  : 0.5 * job.height / std::tan(0.5 * job.camera.fov);
+  return {focal, focal, 0.5 * (job.width - 1), 0.5 * (job.height - 1)};
+}
+
+std::optional<Vec3> ray_of(const RenderJob& job, int x, int y) {
+  const Pose pose = pose_of(job.camera);
+  const Intrinsics k = intrinsics_of(job);
+  const double u = (x - k.cx) / k.fx, v = (y - k.cy) / k.fy;
+  if (job.camera.model == Camera::Model::pinhole) return pose.forward + u * pose.right + v * pose.down;
+  const double theta = std::hypot(u, v);
+  if (theta > 0.5 * job.camera.fov) return std::nullopt;
+  const double s = theta > 0 ? std::sin(theta) / theta : 1;
+  return std::cos(theta) * pose.forward + s * (u * pose.right + v * pose.down);
+}
+
+}  // namespace mortise::render
