@@ -10,20 +10,22 @@
 #include "cli/commands.h"
 #include "output/atomic_file.h"
 #include "study/effects_off.h"
+#include "study/error_budget.h"
 #include "study/read.h"
 #include "study/report.h"
 #include "study/run_study.h"
+#include "study/sensitivity.h"
 
 namespace mortise::cli {
 namespace {
 
 struct Options {
   std::string what, output, device = "cpu";
-  std::vector<std::string> overrides, vary, quantities;
+  std::vector<std::string> overrides, vary, quantities, sensitivity;
   std::vector<double> references;
   int threads = 1, repeats = 0;
   double limit = 0, budget = 0;
-  bool one_at_a_time = false, effects = false, dry_run = false, quiet = false;
+  bool one_at_a_time = false, effects = false, error_budget = false, dry_run = false, quiet = false;
 };
 
 study::Study of_flags(const Options& o) {
@@ -87,6 +89,22 @@ int cmd_study(const Options& o) {
     std::cout << study::effects_table(s, runs) << "written to " << place.folder << ": effects.csv\n";
     return 0;
   }
+  if (o.error_budget) {
+    s.ladders.clear();
+    const study::StudyFolder folder(place.folder);
+    const study::ErrorBudget budget = study::find_error_budget(s, place);
+    output::write_file_atomically(place.folder + "/error_budget.json", study::budget_json(s, budget), false);
+    std::cout << study::budget_table(s, budget) << "written to " << place.folder << ": error_budget.json\n";
+    return 0;
+  }
+  if (!o.sensitivity.empty()) {
+    s.ladders.clear();
+    const study::StudyFolder folder(place.folder);
+    const study::Sensitivities found = study::find_sensitivities(s, o.sensitivity, place);
+    output::write_file_atomically(place.folder + "/sensitivity.csv", study::sensitivity_csv(s, found), false);
+    std::cout << study::sensitivity_table(s, found) << "written to " << place.folder << ": sensitivity.csv\n";
+    return 0;
+  }
   const study::Plan plan = study::plan_of(s);
   if (o.dry_run) return list_runs(plan), 0;
   const study::StudyFolder folder(place.folder);
@@ -116,7 +134,24 @@ void add_study(Command app, Context& context) {
   sub.option("-o,--output", o->output, "folder of runs, figures and tables; default out/study, of a study's file out/<its name>");
   sub.option("--repeat", o->repeats, "runs of every setting; the fastest counts").positive();
   sub.time("--limit", o->limit, "CPU time after which a run counts as failed, e.g. '60 s'");
-  sub.flag("--effects", o->effects, "run with every effect off in turn instead: time saved and change of each quantity").excludes(vary).excludes(one);
+  const Flag effects = sub.flag("--effects", o->effects, "run with every effect off in turn instead: time saved and change of each quantity")
+                           .excludes(vary)
+                           .excludes(one);
+  const Flag budget =
+      sub.flag("--error-budget", o->error_budget,
+               "run a static scene once instead, and estimate what its mesh, the gap that contact leaves and Newton's method make of the "
+               "quantities: one adjoint solve each")
+          .excludes(vary)
+          .excludes(one)
+          .excludes(effects);
+  sub.option("--sensitivity", o->sensitivity,
+             "path of a number of the scene (materials.pad.youngs_modulus), or `all` of materials and effects: run once instead, and tell what the "
+             "quantities change by with each (derivatives along the run)")
+      .take_all()
+      .excludes(vary)
+      .excludes(one)
+      .excludes(effects)
+      .excludes(budget);
   sub.time("--budget", o->budget, "CPU time of all runs: one knob at a time, then together, always the knob that takes away most error per second");
   sub.flag("--dry-run", o->dry_run, "list the runs and check the scene of each");
   sub.option("--device", o->device, "as for run").environment_variable("MORTISE_DEVICE").show_default();
@@ -128,6 +163,7 @@ void add_study(Command app, Context& context) {
       "  mortise study scene.yaml --one-at-a-time --vary time.step='4 ms,2 ms,1 ms' --vary bodies.ball.shape.sphere.edge_length='4 mm,3 mm,2 mm' \\\n"
       "      --qoi '{value: contact_pressure, body: ball, over: max, when: largest}'\n"
       "  mortise study press_study.yaml --budget '5 min'\n  mortise study scene.yaml --effects --qoi supports/ball_z\n"
+      "  mortise study scene.yaml --qoi supports/ball_z --sensitivity all\n"
       "  mortise study hertz --vary size=tiny,coarse,small --qoi 'pressure L2, r <= a'      (a benchmark: one curve per method)\n"
       "Exit codes: 0 done, also where some runs failed (the tables say which and why); 5 nothing to compare; 75 stopped by a signal");
   sub.action([o, &context] { context.action = [o] { return cmd_study(*o); }; });

@@ -30,6 +30,13 @@ Outcome guarded(const std::function<void()>& work) {
   return {};
 }
 
+// Rows of one are rows of the other.
+void require_same_freedoms(const model::Model& a, const model::Model& b) {
+  if (a.envs != 1 || b.envs != 1) throw Error(Exit::usage, "one environment at a time");
+  if (a.blocks != b.blocks || a.points != b.points || a.held != b.held)
+    throw Error(Exit::usage, "it changes meshes, or what is held: there is no derivative with respect to it");
+}
+
 class Build : public Engine {
  public:
   explicit Build(const model::ModelInput& input)
@@ -47,6 +54,27 @@ class Build : public Engine {
     const Outcome outcome = guarded([&] { simulation_.step(stop_asked, report); });
     step_transfers_ = step_transfers_ + (device::transfers() - before);
     return outcome;
+  }
+  Outcome lead(const std::vector<Engine*>& others) override {
+    return guarded([&] {
+      std::vector<solver::Simulation*> simulations;
+      for (Engine* other : others) {
+        Build& build = static_cast<Build&>(*other);
+        require_same_freedoms(model_, build.model_);
+        simulations.push_back(&build.simulation_);
+      }
+      simulation_.lead(std::move(simulations));
+    });
+  }
+  std::string lost() const override { return simulation_.lost(0); }
+  Outcome adjoint(const solver::Functional& of, solver::Adjoint& out) override {
+    return guarded([&] {
+      try {
+        out = simulation_.adjoint(of);
+      } catch (const solver::Failure& failure) {
+        throw Error(Exit::solve, failure.reason);
+      }
+    });
   }
   void report(FieldSink& sink) override {
     AddedFields added(&sink);

@@ -11,6 +11,7 @@
 #include "base/field_sink.h"
 #include "device/device_info.h"
 #include "model/command.h"
+#include "solver/adjoint.h"
 #include "solver/report.h"
 
 namespace mortise::engine {
@@ -36,6 +37,12 @@ class Engine {
   // What drives aim at from the next step on, in place of what the scene says; they are no part of a checkpoint.
   virtual void command(const std::vector<model::Command>& commands) = 0;
   virtual Outcome step(const std::function<bool()>& stop_asked, solver::StepReport& report) = 0;
+  // `others` are engines of the same build for the same meshes, with parameters that differ by a hair, and begun like this one: from now on each
+  // step of this one takes them along, to first order in the difference (solver/follow.cpp). Theirs are derivatives then: they are never stepped.
+  virtual Outcome lead(const std::vector<Engine*>& others) = 0;
+  virtual std::string lost() const = 0;  // why this one could not be taken along any farther; empty where it was
+  // After a step, with what acted in it: what a number of the state would change by if forces were a little different (solver/adjoint.h).
+  virtual Outcome adjoint(const solver::Functional& of, solver::Adjoint& out) = 0;
   virtual void report(FieldSink& sink) = 0;
   virtual std::vector<double> points() = 0;  // 3 per point [m], accepted state
   virtual Outcome checkpoint(Archive& archive) = 0;

@@ -45,6 +45,21 @@ void Newton::lag_here() {
   system_.potential.lag(at_, at_);
 }
 
+void Newton::end_at(const device::Buffer<Vec3>& q) {
+  const EnvMask all(model_.envs, 1);
+  begin(all);
+  energies_.begin_solve();
+  device::Fetch fetch;
+  energies_.find(std::as_const(q_).view(), at_, fetch);
+  fetch.now();
+  energies_.begin_search(all);
+  energies_.accept({});
+  q_.copy_from(q);
+  system_.potential.linearise(std::as_const(q_).view(), {}, at_, true);
+  system_.potential.sample(at_);
+  energies_.close(std::as_const(q_).view(), at_);
+}
+
 void Newton::fail(Index env, const std::string& reason) {
   envs_.fail(env, reason);
   copy_blocks(model_.q, model_.env_blocks[env], model_.env_blocks[env + 1], q_);

@@ -34,6 +34,9 @@ class Newton {
   // With a single environment a failure is thrown. `stop` is asked between iterations and may throw.
   void solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop, const EnvMask& whose);
 
+  // As if solve() had ended at q, from the accepted state: its forces, samples and energies.
+  void end_at(const device::Buffer<Vec3>& q);
+
   const device::Buffer<Vec3>& q() const { return q_; }
   const EnvTable& envs() const { return envs_; }
   // All effects at q(), sampled: the gradient over all blocks (at a held block: the support's force), and each effect's share.
@@ -41,6 +44,7 @@ class Newton {
   const Linearised& at() const { return at_; }
   const EnergyLedger& energies() const { return energies_; }
   Potential& potential() { return system_.potential; }
+  System& system() { return system_; }
   std::string linear_solver() const { return linear_->name(); }
   const std::string& linear_reason() const { return linear_choice_.reason; }
 

@@ -80,6 +80,7 @@ void Simulation::solve(const effects::StepInfo& info, const EnvMask& whose, Step
     for (Index e = 0; e < model_.envs; ++e)
       if (whose[e] && why[e].empty() && newton_.envs().is(e, EnvState::failed)) why[e] = newton_.envs()[e].reason;
   };
+  refitted_ = false;
   newton_.begin(whose);
   newton_.solve(info, report, stop, whose);
   note_failed();
@@ -93,6 +94,7 @@ void Simulation::solve(const effects::StepInfo& info, const EnvMask& whose, Step
       afresh[e] = refit[e] == Refit::from_start;
     }
     if (!any(anew)) break;
+    refitted_ = true;
     if (any(afresh)) newton_.begin(afresh);
     newton_.solve(info, report, stop, anew);
     note_failed();
@@ -103,15 +105,19 @@ void Simulation::solve(const effects::StepInfo& info, const EnvMask& whose, Step
     if (whose[e] && why[e].empty()) why[e] = objections[e];
 }
 
-// info.whose: the environments that accept.
-void Simulation::accept(const effects::StepInfo& info) {
+std::vector<double> Simulation::lost_energy(const effects::StepInfo& info) const {
   std::vector<double> lost(model_.envs, 0.0);
+  for (Index e = 0; e < model_.envs; ++e)
+    if (info.taken_by(e)) lost[e] = options_.is_static ? INFINITY : std::max(-newton_.energies().of_step(e).gain, 0.0);
+  return lost;
+}
+
+// info.whose: the environments that accept.
+void Simulation::accept(const effects::StepInfo& info, const std::vector<double>& lost) {
   for (Index e = 0; e < model_.envs; ++e) {
     if (!info.taken_by(e)) continue;
     copy_blocks(newton_.q(), model_.env_blocks[e], model_.env_blocks[e + 1], model_.q);
-    const StepEnergy& energy = newton_.energies().of_step(e);
-    support_work_ += energy.work;
-    lost[e] = options_.is_static ? INFINITY : std::max(-energy.gain, 0.0);
+    support_work_ += newton_.energies().of_step(e).work;
   }
   for (std::size_t k = 0; k < effects_.size(); ++k) {
     const Timed timed(clock_, effects_[k]->name(), "end_step");
@@ -134,6 +140,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
   report.dt = options_.dt;
   report.substeps = 0;
   support_work_ = 0;
+  for (Simulation* other : others_) other->support_work_ = 0;
 
   // The step is cut into 2^halvings units, so that substeps always meet its end exactly; every environment cuts it by itself.
   struct Cut {
@@ -218,7 +225,13 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
       checkpoint(*before);
     }
     info.whose = some_of(accepted);
-    accept(info);
+    if (!others_.empty()) try {
+        lead_on(info);
+      } catch (const Failure& failure) {
+        undo();
+        throw Error(Exit::solve, failure.reason);
+      }
+    accept(info, lost_energy(info));
     ++report.substeps;
     for (Index e = 0; e < model_.envs; ++e) {
       if (!accepted[e]) continue;
@@ -233,6 +246,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, StepReport& repor
 
   ++step_;
   time_ = options_.dt * step_;
+  for (Simulation* other : others_) other->step_ = step_, other->time_ = time_;
   report.time = time_;
   report.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }

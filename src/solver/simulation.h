@@ -4,8 +4,10 @@
 
 #include "base/archive.h"
 #include "base/field_sink.h"
+#include "solver/adjoint.h"
 #include "solver/newton.h"
 #include "solver/rehearsal.h"
+#include "solver/tangent.h"
 
 namespace mortise::solver {
 
@@ -35,6 +37,13 @@ class Simulation {
   void begin();  // what the first step begins with: effects find bodies that touch at the start
   void step(const std::function<bool()>& stop_asked, StepReport& report);
 
+  // From the next step on `others`, of the same degrees of freedom but with other parameters, go beside this one: when a step is solved they take
+  // it too, by what is linear in the difference (follow.cpp). One environment.
+  void lead(std::vector<Simulation*> others) { others_ = std::move(others); }
+
+  // Of a number of the state that the last step led to, with what acted in that step. Throws Failure where there is none. One environment.
+  Adjoint adjoint(const Functional& of);
+
   // Why an environment was given up; empty where it was not.
   const std::string& lost(Index env) const { return lost_[env]; }
   double time() const { return time_; }
@@ -51,7 +60,10 @@ class Simulation {
  private:
   void solve(const effects::StepInfo& info, const EnvMask& whose, StepReport& report, const std::function<void()>& stop,
              std::vector<std::string>& why);
-  void accept(const effects::StepInfo& info);
+  std::vector<double> lost_energy(const effects::StepInfo& info) const;  // per environment [J]
+  void accept(const effects::StepInfo& info, const std::vector<double>& lost);
+  void lead_on(const effects::StepInfo& info);
+  void follow(const effects::StepInfo& info, Simulation& leader, device::View<const Vec3> still);
   void report_balance(FieldSink& sink);
   std::vector<Vec3> resultants(const std::vector<Vec3>& g) const;
 
@@ -61,8 +73,11 @@ class Simulation {
   Clock clock_;
   Newton newton_;
   AcceptedForces forces_;
-  std::vector<std::string> lost_;  // per environment
-  double support_work_ = 0;        // of the last step [J]
+  std::vector<Simulation*> others_;
+  std::unique_ptr<Tangent> tangent_;  // where there are others
+  bool refitted_ = false;             // parameters of effects were fitted to the solution of the step under way
+  std::vector<std::string> lost_;     // per environment
+  double support_work_ = 0;           // of the last step [J]
   double time_ = 0;
   Index step_ = 0;
   bool solved_ = false;  // a step has been taken since start or restart: gradients are those of the state

@@ -91,6 +91,13 @@ inline constexpr double kDifference = 0.1;         // of the last step,
 inline constexpr double kLeastDifference = 1e-12;  // but no less than rounding,
 inline constexpr double kMostDifference = 1e-9;    // and no more than curvature allows; of the scene's length
 
+// ---- the Jacobian at a solution (tangent.h)
+inline constexpr double kTangent = 1e-10;              // of the right-hand side: derivatives are then as good as the assembled terms,
+inline constexpr double kTangentByDifferences = 1e-6;  // or as differences of forces
+inline constexpr double kTangentRough = 1e-4;          // worse is no derivative
+inline constexpr double kTangentDifference = 1e-8;     // of the scene's length: a hundredth of the thinnest gaps, a thousand million times rounding
+inline constexpr Index kTangentMost = 100;             // products; friction takes some ten
+
 // ---- energy (energy_ledger.h)
 inline constexpr double kGainShare = 1e-6;             // of the energy there is: what a step may gain from nowhere
 inline constexpr double kFrozenGainShare = 1e-3;       // where something is frozen, what that feeds into motions does not fall with the step

@@ -68,9 +68,13 @@ Eigen::Vector4d coordinates(const OutputMesh& mesh, const std::int64_t* v, bool 
   return {triangle ? 1 - b[0] - b[1] : 1 - b.sum(), b[0], b[1], b[2]};
 }
 
-// The field at a place of the body at rest: in the cell that holds it, or that it is least far outside of.
-double at_point(const OutputMesh& mesh, int body, const std::vector<double>& values, const Vec3& x, const Quantity& q) {
-  double best = -INFINITY, found = NAN;
+}  // namespace
+
+PointWeights weights_at(const OutputMesh& mesh, const Quantity& q) {
+  const auto body = static_cast<int>(std::find(mesh.body_names.begin(), mesh.body_names.end(), q.body) - mesh.body_names.begin());
+  const Vec3 x = *q.point;
+  double best = -INFINITY;
+  PointWeights found;
   for (std::size_t c = 0; c < mesh.cells(); ++c) {
     if (mesh.body_of_cell[c] != body) continue;
     const std::int64_t* v = &mesh.connectivity[mesh.offsets[c]];
@@ -78,9 +82,9 @@ double at_point(const OutputMesh& mesh, int body, const std::vector<double>& val
     const Eigen::Vector4d b = coordinates(mesh, v, triangle, x);
     const double inside = triangle ? std::min(b.head<3>().minCoeff(), -std::abs(b[3])) : b.minCoeff();
     if (!(inside > best)) continue;
-    best = inside, found = 0;
+    best = inside, found.clear();
     const std::vector<double> w = triangle ? std::vector<double>{b[0], b[1], b[2]} : weights(b, mesh.types[c] == CellType::quadratic_tetrahedron);
-    for (std::size_t k = 0; k < w.size(); ++k) found += w[k] * values[v[k]];
+    for (std::size_t k = 0; k < w.size(); ++k) found.emplace_back(v[k], w[k]);
   }
   // A round body's true surface lies a little outside of its mesh; what is farther off was not meant.
   if (best < -0.5)
@@ -89,12 +93,14 @@ double at_point(const OutputMesh& mesh, int body, const std::vector<double>& val
   return found;
 }
 
-}  // namespace
-
 double over_body(const OutputMesh& mesh, const std::vector<Vec3>& points, const output::FieldValues& field, const Quantity& q) {
   const auto body = static_cast<int>(std::find(mesh.body_names.begin(), mesh.body_names.end(), q.body) - mesh.body_names.begin());
   const std::vector<double>& values = field.values;
-  if (q.point) return at_point(mesh, body, values, *q.point, q);
+  if (q.point) {
+    double sum = 0;
+    for (const auto& [i, w] : weights_at(mesh, q)) sum += w * values[i];
+    return sum;
+  }
   if (q.over == "max" || q.over == "min") {
     double least = INFINITY, most = -INFINITY;
     for (std::size_t i = 0; i < points.size(); ++i)

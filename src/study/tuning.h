@@ -26,6 +26,11 @@ inline constexpr double kBend = 0.05;
 // Accuracies at which the methods' times are compared.
 inline constexpr double kSameErrors[] = {0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001};
 
+// Derivatives: the share by which a parameter is changed to both sides (large against the rounding of forces, 1e-11 in thin contacts, small against
+// the gaps that displacements so small are added to); where those to both sides differ by more than the second share there may be none, unless all
+// of it is less than the third share of the quantity.
+inline constexpr double kHair = 1e-5, kKink = 0.02, kNoDerivative = 1e-3;
+
 // Errors below this are rounding: they are drawn and compared as if they were this.
 inline constexpr double kRounding = 1e-16;
 

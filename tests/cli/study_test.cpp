@@ -156,6 +156,72 @@ TEST_F(StudyProgram, EffectsAreSwitchedOffInTurn) {
   EXPECT_THAT(file("a/effects.csv"), HasSubstr("\"inertia\",,,,"));
 }
 
+// A linear block under pressure sinks by p h / E: 1 % more of E is 1 % less, and of p 1 % more.
+TEST_F(StudyProgram, TellsWhatAQuantityHangsOn) {
+  const std::string scene = kSource + "/scenes/first/05_static_press.yaml",
+                    sinks = "{name: top, value: displacement, body: block, over: min, axis: z}";
+  ASSERT_EQ(run({"study", scene, "--sensitivity", "materials.gel.youngs_modulus", "--sensitivity", "effects.pressure_load.0.pressure", "--qoi", sinks,
+                 "--qoi", "steps/newton_iterations", "-o", folder_ + "/a"}),
+            0)
+      << complained();
+  EXPECT_THAT(said(), HasSubstr("top = -0.0005\n"));
+  EXPECT_THAT(said(), testing::ContainsRegex("materials.gel.youngs_modulus +100000 +5e-09 +\\+1 %"));
+  EXPECT_THAT(said(), testing::ContainsRegex("effects.pressure_load.0.pressure.value +all of it +- +-1 %"));
+  EXPECT_THAT(said(), testing::ContainsRegex("materials.gel.youngs_modulus +is not followed"));  // counts of iterations
+  EXPECT_THAT(file("a/sensitivity.csv"), testing::ContainsRegex("\"top\",-0.0005[0-9]*,\"materials.gel.youngs_modulus\",100000,"));
+  EXPECT_FALSE(fs::exists(folder_ + "/a/runs/sensitivity.vtkhdf")) << "what was only measured";
+  const auto error = [&](const std::string& path, const std::string& more = "time.steps=5") {
+    EXPECT_EQ(run({"study", scene, "--set", more, "--sensitivity", path, "--qoi", sinks, "-o", folder_ + "/b"}), 2) << path;
+    return complained();
+  };
+  EXPECT_THAT(error("materials.gel.youngs_modulu"), HasSubstr("has no 'youngs_modulu' under materials.gel\n  did you mean 'youngs_modulus'?"));
+  EXPECT_THAT(error("time.steps"), HasSubstr("'time.steps' is a count"));
+  EXPECT_THAT(error("materials.gel"), HasSubstr("'materials.gel' is a block: derivatives are with respect to numbers; it has model, "));
+  EXPECT_THAT(error("materials.gel.poisson_ratio", "materials.gel.poisson_ratio=0"), HasSubstr("is 0, of which no share can be changed"));
+  // What is no smooth matter is told, and the others are found.
+  ASSERT_EQ(
+      run({"study", scene, "--sensitivity", "all", "--sensitivity", "bodies.block.shape.box.edge_length", "--qoi", sinks, "-o", folder_ + "/c"}), 0)
+      << complained();
+  EXPECT_THAT(said(), HasSubstr("materials.gel.poisson_ratio"));
+}
+
+// E A travel / L = 2 N without the gap that contact leaves; a uniform stress needs no finer mesh.
+TEST_F(StudyProgram, TellsWhereAnErrorComesFrom) {
+  const std::string patch = kSource + "/benchmarks/effectivity/patch.yaml";
+  ASSERT_EQ(run({"study", patch, "--error-budget", "--qoi", "supports/plate_z", "--qoi", "{value: contact_pressure, body: block, over: max}", "-o",
+                 folder_ + "/a"}),
+            0)
+      << complained();
+  const auto j = json("a/error_budget.json")["quantities"];
+  EXPECT_NEAR(j[0]["value"].get<double>() + j[0]["error"].get<double>(), -2, 0.01);
+  EXPECT_NEAR(j[0]["parts"][0]["error"].get<double>(), 0, 1e-6);
+  EXPECT_GT(j[0]["parts"][1]["error"].get<double>(), 0.3);
+  EXPECT_FALSE(j[0]["complete"]) << "facets are not estimated";
+  EXPECT_THAT(j[1]["why_not"], HasSubstr("its gradient is not known"));
+  EXPECT_THAT(said(), HasSubstr("not estimated: its gradient is not known"));
+  // Linear elements are too stiff in bending: quadratic ones of half the size sink by 0.26375 mm.
+  ASSERT_EQ(run({"study", kSource + "/benchmarks/effectivity/beam.yaml", "--error-budget", "--qoi",
+                 "{value: displacement, body: beam, point: [40 mm, 0, 0], axis: z}", "-o", folder_ + "/d"}),
+            0)
+      << complained();
+  const auto beam = json("d/error_budget.json")["quantities"][0];
+  const double missing = -0.26375e-3 - beam["value"].get<double>();
+  EXPECT_NEAR(beam["error"].get<double>() / missing, 0.82, 0.05);
+  // Motion, friction over several load steps, what is averaged.
+  const auto refused = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all{"study", "--error-budget", "--qoi", "supports/plate_z", "-o", folder_ + "/b"};
+    all.insert(all.end(), more.begin(), more.end());
+    EXPECT_EQ(run(all), 2);
+    return complained();
+  };
+  EXPECT_THAT(refused({kSource + "/scenes/first/04_two_bodies.yaml"}), HasSubstr("04_two_bodies.yaml: --error-budget is for static scenes"));
+  EXPECT_THAT(refused({patch, "--set", "time.steps=3", "--set", "effects.friction={follows: mortar_contact, mu: 0.3}"}),
+              HasSubstr("a single load step"));
+  ASSERT_EQ(run({"study", patch, "--error-budget", "--qoi", "supports/plate_z", "--set", "materials.gel.poisson_ratio=0.45", "-o", folder_ + "/c"}),
+            0);
+  EXPECT_THAT(said(), HasSubstr("not estimated: the change of volume of 'block' is averaged"));
+}
+
 // What is planned does not fit; what is run, setup included, does.
 TEST_F(StudyProgram, StaysWithinItsBudget) {
   const std::string study = write("mortise_study: 1\nscene: " + kSource +

@@ -1,0 +1,73 @@
+#include "solver/adjoint.h"
+
+#include "solver/kernels.h"
+#include "solver/simulation.h"
+
+namespace mortise::solver {
+namespace {
+
+double dot_of(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i].dot(b[i]);
+  return sum;
+}
+
+// What the samples of a contact would take back at their gaps, along z at points.
+double layer_along(const model::ContactView& contact, const std::vector<Vec3>& z) {
+  double sum = 0;
+  for (const model::ContactSample& s : contact.samples.download()) {
+    const Vec3 n(s.normal[0], s.normal[1], s.normal[2]);
+    double closing = 0;
+    for (Index k = 0; k < s.points; ++k) closing += s.weight[k] * n.dot(z[s.point[k]]);
+    sum += s.stiffness * s.gap * closing;
+  }
+  return sum;
+}
+
+}  // namespace
+
+Adjoint Simulation::adjoint(const Functional& Q) {
+  System& system = newton_.system();
+  if (!tangent_) tangent_ = std::make_unique<Tangent>(system);
+  tangent_->linearise(model_.q);
+  const std::vector<Mat3> P = model_.projector.download();
+
+  // dQ/dq + J^T (I - P) E
+  std::vector<Vec3> w(model_.blocks, Vec3::Zero()), E = w;
+  if (!Q.points.empty()) {
+    const std::vector<Index> offset = model_.point_offset.download(), block = model_.point_block.download();
+    const std::vector<double> weight = model_.point_weight.download();
+    for (Index p = 0; p < model_.points; ++p)
+      for (Index k = offset[p]; k < offset[p + 1]; ++k) w[block[k]] += weight[k] * Vec3(Q.points[3 * p], Q.points[3 * p + 1], Q.points[3 * p + 2]);
+  }
+  if (Q.body >= 0) {
+    const model::Body& body = model_.bodies.at(Q.body);
+    const Index end = body.type == model::BodyType::stiff ? body.block_begin + 1 : body.block_end;
+    for (Index b = body.block_begin; b < end; ++b) E[b] = Vec3::Unit(Q.axis) - P[b] * Vec3::Unit(Q.axis);
+  }
+  device::Buffer<Vec3> gradient(w), JE, f(system.rows.count()), lambda, way;
+  model_.ties.any() ? model_.ties.fold(gradient.view()) : void();
+  if (Q.body >= 0) {
+    tangent_->product(device::Buffer<Vec3>(E).view(), true, JE);
+    add(std::as_const(JE).view(), gradient);
+  }
+  device::clear(f.view().p, f.size() * sizeof(Vec3));
+  add_to_rows(std::as_const(gradient).view(), system.rows.block.view(), system.rows.projector.view(), f.view());
+  tangent_->solve(std::as_const(f).view(), true, lambda);
+
+  Adjoint out;
+  out.exact = tangent_->assembled();
+  out.residual = dot_of(lambda.download(), tangent_->forces().download());
+  system.to_blocks(std::as_const(lambda).view(), {}, EnvMask(1, 1), way);
+  std::vector<Vec3> z = way.download();
+  for (std::size_t b = 0; b < z.size(); ++b) z[b] = E[b] - z[b];
+  device::Buffer<Vec3> y;
+  model_.points_of(device::Buffer<Vec3>(z).view(), y);
+  const std::vector<Vec3> at_points = y.download();
+  for (std::size_t k = 0; k < effects_.size(); ++k)
+    if (effects_[k]->kind().role == effects::Role::contact) out.layer += layer_along(tangent_->at().of[k]->contact, at_points);
+  for (const Vec3& v : at_points) out.points.insert(out.points.end(), {v[0], v[1], v[2]});
+  return out;
+}
+
+}  // namespace mortise::solver

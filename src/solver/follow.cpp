@@ -1,0 +1,65 @@
+// Derivatives with respect to parameters, taken along with a run. A scene S' differs from S by a hair of a parameter. Where S has solved a step, at q
+// with residual r(q), the solution of S' is, but for the square of the difference,
+//
+//   q' = q - J^-1 P (r'(q) - r(q) + J c),   c = what the supports of S' stand elsewhere by,
+//
+// with r' of S' itself, from where it stood when the step began: what it inherits of earlier steps (velocities, where friction last stuck) it has
+// from following those. So the difference of the two runs, over the difference of the parameter, is the derivative along the whole trajectory, of
+// whatever is measured of them: dQ/dp = dQ/dp at fixed q - dQ/dq . J^-1 dr/dp, one linear solve per parameter and step with a factor that all share.
+// The adjoint, J^T lambda = dQ/dq, gives the same from one solve per quantity; it needs dQ/dq of everything that may be measured, and steps
+// backwards.
+#include <cmath>
+
+#include "solver/kernels.h"
+#include "solver/simulation.h"
+
+namespace mortise::solver {
+
+void Simulation::lead_on(const effects::StepInfo& info) {
+  if (refitted_)
+    throw Failure{"a stiffness was fitted to the solution of step " + std::to_string(step_) +
+                  " (auto): how it would be chosen beside is no smooth matter; give it as a number"};
+  if (!tangent_) tangent_ = std::make_unique<Tangent>(newton_.system());
+  tangent_->linearise(newton_.q());
+  device::Buffer<Vec3> still;
+  newton_.system().supports(newton_.q().view(), still);
+  for (Simulation* other : others_) {
+    if (!other->lost_[0].empty()) continue;
+    try {
+      other->follow(info, *this, std::as_const(still).view());
+    } catch (const Failure& failure) {
+      other->lost_[0] = "in step " + std::to_string(step_) + ": " + failure.reason;
+    }
+  }
+}
+
+// still: what the leader's own supports have left, which is rounding.
+void Simulation::follow(const effects::StepInfo& info, Simulation& leader, device::View<const Vec3> still) {
+  for (const auto& effect : effects_) effect->begin_step(info);
+  const EnvMask all(1, 1);
+  Tangent& J = *leader.tangent_;
+  System& system = newton_.system();
+  system.begin_solve();
+  if (system.rows.of_block_host != leader.newton_.system().rows.of_block_host) throw Failure{"what is held differs: there is no derivative"};
+  const device::Buffer<Vec3>& q = leader.newton_.q();
+
+  // r'(q) - r(q) + J c, on the rows.
+  Linearised& at = newton_.at();
+  system.potential.linearise(q.view(), {}, at, true);
+  device::Buffer<Vec3> c, move, f, Jc, x, dq, there;
+  system.supports(q.view(), c);
+  subtract(std::as_const(c).view(), still, move);
+  J.product(std::as_const(move).view(), false, Jc);
+  system.right_hand_side(at, std::as_const(Jc).view(), f);
+  device::Buffer<Vec3> rest;
+  subtract(std::as_const(f).view(), J.forces().view(), rest);
+  J.solve(std::as_const(rest).view(), false, x);
+
+  system.to_blocks(std::as_const(x).view(), std::as_const(c).view(), all, dq);
+  advance(q.view(), std::as_const(dq).view(), {1.0}, model_, there);
+  newton_.end_at(there);
+  if (!std::isfinite(newton_.energies().total())) throw Failure{"a hair of the parameter makes surfaces meet or elements turn over"};
+  accept(info, leader.lost_energy(info));
+}
+
+}  // namespace mortise::solver

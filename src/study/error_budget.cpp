@@ -1,0 +1,149 @@
+#include "study/error_budget.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "base/cpu_time.h"
+#include "effects/roles.h"
+#include "engine/effect_tables.h"
+#include "run/output_mesh.h"
+#include "run/signals.h"
+#include "scene/scene.h"
+#include "study/course.h"
+#include "study/goal_error.h"
+#include "study/measure.h"
+
+namespace mortise::study {
+namespace {
+
+// Number of a body among those that move or are held (half-spaces are none); -1 where there is no such.
+int body_of(const model::ModelInput& input, const std::string& name) {
+  int i = 0;
+  for (const model::BodyInput& body : input.bodies) {
+    if (body.type == model::BodyType::half_space) continue;
+    if (body.name == name) return i;
+    ++i;
+  }
+  return -1;
+}
+
+constexpr const char* kKnown =
+    "its gradient is not known: there are supports/BODY_x (y, z), and displacement and position along an axis, at a point or as max or min";
+
+// The gradient of a quantity of the last state, or why there is none.
+struct Gradient {
+  solver::Functional of;
+  std::string why_not;
+};
+
+Gradient gradient_of(const Quantity& q, const Course& course) {
+  Gradient out;
+  const auto none = [&](const char* why) { return out.why_not = why, out; };
+  if (q.when != "end" || q.at) return none("it is not of the last state");
+  const std::string axes = "xyz";
+  if (group_of(q.value) == "supports") {
+    std::string body = leaf_of(q.value), axis = q.axis;
+    if (axis.empty() && body.size() > 2 && body[body.size() - 2] == '_') axis = body.back(), body.resize(body.size() - 2);
+    out.of.body = axis.size() == 1 && axes.find(axis) != std::string::npos ? body_of(course.input(), body) : -1;
+    if (out.of.body < 0) return none(kKnown);
+    out.of.axis = static_cast<int>(axes.find(axis));
+    return out;
+  }
+  if ((q.value != "displacement" && q.value != "position") || q.axis.size() != 1) return none(kKnown);
+  const output::OutputMesh mesh = run::output_mesh(course.input());
+  const auto axis = axes.find(q.axis);
+  out.of.points.assign(course.points().size(), 0.0);
+  if (q.point) {
+    for (const auto& [i, w] : weights_at(mesh, q)) out.of.points[3 * i + axis] = w;
+    return out;
+  }
+  if (q.over != "max" && q.over != "min") return none(kKnown);
+  const int body = body_of(course.input(), q.body);
+  std::size_t best = SIZE_MAX;
+  double most = -INFINITY;
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+    if (mesh.body_of_point[i] != body) continue;
+    const double x = course.points()[3 * i + axis] - (q.value == "displacement" ? mesh.points[i][static_cast<int>(axis)] : 0);
+    if (const double v = q.over == "max" ? x : -x; v > most) most = v, best = i;
+  }
+  if (best == SIZE_MAX) return none("no such body has points");
+  out.of.points[3 * best + axis] = 1;
+  return out;
+}
+
+}  // namespace
+
+double QuantityBudget::sum() const {
+  double out = 0;
+  for (const ErrorPart& part : parts) out += std::isfinite(part.error) ? part.error : 0;
+  return out;
+}
+
+bool QuantityBudget::complete() const {
+  return std::all_of(parts.begin(), parts.end(), [](const ErrorPart& p) { return std::isfinite(p.error); });
+}
+
+ErrorBudget find_error_budget(const Study& study, const Place& place) {
+  run::install_signal_handlers();
+  if (study.scene.empty()) throw Error(Exit::usage, "--error-budget is for scenes, not for benchmarks");
+  if (study.quantities.empty()) throw Error(Exit::usage, "no quantity to look at: give --qoi group/name");
+  const scene::Scene scene =
+      scene::read_scene_text(variant_of(study, study.methods.front(), {}).yaml, study.scene, {"output.precision=double"}, engine::effect_tables());
+  const Params &time = scene.root.at("time"), &effects = scene.root.at("effects");
+  if (time.text("mode") != "static")
+    throw Error(
+        Exit::usage,
+        study.scene +
+            ": --error-budget is for static scenes: in motion the errors of all steps add up, which ladders tell (--vary with --one-at-a-time)");
+  const long steps = time.integer("steps"), every = time.integer("frame_every");
+  if (!effects::of_role(effects, effects::Role::follower).empty() && steps > 1)
+    throw Error(
+        Exit::usage,
+        study.scene + ": --error-budget of a scene with friction needs a single load step: what stuck in earlier ones its equations do not tell");
+
+  const engine::Choice choice = engine::choose(place.device, place.threads);
+  std::error_code ec;
+  std::filesystem::create_directories(place.folder + "/runs", ec);
+  Course course(scene, place.folder + "/runs/error_budget.vtkhdf", choice);
+  ErrorBudget out;
+  check(course.engine().begin());
+  course.open();
+  for (long step = 1; step <= steps; ++step) {
+    const double start = cpu_time();
+    solver::StepReport report;
+    check(course.engine().step(run::stop_asked, report));
+    out.solve_seconds += cpu_time() - start;
+    course.see(&report, step % every == 0 || step == steps);
+  }
+
+  const double start = cpu_time();
+  const GoalError mesh(course.input());
+  const auto stress = course.state().cell.find("cauchy_stress");
+  const bool contact = !effects::of_role(effects, effects::Role::contact).empty();
+  for (const Quantity& q : study.quantities) {
+    QuantityBudget budget;
+    const Gradient gradient = gradient_of(q, course);
+    budget.why_not = gradient.why_not;
+    if (budget.why_not.empty()) {
+      solver::Adjoint adjoint;
+      check(course.engine().adjoint(gradient.of, adjoint));
+      out.exact = out.exact && adjoint.exact;
+      ErrorPart of_mesh{"mesh of soft bodies", NAN, mesh.why_not()};
+      if (stress == course.state().cell.end()) of_mesh.why_not = "the scene has no soft bodies";
+      if (of_mesh.why_not.empty()) of_mesh.error = mesh.of(stress->second, adjoint.points);
+      budget.parts.push_back(of_mesh);
+      if (contact) budget.parts.push_back({"gap that contact leaves", adjoint.layer, ""});
+      budget.parts.push_back({"Newton's method, linear systems, lag", adjoint.residual, ""});
+      if (contact) budget.parts.push_back({"facets of round surfaces, integration", NAN, "no estimate"});
+    }
+    out.of.push_back(std::move(budget));
+  }
+  out.seconds = cpu_time() - start;
+  const std::vector<double> values = course.measure(study.quantities);
+  for (std::size_t k = 0; k < values.size(); ++k) out.of[k].value = values[k];
+  return out;
+}
+
+}  // namespace mortise::study

@@ -1,0 +1,38 @@
+#pragma once
+// Where the error of a number of one run comes from, from one adjoint solve per quantity with the last Jacobian: what is to be added to it because
+// of the mesh, of the gap that contact leaves, and of what Newton's method left. Static scenes.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "study/run_study.h"
+
+namespace mortise::study {
+
+struct ErrorPart {
+  std::string source;
+  double error = NAN;   // what is to be added to the number; NaN: not estimated
+  std::string why_not;  // then
+};
+
+struct QuantityBudget {
+  double value = NAN;
+  std::string why_not;  // nothing is known of this one
+  std::vector<ErrorPart> parts;
+  double sum() const;  // of what is estimated
+  bool complete() const;
+};
+
+struct ErrorBudget {
+  std::vector<QuantityBudget> of;         // the quantities
+  double solve_seconds = 0, seconds = 0;  // CPU time of the steps, and of the estimates [s]
+  bool exact = true;                      // J^T lacked nothing
+};
+
+// Runs the scene. Throws Error(Exit::usage) for scenes of which nothing can be said.
+ErrorBudget find_error_budget(const Study& study, const Place& place);
+
+std::string budget_table(const Study& study, const ErrorBudget& budget);
+std::string budget_json(const Study& study, const ErrorBudget& budget);
+
+}  // namespace mortise::study

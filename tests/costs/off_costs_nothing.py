@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""An effect that is off costs nothing: off_costs_nothing.py MORTISE FOLDER
+
+Counts the instructions of the steps (callgrind) of a scene in which an effect was switched off, as `mortise study --effects` does it (the resolved scene
+without the effect's block and without what follows it), and of the same scene written by somebody who never heard of the effect. They may differ by
+1 %, and no function of the effect may run. Of the scene with the effect on some must, or the test would see nothing. Exit code 77: no valgrind here.
+"""
+
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+SCENE = """\
+mortise: 1
+name: all
+time: {step: 5 ms, steps: 2}
+materials:
+  gel: {model: neo_hookean, youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1000}
+bodies:
+  pad: {type: soft, shape: {box: {size: [0.1, 0.1, 0.1], edge_length: 0.05}}, material: gel, position: [0, 0, 0.0502]}
+  cube: {type: stiff, shape: {box: {size: [0.1, 0.1, 0.1], edge_length: 0.1}}, material: gel, position: [0.3, 0, 0.0502]}
+  arm: {type: stiff, shape: {box: {size: [0.1, 0.02, 0.02], edge_length: 0.1}}, material: gel, position: [-0.3, 0, 0.3]}
+  floor: {type: half_space}
+effects:
+  inertia: {}
+  gravity: {}
+  elasticity: {}
+  affine_body: {stiffness: 1 MPa}
+  pin: [{body: pad, where: {side: z_max}, axes: xy}]
+  joint: [{name: hip, type: revolute, body: arm, at: [-0.35, 0, 0.3], axis: [0, 1, 0]}]
+  pressure_load: [{body: pad, where: {side: z_max}, pressure: 10 Pa}]
+  barrier_contact: {d_hat: 1 mm, stiffness: 10 kPa}
+  friction: {follows: barrier_contact, mu: 0.3}
+output: {pictures: false, checkpoint_every: {steps: 1000}}
+"""
+
+# What goes with each: effects that follow it, and bodies that cannot do without.
+GONE = {
+    "gravity": [],
+    "pin": [],
+    "joint": [],
+    "pressure_load": [],
+    "friction": [],
+    "barrier_contact": ["friction"],
+}
+MOST = 0.01  # of the instructions of the steps
+
+
+def without_lines(text, names):
+    """The scene of somebody who never heard of them."""
+    return "".join(l for l in text.splitlines(True) if not any(re.match(rf"  {n}:", l) for n in names))
+
+
+def without_blocks(text, names):
+    """A resolved scene with these blocks of `effects` taken out."""
+    out, in_effects, dropping = [], False, False
+    for line in text.splitlines(True):
+        if not line.startswith(" "):
+            in_effects, dropping = line.startswith("effects:"), False
+        elif in_effects and re.match(r"  [a-z_]+:", line):
+            dropping = line.split(":")[0].strip() in names
+        if not dropping:
+            out.append(line)
+    return "".join(out)
+
+
+def steps_of(program, folder, name, scene):
+    """Instructions of the steps, and the names of the functions that they went through."""
+    path, profile = folder / f"{name}.yaml", folder / f"{name}.callgrind"
+    path.write_text(scene)
+    command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={profile}", "--toggle-collect=mortise::solver::Simulation::step(*",
+               program, "run", path, "-o", folder / name, "--overwrite", "--no-render", "--quiet", "--device", "cpu", "--threads", "1"]
+    done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"{name}: exit code {done.returncode}\n{done.stderr}")
+    text = profile.read_text()
+    count = int(re.search(r"^(?:summary|totals): (\d+)", text, re.M).group(1))
+    return count, set(re.findall(r"fn=\(\d+\) (.+)", text))
+
+
+def of_effect(functions, effect):
+    camel = "".join(word.capitalize() for word in effect.split("_"))
+    return sorted(f for f in functions if f"::{camel}::" in f or f"effects::{effect}::" in f)
+
+
+def main():
+    program, folder = sys.argv[1], pathlib.Path(sys.argv[2])
+    if shutil.which("valgrind") is None:
+        print("valgrind is not here: instructions are not counted")
+        sys.exit(77)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "all.yaml").write_text(SCENE)
+    resolved = subprocess.run([program, "check", folder / "all.yaml", "--print-resolved"], check=True, capture_output=True, text=True).stdout
+    all_count, all_functions = steps_of(program, folder, "all", SCENE)
+    print(f"{'effect':18} {'on':>12} {'off':>12} {'never named':>12}  off/never named")
+    wrong = []
+    for effect, followers in GONE.items():
+        names = [effect, *followers]
+        off, functions = steps_of(program, folder, f"{effect}_off", without_blocks(resolved, names))
+        never, _ = steps_of(program, folder, f"{effect}_never", without_lines(SCENE, names))
+        print(f"{effect:18} {all_count:12} {off:12} {never:12}  {off / never - 1:+.4%}", flush=True)
+        if never < 10000:
+            wrong.append(f"{effect}: {never} instructions are no step: nothing was counted")
+        if abs(off / never - 1) > MOST:
+            wrong.append(f"{effect}: off it costs {off} instructions, never named {never}")
+        if of_effect(functions, effect):
+            wrong.append(f"{effect}: is off, and these ran: {', '.join(of_effect(functions, effect)[:5])}")
+        if not of_effect(all_functions, effect):
+            wrong.append(f"{effect}: is on, and no function of it is seen to run: this test is blind")
+    sys.exit("\n".join(wrong) if wrong else 0)
+
+
+if __name__ == "__main__":
+    main()
