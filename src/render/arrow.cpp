@@ -15,7 +15,9 @@ struct Stroke {
 // All pixels nearer to the stroke than `radius`, with a soft edge.
 void draw_stroke(Image& image, const Stroke& s, double radius, const std::uint8_t* colour) {
   const double dx = s.x1 - s.x0, dy = s.y1 - s.y0, square = dx * dx + dy * dy;
-  const auto within = [&](double v, int last) { return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(last))); };  // an arrow may reach far out
+  const auto within = [&](double v, int last) {
+    return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(last)));
+  };  // an arrow may reach far out
   const int left = within(std::min(s.x0, s.x1) - radius - 1, image.width - 1), right = within(std::max(s.x0, s.x1) + radius + 1, image.width - 1),
             top = within(std::min(s.y0, s.y1) - radius - 1, image.height - 1), bottom = within(std::max(s.y0, s.y1) + radius + 1, image.height - 1);
   for (int y = top; y <= bottom; ++y)
