@@ -139,6 +139,14 @@ TEST_F(RobotBlock, RunsFromItsOwnRecord) {
   EXPECT_THAT(exported.out, HasSubstr("arm.glb: 7 bodies, 3 frames"));
 }
 
+TEST_F(RobotBlock, AnExportOfSeveralEnvironmentsAsksWhose) {
+  fs::create_directories(path_ + "/out/env_0000");
+  for (const char* file : {"/out/fields.vtkhdf", "/out/env_0000/fields.vtkhdf"}) std::ofstream(path_ + file) << "x";
+  const Result r = mortise("export out -o a.glb", path_);
+  EXPECT_EQ(r.code, 2);
+  EXPECT_EQ(r.err, "error: 'out' holds several environments: say whose, for example out/env_0000\n");
+}
+
 TEST_F(RobotBlock, TenLinesMoveARealRobotOnSoftFeet) {
   const std::string go2 = std::string(MORTISE_SHARED_DATA) + "/robots/go2/go2_description.urdf";
   if (!fs::exists(go2)) GTEST_SKIP() << go2 << " is not there";
