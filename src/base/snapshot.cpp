@@ -24,10 +24,10 @@ const Snapshot::Values* Snapshot::of_points(const std::string& name, int compone
   return it == point.end() || it->second.components != components ? nullptr : &it->second;
 }
 
-std::map<std::string, std::vector<double>> Snapshot::point_scalars() const {
+std::map<std::string, std::vector<double>> Snapshot::drawable() const {
   std::map<std::string, std::vector<double>> out;
   for (const auto& [name, v] : point)
-    if (v.components == 1) out[name] = v;
+    if (v.components == 1 || v.components == 3) out[name] = v;
   return out;
 }
 

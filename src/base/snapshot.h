@@ -22,7 +22,7 @@ class Snapshot : public FieldSink {
   bool has(const std::string& name) const { return number.count(name) > 0; }
   // Values of points with so many components; null where nobody reported them.
   const Values* of_points(const std::string& name, int components) const;
-  std::map<std::string, std::vector<double>> point_scalars() const;  // those with one
+  std::map<std::string, std::vector<double>> drawable() const;  // those with one or three
 
   void points(std::string_view name, std::string_view unit, int components, std::span<const double> values) override;
   void cells(std::string_view name, std::string_view unit, int components, std::span<const double> values) override;

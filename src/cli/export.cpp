@@ -51,9 +51,9 @@ std::string fields_of(const std::string& run) {
   std::error_code ec;
   if (!fs::is_directory(run, ec)) return run;
   const std::string fields = run + "/fields.vtkhdf";
-  if (fs::exists(fields, ec)) return fields;
   if (fs::exists(run + "/env_0000/fields.vtkhdf", ec))
     throw Error(Exit::usage, "'" + run + "' holds several environments: say whose, for example " + run + "/env_0000");
+  if (fs::exists(fields, ec)) return fields;
   throw Error(Exit::file, "'" + run + "' has no fields.vtkhdf: it is not the folder of a run");
 }
 

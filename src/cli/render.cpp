@@ -83,7 +83,7 @@ int cmd_render(const Options& o) {
     std::map<std::string, std::vector<double>> fields;
     for (const std::string& name : reader.point_fields()) {
       output::FieldValues values = reader.point_field(name, f);
-      if (values.components == 1) fields[name] = std::move(values.values);
+      if (values.components == 1 || values.components == 3) fields[name] = std::move(values.values);
     }
     pictures->draw(f, reader.time(f), points, fields);
   }

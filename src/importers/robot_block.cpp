@@ -18,7 +18,7 @@ namespace {
 std::string mesh_folder(const std::string& robot) {
   fs::path cache = geometry::cache_folder();
   if (cache.empty()) cache = fs::temp_directory_path();
-  return (cache / ("robot_" + sha256(fs::absolute(robot).string() + "\n" + read_regular_file(robot, most_bytes::scene)).substr(0, 16))).string();
+  return (cache / ("robot_" + sha256(fs::absolute(robot).string() + "\n" + read_regular_file(robot, max_bytes::scene)).substr(0, 16))).string();
 }
 
 }  // namespace
@@ -28,6 +28,8 @@ std::string scene_of_robot(const Params& block, const std::string& path) {
   r.robot = block.text("file"), r.target = path, r.command = "robot: {file: " + r.robot + "}";
   r.meshes.skip_missing = block.text("missing_meshes") == "skip";
   r.meshes.folder = mesh_folder(r.robot);
+  r.meshes.where = [](const std::string& p) { return "\n  robot.packages: [{name: " + p + ", folder: FOLDER}] says where the package is"; };
+  r.meshes.skip_hint = "\n  robot.missing_meshes: skip goes on without them";
   const fs::path folder = fs::absolute(path).parent_path();
   if (const Params* packages = block.find("packages"))
     for (const Params& p : packages->items()) r.meshes.packages[p.text("name")] = (folder / p.text("folder")).lexically_normal().string();

@@ -21,6 +21,9 @@ struct Intrinsics {
 };
 Intrinsics intrinsics_of(const RenderJob& job);
 
+// Where a point of the world is in the picture [pixels]; nothing where the camera cannot see it: behind a pinhole, outside a fisheye's image circle.
+std::optional<Vec2> project(const RenderJob& job, const Vec3& point);
+
 // Where the middle of pixel (x, y) looks in the world: its part along the line of sight is one (pinhole), or it is of length one (fisheye; nothing
 // outside the image circle). What is `distance` times this from the camera is what Renderer::measure() measures.
 std::optional<Vec3> ray_of(const RenderJob& job, int x, int y);

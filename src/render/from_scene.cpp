@@ -1,5 +1,7 @@
 #include "render/from_scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +10,7 @@
 #include "geometry/placement.h"
 #include "geometry/rigid_motion.h"
 #include "render/colour_map.h"
+#include "render/overlay.h"
 #include "scene/quantity.h"
 #include "visual/mapper.h"
 #include "visual/normals.h"
@@ -15,7 +18,9 @@
 namespace mortise::render {
 namespace {
 
-constexpr double kCrease = 0.7;  // [rad] sharper edges of simulation surfaces are drawn sharp
+constexpr double kArrowLength = 0.125;  // of the longest arrow of traction, in heights of what the picture shows at the distance of look_at
+constexpr double kLeastArrow = 0.02;    // shorter ones, in the longest, are left out: dots that say nothing
+constexpr double kCrease = 0.7;         // [rad] sharper edges of simulation surfaces are drawn sharp
 
 Vec3 linear(const Vec3& srgb) { return {linear_of_srgb(srgb[0]), linear_of_srgb(srgb[1]), linear_of_srgb(srgb[2])}; }
 
@@ -60,12 +65,13 @@ struct SceneView::Body {
   int id = 0;                       // of its label
   std::size_t first = 0;            // among all points
   std::vector<Vec3> points, start;  // now; at the start
+  std::vector<Triangle> surface;    // of the simulation
   DrawMesh mesh;
   std::unique_ptr<visual::Mapper> mapper;  // with a visual mesh
   std::vector<Index> source;               // without: simulation point of each vertex
   std::unique_ptr<visual::SmoothNormals> normals;
 
-  explicit Body(const model::BodyInput& input) : name(input.name), points(input.nodes), start(input.nodes) {
+  explicit Body(const model::BodyInput& input) : name(input.name), points(input.nodes), start(input.nodes), surface(input.triangles) {
     const Params& visual = input.params.at("visual");
     if (visual.has("mesh")) {
       mesh = read_draw_mesh(input.params);
@@ -189,6 +195,41 @@ Camera SceneView::camera(const std::string& name) const {
   return out;
 }
 
+void SceneView::add_traction(RenderJob& job, const std::string& name, const std::map<std::string, std::vector<double>>& fields,
+                             const std::function<bool(const std::string&)>& shown) {
+  const Params* asked = render_.at("cameras").at(name).find("traction");
+  if (asked == nullptr) return;
+  std::vector<std::pair<Vec3, Vec3>> all;  // place, traction
+  double largest = 0;
+  for (const auto& body : bodies_) {
+    if (!shown(body->name)) continue;
+    std::vector<double> area(body->points.size(), 0);  // a third of the triangles around
+    for (const Triangle& t : body->surface) {
+      const Vec3 &a = body->points[t.v[0]], &b = body->points[t.v[1]], &c = body->points[t.v[2]];
+      for (const Index v : t.v) area[v] += (b - a).cross(c - a).norm() / 6;
+    }
+    for (std::size_t i = 0; i < area.size(); ++i) {
+      Vec3 force = Vec3::Zero();
+      for (const Params& f : asked->at("of").items())
+        if (const auto found = fields.find(f.as_text()); found != fields.end() && found->second.size() == 3 * points_)
+          force += Eigen::Map<const Vec3>(found->second.data() + 3 * (body->first + i));
+      if (!(area[i] > 0) || !force.allFinite() || force.isZero(0)) continue;
+      all.emplace_back(body->points[i], force / area[i]);
+      largest = std::max(largest, all.back().second.norm());
+    }
+  }
+  double& longest = longest_[name];
+  longest = asked->has("longest") ? asked->number("longest") : std::max(longest, largest);
+  if (!(longest > 0)) return;
+  const double away = (job.camera.look_at - job.camera.position).norm(),
+               height = job.camera.model == Camera::Model::fisheye ? 2 * away : 2 * away * std::tan(0.5 * job.camera.fov);
+  const double length = asked->has("length") ? asked->number("length") : kArrowLength * height;
+  for (const auto& [place, traction] : all)
+    if (traction.norm() > kLeastArrow * longest) job.arrows.push_back({place, place + length / longest * traction});
+  const auto [unit, scale] = pressure_unit(longest);
+  job.caption += fmt::format("{}longest arrow {:.3g} {}", job.caption.empty() ? "" : "     ", longest * scale, unit);
+}
+
 RenderJob SceneView::job(const std::string& name, const std::map<std::string, std::vector<double>>& fields, std::string caption) {
   const Params& p = render_.at("cameras").at(name);
   RenderJob job;
@@ -205,7 +246,11 @@ RenderJob SceneView::job(const std::string& name, const std::map<std::string, st
 
   const Params* by = p.find("colour_by");
   const auto field = by != nullptr ? fields.find(by->as_text()) : fields.end();
-  const bool coloured = field != fields.end() && field->second.size() == points_;
+  std::vector<double> scalars;
+  if (field != fields.end() && field->second.size() == points_) scalars = field->second;
+  if (field != fields.end() && field->second.size() == 3 * points_)
+    for (std::size_t i = 0; i < points_; ++i) scalars.push_back(Eigen::Map<const Vec3>(field->second.data() + 3 * i).norm());
+  const bool coloured = points_ > 0 && scalars.size() == points_;
   double low = 0, high = 0;
   for (const auto& body : bodies_) {
     if (!shown(body->name)) continue;
@@ -213,7 +258,7 @@ RenderJob SceneView::job(const std::string& name, const std::map<std::string, st
     drawn.mesh = &body->mesh;
     drawn.id = body->id;
     if (!coloured) continue;
-    drawn.scalar = body->scalar(field->second);
+    drawn.scalar = body->scalar(scalars);
     for (double& v : drawn.scalar) {
       if (!std::isfinite(v)) v = 0;
       low = std::min(low, v), high = std::max(high, v);
@@ -221,6 +266,7 @@ RenderJob SceneView::job(const std::string& name, const std::map<std::string, st
   }
   for (const auto& [body, plane] : planes_)
     if (shown(body)) job.planes.push_back(plane);
+  add_traction(job, name, fields, shown);
   if (!coloured) return job;
   if (const Params* range = p.find("range")) {
     low = range->items()[0].as_number(), high = range->items()[1].as_number();

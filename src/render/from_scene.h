@@ -1,5 +1,6 @@
 #pragma once
 // From the blocks of a scene (`render`, and `visual` of the bodies) to pictures of a run.
+#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -48,8 +49,8 @@ class SceneView {
   std::vector<std::pair<const BodyLabel*, GroundPlane>> planes() const;
   Camera camera(const std::string& name) const;  // where it is now
 
-  // What a camera sees now. `fields`: one value per point by name, in SI. The job refers to the meshes of this view.
-  // Without a `range` the colour scale spans the extremes of the field up to this frame.
+  // What a camera sees now. `fields`: one value or vector (which colours by its length) per point by name, in SI. The job refers to the meshes of
+  // this view. Without a `range` the colour scale spans the extremes of the field up to this frame.
   RenderJob job(const std::string& camera, const std::map<std::string, std::vector<double>>& fields, std::string caption);
 
  private:
@@ -59,7 +60,11 @@ class SceneView {
   std::vector<std::unique_ptr<Body>> bodies_;
   std::vector<BodyLabel> labels_;
   std::map<std::string, GroundPlane> planes_;
+  // Adds the arrows of a camera that asks for them to its job.
+  void add_traction(RenderJob& job, const std::string& name, const std::map<std::string, std::vector<double>>& fields,
+                    const std::function<bool(const std::string&)>& shown);
   std::map<std::string, std::pair<double, double>> extremes_;  // per camera
+  std::map<std::string, double> longest_;                      // traction, per camera [Pa]
   std::size_t points_ = 0;
 };
 

@@ -54,6 +54,11 @@ struct ColourBar {
   double low = 0, high = 1, scale = 1;
 };
 
+// In the world [m]; drawn over everything, so that bodies do not hide what acts between them.
+struct Arrow {
+  Vec3 from, to;
+};
+
 // First row on top. `distance` [m]: along the line of sight, the z of the camera (pinhole), or along the ray (fisheye); infinite where nothing is
 // seen.
 struct Measurement {
@@ -67,6 +72,7 @@ struct RenderJob {
   Camera camera;
   std::vector<Drawn> meshes;
   std::vector<GroundPlane> planes;
+  std::vector<Arrow> arrows;
   std::optional<ColourBar> bar;  // needed where a mesh has scalars
   std::string caption;           // lower left corner
   Vec3 background_top{0.93, 0.94, 0.96}, background_bottom{0.70, 0.73, 0.78};

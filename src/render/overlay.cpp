@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "render/arrow.h"
+#include "render/camera.h"
 #include "render/colour_map.h"
 #include "render/font.h"
 
@@ -79,12 +81,22 @@ std::vector<std::pair<double, std::string>> ticks(double low, double high) {
   return list;
 }
 
+std::pair<const char*, double> pressure_unit(double pressure) {
+  if (pressure >= 1e6) return {"MPa", 1e-6};
+  if (pressure >= 1e3) return {"kPa", 1e-3};
+  return {"Pa", 1};
+}
+
 BarBox bar_box(int width, int height) {
   const int w = std::max(6, static_cast<int>(height * 0.028));
   return {width - static_cast<int>(height * 0.14) - w, static_cast<int>(height * 0.22), w, static_cast<int>(height * 0.56)};
 }
 
 void draw_overlays(Image& image, const RenderJob& job) {
+  for (const Arrow& a : job.arrows) {
+    const std::optional<Vec2> from = project(job, a.from), to = project(job, a.to);
+    if (from && to) draw_arrow(image, (*from)[0], (*from)[1], (*to)[0] - (*from)[0], (*to)[1] - (*from)[1]);
+  }
   if (job.bar) draw_bar(image, *job.bar);
   if (job.caption.empty()) return;
   const double size = std::max(10.0, image.height * 0.030);

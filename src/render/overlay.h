@@ -10,6 +10,9 @@ namespace mortise::render {
 // Values 1, 2 or 5 times a power of ten that divide [low, high] into four to nine parts, with their labels.
 std::vector<std::pair<double, std::string>> ticks(double low, double high);
 
+// Unit and factor in which a pressure of this size is written: Pa, kPa or MPa.
+std::pair<const char*, double> pressure_unit(double pressure);
+
 // Rectangle of the gradient of the colour bar in a picture [pixels]; the highest value is at the top.
 struct BarBox {
   int left, top, width, height;

@@ -25,7 +25,7 @@ std::unique_ptr<engine::Engine> check_start(const Params& scene, const model::Mo
   if (scene.has("render") && scene.at("output").flag("pictures")) {
     render::SceneView view(scene, input.bodies);
     view.move(points);
-    for (const std::string& camera : view.cameras()) render::check_job(view.job(camera, start.point_scalars(), ""));
+    for (const std::string& camera : view.cameras()) render::check_job(view.job(camera, start.drawable(), ""));
   }
   check(engine->begin());
   return engine;

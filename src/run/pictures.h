@@ -14,7 +14,7 @@ class Pictures {
  public:
   Pictures(const Params& scene, const model::ModelInput& input, const std::string& folder);
   ~Pictures();
-  // points: 3 per point [m]; fields: scalar point fields by name.
+  // points: 3 per point [m]; fields: of points, by name, with one or three numbers each.
   void draw(long frame, double time, const std::vector<double>& points, const std::map<std::string, std::vector<double>>& fields);
 
  private:

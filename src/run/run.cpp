@@ -360,7 +360,7 @@ class Run {
     const Stopwatch pictures;
     const long frame = file_->frames() - 1;
     const bool drawn = frame % picture_every_ == 0;
-    if (pictures_ && drawn) pictures_->draw(frame, engine_->time(), points, state.point_scalars());
+    if (pictures_ && drawn) pictures_->draw(frame, engine_->time(), points, state.drawable());
     if (sensor_maps_) sensor_maps_->see(readings);
     if (sensor_maps_ && drawn) sensor_maps_->draw(frame, engine_->time(), readings);
     record_.spent("pictures", pictures);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "render/arrow.h"
 #include "render/colour_map.h"
 #include "render/font.h"
 #include "render/overlay.h"
@@ -15,46 +16,10 @@ namespace mortise::run {
 namespace {
 
 constexpr int kHeight = 540, kMargin = 48, kBar = 150;  // pixels
-constexpr std::uint8_t kPaper[3] = {238, 240, 243}, kNothing[3] = {205, 208, 213}, kArrow[3] = {255, 255, 255}, kEdge[3] = {20, 22, 26},
-                       kText[3] = {34, 37, 42};
+constexpr std::uint8_t kPaper[3] = {238, 240, 243}, kNothing[3] = {205, 208, 213}, kText[3] = {34, 37, 42};
 
 void put(render::Image& image, int x, int y, const std::uint8_t* colour) {
   if (x >= 0 && y >= 0 && x < image.width && y < image.height) std::copy(colour, colour + 3, image.at(x, y));
-}
-
-struct Stroke {
-  double x0, y0, x1, y1;
-};
-
-// All pixels nearer to the stroke than `radius`, with a soft edge.
-void draw_stroke(render::Image& image, const Stroke& s, double radius, const std::uint8_t* colour) {
-  const double dx = s.x1 - s.x0, dy = s.y1 - s.y0, square = dx * dx + dy * dy;
-  for (int y = static_cast<int>(std::min(s.y0, s.y1) - radius - 1); y <= std::max(s.y0, s.y1) + radius + 1; ++y)
-    for (int x = static_cast<int>(std::min(s.x0, s.x1) - radius - 1); x <= std::max(s.x0, s.x1) + radius + 1; ++x) {
-      if (x < 0 || y < 0 || x >= image.width || y >= image.height) continue;
-      const double t = square > 0 ? std::clamp(((x - s.x0) * dx + (y - s.y0) * dy) / square, 0.0, 1.0) : 0;
-      const double cover = std::clamp(radius + 0.5 - std::hypot(x - s.x0 - t * dx, y - s.y0 - t * dy), 0.0, 1.0);
-      std::uint8_t* p = image.at(x, y);
-      for (int c = 0; c < 3; ++c) p[c] = static_cast<std::uint8_t>(std::lround(p[c] + cover * (colour[c] - p[c])));
-    }
-}
-
-// Light with a dark edge: legible on every colour of the scale. `dx`, `dy` in pixels, y downwards.
-void draw_arrow(render::Image& image, double x, double y, double dx, double dy) {
-  const double length = std::hypot(dx, dy);
-  if (length < 1) return;
-  const double head = std::min(9.0, 0.4 * length), ux = dx / length, uy = dy / length, x1 = x + dx, y1 = y + dy;
-  const auto barb = [&](double side) { return Stroke{x1, y1, x1 - head * (ux + 0.5 * side * uy), y1 - head * (uy - 0.5 * side * ux)}; };
-  const Stroke strokes[] = {{x, y, x1, y1}, barb(1), barb(-1)};
-  for (const Stroke& s : strokes) draw_stroke(image, s, 1.9, kEdge);
-  for (const Stroke& s : strokes) draw_stroke(image, s, 0.7, kArrow);
-}
-
-// How numbers at a scale that ends at `pressure` are written.
-std::pair<const char*, double> unit_for(double pressure) {
-  if (pressure >= 1e6) return {"MPa", 1e-6};
-  if (pressure >= 1e3) return {"kPa", 1e-3};
-  return {"Pa", 1};
 }
 
 // The largest 1, 2 or 5 times a power of ten that is not above `value`.
@@ -67,8 +32,8 @@ double round_down(double value) {
 void draw_shear_scale(render::Image& image, int left, double pixels_per_pascal) {
   constexpr double kLongest = 90, kSize = 16;  // pixels
   const double shear = round_down(kLongest / pixels_per_pascal);
-  const auto [unit, scale] = unit_for(shear);
-  draw_arrow(image, left, kHeight - 70, shear * pixels_per_pascal, 0);
+  const auto [unit, scale] = render::pressure_unit(shear);
+  render::draw_arrow(image, left, kHeight - 70, shear * pixels_per_pascal, 0);
   render::draw_text(image, fmt::format("shear  {:g} {}", shear * scale, unit), left, kHeight - 44, kSize, kText);
 }
 
@@ -96,7 +61,7 @@ render::Image map_of(const sensors::GridSpec& spec, const sensors::Reading& r, d
     const double shown = length * std::min(1.0, shear_high / size);
     const double x = kMargin + (i % spec.columns + 0.5) * wide / spec.columns;
     const double y = kMargin + (spec.rows - 0.5 - i / spec.columns) * high / spec.rows;
-    draw_arrow(image, x, y, shown * u, -shown * v);
+    render::draw_arrow(image, x, y, shown * u, -shown * v);
   }
   draw_shear_scale(image, kMargin + wide + 58, length);
   return image;
@@ -137,7 +102,7 @@ void SensorMaps::draw(long frame, double time, const std::vector<sensors::Readin
     const Scale scale = scale_of(s);
     render::Image image = map_of(sensor.spec(), readings[s], scale.low, scale.high, scale.shear_low, scale.shear_high);
     render::RenderJob job;
-    const auto [unit, factor] = unit_for(std::max(std::abs(scale.low), std::abs(scale.high)));
+    const auto [unit, factor] = render::pressure_unit(std::max(std::abs(scale.low), std::abs(scale.high)));
     job.bar = render::ColourBar{"pressure", unit, scale.low, scale.high, factor};
     job.caption = fmt::format("{}   t = {:.4g} s", sensor.name(), time);
     render::draw_overlays(image, job);

@@ -253,6 +253,14 @@ class CrossCheck {
                         path + ": its " + kind + " images would have the names of the pictures of camera '" + other + "'", "rename one of them");
       if (const Params* unit = camera.find("depth_unit"); unit && !writes(camera, "depth"))
         errors_.add(unit->where(), path + ".depth_unit is of no use: the camera writes no depth", "outputs: [color, depth]");
+      if (const Params* traction = camera.find("traction")) {
+        const std::vector<std::string> known = fields(false);
+        const auto& asked = traction->at("of").items();
+        if (effects_known() &&
+            std::none_of(asked.begin(), asked.end(), [&](const Params& f) { return std::count(known.begin(), known.end(), f.as_text()); }))
+          errors_.add(traction->where(), path + ".traction: no effect of the scene reports any of its forces",
+                      "fields of points here: " + join(known, ", "));
+      }
       if (const Params* by = camera.find("colour_by")) is_field(*by, path + ".colour_by", fields(false));
       if (const Params* unit = camera.find("unit"); unit && !parse_quantity("1 " + unit->as_text(), Unit::any).error.empty())
         errors_.add(unit->where(), path + ".unit is '" + unit->as_text() + "', which is no unit", suggestion(unit->as_text(), suffixes(Unit::any)));

@@ -18,8 +18,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Somebody took a robot's file for a scene.
+std::string robot_hint(const std::string& text) {
+  return text.find("<robot") == std::string::npos ? "" : "a robot's file becomes a scene by 'mortise import', or stands in one: 'robot: {file: ...}'";
+}
+
 // What usually is behind yaml-cpp's messages.
 std::string syntax_hint(const std::string& text, const SyntaxError& e) {
+  if (const std::string robot = robot_hint(text); !robot.empty()) return robot;
   std::istringstream lines(text);
   std::string line;
   for (int i = 0; i < e.at.line; ++i) std::getline(lines, line);
@@ -59,7 +65,7 @@ Scene read(const std::string& text, const std::string& path, const std::vector<s
   if (root.kind == Node::Kind::null)
     errors.add(root.at, "the scene is empty");
   else if (root.kind != Node::Kind::map)
-    errors.add(root.at, "the scene is " + root.describe() + "; must be a block of keys");
+    errors.add(root.at, "the scene is " + root.describe() + "; must be a block of keys", robot_hint(text));
   else
     check_version(root, errors);
   if (!errors.empty()) errors.raise();

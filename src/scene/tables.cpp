@@ -276,6 +276,18 @@ const ParamTable& output_table() {
   return t;
 }
 
+const ParamTable& traction_table() {
+  static const ParamTable t{"traction",
+                            "Arrows of what acts on the surfaces that the camera sees, per area.",
+                            {of(Kind::names, "of", Unit::none, "[contact_force, friction_force]",
+                                "Fields of forces on points, which are added up; those that no effect reports are left out."),
+                             positive(optional(of(Kind::number, "length", Unit::length, {},
+                                                  "Of the longest arrow; absent: an eighth of the height that the picture shows at look_at."))),
+                             positive(optional(of(Kind::number, "longest", Unit::pressure, {},
+                                                  "What the longest arrow stands for; absent: the largest traction so far.")))}};
+  return t;
+}
+
 const ParamTable& camera_table() {
   static const ParamTable t{
       "camera",
@@ -290,6 +302,7 @@ const ParamTable& camera_table() {
        optional(any_of("outputs", {"color", "depth", "segmentation"},
                        "What is written: color pictures, depth images (16-bit PNG), images of which body is seen (indexed PNG); absent: color.")),
        positive(optional(of(Kind::number, "depth_unit", Unit::length, {}, "What one count of a depth image stands for; absent: 1 mm."))),
+       table("traction", &traction_table(), "Arrows of what acts on the surfaces that the camera sees, per area."),
        optional(of(Kind::text, "rides_on", Unit::none, {},
                    "Name of a body that the camera moves with, as rigidly as that does; position, look_at and up are those of the start.")),
        optional(of(Kind::names, "hide", Unit::none, {}, "Names of bodies that this camera does not see.")),

@@ -156,8 +156,11 @@ std::string Node::describe() const {
   switch (kind) {
     case Kind::null:
       return "empty";
-    case Kind::scalar:
-      return quoted ? "the text \"" + text + "\"" : "'" + text + "'";
+    case Kind::scalar: {
+      constexpr std::size_t kShown = 60;  // characters: the whole file may have been taken for one text
+      const std::string seen = text.size() <= kShown + 3 ? text : text.substr(0, kShown) + "...";
+      return quoted ? "the text \"" + seen + "\"" : "'" + seen + "'";
+    }
     case Kind::list:
       return "a list";
     case Kind::map:

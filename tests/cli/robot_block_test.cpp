@@ -122,6 +122,13 @@ TEST_F(RobotBlock, WhatIsWrongIsSaidWithItsPlace) {
   says("{file: arm.urdf}", 3, "arm.urdf:1:");
 }
 
+TEST_F(RobotBlock, ARobotsFileIsNoScene) {
+  const Result r = mortise("run arm.urdf", path_);
+  EXPECT_EQ(r.code, 3);
+  EXPECT_THAT(r.err, HasSubstr("a robot's file becomes a scene by 'mortise import'"));
+  EXPECT_LT(r.err.size(), 500u);
+}
+
 TEST_F(RobotBlock, RunsFromItsOwnRecord) {
   std::ofstream(path_ + "/scene.yaml") << "mortise: 1\nrobot: {file: arm.urdf, sway: 10 deg}\ntime: {steps: 4, frame_every: 2}\n";
   const Result r = mortise("run scene.yaml -o out --no-render -q", path_);
@@ -132,9 +139,22 @@ TEST_F(RobotBlock, RunsFromItsOwnRecord) {
   EXPECT_THAT(exported.out, HasSubstr("arm.glb: 7 bodies, 3 frames"));
 }
 
+TEST_F(RobotBlock, AnExportOfSeveralEnvironmentsAsksWhose) {
+  fs::create_directories(path_ + "/out/env_0000");
+  for (const char* file : {"/out/fields.vtkhdf", "/out/env_0000/fields.vtkhdf"}) std::ofstream(path_ + file) << "x";
+  const Result r = mortise("export out -o a.glb", path_);
+  EXPECT_EQ(r.code, 2);
+  EXPECT_EQ(r.err, "error: 'out' holds several environments: say whose, for example out/env_0000\n");
+}
+
 TEST_F(RobotBlock, TenLinesMoveARealRobotOnSoftFeet) {
   const std::string go2 = std::string(MORTISE_SHARED_DATA) + "/robots/go2/go2_description.urdf";
   if (!fs::exists(go2)) GTEST_SKIP() << go2 << " is not there";
+  const Result missing = check("mortise: 1\nrobot: {file: " + go2 + "}\n");
+  EXPECT_EQ(missing.code, 6);
+  EXPECT_THAT(
+      missing.err,
+      HasSubstr("\n  robot.packages: [{name: go2_description, folder: FOLDER}] says where the package is\n  robot.missing_meshes: skip goes on"));
   std::ofstream(path_ + "/scene.yaml")
       << "mortise: 1\nrobot:\n  file: " << go2
       << "\n  missing_meshes: skip\n  sway: 5 deg\n  joints: [{joint: '*_thigh_joint', angle: 0.9}, {joint: '*_calf_joint', angle: -1.8}]\n"

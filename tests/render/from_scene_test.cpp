@@ -31,6 +31,8 @@ render:
     map: {position: [0, -9, 2], look_at: [1, 0, 0], model: fisheye, fov: 200 deg, hide: [b, floor], colour_by: contact_pressure,
           range: [0, 20 kPa], unit: kPa, background: [0, 0, 0]}
     free: {position: [0, -9, 2], look_at: [1, 0, 0], colour_by: contact_pressure}
+    push: {position: [0, -9, 2], look_at: [1, 0, 0], traction: {length: 0.5, longest: 10 kPa}, hide: [b]}
+    free_push: {position: [0, -9, 2], look_at: [1, 0, 0], fov: 40 deg, traction: {of: [contact_force]}}
     riding: {position: [3, 0, 2], look_at: [3, 0, 0], up: [0, 1, 0], rides_on: b}
 )";
 
@@ -40,7 +42,7 @@ class SceneViewTest : public testing::Test {
     std::string text = kScene;
     for (std::size_t k; (k = text.find("ASSETS")) != std::string::npos;) text.replace(k, 6, test_place::kSourceFolder + "/scenes/tactile/assets");
     static const ParamTable none{"effect elasticity", "", {}};
-    const std::vector<scene::EffectTable> effects{{"elasticity", "", &none, {"contact_pressure"}}};
+    const std::vector<scene::EffectTable> effects{{"elasticity", "", &none, {"contact_pressure", "contact_force"}}};
     root = scene::read_scene_text(text, "test.yaml", {}, effects).root;
     const geometry::TetMesh box = geometry::box(Vec3(1, 1, 1), 0.5);
     for (const auto& [name, params] : root.at("bodies").entries()) {
@@ -67,7 +69,7 @@ class SceneViewTest : public testing::Test {
 
 TEST_F(SceneViewTest, CamerasTakeTheirBlocks) {
   SceneView view(root, bodies);
-  EXPECT_EQ(view.cameras(), (std::vector<std::string>{"all", "map", "free", "riding"}));
+  EXPECT_EQ(view.cameras(), (std::vector<std::string>{"all", "map", "free", "push", "free_push", "riding"}));
   const RenderJob all = view.job("all", fields, "hello"), map = view.job("map", fields, "");
   EXPECT_EQ(all.width, 320);
   EXPECT_EQ(all.height, 200);
@@ -104,6 +106,38 @@ TEST_F(SceneViewTest, AColourScaleWithoutRangeOnlyGrows) {
   EXPECT_DOUBLE_EQ(view.job("free", fields, "").bar->high, 8e3);
   fields["contact_pressure"][5] = 9e3;
   EXPECT_DOUBLE_EQ(view.job("free", fields, "").bar->high, 9e3);
+}
+
+// A uniform pull at the top of the cube: traction is force over area, and its arrows add up to it.
+TEST_F(SceneViewTest, ArrowsOfTraction) {
+  SceneView view(root, bodies);
+  const model::BodyInput& a = bodies[0];
+  std::vector<double>& contact = fields["contact_force"];
+  std::vector<double>& friction = fields["friction_force"];
+  contact.assign(rest.size(), 0), friction.assign(rest.size(), 0);
+  std::vector<double> area(a.nodes.size(), 0);
+  for (const Triangle& t : a.triangles)
+    for (const Index v : t.v) area[v] += (a.nodes[t.v[1]] - a.nodes[t.v[0]]).cross(a.nodes[t.v[2]] - a.nodes[t.v[0]]).norm() / 6;
+  for (std::size_t i = 0; i < a.nodes.size(); ++i)
+    if (a.nodes[i].z() > 0.49) contact[3 * i + 2] = 4e3 * area[i], friction[3 * i] = 3e3 * area[i];
+  const RenderJob push = view.job("push", fields, "t = 1 s");
+  EXPECT_EQ(push.arrows.size(), 9u) << "the nodes of the top";
+  for (const Arrow& arrow : push.arrows) EXPECT_LT((arrow.to - arrow.from - Vec3(0.15, 0, 0.2)).norm(), 1e-12);
+  EXPECT_EQ(push.caption, "t = 1 s     longest arrow 10 kPa");
+  const RenderJob free_push = view.job("free_push", fields, "");
+  const double height = 2 * (Vec3(1, 0, 0) - Vec3(0, -9, 2)).norm() * std::tan(20 * M_PI / 180);
+  for (const Arrow& arrow : free_push.arrows) EXPECT_NEAR(arrow.to.z() - arrow.from.z(), height / 8, 1e-9);
+  EXPECT_EQ(free_push.caption, "longest arrow 4 kPa");
+  for (double& f : contact) f *= 0.5;
+  EXPECT_EQ(view.job("free_push", fields, "").caption, "longest arrow 4 kPa") << "a scale only grows";
+  EXPECT_TRUE(view.job("all", fields, "").arrows.empty());
+}
+
+TEST_F(SceneViewTest, VectorsColourByTheirLength) {
+  SceneView view(root, bodies);
+  fields["contact_pressure"].assign(rest.size(), 0);
+  for (int c = 0; c < 3; ++c) fields["contact_pressure"][15 + c] = 2e3 * (c == 0 ? 1 : 2) / 3;
+  EXPECT_NEAR(view.job("free", fields, "").bar->high, 2e3, 1e-9);
 }
 
 TEST_F(SceneViewTest, MeshesMoveWithTheirBodies) {

@@ -166,6 +166,46 @@ TEST_F(Measuring, IntrinsicsProjectToWhatIsDrawn) {
     }
 }
 
+TEST(Camera, ProjectsWhereItsRaysComeFrom) {
+  for (const Camera::Model model : {Camera::Model::pinhole, Camera::Model::fisheye}) {
+    RenderJob job = job_from(0);
+    job.camera = {model, {0.1, -0.2, 0.3}, {0.2, 1, 0.4}, {0, 0.1, 1}, model == Camera::Model::pinhole ? 1.0 : 5.0};
+    int seen = 0;
+    for (int y = 0; y < job.height; y += 7)
+      for (int x = 0; x < job.width; x += 11) {
+        const std::optional<Vec3> ray = ray_of(job, x, y);
+        if (!ray) continue;
+        const std::optional<Vec2> back = project(job, job.camera.position + 3 * *ray);
+        ASSERT_TRUE(back);
+        EXPECT_LT((*back - Vec2(x, y)).norm(), 1e-9);
+        ++seen;
+      }
+    EXPECT_GT(seen, 100);
+    const Pose pose = pose_of(job.camera);
+    EXPECT_FALSE(project(job, job.camera.position - pose.forward)) << "behind";
+  }
+}
+
+TEST_F(Measuring, ArrowsLieOverWhatHidesThem) {
+  const DrawMesh square = quad();
+  RenderJob job = job_from(5);
+  job.meshes = {Drawn{&square, {}, 1}};
+  Renderer renderer;
+  const Image empty = renderer.draw(job);
+  job.arrows = {
+      {{0.3, 2, 0.2}, {0.6, 2, 0.2}}, {{0, 2, 0}, {0, -20, 0}}, {{0, 0, 0}, {1e9, 0, 1e9}}};  // behind the square; to behind the camera; far out
+  const Image with = renderer.draw(job);
+  const Vec2 from = *project(job, job.arrows[0].from), to = *project(job, job.arrows[0].to);
+  const auto white = [&](const Vec2& p) { return with.at(static_cast<int>(std::lround(p[0])), static_cast<int>(std::lround(p[1])))[0]; };
+  EXPECT_GT(white(0.5 * (from + to)), 240);
+  EXPECT_GT(white(from), 150);
+  job.arrows.resize(1);
+  const Blob blob = difference(renderer.draw(job), empty);
+  EXPECT_NEAR(blob.y + -0.5, from[1], 0.5);
+  EXPECT_GT(blob.x, from[0]);
+  EXPECT_LT(blob.x, to[0] + 1);
+}
+
 TEST_F(Measuring, IsDeterministicAndLeavesPicturesAlone) {
   const DrawMesh sphere = ball({0, 0, 1}, 1);
   RenderJob job = job_from(6);

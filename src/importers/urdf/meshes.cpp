@@ -86,8 +86,7 @@ void find_meshes(Robot& robot, const MeshOptions& options, Notes& notes) {
     throw Error(Exit::file, missing[0]->where,
                 "there is no mesh '" + name + "'" +
                     (missing.size() > 1 ? ", nor " + std::to_string(missing.size() - 1) + " more that the robot names" : "") +
-                    (package ? "\n  --package " + name.substr(10, name.find('/', 10) - 10) + "=FOLDER says where the package is" : "") +
-                    "\n  --missing-meshes skip goes on without them");
+                    (package ? options.where(name.substr(10, name.find('/', 10) - 10)) : "") + options.skip_hint);
   }
   for (Link& link : robot.links)
     for (std::vector<Shape>* shapes : {&link.visuals, &link.collisions})

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <map>
 
 #include "importers/notes.h"
@@ -9,6 +10,11 @@ namespace mortise::importers::urdf {
 struct MeshOptions {
   std::map<std::string, std::string> packages;  // folder of package://NAME
   bool skip_missing = false;
+  // What messages advise where a package is not found, and a mesh is missing.
+  std::function<std::string(const std::string& package)> where = [](const std::string& p) {
+    return "\n  --package " + p + "=FOLDER says where the package is";
+  };
+  std::string skip_hint = "\n  --missing-meshes skip goes on without them";
   std::string folder;  // for meshes that have to be written anew; made when the first one is
 };
 
