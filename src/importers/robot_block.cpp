@@ -18,7 +18,7 @@ namespace {
 std::string mesh_folder(const std::string& robot) {
   fs::path cache = geometry::cache_folder();
   if (cache.empty()) cache = fs::temp_directory_path();
-  return (cache / ("robot_" + sha256(fs::absolute(robot).string() + "\n" + read_regular_file(robot, most_bytes::scene)).substr(0, 16))).string();
+  return (cache / ("robot_" + sha256(fs::absolute(robot).string() + "\n" + read_regular_file(robot, max_bytes::scene)).substr(0, 16))).string();
 }
 
 }  // namespace
