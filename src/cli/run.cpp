@@ -5,12 +5,14 @@
 
 #include "cli/commands.h"
 #include "engine/effect_tables.h"
+#include "study/error_budget.h"
 
 namespace mortise::cli {
 
 void add_run(Command app, Context& context) {
   const Command sub = app.command("run", "run a scene: fields, checkpoints and pictures go to the output folder");
   auto o = std::make_shared<run::Options>();
+  o->estimate = study::budget_of_run;
   add_scene_options(sub, o->scene, o->overrides);
   sub.option("-o,--output", o->output, "output folder; default out/<name of the scene>");
   const Flag environment =

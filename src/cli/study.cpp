@@ -8,7 +8,9 @@
 
 #include "bench/benchmark.h"
 #include "cli/commands.h"
+#include "engine/effect_tables.h"
 #include "output/atomic_file.h"
+#include "scene/scene.h"
 #include "study/effects_off.h"
 #include "study/error_budget.h"
 #include "study/read.h"
@@ -50,6 +52,8 @@ study::Study study_of(const Options& o) {
     s = of_flags(o);
   }
   s.set.insert(s.set.end(), o.overrides.begin(), o.overrides.end());
+  // Without any, those that the scene itself is about.
+  if (s.quantities.empty() && !s.scene.empty()) s.quantities = study::quantities_of(scene::read_scene(s.scene, s.set, engine::effect_tables()).root);
   if (s.methods.empty()) s.methods.emplace_back();
   if (o.repeats > 0) s.repeats = o.repeats;
   if (o.limit > 0) s.limit = o.limit;

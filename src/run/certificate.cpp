@@ -352,4 +352,10 @@ std::string Certificate::json(const End& end) const {
   return j.dump(1) + "\n";
 }
 
+std::string with_error_budget(const std::string& certificate, const std::string& budget) {
+  Json j = Json::parse(certificate);
+  j["error_budget"] = Json::parse(budget);
+  return j.dump(1) + "\n";
+}
+
 }  // namespace mortise::run

@@ -89,4 +89,7 @@ class Certificate {
   double residual_ = NAN, over_tolerance_ = NAN, residual_share_ = NAN, lag_residual_ = NAN, lag_share_ = NAN, least_alpha_ = NAN;
 };
 
+// certificate.json with `error_budget`, which is JSON.
+std::string with_error_budget(const std::string& certificate, const std::string& budget);
+
 }  // namespace mortise::run

@@ -1,10 +1,16 @@
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "base/params.h"
+#include "engine/engine.h"
+#include "model/input.h"
 
 namespace mortise::run {
+
+// How wrong the scene's `quantities` are, for the certificate of a run that has taken all of its steps: JSON. fields: path of its field file.
+using Estimate = std::function<std::string(engine::Engine& engine, const model::ModelInput& input, const std::string& fields)>;
 
 // The command line of `mortise run`.
 struct Options {
@@ -29,6 +35,7 @@ struct Options {
   bool quiet = false;
   std::string device = "auto";  // as engine::choose takes it
   int threads = 0;              // 0: what the machine grants
+  Estimate estimate{};          // none: certificates are without
 };
 
 }  // namespace mortise::run

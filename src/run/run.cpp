@@ -220,11 +220,15 @@ class Run {
         throw Error(Exit::device, outcome.message + "\n  the last checkpoint in " + folder_->path() +
                                       " is good: --resume continues from it, on a device with more memory or with less contact");
       check(outcome);
+      stepped_ = true;
       after_step(report);
     }
     if (bridge_ && !ended_) note(bridge_->ask_last(engine_->steps_done(), [this] { return stop(); }));
     if (ended_) save();
     file_->close();
+    // Of the state that a step of this process led to: the next process has no equations of it.
+    if (stepped_ && engine_->steps_done() == steps_ && o_.estimate && scene_.root.has("quantities"))
+      budget_ = o_.estimate(*engine_, input, field_path);
     if (!ended_by().empty()) note("reset: " + ended_by());
     return Exit::done;
   }
@@ -421,7 +425,8 @@ class Run {
     const std::vector<Checks::Verdict> verdicts = checks_->verdicts(status, message);
     const auto failed = std::count_if(verdicts.begin(), verdicts.end(), [](const Checks::Verdict& v) { return !v.pass; });
     if (status == Exit::done && failed > 0) status = Exit::checks, message = fmt::format("{} of {} checks failed", failed, verdicts.size());
-    const std::string certificate = certificate_->json({scene_.root.text("name"), hash_, device, status, message, checks_->energy()});
+    std::string certificate = certificate_->json({scene_.root.text("name"), hash_, device, status, message, checks_->energy()});
+    if (!budget_.empty()) certificate = with_error_budget(certificate, budget_);
     output::write_file_atomically(folder_->file("certificate.json"), Checks::add_to(certificate, verdicts), true);
     for (const Checks::Verdict& v : verdicts)
       if (!v.pass) note(fmt::format("check failed: {}; it is {}", v.text, v.found.empty() ? fmt::format("{:.6g}", v.value) : v.found));
@@ -457,7 +462,8 @@ class Run {
   long picture_every_ = 1, checkpoint_steps_ = 0;
   double checkpoint_seconds_ = 0;
   Time::time_point saved_ = Time::now();
-  bool started_ = false;
+  bool started_ = false, stepped_ = false;
+  std::string budget_;  // how wrong quantities are, JSON
 };
 
 }  // namespace

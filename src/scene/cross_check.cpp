@@ -6,6 +6,7 @@
 #include "scene/checker.h"
 #include "scene/checks.h"
 #include "scene/pass_through.h"
+#include "scene/quantities.h"
 #include "scene/quantity.h"
 #include "scene/sensors.h"
 #include "scene/suggest.h"
@@ -318,6 +319,7 @@ void cross_check(const Params& root, std::span<const EffectTable> effects, const
   CrossCheck(root, effects, incomplete, errors).run();
   check_checks(root, effects, incomplete, errors);
   check_sensors(root, effects, incomplete, errors);
+  check_quantities(root, incomplete, errors);
 }
 
 }  // namespace mortise::scene

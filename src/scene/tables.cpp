@@ -2,6 +2,7 @@
 
 #include "scene/checks.h"
 #include "scene/environments.h"
+#include "scene/quantities.h"
 #include "scene/robot.h"
 #include "scene/sensors.h"
 
@@ -342,6 +343,9 @@ SceneTables::SceneTables(std::span<const EffectTable> effects) {
   }
   Param checks = table("checks", &check_table(), "What a run has to fulfil; the verdicts are in certificate.json.");
   checks.kind = Kind::tables;
+  Param quantities =
+      table("quantities", &quantity_table(), "Numbers that the scene is about: certificate.json says how wrong they are, as far as it can.");
+  quantities.kind = Kind::tables;
   Param pairs = table("pairs", &pair_table(), "Pairs of bodies that differ from the others.");
   pairs.kind = Kind::tables;
   Param sensors = map("sensors", &sensor_table(), "Grids of taxels by name.");
@@ -360,6 +364,7 @@ SceneTables::SceneTables(std::span<const EffectTable> effects) {
                   always(table("solver", &solver_table(), "Accuracy and effort of the solver.")),
                   always(table("output", &output_table(), "What a run writes.")),
                   checks,
+                  quantities,
                   sensors,
                   table("environments", &environments_table(), "Many copies of the scene, with numbers drawn at random."),
                   table("render", &render_table(), "Pictures of the run.")};

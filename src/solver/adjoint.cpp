@@ -29,7 +29,8 @@ double layer_along(const model::ContactView& contact, const std::vector<Vec3>& z
 Adjoint Simulation::adjoint(const Functional& Q) {
   System& system = newton_.system();
   if (!tangent_) tangent_ = std::make_unique<Tangent>(system);
-  tangent_->linearise(model_.q);
+  if (tangent_step_ != step_) tangent_->linearise(model_.q);
+  tangent_step_ = step_;
   const std::vector<Mat3> P = model_.projector.download();
 
   // dQ/dq + J^T (I - P) E

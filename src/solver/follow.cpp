@@ -21,6 +21,7 @@ void Simulation::lead_on(const effects::StepInfo& info) {
                   " (auto): how it would be chosen beside is no smooth matter; give it as a number"};
   if (!tangent_) tangent_ = std::make_unique<Tangent>(newton_.system());
   tangent_->linearise(newton_.q());
+  tangent_step_ = -1;
   device::Buffer<Vec3> still;
   newton_.system().supports(newton_.q().view(), still);
   for (Simulation* other : others_) {

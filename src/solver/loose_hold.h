@@ -37,9 +37,7 @@ class LooseHold {
     s = s > 0 ? std::min(tuning::kLargestHold, s * tuning::kHoldGrowth) : tuning::kFirstHold;
   }
   // A far step that is not to be taken.
-  bool astray(Index env, double before, double after) const {
-    return after > tuning::kAway * before && rows_[env].scale < tuning::kLargestHold;
-  }
+  bool astray(Index env, double before, double after) const { return after > tuning::kAway * before && rows_[env].scale < tuning::kLargestHold; }
 
   double scale(Index env) const { return rows_[env].scale; }
 

@@ -74,7 +74,8 @@ class Simulation {
   Newton newton_;
   AcceptedForces forces_;
   std::vector<Simulation*> others_;
-  std::unique_ptr<Tangent> tangent_;  // where there are others
+  std::unique_ptr<Tangent> tangent_;  // where there are others, or adjoints,
+  Index tangent_step_ = -1;           // at the state that so many steps led to
   bool refitted_ = false;             // parameters of effects were fitted to the solution of the step under way
   std::vector<std::string> lost_;     // per environment
   double support_work_ = 0;           // of the last step [J]

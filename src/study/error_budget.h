@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/engine.h"
+#include "model/input.h"
 #include "study/run_study.h"
 
 namespace mortise::study {
@@ -29,10 +31,18 @@ struct ErrorBudget {
   bool exact = true;                      // J^T lacked nothing
 };
 
+// Of the state that the engine's last step led to; values are left out.
+ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, const std::vector<Quantity>& quantities);
+
+// Of a run that has ended with all of its steps, for its certificate: the scene's `quantities` with values from its field file, as a JSON array.
+// What cannot be told is told.
+std::string budget_of_run(engine::Engine& engine, const model::ModelInput& input, const std::string& fields);
+
 // Runs the scene. Throws Error(Exit::usage) for scenes of which nothing can be said.
 ErrorBudget find_error_budget(const Study& study, const Place& place);
 
 std::string budget_table(const Study& study, const ErrorBudget& budget);
+std::string budget_entries(const std::vector<Quantity>& quantities, const ErrorBudget& budget);  // a JSON array
 std::string budget_json(const Study& study, const ErrorBudget& budget);
 
 }  // namespace mortise::study

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "base/param_table.h"
+#include "base/params.h"
 #include "study/study.h"
 
 namespace mortise::study {
@@ -19,6 +20,7 @@ Ladder ladder_of_flag(const std::string& text);
 // --qoi group/name, or a block as in a study's file: '{value: contact_pressure, body: pad, over: max}'. Throws SceneErrors.
 Quantity quantity_of_flag(const std::string& text);
 
-const ParamTable& quantity_table();
+// The `quantities` of a scene.
+std::vector<Quantity> quantities_of(const Params& scene);
 
 }  // namespace mortise::study

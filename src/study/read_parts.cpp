@@ -6,6 +6,7 @@
 #include <set>
 
 #include "scene/flow.h"
+#include "scene/quantities.h"
 #include "scene/suggest.h"
 #include "study/limit.h"
 #include "study/read.h"
@@ -128,11 +129,10 @@ Method method(const Node& node, std::size_t number, Diagnostics& errors) {
   return out;
 }
 
-Quantity quantity(const Node& node, const std::string& what, scene::Checker& checker, Diagnostics& errors) {
+// Of a block that was checked.
+Quantity quantity_from(const Params& p) {
   Quantity out;
-  out.place = node.at;
-  if (node.kind == Node::Kind::scalar) return out.name = out.value = node.text, out;
-  const Params p = checker.table(quantity_table(), node, what);
+  out.place = p.where();
   const auto text = [&](const char* key, std::string& to) {
     if (const Params* v = p.find(key)) to = v->as_text();
   };
@@ -148,14 +148,27 @@ Quantity quantity(const Node& node, const std::string& what, scene::Checker& che
   if (out.at) out.name += fmt::format(" at {:g} s", *out.at);
   if (!out.at && out.when != "end") out.name = out.when + " of " + out.name;
   text("name", out.name);
-  const bool field = !out.value.empty() && out.value.find('/') == std::string::npos;
-  if (field && out.body.empty())
-    errors.add(node.at, what + ": '" + out.value + "' is a field of points and needs a body; scalars are written group/name");
-  if (!field && !out.body.empty()) errors.add(node.at, what + ": '" + out.value + "' is a scalar; body belongs to fields of points");
-  if (field && !out.body.empty() && out.over.empty() == !out.point) errors.add(node.at, what + " needs either over or point");
-  if ((out.over == "percentile") != std::isfinite(out.percent)) errors.add(node.at, what + ": percentile and percent belong together");
+  return out;
+}
+
+Quantity quantity(const Node& node, const std::string& what, scene::Checker& checker, Diagnostics& errors) {
+  if (node.kind == Node::Kind::scalar) {
+    Quantity out;
+    out.place = node.at;
+    return out.name = out.value = node.text, out;
+  }
+  const Params p = checker.table(scene::quantity_table(), node, what);
+  Quantity out = quantity_from(p);
+  out.place = node.at;
+  scene::check_quantity(p, node.at, what, errors);
   if (out.at && node.find("when")) errors.add(node.find("when")->key_at, what + " has when and at; write one of them");
-  if (out.uncertainty > 0 && !out.reference) errors.add(node.at, what + " has an uncertainty but no reference");
+  return out;
+}
+
+std::vector<Quantity> quantities_of(const Params& scene) {
+  std::vector<Quantity> out;
+  if (const Params* list = scene.find("quantities"))
+    for (const Params& q : list->items()) out.push_back(quantity_from(q));
   return out;
 }
 

@@ -10,6 +10,8 @@
 namespace mortise::study {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 std::string share_text(double error, double value) { return value != 0 ? fmt::format("{:+.3g} %", 100 * error / std::abs(value)) : ""; }
 
 }  // namespace
@@ -35,23 +37,29 @@ std::string budget_table(const Study& study, const ErrorBudget& budget) {
   return out;
 }
 
-std::string budget_json(const Study& study, const ErrorBudget& budget) {
-  using Json = nlohmann::ordered_json;
+std::string budget_entries(const std::vector<Quantity>& quantities, const ErrorBudget& budget) {
   const auto number = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
-  Json j{{"filetype", "mortise error budget"}, {"version", version()}, {"scene", study.scene}, {"adjoint_is_exact", budget.exact}};
-  j["cpu_seconds"] = {{"steps", budget.solve_seconds}, {"estimates", budget.seconds}};
-  j["quantities"] = Json::array();
-  for (std::size_t k = 0; k < study.quantities.size(); ++k) {
+  Json out = Json::array();
+  for (std::size_t k = 0; k < quantities.size(); ++k) {
     const QuantityBudget& b = budget.of[k];
     Json parts = Json::array();
     for (const ErrorPart& p : b.parts) parts.push_back({{"source", p.source}, {"error", number(p.error)}, {"why_not", p.why_not}});
-    j["quantities"].push_back({{"name", study.quantities[k].name},
-                               {"value", number(b.value)},
-                               {"why_not", b.why_not},
-                               {"parts", parts},
-                               {"error", b.why_not.empty() ? number(b.sum()) : Json(nullptr)},
-                               {"complete", b.why_not.empty() && b.complete()}});
+    const bool known = b.why_not.empty();
+    out.push_back({{"quantity", quantities[k].name},
+                   {"value", number(b.value)},
+                   {"error", known ? number(b.sum()) : Json(nullptr)},
+                   {"complete", known && b.complete()},
+                   {"why_not", b.why_not},
+                   {"adjoint_is_exact", budget.exact},
+                   {"parts", parts}});
   }
+  return out.dump();
+}
+
+std::string budget_json(const Study& study, const ErrorBudget& budget) {
+  Json j{{"filetype", "mortise error budget"}, {"mortise_version", version()}, {"scene", study.scene}};
+  j["cpu_seconds"] = {{"steps", budget.solve_seconds}, {"estimates", budget.seconds}};
+  j["quantities"] = Json::parse(budget_entries(study.quantities, budget));
   return j.dump(1) + "\n";
 }
 

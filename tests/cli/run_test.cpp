@@ -55,6 +55,34 @@ TEST(Run, LeavesFieldsCheckpointAndRunJson) {
   EXPECT_FALSE(fs::exists(out.path + "/frames"));
 }
 
+// The schema's keys and no others; E A travel / L = 2 N is what the value and its error make.
+TEST(Run, CertifiesHowWrongTheQuantitiesOfItsSceneAre) {
+  const std::string patch = kSource + "/benchmarks/effectivity/patch.yaml";
+  const auto budget = [](const std::string& dir) {
+    return nlohmann::json::parse(read_text(dir + "/certificate.json")).value("error_budget", nlohmann::json());
+  };
+  const Folder out, motion, wrong, none;
+  ASSERT_EQ(mortise("run " + patch + " -o " + out.path).code, 0);
+  const auto said = budget(out.path);
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_EQ(said[0]["quantity"], "force on the plate");
+  EXPECT_NEAR(said[0]["value"].get<double>() + said[0]["error"].get<double>(), -2, 0.01);
+  const auto schema = nlohmann::json::parse(read_text(kSource + "/schemas/certificate.schema.json"))["properties"]["error_budget"]["items"];
+  for (const auto& [key, value] : said[0].items()) EXPECT_TRUE(schema["properties"].contains(key)) << key;
+  for (const auto& key : schema["required"]) EXPECT_TRUE(said[0].contains(key)) << key;
+  // What cannot be told is told, and costs no run its end.
+  const std::string quantity = " --set 'quantities=[{value: elasticity/energy}]'";
+  ASSERT_EQ(mortise("run " + kScene + " --no-render --set time.steps=2 -o " + motion.path + quantity).code, 0);
+  EXPECT_GT(budget(motion.path)[0]["value"].get<double>(), 0);
+  EXPECT_TRUE(budget(motion.path)[0]["error"].is_null());
+  EXPECT_NE(budget(motion.path)[0]["why_not"].get<std::string>().find("in motion the errors of all steps add up"), std::string::npos);
+  ASSERT_EQ(mortise("run " + patch + " -o " + wrong.path + " --set 'quantities=[{value: supports/plates_z}]'").code, 0);
+  EXPECT_NE(budget(wrong.path)[0]["why_not"].get<std::string>().find("did you mean 'supports/plate_z'?"), std::string::npos);
+  EXPECT_TRUE(budget(wrong.path)[0]["value"].is_null());
+  ASSERT_EQ(mortise("run " + kScene + " --no-render --set time.steps=1 -o " + none.path).code, 0);
+  EXPECT_TRUE(budget(none.path).is_null());
+}
+
 TEST(Run, RunJsonTellsTheCommandAndTheLibrariesThatInfoLists) {
   const Folder out;
   ASSERT_EQ(mortise("run " + kScene + " --no-render --frames 0 --set 'description=it is mine' -o " + out.path).code, 0);

@@ -207,6 +207,9 @@ TEST_F(StudyProgram, TellsWhereAnErrorComesFrom) {
   const auto beam = json("d/error_budget.json")["quantities"][0];
   const double missing = -0.26375e-3 - beam["value"].get<double>();
   EXPECT_NEAR(beam["error"].get<double>() / missing, 0.82, 0.05);
+  // Without --qoi it is the scene's own.
+  ASSERT_EQ(run({"study", patch, "--error-budget", "-o", folder_ + "/e"}), 0) << complained();
+  EXPECT_EQ(json("e/error_budget.json")["quantities"][0]["quantity"], "force on the plate");
   // Motion, friction over several load steps, what is averaged.
   const auto refused = [&](const std::vector<std::string>& more) {
     std::vector<std::string> all{"study", "--error-budget", "--qoi", "supports/plate_z", "-o", folder_ + "/b"};
@@ -214,7 +217,7 @@ TEST_F(StudyProgram, TellsWhereAnErrorComesFrom) {
     EXPECT_EQ(run(all), 2);
     return complained();
   };
-  EXPECT_THAT(refused({kSource + "/scenes/first/04_two_bodies.yaml"}), HasSubstr("04_two_bodies.yaml: --error-budget is for static scenes"));
+  EXPECT_THAT(refused({kSource + "/scenes/first/04_two_bodies.yaml"}), HasSubstr("04_two_bodies.yaml: there is no error budget: in motion"));
   EXPECT_THAT(refused({patch, "--set", "time.steps=3", "--set", "effects.friction={follows: mortar_contact, mu: 0.3}"}),
               HasSubstr("a single load step"));
   ASSERT_EQ(run({"study", patch, "--error-budget", "--qoi", "supports/plate_z", "--set", "materials.gel.poisson_ratio=0.45", "-o", folder_ + "/c"}),

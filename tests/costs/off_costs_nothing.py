@@ -82,7 +82,7 @@ def steps_of(program, folder, name, scene):
 
 def of_effect(functions, effect):
     camel = "".join(word.capitalize() for word in effect.split("_"))
-    return sorted(f for f in functions if f"::{camel}::" in f or f"effects::{effect}::" in f)
+    return sorted(f for f in functions if re.search(rf"::{camel}s?::|effects::{effect}::", f))
 
 
 def main():
@@ -106,7 +106,7 @@ def main():
         if abs(off / never - 1) > MOST:
             wrong.append(f"{effect}: off it costs {off} instructions, never named {never}")
         if of_effect(functions, effect):
-            wrong.append(f"{effect}: is off, and these ran: {', '.join(of_effect(functions, effect)[:5])}")
+            wrong.append(f"{effect}: is off, and these ran: {', '.join(f[:80] for f in of_effect(functions, effect)[:5])}")
         if not of_effect(all_functions, effect):
             wrong.append(f"{effect}: is on, and no function of it is seen to run: this test is blind")
     sys.exit("\n".join(wrong) if wrong else 0)

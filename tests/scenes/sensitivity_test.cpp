@@ -1,6 +1,8 @@
 // Derivatives that are taken along with a run, against differences of whole runs.
 #include <cmath>
+#include <fstream>
 
+#include "place.h"
 #include "rig.h"
 
 using namespace mortise;
@@ -166,6 +168,18 @@ TEST(Sensitivity, ToTheTwoSidesOfAJumpDiffers) {
 TEST(Sensitivity, OfAPressAndDragWithMortarContact) {
   follows(drag("mortar_contact", "{d_hat: 0.1 mm, stiffness: 1 MPa, pairs: [{slave: pad, master: ball}]}"),
           {{"materials.gel.youngs_modulus=%.17g", 4e5}, {"effects.mortar_contact.d_hat=%.17g", 1e-4}, {"effects.friction.mu=%.17g", 0.3}}, 3e-4);
+}
+
+// Motors, an angle that is given exactly (so what is tied to it moves too), a bond.
+TEST(Sensitivity, OfADrivenLeg) {
+  std::ifstream file(test_place::kSourceFolder + "/scenes/first/09_driven_leg.yaml");
+  const std::string yaml{std::istreambuf_iterator<char>(file), {}};
+  const Measured torques = [](const Captured& f, const std::vector<double>&) { return Numbers{f.at("drive/hip_torque"), f.at("drive/knee_torque")}; };
+  for (const Case& c :
+       {Case{"effects.drive.1.sine.frequency=%.17g", 5}, {"effects.drive.0.kp=%.17g", 6}, {"materials.aluminium.density=%.17g", 1500}}) {
+    SCOPED_TRACE(c.form);
+    for (const Derivative& d : derivatives(yaml, 10, c.form, c.p, torques, 1e-4, {"solver.relative_tolerance=1e-11"})) expect_equal(d, 3e-4);
+  }
 }
 
 TEST(Sensitivity, ChangesNothingOfTheRunThatItGoesBeside) {

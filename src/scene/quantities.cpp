@@ -1,7 +1,10 @@
-// The keys of a quantity.
-#include "study/read.h"
+#include "scene/quantities.h"
 
-namespace mortise::study {
+#include <algorithm>
+
+#include "scene/suggest.h"
+
+namespace mortise::scene {
 
 using Kind = Param::Kind;
 using namespace param;
@@ -32,4 +35,33 @@ const ParamTable& quantity_table() {
   return t;
 }
 
-}  // namespace mortise::study
+void check_quantity(const Params& q, const SourceLoc& at, const std::string& what, Diagnostics& errors) {
+  if (!q.has("value")) return;
+  const std::string& value = q.text("value");
+  const bool field = !value.empty() && value.find('/') == std::string::npos;
+  const bool body = q.has("body"), over = q.has("over"), point = q.has("point");
+  if (field && !body) errors.add(at, what + ": '" + value + "' is a field of points and needs a body; scalars are written group/name");
+  if (!field && body) errors.add(at, what + ": '" + value + "' is a scalar; body belongs to fields of points");
+  if (field && body && over == point) errors.add(at, what + " needs either over or point");
+  if ((over && q.text("over") == "percentile") != q.has("percent")) errors.add(at, what + ": percentile and percent belong together");
+  if (q.has("uncertainty") && q.number("uncertainty") > 0 && !q.has("reference")) errors.add(at, what + " has an uncertainty but no reference");
+}
+
+void check_quantities(const Params& root, const std::set<std::string>& incomplete, Diagnostics& errors) {
+  const Params *list = root.find("quantities"), *bodies = root.find("bodies");
+  if (!list) return;
+  std::vector<std::string> with_points;
+  if (bodies && !incomplete.count("bodies"))
+    for (const auto& [name, body] : bodies->entries())
+      if (const Params* type = body.find("type"); !type || type->as_text() != "half_space") with_points.push_back(name);
+  for (std::size_t i = 0; i < list->items().size(); ++i) {
+    const Params& q = list->items()[i];
+    const std::string path = "quantities." + std::to_string(i);
+    if (!incomplete.count(path)) check_quantity(q, q.where(), path, errors);
+    const Params* body = q.find("body");
+    if (body && !with_points.empty() && !std::count(with_points.begin(), with_points.end(), body->as_text()))
+      errors.add(body->where(), path + ".body: no body '" + body->as_text() + "' has points", suggestion(body->as_text(), with_points));
+  }
+}
+
+}  // namespace mortise::scene
