@@ -248,7 +248,7 @@ TEST_F(StudyProgram, StaysWithinItsBudget) {
 // Ladders that a slow or loaded machine climbs within the budget too.
 TEST_F(StudyProgram, WhatIsLeftOfTheBudgetTurnsKnobsTogether) {
   const std::string study = write("mortise_study: 1\nscene: " + kSource +
-                                  "/scenes/first/04_two_bodies.yaml\nset: [time.steps=3, bodies.ball.shape.sphere.edge_length=5 mm]\n"
+                                  "/scenes/first/04_two_bodies.yaml\nset: [time.steps=4, bodies.ball.shape.sphere.edge_length=5 mm]\n"
                                   "quantities: [supports/stamp]\nladders:\n"
                                   "  - {name: step, knob: time.step, values: [4 ms, 2 ms, 1 ms]}\n"
                                   "  - {name: d_hat, knob: effects.barrier_contact.d_hat, values: [0.4 mm, 0.2 mm, 0.1 mm]}\n");
