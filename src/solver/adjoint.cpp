@@ -47,7 +47,7 @@ Adjoint Simulation::adjoint(const Functional& Q) {
     for (Index b = body.block_begin; b < end; ++b) E[b] = Vec3::Unit(Q.axis) - P[b] * Vec3::Unit(Q.axis);
   }
   device::Buffer<Vec3> gradient(w), JE, f(system.rows.count()), lambda, way;
-  model_.ties.any() ? model_.ties.fold(gradient.view()) : void();
+  if (model_.ties.any()) model_.ties.fold(gradient.view());
   if (Q.body >= 0) {
     tangent_->product(device::Buffer<Vec3>(E).view(), true, JE);
     add(std::as_const(JE).view(), gradient);

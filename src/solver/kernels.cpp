@@ -242,11 +242,13 @@ double hold_rows(linalg::BlockMatrix& A, double scale, View<const Index> list, I
   const View<const Index> start = std::as_const(A.row_start).view();
   const View<Mat3> value = A.value.view();
   std::vector<double> trace{0}, positions{0};
+  Fetch fetch;
   device::env_sum(
       "solver.hold_stiffness", {begin, end}, [=] MORTISE_HD(Index i) { return position[block_of_row[list[i]]] * value[start[list[i]]].trace() / 3; },
-      trace);
+      EnvValues{trace, fetch});
   device::env_sum(
-      "solver.hold_positions", {begin, end}, [=] MORTISE_HD(Index i) { return position[block_of_row[list[i]]]; }, positions);
+      "solver.hold_positions", {begin, end}, [=] MORTISE_HD(Index i) { return position[block_of_row[list[i]]]; }, EnvValues{positions, fetch});
+  fetch.now();
   if (positions[0] == 0) return 0;
   const double k = trace[0] / positions[0];
   device::parallel_for("solver.hold", end - begin, [=] MORTISE_HD(Index i) {

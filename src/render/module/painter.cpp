@@ -203,34 +203,34 @@ std::array<Painter::View, 6> Painter::faces_of(const View& front) const {
            {front.eye, -1.0f * r, u, b, kReach, kReach}}};
 }
 
-void Painter::draw_fisheye(const MortiseRenderJob& job, const View& front) {
+void Painter::look_through_faces(const MortiseRenderJob& job, const View& front, FaceStore& faces, GLuint face_frame, GLuint frame, const Program& p,
+                                 const std::function<void(const View&)>& draw) {
   const int size = face_size(job);
-  face_.resize(size, size);
-  if (faces_ == 0) faces_ = new_texture(GL_TEXTURE_2D_ARRAY, GL_LINEAR, GL_CLAMP_TO_EDGE);
-  bind(4, GL_TEXTURE_2D_ARRAY, faces_);
-  if (faces_size_ != size) {
-    glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA8, size, size, 6, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
-    faces_size_ = size;
-  }
+  faces.bind_resized(size);
   const std::array<View, 6> views = faces_of(front);
   for (int k = 0; k < 6; ++k) {
     if (k == 5 && job.camera.fov < kSeesBack) continue;
-    draw_view(job, views[static_cast<std::size_t>(k)], face_);
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, face_.resolved);
+    draw(views[static_cast<std::size_t>(k)]);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, face_frame);
     glActiveTexture(GL_TEXTURE4);
     glCopyTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, k, 0, 0, size, size);
   }
-  glBindFramebuffer(GL_FRAMEBUFFER, picture_.resolved);
+  glBindFramebuffer(GL_FRAMEBUFFER, frame);
   glViewport(0, 0, job.width, job.height);
   glDisable(GL_DEPTH_TEST);
   glBindVertexArray(empty_);
-  const Program& p = programs_->fisheye;
   p.use();
   p.set("faces", 4);
   p.set("image", static_cast<float>(job.width), static_cast<float>(job.height));
   p.set("fov", job.camera.fov);
   p.set("reach", kReach);
   glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void Painter::draw_fisheye(const MortiseRenderJob& job, const View& front) {
+  face_.resize(face_size(job), face_size(job));
+  look_through_faces(job, front, faces_, face_.resolved, picture_.resolved, programs_->fisheye,
+                     [&](const View& view) { draw_view(job, view, face_); });
 }
 
 }  // namespace mortise::render::module

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -40,6 +41,9 @@ class Painter {
   static M4 projection(const MortiseRenderJob& job, const View& view);
   std::array<View, 6> faces_of(const View& front) const;  // of a fisheye: front, right, left, up, down, back
   int face_size(const MortiseRenderJob& job) const;
+  // The picture of a fisheye in `frame`, by `program` from the six faces that draw() leaves in `face_frame` one after the other.
+  void look_through_faces(const MortiseRenderJob& job, const View& front, FaceStore& faces, GLuint face_frame, GLuint frame, const Program& program,
+                          const std::function<void(const View&)>& draw);
   void measure_view(const MortiseRenderJob& job, const View& view, const MeasureTarget& target);
   void measure_fisheye(const MortiseRenderJob& job, const View& front);
   void draw_shadow(const MortiseRenderJob& job);
@@ -56,8 +60,9 @@ class Painter {
   Target picture_, face_;
   MeasureTarget measured_, measured_face_;
   Shadow shadow_;
-  GLuint colour_map_ = 0, empty_ = 0, faces_ = 0, measured_faces_ = 0;
-  int faces_size_ = 0, measured_faces_size_ = 0;
+  FaceStore faces_{GL_LINEAR, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
+  FaceStore measured_faces_{GL_NEAREST, GL_RG32F, GL_RG, GL_FLOAT};
+  GLuint colour_map_ = 0, empty_ = 0;
   std::vector<GLuint> textures_;
   std::vector<Geometry> meshes_, planes_;
   std::vector<std::array<V3, 2>> plane_axes_;

@@ -48,33 +48,9 @@ void Painter::measure_view(const MortiseRenderJob& job, const View& view, const 
 }
 
 void Painter::measure_fisheye(const MortiseRenderJob& job, const View& front) {
-  const int size = face_size(job);
-  measured_face_.resize(size, size);
-  if (measured_faces_ == 0) measured_faces_ = new_texture(GL_TEXTURE_2D_ARRAY, GL_NEAREST, GL_CLAMP_TO_EDGE);
-  bind(4, GL_TEXTURE_2D_ARRAY, measured_faces_);
-  if (measured_faces_size_ != size) {
-    glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RG32F, size, size, 6, 0, GL_RG, GL_FLOAT, nullptr);
-    measured_faces_size_ = size;
-  }
-  const std::array<View, 6> views = faces_of(front);
-  for (int k = 0; k < 6; ++k) {
-    if (k == 5 && job.camera.fov < kSeesBack) continue;
-    measure_view(job, views[static_cast<std::size_t>(k)], measured_face_);
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, measured_face_.frame);
-    glActiveTexture(GL_TEXTURE4);
-    glCopyTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, k, 0, 0, size, size);
-  }
-  glBindFramebuffer(GL_FRAMEBUFFER, measured_.frame);
-  glViewport(0, 0, job.width, job.height);
-  glDisable(GL_DEPTH_TEST);
-  glBindVertexArray(empty_);
-  const Program& p = programs_->measure_fisheye;
-  p.use();
-  p.set("faces", 4);
-  p.set("image", static_cast<float>(job.width), static_cast<float>(job.height));
-  p.set("fov", job.camera.fov);
-  p.set("reach", kReach);
-  glDrawArrays(GL_TRIANGLES, 0, 3);
+  measured_face_.resize(face_size(job), face_size(job));
+  look_through_faces(job, front, measured_faces_, measured_face_.frame, measured_.frame, programs_->measure_fisheye,
+                     [&](const View& view) { measure_view(job, view, measured_face_); });
 }
 
 }  // namespace mortise::render::module

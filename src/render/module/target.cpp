@@ -31,6 +31,14 @@ void check_frame(const char* name) {
     throw std::runtime_error(std::string("OSMesa cannot draw into the ") + name + " image");
 }
 
+void FaceStore::bind_resized(int texels) {
+  if (texture == 0) texture = new_texture(GL_TEXTURE_2D_ARRAY, filter, GL_CLAMP_TO_EDGE);
+  bind(4, GL_TEXTURE_2D_ARRAY, texture);
+  if (size == texels) return;
+  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, stored, texels, texels, 6, 0, format, type, nullptr);
+  size = texels;
+}
+
 void Target::resize(int w, int h) {
   if (w == width && h == height) return;
   release();

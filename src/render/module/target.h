@@ -25,6 +25,16 @@ struct MeasureTarget {
   void resize(int w, int h);
 };
 
+// The six faces that a fisheye looks through, as layers of a texture.
+struct FaceStore {
+  GLenum filter;
+  GLint stored;
+  GLenum format, type;
+  GLuint texture = 0;
+  int size = 0;
+  void bind_resized(int texels);  // to unit 4
+};
+
 // Cameras that are fisheyes look through the faces of a cube, a little wider than these [tan of half the opening].
 constexpr float kReach = 1.02f;
 // [rad] wider fields of view see the face behind: cube corners lie 125 degrees off the axis
