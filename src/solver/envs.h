@@ -26,7 +26,8 @@ struct EnvStatus {
   double alpha = 0;                // share of the last step that was taken; 0 before the first
   double step = 0;                 // longest move of a block in the last step at full length [m]
   double force = 0;                // residual before the last iteration [N]; 0 before the first
-  double energy = 0;               // Phi there [J]
+  double energy = 0;               // Phi there [J],
+  double concave = 0;              // and how much of its negative curvature the matrix kept
   bool whole = false;              // lagged quantities are those of every iterate, and directions those of the whole Jacobian
   bool arrived = false;            // supports stand on their targets
   bool may_couple = false;         // the coupled iteration may be tried,

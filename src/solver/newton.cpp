@@ -140,7 +140,7 @@ void Newton::iterate(const effects::StepInfo& info, StepReport& report, const st
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running) && envs_[e].alpha == 0) system_.hold.tighten(e);
     for (Index e = 0; e < envs_.size(); ++e)
-      if (envs_.is(e, EnvState::running)) envs_[e].force = system_.convergence.largest_force(r, e);
+      if (envs_.is(e, EnvState::running)) envs_[e].force = system_.convergence.largest_force(r, e), envs_[e].concave = curvature_.concavity(e);
     ++report.newton;
     trace_.end(envs_, running, {}, report);
   }
@@ -186,15 +186,15 @@ Newton::Search::Forces Newton::forces_beside(const Residual& r) {
 void Newton::settle(const Residual& r, Index iteration) {
   for (Index e = 0; e < envs_.size(); ++e) {
     if (!envs_.is(e, EnvState::running)) continue;
-    envs_[e].arrived = r.support_gap[e] == 0;
+    // While supports move, energies rise with their work and say nothing.
+    const double energy = std::exchange(envs_[e].arrived, r.support_gap[e] == 0) ? envs_[e].energy : INFINITY;
     const double relative = wanted(e);
     if (system_.solved(r, e, relative, envs_[e].step)) {
       envs_[e].state = envs_[e].whole ? EnvState::solved : EnvState::settled;
       continue;
     }
-    const double concavity = curvature_.concavity(e);
-    const ProgressWatch::Sight sight =
-        progress_.look(e, iteration, system_.convergence.largest_force(r, e), envs_[e].energy, !envs_[e].whole || (concavity > 0 && concavity < 1));
+    const bool by_energy = !envs_[e].whole || (envs_[e].concave > 0 && envs_[e].concave < 1);
+    const ProgressWatch::Sight sight = progress_.look(e, iteration, system_.convergence.largest_force(r, e), energy, by_energy);
     // What is kept lies where the energy is lowest, unless it is nearer than the coupled iteration has ever begun.
     if (sight.falls && nearest_force_[e] > envs_[e].couple_below) nearest_force_[e] = INFINITY;
     if (envs_[e].may_couple && r.support_gap[e] == 0) keep_nearest(e, r);

@@ -17,7 +17,7 @@ class ProgressWatch {
     bool falls;  // the energy, to the lowest of these iterations
     Index idle;  // iterations since the last progress
   };
-  // force: residual [N]; energy: of the iterate before [J]; by_energy: does a falling energy count?
+  // force: residual [N]; energy: of the iterate before [J], infinite where supports still moved; by_energy: does a falling energy count?
   Sight look(Index env, Index iteration, double force, double energy, bool by_energy) {
     Row& row = rows_[env];
     if (iteration == 0 || force < tuning::kProgress * row.force) row.force = force, row.since = iteration;

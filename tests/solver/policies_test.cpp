@@ -77,6 +77,9 @@ TEST(ProgressWatch, ForcesAndEnergiesCountEachByItself) {
   EXPECT_EQ(w.look(1, 1, 1, 0, false).idle, 1) << "of another environment";
   EXPECT_EQ(w.look(0, 0, 1e12, 0, true).idle, 0) << "iterations begin anew";
   EXPECT_TRUE(w.look(0, 1, 1e12, 100, true).falls);
+  EXPECT_EQ(w.look(1, 0, 1, 0, true).idle, 0);
+  EXPECT_FALSE(w.look(1, 1, 1, INFINITY, true).falls) << "supports moved";
+  EXPECT_TRUE(w.look(1, 2, 1, 7, true).falls) << "the first energy after that";
 }
 
 TEST(EnergyGuard, HalvesWhileThatHelps) {
