@@ -102,14 +102,14 @@ void Certificate::state(const Snapshot& said) {
   // Errors of fields are judged at the state that is loaded most; where a run starts nothing is solved yet.
   const bool solved = states_++ > 0;
   const auto stress = said.cell.find("cauchy_stress");
-  if (solved && stress != said.cell.end() && elastic > std::max(most_elastic_, energy_floor_))
-    most_elastic_ = elastic, stress_estimate_ = stress_error_.of(stress->second);
   const std::map<std::string, LayerError::Samples> samples = samples_of(said);
   double pressed = 0;
   const auto of_points = [&](const char* name, int components) {
     const Snapshot::Values* v = said.of_points(name, components);
     return v ? std::span<const double>(*v) : std::span<const double>();
   };
+  if (solved && stress != said.cell.end() && elastic > std::max(most_elastic_, energy_floor_))
+    most_elastic_ = elastic, stress_estimate_ = stress_error_.of(stress->second, of_points("displacement", 3));
   const std::span<const double> pressure = of_points("contact_pressure", 1);
   for (double p : pressure) pressed += std::max(p, 0.0);
   if (solved && pressed > most_pressed_) {

@@ -14,6 +14,10 @@ void unite(std::vector<Index>& ring) {
   ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
 }
 
+// int N_i N_j dA over a triangle of six nodes with straight edges, of its area / 180 (geometry/quadratic.h).
+constexpr double kSixNodes[6][6] = {{6, -1, -1, 0, -4, 0},  {-1, 6, -1, 0, 0, -4},  {-1, -1, 6, -4, 0, 0},
+                                    {0, 0, -4, 32, 16, 16}, {-4, 0, 0, 16, 32, 16}, {0, -4, 0, 16, 16, 32}};
+
 }  // namespace
 
 ContactPatch::ContactPatch(const model::ModelInput& input) {
@@ -22,11 +26,15 @@ ContactPatch::ContactPatch(const model::ModelInput& input) {
     const Index first = static_cast<Index>(rest_.size());
     rest_.insert(rest_.end(), in.nodes.begin(), in.nodes.end());
     around_.resize(rest_.size());
-    linear_.resize(rest_.size(), in.midsides.empty());
     if (in.type != model::BodyType::soft) continue;
-    for (const Triangle& t : in.triangles) {
-      for (Index v : t.v) around_[first + v].push_back(static_cast<Index>(triangles_.size()));
-      triangles_.push_back({{first + t.v[0], first + t.v[1], first + t.v[2]}});
+    for (std::size_t k = 0; k < in.triangles.size(); ++k) {
+      const Triangle& t = in.triangles[k];
+      for (Index v : t.v) around_[first + v].push_back(static_cast<Index>(facets_.size()));
+      facets_.push_back({{{first + t.v[0], first + t.v[1], first + t.v[2]}}, in.faces.empty() ? -1 : static_cast<Index>(faces_.size() + k / 4)});
+    }
+    for (const geometry::Face& face : in.faces) {
+      faces_.emplace_back();
+      for (int k = 0; k < 6; ++k) faces_.back()[k] = first + face.v[k];
     }
   }
 }
@@ -35,12 +43,12 @@ std::vector<ContactPatch::Node> ContactPatch::interior(const Fields& f) const {
   if (f.pressure.size() != rest_.size() || f.force.size() != 3 * rest_.size()) return {};
   const auto now = [&](Index i) -> Vec3 { return f.displacement.size() == f.force.size() ? rest_[i] + at(f.displacement, i) : rest_[i]; };
   std::vector<Vec3> normal;  // of all triangles, times twice their area
-  for (const Triangle& t : triangles_) normal.push_back((now(t.v[1]) - now(t.v[0])).cross(now(t.v[2]) - now(t.v[0])));
+  for (const auto& [t, face] : facets_) normal.push_back((now(t.v[1]) - now(t.v[0])).cross(now(t.v[2]) - now(t.v[0])));
   const auto ring_of = [&](std::size_t i, const auto& takes) {
     std::vector<Index> ring;
     for (Index t : around_[i])
       if (takes(t))
-        for (Index v : triangles_[t].v)
+        for (Index v : facets_[t].corners.v)
           if (v != static_cast<Index>(i)) ring.push_back(v);
     unite(ring);
     return ring;
@@ -56,18 +64,44 @@ std::vector<ContactPatch::Node> ContactPatch::interior(const Fields& f) const {
   std::vector<Node> out;
   for (std::size_t i = 0; i < rest_.size(); ++i) {
     if (!covered[i]) continue;
-    // Where no force is, that of the neighbours tells the side.
+    // Where no force is, as on corners of quadratic faces, that of the neighbours tells the side.
     Vec3 force = at(f.force, i);
-    if (force.isZero(0))
+    if (force.isZero(0) || facets_[around_[i][0]].face >= 0)
       for (Index j : ring_of(i, [](Index) { return true; })) force += at(f.force, j);
     const auto faces = [&](Index t) { return -normal[t].dot(force) > kFacing * normal[t].norm() * force.norm(); };
-    Node node{i, ring_of(i, faces), 0};
+    Node node{i, ring_of(i, faces), {}};
     if (node.ring.empty() || !std::all_of(node.ring.begin(), node.ring.end(), [&](Index j) { return covered[j] != 0; })) continue;
-    for (Index t : around_[i])
-      if (linear_[i] && faces(t)) node.area += normal[t].norm() / 6;
+    load(i, faces, normal, node.load);
+    if (!std::all_of(node.load.begin(), node.load.end(), [&](const auto& term) { return covered[term.first] != 0; })) node.load.clear();
     out.push_back(std::move(node));
   }
   return out;
+}
+
+void ContactPatch::load(std::size_t i, const std::function<bool(Index)>& takes, const std::vector<Vec3>& normal,
+                        std::vector<std::pair<Index, double>>& out) const {
+  std::vector<Index> faces;
+  double area = 0;
+  for (Index t : around_[i]) {
+    if (!takes(t)) continue;
+    if (facets_[t].face < 0)
+      area += normal[t].norm() / 6;  // a third: p_i A_i up to second order in the size of the mesh
+    else
+      faces.push_back(facets_[t].face);
+  }
+  if (area > 0) out.emplace_back(static_cast<Index>(i), area);
+  unite(faces);
+  for (Index face : faces) {
+    const std::array<Index, 6>& v = faces_[face];
+    const auto here = std::find(v.begin(), v.end(), static_cast<Index>(i)) - v.begin();
+    double whole = 0;
+    for (Index t : around_[v[3]])
+      if (facets_[t].face == face) whole += normal[t].norm() / 2;
+    // Three of the four quarters are around the middle of an edge; the fourth lies at the corner beyond.
+    for (Index t : around_[v[2]])
+      if (facets_[t].face == face) whole += normal[t].norm() / 2;
+    for (int k = 0; k < 6; ++k) out.emplace_back(v[k], whole / 180 * kSixNodes[here][k]);
+  }
 }
 
 long ContactPatch::loaded(std::span<const double> pressure) const {

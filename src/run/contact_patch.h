@@ -1,7 +1,9 @@
 #pragma once
 // Where contact presses on soft surfaces, node by node: what estimates of its errors look at.
 #include <array>
+#include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "model/input.h"
@@ -15,7 +17,9 @@ class ContactPatch {
   struct Node {
     std::size_t point;
     std::vector<Index> ring;  // corners of the triangles around it that face the force on it, without itself
-    double area;              // a third of theirs, as they stand now [m^2]; 0 on quadratic bodies
+    // What a pressure p over them loads it with: sum of weight times p at node, int N_i p dA with the areas as they stand now [m^2]. Nothing where
+    // faces around it reach beyond the patch.
+    std::vector<std::pair<Index, double>> load;
   };
   // Of all points: contact_pressure [Pa], contact_force [N] and displacement [m], three each; the last may be empty.
   struct Fields {
@@ -29,10 +33,18 @@ class ContactPatch {
   const std::vector<Vec3>& rest() const { return rest_; }  // of all points [m]
 
  private:
+  // Of node i, over the facets around it that are taken; normal: of all facets, times twice their area.
+  void load(std::size_t i, const std::function<bool(Index)>& takes, const std::vector<Vec3>& normal,
+            std::vector<std::pair<Index, double>>& out) const;
+
   std::vector<Vec3> rest_;
-  std::vector<std::uint8_t> linear_;        // per point: of a body of linear tetrahedra
-  std::vector<Triangle> triangles_;         // of soft bodies
-  std::vector<std::vector<Index>> around_;  // per point: triangles; none off soft surfaces
+  struct Facet {
+    Triangle corners;
+    Index face = -1;  // the face of a quadratic tetrahedron that it is a quarter of
+  };
+  std::vector<Facet> facets_;                // of soft bodies
+  std::vector<std::array<Index, 6>> faces_;  // their points, of quadratic bodies
+  std::vector<std::vector<Index>> around_;   // per point: facets; none off soft surfaces
 };
 
 }  // namespace mortise::run

@@ -34,7 +34,9 @@ PressureError::Result PressureError::of(const ContactPatch::Fields& f) const {
   Misses smooth, fit;
   for (const ContactPatch::Node& node : patch_.interior(f)) {
     const double here = f.pressure[node.point];
-    if (node.area > 0) fit.add(Eigen::Map<const Vec3>(f.force.data() + 3 * node.point).norm(), here * node.area);
+    double expected = 0;
+    for (const auto& [j, weight] : node.load) expected += weight * f.pressure[j];
+    if (!node.load.empty()) fit.add(Eigen::Map<const Vec3>(f.force.data() + 3 * node.point).norm(), std::abs(expected));
     if (node.ring.size() < kPlane) continue;
     std::vector<Vec3> x;
     std::vector<double> p;

@@ -6,10 +6,10 @@
 // both at every node) was 1.4 to 1.8 times the true L2 error on Hertz contact with mortar
 // and barrier methods of two mesh sizes (3.4 to 14 %), and zero to rounding in the patch test.
 //
-// misfit: a pressure p loads a node with F_i = int N_i p dA, which is p_i A_i up to second order in the mesh size, A_i being a third of the triangles
-// around the node. Methods that weigh points or samples unevenly load nodes as no such pressure does, and stresses below are wrong although
-// forces balance. The root mean square of |F_i| - p_i A_i likewise; zero in the patch test. Linear tetrahedra only: corners of
-// quadratic faces bear no uniform pressure.
+// misfit: a pressure p loads a node with F_i = int N_i p dA: of linear tetrahedra p_i A_i up to second order in the mesh size, A_i being a third of
+// the triangles around the node, of quadratic ones sum_j (int N_i N_j dA) p_j, which leaves corners without. Methods that weigh points or samples
+// unevenly load nodes as no such pressure does, and stresses below are wrong although forces balance. The root mean square of |F_i| - |int N_i p dA|
+// likewise; zero in the patch test.
 #include <cmath>
 #include <span>
 

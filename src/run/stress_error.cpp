@@ -3,6 +3,9 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/quadratic.h"
+#include "model/volumetric.h"
+
 namespace mortise::run {
 namespace {
 
@@ -25,10 +28,21 @@ double mean_of_linear(const Stress (&corner)[4], double E, double nu) {
 }  // namespace
 
 StressError::StressError(const model::ModelInput& input) {
-  std::size_t cell = 0;
+  std::size_t cell = 0, point = 0;
   for (const model::BodyInput& in : input.bodies) {
-    if (in.type == model::BodyType::soft && in.midsides.empty()) {
-      Body b{cell, in.tets, {}, in.nodes.size(), in.material.number("youngs_modulus"), in.material.number("poisson_ratio")};
+    if (in.type == model::BodyType::half_space) continue;
+    if (in.type == model::BodyType::soft) {
+      const bool quadratic = !in.midsides.empty();
+      Body b{cell,
+             point,
+             in.tets,
+             in.midsides,
+             quadratic ? in.nodes : std::vector<Vec3>{},
+             {},
+             in.nodes.size(),
+             in.material.number("youngs_modulus"),
+             in.material.number("poisson_ratio"),
+             quadratic && model::averages_volume(in.material)};
       for (const Tet& t : in.tets) {
         Mat3 edges;
         for (int k = 0; k < 3; ++k) edges.col(k) = in.nodes[t.v[k + 1]] - in.nodes[t.v[0]];
@@ -36,24 +50,64 @@ StressError::StressError(const model::ModelInput& input) {
       }
       bodies_.push_back(std::move(b));
     }
-    if (in.type != model::BodyType::half_space) cell += in.type == model::BodyType::soft ? in.tets.size() : in.triangles.size();
+    cell += in.type == model::BodyType::soft ? in.tets.size() : in.triangles.size();
+    point += in.nodes.size();
   }
 }
 
-double StressError::of(std::span<const double> stress) const {
+// At the corners of a tetrahedron of ten nodes.
+StressError::Corners StressError::of_quadratic(const Body& b, std::size_t tet, std::span<const double> displacement) {
+  Mat3 G[geometry::kTetPoints];
+  double J[geometry::kTetPoints], mean_J = 0;
+  for (int g = 0; g < geometry::kTetPoints; ++g) {
+    double l[4];
+    geometry::tet_point(g, l);
+    Mat3 X = Mat3::Zero(), x = Mat3::Zero();  // by the barycentrics
+    for (int k = 0; k < 10; ++k) {
+      const Index node = k < 4 ? b.tets[tet].v[k] : b.midsides[tet].v[k - 4];
+      const Vec3 slope = geometry::tet_slope(k, l), u = Eigen::Map<const Vec3>(displacement.data() + 3 * (b.first_point + node));
+      X += b.rest[node] * slope.transpose(), x += (b.rest[node] + u) * slope.transpose();
+    }
+    const Mat3 F = x * X.inverse();
+    G[g] = 0.5 * (F.transpose() * F - Mat3::Identity());
+    J[g] = F.determinant();
+    mean_J += J[g] / geometry::kTetPoints;
+  }
+  const double mu = b.E / (2 * (1 + b.nu)), lambda = b.E * b.nu / ((1 + b.nu) * (1 - 2 * b.nu));
+  Stress at[geometry::kTetPoints], mean = Stress::Zero();
+  for (int g = 0; g < geometry::kTetPoints; ++g) {
+    const Mat3 S = lambda * std::log(b.averaged ? mean_J : J[g]) * Mat3::Identity() + 2 * mu * G[g];
+    at[g] << S(0, 0), S(1, 1), S(2, 2), S(0, 1), S(1, 2), S(2, 0);
+    mean += at[g] / geometry::kTetPoints;
+  }
+  // The points lie on the way from the middle to the corners.
+  double l[4];
+  geometry::tet_point(0, l);
+  const double beyond = 0.75 / (l[0] - 0.25);
+  Corners out;
+  for (int k = 0; k < 4; ++k) out[k] = mean + beyond * (at[k] - mean);
+  return out;
+}
+
+double StressError::of(std::span<const double> stress, std::span<const double> displacement) const {
   double missed = 0, all = 0;
   for (const Body& b : bodies_) {
-    const auto at = [&](std::size_t t) { return Stress(Eigen::Map<const Stress>(stress.data() + 6 * (b.first_cell + t))); };
+    if (!b.midsides.empty() && displacement.size() < 3 * (b.first_point + b.nodes)) continue;
+    std::vector<Corners> here(b.tets.size());
     std::vector<Stress> mean(b.nodes, Stress::Zero());
     std::vector<double> weight(b.nodes, 0.0);
-    for (std::size_t t = 0; t < b.tets.size(); ++t)
-      for (Index v : b.tets[t].v) mean[v] += b.volume[t] * at(t), weight[v] += b.volume[t];
+    for (std::size_t t = 0; t < b.tets.size(); ++t) {
+      if (b.midsides.empty())
+        here[t].fill(Eigen::Map<const Stress>(stress.data() + 6 * (b.first_cell + t)));
+      else
+        here[t] = of_quadratic(b, t, displacement);
+      for (int k = 0; k < 4; ++k) mean[b.tets[t].v[k]] += b.volume[t] * here[t][k], weight[b.tets[t].v[k]] += b.volume[t];
+    }
     for (std::size_t i = 0; i < mean.size(); ++i)
       if (weight[i] > 0) mean[i] /= weight[i];
     for (std::size_t t = 0; t < b.tets.size(); ++t) {
-      const Stress here = at(t);
       Stress smooth[4], jump[4];
-      for (int k = 0; k < 4; ++k) smooth[k] = mean[b.tets[t].v[k]], jump[k] = smooth[k] - here;
+      for (int k = 0; k < 4; ++k) smooth[k] = mean[b.tets[t].v[k]], jump[k] = smooth[k] - here[t][k];
       missed += b.volume[t] * mean_of_linear(jump, b.E, b.nu);
       all += b.volume[t] * mean_of_linear(smooth, b.E, b.nu);
     }

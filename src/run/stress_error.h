@@ -6,7 +6,10 @@
 //   missed = sum over elements of int w(s* - s_h) dV,   estimate = missed / (missed + sum over elements of int w(s*) dV),
 //
 // which is an estimate of the relative error of the energy, so of a force at imposed travel or of a travel at imposed force. Elements that lock
-// (linear ones near nu = 1/2) show in it, as their pressures alternate. Quadratic elements are not estimated.
+// (linear ones near nu = 1/2) show in it, as their pressures alternate. Stresses of quadratic elements are linear within an element: s_h is
+// the field through its four points of integration, S = lambda ln(J) I + 2 mu G with J and Green's strain G there (which turns with the body, and is
+// Hooke's law where strains are small); where volumes are averaged over elements, with the mean of J.
+#include <array>
 #include <span>
 #include <vector>
 
@@ -17,17 +20,24 @@ namespace mortise::run {
 class StressError {
  public:
   explicit StressError(const model::ModelInput& input);
-  // cauchy_stress of all output cells, six components each (xx yy zz xy yz zx) [Pa]; NaN where nothing can be estimated.
-  double of(std::span<const double> stress) const;
+  // cauchy_stress of all output cells, six components each (xx yy zz xy yz zx) [Pa], and displacement of all points [m]; NaN where nothing can be
+  // estimated.
+  double of(std::span<const double> stress, std::span<const double> displacement) const;
 
  private:
   struct Body {
-    std::size_t first_cell;
+    std::size_t first_cell, first_point;
     std::vector<Tet> tets;
-    std::vector<double> volume;  // per tetrahedron [m^3]
+    std::vector<geometry::Midsides> midsides;  // of quadratic ones
+    std::vector<Vec3> rest;                    // likewise
+    std::vector<double> volume;                // per tetrahedron [m^3]
     std::size_t nodes;
     double E, nu;
+    bool averaged;  // volumes, over elements
   };
+  using Stress = Eigen::Matrix<double, 6, 1>;
+  using Corners = std::array<Stress, 4>;
+  static Corners of_quadratic(const Body& b, std::size_t tet, std::span<const double> displacement);
   std::vector<Body> bodies_;
 };
 
