@@ -146,6 +146,17 @@ TEST(Newton, EnvironmentsDoNotKnowEachOther) {
   }
 }
 
+// It is put back to where the step began, so that the others' step, and a shorter one of its own, find it there.
+TEST(Newton, AFailedEnvironmentStandsWhereTheStepBegan) {
+  Problem p(2);
+  p.options.iterations = 5;
+  p.add(kStore, soft_norm([](Index e) { return e == 0 ? Vec3(0.5, 0, 0) : Vec3(2, 0, 0); }));  // |f| > 1 has no minimum
+  Newton newton(p.model, p.effects, p.options, p.clock);
+  solve(p, newton);
+  ASSERT_TRUE(newton.envs().is(1, EnvState::failed));
+  for (int b = 4; b < 8; ++b) EXPECT_EQ(p.moved(newton.q())[b], Vec3::Zero());
+}
+
 TEST(Newton, AFailureOfTheOnlyEnvironmentIsThrown) {
   Problem p;
   p.options.iterations = 20;
@@ -339,6 +350,40 @@ TEST(LineSearch, AFullStepThatIsCloserStandsWhileOthersAreHalved) {
   LineSearch(*s.system, *s.energies).step(s.q, s.dq, slope, {}, s.at, s.envs, s.report, forces);
   EXPECT_EQ(s.envs[0].alpha, 1);
   EXPECT_EQ(s.envs[1].alpha, 0.25);
+}
+
+// Far steps after which forces are far from balance are not taken at all.
+TEST(LineSearch, AFarStepThatLeadsAstrayIsNotTaken) {
+  Searched s(1);
+  LineSearch::Forces forces;
+  forces.far = {1, 0};
+  forces.astray = [](const device::Buffer<Vec3>&) { return EnvMask{1, 1}; };
+  const std::vector<double> slope = dot(std::as_const(s.at.gradient).view(), std::as_const(s.dq).view(), s.p.model.env_blocks);
+  LineSearch(*s.system, *s.energies).step(s.q, s.dq, slope, {}, s.at, s.envs, s.report, forces);
+  EXPECT_EQ(s.envs[0].alpha, 0);
+  EXPECT_EQ(s.p.moved(s.q)[0], Vec3::Zero());
+  EXPECT_EQ(s.envs[1].alpha, 1) << "a near one is not asked about";
+}
+
+// Supports do work: along their way energy rises, and what the merit takes off for their arrival makes up for it.
+TEST(LineSearch, SupportsMayRaiseTheEnergy) {
+  Problem p;
+  p.add(kStore, toy::spring([](Index) { return 4.0; }, [](Index) { return Vec3::Zero(); }));
+  System system(p.model, p.effects, p.options, p.clock);
+  system.begin_solve();
+  EnergyLedger energies(p.model, system.potential);
+  energies.begin_solve();
+  Linearised at = system.potential.linearised();
+  const device::Buffer<Vec3> supports(std::vector<Vec3>(4, kForce));
+  device::Buffer<Vec3> q, dq;
+  q.copy_from(p.model.q);
+  dq.copy_from(supports);
+  system.linearise(std::as_const(q).view(), {true, true}, at);
+  EnvTable envs(1);
+  envs[0].step = kForce.norm();
+  StepReport report;
+  LineSearch(system, energies).step(q, dq, {0.0}, supports.view(), at, envs, report);
+  EXPECT_EQ(envs[0].alpha, 1);
 }
 
 // What is forgotten of one environment is found again; of the other, what was known stands.
