@@ -119,6 +119,7 @@ TEST(Mjcf, HingesTurnAboutTheirPlaceFromWhereTheFileShowsThem) {
   const Machine m = machine(text, o);
   const double turned = 60 * kDegree;
   EXPECT_EQ(m.axes[0].to, -1) << "the world";
+  EXPECT_LT((m.axes[0].place.head<2>() - Vec2(1, 0)).norm(), 1e-15) << "which stays where it is";
   EXPECT_LT((m.bodies[0].at.R - Eigen::AngleAxisd(turned, Vec3::UnitY()).toRotationMatrix()).norm(), 1e-15);
   EXPECT_LT((m.bodies[0].at.t - m.axes[0].place - Vec3(-0.5 * std::sin(turned), 0, -0.5 * std::cos(turned))).norm(), 1e-15);
   EXPECT_NEAR(machine(text).axes[0].stands, 30 * kDegree, 1e-15) << "if nobody asks for another place";
