@@ -1,6 +1,7 @@
 // mortise export: what pictures show of a run, for other programs.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -13,6 +14,7 @@
 #include "exporters/obj.h"
 #include "output/field_reader.h"
 #include "scene/environments.h"
+#include "scene/quantity.h"
 #include "scene/suggest.h"
 
 namespace mortise::cli {
@@ -23,7 +25,7 @@ namespace fs = std::filesystem;
 constexpr double kFilmRate = 25;  // [1/s]
 
 struct Options {
-  std::string run, output, camera, scene, frames;
+  std::string run, output, camera, scene, frames, colour_by, range;
   std::vector<std::string> overrides;
   long every = 1;
   double fps = 0;  // 0: not given
@@ -93,6 +95,39 @@ int film(const Options& o) {
   return 0;
 }
 
+// The scale spans the extremes of the field over the exported frames, and zero, where `--range` says nothing else.
+exporters::Colouring colouring(const Options& o, const output::FieldReader& reader, const std::vector<long>& frames) {
+  exporters::Colouring out;
+  out.field = o.colour_by;
+  out.values = [&reader, frames, name = o.colour_by](std::size_t k) { return reader.point_field(name, frames[k]).values; };
+  const output::FieldValues first = reader.point_field(o.colour_by, frames[0]);
+  if (first.components != 1 && first.components != 3) {
+    const std::string hint = scene::suggestion(o.colour_by, reader.point_fields());
+    throw Error(Exit::usage,
+                "--colour-by " + o.colour_by + ": the run has no such field of numbers or vectors at points" + (hint.empty() ? "" : "; " + hint));
+  }
+  if (o.range.empty()) {
+    out.high = 0;
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      const std::vector<double> values = out.values(k);
+      for (std::size_t i = 0; i < values.size(); i += static_cast<std::size_t>(first.components)) {
+        const double v = first.components == 1 ? values[i] : std::hypot(values[i], values[i + 1], values[i + 2]);
+        if (std::isfinite(v)) out.low = std::min(out.low, v), out.high = std::max(out.high, v);
+      }
+    }
+    if (!(out.high > out.low)) out.high = out.low + 1;
+  } else {
+    const std::size_t colon = o.range.find(':');
+    const scene::Quantity low = scene::parse_quantity(o.range.substr(0, colon), Unit::any),
+                          high = scene::parse_quantity(colon == std::string::npos ? "" : o.range.substr(colon + 1), Unit::any);
+    if (colon == std::string::npos || !low.error.empty() || !high.error.empty() || !(low.value < high.value))
+      throw Error(Exit::usage, "--range " + o.range + ": must be LOW:HIGH, two increasing numbers, e.g. '0:20 kPa'");
+    out.low = low.value, out.high = high.value;
+  }
+  out.map = render::map_for(out.low, out.high);
+  return out;
+}
+
 int meshes(const Options& o, const std::string& kind) {
   const std::string fields = fields_of(o.run);
   const output::FieldReader reader(fields);
@@ -116,6 +151,7 @@ int meshes(const Options& o, const std::string& kind) {
     for (const Vec3& x : reader.points(frames.numbers[k])) out.insert(out.end(), {x[0], x[1], x[2]});
     return out;
   };
+  if (!o.colour_by.empty()) frames.colouring = colouring(o, reader, frames.numbers);
   render::SceneView view(scene.root, input.bodies);
   if (kind == ".glb") {
     refuse_existing(o, o.output);
@@ -141,6 +177,8 @@ int cmd_export(const Options& o) {
     throw Error(Exit::usage,
                 "-o " + o.output + ": must end with .glb (animated glTF), .obj (a file per frame), .mp4 or .gif (a film of a camera's pictures)");
   if (!o.camera.empty() && !is_film) throw Error(Exit::usage, "--camera belongs to films (.mp4, .gif); a " + kind + " file holds the whole scene");
+  if (is_film && !o.colour_by.empty()) throw Error(Exit::usage, "--colour-by belongs to meshes (.glb, .obj); in pictures cameras say it: colour_by");
+  if (o.colour_by.empty() && !o.range.empty()) throw Error(Exit::usage, "--range needs --colour-by");
   if (kind == ".obj" && o.fps > 0) throw Error(Exit::usage, "--fps has no meaning for a sequence of .obj files");
   if (is_film && !(o.scene.empty() && o.overrides.empty()))
     throw Error(Exit::usage, "a film is made of the pictures that are there; `mortise render` draws others");
@@ -164,6 +202,10 @@ void add_export(Command app, Context& context) {
   sub.option("--every", o->every, "only every so many of them").positive().show_default();
   sub.option("--fps", o->fps, "frames per second; default: films 25, glTF the times of the run").positive();
   sub.option("--camera", o->camera, "films: whose pictures; those of sensors too");
+  sub.option("--colour-by", o->colour_by,
+             "glTF and OBJ: bodies in the colours of a field of points, e.g. contact_pressure; vectors by their length. A glTF file then holds a "
+             "mesh per frame");
+  sub.option("--range", o->range, "LOW:HIGH of that field at the ends of the colours, e.g. '0:20 kPa'; default: its extremes in these frames");
   sub.option("--scene", o->scene, "scene file with other looks, or where its meshes have moved; default: as the run has stored it");
   sub.option("--set", o->overrides, "PATH=VALUE changes one value of the scene, e.g. bodies.pad.visual.color=[1,0,0]").one_each().take_all();
   sub.flag("--overwrite", o->overwrite, "replace files that are there");
@@ -171,6 +213,7 @@ void add_export(Command app, Context& context) {
       "Examples:\n  mortise export out/press -o press.glb                  Blender: File, Import, glTF 2.0\n"
       "  mortise export out/press -o press.glb --fps 24         one frame of the run per frame of the film\n"
       "  mortise export out/press -o press/press.obj --every 5\n"
+      "  mortise export out/press -o press.glb --colour-by contact_pressure\n"
       "  mortise export out/press -o press.mp4 --camera beauty  needs ffmpeg");
   sub.action([o, &context] { context.action = [o] { return cmd_export(*o); }; });
 }

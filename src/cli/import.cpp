@@ -1,5 +1,5 @@
 // mortise import: a robot's file becomes a scene.
-#include "importers/urdf/import.h"
+#include "importers/import.h"
 
 #include <filesystem>
 #include <fstream>
@@ -63,7 +63,7 @@ int cmd_import(const Options& o) {
   if (to_file && !o.overwrite && fs::exists(o.output, ignored))
     throw Error(Exit::usage, "'" + o.output + "' exists already; --overwrite replaces it");
 
-  urdf::Request r;
+  Request r;
   for (const std::string& p : o.packages) r.meshes.packages.insert(split("--package", p));
   r.meshes.skip_missing = o.missing == "skip";
   const fs::path target = to_file ? fs::path(o.output) : fs::path(o.robot).filename().replace_extension(".yaml");
@@ -78,7 +78,7 @@ int cmd_import(const Options& o) {
   r.machine.held = o.base == "fixed", r.machine.clearance = o.clearance, r.machine.apart = o.apart;
 
   Notes notes;
-  const std::string text = urdf::import_scene(r, notes);
+  const std::string text = import_scene(r, notes);
   for (const std::string& line : notes.lines()) std::cerr << line << "\n";
   const scene::Scene scene = scene::read_scene_text(text, target.string(), {}, engine::effect_tables());
   if (!to_file) {
@@ -94,9 +94,9 @@ int cmd_import(const Options& o) {
 }  // namespace
 
 void add_import(Command app, Context& context) {
-  const Command sub = app.command("import", "turn a robot's URDF file into a scene that runs");
+  const Command sub = app.command("import", "turn a robot's file, URDF or MJCF, into a scene that runs");
   auto o = std::make_shared<Options>();
-  sub.option("robot", o->robot, "URDF file").required();
+  sub.option("robot", o->robot, "URDF or MJCF file").required();
   sub.option("-o,--output", o->output, "scene file to write; - writes to the standard output").required();
   sub.option("--package", o->packages, "NAME=FOLDER where package://NAME is; without it beside or above the robot's file, and ROS_PACKAGE_PATH")
       .one_each()
@@ -107,7 +107,9 @@ void add_import(Command app, Context& context) {
   sub.option("--soft", o->soft, "LINK becomes a soft pad bonded to what it is fixed to; * and ? match any: '*_foot'").one_each().take_all();
   sub.option("--sway", o->sway,
              "all joints swing by this about where they stand, once a second: '10 deg' (slides: 100 mm per radian), within their limits");
-  sub.option("--base", o->base, "free or fixed; a root link called world is always fixed").one_of({"free", "fixed"}).show_default();
+  sub.option("--base", o->base, "free or fixed; a root link called world, and what MJCF fixes to its world, never moves")
+      .one_of({"free", "fixed"})
+      .show_default();
   sub.option("--missing-meshes", o->missing, "error, or skip: go on without them").one_of({"error", "skip"}).show_default();
   sub.option("--clearance", o->clearance, "of the lowest point above the floor [m]").positive().show_default();
   sub.option("--apart", o->apart, "bodies with no more joints than this between them pass through each other").within(1, 100).show_default();
@@ -115,6 +117,7 @@ void add_import(Command app, Context& context) {
   sub.footer(
       "Examples:\n  mortise import arm.urdf -o arm.yaml --base fixed\n"
       "  mortise import go2.urdf -o go2.yaml --missing-meshes skip --joint '*_thigh_joint=0.9' --joint '*_calf_joint=-1.8' --soft FL_foot\n"
+      "  mortise import gripper.xml -o gripper.yaml --base fixed --missing-meshes skip\n"
       "  mortise import robot.urdf -o - --sway '10 deg' | mortise run - -o out/robot       a moving robot and its pictures");
   sub.action([o, &context] { context.action = [o] { return cmd_import(*o); }; });
 }

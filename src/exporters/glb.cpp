@@ -10,7 +10,7 @@
 namespace mortise::exporters {
 namespace {
 
-constexpr int kFloat = 5126, kUnsigned = 5125, kVertices = 34962, kTriangles = 34963, kNoTarget = 0;  // of OpenGL
+constexpr int kFloat = 5126, kUnsigned = 5125, kShort = 5123, kVertices = 34962, kTriangles = 34963, kNoTarget = 0;  // of OpenGL
 
 void append(std::string& to, std::uint32_t value) {
   for (int shift = 0; shift < 32; shift += 8) to.push_back(static_cast<char>(value >> shift & 255));
@@ -53,6 +53,12 @@ int Glb::uvs(std::span<const Vec2> values) {
   std::vector<float> floats;
   for (const Vec2& v : values) floats.insert(floats.end(), {static_cast<float>(v[0]), static_cast<float>(1 - v[1])});
   return accessor(view(floats.data(), 4 * floats.size(), kVertices), kFloat, values.size(), "VEC2");
+}
+
+int Glb::colours(std::span<const std::uint16_t> rgba) {
+  const int index = accessor(view(rgba.data(), 2 * rgba.size(), kVertices), kShort, rgba.size() / 4, "VEC4");
+  json["accessors"][static_cast<std::size_t>(index)]["normalized"] = true;
+  return index;
 }
 
 int Glb::indices(std::span<const std::uint32_t> values) {

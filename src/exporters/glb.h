@@ -18,8 +18,9 @@ class Glb {
   Json json = {{"asset", {{"version", "2.0"}}}};
 
   // Each appends to the buffer and returns the index of its accessor.
-  int vectors(std::span<const Vec3> values);  // with the bounds that positions need
-  int uvs(std::span<const Vec2> values);      // (0, 0) lower left, as render has them; glTF's is upper left
+  int vectors(std::span<const Vec3> values);         // with the bounds that positions need
+  int uvs(std::span<const Vec2> values);             // (0, 0) lower left, as render has them; glTF's is upper left
+  int colours(std::span<const std::uint16_t> rgba);  // linear, 65535 is one
   int indices(std::span<const std::uint32_t> values);
   int numbers(std::span<const float> values, const char* type = "SCALAR");  // of VEC4 four each
 

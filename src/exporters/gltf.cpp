@@ -2,9 +2,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "exporters/glb.h"
+#include "geometry/bounds.h"
 #include "render/camera.h"
 #include "render/colour_map.h"
 
@@ -26,20 +28,20 @@ struct Key {
 struct Track {
   int node = -1;
   bool soft = false;
-  Vec3 centre = Vec3::Zero();                      // of the mesh at the start; origin of a stiff body's node
-  render::DrawMesh start;                          // soft: of the first frame
-  std::vector<Key> keys;                           // stiff
-  std::vector<std::vector<Vec3>> points, normals;  // soft: of each further frame, less those of the first
+  Vec3 centre = Vec3::Zero();                       // of the mesh at the start; origin of a stiff body's node
+  render::DrawMesh start;                           // soft: of the first frame
+  std::vector<Key> keys;                            // stiff
+  std::vector<std::vector<Vec3>> points, normals;   // soft: of each further frame, less those of the first
+  std::vector<std::vector<std::uint16_t>> colours;  // of every frame, where a field colours the bodies
+  bool changes_colour() const {
+    return std::any_of(colours.begin(), colours.end(), [&](const auto& c) { return c != colours[0]; });
+  }
 };
 
 Json array(const Vec3& v) { return {v[0], v[1], v[2]}; }
 Json array(const Eigen::Quaterniond& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 
-double size_of(const std::vector<Vec3>& points) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& p : points) box.extend(p);
-  return box.isEmpty() ? 0 : box.diagonal().norm();
-}
+double size_of(const std::vector<Vec3>& points) { return points.empty() ? 0 : geometry::bounds_of(points).size().norm(); }
 
 class Writer {
  public:
@@ -72,9 +74,8 @@ class Writer {
       t.node = add_node({{"name", body.label->name}});
       if (t.soft) continue;
       t.start = *body.mesh;
-      Eigen::AlignedBox3d box;
-      for (const Vec3& p : t.start.points) box.extend(p);
-      t.centre = box.isEmpty() ? Vec3(0, 0, 0) : Vec3(box.center());
+      const geometry::Bounds box = geometry::bounds_of(t.start.points);
+      if (!t.start.points.empty()) t.centre = 0.5 * (box.lo + box.hi);
       for (Vec3& p : t.start.points) p -= t.centre;
     }
     if (const Params* render = scene_.find("render"); render != nullptr && render->has("cameras"))
@@ -106,14 +107,27 @@ class Writer {
           points[i] = mesh.points[i] - t.start.points[i], normals[i] = mesh.normals[i] - t.start.normals[i];
         t.points.push_back(std::move(points)), t.normals.push_back(std::move(normals));
       }
-      for (const Vec3& p : mesh.points) box_.extend(p);
+      for (const Vec3& p : mesh.points) box_.include(p);
     }
+    if (frames_.colouring) colour(k);
     for (auto& [name, track] : cameras_) {
       const render::Camera camera = view_.camera(name);
       const render::Pose pose = render::pose_of(camera);
       Mat3 axes;  // glTF's look along -z, with y up
       axes << pose.right, -pose.down, -pose.forward;
       add_key(track, camera.position, axes);
+    }
+  }
+
+  void colour(std::size_t k) {
+    const std::vector<std::vector<double>> values = view_.at_vertices(frames_.colouring->values(k));
+    for (std::size_t b = 0; b < values.size(); ++b) {
+      std::vector<std::uint16_t>& out = tracks_[b].colours.emplace_back();
+      for (const double v : values[b]) {
+        const std::uint8_t* srgb = frames_.colouring->srgb(v);
+        for (int c = 0; c < 3; ++c) out.push_back(static_cast<std::uint16_t>(std::lround(65535 * render::linear_of_srgb(srgb[c] / 255.0))));
+        out.push_back(65535);
+      }
     }
   }
 
@@ -135,21 +149,34 @@ class Writer {
     return static_cast<int>(file_.json["materials"].size()) - 1;
   }
 
-  // One primitive per material; all of them share the vertices.
-  int mesh(const render::DrawMesh& m, const std::string& name, const std::vector<Json>& targets) {
-    Json attributes = {{"POSITION", file_.vectors(m.points)}, {"NORMAL", file_.vectors(m.normals)}};
-    if (!m.uvs.empty()) attributes["TEXCOORD_0"] = file_.uvs(m.uvs);
-    Json primitives = Json::array();
+  // What meshes of one body share: texture coordinates, and a primitive per material. Of one whose colours are those of a field the materials are
+  // white: they are multiplied.
+  struct Parts {
+    Json attributes = Json::object(), primitives = Json::array();
+  };
+  Parts parts_of(const render::DrawMesh& m, const std::string& name, bool coloured) {
+    Parts out;
+    if (!m.uvs.empty() && !coloured) out.attributes["TEXCOORD_0"] = file_.uvs(m.uvs);
     for (std::size_t k = 0; k < m.materials.size(); ++k) {
       std::vector<std::uint32_t> corners;
       for (std::size_t t = 0; t < m.triangles.size(); ++t)
         if ((m.material.empty() ? 0 : m.material[t]) == static_cast<Index>(k))
           for (const Index v : m.triangles[t].v) corners.push_back(static_cast<std::uint32_t>(v));
       if (corners.empty()) continue;
-      Json one = {{"attributes", attributes}, {"indices", file_.indices(corners)}};
-      one["material"] = material(m.materials[k], m.materials.size() == 1 ? name : name + "_" + std::to_string(k));
+      render::Material look = m.materials[k];
+      if (coloured) look.colour = Vec3::Ones(), look.texture = nullptr;
+      out.primitives.push_back(
+          {{"indices", file_.indices(corners)}, {"material", material(look, m.materials.size() == 1 ? name : name + "_" + std::to_string(k))}});
+    }
+    return out;
+  }
+
+  int mesh(const Parts& parts, const Json& attributes, const std::string& name, const std::vector<Json>& targets) {
+    Json primitives = parts.primitives;
+    for (Json& one : primitives) {
+      one["attributes"] = parts.attributes;
+      one["attributes"].update(attributes);
       if (!targets.empty()) one["targets"] = targets;
-      primitives.push_back(std::move(one));
     }
     Json whole = {{"name", name}, {"primitives", std::move(primitives)}};
     if (!targets.empty()) {
@@ -161,15 +188,62 @@ class Writer {
     return static_cast<int>(file_.json["meshes"].size()) - 1;
   }
 
+  Json placed(const std::vector<Vec3>& points, const std::vector<Vec3>& normals) {
+    return {{"POSITION", file_.vectors(points)}, {"NORMAL", file_.vectors(normals)}};
+  }
+  // All of a mesh at once; `colours` may be empty.
+  int mesh(const render::DrawMesh& m, const std::string& name, const std::vector<Json>& targets,
+           const std::vector<std::vector<std::uint16_t>>& colours = {}) {
+    const Parts parts = parts_of(m, name, !colours.empty());
+    Json attributes = placed(m.points, m.normals);
+    if (!colours.empty()) attributes["COLOR_0"] = file_.colours(colours[0]);
+    return mesh(parts, attributes, name, targets);
+  }
+
   void animate(const Track& t, const char* path, int values) {
     if (times_ < 0) {
       std::vector<float> seconds;
-      for (std::size_t k = 0; k < frames_.times.size(); ++k)
-        seconds.push_back(static_cast<float>(fps_ > 0 ? static_cast<double>(k) / fps_ : frames_.times[k] - frames_.times[0]));
+      for (std::size_t k = 0; k < frames_.times.size(); ++k) seconds.push_back(static_cast<float>(second(k)));
       times_ = file_.numbers(seconds);
     }
-    samplers_.push_back({{"input", times_}, {"interpolation", "LINEAR"}, {"output", values}});
-    channels_.push_back({{"sampler", samplers_.size() - 1}, {"target", {{"node", t.node}, {"path", path}}}});
+    channel(t.node, path, times_, values, "LINEAR");
+  }
+  void channel(int node, const char* path, int times, int values, const char* interpolation) {
+    samplers_.push_back({{"input", times}, {"interpolation", interpolation}, {"output", values}});
+    channels_.push_back({{"sampler", samplers_.size() - 1}, {"target", {{"node", node}, {"path", path}}}});
+  }
+
+  double second(std::size_t k) const { return fps_ > 0 ? static_cast<double>(k) / fps_ : frames_.times[k] - frames_.times[0]; }
+
+  // Colours that change: no program interpolates them, so every frame has a mesh of its own under the body's node, of which one after the other is of
+  // full size and all others of none.
+  void flip_book(Track& t, const std::string& name) {
+    const Parts parts = parts_of(t.start, name, true);
+    const Json at_rest = t.soft ? Json() : placed(t.start.points, t.start.normals);
+    for (std::size_t k = 0; k < t.colours.size(); ++k) {
+      Json attributes = at_rest;
+      if (t.soft) {
+        std::vector<Vec3> points = t.start.points, normals = t.start.normals;
+        for (std::size_t i = 0; k > 0 && i < points.size(); ++i)
+          points[i] += t.points[k - 1][i], normals[i] = (normals[i] + t.normals[k - 1][i]).normalized();
+        attributes = placed(points, normals);
+      }
+      attributes["COLOR_0"] = file_.colours(t.colours[k]);
+      const std::string called = name + " frame " + std::to_string(frames_.numbers[k]);
+      const double size = k == 0 ? 1 : 0;
+      nodes_.push_back({{"name", called}, {"mesh", mesh(parts, attributes, called, {})}, {"scale", {size, size, size}}});
+      const int node = static_cast<int>(nodes_.size());
+      nodes_[static_cast<std::size_t>(t.node - 1)]["children"].push_back(node);
+      std::vector<float> times, sizes;
+      const auto key = [&](std::size_t frame, float value) {
+        times.push_back(static_cast<float>(second(frame)));
+        for (int c = 0; c < 3; ++c) sizes.push_back(value);
+      };
+      if (k > 0) key(0, 0);
+      key(k, 1);
+      if (k + 1 < t.colours.size()) key(k + 1, 0);
+      channel(node, "scale", file_.numbers(times), file_.numbers(sizes, "VEC3"), "STEP");
+    }
   }
 
   void place(const Track& t, double length) {
@@ -189,6 +263,7 @@ class Writer {
   }
 
   void soft(Track& t, const std::string& name) {
+    if (t.changes_colour()) return flip_book(t, name);
     double way = 0;
     for (const auto& frame : t.points)
       for (const Vec3& p : frame) way = std::max(way, p.norm());
@@ -198,7 +273,7 @@ class Writer {
         targets.push_back({{"POSITION", file_.vectors(t.points[k])}, {"NORMAL", file_.vectors(t.normals[k])}});
         t.points[k] = {}, t.normals[k] = {};
       }
-    nodes_[static_cast<std::size_t>(t.node - 1)]["mesh"] = mesh(t.start, name, targets);
+    nodes_[static_cast<std::size_t>(t.node - 1)]["mesh"] = mesh(t.start, name, targets, t.colours);
     if (targets.empty()) return;
     if (weights_ < 0) {  // of frame k the target k - 1 alone; the same for all bodies
       const std::size_t n = frames_.numbers.size();
@@ -210,9 +285,9 @@ class Writer {
   }
 
   void plane(const render::BodyLabel& label, const render::GroundPlane& g) {
-    const Vec3 n = g.normal.normalized(), u = n.unitOrthogonal(), v = n.cross(u), middle = box_.isEmpty() ? g.point : Vec3(box_.center());
+    const Vec3 n = g.normal.normalized(), u = n.unitOrthogonal(), v = n.cross(u), middle = empty() ? g.point : Vec3(0.5 * (box_.lo + box_.hi));
     const Vec3 foot = middle - n.dot(middle - g.point) * n;
-    const double reach = box_.isEmpty() ? 1 : kPlaneReach * 0.5 * box_.diagonal().norm();
+    const double reach = empty() ? 1 : kPlaneReach * 0.5 * box_.size().norm();
     render::DrawMesh m;
     m.points = {-reach * u - reach * v, reach * u - reach * v, reach * u + reach * v, -reach * u + reach * v};
     m.normals.assign(4, n);
@@ -231,7 +306,10 @@ class Writer {
         soft(t, bodies[b].label->name);
         continue;
       }
-      nodes_[static_cast<std::size_t>(t.node - 1)]["mesh"] = mesh(t.start, bodies[b].label->name, {});
+      if (t.changes_colour())
+        flip_book(t, bodies[b].label->name);
+      else
+        nodes_[static_cast<std::size_t>(t.node - 1)]["mesh"] = mesh(t.start, bodies[b].label->name, {}, t.colours);
       place(t, size_of(t.start.points));
     }
     for (const auto& [name, track] : cameras_) place(track, 1);
@@ -254,7 +332,8 @@ class Writer {
   std::vector<std::size_t> children_;
   std::vector<Track> tracks_;
   std::vector<std::pair<std::string, Track>> cameras_;
-  Eigen::AlignedBox3d box_;
+  geometry::Bounds box_;  // of all that was seen
+  bool empty() const { return box_.lo[0] > box_.hi[0]; }
   std::map<const render::Texture*, int> textures_;
   std::vector<Json> samplers_, channels_;
   int times_ = -1, weights_ = -1;

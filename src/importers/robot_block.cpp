@@ -7,7 +7,7 @@
 #include "base/read_file.h"
 #include "base/sha256.h"
 #include "geometry/cache_folder.h"
-#include "importers/urdf/import.h"
+#include "importers/import.h"
 
 namespace fs = std::filesystem;
 
@@ -24,7 +24,7 @@ std::string mesh_folder(const std::string& robot) {
 }  // namespace
 
 std::string scene_of_robot(const Params& block, const std::string& path) {
-  urdf::Request r;
+  Request r;
   r.robot = block.text("file"), r.target = path, r.command = "robot: {file: " + r.robot + "}";
   r.meshes.skip_missing = block.text("missing_meshes") == "skip";
   r.meshes.folder = mesh_folder(r.robot);
@@ -33,7 +33,7 @@ std::string scene_of_robot(const Params& block, const std::string& path) {
   const fs::path folder = fs::absolute(path).parent_path();
   if (const Params* packages = block.find("packages"))
     for (const Params& p : packages->items()) r.meshes.packages[p.text("name")] = (folder / p.text("folder")).lexically_normal().string();
-  urdf::MachineOptions& m = r.machine;
+  MachineOptions& m = r.machine;
   m.asked_soft = "robot.override: link ", m.asked_joint = "robot.joints: ";
   m.held = block.text("base") == "fixed", m.clearance = block.number("clearance"), m.sway = block.number("sway");
   m.apart = static_cast<int>(block.integer("apart"));
@@ -43,13 +43,13 @@ std::string scene_of_robot(const Params& block, const std::string& path) {
     for (const Params& l : links->items()) {
       if (l.has("color")) m.colours.emplace_back(l.text("link"), l.vec3("color"));
       if (l.text("type") != "soft") continue;
-      urdf::SoftLink& s = m.soft.emplace_back(l.text("link"));
+      SoftLink& s = m.soft.emplace_back(l.text("link"));
       if (l.has("youngs_modulus")) s.youngs_modulus = l.number("youngs_modulus");
       if (l.has("poisson_ratio")) s.poisson_ratio = l.number("poisson_ratio");
       if (l.has("edge_length")) s.edge_length = l.number("edge_length");
     }
   Notes notes;
-  std::string text = urdf::import_scene(r, notes);
+  std::string text = import_scene(r, notes);
   static std::set<std::string> told;  // a scene may be read several times
   for (const std::string& line : notes.lines())
     if (told.insert(line).second) std::cerr << line << "\n";

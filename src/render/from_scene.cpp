@@ -175,6 +175,26 @@ std::vector<SceneView::Moved> SceneView::moved() const {
   return out;
 }
 
+std::vector<double> SceneView::magnitudes(const std::vector<double>& field) const {
+  if (field.size() == points_) return field;
+  std::vector<double> out;
+  if (field.size() == 3 * points_)
+    for (std::size_t i = 0; i < points_; ++i) out.push_back(Eigen::Map<const Vec3>(field.data() + 3 * i).norm());
+  return out;
+}
+
+std::vector<std::vector<double>> SceneView::at_vertices(const std::vector<double>& field) const {
+  const std::vector<double> one = magnitudes(field);
+  std::vector<std::vector<double>> out;
+  if (one.empty()) return out;
+  for (const auto& body : bodies_) {
+    out.push_back(body->scalar(one));
+    for (double& v : out.back())
+      if (!std::isfinite(v)) v = 0;
+  }
+  return out;
+}
+
 std::vector<std::pair<const BodyLabel*, GroundPlane>> SceneView::planes() const {
   std::vector<std::pair<const BodyLabel*, GroundPlane>> out;
   for (const auto& [name, plane] : planes_) out.emplace_back(&labels_[static_cast<std::size_t>(plane.id - 1)], plane);
@@ -247,9 +267,7 @@ RenderJob SceneView::job(const std::string& name, const std::map<std::string, st
   const Params* by = p.find("colour_by");
   const auto field = by != nullptr ? fields.find(by->as_text()) : fields.end();
   std::vector<double> scalars;
-  if (field != fields.end() && field->second.size() == points_) scalars = field->second;
-  if (field != fields.end() && field->second.size() == 3 * points_)
-    for (std::size_t i = 0; i < points_; ++i) scalars.push_back(Eigen::Map<const Vec3>(field->second.data() + 3 * i).norm());
+  if (field != fields.end()) scalars = magnitudes(field->second);
   const bool coloured = points_ > 0 && scalars.size() == points_;
   double low = 0, high = 0;
   for (const auto& body : bodies_) {

@@ -46,6 +46,9 @@ class SceneView {
     geometry::Motion motion;  // the rigid one that is nearest to what the body has done since the start
   };
   std::vector<Moved> moved() const;
+  // A field of the simulation's points at the vertices of these meshes; vectors by their length, 0 where there is nothing. Empty where it is not of
+  // the points.
+  std::vector<std::vector<double>> at_vertices(const std::vector<double>& field) const;
   std::vector<std::pair<const BodyLabel*, GroundPlane>> planes() const;
   Camera camera(const std::string& name) const;  // where it is now
 
@@ -60,6 +63,7 @@ class SceneView {
   std::vector<std::unique_ptr<Body>> bodies_;
   std::vector<BodyLabel> labels_;
   std::map<std::string, GroundPlane> planes_;
+  std::vector<double> magnitudes(const std::vector<double>& field) const;  // one number per point, or none
   // Adds the arrows of a camera that asks for them to its job.
   void add_traction(RenderJob& job, const std::string& name, const std::map<std::string, std::vector<double>>& fields,
                     const std::function<bool(const std::string&)>& shown);

@@ -15,6 +15,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kDepthUnit = 1e-3;  // [m] of a count, where the scene says nothing: that of ROS's 16UC1 images (REP 118)
+constexpr const char* kArrayMagic = "\x93NUMPY\x01";
+constexpr const char* kArrayHeader = "{'descr': '<f4',  'fortran_order': False, 'shape': (";  // two blanks that numpy.save does not write tell ours
+constexpr std::size_t kArrayAlign = 64;  // of the numbers in a file of NumPy: its format asks for it
 constexpr const char* kHead = "{\n  \"filetype\": \"mortise camera\"";
 
 bool writes(const Params& camera, const char* what) {
@@ -32,6 +35,7 @@ CameraFiles camera_files(const Params& camera, const std::string& name, long fra
   out.file = fmt::format("{}_{:04}.json", name, frame);
   if (writes(camera, "color")) out.color = fmt::format("{}_{:04}.png", name, frame);
   if (writes(camera, "depth")) out.depth = fmt::format("{}_depth_{:04}.png", name, frame);
+  if (writes(camera, "depth_float")) out.depth_float = fmt::format("{}_depth_{:04}.npy", name, frame);
   if (writes(camera, "segmentation")) out.segmentation = fmt::format("{}_segmentation_{:04}.png", name, frame);
   return out;
 }
@@ -57,6 +61,21 @@ render::GrayImage depth_image(const render::Measurement& seen, double unit) {
     const double counts = std::round(d / unit);
     out.values.push_back(counts <= 65535 ? static_cast<std::uint16_t>(counts) : std::uint16_t{0});
   }
+  return out;
+}
+
+// NumPy's format 1.0: magic, version, length of the header, a Python dictionary padded with blanks, the numbers.
+std::string depth_array(const render::Measurement& seen) {
+  std::string header = fmt::format("{}{}, {}), }}", kArrayHeader, seen.height, seen.width);
+  std::string out = kArrayMagic;
+  out.push_back('\0');
+  constexpr std::size_t kLength = 2;
+  header.append(kArrayAlign - (out.size() + kLength + header.size() + 1) % kArrayAlign, ' ');
+  header.push_back('\n');
+  out.push_back(static_cast<char>(header.size() & 255)), out.push_back(static_cast<char>(header.size() >> 8));
+  out += header;
+  std::vector<float> metres(seen.distance.begin(), seen.distance.end());
+  out.append(reinterpret_cast<const char*>(metres.data()), sizeof(float) * metres.size());
   return out;
 }
 
@@ -101,6 +120,8 @@ std::string camera_json(const CameraFiles& files, const Params& camera, const st
   if (!files.depth.empty()) {
     j["depth"] = {{"file", files.depth}, {"unit_m", depth_unit(camera)}, {"measures", fisheye ? "distance along the ray" : "z"}, {"nothing", 0}};
   }
+  if (!files.depth_float.empty())
+    j["depth_float"] = {{"file", files.depth_float}, {"unit_m", 1}, {"measures", fisheye ? "distance along the ray" : "z"}, {"nothing", "inf"}};
   if (!files.segmentation.empty()) {
     Json& s = j["segmentation"] = {{"file", files.segmentation}, {"nothing", 0}, {"bodies", Json::array()}};
     for (const render::BodyLabel& b : bodies) s["bodies"].push_back({{"id", b.id}, {"name", b.name}, {"type", b.type}, {"color", label_color(b.id)}});
@@ -113,6 +134,12 @@ bool is_our_camera_file(const std::string& path) {
   std::string head(std::string(kHead).size(), '\0');
   in.read(head.data(), static_cast<std::streamsize>(head.size()));
   return in && head == kHead;
+}
+bool is_our_depth_array(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string head(10 + std::string(kArrayHeader).size(), '\0');
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  return in && head.rfind(kArrayMagic, 0) == 0 && head.substr(10) == kArrayHeader;
 }
 
 }  // namespace mortise::run

@@ -175,7 +175,7 @@ void Folder::remove_results() const {
   if (!fs::is_directory(fs::symlink_status(frames, ec))) return;
   for (fs::directory_iterator it(frames, ec), end; !ec && it != end; it.increment(ec))
     if (it->is_regular_file() && !it->is_symlink() &&
-        (render::is_our_png(it->path().string()) || is_our_camera_file(it->path().string()) ||
+        (render::is_our_png(it->path().string()) || is_our_camera_file(it->path().string()) || is_our_depth_array(it->path().string()) ||
          ((it->path().extension() == ".part" || it->path().extension() == ".tmp") && it->file_size() == 0)))
       fs::remove(it->path());
   rmdir(frames.c_str());  // if nothing is left in it
@@ -184,7 +184,7 @@ void Folder::remove_results() const {
 void guard_picture(const std::string& path) {
   std::error_code ec;
   const fs::file_status status = fs::symlink_status(path, ec);
-  if (fs::exists(status) && !(fs::is_regular_file(status) && (render::is_our_png(path) || is_our_camera_file(path))))
+  if (fs::exists(status) && !(fs::is_regular_file(status) && (render::is_our_png(path) || is_our_camera_file(path) || is_our_depth_array(path))))
     throw Error(Exit::file, "'" + path + "' was not written by mortise and is left alone; move it away, or choose another folder with -o");
 }
 

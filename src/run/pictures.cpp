@@ -35,9 +35,10 @@ void Pictures::draw(long frame, double time, const std::vector<double>& points, 
       return path;
     };
     if (!files.color.empty()) render::write_png(place(files.color), state_->renderer.draw(job));
-    if (!files.depth.empty() || !files.segmentation.empty()) {
+    if (!files.depth.empty() || !files.depth_float.empty() || !files.segmentation.empty()) {
       const render::Measurement seen = state_->renderer.measure(job);
       if (!files.depth.empty()) render::write_png(place(files.depth), depth_image(seen, depth_unit(camera)));
+      if (!files.depth_float.empty()) output::write_file_atomically(place(files.depth_float), depth_array(seen), false);
       const std::size_t bodies = state_->view.labels().size();
       if (!files.segmentation.empty() && bodies <= 255)
         render::write_png(place(files.segmentation), segmentation_image(seen, bodies));

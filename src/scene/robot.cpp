@@ -58,7 +58,8 @@ const ParamTable& robot_table() {
   static const ParamTable t{
       "robot",
       "A robot's file, which stands for bodies, joints, motors, contact and cameras; what the scene says itself goes over them.",
-      {required(of(Kind::path, "file", Unit::none, {}, "URDF file.")), blocks("packages", &package_table(), "Where packages of its meshes are."),
+      {required(of(Kind::path, "file", Unit::none, {}, "URDF or MJCF file.")),
+       blocks("packages", &package_table(), "Where packages of its meshes are."),
        choice("missing_meshes", {"error", "skip"}, "error", "What happens where a mesh of the robot is not there; skip: it goes without."),
        choice("base", {"free", "fixed"}, "free", "Whether the root link moves."),
        positive(number("clearance", Unit::length, "2 mm", 0, "Of the lowest point above the floor.")),

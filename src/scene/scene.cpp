@@ -20,7 +20,9 @@ namespace fs = std::filesystem;
 
 // Somebody took a robot's file for a scene.
 std::string robot_hint(const std::string& text) {
-  return text.find("<robot") == std::string::npos ? "" : "a robot's file becomes a scene by 'mortise import', or stands in one: 'robot: {file: ...}'";
+  return text.find("<robot") == std::string::npos && text.find("<mujoco") == std::string::npos
+             ? ""
+             : "a robot's file becomes a scene by 'mortise import', or stands in one: 'robot: {file: ...}'";
 }
 
 // What usually is behind yaml-cpp's messages.

@@ -300,8 +300,9 @@ const ParamTable& camera_table() {
        positive(
            range(number("fov", Unit::angle, "35 deg", 0, "Field of view: of the height (pinhole, below 180 deg), of the image circle (fisheye)."), 0,
                  6.2831853071796)),
-       optional(any_of("outputs", {"color", "depth", "segmentation"},
-                       "What is written: color pictures, depth images (16-bit PNG), images of which body is seen (indexed PNG); absent: color.")),
+       optional(any_of("outputs", {"color", "depth", "depth_float", "segmentation"},
+                       "What is written: color pictures, depth images (16-bit PNG), depth in metres (32-bit floats of NumPy), images of which body "
+                       "is seen (indexed PNG); absent: color.")),
        positive(optional(of(Kind::number, "depth_unit", Unit::length, {}, "What one count of a depth image stands for; absent: 1 mm."))),
        table("traction", &traction_table(), "Arrows of what acts on the surfaces that the camera sees, per area."),
        optional(of(Kind::text, "rides_on", Unit::none, {},

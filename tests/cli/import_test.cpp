@@ -60,7 +60,7 @@ TEST_F(Import, ARealRobotStands) {
   if (!fs::exists(go2)) GTEST_SKIP() << go2 << " is not there";
   const Result missing = mortise("import " + quoted(go2) + " -o go2.yaml", path_);
   EXPECT_EQ(missing.code, 6);
-  EXPECT_NE(missing.err.find("go2_description.urdf:12:9: error: there is no mesh 'package://go2_description/dae/base.dae', nor 16 more"),
+  EXPECT_NE(missing.err.find("go2_description.urdf:12:9: error: there is no mesh 'package://go2_description/dae/base.dae', nor 10 more"),
             std::string::npos)
       << missing.err;
   EXPECT_EQ(mortise("import " + quoted(go2) + " -o go2.yaml --missing-meshes skip", path_).code, 0);

@@ -164,5 +164,27 @@ TEST_F(RobotBlock, TenLinesMoveARealRobotOnSoftFeet) {
   EXPECT_EQ(r.code, 0) << r.err;
 }
 
+// Robots that nobody prepared: every file of the data that is one, from the file to pictures of it moving.
+TEST_F(RobotBlock, AnyRobotMovesAndIsDrawnInEightLines) {
+  const std::string folder = std::string(MORTISE_SHARED_DATA) + "/robots";
+  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  const auto bytes = [&](const std::string& file) {
+    std::ifstream in(path_ + "/" + file, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  int robots = 0;
+  for (const fs::directory_entry& e : fs::recursive_directory_iterator(folder)) {
+    if (e.path().extension() != ".urdf" && e.path().extension() != ".xml") continue;
+    ++robots;
+    std::ofstream(path_ + "/scene.yaml") << "mortise: 1\nrobot:\n  file: " << e.path().string()
+                                         << "\n  missing_meshes: skip\n  sway: 10 deg\n  base: fixed\n"
+                                            "time: {steps: 50, frame_every: 25}\nrender: {width: 320, height: 240}\n";
+    const Result r = mortise("run scene.yaml -o out --overwrite -q", path_);
+    EXPECT_EQ(r.code, 0) << e.path() << r.err;
+    EXPECT_NE(bytes("out/frames/front_0001.png"), bytes("out/frames/front_0000.png")) << e.path();
+  }
+  EXPECT_GE(robots, 2);
+}
+
 }  // namespace
 }  // namespace mortise::cli

@@ -38,7 +38,7 @@ render:
   width: 160
   height: 120
   cameras:
-    top: {position: [20 mm, 0, 300 mm], look_at: [20 mm, 0, 0], up: [0, 1, 0], fov: 40 deg, outputs: [color, depth, segmentation], depth_unit: 0.1 mm}
+    top: {position: [20 mm, 0, 300 mm], look_at: [20 mm, 0, 0], up: [0, 1, 0], fov: 40 deg, outputs: [color, depth, depth_float, segmentation], depth_unit: 0.1 mm}
     eye: {position: [20 mm, 0, 100 mm], look_at: [20 mm, 0, 0], up: [0, 1, 0], model: fisheye, fov: 170 deg, outputs: [depth, segmentation], rides_on: slab}
 """
 
@@ -57,6 +57,10 @@ def check_images(frames, points, bodies):
         colour, depth, label = (Image.open(f"{frames}/{camera[k]['file']}") for k in ("color", "depth", "segmentation"))
         assert colour.mode == "RGB" and depth.mode == "I;16" and label.mode == "P", (colour.mode, depth.mode, label.mode)
         assert colour.size == depth.size == label.size == (camera["width"], camera["height"])
+        metres = np.load(f"{frames}/{camera['depth_float']['file']}")
+        assert metres.dtype == np.float32 and metres.shape == (camera["height"], camera["width"]) and camera["depth_float"]["unit_m"] == 1
+        assert np.array_equal(np.isfinite(metres), np.asarray(label) > 0)
+        assert np.abs(np.where(np.isfinite(metres), metres, 0) - np.asarray(depth) * camera["depth"]["unit_m"]).max() < 0.051e-3, "to half a count"
         z, ids = np.asarray(depth) * camera["depth"]["unit_m"], np.asarray(label)
         table = {b["name"]: b for b in camera["segmentation"]["bodies"]}
         assert [table[n]["id"] for n in ("cube", "slab", "floor")] == [1, 2, 3]

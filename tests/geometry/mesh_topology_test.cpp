@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "geometry/hull.h"
 #include "geometry/primitives.h"
 #include "geometry/topology.h"
 #include "geometry/topology_check.h"
@@ -251,6 +252,23 @@ TEST(ClosedSurface, PartsInsideOfOthersAreCavities) {
   EXPECT_EQ(first_wrongly_nested(joined(outer, turned(beside))), 12);
   EXPECT_EQ(first_wrongly_nested(joined(joined(outer, turned(inner)), turned(core))), 24);
   expect_error([&] { check_closed_surface(joined(outer, inner), "it"); }, Exit::scene, {"lies inside of another part"});
+}
+
+// Points of a box's edges and faces, off them by rounding, and corners twice: the exact hull has triangles without height.
+TEST(Hull, HasNoTrianglesWithoutHeight) {
+  const Vec3 size(0.1, 0.2, 0.3);
+  std::vector<Vec3> points;
+  double noise = 0.3;
+  for (const Vec3& x : surface_of(box(size, 0.05)).points)
+    for (int twice = 0; twice < 2; ++twice) {
+      Vec3 y = x;
+      for (double& c : y) c += 1e-12 * (noise = 3.9 * noise * (1 - noise));
+      points.push_back(y);
+    }
+  const TriMesh hull = convex_hull(points);
+  check_closed_surface(hull, "the hull");  // that none of its triangles has no area, among others
+  EXPECT_NEAR(mass_properties(hull).volume, size.prod(), 1e-11);
+  expect_error([&] { convex_hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}); }, Exit::scene, {"lie in a plane"});
 }
 
 }  // namespace

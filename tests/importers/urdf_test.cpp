@@ -6,16 +6,18 @@
 #include <filesystem>
 #include <fstream>
 
+#include "base/read_file.h"
 #include "geometry/io/obj.h"
 #include "geometry/primitives.h"
 #include "geometry/topology.h"
-#include "importers/urdf/machine.h"
-#include "importers/urdf/meshes.h"
-#include "importers/urdf/read.h"
-#include "importers/urdf/solid.h"
-#include "importers/urdf/write.h"
+#include "importers/import.h"
+#include "importers/robot/machine.h"
+#include "importers/robot/meshes.h"
+#include "importers/robot/solid.h"
+#include "importers/robot/weigh.h"
+#include "importers/robot/write.h"
 
-namespace mortise::importers::urdf {
+namespace mortise::importers {
 namespace {
 
 std::string link(const std::string& name, const std::string& more = "") { return "<link name='" + name + "'>" + more + "</link>\n"; }
@@ -35,7 +37,7 @@ std::string joint(const std::string& name, const std::string& type, const std::s
 }
 Robot robot(const std::string& inside, Notes* notes = nullptr) {
   Notes own;
-  return read_text("<robot name='r'>\n" + inside + "</robot>", "r.urdf", notes ? *notes : own);
+  return read_robot_text("<robot name='r'>\n" + inside + "</robot>", "r.urdf", notes ? *notes : own);
 }
 std::string refusal(const std::string& inside, const MachineOptions& options = {}) {
   try {
@@ -127,8 +129,9 @@ TEST(Urdf, NeighboursAndWhatOverlapsPassThroughEachOther) {
   }
   const auto pairs = passing_pairs(machine(chain), 2);
   ASSERT_EQ(pairs.size(), 4u);
-  for (const PassingPair& p : pairs) EXPECT_EQ(p.overlap, p.b - p.a != 2) << p.a << " " << p.b;
-  EXPECT_TRUE(std::any_of(pairs.begin(), pairs.end(), [](const PassingPair& p) { return p.a == 1 && p.b == 4 && p.overlap; }));
+  for (const PassingPair& p : pairs) EXPECT_EQ(p.why == PassingPair::Why::overlap, p.b - p.a != 2) << p.a << " " << p.b;
+  EXPECT_TRUE(
+      std::any_of(pairs.begin(), pairs.end(), [](const PassingPair& p) { return p.a == 1 && p.b == 4 && p.why == PassingPair::Why::overlap; }));
   EXPECT_EQ(passing_pairs(machine(chain), 1).size(), 1u);
 }
 
@@ -286,7 +289,8 @@ TEST_F(Folder, MeshesAreFoundInPackagesAndOnesThatNoBodyCanHaveBecomeHulls) {
                                        collision("package://thing_description/meshes/none.stl", ""))
                       << "</robot>";
   Notes notes;
-  Robot r = read(file, notes);
+  const auto read = [&] { return read_robot_text(read_regular_file(file, max_bytes::scene), file, notes); };
+  Robot r = read();
   MeshOptions options;
   options.folder = (path_ / "out_meshes").string();
   try {
@@ -295,7 +299,7 @@ TEST_F(Folder, MeshesAreFoundInPackagesAndOnesThatNoBodyCanHaveBecomeHulls) {
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("there is no mesh 'package://thing_description/meshes/none.stl'"), std::string::npos) << e.what();
   }
-  r = read(file, notes);
+  r = read();
   options.skip_missing = true;
   find_meshes(r, options, notes);
   ASSERT_EQ(r.links[0].collisions.size(), 3u);
@@ -313,4 +317,4 @@ TEST_F(Folder, MeshesAreFoundInPackagesAndOnesThatNoBodyCanHaveBecomeHulls) {
 }
 
 }  // namespace
-}  // namespace mortise::importers::urdf
+}  // namespace mortise::importers

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -37,6 +38,27 @@ TEST(CameraFile, DepthIsCountedInItsUnitAndZeroIsNothing) {
   const render::Measurement seen{5, 1, {1, 1, 1, 1, 0}, {0.5004, 0.5006, far, far + 0.001, none}};
   EXPECT_EQ(depth_image(seen, 1e-3).values, (std::vector<std::uint16_t>{500, 501, 65535, 0, 0}));
   EXPECT_EQ(depth_image(seen, 1e-4).values[0], 5004);
+}
+
+TEST(CameraFile, DepthInMetresIsAnArrayOfNumPy) {
+  const render::Measurement seen{3, 2, {1, 1, 0, 1, 1, 1}, {0.5, 1.25, std::numeric_limits<double>::infinity(), 2, 3, 4}};
+  const std::string bytes = depth_array(seen);
+  ASSERT_EQ(bytes.size(), 128u + 6 * sizeof(float)) << "numbers begin at a multiple of 64";
+  EXPECT_EQ(bytes.substr(0, 10), std::string("\x93NUMPY\x01\x00\x76\x00", 10));
+  EXPECT_EQ(bytes.substr(10, 60), "{'descr': '<f4',  'fortran_order': False, 'shape': (2, 3), }");
+  EXPECT_EQ(bytes[127], '\n');
+  EXPECT_EQ(bytes.find_first_not_of(' ', 70), 127u);
+  float values[6];
+  std::memcpy(values, bytes.data() + 128, sizeof values);
+  EXPECT_EQ(values[1], 1.25f);
+  EXPECT_TRUE(std::isinf(values[2]));
+  const std::string path = (std::filesystem::temp_directory_path() / ("mortise_depth_" + std::to_string(getpid()))).string();
+  std::ofstream(path, std::ios::binary) << bytes;
+  EXPECT_TRUE(is_our_depth_array(path));
+  std::ofstream(path, std::ios::binary) << std::string(bytes).replace(26, 1, "");
+  EXPECT_FALSE(is_our_depth_array(path)) << "as numpy.save writes it: somebody else's";
+  std::filesystem::remove(path);
+  EXPECT_EQ(camera_files(camera({"depth_float"}), "front", 3).depth_float, "front_depth_0003.npy");
 }
 
 TEST(CameraFile, BodiesHaveColoursOfTheirOwn) {

@@ -157,7 +157,7 @@ VisualMesh visual_from(const ObjFile& obj) {
   return mesh;
 }
 
-void write_obj(const std::string& path, const TriMesh& mesh) {
+std::string obj_text(const TriMesh& mesh) {
   std::string out;
   for (const Vec3& p : mesh.points) {
     out += 'v';
@@ -165,7 +165,9 @@ void write_obj(const std::string& path, const TriMesh& mesh) {
   }
   for (const Triangle& t : mesh.triangles)
     out += "f " + std::to_string(t.v[0] + 1) + " " + std::to_string(t.v[1] + 1) + " " + std::to_string(t.v[2] + 1) + "\n";
-  write_file(path, out);
+  return out;
 }
+
+void write_obj(const std::string& path, const TriMesh& mesh) { write_file(path, obj_text(mesh)); }
 
 }  // namespace mortise::geometry

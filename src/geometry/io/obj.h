@@ -29,6 +29,7 @@ ObjFile parse_obj(const std::string& path, std::string_view text, bool materials
 TriMesh surface_from(const ObjFile& obj);
 VisualMesh visual_from(const ObjFile& obj);
 
+std::string obj_text(const TriMesh& mesh);
 void write_obj(const std::string& path, const TriMesh& mesh);
 
 }  // namespace mortise::geometry

@@ -1,10 +1,8 @@
 #include "importers/urdf/read.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
-
-#include "base/read_file.h"
-#include "importers/urdf/element.h"
 
 namespace mortise::importers::urdf {
 namespace {
@@ -17,14 +15,12 @@ Mat3 of_rpy(const Vec3& rpy) {
 
 class Reader {
  public:
-  Reader(const std::string& text, const std::string& path, Notes& notes) : source_(text, path), notes_(notes) { robot_.path = path; }
+  explicit Reader(Notes& notes) : notes_(notes) {}
 
-  Robot robot(const pugi::xml_node& document) {
-    const Element root(document, source_);
-    if (root.name() != "robot") root.fail("the file describes a <" + root.name() + ">, not a <robot>; this reads URDF");
-    for (const pugi::xml_node& n : document.children())
-      if (std::string(n.name()).rfind("xacro:", 0) == 0)
-        Element(n, source_).fail("<" + std::string(n.name()) + ">: this is a xacro file; expand it first: xacro FILE > robot.urdf");
+  Robot robot(const Element& root) {
+    robot_.path = root.source().path();
+    for (const Element& e : root.children())
+      if (e.name().rfind("xacro:", 0) == 0) e.fail("<" + e.name() + ">: this is a xacro file; expand it first: xacro FILE > robot.urdf");
     root.expect({"name", "version"}, {"link", "joint", "material"},
                 {"transmission", "gazebo", "sensor", "ros2_control", "mujoco", "plugin", "actuator"}, notes_);
     robot_.name = root.has("name") ? root.text("name") : "robot";
@@ -32,7 +28,7 @@ class Reader {
     for (const Element& l : root.children("link")) link(l);
     for (const Element& j : root.children("joint")) joint(j);
     if (robot_.links.empty()) root.fail("the robot has no <link>");
-    tree();
+    robot_.make_tree();
     return std::move(robot_);
   }
 
@@ -169,13 +165,7 @@ class Reader {
     j.origin = origin(e);
     if (j.moves()) {
       motion(e, type, j);
-      if (j.limits && j.limits->first == j.limits->second) {
-        notes_.add(e.where(), "a joint whose limits leave no way is taken as fixed");
-        const double stands = j.limits->first;
-        j.origin =
-            j.origin * (turns ? Pose{Eigen::AngleAxisd(stands, j.axis).toRotationMatrix(), Vec3::Zero()} : Pose{Mat3::Identity(), stands * j.axis});
-        j.type = Joint::Type::fixed, j.limits.reset(), j.mimic.reset();
-      }
+      j.fix_where_it_cannot_move(notes_);
     }
     robot_.joints.push_back(std::move(j));
   }
@@ -206,60 +196,13 @@ class Reader {
     }
   }
 
-  // Every link hangs on one other, all on one root.
-  void tree() {
-    const std::size_t n = robot_.links.size();
-    robot_.joint_of.assign(n, -1);
-    for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
-      const Joint& j = robot_.joints[i];
-      std::ptrdiff_t& mine = robot_.joint_of[j.child];
-      if (mine >= 0)
-        throw Error(Exit::scene, j.where,
-                    "link '" + robot_.links[j.child].name + "' has a second parent; the first is joint '" + robot_.joints[mine].name + "'");
-      mine = static_cast<std::ptrdiff_t>(i);
-    }
-    std::vector<std::size_t> roots;
-    for (std::size_t i = 0; i < n; ++i)
-      if (robot_.joint_of[i] < 0) roots.push_back(i);
-    if (roots.size() > 1)
-      throw Error(Exit::scene, robot_.links[roots[1]].where,
-                  "link '" + robot_.links[roots[1]].name + "' hangs on no other, and neither does '" + robot_.links[roots[0]].name +
-                      "': a robot is one tree");
-    robot_.order = roots;
-    for (std::size_t k = 0; k < robot_.order.size(); ++k)
-      for (const Joint& j : robot_.joints)
-        if (j.parent == robot_.order[k]) robot_.order.push_back(j.child);
-    if (robot_.order.size() < n) {  // also where there is no root
-      const auto lost = std::find_if(robot_.links.begin(), robot_.links.end(), [&](const Link& l) {
-        return std::find(robot_.order.begin(), robot_.order.end(), static_cast<std::size_t>(&l - robot_.links.data())) == robot_.order.end();
-      });
-      throw Error(Exit::scene, lost->where, "link '" + lost->name + "' hangs on itself: the joints go in a circle");
-    }
-    robot_.root = roots[0];
-    for (Joint& j : robot_.joints) {
-      if (!j.mimic) continue;
-      const auto leader = std::find_if(robot_.joints.begin(), robot_.joints.end(), [&](const Joint& o) { return o.name == j.mimic->joint; });
-      if (leader == robot_.joints.end() || leader->name == j.name)
-        throw Error(Exit::scene, j.where, "joint '" + j.name + "' mimics '" + j.mimic->joint + "', which is no other joint");
-      j.mimic->leader = static_cast<std::size_t>(leader - robot_.joints.begin());
-    }
-  }
-
   Robot robot_;
-  Source source_;
   Notes& notes_;
   std::map<std::string, Vec3> colours_;
 };
 
 }  // namespace
 
-Robot read_text(const std::string& text, const std::string& path, Notes& notes) {
-  pugi::xml_document document;
-  const pugi::xml_parse_result result = document.load_buffer(text.data(), text.size());
-  if (!result) throw Error(Exit::scene, Source(text, path).at(result.offset), std::string("not well-formed XML: ") + result.description());
-  return Reader(text, path, notes).robot(document.document_element());
-}
-
-Robot read(const std::string& path, Notes& notes) { return read_text(read_regular_file(path, max_bytes::scene), path, notes); }
+Robot read(const Document& document, Notes& notes) { return Reader(notes).robot(document.root()); }
 
 }  // namespace mortise::importers::urdf

@@ -1,4 +1,4 @@
-#include "importers/urdf/write.h"
+#include "importers/robot/write.h"
 
 #include <fmt/format.h>
 
@@ -8,11 +8,11 @@
 #include <numbers>
 
 #include "geometry/bounds.h"
-#include "importers/urdf/solid.h"
-#include "importers/urdf/tuning.h"
+#include "importers/robot/solid.h"
+#include "importers/robot/tuning.h"
 #include "scene/suggest.h"
 
-namespace mortise::importers::urdf {
+namespace mortise::importers {
 namespace {
 
 // Nine digits: a nanometre in a metre, and nobody has to read 0.30000000000000004.
@@ -97,6 +97,7 @@ class Writer {
       case Shape::Kind::capsule:
         return fmt::format("{{{}: {{radius: {}, height: {}, edge_length: {}}}}}", s.kind == Shape::Kind::cylinder ? "cylinder" : "capsule",
                            length(s.radius), length(s.length), edge);
+      case Shape::Kind::ellipsoid:
       case Shape::Kind::mesh:
         break;
     }
@@ -184,10 +185,10 @@ class Writer {
   const std::string& name(std::size_t i) const { return i < m_.bodies.size() ? m_.bodies[i].name : m_.pads[i - m_.bodies.size()].name; }
   void pairs() {
     if (passing_.empty()) return;
-    line("# What passes through each other besides neighbours: with few joints between them, or overlapping as they stand.");
+    line("# What passes through each other besides neighbours: with few joints between them, by the robot's file, or overlapping as they stand.");
     line("pairs:");
     for (const PassingPair& p : passing_)
-      line(fmt::format("  - {{bodies: [{}, {}], collide: false}}{}", name(p.a), name(p.b), p.overlap ? "  # overlap" : ""));
+      line(fmt::format("  - {{bodies: [{}, {}], collide: false}}{}", name(p.a), name(p.b), p.why == PassingPair::Why::overlap ? "  # overlap" : ""));
     line("");
   }
 
@@ -206,9 +207,15 @@ class Writer {
     if (!m_.axes.empty()) {
       line("  joint:");
       for (const Axis& a : m_.axes) joint(a);
+    }
+    const auto driven = [](const Axis& a) {
+      const bool bare = a.passive && !a.given && a.damping == 0 && a.friction == 0;
+      return a.mimics < 0 && a.type != Joint::Type::spherical && !bare;
+    };
+    if (any(m_.axes, driven)) {
       line("  drive:");
       for (const Axis& a : m_.axes)
-        if (a.mimics < 0) drive(a);
+        if (driven(a)) drive(a);
     }
     if (!m_.pads.empty()) {
       line("  bond:");
@@ -220,10 +227,15 @@ class Writer {
   }
 
   void joint(const Axis& a) {
-    const bool turns = a.type == Joint::Type::revolute;
-    std::string text = fmt::format("name: {}, type: {}, body: {}", a.name, turns ? "revolute" : "prismatic", m_.bodies[a.body].name);
+    const bool turns = a.type == Joint::Type::revolute, ball = a.type == Joint::Type::spherical;
+    std::string text = fmt::format("name: {}, type: {}, body: {}", a.name,
+                                   ball    ? "spherical"
+                                   : turns ? "revolute"
+                                           : "prismatic",
+                                   m_.bodies[a.body].name);
     if (a.to >= 0) text += ", to: " + m_.bodies[a.to].name;
-    text += ", at: " + vector(a.place) + ", axis: " + vector(a.direction);
+    text += ", at: " + vector(a.place);
+    if (!ball) text += ", axis: " + vector(a.direction);
     if (a.mimics >= 0) text += fmt::format(", mimic: {{joint: {}, ratio: {}}}", m_.axes[a.mimics].name, number(a.ratio));
     if (std::abs(a.stands) > 1e-12) text += std::string(turns ? ", angle: " + angle(a.stands) : ", travel: " + length(a.stands));
     if (a.limits) {
@@ -238,9 +250,16 @@ class Writer {
     std::string text = "joint: " + a.name;
     if (a.given) {
       text += ", mode: kinematic";
+    } else if (a.passive) {
+      text += ", mode: passive";
+      if (a.damping > 0) text += ", damping: " + number(a.damping);
+      if (a.friction > 0) text += ", friction: " + number(a.friction);
+      line("    - {" + text + "}");
+      return;
     } else {
-      const double effort = a.effort > 0 ? a.effort : kHold * 9.81 * m_.mass() * (turns ? 0.1 : 1), kp = effort / kFullEffort[!turns];
-      text += fmt::format(", mode: pd, kp: {}, kd: {}", rounded(kp), rounded(kSettling * kp));
+      const double effort = a.effort > 0 ? a.effort : kHold * 9.81 * m_.mass() * (turns ? 0.1 : 1),
+                   kp = a.kp > 0 ? a.kp : effort / kFullEffort[!turns];
+      text += fmt::format(", mode: pd, kp: {}, kd: {}", rounded(kp), rounded(a.kd > 0 ? a.kd : kSettling * kp));
       if (a.effort > 0) text += ", effort: " + number(a.effort);
       if (a.effort > 0 && a.velocity > 0) text += ", velocity: " + number(a.velocity);
       if (a.damping > 0) text += ", damping: " + number(a.damping);
@@ -286,4 +305,4 @@ std::string write_scene(const Machine& machine, const std::vector<PassingPair>& 
   return Writer(machine, passing, path).scene(command);
 }
 
-}  // namespace mortise::importers::urdf
+}  // namespace mortise::importers

@@ -2,7 +2,7 @@
 #include <set>
 #include <string>
 
-namespace mortise::importers::urdf {
+namespace mortise::importers {
 
 // As names in scenes are: a-z, 0-9, _ and -.
 inline std::string scene_name(const std::string& name) {
@@ -37,4 +37,4 @@ inline bool matches(const char* pattern, const char* text) {
 }
 inline bool matches(const std::string& pattern, const std::string& name) { return matches(pattern.c_str(), name.c_str()); }
 
-}  // namespace mortise::importers::urdf
+}  // namespace mortise::importers

@@ -1,41 +1,22 @@
-#include "importers/urdf/machine.h"
+#include "importers/robot/machine.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <numeric>
 
 #include "geometry/bounds.h"
 #include "geometry/topology.h"
-#include "importers/urdf/names.h"
-#include "importers/urdf/solid.h"
-#include "importers/urdf/tuning.h"
+#include "importers/robot/inertial.h"
+#include "importers/robot/names.h"
+#include "importers/robot/solid.h"
+#include "importers/robot/tuning.h"
+#include "importers/robot/weigh.h"
 #include "scene/suggest.h"
 
-namespace mortise::importers::urdf {
+namespace mortise::importers {
 namespace {
 
 constexpr std::ptrdiff_t kWorld = -1;
-
-Mat3 about(const Vec3& r) { return r.squaredNorm() * Mat3::Identity() - r * r.transpose(); }
-
-// Both as one: I = sum I_i + m_i (|r_i|^2 1 - r_i r_i^T), r_i from the common centre.
-Inertial together(const Inertial& a, const Inertial& b) {
-  Inertial out;
-  out.mass = a.mass + b.mass;
-  out.where = a.mass > 0 ? a.where : b.where;
-  if (!(out.mass > 0)) return out;
-  out.centre = (a.mass * a.centre + b.mass * b.centre) / out.mass;
-  out.tensor = a.tensor + b.tensor + a.mass * about(a.centre - out.centre) + b.mass * about(b.centre - out.centre);
-  return out;
-}
-
-Inertial moved(Inertial in, const Pose& at) {
-  in.centre = at(in.centre);
-  in.tensor = at.R * in.tensor * at.R.transpose();
-  return in;
-}
 
 class Assembly {
  public:
@@ -53,6 +34,9 @@ class Assembly {
     }
     axes();
     pads();
+    for (const auto& [a, b] : robot_.apart)
+      for (const std::size_t i : parts(a))
+        for (const std::size_t j : parts(b)) out_.apart.emplace_back(i, j);
     lift();
     return std::move(out_);
   }
@@ -81,6 +65,7 @@ class Assembly {
     body_.assign(robot_.links.size(), kWorld);
     in_body_.assign(robot_.links.size(), Pose{});
     Names taken;
+    bool base = false;  // the first that moves freely is the robot's
     for (const std::size_t link : robot_.order) {
       const Link& l = robot_.links[link];
       const bool root = link == robot_.root, world = root && l.name == "world" && !l.inertial;
@@ -102,8 +87,10 @@ class Assembly {
                                      (root ? "is the root" : "has joint '" + joint_of(link).name + "'"));
       }
       Body b;
-      b.name = taken.of(l.name), b.where = l.where;
-      b.held = world || (root && options_.held) || (!root && joint_of(link).type == Joint::Type::fixed);
+      b.name = taken.of(l.name), b.where = l.where, b.bearing = l.bearing;
+      const bool loose = !world && (root || joint_of(link).type == Joint::Type::floating);
+      b.held = world || (loose && options_.held && !base) || (!root && joint_of(link).type == Joint::Type::fixed);
+      base = base || loose;
       body_[link] = static_cast<std::ptrdiff_t>(out_.bodies.size());
       merge(b, l, Pose{});
       frame_.push_back(link);
@@ -125,31 +112,25 @@ class Assembly {
 
   void merge(Body& b, const Link& l, const Pose& at) {
     b.links.push_back(l.name);
-    if (const std::optional<Vec3> asked = colour_of(l.name)) b.colour = asked;
+    if (const std::optional<Vec3> asked = colour_of(l.name)) b.colour = asked, b.one_colour = true;
     if (l.inertial) b.inertial = together(b.inertial, moved(*l.inertial, at));
-    for (Shape s : l.collisions) {
-      s.at = at * s.at;
-      b.shapes.push_back(std::move(s));
-    }
     for (Shape s : l.visuals) {
       s.at = at * s.at;
       if (!b.colour) b.colour = s.colour;
-      if (s.kind == Shape::Kind::mesh) {
-        if (!s.even())
-          notes_.add(s.where, "a visual mesh is scaled or mirrored along single axes, and left out");
-        else if (b.drawn)
-          notes_.add(s.where, "a body is drawn with one mesh; a second visual mesh is left out");
-        else
-          b.drawn = s;
-      }
-      visuals_.emplace_back(&l, s);
+      b.visuals.push_back(s);
+    }
+    for (Shape s : l.collisions) {
+      if (!b.colour) b.colour = s.colour;
+      s.at = at * s.at;
+      b.shapes.push_back(std::move(s));
     }
   }
 
   // The coordinate of every joint: as asked for, else as near to zero as its limits let it stand. Of a hinge that cannot be straight the parallel one
   // before it takes half of the bend back: a leg of two equal links then ends below where it begins.
   void stand() {
-    stands_.assign(robot_.joints.size(), 0);
+    stands_.clear();
+    for (const Joint& j : robot_.joints) stands_.push_back(j.zero);
     for (const auto& [pattern, value] : options_.stands)
       if (std::none_of(robot_.joints.begin(), robot_.joints.end(), [&, p = pattern](const Joint& j) { return j.moves() && matches(p, j.name); })) {
         std::vector<std::string> names;
@@ -171,7 +152,7 @@ class Assembly {
         throw Error(Exit::usage, options_.asked_joint + j.name + "=" + std::to_string(stands_[i]) + ": its limits are " + std::to_string(low) +
                                      " and " + std::to_string(high));
       const double range = std::min(kStopRange[j.type == Joint::Type::prismatic], (high - low) / 20);
-      if (!asked) stands_[i] = std::clamp(0.0, low + kFromLimit * range, high - kFromLimit * range);
+      if (!asked) stands_[i] = std::clamp(j.zero, low + kFromLimit * range, high - kFromLimit * range);
     }
     bend_back(free);
     for (std::size_t round = 0; round < robot_.joints.size(); ++round)  // leaders that follow others
@@ -183,19 +164,21 @@ class Assembly {
   void bend_back(const std::vector<std::uint8_t>& free) {
     constexpr double kParallel = 1e-3;
     const std::vector<double> bent = stands_;
-    stands_.assign(bent.size(), 0);
+    for (std::size_t i = 0; i < bent.size(); ++i) stands_[i] = robot_.joints[i].zero;
     place();  // axes as the file has them
     stands_ = bent;
     const auto axis = [&](const Joint& j) -> Vec3 { return in_world_[j.child].R * j.axis; };
     for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
       const Joint& j = robot_.joints[i];
-      if (!free[i] || bent[i] == 0) continue;
+      if (!free[i] || bent[i] == j.zero) continue;
       std::ptrdiff_t before = robot_.joint_of[j.parent];
       while (before >= 0 && robot_.joints[before].type == Joint::Type::fixed) before = robot_.joint_of[robot_.joints[before].parent];
-      if (before < 0 || !free[before] || bent[before] != 0 || axis(robot_.joints[before]).cross(axis(j)).norm() > kParallel) continue;
-      const double back = -0.5 * bent[i] * (axis(robot_.joints[before]).dot(axis(j)) > 0 ? 1 : -1);
+      if (before < 0 || !free[before] || bent[before] != robot_.joints[before].zero || axis(robot_.joints[before]).cross(axis(j)).norm() > kParallel)
+        continue;
+      const double back = -0.5 * (bent[i] - j.zero) * (axis(robot_.joints[before]).dot(axis(j)) > 0 ? 1 : -1);
       const auto& limits = robot_.joints[before].limits;
-      if (!limits || (limits->first + kStopRange[0] < back && back < limits->second - kStopRange[0])) stands_[before] = back;
+      const double there = robot_.joints[before].zero + back;
+      if (!limits || (limits->first + kStopRange[0] < there && there < limits->second - kStopRange[0])) stands_[before] = there;
     }
   }
   // Links in the world; the root's frame is the world's.
@@ -205,10 +188,7 @@ class Assembly {
       if (link == robot_.root) continue;
       const Joint& j = joint_of(link);
       const double s = stands_[robot_.joint_of[link]];
-      Pose motion;
-      if (j.type == Joint::Type::revolute) motion.R = Eigen::AngleAxisd(s, j.axis).toRotationMatrix();
-      if (j.type == Joint::Type::prismatic) motion.t = s * j.axis;
-      in_world_[link] = in_world_[j.parent] * j.origin * motion;
+      in_world_[link] = in_world_[j.parent] * j.origin * j.motion(s);
     }
   }
 
@@ -216,15 +196,16 @@ class Assembly {
   void shape_of(std::size_t index) {
     Body& b = out_.bodies[index];
     if (!b.shapes.empty()) return;
-    for (const auto& [link, shape] : visuals_)
-      if (std::find(b.links.begin(), b.links.end(), link->name) != b.links.end() && shape.kind != Shape::Kind::mesh) b.shapes.push_back(shape);
+    for (const Shape& shape : b.visuals)
+      if (shape.kind != Shape::Kind::mesh && shape.kind != Shape::Kind::ellipsoid) b.shapes.push_back(shape);
     if (!b.shapes.empty()) {
       notes_.add(b.where, "a link without collision shape touches with its visual shapes");
       return;
     }
     Shape ball;
-    ball.kind = Shape::Kind::sphere, ball.radius = kStandInRadius, ball.at.t = b.inertial.centre, ball.where = b.where;
+    ball.kind = Shape::Kind::sphere, ball.radius = b.bearing ? kBearingRadius : kStandInRadius, ball.at.t = b.inertial.centre, ball.where = b.where;
     b.shapes.push_back(ball);
+    if (b.bearing) return;
     notes_.add(b.where, "a link without a shape that can touch gets a ball of 10 mm at its centre of mass");
   }
 
@@ -261,18 +242,22 @@ class Assembly {
     Names taken;
     std::vector<std::ptrdiff_t> axis_of(robot_.joints.size(), -1);
     for (const std::size_t link : robot_.order) {
-      if (link == robot_.root || !joint_of(link).moves()) continue;
+      if (link == robot_.root || !(joint_of(link).moves() || joint_of(link).type == Joint::Type::spherical)) continue;
       const auto number = static_cast<std::size_t>(robot_.joint_of[link]);
       const Joint& j = robot_.joints[number];
       Axis a;
       a.name = taken.of(j.name), a.type = j.type, a.where = j.where;
       a.body = static_cast<std::size_t>(body_[link]), a.to = body_[j.parent];
-      a.place = in_world_[link].t - (j.type == Joint::Type::prismatic ? Vec3(stands_[number] * (in_world_[link].R * j.axis)) : Vec3::Zero());
+      a.place = in_world_[link](j.at);
+      if (j.type == Joint::Type::prismatic) a.place -= (stands_[number] - j.zero) * (in_world_[link].R * j.axis);
       a.direction = in_world_[link].R * j.axis;
       a.stands = stands_[number], a.limits = j.limits;
-      a.effort = j.effort, a.velocity = j.velocity, a.damping = j.damping, a.friction = j.friction;
+      a.kp = j.kp, a.kd = j.kd, a.effort = j.effort, a.velocity = j.velocity, a.damping = j.damping, a.friction = j.friction;
       a.given = j.type == Joint::Type::prismatic && a.to != kWorld && !out_.bodies[a.to].held;
-      a.swing = swing(a);
+      if (a.given && options_.sway == 0)
+        notes_.add(j.where,
+                   "a slide on a body that moves freely stays where it stands, or goes where its drive says: only a given travel can be had");
+      a.swing = swing(a), a.passive = j.passive && options_.sway == 0;
       axis_of[number] = static_cast<std::ptrdiff_t>(out_.axes.size());
       out_.axes.push_back(a);
     }
@@ -321,6 +306,13 @@ class Assembly {
     }
   }
 
+  // What a link became: part of a body, or a pad.
+  std::vector<std::size_t> parts(std::size_t link) const {
+    const auto pad = std::find(soft_.begin(), soft_.end(), link);
+    if (pad != soft_.end()) return {out_.bodies.size() + static_cast<std::size_t>(pad - soft_.begin())};
+    return body_[link] == kWorld ? std::vector<std::size_t>{} : std::vector<std::size_t>{static_cast<std::size_t>(body_[link])};
+  }
+
   // Clear of the floor.
   void lift() {
     double lowest = INFINITY;
@@ -339,10 +331,9 @@ class Assembly {
   Machine out_;
   std::vector<std::ptrdiff_t> body_;  // by link
   std::vector<Pose> in_body_, in_world_;
-  std::vector<std::size_t> frame_;                      // by body: the link whose frame it has
-  std::vector<std::size_t> soft_;                       // links
-  std::vector<std::pair<const Link*, Shape>> visuals_;  // in their bodies
-  std::vector<double> stands_;                          // by joint
+  std::vector<std::size_t> frame_;  // by body: the link whose frame it has
+  std::vector<std::size_t> soft_;   // links
+  std::vector<double> stands_;      // by joint
 };
 
 }  // namespace
@@ -356,29 +347,13 @@ double Machine::mass() const {
 
 Machine assemble(const Robot& robot, const MachineOptions& options, Notes& notes) { return Assembly(robot, options, notes).machine(); }
 
-double volume(const Shape& s) {
-  const double disc = std::numbers::pi * s.radius * s.radius;
-  switch (s.kind) {
-    case Shape::Kind::box:
-      return s.size.prod();
-    case Shape::Kind::sphere:
-      return disc * s.radius * 4 / 3;
-    case Shape::Kind::cylinder:
-      return disc * s.length;
-    case Shape::Kind::capsule:
-      return disc * (s.length + s.radius * 4 / 3);
-    case Shape::Kind::mesh:
-      break;
-  }
-  return geometry::mass_properties(surface(s, Pose{})).volume;
-}
-
 std::pair<Vec3, Vec3> bounds(const Shape& s, const Pose& at) {
   if (s.kind == Shape::Kind::mesh) {
     const geometry::Bounds b = geometry::bounds_of(surface(s, at).points);
     return {b.lo, b.hi};
   }
   Vec3 half = Vec3::Constant(s.radius);
+  if (s.kind == Shape::Kind::ellipsoid) half = 0.5 * (at.R * s.size.asDiagonal()).rowwise().norm();
   if (s.kind == Shape::Kind::box) half = 0.5 * (at.R.cwiseAbs() * s.size);
   if (s.kind == Shape::Kind::capsule) half += 0.5 * s.length * at.R.col(2).cwiseAbs();
   if (s.kind == Shape::Kind::cylinder)  // a disc of normal n reaches r sqrt(1 - n_i^2) along axis i
@@ -393,11 +368,18 @@ std::vector<PassingPair> passing_pairs(const Machine& m, int apart) {
   for (const Axis& a : m.axes)
     if (a.to >= 0) join(a.body, static_cast<std::size_t>(a.to));
   for (std::size_t p = 0; p < m.pads.size(); ++p) join(bodies + p, m.pads[p].body);
+  const auto shapes = [&](std::size_t i) { return i < bodies ? m.bodies[i].shapes : std::vector<Shape>{m.pads[i - bodies].shape}; };
   std::vector<geometry::TriMesh> surfaces(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::vector<Shape> one = i < bodies ? m.bodies[i].shapes : std::vector<Shape>{m.pads[i - bodies].shape};
-    for (const Shape& s : one) geometry::append(surface(s, i < bodies ? m.bodies[i].at * s.at : s.at), surfaces[i]);
-  }
+  for (std::size_t i = 0; i < n; ++i)
+    for (const Shape& s : shapes(i)) geometry::append(surface(s, i < bodies ? m.bodies[i].at * s.at : s.at), surfaces[i]);
+  const auto said = [&](std::size_t a, std::size_t b) {
+    for (const auto& [c, d] : m.apart)
+      if ((a == c && b == d) || (a == d && b == c)) return true;
+    for (const Shape& s : shapes(a))
+      for (const Shape& t : shapes(b))
+        if (s.touches(t)) return false;
+    return true;
+  };
   std::vector<PassingPair> out;
   for (std::size_t a = 0; a < n; ++a) {
     std::vector<int> hops(n, -1);
@@ -408,11 +390,15 @@ std::vector<PassingPair> passing_pairs(const Machine& m, int apart) {
         if (hops[b] < 0) hops[b] = hops[todo[k]] + 1, todo.push_back(b);
     for (std::size_t b = a + 1; b < n; ++b) {
       if (hops[b] == 1) continue;  // a joint or bond says so already
-      const bool neighbours = hops[b] > 1 && hops[b] <= apart;
-      if (neighbours || meet(surfaces[a], surfaces[b], kOverlap)) out.push_back({a, b, !neighbours});
+      if (hops[b] > 1 && hops[b] <= apart)
+        out.push_back({a, b, PassingPair::Why::near});
+      else if (said(a, b))
+        out.push_back({a, b, PassingPair::Why::said});
+      else if (meet(surfaces[a], surfaces[b], kOverlap))
+        out.push_back({a, b, PassingPair::Why::overlap});
     }
   }
   return out;
 }
 
-}  // namespace mortise::importers::urdf
+}  // namespace mortise::importers

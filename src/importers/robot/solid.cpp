@@ -1,4 +1,4 @@
-#include "importers/urdf/solid.h"
+#include "importers/robot/solid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,13 +6,12 @@
 
 #include "geometry/bounds.h"
 #include "geometry/collide/distance.h"
-#include "geometry/io/read.h"
 #include "geometry/primitives.h"
 #include "geometry/solid_angle.h"
 #include "geometry/topology.h"
-#include "importers/urdf/tuning.h"
+#include "importers/robot/tuning.h"
 
-namespace mortise::importers::urdf {
+namespace mortise::importers {
 namespace {
 
 using geometry::Bounds;
@@ -66,6 +65,8 @@ double edge_length(const Shape& s) {
     case Shape::Kind::cylinder:
     case Shape::Kind::capsule:
       return kRoundCells * s.radius;
+    case Shape::Kind::ellipsoid:
+      return kBallCells * 0.5;
     case Shape::Kind::mesh:
       break;
   }
@@ -88,9 +89,13 @@ geometry::TriMesh surface(const Shape& s, const Pose& at) {
     case Shape::Kind::capsule:
       out = geometry::surface_of(geometry::capsule(s.radius, s.length, h));
       break;
+    case Shape::Kind::ellipsoid:
+      out = geometry::surface_of(geometry::sphere(0.5, h));
+      for (Vec3& x : out.points) x = x.cwiseProduct(s.size);
+      break;
     case Shape::Kind::mesh:
-      out = geometry::read_surface(s.file);
-      for (Vec3& x : out.points) x *= s.scale[0];
+      out = *s.surface;
+      for (Vec3& x : out.points) x = x.cwiseProduct(s.scale);
       break;
   }
   for (Vec3& x : out.points) x = at(x);
@@ -111,4 +116,4 @@ bool meet(const geometry::TriMesh& a, const geometry::TriMesh& b, double distanc
   return std::abs(winding(of_a, b.points[0])) > 0.5 || std::abs(winding(of_b, a.points[0])) > 0.5;
 }
 
-}  // namespace mortise::importers::urdf
+}  // namespace mortise::importers

@@ -1,13 +1,14 @@
 #pragma once
-// What a URDF does not say, and an import has to choose.
+// What robots' files do not say, and an import has to choose.
 
-namespace mortise::importers::urdf {
+namespace mortise::importers {
 
 inline constexpr double kDensity = 1000;                    // of links without mass [kg/m^3]: water, as most simulators take
 inline constexpr double kRoundCells = 0.6;                  // edges of cylinders over their radius: sixteen corners around
 inline constexpr double kBallCells = 0.5;                   // of balls: sixteen around as well
 inline constexpr double kLeastMass = 1e-3;                  // of a body [kg]: placeholders of 1e-6 kg make matrices that no digits are left for
 inline constexpr double kStandInRadius = 0.01;              // of the ball in the place of a link without shape [m]
+inline constexpr double kBearingRadius = 0.002;             // of the one between two joints of a body [m]: inside of nearly all that it could be in
 inline constexpr double kThinnest = 1e-3;                   // least share of int rho X X^T along an axis that a mended tensor has
 inline constexpr double kFromLimit = 2;                     // a joint stands at least so many ranges of its stop from a limit
 inline constexpr double kStopRange[2] = {0.0174533, 5e-4};  // where stops begin, of hinges [rad] and slides [m] (effects/joint/README.md)
@@ -23,4 +24,4 @@ inline constexpr double kRubberPoisson = 0.45;
 inline constexpr double kPadDensity[3] = {200, 5000, 1100};  // what a pad's mass and volume may make, and what stands for all else [kg/m^3]
 inline constexpr double kPadCells = 6;                       // along the side of a cube as large as the box around a pad
 
-}  // namespace mortise::importers::urdf
+}  // namespace mortise::importers

@@ -1,8 +1,8 @@
 #pragma once
 #include "geometry/mesh.h"
-#include "importers/urdf/robot.h"
+#include "importers/robot/robot.h"
 
-namespace mortise::importers::urdf {
+namespace mortise::importers {
 
 // Cells of a shape's mesh in the scene [m]: flat sides are single cells, round ones have eight corners or more.
 double edge_length(const Shape& shape);
@@ -13,4 +13,4 @@ geometry::TriMesh surface(const Shape& shape, const Pose& at);
 // Do they come nearer to each other than `distance` [m], or lie in each other?
 bool meet(const geometry::TriMesh& a, const geometry::TriMesh& b, double distance);
 
-}  // namespace mortise::importers::urdf
+}  // namespace mortise::importers

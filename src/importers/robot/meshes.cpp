@@ -1,4 +1,4 @@
-#include "importers/urdf/meshes.h"
+#include "importers/robot/meshes.h"
 
 #include <cstdlib>
 #include <filesystem>
@@ -7,10 +7,12 @@
 
 #include "geometry/hull.h"
 #include "geometry/io/obj.h"
-#include "geometry/io/read.h"
 #include "geometry/topology_check.h"
+#include "importers/robot/names.h"
+#include "importers/robot/solid.h"
+#include "importers/robot/write_aside.h"
 
-namespace mortise::importers::urdf {
+namespace mortise::importers {
 namespace {
 
 namespace fs = std::filesystem;
@@ -43,7 +45,7 @@ std::vector<fs::path> candidates(const std::string& package, const fs::path& res
   return out;
 }
 
-// The file behind a name of a URDF; empty where there is none.
+// The file behind a name; empty where there is none.
 std::string found(const std::string& name, const Robot& robot, const MeshOptions& options) {
   const auto behind = [&](const std::string& scheme) { return name.rfind(scheme, 0) == 0 ? name.substr(scheme.size()) : std::string(); };
   for (const char* scheme : {"package://", "model://"})
@@ -59,10 +61,10 @@ std::string found(const std::string& name, const Robot& robot, const MeshOptions
   return is_file(file) ? file.lexically_normal().string() : "";
 }
 
-std::string without_location(const Error& e) {
-  const std::string text = e.what();
-  const std::size_t at = text.find(": error: ");
-  return at == std::string::npos ? text : text.substr(at + 9);
+// Who has only some of a robot's files has them in one folder.
+std::string beside(const std::string& name, const Robot& robot) {
+  const fs::path file = fs::absolute(robot.path).parent_path() / fs::path(name).filename();
+  return is_file(file) ? file.lexically_normal().string() : "";
 }
 
 }  // namespace
@@ -73,7 +75,10 @@ void find_meshes(Robot& robot, const MeshOptions& options, Notes& notes) {
     for (std::vector<Shape>* shapes : {&link.visuals, &link.collisions})
       for (Shape& s : *shapes) {
         if (s.kind != Shape::Kind::mesh) continue;
-        const std::string file = found(s.file, robot, options);
+        std::string file = found(s.file, robot, options);
+        if (file.empty())
+          if (file = beside(s.file, robot); !file.empty())
+            notes.add(s.where, "a mesh is not where the file says; the one of its name beside the robot's file is taken");
         if (file.empty())
           missing.push_back(&s);
         else
@@ -101,13 +106,19 @@ void mend_collision_meshes(Robot& robot, const MeshOptions& options, Notes& note
   for (Link& link : robot.links)
     for (std::size_t i = 0; i < link.collisions.size(); ++i) {
       Shape& s = link.collisions[i];
-      if (s.kind != Shape::Kind::mesh) continue;
-      geometry::TriMesh mesh;
-      try {
-        mesh = geometry::read_surface(s.file);
-      } catch (const Error& e) {
-        throw Error(e.code(), s.where, "mesh '" + s.file + "' cannot be read: " + without_location(e));
+      const auto write = [&](const geometry::TriMesh& surface) {
+        fs::create_directories(options.folder);
+        const std::string number = link.collisions.size() > 1 ? "_" + std::to_string(i) : "";
+        s.file = write_aside(options.folder + "/" + scene_name(link.name) + number + ".obj", geometry::obj_text(surface));
+        s.surface = std::make_shared<const geometry::TriMesh>(surface), s.kind = Shape::Kind::mesh, s.scale = Vec3::Ones();
+      };
+      if (s.kind == Shape::Kind::ellipsoid) {
+        write(surface(s, Pose{}));
+        continue;
       }
+      if (s.kind != Shape::Kind::mesh) continue;
+      robot.read_surface(s);
+      geometry::TriMesh mesh = *s.surface;
       std::string why;
       if (!s.even()) {
         why = "is scaled or mirrored along single axes";
@@ -128,12 +139,9 @@ void mend_collision_meshes(Robot& robot, const MeshOptions& options, Notes& note
       } catch (const Error& e) {
         throw Error(e.code(), s.where, "mesh '" + s.file + "' " + why + ", and has no convex hull: " + e.what());
       }
-      fs::create_directories(options.folder);
-      const std::string file = options.folder + "/" + link.name + (link.collisions.size() > 1 ? "_" + std::to_string(i) : "") + ".obj";
-      geometry::write_obj(file, hull);
+      write(hull);
       notes.add(s.where, "a collision mesh " + why + ": its convex hull takes its place");
-      s.file = fs::absolute(file).lexically_normal().string(), s.scale = Vec3::Ones();
     }
 }
 
-}  // namespace mortise::importers::urdf
+}  // namespace mortise::importers

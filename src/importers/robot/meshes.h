@@ -3,9 +3,9 @@
 #include <map>
 
 #include "importers/notes.h"
-#include "importers/urdf/robot.h"
+#include "importers/robot/robot.h"
 
-namespace mortise::importers::urdf {
+namespace mortise::importers {
 
 struct MeshOptions {
   std::map<std::string, std::string> packages;  // folder of package://NAME
@@ -26,4 +26,4 @@ void find_meshes(Robot& robot, const MeshOptions& options, Notes& notes);
 // convex hull is written into `options.folder`, with a note.
 void mend_collision_meshes(Robot& robot, const MeshOptions& options, Notes& notes);
 
-}  // namespace mortise::importers::urdf
+}  // namespace mortise::importers

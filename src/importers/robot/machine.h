@@ -1,10 +1,10 @@
 #pragma once
 // A robot as a scene has it: what moves as one is one body, placed in the world with its joints where they are to stand.
 #include "importers/notes.h"
-#include "importers/urdf/robot.h"
-#include "importers/urdf/tuning.h"
+#include "importers/robot/robot.h"
+#include "importers/robot/tuning.h"
 
-namespace mortise::importers::urdf {
+namespace mortise::importers {
 
 // Links that become soft pads, by pattern with * and ?.
 struct SoftLink {
@@ -30,16 +30,19 @@ struct Body {
   std::string name;
   std::vector<std::string> links;  // the first gives the body's frame
   std::vector<Shape> shapes;       // in it
-  std::optional<Shape> drawn;      // a mesh
+  std::vector<Shape> visuals;      // in it
+  std::optional<Shape> drawn;      // a mesh; see draw.h
   std::optional<Vec3> colour;
-  Inertial inertial;  // in its frame
-  bool even = false;  // the mass fills the shapes evenly: no tensor is known
+  bool one_colour = false;  // whatever its visuals have
+  Inertial inertial;        // in its frame
+  bool even = false;        // the mass fills the shapes evenly: no tensor is known
   bool held = false;
-  Pose at;  // in the world
+  bool bearing = false;  // between two joints of one body of the file
+  Pose at;               // in the world
   SourceLoc where;
 };
 
-struct Axis {  // a joint that moves
+struct Axis {  // a joint that moves: a hinge, a slide, a ball joint
   std::string name;
   Joint::Type type = Joint::Type::revolute;
   std::size_t body = 0;
@@ -47,11 +50,12 @@ struct Axis {  // a joint that moves
   Vec3 place, direction;   // in the world
   double stands = 0;
   std::optional<std::pair<double, double>> limits;
-  double effort = 0, velocity = 0, damping = 0, friction = 0;
+  double kp = 0, kd = 0, effort = 0, velocity = 0, damping = 0, friction = 0;
   std::ptrdiff_t mimics = -1;  // a slide that another one leads exactly
   double ratio = 1;
-  double swing = 0;    // amplitude of its motor's target [rad, m]
-  bool given = false;  // a slide on a body that moves freely: only a given travel can be had
+  double swing = 0;      // amplitude of its motor's target [rad, m]
+  bool passive = false;  // without a motor
+  bool given = false;    // a slide on a body that moves freely: only a given travel can be had
   SourceLoc where;
 };
 
@@ -72,6 +76,7 @@ struct Machine {
   std::vector<Body> bodies;
   std::vector<Axis> axes;
   std::vector<Pad> pads;
+  std::vector<std::pair<std::size_t, std::size_t>> apart;  // bodies and pads (numbered after the bodies) that the file says shall not touch
   double mass() const;
 };
 
@@ -79,16 +84,15 @@ struct Machine {
 // has, gets some (the README says which), with a note. Throws Error(Exit::scene), Error(Exit::usage) for options that name nothing.
 Machine assemble(const Robot& robot, const MachineOptions& options, Notes& notes);
 
-// Pairs of bodies and pads (numbered after the bodies) that are no neighbours and shall pass through each other.
+// Pairs of bodies and pads that are no neighbours and shall pass through each other: few joints lie between them, the file says so, or they lie in
+// each other as they stand.
 struct PassingPair {
   std::size_t a, b;
-  bool overlap;  // they lie in each other as they stand; else: few joints lie between them
+  enum class Why { near, said, overlap } why;
 };
 std::vector<PassingPair> passing_pairs(const Machine& machine, int apart);
 
 // Corners of the box around a shape in its own frame, turned and moved by `at`; enough to find what lies lowest, and where cameras stand.
 std::pair<Vec3, Vec3> bounds(const Shape& shape, const Pose& at);
 
-double volume(const Shape& shape);  // [m^3]
-
-}  // namespace mortise::importers::urdf
+}  // namespace mortise::importers
