@@ -19,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Estimates of the relative error of elastic energy (stress_error.h).
-constexpr double kStressGood = 0.05, kStressUsable = 0.075;
+constexpr double kStressGood = 0.05, kStressUsable = 0.1;
 
 Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
 
@@ -244,8 +244,8 @@ std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& e
   add("energy_gain", energy.scale > 0 ? energy.largest_gain / energy.scale : NAN, 1e-3, 1e-2);
   add("guard_share", guard_share_, 0.02, 0.1);
   add("stress_error", stress_estimate_, kStressGood, kStressUsable);
-  add("pressure_roughness", pressure_estimate_.roughness, 0.06, 0.09);
-  add("pressure_misfit", pressure_estimate_.misfit, 0.05, 0.1);
+  add("pressure_roughness", pressure_estimate_.roughness, 0.05, 0.08);
+  add("pressure_misfit", pressure_estimate_.misfit, 0.04, 0.05);
   add("layer_over_indentation", layer_, 0.03, 0.07);
   return all;
 }
