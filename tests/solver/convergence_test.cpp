@@ -17,9 +17,9 @@ struct Judged {
   Options options;
   Convergence convergence{model, options};
   Residual before, now;
-  double step = 1e-3;                           // its length [m]
-  static constexpr double kRelative = 1e-6;     // what is asked for
-  explicit Judged(double stiffness = 0) {       // of the matrix [N/m]: with it, rounding
+  double step = 1e-3;                        // its length [m]
+  static constexpr double kRelative = 1e-6;  // what is asked for
+  explicit Judged(double stiffness = 0) {    // of the matrix [N/m]: with it, rounding
     convergence.begin_step();
     before = now = convergence.begin();
     for (Residual* r : {&before, &now}) r->scale[0] = r->load[0] = 1, r->way[0] = 0.01;

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "linalg/block_matrix.h"
+#include "solver/linear_whole.h"
 #include "toy.h"
 
 using namespace mortise;
@@ -205,4 +206,35 @@ TEST(Linear, ChoiceGoesBySizeAndMotion) {
   EXPECT_EQ(kind(8001, false), "cg");
   EXPECT_EQ(kind(8001, true), "reuse");
   EXPECT_EQ(kind(20001, true), "cg");
+}
+
+// What is light is solved beside what is heavy: residuals count by what each row's own stiffness makes of them.
+TEST(Linear, UnsymmetricSystemsDoNotForgetWhatIsLight) {
+  Chains c({0}, {1});
+  c.A.value.upload(
+      std::vector<Mat3>{1e9 * Mat3::Identity(), Mat3::Zero(), Mat3::Identity(), Mat3::Zero(), Mat3::Identity(), Mat3::Zero(), Mat3::Identity()});
+  const std::vector<Vec3> b{Vec3(1e3, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
+  c.b.upload(b);
+  const auto on_host = [](device::View<const Vec3> v) {
+    std::vector<Vec3> out(v.n);
+    device::copy_out(out.data(), v.p, v.n * sizeof(Vec3));
+    return out;
+  };
+  const auto diagonal = [](std::size_t i) { return i == 0 ? 1e9 : 1.0; };
+  const auto whole = [&](const std::vector<Vec3>& x, std::size_t i) -> Vec3 { return diagonal(i) * x[i] + 0.9 * Vec3(1, 1, 1).cross(x[i]); };
+  const linalg::Operator J = [&](device::View<const Vec3> in, device::View<Vec3> out) {
+    const std::vector<Vec3> x = on_host(in);
+    std::vector<Vec3> y;
+    for (std::size_t i = 0; i < x.size(); ++i) y.push_back(whole(x, i));
+    device::copy_in(out.p, y.data(), y.size() * sizeof(Vec3));
+  };
+  const linalg::Operator M = [&](device::View<const Vec3> in, device::View<Vec3> out) {
+    std::vector<Vec3> x = on_host(in);
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] /= diagonal(i);
+    device::copy_in(out.p, x.data(), x.size() * sizeof(Vec3));
+  };
+  LinearSystem s{c.A, std::as_const(c.b).view(), c.x.view(), c.b2, c.wanted, std::as_const(c.q).view(), &J};
+  solve_whole(s, {1}, c.rows.env, {0.01}, 30, M);
+  const std::vector<Vec3> x = c.x.download();
+  for (std::size_t i = 1; i < 4; ++i) EXPECT_LT((whole(x, i) - b[i]).norm(), 0.02) << i;
 }
