@@ -187,12 +187,40 @@ TEST(Judge, SeesTheQuartersOfQuadraticFaces) {
       << "the flat triangles of corners meet";
 }
 
+// A run of a scene, judged; and judged again where the scene that it holds is another.
+class Ran {
+ public:
+  explicit Ran(const std::string& scene) {
+    fs::create_directories(folder_);
+    std::ofstream(folder_ + "/scene.yaml") << scene;
+    const Result r = mortise("run scene.yaml -o out -q --no-render", folder_);
+    EXPECT_EQ(r.code, 0) << r.err;
+  }
+  ~Ran() { fs::remove_all(folder_); }
+  nlohmann::json judged() const {
+    const std::string command = test_place::kBuildFolder + "/bin/mortise_judge " + fields_ + " > " + folder_ + "/j.json";
+    const int status = std::system(command.c_str());
+    auto j = nlohmann::json::parse(read_text(folder_ + "/j.json"), nullptr, false);
+    j["code"] = WEXITSTATUS(status);
+    return j;
+  }
+  void swap(const std::string& from, const std::string& to) const {
+    std::string bytes = read_text(fields_);
+    const std::size_t at = bytes.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    ASSERT_EQ(from.size(), to.size());
+    bytes.replace(at, from.size(), to);
+    std::ofstream(fields_, std::ios::binary) << bytes;
+  }
+
+ private:
+  const std::string folder_ = (fs::temp_directory_path() / ("mortise_judged_" + std::to_string(getpid()))).string(),
+                    fields_ = folder_ + "/out/fields.vtkhdf";
+};
+
 // A thrown, tumbling body whose stated inertia is not that of its shape, and one without a stated centre: energies, momentum and forces are its own.
 TEST(Judge, KnowsMassThatIsSpreadAsStated) {
-  const std::string folder = (fs::temp_directory_path() / ("mortise_stated_" + std::to_string(getpid()))).string(),
-                    fields = folder + "/out/fields.vtkhdf";
-  fs::create_directories(folder);
-  std::ofstream(folder + "/scene.yaml") << R"(
+  const Ran run(R"(
 mortise: 1
 time: {step: 2 ms, steps: 10}
 bodies:
@@ -202,31 +230,45 @@ bodies:
       inertia: {moments: [0.002, 0.003, 0.004]}, angular_velocity: [0, 6, 1]}
 effects: {inertia: {}, gravity: {}, affine_body: {}}
 output: {precision: double}
-)";
-  ASSERT_EQ(mortise("run scene.yaml -o out -q", folder).code, 0);
-  const auto judge = [&] {
-    const std::string command = test_place::kBuildFolder + "/bin/mortise_judge " + fields + " > " + folder + "/j.json";
-    const int status = std::system(command.c_str());
-    auto j = nlohmann::json::parse(read_text(folder + "/j.json"), nullptr, false);
-    j["code"] = WEXITSTATUS(status);
-    return j;
-  };
-  const auto sound = judge();
+)");
+  const auto sound = run.judged();
   EXPECT_EQ(sound["code"], 0) << sound;
   EXPECT_LT(sound["kinetic_energy_error"], 1e-9) << sound;
   EXPECT_LT(sound["momentum_error"], 1e-9) << sound;
   EXPECT_LT(sound["gravity_energy_error"], 1e-9) << sound;
   EXPECT_EQ(sound["forces_judged"], 20);
-  std::string bytes = read_text(fields);
-  const auto swap = [&](const std::string& from, const std::string& to) {
-    const std::size_t at = bytes.find(from);
-    ASSERT_NE(at, std::string::npos);
-    bytes.replace(at, from.size(), to);
-    std::ofstream(fields, std::ios::binary) << bytes;
-  };
-  swap("moments: [0.002, 0.003, 0.004]", "moments: [0.002, 0.003, 0.003]");
-  EXPECT_EQ(judge()["code"], 1) << "another moment of inertia";
-  fs::remove_all(folder);
+  run.swap("moments: [0.002, 0.003, 0.004]", "moments: [0.002, 0.003, 0.003]");
+  EXPECT_EQ(run.judged()["code"], 1) << "another moment of inertia";
+}
+
+// A turning palm carries two fingers: a motor pushes one along an axis that turns along, the other goes 1.5 times as far the other way.
+TEST(Judge, KnowsMotorsGuidesAndMimicryOfSlides) {
+  const std::string finger = "{type: stiff, mass: 0.1, shape: {box: {size: [0.02, 0.02, 0.1], edge_length: 0.1}}, position: ";
+  const Ran run(R"(
+mortise: 1
+time: {step: 5 ms, steps: 20}
+bodies:
+  palm: {type: stiff, mass: 0.5, shape: {box: {size: [0.2, 0.05, 0.02], edge_length: 0.2}}}
+  left: )" + finger +
+                R"([-0.05, 0, -0.1]}
+  right: )" + finger +
+                R"([0.05, 0, -0.1]}
+effects:
+  inertia: {}
+  gravity: {}
+  affine_body: {}
+  pin: [{body: palm, where: {side: all}, motion: {time: [0, 0.1], translation: [[0, 0, 0], [0.01, 0, 0.02]], rotation: {axis: [0, 1, 0], angle: [0, 0.5]}, interpolation: smooth}}]
+  joint:
+    - {name: one, type: prismatic, body: left, to: palm, axis: [2, 0, 0], travel_limits: [-2 mm, 20 mm]}
+    - {name: two, type: prismatic, body: right, to: palm, axis: [-1, 0, 0], mimic: {joint: one, ratio: 1.5}}
+  drive: [{joint: one, mode: effort, force: 3, damping: 5}]
+output: {precision: double}
+)");
+  const auto sound = run.judged();
+  EXPECT_EQ(sound["code"], 0) << sound;
+  EXPECT_EQ(sound["forces_judged"], 60);
+  run.swap("axis: [-1, 0, 0]", "axis: [-1, 0, 1]");
+  EXPECT_EQ(run.judged()["code"], 1) << "another share of what the second finger bears";
 }
 
 TEST(Judge, ComparesFilesBitForBit) {

@@ -75,6 +75,29 @@ void read_mesh(const File& file, Case& c) {
   }
 }
 
+namespace {
+
+Vector unit(const Vector& v) { return (1 / norm(v)) * v; }
+
+// A slide whose way is that of another, r times: p_c = r p_a + (1 - r) p_t + ..., so that a force on c is r of it at a and 1 - r at t.
+void slide(const YAML::Node& effects, const YAML::Node& joint, const std::string& name, Tie& tie, Case& c) {
+  Slide s{name, tie.share[0].first, tie.share[1].first, unit(vector_of(joint["axis"]))};
+  if (const YAML::Node mimic = joint["mimic"]) {
+    const std::string leader = mimic["joint"].as<std::string>();
+    for (const YAML::Node& other : effects["joint"])
+      if (other["name"] && other["name"].as<std::string>() == leader) {
+        const double r = (mimic["ratio"] ? mimic["ratio"].as<double>() : 1) * dot(s.axis, unit(vector_of(other["axis"])));
+        tie.share[1].second = -(1 - r);
+        tie.share.emplace_back(other["body"].as<std::string>(), -r);
+      }
+  }
+  for (const YAML::Node& drive : effects["drive"])
+    if (drive["joint"].as<std::string>() == name) s.given = drive["mode"].as<std::string>() == "kinematic";
+  c.slides.push_back(s);
+}
+
+}  // namespace
+
 void read_scene(const File& file, Case& c) {
   const YAML::Node scene = YAML::Load(file.text("/mortise/scene"));
   std::vector<std::string> names;
@@ -125,7 +148,8 @@ void read_scene(const File& file, Case& c) {
     for (const auto& t : effects[effect]) {
       const std::string body = t["body"].as<std::string>(), to = t["to"] ? t["to"].as<std::string>() : "";
       const std::string name = t["name"] ? t["name"].as<std::string>() : body + "_" + (to.empty() ? "world" : to);
-      c.ties.push_back({std::string("/mortise/effects/") + effect + "/" + name + "_force_", body, to});
+      Tie& tie = c.ties.emplace_back(Tie{std::string("/mortise/effects/") + effect + "/" + name + "_force_", {{body, 1}, {to, -1}}});
+      if (std::string(effect) == "joint" && t["type"].as<std::string>() == "prismatic") slide(effects, t, name, tie, c);
       if (!t["contact"] || !t["contact"].as<bool>()) c.pass.insert({body, to}), c.pass.insert({to, body});
     }
   const auto watch = [&](const std::string& a, const std::string& b) { c.watched.insert({a, b}), c.watched.insert({b, a}); };

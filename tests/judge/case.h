@@ -34,15 +34,23 @@ struct Plane {
   Vector point, normal;
 };
 
-// A joint, bond or mortar tie.
+// A joint, bond or mortar tie: what its force does to which bodies.
 struct Tie {
-  std::string figures;   // where its force is, up to the axis
-  std::string body, to;  // "": the world
+  std::string figures;                                // where its force on the first body is, up to the axis
+  std::vector<std::pair<std::string, double>> share;  // by body
+};
+
+// A motor, drag and stop of a slide: forces along an axis that turns with the carrier.
+struct Slide {
+  std::string name, body, to;  // "": the world
+  Vector axis{};               // at rest
+  bool given = false;          // its travel is: what moves it is in the joint's force
 };
 
 struct Case {
   std::vector<Body> bodies;
   std::vector<Tie> ties;
+  std::vector<Slide> slides;
   std::vector<Plane> planes;
   std::set<std::pair<std::string, std::string>> watched, pass;  // both orders
   std::vector<Vector> rest;

@@ -76,16 +76,31 @@ void judge_forces(const File& file, const Case& c, Verdict& v) {
     fields.push_back(column(file, std::string("/VTKHDF/PointData/") + name));
   const std::vector<double> velocity = c.inertia ? column(file, "/VTKHDF/PointData/velocity") : std::vector<double>{};
   if ((c.contact && fields[0].empty()) || (c.friction && fields[1].empty()) || (c.inertia && velocity.empty())) return;
+  std::vector<std::vector<Vector>> positions;  // of every frame, where slides need them
+  if (!c.slides.empty()) {
+    const std::vector<double> all = file.numbers("/VTKHDF/Points");
+    for (long f = 0; f < c.frames; ++f) positions.push_back(frame_of(all, f, n));
+  }
   for (const Body& body : c.bodies) {
     if (!straight(body, c.rest)) continue;
     std::vector<double> support[3];
-    if (body.pinned && !body.soft)
+    if (!body.soft)  // also of one that slides on a prescribed body, across its way
       for (int k = 0; k < 3; ++k) support[k] = column(file, "/mortise/effects/supports/" + body.name + "_" + "xyz"[k]);
     if (body.pinned && (body.soft ? fields[2].empty() : support[2].empty())) continue;  // not saved
-    std::vector<std::pair<double, std::vector<double>>> ties;                           // with which sign, and one axis after the other
+    std::vector<std::pair<double, std::vector<double>>> ties;                           // with which share, and one axis after the other
     for (const Tie& t : c.ties)
-      if (t.body == body.name || t.to == body.name)
-        for (const char* axis : {"x", "y", "z"}) ties.emplace_back(t.body == body.name ? 1 : -1, column(file, t.figures + axis));
+      for (const auto& [name, share] : t.share)
+        if (name == body.name)
+          for (const char* axis : {"x", "y", "z"}) ties.emplace_back(share, column(file, t.figures + axis));
+    std::vector<std::pair<const Slide*, std::vector<double>>> motors;  // and drags, and stops
+    for (const Slide& s : c.slides)
+      if (s.body == body.name || s.to == body.name)
+        for (const char* figure : {"drive/%_force", "drive/%_drag", "joint/%_stop"}) {
+          std::string path = std::string("/mortise/effects/") + figure;
+          path.replace(path.find('%'), 1, s.name);
+          const bool counted = s.given && path.find("_force") != std::string::npos;
+          if (!counted && file.has(path)) motors.emplace_back(&s, file.numbers(path));
+        }
     const double floor = rounding_force(body, c.rest);
     std::vector<Motion> at;  // of every frame
     for (long f = 0; f < c.frames; ++f) at.push_back(moving(body, c.rest, c.inertia ? frame_of(velocity, f, n) : std::vector<Vector>{}));
@@ -100,13 +115,19 @@ void judge_forces(const File& file, const Case& c, Verdict& v) {
           const Vector on{force[0], force[1], force[2]};
           sum += on, size += norm(on);
         }
-      if (body.pinned && !body.soft) {
+      if (!support[2].empty()) {
         const Vector on{support[0][f], support[1][f], support[2][f]};
         sum += on, size += norm(on);
       }
       for (std::size_t t = 0; t + 2 < ties.size(); t += 3) {
         const Vector on{ties[t].second[f], ties[t + 1].second[f], ties[t + 2].second[f]};
         sum += ties[t].first * on, size += norm(on);
+      }
+      for (const auto& [slide, figures] : motors) {
+        Vector axis = slide->axis;
+        for (const Body& carrier : c.bodies)
+          if (carrier.name == slide->to) axis = turned(carrier, c.rest, positions[f], axis);
+        sum += (slide->body == body.name ? 1 : -1) * figures[f] * axis, size += std::abs(figures[f]);
       }
       if (c.inertia) {  // backward Euler, or BDF2 from the second step on, where it did not leave the step to backward Euler
         const bool second = c.bdf2 && f > 1 && !(static_cast<long>(first_order.size()) == steps && first_order[f - 1] > 0);

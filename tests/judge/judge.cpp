@@ -6,7 +6,7 @@
 //   det F           volume of every tetrahedron over its volume at rest, from the saved positions
 //   kinetic energy, momentum   from the saved velocities and densities, against what the run reported
 //   elastic and gravity energy from the saved positions and the scene's materials, likewise (linear tetrahedra, double precision)
-//   forces          contact, friction, weight and support of every body against the change of its momentum
+//   forces          contact, friction, weight, support, ties, and motors, drags and stops of slides, of every body against the change of its momentum
 //   finite          every position
 //
 // Of several environments (`environments` of a scene) each is judged in its own file.

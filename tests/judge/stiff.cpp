@@ -47,8 +47,11 @@ Spread stated_spread(const YAML::Node& block, const Body& body, const std::vecto
   return out;
 }
 
-Vector at_centre(const Spread& spread, const Body& body, const std::vector<Vector>& rest, const std::vector<Vector>& field, double* square) {
-  Vec3 X = Vec3::Zero(), u = Vec3::Zero();
+namespace {
+
+// Of a linear field: its gradient, and the means of places and values.
+Mat3 gradient(const Body& body, const std::vector<Vector>& rest, const std::vector<Vector>& field, Vec3& X, Vec3& u) {
+  X.setZero(), u.setZero();
   const double n = static_cast<double>(body.points.size());
   for (long p : body.points) X += eigen(rest[p]) / n, u += eigen(field[p]) / n;
   Mat3 A = Mat3::Zero(), B = Mat3::Zero();
@@ -56,7 +59,20 @@ Vector at_centre(const Spread& spread, const Body& body, const std::vector<Vecto
     const Vec3 x = eigen(rest[p]) - X;
     A += x * x.transpose(), B += (eigen(field[p]) - u) * x.transpose();
   }
-  const Mat3 G = B * A.inverse();
+  return B * A.inverse();
+}
+
+}  // namespace
+
+Vector turned(const Body& body, const std::vector<Vector>& rest, const std::vector<Vector>& x, const Vector& direction) {
+  Vec3 X, u;
+  const Vec3 out = gradient(body, rest, x, X, u) * eigen(direction);
+  return {out[0], out[1], out[2]};
+}
+
+Vector at_centre(const Spread& spread, const Body& body, const std::vector<Vector>& rest, const std::vector<Vector>& field, double* square) {
+  Vec3 X, u;
+  const Mat3 G = gradient(body, rest, field, X, u);
   const Vec3 c = u + G * (eigen(spread.centre) - X);
   if (square) *square = spread.mass * c.squaredNorm() + (G * Eigen::Map<const Mat3>(spread.second.data()) * G.transpose()).trace();
   return {c[0], c[1], c[2]};

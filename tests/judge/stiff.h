@@ -26,4 +26,7 @@ Spread stated_spread(const YAML::Node& block, const Body& body, const std::vecto
 // A field that is linear in space, u = u_c + G (X - centre), known at the points of a body: u_c, and with `square` int rho u.u.
 Vector at_centre(const Spread& spread, const Body& body, const std::vector<Vector>& rest, const std::vector<Vector>& field, double* square = nullptr);
 
+// A direction of a body at rest, where its points are at x.
+Vector turned(const Body& body, const std::vector<Vector>& rest, const std::vector<Vector>& x, const Vector& direction);
+
 }  // namespace judge

@@ -1,5 +1,6 @@
 #include "effects/inertia/inertia.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "effects/body_blocks.h"
@@ -102,7 +103,16 @@ class Inertia final : public Effect {
         per_env);
   }
 
+  // Of bodies that go where the scene says nothing is counted: what they gain is the work of what moves them, and where their motion begins, or a
+  // step of first order was taken, the formula finds accelerations that they do not have.
   void own_gain(Positions q, device::EnvValues gain, device::EnvValues there) override {
+    if (given_.size() == 0) {  // supports and ties are known by now
+      std::vector<std::uint8_t> given(model_.blocks, 0);
+      for (const model::Body& body : model_.bodies)
+        if (body.prescribed()) std::fill(given.begin() + body.block_begin, given.begin() + body.block_end, 1);
+      given_.upload(given);
+    }
+    const View<const std::uint8_t> prescribed = std::as_const(given_).view();
     const View<const MassPair> pair = std::as_const(pairs_).view();
     const Positions hat = std::as_const(q_hat_).view(), qn = std::as_const(q_begin_).view(), qn1 = std::as_const(q_prev_).view(),
                     vn = std::as_const(v_).view();
@@ -112,6 +122,7 @@ class Inertia final : public Effect {
         "inertia.own_gain", env_offset_,
         [=] MORTISE_HD(Index s) {
           const MassPair p = pair[s];
+          if (prescribed[p.i] != 0 && prescribed[p.j] != 0) return 0.0;
           const inertia::Integrator of = in[env[p.i]];
           const Index ij[2] = {p.i, p.j};
           Vec3 v[2], before[2], d[2], w[2];
@@ -223,7 +234,8 @@ class Inertia final : public Effect {
   model::Model& model_;
   bool bdf2_;
   device::Buffer<MassPair> pairs_;
-  device::Buffer<Index> counts_;  // blocks of every pair's stencil
+  device::Buffer<std::uint8_t> given_;  // per block: of a prescribed body
+  device::Buffer<Index> counts_;        // blocks of every pair's stencil
   std::vector<Index> env_offset_;
 
   std::vector<inertia::Integrator> integrator_;  // of every environment
