@@ -11,7 +11,17 @@ class Archive {
  public:
   virtual ~Archive() = default;
   virtual bool loading() const = 0;
+  virtual bool loads(int env) const {  // what belongs to this environment
+    (void)env;
+    return loading();
+  }
   virtual void io(std::string_view name, std::vector<double>& values) = 0;
+  // Values of which [first[e], first[e+1]) belong to environment e. Where the archive is that of some of them only (env_archives.h), what is loaded
+  // takes the place of theirs, and all others stay as they came in.
+  virtual void io(std::string_view name, std::vector<double>& values, const std::vector<std::size_t>& first) {
+    (void)first;
+    io(name, values);
+  }
   void io(std::string_view name, double& value) {
     std::vector<double> v{value};
     io(name, v);

@@ -31,7 +31,11 @@ class PrefixedArchive : public Archive {
  public:
   PrefixedArchive(Archive& inner, std::string prefix) : inner_(inner), prefix_(std::move(prefix)) {}
   bool loading() const override { return inner_.loading(); }
+  bool loads(int env) const override { return inner_.loads(env); }
   void io(std::string_view name, std::vector<double>& values) override { inner_.io(prefix_ + "/" + std::string(name), values); }
+  void io(std::string_view name, std::vector<double>& values, const std::vector<std::size_t>& first) override {
+    inner_.io(prefix_ + "/" + std::string(name), values, first);
+  }
   using Archive::io;
 
  private:

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/archive.h"
-#include "base/field_sink.h"
+#include "base/field_sinks.h"
 #include "device/device.h"
 #include "effects/curvature.h"
 #include "effects/kind.h"
@@ -26,8 +26,10 @@ struct StepInfo {
   Index step = 0;  // number of the step, from 0
   bool is_static = false;
   std::vector<std::uint8_t> whose{};        // environments that take it, or empty: all do
+  std::vector<double> begins{};             // of every environment [s], or empty: all begin at t0
   std::vector<std::uint8_t> first_order{};  // environments in which integrators of second order take this step by their first-order form; empty: none
-  double t1() const { return t0 + dt; }
+  double t0_of(Index env) const { return begins.empty() ? t0 : begins[env]; }
+  double t1_of(Index env) const { return t0_of(env) + dt; }
   bool of_first_order(Index env) const { return !first_order.empty() && first_order[env] != 0; }
   bool taken_by(Index env) const { return whose.empty() || whose[env] != 0; }
 };
@@ -64,7 +66,8 @@ class Effect {
 
   // Add the energy [J] at q, on a way from the state of `frozen` with what is frozen there, to the values of the environments.
   virtual void energy(Positions q, const Linearisation& frozen, device::EnvValues per_env) = 0;
-  double energy_now(Positions q, const Linearisation& frozen, Index envs);  // of all environments
+  std::vector<double> energies_now(Positions q, const Linearisation& frozen, Index envs);  // of every environment,
+  double energy_now(Positions q, const Linearisation& frozen, Index envs);                 // and of all
   // Lower alpha of the environments to the longest step alpha dq (alpha <= 1) from the state of `at` that keeps the energy finite; `at` may be
   // readied for energies on that way.
   virtual void max_step(View<const Vec3> dq, Linearisation& at, device::EnvValues alpha) { (void)dq, (void)at, (void)alpha; }
@@ -88,18 +91,23 @@ class Effect {
   // After that: parameters may be fitted to what was found, at the cost of at most `budget` [J] of energy of every environment, for the next step;
   // what is reported belongs to the state that was solved.
   virtual void adapt(const StepInfo& info, const std::vector<double>& budget, const Linearisation& at) { (void)info, (void)budget, (void)at; }
-  // Of the accepted state, where `at` was filled and sampled.
-  virtual void report(FieldSink&, const Linearisation& at) { (void)at; }
+  // Of the accepted state, where `at` was filled and sampled: to every environment's sink what it would be told alone.
+  virtual void report(const FieldSinks&, const Linearisation& at) { (void)at; }
+  // Values are told apart by environment.
   virtual void checkpoint(Archive&) {}
 };
 
-inline double Effect::energy_now(Positions q, const Linearisation& frozen, Index envs) {
+inline std::vector<double> Effect::energies_now(Positions q, const Linearisation& frozen, Index envs) {
   std::vector<double> per_env(envs, 0.0);
   device::Fetch fetch;
   energy(q, frozen, {per_env, fetch});
   fetch.now();
+  return per_env;
+}
+
+inline double Effect::energy_now(Positions q, const Linearisation& frozen, Index envs) {
   double total = 0;
-  for (double e : per_env) total += e;
+  for (double e : energies_now(q, frozen, envs)) total += e;
   return total;
 }
 

@@ -39,6 +39,14 @@ struct Kind {
   bool symmetric = true;
   // It has quantities that are frozen while Newton iterates, and keys lag_tolerance and lag_iterations that say how well that is resolved.
   bool lags = false;
+  // Keys of its block, or of its entries, whose numbers the environments of one model may differ in; it reads each from its own scene then
+  // (ModelInput::effect_of).
+  std::vector<const char*> own{};
+  Kind differing_in(std::vector<const char*> keys) const {
+    Kind out = *this;
+    out.own = std::move(keys);
+    return out;
+  }
 
   bool stores_energy() const { return role == Role::store || role == Role::contact || role == Role::tie; }
 };

@@ -49,7 +49,7 @@ class Build : public Engine {
     for (const auto& effect : effects_)
       if (auto* commanded = dynamic_cast<effects::Commanded*>(effect.get())) commanded->command(commands);
   }
-  Outcome step(const std::function<bool()>& stop_asked, solver::StepReport& report) override {
+  Outcome step(const std::function<bool()>& stop_asked, const solver::StepReports& report) override {
     const device::Transfers before = device::transfers();
     const Outcome outcome = guarded([&] { simulation_.step(stop_asked, report); });
     step_transfers_ = step_transfers_ + (device::transfers() - before);
@@ -66,7 +66,8 @@ class Build : public Engine {
       simulation_.lead(std::move(simulations));
     });
   }
-  std::string lost() const override { return simulation_.lost(0); }
+  void rest(Index env) override { simulation_.rest(env); }
+  std::string lost(Index env) const override { return simulation_.lost(env); }
   Outcome adjoint(const solver::Functional& of, solver::Adjoint& out) override {
     return guarded([&] {
       try {
@@ -76,10 +77,14 @@ class Build : public Engine {
       }
     });
   }
-  void report(FieldSink& sink) override {
-    AddedFields added(&sink);
-    simulation_.report(added);
-    added.finish();
+  void report(const FieldSinks& sinks) override {
+    std::vector<std::unique_ptr<AddedFields>> added(sinks.size());
+    std::vector<FieldSink*> through(sinks.size(), nullptr);
+    for (Index e = 0; e < sinks.size(); ++e)
+      if (sinks.wanted(e)) added[e] = std::make_unique<AddedFields>(&sinks[e]), through[e] = added[e].get();
+    simulation_.report(FieldSinks(through));
+    for (const auto& a : added)
+      if (a) a->finish();
   }
   std::vector<double> points() override {
     device::Buffer<Vec3> y;
@@ -88,11 +93,12 @@ class Build : public Engine {
     for (const Vec3& x : y.download()) out.insert(out.end(), {x[0], x[1], x[2]});
     return out;
   }
-  Outcome checkpoint(Archive& archive) override {
-    return guarded([&] { simulation_.checkpoint(archive); });
+  using Engine::checkpoint;
+  Outcome checkpoint(const std::vector<Archive*>& of) override {
+    return guarded([&] { simulation_.checkpoint(of); });
   }
-  double time() const override { return simulation_.time(); }
-  long steps_done() const override { return simulation_.steps_done(); }
+  double time(Index env) const override { return simulation_.time(env); }
+  long steps_done(Index env) const override { return simulation_.steps_done(env); }
   solver::Clock clock() const override { return simulation_.clock(); }
   std::vector<std::pair<std::string, long long>> launches() const override {
     std::vector<std::pair<std::string, long long>> out;

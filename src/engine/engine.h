@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/archive.h"
-#include "base/field_sink.h"
+#include "base/field_sinks.h"
 #include "device/device_info.h"
 #include "model/command.h"
 #include "solver/adjoint.h"
@@ -36,18 +36,23 @@ class Engine {
   virtual Outcome begin() = 0;
   // What drives aim at from the next step on, in place of what the scene says; they are no part of a checkpoint.
   virtual void command(const std::vector<model::Command>& commands) = 0;
-  virtual Outcome step(const std::function<bool()>& stop_asked, solver::StepReport& report) = 0;
+  // One step of every environment that goes on. Of several, one that fails is lost() and stands where the step began; the outcome is a failure when
+  // none is left.
+  virtual Outcome step(const std::function<bool()>& stop_asked, const solver::StepReports& report) = 0;
+  virtual void rest(Index env) = 0;  // it takes no further step
   // `others` are engines of the same build for the same meshes, with parameters that differ by a hair, and begun like this one: from now on each
   // step of this one takes them along, to first order in the difference (solver/follow.cpp). Theirs are derivatives then: they are never stepped.
   virtual Outcome lead(const std::vector<Engine*>& others) = 0;
-  virtual std::string lost() const = 0;  // why this one could not be taken along any farther; empty where it was
+  // Why this one could not be taken along any farther, or an environment of several could not take a step; empty where it was.
+  virtual std::string lost(Index env = 0) const = 0;
   // After a step, with what acted in it: what a number of the state would change by if forces were a little different (solver/adjoint.h).
   virtual Outcome adjoint(const solver::Functional& of, solver::Adjoint& out) = 0;
-  virtual void report(FieldSink& sink) = 0;
-  virtual std::vector<double> points() = 0;  // 3 per point [m], accepted state
-  virtual Outcome checkpoint(Archive& archive) = 0;
-  virtual double time() const = 0;
-  virtual long steps_done() const = 0;
+  virtual void report(const FieldSinks& sinks) = 0;
+  virtual std::vector<double> points() = 0;                         // 3 per point [m], accepted state; environment after environment
+  virtual Outcome checkpoint(const std::vector<Archive*>& of) = 0;  // of every environment; null: of this one nothing
+  Outcome checkpoint(Archive& archive) { return checkpoint(std::vector<Archive*>{&archive}); }
+  virtual double time(Index env = 0) const = 0;
+  virtual long steps_done(Index env = 0) const = 0;
   virtual solver::Clock clock() const = 0;
   virtual std::vector<std::pair<std::string, long long>> launches() const = 0;
   virtual device::Transfers transfers() const = 0;       // of all kinds of work so far,

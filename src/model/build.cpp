@@ -294,6 +294,13 @@ void build(Model& model) {
   model.blocks = static_cast<Index>(l.rest.size());
   model.points = static_cast<Index>(l.points.size());
   model.env_blocks = offsets_by_env(l.block_env, model.envs);
+  model.env_points = offsets_by_env(l.point_env, model.envs);
+  model.env_bodies.assign(model.envs + 1, 0), model.env_cells = model.env_bodies;
+  for (const Body& b : model.bodies) {
+    ++model.env_bodies[b.env + 1];
+    model.env_cells[b.env + 1] += b.type == BodyType::soft ? b.tet_end - b.tet_begin : b.triangle_end - b.triangle_begin;
+  }
+  for (Index e = 0; e < model.envs; ++e) model.env_bodies[e + 1] += model.env_bodies[e], model.env_cells[e + 1] += model.env_cells[e];
   model.rest.upload(l.rest);
   model.q.upload(l.rest);
   model.initial_velocity.upload(l.velocity);

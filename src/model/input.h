@@ -30,8 +30,17 @@ struct BodyInput {
 void set_mesh(BodyInput& body, geometry::TetMesh mesh);
 
 struct ModelInput {
-  Params scene;  // the whole resolved scene
+  Params scene;  // the whole resolved scene; of several environments that of the first
   std::vector<BodyInput> bodies;
+  std::vector<Params> scenes{};  // of several environments that of each, where they are not all the same
+
+  // The block of an effect in the scene of an environment; `first`: that in `scene`.
+  const Params& effect_of(const Params& first, int env) const {
+    if (!scenes.empty())
+      for (const auto& [name, block] : scene.at("effects").entries())
+        if (&block == &first) return scenes[static_cast<std::size_t>(env)].at("effects").at(name);
+    return first;
+  }
 };
 
 }  // namespace mortise::model

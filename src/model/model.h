@@ -107,7 +107,9 @@ class Model {
   std::vector<HalfSpace> half_spaces;
 
   Index blocks = 0, points = 0, envs = 1;
-  std::vector<Index> env_blocks;  // offsets: environment e owns blocks [env_blocks[e], env_blocks[e+1])
+  std::vector<Index> env_blocks;  // offsets: environment e owns blocks [env_blocks[e], env_blocks[e+1]),
+  std::vector<Index> env_points, env_bodies;
+  std::vector<Index> env_cells;   // of output: tetrahedra of soft bodies, surface triangles of stiff ones, body after body
   Buffer<Vec3> rest;              // q at rest
   Buffer<Vec3> q;                 // q at the last accepted state
   Buffer<Vec3> initial_velocity;  // per block, from the scene [m/s]
@@ -148,6 +150,11 @@ class Model {
 
   // Bodies of that name, one of every environment that has it; or the number of bodies plus the index of the half-space of that name; none.
   std::vector<Index> bodies_named(std::string_view name) const;
+  // What the number of a body, or the number of bodies plus that of a half-space, is where its environment is alone.
+  Index number_alone(Index body, Index env) const {
+    const auto all = static_cast<Index>(bodies.size());
+    return body < all ? body - env_bodies[env] : env_bodies[env + 1] - env_bodies[env] + (body - all);
+  }
   // Body or half-space `b` may meet body `a`: half-spaces are in all environments.
   bool same_env(Index a, Index b) const { return b >= static_cast<Index>(bodies.size()) || bodies[a].env == bodies[b].env; }
 

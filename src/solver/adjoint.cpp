@@ -29,8 +29,8 @@ double layer_along(const model::ContactView& contact, const std::vector<Vec3>& z
 Adjoint Simulation::adjoint(const Functional& Q) {
   System& system = newton_.system();
   if (!tangent_) tangent_ = std::make_unique<Tangent>(system);
-  if (tangent_step_ != step_) tangent_->linearise(model_.q);
-  tangent_step_ = step_;
+  if (tangent_step_ != step_[0]) tangent_->linearise(model_.q);
+  tangent_step_ = step_[0];
   const std::vector<Mat3> P = model_.projector.download();
 
   // dQ/dq + J^T (I - P) E

@@ -34,7 +34,7 @@ void Convergence::begin_step() {
     loose_.push_back(std::all_of(first, last, [](auto held) { return held == 0; }));
     held_.push_back(std::all_of(first, last, [](auto held) { return held >= 2; }));
   }
-  connect({});
+  connect({}, EnvMask(model_.envs, 1));
   rounding_.assign(model_.bodies.size(), 0.0);
   rounding_sum_ = rounding_;
   step_.assign(model_.bodies.size(), -1.0);
@@ -52,10 +52,11 @@ void Convergence::set_rows(const std::vector<Index>& row_of_block) {
   rows_ = Chunks(rows);
 }
 
-void Convergence::connect(const std::vector<const model::ContactView*>& contacts) {
+void Convergence::connect(const std::vector<const model::ContactView*>& contacts, const EnvMask& whose) {
   const Index n = static_cast<Index>(model_.bodies.size());
   group_.resize(n);
-  std::iota(group_.begin(), group_.end(), 0);
+  for (Index e = 0; e < model_.envs; ++e)
+    if (whose[e]) std::iota(group_.begin() + model_.env_bodies[e], group_.begin() + model_.env_bodies[e + 1], model_.env_bodies[e]);
   const auto root = [&](Index b) {
     while (group_[b] != b) b = group_[b] = group_[group_[b]];
     return b;
@@ -63,7 +64,7 @@ void Convergence::connect(const std::vector<const model::ContactView*>& contacts
   if (std::count(held_.begin(), held_.end(), 0) < 2) return;
   for (const model::ContactView* view : contacts)
     for (const auto& [one, other] : touching(view->samples.view())) {
-      if (one >= n || held_[one] || held_[other]) continue;  // a half-space counts after the bodies
+      if (one >= n || held_[one] || held_[other] || !whose[model_.bodies[one].env]) continue;  // a half-space counts after the bodies
       const Index a = root(one), b = root(other);
       group_[std::max(a, b)] = std::min(a, b);
     }
@@ -156,8 +157,9 @@ bool Convergence::at_rest(const Residual& r, Index body, double relative) const 
   if (had_to_move(body)) {
     fell = r.force[body] / last_.force[body];
   } else {  // its neighbours moved it: as fast as the slowest of them
-    for (Index i = 0; i < static_cast<Index>(r.force.size()); ++i)
-      if (model_.bodies[i].env == model_.bodies[body].env && had_to_move(i)) fell = std::max(fell, r.force[i] / last_.force[i]);
+    const Index env = model_.bodies[body].env;
+    for (Index i = model_.env_bodies[env]; i < model_.env_bodies[env + 1]; ++i)
+      if (had_to_move(i)) fell = std::max(fell, r.force[i] / last_.force[i]);
   }
   const double settled = std::max(options_.lag_tolerance, options_.relative_tolerance), early = std::max(1.0, relative / settled);
   return fell * step_[body] <= early * std::max(tuning::kMotion * r.way[body], tuning::kSize * radius_[body]);
@@ -165,51 +167,47 @@ bool Convergence::at_rest(const Residual& r, Index body, double relative) const 
 
 double Convergence::largest_force(const Residual& r, Index env) const {
   double largest = 0;
-  for (std::size_t i = 0; i < r.force.size(); ++i)
-    if (model_.bodies[i].env == env) largest = std::max(largest, r.force[i]);
+  for (Index i = model_.env_bodies[env]; i < model_.env_bodies[env + 1]; ++i) largest = std::max(largest, r.force[i]);
   return largest;
 }
 
 double Convergence::over(const Residual& r, Index env, double relative) const {
   double largest = 0;
-  for (std::size_t i = 0; i < r.force.size(); ++i) {
-    if (model_.bodies[i].env != env) continue;
-    const Figures f = figures(r, static_cast<Index>(i), relative);
+  for (Index i = model_.env_bodies[env]; i < model_.env_bodies[env + 1]; ++i) {
+    const Figures f = figures(r, i, relative);
     if (f.force > 0) largest = std::max(largest, f.force / f.tolerance);
   }
   return largest;
 }
 
 bool Convergence::finite(const Residual& r, Index env) const {
-  for (std::size_t i = 0; i < r.force.size(); ++i)
-    if (model_.bodies[i].env == env && !std::isfinite(r.force[i])) return false;
+  for (Index i = model_.env_bodies[env]; i < model_.env_bodies[env + 1]; ++i)
+    if (!std::isfinite(r.force[i])) return false;
   return true;
 }
 
 double Convergence::relative_residual(const Residual& r, Index env) const {
   double largest = 0;
-  for (std::size_t i = 0; i < r.force.size(); ++i) {
-    if (model_.bodies[i].env != env) continue;
+  for (Index i = model_.env_bodies[env]; i < model_.env_bodies[env + 1]; ++i) {
     if (r.force[i] > rounding_[i]) largest = std::max(largest, r.force[i] / r.scale[i]);
-    const double all = net(r, static_cast<Index>(i));
+    const double all = net(r, i);
     if (loose_[i] && all > rounding_sum_[i]) largest = std::max(largest, all / r.load[i]);
   }
   return largest;
 }
 
 bool Convergence::solved(const Residual& r, Index env, double relative) const {
-  for (std::size_t i = 0; i < r.force.size(); ++i) {
-    const Index body = static_cast<Index>(i);
-    if (model_.bodies[i].env == env && !(balanced(r, body, relative) && at_rest(r, body, relative))) return false;
+  for (Index i = model_.env_bodies[env]; i < model_.env_bodies[env + 1]; ++i) {
+    if (!(balanced(r, i, relative) && at_rest(r, i, relative))) return false;
   }
   return true;
 }
 
 double Convergence::least_tolerance(const Residual& r, Index env, double relative) const {
   double least = INFINITY;
-  for (std::size_t i = 0; i < r.force.size(); ++i) {
-    const Index body = static_cast<Index>(i);
-    if (model_.bodies[i].env != env || held_[i]) continue;
+  for (Index i = model_.env_bodies[env]; i < model_.env_bodies[env + 1]; ++i) {
+    const Index body = i;
+    if (held_[i]) continue;
     const Figures f = figures(r, body, relative);
     // Rows of axes are moments: force times lever.
     const double lever = model_.bodies[i].type == model::BodyType::stiff ? std::min(1.0, radius_[i]) : 1;
@@ -221,11 +219,10 @@ double Convergence::least_tolerance(const Residual& r, Index env, double relativ
 Convergence::Worst Convergence::worst(const Residual& r, Index env, double relative) const {
   Worst worst;
   double largest = -1;
-  for (std::size_t i = 0; i < r.force.size(); ++i) {
-    if (model_.bodies[i].env != env) continue;
-    const Figures f = figures(r, static_cast<Index>(i), relative);
+  for (Index i = model_.env_bodies[env]; i < model_.env_bodies[env + 1]; ++i) {
+    const Figures f = figures(r, i, relative);
     const double ratio = f.force > 0 ? f.force / f.tolerance : 0;
-    if (ratio > largest) largest = ratio, worst = {static_cast<Index>(i), f.force, f.tolerance};
+    if (ratio > largest) largest = ratio, worst = {i, f.force, f.tolerance};
   }
   return worst;
 }

@@ -40,9 +40,9 @@ class Convergence {
  public:
   Convergence(const model::Model& model, const Options& options);
 
-  void begin_step();                                                          // supports may have changed
-  void set_rows(const std::vector<Index>& row_of_block);                      // of the matrices that will be seen
-  void connect(const std::vector<const model::ContactView*>& contacts);       // groups, by what touches now
+  void begin_step();                                                                           // supports may have changed
+  void set_rows(const std::vector<Index>& row_of_block);                                       // of the matrices that will be seen
+  void connect(const std::vector<const model::ContactView*>& contacts, const EnvMask& whose);  // groups, by what touches now
   void refreshed() { std::fill(comparable_.begin(), comparable_.end(), 0); }  // what was frozen is not that of the last residual any more
 
   effects::View<const double> lever() const { return lever_.view(); }        // s_b of every block,

@@ -51,18 +51,18 @@ void Coupled::product(const device::Buffer<Vec3>& q, device::View<const Vec3> v,
 }
 
 // dq_ along which the residual of `at` vanishes to first order; false where a difference went through a surface.
-bool Coupled::direction(const device::Buffer<Vec3>& q, Linearised& at, Linearised& near, const EnvTable& envs, StepReport& report) {
+bool Coupled::direction(const device::Buffer<Vec3>& q, Linearised& at, Linearised& near, const EnvTable& envs, const StepReports& report) {
   const Index rows = system_.rows.count();
   system_.right_hand_side(at, {}, r0_);
-  for (Index e = 0; e < system_.model.envs; ++e)
-    if (!active_[e]) clear_blocks(r0_, system_.rows.env[e], system_.rows.env[e + 1]);
+  clear_envs(r0_, active_, 0, system_.rows.env);
   x_.resize(rows);
   try {
     const linalg::GmresResult gmres =
         linalg::gmres([&](device::View<const Vec3> in, device::View<Vec3> out) { product(q, in, out, near, envs); },
                       [&](device::View<const Vec3> in, device::View<Vec3> out) { linear_.apply(A_, in, out, active_); }, std::as_const(r0_).view(),
                       x_.view(), system_.rows.env, std::vector<double>(system_.model.envs, tuning::kCoupledForcing), tuning::kMostProducts);
-    report.cg += gmres.iterations;
+    for (Index e = 0; e < system_.model.envs; ++e)
+      if (active_[e]) report[e].cg += gmres.of_env[e];
     products_ = gmres.of_env;
     for (Index e = 0; e < system_.model.envs; ++e) factored_[e] = gmres.of_env[e] <= tuning::kGoodProducts;
   } catch (const Broken&) {
@@ -81,7 +81,7 @@ std::vector<double> Coupled::natural_level(const Linearised& at) {
 }
 
 // Takes a step along dq_ that lowers the level of every active environment, and the residual r with it; those where there is none give up.
-void Coupled::monotone_step(device::Buffer<Vec3>& q, Residual& r, Linearised& at, Linearised& near, EnvTable& envs, StepReport& report) {
+void Coupled::monotone_step(device::Buffer<Vec3>& q, Residual& r, Linearised& at, Linearised& near, EnvTable& envs, const StepReports& report) {
   const model::Model& model = system_.model;
   std::vector<double> alpha(model.envs, 1.0);
   device::Fetch fetch;
@@ -110,13 +110,13 @@ void Coupled::monotone_step(device::Buffer<Vec3>& q, Residual& r, Linearised& at
       for (Index e = 0; e < model.envs; ++e) {
         if (!active_[e]) continue;
         envs[e].alpha = alpha[e];
-        report.alpha = std::min(report.alpha, alpha[e]);
+        report[e].alpha = std::min(report[e].alpha, alpha[e]);
       }
       q.swap(trial_);
       r = next;
       return;
     }
-    ++report.line_search;
+    for (Index e = 0; e < model.envs; ++e) report[e].line_search += again[e];
     if (k < tuning::kMonotoneTries) continue;
     for (Index e = 0; e < model.envs; ++e)
       if (again[e]) active_[e] = 0, alpha[e] = 0;
@@ -138,7 +138,7 @@ EnvMask Coupled::finite_energies(const Linearised& at) {
   return out;
 }
 
-void Coupled::solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Linearised& near, EnvTable& envs, StepReport& report,
+void Coupled::solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Linearised& near, EnvTable& envs, const StepReports& report,
                     const std::function<void()>& stop, const Watch& watch) {
   const model::Model& model = system_.model;
   still_.resize(model.blocks);
@@ -179,9 +179,9 @@ void Coupled::solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Li
     monotone_step(q, r, at, near, envs, report);
     system_.linearise(q.view(), {}, at, true);
     if (!any(active_)) return;
-    ++report.newton;
     for (Index e = 0; e < model.envs; ++e) {
       if (!active_[e]) continue;
+      ++report[e].newton;
       envs[e].force = before[e];
       if (envs[e].alpha != 1) factored_[e] = 0;
       short_steps[e] = envs[e].alpha < tuning::kShort ? short_steps[e] + 1 : 0;

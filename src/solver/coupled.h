@@ -31,17 +31,17 @@ class Coupled {
 
   // From q in the stuck environments, with `at` and `near` for two states. Those whose residual with everything fresh comes down to `relative` are
   // solved then; the others stay stuck at the best state that was found, or fail where forces are not finite. `at` is left at q.
-  void solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Linearised& near, EnvTable& envs, StepReport& report,
+  void solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Linearised& near, EnvTable& envs, const StepReports& report,
              const std::function<void()>& stop, const Watch& watch);
 
  private:
   struct Broken {};  // every product went through a surface
   void factor(const device::Buffer<Vec3>& q, const EnvMask& whose, Linearised& at);
   void product(const device::Buffer<Vec3>& q, device::View<const Vec3> v, device::View<Vec3> out, Linearised& near, const EnvTable& envs);
-  bool direction(const device::Buffer<Vec3>& q, Linearised& at, Linearised& near, const EnvTable& envs, StepReport& report);
+  bool direction(const device::Buffer<Vec3>& q, Linearised& at, Linearised& near, const EnvTable& envs, const StepReports& report);
   std::vector<double> natural_level(const Linearised& at);
   EnvMask finite_energies(const Linearised& at);
-  void monotone_step(device::Buffer<Vec3>& q, Residual& r, Linearised& at, Linearised& near, EnvTable& envs, StepReport& report);
+  void monotone_step(device::Buffer<Vec3>& q, Residual& r, Linearised& at, Linearised& near, EnvTable& envs, const StepReports& report);
 
   System& system_;
   Linear& linear_;

@@ -9,7 +9,7 @@ namespace mortise::solver {
 
 // x_ of the environments of `todo`.
 void Direction::solve(const device::Buffer<Vec3>& q, const std::vector<double>& wanted, EnvMask todo, bool whole, Linearised& at, EnvTable& envs,
-                      StepReport& report) {
+                      const StepReports& report) {
   while (any(todo)) {
     device::Fetch fetch;
     system_.matrix(at, q.view(), todo, matrix_, fetch);
@@ -22,8 +22,7 @@ void Direction::solve(const device::Buffer<Vec3>& q, const std::vector<double>& 
     std::vector<double> rhs2(envs.size(), 0.0);
     dot(std::as_const(rhs_).view(), std::as_const(rhs_).view(), system_.rows.env, {rhs2, fetch});
     fetch.now();
-    for (Index e = 0; e < envs.size(); ++e)
-      if (todo[e]) clear_blocks(x_, system_.rows.env[e], system_.rows.env[e + 1]);
+    clear_envs(x_, todo, 1, system_.rows.env);
     {
       const Timed timed(system_.clock, "solver", "linear_solve");
       const linalg::Operator J = system_.whole(at, matrix_);
@@ -32,8 +31,7 @@ void Direction::solve(const device::Buffer<Vec3>& q, const std::vector<double>& 
     }
     if (!any(todo)) break;
     for (Index e = 0; e < envs.size(); ++e)
-      if (todo[e]) curvature_.soften(e);
-    ++report.softened;
+      if (todo[e]) curvature_.soften(e), ++report[e].softened;
     system_.potential.linearise(q.view(), want(envs), at);
   }
 }
@@ -45,7 +43,7 @@ effects::Want Direction::want(const EnvTable& envs) {
 }
 
 void Direction::find(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs,
-                     StepReport& report) {
+                     const StepReports& report) {
   system_.supports(q.view(), support_);
   supports_move_ = largest_of(r.support_gap) > 0;
   x_.resize(system_.rows.count());
@@ -65,7 +63,8 @@ void Direction::find(const device::Buffer<Vec3>& q, const Residual& r, const std
       if (curvature_.concavity(e) == 0) symmetric[e] = 1, uphill[e] = 0;
       curvature_.soften(e);
     }
-    if (any(uphill)) ++report.softened, system_.potential.linearise(q.view(), want(envs), at);
+    for (Index e = 0; e < envs.size(); ++e) report[e].softened += uphill[e];
+    if (any(uphill)) system_.potential.linearise(q.view(), want(envs), at);
     solve(q, wanted, symmetric, false, at, envs, report);
     whole = uphill;
   }
@@ -97,8 +96,7 @@ void Direction::carry(const Linearised& at, const EnvTable& envs, device::Fetch&
   offset_.resize(system_.model.blocks);
   offset_.zero();
   system_.model.ties.add_offset_of(std::as_const(support_).view(), offset_.view());
-  for (Index e = 0; e < envs.size(); ++e)
-    if (!envs.is(e, EnvState::running)) clear_blocks(offset_, system_.model.env_blocks[e], system_.model.env_blocks[e + 1]);
+  clear_envs(offset_, envs.mask(EnvState::running), 0, system_.model.env_blocks);
   for (const device::Buffer<Vec3>& g : at.gradients) dot(g.view(), std::as_const(offset_).view(), system_.model.env_blocks, {slope_, fetch});
 }
 

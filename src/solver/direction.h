@@ -13,7 +13,8 @@ class Direction {
 
   // In the running environments, from q, where `at` is linearised with a matrix; wanted: per environment the residual at which Newton stops [N].
   // Where there is none the environment fails.
-  void find(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs, StepReport& report);
+  void find(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs,
+            const StepReports& report);
 
   // What Newton's next direction needs of its iterate.
   effects::Want want(const EnvTable& envs);
@@ -26,7 +27,7 @@ class Direction {
 
  private:
   void solve(const device::Buffer<Vec3>& q, const std::vector<double>& wanted, EnvMask todo, bool whole, Linearised& at, EnvTable& envs,
-             StepReport& report);
+             const StepReports& report);
   void carry(const Linearised& at, const EnvTable& envs, device::Fetch& fetch);
   System& system_;
   Linear& linear_;

@@ -81,8 +81,7 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
     }
   }
   fetch.now();
-  total_ = 0;
-  for (double e : sum(known_)) total_ += e;
+  total_ = sum(known_);
   for (Index e = 0; e < model_.envs; ++e) {
     StepEnergy& step = step_[e] = {};
     if (!measured || !took_part_[e]) continue;

@@ -48,7 +48,7 @@ class EnergyLedger {
   // Should every step lose energy? Only then it is measured.
   bool measures() const { return measures_; }
   const StepEnergy& of_step(Index env) const { return step_[env]; }
-  double total() const { return total_; }  // Phi at the end, of all environments [J]
+  double total(Index env) const { return total_[env]; }  // Phi at the end [J]
 
  private:
   const model::Model& model_;
@@ -57,7 +57,7 @@ class EnergyLedger {
   Energies known_, start_;  // at the present iterate; where the step begins
   EnvMask took_part_, gone_;
   std::vector<StepEnergy> step_;
-  double total_ = 0;
+  std::vector<double> total_;
 };
 
 // A step that makes energy from nowhere is tried again with half its length, as long as the gain falls to about a quarter, as that of backward

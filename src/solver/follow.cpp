@@ -17,7 +17,7 @@ namespace mortise::solver {
 
 void Simulation::lead_on(const effects::StepInfo& info) {
   if (refitted_)
-    throw Failure{"a stiffness was fitted to the solution of step " + std::to_string(step_) +
+    throw Failure{"a stiffness was fitted to the solution of step " + std::to_string(step_[0]) +
                   " (auto): how it would be chosen beside is no smooth matter; give it as a number"};
   if (!tangent_) tangent_ = std::make_unique<Tangent>(newton_.system());
   tangent_->linearise(newton_.q());
@@ -29,7 +29,7 @@ void Simulation::lead_on(const effects::StepInfo& info) {
     try {
       other->follow(info, *this, std::as_const(still).view());
     } catch (const Failure& failure) {
-      other->lost_[0] = "in step " + std::to_string(step_) + ": " + failure.reason;
+      other->lost_[0] = "in step " + std::to_string(step_[0]) + ": " + failure.reason;
     }
   }
 }
@@ -59,7 +59,7 @@ void Simulation::follow(const effects::StepInfo& info, Simulation& leader, devic
   system.to_blocks(std::as_const(x).view(), std::as_const(c).view(), all, dq);
   advance(q.view(), std::as_const(dq).view(), {1.0}, model_, there);
   newton_.end_at(there);
-  if (!std::isfinite(newton_.energies().total())) throw Failure{"a hair of the parameter makes surfaces meet or elements turn over"};
+  if (!std::isfinite(newton_.energies().total(0))) throw Failure{"a hair of the parameter makes surfaces meet or elements turn over"};
   accept(info, leader.lost_energy(info));
 }
 

@@ -267,6 +267,28 @@ void copy_blocks(const Buffer<Vec3>& from, Index begin, Index end, Buffer<Vec3>&
   if (end > begin) device::copy(to.view().p + begin, from.view().p + begin, static_cast<std::size_t>(end - begin) * sizeof(Vec3));
 }
 
+namespace {
+
+template <class F>
+void for_ranges(const std::vector<std::uint8_t>& marks, std::uint8_t mark, const std::vector<Index>& first, F range) {
+  for (std::size_t e = 0; e < marks.size(); ++e) {
+    if (marks[e] != mark) continue;
+    const std::size_t begin = e;
+    while (e + 1 < marks.size() && marks[e + 1] == mark) ++e;
+    range(first[begin], first[e + 1]);
+  }
+}
+
+}  // namespace
+
+void clear_envs(Buffer<Vec3>& v, const std::vector<std::uint8_t>& marks, std::uint8_t mark, const std::vector<Index>& first) {
+  for_ranges(marks, mark, first, [&](Index begin, Index end) { clear_blocks(v, begin, end); });
+}
+
+void copy_envs(const Buffer<Vec3>& from, const std::vector<std::uint8_t>& marks, const std::vector<Index>& first, Buffer<Vec3>& to) {
+  for_ranges(marks, 1, first, [&](Index begin, Index end) { copy_blocks(from, begin, end, to); });
+}
+
 void gather(View<const Vec3> from, View<const Index> place, Buffer<Vec3>& to) {
   to.resize(place.n);
   const View<Vec3> out = to.view();

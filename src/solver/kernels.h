@@ -68,6 +68,9 @@ double hold_rows(linalg::BlockMatrix& A, double scale, View<const Index> list, I
 // v[begin..end) <- 0, or those of `from`.
 void clear_blocks(Buffer<Vec3>& v, Index begin, Index end);
 void copy_blocks(const Buffer<Vec3>& from, Index begin, Index end, Buffer<Vec3>& to);
+// The same of the environments whose mark is `mark`, of which each owns [first[e], first[e+1]); those side by side in one go.
+void clear_envs(Buffer<Vec3>& v, const std::vector<std::uint8_t>& marks, std::uint8_t mark, const std::vector<Index>& first);
+void copy_envs(const Buffer<Vec3>& from, const std::vector<std::uint8_t>& marks, const std::vector<Index>& first, Buffer<Vec3>& to);
 // to_i = from_place(i)
 void gather(View<const Vec3> from, View<const Index> place, Buffer<Vec3>& to);
 

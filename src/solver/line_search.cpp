@@ -39,7 +39,7 @@ LineSearch::Merit LineSearch::begin(device::View<const Vec3> q, device::Buffer<V
 }
 
 void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at,
-                      EnvTable& envs, StepReport& report, const Forces& forces) {
+                      EnvTable& envs, const StepReports& report, const Forces& forces) {
   const model::Model& model = system_.model;
   std::vector<double> alpha;
   Merit merit;
@@ -82,6 +82,7 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
         if (astray[e]) {
           alpha[e] = 0;
           ok = false;
+          ++report[e].line_search;
           continue;
         }
       }
@@ -100,6 +101,7 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
       }
       ok = false;
       far_enough[e] = 0;
+      ++report[e].line_search;
       if (k < tuning::kMostHalvings) {
         alpha[e] *= 0.5;
       } else {
@@ -115,12 +117,11 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
       energies_.accept(std::move(there));
       break;
     }
-    ++report.line_search;
   }
   for (Index e = 0; e < model.envs; ++e) {
     if (!envs.is(e, EnvState::running)) continue;
     envs[e].alpha = alpha[e], envs[e].energy = before[e];
-    if (alpha[e] > 0) report.alpha = std::min(report.alpha, alpha[e]);
+    if (alpha[e] > 0) report[e].alpha = std::min(report[e].alpha, alpha[e]);
   }
   q.swap(trial_);
 }

@@ -32,7 +32,7 @@ class LineSearch {
   // Moves q of the running environments along dq, from the state of `at`; slope: gradient . dq [J]; c: what supports still have to move, none
   // where empty. Where nothing descends the environment fails.
   void step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at,
-            EnvTable& envs, StepReport& report, const Forces& forces = {});
+            EnvTable& envs, const StepReports& report, const Forces& forces = {});
 
  private:
   // Of the merit, per environment: descent promised by the slope, what the supports add, and below what it says nothing. farthest: of the supports'

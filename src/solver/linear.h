@@ -35,7 +35,8 @@ class Linear {
 
   // Solves the environments of `todo`; x stands still in all others. Returns those whose matrix is not positive definite although less negative
   // curvature would make it so; where nothing would, the environment fails.
-  virtual EnvMask solve(const LinearSystem& system, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, StepReport& report) = 0;
+  virtual EnvMask solve(const LinearSystem& system, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs,
+                        const StepReports& report) = 0;
 
   // As the preconditioner M of an unsymmetric system. Has an earlier A left an M that still pays?
   virtual bool ready(Index env) const = 0;

@@ -49,7 +49,7 @@ class Cg final : public Linear {
     for (Env& e : env_) e = {};
   }
 
-  EnvMask solve(const LinearSystem& s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, StepReport& report) override {
+  EnvMask solve(const LinearSystem& s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, const StepReports& report) override {
     EnvMask indefinite(todo.size(), 0);
     if (s.A.rows == 0) return indefinite;
     // A preconditioner of an earlier iteration of the step serves on as long as it nearly keeps its speed, in iterations per digit.
@@ -70,7 +70,7 @@ class Cg final : public Linear {
       // The symmetric part alone first: less would not see that it is indefinite.
       for (double& asked : relative) asked = std::max(asked, tuning::kWholeRough);
       const linalg::CgResult start = run(s.A, s.b, s.x, relative, absolute, todo);
-      report.cg += start.iterations();
+      count(start, todo, report);
       EnvMask left = todo;
       for (Index e = 0; e < rows_.envs(); ++e)
         if (todo[e] && start.env[e].end == linalg::CgEnd::not_positive_definite && curvature.concavity(e) > 0)
@@ -78,7 +78,7 @@ class Cg final : public Linear {
       const linalg::GmresResult end =
           solve_whole(s, left, rows_.env, relative, tuning::kWholeMost, [&](device::View<const Vec3> in, device::View<Vec3> out) {
             device::clear(out.p, out.n * sizeof(Vec3));
-            report.cg += run(s.A, in, out, rough, nothing, left).iterations();
+            count(run(s.A, in, out, rough, nothing, left), left, report);
           });
       for (Index e = 0; e < rows_.envs(); ++e) {
         if (!left[e]) continue;
@@ -89,11 +89,10 @@ class Cg final : public Linear {
       return indefinite;
     }
     const linalg::CgResult cg = run(s.A, s.b, s.x, relative, absolute, todo);
-    Index iterations = 0;
+    count(cg, todo, report);
     for (Index e = 0; e < rows_.envs(); ++e) {
       if (!todo[e]) continue;
       const linalg::CgResult::Env& end = cg.env[e];
-      iterations = std::max(iterations, end.iterations);
       if (end.end == linalg::CgEnd::not_positive_definite && curvature.concavity(e) > 0) {
         env_[e].built_speed = 0;
         indefinite[e] = 1;
@@ -112,7 +111,6 @@ class Cg final : public Linear {
       env_[e].last_rhs = end.rhs;
       env_[e].any = true;
     }
-    report.cg += iterations;
     return indefinite;
   }
 
@@ -135,6 +133,11 @@ class Cg final : public Linear {
     bool any = false;                   // a system has been solved; how exactly, and its right-hand side:
     double relative = 0, last_rhs = 0;
   };
+
+  static void count(const linalg::CgResult& cg, const EnvMask& whose, const StepReports& report) {
+    for (std::size_t e = 0; e < whose.size(); ++e)
+      if (whose[e]) report[static_cast<Index>(e)].cg += cg.env[e].iterations;
+  }
 
   double forcing(const Env& e, double b2) const {
     if (!options_.cg_forcing) return options_.cg_tolerance;

@@ -20,7 +20,7 @@ class Direct final : public Linear {
     for (Part& p : parts_) p.fresh = false;
   }
 
-  EnvMask solve(const LinearSystem& s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, StepReport& report) override {
+  EnvMask solve(const LinearSystem& s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, const StepReports& report) override {
     if (s.whole) return solve_whole(s, todo, curvature, envs, report);
     EnvMask indefinite(todo.size(), 0);
     for (Index e = 0; e < rows_.envs(); ++e) {
@@ -31,7 +31,7 @@ class Direct final : public Linear {
       const device::View<Vec3> x = range(s.x, e);
       if (reuse_ && part.fresh) {
         const linalg::StaleResult cg = linalg::solve_with_stale_factor(A, part.solver, b, x, tuning::kStaleForcing, tuning::kStaleMost);
-        report.cg += cg.iterations;
+        report[e].cg += cg.iterations;
         if (cg.converged) {
           part.fresh = cg.iterations <= tuning::kStaleMost / 2;
           continue;
@@ -70,14 +70,14 @@ class Direct final : public Linear {
   bool empty(Index e) const { return rows_.env[e] == rows_.env[e + 1]; }
 
   // A factor of A, shifted if need be; none where A is indefinite and need not be, or the environment fails.
-  bool factor(Index e, linalg::BlockMatrix& A, const CurvaturePolicy& curvature, EnvTable& envs, StepReport& report, EnvMask& indefinite) {
+  bool factor(Index e, linalg::BlockMatrix& A, const CurvaturePolicy& curvature, EnvTable& envs, const StepReports& report, EnvMask& indefinite) {
     Part& part = parts_[e];
     double shift = tuning::kFirstShift;
     part.fresh = part.solver.factor(A);
     while (!part.fresh && curvature.concavity(e) == 0 && shift <= tuning::kLargestShift) {
       shift_diagonal(A, shift, {0, A.rows}, {1});
       shift *= tuning::kShiftGrowth;
-      ++report.regularised;
+      ++report[e].regularised;
       part.fresh = part.solver.factor(A);
     }
     if (part.fresh) return true;
@@ -88,7 +88,7 @@ class Direct final : public Linear {
     return false;
   }
 
-  EnvMask solve_whole(const LinearSystem& s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, StepReport& report) {
+  EnvMask solve_whole(const LinearSystem& s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, const StepReports& report) {
     EnvMask indefinite(todo.size(), 0), left(todo.size(), 0);
     for (Index e = 0; e < rows_.envs(); ++e) left[e] = todo[e] && !empty(e);
     for (int round = 0; any(left); ++round) {
@@ -103,9 +103,9 @@ class Direct final : public Linear {
       const linalg::GmresResult end =
           solver::solve_whole(s, left, rows_.env, std::vector<double>(todo.size(), tuning::kStaleForcing), tuning::kWholeMost,
                               [&](device::View<const Vec3> in, device::View<Vec3> out) { apply(s.A, in, out, left); });
-      report.cg += end.iterations;
       for (Index e = 0; e < rows_.envs(); ++e) {
         if (!left[e]) continue;
+        report[e].cg += end.of_env[e];
         const bool solved = end.relative[e] <= tuning::kStaleForcing;
         parts_[e].fresh = solved && end.of_env[e] <= tuning::kStaleMost / 2;
         left[e] = stale[e] && !solved;  // else as near as it came

@@ -52,8 +52,7 @@ linalg::GmresResult solve_whole(const LinearSystem& s, const EnvMask& whose, con
   EnvMask left = whose;
   linalg::GmresResult sum;
   sum.of_env.assign(envs, 0), sum.relative.assign(envs, 0.0);
-  for (Index e = 0; e < envs; ++e)
-    if (!whose[e]) clear_blocks(x, env_rows[e], env_rows[e + 1]);
+  clear_envs(x, whose, 0, env_rows);
   for (;;) {
     (*s.whole)(std::as_const(x).view(), Jx.view());
     subtract(s.b, std::as_const(Jx).view(), r);

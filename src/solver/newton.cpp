@@ -31,9 +31,8 @@ Newton::Newton(model::Model& model, EffectList& effects, const Options& options,
       beside_(system_.potential.linearised()) {}
 
 void Newton::begin(const EnvMask& whose) {
-  q_.resize(model_.blocks);
-  for (Index e = 0; e < envs_.size(); ++e)
-    if (whose[e]) copy_blocks(model_.q, model_.env_blocks[e], model_.env_blocks[e + 1], q_);
+  if (q_.size() != model_.blocks) q_.copy_from(model_.q);
+  copy_envs(model_.q, whose, model_.env_blocks, q_);
   lag_here();
   fresh_.resize(envs_.size(), 0);
   for (Index e = 0; e < envs_.size(); ++e) fresh_[e] |= whose[e];
@@ -65,6 +64,13 @@ void Newton::fail(Index env, const std::string& reason) {
   copy_blocks(model_.q, model_.env_blocks[env], model_.env_blocks[env + 1], q_);
 }
 
+// Environments that iterate with nothing frozen.
+EnvMask Newton::changing() const {
+  EnvMask out = envs_.mask(EnvState::running);
+  for (Index e = 0; e < envs_.size() && system_.potential.lags(); ++e) out[e] &= static_cast<std::uint8_t>(envs_[e].whole);
+  return out;
+}
+
 // A single environment has nobody to go on for.
 void Newton::check_failed() {
   if (envs_.size() == 1 && envs_.is(0, EnvState::failed)) throw Failure{envs_[0].reason};
@@ -72,7 +78,7 @@ void Newton::check_failed() {
     if (envs_.is(e, EnvState::failed)) fail(e, envs_[e].reason);
 }
 
-void Newton::solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop, const EnvMask& whose) {
+void Newton::solve(const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop, const EnvMask& whose) {
   const bool whole = system_.potential.lags() && system_.potential.follows_locally(at_);
   for (Index e = 0; e < envs_.size(); ++e) {
     envs_[e] = {};
@@ -81,7 +87,7 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
     envs_[e].whole = whole;
   }
   system_.begin_solve();
-  system_.find_groups(at_);
+  system_.find_groups(at_, whose);
   linear_->begin_solve(system_.rows_changed());
   curvature_.begin_step();
   energies_.begin_solve();
@@ -99,11 +105,12 @@ void Newton::solve(const effects::StepInfo& info, StepReport& report, const std:
   check_failed();
   system_.potential.sample(at_);
   energies_.close(std::as_const(q_).view(), at_);
-  report.energy = energies_.total();
+  for (Index e = 0; e < envs_.size(); ++e)
+    if (whose[e]) report[e].energy = energies_.total(e);
 }
 
 // Until no environment runs any more: each has settled, is stuck or has failed.
-void Newton::iterate(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop) {
+void Newton::iterate(const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop) {
   for (Index e = 0; e < envs_.size(); ++e)
     if (envs_.is(e, EnvState::running)) envs_[e].force = 0;
   nearest_force_.assign(envs_.size(), INFINITY);
@@ -114,7 +121,7 @@ void Newton::iterate(const effects::StepInfo& info, StepReport& report, const st
     const effects::Want want = direction_.want(envs_);
     system_.potential.linearise(std::as_const(q_).view(), want, at_, want.whole);
     if ((!system_.potential.lags() || want.whole) && it >= tuning::kFirstLook && std::has_single_bit(static_cast<unsigned>(it)))
-      system_.find_groups(at_);
+      system_.find_groups(at_, changing());
     const Residual r = system_.residual(std::as_const(q_).view(), at_);
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running) && !system_.convergence.finite(r, e)) envs_.fail(e, system_.not_finite(at_, e));
@@ -122,10 +129,12 @@ void Newton::iterate(const effects::StepInfo& info, StepReport& report, const st
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running) && system_.rows.loose[e])
         system_.hold.look(e, envs_[e].force, system_.convergence.largest_force(r, e), envs_[e].alpha, envs_[e].step);
+    const EnvMask judged = envs_.mask(EnvState::running);
     note(
-        r, [this](Index e) { return wanted(e); }, report);
-    if (want.whole) report.lag_residual = report.residual, report.relative_lag_residual = report.relative_residual;
-    trace_.begin(info, std::as_const(q_).view(), r, it, at_, envs_.mask(EnvState::running), report);
+        r, [this](Index e) { return wanted(e); }, judged, report);
+    for (Index e = 0; e < envs_.size(); ++e)
+      if (judged[e] && envs_[e].whole) report[e].lag_residual = report[e].residual, report[e].relative_lag_residual = report[e].relative_residual;
+    trace_.begin(info, std::as_const(q_).view(), r, it, at_, judged, report);
     settle(r, it);
     check_failed();
     const EnvMask running = envs_.mask(EnvState::running);
@@ -141,7 +150,7 @@ void Newton::iterate(const effects::StepInfo& info, StepReport& report, const st
       if (envs_.is(e, EnvState::running) && envs_[e].alpha == 0) system_.hold.tighten(e);
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running)) envs_[e].force = system_.convergence.largest_force(r, e), envs_[e].concave = curvature_.concavity(e);
-    ++report.newton;
+    for (Index e = 0; e < envs_.size(); ++e) report[e].newton += running[e];
     trace_.end(envs_, running, {}, report);
   }
 }
@@ -246,7 +255,7 @@ bool Newton::wants_coupled(Index env, Index iteration, const Residual& r, const 
 
 // The coupled iteration, for environments that are stuck, and for those that some rounds of lagged quantities have not brought to an end. Where it
 // fails too, the others' way is gone on from the best state.
-void Newton::couple(Index round, const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop) {
+void Newton::couple(Index round, const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop) {
   for (Index e = 0; e < envs_.size(); ++e)
     if (round >= tuning::kPlainRounds && envs_.is(e, EnvState::settled) && envs_[e].may_couple && envs_[e].coupled == 0)
       envs_[e].state = EnvState::stuck;
@@ -270,10 +279,11 @@ void Newton::couple(Index round, const effects::StepInfo& info, StepReport& repo
   }
 }
 
-void Newton::solve_coupled(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop) {
+void Newton::solve_coupled(const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop) {
+  const EnvMask took_part = envs_.mask(EnvState::stuck);
   const Coupled::Watch watch{[&](const Residual& r, Index iteration, const EnvMask& whose) {
                                note(
-                                   r, [this](Index) { return lag_.wanted(); }, report);
+                                   r, [this](Index) { return lag_.wanted(); }, whose, report);
                                trace_.begin(info, std::as_const(q_).view(), r, iteration, at_, whose, report);
                              },
                              [&](const EnvMask& whose, const std::vector<Index>& products) { trace_.end(envs_, whose, products, report); }};
@@ -281,7 +291,8 @@ void Newton::solve_coupled(const effects::StepInfo& info, StepReport& report, co
     if (envs_.is(e, EnvState::stuck)) energies_.forget(e);
   coupled_.solve(q_, lag_.wanted(), at_, beside_, envs_, report, stop, watch);
   check_failed();
-  if (system_.potential.lags()) report.lag_residual = report.residual, report.relative_lag_residual = report.relative_residual;
+  for (Index e = 0; e < envs_.size() && system_.potential.lags(); ++e)
+    if (took_part[e]) report[e].lag_residual = report[e].residual, report[e].relative_lag_residual = report[e].relative_residual;
 }
 
 // From here on with rounds of lagged quantities.
@@ -293,28 +304,28 @@ void Newton::freeze(Index env) {
 
 // What is frozen becomes that of the settled environments' states; those that are solved with it too are done. False when there is nothing left
 // to do.
-bool Newton::refresh(Index round, StepReport& report) {
+bool Newton::refresh(Index round, const StepReports& report) {
   const EnvMask settled = envs_.mask(EnvState::settled);
   if (!any(settled)) return false;
   if (!system_.potential.lags()) {
     envs_.change(EnvState::settled, EnvState::solved);
     return false;
   }
-  ++report.lag;
-  system_.find_groups(at_);
+  for (Index e = 0; e < envs_.size(); ++e) report[e].lag += settled[e];
+  system_.find_groups(at_, settled);
   system_.potential.lag(at_, at_);
   const Residual fresh = system_.linearise(std::as_const(q_).view(), {}, at_);
   system_.convergence.refreshed();
-  report.lag_residual = report.relative_lag_residual = 0;
   for (Index e = 0; e < envs_.size(); ++e) {
     if (!settled[e]) continue;
+    report[e].lag_residual = report[e].relative_lag_residual = 0;
     envs_[e].force = 0;
     if (!system_.convergence.finite(fresh, e)) {
       envs_.fail(e, system_.not_finite(at_, e));
       continue;
     }
     const double residual = system_.convergence.largest_force(fresh, e), relative = system_.convergence.relative_residual(fresh, e);
-    report.lag_residual = std::max(report.lag_residual, residual), report.relative_lag_residual = std::max(report.relative_lag_residual, relative);
+    report[e].lag_residual = residual, report[e].relative_lag_residual = relative;
     if (system_.solved(fresh, e, lag_.wanted(), envs_[e].step)) {
       envs_[e].state = EnvState::solved;
     } else if (round == options_.lag_iterations) {
@@ -332,16 +343,12 @@ bool Newton::refresh(Index round, StepReport& report) {
   return true;
 }
 
-// Of the environment that is farthest from its tolerance.
-void Newton::note(const Residual& r, const std::function<double(Index)>& relative, StepReport& report) const {
-  double worst_ratio = -1;
-  report.relative_residual = 0;
+void Newton::note(const Residual& r, const std::function<double(Index)>& relative, const EnvMask& whose, const StepReports& report) const {
   for (Index e = 0; e < envs_.size(); ++e) {
-    if (envs_.is(e, EnvState::failed)) continue;
+    if (!whose[e]) continue;
     const Convergence::Worst worst = system_.convergence.worst(r, e, relative(e));
-    const double ratio = worst.force > 0 ? worst.force / worst.tolerance : 0;
-    report.relative_residual = std::max(report.relative_residual, system_.convergence.relative_residual(r, e));
-    if (ratio > worst_ratio) worst_ratio = ratio, report.residual = worst.force, report.tolerance = worst.tolerance;
+    report[e].residual = worst.force, report[e].tolerance = worst.tolerance;
+    report[e].relative_residual = system_.convergence.relative_residual(r, e);
   }
 }
 

@@ -32,7 +32,7 @@ class Newton {
   void begin(const EnvMask& whose);
   // From where begin() or an earlier solve() left them to the minimisers, in the environments of `whose`: q(), and envs() that say how it ended.
   // With a single environment a failure is thrown. `stop` is asked between iterations and may throw.
-  void solve(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop, const EnvMask& whose);
+  void solve(const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop, const EnvMask& whose);
 
   // As if solve() had ended at q, from the accepted state: its forces, samples and energies.
   void end_at(const device::Buffer<Vec3>& q);
@@ -50,20 +50,22 @@ class Newton {
 
  private:
   void fail(Index env, const std::string& reason);
+  EnvMask changing() const;
   void check_failed();
-  void iterate(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
+  void iterate(const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop);
   Search::Forces forces_beside(const Residual& r);
   void settle(const Residual& r, Index iteration);
   void keep_nearest(Index env, const Residual& r);
   bool needs_jacobian(Index env, Index iteration, const Residual& r);
   bool wants_coupled(Index env, Index iteration, const Residual& r, const ProgressWatch::Sight& sight);
-  void couple(Index round, const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
-  void solve_coupled(const effects::StepInfo& info, StepReport& report, const std::function<void()>& stop);
+  void couple(Index round, const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop);
+  void solve_coupled(const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop);
   void lag_here();
   void freeze(Index env);
-  bool refresh(Index round, StepReport& report);
+  bool refresh(Index round, const StepReports& report);
   double wanted(Index env) const { return envs_[env].whole ? lag_.finest() : lag_.relative(env); }
-  void note(const Residual& r, const std::function<double(Index)>& relative, StepReport& report) const;
+  // How far the environments of `whose` are.
+  void note(const Residual& r, const std::function<double(Index)>& relative, const EnvMask& whose, const StepReports& report) const;
 
   System system_;
   const model::Model& model_;

@@ -11,9 +11,9 @@ class NewtonTrace {
 
   // At q, where `at` is linearised, in the environments of `whose`.
   void begin(const effects::StepInfo& info, device::View<const Vec3> q, const Residual& r, Index iteration, const Linearised& at,
-             const EnvMask& whose, StepReport& report);
+             const EnvMask& whose, const StepReports& report);
   // The step from there; products: with the whole Jacobian, per environment; empty without.
-  void end(const EnvTable& envs, const EnvMask& whose, const std::vector<Index>& products, StepReport& report);
+  void end(const EnvTable& envs, const EnvMask& whose, const std::vector<Index>& products, const StepReports& report);
 
  private:
   System& system_;

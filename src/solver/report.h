@@ -38,6 +38,22 @@ struct StepReport {
   std::vector<Iterate> trace;        // when asked for
 };
 
+// A report of every environment; or one of all, which counts what they did together.
+class StepReports {
+ public:
+  StepReports(StepReport& one) : first_(&one), size_(1), stride_(0) {}
+  StepReports(std::vector<StepReport>& all) : first_(all.data()), size_(all.size()), stride_(1) {}
+  StepReport& operator[](Index env) const { return first_[stride_ * static_cast<std::size_t>(env)]; }
+  std::size_t size() const { return size_; }
+  // What they are now, and again.
+  std::vector<StepReport> kept() const { return {first_, first_ + size_}; }
+  bool shared() const { return stride_ == 0; }
+
+ private:
+  StepReport* first_;
+  std::size_t size_, stride_;
+};
+
 using effects::Failure;
 
 }  // namespace mortise::solver

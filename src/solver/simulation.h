@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "base/archive.h"
-#include "base/field_sink.h"
+#include "base/field_sinks.h"
 #include "solver/adjoint.h"
 #include "solver/newton.h"
 #include "solver/rehearsal.h"
@@ -35,7 +35,9 @@ class Simulation {
   // `stop_asked` says so; either way the state is that before the call, and `report` tells how far it got. An environment among others that
   // fails is given up where it began the step (lost()), and the others go on; the error is thrown when none is left.
   void begin();  // what the first step begins with: effects find bodies that touch at the start
-  void step(const std::function<bool()>& stop_asked, StepReport& report);
+  void step(const std::function<bool()>& stop_asked, const StepReports& report);
+  // From now on the environment stands still: it has come to its end.
+  void rest(Index env) { resting_[env] = 1; }
 
   // From the next step on `others`, of the same degrees of freedom but with other parameters, go beside this one: when a step is solved they take
   // it too, by what is linear in the difference (follow.cpp). One environment.
@@ -46,25 +48,26 @@ class Simulation {
 
   // Why an environment was given up; empty where it was not.
   const std::string& lost(Index env) const { return lost_[env]; }
-  double time() const { return time_; }
-  Index steps_done() const { return step_; }
+  double time(Index env = 0) const { return time_[env]; }
+  Index steps_done(Index env = 0) const { return step_[env]; }
   const Clock& clock() const { return clock_; }
   const Newton& newton() const { return newton_; }
   std::vector<Rehearsed> rehearse() { return solver::rehearse(model_, newton_.potential()); }  // after begin()
 
   // Fields of the accepted state: displacement, support forces, force balance, and what every effect reports.
-  void report(FieldSink& sink);
-  // Everything the next step depends on.
-  void checkpoint(Archive& archive);
+  void report(const FieldSinks& sinks);
+  // Everything the next step depends on, of every environment; of those without an archive nothing is saved, or changed.
+  void checkpoint(const std::vector<Archive*>& of);
 
  private:
-  void solve(const effects::StepInfo& info, const EnvMask& whose, StepReport& report, const std::function<void()>& stop,
+  void attempt(effects::StepInfo info, EnvMask whose, const StepReports& report, const std::function<void()>& stop, std::vector<std::string>& why);
+  void solve(const effects::StepInfo& info, const EnvMask& whose, const StepReports& report, const std::function<void()>& stop,
              std::vector<std::string>& why);
   std::vector<double> lost_energy(const effects::StepInfo& info) const;  // per environment [J]
   void accept(const effects::StepInfo& info, const std::vector<double>& lost);
   void lead_on(const effects::StepInfo& info);
   void follow(const effects::StepInfo& info, Simulation& leader, device::View<const Vec3> still);
-  void report_balance(FieldSink& sink);
+  void report_balance(const FieldSinks& sinks);
   std::vector<Vec3> resultants(const std::vector<Vec3>& g) const;
 
   model::Model& model_;
@@ -77,11 +80,13 @@ class Simulation {
   std::unique_ptr<Tangent> tangent_;  // where there are others, or adjoints,
   Index tangent_step_ = -1;           // at the state that so many steps led to
   bool refitted_ = false;             // parameters of effects were fitted to the solution of the step under way
-  std::vector<std::string> lost_;     // per environment
-  double support_work_ = 0;           // of the last step [J]
-  double time_ = 0;
-  Index step_ = 0;
-  bool solved_ = false;  // a step has been taken since start or restart: gradients are those of the state
+  // Per environment:
+  std::vector<std::string> lost_;
+  EnvMask resting_;
+  EnvMask solved_;                    // a step has been taken since start or restart: gradients are those of the state
+  std::vector<double> support_work_;  // of the last step [J]
+  std::vector<double> time_;
+  std::vector<Index> step_;
 };
 
 }  // namespace mortise::solver

@@ -78,12 +78,12 @@ std::string System::not_finite(const Linearised& at, Index env) const {
   return "the force residual is not finite";
 }
 
-void System::find_groups(Linearised& at) {
+void System::find_groups(Linearised& at, const EnvMask& whose) {
   potential.sample(at);
   std::vector<const model::ContactView*> contacts;
   for (std::size_t k = 0; k < at.of.size(); ++k)
     if (potential.effects()[k]->kind().role == effects::Role::contact) contacts.push_back(&at.of[k]->contact);
-  convergence.connect(contacts);
+  convergence.connect(contacts, whose);
 }
 
 void System::supports(device::View<const Vec3> q, device::Buffer<Vec3>& c) const {
@@ -127,8 +127,7 @@ void System::to_blocks(device::View<const Vec3> x, device::View<const Vec3> c, c
   step_of(x, c, rows.of_block.view(), std::as_const(model.projector).view(), dq);
   if (model.ties.any()) model.ties.carry(dq.view());
   if (model.ties.driven() && c.n > 0) model.ties.add_offset_of(c, dq.view());
-  for (Index e = 0; e < model.envs; ++e)
-    if (!whose[e]) clear_blocks(dq, model.env_blocks[e], model.env_blocks[e + 1]);
+  clear_envs(dq, whose, 0, model.env_blocks);
 }
 
 bool System::solved(const Residual& r, Index env, double relative, double last_step) const {

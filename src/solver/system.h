@@ -26,7 +26,7 @@ class System {
   // Which force is not finite in an environment, and where.
   std::string not_finite(const Linearised& at, Index env) const;
   // By what touches at the state of `at`; samples it.
-  void find_groups(Linearised& at);
+  void find_groups(Linearised& at, const EnvMask& whose);
 
   // c = T (I - P)(target - q): what supports still have to move, and what is tied to it.
   void supports(device::View<const Vec3> q, device::Buffer<Vec3>& c) const;

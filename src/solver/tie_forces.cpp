@@ -4,6 +4,7 @@
 #include <map>
 
 #include "effects/body_blocks.h"
+#include "effects/per_environment.h"
 #include "linalg/dense.h"
 
 namespace mortise::solver {
@@ -84,32 +85,35 @@ TieForces::TieForces(const model::Model& model, const std::vector<Vec3>& q, std:
   }
 }
 
-Vec3 TieForces::of_effect(std::string_view effect) const {
+Vec3 TieForces::of_effect(std::string_view effect, Index env) const {
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 0; i < of_.size(); ++i)
-    if (model_.ties.list()[i].effect == effect) sum += of_[i].on_all;
+    if (model_.ties.list()[i].effect == effect && model_.bodies[model_.ties.list()[i].body].env == env) sum += of_[i].on_all;
   return sum;
 }
 
-void TieForces::report(FieldSink& sink) const {
-  std::map<std::string, double> error;
+void TieForces::report(const FieldSinks& sinks) const {
+  std::vector<std::map<std::string, double>> error(model_.envs);
   bool any = false;
   std::vector<double> field(3 * static_cast<std::size_t>(model_.points), 0.0);
   for (std::size_t i = 0; i < of_.size(); ++i) {
     const model::Tie& tie = model_.ties.list()[i];
+    const Index env = model_.bodies[tie.body].env;
+    FieldSink& sink = sinks[env];
     for (const auto& [what, unit, v] : {std::tuple{"force", "N", of_[i].force}, {"moment", "N m", of_[i].moment}, {"place", "m", of_[i].place}})
       for (int k = 0; k < 3; ++k) sink.scalar(tie.effect, tie.name + "_" + what + "_" + "xyz"[k], unit, v[k]);
     if (tie.driven() && tie.slides) sink.scalar(tie.driver, tie.name + "_force", "N", of_[i].force.dot(of_[i].axis));
     if (tie.driven() && !tie.slides) sink.scalar(tie.driver, tie.name + "_torque", "N m", of_[i].moment.dot(of_[i].axis));
-    double& worst = error[tie.effect];
+    double& worst = error[env][tie.effect];
     worst = std::max(worst, of_[i].error);
     any = any || model_.bodies[tie.body].type == model::BodyType::soft;
   }
   for (const model::Body& body : model_.bodies)
     for (Index b = body.block_begin; b < body.block_end && body.type == model::BodyType::soft; ++b)
       for (int k = 0; k < 3; ++k) field[3 * static_cast<std::size_t>(body.point_begin + (b - body.block_begin)) + k] = pull_[b][k];
-  for (const auto& [effect, worst] : error) sink.scalar(effect, "tie_error", "m", worst);
-  if (any) sink.points("tie_force", "N", 3, field);
+  for (Index e = 0; e < sinks.size(); ++e)
+    for (const auto& [effect, worst] : error[e]) sinks[e].scalar(effect, "tie_error", "m", worst);
+  if (any) effects::report_points(sinks, model_, "tie_force", "N", 3, field);
 }
 
 }  // namespace mortise::solver

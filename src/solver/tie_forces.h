@@ -5,7 +5,7 @@
 //
 // what the blocks behind it hand on comes first. Force and moment of a tie are those of the pulls on the blocks of its first body: a stiff body that
 // is pulled with f on (p, a1, a2, a3) feels the force f_p and about the place x the moment (p - x) x f_p + sum_i a_i x f_i.
-#include "base/field_sink.h"
+#include "base/field_sinks.h"
 #include "model/model.h"
 
 namespace mortise::solver {
@@ -15,8 +15,8 @@ class TieForces {
   TieForces(const model::Model& model, const std::vector<Vec3>& q, std::vector<Vec3> gradient);
 
   const std::vector<Vec3>& on_bodies() const { return on_body_; }  // of all ties [N]
-  Vec3 of_effect(std::string_view effect) const;                   // on all bodies: what the world bears [N]
-  void report(FieldSink& sink) const;
+  Vec3 of_effect(std::string_view effect, Index env) const;        // on all bodies of an environment: what the world bears [N]
+  void report(const FieldSinks& sinks) const;
 
  private:
   struct Figures {

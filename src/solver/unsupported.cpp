@@ -32,11 +32,12 @@ std::string listed(const std::string& names, const std::string& name) { return n
 
 }  // namespace
 
-std::string unsupported(const model::Model& model) {
+std::string unsupported(const model::Model& model, Index env) {
   const std::vector<Mat3> projector = model.projector.download();
   const std::vector<Vec3> rest = model.rest_points.download();
   std::string loose, turning, hinged;
   for (const model::Body& body : model.bodies) {
+    if (body.env != env) continue;
     const auto first = model.held.begin() + body.block_begin, last = model.held.begin() + body.block_end;
     if (std::all_of(first, last, [](auto held) { return held == 0; }))
       loose = listed(loose, body.name);

@@ -1,4 +1,7 @@
 // Several environments in one model: each has the bits that it has alone, whatever the others do.
+#include "base/memory_archive.h"
+#include "base/snapshot.h"
+#include "engine/join.h"
 #include "rig.h"
 
 using namespace mortise;
@@ -13,19 +16,15 @@ struct Environment {
 };
 
 model::ModelInput batch(const std::string& yaml, const std::vector<std::string>& common, const std::vector<Environment>& envs) {
-  model::ModelInput out;
-  for (std::size_t e = 0; e < envs.size(); ++e) {
+  std::vector<model::ModelInput> all;
+  for (const Environment& e : envs) {
     std::vector<std::string> overrides = common;
-    overrides.insert(overrides.end(), envs[e].overrides.begin(), envs[e].overrides.end());
-    model::ModelInput one = engine::make_input(scene::read_scene_text(yaml, "batch.yaml", overrides, engine::effect_tables()).root);
-    if (e == 0) out.scene = one.scene;
-    for (model::BodyInput& body : one.bodies) {
-      if (body.type == model::BodyType::half_space && e > 0) continue;  // in all environments
-      body.env = static_cast<Index>(e);
-      out.bodies.push_back(std::move(body));
-    }
+    overrides.insert(overrides.end(), e.overrides.begin(), e.overrides.end());
+    all.push_back(engine::make_input(scene::read_scene_text(yaml, "batch.yaml", overrides, engine::effect_tables()).root));
   }
-  return out;
+  std::vector<const model::ModelInput*> inputs;
+  for (const model::ModelInput& one : all) inputs.push_back(&one);
+  return engine::join(inputs);
 }
 
 // Positions after every step, up to the first that fails.
@@ -145,4 +144,91 @@ TEST(Batch, OneThatFailsIsGivenUpAlone) {
   for (const char* linear : {"direct", "reuse", "cg"})
     expect_alone(kSlide, {std::string("solver.linear=") + linear, "solver.iterations=12", "effects.friction.lag_iterations=2", "solver.halvings=0"},
                  envs, 3, std::string("failure, ") + linear);
+}
+
+// Numbers of effects, and the radius and stiffness that contact chooses from mesh and material, are those of each environment, and it is told what it
+// would be told alone: fields, samples with the numbers that bodies have alone, scalars, its own count of iterations.
+TEST(Batch, EveryEnvironmentHasItsNumbersAndReports) {
+  std::string left_open = kSlide;
+  left_open.replace(left_open.find("{d_hat: 1 mm, stiffness: 50 kPa}"), 32, "{}");
+  std::vector<Environment> envs = kEnvironments;
+  envs[0].overrides = {"effects.friction.mu=0.1", "effects.gravity.acceleration=[0, 1, -5]",
+                       "bodies.block.rotation={axis: [0, 0, 1], angle: 13 deg}"};
+  envs[1].overrides.insert(envs[1].overrides.end(), {"effects.friction.creep_speed=2 mm/s", "effects.affine_body.stiffness=20 MPa"});
+  for (const std::string& scene : {std::string(kSlide), left_open, with_mortar(kSlide)}) {
+    std::unique_ptr<engine::Engine> together;
+    Rig::check(engine::chosen().api->create(batch(scene, {}, envs), together));
+    std::vector<std::unique_ptr<engine::Engine>> alone(envs.size());
+    for (std::size_t e = 0; e < envs.size(); ++e) Rig::check(engine::chosen().api->create(batch(scene, {}, {envs[e]}), alone[e]));
+    for (int step = 0; step < 3; ++step) {
+      std::vector<Snapshot> seen(envs.size());
+      std::vector<FieldSink*> sinks;
+      for (Snapshot& s : seen) sinks.push_back(&s);
+      std::vector<solver::StepReport> reports(envs.size());
+      if (step > 0) Rig::check(together->step({}, reports));
+      together->report(FieldSinks(sinks));
+      for (std::size_t e = 0; e < envs.size(); ++e) {
+        Snapshot own;
+        solver::StepReport report;
+        if (step > 0) Rig::check(alone[e]->step({}, report));
+        alone[e]->report(own);
+        EXPECT_EQ(seen[e].number, own.number) << e;
+        EXPECT_EQ(seen[e].row, own.row) << e;
+        EXPECT_EQ(seen[e].point, own.point) << e;
+        EXPECT_EQ(seen[e].cell.size(), own.cell.size());
+        EXPECT_EQ(seen[e].cell.at("cauchy_stress").size(), own.cell.at("cauchy_stress").size());
+        EXPECT_EQ(reports[e].newton, report.newton);
+        EXPECT_EQ(reports[e].residual, report.residual);
+        EXPECT_EQ(reports[e].energy, report.energy);
+        MemoryArchive of_alone;
+        std::vector<MemoryArchive> saved(envs.size());
+        std::vector<Archive*> archives;
+        for (MemoryArchive& a : saved) archives.push_back(&a);
+        Rig::check(together->checkpoint(archives));
+        Rig::check(alone[e]->checkpoint(of_alone));
+        EXPECT_EQ(saved[e].data(), of_alone.data());
+      }
+    }
+  }
+}
+
+// An environment that comes later has a clock of its own, and those that were there go on from where they were.
+TEST(Batch, EnvironmentsMayBeginAtAnyTime) {
+  std::string driven = kSlide;
+  driven.replace(driven.find("{body: pad, where: {side: z_min}}"), 33,
+                 "{body: pad, where: {side: z_min}, motion: {time: [0, 30 ms], translation: [[0, 0, 0], [1 mm, 0, 0.5 mm]]}}");
+  std::unique_ptr<engine::Engine> first, both;
+  Rig::check(engine::chosen().api->create(batch(driven, {}, {kEnvironments[0]}), first));
+  solver::StepReport report;
+  Rig::check(first->step({}, report));
+  Rig::check(first->step({}, report));
+  MemoryArchive state;
+  Rig::check(first->checkpoint(state));
+  state.rewind();
+  Rig::check(engine::chosen().api->create(batch(driven, {}, {kEnvironments[1], kEnvironments[0]}), both));
+  Rig::check(both->checkpoint({nullptr, &state}));
+  EXPECT_EQ(both->steps_done(0), 0);
+  EXPECT_EQ(both->steps_done(1), 2);
+  const Run alone = run(batch(driven, {}, {kEnvironments[1]}), 2), before = run(batch(driven, {}, {kEnvironments[0]}), 4);
+  for (int step = 0; step < 2; ++step) {
+    std::vector<solver::StepReport> reports(2);
+    Rig::check(both->step({}, reports));
+    const std::vector<double> all = both->points();
+    const auto half = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+    EXPECT_EQ(std::vector<double>(all.begin(), half), alone.points[step]);
+    EXPECT_EQ(std::vector<double>(half, all.end()), before.points[step + 2]);
+  }
+  EXPECT_EQ(both->time(0), 2 * 4e-3);
+  EXPECT_EQ(both->time(1), 4 * 4e-3);
+  // One that rests stands still.
+  both->rest(0);
+  const std::vector<double> there = both->points();
+  std::vector<solver::StepReport> reports(2);
+  Rig::check(both->step({}, reports));
+  const std::vector<double> then = both->points();
+  const auto half = static_cast<std::ptrdiff_t>(there.size() / 2);
+  EXPECT_TRUE(std::equal(there.begin(), there.begin() + half, then.begin()));
+  EXPECT_FALSE(std::equal(there.begin() + half, there.end(), then.begin() + half));
+  EXPECT_EQ(both->steps_done(0), 2);
+  EXPECT_EQ(both->steps_done(1), 5);
 }

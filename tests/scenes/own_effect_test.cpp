@@ -49,8 +49,8 @@ class Own final : public Effect {
   bool loses_energy() const override { return known_->loses_energy(); }
   Positions carried() const override { return known_->carried(); }
   void end_step(const StepInfo& info, Positions q, const Linearisation& at) override { known_->end_step(info, q, at); }
-  void report(FieldSink& sink, const Linearisation& at) override {
-    Renamed renamed(sink, known_->name(), name());
+  void report(const FieldSinks& sinks, const Linearisation& at) override {
+    Renamed renamed(sinks[0], known_->name(), name());
     known_->report(renamed, at);
   }
   void checkpoint(Archive& archive) override { known_->checkpoint(archive); }

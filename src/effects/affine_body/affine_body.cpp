@@ -7,6 +7,7 @@
 
 #include "effects/body_blocks.h"
 #include "effects/list.h"
+#include "effects/per_environment.h"
 
 namespace mortise::effects {
 namespace {
@@ -31,18 +32,17 @@ MORTISE_HD inline Mat3 columns(Positions q, Index first) {
 class AffineBody final : public Effect {
  public:
   AffineBody(const Params& params, model::Model& model) : model_(model) {
-    const double stiffness = params.number("stiffness");
-    given_ = stiffness;
+    for (Index e = 0; e < model.envs; ++e) given_.push_back(model.input.effect_of(params, e).number("stiffness"));
     std::vector<StiffBody> bodies;
     std::vector<Index> body_env;
     for (const model::Body& body : model.bodies) {
       if (body.type != model::BodyType::stiff) continue;
-      bodies.push_back({body.block_begin + 1, body.volume, body.volume * stiffness});
+      bodies.push_back({body.block_begin + 1, body.volume, body.volume * given_[body.env]});
+      stiffness_.push_back(given_[body.env]);
       names_.push_back(body.name);
       body_env.push_back(body.env);
     }
     bodies_.upload(bodies);
-    stiffness_.assign(bodies.size(), stiffness);
     next_stiffness_ = stiffness_;
     env_offset_ = env_offsets(body_env, model.envs);
     env_ = body_env;
@@ -89,10 +89,10 @@ class AffineBody final : public Effect {
     const std::vector<double> defect = defects(q);
     bool changed = false;
     for (std::size_t i = 0; i < defect.size(); ++i) {
-      if (!(defect[i] > kStiff) || stiffness_[i] >= kLargest * given_) continue;
+      if (!(defect[i] > kStiff) || stiffness_[i] >= kLargest * given_[env_[i]]) continue;
       // The defect falls as the stiffness grows, once it is small; a body that is flat says nothing about how much more is needed.
       const double factor = defect[i] > 0.5 ? 1e3 : 2 * defect[i] / kStiff;
-      stiffness_[i] = std::min(factor * stiffness_[i], kLargest * given_);
+      stiffness_[i] = std::min(factor * stiffness_[i], kLargest * given_[env_[i]]);
       per_env[env_[i]] = Refit::from_start;
       changed = true;
     }
@@ -104,8 +104,11 @@ class AffineBody final : public Effect {
   }
   void end_step(const StepInfo& step, Positions, const Linearisation&) override { copy_taken(step, stiffness_, next_stiffness_); }
   void checkpoint(Archive& archive) override {
-    archive.io("stiffness", next_stiffness_);
-    if (archive.loading()) stiffness_ = next_stiffness_, stiffness_changed();
+    archive.io("stiffness", next_stiffness_, firsts(env_, model_.envs));
+    if (!archive.loading()) return;
+    for (std::size_t i = 0; i < stiffness_.size() && i < env_.size(); ++i)
+      if (archive.loads(env_[i])) stiffness_[i] = next_stiffness_.at(i);
+    stiffness_changed();
   }
 
   void object(Positions q, std::vector<std::string>& per_env) override {
@@ -122,13 +125,18 @@ class AffineBody final : public Effect {
     }
   }
 
-  void report(FieldSink& sink, const Linearisation& at) override {
+  void report(const FieldSinks& sinks, const Linearisation& at) override {
     const Positions q = std::as_const(model_.q).view();
-    double worst = 0;
-    for (double d : defects(q)) worst = std::max(worst, d);
-    sink.scalar("affine_body", "rigidity_defect", "1", worst);
-    if (!stiffness_.empty()) sink.scalar("affine_body", "stiffness_largest", "Pa", *std::max_element(stiffness_.begin(), stiffness_.end()));
-    sink.scalar("affine_body", "energy", "J", energy_now(q, at, model_.envs));
+    const std::vector<double> defect = defects(q);
+    std::vector<double> worst(model_.envs, 0.0), stiffest(model_.envs, 0.0);
+    for (std::size_t i = 0; i < defect.size(); ++i) {
+      worst[env_[i]] = std::max(worst[env_[i]], defect[i]);
+      stiffest[env_[i]] = std::max(stiffest[env_[i]], stiffness_[i]);
+    }
+    sinks.scalar("affine_body", "rigidity_defect", "1", worst);
+    for (Index e = 0; e < sinks.size(); ++e)
+      if (env_offset_[e] < env_offset_[e + 1]) sinks[e].scalar("affine_body", "stiffness_largest", "Pa", stiffest[e]);
+    sinks.scalar("affine_body", "energy", "J", energies_now(q, at, model_.envs));
   }
 
  private:
@@ -149,7 +157,7 @@ class AffineBody final : public Effect {
   }
 
   model::Model& model_;
-  double given_ = 0;                                // [Pa]
+  std::vector<double> given_;                       // per environment [Pa]
   std::vector<double> stiffness_, next_stiffness_;  // per body, in this step and for the next [Pa]
   device::Buffer<StiffBody> bodies_;
   std::vector<std::string> names_;
@@ -159,13 +167,14 @@ class AffineBody final : public Effect {
 }  // namespace
 
 const Kind& affine_body_kind() {
-  static const Kind kind{
-      "affine_body",
-      Role::store,
-      "stiff bodies keep their shape",
-      &kTable,
-      [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<AffineBody>(p, m); },
-      {"Lan, Kaufman, Li, Jiang, Yang: Affine Body Dynamics: Fast, Stable and Intersection-free Simulation of Stiff Materials. ACM TOG 41(4), 2022"}};
+  static const Kind kind = Kind{"affine_body",
+                                Role::store,
+                                "stiff bodies keep their shape",
+                                &kTable,
+                                [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<AffineBody>(p, m); },
+                                {"Lan, Kaufman, Li, Jiang, Yang: Affine Body Dynamics: Fast, Stable and Intersection-free Simulation of Stiff "
+                                 "Materials. ACM TOG 41(4), 2022"}}
+                               .differing_in({"stiffness"});
   return kind;
 }
 

@@ -10,6 +10,7 @@
 #include "effects/contact/report.h"
 #include "effects/contact/start_check.h"
 #include "effects/list.h"
+#include "effects/per_environment.h"
 
 namespace mortise::effects {
 namespace {
@@ -39,11 +40,12 @@ const BarrierLinearisation& of_barrier(const Linearisation& at) { return static_
 
 class BarrierContact final : public Effect {
  public:
-  BarrierContact(const Params& p, model::Model& model) : model_(model), proximity_(model, support_radius(p, model.input)) {
-    barrier_.d_hat = proximity_.reach();
-    barrier_.kappa = stiffness(p, model.input);
+  BarrierContact(const Params& p, model::Model& model) : model_(model), proximity_(model, support_radii(p, model.input, model.envs)) {
+    std::vector<double> kappa;
+    for (Index e = 0; e < model.envs; ++e) kappa.push_back(stiffness(model.input.effect_of(p, e), model.input, e));
+    kappa_.upload(kappa);
     barrier_.area_weighted = p.text("form") == "area_weighted";
-    barrier_.edge_range = barrier_.area_weighted ? contact::tuning::kEdgeRange * barrier_.d_hat : barrier_.d_hat;
+    barrier_.edge_share = barrier_.area_weighted ? contact::tuning::kEdgeRange : 1;
     if (const Params* list = p.find("pairs")) pairs_ = *list;
     plane_area_.resize(static_cast<Index>(model.half_spaces.size()) * model.surface.vertices.size());
     model.add_contact(name());
@@ -97,14 +99,17 @@ class BarrierContact final : public Effect {
     proximity_.limit(of_barrier(at).y, dq, view(), dy, alpha);
   }
 
-  void report(FieldSink& sink, const Linearisation& at) override;
+  void report(const FieldSinks& sinks, const Linearisation& at) override;
 
   void checkpoint(Archive& archive) override {
-    if (archive.loading()) weigh({});  // the positions have been read already
+    if (!archive.loading()) return;
+    StepInfo loaded;
+    for (Index e = 0; e < model_.envs; ++e) loaded.whose.push_back(archive.loads(e));
+    weigh(loaded);  // the positions have been read already
   }
 
  private:
-  BarrierView view() const { return proximity_.view(barrier_, point_area_.view(), plane_area_.view()); }
+  BarrierView view() const { return proximity_.view(barrier_, kappa_, point_area_.view(), plane_area_.view()); }
 
   // Contact areas of the vertices of environments that take the step, as they stand at the accepted state.
   void weigh(const StepInfo& step) {
@@ -131,6 +136,7 @@ class BarrierContact final : public Effect {
 
   model::Model& model_;
   BarrierParams barrier_;
+  Buffer<double> kappa_;  // per environment [Pa]
   std::optional<Params> pairs_;
   Proximity proximity_;
   Buffer<double> point_area_, plane_area_;  // in this step
@@ -138,7 +144,7 @@ class BarrierContact final : public Effect {
   bool checked_ = false;
 };
 
-void BarrierContact::report(FieldSink& sink, const Linearisation& accepted) {
+void BarrierContact::report(const FieldSinks& sinks, const Linearisation& accepted) {
   const BarrierLinearisation& at = of_barrier(accepted);
   const std::string group(name());
   const std::vector<Active> terms = at.active.terms.download();
@@ -148,7 +154,8 @@ void BarrierContact::report(FieldSink& sink, const Linearisation& accepted) {
 
   std::vector<double> area_of = point_area_.download();
   PointForces forces(model_, at.y);
-  SampleRows rows;
+  std::vector<SampleRows> rows;
+  for (Index e = 0; e < model_.envs; ++e) rows.emplace_back(model_, e);
   const std::vector<model::ContactSample> samples = at.contact.samples.download();
   for (std::size_t i = 0; i < terms.size(); ++i) {
     const model::ContactSample& s = samples[i];
@@ -158,33 +165,39 @@ void BarrierContact::report(FieldSink& sink, const Linearisation& accepted) {
       const bool first = k == 0 || (k == 1 && terms[i].kind == TermKind::edge_edge);
       forces.add(terms[i].point[k], term_force[4 * i + k], first ? s.body_b : s.body_a);
     }
-    rows.add(s);
+    rows[s.env].add(s);
   }
-  forces.report(sink, group);
+  forces.report(sinks, group);
   std::vector<double> pressure(model_.points, 0.0);
   for (Index p = 0; p < model_.points; ++p)
     if (area_of[p] > 0) pressure[p] = forces.size(p) / area_of[p];
-  sink.points("contact_pressure", "Pa", 1, pressure);
+  report_points(sinks, model_, "contact_pressure", "Pa", 1, pressure);
 
-  rows.report(sink, group);
-  sink.scalar(group, "pressure_sum_defect", "1", sum_defect(forces, {&rows}));
-  sink.scalar(group, "min_distance", "m",
-              std::min(barrier_.d_hat, least_distance(proximity_.obstacles(view()), proximity_.candidates(at.y), at.y.view())));
-  sink.scalar(group, "energy", "J", energy_now(std::as_const(model_.q).view(), at, model_.envs));
-  sink.scalar(group, "active_pairs", "1", static_cast<double>(terms.size()));
+  const std::vector<double> distance =
+                                least_distances(proximity_.obstacles(view()), proximity_.candidates(at.y), at.y.view(), proximity_.vertex_env()),
+                            energy = energies_now(std::as_const(model_.q).view(), at, model_.envs);
+  for (Index e = 0; e < sinks.size(); ++e) {
+    rows[e].report(sinks[e], group);
+    sinks[e].scalar(group, "pressure_sum_defect", "1", sum_defect(forces, {&rows[e]}));
+    sinks[e].scalar(group, "min_distance", "m", std::min(proximity_.reach(e), distance[e]));
+    sinks[e].scalar(group, "energy", "J", energy[e]);
+    sinks[e].scalar(group, "active_pairs", "1", static_cast<double>(at.active.env_offset[e + 1] - at.active.env_offset[e]));
+  }
 }
 
 }  // namespace
 
 const Kind& barrier_contact_kind() {
-  static const Kind kind{"barrier_contact",
-                         Role::contact,
-                         "bodies never touch: incremental potential contact with an area-weighted barrier",
-                         &kTable,
-                         [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<BarrierContact>(p, m); },
-                         {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020",
-                          "Li, Kaufman, Jiang: Convergent Incremental Potential Contact. arXiv:2307.15908, 2023"},
-                         {"contact_force", "contact_pressure"}};
+  static const Kind kind = Kind{
+      "barrier_contact",
+      Role::contact,
+      "bodies never touch: incremental potential contact with an area-weighted barrier",
+      &kTable,
+      [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<BarrierContact>(p, m); },
+      {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020",
+       "Li, Kaufman, Jiang: Convergent Incremental Potential Contact. arXiv:2307.15908, 2023"},
+      {"contact_force",
+       "contact_pressure"}}.differing_in({"d_hat", "stiffness"});
   return kind;
 }
 

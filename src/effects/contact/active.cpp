@@ -192,19 +192,15 @@ void build(const BarrierView& s, const Candidates& c, View<const Vec3> y, Index 
     const EdgeEdge p = ee[i];
     Vec3 rest[4];
     gather(s.rest, p.v, rest);
-    terms[points + edge_at[i]] = {TermKind::edge_edge,
-                                  s.surface.env[p.v[0]],
-                                  {p.v[0], p.v[1], p.v[2], p.v[3]},
-                                  -1,
-                                  edge_weight(s, p.a, p.b),
-                                  geometry::mollifier_threshold(rest)};
+    terms[points + edge_at[i]] = {
+        TermKind::edge_edge, s.surface.env[p.v[0]], {p.v[0], p.v[1], p.v[2], p.v[3]}, -1, edge_weight(s, p), geometry::mollifier_threshold(rest)};
   });
   device::parallel_for("contact.plane_terms", plane_pairs, [=] MORTISE_HD(Index i) {
     if (plane_at[i + 1] == plane_at[i]) return;
     Index plane, point;
     double gap;
     plane_pair(s, i, y, plane, point, gap);
-    terms[points + edges + plane_at[i]] = {TermKind::plane, s.surface.env[point], {point, -1, -1, -1}, plane, plane_weight(s, i), 0};
+    terms[points + edges + plane_at[i]] = {TermKind::plane, s.surface.env[point], {point, -1, -1, -1}, plane, plane_weight(s, i, point), 0};
   });
   group_by_environment(out, envs);
 }

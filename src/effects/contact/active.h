@@ -50,8 +50,9 @@ void point_forces(const BarrierView& s, const ActiveSet& set, View<const Vec3> y
 void limit_planes(const BarrierView& s, View<const Vec3> y, View<const Vec3> dy, double keep, const std::vector<Index>& vertex_env,
                   device::EnvValues alpha);
 
-// The least distance of what is to be kept apart, of those nearer than the reach of the candidates; +infinity where nothing is. Of a body from
-// itself only what is within its own range counts (pair_energy.h).
-double least_distance(const BarrierView& s, const Candidates& c, View<const Vec3> y);
+// The least distance of what is to be kept apart in every environment, of those nearer than the reach of the candidates; farther ones may be among
+// them or not, by where the last search was. +infinity where there is nothing. Of a body from itself only what is within its own range counts
+// (pair_energy.h).
+std::vector<double> least_distances(const BarrierView& s, const Candidates& c, View<const Vec3> y, const std::vector<Index>& vertex_env);
 
 }  // namespace mortise::effects::contact

@@ -43,10 +43,10 @@ MORTISE_HD inline void differentiate(const BarrierView& s, const Active& a, View
   if (a.kind == TermKind::plane) {
     const Plane p = s.planes[a.plane];
     const double g = p.normal.dot(y[a.point[0]] - p.point), k = s.kappa(a.point[0]) * a.weight;
-    grad[0] = k * barrier::first(g, s.barrier.d_hat) * p.normal;
+    grad[0] = k * barrier::first(g, s.d_hat(a.point[0])) * p.normal;
     if (hessian) {
       const Vec3 v[4] = {p.normal, Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-      add(k * barrier::second(g, s.barrier.d_hat), v);
+      add(k * barrier::second(g, s.d_hat(a.point[0])), v);
     }
     return;
   }
@@ -85,8 +85,8 @@ MORTISE_HD inline ContactSample sample_of(const BarrierView& s, const Active& a,
     n = p.normal;
     out.gap = n.dot(y[a.point[0]] - p.point);
     out.weight[0] = 1;
-    out.force = -k * barrier::first(out.gap, s.barrier.d_hat);
-    out.stiffness = k * barrier::second(out.gap, s.barrier.d_hat);
+    out.force = -k * barrier::first(out.gap, s.d_hat(a.point[0]));
+    out.stiffness = k * barrier::second(out.gap, s.d_hat(a.point[0]));
     out.body_b = s.surface.pairs.bodies + a.plane;
     place = y[a.point[0]] - out.gap / 2 * n;
   } else {
@@ -124,7 +124,7 @@ MORTISE_HD inline SampleChange change_of(const BarrierView& s, const Active& a, 
     const Plane p = s.planes[a.plane];
     out.count = 1;
     out.along[0][0] = p.normal;
-    out.force[0] = -k * barrier::second(p.normal.dot(y[a.point[0]] - p.point), s.barrier.d_hat);
+    out.force[0] = -k * barrier::second(p.normal.dot(y[a.point[0]] - p.point), s.d_hat(a.point[0]));
     return out;
   }
   Vec3 x[4];

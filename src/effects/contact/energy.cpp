@@ -42,11 +42,6 @@ void add_pair_energy(const char* name, const BarrierView& s, View<const Pair> pa
       name, near.bounds, [=] MORTISE_HD(Index i) { return pair_energy(s, pairs[list[i]], y); }, per_env);
 }
 
-template <class F>
-double least(const char* name, Index n, F f) {
-  return -device::max(name, n, -static_cast<double>(INFINITY), [=] MORTISE_HD(Index i) { return -f(i); });
-}
-
 }  // namespace
 
 void energy(const BarrierView& s, const Candidates& c, View<const Vec3> y, const std::vector<Index>& vertex_env, device::EnvValues per_env) {
@@ -79,31 +74,45 @@ void limit_planes(const BarrierView& s, View<const Vec3> y, View<const Vec3> dy,
         alpha);
 }
 
-double least_distance(const BarrierView& s, const Candidates& c, View<const Vec3> y) {
+std::vector<double> least_distances(const BarrierView& s, const Candidates& c, View<const Vec3> y, const std::vector<Index>& vertex_env) {
   const View<const PointTriangle> points = c.point_triangles();
   const View<const EdgeEdge> edges = c.edge_edges();
-  const double points2 = least("contact.nearest_points", points.n, [=] MORTISE_HD(Index i) {
-    const Index* v = points[i].v;
-    if (!s.sees(v[0], v[1])) return static_cast<double>(INFINITY);
-    Vec3 x[4];
-    gather(y, v, x);
-    const double D = geometry::closest_point_triangle(x).squared;
-    return s.surface.body[v[0]] == s.surface.body[v[1]] && D > s.self_range[v[0]] * s.self_range[v[0]] ? static_cast<double>(INFINITY) : D;
-  });
-  const double edges2 = least("contact.nearest_edges", edges.n, [=] MORTISE_HD(Index i) {
-    const Index* v = edges[i].v;
-    if (!s.sees(v[0], v[2])) return static_cast<double>(INFINITY);
-    Vec3 x[4];
-    gather(y, v, x);
-    const double D = geometry::closest_edge_edge(x).squared, range = edge_range(s, v);
-    return s.surface.body[v[0]] == s.surface.body[v[2]] && D > range * range ? static_cast<double>(INFINITY) : D;
-  });
-  double gap = std::sqrt(std::fmin(points2, edges2));
-  gap = std::fmin(gap, least("contact.nearest_planes", s.planes.n * s.surface.vertices.n, [=] MORTISE_HD(Index i) {
-                    const Index plane = i / s.surface.vertices.n, p = s.surface.vertices[i % s.surface.vertices.n];
-                    if (!s.sees_plane(p, plane)) return static_cast<double>(INFINITY);
-                    return s.planes[plane].normal.dot(y[p] - s.planes[plane].point);
-                  }));
+  const std::size_t envs = vertex_env.size() - 1;
+  std::vector<double> squared(envs, INFINITY), gap(envs, INFINITY);
+  device::Fetch fetch;
+  device::env_min(
+      "contact.nearest_points", c.pt_env_offset(),
+      [=] MORTISE_HD(Index i) {
+        const Index* v = points[i].v;
+        if (!s.sees(v[0], v[1])) return static_cast<double>(INFINITY);
+        Vec3 x[4];
+        gather(y, v, x);
+        const double D = geometry::closest_point_triangle(x).squared;
+        return s.surface.body[v[0]] == s.surface.body[v[1]] && D > s.self_range[v[0]] * s.self_range[v[0]] ? static_cast<double>(INFINITY) : D;
+      },
+      device::EnvValues{squared, fetch});
+  device::env_min(
+      "contact.nearest_edges", c.ee_env_offset(),
+      [=] MORTISE_HD(Index i) {
+        const Index* v = edges[i].v;
+        if (!s.sees(v[0], v[2])) return static_cast<double>(INFINITY);
+        Vec3 x[4];
+        gather(y, v, x);
+        const double D = geometry::closest_edge_edge(x).squared, range = edge_range(s, v);
+        return s.surface.body[v[0]] == s.surface.body[v[2]] && D > range * range ? static_cast<double>(INFINITY) : D;
+      },
+      device::EnvValues{squared, fetch});
+  for (Index plane = 0; plane < s.planes.n; ++plane)
+    device::env_min(
+        "contact.nearest_planes", vertex_env,
+        [=] MORTISE_HD(Index i) {
+          const Index p = s.surface.vertices[i];
+          if (!s.sees_plane(p, plane)) return static_cast<double>(INFINITY);
+          return s.planes[plane].normal.dot(y[p] - s.planes[plane].point);
+        },
+        device::EnvValues{gap, fetch});
+  fetch.now();
+  for (std::size_t e = 0; e < envs; ++e) gap[e] = std::fmin(gap[e], std::sqrt(squared[e]));
   return gap;
 }
 

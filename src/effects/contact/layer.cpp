@@ -21,13 +21,13 @@ void gather(const Params& p, std::set<std::string>& names) {
     for (const auto& [key, value] : p.entries()) gather(value, names);
 }
 
-// Bodies that the effect acts on.
-std::vector<const model::BodyInput*> bodies_of(const Params& effect, const model::ModelInput& input) {
+// Bodies of the environment that the effect acts on.
+std::vector<const model::BodyInput*> bodies_of(const Params& effect, const model::ModelInput& input, Index env) {
   std::set<std::string> names;
   if (const Params* pairs = effect.find("pairs")) gather(*pairs, names);
   std::vector<const model::BodyInput*> out;
   for (const model::BodyInput& body : input.bodies)
-    if (!body.triangles.empty() && (names.empty() || names.count(body.name))) out.push_back(&body);
+    if (body.env == env && !body.triangles.empty() && (names.empty() || names.count(body.name))) out.push_back(&body);
   return out;
 }
 
@@ -68,10 +68,10 @@ double facet_depth(const model::BodyInput& body) {
 
 }  // namespace
 
-double support_radius(const Params& effect, const model::ModelInput& input) {
+double support_radius(const Params& effect, const model::ModelInput& input, Index env) {
   if (const Params* d_hat = effect.find("d_hat")) return d_hat->as_number();
   double soft = INFINITY, stiff = INFINITY, facets = 0;
-  for (const model::BodyInput* body : bodies_of(effect, input)) {
+  for (const model::BodyInput* body : bodies_of(effect, input, env)) {
     double& finest = body->type == model::BodyType::soft ? soft : stiff;
     finest = std::min(finest, fine_edge(*body));
     facets = std::max(facets, facet_depth(*body));
@@ -80,15 +80,21 @@ double support_radius(const Params& effect, const model::ModelInput& input) {
   return std::clamp(tuning::kOverFacets * facets, tuning::kThickness * edge, tuning::kThickest * edge);
 }
 
+std::vector<double> support_radii(const Params& effect, const model::ModelInput& input, Index envs) {
+  std::vector<double> out;
+  for (Index e = 0; e < envs; ++e) out.push_back(support_radius(input.effect_of(effect, e), input, e));
+  return out;
+}
+
 Param support_radius_param(const std::string& what) {
   return param::positive(
       param::automatic(param::number("d_hat", Unit::length, "0.1 mm", 0, what + "; auto, or without it, a hundredth of the finest mesh in contact")));
 }
 
-double stiffness(const Params& effect, const model::ModelInput& input) {
+double stiffness(const Params& effect, const model::ModelInput& input, Index env) {
   if (const Params* kappa = effect.find("stiffness")) return kappa->as_number();
   double largest = 0;
-  for (const model::BodyInput* body : bodies_of(effect, input))
+  for (const model::BodyInput* body : bodies_of(effect, input, env))
     if (body->type == model::BodyType::soft)
       largest = std::max(largest, 1 / compliance(body->material.number("youngs_modulus"), body->material.number("poisson_ratio")));
   return largest > 0 ? largest : tuning::kRigid;

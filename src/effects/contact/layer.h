@@ -19,12 +19,14 @@ inline double compliance(double youngs_modulus, double poisson_ratio) { return (
 // finest mesh, of soft bodies if there are any; of a mesh counts the edge that only a tenth of its surface's edges fall short of, of a stiff body
 // no more than a tenth of its least extent. Facets are w theta/sqrt(12) deep, with w the edge between two triangles and theta < 30 degrees their
 // angle; of a body counts the depth that a tenth exceed.
-double support_radius(const Params& effect, const model::ModelInput& input);
+double support_radius(const Params& effect, const model::ModelInput& input, Index env = 0);
+// The same of every environment; `effect`: its block in the scene of the first.
+std::vector<double> support_radii(const Params& effect, const model::ModelInput& input, Index envs);
 
 // Its place in the effect's table of parameters.
 Param support_radius_param(const std::string& what);
 
 // `stiffness` of the effect, or the largest E* of these bodies, tuning::kRigid where none is soft [Pa].
-double stiffness(const Params& effect, const model::ModelInput& input);
+double stiffness(const Params& effect, const model::ModelInput& input, Index env = 0);
 
 }  // namespace mortise::effects::contact

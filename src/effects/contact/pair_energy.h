@@ -34,25 +34,25 @@ using geometry::EdgeEdge;
 using geometry::PointTriangle;
 
 struct BarrierParams {
-  double d_hat = 0;       // range of points against triangles and half-spaces [m]
-  double edge_range = 0;  // range of edge pairs [m]
-  double kappa = 0;       // [Pa]
+  double edge_share = 1;  // range of edge pairs, as a share of d_hat
   bool area_weighted = true;
 };
 
 // All that a kernel reads besides positions.
 struct BarrierView {
   BarrierParams barrier;
+  View<const double> d_hats;  // per environment: range of points against triangles and half-spaces [m]
+  View<const double> kappas;  // [Pa]
   geometry::SurfaceView surface;
   TopologyView topology;
   View<const Vec3> rest;             // rest positions of the points
   View<const std::uint8_t> watched;  // per pair (surface.pairs) of bodies, and of half-spaces
   View<const Plane> planes;
-  View<const double> self_range;      // range of every point towards its own body [m]; empty where no body sees itself
-  View<const double> point_area;      // A_x of every point [m^2]
-  View<const double> plane_area;      // the same towards half-spaces: planes x surface vertices [m^2]
-  View<const double> kappa_of_env{};  // instead of barrier.kappa, where environments differ [Pa]
-  MORTISE_HD double kappa(Index point) const { return kappa_of_env.n > 0 ? kappa_of_env[surface.env[point]] : barrier.kappa; }
+  View<const double> self_range;  // range of every point towards its own body [m]; empty where no body sees itself
+  View<const double> point_area;  // A_x of every point [m^2]
+  View<const double> plane_area;  // the same towards half-spaces: planes x surface vertices [m^2]
+  MORTISE_HD double d_hat(Index point) const { return d_hats[surface.env[point]]; }
+  MORTISE_HD double kappa(Index point) const { return kappas[surface.env[point]]; }
   MORTISE_HD bool sees(Index a, Index b) const { return watched[surface.pairs.of(surface.body[a], surface.body[b])] != 0; }
   MORTISE_HD bool sees_plane(Index point, Index plane) const {
     return watched[surface.pairs.of(surface.body[point], surface.pairs.bodies + plane)] != 0;
@@ -99,11 +99,11 @@ MORTISE_HD inline void gather(View<const Vec3> y, const Index v[4], Vec3 x[4]) {
 
 // Range of a point towards a primitive with the corner `other`.
 MORTISE_HD inline double point_range(const BarrierView& s, Index point, Index other) {
-  return s.surface.body[point] == s.surface.body[other] ? s.self_range[point] : s.barrier.d_hat;
+  return s.surface.body[point] == s.surface.body[other] ? s.self_range[point] : s.d_hat(point);
 }
 // Range of two edges {a0, a1, b0, b1}.
 MORTISE_HD inline double edge_range(const BarrierView& s, const Index v[4]) {
-  const double range = s.barrier.edge_range;
+  const double range = s.barrier.edge_share * s.d_hat(v[0]);
   if (s.surface.body[v[0]] != s.surface.body[v[2]]) return range;
   Vec3 rest[4];
   gather(s.rest, v, rest);
@@ -126,10 +126,10 @@ MORTISE_HD inline double facing_area(const BarrierView& s, Index point, const Ve
 }
 
 MORTISE_HD inline double point_weight(const BarrierView& s, Index point) {
-  return s.barrier.area_weighted ? s.point_area[point] / 2 : s.barrier.d_hat * s.barrier.d_hat;
+  return s.barrier.area_weighted ? s.point_area[point] / 2 : s.d_hat(point) * s.d_hat(point);
 }
-MORTISE_HD inline double edge_weight(const BarrierView& s, Index a, Index b) {
-  return s.barrier.area_weighted ? (s.surface.edge_area[a] + s.surface.edge_area[b]) / 4 : s.barrier.d_hat * s.barrier.d_hat;
+MORTISE_HD inline double edge_weight(const BarrierView& s, const EdgeEdge& pair) {
+  return s.barrier.area_weighted ? (s.surface.edge_area[pair.a] + s.surface.edge_area[pair.b]) / 4 : s.d_hat(pair.v[0]) * s.d_hat(pair.v[0]);
 }
 
 // Energy of one candidate [J]; +infinity at distance 0.
@@ -168,7 +168,7 @@ MORTISE_HD inline double pair_energy(const BarrierView& s, const EdgeEdge& pair,
   if (!(D < range * range)) return 0;
   gather(s.rest, pair.v, rest);
   const double m = geometry::mollifier(x, geometry::mollifier_threshold(rest));
-  return s.kappa(pair.v[0]) * edge_weight(s, pair.a, pair.b) * m * barrier::value(std::sqrt(D), range);
+  return s.kappa(pair.v[0]) * edge_weight(s, pair) * m * barrier::value(std::sqrt(D), range);
 }
 
 // i counts planes x surface vertices.
@@ -177,10 +177,10 @@ MORTISE_HD inline bool plane_pair(const BarrierView& s, Index i, View<const Vec3
   point = s.surface.vertices[i % s.surface.vertices.n];
   if (!s.sees_plane(point, plane)) return false;
   gap = s.planes[plane].normal.dot(y[point] - s.planes[plane].point);
-  return gap < s.barrier.d_hat;
+  return gap < s.d_hat(point);
 }
-MORTISE_HD inline double plane_weight(const BarrierView& s, Index i) {
-  return s.barrier.area_weighted ? s.plane_area[i] : s.barrier.d_hat * s.barrier.d_hat;
+MORTISE_HD inline double plane_weight(const BarrierView& s, Index i, Index point) {
+  return s.barrier.area_weighted ? s.plane_area[i] : s.d_hat(point) * s.d_hat(point);
 }
 
 MORTISE_HD inline double plane_energy(const BarrierView& s, Index i, View<const Vec3> y) {
@@ -188,7 +188,7 @@ MORTISE_HD inline double plane_energy(const BarrierView& s, Index i, View<const 
   double gap;
   if (!plane_pair(s, i, y, plane, point, gap)) return 0;
   if (!(gap > 0)) return INFINITY;
-  return s.kappa(point) * plane_weight(s, i) * barrier::value(gap, s.barrier.d_hat);
+  return s.kappa(point) * plane_weight(s, i, point) * barrier::value(gap, s.d_hat(point));
 }
 
 }  // namespace mortise::effects::contact

@@ -78,8 +78,8 @@ Vec3 at(View<const Vec3> y, View<const Vec3> dy, Index p, double t) { return fet
 [[noreturn]] void fail(const model::Body& first, const std::string& b, double t, const Vec3& x, const StepInfo& step) {
   const std::string& a = first.name;
   char when[200];
-  std::snprintf(when, sizeof when, "at %s%.6g%s near (%.4g, %.4g, %.4g) m", step.is_static ? "pseudo-time " : "t = ", step.t0 + t * step.dt,
-                step.is_static ? "" : " s", x[0], x[1], x[2]);
+  std::snprintf(when, sizeof when, "at %s%.6g%s near (%.4g, %.4g, %.4g) m",
+                step.is_static ? "pseudo-time " : "t = ", step.t0_of(first.env) + t * step.dt, step.is_static ? "" : " s", x[0], x[1], x[2]);
   const std::string who = a == b ? "two parts of '" + a + "' meet " : "'" + a + "' meets '" + b + "' ";
   const std::string how = a == b ? "" : "; if they are to pass through each other, say so: pairs: [{bodies: [" + a + ", " + b + "], collide: false}]";
   throw Failure{who + when + "; supports prescribe the motion of both, so neither can give way" + how, first.env};

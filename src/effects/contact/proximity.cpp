@@ -18,6 +18,8 @@ std::vector<Index> vertex_environments(const geometry::Surface& surface) {
   return out;
 }
 
+double farthest(const std::vector<double>& reach) { return *std::max_element(reach.begin(), reach.end()); }
+
 template <class F>
 std::vector<std::uint8_t> where(const std::vector<Watch>& pairs, F is) {
   std::vector<std::uint8_t> out;
@@ -25,9 +27,9 @@ std::vector<std::uint8_t> where(const std::vector<Watch>& pairs, F is) {
   return out;
 }
 
-// Range of every point towards its own body (pair_energy.h): tuning::kSelfRange of its distance at rest, at most `reach`.
-std::vector<double> self_ranges(model::Model& model, double reach, const std::vector<Index>& point_env) {
-  Candidates at_rest(model.broadphase(), reach / tuning::kSelfRange, point_env);
+// Range of every point towards its own body (pair_energy.h): tuning::kSelfRange of its distance at rest, at most the reach of its environment.
+std::vector<double> self_ranges(model::Model& model, const std::vector<double>& reach, const std::vector<Index>& point_env) {
+  Candidates at_rest(model.broadphase(), farthest(reach) / tuning::kSelfRange, point_env);
   std::vector<std::uint8_t> finite;
   at_rest.cover(model.rest_points, finite);
   const View<const PointTriangle> near = at_rest.point_triangles();
@@ -44,7 +46,8 @@ std::vector<double> self_ranges(model::Model& model, double reach, const std::ve
     p[i] = near[i].point;
     d[i] = own ? std::sqrt(geometry::closest_point_triangle(x).squared) : static_cast<double>(INFINITY);
   });
-  std::vector<double> range(model.points, reach);
+  std::vector<double> range;
+  for (Index e = 0; e < model.envs; ++e) range.resize(point_env[e + 1], reach[e]);
   const std::vector<double> found = distance.download();
   const std::vector<Index> whose = point.download();
   for (std::size_t i = 0; i < found.size(); ++i) range[whose[i]] = std::min(range[whose[i]], tuning::kSelfRange * found[i]);
@@ -53,13 +56,14 @@ std::vector<double> self_ranges(model::Model& model, double reach, const std::ve
 
 }  // namespace
 
-Proximity::Proximity(model::Model& model, double reach)
+Proximity::Proximity(model::Model& model, std::vector<double> reach)
     : model_(model),
-      reach_(reach),
+      reach_(std::move(reach)),
+      reaches_(reach_),
       topology_(model.surface, model.points),
       point_env_(env_offsets(model.surface.env.download(), model.envs)),
       vertex_env_(env_offsets(vertex_environments(model.surface), model.envs)),
-      candidates_(model.broadphase(), reach, point_env_),
+      candidates_(model.broadphase(), farthest(reach_), point_env_),
       prescribed_(model) {
   std::vector<Plane> planes;
   for (const model::HalfSpace& h : model.half_spaces) planes.push_back({h.point, h.normal});
@@ -98,9 +102,18 @@ void Proximity::limit(const Buffer<Vec3>& from, View<const Vec3> dq, const Barri
   limit_planes(all, y, way, tuning::kKeep, vertex_env_, alpha);
 }
 
-BarrierView Proximity::view(const BarrierParams& barrier, View<const double> point_area, View<const double> plane_area) const {
-  return {barrier,         model_.surface.view(), topology_.view(),   std::as_const(model_.rest_points).view(),
-          watched_.view(), planes_.view(),        self_range_.view(), point_area,
+BarrierView Proximity::view(const BarrierParams& barrier, const Buffer<double>& kappa, View<const double> point_area,
+                            View<const double> plane_area) const {
+  return {barrier,
+          reaches_.view(),
+          kappa.view(),
+          model_.surface.view(),
+          topology_.view(),
+          std::as_const(model_.rest_points).view(),
+          watched_.view(),
+          planes_.view(),
+          self_range_.view(),
+          point_area,
           plane_area};
 }
 

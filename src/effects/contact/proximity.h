@@ -16,8 +16,8 @@ namespace mortise::effects::contact {
 
 class Proximity {
  public:
-  // reach [m]: primitives nearer than this matter.
-  Proximity(model::Model& model, double reach);
+  // reach [m]: primitives of an environment nearer than this matter.
+  Proximity(model::Model& model, std::vector<double> reach);
 
   // Which bodies and half-spaces may meet; all detection in the model heeds it from now on.
   void watch(const WatchedPairs& pairs);
@@ -31,7 +31,7 @@ class Proximity {
   // Throws Failure where what is prescribed would meet.
   void limit(const Buffer<Vec3>& y, View<const Vec3> dq, const BarrierView& s, Buffer<Vec3>& dy, device::EnvValues alpha);
 
-  double reach() const { return reach_; }
+  double reach(Index env) const { return reach_[env]; }
   const Candidates& candidates() const { return candidates_; }  // of the last locate() or limit(), and around
   // All candidates at y.
   const Candidates& candidates(const Buffer<Vec3>& y);
@@ -39,8 +39,9 @@ class Proximity {
   const std::vector<Index>& vertex_env() const { return vertex_env_; }  // first surface vertex
   TopologyView topology() const { return topology_.view(); }
   View<const Plane> planes() const { return planes_.view(); }
-  // For the barrier between pairs of primitives (pair_energy.h); the areas may be empty where the barrier does not ask for them.
-  BarrierView view(const BarrierParams& barrier, View<const double> point_area, View<const double> plane_area) const;
+  // For the barrier between pairs of primitives (pair_energy.h) that ranges as far as primitives matter; kappa: per environment [Pa]; the areas may
+  // be empty where the barrier does not ask for them.
+  BarrierView view(const BarrierParams& barrier, const Buffer<double>& kappa, View<const double> point_area, View<const double> plane_area) const;
   // The same with all bodies in sight that are to be kept apart, those between which no force acts included.
   BarrierView obstacles(BarrierView s) const {
     s.watched = apart_.view();
@@ -49,7 +50,8 @@ class Proximity {
 
  private:
   model::Model& model_;
-  double reach_;
+  std::vector<double> reach_;  // per environment
+  Buffer<double> reaches_;     // the same
   Topology topology_;
   std::vector<Index> point_env_, vertex_env_;
   Candidates candidates_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "effects/per_environment.h"
+
 namespace mortise::effects::contact {
 namespace {
 
@@ -34,24 +36,28 @@ Vec3 PointForces::on_first(const BodyPair& pair) const {
   return it == pairs_.end() ? Vec3(0, 0, 0) : it->second.force;
 }
 
-void PointForces::report(FieldSink& sink, std::string_view group) const {
-  sink.points("contact_force", "N", 3, force_);
+void PointForces::report(const FieldSinks& sinks, std::string_view group) const {
+  report_points(sinks, model_, "contact_force", "N", 3, force_);
   for (std::size_t b = 0; b < model_.bodies.size(); ++b)
-    for (int c = 0; c < 3; ++c) sink.scalar(group, "force_" + model_.bodies[b].name + "_" + "xyz"[c], "N", resultant_[b][c]);
-  std::vector<double> bodies, force, moment;
-  for (const auto& [pair, w] : pairs_) {
-    bodies.push_back(pair.first), bodies.push_back(pair.second);
-    append(force, w.force), append(moment, w.moment);
+    for (int c = 0; c < 3; ++c) sinks[model_.bodies[b].env].scalar(group, "force_" + model_.bodies[b].name + "_" + "xyz"[c], "N", resultant_[b][c]);
+  auto next = pairs_.begin();  // ordered by their first body, and so by environment
+  for (Index e = 0; e < sinks.size(); ++e) {
+    std::vector<double> bodies, force, moment;
+    for (; next != pairs_.end() && model_.bodies[next->first.first].env == e; ++next) {
+      const auto& [pair, w] = *next;
+      bodies.push_back(model_.number_alone(pair.first, e)), bodies.push_back(model_.number_alone(pair.second, e));
+      append(force, w.force), append(moment, w.moment);
+    }
+    sinks[e].rows(group, "pair_bodies", "1", 2, bodies);
+    sinks[e].rows(group, "pair_force", "N", 3, force);
+    sinks[e].rows(group, "pair_moment", "N m", 3, moment);
   }
-  sink.rows(group, "pair_bodies", "1", 2, bodies);
-  sink.rows(group, "pair_force", "N", 3, force);
-  sink.rows(group, "pair_moment", "N m", 3, moment);
 }
 
 void SampleRows::add(const model::ContactSample& s) {
   append(position_, vec(s.position)), append(normal_, vec(s.normal));
   force_.push_back(s.force), area_.push_back(s.area), gap_.push_back(s.gap), pressure_.push_back(s.pressure);
-  bodies_.push_back(s.body_a), bodies_.push_back(s.body_b);
+  bodies_.push_back(model_->number_alone(s.body_a, env_)), bodies_.push_back(model_->number_alone(s.body_b, env_));
   if (s.body_a == s.body_b) return;
   // The normal points at the second body, or, against an obstacle that does not move, at the first.
   const bool away = model::against_obstacle(s) == (s.body_a < s.body_b);

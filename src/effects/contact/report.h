@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/field_sink.h"
+#include "base/field_sinks.h"
 #include "device/device.h"
 #include "model/contact_view.h"
 #include "model/model.h"
@@ -27,7 +27,7 @@ class PointForces {
   double size(Index point) const;  // magnitude of the force on a point [N]
   // Force on the first body of a pair [N]; zero where the pair does not touch.
   Vec3 on_first(const BodyPair& pair) const;
-  void report(FieldSink& sink, std::string_view group) const;
+  void report(const FieldSinks& sinks, std::string_view group) const;
 
  private:
   struct Wrench {  // on the first body; moment about the origin of the world
@@ -41,9 +41,10 @@ class PointForces {
   std::map<BodyPair, Wrench> pairs_;
 };
 
-// One row per sample.
+// One row per sample, of one environment.
 class SampleRows {
  public:
+  SampleRows(const model::Model& model, Index env) : model_(&model), env_(env) {}
   void add(const model::ContactSample& s);
   // Names of columns begin with `prefix`.
   void report(FieldSink& sink, std::string_view group, const std::string& prefix = "") const;
@@ -56,6 +57,8 @@ class SampleRows {
   const std::map<BodyPair, Sum>& sums() const { return sums_; }
 
  private:
+  const model::Model* model_;
+  Index env_;
   std::vector<double> position_, normal_, force_, area_, gap_, pressure_, bodies_;
   std::map<BodyPair, Sum> sums_;
 };

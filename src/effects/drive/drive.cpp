@@ -11,6 +11,7 @@
 #include "effects/drive/target.h"
 #include "effects/failure.h"
 #include "effects/list.h"
+#include "effects/per_environment.h"
 
 namespace mortise::effects {
 namespace {
@@ -109,10 +110,11 @@ class Drive final : public Effect, public Commanded {
     const Params& time = model.input.scene.at("time");
     is_static_ = time.text("mode") == "static";
     std::set<Index> taken;
-    for (const Params& p : list.items()) {
-      const std::vector<Index> named = model::joints_named(model, p.text("joint"), p.at("joint").where());
-      entries_.push_back(read(p, is_static_, model.joints[named[0]].type == model::JointType::prismatic));
-      for (Index j : named) {
+    for (std::size_t i = 0; i < list.items().size(); ++i) {
+      const Params& p = list.items()[i];
+      for (Index j : model::joints_named(model, p.text("joint"), p.at("joint").where())) {
+        const Params& own = model.input.effect_of(list, model.joints[j].env).items()[i];
+        entries_.push_back(read(own, is_static_, model.joints[j].type == model::JointType::prismatic));
         const model::Joint& joint = model.joints[j];
         if (!joint.has_coordinate())
           throw Error(Exit::scene, p.at("joint").where(), "'" + joint.name + "' has nothing to drive: it is neither revolute nor prismatic");
@@ -148,7 +150,7 @@ class Drive final : public Effect, public Commanded {
       const Entry& e = entries_[d.entry];
       const model::Joint& j = model_.joints[d.joint];
       if (!step.taken_by(j.env)) continue;
-      d.target = wanted(d, step.t1());
+      d.target = wanted(d, step.t1_of(j.env));
       d.law = {};
       d.law.effort = e.effort, d.law.velocity = e.velocity, d.law.h = is_static_ ? 1 : step.dt, d.law.damping = e.damping,
       d.law.friction = e.friction;
@@ -175,8 +177,10 @@ class Drive final : public Effect, public Commanded {
     }
   }
 
-  void report(FieldSink& sink, const Linearisation&) override {
-    const auto put = [&](const model::Joint& j, const char* what, const char* unit, double v) { sink.scalar("drive", j.name + "_" + what, unit, v); };
+  void report(const FieldSinks& sinks, const Linearisation&) override {
+    const auto put = [&](const model::Joint& j, const char* what, const char* unit, double v) {
+      sinks[j.env].scalar("drive", j.name + "_" + what, unit, v);
+    };
     for (const std::vector<Driven>* all : {&motors_, &given_})
       for (const Driven& d : *all) {
         const Entry& e = entries_[d.entry];
@@ -190,17 +194,20 @@ class Drive final : public Effect, public Commanded {
   }
 
   void checkpoint(Archive& archive) override {
-    std::vector<double> state;
-    for (const std::vector<Driven>* all : {&motors_, &given_})
-      for (const Driven& d : *all) state.insert(state.end(), {d.target, d.torque, d.drag});
-    const std::size_t size = state.size();
-    archive.io("state", state);
-    if (!archive.loading()) return;
-    if (state.size() != size)
-      throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(state.size() / 3) + " drives");
-    std::size_t i = 0;
+    std::vector<Driven*> drives;  // by environment
     for (std::vector<Driven>* all : {&motors_, &given_})
-      for (Driven& d : *all) d.target = state[i], d.torque = state[i + 1], d.drag = state[i + 2], i += 3;
+      for (Driven& d : *all) drives.push_back(&d);
+    const auto env_of = [this](const Driven* d) { return model_.joints[d->joint].env; };
+    std::stable_sort(drives.begin(), drives.end(), [&](const Driven* a, const Driven* b) { return env_of(a) < env_of(b); });
+    std::vector<double> state;
+    std::vector<Index> env;
+    for (const Driven* d : drives) state.insert(state.end(), {d->target, d->torque, d->drag}), env.push_back(env_of(d));
+    archive.io("state", state, firsts(env, model_.envs, 3));
+    if (!archive.loading()) return;
+    if (state.size() != 3 * drives.size())
+      throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(state.size() / 3) + " drives");
+    for (std::size_t i = 0; i < drives.size(); ++i)
+      drives[i]->target = state[3 * i], drives[i]->torque = state[3 * i + 1], drives[i]->drag = state[3 * i + 2];
     upload();
     place();
   }
@@ -245,7 +252,7 @@ class Drive final : public Effect, public Commanded {
     for (Driven& d : given_) {
       const model::Joint& j = model_.joints[d.joint];
       if (!step.taken_by(j.env)) continue;
-      d.target = wanted(d, step.t1());
+      d.target = wanted(d, step.t1_of(j.env));
       if (j.type == model::JointType::prismatic || std::abs(d.target - j.value) <= kMost) continue;
       std::ostringstream why;
       why << "the drive of '" << j.name << "' turns it by " << std::abs(d.target - j.value) << " rad in a step of " << step.dt
@@ -288,8 +295,11 @@ class Drive final : public Effect, public Commanded {
 }  // namespace
 
 const Kind& drive_kind() {
-  static const Kind kind{"drive", Role::motor, "motors of joints: PD, given torque or given angle; friction of bearings", &kTable,
-                         [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Drive>(p, m); }};
+  static const Kind kind = Kind{
+      "drive", Role::motor, "motors of joints: PD, given torque or given angle; friction of bearings", &kTable,
+      [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> {
+        return std::make_unique<Drive>(p, m);
+      }}.differing_in({"kp", "kd", "effort", "velocity", "damping", "friction", "angle", "travel", "torque", "force", "sine"});
   return kind;
 }
 

@@ -3,6 +3,7 @@
 #include "effects/elasticity/mean_volume.h"
 #include "effects/elasticity/tets.h"
 #include "effects/list.h"
+#include "effects/per_environment.h"
 
 namespace mortise::effects {
 namespace {
@@ -116,7 +117,7 @@ class Elasticity final : public Effect {
     elasticity::cluster_stencils(tets, model_.clusters, q, tets.size(), curvature.wanted, out);
   }
 
-  void report(FieldSink& sink, const Linearisation& at) override {
+  void report(const FieldSinks& sinks, const Linearisation& at) override {
     Tets tets(model_);
     const Positions q = std::as_const(model_.q).view();
     const device::Buffer<double> pressure = with_pressures(tets, q);
@@ -134,11 +135,16 @@ class Elasticity final : public Effect {
     });
     const std::vector<double> host = buffer.download(), volume = model_.volume.rest_volume.download();
     const std::vector<Index> first = model_.volume.first_point.download();
-    double least = volume.empty() ? 1 : host[6];
-    for (std::size_t p = 0; p < volume.size(); ++p) least = std::min(least, host[7 * p + 6]);
+    const std::vector<Index>& own = model_.volume.env_offset;
+    std::vector<double> least(model_.envs, 1.0);
+    for (Index e = 0; e < model_.envs; ++e) {
+      if (first[own[e]] < first[own[e + 1]]) least[e] = host[7 * first[own[e]] + 6];
+      for (Index p = first[own[e]]; p < first[own[e + 1]]; ++p) least[e] = std::min(least[e], host[7 * p + 6]);
+    }
     // Output cells, body after body: the tetrahedra of a soft body, quadratic ones with the mean over their volume; the surface
     // triangles of a stiff one, whose stress nobody knows.
-    std::vector<double> stress, mises, of_points;
+    std::vector<double> stress, mises;
+    std::vector<std::vector<double>> of_points(model_.envs);
     for (const model::Body& body : model_.bodies) {
       for (Index t = body.tet_begin; t < body.tet_end; ++t) {
         double mean[6] = {}, all = 0;
@@ -148,17 +154,18 @@ class Elasticity final : public Effect {
         stress.insert(stress.end(), mean, mean + 6);
         mises.push_back(von_mises(mean));
         for (Index p = first[t]; first[t + 1] - first[t] > 1 && p < first[t + 1]; ++p)
-          of_points.insert(of_points.end(), host.data() + 7 * p, host.data() + 7 * p + 6);
+          of_points[body.env].insert(of_points[body.env].end(), host.data() + 7 * p, host.data() + 7 * p + 6);
       }
       if (body.type == model::BodyType::soft) continue;
       stress.insert(stress.end(), 6 * (body.triangle_end - body.triangle_begin), std::nan(""));
       mises.insert(mises.end(), body.triangle_end - body.triangle_begin, std::nan(""));
     }
-    if (!of_points.empty()) sink.rows("elasticity", "point_stress", "Pa", 6, of_points);
-    sink.cells("cauchy_stress", "Pa", 6, stress);
-    sink.cells("von_mises", "Pa", 1, mises);
-    sink.scalar("elasticity", "det_F_min", "1", least);
-    sink.scalar("elasticity", "energy", "J", energy_now(q, at, model_.envs));
+    for (Index e = 0; e < sinks.size(); ++e)
+      if (!of_points[e].empty()) sinks[e].rows("elasticity", "point_stress", "Pa", 6, of_points[e]);
+    report_cells(sinks, model_, "cauchy_stress", "Pa", 6, stress);
+    report_cells(sinks, model_, "von_mises", "Pa", 1, mises);
+    sinks.scalar("elasticity", "det_F_min", "1", least);
+    sinks.scalar("elasticity", "energy", "J", energies_now(q, at, model_.envs));
   }
 
  private:

@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "effects/friction/law.h"
 #include "effects/list.h"
+#include "effects/per_environment.h"
 #include "model/contact_view.h"
 #include "model/expand.h"
 #include "model/model.h"
@@ -50,8 +51,10 @@ struct Slips {
   View<const double> weight;
   View<const FrozenContact> frozen;
   View<const Vec3> q0;
-  double creep;  // creep distance of a step [m]
+  View<const double> creeps;  // of every environment: creep distance of a step [m]
+  View<const ContactSample> sample;
   Index size() const { return frozen.n; }
+  MORTISE_HD double creep(Index i) const { return creeps[sample[i].env]; }
   MORTISE_HD Vec3 slip(Index i, Positions q) const {
     Vec3 r = Vec3::Zero();
     for (Index k = offset[i]; k < offset[i + 1]; ++k) r += weight[k] * (q[block[k]] - q0[block[k]]);
@@ -99,7 +102,7 @@ void measure(const Slips& s, const Buffer<ContactSample>& samples, Positions q, 
     // r is the motion of the first body against an obstacle, else that of the second against the first.
     const double sign = model::against_obstacle(sample[i]) ? 1 : -1;
     u[i] = sign * r;
-    f[i] = (-s.frozen[i].load * friction::f1_over_x(r.norm(), s.creep)) * u[i];
+    f[i] = (-s.frozen[i].load * friction::f1_over_x(r.norm(), s.creep(i))) * u[i];
   });
 }
 
@@ -115,21 +118,31 @@ struct FrictionLinearisation final : Linearisation {
 
 class Friction final : public Effect {
  public:
-  Friction(const Params& p, model::Model& model)
-      : model_(model), where_(p.where()), follows_(p.text("follows")), creep_speed_(p.number("creep_speed")) {
+  Friction(const Params& p, model::Model& model) : model_(model), where_(p.where()), follows_(p.text("follows")) {
     const geometry::BodyPairs& pairs = model.surface.pairs;
-    const Index bodies = pairs.bodies();
-    std::vector<double> mu(pairs.size(model.half_spaces.size()), p.number("mu"));
-    if (const Params* list = p.find("pairs"))
-      for (const Params& pair : list->items()) {
+    const Index bodies = pairs.bodies(), planes = static_cast<Index>(model.half_spaces.size());
+    std::vector<double> mu(pairs.size(model.half_spaces.size()), 0.0);
+    for (Index e = 0; e < model.envs; ++e) {
+      const Params& own = model.input.effect_of(p, e);
+      creep_speed_.push_back(own.number("creep_speed"));
+      for (Index a = model.env_bodies[e]; a < model.env_bodies[e + 1]; ++a) {
+        for (Index b = model.env_bodies[e]; b < model.env_bodies[e + 1]; ++b) mu[pairs.of(a, b)] = own.number("mu");
+        for (Index plane = bodies; plane < bodies + planes; ++plane) mu[pairs.of(a, plane)] = own.number("mu");
+      }
+      const Params* list = own.find("pairs");
+      for (std::size_t i = 0; list && i < list->items().size(); ++i) {
+        const Params& pair = list->items()[i];
         for (Index a : find(pair.at("a")))
           for (Index b : find(pair.at("b")))
             for (const auto& [first, second] : {std::pair{a, b}, std::pair{b, a}})
-              if (first < bodies && model.same_env(first, second)) mu[pairs.of(first, second)] = pair.number("mu");
+              if (first < bodies && model.bodies[first].env == e && model.same_env(first, second)) mu[pairs.of(first, second)] = pair.number("mu");
       }
+    }
     mu_.upload(mu);
     env_offset_.assign(model.envs + 1, 0);
     power_.assign(model.envs, 0.0);
+    dissipated_ = power_;
+    dt_.assign(model.envs, 1.0);
   }
 
   const Kind& kind() const override;
@@ -142,7 +155,11 @@ class Friction final : public Effect {
   }
 
   void begin_step(const StepInfo& info) override {
-    dt_ = info.dt;
+    for (Index e = 0; e < model_.envs; ++e)
+      if (info.taken_by(e)) dt_[e] = info.dt;
+    std::vector<double> creep;
+    for (Index e = 0; e < model_.envs; ++e) creep.push_back(creep_speed_[e] * dt_[e]);
+    creep_.upload(creep);
     q0_.copy_from(model_.q);
   }
 
@@ -165,7 +182,8 @@ class Friction final : public Effect {
     const auto& at = static_cast<const FrictionLinearisation&>(frozen);
     const Slips s = slips(at);
     device::env_sum(
-        "friction.energy", at.env_offset, [=] MORTISE_HD(Index i) { return s.frozen[i].load * friction::f0(s.slip(i, q).norm(), s.creep); }, per_env);
+        "friction.energy", at.env_offset, [=] MORTISE_HD(Index i) { return s.frozen[i].load * friction::f0(s.slip(i, q).norm(), s.creep(i)); },
+        per_env);
   }
 
   void linearise(Positions q, Want want, Linearisation& lagged) override {
@@ -183,13 +201,13 @@ class Friction final : public Effect {
     device::parallel_for("friction.assemble", s.size(), [=] MORTISE_HD(Index i) {
       const Vec3 u = s.slip(i, q);
       const double load = s.frozen[i].load;
-      const Vec3 g = (load * friction::f1_over_x(u.norm(), s.creep)) * u;
+      const Vec3 g = (load * friction::f1_over_x(u.norm(), s.creep(i))) * u;
       const Index at = out.offset[i], blocks = out.blocks(i);
       for (Index b = 0; b < blocks; ++b) out.grad[at + b] = s.weight[at + b] * g;
       if (!curvature.wanted) return;
       model::zero_hessian(out, i, blocks);
       model::add_weighted(out, i, blocks, s.weight.p + at,
-                          (load > 0 ? load : curvature.concavity(sample[i].env) * load) * friction::hessian(u, s.frozen[i].normal, s.creep));
+                          (load > 0 ? load : curvature.concavity(sample[i].env) * load) * friction::hessian(u, s.frozen[i].normal, s.creep(i)));
     });
   }
 
@@ -204,7 +222,7 @@ class Friction final : public Effect {
       const View<Vec3> left = at.unsymmetric.left.view(), right = at.unsymmetric.right.view();
       const View<const ContactSample> sample = std::as_const(at.samples).view();
       device::parallel_for("friction.follow_force", s.size(), [=] MORTISE_HD(Index i) {
-        const Vec3 u = s.slip(i, q), pull = friction::f1_over_x(u.norm(), s.creep) * u;
+        const Vec3 u = s.slip(i, q), pull = friction::f1_over_x(u.norm(), s.creep(i)) * u;
         for (Index b = offset[i]; b < offset[i + 1]; ++b) {
           left[b] = (-s.weight[b] * s.frozen[i].mu * sample[i].stiffness) * pull;
           right[b] = s.weight[b] * s.frozen[i].normal;
@@ -236,7 +254,7 @@ class Friction final : public Effect {
           continue;
         }
         Vec3 force[SampleChange::kPoints];
-        friction::change(at, change[i].force[c], change[i].normal[c], change[i].weight[c], s.creep, force);
+        friction::change(at, change[i].force[c], change[i].normal[c], change[i].weight[c], s.creep(i), force);
         e.chain(force, l);
         e.chain(change[i].along[c], r);
       }
@@ -252,8 +270,8 @@ class Friction final : public Effect {
       if (!info.taken_by(e)) continue;
       double step = 0;
       for (Index i = at.env_offset[e]; i < at.env_offset[e + 1]; ++i) step -= f[i].dot(u[i]);
-      dissipated_ += step;
-      power_[e] = dt_ > 0 ? step / dt_ : 0;
+      dissipated_[e] += step;
+      power_[e] = dt_[e] > 0 ? step / dt_[e] : 0;
     }
     if (info.whose.empty()) {
       samples_.copy_from(at.samples);
@@ -278,10 +296,10 @@ class Friction final : public Effect {
     env_offset_ = std::move(offset), force_ = std::move(forces), slip_ = std::move(slips);
   }
 
-  void report(FieldSink& sink, const Linearisation&) override;
+  void report(const FieldSinks& sinks, const Linearisation&) override;
 
   // Everything else is a function of the state at the start of the step.
-  void checkpoint(Archive& archive) override { archive.io("friction.dissipated", dissipated_); }
+  void checkpoint(Archive& archive) override { archive.io("friction.dissipated", dissipated_, one_each(model_.envs)); }
 
  private:
   std::vector<Index> find(const Params& body) const {
@@ -291,66 +309,77 @@ class Friction final : public Effect {
   }
 
   Slips slips(const FrictionLinearisation& at) const {
-    return {at.stencils.offsets(), at.stencils.blocks(), at.weights.view(), at.frozen.view(), q0_.view(), creep_speed_ * dt_};
+    return {at.stencils.offsets(), at.stencils.blocks(), at.weights.view(), at.frozen.view(), q0_.view(), creep_.view(), at.samples.view()};
   }
 
   model::Model& model_;
   SourceLoc where_;
   std::string follows_;
-  double creep_speed_;
-  double dt_ = 1;
-  Buffer<double> mu_;  // per pair (Surface::pairs)
+  std::vector<double> creep_speed_, dt_;  // of every environment: [m/s]; of its step under way [s]
+  Buffer<double> creep_;                  // their product [m]
+  Buffer<double> mu_;                     // per pair (Surface::pairs)
   Buffer<Vec3> q0_;
   Buffer<ContactSample> samples_;   // of the last accepted step, with
   std::vector<Vec3> force_, slip_;  // theirs
   std::vector<Index> env_offset_;
-  double dissipated_ = 0;
-  std::vector<double> power_;  // of every environment
+  std::vector<double> power_, dissipated_;  // of every environment [W], [J]
 };
 
-void Friction::report(FieldSink& sink, const Linearisation&) {
+void Friction::report(const FieldSinks& sinks, const Linearisation&) {
   const std::vector<ContactSample> samples = samples_.download();
   const std::vector<Index> body = model_.surface.body.download();
-  std::vector<double> point_force(3 * model_.points, 0.0), force, slip, traction, normal_force;
+  std::vector<double> point_force(3 * model_.points, 0.0);
   std::vector<Vec3> resultant(model_.bodies.size(), Vec3::Zero());
-  for (std::size_t i = 0; i < force_.size(); ++i) {
-    const ContactSample& s = samples[i];
-    const double sign = model::against_obstacle(s) ? 1 : -1;
-    for (Index k = 0; k < s.points; ++k) {
-      const Vec3 f = sign * s.weight[k] * force_[i];
-      for (int c = 0; c < 3; ++c) point_force[3 * s.point[k] + c] += f[c];
-      resultant[body[s.point[k]]] += f;
+  struct Rows {
+    std::vector<double> force, slip, traction, normal_force;
+  };
+  std::vector<Rows> rows(model_.envs);
+  for (Index e = 0; e < model_.envs; ++e) {
+    auto& [force, slip, traction, normal_force] = rows[e];
+    for (Index i = env_offset_[e]; i < env_offset_[e + 1]; ++i) {
+      const ContactSample& s = samples[i];
+      const double sign = model::against_obstacle(s) ? 1 : -1;
+      for (Index k = 0; k < s.points; ++k) {
+        const Vec3 f = sign * s.weight[k] * force_[i];
+        for (int c = 0; c < 3; ++c) point_force[3 * s.point[k] + c] += f[c];
+        resultant[body[s.point[k]]] += f;
+      }
+      for (int c = 0; c < 3; ++c) {
+        force.push_back(force_[i][c]), slip.push_back(slip_[i][c]);
+        traction.push_back(s.area != 0 ? force_[i][c] / s.area : 0);
+      }
+      normal_force.push_back(s.force);
     }
-    for (int c = 0; c < 3; ++c) {
-      force.push_back(force_[i][c]), slip.push_back(slip_[i][c]);
-      traction.push_back(s.area != 0 ? force_[i][c] / s.area : 0);
-    }
-    normal_force.push_back(s.force);
   }
-  sink.points("friction_force", "N", 3, point_force);
-  sink.rows("friction", "force", "N", 3, force);
-  sink.rows("friction", "slip", "m", 3, slip);
-  sink.rows("friction", "traction", "Pa", 3, traction);
-  sink.rows("friction", "normal_force", "N", 1, normal_force);
-  sink.scalar("friction", "power", "W", std::accumulate(power_.begin(), power_.end(), 0.0));
-  sink.scalar("friction", "dissipation", "J", dissipated_);
+  report_points(sinks, model_, "friction_force", "N", 3, point_force);
+  for (Index e = 0; e < sinks.size(); ++e) {
+    sinks[e].rows("friction", "force", "N", 3, rows[e].force);
+    sinks[e].rows("friction", "slip", "m", 3, rows[e].slip);
+    sinks[e].rows("friction", "traction", "Pa", 3, rows[e].traction);
+    sinks[e].rows("friction", "normal_force", "N", 1, rows[e].normal_force);
+  }
+  sinks.scalar("friction", "power", "W", power_);
+  sinks.scalar("friction", "dissipation", "J", dissipated_);
   for (std::size_t b = 0; b < model_.bodies.size(); ++b)
-    for (int c = 0; c < 3; ++c) sink.scalar("friction", "force_" + model_.bodies[b].name + "_" + "xyz"[c], "N", resultant[b][c]);
+    for (int c = 0; c < 3; ++c)
+      sinks[model_.bodies[b].env].scalar("friction", "force_" + model_.bodies[b].name + "_" + "xyz"[c], "N", resultant[b][c]);
 }
 
 }  // namespace
 
 const Kind& friction_kind() {
-  static const Kind kind{"friction",
-                         Role::follower,
-                         "Coulomb friction of a contact effect, smoothed below an absolute creep speed, lagged forces iterated",
-                         &kTable,
-                         [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Friction>(p, m); },
-                         {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020"},
-                         {"friction_force"},
-                         {},
-                         false,
-                         true};
+  static const Kind kind =
+      Kind{"friction",
+           Role::follower,
+           "Coulomb friction of a contact effect, smoothed below an absolute creep speed, lagged forces iterated",
+           &kTable,
+           [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Friction>(p, m); },
+           {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020"},
+           {"friction_force"},
+           {},
+           false,
+           true}
+          .differing_in({"mu", "pairs", "creep_speed"});
   return kind;
 }
 

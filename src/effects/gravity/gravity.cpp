@@ -20,7 +20,8 @@ struct Weight {
 class Gravity final : public Effect {
  public:
   Gravity(const Params& params, model::Model& model) : model_(model) {
-    const Vec3 g = params.vec3("acceleration");
+    std::vector<Vec3> g;
+    for (Index e = 0; e < model.envs; ++e) g.push_back(model.input.effect_of(params, e).vec3("acceleration"));
     const auto row = model.mass.row_offset.download(), column = model.mass.column.download();
     const auto value = model.mass.value.download();
     const auto env = model.block_env.download();
@@ -31,7 +32,7 @@ class Gravity final : public Effect {
       double mass = 0;
       for (Index k = row[i]; k < row[i + 1]; ++k) mass += value[k] * weight[column[k]];
       if (mass == 0) continue;
-      weights.push_back({i, mass * g});
+      weights.push_back({i, mass * g[env[i]]});
       weight_env.push_back(env[i]);
     }
     weights_.upload(weights);
@@ -64,8 +65,8 @@ class Gravity final : public Effect {
     if (fresh) at.stencils.pattern_changed();
   }
 
-  void report(FieldSink& sink, const Linearisation& at) override {
-    sink.scalar("gravity", "energy", "J", energy_now(std::as_const(model_.q).view(), at, model_.envs));
+  void report(const FieldSinks& sinks, const Linearisation& at) override {
+    sinks.scalar("gravity", "energy", "J", energies_now(std::as_const(model_.q).view(), at, model_.envs));
   }
 
  private:
@@ -77,8 +78,10 @@ class Gravity final : public Effect {
 }  // namespace
 
 const Kind& gravity_kind() {
-  static const Kind kind{"gravity", Role::load, "weight of all bodies", &kTable,
-                         [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Gravity>(p, m); }};
+  static const Kind kind = Kind{
+      "gravity", Role::load, "weight of all bodies", &kTable, [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> {
+        return std::make_unique<Gravity>(p, m);
+      }}.differing_in({"acceleration"});
   return kind;
 }
 

@@ -5,6 +5,7 @@
 
 #include "effects/body_blocks.h"
 #include "effects/list.h"
+#include "effects/per_environment.h"
 
 namespace mortise::effects {
 namespace {
@@ -185,52 +186,44 @@ class Inertia final : public Effect {
     });
   }
 
-  void report(FieldSink& sink, const Linearisation&) override {
+  void report(const FieldSinks& sinks, const Linearisation&) override {
     device::Buffer<Vec3> y;
     model_.points_of(std::as_const(v_).view(), y);
     const std::vector<Vec3> velocity = y.download();
-    sink.points("velocity", "m/s", 3, {velocity.empty() ? nullptr : velocity[0].data(), 3 * velocity.size()});
+    report_points(sinks, model_, "velocity", "m/s", 3, {velocity.empty() ? nullptr : velocity[0].data(), 3 * velocity.size()});
 
     // Kinetic energy 1/2 v.Mv; momentum of a rigid translation, sum_ij share_i m_ij v_j; and of a rigid rotation about the
     // origin, which turns every block alike, sum_ij q_i x m_ij v_j.
     const std::vector<Vec3> v = v_.download(), q = model_.q.download();
     const std::vector<double> weight = translation_weight(model_);
-    double kinetic = 0;
-    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
-    for (const MassPair& p : pairs_.download()) {
-      kinetic += inertia::energy(p.i == p.j, p.m, v[p.i], v[p.j]);
-      linear += p.m * weight[p.i] * v[p.j];
-      angular += p.m * q[p.i].cross(v[p.j]);
-      if (p.i == p.j) continue;
-      linear += p.m * weight[p.j] * v[p.i];
-      angular += p.m * q[p.j].cross(v[p.i]);
+    const std::vector<MassPair> pairs = pairs_.download();
+    for (Index e = 0; e < sinks.size(); ++e) {
+      double kinetic = 0;
+      Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
+      for (Index i = env_offset_[e]; i < env_offset_[e + 1]; ++i) {
+        const MassPair& p = pairs[i];
+        kinetic += inertia::energy(p.i == p.j, p.m, v[p.i], v[p.j]);
+        linear += p.m * weight[p.i] * v[p.j];
+        angular += p.m * q[p.i].cross(v[p.j]);
+        if (p.i == p.j) continue;
+        linear += p.m * weight[p.j] * v[p.i];
+        angular += p.m * q[p.j].cross(v[p.i]);
+      }
+      sinks[e].scalar("inertia", "kinetic_energy", "J", kinetic);
+      const char* axes[] = {"x", "y", "z"};
+      for (int a = 0; a < 3; ++a) sinks[e].scalar("inertia", std::string("momentum_") + axes[a], "kg m/s", linear[a]);
+      for (int a = 0; a < 3; ++a) sinks[e].scalar("inertia", std::string("angular_momentum_") + axes[a], "kg m^2/s", angular[a]);
     }
-    sink.scalar("inertia", "kinetic_energy", "J", kinetic);
-    const char* axes[] = {"x", "y", "z"};
-    for (int a = 0; a < 3; ++a) sink.scalar("inertia", std::string("momentum_") + axes[a], "kg m/s", linear[a]);
-    for (int a = 0; a < 3; ++a) sink.scalar("inertia", std::string("angular_momentum_") + axes[a], "kg m^2/s", angular[a]);
   }
 
   void checkpoint(Archive& archive) override {
-    archive.io("dt_prev", dt_prev_);
-    io(archive, "q_prev", q_prev_);
-    io(archive, "v", v_);
-    io(archive, "v_prev", v_prev_);
+    archive.io("dt_prev", dt_prev_, one_each(model_.envs));
+    io(archive, "q_prev", q_prev_, model_.env_blocks);
+    io(archive, "v", v_, model_.env_blocks);
+    io(archive, "v_prev", v_prev_, model_.env_blocks);
   }
 
  private:
-  static void io(Archive& archive, std::string_view name, device::Buffer<Vec3>& buffer) {
-    std::vector<Vec3> host = buffer.download();
-    std::vector<double> flat(3 * host.size());
-    for (std::size_t i = 0; i < host.size(); ++i)
-      for (int a = 0; a < 3; ++a) flat[3 * i + a] = host[i][a];
-    archive.io(name, flat);
-    if (!archive.loading()) return;
-    if (flat.size() != 3 * host.size()) throw Error(Exit::file, "the checkpoint holds '" + std::string(name) + "' of another size than the scene");
-    for (std::size_t i = 0; i < host.size(); ++i) host[i] = Vec3(flat[3 * i], flat[3 * i + 1], flat[3 * i + 2]);
-    buffer.upload(host);
-  }
-
   model::Model& model_;
   bool bdf2_;
   device::Buffer<MassPair> pairs_;

@@ -1,11 +1,13 @@
 #include "effects/joint/joint.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "effects/coordinate_energy.h"
 #include "effects/joint/read.h"
 #include "effects/joint/stop.h"
+#include "effects/per_environment.h"
 
 namespace mortise::effects {
 namespace {
@@ -61,28 +63,38 @@ class Joints final : public Effect {
     }
   }
 
-  void report(FieldSink& sink, const Linearisation& at) override {
-    if (!stopped_.empty()) sink.scalar("joint", "energy", "J", energy_now(std::as_const(model_.q).view(), at, model_.envs));
+  void report(const FieldSinks& sinks, const Linearisation& at) override {
+    if (!stopped_.empty()) {
+      const std::vector<double> energy = energies_now(std::as_const(model_.q).view(), at, model_.envs);
+      std::vector<std::uint8_t> has(model_.envs, 0);
+      for (Index j : stopped_) has[model_.joints[j].env] = 1;
+      for (Index e = 0; e < sinks.size(); ++e)
+        if (has[e]) sinks[e].scalar("joint", "energy", "J", energy[e]);
+    }
     for (Index j : moving_) {
       const model::Joint& joint = model_.joints[j];
+      FieldSink& sink = sinks[joint.env];
       sink.scalar("joint", joint.name + (joint.type == model::JointType::prismatic ? "_travel" : "_angle"), joint.unit(), joint.value);
       sink.scalar("joint", joint.name + "_rate", std::string(joint.unit()) + "/s", joint.rate);
     }
     for (std::size_t i = 0; i < stopped_.size(); ++i) {
       const model::Joint& joint = model_.joints[stopped_[i]];
-      sink.scalar("joint", joint.name + "_stop", joint.effort_unit(), -stops_[i].first(joint.value));
+      sinks[joint.env].scalar("joint", joint.name + "_stop", joint.effort_unit(), -stops_[i].first(joint.value));
     }
   }
 
   void checkpoint(Archive& archive) override {
+    std::vector<Index> by_env(model_.joints.size()), env;
+    std::iota(by_env.begin(), by_env.end(), 0);
+    std::stable_sort(by_env.begin(), by_env.end(), [this](Index a, Index b) { return model_.joints[a].env < model_.joints[b].env; });
     std::vector<double> value, rate;
-    for (const model::Joint& j : model_.joints) value.push_back(j.value), rate.push_back(j.rate);
-    archive.io("value", value);
-    archive.io("rate", rate);
+    for (Index j : by_env) value.push_back(model_.joints[j].value), rate.push_back(model_.joints[j].rate), env.push_back(model_.joints[j].env);
+    archive.io("value", value, firsts(env, model_.envs));
+    archive.io("rate", rate, firsts(env, model_.envs));
     if (!archive.loading()) return;
     if (value.size() != model_.joints.size() || rate.size() != value.size())
       throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(value.size()) + " joints");
-    for (std::size_t j = 0; j < value.size(); ++j) model_.joints[j].value = value[j], model_.joints[j].rate = rate[j];
+    for (std::size_t i = 0; i < value.size(); ++i) model_.joints[by_env[i]].value = value[i], model_.joints[by_env[i]].rate = rate[i];
   }
 
   // Of all joints that have one, at q; turns counted from the accepted state.

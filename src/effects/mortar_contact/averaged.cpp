@@ -77,11 +77,11 @@ void average(const MortarView& s, FrozenSamples& f) {
   Buffer<Index> env_buffer(nodes);
   const View<Index> node = out.node.view(), interface = out.interface.view(), env = env_buffer.view();
   const View<double> gap = out.gap.view();
-  const View<const double> node_area = std::as_const(out.area).view();
+  const View<const double> node_area = std::as_const(out.area).view(), d_hat = s.d_hat;
   device::parallel_for("mortar_contact.nodes", nodes, [=] MORTISE_HD(Index i) {
     const Pair& p = pairs[part[start[i]] / 3];
     interface[i] = p.interface, env[i] = p.env;
-    gap[i] = node_area[i] > 0 ? gap[i] / node_area[i] : 2 * set.d_hat;
+    gap[i] = node_area[i] > 0 ? gap[i] / node_area[i] : 2 * d_hat[p.interface];
     for (Index j = start[i]; j < start[i + 1]; ++j) node[part[j]] = i;
   });
   out.env_nodes = env_offsets(env_buffer.download(), static_cast<Index>(f.env_pairs.size()) - 1);
@@ -114,7 +114,7 @@ void averaged_energy(const MortarView& s, const FrozenSamples& f, View<const Vec
     change[i] = sum;
   });
   const View<const Index> part = averages.part.view(), start = averages.start.view(), interface = averages.interface.view();
-  const View<const double> area = averages.area.view(), gap = averages.gap.view(), kappa = s.kappa;
+  const View<const double> area = averages.area.view(), gap = averages.gap.view(), kappa = s.kappa, d_hat = s.d_hat;
   device::env_sum(
       "mortar_contact.node_energy", averages.env_nodes,
       [=] MORTISE_HD(Index i) {
@@ -122,12 +122,14 @@ void averaged_energy(const MortarView& s, const FrozenSamples& f, View<const Vec
         double moved = 0;
         for (Index j = start[i]; j < start[i + 1]; ++j) moved += change[part[j]];
         const double g = gap[i] + moved / area[i];
-        return kappa[interface[i]] * area[i] * frozen_barrier(g, gap[i], set.d_hat);
+        return kappa[interface[i]] * area[i] * frozen_barrier(g, gap[i], d_hat[interface[i]]);
       },
       per_env);
 }
 
-void node_stencils(const FrozenSamples& f, const Settings& set, const model::PointMapView& point_map, NodeStencils& out) {
+void node_stencils(const MortarView& s, const FrozenSamples& f, const model::PointMapView& point_map, NodeStencils& out) {
+  const Settings set = s.set;
+  const View<const double> d_hat = s.d_hat;
   const Averages& averages = f.averages;
   const View<const Pair> pairs = f.pairs.view();
   const View<const Sample> samples = f.samples.view();
@@ -137,7 +139,7 @@ void node_stencils(const FrozenSamples& f, const Settings& set, const model::Poi
   const Index parts = node.n;
   Buffer<Index> counts(parts + 1);
   const View<Index> at = counts.view();
-  const auto acts = [=] MORTISE_HD(Index i) { return area[node[i]] > 0 && gap[node[i]] < set.d_hat; };
+  const auto acts = [=] MORTISE_HD(Index i) { return area[node[i]] > 0 && gap[node[i]] < d_hat[pairs[i / 3].interface]; };
   device::parallel_for("mortar_contact.count_entries", parts, [=] MORTISE_HD(Index i) { at[i] = acts(i) ? blocks_of(map, pairs[i / 3]).blocks : 0; });
   const Index n = device::exclusive_scan(counts);
   Buffer<std::uint64_t> keys(n);

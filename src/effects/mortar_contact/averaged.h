@@ -25,6 +25,6 @@ struct NodeStencils {
   Buffer<Index> offset, block;
   Buffer<Vec3> G;
 };
-void node_stencils(const FrozenSamples& f, const Settings& set, const model::PointMapView& map, NodeStencils& out);
+void node_stencils(const MortarView& s, const FrozenSamples& f, const model::PointMapView& map, NodeStencils& out);
 
 }  // namespace mortise::effects::mortar

@@ -244,7 +244,7 @@ void assemble(const MortarView& s, const FrozenSamples& f, const model::PointMap
   const Settings settings = s.set;
   NodeStencils nodes;  // only they have the Hessian of averaged gaps
   const bool nodal = settings.averaged && hessian;
-  if (nodal) node_stencils(f, settings, map, nodes);
+  if (nodal) node_stencils(s, f, map, nodes);
   const View<const Index> entry = std::as_const(nodes.offset).view(), node_block = std::as_const(nodes.block).view();
   const View<const Vec3> G = std::as_const(nodes.G).view();
   const Index node_count = nodal ? f.averages.area.size() : 0;
@@ -277,13 +277,13 @@ void assemble(const MortarView& s, const FrozenSamples& f, const model::PointMap
     }
     e.chain(gradient, out.grad.p + at);
   });
-  const View<const double> area = f.averages.area.view(), gap = f.averages.gap.view();
+  const View<const double> area = f.averages.area.view(), gap = f.averages.gap.view(), d_hat = s.d_hat;
   const View<const Index> interface = f.averages.interface.view();
   device::parallel_for("mortar_contact.assemble_nodes", node_count, [=] MORTISE_HD(Index i) {
     const Index nb = entry[i + 1] - entry[i], to = out.offset[pairs.n + i];
     for (Index b = 0; b < nb; ++b) out.block[to + b] = node_block[entry[i] + b], out.grad[to + b] = Vec3::Zero();
     model::zero_hessian(out, pairs.n + i, nb);
-    const double c = kappa[interface[i]] * area[i] * barrier::second(gap[i], settings.d_hat);
+    const double c = kappa[interface[i]] * area[i] * barrier::second(gap[i], d_hat[interface[i]]);
     if (c > 0) model::add_rank_one(out, pairs.n + i, nb, c, G.p + entry[i]);
   });
   const Index begin = pairs.n + node_count;

@@ -13,6 +13,7 @@
 #include "effects/list.h"
 #include "effects/mortar_contact/averaged.h"
 #include "effects/mortar_contact/stiffness.h"
+#include "effects/per_environment.h"
 
 namespace mortise::effects {
 namespace {
@@ -82,10 +83,10 @@ class MortarContact final : public Effect {
  public:
   MortarContact(const Params& p, model::Model& model)
       : model_(model),
-        set_{.d_hat = contact::support_radius(p, model.input)},
+        d_hat_(contact::support_radii(p, model.input, model.envs)),
         guard_(p.number("guard")),
         rest_(p.number("rest_share")),
-        proximity_(model, guard_range()) {
+        proximity_(model, guard_ranges()) {
     set_.taper = p.text("weights") == "tapered" ? p.number("taper_width") : 0;
     set_.quadrature = p.text("quadrature") == "exact" ? kExact : std::stoi(p.text("quadrature"));
     set_.exact = p.text("gradient") == "exact";
@@ -95,14 +96,18 @@ class MortarContact final : public Effect {
     set_.pass_weight = p.flag("two_pass") ? 0.5 : 1;
     choose_pairs(p.at("pairs"), p.flag("two_pass"));
     choose_slaves();
-    margin_.upload(std::vector<double>(model.envs, more_reach()));
+    margin_.upload(more_reach());
     if (set_.quadrature == 1 && model.faces.quarter.size() > 0)
       throw Error(Exit::scene, p.at("quadrature").where(), "one point per piece is not enough for the shape functions of quadratic faces: 3, 6 or 7");
     automatic_ = !p.has("stiffness");
+    std::vector<double> d_hats;
     for (Interface& i : interfaces_) {
       i.fixed = !p.has("d_hat") && i.modulus > 0;
-      kappa_.push_back(automatic_ ? first_stiffness(i, set_.d_hat) : p.number("stiffness"));
+      const Index e = model.bodies[i.slave].env;
+      d_hats.push_back(d_hat_[e]);
+      kappa_.push_back(automatic_ ? first_stiffness(i, d_hat_[e]) : model.input.effect_of(p, e).number("stiffness"));
     }
+    d_hat_view_.upload(d_hats);
     next_kappa_ = kappa_;
     next_price_.assign(model.envs, 0.0);
     stiffness_changed();
@@ -226,15 +231,24 @@ class MortarContact final : public Effect {
     if (any) stiffness_changed();
   }
 
-  void report(FieldSink& sink, const Linearisation& at) override;
+  void report(const FieldSinks& sinks, const Linearisation& at) override;
   void checkpoint(Archive& archive) override {
-    archive.io("stiffness", next_kappa_);
-    archive.io("stiffening", next_price_);
+    // Interfaces are listed pair by pair, in every environment.
+    std::vector<Index> order(kappa_.size()), of;
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [this](Index a, Index b) { return env(a) < env(b); });
+    std::vector<double> kappa;
+    for (Index i : order) kappa.push_back(next_kappa_[i]), of.push_back(env(i));
+    archive.io("stiffness", kappa, firsts(of, model_.envs));
+    archive.io("stiffening", next_price_, one_each(model_.envs));
     std::vector<double> support = support_.download();
-    archive.io("support_radius", support);
+    archive.io("support_radius", support, in_values(slave_env_));
     if (!archive.loading()) return;
+    if (kappa.size() != kappa_.size() || support.size() != static_cast<std::size_t>(support_.size()))
+      throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(kappa.size()) + " contact pairs");
+    for (std::size_t i = 0; i < order.size(); ++i)
+      if (archive.loads(of[i])) next_kappa_[order[i]] = kappa_[order[i]] = kappa[i];
     support_.upload(support);
-    kappa_ = next_kappa_;
     stiffness_changed();
     started_ = true;
   }
@@ -247,11 +261,11 @@ class MortarContact final : public Effect {
         device::EnvValues{farthest, alpha.fetch});
     alpha.fetch.now();
     bool any = false;
-    std::vector<double> margin(model_.envs, more_reach());
+    std::vector<double> margin = more_reach();
     for (Index e = 0; e < model_.envs; ++e) {
       const double way = 2 * std::min(1.0, alpha.value[e]) * farthest[e];
-      if (!std::isfinite(way) || way < tuning::kNearest * set_.d_hat) continue;
-      margin[e] += std::min(way, tuning::kFarthest * set_.d_hat);
+      if (!std::isfinite(way) || way < tuning::kNearest * d_hat_[e]) continue;
+      margin[e] += std::min(way, tuning::kFarthest * d_hat_[e]);
       any = true;
     }
     if (!any) return;
@@ -260,8 +274,12 @@ class MortarContact final : public Effect {
   }
 
  private:
-  // Gap beyond the support radius up to which samples are wanted [m].
-  double more_reach() const { return set_.averaged ? (tuning::kAverageReach - 1) * set_.d_hat : 0; }
+  // Gap beyond the support radius up to which samples are wanted, in every environment [m].
+  std::vector<double> more_reach() const {
+    std::vector<double> out;
+    for (double d_hat : d_hat_) out.push_back(set_.averaged ? (tuning::kAverageReach - 1) * d_hat : 0);
+    return out;
+  }
 
   void choose_pairs(const Params& list, bool two_pass) {
     const Index n = static_cast<Index>(model_.bodies.size()), planes = static_cast<Index>(model_.half_spaces.size());
@@ -304,12 +322,15 @@ class MortarContact final : public Effect {
         for (Index t = model_.bodies[b].triangle_begin; t < model_.bodies[b].triangle_end; ++t) slaves.push_back(t), env.push_back(e);
       }
     slaves_.upload(slaves);
-    support_.upload(std::vector<double>(slaves.size(), set_.d_hat));
+    std::vector<double> support;
+    for (Index e : env) support.push_back(d_hat_[e]);
+    support_.upload(support);
+    slave_env_ = env_offsets(env, model_.envs);
     for (Index b = 0; b < n; ++b) {
       if (std::none_of(interfaces_.begin(), interfaces_.end(), [&](const Interface& i) { return i.master == b; })) continue;
       for (Index t = model_.bodies[b].triangle_begin; t < model_.bodies[b].triangle_end; ++t) masters.push_back(t);
     }
-    search_ = Search(env_offsets(env, model_.envs), masters, model_.surface.triangles.download());
+    search_ = Search(slave_env_, masters, model_.surface.triangles.download());
   }
 
   void watch() {
@@ -325,6 +346,10 @@ class MortarContact final : public Effect {
     directed_.upload(directed);
   }
 
+  static std::span<const Sample> of_env(const MortarLinearisation& at, const std::vector<Sample>& samples, Index env) {
+    const std::vector<Index>& first = at.frozen.env_samples;
+    return std::span(samples).subspan(first[env], first[env + 1] - first[env]);
+  }
   Index env(std::size_t interface) const { return model_.bodies[interfaces_[interface].slave].env; }
 
   mortar::MortarView view(const MortarLinearisation& at) const {
@@ -335,6 +360,7 @@ class MortarContact final : public Effect {
             proximity_.topology(),
             interface_at_.view(),
             kappa_view_.view(),
+            d_hat_view_.view(),
             proximity_.planes(),
             slaves_.view(),
             support_.view(),
@@ -348,11 +374,8 @@ class MortarContact final : public Effect {
   // third of a slave triangle as that weight its stiffness is that of the mortar samples.
   contact::BarrierView guard_view() const {
     contact::BarrierParams barrier;
-    barrier.d_hat = barrier.edge_range = guard_range();
     barrier.area_weighted = false;
-    contact::BarrierView out = proximity_.view(barrier, {}, {});
-    out.kappa_of_env = guard_kappa_view_.view();
-    return out;
+    return proximity_.view(barrier, guard_kappa_view_, {}, {});
   }
 
   // Samples within range at y.
@@ -369,8 +392,10 @@ class MortarContact final : public Effect {
     refreeze(at);
     Buffer<double> least;
     least_gaps(view(at), search_, at.y(), least);
-    std::vector<double> support;
-    for (double g : least.download()) support.push_back(std::clamp(rest_ * g, tuning::kLeastSupport * set_.d_hat, set_.d_hat));
+    std::vector<double> support = least.download();
+    for (Index e = 0; e < model_.envs; ++e)
+      for (Index t = slave_env_[e]; t < slave_env_[e + 1]; ++t)
+        support[t] = std::clamp(rest_ * support[t], tuning::kLeastSupport * d_hat_[e], d_hat_[e]);
     support_.upload(support);
   }
 
@@ -392,9 +417,9 @@ class MortarContact final : public Effect {
     price.assign(model_.envs, 0.0);
     std::vector<double> wanted = kappa_;
     for (std::size_t i = 0; i < interfaces_.size(); ++i) {
-      const Achieved now = achieved(interfaces_[i], static_cast<Index>(i), kappa_[i], pairs, samples);
+      const Achieved now = achieved(interfaces_[i], static_cast<Index>(i), kappa_[i], pairs, of_env(at, samples, env(i)));
       if (!(now.pressure > 0) || fits(interfaces_[i], now, kappa_[i])) continue;
-      wanted[i] = wanted_stiffness(interfaces_[i], set_.d_hat, now.pressure, static_ ? tuning::kOpen : tuning::kSoftest);
+      wanted[i] = wanted_stiffness(interfaces_[i], d_hat_[env(i)], now.pressure, static_ ? tuning::kOpen : tuning::kSoftest);
       price[env(i)] += (wanted[i] / kappa_[i] - 1) * now.energy;
     }
     return wanted;
@@ -410,15 +435,19 @@ class MortarContact final : public Effect {
     kappa_view_.upload(kappa_);
     guard_kappa_ = guard_of(kappa_);
     std::vector<double> stiffness;
-    const double d_hat = guard_range();
-    for (double kappa : guard_kappa_) stiffness.push_back(kappa / (d_hat * d_hat));
+    for (Index e = 0; e < model_.envs; ++e) stiffness.push_back(guard_kappa_[e] / (proximity_.reach(e) * proximity_.reach(e)));
     guard_kappa_view_.upload(stiffness);
   }
 
-  double guard_range() const { return std::max(guard_, tuning::kLeastGuard) * set_.d_hat; }
+  std::vector<double> guard_ranges() const {
+    std::vector<double> out;
+    for (double d_hat : d_hat_) out.push_back(std::max(guard_, tuning::kLeastGuard) * d_hat);
+    return out;
+  }
 
   model::Model& model_;
   Settings set_;
+  std::vector<double> d_hat_;  // per environment [m]
   double guard_, rest_;
   bool automatic_ = false, started_ = false;
   std::vector<Interface> interfaces_;       // interfaces
@@ -430,27 +459,34 @@ class MortarContact final : public Effect {
   contact::Proximity proximity_;
   Search search_;
   Buffer<Index> interface_at_, slaves_;
-  Buffer<double> kappa_view_, support_, margin_;
+  std::vector<Index> slave_env_;  // first slave triangle of every environment
+  Buffer<double> kappa_view_, d_hat_view_, support_, margin_;
   Buffer<std::uint8_t> directed_;
   Buffer<Vec3> y_;  // work space
 };
 
-void MortarContact::report(FieldSink& sink, const Linearisation& accepted) {
+void MortarContact::report(const FieldSinks& sinks, const Linearisation& accepted) {
   const MortarLinearisation& at = of_mortar(accepted);
   const std::vector<Pair> pairs = at.frozen.pairs.download();
   const std::vector<Sample> samples = at.frozen.samples.download();
   const std::vector<model::ContactSample> contact_samples = at.contact.samples.download();
   const std::string group(name());
+  struct Own {  // of an environment
+    contact::SampleRows rows, guard_rows;
+    std::vector<double> kind;
+    double total[kKinds + 1] = {};  // by kind, then the guard
+    double closest;
+  };
+  std::vector<Own> own;
+  for (Index e = 0; e < model_.envs; ++e) own.push_back({{model_, e}, {model_, e}, {}, {}, d_hat_[e]});
 
-  std::vector<double> load(model_.points, 0.0), area_of(model_.points, 0.0), pressure(model_.points, 0.0), kind;
+  std::vector<double> load(model_.points, 0.0), area_of(model_.points, 0.0), pressure(model_.points, 0.0);
   contact::PointForces forces(model_, at.frozen.y);
-  contact::SampleRows rows, guard_rows;
-  double total[kKinds + 1] = {};  // by kind, then the guard
-  double closest = set_.d_hat;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Sample& s = samples[i];
     const model::ContactSample& c = contact_samples.at(i);
     const Pair& pair = pairs[s.pair];
+    Own& mine = own[c.env];
     Vec3 J[kPoints];
     jacobian(pair, s, J);
     for (int k = 0; k < points_of(pair); ++k) {
@@ -463,11 +499,11 @@ void MortarContact::report(FieldSink& sink, const Linearisation& accepted) {
       const double area = c.area * (k < 3 ? s.N[k] : s.M[k - 3]);
       if (area > 0) load[p] += area * c.pressure, area_of[p] += area;
     }
-    total[static_cast<Index>(s.kind)] += c.force;
+    mine.total[static_cast<Index>(s.kind)] += c.force;
     // Curved faces may meet between their nodes; what is kept apart are their quarters, and none within reach is nearer than they are.
-    closest = std::min(closest, pair.quadratic() ? std::max(c.gap, proximity_.reach()) : c.gap);
-    rows.add(c);
-    kind.push_back(static_cast<double>(s.kind));
+    mine.closest = std::min(mine.closest, pair.quadratic() ? std::max(c.gap, proximity_.reach(c.env)) : c.gap);
+    mine.rows.add(c);
+    mine.kind.push_back(static_cast<double>(s.kind));
   }
   if (guard_ > 0) {
     Buffer<Vec3> buffer;
@@ -478,65 +514,74 @@ void MortarContact::report(FieldSink& sink, const Linearisation& accepted) {
     const std::vector<model::ContactSample> guard_view = guard_samples.download();
     const std::vector<contact::Active> terms = at.guard.terms.download();
     for (std::size_t i = 0; i < terms.size(); ++i) {
-      total[kKinds] += guard[4 * i].norm();
+      Own& mine = own[guard_view[i].env];
+      mine.total[kKinds] += guard[4 * i].norm();
       for (int k = 0; k < 4; ++k) {
         const Index p = terms[i].point[k];
         if (p >= 0) forces.add(p, guard[4 * i + k], forces.body(p) == guard_view[i].body_a ? guard_view[i].body_b : guard_view[i].body_a);
       }
-      guard_rows.add(guard_view[i]);
+      mine.guard_rows.add(guard_view[i]);
     }
-    guard_rows.report(sink, group, "guard_");
+    for (Index e = 0; e < sinks.size(); ++e) own[e].guard_rows.report(sinks[e], group, "guard_");
   }
   for (Index p = 0; p < model_.points; ++p)
     if (area_of[p] > 0) pressure[p] = load[p] / area_of[p];
-  forces.report(sink, group);
-  sink.points("contact_pressure", "Pa", 1, pressure);
-  rows.report(sink, group);
-  sink.scalar(group, "pressure_sum_defect", "1", contact::sum_defect(forces, {&rows, &guard_rows}));
-  sink.rows(group, "kind", "1", 1, kind);
+  forces.report(sinks, group);
+  report_points(sinks, model_, "contact_pressure", "Pa", 1, pressure);
 
-  closest = std::min(closest, contact::least_distance(proximity_.obstacles(guard_view()), proximity_.candidates(at.frozen.y), at.y()));
-  sink.scalar(group, "min_distance", "m", closest);
-  // The stiffness that the next step begins with was paid for by this one.
-  sink.scalar(group, "energy", "J",
-              energy_now(std::as_const(model_.q).view(), at, model_.envs) + std::accumulate(next_price_.begin(), next_price_.end(), 0.0));
-  sink.scalar(group, "active_pairs", "1", static_cast<double>(pairs.size()));
-  const double sum = total[0] + total[1] + total[2] + total[3];
-  const char* const share_names[] = {"force_share_faces", "force_share_edges", "force_share_points", "force_share_guard"};
-  for (int k = 0; k <= kKinds; ++k) sink.scalar(group, share_names[k], "1", sum > 0 ? total[k] / sum : 0);
-
+  const std::vector<double> distance = contact::least_distances(proximity_.obstacles(guard_view()), proximity_.candidates(at.frozen.y), at.y(),
+                                                                proximity_.vertex_env()),
+                            energy = energies_now(std::as_const(model_.q).view(), at, model_.envs);
   // Covered slave triangles are those whose pieces add up to their area but for rounding; stacked layers count more than once.
   Buffer<double> covered;
   search_.update(view(at), at.y(), margin_);
   cover(view(at), search_, at.y(), covered);
-  double defect = 0;
-  for (double c : covered.download())
-    if (std::abs(c - 1) < 1e-6) defect = std::max(defect, std::abs(c - 1));
-  sink.scalar(group, "clip_partition_defect", "1", defect);
+  const std::vector<double> share = covered.download();
+  for (Index e = 0; e < sinks.size(); ++e) {
+    if (!sinks.wanted(e)) continue;
+    FieldSink& sink = sinks[e];
+    Own& mine = own[e];
+    mine.rows.report(sink, group);
+    sink.scalar(group, "pressure_sum_defect", "1", contact::sum_defect(forces, {&mine.rows, &mine.guard_rows}));
+    sink.rows(group, "kind", "1", 1, mine.kind);
+    if (distance[e] < proximity_.reach(e)) mine.closest = std::min(mine.closest, distance[e]);
+    sink.scalar(group, "min_distance", "m", mine.closest);
+    // The stiffness that the next step begins with was paid for by this one.
+    sink.scalar(group, "energy", "J", energy[e] + next_price_[e]);
+    sink.scalar(group, "active_pairs", "1", static_cast<double>(at.frozen.env_pairs[e + 1] - at.frozen.env_pairs[e]));
+    const double sum = mine.total[0] + mine.total[1] + mine.total[2] + mine.total[3];
+    const char* const share_names[] = {"force_share_faces", "force_share_edges", "force_share_points", "force_share_guard"};
+    for (int k = 0; k <= kKinds; ++k) sink.scalar(group, share_names[k], "1", sum > 0 ? mine.total[k] / sum : 0);
+    double defect = 0;
+    for (Index t = slave_env_[e]; t < slave_env_[e + 1]; ++t)
+      if (std::abs(share[t] - 1) < 1e-6) defect = std::max(defect, std::abs(share[t] - 1));
+    sink.scalar(group, "clip_partition_defect", "1", defect);
+  }
   for (std::size_t i = 0; i < interfaces_.size(); ++i) {
-    const Interface& at = interfaces_[i];
+    const Interface& between = interfaces_[i];
     const Index n = static_cast<Index>(model_.bodies.size());
-    const std::string pair =
-        model_.bodies[at.slave].name + "_" + (at.master < n ? model_.bodies[at.master].name : model_.half_spaces[at.master - n].name);
-    sink.scalar(group, "stiffness_" + pair, "Pa", kappa_[i]);
-    sink.scalar(group, "k_" + pair, "1", achieved(at, static_cast<Index>(i), kappa_[i], pairs, samples).k);
+    const std::string pair = model_.bodies[between.slave].name + "_" +
+                             (between.master < n ? model_.bodies[between.master].name : model_.half_spaces[between.master - n].name);
+    sinks[env(i)].scalar(group, "stiffness_" + pair, "Pa", kappa_[i]);
+    sinks[env(i)].scalar(group, "k_" + pair, "1", achieved(between, static_cast<Index>(i), kappa_[i], pairs, of_env(at, samples, env(i))).k);
   }
 }
 
 }  // namespace
 
 const Kind& mortar_contact_kind() {
-  static const Kind kind{"mortar_contact",
-                         Role::contact,
-                         "contact pressure as a field: barrier over the exact overlap of two surfaces (GMCP)",
-                         &kTable,
-                         [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<MortarContact>(p, m); },
-                         {"Liang, Han: IsaacIPC (geometric mortar contact potential). arXiv:2605.24339, 2026",
-                          "Puso, Laursen: A mortar segment-to-segment contact method for large deformation solid mechanics. CMAME 193, 2004",
-                          "Li, Kaufman, Jiang: Convergent Incremental Potential Contact. arXiv:2307.15908, 2023"},
-                         {"contact_force", "contact_pressure"},
-                         {},
-                         false};  // samples are frozen (frozen.h)
+  static const Kind kind = Kind{"mortar_contact",
+                                Role::contact,
+                                "contact pressure as a field: barrier over the exact overlap of two surfaces (GMCP)",
+                                &kTable,
+                                [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<MortarContact>(p, m); },
+                                {"Liang, Han: IsaacIPC (geometric mortar contact potential). arXiv:2605.24339, 2026",
+                                 "Puso, Laursen: A mortar segment-to-segment contact method for large deformation solid mechanics. CMAME 193, 2004",
+                                 "Li, Kaufman, Jiang: Convergent Incremental Potential Contact. arXiv:2307.15908, 2023"},
+                                {"contact_force", "contact_pressure"},
+                                {},
+                                false}
+                               .differing_in({"d_hat", "stiffness"});  // samples are frozen (frozen.h)
   return kind;
 }
 

@@ -51,7 +51,7 @@ bool fits(const Interface& i, const Achieved& now, double kappa) {
   return t >= tuning::kRigidClosed && t <= tuning::kRigidOpen;
 }
 
-Achieved achieved(const Interface& i, Index number, double kappa, const std::vector<Pair>& pairs, const std::vector<Sample>& samples) {
+Achieved achieved(const Interface& i, Index number, double kappa, const std::vector<Pair>& pairs, std::span<const Sample> samples) {
   double force = 0, pressure = 0, stiffness = 0, energy = 0;
   for (const Sample& s : samples) {
     const Pair& pair = pairs[s.pair];

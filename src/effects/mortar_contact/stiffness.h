@@ -10,6 +10,8 @@
 // iterations and energy.
 //
 // The layer that the scene does not set (contact/layer.h) is stiffer than k = 4 at any pressure that matters: kappa = E* once and for all.
+#include <span>
+
 #include "effects/mortar_contact/frozen.h"
 
 namespace mortise::effects::mortar {
@@ -35,6 +37,6 @@ struct Achieved {
 // Is the stiffness good enough to stay: fixed, else k within a factor 2 of what is wanted, or, of stiff bodies, the gap neither nearly open nor half
 // closed?
 bool fits(const Interface& i, const Achieved& now, double kappa);
-Achieved achieved(const Interface& i, Index number, double kappa, const std::vector<Pair>& pairs, const std::vector<Sample>& samples);
+Achieved achieved(const Interface& i, Index number, double kappa, const std::vector<Pair>& pairs, std::span<const Sample> samples);
 
 }  // namespace mortise::effects::mortar

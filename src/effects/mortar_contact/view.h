@@ -19,7 +19,6 @@ inline constexpr Index kExact = 0;    // level_rule.h
 inline constexpr Index kMoments = 3;  // moment_rule.h
 
 struct Settings {
-  double d_hat = 0;        // [m]
   double taper = 0;        // width e; 0 = consistent weights
   double pass_weight = 1;  // factor of all weights: 1/2 when both sides are slaves
   Index quadrature = 3;    // points, or kExact
@@ -72,6 +71,7 @@ struct MortarView {
   contact::TopologyView topology;
   View<const Index> interface;  // per pair of slave and master body or half-space: interface, or -1
   View<const double> kappa;     // per interface [Pa]
+  View<const double> d_hat;     // per interface [m]
   View<const contact::Plane> planes;
   View<const Index> slaves;          // triangles that are slaves, environments contiguous
   View<const double> support;        // their support radius d_hat_i [m]

@@ -148,38 +148,43 @@ struct Held {
 
 class Pin final : public Effect {
  public:
-  Pin(const Params& list, model::Model& model) : model_(model), owner_(3 * model.blocks, -1) {
-    for (const Params& p : list.items()) add(p);
+  Pin(const Params& list, model::Model& model) : model_(model), per_env_(list.items().size()), owner_(3 * model.blocks, -1) {
+    for (Index e = 0; e < model.envs; ++e)
+      for (const Params& p : model.input.effect_of(list, e).items()) add(p, e);
     name_carriages();
     device_held_.upload(held_);
     active_.resize(model.envs);
     env_ = model.block_env.download();
-    hold({}, -std::numeric_limits<double>::infinity(), 0);
-    move({}, 0);
+    StepInfo before;
+    before.t0 = -std::numeric_limits<double>::infinity();
+    hold(before, 0);
+    move({});
   }
 
   const Kind& kind() const override;
   std::vector<PlanItem> plan() const override { return {{"held blocks", device_held_.bytes() + motions_.bytes()}}; }
 
-  // Depends on nothing but the time, so that steps may be tried again and runs resumed anywhere.
+  // Depends on nothing but the times, so that steps may be tried again and runs resumed anywhere.
   void begin_step(const StepInfo& step) override {
-    hold(step, step.t0, 1e-9 * step.dt);
-    for (const Entry& e : entries_)
-      if (e.motion.moves() && step.t0 < e.release) check_path(e, step);
-    move(step, step.t1());
+    hold(step, 1e-9 * step.dt);
+    for (Index env = 0; env < model_.envs; ++env)
+      for (const Entry& e : entries_of(env))
+        if (step.taken_by(env) && e.motion.moves() && step.t0_of(env) < e.release) check_path(e, step, env);
+    move(step);
   }
 
   // Points go straight from where they are to where they are asked to be at the end of the step, and what lies beside that way is not met: a
   // step has to be short enough for the prescribed way to be nearly straight.
-  void check_path(const Entry& e, const StepInfo& step) const {
+  void check_path(const Entry& e, const StepInfo& step, Index env) const {
     constexpr int kSamples = 16;
     constexpr double kBow = 2e-3;  // of the size of the body: 7 degrees of a turn about its middle
     for (int c = 0; c < 8; ++c) {
       const Vec3 corner(c & 1 ? e.hi[0] : e.lo[0], c & 2 ? e.hi[1] : e.lo[1], c & 4 ? e.hi[2] : e.lo[2]);
       const auto at = [&](double t) { return pin::move_point(e.motion.at(t), corner); };
-      const Vec3 begin = at(step.t0), way = at(step.t1()) - begin;
+      const double t0 = step.t0_of(env);
+      const Vec3 begin = at(t0), way = at(step.t1_of(env)) - begin;
       for (int k = 1; k < kSamples; ++k) {
-        const Vec3 x = at(step.t0 + step.dt * k / kSamples) - begin;
+        const Vec3 x = at(t0 + step.dt * k / kSamples) - begin;
         const double along = way.squaredNorm() > 0 ? std::clamp(x.dot(way) / way.squaredNorm(), 0.0, 1.0) : 0;
         const double beside = (x - along * way).norm();
         if (beside <= kBow * e.size) continue;
@@ -187,22 +192,23 @@ class Pin final : public Effect {
         why << "the motion prescribed for '" << e.body << "' leaves the straight way from the beginning to the end of a step of " << step.dt
             << (step.is_static ? "" : " s") << " by " << beside << " m: take shorter steps" << (step.is_static ? " (more of them)" : "")
             << ", or put the keys of the motion at their ends";
-        throw Failure{why.str()};
+        throw Failure{why.str(), env};
       }
     }
   }
   void energy(Positions, const Linearisation&, device::EnvValues) override {}
   void linearise(Positions, Want, Linearisation&) override {}
 
-  // Writes the targets of time t, of the environments that take the step.
-  void move(const StepInfo& step, double t) {
+  // Writes the targets of the end of the step, of the environments that take it.
+  void move(const StepInfo& step) {
     std::vector<std::uint8_t> taken;
     for (Index e = 0; e < model_.envs; ++e) taken.push_back(step.taken_by(e));
     const device::Buffer<std::uint8_t> mask(taken);
     const View<const std::uint8_t> mine = mask.view();
     const View<const Index> env = std::as_const(model_.block_env).view();
     std::vector<pin::RigidMotion> motions;
-    for (const Entry& e : entries_) motions.push_back(e.motion.at(t));
+    for (Index e = 0; e < model_.envs; ++e)
+      for (const Entry& entry : entries_of(e)) motions.push_back(entry.motion.at(step.t1_of(e)));
     motions_.upload(motions);
     const View<const pin::RigidMotion> motion = std::as_const(motions_).view();
     const View<const Held> held = std::as_const(device_held_).view();
@@ -218,14 +224,16 @@ class Pin final : public Effect {
   }
 
  private:
-  void add(const Params& p) {
+  std::span<const Entry> entries_of(Index env) const { return std::span(entries_).subspan(env * per_env_, per_env_); }
+
+  void add(const Params& p, Index env) {
     const std::string& name = p.text("body");
     const std::uint8_t axes = parse_axes(p.at("axes"));
     entries_.push_back({Motion(p), std::numeric_limits<double>::infinity(), p.where(), name});
     if (p.has("release")) entries_.back().release = p.number("release");
     bool found = false;
-    for (const model::Body& body : model_.bodies) {  // the same name in every environment
-      if (body.name != name) continue;
+    for (const model::Body& body : model_.bodies) {
+      if (body.env != env || body.name != name) continue;
       found = true;
       entries_.back().size = size_of(body);
       if (body.type == model::BodyType::stiff)
@@ -315,12 +323,12 @@ class Pin final : public Effect {
     return axes;
   }
 
-  // Projectors and `held` of a step that starts at t0; touches the model only when an entry was released since.
-  void hold(const StepInfo& step, double t0, double tolerance) {
-    std::vector<bool> active;
-    for (const Entry& e : entries_) active.push_back(t0 < e.release - tolerance);
+  // Projectors and `held` of a step; touches the model only when an entry was released since.
+  void hold(const StepInfo& step, double tolerance) {
     bool changed = false;
     for (Index e = 0; e < model_.envs; ++e) {
+      std::vector<bool> active;
+      for (const Entry& entry : entries_of(e)) active.push_back(step.t0_of(e) < entry.release - tolerance);
       if (!step.taken_by(e) || active == active_[e]) continue;
       active_[e] = active;
       changed = true;
@@ -330,7 +338,7 @@ class Pin final : public Effect {
     for (const Held& h : held_) projector[h.block] = Mat3::Identity(), model_.held[h.block] = 0;
     for (const Held& h : held_)
       for (int a = 0; a < 3; ++a)
-        if (active_[env_[h.block]][h.entry] && (h.axes >> a & 1)) projector[h.block](a, a) = 0;
+        if (active_[env_[h.block]][static_cast<std::size_t>(h.entry) % per_env_] && (h.axes >> a & 1)) projector[h.block](a, a) = 0;
     for (const Held& h : held_) {
       const double free = projector[h.block].trace();
       model_.held[h.block] = free == 3 ? 0 : (free == 0 ? 2 : 1);
@@ -339,7 +347,8 @@ class Pin final : public Effect {
   }
 
   model::Model& model_;
-  std::vector<Entry> entries_;
+  std::vector<Entry> entries_;  // of every environment
+  const std::size_t per_env_;
   std::vector<Held> held_;
   std::vector<Index> owner_;               // per block and axis: the entry that holds it, or -1
   std::vector<std::vector<bool>> active_;  // of every environment: which entries hold
@@ -351,13 +360,14 @@ class Pin final : public Effect {
 }  // namespace
 
 const Kind& pin_kind() {
-  static const Kind kind{"pin",
-                         Role::support,
-                         "points held or moved exactly",
-                         &kTable,
-                         [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Pin>(p, m); },
-                         {},
-                         {"support_force"}};
+  static const Kind kind = Kind{
+      "pin",
+      Role::support,
+      "points held or moved exactly",
+      &kTable,
+      [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Pin>(p, m); },
+      {},
+      {"support_force"}}.differing_in({"motion", "release", "where"});
   return kind;
 }
 

@@ -37,27 +37,28 @@ class PressureLoad final : public Effect {
   PressureLoad(const Params& list, model::Model& model) : model_(model) {
     // Ordered by block, so that environments are contiguous; then by load.
     std::map<std::pair<Index, Index>, BlockLoad> loads_of;
-    for (const Params& p : list.items()) add(p, loads_of);
+    for (Index e = 0; e < model.envs; ++e)
+      for (std::size_t l = 0; l < list.items().size(); ++l) add(model.input.effect_of(list, e).items()[l], e, static_cast<Index>(l), loads_of);
     const std::vector<Index> env = model.block_env.download();
     std::vector<BlockLoad> flat;
     std::vector<Index> loaded_env;
     for (const auto& [key, load_of] : loads_of) flat.push_back(load_of), loaded_env.push_back(env[load_of.block]);
     loaded_.upload(flat);
     env_offset_ = env_offsets(loaded_env, model.envs);
-    strengths_.resize(model.envs * loads_.size());
-    set_time({}, 0);
+    strengths_.resize(loads_.size());
+    set_time({});
   }
 
   const Kind& kind() const override;
   std::vector<PlanItem> plan() const override { return {{"loaded blocks", loaded_.bytes() + strength_.bytes()}}; }
 
-  void begin_step(const StepInfo& step) override { set_time(step, step.t1()); }
+  void begin_step(const StepInfo& step) override { set_time(step); }
 
   void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
     const View<const BlockLoad> load_of = std::as_const(loaded_).view();
     const View<const Strength> now = std::as_const(strength_).view();
     const View<const Index> env = std::as_const(model_.block_env).view();
-    const Index loads = static_cast<Index>(loads_.size());
+    const Index loads = loads_each();
     const Positions rest = std::as_const(model_.rest).view();
     device::env_sum(
         "pressure_load.energy", env_offset_,
@@ -76,7 +77,7 @@ class PressureLoad final : public Effect {
     const View<const BlockLoad> load_of = std::as_const(loaded_).view();
     const View<const Strength> now = std::as_const(strength_).view();
     const View<const Index> env = std::as_const(model_.block_env).view();
-    const Index loads = static_cast<Index>(loads_.size());
+    const Index loads = loads_each();
     const linalg::StencilView out = at.stencils.view();
     device::parallel_for("pressure_load.assemble", load_of.n, [=] MORTISE_HD(Index i) {
       out.block[i] = load_of[i].block;
@@ -87,33 +88,37 @@ class PressureLoad final : public Effect {
   }
 
   // Resultant force of all loads now.
-  void report(FieldSink& sink, const Linearisation&) override {
+  void report(const FieldSinks& sinks, const Linearisation&) override {
     const std::vector<Strength>& now = strengths_;
     const std::vector<Index> env = model_.block_env.download();
-    const std::size_t loads = loads_.size();
+    const Index loads = loads_each();
     const std::vector<double> translation = translation_weight(model_);
-    Vec3 total = Vec3::Zero();
-    for (const BlockLoad& s : loaded_.download()) total += translation[s.block] * pressure_load::force(s, now[env[s.block] * loads + s.load]);
-    for (int a = 0; a < 3; ++a) sink.scalar("pressure_load", std::string("force_") + "xyz"[a], "N", total[a]);
+    std::vector<Vec3> total(model_.envs, Vec3::Zero());
+    for (const BlockLoad& s : loaded_.download())
+      total[env[s.block]] += translation[s.block] * pressure_load::force(s, now[env[s.block] * loads + s.load]);
+    for (Index e = 0; e < sinks.size(); ++e)
+      for (int a = 0; a < 3; ++a) sinks[e].scalar("pressure_load", std::string("force_") + "xyz"[a], "N", total[e][a]);
   }
 
  private:
-  void set_time(const StepInfo& step, double t) {
+  // To the end of the step.
+  void set_time(const StepInfo& step) {
     for (Index e = 0; e < model_.envs; ++e)
-      for (std::size_t l = 0; step.taken_by(e) && l < loads_.size(); ++l)
-        strengths_[e * loads_.size() + l] = {loads_[l].pressure(t), loads_[l].factor(t)};
+      for (Index l = e * loads_each(); step.taken_by(e) && l < (e + 1) * loads_each(); ++l)
+        strengths_[l] = {loads_[l].pressure(step.t1_of(e)), loads_[l].factor(step.t1_of(e))};
     strength_.upload(strengths_);
   }
 
-  void add(const Params& p, std::map<std::pair<Index, Index>, BlockLoad>& loads_of) {
+  Index loads_each() const { return static_cast<Index>(loads_.size()) / model_.envs; }
+
+  void add(const Params& p, Index in, Index load, std::map<std::pair<Index, Index>, BlockLoad>& loads_of) {
     const Params* pressure = p.find("pressure");
     const Params* traction = p.find("traction");
     if (!pressure && !traction) throw Error(Exit::scene, p.where(), "a load needs 'pressure' or 'traction'");
-    const Index load = static_cast<Index>(loads_.size());
     loads_.push_back({Schedule(pressure ? *pressure : Params::make_number(0)), Schedule(p.at("traction_factor"))});
     bool found = false;
-    for (const model::Body& body : model_.bodies) {  // the same name in every environment
-      if (body.name != p.text("body")) continue;
+    for (const model::Body& body : model_.bodies) {
+      if (body.env != in || body.name != p.text("body")) continue;
       found = true;
       if (!add_body(p, body, load, traction ? traction->as_vec3() : Vec3(0, 0, 0), loads_of))
         throw Error(Exit::scene, p.at("where").where(), "selects no surface triangle of body '" + body.name + "'");
@@ -158,7 +163,7 @@ class PressureLoad final : public Effect {
   }
 
   model::Model& model_;
-  std::vector<Load> loads_;
+  std::vector<Load> loads_;  // of every environment
   device::Buffer<BlockLoad> loaded_;
   std::vector<Strength> strengths_;  // of every load in every environment, at the end of its step
   device::Buffer<Strength> strength_;
@@ -168,8 +173,11 @@ class PressureLoad final : public Effect {
 }  // namespace
 
 const Kind& pressure_load_kind() {
-  static const Kind kind{"pressure_load", Role::load, "dead pressure or traction on a surface", &kTable,
-                         [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<PressureLoad>(p, m); }};
+  static const Kind kind = Kind{
+      "pressure_load", Role::load, "dead pressure or traction on a surface", &kTable,
+      [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> {
+        return std::make_unique<PressureLoad>(p, m);
+      }}.differing_in({"pressure", "traction", "traction_factor"});
   return kind;
 }
 
