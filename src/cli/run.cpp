@@ -18,6 +18,17 @@ void add_run(Command app, Context& context) {
   const Flag environment =
       sub.option("--environment", o->environment, "run this one of the scene's `environments` alone, as a scene of its own").not_negative();
   sub.option("--episode", o->episode, "and of its episodes this one, in which nothing is reset").not_negative().needs(environment);
+  sub.option(
+         "--together", o->together,
+         "run the scene's `environments` as rows of one model, or of one for each K of them; the same bits. On a GPU all together is what happens "
+         "anyway")
+      .maybe_value("-1")
+      .check([](const std::string& k) {
+        return k == "-1" || (k.find_first_not_of("0123456789") == std::string::npos && k.size() < 8 && std::stol(k) > 0)
+                   ? std::string()
+                   : "'" + k + "' is no number of environments, from 1";
+      })
+      .excludes(environment);
   const Flag overwrite = sub.flag("--overwrite", o->overwrite, "replace the results in the output folder");
   sub.option("--resume", o->resume,
              "continue from the newest good checkpoint (`output.checkpoint_every` says how often there is one); --resume=auto starts afresh "

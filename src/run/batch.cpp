@@ -15,6 +15,7 @@
 #include "engine/input.h"
 #include "output/atomic_file.h"
 #include "output/environment_fields.h"
+#include "run/alone.h"
 #include "run/batch_progress.h"
 #include "run/environment.h"
 #include "run/environment_end.h"
@@ -24,6 +25,7 @@
 #include "run/progress.h"
 #include "run/record.h"
 #include "run/signals.h"
+#include "run/together.h"
 #include "scene/environments.h"
 
 namespace fs = std::filesystem;
@@ -46,10 +48,11 @@ class Batch {
 
   Exit go() {
     prepare();
+    int seen = checkpoints_asked();
     while (next_ < count() || !running_.empty()) {
       if (stop()) pass_stop_on();
-      while (!stopping_ && next_ < count() && free_ > 0) launch(next_++);
-      if (checkpoint_asked())
+      while (!stopping_ && next_ < count() && free_ > 0) launch();
+      if (checkpoint_asked(seen))
         for (const auto& p : running_) p->signal(SIGUSR1);
       listen();
     }
@@ -79,6 +82,7 @@ class Batch {
     std::string why;
     const bool may_be_gpu = o_.device != "cpu" && o_.device != "debug" && engine::cuda_api(why);
     const bool gpu = may_be_gpu && asked_aside([this] { return engine::choose(o_.device, o_.threads).device.kind == "cuda" ? 0 : 1; }) == 0;
+    choose_group(gpu);
     engine::cpu_api().set_threads(o_.threads);
     record_.device = engine::cpu_api().devices(nullptr).front();
     threads_ = free_ = record_.device.threads;
@@ -90,32 +94,72 @@ class Batch {
     install_signal_handlers();
     const Params& time = scene_.root.at("time");
     const long all = time.integer("steps"), steps = o_.frames >= 0 ? std::min<long>(all, o_.frames * time.integer("frame_every")) : all;
-    const long at_once = gpu ? 1 : std::min<long>(threads_, count());
+    const long at_once = gpu ? 1 : std::min<long>(threads_, (count() + group_ - 1) / group_);
+    const std::string shared = group_ > 1 ? fmt::format("{} in one model, ", group_) : "";
     progress_.start(
         name_,
-        fmt::format("{} environment{}, {} at a time; {} steps each; results in {}", count(), count() == 1 ? "" : "s", at_once, steps, folder_.path()),
+        fmt::format("{} environment{}, {}{} at a time; {} steps each; results in {}", count(), count() == 1 ? "" : "s", shared,
+                    group_ > 1 ? fmt::format("{} model{}", at_once, at_once == 1 ? "" : "s") : std::to_string(at_once), steps, folder_.path()),
         count(), steps);
   }
 
-  // One thread each while there are enough environments for all threads; the last ones share what is left.
+  // How many environments share a model: on a GPU all, where they can.
+  void choose_group(bool gpu) {
+    if (o_.together != 0) {
+      check_together(scene_);
+      group_ = o_.together < 0 ? count() : std::min(o_.together, count());
+    } else if (gpu) {
+      try {
+        check_together(scene_);
+        group_ = count();
+      } catch (const Error& e) {
+        progress_.note(std::string("one environment after the other: ") + e.what());
+      }
+    }
+  }
+
+  // One thread each while there are enough of them for all threads; the last ones share what is left.
   int threads_each() const {
     if (one_at_a_time_) return free_;
-    const long waiting = count() - next_ + 1;
+    const long waiting = (count() - next_ + group_ - 1) / group_;
     return static_cast<int>(std::max<long>(1, free_ / waiting));
   }
 
-  void launch(long e) {
+  Options options_of(long e, int threads) const {
     Options one = o_;
     one.environment = e;
     one.output = environment_folder(folder_.path(), e);
-    one.threads = threads_each();
+    one.threads = threads;
     if (!one.resume.empty()) one.resume = "auto";
     if (one.walltime > 0) one.walltime = std::max(one.walltime - since_begin(), 1e-9);
     const std::string& drawn = scene_.root.at("environments").text("pictures");
     one.no_render = one.no_render || drawn == "none" || (drawn == "first" && e > 0);
-    free_ -= one.threads;
-    running_.push_back(std::make_unique<EnvironmentProcess>(
-        e, one.threads, [this, &one](Progress& progress) { return run_environment(one, scene_, tables_, progress); }));
+    return one;
+  }
+
+  void launch() {
+    const int threads = threads_each();
+    std::vector<long> which;
+    while (next_ < count() && static_cast<long>(which.size()) < group_) which.push_back(next_++);
+    free_ -= threads;
+    running_.push_back(std::make_unique<EnvironmentProcess>(which, threads, [this, &which, threads] { run_here(which, threads); }));
+  }
+
+  // In the process of these environments.
+  void run_here(const std::vector<long>& which, int threads) const {
+    Together together;
+    for (long e : which) together.options.push_back(options_of(e, threads)), together.progress.push_back(make_progress_of(e));
+    together.ended = [&](std::size_t i, const EnvironmentEnd& end) { tell_end(which[i], end); };
+    if (which.size() > 1) return run_together(together, scene_, tables_);
+    Turn turn;
+    Routine<Exit> run = run_environment(together.options[0], scene_, tables_, *together.progress[0], turn);
+    EnvironmentEnd end;
+    try {
+      end.code = static_cast<int>(run_alone(together.options[0], turn, run));
+    } catch (const Error& e) {
+      end.code = static_cast<int>(e.code()), end.message = e.what();
+    }
+    tell_end(which[0], end);
   }
 
   void listen() {
@@ -126,11 +170,12 @@ class Batch {
     for (std::size_t i = 0; i < pipes.size(); ++i) {
       if (pipes[i].revents == 0) continue;
       EnvironmentProcess& p = *running_[i];
-      const long e = p.environment();
-      if (p.listen([&](const std::string& line) { hear(e, line); }, ends_[e])) continue;
-      read_end(environment_folder(folder_.path(), e), ends_[e]);
+      const auto ended = [this](long e) {
+        read_end(environment_folder(folder_.path(), e), ends_[e]);
+        progress_.ended(e, ends_[e]);
+      };
+      if (p.listen([this](long e, const std::string& line) { hear(e, line); }, ended, ends_)) continue;
       free_ += p.threads();
-      progress_.ended(e, ends_[e]);
       running_[i].reset();
     }
     std::erase(running_, nullptr);
@@ -249,7 +294,7 @@ class Batch {
   std::vector<EnvironmentEnd> ends_;
   std::vector<std::unique_ptr<EnvironmentProcess>> running_;
   std::set<std::string> said_;
-  long next_ = 0;
+  long next_ = 0, group_ = 1;
   int threads_ = 1, free_ = 1;
   bool one_at_a_time_ = false, stopping_ = false;
 };

@@ -9,6 +9,7 @@
 
 #include "bridge/bridge.h"
 #include "bridge/tuning.h"
+#include "run/alone.h"
 #include "run/folder.h"
 #include "run/progress.h"
 #include "run/run.h"
@@ -58,7 +59,9 @@ class Session {
       if (episode > 0 && !one.resume.empty()) one.resume = "auto";
       bridge::Options bridge{partner_, o_.replay.empty() ? "" : replayed(o_.replay, episode), o_.bridge_every, episode};
       if (episode > 0 && !partner_ && bridge.replay.empty() && !exists(recording_in(one.output))) return last_;
-      last_ = run_one(one, scene_of(episode), *progress_, nullptr, &bridge);
+      Turn turn;
+      Routine<Exit> run = run_one(one, scene_of(episode), *progress_, turn, nullptr, &bridge);
+      last_ = run_alone(one, turn, run);
       if ((last_ != Exit::done && last_ != Exit::checks) || !bridge::Recording::read(recording_in(one.output)).ends_with("reset")) return last_;
     }
   }

@@ -28,23 +28,24 @@ std::string cell(const std::string& text) {
 
 class Episodes {
  public:
-  Episodes(const Options& o, const scene::Scene& all, std::span<const scene::EffectTable> tables, Progress& progress)
+  Episodes(const Options& o, const scene::Scene& all, std::span<const scene::EffectTable> tables, Progress& progress, Turn& turn)
       : o_(o),
         all_(all),
         tables_(tables),
         progress_(progress),
+        turn_(turn),
         folder_(folder_of(o, all.root)),
         conditions_(all.root.at("environments").at("reset").items()) {}
 
-  Exit go() {
+  Routine<Exit> go() {
     prepare();
     Exit worst = Exit::done;
     for (bool more = true; more && taken() < total_;) {
-      const Exit code = next(more);
-      if (code == Exit::stopped) return code;
+      const Exit code = co_await next(more);
+      if (code == Exit::stopped) co_return code;
       if (code != Exit::done) worst = code;
     }
-    return worst;
+    co_return worst;
   }
 
  private:
@@ -69,7 +70,7 @@ class Episodes {
   }
 
   // Runs one; `more`: a condition ended it.
-  Exit next(bool& more) {
+  Routine<Exit> next(bool& more) {
     Options one = o_;
     one.episode = static_cast<long>(done_.size());
     one.output = episode_folder(folder_.path(), one.episode);
@@ -81,17 +82,17 @@ class Episodes {
     std::string why;
     long failed = 0;
     try {
-      code = run_one(one, scene::environment_of(all_, o_.overrides, tables_, o_.environment, one.episode), progress_, &why);
+      code = co_await run_one(one, scene::environment_of(all_, o_.overrides, tables_, o_.environment, one.episode), progress_, turn_, &why);
     } catch (const Error& e) {
       if (!survives(e.code())) throw;
       why = std::string("failure: ") + e.what(), failed = 1;
     }
-    if (code == Exit::stopped) return code;
+    if (code == Exit::stopped) co_return code;
     EnvironmentEnd end;
     read_run(one.output, end);
     write(one.episode, end.steps + failed, why);
     more = !why.empty();
-    return code;
+    co_return code;
   }
 
   void write(long episode, long steps, const std::string& why) {
@@ -108,6 +109,7 @@ class Episodes {
   const scene::Scene& all_;
   std::span<const scene::EffectTable> tables_;
   Progress& progress_;
+  Turn& turn_;
   Folder folder_;
   const std::vector<Params> conditions_;
   std::vector<Episode> done_;
@@ -141,10 +143,13 @@ std::vector<Episode> episodes_in(const std::string& folder) {
   return out;
 }
 
-Exit run_environment(const Options& o, const scene::Scene& all, std::span<const scene::EffectTable> tables, Progress& progress) {
+Routine<Exit> run_environment(const Options& o, const scene::Scene& all, std::span<const scene::EffectTable> tables, Progress& progress, Turn& turn) {
   const scene::Scene one = scene::one_environment(all, o.overrides, tables, o.environment, std::max(o.episode, 0L));
-  if (o.episode < 0 && all.root.at("environments").has("reset")) return Episodes(o, all, tables, progress).go();
-  return run_one(o, one, progress);
+  if (o.episode < 0 && all.root.at("environments").has("reset")) {
+    Episodes episodes(o, all, tables, progress, turn);
+    co_return co_await episodes.go();
+  }
+  co_return co_await run_one(o, one, progress, turn);
 }
 
 }  // namespace mortise::run

@@ -5,14 +5,17 @@
 
 #include "run/options.h"
 #include "run/progress.h"
+#include "run/routine.h"
+#include "run/turn.h"
 #include "scene/scene.h"
 
 namespace mortise::run {
 
 // Environment options.environment of a scene as a scene of its own, or one episode of it. With environments.reset its episodes follow each other
 // until all have taken time.steps in sum, each in a folder of its own, episode_0003, from the start and with numbers of its own: nothing of one
-// reaches the next. Returns and throws as run_one().
-Exit run_environment(const Options& options, const scene::Scene& all, std::span<const scene::EffectTable> tables, Progress& progress);
+// reaches the next. Waits, returns and throws as run_one().
+Routine<Exit> run_environment(const Options& options, const scene::Scene& all, std::span<const scene::EffectTable> tables, Progress& progress,
+                              Turn& turn);
 
 // What an environment's episodes.csv says of an episode that has ended.
 struct Episode {

@@ -11,6 +11,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
@@ -23,15 +24,22 @@ using Json = nlohmann::ordered_json;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-// The exit code; what went wrong is the last line on the standard output.
-int run_here(const std::function<Exit(Progress&)>& work) {
+constexpr long kNobody = -1;  // speaks of the process itself
+
+void say(long environment, const Json& event) {
+  std::fputs((std::to_string(environment) + " " + event.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n").c_str(), stdout);
+  std::fflush(stdout);
+}
+
+// The exit code of what was no environment's own.
+int run_here(const std::function<void()>& work) {
   const auto failed = [](Exit code, const std::string& message) {
-    std::fputs((Json{{"event", "error"}, {"message", message}}.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n").c_str(), stdout);
+    say(kNobody, Json{{"event", "error"}, {"message", message}});
     return static_cast<int>(code);
   };
-  const std::unique_ptr<Progress> progress = make_progress(true, false);
   try {
-    return static_cast<int>(work(*progress));
+    work();
+    return 0;
   } catch (const Error& e) {
     return failed(e.code(), e.what());
   } catch (const std::bad_alloc&) {
@@ -43,8 +51,8 @@ int run_here(const std::function<Exit(Progress&)>& work) {
 
 }  // namespace
 
-EnvironmentProcess::EnvironmentProcess(long environment, int threads, const std::function<Exit(Progress&)>& work)
-    : environment_(environment), threads_(threads), began_(now()) {
+EnvironmentProcess::EnvironmentProcess(std::vector<long> environments, int threads, const std::function<void()>& work)
+    : environments_(std::move(environments)), threads_(threads), began_(now()) {
   int ends[2];
   std::fflush(nullptr);  // or both would print what waits
   if (pipe2(ends, O_CLOEXEC) != 0) throw Error(Exit::internal, std::string("cannot make a pipe: ") + std::strerror(errno));
@@ -79,40 +87,66 @@ void EnvironmentProcess::signal(int number) const {
   if (process_ > 0) ::kill(process_, number);
 }
 
-bool EnvironmentProcess::listen(const std::function<void(const std::string&)>& said, EnvironmentEnd& end) {
+bool EnvironmentProcess::listen(const std::function<void(long, const std::string&)>& said, const std::function<void(long)>& ended,
+                                std::vector<EnvironmentEnd>& all) {
   char bytes[16384];
   const ssize_t n = ::read(pipe_, bytes, sizeof bytes);
   if (n < 0 && errno == EINTR) return true;
   if (n <= 0) {
-    ended(end);
+    end(ended, all);
     return false;
   }
   line_.append(bytes, static_cast<std::size_t>(n));
-  for (std::size_t at; (at = line_.find('\n')) != std::string::npos; line_.erase(0, at + 1)) {
-    const std::string line = line_.substr(0, at);
-    const Json event = line.rfind("{\"event\":\"error\"", 0) == 0 ? Json::parse(line, nullptr, false) : Json();
-    if (event.is_object())
-      error_ = event.value("message", "");
-    else
-      said(line);
+  std::size_t from = 0;
+  for (std::size_t at; (at = line_.find('\n', from)) != std::string::npos; from = at + 1) {
+    const std::size_t space = line_.find(' ', from);
+    const long e = std::strtol(line_.c_str() + from, nullptr, 10);
+    const std::string line = line_.substr(space + 1, at - space - 1);
+    const auto is = [&](const char* event) { return line.rfind(std::string("{\"event\":\"") + event + "\"", 0) == 0; };
+    if (e == kNobody) {
+      const Json event = Json::parse(line, nullptr, false);
+      if (event.is_object()) error_ = event.value("message", "");
+    } else if (is("ended")) {
+      const Json event = Json::parse(line, nullptr, false);
+      EnvironmentEnd& of = all[e];
+      of.code = event.value("code", 1), of.message = event.value("message", "");
+      of.wall = event.value("wall", 0.0), of.cpu = event.value("cpu", 0.0);
+      told_.insert(e);
+      if (environments_.size() > 1) ended(e);
+    } else {
+      said(e, line);
+    }
   }
+  line_.erase(0, from);
   return true;
 }
 
-void EnvironmentProcess::ended(EnvironmentEnd& end) {
+// What the system knows of the process; of a single environment that is what it took.
+void EnvironmentProcess::end(const std::function<void(long)>& ended, std::vector<EnvironmentEnd>& all) {
   int how = 0;
   rusage used = {};
   while (wait4(process_, &how, 0, &used) < 0 && errno == EINTR) {
   }
   process_ = -1;
-  end.wall = now() - began_;
-  end.cpu = cpu_seconds(used);
-  end.memory = 1024LL * used.ru_maxrss;
-  end.message = error_;
-  end.code = WIFEXITED(how) ? WEXITSTATUS(how) : static_cast<int>(Exit::internal);
-  if (WIFSIGNALED(how))
-    end.message = fmt::format("its process was ended by signal {} ({}){}", WTERMSIG(how), strsignal(WTERMSIG(how)),
-                              WTERMSIG(how) == SIGKILL ? ", as the system does where memory is short" : "");
+  const bool single = environments_.size() == 1;
+  for (long e : environments_) {
+    EnvironmentEnd& of = all[e];
+    of.memory = 1024LL * used.ru_maxrss;
+    if (single) of.wall = now() - began_, of.cpu = cpu_seconds(used);
+    if (!told_.count(e)) {
+      of.wall = now() - began_;
+      of.message = error_;
+      of.code = WIFEXITED(how) && WEXITSTATUS(how) != 0 ? WEXITSTATUS(how) : static_cast<int>(Exit::internal);
+      if (WIFSIGNALED(how))
+        of.message = fmt::format("its process was ended by signal {} ({}){}", WTERMSIG(how), strsignal(WTERMSIG(how)),
+                                 WTERMSIG(how) == SIGKILL ? ", as the system does where memory is short" : "");
+    }
+    if (single || !told_.count(e)) ended(e);
+  }
+}
+
+void tell_end(long environment, const EnvironmentEnd& end) {
+  say(environment, Json{{"event", "ended"}, {"code", end.code}, {"message", end.message}, {"wall", end.wall}, {"cpu", end.cpu}});
 }
 
 int asked_aside(const std::function<int()>& work) {

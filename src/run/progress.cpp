@@ -144,6 +144,7 @@ class Terminal : public Lines {
 
 class JsonLines : public Progress {
  public:
+  explicit JsonLines(std::string prefix = "") : prefix_(std::move(prefix)) {}
   void start(const std::string& scene, const std::string& summary, long steps) override {
     put({{"event", "start"}, {"scene", scene}, {"summary", summary}, {"steps", steps}});
   }
@@ -167,13 +168,16 @@ class JsonLines : public Progress {
  private:
   void put(const nlohmann::ordered_json& j) {
     if (lost_) return;
-    const std::string line = j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";  // paths need not be UTF-8
+    const std::string line = prefix_ + j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";  // paths need not be UTF-8
     lost_ = std::fputs(line.c_str(), stdout) < 0 || std::fflush(stdout) != 0;
   }
+  const std::string prefix_;
   bool lost_ = false;
 };
 
 }  // namespace
+
+std::unique_ptr<Progress> make_progress_of(long environment) { return std::make_unique<JsonLines>(std::to_string(environment) + " "); }
 
 std::unique_ptr<Progress> make_progress(bool json, bool quiet) {
   if (json) return std::make_unique<JsonLines>();

@@ -21,6 +21,8 @@ class Progress {
 };
 
 std::unique_ptr<Progress> make_progress(bool json, bool quiet);
+// JSON lines on the standard output that begin with the environment's number.
+std::unique_ptr<Progress> make_progress_of(long environment);
 
 bool on_terminal();      // the standard error is one that lines can be rewritten on
 int terminal_columns();  // of the terminal behind the standard error, which may change at any time

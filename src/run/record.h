@@ -25,7 +25,8 @@ struct Record {
   std::map<std::string, double> seconds, cpu_seconds;  // setup, solve, output, pictures, checkpoint
   long frames = 0;
 
-  void spent(const char* part, const Stopwatch& since) { seconds[part] += since.wall(), cpu_seconds[part] += since.cpu(); }
+  void spent(const char* part, const Stopwatch& since) { spent(part, since.wall(), since.cpu()); }
+  void spent(const char* part, double wall, double cpu) { seconds[part] += wall, cpu_seconds[part] += cpu; }
   // `engine` may be null when the run ended before there was one.
   void write(const std::string& path, const End& end, const engine::Engine* engine) const;
 };

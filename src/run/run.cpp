@@ -14,14 +14,13 @@
 #include "base/shell.h"
 #include "base/version.h"
 #include "bridge/bridge.h"
-#include "engine/choose.h"
 #include "engine/input.h"
-#include "engine/memory_needed.h"
 #include "output/atomic_file.h"
 #include "output/checkpoint.h"
 #include "output/field_file.h"
 #include "output/field_reader.h"
 #include "output/run_json.h"
+#include "run/alone.h"
 #include "run/batch.h"
 #include "run/bridged.h"
 #include "run/certificate.h"
@@ -86,13 +85,13 @@ std::unique_ptr<output::NewestCheckpoint> open_checkpoint(const Options& o, cons
 // One run, from the folder's preparation to certificate.json and run.json.
 class Run {
  public:
-  Run(const Options& options, scene::Scene scene, Progress& progress, const bridge::Options* bridge)
-      : o_(options), progress_(progress), scene_(std::move(scene)), bridge_options_(bridge) {}
+  Run(const Options& options, scene::Scene scene, Progress& progress, Turn& turn, const bridge::Options* bridge)
+      : o_(options), progress_(progress), turn_(turn), scene_(std::move(scene)), bridge_options_(bridge) {}
 
-  Exit go() {
+  Routine<Exit> go() {
     Exit status;
     try {
-      status = finish(work(), "");
+      status = finish(co_await work(), "");
     } catch (const Error& e) {
       try {
         finish(e.code(), e.what());
@@ -103,14 +102,14 @@ class Run {
     }
     if (progress_.lost())
       throw Error(Exit::file, "the standard output could not be written to the end; the results in '" + folder_->path() + "' are complete");
-    return status;
+    co_return status;
   }
 
   // The condition that ended an episode; "" where none did.
   std::string ended_by() const { return reset_ && reset_->due() ? reset_->reason() : ""; }
 
  private:
-  Exit work() {
+  Routine<Exit> work() {
     resolved_ = scene::to_yaml(scene_.root);
     hash_ = scene::identity(scene_.root);
     const std::string dir = folder_of(o_, scene_.root);
@@ -127,17 +126,17 @@ class Run {
       if (checkpoint && checkpoint->reader.info().step >= last_)
         if (const auto code = output::code_of_finished_run(folder_->file("run.json"), hash_)) {
           note(fmt::format("the run in '{}' is finished: there is nothing to continue", dir));
-          return *code;
+          co_return *code;
         }
     } else if (o_.resume == "yes") {
       throw Error(Exit::file, "--resume: there is no folder '" + dir + "' (use --resume=auto to start afresh then)");
     }
 
     const model::ModelInput input = engine::make_input(scene_.root);
-    const engine::Choice choice = engine::choose(o_.device, o_.threads);
-    record_.device = choice.device;
-    compare_memory(input);
-    check(choice.api->create(input, engine_));
+    const engine::Outcome made = co_await turn_.engine(input, engine_);
+    record_.device = turn_.device;
+    note(turn_.said);
+    check(made);
     sensors_.emplace(input);
     if (bridge_options_) bridge_.emplace(*bridge_options_, input, *sensors_);
     note(folder_->lock());
@@ -192,18 +191,17 @@ class Run {
     }
 
     while (engine_->steps_done() < last_ && !(reset_ && reset_->due())) {
-      if (stop()) return stopped();
+      if (stop()) co_return stopped();
       if (bridge_ && bridge_->due(engine_->steps_done())) {
         const auto answer = hear();
-        if (!answer) return stopped();
+        if (!answer) co_return stopped();
         if (ended_ = *answer != bridge::Bridge::Answer::go_on; ended_) break;
       }
-      solver::StepReport report;
-      const Stopwatch solve;
-      const engine::Outcome outcome = engine_->step([this] { return stop(); }, report);
+      const engine::Outcome outcome = co_await turn_.step(*engine_, [this] { return stop(); });
+      const solver::StepReport report = turn_.report;
       newton_log_->step(report);
-      record_.spent("solve", solve);
-      if (outcome.code == static_cast<int>(Exit::stopped)) return stopped();
+      record_.spent("solve", turn_.wall, turn_.cpu);
+      if (outcome.code == static_cast<int>(Exit::stopped)) co_return stopped();
       if (outcome.code == static_cast<int>(Exit::solve)) {
         save();
         const std::string replay = fmt::format("mortise run {} -o {} --resume --frames {}", shell_word(o_.scene), shell_word(folder_->path()),
@@ -230,7 +228,7 @@ class Run {
     if (stepped_ && engine_->steps_done() == steps_ && o_.estimate && scene_.root.has("quantities"))
       budget_ = o_.estimate(*engine_, input, field_path);
     if (!ended_by().empty()) note("reset: " + ended_by());
-    return Exit::done;
+    co_return Exit::done;
   }
 
   // What is commanded before a step; nothing where the run was asked to stop instead.
@@ -254,16 +252,6 @@ class Run {
     if (!bridge_ || !(bridge_->due(engine_->steps_done()) || engine_->steps_done() == last_)) return;
     const std::vector<sensors::Reading> readings = sensors_->read(state, points);
     bridge_->see(engine_->steps_done(), engine_->time(), state, points, readings);
-  }
-
-  // Better no start than an end after hours; a prediction that is nearly right is worth a word.
-  void compare_memory(const model::ModelInput& input) const {
-    const auto need = static_cast<double>(engine::memory_needed(input)), have = static_cast<double>(record_.device.memory);
-    if (have <= 0 || need < 0.8 * have) return;
-    const std::string text = fmt::format("the scene needs about {:.0f} MiB of device memory, {} ({}) has {:.0f} MiB", need / (1 << 20),
-                                         record_.device.kind, record_.device.name, have / (1 << 20));
-    if (need > have) throw Error(Exit::device, text + "; coarser meshes need less");
-    note(text);
   }
 
   std::string overrides_text() const {
@@ -306,7 +294,7 @@ class Run {
     certificate_->step(report);
     checks_->step(report);
     progress_.step(report, contact_);
-    if (checkpoint_due(frame) || checkpoint_asked()) save();
+    if (checkpoint_due(frame) || checkpoint_asked(seen_)) save();
     if (frame) progress_.frame(file_->frames() - 1, engine_->time());
   }
 
@@ -439,6 +427,7 @@ class Run {
 
   const Options& o_;
   Progress& progress_;
+  Turn& turn_;
   Time::time_point begin_ = Time::now();
   Stopwatch setup_;
   scene::Scene scene_;
@@ -463,16 +452,18 @@ class Run {
   double checkpoint_seconds_ = 0;
   Time::time_point saved_ = Time::now();
   bool started_ = false, stepped_ = false;
+  int seen_ = checkpoints_asked();
   std::string budget_;  // how wrong quantities are, JSON
 };
 
 }  // namespace
 
-Exit run_one(const Options& options, scene::Scene scene, Progress& progress, std::string* ended_by, const bridge::Options* bridge) {
-  Run run(options, std::move(scene), progress, bridge);
-  const Exit status = run.go();
+Routine<Exit> run_one(const Options& options, scene::Scene scene, Progress& progress, Turn& turn, std::string* ended_by,
+                      const bridge::Options* bridge) {
+  Run run(options, std::move(scene), progress, turn, bridge);
+  const Exit status = co_await run.go();
   if (ended_by) *ended_by = run.ended_by();
-  return status;
+  co_return status;
 }
 
 Exit run_scene(const Options& options, std::span<const scene::EffectTable> tables) {
@@ -480,10 +471,13 @@ Exit run_scene(const Options& options, std::span<const scene::EffectTable> table
   scene::Scene scene = scene::read_scene(options.scene, options.overrides, tables);
   if (is_bridged(options, scene)) return run_bridged(options, scene, tables);
   const long count = scene::environment_count(scene.root);
+  if (options.together != 0 && count == 0) throw Error(Exit::usage, "--together: the scene has no 'environments'");
   if (options.environment < 0 && count > 0) return run_batch(options, scene, tables);
   const std::unique_ptr<Progress> progress = make_progress(options.json, options.quiet);
-  if (options.environment < 0) return run_one(options, std::move(scene), *progress);
-  return run_environment(options, scene, tables, *progress);
+  Turn turn;
+  Routine<Exit> run =
+      options.environment < 0 ? run_one(options, std::move(scene), *progress, turn) : run_environment(options, scene, tables, *progress, turn);
+  return run_alone(options, turn, run);
 }
 
 }  // namespace mortise::run

@@ -4,6 +4,7 @@
 
 #include <csignal>
 #include <initializer_list>
+#include <utility>
 
 namespace mortise::run {
 namespace {
@@ -12,7 +13,7 @@ volatile std::sig_atomic_t stop = 0, checkpoint = 0;
 
 extern "C" void on_signal(int signal) {
   if (signal == SIGUSR1) {
-    checkpoint = 1;
+    checkpoint = checkpoint + 1;
     return;
   }
   if (stop) _exit(128 + signal);  // the second one ends the program, wherever it hangs
@@ -32,10 +33,8 @@ void install_signal_handlers() {
 
 bool stop_asked() { return stop != 0; }
 
-bool checkpoint_asked() {
-  if (!checkpoint) return false;
-  checkpoint = 0;
-  return true;
-}
+int checkpoints_asked() { return checkpoint; }
+
+bool checkpoint_asked(int& seen) { return std::exchange(seen, static_cast<int>(checkpoint)) != checkpoint; }
 
 }  // namespace mortise::run

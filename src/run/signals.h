@@ -6,6 +6,7 @@ namespace mortise::run {
 // SIGUSR1 asks for a checkpoint. Handlers only set flags.
 void install_signal_handlers();
 bool stop_asked();
-bool checkpoint_asked();  // true once per SIGUSR1
+int checkpoints_asked();           // how often so far
+bool checkpoint_asked(int& seen);  // again since they were `seen`
 
 }  // namespace mortise::run

@@ -79,6 +79,30 @@ class EnvironmentsProgram : public ::testing::Test {
       expect_equal("six" + env(k), std::string(other) + (std::string(other) == "three" ? env(k) : ""));
     EXPECT_NE(last_state(at("six" + env(0))), last_state(at("six" + env(1))));
   }
+  // Rows of one model, in one of any size, against processes; `codes` may be those of failures.
+  void expect_together(const std::string& scene, int count, int code = 0) const {
+    write("s.yaml", scene);
+    ASSERT_EQ(run("s.yaml -o processes -j 2").code, code);
+    for (const char* k : {"", "=2"}) {
+      const std::string out = std::string("together") + (*k ? "2" : "");
+      const Result r = run("s.yaml -o " + out + " --together" + k);
+      ASSERT_EQ(r.code, code) << r.err;
+      const nlohmann::json a = summary("processes")["environments"], b = summary(out)["environments"];
+      for (int e = 0; e < count; ++e) {
+        for (const char* key : {"status", "exit_code", "grade", "reason", "steps", "frames", "newton_iterations", "values"})
+          EXPECT_EQ(a[e][key], b[e][key]) << out << ", environment " << e << ", " << key;
+        for (int j = 0; fs::exists(at("processes" + env(e) + part(j))); ++j) {
+          expect_equal("processes" + env(e) + part(j), out + env(e) + part(j));
+          EXPECT_EQ(certificate("processes" + env(e) + part(j)), certificate(out + env(e) + part(j)));
+        }
+      }
+    }
+    fs::remove_all(at("processes")), fs::remove_all(at("together")), fs::remove_all(at("together2"));
+  }
+  std::string part(int episode) const {
+    return fs::exists(at("processes" + env(0) + "/episode_0000")) ? "/episode_000" + std::to_string(episode) : episode ? "/none" : "";
+  }
+  std::string certificate(const std::string& out) const { return read_text(at(out) + "/certificate.json"); }
   const std::string folder_ = (fs::temp_directory_path() / ("mortise_environments_" + std::to_string(getpid()))).string();
 };
 
@@ -294,6 +318,84 @@ TEST_F(EnvironmentsProgram, AFailureMayBeAReset) {
   const Result unknown = run("u.yaml -o unknown");
   EXPECT_EQ(unknown.code, 5);
   EXPECT_THAT(unknown.err, HasSubstr("did you mean 'mortar_contact/force_pad_"));
+}
+
+// One model of all of them, on a scene with friction and each linear solver.
+TEST_F(EnvironmentsProgram, TogetherMortarAndFrictionBitForBit) {
+  for (const char* linear : {"direct", "reuse", "cg"}) expect_together(press(kMortar, std::string("{linear: ") + linear + "}", varied(3)), 3);
+  expect_together(press(kBarrier, "{}", varied(3)), 3);
+}
+
+// A robot's leg with a motor: what may differ, differs.
+TEST_F(EnvironmentsProgram, TogetherARobotBitForBit) {
+  const auto shortened = [](std::string scene, const std::string& steps, const std::string& to, const std::string& vary) {
+    scene.replace(scene.find(steps), steps.size(), to);
+    return scene + "\noutput: {precision: double}\nenvironments: {count: 3, seed: 2, vary: [" + vary + "]}\n";
+  };
+  expect_together(
+      shortened(read_text(kSource + "/scenes/first/07_pendulum_with_pad.yaml"), "steps: 200", "steps: 90",
+                "{path: materials.rubber.youngs_modulus, scale: {log_uniform: [0.5, 2]}}, {path: effects.friction.mu, abs: {uniform: [0.2, "
+                "0.8]}}, {path: materials.steel.density, scale: {uniform: [0.8, 1.25]}}"),
+      3);
+}
+
+// A failure, and bodies that touch at the start, are an environment's own.
+TEST_F(EnvironmentsProgram, TogetherFailuresAreTheirOwn) {
+  const auto scene = [](const std::string& of_heights, const std::string& iterations) {
+    return press(kBarrier, "{iterations: " + iterations + ", halvings: 0}",
+                 "environments:\n  count: 5\n  vary: [{path: bodies.ball.position.2, add: {choice: " + of_heights +
+                     "}}, {path: materials.gel.youngs_modulus, scale: {log_uniform: [0.1, 10]}}]\n");
+  };
+  expect_together(scene("[0 mm, -0.5 mm]", "100"), 5, 5);
+  expect_together(scene("[0 mm]", "9"), 5, 5);
+}
+
+// Each is reset by itself, with numbers of its own; an episode that cannot begin is one too.
+TEST_F(EnvironmentsProgram, TogetherEpisodesBeginAfresh) {
+  expect_together(thrown("[{after: 50 ms}, {body: ball, axis: z, above: 4.6 mm}, {quantity: mortar_contact/force_pad_z, below: -0.047 N}]"), 3);
+  expect_together(thrown("[{after: 40 ms}, {failure: true}]", "[4.5 mm, 3.5 mm]"), 3);
+}
+
+TEST_F(EnvironmentsProgram, TogetherStoppedAndKilledTheyEndWithEqualBits) {
+  write("s.yaml", press(kMortar, "{}", varied(3)));
+  ASSERT_EQ(run("s.yaml -o whole --together").code, 0);
+  int stopped = 0;
+  for (int i = 0; i < 6; ++i) {
+    const pid_t child = start({"run", at("s.yaml"), "-o", at("cut"), "--no-render", "--resume=auto", "-q", "--together"}, [this] {
+      const int out = open(at("cut.txt").c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
+      dup2(out, 1), dup2(out, 2);
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(200 + 150 * i));
+    kill(child, i % 2 ? SIGKILL : SIGTERM);
+    const int code = wait_for(child);
+    stopped += code == 75 || code == 137;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  EXPECT_GT(stopped, 1) << read_text(at("cut.txt"));
+  // And from there as processes.
+  const Result last = run("s.yaml -o cut --resume");
+  ASSERT_EQ(last.code, 0) << last.err;
+  for (int e = 0; e < 3; ++e) expect_equal("whole" + env(e), "cut" + env(e));
+}
+
+TEST_F(EnvironmentsProgram, TogetherWhatAModelHasInCommonIsNamed) {
+  const auto refused = [&](const std::string& path, const std::string& bodies = "") {
+    std::string scene = press(kBarrier, "{}", "environments: {count: 2, vary: [{path: " + path + ", scale: {uniform: [0.5, 1]}}]}\n");
+    if (!bodies.empty()) scene.insert(scene.find("effects:"), bodies);
+    write("s.yaml", scene);
+    const Result r = run("s.yaml -o refused --together");
+    EXPECT_EQ(r.code, 2) << path;
+    EXPECT_FALSE(fs::exists(at("refused/env_0000")));
+    return r.err;
+  };
+  EXPECT_THAT(refused("effects.friction.lag_tolerance"), HasSubstr("s.yaml:5:"));
+  EXPECT_THAT(refused("effects.friction.lag_tolerance"), HasSubstr("what may differ there: mu, pairs, creep_speed"));
+  EXPECT_THAT(refused("bodies.floor.point.2", "  floor: {type: half_space, point: [0, 0, -9 mm]}\n"),
+              HasSubstr("a half_space is in all environments"));
+  write("plain.yaml", press(kBarrier, "{}", ""));
+  EXPECT_EQ(run("plain.yaml -o plain --together").code, 2);
+  EXPECT_EQ(run("s.yaml -o none --together=0").code, 2);
+  EXPECT_EQ(run("s.yaml -o none --together --environment 1").code, 2);
 }
 
 TEST_F(EnvironmentsProgram, OtherCommandsKnowThem) {
