@@ -22,7 +22,8 @@ class EnvArchives : public Archive {
     std::vector<double> all;
     for (std::size_t e = 0; e < of_.size(); ++e) {
       std::vector<double> own;
-      if (values.size() >= first[e + 1]) own.assign(values.begin() + static_cast<std::ptrdiff_t>(first[e]), values.begin() + static_cast<std::ptrdiff_t>(first[e + 1]));
+      if (values.size() >= first[e + 1])
+        own.assign(values.begin() + static_cast<std::ptrdiff_t>(first[e]), values.begin() + static_cast<std::ptrdiff_t>(first[e + 1]));
       if (of_[e]) of_[e]->io(name, own);
       all.insert(all.end(), own.begin(), own.end());
     }

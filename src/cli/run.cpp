@@ -26,7 +26,7 @@ void add_run(Command app, Context& context) {
       .check([](const std::string& k) {
         return k == "-1" || (k.find_first_not_of("0123456789") == std::string::npos && k.size() < 8 && std::stol(k) > 0)
                    ? std::string()
-                   : "'" + k + "' is no number of environments, from 1";
+                   : "'" + k + "' is no number of environments, from 1 (the scene goes before --together, or --together=K)";
       })
       .excludes(environment);
   const Flag overwrite = sub.flag("--overwrite", o->overwrite, "replace the results in the output folder");

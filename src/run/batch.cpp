@@ -14,21 +14,18 @@
 #include "engine/choose.h"
 #include "engine/input.h"
 #include "output/atomic_file.h"
-#include "output/environment_fields.h"
 #include "run/alone.h"
+#include "run/batch_files.h"
 #include "run/batch_progress.h"
 #include "run/environment.h"
 #include "run/environment_end.h"
 #include "run/environment_process.h"
 #include "run/folder.h"
-#include "run/grid_picture.h"
 #include "run/progress.h"
 #include "run/record.h"
 #include "run/signals.h"
 #include "run/together.h"
 #include "scene/environments.h"
-
-namespace fs = std::filesystem;
 
 namespace mortise::run {
 namespace {
@@ -65,6 +62,7 @@ class Batch {
   bool stop() const { return stop_asked() || (o_.walltime > 0 && since_begin() > o_.walltime - o_.grace); }
 
   void prepare() {
+    if (o_.together != 0) check_together(scene_);
     if (o_.resume == "yes" && !folder_.exists())
       throw Error(Exit::file, "--resume: there is no folder '" + folder_.path() + "' (use --resume=auto to start afresh then)");
     if (const std::string taken = folder_.lock(); !taken.empty()) progress_.note(taken);
@@ -74,7 +72,7 @@ class Batch {
                     "'" + folder_.path() + "' is not empty; use --overwrite to replace its results, --resume to continue, or another -o");
       folder_.remove_results();
     }
-    fs::remove(folder_.file("run.json"));  // written last: this run has not ended
+    std::filesystem::remove(folder_.file("run.json"));  // written last: this run has not ended
     for (long e = 0; e < count(); ++e) ends_[e].drawn = scene::draw(scene_.root, e, 0);
     write_table();
 
@@ -106,7 +104,6 @@ class Batch {
   // How many environments share a model: on a GPU all, where they can.
   void choose_group(bool gpu) {
     if (o_.together != 0) {
-      check_together(scene_);
       group_ = o_.together < 0 ? count() : std::min(o_.together, count());
     } else if (gpu) {
       try {
@@ -229,9 +226,7 @@ class Batch {
     } else if (refused > 0) {
       end.code = Exit::checks, end.message = fmt::format("checks failed in {} of {} environments", refused, count());
     }
-    write_fields();
-    write_episodes();
-    draw_grid();
+    write_batch_files(scene_.root, folder_.path(), ends_, !o_.no_render);
     end.wall = since_begin();
     write_table();
     output::write_file_atomically(folder_.file("environments.json"), environments_json(ends_, end), true);
@@ -251,34 +246,6 @@ class Batch {
     if (progress_.lost())
       throw Error(Exit::file, "the standard output could not be written to the end; the results in '" + folder_.path() + "' are complete");
     return end.code;
-  }
-
-  void write_fields() const {
-    std::vector<output::EnvironmentFields> all;
-    for (long e = 0; e < count(); ++e) {
-      output::EnvironmentFields one{fs::path(environment_folder(folder_.path(), e)).filename().string(), ends_[e].code, {}, {}};
-      for (const std::string& run : ends_[e].runs) one.runs.push_back(fs::path(run).lexically_relative(folder_.path()).string());
-      for (const scene::Drawn& d : ends_[e].drawn) one.values.emplace_back(d.path, d.value);
-      all.push_back(std::move(one));
-    }
-    output::write_environment_fields(folder_.path(), all);
-  }
-
-  // All resets in one table.
-  void write_episodes() const {
-    if (!scene_.root.at("environments").has("reset")) return;
-    std::string text = "environment," + episodes_header(scene_.root) + "\n";
-    for (long e = 0; e < count(); ++e)
-      for (const Episode& episode : episodes_in(environment_folder(folder_.path(), e))) text += fmt::format("{},{}\n", e, episode.line);
-    output::write_file_atomically(folder_.file("episodes.csv"), text, true);
-  }
-
-  void draw_grid() const {
-    if (o_.no_render || scene_.root.at("environments").text("pictures") != "grid") return;
-    std::vector<std::string> folders;
-    for (const EnvironmentEnd& e : ends_)
-      if (!e.runs.empty()) folders.push_back(e.runs.front() + "/frames");
-    draw_side_by_side(folders, folder_.file("frames"));
   }
 
   static std::string text_of(const std::string& line);

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "engine/join.h"
+#include "engine/memory_needed.h"
 
 namespace mortise::run {
 
@@ -76,6 +77,12 @@ std::unique_ptr<engine::Engine> SharedEngine::add(const model::ModelInput& input
 void SharedEngine::leave(Member& member) {
   std::erase(members_, &member);
   if (engine_ && member.env() >= 0) engine_->rest(member.env());
+}
+
+std::size_t SharedEngine::memory_needed() const {
+  std::size_t sum = 0;
+  for (const Member* m : members_) sum += engine::memory_needed(m->input());
+  return sum;
 }
 
 engine::Outcome SharedEngine::renew() {

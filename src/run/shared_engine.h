@@ -22,6 +22,7 @@ class SharedEngine {
   bool worth_renewing() const { return 2 * members_.size() < static_cast<std::size_t>(places_); }  // most of the model stands still
   bool has(const engine::Engine& engine) const;
   std::size_t size() const { return members_.size(); }
+  std::size_t memory_needed() const;
   const device::DeviceInfo& device() const { return on_.device; }
 
   // A step of all; how it went for each of them.

@@ -6,7 +6,6 @@
 #include <deque>
 
 #include "engine/join.h"
-#include "engine/memory_needed.h"
 #include "run/alone.h"
 #include "run/environment.h"
 #include "run/memory.h"
@@ -71,8 +70,8 @@ class Loop {
     all_.ended(i, end);
   }
 
-  // Those that begin. What is wrong with one is found before it is beside others: one that has no model gets the reason; one whose bodies touch at the
-  // start keeps an engine of its own, whose first step says so.
+  // Those that begin. What is wrong with one is found before it is beside others: one that has no model gets the reason; one whose bodies touch at
+  // the start keeps an engine of its own, whose first step says so.
   void admit() {
     std::vector<std::size_t> joining;
     for (std::size_t i = 0; i < places_.size(); ++i)
@@ -96,7 +95,12 @@ class Loop {
 
   void renew() {
     const Stopwatch since;
+    const std::string remedy = "--together=K makes a model of every K environments";
+    const std::string near = compare_memory(engine_.memory_needed(), engine_.device(), remedy);
+    if (!near.empty() && !warned_) all_.progress.front()->note("warning: " + near + "; " + remedy);
+    warned_ = warned_ || !near.empty();
     const engine::Outcome made = engine_.renew();
+    if (made.code == static_cast<int>(Exit::device)) throw Error(Exit::device, made.message + "\n  " + remedy);
     if (made.code != 0) throw Error(static_cast<Exit>(made.code), made.message);
     share(since.cpu());
   }
@@ -135,6 +139,7 @@ class Loop {
   Together& all_;
   const Stopwatch begin_;
   SharedEngine engine_;
+  bool warned_ = false;
   std::deque<Place> places_;
 };
 

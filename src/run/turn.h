@@ -35,7 +35,7 @@ class Turn {
   void go_on() { std::exchange(waiting_, {}).resume(); }
 
   Wants wants = Wants::engine;
-  const model::ModelInput* input = nullptr;  // of the engine that is wanted, which goes
+  const model::ModelInput* input = nullptr;         // of the engine that is wanted, which goes
   std::unique_ptr<engine::Engine>* made = nullptr;  // here
   engine::Engine* of = nullptr;                     // whose step is wanted,
   std::function<bool()> stop;                       // and whether that should be left

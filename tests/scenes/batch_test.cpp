@@ -209,7 +209,7 @@ TEST(Batch, EnvironmentsMayBeginAtAnyTime) {
   Rig::check(both->checkpoint({nullptr, &state}));
   EXPECT_EQ(both->steps_done(0), 0);
   EXPECT_EQ(both->steps_done(1), 2);
-  const Run alone = run(batch(driven, {}, {kEnvironments[1]}), 2), before = run(batch(driven, {}, {kEnvironments[0]}), 4);
+  const ::Run alone = run(batch(driven, {}, {kEnvironments[1]}), 2), before = run(batch(driven, {}, {kEnvironments[0]}), 4);
   for (int step = 0; step < 2; ++step) {
     std::vector<solver::StepReport> reports(2);
     Rig::check(both->step({}, reports));
