@@ -36,3 +36,23 @@ if(MORTISE_TESTS)
   mortise_precompile(tests PROGRAM HEADERS <fstream> <sstream> <random> <tbb/blocked_range.h> <tbb/parallel_for.h> <nlohmann/json.hpp> <gtest/gtest.h>
     <gmock/gmock.h> LINK TBB::tbb nlohmann_json::nlohmann_json GTest::gtest GTest::gmock)
 endif()
+
+# Sources of one folder are compiled several at a time: most of what a source costs is reading headers. So what
+# they keep for themselves (unnamed namespaces) has names of its own in the folder. -DMORTISE_UNITY=OFF compiles each by itself.
+option(MORTISE_UNITY "Compile the sources of a folder together" ON)
+set(MORTISE_TOGETHER 8)  # sources: more gain little, and a change of one compiles them all
+function(mortise_compile_together target)
+  if(NOT MORTISE_UNITY)
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)  # it takes sources that are read together for headers
+  foreach(source ${ARGN})
+    get_filename_component(folder ${source} DIRECTORY)
+    file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR}/src ${folder})
+    string(MAKE_C_IDENTIFIER ${folder} folder)
+    math(EXPR count_${folder} "0${count_${folder}} + 1")
+    math(EXPR group "(${count_${folder}} - 1) / ${MORTISE_TOGETHER}")
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${group})
+  endforeach()
+endfunction()

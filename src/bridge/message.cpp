@@ -13,7 +13,7 @@
 namespace mortise::bridge {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 class Reader {
  public:

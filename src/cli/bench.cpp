@@ -16,7 +16,7 @@
 namespace mortise::cli {
 namespace {
 
-struct Options {
+struct BenchOptions {
   std::string name, data, result, device = "cpu";
   std::vector<std::string> sets;
   int threads = 0;
@@ -24,7 +24,7 @@ struct Options {
   HardFlags hard;
 };
 
-int bench_ccd(const Options& o) {
+int bench_ccd(const BenchOptions& o) {
   if (o.data.empty()) throw Error(Exit::usage, "bench ccd needs --data DIR, a folder of query files");
   const bench::CcdBench result = bench::ccd_bench(o.data);
   if (o.json) {
@@ -46,7 +46,7 @@ int bench_ccd(const Options& o) {
 }
 
 // The matrix product against a plain copy, from what fits into caches to what does not.
-int bench_bandwidth(const Options& o) {
+int bench_bandwidth(const BenchOptions& o) {
   auto list = nlohmann::ordered_json::array();
   if (!o.json)
     std::cout << fmt::format("{:>8} {:>9} {:>14} {:>14} {:>14} {:>8}\n", "rows", "blocks", "product us", "product GB/s", "copy GB/s", "share");
@@ -75,7 +75,7 @@ int bench_bandwidth(const Options& o) {
 
 constexpr const char* kBandwidthHelp = "matrix product y = A x against a copy: bytes per second on the chosen device";
 
-int bench_named(const Options& o, const bench::Benchmark& benchmark) {
+int bench_named(const BenchOptions& o, const bench::Benchmark& benchmark) {
   if (!o.json) std::cout << bench::table_header();
   const auto row = [&](const bench::Row& r) { std::cout << (o.json ? bench::json_line(r) + "\n" : bench::table_line(r)) << std::flush; };
   const auto note = [](const std::string& text) { std::cerr << text << "\n"; };
@@ -92,7 +92,7 @@ int bench_named(const Options& o, const bench::Benchmark& benchmark) {
 
 constexpr const char* kCcdHelp = "continuous collision detection against queries with exact answers (--data DIR)";
 
-int cmd_bench(const Options& o) {
+int cmd_bench(const BenchOptions& o) {
   std::vector<std::string> names{"ccd", "bandwidth", "hard", "fuzz"};
   for (const bench::Benchmark& b : bench::benchmarks()) names.push_back(b.name);
   if (o.list) {
@@ -116,7 +116,7 @@ int cmd_bench(const Options& o) {
 
 void add_bench(Command app, Context& context) {
   const Command sub = app.command("bench", "run a benchmark with a known answer");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<BenchOptions>();
   sub.option("name", o->name, "which; see --list");
   sub.flag("--list", o->list, "list the benchmarks");
   sub.option("--data", o->data, "folder with the benchmark's data");

@@ -16,7 +16,7 @@
 namespace mortise::cli {
 namespace {
 
-struct Options {
+struct CheckOptions {
   std::string scene;
   std::vector<std::string> overrides;
   bool print_resolved = false, plan = false, quick = false;
@@ -43,7 +43,7 @@ void check_run(const Params& scene, const std::string& called, std::set<std::str
     if (warned.insert(w).second) std::cerr << "warning: " << called << w << "\n";
 }
 
-int cmd_check(const Options& o) {
+int cmd_check(const CheckOptions& o) {
   const std::vector<scene::EffectTable> tables = engine::effect_tables();
   scene::Scene scene = scene::read_scene(o.scene, o.overrides, tables);
   if (o.environment >= 0) scene = scene::one_environment(scene, o.overrides, tables, o.environment);
@@ -82,7 +82,7 @@ int cmd_check(const Options& o) {
 
 void add_check(Command app, Context& context) {
   const Command sub = app.command("check", "report every error in a scene, and all that would keep a run from its first step");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<CheckOptions>();
   add_scene_options(sub, o->scene, o->overrides);
   sub.flag("--print-resolved", o->print_resolved, "print the scene with all defaults filled in and every number in SI");
   sub.flag("--plan", o->plan, "list effects, buffers, bytes and kernels of a run too, and what passes through what");

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr double kFilmRate = 25;  // [1/s]
 
-struct Options {
+struct ExportOptions {
   std::string run, output, camera, scene, frames, colour_by, range;
   std::vector<std::string> overrides;
   long every = 1;
@@ -59,12 +59,12 @@ std::string fields_of(const std::string& run) {
   throw Error(Exit::file, "'" + run + "' has no fields.vtkhdf: it is not the folder of a run");
 }
 
-void refuse_existing(const Options& o, const std::string& path) {
+void refuse_existing(const ExportOptions& o, const std::string& path) {
   std::error_code ec;
   if (!o.overwrite && fs::exists(path, ec)) throw Error(Exit::usage, "'" + path + "' exists already; --overwrite replaces it");
 }
 
-int film(const Options& o) {
+int film(const ExportOptions& o) {
   refuse_existing(o, o.output);
   const Range range = range_of(o.frames);
   std::error_code ec;
@@ -96,7 +96,7 @@ int film(const Options& o) {
 }
 
 // The scale spans the extremes of the field over the exported frames, and zero, where `--range` says nothing else.
-exporters::Colouring colouring(const Options& o, const output::FieldReader& reader, const std::vector<long>& frames) {
+exporters::Colouring colouring(const ExportOptions& o, const output::FieldReader& reader, const std::vector<long>& frames) {
   exporters::Colouring out;
   out.field = o.colour_by;
   out.values = [&reader, frames, name = o.colour_by](std::size_t k) { return reader.point_field(name, frames[k]).values; };
@@ -128,7 +128,7 @@ exporters::Colouring colouring(const Options& o, const output::FieldReader& read
   return out;
 }
 
-int meshes(const Options& o, const std::string& kind) {
+int meshes(const ExportOptions& o, const std::string& kind) {
   const std::string fields = fields_of(o.run);
   const output::FieldReader reader(fields);
   const std::vector<scene::EffectTable> tables = engine::effect_tables();
@@ -170,7 +170,7 @@ int meshes(const Options& o, const std::string& kind) {
   return 0;
 }
 
-int cmd_export(const Options& o) {
+int cmd_export(const ExportOptions& o) {
   const std::string kind = fs::path(o.output).extension().string();
   const bool is_film = kind == ".mp4" || kind == ".gif";
   if (!is_film && kind != ".glb" && kind != ".obj")
@@ -195,7 +195,7 @@ int cmd_export(const Options& o) {
 
 void add_export(Command app, Context& context) {
   const Command sub = app.command("export", "a run as animated glTF, OBJ files or a film, for Blender and others");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<ExportOptions>();
   sub.option("run", o->run, "folder of a run, or its fields.vtkhdf").required();
   sub.option("-o,--output", o->output, "NAME.glb, NAME.obj (NAME_0000.obj and so on), NAME.mp4 or NAME.gif").required();
   sub.option("--frames", o->frames, "A:B, A: or A; default all");

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ImportOptions {
   std::string robot, output, base = "free", missing = "error";
   std::vector<std::string> packages, joints, soft;
   double clearance = 2e-3;
@@ -45,7 +45,7 @@ double sway(const std::string& text) {
   return q.value;
 }
 
-std::string command_line(const Options& o) {
+std::string command_line(const ImportOptions& o) {
   const auto word = [](const std::string& s) { return s.find_first_of(" *?$'\"\\&;|<>()") == std::string::npos ? s : "'" + s + "'"; };
   std::string out = "mortise import " + word(fs::path(o.robot).filename().string());
   for (const std::string& j : o.joints) out += " --joint " + word(j);
@@ -56,7 +56,7 @@ std::string command_line(const Options& o) {
   return out;
 }
 
-int cmd_import(const Options& o) {
+int cmd_import(const ImportOptions& o) {
   using namespace importers;
   const bool to_file = o.output != "-";
   std::error_code ignored;
@@ -95,7 +95,7 @@ int cmd_import(const Options& o) {
 
 void add_import(Command app, Context& context) {
   const Command sub = app.command("import", "turn a robot's file, URDF or MJCF, into a scene that runs");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<ImportOptions>();
   sub.option("robot", o->robot, "URDF or MJCF file").required();
   sub.option("-o,--output", o->output, "scene file to write; - writes to the standard output").required();
   sub.option("--package", o->packages, "NAME=FOLDER where package://NAME is; without it beside or above the robot's file, and ROS_PACKAGE_PATH")

@@ -15,7 +15,7 @@
 namespace mortise::cli {
 namespace {
 
-struct Options {
+struct RenderOptions {
   std::string scene, fields, output;
   std::vector<std::string> overrides;
   long first = 0, last = -1, every = 0;  // every 0: as the scene says
@@ -39,7 +39,7 @@ std::vector<sensors::Reading> readings_of(const output::FieldReader& reader, con
   return out;
 }
 
-int cmd_render(const Options& o) {
+int cmd_render(const RenderOptions& o) {
   const std::vector<scene::EffectTable> tables = engine::effect_tables();
   scene::Scene scene = scene::read_scene(o.scene, o.overrides, tables);
   if (o.environment >= 0)
@@ -91,7 +91,7 @@ int cmd_render(const Options& o) {
 }
 
 // "A:B", "A:" or "A".
-void parse_range(const std::string& text, Options& o) {
+void parse_range(const std::string& text, RenderOptions& o) {
   const std::size_t colon = text.find(':');
   try {
     o.first = std::stol(text.substr(0, colon));
@@ -105,7 +105,7 @@ void parse_range(const std::string& text, Options& o) {
 
 void add_render(Command app, Context& context) {
   const Command sub = app.command("render", "draw pictures from saved fields, e.g. with another camera or other scales");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<RenderOptions>();
   auto frames = std::make_shared<std::string>();
   add_scene_options(sub, o->scene, o->overrides);
   sub.option("fields", o->fields, "fields.vtkhdf of a run of this scene").required();

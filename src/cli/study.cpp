@@ -21,7 +21,7 @@
 namespace mortise::cli {
 namespace {
 
-struct Options {
+struct StudyOptions {
   std::string what, output, device = "cpu";
   std::vector<std::string> overrides, vary, quantities, sensitivity;
   std::vector<double> references;
@@ -30,7 +30,7 @@ struct Options {
   bool one_at_a_time = false, effects = false, error_budget = false, dry_run = false, quiet = false;
 };
 
-study::Study of_flags(const Options& o) {
+study::Study of_flags(const StudyOptions& o) {
   study::Study s;
   s.name = std::filesystem::path(o.what).stem().string();
   (bench::find_benchmark(o.what) ? s.benchmark : s.scene) = o.what;
@@ -42,7 +42,7 @@ study::Study of_flags(const Options& o) {
   return s;
 }
 
-study::Study study_of(const Options& o) {
+study::Study study_of(const StudyOptions& o) {
   study::Study s;
   if (study::is_study(o.what)) {
     if (!o.vary.empty() || !o.quantities.empty() || !o.references.empty() || o.one_at_a_time)
@@ -77,7 +77,7 @@ std::string values_text(const study::Study& s, const study::RunResult& r) {
   return out;
 }
 
-int cmd_study(const Options& o) {
+int cmd_study(const StudyOptions& o) {
   study::Study s = study_of(o);
   const study::Place place{o.output.empty() ? "out/" + (study::is_study(o.what) ? s.name : "study") : o.output, o.device, o.threads};
   const auto told_run = [&](std::size_t done, std::size_t all, const study::RunResult& r) {
@@ -123,7 +123,7 @@ int cmd_study(const Options& o) {
 
 void add_study(Command app, Context& context) {
   const Command sub = app.command("study", "run with varied settings: how wrong is a number, and what would less error cost");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<StudyOptions>();
   sub.option("study", o->what, "file of a study (src/study/README.md), a scene, or the name of a benchmark").required();
   sub.option("--set", o->overrides, "path=value of all runs, as for run").one_each();
   const Flag vary = sub.option("--vary", o->vary,

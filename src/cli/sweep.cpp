@@ -15,7 +15,7 @@
 namespace mortise::cli {
 namespace {
 
-struct Options {
+struct SweepOptions {
   std::string file, output, shard, device = "auto";
   long index = -1;
   int jobs = 1, threads = 0;
@@ -41,7 +41,7 @@ std::vector<std::size_t> shard(const std::string& text, std::size_t count) {
   return out;
 }
 
-int run_one(const Options& o, const sweep::Sweep& s, const std::string& folder) {
+int run_one(const SweepOptions& o, const sweep::Sweep& s, const std::string& folder) {
   const auto row = static_cast<std::size_t>(o.index);
   if (row >= s.rows.size()) throw Error(Exit::usage, fmt::format("--index {}: the sweep has rows 0 to {}", o.index, s.rows.size() - 1));
   const std::string into = sweep::row_folder(folder, row);
@@ -55,7 +55,7 @@ int run_one(const Options& o, const sweep::Sweep& s, const std::string& folder) 
   return static_cast<int>(run::run_scene(r, engine::effect_tables()));
 }
 
-int cmd_sweep(const Options& o) {
+int cmd_sweep(const SweepOptions& o) {
   const sweep::Sweep s = sweep::read_sweep(o.file);
   const std::string folder = o.output.empty() ? "out/" + s.name : o.output;
   sweep::RunOptions r{folder, o.device, o.threads, o.jobs, o.no_render, shard(o.shard, s.rows.size())};
@@ -91,7 +91,7 @@ int cmd_sweep(const Options& o) {
 
 void add_sweep(Command app, Context& context) {
   const Command sub = app.command("sweep", "run one scene with many rows of parameters, one folder per row");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<SweepOptions>();
   sub.option("sweep", o->file, "file of the sweep (schemas/sweep.md)").required();
   sub.option("-o,--output", o->output, "folder of the rows' folders; default out/<name of the sweep>");
   const Flag index =

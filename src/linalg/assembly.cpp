@@ -2,15 +2,10 @@
 
 #include <bit>
 
+#include "linalg/upper_block.h"
+
 namespace mortise::linalg {
 namespace {
-
-// How the piece H(a,b) of a stencil enters the upper block of its two rows.
-enum Entry : std::uint8_t {
-  direct,      // row a <= row b: H
-  transposed,  // row a > row b: H^T
-  both         // a != b in the same row: H(a,b) and H(b,a) = H(a,b)^T fall on the same diagonal block
-};
 
 void group_gradient(const StencilView& s, Index terms, Index blocks, Grouping& out) {
   Buffer<std::uint64_t> keys(terms);

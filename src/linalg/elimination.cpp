@@ -1,16 +1,8 @@
 #include "linalg/elimination.h"
 
+#include "linalg/upper_block.h"
+
 namespace mortise::linalg {
-namespace {
-
-// How t K_ij, taken to the rows a and b, enters the upper block of the two.
-enum Entry : std::uint8_t {
-  direct,      // a <= b: K
-  transposed,  // a > b: K^T
-  both         // i != j meet in the same row: K_ij and K_ji = K_ij^T fall on its diagonal block
-};
-
-}  // namespace
 
 void Elimination::set(const std::vector<Index>& offset, const std::vector<Index>& column, const std::vector<double>& weight, Index rows) {
   offset_.upload(offset), column_.upload(column), weight_.upload(weight);

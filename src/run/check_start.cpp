@@ -8,7 +8,7 @@
 namespace mortise::run {
 namespace {
 
-void check(const engine::Outcome& outcome) {
+void must_succeed(const engine::Outcome& outcome) {
   if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message, outcome.located);
 }
 
@@ -16,7 +16,7 @@ void check(const engine::Outcome& outcome) {
 
 std::unique_ptr<engine::Engine> check_start(const Params& scene, const model::ModelInput& input) {
   std::unique_ptr<engine::Engine> engine;
-  check(engine::cpu_api().create(input, engine));
+  must_succeed(engine::cpu_api().create(input, engine));
   sensors::Sensors sensors(input);
   const std::vector<double> points = engine->points();
   Snapshot start;
@@ -27,7 +27,7 @@ std::unique_ptr<engine::Engine> check_start(const Params& scene, const model::Mo
     view.move(points);
     for (const std::string& camera : view.cameras()) render::check_job(view.job(camera, start.drawable(), ""));
   }
-  check(engine->begin());
+  must_succeed(engine->begin());
   return engine;
 }
 

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
+#include "run/vector_at.h"
+
 namespace mortise::run {
 namespace {
 
 constexpr double kFacing = 0.7;  // cosine of 45 degrees
-
-Vec3 at(std::span<const double> v, std::size_t i) { return {v[3 * i], v[3 * i + 1], v[3 * i + 2]}; }
 
 void unite(std::vector<Index>& ring) {
   std::sort(ring.begin(), ring.end());

@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char* kLog = "episodes.csv";
 
-std::string cell(const std::string& text) {
+std::string first_line_quoted(const std::string& text) {
   std::string out;
   for (char c : text.substr(0, text.find('\n'))) out += c == '"' ? "\"\"" : std::string(1, c);
   return "\"" + out + "\"";
@@ -97,7 +97,7 @@ class Episodes {
 
   void write(long episode, long steps, const std::string& why) {
     Episode e{taken(), steps, ""};
-    e.line = fmt::format("{},{},{},{}", episode, e.first_step, e.steps, cell(why));
+    e.line = fmt::format("{},{},{},{}", episode, e.first_step, e.steps, first_line_quoted(why));
     for (const scene::Drawn& d : scene::draw(all_.root, o_.environment, episode)) e.line += "," + scene::format_number(d.value);
     done_.push_back(std::move(e));
     std::string text = episodes_header(all_.root) + "\n";

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "run/measured_body.h"
+#include "run/vector_at.h"
 
 namespace mortise::run {
 
@@ -22,10 +23,6 @@ LayerError::LayerError(const model::ModelInput& input) {
     first += in.nodes.size();
   }
 }
-
-namespace {
-Vec3 at(std::span<const double> v, std::size_t i) { return {v[3 * i], v[3 * i + 1], v[3 * i + 2]}; }
-}  // namespace
 
 double LayerError::indentation(std::size_t body, const Fields& f) const {
   if (body >= bodies_.size()) return 0;  // a half-space

@@ -13,14 +13,14 @@ using Kind = Param::Kind;
 using namespace param;
 
 // What can be measured: once per state or step of the run, of one body or of all, a number or a component of a vector.
-struct Quantity {
+struct Measure {
   const char* name;
   Unit unit;
   bool body, vector;
   const char* needs;  // the effect that it is measured on; "contact", "inertia": any effect of that role
   const char* help;
 };
-constexpr Quantity kQuantities[] = {
+constexpr Measure kMeasures[] = {
     {"min_distance", Unit::length, false, false, "contact", "Smallest distance that the contact effects see; their d_hat where nothing is nearer."},
     {"min_det_f", Unit::none, false, false, "elasticity", "Smallest determinant of the deformation gradient."},
     {"kinetic_energy", Unit::energy, false, false, "inertia", "Kinetic energy of all bodies."},
@@ -51,19 +51,19 @@ constexpr Quantity kQuantities[] = {
     {"support_force", Unit::force, true, true, "pin", "Force of its pins on the body."},
 };
 
-const Quantity* find_quantity(const std::string& name) {
-  const auto it = std::find_if(std::begin(kQuantities), std::end(kQuantities), [&](const Quantity& q) { return name == q.name; });
-  return it == std::end(kQuantities) ? nullptr : it;
+const Measure* find_measure(const std::string& name) {
+  const auto it = std::find_if(std::begin(kMeasures), std::end(kMeasures), [&](const Measure& q) { return name == q.name; });
+  return it == std::end(kMeasures) ? nullptr : it;
 }
 
 Param quantity_param() {
   std::vector<std::string> names;
-  for (const Quantity& q : kQuantities) names.push_back(q.name);
+  for (const Measure& q : kMeasures) names.push_back(q.name);
   names.push_back("outcome");
   return required(choice("quantity", names, "", "What is measured; outcome: how the run ends."));
 }
 
-ParamTable table_of(const Quantity& q) {
+ParamTable table_of(const Measure& q) {
   ParamTable t{"check", std::string(q.name) + ": " + q.help, {quantity_param()}};
   if (q.body && q.unit == Unit::force) {
     t.params.push_back(optional(of(Kind::text, "body", Unit::none, {}, "Name of the body.")));
@@ -105,7 +105,7 @@ class Checks {
   void check(const Params& c, const std::string& path) {
     const Params* name = c.find("quantity");
     if (!name || name->as_text() == "outcome") return;
-    const Quantity* q = find_quantity(name->as_text());
+    const Measure* q = find_measure(name->as_text());
     if (!q) return;
     bounds(c, path);
     const Params *body = c.find("body"), *bodies = c.find("bodies"), *from = c.find("from"), *until = c.find("until");
@@ -147,7 +147,7 @@ class Checks {
     errors_.add(name.where(), path + ".body: no body '" + name.as_text() + "'", suggestion(name.as_text(), names));
   }
 
-  void needs(const Quantity& q, const Params& at, const std::string& path) {
+  void needs(const Measure& q, const Params& at, const std::string& path) {
     if (!effects_ || incomplete_.count("effects") || !*q.needs) return;
     const std::string wanted = q.needs;
     if (effects_->has(wanted)) return;
@@ -184,7 +184,7 @@ const Variants& check_variants() {
   static const Variants variants = [] {
     static std::map<std::tuple<Unit, bool, bool>, ParamTable> tables;
     Variants v{&check_table(), "quantity", {}};
-    for (const Quantity& q : kQuantities) {
+    for (const Measure& q : kMeasures) {
       const auto [at, fresh] = tables.try_emplace({q.unit, q.body, q.vector}, table_of(q));
       if (!fresh) at->second.help += std::string(" ") + q.name + ": " + q.help;
       v.of.emplace_back(q.name, &at->second);

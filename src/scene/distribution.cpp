@@ -10,8 +10,6 @@
 namespace mortise::scene {
 namespace {
 
-using Kind = Distribution::Kind;
-
 const std::vector<std::string> kNames{"uniform", "log_uniform", "normal", "choice"};
 
 // Inverse of the standard normal distribution function: Phi(x) = erfc(-x/sqrt(2))/2 = u, by Newton's method from the tail's leading term.
@@ -44,12 +42,12 @@ Distribution read_distribution(const Node& node, const std::string& what, Diagno
   const auto& [name, values] = node.entries.front();
   const auto it = std::find(kNames.begin(), kNames.end(), name);
   if (it == kNames.end()) return errors.add(values.key_at, what + ": no distribution '" + name + "'", suggestion(name, kNames)), out;
-  out.kind = static_cast<Kind>(it - kNames.begin());
-  if (values.kind != Node::Kind::list || values.items.empty() || (out.kind != Kind::choice && values.items.size() != 2))
+  out.kind = static_cast<Distribution::Kind>(it - kNames.begin());
+  if (values.kind != Node::Kind::list || values.items.empty() || (out.kind != Distribution::Kind::choice && values.items.size() != 2))
     return errors.add(values.at, what + "." + name + " is " + values.describe() + "; must be a list of " +
-                                     (out.kind == Kind::choice ? "values" : "two numbers")),
+                                     (out.kind == Distribution::Kind::choice ? "values" : "two numbers")),
            out;
-  if (out.kind == Kind::choice) {
+  if (out.kind == Distribution::Kind::choice) {
     for (const Node& v : values.items) out.choices.push_back(flow(v));
     return out;
   }
@@ -59,9 +57,10 @@ Distribution read_distribution(const Node& node, const std::string& what, Diagno
     if (!q.error.empty()) return errors.add(values.items[k].at, what + "." + name + " " + q.error, q.hint), out;
     *to[k] = q.value;
   }
-  if (out.kind == Kind::normal ? out.b < 0 : out.b < out.a)
-    errors.add(values.at, what + "." + name + ": the second number must not be " + (out.kind == Kind::normal ? "negative" : "below the first"));
-  if (out.kind == Kind::log_uniform && out.a <= 0) errors.add(values.at, what + ".log_uniform: both ends must be positive");
+  if (out.kind == Distribution::Kind::normal ? out.b < 0 : out.b < out.a)
+    errors.add(values.at,
+               what + "." + name + ": the second number must not be " + (out.kind == Distribution::Kind::normal ? "negative" : "below the first"));
+  if (out.kind == Distribution::Kind::log_uniform && out.a <= 0) errors.add(values.at, what + ".log_uniform: both ends must be positive");
   return out;
 }
 

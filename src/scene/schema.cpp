@@ -43,7 +43,7 @@ Json to_json(const Node& n) {
 }
 
 // Number in SI, or text with one of the unit's suffixes.
-Json number(const Param& p) {
+Json number_schema(const Param& p) {
   Json out = Json::object();
   if (p.unit == Unit::none) {
     out["type"] = "number";
@@ -65,7 +65,7 @@ Json number(const Param& p) {
 Json list_of(Json items, int min = 1) { return {{"type", "array"}, {"items", std::move(items)}, {"minItems", min}}; }
 
 Json vec3(const Param& p) {
-  Json out = list_of(number(p), 3);
+  Json out = list_of(number_schema(p), 3);
   out["maxItems"] = 3;
   return out;
 }
@@ -75,9 +75,9 @@ Json described(const Param& p);
 Json value(const Param& p) {
   switch (p.kind) {
     case Kind::number:
-      return number(p);
+      return number_schema(p);
     case Kind::integer: {
-      Json out = number(p);
+      Json out = number_schema(p);
       out["type"] = "integer";
       return out;
     }
@@ -91,7 +91,7 @@ Json value(const Param& p) {
     case Kind::vec3:
       return vec3(p);
     case Kind::numbers:
-      return list_of(number(p));
+      return list_of(number_schema(p));
     case Kind::vec3s:
       return list_of(vec3(p));
     case Kind::names:
@@ -105,10 +105,10 @@ Json value(const Param& p) {
       Param time;
       time.unit = Unit::time;
       Json table = {{"type", "object"},
-                    {"properties", {{"time", list_of(number(time))}, {"value", list_of(number(p))}}},
+                    {"properties", {{"time", list_of(number_schema(time))}, {"value", list_of(number_schema(p))}}},
                     {"required", {"time", "value"}},
                     {"additionalProperties", false}};
-      return {{"oneOf", Json::array({number(p), std::move(table)})}};
+      return {{"oneOf", Json::array({number_schema(p), std::move(table)})}};
     }
     case Kind::table:
       return block(*p.sub);

@@ -15,7 +15,9 @@ using namespace param;
 Param count(std::string key, std::string help) {
   return range(required(of(Kind::integer, std::move(key), Unit::none, {}, std::move(help))), 1, 4096);
 }
-Param length(std::string key, std::string help) { return positive(required(of(Kind::number, std::move(key), Unit::length, {}, std::move(help)))); }
+Param required_length(std::string key, std::string help) {
+  return positive(required(of(Kind::number, std::move(key), Unit::length, {}, std::move(help))));
+}
 
 // Two increasing numbers; `least`: the first is no smaller.
 void check_range(const Params& sensor, const char* key, double least, const std::string& path, Diagnostics& errors) {
@@ -56,8 +58,8 @@ const ParamTable& sensor_table() {
        of(Kind::vec3, "normal", Unit::none, "[0, 0, 1]",
           "Direction out of the body, of any length but zero; the grid is laid on the surface along it."),
        of(Kind::vec3, "up", Unit::none, "[0, 1, 0]", "Direction in which row numbers grow; columns grow along up x normal."),
-       count("rows", "Number of taxels along `up`."), count("columns", "Number of taxels across."), length("width", "Size of the grid across."),
-       length("height", "Size of the grid along `up`."),
+       count("rows", "Number of taxels along `up`."), count("columns", "Number of taxels across."),
+       required_length("width", "Size of the grid across."), required_length("height", "Size of the grid along `up`."),
        positive(optional(of(Kind::number, "depth", Unit::length, {},
                             "Surface farther than this from the grid's plane does not belong to it; absent: all that faces it."))),
        choice("moves_with", {"supports", "body"}, "supports",

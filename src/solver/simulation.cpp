@@ -9,6 +9,7 @@
 #include "base/env_archives.h"
 #include "base/memory_archive.h"
 #include "effects/per_environment.h"
+#include "solver/flatten.h"
 #include "solver/kernels.h"
 #include "solver/timed.h"
 #include "solver/tuning.h"
@@ -16,13 +17,6 @@
 
 namespace mortise::solver {
 namespace {
-
-std::vector<double> flatten(const std::vector<Vec3>& v) {
-  std::vector<double> out;
-  out.reserve(3 * v.size());
-  for (const Vec3& x : v) out.insert(out.end(), {x[0], x[1], x[2]});
-  return out;
-}
 
 std::vector<Vec3> unflatten(const std::vector<double>& v) {
   std::vector<Vec3> out(v.size() / 3);

@@ -5,6 +5,7 @@
 
 #include "base/pass_on.h"
 #include "effects/per_environment.h"
+#include "solver/flatten.h"
 #include "solver/simulation.h"
 #include "solver/tie_forces.h"
 #include "solver/timed.h"
@@ -36,13 +37,6 @@ class WrittenForces : public PassOn {
   std::vector<Vec3> sum_;
   bool any_ = false;
 };
-
-std::vector<double> flatten(const std::vector<Vec3>& v) {
-  std::vector<double> out;
-  out.reserve(3 * v.size());
-  for (const Vec3& x : v) out.insert(out.end(), {x[0], x[1], x[2]});
-  return out;
-}
 
 }  // namespace
 

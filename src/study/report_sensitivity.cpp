@@ -11,14 +11,14 @@ namespace mortise::study {
 namespace {
 
 // What a quantity changes by as a parameter grows by one percent.
-std::string change_text(double per_share, double value) {
+std::string change_of_one_percent(double per_share, double value) {
   const double change = per_share / 100;
   return value != 0 ? fmt::format("{:+.4g} %", 100 * change / std::abs(value)) : fmt::format("{:+.4g}", change);
 }
 
 std::string note_of(const Derivative& d, double value) {
   if (!d.kink) return "";
-  return fmt::format("no derivative: {} of +1 %, {} of -1 %", change_text(d.above, value), change_text(-d.below, value));
+  return fmt::format("no derivative: {} of +1 %, {} of -1 %", change_of_one_percent(d.above, value), change_of_one_percent(-d.below, value));
 }
 
 }  // namespace
@@ -49,7 +49,8 @@ std::string sensitivity_table(const Study& study, const Sensitivities& found) {
       const double p = s->parameter.number();
       const std::string note = note_of(d, value);
       out += fmt::format("  {:{}} {:>12} {:>13} {:>15}  {}\n", s->parameter.path, wide, std::isfinite(p) ? fmt::format("{:.6g}", p) : "all of it",
-                         std::isfinite(p) && !d.kink ? fmt::format("{:.5g}", d.central() / p) : "-", d.kink ? "-" : change_text(d.central(), value),
+                         std::isfinite(p) && !d.kink ? fmt::format("{:.5g}", d.central() / p) : "-",
+                         d.kink ? "-" : change_of_one_percent(d.central(), value),
                          d.kink ? note : fmt::format("{:.1g} %", std::abs(value != 0 ? d.uncertainty() / value : d.uncertainty())));
     }
     out += "\n";

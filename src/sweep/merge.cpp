@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 namespace mortise::sweep {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 std::string cell(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;

@@ -168,6 +168,25 @@ TEST(Linear, ReuseKeepsFactorsWithinAStepOnly) {
   EXPECT_FALSE(linear->ready(0)) << "another step";
 }
 
+// A factor by which conjugate gradients still converge, but in more than half of what a factor costs, is not kept for another iteration.
+TEST(Linear, AStaleFactorThatHardlyPaysIsGivenUp) {
+  Chains c({0}, {1});
+  auto linear = make("reuse", c);
+  linear->begin_solve(true);
+  EnvTable envs(1);
+  StepReport report;
+  const CurvaturePolicy convex(1);
+  linear->solve(c.system(), {1}, convex, envs, report);
+  std::vector<Mat3> other(7, Mat3::Zero());  // twelve eigenvalues far apart: as many iterations
+  for (int i = 0; i < 12; ++i) other[2 * (i / 3)](i % 3, i % 3) = std::pow(2.0, i);
+  c.A.value.upload(other);
+  linear->solve(c.system(), {1}, convex, envs, report);
+  EXPECT_GT(report.cg, 8);
+  EXPECT_LE(report.cg, 16);
+  EXPECT_LT(c.residual(0), 1e-2);
+  EXPECT_FALSE(linear->ready(0));
+}
+
 // A preconditioner that could not be made leaves no factor that a later iteration could take for one.
 TEST(Linear, AFailedFactorIsNoFactor) {
   Chains good({2.0}, {1.0}), bad({2.0}, {-50.0});

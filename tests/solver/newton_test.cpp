@@ -263,6 +263,88 @@ TEST(Newton, TheWholeJacobianIsTriedAgainWhereEnergyIsLowest) {
   for (const Vec3& d : p.moved(newton.q())) EXPECT_LT((d - exact).norm(), 1e-5 * far);
 }
 
+// Iterations run around the root on an ellipse that has two of four states nearer to balance; elsewhere forces change so wildly that the coupled
+// iteration gets nowhere. It has to begin at the nearest state that was met, not where creeping was seen.
+TEST(Newton, TheWholeJacobianBeginsAtTheNearestState) {
+  const Vec3 root(-1, 0.25, 0);
+  const Mat3 J = (Mat3() << 1, -4, 0, 0.25, 1, 0, 0, 0, 1).finished();  // of e = d - root: e, after an iteration, is (4 y, -x/4, 0)
+  Law law = toy::spring([](Index) { return 1.0; }, [](Index) { return Vec3::Zero(); });
+  law.gradient = [=](Index, const Vec3& d) -> Vec3 {
+    const Vec3 e = d - root;
+    Vec3 wild = Vec3::Zero();
+    for (const Vec3& at : {Vec3(1, -0.25, 0), Vec3(-1, 0.25, 0), Vec3(1, 0.25, 0)})  // all but (-1, -1/4, 0)
+      if ((e - at).norm() < 1e-6) wild -= 100 * (e - at);
+    return J * e + wild;
+  };
+  law.energy = [gradient = law.gradient](Index e, const Vec3& d, const Vec3& d0) {
+    return gradient(e, d0).dot(d - d0) + 0.5 * (d - d0).squaredNorm();
+  };
+  Problem p;
+  p.add(kTwisted, law);
+  Newton newton(p.model, p.effects, p.options, p.clock);
+  const StepReport report = solve(p, newton);
+  EXPECT_LT(report.newton, 25) << "twenty until creeping is seen, and one or two from the nearest";
+  for (const Vec3& d : p.moved(newton.q())) EXPECT_LT((d - root).norm(), 1e-5);
+}
+
+namespace {
+
+// J = H + U with H = 1 and U = -3: its directions go uphill.
+class Uphill final : public effects::Effect {
+ public:
+  explicit Uphill(model::Model& model) : model_(model) {}
+  const effects::Kind& kind() const override { return kTwisted; }
+  void linearise(effects::Positions, effects::Want want, effects::Linearisation& at) override {
+    const Index n = model_.blocks;
+    at.stencils.resize_uniform(n, 1);
+    at.stencils.need_hessian();
+    if (want.whole) at.unsymmetric.resize(3, n);
+    const linalg::StencilView v = at.stencils.view();
+    const Mat3 H = Mat3::Identity();
+    for (Index b = 0; b < n; ++b) {
+      device::copy_in(v.block.p + b, &b, sizeof b);
+      device::copy_in(v.grad.p + b, &kForce, sizeof kForce);
+      device::copy_in(v.hess.p + b, &H, sizeof H);
+      for (int c = 0; c < 3 && want.whole; ++c) {
+        const Vec3 right = Vec3::Unit(c), left = -3 * right;
+        device::copy_in(at.unsymmetric.left.view().p + c * n + b, &left, sizeof left);
+        device::copy_in(at.unsymmetric.right.view().p + c * n + b, &right, sizeof right);
+      }
+    }
+    if (!at.shaped) at.stencils.pattern_changed(), at.shaped = true;
+  }
+  void energy(effects::Positions, const effects::Linearisation&, device::EnvValues) override {}
+
+ private:
+  model::Model& model_;
+};
+
+}  // namespace
+
+// Where the whole Jacobian points uphill negative curvature is taken out first, and then the symmetric part alone is followed.
+TEST(Direction, FollowsTheSymmetricPartWhereTheWholePointsUphill) {
+  for (const bool concave : {false, true}) {
+    Problem p;
+    p.effects.push_back(std::make_unique<Uphill>(p.model));
+    System system(p.model, p.effects, p.options, p.clock);
+    system.begin_solve();
+    const auto linear = make_direct(p.model, system.rows, false);
+    linear->begin_solve(true);
+    CurvaturePolicy curvature(1);
+    if (concave) curvature.choose(0, 1);
+    Direction direction(system, *linear, curvature);
+    EnvTable envs(1);
+    envs[0].whole = true;
+    Linearised at = system.potential.linearised();
+    const Residual r = system.linearise(std::as_const(p.model.q).view(), direction.want(envs), at);
+    StepReport report;
+    direction.find(p.model.q, r, {1e-9}, at, envs, report);
+    EXPECT_LT(direction.slope()[0], 0);
+    for (const Vec3& d : direction.way().download()) EXPECT_LT((d + kForce).norm(), 1e-12);
+    EXPECT_EQ(report.softened > 0, concave);
+  }
+}
+
 // A force that jumps over zero has no root, and iterations no end: that is seen long before their limit, once the coupled iteration has failed too.
 TEST(Newton, IterationsInACircleAreGivenUp) {
   Problem p;

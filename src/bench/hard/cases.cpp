@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "base/error.h"
+#include "bench/hard/dice.h"
 #include "bench/hard/hard.h"
 
 namespace fs = std::filesystem;
@@ -55,12 +56,6 @@ void use_mortar(YAML::Node scene, const YAML::Node& mortar) {
   effects.remove("barrier_contact");
   effects["mortar_contact"] = block;
   if (effects["friction"]) effects["friction"]["follows"] = "mortar_contact";
-}
-
-std::string emit(const YAML::Node& node) {
-  YAML::Emitter out;
-  out << node;
-  return std::string(out.c_str()) + "\n";
 }
 
 }  // namespace

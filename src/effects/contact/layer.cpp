@@ -13,18 +13,18 @@
 namespace mortise::effects::contact {
 namespace {
 
-void gather(const Params& p, std::set<std::string>& names) {
+void add_names(const Params& p, std::set<std::string>& names) {
   if (p.kind() == Params::Kind::text) names.insert(p.as_text());
   if (p.kind() == Params::Kind::list)
-    for (const Params& item : p.items()) gather(item, names);
+    for (const Params& item : p.items()) add_names(item, names);
   if (p.kind() == Params::Kind::table)
-    for (const auto& [key, value] : p.entries()) gather(value, names);
+    for (const auto& [key, value] : p.entries()) add_names(value, names);
 }
 
 // Bodies of the environment that the effect acts on.
 std::vector<const model::BodyInput*> bodies_of(const Params& effect, const model::ModelInput& input, Index env) {
   std::set<std::string> names;
-  if (const Params* pairs = effect.find("pairs")) gather(*pairs, names);
+  if (const Params* pairs = effect.find("pairs")) add_names(*pairs, names);
   std::vector<const model::BodyInput*> out;
   for (const model::BodyInput& body : input.bodies)
     if (body.env == env && !body.triangles.empty() && (names.empty() || names.count(body.name))) out.push_back(&body);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "device/one_of.h"
 #include "effects/contact/tuning.h"
 #include "effects/failure.h"
 #include "geometry/collide/ccd.h"
@@ -66,14 +67,7 @@ void plane_meeting(const BarrierView& s, View<const std::uint8_t> held, View<con
   });
 }
 
-template <class T>
-T fetch(View<const T> v, Index i) {
-  T value;
-  device::copy_out(&value, v.p + i, sizeof(T));
-  return value;
-}
-
-Vec3 at(View<const Vec3> y, View<const Vec3> dy, Index p, double t) { return fetch(y, p) + t * fetch(dy, p); }
+Vec3 at(View<const Vec3> y, View<const Vec3> dy, Index p, double t) { return device::one_of(y, p) + t * device::one_of(dy, p); }
 
 [[noreturn]] void fail(const model::Body& first, const std::string& b, double t, const Vec3& x, const StepInfo& step) {
   const std::string& a = first.name;
@@ -99,17 +93,17 @@ struct Found {
 
   void fail_on_first(const model::Model& model, const BarrierView& s, const geometry::Broadphase& near, const StepInfo& step) const {
     const Earliest plane = of_planes.earliest(), points = of_points.earliest(), edges = of_edges.earliest();
-    const auto body = [&](Index p) -> const model::Body& { return model.bodies[fetch(s.surface.body, p)]; };
+    const auto body = [&](Index p) -> const model::Body& { return model.bodies[device::one_of(s.surface.body, p)]; };
     if (plane.t <= 1 && plane.t <= std::min(points.t, edges.t)) {
-      const Index p = fetch(s.surface.vertices, plane.pair % s.surface.vertices.n);
+      const Index p = device::one_of(s.surface.vertices, plane.pair % s.surface.vertices.n);
       fail(body(p), model.half_spaces[plane.pair / s.surface.vertices.n].name, plane.t, place(p, plane.t), step);
     }
     if (points.t <= 1 && points.t <= edges.t) {
-      const geometry::PointTriangle pair = fetch(near.point_triangles(), points.pair);
+      const geometry::PointTriangle pair = device::one_of(near.point_triangles(), points.pair);
       fail(body(pair.v[0]), body(pair.v[1]).name, points.t, place(pair.v[0], points.t), step);
     }
     if (edges.t <= 1) {
-      const geometry::EdgeEdge pair = fetch(near.edge_edges(), edges.pair);
+      const geometry::EdgeEdge pair = device::one_of(near.edge_edges(), edges.pair);
       Vec3 x[4];
       for (int k = 0; k < 4; ++k) x[k] = place(pair.v[k], edges.t);
       const geometry::Closest c = geometry::closest_edge_edge(x);

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "device/one_of.h"
 #include "geometry/collide/bvh.h"
 #include "geometry/solid_angle.h"
 
@@ -77,13 +78,6 @@ Index below(const BarrierView& s, View<const Vec3> y) {
   });
 }
 
-template <class T>
-T fetch(View<const T> v, Index i) {
-  T value;
-  device::copy_out(&value, v.p + i, sizeof(T));
-  return value;
-}
-
 // Names primitives by the numbers that they have in their body's mesh.
 struct Names {
   const model::Model& model;
@@ -97,7 +91,7 @@ struct Names {
   std::string vertex(Index p) const { return "vertex " + point(p) + " of '" + body_of(p).name + "'"; }
   std::string edge(Index a, Index b) const { return "edge " + point(a) + "-" + point(b) + " of '" + body_of(a).name + "'"; }
   std::string triangle(Index t) const {
-    const model::Body& body = body_of(fetch(s.surface.triangles, t).v[0]);
+    const model::Body& body = body_of(device::one_of(s.surface.triangles, t).v[0]);
     return "triangle " + std::to_string(t - body.triangle_begin) + " of '" + body.name + "'";
   }
 };
@@ -113,7 +107,7 @@ std::string obj_of(const Names& names, const std::vector<Index>& points, const s
   const model::Body& body = names.body_of(points[0]);
   std::string vertices, faces;
   for (Index t = body.triangle_begin; t < body.triangle_end; ++t) {
-    const Triangle tri = fetch(names.s.surface.triangles, t);
+    const Triangle tri = device::one_of(names.s.surface.triangles, t);
     const bool holds = std::all_of(points.begin(), points.end(), [&](Index p) { return has(tri, p); });
     if (!holds) continue;
     faces += "f";
@@ -178,23 +172,23 @@ void check_nested(const model::Model& model, const BarrierView& s, View<const Ve
 void check_start(const model::Model& model, const BarrierView& s, const Candidates& c, View<const Vec3> y) {
   const Names names{model, s};
   if (const Index i = below(s, y); i >= 0) {
-    const Index point = fetch(s.surface.vertices, i % s.surface.vertices.n);
+    const Index point = device::one_of(s.surface.vertices, i % s.surface.vertices.n);
     fail(names, y, {{point}, {}}, names.vertex(point) + " is on or below half-space '" + model.half_spaces[i / s.surface.vertices.n].name + "'");
   }
   if (const Index i = touching(s, c.point_triangles(), y); i >= 0) {
-    const PointTriangle p = fetch(c.point_triangles(), i);
-    const Triangle t = fetch(s.surface.triangles, p.triangle);
+    const PointTriangle p = device::one_of(c.point_triangles(), i);
+    const Triangle t = device::one_of(s.surface.triangles, p.triangle);
     fail(names, y, {{p.point}, {t.v[0], t.v[1], t.v[2]}}, names.vertex(p.point) + " touches " + names.triangle(p.triangle));
   }
   if (const Index i = touching(s, c.edge_edges(), y); i >= 0) {
-    const EdgeEdge p = fetch(c.edge_edges(), i);
+    const EdgeEdge p = device::one_of(c.edge_edges(), i);
     fail(names, y, {{p.v[0], p.v[1]}, {p.v[2], p.v[3]}}, names.edge(p.v[0], p.v[1]) + " touches " + names.edge(p.v[2], p.v[3]));
   }
   const std::vector<Index> hit = crossed_triangles(s, model.envs, y);
   for (std::size_t e = 0; e < hit.size(); ++e) {
     if (hit[e] < 0) continue;
-    const Edge edge = fetch(s.surface.edges, static_cast<Index>(e));
-    const Triangle t = fetch(s.surface.triangles, hit[e]);
+    const Edge edge = device::one_of(s.surface.edges, static_cast<Index>(e));
+    const Triangle t = device::one_of(s.surface.triangles, hit[e]);
     fail(names, y, {{edge.v[0], edge.v[1]}, {t.v[0], t.v[1], t.v[2]}},
          names.edge(edge.v[0], edge.v[1]) + " passes through " + names.triangle(hit[e]));
   }
