@@ -7,8 +7,10 @@
 #include "cli/terminal.h"
 #include "engine/choose.h"
 #include "importers/robot_block.h"
+#include "output/column_file.h"
 #include "scene/robot.h"
 #include "scene/suggest.h"
+#include "scene/trajectory.h"
 
 namespace mortise::cli {
 namespace {
@@ -134,6 +136,7 @@ int run(std::vector<std::string> args) {
 int program(std::vector<std::string> arguments) {
   end_on_broken_pipe();
   scene::set_robot_reader(importers::scene_of_robot);
+  scene::set_column_reader(output::read_column);
   try {
     return run(std::move(arguments));
   } catch (const Error& e) {

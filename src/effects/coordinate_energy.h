@@ -10,7 +10,7 @@
 
 namespace mortise::effects {
 
-struct CoordinateLinearisation final : Linearisation {
+struct CoordinateLinearisation : Linearisation {
   device::Buffer<model::HingeDirections> there;
   std::size_t bytes() const override { return Linearisation::bytes() + there.bytes(); }
 };
@@ -38,13 +38,19 @@ class CoordinateEnergy {
 
   void linearise(const char* kernel, const model::Model& model, Positions q, Want want, Linearisation& at) const {
     if (items_.empty()) return;
+    const bool fresh = want.forces && at.stencils.resize_uniform(items_.size(), model::kCoordinateBlocks);
+    if (want.forces && want.matrix.wanted) at.stencils.need_hessian();
+    fill(kernel, model, q, want, at);
+    if (fresh) at.stencils.pattern_changed();
+  }
+  // The same where the set has room for these stencils before others.
+  void fill(const char* kernel, const model::Model& model, Positions q, Want want, Linearisation& at) const {
     auto& mine = static_cast<CoordinateLinearisation&>(at);
     mine.there.resize(items_.size());
     const View<const Item> list = items_.view();
     const View<model::HingeDirections> there = mine.there.view();
-    const bool fresh = want.forces && at.stencils.resize_uniform(list.n, model::kCoordinateBlocks), forces = want.forces;
+    const bool forces = want.forces;
     const Curvature curvature = want.matrix;
-    if (forces && curvature.wanted) at.stencils.need_hessian();
     const View<const Index> env = std::as_const(model.block_env).view();
     const linalg::StencilView out = at.stencils.view();
     device::parallel_for(kernel, list.n, [=] MORTISE_HD(Index i) {
@@ -57,7 +63,6 @@ class CoordinateEnergy {
       model::coordinate_stencil(item.of, d, item.law.first(x), item.law.second(x), concavity, out.block.p + first, out.grad.p + first,
                                 curvature.wanted ? out.hess.p + linalg::pair_count(model::kCoordinateBlocks) * i : nullptr);
     });
-    if (fresh) at.stencils.pattern_changed();
   }
 
   // No way further than the law allows, nor than what can be counted of turns since the step began.

@@ -20,6 +20,7 @@ struct Coordinate {
   Index slider = -1, carrier = -1;  // first blocks (p) of c and t; -1: the world
   Vec3 u, X;                        // in the world X is the centre at rest
   double at_rest = 0, before = 0;   // the coordinate at rest; at the last accepted state, from which turns are counted
+  bool carried_freely = false;      // t moves, and is no obstacle that others move
   MORTISE_HD Index any_block() const { return slides ? slider : hinge.child; }
 };
 inline constexpr int kCoordinateBlocks = kHingeBlocks;  // a slide leaves one unused
@@ -41,8 +42,7 @@ MORTISE_HD inline double coordinate(const Coordinate& c, const HingeDirections& 
   return c.slides ? c.at_rest + r.c2.dot(r.c3) : unwrapped(c.at_rest + hinge_angle(r), c.before);
 }
 
-// Gradient and Hessian of E of the coordinate, as hinge_stencil. Negative curvature of a slide is of t alone and of t with c; t is given where slides
-// have energies.
+// Gradient and Hessian of E of the coordinate, as hinge_stencil. Negative curvature of a slide is of t alone and of t with c: none where t is given.
 MORTISE_HD inline void coordinate_stencil(const Coordinate& c, const HingeDirections& r, double e1, double e2, double concave, Index* block,
                                           Vec3* grad, Mat3* hess) {
   if (!c.slides) return hinge_stencil(c.hinge, r, e1, e2, concave, block, grad, hess);
@@ -55,8 +55,25 @@ MORTISE_HD inline void coordinate_stencil(const Coordinate& c, const HingeDirect
     grad[b] = e1 * g[b];
   }
   if (!hess) return;
+  linalg::MatN<kCoordinateBlocks> S;  // of e1 d2s, where it is not as it is
+  if (c.carried_freely) {
+    for (int a = 0; a < kCoordinateBlocks; ++a)
+      for (int b = 0; b < kCoordinateBlocks; ++b) S(a, b) = 0;
+    for (int k = 0; k < 3; ++k) {
+      S(0, 2 + k) = S(2 + k, 0) = e1 * c.u[k], S(1, 2 + k) = S(2 + k, 1) = -e1 * c.u[k];
+      for (int l = 0; l < 3; ++l) S(2 + k, 2 + l) = -e1 * (c.u[k] * c.X[l] + c.u[l] * c.X[k]);
+    }
+    linalg::MatN<kCoordinateBlocks> convex = S;
+    linalg::project_psd<kCoordinateBlocks>(convex);
+    for (int a = 0; a < kCoordinateBlocks; ++a)
+      for (int b = 0; b < kCoordinateBlocks; ++b) S(a, b) = convex(a, b) + concave * (S(a, b) - convex(a, b));
+  }
   for (int a = 0, place = 0; a < kCoordinateBlocks; ++a)
     for (int b = a; b < kCoordinateBlocks; ++b, ++place) {
+      if (c.carried_freely) {
+        hess[place] = e2 * g[a] * g[b].transpose() + S(a, b) * Mat3::Identity();
+        continue;
+      }
       double same = 0;  // of d2s
       if (c.carrier >= 0 && b >= 2 && b < 5) same = a == 0 ? c.u[b - 2] : a == 1 ? -c.u[b - 2] : -(c.u[a - 2] * c.X[b - 2] + c.u[b - 2] * c.X[a - 2]);
       hess[place] = e2 * g[a] * g[b].transpose() + (e1 * same) * Mat3::Identity();

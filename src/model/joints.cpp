@@ -43,6 +43,7 @@ Coordinate coordinate_of(const Model& model, const Joint& joint) {
     c.slides = true;
     c.slider = first(joint.follower), c.carrier = first(carrier);
     c.u = side_of(joint) * joint.axis, c.X = centre_of(model, joint.follower) - centre_of(model, carrier);
+    c.carried_freely = carrier != Tie::kWorld && !model.bodies[carrier].prescribed();
   } else {
     c.hinge = hinge_about(joint.axis, first(joint.body) + 1, joint.to == Tie::kWorld ? -1 : first(joint.to) + 1);
     c.slider = -1, c.u = c.X = Vec3::Zero();
@@ -88,11 +89,7 @@ void guide(Model& model) {
     if (j.type != JointType::prismatic || j.mimics) continue;
     const Index slider = model.bodies[j.follower].block_begin, carrier = carrier_of(j);
     if (model.ties.tied(slider)) continue;  // its way is given
-    if (carrier != Tie::kWorld && !model.bodies[carrier].prescribed())
-      throw Error(Exit::scene, j.where,
-                  "'" + model.bodies[carrier].name +
-                      "' moves freely: a body slides on one that is pinned, driven to given positions or the world; elsewhere a prismatic joint "
-                      "needs a drive of mode kinematic");
+    if (carrier != Tie::kWorld && !model.bodies[carrier].prescribed()) continue;
     if (target.empty()) target = model.target.download(), projector = model.projector.download();
     // Blocks of what is prescribed, at the end of the step.
     const auto at_end = [&](Index block) {

@@ -24,9 +24,11 @@ struct Joint {
   Vec3 place, axis;                 // world coordinates at rest; the axis is of unit length
   Index tie = 0;                    // in Ties::list()
   Index follower = 0;               // which of the two bodies the tie lets follow the other
-  bool mimics = false;              // another joint: a prismatic one whose tie leaves nothing free
-  double at_rest = 0;               // the coordinate as the bodies stand at rest,
-  double low, high;                 // and what it may be
+  bool mimics = false;              // another joint: the tie leaves nothing free
+  Index leader = -1;                // a joint that it follows, `ratio` times as far from where both stand at rest; -1: none
+  double ratio = 1;
+  double at_rest = 0;  // the coordinate as the bodies stand at rest,
+  double low, high;    // and what it may be
   // Of the accepted state:
   double value = 0;  // turns are counted
   double rate = 0;   // over the last step [1/s]
@@ -49,9 +51,9 @@ std::vector<Follow> placed_at(const Model& model, const Joint& joint, double val
 // The axis as the body `to` has it.
 Follow axis_of(const Model& model, const Joint& joint);
 
-// Prismatic joints of which no coordinate is given guide the centre of the body that follows along the axis of the other, which has to be prescribed
-// at all times: that is a support across the axis (Model::projector), where it will be at the end of the step, once targets and driven ties say so.
-// Throws Error(Exit::scene).
+// Prismatic joints of which no coordinate is given guide the centre of the body that follows along the axis of the other. Where that is prescribed at
+// all times it is a support across the axis (Model::projector), where it will be at the end of the step, once targets and driven ties say so; on one
+// that moves freely it is the effect's matter (effects/joint/equations.h).
 void guide(Model& model);
 
 }  // namespace mortise::model

@@ -11,6 +11,7 @@
 #include "scene/quantity.h"
 #include "scene/robot.h"
 #include "scene/tables.h"
+#include "scene/trajectory.h"
 #include "scene/yaml.h"
 
 namespace mortise::scene {
@@ -87,6 +88,7 @@ Scene read(const std::string& text, const std::string& path, const std::vector<s
   }
   Checker checker(errors, folder);
   scene.root = checker.table(tables.root(), root, "");
+  expand_trajectories(scene.root, errors);
   cross_check(scene.root, effects, checker.incomplete(), errors);
   check_environments(root, scene.root, tables.root(), checker.incomplete(), errors);
   if (!errors.empty()) errors.raise();

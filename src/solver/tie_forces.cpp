@@ -112,7 +112,8 @@ void TieForces::report(const FieldSinks& sinks) const {
     for (Index b = body.block_begin; b < body.block_end && body.type == model::BodyType::soft; ++b)
       for (int k = 0; k < 3; ++k) field[3 * static_cast<std::size_t>(body.point_begin + (b - body.block_begin)) + k] = pull_[b][k];
   for (Index e = 0; e < sinks.size(); ++e)
-    for (const auto& [effect, worst] : error[e]) sinks[e].scalar(effect, "tie_error", "m", worst);
+    for (const auto& [effect, worst] : error[e])
+      sinks[e].scalar(effect, "tie_error", "m", worst), sinks[e].scalar(effect, "tie_error_mm", "mm", 1e3 * worst);
   if (any) effects::report_points(sinks, model_, "tie_force", "N", 3, field);
 }
 

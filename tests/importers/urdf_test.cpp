@@ -177,10 +177,9 @@ TEST(Urdf, ARootCalledWorldHoldsWhatIsFixedToIt) {
   ASSERT_EQ(m.axes[0].name, "rail");
   EXPECT_EQ(m.axes[1].to, 0);
   EXPECT_EQ(m.axes[0].to, -1);
-  EXPECT_FALSE(m.axes[0].given) << "a slide on the world can have a motor of any kind";
 }
 
-TEST(Urdf, ParallelSlidesMimicExactlyAndHingesByMotor) {
+TEST(Urdf, JointsMimicExactly) {
   const std::string limits = "<limit lower='0' upper='0.04'/>";
   Notes notes;
   const Machine m = machine(
@@ -192,9 +191,14 @@ TEST(Urdf, ParallelSlidesMimicExactlyAndHingesByMotor) {
   EXPECT_EQ(m.axes[1].mimics, 0);
   EXPECT_EQ(m.axes[1].stands, 0.02);
   EXPECT_LT((m.bodies[2].at.t - m.bodies[0].at.t - Vec3(0, -0.02, 0)).norm(), 1e-15);
-  EXPECT_EQ(m.axes[2].mimics, -1);
+  EXPECT_EQ(m.axes[2].mimics, 0);
+  EXPECT_EQ(m.axes[2].ratio, 10);
   EXPECT_NEAR(m.axes[2].stands, 0.5, 1e-15);
-  EXPECT_TRUE(told(notes, "a motor of its own"));
+  EXPECT_FALSE(m.axes[1].limits) << "the leader's are as narrow";
+  EXPECT_FALSE(m.axes[2].limits) << "0.3 to 0.7 is all there is";
+  const std::string text = write_scene(m, {}, "r.yaml", "");
+  EXPECT_NE(text.find("mimic: {joint: left, ratio: 10}"), std::string::npos) << text;
+  EXPECT_EQ(text.find("joint: knuckle, mode"), std::string::npos) << "it has no motor";
 }
 
 TEST(Urdf, SwayIsAboutWhereJointsStandWithinTheirLimits) {
@@ -211,7 +215,7 @@ TEST(Urdf, SwayIsAboutWhereJointsStandWithinTheirLimits) {
                   joint("knuckle", "revolute", "hand", "k", "<mimic joint='left' multiplier='-2'/><limit lower='-1' upper='1'/>"),
               o);
   EXPECT_NEAR(m.axes[0].swing, 0.03, 1e-15) << "slides: 0.1 m for a radian";
-  EXPECT_NEAR(m.axes[1].swing, -0.06, 1e-15) << "what mimics swings along";
+  EXPECT_EQ(m.axes[1].swing, 0) << "what mimics swings along";
   EXPECT_NE(write_scene(m, {}, "r.yaml", "").find("sine: {travel: 30 mm, frequency: 1}"), std::string::npos);
 }
 

@@ -79,13 +79,21 @@ namespace {
 
 Vector unit(const Vector& v) { return (1 / norm(v)) * v; }
 
-// A slide whose way is that of another, r times: p_c = r p_a + (1 - r) p_t + ..., so that a force on c is r of it at a and 1 - r at t.
+std::string text(const YAML::Node& of, const char* key) { return of[key] ? of[key].as<std::string>() : ""; }
+std::string name_of(const YAML::Node& tie) {
+  const std::string to = text(tie, "to");
+  return tie["name"] ? text(tie, "name") : text(tie, "body") + "_" + (to.empty() ? "world" : to);
+}
+
+// A slide whose way is that of another beside it, r times: p_c = r p_a + (1 - r) p_t + ..., so that a force on c is r of it at a and 1 - r at t. What
+// follows in another manner is pulled by a force of its own, of which r times is missing on its leader.
 void slide(const YAML::Node& effects, const YAML::Node& joint, const std::string& name, Tie& tie, Case& c) {
-  Slide s{name, tie.share[0].first, tie.share[1].first, unit(vector_of(joint["axis"]))};
+  Slide s{name, tie.share[0].first, tie.share[1].first, unit(vector_of(joint["axis"])), false, {}};
   if (const YAML::Node mimic = joint["mimic"]) {
     const std::string leader = mimic["joint"].as<std::string>();
     for (const YAML::Node& other : effects["joint"])
-      if (other["name"] && other["name"].as<std::string>() == leader) {
+      if (name_of(other) == leader && text(other, "type") == "prismatic" && text(other, "to") == text(joint, "to") &&
+          std::abs(dot(s.axis, unit(vector_of(other["axis"])))) > 1 - 1e-9) {
         const double r = (mimic["ratio"] ? mimic["ratio"].as<double>() : 1) * dot(s.axis, unit(vector_of(other["axis"])));
         tie.share[1].second = -(1 - r);
         tie.share.emplace_back(other["body"].as<std::string>(), -r);
@@ -93,6 +101,9 @@ void slide(const YAML::Node& effects, const YAML::Node& joint, const std::string
   }
   for (const YAML::Node& drive : effects["drive"])
     if (drive["joint"].as<std::string>() == name) s.given = drive["mode"].as<std::string>() == "kinematic";
+  for (const YAML::Node& other : effects["joint"])
+    if (const YAML::Node mimic = other["mimic"]; mimic && text(mimic, "joint") == name)
+      s.leads.emplace_back("/mortise/effects/joint/" + name_of(other) + "_coupling", -(mimic["ratio"] ? mimic["ratio"].as<double>() : 1));
   c.slides.push_back(s);
 }
 
@@ -147,9 +158,11 @@ void read_scene(const File& file, Case& c) {
   for (const char* effect : {"joint", "bond", "mortar_tie"})
     for (const auto& t : effects[effect]) {
       const std::string body = t["body"].as<std::string>(), to = t["to"] ? t["to"].as<std::string>() : "";
-      const std::string name = t["name"] ? t["name"].as<std::string>() : body + "_" + (to.empty() ? "world" : to);
+      const std::string name = name_of(t);
       Tie& tie = c.ties.emplace_back(Tie{std::string("/mortise/effects/") + effect + "/" + name + "_force_", {{body, 1}, {to, -1}}});
       if (std::string(effect) == "joint" && t["type"].as<std::string>() == "prismatic") slide(effects, t, name, tie, c);
+      const std::string guide = std::string("/mortise/effects/") + effect + "/" + name + "_guide_";
+      if (file.has(guide + "x")) c.ties.push_back(Tie{guide, {{body, 1}, {to, -1}}});
       if (!t["contact"] || !t["contact"].as<bool>()) c.pass.insert({body, to}), c.pass.insert({to, body});
     }
   const auto watch = [&](const std::string& a, const std::string& b) { c.watched.insert({a, b}), c.watched.insert({b, a}); };

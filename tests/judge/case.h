@@ -42,9 +42,10 @@ struct Tie {
 
 // A motor, drag and stop of a slide: forces along an axis that turns with the carrier.
 struct Slide {
-  std::string name, body, to;  // "": the world
-  Vector axis{};               // at rest
-  bool given = false;          // its travel is: what moves it is in the joint's force
+  std::string name, body, to;                         // "": the world
+  Vector axis{};                                      // at rest
+  bool given = false;                                 // its travel is: what moves it is in the joint's force
+  std::vector<std::pair<std::string, double>> leads;  // figures of joints that follow it by a force, and which share of it acts on this one
 };
 
 struct Case {

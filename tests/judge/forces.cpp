@@ -95,12 +95,18 @@ void judge_forces(const File& file, const Case& c, Verdict& v) {
     std::vector<std::pair<const Slide*, std::vector<double>>> motors;  // and drags, and stops
     for (const Slide& s : c.slides)
       if (s.body == body.name || s.to == body.name)
-        for (const char* figure : {"drive/%_force", "drive/%_drag", "joint/%_stop"}) {
+        for (const char* figure : {"drive/%_force", "drive/%_drag", "joint/%_stop", "joint/%_coupling"}) {
           std::string path = std::string("/mortise/effects/") + figure;
           path.replace(path.find('%'), 1, s.name);
           const bool counted = s.given && path.find("_force") != std::string::npos;
           if (!counted && file.has(path)) motors.emplace_back(&s, file.numbers(path));
         }
+    for (const Slide& s : c.slides)
+      for (const auto& [path, share] : s.leads) {
+        if ((s.body != body.name && s.to != body.name) || !file.has(path)) continue;
+        motors.emplace_back(&s, file.numbers(path));
+        for (double& f : motors.back().second) f *= share;
+      }
     const double floor = rounding_force(body, c.rest);
     std::vector<Motion> at;  // of every frame
     for (long f = 0; f < c.frames; ++f) at.push_back(moving(body, c.rest, c.inertia ? frame_of(velocity, f, n) : std::vector<Vector>{}));

@@ -549,10 +549,6 @@ TEST(Slides, PdAgainstItsEquation) {
 
 TEST(Slides, Refusals) {
   const auto says = [](const std::string& message, const std::string& text) { EXPECT_NE(message.find(text), std::string::npos) << message; };
-  const std::string palm =
-      "  palm: {type: stiff, shape: {box: {size: [40 mm, 40 mm, 10 mm], edge_length: 100 mm}}, material: steel, position: [0, 0, 60 mm]}\n|, to: "
-      "palm";
-  says(refused(jaws("", 1, palm)), "'palm' moves freely");
   says(refused(jaws("  drive: [{joint: left, mode: pd, kp: 1, angle: 1}]\n", 1)),
        "angle has no meaning: of this joint a drive of mode pd aims at 'travel'");
   says(refused(jaws("  drive: [{joint: left, mode: effort, torque: 1}]\n", 1)), "aims at 'force'");

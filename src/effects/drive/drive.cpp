@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -48,6 +49,7 @@ enum class Mode { pd, effort, kinematic, passive };
 
 // One entry of the scene.
 struct Entry {
+  std::string joint;
   Mode mode;
   Target target;
   double kp = 0, kd = 0, effort = INFINITY, velocity = INFINITY, damping = 0, friction = 0;
@@ -57,7 +59,8 @@ struct Entry {
 
 Entry read(const Params& p, bool is_static, bool slides) {
   const std::string& mode = p.text("mode");
-  Entry e{mode == "pd"          ? Mode::pd
+  Entry e{p.text("joint"),
+          mode == "pd"          ? Mode::pd
           : mode == "effort"    ? Mode::effort
           : mode == "kinematic" ? Mode::kinematic
                                 : Mode::passive,
@@ -100,6 +103,7 @@ Entry read(const Params& p, bool is_static, bool slides) {
 // A joint that an entry drives. Of the accepted state: what is reported.
 struct Driven {
   Index entry, joint;
+  double ratio = 1, offset = 0;             // of what the entry aims at: joints that mimic a given one are given too
   double target = 0, torque = 0, drag = 0;  // [rad, m] or [N m, N], [N m, N]
   Law law{};                                // of the step under way
 };
@@ -132,7 +136,7 @@ class Drive final : public Effect, public Commanded {
     for (const Driven& d : motors_) env.push_back(model.joints[d.joint].env);
     energy_.set_environments(env, model.envs);
     for (std::vector<Driven>* all : {&motors_, &given_})
-      for (Driven& d : *all) d.target = entries_[d.entry].target(0);
+      for (Driven& d : *all) d.target = d.ratio * entries_[d.entry].target(0) + d.offset;
     upload();
   }
 
@@ -191,6 +195,25 @@ class Drive final : public Effect, public Commanded {
           put(j, j.type == model::JointType::prismatic ? "force" : "torque", j.effort_unit(), d.torque), put(j, "power", "W", d.torque * j.rate);
         if (e.drags()) put(j, "drag", j.effort_unit(), d.drag);
       }
+    report_tracking(sinks);
+  }
+
+  // The largest of all errors, in the units that people think of robots in.
+  void report_tracking(const FieldSinks& sinks) const {
+    std::vector<double> worst[2];
+    for (std::vector<double>& w : worst) w.assign(static_cast<std::size_t>(model_.envs), -1);
+    for (const std::vector<Driven>* all : {&motors_, &given_})
+      for (const Driven& d : *all) {
+        const model::Joint& j = model_.joints[d.joint];
+        const Mode mode = entries_[d.entry].mode;
+        if (mode != Mode::pd && mode != Mode::kinematic) continue;
+        double& w = worst[j.type == model::JointType::prismatic][j.env];
+        w = std::max(w, std::abs(j.value - d.target));
+      }
+    for (Index e = 0; e < model_.envs; ++e) {
+      if (worst[0][e] >= 0) sinks[e].scalar("drive", "tracking_error_deg", "deg", worst[0][e] * 180 / std::numbers::pi);
+      if (worst[1][e] >= 0) sinks[e].scalar("drive", "tracking_error_mm", "mm", 1e3 * worst[1][e]);
+    }
   }
 
   void checkpoint(Archive& archive) override {
@@ -214,8 +237,8 @@ class Drive final : public Effect, public Commanded {
 
  private:
   double wanted(const Driven& d, double t) const {
-    const auto command = commands_.find(model_.joints[d.joint].name);
-    return command != commands_.end() ? command->second.at(t) : entries_[d.entry].target(t);
+    const auto command = commands_.find(entries_[d.entry].joint);
+    return d.ratio * (command != commands_.end() ? command->second.at(t) : entries_[d.entry].target(t)) + d.offset;
   }
 
   // A joint whose angle is given: the body that follows does so wholly. The target is checked as far as the scene's time goes.
@@ -224,7 +247,7 @@ class Drive final : public Effect, public Commanded {
     const Entry& e = entries_[d.entry];
     constexpr double kSame = 1e-6;  // [rad, m]
     const std::string unit = std::string(" ") + j.unit();
-    if (j.mimics) throw Error(Exit::scene, e.where, "'" + j.name + "' mimics another joint: drive that one");
+    if (j.leader >= 0) throw Error(Exit::scene, e.where, "'" + j.name + "' mimics '" + model_.joints[j.leader].name + "': drive that one");
     if (std::abs(e.target(0) - j.at_rest) > kSame) {
       std::ostringstream why;
       why << "the target of '" << j.name << "' begins at " << e.target(0) << unit << ", but the joint stands at " << j.at_rest << unit
@@ -232,18 +255,33 @@ class Drive final : public Effect, public Commanded {
           << (j.type == model::JointType::prismatic ? "travel" : "angle") << "'";
       throw Error(Exit::scene, e.where, why.str());
     }
+    give(d, time);
+  }
+
+  // And what mimics it.
+  void give(const Driven& d, const Params& time) {
+    const model::Joint& j = model_.joints[d.joint];
+    const Entry& e = entries_[d.entry];
     const double h = is_static_ ? 1.0 / static_cast<double>(time.integer("steps")) : time.number("step");
     for (long long n = 0; n <= time.integer("steps") && std::isfinite(j.low); ++n) {
-      const double wanted = e.target(h * static_cast<double>(n));
+      const double wanted = d.ratio * e.target(h * static_cast<double>(n)) + d.offset;
       if (j.low < wanted && wanted < j.high) continue;
       std::ostringstream why;
-      why << "the target of '" << j.name << "' is " << wanted << unit << " at t = " << h * static_cast<double>(n)
-          << ", beyond the limits of the joint, " << j.low << " and " << j.high << unit;
+      why << "the target of '" << j.name << "'" << (e.joint == j.name ? "" : ", which mimics '" + e.joint + "',") << " is " << wanted << " "
+          << j.unit() << " at t = " << h * static_cast<double>(n) << ", beyond the limits of the joint, " << j.low << " and " << j.high << " "
+          << j.unit();
       throw Error(Exit::scene, e.where, why.str());
     }
-    given_.push_back(d);
-    model_.ties.hand_over(model_, j.tie, "drive", model::placed_at(model_, j, j.at_rest), model::axis_of(model_, j),
-                          j.type == model::JointType::prismatic);
+    if (!j.mimics) {
+      given_.push_back(d);
+      model_.ties.hand_over(model_, j.tie, "drive", model::placed_at(model_, j, j.at_rest), model::axis_of(model_, j),
+                            j.type == model::JointType::prismatic);
+    }
+    for (std::size_t i = 0; i < model_.joints.size(); ++i) {
+      const model::Joint& other = model_.joints[i];
+      if (other.leader != d.joint) continue;
+      give({d.entry, static_cast<Index>(i), other.ratio * d.ratio, other.at_rest + other.ratio * (d.offset - j.at_rest)}, time);
+    }
   }
 
   // Points go straight from where they are to where they are asked to be, and what lies beside that way is not met: the same measure as for pins.

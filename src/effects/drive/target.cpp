@@ -22,10 +22,13 @@ const ParamTable kSine{"drive sine",
                         of(Param::Kind::number, "phase", Unit::angle, "0", "Phase at t = 0.")}};
 
 const ParamTable kFile{"drive file",
-                       "Keys from a column of a table of comma-separated numbers, whose first line names the columns.",
+                       "Keys from a column of a table: comma-separated numbers, whose first line names the columns, or HDF5 (.h5, .hdf5).",
                        {param::required(of(Param::Kind::path, "path", Unit::none, std::nullopt, "The file.")),
-                        param::required(of(Param::Kind::text, "column", Unit::none, std::nullopt, "Name of the column.")),
+                        param::required(of(Param::Kind::text, "column", Unit::none, std::nullopt,
+                                           "Name of the column; of HDF5 a dataset, demo_0/hip, or a column of one, demo_0/actions[3].")),
                         of(Param::Kind::text, "time_column", Unit::none, "time", "Name of the column of times, which increase from line to line."),
+                        param::positive(optional(of(Param::Kind::number, "rate", Unit::none, std::nullopt,
+                                                    "Rows per second, in the place of a column of times [Hz]; the first is at t = 0."))),
                         optional(param::choice("unit", {"rad", "deg", "m", "mm", "N m", "N mm", "N", "mN"}, "",
                                                "Unit of the column, where its name has none in brackets.")),
                         optional(param::choice("time_unit", {"s", "ms"}, "", "Unit of the times, where their name has none in brackets."))}};
@@ -58,8 +61,9 @@ std::string unit_of(const Csv& csv, const Csv::Column& c, const Params& file, co
 
 Params keys_of(const Params& file, Quantity what) {
   const Csv csv = read_csv(file.text("path"));
-  const Csv::Column &time = csv.column(file.text("time_column")), &value = csv.column(file.text("column"));
-  const std::string time_unit = unit_of(csv, time, file, "time_unit"), unit = unit_of(csv, value, file, "unit");
+  const double period = file.has("rate") ? 1 / file.number("rate") : 0;
+  const Csv::Column &value = csv.column(file.text("column")), &time = period > 0 ? value : csv.column(file.text("time_column"));
+  const std::string time_unit = period > 0 ? "s" : unit_of(csv, time, file, "time_unit"), unit = unit_of(csv, value, file, "unit");
   if (time_unit != "s" && time_unit != "ms") throw Error(Exit::scene, csv.at(time), "'" + time_unit + "' is no unit of time; use s or ms");
   double factor = 0;
   std::string known;
@@ -71,9 +75,9 @@ Params keys_of(const Params& file, Quantity what) {
   if (factor == 0) throw Error(Exit::scene, csv.at(value), "'" + unit + "' is no unit of this drive's " + key_of(what) + "; there are: " + known);
   Params times = Params::make_list(), values = Params::make_list();
   for (std::size_t i = 0; i < csv.lines.size(); ++i) {
-    if (i > 0 && !(time.values[i] > time.values[i - 1]))
+    if (period == 0 && i > 0 && !(time.values[i] > time.values[i - 1]))
       throw Error(Exit::scene, SourceLoc{csv.path, csv.lines[i], 1}, "times must increase from line to line");
-    times.push(Params::make_number(time.values[i] * (time_unit == "ms" ? 1e-3 : 1)));
+    times.push(Params::make_number(period > 0 ? period * static_cast<double>(i) : time.values[i] * (time_unit == "ms" ? 1e-3 : 1)));
     values.push(Params::make_number(value.values[i] * factor));
   }
   Params out = Params::make_table();

@@ -1,10 +1,13 @@
 #include "effects/joint/joint.h"
 
 #include <algorithm>
+#include <map>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
 #include "effects/coordinate_energy.h"
+#include "effects/joint/equations.h"
 #include "effects/joint/read.h"
 #include "effects/joint/stop.h"
 #include "effects/per_environment.h"
@@ -14,7 +17,7 @@ namespace {
 
 class Joints final : public Effect {
  public:
-  Joints(const Params& list, model::Model& model) : model_(model) {
+  Joints(const Params& list, model::Model& model) : model_(model), equations_(model) {
     joint::Read read = joint::read(list, model);
     const auto first = static_cast<Index>(model.ties.list().size());
     for (model::Joint& j : read.joints) j.tie += first;
@@ -40,20 +43,55 @@ class Joints final : public Effect {
   std::vector<PlanItem> plan() const override {
     std::vector<PlanItem> out = tie_plan("joint", model_);
     if (!stopped_.empty()) out.push_back({"stops", energy_.bytes()});
+    if (equations_.any()) out.push_back({"equations", equations_.bytes()});
     return out;
   }
-  std::unique_ptr<Linearisation> linearisation() const override { return std::make_unique<CoordinateLinearisation>(); }
+  std::unique_ptr<Linearisation> linearisation() const override { return std::make_unique<joint::EquationLinearisation>(); }
 
-  void connect() override { model::guide(model_); }
-  void begin_step(const StepInfo&) override {
+  void connect() override {
+    model::guide(model_);
+    equations_.find();
+  }
+  void begin_step(const StepInfo& step) override {
     model::guide(model_);
     upload();
+    if (equations_.any()) equations_.begin_step(step);
   }
-  void energy(Positions q, const Linearisation&, device::EnvValues per_env) override { energy_.energy("joint.energy", q, per_env); }
-  void linearise(Positions q, Want want, Linearisation& at) override { energy_.linearise("joint.assemble", model_, q, want, at); }
-  void max_step(View<const Vec3> dq, Linearisation& at, device::EnvValues alpha) override { energy_.max_step("joint.max_step", dq, at, alpha); }
+  void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
+    energy_.energy("joint.energy", q, per_env);
+    if (equations_.any()) equations_.energy(q, per_env);
+  }
+  void linearise(Positions q, Want want, Linearisation& at) override {
+    if (!equations_.any()) return energy_.linearise("joint.assemble", model_, q, want, at);
+    // Stops, then equations.
+    const Index stops = energy_.size(), blocks = model::kCoordinateBlocks * stops, pairs = linalg::pair_count(model::kCoordinateBlocks) * stops;
+    const bool fresh = want.forces && !at.shaped;
+    if (fresh) {
+      std::vector<Index> counts(static_cast<std::size_t>(stops), model::kCoordinateBlocks);
+      counts.resize(static_cast<std::size_t>(stops + equations_.size()), joint::kEquationBlocks);
+      counts.push_back(0);
+      at.stencils.resize(device::Buffer<Index>(counts));
+    }
+    if (want.forces && want.matrix.wanted) at.stencils.need_hessian();
+    if (stops > 0) energy_.fill("joint.assemble", model_, q, want, at);
+    equations_.fill(q, want, static_cast<joint::EquationLinearisation&>(at), blocks, pairs);
+    if (!fresh) return;
+    at.stencils.pattern_changed();
+    at.shaped = true;
+  }
+  void max_step(View<const Vec3> dq, Linearisation& at, device::EnvValues alpha) override {
+    energy_.max_step("joint.max_step", dq, at, alpha);
+    if (equations_.any()) equations_.max_step(dq, static_cast<const joint::EquationLinearisation&>(at), alpha);
+  }
+  void refit(Positions q, const Linearisation&, std::vector<Refit>& per_env) override {
+    if (equations_.any()) equations_.refit(q, per_env);
+  }
+  void object(Positions q, std::vector<std::string>& per_env) override {
+    if (equations_.any()) equations_.object(q, per_env);
+  }
 
   void end_step(const StepInfo& step, Positions q, const Linearisation&) override {
+    if (equations_.any()) equations_.end_step(step, q);
     const std::vector<double> now = coordinates(q);
     for (std::size_t i = 0; i < moving_.size(); ++i) {
       model::Joint& j = model_.joints[moving_[i]];
@@ -77,6 +115,21 @@ class Joints final : public Effect {
       sink.scalar("joint", joint.name + (joint.type == model::JointType::prismatic ? "_travel" : "_angle"), joint.unit(), joint.value);
       sink.scalar("joint", joint.name + "_rate", std::string(joint.unit()) + "/s", joint.rate);
     }
+    std::map<std::pair<Index, bool>, double> worst;  // by environment, and whether it slides
+    for (Index j : moving_) {
+      const model::Joint& joint = model_.joints[j];
+      if (joint.leader < 0) continue;
+      const model::Joint& leader = model_.joints[joint.leader];
+      const double error = joint.value - joint.at_rest - joint.ratio * (leader.value - leader.at_rest);
+      sinks[joint.env].scalar("joint", joint.name + "_mimic_error", joint.unit(), error);
+      double& largest = worst[{joint.env, joint.type == model::JointType::prismatic}];
+      largest = std::max(largest, std::abs(error));
+    }
+    for (const auto& [of, error] : worst) {
+      if (of.second) sinks[of.first].scalar("joint", "mimic_error_mm", "mm", 1e3 * error);
+      if (!of.second) sinks[of.first].scalar("joint", "mimic_error_deg", "deg", error * 180 / std::numbers::pi);
+    }
+    if (equations_.any()) equations_.report(sinks);
     for (std::size_t i = 0; i < stopped_.size(); ++i) {
       const model::Joint& joint = model_.joints[stopped_[i]];
       sinks[joint.env].scalar("joint", joint.name + "_stop", joint.effort_unit(), -stops_[i].first(joint.value));
@@ -91,10 +144,11 @@ class Joints final : public Effect {
     for (Index j : by_env) value.push_back(model_.joints[j].value), rate.push_back(model_.joints[j].rate), env.push_back(model_.joints[j].env);
     archive.io("value", value, firsts(env, model_.envs));
     archive.io("rate", rate, firsts(env, model_.envs));
-    if (!archive.loading()) return;
+    if (!archive.loading()) return equations_.checkpoint(archive);
     if (value.size() != model_.joints.size() || rate.size() != value.size())
       throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(value.size()) + " joints");
     for (std::size_t i = 0; i < value.size(); ++i) model_.joints[by_env[i]].value = value[i], model_.joints[by_env[i]].rate = rate[i];
+    equations_.checkpoint(archive);
   }
 
   // Of all joints that have one, at q; turns counted from the accepted state.
@@ -144,6 +198,7 @@ class Joints final : public Effect {
   std::vector<Index> moving_, stopped_;  // joints that have a coordinate, and those that have stops, by environment
   std::vector<stop::Stops> stops_;
   CoordinateEnergy<stop::Stops> energy_;
+  joint::Equations equations_;
 };
 
 }  // namespace

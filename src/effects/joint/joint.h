@@ -8,6 +8,7 @@
 //                 a_i = (A_t u - sum_{j != i} u_j a_j) / u_i
 //     prismatic   A_c = A_t; its centre is guided along the axis by a support across it (model/joints.h), or by what it mimics:
 //     mimic       and p_c = r p_a + (1 - r) p_t + A_t (X_c - r X_a):   r times the way of a, which slides on t along the same axis
+//                 revolute: A_c = A_a, if a turns on t as far about the same direction. Others are no ties: equations.h
 //
 // In the world X is the place, A_t = I.
 #include "effects/tie.h"
@@ -68,6 +69,13 @@ inline model::Follow mimics(const model::Model& model, Index child, Index leader
   f.terms.push_back({t.block_begin, 1 - ratio});
   for (int k = 0; k < 3; ++k) f.terms.push_back({t.block_begin + 1 + k, d[k]});
   return f;
+}
+
+// The columns of `child`, which are those of `leader`; the place of the hinge stays as it is.
+inline std::vector<model::Follow> turns_as(const model::Model& model, std::vector<model::Follow> hinge, Index child, Index leader) {
+  std::vector<model::Follow> out{std::move(hinge.front())};
+  for (int k = 0; k < 3; ++k) out.push_back({model.bodies[child].block_begin + 1 + k, {{model.bodies[leader].block_begin + 1 + k, 1}}});
+  return out;
 }
 
 }  // namespace mortise::effects::joint

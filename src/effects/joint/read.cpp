@@ -13,9 +13,10 @@ using param::optional;
 
 const ParamTable kMimic{
     "joint mimic",
-    "A joint of the same axis between the same `to` and another body, that this one follows exactly.",
+    "Another revolute or prismatic joint, that this one follows exactly from where both stand.",
     {param::required(of(Param::Kind::text, "joint", Unit::none, std::nullopt, "Its name.")),
-     param::number("ratio", Unit::none, "1", -INFINITY, "How far this joint goes for every metre of the other; the axes may be opposite.")}};
+     param::number("ratio", Unit::none, "1", -INFINITY,
+                   "How far this joint goes for every radian or metre of the other [1; m/rad or rad/m between a slide and a hinge].")}};
 
 const ParamTable table = tie_table(
     "joint", "Joints between stiff bodies, or to the world, without stiffness or tolerance.",
@@ -35,7 +36,7 @@ const ParamTable table = tie_table(
                  "Of a prismatic joint: how far `body` is along the axis, against `to`, as the bodies stand in the scene; without it 0.")),
      optional(of(Param::Kind::numbers, "travel_limits", Unit::length, std::nullopt,
                  "Least and largest travel of a prismatic joint, which it never reaches.")),
-     param::table("mimic", &kMimic, "Of a prismatic joint: it goes as another one does."),
+     param::table("mimic", &kMimic, "Of a revolute or prismatic joint: it goes as another one does."),
      param::positive(optional(of(Param::Kind::number, "stop_effort", Unit::none, std::nullopt,
                                  "Torque [N m] or force [N] with which a stop pushes back where some half of its range, the last degree or half "
                                  "millimetre, is left; it grows without bound. Without it a figure of the bodies' weights.")))});
@@ -57,8 +58,8 @@ void read_coordinate(const Params& p, Joint& j) {
     if (!has && p.has(key)) throw Error(Exit::scene, p.at(key).where(), std::string(key) + " has no meaning in a " + p.text("type") + " joint");
   };
   for (const char* key : {"angle", "angle_limits"}) without(key, turns);
-  for (const char* key : {"travel", "travel_limits", "mimic"}) without(key, slides);
-  without("stop_effort", turns || slides);
+  for (const char* key : {"travel", "travel_limits"}) without(key, slides);
+  for (const char* key : {"stop_effort", "mimic"}) without(key, turns || slides);
   const char *stands = turns ? "angle" : "travel", *limited = turns ? "angle_limits" : "travel_limits", *unit = turns ? " rad" : " m";
   if (p.has(stands)) j.stands = p.number(stands);
   if (!p.has(limited)) {
@@ -174,7 +175,8 @@ class Forest {
   std::vector<std::uint8_t> reached_;
 };
 
-// A prismatic joint that mimics: its body's centre follows that of the other.
+// A joint that mimics. Where that is linear in blocks it is a tie: slides side by side, and hinges side by side that turn alike. Otherwise it is an
+// equation of its coordinate (equations.h).
 void mimic(const model::Model& model, const Joint& j, Read& all) {
   const Params& p = j.entry->at("mimic");
   const std::string mine = tie_of("joint", *j.entry, j.body, j.to).name;
@@ -184,16 +186,31 @@ void mimic(const model::Model& model, const Joint& j, Read& all) {
   };
   const auto me = named(mine), leader = named(p.text("joint"));
   const auto refuse = [&](const std::string& why) {
-    throw Error(Exit::scene, p.where(), "'" + mine + "' cannot mimic '" + p.text("joint") + "': " + why);
+    throw Error(Exit::scene, p.at("joint").where(), "'" + mine + "' cannot mimic '" + p.text("joint") + "': " + why);
   };
-  if (leader == all.joints.end()) refuse("there is no such joint");
-  if (leader == me || leader->mimics) refuse("that one mimics, too");
+  if (leader == all.joints.end()) {
+    std::string known;
+    for (const model::Joint& o : all.joints)
+      if (o.env == me->env && o.has_coordinate() && o.name != mine) known += (known.empty() ? "" : ", ") + ("'" + o.name + "'");
+    refuse("there is no such joint" + (known.empty() ? "" : "; there are: " + known));
+  }
+  if (!leader->has_coordinate()) refuse("that one is neither revolute nor prismatic");
+  const auto number = [&](const auto& joint) { return static_cast<Index>(joint - all.joints.begin()); };
+  std::size_t round = 0;
+  for (Index at = number(leader); at >= 0 && round <= all.joints.size(); at = all.joints[at].leader, ++round)
+    if (at == number(me)) refuse(leader == me ? "that is the same joint" : "that one follows it");
+  me->leader = number(leader), me->ratio = p.number("ratio");
   constexpr double kParallel = 1e-9;
-  if (leader->type != Type::prismatic || leader->to != me->to || leader->axis.cross(me->axis).norm() > kParallel)
-    refuse("it has to be prismatic, with a parallel axis and the same 'to'");
-  if (leader->follower != leader->body || me->follower != me->body) refuse("of both, 'body' has to be what slides");
-  const double ratio = p.number("ratio") * (leader->axis.dot(me->axis) > 0 ? 1 : -1);
-  all.ties[me->tie].follows.push_back(mimics(model, me->body, leader->body, me->to, ratio));
+  if (leader->type != me->type || leader->to != me->to || leader->axis.cross(me->axis).norm() > kParallel || me->follower != me->body) return;
+  const double ratio = me->ratio * (leader->axis.dot(me->axis) > 0 ? 1 : -1);
+  model::Tie& tie = all.ties[me->tie];
+  if (me->type == Type::prismatic && leader->follower == leader->body) {
+    tie.follows.push_back(mimics(model, me->body, leader->body, me->to, ratio));
+    me->mimics = true;
+  } else if (me->type == Type::revolute && ratio == 1 && !tie.follows.empty()) {
+    tie.follows = turns_as(model, std::move(tie.follows), me->body, leader->body);
+    me->mimics = true;
+  }
 }
 
 }  // namespace
@@ -210,7 +227,6 @@ Read read(const Params& list, const model::Model& model) {
     view.place = j.at, view.axis = j.axis;
     view.tie = static_cast<Index>(out.ties.size());
     view.follower = follower;
-    view.mimics = j.entry->has("mimic");
     view.at_rest = view.value = j.stands;
     view.low = j.low, view.high = j.high;
     out.joints.push_back(std::move(view));

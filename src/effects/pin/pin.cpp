@@ -8,6 +8,7 @@
 
 #include "effects/failure.h"
 #include "effects/list.h"
+#include "effects/pin/orientation.h"
 #include "effects/where.h"
 #include "geometry/bounds.h"
 #include "model/model.h"
@@ -24,6 +25,29 @@ const ParamTable kRotation{"pin rotation",
                             of(Param::Kind::vec3, "centre", Unit::length, "[0, 0, 0]", "A point on the axis, world coordinates at rest."),
                             of(Param::Kind::numbers, "angle", Unit::angle, std::nullopt, "Angle at each key.")}};
 
+const ParamTable kOrientation{
+    "pin orientation",
+    "Turns from rest as unit quaternions, one per key; in between about one axis, the shorter way.",
+    {of(Param::Kind::vec3, "centre", Unit::length, "[0, 0, 0]", "The point that the body turns about, world coordinates at rest."),
+     of(Param::Kind::numbers, "w", Unit::none, std::nullopt, "Cosine of half the angle, at each key."),
+     of(Param::Kind::numbers, "x", Unit::none, std::nullopt, "Sine of half the angle times the axis."),
+     of(Param::Kind::numbers, "y", Unit::none, std::nullopt, "The same, y."),
+     of(Param::Kind::numbers, "z", Unit::none, std::nullopt, "The same, z.")}};
+
+const ParamTable kTrack{
+    "pin motion file",
+    "Keys from a track of poses; the body stands in the scene as the first says.",
+    {param::required(of(Param::Kind::path, "path", Unit::none, std::nullopt, "Table of comma-separated numbers, or HDF5 (.h5, .hdf5).")),
+     optional(of(Param::Kind::names, "position", Unit::none, std::nullopt, "Columns of x, y and z of the tracked point.")),
+     optional(of(Param::Kind::names, "quaternion", Unit::none, std::nullopt, "Columns of w, x, y and z of its turn, a unit quaternion.")),
+     optional(of(Param::Kind::vec3, "centre", Unit::length, std::nullopt,
+                 "Where the tracked point stands in the scene; without it at the first position of the track.")),
+     of(Param::Kind::text, "time_column", Unit::none, "time", "Name of the column of times, which increase from row to row."),
+     param::positive(optional(of(Param::Kind::number, "rate", Unit::none, std::nullopt,
+                                 "Rows per second, in the place of a column of times [Hz]; the first is at t = 0."))),
+     optional(param::choice("unit", {"m", "cm", "mm"}, "", "Unit of the positions, where their columns have none.")),
+     optional(param::choice("time_unit", {"s", "ms"}, "", "Unit of the times, where their column has none."))}};
+
 Param rotations() {
   Param p = param::table("rotation", &kRotation, "Rotation of the rest positions, before the translation; a list: one after the other.");
   p.kind = Param::Kind::tables;
@@ -33,11 +57,12 @@ Param rotations() {
 const ParamTable kMotion{
     "pin motion",
     "Keys that the motion passes.",
-    {of(Param::Kind::numbers, "time", Unit::time, std::nullopt, "Times of the keys, ascending (pseudo-time 0 to 1 in static scenes)."),
+    {optional(of(Param::Kind::numbers, "time", Unit::time, std::nullopt, "Times of the keys, ascending (pseudo-time 0 to 1 in static scenes).")),
      optional(of(Param::Kind::vec3s, "translation", Unit::length, std::nullopt, "Translation at each key.")),
      param::choice("interpolation", {"linear", "smooth"}, "linear",
                    "Between keys: at constant speed, or by a cubic that starts and ends at rest and never overshoots a key."),
-     rotations()}};
+     rotations(), param::table("orientation", &kOrientation, "The same by quaternions."),
+     param::table("file", &kTrack, "Times, translations and orientations from a file, in their place.")}};
 
 const ParamTable kTable = [] {
   ParamTable t{
@@ -61,13 +86,14 @@ class Motion {
     moves_ = true;
     smooth_ = motion->text("interpolation") == "smooth";
     params_ = *motion;
+    if (!motion->has("time")) throw Error(Exit::scene, motion->where(), "motion needs 'time', the times of its keys, or 'file'");
     const Params& time = motion->at("time");
     const std::size_t keys = time.items().size();
     if (keys == 0) throw Error(Exit::scene, time.where(), "motion needs at least one key");
     for (std::size_t k = 1; k < keys; ++k)
       if (!(time.items()[k].as_number() > time.items()[k - 1].as_number())) throw Error(Exit::scene, time.where(), "times of the keys must ascend");
-    if (!motion->has("translation") && !motion->has("rotation"))
-      throw Error(Exit::scene, motion->where(), "motion needs 'translation' or 'rotation'");
+    if (!motion->has("translation") && !motion->has("rotation") && !motion->has("orientation"))
+      throw Error(Exit::scene, motion->where(), "motion needs 'translation', 'rotation' or 'orientation'");
     if (const Params* list = motion->find("translation")) {
       check(*list, keys);
       for (int a = 0; a < 3; ++a) {
@@ -83,6 +109,7 @@ class Motion {
         if (!(axis.norm() > 0)) throw Error(Exit::scene, r.at("axis").where(), "axis of rotation has no direction");
         turns_.push_back({axis.normalized(), r.vec3("centre"), schedule(time, r.at("angle"))});
       }
+    if (const Params* o = motion->find("orientation")) orientation_ = pin::Orientation(*o, time, smooth_);
   }
 
   bool moves() const { return moves_; }
@@ -90,6 +117,7 @@ class Motion {
   pin::RigidMotion at(double t) const {
     pin::RigidMotion m{Mat3::Identity(), Vec3::Zero()};
     for (const Turn& turn : turns_) m = pin::turned(m, turn.axis, turn.centre, turn.angle(t));
+    if (orientation_.any()) m = pin::turned(m, orientation_.at(t), orientation_.centre());
     m.shift += Vec3(translation_[0](t), translation_[1](t), translation_[2](t));
     return m;
   }
@@ -127,6 +155,7 @@ class Motion {
   Params params_;
   Schedule translation_[3] = {still(), still(), still()};
   std::vector<Turn> turns_;
+  pin::Orientation orientation_;
 };
 
 struct Entry {

@@ -22,9 +22,9 @@ inline Mat3 rotation(const Vec3& k, double angle) {
   return Mat3::Identity() + std::sin(angle) * K + 2 * half * half * (K * K);
 }
 // The rotation after `first`.
+inline RigidMotion turned(const RigidMotion& first, const Mat3& R, const Vec3& centre) { return {R * first.R, centre + R * (first.shift - centre)}; }
 inline RigidMotion turned(const RigidMotion& first, const Vec3& axis, const Vec3& centre, double angle) {
-  const Mat3 R = rotation(axis, angle);
-  return {R * first.R, centre + R * (first.shift - centre)};
+  return turned(first, rotation(axis, angle), centre);
 }
 inline RigidMotion rigid_motion(const Vec3& axis, const Vec3& centre, double angle, const Vec3& translation) {
   RigidMotion m = turned({Mat3::Identity(), Vec3::Zero()}, axis, centre, angle);

@@ -253,10 +253,6 @@ class Assembly {
       a.direction = in_world_[link].R * j.axis;
       a.stands = stands_[number], a.limits = j.limits;
       a.kp = j.kp, a.kd = j.kd, a.effort = j.effort, a.velocity = j.velocity, a.damping = j.damping, a.friction = j.friction;
-      a.given = j.type == Joint::Type::prismatic && a.to != kWorld && !out_.bodies[a.to].held;
-      if (a.given && options_.sway == 0)
-        notes_.add(j.where,
-                   "a slide on a body that moves freely stays where it stands, or goes where its drive says: only a given travel can be had");
       a.swing = swing(a), a.passive = j.passive && options_.sway == 0;
       axis_of[number] = static_cast<std::ptrdiff_t>(out_.axes.size());
       out_.axes.push_back(a);
@@ -271,16 +267,21 @@ class Assembly {
   }
 
   void mimic(Axis& a, const Joint& j, std::ptrdiff_t leader) {
-    constexpr double kParallel = 1e-9;
-    const Axis* other = leader >= 0 ? &out_.axes[leader] : nullptr;
-    if (other && a.type == Joint::Type::prismatic && other->type == Joint::Type::prismatic && other->to == a.to &&
-        other->direction.cross(a.direction).norm() < kParallel && other->mimics < 0) {
-      a.mimics = leader, a.ratio = j.mimic->multiplier, a.limits.reset();
+    if (a.limits && !(a.limits->first < a.stands && a.stands < a.limits->second)) a.limits.reset();
+    if (leader < 0) {
+      notes_.add(j.where, "a joint that mimics one which does not move has a motor that holds it there");
+      a.swing = 0;
       return;
     }
-    if (a.limits && !(a.limits->first < a.stands && a.stands < a.limits->second)) a.limits.reset();
-    if (other) a.swing = std::copysign(std::min(a.swing, std::abs(j.mimic->multiplier) * other->swing), j.mimic->multiplier);
-    notes_.add(j.where, "a joint that mimics another has a motor of its own with the same target: only slides side by side follow exactly");
+    a.mimics = leader, a.ratio = j.mimic->multiplier;
+    // The leader's swing leaves this one between its limits; its own limits hold for both where they are as far.
+    Axis& other = out_.axes[leader];
+    if (a.ratio != 0) other.swing = std::min(other.swing, a.swing / std::abs(a.ratio));
+    a.swing = 0, a.passive = a.passive || !other.passive;
+    if (other.limits && a.limits) {
+      const double ends[2] = {a.stands + a.ratio * (other.limits->first - other.stands), a.stands + a.ratio * (other.limits->second - other.stands)};
+      if (std::min(ends[0], ends[1]) >= a.limits->first && std::max(ends[0], ends[1]) <= a.limits->second) a.limits.reset();
+    }
   }
 
   void pads() {

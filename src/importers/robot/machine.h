@@ -51,11 +51,10 @@ struct Axis {  // a joint that moves: a hinge, a slide, a ball joint
   double stands = 0;
   std::optional<std::pair<double, double>> limits;
   double kp = 0, kd = 0, effort = 0, velocity = 0, damping = 0, friction = 0;
-  std::ptrdiff_t mimics = -1;  // a slide that another one leads exactly
+  std::ptrdiff_t mimics = -1;  // the axis that it follows exactly, `ratio` times as far
   double ratio = 1;
   double swing = 0;      // amplitude of its motor's target [rad, m]
   bool passive = false;  // without a motor
-  bool given = false;    // a slide on a body that moves freely: only a given travel can be had
   SourceLoc where;
 };
 

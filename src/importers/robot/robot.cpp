@@ -68,6 +68,11 @@ void Robot::make_tree() {
       throw Error(Exit::scene, j.where, "joint '" + j.name + "' mimics '" + j.mimic->joint + "', which is no other joint");
     j.mimic->leader = static_cast<std::size_t>(leader - joints.begin());
   }
+  for (const Joint& j : joints) {
+    const Joint* at = &j;
+    for (std::size_t round = 0; at->mimic && round < joints.size(); ++round) at = &joints[at->mimic->leader];
+    if (at->mimic) throw Error(Exit::scene, j.where, "joint '" + j.name + "' mimics '" + j.mimic->joint + "', which follows it: they go in a circle");
+  }
 }
 
 void Robot::read_surface(Shape& s) {

@@ -209,8 +209,8 @@ class Writer {
       for (const Axis& a : m_.axes) joint(a);
     }
     const auto driven = [](const Axis& a) {
-      const bool bare = a.passive && !a.given && a.damping == 0 && a.friction == 0;
-      return a.mimics < 0 && a.type != Joint::Type::spherical && !bare;
+      const bool bare = a.passive && a.damping == 0 && a.friction == 0;
+      return a.type != Joint::Type::spherical && !bare;
     };
     if (any(m_.axes, driven)) {
       line("  drive:");
@@ -248,9 +248,7 @@ class Writer {
   void drive(const Axis& a) {
     const bool turns = a.type == Joint::Type::revolute;
     std::string text = "joint: " + a.name;
-    if (a.given) {
-      text += ", mode: kinematic";
-    } else if (a.passive) {
+    if (a.passive) {
       text += ", mode: passive";
       if (a.damping > 0) text += ", damping: " + number(a.damping);
       if (a.friction > 0) text += ", friction: " + number(a.friction);
