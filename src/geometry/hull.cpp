@@ -1,7 +1,6 @@
 #include "geometry/hull.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Polygon_mesh_processing/triangulate_faces.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/convex_hull_3.h>
 
@@ -22,14 +21,12 @@ TriMesh exact_hull(const std::vector<Vec3>& points) {
   for (const Vec3& x : points) given.emplace_back(x[0], x[1], x[2]);
   Surface hull;
   if (given.size() >= 4) CGAL::convex_hull_3(given.begin(), given.end(), hull);
-  CGAL::Polygon_mesh_processing::triangulate_faces(hull);
   TriMesh out;
   for (const auto v : hull.vertices()) out.points.emplace_back(hull.point(v).x(), hull.point(v).y(), hull.point(v).z());
-  for (const auto f : hull.faces()) {
-    Triangle t{};
-    int k = 0;
-    for (const auto v : CGAL::vertices_around_face(hull.halfedge(f), hull)) t.v[k++] = static_cast<Index>(v.idx());
-    out.triangles.push_back(t);
+  for (const auto f : hull.faces()) {  // convex: a fan of triangles
+    std::vector<Index> ring;
+    for (const auto v : CGAL::vertices_around_face(hull.halfedge(f), hull)) ring.push_back(static_cast<Index>(v.idx()));
+    for (std::size_t k = 2; k < ring.size(); ++k) out.triangles.push_back({ring[0], ring[k - 1], ring[k]});
   }
   return out;
 }

@@ -34,7 +34,8 @@ class Columns {
     const H5T_class_t kind = H5Tget_class(type);
     if (kind != H5T_FLOAT && kind != H5T_INTEGER) throw wrong(called + "holds no numbers");
     const int rank = H5Sget_simple_extent_ndims(space);
-    if (rank != 1 && rank != 2) throw wrong(called + "has " + std::to_string(std::max(rank, 0)) + " dimensions; it should have rows, or rows and columns");
+    if (rank != 1 && rank != 2)
+      throw wrong(called + "has " + std::to_string(std::max(rank, 0)) + " dimensions; it should have rows, or rows and columns");
     hsize_t size[2] = {0, 1};
     H5Sget_simple_extent_dims(space, size, nullptr);
     if (size[0] == 0) throw wrong(called + "has no rows");
@@ -103,7 +104,8 @@ class Columns {
     if (found != names.end() && static_cast<hsize_t>(found - names.begin()) < columns) return static_cast<hsize_t>(found - names.begin());
     std::string there = "0 to " + std::to_string(columns - 1);
     for (const std::string& n : names) there += ", '" + n + "'";
-    if (which.empty()) throw wrong("dataset '" + set + "' has " + std::to_string(columns) + " columns: say which, '" + set + "[0]'; there are: " + there);
+    if (which.empty())
+      throw wrong("dataset '" + set + "' has " + std::to_string(columns) + " columns: say which, '" + set + "[0]'; there are: " + there);
     unsigned long number = 0;
     const auto [end, code] = std::from_chars(which.data(), which.data() + which.size(), number);
     if (code != std::errc{} || end != which.data() + which.size() || number >= columns)
@@ -123,7 +125,8 @@ class Columns {
   // An attribute of one text or several; none where there is no such.
   std::vector<std::string> texts(hid_t data, const char* name) const {
     if (H5Aexists(data, name) <= 0) return {};
-    const Id attribute(file_.check(H5Aopen(data, name, H5P_DEFAULT), "read an attribute")), type(H5Aget_type(attribute)), space(H5Aget_space(attribute));
+    const Id attribute(file_.check(H5Aopen(data, name, H5P_DEFAULT), "read an attribute")), type(H5Aget_type(attribute)),
+        space(H5Aget_space(attribute));
     if (H5Tget_class(type) != H5T_STRING) return {};
     const hssize_t n = H5Sget_simple_extent_npoints(space);
     std::vector<std::string> out;

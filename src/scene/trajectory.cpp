@@ -91,9 +91,9 @@ struct Known {
   Unit measures;
   const char* key;
 };
-constexpr Known kTargets[] = {{"rad", Unit::angle, "angle"},    {"deg", Unit::angle, "angle"}, {"m", Unit::length, "travel"},
+constexpr Known kTargets[] = {{"rad", Unit::angle, "angle"},    {"deg", Unit::angle, "angle"},   {"m", Unit::length, "travel"},
                               {"mm", Unit::length, "travel"},   {"N m", Unit::energy, "torque"}, {"Nm", Unit::energy, "torque"},
-                              {"N mm", Unit::energy, "torque"}, {"N", Unit::force, "force"},   {"mN", Unit::force, "force"}};
+                              {"N mm", Unit::energy, "torque"}, {"N", Unit::force, "force"},     {"mN", Unit::force, "force"}};
 
 // {angle: {time: [...], value: [...]}}: the unit says what it is.
 Params target_of(const Params& file) {
@@ -118,8 +118,8 @@ Params target_of(const Params& file) {
   return out;
 }
 
-// A track of poses p(t), R(t): the body stands in the scene as the first of them says, and goes by p(t) - p(0) while it turns by R(t) R(0)^T about p(0),
-// or about `centre`, where the tracked point stands.
+// A track of poses p(t), R(t): the body stands in the scene as the first of them says, and goes by p(t) - p(0) while it turns by R(t) R(0)^T about
+// p(0), or about `centre`, where the tracked point stands.
 Params motion_of(const Params& motion) {
   const Params& file = motion.at("file");
   for (const char* key : {"time", "translation", "rotation", "orientation"})
@@ -134,16 +134,16 @@ Params motion_of(const Params& motion) {
     for (const Params& name : names) out.push_back(column_of(path, name));
     for (const Column& c : out)
       if (c.values.size() != out[0].values.size())
-        throw wrong(file.at(key), c.at + " has " + std::to_string(c.values.size()) + " rows, " + out[0].at + " has " +
-                                      std::to_string(out[0].values.size()));
+        throw wrong(file.at(key),
+                    c.at + " has " + std::to_string(c.values.size()) + " rows, " + out[0].at + " has " + std::to_string(out[0].values.size()));
     return out;
   };
   const std::vector<Column> position = columns("position", 3, "those of x, y and z"), turn = columns("quaternion", 4, "those of w, x, y and z");
   if (position.empty() && turn.empty()) throw wrong(file, "a motion's file needs 'position' or 'quaternion', names of columns");
   const std::size_t rows = (position.empty() ? turn : position)[0].values.size();
   if (!turn.empty() && turn[0].values.size() != rows)
-    throw wrong(file.at("quaternion"), turn[0].at + " has " + std::to_string(turn[0].values.size()) + " rows, " + position[0].at + " has " +
-                                           std::to_string(rows));
+    throw wrong(file.at("quaternion"),
+                turn[0].at + " has " + std::to_string(turn[0].values.size()) + " rows, " + position[0].at + " has " + std::to_string(rows));
   Params out = Params::make_table(file.where());
   out.set("time", numbers(times_of(file, rows), 1, file.where()));
   Vec3 first = Vec3::Zero();
@@ -159,7 +159,8 @@ Params motion_of(const Params& motion) {
     out.set("translation", std::move(way));
   }
   if (turn.empty()) return out;
-  if (position.empty() && !file.has("centre")) throw wrong(file, "a track of orientations alone needs 'centre', the point about which the body turns");
+  if (position.empty() && !file.has("centre"))
+    throw wrong(file, "a track of orientations alone needs 'centre', the point about which the body turns");
   const Vec3 centre = file.has("centre") ? file.vec3("centre") : first;
   constexpr double kUnit = 1e-3;  // of its norm: digits that files leave out
   std::vector<double> parts[4];
@@ -167,8 +168,8 @@ Params motion_of(const Params& motion) {
   for (std::size_t i = 0; i < rows; ++i) {
     const Eigen::Quaterniond q(turn[0].values[i], turn[1].values[i], turn[2].values[i], turn[3].values[i]);
     if (std::abs(q.norm() - 1) > kUnit)
-      throw wrong(file.at("quaternion"), "row " + std::to_string(i) + " (from 0) of the quaternion's columns has the norm " + format_number(q.norm()) +
-                                             "; it should be 1 (are they w, x, y, z?)");
+      throw wrong(file.at("quaternion"), "row " + std::to_string(i) + " (from 0) of the quaternion's columns has the norm " +
+                                             format_number(q.norm()) + "; it should be 1 (are they w, x, y, z?)");
     if (i == 0) from = q.normalized();
     const Eigen::Quaterniond by = q.normalized() * from.conjugate();
     parts[0].push_back(by.w()), parts[1].push_back(by.x()), parts[2].push_back(by.y()), parts[3].push_back(by.z());

@@ -1,9 +1,10 @@
 // Equations of joints' coordinates: derivatives by differences, on hinges with and without a body in common, racks and slides on free bodies.
+#include "effects/joint/equation.h"
+
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "effects/joint/equation.h"
 #include "finite_difference.h"
 
 using namespace mortise;

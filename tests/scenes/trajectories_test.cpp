@@ -49,12 +49,13 @@ std::pair<std::string, std::string> tables(const std::string& called) {
     Eigen::Quaterniond q = turn_at(i);
     if (i % 2) q.coeffs() *= -1;
     const Vec3 p = place_at(i);
-    text << time_at(i) << ", " << angle_at(i) << ", " << p[0] << ", " << p[1] << ", " << p[2] << ", " << q.w() << ", " << q.x() << ", " << q.y() << ", "
-         << q.z() << "\n";
+    text << time_at(i) << ", " << angle_at(i) << ", " << p[0] << ", " << p[1] << ", " << p[2] << ", " << q.w() << ", " << q.x() << ", " << q.y()
+         << ", " << q.z() << "\n";
     time.push_back(time_at(i)), hip.push_back(angle_at(i));
     for (double v : {p[0], p[1], p[2], q.w(), q.x(), q.y(), q.z()}) pose.push_back(v);
   }
-  const hid_t file = H5Fcreate(h5.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), group = H5Gcreate2(file, "walk", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t file = H5Fcreate(h5.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
+              group = H5Gcreate2(file, "walk", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
   write(file, "time", time, 1, "s"), write(group, "hip", hip, 1, "deg"), write(group, "pose", pose, 7, "m");
   H5Gclose(group), H5Fclose(file);
   return {csv, h5};
@@ -86,8 +87,9 @@ TEST(Trajectories, FromTextAndHdf5AreTheSame) {
   const auto [csv, h5] = tables("mortise_track");
   Rig text(on_track("path: " + csv + ", column: hip", "path: " + csv + ", position: [x, y, z], quaternion: [qw, qx, qy, qz]"));
   Rig binary(on_track("path: " + h5 + ", column: walk/hip",
-                   "path: " + h5 + ", position: ['walk/pose[0]', 'walk/pose[1]', 'walk/pose[2]'], quaternion: ['walk/pose[3]', 'walk/pose[4]', "
-                                   "'walk/pose[5]', 'walk/pose[6]']"));
+                      "path: " + h5 +
+                          ", position: ['walk/pose[0]', 'walk/pose[1]', 'walk/pose[2]'], quaternion: ['walk/pose[3]', 'walk/pose[4]', "
+                          "'walk/pose[5]', 'walk/pose[6]']"));
   // By a rate, which makes 100 rows per second.
   Rig rate(on_track("path: " + h5 + ", column: walk/hip, rate: 100", "path: " + csv + ", position: [x, y, z], quaternion: [qw, qx, qy, qz]"));
   EXPECT_FALSE(binary.scene.root.at("effects").at("drive").items()[0].has("file"));
@@ -128,7 +130,8 @@ TEST(Trajectories, OrientationIsARotation) {
   std::string w, z;
   for (double angle : {0.0, a, b}) {
     const int side = angle == a ? -1 : 1;
-    w += fmt::format("{}{:.17g}", w.empty() ? "" : ", ", side * std::cos(angle / 2)), z += fmt::format("{}{:.17g}", z.empty() ? "" : ", ", side * std::sin(angle / 2));
+    w += fmt::format("{}{:.17g}", w.empty() ? "" : ", ", side * std::cos(angle / 2)),
+        z += fmt::format("{}{:.17g}", z.empty() ? "" : ", ", side * std::sin(angle / 2));
   }
   Rig turned(with("rotation: {axis: [0, 0, 1], centre: [50 mm, 0, 0], angle: [0, 0.5, 0.1]}"));
   Rig oriented(with("orientation: {centre: [50 mm, 0, 0], w: [" + w + "], x: [0, 0, 0], y: [0, 0, 0], z: [" + z + "]}"));

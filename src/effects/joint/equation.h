@@ -60,7 +60,8 @@ MORTISE_HD inline void equation_stencil(const Equation& e, const EquationReading
     model::coordinate_stencil(part == 0 ? e.x : e.y, part == 0 ? r.x : r.y, part == 0 ? force : -e.ratio * force, 0, concave, own_block, own_grad,
                               own);
     for (int a = 0; a < kOne; ++a)
-      for (int b = a; b < kOne; ++b) hess[linalg::pair_place(kOne * part + a, kOne * part + b, kEquationBlocks)] += own[linalg::pair_place(a, b, kOne)];
+      for (int b = a; b < kOne; ++b)
+        hess[linalg::pair_place(kOne * part + a, kOne * part + b, kEquationBlocks)] += own[linalg::pair_place(a, b, kOne)];
   }
 }
 

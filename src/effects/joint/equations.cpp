@@ -121,8 +121,8 @@ void Equations::max_step(View<const Vec3> dq, const EquationLinearisation& at, d
   const View<const Equation> list = on_device_.view();
   const View<const EquationReading> there = at.equations.view();
   device::env_min(
-      "joint.equations_max_step", env_offset_,
-      [=] MORTISE_HD(Index i) { return equation_way(list[i], there[i], joint::reading(list[i], dq, true)); }, alpha);
+      "joint.equations_max_step", env_offset_, [=] MORTISE_HD(Index i) { return equation_way(list[i], there[i], joint::reading(list[i], dq, true)); },
+      alpha);
 }
 
 std::vector<double> Equations::misses(Positions q) const {
