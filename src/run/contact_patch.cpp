@@ -1,13 +1,15 @@
 #include "run/contact_patch.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "run/vector_at.h"
 
 namespace mortise::run {
 namespace {
 
-constexpr double kFacing = 0.7;  // cosine of 45 degrees
+constexpr double kFacing = 0.5;   // cosine of 60 degrees: friction may tilt the force by half of that
+constexpr double kSmooth = 0.75;  // cosine of some 40 degrees: facets of a coarse ball meet at half of that, sides of a body at more
 
 void unite(std::vector<Index>& ring) {
   std::sort(ring.begin(), ring.end());
@@ -68,22 +70,38 @@ std::vector<ContactPatch::Node> ContactPatch::interior(const Fields& f) const {
     Vec3 force = at(f.force, i);
     if (force.isZero(0) || facets_[around_[i][0]].face >= 0)
       for (Index j : ring_of(i, [](Index) { return true; })) force += at(f.force, j);
-    const auto faces = [&](Index t) { return -normal[t].dot(force) > kFacing * normal[t].norm() * force.norm(); };
-    Node node{i, ring_of(i, faces), {}};
+    const std::vector<Index> pressed = sheet(i, force, normal);
+    Node node{i, ring_of(i, [&](Index t) { return std::find(pressed.begin(), pressed.end(), t) != pressed.end(); }), {}};
     if (node.ring.empty() || !std::all_of(node.ring.begin(), node.ring.end(), [&](Index j) { return covered[j] != 0; })) continue;
-    load(i, faces, normal, node.load);
+    load(i, pressed, normal, node.load);
     if (!std::all_of(node.load.begin(), node.load.end(), [&](const auto& term) { return covered[term.first] != 0; })) node.load.clear();
     out.push_back(std::move(node));
   }
   return out;
 }
 
-void ContactPatch::load(std::size_t i, const std::function<bool(Index)>& takes, const std::vector<Vec3>& normal,
+std::vector<Index> ContactPatch::sheet(std::size_t i, const Vec3& force, const std::vector<Vec3>& normal) const {
+  const auto cosine = [](const Vec3& a, const Vec3& b) { return a.dot(b) / std::max(a.norm() * b.norm(), std::numeric_limits<double>::min()); };
+  const auto share_an_edge = [&](Index s, Index t) {
+    const auto &a = facets_[s].corners.v, &b = facets_[t].corners.v;
+    return std::count_if(std::begin(a), std::end(a), [&](Index v) { return std::find(std::begin(b), std::end(b), v) != std::end(b); }) == 2;
+  };
+  const Index first = *std::max_element(around_[i].begin(), around_[i].end(),
+                                        [&](Index s, Index t) { return cosine(normal[s], -force) < cosine(normal[t], -force); });
+  if (cosine(normal[first], -force) < kFacing) return {};
+  std::vector<Index> out{first};
+  for (std::size_t k = 0; k < out.size(); ++k)
+    for (Index t : around_[i])
+      if (std::find(out.begin(), out.end(), t) == out.end() && share_an_edge(out[k], t) && cosine(normal[out[k]], normal[t]) > kSmooth)
+        out.push_back(t);
+  return out;
+}
+
+void ContactPatch::load(std::size_t i, const std::vector<Index>& pressed, const std::vector<Vec3>& normal,
                         std::vector<std::pair<Index, double>>& out) const {
   std::vector<Index> faces;
   double area = 0;
-  for (Index t : around_[i]) {
-    if (!takes(t)) continue;
+  for (Index t : pressed) {
     if (facets_[t].face < 0)
       area += normal[t].norm() / 6;  // a third: p_i A_i up to second order in the size of the mesh
     else

@@ -1,7 +1,6 @@
 #pragma once
 // Where contact presses on soft surfaces, node by node: what estimates of its errors look at.
 #include <array>
-#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -16,7 +15,7 @@ class ContactPatch {
 
   struct Node {
     std::size_t point;
-    std::vector<Index> ring;  // corners of the triangles around it that face the force on it, without itself
+    std::vector<Index> ring;  // corners of the triangles around it that are pressed, without itself
     // What a pressure p over them loads it with: sum of weight times p at node, int N_i p dA with the areas as they stand now [m^2]. Nothing where
     // faces around it reach beyond the patch.
     std::vector<std::pair<Index, double>> load;
@@ -25,17 +24,19 @@ class ContactPatch {
   struct Fields {
     std::span<const double> pressure, force, displacement;
   };
-  // Nodes in the interior of the patch: what faces the force on them is covered. Covered are nodes that carry pressure, or of whose neighbours most
-  // do, as where a method leaves out every other one. A body's own edge is no rim: triangles around the corner do not face the force.
+  // Nodes in the interior of the patch: what is pressed around them is covered. Covered are nodes that carry pressure, or of whose neighbours most
+  // do, as where a method leaves out every other one. A body's own edge is no rim: triangles around the corner are not pressed.
   std::vector<Node> interior(const Fields& fields) const;
   long loaded(std::span<const double> pressure) const;  // nodes that carry pressure
 
   const std::vector<Vec3>& rest() const { return rest_; }  // of all points [m]
 
  private:
-  // Of node i, over the facets around it that are taken; normal: of all facets, times twice their area.
-  void load(std::size_t i, const std::function<bool(Index)>& takes, const std::vector<Vec3>& normal,
-            std::vector<std::pair<Index, double>>& out) const;
+  // Facets around node i that are pressed: the one that faces the force most, and those that go on from it without an edge of the body between them.
+  // normal: of all facets, times twice their area.
+  std::vector<Index> sheet(std::size_t i, const Vec3& force, const std::vector<Vec3>& normal) const;
+  // Of node i, over the facets around it that are pressed.
+  void load(std::size_t i, const std::vector<Index>& pressed, const std::vector<Vec3>& normal, std::vector<std::pair<Index, double>>& out) const;
 
   std::vector<Vec3> rest_;
   struct Facet {

@@ -92,12 +92,13 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
   const bool cylinder = under == "cylinder";
   const double R = 1, E = b.scene().number("materials.rubber.youngs_modulus"), nu = b.scene().number("materials.rubber.poisson_ratio");
   const double e_star = E / (2 * (1 - nu * nu));
-  const double d_hat = std::stod(b.option("d_hat", fmt::format("{:.17g}", size.d_hat)));
+  // `layer`: a thinner one with the same start and travel, so that forces at the travel can be compared.
+  const double usual = std::stod(b.option("d_hat", fmt::format("{:.17g}", size.d_hat))), d_hat = std::stod(b.option("layer", "1")) * usual;
   const double expected = 2 * e_star * kExpectedRadius / (3.14159265358979 * R);
   const double kappa = matched_stiffness(expected, d_hat, size.mesh.h, e_star, std::stod(b.option("k", quadratic ? "24" : "4")));
   // Where the ball starts decides how hard the first Newton iterations are; where it ends does not depend on it.
-  const double gap = std::stod(b.option("start", "0.3")) * d_hat,
-               end = b.scene().number(b.scene().moving_pin() + ".motion.translation.1.2") + 0.1 * d_hat;
+  const double gap = std::stod(b.option("start", "0.3")) * usual,
+               end = b.scene().number(b.scene().moving_pin() + ".motion.translation.1.2") + 0.1 * usual;
   for (const Method& m : b.methods()) {
     SceneText scene = b.scene();
     scene.set("bodies.ball.position", fmt::format("[0, 0, {:.17g}]", R + gap));

@@ -25,13 +25,14 @@ constexpr Case kCases[] = {{"approach R/500", 1e-4, 0.01, 0.01, 0.05}, {"approac
 
 void spheres(const Bench& b) {
   const int cells = std::stoi(b.option("cells", "6"));  // per contact radius
+  const double layer = std::stod(b.option("layer", "1"));
   const double E = b.scene().number("materials.metal.youngs_modulus"), nu = b.scene().number("materials.metal.poisson_ratio"),
                e_star = E / (2 * (1 - nu * nu));
   for (const Case& c : kCases)
     for (const Method& m : b.methods()) {
       const double a = std::sqrt(kEffective * c.approach), p0 = 2 * e_star * a / (std::numbers::pi * kEffective);
       const Spot spot{a / cells, 4 * cells / 3, 7, 10};
-      const double d_hat = 0.1 * spot.h, gap = 0.1 * d_hat;
+      const double usual = 0.1 * spot.h, d_hat = layer * usual, gap = 0.1 * usual;
       SceneText scene = b.scene();
       scene.set(scene.moving_pin() + ".motion.translation.1", fmt::format("[0, 0, {:.17g}]", -c.approach));
       scene.set("effects.mortar_contact.d_hat", d_hat);
