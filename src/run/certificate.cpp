@@ -242,6 +242,7 @@ std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& e
   add("clip_partition_defect", partition_.most, 1e-5, 1e-3);
   add("rigidity_defect", rigidity_, 2e-3, 2e-2);
   add("energy_gain", energy.scale > 0 ? energy.largest_gain / energy.scale : NAN, 1e-3, 1e-2);
+  add("free_motion_loss", energy.scale > 0 && energy.work_is_known ? energy.free_loss / energy.scale : NAN, 0.05, 0.1);
   add("guard_share", guard_share_, 0.02, 0.1);
   add("stress_error", stress_estimate_, kStressGood, kStressUsable);
   add("pressure_roughness", pressure_estimate_.roughness, 0.05, 0.08);

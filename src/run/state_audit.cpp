@@ -3,8 +3,12 @@
 #include <algorithm>
 
 #include "effects/roles.h"
+#include "run/contact_figures.h"
 
 namespace mortise::run {
+namespace {
+constexpr double kDriven = 1e-6;  // work in a step, of the largest energy: less is what holding takes
+}
 
 ForceBalance force_balance(const Snapshot& said) {
   double supports = 0;
@@ -30,6 +34,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   // The work of a load is counted where its potential is.
   for (const std::string& load : loads_) r_.work_is_known = r_.work_is_known && now.said.has(load + "/energy");
   const double before = r_.total, all_before = all_;
+  const bool touches = contact_figures(now.said).pairs > 0;
   all_ = total(now);
   r_.total = all_ - turning(now);
   if (!points_before_.empty() && r_.work_is_known) {
@@ -40,7 +45,9 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
     r_.scale = std::max(r_.scale, std::abs(r_.support_work));
     r_.gain = (summed ? all_ - all_before : r_.total - before) - work;
     r_.largest_gain = std::fmax(r_.largest_gain, r_.gain);
+    if (!touched_ && !touches && std::abs(work) <= kDriven * r_.scale) r_.free_loss -= std::min(r_.gain, 0.0);
   }
+  touched_ = touches;
   points_before_ = now.points;
   return r_;
 }
@@ -52,8 +59,10 @@ void EnergyAudit::checkpoint(Archive& archive) {
                              {"largest_gain", &r_.largest_gain},
                              {"scale", &r_.scale},
                              {"all", &all_},
-                             {"gravity_first", &gravity_first_}})
+                             {"gravity_first", &gravity_first_},
+                             {"free_loss", &r_.free_loss}})
     archive.io(name, *value);
+  archive.io("touched", touched_);
   archive.io("points_before", points_before_);
 }
 

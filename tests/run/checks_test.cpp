@@ -206,6 +206,35 @@ effects: {inertia: {}, elasticity: {}, pin: [{body: cube, where: {side: z_max}}]
   EXPECT_TRUE(std::isnan(loaded.largest_gain));
 }
 
+// Energy that is lost where nothing touches and nothing is driven is the time step's doing; contact and work explain losses.
+TEST(Checks, FreeMotionShouldLoseNoEnergy) {
+  const auto lost = [](int touches_at, double work) {
+    const model::ModelInput input = engine::make_input(scene::read_scene_text(R"(
+mortise: 1
+time: {step: 0.1 s, steps: 2}
+materials: {gel: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1000}}
+bodies: {cube: {type: soft, shape: {box: {size: [1, 1, 1], edge_length: 1}}, material: gel}}
+effects: {inertia: {}, elasticity: {}}
+)",
+                                                                              "test.yaml", {}, engine::effect_tables())
+                                                           .root);
+    Checks checks(input);
+    for (int k = 0; k < 3; ++k) {
+      Snapshot sink;
+      sink.scalar("inertia", "kinetic_energy", "J", 4 - k);
+      sink.scalar("supports", "work", "J", work);
+      sink.scalar("barrier_contact", "active_pairs", "1", k == touches_at);
+      checks.state(sink, points(input, [&](const Vec3& x) { return x; }));
+    }
+    return checks.energy().free_loss;
+  };
+  EXPECT_DOUBLE_EQ(lost(-1, 0), 2);
+  EXPECT_DOUBLE_EQ(lost(-1, 1e-7), 2 + 2e-7);
+  EXPECT_DOUBLE_EQ(lost(1, 0), 0) << "both steps have an end in contact";
+  EXPECT_DOUBLE_EQ(lost(2, 0), 1);
+  EXPECT_DOUBLE_EQ(lost(-1, -0.5), 0) << "a brake did it";
+}
+
 // Inside of one body forces have no resultant; what its points are held with is what a defect is measured against.
 TEST(Checks, BalanceIsAShareOfTheForcesThatSupportsBear) {
   const auto share = [](double held) {
