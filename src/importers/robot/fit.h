@@ -1,6 +1,6 @@
 #pragma once
-// Primitives that stand for meshes: as large as the box whose moments of inertia the mesh has, or as the box around it, both along its principal axes,
-// the longest along z.
+// Primitives that stand for meshes: as large as the box whose moments of inertia the mesh has, or as the box around it, both along its principal
+// axes, the longest along z.
 #include "importers/robot/robot.h"
 
 namespace mortise::importers {
