@@ -16,7 +16,7 @@ BALL = 27.0  # radius [mm]
 TIP = 7.5  # radius of the pads [mm]
 GAP = 0.5  # of the ball above the floor at the start [mm]
 STEP = 0.02  # of the table [s]
-CELL = 0.45  # of links' meshes over their radius: round to the eye; links touch nothing, so that it costs nothing
+CELL = 0.45  # of links' meshes over their radius: round to the eye; links touch nothing
 LIGHT, DARK = "[0.86, 0.87, 0.9]", "[0.3, 0.32, 0.36]"
 E = 0.6  # [mm/rad]: how much posture counts
 
