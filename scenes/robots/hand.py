@@ -16,6 +16,7 @@ BALL = 27.0  # radius [mm]
 TIP = 7.5  # radius of the pads [mm]
 GAP = 0.5  # of the ball above the floor at the start [mm]
 STEP = 0.02  # of the table [s]
+CELL = 0.45  # of links' meshes over their radius: round to the eye; links touch nothing
 LIGHT, DARK = "[0.86, 0.87, 0.9]", "[0.3, 0.32, 0.36]"
 E = 0.6  # [mm/rad]: how much posture counts
 
@@ -135,8 +136,8 @@ def scene(q, height, middle):
         for (joint, place, axis, (low, high, effort, speed, kp), mass, radius, end), (R, t), angle in zip(chain, at, q[name]):
             body, here = joint + "_link", world(add(times(R, place), t), height)
             there = world(add(times(R, end), t), height) if end else here
-            shape = (f"capsule: {{radius: {radius:g} mm, height: {1000 * math.dist(here, there):.6g} mm, edge_length: {radius:g} mm}}" if end else
-                     f"sphere: {{radius: {radius:g} mm, edge_length: {radius:g} mm}}")
+            shape = (f"capsule: {{radius: {radius:g} mm, height: {1000 * math.dist(here, there):.6g} mm, edge_length: {CELL * radius:.3g} mm}}" if end else
+                     f"sphere: {{radius: {radius:g} mm, edge_length: {CELL * radius:.3g} mm}}")
             bodies.append(f"  {body}: {{type: stiff, shape: {{{shape}}}, mass: {mass:g}, position: {row(x / 2 for x in add(here, there))}"
                           + (f", rotation: {along(sub(there, here))}" if end else "") + f", visual: {{color: {DARK if end is None else LIGHT}}}}}")
             joints.append(f"    - {{name: {joint}, type: revolute, body: {body}, to: {before}, at: {row(here)}, axis: "

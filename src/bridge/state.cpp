@@ -68,7 +68,7 @@ std::string State::line(long step, double time, const Snapshot& said, const std:
     if (vector) {
       // Beside the torque of its motor a slide has a force, and both are "force": the pull of the joint as a whole is its reaction.
       const std::string stem = what.substr(0, what.size() - 2);
-      Json& v = joints[*joint][stem == "place" ? stem : "reaction_" + stem];
+      Json& v = joints[*joint][stem == "place" || stem == "guide" ? stem : "reaction_" + stem];
       if (v.is_null()) v = {0.0, 0.0, 0.0};
       v[static_cast<std::size_t>(what.back() - 'x')] = value;
     } else {

@@ -107,7 +107,9 @@ void add_import(Command app, Context& context) {
   sub.option("--soft", o->soft, "LINK becomes a soft pad bonded to what it is fixed to; * and ? match any: '*_foot'").one_each().take_all();
   sub.option("--sway", o->sway,
              "all joints swing by this about where they stand, once a second: '10 deg' (slides: 100 mm per radian), within their limits");
-  sub.option("--base", o->base, "free or fixed; a root link called world, and what MJCF fixes to its world, never moves")
+  sub.option("--base", o->base,
+             "free or fixed: bodies that move freely and have joints below them are held; a root link called world, and what MJCF fixes to its "
+             "world, never moves")
       .one_of({"free", "fixed"})
       .show_default();
   sub.option("--missing-meshes", o->missing, "error, or skip: go on without them").one_of({"error", "skip"}).show_default();

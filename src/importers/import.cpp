@@ -3,6 +3,7 @@
 #include "base/read_file.h"
 #include "importers/mjcf/read.h"
 #include "importers/robot/draw.h"
+#include "importers/robot/fit.h"
 #include "importers/robot/weigh.h"
 #include "importers/robot/write.h"
 #include "importers/urdf/read.h"
@@ -20,6 +21,7 @@ Robot read_robot_text(const std::string& text, const std::string& path, Notes& n
 std::string import_scene(const Request& r, Notes& notes) {
   Robot robot = read_robot_text(read_regular_file(r.robot, max_bytes::scene), r.robot, notes);
   find_meshes(robot, r.meshes, notes);
+  fit_primitives(robot);
   weigh(robot);
   mend_collision_meshes(robot, r.meshes, notes);
   Machine machine = assemble(robot, r.machine, notes);

@@ -61,7 +61,7 @@ const ParamTable& robot_table() {
       {required(of(Kind::path, "file", Unit::none, {}, "URDF or MJCF file.")),
        blocks("packages", &package_table(), "Where packages of its meshes are."),
        choice("missing_meshes", {"error", "skip"}, "error", "What happens where a mesh of the robot is not there; skip: it goes without."),
-       choice("base", {"free", "fixed"}, "free", "Whether the root link moves."),
+       choice("base", {"free", "fixed"}, "free", "Whether bases of robots move: bodies that move freely and have joints below them."),
        positive(number("clearance", Unit::length, "2 mm", 0, "Of the lowest point above the floor.")),
        number("sway", Unit::angle, "0 rad", 0, "All joints swing by this about where they stand, once a second (slides: 100 mm per radian)."),
        range(of(Kind::integer, "apart", Unit::none, "2", "Bodies with no more joints than this between them pass through each other."), 1, 100),

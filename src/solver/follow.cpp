@@ -17,8 +17,10 @@ namespace mortise::solver {
 
 void Simulation::lead_on(const effects::StepInfo& info) {
   if (refitted_)
-    throw Failure{"a stiffness was fitted to the solution of step " + std::to_string(step_[0]) +
-                  " (auto): how it would be chosen beside is no smooth matter; give it as a number"};
+    throw Failure{
+        "effects fitted something to the solution of step " + std::to_string(step_[0]) +
+        " (a stiffness that is auto, the torque of a joint that mimics): how it would be chosen beside is no smooth matter; give stiffnesses "
+        "as numbers"};
   if (!tangent_) tangent_ = std::make_unique<Tangent>(newton_.system());
   tangent_->linearise(newton_.q());
   tangent_step_ = -1;

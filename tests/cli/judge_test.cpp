@@ -271,6 +271,35 @@ output: {precision: double}
   EXPECT_EQ(run.judged()["code"], 1) << "another share of what the second finger bears";
 }
 
+// A palm that flies carries a finger on a slide, which carries another across; it goes half as far as the first, by a force.
+TEST(Judge, KnowsGuidesAndMimicryOnFreeBodies) {
+  const std::string finger = "{type: stiff, mass: 0.1, shape: {box: {size: [0.02, 0.02, 0.1], edge_length: 0.1}}, position: ";
+  const Ran run(R"(
+mortise: 1
+time: {step: 5 ms, steps: 20}
+bodies:
+  palm: {type: stiff, mass: 0.5, shape: {box: {size: [0.2, 0.05, 0.02], edge_length: 0.2}}, angular_velocity: [0, 2, 1]}
+  left: )" + finger +
+                R"([-0.05, 0, -0.1]}
+  right: )" + finger +
+                R"([0.05, 0, -0.1]}
+effects:
+  inertia: {}
+  gravity: {}
+  affine_body: {}
+  joint:
+    - {name: one, type: prismatic, body: left, to: palm, axis: [2, 0, 0], travel_limits: [-2 mm, 20 mm]}
+    - {name: two, type: prismatic, body: right, to: left, axis: [0, 1, 0], mimic: {joint: one, ratio: 0.5}}
+  drive: [{joint: one, mode: pd, kp: 300, kd: 5, travel: 15 mm}]
+output: {precision: double}
+)");
+  const auto sound = run.judged();
+  EXPECT_EQ(sound["code"], 0) << sound;
+  EXPECT_EQ(sound["forces_judged"], 60);
+  run.swap("ratio: 0.5", "ratio: 0.8");
+  EXPECT_EQ(run.judged()["code"], 1) << "more of the force that moves the second is missing on the first";
+}
+
 TEST(Judge, ComparesFilesBitForBit) {
   EXPECT_EQ(difference(Pushed{}, Pushed{}), "\n");
   EXPECT_EQ(difference(Pushed{}, Pushed{.contact = {0, 0, 3 + 1e-15}}), "VTKHDF/PointData/contact_force differs\n");

@@ -13,6 +13,8 @@
 #include "geometry/topology.h"
 #include "importers/import.h"
 #include "importers/robot/draw.h"
+#include "importers/robot/fit.h"
+#include "importers/robot/meshes.h"
 #include "importers/robot/weigh.h"
 #include "importers/robot/write.h"
 
@@ -304,6 +306,83 @@ TEST(Mjcf, AnEqualityOfJointsIsMimicry) {
   EXPECT_NEAR(r.joints[2].mimic->offset, 0.1 + 0.2 + 2 * 0.5, 1e-15) << "both are counted from where the file shows them";
 }
 
+// Springs and rotors are what drives have.
+TEST(Mjcf, SpringsAndRotors) {
+  const std::string inside =
+      "<worldbody><body name='a'>" + kBall +
+      "<joint name='a' stiffness='0.5' springref='30' armature='0.01' damping='0.2'/><body name='b' pos='0 0 1'>" + kBall +
+      "<joint name='b' type='slide' stiffness='40' springref='0.1'/></body></body></worldbody><actuator><position joint='a' kp='3'/></actuator>";
+  const Machine m = machine(inside);
+  EXPECT_EQ(m.axes[0].stiffness, 0.5);
+  EXPECT_NEAR(m.axes[0].rest, 30 * kDegree, 1e-15);
+  EXPECT_EQ(m.axes[0].armature, 0.01);
+  const std::string text = write_scene(m, {}, "m.yaml", "");
+  EXPECT_THAT(text, HasSubstr("joint: a, mode: pd, kp: 3, kd: 0.15, damping: 0.2, stiffness: 0.5, rest: 30 deg, armature: 0.01"));
+  EXPECT_THAT(text, HasSubstr("joint: b, mode: passive, stiffness: 40, rest: 100 mm"));
+}
+
+// Loops stand as the file has them, whatever their limits, and are closed by a joint.
+TEST(Mjcf, LoopsAreClosedByJoints) {
+  const std::string inside = "<worldbody><body name='base'>" + kBall + "<body name='a' pos='1 0 0'>" + kBall +
+                             "<joint name='a' axis='0 1 0' range='0 50'/><body name='b' pos='0 0 1'>" + kBall +
+                             "<joint name='b' axis='0 1 0'/></body></body><body name='c' pos='2 0 0'>" + kBall +
+                             "<joint name='c' axis='0 1 0'/></body><body name='d' pos='5 0 0'>" + kBall +
+                             "<joint name='d' axis='0 1 0' range='10 50'/></body></body></worldbody>\n<equality><connect body1='b' body2='c' "
+                             "anchor='1 0 0'/><weld name='w' body1='d'/></equality>";
+  Notes notes;
+  const Machine m = machine(inside, {}, &notes);
+  ASSERT_EQ(m.loops.size(), 2u);
+  EXPECT_EQ(m.loops[0].name, "b_c");
+  EXPECT_FALSE(m.loops[0].fixed);
+  const double lift = m.bodies[0].at.t[2];
+  EXPECT_LT((m.loops[0].place - Vec3(2, 0, 1 + lift)).norm(), 1e-12);
+  EXPECT_TRUE(m.loops[1].fixed);
+  EXPECT_EQ(m.loops[1].to, -1);
+  EXPECT_EQ(m.axes[0].stands, 0) << "at its limit, as in the file";
+  ASSERT_TRUE(m.axes[0].limits);
+  EXPECT_LT(m.axes[0].limits->first, -0.01);
+  EXPECT_THAT(all(notes), HasSubstr("the limit is moved away from there"));
+  EXPECT_THAT(write_scene(m, {}, "m.yaml", ""), HasSubstr("{name: b_c, type: spherical, body: b, to: c, at: [2, 0, "));
+  EXPECT_THAT(write_scene(m, {}, "m.yaml", ""), HasSubstr("{name: w, type: fixed, body: d, at: "));
+  MachineOptions asked;
+  asked.stands = {{"a", 0.3}};
+  EXPECT_THAT([&] { machine(inside, asked); }, testing::ThrowsMessage<Error>(HasSubstr("part of a loop of joints")));
+  EXPECT_THAT(refusal("<worldbody><body name='a'>" + kBall + "</body></worldbody><equality><connect body1='a' body2='b' anchor='0 0 0'/></equality>"),
+              HasSubstr("there is no body 'b'"));
+}
+
+TEST(Mjcf, KeyframesSayWhereJointsStand) {
+  const std::string bodies = "<worldbody><body name='a' pos='0 0 9'><freejoint/>" + kBall + "<body name='b' pos='1 0 0'>" + kBall +
+                             "<joint name='b' axis='0 1 0'/><body name='c' pos='1 0 0'>" + kBall +
+                             "<joint name='c' axis='0 1 0' range='-20 20'/></body></body></body></worldbody>";
+  const std::string home = "<key name='home' qpos='0 0 2 0.7071067811865476 0 0 0.7071067811865476 0.4 5'/>";
+  const Machine m = machine(bodies + "<keyframe><key qpos='0 0 1 1 0 0 0 0.1 0.1'/>" + home + "</keyframe>");
+  EXPECT_EQ(m.axes[0].stands, 0.4);
+  EXPECT_LT(m.axes[1].stands, 20 * kDegree) << "within its limits";
+  EXPECT_GT(m.axes[1].stands, 15 * kDegree);
+  EXPECT_LT((m.bodies[0].at.R * Vec3::UnitX() - Vec3::UnitY()).norm(), 1e-12) << "the base is turned";
+  MachineOptions asked;
+  asked.stands = {{"b", -0.2}};
+  EXPECT_EQ(machine(bodies + "<keyframe>" + home + "</keyframe>", asked).axes[0].stands, -0.2);
+  EXPECT_THAT(refusal(bodies + "\n<keyframe><key qpos='1 2 3'/></keyframe>"),
+              HasSubstr("m.xml:3:11: error: attribute 'qpos' of <key> has 3 numbers; the joints have 9"));
+}
+
+// A robot and a ball to play with: the robot is held.
+TEST(Mjcf, HeldAreTheBasesOfRobots) {
+  const std::string inside = "<worldbody><body name='toy' pos='3 0 0'><freejoint/>" + kBall + "</body><body name='left' pos='0 0 0'><freejoint/>" +
+                             kBall + "<body name='arm' pos='0 0 1'>" + kBall + "<joint/></body></body><body name='right' pos='0 3 0'><freejoint/>" +
+                             kBall + "<body name='hand' pos='0 0 1'>" + kBall + "<joint/></body></body></worldbody>";
+  MachineOptions o;
+  o.held = true;
+  const Machine m = machine(inside, o);
+  for (const Body& b : m.bodies) EXPECT_EQ(b.held, b.name == "left" || b.name == "right") << b.name;
+  const Machine toys =
+      machine("<worldbody><body name='a'><freejoint/>" + kBall + "</body><body name='b'><freejoint/>" + kBall + "</body></worldbody>", o);
+  EXPECT_TRUE(toys.bodies[0].held) << "the first of what has no joints";
+  EXPECT_FALSE(toys.bodies[1].held);
+}
+
 TEST(Mjcf, WhatIsLeftOutIsToldOnceWithItsPlace) {
   Notes notes;
   robot(
@@ -357,6 +436,62 @@ class Folder : public testing::Test {
   const std::filesystem::path path_ = std::filesystem::temp_directory_path() / ("mortise_mjcf_" + std::to_string(::getpid()));
 };
 using MjcfFolder = Folder;
+
+// A box of 0.2, 0.4 and 1 m, written turned and off its middle: what is fitted to it is as large, where it is.
+TEST_F(MjcfFolder, PrimitivesFitMeshes) {
+  geometry::TriMesh box = geometry::surface_of(geometry::box(Vec3(1, 0.2, 0.4), 1));
+  for (Vec3& x : box.points) x += Vec3(3, 0, 0);
+  write("meshes/bar.obj", geometry::obj_text(box));
+  const auto fitted = [&](const std::string& type, const std::string& compiler = "") {
+    write("m.xml", "<mujoco><compiler meshdir='meshes'" + compiler + "/><asset><mesh file='bar.obj'/></asset><worldbody><body name='b'><geom type='" +
+                       type + "' mesh='bar' pos='0 0 2'/></body></worldbody></mujoco>");
+    Notes notes;
+    Robot r = read("m.xml", notes);
+    find_meshes(r, {}, notes);
+    fit_primitives(r);
+    EXPECT_EQ(all(notes), "");
+    return r.links[1].collisions.at(0);
+  };
+  const Shape b = fitted("box");
+  EXPECT_EQ(b.kind, Shape::Kind::box);
+  EXPECT_LT((b.size - Vec3(0.2, 0.4, 1)).norm(), 1e-12);
+  EXPECT_LT((b.at.t - Vec3(3, 0, 2)).norm(), 1e-12);
+  EXPECT_NEAR(std::abs(b.at.R(0, 2)), 1, 1e-12) << "z is along the bar";
+  EXPECT_NEAR(b.at.R.determinant(), 1, 1e-12);
+  EXPECT_NEAR(fitted("sphere").radius, (0.1 + 0.2 + 0.5) / 3, 1e-12);
+  const Shape c = fitted("capsule");
+  EXPECT_NEAR(c.radius, 0.15, 1e-12);
+  EXPECT_NEAR(c.length, 2 * (0.5 - 0.075), 1e-12);
+  const Shape boxed = fitted("capsule", " fitaabb='true'");
+  EXPECT_NEAR(boxed.radius, 0.2, 1e-12);
+  EXPECT_NEAR(boxed.length, 2 * (0.5 - 0.2), 1e-12);
+  EXPECT_NEAR(fitted("cylinder").length, 1, 1e-12);
+}
+
+// A picture on a mesh that says where it goes.
+TEST_F(MjcfFolder, TexturesOfMaterials) {
+  write("meshes/leaf.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
+  write("meshes/leaf.png", "");
+  write("m.xml",
+        "<mujoco><compiler meshdir='meshes' texturedir='meshes'/><asset><texture name='t' type='2d' file='leaf.png'/><texture type='skybox' "
+        "builtin='flat'/>"
+        "<texture name='gone' type='2d' file='gone.png'/><material name='green' texture='t'/><material name='other' texture='gone'/><mesh "
+        "file='leaf.obj'/>"
+        "</asset><worldbody><body name='b'><geom size='0.1'/>\n<geom type='mesh' mesh='leaf' material='green' contype='0' conaffinity='0'/></body>"
+        "<body name='c'><geom size='0.1' material='other'/></body></worldbody></mujoco>");
+  Notes notes;
+  Robot r = read("m.xml", notes);
+  find_meshes(r, {}, notes);
+  weigh(r);
+  Machine m = assemble(r, {}, notes);
+  draw_bodies(m, (path_ / "drawn").string());
+  EXPECT_THAT(all(notes), HasSubstr("'meshes/gone.png', is not there"));
+  ASSERT_TRUE(m.bodies[0].drawn);
+  std::string mtl = m.bodies[0].drawn->file;
+  mtl.replace(mtl.size() - 3, 3, "mtl");
+  std::ifstream in(mtl);
+  EXPECT_THAT(std::string(std::istreambuf_iterator<char>(in), {}), HasSubstr("map_Kd " + (path_ / "meshes/leaf.png").string()));
+}
 
 TEST_F(MjcfFolder, FilesAreIncludedAndErrorsNameThem) {
   write("scene.xml", "<mujoco><include file='robot.xml'/>\n<worldbody><light/><geom type='plane' size='1 1 1'/></worldbody></mujoco>");

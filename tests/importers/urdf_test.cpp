@@ -201,6 +201,33 @@ TEST(Urdf, JointsMimicExactly) {
   EXPECT_EQ(text.find("joint: knuckle, mode"), std::string::npos) << "it has no motor";
 }
 
+// Links without shapes (or with meshes that are not there) show the robot's skeleton.
+TEST(Urdf, LinksWithoutShapesAreBars) {
+  Notes notes;
+  const std::string i = inertial(1, "0 0 0", 0.1);
+  const Machine m =
+      machine(link("a", i) + link("b", i) + link("c", i) + joint("j", "revolute", "a", "b", "<origin xyz='0 0 0.5'/><limit lower='-1' upper='1'/>") +
+                  joint("k", "revolute", "b", "c", "<origin xyz='0.2 0 0'/><limit lower='-1' upper='1'/>"),
+              {}, &notes);
+  ASSERT_EQ(m.bodies[0].shapes.size(), 1u);
+  EXPECT_EQ(m.bodies[0].shapes[0].kind, Shape::Kind::cylinder);
+  EXPECT_EQ(m.bodies[0].shapes[0].length, 0.5);
+  EXPECT_LT((m.bodies[1].shapes[0].at.R * Vec3::UnitZ() - Vec3::UnitX()).norm(), 1e-12);
+  EXPECT_LT((m.bodies[1].shapes[0].at.t - Vec3(0.1, 0, 0)).norm(), 1e-12);
+  EXPECT_EQ(m.bodies[2].shapes[0].kind, Shape::Kind::sphere) << "nothing hangs on it";
+  EXPECT_TRUE(told(notes, "bars to the joints"));
+}
+
+TEST(Urdf, MimicryInACircleIsRefused) {
+  const std::string l = "<limit lower='-1' upper='1'/>";
+  EXPECT_THAT(
+      [&] {
+        machine(link("a", kBall) + link("b", kBall) + link("c", kBall) + joint("j", "revolute", "a", "b", "<mimic joint='k'/>" + l) +
+                joint("k", "revolute", "b", "c", "<mimic joint='j'/>" + l));
+      },
+      testing::ThrowsMessage<Error>(testing::HasSubstr("they go in a circle")));
+}
+
 TEST(Urdf, SwayIsAboutWhereJointsStandWithinTheirLimits) {
   MachineOptions o;
   o.sway = 0.3;

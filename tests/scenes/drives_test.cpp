@@ -59,6 +59,29 @@ TEST(Drives, TorqueTurnsABody) {
   EXPECT_NEAR(f.at("drive/hip_power"), 1e-3 * f.at("joint/hip_rate"), 1e-15);
 }
 
+// I theta'' = W cos theta - S (theta - theta_0), and a rotor adds to I.
+TEST(Drives, SpringsAndRotorsAgainstTheirEquation) {
+  const double S = 0.2, rest = -0.5, J = 3e-4, T = 0.12;
+  const auto [x, v] = motion([&](double, double a, double) { return (kWeight * std::cos(a) - S * (a - rest)) * kInertia / (kInertia + J); }, T);
+  double error[2];
+  for (int k = 0; k < 2; ++k) {
+    const double dt = k == 0 ? 0.4 : 0.2;
+    Rig rig(link("", fmt::format("mode: passive, stiffness: {}, rest: {}, armature: {}", S, rest, J), dt));
+    rig.steps(static_cast<int>(std::lround(T * 1e3 / dt)));
+    error[k] = std::abs(rig.fields().at("joint/hip_angle") - x);
+    EXPECT_NEAR(rig.fields().at("joint/hip_rate"), v, 0.03 * std::abs(v) + 0.02);
+  }
+  EXPECT_LT(error[0], 5e-3);
+  EXPECT_LT(error[1], 0.6 * error[0]);
+  // With a motor of given torque: (I + J) theta'' = torque; resumed with the same bits.
+  const std::string yaml = link("", "mode: effort, torque: 1e-3, armature: 3e-4", 0.5);
+  Rig rig(yaml, {kNoWeight}), broken(yaml, {kNoWeight});
+  rig.steps(20);
+  EXPECT_NEAR(rig.fields().at("joint/hip_rate"), 1e-3 / (kInertia + J) * 0.01, 1e-4 * 1e-3 / kInertia * 0.01);
+  broken.steps(8), broken.resume(), broken.steps(12);
+  EXPECT_EQ(broken.engine->points(), rig.engine->points());
+}
+
 // Turns are counted.
 TEST(Drives, TorqueTurnsABodySeveralTimes) {
   Rig rig(link("", "mode: effort, torque: 1e-2", 1, "bdf2"), {kNoWeight});
@@ -407,7 +430,9 @@ TEST(Drives, Refusals) {
   says(drive("mode: pd, kp: 1, torque: 1"), "torque has no meaning: of this joint a drive of mode pd aims at 'angle'");
   says(drive("mode: pd, kp: 1, angle: 1, velocity: 1"), "velocity needs 'effort'");
   says(drive("mode: effort, torque: 1, kp: 3"), "kp has no meaning in a drive of mode effort");
-  says(drive("mode: passive"), "needs 'damping' or 'friction'");
+  says(drive("mode: passive"), "needs 'damping', 'friction', 'stiffness' or 'armature'");
+  says(drive("mode: passive, friction: 1, rest: 1"), "rest has no meaning without 'stiffness'");
+  says(drive("mode: kinematic, angle: 0, armature: 1"), "armature has no meaning in a drive of mode kinematic");
   says(drive("mode: kinematic, angle: 20 deg"), "begins at 0.349066 rad, but the joint stands at 0 rad");
   says(drive("mode: kinematic, angle: {time: [0, 1], value: [0, 20 deg]}", ", angle_limits: [-0.1, 0.1]"), "beyond the limits of the joint");
   says(drive("mode: kinematic, angle: 0, friction: 1"), "friction has no meaning in a drive of mode kinematic");

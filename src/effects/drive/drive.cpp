@@ -39,7 +39,10 @@ const ParamTable kTable = [] {
                           "Rate beyond which the motor does not drive the joint [rad/s, m/s]; over the last tenth of it the torque falls to "
                           "nothing. Needs `effort`.")),
        least(si("damping", "Viscous damping of the bearing [N m s/rad, N s/m].")),
-       least(si("friction", "Dry friction of the bearing [N m, N], in full from 0.001 rad/s, 0.1 mm/s on."))}};
+       least(si("friction", "Dry friction of the bearing [N m, N], in full from 0.001 rad/s, 0.1 mm/s on.")),
+       least(si("stiffness", "Of a spring in the joint [N m/rad, N/m].")),
+       optional(of(Param::Kind::number, "rest", Unit::any, std::nullopt, "Angle or travel at which that spring is at ease; without it 0.")),
+       least(si("armature", "Inertia of the motor's rotor times the square of its gear [kg m^2, kg]."))}};
   for (Param& p : drive::target_params()) t.params.push_back(std::move(p));
   t.is_list = true;
   return t;
@@ -54,7 +57,8 @@ struct Entry {
   Target target;
   double kp = 0, kd = 0, effort = INFINITY, velocity = INFINITY, damping = 0, friction = 0;
   SourceLoc where;
-  bool drags() const { return damping > 0 || friction > 0; }
+  double stiffness = 0, rest = 0, armature = 0;
+  bool drags() const { return damping > 0 || friction > 0 || stiffness > 0 || armature > 0; }
 };
 
 Entry read(const Params& p, bool is_static, bool slides) {
@@ -71,7 +75,10 @@ Entry read(const Params& p, bool is_static, bool slides) {
           INFINITY,
           0,
           0,
-          p.where()};
+          p.where(),
+          0,
+          0,
+          0};
   const auto number = [&](const char* key, double& to, bool allowed, const char* why) {
     if (!p.has(key)) return;
     if (!allowed) throw Error(Exit::scene, p.at(key).where(), std::string(key) + " has no meaning " + why);
@@ -85,15 +92,18 @@ Entry read(const Params& p, bool is_static, bool slides) {
   number("velocity", e.velocity, motor, of_mode.c_str());
   number("damping", e.damping, e.mode != Mode::kinematic, of_mode.c_str());
   number("friction", e.friction, e.mode != Mode::kinematic, of_mode.c_str());
+  number("stiffness", e.stiffness, e.mode != Mode::kinematic, of_mode.c_str());
+  number("rest", e.rest, p.has("stiffness"), "without 'stiffness'");
+  number("armature", e.armature, e.mode != Mode::kinematic, of_mode.c_str());
   if (is_static)
-    for (const char* key : {"kd", "velocity", "damping", "friction"})
+    for (const char* key : {"kd", "velocity", "damping", "friction", "armature"})
       if (p.has(key)) throw Error(Exit::scene, p.at(key).where(), std::string(key) + " has no meaning in a static scene: there are no rates");
   if (e.mode == Mode::pd && !p.has("kp")) throw Error(Exit::scene, p.where(), "a drive of mode pd needs 'kp', its stiffness [N m/rad, N/m]");
   if (p.has("velocity") && !p.has("effort"))
     throw Error(Exit::scene, p.at("velocity").where(), "velocity needs 'effort', the torque that goes where the joint is that fast");
   if (e.mode == Mode::passive) {
     if (Target::any(p)) throw Error(Exit::scene, p.where(), "a drive of mode passive has no target");
-    if (!e.drags()) throw Error(Exit::scene, p.where(), "a drive of mode passive needs 'damping' or 'friction'");
+    if (!e.drags()) throw Error(Exit::scene, p.where(), "a drive of mode passive needs 'damping', 'friction', 'stiffness' or 'armature'");
   } else {
     e.target = Target(p, e.mode == Mode::effort ? (slides ? Quantity::force : Quantity::torque) : slides ? Quantity::travel : Quantity::angle);
   }
@@ -158,6 +168,7 @@ class Drive final : public Effect, public Commanded {
       d.law = {};
       d.law.effort = e.effort, d.law.velocity = e.velocity, d.law.h = is_static_ ? 1 : step.dt, d.law.damping = e.damping,
       d.law.friction = e.friction;
+      d.law.stiffness = e.stiffness, d.law.stretch = j.value - e.rest, d.law.armature = e.armature, d.law.rate = j.rate;
       d.law.creep = j.type == model::JointType::prismatic ? drive::kCreepSlide : drive::kCreep;
       if (e.mode == Mode::pd) d.law.a = e.kp * (d.target - j.value), d.law.K = e.kp + e.kd / d.law.h;
       if (e.mode == Mode::effort) d.law.a = d.target;
@@ -333,11 +344,10 @@ class Drive final : public Effect, public Commanded {
 }  // namespace
 
 const Kind& drive_kind() {
-  static const Kind kind = Kind{
-      "drive", Role::motor, "motors of joints: PD, given torque or given angle; friction of bearings", &kTable,
-      [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> {
-        return std::make_unique<Drive>(p, m);
-      }}.differing_in({"kp", "kd", "effort", "velocity", "damping", "friction", "angle", "travel", "torque", "force", "sine"});
+  static const Kind kind = Kind{"drive", Role::motor, "motors of joints: PD, given torque or given angle; friction of bearings", &kTable,
+                                [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Drive>(p, m); }}
+                               .differing_in({"kp", "kd", "effort", "velocity", "damping", "friction", "stiffness", "rest", "armature", "angle",
+                                              "travel", "torque", "force", "sine"});
   return kind;
 }
 

@@ -9,8 +9,10 @@
 // and braked as the law wants. tau is continuous, piecewise linear and never increases, so
 //     E(x) = - int_0^x tau                              (trapezoids between the kinks: exact)
 // is convex and once continuously differentiable. Bearings add, with D viscous damping and F dry friction, e = creep h:
-//     D x^2 / (2 h)     and     F f(|x|),  f = x^2/e - x^3/(3 e^2)  (x < e),  x - e/3  (x >= e).
-// Units: theta rad, torques N m, kp N m/rad, kd and D N m s/rad; of a slide m, N, N/m, N s/m.
+//     D x^2 / (2 h)     and     F f(|x|),  f = x^2/e - x^3/(3 e^2)  (x < e),  x - e/3  (x >= e),
+// a spring in the joint with its ease at theta_0, and a rotor of inertia J (already times the square of its gear) that turned at v_n,
+//     S (theta_n + x - theta_0)^2 / 2     and     J (x / h - v_n)^2 / 2.
+// Units: theta rad, torques N m, kp and S N m/rad, kd and D N m s/rad, J kg m^2; of a slide m, N, N/m, N s/m, kg.
 #include <cmath>
 
 #include "base/types.h"
@@ -28,6 +30,8 @@ struct Law {
   double effort = INFINITY, velocity = INFINITY;
   double h = 1;
   double damping = 0, friction = 0, creep = kCreep;
+  double stiffness = 0, stretch = 0;  // S; theta_n - theta_0
+  double armature = 0, rate = 0;      // J; v_n
 
   MORTISE_HD double effort_limit(double v) const { return velocity < INFINITY ? effort * clamp01((velocity - v) / (kRamp * velocity)) : effort; }
   MORTISE_HD double motor(double x) const {
@@ -70,19 +74,24 @@ struct Law {
     return -sum;
   }
 
-  // Of the bearings, against the motion [N m].
+  // Of bearing, spring and rotor, against the motion [N m].
   MORTISE_HD double drag(double x) const {
     const double e = creep * h, y = std::fabs(x), f = y < e ? (2 - y / e) * y / e : 1.0;
-    return damping * x / h + (x < 0 ? -1 : 1) * friction * f;
+    const double bearing = damping * x / h + (x < 0 ? -1 : 1) * friction * f;
+    return stiffness == 0 && armature == 0 ? bearing : bearing + stiffness * (stretch + x) + armature * (x / h - rate) / h;
   }
   MORTISE_HD double energy_of(double x) const {
     const double e = creep * h, y = std::fabs(x);
-    return motor_energy(x) + 0.5 * damping * x * x / h + friction * (y < e ? y * y * (1 / e - y / (3 * e * e)) : y - e / 3);
+    const double all = motor_energy(x) + 0.5 * damping * x * x / h + friction * (y < e ? y * y * (1 / e - y / (3 * e * e)) : y - e / 3);
+    if (stiffness == 0 && armature == 0) return all;
+    const double s = stretch + x, v = x / h - rate;
+    return all + 0.5 * stiffness * s * s + 0.5 * armature * v * v;
   }
   MORTISE_HD double first_of(double x) const { return drag(x) - motor(x); }
   MORTISE_HD double second_of(double x) const {
     const double e = creep * h, y = std::fabs(x);
-    return motor_falls(x) + damping / h + (y < e ? friction * 2 * (1 - y / e) / e : 0.0);
+    const double all = motor_falls(x) + damping / h + (y < e ? friction * 2 * (1 - y / e) / e : 0.0);
+    return stiffness == 0 && armature == 0 ? all : all + stiffness + armature / (h * h);
   }
 };
 

@@ -74,10 +74,33 @@ void read_actuators(const Element& root, const Defaults& defaults, Robot& robot,
   for (std::size_t j = 0; j < robot.joints.size(); ++j) robot.joints[j].passive = any && driven[j] == 0;
 }
 
+namespace {
+
+// Two bodies that are held together at a point, or wholly, as they stand in the file.
+void read_loop(const Element& e, Robot& robot, Notes& notes) {
+  const bool weld = e.name() == "weld";
+  e.expect({"name", "class", "active", "body1", "body2", weld ? "relpose" : "anchor"}, {},
+           {"solref", "solimp", "torquescale", weld ? "anchor" : "relpose"}, notes);
+  Loop l;
+  l.where = e.where(), l.fixed = weld;
+  l.a = named(robot.links, e, "body1", "body"), l.b = e.has("body2") ? named(robot.links, e, "body2", "body") : 0;
+  l.name = e.text("name", robot.links[l.a].name + "_" + robot.links[l.b].name);
+  if (!weld) l.at = e.vector("anchor");
+  if (l.a == l.b) e.fail("<" + e.name() + "> ties a body to itself");
+  if (weld && e.has("relpose")) notes.add(e.where(), "a <weld> holds its bodies as they stand: 'relpose' is not imported");
+  robot.loops.push_back(l);
+}
+
+}  // namespace
+
 void read_equality(const Element& root, Robot& robot, Notes& notes) {
   for (const Element& section : root.children("equality"))
     for (const Element& e : section.children()) {
       if (e.has("active") && e.text("active") == "false") continue;
+      if ((e.name() == "connect" || e.name() == "weld") && e.has("body1")) {
+        read_loop(e, robot, notes);
+        continue;
+      }
       if (e.name() != "joint" || freed(robot, e, "joint1") || freed(robot, e, "joint2")) {
         notes.add(e.where(), "<" + e.name() + "> in <equality> is not imported");
         continue;
@@ -85,7 +108,12 @@ void read_equality(const Element& root, Robot& robot, Notes& notes) {
       e.expect({"name", "class", "active", "joint1", "joint2", "polycoef"}, {}, {"solref", "solimp"}, notes);
       std::vector<double> c = e.has("polycoef") ? e.numbers("polycoef") : std::vector<double>{0, 1};
       c.resize(5, 0);
-      if (!e.has("joint2") || c[2] != 0 || c[3] != 0 || c[4] != 0) {
+      if (!e.has("joint2")) {  // it stays where it is told to
+        Joint& held = robot.joints[named(robot.joints, e, "joint1", "joint")];
+        if (held.moves()) held.limits = {held.zero + c[0], held.zero + c[0]};
+        continue;
+      }
+      if (c[2] != 0 || c[3] != 0 || c[4] != 0) {
         notes.add(e.where(), "an equality of joints that is no straight line between two is not imported");
         continue;
       }

@@ -14,6 +14,14 @@ Vec3 colour_of(const Element& e) {
   return Vec3(v[0], v[1], v[2]).cwiseMax(0).cwiseMin(1);
 }
 
+Shape::Kind kind_of(const std::string& type) {
+  return type == "sphere"     ? Shape::Kind::sphere
+         : type == "cylinder" ? Shape::Kind::cylinder
+         : type == "capsule"  ? Shape::Kind::capsule
+         : type == "box"      ? Shape::Kind::box
+                              : Shape::Kind::ellipsoid;
+}
+
 template <class Map>
 std::vector<std::string> keys(const Map& map) {
   std::vector<std::string> out;
@@ -24,13 +32,23 @@ std::vector<std::string> keys(const Map& map) {
 }  // namespace
 
 void Assets::read(const Element& asset) {
-  asset.expect({}, {"mesh", "material"}, {"texture", "hfield", "skin", "model"}, notes_);
+  asset.expect({}, {"mesh", "material", "texture"}, {"hfield", "skin", "model"}, notes_);
+  for (const Element& one : asset.children("texture")) {
+    const Element e = defaults_.complete(one, "main");
+    if (!e.has("file") || e.text("type", "cube") != "2d") {
+      if (e.text("type", "cube") != "skybox") notes_.add(e.where(), "only textures of type 2d in files are imported");
+      continue;
+    }
+    textures_[e.text("name", std::filesystem::path(e.text("file")).stem().string())] = compiler_.texture_file(e.text("file"));
+  }
   for (const Element& e : asset.children("mesh")) mesh(defaults_.complete(e, "main"));
   for (const Element& one : asset.children("material")) {
     const Element e = defaults_.complete(one, "main");
-    e.expect({"name", "class", "rgba"}, {},
-             {"texture", "texrepeat", "texuniform", "emission", "specular", "shininess", "reflectance", "metallic", "roughness"}, notes_);
+    e.expect({"name", "class", "rgba", "texture"}, {},
+             {"texrepeat", "texuniform", "emission", "specular", "shininess", "reflectance", "metallic", "roughness"}, notes_);
     if (e.has("rgba")) colours_[e.text("name")] = colour_of(e);
+    if (!e.has("texture")) continue;
+    if (const auto it = textures_.find(e.text("texture")); it != textures_.end()) painted_[e.text("name")] = it->second;
   }
 }
 
@@ -80,6 +98,8 @@ std::optional<Shape> Assets::shape(const Element& g, const Pose& at) const {
   }
   if (g.has("material") && !g.has_own("rgba"))
     if (const auto it = colours_.find(g.text("material")); it != colours_.end()) out.colour = it->second;
+  if (g.has("material"))
+    if (const auto it = painted_.find(g.text("material")); it != painted_.end()) out.texture = it->second;
   if (!out.colour) out.colour = g.has("rgba") ? colour_of(g) : kGrey;
   return out;
 }
@@ -100,8 +120,10 @@ void Assets::fill(const Element& g, const std::string& type, Shape& out) const {
     g.fail(
         with_hint("a <geom> of type '" + type + "'", type, {"sphere", "capsule", "cylinder", "box", "ellipsoid", "mesh", "plane", "hfield", "sdf"}));
   if (g.has("mesh")) {
-    notes_.add(g.where(), "a <geom> that fits a '" + type + "' to a mesh is the mesh itself");
-    return of_mesh(g, out);
+    of_mesh(g, out);
+    out.fit_box = compiler_.fit_box, out.fit_scale = g.number("fitscale", 1.0);
+    out.fit = kind_of(type);
+    return;
   }
   std::vector<double> size = g.numbers("size");
   for (const double s : size)
@@ -116,11 +138,7 @@ void Assets::fill(const Element& g, const std::string& type, Shape& out) const {
   out.radius = half[0];
   if (round) out.length = 2 * half[2];
   if (boxy) out.size = 2 * half;
-  out.kind = ball                 ? Shape::Kind::sphere
-             : type == "cylinder" ? Shape::Kind::cylinder
-             : type == "capsule"  ? Shape::Kind::capsule
-             : type == "box"      ? Shape::Kind::box
-                                  : Shape::Kind::ellipsoid;
+  out.kind = kind_of(type);
 }
 
 void Assets::between(const Element& g, Shape& out, Vec3& half) const {

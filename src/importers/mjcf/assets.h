@@ -30,6 +30,7 @@ class Assets {
   Notes& notes_;
   std::map<std::string, Mesh> meshes_;
   std::map<std::string, Vec3> colours_;
+  std::map<std::string, std::string> textures_, painted_;  // files by texture; by material
 };
 
 }  // namespace mortise::importers::mjcf

@@ -44,10 +44,11 @@ const std::vector<std::string>& pose_words() {
 }
 
 void Compiler::read(const Element& e, Notes& notes) {
-  e.expect({"angle", "eulerseq", "meshdir", "assetdir", "strippath", "autolimits", "inertiafromgeom", "inertiagrouprange", "coordinate"},
+  e.expect({"angle", "eulerseq", "meshdir", "assetdir", "strippath", "texturedir", "fitaabb", "autolimits", "inertiafromgeom", "inertiagrouprange",
+            "coordinate"},
            {"lengthrange"},
-           {"texturedir", "boundmass", "boundinertia", "settotalmass", "balanceinertia", "discardvisual", "usethread", "fusestatic",
-            "exactmeshinertia", "alignfree", "saveinertial", "fitaabb"},
+           {"boundmass", "boundinertia", "settotalmass", "balanceinertia", "discardvisual", "usethread", "fusestatic", "exactmeshinertia",
+            "alignfree", "saveinertial"},
            notes);
   const auto word = [&](const char* attribute, std::vector<std::string> known) {
     const std::string said = e.text(attribute);
@@ -64,6 +65,7 @@ void Compiler::read(const Element& e, Notes& notes) {
       e.fail("attribute 'eulerseq' of <compiler> must be three of x, y, z, X, Y, Z");
   }
   assets = e.text("assetdir", assets), meshes = e.text("meshdir", meshes);
+  textures = e.text("texturedir", textures), fit_box = truth(e, "fitaabb", fit_box);
   strip = truth(e, "strippath", strip), auto_limits = truth(e, "autolimits", auto_limits);
   if (e.has("inertiafromgeom")) {
     const std::string how = word("inertiafromgeom", {"true", "false", "auto"});
@@ -75,10 +77,10 @@ void Compiler::read(const Element& e, Notes& notes) {
   }
 }
 
-std::string Compiler::mesh_file(const std::string& name) const {
+std::string Compiler::file(const std::string& folder, const std::string& name) const {
   namespace fs = std::filesystem;
   const fs::path file = strip ? fs::path(name).filename() : fs::path(name);
-  return (fs::path(meshes.empty() ? assets : meshes) / file).string();
+  return (fs::path(folder.empty() ? assets : folder) / file).string();
 }
 
 Mat3 Compiler::turn(const Element& e) const {

@@ -5,6 +5,7 @@
 #include "importers/mjcf/actuators.h"
 #include "importers/mjcf/assets.h"
 #include "importers/mjcf/include.h"
+#include "importers/mjcf/keyframe.h"
 #include "importers/mjcf/words.h"
 
 namespace mortise::importers::mjcf {
@@ -42,6 +43,7 @@ class Reader {
     read_actuators(root_, defaults_, robot_, notes_);
     read_equality(root_, robot_, notes_);
     read_contact(root_, robot_, notes_);
+    read_keyframe(root_, robot_, notes_);
     for (Joint& j : robot_.joints) j.fix_where_it_cannot_move(notes_);
     robot_.make_tree();
     return std::move(robot_);
@@ -186,6 +188,8 @@ class Reader {
         notes_.add(e.where(), "a ball joint has no limits here");
     }
     j.damping = std::max(0.0, e.number("damping", 0.0)), j.friction = std::max(0.0, e.number("frictionloss", 0.0));
+    j.stiffness = std::max(0.0, e.has("stiffness") ? e.numbers("stiffness").at(0) : 0.0), j.rest = unit * e.number("springref", 0.0);
+    j.armature = std::max(0.0, e.number("armature", 0.0));
     if (e.has("actuatorfrcrange")) j.effort = std::max(0.0, e.numbers("actuatorfrcrange", 2)[1]);
     return j;
   }

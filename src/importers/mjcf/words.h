@@ -16,17 +16,17 @@ inline Words together(Words a, const Words& b) {
 }
 inline Words with_pose(const Words& more) { return together(more, pose_words()); }
 
-inline const Words sections{"compiler", "default", "asset", "worldbody", "contact", "equality", "tendon", "actuator"};
-inline const Words dropped_sections{"option", "size", "visual", "statistic", "custom", "extension", "sensor", "keyframe", "deformable"};
+inline const Words sections{"compiler", "default", "asset", "worldbody", "contact", "equality", "tendon", "actuator", "keyframe"};
+inline const Words dropped_sections{"option", "size", "visual", "statistic", "custom", "extension", "sensor", "deformable"};
 
 inline const Words in_body{"inertial", "joint", "freejoint", "geom", "body", "frame"};
 inline const Words dropped_in_body{"site",   "camera",    "light",    "composite", "flexcomp", "plugin",
                                    "attach", "replicate", "gravcomp", "mocap",     "user",     "sleep"};
 
 // What only pictures, MuJoCo's broad phase or its solver need is read over without a word: it says nothing about the robot.
-inline const Words geom{"name",   "class", "type",     "contype", "conaffinity", "group",  "size",   "material", "rgba", "mass", "density",
-                        "fromto", "mesh",  "priority", "condim",  "solmix",      "solref", "solimp", "margin",   "gap",  "user"};
-inline const Words dropped_geom{"friction", "shellinertia", "hfield", "fitscale", "fluidshape", "fluidcoef"};
+inline const Words geom{"name",   "class", "type",     "contype",  "conaffinity", "group",  "size",   "material", "rgba",   "mass", "density",
+                        "fromto", "mesh",  "fitscale", "priority", "condim",      "solmix", "solref", "solimp",   "margin", "gap",  "user"};
+inline const Words dropped_geom{"friction", "shellinertia", "hfield", "fluidshape", "fluidcoef"};
 inline const Words joint{"name",
                          "class",
                          "type",
@@ -39,6 +39,9 @@ inline const Words joint{"name",
                          "actuatorfrclimited",
                          "ref",
                          "damping",
+                         "stiffness",
+                         "springref",
+                         "armature",
                          "frictionloss",
                          "margin",
                          "solreflimit",
@@ -46,7 +49,7 @@ inline const Words joint{"name",
                          "solreffriction",
                          "solimpfriction",
                          "user"};
-inline const Words dropped_joint{"springdamper", "stiffness", "springref", "armature", "actuatorgravcomp"};
+inline const Words dropped_joint{"springdamper", "actuatorgravcomp"};
 
 // Attributes that stand in classes of defaults.
 inline const std::map<std::string, std::pair<Words, Words>> of_defaults{

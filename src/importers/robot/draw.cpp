@@ -30,7 +30,7 @@ class Drawing {
   void add(const Shape& s, const Vec3& colour) {
     if (s.kind != Shape::Kind::mesh) {
       const geometry::TriMesh mesh = surface(s, s.at);
-      use(colour, {});
+      use(colour, {}, "");
       for (const Vec3& x : mesh.points) point(x);
       const bool flat = s.kind == Shape::Kind::box || s.kind == Shape::Kind::cylinder;
       if (flat)
@@ -56,7 +56,11 @@ class Drawing {
     if (mesh.materials.empty()) mesh.materials.emplace_back();
     for (std::size_t m = 0; m < mesh.materials.size(); ++m) {
       const geometry::VisualMaterial& material = mesh.materials[m];
-      use(material.name.empty() ? colour : material.base_color, material);
+      const bool painted = !s.texture.empty() && mesh.has_uvs && material.texture.file.empty();
+      use(material.name.empty() && !painted ? colour
+          : painted                         ? Vec3(Vec3::Ones())
+                                            : material.base_color,
+          material, painted ? s.texture : material.texture.file);
       for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         if ((mesh.material.empty() ? 0 : mesh.material[t]) != static_cast<Index>(m)) continue;
         Triangle corners = mesh.triangles[t];
@@ -80,12 +84,12 @@ class Drawing {
   void point(const Vec3& x) { fmt::format_to(std::back_inserter(obj_), "v {:.9g} {:.9g} {:.9g}\n", x[0], x[1], x[2]); }
   void normal(const Vec3& n) { fmt::format_to(std::back_inserter(obj_), "vn {:.5g} {:.5g} {:.5g}\n", n[0], n[1], n[2]); }
   // `colour`: linear.
-  void use(const Vec3& colour, const geometry::VisualMaterial& m) {
+  void use(const Vec3& colour, const geometry::VisualMaterial& m, const std::string& texture) {
     if (plain_) return;
     const std::string name = fmt::format("part_{}", parts_++);
     obj_ += "usemtl " + name + "\n";
     mtl_ += fmt::format("newmtl {}\nKd {:.6g} {:.6g} {:.6g}\nPr {:.6g}\nPm {:.6g}\n", name, colour[0], colour[1], colour[2], m.roughness, m.metallic);
-    if (!m.texture.file.empty()) mtl_ += "map_Kd " + m.texture.file + "\n";
+    if (!texture.empty()) mtl_ += "map_Kd " + texture + "\n";
   }
   void face(const Triangle& t, bool uvs, bool normals) {
     obj_ += "f";
@@ -107,10 +111,23 @@ class Drawing {
   int parts_ = 0;
 };
 
+// Primitives of one colour that are those that touch.
+bool seen_as_it_is(const Body& b) {
+  if (b.visuals.empty()) return true;
+  for (const Shape& s : b.visuals) {
+    if (s.kind == Shape::Kind::mesh || (!b.one_colour && s.colour != b.visuals[0].colour)) return false;
+    const auto same = [&](const Shape& o) {
+      return o.kind == s.kind && o.size == s.size && o.radius == s.radius && o.length == s.length && o.at.R.isApprox(s.at.R) &&
+             o.at.t.isApprox(s.at.t);
+    };
+    if (std::none_of(b.shapes.begin(), b.shapes.end(), same)) return false;
+  }
+  return b.visuals.size() == b.shapes.size();
+}
+
 void draw(Body& b, const std::string& folder) {
-  const auto mesh = [](const Shape& s) { return s.kind == Shape::Kind::mesh; };
-  if (std::none_of(b.visuals.begin(), b.visuals.end(), mesh)) return;
-  if (b.visuals.size() == 1 && b.visuals[0].even()) {
+  if (seen_as_it_is(b)) return;
+  if (b.visuals.size() == 1 && b.visuals[0].kind == Shape::Kind::mesh && b.visuals[0].even() && b.visuals[0].texture.empty()) {
     b.drawn = b.visuals[0];
     return;
   }

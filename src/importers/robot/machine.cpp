@@ -1,6 +1,7 @@
 #include "importers/robot/machine.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -33,6 +34,7 @@ class Assembly {
       mass_of(out_.bodies[b]);
     }
     axes();
+    loops();
     pads();
     for (const auto& [a, b] : robot_.apart)
       for (const std::size_t i : parts(a))
@@ -65,7 +67,7 @@ class Assembly {
     body_.assign(robot_.links.size(), kWorld);
     in_body_.assign(robot_.links.size(), Pose{});
     Names taken;
-    bool base = false;  // the first that moves freely is the robot's
+    const std::vector<std::uint8_t> bases = options_.held ? held_bases() : std::vector<std::uint8_t>(robot_.links.size(), 0);
     for (const std::size_t link : robot_.order) {
       const Link& l = robot_.links[link];
       const bool root = link == robot_.root, world = root && l.name == "world" && !l.inertial;
@@ -89,8 +91,7 @@ class Assembly {
       Body b;
       b.name = taken.of(l.name), b.where = l.where, b.bearing = l.bearing;
       const bool loose = !world && (root || joint_of(link).type == Joint::Type::floating);
-      b.held = world || (loose && options_.held && !base) || (!root && joint_of(link).type == Joint::Type::fixed);
-      base = base || loose;
+      b.held = world || (loose && bases[link]) || (!root && joint_of(link).type == Joint::Type::fixed);
       body_[link] = static_cast<std::ptrdiff_t>(out_.bodies.size());
       merge(b, l, Pose{});
       frame_.push_back(link);
@@ -101,6 +102,20 @@ class Assembly {
         if (j.parent == s)
           throw Error(Exit::usage, options_.asked_soft + robot_.links[s].name + ": joint '" + j.name +
                                        "' hangs on it; only the last link of a limb can become soft");
+  }
+
+  // Links that move freely with joints below them: robots' bases. Where there is none the first that moves freely.
+  std::vector<std::uint8_t> held_bases() const {
+    std::vector<std::uint8_t> out(robot_.links.size(), 0);
+    std::vector<std::size_t> base(robot_.links.size()), loose;
+    for (const std::size_t link : robot_.order) {
+      const bool root = link == robot_.root, free = root ? robot_.links[link].name != "world" : joint_of(link).type == Joint::Type::floating;
+      base[link] = root || free ? link : base[joint_of(link).parent];
+      if (free) loose.push_back(link);
+      if (!root && (joint_of(link).moves() || joint_of(link).type == Joint::Type::spherical)) out[base[link]] = 1;
+    }
+    if (!loose.empty() && std::none_of(loose.begin(), loose.end(), [&](std::size_t link) { return out[link] != 0; })) out[loose[0]] = 1;
+    return out;
   }
 
   std::optional<Vec3> colour_of(const std::string& link) const {
@@ -114,6 +129,7 @@ class Assembly {
     b.links.push_back(l.name);
     if (const std::optional<Vec3> asked = colour_of(l.name)) b.colour = asked, b.one_colour = true;
     if (l.inertial) b.inertial = together(b.inertial, moved(*l.inertial, at));
+    if (!b.colour && l.visuals.empty()) b.colour = l.colour;
     for (Shape s : l.visuals) {
       s.at = at * s.at;
       if (!b.colour) b.colour = s.colour;
@@ -139,27 +155,46 @@ class Assembly {
         throw Error(Exit::usage, options_.asked_joint + pattern + ": no joint that moves is called so; " + scene::suggestion(pattern, names));
       }
     std::vector<std::uint8_t> free(robot_.joints.size(), 0);
+    looped_ = in_loops();
     for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
       const Joint& j = robot_.joints[i];
       if (!j.moves()) continue;
       bool asked = false;
       for (const auto& [pattern, value] : options_.stands)
         if (matches(pattern, j.name)) stands_[i] = value, asked = true;
-      free[i] = !asked && !j.mimic && j.type == Joint::Type::revolute;
+      if (looped_[i] && asked)
+        throw Error(Exit::usage, options_.asked_joint + j.name + ": it is part of a loop of joints, which stands as the file has it");
+      if (looped_[i]) continue;
+      if (!asked && j.stand) stands_[i] = *j.stand;
+      free[i] = !asked && !j.stand && !j.mimic && j.type == Joint::Type::revolute;
       if (!j.limits || j.mimic) continue;
       const auto [low, high] = *j.limits;
       if (asked && !(low < stands_[i] && stands_[i] < high))
         throw Error(Exit::usage, options_.asked_joint + j.name + "=" + std::to_string(stands_[i]) + ": its limits are " + std::to_string(low) +
                                      " and " + std::to_string(high));
       const double range = std::min(kStopRange[j.type == Joint::Type::prismatic], (high - low) / 20);
-      if (!asked) stands_[i] = std::clamp(j.zero, low + kFromLimit * range, high - kFromLimit * range);
+      if (!asked) stands_[i] = std::clamp(stands_[i], low + kFromLimit * range, high - kFromLimit * range);
     }
     bend_back(free);
     for (std::size_t round = 0; round < robot_.joints.size(); ++round)  // leaders that follow others
       for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
         const Joint& j = robot_.joints[i];
-        if (j.mimic && j.moves()) stands_[i] = j.mimic->multiplier * stands_[j.mimic->leader] + j.mimic->offset;
+        if (j.mimic && j.moves() && !looped_[i]) stands_[i] = j.mimic->multiplier * stands_[j.mimic->leader] + j.mimic->offset;
       }
+  }
+  // Joints on the ways between the two ends of a loop.
+  std::vector<std::uint8_t> in_loops() const {
+    std::vector<std::uint8_t> out(robot_.joints.size(), 0);
+    for (const Loop& loop : robot_.loops) {
+      std::vector<std::uint8_t> above(robot_.joints.size(), 0);
+      const auto up = [&](std::size_t link, const auto& visit) {
+        for (; robot_.joint_of[link] >= 0; link = robot_.joints[robot_.joint_of[link]].parent) visit(static_cast<std::size_t>(robot_.joint_of[link]));
+      };
+      up(loop.a, [&](std::size_t j) { above[j] = 1; });
+      up(loop.b, [&](std::size_t j) { above[j] ^= 1; });
+      for (std::size_t j = 0; j < out.size(); ++j) out[j] = out[j] != 0 || above[j] != 0;
+    }
+    return out;
   }
   void bend_back(const std::vector<std::uint8_t>& free) {
     constexpr double kParallel = 1e-3;
@@ -200,6 +235,11 @@ class Assembly {
       if (shape.kind != Shape::Kind::mesh && shape.kind != Shape::Kind::ellipsoid) b.shapes.push_back(shape);
     if (!b.shapes.empty()) {
       notes_.add(b.where, "a link without collision shape touches with its visual shapes");
+      return;
+    }
+    if (!b.bearing) b.shapes = skeleton(index);
+    if (!b.shapes.empty()) {
+      notes_.add(b.where, "a link without a shape gets bars to the joints that hang on it");
       return;
     }
     Shape ball;
@@ -253,12 +293,24 @@ class Assembly {
       a.direction = in_world_[link].R * j.axis;
       a.stands = stands_[number], a.limits = j.limits;
       a.kp = j.kp, a.kd = j.kd, a.effort = j.effort, a.velocity = j.velocity, a.damping = j.damping, a.friction = j.friction;
+      a.stiffness = j.stiffness, a.rest = j.rest, a.armature = j.armature;
+      if (looped_[number]) loosen(a);
       a.swing = swing(a), a.passive = j.passive && options_.sway == 0;
       axis_of[number] = static_cast<std::ptrdiff_t>(out_.axes.size());
       out_.axes.push_back(a);
     }
     for (std::size_t i = 0; i < robot_.joints.size(); ++i)
       if (const Joint& j = robot_.joints[i]; j.mimic && axis_of[i] >= 0) mimic(out_.axes[axis_of[i]], j, axis_of[j.mimic->leader]);
+  }
+
+  // A joint of a loop stands where the file has it, be that at its limit.
+  void loosen(Axis& a) {
+    if (!a.limits) return;
+    auto& [low, high] = *a.limits;
+    const double room = kFromLimit * std::min(kStopRange[a.type == Joint::Type::prismatic], (high - low) / 20);
+    if (low + 0.5 * room < a.stands && a.stands < high - 0.5 * room) return;
+    notes_.add(a.where, "a joint of a loop stands at its limit, or beyond it: the limit is moved away from there");
+    low = std::min(low, a.stands - room), high = std::max(high, a.stands + room);
   }
 
   double swing(const Axis& a) const {
@@ -282,6 +334,37 @@ class Assembly {
       const double ends[2] = {a.stands + a.ratio * (other.limits->first - other.stands), a.stands + a.ratio * (other.limits->second - other.stands)};
       if (std::min(ends[0], ends[1]) >= a.limits->first && std::max(ends[0], ends[1]) <= a.limits->second) a.limits.reset();
     }
+  }
+
+  // Closing joints, in the world, where the first of their bodies has them.
+  void loops() {
+    Names taken;
+    for (const Axis& a : out_.axes) taken.of(a.name);
+    for (const Loop& l : robot_.loops) {
+      ClosingJoint c{"", l.fixed, 0, body_[l.b], in_world_[l.a](l.at)};
+      std::ptrdiff_t body = body_[l.a];
+      if (body == kWorld) std::swap(body, c.to);
+      if (body == c.to) {
+        notes_.add(l.where, "a loop that is closed within one body says nothing");
+        continue;
+      }
+      c.name = taken.of(l.name), c.body = static_cast<std::size_t>(body);
+      out_.loops.push_back(std::move(c));
+    }
+  }
+
+  // A body needs a surface where the file has none, or none that was found: bars to the joints that hang on it, which show the robot's skeleton.
+  std::vector<Shape> skeleton(std::size_t index) const {
+    std::vector<Shape> out;
+    for (const Joint& j : robot_.joints) {
+      if (body_[j.parent] != static_cast<std::ptrdiff_t>(index) || body_[j.child] == body_[j.parent]) continue;
+      const Vec3 way = in_body_[j.parent](j.origin.t);
+      if (way.norm() < kShortestBar) continue;
+      Shape& bar = out.emplace_back();
+      bar.kind = Shape::Kind::cylinder, bar.radius = std::clamp(kBarRadius * way.norm(), kBarRadii[0], kBarRadii[1]), bar.length = way.norm();
+      bar.at = {Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), way).toRotationMatrix(), 0.5 * way}, bar.where = out_.bodies[index].where;
+    }
+    return out;
   }
 
   void pads() {
@@ -323,6 +406,7 @@ class Assembly {
     const Vec3 up(0, 0, options_.clearance - lowest);
     for (Body& b : out_.bodies) b.at.t += up;
     for (Axis& a : out_.axes) a.place += up;
+    for (ClosingJoint& l : out_.loops) l.place += up;
     for (Pad& p : out_.pads) p.shape.at.t += up;
   }
 
@@ -332,9 +416,10 @@ class Assembly {
   Machine out_;
   std::vector<std::ptrdiff_t> body_;  // by link
   std::vector<Pose> in_body_, in_world_;
-  std::vector<std::size_t> frame_;  // by body: the link whose frame it has
-  std::vector<std::size_t> soft_;   // links
-  std::vector<double> stands_;      // by joint
+  std::vector<std::size_t> frame_;    // by body: the link whose frame it has
+  std::vector<std::size_t> soft_;     // links
+  std::vector<double> stands_;        // by joint
+  std::vector<std::uint8_t> looped_;  // by joint
 };
 
 }  // namespace
@@ -368,6 +453,8 @@ std::vector<PassingPair> passing_pairs(const Machine& m, int apart) {
   const auto join = [&](std::size_t a, std::size_t b) { beside[a].push_back(b), beside[b].push_back(a); };
   for (const Axis& a : m.axes)
     if (a.to >= 0) join(a.body, static_cast<std::size_t>(a.to));
+  for (const ClosingJoint& l : m.loops)
+    if (l.to >= 0) join(l.body, static_cast<std::size_t>(l.to));
   for (std::size_t p = 0; p < m.pads.size(); ++p) join(bodies + p, m.pads[p].body);
   const auto shapes = [&](std::size_t i) { return i < bodies ? m.bodies[i].shapes : std::vector<Shape>{m.pads[i - bodies].shape}; };
   std::vector<geometry::TriMesh> surfaces(n);

@@ -18,7 +18,7 @@ struct SoftLink {
 struct MachineOptions {
   std::vector<std::pair<std::string, double>> stands;            // joints, by pattern with * and ?: where they stand [rad, m]; the right-most holds
   std::vector<SoftLink> soft;                                    // of those that fit a link the right-most holds
-  bool held = false;                                             // the base does not move
+  bool held = false;                                             // no robot's base moves
   double clearance = 2e-3;                                       // of the lowest point above the floor z = 0 [m]
   double sway = 0;                                               // motors swing their hinges by this about where they stand [rad]
   int apart = 2;                                                 // bodies that no more joints than these lie between pass through each other
@@ -51,11 +51,20 @@ struct Axis {  // a joint that moves: a hinge, a slide, a ball joint
   double stands = 0;
   std::optional<std::pair<double, double>> limits;
   double kp = 0, kd = 0, effort = 0, velocity = 0, damping = 0, friction = 0;
+  double stiffness = 0, rest = 0, armature = 0;
   std::ptrdiff_t mimics = -1;  // the axis that it follows exactly, `ratio` times as far
   double ratio = 1;
   double swing = 0;      // amplitude of its motor's target [rad, m]
   bool passive = false;  // without a motor
   SourceLoc where;
+};
+
+struct ClosingJoint {  // of a loop: a ball joint, or a fixed one
+  std::string name;
+  bool fixed = false;
+  std::size_t body = 0;
+  std::ptrdiff_t to = -1;  // -1: the world
+  Vec3 place;              // in the world
 };
 
 // A link that becomes a soft body, bonded to the body that it was fixed to.
@@ -74,6 +83,7 @@ struct Machine {
   std::string name;
   std::vector<Body> bodies;
   std::vector<Axis> axes;
+  std::vector<ClosingJoint> loops;
   std::vector<Pad> pads;
   std::vector<std::pair<std::size_t, std::size_t>> apart;  // bodies and pads (numbered after the bodies) that the file says shall not touch
   double mass() const;

@@ -70,6 +70,15 @@ std::string beside(const std::string& name, const Robot& robot) {
 }  // namespace
 
 void find_meshes(Robot& robot, const MeshOptions& options, Notes& notes) {
+  for (Link& link : robot.links)
+    for (std::vector<Shape>* shapes : {&link.visuals, &link.collisions})
+      for (Shape& s : *shapes) {
+        if (s.texture.empty()) continue;
+        std::string file = found(s.texture, robot, options);
+        if (file.empty()) file = beside(s.texture, robot);
+        if (file.empty()) notes.add(s.where, "the picture of a texture, '" + s.texture + "', is not there: it is left out");
+        s.texture = file;
+      }
   std::vector<const Shape*> missing;
   for (Link& link : robot.links)
     for (std::vector<Shape>* shapes : {&link.visuals, &link.collisions})
@@ -97,6 +106,7 @@ void find_meshes(Robot& robot, const MeshOptions& options, Notes& notes) {
     for (std::vector<Shape>* shapes : {&link.visuals, &link.collisions})
       std::erase_if(*shapes, [&](const Shape& s) {
         if (s.kind != Shape::Kind::mesh || is_file(s.file)) return false;
+        if (!link.colour) link.colour = s.colour;
         notes.add(s.where, std::string(shapes == &link.visuals ? "a visual" : "a collision") + " mesh is missing and left out");
         return true;
       });

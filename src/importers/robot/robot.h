@@ -32,8 +32,12 @@ struct Shape {
   Vec3 scale = Vec3::Ones();                         // mesh
   Pose at;                                           // in the link
   std::optional<Vec3> colour;                        // sRGB
-  std::optional<double> mass, density;               // [kg, kg/m^3], where shapes weigh what their link does not
-  int contype = 1, conaffinity = 1;                  // bits: two shapes touch where the one's type meets the other's affinity
+  std::string texture;                               // picture on a mesh that has texture coordinates; "": what its own file says
+  std::optional<Kind> fit;                           // a mesh in whose place this primitive stands (fit.h)
+  bool fit_box = false;                              // it fits the box around it, not its inertia
+  double fit_scale = 1;
+  std::optional<double> mass, density;  // [kg, kg/m^3], where shapes weigh what their link does not
+  int contype = 1, conaffinity = 1;     // bits: two shapes touch where the one's type meets the other's affinity
   SourceLoc where;
   bool touches(const Shape& o) const { return (contype & o.conaffinity) != 0 || (o.contype & conaffinity) != 0; }
   bool even() const { return scale[0] > 0 && scale[0] == scale[1] && scale[0] == scale[2]; }  // no axis is scaled or mirrored by itself
@@ -50,8 +54,9 @@ struct Link {
   std::string name;
   std::optional<Inertial> inertial;
   std::vector<Shape> visuals, collisions;
-  bool bearing = false;  // without a shape: between two joints of one body
-  bool weighed = false;  // its shapes' mass counts, whatever `inertial` is
+  std::optional<Vec3> colour;  // of visuals that are not there
+  bool bearing = false;        // without a shape: between two joints of one body
+  bool weighed = false;        // its shapes' mass counts, whatever `inertial` is
   SourceLoc where;
 };
 
@@ -69,6 +74,8 @@ struct Joint {
   double kp = 0, kd = 0;            // gains of its motor; 0: not given
   bool passive = false;             // it has no motor
   double damping = 0, friction = 0;
+  double stiffness = 0, rest = 0, armature = 0;  // of a spring, at ease at `rest`; of a rotor
+  std::optional<double> stand;                   // where the file says that it stands, if not at zero
   struct Mimic {
     std::string joint;
     double multiplier = 1, offset = 0;
@@ -81,10 +88,20 @@ struct Joint {
   void fix_where_it_cannot_move(Notes& notes);                                      // because its limits leave no way
 };
 
+// A joint that closes a loop, or holds a free body: `b` is where it stands.
+struct Loop {
+  std::string name;
+  bool fixed = false;        // else a ball joint
+  std::size_t a = 0, b = 0;  // links
+  Vec3 at = Vec3::Zero();    // in a
+  SourceLoc where;
+};
+
 struct Robot {
   std::string name, path;
   std::vector<Link> links;
   std::vector<Joint> joints;
+  std::vector<Loop> loops;
   std::vector<std::pair<std::size_t, std::size_t>> apart;  // links that pass through each other, as the file says
   std::vector<std::string> freed;                          // joints of the file that a floating one stands for
   std::size_t root = 0;                                    // link without parent

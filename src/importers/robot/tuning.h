@@ -3,11 +3,14 @@
 
 namespace mortise::importers {
 
-inline constexpr double kDensity = 1000;                    // of links without mass [kg/m^3]: water, as most simulators take
-inline constexpr double kRoundCells = 0.6;                  // edges of cylinders over their radius: sixteen corners around
-inline constexpr double kBallCells = 0.5;                   // of balls: sixteen around as well
-inline constexpr double kLeastMass = 1e-3;                  // of a body [kg]: placeholders of 1e-6 kg make matrices that no digits are left for
-inline constexpr double kStandInRadius = 0.01;              // of the ball in the place of a link without shape [m]
+inline constexpr double kDensity = 1000;        // of links without mass [kg/m^3]: water, as most simulators take
+inline constexpr double kRoundCells = 0.6;      // edges of cylinders over their radius: sixteen corners around
+inline constexpr double kBallCells = 0.5;       // of balls: sixteen around as well
+inline constexpr double kLeastMass = 1e-3;      // of a body [kg]: placeholders of 1e-6 kg make matrices that no digits are left for
+inline constexpr double kStandInRadius = 0.01;  // of the ball in the place of a link without shape [m]
+inline constexpr double kShortestBar = 0.04;  // in the place of a link's shape, to the joints that hang on it [m]: shorter, and a ball shows as much
+inline constexpr double kBarRadius = 0.12;    // over its length,
+inline constexpr double kBarRadii[2] = {0.003, 0.05};       // and between these [m]
 inline constexpr double kBearingRadius = 0.002;             // of the one between two joints of a body [m]: inside of nearly all that it could be in
 inline constexpr double kThinnest = 1e-3;                   // least share of int rho X X^T along an axis that a mended tensor has
 inline constexpr double kFromLimit = 2;                     // a joint stands at least so many ranges of its stop from a limit

@@ -16,8 +16,14 @@ using geometry::MassProperties;
 MassProperties solid(const Shape& mesh) {
   geometry::TriMesh polyhedron = surface(mesh, Pose{});
   MassProperties out = geometry::mass_properties(polyhedron);
-  if (!(out.volume > 0)) out = geometry::mass_properties(geometry::convex_hull(polyhedron.points));
-  return out;
+  if (out.volume > 0) return out;
+  try {
+    return geometry::mass_properties(geometry::convex_hull(polyhedron.points));
+  } catch (const Error&) {  // a picture on a plane: it has no volume
+    MassProperties flat;
+    for (const Vec3& x : polyhedron.points) flat.centroid += x / static_cast<double>(polyhedron.points.size());
+    return flat;
+  }
 }
 
 // int X X^T dV / V about the middle: half the differences of the moments, without (0.5 tr I - I_i).
@@ -69,7 +75,7 @@ Inertial inertial_of(const Shape& s, double mass) {
   Mat3 X = spread(s).asDiagonal();
   if (s.kind == Shape::Kind::mesh) {
     const MassProperties m = solid(s);
-    out.centre = m.centroid, X = m.second_moment / m.volume;
+    out.centre = m.centroid, X = m.volume > 0 ? Mat3(m.second_moment / m.volume) : Mat3(Mat3::Zero());
   }
   out.tensor = mass * (X.trace() * Mat3::Identity() - X);
   return moved(out, s.at);

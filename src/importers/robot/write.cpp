@@ -60,7 +60,8 @@ class Writer {
         "# {} bodies, {} joints{}, {:.4g} kg that move. Where bodies stand and what is chosen for want of it in the file (motors' gains, contact,",
         m_.bodies.size(), m_.axes.size(), m_.pads.empty() ? "" : fmt::format(", {} soft pads", m_.pads.size()), m_.mass()));
     line(
-        "# friction, cameras) is meant to be edited. A motor's target may be keys {time: [...], value: [...]} or a column of a CSV file: mortise "
+        "# friction, cameras) is meant to be edited. A motor's target may be keys {time: [...], value: [...]} or a column of a CSV or HDF5 file: "
+        "mortise "
         "effects drive.");
     line("mortise: 1");
     line("name: " + m_.name);
@@ -204,12 +205,15 @@ class Writer {
       for (const Body& b : m_.bodies)
         if (b.held) line(fmt::format("    - {{body: {}, where: {{side: all}}}}", b.name));
     }
-    if (!m_.axes.empty()) {
+    if (!m_.axes.empty() || !m_.loops.empty()) {
       line("  joint:");
       for (const Axis& a : m_.axes) joint(a);
+      for (const ClosingJoint& l : m_.loops)
+        line(fmt::format("    - {{name: {}, type: {}, body: {}{}, at: {}}}", l.name, l.fixed ? "fixed" : "spherical", m_.bodies[l.body].name,
+                         l.to >= 0 ? ", to: " + m_.bodies[l.to].name : "", vector(l.place)));
     }
     const auto driven = [](const Axis& a) {
-      const bool bare = a.passive && a.damping == 0 && a.friction == 0;
+      const bool bare = a.passive && a.damping == 0 && a.friction == 0 && a.stiffness == 0 && a.armature == 0;
       return a.type != Joint::Type::spherical && !bare;
     };
     if (any(m_.axes, driven)) {
@@ -245,24 +249,28 @@ class Writer {
     line("    - {" + text + "}");
   }
 
+  std::string resistance(const Axis& a) const {
+    std::string out;
+    if (a.damping > 0) out += ", damping: " + number(a.damping);
+    if (a.friction > 0) out += ", friction: " + number(a.friction);
+    if (a.stiffness > 0) out += ", stiffness: " + number(a.stiffness);
+    if (a.stiffness > 0 && a.rest != 0) out += ", rest: " + (a.type == Joint::Type::revolute ? angle(a.rest) : length(a.rest));
+    if (a.armature > 0) out += ", armature: " + number(a.armature);
+    return out;
+  }
+
   void drive(const Axis& a) {
     const bool turns = a.type == Joint::Type::revolute;
     std::string text = "joint: " + a.name;
     if (a.passive) {
-      text += ", mode: passive";
-      if (a.damping > 0) text += ", damping: " + number(a.damping);
-      if (a.friction > 0) text += ", friction: " + number(a.friction);
-      line("    - {" + text + "}");
+      line("    - {" + text + ", mode: passive" + resistance(a) + "}");
       return;
-    } else {
-      const double effort = a.effort > 0 ? a.effort : kHold * 9.81 * m_.mass() * (turns ? 0.1 : 1),
-                   kp = a.kp > 0 ? a.kp : effort / kFullEffort[!turns];
-      text += fmt::format(", mode: pd, kp: {}, kd: {}", rounded(kp), rounded(a.kd > 0 ? a.kd : kSettling * kp));
-      if (a.effort > 0) text += ", effort: " + number(a.effort);
-      if (a.effort > 0 && a.velocity > 0) text += ", velocity: " + number(a.velocity);
-      if (a.damping > 0) text += ", damping: " + number(a.damping);
-      if (a.friction > 0) text += ", friction: " + number(a.friction);
     }
+    const double effort = a.effort > 0 ? a.effort : kHold * 9.81 * m_.mass() * (turns ? 0.1 : 1), kp = a.kp > 0 ? a.kp : effort / kFullEffort[!turns];
+    text += fmt::format(", mode: pd, kp: {}, kd: {}", rounded(kp), rounded(a.kd > 0 ? a.kd : kSettling * kp));
+    if (a.effort > 0) text += ", effort: " + number(a.effort);
+    if (a.effort > 0 && a.velocity > 0) text += ", velocity: " + number(a.velocity);
+    text += resistance(a);
     text += turns ? ", angle: " + angle(a.stands) : ", travel: " + length(a.stands);
     if (a.swing != 0)
       text += fmt::format(", sine: {{{}, frequency: {}}}", turns ? "angle: " + angle(a.swing) : "travel: " + length(a.swing), number(kSwayRate));

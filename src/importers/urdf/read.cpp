@@ -42,8 +42,9 @@ class Reader {
 
   // Colour of a <material>, which may be defined elsewhere by name.
   std::optional<Vec3> material(const Element& m, bool defines) {
-    m.expect({"name"}, {"color"}, {"texture"}, notes_);
+    m.expect({"name"}, {"color", "texture"}, {}, notes_);
     const std::string name = m.has("name") ? m.text("name") : "";
+    if (const auto t = m.child("texture"); t && t->has("filename") && !name.empty()) textures_.emplace(name, t->text("filename"));
     if (const auto c = m.child("color")) {
       c->expect({"rgba", "rgb"}, {}, {}, notes_);
       const std::vector<double> v = c->numbers(c->has("rgb") ? "rgb" : "rgba");
@@ -124,7 +125,12 @@ class Reader {
       v.expect({"name"}, {"origin", "geometry", "material"}, {}, notes_);
       l.visuals.push_back(shape(v));
       const std::vector<Element> materials = v.children("material");  // exporters write one per part of the mesh
-      if (!materials.empty()) l.visuals.back().colour = material(materials[0], false);
+      if (materials.empty()) continue;
+      l.visuals.back().colour = material(materials[0], false);
+      if (const auto t = materials[0].child("texture"); t && t->has("filename"))
+        l.visuals.back().texture = t->text("filename");
+      else if (const auto it = textures_.find(materials[0].text("name", "")); it != textures_.end())
+        l.visuals.back().texture = it->second;
     }
     for (const Element& c : e.children("collision")) {
       c.expect({"name"}, {"origin", "geometry"}, {"verbose", "contact_coefficients", "group", "material", "surface"}, notes_);
@@ -187,7 +193,9 @@ class Reader {
       }
     }
     if (const auto d = e.child("dynamics")) {
-      d->expect({"damping", "friction"}, {}, {"spring_reference", "spring_stiffness", "armature"}, notes_);
+      d->expect({"damping", "friction", "spring_reference", "spring_stiffness", "armature"}, {}, {}, notes_);
+      j.stiffness = std::max(0.0, d->number("spring_stiffness", 0.0)), j.rest = d->number("spring_reference", 0.0);
+      j.armature = std::max(0.0, d->number("armature", 0.0));
       j.damping = std::max(0.0, d->number("damping", 0.0)), j.friction = std::max(0.0, d->number("friction", 0.0));
     }
     if (const auto m = e.child("mimic")) {
@@ -199,6 +207,7 @@ class Reader {
   Robot robot_;
   Notes& notes_;
   std::map<std::string, Vec3> colours_;
+  std::map<std::string, std::string> textures_;
 };
 
 }  // namespace
