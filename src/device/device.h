@@ -138,6 +138,7 @@ inline constexpr Index kChunk = 64;
 #else
 #include "device/cpu.h"
 #endif
+#include "device/ranges.h"
 
 namespace mortise::device {
 
@@ -158,38 +159,39 @@ struct Smaller {
 class Fetch;  // fetch.h
 struct EnvValues;
 template <class Combine, class F>
-void env_reduce(const char* name, const std::vector<Index>& offset, F f, EnvValues out);
+void env_reduce(const char* name, const Ranges& over, F f, EnvValues out);
 template <class Combine, class F>
-void env_reduce(const char* name, const std::vector<Index>& offset, F f, std::vector<double>& out);
+void env_reduce(const char* name, const Ranges& over, F f, std::vector<double>& out);
 
 // Sum of f(i), i < n, in the fixed order.
 template <class F>
 double sum(const char* name, Index n, F f) {
   std::vector<double> out{0.0};
-  env_reduce<Add>(name, {0, n}, f, out);
+  env_reduce<Add>(name, std::vector<Index>{0, n}, f, out);
   return out[0];
 }
 // Largest f(i), i < n; `least` when n is 0.
 template <class F>
 double max(const char* name, Index n, double least, F f) {
   std::vector<double> out{least};
-  env_reduce<Larger>(name, {0, n}, f, out);
+  env_reduce<Larger>(name, std::vector<Index>{0, n}, f, out);
   return out[0];
 }
-// Adds the sum of f(i) over offset[e] <= i < offset[e+1] to out[e], each environment in its own fixed order, so that the result
-// of environment e does not depend on its neighbours. `out`: std::vector<double>&, changed here, or EnvValues, changed by the fetch.
+// Adds the sum of f(i) over the part of environment e to out[e], each environment in its own fixed order, so that the result of environment e does
+// not depend on its neighbours; of those that are not among `over`, which may be the offsets of all, nothing is added. `out`: std::vector<double>&,
+// changed here, or EnvValues, changed by the fetch.
 template <class F, class Out>
-void env_sum(const char* name, const std::vector<Index>& offset, F f, Out&& out) {
-  env_reduce<Add>(name, offset, f, out);
+void env_sum(const char* name, const Ranges& over, F f, Out&& out) {
+  env_reduce<Add>(name, over, f, out);
 }
 // Raises out[e] to the largest f(i) of environment e, or lowers it to the smallest.
 template <class F, class Out>
-void env_max(const char* name, const std::vector<Index>& offset, F f, Out&& out) {
-  env_reduce<Larger>(name, offset, f, out);
+void env_max(const char* name, const Ranges& over, F f, Out&& out) {
+  env_reduce<Larger>(name, over, f, out);
 }
 template <class F, class Out>
-void env_min(const char* name, const std::vector<Index>& offset, F f, Out&& out) {
-  env_reduce<Smaller>(name, offset, f, out);
+void env_min(const char* name, const Ranges& over, F f, Out&& out) {
+  env_reduce<Smaller>(name, over, f, out);
 }
 
 // Exclusive prefix sum in place of n counts stored in a buffer of n+1 values; the last becomes the total.

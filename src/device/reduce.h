@@ -1,5 +1,5 @@
 #pragma once
-// Reductions of fixed shape over all environments at once; included by device.h. The host sends the environments' bounds (none
+// Reductions of fixed shape over many environments at once; included by device.h. The host sends the environments' bounds (none
 // for a single environment) and gets one value per environment back, however many terms there are.
 #include <vector>
 
@@ -7,35 +7,35 @@ namespace mortise::device {
 
 // The values of one level of the tree, by environment, and the chunks they are cut into.
 struct Level {
-  View<const Index> first, first_chunk;  // per environment, and the end; empty for a single environment,
-  Index begin = 0, end = 0;              // whose values these are
+  View<const Index> first, last, first_chunk;  // per environment; empty for a single one,
+  Index begin = 0, end = 0;                    // whose values these are
   MORTISE_HD void chunk(Index c, Index& from, Index& to) const {
-    Index last = end;
+    Index stop = end;
     if (first.n == 0) {
       from = begin + c * kChunk;
     } else {
-      Index lo = 0, hi = first.n - 1;  // chunk c belongs to the last environment that starts at or before it
+      Index lo = 0, hi = first.n;  // chunk c belongs to the last environment that starts at or before it
       while (hi - lo > 1) {
         const Index mid = (lo + hi) / 2;
         (first_chunk[mid] <= c ? lo : hi) = mid;
       }
       from = first[lo] + (c - first_chunk[lo]) * kChunk;
-      last = first[lo + 1];
+      stop = last[lo];
     }
-    to = from + kChunk < last ? from + kChunk : last;
+    to = from + kChunk < stop ? from + kChunk : stop;
   }
 };
 
-// first[l] bounds the values of level l by environment, and chunk c of level l is value c of level l + 1. An environment
-// without terms has one empty chunk. The last level has one value per environment.
-inline std::vector<std::vector<Index>> reduction_levels(const std::vector<Index>& offset) {
-  std::vector<std::vector<Index>> levels{offset};
+// Where the chunks of every environment begin, of the terms and of level after level, and how many there are; each of them is a value of the level
+// above. The last level has one value per environment.
+inline std::vector<std::vector<Index>> reduction_levels(const std::vector<Ranges::Part>& parts) {
+  std::vector<std::vector<Index>> levels;
   for (bool more = true; more;) {
-    const std::vector<Index> below = levels.back();
     std::vector<Index> first{0};
     more = false;
-    for (std::size_t e = 0; e + 1 < below.size(); ++e) {
-      const Index n = below[e + 1] - below[e], chunks = n > kChunk ? (n + kChunk - 1) / kChunk : 1;
+    for (std::size_t e = 0; e < parts.size(); ++e) {
+      const Index n = levels.empty() ? parts[e].end - parts[e].begin : levels.back()[e + 1] - levels.back()[e];
+      const Index chunks = (n + kChunk - 1) / kChunk;
       first.push_back(first.back() + chunks);
       more = more || chunks > 1;
     }
@@ -45,28 +45,33 @@ inline std::vector<std::vector<Index>> reduction_levels(const std::vector<Index>
 }
 
 template <class Combine, class F>
-void env_reduce(const char* name, const std::vector<Index>& offset, F f, EnvValues out) {
-  const Index envs = static_cast<Index>(offset.size()) - 1;
-  if (envs < 1 || offset.back() <= offset.front()) return;
-  const std::vector<std::vector<Index>> levels = reduction_levels(offset);
-  Buffer<Index> bounds;
+void env_reduce(const char* name, const Ranges& over, F f, EnvValues out) {
+  const std::vector<Ranges::Part>& parts = over.parts();
+  const auto envs = static_cast<Index>(parts.size());
+  if (envs == 0) return;
+  const std::vector<std::vector<Index>> levels = reduction_levels(parts);
+  Buffer<Index> bounds;  // first and last of every environment, then the levels
   if (envs > 1) {
     std::vector<Index> all;
+    for (const Ranges::Part& p : parts) all.push_back(p.begin);
+    for (const Ranges::Part& p : parts) all.push_back(p.end);
     for (const std::vector<Index>& l : levels) all.insert(all.end(), l.begin(), l.end());
     bounds.upload(all);
   }
   Index total = 0;
-  for (std::size_t l = 1; l < levels.size(); ++l) total += levels[l].back();
+  for (const std::vector<Index>& l : levels) total += l.back();
   Buffer<double> tree(total);
   View<double> below, here = tree.view();
-  for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
+  for (std::size_t l = 0; l < levels.size(); ++l) {
     Level level;
-    level.begin = levels[l].front(), level.end = levels[l].back();
+    level.begin = l == 0 ? parts[0].begin : 0, level.end = l == 0 ? parts[0].end : levels[l - 1].back();
     if (envs > 1) {
-      const Index* at = bounds.view().p + static_cast<std::size_t>(l) * (envs + 1);
-      level.first = {at, envs + 1}, level.first_chunk = {at + envs + 1, envs + 1};
+      const auto level_at = [&](std::size_t k) { return bounds.view().p + 2 * envs + static_cast<Index>(k) * (envs + 1); };
+      level.first = {l == 0 ? bounds.view().p : level_at(l - 1), envs};
+      level.last = {l == 0 ? bounds.view().p + envs : level_at(l - 1) + 1, envs};
+      level.first_chunk = {level_at(l), envs};
     }
-    const Index chunks = levels[l + 1].back();
+    const Index chunks = levels[l].back();
     here.n = chunks;
     if (l == 0) {
       parallel_for(name, chunks, [=] MORTISE_HD(Index c) {
@@ -89,15 +94,15 @@ void env_reduce(const char* name, const std::vector<Index>& offset, F f, EnvValu
     here.p += chunks;
   }
   out.fetch.keep(std::move(tree));
-  out.fetch.add(View<const double>(below), [&value = out.value](const std::vector<double>& result) {
-    for (std::size_t e = 0; e < result.size(); ++e) value[e] = Combine()(value[e], result[e]);
+  out.fetch.add(View<const double>(below), [&value = out.value, parts](const std::vector<double>& result) {
+    for (std::size_t e = 0; e < result.size(); ++e) value[parts[e].env] = Combine()(value[parts[e].env], result[e]);
   });
 }
 
 template <class Combine, class F>
-void env_reduce(const char* name, const std::vector<Index>& offset, F f, std::vector<double>& out) {
+void env_reduce(const char* name, const Ranges& over, F f, std::vector<double>& out) {
   Fetch fetch;
-  env_reduce<Combine>(name, offset, f, EnvValues{out, fetch});
+  env_reduce<Combine>(name, over, f, EnvValues{out, fetch});
   fetch.now();
 }
 

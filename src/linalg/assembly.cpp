@@ -45,30 +45,36 @@ bool same(const Buffer<std::uint64_t>& a, const Buffer<std::uint64_t>& b) {
   return device::max("assembly.compare", a.size(), 0, [=] MORTISE_HD(Index i) { return va[i] != vb[i] ? 1.0 : 0.0; }) == 0;
 }
 
-// Distinct keys of all lists and of the diagonal, and the place among them of every key: first of the diagonal ones, then of
-// list after list.
-void merge(const std::vector<const Grouping*>& lists, Index rows, Buffer<std::uint64_t>& distinct, Buffer<Index>& place) {
-  Index total = rows;
-  for (const Grouping* g : lists) total += g->groups;
+// Distinct keys of the diagonal and of all lists, those of `of[i]` of list i, and the place among them of every key: first of the diagonal ones, then
+// of list after list.
+void merge(const std::vector<const Grouping*>& lists, const std::vector<device::Ranges>& of, Index rows, Buffer<std::uint64_t>& distinct,
+           Buffer<Index>& place) {
+  Index total = rows, places = rows;
+  for (const Grouping* g : lists) places += g->groups;
+  for (const device::Ranges& r : of) total += r.size();
   Buffer<std::uint64_t> keys(total);
   Buffer<Index> order(total), start;
   const View<std::uint64_t> key = keys.view();
   const View<Index> o = order.view();
-  device::parallel_for("assembly.merge", total, [=] MORTISE_HD(Index i) {
+  device::parallel_for("assembly.merge", rows, [=] MORTISE_HD(Index i) {
     o[i] = i;
-    if (i < rows) key[i] = block_key(i, i, rows);
+    key[i] = block_key(i, i, rows);
   });
-  Index base = rows;
-  for (const Grouping* g : lists) {
-    const View<const std::uint64_t> from = g->key.view();
-    device::parallel_for("assembly.merge", g->groups, [=] MORTISE_HD(Index i) { key[base + i] = from[i]; });
-    base += g->groups;
+  for (Index list = 0, at = rows, base = rows; list < static_cast<Index>(lists.size()); ++list) {
+    const View<const std::uint64_t> from = lists[list]->key.view();
+    Buffer<Index> memory;
+    const device::Places group = of[list].places(memory);
+    device::parallel_for("assembly.merge", of[list].size(), [=] MORTISE_HD(Index k) {
+      const Index g = group(k);
+      key[at + k] = from[g], o[at + k] = base + g;
+    });
+    at += of[list].size(), base += lists[list]->groups;
   }
   device::sort_pairs(keys, order, std::bit_width(block_key(rows - 1, rows - 1, rows)));
   device::run_starts(keys, start);
   const Index n = start.size() - 1;
   distinct.resize(n);
-  place.resize(total);
+  place.resize(places);
   const View<const std::uint64_t> sorted = keys.view();
   const View<const Index> s = start.view(), from = order.view();
   const View<std::uint64_t> d = distinct.view();
@@ -79,15 +85,16 @@ void merge(const std::vector<const Grouping*>& lists, Index rows, Buffer<std::ui
   });
 }
 
-void add_gradient(const StencilView& s, const Grouping& groups, View<Vec3> g) {
+void add_gradient(const StencilView& s, const Grouping& groups, View<Vec3> g, const GroupsOf* only) {
   const View<const Vec3> piece = s.grad;
   const View<const std::uint64_t> block = groups.key.view();
   grouped_sum<Vec3>(
       "assembly.gradient", groups, [=] MORTISE_HD(Index e) -> Vec3 { return piece[e]; },
-      [=] MORTISE_HD(Index k, const Vec3& t) { g[static_cast<Index>(block[k])] += t; });
+      [=] MORTISE_HD(Index k, const Vec3& t) { g[static_cast<Index>(block[k])] += t; }, only);
 }
 
-void add_hessian(const StencilView& s, const Grouping& groups, View<const std::uint8_t> entry, View<const Index> to, View<Mat3> value) {
+void add_hessian(const StencilView& s, const Grouping& groups, View<const std::uint8_t> entry, View<const Index> to, View<Mat3> value,
+                 const GroupsOf* only) {
   const View<const Mat3> piece = s.hess;
   grouped_sum<Mat3>(
       "assembly.hessian", groups,
@@ -96,13 +103,14 @@ void add_hessian(const StencilView& s, const Grouping& groups, View<const std::u
         if (entry[e] == transposed) return piece[e].transpose();
         return piece[e] + piece[e].transpose();
       },
-      [=] MORTISE_HD(Index k, const Mat3& t) { value[to[k]] += t; });
+      [=] MORTISE_HD(Index k, const Mat3& t) { value[to[k]] += t; }, only);
 }
 
 }  // namespace
 
-void Assembler::set_rows(Buffer<Index>&& row_of_block, Index rows) {
+void Assembler::set_rows(Buffer<Index>&& row_of_block, Index rows, std::vector<Index> env_rows) {
   row_of_block_ = std::move(row_of_block);
+  env_rows_ = std::move(env_rows);
   rows_ = rows;
   for (auto& s : sorted_) s->has_hess = false;
   merge_valid_ = false;
@@ -117,8 +125,16 @@ Assembler::Sorted& Assembler::sorted(const StencilSet* set) {
 }
 
 void Assembler::gradient(std::span<StencilSet* const> sets, Index blocks, Buffer<Vec3>& g) {
-  g.resize(blocks);
-  g.zero();
+  std::vector<std::uint64_t> first_key;
+  if (some() && g.size() == blocks) {
+    const device::Ranges blocks_of(*env_blocks_, *whose_);
+    for (const device::Ranges::Part& p : blocks_of.parts())
+      device::clear(g.view().p + p.begin, static_cast<std::size_t>(p.end - p.begin) * sizeof(Vec3));
+  } else {
+    g.resize(blocks);
+    g.zero();
+  }
+  if (some()) first_key.assign(env_blocks_->begin(), env_blocks_->end());
   for (StencilSet* set : sets) {
     Sorted& s = sorted(set);
     const StencilView view = set->view();
@@ -126,12 +142,22 @@ void Assembler::gradient(std::span<StencilSet* const> sets, Index blocks, Buffer
       group_gradient(view, view.block.n, blocks, s.grad);
       s.has_grad = true, s.grad_version = set->version(), s.grad_blocks = blocks;
     }
-    add_gradient(view, s.grad, g.view());
+    if (some()) {
+      const GroupsOf only = groups_of(s.grad, first_key, *whose_);
+      add_gradient(view, s.grad, g.view(), &only);
+    } else {
+      add_gradient(view, s.grad, g.view(), nullptr);
+    }
   }
 }
 
 void Assembler::matrix(std::span<StencilSet* const> sets, BlockMatrix& A) {
   if (!std::equal(sets.begin(), sets.end(), merged_.begin(), merged_.end())) merge_valid_ = false;
+  const std::vector<std::uint8_t> whose = some() ? *whose_ : std::vector<std::uint8_t>{};
+  if (whose != merged_whose_) merge_valid_ = false;
+  std::vector<std::uint64_t> first_key;
+  for (Index row : env_rows_) first_key.push_back(block_key(row, 0, rows_));
+  std::vector<GroupsOf> only;
   std::vector<const Grouping*> lists;
   for (StencilSet* set : sets) {
     Sorted& s = sorted(set);
@@ -141,10 +167,14 @@ void Assembler::matrix(std::span<StencilSet* const> sets, BlockMatrix& A) {
       merge_valid_ = false;
     }
     lists.push_back(&s.hess);
+    if (some()) only.push_back(groups_of(s.hess, first_key, whose));
   }
   if (!merge_valid_) {
     Buffer<std::uint64_t> keys;
-    merge(lists, rows_, keys, merge_place_);
+    std::vector<device::Ranges> of;
+    for (std::size_t i = 0; i < lists.size(); ++i) of.push_back(some() ? only[i].groups : device::Ranges{0, lists[i]->groups});
+    merge(lists, of, rows_, keys, merge_place_);
+    merged_whose_ = whose;
     if (!same(keys, keys_) || A.rows != rows_) pattern_ = 0;
     keys_ = std::move(keys);
     merged_.assign(sets.begin(), sets.end());
@@ -156,9 +186,9 @@ void Assembler::matrix(std::span<StencilSet* const> sets, BlockMatrix& A) {
   }
   A.value.zero();
   Index base = rows_;
-  for (StencilSet* set : sets) {
-    const Sorted& s = sorted(set);
-    add_hessian(set->view(), s.hess, s.place.view(), {merge_place_.view().p + base, s.hess.groups}, A.value.view());
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    const Sorted& s = sorted(sets[i]);
+    add_hessian(sets[i]->view(), s.hess, s.place.view(), {merge_place_.view().p + base, s.hess.groups}, A.value.view(), some() ? &only[i] : nullptr);
     base += s.hess.groups;
   }
 }

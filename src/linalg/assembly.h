@@ -14,14 +14,18 @@ namespace mortise::linalg {
 
 class Assembler {
  public:
-  // Block b becomes row row_of_block[b] of the matrix; -1 leaves the block out. Rows are 0..rows-1.
-  void set_rows(Buffer<Index>&& row_of_block, Index rows);
+  // Environment e has the blocks [env_blocks[e], env_blocks[e+1]). Both are looked at in every call: while `whose` marks only some environments,
+  // sums of the others' pieces are not taken.
+  void set_environments(const std::vector<Index>& env_blocks, const std::vector<std::uint8_t>& whose) { env_blocks_ = &env_blocks, whose_ = &whose; }
+  // Block b becomes row row_of_block[b] of the matrix; -1 leaves the block out. Rows are 0..rows-1, those of environment e begin at env_rows[e].
+  void set_rows(Buffer<Index>&& row_of_block, Index rows, std::vector<Index> env_rows = {});
 
-  // g[b] = sum of the gradient pieces of block b [N], for all blocks 0..blocks-1, those without a row included.
+  // g[b] = sum of the gradient pieces of block b [N], for all blocks 0..blocks-1, those without a row included; of environments that are left out
+  // it stays as it was.
   void gradient(std::span<StencilSet* const> sets, Index blocks, Buffer<Vec3>& g);
 
-  // A = sum of the Hessian pieces [N/m] of the blocks that have rows. A.pattern stays when the structure did, even if sets were
-  // sorted again. All diagonal blocks exist. Sets must outlive the assembler.
+  // A = sum of the Hessian pieces [N/m] of the blocks that have rows; of environments that are left out it has zeros on the diagonal. A.pattern stays
+  // when the structure did, even if sets were sorted again. All diagonal blocks exist. Sets must outlive the assembler.
   void matrix(std::span<StencilSet* const> sets, BlockMatrix& A);
 
  private:
@@ -35,14 +39,19 @@ class Assembler {
     Buffer<std::uint8_t> place;  // how each Hessian piece enters: Entry in assembly.cpp
   };
   Sorted& sorted(const StencilSet* set);
+  bool some() const { return whose_ && !whose_->empty(); }
 
+  const std::vector<Index>* env_blocks_ = nullptr;
+  const std::vector<std::uint8_t>* whose_ = nullptr;
   Buffer<Index> row_of_block_;
   Index rows_ = 0;
+  std::vector<Index> env_rows_;
   std::vector<std::unique_ptr<Sorted>> sorted_;
 
   // Merged structure of `merged_`: distinct keys, and for every distinct key of every set its place among them.
   bool merge_valid_ = false;
   std::vector<const StencilSet*> merged_;
+  std::vector<std::uint8_t> merged_whose_;
   Buffer<std::uint64_t> keys_;
   Buffer<Index> merge_place_;
   std::uint64_t pattern_ = 0;

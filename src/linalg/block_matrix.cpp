@@ -66,9 +66,11 @@ void set_pattern(const Buffer<std::uint64_t>& keys, Index rows, BlockMatrix& A) 
   });
 }
 
-void multiply(const BlockMatrix& A, View<const Vec3> x, View<Vec3> y) {
+void multiply(const BlockMatrix& A, View<const Vec3> x, View<Vec3> y) { multiply(A, x, device::Ranges{0, A.rows}, y); }
+
+void multiply(const BlockMatrix& A, View<const Vec3> x, const device::Ranges& rows, View<Vec3> y) {
   const RowProduct product = row_product(A);
-  device::parallel_for("matrix.multiply", A.rows, [=] MORTISE_HD(Index i) { y[i] = product(i, x); });
+  device::parallel_for("matrix.multiply", rows, [=] MORTISE_HD(Index i) { y[i] = product(i, x); });
 }
 
 }  // namespace mortise::linalg

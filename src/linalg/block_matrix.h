@@ -51,7 +51,8 @@ struct RowProduct {
 };
 inline RowProduct row_product(const BlockMatrix& A) { return {A.full_start.view(), A.full_col.view(), A.full_source.view(), A.value.view()}; }
 
-// y = A x; x and y must not overlap.
+// y = A x, in all rows or in some; x and y must not overlap.
 void multiply(const BlockMatrix& A, View<const Vec3> x, View<Vec3> y);
+void multiply(const BlockMatrix& A, View<const Vec3> x, const device::Ranges& rows, View<Vec3> y);
 
 }  // namespace mortise::linalg

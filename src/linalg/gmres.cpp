@@ -41,24 +41,24 @@ struct Small {
   }
 };
 
-std::vector<double> dot(View<const Vec3> a, View<const Vec3> b, const std::vector<Index>& rows) {
-  std::vector<double> out(rows.size() - 1, 0.0);
+std::vector<double> dot(View<const Vec3> a, View<const Vec3> b, const device::Ranges& rows) {
+  std::vector<double> out(rows.environments(), 0.0);
   device::env_sum(
       "gmres.dot", rows, [=] MORTISE_HD(Index i) { return a[i].dot(b[i]); }, out);
   return out;
 }
 
 // y_e <- share_e x_e, or y_e + share_e x_e
-void combine(bool keep, const std::vector<double>& scale, View<const Vec3> x, View<const Index> env, View<Vec3> y) {
+void combine(bool keep, const std::vector<double>& scale, View<const Vec3> x, View<const Index> env, const device::Ranges& rows, View<Vec3> y) {
   const Buffer<double> buffer(scale);
   const View<const double> s = buffer.view();
-  device::parallel_for("gmres.combine", x.n, [=] MORTISE_HD(Index i) { y[i] = keep ? Vec3(y[i] + s[env[i]] * x[i]) : Vec3(s[env[i]] * x[i]); });
+  device::parallel_for("gmres.combine", rows, [=] MORTISE_HD(Index i) { y[i] = keep ? Vec3(y[i] + s[env[i]] * x[i]) : Vec3(s[env[i]] * x[i]); });
 }
 
 }  // namespace
 
 GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const Vec3> b, View<Vec3> x, const std::vector<Index>& env_rows,
-                  const std::vector<double>& relative, Index limit) {
+                  const std::vector<double>& relative, Index limit, const std::function<void(const std::vector<std::uint8_t>&)>& go_on) {
   const std::size_t envs = env_rows.size() - 1;
   const Index n = b.n;
   Buffer<Index> env_buffer(n);
@@ -87,20 +87,23 @@ GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const 
   }
   std::vector<Buffer<Vec3>> v, z;
   v.emplace_back(n);
-  combine(false, scale, b, env, v[0].view());
+  combine(false, scale, b, env, env_rows, v[0].view());
   Buffer<Vec3> w(n);
+  w.zero();
   while (any && out.iterations < limit) {
+    const device::Ranges rows(env_rows, active);
+    if (go_on) go_on(active);
     z.emplace_back(n);
     preconditioner(std::as_const(v.back()).view(), z.back().view());
     A(std::as_const(z.back()).view(), w.view());
     ++out.iterations;
     std::vector<std::vector<double>> column(envs);
     for (const Buffer<Vec3>& basis : v) {  // modified Gram-Schmidt
-      std::vector<double> h = dot(basis.view(), std::as_const(w).view(), env_rows);
+      std::vector<double> h = dot(basis.view(), std::as_const(w).view(), rows);
       for (std::size_t e = 0; e < envs; ++e) column[e].push_back(h[e]), h[e] = -h[e];
-      combine(true, h, basis.view(), env, w.view());
+      combine(true, h, basis.view(), env, rows, w.view());
     }
-    const std::vector<double> below = dot(std::as_const(w).view(), std::as_const(w).view(), env_rows);
+    const std::vector<double> below = dot(std::as_const(w).view(), std::as_const(w).view(), rows);
     any = false;
     for (std::size_t e = 0; e < envs; ++e) {
       scale[e] = 0;
@@ -114,14 +117,15 @@ GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const 
       any |= active[e] != 0;
     }
     v.emplace_back(n);
-    combine(false, scale, std::as_const(w).view(), env, v.back().view());
+    v.back().zero();
+    combine(false, scale, std::as_const(w).view(), env, rows, v.back().view());
   }
   device::clear(x.p, n * sizeof(Vec3));
   std::vector<std::vector<double>> y(envs);
   for (std::size_t e = 0; e < envs; ++e) y[e] = small[e].solve();
   for (std::size_t j = 0; j < z.size(); ++j) {
     for (std::size_t e = 0; e < envs; ++e) scale[e] = j < y[e].size() ? y[e][j] : 0;
-    combine(true, scale, std::as_const(z[j]).view(), env, x);
+    combine(true, scale, std::as_const(z[j]).view(), env, env_rows, x);
   }
   return out;
 }

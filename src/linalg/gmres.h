@@ -20,8 +20,9 @@ struct GmresResult {
   std::vector<double> relative;  // |b - A x| / |b| of every environment, by the recurrence; 0 where b is 0
 };
 
-// Starts at x = 0 and stops when every environment's residual is at most its `relative` |b|, or after `most` products.
+// Starts at x = 0 and stops when every environment's residual is at most its `relative` |b|, or after `most` products. `go_on`, where there is one,
+// is told before every product which environments have not ended yet: only theirs are wanted.
 GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const Vec3> b, View<Vec3> x, const std::vector<Index>& env_rows,
-                  const std::vector<double>& relative, Index limit);
+                  const std::vector<double>& relative, Index limit, const std::function<void(const std::vector<std::uint8_t>&)>& go_on = {});
 
 }  // namespace mortise::linalg

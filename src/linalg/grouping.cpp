@@ -34,4 +34,27 @@ void group(Buffer<std::uint64_t>&& keys, std::uint64_t limit, Grouping& out) {
   });
 }
 
+GroupsOf groups_of(const Grouping& g, const std::vector<std::uint64_t>& first_key, const std::vector<std::uint8_t>& whose) {
+  const auto n = static_cast<Index>(first_key.size());
+  const Buffer<std::uint64_t> first(first_key);
+  Buffer<Index> bounds(2 * n);
+  const View<const std::uint64_t> wanted = first.view(), key = g.key.view();
+  const View<const Index> chunks = g.group_chunks.view();
+  const View<Index> out = bounds.view();
+  const Index groups = g.groups;
+  device::parallel_for("group.environments", n, [=] MORTISE_HD(Index e) {
+    Index lo = 0, hi = groups;  // the first group whose key is not below
+    while (lo < hi) {
+      const Index mid = (lo + hi) / 2;
+      if (key[mid] < wanted[e])
+        lo = mid + 1;
+      else
+        hi = mid;
+    }
+    out[e] = lo, out[n + e] = groups > 0 ? chunks[lo] : 0;
+  });
+  const std::vector<Index> at = bounds.download();
+  return {{{at.begin(), at.begin() + n}, whose}, {{at.begin() + n, at.end()}, whose}};
+}
+
 }  // namespace mortise::linalg

@@ -17,24 +17,31 @@ struct Grouping {
   Buffer<Index> group_chunks;  // groups + 1, places in `chunk_start`; the last is the number of chunks
 };
 
+// The groups of some environments, and their chunks.
+struct GroupsOf {
+  device::Ranges groups, chunks;
+};
+// Of the environments of `whose`; first_key[e]: the least key that belongs to environment e, ascending, and one more that belongs to none.
+GroupsOf groups_of(const Grouping& g, const std::vector<std::uint64_t>& first_key, const std::vector<std::uint8_t>& whose);
+
 // Groups the terms 0..n-1 by keys[term]; keys >= limit are left out. Consumes `keys`.
 void group(Buffer<std::uint64_t>&& keys, std::uint64_t limit, Grouping& out);
 
-// add(group, sum of value(term)) for every group. T is a fixed-size Eigen type or a number.
+// add(group, sum of value(term)) for every group, or every one of `only`. T is a fixed-size Eigen type or a number.
 template <class T, class Value, class Add>
-void grouped_sum(const char* name, const Grouping& g, Value value, Add add) {
+void grouped_sum(const char* name, const Grouping& g, Value value, Add add, const GroupsOf* only = nullptr) {
   const Index room = g.chunk_start.size() - 1, groups = g.groups;
   if (groups == 0) return;
   Buffer<T> partial(room);
   const View<T> part = partial.view();
   const View<const Index> term = g.term.view(), cs = g.chunk_start.view(), gc = g.group_chunks.view();
-  device::parallel_for(name, room, [=] MORTISE_HD(Index c) {
+  device::parallel_for(name, only ? only->chunks : device::Ranges{0, room}, [=] MORTISE_HD(Index c) {
     if (c >= gc[groups]) return;
     T t = value(term[cs[c]]);
     for (Index j = cs[c] + 1; j < cs[c + 1]; ++j) t += value(term[j]);
     part[c] = t;
   });
-  device::parallel_for(name, groups, [=] MORTISE_HD(Index k) {
+  device::parallel_for(name, only ? only->groups : device::Ranges{0, groups}, [=] MORTISE_HD(Index k) {
     T t = part[gc[k]];
     for (Index c = gc[k] + 1; c < gc[k + 1]; ++c) t += part[c];
     add(k, t);

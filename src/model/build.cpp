@@ -222,6 +222,8 @@ std::vector<Index> offsets_by_env(const std::vector<Index>& env_of, Index envs) 
 
 void upload_clusters(ClusterLists& l, std::size_t tets, Index envs, Clusters& out) {
   out.env_offset = offsets_by_env(l.env, envs);
+  out.env_nodes.clear();
+  for (Index first : out.env_offset) out.env_nodes.push_back(l.first_node[first]);
   if (l.lambda.empty()) return;
   l.of_tet.resize(tets, -1);
   out.of_tet.upload(l.of_tet);

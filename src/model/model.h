@@ -3,6 +3,7 @@
 // the solver moves q. All degrees of freedom are 3-vectors ("blocks"): a soft node is one block; a stiff body is an affine
 // body of four blocks (p, a1, a2, a3), so that its material point X = (X1,X2,X3), measured from the rest centre of mass, sits
 // at y = p + X1 a1 + X2 a2 + X3 a3. At rest p is the centre of mass and (a1,a2,a3) the identity.
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -67,13 +68,13 @@ struct Volume {
 
 // Clusters of linear tetrahedra that resist a change of their volume together (model/clusters.h).
 struct Clusters {
-  Buffer<Index> of_tet;            // per element, -1: none; empty where there are no clusters
-  Buffer<Index> first_tet, tet;    // clusters + 1; their elements
-  Buffer<Index> slot;              // four per entry of `tet`: the entries of its corners in `node`
-  Buffer<Index> first_node, node;  // clusters + 1; their block ids, each once
-  Buffer<Index> owner;             // cluster of every entry of `node`
-  Buffer<double> lambda, volume;   // [Pa], [m^3]
-  std::vector<Index> env_offset{0};
+  Buffer<Index> of_tet;                            // per element, -1: none; empty where there are no clusters
+  Buffer<Index> first_tet, tet;                    // clusters + 1; their elements
+  Buffer<Index> slot;                              // four per entry of `tet`: the entries of its corners in `node`
+  Buffer<Index> first_node, node;                  // clusters + 1; their block ids, each once
+  Buffer<Index> owner;                             // cluster of every entry of `node`
+  Buffer<double> lambda, volume;                   // [Pa], [m^3]
+  std::vector<Index> env_offset{0}, env_nodes{0};  // the first cluster, and the first entry of `node`, of every environment
   Index size() const { return lambda.size(); }
 };
 
@@ -139,6 +140,12 @@ class Model {
   std::vector<Joint> joints;
   bool driven = false;  // some support moves
 
+  // The environments that are worked on. The others stand still: kernels leave them out, and what is known of them stays as it was, or is not known
+  // any more where it is kept in lists of what is there now (contact). Empty: all. Set by Only.
+  mutable std::vector<std::uint8_t> at_work;
+  bool works_on(Index env) const { return at_work.empty() || at_work[env] != 0; }
+  device::Ranges working(const std::vector<Index>& offset) const { return {offset, at_work}; }
+
   // One candidate search for all contact effects, built by the first that asks.
   geometry::Broadphase& broadphase();
   // Makes contact watched between two bodies (or within one) where the table (of surface.pairs) is not zero.
@@ -161,6 +168,22 @@ class Model {
  private:
   std::unique_ptr<geometry::Broadphase> broadphase_;
   std::vector<std::string> contacts_;
+};
+
+// Work goes on in the environments of `whose` only, as long as this lives.
+class Only {
+ public:
+  Only(const Model& model, const std::vector<std::uint8_t>& whose) : model_(model), before_(model.at_work) {
+    const bool all = std::find(whose.begin(), whose.end(), 0) == whose.end();
+    model_.at_work = all ? std::vector<std::uint8_t>{} : whose;
+  }
+  ~Only() { model_.at_work = std::move(before_); }
+  Only(const Only&) = delete;
+  Only& operator=(const Only&) = delete;
+
+ private:
+  const Model& model_;
+  std::vector<std::uint8_t> before_;
 };
 
 // Point ids of `body` that satisfy a `where` block of the scene ({side: ...}, {box: ...}, ...), tested on rest positions.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "linalg/gmres.h"
 #include "solver/kernels.h"
@@ -44,7 +45,7 @@ void Coupled::product(const device::Buffer<Vec3>& q, device::View<const Vec3> v,
   add_scaled(std::as_const(move).view(), h, std::as_const(model.block_env).view(), beside);
   const Residual r = system_.linearise(std::as_const(beside).view(), {}, near, true);
   for (Index e = 0; e < model.envs; ++e)
-    if (active_[e] && !system_.convergence.finite(r, e)) active_[e] = 0, inverse[e] = 0;
+    if (active_[e] && model.works_on(e) && !system_.convergence.finite(r, e)) active_[e] = 0, inverse[e] = 0;
   if (!any(active_)) throw Broken{};
   system_.right_hand_side(near, {}, r1);
   difference(std::as_const(r0_).view(), std::as_const(r1).view(), inverse, system_.rows.block.view(), std::as_const(model.block_env).view(), out);
@@ -57,10 +58,15 @@ bool Coupled::direction(const device::Buffer<Vec3>& q, Linearised& at, Linearise
   clear_envs(r0_, active_, 0, system_.rows.env);
   x_.resize(rows);
   try {
+    std::optional<model::Only> only;
     const linalg::GmresResult gmres =
         linalg::gmres([&](device::View<const Vec3> in, device::View<Vec3> out) { product(q, in, out, near, envs); },
                       [&](device::View<const Vec3> in, device::View<Vec3> out) { linear_.apply(A_, in, out, active_); }, std::as_const(r0_).view(),
-                      x_.view(), system_.rows.env, std::vector<double>(system_.model.envs, tuning::kCoupledForcing), tuning::kMostProducts);
+                      x_.view(), system_.rows.env, std::vector<double>(system_.model.envs, tuning::kCoupledForcing), tuning::kMostProducts,
+                      [&](const EnvMask& going) {
+                        only.reset();
+                        only.emplace(system_.model, going);
+                      });
     for (Index e = 0; e < system_.model.envs; ++e)
       if (active_[e]) report[e].cg += gmres.of_env[e];
     products_ = gmres.of_env;
@@ -151,6 +157,8 @@ void Coupled::solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Li
     factored_[e] = linear_.ready(e);
     curvature_.make_convex(e);
   }
+  std::optional<model::Only> only(std::in_place, model, active_);
+  const auto narrow = [&] { only.reset(), only.emplace(model, active_); };
   Residual r = system_.linearise(q.view(), {}, at, true);
   for (Index e = 0; e < model.envs; ++e)
     if (active_[e] && !system_.convergence.finite(r, e)) envs.fail(e, system_.not_finite(at, e)), active_[e] = 0;
@@ -160,8 +168,10 @@ void Coupled::solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Li
     for (Index e = 0; e < model.envs; ++e)
       if (active_[e] && system_.solved(r, e, relative, envs[e].step)) envs[e].state = EnvState::solved, active_[e] = 0;
     if (!any(active_)) return;
+    narrow();
     factor(q, active_, at);
     if (!any(active_)) return;
+    narrow();
     const Timed timed(system_.clock, "solver", "coupled");
     if (!direction(q, at, near, envs, report)) return;
     std::vector<double> longest(model.envs, 0.0);
@@ -176,7 +186,9 @@ void Coupled::solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Li
       envs[e].step = longest[e];
       if (!std::isfinite(longest[e])) active_[e] = 0, clear_blocks(dq_, model.env_blocks[e], model.env_blocks[e + 1]);
     }
+    narrow();
     monotone_step(q, r, at, near, envs, report);
+    narrow();
     system_.linearise(q.view(), {}, at, true);
     if (!any(active_)) return;
     for (Index e = 0; e < model.envs; ++e) {

@@ -1,6 +1,7 @@
 #include "solver/direction.h"
 
 #include <cmath>
+#include <optional>
 
 #include "solver/kernels.h"
 #include "solver/timed.h"
@@ -11,6 +12,7 @@ namespace mortise::solver {
 void Direction::solve(const device::Buffer<Vec3>& q, const std::vector<double>& wanted, EnvMask todo, bool whole, Linearised& at, EnvTable& envs,
                       const StepReports& report) {
   while (any(todo)) {
+    std::optional<model::Only> only(std::in_place, system_.model, todo);
     device::Fetch fetch;
     system_.matrix(at, q.view(), todo, matrix_, fetch);
     device::Buffer<Vec3> Jc, Uc;
@@ -30,6 +32,7 @@ void Direction::solve(const device::Buffer<Vec3>& q, const std::vector<double>& 
                            report);
     }
     if (!any(todo)) break;
+    only.reset();
     for (Index e = 0; e < envs.size(); ++e)
       if (todo[e]) curvature_.soften(e), ++report[e].softened;
     system_.potential.linearise(q.view(), want(envs), at);

@@ -16,22 +16,31 @@ EnergyLedger::EnergyLedger(const model::Model& model, Potential& potential)
 // What is known of the others stays: found again with other pairs in another order its last digits could differ, and one environment would feel what
 // became of another.
 void EnergyLedger::find(device::View<const Vec3> q, const Linearised& at, device::Fetch& fetch) {
-  if (any(gone_) && !known_.empty()) {
+  EnvMask again(gone_);
+  for (Index e = 0; e < model_.envs; ++e) again[e] = gone_[e] && model_.works_on(e);
+  bool some = known_.empty();  // of the others they stay unknown
+  for (const std::vector<double>& part : known_) some = some || part.empty();
+  if (any(again) && !known_.empty()) {
+    const model::Only only(model_, again);
     Energies here;
     device::Fetch now;
     potential_.energies(q, at, here, now);
     now.now();
     for (std::size_t k = 0; k < here.size(); ++k)
-      for (std::size_t e = 0; e < gone_.size() && !known_[k].empty(); ++e)
-        if (gone_[e]) known_[k][e] = here[k][e];
+      for (std::size_t e = 0; e < again.size() && !known_[k].empty(); ++e)
+        if (again[e]) known_[k][e] = here[k][e];
   }
-  std::fill(gone_.begin(), gone_.end(), 0);
+  for (Index e = 0; e < model_.envs; ++e) gone_[e] = model_.works_on(e) ? 0 : gone_[e] || some;
   potential_.energies(q, at, known_, fetch);
 }
 
 void EnergyLedger::begin_search(const EnvMask& whose) {
   if (start_.empty()) start_ = known_;
-  for (std::size_t e = 0; e < whose.size(); ++e) took_part_[e] |= whose[e];
+  for (std::size_t e = 0; e < whose.size(); ++e) {
+    if (!whose[e] || took_part_[e]) continue;
+    took_part_[e] = 1;
+    for (std::size_t k = 0; k < known_.size(); ++k) start_[k][e] = known_[k][e];
+  }
 }
 
 void EnergyLedger::accept(Energies&& there) {

@@ -42,10 +42,14 @@ void support_move(View<const Vec3> q, View<const Vec3> target, View<const Mat3> 
   });
 }
 
-void stencil_product(linalg::StencilSet& set, View<const Vec3> d) {
+void stencil_product(linalg::StencilSet& set, const model::Model& model, View<const Vec3> d) {
   const linalg::StencilView v = set.view();
+  const Buffer<std::uint8_t> at_work(model.at_work);
+  const View<const std::uint8_t> works = at_work.view();
+  const View<const Index> env = model.block_env.view();
   device::parallel_for("solver.stencil_product", v.n, [=] MORTISE_HD(Index s) {
     const Index first = v.offset[s], nb = v.offset[s + 1] - first;
+    if (works.n > 0 && nb > 0 && v.block[first] >= 0 && !works[env[v.block[first]]]) return;
     for (Index a = 0; a < nb; ++a) v.grad[first + a] = Vec3::Zero();
     for (Index a = 0; a < nb; ++a) {
       const Index ia = v.block[first + a];
@@ -117,9 +121,11 @@ void advance(View<const Vec3> q, View<const Vec3> dq, const std::vector<double>&
     model.ties.place(out);
 }
 
-void add(View<const Vec3> from, Buffer<Vec3>& to) {
+void add(View<const Vec3> from, Buffer<Vec3>& to) { add(from, device::Ranges{0, from.n}, to); }
+
+void add(View<const Vec3> from, const device::Ranges& where, Buffer<Vec3>& to) {
   const View<Vec3> t = to.view();
-  device::parallel_for("solver.add", from.n, [=] MORTISE_HD(Index b) { t[b] += from[b]; });
+  device::parallel_for("solver.add", where, [=] MORTISE_HD(Index b) { t[b] += from[b]; });
 }
 
 double largest_of(const std::vector<double>& v) { return v.empty() ? 0 : *std::max_element(v.begin(), v.end()); }

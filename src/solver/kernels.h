@@ -25,8 +25,8 @@ void dot(View<const Vec3> a, View<const Vec3> b, const std::vector<Index>& env_b
 std::vector<double> dot(View<const Vec3> a, View<const Vec3> b, const std::vector<Index>& env_blocks);
 // c = (I - P)(target - q): what the supports still have to move.
 void support_move(View<const Vec3> q, View<const Vec3> target, View<const Mat3> projector, Buffer<Vec3>& c);
-// Overwrites the stencils' gradients by H d, so that assembling them gives the product with the full Hessian.
-void stencil_product(linalg::StencilSet& set, View<const Vec3> d);
+// Overwrites the stencils' gradients by H d, so that assembling them gives the product with the full Hessian. Of environments that are worked on.
+void stencil_product(linalg::StencilSet& set, const model::Model& model, View<const Vec3> d);
 // rhs_row = -P (g + Hc) at the block of the row.
 void right_hand_side(View<const Vec3> g, View<const Vec3> Hc, View<const Index> block_of_row, View<const Mat3> row_projector, Buffer<Vec3>& rhs);
 // out_row += P g at the block of the row.
@@ -39,6 +39,7 @@ void step_of(View<const Vec3> x, View<const Vec3> c, View<const Index> row_of_bl
 // trial = q + alpha_env dq; where alpha is exactly 1 the held directions land exactly on their targets, and what is tied exactly on what it follows.
 void advance(View<const Vec3> q, View<const Vec3> dq, const std::vector<double>& alpha, const model::Model& model, Buffer<Vec3>& trial);
 void add(View<const Vec3> from, Buffer<Vec3>& to);
+void add(View<const Vec3> from, const device::Ranges& where, Buffer<Vec3>& to);
 void subtract(View<const Vec3> a, View<const Vec3> b, Buffer<Vec3>& out);
 // to_b += scale_env v_b
 void add_scaled(View<const Vec3> v, const std::vector<double>& scale, View<const Index> block_env, Buffer<Vec3>& to);

@@ -7,6 +7,16 @@
 #include "solver/tuning.h"
 
 namespace mortise::solver {
+namespace {
+
+// f, of some environments.
+template <class F>
+auto within(const model::Model& model, const EnvMask& whose, const F& f) {
+  const model::Only only(model, whose);
+  return f(whose);
+}
+
+}  // namespace
 
 LineSearch::Merit LineSearch::begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, const std::vector<double>& slope,
                                     device::View<const Vec3> c, Linearised& at, EnvTable& envs, std::vector<double>& alpha) {
@@ -38,6 +48,18 @@ LineSearch::Merit LineSearch::begin(device::View<const Vec3> q, device::Buffer<V
   return m;
 }
 
+// Energies at trial_ of the environments of `whose`; those of the others stay.
+void LineSearch::find_energies(const Linearised& at, const EnvMask& whose, Energies& there) {
+  const model::Only only(system_.model, whose);
+  Energies here;
+  device::Fetch fetch;
+  system_.potential.energies(std::as_const(trial_).view(), at, here, fetch);
+  fetch.now();
+  for (std::size_t k = 0; k < here.size(); ++k)
+    for (std::size_t e = 0; e < whose.size(); ++e)
+      if (whose[e]) there[k][e] = here[k][e];
+}
+
 void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at,
                       EnvTable& envs, const StepReports& report, const Forces& forces) {
   const model::Model& model = system_.model;
@@ -59,48 +81,57 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
   for (Index e = 0; e < model.envs; ++e)
     if (!envs.is(e, EnvState::running)) alpha[e] = 0;
 
-  EnvMask far_enough(model.envs, 0);
-  for (int k = 0;; ++k) {
+  Energies there = energies_.known();
+  EnvMask searching(model.envs);
+  for (Index e = 0; e < model.envs; ++e) searching[e] = alpha[e] > 0;
+  bool placed = false;  // trial_ is what alpha says
+  for (int k = 0; any(searching); ++k) {
     advance(std::as_const(q).view(), std::as_const(dq).view(), alpha, model, trial_);
-    Energies there;
-    device::Fetch fetch;
-    system_.potential.energies(std::as_const(trial_).view(), at, there, fetch);
-    fetch.now();
-    std::vector<double> scale_there;
-    const std::vector<double> after = energies_.sum(there, &scale_there);
-    bool ok = true;
-    EnvMask closer, astray;           // once looked at,
-    std::vector<double> slope_there;  // once asked for
-    for (Index e = 0; e < model.envs; ++e) {
-      if (alpha[e] == 0 || far_enough[e]) continue;
-      far_enough[e] = 1;  // unless what follows says otherwise
+    placed = true;
+    find_energies(at, searching, there);
+    std::vector<double> scale;
+    const std::vector<double> after = energies_.sum(there, &scale);
+    const auto rounding = [&](Index e) { return tuning::kEnergyRounding * scale[e] + merit.rounding[e]; };
+    const auto low_enough = [&](Index e) {
       const double left = (1 - alpha[e]) * (1 - alpha[e]);
       const double change = after[e] - before[e] + 0.5 * merit.rho[e] * (left - 1) * merit.cc[e];
-      const double rounding = tuning::kEnergyRounding * scale_there[e] + merit.rounding[e];
-      if (k == 0 && !forces.far.empty() && forces.far[e] && std::isfinite(after[e])) {
-        if (astray.empty()) astray = forces.astray(trial_);
-        if (astray[e]) {
-          alpha[e] = 0;
-          ok = false;
-          ++report[e].line_search;
-          continue;
-        }
-      }
-      if (std::isfinite(after[e]) && change <= tuning::kArmijo * alpha[e] * merit.slope[e] + rounding) {
-        const bool blind = alpha[e] * std::abs(merit.slope[e]) <= rounding && !(merit.cc[e] > 0) && k < tuning::kMostDoubts;
-        if (!blind || forces.doubtful.empty() || !forces.doubtful[e]) continue;
-        if (slope_there.empty()) slope_there = forces.slope(trial_);
-        if (slope_there[e] <= (1 - 2 * tuning::kArmijo) * std::abs(merit.slope[e])) continue;
-      } else if (k >= tuning::kPushed && merit.farthest[e] > tuning::kPushing * envs[e].step && std::isfinite(after[e])) {
-        // A support that pushes a body into contact that no Hessian knows of yet has no finite rho beforehand: take the one for
-        // which the shortened step is good enough, or the support would creep up to the range of the contact for ever.
+      return std::isfinite(after[e]) && change <= tuning::kArmijo * alpha[e] * merit.slope[e] + rounding(e);
+    };
+    // A support that pushes a body into contact that no Hessian knows of yet has no finite rho beforehand: take the one for
+    // which the shortened step is good enough, or the support would creep up to the range of the contact for ever.
+    const auto pushes = [&](Index e) {
+      return k >= tuning::kPushed && merit.farthest[e] > tuning::kPushing * envs[e].step && std::isfinite(after[e]);
+    };
+    // What only forces can say is asked in those environments in which it matters.
+    const auto asked = [&](const auto& matters) {
+      EnvMask out(model.envs, 0);
+      for (Index e = 0; e < model.envs; ++e) out[e] = searching[e] && matters(e);
+      return out;
+    };
+    const EnvMask far = asked([&](Index e) { return k == 0 && !forces.far.empty() && forces.far[e] && std::isfinite(after[e]); });
+    const EnvMask astray = any(far) ? within(model, far, [&](const EnvMask& whose) { return forces.astray(trial_, whose); }) : far;
+    for (Index e = 0; e < model.envs; ++e)
+      if (far[e] && astray[e]) searching[e] = 0, alpha[e] = 0, placed = false, ++report[e].line_search;
+    const EnvMask blind = asked([&](Index e) {
+      return low_enough(e) && alpha[e] * std::abs(merit.slope[e]) <= rounding(e) && !(merit.cc[e] > 0) && k < tuning::kMostDoubts &&
+             !forces.doubtful.empty() && forces.doubtful[e];
+    });
+    const std::vector<double> slope_there =
+        any(blind) ? within(model, blind, [&](const EnvMask& whose) { return forces.slope(trial_, whose); }) : std::vector<double>{};
+    const EnvMask higher =
+        asked([&](Index e) { return !low_enough(e) && !pushes(e) && k == 0 && envs[e].whole && forces.closer && std::isfinite(after[e]); });
+    const EnvMask closer = any(higher) ? within(model, higher, [&](const EnvMask& whose) { return forces.closer(trial_, whose); }) : higher;
+    for (Index e = 0; e < model.envs; ++e) {
+      if (!searching[e]) continue;
+      const bool enough = blind[e]        ? slope_there[e] <= (1 - 2 * tuning::kArmijo) * std::abs(merit.slope[e])
+                          : low_enough(e) ? true
+                          : pushes(e)     ? true
+                                          : higher[e] && closer[e];
+      if (enough) {
+        searching[e] = 0;
         continue;
-      } else if (k == 0 && envs[e].whole && forces.closer && std::isfinite(after[e])) {
-        if (closer.empty()) closer = forces.closer(trial_);
-        if (closer[e]) continue;
       }
-      ok = false;
-      far_enough[e] = 0;
+      placed = false;
       ++report[e].line_search;
       if (k < tuning::kMostHalvings) {
         alpha[e] *= 0.5;
@@ -110,14 +141,12 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
           envs[e].state = EnvState::stuck;
         else
           envs.fail(e, "the line search found no descent");
-        alpha[e] = 0;
+        alpha[e] = 0, searching[e] = 0;
       }
     }
-    if (ok) {
-      energies_.accept(std::move(there));
-      break;
-    }
   }
+  if (!placed) advance(std::as_const(q).view(), std::as_const(dq).view(), alpha, model, trial_);
+  energies_.accept(std::move(there));
   for (Index e = 0; e < model.envs; ++e) {
     if (!envs.is(e, EnvState::running)) continue;
     envs[e].alpha = alpha[e], envs[e].energy = before[e];

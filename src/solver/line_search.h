@@ -16,15 +16,15 @@ namespace mortise::solver {
 
 class LineSearch {
  public:
-  // What forces say of a trial state, with everything that is frozen or lags taken from that state itself.
+  // What forces say of a trial state of some environments, with everything that is frozen or lags taken from that state itself.
   struct Forces {
     // Where they are closer to balance: the energy that is searched along the way of the whole Jacobian holds friction with the normal forces of the
     // iterate, and may rise although the way leads to the solution.
-    std::function<EnvMask(const device::Buffer<Vec3>& trial)> closer;
-    std::function<std::vector<double>(const device::Buffer<Vec3>& trial)> slope;  // along the way [J]
-    EnvMask doubtful;                                                             // where the iteration before gained little: the slope is asked for
+    std::function<EnvMask(const device::Buffer<Vec3>& trial, const EnvMask& whose)> closer;
+    std::function<std::vector<double>(const device::Buffer<Vec3>& trial, const EnvMask& whose)> slope;  // along the way [J]
+    EnvMask doubtful;  // where the iteration before gained little: the slope is asked for
     // Where they are so much farther from balance that the state is not taken at all, asked for where a full step leads far (loose_hold.h).
-    std::function<EnvMask(const device::Buffer<Vec3>& trial)> astray;
+    std::function<EnvMask(const device::Buffer<Vec3>& trial, const EnvMask& whose)> astray;
     EnvMask far;
   };
   LineSearch(System& system, EnergyLedger& energies) : system_(system), energies_(energies) {}
@@ -42,6 +42,8 @@ class LineSearch {
   };
   Merit begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at,
               EnvTable& envs, std::vector<double>& alpha);
+
+  void find_energies(const Linearised& at, const EnvMask& whose, Energies& there);
 
   System& system_;
   EnergyLedger& energies_;

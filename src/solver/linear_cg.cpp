@@ -76,9 +76,9 @@ class Cg final : public Linear {
         if (todo[e] && start.env[e].end == linalg::CgEnd::not_positive_definite && curvature.concavity(e) > 0)
           env_[e].built_speed = 0, indefinite[e] = 1, left[e] = 0;
       const linalg::GmresResult end =
-          solve_whole(s, left, rows_.env, relative, tuning::kWholeMost, [&](device::View<const Vec3> in, device::View<Vec3> out) {
+          solve_whole(model_, s, left, rows_.env, relative, tuning::kWholeMost, [&](device::View<const Vec3> in, device::View<Vec3> out) {
             device::clear(out.p, out.n * sizeof(Vec3));
-            count(run(s.A, in, out, rough, nothing, left), left, report);
+            count(run(s.A, in, out, rough, nothing, left), left, report);  // none of those that have ended
           });
       for (Index e = 0; e < rows_.envs(); ++e) {
         if (!left[e]) continue;
@@ -155,6 +155,7 @@ class Cg final : public Linear {
     options.max_iterations = options_.cg_iterations;
     options.absolute = absolute;
     options.only = todo;
+    for (Index e = 0; e < rows_.envs(); ++e) options.only[e] &= static_cast<std::uint8_t>(model_.works_on(e));
     return cg_->solve(A, *preconditioner_, b, x, relative, options);
   }
 

@@ -13,7 +13,7 @@ namespace {
 
 class Direct final : public Linear {
  public:
-  Direct(const model::Model& model, const Rows& rows, bool reuse) : rows_(rows), reuse_(reuse), parts_(model.envs) {}
+  Direct(const model::Model& model, const Rows& rows, bool reuse) : model_(model), rows_(rows), reuse_(reuse), parts_(model.envs) {}
 
   const char* name() const override { return reuse_ ? "reuse" : "direct"; }
   void begin_solve(bool) override {
@@ -53,7 +53,7 @@ class Direct final : public Linear {
   void apply(linalg::BlockMatrix&, device::View<const Vec3> in, device::View<Vec3> out, const EnvMask& todo) override {
     for (Index e = 0; e < rows_.envs(); ++e) {
       const device::View<Vec3> x = range(out, e);
-      if (todo[e])
+      if (todo[e] && model_.works_on(e))
         parts_[e].solver.solve(range(in, e), x);
       else
         device::clear(x.p, x.n * sizeof(Vec3));
@@ -101,7 +101,7 @@ class Direct final : public Linear {
       for (Index e = 0; e < rows_.envs(); ++e)
         if (left[e]) device::clear(range(s.x, e).p, range(s.x, e).n * sizeof(Vec3));
       const linalg::GmresResult end =
-          solver::solve_whole(s, left, rows_.env, std::vector<double>(todo.size(), tuning::kStaleForcing), tuning::kWholeMost,
+          solver::solve_whole(model_, s, left, rows_.env, std::vector<double>(todo.size(), tuning::kStaleForcing), tuning::kWholeMost,
                               [&](device::View<const Vec3> in, device::View<Vec3> out) { apply(s.A, in, out, left); });
       for (Index e = 0; e < rows_.envs(); ++e) {
         if (!left[e]) continue;
@@ -121,6 +121,7 @@ class Direct final : public Linear {
     return {v.p + rows_.env[e], rows_.env[e + 1] - rows_.env[e]};
   }
 
+  const model::Model& model_;
   const Rows& rows_;
   const bool reuse_;
   std::vector<Part> parts_;

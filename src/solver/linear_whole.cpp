@@ -1,6 +1,7 @@
 #include "solver/linear_whole.h"
 
 #include <cmath>
+#include <optional>
 
 #include "solver/kernels.h"
 #include "solver/tuning.h"
@@ -31,8 +32,8 @@ void unweigh(device::View<const double> w, device::View<const Vec3> in, device::
 
 }  // namespace
 
-linalg::GmresResult solve_whole(const LinearSystem& s, const EnvMask& whose, const std::vector<Index>& env_rows, const std::vector<double>& relative,
-                                Index limit, const linalg::Operator& preconditioner) {
+linalg::GmresResult solve_whole(const model::Model& model, const LinearSystem& s, const EnvMask& whose, const std::vector<Index>& env_rows,
+                                const std::vector<double>& relative, Index limit, const linalg::Operator& preconditioner) {
   const Index rows = s.b.n, envs = static_cast<Index>(whose.size());
   device::Buffer<Vec3> r(rows), x(rows), d(rows), Jx(rows), forces(rows);
   const device::Buffer<double> weights = row_weights(s.A);
@@ -68,7 +69,13 @@ linalg::GmresResult solve_whole(const LinearSystem& s, const EnvMask& whose, con
         clear_blocks(r, env_rows[e], env_rows[e + 1]);
     }
     if (!any(left)) break;
-    const linalg::GmresResult cycle = linalg::gmres(product, inverse, std::as_const(r).view(), d.view(), env_rows, wanted, limit);
+    std::optional<model::Only> only;
+    const linalg::GmresResult cycle =
+        linalg::gmres(product, inverse, std::as_const(r).view(), d.view(), env_rows, wanted, limit, [&](const EnvMask& going) {
+          only.reset();
+          only.emplace(model, going);
+        });
+    only.reset();
     add(std::as_const(d).view(), x);
     sum.iterations += cycle.iterations;
     for (Index e = 0; e < envs; ++e) sum.of_env[e] += left[e] ? cycle.of_env[e] : 0;

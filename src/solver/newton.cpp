@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -28,20 +29,34 @@ Newton::Newton(model::Model& model, EffectList& effects, const Options& options,
       coupled_(system_, *linear_, curvature_, direction_.matrix()),
       trace_(system_, curvature_),
       at_(system_.potential.linearised()),
-      beside_(system_.potential.linearised()) {}
+      beside_(system_.potential.linearised()),
+      held_(model.envs, 0) {}
 
 void Newton::begin(const EnvMask& whose) {
   if (q_.size() != model_.blocks) q_.copy_from(model_.q);
   copy_envs(model_.q, whose, model_.env_blocks, q_);
-  lag_here();
+  lag_here(whose);
   fresh_.resize(envs_.size(), 0);
   for (Index e = 0; e < envs_.size(); ++e) fresh_[e] |= whose[e];
 }
 
-void Newton::lag_here() {
+void Newton::lag_here(const EnvMask& whose) {
+  const model::Only only(model_, whose);
   system_.potential.linearise(std::as_const(q_).view(), effects::Want::frozen(), at_);
   system_.potential.sample(at_);
   system_.potential.lag(at_, at_);
+  held_ = whose;
+}
+
+// An environment comes here with the lagged quantities of its own state.
+void Newton::hold(const EnvMask& whose) {
+  bool all = true;
+  for (Index e = 0; e < envs_.size(); ++e) all = all && (held_[e] || !whose[e]);
+  if (all || envs_.size() == 1) return;
+  const model::Only only(model_, whose);
+  system_.potential.linearise(std::as_const(q_).view(), effects::Want::frozen(), at_, true);
+  system_.potential.sample(at_);
+  held_ = whose;
 }
 
 void Newton::end_at(const device::Buffer<Vec3>& q) {
@@ -86,6 +101,9 @@ void Newton::solve(const effects::StepInfo& info, const StepReports& report, con
     envs_[e].may_couple = !system_.potential.symmetric();
     envs_[e].whole = whole;
   }
+  const EnvMask all = model_.at_work.empty() ? EnvMask(envs_.size(), 1) : model_.at_work;  // that take the step
+  hold(whose);
+  std::optional<model::Only> only(std::in_place, model_, whose);
   system_.begin_solve();
   system_.find_groups(at_, whose);
   linear_->begin_solve(system_.rows_changed());
@@ -103,6 +121,8 @@ void Newton::solve(const effects::StepInfo& info, const StepReports& report, con
   for (Index e = 0; e < envs_.size(); ++e)
     if (!envs_.is(e, EnvState::solved) && !envs_.is(e, EnvState::failed)) envs_.fail(e, "Newton ended without a solution");
   check_failed();
+  only.reset();
+  hold(all);
   system_.potential.sample(at_);
   energies_.close(std::as_const(q_).view(), at_);
   for (Index e = 0; e < envs_.size(); ++e)
@@ -118,6 +138,8 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     stop();
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running)) curvature_.choose(e, envs_[e].alpha);
+    held_ = envs_.mask(EnvState::running);
+    const model::Only only(model_, held_);
     const effects::Want want = direction_.want(envs_);
     system_.potential.linearise(std::as_const(q_).view(), want, at_, want.whole);
     if ((!system_.potential.lags() || want.whole) && it >= tuning::kFirstLook && std::has_single_bit(static_cast<unsigned>(it)))
@@ -139,10 +161,12 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     check_failed();
     const EnvMask running = envs_.mask(EnvState::running);
     if (!any(running)) return;
+    const model::Only left(model_, running);
 
     std::vector<double> tolerance;
     for (Index e = 0; e < envs_.size(); ++e) tolerance.push_back(system_.convergence.least_tolerance(r, e, wanted(e)));
     direction_.find(q_, r, tolerance, at_, envs_, report);
+    held_ = running;
     check_failed();
     line_search_.step(q_, direction_.way(), direction_.slope(), direction_.supports(), at_, envs_, report, forces_beside(r));
     check_failed();
@@ -158,24 +182,24 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
 // What the line search may ask of forces at states beside q, where the residual is r.
 Newton::Search::Forces Newton::forces_beside(const Residual& r) {
   Search::Forces out;
-  out.closer = [this, &r](const device::Buffer<Vec3>& trial) {
+  out.closer = [this, &r](const device::Buffer<Vec3>& trial, const EnvMask& whose) {
     const Residual there = system_.linearise(std::as_const(trial).view(), {}, beside_, true);
     EnvMask closer(envs_.size(), 0);
     for (Index e = 0; e < envs_.size(); ++e)
-      closer[e] = system_.convergence.finite(there, e) && there.support_gap[e] == 0 &&
+      closer[e] = whose[e] && system_.convergence.finite(there, e) && there.support_gap[e] == 0 &&
                   system_.convergence.over(there, e, wanted(e)) < tuning::kCloser * system_.convergence.over(r, e, wanted(e));
     return closer;
   };
-  out.slope = [this](const device::Buffer<Vec3>& trial) {
+  out.slope = [this](const device::Buffer<Vec3>& trial, const EnvMask&) {
     system_.potential.linearise(std::as_const(trial).view(), {}, beside_, true);
     return dot(std::as_const(beside_.gradient).view(), std::as_const(direction_.way()).view(), model_.env_blocks);
   };
-  out.astray = [this, &r](const device::Buffer<Vec3>& trial) {
+  out.astray = [this, &r](const device::Buffer<Vec3>& trial, const EnvMask& whose) {
     const Residual there = system_.linearise(std::as_const(trial).view(), {}, beside_, true);
     EnvMask astray(envs_.size(), 0);
     for (Index e = 0; e < envs_.size(); ++e)
-      astray[e] = !system_.convergence.finite(there, e) ||
-                  system_.hold.astray(e, system_.convergence.largest_force(r, e), system_.convergence.largest_force(there, e));
+      astray[e] = whose[e] && (!system_.convergence.finite(there, e) ||
+                               system_.hold.astray(e, system_.convergence.largest_force(r, e), system_.convergence.largest_force(there, e)));
     return astray;
   };
   out.far.assign(envs_.size(), 0);
@@ -274,7 +298,10 @@ void Newton::couple(Index round, const effects::StepInfo& info, const StepReport
     }
     if (!envs_.any(EnvState::running)) return;
     // All that lag from now on begin to together, from their own states.
-    if (first) lag_here();
+    if (first)
+      lag_here(envs_.mask(EnvState::running));
+    else
+      hold(envs_.mask(EnvState::running));
     iterate(info, report, stop);
   }
 }
@@ -290,6 +317,7 @@ void Newton::solve_coupled(const effects::StepInfo& info, const StepReports& rep
   for (Index e = 0; e < envs_.size(); ++e)
     if (envs_.is(e, EnvState::stuck)) energies_.forget(e);
   coupled_.solve(q_, lag_.wanted(), at_, beside_, envs_, report, stop, watch);
+  held_.assign(envs_.size(), 0);
   check_failed();
   for (Index e = 0; e < envs_.size() && system_.potential.lags(); ++e)
     if (took_part[e]) report[e].lag_residual = report[e].residual, report[e].relative_lag_residual = report[e].relative_residual;
@@ -312,6 +340,9 @@ bool Newton::refresh(Index round, const StepReports& report) {
     return false;
   }
   for (Index e = 0; e < envs_.size(); ++e) report[e].lag += settled[e];
+  hold(settled);
+  const model::Only only(model_, settled);
+  held_ = settled;
   system_.find_groups(at_, settled);
   system_.potential.lag(at_, at_);
   const Residual fresh = system_.linearise(std::as_const(q_).view(), {}, at_);
@@ -339,6 +370,7 @@ bool Newton::refresh(Index round, const StepReports& report) {
   }
   check_failed();
   if (!envs_.any(EnvState::running)) return false;
+  const model::Only left(model_, envs_.mask(EnvState::running));
   lag_.relax(q_, envs_.mask(EnvState::running), beside_, at_);
   return true;
 }

@@ -34,6 +34,9 @@ class Newton {
   // With a single environment a failure is thrown. `stop` is asked between iterations and may throw.
   void solve(const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop, const EnvMask& whose);
 
+  // at() holds what is frozen and sampled of the environments of `whose`, of which some may have been left out while others went on.
+  void hold(const EnvMask& whose);
+
   // As if solve() had ended at q, from the accepted state: its forces, samples and energies.
   void end_at(const device::Buffer<Vec3>& q);
 
@@ -60,7 +63,7 @@ class Newton {
   bool wants_coupled(Index env, Index iteration, const Residual& r, const ProgressWatch::Sight& sight);
   void couple(Index round, const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop);
   void solve_coupled(const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop);
-  void lag_here();
+  void lag_here(const EnvMask& whose);
   void freeze(Index env);
   bool refresh(Index round, const StepReports& report);
   double wanted(Index env) const { return envs_[env].whole ? lag_.finest() : lag_.relative(env); }
@@ -85,6 +88,7 @@ class Newton {
   NewtonTrace trace_;
 
   Linearised at_, beside_;  // at q_; at states beside it
+  EnvMask held_;            // environments of which at_ holds more than forces
   device::Buffer<Vec3> q_;
   EnvMask fresh_;                      // environments that stand where the step begins
   std::vector<double> nearest_force_;  // per environment: least residual of these iterations [N], and where it was

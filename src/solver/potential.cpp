@@ -21,6 +21,7 @@ Potential::Potential(model::Model& model, EffectList& effects, Clock& clock)
     for (std::size_t c = 0; c < k; ++c)
       if (effects_[c]->name() == effects_[k]->follows()) followed_[k] = static_cast<int>(c), is_followed_[c] = 1;
   }
+  assembler_.set_environments(model_.env_blocks, model_.at_work);
 }
 
 Linearised Potential::linearised() const {
@@ -34,9 +35,10 @@ Linearised Potential::linearised() const {
 }
 
 void Potential::linearise(device::View<const Vec3> q, effects::Want want, Linearised& at, bool fresh) {
+  const device::Ranges blocks = model_.working(model_.env_blocks);
   if (want.forces) {
-    at.gradient.resize(model_.blocks);
-    at.gradient.zero();
+    if (at.gradient.size() != model_.blocks) at.gradient.resize(model_.blocks), at.gradient.zero();
+    for (const device::Ranges::Part& p : blocks.parts()) clear_blocks(at.gradient, p.begin, p.end);
   }
   for (std::size_t k = 0; k < effects_.size(); ++k) {
     effects::Effect& effect = *effects_[k];
@@ -49,8 +51,9 @@ void Potential::linearise(device::View<const Vec3> q, effects::Want want, Linear
     if (!want.forces) continue;
     linalg::StencilSet* const one[] = {&here.stencils};
     assembler_.gradient(one, model_.blocks, at.gradients[k]);
-    add(std::as_const(at.gradients[k]).view(), at.gradient);
+    add(std::as_const(at.gradients[k]).view(), blocks, at.gradient);
   }
+  // Of environments that are left out it is folded already.
   if (want.forces) model_.ties.fold(at.gradient.view());
 }
 
@@ -89,7 +92,9 @@ void Potential::max_step(device::View<const Vec3> dq, Linearised& at, device::En
 
 void Potential::product(Linearised& at, device::View<const Vec3> d, device::Buffer<Vec3>& out, bool folded) {
   const std::vector<linalg::StencilSet*> sets = at.sets();
-  for (linalg::StencilSet* set : sets) stencil_product(*set, d);
+  for (linalg::StencilSet* set : sets) stencil_product(*set, model_, d);
+  out.resize(model_.blocks);
+  out.zero();
   assembler_.gradient(sets, model_.blocks, out);
   if (folded) model_.ties.fold(out.view());
 }
@@ -101,6 +106,8 @@ void Potential::unsymmetric_product(Linearised& at, bool transposed, device::Vie
     if (!one->unsymmetric.any()) continue;
     linalg::multiply(one->unsymmetric, transposed, d, one->stencils);
     linalg::StencilSet* const set[] = {&one->stencils};
+    product_.resize(model_.blocks);
+    product_.zero();
     assembler_.gradient(set, model_.blocks, product_);
     add(std::as_const(product_).view(), out);
   }

@@ -95,7 +95,9 @@ std::vector<double> Simulation::lost_energy(const effects::StepInfo& info) const
 
 // info.whose: the environments that accept.
 void Simulation::accept(const effects::StepInfo& info, const std::vector<double>& lost) {
-  copy_envs(newton_.q(), info.whose.empty() ? EnvMask(model_.envs, 1) : info.whose, model_.env_blocks, model_.q);
+  const EnvMask whose = info.whose.empty() ? EnvMask(model_.envs, 1) : info.whose;
+  const model::Only only(model_, whose);
+  copy_envs(newton_.q(), whose, model_.env_blocks, model_.q);
   for (Index e = 0; e < model_.envs; ++e) {
     if (!info.taken_by(e)) continue;
     support_work_[e] += newton_.energies().of_step(e).work;
@@ -121,6 +123,7 @@ void Simulation::attempt(effects::StepInfo info, EnvMask whose, const StepReport
   while (any(whose)) {
     const std::vector<StepReport> before = model_.envs > 1 && !report.shared() ? report.kept() : std::vector<StepReport>{};
     info.whose = some_of(whose);
+    const model::Only only(model_, whose);
     try {
       for (const auto& effect : effects_) {
         const Timed timed(clock_, effect->name(), "begin_step");
@@ -251,6 +254,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
     }
   }
 
+  newton_.hold(takes);
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   for (Index e = 0; e < model_.envs; ++e) {
     if (!takes[e] || !lost_[e].empty()) continue;

@@ -1,6 +1,8 @@
 #include "solver/system.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "linalg/supports.h"
 #include "solver/kernels.h"
@@ -37,7 +39,12 @@ void System::begin_solve() {
   if (rows_changed_) {
     convergence.set_rows(rows.of_block_host);
     const bool tied = model.ties.any();
-    potential.assembler().set_rows(device::Buffer<Index>(tied ? rows.tied.of_block : rows.of_block_host), tied ? rows.tied.count() : rows.count());
+    const std::vector<Index>& of_block = tied ? rows.tied.of_block : rows.of_block_host;
+    std::vector<Index> env_rows{0};
+    for (Index e = 0; e < model.envs; ++e)
+      env_rows.push_back(std::accumulate(of_block.begin() + model.env_blocks[e], of_block.begin() + model.env_blocks[e + 1], env_rows.back(),
+                                         [](Index end, Index row) { return std::max(end, row + 1); }));
+    potential.assembler().set_rows(device::Buffer<Index>(of_block), tied ? rows.tied.count() : rows.count(), env_rows);
     if (tied) elimination_.set(rows.tied.offset, rows.tied.column, rows.tied.weight, rows.count());
   }
   convergence.begin_step();
@@ -112,7 +119,7 @@ void System::matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& w
 
 linalg::Operator System::whole(Linearised& at, const linalg::BlockMatrix& A) {
   return [this, &at, &A](device::View<const Vec3> in, device::View<Vec3> out) {
-    linalg::multiply(A, in, out);
+    linalg::multiply(A, in, model.working(rows.env), out);
     to_blocks(in, {}, EnvMask(model.envs, 1), way_);
     potential.unsymmetric_product(at, false, std::as_const(way_).view(), force_);
     add_to_rows(std::as_const(force_).view(), rows.block.view(), rows.projector.view(), out);

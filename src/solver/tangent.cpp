@@ -71,7 +71,7 @@ void Tangent::solve(device::View<const Vec3> f, bool transposed, device::Buffer<
   if (!std::isfinite(f2[0])) throw Failure{"a force is not finite"};
   const double wanted = assembled_ || transposed ? tuning::kTangent : tuning::kTangentByDifferences;
   const LinearSystem linear{matrix_, f, x.view(), f2, f2, q_.view(), &J};
-  const linalg::GmresResult end = solve_whole(linear, all, system_.rows.env, {wanted}, tuning::kTangentMost,
+  const linalg::GmresResult end = solve_whole(system_.model, linear, all, system_.rows.env, {wanted}, tuning::kTangentMost,
                                               [&](device::View<const Vec3> in, device::View<Vec3> out) { linear_->apply(matrix_, in, out, all); });
   if (!(end.relative[0] <= tuning::kTangentRough)) throw Failure{"the linearised equations of the step do not let themselves be solved"};
 }

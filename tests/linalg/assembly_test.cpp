@@ -64,6 +64,58 @@ TEST(Assembly, RandomStencilsSumLikeDenseMatrices) {
   expect_dense_sum(assembler, problem, row, rows, A);
 }
 
+// Of environments that are left out nothing is summed: forces stay as they were, the matrix has zeros on the diagonal; the others have the same bits.
+TEST(Assembly, EnvironmentsMayBeLeftOut) {
+  const std::vector<Index> env_blocks{0, 12, 13, 30, kBlocks};
+  Random problem;
+  // Stencils within environments.
+  for (StencilSet* set : problem.sets) {
+    std::vector<Index> block = read(set->view().block), offset = read(set->offsets());
+    for (Index s = 0; s < set->size(); ++s) {
+      const Index e = s % 4, blocks = env_blocks[e + 1] - env_blocks[e];
+      for (Index i = offset[s]; i < offset[s + 1]; ++i)
+        if (block[i] >= 0) block[i] = env_blocks[e] + block[i] % blocks;
+    }
+    write(set->view().block, block);
+    set->pattern_changed();
+  }
+  std::vector<Index> row(kBlocks, -1), env_rows{0};
+  Index rows = 0;
+  for (Index e = 0; e < 4; ++e) {
+    for (Index b = env_blocks[e]; b < env_blocks[e + 1]; ++b)
+      if (b % 5 != 0) row[b] = rows++;
+    env_rows.push_back(rows);
+  }
+  Assembler all, some;
+  std::vector<std::uint8_t> whose;
+  some.set_environments(env_blocks, whose);
+  for (Assembler* a : {&all, &some}) a->set_rows(Buffer<Index>(row), rows, env_rows);
+  BlockMatrix A, S;
+  Buffer<Vec3> g, of_some;
+  all.gradient(problem.sets, kBlocks, g);
+  all.matrix(problem.sets, A);
+  const std::vector<Vec3> want = g.download();
+  const Dense whole = dense(A);
+  for (unsigned marks : {15u, 5u, 8u, 0u, 7u}) {
+    whose.clear();
+    for (int e = 0; e < 4 && marks != 15; ++e) whose.push_back(marks >> e & 1);
+    of_some.upload(std::vector<Vec3>(kBlocks, Vec3(1, 2, 3)));
+    some.gradient(problem.sets, kBlocks, of_some);
+    some.matrix(problem.sets, S);
+    const std::vector<Vec3> found = of_some.download();
+    const Dense matrix = dense(S);
+    for (Index e = 0; e < 4; ++e) {
+      const bool in = marks >> e & 1;
+      for (Index b = env_blocks[e]; b < env_blocks[e + 1]; ++b) EXPECT_EQ(found[b], in ? want[b] : Vec3(1, 2, 3)) << marks << " " << b;
+      const Index first = 3 * env_rows[e], n = 3 * (env_rows[e + 1] - env_rows[e]);
+      EXPECT_EQ(matrix.block(first, first, n, n), in ? Dense(whole.block(first, first, n, n)) : Dense(Dense::Zero(n, n))) << marks << " " << e;
+    }
+    if (marks == 8) {
+      EXPECT_LT(S.upper_blocks(), A.upper_blocks() / 2);
+    }
+  }
+}
+
 TEST(Assembly, RepeatedBlockInAStencilGivesBothHalves) {
   StencilSet set;
   set.resize_uniform(1, 2);

@@ -76,6 +76,19 @@ TEST(Gmres, StopsAtTheLimitWithTheBestSoFar) {
   EXPECT_LT((dense(p.b) - p.A * dense(p.x.download())).norm(), dense(p.b).norm());
 }
 
+// Products are asked for those that have not ended.
+TEST(Gmres, SaysWhoGoesOn) {
+  Pair p;
+  for (Index i = 0; i < 20; ++i) p.b[i] *= 1e-3;
+  p.rhs.upload(p.b);
+  std::vector<Index> told(2, 0);
+  const GmresResult r = gmres(Pair::by(p.A), Pair::by(Dense::Identity(156, 156)), p.rhs.view(), p.x.view(), p.rows, {1e-6, 1e-6}, 200,
+                              [&](const std::vector<std::uint8_t>& going) {
+                                for (int e = 0; e < 2; ++e) told[e] += going[e];
+                              });
+  EXPECT_EQ(told, r.of_env);
+}
+
 // One that has converged stands still while the other goes on.
 TEST(Gmres, EveryEnvironmentEndsByItself) {
   Pair both, alone;

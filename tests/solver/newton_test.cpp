@@ -146,6 +146,49 @@ TEST(Newton, EnvironmentsDoNotKnowEachOther) {
   }
 }
 
+namespace {
+
+// Of how many environments its energies and forces were asked for, question by question.
+class Asked final : public effects::Effect {
+ public:
+  explicit Asked(model::Model& model, std::vector<Index>& times) : model_(model), times_(times) {}
+  const effects::Kind& kind() const override { return kStore; }
+  void linearise(effects::Positions, effects::Want, effects::Linearisation& at) override { at.stencils.resize_uniform(0, 0), note(); }
+  void energy(effects::Positions, const effects::Linearisation&, device::EnvValues) override { note(); }
+
+ private:
+  void note() {
+    for (Index e = 0; e < model_.envs; ++e) times_[e] += model_.works_on(e);
+  }
+  model::Model& model_;
+  std::vector<Index>& times_;
+};
+
+}  // namespace
+
+// What has settled is left out while others go on: everyone is asked about as often as alone, but for once more, when all have settled.
+TEST(Newton, SettledEnvironmentsAreLeftOut) {
+  const std::vector<Vec3> force{{0.99, 0, 0}, {0.1, 0, 0}, {0.999, 0, 0}};
+  const auto asked = [&](std::vector<Index> which) {
+    Problem p(static_cast<int>(which.size()));
+    p.options.iterations = 100;
+    std::vector<Index> times(which.size(), 0);
+    p.add(kStore, soft_norm([&force, which](Index e) { return force[which[e]]; }));
+    p.effects.push_back(std::make_unique<Asked>(p.model, times));
+    Newton newton(p.model, p.effects, p.options, p.clock);
+    solve(p, newton);
+    EXPECT_TRUE(p.model.at_work.empty());
+    return times;
+  };
+  const std::vector<Index> together = asked({0, 1, 2});
+  EXPECT_GT(together[2], 3 * together[1] / 2);
+  for (Index e : {0, 1, 2}) {
+    const Index alone = asked({e})[0];
+    EXPECT_GE(together[e], alone) << e;
+    EXPECT_LE(together[e], alone + 2) << e;
+  }
+}
+
 // It is put back to where the step began, so that the others' step, and a shorter one of its own, find it there.
 TEST(Newton, AFailedEnvironmentStandsWhereTheStepBegan) {
   Problem p(2);
@@ -427,7 +470,7 @@ TEST(LineSearch, AFullStepThatIsCloserStandsWhileOthersAreHalved) {
   s.dq.upload(std::vector<Vec3>(8, 7 * kForce));
   s.envs[0].whole = true;
   LineSearch::Forces forces;
-  forces.closer = [](const device::Buffer<Vec3>&) { return EnvMask{1, 1}; };
+  forces.closer = [](const device::Buffer<Vec3>&, const EnvMask& whose) { return whose; };
   const std::vector<double> slope = dot(std::as_const(s.at.gradient).view(), std::as_const(s.dq).view(), s.p.model.env_blocks);
   LineSearch(*s.system, *s.energies).step(s.q, s.dq, slope, {}, s.at, s.envs, s.report, forces);
   EXPECT_EQ(s.envs[0].alpha, 1);
@@ -439,7 +482,7 @@ TEST(LineSearch, AFarStepThatLeadsAstrayIsNotTaken) {
   Searched s(1);
   LineSearch::Forces forces;
   forces.far = {1, 0};
-  forces.astray = [](const device::Buffer<Vec3>&) { return EnvMask{1, 1}; };
+  forces.astray = [](const device::Buffer<Vec3>&, const EnvMask& whose) { return whose; };
   const std::vector<double> slope = dot(std::as_const(s.at.gradient).view(), std::as_const(s.dq).view(), s.p.model.env_blocks);
   LineSearch(*s.system, *s.energies).step(s.q, s.dq, slope, {}, s.at, s.envs, s.report, forces);
   EXPECT_EQ(s.envs[0].alpha, 0);
@@ -502,7 +545,7 @@ TEST(LineSearch, TheSlopeDecidesWhereEnergyIsBlind) {
     Searched s(7, 1e18);
     LineSearch::Forces forces;
     forces.doubtful.assign(2, doubtful);
-    forces.slope = [&](const device::Buffer<Vec3>& trial) {
+    forces.slope = [&](const device::Buffer<Vec3>& trial, const EnvMask&) {
       Linearised there = s.system->potential.linearised();
       s.system->potential.linearise(std::as_const(trial).view(), {}, there);
       return dot(std::as_const(there.gradient).view(), std::as_const(s.dq).view(), s.p.model.env_blocks);

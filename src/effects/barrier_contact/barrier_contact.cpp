@@ -73,7 +73,7 @@ class BarrierContact final : public Effect {
   void linearise(Positions q, Want want, Linearisation& out) override {
     BarrierLinearisation& at = of_barrier(out);
     proximity_.locate(q, at.y);
-    build(view(), proximity_.candidates(), std::as_const(at.y).view(), model_.envs, at.active);
+    build(view(), proximity_.candidates(), std::as_const(at.y).view(), vertices(), at.active);
     if (want.forces) contact::assemble(view(), at.active, std::as_const(at.y).view(), model_.point_map(), want.matrix, at.stencils);
   }
 
@@ -90,7 +90,7 @@ class BarrierContact final : public Effect {
 
   void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
     const std::vector<std::uint8_t> finite = proximity_.locate(q, y_);
-    contact::energy(view(), proximity_.candidates(), std::as_const(y_).view(), proximity_.vertex_env(), per_env);
+    contact::energy(view(), proximity_.candidates(), std::as_const(y_).view(), vertices(), per_env);
     forbid(finite, per_env);
   }
 
@@ -109,6 +109,7 @@ class BarrierContact final : public Effect {
   }
 
  private:
+  device::Ranges vertices() const { return model_.working(proximity_.vertex_env()); }
   BarrierView view() const { return proximity_.view(barrier_, kappa_, point_area_.view(), plane_area_.view()); }
 
   // Contact areas of the vertices of environments that take the step, as they stand at the accepted state.
@@ -120,7 +121,7 @@ class BarrierContact final : public Effect {
     face_planes(view(), y, plane_area_.view());
     point_area_.copy_from(model_.surface.vertex_area);
     ActiveSet active;
-    build(view(), proximity_.candidates(), y, model_.envs, active);
+    build(view(), proximity_.candidates(), y, vertices(), active);
     face_points(view(), active, y, point_area_.view());
     const auto keep = [](const Buffer<double>& from, Index begin, Index end, Buffer<double>& to) {
       if (end > begin) device::copy(to.view().p + begin, from.view().p + begin, static_cast<std::size_t>(end - begin) * sizeof(double));

@@ -148,19 +148,31 @@ void group_by_environment(ActiveSet& set, Index envs) {
   set.env_offset = bounds.download();
 }
 
+// Pairs of half-spaces and vertices: all vertices towards the first, then towards the next.
+device::Ranges of_planes(const device::Ranges& vertices, Index planes, Index all) {
+  std::vector<Index> bound{0};
+  std::vector<std::uint8_t> taken;
+  for (Index p = 0; p < planes; ++p)
+    for (const device::Ranges::Part& part : vertices.parts()) {
+      bound.push_back(p * all + part.begin), taken.push_back(0);
+      bound.push_back(p * all + part.end), taken.push_back(1);
+    }
+  return {bound, taken};
+}
+
 }  // namespace
 
-void build(const BarrierView& s, const Candidates& c, View<const Vec3> y, Index envs, ActiveSet& out) {
+void build(const BarrierView& s, const Candidates& c, View<const Vec3> y, const device::Ranges& vertices, ActiveSet& out) {
   Buffer<Index> points_at, edges_at, planes_at;
   const View<const PointTriangle> pt = c.point_triangles();
   mark(
-      "contact.near", pt.n, [=] MORTISE_HD(Index i) { return near(s, pt[i], y); }, points_at);
+      "contact.near", pt.n, c.of_points(), [=] MORTISE_HD(Index i) { return near(s, pt[i], y); }, points_at);
   const View<const EdgeEdge> ee = c.edge_edges();
   mark(
-      "contact.near", ee.n, [=] MORTISE_HD(Index i) { return near(s, ee[i], y); }, edges_at);
+      "contact.near", ee.n, c.of_edges(), [=] MORTISE_HD(Index i) { return near(s, ee[i], y); }, edges_at);
   const Index plane_pairs = s.planes.n * s.surface.vertices.n;
   mark(
-      "contact.near_planes", plane_pairs,
+      "contact.near_planes", plane_pairs, of_planes(vertices, s.planes.n, s.surface.vertices.n),
       [=] MORTISE_HD(Index i) {
         Index plane, point;
         double gap;
@@ -202,7 +214,7 @@ void build(const BarrierView& s, const Candidates& c, View<const Vec3> y, Index 
     plane_pair(s, i, y, plane, point, gap);
     terms[points + edges + plane_at[i]] = {TermKind::plane, s.surface.env[point], {point, -1, -1, -1}, plane, plane_weight(s, i, point), 0};
   });
-  group_by_environment(out, envs);
+  group_by_environment(out, vertices.environments());
 }
 
 }  // namespace mortise::effects::contact

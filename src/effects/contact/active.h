@@ -29,11 +29,12 @@ struct ActiveSet {
 void face_planes(const BarrierView& s, View<const Vec3> y, View<double> plane_area);
 void face_points(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, View<double> point_area);
 
-// Adds the energy of environment e to per_env[e]; +infinity where anything touches. vertex_env[e]: first surface vertex of e.
-void energy(const BarrierView& s, const Candidates& c, View<const Vec3> y, const std::vector<Index>& vertex_env, device::EnvValues per_env);
+// Adds the energy of environment e to per_env[e]; +infinity where anything touches. Of the environments that the candidates were asked for, whose
+// surface vertices are `vertices`.
+void energy(const BarrierView& s, const Candidates& c, View<const Vec3> y, const device::Ranges& vertices, device::EnvValues per_env);
 
-// The terms at y. envs: number of environments.
-void build(const BarrierView& s, const Candidates& c, View<const Vec3> y, Index envs, ActiveSet& out);
+// The terms at y, of the same.
+void build(const BarrierView& s, const Candidates& c, View<const Vec3> y, const device::Ranges& vertices, ActiveSet& out);
 
 // Stencils over the blocks of `map`, and one sample per term (model/contact_view.h).
 void assemble(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, const model::PointMapView& map, Curvature curvature,
@@ -46,8 +47,8 @@ void sample_changes(const BarrierView& s, const ActiveSet& set, View<const Vec3>
 // Force on the four points of every term [N]: minus the gradient.
 void point_forces(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, Buffer<Vec3>& out);
 
-// Lowers alpha[e] so that every vertex keeps the share `keep` of its gap to every half-space (exact: the gap is linear).
-void limit_planes(const BarrierView& s, View<const Vec3> y, View<const Vec3> dy, double keep, const std::vector<Index>& vertex_env,
+// Lowers alpha[e] so that every one of the surface vertices keeps the share `keep` of its gap to every half-space (exact: the gap is linear).
+void limit_planes(const BarrierView& s, View<const Vec3> y, View<const Vec3> dy, double keep, const device::Ranges& vertices,
                   device::EnvValues alpha);
 
 // The least distance of what is to be kept apart in every environment, of those nearer than the reach of the candidates; farther ones may be among

@@ -24,10 +24,11 @@ MORTISE_HD inline double off_path(const Vec3& from, const Vec3& move, const Vec3
 }
 
 // Largest distance from the path; not a number where a position is none (or out of all bounds).
-std::vector<double> largest_deviation(const std::vector<Index>& point_env, View<const Vec3> from, View<const Vec3> move, View<const Vec3> y) {
+std::vector<double> largest_deviation(const std::vector<Index>& point_env, View<const Vec3> from, View<const Vec3> move, View<const Vec3> y,
+                                      const std::vector<std::uint8_t>& whose) {
   std::vector<double> out(point_env.size() - 1, 0.0);
   device::env_max(
-      "contact.deviation", point_env,
+      "contact.deviation", {point_env, whose},
       [=] MORTISE_HD(Index i) {
         return !(y[i].squaredNorm() < 1e300) ? static_cast<double>(NAN) : from.n > 0 ? off_path(from[i], move[i], y[i]) : 0.0;
       },
@@ -40,8 +41,9 @@ std::vector<double> largest_deviation(const std::vector<Index>& point_env, View<
 Candidates::Candidates(geometry::Broadphase& broadphase, double reach, std::vector<Index> point_env)
     : broadphase_(broadphase), reach_(reach), point_env_(std::move(point_env)) {}
 
-void Candidates::rebuild(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>* dy) {
-  broadphase_.update(y.view(), dy ? dy->view() : View<const Vec3>{}, reach_ * (1 + tuning::kMargin));
+void Candidates::rebuild(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>* dy, const std::vector<std::uint8_t>& whose) {
+  broadphase_.update(y.view(), dy ? dy->view() : View<const Vec3>{}, reach_ * (1 + tuning::kMargin), whose);
+  whose_ = asked_ = whose;
   copy_view(broadphase_.point_triangles(), point_triangles_);
   copy_view(broadphase_.edge_edges(), edge_edges_);
   pt_env_offset_ = broadphase_.pt_env_offset();
@@ -56,17 +58,22 @@ void Candidates::rebuild(const device::Buffer<Vec3>& y, const device::Buffer<Vec
   any_ = true;
 }
 
-void Candidates::sweep(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy) { rebuild(y, &dy); }
+void Candidates::sweep(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy, const std::vector<std::uint8_t>& whose) {
+  rebuild(y, &dy, whose);
+}
 
-void Candidates::cover(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>& finite) {
-  const std::vector<double> off = largest_deviation(point_env_, y0_.view(), dy_.view(), y.view());
+void Candidates::cover(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>& finite, const std::vector<std::uint8_t>& whose) {
+  const std::vector<double> off = largest_deviation(point_env_, y0_.view(), dy_.view(), y.view(), whose);
   finite.assign(off.size(), 1);
   bool lost = !any_;
   for (std::size_t e = 0; e < off.size(); ++e) {
+    if (!whose.empty() && !whose[e]) continue;
     finite[e] = !std::isnan(off[e]);
+    lost = lost || (!whose_.empty() && !whose_[e]);
     lost = lost || 2 * off[e] > tuning::kMargin * reach_;  // two points of a pair may each be off by half of the margin
   }
-  if (lost) rebuild(y, nullptr);
+  asked_ = whose;
+  if (lost) rebuild(y, nullptr, whose);
 }
 
 }  // namespace mortise::effects::contact

@@ -10,27 +10,31 @@ class Candidates {
   // reach [m]: pairs nearer than this are wanted. point_env[e]: first point of environment e.
   Candidates(geometry::Broadphase& broadphase, double reach, std::vector<Index> point_env);
 
-  // All pairs within reach on the way from y to y + dy.
-  void sweep(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy);
+  // All pairs within reach on the way from y to y + dy, of the environments of `whose` (of all where it is empty).
+  void sweep(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy, const std::vector<std::uint8_t>& whose = {});
   // Makes sure that all pairs within reach at y are held, searching only if y lies off the path of the last search. False in
-  // finite[e] where environment e has a position that is not a number.
-  void cover(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>& finite);
+  // finite[e] where environment e has a position that is not a number. The same environments.
+  void cover(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>& finite, const std::vector<std::uint8_t>& whose = {});
 
   device::View<const geometry::PointTriangle> point_triangles() const { return point_triangles_.view(); }
   device::View<const geometry::EdgeEdge> edge_edges() const { return edge_edges_.view(); }
+  // Those that the last search, or the last question, was for.
+  device::Ranges of_points() const { return {pt_env_offset_, asked_}; }
+  device::Ranges of_edges() const { return {ee_env_offset_, asked_}; }
   const std::vector<Index>& pt_env_offset() const { return pt_env_offset_; }
   const std::vector<Index>& ee_env_offset() const { return ee_env_offset_; }
   const geometry::Broadphase& broadphase() const { return broadphase_; }  // as sweep() left it
   std::size_t bytes() const { return point_triangles_.bytes() + edge_edges_.bytes() + y0_.bytes() + dy_.bytes(); }
 
  private:
-  void rebuild(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>* dy);
+  void rebuild(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>* dy, const std::vector<std::uint8_t>& whose);
 
   geometry::Broadphase& broadphase_;  // shared with other contact effects, therefore the results are copied
   double reach_;
   std::vector<Index> point_env_;
   bool any_ = false;
-  device::Buffer<Vec3> y0_, dy_;  // path of the last search
+  std::vector<std::uint8_t> whose_, asked_;  // of the last search, of the last question
+  device::Buffer<Vec3> y0_, dy_;             // path of the last search
   device::Buffer<geometry::PointTriangle> point_triangles_;
   device::Buffer<geometry::EdgeEdge> edge_edges_;
   std::vector<Index> pt_env_offset_, ee_env_offset_;

@@ -12,10 +12,10 @@ struct InRange {
 };
 
 template <class Pair>
-void find(const BarrierView& s, View<const Pair> pairs, const std::vector<Index>& env_offset, View<const Vec3> y, InRange& out,
-          device::Fetch& fetch) {
+void find(const BarrierView& s, View<const Pair> pairs, const std::vector<Index>& env_offset, const device::Ranges& whose, View<const Vec3> y,
+          InRange& out, device::Fetch& fetch) {
   mark(
-      "contact.near", pairs.n, [=] MORTISE_HD(Index i) { return near(s, pairs[i], y); }, out.at);
+      "contact.near", pairs.n, whose, [=] MORTISE_HD(Index i) { return near(s, pairs[i], y); }, out.at);
   const View<const Index> at = std::as_const(out.at).view();
   out.bounds.assign(env_offset.size(), 0);
   if (out.bounds.size() == 2) return fetch.add_total(out.at, out.bounds[1]);
@@ -44,26 +44,26 @@ void add_pair_energy(const char* name, const BarrierView& s, View<const Pair> pa
 
 }  // namespace
 
-void energy(const BarrierView& s, const Candidates& c, View<const Vec3> y, const std::vector<Index>& vertex_env, device::EnvValues per_env) {
+void energy(const BarrierView& s, const Candidates& c, View<const Vec3> y, const device::Ranges& vertices, device::EnvValues per_env) {
   InRange points, edges;
   device::Fetch fetch;
-  find(s, c.point_triangles(), c.pt_env_offset(), y, points, fetch);
-  find(s, c.edge_edges(), c.ee_env_offset(), y, edges, fetch);
+  find(s, c.point_triangles(), c.pt_env_offset(), c.of_points(), y, points, fetch);
+  find(s, c.edge_edges(), c.ee_env_offset(), c.of_edges(), y, edges, fetch);
   fetch.now();
   add_pair_energy("contact.energy_points", s, c.point_triangles(), points, y, per_env);
   add_pair_energy("contact.energy_edges", s, c.edge_edges(), edges, y, per_env);
   for (Index p = 0; p < s.planes.n; ++p) {
     const Index first = p * s.surface.vertices.n;
     device::env_sum(
-        "contact.energy_planes", vertex_env, [=] MORTISE_HD(Index i) { return plane_energy(s, first + i, y); }, per_env);
+        "contact.energy_planes", vertices, [=] MORTISE_HD(Index i) { return plane_energy(s, first + i, y); }, per_env);
   }
 }
 
-void limit_planes(const BarrierView& s, View<const Vec3> y, View<const Vec3> dy, double keep, const std::vector<Index>& vertex_env,
+void limit_planes(const BarrierView& s, View<const Vec3> y, View<const Vec3> dy, double keep, const device::Ranges& vertices,
                   device::EnvValues alpha) {
   for (Index p = 0; p < s.planes.n; ++p)
     device::env_min(
-        "contact.limit_planes", vertex_env,
+        "contact.limit_planes", vertices,
         [=] MORTISE_HD(Index i) {
           const Index point = s.surface.vertices[i];
           if (!s.sees_plane(point, p)) return 2.0;

@@ -82,24 +82,24 @@ void Proximity::watch(const WatchedPairs& pairs) {
 std::vector<std::uint8_t> Proximity::locate(Positions q, Buffer<Vec3>& y) {
   std::vector<std::uint8_t> finite;
   model_.points_of(q, y);
-  candidates_.cover(y, finite);
+  candidates_.cover(y, finite, model_.at_work);
   return finite;
 }
 
 const Candidates& Proximity::candidates(const Buffer<Vec3>& y) {
   std::vector<std::uint8_t> finite;
-  candidates_.cover(y, finite);
+  candidates_.cover(y, finite, model_.at_work);
   return candidates_;
 }
 
 void Proximity::limit(const Buffer<Vec3>& from, View<const Vec3> dq, const BarrierView& s, Buffer<Vec3>& dy, device::EnvValues alpha) {
   model_.points_of(dq, dy);
-  candidates_.sweep(from, dy);
+  candidates_.sweep(from, dy, model_.at_work);
   const BarrierView all = obstacles(s);
   const View<const Vec3> y = from.view(), way = std::as_const(dy).view();
   prescribed_.forbid_meeting(all, candidates_.broadphase(), y, way, step_, alpha.fetch);
   geometry::limit_step(candidates_.broadphase(), y, way, tuning::kKeep, alpha);
-  limit_planes(all, y, way, tuning::kKeep, vertex_env_, alpha);
+  limit_planes(all, y, way, tuning::kKeep, model_.working(vertex_env_), alpha);
 }
 
 BarrierView Proximity::view(const BarrierParams& barrier, const Buffer<double>& kappa, View<const double> point_area,

@@ -13,6 +13,17 @@ void mark(const char* name, Index n, Keep keep, Buffer<Index>& offset) {
   device::scan(offset);
 }
 
+// The same of those i < n that are among `whose`; none of the others is kept.
+template <class Keep>
+void mark(const char* name, Index n, const device::Ranges& whose, Keep keep, Buffer<Index>& offset) {
+  if (whose.size() == n) return mark(name, n, keep, offset);
+  offset.resize(n + 1);
+  offset.zero();
+  const View<Index> o = offset.view();
+  device::parallel_for(name, whose, [=] MORTISE_HD(Index i) { o[i] = keep(i) ? 1 : 0; });
+  device::scan(offset);
+}
+
 // Is a candidate within range at y?
 MORTISE_HD inline bool near(const BarrierView& s, const PointTriangle& pair, View<const Vec3> y) {
   if (!s.sees(pair.v[0], pair.v[1])) return false;

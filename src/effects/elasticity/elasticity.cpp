@@ -79,7 +79,7 @@ class Elasticity final : public Effect {
   void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
     const Tets tets(model_);
     device::env_sum(
-        "elasticity.energy", model_.volume.env_offset,
+        "elasticity.energy", model_.working(model_.volume.env_offset),
         [=] MORTISE_HD(Index t) {
           double sum = 0;
           at_points(tets, t, q, [&](int, const elasticity::Element& e, const Mat3& F) {
@@ -89,7 +89,7 @@ class Elasticity final : public Effect {
           return sum;
         },
         per_env);
-    if (model_.clusters.size() > 0) elasticity::cluster_energy(tets, model_.clusters, q, per_env);
+    if (model_.clusters.size() > 0) elasticity::cluster_energy(tets, model_.clusters, q, model_.at_work, per_env);
   }
 
   void linearise(Positions q, Want want, Linearisation& at) override {
@@ -101,7 +101,7 @@ class Elasticity final : public Effect {
     device::Buffer<double> pressure = with_pressures(tets, q);
     const View<const Index> env = std::as_const(model_.block_env).view();
     const linalg::StencilView out = at.stencils.view();
-    device::parallel_for("elasticity.assemble", tets.size(), [=] MORTISE_HD(Index t) {
+    device::parallel_for("elasticity.assemble", model_.working(model_.volume.env_offset), [=] MORTISE_HD(Index t) {
       Vec3* grad = out.grad.p + out.offset[t];
       Mat3* hess = curvature.wanted ? out.hess.p + out.hess_offset[t] : nullptr;
       const double concave = curvature.concavity(env[tets.tet[t].v[0]]);
@@ -114,7 +114,7 @@ class Elasticity final : public Effect {
       elasticity::gradient(e, F, grad);
       if (hess) elasticity::hessian(e, F, concave, hess);
     });
-    elasticity::cluster_stencils(tets, model_.clusters, q, tets.size(), curvature.wanted, out);
+    elasticity::cluster_stencils(tets, model_.clusters, q, tets.size(), curvature.wanted, model_.at_work, out);
   }
 
   void report(const FieldSinks& sinks, const Linearisation& at) override {
@@ -173,7 +173,7 @@ class Elasticity final : public Effect {
   device::Buffer<double> with_pressures(Tets& tets, Positions q) const {
     device::Buffer<double> pressure;
     if (model_.clusters.size() == 0) return pressure;
-    elasticity::cluster_pressures(tets, model_.clusters, q, pressure);
+    elasticity::cluster_pressures(tets, model_.clusters, q, model_.at_work, pressure);
     tets.pressure = std::as_const(pressure).view();
     return pressure;
   }

@@ -22,17 +22,18 @@ struct Members {
 
 }  // namespace
 
-void cluster_pressures(const Tets& tets, const model::Clusters& clusters, Positions q, device::Buffer<double>& pressure) {
+void cluster_pressures(const Tets& tets, const model::Clusters& clusters, Positions q, const Whose& whose, device::Buffer<double>& pressure) {
   const Members all(clusters);
   pressure.resize(clusters.size());
   const View<double> p = pressure.view();
-  device::parallel_for("elasticity.cluster_pressures", clusters.size(), [=] MORTISE_HD(Index c) { p[c] = all.lambda[c] * all.mean(tets, c, q); });
+  device::parallel_for("elasticity.cluster_pressures", {clusters.env_offset, whose},
+                       [=] MORTISE_HD(Index c) { p[c] = all.lambda[c] * all.mean(tets, c, q); });
 }
 
-void cluster_energy(const Tets& tets, const model::Clusters& clusters, Positions q, device::EnvValues per_env) {
+void cluster_energy(const Tets& tets, const model::Clusters& clusters, Positions q, const Whose& whose, device::EnvValues per_env) {
   const Members all(clusters);
   device::env_sum(
-      "elasticity.cluster_energy", clusters.env_offset,
+      "elasticity.cluster_energy", {clusters.env_offset, whose},
       [=] MORTISE_HD(Index c) {
         const double mean = all.mean(tets, c, q);
         return 0.5 * all.volume[c] * all.lambda[c] * mean * mean;
@@ -40,16 +41,17 @@ void cluster_energy(const Tets& tets, const model::Clusters& clusters, Positions
       per_env);
 }
 
-void cluster_stencils(const Tets& tets, const model::Clusters& clusters, Positions q, Index first, bool hessian, const linalg::StencilView& out) {
+void cluster_stencils(const Tets& tets, const model::Clusters& clusters, Positions q, Index first, bool hessian, const Whose& whose,
+                      const linalg::StencilView& out) {
   if (clusters.size() == 0) return;
-  device::parallel_for("elasticity.cluster_forces", clusters.node.size(),
-                       [=] MORTISE_HD(Index i) { out.grad[out.offset[first] + i] = Vec3::Zero(); });
+  const device::Ranges nodes(clusters.env_nodes, whose);
+  device::parallel_for("elasticity.cluster_forces", nodes, [=] MORTISE_HD(Index i) { out.grad[out.offset[first] + i] = Vec3::Zero(); });
   if (!hessian) return;
   const Members all(clusters);
   const View<const Index> slot = clusters.slot.view(), first_node = clusters.first_node.view(), owner = clusters.owner.view();
   device::Buffer<Vec3> slopes(clusters.node.size());
   const View<Vec3> g = slopes.view();
-  device::parallel_for("elasticity.cluster_slopes", clusters.size(), [=] MORTISE_HD(Index c) {
+  device::parallel_for("elasticity.cluster_slopes", {clusters.env_offset, whose}, [=] MORTISE_HD(Index c) {
     for (Index i = first_node[c]; i < first_node[c + 1]; ++i) g[i] = Vec3::Zero();
     for (Index i = all.first[c]; i < all.first[c + 1]; ++i) {
       const Index t = all.tet[i], p = tets.first_point[t];
@@ -63,7 +65,7 @@ void cluster_stencils(const Tets& tets, const model::Clusters& clusters, Positio
       g[slot[4 * i]] -= sum;
     }
   });
-  device::parallel_for("elasticity.cluster_hessians", g.n, [=] MORTISE_HD(Index i) {  // a row of pieces each
+  device::parallel_for("elasticity.cluster_hessians", nodes, [=] MORTISE_HD(Index i) {  // a row of pieces each
     const Index c = owner[i], n = first_node[c + 1] - first_node[c], a = i - first_node[c];
     Mat3* row = out.hess.p + out.hess_offset[first + c] + linalg::pair_place(a, a, n);
     const Vec3 left = (all.lambda[c] * all.volume[c]) * g[i];

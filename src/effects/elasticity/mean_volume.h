@@ -8,10 +8,14 @@
 
 namespace mortise::effects::elasticity {
 
+// Of the environments of `whose`; empty: of all.
+using Whose = std::vector<std::uint8_t>;
+
 // p_c of all clusters [Pa].
-void cluster_pressures(const Tets& tets, const model::Clusters& clusters, Positions q, device::Buffer<double>& pressure);
-void cluster_energy(const Tets& tets, const model::Clusters& clusters, Positions q, device::EnvValues per_env);
+void cluster_pressures(const Tets& tets, const model::Clusters& clusters, Positions q, const Whose& whose, device::Buffer<double>& pressure);
+void cluster_energy(const Tets& tets, const model::Clusters& clusters, Positions q, const Whose& whose, device::EnvValues per_env);
 // Fills the stencils from `first` on, one per cluster: no forces, and the Hessian if wanted.
-void cluster_stencils(const Tets& tets, const model::Clusters& clusters, Positions q, Index first, bool hessian, const linalg::StencilView& out);
+void cluster_stencils(const Tets& tets, const model::Clusters& clusters, Positions q, Index first, bool hessian, const Whose& whose,
+                      const linalg::StencilView& out);
 
 }  // namespace mortise::effects::elasticity

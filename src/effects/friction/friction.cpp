@@ -182,8 +182,8 @@ class Friction final : public Effect {
     const auto& at = static_cast<const FrictionLinearisation&>(frozen);
     const Slips s = slips(at);
     device::env_sum(
-        "friction.energy", at.env_offset, [=] MORTISE_HD(Index i) { return s.frozen[i].load * friction::f0(s.slip(i, q).norm(), s.creep(i)); },
-        per_env);
+        "friction.energy", model_.working(at.env_offset),
+        [=] MORTISE_HD(Index i) { return s.frozen[i].load * friction::f0(s.slip(i, q).norm(), s.creep(i)); }, per_env);
   }
 
   void linearise(Positions q, Want want, Linearisation& lagged) override {
@@ -198,7 +198,7 @@ class Friction final : public Effect {
     const Slips s = slips(at);
     const View<const ContactSample> sample = std::as_const(at.samples).view();
     const linalg::StencilView out = at.stencils.view();
-    device::parallel_for("friction.assemble", s.size(), [=] MORTISE_HD(Index i) {
+    device::parallel_for("friction.assemble", model_.working(at.env_offset), [=] MORTISE_HD(Index i) {
       const Vec3 u = s.slip(i, q);
       const double load = s.frozen[i].load;
       const Vec3 g = (load * friction::f1_over_x(u.norm(), s.creep(i))) * u;
@@ -221,7 +221,7 @@ class Friction final : public Effect {
       at.unsymmetric.resize(1, n);
       const View<Vec3> left = at.unsymmetric.left.view(), right = at.unsymmetric.right.view();
       const View<const ContactSample> sample = std::as_const(at.samples).view();
-      device::parallel_for("friction.follow_force", s.size(), [=] MORTISE_HD(Index i) {
+      device::parallel_for("friction.follow_force", model_.working(at.env_offset), [=] MORTISE_HD(Index i) {
         const Vec3 u = s.slip(i, q), pull = friction::f1_over_x(u.norm(), s.creep(i)) * u;
         for (Index b = offset[i]; b < offset[i + 1]; ++b) {
           left[b] = (-s.weight[b] * s.frozen[i].mu * sample[i].stiffness) * pull;
@@ -235,7 +235,7 @@ class Friction final : public Effect {
     const View<const ContactSample> sample = std::as_const(at.samples).view();
     const View<const SampleChange> change = std::as_const(at.changes).view();
     const model::PointMapView map = model_.point_map();
-    device::parallel_for("friction.follow", s.size(), [=] MORTISE_HD(Index i) {
+    device::parallel_for("friction.follow", model_.working(at.env_offset), [=] MORTISE_HD(Index i) {
       const ContactSample& here = sample[i];
       const auto e = model::expand<SampleChange::kPoints>(map, here.point, here.points);
       Vec3 way[SampleChange::kPoints];  // of the points since the step began

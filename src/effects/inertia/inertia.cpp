@@ -96,7 +96,7 @@ class Inertia final : public Effect {
     const View<const inertia::Integrator> in = std::as_const(integrators_).view();
     const View<const Index> env = std::as_const(model_.block_env).view();
     device::env_sum(
-        "inertia.energy", env_offset_,
+        "inertia.energy", model_.working(env_offset_),
         [=] MORTISE_HD(Index s) {
           const MassPair p = pair[s];
           return inertia::energy(p.i == p.j, in[env[p.i]].c() * p.m, q[p.i] - hat[p.i], q[p.j] - hat[p.j]);
@@ -120,7 +120,7 @@ class Inertia final : public Effect {
     const View<const inertia::Integrator> in = std::as_const(integrators_).view();
     const View<const Index> env = std::as_const(model_.block_env).view();
     device::env_sum(
-        "inertia.own_gain", env_offset_,
+        "inertia.own_gain", model_.working(env_offset_),
         [=] MORTISE_HD(Index s) {
           const MassPair p = pair[s];
           if (prescribed[p.i] != 0 && prescribed[p.j] != 0) return 0.0;
@@ -135,7 +135,7 @@ class Inertia final : public Effect {
         },
         gain);
     device::env_sum(
-        "inertia.kinetic", env_offset_,
+        "inertia.kinetic", model_.working(env_offset_),
         [=] MORTISE_HD(Index s) { return inertia::energy(pair[s].i == pair[s].j, pair[s].m, vn[pair[s].i], vn[pair[s].j]); }, there);
   }
 
@@ -149,7 +149,7 @@ class Inertia final : public Effect {
     const linalg::StencilView out = at.stencils.view();
     const View<const inertia::Integrator> in = std::as_const(integrators_).view();
     const View<const Index> env = std::as_const(model_.block_env).view();
-    device::parallel_for("inertia.assemble", pair.n, [=] MORTISE_HD(Index s) {
+    device::parallel_for("inertia.assemble", model_.working(env_offset_), [=] MORTISE_HD(Index s) {
       const MassPair p = pair[s];
       const double cm = in[env[p.i]].c() * p.m;
       Vec3* grad = out.grad.p + out.offset[s];

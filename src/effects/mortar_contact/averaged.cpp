@@ -97,7 +97,8 @@ void average(const MortarView& s, FrozenSamples& f) {
   });
 }
 
-void averaged_energy(const MortarView& s, const FrozenSamples& f, View<const Vec3> y, device::EnvValues per_env) {
+void averaged_energy(const MortarView& s, const FrozenSamples& f, View<const Vec3> y, const std::vector<std::uint8_t>& whose,
+                     device::EnvValues per_env) {
   const Averages& averages = f.averages;
   const View<const Pair> pairs = f.pairs.view();
   const View<const Sample> samples = f.samples.view();
@@ -105,7 +106,9 @@ void averaged_energy(const MortarView& s, const FrozenSamples& f, View<const Vec
   const Settings set = s.set;
   Buffer<double> buffer(3 * pairs.n);
   const View<double> change = buffer.view();  // of the parts' sum w N_a g
-  device::parallel_for("mortar_contact.part_changes", change.n, [=] MORTISE_HD(Index i) {
+  std::vector<Index> env_parts;
+  for (Index first : f.env_pairs) env_parts.push_back(3 * first);
+  device::parallel_for("mortar_contact.part_changes", {env_parts, whose}, [=] MORTISE_HD(Index i) {
     const Pair& p = pairs[i / 3];
     Vec3 J[kPoints];
     weigh(set, p, samples, i % 3, J);
@@ -116,7 +119,7 @@ void averaged_energy(const MortarView& s, const FrozenSamples& f, View<const Vec
   const View<const Index> part = averages.part.view(), start = averages.start.view(), interface = averages.interface.view();
   const View<const double> area = averages.area.view(), gap = averages.gap.view(), kappa = s.kappa, d_hat = s.d_hat;
   device::env_sum(
-      "mortar_contact.node_energy", averages.env_nodes,
+      "mortar_contact.node_energy", {averages.env_nodes, whose},
       [=] MORTISE_HD(Index i) {
         if (!(area[i] > 0)) return 0.0;
         double moved = 0;

@@ -18,7 +18,8 @@ MORTISE_HD inline bool is_averaged(const Settings& set, const Pair& p, const Sam
 void average(const MortarView& s, FrozenSamples& f);
 
 // Adds the nodes' energy at y; +infinity where an average is not positive.
-void averaged_energy(const MortarView& s, const FrozenSamples& f, View<const Vec3> y, device::EnvValues per_env);
+void averaged_energy(const MortarView& s, const FrozenSamples& f, View<const Vec3> y, const std::vector<std::uint8_t>& whose,
+                     device::EnvValues per_env);
 
 // G_a by blocks: node i owns entries [offset[i], offset[i+1]).
 struct NodeStencils {

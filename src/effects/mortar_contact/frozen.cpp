@@ -135,15 +135,15 @@ void freeze(const MortarView& view, Search& search, const Buffer<double>& margin
 
 }  // namespace
 
-void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& faces, View<const Vec3> y, Buffer<Vec3>& normal, Buffer<double>& area,
-             Buffer<double>& bow) {
+void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& faces, View<const Vec3> y, const device::Ranges& whose,
+             Buffer<Vec3>& normal, Buffer<double>& area, Buffer<double>& bow) {
   normal.resize(surface.triangles.n), area.resize(surface.triangles.n), bow.resize(faces.quarter.size());
   const View<Vec3> n = normal.view();
   const View<double> a = area.view(), deepest = bow.view();
   const View<const Triangle> triangles = surface.triangles;
   const View<const geometry::Face> face = faces.nodes.view();
   const View<const Index> quarter = faces.quarter.view();
-  device::parallel_for("mortar_contact.measure", triangles.n, [=] MORTISE_HD(Index t) {
+  device::parallel_for("mortar_contact.measure", whose, [=] MORTISE_HD(Index t) {
     const Index* v = triangles[t].v;
     const Vec3 twice = (y[v[1]] - y[v[0]]).cross(y[v[2]] - y[v[0]]);
     const double length = twice.norm();
@@ -208,14 +208,14 @@ void cover(const MortarView& view, const Search& search, View<const Vec3> y, Buf
   });
 }
 
-void energy(const MortarView& s, const FrozenSamples& f, View<const Vec3> y, device::EnvValues per_env) {
+void energy(const MortarView& s, const FrozenSamples& f, View<const Vec3> y, const std::vector<std::uint8_t>& whose, device::EnvValues per_env) {
   const View<const Pair> pairs = f.pairs.view();
   const View<const Sample> samples = f.samples.view();
   const View<const Vec3> y0 = f.y.view();
   const View<const double> kappa = s.kappa;
   const Settings set = s.set;
   device::env_sum(
-      "mortar_contact.energy", f.env_pairs,
+      "mortar_contact.energy", {f.env_pairs, whose},
       [=] MORTISE_HD(Index i) {
         const Pair& p = pairs[i];
         Vec3 dy[kPoints], J[kPoints];
@@ -230,7 +230,7 @@ void energy(const MortarView& s, const FrozenSamples& f, View<const Vec3> y, dev
         return kappa[p.interface] * sum;
       },
       per_env);
-  if (set.averaged) averaged_energy(s, f, y, per_env);
+  if (set.averaged) averaged_energy(s, f, y, whose, per_env);
 }
 
 void assemble(const MortarView& s, const FrozenSamples& f, const model::PointMapView& point_map, bool hessian, linalg::StencilSet& guard,

@@ -100,8 +100,10 @@ MORTISE_HD inline model::Expansion<kPoints> blocks_of(const model::PointMapView&
 class Search {
  public:
   Search() = default;
-  // slave_env: first slave of every environment; masters: triangles that may be seen, ascending, out of all `triangles`.
-  Search(std::vector<Index> slave_env, const std::vector<Index>& masters, const std::vector<Triangle>& triangles);
+  // masters: triangles that may be seen, ascending, out of all `triangles`; slave_env, master_env: the first of every environment.
+  Search(std::vector<Index> slave_env, const std::vector<Index>& masters, std::vector<Index> master_env, const std::vector<Triangle>& triangles);
+  // From now on nothing is found for the slaves of other environments; empty: for those of all.
+  void work_on(const std::vector<std::uint8_t>& whose) { whose_ = whose; }
   // Masters within support + margin[env] of each slave at y; ascending.
   void update(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin);
   View<const Index> offset() const { return offset_.view(); }
@@ -112,16 +114,17 @@ class Search {
 
  private:
   geometry::Bvh tree_;
-  std::vector<Index> slave_env_;
+  std::vector<Index> slave_env_, master_env_;
+  std::vector<std::uint8_t> whose_;
   Buffer<Index> masters_;     // primitives of the tree: only those that may be seen, or slaves would find their own neighbours first
   Buffer<Triangle> corners_;  // of the masters
   Buffer<double> bow_;        // of the masters, as in MortarView
   Buffer<Index> offset_, slave_, master_;
 };
 
-// Normals and areas of all triangles; bow [m]: the most by which a quadratic face stands off its quarter, empty where all are linear.
-void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& faces, View<const Vec3> y, Buffer<Vec3>& normal, Buffer<double>& area,
-             Buffer<double>& bow);
+// Normals and areas of the triangles of `whose`; bow [m]: the most by which a quadratic face stands off its quarter, empty where all are linear.
+void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& faces, View<const Vec3> y, const device::Ranges& whose,
+             Buffer<Vec3>& normal, Buffer<double>& area, Buffer<double>& bow);
 
 // The samples at out.y with a gap below support + margin[env].
 void freeze(const MortarView& s, Search& search, const Buffer<double>& margin, FrozenSamples& out);
@@ -131,7 +134,8 @@ void least_gaps(const MortarView& s, const Search& search, View<const Vec3> y, B
 // Sum over the masters that face a slave of their clipped share of its area.
 void cover(const MortarView& s, const Search& search, View<const Vec3> y, Buffer<double>& out);
 
-void energy(const MortarView& s, const FrozenSamples& f, View<const Vec3> y, device::EnvValues per_env);
+// In the environments of `whose`; empty: in all.
+void energy(const MortarView& s, const FrozenSamples& f, View<const Vec3> y, const std::vector<std::uint8_t>& whose, device::EnvValues per_env);
 
 // Stencils 0..pairs of f, and after them those of `guard` unchanged.
 void assemble(const MortarView& s, const FrozenSamples& f, const model::PointMapView& map, bool hessian, linalg::StencilSet& guard,

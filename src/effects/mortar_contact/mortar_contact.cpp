@@ -166,7 +166,7 @@ class MortarContact final : public Effect {
     proximity_.locate(q, at.frozen.y);
     refreeze(at);
     if (guard_ > 0)
-      contact::build(guard_view(), proximity_.candidates(), at.y(), model_.envs, at.guard);
+      contact::build(guard_view(), proximity_.candidates(), at.y(), vertices(), at.guard);
     else
       at.guard_stencils.resize_uniform(0, 0);
     if (!want.forces) return;
@@ -180,8 +180,8 @@ class MortarContact final : public Effect {
     const MortarLinearisation& at = of_mortar(frozen);
     const std::vector<std::uint8_t> finite = proximity_.locate(q, y_);
     const View<const Vec3> y = std::as_const(y_).view();
-    mortar::energy(view(at), at.frozen, y, per_env);
-    if (guard_ > 0) contact::energy(guard_view(), proximity_.candidates(), y, proximity_.vertex_env(), per_env);
+    mortar::energy(view(at), at.frozen, y, model_.at_work, per_env);
+    if (guard_ > 0) contact::energy(guard_view(), proximity_.candidates(), y, vertices(), per_env);
     contact::forbid(finite, per_env);
   }
 
@@ -269,8 +269,7 @@ class MortarContact final : public Effect {
       any = true;
     }
     if (!any) return;
-    Buffer<double> buffer(margin);
-    freeze(view(at), search_, buffer, at.frozen);
+    search_for(at, Buffer<double>(margin));
   }
 
  private:
@@ -314,23 +313,26 @@ class MortarContact final : public Effect {
 
   void choose_slaves() {
     const Index n = static_cast<Index>(model_.bodies.size());
-    std::vector<Index> slaves, masters, env;
-    for (Index e = 0; e < model_.envs; ++e)
-      for (Index b = 0; b < n; ++b) {
-        if (model_.bodies[b].env != e || std::none_of(interfaces_.begin(), interfaces_.end(), [&](const Interface& i) { return i.slave == b; }))
-          continue;
-        for (Index t = model_.bodies[b].triangle_begin; t < model_.bodies[b].triangle_end; ++t) slaves.push_back(t), env.push_back(e);
+    std::vector<std::uint8_t> is_slave(n, 0), is_master(n, 0);
+    for (const Interface& i : interfaces_) {
+      is_slave[i.slave] = 1;
+      if (i.master < n) is_master[i.master] = 1;
+    }
+    std::vector<Index> slaves, masters, env, master_env, triangle_env;  // bodies are in order of environment
+    for (Index b = 0; b < n; ++b)
+      for (Index t = model_.bodies[b].triangle_begin; t < model_.bodies[b].triangle_end; ++t) {
+        const Index e = model_.bodies[b].env;
+        triangle_env.push_back(e);
+        if (is_slave[b]) slaves.push_back(t), env.push_back(e);
+        if (is_master[b]) masters.push_back(t), master_env.push_back(e);
       }
     slaves_.upload(slaves);
     std::vector<double> support;
     for (Index e : env) support.push_back(d_hat_[e]);
     support_.upload(support);
     slave_env_ = env_offsets(env, model_.envs);
-    for (Index b = 0; b < n; ++b) {
-      if (std::none_of(interfaces_.begin(), interfaces_.end(), [&](const Interface& i) { return i.master == b; })) continue;
-      for (Index t = model_.bodies[b].triangle_begin; t < model_.bodies[b].triangle_end; ++t) masters.push_back(t);
-    }
-    search_ = Search(slave_env_, masters, model_.surface.triangles.download());
+    triangle_env_ = env_offsets(triangle_env, model_.envs);
+    search_ = Search(slave_env_, masters, env_offsets(master_env, model_.envs), model_.surface.triangles.download());
   }
 
   void watch() {
@@ -351,6 +353,8 @@ class MortarContact final : public Effect {
     return std::span(samples).subspan(first[env], first[env + 1] - first[env]);
   }
   Index env(std::size_t interface) const { return model_.bodies[interfaces_[interface].slave].env; }
+
+  device::Ranges vertices() const { return model_.working(proximity_.vertex_env()); }
 
   mortar::MortarView view(const MortarLinearisation& at) const {
     geometry::SurfaceView surface = model_.surface.view();
@@ -380,8 +384,12 @@ class MortarContact final : public Effect {
 
   // Samples within range at y.
   void refreeze(MortarLinearisation& at) {
-    measure(model_.surface.view(), model_.faces, at.y(), at.normal, at.area, at.bow);
-    freeze(view(at), search_, margin_, at.frozen);
+    measure(model_.surface.view(), model_.faces, at.y(), model_.working(triangle_env_), at.normal, at.area, at.bow);
+    search_for(at, margin_);
+  }
+  void search_for(MortarLinearisation& at, const Buffer<double>& margin) {
+    search_.work_on(model_.at_work);
+    freeze(view(at), search_, margin, at.frozen);
   }
 
   // From the state at the start.
@@ -404,7 +412,7 @@ class MortarContact final : public Effect {
     std::vector<double> per_env(model_.envs, 0.0);
     if (!(guard_ > 0)) return per_env;
     device::Fetch fetch;
-    contact::energy(guard_view(), proximity_.candidates(at.frozen.y), at.y(), proximity_.vertex_env(), {per_env, fetch});
+    contact::energy(guard_view(), proximity_.candidates(at.frozen.y), at.y(), vertices(), {per_env, fetch});
     fetch.now();
     return per_env;
   }
@@ -459,7 +467,7 @@ class MortarContact final : public Effect {
   contact::Proximity proximity_;
   Search search_;
   Buffer<Index> interface_at_, slaves_;
-  std::vector<Index> slave_env_;  // first slave triangle of every environment
+  std::vector<Index> slave_env_, triangle_env_;  // first slave, and first triangle, of every environment
   Buffer<double> kappa_view_, d_hat_view_, support_, margin_;
   Buffer<std::uint8_t> directed_;
   Buffer<Vec3> y_;  // work space
@@ -534,6 +542,7 @@ void MortarContact::report(const FieldSinks& sinks, const Linearisation& accepte
                             energy = energies_now(std::as_const(model_.q).view(), at, model_.envs);
   // Covered slave triangles are those whose pieces add up to their area but for rounding; stacked layers count more than once.
   Buffer<double> covered;
+  search_.work_on(model_.at_work);
   search_.update(view(at), at.y(), margin_);
   cover(view(at), search_, at.y(), covered);
   const std::vector<double> share = covered.download();

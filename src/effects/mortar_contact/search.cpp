@@ -34,8 +34,8 @@ MORTISE_HD inline Index masters_near(const MortarView& s, const geometry::BvhVie
 
 }  // namespace
 
-Search::Search(std::vector<Index> slave_env, const std::vector<Index>& masters, const std::vector<Triangle>& triangles)
-    : slave_env_(std::move(slave_env)) {
+Search::Search(std::vector<Index> slave_env, const std::vector<Index>& masters, std::vector<Index> master_env, const std::vector<Triangle>& triangles)
+    : slave_env_(std::move(slave_env)), master_env_(std::move(master_env)) {
   std::vector<Triangle> corners;
   for (Index m : masters) corners.push_back(triangles[m]);
   masters_.upload(masters);
@@ -49,14 +49,15 @@ void Search::update(const MortarView& s, View<const Vec3> y, const Buffer<double
   bow_.resize(bow.n > 0 ? masters.n : 0);
   const View<double> of_masters = bow_.view();
   device::parallel_for("mortar_contact.bows", of_masters.n, [=] MORTISE_HD(Index i) { of_masters[i] = bow[masters[i]]; });
-  tree_.update({corners.n ? corners.p->v : nullptr, corners.n, 3}, s.surface, static_cast<Index>(slave_env_.size()) - 1, y, {}, 0,
-               std::as_const(bow_).view());
+  const device::Ranges slaves(slave_env_, whose_), seen(master_env_, whose_);
+  tree_.update({corners.n ? corners.p->v : nullptr, corners.n, 3}, s.surface, slaves.environments(), y, {}, 0, std::as_const(bow_).view(), &seen);
   const geometry::BvhView tree = tree_.view();
   const View<const double> extra = margin.view();
   offset_.resize(s.slaves.n + 1);
+  if (slaves.size() < s.slaves.n) offset_.zero();
   const View<Index> count = offset_.view();
   const MortarView view = s;
-  device::parallel_for("mortar_contact.count_masters", s.slaves.n, [=] MORTISE_HD(Index i) {
+  device::parallel_for("mortar_contact.count_masters", slaves, [=] MORTISE_HD(Index i) {
     const Index env = view.surface.env[view.surface.triangles[view.slaves[i]].v[0]];
     count[i] = masters_near(view, tree, masters, y, view.slaves[i], view.support[i] + extra[env] + view.bow_of(view.slaves[i]), nullptr);
   });

@@ -26,13 +26,21 @@ double farthest(View<const Vec3> from, View<const Vec3> y, View<const Vec3> dy) 
   return out[0];
 }
 
-// The pairs of `from` whose swept boxes overlap; `counts`: scratch.
+// The pairs of `from` among `whose` whose swept boxes overlap; `counts`: scratch.
 template <class Pair, class Near>
-void mark(const char* name, const Buffer<Pair>& from, Buffer<Index>& counts, Near near) {
+void mark(const char* name, const Buffer<Pair>& from, const device::Ranges& whose, Buffer<Index>& counts, Near near) {
   counts.resize(from.size() + 1);
+  if (whose.size() < from.size()) counts.zero();
   const View<Index> count = counts.view();
   const View<const Pair> pair = from.view();
-  device::parallel_for(name, pair.n, [=] MORTISE_HD(Index i) { count[i] = near(pair[i]) ? 1 : 0; });
+  device::parallel_for(name, whose, [=] MORTISE_HD(Index i) { count[i] = near(pair[i]) ? 1 : 0; });
+}
+
+// Are all of `some` among `most`? Empty: all environments.
+bool among(const std::vector<std::uint8_t>& some, const std::vector<std::uint8_t>& most) {
+  for (std::size_t e = 0; e < most.size(); ++e)
+    if (!most[e] && (some.empty() || some[e])) return false;
+  return true;
 }
 
 template <class Pair>
@@ -46,15 +54,16 @@ void compact(const char* name, const Buffer<Pair>& from, const Buffer<Index>& co
 }
 
 // The pairs that a search at (y, dy) finds, out of those kept.
-void pick(const SurfaceView& surface, const NearPairs& kept, View<const Vec3> y, View<const Vec3> dy, double radius, NearPairs& found) {
+void pick(const SurfaceView& surface, const NearPairs& kept, View<const Vec3> y, View<const Vec3> dy, double radius,
+          const std::vector<std::uint8_t>& whose, NearPairs& found) {
   const SurfaceView s = surface;
   const double grow = radius / 2;
   Buffer<Index> pt_counts, ee_counts;
-  mark("broadphase.near_point_triangle", kept.point_triangles, pt_counts, [=] MORTISE_HD(const PointTriangle& p) {
+  mark("broadphase.near_point_triangle", kept.point_triangles, {kept.pt_env_offset, whose}, pt_counts, [=] MORTISE_HD(const PointTriangle& p) {
     if (!boxes_overlap(swept_box(p.v, 1, 0, s, y, dy, grow), swept_box(p.v + 1, 3, 0, s, y, dy, grow))) return false;
     return s.body[p.v[0]] != s.body[p.v[1]] || !stay_apart(p.v, 1, y, dy, radius);
   });
-  mark("broadphase.near_edge_edge", kept.edge_edges, ee_counts, [=] MORTISE_HD(const EdgeEdge& p) {
+  mark("broadphase.near_edge_edge", kept.edge_edges, {kept.ee_env_offset, whose}, ee_counts, [=] MORTISE_HD(const EdgeEdge& p) {
     if (!boxes_overlap(swept_box(p.v, 2, 0, s, y, dy, grow), swept_box(p.v + 2, 2, 0, s, y, dy, grow))) return false;
     return s.body[p.v[0]] != s.body[p.v[2]] || !stay_apart(p.v, 2, y, dy, radius);
   });
@@ -70,14 +79,16 @@ Broadphase::Broadphase(const Surface& surface) : surface_(surface), search_(surf
   found_.ee_env_offset = found_.pt_env_offset;
 }
 
-void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius) {
-  const auto answer = [&] { pick(surface_.view(), kept_, y, dy, radius, found_); };
-  if (kept_radius_ >= radius && radius + 2 * farthest(std::as_const(kept_at_).view(), y, dy) <= kept_radius_) return answer();
+void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius, const std::vector<std::uint8_t>& whose) {
+  const auto answer = [&] { pick(surface_.view(), kept_, y, dy, radius, whose, found_); };
+  if (kept_radius_ >= radius && among(whose, kept_whose_) && radius + 2 * farthest(std::as_const(kept_at_).view(), y, dy) <= kept_radius_)
+    return answer();
   ++searches_;
   const double more = dy.n > 0 ? tuning::kSurplus * farthest({}, y, dy) : INFINITY;
-  if (!(more <= most_surplus(y))) return search_.find(y, dy, radius, found_);
-  search_.find(y, {}, radius + more, kept_);
+  if (!(more <= most_surplus(y))) return search_.find(y, dy, radius, whose, found_);
+  search_.find(y, {}, radius + more, whose, kept_);
   kept_radius_ = radius + more;
+  kept_whose_ = whose;
   kept_at_.resize(y.n);
   device::copy(kept_at_.view().p, y.p, static_cast<std::size_t>(y.n) * sizeof(Vec3));
   answer();

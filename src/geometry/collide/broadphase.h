@@ -18,9 +18,9 @@ class Broadphase {
   // Keeps a reference to the surface, whose points and primitives must not change.
   explicit Broadphase(const Surface& surface);
 
-  // y, dy [m]: one per point of the surface; dy may be empty (bodies at rest). radius >= 0 [m]. Throws Error(Exit::device) when
-  // there are more pairs than can be counted.
-  void update(device::View<const Vec3> y, device::View<const Vec3> dy, double radius);
+  // y, dy [m]: one per point of the surface; dy may be empty (bodies at rest). radius >= 0 [m]. Pairs of the environments of `whose` only, or of all
+  // where it is empty. Throws Error(Exit::device) when there are more pairs than can be counted.
+  void update(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, const std::vector<std::uint8_t>& whose = {});
   // The surface watches other pairs from now on.
   void forget() { kept_radius_ = -1; }
 
@@ -39,7 +39,8 @@ class Broadphase {
   PairSearch search_;
   NearPairs found_, kept_;
   device::Buffer<Vec3> kept_at_;
-  double kept_radius_ = -1;   // of kept_ [m]; negative: none
+  double kept_radius_ = -1;  // of kept_ [m]; negative: none
+  std::vector<std::uint8_t> kept_whose_;
   double most_surplus_ = -1;  // [m]; negative: not known yet
   Index searches_ = 0;
 };

@@ -96,11 +96,12 @@ void morton_order(const Primitives& p, const SurfaceView& s, Index environments,
   device::sort_pairs(keys, order, 3 * bits + env_bits);
 }
 
-void build_leaves(const Primitives& p, const SurfaceView& s, View<const Index> order, View<const Vec3> y, View<const Vec3> dy, double grow,
-                  View<const double> more, View<BvhNode> nodes) {
+// Leaves lie in order of environment, as many of each as it has primitives.
+void build_leaves(const Primitives& p, const SurfaceView& s, const device::Ranges& whose, View<const Index> order, View<const Vec3> y,
+                  View<const Vec3> dy, double grow, View<const double> more, View<BvhNode> nodes) {
   const Index* v = p.v;
   const int corners = p.corners;
-  device::parallel_for("bvh.leaves", p.n, [=] MORTISE_HD(Index i) {
+  device::parallel_for("bvh.leaves", whose, [=] MORTISE_HD(Index i) {
     nodes[i] = swept_box(v + order[i] * corners, corners, order[i], s, y, dy, more.n > 0 ? grow + more[order[i]] : grow);
   });
 }
@@ -127,12 +128,13 @@ void build_level(View<BvhNode> nodes, Index from, Index count, Index to, Index n
 }  // namespace
 
 void Bvh::update(const Primitives& p, const SurfaceView& surface, Index environments, View<const Vec3> y, View<const Vec3> dy, double grow,
-                 View<const double> more) {
+                 View<const double> more, const device::Ranges* whose) {
   if (p.n == 0) {
     shape_.levels = 0;
     return;
   }
-  if (age_++ % tuning::kReorderEvery == 0) morton_order(p, surface, environments, y, order_);
+  const bool anew = age_++ % tuning::kReorderEvery == 0;
+  if (anew) morton_order(p, surface, environments, y, order_);
   Index total = 0, n = p.n;
   shape_.levels = 0;
   for (;; n = (n + 3) / 4) {
@@ -143,7 +145,8 @@ void Bvh::update(const Primitives& p, const SurfaceView& surface, Index environm
   }
   nodes_.resize(total);
   const View<BvhNode> nodes = nodes_.view();
-  build_leaves(p, surface, order_.view(), y, dy, grow, more, nodes);
+  // Leaves that change places need their boxes, whoever they belong to.
+  build_leaves(p, surface, anew || !whose ? device::Ranges{0, p.n} : *whose, order_.view(), y, dy, grow, more, nodes);
   for (int l = 1; l < shape_.levels; ++l) build_level(nodes, shape_.start[l - 1], shape_.size[l - 1], shape_.start[l], shape_.size[l]);
 }
 

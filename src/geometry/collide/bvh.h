@@ -97,9 +97,9 @@ struct BvhCursor {
 class Bvh {
  public:
   // Boxes of the primitives moving from y to y + dy, grown by `grow` and, if given, by what `more` says of each; primitives and surface
-  // must be those of earlier calls.
+  // must be those of earlier calls. `whose`: those of some environments, where those of each lie together; the boxes of the others stay as they were.
   void update(const Primitives& primitives, const SurfaceView& surface, Index environments, device::View<const Vec3> y, device::View<const Vec3> dy,
-              double grow, device::View<const double> more = {});
+              double grow, device::View<const double> more = {}, const device::Ranges* whose = nullptr);
   BvhView view() const;
 
  private:

@@ -80,13 +80,14 @@ MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, co
   return n;
 }
 
-void count_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy, double grow,
-                           Buffer<Index>& counts, Buffer<Index>& noted) {
+void count_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, const device::Ranges& whose, View<const Vec3> y,
+                           View<const Vec3> dy, double grow, Buffer<Index>& counts, Buffer<Index>& noted) {
   counts.resize(points.n + 1);
+  if (whose.size() < points.n) counts.zero();
   noted.resize(points.n * tuning::kNoted);
   const View<Index> note = noted.view();
   const View<Index> count = counts.view();
-  device::parallel_for("broadphase.count_point_triangle", points.n, [=] MORTISE_HD(Index i) {
+  device::parallel_for("broadphase.count_point_triangle", whose, [=] MORTISE_HD(Index i) {
     const Index point = points[i];
     count[i] =
         triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, y, dy, 2 * grow, {note.p + i * tuning::kNoted, 1, tuning::kNoted});
@@ -114,13 +115,14 @@ void fill_point_triangles(const SurfaceView& s, const BvhView& tree, View<const 
   });
 }
 
-void count_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, View<const Vec3> y, View<const Vec3> dy, double grow,
-                      Buffer<Index>& counts, Buffer<Index>& noted) {
+void count_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, const device::Ranges& whose, View<const Vec3> y,
+                      View<const Vec3> dy, double grow, Buffer<Index>& counts, Buffer<Index>& noted) {
   counts.resize(edges.n + 1);
+  if (whose.size() < edges.n) counts.zero();
   noted.resize(edges.n * tuning::kNoted);
   const View<Index> note = noted.view();
   const View<Index> count = counts.view();
-  device::parallel_for("broadphase.count_edge_edge", edges.n, [=] MORTISE_HD(Index i) {
+  device::parallel_for("broadphase.count_edge_edge", whose, [=] MORTISE_HD(Index i) {
     const Index a = edges[i];
     count[i] =
         edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, y, dy, 2 * grow, {note.p + i * tuning::kNoted, 1, tuning::kNoted});
@@ -151,9 +153,10 @@ void fill_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index
 }
 
 // Sorts queries by environment, keeping the order of ids, and notes where each environment starts.
-void by_environment(std::vector<Index> queries, const std::vector<Index>& env_of, Index environments, Buffer<Index>& sorted, Buffer<Index>& first) {
+void by_environment(std::vector<Index> queries, const std::vector<Index>& env_of, Index environments, Buffer<Index>& sorted, Buffer<Index>& first,
+                    std::vector<Index>& start) {
   std::stable_sort(queries.begin(), queries.end(), [&](Index a, Index b) { return env_of[a] < env_of[b]; });
-  std::vector<Index> start(environments + 1, 0);
+  start.assign(environments + 1, 0);
   for (Index q : queries) ++start[env_of[q] + 1];
   std::partial_sum(start.begin(), start.end(), start.begin());
   sorted.upload(queries);
@@ -167,24 +170,29 @@ PairSearch::PairSearch(const Surface& surface) : surface_(surface) {
   for (Index e : env) environments_ = std::max(environments_, e + 1);
   std::vector<Index> points = surface.vertices.download();
   std::sort(points.begin(), points.end());
-  by_environment(points, env, environments_, points_, point_env_first_);
+  by_environment(points, env, environments_, points_, point_env_first_, point_env_offset_);
 
   const std::vector<Edge> edges = surface.edges.download();
   std::vector<Index> ids(edges.size()), edge_env(edges.size());
   std::iota(ids.begin(), ids.end(), 0);
   for (std::size_t i = 0; i < edges.size(); ++i) edge_env[i] = env[edges[i].v[0]];
-  by_environment(ids, edge_env, environments_, edges_, edge_env_first_);
+  by_environment(ids, edge_env, environments_, edges_, edge_env_first_, edge_env_offset_);
+
+  triangle_env_offset_.assign(environments_ + 1, 0);
+  for (const Triangle& t : surface.triangles.download()) ++triangle_env_offset_[env[t.v[0]] + 1];
+  std::partial_sum(triangle_env_offset_.begin(), triangle_env_offset_.end(), triangle_env_offset_.begin());
 }
 
-void PairSearch::find(View<const Vec3> y, View<const Vec3> dy, double radius, NearPairs& out) {
+void PairSearch::find(View<const Vec3> y, View<const Vec3> dy, double radius, const std::vector<std::uint8_t>& whose, NearPairs& out) {
   const SurfaceView s = surface_.view();
   const double grow = radius / 2;
-  triangle_tree_.update({s.triangles.n ? s.triangles.p->v : nullptr, s.triangles.n, 3}, s, environments_, y, dy, grow);
-  edge_tree_.update({s.edges.n ? s.edges.p->v : nullptr, s.edges.n, 2}, s, environments_, y, dy, grow);
+  const device::Ranges triangles_of(triangle_env_offset_, whose), edges_of(edge_env_offset_, whose);
+  triangle_tree_.update({s.triangles.n ? s.triangles.p->v : nullptr, s.triangles.n, 3}, s, environments_, y, dy, grow, {}, &triangles_of);
+  edge_tree_.update({s.edges.n ? s.edges.p->v : nullptr, s.edges.n, 2}, s, environments_, y, dy, grow, {}, &edges_of);
   const BvhView triangles = triangle_tree_.view(), edges = edge_tree_.view();
   const View<const Index> point = std::as_const(points_).view(), edge = std::as_const(edges_).view();
-  count_point_triangles(s, triangles, point, y, dy, grow, pt_counts_, pt_noted_);
-  count_edge_edges(s, edges, edge, y, dy, grow, ee_counts_, ee_noted_);
+  count_point_triangles(s, triangles, point, {point_env_offset_, whose}, y, dy, grow, pt_counts_, pt_noted_);
+  count_edge_edges(s, edges, edge, edges_of, y, dy, grow, ee_counts_, ee_noted_);
   out.add_up(pt_counts_, point_env_first_.view(), ee_counts_, edge_env_first_.view());
   fill_point_triangles(s, triangles, point, y, dy, grow, std::as_const(pt_counts_).view(), std::as_const(pt_noted_).view(),
                        out.point_triangles.view());

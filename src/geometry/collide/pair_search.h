@@ -11,15 +11,16 @@ class PairSearch {
   explicit PairSearch(const Surface& surface);
 
   // As Broadphase::update (broadphase.h).
-  void find(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, NearPairs& out);
+  void find(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, const std::vector<std::uint8_t>& whose, NearPairs& out);
   Index environments() const { return environments_; }
 
  private:
   const Surface& surface_;
   Index environments_ = 0;
-  device::Buffer<Index> points_, edges_;                               // queries in canonical order: environment, then id
-  device::Buffer<Index> point_env_first_, edge_env_first_;             // first query of each environment
-  device::Buffer<Index> pt_counts_, pt_noted_, ee_counts_, ee_noted_;  // scratch
+  device::Buffer<Index> points_, edges_;                                         // queries in canonical order: environment, then id
+  device::Buffer<Index> point_env_first_, edge_env_first_;                       // first query of each environment,
+  std::vector<Index> point_env_offset_, edge_env_offset_, triangle_env_offset_;  // the same on the host, and of triangles
+  device::Buffer<Index> pt_counts_, pt_noted_, ee_counts_, ee_noted_;            // scratch
   Bvh triangle_tree_, edge_tree_;
 };
 
