@@ -54,7 +54,8 @@ std::string Bridge::begin(const std::string& folder, const std::string& scene_sh
       note = "'" + given_by_ + "' was recorded with another scene: its commands are repeated, not its results";
     recording_.create(path, scene_sha256, every_);
   }
-  if (options_.partner) options_.partner->say(state_.hello({scene_, options_.episode, every_, steps, step, time_step_}, drives_));
+  if (options_.partner)
+    options_.partner->say(state_.hello({scene_, options_.environment, options_.episode, every_, steps, step, time_step_}, drives_));
   return note;
 }
 

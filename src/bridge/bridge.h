@@ -21,6 +21,7 @@ struct Options {
   std::string replay;          // the file of a recording; empty: none but the run's own, where it is continued
   long every = 1;              // steps from one message to the next
   long episode = 0;
+  long environment = -1;  // of a scene that has several
 };
 
 class Bridge {

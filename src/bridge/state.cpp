@@ -36,6 +36,7 @@ std::string State::hello(const Facts& f, const std::vector<Drive>& drives) const
          {"scene", f.scene},         {"episode", f.episode},
          {"time_step", f.time_step}, {"control_step", f.time_step * static_cast<double>(f.every)},
          {"steps", f.steps},         {"step", f.step}};
+  if (f.environment >= 0) j["environment"] = f.environment;
   j["drives"] = Json::object();
   for (const Drive& d : drives) {
     Json& drive = j["drives"][d.joint] = {{"mode", d.mode_name()}, {"unit", d.unit()}};

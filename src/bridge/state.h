@@ -17,6 +17,7 @@ class State {
 
   struct Facts {
     std::string scene;
+    long environment = -1;                             // of a scene that has several
     long episode = 0, every = 1, steps = 0, step = 0;  // step: from which it goes on
     double time_step = 0;                              // [s]
   };

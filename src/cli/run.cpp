@@ -22,11 +22,11 @@ void add_run(Command app, Context& context) {
          "--together", o->together,
          "run the scene's `environments` as rows of one model, or of one for each K of them; the same bits. On a GPU all together is what happens "
          "anyway")
-      .maybe_value("-1")
+      .maybe_value("all")
       .check([](const std::string& k) {
-        return k == "-1" || (k.find_first_not_of("0123456789") == std::string::npos && k.size() < 8 && std::stol(k) > 0)
+        return k == "all" || (!k.empty() && k.find_first_not_of("0123456789") == std::string::npos && k.size() < 8 && std::stol(k) > 0)
                    ? std::string()
-                   : "'" + k + "' is no number of environments, from 1 (the scene goes before --together, or --together=K)";
+                   : "'" + k + "' is no number of environments, from 1 (the scene goes before --together, or --together=K, or --together=all)";
       })
       .excludes(environment);
   const Flag overwrite = sub.flag("--overwrite", o->overwrite, "replace the results in the output folder");

@@ -29,7 +29,8 @@ class Ranges {
   // Environment e has [offset[e], offset[e+1]); those that `whose` marks, or all where it is empty.
   Ranges(const std::vector<Index>& offset, const std::vector<std::uint8_t>& whose = {}) : environments_(static_cast<Index>(offset.size()) - 1) {
     for (Index e = 0; e < environments_; ++e)
-      if ((whose.empty() || whose[e]) && offset[e] < offset[e + 1]) parts_.push_back({e, offset[e], offset[e + 1]}), size_ += offset[e + 1] - offset[e];
+      if ((whose.empty() || whose[e]) && offset[e] < offset[e + 1])
+        parts_.push_back({e, offset[e], offset[e + 1]}), size_ += offset[e + 1] - offset[e];
   }
   Ranges(std::initializer_list<Index> offset) : Ranges(std::vector<Index>(offset)) {}
   Index environments() const { return environments_; }

@@ -17,6 +17,9 @@
 #include "run/alone.h"
 #include "run/batch_files.h"
 #include "run/batch_progress.h"
+#include "run/batch_share.h"
+#include "run/batch_verdict.h"
+#include "run/bridged.h"
 #include "run/environment.h"
 #include "run/environment_end.h"
 #include "run/environment_process.h"
@@ -48,7 +51,7 @@ class Batch {
     int seen = checkpoints_asked();
     while (next_ < count() || !running_.empty()) {
       if (stop()) pass_stop_on();
-      while (!stopping_ && next_ < count() && free_ > 0) launch();
+      while (!stopping_ && next_ < count() && share_.any_free()) launch();
       if (checkpoint_asked(seen))
         for (const auto& p : running_) p->signal(SIGUSR1);
       listen();
@@ -62,7 +65,8 @@ class Batch {
   bool stop() const { return stop_asked() || (o_.walltime > 0 && since_begin() > o_.walltime - o_.grace); }
 
   void prepare() {
-    if (o_.together != 0) check_together(scene_);
+    check_bridge(o_, scene_);
+    if (!o_.together.empty()) check_together(scene_);
     if (o_.resume == "yes" && !folder_.exists())
       throw Error(Exit::file, "--resume: there is no folder '" + folder_.path() + "' (use --resume=auto to start afresh then)");
     if (const std::string taken = folder_.lock(); !taken.empty()) progress_.note(taken);
@@ -80,11 +84,10 @@ class Batch {
     std::string why;
     const bool may_be_gpu = o_.device != "cpu" && o_.device != "debug" && engine::cuda_api(why);
     const bool gpu = may_be_gpu && asked_aside([this] { return engine::choose(o_.device, o_.threads).device.kind == "cuda" ? 0 : 1; }) == 0;
-    choose_group(gpu);
     engine::cpu_api().set_threads(o_.threads);
     record_.device = engine::cpu_api().devices(nullptr).front();
-    threads_ = free_ = record_.device.threads;
-    one_at_a_time_ = gpu;
+    threads_ = record_.device.threads;
+    share_ = BatchShare(group(gpu), threads_, gpu);
     engine::cpu_api().set_threads(1);  // copies of this process have to find no threads
     const auto meshing = Time::now();
     engine::keep_meshes(scene_.root);
@@ -92,34 +95,24 @@ class Batch {
     install_signal_handlers();
     const Params& time = scene_.root.at("time");
     const long all = time.integer("steps"), steps = o_.frames >= 0 ? std::min<long>(all, o_.frames * time.integer("frame_every")) : all;
-    const long at_once = gpu ? 1 : std::min<long>(threads_, (count() + group_ - 1) / group_);
-    const std::string shared = group_ > 1 ? fmt::format("{} in one model, ", group_) : "";
-    progress_.start(
-        name_,
-        fmt::format("{} environment{}, {}{} at a time; {} steps each; results in {}", count(), count() == 1 ? "" : "s", shared,
-                    group_ > 1 ? fmt::format("{} model{}", at_once, at_once == 1 ? "" : "s") : std::to_string(at_once), steps, folder_.path()),
-        count(), steps);
+    progress_.start(name_,
+                    fmt::format("{} environment{}, {}; {} steps each; results in {}", count(), count() == 1 ? "" : "s", share_.text(count()), steps,
+                                folder_.path()),
+                    count(), steps);
   }
 
   // How many environments share a model: on a GPU all, where they can.
-  void choose_group(bool gpu) {
-    if (o_.together != 0) {
-      group_ = o_.together < 0 ? count() : std::min(o_.together, count());
-    } else if (gpu) {
-      try {
-        check_together(scene_);
-        group_ = count();
-      } catch (const Error& e) {
-        progress_.note(std::string("one environment after the other: ") + e.what());
-      }
+  long group(bool gpu) {
+    if (o_.together == "all") return count();
+    if (!o_.together.empty()) return std::min(std::stol(o_.together), count());
+    if (!gpu) return 1;
+    try {
+      check_together(scene_);
+      return count();
+    } catch (const Error& e) {
+      progress_.note(std::string("one environment after the other: ") + e.what());
+      return 1;
     }
-  }
-
-  // One thread each while there are enough of them for all threads; the last ones share what is left.
-  int threads_each() const {
-    if (one_at_a_time_) return free_;
-    const long waiting = (count() - next_ + group_ - 1) / group_;
-    return static_cast<int>(std::max<long>(1, free_ / waiting));
   }
 
   Options options_of(long e, int threads) const {
@@ -130,15 +123,15 @@ class Batch {
     if (!one.resume.empty()) one.resume = "auto";
     if (one.walltime > 0) one.walltime = std::max(one.walltime - since_begin(), 1e-9);
     const std::string& drawn = scene_.root.at("environments").text("pictures");
+    if (!one.replay.empty()) one.replay = environment_folder(o_.replay, e);
     one.no_render = one.no_render || drawn == "none" || (drawn == "first" && e > 0);
     return one;
   }
 
   void launch() {
-    const int threads = threads_each();
+    const int threads = share_.take(count() - next_);
     std::vector<long> which;
-    while (next_ < count() && static_cast<long>(which.size()) < group_) which.push_back(next_++);
-    free_ -= threads;
+    while (next_ < count() && static_cast<long>(which.size()) < share_.group()) which.push_back(next_++);
     running_.push_back(std::make_unique<EnvironmentProcess>(which, threads, [this, &which, threads] { run_here(which, threads); }));
   }
 
@@ -148,11 +141,16 @@ class Batch {
     for (long e : which) together.options.push_back(options_of(e, threads)), together.progress.push_back(make_progress_of(e));
     together.ended = [&](std::size_t i, const EnvironmentEnd& end) { tell_end(which[i], end); };
     if (which.size() > 1) return run_together(together, scene_, tables_);
-    Turn turn;
-    Routine<Exit> run = run_environment(together.options[0], scene_, tables_, *together.progress[0], turn);
+    const Options& one = together.options[0];
     EnvironmentEnd end;
     try {
-      end.code = static_cast<int>(run_alone(together.options[0], turn, run));
+      if (is_bridged(one, scene_)) {
+        end.code = static_cast<int>(run_bridged(one, scene_, tables_, *together.progress[0]));
+      } else {
+        Turn turn;
+        Routine<Exit> run = run_environment(one, scene_, tables_, *together.progress[0], turn);
+        end.code = static_cast<int>(run_alone(one, turn, run));
+      }
     } catch (const Error& e) {
       end.code = static_cast<int>(e.code()), end.message = e.what();
     }
@@ -172,7 +170,7 @@ class Batch {
         progress_.ended(e, ends_[e]);
       };
       if (p.listen([this](long e, const std::string& line) { hear(e, line); }, ended, ends_)) continue;
-      free_ += p.threads();
+      share_.give_back(p.threads());
       running_[i].reset();
     }
     std::erase(running_, nullptr);
@@ -200,32 +198,14 @@ class Batch {
 
   // What sums the environments up.
   Exit finish() {
-    const auto how_many = [&](auto is) { return std::count_if(ends_.begin(), ends_.end(), is); };
-    const long failed = how_many([](const EnvironmentEnd&e) { return e.failed(); }),
-               unfinished = how_many([](const EnvironmentEnd&e) { return e.code < 0 || e.stopped(); }),
-               refused = how_many([](const EnvironmentEnd&e) { return e.code == static_cast<int>(Exit::checks); });
-    BatchEnd end{name_, scene::identity(scene_.root), static_cast<long>(scene_.root.at("environments").integer("seed")), threads_, Exit::done, "", 0};
-    if (unfinished > 0) {
-      end.code = Exit::stopped;
-    } else if (failed > 0) {
-      end.code = Exit::solve;
-      std::string which;
-      long named = 0;
-      for (long e = 0; e < count(); ++e) {
-        if (!ends_[e].failed()) continue;
-        // A bad scene and a failed step are an environment's own; what is left hangs on the machine.
-        if (ends_[e].code != static_cast<int>(Exit::solve) && ends_[e].code != static_cast<int>(Exit::scene) && end.code == Exit::solve)
-          end.code = static_cast<Exit>(ends_[e].code);
-        constexpr long kNamed = 10;
-        if (named++ < kNamed) which += (which.empty() ? "" : ", ") + std::to_string(e);
-        if (named == kNamed + 1) which += ", ...";
-      }
-      end.message = fmt::format("{} of {} environments failed ({}); {} says why, and all others are complete", failed, count(), which,
-                                folder_.file("environments.csv"));
-      if (failed == count()) end.message = fmt::format("all {} environments failed; the first: {}", count(), ends_[0].message);
-    } else if (refused > 0) {
-      end.code = Exit::checks, end.message = fmt::format("checks failed in {} of {} environments", refused, count());
-    }
+    const BatchVerdict verdict = verdict_of(ends_, folder_.file("environments.csv"));
+    BatchEnd end{name_,
+                 scene::identity(scene_.root),
+                 static_cast<long>(scene_.root.at("environments").integer("seed")),
+                 threads_,
+                 verdict.code,
+                 verdict.message,
+                 0};
     write_batch_files(scene_.root, folder_.path(), ends_, !o_.no_render);
     end.wall = since_begin();
     write_table();
@@ -233,8 +213,8 @@ class Batch {
     for (const EnvironmentEnd& e : ends_) record_.frames += e.frames;
     record_.write(folder_.file("run.json"), {o_, name_, end.scene_sha256, end.code, end.message, end.wall}, nullptr);
     if (end.code == Exit::stopped) {
-      progress_.note(fmt::format("stopped with {} of {} environments finished; continue with --resume", count() - unfinished, count()));
-    } else if (failed > 0) {
+      progress_.note(fmt::format("stopped with {} of {} environments finished; continue with --resume", count() - verdict.unfinished, count()));
+    } else if (verdict.failed > 0) {
       throw Error(end.code, end.message);
     } else {
       double cpu = 0;
@@ -261,9 +241,10 @@ class Batch {
   std::vector<EnvironmentEnd> ends_;
   std::vector<std::unique_ptr<EnvironmentProcess>> running_;
   std::set<std::string> said_;
-  long next_ = 0, group_ = 1;
-  int threads_ = 1, free_ = 1;
-  bool one_at_a_time_ = false, stopping_ = false;
+  long next_ = 0;
+  int threads_ = 1;
+  BatchShare share_;
+  bool stopping_ = false;
 };
 
 std::string Batch::text_of(const std::string& line) {

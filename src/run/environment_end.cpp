@@ -51,8 +51,11 @@ void read_run(const std::string& folder, EnvironmentEnd& end) {
 
 void read_end(const std::string& folder, EnvironmentEnd& end) {
   std::error_code ec;
-  if (!std::filesystem::exists(episode_folder(folder, 0), ec)) return read_run(folder, end);
-  for (long episode = 0; std::filesystem::exists(episode_folder(folder, episode), ec); ++episode) read_run(episode_folder(folder, episode), end);
+  // The first one that a partner drives (bridged.h) lies in the folder itself.
+  const bool own = !std::filesystem::exists(episode_folder(folder, 0), ec);
+  if (own) read_run(folder, end);
+  for (long episode = own ? 1 : 0; std::filesystem::exists(episode_folder(folder, episode), ec); ++episode)
+    read_run(episode_folder(folder, episode), end);
 }
 
 std::string environments_csv(const std::vector<EnvironmentEnd>& all) {

@@ -469,11 +469,14 @@ Routine<Exit> run_one(const Options& options, scene::Scene scene, Progress& prog
 Exit run_scene(const Options& options, std::span<const scene::EffectTable> tables) {
   std::signal(SIGPIPE, SIG_IGN);  // a reader of the progress that went away does not end the run
   scene::Scene scene = scene::read_scene(options.scene, options.overrides, tables);
-  if (is_bridged(options, scene)) return run_bridged(options, scene, tables);
   const long count = scene::environment_count(scene.root);
-  if (options.together != 0 && count == 0) throw Error(Exit::usage, "--together: the scene has no 'environments'");
+  if (!options.together.empty() && count == 0) throw Error(Exit::usage, "--together: the scene has no 'environments'");
   if (options.environment < 0 && count > 0) return run_batch(options, scene, tables);
   const std::unique_ptr<Progress> progress = make_progress(options.json, options.quiet);
+  if (is_bridged(options, scene)) {
+    check_bridge(options, scene);
+    return run_bridged(options, scene, tables, *progress);
+  }
   Turn turn;
   Routine<Exit> run =
       options.environment < 0 ? run_one(options, std::move(scene), *progress, turn) : run_environment(options, scene, tables, *progress, turn);

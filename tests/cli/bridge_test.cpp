@@ -1,4 +1,5 @@
 // Runs that somebody else drives: live, again from their recording, broken off in every way, taken up again.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -250,6 +251,39 @@ TEST_F(Bridge, ResetsBeginAgain) {
   EXPECT_FALSE(fs::exists(out("live/episode_0001"))) << "what was there is gone";
 }
 
+// Each environment has a partner of its own, which knows whose it is; the second one's begins it again. Nobody else notices: all have the bits that
+// they have alone, and again without partners.
+TEST_F(Bridge, EnvironmentsAreResetOneByOne) {
+  const std::string resets =
+      R"(second=no; n=0; while read line; do case "$line" in
+           *'"hello"'*) n=$((n+1)); case "$line" in *'"environment":1'*) second=yes;; esac;;
+           *'"end"'*) exit;;
+           *) case "$second:$n:$line" in
+                yes:1:*'"step":8,'*) echo '{"reset":true}';;
+                *) echo '{"targets":{"hip":-0.2}}';;
+              esac;;
+         esac; done)";
+  const std::string varied =
+      " --bridge-every 4 --set 'environments={count: 3, seed: 1, vary: [{path: materials.steel.density, scale: {uniform: [0.8, 1.2]}}]}' ";
+  const Result r = run("-o live -j 2" + varied + "--bridge " + quoted(resets));
+  ASSERT_EQ(r.code, 0) << r.err;
+  EXPECT_FALSE(fs::exists(out("live/env_0000/episode_0001"))) << "only the second is reset";
+  EXPECT_FALSE(fs::exists(out("live/env_0002/episode_0001")));
+  const std::string parts[] = {"env_0000", "env_0001", "env_0001/episode_0001", "env_0002"};
+  const auto steps = [&](const std::string& folder) { return output::CheckpointReader(out(folder) + "/checkpoint.h5").info().step; };
+  EXPECT_EQ(steps("live/env_0001"), 8);
+  EXPECT_EQ(steps("live/env_0001/episode_0001"), 40);
+  EXPECT_NE(last_state(out("live/env_0001/episode_0001")).at("q"), last_state(out("live/env_0000")).at("q")) << "numbers of its own";
+  const auto summary = nlohmann::json::parse(read_text(out("live/environments.json")));
+  EXPECT_EQ(summary["environments"][1]["steps"], 48);
+  EXPECT_EQ(summary["environments"][1]["episodes"], 2);
+  for (int e = 0; e < 3; ++e)
+    ASSERT_EQ(run(fmt::format("-o alone/env_000{} --environment {}{}--bridge {}", e, e, varied, quoted(resets))).code, 0) << e;
+  ASSERT_EQ(run("-o again --replay live" + varied.substr(varied.find(" --set"))).code, 0);
+  for (const std::string& part : parts)
+    for (const char* other : {"alone/", "again/"}) EXPECT_EQ(last_state(out(other + part)), last_state(out("live/" + part))) << other << part;
+}
+
 TEST_F(Bridge, WrongUse) {
   const std::string environments = "'environments={count: 2, seed: 1, vary: [{path: materials.steel.density, scale: {uniform: [0.9, 1.1]}}]}'";
   const std::tuple<std::string, int, std::string> cases[] = {
@@ -260,7 +294,10 @@ TEST_F(Bridge, WrongUse) {
       {"--bridge - --json", 2, "--json"},
       {"--replay nowhere", 6, "nowhere"},
       {"--replay arm.yaml", 6, "no line of a recording"},
-      {"--bridge cat --set " + environments, 2, "--environment"},
+      {"--bridge - --set " + environments, 2, "--environment"},
+      {"--bridge cat --together --set " + environments, 2, "leave --together out"},
+      {"--replay arm.yaml --set " + environments, 2, "the output folder of a run"},
+      {"--bridge cat --set " + environments, 8, "all 2 environments failed"},
       {"--bridge cat", 8, "unknown key"},
   };
   int number = 0;

@@ -405,7 +405,12 @@ TEST_F(EnvironmentsProgram, TogetherWhatAModelHasInCommonIsNamed) {
               HasSubstr("a half_space is in all environments"));
   write("plain.yaml", press(kBarrier, "{}", ""));
   EXPECT_EQ(run("plain.yaml -o plain --together").code, 2);
-  EXPECT_EQ(run("s.yaml -o none --together=0").code, 2);
+  for (const char* wrong : {"0", "-1", "many", "-2"}) {
+    const Result bad = run(std::string("s.yaml -o none --together=") + wrong);
+    EXPECT_EQ(bad.code, 2) << wrong;
+    EXPECT_NE(bad.err.find("is no number of environments"), std::string::npos) << bad.err;
+  }
+  EXPECT_FALSE(fs::exists(at("none")));
   EXPECT_EQ(run("s.yaml -o none --together --environment 1").code, 2);
 }
 
