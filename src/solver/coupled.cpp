@@ -158,7 +158,9 @@ void Coupled::solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Li
     curvature_.make_convex(e);
   }
   std::optional<model::Only> only(std::in_place, model, active_);
-  const auto narrow = [&] { only.reset(), only.emplace(model, active_); };
+  const auto narrow = [&] {  // the last to give up leaves its state as it is
+    if (any(active_)) only.reset(), only.emplace(model, active_);
+  };
   Residual r = system_.linearise(q.view(), {}, at, true);
   for (Index e = 0; e < model.envs; ++e)
     if (active_[e] && !system_.convergence.finite(r, e)) envs.fail(e, system_.not_finite(at, e)), active_[e] = 0;

@@ -9,7 +9,7 @@
 namespace mortise::solver {
 
 EnergyLedger::EnergyLedger(const model::Model& model, Potential& potential)
-    : model_(model), potential_(potential), gone_(model.envs, 0), step_(model.envs) {
+    : model_(model), potential_(potential), started_(model.envs, 0), gone_(model.envs, 0), step_(model.envs) {
   for (const auto& effect : potential_.effects()) measures_ = measures_ || effect->loses_energy();
 }
 
@@ -36,9 +36,10 @@ void EnergyLedger::find(device::View<const Vec3> q, const Linearised& at, device
 
 void EnergyLedger::begin_search(const EnvMask& whose) {
   if (start_.empty()) start_ = known_;
-  for (std::size_t e = 0; e < whose.size(); ++e) {
-    if (!whose[e] || took_part_[e]) continue;
-    took_part_[e] = 1;
+  for (Index e = 0; e < model_.envs; ++e) {
+    took_part_[e] |= whose[e];
+    if (started_[e] || !model_.works_on(e)) continue;
+    started_[e] = 1;
     for (std::size_t k = 0; k < known_.size(); ++k) start_[k][e] = known_[k][e];
   }
 }

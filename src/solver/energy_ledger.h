@@ -28,7 +28,7 @@ class EnergyLedger {
  public:
   EnergyLedger(const model::Model& model, Potential& potential);
 
-  void begin_solve() { known_.clear(), start_.clear(), took_part_.assign(model_.envs, 0), gone_ = took_part_; }
+  void begin_solve() { known_.clear(), start_.clear(), took_part_.assign(model_.envs, 0), gone_ = started_ = took_part_; }
   // The environment is not where its energies are known any more.
   void forget(Index env) { gone_[env] = 1; }
 
@@ -54,8 +54,8 @@ class EnergyLedger {
   const model::Model& model_;
   Potential& potential_;
   bool measures_ = false;
-  Energies known_, start_;  // at the present iterate; where the step begins
-  EnvMask took_part_, gone_;
+  Energies known_, start_;              // at the present iterate; where the step begins
+  EnvMask took_part_, started_, gone_;  // started_: energies are known where the step begins
   std::vector<StepEnergy> step_;
   std::vector<double> total_;
 };

@@ -11,7 +11,7 @@ namespace {
 
 // f, of some environments.
 template <class F>
-auto within(const model::Model& model, const EnvMask& whose, const F& f) {
+auto ask_of(const model::Model& model, const EnvMask& whose, const F& f) {
   const model::Only only(model, whose);
   return f(whose);
 }
@@ -109,7 +109,7 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
       return out;
     };
     const EnvMask far = asked([&](Index e) { return k == 0 && !forces.far.empty() && forces.far[e] && std::isfinite(after[e]); });
-    const EnvMask astray = any(far) ? within(model, far, [&](const EnvMask& whose) { return forces.astray(trial_, whose); }) : far;
+    const EnvMask astray = any(far) ? ask_of(model, far, [&](const EnvMask& whose) { return forces.astray(trial_, whose); }) : far;
     for (Index e = 0; e < model.envs; ++e)
       if (far[e] && astray[e]) searching[e] = 0, alpha[e] = 0, placed = false, ++report[e].line_search;
     const EnvMask blind = asked([&](Index e) {
@@ -117,10 +117,10 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
              !forces.doubtful.empty() && forces.doubtful[e];
     });
     const std::vector<double> slope_there =
-        any(blind) ? within(model, blind, [&](const EnvMask& whose) { return forces.slope(trial_, whose); }) : std::vector<double>{};
+        any(blind) ? ask_of(model, blind, [&](const EnvMask& whose) { return forces.slope(trial_, whose); }) : std::vector<double>{};
     const EnvMask higher =
         asked([&](Index e) { return !low_enough(e) && !pushes(e) && k == 0 && envs[e].whole && forces.closer && std::isfinite(after[e]); });
-    const EnvMask closer = any(higher) ? within(model, higher, [&](const EnvMask& whose) { return forces.closer(trial_, whose); }) : higher;
+    const EnvMask closer = any(higher) ? ask_of(model, higher, [&](const EnvMask& whose) { return forces.closer(trial_, whose); }) : higher;
     for (Index e = 0; e < model.envs; ++e) {
       if (!searching[e]) continue;
       const bool enough = blind[e]        ? slope_there[e] <= (1 - 2 * tuning::kArmijo) * std::abs(merit.slope[e])

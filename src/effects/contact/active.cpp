@@ -149,7 +149,7 @@ void group_by_environment(ActiveSet& set, Index envs) {
 }
 
 // Pairs of half-spaces and vertices: all vertices towards the first, then towards the next.
-device::Ranges of_planes(const device::Ranges& vertices, Index planes, Index all) {
+device::Ranges pairs_with_planes(const device::Ranges& vertices, Index planes, Index all) {
   std::vector<Index> bound{0};
   std::vector<std::uint8_t> taken;
   for (Index p = 0; p < planes; ++p)
@@ -172,7 +172,7 @@ void build(const BarrierView& s, const Candidates& c, View<const Vec3> y, const 
       "contact.near", ee.n, c.of_edges(), [=] MORTISE_HD(Index i) { return near(s, ee[i], y); }, edges_at);
   const Index plane_pairs = s.planes.n * s.surface.vertices.n;
   mark(
-      "contact.near_planes", plane_pairs, of_planes(vertices, s.planes.n, s.surface.vertices.n),
+      "contact.near_planes", plane_pairs, pairs_with_planes(vertices, s.planes.n, s.surface.vertices.n),
       [=] MORTISE_HD(Index i) {
         Index plane, point;
         double gap;

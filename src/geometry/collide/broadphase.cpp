@@ -37,7 +37,7 @@ void mark(const char* name, const Buffer<Pair>& from, const device::Ranges& whos
 }
 
 // Are all of `some` among `most`? Empty: all environments.
-bool among(const std::vector<std::uint8_t>& some, const std::vector<std::uint8_t>& most) {
+bool all_among(const std::vector<std::uint8_t>& some, const std::vector<std::uint8_t>& most) {
   for (std::size_t e = 0; e < most.size(); ++e)
     if (!most[e] && (some.empty() || some[e])) return false;
   return true;
@@ -81,7 +81,7 @@ Broadphase::Broadphase(const Surface& surface) : surface_(surface), search_(surf
 
 void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius, const std::vector<std::uint8_t>& whose) {
   const auto answer = [&] { pick(surface_.view(), kept_, y, dy, radius, whose, found_); };
-  if (kept_radius_ >= radius && among(whose, kept_whose_) && radius + 2 * farthest(std::as_const(kept_at_).view(), y, dy) <= kept_radius_)
+  if (kept_radius_ >= radius && all_among(whose, kept_whose_) && radius + 2 * farthest(std::as_const(kept_at_).view(), y, dy) <= kept_radius_)
     return answer();
   ++searches_;
   const double more = dy.n > 0 ? tuning::kSurplus * farthest({}, y, dy) : INFINITY;
