@@ -69,7 +69,7 @@ TEST(Mimic, AgainstItsEquation) {
       }
       error[k] = std::abs(rig.fields().at("joint/one_angle") - x);
       EXPECT_NEAR(rig.fields().at("joint/one_rate"), v, 0.02 * std::abs(v)) << r;
-      EXPECT_LT(iterations, (r == 1 ? 4 : 9) * steps) << r;
+      EXPECT_LT(iterations, 5 * steps) << r;  // without lambda, by ever larger K, it takes seven a step
     }
     EXPECT_LT(error[0], 2e-3 * std::abs(x)) << r;
     EXPECT_LT(error[1], 0.4 * error[0]) << r;  // second order
