@@ -85,6 +85,10 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
   EnvMask searching(model.envs);
   for (Index e = 0; e < model.envs; ++e) searching[e] = alpha[e] > 0;
   bool placed = false;  // trial_ is what alpha says
+  const auto stay = [&](Index e) {
+    alpha[e] = 0, searching[e] = 0, placed = false;
+    for (std::size_t k = 0; k < there.size(); ++k) there[k][e] = energies_.known()[k][e];
+  };
   for (int k = 0; any(searching); ++k) {
     advance(std::as_const(q).view(), std::as_const(dq).view(), alpha, model, trial_);
     placed = true;
@@ -111,7 +115,7 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
     const EnvMask far = asked([&](Index e) { return k == 0 && !forces.far.empty() && forces.far[e] && std::isfinite(after[e]); });
     const EnvMask astray = any(far) ? ask_of(model, far, [&](const EnvMask& whose) { return forces.astray(trial_, whose); }) : far;
     for (Index e = 0; e < model.envs; ++e)
-      if (far[e] && astray[e]) searching[e] = 0, alpha[e] = 0, placed = false, ++report[e].line_search;
+      if (far[e] && astray[e]) stay(e), ++report[e].line_search;
     const EnvMask blind = asked([&](Index e) {
       return low_enough(e) && alpha[e] * std::abs(merit.slope[e]) <= rounding(e) && !(merit.cc[e] > 0) && k < tuning::kMostDoubts &&
              !forces.doubtful.empty() && forces.doubtful[e];
@@ -141,7 +145,7 @@ void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const s
           envs[e].state = EnvState::stuck;
         else
           envs.fail(e, "the line search found no descent");
-        alpha[e] = 0, searching[e] = 0;
+        stay(e);
       }
     }
   }

@@ -68,6 +68,7 @@ class Simulation {
   void lead_on(const effects::StepInfo& info);
   void follow(const effects::StepInfo& info, Simulation& leader, device::View<const Vec3> still);
   void report_balance(const FieldSinks& sinks);
+  void report_effects(const FieldSinks& sinks, bool solved);
   std::vector<Vec3> resultants(const std::vector<Vec3>& g) const;
 
   model::Model& model_;

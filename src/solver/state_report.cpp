@@ -49,14 +49,23 @@ void Simulation::report(const FieldSinks& sinks) {
   effects::report_points(sinks, model_, "displacement", "m", 3, flatten(u));
   // Before the first step, and after a restart, nothing has been evaluated at a state yet.
   EnvMask begun(model_.envs, 0);
-  std::vector<FieldSink*> solved(model_.envs, nullptr);
+  std::vector<FieldSink*> solved(model_.envs, nullptr), others(model_.envs, nullptr);
   for (Index e = 0; e < model_.envs; ++e) {
     begun[e] = sinks.wanted(e) && !solved_[e];
-    if (sinks.wanted(e) && solved_[e]) solved[e] = &sinks[e];
+    if (sinks.wanted(e)) (solved_[e] ? solved : others)[e] = &sinks[e];
   }
-  const bool any_solved = std::any_of(solved.begin(), solved.end(), [](const FieldSink* s) { return s; });
-  if (any_solved) report_balance(FieldSinks(solved));
-  if (any(begun)) newton_.begin(begun);
+  if (std::any_of(solved.begin(), solved.end(), [](const FieldSink* s) { return s; })) {
+    report_balance(FieldSinks(solved));
+    report_effects(FieldSinks(solved), true);
+  }
+  if (!any(begun)) return;
+  newton_.begin(begun);  // which leaves the states of the others
+  report_effects(FieldSinks(others), false);
+}
+
+// What effects say of the states that Newton's linearisation is of; where those are solved, also how the forces that are written differ from those
+// that the solver balanced.
+void Simulation::report_effects(const FieldSinks& sinks, bool solved) {
   std::vector<double> unlike(model_.envs, 0.0);
   for (std::size_t k = 0; k < effects_.size(); ++k) {
     const Timed timed(clock_, effects_[k]->name(), "report");
@@ -65,15 +74,15 @@ void Simulation::report(const FieldSinks& sinks) {
     for (Index e = 0; e < model_.envs; ++e)
       if (sinks.wanted(e)) written[e] = std::make_unique<WrittenForces>(sinks[e], model_, e), through[e] = written[e].get();
     effects_[k]->report(FieldSinks(through), *newton_.at().of[k]);
-    if (!any_solved) continue;
+    if (!solved) continue;
     const std::vector<Vec3> sum = resultants(forces_.of(k, newton_.at()).download());
     for (Index e = 0; e < model_.envs; ++e) {
-      if (!solved[e] || !written[e]->any()) continue;
+      if (!sinks.wanted(e) || !written[e]->any()) continue;
       for (std::size_t i = 0; i < written[e]->sum().size(); ++i)
         unlike[e] = std::max(unlike[e], (written[e]->sum()[i] + sum[model_.env_bodies[e] + i]).norm());
     }
   }
-  FieldSinks(solved).scalar("balance", "written_defect", "N", unlike);
+  if (solved) sinks.scalar("balance", "written_defect", "N", unlike);
 }
 
 // Sum over the blocks of every body that carry translation: its nodes, or the position block of a stiff body.

@@ -34,6 +34,8 @@ class Equations {
   void report(const FieldSinks& sinks) const;
   void checkpoint(Archive& archive);
 
+  std::vector<double> misses(Positions q) const;  // c of every equation at q
+
  private:
   struct One {
     Index joint, env;
@@ -48,7 +50,6 @@ class Equations {
   };
   void upload();
   void place(One& o) const;  // coordinates as the accepted state has them
-  std::vector<double> misses(Positions q) const;
   One described(Index joint) const;
 
   model::Model& model_;
