@@ -2,9 +2,10 @@
 # so that a source still has to include what it uses of us, and nothing that nvcc compiles is given them.
 # -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without; the preset `asan` does, which finds sources that lack an include.
 
-# LINK: the libraries whose headers they are. PROGRAM: for programs, whose code is position-independent in another way than that of libraries.
+# LINK: the libraries whose headers they are. OPTIONS: of all that uses them: what reads and writes text is compiled in a quarter less time with -O1,
+# and no run spends a hundredth of its time in it. PROGRAM: for programs, whose code is position-independent in another way than that of libraries.
 function(mortise_precompile name)
-  cmake_parse_arguments(A "PROGRAM" "" "HEADERS;LINK" ${ARGN})
+  cmake_parse_arguments(A "PROGRAM" "" "HEADERS;LINK;OPTIONS" ${ARGN})
   set(target mortise_headers_${name})
   file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${target}.cpp CONTENT "int main() {}\n")
   if(A_PROGRAM)
@@ -14,6 +15,8 @@ function(mortise_precompile name)
     add_library(${target} OBJECT ${CMAKE_CURRENT_BINARY_DIR}/${target}.cpp)
   endif()
   target_link_libraries(${target} PUBLIC Eigen3::Eigen ${A_LINK})
+  target_compile_options(${target} PRIVATE ${A_OPTIONS})
+  set_property(GLOBAL PROPERTY ${target}_OPTIONS ${A_OPTIONS})
   target_precompile_headers(${target} PRIVATE <algorithm> <array> <cmath> <cstdint> <functional> <limits> <map> <memory> <optional> <set> <string>
                             <string_view> <utility> <vector> <Eigen/Core> <Eigen/Geometry> ${A_HEADERS})
 endfunction()
@@ -21,6 +24,8 @@ endfunction()
 function(mortise_use_precompiled target name)
   set(headers mortise_headers_${name})
   target_precompile_headers(${target} REUSE_FROM ${headers})
+  get_property(options GLOBAL PROPERTY ${headers}_OPTIONS)
+  target_compile_options(${target} PRIVATE ${options})
   # They are read only where what they saw defined is defined as well.
   target_compile_definitions(${target} PRIVATE $<TARGET_PROPERTY:${headers},INTERFACE_COMPILE_DEFINITIONS>)
   # g++ 12 sees ghosts in std::string (its bug 105651), and no longer knows precompiled headers as the system's.
@@ -29,7 +34,7 @@ endfunction()
 
 # What runs kernels; what reads and writes text; tests.
 mortise_precompile(engine HEADERS <tbb/blocked_range.h> <tbb/parallel_for.h> LINK TBB::tbb)
-mortise_precompile(front HEADERS <chrono> <filesystem> <fstream> <iostream> <span> <sstream> <fmt/format.h> <nlohmann/json.hpp>
+mortise_precompile(front OPTIONS $<$<CONFIG:Release>:-O1> HEADERS <chrono> <filesystem> <fstream> <iostream> <span> <sstream> <fmt/format.h> <nlohmann/json.hpp>
   LINK nlohmann_json::nlohmann_json fmt::fmt)
 if(MORTISE_TESTS)
   find_package(GTest REQUIRED)

@@ -25,6 +25,8 @@ Motion nearest_motion(const std::vector<Vec3>& from, const std::vector<Vec3>& to
   return m;
 }
 
+Mat3 turn_of_z(const Vec3& way) { return Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), way).toRotationMatrix(); }
+
 bool fixes_a_frame(const std::vector<Vec3>& points) {
   if (points.size() < 3) return false;
   const Vec3 a = mean(points);

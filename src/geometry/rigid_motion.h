@@ -22,6 +22,9 @@ struct Motion {
 // lie on a line.
 Motion nearest_motion(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
 
+// The shortest turn that takes z into the direction of `way`, which is longer than zero.
+Mat3 turn_of_z(const Vec3& way);
+
 // Do the points span more than a line?
 bool fixes_a_frame(const std::vector<Vec3>& points);
 

@@ -1,27 +1,17 @@
 #include "run/certificate.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
-#include "base/version.h"
 #include "effects/contact/layer.h"
 #include "effects/roles.h"
 #include "engine/effect_tables.h"
 #include "geometry/bounds.h"
+#include "run/tuning.h"
 #include "run/volumetric.h"
 #include "scene/pass_through.h"
 
 namespace mortise::run {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-// Estimates of the relative error of elastic energy (stress_error.h).
-constexpr double kStressGood = 0.05, kStressUsable = 0.1;
-
-Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
 
 void largest(double& most, double v) {
   if (std::isfinite(v) && !(most >= v)) most = v;
@@ -50,12 +40,11 @@ void Certificate::Range::add(double v) {
 }
 
 Certificate::Certificate(const model::ModelInput& input) : stress_error_(input), pressure_error_(input), layer_error_(input) {
-  constexpr double kStrain = 1e-10;  // far below any strain that means something, far above what rounding of positions makes
   for (const model::BodyInput& body : input.bodies) {
     if (body.type != model::BodyType::soft || body.nodes.empty()) continue;
     const double E = body.material.number("youngs_modulus"), size = geometry::bounds_of(body.nodes).size().norm();
-    force_floor_ = std::max(force_floor_, kStrain * E * size * size),
-    energy_floor_ = std::max(energy_floor_, kStrain * kStrain * E * size * size * size);
+    force_floor_ = std::max(force_floor_, tuning::kStrain * E * size * size),
+    energy_floor_ = std::max(energy_floor_, tuning::kStrain * tuning::kStrain * E * size * size * size);
   }
   const Params& scene = input.scene;
   for (const model::BodyInput& body : input.bodies)
@@ -149,7 +138,7 @@ void Certificate::state(const Snapshot& said) {
     const auto d_hat = d_hat_.find(effect);
     if (d_hat == d_hat_.end()) continue;
     for (std::size_t i = 0; i < std::min(of.gap.size(), of.force.size()); ++i)
-      if (of.force[i] > 0) gap_share_[effect].add(of.gap[i] / d_hat->second);
+      if (of.force[i] > 0) gap_over_d_hat_[effect].add(of.gap[i] / d_hat->second);
   }
 }
 
@@ -160,10 +149,10 @@ void Certificate::checkpoint(Archive& archive) {
   };
   range("distance", distance_), range("det_F", det_F_), range("partition", partition_), range("pressure_sum", pressure_sum_);
   std::map<std::string, double> least, most;
-  for (const auto& [effect, r] : gap_share_) least[effect] = r.least, most[effect] = r.most;
+  for (const auto& [effect, r] : gap_over_d_hat_) least[effect] = r.least, most[effect] = r.most;
   archive.io("gap_share_least", least);
   archive.io("gap_share_most", most);
-  for (const auto& [effect, v] : least) gap_share_[effect] = {v, most.at(effect)};
+  for (const auto& [effect, v] : least) gap_over_d_hat_[effect] = {v, most.at(effect)};
   archive.io("kind_share", kind_share_);
   archive.io("first_not_finite", first_not_finite_);
   archive.io("pressure_roughness", pressure_estimate_.roughness);
@@ -201,9 +190,9 @@ void Certificate::checkpoint(Archive& archive) {
                              {"end", &end_},
                              {"residual", &residual_},
                              {"over_tolerance", &over_tolerance_},
-                             {"residual_share", &residual_share_},
+                             {"residual_share", &relative_residual_},
                              {"lag_residual", &lag_residual_},
-                             {"lag_share", &lag_share_},
+                             {"lag_share", &relative_lag_residual_},
                              {"least_alpha", &least_alpha_},
                              {"first_momentum_x", &first_momentum_[0]},
                              {"first_momentum_y", &first_momentum_[1]},
@@ -222,141 +211,9 @@ void Certificate::step(const solver::StepReport& r) {
   if (r.substeps > 1) ++halved_;
   largest(residual_, r.residual);
   if (r.tolerance > 0) largest(over_tolerance_, r.residual / r.tolerance);
-  largest(residual_share_, r.lag > 0 ? r.relative_lag_residual : r.relative_residual);
-  if (r.lag > 0) largest(lag_residual_, r.lag_residual), largest(lag_share_, r.relative_lag_residual);
+  largest(relative_residual_, r.lag > 0 ? r.relative_lag_residual : r.relative_residual);
+  if (r.lag > 0) largest(lag_residual_, r.lag_residual), largest(relative_lag_residual_, r.relative_lag_residual);
   if (!(least_alpha_ <= r.alpha)) least_alpha_ = r.alpha;
-}
-
-// Bounds are errors that a result may have to be called good (A) or usable (B): of forces and what they hang on a thousandth of what default
-// tolerances are worth at most, of the mesh's own estimates what the analytic benchmarks show at 5 and 10 % of true error.
-std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& energy) const {
-  std::vector<Check> all;
-  const auto add = [&](const char* name, double value, double good, double usable) {
-    if (std::isfinite(value)) all.push_back({name, value, good, usable});
-  };
-  add("residual_share", residual_share_, 1.01e-3, 1e-2);
-  add("force_balance_defect", balance_relative_, 1e-5, 1e-3);
-  add("support_balance_defect", unsupported_relative_, 1e-5, 1e-3);
-  add("written_force_defect", written_relative_, 1e-9, 1e-3);
-  add("pressure_sum_defect", pressure_sum_.most, 1e-6, 1e-3);
-  add("clip_partition_defect", partition_.most, 1e-5, 1e-3);
-  add("rigidity_defect", rigidity_, 2e-3, 2e-2);
-  add("energy_gain", energy.scale > 0 ? energy.largest_gain / energy.scale : NAN, 1e-3, 1e-2);
-  add("free_motion_loss", energy.scale > 0 && energy.work_is_known ? energy.free_loss / energy.scale : NAN, 0.05, 0.1);
-  add("guard_share", guard_share_, 0.02, 0.1);
-  add("stress_error", stress_estimate_, kStressGood, kStressUsable);
-  add("pressure_roughness", pressure_estimate_.roughness, 0.05, 0.08);
-  add("pressure_misfit", pressure_estimate_.misfit, 0.04, 0.05);
-  add("layer_over_indentation", layer_, 0.03, 0.07);
-  return all;
-}
-
-// F: some state is no state of the model. C: incomplete, or the bound of B is exceeded. B: that of A is. A: none.
-Certificate::Grade Certificate::grade(const End& end) const {
-  Grade out{"A", "every bound is met", {}};
-  const auto lower = [&](const char* to, const std::string& why) {
-    if (out.letter[0] >= to[0]) return;
-    out.letter = to, out.reason = why;
-  };
-  if (end.status == Exit::stopped)
-    lower("C", "the run was stopped");
-  else if (end.status == Exit::solve)
-    lower("C", "a step did not converge");
-  else if (end.status != Exit::done && end.status != Exit::checks)
-    lower("F", "the run failed");
-  for (const Check& k : checks(end.energy)) {
-    out.graded[k.name] = k.value;
-    const char* earns = k.earns();
-    if (earns[0] > 'A') lower(earns, fmt::format("{} is {:.2g}, more than {:.2g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable));
-  }
-  if (steps_ == 0) lower("F", "no step was finished");
-  if (det_F_.least <= 0) lower("F", "an element is inverted (det F <= 0)");
-  if (distance_.least <= 0) lower("F", "surfaces touch or intersect");
-  if (not_finite_ > 0) lower("F", "'" + first_not_finite_ + "' is not finite");
-  return out;
-}
-
-std::string Certificate::json(const End& end) const {
-  const Grade all = grade(end);
-  Json graded = Json::array();
-  for (const Check& k : checks(end.energy))
-    graded.push_back({{"name", k.name}, {"value", number(k.value)}, {"bound_A", k.good}, {"bound_B", k.usable}, {"grade", k.earns()}});
-
-  Json j;
-  j["filetype"] = "mortise certificate";
-  j["version"] = {2, 0};
-  j["mortise_version"] = version();
-  j["git_sha1"] = git_sha1();
-  j["scene"] = {{"name", end.scene_name}, {"sha256", end.scene_sha256}};
-  j["device"] = end.device;
-  j["exit_code"] = static_cast<int>(end.status);
-  j["message"] = end.message;
-  j["grade"] = all.letter;
-  j["reason"] = all.reason;
-  j["checks"] = graded;
-  Json drift = Json::array();
-  for (int a = 0; a < 3; ++a) drift.push_back(number(last_momentum_[a] - first_momentum_[a]));
-  j["invariants"] = {{"min_distance_m", number(distance_.least)},
-                     {"min_det_F", number(det_F_.least)},
-                     {"not_finite_values", not_finite_},
-                     {"force_balance_defect_N", number(balance_newton_)},
-                     {"force_balance_defect_relative", number(balance_relative_)},
-                     {"support_balance_defect_N", number(unsupported_newton_)},
-                     {"support_balance_defect_relative", number(unsupported_relative_)},
-                     {"written_force_defect_N", number(written_newton_)},
-                     {"tie_error_m", number(tie_error_)},
-                     {"pressure_sum_defect_relative", number(pressure_sum_.most)},
-                     {"energy_first_J", number(first_energy_)},
-                     {"energy_last_J", number(last_energy_)},
-                     {"energy_largest_rise_J", number(largest_rise_)},
-                     {"support_work_J", end.energy.work_is_known ? number(end.energy.support_work) : Json(nullptr)},
-                     {"energy_gain_largest_J", number(end.energy.largest_gain)},
-                     {"energy_gain_relative", end.energy.scale > 0 ? number(end.energy.largest_gain / end.energy.scale) : Json(nullptr)},
-                     {"momentum_change_kg_m_per_s", drift}};
-  j["solver"] = {{"steps", steps_},
-                 {"first_step", first_step_},
-                 {"newton_iterations_max", most_newton_},
-                 {"newton_iterations_mean", steps_ > 0 ? number(static_cast<double>(newton_) / static_cast<double>(steps_)) : Json(nullptr)},
-                 {"residual_max_N", number(residual_)},
-                 {"residual_over_tolerance_max", number(over_tolerance_)},
-                 {"halved_steps", halved_},
-                 {"line_search_halvings", line_search_},
-                 {"least_step_length", number(least_alpha_)},
-                 {"regularised_factorisations", regularised_},
-                 {"cg_iterations", cg_},
-                 {"lag_rounds", lag_},
-                 {"lag_residual_max_N", number(lag_residual_)},
-                 {"lag_residual_share_max", number(lag_share_)},
-                 {"residual_share_max", number(residual_share_)}};
-  Json contact = Json::object();
-  for (const auto& [effect, d_hat] : d_hat_) {
-    const auto gap = gap_share_.find(effect);
-    const Range share = gap == gap_share_.end() ? Range{} : gap->second;
-    contact[effect] = {{"d_hat_m", d_hat}, {"gap_over_d_hat_min", number(share.least)}, {"gap_over_d_hat_max", number(share.most)}};
-  }
-  Json shares = Json::object();
-  for (const auto& [kind, share] : kind_share_) shares[kind] = number(share);
-  j["model"] = {{"contact", contact},
-                {"clip_partition_defect_max", number(partition_.most)},
-                {"force_share_last", shares},
-                {"rigidity_defect_max", number(rigidity_)},
-                {"stress_error_estimate", number(stress_estimate_)},
-                {"pressure_roughness", number(pressure_estimate_.roughness)},
-                {"pressure_misfit", number(pressure_estimate_.misfit)},
-                {"layer_over_indentation", number(layer_)},
-                {"nodes_under_pressure", pressure_estimate_.nodes},
-                // A body at rest creeps at most at this speed, all the time (incline benchmark).
-                {"friction_creep_bound_m", number(creep_speed_ * (end_ - begin_))}};
-  j["model"]["volumetric"] = volumetric_;
-  j["locking_risks"] = locking_risks_;
-  j["passes_through"] = passes_through_;
-  return j.dump(1) + "\n";
-}
-
-std::string with_error_budget(const std::string& certificate, const std::string& budget) {
-  Json j = Json::parse(certificate);
-  j["error_budget"] = Json::parse(budget);
-  return j.dump(1) + "\n";
 }
 
 }  // namespace mortise::run

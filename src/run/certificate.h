@@ -68,9 +68,9 @@ class Certificate {
   // Of all states
   long states_ = 0;
   Range distance_, det_F_, partition_;
-  Range pressure_sum_;                        // samples against the forces on points, relative
-  std::map<std::string, Range> gap_share_;    // gap/d_hat of the samples that carry force, by effect
-  std::map<std::string, double> kind_share_;  // share of force by kind of sample, last state
+  Range pressure_sum_;                           // samples against the forces on points, relative
+  std::map<std::string, Range> gap_over_d_hat_;  // gap/d_hat of the samples that carry force, by effect
+  std::map<std::string, double> kind_share_;     // share of force by kind of sample, last state
   long not_finite_ = 0;
   std::string first_not_finite_;
   // Sum of all forces, and what the supports of a body leave of its load; relative to the scale of force_balance()
@@ -86,7 +86,7 @@ class Certificate {
   // Of all steps
   long steps_ = 0, first_step_ = 0, newton_ = 0, most_newton_ = 0, lag_ = 0, cg_ = 0, halved_ = 0, line_search_ = 0, regularised_ = 0;
   double begin_ = NAN, end_ = NAN;
-  double residual_ = NAN, over_tolerance_ = NAN, residual_share_ = NAN, lag_residual_ = NAN, lag_share_ = NAN, least_alpha_ = NAN;
+  double residual_ = NAN, over_tolerance_ = NAN, relative_residual_ = NAN, lag_residual_ = NAN, relative_lag_residual_ = NAN, least_alpha_ = NAN;
 };
 
 // certificate.json with `error_budget`, which is JSON.

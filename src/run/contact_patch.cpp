@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <limits>
 
+#include "run/tuning.h"
 #include "run/vector_at.h"
 
 namespace mortise::run {
 namespace {
-
-constexpr double kFacing = 0.5;   // cosine of 60 degrees: friction may tilt the force by half of that
-constexpr double kSmooth = 0.75;  // cosine of some 40 degrees: facets of a coarse ball meet at half of that, sides of a body at more
 
 void unite(std::vector<Index>& ring) {
   std::sort(ring.begin(), ring.end());
@@ -88,11 +86,11 @@ std::vector<Index> ContactPatch::sheet(std::size_t i, const Vec3& force, const s
   };
   const Index first = *std::max_element(around_[i].begin(), around_[i].end(),
                                         [&](Index s, Index t) { return cosine(normal[s], -force) < cosine(normal[t], -force); });
-  if (cosine(normal[first], -force) < kFacing) return {};
+  if (cosine(normal[first], -force) < tuning::kFacing) return {};
   std::vector<Index> out{first};
   for (std::size_t k = 0; k < out.size(); ++k)
     for (Index t : around_[i])
-      if (std::find(out.begin(), out.end(), t) == out.end() && share_an_edge(out[k], t) && cosine(normal[out[k]], normal[t]) > kSmooth)
+      if (std::find(out.begin(), out.end(), t) == out.end() && share_an_edge(out[k], t) && cosine(normal[out[k]], normal[t]) > tuning::kSmooth)
         out.push_back(t);
   return out;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "run/measured_body.h"
+#include "run/tuning.h"
 #include "run/vector_at.h"
 
 namespace mortise::run {
@@ -41,13 +42,12 @@ double LayerError::indentation(std::size_t body, const Fields& f) const {
 }
 
 double LayerError::borne(std::size_t body, const Fields& f) const {
-  constexpr double kOneWay = 0.1;  // forces from opposite sides have no resultant that supports could bear
   if (body >= bodies_.size()) return 1;
   Vec3 contact = Vec3::Zero(), support = Vec3::Zero();
   double all = 0;
   for (std::size_t i = bodies_[body].first; i < bodies_[body].first + bodies_[body].count; ++i)
     contact += at(f.contact, i), support += at(f.support, i), all += at(f.contact, i).norm();
-  if (!(contact.norm() > kOneWay * all)) return 1;
+  if (!(contact.norm() > tuning::kOneWay * all)) return 1;
   return std::clamp(-support.dot(contact) / contact.squaredNorm(), 0.0, 1.0);
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "run/tuning.h"
+
 namespace mortise::run {
 namespace {
 
@@ -16,7 +18,7 @@ double plane_at_origin(const std::vector<Vec3>& x, const std::vector<double>& p)
     b[i] = p[i];
   }
   auto decomposition = A.completeOrthogonalDecomposition();
-  decomposition.setThreshold(0.05);  // the ring of a node lies nearly in a plane: no slope across it
+  decomposition.setThreshold(tuning::kFlat);
   return decomposition.solve(b)[0];
 }
 
@@ -30,14 +32,13 @@ struct Misses {
 }  // namespace
 
 PressureError::Result PressureError::of(const ContactPatch::Fields& f) const {
-  constexpr std::size_t kPlane = 4;  // a plane through three neighbours has no say about a fourth
   Misses smooth, fit;
   for (const ContactPatch::Node& node : patch_.interior(f)) {
     const double here = f.pressure[node.point];
     double expected = 0;
     for (const auto& [j, weight] : node.load) expected += weight * f.pressure[j];
     if (!node.load.empty()) fit.add(Eigen::Map<const Vec3>(f.force.data() + 3 * node.point).norm(), std::abs(expected));
-    if (node.ring.size() < kPlane) continue;
+    if (node.ring.size() < tuning::kPlane) continue;
     std::vector<Vec3> x;
     std::vector<double> p;
     for (Index j : node.ring) x.push_back(patch_.rest()[j] - patch_.rest()[node.point]), p.push_back(f.pressure[j]);

@@ -4,12 +4,9 @@
 
 #include "effects/roles.h"
 #include "run/contact_figures.h"
+#include "run/tuning.h"
 
 namespace mortise::run {
-namespace {
-constexpr double kDriven = 1e-6;  // work in a step, of the largest energy: less is what holding takes
-}
-
 ForceBalance force_balance(const Snapshot& said) {
   double supports = 0;
   if (const Snapshot::Values* f = said.of_points("support_force", 3))
@@ -45,7 +42,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
     r_.scale = std::max(r_.scale, std::abs(r_.support_work));
     r_.gain = (summed ? all_ - all_before : r_.total - before) - work;
     r_.largest_gain = std::fmax(r_.largest_gain, r_.gain);
-    if (!touched_ && !touches && std::abs(work) <= kDriven * r_.scale) r_.free_loss -= std::min(r_.gain, 0.0);
+    if (!touched_ && !touches && std::abs(work) <= tuning::kDriven * r_.scale) r_.free_loss -= std::min(r_.gain, 0.0);
   }
   touched_ = touches;
   points_before_ = now.points;

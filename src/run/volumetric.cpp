@@ -6,14 +6,9 @@
 
 #include "model/clusters.h"
 #include "model/volumetric.h"
+#include "run/tuning.h"
 
 namespace mortise::run {
-namespace {
-
-// Quadratic elements without averages are a few percent too stiff there (benchmarks/locking).
-constexpr double kQuadraticLocks = 0.49;
-
-}  // namespace
 
 std::string volumetric(const model::BodyInput& body) {
   const bool quadratic = !body.midsides.empty();
@@ -27,7 +22,7 @@ std::vector<std::string> locking_risks(const model::ModelInput& input) {
   std::vector<std::string> out;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type != model::BodyType::soft) continue;
-    const double above = b.midsides.empty() ? model::kAveragedAbove : kQuadraticLocks;
+    const double above = b.midsides.empty() ? model::kAveragedAbove : tuning::kQuadraticLocks;
     if (!(b.material.number("poisson_ratio") > above) || model::averages_volume(b.material)) continue;
     const Params& key = b.material.at("volumetric");
     out.push_back(fmt::format("{}{}volumetric: full at Poisson's ratio {:g}: the elements of body '{}' lock and its deformations come out too small",

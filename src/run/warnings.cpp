@@ -5,17 +5,12 @@
 #include "effects/roles.h"
 #include "engine/effect_tables.h"
 #include "geometry/bounds.h"
+#include "run/tuning.h"
 #include "run/volumetric.h"
 #include "scene/pass_through.h"
 
 namespace mortise::run {
 namespace {
-
-// Beyond what solids, steps and contact layers are in practice; most often a unit is missing.
-constexpr double kSoftest = 100, kStiffest = 2e12;  // Young's modulus [Pa]: the softest tissue, twice diamond
-constexpr double kLightest = 1, kHeaviest = 3e4;    // density [kg/m^3]: aerogel, above osmium
-constexpr double kLongestStep = 0.5;                // [s]
-constexpr double kThickest = 0.1;                   // d_hat over the size of a body
 
 std::string at(const SourceLoc& where, const std::string& text) { return where.file.empty() ? text : where.text() + ": " + text; }
 
@@ -29,8 +24,8 @@ void of_materials(const Params& scene, std::vector<std::string>& out) {
       out.push_back(at(p->where(), fmt::format("materials.{}.{} is {:.3g} {}, {}; is the unit right?", name, key, p->as_number(), unit,
                                                p->as_number() < lowest ? low : high)));
     };
-    outside("youngs_modulus", "Pa", kSoftest, kStiffest, "softer than the softest tissue", "stiffer than diamond");
-    outside("density", "kg/m^3", kLightest, kHeaviest, "lighter than air", "heavier than any metal");
+    outside("youngs_modulus", "Pa", tuning::kSoftest, tuning::kStiffest, "softer than the softest tissue", "stiffer than diamond");
+    outside("density", "kg/m^3", tuning::kLightest, tuning::kHeaviest, "lighter than air", "heavier than any metal");
   }
 }
 
@@ -42,7 +37,7 @@ void of_contact(const model::ModelInput& input, std::vector<std::string>& out) {
     for (const model::BodyInput& body : input.bodies) {
       if (body.nodes.empty()) continue;
       const double size = geometry::bounds_of(body.nodes).size().maxCoeff();
-      if (d_hat->as_number() <= kThickest * size) continue;
+      if (d_hat->as_number() <= tuning::kThickest * size) continue;
       out.push_back(at(d_hat->where(),
                        fmt::format("effects.{}.d_hat is {:.3g} m, {:.2g} times the size of body '{}' ({:.3g} m): bodies are kept that far apart",
                                    name, d_hat->as_number(), d_hat->as_number() / size, body.name, size)));
@@ -57,7 +52,7 @@ std::vector<std::string> warnings(const model::ModelInput& input) {
   std::vector<std::string> out;
   of_materials(input.scene, out);
   const Params& time = input.scene.at("time");
-  if (const Params* step = time.find("step"); step && step->as_number() > kLongestStep)
+  if (const Params* step = time.find("step"); step && step->as_number() > tuning::kLongestStep)
     out.push_back(
         at(step->where(), fmt::format("time.step is {:.3g} s: motions and oscillations shorter than that are damped away", step->as_number())));
   of_contact(input, out);

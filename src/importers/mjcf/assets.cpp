@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <filesystem>
 
+#include "geometry/rigid_motion.h"
+
 namespace mortise::importers::mjcf {
 namespace {
 
@@ -146,7 +148,7 @@ void Assets::between(const Element& g, Shape& out, Vec3& half) const {
   const Vec3 a(p[0], p[1], p[2]), b(p[3], p[4], p[5]);
   const Pose around = out.at * compiler_.pose(g).inverse();
   if (!((b - a).norm() > 0)) g.fail("the two points of 'fromto' are one");
-  out.at = around * Pose{Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), b - a).toRotationMatrix(), 0.5 * (a + b)};
+  out.at = around * Pose{geometry::turn_of_z(b - a), 0.5 * (a + b)};
   half = {half[0], half[0], 0.5 * (b - a).norm()};
 }
 

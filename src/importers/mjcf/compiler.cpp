@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <filesystem>
 
+#include "geometry/rigid_motion.h"
+
 namespace mortise::importers::mjcf {
 namespace {
 
@@ -98,7 +100,7 @@ Mat3 Compiler::turn(const Element& e) const {
     return Eigen::AngleAxisd(angle * v[3], unit(e, "axisangle", {v[0], v[1], v[2]})).toRotationMatrix();
   }
   if (how == "xyaxes") return of_axes(e);
-  if (how == "zaxis") return Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), unit(e, "zaxis", e.vector("zaxis"))).toRotationMatrix();
+  if (how == "zaxis") return geometry::turn_of_z(unit(e, "zaxis", e.vector("zaxis")));
   Mat3 R = Mat3::Identity();
   if (how == "euler") {
     const Vec3 angles = angle * e.vector("euler");

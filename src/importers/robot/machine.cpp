@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "geometry/bounds.h"
+#include "geometry/rigid_motion.h"
 #include "geometry/topology.h"
 #include "importers/robot/inertial.h"
 #include "importers/robot/names.h"
@@ -362,7 +363,7 @@ class Assembly {
       if (way.norm() < kShortestBar) continue;
       Shape& bar = out.emplace_back();
       bar.kind = Shape::Kind::cylinder, bar.radius = std::clamp(kBarRadius * way.norm(), kBarRadii[0], kBarRadii[1]), bar.length = way.norm();
-      bar.at = {Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), way).toRotationMatrix(), 0.5 * way}, bar.where = out_.bodies[index].where;
+      bar.at = {geometry::turn_of_z(way), 0.5 * way}, bar.where = out_.bodies[index].where;
     }
     return out;
   }

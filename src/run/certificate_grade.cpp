@@ -1,0 +1,57 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "run/certificate.h"
+#include "run/tuning.h"
+
+namespace mortise::run {
+
+std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& energy) const {
+  std::vector<Check> all;
+  const auto add = [&](const char* name, double value, const tuning::Bounds& bounds) {
+    if (std::isfinite(value)) all.push_back({name, value, bounds.good, bounds.usable});
+  };
+  add("residual_share", relative_residual_, tuning::kResidual);
+  add("force_balance_defect", balance_relative_, tuning::kBalance);
+  add("support_balance_defect", unsupported_relative_, tuning::kBalance);
+  add("written_force_defect", written_relative_, tuning::kWritten);
+  add("pressure_sum_defect", pressure_sum_.most, tuning::kPressureSum);
+  add("clip_partition_defect", partition_.most, tuning::kPartition);
+  add("rigidity_defect", rigidity_, tuning::kRigidity);
+  add("energy_gain", energy.scale > 0 ? energy.largest_gain / energy.scale : NAN, tuning::kEnergyGain);
+  add("free_motion_loss", energy.scale > 0 && energy.work_is_known ? energy.free_loss / energy.scale : NAN, tuning::kFreeMotionLoss);
+  add("guard_share", guard_share_, tuning::kGuard);
+  add("stress_error", stress_estimate_, tuning::kStress);
+  add("pressure_roughness", pressure_estimate_.roughness, tuning::kRoughness);
+  add("pressure_misfit", pressure_estimate_.misfit, tuning::kMisfit);
+  add("layer_over_indentation", layer_, tuning::kLayer);
+  return all;
+}
+
+// F: some state is no state of the model. C: incomplete, or the bound of B is exceeded. B: that of A is. A: none.
+Certificate::Grade Certificate::grade(const End& end) const {
+  Grade out{"A", "every bound is met", {}};
+  const auto lower = [&](const char* to, const std::string& why) {
+    if (out.letter[0] >= to[0]) return;
+    out.letter = to, out.reason = why;
+  };
+  if (end.status == Exit::stopped)
+    lower("C", "the run was stopped");
+  else if (end.status == Exit::solve)
+    lower("C", "a step did not converge");
+  else if (end.status != Exit::done && end.status != Exit::checks)
+    lower("F", "the run failed");
+  for (const Check& k : checks(end.energy)) {
+    out.graded[k.name] = k.value;
+    const char* earns = k.earns();
+    if (earns[0] > 'A') lower(earns, fmt::format("{} is {:.2g}, more than {:.2g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable));
+  }
+  if (steps_ == 0) lower("F", "no step was finished");
+  if (det_F_.least <= 0) lower("F", "an element is inverted (det F <= 0)");
+  if (distance_.least <= 0) lower("F", "surfaces touch or intersect");
+  if (not_finite_ > 0) lower("F", "'" + first_not_finite_ + "' is not finite");
+  return out;
+}
+
+}  // namespace mortise::run

@@ -1,0 +1,43 @@
+#pragma once
+// Every number of this folder that was chosen and that a verdict hangs on.
+#include <cstddef>
+
+namespace mortise::run::tuning {
+
+// ---- grades: what the errors of a result may be for it to be called good (A) or usable (B) (certificate_grade.cpp)
+struct Bounds {
+  double good, usable;
+};
+inline constexpr Bounds kResidual{1.01e-3, 1e-2};  // of the largest force: friction's default lag_tolerance, and rounding, are no reason for a B
+inline constexpr Bounds kBalance{1e-5, 1e-3};      // of forces, on all bodies and on each with its supports: rounding leaves 1e-9, a thousandth is seen in plots
+inline constexpr Bounds kWritten{1e-9, 1e-3};      // the same forces added up twice
+inline constexpr Bounds kPressureSum{1e-6, 1e-3};  // pressure times area against force, over thousands of samples
+inline constexpr Bounds kPartition{1e-5, 1e-3};    // pieces of a covered face against the face: slivers are left out
+inline constexpr Bounds kRigidity{2e-3, 2e-2};     // of the axes of a stiff body: strains that its material would not have either, and ten times those
+inline constexpr Bounds kEnergyGain{1e-3, 1e-2};   // of the largest energy; dissipative steps gain none
+// From here on estimates of errors of the model, whose bounds are what they are where the true error is 5 % and 10 % (benchmarks/grades).
+inline constexpr Bounds kFreeMotionLoss{0.05, 0.1};
+inline constexpr Bounds kGuard{0.02, 0.1};
+inline constexpr Bounds kStress{0.05, 0.1};
+inline constexpr Bounds kRoughness{0.05, 0.08};
+inline constexpr Bounds kMisfit{0.04, 0.05};
+inline constexpr Bounds kLayer{0.03, 0.07};
+
+// ---- what counts in them
+inline constexpr double kStrain = 1e-10;  // far below any strain that means something, far above what rounding of positions makes (certificate.cpp)
+inline constexpr double kDriven = 1e-6;   // work in a step, of the largest energy: less is what holding takes (state_audit.cpp)
+inline constexpr double kOneWay = 0.1;    // forces from opposite sides have no resultant that supports could bear (layer_error.cpp)
+inline constexpr double kFacing = 0.5;    // cosine of 60 degrees: friction may tilt the force by half of that (contact_patch.cpp)
+inline constexpr double kSmooth = 0.75;   // cosine of some 40 degrees: facets of a coarse ball meet at half of that, sides of a body at more
+inline constexpr double kFlat = 0.05;     // the ring of a node lies nearly in a plane: no slope across it (pressure_error.cpp)
+inline constexpr std::size_t kPlane = 4;  // neighbours: a plane through three has no say about a fourth
+inline constexpr double kQuadraticLocks = 0.49;  // nu: without averages quadratic elements are a few percent too stiff there (benchmarks/locking)
+
+// ---- warnings: beyond what solids, steps and contact layers are in practice; most often a unit is missing
+inline constexpr double kSoftest = 100, kStiffest = 2e12;  // Young's modulus [Pa]: the softest tissue, twice diamond
+inline constexpr double kLightest = 1, kHeaviest = 3e4;    // density [kg/m^3]: aerogel, above osmium
+inline constexpr double kLongestStep = 0.5;                // [s]
+inline constexpr double kThickest = 0.1;                   // d_hat over the size of a body
+inline constexpr double kNearlyAll = 0.8;                  // of the memory there is: other programs want some, and the estimate is one (memory.cpp)
+
+}  // namespace mortise::run::tuning
