@@ -203,6 +203,18 @@ TEST(Urdf, JointsMimicExactly) {
 }
 
 // Links without shapes (or with meshes that are not there) show the robot's skeleton.
+// Of a calf whose mesh is missing and a foot that has one: what touches stands for what is not seen.
+TEST(Urdf, ABodyThatMissesAMeshIsDrawnWhole) {
+  const std::string seen = "<visual><geometry><box size='0.1 0.1 0.1'/></geometry></visual>", i = inertial(1, "0 0 0", 0.1);
+  Robot r = robot(link("calf", kBall + i) + link("foot", kBall + seen + i) + joint("j", "fixed", "calf", "foot", "<origin xyz='0 0 -0.2'/>"));
+  EXPECT_EQ(assemble(r, {}, *std::make_unique<Notes>()).bodies[0].visuals.size(), 1u) << "nothing is missing";
+  r.links[0].undrawn = true;
+  const Machine m = assemble(r, {}, *std::make_unique<Notes>());
+  ASSERT_EQ(m.bodies[0].visuals.size(), 2u);
+  EXPECT_EQ(m.bodies[0].visuals[1].kind, Shape::Kind::sphere);
+  EXPECT_LT(m.bodies[0].visuals[1].at.t.norm(), 1e-15) << "the calf's, not the foot's";
+}
+
 TEST(Urdf, LinksWithoutShapesAreBars) {
   Notes notes;
   const std::string i = inertial(1, "0 0 0", 0.1);
@@ -232,9 +244,18 @@ TEST(Urdf, MimicryInACircleIsRefused) {
 TEST(Urdf, SwayIsAboutWhereJointsStandWithinTheirLimits) {
   MachineOptions o;
   o.sway = 0.3;
+  const MachineOptions free = o;
+  o.held = true;
   EXPECT_EQ(machine(arm("lower='-2' upper='2'"), o).axes[1].swing, 0.3);
-  const Axis tight = machine(arm("lower='-0.1' upper='2'"), o).axes[1];
-  EXPECT_NEAR(tight.swing, 0.8 * (tight.stands + 0.1), 1e-15);
+  const Axis tight = machine(arm("lower='-0.1' upper='2'"), o).axes[1], narrow = machine(arm("lower='-0.1' upper='0.3'"), o).axes[1];
+  EXPECT_LT(machine(arm("lower='0' upper='2'"), free).axes[1].stands, 0.1) << "one that stands on the floor would fall";
+  EXPECT_NEAR(tight.stands, -0.1 + 0.3 / 0.8, 1e-15) << "where there is room to swing";
+  EXPECT_NEAR(tight.swing, 0.3, 1e-15);
+  EXPECT_NEAR(narrow.stands, 0.1, 1e-15);
+  EXPECT_NEAR(narrow.swing, 0.8 * 0.2, 1e-15);
+  MachineOptions asked = o;
+  asked.stands = {{"elbow", 0}};
+  EXPECT_NEAR(machine(arm("lower='-0.1' upper='2'"), asked).axes[1].swing, 0.8 * 0.1, 1e-15);
   EXPECT_EQ(machine(arm()).axes[1].swing, 0) << "nobody asked for it";
   const std::string limits = "<limit lower='0' upper='0.4'/>", body = kBall + inertial(1, "0 0 0", 0.1);
   o.stands = {{"left", 0.2}};

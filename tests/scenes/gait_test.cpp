@@ -58,7 +58,8 @@ Vec3 step(double t) {
 }  // namespace
 
 TEST(Gaits, TheFootGoesAlongItsD) {
-  for (const char* knee : {"body: shank, to: thigh, axis: [0, 1, 0]", "body: thigh, to: shank, axis: [0, 1, 0]", "body: shank, to: thigh, axis: [0, -1, 0]"})
+  for (const char* knee :
+       {"body: shank, to: thigh, axis: [0, 1, 0]", "body: thigh, to: shank, axis: [0, 1, 0]", "body: shank, to: thigh, axis: [0, -1, 0]"})
     for (const char* hip : {"body: thigh, at: [0, 0, 0.3], axis: [0, 1, 0]", "body: thigh, at: [0, 0, 0.3], axis: [0, -1, 0]"}) {
       Rig rig(leg(knee, kSteps, hip));
       double off = 0, high = 0, far = 0;

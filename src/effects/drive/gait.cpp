@@ -20,8 +20,8 @@ const ParamTable gait_table{
      param::required(of(Param::Kind::text, "lower", Unit::none, std::nullopt, "Of its lower one (knee, calf); it shares a body with the upper one.")),
      param::required(of(Param::Kind::vec3, "foot", Unit::length, std::nullopt, "Where the foot stands in the scene, world coordinates.")),
      param::positive(param::required(of(Param::Kind::number, "period", Unit::time, std::nullopt, "Of a cycle."))),
-     param::required(of(Param::Kind::number, "stride", Unit::length, std::nullopt,
-                        "Way of the foot along the ground while it stands; below zero: backwards.")),
+     param::required(
+         of(Param::Kind::number, "stride", Unit::length, std::nullopt, "Way of the foot along the ground while it stands; below zero: backwards.")),
      param::required(param::number("clearance", Unit::length, "", 0, "Height of the swinging foot above where it stands.")),
      param::number("depth", Unit::length, "0 mm", 0, "How much further down the foot reaches in the middle of its stance."),
      [] {
@@ -52,19 +52,23 @@ Gait::Gait(const Params& b, const model::Model& model, Index joint)
   };
   const model::Joint &upper = hinge("upper"), &lower = hinge("lower");
   if (&mine != &upper && &mine != &lower)
-    throw Error(Exit::scene, b.where(), "the gait of '" + mine.name + "' is that of '" + upper.name + "' and '" + lower.name +
-                                            "': one of them has to be the joint that is driven");
+    throw Error(
+        Exit::scene, b.where(),
+        "the gait of '" + mine.name + "' is that of '" + upper.name + "' and '" + lower.name + "': one of them has to be the joint that is driven");
   // The thigh is what both hinges have; each counts its angle of `body` against `to`.
   const Index thigh = upper.body == lower.to || upper.body == lower.body ? upper.body : upper.to;
   if (&upper == &lower || (thigh != lower.to && thigh != lower.body) || thigh == model::Tie::kWorld)
-    throw Error(Exit::scene, b.at("lower").where(), "'" + lower.name + "' does not hang on what '" + upper.name + "' turns: a leg is hip, thigh, knee, shank");
+    throw Error(Exit::scene, b.at("lower").where(),
+                "'" + lower.name + "' does not hang on what '" + upper.name + "' turns: a leg is hip, thigh, knee, shank");
   const Vec3 a = upper.axis;
   if (a.cross(lower.axis).norm() > tuning::kParallel)
-    throw Error(Exit::scene, b.at("lower").where(), "the axes of '" + upper.name + "' and '" + lower.name + "' are not parallel: a leg's knee bends in one plane");
+    throw Error(Exit::scene, b.at("lower").where(),
+                "the axes of '" + upper.name + "' and '" + lower.name + "' are not parallel: a leg's knee bends in one plane");
   const auto across = [&](const char* key) -> Vec3 {
     const Vec3 d = b.vec3(key);
     if (!(d.norm() > 0) || std::abs(d.normalized().dot(a)) > tuning::kAcross)
-      throw Error(Exit::scene, b.at(key).where(), std::string(key) + " points along the axis of '" + upper.name + "': the leg does not swing that way");
+      throw Error(Exit::scene, b.at(key).where(),
+                  std::string(key) + " points along the axis of '" + upper.name + "': the leg does not swing that way");
     return (d - d.dot(a) * a).normalized();
   };
   const Vec3 e1 = across("forward"), e2 = a.cross(e1);
@@ -73,7 +77,9 @@ Gait::Gait(const Params& b, const model::Model& model, Index joint)
   thigh_ = plane(lower.place - upper.place), shank_ = plane(b.vec3("foot") - lower.place);
   bend_ = std::arg(shank_ / thigh_);
   if (!(std::abs(thigh_) > 0) || !(std::abs(shank_) > 0) || !(std::abs(std::sin(bend_)) > tuning::kStraight))
-    throw Error(Exit::scene, b.at("foot").where(), "the leg from '" + upper.name + "' over '" + lower.name + "' to its foot is straight: let it stand bent, so that it is known which way its knee goes");
+    throw Error(Exit::scene, b.at("foot").where(),
+                "the leg from '" + upper.name + "' over '" + lower.name +
+                    "' to its foot is straight: let it stand bent, so that it is known which way its knee goes");
   upper_ = &mine == &upper;
   stands_ = mine.at_rest;
   sense_ = upper_ ? (upper.body == thigh ? 1 : -1) : (lower.to == thigh ? 1 : -1) * (a.dot(lower.axis) > 0 ? 1 : -1);

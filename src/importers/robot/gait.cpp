@@ -39,7 +39,8 @@ std::vector<Leg> legs_of(const Machine& m) {
     if (!turns(lower) || lower.to < 0 || std::any_of(m.axes.begin(), m.axes.end(), hangs)) continue;
     for (std::size_t u = 0; u < m.axes.size(); ++u) {
       const Axis& upper = m.axes[u];
-      if (static_cast<std::ptrdiff_t>(upper.body) != lower.to || !turns(upper) || upper.direction.cross(lower.direction).norm() > kParallelLeg) continue;
+      if (static_cast<std::ptrdiff_t>(upper.body) != lower.to || !turns(upper) || upper.direction.cross(lower.direction).norm() > kParallelLeg)
+        continue;
       const Vec3 foot = foot_of(m, lower.body), thigh = lower.place - upper.place, shank = foot - lower.place;
       const auto flat = [&](const Vec3& v) -> Vec3 { return v - v.dot(upper.direction) * upper.direction; };
       if (flat(thigh).cross(flat(shank)).norm() > kBent * thigh.norm() * shank.norm()) out.push_back({u, l, foot});

@@ -31,7 +31,7 @@ struct MachineOptions {
   int apart = 2;                                                 // bodies that no more joints than these lie between pass through each other
   std::vector<std::pair<std::string, Vec3>> colours;             // links, by pattern: sRGB of the body that has them
   std::string asked_soft = "--soft ", asked_joint = "--joint ";  // how messages call what asked for a soft link, for a joint's place
-  GaitOptions gait;
+  GaitOptions gait{};
 };
 
 struct Body {
@@ -39,6 +39,8 @@ struct Body {
   std::vector<std::string> links;  // the first gives the body's frame
   std::vector<Shape> shapes;       // in it
   std::vector<Shape> visuals;      // in it
+  std::vector<Shape> unseen;       // of links without visuals: drawn where a mesh of the body is missing
+  bool undrawn = false;            // and so it is
   std::optional<Shape> drawn;      // a mesh; see draw.h
   std::optional<Vec3> colour;
   bool one_colour = false;  // whatever its visuals have
