@@ -9,6 +9,7 @@
 #include "cli/commands.h"
 #include "engine/effect_tables.h"
 #include "geometry/io/write.h"
+#include "importers/robot/gait.h"
 #include "scene/quantity.h"
 
 namespace mortise::cli {
@@ -20,7 +21,7 @@ struct ImportOptions {
   std::string robot, output, base = "free", missing = "error";
   std::vector<std::string> packages, joints, soft;
   double clearance = 2e-3;
-  std::string sway;
+  std::string sway, gait;
   int apart = 2;
   bool overwrite = false;
 };
@@ -51,6 +52,7 @@ std::string command_line(const ImportOptions& o) {
   for (const std::string& j : o.joints) out += " --joint " + word(j);
   for (const std::string& s : o.soft) out += " --soft " + word(s);
   if (!o.sway.empty()) out += " --sway " + word(o.sway);
+  if (!o.gait.empty()) out += " --gait " + o.gait;
   if (o.base != "free") out += " --base " + o.base;
   if (o.missing != "error") out += " --missing-meshes " + o.missing;
   return out;
@@ -74,6 +76,7 @@ int cmd_import(const ImportOptions& o) {
     r.machine.stands.emplace_back(name, coordinate("--joint " + name, value));
   }
   if (!o.sway.empty()) r.machine.sway = sway(o.sway);
+  r.machine.gait.type = o.gait;
   r.machine.soft.assign(o.soft.begin(), o.soft.end());
   r.machine.held = o.base == "fixed", r.machine.clearance = o.clearance, r.machine.apart = o.apart;
 
@@ -107,6 +110,8 @@ void add_import(Command app, Context& context) {
   sub.option("--soft", o->soft, "LINK becomes a soft pad bonded to what it is fixed to; * and ? match any: '*_foot'").one_each().take_all();
   sub.option("--sway", o->sway,
              "all joints swing by this about where they stand, once a second: '10 deg' (slides: 100 mm per radian), within their limits");
+  sub.option("--gait", o->gait, "walk, trot, pace or bound: four legs step in turn, along x; mortise effects drive explains the numbers")
+      .one_of(importers::kGaits);
   sub.option("--base", o->base,
              "free or fixed: bodies that move freely and have joints below them are held; a root link called world, and what MJCF fixes to its "
              "world, never moves")
@@ -120,6 +125,7 @@ void add_import(Command app, Context& context) {
       "Examples:\n  mortise import arm.urdf -o arm.yaml --base fixed\n"
       "  mortise import go2.urdf -o go2.yaml --missing-meshes skip --joint '*_thigh_joint=0.9' --joint '*_calf_joint=-1.8' --soft FL_foot\n"
       "  mortise import gripper.xml -o gripper.yaml --base fixed --missing-meshes skip\n"
+      "  mortise import go2.urdf -o trot.yaml --missing-meshes skip --soft '*_foot' --gait trot\n"
       "  mortise import robot.urdf -o - --sway '10 deg' | mortise run - -o out/robot       a moving robot and its pictures");
   sub.action([o, &context] { context.action = [o] { return cmd_import(*o); }; });
 }

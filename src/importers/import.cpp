@@ -4,6 +4,7 @@
 #include "importers/mjcf/read.h"
 #include "importers/robot/draw.h"
 #include "importers/robot/fit.h"
+#include "importers/robot/gait.h"
 #include "importers/robot/weigh.h"
 #include "importers/robot/write.h"
 #include "importers/urdf/read.h"
@@ -25,6 +26,7 @@ std::string import_scene(const Request& r, Notes& notes) {
   weigh(robot);
   mend_collision_meshes(robot, r.meshes, notes);
   Machine machine = assemble(robot, r.machine, notes);
+  if (!r.machine.gait.type.empty()) walk(machine, r.machine.gait);
   draw_bodies(machine, r.meshes.folder);
   return write_scene(machine, passing_pairs(machine, r.machine.apart), r.target, r.command);
 }

@@ -36,6 +36,10 @@ std::string scene_of_robot(const Params& block, const std::string& path) {
   MachineOptions& m = r.machine;
   m.asked_soft = "robot.override: link ", m.asked_joint = "robot.joints: ";
   m.held = block.text("base") == "fixed", m.clearance = block.number("clearance"), m.sway = block.number("sway");
+  if (const Params* g = block.find("gait")) {
+    const auto given = [&](const char* key) { return g->has(key) ? std::optional<double>(g->number(key)) : std::nullopt; };
+    m.gait = {g->text("type"), given("period"), given("stride"), given("clearance"), given("duty"), "robot.gait: "};
+  }
   m.apart = static_cast<int>(block.integer("apart"));
   if (const Params* joints = block.find("joints"))
     for (const Params& j : joints->items()) m.stands.emplace_back(j.text("joint"), j.has("angle") ? j.number("angle") : j.number("travel"));

@@ -46,6 +46,19 @@ const ParamTable& link_table() {
   return t;
 }
 
+const ParamTable& gait_table() {
+  static const ParamTable t{
+      "gait of a robot",
+      "Four legs, each the last two hinges of a limb, step in turn along x. What is absent suits their length.",
+      {required(choice("type", {"walk", "trot", "pace", "bound"}, "",
+                       "trot: diagonal feet together; pace: those of a side; bound: those in front; walk: one after the other.")),
+       positive(optional(of(Kind::number, "period", Unit::time, {}, "Of a cycle."))),
+       optional(of(Kind::number, "stride", Unit::length, {}, "Way of a foot along the ground while it stands.")),
+       range(optional(of(Kind::number, "clearance", Unit::length, {}, "Height of a swinging foot.")), 0, INFINITY),
+       range(optional(of(Kind::number, "duty", Unit::none, {}, "Share of a cycle that a foot stands.")), 0, 1)}};
+  return t;
+}
+
 Param blocks(std::string key, const ParamTable* sub, std::string help) {
   Param p = table(std::move(key), sub, std::move(help));
   p.kind = Kind::tables;
@@ -64,6 +77,7 @@ const ParamTable& robot_table() {
        choice("base", {"free", "fixed"}, "free", "Whether bases of robots move: bodies that move freely and have joints below them."),
        positive(number("clearance", Unit::length, "2 mm", 0, "Of the lowest point above the floor.")),
        number("sway", Unit::angle, "0 rad", 0, "All joints swing by this about where they stand, once a second (slides: 100 mm per radian)."),
+       table("gait", &gait_table(), "It walks."),
        range(of(Kind::integer, "apart", Unit::none, "2", "Bodies with no more joints than this between them pass through each other."), 1, 100),
        blocks("joints", &joint_table(), "Where joints stand; others as near to zero as their limits allow."),
        blocks("override", &link_table(), "What is soft, what has another colour.")}};

@@ -92,18 +92,37 @@ Vec3 TieForces::of_effect(std::string_view effect, Index env) const {
   return sum;
 }
 
+// Of driven ties, about or along their axis. A joint that is given because another is goes with it, ratio times as far: what holds it there is, as
+// power goes, ratio times as much for the motor of that one.
+std::vector<double> TieForces::motors() const {
+  std::vector<double> own(of_.size(), 0.0);
+  for (std::size_t i = 0; i < of_.size(); ++i) {
+    const model::Tie& tie = model_.ties.list()[i];
+    if (tie.driven()) own[i] = (tie.slides ? of_[i].force : of_[i].moment).dot(of_[i].axis);
+  }
+  std::vector<double> out = own;
+  for (const model::Joint& j : model_.joints) {
+    double ratio = 1;
+    if (model_.ties.list()[j.tie].driven())
+      for (const model::Joint* at = &j; at->leader >= 0 && !at->mimics; at = &model_.joints[at->leader])
+        ratio *= at->ratio, out[model_.joints[at->leader].tie] += ratio * own[j.tie];
+  }
+  return out;
+}
+
 void TieForces::report(const FieldSinks& sinks) const {
   std::vector<std::map<std::string, double>> error(model_.envs);
   bool any = false;
   std::vector<double> field(3 * static_cast<std::size_t>(model_.points), 0.0);
+  const std::vector<double> motor = motors();
   for (std::size_t i = 0; i < of_.size(); ++i) {
     const model::Tie& tie = model_.ties.list()[i];
     const Index env = model_.bodies[tie.body].env;
     FieldSink& sink = sinks[env];
     for (const auto& [what, unit, v] : {std::tuple{"force", "N", of_[i].force}, {"moment", "N m", of_[i].moment}, {"place", "m", of_[i].place}})
       for (int k = 0; k < 3; ++k) sink.scalar(tie.effect, tie.name + "_" + what + "_" + "xyz"[k], unit, v[k]);
-    if (tie.driven() && tie.slides) sink.scalar(tie.driver, tie.name + "_force", "N", of_[i].force.dot(of_[i].axis));
-    if (tie.driven() && !tie.slides) sink.scalar(tie.driver, tie.name + "_torque", "N m", of_[i].moment.dot(of_[i].axis));
+    if (tie.driven() && tie.slides) sink.scalar(tie.driver, tie.name + "_force", "N", motor[i]);
+    if (tie.driven() && !tie.slides) sink.scalar(tie.driver, tie.name + "_torque", "N m", motor[i]);
     double& worst = error[env][tie.effect];
     worst = std::max(worst, of_[i].error);
     any = any || model_.bodies[tie.body].type == model::BodyType::soft;

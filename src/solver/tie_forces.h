@@ -25,6 +25,8 @@ class TieForces {
     Vec3 axis;                                                // of a driven one: now
     double error = 0;                                         // by how far its equations are missed [m]; of axes times the radius of their body
   };
+  std::vector<double> motors() const;  // of every tie; zero of those that are not driven [N m, N]
+
   const model::Model& model_;
   std::vector<Figures> of_;  // every tie
   std::vector<Vec3> on_body_;

@@ -164,6 +164,19 @@ TEST_F(RobotBlock, TenLinesMoveARealRobotOnSoftFeet) {
   EXPECT_EQ(r.code, 0) << r.err;
 }
 
+TEST_F(RobotBlock, ARealRobotTrotsInFiveLines) {
+  const std::string robot = std::string(MORTISE_SHARED_DATA) + "/robots/go2/go2_description.urdf";
+  if (!fs::exists(robot)) GTEST_SKIP() << robot << " is not there";
+  std::ofstream(path_ + "/scene.yaml") << "mortise: 1\nrobot:\n  file: " << robot
+                                       << "\n  missing_meshes: skip\n  gait: {type: trot, stride: 80 mm, duty: 0.6}\n";
+  const Result r = mortise("check scene.yaml --print-resolved", path_);
+  EXPECT_EQ(r.code, 0) << r.err;
+  for (const char* what : {"stride: 0.08", "duty: 0.6", "phase: 0.5", "upper: rr_thigh_joint", "lower: rr_calf_joint"})
+    EXPECT_NE(r.out.find(what), std::string::npos) << what;
+  std::ofstream(path_ + "/far.yaml") << "mortise: 1\nrobot:\n  file: " << robot << "\n  missing_meshes: skip\n  gait: {type: trot, stride: 800 mm}\n";
+  EXPECT_NE(mortise("check far.yaml", path_).err.find("the steps are too large for the leg"), std::string::npos);
+}
+
 // Robots that nobody prepared: every file of the data that is one, from the file to pictures of it moving.
 TEST_F(RobotBlock, AnyRobotMovesAndIsDrawnInEightLines) {
   const std::string folder = std::string(MORTISE_SHARED_DATA) + "/robots";

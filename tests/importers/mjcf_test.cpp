@@ -296,6 +296,20 @@ TEST(Mjcf, ActuatorsSayWhatMotorsCanDo) {
   EXPECT_THAT(text, HasSubstr("{joint: free, mode: passive, damping: 0.2}"));
 }
 
+TEST(Mjcf, WhatTendonsDoBesidePullingIsTold) {
+  Notes notes;
+  robot("<worldbody><body name='a'><joint name='j' range='-1 1'/>" + kBall +
+            "</body></worldbody>\n<tendon>\n<spatial name='s'><site site='x'/></spatial>\n<fixed name='f' stiffness='3' range='0 1'><joint joint='j' "
+            "coef='1'/></fixed>\n"
+            "<fixed name='g'><joint joint='j' coef='1'/></fixed>\n</tendon>\n<actuator><motor tendon='g'/></actuator>",
+        &notes);
+  EXPECT_THAT(all(notes), HasSubstr("m.xml:4:1: warning: <spatial> in <tendon> is not imported"));
+  EXPECT_THAT(all(notes), HasSubstr("m.xml:5:1: warning: attribute 'stiffness' of <fixed> is not imported"));
+  EXPECT_THAT(all(notes), HasSubstr("m.xml:5:1: warning: attribute 'range' of <fixed> is not imported"));
+  EXPECT_THAT(all(notes), HasSubstr("m.xml:5:1: warning: a tendon that no actuator pulls is not imported"));
+  EXPECT_THAT(all(notes), Not(HasSubstr("m.xml:6:1: warning: a tendon that no")));
+}
+
 TEST(Mjcf, AnEqualityOfJointsIsMimicry) {
   const Robot r = robot("<compiler angle='radian'/><worldbody><body name='o'>" + kBall + "<body name='a'><joint name='a' ref='0.5'/>" + kBall +
                         "</body><body name='b'><joint name='b' ref='0.1'/>" + kBall +

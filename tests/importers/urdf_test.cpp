@@ -11,6 +11,7 @@
 #include "geometry/primitives.h"
 #include "geometry/topology.h"
 #include "importers/import.h"
+#include "importers/robot/gait.h"
 #include "importers/robot/machine.h"
 #include "importers/robot/meshes.h"
 #include "importers/robot/solid.h"
@@ -202,6 +203,18 @@ TEST(Urdf, JointsMimicExactly) {
 }
 
 // Links without shapes (or with meshes that are not there) show the robot's skeleton.
+// Of a calf whose mesh is missing and a foot that has one: what touches stands for what is not seen.
+TEST(Urdf, ABodyThatMissesAMeshIsDrawnWhole) {
+  const std::string seen = "<visual><geometry><box size='0.1 0.1 0.1'/></geometry></visual>", i = inertial(1, "0 0 0", 0.1);
+  Robot r = robot(link("calf", kBall + i) + link("foot", kBall + seen + i) + joint("j", "fixed", "calf", "foot", "<origin xyz='0 0 -0.2'/>"));
+  EXPECT_EQ(assemble(r, {}, *std::make_unique<Notes>()).bodies[0].visuals.size(), 1u) << "nothing is missing";
+  r.links[0].undrawn = true;
+  const Machine m = assemble(r, {}, *std::make_unique<Notes>());
+  ASSERT_EQ(m.bodies[0].visuals.size(), 2u);
+  EXPECT_EQ(m.bodies[0].visuals[1].kind, Shape::Kind::sphere);
+  EXPECT_LT(m.bodies[0].visuals[1].at.t.norm(), 1e-15) << "the calf's, not the foot's";
+}
+
 TEST(Urdf, LinksWithoutShapesAreBars) {
   Notes notes;
   const std::string i = inertial(1, "0 0 0", 0.1);
@@ -231,9 +244,18 @@ TEST(Urdf, MimicryInACircleIsRefused) {
 TEST(Urdf, SwayIsAboutWhereJointsStandWithinTheirLimits) {
   MachineOptions o;
   o.sway = 0.3;
+  const MachineOptions free = o;
+  o.held = true;
   EXPECT_EQ(machine(arm("lower='-2' upper='2'"), o).axes[1].swing, 0.3);
-  const Axis tight = machine(arm("lower='-0.1' upper='2'"), o).axes[1];
-  EXPECT_NEAR(tight.swing, 0.8 * (tight.stands + 0.1), 1e-15);
+  const Axis tight = machine(arm("lower='-0.1' upper='2'"), o).axes[1], narrow = machine(arm("lower='-0.1' upper='0.3'"), o).axes[1];
+  EXPECT_LT(machine(arm("lower='0' upper='2'"), free).axes[1].stands, 0.1) << "one that stands on the floor would fall";
+  EXPECT_NEAR(tight.stands, -0.1 + 0.3 / 0.8, 1e-15) << "where there is room to swing";
+  EXPECT_NEAR(tight.swing, 0.3, 1e-15);
+  EXPECT_NEAR(narrow.stands, 0.1, 1e-15);
+  EXPECT_NEAR(narrow.swing, 0.8 * 0.2, 1e-15);
+  MachineOptions asked = o;
+  asked.stands = {{"elbow", 0}};
+  EXPECT_NEAR(machine(arm("lower='-0.1' upper='2'"), asked).axes[1].swing, 0.8 * 0.1, 1e-15);
   EXPECT_EQ(machine(arm()).axes[1].swing, 0) << "nobody asked for it";
   const std::string limits = "<limit lower='0' upper='0.4'/>", body = kBall + inertial(1, "0 0 0", 0.1);
   o.stands = {{"left", 0.2}};
@@ -244,6 +266,66 @@ TEST(Urdf, SwayIsAboutWhereJointsStandWithinTheirLimits) {
   EXPECT_NEAR(m.axes[0].swing, 0.03, 1e-15) << "slides: 0.1 m for a radian";
   EXPECT_EQ(m.axes[1].swing, 0) << "what mimics swings along";
   EXPECT_NE(write_scene(m, {}, "r.yaml", "").find("sine: {travel: 30 mm, frequency: 1}"), std::string::npos);
+}
+
+// A table on four legs of two hinges each, knees bent backwards; names say where they are.
+std::string table_on_legs(const std::string& axis = "0 1 0", double rear = -0.3) {
+  std::string out = link("body", kBall + inertial(5, "0 0 0", 0.1));
+  for (const char* at : {"fl", "fr", "rl", "rr"}) {
+    const std::string n = at, x = text(n[0] == 'f' ? 0.3 : rear), y = n[1] == 'l' ? "0.2" : "-0.2",
+                      limit = "<axis xyz='" + axis + "'/><limit effort='9' velocity='5'";
+    out += link(n + "_thigh", kBall + inertial(1, "0 0 0", 0.01)) +
+           link(n + "_shank",
+                "<collision><origin xyz='0 0 -0.2'/><geometry><sphere radius='0.02'/></geometry></collision>" + inertial(1, "0 0 0", 0.01));
+    out += joint(n + "_hip", "revolute", "body", n + "_thigh", "<origin xyz='" + x + " " + y + " 0'/>" + limit + " lower='-2' upper='2'/>");
+    out += joint(n + "_knee", "revolute", n + "_thigh", n + "_shank", "<origin xyz='0 0 -0.2'/>" + limit + " lower='-2' upper='-1'/>");
+  }
+  return out;
+}
+
+TEST(Urdf, FourLegsStepInTurn) {
+  Machine m = machine(table_on_legs());
+  GaitOptions o;
+  o.stride = 0.08;
+  const auto phases = [&](const char* type) {
+    o.type = type;
+    walk(m, o);
+    std::string out;
+    for (const Axis& a : m.axes) {
+      EXPECT_TRUE(a.step) << a.name;
+      if (a.name.find("hip") == std::string::npos) continue;
+      EXPECT_EQ(&m.axes[a.step->upper], &a);
+      EXPECT_EQ(m.axes[a.step->lower].name, a.name.substr(0, 3) + "knee");
+      out += a.name.substr(0, 2) + " " + text(a.step->phase) + " ";
+    }
+    return out;
+  };
+  EXPECT_EQ(phases("pace"), "fl 0 fr 0.5 rl 0 rr 0.5 ");
+  EXPECT_EQ(phases("bound"), "fl 0 fr 0 rl 0.5 rr 0.5 ");
+  EXPECT_EQ(phases("walk"), "fl 0.75 fr 0.25 rl 0 rr 0.5 ");
+  EXPECT_EQ(m.gait->duty, 0.8);
+  EXPECT_EQ(phases("trot"), "fl 0 fr 0.5 rl 0.5 rr 0 ");
+  const double h = m.axes[0].place[2] - m.axes[0].step->foot[2];
+  EXPECT_NEAR(h, 0.4 * std::cos(0.5 * 1.035) + 0.02, 1e-3) << "two links of 0.2 m, bent a little more than the limit asks, and the ball they end in";
+  EXPECT_NEAR(m.gait->period, 3 * std::sqrt(h / 9.81), 0.005);
+  EXPECT_EQ(m.gait->stride, 0.08);
+  EXPECT_NEAR(m.gait->clearance, 0.22 * h, 5e-4);
+  const std::string scene = write_scene(m, {}, "r.yaml", "");
+  EXPECT_NE(scene.find("gait: {<<: &steps {period: "), std::string::npos) << scene;
+  EXPECT_NE(scene.find("gait: {<<: *steps, upper: rr_hip, lower: rr_knee, foot: ["), std::string::npos) << scene;
+  const auto refusal_of = [&](const std::string& robot) {
+    try {
+      Machine other = machine(robot);
+      walk(other, o);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), Exit::usage);
+      return std::string(e.what());
+    }
+    return std::string("nothing");
+  };
+  EXPECT_NE(refusal_of(arm()).find("legs, and four are needed"), std::string::npos);
+  EXPECT_NE(refusal_of(table_on_legs("1 0 0")).find("has 0 legs"), std::string::npos);
+  EXPECT_NE(refusal_of(table_on_legs("0 1 0", 0.3)).find("not two before two"), std::string::npos);
 }
 
 TEST(Urdf, SoftLinksArePadsBondedToTheirBody) {

@@ -1,4 +1,5 @@
 // Contact and friction against closed forms.
+#include "measured.h"
 #include "rig.h"
 
 using namespace mortise;
@@ -82,6 +83,7 @@ solver: {relative_tolerance: 1e-9, force_tolerance: 1e-10 N}
   rig.steps(200);
   const Captured f = rig.fields();
   const double lower = 0.001 * 1000 * 9.81, upper = 0.08 * 0.08 * 0.1 * 1000 * 9.81;
+  measured("upper", f.at("barrier_contact/force_upper_z") / upper - 1), measured("lower", f.at("barrier_contact/force_lower_z") / lower - 1);
   EXPECT_NEAR(f.at("barrier_contact/force_upper_z"), upper, 1e-6 * upper);
   EXPECT_NEAR(f.at("barrier_contact/force_lower_z"), lower, 1e-6 * lower);
   EXPECT_NEAR(f.at("balance/barrier_contact_z"), lower + upper, 1e-6 * lower);

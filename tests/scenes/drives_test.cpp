@@ -426,7 +426,7 @@ TEST(Drives, Refusals) {
   const auto drive = [](const std::string& d, const std::string& joint = "") { return refused(link(joint, d, 5)); };
   const auto says = [](const std::string& message, const std::string& text) { EXPECT_NE(message.find(text), std::string::npos) << message; };
   says(drive("mode: pd, angle: 1"), "needs 'kp'");
-  says(drive("mode: pd, kp: 1"), "needs a target: 'angle', 'file' or 'sine'");
+  says(drive("mode: pd, kp: 1"), "needs a target: 'angle', 'file', 'sine' or 'gait'");
   says(drive("mode: pd, kp: 1, torque: 1"), "torque has no meaning: of this joint a drive of mode pd aims at 'angle'");
   says(drive("mode: pd, kp: 1, angle: 1, velocity: 1"), "velocity needs 'effort'");
   says(drive("mode: effort, torque: 1, kp: 3"), "kp has no meaning in a drive of mode effort");

@@ -170,6 +170,60 @@ TEST(Mimic, OfGivenAngles) {
   EXPECT_NE(why.find("the target of 'two', which mimics 'one', is"), std::string::npos) << why;
 }
 
+// The motor of a given leader bears what follows it, r times: weights W (1 + r), and (1 + r^2) I theta'' from a (1 - cos w t).
+TEST(Mimic, ALeadersMotorBearsWhatFollows) {
+  const double r = -0.4, h = 5e-4, a = 0.3, w = 2 * M_PI;
+  Rig held(two_links(", ratio: -0.4", "  drive: [{joint: one, mode: kinematic, angle: 0}]\n", 2));
+  held.steps(5);
+  EXPECT_NEAR(held.fields().at("drive/one_torque"), -(1 + r) * kWeight, 1e-6 * kWeight);
+  EXPECT_NEAR(held.fields().at("drive/two_torque"), -kWeight, 1e-6 * kWeight);
+  Rig turned(two_links(", ratio: -0.4", "  drive: [{joint: one, mode: kinematic, angle: 0.3, sine: {angle: -0.3, frequency: 1, phase: 90 deg}}]\n",
+                       1e3 * h, "axis: [0, 1, 0]", "bdf2"),
+             {kNoWeight});
+  turned.steps(5);
+  for (int n = 6; n <= 200; ++n) {
+    turned.step();
+    const double most = (1 + r * r) * kInertia * a * w * w;
+    EXPECT_NEAR(turned.fields().at("drive/one_torque"), most * std::cos(w * n * h), 0.002 * most) << n;
+  }
+  // What follows hangs on its leader: W of both links about the first hinge, and r times that of the second about its own.
+  std::string finger = two_links(", ratio: 0.5", "  drive: [{joint: one, mode: kinematic, angle: 0}]\n", 2);
+  finger.replace(finger.find("position: [50 mm, 200 mm, 0]"), 28, "position: [150 mm, 0, 0]");
+  finger.replace(finger.find("body: b, at: [0, 200 mm, 0]"), 27, "body: b, to: a, at: [100 mm, 0, 0]");
+  Rig rig(finger);
+  rig.steps(5);
+  EXPECT_NEAR(rig.fields().at("drive/one_torque"), -(kWeight + 3 * kWeight) - 0.5 * kWeight, 1e-6 * kWeight);
+}
+
+// One gram and ten kilograms that follow each other, either way, by each linear solver: (I_a + r^2 I_b) theta'' = W_a cos theta + r W_b cos(r theta).
+TEST(Mimic, OfVeryUnequalMasses) {
+  const double r = -0.5, T = 0.06;
+  for (const auto& [a, b] : {std::pair<double, double>{1e-3, 10}, {10, 1e-3}}) {
+    const double I = (a + r * r * b) * kInertia / 0.04, w = kWeight / 0.04;
+    double x = 0, v = 0;
+    const int n = 6000;
+    for (int i = 0; i < n; ++i) {  // the midpoint rule
+      const double k = T / n, mid = x + 0.5 * k * v;
+      const double turn = w * (a * std::cos(mid) + r * b * std::cos(r * mid)) / I;
+      x += k * (v + 0.5 * k * turn), v += k * turn;
+    }
+    for (const char* linear : {"direct", "reuse", "cg"}) {
+      std::string yaml = two_links(", ratio: -0.5", std::string("solver: {linear: ") + linear + "}\n", 1, "axis: [0, 1, 0]", "bdf2");
+      for (const double m : {a, b}) yaml.replace(yaml.find("material: steel"), 15, fmt::format("mass: {}", m));
+      Rig rig(yaml);
+      double missed = 0;
+      Index most = 0;
+      for (int i = 0; i < 60; ++i) {
+        most = std::max(most, rig.step().newton);
+        missed = std::max(missed, std::abs(rig.fields().at("joint/two_mimic_error")));
+      }
+      EXPECT_LE(missed, 1e-10) << a << " " << linear;
+      EXPECT_LE(most, 8) << a << " " << linear;
+      EXPECT_NEAR(rig.fields().at("joint/one_angle"), x, 2e-3 * std::abs(x)) << a << " " << linear;
+    }
+  }
+}
+
 // A rack on a rail and its pinion: a force on the rack of r m turns the pinion.
 TEST(Mimic, RackAndPinion) {
   const std::string yaml = R"(

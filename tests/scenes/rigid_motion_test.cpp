@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "geometry/primitives.h"
+#include "measured.h"
 #include "rig.h"
 
 using namespace mortise;
@@ -96,6 +97,8 @@ TEST(RigidMotion, ARampOfThirtyDegreesLetsGoBelowItsTangent) {
     const double x2 = pose_of(rig, "block", centre).p[0];
     rig.step();
     const double x3 = pose_of(rig, "block", centre).p[0];
+    measured("mu_" + std::to_string(i) + "_7", i <= 4 ? ((x3 - x2) - (x1 - x0)) / (40 * h * h) : (x3 - x1) / (40 * h));
+    measured("mu_" + std::to_string(i) + "_7_exact", i <= 4 ? a : 1e-5 * (1 - std::sqrt(1 - std::tan(th) / mu)));
     if (i <= 4)
       EXPECT_NEAR(((x3 - x2) - (x1 - x0)) / (40 * h * h), a, 0.005 * a) << "mu " << i << "/7";
     else
@@ -136,6 +139,7 @@ effects:
     if (k > 20 && (radius - before) / h > 1e-3) slipped = w0 + alpha * (k + 1) * h;
     before = radius;
   }
+  measured("slips_at", slipped), measured("slips_at_exact", std::sqrt(mu * kGravity / r));
   EXPECT_NEAR(slipped, std::sqrt(mu * kGravity / r), 0.02 * slipped);
 }
 
@@ -168,6 +172,7 @@ effects:
   EXPECT_NEAR(v[0], v0 - mu * kGravity * t, 0.01 * v[0]);
   EXPECT_NEAR(w[1], 2.5 * mu * kGravity * t / R, 0.01 * w[1]);
   state(130, v, w);
+  measured("rolls_with", v[0]), measured("rolls_with_exact", 5 * v0 / 7), measured("rolls_turn", w[1] * R);
   ASSERT_GT(385 * h, rolls);
   EXPECT_NEAR(v[0], 5 * v0 / 7, 0.01 * v[0]);
   EXPECT_NEAR(w[1] * R, v[0], 0.01 * v[0]);
@@ -215,6 +220,7 @@ effects:
     sum += T2, least = std::min(least, T2), most = std::max(most, T2);
   }
   const double expected = std::exp(mu * M_PI * R / (R + 0.5 * thick));
+  measured("ratio", sum / 20 / T1), measured("ratio_exact", expected);
   EXPECT_NEAR(sum / 20 / T1, expected, 0.02 * expected) << least << " to " << most;
 }
 
@@ -249,6 +255,7 @@ solver: {relative_tolerance: 1e-12}
     q[1] = pose_of(rig, "body", Vec3::Zero());
     Vec3 L = momentum(rig);
     EXPECT_LT((L - start).norm(), 0.03 * start.norm());
+    double worst = 0;
     for (int n = 0; n < 50; ++n) {
       rig.step();
       q[2] = pose_of(rig, "body", Vec3::Zero());
@@ -258,9 +265,11 @@ solver: {relative_tolerance: 1e-12}
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) lost += S(i, j) * B1.col(i).cross(B.col(j));
       const Vec3 now = momentum(rig);
+      worst = std::max(worst, (now - L - h * lost).norm() / L.norm());
       EXPECT_LT((now - L - h * lost).norm(), 1e-9 * L.norm()) << n;
       L = now, q[0] = q[1], q[1] = q[2];
     }
+    measured("beside_its_own_loss", worst);
   }
   // Euler's equations, by small steps of Runge and Kutta: where the body is after 0.4 s.
   const double T = 0.4;
@@ -293,6 +302,7 @@ solver: {relative_tolerance: 1e-12}
       error[k] = (pose_of(rig, "body", Vec3::Zero()).A - turn.toRotationMatrix()).norm();
       lost[k] = (momentum(rig) - kept).norm() / kept.norm();
     }
+    measured(integrator + "_lost_at_1_ms", lost[1]), measured(integrator + "_order_of_loss", std::log2(lost[0] / lost[1]));
     EXPECT_GT(std::log2(error[0] / error[1]), order) << integrator << " " << error[0] << " " << error[1];
     EXPECT_GT(std::log2(lost[0] / lost[1]), order) << integrator << " " << lost[0] << " " << lost[1];
   }

@@ -61,7 +61,8 @@ struct Entry {
   bool drags() const { return damping > 0 || friction > 0 || stiffness > 0 || armature > 0; }
 };
 
-Entry read(const Params& p, bool is_static, bool slides) {
+Entry read(const Params& p, bool is_static, const model::Model& model, Index joint) {
+  const bool slides = model.joints[joint].type == model::JointType::prismatic;
   const std::string& mode = p.text("mode");
   Entry e{p.text("joint"),
           mode == "pd"          ? Mode::pd
@@ -106,6 +107,7 @@ Entry read(const Params& p, bool is_static, bool slides) {
     if (!e.drags()) throw Error(Exit::scene, p.where(), "a drive of mode passive needs 'damping', 'friction', 'stiffness' or 'armature'");
   } else {
     e.target = Target(p, e.mode == Mode::effort ? (slides ? Quantity::force : Quantity::torque) : slides ? Quantity::travel : Quantity::angle);
+    if (p.has("gait")) e.target.step(drive::Gait(p.at("gait"), model, joint));
   }
   return e;
 }
@@ -128,7 +130,7 @@ class Drive final : public Effect, public Commanded {
       const Params& p = list.items()[i];
       for (Index j : model::joints_named(model, p.text("joint"), p.at("joint").where())) {
         const Params& own = model.input.effect_of(list, model.joints[j].env).items()[i];
-        entries_.push_back(read(own, is_static_, model.joints[j].type == model::JointType::prismatic));
+        entries_.push_back(read(own, is_static_, model, j));
         const model::Joint& joint = model.joints[j];
         if (!joint.has_coordinate())
           throw Error(Exit::scene, p.at("joint").where(), "'" + joint.name + "' has nothing to drive: it is neither revolute nor prismatic");
@@ -169,7 +171,7 @@ class Drive final : public Effect, public Commanded {
       d.law.effort = e.effort, d.law.velocity = e.velocity, d.law.h = is_static_ ? 1 : step.dt, d.law.damping = e.damping,
       d.law.friction = e.friction;
       d.law.stiffness = e.stiffness, d.law.stretch = j.value - e.rest, d.law.armature = e.armature, d.law.rate = j.rate;
-      d.law.creep = j.type == model::JointType::prismatic ? drive::kCreepSlide : drive::kCreep;
+      d.law.creep = j.type == model::JointType::prismatic ? drive::tuning::kCreepSlide : drive::tuning::kCreep;
       if (e.mode == Mode::pd) d.law.a = e.kp * (d.target - j.value), d.law.K = e.kp + e.kd / d.law.h;
       if (e.mode == Mode::effort) d.law.a = d.target;
     }
@@ -256,10 +258,9 @@ class Drive final : public Effect, public Commanded {
   void hand_over(Driven d, const Params& time) {
     const model::Joint& j = model_.joints[d.joint];
     const Entry& e = entries_[d.entry];
-    constexpr double kSame = 1e-6;  // [rad, m]
     const std::string unit = std::string(" ") + j.unit();
     if (j.leader >= 0) throw Error(Exit::scene, e.where, "'" + j.name + "' mimics '" + model_.joints[j.leader].name + "': drive that one");
-    if (std::abs(e.target(0) - j.at_rest) > kSame) {
+    if (std::abs(e.target(0) - j.at_rest) > drive::tuning::kSame) {
       std::ostringstream why;
       why << "the target of '" << j.name << "' begins at " << e.target(0) << unit << ", but the joint stands at " << j.at_rest << unit
           << ": begin there, or place its bodies otherwise and say so with the joint's '"
@@ -297,15 +298,15 @@ class Drive final : public Effect, public Commanded {
 
   // Points go straight from where they are to where they are asked to be, and what lies beside that way is not met: the same measure as for pins.
   void turn(const StepInfo& step) {
-    constexpr double kMost = 0.126;  // [rad]: an arc of it about the middle of a body leaves its chord by 0.2 % of the body
+    using drive::tuning::kMostTurn;
     for (Driven& d : given_) {
       const model::Joint& j = model_.joints[d.joint];
       if (!step.taken_by(j.env)) continue;
       d.target = wanted(d, step.t1_of(j.env));
-      if (j.type == model::JointType::prismatic || std::abs(d.target - j.value) <= kMost) continue;
+      if (j.type == model::JointType::prismatic || std::abs(d.target - j.value) <= kMostTurn) continue;
       std::ostringstream why;
       why << "the drive of '" << j.name << "' turns it by " << std::abs(d.target - j.value) << " rad in a step of " << step.dt
-          << (step.is_static ? "" : " s") << "; it may be " << kMost << " rad at most: take shorter steps";
+          << (step.is_static ? "" : " s") << "; it may be " << kMostTurn << " rad at most: take shorter steps";
       throw Failure{why.str(), j.env};
     }
     place();
@@ -347,7 +348,7 @@ const Kind& drive_kind() {
   static const Kind kind = Kind{"drive", Role::motor, "motors of joints: PD, given torque or given angle; friction of bearings", &kTable,
                                 [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Drive>(p, m); }}
                                .differing_in({"kp", "kd", "effort", "velocity", "damping", "friction", "stiffness", "rest", "armature", "angle",
-                                              "travel", "torque", "force", "sine"});
+                                              "travel", "torque", "force", "sine", "gait"});
   return kind;
 }
 

@@ -16,12 +16,11 @@
 #include <cmath>
 
 #include "base/types.h"
+#include "effects/drive/tuning.h"
 
 namespace mortise::effects::drive {
 
-inline constexpr double kRamp = 0.1;  // of `velocity`: its last tenth, over which the torque goes; a step's rate has to find its place there
-inline constexpr double kCreep = 1e-3,
-                        kCreepSlide = 1e-4;  // [rad/s], [m/s]: rate at which dry friction is fully there; what it holds creeps more slowly
+using tuning::kRamp;
 
 MORTISE_HD inline double clamp01(double t) { return t < 0 ? 0.0 : t > 1 ? 1.0 : t; }
 
@@ -29,7 +28,7 @@ struct Law {
   double a = 0, K = 0;
   double effort = INFINITY, velocity = INFINITY;
   double h = 1;
-  double damping = 0, friction = 0, creep = kCreep;
+  double damping = 0, friction = 0, creep = tuning::kCreep;
   double stiffness = 0, stretch = 0;  // S; theta_n - theta_0
   double armature = 0, rate = 0;      // J; v_n
 

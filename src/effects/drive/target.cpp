@@ -96,12 +96,13 @@ std::vector<Param> target_params() {
           optional(of(Param::Kind::schedule, "force", Unit::force, std::nullopt, "Force of a drive of mode effort on a prismatic joint, over time.")),
           param::table("file", &kFile, "Target from a file."),
           param::table("sine", &kSine, "An oscillation about the target."),
+          param::table("gait", &gait_table, "Steps of a leg: the target of one of its two hinges."),
           param::choice("interpolation", {"linear", "smooth"}, "linear",
                         "Between keys: linear, or by a cubic that starts and ends at rest and never overshoots a key.")};
 }
 
 bool Target::any(const Params& entry) {
-  for (const char* key : {"angle", "travel", "torque", "force", "file", "sine"})
+  for (const char* key : {"angle", "travel", "torque", "force", "file", "sine", "gait"})
     if (entry.has(key)) return true;
   return false;
 }
@@ -112,9 +113,20 @@ Target::Target(const Params& entry, Quantity what) {
                     needs = std::string(" has no meaning: of this joint a drive of mode ") + mode + " aims at '" + mine + "'";
   for (const auto& [other, of_other] : kKeys)
     if (of_other != what && entry.has(other)) throw Error(Exit::scene, entry.at(other).where(), other + needs);
-  if (!any(entry)) throw Error(Exit::scene, entry.where(), "a drive of mode " + mode + " needs a target: '" + mine + "', 'file' or 'sine'");
+  if (!any(entry))
+    throw Error(
+        Exit::scene, entry.where(),
+        "a drive of mode " + mode + " needs a target: '" + mine + "', 'file'" + (what == Quantity::angle ? ", 'sine' or 'gait'" : " or 'sine'"));
   if (entry.has(mine) && entry.has("file"))
     throw Error(Exit::scene, entry.at("file").where(), std::string("has keys in '") + mine + "' and in 'file'; give one of them");
+  if (entry.has("gait")) {
+    if (what != Quantity::angle) throw Error(Exit::scene, entry.at("gait").where(), "gait" + needs + "; it turns hinges");
+    for (const char* other : {"angle", "file", "sine"})
+      if (entry.has(other))
+        throw Error(Exit::scene, entry.at(other).where(),
+                    std::string("a drive with a gait aims where that says: '") + other + "' has no place beside it");
+    return;
+  }
   const bool smooth = entry.text("interpolation") == "smooth";
   if (entry.has(mine)) keys_ = Schedule(entry.at(mine), smooth);
   if (const Params* file = entry.find("file")) keys_ = Schedule(keys_of(*file, what), smooth);

@@ -1,10 +1,12 @@
 #pragma once
-// What a drive aims at over time: keys of the scene or of a file, plus a sine.
+// What a drive aims at over time: keys of the scene or of a file, plus a sine; or the steps of a leg.
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "base/param_table.h"
 #include "base/params.h"
+#include "effects/drive/gait.h"
 
 namespace mortise::effects::drive {
 
@@ -17,13 +19,15 @@ class Target {
  public:
   Target() = default;
   Target(const Params& entry, Quantity what);  // throws Error(Exit::scene)
-  double operator()(double t) const { return keys_(t) + amplitude_ * std::sin(omega_ * t + phase_); }
+  void step(const Gait& gait) { gait_ = gait; }
+  double operator()(double t) const { return gait_ ? (*gait_)(t) : keys_(t) + amplitude_ * std::sin(omega_ * t + phase_); }
 
   // Does the block aim at anything, or at this?
   static bool any(const Params& entry);
 
  private:
   Schedule keys_{Params::make_number(0)};
+  std::optional<Gait> gait_;
   double amplitude_ = 0, omega_ = 0, phase_ = 0;  // omega [1/s]
 };
 

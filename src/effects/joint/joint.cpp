@@ -32,7 +32,8 @@ class Joints final : public Effect {
         if (!std::isfinite(joint.low)) continue;
         stopped_.push_back(static_cast<Index>(j)), env.push_back(e);
         stops_.push_back({joint.low, joint.high,
-                          std::min(joint.type == model::JointType::prismatic ? stop::kSlide : stop::kTurn, stop::kShare * (joint.high - joint.low)),
+                          std::min(joint.type == model::JointType::prismatic ? joint::tuning::kSlide : joint::tuning::kTurn,
+                                   joint::tuning::kShare * (joint.high - joint.low)),
                           read.stop_effort[j] > 0 ? read.stop_effort[j] : usual_effort(joint)});
       }
     energy_.set_environments(env, model.envs);

@@ -5,6 +5,7 @@
 #include <deque>
 
 #include "effects/joint/joint.h"
+#include "effects/joint/tuning.h"
 
 namespace mortise::effects::joint {
 
@@ -200,8 +201,7 @@ void mimic(const model::Model& model, const Joint& j, Read& all) {
   for (Index at = number(leader); at >= 0 && round <= all.joints.size(); at = all.joints[at].leader, ++round)
     if (at == number(me)) refuse(leader == me ? "that is the same joint" : "that one follows it");
   me->leader = number(leader), me->ratio = p.number("ratio");
-  constexpr double kParallel = 1e-9;
-  if (leader->type != me->type || leader->to != me->to || leader->axis.cross(me->axis).norm() > kParallel || me->follower != me->body) return;
+  if (leader->type != me->type || leader->to != me->to || leader->axis.cross(me->axis).norm() > tuning::kParallel || me->follower != me->body) return;
   const double ratio = me->ratio * (leader->axis.dot(me->axis) > 0 ? 1 : -1);
   model::Tie& tie = all.ties[me->tie];
   if (me->type == Type::prismatic && leader->follower == leader->body) {

@@ -9,14 +9,9 @@
 
 #include "base/math.h"
 #include "base/types.h"
+#include "effects/joint/tuning.h"
 
 namespace mortise::effects::stop {
-
-// The last degree or half millimetre before a stop, and no more than a twentieth of all there is: far below what limits are known to, wide enough for
-// Newton's method.
-inline constexpr double kTurn = 0.0175, kSlide = 5e-4, kShare = 0.05;
-// Of the distance to a stop, what a step of Newton's method leaves at least; as in contact (contact/proximity.h).
-inline constexpr double kKeep = 0.3;
 
 MORTISE_HD inline double b(double t) { return t < 1 ? -(t - 1) * (t - 1) * ln(t) : 0; }
 MORTISE_HD inline double phi(double t) { return t < 1 ? 2 * (t - 1) * ln(t) + (t - 1) * (t - 1) / t : 0; }
@@ -24,8 +19,8 @@ MORTISE_HD inline double phi_falls(double t) { return t < 1 ? -2 * ln(t) - 4 * (
 
 struct Stops {
   double low, high, range, strength;
-  MORTISE_HD double up(double x) const { return (1 - kKeep) * (high - x); }
-  MORTISE_HD double down(double x) const { return (1 - kKeep) * (x - low); }
+  MORTISE_HD double up(double x) const { return (1 - joint::tuning::kKeep) * (high - x); }
+  MORTISE_HD double down(double x) const { return (1 - joint::tuning::kKeep) * (x - low); }
   MORTISE_HD double energy(double x) const {
     if (!(x > low && x < high)) return INFINITY;
     return strength * range * (b((x - low) / range) + b((high - x) / range));

@@ -1,7 +1,18 @@
 #pragma once
-// Numbers of the augmented Lagrangian of joints (equation.h), with their reasons.
+// Numbers of stops and of the augmented Lagrangian of joints, with their reasons.
 
 namespace mortise::effects::joint::tuning {
+
+// Stops (stop.h) begin the last degree or half millimetre before a limit, and no more than a twentieth of all there is: far below what limits are
+// known to, wide enough for Newton's method.
+inline constexpr double kTurn = 0.0175, kSlide = 5e-4, kShare = 0.05;
+// Of the distance to a stop, what a step of Newton's method leaves at least; as in contact (contact/proximity.h).
+inline constexpr double kKeep = 0.3;
+
+// [rad] between the axes of joints that are tied to mimic each other: as far as rounding goes, others are equations.
+inline constexpr double kParallel = 1e-9;
+
+// Equations (equation.h):
 
 // K: of the inertia of all bodies at their lever over the square of the step. An update of lambda leaves of |c| about what else resists over K, which
 // at that inertia is a thousandth or less; much larger, and rounding of an angle would be a torque that Newton's method sees.

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+
+#include "importers/mjcf/words.h"
 
 namespace mortise::importers::mjcf {
 namespace {
@@ -48,11 +51,20 @@ void drive(const Element& e, Joint& j) {
 void read_actuators(const Element& root, const Defaults& defaults, Robot& robot, Notes& notes) {
   bool any = false;
   std::map<std::string, std::vector<std::size_t>> tendons;  // joints that they pull
+  std::set<std::string> idle;                               // that no actuator pulls
+  std::map<std::string, SourceLoc> places;
   for (const Element& section : root.children("tendon"))
-    for (const Element& fixed : section.children("fixed")) {
-      if (!fixed.has("name")) continue;
+    for (const Element& fixed : section.children()) {
+      if (fixed.name() != "fixed") {
+        notes.add(fixed.where(), "<" + fixed.name() + "> in <tendon> is not imported");
+        continue;
+      }
+      fixed.expect(words::tendon, {"joint"}, words::dropped_tendon, notes);
+      const std::string name = fixed.text("name", "");
+      idle.insert(name), places[name] = fixed.where();
+      if (name.empty()) continue;
       for (const Element& j : fixed.children("joint"))
-        if (!freed(robot, j, "joint")) tendons[fixed.text("name")].push_back(named(robot.joints, j, "joint", "joint"));
+        if (!freed(robot, j, "joint")) tendons[name].push_back(named(robot.joints, j, "joint", "joint"));
     }
   std::vector<std::uint8_t> driven(robot.joints.size(), 0);
   for (const Element& section : root.children("actuator"))
@@ -66,11 +78,13 @@ void read_actuators(const Element& root, const Defaults& defaults, Robot& robot,
         drive(e, robot.joints[j]);
       } else if (e.has("tendon") && tendons.count(e.text("tendon")) > 0) {
         for (const std::size_t j : tendons[e.text("tendon")]) driven[j] = 1;
+        idle.erase(e.text("tendon"));
         notes.add(e.where(), "joints that a tendon pulls have motors of their own");
       } else {
         notes.add(e.where(), "an actuator that acts on no joint, or on one of a free body, is left out");
       }
     }
+  for (const std::string& name : idle) notes.add(places[name], "a tendon that no actuator pulls is not imported");
   for (std::size_t j = 0; j < robot.joints.size(); ++j) robot.joints[j].passive = any && driven[j] == 0;
 }
 

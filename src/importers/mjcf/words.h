@@ -51,6 +51,12 @@ inline const Words joint{"name",
                          "user"};
 inline const Words dropped_joint{"springdamper", "actuatorgravcomp"};
 
+// A fixed tendon says which joints an actuator pulls. Springs, limits and resistance of tendons are left out.
+inline const Words tendon{"name",           "class",  "group", "solreflimit", "solimplimit", "solreffriction",
+                          "solimpfriction", "margin", "width", "material",    "rgba",        "user"};
+inline const Words dropped_tendon{"range",        "limited",  "stiffness",        "damping",           "frictionloss",
+                                  "springlength", "armature", "actuatorfrcrange", "actuatorfrclimited"};
+
 // Attributes that stand in classes of defaults.
 inline const std::map<std::string, std::pair<Words, Words>> of_defaults{
     {"geom", {with_pose(geom), dropped_geom}},

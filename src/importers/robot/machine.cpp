@@ -131,6 +131,7 @@ class Assembly {
     if (const std::optional<Vec3> asked = colour_of(l.name)) b.colour = asked, b.one_colour = true;
     if (l.inertial) b.inertial = together(b.inertial, moved(*l.inertial, at));
     if (!b.colour && l.visuals.empty()) b.colour = l.colour;
+    b.undrawn = b.undrawn || l.undrawn;
     for (Shape s : l.visuals) {
       s.at = at * s.at;
       if (!b.colour) b.colour = s.colour;
@@ -139,6 +140,7 @@ class Assembly {
     for (Shape s : l.collisions) {
       if (!b.colour) b.colour = s.colour;
       s.at = at * s.at;
+      if (l.visuals.empty()) b.unseen.push_back(s), b.unseen.back().colour = l.colour ? l.colour : s.colour;
       b.shapes.push_back(std::move(s));
     }
   }
@@ -157,6 +159,7 @@ class Assembly {
       }
     std::vector<std::uint8_t> free(robot_.joints.size(), 0);
     looped_ = in_loops();
+    const bool held = options_.held || robot_.links[robot_.root].name == "world";
     for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
       const Joint& j = robot_.joints[i];
       if (!j.moves()) continue;
@@ -175,6 +178,10 @@ class Assembly {
                                      " and " + std::to_string(high));
       const double range = std::min(kStopRange[j.type == Joint::Type::prismatic], (high - low) / 20);
       if (!asked) stands_[i] = std::clamp(stands_[i], low + kFromLimit * range, high - kFromLimit * range);
+      if (!asked && !j.stand && options_.sway > 0 && held) {  // room to swing; who stands on the floor would fall
+        const double room = widest_swing(j.type) / kSwayRoom;
+        stands_[i] = high - low > 2 * room ? std::clamp(stands_[i], low + room, high - room) : 0.5 * (low + high);
+      }
     }
     bend_back(free);
     for (std::size_t round = 0; round < robot_.joints.size(); ++round)  // leaders that follow others
@@ -231,6 +238,7 @@ class Assembly {
   // A body needs a surface: what touches, else what is seen, else a small ball.
   void shape_of(std::size_t index) {
     Body& b = out_.bodies[index];
+    if (b.undrawn && !b.visuals.empty()) b.visuals.insert(b.visuals.end(), b.unseen.begin(), b.unseen.end());
     if (!b.shapes.empty()) return;
     for (const Shape& shape : b.visuals)
       if (shape.kind != Shape::Kind::mesh && shape.kind != Shape::Kind::ellipsoid) b.shapes.push_back(shape);
@@ -314,8 +322,9 @@ class Assembly {
     low = std::min(low, a.stands - room), high = std::max(high, a.stands + room);
   }
 
+  double widest_swing(Joint::Type type) const { return options_.sway * (type == Joint::Type::prismatic ? kSwaySlide : 1); }
   double swing(const Axis& a) const {
-    const double widest = options_.sway * (a.type == Joint::Type::revolute ? 1 : kSwaySlide);
+    const double widest = widest_swing(a.type);
     return a.limits ? std::max(0.0, std::min(widest, kSwayRoom * std::min(a.stands - a.limits->first, a.limits->second - a.stands))) : widest;
   }
 

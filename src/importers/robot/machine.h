@@ -15,6 +15,13 @@ struct SoftLink {
   SoftLink(const char* name) : link(name) {}
 };
 
+// How legs step; what is absent is chosen by their length.
+struct GaitOptions {
+  std::string type;                                       // of gait.h; "": they stand
+  std::optional<double> period, stride, clearance, duty;  // [s], [m], [m], share of a cycle
+  std::string asked = "--gait ";                          // how messages call what asked for it
+};
+
 struct MachineOptions {
   std::vector<std::pair<std::string, double>> stands;            // joints, by pattern with * and ?: where they stand [rad, m]; the right-most holds
   std::vector<SoftLink> soft;                                    // of those that fit a link the right-most holds
@@ -24,6 +31,7 @@ struct MachineOptions {
   int apart = 2;                                                 // bodies that no more joints than these lie between pass through each other
   std::vector<std::pair<std::string, Vec3>> colours;             // links, by pattern: sRGB of the body that has them
   std::string asked_soft = "--soft ", asked_joint = "--joint ";  // how messages call what asked for a soft link, for a joint's place
+  GaitOptions gait{};
 };
 
 struct Body {
@@ -31,6 +39,8 @@ struct Body {
   std::vector<std::string> links;  // the first gives the body's frame
   std::vector<Shape> shapes;       // in it
   std::vector<Shape> visuals;      // in it
+  std::vector<Shape> unseen;       // of links without visuals: drawn where a mesh of the body is missing
+  bool undrawn = false;            // and so it is
   std::optional<Shape> drawn;      // a mesh; see draw.h
   std::optional<Vec3> colour;
   bool one_colour = false;  // whatever its visuals have
@@ -56,6 +66,12 @@ struct Axis {  // a joint that moves: a hinge, a slide, a ball joint
   double ratio = 1;
   double swing = 0;      // amplitude of its motor's target [rad, m]
   bool passive = false;  // without a motor
+  struct Step {
+    std::size_t upper, lower;  // hinges of its leg
+    Vec3 foot;                 // in the world
+    double phase;
+  };
+  std::optional<Step> step;
   SourceLoc where;
 };
 
@@ -85,6 +101,10 @@ struct Machine {
   std::vector<Axis> axes;
   std::vector<ClosingJoint> loops;
   std::vector<Pad> pads;
+  struct Gait {
+    double period, stride, clearance, duty;
+  };
+  std::optional<Gait> gait;
   std::vector<std::pair<std::size_t, std::size_t>> apart;  // bodies and pads (numbered after the bodies) that the file says shall not touch
   double mass() const;
 };

@@ -107,6 +107,7 @@ void find_meshes(Robot& robot, const MeshOptions& options, Notes& notes) {
       std::erase_if(*shapes, [&](const Shape& s) {
         if (s.kind != Shape::Kind::mesh || is_file(s.file)) return false;
         if (!link.colour) link.colour = s.colour;
+        link.undrawn = link.undrawn || shapes == &link.visuals;
         notes.add(s.where, std::string(shapes == &link.visuals ? "a visual" : "a collision") + " mesh is missing and left out");
         return true;
       });

@@ -55,6 +55,7 @@ struct Link {
   std::optional<Inertial> inertial;
   std::vector<Shape> visuals, collisions;
   std::optional<Vec3> colour;  // of visuals that are not there
+  bool undrawn = false;        // a visual mesh of it is missing
   bool bearing = false;        // without a shape: between two joints of one body
   bool weighed = false;        // its shapes' mass counts, whatever `inertial` is
   SourceLoc where;

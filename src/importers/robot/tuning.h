@@ -25,6 +25,15 @@ inline constexpr double kOverlap = 1e-3;                    // bodies nearer tha
 inline constexpr double kRubber = 1e6;                      // Young's modulus of a pad [Pa]: Shore A 28
 inline constexpr double kRubberPoisson = 0.45;
 inline constexpr double kPadDensity[3] = {200, 5000, 1100};  // what a pad's mass and volume may make, and what stands for all else [kg/m^3]
-inline constexpr double kPadCells = 6;                       // along the side of a cube as large as the box around a pad
+inline constexpr double kAcross = 0.5;                       // least that hinges of legs lean against x and z, as cosine: 30 degrees
+inline constexpr double kParallelLeg = 1e-3;                 // [rad] between them: what files round
+inline constexpr double kBent = 0.02;                        // [rad] of a knee: which way a straighter one is to bend is not known
+// Steps of legs, where nothing is said: those of Go2's usual trot (2 Hz, 0.10 m, 0.06 m at hips 0.27 m high), times roots and ratios of heights.
+inline constexpr double kPeriod = 3;                        // of the root of height over gravity
+inline constexpr double kStride = 0.37, kClearance = 0.22;  // of the height
+inline constexpr double kTrotDuty = 0.55, kWalkDuty = 0.8;  // a little, or all but one leg, longer than half on the ground
+inline constexpr double kGaitBegin = 0.3, kGaitRamp = 0.5;  // [s]: it has come down to the floor by then; steps grow over a cycle
+inline constexpr double kGaitCycles = 4;                    // that the written scene has time for
+inline constexpr double kPadCells = 6;                      // along the side of a cube as large as the box around a pad
 
 }  // namespace mortise::importers

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <utility>
 
 #include "geometry/bounds.h"
 #include "importers/robot/solid.h"
@@ -52,6 +53,7 @@ class Writer {
     for (const Body& b : m.bodies)
       for (const Shape& s : b.shapes) include(bounds(s, b.at * s.at));
     for (const Pad& p : m.pads) include(bounds(p.shape, p.shape.at));
+    if (m.gait) include({around_.lo + Vec3::UnitX() * way(), around_.hi + Vec3::UnitX() * way()});
   }
 
   std::string scene(const std::string& command) {
@@ -66,7 +68,8 @@ class Writer {
     line("mortise: 1");
     line("name: " + m_.name);
     line("");
-    line("time: {step: 5 ms, steps: 200, frame_every: 10}");
+    const double lasts = m_.gait ? kGaitBegin + kGaitRamp + kGaitCycles * m_.gait->period : 1;
+    line(fmt::format("time: {{step: 5 ms, steps: {}, frame_every: 10}}", static_cast<int>(std::ceil(lasts / 0.005 - 1e-9))));
     line("");
     if (!m_.pads.empty()) materials();
     bodies();
@@ -78,6 +81,8 @@ class Writer {
 
  private:
   void line(const std::string& text) { out_ += text + "\n"; }
+  // How far it steps, if nothing slips and motors keep up.
+  double way() const { return m_.gait->stride * (0.5 * kGaitRamp / m_.gait->period + kGaitCycles) / m_.gait->duty; }
   void include(const std::pair<Vec3, Vec3>& b) { around_.include(b.first), around_.include(b.second); }
 
   std::string file(const std::string& mesh) const {
@@ -271,10 +276,26 @@ class Writer {
     if (a.effort > 0) text += ", effort: " + number(a.effort);
     if (a.effort > 0 && a.velocity > 0) text += ", velocity: " + number(a.velocity);
     text += resistance(a);
+    if (a.step) {
+      line("    - {" + text + gait(*a.step) + "}");
+      return;
+    }
     text += turns ? ", angle: " + angle(a.stands) : ", travel: " + length(a.stands);
     if (a.swing != 0)
       text += fmt::format(", sine: {{{}, frequency: {}}}", turns ? "angle: " + angle(a.swing) : "travel: " + length(a.swing), number(kSwayRate));
     line("    - {" + text + "}");
+  }
+
+  // What all legs have in common is written once.
+  std::string gait(const Axis::Step& s) {
+    const Machine::Gait& g = *m_.gait;
+    const std::string common =
+        std::exchange(gait_written_, true)
+            ? "*steps"
+            : fmt::format("&steps {{period: {} s, stride: {}, clearance: {}, duty: {}, begin: {} s, ramp: {} s}}", number(g.period), length(g.stride),
+                          length(g.clearance), number(g.duty), number(kGaitBegin), number(kGaitRamp));
+    return fmt::format(", gait: {{<<: {}, upper: {}, lower: {}, foot: {}, phase: {}}}", common, m_.axes[s.upper].name, m_.axes[s.lower].name,
+                       vector(s.foot), number(s.phase));
   }
 
   // A ball has a core of half its size; anything else is held where it lies in its link or near to it.
@@ -302,6 +323,7 @@ class Writer {
   const std::vector<PassingPair>& passing_;
   const std::string& path_;
   geometry::Bounds around_;
+  bool gait_written_ = false;
   std::string out_;
 };
 
