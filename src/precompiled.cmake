@@ -3,7 +3,8 @@
 # -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without; the preset `asan` does, which finds sources that lack an include.
 
 # LINK: the libraries whose headers they are. OPTIONS: of all that uses them: what reads and writes text is compiled in up to a quarter less time with
-# -O1, and the press scene with its pictures takes as long as before (6 steps: 21.8 CPU s, 22.1 with -O2). PROGRAM: for programs, whose code is position-independent in another way than that of libraries.
+# -O1, and the press scene with its pictures takes as long as before (6 steps: 21.8 CPU s, 22.1 with -O2). PROGRAM: for programs, whose code is
+# position-independent in another way than that of libraries.
 function(mortise_precompile name)
   cmake_parse_arguments(A "PROGRAM" "" "HEADERS;LINK;OPTIONS" ${ARGN})
   set(target mortise_headers_${name})
@@ -34,8 +35,8 @@ endfunction()
 
 # What runs kernels; what reads and writes text; tests.
 mortise_precompile(engine HEADERS <tbb/blocked_range.h> <tbb/parallel_for.h> LINK TBB::tbb)
-mortise_precompile(front OPTIONS $<$<CONFIG:Release>:-O1> HEADERS <chrono> <filesystem> <fstream> <iostream> <span> <sstream> <fmt/format.h> <nlohmann/json.hpp>
-  LINK nlohmann_json::nlohmann_json fmt::fmt)
+mortise_precompile(front OPTIONS $<$<CONFIG:Release>:-O1>
+  HEADERS <chrono> <filesystem> <fstream> <iostream> <span> <sstream> <fmt/format.h> <nlohmann/json.hpp> LINK nlohmann_json::nlohmann_json fmt::fmt)
 if(MORTISE_TESTS)
   find_package(GTest REQUIRED)
   mortise_precompile(tests PROGRAM HEADERS <fstream> <sstream> <random> <tbb/blocked_range.h> <tbb/parallel_for.h> <nlohmann/json.hpp> <gtest/gtest.h>

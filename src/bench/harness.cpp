@@ -12,12 +12,13 @@
 #include "engine/effect_tables.h"
 #include "engine/input.h"
 #include "geometry/topology.h"
+#include "output/json_number.h"
 #include "sensors/sensors.h"
 
 namespace mortise::bench {
 namespace {
 
-nlohmann::ordered_json number(double v) { return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json(nullptr); }
+using output::number_or_null;
 
 std::string cell(double v) { return std::isnan(v) ? "-" : fmt::format("{:.6g}", v); }
 
@@ -62,13 +63,14 @@ void check(const engine::Outcome& o) {
 std::string json_line(const Row& r) {
   nlohmann::ordered_json j;
   j["case"] = r.name, j["method"] = r.method, j["quantity"] = r.quantity;
-  j["value"] = number(r.value), j["reference"] = number(r.reference), j["error"] = number(r.error), j["gate"] = number(r.gate);
+  j["value"] = number_or_null(r.value), j["reference"] = number_or_null(r.reference), j["error"] = number_or_null(r.error),
+  j["gate"] = number_or_null(r.gate);
   if (r.gated() || r.failed)
     j["pass"] = r.pass();
   else
     j["pass"] = nullptr;
   if (!r.as.letter.empty()) j["grade"] = r.as.letter, j["grade_reason"] = r.as.reason, j["graded"] = r.as.graded;
-  j["seconds"] = number(r.seconds), j["newton_iterations"] = r.newton_iterations, j["dofs"] = r.dofs;
+  j["seconds"] = number_or_null(r.seconds), j["newton_iterations"] = r.newton_iterations, j["dofs"] = r.dofs;
   return j.dump();
 }
 

@@ -9,8 +9,8 @@
 #include "cli/commands.h"
 #include "engine/effect_tables.h"
 #include "geometry/io/write.h"
-#include "importers/robot/gait.h"
 #include "scene/quantity.h"
+#include "scene/robot.h"
 
 namespace mortise::cli {
 namespace {
@@ -111,7 +111,7 @@ void add_import(Command app, Context& context) {
   sub.option("--sway", o->sway,
              "all joints swing by this about where they stand, once a second: '10 deg' (slides: 100 mm per radian), within their limits");
   sub.option("--gait", o->gait, "walk, trot, pace or bound: four legs step in turn, along x; mortise effects drive explains the numbers")
-      .one_of(importers::kGaits);
+      .one_of(scene::kGaits);
   sub.option("--base", o->base,
              "free or fixed: bodies that move freely and have joints below them are held; a root link called world, and what MJCF fixes to its "
              "world, never moves")

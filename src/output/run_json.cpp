@@ -6,13 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "output/atomic_file.h"
+#include "output/json_number.h"
 
 namespace mortise::output {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 const char* status_of(Exit code) {
   switch (code) {
@@ -36,7 +35,7 @@ Json summary(const std::vector<StepRow>& steps, double StepRow::*column) {
     total += value, largest = std::max(largest, value), smallest = std::min(smallest, value), ++n;
   }
   if (n == 0) return nullptr;
-  return {{"total", number(total)}, {"mean", number(total / n)}, {"min", number(smallest)}, {"max", number(largest)}};
+  return {{"total", number_or_null(total)}, {"mean", number_or_null(total / n)}, {"min", number_or_null(smallest)}, {"max", number_or_null(largest)}};
 }
 
 std::string utc(std::time_t time) {
@@ -69,14 +68,14 @@ std::string run_json(const RunRecord& r) {
   j["linear_solver"] = r.linear_solver;
   j["scene"] = {{"name", r.scene_name}, {"path", r.scene_path}, {"sha256", r.scene_sha256}};
   j["command_line"] = r.command_line;
-  j["wall_seconds"] = number(r.wall_seconds);
+  j["wall_seconds"] = number_or_null(r.wall_seconds);
   j["seconds"] = Json::object();
-  for (const auto& [part, seconds] : r.seconds) j["seconds"][part] = number(seconds);
+  for (const auto& [part, seconds] : r.seconds) j["seconds"][part] = number_or_null(seconds);
   j["cpu_seconds"] = Json::object();
-  for (const auto& [part, seconds] : r.cpu_seconds) j["cpu_seconds"][part] = number(seconds);
+  for (const auto& [part, seconds] : r.cpu_seconds) j["cpu_seconds"][part] = number_or_null(seconds);
   j["phases"] = Json::array();
   for (const auto& p : r.phases) {
-    j["phases"].push_back({{"effect", p.effect}, {"phase", p.phase}, {"seconds", number(p.seconds)}, {"calls", p.calls}});
+    j["phases"].push_back({{"effect", p.effect}, {"phase", p.phase}, {"seconds", number_or_null(p.seconds)}, {"calls", p.calls}});
   }
   j["launches"] = Json::object();
   for (const auto& [kernel, count] : r.launches) j["launches"][kernel] = count;

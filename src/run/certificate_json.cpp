@@ -1,15 +1,14 @@
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "base/version.h"
+#include "output/json_number.h"
 #include "run/certificate.h"
 
 namespace mortise::run {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json number_or_null(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
+using output::number_or_null;
 
 }  // namespace
 

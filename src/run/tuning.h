@@ -20,9 +20,9 @@ inline constexpr Bounds kEnergyGain{1e-3, 1e-2};  // of the largest energy; diss
 inline constexpr Bounds kFreeMotionLoss{0.05, 0.1};
 inline constexpr Bounds kGuard{0.02, 0.1};
 inline constexpr Bounds kStress{0.05, 0.1};
-inline constexpr Bounds kRoughness{0.05, 0.08};
+inline constexpr Bounds kRoughness{0.04, 0.05};
 inline constexpr Bounds kMisfit{0.04, 0.05};
-inline constexpr Bounds kLayer{0.03, 0.07};
+inline constexpr Bounds kLayer{0.03, 0.06};
 
 // ---- what counts in them
 inline constexpr double kStrain = 1e-10;  // far below any strain that means something, far above what rounding of positions makes (certificate.cpp)

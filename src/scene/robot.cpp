@@ -50,8 +50,7 @@ const ParamTable& gait_table() {
   static const ParamTable t{
       "gait of a robot",
       "Four legs, each the last two hinges of a limb, step in turn along x. What is absent suits their length.",
-      {required(choice("type", {"walk", "trot", "pace", "bound"}, "",
-                       "trot: diagonal feet together; pace: those of a side; bound: those in front; walk: one after the other.")),
+      {required(choice("type", kGaits, "", "trot: diagonal feet together; pace: those of a side; bound: those in front; walk: one after the other.")),
        positive(optional(of(Kind::number, "period", Unit::time, {}, "Of a cycle."))),
        optional(of(Kind::number, "stride", Unit::length, {}, "Way of a foot along the ground while it stands.")),
        range(optional(of(Kind::number, "clearance", Unit::length, {}, "Height of a swinging foot.")), 0, INFINITY),

@@ -3,6 +3,7 @@
 // goes over them.
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "base/param_table.h"
 #include "base/params.h"
@@ -12,6 +13,9 @@
 namespace mortise::scene {
 
 const ParamTable& robot_table();
+
+// Orders in which four legs step: `gait:` of a robot, and `mortise import --gait`.
+inline const std::vector<std::string> kGaits{"walk", "trot", "pace", "bound"};
 
 // Makes the text of a scene of a checked `robot` block; the second argument is the path of the scene that it lies in. This folder knows no files of
 // robots: the program says once, at its start, who reads them.

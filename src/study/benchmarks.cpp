@@ -10,6 +10,7 @@
 #include "bench/benchmark.h"
 #include "engine/choose.h"
 #include "output/atomic_file.h"
+#include "output/json_number.h"
 #include "run/signals.h"
 #include "study/compare.h"
 #include "study/run_study.h"
@@ -21,7 +22,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
 double number_of(const Json& j) { return j.is_number() ? j.get<double>() : NAN; }
 
 // What a study needs of a benchmark's row.
@@ -68,16 +68,16 @@ std::vector<Line> rows(const Study& study, const bench::Benchmark& benchmark, co
                               out.push_back({{"case", r.name},
                                              {"method", r.method},
                                              {"quantity", r.quantity},
-                                             {"value", json_of(r.value)},
-                                             {"error", json_of(r.error)},
-                                             {"seconds", json_of(cost)},
-                                             {"slowest", json_of(cost)},
+                                             {"value", output::number_or_null(r.value)},
+                                             {"error", output::number_or_null(r.error)},
+                                             {"seconds", output::number_or_null(cost)},
+                                             {"slowest", output::number_or_null(cost)},
                                              {"newton_iterations", r.newton_iterations},
                                              {"dofs", r.dofs},
                                              {"failed", r.failed}});
                             else if (at < out.size())  // they come in the same order
-                              out[at]["seconds"] = json_of(std::min(number_of(out[at]["seconds"]), cost)),
-                              out[at]["slowest"] = json_of(std::max(number_of(out[at]["slowest"]), cost));
+                              out[at]["seconds"] = output::number_or_null(std::min(number_of(out[at]["seconds"]), cost)),
+                              out[at]["slowest"] = output::number_or_null(std::max(number_of(out[at]["slowest"]), cost));
                             ++at;
                           },
                           {},

@@ -18,6 +18,7 @@
 #include "base/sha256.h"
 #include "base/version.h"
 #include "output/atomic_file.h"
+#include "output/json_number.h"
 #include "run/signals.h"
 #include "study/measure.h"
 
@@ -149,15 +150,14 @@ RunResult execute(const Planned& run, const Place& place, int repeats, double li
     const Json certificate = read_json(stem + "/certificate.json");
     if (certificate.is_object()) out.grade = certificate.value("grade", "");
   }
-  const auto finite = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
   const Json record{{"filetype", "mortise study run"},
                     {"version", version},
                     {"id", id},
                     {"label", run.label},
                     {"code", out.code},
                     {"message", out.message},
-                    {"seconds", finite(out.seconds)},
-                    {"slowest", finite(out.slowest)},
+                    {"seconds", output::number_or_null(out.seconds)},
+                    {"slowest", output::number_or_null(out.slowest)},
                     {"process_seconds", out.process},
                     {"load", out.load},
                     {"repeats", repeats},

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/version.h"
+#include "output/json_number.h"
 #include "study/error_budget.h"
 #include "study/report.h"
 
@@ -38,16 +39,15 @@ std::string budget_table(const Study& study, const ErrorBudget& budget) {
 }
 
 std::string budget_entries(const std::vector<Quantity>& quantities, const ErrorBudget& budget) {
-  const auto number = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
   Json out = Json::array();
   for (std::size_t k = 0; k < quantities.size(); ++k) {
     const QuantityBudget& b = budget.of[k];
     Json parts = Json::array();
-    for (const ErrorPart& p : b.parts) parts.push_back({{"source", p.source}, {"error", number(p.error)}, {"why_not", p.why_not}});
+    for (const ErrorPart& p : b.parts) parts.push_back({{"source", p.source}, {"error", output::number_or_null(p.error)}, {"why_not", p.why_not}});
     const bool known = b.why_not.empty();
     out.push_back({{"quantity", quantities[k].name},
-                   {"value", number(b.value)},
-                   {"error", known ? number(b.sum()) : Json(nullptr)},
+                   {"value", output::number_or_null(b.value)},
+                   {"error", known ? output::number_or_null(b.sum()) : Json(nullptr)},
                    {"complete", known && b.complete()},
                    {"why_not", b.why_not},
                    {"adjoint_is_exact", budget.exact},

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "output/json_number.h"
 #include "study/compare.h"
 #include "study/report.h"
 #include "study/tuning.h"
@@ -11,8 +12,7 @@ namespace mortise::study {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
+using output::number_or_null;
 
 std::string cell(const std::string& s) {
   if (s.find_first_of(",\"\n") == std::string::npos) return s;
@@ -56,7 +56,7 @@ std::string study_json(const Results& r) {
                   {"cores", r.cores},
                   {"device", r.device},
                   {"threads", r.threads},
-                  {"largest_load_average", number(r.load)},
+                  {"largest_load_average", number_or_null(r.load)},
                   {"repeats", r.study.repeats}};
   j["cost"] = r.device == "cuda" ? "wall seconds of the steps"
                                  : "CPU seconds (user and system, all threads) of the steps, without setup and output; of the fastest repeat";
@@ -75,32 +75,33 @@ std::string study_json(const Results& r) {
       if (s.quantity == k)
         shares.push_back({{"method", s.method},
                           {"ladder", s.ladder},
-                          {"error", number(s.error)},
-                          {"limit", number(s.limit.value)},
+                          {"error", number_or_null(s.error)},
+                          {"limit", number_or_null(s.limit.value)},
                           {"observed_order", s.limit.extrapolated ? Json(s.limit.order) : Json(nullptr)},
-                          {"uncertainty", number(s.limit.uncertainty)},
+                          {"uncertainty", number_or_null(s.limit.uncertainty)},
                           {"how", s.limit.how}});
-    j["quantities"].push_back({{"name", r.study.quantities[k].name},
-                               {"value", r.study.quantities[k].value},
-                               {"reference", {{"value", number(ref.value)}, {"uncertainty", number(ref.uncertainty)}, {"how", ref.how}}},
-                               {"errors", ref.relative ? "relative" : "absolute"},
-                               {"error_shares", shares},
-                               {"cpu_seconds_at_error", curves}});
+    j["quantities"].push_back(
+        {{"name", r.study.quantities[k].name},
+         {"value", r.study.quantities[k].value},
+         {"reference", {{"value", number_or_null(ref.value)}, {"uncertainty", number_or_null(ref.uncertainty)}, {"how", ref.how}}},
+         {"errors", ref.relative ? "relative" : "absolute"},
+         {"error_shares", shares},
+         {"cpu_seconds_at_error", curves}});
   }
   j["findings"] = findings(r);
   j["notes"] = r.notes;
   j["runs"] = Json::array();
   for (const RunResult& run : r.runs) {
     Json values = Json::array();
-    for (double v : run.values) values.push_back(number(v));
+    for (double v : run.values) values.push_back(number_or_null(v));
     j["runs"].push_back({{"id", run.id},
                          {"label", run.label},
                          {"exit_code", run.code},
                          {"message", run.message},
-                         {"cpu_seconds", number(run.seconds)},
-                         {"cpu_seconds_slowest", number(run.slowest)},
-                         {"cpu_seconds_of_processes", number(run.process)},
-                         {"load_average", number(run.load)},
+                         {"cpu_seconds", number_or_null(run.seconds)},
+                         {"cpu_seconds_slowest", number_or_null(run.slowest)},
+                         {"cpu_seconds_of_processes", number_or_null(run.process)},
+                         {"load_average", number_or_null(run.load)},
                          {"newton_iterations", run.newton},
                          {"dofs", run.dofs},
                          {"grade", run.grade},

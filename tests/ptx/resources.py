@@ -30,7 +30,7 @@ def without_arguments(name):
 
 def readable(name):
     name = without_arguments(re.sub(r"_GLOBAL__N__[0-9a-f]{8}_", "_GLOBAL__N__", name))  # nvcc's hash of the source's path
-    name = re.sub(r"_cpp_[0-9a-f]{8}", "_cpp_", name)
+    name = re.sub(r"\d\d_GLOBAL__N__\d\d_\w+?_cpp_[0-9a-f]{8}", "_GLOBAL__N_", name)  # the same in names that c++filt cannot read
     if m := re.match(r"void mortise::device::run_kernel<(.*)>$", name):
         name = m[1]
     return re.sub(r"\bmortise::|\banonymous::| const\b|\[clone [^]]*\]", "", name).replace("> >", ">>").strip()
@@ -48,14 +48,14 @@ def measure(cuobjdump, folder):
     for path in sorted(folder.rglob("*.o")):
         text = subprocess.run([cuobjdump, "-res-usage", str(path)], capture_output=True, text=True).stdout
         for name, registers, stack, shared, local in re.findall(r"Function (\S+):\n\s*REG:(\d+) STACK:(\d+) SHARED:(\d+) LOCAL:(\d+)", text):
-            raw.append((name, int(registers), int(stack) + int(local), int(shared), path.name.replace(".cpp.o", "")))
+            raw.append((name, int(registers), int(stack) + int(local), int(shared)))
     names = subprocess.run(["c++filt"], input="\n".join(r[0] for r in raw), capture_output=True, text=True, check=True).stdout.splitlines()
-    for name, (_, registers, stack, shared, source) in zip(names, raw):
+    for name, (_, registers, stack, shared) in zip(names, raw):
         if "cub::" in name:  # not ours to change
             continue
-        key, again = f"{source}: {readable(name)}", 2
-        while key in rows:
-            key, again = f"{source}: {readable(name)} ({again})", again + 1
+        key, again = readable(name), 2
+        while key in rows:  # another object has it too
+            key, again = f"{readable(name)} ({again})", again + 1
         rows[key] = {"kernel": key, "registers": registers, "stack_bytes": stack, "shared_bytes": shared, "occupancy": f"{occupancy(registers):.4g}"}
     return rows
 

@@ -16,6 +16,7 @@
 
 #include "base/error.h"
 #include "base/process.h"
+#include "output/json_number.h"
 
 namespace fs = std::filesystem;
 
@@ -238,7 +239,6 @@ std::vector<Row> run(const Options& options, const std::function<void(const Row&
 }
 
 std::string json_line(const Row& r) {
-  const auto num = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
   return Json{{"case", r.name},
               {"method", r.method},
               {"variant", r.variant},
@@ -252,13 +252,13 @@ std::string json_line(const Row& r) {
               {"unsafe", r.unsafe},
               {"steps", r.steps},
               {"newton_max", r.newton_max},
-              {"newton_mean", num(r.newton_mean)},
+              {"newton_mean", output::number_or_null(r.newton_mean)},
               {"halved_steps", r.halved},
-              {"min_distance", num(r.min_distance)},
-              {"min_det_f", num(r.min_det_f)},
-              {"energy_gain", num(r.energy_gain)},
-              {"residual", num(r.residual)},
-              {"seconds", num(r.seconds)},
+              {"min_distance", output::number_or_null(r.min_distance)},
+              {"min_det_f", output::number_or_null(r.min_det_f)},
+              {"energy_gain", output::number_or_null(r.energy_gain)},
+              {"residual", output::number_or_null(r.residual)},
+              {"seconds", output::number_or_null(r.seconds)},
               {"replay", r.replay}}
       .dump();
 }
