@@ -85,7 +85,10 @@ void add_check(Command app, Context& context) {
   auto o = std::make_shared<CheckOptions>();
   add_scene_options(sub, o->scene, o->overrides);
   sub.flag("--print-resolved", o->print_resolved, "print the scene with all defaults filled in and every number in SI");
-  sub.flag("--plan", o->plan, "list effects, buffers, bytes and kernels of a run too, and what passes through what");
+  sub.flag(
+      "--plan", o->plan,
+      "list effects, buffers, bytes and kernels of a run too, what passes through what, and how long the steps will take: from runs that were, or "
+      "from the first steps, which are tried for two seconds");
   sub.flag("--quick", o->quick, "read the scene alone: no meshes, no search for bodies that touch");
   sub.option("--environment", o->environment, "of this one of the scene's `environments`, which is a scene of its own").not_negative();
   sub.footer(

@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "cost/predict.h"
 #include "effects/contact/layer.h"
 #include "effects/roles.h"
 #include "engine/effect_tables.h"
@@ -54,6 +55,7 @@ std::string plan_text(const Params& scene) {
   text += fmt::format(
       "        about {:.1f} MiB on the device in all, with conjugate gradients; wide contact and the factor of a direct solver come on top\n",
       static_cast<double>(engine::memory_needed(input)) / (1 << 20));
+  text += "time    " + cost::predict(input, *engine) + "\n";
   return text;
 }
 

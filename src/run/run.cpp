@@ -14,6 +14,7 @@
 #include "base/shell.h"
 #include "base/version.h"
 #include "bridge/bridge.h"
+#include "cost/predict.h"
 #include "engine/input.h"
 #include "output/atomic_file.h"
 #include "output/checkpoint.h"
@@ -228,7 +229,17 @@ class Run {
     if (stepped_ && engine_->steps_done() == steps_ && o_.estimate && scene_.root.has("quantities"))
       budget_ = o_.estimate(*engine_, input, field_path);
     if (!ended_by().empty()) note("reset: " + ended_by());
+    if (!checkpoint) keep_time(input);
     co_return Exit::done;
+  }
+
+  // For `check --plan`: what a whole scene took on the CPU.
+  void keep_time(const model::ModelInput& input) {
+    if (record_.device.kind != "cpu" || o_.environment >= 0 || bridge_ || !o_.resets.empty()) return;
+    long iterations = 0;
+    for (const output::StepRow& row : record_.steps) iterations += row.newton_iterations;
+    cost::learn(input, engine_->linear_solver(), record_.device.threads, static_cast<long>(record_.steps.size()), iterations,
+                record_.cpu_seconds["solve"]);
   }
 
   // What is commanded before a step; nothing where the run was asked to stop instead.
