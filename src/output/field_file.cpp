@@ -31,6 +31,23 @@ FieldFile::FieldFile(const std::string& path, h5::Mode mode, const FieldOptions&
 
 FieldFile::~FieldFile() { file_.abandon(); }
 
+int FieldFile::open_ = 0;
+
+// Between frames: of many files at once no datasets stay open, because HDF5 goes through those of all files whenever it writes one out. Opening
+// them again costs some milliseconds per frame.
+void FieldFile::rest() {
+  constexpr int kFew = 8;
+  if (open_ <= kFew) return;
+  point_positions_.rest();
+  for (std::vector<h5::Table>* tables : {&step_index_, &step_table_})
+    for (h5::Table& t : *tables) t.rest();
+  const auto rest = [](std::map<std::string, Series>& of) {
+    for (auto& [name, series] : of) series.values.rest(), series.index.rest();
+  };
+  rest(point_fields_), rest(cell_fields_);
+  for (auto& [name, group] : effects_) rest(group.rows), rest(group.scalars);
+}
+
 template <class F>
 void FieldFile::guarded(F&& write) {
   if (broken_) throw Error(Exit::file, file_.path() + ": cannot write: an earlier write failed");
@@ -53,6 +70,7 @@ std::unique_ptr<FieldFile> FieldFile::open(const std::string& path, const Output
     out->guarded([&] {
       out->create(mesh, info);
       out->file_.rename(path);
+      out->rest();
     });
   } catch (const Error&) {
     ::unlink(aside.c_str());
@@ -67,6 +85,7 @@ std::unique_ptr<FieldFile> FieldFile::reopen(const std::string& path, std::int64
   out->guarded([&] {
     out->load(frames, steps);
     out->file_.flush();
+    out->rest();
   });
   if (out->options_.xdmf) out->write_xdmf();
   return out;
@@ -243,6 +262,7 @@ void FieldFile::end_frame() {
     }
     write_steps();
     h5::set_integer(file_, steps_group_, "NSteps", frames_ + 1);
+    rest();
     file_.settle();
     ++frames_;
     times_.push_back(time_);
@@ -283,6 +303,7 @@ std::vector<StepRow> FieldFile::steps() {
 void FieldFile::flush() {
   guarded([&] {
     write_steps();
+    rest();
     commit();
   });
 }
@@ -292,6 +313,7 @@ void FieldFile::close() {
   if (in_frame_) misuse("close inside a frame");
   guarded([&] {
     write_steps();
+    rest();
     file_.close();
   });
   if (options_.xdmf) write_xdmf();

@@ -82,6 +82,7 @@ class FieldFile : public FieldSink {
   void load(std::int64_t frames, std::int64_t steps);
   static void rehearse(const std::string& path, std::int64_t frames, std::int64_t steps);
   void open_groups();
+  void rest();
   // Runs `write`; after a failure the file is left as of the last finished frame.
   template <class F>
   void guarded(F&& write);
@@ -94,7 +95,14 @@ class FieldFile : public FieldSink {
   void write_xdmf();
   h5::Table::Spec real_spec(std::string_view unit, int components, hsize_t chunk_rows, std::string_view description = "") const;
 
+  static int open_;  // files that this process writes
+  struct Counted {
+    Counted() { ++open_; }
+    ~Counted() { --open_; }
+  };
+
   h5::File file_;
+  Counted counted_;
   FieldOptions options_;
   std::set<std::string> keep_;
   bool broken_ = false, in_frame_ = false;

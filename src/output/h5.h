@@ -141,6 +141,8 @@ class Table {
   static Table open(const File& file, hid_t parent, const std::string& name);
 
   hid_t id() const { return id_; }
+  // Closed until it is used again: whenever HDF5 writes or closes a file, it looks at all datasets that are open in any.
+  void rest() { id_ = Id(); }
   hsize_t rows() const { return rows_; }
   int components() const { return components_; }
   bool single() const { return single_; }  // stored as 32-bit floats
@@ -165,8 +167,10 @@ class Table {
  private:
   void write(const File& file, hsize_t first, hsize_t count, hid_t type, const void* values);
   void read(const File& file, hsize_t first, hsize_t count, hid_t type, void* values) const;
-  Id id_;
-  std::string name_;
+  void keep_path(const File& file);
+  hid_t opened(const File& file) const;
+  mutable Id id_;
+  std::string name_, path_;  // path_: in the file
   hsize_t rows_ = 0;
   int components_ = 1, rank_ = 1;
   bool single_ = false;

@@ -29,6 +29,7 @@ Table Table::create(const File& file, hid_t parent, const std::string& name, con
     file.check(H5Pset_fill_value(layout, H5T_NATIVE_DOUBLE, &nan), action);
   }
   table.id_ = Id(file.check(H5Dcreate2(parent, name.c_str(), spec.type, space, H5P_DEFAULT, layout, H5P_DEFAULT), action));
+  table.keep_path(file);
   set_text(file, table.id_, "unit", spec.unit);
   if (!spec.description.empty()) set_text(file, table.id_, "description", spec.description);
   return table;
@@ -39,6 +40,7 @@ Table Table::open(const File& file, hid_t parent, const std::string& name) {
   Table table;
   table.name_ = name;
   table.id_ = Id(file.check(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), action));
+  table.keep_path(file);
   Id space(file.check(H5Dget_space(table.id_), action)), type(file.check(H5Dget_type(table.id_), action));
   hsize_t size[2] = {0, 1};
   table.rank_ = file.check(H5Sget_simple_extent_ndims(space), action);
@@ -50,10 +52,21 @@ Table Table::open(const File& file, hid_t parent, const std::string& name) {
   return table;
 }
 
+void Table::keep_path(const File& file) {
+  const ssize_t length = file.check(H5Iget_name(id_, nullptr, 0), "name " + name_);
+  path_.resize(static_cast<std::size_t>(length));
+  file.check(H5Iget_name(id_, path_.data(), path_.size() + 1), "name " + name_);
+}
+
+hid_t Table::opened(const File& file) const {
+  if (id_ < 0) id_ = Id(file.check(H5Dopen2(file.id(), path_.c_str(), H5P_DEFAULT), "open " + name_));
+  return id_;
+}
+
 void Table::resize(const File& file, hsize_t rows) {
   if (rows == rows_) return;
   const hsize_t size[2] = {rows, static_cast<hsize_t>(components_)};
-  file.check(H5Dset_extent(id_, size), "resize " + name_);
+  file.check(H5Dset_extent(opened(file), size), "resize " + name_);
   rows_ = rows;
 }
 
@@ -69,7 +82,7 @@ void Table::write(const File& file, hsize_t first, hsize_t count, hid_t type, co
   if (count == 0) return;
   const std::string action = "write " + name_;
   const hsize_t start[2] = {first, 0}, size[2] = {count, static_cast<hsize_t>(components_)};
-  Id target(file.check(H5Dget_space(id_), action)), source(file.check(H5Screate_simple(rank_, size, nullptr), action));
+  Id target(file.check(H5Dget_space(opened(file)), action)), source(file.check(H5Screate_simple(rank_, size, nullptr), action));
   file.check(H5Sselect_hyperslab(target, H5S_SELECT_SET, start, nullptr, size, nullptr), action);
   file.check(H5Dwrite(id_, type, source, target, H5P_DEFAULT, values), action);
 }
@@ -82,7 +95,7 @@ void Table::read(const File& file, hsize_t first, hsize_t count, hid_t type, voi
   }
   if (count == 0) return;
   const hsize_t start[2] = {first, 0}, size[2] = {count, static_cast<hsize_t>(components_)};
-  Id source(file.check(H5Dget_space(id_), action)), target(file.check(H5Screate_simple(rank_, size, nullptr), action));
+  Id source(file.check(H5Dget_space(opened(file)), action)), target(file.check(H5Screate_simple(rank_, size, nullptr), action));
   file.check(H5Sselect_hyperslab(source, H5S_SELECT_SET, start, nullptr, size, nullptr), action);
   file.check(H5Dread(id_, type, target, source, H5P_DEFAULT, values), action);
 }

@@ -46,6 +46,44 @@ void write_run(const std::string& path, int frames, const FieldOptions& options 
   file->close();
 }
 
+// Environments in one model write a file each: the bytes of all are those of one alone, and no dataset stays open between frames, or every write of
+// one file would take time in proportion to what is open in all.
+TEST(FieldFile, ManyAtOnceKeepNoDatasetsOpen) {
+  Folder dir;
+  const OutputMesh mesh = small_mesh();
+  const auto datasets = [] { return H5Fget_obj_count(H5F_OBJ_ALL, H5F_OBJ_DATASET); };
+  constexpr int kFrames = 4;
+  write_run(dir / "alone.vtkhdf", kFrames);
+  std::vector<std::unique_ptr<FieldFile>> many;
+  for (int k = 0; k < 20; ++k) many.push_back(FieldFile::open(dir / (std::to_string(k) + ".vtkhdf"), mesh, small_info(), {}));
+  for (int f = 0; f < kFrames; ++f) {
+    for (auto& file : many) write_frame(*file, mesh, f);
+    EXPECT_EQ(datasets(), 0) << f;
+  }
+  many.back().reset();  // a run that ends
+  many.back() = FieldFile::reopen(dir / "19.vtkhdf", kFrames - 1, 2 * (kFrames - 1), {});
+  write_frame(*many.back(), mesh, kFrames - 1);
+  EXPECT_EQ(datasets(), 0);
+  for (auto& file : many) file->close();
+  many.clear();
+  const FieldReader alone(dir / "alone.vtkhdf");
+  for (int k = 0; k < 20; ++k) {
+    const FieldReader reader(dir / (std::to_string(k) + ".vtkhdf"));
+    ASSERT_EQ(reader.frames(), kFrames);
+    for (int f = 0; f < kFrames; ++f) {
+      EXPECT_EQ(reader.points(f), alone.points(f));
+      EXPECT_EQ(reader.point_field("velocity", f).values, alone.point_field("velocity", f).values);
+      EXPECT_EQ(reader.rows("barrier_contact", "gap", f).values, alone.rows("barrier_contact", "gap", f).values);
+      if (f > 0) EXPECT_EQ(reader.scalar("friction", "work", f).values, alone.scalar("friction", "work", f).values);
+    }
+  }
+  // A few keep theirs, which is quicker.
+  auto one = FieldFile::open(dir / "one.vtkhdf", mesh, small_info(), {});
+  write_frame(*one, mesh, 0);
+  EXPECT_GT(datasets(), 20);
+  one->close();
+}
+
 // Frames that share a commit leave the same bytes; before it there is no trace of them.
 TEST(FieldFile, FramesCanShareACommit) {
   Folder dir;

@@ -9,12 +9,6 @@ namespace {
 
 using device::View;
 
-template <class T>
-void copy_view(View<const T> from, device::Buffer<T>& to) {
-  to.resize(from.n);
-  if (from.n) device::copy(to.view().p, from.p, static_cast<std::size_t>(from.n) * sizeof(T));
-}
-
 // Distance of y from the segment {from + a move, 0 <= a <= 1}.
 MORTISE_HD inline double off_path(const Vec3& from, const Vec3& move, const Vec3& y) {
   const double mm = move.squaredNorm();
@@ -39,41 +33,40 @@ std::vector<double> largest_deviation(const std::vector<Index>& point_env, View<
 }  // namespace
 
 Candidates::Candidates(geometry::Broadphase& broadphase, double reach, std::vector<Index> point_env)
-    : broadphase_(broadphase), reach_(reach), point_env_(std::move(point_env)) {}
+    : broadphase_(broadphase), reach_(reach), point_env_(std::move(point_env)), held_(point_env_.size() - 1, 0) {}
 
 void Candidates::rebuild(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>* dy, const std::vector<std::uint8_t>& whose) {
   broadphase_.update(y.view(), dy ? dy->view() : View<const Vec3>{}, reach_ * (1 + tuning::kMargin), whose);
-  whose_ = asked_ = whose;
-  copy_view(broadphase_.point_triangles(), point_triangles_);
-  copy_view(broadphase_.edge_edges(), edge_edges_);
-  pt_env_offset_ = broadphase_.pt_env_offset();
-  ee_env_offset_ = broadphase_.ee_env_offset();
-  y0_.copy_from(y);
-  if (dy) {
-    dy_.copy_from(*dy);
-  } else {
-    dy_.resize(y.size());
-    dy_.zero();
-  }
-  any_ = true;
+  broadphase_.copy(whose, pairs_);
+  if (y0_.size() != y.size()) y0_.resize(y.size()), dy_.resize(y.size());
+  const View<const Vec3> from = y.view(), way = dy ? dy->view() : View<const Vec3>{};
+  const View<Vec3> y0 = y0_.view(), kept = dy_.view();
+  device::parallel_for("contact.keep_path", {point_env_, whose}, [=] MORTISE_HD(Index i) {
+    y0[i] = from[i];
+    kept[i] = way.n > 0 ? way[i] : Vec3(Vec3::Zero());
+  });
+  for (std::size_t e = 0; e < held_.size(); ++e)
+    if (whose.empty() || whose[e]) held_[e] = 1;
 }
 
 void Candidates::sweep(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy, const std::vector<std::uint8_t>& whose) {
   rebuild(y, &dy, whose);
+  asked_ = whose;
 }
 
 void Candidates::cover(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>& finite, const std::vector<std::uint8_t>& whose) {
   const std::vector<double> off = largest_deviation(point_env_, y0_.view(), dy_.view(), y.view(), whose);
   finite.assign(off.size(), 1);
-  bool lost = !any_;
+  std::vector<std::uint8_t> lost(off.size(), 0);
+  bool any = false;
   for (std::size_t e = 0; e < off.size(); ++e) {
     if (!whose.empty() && !whose[e]) continue;
     finite[e] = !std::isnan(off[e]);
-    lost = lost || (!whose_.empty() && !whose_[e]);
-    lost = lost || 2 * off[e] > tuning::kMargin * reach_;  // two points of a pair may each be off by half of the margin
+    lost[e] = !held_[e] || 2 * off[e] > tuning::kMargin * reach_;  // two points of a pair may each be off by half of the margin
+    any = any || lost[e];
   }
+  if (any) rebuild(y, nullptr, lost);
   asked_ = whose;
-  if (lost) rebuild(y, nullptr, whose);
 }
 
 }  // namespace mortise::effects::contact

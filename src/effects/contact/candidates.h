@@ -1,5 +1,5 @@
 #pragma once
-// The pairs that can be in contact, found once per Newton iteration and reused for every position on its path.
+// The pairs that can be in contact, found once per Newton iteration and reused for every position on its path; of every environment by itself.
 #include "device/device.h"
 #include "geometry/collide/broadphase.h"
 
@@ -16,15 +16,15 @@ class Candidates {
   // finite[e] where environment e has a position that is not a number. The same environments.
   void cover(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>& finite, const std::vector<std::uint8_t>& whose = {});
 
-  device::View<const geometry::PointTriangle> point_triangles() const { return point_triangles_.view(); }
-  device::View<const geometry::EdgeEdge> edge_edges() const { return edge_edges_.view(); }
-  // Those that the last search, or the last question, was for.
-  device::Ranges of_points() const { return {pt_env_offset_, asked_}; }
-  device::Ranges of_edges() const { return {ee_env_offset_, asked_}; }
-  const std::vector<Index>& pt_env_offset() const { return pt_env_offset_; }
-  const std::vector<Index>& ee_env_offset() const { return ee_env_offset_; }
+  device::View<const geometry::PointTriangle> point_triangles() const { return pairs_.point_triangles.view(); }
+  device::View<const geometry::EdgeEdge> edge_edges() const { return pairs_.edge_edges.view(); }
+  // Those that the last question was for.
+  device::Ranges of_points() const { return {pairs_.pt_env_offset, asked_}; }
+  device::Ranges of_edges() const { return {pairs_.ee_env_offset, asked_}; }
+  const std::vector<Index>& pt_env_offset() const { return pairs_.pt_env_offset; }
+  const std::vector<Index>& ee_env_offset() const { return pairs_.ee_env_offset; }
   const geometry::Broadphase& broadphase() const { return broadphase_; }  // as sweep() left it
-  std::size_t bytes() const { return point_triangles_.bytes() + edge_edges_.bytes() + y0_.bytes() + dy_.bytes(); }
+  std::size_t bytes() const { return pairs_.point_triangles.bytes() + pairs_.edge_edges.bytes() + y0_.bytes() + dy_.bytes(); }
 
  private:
   void rebuild(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>* dy, const std::vector<std::uint8_t>& whose);
@@ -32,12 +32,9 @@ class Candidates {
   geometry::Broadphase& broadphase_;  // shared with other contact effects, therefore the results are copied
   double reach_;
   std::vector<Index> point_env_;
-  bool any_ = false;
-  std::vector<std::uint8_t> whose_, asked_;  // of the last search, of the last question
-  device::Buffer<Vec3> y0_, dy_;             // path of the last search
-  device::Buffer<geometry::PointTriangle> point_triangles_;
-  device::Buffer<geometry::EdgeEdge> edge_edges_;
-  std::vector<Index> pt_env_offset_, ee_env_offset_;
+  std::vector<std::uint8_t> held_, asked_;  // environments whose pairs are there; those of the last question, or empty: all
+  device::Buffer<Vec3> y0_, dy_;            // path of every environment's last search
+  geometry::NearPairs pairs_;
 };
 
 }  // namespace mortise::effects::contact

@@ -29,7 +29,7 @@ MORTISE_HD inline bool crosses(const Vec3& p, const Vec3& q, const Vec3& a, cons
 // For every edge the first triangle that it passes through, or -1.
 std::vector<Index> crossed_triangles(const BarrierView& s, Index envs, View<const Vec3> y) {
   geometry::Bvh tree;
-  tree.update({s.surface.triangles.n ? s.surface.triangles.p->v : nullptr, s.surface.triangles.n, 3}, s.surface, envs, y, {}, 0);
+  tree.update({s.surface.triangles.n ? s.surface.triangles.p->v : nullptr, s.surface.triangles.n, 3}, s.surface, envs, y, {});
   const geometry::BvhView view = tree.view();
   Buffer<Index> hit(s.surface.edges.n);
   const View<Index> out = hit.view();

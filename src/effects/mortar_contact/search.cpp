@@ -50,7 +50,8 @@ void Search::update(const MortarView& s, View<const Vec3> y, const Buffer<double
   const View<double> of_masters = bow_.view();
   device::parallel_for("mortar_contact.bows", of_masters.n, [=] MORTISE_HD(Index i) { of_masters[i] = bow[masters[i]]; });
   const device::Ranges slaves(slave_env_, whose_), seen(master_env_, whose_);
-  tree_.update({corners.n ? corners.p->v : nullptr, corners.n, 3}, s.surface, slaves.environments(), y, {}, 0, std::as_const(bow_).view(), &seen);
+  tree_.update({corners.n ? corners.p->v : nullptr, corners.n, 3}, s.surface, slaves.environments(), y, {}, {.own = std::as_const(bow_).view()},
+               &seen);
   const geometry::BvhView tree = tree_.view();
   const View<const double> extra = margin.view();
   offset_.resize(s.slaves.n + 1);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "geometry/collide/tuning.h"
@@ -11,20 +12,6 @@ namespace {
 
 using device::Buffer;
 using device::View;
-
-// Largest |y - from| + |dy|, without `from` |dy|.
-double farthest(View<const Vec3> from, View<const Vec3> y, View<const Vec3> dy) {
-  std::vector<double> out{0};
-  device::Fetch fetch;
-  device::env_max(
-      "broadphase.farthest", {0, y.n},
-      [=] MORTISE_HD(Index i) {
-        return (from.n > 0 ? (y[i] - from[i]).norm() : 0.0) + (dy.n > 0 ? dy[i].norm() : 0.0) + tuning::kCoordinate * y[i].norm();
-      },
-      device::EnvValues{out, fetch});
-  fetch.now();
-  return out[0];
-}
 
 // The pairs of `from` among `whose` whose swept boxes overlap; `counts`: scratch.
 template <class Pair, class Near>
@@ -36,12 +23,7 @@ void mark(const char* name, const Buffer<Pair>& from, const device::Ranges& whos
   device::parallel_for(name, whose, [=] MORTISE_HD(Index i) { count[i] = near(pair[i]) ? 1 : 0; });
 }
 
-// Are all of `some` among `most`? Empty: all environments.
-bool all_among(const std::vector<std::uint8_t>& some, const std::vector<std::uint8_t>& most) {
-  for (std::size_t e = 0; e < most.size(); ++e)
-    if (!most[e] && (some.empty() || some[e])) return false;
-  return true;
-}
+bool any(const std::vector<std::uint8_t>& whose) { return std::find(whose.begin(), whose.end(), 1) != whose.end(); }
 
 template <class Pair>
 void compact(const char* name, const Buffer<Pair>& from, const Buffer<Index>& counts, Buffer<Pair>& to) {
@@ -74,24 +56,89 @@ void pick(const SurfaceView& surface, const NearPairs& kept, View<const Vec3> y,
 
 }  // namespace
 
-Broadphase::Broadphase(const Surface& surface) : surface_(surface), search_(surface) {
-  found_.pt_env_offset.assign(search_.environments() + 1, 0);
-  found_.ee_env_offset = found_.pt_env_offset;
+Broadphase::Broadphase(const Surface& surface) : surface_(surface), search_(surface), kept_radius_(search_.environments(), -1.0) {
+  const std::vector<Index> none(search_.environments() + 1, 0);
+  kept_.resize(none, none);
+  found_.resize(none, none);
+  const std::vector<Index> env = surface.env.download();
+  std::vector<Index> points(env.size());
+  std::iota(points.begin(), points.end(), 0);
+  std::stable_sort(points.begin(), points.end(), [&](Index a, Index b) { return env[a] < env[b]; });
+  point_env_.assign(search_.environments() + 1, 0);
+  for (Index e : env) ++point_env_[e + 1];
+  std::partial_sum(point_env_.begin(), point_env_.end(), point_env_.begin());
+  points_.upload(points);
 }
 
-void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius, const std::vector<std::uint8_t>& whose) {
-  const auto answer = [&] { pick(surface_.view(), kept_, y, dy, radius, whose, found_); };
-  if (kept_radius_ >= radius && all_among(whose, kept_whose_) && radius + 2 * farthest(std::as_const(kept_at_).view(), y, dy) <= kept_radius_)
-    return answer();
-  ++searches_;
-  const double more = dy.n > 0 ? tuning::kSurplus * farthest({}, y, dy) : INFINITY;
-  if (!(more <= most_surplus(y))) return search_.find(y, dy, radius, whose, found_);
-  search_.find(y, {}, radius + more, whose, kept_);
-  kept_radius_ = radius + more;
-  kept_whose_ = whose;
-  kept_at_.resize(y.n);
-  device::copy(kept_at_.view().p, y.p, static_cast<std::size_t>(y.n) * sizeof(Vec3));
-  answer();
+std::vector<double> Broadphase::farthest(View<const Vec3> from, View<const Vec3> y, View<const Vec3> dy, const Mask& whose) const {
+  std::vector<double> out(search_.environments(), 0.0);
+  const View<const Index> point = points_.view();
+  device::env_max(
+      "broadphase.farthest", {point_env_, whose},
+      [=] MORTISE_HD(Index i) {
+        const Index p = point[i];
+        return (from.n > 0 ? (y[p] - from[p]).norm() : 0.0) + (dy.n > 0 ? dy[p].norm() : 0.0) + tuning::kCoordinate * y[p].norm();
+      },
+      out);
+  return out;
+}
+
+void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius, const Mask& whose) {
+  const Index envs = search_.environments();
+  Mask asked(envs, 0), kept(envs, 0), stale(envs, 0), direct(envs, 0);  // direct: searched without anything that could be kept
+  for (Index e = 0; e < envs; ++e) asked[e] = whose.empty() || whose[e], kept[e] = asked[e] && kept_radius_[e] >= radius;
+  const std::vector<double> off = any(kept) ? farthest(std::as_const(kept_at_).view(), y, dy, kept) : std::vector<double>{};
+  for (Index e = 0; e < envs; ++e) stale[e] = asked[e] && !(kept[e] && radius + 2 * off[e] <= kept_radius_[e]);
+  if (any(stale)) {
+    const std::vector<double> way = dy.n > 0 ? farthest({}, y, dy, stale) : std::vector<double>(envs, INFINITY);
+    std::vector<double> wider(envs, radius);
+    for (Index e = 0; e < envs; ++e) {
+      if (!stale[e]) continue;
+      ++searches_;
+      const double more = tuning::kSurplus * way[e];
+      direct[e] = !(more <= most_surplus(y));
+      stale[e] = !direct[e];
+      if (stale[e]) wider[e] = radius + more;
+    }
+    if (any(stale)) search(y, wider, stale);
+  }
+  if (!any(direct)) return pick(surface_.view(), kept_, y, dy, radius, whose, found_);
+  Mask rest(envs, 0);
+  for (Index e = 0; e < envs; ++e) rest[e] = asked[e] && !direct[e];
+  const std::vector<double> same(envs, radius);
+  if (!any(rest)) return search_.find(y, dy, same, direct, found_);
+  NearPairs swept, picked;
+  search_.find(y, dy, same, direct, swept);
+  pick(surface_.view(), kept_, y, dy, radius, rest, picked);
+  join(surface_.view(), picked, swept, direct, found_);
+}
+
+// Keeps what is found at y of the environments of `whose`, and of the others what was kept.
+void Broadphase::search(View<const Vec3> y, const std::vector<double>& radius, const Mask& whose) {
+  if (std::find(whose.begin(), whose.end(), 0) == whose.end()) {
+    search_.find(y, {}, radius, whose, kept_);
+  } else {
+    NearPairs fresh, all;
+    search_.find(y, {}, radius, whose, fresh);
+    join(surface_.view(), kept_, fresh, whose, all);
+    kept_ = std::move(all);
+  }
+  if (kept_at_.size() != y.n) kept_at_.resize(y.n);
+  const View<Vec3> at = kept_at_.view();
+  const View<const Index> point = std::as_const(points_).view();
+  device::parallel_for("broadphase.keep", {point_env_, whose}, [=] MORTISE_HD(Index i) { at[point[i]] = y[point[i]]; });
+  for (std::size_t e = 0; e < whose.size(); ++e)
+    if (whose[e]) kept_radius_[e] = radius[e];
+}
+
+void Broadphase::copy(const Mask& whose, NearPairs& to) const {
+  const Index envs = search_.environments();
+  if (to.pt_env_offset.empty()) to.resize(std::vector<Index>(envs + 1, 0), std::vector<Index>(envs + 1, 0));
+  NearPairs all;
+  Mask these(envs, 1);
+  for (Index e = 0; e < envs && !whose.empty(); ++e) these[e] = whose[e];
+  join(surface_.view(), to, found_, these, all);
+  to = std::move(all);
 }
 
 double Broadphase::most_surplus(View<const Vec3> y) {

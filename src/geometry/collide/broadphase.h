@@ -3,7 +3,7 @@
 //
 // Newton's method asks again and again from places that are next to each other. So a search finds somewhat more than it was asked for, and is
 // kept: as long as no point of a question lies farther than half of that surplus from where the search was made, the answer is picked from what
-// it found (a Verlet list). Whether an answer was searched or picked cannot be told from it.
+// it found (a Verlet list, of every environment by itself). Whether an answer was searched or picked cannot be told from it.
 #include <vector>
 
 #include "geometry/collide/pair_search.h"
@@ -22,7 +22,7 @@ class Broadphase {
   // where it is empty. Throws Error(Exit::device) when there are more pairs than can be counted.
   void update(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, const std::vector<std::uint8_t>& whose = {});
   // The surface watches other pairs from now on.
-  void forget() { kept_radius_ = -1; }
+  void forget() { kept_radius_.assign(kept_radius_.size(), -1.0); }
 
   device::View<const PointTriangle> point_triangles() const { return found_.point_triangles.view(); }
   device::View<const EdgeEdge> edge_edges() const { return found_.edge_edges.view(); }
@@ -30,18 +30,26 @@ class Broadphase {
   const std::vector<Index>& pt_env_offset() const { return found_.pt_env_offset; }
   const std::vector<Index>& ee_env_offset() const { return found_.ee_env_offset; }
 
-  Index searches() const { return searches_; }  // made so far
+  // The pairs of the environments of `whose` take the place of theirs in `to`.
+  void copy(const std::vector<std::uint8_t>& whose, NearPairs& to) const;
+
+  Index searches() const { return searches_; }  // made so far, each of an environment
 
  private:
+  using Mask = std::vector<std::uint8_t>;
+  // Largest |y - from| + |dy| of the environments of `whose`, without `from` |dy|.
+  std::vector<double> farthest(device::View<const Vec3> from, device::View<const Vec3> y, device::View<const Vec3> dy, const Mask& whose) const;
+  void search(device::View<const Vec3> y, const std::vector<double>& radius, const Mask& whose);
   double most_surplus(device::View<const Vec3> y);
 
   const Surface& surface_;
   PairSearch search_;
+  device::Buffer<Index> points_;  // all, environment after environment,
+  std::vector<Index> point_env_;  // and where those of each begin
   NearPairs found_, kept_;
   device::Buffer<Vec3> kept_at_;
-  double kept_radius_ = -1;  // of kept_ [m]; negative: none
-  std::vector<std::uint8_t> kept_whose_;
-  double most_surplus_ = -1;  // [m]; negative: not known yet
+  std::vector<double> kept_radius_;  // of kept_ in every environment [m]; negative: none
+  double most_surplus_ = -1;         // [m]; negative: not known yet
   Index searches_ = 0;
 };
 

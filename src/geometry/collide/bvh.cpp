@@ -98,11 +98,12 @@ void morton_order(const Primitives& p, const SurfaceView& s, Index environments,
 
 // Leaves lie in order of environment, as many of each as it has primitives.
 void build_leaves(const Primitives& p, const SurfaceView& s, const device::Ranges& whose, View<const Index> order, View<const Vec3> y,
-                  View<const Vec3> dy, double grow, View<const double> more, View<BvhNode> nodes) {
+                  View<const Vec3> dy, Growth growth, View<BvhNode> nodes) {
   const Index* v = p.v;
   const int corners = p.corners;
   device::parallel_for("bvh.leaves", whose, [=] MORTISE_HD(Index i) {
-    nodes[i] = swept_box(v + order[i] * corners, corners, order[i], s, y, dy, more.n > 0 ? grow + more[order[i]] : grow);
+    const Index* corner = v + order[i] * corners;
+    nodes[i] = swept_box(corner, corners, order[i], s, y, dy, growth.of(order[i], s.env[corner[0]]));
   });
 }
 
@@ -127,8 +128,8 @@ void build_level(View<BvhNode> nodes, Index from, Index count, Index to, Index n
 
 }  // namespace
 
-void Bvh::update(const Primitives& p, const SurfaceView& surface, Index environments, View<const Vec3> y, View<const Vec3> dy, double grow,
-                 View<const double> more, const device::Ranges* whose) {
+void Bvh::update(const Primitives& p, const SurfaceView& surface, Index environments, View<const Vec3> y, View<const Vec3> dy, Growth growth,
+                 const device::Ranges* whose) {
   if (p.n == 0) {
     shape_.levels = 0;
     return;
@@ -146,7 +147,7 @@ void Bvh::update(const Primitives& p, const SurfaceView& surface, Index environm
   nodes_.resize(total);
   const View<BvhNode> nodes = nodes_.view();
   // Leaves that change places need their boxes, whoever they belong to.
-  build_leaves(p, surface, anew || !whose ? device::Ranges{0, p.n} : *whose, order_.view(), y, dy, grow, more, nodes);
+  build_leaves(p, surface, anew || !whose ? device::Ranges{0, p.n} : *whose, order_.view(), y, dy, growth, nodes);
   for (int l = 1; l < shape_.levels; ++l) build_level(nodes, shape_.start[l - 1], shape_.size[l - 1], shape_.start[l], shape_.size[l]);
 }
 

@@ -94,12 +94,18 @@ struct BvhCursor {
   }
 };
 
+// By how much boxes are grown on every side: what each primitive says, or half of its environment's radius, or nothing.
+struct Growth {
+  device::View<const double> own{}, radius{};
+  MORTISE_HD double of(Index primitive, Index env) const { return own.n > 0 ? own[primitive] : radius.n > 0 ? radius[env] / 2 : 0; }
+};
+
 class Bvh {
  public:
-  // Boxes of the primitives moving from y to y + dy, grown by `grow` and, if given, by what `more` says of each; primitives and surface
-  // must be those of earlier calls. `whose`: those of some environments, where those of each lie together; the boxes of the others stay as they were.
+  // Boxes of the primitives moving from y to y + dy; primitives and surface must be those of earlier calls. `whose`: those of some environments,
+  // where those of each lie together; the boxes of the others stay as they were.
   void update(const Primitives& primitives, const SurfaceView& surface, Index environments, device::View<const Vec3> y, device::View<const Vec3> dy,
-              double grow, device::View<const double> more = {}, const device::Ranges* whose = nullptr);
+              Growth growth = {}, const device::Ranges* whose = nullptr);
   BvhView view() const;
 
  private:

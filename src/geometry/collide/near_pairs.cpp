@@ -25,8 +25,30 @@ void add_up(Buffer<Index>& counts, View<const Index> env_first, Exact& exact, Bu
   fetch.add(View<const Index>(out), env_offset);
 }
 
-void check_countable(const Exact& exact) {
-  if (exact[0] > 2147483647.0) throw Error(Exit::device, "too many contact candidates: a bounding radius or a step is far too large for the mesh");
+void check_countable(double pairs) {
+  if (pairs > 2147483647.0) throw Error(Exit::device, "too many contact candidates: a bounding radius or a step is far too large for the mesh");
+}
+
+// Where the pairs of every environment begin in what join() leaves.
+std::vector<Index> joined(const std::vector<Index>& most, const std::vector<Index>& some, const std::vector<std::uint8_t>& whose) {
+  std::vector<Index> out{0};
+  double end = 0;
+  for (std::size_t e = 0; e < whose.size(); ++e) {
+    const std::vector<Index>& of = whose[e] ? some : most;
+    end += of[e + 1] - of[e];
+    check_countable(end);
+    out.push_back(static_cast<Index>(end));
+  }
+  return out;
+}
+
+template <class Pair>
+void copy_pairs(const char* name, View<const Index> env_of_point, View<const Pair> from, const device::Ranges& whose, View<const Index> first,
+                View<const Index> to_first, View<Pair> to) {
+  device::parallel_for(name, whose, [=] MORTISE_HD(Index i) {
+    const Index e = env_of_point[from[i].v[0]];
+    to[to_first[e] + (i - first[e])] = from[i];
+  });
 }
 
 }  // namespace
@@ -37,10 +59,29 @@ void NearPairs::add_up(Buffer<Index>& pt_counts, View<const Index> pt_first, Buf
   geometry::add_up(pt_counts, pt_first, pt, pt_env_first, pt_env_offset, fetch);
   geometry::add_up(ee_counts, ee_first, ee, ee_env_first, ee_env_offset, fetch);
   fetch.now();
-  check_countable(pt);
-  check_countable(ee);
+  check_countable(pt[0]);
+  check_countable(ee[0]);
   point_triangles.resize(pt_env_offset.back());
   edge_edges.resize(ee_env_offset.back());
+}
+
+void NearPairs::resize(std::vector<Index> pt_offset, std::vector<Index> ee_offset) {
+  pt_env_offset = std::move(pt_offset), ee_env_offset = std::move(ee_offset);
+  pt_env_first.upload(pt_env_offset), ee_env_first.upload(ee_env_offset);
+  point_triangles.resize(pt_env_offset.back()), edge_edges.resize(ee_env_offset.back());
+}
+
+void join(const SurfaceView& surface, const NearPairs& most, const NearPairs& some, const std::vector<std::uint8_t>& whose, NearPairs& out) {
+  std::vector<std::uint8_t> others;
+  for (std::uint8_t one : whose) others.push_back(one ? 0 : 1);
+  out.resize(joined(most.pt_env_offset, some.pt_env_offset, whose), joined(most.ee_env_offset, some.ee_env_offset, whose));
+  const auto take = [&](const NearPairs& from, const std::vector<std::uint8_t>& of) {
+    copy_pairs("broadphase.join_point_triangle", surface.env, from.point_triangles.view(), {from.pt_env_offset, of}, from.pt_env_first.view(),
+               std::as_const(out.pt_env_first).view(), out.point_triangles.view());
+    copy_pairs("broadphase.join_edge_edge", surface.env, from.edge_edges.view(), {from.ee_env_offset, of}, from.ee_env_first.view(),
+               std::as_const(out.ee_env_first).view(), out.edge_edges.view());
+  };
+  take(most, others), take(some, whose);
 }
 
 }  // namespace mortise::geometry

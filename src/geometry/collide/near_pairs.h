@@ -30,7 +30,12 @@ struct NearPairs {
   // environment. Throws Error(Exit::device) when there are more pairs than can be counted.
   void add_up(device::Buffer<Index>& pt_counts, device::View<const Index> pt_first, device::Buffer<Index>& ee_counts,
               device::View<const Index> ee_first);
+  // Makes room for so many pairs of every environment.
+  void resize(std::vector<Index> pt_offset, std::vector<Index> ee_offset);
 };
+
+// Of the environments of `whose` the pairs of `some`, of the others those of `most`. Throws as add_up().
+void join(const SurfaceView& surface, const NearPairs& most, const NearPairs& some, const std::vector<std::uint8_t>& whose, NearPairs& out);
 
 // Two primitives of one body, {p, t0, t1, t2} or {a0, a1, b0, b1} (first: 1 or 2 points), of which the boxes overlap because they are
 // neighbours: their distance shrinks by no more than corners of the one move towards corners of the other, and neighbours move nearly alike.

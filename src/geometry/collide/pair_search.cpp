@@ -81,7 +81,7 @@ MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, co
 }
 
 void count_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, const device::Ranges& whose, View<const Vec3> y,
-                           View<const Vec3> dy, double grow, Buffer<Index>& counts, Buffer<Index>& noted) {
+                           View<const Vec3> dy, View<const double> radius, Buffer<Index>& counts, Buffer<Index>& noted) {
   counts.resize(points.n + 1);
   if (whose.size() < points.n) counts.zero();
   noted.resize(points.n * tuning::kNoted);
@@ -89,21 +89,22 @@ void count_point_triangles(const SurfaceView& s, const BvhView& tree, View<const
   const View<Index> count = counts.view();
   device::parallel_for("broadphase.count_point_triangle", whose, [=] MORTISE_HD(Index i) {
     const Index point = points[i];
-    count[i] =
-        triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, y, dy, 2 * grow, {note.p + i * tuning::kNoted, 1, tuning::kNoted});
+    const double r = radius[s.env[point]];
+    count[i] = triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, r / 2), point, y, dy, r, {note.p + i * tuning::kNoted, 1, tuning::kNoted});
   });
 }
 
-void fill_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy, double grow,
-                          View<const Index> count, View<const Index> note, View<PointTriangle> out) {
+void fill_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy,
+                          View<const double> radius, View<const Index> count, View<const Index> note, View<PointTriangle> out) {
   device::parallel_for("broadphase.fill_point_triangle", points.n, [=] MORTISE_HD(Index i) {
     const Index n = count[i + 1] - count[i], point = points[i];
     if (n == 0) return;
     PointTriangle* mine = out.p + count[i];
     constexpr Index kStride = sizeof(PointTriangle) / sizeof(Index);
     const Notes to{&mine->triangle, kStride, n};
+    const double r = radius[s.env[point]];
     if (n > tuning::kNoted)
-      triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, grow), point, y, dy, 2 * grow, to);
+      triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, r / 2), point, y, dy, r, to);
     else
       for (Index k = 0; k < n; ++k) to.put(k, note[i * tuning::kNoted + k]);
     sort_strided(&mine->triangle, kStride, n);
@@ -116,7 +117,7 @@ void fill_point_triangles(const SurfaceView& s, const BvhView& tree, View<const 
 }
 
 void count_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, const device::Ranges& whose, View<const Vec3> y,
-                      View<const Vec3> dy, double grow, Buffer<Index>& counts, Buffer<Index>& noted) {
+                      View<const Vec3> dy, View<const double> radius, Buffer<Index>& counts, Buffer<Index>& noted) {
   counts.resize(edges.n + 1);
   if (whose.size() < edges.n) counts.zero();
   noted.resize(edges.n * tuning::kNoted);
@@ -124,21 +125,22 @@ void count_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Inde
   const View<Index> count = counts.view();
   device::parallel_for("broadphase.count_edge_edge", whose, [=] MORTISE_HD(Index i) {
     const Index a = edges[i];
-    count[i] =
-        edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, y, dy, 2 * grow, {note.p + i * tuning::kNoted, 1, tuning::kNoted});
+    const double r = radius[s.env[s.edges[a].v[0]]];
+    count[i] = edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, r / 2), a, y, dy, r, {note.p + i * tuning::kNoted, 1, tuning::kNoted});
   });
 }
 
-void fill_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, View<const Vec3> y, View<const Vec3> dy, double grow,
-                     View<const Index> count, View<const Index> note, View<EdgeEdge> out) {
+void fill_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, View<const Vec3> y, View<const Vec3> dy,
+                     View<const double> radius, View<const Index> count, View<const Index> note, View<EdgeEdge> out) {
   device::parallel_for("broadphase.fill_edge_edge", edges.n, [=] MORTISE_HD(Index i) {
     const Index n = count[i + 1] - count[i], a = edges[i];
     if (n == 0) return;
     EdgeEdge* mine = out.p + count[i];
     constexpr Index kStride = sizeof(EdgeEdge) / sizeof(Index);
     const Notes to{&mine->b, kStride, n};
+    const double r = radius[s.env[s.edges[a].v[0]]];
     if (n > tuning::kNoted)
-      edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, grow), a, y, dy, 2 * grow, to);
+      edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, r / 2), a, y, dy, r, to);
     else
       for (Index k = 0; k < n; ++k) to.put(k, note[i * tuning::kNoted + k]);
     sort_strided(&mine->b, kStride, n);
@@ -183,20 +185,21 @@ PairSearch::PairSearch(const Surface& surface) : surface_(surface) {
   std::partial_sum(triangle_env_offset_.begin(), triangle_env_offset_.end(), triangle_env_offset_.begin());
 }
 
-void PairSearch::find(View<const Vec3> y, View<const Vec3> dy, double radius, const std::vector<std::uint8_t>& whose, NearPairs& out) {
+void PairSearch::find(View<const Vec3> y, View<const Vec3> dy, const std::vector<double>& radius, const std::vector<std::uint8_t>& whose,
+                      NearPairs& out) {
   const SurfaceView s = surface_.view();
-  const double grow = radius / 2;
+  radius_.upload(radius);
+  const View<const double> r = std::as_const(radius_).view();
   const device::Ranges triangles_of(triangle_env_offset_, whose), edges_of(edge_env_offset_, whose);
-  triangle_tree_.update({s.triangles.n ? s.triangles.p->v : nullptr, s.triangles.n, 3}, s, environments_, y, dy, grow, {}, &triangles_of);
-  edge_tree_.update({s.edges.n ? s.edges.p->v : nullptr, s.edges.n, 2}, s, environments_, y, dy, grow, {}, &edges_of);
+  triangle_tree_.update({s.triangles.n ? s.triangles.p->v : nullptr, s.triangles.n, 3}, s, environments_, y, dy, {.radius = r}, &triangles_of);
+  edge_tree_.update({s.edges.n ? s.edges.p->v : nullptr, s.edges.n, 2}, s, environments_, y, dy, {.radius = r}, &edges_of);
   const BvhView triangles = triangle_tree_.view(), edges = edge_tree_.view();
   const View<const Index> point = std::as_const(points_).view(), edge = std::as_const(edges_).view();
-  count_point_triangles(s, triangles, point, {point_env_offset_, whose}, y, dy, grow, pt_counts_, pt_noted_);
-  count_edge_edges(s, edges, edge, edges_of, y, dy, grow, ee_counts_, ee_noted_);
+  count_point_triangles(s, triangles, point, {point_env_offset_, whose}, y, dy, r, pt_counts_, pt_noted_);
+  count_edge_edges(s, edges, edge, edges_of, y, dy, r, ee_counts_, ee_noted_);
   out.add_up(pt_counts_, point_env_first_.view(), ee_counts_, edge_env_first_.view());
-  fill_point_triangles(s, triangles, point, y, dy, grow, std::as_const(pt_counts_).view(), std::as_const(pt_noted_).view(),
-                       out.point_triangles.view());
-  fill_edge_edges(s, edges, edge, y, dy, grow, std::as_const(ee_counts_).view(), std::as_const(ee_noted_).view(), out.edge_edges.view());
+  fill_point_triangles(s, triangles, point, y, dy, r, std::as_const(pt_counts_).view(), std::as_const(pt_noted_).view(), out.point_triangles.view());
+  fill_edge_edges(s, edges, edge, y, dy, r, std::as_const(ee_counts_).view(), std::as_const(ee_noted_).view(), out.edge_edges.view());
 }
 
 }  // namespace mortise::geometry

@@ -10,8 +10,9 @@ class PairSearch {
   // Keeps a reference to the surface, whose points and primitives must not change.
   explicit PairSearch(const Surface& surface);
 
-  // As Broadphase::update (broadphase.h).
-  void find(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, const std::vector<std::uint8_t>& whose, NearPairs& out);
+  // As Broadphase::update (broadphase.h), with a radius for every environment.
+  void find(device::View<const Vec3> y, device::View<const Vec3> dy, const std::vector<double>& radius, const std::vector<std::uint8_t>& whose,
+            NearPairs& out);
   Index environments() const { return environments_; }
 
  private:
@@ -20,6 +21,7 @@ class PairSearch {
   device::Buffer<Index> points_, edges_;                                         // queries in canonical order: environment, then id
   device::Buffer<Index> point_env_first_, edge_env_first_;                       // first query of each environment,
   std::vector<Index> point_env_offset_, edge_env_offset_, triangle_env_offset_;  // the same on the host, and of triangles
+  device::Buffer<double> radius_;                                                // of every environment [m]
   device::Buffer<Index> pt_counts_, pt_noted_, ee_counts_, ee_noted_;            // scratch
   Bvh triangle_tree_, edge_tree_;
 };
