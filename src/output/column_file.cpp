@@ -9,15 +9,13 @@
 
 #include "base/error.h"
 #include "output/h5.h"
+#include "output/tuning.h"
 
 namespace mortise::output {
 namespace {
 
 using h5::File;
 using h5::Id;
-
-constexpr std::size_t kMostRows = 1'000'000;  // keys of a scene; a day at 10 Hz
-constexpr std::size_t kMostNamed = 12;        // that a message lists
 
 class Columns {
  public:
@@ -39,7 +37,8 @@ class Columns {
     hsize_t size[2] = {0, 1};
     H5Sget_simple_extent_dims(space, size, nullptr);
     if (size[0] == 0) throw wrong(called + "has no rows");
-    if (size[0] > kMostRows) throw wrong(called + "has " + std::to_string(size[0]) + " rows; it may have " + std::to_string(kMostRows));
+    if (size[0] > tuning::kMostRows)
+      throw wrong(called + "has " + std::to_string(size[0]) + " rows; it may have " + std::to_string(tuning::kMostRows));
     if (rank == 1 && part) throw wrong(called + "has one column: leave out [" + which + "]");
     hsize_t column = 0;
     if (rank == 2 && (part || size[1] != 1)) column = number_of(data, set, which, size[1]);
@@ -84,8 +83,8 @@ class Columns {
     gather("", all);
     if (all.empty()) return "none";
     std::string out;
-    for (std::size_t i = 0; i < std::min(all.size(), kMostNamed); ++i) out += (i ? ", '" : "'") + all[i] + "'";
-    return out + (all.size() > kMostNamed ? " and " + std::to_string(all.size() - kMostNamed) + " more" : "");
+    for (std::size_t i = 0; i < std::min(all.size(), tuning::kMostNamed); ++i) out += (i ? ", '" : "'") + all[i] + "'";
+    return out + (all.size() > tuning::kMostNamed ? " and " + std::to_string(all.size() - tuning::kMostNamed) + " more" : "");
   }
   void gather(const std::string& group, std::vector<std::string>& all) const {
     const Id at = h5::open_group(file_, file_.id(), group.empty() ? "/" : group);

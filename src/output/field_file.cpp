@@ -10,6 +10,7 @@
 #include "output/atomic_file.h"
 #include "output/descriptions.h"
 #include "output/field_layout.h"
+#include "output/tuning.h"
 #include "output/xdmf.h"
 
 namespace mortise::output {
@@ -36,8 +37,7 @@ int FieldFile::open_ = 0;
 // Between frames: of many files at once no datasets stay open, because HDF5 goes through those of all files whenever it writes one out. Opening
 // them again costs some milliseconds per frame.
 void FieldFile::rest() {
-  constexpr int kFew = 8;
-  if (open_ <= kFew) return;
+  if (open_ <= tuning::kFilesAtRest) return;
   point_positions_.rest();
   for (std::vector<h5::Table>* tables : {&step_index_, &step_table_})
     for (h5::Table& t : *tables) t.rest();
@@ -96,8 +96,7 @@ std::unique_ptr<FieldFile> FieldFile::reopen(const std::string& path, std::int64
 void FieldFile::rehearse(const std::string& path, std::int64_t frames, std::int64_t steps) {
   std::error_code unknown;
   const auto size = std::filesystem::file_size(path, unknown);
-  constexpr std::uintmax_t kBytesPerSecond = 50 << 20;  // of a slow disk
-  const ChildLimits limits{20 + (unknown ? 0 : static_cast<unsigned>(size / kBytesPerSecond)), std::size_t{4} << 30};
+  const ChildLimits limits{20 + (unknown ? 0 : static_cast<unsigned>(size / tuning::kSlowDisk)), std::size_t{4} << 30};
   in_child(
       path + ": damaged", limits,
       [&] {

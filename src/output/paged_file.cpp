@@ -12,15 +12,13 @@
 #include "base/error.h"
 #include "base/sha256.h"
 #include "output/atomic_file.h"
+#include "output/tuning.h"
 
 namespace mortise::output {
 namespace {
 
 constexpr std::string_view kMark = "mortise journal 1\n";
 constexpr std::size_t kSum = 64;  // hexadecimal digits of SHA-256
-// Longer writes go to the disk at once, so that a frame need not fit into memory twice.
-constexpr std::uint64_t kLong = 64 * 1024;
-constexpr std::uint64_t kRun = 1 << 20;  // bytes written by one call at most when pages are put together
 
 void put(std::string& out, std::uint64_t value) { out.append(reinterpret_cast<const char*>(&value), sizeof value); }
 
@@ -129,7 +127,7 @@ void PagedFile::write(std::uint64_t at, const char* bytes, std::uint64_t count) 
   end_ = std::max(end_, at + count);
   while (count > 0) {
     const std::uint64_t number = at / kPage, from = at % kPage;
-    if (changes_ && from == 0 && at >= committed_ && count >= kLong) {
+    if (changes_ && from == 0 && at >= committed_ && count >= tuning::kLong) {
       const std::uint64_t n = count - count % kPage;
       write_file(at, bytes, n);
       pages_.erase(pages_.lower_bound(number), pages_.lower_bound((at + n) / kPage));
@@ -202,7 +200,7 @@ void PagedFile::write_pages(const Pages& pages, std::uint64_t end) {
   for (auto it = pages.begin(); it != pages.end();) {
     const std::uint64_t first = it->first * kPage;
     run.clear();
-    for (std::uint64_t next = it->first; it != pages.end() && it->first == next && run.size() < kRun; ++it, ++next)
+    for (std::uint64_t next = it->first; it != pages.end() && it->first == next && run.size() < tuning::kRun; ++it, ++next)
       run.append(it->second.data(), kPage);
     if (first < end) write_file(first, run.data(), std::min<std::uint64_t>(run.size(), end - first));
   }

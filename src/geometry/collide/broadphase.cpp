@@ -24,6 +24,7 @@ void mark(const char* name, const Buffer<Pair>& from, const device::Ranges& whos
 }
 
 bool any(const std::vector<std::uint8_t>& whose) { return std::find(whose.begin(), whose.end(), 1) != whose.end(); }
+bool all(const std::vector<std::uint8_t>& whose) { return std::find(whose.begin(), whose.end(), 0) == whose.end(); }
 
 template <class Pair>
 void compact(const char* name, const Buffer<Pair>& from, const Buffer<Index>& counts, Buffer<Pair>& to) {
@@ -115,13 +116,13 @@ void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius, 
 
 // Keeps what is found at y of the environments of `whose`, and of the others what was kept.
 void Broadphase::search(View<const Vec3> y, const std::vector<double>& radius, const Mask& whose) {
-  if (std::find(whose.begin(), whose.end(), 0) == whose.end()) {
+  if (all(whose)) {
     search_.find(y, {}, radius, whose, kept_);
   } else {
-    NearPairs fresh, all;
+    NearPairs fresh, joined;
     search_.find(y, {}, radius, whose, fresh);
-    join(surface_.view(), kept_, fresh, whose, all);
-    kept_ = std::move(all);
+    join(surface_.view(), kept_, fresh, whose, joined);
+    kept_ = std::move(joined);
   }
   if (kept_at_.size() != y.n) kept_at_.resize(y.n);
   const View<Vec3> at = kept_at_.view();
@@ -134,11 +135,10 @@ void Broadphase::search(View<const Vec3> y, const std::vector<double>& radius, c
 void Broadphase::copy(const Mask& whose, NearPairs& to) const {
   const Index envs = search_.environments();
   if (to.pt_env_offset.empty()) to.resize(std::vector<Index>(envs + 1, 0), std::vector<Index>(envs + 1, 0));
-  NearPairs all;
-  Mask these(envs, 1);
-  for (Index e = 0; e < envs && !whose.empty(); ++e) these[e] = whose[e];
-  join(surface_.view(), to, found_, these, all);
-  to = std::move(all);
+  if (whose.empty() || all(whose)) return to.copy_from(found_);
+  NearPairs joined;
+  join(surface_.view(), to, found_, whose, joined);
+  to = std::move(joined);
 }
 
 double Broadphase::most_surplus(View<const Vec3> y) {

@@ -71,6 +71,12 @@ void NearPairs::resize(std::vector<Index> pt_offset, std::vector<Index> ee_offse
   point_triangles.resize(pt_env_offset.back()), edge_edges.resize(ee_env_offset.back());
 }
 
+void NearPairs::copy_from(const NearPairs& o) {
+  point_triangles.copy_from(o.point_triangles), edge_edges.copy_from(o.edge_edges);
+  pt_env_first.copy_from(o.pt_env_first), ee_env_first.copy_from(o.ee_env_first);
+  pt_env_offset = o.pt_env_offset, ee_env_offset = o.ee_env_offset;
+}
+
 void join(const SurfaceView& surface, const NearPairs& most, const NearPairs& some, const std::vector<std::uint8_t>& whose, NearPairs& out) {
   std::vector<std::uint8_t> others;
   for (std::uint8_t one : whose) others.push_back(one ? 0 : 1);

@@ -32,6 +32,7 @@ struct NearPairs {
               device::View<const Index> ee_first);
   // Makes room for so many pairs of every environment.
   void resize(std::vector<Index> pt_offset, std::vector<Index> ee_offset);
+  void copy_from(const NearPairs& o);
 };
 
 // Of the environments of `whose` the pairs of `some`, of the others those of `most`. Throws as add_up().
