@@ -27,11 +27,11 @@ bool any(const std::vector<std::uint8_t>& whose) { return std::find(whose.begin(
 bool all(const std::vector<std::uint8_t>& whose) { return std::find(whose.begin(), whose.end(), 0) == whose.end(); }
 
 template <class Pair>
-void compact(const char* name, const Buffer<Pair>& from, const Buffer<Index>& counts, Buffer<Pair>& to) {
+void compact(const char* name, const Buffer<Pair>& from, const device::Ranges& whose, const Buffer<Index>& counts, Buffer<Pair>& to) {
   const View<const Index> at = counts.view();
   const View<const Pair> pair = from.view();
   const View<Pair> out = to.view();
-  device::parallel_for(name, pair.n, [=] MORTISE_HD(Index i) {
+  device::parallel_for(name, whose, [=] MORTISE_HD(Index i) {
     if (at[i + 1] > at[i]) out[at[i]] = pair[i];
   });
 }
@@ -42,17 +42,18 @@ void pick(const SurfaceView& surface, const NearPairs& kept, View<const Vec3> y,
   const SurfaceView s = surface;
   const double grow = radius / 2;
   Buffer<Index> pt_counts, ee_counts;
-  mark("broadphase.near_point_triangle", kept.point_triangles, {kept.pt_env_offset, whose}, pt_counts, [=] MORTISE_HD(const PointTriangle& p) {
+  const device::Ranges points(kept.pt_env_offset, whose), edges(kept.ee_env_offset, whose);
+  mark("broadphase.near_point_triangle", kept.point_triangles, points, pt_counts, [=] MORTISE_HD(const PointTriangle& p) {
     if (!boxes_overlap(swept_box(p.v, 1, 0, s, y, dy, grow), swept_box(p.v + 1, 3, 0, s, y, dy, grow))) return false;
     return s.body[p.v[0]] != s.body[p.v[1]] || !stay_apart(p.v, 1, y, dy, radius);
   });
-  mark("broadphase.near_edge_edge", kept.edge_edges, {kept.ee_env_offset, whose}, ee_counts, [=] MORTISE_HD(const EdgeEdge& p) {
+  mark("broadphase.near_edge_edge", kept.edge_edges, edges, ee_counts, [=] MORTISE_HD(const EdgeEdge& p) {
     if (!boxes_overlap(swept_box(p.v, 2, 0, s, y, dy, grow), swept_box(p.v + 2, 2, 0, s, y, dy, grow))) return false;
     return s.body[p.v[0]] != s.body[p.v[2]] || !stay_apart(p.v, 2, y, dy, radius);
   });
   found.add_up(pt_counts, kept.pt_env_first.view(), ee_counts, kept.ee_env_first.view());
-  compact("broadphase.pick_point_triangle", kept.point_triangles, pt_counts, found.point_triangles);
-  compact("broadphase.pick_edge_edge", kept.edge_edges, ee_counts, found.edge_edges);
+  compact("broadphase.pick_point_triangle", kept.point_triangles, points, pt_counts, found.point_triangles);
+  compact("broadphase.pick_edge_edge", kept.edge_edges, edges, ee_counts, found.edge_edges);
 }
 
 }  // namespace

@@ -96,6 +96,20 @@ void morton_order(const Primitives& p, const SurfaceView& s, Index environments,
   device::sort_pairs(keys, order, 3 * bits + env_bits);
 }
 
+// First leaf of every environment, and their number.
+void first_leaves(const Primitives& p, const SurfaceView& s, Index environments, const Buffer<Index>& order, Buffer<Index>& first) {
+  first.resize(environments + 1);
+  const View<Index> out = first.view();
+  const View<const Index> leaf = order.view(), env = s.env;
+  const Index* v = p.v;
+  const int corners = p.corners;
+  device::parallel_for("bvh.environments", leaf.n, [=] MORTISE_HD(Index i) {
+    const Index here = env[v[leaf[i] * corners]];
+    for (Index e = i > 0 ? env[v[leaf[i - 1] * corners]] + 1 : 0; e <= here; ++e) out[e] = i;
+    for (Index e = here + 1; i == leaf.n - 1 && e < out.n; ++e) out[e] = leaf.n;
+  });
+}
+
 // Leaves lie in order of environment, as many of each as it has primitives.
 void build_leaves(const Primitives& p, const SurfaceView& s, const device::Ranges& whose, View<const Index> order, View<const Vec3> y,
                   View<const Vec3> dy, Growth growth, View<BvhNode> nodes) {
@@ -134,8 +148,13 @@ void Bvh::update(const Primitives& p, const SurfaceView& surface, Index environm
     shape_.levels = 0;
     return;
   }
-  const bool anew = age_++ % tuning::kReorderEvery == 0;
-  if (anew) morton_order(p, surface, environments, y, order_);
+  const bool anew = age_ < 0 || age_ >= tuning::kReorderEvery;
+  if (anew) {
+    morton_order(p, surface, environments, y, order_);
+    if (age_ < 0) first_leaves(p, surface, environments, order_, env_first_);
+    age_ = 0;
+  }
+  age_ += whose ? static_cast<double>(whose->size()) / p.n : 1;
   Index total = 0, n = p.n;
   shape_.levels = 0;
   for (;; n = (n + 3) / 4) {
@@ -153,7 +172,7 @@ void Bvh::update(const Primitives& p, const SurfaceView& surface, Index environm
 
 BvhView Bvh::view() const {
   BvhView v = shape_;
-  v.nodes = nodes_.view();
+  v.nodes = nodes_.view(), v.env_first = env_first_.view();
   return v;
 }
 

@@ -24,6 +24,7 @@ struct BvhView {
   int levels = 0;                // level 0 holds the leaves, level levels-1 the root
   Index start[kBvhLevels] = {};  // first node of each level
   Index size[kBvhLevels] = {};
+  device::View<const Index> env_first;  // first leaf of every environment, and their number
 };
 
 // Edges or triangles as rows of `corners` point ids.
@@ -63,21 +64,27 @@ MORTISE_HD inline bool may_pair(const BvhNode& node, const BvhNode& query, const
          (node.body < 0 || s.pair_allowed[s.pairs.of(query.body, node.body)] != 0);
 }
 
-// Walks the leaves that pair with a query, in leaf order.
+// Walks the leaves that pair with a query, in leaf order. It begins at the few highest nodes over the leaves of the query's environment alone.
 struct BvhCursor {
   int level = -1;  // -1: not started
   Index i = 0;
+  int top = 0;     // level of the nodes that it begins at,
+  Index last = 0;  // and the last of these
 
   // The next primitive, or -1 at the end.
   MORTISE_HD Index next(const BvhView& t, const BvhNode& query, const SurfaceView& s) {
     if (t.levels == 0) return -1;
-    const int top = t.levels - 1;
     bool forward = level >= 0;
-    if (!forward) level = top, i = 0;
+    if (!forward) {
+      const Index begin = t.env_first[query.env_lo], end = t.env_first[query.env_lo + 1];
+      if (begin == end) return -1;
+      while (((end - 1) >> 2 * top) - (begin >> 2 * top) >= 4) ++top;
+      level = top, i = begin >> 2 * top, last = (end - 1) >> 2 * top;
+    }
     for (;;) {
       if (forward) {
         while (level < top && (i & 3) == 3) ++level, i >>= 2;
-        if (level == top) return -1;
+        if (level == top && i == last) return -1;
         ++i;
       }
       forward = true;
@@ -94,10 +101,18 @@ struct BvhCursor {
   }
 };
 
-// By how much boxes are grown on every side: what each primitive says, or half of its environment's radius, or nothing.
+// A length of every environment, or one for all of them.
+struct Radius {
+  double all = 0;  // [m], where `each` is empty
+  device::View<const double> each{};
+  MORTISE_HD double operator[](Index env) const { return each.n > 0 ? each[env] : all; }
+};
+
+// By how much boxes are grown on every side: what each primitive says, or half of its environment's radius.
 struct Growth {
-  device::View<const double> own{}, radius{};
-  MORTISE_HD double of(Index primitive, Index env) const { return own.n > 0 ? own[primitive] : radius.n > 0 ? radius[env] / 2 : 0; }
+  device::View<const double> own{};
+  Radius radius{};
+  MORTISE_HD double of(Index primitive, Index env) const { return own.n > 0 ? own[primitive] : radius[env] / 2; }
 };
 
 class Bvh {
@@ -110,9 +125,10 @@ class Bvh {
 
  private:
   device::Buffer<Index> order_;  // primitive of each leaf
+  device::Buffer<Index> env_first_;
   device::Buffer<BvhNode> nodes_;
   BvhView shape_;
-  int age_ = 0;  // updates since the leaves were ordered
+  double age_ = -1;  // updates since the leaves were ordered, those of some environments by their share of the leaves; negative: never
 };
 
 }  // namespace mortise::geometry

@@ -81,7 +81,7 @@ MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, co
 }
 
 void count_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, const device::Ranges& whose, View<const Vec3> y,
-                           View<const Vec3> dy, View<const double> radius, Buffer<Index>& counts, Buffer<Index>& noted) {
+                           View<const Vec3> dy, Radius radius, Buffer<Index>& counts, Buffer<Index>& noted) {
   counts.resize(points.n + 1);
   if (whose.size() < points.n) counts.zero();
   noted.resize(points.n * tuning::kNoted);
@@ -94,8 +94,8 @@ void count_point_triangles(const SurfaceView& s, const BvhView& tree, View<const
   });
 }
 
-void fill_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy,
-                          View<const double> radius, View<const Index> count, View<const Index> note, View<PointTriangle> out) {
+void fill_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy, Radius radius,
+                          View<const Index> count, View<const Index> note, View<PointTriangle> out) {
   device::parallel_for("broadphase.fill_point_triangle", points.n, [=] MORTISE_HD(Index i) {
     const Index n = count[i + 1] - count[i], point = points[i];
     if (n == 0) return;
@@ -117,7 +117,7 @@ void fill_point_triangles(const SurfaceView& s, const BvhView& tree, View<const 
 }
 
 void count_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, const device::Ranges& whose, View<const Vec3> y,
-                      View<const Vec3> dy, View<const double> radius, Buffer<Index>& counts, Buffer<Index>& noted) {
+                      View<const Vec3> dy, Radius radius, Buffer<Index>& counts, Buffer<Index>& noted) {
   counts.resize(edges.n + 1);
   if (whose.size() < edges.n) counts.zero();
   noted.resize(edges.n * tuning::kNoted);
@@ -130,8 +130,8 @@ void count_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Inde
   });
 }
 
-void fill_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, View<const Vec3> y, View<const Vec3> dy,
-                     View<const double> radius, View<const Index> count, View<const Index> note, View<EdgeEdge> out) {
+void fill_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, View<const Vec3> y, View<const Vec3> dy, Radius radius,
+                     View<const Index> count, View<const Index> note, View<EdgeEdge> out) {
   device::parallel_for("broadphase.fill_edge_edge", edges.n, [=] MORTISE_HD(Index i) {
     const Index n = count[i + 1] - count[i], a = edges[i];
     if (n == 0) return;
@@ -188,8 +188,11 @@ PairSearch::PairSearch(const Surface& surface) : surface_(surface) {
 void PairSearch::find(View<const Vec3> y, View<const Vec3> dy, const std::vector<double>& radius, const std::vector<std::uint8_t>& whose,
                       NearPairs& out) {
   const SurfaceView s = surface_.view();
-  radius_.upload(radius);
-  const View<const double> r = std::as_const(radius_).view();
+  Radius r{radius[0]};
+  if (std::any_of(radius.begin(), radius.end(), [&](double one) { return one != radius[0]; })) {
+    radius_.upload(radius);
+    r.each = std::as_const(radius_).view();
+  }
   const device::Ranges triangles_of(triangle_env_offset_, whose), edges_of(edge_env_offset_, whose);
   triangle_tree_.update({s.triangles.n ? s.triangles.p->v : nullptr, s.triangles.n, 3}, s, environments_, y, dy, {.radius = r}, &triangles_of);
   edge_tree_.update({s.edges.n ? s.edges.p->v : nullptr, s.edges.n, 2}, s, environments_, y, dy, {.radius = r}, &edges_of);
