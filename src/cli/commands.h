@@ -34,7 +34,19 @@ int program(std::vector<std::string> arguments);
 void add_scene_options(Command command, std::string& scene, std::vector<std::string>& overrides);
 
 // --device and --threads, the same for every command that solves. MORTISE_DEVICE in the environment stands for a --device that is not given.
+void add_device_option(Command command, std::string& device);
 void add_device_options(Command command, std::string& device, int& threads);
+
+// When a run stops by itself and when it writes checkpoints [s], the same for every command that may run for hours.
+struct TimeLimits {
+  double walltime = 0, grace = 60;  // walltime 0: none
+  double checkpoint_every = 0;      // 0: as the scene says
+  // Throws Error(Exit::usage) where no time is left to run.
+  void check() const;
+  // What the scene's own `checkpoint_every` gives way to, for --set.
+  void override(std::vector<std::string>& overrides) const;
+};
+void add_time_limits(Command command, TimeLimits& limits);
 
 std::string version_text();  // "mortise 0.1.0 (commit)"
 

@@ -18,7 +18,9 @@ Flag Flag::needs(Flag other) const { return Flag(option_->needs(other.option_));
 Flag Flag::positive() const {  // CLI11 would say that it is not in the range up to the largest number there is
   return check([](const std::string& value) { return CLI::PositiveNumber(value).empty() ? std::string() : value + " must be a number above zero"; });
 }
-Flag Flag::not_negative() const { return Flag(option_->check(CLI::NonNegativeNumber)); }
+Flag Flag::not_negative() const {
+  return check([](const std::string& value) { return CLI::NonNegativeNumber(value).empty() ? std::string() : value + " must be a number from 0"; });
+}
 Flag Flag::within(int low, int high) const { return Flag(option_->check(CLI::Range(low, high))); }
 Flag Flag::one_of(const std::vector<std::string>& values) const { return Flag(option_->check(CLI::IsMember(values))); }
 Flag Flag::check(std::function<std::string(const std::string&)> wrong) const {
@@ -41,6 +43,7 @@ Flag Command::time(const std::string& name, double& to, const std::string& help)
   const auto read = [&to](const std::string& text) {
     const scene::Quantity q = scene::parse_quantity(text, Unit::time);
     if (!q.error.empty()) throw CLI::ValidationError("a time " + q.error + (q.hint.empty() ? "" : "\n  " + q.hint));
+    if (q.value < 0) throw CLI::ValidationError("a time is '" + text + "'; must not be negative");
     to = q.value;
   };
   return Flag(app_->add_option_function<std::string>(name, read, help));

@@ -1,8 +1,11 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
 
+#include "base/error.h"
 #include "cli/commands.h"
 #include "cli/terminal.h"
 #include "engine/choose.h"
@@ -158,10 +161,30 @@ void add_scene_options(Command command, std::string& scene, std::vector<std::str
       .take_all();
 }
 
-void add_device_options(Command command, std::string& device, int& threads) {
+void add_time_limits(Command command, TimeLimits& to) {
+  const Flag walltime = command.time("--walltime", to.walltime, "stop with a checkpoint (exit 75) before so much time is over, e.g. '4 h'");
+  command.time("--grace", to.grace, "how long before; a Newton iteration and a checkpoint have to fit in (default 60 s)").needs(walltime);
+  command.time("--checkpoint-every", to.checkpoint_every,
+               "a checkpoint after so much time, e.g. '10 min', in the place of the scene's `output.checkpoint_every` (absent: with every frame)");
+}
+
+void TimeLimits::check() const {
+  if (walltime > 0 && grace >= walltime)
+    throw Error(Exit::usage, fmt::format("--walltime {:g} s leaves no time to run: it stops --grace {:g} s before", walltime, grace));
+}
+
+void TimeLimits::override(std::vector<std::string>& overrides) const {
+  if (checkpoint_every > 0) overrides.push_back(fmt::format("output.checkpoint_every={{seconds: {}}}", checkpoint_every));
+}
+
+void add_device_option(Command command, std::string& device) {
   command.option("--device", device, engine::kDeviceHelp).environment_variable("MORTISE_DEVICE").show_default().check([](const std::string& name) {
     return engine::is_device_name(name) ? std::string() : "'" + name + "' is no device; must be auto, cpu, cuda, cuda:N or debug";
   });
+}
+
+void add_device_options(Command command, std::string& device, int& threads) {
+  add_device_option(command, device);
   command.option("-j,--threads", threads, "CPU threads; default SLURM_CPUS_PER_TASK, else all that the process may use").positive();
 }
 

@@ -31,14 +31,14 @@ void add_run(Command app, Context& context) {
       .excludes(environment);
   const Flag overwrite = sub.flag("--overwrite", o->overwrite, "replace the results in the output folder");
   sub.option("--resume", o->resume,
-             "continue from the newest good checkpoint (`output.checkpoint_every` says how often there is one); --resume=auto starts afresh "
-             "where there is none")
+             "continue from the newest good checkpoint (--checkpoint-every says how often there is one); --resume=auto starts afresh where there is "
+             "none")
       .maybe_value("yes")
       .one_of({"yes", "auto"})
       .excludes(overwrite);
   sub.option("--frames", o->frames, "stop after so many frames; the state at the start does not count").not_negative();
-  const Flag walltime = sub.time("--walltime", o->walltime, "stop with a checkpoint (exit 75) before so much time is over, e.g. '4 h'");
-  sub.time("--grace", o->grace, "how long before; a Newton iteration and a checkpoint have to fit in (default 60 s)").needs(walltime);
+  auto limits = std::make_shared<TimeLimits>();
+  add_time_limits(sub, *limits);
   const Flag bridge =
       sub.option("--bridge", o->bridge,
                  "a program that drives the scene's motors, step by step, by lines of JSON (src/bridge): a command for the shell, or - "
@@ -63,7 +63,14 @@ void add_run(Command app, Context& context) {
       "  mortise run scene.yaml -o out/a --resume=auto         (exit 75 = stopped by a signal: run the same again)\n"
       "  mortise run arm.yaml -o out/arm --bridge 'python3 tools/bridge_policy.py' --bridge-every 4\n"
       "  mortise run arm.yaml -o out/again --replay out/arm    (the same, bit for bit, without the program)");
-  sub.action([o, &context] { context.action = [o] { return static_cast<int>(run::run_scene(*o, engine::effect_tables())); }; });
+  sub.action([=, &context] {
+    context.action = [=] {
+      limits->check();
+      limits->override(o->overrides);
+      o->walltime = limits->walltime, o->grace = limits->grace;
+      return static_cast<int>(run::run_scene(*o, engine::effect_tables()));
+    };
+  });
 }
 
 }  // namespace mortise::cli

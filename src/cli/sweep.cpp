@@ -5,9 +5,9 @@
 #include <iostream>
 #include <memory>
 #include <numeric>
-#include <thread>
 
 #include "cli/commands.h"
+#include "engine/choose.h"
 #include "engine/effect_tables.h"
 #include "run/run.h"
 #include "sweep/run_rows.h"
@@ -20,6 +20,7 @@ struct SweepOptions {
   long index = -1;
   int jobs = 1, threads = 0;
   bool dry_run = false, no_render = false, quiet = false;
+  TimeLimits limits;
 };
 
 std::string values(const sweep::Row& row) {
@@ -52,13 +53,24 @@ int run_one(const SweepOptions& o, const sweep::Sweep& s, const std::string& fol
   run::Options r;
   r.scene = s.scene, r.overrides = s.rows[row].overrides(s.set), r.output = into, r.resume = "auto", r.device = o.device, r.threads = o.threads;
   r.no_render = o.no_render, r.quiet = o.quiet;
+  r.walltime = o.limits.walltime, r.grace = o.limits.grace;
+  o.limits.override(r.overrides);
   return static_cast<int>(run::run_scene(r, engine::effect_tables()));
 }
 
+// What the machine, or Slurm, grants this process.
+int granted_threads() {
+  engine::cpu_api().set_threads(0);
+  return engine::cpu_api().devices(nullptr).front().threads;
+}
+
 int cmd_sweep(const SweepOptions& o) {
+  o.limits.check();
   const sweep::Sweep s = sweep::read_sweep(o.file);
   const std::string folder = o.output.empty() ? "out/" + s.name : o.output;
   sweep::RunOptions r{folder, o.device, o.threads, o.jobs, o.no_render, shard(o.shard, s.rows.size())};
+  r.walltime = o.limits.walltime, r.grace = o.limits.grace;
+  o.limits.override(r.set);
   if (o.dry_run) {
     sweep::check_rows(s);
     for (std::size_t row : r.rows) std::cout << fmt::format("{:>4}  {}\n", row, values(s.rows[row]));
@@ -68,7 +80,7 @@ int cmd_sweep(const SweepOptions& o) {
   if (o.index < 0) sweep::check_rows(s);
   sweep::claim_folder(s, folder);
   if (o.index >= 0) return run_one(o, s, folder);
-  if (r.threads == 0) r.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / o.jobs);
+  if (r.threads == 0) r.threads = std::max(1, granted_threads() / o.jobs);
   std::size_t ended = 0;
   std::vector<std::size_t> failed;
   const Exit code = sweep::run_rows(s, r, [&](std::size_t row, const sweep::Status& status, double seconds) {
@@ -100,8 +112,10 @@ void add_sweep(Command app, Context& context) {
   sub.option("--shard", o->shard, "I/N: only rows I, I + N, I + 2 N, ...").excludes(index);
   sub.flag("--dry-run", o->dry_run, "print the rows and check the scene of each").excludes(index);
   sub.option("-j,--jobs", o->jobs, "rows at once").positive().show_default().excludes(index);
-  sub.option("--threads", o->threads, "CPU threads of every row; default: those of the machine shared out").positive();
-  sub.option("--device", o->device, "as for run").environment_variable("MORTISE_DEVICE").show_default();
+  sub.option("--threads", o->threads, "CPU threads of every row; default: those that the process may use (SLURM_CPUS_PER_TASK) shared out")
+      .positive();
+  add_device_option(sub, o->device);
+  add_time_limits(sub, o->limits);
   sub.flag("--no-render", o->no_render, "no pictures");
   sub.flag("-q,--quiet", o->quiet, "errors only");
   sub.footer(
@@ -109,7 +123,7 @@ void add_sweep(Command app, Context& context) {
       "it ends with 0.\n"
       "Examples:\n  mortise sweep mu.yaml --dry-run\n  mortise sweep mu.yaml -j 8\n  mortise sweep mu.yaml --index 7        (one task of an array; "
       "exit 75: run it again)\n  mortise merge out/mu\n"
-      "Exit codes: 0 all rows done, 5 a row failed, 7 checks of a row failed, 75 stopped by a signal (run the same again)");
+      "Exit codes: 0 all rows done, 5 a row failed, 7 checks of a row failed, 75 stopped by a signal or --walltime (run the same again)");
   sub.action([o, &context] { context.action = [o] { return cmd_sweep(*o); }; });
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <hdf5.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 #include "output/atomic_file.h"
 #include "output/field_reader.h"
 #include "output/h5.h"
+#include "scene/suggest.h"
 
 namespace fs = std::filesystem;
 
@@ -38,6 +40,17 @@ double number(const Json& j, const char* block, const char* key) {
 
 // A row of a scene with several environments: their sum stands for a certificate, and there is no one last value of a scalar.
 bool of_environments(const std::string& folder) { return fs::exists(folder + "/environments.json"); }
+
+// Of the quantities those that this row, which has ended, does not have.
+std::vector<std::string> unknown(const std::string& folder, const std::vector<std::string>& quantities) {
+  std::vector<std::string> out;
+  if (of_environments(folder) || !fs::exists(folder + "/fields.vtkhdf")) return out;
+  const std::vector<std::string> there = output::FieldReader(folder + "/fields.vtkhdf").scalars();
+  for (const std::string& q : quantities)
+    if (std::find(there.begin(), there.end(), q) == there.end())
+      out.push_back(fmt::format("no scalar '{}' in {}/fields.vtkhdf {}", q, folder, scene::suggestion(q, there)));
+  return out;
+}
 
 // The last values of the scalars; NaN where there are none.
 std::vector<double> at_the_end(const std::string& folder, const std::vector<std::string>& quantities) {
@@ -104,6 +117,7 @@ Merged merge(const std::string& folder) {
     const std::string row = row_folder(folder, i);
     out.rows.push_back(status_of(row));
     table += line(sweep, i, row, out.rows.back());
+    if (out.unknown.empty() && out.rows.back().finished()) out.unknown = unknown(row, sweep.quantities);
     if (fs::exists(row + "/fields.vtkhdf")) linked.push_back(fs::path(row).filename().string());
   }
   out.table = folder + "/table.csv";

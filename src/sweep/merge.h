@@ -8,7 +8,8 @@ namespace mortise::sweep {
 
 struct Merged {
   std::vector<Status> rows;
-  std::string table;  // path of the CSV file
+  std::string table;                 // path of the CSV file
+  std::vector<std::string> unknown;  // of the sweep's quantities those that rows which have ended do not have, each with what it may have meant
   std::vector<std::size_t> with(Status::Is is) const;
 };
 

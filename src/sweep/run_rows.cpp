@@ -45,6 +45,7 @@ std::vector<std::string> command(const Sweep& sweep, const RunOptions& o, std::s
   if (o.threads > 0) out.insert(out.end(), {"--threads", std::to_string(o.threads)});
   if (o.no_render) out.push_back("--no-render");
   for (const std::string& set : sweep.rows[row].overrides(sweep.set)) out.insert(out.end(), {"--set", set});
+  for (const std::string& set : o.set) out.insert(out.end(), {"--set", set});
   return out;
 }
 
@@ -79,8 +80,12 @@ Exit run_rows(const Sweep& sweep, const RunOptions& o, const std::function<void(
   Exit result = Exit::done;
   std::size_t next = 0;
   bool passed_on = false;
+  const Time::time_point begin = Time::now();
+  const auto stop = [&] {
+    return run::stop_asked() || (o.walltime > 0 && std::chrono::duration<double>(Time::now() - begin).count() > o.walltime - o.grace);
+  };
   while (next < o.rows.size() || !jobs.empty()) {
-    while (!run::stop_asked() && next < o.rows.size() && jobs.size() < static_cast<std::size_t>(o.jobs)) {
+    while (!stop() && next < o.rows.size() && jobs.size() < static_cast<std::size_t>(o.jobs)) {
       const std::size_t row = o.rows[next++];
       if (const Status before = status_of(row_folder(o.folder, row)); before.finished()) {
         result = worst(result, before);
@@ -89,8 +94,9 @@ Exit run_rows(const Sweep& sweep, const RunOptions& o, const std::function<void(
       }
       jobs[start(command(sweep, o, row), row_folder(o.folder, row) + ".log")] = {row, Time::now()};
     }
-    if (run::stop_asked()) {
-      next = o.rows.size(), result = Exit::stopped;
+    if (stop()) {
+      if (next < o.rows.size() || !jobs.empty()) result = Exit::stopped;
+      next = o.rows.size();
       if (!passed_on)
         for (const auto& [child, job] : jobs) ::kill(child, SIGTERM);
       passed_on = true;

@@ -25,12 +25,14 @@ struct RunOptions {
   int threads = 0;     // of every row; 0: those of the machine shared out among the jobs
   int jobs = 1;        // rows at once
   bool no_render = false;
-  std::vector<std::size_t> rows;  // which
+  std::vector<std::size_t> rows;   // which
+  std::vector<std::string> set{};  // more --set for all
+  double walltime = 0, grace = 0;  // [s]: of all rows together; walltime 0: no end
 };
 
 // Runs the rows that are not finished, each as `mortise run` in a process of its own, which goes on from its checkpoint where there is one. `told`
-// hears of every row that ends (or was finished already). SIGTERM and SIGINT are passed on to the rows; returns Exit::stopped then, Exit::solve
-// when a row failed, Exit::checks when checks of a row failed, else Exit::done. A finished row is never run again.
+// hears of every row that ends (or was finished already). SIGTERM and SIGINT are passed on to the rows, and so is the end of the walltime; returns
+// Exit::stopped then, Exit::solve when a row failed, Exit::checks when checks of a row failed, else Exit::done. A finished row is never run again.
 Exit run_rows(const Sweep& sweep, const RunOptions& options, const std::function<void(std::size_t row, const Status&, double seconds)>& told);
 
 }  // namespace mortise::sweep

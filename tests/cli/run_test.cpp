@@ -369,6 +369,8 @@ TEST(Run, StopsBeforeItsWalltimeAndGoesOn) {
   EXPECT_EQ(r.code, 75) << r.err;
   EXPECT_NE(r.err.find("continue with --resume"), std::string::npos);
   EXPECT_EQ(mortise(run + " --frames 1 --resume=auto --walltime '1 h'").code, 0);
+  EXPECT_EQ(mortise(run + " --frames 2 --resume --checkpoint-every '1 h'").code, 0);
+  EXPECT_EQ(mortise(run + " --resume --walltime '1 min'").code, 2) << "no time is left to run";
   const Result wrong = mortise(run + " --walltime 3m");
   EXPECT_EQ(wrong.code, 2);
   EXPECT_NE(wrong.err.find("must be a time"), std::string::npos);

@@ -114,6 +114,30 @@ TEST_F(SweepProgram, OneTaskOfAnArray) {
   EXPECT_THAT(complained(), HasSubstr("rows 0 to 7"));
 }
 
+// A walltime ends a sweep as a signal does: with checkpoints, and the same command goes on.
+TEST_F(SweepProgram, StopsBeforeItsWalltime) {
+  const std::vector<std::string> limits{"--walltime", "60.4 s", "--grace", "60 s", "--checkpoint-every", "1 min"};
+  ASSERT_EQ(run(sweep("w", limits)), 75) << complained();
+  EXPECT_THAT(complained(), HasSubstr("stopped; the same command goes on"));
+  EXPECT_FALSE(fs::exists(folder_ + "/w/0007"));
+  ASSERT_EQ(run(sweep("w")), 0) << complained();
+  EXPECT_EQ(run(sweep("v", {"--walltime", "1 min"})), 2);
+  EXPECT_THAT(complained(), HasSubstr("leaves no time to run"));
+  EXPECT_EQ(run(sweep("v", {"--walltime=-1 min"})), 2);
+  EXPECT_THAT(complained(), HasSubstr("must not be negative"));
+  EXPECT_EQ(run(sweep("v", {"--device", "gpu"})), 2);
+}
+
+TEST_F(SweepProgram, QuantitiesThatNoRowHasAreNamed) {
+  std::string text = read_text(folder_ + "/s.yaml");
+  text.replace(text.find("inertia/kinetic_energy"), 22, "inertia/kinetic_enrgy");
+  std::ofstream(folder_ + "/s.yaml") << text;
+  ASSERT_EQ(run(sweep("q", {"--shard", "0/8"})), 0) << complained();
+  EXPECT_EQ(run({"merge", folder_ + "/q"}), 3);
+  EXPECT_THAT(complained(), HasSubstr("did you mean 'inertia/kinetic_energy'"));
+  EXPECT_TRUE(fs::exists(folder_ + "/q/table.csv"));
+}
+
 TEST_F(SweepProgram, WrongInputIsSaidAtOnce) {
   EXPECT_EQ(run(sweep("d", {"--shard", "4/4"})), 2);
   std::ofstream(folder_ + "/s.yaml", std::ios::app) << "  - product: {effects.frictoin.mu: [1]}\n";
