@@ -43,8 +43,6 @@ struct TimeLimits {
   double checkpoint_every = 0;      // 0: as the scene says
   // Throws Error(Exit::usage) where no time is left to run.
   void check() const;
-  // What the scene's own `checkpoint_every` gives way to, for --set.
-  void override(std::vector<std::string>& overrides) const;
 };
 void add_time_limits(Command command, TimeLimits& limits);
 

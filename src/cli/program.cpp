@@ -173,10 +173,6 @@ void TimeLimits::check() const {
     throw Error(Exit::usage, fmt::format("--walltime {:g} s leaves no time to run: it stops --grace {:g} s before", walltime, grace));
 }
 
-void TimeLimits::override(std::vector<std::string>& overrides) const {
-  if (checkpoint_every > 0) overrides.push_back(fmt::format("output.checkpoint_every={{seconds: {}}}", checkpoint_every));
-}
-
 void add_device_option(Command command, std::string& device) {
   command.option("--device", device, engine::kDeviceHelp).environment_variable("MORTISE_DEVICE").show_default().check([](const std::string& name) {
     return engine::is_device_name(name) ? std::string() : "'" + name + "' is no device; must be auto, cpu, cuda, cuda:N or debug";

@@ -66,8 +66,7 @@ void add_run(Command app, Context& context) {
   sub.action([=, &context] {
     context.action = [=] {
       limits->check();
-      limits->override(o->overrides);
-      o->walltime = limits->walltime, o->grace = limits->grace;
+      o->walltime = limits->walltime, o->grace = limits->grace, o->checkpoint_every = limits->checkpoint_every;
       return static_cast<int>(run::run_scene(*o, engine::effect_tables()));
     };
   });

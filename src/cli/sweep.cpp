@@ -53,8 +53,7 @@ int run_one(const SweepOptions& o, const sweep::Sweep& s, const std::string& fol
   run::Options r;
   r.scene = s.scene, r.overrides = s.rows[row].overrides(s.set), r.output = into, r.resume = "auto", r.device = o.device, r.threads = o.threads;
   r.no_render = o.no_render, r.quiet = o.quiet;
-  r.walltime = o.limits.walltime, r.grace = o.limits.grace;
-  o.limits.override(r.overrides);
+  r.walltime = o.limits.walltime, r.grace = o.limits.grace, r.checkpoint_every = o.limits.checkpoint_every;
   return static_cast<int>(run::run_scene(r, engine::effect_tables()));
 }
 
@@ -69,8 +68,7 @@ int cmd_sweep(const SweepOptions& o) {
   const sweep::Sweep s = sweep::read_sweep(o.file);
   const std::string folder = o.output.empty() ? "out/" + s.name : o.output;
   sweep::RunOptions r{folder, o.device, o.threads, o.jobs, o.no_render, shard(o.shard, s.rows.size())};
-  r.walltime = o.limits.walltime, r.grace = o.limits.grace;
-  o.limits.override(r.set);
+  r.walltime = o.limits.walltime, r.grace = o.limits.grace, r.checkpoint_every = o.limits.checkpoint_every;
   if (o.dry_run) {
     sweep::check_rows(s);
     for (std::size_t row : r.rows) std::cout << fmt::format("{:>4}  {}\n", row, values(s.rows[row]));

@@ -22,15 +22,16 @@ struct Options {
   std::vector<Params> resets{};        // conditions that end the run: entries of environments.reset
   long most_steps = -1;                // stop after so many steps
   bool overwrite = false;
-  std::string resume;          // "": no; "yes": needs a checkpoint; "auto": a checkpoint if there is one
-  double walltime = 0;         // stop in good time before so many seconds are over; 0: no limit
-  double grace = 60;           // how long before [s]
-  long frames = -1;            // stop after so many frames (the state at the start does not count)
-  std::string bridge;          // command of the partner that drives, "-" = the standard streams (src/bridge)
-  long bridge_every = 1;       // steps between its messages
-  double bridge_timeout = -1;  // [s] for its answer; 0: none, below: the usual
-  std::string replay;          // recording of a partner, or the output folder that holds it
-  std::string together;        // how many of a scene's environments share a model, "all" or a number; empty: none (on a GPU all, where they can)
+  std::string resume;           // "": no; "yes": needs a checkpoint; "auto": a checkpoint if there is one
+  double walltime = 0;          // stop in good time before so many seconds are over; 0: no limit
+  double grace = 60;            // how long before [s]
+  double checkpoint_every = 0;  // [s] in the place of what the scene says; 0: that
+  long frames = -1;             // stop after so many frames (the state at the start does not count)
+  std::string bridge;           // command of the partner that drives, "-" = the standard streams (src/bridge)
+  long bridge_every = 1;        // steps between its messages
+  double bridge_timeout = -1;   // [s] for its answer; 0: none, below: the usual
+  std::string replay;           // recording of a partner, or the output folder that holds it
+  std::string together;         // how many of a scene's environments share a model, "all" or a number; empty: none (on a GPU all, where they can)
   bool no_render = false;
   bool json = false;  // events as JSON lines on stdout
   bool quiet = false;

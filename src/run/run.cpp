@@ -161,6 +161,8 @@ class Run {
       if (const Params* seconds = every->find("seconds")) checkpoint_seconds_ = seconds->as_number();
     }
 
+    if (o_.checkpoint_every > 0) checkpoint_steps_ = 0, checkpoint_seconds_ = o_.checkpoint_every;
+
     const Params* render = scene_.root.find("render");
     if (render) picture_every_ = render->integer("every");
     if (!o_.no_render && out.flag("pictures") && render && render->has("cameras"))

@@ -45,7 +45,7 @@ std::vector<std::string> command(const Sweep& sweep, const RunOptions& o, std::s
   if (o.threads > 0) out.insert(out.end(), {"--threads", std::to_string(o.threads)});
   if (o.no_render) out.push_back("--no-render");
   for (const std::string& set : sweep.rows[row].overrides(sweep.set)) out.insert(out.end(), {"--set", set});
-  for (const std::string& set : o.set) out.insert(out.end(), {"--set", set});
+  if (o.checkpoint_every > 0) out.insert(out.end(), {"--checkpoint-every", fmt::format("{} s", o.checkpoint_every)});
   return out;
 }
 
