@@ -30,6 +30,13 @@ std::vector<double> largest_deviation(const std::vector<Index>& point_env, View<
   return out;
 }
 
+void keep_path(const device::Ranges& whose, View<const Vec3> y, View<const Vec3> dy, View<Vec3> from, View<Vec3> way) {
+  device::parallel_for("contact.keep_path", whose, [=] MORTISE_HD(Index i) {
+    from[i] = y[i];
+    way[i] = dy.n > 0 ? dy[i] : Vec3(Vec3::Zero());
+  });
+}
+
 }  // namespace
 
 Candidates::Candidates(geometry::Broadphase& broadphase, double reach, std::vector<Index> point_env)
@@ -39,12 +46,7 @@ void Candidates::rebuild(const device::Buffer<Vec3>& y, const device::Buffer<Vec
   broadphase_.update(y.view(), dy ? dy->view() : View<const Vec3>{}, reach_ * (1 + tuning::kMargin), whose);
   broadphase_.copy(whose, pairs_);
   if (y0_.size() != y.size()) y0_.resize(y.size()), dy_.resize(y.size());
-  const View<const Vec3> from = y.view(), way = dy ? dy->view() : View<const Vec3>{};
-  const View<Vec3> y0 = y0_.view(), kept = dy_.view();
-  device::parallel_for("contact.keep_path", {point_env_, whose}, [=] MORTISE_HD(Index i) {
-    y0[i] = from[i];
-    kept[i] = way.n > 0 ? way[i] : Vec3(Vec3::Zero());
-  });
+  keep_path({point_env_, whose}, y.view(), dy ? dy->view() : View<const Vec3>{}, y0_.view(), dy_.view());
   for (std::size_t e = 0; e < held_.size(); ++e)
     if (whose.empty() || whose[e]) held_[e] = 1;
 }

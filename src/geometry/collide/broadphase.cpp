@@ -56,6 +56,22 @@ void pick(const SurfaceView& surface, const NearPairs& kept, View<const Vec3> y,
   compact("broadphase.pick_edge_edge", kept.edge_edges, edges, ee_counts, found.edge_edges);
 }
 
+// Of the points of every environment.
+void farthest(const device::Ranges& whose, View<const Index> point, View<const Vec3> from, View<const Vec3> y, View<const Vec3> dy,
+              std::vector<double>& out) {
+  device::env_max(
+      "broadphase.farthest", whose,
+      [=] MORTISE_HD(Index i) {
+        const Index p = point[i];
+        return (from.n > 0 ? (y[p] - from[p]).norm() : 0.0) + (dy.n > 0 ? dy[p].norm() : 0.0) + tuning::kCoordinate * y[p].norm();
+      },
+      out);
+}
+
+void keep(const device::Ranges& whose, View<const Index> point, View<const Vec3> y, View<Vec3> at) {
+  device::parallel_for("broadphase.keep", whose, [=] MORTISE_HD(Index i) { at[point[i]] = y[point[i]]; });
+}
+
 }  // namespace
 
 Broadphase::Broadphase(const Surface& surface) : surface_(surface), search_(surface), kept_radius_(search_.environments(), -1.0) {
@@ -74,14 +90,7 @@ Broadphase::Broadphase(const Surface& surface) : surface_(surface), search_(surf
 
 std::vector<double> Broadphase::farthest(View<const Vec3> from, View<const Vec3> y, View<const Vec3> dy, const Mask& whose) const {
   std::vector<double> out(search_.environments(), 0.0);
-  const View<const Index> point = points_.view();
-  device::env_max(
-      "broadphase.farthest", {point_env_, whose},
-      [=] MORTISE_HD(Index i) {
-        const Index p = point[i];
-        return (from.n > 0 ? (y[p] - from[p]).norm() : 0.0) + (dy.n > 0 ? dy[p].norm() : 0.0) + tuning::kCoordinate * y[p].norm();
-      },
-      out);
+  geometry::farthest({point_env_, whose}, points_.view(), from, y, dy, out);
   return out;
 }
 
@@ -126,9 +135,7 @@ void Broadphase::search(View<const Vec3> y, const std::vector<double>& radius, c
     kept_ = std::move(joined);
   }
   if (kept_at_.size() != y.n) kept_at_.resize(y.n);
-  const View<Vec3> at = kept_at_.view();
-  const View<const Index> point = std::as_const(points_).view();
-  device::parallel_for("broadphase.keep", {point_env_, whose}, [=] MORTISE_HD(Index i) { at[point[i]] = y[point[i]]; });
+  keep({point_env_, whose}, std::as_const(points_).view(), y, kept_at_.view());
   for (std::size_t e = 0; e < whose.size(); ++e)
     if (whose[e]) kept_radius_[e] = radius[e];
 }
