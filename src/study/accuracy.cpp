@@ -1,0 +1,279 @@
+#include "study/accuracy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/effect_tables.h"
+#include "run/signals.h"
+#include "scene/environments.h"
+#include "scene/suggest.h"
+#include "study/accuracy_knobs.h"
+#include "study/read.h"
+#include "study/tuning.h"
+#include "study/variant.h"
+
+namespace mortise::study {
+namespace {
+
+// The quantities that goals name, out of the scene's.
+std::vector<Quantity> quantities_of_goals(const Params& scene, const std::vector<Goal>& goals) {
+  const std::vector<Quantity> all = quantities_of(scene);
+  if (all.empty())
+    throw Error(
+        Exit::usage,
+        "--accuracy: the scene names no number to be accurate in; write 'quantities: [{name: peak, value: contact_pressure, body: pad, over: max}]' "
+        "into it (src/study/README.md)");
+  std::vector<std::string> names;
+  for (const Quantity& q : all) names.push_back(q.name);
+  std::vector<Quantity> out;
+  for (const Goal& g : goals) {
+    const auto found = std::find(names.begin(), names.end(), g.quantity);
+    if (found == names.end())
+      throw Error(Exit::usage,
+                  fmt::format("--accuracy: the scene's 'quantities' have no '{}'\n  {}", g.quantity, scene::suggestion(g.quantity, names)));
+    for (const Quantity& q : out)
+      if (q.name == g.quantity) throw Error(Exit::usage, "--accuracy names '" + g.quantity + "' twice");
+    out.push_back(all[static_cast<std::size_t>(found - names.begin())]);
+  }
+  return out;
+}
+
+class Search {
+ public:
+  Search(const Wanted& wanted, const Place& place, const std::function<void(const Attempt&, const std::vector<Quantity>&)>& told)
+      : wanted_(wanted), place_(place), told_(told) {
+    study_.scene = wanted.scene, study_.set = wanted.set, study_.methods.emplace_back();
+    const scene::Scene scene = scene::read_scene(wanted.scene, wanted.set, engine::effect_tables());
+    if (scene::environment_count(scene.root) > 0)
+      throw Error(Exit::usage, "--accuracy: of a scene with 'environments' choose one in a scene of its own");
+    study_.quantities = out_.quantities = quantities_of_goals(scene.root, wanted.goals);
+    out_.goals = wanted.goals;
+    knobs_ = auto_knobs(scene.root);
+    if (knobs_.empty()) throw Error(Exit::usage, "--accuracy: there is nothing to refine: no body has an edge_length, and nothing moves");
+    for (const AutoKnob& k : knobs_) {
+      out_.knobs.push_back(k.name);
+      finest_.push_back(tuning::kMostLevels);
+    }
+  }
+
+  Accuracy go() {
+    centre_.assign(knobs_.size(), 0);
+    const std::size_t first = run(centre_, 0);
+    if (out_.attempts[first].run.failed()) throw Error(Exit::solve, "the scene as it is failed: " + out_.attempts[first].run.message);
+    here_ = first;
+    refine();
+    finish();
+    return std::move(out_);
+  }
+
+ private:
+  const RunResult& here() const { return out_.attempts[here_].run; }
+  double left() const { return wanted_.most - out_.seconds; }
+  std::vector<double> goals() const {
+    std::vector<double> out;
+    for (std::size_t q = 0; q < out_.goals.size(); ++q)
+      out.push_back(std::max(out_.goals[q].share * std::max(std::abs(here().values[q]), out_.quantities[q].scale), tuning::kRounding));
+    return out;
+  }
+
+  // expected: CPU time, 0 where it is not known.
+  std::size_t run(const Levels& levels, double expected) {
+    for (std::size_t i = 0; i < out_.attempts.size(); ++i)
+      if (out_.attempts[i].levels == levels) return i;
+    Attempt a;
+    a.levels = levels;
+    std::string label;
+    Settings settings;
+    for (std::size_t k = 0; k < knobs_.size(); ++k) {
+      const Settings own = knobs_[k].settings(levels[k]);
+      settings.insert(settings.end(), own.begin(), own.end());
+      if (levels[k] != 0) label += (label.empty() ? "" : ", ") + knobs_[k].label(levels[k]);
+    }
+    if (expected > left()) {
+      a.run.label = label, a.run.code = static_cast<int>(Exit::stopped), a.run.values.assign(out_.goals.size(), NAN);
+      a.run.message = fmt::format("not run: it would take about {:.2g} s of CPU time, {:.2g} s are left", expected, std::max(0.0, left()));
+    } else {
+      Planned planned{0, settings, label.empty() ? "as it is" : label, {}};
+      try {
+        planned.variant = variant_of(study_, study_.methods.front(), settings);
+        a.run = execute(planned, place_, 1, std::max(1.0, left()));
+        measure_all(study_, place_, a.run);
+      } catch (const scene::SceneErrors& e) {  // of a scene that is coarser or finer than it can be
+        if (label.empty()) throw;
+        a.run.label = label, a.run.code = static_cast<int>(Exit::scene), a.run.message = e.what(), a.run.values.assign(out_.goals.size(), NAN);
+      } catch (const Error& e) {
+        if (label.empty() || (e.code() != Exit::usage && e.code() != Exit::scene)) throw;
+        a.run.label = label, a.run.code = static_cast<int>(e.code()), a.run.message = e.what(), a.run.values.assign(out_.goals.size(), NAN);
+      }
+    }
+    for (double v : a.run.values)
+      if (!a.run.failed() && !std::isfinite(v)) a.run.code = static_cast<int>(Exit::solve), a.run.message = "it does not report what is looked for";
+    out_.seconds += a.run.process;
+    out_.attempts.push_back(a);
+    told_(a, out_.quantities);
+    return out_.attempts.size() - 1;
+  }
+
+  double size(std::size_t k, const RunResult& r, int level) const {  // over that at the centre
+    return knobs_[k].mesh && r.dofs > 0 && r.dofs != here().dofs ? std::cbrt(static_cast<double>(here().dofs) / static_cast<double>(r.dofs))
+                                                                 : std::pow(knobs_[k].ratio, level);
+  }
+
+  bool same(const RunResult& r) const { return r.dofs == here().dofs && r.values == here().values; }
+
+  // From all runs in which only this knob is elsewhere than at the centre. Levels count from there.
+  Climb climb_of(std::size_t k) const {
+    Climb out;
+    out.name = knobs_[k].name, out.ratio = knobs_[k].ratio, out.dearer = knobs_[k].dearer, out.finest = finest_[k] - centre_[k];
+    out.rungs.push_back({0, 1, here().values, 1});
+    std::vector<const Attempt*> along;
+    for (const Attempt& a : out_.attempts) {
+      Levels others = a.levels;
+      others[k] = centre_[k];
+      if (others == centre_ && a.levels[k] != centre_[k] && !a.run.failed()) along.push_back(&a);
+    }
+    const bool moves = std::any_of(along.begin(), along.end(), [&](const Attempt* a) { return !same(a->run); });
+    for (const Attempt* a : along) {
+      if (moves && same(a->run)) continue;  // the same meshes: nothing was refined
+      const int level = a->levels[k] - centre_[k];
+      out.add({level, size(k, a->run, level), a->run.values, std::max(a->run.process, kLeastCost) / std::max(here().process, kLeastCost)});
+    }
+    return out;
+  }
+
+  // A coarser run tells whether a knob matters at all, and is cheap; more of them what it tends to.
+  void look_along(std::size_t k) {
+    const auto neighbour = [&](int level) {
+      Levels at = centre_;
+      at[k] += level;
+      if (at[k] > finest_[k]) return;
+      const double dearer = std::pow(knobs_[k].ratio, -level * knobs_[k].dearer);
+      const std::size_t i = run(at, std::max(here().process, kLeastCost) * dearer);
+      if (out_.attempts[i].run.failed() && level > 0) {
+        finest_[k] = at[k] - 1;
+        out_.notes.push_back(fmt::format("{}: {}", out_.attempts[i].run.label, out_.attempts[i].run.message));
+      }
+    };
+    for (int level : {-1, -2, 1, 2}) {
+      const Climb climb = climb_of(k);
+      // Meshes that came out equal say nothing yet.
+      bool more = std::all_of(climb.rungs.begin(), climb.rungs.end(), [&](const Rung& r) { return r.values == here().values; });
+      const std::vector<double> most = goals();
+      for (std::size_t q = 0; q < most.size() && !more; ++q) more = climb.rungs.size() < 3 && climb.error(q, 0) > tuning::kAlone * most[q];
+      if (more) neighbour(level);
+    }
+  }
+
+  void look_around() {
+    out_.climbs.clear();
+    for (std::size_t k = 0; k < knobs_.size(); ++k) {
+      look_along(k);
+      out_.climbs.push_back(climb_of(k));
+    }
+    at_.push_back({here_, {}});
+    for (std::size_t q = 0; q < out_.goals.size(); ++q) at_.back().second.push_back(estimate(out_.climbs, q, Levels(knobs_.size(), 0)));
+    out_.attempts[here_].estimates = at_.back().second;
+  }
+
+  bool holds() const {
+    const std::vector<double> most = goals();
+    for (std::size_t q = 0; q < most.size(); ++q)
+      if (!(out_.attempts[here_].estimates[q] <= most[q])) return false;
+    return true;
+  }
+
+  void refine() {
+    for (;;) {
+      look_around();
+      if (holds()) return void(out_.reached = true);
+      const Chosen next = choose_levels(out_.climbs, goals(), tuning::kAim, Levels(knobs_.size(), 0));
+      Levels to = centre_;
+      double cost = next.cost;
+      for (std::size_t k = 0; k < knobs_.size(); ++k) to[k] += next.levels[k];
+      // On meshes that are too coarse other knobs seem to tend where they do not: of what is far off the mesh first.
+      if (to == centre_ || (!next.reached && knobs_[most_left(next.worst)].mesh)) {
+        const std::size_t k = most_left(next.worst);
+        if (centre_[k] >= finest_[k])
+          return void(out_.why_not =
+                          fmt::format("'{}' does not settle, and {} is not refined any further", out_.quantities[next.worst].name, out_.knobs[k]));
+        to = centre_, ++to[k], cost = out_.climbs[k].cost(1);
+      }
+      const std::size_t i = run(to, std::max(here().process, kLeastCost) * cost);
+      if (out_.attempts[i].run.failed()) return void(out_.why_not = out_.attempts[i].run.label + ": " + out_.attempts[i].run.message);
+      centre_ = to, here_ = i;
+    }
+  }
+
+  // The mesh where it has a part in it: the others are seen well on good meshes only.
+  std::size_t most_left(std::size_t q) const {
+    std::size_t worst = 0;
+    double most = -1;
+    for (std::size_t k = 0; k < knobs_.size(); ++k) {
+      const double error = out_.climbs[k].error(q, 0) * (knobs_[k].mesh ? tuning::kUnknownOrder : 1);
+      if (error > most && centre_[k] < finest_[k]) most = error, worst = k;
+    }
+    return worst;
+  }
+
+  // The run that reaches all goals, else the one of those whose errors were looked at that comes nearest.
+  void finish() {
+    out_.chosen = here_;
+    double best = INFINITY;
+    for (const auto& [i, estimates] : at_) {
+      double worst = 0;
+      for (std::size_t q = 0; q < estimates.size(); ++q)
+        worst = std::max(worst, estimates[q] / (out_.goals[q].share * std::max(std::abs(out_.attempts[i].run.values[q]), tuning::kRounding)));
+      if (!out_.reached && worst < best) best = worst, out_.chosen = i;
+    }
+    centre_ = out_.attempts[out_.chosen].levels, here_ = out_.chosen;
+    for (std::size_t k = 0; k < knobs_.size(); ++k) {
+      out_.climbs[k] = climb_of(k);
+      for (const auto& s : knobs_[k].settings(centre_[k])) out_.settings.push_back(s);
+    }
+  }
+
+  static constexpr double kLeastCost = 0.05;  // CPU time of a process that does nothing [s]
+
+  const Wanted& wanted_;
+  const Place& place_;
+  const std::function<void(const Attempt&, const std::vector<Quantity>&)>& told_;
+  Study study_;
+  std::vector<AutoKnob> knobs_;
+  Accuracy out_;
+  Levels centre_;         // the run that neighbours are compared with
+  std::size_t here_ = 0;  // its number
+  std::vector<int> finest_;
+  std::vector<std::pair<std::size_t, std::vector<double>>> at_;  // centres and their estimates
+};
+
+}  // namespace
+
+Goal goal_of_flag(const std::string& text) {
+  const std::size_t eq = text.rfind('=');
+  const auto wrong = [&](const std::string& why) { return Error(Exit::usage, "--accuracy " + text + ": " + why); };
+  if (eq == std::string::npos || eq == 0 || eq + 1 == text.size()) throw wrong("write NAME=PERCENT of a quantity of the scene, e.g. peak=1%");
+  Goal out{text.substr(0, eq), 0};
+  std::string number = text.substr(eq + 1);
+  if (number.back() != '%') throw wrong("'" + number + "' is no percentage; write " + out.quantity + "=1%");
+  number.pop_back();
+  while (!number.empty() && number.back() == ' ') number.pop_back();
+  std::size_t used = 0;
+  try {
+    out.share = std::stod(number, &used) / 100;
+  } catch (const std::exception&) {
+    used = 0;
+  }
+  if (used == 0 || used != number.size()) throw wrong("'" + text.substr(eq + 1) + "' is no percentage");
+  if (!(out.share >= tuning::kFinestGoal && out.share <= tuning::kCoarsestGoal))
+    throw wrong(fmt::format("must be between {:g} % and {:g} %", 100 * tuning::kFinestGoal, 100 * tuning::kCoarsestGoal));
+  return out;
+}
+
+Accuracy find_accuracy(const Wanted& wanted, const Place& place, const std::function<void(const Attempt&, const std::vector<Quantity>&)>& told) {
+  run::install_signal_handlers();
+  return Search(wanted, place, told).go();
+}
+
+}  // namespace mortise::study

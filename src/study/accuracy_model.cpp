@@ -1,0 +1,109 @@
+#include "study/accuracy_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "study/greedy.h"
+#include "study/tuning.h"
+
+namespace mortise::study {
+namespace {
+
+const Rung* rung_at(const Climb& c, int level) {
+  for (const Rung& r : c.rungs)
+    if (r.level == level) return &r;
+  return nullptr;
+}
+
+// Over its goal: that of the quantity which misses it most.
+double worst_share(const std::vector<Climb>& climbs, const std::vector<double>& goals, const Levels& at, std::size_t& worst) {
+  double out = 0;
+  for (std::size_t q = 0; q < goals.size(); ++q)
+    if (const double share = estimate(climbs, q, at) / goals[q]; !(share <= out)) out = share, worst = q;
+  return out;
+}
+
+}  // namespace
+
+double Climb::size(int level) const {
+  if (const Rung* r = rung_at(*this, level)) return r->size;
+  return rungs.back().size * std::pow(ratio, level - rungs.back().level);
+}
+
+double Climb::cost(int level) const {
+  if (const Rung* r = rung_at(*this, level)) return r->cost;
+  const Rung& last = rungs.back();
+  double power = dearer;
+  if (rungs.size() > 1) {
+    const Rung& before = rungs[rungs.size() - 2];
+    const double seen = std::log(last.cost / before.cost) / std::log(before.size / last.size);
+    if (std::isfinite(seen)) power = std::clamp(seen, 0.5 * dearer, 1.5 * dearer);
+  }
+  return last.cost * std::pow(last.size / size(level), power);
+}
+
+Limit Climb::limit(std::size_t q) const {
+  std::vector<double> sizes, values;
+  for (const Rung& r : rungs) sizes.push_back(r.size), values.push_back(r.values[q]);
+  if (values.size() != 2) return limit_of(sizes, values);
+  // Of two runs the order is a guess: 1.
+  const double change = values[1] - values[0], step = change * sizes[1] / (sizes[0] - sizes[1]);
+  return {values[1] + step, true, 1, std::max(tuning::kUnknownOrder * std::abs(change), tuning::kSafety * std::abs(step)), "a guess from two runs"};
+}
+
+double Climb::value(std::size_t q, int level) const {
+  if (const Rung* r = rung_at(*this, level)) return r->values[q];
+  const Limit l = limit(q);
+  return l.value - (l.value - rungs.back().values[q]) * std::pow(size(level) / rungs.back().size, l.extrapolated ? l.order : 1);
+}
+
+double Climb::left(std::size_t q, int level) const { return limit(q).value - value(q, level); }
+
+double Climb::error(std::size_t q, int level) const {
+  const Limit l = limit(q);
+  if (std::isnan(l.uncertainty)) return INFINITY;
+  const double smaller = level >= rungs.back().level ? std::pow(size(level) / rungs.back().size, l.extrapolated ? l.order : 1) : 1;
+  return std::max(std::abs(l.value - value(q, level)), l.uncertainty * smaller);
+}
+
+void Climb::add(Rung rung) {
+  const auto after = std::find_if(rungs.begin(), rungs.end(), [&](const Rung& r) { return r.level >= rung.level; });
+  if (after != rungs.end() && after->level == rung.level)
+    *after = std::move(rung);
+  else
+    rungs.insert(after, std::move(rung));
+}
+
+double estimate(const std::vector<Climb>& climbs, std::size_t q, const Levels& at) {
+  double sum = 0, squares = 0;
+  for (std::size_t k = 0; k < climbs.size(); ++k) {
+    const double error = climbs[k].error(q, at[k]);
+    sum += climbs[k].left(q, at[k]), squares += error * error;
+  }
+  return std::max(std::abs(sum), std::sqrt(squares));
+}
+
+Chosen choose_levels(const std::vector<Climb>& climbs, const std::vector<double>& goals, double share, const Levels& from) {
+  Chosen out{from, 1, false, 0};
+  for (;;) {
+    out.cost = 1;
+    for (std::size_t k = 0; k < climbs.size(); ++k) out.cost *= climbs[k].cost(out.levels[k]);
+    if (worst_share(climbs, goals, out.levels, out.worst) <= share) return out.reached = true, out;
+    // One level of one knob at a time: farther steps are reached by several.
+    std::vector<Knob> knobs;
+    for (std::size_t k = 0; k < climbs.size(); ++k) {
+      Knob knob;
+      knob.base_error = climbs[k].error(out.worst, out.levels[k]);
+      if (out.levels[k] < std::min(climbs[k].finest, from[k] + tuning::kFarthest)) {
+        knob.error.push_back(climbs[k].error(out.worst, out.levels[k] + 1));
+        knob.cost.push_back(climbs[k].cost(out.levels[k] + 1) / climbs[k].cost(out.levels[k]));
+      }
+      knobs.push_back(knob);
+    }
+    const auto move = best_move(knobs, std::vector<std::size_t>(knobs.size(), kBase), INFINITY);
+    if (!move) return out;
+    ++out.levels[move->knob];
+  }
+}
+
+}  // namespace mortise::study

@@ -1,0 +1,51 @@
+#pragma once
+// What is known of a scene's knobs while an accuracy is looked for: how its numbers change along each, and what each still leaves. No runs in here.
+#include <string>
+#include <vector>
+
+#include "study/limit.h"
+
+namespace mortise::study {
+
+// A run with a knob at a level: 0 at the run that others are compared with, 1, 2, ... finer, -1, -2 coarser; all other knobs as there.
+struct Rung {
+  int level = 0;
+  double size = 1;             // of the mesh, the step, ... over that of level 0
+  std::vector<double> values;  // of the quantities
+  double cost = 1;             // CPU time over that of level 0
+};
+
+struct Climb {
+  std::string name;
+  std::vector<Rung> rungs;  // levels rise
+  double ratio = 0.5;       // size from level to level
+  double dearer = 1;        // cost ~ size^-dearer, where runs have not told
+  int finest = 0;           // no finer level is to be tried
+
+  double size(int level) const;
+  double cost(int level) const;
+  Limit limit(std::size_t quantity) const;
+  double value(std::size_t quantity, int level) const;  // from the limit where no run has it
+  double left(std::size_t quantity, int level) const;   // what is to be added to it for this knob
+  double error(std::size_t quantity, int level) const;  // the size of that with its uncertainty, never less than it
+  void add(Rung rung);
+};
+
+using Levels = std::vector<int>;  // one per knob
+
+// What is to be added to a run's number is no more than this: what all knobs leave together, or the root of the squares of what each does, as errors
+// that cancel make no run better.
+double estimate(const std::vector<Climb>& climbs, std::size_t quantity, const Levels& at);
+
+// From `from` the levels at which the estimate is expected to be below `share` of every goal (absolute, one per quantity): always the
+// knob that takes away most error per time (greedy.h). No farther than
+// tuning::kFarthest levels of a knob, as what lies beyond is not like what was seen; `reached` is false where none of these are fine enough.
+struct Chosen {
+  Levels levels;
+  double cost = 1;  // expected, over that at level 0
+  bool reached = false;
+  std::size_t worst = 0;  // quantity
+};
+Chosen choose_levels(const std::vector<Climb>& climbs, const std::vector<double>& goals, double share, const Levels& from);
+
+}  // namespace mortise::study

@@ -1,0 +1,73 @@
+// mortise run --accuracy as a user runs it, on a fall whose error is known: backward Euler falls too far by dt/t.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include "program.h"
+
+namespace mortise::cli {
+namespace {
+
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+class AccuracyProgram : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(folder_);
+    std::ofstream(folder_ + "/fall.yaml")
+        << "mortise: 1\nname: fall\ntime: {step: 10 ms, steps: 10}\nmaterials: {steel: {density: 7850 kg/m^3}}\n"
+           "bodies:\n  box: {type: stiff, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 20 mm}}, material: steel}\n"
+           "effects: {inertia: {}, gravity: {acceleration: [0, 0, -9.81]}, affine_body: {}}\n"
+           "quantities:\n  - {name: fall, value: displacement, body: box, over: mean, axis: z, reference: -49.05 mm}\n";
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  Result run(const std::string& more) const { return mortise("run fall.yaml -o out --threads 1 " + more, folder_); }
+  nlohmann::json found() const { return nlohmann::json::parse(read_text(folder_ + "/out/accuracy.json")); }
+  const std::string folder_ = (fs::temp_directory_path() / ("mortise_accuracy_cli_" + std::to_string(getpid()))).string();
+};
+
+TEST_F(AccuracyProgram, RefinesUntilTheEstimateHolds) {
+  const Result r = run("--accuracy fall=4%");
+  ASSERT_EQ(r.code, 0) << r.err << r.out;
+  EXPECT_THAT(r.out, HasSubstr("reached"));
+  const auto j = found();
+  const double value = j["goals"][0]["value"], estimate = j["goals"][0]["estimated_error"], error = std::abs(value + 0.04905);
+  EXPECT_LT(error, 0.04 * 0.04905);
+  EXPECT_GE(estimate, error * (1 - 1e-6));
+  EXPECT_LT(estimate, 2 * error);
+  EXPECT_EQ(j["settings"]["time.step"], "0.0025");  // 10, 5 and 2.5 ms are wrong by 10, 5 and 2.5 %
+  // What is in the folder is that run, and what is written as a scene gives it again.
+  EXPECT_TRUE(fs::exists(folder_ + "/out/fields.vtkhdf"));
+  EXPECT_EQ(nlohmann::json::parse(read_text(folder_ + "/out/run.json"))["steps"]["count"], 40);
+  EXPECT_EQ(mortise("run out/accurate.yaml -q --no-render -o again", folder_).code, 0);
+  // Results are not overwritten unasked; asked, nothing is run twice.
+  EXPECT_EQ(run("--accuracy fall=4%").code, 2);
+  const Result again = run("--accuracy fall=4% --overwrite");
+  EXPECT_EQ(again.code, 0);
+  EXPECT_THAT(again.err, HasSubstr("(before)"));
+}
+
+TEST_F(AccuracyProgram, SaysWhatItCouldNotReach) {
+  const Result r = run("--accuracy fall=0.1% --accuracy-budget '0.6 s'");
+  EXPECT_EQ(r.code, 7) << r.err << r.out;
+  EXPECT_THAT(r.out, HasSubstr("not reached"));
+  EXPECT_FALSE(found()["reached"]);
+  EXPECT_TRUE(fs::exists(folder_ + "/out/run.json"));
+}
+
+TEST_F(AccuracyProgram, RefusesWhatMakesNoSense) {
+  EXPECT_THAT(run("--accuracy fal=4%").err, HasSubstr("did you mean 'fall'?"));
+  for (const char* wrong : {"--accuracy fall=4", "--accuracy fall=80%", "--accuracy fall=4% --accuracy fall=2%", "--accuracy fall=4% --frames 2",
+                            "--accuracy-budget '1 s'"})
+    EXPECT_EQ(run(wrong).code, 2) << wrong;
+  EXPECT_FALSE(fs::exists(folder_ + "/out/run.json"));
+  const Result none = mortise("run " + kSource + "/scenes/first/01_free_fall.yaml -o out --accuracy x=1%", folder_);
+  EXPECT_EQ(none.code, 2);
+  EXPECT_THAT(none.err, HasSubstr("quantities:"));
+}
+
+}  // namespace
+}  // namespace mortise::cli
