@@ -39,8 +39,9 @@ mortise_precompile(front OPTIONS $<$<CONFIG:Release>:-O1>
   HEADERS <chrono> <filesystem> <fstream> <iostream> <span> <sstream> <fmt/format.h> <nlohmann/json.hpp> LINK nlohmann_json::nlohmann_json fmt::fmt)
 if(MORTISE_TESTS)
   find_package(GTest REQUIRED)
-  mortise_precompile(tests PROGRAM HEADERS <fstream> <sstream> <random> <tbb/blocked_range.h> <tbb/parallel_for.h> <nlohmann/json.hpp> <gtest/gtest.h>
-    <gmock/gmock.h> LINK TBB::tbb nlohmann_json::nlohmann_json GTest::gtest GTest::gmock)
+  mortise_precompile(tests PROGRAM OPTIONS $<$<CONFIG:Release>:-O1>
+    HEADERS <fstream> <sstream> <random> <tbb/blocked_range.h> <tbb/parallel_for.h> <nlohmann/json.hpp> <gtest/gtest.h> <gmock/gmock.h>
+    LINK TBB::tbb nlohmann_json::nlohmann_json GTest::gtest GTest::gmock)
 endif()
 
 # Sources of one folder are compiled several at a time: most of what a source costs is reading headers. So what

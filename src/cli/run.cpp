@@ -23,11 +23,11 @@ void add_run(Command app, Context& context) {
   sub.option("--episode", o->episode, "and of its episodes this one, in which nothing is reset").not_negative().needs(environment);
   sub.option(
          "--together", o->together,
-         "run the scene's `environments` as rows of one model, or of one for each K of them; the same bits. On a GPU all together is what happens "
-         "anyway")
-      .maybe_value("all")
+         "run the scene's `environments` as rows of models: of one for each K of them, of one for all, or (auto) of one for every sixteen on a CPU "
+         "and for all on a GPU, where that is what happens anyway; the same bits")
+      .maybe_value("auto")
       .check([](const std::string& k) {
-        return k == "all" || (!k.empty() && k.find_first_not_of("0123456789") == std::string::npos && k.size() < 8 && std::stol(k) > 0)
+        return k == "all" || k == "auto" || (!k.empty() && k.find_first_not_of("0123456789") == std::string::npos && k.size() < 8 && std::stol(k) > 0)
                    ? std::string()
                    : "'" + k + "' is no number of environments, from 1 (the scene goes before --together, or --together=K, or --together=all)";
       })

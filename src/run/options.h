@@ -31,7 +31,7 @@ struct Options {
   long bridge_every = 1;        // steps between its messages
   double bridge_timeout = -1;   // [s] for its answer; 0: none, below: the usual
   std::string replay;           // recording of a partner, or the output folder that holds it
-  std::string together;         // how many of a scene's environments share a model, "all" or a number; empty: none (on a GPU all, where they can)
+  std::string together;         // environments of a scene in a model: a number, "all" or "auto"; empty: none (on a GPU all, where they can)
   bool no_render = false;
   bool json = false;  // events as JSON lines on stdout
   bool quiet = false;

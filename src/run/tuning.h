@@ -41,4 +41,7 @@ inline constexpr double kLongestStep = 0.5;                // [s]
 inline constexpr double kThickest = 0.1;                   // d_hat over the size of a body
 inline constexpr double kNearlyAll = 0.8;                  // of the memory there is: other programs want some, and the estimate is one (memory.cpp)
 
+// ---- environments
+inline constexpr long kTogether = 16;  // in a model on a CPU; of 256, a step costs each a fifth more (benchmarks/environments)
+
 }  // namespace mortise::run::tuning
