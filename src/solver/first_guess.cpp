@@ -25,29 +25,40 @@ void FirstGuess::find(const EnvMask& whose, device::Buffer<Vec3>& q, Linearised&
   if (carried.n == 0 || !any(whose)) return;
   support_move(std::as_const(q).view(), model.target.view(), model.projector.view(), supports_);
   const std::vector<double> moves = largest(std::as_const(supports_).view(), model.env_blocks);
-  system_.supports(std::as_const(q).view(), supports_);
   free_way(std::as_const(q).view(), carried, model.projector.view(), way_);
   if (model.ties.any()) model.ties.carry(way_.view());
-  add(std::as_const(supports_).view(), way_);
+  EnvMask left = whose;
+  if (largest_of(moves) > 0) {
+    system_.supports(std::as_const(q).view(), supports_);
+    device::Buffer<Vec3> with;
+    with.copy_from(way_);
+    add(std::as_const(supports_).view(), with);
+    EnvMask moved = whose;
+    for (Index e = 0; e < model.envs; ++e) moved[e] = whose[e] && moves[e] > 0;
+    const EnvMask taken = go(moved, with, &supports_, q, at);
+    for (Index e = 0; e < model.envs; ++e) left[e] = whose[e] && !taken[e];
+  }
+  if (model.ties.driven()) model.ties.add_offset(std::as_const(q).view(), way_.view());
+  if (any(left)) go(left, way_, nullptr, q, at);
+}
 
+EnvMask FirstGuess::go(const EnvMask& whose, const device::Buffer<Vec3>& way, const device::Buffer<Vec3>* supports, device::Buffer<Vec3>& q,
+                       Linearised& at) {
+  const model::Model& model = system_.model;
   std::vector<double> alpha(model.envs, 1.0);
   device::Fetch fetch;
-  system_.potential.max_step(std::as_const(way_).view(), at, {alpha, fetch});
+  system_.potential.max_step(way.view(), at, {alpha, fetch});
   energies_.find(std::as_const(q).view(), at, fetch);
   fetch.now();
   for (Index e = 0; e < model.envs; ++e) alpha[e] = whose[e] && alpha[e] >= 1 ? 1 : 0;
-  std::vector<double> before = energies_.sum(energies_.known());
-  if (largest_of(moves) > 0) {
-    const std::vector<double> there = energies_behind(q, supports_, alpha, at);
-    for (Index e = 0; e < model.envs; ++e)
-      if (moves[e] > 0) before[e] = std::isnan(there[e]) ? INFINITY : there[e];
-  }
-  const std::vector<double> after = energies_behind(q, way_, alpha, at);
+  const std::vector<double> before = supports ? energies_behind(q, *supports, alpha, at) : energies_.sum(energies_.known());
+  const std::vector<double> after = energies_behind(q, way, alpha, at);
   EnvMask taken(model.envs, 0);
-  for (Index e = 0; e < model.envs; ++e) taken[e] = alpha[e] == 1 && std::isfinite(after[e]) && after[e] < before[e];
+  for (Index e = 0; e < model.envs; ++e) taken[e] = alpha[e] == 1 && std::isfinite(after[e]) && !(after[e] >= before[e]);
   energies_.begin_search(taken);
   for (Index e = 0; e < model.envs; ++e)
     if (taken[e]) copy_blocks(trial_, model.env_blocks[e], model.env_blocks[e + 1], q), energies_.forget(e);
+  return taken;
 }
 
 std::vector<double> FirstGuess::energies_behind(const device::Buffer<Vec3>& q, const device::Buffer<Vec3>& way, const std::vector<double>& alpha,
