@@ -76,7 +76,7 @@ Error against CPU seconds, a curve per method or knob; six [studies](studies/REA
 ![Hertz: error of the pressure against seconds](studies/hertz/work_precision.svg)
 ![Gel pad: errors of force and pressure against seconds](studies/gel/work_precision.svg)
 
-Beside CalculiX on the same meshes: [peers](peers/README.md). Growth of factors and conjugate gradients with size: [linear](linear/README.md). Hard cases and random scenes:
+Beside CalculiX on the same meshes: [peers](peers/README.md); seconds for the same error: [equal_error](equal_error/README.md). Growth of factors and conjugate gradients with size: [linear](linear/README.md). Hard cases and random scenes:
 [hard](hard/README.md). What a GPU should measure: [gpu](gpu/README.md). Many environments: [environments](environments/README.md); a sweep that is killed: [sweep](sweep/README.md).
 Whether grades of certificates rank true errors: [grades](grades/README.md); error budgets against true errors: [effectivity](effectivity/README.md); times that `check --plan` foretells: [plan](plan/README.md).
 

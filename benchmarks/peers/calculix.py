@@ -43,8 +43,9 @@ def wrapped(values, n=12):
     return "\n".join(", ".join(map(str, values[i:i + n])) + "," for i in range(0, len(values), n))
 
 
-def deck(meshes, kind, stiffness):
-    """The Abaqus deck, and the faces of the block's upper side."""
+def deck(meshes, kind, stiffness, travel=None):
+    """The Abaqus deck, and the faces of the block's upper side. travel: of the lid [m]; None: as far as `mortise bench hertz` goes, whose bodies start
+    0.3 d_hat apart and would overlap by TRAVEL - 0.1 d_hat."""
     lines, offset, elements = ["*HEADING", "Hertz", "*NODE, NSET=NALL"], {}, {}
     count = cells = 0
     for body, mesh in meshes.items():
@@ -58,6 +59,9 @@ def deck(meshes, kind, stiffness):
         lines += [f"{cells + i + 1}, {a + o + 1}, {b + o + 1}, {c + o + 1}, {d + o + 1}" for i, (a, b, c, d) in enumerate(mesh["tets"])]
         cells += len(mesh["tets"])
     block, ball = meshes["block"]["points"], meshes["ball"]["points"]
+    if travel is None:
+        gap = min(p[2] for p in ball)
+        travel = TRAVEL - gap / 3 + gap
     deepest, top = min(p[2] for p in block), max(p[2] for p in ball)
     sets = {
         "BASE": [i for i, p in enumerate(block) if p[2] < deepest + 1e-9],
@@ -92,7 +96,7 @@ def deck(meshes, kind, stiffness):
         lines += ["*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD", "*CONTACT PAIR, INTERACTION=CONTACT, TYPE=MORTAR", "SLAVE, MASTER"]
     else:
         lines += ["*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", f"{stiffness!r},", "*CONTACT PAIR, INTERACTION=CONTACT, TYPE=SURFACE TO SURFACE", "SLAVE, MASTER"]
-    lines += ["*BOUNDARY", "BASE, 1, 3", "XSYM, 1, 1", "YSYM, 2, 2", "*STEP, INC=100", "*STATIC, SOLVER=SPOOLES", "1., 1.", "*BOUNDARY", f"LID, 3, 3, {-TRAVEL * MM!r}",
+    lines += ["*BOUNDARY", "BASE, 1, 3", "XSYM, 1, 1", "YSYM, 2, 2", "*STEP, INC=100", "*STATIC, SOLVER=SPOOLES", "1., 1.", "*BOUNDARY", f"LID, 3, 3, {-travel * MM!r}",
               "*NODE PRINT, NSET=LID, TOTALS=ONLY", "RF", "*NODE PRINT, NSET=NALL", "U", "*EL PRINT, ELSET=Eblock", "S", "*END STEP"]
     return "\n".join(lines) + "\n", upper
 

@@ -70,7 +70,8 @@ std::string json_line(const Row& r) {
   else
     j["pass"] = nullptr;
   if (!r.as.letter.empty()) j["grade"] = r.as.letter, j["grade_reason"] = r.as.reason, j["graded"] = r.as.graded;
-  j["seconds"] = number_or_null(r.seconds), j["newton_iterations"] = r.newton_iterations, j["dofs"] = r.dofs;
+  j["seconds"] = number_or_null(r.seconds), j["cpu_seconds"] = number_or_null(r.cpu_seconds), j["newton_iterations"] = r.newton_iterations;
+  j["dofs"] = r.dofs;
   return j.dump();
 }
 

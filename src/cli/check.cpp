@@ -88,7 +88,7 @@ void add_check(Command app, Context& context) {
   sub.flag(
       "--plan", o->plan,
       "list effects, buffers, bytes and kernels of a run too, what passes through what, and how long the steps will take: from runs that were, or "
-      "from the first steps, which are tried for two seconds");
+      "from the first steps, which are tried for two seconds, and a coarser run of the others");
   sub.flag("--quick", o->quick, "read the scene alone: no meshes, no search for bodies that touch");
   sub.option("--environment", o->environment, "of this one of the scene's `environments`, which is a scene of its own").not_negative();
   sub.footer(

@@ -69,12 +69,36 @@ std::optional<Prediction> from_trial(const Work& w, const Trial& t) {
   const double steps = static_cast<double>(w.steps), taken = static_cast<double>(t.steps), left = steps - taken, part = taken / steps;
   if (left <= 0) return Prediction{t.seconds, tuning::kAgain, fmt::format("all {} steps were just tried", t.steps)};
   // The farther the trial went, the more what comes is like it, in the logarithm; contact that has not begun yet is what it cannot know.
-  const double weight = std::sqrt(part), each = t.seconds / std::max(1.0, static_cast<double>(t.iterations));
+  const double weight = std::sqrt(part);
   const double iterations = std::exp(weight * std::log(std::max(t.later_iterations, 1.0)) + (1 - weight) * std::log(iterations_of_a_step(w)));
   return Prediction{
-      t.seconds + left * iterations * each, tuning::kAgain * std::pow(tuning::kSpread, 1 - part),
+      t.seconds + left * iterations * t.each, tuning::kAgain * std::pow(tuning::kSpread, 1 - part),
       fmt::format("{} of {} steps were just tried, {:.1f} Newton iterations each and {} an iteration; {:.1f} are expected of the others", t.steps,
-                  w.steps, static_cast<double>(t.iterations) / taken, time_text(each), iterations)};
+                  w.steps, static_cast<double>(t.iterations) / taken, time_text(t.each), iterations)};
+}
+
+std::optional<Prediction> from_scout(const Work& w, const Trial& t, const Scouted& s, double each_by_sizes) {
+  const double count = static_cast<double>(w.steps), taken = static_cast<double>(t.steps), left = count - taken;
+  const double seen = static_cast<double>(s.steps.size());
+  if (seen <= taken) return {};
+  const Passed tried = s.until(taken), end = s.until(seen), half = s.until(0.5 * (taken + seen));
+  // Iterations of the scene for one of the scout's, by the steps that both took as far as they go.
+  double more = 1;
+  if (t.iterations > 0 && tried.iterations > 0) more = std::pow(static_cast<double>(t.iterations) / tried.iterations, std::sqrt(taken / count));
+  // Where the scout was stopped, what follows is like the later half of what it saw.
+  const double rate = (end.iterations - half.iterations) / (0.5 * (seen - taken));
+  const double iterations = more * (end.iterations - tried.iterations + (count - seen) * rate);
+  // Iterations with contact take longer than those before it by as much as they do for the scout.
+  const Passed first = s.until(std::max(taken, 1.0));
+  double each = t.each > 0 ? t.each : each_by_sizes;
+  if (t.each > 0 && first.iterations > 0 && end.iterations > tried.iterations) {
+    const double grown = (end.seconds - tried.seconds) / (end.iterations - tried.iterations) / (first.seconds / first.iterations);
+    each *= std::clamp(grown, 1.0, tuning::kMostGrown);
+  }
+  return Prediction{t.seconds + iterations * each, tuning::kScouted * std::pow(tuning::kSpread, (count - seen) / left),
+                    fmt::format("{} of {} steps were just tried; {:.0f} of the others were seen with edges {:g} times as long, and {:.1f} Newton "
+                                "iterations of {} are expected of each",
+                                t.steps, w.steps, seen - taken, s.edges, iterations / left, time_text(each))};
 }
 
 Prediction from_sizes(const Work& w, const Speed& s) {
@@ -98,9 +122,20 @@ std::string predict(const model::ModelInput& input, engine::Engine& engine) {
   engine::choose("cpu", 1);  // what the sizes were timed on
   try {
     const Speed speed = speed_of_machine();
-    if (iteration_seconds(work) * speed.slowness <= tuning::kLongestIteration)
-      if (const auto tried = from_trial(work, try_steps(engine, work.steps, tuning::kTrial))) return text(*tried);
-    return text(from_sizes(work, speed));
+    const double each = iteration_seconds(work) * speed.slowness;
+    Prediction best = from_sizes(work, speed);
+    Trial trial;
+    if (each <= tuning::kLongestIteration) trial = try_steps(engine, work.steps, tuning::kTrial);
+    if (const auto tried = from_trial(work, trial)) best = *tried;
+    if (best.seconds - trial.seconds <= tuning::kTrial) return text(best);
+    const double most = std::max(tuning::kScout, tuning::kScoutShare * best.seconds);
+    const double edges = coarse_enough(input, engine.linear_solver(), best.seconds, most);
+    const Scouted scouted = edges > 1 ? scout(input.scene, edges, most) : Scouted{};
+    if (const auto seen = from_scout(work, trial, scouted, each)) return text(*seen);
+    // Nothing that could be coarser: the scene itself goes on.
+    if (each <= tuning::kLongestIteration) trial = try_steps(engine, work.steps, tuning::kTrial + most, trial);
+    if (const auto tried = from_trial(work, trial)) best = *tried;
+    return text(best);
   } catch (const Error& e) {
     return std::string("not known: ") + e.what();
   }

@@ -1,11 +1,12 @@
 #pragma once
-// How long the steps of a run will take, from the best that is known: what the scene took before on this machine, else its first steps, else its
-// sizes.
+// How long the steps of a run will take, from the best that is known: what the scene took before on this machine, else its first steps and a scout of
+// the others, else its sizes.
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "cost/past.h"
+#include "cost/scout.h"
 #include "cost/speed.h"
 #include "cost/trial.h"
 #include "cost/work.h"
@@ -25,6 +26,10 @@ std::optional<Prediction> from_past(const Work& work, const std::string& physics
 
 // From the first steps; nothing where not one was taken.
 std::optional<Prediction> from_trial(const Work& work, const Trial& trial);
+
+// From the first steps and what the scout saw of those that follow, each: CPU time of an iteration where the trial did not come to one [s]. Nothing
+// where the scout saw no more than the trial.
+std::optional<Prediction> from_scout(const Work& work, const Trial& trial, const Scouted& scouted, double each);
 
 Prediction from_sizes(const Work& work, const Speed& speed);
 

@@ -1,26 +1,26 @@
 #include "cost/trial.h"
 
-#include <vector>
-
 #include "base/cpu_time.h"
 
 namespace mortise::cost {
 
-Trial try_steps(engine::Engine& engine, long steps, double most) {
-  Trial out;
-  std::vector<long> taken;
-  const double start = cpu_time();
-  while (out.steps < steps) {
+Trial try_steps(engine::Engine& engine, long steps, double most, Trial before) {
+  Trial out = std::move(before);
+  double begun = static_cast<double>(out.iterations), spent = out.seconds;  // with a step that is broken off
+  const double start = cpu_time() - out.seconds;
+  while (out.steps < steps && cpu_time() - start <= most) {
     solver::StepReport report;
     const engine::Outcome outcome = engine.step([&] { return cpu_time() - start > most; }, report);
+    begun += static_cast<double>(report.newton), spent = cpu_time() - start;
     if (outcome.code != 0) break;
-    ++out.steps, out.iterations += report.newton, out.seconds = cpu_time() - start;
-    taken.push_back(report.newton);
-    if (out.seconds > most) break;
+    ++out.steps, out.iterations += report.newton, out.seconds = spent;
+    out.taken.push_back(report.newton);
   }
+  if (begun > 0) out.each = spent / begun;
   double later = 0;
-  for (std::size_t i = taken.size() / 2; i < taken.size(); ++i) later += static_cast<double>(taken[i]);
-  if (!taken.empty()) out.later_iterations = later / static_cast<double>(taken.size() - taken.size() / 2);
+  const std::size_t half = out.taken.size() / 2;
+  for (std::size_t i = half; i < out.taken.size(); ++i) later += static_cast<double>(out.taken[i]);
+  if (!out.taken.empty()) out.later_iterations = later / static_cast<double>(out.taken.size() - half);
   return out;
 }
 

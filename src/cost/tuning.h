@@ -16,6 +16,12 @@ inline constexpr double kIterations = 3.5, kIterationsStatic = 9, kIterationsFre
 
 // The first steps of the scene itself are taken for this long; iterations that the model calls longer than the second are not begun.
 inline constexpr double kTrial = 2, kLongestIteration = 1;
+
+// The scout: its time, or its share of what is foretold where that is more; edge lengths, times the scene's.
+inline constexpr double kScout = 4, kScoutShare = 0.05, kScoutEdges[] = {1.5, 2, 3, 4};
+// Iterations with contact take longer than those before it by no more than this, and what a scout foretells is expected within kScouted.
+inline constexpr double kMostGrown = 3, kScouted = 2;
+
 // The same steps again differ by this (caches, other work on the machine, another number of threads).
 inline constexpr double kAgain = 1.25;
 // As much as two runs of one kind differ by in iterations per step.

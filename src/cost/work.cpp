@@ -1,24 +1,39 @@
 #include "cost/work.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/sha256.h"
+#include "cost/coarser.h"
 #include "effects/roles.h"
 #include "scene/scene.h"
 
 namespace mortise::cost {
+namespace {
 
-Work work_of(const model::ModelInput& input, const std::string& linear_solver) {
+// Is anything pinned to a motion?
+bool moves(const Params& effects) {
+  const Params* pins = effects.find("pin");
+  return pins && pins->kind() == Params::Kind::list &&
+         std::any_of(pins->items().begin(), pins->items().end(), [](const Params& pin) { return pin.has("motion"); });
+}
+
+}  // namespace
+
+Work work_of(const model::ModelInput& input, const std::string& linear_solver, double edges) {
   const Params &effects = input.scene.at("effects"), &time = input.scene.at("time");
   Work out;
   out.statics = time.text("mode") == "static", out.steps = time.integer("steps");
   out.contact = !effects::of_role(effects, effects::Role::contact).empty();
   out.friction = !effects::of_role(effects, effects::Role::follower).empty();
-  out.drives = effects.has("drive");
+  out.drives = effects.has("drive") || moves(effects);
   out.iterates = linear_solver.starts_with("cg");
   for (const model::BodyInput& b : input.bodies) {
-    const double blocks = b.type == model::BodyType::soft ? static_cast<double>(b.nodes.size()) : b.type == model::BodyType::stiff ? 4 : 0;
+    const double area = edges != 1 && can_be_coarser(input.scene, b.name) ? edges * edges : 1, volume = std::pow(area, 1.5);
+    const double blocks = b.type == model::BodyType::soft ? static_cast<double>(b.nodes.size()) / volume : b.type == model::BodyType::stiff ? 4 : 0;
     out.blocks += blocks, out.factor += blocks * blocks;
-    (b.midsides.empty() ? out.tets : out.quadratic) += static_cast<double>(b.tets.size());
-    if (out.contact) out.triangles += static_cast<double>(b.triangles.size());
+    (b.midsides.empty() ? out.tets : out.quadratic) += static_cast<double>(b.tets.size()) / volume;
+    if (out.contact) out.triangles += static_cast<double>(b.triangles.size()) / area;
   }
   return out;
 }

@@ -16,8 +16,9 @@ struct Work {
   long steps = 0;
 };
 
-// linear_solver: as the engine calls it.
-Work work_of(const model::ModelInput& input, const std::string& linear_solver);
+// linear_solver: as the engine calls it. edges: with soft bodies' edge lengths times this, where the scene gives them, as numbers go with their
+// powers.
+Work work_of(const model::ModelInput& input, const std::string& linear_solver, double edges = 1);
 
 // Names of what stays the same: of the scene but for how many steps it takes and what is written and looked at, and of its kind alone, that is its
 // name, bodies and effects whatever their numbers are.

@@ -17,13 +17,14 @@ using namespace mortise;
 using namespace mortise::bench;
 
 TEST(StudyHarness, RowsAreJsonWithExactlyTheseKeys) {
-  Row row{"c", "gmcp_consistent", "gap", 1.5, 1, 0.5, 1e-8, 0.25, 7, 99, false, {}, NAN};
+  Row row{"c", "gmcp_consistent", "gap", 1.5, 1, 0.5, 1e-8, 0.25, 7, 99, false, {}, 0.125};
   const auto j = nlohmann::ordered_json::parse(json_line(row));
   std::vector<std::string> keys;
   for (const auto& [key, v] : j.items()) keys.push_back(key);
-  EXPECT_THAT(keys, testing::ElementsAre("case", "method", "quantity", "value", "reference", "error", "gate", "pass", "seconds", "newton_iterations",
-                                         "dofs"));
+  EXPECT_THAT(keys, testing::ElementsAre("case", "method", "quantity", "value", "reference", "error", "gate", "pass", "seconds", "cpu_seconds",
+                                         "newton_iterations", "dofs"));
   EXPECT_EQ(j["pass"], false);
+  EXPECT_EQ(j["cpu_seconds"], 0.125);
   EXPECT_EQ(j["newton_iterations"], 7);
   row.error = 1e-9;
   EXPECT_EQ(nlohmann::json::parse(json_line(row))["pass"], true);
