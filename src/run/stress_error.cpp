@@ -3,13 +3,10 @@
 #include <cmath>
 #include <limits>
 
-#include "geometry/quadratic.h"
 #include "model/volumetric.h"
 
 namespace mortise::run {
 namespace {
-
-using Stress = Eigen::Matrix<double, 6, 1>;
 
 // w(a) of the header.
 double energy_density(const Stress& s, double E, double nu) {
@@ -55,45 +52,20 @@ StressError::StressError(const model::ModelInput& input) {
   }
 }
 
-// At the corners of a tetrahedron of ten nodes.
-StressError::Corners StressError::of_quadratic(const Body& b, std::size_t tet, std::span<const double> displacement) {
-  Mat3 G[geometry::kTetPoints];
-  double J[geometry::kTetPoints], mean_J = 0;
-  for (int g = 0; g < geometry::kTetPoints; ++g) {
-    double l[4];
-    geometry::tet_point(g, l);
-    Mat3 X = Mat3::Zero(), x = Mat3::Zero();  // by the barycentrics
-    for (int k = 0; k < 10; ++k) {
-      const Index node = k < 4 ? b.tets[tet].v[k] : b.midsides[tet].v[k - 4];
-      const Vec3 slope = geometry::tet_slope(k, l), u = Eigen::Map<const Vec3>(displacement.data() + 3 * (b.first_point + node));
-      X += b.rest[node] * slope.transpose(), x += (b.rest[node] + u) * slope.transpose();
-    }
-    const Mat3 F = x * X.inverse();
-    G[g] = 0.5 * (F.transpose() * F - Mat3::Identity());
-    J[g] = F.determinant();
-    mean_J += J[g] / geometry::kTetPoints;
+CornerStress StressError::of_quadratic(const Body& b, std::size_t tet, std::span<const double> displacement) {
+  std::array<Vec3, 10> rest, u;
+  for (int k = 0; k < 10; ++k) {
+    const Index node = k < 4 ? b.tets[tet].v[k] : b.midsides[tet].v[k - 4];
+    rest[k] = b.rest[node], u[k] = Eigen::Map<const Vec3>(displacement.data() + 3 * (b.first_point + node));
   }
-  const double mu = b.E / (2 * (1 + b.nu)), lambda = b.E * b.nu / ((1 + b.nu) * (1 - 2 * b.nu));
-  Stress at[geometry::kTetPoints], mean = Stress::Zero();
-  for (int g = 0; g < geometry::kTetPoints; ++g) {
-    const Mat3 S = lambda * std::log(b.averaged ? mean_J : J[g]) * Mat3::Identity() + 2 * mu * G[g];
-    at[g] << S(0, 0), S(1, 1), S(2, 2), S(0, 1), S(1, 2), S(2, 0);
-    mean += at[g] / geometry::kTetPoints;
-  }
-  // The points lie on the way from the middle to the corners.
-  double l[4];
-  geometry::tet_point(0, l);
-  const double beyond = 0.75 / (l[0] - 0.25);
-  Corners out;
-  for (int k = 0; k < 4; ++k) out[k] = mean + beyond * (at[k] - mean);
-  return out;
+  return stress_of_quadratic(rest, u, {b.E, b.nu, b.averaged});
 }
 
 double StressError::of(std::span<const double> stress, std::span<const double> displacement) const {
   double missed = 0, all = 0;
   for (const Body& b : bodies_) {
     if (!b.midsides.empty() && displacement.size() < 3 * (b.first_point + b.nodes)) continue;
-    std::vector<Corners> here(b.tets.size());
+    std::vector<CornerStress> here(b.tets.size());
     std::vector<Stress> mean(b.nodes, Stress::Zero());
     std::vector<double> weight(b.nodes, 0.0);
     for (std::size_t t = 0; t < b.tets.size(); ++t) {

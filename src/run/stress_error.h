@@ -6,14 +6,13 @@
 //   missed = sum over elements of int w(s* - s_h) dV,   estimate = missed / (missed + sum over elements of int w(s*) dV),
 //
 // which is an estimate of the relative error of the energy, so of a force at imposed travel or of a travel at imposed force. Elements that lock
-// (linear ones near nu = 1/2) show in it, as their pressures alternate. Stresses of quadratic elements are linear within an element: s_h is
-// the field through its four points of integration, S = lambda ln(J) I + 2 mu G with J and Green's strain G there (which turns with the body, and is
-// Hooke's law where strains are small); where volumes are averaged over elements, with the mean of J.
-#include <array>
+// (linear ones near nu = 1/2) show in it, as their pressures alternate. Stresses of quadratic elements are linear within an element
+// (quadratic_stress.h).
 #include <span>
 #include <vector>
 
 #include "model/input.h"
+#include "run/quadratic_stress.h"
 
 namespace mortise::run {
 
@@ -35,9 +34,7 @@ class StressError {
     double E, nu;
     bool averaged;  // volumes, over elements
   };
-  using Stress = Eigen::Matrix<double, 6, 1>;
-  using Corners = std::array<Stress, 4>;
-  static Corners of_quadratic(const Body& b, std::size_t tet, std::span<const double> displacement);
+  static CornerStress of_quadratic(const Body& b, std::size_t tet, std::span<const double> displacement);
   std::vector<Body> bodies_;
 };
 

@@ -1,5 +1,7 @@
 #include "solver/adjoint.h"
 
+#include <cmath>
+
 #include "solver/kernels.h"
 #include "solver/simulation.h"
 
@@ -24,6 +26,22 @@ double layer_along(const model::ContactView& contact, const std::vector<Vec3>& z
   return sum;
 }
 
+// Of nodal pressures, dQ/dp each: adds dQ/dy, Q itself, and what the layer takes from it at the same q.
+void add_pressures(const model::ContactView& contact, const std::vector<double>& dQ, std::vector<Vec3>& along, Adjoint& out) {
+  const std::vector<model::ContactSample> samples = contact.samples.download();
+  std::vector<double> area(dQ.size(), 0.0);
+  for (const model::ContactSample& s : samples)
+    for (Index k = 0; k < s.points && s.area > 0; ++k) area[s.point[k]] += s.area * std::abs(s.weight[k]);
+  for (const model::ContactSample& s : samples) {
+    if (!(s.area > 0)) continue;
+    double share = 0;  // dQ / d force
+    for (Index k = 0; k < s.points; ++k)
+      if (area[s.point[k]] > 0) share += dQ[s.point[k]] * std::abs(s.weight[k]) / area[s.point[k]];
+    out.of_pressures += share * s.force, out.layer -= share * s.stiffness * s.gap;
+    for (Index k = 0; k < s.points; ++k) along[s.point[k]] -= share * s.stiffness * s.weight[k] * Vec3(s.normal[0], s.normal[1], s.normal[2]);
+  }
+}
+
 }  // namespace
 
 Adjoint Simulation::adjoint(const Functional& Q) {
@@ -35,11 +53,16 @@ Adjoint Simulation::adjoint(const Functional& Q) {
 
   // dQ/dq + J^T (I - P) E
   std::vector<Vec3> w(model_.blocks, Vec3::Zero()), E = w;
-  if (!Q.points.empty()) {
+  std::vector<Vec3> along(Q.points.empty() && Q.pressure.empty() ? 0 : model_.points, Vec3::Zero());  // dQ/dy
+  for (std::size_t p = 0; 3 * p < Q.points.size(); ++p) along[p] = Vec3(Q.points[3 * p], Q.points[3 * p + 1], Q.points[3 * p + 2]);
+  Adjoint out;
+  for (std::size_t k = 0; k < effects_.size() && !Q.pressure.empty(); ++k)
+    if (effects_[k]->kind().role == effects::Role::contact) add_pressures(tangent_->at().of[k]->contact, Q.pressure, along, out);
+  if (!along.empty()) {
     const std::vector<Index> offset = model_.point_offset.download(), block = model_.point_block.download();
     const std::vector<double> weight = model_.point_weight.download();
     for (Index p = 0; p < model_.points; ++p)
-      for (Index k = offset[p]; k < offset[p + 1]; ++k) w[block[k]] += weight[k] * Vec3(Q.points[3 * p], Q.points[3 * p + 1], Q.points[3 * p + 2]);
+      for (Index k = offset[p]; k < offset[p + 1]; ++k) w[block[k]] += weight[k] * along[p];
   }
   if (Q.body >= 0) {
     const model::Body& body = model_.bodies.at(Q.body);
@@ -56,7 +79,6 @@ Adjoint Simulation::adjoint(const Functional& Q) {
   add_to_rows(std::as_const(gradient).view(), system.rows.block.view(), system.rows.projector.view(), f.view());
   tangent_->solve(std::as_const(f).view(), true, lambda);
 
-  Adjoint out;
   out.exact = tangent_->assembled();
   out.residual = dot_of(lambda.download(), tangent_->forces().download());
   system.to_blocks(std::as_const(lambda).view(), {}, EnvMask(1, 1), way);

@@ -10,6 +10,9 @@
 //   layer      surfaces press although a gap is open between them. Moved together by their gaps g_s they would press with p(2 g_s) at the same q,
 //   that
 //              is, less by k_s g_s, k_s = -d force / d gap:   z . dg = sum over samples k_s g_s d(gap_s) / dy . z.
+//
+// Q may be one of nodal pressures p_i = sum over samples A_s |w_si| p_s / sum A_s |w_si| with p_s = force / A_s: then dQ/dy has a part of the gaps,
+// d p_s = - k_s / A_s d(gap_s), and the layer takes k_s g_s / A_s from p_s at the same q. Areas and weights are taken as they are.
 #include <vector>
 
 #include "base/types.h"
@@ -19,12 +22,14 @@ namespace mortise::solver {
 struct Functional {
   std::vector<double> points;  // dQ/dy, three per point of the model [Q/m]; empty: none
   int body = -1, axis = 0;     // or the force of supports on that body along an axis [N]
+  std::vector<double> pressure{};  // or dQ/dp of nodal contact pressures, one per point of the model [Q/Pa]; empty: none
 };
 
 struct Adjoint {
   std::vector<double> points;  // z at points, three each [Q/N]
   double residual = 0;         // what is to be added to Q
   double layer = 0;
+  double of_pressures = 0;  // Q as samples give it, where it is one of nodal pressures
   bool exact = true;  // J^T lacks nothing; else that samples of contact slide and turn
 };
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numeric>
+#include <span>
 
 #include "base/cpu_time.h"
 #include "effects/roles.h"
@@ -15,6 +17,7 @@
 #include "study/goal_error.h"
 #include "study/measure.h"
 #include "study/read.h"
+#include "study/tuning.h"
 
 namespace mortise::study {
 namespace {
@@ -31,7 +34,8 @@ int body_of(const model::ModelInput& input, const std::string& name) {
 }
 
 constexpr const char* kKnown =
-    "its gradient is not known: there are supports/BODY_x (y, z), and displacement and position along an axis, at a point or as max or min";
+    "its gradient is not known: there are supports/BODY_x (y, z), displacement and position along an axis, at a point or as max or min, and contact_pressure at "
+    "a point, as max, mean or integral";
 
 // The gradient of a quantity of the last state, or why there is none.
 struct Gradient {
@@ -39,7 +43,35 @@ struct Gradient {
   std::string why_not;
 };
 
-Gradient gradient_of(const Quantity& q, const model::ModelInput& input, const std::vector<double>& points) {
+// dQ/dp of a number of nodal pressures.
+Gradient gradient_of_pressure(const Quantity& q, const model::ModelInput& input, const std::vector<double>& points, std::span<const double> pressure) {
+  Gradient out;
+  const auto none = [&](const char* why) { return out.why_not = why, out; };
+  const output::OutputMesh mesh = run::output_mesh(input);
+  const int body = body_of(input, q.body);
+  if (pressure.size() != mesh.points.size() || body < 0) return none("nothing reports it");
+  std::vector<double>& of = out.of.pressure;
+  of.assign(pressure.size(), 0.0);
+  if (q.point) {
+    for (const auto& [i, w] : weights_at(mesh, q)) of[i] = w;
+  } else if (q.over == "max") {
+    std::size_t best = 0;
+    for (std::size_t i = 0; i < of.size(); ++i)
+      if (mesh.body_of_point[i] == body && (mesh.body_of_point[best] != body || pressure[i] > pressure[best])) best = i;
+    of[best] = 1;
+  } else if (q.over == "mean" || q.over == "integral") {
+    std::vector<Vec3> now;
+    for (std::size_t i = 0; i < of.size(); ++i) now.emplace_back(points[3 * i], points[3 * i + 1], points[3 * i + 2]);
+    of = areas_of_points(mesh, now, body);
+    const double all = q.over == "mean" ? std::accumulate(of.begin(), of.end(), 0.0) : 1;
+    for (double& w : of) w /= all;
+  } else {
+    return none(kKnown);
+  }
+  return out;
+}
+
+Gradient gradient_of(const Quantity& q, const model::ModelInput& input, const std::vector<double>& points, std::span<const double> pressure) {
   Gradient out;
   const auto none = [&](const char* why) { return out.why_not = why, out; };
   if (q.when != "end" || q.at) return none("it is not of the last state");
@@ -52,6 +84,7 @@ Gradient gradient_of(const Quantity& q, const model::ModelInput& input, const st
     out.of.axis = static_cast<int>(axes.find(axis));
     return out;
   }
+  if (q.value == "contact_pressure") return gradient_of_pressure(q, input, points, pressure);
   if ((q.value != "displacement" && q.value != "position") || q.axis.size() != 1) return none(kKnown);
   const output::OutputMesh mesh = run::output_mesh(input);
   const auto axis = axes.find(q.axis);
@@ -104,10 +137,12 @@ ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, co
   const std::vector<double> points = engine.points();
   const GoalError mesh(input);
   const auto stress = state.cell.find("cauchy_stress");
+  const auto pressures = state.point.find("contact_pressure");
+  const std::span<const double> pressure = pressures == state.point.end() ? std::span<const double>() : pressures->second;
   const bool contact = !effects::of_role(input.scene.at("effects"), effects::Role::contact).empty();
   for (const Quantity& q : quantities) {
     QuantityBudget& budget = out.of.emplace_back();
-    const Gradient gradient = none.empty() ? gradient_of(q, input, points) : Gradient{{}, none};
+    const Gradient gradient = none.empty() ? gradient_of(q, input, points, pressure) : Gradient{{}, none};
     budget.why_not = gradient.why_not;
     if (!budget.why_not.empty()) continue;
     solver::Adjoint adjoint;
@@ -115,10 +150,16 @@ ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, co
       budget.why_not = outcome.message;
       continue;
     }
+    double reported = 0;
+    for (std::size_t i = 0; i < gradient.of.pressure.size(); ++i) reported += gradient.of.pressure[i] * pressure[i];
+    if (std::abs(adjoint.of_pressures - reported) > tuning::kSamePressure * std::abs(reported)) {
+      budget.why_not = "its gradient is not known: this contact, or its quadratic faces, average pressures at nodes in another way";
+      continue;
+    }
     out.exact = out.exact && adjoint.exact;
     ErrorPart of_mesh{"mesh of soft bodies", NAN, mesh.why_not()};
     if (stress == state.cell.end()) of_mesh.why_not = "the scene has no soft bodies";
-    if (of_mesh.why_not.empty()) of_mesh.error = mesh.of(stress->second, adjoint.points);
+    if (of_mesh.why_not.empty()) of_mesh.error = mesh.of(stress->second, points, adjoint.points);
     budget.parts.push_back(of_mesh);
     if (contact) budget.parts.push_back({"gap that contact leaves", adjoint.layer, ""});
     budget.parts.push_back({"Newton's method, linear systems, lag", adjoint.residual, ""});

@@ -5,7 +5,8 @@
 namespace mortise::study {
 namespace {
 
-using Stress = Eigen::Matrix<double, 6, 1>;
+using run::CornerStress;
+using run::Stress;
 
 // a : C^-1 : b
 double product(const Stress& a, const Stress& b, double E, double nu) {
@@ -14,7 +15,7 @@ double product(const Stress& a, const Stress& b, double E, double nu) {
 }
 
 // Mean over a tetrahedron of the product of linear fields with these values at its corners.
-double mean_of_product(const Stress (&a)[4], const Stress (&b)[4], double E, double nu) {
+double mean_of_product(const CornerStress& a, const CornerStress& b, double E, double nu) {
   Stress sum_a = Stress::Zero(), sum_b = Stress::Zero();
   double mean = 0;
   for (int k = 0; k < 4; ++k) sum_a += a[k], sum_b += b[k], mean += product(a[k], b[k], E, nu);
@@ -27,16 +28,16 @@ Stress linear_stress(const Mat3& gradient, double E, double nu) {
   return (Stress() << s(0, 0), s(1, 1), s(2, 2), s(0, 1), s(1, 2), s(2, 0)).finished();
 }
 
-// What averages at nodes differ from each element's stress by, at its corners.
+// What averages at corners differ from each element's stress by, there.
 template <class Body>
-std::vector<std::array<Stress, 4>> jumps(const Body& b, const std::vector<Stress>& of) {
-  std::vector<Stress> mean(b.nodes, Stress::Zero());
-  std::vector<double> weight(b.nodes, 0.0);
+std::vector<CornerStress> jumps(const Body& b, const std::vector<CornerStress>& of) {
+  std::vector<Stress> mean(b.rest.size(), Stress::Zero());
+  std::vector<double> weight(b.rest.size(), 0.0);
   for (std::size_t t = 0; t < b.tets.size(); ++t)
-    for (Index v : b.tets[t].v) mean[v] += b.volume[t] * of[t], weight[v] += b.volume[t];
-  std::vector<std::array<Stress, 4>> out(b.tets.size());
+    for (int k = 0; k < 4; ++k) mean[b.tets[t].v[k]] += b.volume[t] * of[t][k], weight[b.tets[t].v[k]] += b.volume[t];
+  std::vector<CornerStress> out(b.tets.size());
   for (std::size_t t = 0; t < b.tets.size(); ++t)
-    for (int k = 0; k < 4; ++k) out[t][k] = mean[b.tets[t].v[k]] / weight[b.tets[t].v[k]] - of[t];
+    for (int k = 0; k < 4; ++k) out[t][k] = mean[b.tets[t].v[k]] / weight[b.tets[t].v[k]] - of[t][k];
   return out;
 }
 
@@ -47,11 +48,9 @@ GoalError::GoalError(const model::ModelInput& input) {
   for (const model::BodyInput& in : input.bodies) {
     if (in.type == model::BodyType::half_space) continue;
     if (in.type == model::BodyType::soft) {
-      if (!in.midsides.empty())
-        why_not_ = "'" + in.name + "' has quadratic elements";
-      else if (run::volumetric(in) != "full")
+      if (run::volumetric(in) != "full")
         why_not_ = "the change of volume of '" + in.name + "' is averaged, and stresses say less";
-      Body b{cell, point, in.nodes.size(), in.tets, {}, {}, in.material.number("youngs_modulus"), in.material.number("poisson_ratio")};
+      Body b{cell, point, in.nodes, in.tets, in.midsides, {}, {}, {in.material.number("youngs_modulus"), in.material.number("poisson_ratio")}};
       for (const Tet& t : in.tets) {
         Mat3 edges;
         for (int k = 0; k < 3; ++k) edges.col(k) = in.nodes[t.v[k + 1]] - in.nodes[t.v[0]];
@@ -65,23 +64,29 @@ GoalError::GoalError(const model::ModelInput& input) {
   }
 }
 
-double GoalError::of(std::span<const double> stress, std::span<const double> z) const {
+double GoalError::of(std::span<const double> stress, std::span<const double> points, std::span<const double> z) const {
   double sum = 0;
   for (const Body& b : bodies_) {
-    std::vector<Stress> of_u, of_z;
+    std::vector<CornerStress> of_u(b.tets.size()), of_z(b.tets.size());
     for (std::size_t t = 0; t < b.tets.size(); ++t) {
-      const auto at = [&](int k) { return Vec3(Eigen::Map<const Vec3>(z.data() + 3 * (b.first_point + b.tets[t].v[k]))); };
-      Mat3 edges;
-      for (int k = 0; k < 3; ++k) edges.col(k) = at(k + 1) - at(0);
-      of_z.push_back(linear_stress(edges * b.inverse[t], b.E, b.nu));
-      of_u.emplace_back(Eigen::Map<const Stress>(stress.data() + 6 * (b.first_cell + t)));
+      const auto at = [&](std::span<const double> of, Index v) -> Vec3 { return Eigen::Map<const Vec3>(of.data() + 3 * (b.first_point + v)); };
+      if (b.midsides.empty()) {
+        Mat3 edges;
+        for (int k = 0; k < 3; ++k) edges.col(k) = at(z, b.tets[t].v[k + 1]) - at(z, b.tets[t].v[0]);
+        of_z[t].fill(linear_stress(edges * b.inverse[t], b.material.E, b.material.nu));
+        of_u[t].fill(Eigen::Map<const Stress>(stress.data() + 6 * (b.first_cell + t)));
+        continue;
+      }
+      std::array<Vec3, 10> rest, moved, way;
+      for (int k = 0; k < 10; ++k) {
+        const Index v = k < 4 ? b.tets[t].v[k] : b.midsides[t].v[k - 4];
+        rest[k] = b.rest[v], moved[k] = at(points, v) - b.rest[v], way[k] = at(z, v);
+      }
+      of_u[t] = run::stress_of_quadratic(rest, moved, b.material);
+      of_z[t] = run::linear_stress_of_quadratic(rest, way, b.material);
     }
-    const auto jump_u = jumps(b, of_u), jump_z = jumps(b, of_z);
-    for (std::size_t t = 0; t < b.tets.size(); ++t) {
-      Stress u[4], v[4];
-      for (int k = 0; k < 4; ++k) u[k] = jump_u[t][k], v[k] = jump_z[t][k];
-      sum += b.volume[t] * mean_of_product(u, v, b.E, b.nu);
-    }
+    const std::vector<CornerStress> jump_u = jumps(b, of_u), jump_z = jumps(b, of_z);
+    for (std::size_t t = 0; t < b.tets.size(); ++t) sum += b.volume[t] * mean_of_product(jump_u[t], jump_z[t], b.material.E, b.material.nu);
   }
   return -sum;
 }

@@ -25,4 +25,7 @@ double over_body(const output::OutputMesh& mesh, const std::vector<Vec3>& points
 using PointWeights = std::vector<std::pair<std::int64_t, double>>;
 PointWeights weights_at(const output::OutputMesh& mesh, const Quantity& quantity);
 
+// What every point stands for of the body's surface [m^2]: a third of the triangles around it, as they are at `points`.
+std::vector<double> areas_of_points(const output::OutputMesh& mesh, const std::vector<Vec3>& points, int body);
+
 }  // namespace mortise::study

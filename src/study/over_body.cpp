@@ -93,6 +93,15 @@ PointWeights weights_at(const OutputMesh& mesh, const Quantity& q) {
   return found;
 }
 
+std::vector<double> areas_of_points(const OutputMesh& mesh, const std::vector<Vec3>& points, int body) {
+  std::vector<double> area(points.size(), 0);
+  for (const Corners& t : surface(mesh, body)) {
+    const double a = (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm() / 6;
+    for (std::int64_t v : t) area[v] += a;
+  }
+  return area;
+}
+
 double over_body(const OutputMesh& mesh, const std::vector<Vec3>& points, const output::FieldValues& field, const Quantity& q) {
   const auto body = static_cast<int>(std::find(mesh.body_names.begin(), mesh.body_names.end(), q.body) - mesh.body_names.begin());
   const std::vector<double>& values = field.values;
@@ -107,11 +116,7 @@ double over_body(const OutputMesh& mesh, const std::vector<Vec3>& points, const 
       if (mesh.body_of_point[i] == body) least = std::min(least, values[i]), most = std::max(most, values[i]);
     return q.over == "max" ? most : least;
   }
-  std::vector<double> area(points.size(), 0);  // a third of that of the triangles around, as they are now
-  for (const Corners& t : surface(mesh, body)) {
-    const double a = (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm() / 6;
-    for (std::int64_t v : t) area[v] += a;
-  }
+  const std::vector<double> area = areas_of_points(mesh, points, body);
   double all = 0, loaded = 0, integral = 0;
   std::vector<std::pair<double, double>> sorted;  // value, area
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -39,6 +39,9 @@ inline constexpr double kMeshRatio = 0.70710678, kMeshDearer = 3.5, kLayerDearer
 inline constexpr int kMostLevels = 10, kFarthest = 2;  // levels: in all, and at a time
 inline constexpr double kFinestGoal = 1e-5, kCoarsestGoal = 0.5;
 
+// Nodal pressures by their samples are those that are reported but for this share, or they are averages of another kind.
+inline constexpr double kSamePressure = 1e-6;
+
 // Errors below this are rounding: they are drawn and compared as if they were this.
 inline constexpr double kRounding = 1e-16;
 
