@@ -35,7 +35,7 @@ void FirstGuess::find(const EnvMask& whose, device::Buffer<Vec3>& q, Linearised&
     add(std::as_const(supports_).view(), with);
     EnvMask moved = whose;
     for (Index e = 0; e < model.envs; ++e) moved[e] = whose[e] && moves[e] > 0;
-    const EnvMask taken = go(moved, with, &supports_, q, at);
+    const EnvMask taken = any(moved) ? go(moved, with, &supports_, q, at) : moved;
     for (Index e = 0; e < model.envs; ++e) left[e] = whose[e] && !taken[e];
   }
   if (model.ties.driven()) model.ties.add_offset(std::as_const(q).view(), way_.view());
@@ -45,6 +45,7 @@ void FirstGuess::find(const EnvMask& whose, device::Buffer<Vec3>& q, Linearised&
 EnvMask FirstGuess::go(const EnvMask& whose, const device::Buffer<Vec3>& way, const device::Buffer<Vec3>* supports, device::Buffer<Vec3>& q,
                        Linearised& at) {
   const model::Model& model = system_.model;
+  const model::Only only(model, whose);
   std::vector<double> alpha(model.envs, 1.0);
   device::Fetch fetch;
   system_.potential.max_step(way.view(), at, {alpha, fetch});
