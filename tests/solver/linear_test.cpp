@@ -221,9 +221,9 @@ TEST(Linear, ChoiceGoesBySizeAndMotion) {
     return choose_linear(model, o).kind;
   };
   EXPECT_EQ(kind(2000, false), "direct");
-  EXPECT_EQ(kind(8000, false), "reuse");
-  EXPECT_EQ(kind(8001, false), "cg");
-  EXPECT_EQ(kind(8001, true), "reuse");
+  EXPECT_EQ(kind(12000, false), "reuse");
+  EXPECT_EQ(kind(12001, false), "cg");
+  EXPECT_EQ(kind(12001, true), "reuse");
   EXPECT_EQ(kind(20001, true), "cg");
 }
 
