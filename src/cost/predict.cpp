@@ -125,16 +125,18 @@ std::string predict(const model::ModelInput& input, engine::Engine& engine) {
     const double each = iteration_seconds(work) * speed.slowness;
     Prediction best = from_sizes(work, speed);
     Trial trial;
-    if (each <= tuning::kLongestIteration) trial = try_steps(engine, work.steps, tuning::kTrial);
-    if (const auto tried = from_trial(work, trial)) best = *tried;
+    const auto go_on = [&](double until) {
+      if (each <= tuning::kLongestIteration) trial = try_steps(engine, work.steps, until, trial);
+      if (const auto tried = from_trial(work, trial)) best = *tried;
+    };
+    go_on(tuning::kTrial);
     if (best.seconds - trial.seconds <= tuning::kTrial) return text(best);
     const double most = std::max(tuning::kScout, tuning::kScoutShare * best.seconds);
     const double edges = coarse_enough(input, engine.linear_solver(), best.seconds, most);
     const Scouted scouted = edges > 1 ? scout(input.scene, edges, most) : Scouted{};
     if (const auto seen = from_scout(work, trial, scouted, each)) return text(*seen);
     // Nothing that could be coarser: the scene itself goes on.
-    if (each <= tuning::kLongestIteration) trial = try_steps(engine, work.steps, tuning::kTrial + most, trial);
-    if (const auto tried = from_trial(work, trial)) best = *tried;
+    go_on(tuning::kTrial + most);
     return text(best);
   } catch (const Error& e) {
     return std::string("not known: ") + e.what();

@@ -1,5 +1,7 @@
 #include "cost/trial.h"
 
+#include <utility>
+
 #include "base/cpu_time.h"
 
 namespace mortise::cost {

@@ -104,8 +104,8 @@ class Batch {
 
   // How many environments share a model: on a GPU all, where they can.
   long group(bool gpu) {
-    if (o_.together == "all" || (o_.together == "auto" && gpu)) return count();
-    if (o_.together == "auto") return std::min(tuning::kTogether, count());
+    if (o_.together == "all") return count();
+    if (o_.together == "auto") return gpu ? count() : std::min(tuning::kTogether, count());
     if (!o_.together.empty()) return std::min(std::stol(o_.together), count());
     if (!gpu) return 1;
     try {
