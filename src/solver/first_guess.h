@@ -1,7 +1,8 @@
 #pragma once
 // Where Newton's method starts in a step. Beginning where the last step ended, all that moves evenly - what flies, what creeps under friction - would
-// be brought to rest and set in motion again. Instead it starts where inertia alone would carry everything in this step, q^, in the environments
-// where nothing is met on the way there and the potential is lower.
+// be brought to rest and set in motion again. Instead it starts where inertia alone would carry everything in this step, q^, and with supports where
+// they are to be, in the environments where nothing is met on the way there and the potential is lower; where supports move, lower than with them
+// alone moved, as they do work. Where they are in the way, it starts at q^ with supports where they were.
 #include "solver/energy_ledger.h"
 #include "solver/system.h"
 
@@ -11,13 +12,18 @@ class FirstGuess {
  public:
   FirstGuess(System& system, EnergyLedger& energies) : system_(system), energies_(energies) {}
 
-  // q is where the step begins, and `at` linearised there; moves q in the environments of `whose`.
-  void find(const EnvMask& whose, device::Buffer<Vec3>& q, Linearised& at);
+  // Moves the environments of `whose`, in which a step begins; returns those that moved with supports on their targets. at: frozen at q.
+  EnvMask find(const EnvMask& whose, device::Buffer<Vec3>& q, Linearised& at);
 
  private:
+  // Takes the way from q where that is good; returns where. supports: their part of the way, which leads to their targets; empty: they stay.
+  EnvMask go(const EnvMask& whose, const device::Buffer<Vec3>& way, device::View<const Vec3> supports, device::Buffer<Vec3>& q, Linearised& at);
+  // Sums at trial_, to which this moves [J].
+  std::vector<double> energies_there(const Linearised& at);
+
   System& system_;
   EnergyLedger& energies_;
-  device::Buffer<Vec3> way_, trial_;
+  device::Buffer<Vec3> way_, with_supports_, supports_, trial_;
 };
 
 }  // namespace mortise::solver

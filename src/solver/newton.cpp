@@ -111,7 +111,9 @@ void Newton::solve(const effects::StepInfo& info, const StepReports& report, con
   energies_.begin_solve();
   lag_.begin_solve(q_);
   for (Index e = 0; e < envs_.size(); ++e) fresh_[e] &= whose[e];
-  first_guess_.find(std::exchange(fresh_, EnvMask(envs_.size(), 0)), q_, at_);
+  const EnvMask guessed = first_guess_.find(std::exchange(fresh_, EnvMask(envs_.size(), 0)), q_, at_);
+  for (Index e = 0; e < envs_.size(); ++e)
+    if (guessed[e]) envs_[e].alpha = 1;  // a full step
   for (Index round = 0;; ++round) {
     for (Index e = 0; e < envs_.size(); ++e) envs_[e].step = 0;
     iterate(info, report, stop);

@@ -70,8 +70,8 @@ TEST(Transfers, PerIterationDoNotGrowWithTheMesh) {
 TEST(Transfers, AreFewPerIteration) {
   for (double edge : {2.0, 1.0}) {
     const Cost c = cost(edge, false);
-    EXPECT_LE(c.per_iteration(c.transfers.to_host), 30)
+    EXPECT_LE(c.per_iteration(c.transfers.to_host), 31)
         << edge;  // one of them per 16 iterations of conjugate gradients, which end by the forces on free nodes
-    EXPECT_LE(c.per_iteration(c.transfers.to_device), 3.5) << edge;
+    EXPECT_LE(c.per_iteration(c.transfers.to_device), 3.6) << edge;  // one in a step for where supports alone would be
   }
 }
