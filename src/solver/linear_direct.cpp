@@ -107,7 +107,7 @@ class Direct final : public Linear {
         if (!left[e]) continue;
         report[e].cg += end.of_env[e];
         const bool solved = end.relative[e] <= tuning::kWholeRough;
-        parts_[e].fresh = solved && end.of_env[e] <= tuning::kStaleMost / 2;
+        parts_[e].fresh = solved && end.of_env[e] <= tuning::kStaleMost;
         left[e] = stale[e] && !solved;  // else as near as it came
       }
     }
