@@ -10,6 +10,7 @@ using namespace mortise;
 using namespace mortise::testing;
 using effects::friction::f0;
 using effects::friction::f1_over_x;
+using effects::friction::hessian;
 
 namespace {
 
@@ -119,6 +120,27 @@ TEST(FrictionLaw, IsSmoothAndSlopesToOne) {
   }
   EXPECT_DOUBLE_EQ(f0(e, e), e);
   EXPECT_GT(f0(0, e), 0);
+}
+
+// With no share of its softening, the Hessian is that of a paraboloid which touches f0(|v|) at u and lies above it everywhere: with the whole share
+// it is the second derivative, which lies below past the turn from slip to stick.
+TEST(FrictionLaw, TheConvexHessianMajorises) {
+  const double e = 0.3;
+  const Vec3 n = Vec3(1, 2, -1).normalized(), a = n.unitOrthogonal(), b = n.cross(a);
+  bool exact_is_below = false;
+  for (double x : {1e-3, 0.1, 0.29, 0.31, 2.0, 50.0}) {
+    const Vec3 u = x * (0.6 * a + 0.8 * b), slope = f1_over_x(x, e) * u;
+    const Mat3 K = hessian(u, n, e, 0), exact = hessian(u, n, e, 1);
+    for (int i = -12; i <= 12; ++i)
+      for (int j = -12; j <= 12; ++j) {
+        const double scale = i % 2 ? 0.1 * e : x;
+        const Vec3 v = scale * (0.5 * i * a + 0.5 * j * b), d = v - u;
+        const double here = f0(x, e) + slope.dot(d), rounding = 1e-13 * (f0(v.norm(), e) + x);
+        EXPECT_GE(here + 0.5 * d.dot(K * d), f0(v.norm(), e) - rounding) << x << " " << i << " " << j;
+        exact_is_below = exact_is_below || here + 0.5 * d.dot(exact * d) < f0(v.norm(), e) - 0.1 * x;
+      }
+  }
+  EXPECT_TRUE(exact_is_below);
 }
 
 // Benchmark B16: on an incline of 26.565 degrees a block that sticks creeps at eps_v (1 - sqrt(1 - tan(theta)/mu)).

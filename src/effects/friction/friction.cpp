@@ -206,8 +206,9 @@ class Friction final : public Effect {
       for (Index b = 0; b < blocks; ++b) out.grad[at + b] = s.weight[at + b] * g;
       if (!curvature.wanted) return;
       model::zero_hessian(out, i, blocks);
-      model::add_weighted(out, i, blocks, s.weight.p + at,
-                          (load > 0 ? load : curvature.concavity(sample[i].env) * load) * friction::hessian(u, s.frozen[i].normal, s.creep(i)));
+      const double concave = curvature.concavity(sample[i].env);
+      const Mat3 K = friction::hessian(u, s.frozen[i].normal, s.creep(i), load > 0 ? concave : 1);
+      model::add_weighted(out, i, blocks, s.weight.p + at, (load > 0 ? load : concave * load) * K);
     });
   }
 
