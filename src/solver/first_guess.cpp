@@ -39,7 +39,8 @@ EnvMask FirstGuess::find(const EnvMask& whose, device::Buffer<Vec3>& q, Linearis
   }
   if (!any(left)) return taken;
   if (model.ties.driven()) model.ties.add_offset(std::as_const(q).view(), way_.view());
-  go(left, way_, {}, q, at);
+  const EnvMask without = go(left, way_, {}, q, at);
+  for (Index e = 0; e < model.envs; ++e) taken[e] |= without[e];
   return taken;
 }
 

@@ -12,7 +12,7 @@ class FirstGuess {
  public:
   FirstGuess(System& system, EnergyLedger& energies) : system_(system), energies_(energies) {}
 
-  // Moves the environments of `whose`, in which a step begins; returns those that moved with supports on their targets. at: frozen at q.
+  // Moves the environments of `whose`, in which a step begins; returns those that it could. at: frozen at q.
   EnvMask find(const EnvMask& whose, device::Buffer<Vec3>& q, Linearised& at);
 
  private:

@@ -124,13 +124,13 @@ TEST(FrictionLaw, IsSmoothAndSlopesToOne) {
 
 // With no share of its softening, the Hessian is that of a paraboloid which touches f0(|v|) at u and lies above it everywhere: with the whole share
 // it is the second derivative, which lies below past the turn from slip to stick.
-TEST(FrictionLaw, TheConvexHessianMajorises) {
+TEST(FrictionLaw, TheMajorantLiesAbove) {
   const double e = 0.3;
   const Vec3 n = Vec3(1, 2, -1).normalized(), a = n.unitOrthogonal(), b = n.cross(a);
   bool exact_is_below = false;
   for (double x : {1e-3, 0.1, 0.29, 0.31, 2.0, 50.0}) {
     const Vec3 u = x * (0.6 * a + 0.8 * b), slope = f1_over_x(x, e) * u;
-    const Mat3 K = hessian(u, n, e, 0), exact = hessian(u, n, e, 1);
+    const Mat3 K = hessian(u, n, e, true), exact = hessian(u, n, e, false);
     for (int i = -12; i <= 12; ++i)
       for (int j = -12; j <= 12; ++j) {
         const double scale = i % 2 ? 0.1 * e : x;
