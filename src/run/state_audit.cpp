@@ -15,7 +15,7 @@ ForceBalance force_balance(const Snapshot& said) {
           std::fmax(said.at("balance/largest"), supports)};
 }
 
-EnergyAudit::EnergyAudit(const model::ModelInput& input) {
+EnergyAudit::EnergyAudit(const model::ModelInput& input) : lag_(input) {
   std::size_t first = 0;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
@@ -45,6 +45,8 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
     if (!touched_ && !touches && std::abs(work) <= tuning::kDriven * r_.scale) r_.free_loss -= std::min(r_.gain, 0.0);
   }
   touched_ = touches;
+  lag_.state(now.said, now.points, bodies_);
+  r_.motion_lag = lag_.value();
   points_before_ = now.points;
   return r_;
 }
@@ -60,6 +62,8 @@ void EnergyAudit::checkpoint(Archive& archive) {
                              {"free_loss", &r_.free_loss}})
     archive.io(name, *value);
   archive.io("touched", touched_);
+  lag_.checkpoint(archive);
+  r_.motion_lag = lag_.value();
   archive.io("points_before", points_before_);
 }
 

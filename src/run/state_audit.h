@@ -10,6 +10,7 @@
 #include "base/snapshot.h"
 #include "model/input.h"
 #include "run/measured_body.h"
+#include "run/motion_lag.h"
 
 namespace mortise::run {
 
@@ -44,6 +45,7 @@ class EnergyAudit {
     double largest_gain = NAN;  // of all steps so far [J]
     double scale = 0;           // largest energy of the run so far [J]
     double free_loss = 0;       // of energy between states in which nothing touches, while nothing is driven: the time step's doing [J]
+    double motion_lag = NAN;    // motion_lag.h
     bool work_is_known = true;  // false: loads do work whose potential is not reported, or nothing moves in time; then `gain` stays NaN
   };
   const Result& state(const StateReport& now);
@@ -58,6 +60,7 @@ class EnergyAudit {
   std::vector<MeasuredBody> bodies_;
   std::vector<std::string> loads_;  // effects of that role
   Result r_;
+  MotionLag lag_;
   double all_ = NAN;  // total energy, turning of pinned bodies included
   std::vector<double> points_before_;
   double gravity_first_ = NAN;

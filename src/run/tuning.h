@@ -18,6 +18,7 @@ inline constexpr Bounds kRigidity{2e-3, 2e-2};    // of the axes of a stiff body
 inline constexpr Bounds kEnergyGain{1e-3, 1e-2};  // of the largest energy; dissipative steps gain none
 // From here on estimates of errors of the model, whose bounds are what they are where the true error is 5 % and 10 % (benchmarks/grades).
 inline constexpr Bounds kFreeMotionLoss{0.05, 0.1};
+inline constexpr Bounds kMotionLag{0.05, 0.1};
 inline constexpr Bounds kGuard{0.02, 0.1};
 inline constexpr Bounds kStress{0.05, 0.1};
 inline constexpr Bounds kRoughness{0.04, 0.05};
@@ -27,6 +28,7 @@ inline constexpr Bounds kLayer{0.03, 0.06};
 // ---- what counts in them
 inline constexpr double kStrain = 1e-10;  // far below any strain that means something, far above what rounding of positions makes (certificate.cpp)
 inline constexpr double kDriven = 1e-6;   // work in a step, of the largest energy: less is what holding takes (state_audit.cpp)
+inline constexpr double kStill = 0.01;    // of a body's size: less is no motion that anybody looks at (motion_lag.cpp)
 inline constexpr double kOneWay = 0.1;    // forces from opposite sides have no resultant that supports could bear (layer_error.cpp)
 inline constexpr double kFacing = 0.5;    // cosine of 60 degrees: friction may tilt the force by half of that (contact_patch.cpp)
 inline constexpr double kSmooth = 0.75;   // cosine of some 40 degrees: facets of a coarse ball meet at half of that, sides of a body at more

@@ -472,6 +472,78 @@ TEST(MortarContact, AutomaticStiffness) {
   EXPECT_EQ(fd::effect_assemble(*again.contact, x, false).gradient, fd::effect_assemble(*p.contact, x, false).gradient);
 }
 
+// A pad whose edges grow from its centre, from 1/64 to a quarter, and a stiff block over its 16 finest squares.
+model::ModelInput graded(double gap) {
+  auto pad = geometry::box({2, 2, 0.5}, std::array<Index, 3>{16, 16, 1});
+  for (Vec3& x : pad.points)
+    for (int a = 0; a < 2; ++a) x[a] *= std::abs(x[a]);
+  const auto tool = geometry::box({0.125, 0.125, 0.1}, std::array<Index, 3>{3, 3, 1});
+  return scene({soft_body("pad", pad, gel()), stiff_body("tool", tool, gel(), Vec3(0, 0, 0.3 + gap))});
+}
+double edge(const Vec3 x[3]) { return ((x[0] - x[1]).norm() + (x[1] - x[2]).norm() + (x[2] - x[0]).norm()) / 3; }
+double edge_under_the_tool(const model::Model& m) {  // of a uniform pressure
+  const auto triangles = m.surface.triangles.download();
+  const auto y = m.rest_points.download();
+  double sum = 0, area = 0;
+  for (Index t = 0; t < m.bodies[0].triangle_end; ++t) {
+    const Vec3 x[3] = {y[triangles[t].v[0]], y[triangles[t].v[1]], y[triangles[t].v[2]]};
+    const Vec3 centre = (x[0] + x[1] + x[2]) / 3;
+    if (centre.z() < 0.2499 || centre.head<2>().cwiseAbs().maxCoeff() > 0.0625) continue;
+    const double a = (x[1] - x[0]).cross(x[2] - x[0]).norm();
+    sum += a * edge(x), area += a;
+  }
+  return sum / area;
+}
+
+// On a graded mesh the stiffness is that of the edges that are pressed, also before anything presses, and the guard's with it.
+TEST(MortarContact, StiffnessFitsTheEdgesThatArePressed) {
+  Options o;
+  o.stiffness = 0, o.d_hat = 2e-2, o.guard = 0.5;
+  Problem p(graded(1.5 * o.d_hat), o);
+  const double E = 1e5 / (1 - 0.09), h = edge_under_the_tool(p.model), mean = mean_edge(p.model);
+  ASSERT_GT(mean, 3 * h);
+  const auto stiffness = [](Problem& of) { return of.report()("mortar_contact/stiffness_pad_tool"); };
+  const auto k_at = [&](double kappa, double pressure) {
+    return kappa * effects::barrier::second(effects::barrier::phi_inverse(pressure / kappa) * o.d_hat, o.d_hat) * h / E;
+  };
+  EXPECT_NEAR(k_at(stiffness(p), 0.01 * E), 4, 1e-6);
+  // Farther away than a mean edge: the mean, until samples come within sight.
+  Problem far(graded(1.5 * mean), o);
+  EXPECT_NEAR(k_at(stiffness(far), 0.01 * E) * mean / h, 4, 1e-6);
+
+  const auto adapted = [&](Problem& of) {
+    of.contact->end_step(device::Buffer<Vec3>(fd::blocks_of(positions(of.model))).view());
+    of.contact->adapt(INFINITY);
+    of.contact->begin_step({});
+    return stiffness(of);
+  };
+  const double t = 0.95;
+  Problem near(graded(t * o.d_hat), o);
+  const double first = stiffness(near), pressure = first * effects::barrier::phi(t), then = adapted(near);
+  EXPECT_LT(then, 0.5 * first);
+  EXPECT_NEAR(near.report()("mortar_contact/k_pad_tool") / (then * effects::barrier::second(t * o.d_hat, o.d_hat) * h / E), 1, 1e-9);
+  EXPECT_NEAR(k_at(then, pressure), 4, 1e-6);
+
+  // A checkpoint keeps the edge: the guard's barrier hangs on it.
+  MemoryArchive archive;
+  near.contact->checkpoint(archive);
+  Problem again(graded(t * o.d_hat), o);
+  archive.rewind();
+  again.contact->checkpoint(archive);
+  fd::Vector x = positions(near.model);
+  x[3 * near.model.bodies[1].block_begin + 2] -= 0.8 * o.d_hat;
+  const fd::Vector g = fd::effect_assemble(*near.contact, x, false).gradient;
+  EXPECT_EQ(fd::effect_assemble(*again.contact, x, false).gradient, g);
+  // A given stiffness leaves the guard with the mean edge.
+  Options given = o, bare = o;
+  given.stiffness = bare.stiffness = then, bare.guard = 0;
+  Problem with(graded(t * o.d_hat), given), without(graded(t * o.d_hat), bare);
+  const fd::Vector samples = fd::effect_assemble(*without.contact, x, false).gradient;
+  const fd::Vector of_mean = fd::effect_assemble(*with.contact, x, false).gradient - samples;
+  ASSERT_GT(of_mean.norm(), 1e-3 * samples.norm());
+  EXPECT_NEAR((g - samples).norm() / of_mean.norm() / (h * h / (mean * mean)), 1, 1e-9);
+}
+
 // A restart keeps the support radii of the first start.
 TEST(MortarContact, CheckpointsKeepSupports) {
   Options o;
