@@ -22,8 +22,8 @@ class MotionLag {
   void checkpoint(Archive& archive);
 
  private:
-  double step_ = NAN;               // h [s]
-  std::vector<double> start_, v0_;  // 3 per body: centre of mass [m], its velocity [m/s]
+  double step_ = NAN;                // h [s]
+  std::vector<double> start_, v0_;   // 3 per body: centre of mass [m], its velocity [m/s]
   std::vector<double> least_, far_;  // per body: smallest way that counts, farthest from the start so far [m]
   double value_ = NAN;
 };
