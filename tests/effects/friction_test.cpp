@@ -130,7 +130,7 @@ TEST(FrictionLaw, TheMajorantLiesAbove) {
   bool exact_is_below = false;
   for (double x : {1e-3, 0.1, 0.29, 0.31, 2.0, 50.0}) {
     const Vec3 u = x * (0.6 * a + 0.8 * b), slope = f1_over_x(x, e) * u;
-    const Mat3 K = hessian(u, n, e, true), exact = hessian(u, n, e, false);
+    const Mat3 K = hessian(u, n, e, 0), exact = hessian(u, n, e, 1);
     for (int i = -12; i <= 12; ++i)
       for (int j = -12; j <= 12; ++j) {
         const double scale = i % 2 ? 0.1 * e : x;

@@ -11,17 +11,22 @@
 
 namespace mortise::effects::friction {
 
+// The share after a step that was cut: with 0 a light bead on a heavy neighbour (H77) creeps for 140 iterations in a step, with 0.5 and more
+// turntable and conveyor (H52, H33) lose half of what it gains.
+inline constexpr double kCutSoftening = 0.3;
+
 MORTISE_HD inline double f0(double x, double e) { return x < e ? x * x * (1 / e - x / (3 * e * e)) + e / 3 : x; }
 MORTISE_HD inline double f1_over_x(double x, double e) { return x < e ? (2 - x / e) / e : 1 / x; }
 
-// Hessian of f0(|u|) for u in the plane across n. As a majorant f1/x P: f0 is concave in x^2, so the paraboloid of that curvature touches it at u and
-// lies above it everywhere else (Voss, Eckhardt, "Linear convergence of generalized Weiszfeld's method", 1980), and a step that would leap from slip
-// over stick into slip the other way ends in between.
-MORTISE_HD inline Mat3 hessian(const Vec3& u, const Vec3& n, double e, bool majorant) {
+// Hessian of f0(|u|) for u in the plane across n, with a share of how f0 softens along the slip. Share 0 is f1/x P: f0 is concave in x^2, so the
+// paraboloid of that curvature touches it at u and lies above it everywhere else (Voss, Eckhardt, "Linear convergence of generalized Weiszfeld's
+// method", 1980), and a step that would leap from slip over stick into slip the other way ends in between; with shares below a half, less than twice
+// as far, it still goes down.
+MORTISE_HD inline Mat3 hessian(const Vec3& u, const Vec3& n, double e, double softening) {
   const double x = u.norm(), over = f1_over_x(x, e);
   Mat3 K = over * (Mat3::Identity() - n * n.transpose());
   // f1' - f1/x = -x/e^2 inside and -1/x outside
-  if (x > 0 && !majorant) K -= (x < e ? 1 / (e * e * x) : 1 / (x * x * x)) * (u * u.transpose());
+  if (x > 0) K -= softening * (x < e ? 1 / (e * e * x) : 1 / (x * x * x)) * (u * u.transpose());
   return K;
 }
 
