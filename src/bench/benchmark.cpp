@@ -76,7 +76,7 @@ std::span<const Benchmark> benchmarks() {
       {"patch", "uniform stress through two blocks with matching and other meshes (B01, B02, B05)", {"order", "case", "finer"}, bench::patch},
       {"hertz",
        "sphere on a block: pressure, its peak, contact radius (B07)",
-       {"size", "under", "order", "d_hat", "stiffness", "layer", "k", "start", "mesh"},
+       {"size", "under", "order", "d_hat", "layer", "k", "start", "mesh"},
        bench::hertz},
       {"spheres", "sphere on a sphere: pressure, its peak, contact radius (B06)", {"cells", "layer"}, bench::spheres},
       {"pin", "pin in a bore: pressure, angle of contact (B14, without friction)", {"cells", "order", "k", "layer"}, bench::pin},

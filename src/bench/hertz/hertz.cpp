@@ -96,8 +96,6 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
   const double usual = std::stod(b.option("d_hat", fmt::format("{:.17g}", size.d_hat))), d_hat = std::stod(b.option("layer", "1")) * usual;
   const double expected = 2 * e_star * kExpectedRadius / (3.14159265358979 * R);
   const double kappa = matched_stiffness(expected, d_hat, size.mesh.h, e_star, std::stod(b.option("k", quadratic ? "24" : "4")));
-  // The effect's own choice instead, of which k tells how good it is.
-  const bool automatic = b.option("stiffness", "matched") == "auto";
   // Where the ball starts decides how hard the first Newton iterations are; where it ends does not depend on it.
   const double gap = std::stod(b.option("start", "0.3")) * usual,
                end = b.scene().number(b.scene().moving_pin() + ".motion.translation.1.2") + 0.1 * usual;
@@ -108,7 +106,6 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
     scene.set("effects.mortar_contact.d_hat", d_hat);
     scene.set("effects.mortar_contact.stiffness", kappa);
     scene.use(m, size.mesh.h * size.mesh.h / (quadratic ? 16 : 4));
-    if (automatic && m.effect == "mortar_contact") scene.set("effects.mortar_contact.stiffness", "auto");
     const auto element = [&](const geometry::TetMesh& mesh, const geometry::Snap& snap = {}) {
       return quadratic ? geometry::with_midsides(mesh, snap) : mesh;
     };
@@ -142,12 +139,6 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
     b.emit(s.row(name, m, "contact force", contact, quarter, std::abs(contact / quarter - 1), gate(1e-10)));
     const double iterations = static_cast<double>(s.newton);
     b.emit(s.row(name, m, "Newton iterations", iterations, NAN, iterations, std::string_view(size.name) == "isaac" ? gate(12) : NAN));
-    if (automatic && m.effect == "mortar_contact") {
-      const double k = s.fields.at("mortar_contact/k_block_ball"), guard = s.fields.at("mortar_contact/force_share_guard");
-      b.emit(s.row(name, m, "layer over mesh stiffness", k, 4, NAN, NAN));
-      b.emit(s.row(name, m, "chosen over matched stiffness", s.fields.at("mortar_contact/stiffness_block_ball") / kappa, NAN, NAN, NAN));
-      b.emit(s.row(name, m, "guard's share of the force", guard, 0, guard, NAN));
-    }
     b.emit(s.row(name, m, "contact share of time", s.contact_share, NAN, s.contact_share, size.mesh.h > 0.01 ? NAN : gate(0.05)));
     if (s.converged) figure.add(m.name, size.name, at, exact);
     if (!s.converged) continue;

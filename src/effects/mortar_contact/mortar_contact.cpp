@@ -100,16 +100,15 @@ class MortarContact final : public Effect {
     if (set_.quadrature == 1 && model.faces.quarter.size() > 0)
       throw Error(Exit::scene, p.at("quadrature").where(), "one point per piece is not enough for the shape functions of quadratic faces: 3, 6 or 7");
     automatic_ = !p.has("stiffness");
-    edges_ = edges(model);
     std::vector<double> d_hats;
     for (Interface& i : interfaces_) {
       i.fixed = !p.has("d_hat") && i.modulus > 0;
       const Index e = model.bodies[i.slave].env;
       d_hats.push_back(d_hat_[e]);
-      fit_.push_back({automatic_ ? first_stiffness(i, i.h, d_hat_[e]) : model.input.effect_of(p, e).number("stiffness"), i.h});
+      kappa_.push_back(automatic_ ? first_stiffness(i, d_hat_[e]) : model.input.effect_of(p, e).number("stiffness"));
     }
     d_hat_view_.upload(d_hats);
-    next_fit_ = fit_;
+    next_kappa_ = kappa_;
     next_price_.assign(model.envs, 0.0);
     stiffness_changed();
     model.add_contact(name());
@@ -124,15 +123,14 @@ class MortarContact final : public Effect {
   void connect() override {
     watch();
     fit_support();
-    fit_first();
   }
 
   void begin_step(const StepInfo& step) override {
     static_ = step.is_static;
     bool changed = false;
-    for (std::size_t i = 0; i < fit_.size(); ++i) {
-      if (!step.taken_by(env(i)) || fit_[i] == next_fit_[i]) continue;
-      fit_[i] = next_fit_[i];
+    for (std::size_t i = 0; i < kappa_.size(); ++i) {
+      if (!step.taken_by(env(i)) || kappa_[i] == next_kappa_[i]) continue;
+      kappa_[i] = next_kappa_[i];
       changed = true;
     }
     if (changed) stiffness_changed();
@@ -198,20 +196,20 @@ class MortarContact final : public Effect {
   // A contact that grows stiffer under load is energy from nowhere, so all of an environment grow by no more than its budget pays for, the guard
   // with them.
   void adapt(const StepInfo& step, const std::vector<double>& budget, const Linearisation& at) override {
-    for (std::size_t i = 0; i < fit_.size(); ++i)
-      if (step.taken_by(env(i))) next_fit_[i] = fit_[i], next_price_[env(i)] = 0;
+    for (std::size_t i = 0; i < kappa_.size(); ++i)
+      if (step.taken_by(env(i))) next_kappa_[i] = kappa_[i], next_price_[env(i)] = 0;
     if (!automatic_) return;
     std::vector<double> price;
-    const std::vector<Fit> wanted = fitted(of_mortar(at), price, true);
-    if (wanted == fit_) return;
+    const std::vector<double> wanted = fitted(of_mortar(at), price);
+    if (wanted == kappa_) return;
     const std::vector<double> guard = guard_of(wanted), held = guard_energy(of_mortar(at));
     for (Index e = 0; e < model_.envs; ++e) {
       if (!step.taken_by(e)) continue;
       if (guard[e] != guard_kappa_[e]) price[e] += (guard[e] / guard_kappa_[e] - 1) * held[e];
       const double fraction = price[e] > budget[e] ? budget[e] / price[e] : 1;
       next_price_[e] = fraction * price[e];
-      for (std::size_t i = 0; i < fit_.size(); ++i)
-        if (env(i) == e) next_fit_[i] = between(fit_[i], wanted[i], fraction);
+      for (std::size_t i = 0; i < kappa_.size(); ++i)
+        if (env(i) == e) next_kappa_[i] = fraction == 1 ? wanted[i] : kappa_[i] + fraction * (wanted[i] - kappa_[i]);
     }
   }
 
@@ -219,15 +217,15 @@ class MortarContact final : public Effect {
   void refit(Positions, const Linearisation& at, std::vector<Refit>& per_env) override {
     if (!automatic_ || !static_) return;
     std::vector<double> price;
-    const std::vector<Fit> wanted = fitted(of_mortar(at), price, false);
+    const std::vector<double> wanted = fitted(of_mortar(at), price);
     std::vector<std::uint8_t> changed(model_.envs, 0);
-    for (std::size_t i = 0; i < fit_.size(); ++i)
-      if (wanted[i].kappa > tuning::kSame * fit_[i].kappa || fit_[i].kappa > tuning::kSame * wanted[i].kappa) changed[env(i)] = 1;
+    for (std::size_t i = 0; i < kappa_.size(); ++i)
+      if (wanted[i] > tuning::kSame * kappa_[i] || kappa_[i] > tuning::kSame * wanted[i]) changed[env(i)] = 1;
     bool any = false;
-    for (std::size_t i = 0; i < fit_.size(); ++i) {
+    for (std::size_t i = 0; i < kappa_.size(); ++i) {
       if (!changed[env(i)]) continue;
       any = true;
-      fit_[i] = wanted[i];
+      kappa_[i] = wanted[i];
       per_env[env(i)] = std::max(per_env[env(i)], Refit::from_here);
     }
     if (any) stiffness_changed();
@@ -236,21 +234,20 @@ class MortarContact final : public Effect {
   void report(const FieldSinks& sinks, const Linearisation& at) override;
   void checkpoint(Archive& archive) override {
     // Interfaces are listed pair by pair, in every environment.
-    std::vector<Index> order(fit_.size()), of;
+    std::vector<Index> order(kappa_.size()), of;
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(), [this](Index a, Index b) { return env(a) < env(b); });
-    std::vector<double> kappa, edge;
-    for (Index i : order) kappa.push_back(next_fit_[i].kappa), edge.push_back(next_fit_[i].h), of.push_back(env(i));
+    std::vector<double> kappa;
+    for (Index i : order) kappa.push_back(next_kappa_[i]), of.push_back(env(i));
     archive.io("stiffness", kappa, firsts(of, model_.envs));
-    archive.io("stiffness_edge", edge, firsts(of, model_.envs));
     archive.io("stiffening", next_price_, one_each(model_.envs));
     std::vector<double> support = support_.download();
     archive.io("support_radius", support, in_values(slave_env_));
     if (!archive.loading()) return;
-    if (kappa.size() != fit_.size() || edge.size() != fit_.size() || support.size() != static_cast<std::size_t>(support_.size()))
+    if (kappa.size() != kappa_.size() || support.size() != static_cast<std::size_t>(support_.size()))
       throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(kappa.size()) + " contact pairs");
     for (std::size_t i = 0; i < order.size(); ++i)
-      if (archive.loads(of[i])) next_fit_[order[i]] = fit_[order[i]] = {kappa[i], edge[i]};
+      if (archive.loads(of[i])) next_kappa_[order[i]] = kappa_[order[i]] = kappa[i];
     support_.upload(support);
     stiffness_changed();
     started_ = true;
@@ -420,77 +417,31 @@ class MortarContact final : public Effect {
     return per_env;
   }
 
-  Samples samples_of(std::size_t interface, const MortarLinearisation& at, const std::vector<Pair>& pairs, const std::vector<Sample>& samples) const {
-    return {static_cast<Index>(interface), pairs, of_env(at, samples, env(interface)), edges_};
-  }
-
-  // The stiffness of the interface whose samples do not press yet; as it is where there are none, or where it has pressed before. Not for edges
-  // longer than the mean: in motion what is too stiff may fall at once, and what is too soft has to wait for energy.
-  Fit approaching(std::size_t i, const Samples& near) const {
-    if (fit_[i].kappa != first_stiffness(interfaces_[i], fit_[i].h, d_hat_[env(i)])) return fit_[i];
-    const double h = std::min(nearest_edge(near), interfaces_[i].h);
-    return h > 0 ? Fit{first_stiffness(interfaces_[i], h, d_hat_[env(i)]), h} : fit_[i];
-  }
-
-  // For the edges that are nearest at the start, of interfaces less than a mean edge apart.
-  void fit_first() {
-    std::vector<std::uint8_t> open(fit_.size(), 0);
-    for (std::size_t i = 0; i < fit_.size(); ++i) open[i] = automatic_ && !interfaces_[i].fixed;
-    MortarLinearisation at;
-    for (double reach : tuning::kFirstReach) {
-      std::vector<double> margin = more_reach();
-      for (std::size_t i = 0; i < fit_.size(); ++i)
-        if (open[i]) margin[env(i)] = std::max(margin[env(i)], reach * interfaces_[i].h);
-      if (std::find(open.begin(), open.end(), 1) == open.end()) break;
-      proximity_.locate(std::as_const(model_.q).view(), at.frozen.y);
-      measure(model_.surface.view(), model_.faces, at.y(), model_.working(triangle_env_), at.normal, at.area, at.bow);
-      search_for(at, Buffer<double>(margin));
-      const std::vector<Pair> pairs = at.frozen.pairs.download();
-      const std::vector<Sample> samples = at.frozen.samples.download();
-      for (std::size_t i = 0; i < fit_.size(); ++i) {
-        if (!open[i]) continue;
-        const Samples near = samples_of(i, at, pairs, samples);
-        if (!(nearest_edge(near) > 0)) continue;
-        fit_[i] = next_fit_[i] = approaching(i, near);
-        open[i] = 0;
-      }
-    }
-    stiffness_changed();
-  }
-
-  // The stiffnesses, those anew whose k has left 2..8, at the pressure that the frozen samples found, and `ahead` those of what does not press yet;
-  // `price`: what the change adds to the energy of the samples of every environment [J].
-  std::vector<Fit> fitted(const MortarLinearisation& at, std::vector<double>& price, bool ahead) const {
+  // The stiffnesses, those anew whose k has left 2..8, at the pressure that the frozen samples found; `price`: what the change adds to
+  // the energy of the samples of every environment [J].
+  std::vector<double> fitted(const MortarLinearisation& at, std::vector<double>& price) const {
     const std::vector<Pair> pairs = at.frozen.pairs.download();
     const std::vector<Sample> samples = at.frozen.samples.download();
     price.assign(model_.envs, 0.0);
-    std::vector<Fit> wanted = fit_;
+    std::vector<double> wanted = kappa_;
     for (std::size_t i = 0; i < interfaces_.size(); ++i) {
-      if (interfaces_[i].fixed) continue;
-      const Samples mine = samples_of(i, at, pairs, samples);
-      const Achieved now = achieved(interfaces_[i], fit_[i].kappa, mine);
-      if (!(now.pressure > 0)) {
-        if (ahead) wanted[i] = approaching(i, mine);
-        continue;
-      }
-      if (fits(interfaces_[i], now, fit_[i].kappa)) continue;
-      wanted[i] = {wanted_stiffness(interfaces_[i], now.h, d_hat_[env(i)], now.pressure, static_ ? tuning::kOpen : tuning::kSoftest), now.h};
-      price[env(i)] += (wanted[i].kappa / fit_[i].kappa - 1) * now.energy;
+      const Achieved now = achieved(interfaces_[i], static_cast<Index>(i), kappa_[i], pairs, of_env(at, samples, env(i)));
+      if (!(now.pressure > 0) || fits(interfaces_[i], now, kappa_[i])) continue;
+      wanted[i] = wanted_stiffness(interfaces_[i], d_hat_[env(i)], now.pressure, static_ ? tuning::kOpen : tuning::kSoftest);
+      price[env(i)] += (wanted[i] / kappa_[i] - 1) * now.energy;
     }
     return wanted;
   }
 
-  std::vector<double> guard_of(const std::vector<Fit>& fit) const {
+  std::vector<double> guard_of(const std::vector<double>& kappa) const {
     std::vector<double> largest(model_.envs, 0.0);
-    for (std::size_t i = 0; i < fit.size(); ++i) largest[env(i)] = std::max(largest[env(i)], fit[i].guard());
+    for (std::size_t i = 0; i < kappa.size(); ++i) largest[env(i)] = std::max(largest[env(i)], kappa[i] * interfaces_[i].h * interfaces_[i].h / 7);
     return largest;
   }
 
   void stiffness_changed() {
-    std::vector<double> kappa;
-    for (const Fit& f : fit_) kappa.push_back(f.kappa);
-    kappa_view_.upload(kappa);
-    guard_kappa_ = guard_of(fit_);
+    kappa_view_.upload(kappa_);
+    guard_kappa_ = guard_of(kappa_);
     std::vector<double> stiffness;
     for (Index e = 0; e < model_.envs; ++e) stiffness.push_back(guard_kappa_[e] / (proximity_.reach(e) * proximity_.reach(e)));
     guard_kappa_view_.upload(stiffness);
@@ -507,10 +458,9 @@ class MortarContact final : public Effect {
   std::vector<double> d_hat_;  // per environment [m]
   double guard_, rest_;
   bool automatic_ = false, started_ = false;
-  std::vector<Interface> interfaces_;
-  std::vector<double> edges_;        // of every triangle of the surface [m]
-  std::vector<Fit> fit_, next_fit_;  // of every interface, in this step and for the next
-  std::vector<double> next_price_;   // per environment: energy that the change to next_fit_ adds [J]
+  std::vector<Interface> interfaces_;       // interfaces
+  std::vector<double> kappa_, next_kappa_;  // of this step, and for the next
+  std::vector<double> next_price_;          // per environment: energy that the change to next_kappa_ adds [J]
   bool static_ = false;
   std::vector<double> guard_kappa_;  // per environment: kappa times the weight of a guard pair [N]
   Buffer<double> guard_kappa_view_;  // the same over the square of its range [Pa]
@@ -617,12 +567,12 @@ void MortarContact::report(const FieldSinks& sinks, const Linearisation& accepte
     sink.scalar(group, "clip_partition_defect", "1", defect);
   }
   for (std::size_t i = 0; i < interfaces_.size(); ++i) {
-    const Interface& interface = interfaces_[i];
+    const Interface& between = interfaces_[i];
     const Index n = static_cast<Index>(model_.bodies.size());
-    const std::string pair = model_.bodies[interface.slave].name + "_" +
-                             (interface.master < n ? model_.bodies[interface.master].name : model_.half_spaces[interface.master - n].name);
-    sinks[env(i)].scalar(group, "stiffness_" + pair, "Pa", fit_[i].kappa);
-    sinks[env(i)].scalar(group, "k_" + pair, "1", achieved(interface, fit_[i].kappa, samples_of(i, at, pairs, samples)).k);
+    const std::string pair = model_.bodies[between.slave].name + "_" +
+                             (between.master < n ? model_.bodies[between.master].name : model_.half_spaces[between.master - n].name);
+    sinks[env(i)].scalar(group, "stiffness_" + pair, "Pa", kappa_[i]);
+    sinks[env(i)].scalar(group, "k_" + pair, "1", achieved(between, static_cast<Index>(i), kappa_[i], pairs, of_env(at, samples, env(i))).k);
   }
 }
 

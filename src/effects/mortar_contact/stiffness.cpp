@@ -1,7 +1,5 @@
 #include "effects/mortar_contact/stiffness.h"
 
-#include <cmath>
-
 #include "effects/contact/barrier.h"
 #include "effects/contact/layer.h"
 
@@ -29,31 +27,14 @@ Interface interface_of(const model::Model& model, Index slave, Index master) {
   return out;
 }
 
-std::vector<double> edges(const model::Model& model) {
-  const std::vector<Vec3> rest = model.rest_points.download();
-  std::vector<double> out;
-  for (const Triangle& t : model.surface.triangles.download()) {
-    double length = 0;
-    for (int k = 0; k < 3; ++k) length += (rest[t.v[k]] - rest[t.v[(k + 1) % 3]]).norm();
-    out.push_back(length / 3);
-  }
-  return out;
-}
-
-Fit between(const Fit& a, const Fit& b, double s) {
-  if (s == 0 || s == 1) return s == 0 ? a : b;  // without rounding
-  const double kappa = a.kappa + s * (b.kappa - a.kappa), guard = a.guard() + s * (b.guard() - a.guard());
-  return {kappa, std::sqrt(7 * guard / kappa)};
-}
-
-double first_stiffness(const Interface& i, double h, double d_hat) {
+double first_stiffness(const Interface& i, double d_hat) {
   if (i.fixed) return i.modulus;
-  return wanted_stiffness(i, h, d_hat, i.modulus > 0 ? tuning::kFirstPressure * i.modulus : tuning::kRigidPressure, tuning::kSoftest);
+  return wanted_stiffness(i, d_hat, i.modulus > 0 ? tuning::kFirstPressure * i.modulus : tuning::kRigidPressure, tuning::kSoftest);
 }
 
-double wanted_stiffness(const Interface& i, double h, double d_hat, double p, double least_t) {
+double wanted_stiffness(const Interface& i, double d_hat, double p, double least_t) {
   const auto ratio = [](double t) { return barrier::second(t, 1.0) / barrier::phi(t); };
-  const double wanted = tuning::kWanted * i.modulus * d_hat / (p * h);
+  const double wanted = tuning::kWanted * i.modulus * d_hat / (p * i.h);
   double lo = least_t, hi = 1 - 1e-6;  // the ratio rises from lo to hi
   if (wanted <= ratio(lo)) return p / barrier::phi(lo);
   for (int n = 0; n < 60; ++n) {
@@ -70,34 +51,18 @@ bool fits(const Interface& i, const Achieved& now, double kappa) {
   return t >= tuning::kRigidClosed && t <= tuning::kRigidOpen;
 }
 
-Achieved achieved(const Interface& i, double kappa, const Samples& samples) {
-  double force = 0, pressure = 0, edge = 0, stiffness = 0, energy = 0;
-  for (const Sample& s : samples.of_env) {
-    const Pair& pair = samples.pairs[s.pair];
-    if (pair.interface != samples.interface || !(s.gap < pair.d_hat)) continue;
+Achieved achieved(const Interface& i, Index number, double kappa, const std::vector<Pair>& pairs, std::span<const Sample> samples) {
+  double force = 0, pressure = 0, stiffness = 0, energy = 0;
+  for (const Sample& s : samples) {
+    const Pair& pair = pairs[s.pair];
+    if (pair.interface != number || !(s.gap < pair.d_hat)) continue;
     energy += s.weight * kappa * barrier::value(s.gap, pair.d_hat);
     if (s.kind != SampleKind::face) continue;
-    const double p = -kappa * barrier::first(s.gap, pair.d_hat), f = s.weight * p, h = samples.edges[pair.slave];
-    force += f, pressure += f * p, edge += f * h, stiffness += f * h * kappa * barrier::second(s.gap, pair.d_hat);
+    const double p = -kappa * barrier::first(s.gap, pair.d_hat), f = s.weight * p;
+    force += f, pressure += f * p, stiffness += f * kappa * barrier::second(s.gap, pair.d_hat);
   }
   if (!(force > 0)) return {};
-  return {pressure / force, edge / force, i.modulus > 0 ? stiffness / force / i.modulus : 0, energy};
-}
-
-double nearest_edge(const Samples& samples) {
-  double least = INFINITY, depth = 0;
-  for (const Sample& s : samples.of_env) {
-    const Pair& pair = samples.pairs[s.pair];
-    if (pair.interface == samples.interface && s.gap < least) least = s.gap, depth = tuning::kFirstDepth * samples.edges[pair.slave];
-  }
-  double weight = 0, edge = 0;
-  for (const Sample& s : samples.of_env) {
-    const Pair& pair = samples.pairs[s.pair];
-    if (pair.interface != samples.interface || !(s.gap < least + depth)) continue;
-    const double w = s.weight * (least + depth - s.gap);
-    weight += w, edge += w * samples.edges[pair.slave];
-  }
-  return weight > 0 ? edge / weight : 0;
+  return {pressure / force, i.modulus > 0 ? stiffness / force * i.h / i.modulus : 0, energy};
 }
 
 }  // namespace mortise::effects::mortar

@@ -1,8 +1,7 @@
 #pragma once
 // Automatic stiffness. What decides the quality of the pressure is the stiffness of the barrier layer against that of the bodies,
 //     k = kappa b''(g) h / E*,      1/E* = sum over the two bodies of (1 - nu^2)/E  (0 for stiff bodies and half-spaces),
-// with h the edge of the slave faces that are pressed, each counted by its force: on a graded mesh the mean over the surface is several times theirs.
-// Best near 4 (README). At pressure p the gap follows from
+// with h the mean edge of the slave surface; best near 4 (README). At pressure p the gap follows from
 // p = kappa phi(t), so kappa = p / phi(t) with t the root of
 //     -phi'(t) / phi(t) = k E* d_hat / (p h).
 // The left side is smallest, 5.03, at t = 0.376: a layer of range d_hat cannot be softer than that at pressure p. Of the two roots the one above
@@ -24,42 +23,20 @@ struct Interface {
   bool fixed = false;           // kappa is E*
 };
 Interface interface_of(const model::Model& model, Index slave, Index master);
-// Mean edge of every triangle of the surface at rest [m].
-std::vector<double> edges(const model::Model& model);
 
-// A chosen stiffness and the slave edge that it fits.
-struct Fit {
-  double kappa = 0, h = 0;  // [Pa], [m]
-  bool operator==(const Fit&) const = default;
-  // Of a guard pair [N]: kappa times the mean third of a slave triangle.
-  double guard() const { return kappa * h * h / 7; }
-};
-// The share s of the way from a to b, both in the stiffness and in that of guard pairs.
-Fit between(const Fit& a, const Fit& b, double s);
-
-// kappa [Pa] before any pressure is known, for slave edges h.
-double first_stiffness(const Interface& i, double h, double d_hat);
+// kappa [Pa] before any pressure is known.
+double first_stiffness(const Interface& i, double d_hat);
 // kappa [Pa] for the interface at pressure p [Pa]. Where nothing can deform there is no mesh to be smooth for: the gap is kept open at least_t.
-double wanted_stiffness(const Interface& i, double h, double d_hat, double p, double least_t);
+double wanted_stiffness(const Interface& i, double d_hat, double p, double least_t);
 
-// Samples of one interface, and what they are of.
-struct Samples {
-  Index interface;
-  const std::vector<Pair>& pairs;
-  std::span<const Sample> of_env;
-  const std::vector<double>& edges;
-};
-
-// Force-weighted means over face samples: pressure sum w p^2 / sum w p [Pa], edge h [m], and k; and the energy of all samples [J]. 0 without contact.
+// Force-weighted means over the face samples of interface `number`: pressure sum w p^2 / sum w p [Pa] and k; and the energy of all its samples [J].
+// 0 without contact.
 struct Achieved {
-  double pressure = 0, h = 0, k = 0, energy = 0;
+  double pressure = 0, k = 0, energy = 0;
 };
-Achieved achieved(const Interface& i, double kappa, const Samples& samples);
-// The slave edge where bodies that do not press yet will: samples count by the depth at which they would lie were the nearest pressed in by a tenth
-// of its edge. 0 without samples.
-double nearest_edge(const Samples& samples);
 // Is the stiffness good enough to stay: fixed, else k within a factor 2 of what is wanted, or, of stiff bodies, the gap neither nearly open nor half
 // closed?
 bool fits(const Interface& i, const Achieved& now, double kappa);
+Achieved achieved(const Interface& i, Index number, double kappa, const std::vector<Pair>& pairs, std::span<const Sample> samples);
 
 }  // namespace mortise::effects::mortar
