@@ -46,7 +46,7 @@ Certificate::Grade Certificate::grade(const End& end) const {
   for (const Check& k : checks(end.energy)) {
     out.graded[k.name] = k.value;
     const char* earns = k.earns();
-    if (earns[0] > 'A') lower(earns, fmt::format("{} is {:.2g}, more than {:.2g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable));
+    if (earns[0] > 'A') lower(earns, fmt::format("{} is {:.3g}, more than {:.3g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable));
   }
   if (steps_ == 0) lower("F", "no step was finished");
   if (det_F_.least <= 0) lower("F", "an element is inverted (det F <= 0)");

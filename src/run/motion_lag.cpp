@@ -2,14 +2,16 @@
 
 #include <algorithm>
 
+#include "effects/roles.h"
 #include "run/tuning.h"
 
 namespace mortise::run {
 
 MotionLag::MotionLag(const model::ModelInput& input) {
-  const Params *time = input.scene.find("time"), *inertia = input.scene.at("effects").find("inertia");
-  if (!time || !inertia) return;
-  const Params *step = time->find("step"), *integrator = inertia->find("integrator");
+  const Params &effects = input.scene.at("effects"), *time = input.scene.find("time");
+  const std::vector<std::string> inertia = effects::of_role(effects, effects::Role::inertia);
+  if (!time || inertia.empty()) return;
+  const Params *step = time->find("step"), *integrator = effects.at(inertia.front()).find("integrator");
   if (step && (!integrator || integrator->as_text() == "backward_euler")) step_ = step->as_number();
 }
 

@@ -354,7 +354,7 @@ TEST_F(EnvironmentsProgram, TogetherFailuresAreTheirOwn) {
   };
   expect_together(scene("[0 mm, -0.5 mm]", "100"), 5, 5);
   expect_together(
-      press(kMortar, "{iterations: 5, halvings: 0}",
+      press(kMortar, "{iterations: 4, halvings: 0}",
             "environments:\n  count: 5\n  vary: [{path: effects.friction.mu, abs: {choice: [0.1, 0.9]}}, {path: materials.gel.youngs_modulus, "
             "scale: {log_uniform: [0.1, 10]}}]\n"),
       5, 5);

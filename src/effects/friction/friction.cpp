@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "effects/friction/law.h"
+#include "effects/friction/tuning.h"
 #include "effects/list.h"
 #include "effects/per_environment.h"
 #include "model/contact_view.h"
@@ -207,7 +208,7 @@ class Friction final : public Effect {
       if (!curvature.wanted) return;
       model::zero_hessian(out, i, blocks);
       const double concave = curvature.concavity(sample[i].env);
-      const Mat3 K = friction::hessian(u, s.frozen[i].normal, s.creep(i), load > 0 && concave == 0 ? friction::kCutSoftening : 1);
+      const Mat3 K = friction::hessian(u, s.frozen[i].normal, s.creep(i), load > 0 && concave == 0 ? friction::tuning::kCutSoftening : 1);
       model::add_weighted(out, i, blocks, s.weight.p + at, (load > 0 ? load : concave * load) * K);
     });
   }

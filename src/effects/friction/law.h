@@ -11,10 +11,6 @@
 
 namespace mortise::effects::friction {
 
-// The share after a step that was cut: with 0 a light bead on a heavy neighbour (H77) creeps for 140 iterations in a step, with 0.5 and more
-// turntable and conveyor (H52, H33) lose half of what it gains.
-inline constexpr double kCutSoftening = 0.3;
-
 MORTISE_HD inline double f0(double x, double e) { return x < e ? x * x * (1 / e - x / (3 * e * e)) + e / 3 : x; }
 MORTISE_HD inline double f1_over_x(double x, double e) { return x < e ? (2 - x / e) / e : 1 / x; }
 
