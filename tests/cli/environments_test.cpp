@@ -88,6 +88,8 @@ class EnvironmentsProgram : public ::testing::Test {
       const Result r = run("s.yaml -o " + out + " --together" + k);
       ASSERT_EQ(r.code, code) << r.err;
       const nlohmann::json a = summary("processes")["environments"], b = summary(out)["environments"];
+      const auto done = std::count_if(a.begin(), a.end(), [](const nlohmann::json& one) { return one["status"] == "done"; });
+      EXPECT_TRUE(code == 0 ? done == count : done > 0 && done < count) << done << " of them do not fail";
       for (int e = 0; e < count; ++e) {
         for (const char* key : {"status", "exit_code", "grade", "reason", "steps", "frames", "newton_iterations", "values"})
           EXPECT_EQ(a[e][key], b[e][key]) << out << ", environment " << e << ", " << key;
@@ -354,7 +356,7 @@ TEST_F(EnvironmentsProgram, TogetherFailuresAreTheirOwn) {
   };
   expect_together(scene("[0 mm, -0.5 mm]", "100"), 5, 5);
   expect_together(
-      press(kMortar, "{iterations: 4, halvings: 0}",
+      press(kMortar, "{iterations: 3, halvings: 0}",
             "environments:\n  count: 5\n  vary: [{path: effects.friction.mu, abs: {choice: [0.1, 0.9]}}, {path: materials.gel.youngs_modulus, "
             "scale: {log_uniform: [0.1, 10]}}]\n"),
       5, 5);

@@ -3,8 +3,8 @@
 
 namespace mortise::effects::friction::tuning {
 
-// Of the softening of f0 along the slip, after a step that was cut (law.h): with 0 a light bead on a heavy neighbour (H77) creeps for 140 iterations in
-// a step, with 0.5 and more turntable and conveyor (H52, H33) lose half of what it gains.
+// Of the softening of f0 along the slip, after a step that was cut (law.h): with 0 a light bead on a heavy neighbour (H77) creeps for 140 iterations
+// in a step, with 0.5 and more turntable and conveyor (H52, H33) lose half of what it gains.
 inline constexpr double kCutSoftening = 0.3;
 
 }  // namespace mortise::effects::friction::tuning
