@@ -17,7 +17,7 @@ class Direct final : public Linear {
 
   const char* name() const override { return reuse_ ? "reuse" : "direct"; }
   void begin_solve(bool) override {
-    for (Part& p : parts_) p.fresh = false;
+    for (Part& p : parts_) p.fresh = p.precise = false, p.solver.renew();
   }
 
   EnvMask solve(const LinearSystem& s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, const StepReports& report) override {
@@ -29,15 +29,14 @@ class Direct final : public Linear {
       linalg::BlockMatrix& A = of(s.A, e);
       const device::View<const Vec3> b = range(s.b, e);
       const device::View<Vec3> x = range(s.x, e);
-      if (reuse_ && part.fresh) {
-        const linalg::StaleResult cg = linalg::solve_with_stale_factor(A, part.solver, b, x, tuning::kStaleForcing, tuning::kStaleMost);
-        report[e].cg += cg.iterations;
-        if (cg.converged) {
-          part.fresh = cg.iterations <= tuning::kStaleMost / 2;
-          continue;
-        }
+      if (reuse_ && part.fresh && iterate(part, A, b, x, report[e])) continue;
+      if (!factor(e, A, curvature, envs, report, indefinite)) continue;
+      if (part.solver.precision() == linalg::Precision::rough) {
+        if (iterate(part, A, b, x, report[e])) continue;
+        part.precise = true;
+        if (!factor(e, A, curvature, envs, report, indefinite)) continue;
       }
-      if (factor(e, A, curvature, envs, report, indefinite)) part.solver.solve(b, x);
+      part.solver.solve(b, x);
     }
     return indefinite;
   }
@@ -47,7 +46,12 @@ class Direct final : public Linear {
   EnvMask prepare(const LinearSystem& s, const EnvMask& todo) override {
     EnvMask good(todo.size(), 0);
     for (Index e = 0; e < rows_.envs(); ++e)
-      if (todo[e]) good[e] = parts_[e].solver.factor(of(s.A, e)), parts_[e].fresh = parts_[e].fresh && good[e];
+      if (todo[e]) {
+        Part& part = parts_[e];
+        linalg::BlockMatrix& A = of(s.A, e);
+        good[e] = part.solver.factor(A, precision(part, A));
+        part.fresh = part.fresh && good[e];
+      }
     return good;
   }
   void apply(linalg::BlockMatrix&, device::View<const Vec3> in, device::View<Vec3> out, const EnvMask& todo) override {
@@ -66,19 +70,32 @@ class Direct final : public Linear {
     linalg::DirectSolver solver;
     linalg::SubMatrix own;  // of several environments
     bool fresh = false;     // the last factor belongs to this step and still pays
+    bool precise = false;   // single precision was too rough for this step's matrices
   };
   bool empty(Index e) const { return rows_.env[e] == rows_.env[e + 1]; }
+  // Where a factor is most of the work and only preconditions, it need not be precise.
+  linalg::Precision precision(const Part& part, const linalg::BlockMatrix& A) const {
+    return reuse_ && !part.precise && A.rows > tuning::kDirectBlocks ? linalg::Precision::rough : linalg::Precision::full;
+  }
+
+  // By conjugate gradients with the factor that there is; false where they do not get there soon.
+  bool iterate(Part& part, const linalg::BlockMatrix& A, device::View<const Vec3> b, device::View<Vec3> x, StepReport& report) {
+    const linalg::StaleResult cg = linalg::solve_with_stale_factor(A, part.solver, b, x, tuning::kStaleForcing, tuning::kStaleMost);
+    report.cg += cg.iterations;
+    part.fresh = cg.converged && cg.iterations <= tuning::kStaleMost / 2;
+    return cg.converged;
+  }
 
   // A factor of A, shifted if need be; none where A is indefinite and need not be, or the environment fails.
   bool factor(Index e, linalg::BlockMatrix& A, const CurvaturePolicy& curvature, EnvTable& envs, const StepReports& report, EnvMask& indefinite) {
     Part& part = parts_[e];
     double shift = tuning::kFirstShift;
-    part.fresh = part.solver.factor(A);
+    part.fresh = part.solver.factor(A, precision(part, A));
     while (!part.fresh && curvature.concavity(e) == 0 && shift <= tuning::kLargestShift) {
       shift_diagonal(A, shift, {0, A.rows}, {1});
       shift *= tuning::kShiftGrowth;
       ++report[e].regularised;
-      part.fresh = part.solver.factor(A);
+      part.fresh = part.solver.factor(A, precision(part, A));
     }
     if (part.fresh) return true;
     if (curvature.concavity(e) > 0)
