@@ -287,6 +287,8 @@ void Simulation::checkpoint(const std::vector<Archive*>& of) {
     PrefixedArchive part(archive, std::string(effect->name()));
     effect->checkpoint(part);
   }
+  PrefixedArchive part(archive, "solver");
+  newton_.checkpoint(part);
 }
 
 }  // namespace mortise::solver
