@@ -25,11 +25,15 @@ class Direct final : public Linear {
       if (std::exchange(part.loaded, false) || changed) part.solver.set_order(of_rows(e, part.order));
     }
   }
+  void end_step(const EnvMask& whose) override {
+    for (Index e = 0; e < rows_.envs(); ++e)
+      if (whose[e]) parts_[e].kept = parts_[e].order;
+  }
   void checkpoint(Archive& archive) override {
     std::vector<double> place(model_.blocks, -1.0), flops;  // among its environment's, of every block; -1: not in the order
     for (const Part& part : parts_) {
-      for (std::size_t k = 0; k < part.order.rows.size(); ++k) place[part.order.rows[k]] = static_cast<double>(k);
-      flops.push_back(part.order.flops);
+      for (std::size_t k = 0; k < part.kept.rows.size(); ++k) place[part.kept.rows[k]] = static_cast<double>(k);
+      flops.push_back(part.kept.flops);
     }
     archive.io("elimination", place, effects::in_values(model_.env_blocks));
     archive.io("elimination_flops", flops, effects::one_each(model_.envs));
@@ -39,9 +43,11 @@ class Direct final : public Linear {
       for (Index b = model_.env_blocks[e]; b < model_.env_blocks[e + 1]; ++b)
         if (place.at(b) >= 0) in_order.push_back({place[b], b});
       std::sort(in_order.begin(), in_order.end());
-      parts_[e].order = {{}, flops.at(e)};
-      for (const auto& [at, block] : in_order) parts_[e].order.rows.push_back(block);
-      parts_[e].loaded = true;
+      Part& part = parts_[e];
+      part.kept = {{}, flops.at(e)};
+      for (const auto& [at, block] : in_order) part.kept.rows.push_back(block);
+      part.order = part.kept;
+      part.loaded = true;
     }
   }
 
@@ -94,8 +100,8 @@ class Direct final : public Linear {
     linalg::SubMatrix own;  // of several environments
     bool fresh = false;     // the last factor belongs to this step and still pays
     bool precise = false;   // single precision was too rough for this step's matrices
-    // The solver's order, in blocks of the model, which outlive rows.
-    linalg::DirectSolver::Order order;
+    // The solver's order, in blocks of the model, which outlive rows; and what it was when the last step ended.
+    linalg::DirectSolver::Order order, kept;
     long long orderings = 0;
     bool loaded = false;  // it has not come to the solver yet
   };

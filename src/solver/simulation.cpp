@@ -255,6 +255,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
   }
 
   newton_.hold(takes);
+  newton_.end_step(takes);
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   for (Index e = 0; e < model_.envs; ++e) {
     if (!takes[e] || !lost_[e].empty()) continue;
