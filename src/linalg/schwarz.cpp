@@ -52,24 +52,31 @@ MORTISE_HD inline Mat6 placed(const Mat6& term, bool diagonal, Index row, Index 
   return term;
 }
 
-// Keys of the blocks of the next level, for the blocks (row, col) of this one; `first` is the next level's first item.
+// Keys of the blocks of the next level, for the blocks (row, col) of this one; `first` is the next level's first item. Where nearly all items of a
+// level meet, as they do from the second on, there is room for the pairs of all, and nobody waits for their number: those that are not there have row
+// -1.
 void group_by_parent(View<const Index> row, View<const Index> col, View<const Index> parent, CoarseMatrix& out) {
   Buffer<std::uint64_t> keys(row.n);
   const View<std::uint64_t> key = keys.view();
   const Index first = out.first, items = out.items;
   const std::uint64_t limit = block_key(items, 0, items);
   device::parallel_for("schwarz.keys", row.n, [=] MORTISE_HD(Index k) {
-    const Index i = parent[row[k]] - first, j = parent[col[k]] - first;
+    const Index i = row[k] < 0 ? -1 : parent[row[k]] - first, j = row[k] < 0 ? -1 : parent[col[k]] - first;
     key[k] = i < 0 || j < 0 ? limit : i <= j ? block_key(i, j, items) : block_key(j, i, items);
   });
-  group(std::move(keys), limit, out.terms);
+  const std::uint64_t pairs = limit + static_cast<std::uint64_t>(items);  // twice as many as there can be
+  if (pairs / 2 <= static_cast<std::uint64_t>(row.n))
+    group_within(std::move(keys), limit, static_cast<Index>(pairs / 2), out.terms);
+  else
+    group(std::move(keys), limit, out.terms);
   const Index n = out.terms.groups;
   out.row.resize(n), out.col.resize(n), out.value.resize(n);
   const View<const std::uint64_t> found = out.terms.key.view();
   const View<Index> r = out.row.view(), c = out.col.view();
   device::parallel_for("schwarz.keys", n, [=] MORTISE_HD(Index k) {
-    r[k] = first + static_cast<Index>(found[k] / static_cast<std::uint64_t>(items));
-    c[k] = first + static_cast<Index>(found[k] % static_cast<std::uint64_t>(items));
+    const bool there = found[k] < limit;
+    r[k] = there ? first + static_cast<Index>(found[k] / static_cast<std::uint64_t>(items)) : -1;
+    c[k] = there ? first + static_cast<Index>(found[k] % static_cast<std::uint64_t>(items)) : -1;
   });
 }
 
@@ -97,6 +104,7 @@ void fill_coarse(const CoarseMatrix& A, View<const Index> slot, DomainMatrices& 
   const View<const Mat6> value = A.value.view();
   const View<Mat3> lower = domains.lower.view();
   device::parallel_for("schwarz.fill", row.n, [=] MORTISE_HD(Index k) {
+    if (row[k] < 0) return;
     const Index si = slot[row[k]], sj = slot[col[k]], d = si / kSlots;
     if (d != sj / kSlots) return;
     const Index a = si % kSlots, b = sj % kSlots, at = d * kPacked;

@@ -2,7 +2,8 @@
 // A slave triangle with the master triangles near it.
 #include <cmath>
 
-#include "effects/mortar_contact/sheet.h"
+#include "effects/mortar_contact/clip.h"
+#include "effects/mortar_contact/view.h"
 
 namespace mortise::effects::mortar {
 
@@ -12,7 +13,6 @@ struct Patch {
   Vec3 y[3];    // its corners
   SlavePlane plane;
   double bend[3];         // against the neighbours over its sides (consistent.h)
-  Sheet face;             // where the scene has quadratic faces
   double support, reach;  // samples with a gap below `reach` are wanted
   const Index* master;    // triangles
   Index masters;

@@ -14,37 +14,28 @@
 
 namespace mortise::effects::mortar {
 
-// Master i of a patch, seen from its slave triangle. Calls take(kind, weight, gap, N, M) for every sample.
+// Master i of a patch, seen from its slave triangle. Calls emit(kind, weight, gap, N, M) for every place where there may be a sample: what other
+// masters hide, and how curved faces lie, is for the judge to say (freeze.cpp).
 template <class Weights, class Emit>
 struct Sampler {
   const MortarView& s;
   const Patch& p;
-  const Index i;
-  const View<const Vec3> y;
   const Weights& weights;
   Emit& emit;
   const Index master;
   const Vec3 n;
   const Facing f;
   const double reach;  // of its quarters
-  Sheet face{};
-  bool bent = false;
-  int layers = -1;  // do others lie in between? Looked up when a sample first asks
 
-  MORTISE_HD Sampler(const MortarView& view, const Patch& patch, Index which, View<const Vec3> positions, const Weights& how, Emit& to)
+  MORTISE_HD Sampler(const MortarView& view, const Patch& patch, Index i, View<const Vec3> y, const Weights& how, Emit& to)
       : s(view),
         p(patch),
-        i(which),
-        y(positions),
         weights(how),
         emit(to),
-        master(patch.master[which]),
+        master(patch.master[i]),
         n(patch.plane.n),
-        f(project(view, patch.plane, master, positions)),
-        reach(patch.reach + view.bow_of(patch.slave) + view.bow_of(master)) {
-    if (s.quarter.n > 0) face = sheet_of(s, p.plane, master, y);
-    bent = p.face.on.quarter >= 0 || face.on.quarter >= 0;
-  }
+        f(project(view, patch.plane, master, y)),
+        reach(patch.reach + view.bow_of(patch.slave) + view.bow_of(master)) {}
 
   // May any of the master be within reach?
   MORTISE_HD bool within() const {
@@ -53,37 +44,26 @@ struct Sampler {
     return lowest < reach && highest > 0;
   }
 
-  MORTISE_HD void offer(SampleKind kind, double weight, double N[3], double M[3]) {
-    double gap = height(f, M);  // of the quarters, which cannot meet
-    if (!(gap > 0 && gap < reach)) return;
-    if (layers < 0) layers = any_layer(s, p, i, f, y);
-    if (layers) weight *= visible(s, p, i, y, N, gap);
-    if (!(weight > 0)) return;
-    if (bent) {
-      // Faces are sampled at points of the slave, ridges and tips at their own.
-      const bool of_slave = kind == SampleKind::face;
-      const Vec3 fixed = of_slave ? p.face.at(N) : face.at(M);
-      const Vec3 found = of_slave ? slide(face, fixed, M) : slide(p.face, fixed, N);
-      gap = std::fmax(of_slave ? found[2] - fixed[2] : fixed[2] - found[2], tuning::kLeastGap * p.support);
-    }
-    if (gap < p.reach) emit(kind, weight, gap, N, M);
+  MORTISE_HD void offer(SampleKind kind, double weight, const double N[3], const double M[3]) const {
+    const double gap = height(f, M);  // of the quarters, which cannot meet
+    if (gap > 0 && gap < reach && weight > 0) emit(kind, weight, gap, N, M);
   }
 
-  MORTISE_HD void faces() {
+  // Of overlaps at once, where weights and quadrature allow it, or triangle by triangle.
+  MORTISE_HD void whole_faces() const {
     const double fade = weights.facing(n, s.normal[master]);
-    if (!(fade > 0)) return;
-    const Polygon poly = clip(f.L);
-    if (Weights::kWhole && s.set.quadrature == kMoments)
-      whole_face(fade, poly);
-    else
-      fan_of_face(fade, poly);
+    if (fade > 0) whole_face(fade, clip(f.L));
+  }
+  MORTISE_HD void fans() const {
+    const double fade = weights.facing(n, s.normal[master]);
+    if (fade > 0) fan_of_face(fade, clip(f.L));
   }
 
   // The overlap at once, from its moments.
-  MORTISE_HD void whole_face(double fade, const Polygon& poly) {
-    const double cut = bent ? 0 : hermite((-n.dot(s.normal[master]) - tuning::kCutNone) / tuning::kCutFade);
+  MORTISE_HD void whole_face(double fade, const Polygon& poly) const {
+    const double cut = s.bent(p.slave) || s.bent(master) ? 0 : hermite((-n.dot(s.normal[master]) - tuning::kCutNone) / tuning::kCutFade);
     const double area = s.set.pass_weight * fade * p.plane.area;
-    const auto at = [&](Corner c, double w) { offer(SampleKind::face, area * w, c.N, c.M); };
+    const auto at = [&](const Corner& c, double w) { offer(SampleKind::face, area * w, c.N, c.M); };
     if (cut > 0)
       integrate_levels(
           p, poly, [&](const Corner& c) { return height(f, c.M); }, [&](const Corner& c, double w) { at(c, cut * w); });
@@ -92,7 +72,7 @@ struct Sampler {
   }
 
   // The overlap triangle by triangle.
-  MORTISE_HD void fan_of_face(double fade, const Polygon& poly) {
+  MORTISE_HD void fan_of_face(double fade, const Polygon& poly) const {
     for (int k = 1; k + 1 < poly.n; ++k) {
       const double w = fade * p.plane.area * fan_area(poly, k);
       if (!(w > 0)) continue;
@@ -111,7 +91,7 @@ struct Sampler {
     }
   }
 
-  MORTISE_HD void edges() {
+  MORTISE_HD void edges() const {
     for (int k = 0; k < 3; ++k) {
       const int l = k < 2 ? k + 1 : 0;
       const Index edge = s.topology.triangle_edge[3 * master + k];
@@ -128,7 +108,7 @@ struct Sampler {
   }
 
   // From t0 to t1 of the edge between corners k and l, whose weight is w.
-  MORTISE_HD void edge_part(int k, int l, double w, double t0, double t1) {
+  MORTISE_HD void edge_part(int k, int l, double w, double t0, double t1) const {
     if (!(t1 > t0)) return;
     const auto at = [&](double along, double weight) {
       const double t = t0 + along * (t1 - t0), factor = weights.on_edge(t);
@@ -142,7 +122,7 @@ struct Sampler {
     integrate_segment(s, f.height[k] + t0 * rise, f.height[k] + t1 * rise, p, at);
   }
 
-  MORTISE_HD void points() {
+  MORTISE_HD void points() const {
     for (int k = 0; k < 3; ++k) {
       const Index v = s.surface.triangles[master].v[k];
       const Index begin = s.topology.point_offset[v], end = s.topology.point_offset[v + 1];
@@ -157,16 +137,6 @@ struct Sampler {
     }
   }
 };
-
-// Every sample on master i of the patch.
-template <class Weights, class Emit>
-MORTISE_HD inline void sample_master(const MortarView& s, const Patch& p, Index i, View<const Vec3> y, const Weights& weights, Emit& emit) {
-  Sampler sampler(s, p, i, y, weights, emit);
-  if (!sampler.within()) return;
-  sampler.faces();
-  sampler.edges();
-  sampler.points();
-}
 
 // Against a half-space: g = n_p . (x_s - p), exact for every point of the slave; w = slave area projected onto the plane.
 template <class Emit>
