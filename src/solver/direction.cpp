@@ -66,6 +66,7 @@ void Direction::begin(const device::Buffer<Vec3>& q, const Residual& r, const st
     carry(at, envs, fetch);
     largest(std::as_const(dq_).view(), system_.model.env_blocks, {longest_, fetch});
     system_.convergence.see_step(std::as_const(dq_).view(), r, measured_, fetch);
+    clear_not_finite(dq_);  // the host hears of it after others have asked how far it may lead
   };
   solve(q, wanted, plain, false, at, envs, report, fetch);
   bool measured = false;
