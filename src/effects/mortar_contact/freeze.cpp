@@ -15,12 +15,8 @@
 namespace mortise::effects::mortar {
 namespace {
 
-inline constexpr Index kParts = 3;  // of the offers of a candidate: of faces or a half-space, of edges, of vertices
-
-struct Count {
-  Index n = 0;
-  MORTISE_HD void operator()(SampleKind, double, double, const double*, const double*) { ++n; }
-};
+// Pieces of the offers of a candidate, a thread each: of its face or of a half-space, of edges, of vertices.
+inline constexpr Index kFacePieces = 3, kPlanePieces = 2, kPieces = kFacePieces + 3 + 3;
 
 // From place `at` on, as long as there is room; Sample::pair is the candidate.
 struct Write {
@@ -29,6 +25,23 @@ struct Write {
   MORTISE_HD void operator()(SampleKind kind, double weight, double gap, const double* N, const double* M) {
     if (at < out.n) out[at] = {kind, candidate, weight, gap, {N[0], N[1], N[2]}, {M[0], M[1], M[2]}};
     ++at;
+  }
+};
+
+// Where the offers of every piece go. Counting is writing without room: a kernel that does both is no larger than one of them.
+struct Offers {
+  View<Index> count;        // is told how many each has, or, where it is empty,
+  View<const Index> first;  // begin here
+  View<Sample> out;
+
+  // show(write) offers all of piece `at`, of candidate c.
+  template <class Show>
+  MORTISE_HD void take(Index at, Index c, const Show& show) const {
+    const bool counts = count.n > 0;
+    if (!counts && first[at + 1] == first[at]) return;
+    Write write{out, counts ? 0 : first[at], c};
+    show(write);
+    if (counts) count[at] = write.at;
   }
 };
 
@@ -65,84 +78,58 @@ struct Stage {
 
 // Which offers of a candidate.
 struct WholeFaces {
-  static constexpr Index kPart = 0;
+  static constexpr Index kFirst = 0, kCount = kFacePieces;
   template <class Sampler>
-  MORTISE_HD static void show(const Sampler& sampler) {
-    sampler.whole_faces();
+  MORTISE_HD static void show(const Sampler& sampler, int piece) {
+    sampler.whole_face(piece);
   }
 };
 struct Fans {
-  static constexpr Index kPart = 0;
+  static constexpr Index kFirst = 0, kCount = 1;
   template <class Sampler>
-  MORTISE_HD static void show(const Sampler& sampler) {
+  MORTISE_HD static void show(const Sampler& sampler, int) {
     sampler.fans();
   }
 };
 struct Edges {
-  static constexpr Index kPart = 1;
+  static constexpr Index kFirst = kFacePieces, kCount = 3;
   template <class Sampler>
-  MORTISE_HD static void show(const Sampler& sampler) {
-    sampler.edges();
+  MORTISE_HD static void show(const Sampler& sampler, int piece) {
+    sampler.edge(piece);
   }
 };
 struct Points {
-  static constexpr Index kPart = 2;
+  static constexpr Index kFirst = kFacePieces + 3, kCount = 3;
   template <class Sampler>
-  MORTISE_HD static void show(const Sampler& sampler) {
-    sampler.points();
+  MORTISE_HD static void show(const Sampler& sampler, int piece) {
+    sampler.point(piece);
   }
 };
 
 template <class Part, class Weights, class Emit>
-MORTISE_HD inline void show(const Stage& stage, Index c, const Weights& weights, Emit& emit) {
+MORTISE_HD inline void show(const Stage& stage, Index c, int piece, const Weights& weights, Emit& emit) {
   const Patch p = stage.patch(c);
   const Sampler sampler(stage.s, p, stage.place(c), stage.y, weights, emit);
-  if (sampler.within()) Part::show(sampler);
+  if (sampler.within()) Part::show(sampler, piece);
 }
 
 template <class Part, class Weights>
-void count_offers(const Stage& stage, const Weights weights, View<Index> counts) {
+void offer(const Stage& stage, const Weights weights, const Offers& to) {
   const Stage s = stage;
-  device::parallel_for("mortar_contact.count_offers", s.master.n, [=] MORTISE_HD(Index c) {
-    Count count;
-    if (s.master[c] >= 0) show<Part>(s, c, weights, count);
-    counts[kParts * c + Part::kPart] = count.n;
+  const Offers offers = to;
+  device::parallel_for("mortar_contact.offers", Part::kCount * s.master.n, [=] MORTISE_HD(Index i) {
+    const Index c = i / Part::kCount, piece = i % Part::kCount;
+    if (s.master[c] >= 0) offers.take(kPieces * c + Part::kFirst + piece, c, [&](Write& write) { show<Part>(s, c, piece, weights, write); });
   });
 }
 
-template <class Part, class Weights>
-void write_offers(const Stage& stage, const Weights weights, View<const Index> first, View<Sample> offers) {
+void offer_planes(const Stage& stage, const Offers& to) {
   const Stage s = stage;
-  device::parallel_for("mortar_contact.offers", s.master.n, [=] MORTISE_HD(Index c) {
-    const Index at = kParts * c + Part::kPart;
-    if (first[at + 1] == first[at] || s.master[c] < 0) return;
-    Write write{offers, first[at], c};
-    show<Part>(s, c, weights, write);
-  });
-}
-
-template <class Emit>
-MORTISE_HD inline void show_plane(const Stage& stage, Index c, Emit& emit) {
-  const Patch p = stage.patch(c);
-  sample_plane(stage.s, p, stage.s.planes[-1 - stage.master[c]], stage.y, emit);
-}
-
-void count_planes(const Stage& stage, View<Index> counts) {
-  const Stage s = stage;
-  device::parallel_for("mortar_contact.count_offers", s.s.planes.n > 0 ? s.master.n : 0, [=] MORTISE_HD(Index c) {
-    if (s.master[c] >= 0) return;
-    Count count;
-    show_plane(s, c, count);
-    counts[kParts * c] = count.n;
-  });
-}
-
-void write_planes(const Stage& stage, View<const Index> first, View<Sample> offers) {
-  const Stage s = stage;
-  device::parallel_for("mortar_contact.offers", s.s.planes.n > 0 ? s.master.n : 0, [=] MORTISE_HD(Index c) {
-    if (s.master[c] >= 0 || first[kParts * c + 1] == first[kParts * c]) return;
-    Write write{offers, first[kParts * c], c};
-    show_plane(s, c, write);
+  const Offers offers = to;
+  device::parallel_for("mortar_contact.offers", s.s.planes.n > 0 ? kPlanePieces * s.master.n : 0, [=] MORTISE_HD(Index i) {
+    const Index c = i / kPlanePieces, piece = i % kPlanePieces;
+    if (s.master[c] < 0)
+      offers.take(kPieces * c + piece, c, [&](Write& write) { sample_plane(s.s, s.patch(c), s.s.planes[-1 - s.master[c]], piece, s.y, write); });
   });
 }
 
@@ -176,7 +163,7 @@ void find_layers(const Stage& stage, View<const Index> first, View<std::uint8_t>
   const Stage s = stage;
   device::parallel_for("mortar_contact.layers", s.master.n, [=] MORTISE_HD(Index c) {
     layered[c] = 0;
-    if (s.master[c] < 0 || first[kParts * (c + 1)] == first[kParts * c]) return;
+    if (s.master[c] < 0 || first[kPieces * (c + 1)] == first[kPieces * c]) return;
     const Patch p = s.patch(c);
     layered[c] = any_layer(s.s, p, s.place(c), project(s.s, p.plane, s.master[c], s.y), s.y) ? 1 : 0;
   });
@@ -259,7 +246,7 @@ void pick(View<const Index> offset, View<const Index> first, Of of, device::Fetc
 struct Kept {
   View<const Index> first, at;
   MORTISE_HD Index begin(Index c) const {
-    const Index o = first[kParts * c];
+    const Index o = first[kPieces * c];
     return at[o < at.n - 1 ? o : at.n - 1];
   }
   MORTISE_HD Index operator()(Index c) const { return begin(c); }
@@ -274,18 +261,21 @@ template <class Weights>
 bool try_freeze(const Stage& stage, const std::vector<Index>& slave_env, const Weights weights, device::Room& rooms, FrozenSamples& out) {
   const Stage s = stage;
   const Index n = s.master.n, room = rooms.among(n);
-  Buffer<Index> offer_offset(kParts * n + 1), kept_offset(room + 1), pair_offset(n + 1);
+  Buffer<Index> offer_offset(kPieces * n + 1), kept_offset(room + 1), pair_offset(n + 1);
   Buffer<std::uint8_t> layered(n);
   Buffer<Sample> offer_buffer(room);
   const View<Index> counts = offer_offset.view(), keep = kept_offset.view(), pairs = pair_offset.view();
   const View<const Index> first = std::as_const(offer_offset).view(), kept = std::as_const(kept_offset).view();
   const View<Sample> offers = offer_buffer.view();
-  each_part<Weights>(s.s.set, [&](auto part) { count_offers<decltype(part)>(s, weights, counts); });
-  count_planes(s, counts);
+  const auto offer_all = [&](const Offers& to) {
+    each_part<Weights>(s.s.set, [&](auto part) { offer<decltype(part)>(s, weights, to); });
+    offer_planes(s, to);
+  };
+  offer_offset.zero();  // not all have every piece
+  offer_all({counts, {}, {}});
   device::scan(offer_offset);
-  const View<const Index> count{first.p + kParts * n, 1};
-  each_part<Weights>(s.s.set, [&](auto part) { write_offers<decltype(part)>(s, weights, first, offers); });
-  write_planes(s, first, offers);
+  const View<const Index> count{first.p + kPieces * n, 1};
+  offer_all({{}, first, offers});
   find_layers(s, first, layered.view());
   judge(s, std::as_const(layered).view(), count, offers, keep);
   slide_offers(s, count, offers, keep);

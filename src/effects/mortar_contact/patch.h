@@ -23,7 +23,7 @@ MORTISE_HD inline double rim_distance(const Vec3 y[3], const double w[3]) {
   Vec3 x = Vec3::Zero();
   for (int k = 0; k < 3; ++k) x += w[k] * y[k];
   double least = INFINITY;
-  for (int k = 0; k < 3; ++k) {
+  MORTISE_ROLLED for (int k = 0; k < 3; ++k) {
     const Vec3 &a = y[k], e = y[(k + 1) % 3] - a;
     const double t = std::fmin(std::fmax((x - a).dot(e) / e.squaredNorm(), 0.0), 1.0);
     least = std::fmin(least, (x - a - t * e).squaredNorm());
