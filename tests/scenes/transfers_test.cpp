@@ -66,8 +66,8 @@ TEST(Transfers, PerIterationDoNotGrowWithTheMesh) {
   EXPECT_LT(fine.per_iteration(fine.transfers.bytes_to_host), 0.1 * field);
 }
 
-// Six of them in an iteration (benchmarks/gpu), the others at the beginnings and ends of steps, of which there is one per four iterations here, for
-// halved steps and where a guess was wrong.
+// Six of them in an iteration (benchmarks/gpu; 12.8 and 14.2 were counted), the others at the beginnings and ends of steps, of which there is one per
+// four iterations here, for halved steps and where a guess was wrong.
 TEST(Transfers, AreFewPerIteration) {
   for (double edge : {2.0, 1.0}) {
     const Cost c = cost(edge, false);

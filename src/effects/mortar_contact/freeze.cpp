@@ -2,8 +2,7 @@
 //
 //   slaves   planes of the slaves, and how they are bent against their neighbours;
 //   offers   where a master may have samples on a slave, and what they weigh (sampling.h): of faces, of edges, of vertices and of half-spaces by a
-//   kernel
-//            each, which counts first;
+//            kernel each, first counted, then written;
 //   judge    what other masters hide of every offer, where the curved faces above it are, and whether it lies within reach: then it is a sample.
 //
 // The host waits once, for the number of samples. Offers have room for as many as there were last, and some more (device/room.h).
