@@ -12,7 +12,7 @@ class Room {
   // through too, and a second try costs as much as the first. Contact grows by less from one iterate to the next, as a rule; few are cheap.
   Index among(Index n) const {
     const auto share = static_cast<Index>(known() ? static_cast<double>(last_) / among_ * n : 0.0);
-    return share + share / 8 + 64;
+    return share + share / 8 + 16;
   }
   // So many there were among n.
   void found(Index there, Index n) { last_ = there, among_ = n; }

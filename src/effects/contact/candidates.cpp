@@ -39,11 +39,6 @@ void keep_path(const device::Ranges& whose, View<const Vec3> y, View<const Vec3>
 Candidates::Candidates(geometry::Broadphase& broadphase, double reach, std::vector<Index> point_env)
     : broadphase_(broadphase), reach_(reach), point_env_(std::move(point_env)), held_(point_env_.size() - 1, 0) {}
 
-void Candidates::rebuild(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>* dy, const std::vector<std::uint8_t>& whose) {
-  broadphase_.update(y.view(), dy ? dy->view() : View<const Vec3>{}, radius(), whose);
-  hold(y, dy, whose);
-}
-
 double Candidates::radius() const { return reach_ * (1 + tuning::kMargin); }
 
 // What the broad phase has found on the way.
@@ -55,8 +50,10 @@ void Candidates::hold(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>*
     if (whose.empty() || whose[e]) held_[e] = 1;
 }
 
-void Candidates::sweep(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy, const std::vector<std::uint8_t>& whose) {
-  rebuild(y, &dy, whose);
+void Candidates::sweep(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy, const std::vector<std::uint8_t>& whose,
+                       const geometry::Broadphase::Guess* refused) {
+  broadphase_.update(y.view(), dy.view(), radius(), whose, refused);
+  hold(y, &dy, whose);
   asked_ = whose;
 }
 
@@ -96,7 +93,10 @@ bool Candidates::settle(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>
     lost[e] = !held_[e] || 2 * off_[e] > tuning::kMargin * reach_;  // two points of a pair may each be off by half of the margin
     any = any || lost[e];
   }
-  if (any) rebuild(y, nullptr, lost);
+  if (any) {
+    broadphase_.update(y.view(), {}, radius(), lost);
+    hold(y, nullptr, lost);
+  }
   return any;
 }
 

@@ -13,7 +13,9 @@ class Candidates {
   Candidates(geometry::Broadphase& broadphase, double reach, std::vector<Index> point_env);
 
   // All pairs within reach on the way from y to y + dy, of the environments of `whose` (of all where it is empty).
-  void sweep(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy, const std::vector<std::uint8_t>& whose = {});
+  // refused: the guess of this question that take() has refused.
+  void sweep(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy, const std::vector<std::uint8_t>& whose = {},
+             const geometry::Broadphase::Guess* refused = nullptr);
   // The same without waiting, on the guess that the broad phase has them (Broadphase::guess): once `fetch` is done take() says whether it had, and
   // then they are held; else sweep() has to be asked. None where it cannot be guessed.
   std::unique_ptr<geometry::Broadphase::Guess> guess(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy,
@@ -41,7 +43,6 @@ class Candidates {
   std::size_t bytes() const { return pairs_.point_triangles.bytes() + pairs_.edge_edges.bytes() + y0_.bytes() + dy_.bytes(); }
 
  private:
-  void rebuild(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>* dy, const std::vector<std::uint8_t>& whose);
   void hold(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>* dy, const std::vector<std::uint8_t>& whose);
   double radius() const;
 

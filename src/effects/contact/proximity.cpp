@@ -122,7 +122,7 @@ std::shared_ptr<const Buffer<Vec3>> Proximity::limit(const Buffer<Vec3>& from, V
   alpha.fetch.then([this, guess, way, dy, all, &from, whose = model_.at_work, info = step_, &value = alpha.value] {
     geometry::ChosenPairs pairs = guess ? guess->pairs : geometry::ChosenPairs{};
     if (!guess || !candidates_.take(*guess, from, *dy, whose)) {
-      candidates_.sweep(from, *dy, whose);
+      candidates_.sweep(from, *dy, whose, guess.get());
       pairs = candidates_.broadphase().pairs();
       device::Fetch again;
       way->look(all, pairs, from.view(), std::as_const(*dy).view(), prescribed_, again);

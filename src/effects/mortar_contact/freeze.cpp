@@ -1,6 +1,7 @@
 // Freezing goes in stages, so that no kernel has to hold all of it:
 //
 //   slaves   planes of the slaves, and how they are bent against their neighbours;
+//   near     which masters come within reach at all: most candidates end here;
 //   offers   where a master may have samples on a slave, and what they weigh (sampling.h): of faces, of edges, of vertices and of half-spaces by a
 //            kernel each, first counted, then written;
 //   judge    what other masters hide of every offer, where the curved faces above it are, and whether it lies within reach: then it is a sample.
@@ -57,6 +58,7 @@ struct Stage {
   View<const Index> offset, slave, master;
   View<const double> margin;
   View<const Slave> slaves;
+  View<const std::uint8_t> near;
 
   MORTISE_HD Index place(Index c) const { return c - offset[slave[c]]; }  // among the slave's masters
   MORTISE_HD double reach(Index i) const { return s.support[i] + margin[s.surface.env[s.surface.triangles[s.slaves[i]].v[0]]]; }
@@ -108,8 +110,7 @@ struct Points {
 template <class Part, class Weights, class Emit>
 MORTISE_HD inline void show(const Stage& stage, Index c, int piece, const Weights& weights, Emit& emit) {
   const Patch p = stage.patch(c);
-  const Sampler sampler(stage.s, p, stage.place(c), stage.y, weights, emit);
-  if (sampler.within()) Part::show(sampler, piece);
+  Part::show(Sampler(stage.s, p, stage.place(c), stage.y, weights, emit), piece);
 }
 
 template <class Part, class Weights>
@@ -118,7 +119,8 @@ void offer(const Stage& stage, const Weights weights, const Offers& to) {
   const Offers offers = to;
   device::parallel_for("mortar_contact.offers", Part::kCount * s.master.n, [=] MORTISE_HD(Index i) {
     const Index c = i / Part::kCount, piece = i % Part::kCount;
-    if (s.master[c] >= 0) offers.take(kPieces * c + Part::kFirst + piece, c, [&](Write& write) { show<Part>(s, c, piece, weights, write); });
+    if (s.master[c] >= 0 && s.near[c])
+      offers.take(kPieces * c + Part::kFirst + piece, c, [&](Write& write) { show<Part>(s, c, piece, weights, write); });
   });
 }
 
@@ -155,6 +157,12 @@ void find_slaves(const Stage& stage, const device::Ranges& whose, View<Slave> sl
     for (Index c = t.offset[i]; c < t.offset[i + 1] && t.master[c] >= 0; ++c) ++slave.masters;
     slaves[i] = slave;
   });
+}
+
+void find_near(const Stage& stage, View<std::uint8_t> near) {
+  const Stage s = stage;
+  device::parallel_for("mortar_contact.near", s.master.n,
+                       [=] MORTISE_HD(Index c) { near[c] = s.master[c] < 0 || within(s.s, s.patch(c), s.place(c), s.y) ? 1 : 0; });
 }
 
 // Candidates of which others may hide a part: only then it is worth looking at every place.
@@ -319,8 +327,11 @@ void freeze(const MortarView& view, Search& search, const Buffer<double>& margin
   const View<const Vec3> y = std::as_const(out.y).view();
   search.update(view, y, margin);
   Buffer<Slave> slaves(view.slaves.n);
-  const Stage stage{view, y, search.offset(), search.slave(), search.master(), margin.view(), std::as_const(slaves).view()};
+  Buffer<std::uint8_t> near(search.master().n);
+  const Stage stage{
+      view, y, search.offset(), search.slave(), search.master(), margin.view(), std::as_const(slaves).view(), std::as_const(near).view()};
   find_slaves(stage, search.slaves(), slaves.view());
+  find_near(stage, near.view());
   weighted(view.set, [&](const auto& weights) {
     while (!try_freeze(stage, search.slave_env(), weights, room, out)) {
     }

@@ -14,6 +14,19 @@
 
 namespace mortise::effects::mortar {
 
+// Quarters of curved faces see as far as the faces themselves may stand off them.
+MORTISE_HD inline double reach_of_quarters(const MortarView& s, const Patch& p, Index master) {
+  return p.reach + s.bow_of(p.slave) + s.bow_of(master);
+}
+
+// May any of master i be within reach?
+MORTISE_HD inline bool within(const MortarView& s, const Patch& p, Index i, View<const Vec3> y) {
+  const Facing f = project(s, p.plane, p.master[i], y);
+  const double lowest = std::fmin(f.height[0], std::fmin(f.height[1], f.height[2]));
+  const double highest = std::fmax(f.height[0], std::fmax(f.height[1], f.height[2]));
+  return lowest < reach_of_quarters(s, p, p.master[i]) && highest > 0;
+}
+
 // Master i of a patch, seen from its slave triangle. Calls emit(kind, weight, gap, N, M) for every place where there may be a sample: what other
 // masters hide, and how curved faces lie, is for the judge to say (freeze.cpp).
 template <class Weights, class Emit>
@@ -25,7 +38,7 @@ struct Sampler {
   const Index master;
   const Vec3 n;
   const Facing f;
-  const double reach;  // of its quarters
+  const double reach;
 
   MORTISE_HD Sampler(const MortarView& view, const Patch& patch, Index i, View<const Vec3> y, const Weights& how, Emit& to)
       : s(view),
@@ -35,14 +48,7 @@ struct Sampler {
         master(patch.master[i]),
         n(patch.plane.n),
         f(project(view, patch.plane, master, y)),
-        reach(patch.reach + view.bow_of(patch.slave) + view.bow_of(master)) {}
-
-  // May any of the master be within reach?
-  MORTISE_HD bool within() const {
-    const double lowest = std::fmin(f.height[0], std::fmin(f.height[1], f.height[2]));
-    const double highest = std::fmax(f.height[0], std::fmax(f.height[1], f.height[2]));
-    return lowest < reach && highest > 0;
-  }
+        reach(reach_of_quarters(view, patch, master)) {}
 
   MORTISE_HD void offer(SampleKind kind, double weight, const double N[3], const double M[3]) const {
     const double gap = height(f, M);  // of the quarters, which cannot meet

@@ -20,10 +20,14 @@ class Broadphase {
   explicit Broadphase(const Surface& surface);
 
   // y, dy [m]: one per point of the surface; dy may be empty (bodies at rest). radius >= 0 [m]. Pairs of the environments of `whose` only, or of all
-  // where it is empty. Throws Error(Exit::device) when there are more pairs than can be counted.
-  void update(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, const std::vector<std::uint8_t>& whose = {});
-  // The same answer, picked from what is kept without waiting, on the guess that it serves; none where nothing is kept. Whether it did take() says
-  // once `fetch` is done: true, and the answer is here, or false, and update() has to be asked. y and dy must stay until then.
+  // where it is empty. refused: the guess of this question that take() has refused. Throws Error(Exit::device) when there are more pairs than can be
+  // counted.
+  struct Guess;
+  void update(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, const std::vector<std::uint8_t>& whose = {},
+              const Guess* refused = nullptr);
+  // The same answer, picked from what is kept without waiting, on the guess that it serves; none where nothing is kept, or what was did not serve the
+  // last question. Whether it did take() says once `fetch` is done: true, and the answer is here, or false, and update() has to be asked. y and dy
+  // must stay until then.
   struct Guess {
     ChosenPairs pairs;  // of what is kept: where the guess is right they are the answer
 
@@ -61,6 +65,7 @@ class Broadphase {
   // Largest |y - from| + |dy| of the environments of `whose`, without `from` |dy|.
   void farthest(device::View<const Vec3> from, device::View<const Vec3> y, device::View<const Vec3> dy, const Mask& whose,
                 device::EnvValues out) const;
+  std::unique_ptr<Guess> look(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, const Mask& whose, device::Fetch& fetch) const;
   bool serves(double radius, double off, Index env) const { return radius + 2 * off <= kept_radius_[env]; }
   void search(device::View<const Vec3> y, const std::vector<double>& radius, const Mask& whose);
   double most_surplus(device::View<const Vec3> y);
@@ -74,7 +79,8 @@ class Broadphase {
   std::vector<double> kept_radius_;  // of kept_ in every environment [m]; negative: none
   double most_surplus_ = -1;         // [m]; negative: not known yet
   Index searches_ = 0;
-  Index list_ = 0;  // number of what is kept
+  Index list_ = 0;      // number of what is kept
+  bool served_ = true;  // did it serve the last question?
 };
 
 }  // namespace mortise::geometry
