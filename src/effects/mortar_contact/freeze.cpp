@@ -1,7 +1,7 @@
 // Freezing goes in stages, so that no kernel has to hold all of it:
 //
-//   slaves   planes of the slaves, and how they are bent against their neighbours;
-//   near     which masters come within reach at all: most candidates end here;
+//   patches  planes of the slaves, and how they are bent against their neighbours;
+//   facing   where their masters are over them, and which come within reach at all: most candidates end here;
 //   offers   where a master may have samples on a slave, and what they weigh (sampling.h): of faces, of edges, of vertices and of half-spaces by a
 //            kernel each, first counted, then written;
 //   judge    what other masters hide of every offer, where the curved faces above it are, and whether it lies within reach: then it is a sample.
@@ -45,36 +45,17 @@ struct Offers {
   }
 };
 
-struct Slave {
-  SlavePlane plane;
-  double bend[3];
-  Index masters;  // triangles among its candidates
-};
-
 // What all stages read. Candidate c is master[c] on slave[c]; those of slave i are [offset[i], offset[i + 1]), triangles first.
 struct Stage {
   MortarView s;
   View<const Vec3> y;
   View<const Index> offset, slave, master;
   View<const double> margin;
-  View<const Slave> slaves;
+  View<const Patch> patches;
   View<const std::uint8_t> near;
 
   MORTISE_HD Index place(Index c) const { return c - offset[slave[c]]; }  // among the slave's masters
-  MORTISE_HD double reach(Index i) const { return s.support[i] + margin[s.surface.env[s.surface.triangles[s.slaves[i]].v[0]]]; }
-  MORTISE_HD Patch patch(Index c) const {
-    const Index i = slave[c];
-    Patch p;
-    p.slave = s.slaves[i];
-    const Triangle t = s.surface.triangles[p.slave];
-    for (int k = 0; k < 3; ++k) p.y[k] = y[t.v[k]], p.bend[k] = slaves[i].bend[k];
-    p.plane = slaves[i].plane;
-    p.support = s.support[i];
-    p.reach = reach(i);
-    p.master = master.p + offset[i];
-    p.masters = slaves[i].masters;
-    return p;
-  }
+  MORTISE_HD const Patch& patch(Index c) const { return patches[slave[c]]; }
 };
 
 // Which offers of a candidate.
@@ -109,8 +90,7 @@ struct Points {
 
 template <class Part, class Weights, class Emit>
 MORTISE_HD inline void show(const Stage& stage, Index c, int piece, const Weights& weights, Emit& emit) {
-  const Patch p = stage.patch(c);
-  Part::show(Sampler(stage.s, p, stage.place(c), stage.y, weights, emit), piece);
+  Part::show(Sampler(stage.s, stage.patch(c), stage.place(c), weights, emit), piece);
 }
 
 template <class Part, class Weights>
@@ -119,8 +99,7 @@ void offer(const Stage& stage, const Weights weights, const Offers& to) {
   const Offers offers = to;
   device::parallel_for("mortar_contact.offers", Part::kCount * s.master.n, [=] MORTISE_HD(Index i) {
     const Index c = i / Part::kCount, piece = i % Part::kCount;
-    if (s.master[c] >= 0 && s.near[c])
-      offers.take(kPieces * c + Part::kFirst + piece, c, [&](Write& write) { show<Part>(s, c, piece, weights, write); });
+    if (s.near[c]) offers.take(kPieces * c + Part::kFirst + piece, c, [&](Write& write) { show<Part>(s, c, piece, weights, write); });
   });
 }
 
@@ -148,21 +127,31 @@ void each_part(const Settings& set, const F& f) {
   f(Edges()), f(Points());
 }
 
-void find_slaves(const Stage& stage, const device::Ranges& whose, View<Slave> slaves) {
-  const Stage t = stage;
-  device::parallel_for("mortar_contact.slaves", whose, [=] MORTISE_HD(Index i) {
-    const Triangle corner = t.s.surface.triangles[t.s.slaves[i]];
-    Slave slave{slave_plane(t.y[corner.v[0]], t.y[corner.v[1]], t.y[corner.v[2]]), {0, 0, 0}, 0};
-    for (int k = 0; k < 3; ++k) slave.bend[k] = bend(t.s, t.s.slaves[i], k, slave.plane.n);
-    for (Index c = t.offset[i]; c < t.offset[i + 1] && t.master[c] >= 0; ++c) ++slave.masters;
-    slaves[i] = slave;
+void find_patches(const Stage& stage, const device::Ranges& whose, View<const Facing> facing, View<Patch> patches) {
+  const Stage s = stage;
+  device::parallel_for("mortar_contact.patches", whose, [=] MORTISE_HD(Index i) {
+    Patch& p = patches[i];
+    p.slave = s.s.slaves[i];
+    const Triangle t = s.s.surface.triangles[p.slave];
+    for (int k = 0; k < 3; ++k) p.y[k] = s.y[t.v[k]];
+    p.plane = slave_plane(p.y[0], p.y[1], p.y[2]);
+    for (int k = 0; k < 3; ++k) p.bend[k] = bend(s.s, p.slave, k, p.plane.n);
+    p.support = s.s.support[i];
+    p.reach = p.support + s.margin[s.s.surface.env[t.v[0]]];
+    p.masters = 0;
+    p.master = s.master.p + s.offset[i], p.facing = facing.p + s.offset[i];
+    for (Index c = s.offset[i]; c < s.offset[i + 1] && s.master[c] >= 0; ++c) ++p.masters;
   });
 }
 
-void find_near(const Stage& stage, View<std::uint8_t> near) {
+void find_facing(const Stage& stage, View<Facing> facing, View<std::uint8_t> near) {
   const Stage s = stage;
-  device::parallel_for("mortar_contact.near", s.master.n,
-                       [=] MORTISE_HD(Index c) { near[c] = s.master[c] < 0 || within(s.s, s.patch(c), s.place(c), s.y) ? 1 : 0; });
+  device::parallel_for("mortar_contact.facing", s.master.n, [=] MORTISE_HD(Index c) {
+    near[c] = 0;
+    if (s.master[c] < 0) return;
+    facing[c] = project(s.s, s.patch(c).plane, s.master[c], s.y);
+    near[c] = within(s.s, s.patch(c), s.place(c)) ? 1 : 0;
+  });
 }
 
 // Candidates of which others may hide a part: only then it is worth looking at every place.
@@ -170,9 +159,7 @@ void find_layers(const Stage& stage, View<const Index> first, View<std::uint8_t>
   const Stage s = stage;
   device::parallel_for("mortar_contact.layers", s.master.n, [=] MORTISE_HD(Index c) {
     layered[c] = 0;
-    if (s.master[c] < 0 || first[kPieces * (c + 1)] == first[kPieces * c]) return;
-    const Patch p = s.patch(c);
-    layered[c] = any_layer(s.s, p, s.place(c), project(s.s, p.plane, s.master[c], s.y), s.y) ? 1 : 0;
+    if (s.master[c] >= 0 && first[kPieces * (c + 1)] > first[kPieces * c]) layered[c] = any_layer(s.s, s.patch(c), s.place(c)) ? 1 : 0;
   });
 }
 
@@ -185,11 +172,10 @@ void judge(const Stage& stage, View<const std::uint8_t> layered, View<const Inde
     Sample& offer = offers[o];
     const Index c = offer.pair;
     if (s.master[c] >= 0 && layered[c]) {
-      const Patch p = s.patch(c);
-      offer.weight *= visible(s.s, p, s.place(c), s.y, offer.N, offer.gap);
+      offer.weight *= visible(s.s, s.patch(c), s.place(c), s.y, offer.N, offer.gap);
       if (!(offer.weight > 0)) return;
     }
-    kept[o] = s.master[c] < 0 || s.s.bent(s.s.slaves[s.slave[c]]) || s.s.bent(s.master[c]) || offer.gap < s.reach(s.slave[c]) ? 1 : 0;
+    kept[o] = s.master[c] < 0 || s.s.bent(s.s.slaves[s.slave[c]]) || s.s.bent(s.master[c]) || offer.gap < s.patch(c).reach ? 1 : 0;
   });
 }
 
@@ -202,12 +188,12 @@ void slide_offers(const Stage& stage, View<const Index> count, View<Sample> offe
     const Index c = offer.pair, i = s.slave[c], slave = s.s.slaves[i], master = s.master[c];
     if (master < 0 || !(s.s.bent(slave) || s.s.bent(master))) return;
     const bool of_slave = offer.kind == SampleKind::face;
-    const Sheet under = sheet_of(s.s, s.slaves[i].plane, of_slave ? slave : master, s.y);
+    const Sheet under = sheet_of(s.s, s.patches[i].plane, of_slave ? slave : master, s.y);
     const Vec3 fixed = under.at(of_slave ? offer.N : offer.M);
-    const Sheet over = sheet_of(s.s, s.slaves[i].plane, of_slave ? master : slave, s.y);
+    const Sheet over = sheet_of(s.s, s.patches[i].plane, of_slave ? master : slave, s.y);
     const Vec3 found = slide(over, fixed, of_slave ? offer.M : offer.N);
     offer.gap = std::fmax(of_slave ? found[2] - fixed[2] : fixed[2] - found[2], tuning::kLeastGap * s.s.support[i]);
-    kept[o] = offer.gap < s.reach(i) ? 1 : 0;
+    kept[o] = offer.gap < s.patches[i].reach ? 1 : 0;
   });
 }
 
@@ -326,12 +312,13 @@ bool try_freeze(const Stage& stage, const std::vector<Index>& slave_env, const W
 void freeze(const MortarView& view, Search& search, const Buffer<double>& margin, device::Room& room, FrozenSamples& out) {
   const View<const Vec3> y = std::as_const(out.y).view();
   search.update(view, y, margin);
-  Buffer<Slave> slaves(view.slaves.n);
+  Buffer<Patch> patches(view.slaves.n);
+  Buffer<Facing> facing(search.master().n);
   Buffer<std::uint8_t> near(search.master().n);
   const Stage stage{
-      view, y, search.offset(), search.slave(), search.master(), margin.view(), std::as_const(slaves).view(), std::as_const(near).view()};
-  find_slaves(stage, search.slaves(), slaves.view());
-  find_near(stage, near.view());
+      view, y, search.offset(), search.slave(), search.master(), margin.view(), std::as_const(patches).view(), std::as_const(near).view()};
+  find_patches(stage, search.slaves(), std::as_const(facing).view(), patches.view());
+  find_facing(stage, facing.view(), near.view());
   weighted(view.set, [&](const auto& weights) {
     while (!try_freeze(stage, search.slave_env(), weights, room, out)) {
     }

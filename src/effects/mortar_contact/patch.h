@@ -7,6 +7,11 @@
 
 namespace mortise::effects::mortar {
 
+// A master triangle over a slave triangle.
+struct Facing {
+  double L[3][3], height[3];  // slave barycentrics and heights of its corners
+};
+
 // A slave triangle with the master triangles near it.
 struct Patch {
   Index slave;  // triangle
@@ -14,8 +19,9 @@ struct Patch {
   SlavePlane plane;
   double bend[3];         // against the neighbours over its sides (consistent.h)
   double support, reach;  // samples with a gap below `reach` are wanted
-  const Index* master;    // triangles
-  Index masters;
+  Index masters;          // so many of them:
+  const Index* master;    // triangles,
+  const Facing* facing;   // and what they look like from here
 };
 
 // Distance [m] of the point with barycentrics w in a triangle's plane from its rim: positive inside.

@@ -20,8 +20,8 @@ MORTISE_HD inline double reach_of_quarters(const MortarView& s, const Patch& p, 
 }
 
 // May any of master i be within reach?
-MORTISE_HD inline bool within(const MortarView& s, const Patch& p, Index i, View<const Vec3> y) {
-  const Facing f = project(s, p.plane, p.master[i], y);
+MORTISE_HD inline bool within(const MortarView& s, const Patch& p, Index i) {
+  const Facing& f = p.facing[i];
   const double lowest = std::fmin(f.height[0], std::fmin(f.height[1], f.height[2]));
   const double highest = std::fmax(f.height[0], std::fmax(f.height[1], f.height[2]));
   return lowest < reach_of_quarters(s, p, p.master[i]) && highest > 0;
@@ -37,17 +37,17 @@ struct Sampler {
   Emit& emit;
   const Index master;
   const Vec3 n;
-  const Facing f;
+  const Facing& f;
   const double reach;
 
-  MORTISE_HD Sampler(const MortarView& view, const Patch& patch, Index i, View<const Vec3> y, const Weights& how, Emit& to)
+  MORTISE_HD Sampler(const MortarView& view, const Patch& patch, Index i, const Weights& how, Emit& to)
       : s(view),
         p(patch),
         weights(how),
         emit(to),
         master(patch.master[i]),
         n(patch.plane.n),
-        f(project(view, patch.plane, master, y)),
+        f(patch.facing[i]),
         reach(reach_of_quarters(view, patch, master)) {}
 
   MORTISE_HD void offer(SampleKind kind, double weight, const double N[3], const double M[3]) const {

@@ -104,11 +104,7 @@ void Broadphase::farthest(View<const Vec3> from, View<const Vec3> y, View<const 
 
 std::unique_ptr<Broadphase::Guess> Broadphase::guess(View<const Vec3> y, View<const Vec3> dy, double radius, const Mask& whose,
                                                      device::Fetch& fetch) const {
-  return served_ ? look(y, dy, radius, whose, fetch) : nullptr;
-}
-
-std::unique_ptr<Broadphase::Guess> Broadphase::look(View<const Vec3> y, View<const Vec3> dy, double radius, const Mask& whose,
-                                                    device::Fetch& fetch) const {
+  if (!served_) return nullptr;
   Mask asked(search_.environments(), 1);
   for (std::size_t e = 0; e < asked.size(); ++e) {
     asked[e] = whose.empty() || whose[e];
@@ -127,10 +123,9 @@ std::unique_ptr<Broadphase::Guess> Broadphase::look(View<const Vec3> y, View<con
 }
 
 bool Broadphase::take(Guess& guess) {
-  served_ = guess.list == list_;
-  for (std::size_t e = 0; e < guess.off.size() && served_; ++e)
-    served_ = !(guess.whose.empty() || guess.whose[e]) || serves(guess.radius, guess.off[e], static_cast<Index>(e));
-  if (!served_) return false;
+  if (guess.list != list_) return false;
+  for (std::size_t e = 0; e < guess.off.size(); ++e)
+    if ((guess.whose.empty() || guess.whose[e]) && !serves(guess.radius, guess.off[e], static_cast<Index>(e))) return false;
   found_.take_sizes(guess.sizes);
   found_.end_add_up(guess.sums);
   compact(kept_, guess.whose, guess.pt_counts, guess.ee_counts, found_);
@@ -141,10 +136,10 @@ void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius, 
   const Index envs = search_.environments();
   std::vector<double> off, way(envs, INFINITY);
   device::Fetch fetch;
-  // What is kept mostly serves: the host waits once, to hear whether it does and how many pairs there are then.
+  // What is kept serves, as a rule, where it just did: the host waits once, to hear whether it does and how many pairs there are then.
   if (refused && refused->list == list_) {
     off = refused->off;
-  } else if (const std::unique_ptr<Guess> guess = look(y, dy, radius, whose, fetch)) {
+  } else if (const std::unique_ptr<Guess> guess = this->guess(y, dy, radius, whose, fetch)) {
     fetch.now();
     if (take(*guess)) return;
     off = std::move(guess->off);
@@ -154,7 +149,8 @@ void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius, 
   if (any(kept) && off.empty()) farthest(std::as_const(kept_at_).view(), y, dy, kept, {off, fetch});
   fetch.now();
   for (Index e = 0; e < envs; ++e) stale[e] = asked[e] && !(kept[e] && serves(radius, off[e], e));
-  if (any(stale)) {
+  served_ = !any(stale);
+  if (!served_) {
     if (dy.n > 0) farthest({}, y, dy, stale, {way, fetch});
     fetch.now();
     std::vector<double> wider(envs, radius);

@@ -65,7 +65,6 @@ class Broadphase {
   // Largest |y - from| + |dy| of the environments of `whose`, without `from` |dy|.
   void farthest(device::View<const Vec3> from, device::View<const Vec3> y, device::View<const Vec3> dy, const Mask& whose,
                 device::EnvValues out) const;
-  std::unique_ptr<Guess> look(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, const Mask& whose, device::Fetch& fetch) const;
   bool serves(double radius, double off, Index env) const { return radius + 2 * off <= kept_radius_[env]; }
   void search(device::View<const Vec3> y, const std::vector<double>& radius, const Mask& whose);
   double most_surplus(device::View<const Vec3> y);
