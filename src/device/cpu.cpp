@@ -2,14 +2,17 @@
 #ifndef __CUDACC__
 #include <sched.h>
 #include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <memory>
 #include <new>
+#include <vector>
 
 #include "base/error.h"
 #include "device/device.h"
@@ -110,34 +113,44 @@ void scan(Buffer<Index>& counts) {
   c[c.n - 1] = static_cast<Index>(total);
 }
 
-// Least-significant-digit radix sort, 11 bits a pass; passes in which all keys agree are skipped.
+// Least-significant-digit radix sort, 11 bits a pass; passes in which all keys agree are skipped. Parts of the list are counted and moved side by
+// side: as every pass keeps the order of equal digits, the result does not depend on how many there are.
 void sort_pairs(Buffer<std::uint64_t>& keys, Buffer<Index>& values, int) {
-  constexpr int kBits = 11;
-  constexpr std::uint64_t kMask = (1u << kBits) - 1;
-  const Index n = keys.size();
+  constexpr int kBits = 11, kDigits = 1 << kBits;
+  constexpr std::uint64_t kMask = kDigits - 1;
+  constexpr Index kPart = 1 << 15;  // terms: as long as counting takes far longer than adding the counts up
+  const Index n = keys.size(), parts = (n + kPart - 1) / kPart;
   if (n < 2) return;
   Buffer<std::uint64_t> other_keys(n);
   Buffer<Index> other_values(n);
   const trap::Open open("sort");
+  std::vector<std::array<Index, kDigits>> at(parts);
+  const auto each_part = [&](const auto& f) {
+    tbb::parallel_for(Index(0), parts, [&](Index p) { f(at[p], p * kPart, std::min(n, (p + 1) * kPart)); });
+  };
   for (int shift = 0; shift < 64; shift += kBits) {
-    std::array<Index, (1u << kBits)> first{};
-    const View<std::uint64_t> k = keys.view();
-    for (Index i = 0; i < n; ++i) ++first[(k[i] >> shift) & kMask];
-    if (first[(k[0] >> shift) & kMask] == n) continue;
-    Index total = 0;
-    for (Index& f : first) {
-      const Index here = f;
-      f = total;
-      total += here;
-    }
-    const View<Index> v = values.view();
-    const View<std::uint64_t> ok = other_keys.view();
-    const View<Index> ov = other_values.view();
-    for (Index i = 0; i < n; ++i) {
-      const Index to = first[(k[i] >> shift) & kMask]++;
-      ok[to] = k[i];
-      ov[to] = v[i];
-    }
+    const View<std::uint64_t> k = keys.view(), ok = other_keys.view();
+    const View<Index> v = values.view(), ov = other_values.view();
+    each_part([&](std::array<Index, kDigits>& count, Index from, Index to) {
+      count.fill(0);
+      for (Index i = from; i < to; ++i) ++count[(k[i] >> shift) & kMask];
+    });
+    Index first = 0, all = 0;  // of the first key's digit
+    for (const auto& count : at) all += count[(k[0] >> shift) & kMask];
+    if (all == n) continue;
+    for (int digit = 0; digit < kDigits; ++digit)
+      for (auto& count : at) {
+        const Index here = count[digit];
+        count[digit] = first;
+        first += here;
+      }
+    each_part([&](std::array<Index, kDigits>& next, Index from, Index to) {
+      for (Index i = from; i < to; ++i) {
+        const Index place = next[(k[i] >> shift) & kMask]++;
+        ok[place] = k[i];
+        ov[place] = v[i];
+      }
+    });
     keys.swap(other_keys);
     values.swap(other_values);
   }

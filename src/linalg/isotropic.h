@@ -16,12 +16,20 @@ struct IsotropicModes {
   Mat3 stretch;
 };
 
+// Is the symmetric matrix positive definite, beyond the reach of rounding? By its pivots.
+MORTISE_HD inline bool clearly_positive(const Mat3& A) {
+  const double least = 1e-12 * A.trace();
+  const double l10 = A(1, 0) / A(0, 0), l20 = A(2, 0) / A(0, 0), d1 = A(1, 1) - l10 * A(1, 0), e = A(2, 1) - l20 * A(1, 0);
+  return A(0, 0) > least && d1 > least && A(2, 2) - l20 * A(2, 0) - e * e / d1 > least;
+}
+
 // Keeps the share `concave` of the negative curvature.
 MORTISE_HD inline void scale_concave(IsotropicModes& m, double concave) {
   for (int k = 0; k < 3; ++k) {
     m.twist[k] = m.twist[k] > 0 ? m.twist[k] : concave * m.twist[k];
     m.flip[k] = m.flip[k] > 0 ? m.flip[k] : concave * m.flip[k];
   }
+  if (clearly_positive(m.stretch)) return;
   Mat3 convex = m.stretch;
   project_psd<3>(convex);
   m.stretch = convex + concave * (m.stretch - convex);

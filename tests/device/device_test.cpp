@@ -92,7 +92,7 @@ TEST(Device, MaxKeepsNan) {
 
 TEST(Device, SortIsStableAndAscending) {
   std::mt19937_64 rng(3);
-  std::vector<std::uint64_t> keys(10'000);
+  std::vector<std::uint64_t> keys(100'000);  // on CPU threads: in several parts
   std::vector<Index> values(keys.size());
   for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = (rng() % 50) << 40 | rng() % 3, values[i] = static_cast<Index>(i);
   Buffer<std::uint64_t> k(keys);

@@ -268,6 +268,49 @@ TEST(Elasticity, ElementGradientAndHessian) {
     }
 }
 
+// Newton's exact matrix is put together without modes.
+TEST(Elasticity, TheExactHessianIsThatOfTheModes) {
+  Random r;
+  for (const Mat3& F : hard_deformations()) {
+    if (!(elasticity::det3(F) > elasticity::kFlattest)) continue;
+    for (double pressure : {0.0, -0.8, 5.0}) {
+      const Mat3 dm_inverse = Mat3::Identity() + 0.3 * r.matrix();
+      const elasticity::Element e{dm_inverse, 1.3, kMu, kLambda, MaterialModel::neo_hookean, pressure};
+      const linalg::IsotropicModes m = elasticity::modes(e.model, F, kMu, kLambda, pressure);
+      Mat3 hess[10];
+      elasticity::hessian(e, F, 1, hess);
+      double difference = 0, size = 0;
+      for (int a = 0, place = 0; a < 4; ++a)
+        for (int b = a; b < 4; ++b, ++place) {
+          const Mat3 want = e.volume * linalg::hessian_block(m, m.V.transpose() * elasticity::shape_gradient(dm_inverse, a),
+                                                             m.V.transpose() * elasticity::shape_gradient(dm_inverse, b));
+          difference = std::max(difference, (hess[place] - want).norm()), size = std::max(size, want.norm());
+        }
+      EXPECT_LT(difference, 1e-12 * size) << pressure << "\n" << F;
+    }
+  }
+}
+
+TEST(IsotropicModes, WhatIsClearlyPositiveNeedsNoProjection) {
+  Random r;
+  int clear = 0, other = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const Mat3 Q = r.rotation();
+    Mat3 A = Q * Vec3(r(-0.3, 1), r(-0.3, 1), r(-0.3, 1)).asDiagonal() * Q.transpose();
+    A = (0.5 * (A + A.transpose())).eval();
+    const double least = Eigen::SelfAdjointEigenSolver<Mat3>(A).eigenvalues()[0];
+    const bool positive = linalg::clearly_positive(A);
+    EXPECT_TRUE(least > 0 || !positive) << least;
+    EXPECT_TRUE(positive || least < 1e-9) << least;
+    ++(positive ? clear : other);
+  }
+  EXPECT_GT(clear, 300);
+  EXPECT_GT(other, 300);
+  EXPECT_FALSE(linalg::clearly_positive(Mat3::Zero()));
+  EXPECT_FALSE(linalg::clearly_positive(Vec3(1, 0, 1).asDiagonal()));
+  EXPECT_FALSE(linalg::clearly_positive(Vec3(1, std::nan(""), 1).asDiagonal()));
+}
+
 TEST(Elasticity, WholeEffectDerivatives) {
   for (const char* law : {"linear", "corotated", "neo_hookean"}) {
     model::Model m(fd::box_and_ball(law));

@@ -151,6 +151,30 @@ MORTISE_HD inline linalg::IsotropicModes neo_hookean_modes(const Mat3& F, double
   return w;
 }
 
+// The same without modes, all of its negative curvature included: with F' the change of F,
+//     P = a F + b C,   C = dJ/dF,   a = m (1 - r),   da = 2 m r^2 F : F',   db = l C : F',   C' g_a = (F (g_b x g_a)) x u  for F' = u g_b^T,
+// hence  d^2 Psi / dx_a dx_b = a g_a . g_b I + 2 m r^2 (F g_a)(F g_b)^T + l (C g_a)(C g_b)^T + b [F (g_b x g_a)]_x.
+// A density U(J) besides adds U' to b and U'' to l. Adds to hess the upper triangle of 3x3 pieces of n nodes, times `volume`.
+MORTISE_HD inline void add_neo_hookean_exact(const Mat3& F, double mu, double lambda, double first, double second, double volume, int n,
+                                             const Vec3* g, Mat3* hess) {
+  const double m = neo_hookean_mu(mu), r = 1 / (F.squaredNorm() + 1);
+  const Mat3 C = cofactor(F);
+  Mat3 G = F;
+  G.diagonal() -= Vec3(1, 1, 1);
+  const double l = neo_hookean_lambda(mu, lambda), a = volume * m * (1 - r), d = 2 * volume * m * r * r;
+  const double b = volume * (l * volume_change(G) - 0.75 * m + first), c = volume * (l + second);
+  for (int i = 0, place = 0; i < n; ++i) {
+    const Vec3 f = d * (F * g[i]), s = c * (C * g[i]);
+    for (int j = i; j < n; ++j, ++place) {
+      Mat3& H = hess[place];
+      const Vec3 w = b * (F * g[j].cross(g[i]));
+      H += f * (F * g[j]).transpose() + s * (C * g[j]).transpose();
+      H.diagonal() += a * g[i].dot(g[j]) * Vec3(1, 1, 1);
+      H(0, 1) -= w[2], H(0, 2) += w[1], H(1, 0) += w[2], H(1, 2) -= w[0], H(2, 0) -= w[1], H(2, 1) += w[0];
+    }
+  }
+}
+
 // ---- change of volume ----------------------------------------------------------------------------------------------------
 // The part lambda/2 theta^2 of the energy, theta = J - 1 (linear: tr eps), may act on the mean of theta over many points instead of at each
 // (README.md); the rest is the law with lambda = 0. Points then feel the pressure p = lambda <theta> [Pa]: P += p dtheta/dF.
@@ -287,6 +311,10 @@ MORTISE_HD inline void add_hessian(const Element& e, const Mat3& F, double conca
     for (int a = 0, place = 0; a < n; ++a)
       for (int b = a; b < n; ++b) hess[place++] += e.volume * linear_block(g[a], g[b], e.mu, e.lambda);
     if (det3(F) >= kGuarded) return;
+  } else if (e.model == MaterialModel::neo_hookean && concave >= 1) {
+    const double J = det3(F), first = J < kGuarded ? guard_first(J, e.mu) : 0, second = J < kGuarded ? guard_second(J, e.mu) : 0;
+    add_neo_hookean_exact(F, e.mu, e.lambda, e.pressure + first, second, e.volume, n, g, hess);
+    return;
   }
   linalg::IsotropicModes m = modes(e.model, F, e.mu, e.lambda, e.pressure);
   linalg::scale_concave(m, concave);
