@@ -3,6 +3,7 @@
 
 #include "device/device.h"
 #include "device/memory.h"
+#include "device/runs.h"
 
 namespace mortise::device {
 namespace {
@@ -58,19 +59,41 @@ Index exclusive_scan(Buffer<Index>& counts) {
 }
 
 // Head flags, a scan, then every head writes its own place.
-void run_starts(const Buffer<std::uint64_t>& sorted_keys, Buffer<Index>& start, std::uint64_t limit) {
+void mark_runs(const Buffer<std::uint64_t>& sorted_keys, Buffer<Index>& place, std::uint64_t limit) {
   const Index n = sorted_keys.size();
-  Buffer<Index> place(n + 1);
+  place.resize(n + 1);
   const View<const std::uint64_t> k = sorted_keys.view();
   const View<Index> p = place.view();
   parallel_for("run_starts", n, [=] MORTISE_HD(Index i) { p[i] = k[i] < limit && (i == 0 || k[i] != k[i - 1]) ? 1 : 0; });
-  const Index runs = exclusive_scan(place);
-  start.resize(runs + 1);
+  scan(place);
+}
+
+void start_runs(const Buffer<std::uint64_t>& sorted_keys, const Buffer<Index>& place, Index most, Buffer<Index>& start, std::uint64_t limit) {
+  const Index n = sorted_keys.size();
+  start.resize(most + 1);
+  const View<const std::uint64_t> k = sorted_keys.view();
+  const View<const Index> p = place.view();
   const View<Index> s = start.view();
   parallel_for("run_starts", n + 1, [=] MORTISE_HD(Index i) {
-    if (i < n && p[i + 1] > p[i]) s[p[i]] = i;
-    if ((i == n || k[i] >= limit) && (i == 0 || k[i - 1] < limit)) s[runs] = i;
+    if (i < n && p[i + 1] > p[i] && p[i] < s.n) s[p[i]] = i;
+    if ((i == n || k[i] >= limit) && (i == 0 || k[i - 1] < limit) && p[n] < s.n) s[p[n]] = i;
   });
+}
+
+void empty_runs(const Buffer<Index>& place, Buffer<Index>& start) {
+  const View<const Index> runs{place.view().p + (place.size() - 1), 1};
+  const View<Index> s = start.view();
+  parallel_for("run_starts", s.n, [=] MORTISE_HD(Index r) {
+    if (r > runs[0]) s[r] = s[runs[0]];
+  });
+}
+
+void run_starts(const Buffer<std::uint64_t>& sorted_keys, Buffer<Index>& start, std::uint64_t limit) {
+  Buffer<Index> place;
+  mark_runs(sorted_keys, place, limit);
+  Index runs = 0;
+  copy_out(&runs, place.view().p + (place.size() - 1), sizeof runs);
+  start_runs(sorted_keys, place, runs, start, limit);
 }
 
 Error out_of_memory(std::size_t asked, std::size_t memory) {

@@ -1,7 +1,10 @@
 #include "linalg/assembly.h"
 
+#include <algorithm>
 #include <bit>
+#include <utility>
 
+#include "device/runs.h"
 #include "linalg/upper_block.h"
 
 namespace mortise::linalg {
@@ -13,10 +16,12 @@ void group_gradient(const StencilView& s, Index terms, Index blocks, Grouping& o
   const View<const Index> block = s.block;
   device::parallel_for("assembly.grad_keys", terms,
                        [=] MORTISE_HD(Index i) { key[i] = static_cast<std::uint64_t>(block[i] < 0 ? blocks : block[i]); });
-  group(std::move(keys), static_cast<std::uint64_t>(blocks), out);
+  group_within(std::move(keys), static_cast<std::uint64_t>(blocks), std::min(terms, blocks), out);
 }
 
-void group_hessian(const StencilView& s, View<const Index> row_of_block, Index rows, Buffer<std::uint8_t>& place, Grouping& out) {
+// The keys of all Hessian pieces, and how each enters.
+Buffer<std::uint64_t> hessian_keys(const StencilView& view, View<const Index> row_of_block, Index rows, Buffer<std::uint8_t>& place) {
+  const StencilView s = view;
   Buffer<std::uint64_t> keys(s.hess.n);
   place.resize(s.hess.n);
   const View<std::uint64_t> key = keys.view();
@@ -36,54 +41,72 @@ void group_hessian(const StencilView& s, View<const Index> row_of_block, Index r
       }
     }
   });
-  group(std::move(keys), limit, out);
-}
-
-bool same(const Buffer<std::uint64_t>& a, const Buffer<std::uint64_t>& b) {
-  if (a.size() != b.size()) return false;
-  const View<const std::uint64_t> va = a.view(), vb = b.view();
-  return device::max("assembly.compare", a.size(), 0, [=] MORTISE_HD(Index i) { return va[i] != vb[i] ? 1.0 : 0.0; }) == 0;
+  return keys;
 }
 
 // Distinct keys of the diagonal and of all lists, those of `of[i]` of list i, and the place among them of every key: first of the diagonal ones, then
 // of list after list.
-void merge(const std::vector<const Grouping*>& lists, const std::vector<device::Ranges>& of, Index rows, Buffer<std::uint64_t>& distinct,
-           Buffer<Index>& place) {
-  Index total = rows, places = rows;
-  for (const Grouping* g : lists) places += g->groups;
-  for (const device::Ranges& r : of) total += r.size();
-  Buffer<std::uint64_t> keys(total);
-  Buffer<Index> order(total), start;
-  const View<std::uint64_t> key = keys.view();
-  const View<Index> o = order.view();
-  device::parallel_for("assembly.merge", rows, [=] MORTISE_HD(Index i) {
-    o[i] = i;
-    key[i] = block_key(i, i, rows);
-  });
-  for (Index list = 0, at = rows, base = rows; list < static_cast<Index>(lists.size()); ++list) {
-    const View<const std::uint64_t> from = lists[list]->key.view();
-    Buffer<Index> memory;
-    const device::Places group = of[list].places(memory);
-    device::parallel_for("assembly.merge", of[list].size(), [=] MORTISE_HD(Index k) {
-      const Index g = group(k);
-      key[at + k] = from[g], o[at + k] = base + g;
+struct Merge {
+  Buffer<std::uint64_t> keys;
+  Buffer<Index> order, runs, start;
+  Index places = 0, n = 0;
+  std::vector<double> differs{0};
+
+  // `before`: distinct keys that it may lead to again.
+  void begin(const std::vector<const Grouping*>& lists, const std::vector<device::Ranges>& of, Index rows, const Buffer<std::uint64_t>& before,
+             device::Fetch& fetch) {
+    Index total = rows;
+    places = rows;
+    for (const Grouping* g : lists) places += g->groups;
+    for (const device::Ranges& r : of) total += r.size();
+    keys.resize(total), order.resize(total);
+    const View<std::uint64_t> key = keys.view();
+    const View<Index> o = order.view();
+    const std::uint64_t limit = block_key(rows, 0, rows);  // of room without a group
+    device::parallel_for("assembly.merge", rows, [=] MORTISE_HD(Index i) {
+      o[i] = i;
+      key[i] = block_key(i, i, rows);
     });
-    at += of[list].size(), base += lists[list]->groups;
+    for (Index list = 0, at = rows, base = rows; list < static_cast<Index>(lists.size()); ++list) {
+      const View<const std::uint64_t> from = lists[list]->key.view();
+      Buffer<Index> memory;
+      const device::Places group = of[list].places(memory);
+      device::parallel_for("assembly.merge", of[list].size(), [=] MORTISE_HD(Index k) {
+        const Index g = group(k);
+        key[at + k] = from[g] < limit ? from[g] : limit, o[at + k] = base + g;
+      });
+      at += of[list].size(), base += lists[list]->groups;
+    }
+    device::sort_pairs(keys, order, std::bit_width(limit | 1));
+    device::mark_runs(keys, runs, limit);
+    device::start_runs(keys, runs, total, start, limit);
+    device::empty_runs(runs, start);
+    fetch.add_total(runs, n);
+    compare(before, fetch);
   }
-  device::sort_pairs(keys, order, std::bit_width(block_key(rows - 1, rows - 1, rows)));
-  device::run_starts(keys, start);
-  const Index n = start.size() - 1;
-  distinct.resize(n);
-  place.resize(places);
-  const View<const std::uint64_t> sorted = keys.view();
-  const View<const Index> s = start.view(), from = order.view();
-  const View<std::uint64_t> d = distinct.view();
-  const View<Index> p = place.view();
-  device::parallel_for("assembly.merge", n, [=] MORTISE_HD(Index k) {
-    d[k] = sorted[s[k]];
-    for (Index j = s[k]; j < s[k + 1]; ++j) p[from[j]] = k;
-  });
-}
+  void compare(const Buffer<std::uint64_t>& with, device::Fetch& fetch) {
+    const View<const std::uint64_t> sorted = std::as_const(keys).view(), before = with.view();
+    const View<const Index> s = std::as_const(start).view();
+    device::env_max(
+        "assembly.compare", {0, std::min(before.n, sorted.n)},
+        [=] MORTISE_HD(Index k) { return s[k] == s[k + 1] || before[k] != sorted[s[k]] ? 1.0 : 0.0; }, device::EnvValues{differs, fetch});
+  }
+  // Once that is fetched: true when `distinct` holds the same as before.
+  bool end(Buffer<std::uint64_t>& distinct, Buffer<Index>& place) const {
+    const bool same = n == distinct.size() && differs[0] == 0;
+    distinct.resize(n);
+    place.resize(places);
+    const View<const std::uint64_t> sorted = keys.view();
+    const View<const Index> s = start.view(), from = order.view();
+    const View<std::uint64_t> d = distinct.view();
+    const View<Index> p = place.view();
+    device::parallel_for("assembly.merge", n, [=] MORTISE_HD(Index k) {
+      d[k] = sorted[s[k]];
+      for (Index j = s[k]; j < s[k + 1]; ++j) p[from[j]] = k;
+    });
+    return same;
+  }
+};
 
 void add_gradient(const StencilView& s, const Grouping& groups, View<Vec3> g, const GroupsOf* only) {
   const View<const Vec3> piece = s.grad;
@@ -112,7 +135,7 @@ void Assembler::set_rows(Buffer<Index>&& row_of_block, Index rows, std::vector<I
   row_of_block_ = std::move(row_of_block);
   env_rows_ = std::move(env_rows);
   rows_ = rows;
-  for (auto& s : sorted_) s->has_hess = false;
+  for (auto& s : sorted_) s->has_hess = false, s->room = {};
   merge_valid_ = false;
 }
 
@@ -152,31 +175,78 @@ void Assembler::gradient(std::span<StencilSet* const> sets, Index blocks, Buffer
 }
 
 void Assembler::matrix(std::span<StencilSet* const> sets, BlockMatrix& A) {
+  device::Fetch fetch;
+  matrix(sets, A, fetch);
+}
+
+// Sorts those that changed. How many groups they have the host hears with the structure of the matrix, where there is a number of last time to go by;
+// of the others it waits for all together.
+bool Assembler::sort_hessians(std::span<StencilSet* const> sets, device::Fetch& fetch) {
+  std::vector<SortedTerms> terms(sets.size());
+  std::vector<std::size_t> unknown;
+  bool changed = false;
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    Sorted& s = sorted(sets[i]);
+    if (s.has_hess && s.hess_version == sets[i]->version()) continue;
+    changed = true;
+    Buffer<std::uint64_t> keys = hessian_keys(sets[i]->view(), row_of_block_.view(), rows_, s.place);
+    const std::uint64_t limit = block_key(rows_, 0, rows_);
+    s.has_hess = s.room.known(), s.hess_version = sets[i]->version();
+    if (const Index n = keys.size(); s.room.known())
+      group_within(std::move(keys), limit, std::min(s.room.among(n), n), s.hess, s.there, fetch);
+    else
+      begin_group(std::move(keys), limit, s.hess, terms[i], fetch), unknown.push_back(i);
+  }
+  if (unknown.empty()) return changed;
+  fetch.now();
+  for (std::size_t i : unknown) {
+    Sorted& s = sorted(sets[i]);
+    s.there = terms[i].groups;
+    end_group(std::move(terms[i]), s.hess);
+    s.has_hess = true;
+  }
+  return true;
+}
+
+// Where it was too small they are sorted once more, and their groups are counted first.
+bool Assembler::had_room(std::span<StencilSet* const> sets) {
+  bool all = true;
+  for (StencilSet* set : sets) {
+    Sorted& s = sorted(set);
+    const bool whole = s.there <= s.hess.groups;
+    s.has_hess = whole;
+    s.room = {};
+    if (whole) s.room.found(s.there, set->view().hess.n);
+    all = all && whole;
+  }
+  return all;
+}
+
+void Assembler::matrix(std::span<StencilSet* const> sets, BlockMatrix& A, device::Fetch& fetch) {
   if (!std::equal(sets.begin(), sets.end(), merged_.begin(), merged_.end())) merge_valid_ = false;
   const std::vector<std::uint8_t> whose = some() ? *whose_ : std::vector<std::uint8_t>{};
   if (whose != merged_whose_) merge_valid_ = false;
   std::vector<std::uint64_t> first_key;
   for (Index row : env_rows_) first_key.push_back(block_key(row, 0, rows_));
   std::vector<GroupsOf> only;
-  std::vector<const Grouping*> lists;
-  for (StencilSet* set : sets) {
-    Sorted& s = sorted(set);
-    if (!s.has_hess || s.hess_version != set->version()) {
-      group_hessian(set->view(), row_of_block_.view(), rows_, s.place, s.hess);
-      s.has_hess = true, s.hess_version = set->version();
-      merge_valid_ = false;
-    }
-    lists.push_back(&s.hess);
-    if (some()) only.push_back(groups_of(s.hess, first_key, whose));
-  }
-  if (!merge_valid_) {
-    Buffer<std::uint64_t> keys;
+  for (bool whole = false; !whole;) {
+    std::vector<const Grouping*> lists;
     std::vector<device::Ranges> of;
-    for (std::size_t i = 0; i < lists.size(); ++i) of.push_back(some() ? only[i].groups : device::Ranges{0, lists[i]->groups});
-    merge(lists, of, rows_, keys, merge_place_);
+    only.clear();
+    if (sort_hessians(sets, fetch)) merge_valid_ = false;
+    for (StencilSet* set : sets) {
+      lists.push_back(&sorted(set).hess);
+      if (some()) only.push_back(groups_of(*lists.back(), first_key, whose));
+      of.push_back(some() ? only.back().groups : device::Ranges{0, lists.back()->groups});
+    }
+    if (merge_valid_) break;
+    Merge merge;
+    merge.begin(lists, of, rows_, keys_, fetch);
+    fetch.now();
+    whole = had_room(sets);
+    if (!whole) continue;
     merged_whose_ = whose;
-    if (!same(keys, keys_) || A.rows != rows_) pattern_ = 0;
-    keys_ = std::move(keys);
+    if (!merge.end(keys_, merge_place_) || A.rows != rows_) pattern_ = 0;
     merged_.assign(sets.begin(), sets.end());
     merge_valid_ = true;
   }

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "device/room.h"
 #include "linalg/block_matrix.h"
 #include "linalg/grouping.h"
 #include "linalg/stencils.h"
@@ -27,6 +28,8 @@ class Assembler {
   // A = sum of the Hessian pieces [N/m] of the blocks that have rows; of environments that are left out it has zeros on the diagonal. A.pattern stays
   // when the structure did, even if sets were sorted again. All diagonal blocks exist. Sets must outlive the assembler.
   void matrix(std::span<StencilSet* const> sets, BlockMatrix& A);
+  // What else `fetch` was asked for is brought too where the structure has to be asked for.
+  void matrix(std::span<StencilSet* const> sets, BlockMatrix& A, device::Fetch& fetch);
 
  private:
   struct Sorted {
@@ -37,8 +40,12 @@ class Assembler {
     Grouping grad;               // by block
     Grouping hess;               // by block_key
     Buffer<std::uint8_t> place;  // how each Hessian piece enters: Entry in assembly.cpp
+    device::Room room;           // for groups in `hess`, among pieces
+    Index there = 0;             // how many there were
   };
   Sorted& sorted(const StencilSet* set);
+  bool sort_hessians(std::span<StencilSet* const> sets, device::Fetch& fetch);  // false: none had changed
+  bool had_room(std::span<StencilSet* const> sets);                             // true: what was sorted is whole
   bool some() const { return whose_ && !whose_->empty(); }
 
   const std::vector<Index>* env_blocks_ = nullptr;

@@ -5,8 +5,9 @@
 // true residual.
 //
 // All scalars of the iteration stay on the device. Iterations run in blocks of `check_every`, recorded once into a
-// device::Graph and replayed; between two blocks the host looks at the states. An environment that has ended stands still, so the
-// result does not depend on the length of the blocks.
+// device::Graph and replayed; between two blocks the host looks at the states: once where a solve takes no more than a block. An environment that has
+// ended stands still, so the result does not depend on the length of the blocks.
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -19,6 +20,9 @@ struct CgOptions {
   std::vector<double> absolute;      // [unit of b] per environment, or empty: residuals up to this count as converged
   Index check_every = 16;            // iterations between two looks from the host
   std::vector<std::uint8_t> only{};  // per environment: whether it is solved at all, or empty: all are
+  // Called where the host is about to look and x may be the solution; what it asks of the fetch is brought with that look. It has been called for the
+  // x that solve() leaves.
+  std::function<void(device::Fetch&)> then{};
 };
 
 enum class CgEnd : std::uint8_t {

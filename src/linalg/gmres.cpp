@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "linalg/env_sums.h"
+
 namespace mortise::linalg {
 namespace {
 
@@ -48,6 +50,59 @@ std::vector<double> dot(View<const Vec3> a, View<const Vec3> b, const device::Ra
   return out;
 }
 
+// Products of the newest vector w with the basis, and of itself, per environment: the host is told once all of them are known.
+class Column {
+ public:
+  Column(const std::vector<Index>& env_rows, View<const Index> env, Index most)
+      : sums_(env_rows), env_(env), envs_(static_cast<Index>(env_rows.size()) - 1), h_((most + 1) * envs_) {}
+
+  // Of the environments of `whose` from now on.
+  void begin(const std::vector<std::uint8_t>& whose) {
+    if (envs_ > 1) active_.upload(whose);
+    size_ = 0;
+  }
+  // The next entry is v . w; w <- w - (v . w) v.
+  void take_out(View<const Vec3> v, const device::Ranges& rows, View<Vec3> w) {
+    const View<const double> h = add(v, w);
+    const View<const Index> env = env_;
+    device::parallel_for("gmres.take_out", rows, [=] MORTISE_HD(Index i) {
+      const double s = -h[env[i]];
+      w[i] = w[i] + s * v[i];
+    });
+  }
+  // The last one is w . w.
+  void end(View<const Vec3> w, device::Fetch& fetch) {
+    add(w, w);
+    fetch.add(View<const double>{h_.view().p, size_ * envs_}, fetched_);
+  }
+  // All of them, by environment, once that is fetched.
+  std::vector<std::vector<double>> entries() const {
+    std::vector<std::vector<double>> of_env(envs_);
+    for (std::size_t i = 0; i < fetched_.size(); ++i) of_env[i % of_env.size()].push_back(fetched_[i]);
+    return of_env;
+  }
+  // The next entry, a . b.
+  View<const double> add(View<const Vec3> a, View<const Vec3> b) {
+    const View<const Index> env = env_;
+    const View<const std::uint8_t> active = std::as_const(active_).view();
+    const View<const Vec2> sum = sums_("gmres.dot", [=] MORTISE_HD(Index i) -> Vec2 {
+      if (active.n > 0 && !active[env[i]]) return Vec2::Zero();
+      return Vec2(a[i].dot(b[i]), 0);
+    });
+    const View<double> out{h_.view().p + size_++ * envs_, envs_};
+    device::parallel_for("gmres.column", envs_, [=] MORTISE_HD(Index e) { out[e] = sum[e][0]; });
+    return out;
+  }
+
+ private:
+  EnvSums sums_;
+  View<const Index> env_;
+  Index envs_, size_ = 0;
+  Buffer<double> h_;  // entry after entry
+  std::vector<double> fetched_;
+  Buffer<std::uint8_t> active_;
+};
+
 // y_e <- share_e x_e, or y_e + share_e x_e
 void combine(bool keep, const std::vector<double>& scale, View<const Vec3> x, View<const Index> env, const device::Ranges& rows, View<Vec3> y) {
   const Buffer<double> buffer(scale);
@@ -57,8 +112,18 @@ void combine(bool keep, const std::vector<double>& scale, View<const Vec3> x, Vi
 
 }  // namespace
 
-GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const Vec3> b, View<Vec3> x, const std::vector<Index>& env_rows,
-                  const std::vector<double>& relative, Index limit, const std::function<void(const std::vector<std::uint8_t>&)>& go_on) {
+Awaited awaited(Operator op) {
+  return [op = std::move(op)](View<const Vec3> in, View<Vec3> out, const std::function<void(device::Fetch&)>& then) {
+    op(in, out);
+    device::Fetch fetch;
+    then(fetch);
+    fetch.now();
+  };
+}
+
+GmresResult gmres(const Operator& A, const Awaited& preconditioner, View<const Vec3> b, View<Vec3> x, const std::vector<Index>& env_rows,
+                  const std::vector<double>& relative, Index limit, const std::function<void(const std::vector<std::uint8_t>&)>& go_on,
+                  const std::vector<double>& b2) {
   const std::size_t envs = env_rows.size() - 1;
   const Index n = b.n;
   Buffer<Index> env_buffer(n);
@@ -73,7 +138,7 @@ GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const 
   out.relative.assign(envs, 0.0);
   out.of_env.assign(envs, 0);
   std::vector<std::uint8_t> active(envs, 0);
-  const std::vector<double> square = dot(b, b, env_rows);
+  const std::vector<double> square = b2.empty() ? dot(b, b, env_rows) : b2;
   std::vector<Small> small(envs);
   std::vector<double> size(envs), scale(envs);
   const auto invert = [&](std::size_t e, double v) { scale[e] = v > 0 ? 1 / v : 0; };
@@ -90,25 +155,25 @@ GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const 
   combine(false, scale, b, env, env_rows, v[0].view());
   Buffer<Vec3> w(n);
   w.zero();
+  Column products(env_rows, env, limit + 1);
   while (any && out.iterations < limit) {
     const device::Ranges rows(env_rows, active);
     if (go_on) go_on(active);
     z.emplace_back(n);
-    preconditioner(std::as_const(v.back()).view(), z.back().view());
-    A(std::as_const(z.back()).view(), w.view());
+    preconditioner(std::as_const(v.back()).view(), z.back().view(), [&](device::Fetch& fetch) {
+      A(std::as_const(z.back()).view(), w.view());
+      products.begin(active);
+      for (const Buffer<Vec3>& basis : v) products.take_out(basis.view(), rows, w.view());  // modified Gram-Schmidt
+      products.end(std::as_const(w).view(), fetch);
+    });
     ++out.iterations;
-    std::vector<std::vector<double>> column(envs);
-    for (const Buffer<Vec3>& basis : v) {  // modified Gram-Schmidt
-      std::vector<double> h = dot(basis.view(), std::as_const(w).view(), rows);
-      for (std::size_t e = 0; e < envs; ++e) column[e].push_back(h[e]), h[e] = -h[e];
-      combine(true, h, basis.view(), env, rows, w.view());
-    }
-    const std::vector<double> below = dot(std::as_const(w).view(), std::as_const(w).view(), rows);
+    std::vector<std::vector<double>> column = products.entries();
     any = false;
     for (std::size_t e = 0; e < envs; ++e) {
       scale[e] = 0;
       if (!active[e]) continue;
-      const double length = std::sqrt(below[e]);
+      const double length = std::sqrt(column[e].back());
+      column[e].pop_back();
       const double residual = small[e].add(std::move(column[e]), length);
       out.relative[e] = size[e] > 0 ? residual / size[e] : 0;
       out.of_env[e] = out.iterations;

@@ -13,6 +13,11 @@ using device::Buffer;
 using device::View;
 
 using Operator = std::function<void(View<const Vec3> in, View<Vec3> out)>;
+// One that the host may have to wait for: then(fetch) is called where `out` may be there, and its fetch is brought with what is waited for. It has
+// been called for the `out` that is left.
+using Awaited = std::function<void(View<const Vec3> in, View<Vec3> out, const std::function<void(device::Fetch&)>& then)>;
+// `op`, which is not waited for.
+Awaited awaited(Operator op);
 
 struct GmresResult {
   Index iterations = 0;          // of the environment that took most,
@@ -21,8 +26,10 @@ struct GmresResult {
 };
 
 // Starts at x = 0 and stops when every environment's residual is at most its `relative` |b|, or after `most` products. `go_on`, where there is one,
-// is told before every product which environments have not ended yet: only theirs are wanted.
-GmresResult gmres(const Operator& A, const Operator& preconditioner, View<const Vec3> b, View<Vec3> x, const std::vector<Index>& env_rows,
-                  const std::vector<double>& relative, Index limit, const std::function<void(const std::vector<std::uint8_t>&)>& go_on = {});
+// is told before every product which environments have not ended yet: only theirs are wanted. b2: |b|^2 of every environment, where the caller knows
+// it. The host waits once per product, with the preconditioner.
+GmresResult gmres(const Operator& A, const Awaited& preconditioner, View<const Vec3> b, View<Vec3> x, const std::vector<Index>& env_rows,
+                  const std::vector<double>& relative, Index limit, const std::function<void(const std::vector<std::uint8_t>&)>& go_on = {},
+                  const std::vector<double>& b2 = {});
 
 }  // namespace mortise::linalg

@@ -1,16 +1,23 @@
 #include "linalg/grouping.h"
 
-namespace mortise::linalg {
+#include <utility>
 
-void group(Buffer<std::uint64_t>&& keys, std::uint64_t limit, Grouping& out) {
+#include "device/runs.h"
+
+namespace mortise::linalg {
+namespace {
+
+void sort_terms(Buffer<std::uint64_t>& keys, Grouping& out) {
   const Index n = keys.size();
   out.term.resize(n);
   const View<Index> term = out.term.view();
   device::parallel_for("group.terms", n, [=] MORTISE_HD(Index i) { term[i] = i; });
   device::sort_pairs(keys, out.term);
-  Buffer<Index> start;
-  device::run_starts(keys, start, limit);
-  const View<const std::uint64_t> key = keys.view();
+}
+
+// Group k has the places [start[k], start[k+1]) of the sorted terms.
+void cut_into_chunks(const Buffer<std::uint64_t>& sorted_keys, const Buffer<Index>& start, Grouping& out) {
+  const View<const std::uint64_t> key = sorted_keys.view();
   const View<const Index> s = start.view();
   const Index groups = start.size() - 1;
   out.groups = groups;
@@ -19,12 +26,12 @@ void group(Buffer<std::uint64_t>&& keys, std::uint64_t limit, Grouping& out) {
   const View<std::uint64_t> group_key = out.key.view();
   const View<Index> gc = out.group_chunks.view();
   device::parallel_for("group.chunks", groups, [=] MORTISE_HD(Index k) {
-    group_key[k] = key[s[k]];
+    group_key[k] = s[k] < s[k + 1] ? key[s[k]] : std::uint64_t{device::kNoKey};
     gc[k] = (s[k + 1] - s[k] + device::kChunk - 1) / device::kChunk;
   });
   device::scan(out.group_chunks);
   // How many chunks there are only the device knows: room for as many as there can be.
-  out.chunk_start.resize(groups + n / device::kChunk + 1);
+  out.chunk_start.resize(groups + key.n / device::kChunk + 1);
   const View<Index> cs = out.chunk_start.view();
   device::parallel_for("group.chunks", groups + 1, [=] MORTISE_HD(Index k) {
     if (k == groups)
@@ -32,6 +39,49 @@ void group(Buffer<std::uint64_t>&& keys, std::uint64_t limit, Grouping& out) {
     else
       for (Index c = gc[k]; c < gc[k + 1]; ++c) cs[c] = s[k] + (c - gc[k]) * device::kChunk;
   });
+}
+
+// Returns what device::mark_runs() found.
+Buffer<Index> cut_within(Buffer<std::uint64_t>& keys, std::uint64_t limit, Index most, Grouping& out) {
+  sort_terms(keys, out);
+  Buffer<Index> place, start;
+  device::mark_runs(keys, place, limit);
+  device::start_runs(keys, place, most, start, limit);
+  device::empty_runs(place, start);
+  cut_into_chunks(keys, start, out);
+  return place;
+}
+
+}  // namespace
+
+void group(Buffer<std::uint64_t>&& keys, std::uint64_t limit, Grouping& out) {
+  SortedTerms sorted;
+  device::Fetch fetch;
+  begin_group(std::move(keys), limit, out, sorted, fetch);
+  fetch.now();
+  end_group(std::move(sorted), out);
+}
+
+void group_within(Buffer<std::uint64_t>&& keys, std::uint64_t limit, Index most, Grouping& out) { cut_within(keys, limit, most, out); }
+
+void group_within(Buffer<std::uint64_t>&& keys, std::uint64_t limit, Index most, Grouping& out, Index& there, device::Fetch& fetch) {
+  Buffer<Index> place = cut_within(keys, limit, most, out);
+  fetch.add_total(place, there);
+  fetch.keep(std::move(place));
+}
+
+void begin_group(Buffer<std::uint64_t>&& keys, std::uint64_t limit, Grouping& out, SortedTerms& sorted, device::Fetch& fetch) {
+  sorted.key = std::move(keys), sorted.limit = limit;
+  sort_terms(sorted.key, out);
+  device::mark_runs(sorted.key, sorted.place, limit);
+  fetch.add_total(sorted.place, sorted.groups);
+}
+
+void end_group(SortedTerms&& sorted, Grouping& out) {
+  Buffer<Index> start;
+  device::start_runs(sorted.key, sorted.place, sorted.groups, start, sorted.limit);
+  cut_into_chunks(sorted.key, start, out);
+  sorted = {};
 }
 
 GroupsOf groups_of(const Grouping& g, const std::vector<std::uint64_t>& first_key, const std::vector<std::uint8_t>& whose) {

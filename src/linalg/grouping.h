@@ -10,7 +10,7 @@ using device::Buffer;
 using device::View;
 
 struct Grouping {
-  Index groups = 0;
+  Index groups = 0;            // or room for so many (group_within): those behind the last have no terms, and kNoKey for a key
   Buffer<std::uint64_t> key;   // of every group, ascending
   Buffer<Index> term;          // terms sorted by key
   Buffer<Index> chunk_start;   // places in `term`: chunks + 1, and room
@@ -26,8 +26,21 @@ GroupsOf groups_of(const Grouping& g, const std::vector<std::uint64_t>& first_ke
 
 // Groups the terms 0..n-1 by keys[term]; keys >= limit are left out. Consumes `keys`.
 void group(Buffer<std::uint64_t>&& keys, std::uint64_t limit, Grouping& out);
+// The first `most` groups; nobody waits for their number.
+void group_within(Buffer<std::uint64_t>&& keys, std::uint64_t limit, Index most, Grouping& out);
+// And `there` becomes how many there would have been, once `fetch` is done.
+void group_within(Buffer<std::uint64_t>&& keys, std::uint64_t limit, Index most, Grouping& out, Index& there, device::Fetch& fetch);
+// The same in two halves, between which `fetch` brings the number of groups.
+struct SortedTerms {
+  Buffer<std::uint64_t> key;
+  Buffer<Index> place;  // device::mark_runs
+  std::uint64_t limit = 0;
+  Index groups = 0;
+};
+void begin_group(Buffer<std::uint64_t>&& keys, std::uint64_t limit, Grouping& out, SortedTerms& sorted, device::Fetch& fetch);
+void end_group(SortedTerms&& sorted, Grouping& out);
 
-// add(group, sum of value(term)) for every group, or every one of `only`. T is a fixed-size Eigen type or a number.
+// add(group, sum of value(term)) for every group that has terms, or every one of `only`. T is a fixed-size Eigen type or a number.
 template <class T, class Value, class Add>
 void grouped_sum(const char* name, const Grouping& g, Value value, Add add, const GroupsOf* only = nullptr) {
   const Index room = g.chunk_start.size() - 1, groups = g.groups;
@@ -42,6 +55,7 @@ void grouped_sum(const char* name, const Grouping& g, Value value, Add add, cons
     part[c] = t;
   });
   device::parallel_for(name, only ? only->groups : device::Ranges{0, groups}, [=] MORTISE_HD(Index k) {
+    if (gc[k] == gc[k + 1]) return;
     T t = part[gc[k]];
     for (Index c = gc[k] + 1; c < gc[k + 1]; ++c) t += part[c];
     add(k, t);

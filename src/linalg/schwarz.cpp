@@ -1,5 +1,6 @@
 #include "linalg/schwarz.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace mortise::linalg {
@@ -52,24 +53,30 @@ MORTISE_HD inline Mat6 placed(const Mat6& term, bool diagonal, Index row, Index 
   return term;
 }
 
-// Keys of the blocks of the next level, for the blocks (row, col) of this one; `first` is the next level's first item.
-void group_by_parent(View<const Index> row, View<const Index> col, View<const Index> parent, CoarseMatrix& out) {
+// Keys of the blocks of the next level, for the blocks (row, col) of this one; `first` is the next level's first item. A row of -1 is none.
+Buffer<std::uint64_t> keys_of_parents(View<const Index> row, View<const Index> col, View<const Index> parent, const CoarseMatrix& of) {
   Buffer<std::uint64_t> keys(row.n);
   const View<std::uint64_t> key = keys.view();
-  const Index first = out.first, items = out.items;
+  const Index first = of.first, items = of.items;
   const std::uint64_t limit = block_key(items, 0, items);
   device::parallel_for("schwarz.keys", row.n, [=] MORTISE_HD(Index k) {
-    const Index i = parent[row[k]] - first, j = parent[col[k]] - first;
+    const Index i = row[k] < 0 ? -1 : parent[row[k]] - first, j = row[k] < 0 ? -1 : parent[col[k]] - first;
     key[k] = i < 0 || j < 0 ? limit : i <= j ? block_key(i, j, items) : block_key(j, i, items);
   });
-  group(std::move(keys), limit, out.terms);
-  const Index n = out.terms.groups;
+  return keys;
+}
+
+// The blocks of a level from their groups; those for which there was room only have row -1.
+void shape(CoarseMatrix& out) {
+  const Index n = out.terms.groups, first = out.first, items = out.items;
+  const std::uint64_t limit = block_key(items, 0, items);
   out.row.resize(n), out.col.resize(n), out.value.resize(n);
   const View<const std::uint64_t> found = out.terms.key.view();
   const View<Index> r = out.row.view(), c = out.col.view();
   device::parallel_for("schwarz.keys", n, [=] MORTISE_HD(Index k) {
-    r[k] = first + static_cast<Index>(found[k] / static_cast<std::uint64_t>(items));
-    c[k] = first + static_cast<Index>(found[k] % static_cast<std::uint64_t>(items));
+    const bool there = found[k] < limit;
+    r[k] = there ? first + static_cast<Index>(found[k] / static_cast<std::uint64_t>(items)) : -1;
+    c[k] = there ? first + static_cast<Index>(found[k] % static_cast<std::uint64_t>(items)) : -1;
   });
 }
 
@@ -97,6 +104,7 @@ void fill_coarse(const CoarseMatrix& A, View<const Index> slot, DomainMatrices& 
   const View<const Mat6> value = A.value.view();
   const View<Mat3> lower = domains.lower.view();
   device::parallel_for("schwarz.fill", row.n, [=] MORTISE_HD(Index k) {
+    if (row[k] < 0) return;
     const Index si = slot[row[k]], sj = slot[col[k]], d = si / kSlots;
     if (d != sj / kSlots) return;
     const Index a = si % kSlots, b = sj % kSlots, at = d * kPacked;
@@ -151,15 +159,37 @@ std::size_t Schwarz::bytes() const {
   return n;
 }
 
+// With room for as many blocks of every level as there were last time and some more the host hears of all levels at once; else of one after the
+// other. False where the room was too small.
+bool Schwarz::group_levels(const BlockMatrix& A, bool within) {
+  device::Fetch fetch;
+  const Index fine = A.upper_blocks();
+  for (std::size_t l = 0; l < coarse_.size(); ++l) {
+    CoarseMatrix& here = coarse_[l];
+    const std::uint64_t items = static_cast<std::uint64_t>(here.items), limit = block_key(here.items, 0, here.items);
+    Buffer<std::uint64_t> keys =
+        l == 0 ? keys_of_parents(A.row.view(), A.col.view(), row_parent_.view(), here)
+               : keys_of_parents(std::as_const(coarse_[l - 1].row).view(), std::as_const(coarse_[l - 1].col).view(), parent_.view(), here);
+    if (within) {
+      const std::uint64_t all = items * (items + 1) / 2, room = static_cast<std::uint64_t>(here.room.among(fine));
+      group_within(std::move(keys), limit, static_cast<Index>(std::min(room, all)), here.terms, here.there, fetch);
+    } else {
+      group(std::move(keys), limit, here.terms);
+      here.there = here.terms.groups;
+    }
+    shape(here);
+  }
+  fetch.now();
+  if (std::any_of(coarse_.begin(), coarse_.end(), [](const CoarseMatrix& m) { return m.there > m.terms.groups; })) return false;
+  for (CoarseMatrix& m : coarse_) m.room.found(m.there, fine);
+  return true;
+}
+
 void Schwarz::find_patterns(const BlockMatrix& A) {
   if (A.pattern == pattern_) return;
   pattern_ = A.pattern;
-  for (std::size_t l = 0; l < coarse_.size(); ++l) {
-    if (l == 0)
-      group_by_parent(A.row.view(), A.col.view(), row_parent_.view(), coarse_[0]);
-    else
-      group_by_parent(std::as_const(coarse_[l - 1].row).view(), std::as_const(coarse_[l - 1].col).view(), parent_.view(), coarse_[l]);
-  }
+  const bool known = std::all_of(coarse_.begin(), coarse_.end(), [](const CoarseMatrix& m) { return m.room.known(); });
+  if (!known || !group_levels(A, true)) group_levels(A, false);
 }
 
 void Schwarz::build(const BlockMatrix& A, View<const Vec3> position) {

@@ -8,6 +8,7 @@
 // move by x = w t + omega x d, with w = 1 and d = q - w c for a node or the position of an affine body, w = 0 and d = q for an axis (c: the item's
 // centre). A free body's motion costs no energy, so these carry what is slow to converge.
 // Every environment has domains of its own, all sums have a fixed order: bits depend neither on neighbours nor on threads.
+#include "device/room.h"
 #include "linalg/domain_inverse.h"
 #include "linalg/domains.h"
 #include "linalg/grouping.h"
@@ -19,7 +20,9 @@ namespace mortise::linalg {
 struct CoarseMatrix {
   Index first = 0, items = 0;  // the level's items among all coarse ones
   Grouping terms;              // blocks of the level below by the block they go into
-  Buffer<Index> row, col;      // items, row <= col
+  device::Room room;           // for how many there are, among the blocks of A
+  Index there = 0;
+  Buffer<Index> row, col;  // items, row <= col
   Buffer<Eigen::Matrix<double, 6, 6>> value;
 };
 
@@ -37,6 +40,7 @@ class Schwarz : public Preconditioner {
 
  private:
   void find_patterns(const BlockMatrix& A);
+  bool group_levels(const BlockMatrix& A, bool within);
 
   std::uint64_t pattern_ = 0;
   // Rows; then the coarse items of all levels, one level after another.

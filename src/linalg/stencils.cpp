@@ -1,6 +1,15 @@
 #include "linalg/stencils.h"
 
+#include <utility>
+
 namespace mortise::linalg {
+namespace {
+
+void count_pairs(device::View<const Index> blocks, device::View<Index> pairs) {
+  device::parallel_for("stencils.offsets", blocks.n - 1, [=] MORTISE_HD(Index s) { pairs[s] = pair_count(blocks[s]); });
+}
+
+}  // namespace
 
 bool StencilSet::resize_uniform(Index n, Index nb) {
   if (n == n_ && nb == uniform_) return false;
@@ -19,26 +28,42 @@ bool StencilSet::resize_uniform(Index n, Index nb) {
   return true;
 }
 
-void StencilSet::resize(device::Buffer<Index>&& counts) {
+void StencilSet::take_counts(device::Buffer<Index>&& counts) {
   uniform_ = -1;
   n_ = counts.size() - 1;
   hess_offset_.resize(n_ + 1);
-  const device::View<const Index> c = counts.view();
-  const auto hoff = hess_offset_.view();
-  const Index n = n_;
-  device::parallel_for("stencils.offsets", n, [=] MORTISE_HD(Index s) { hoff[s] = pair_count(c[s]); });
   offset_.swap(counts);
+  count_pairs(offset_.view(), hess_offset_.view());
   device::scan(offset_);
   device::scan(hess_offset_);
-  Index blocks = 0;
-  device::Fetch fetch;
-  fetch.add_total(offset_, blocks);
+}
+
+void StencilSet::begin_resize(device::Buffer<Index>&& counts, device::Fetch& fetch) {
+  take_counts(std::move(counts));
+  fetch.add_total(offset_, sum_);
   fetch.add_total(hess_offset_, pairs_);
-  fetch.now();
-  block_.resize(blocks);
-  grad_.resize(blocks);
+}
+
+void StencilSet::end_resize(Index n) {
+  n_ = n;
+  offset_.resize(n + 1), hess_offset_.resize(n + 1);
+  block_.resize(sum_);
+  grad_.resize(sum_);
   hess_.resize(0);
   pattern_changed();
+}
+
+void StencilSet::resize(device::Buffer<Index>&& counts) {
+  device::Fetch fetch;
+  begin_resize(std::move(counts), fetch);
+  fetch.now();
+  end_resize(n_);
+}
+
+void StencilSet::resize(device::Buffer<Index>&& counts, Index blocks, Index pairs) {
+  take_counts(std::move(counts));
+  sum_ = blocks, pairs_ = pairs;
+  end_resize(n_);
 }
 
 }  // namespace mortise::linalg

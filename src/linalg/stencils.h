@@ -27,6 +27,11 @@ class StencilSet {
   bool resize_uniform(Index n, Index nb);
   // Stencil s gets counts[s] blocks; counts has n+1 values, the last is ignored. Consumes the buffer.
   void resize(device::Buffer<Index>&& counts);
+  // The same where the sums of blocks and of pairs are known.
+  void resize(device::Buffer<Index>&& counts, Index blocks, Index pairs);
+  // The same in two halves, between which `fetch` brings the sums; then all but the first n have to be without blocks, and are none.
+  void begin_resize(device::Buffer<Index>&& counts, device::Fetch& fetch);
+  void end_resize(Index n);
   // Room for the Hessian pieces, which a new shape is without.
   void need_hessian() { hess_.resize(pairs_); }
   bool has_hessian() const { return hess_.size() == pairs_; }
@@ -34,6 +39,7 @@ class StencilSet {
   void pattern_changed() { ++version_; }
 
   Index size() const { return n_; }
+  Index pairs() const { return pairs_; }
   std::uint64_t version() const { return version_; }
   std::size_t bytes() const { return offset_.bytes() + hess_offset_.bytes() + block_.bytes() + grad_.bytes() + hess_.bytes(); }
   device::View<const Index> offsets() const { return offset_.view(); }
@@ -41,8 +47,10 @@ class StencilSet {
   StencilView view() { return {offset_.view(), hess_offset_.view(), block_.view(), grad_.view(), hess_.view(), n_}; }
 
  private:
+  void take_counts(device::Buffer<Index>&& counts);
+
   Index n_ = 0;
-  Index pairs_ = 0;
+  Index sum_ = 0, pairs_ = 0;  // of blocks, and of pairs of them
   Index uniform_ = -1;
   std::uint64_t version_ = 0;
   device::Buffer<Index> offset_, hess_offset_, block_;

@@ -46,6 +46,7 @@ struct ContactView {
   device::Buffer<ContactSample> samples;  // canonical order, environments contiguous
   device::Buffer<SampleChange> changes;   // of every sample, where that was asked for and is known: else normals and weights count as fixed
   std::vector<Index> env_offset;          // per environment, on the host
+  Index blocks = -1, pairs = -1;          // how many a stencil of every sample's points has in all, and pairs of them; -1 where that is not known
   bool local = true;                      // the force of a sample hangs on its own gap alone, by its stiffness
 };
 

@@ -18,7 +18,7 @@ void Coupled::factor(const device::Buffer<Vec3>& q, const EnvMask& whose, Linear
   if (!any(wanted)) return;
   system_.linearise(q.view(), {true, curvature_.wanted()}, at);
   device::Fetch fetch;
-  system_.matrix(at, q.view(), wanted, A_, fetch);
+  system_.matrix(at, q.view(), wanted, A_, fetch, fetch);
   fetch.now();
   const std::vector<double> none(wanted.size(), 0.0);
   const EnvMask good = linear_.prepare({A_, {}, {}, none, none, q.view()}, wanted);
@@ -59,14 +59,14 @@ bool Coupled::direction(const device::Buffer<Vec3>& q, Linearised& at, Linearise
   x_.resize(rows);
   try {
     std::optional<model::Only> only;
-    const linalg::GmresResult gmres =
-        linalg::gmres([&](device::View<const Vec3> in, device::View<Vec3> out) { product(q, in, out, near, envs); },
-                      [&](device::View<const Vec3> in, device::View<Vec3> out) { linear_.apply(A_, in, out, active_); }, std::as_const(r0_).view(),
-                      x_.view(), system_.rows.env, std::vector<double>(system_.model.envs, tuning::kCoupledForcing), tuning::kMostProducts,
-                      [&](const EnvMask& going) {
-                        only.reset();
-                        only.emplace(system_.model, going);
-                      });
+    const linalg::GmresResult gmres = linalg::gmres(
+        [&](device::View<const Vec3> in, device::View<Vec3> out) { product(q, in, out, near, envs); },
+        linalg::awaited([&](device::View<const Vec3> in, device::View<Vec3> out) { linear_.apply(A_, in, out, active_); }), std::as_const(r0_).view(),
+        x_.view(), system_.rows.env, std::vector<double>(system_.model.envs, tuning::kCoupledForcing), tuning::kMostProducts,
+        [&](const EnvMask& going) {
+          only.reset();
+          only.emplace(system_.model, going);
+        });
     for (Index e = 0; e < system_.model.envs; ++e)
       if (active_[e]) report[e].cg += gmres.of_env[e];
     products_ = gmres.of_env;

@@ -8,13 +8,11 @@
 
 namespace mortise::solver {
 
-// x_ of the environments of `todo`.
+// x_ of the environments of `todo`. What is not needed for it comes with `later`.
 void Direction::solve(const device::Buffer<Vec3>& q, const std::vector<double>& wanted, EnvMask todo, bool whole, Linearised& at, EnvTable& envs,
-                      const StepReports& report) {
+                      const StepReports& report, device::Fetch& later) {
   while (any(todo)) {
     std::optional<model::Only> only(std::in_place, system_.model, todo);
-    device::Fetch fetch;
-    system_.matrix(at, q.view(), todo, matrix_, fetch);
     device::Buffer<Vec3> Jc, Uc;
     if (supports_move_) {
       system_.potential.product(at, std::as_const(support_).view(), Jc);
@@ -22,7 +20,9 @@ void Direction::solve(const device::Buffer<Vec3>& q, const std::vector<double>& 
     }
     system_.right_hand_side(at, std::as_const(Jc).view(), rhs_);
     std::vector<double> rhs2(envs.size(), 0.0);
+    device::Fetch fetch;
     dot(std::as_const(rhs_).view(), std::as_const(rhs_).view(), system_.rows.env, {rhs2, fetch});
+    system_.matrix(at, q.view(), todo, matrix_, fetch, later);
     fetch.now();
     clear_envs(x_, todo, 1, system_.rows.env);
     {
@@ -47,16 +47,32 @@ effects::Want Direction::want(const EnvTable& envs) {
 
 void Direction::find(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs,
                      const StepReports& report) {
+  device::Fetch fetch;
+  begin(q, r, wanted, at, envs, report, fetch);
+  fetch.now();
+  end(envs);
+}
+
+void Direction::begin(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs,
+                      const StepReports& report, device::Fetch& fetch) {
   system_.supports(q.view(), support_);
   supports_move_ = largest_of(r.support_gap) > 0;
   x_.resize(system_.rows.count());
   EnvMask plain = envs.mask(EnvState::running), whole = plain;
   for (Index e = 0; e < envs.size(); ++e) (envs[e].whole ? plain : whole)[e] = 0;
-  solve(q, wanted, plain, false, at, envs, report);
-  while (any(whole)) {
-    solve(q, wanted, whole, true, at, envs, report);
-    device::Fetch fetch;
+  const auto measure = [&] {
+    measured_ = envs.mask(EnvState::running);
+    longest_.assign(envs.size(), 0.0);
     carry(at, envs, fetch);
+    largest(std::as_const(dq_).view(), system_.model.env_blocks, {longest_, fetch});
+    system_.convergence.see_step(std::as_const(dq_).view(), r, measured_, fetch);
+    clear_not_finite(dq_);  // the host hears of it after others have asked how far it may lead
+  };
+  solve(q, wanted, plain, false, at, envs, report, fetch);
+  bool measured = false;
+  while (any(whole)) {
+    solve(q, wanted, whole, true, at, envs, report, fetch);
+    measure();
     fetch.now();
     // Uphill: with less negative curvature, and without any by its symmetric part alone.
     EnvMask uphill = whole, symmetric(envs.size(), 0);
@@ -68,22 +84,18 @@ void Direction::find(const device::Buffer<Vec3>& q, const Residual& r, const std
     }
     for (Index e = 0; e < envs.size(); ++e) report[e].softened += uphill[e];
     if (any(uphill)) system_.potential.linearise(q.view(), want(envs), at);
-    solve(q, wanted, symmetric, false, at, envs, report);
+    solve(q, wanted, symmetric, false, at, envs, report, fetch);
+    measured = !any(uphill) && !any(symmetric);
     whole = uphill;
   }
-  const EnvMask running = envs.mask(EnvState::running);
-  std::vector<double> longest(envs.size(), 0.0);
-  {
-    device::Fetch fetch;
-    carry(at, envs, fetch);
-    largest(std::as_const(dq_).view(), system_.model.env_blocks, {longest, fetch});
-    system_.convergence.see_step(std::as_const(dq_).view(), r, running, fetch);
-    fetch.now();
-  }
+  if (!measured) measure();
+}
+
+void Direction::end(EnvTable& envs) {
   for (Index e = 0; e < envs.size(); ++e) {
-    if (!running[e]) continue;
-    envs[e].step = longest[e];
-    if (std::isfinite(longest[e])) continue;
+    if (!measured_[e] || !envs.is(e, EnvState::running)) continue;
+    envs[e].step = longest_[e];
+    if (std::isfinite(longest_[e])) continue;
     envs.fail(e, "the Newton direction is not finite");
     clear_blocks(dq_, system_.model.env_blocks[e], system_.model.env_blocks[e + 1]);
   }

@@ -15,6 +15,10 @@ class Direction {
   // Where there is none the environment fails.
   void find(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs,
             const StepReports& report);
+  // The same in two halves: what is only told of the way comes with `fetch`, between them.
+  void begin(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs,
+             const StepReports& report, device::Fetch& fetch);
+  void end(EnvTable& envs);
 
   // What Newton's next direction needs of its iterate.
   effects::Want want(const EnvTable& envs);
@@ -27,7 +31,7 @@ class Direction {
 
  private:
   void solve(const device::Buffer<Vec3>& q, const std::vector<double>& wanted, EnvMask todo, bool whole, Linearised& at, EnvTable& envs,
-             const StepReports& report);
+             const StepReports& report, device::Fetch& later);
   void carry(const Linearised& at, const EnvTable& envs, device::Fetch& fetch);
   System& system_;
   Linear& linear_;
@@ -35,7 +39,8 @@ class Direction {
   linalg::BlockMatrix matrix_;
   bool supports_move_ = false;
   device::Buffer<Vec3> support_, rhs_, x_, dq_, offset_;
-  std::vector<double> slope_;
+  std::vector<double> slope_, longest_;  // per environment [J], [m]
+  EnvMask measured_;                     // environments of which they are known
 };
 
 }  // namespace mortise::solver

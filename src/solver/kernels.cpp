@@ -269,6 +269,13 @@ void clear_blocks(Buffer<Vec3>& v, Index begin, Index end) {
   if (end > begin) device::clear(v.view().p + begin, static_cast<std::size_t>(end - begin) * sizeof(Vec3));
 }
 
+void clear_not_finite(Buffer<Vec3>& v) {
+  const View<Vec3> out = v.view();
+  device::parallel_for("solver.clear_not_finite", out.n, [=] MORTISE_HD(Index b) {
+    if (!(out[b].norm() < INFINITY)) out[b] = Vec3::Zero();
+  });
+}
+
 void copy_blocks(const Buffer<Vec3>& from, Index begin, Index end, Buffer<Vec3>& to) {
   if (end > begin) device::copy(to.view().p + begin, from.view().p + begin, static_cast<std::size_t>(end - begin) * sizeof(Vec3));
 }

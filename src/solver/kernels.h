@@ -68,6 +68,8 @@ double hold_rows(linalg::BlockMatrix& A, double scale, View<const Index> list, I
                  View<const double> lever, View<const double> position);
 // v[begin..end) <- 0, or those of `from`.
 void clear_blocks(Buffer<Vec3>& v, Index begin, Index end);
+// Those without a finite length.
+void clear_not_finite(Buffer<Vec3>& v);
 void copy_blocks(const Buffer<Vec3>& from, Index begin, Index end, Buffer<Vec3>& to);
 // The same of the environments whose mark is `mark`, of which each owns [first[e], first[e+1]); those side by side in one go.
 void clear_envs(Buffer<Vec3>& v, const std::vector<std::uint8_t>& marks, std::uint8_t mark, const std::vector<Index>& first);

@@ -18,34 +18,40 @@ auto ask_of(const model::Model& model, const EnvMask& whose, const F& f) {
 
 }  // namespace
 
-LineSearch::Merit LineSearch::begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, const std::vector<double>& slope,
-                                    device::View<const Vec3> c, Linearised& at, EnvTable& envs, std::vector<double>& alpha) {
+void LineSearch::ask(device::View<const Vec3> q, device::Buffer<Vec3>& dq, device::View<const Vec3> c, Linearised& at, device::Fetch& fetch) {
   const model::Model& model = system_.model;
-  device::Fetch fetch;
-  system_.potential.max_step(std::as_const(dq).view(), at, {alpha, fetch});
+  alpha_.assign(model.envs, 1.0);
+  system_.potential.max_step(std::as_const(dq).view(), at, {alpha_, fetch});
   energies_.find(q, at, fetch);
   const std::vector<double> none(model.envs, 0.0);
-  Merit m{slope, none, none, none, none};
+  Merit& m = merit_ = {none, none, none, none, none, none};
   // What is tied is stiff in directions in which the weight of others acts: there rounding of positions shows in the energy before forces balance.
   for (std::size_t k = 0; k < at.gradients.size() && model.ties.any(); ++k)
     energy_rounding(at.gradients[k].view(), q, model.env_blocks, {m.rounding, fetch});
-  std::vector<double> curvature = none;
   if (c.n > 0) {
     device::Buffer<Vec3> Hdq;
     system_.potential.product(at, std::as_const(dq).view(), Hdq, !model.ties.driven());  // driven blocks have ways of their own
-    dot(std::as_const(dq).view(), std::as_const(Hdq).view(), model.env_blocks, {curvature, fetch});
+    dot(std::as_const(dq).view(), std::as_const(Hdq).view(), model.env_blocks, {m.curvature, fetch});
     dot(c, c, model.env_blocks, {m.cc, fetch});
     largest(c, model.env_blocks, {m.farthest, fetch});
   }
   fetch.now();
-  energies_.begin_search(envs.mask(EnvState::running));
-  // rho makes the quadratic model of the merit decrease over the full step and its slope negative.
-  for (Index e = 0; e < model.envs; ++e) {
-    if (!(m.cc[e] > 0)) continue;
-    m.rho[e] = std::max(0.0, 2 * (2 * m.slope[e] + curvature[e]) / m.cc[e]);
-    m.slope[e] -= m.rho[e] * m.cc[e];
+}
+
+void LineSearch::begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, device::View<const Vec3> c, Linearised& at, EnvTable& envs,
+                       device::Fetch& fetch) {
+  const model::Model& model = system_.model;
+  for (bool done = false; !done;) {
+    try {
+      ask(q, dq, c, at, fetch);
+      done = true;
+    } catch (const Failure& f) {  // of what supports prescribe: of one environment, without which it is tried again
+      envs.fail(f.env, f.reason);
+      clear_blocks(dq, model.env_blocks[f.env], model.env_blocks[f.env + 1]);
+      energies_.forget(f.env);
+      if (!envs.any(EnvState::running)) return;
+    }
   }
-  return m;
 }
 
 // Energies at trial_ of the environments of `whose`; those of the others stay.
@@ -62,20 +68,24 @@ void LineSearch::find_energies(const Linearised& at, const EnvMask& whose, Energ
 
 void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at,
                       EnvTable& envs, const StepReports& report, const Forces& forces) {
+  device::Fetch fetch;
+  begin(std::as_const(q).view(), dq, c, at, envs, fetch);
+  end(q, dq, slope, at, envs, report, forces);
+}
+
+void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, Linearised& at, EnvTable& envs,
+                     const StepReports& report, const Forces& forces) {
+  if (!envs.any(EnvState::running)) return;
   const model::Model& model = system_.model;
-  std::vector<double> alpha;
-  Merit merit;
-  for (bool done = false; !done;) {
-    alpha.assign(model.envs, 1.0);
-    try {
-      merit = begin(std::as_const(q).view(), dq, slope, c, at, envs, alpha);
-      done = true;
-    } catch (const Failure& f) {  // of what supports prescribe: of one environment, without which it is tried again
-      envs.fail(f.env, f.reason);
-      clear_blocks(dq, model.env_blocks[f.env], model.env_blocks[f.env + 1]);
-      energies_.forget(f.env);
-      if (!envs.any(EnvState::running)) return;
-    }
+  std::vector<double>& alpha = alpha_;
+  Merit& merit = merit_;
+  energies_.begin_search(envs.mask(EnvState::running));
+  // rho makes the quadratic model of the merit decrease over the full step and its slope negative.
+  merit.slope = slope;
+  for (Index e = 0; e < model.envs; ++e) {
+    if (!(merit.cc[e] > 0)) continue;
+    merit.rho[e] = std::max(0.0, 2 * (2 * merit.slope[e] + merit.curvature[e]) / merit.cc[e]);
+    merit.slope[e] -= merit.rho[e] * merit.cc[e];
   }
   const std::vector<double> before = energies_.sum(energies_.known());
   for (Index e = 0; e < model.envs; ++e)

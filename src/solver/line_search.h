@@ -33,20 +33,25 @@ class LineSearch {
   // where empty. Where nothing descends the environment fails.
   void step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at,
             EnvTable& envs, const StepReports& report, const Forces& forces = {});
+  // The same in two halves. The first finds out how far dq may lead, and brings `fetch` with that.
+  void begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, device::View<const Vec3> c, Linearised& at, EnvTable& envs, device::Fetch& fetch);
+  void end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, Linearised& at, EnvTable& envs,
+           const StepReports& report, const Forces& forces);
 
  private:
-  // Of the merit, per environment: descent promised by the slope, what the supports add, and below what it says nothing. farthest: of the supports'
-  // ways that are left [m].
+  // Of the merit, per environment: descent promised by the slope, what the supports add, and below what it says nothing. curvature: dq . H dq;
+  // farthest: of the supports' ways that are left [m].
   struct Merit {
-    std::vector<double> slope, rho, cc, rounding, farthest;
+    std::vector<double> slope, rho, cc, rounding, curvature, farthest;
   };
-  Merit begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at,
-              EnvTable& envs, std::vector<double>& alpha);
+  void ask(device::View<const Vec3> q, device::Buffer<Vec3>& dq, device::View<const Vec3> c, Linearised& at, device::Fetch& fetch);
 
   void find_energies(const Linearised& at, const EnvMask& whose, Energies& there);
 
   System& system_;
   EnergyLedger& energies_;
+  std::vector<double> alpha_;  // per environment
+  Merit merit_;
   device::Buffer<Vec3> trial_;
 };
 

@@ -69,17 +69,20 @@ class Cg final : public Linear {
       const std::vector<double> rough(todo.size(), tuning::kInner), nothing(todo.size(), 0.0);
       // The symmetric part alone first: less would not see that it is indefinite.
       for (double& asked : relative) asked = std::max(asked, tuning::kWholeRough);
-      const linalg::CgResult start = run(s.A, s.b, s.x, relative, absolute, todo);
-      count(start, todo, report);
       EnvMask left = todo;
-      for (Index e = 0; e < rows_.envs(); ++e)
-        if (todo[e] && start.env[e].end == linalg::CgEnd::not_positive_definite && curvature.concavity(e) > 0)
-          env_[e].built_speed = 0, indefinite[e] = 1, left[e] = 0;
-      const linalg::GmresResult end =
-          solve_whole(model_, s, left, rows_.env, relative, tuning::kWholeMost, [&](device::View<const Vec3> in, device::View<Vec3> out) {
-            device::clear(out.p, out.n * sizeof(Vec3));
-            count(run(s.A, in, out, rough, nothing, left), left, report);  // none of those that have ended
-          });
+      const Start start = [&](const Then& then) {
+        const linalg::CgResult symmetric = run(s.A, s.b, s.x, relative, absolute, todo, then);
+        count(symmetric, todo, report);
+        for (Index e = 0; e < rows_.envs(); ++e)
+          if (todo[e] && symmetric.env[e].end == linalg::CgEnd::not_positive_definite && curvature.concavity(e) > 0)
+            env_[e].built_speed = 0, indefinite[e] = 1, left[e] = 0;
+        return left;
+      };
+      const auto inner = [&](device::View<const Vec3> in, device::View<Vec3> out, const Then& then) {
+        device::clear(out.p, out.n * sizeof(Vec3));
+        count(run(s.A, in, out, rough, nothing, left, then), left, report);  // none of those that have ended
+      };
+      const linalg::GmresResult end = solve_whole(model_, s, start, rows_.env, relative, tuning::kWholeMost, inner);
       for (Index e = 0; e < rows_.envs(); ++e) {
         if (!left[e]) continue;
         env_[e].speed = end.of_env[e] / std::max(1.0, -std::log10(end.relative[e]));
@@ -127,6 +130,8 @@ class Cg final : public Linear {
   void distrust(Index) override {}
 
  private:
+  using Then = std::function<void(device::Fetch&)>;
+
   // Within one step.
   struct Env {
     double built_speed = 0, speed = 0;  // iterations per digit: right after the preconditioner was built (0: not yet), last time
@@ -150,8 +155,9 @@ class Cg final : public Linear {
   }
 
   linalg::CgResult run(const linalg::BlockMatrix& A, device::View<const Vec3> b, device::View<Vec3> x, const std::vector<double>& relative,
-                       const std::vector<double>& absolute, const EnvMask& todo) {
+                       const std::vector<double>& absolute, const EnvMask& todo, const Then& then = {}) {
     linalg::CgOptions options;
+    options.then = then;
     options.max_iterations = options_.cg_iterations;
     options.absolute = absolute;
     options.only = todo;

@@ -176,7 +176,7 @@ class Direct final : public Linear {
         if (left[e]) device::clear(range(s.x, e).p, range(s.x, e).n * sizeof(Vec3));
       const linalg::GmresResult end =
           solver::solve_whole(model_, s, left, rows_.env, std::vector<double>(todo.size(), tuning::kWholeRough), tuning::kWholeMost,
-                              [&](device::View<const Vec3> in, device::View<Vec3> out) { apply(s.A, in, out, left); });
+                              linalg::awaited([&](device::View<const Vec3> in, device::View<Vec3> out) { apply(s.A, in, out, left); }));
       for (Index e = 0; e < rows_.envs(); ++e) {
         if (!left[e]) continue;
         report[e].cg += end.of_env[e];

@@ -33,32 +33,53 @@ void unweigh(device::View<const double> w, device::View<const Vec3> in, device::
 }  // namespace
 
 linalg::GmresResult solve_whole(const model::Model& model, const LinearSystem& s, const EnvMask& whose, const std::vector<Index>& env_rows,
-                                const std::vector<double>& relative, Index limit, const linalg::Operator& preconditioner) {
-  const Index rows = s.b.n, envs = static_cast<Index>(whose.size());
+                                const std::vector<double>& relative, Index limit, const linalg::Awaited& preconditioner) {
+  const Start here = [&](const std::function<void(device::Fetch&)>& then) {
+    device::Fetch fetch;
+    then(fetch);
+    fetch.now();
+    return whose;
+  };
+  return solve_whole(model, s, here, env_rows, relative, limit, preconditioner);
+}
+
+linalg::GmresResult solve_whole(const model::Model& model, const LinearSystem& s, const Start& start, const std::vector<Index>& env_rows,
+                                const std::vector<double>& relative, Index limit, const linalg::Awaited& preconditioner) {
+  const Index rows = s.b.n, envs = static_cast<Index>(env_rows.size()) - 1;
   device::Buffer<Vec3> r(rows), x(rows), d(rows), Jx(rows), forces(rows);
   const device::Buffer<double> weights = row_weights(s.A);
   const device::View<const double> w = weights.view();
-  weigh(w, s.b, r.view());
-  const std::vector<double> b2 = dot(std::as_const(r).view(), std::as_const(r).view(), env_rows);
   // D^-1/2 J, and its preconditioner.
   const linalg::Operator product = [&](device::View<const Vec3> in, device::View<Vec3> out) {
     (*s.whole)(in, out);
     weigh(w, out, out);
   };
-  const linalg::Operator inverse = [&](device::View<const Vec3> in, device::View<Vec3> out) {
+  const linalg::Awaited inverse = [&](device::View<const Vec3> in, device::View<Vec3> out, const std::function<void(device::Fetch&)>& then) {
     unweigh(w, in, forces.view());
-    preconditioner(std::as_const(forces).view(), out);
+    preconditioner(std::as_const(forces).view(), out, then);
   };
-  device::copy(x.view().p, s.x.p, rows * sizeof(Vec3));
+  std::vector<double> b2, r2;
+  const auto size = [&](std::vector<double>& square, device::Fetch& fetch) {
+    square.assign(envs, 0.0);
+    dot(std::as_const(r).view(), std::as_const(r).view(), env_rows, {square, fetch});
+  };
+  const auto residual = [&](device::Fetch& fetch) {
+    (*s.whole)(std::as_const(x).view(), Jx.view());
+    subtract(s.b, std::as_const(Jx).view(), r);
+    weigh(w, std::as_const(r).view(), r.view());
+    size(r2, fetch);
+  };
+  const EnvMask whose = start([&](device::Fetch& fetch) {
+    weigh(w, s.b, r.view());
+    size(b2, fetch);
+    device::copy(x.view().p, s.x.p, rows * sizeof(Vec3));
+    residual(fetch);
+  });
   EnvMask left = whose;
   linalg::GmresResult sum;
   sum.of_env.assign(envs, 0), sum.relative.assign(envs, 0.0);
   clear_envs(x, whose, 0, env_rows);
   for (;;) {
-    (*s.whole)(std::as_const(x).view(), Jx.view());
-    subtract(s.b, std::as_const(Jx).view(), r);
-    weigh(w, std::as_const(r).view(), r.view());
-    const std::vector<double> r2 = dot(std::as_const(r).view(), std::as_const(r).view(), env_rows);
     std::vector<double> wanted(envs, 0.0);
     for (Index e = 0; e < envs; ++e) {
       if (left[e]) sum.relative[e] = b2[e] > 0 ? std::sqrt(r2[e] / b2[e]) : 0;
@@ -66,19 +87,24 @@ linalg::GmresResult solve_whole(const model::Model& model, const LinearSystem& s
       if (left[e])
         wanted[e] = relative[e] / sum.relative[e];
       else
-        clear_blocks(r, env_rows[e], env_rows[e + 1]);
+        clear_blocks(r, env_rows[e], env_rows[e + 1]), r2[e] = 0;
     }
     if (!any(left)) break;
     std::optional<model::Only> only;
-    const linalg::GmresResult cycle =
-        linalg::gmres(product, inverse, std::as_const(r).view(), d.view(), env_rows, wanted, limit, [&](const EnvMask& going) {
+    const linalg::GmresResult cycle = linalg::gmres(
+        product, inverse, std::as_const(r).view(), d.view(), env_rows, wanted, limit,
+        [&](const EnvMask& going) {
           only.reset();
           only.emplace(model, going);
-        });
+        },
+        r2);
     only.reset();
     add(std::as_const(d).view(), x);
     sum.iterations += cycle.iterations;
     for (Index e = 0; e < envs; ++e) sum.of_env[e] += left[e] ? cycle.of_env[e] : 0;
+    device::Fetch fetch;
+    residual(fetch);
+    fetch.now();
   }
   for (Index e = 0; e < envs; ++e)
     if (whose[e]) device::copy(s.x.p + env_rows[e], std::as_const(x).view().p + env_rows[e], (env_rows[e + 1] - env_rows[e]) * sizeof(Vec3));

@@ -14,6 +14,10 @@ namespace mortise::solver {
 // itself; where rounding hid that it had not ended, and fewer were needed, it has them once more. x stands still outside of
 // `whose`.
 linalg::GmresResult solve_whole(const model::Model& model, const LinearSystem& system, const EnvMask& whose, const std::vector<Index>& env_rows,
-                                const std::vector<double>& relative, Index limit, const linalg::Operator& preconditioner);
+                                const std::vector<double>& relative, Index limit, const linalg::Awaited& preconditioner);
+// From where `start` leads system.x, in the environments that it returns; then() as that of linalg::Awaited.
+using Start = std::function<EnvMask(const std::function<void(device::Fetch&)>& then)>;
+linalg::GmresResult solve_whole(const model::Model& model, const LinearSystem& system, const Start& start, const std::vector<Index>& env_rows,
+                                const std::vector<double>& relative, Index limit, const linalg::Awaited& preconditioner);
 
 }  // namespace mortise::solver

@@ -167,10 +167,15 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
 
     std::vector<double> tolerance;
     for (Index e = 0; e < envs_.size(); ++e) tolerance.push_back(system_.convergence.least_tolerance(r, e, wanted(e)));
-    direction_.find(q_, r, tolerance, at_, envs_, report);
+    // What is told of the direction comes with how far it may lead.
+    device::Fetch fetch;
+    direction_.begin(q_, r, tolerance, at_, envs_, report, fetch);
     held_ = running;
     check_failed();
-    line_search_.step(q_, direction_.way(), direction_.slope(), direction_.supports(), at_, envs_, report, forces_beside(r));
+    line_search_.begin(std::as_const(q_).view(), direction_.way(), direction_.supports(), at_, envs_, fetch);
+    direction_.end(envs_);
+    check_failed();
+    line_search_.end(q_, direction_.way(), direction_.slope(), at_, envs_, report, forces_beside(r));
     check_failed();
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running) && envs_[e].alpha == 0) system_.hold.tighten(e);

@@ -25,7 +25,7 @@ namespace mortise::solver {
 
 class Newton {
  public:
-  using Search = LineSearch;  // the globalisation: another one has its step() and Forces
+  using Search = LineSearch;  // the globalisation: another one has its begin(), end() and Forces
   Newton(model::Model& model, EffectList& effects, const Options& options, Clock& clock);
 
   // The state at model.q with its own lagged quantities, in the environments of `whose`: what a step starts from. Effects' begin_step must have run.

@@ -99,15 +99,16 @@ void System::supports(device::View<const Vec3> q, device::Buffer<Vec3>& c) const
   if (model.ties.driven()) model.ties.add_offset(q, c.view());
 }
 
-void System::matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& whose, linalg::BlockMatrix& A, device::Fetch& fetch) {
+void System::matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& whose, linalg::BlockMatrix& A, device::Fetch& now,
+                    device::Fetch& later) {
   const Timed timed(clock, "solver", "matrix");
   if (model.ties.any()) {
-    potential.assembler().matrix(at.sets(), whole_);
+    potential.assembler().matrix(at.sets(), whole_, now);
     elimination_.reduce(whole_, A);
   } else {
-    potential.assembler().matrix(at.sets(), A);
+    potential.assembler().matrix(at.sets(), A, now);
   }
-  convergence.see_matrix(A, q, rows.block.view(), whose, fetch);
+  convergence.see_matrix(A, q, rows.block.view(), whose, later);
   if (rows.any_partial) linalg::project(A, rows.projector.view());
   // Without a shift rounding decides how far a body that nothing holds goes along its free motions.
   shift_diagonal(A, tuning::kLoose, rows.env, rows.loose);

@@ -30,9 +30,9 @@ class System {
 
   // c = T (I - P)(target - q): what supports still have to move, and what is tied to it.
   void supports(device::View<const Vec3> q, device::Buffer<Vec3>& c) const;
-  // P T^T H T P + I - P on the rows, with H of `at`, linearised at q. Convergence knows its rounding in the environments of `whose` once that is
-  // done.
-  void matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& whose, linalg::BlockMatrix& A, device::Fetch& fetch);
+  // P T^T H T P + I - P on the rows, with H of `at`, linearised at q. Convergence knows its rounding in the environments of `whose` once `later` is
+  // done; `now` is brought where the structure has to be asked for.
+  void matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& whose, linalg::BlockMatrix& A, device::Fetch& now, device::Fetch& later);
   // y = P T^T (H + U) T P x on the rows, with the matrix A of H, and U of `at` (Potential::unsymmetric_product).
   linalg::Operator whole(Linearised& at, const linalg::BlockMatrix& A);
   // -P (g + Hc), where Hc may be empty.

@@ -26,7 +26,7 @@ void Tangent::linearise(const device::Buffer<Vec3>& q) {
     system_.potential.linearise(q.view(), {true, effects::Curvature(true, concave), true}, at_, true);
     system_.potential.sample(at_);
     device::Fetch fetch;
-    system_.matrix(at_, q.view(), none, matrix_, fetch);
+    system_.matrix(at_, q.view(), none, matrix_, fetch, fetch);
     fetch.now();
     if (linear_->prepare({matrix_, {}, {}, nothing, nothing, q.view()}, all)[0]) break;
     if (concave == 0) throw Failure{"the linearised equations of the step have no factor"};
@@ -71,8 +71,8 @@ void Tangent::solve(device::View<const Vec3> f, bool transposed, device::Buffer<
   if (!std::isfinite(f2[0])) throw Failure{"a force is not finite"};
   const double wanted = assembled_ || transposed ? tuning::kTangent : tuning::kTangentByDifferences;
   const LinearSystem linear{matrix_, f, x.view(), f2, f2, q_.view(), &J};
-  const linalg::GmresResult end = solve_whole(system_.model, linear, all, system_.rows.env, {wanted}, tuning::kTangentMost,
-                                              [&](device::View<const Vec3> in, device::View<Vec3> out) { linear_->apply(matrix_, in, out, all); });
+  const linalg::Operator inverse = [&](device::View<const Vec3> in, device::View<Vec3> out) { linear_->apply(matrix_, in, out, all); };
+  const linalg::GmresResult end = solve_whole(system_.model, linear, all, system_.rows.env, {wanted}, tuning::kTangentMost, linalg::awaited(inverse));
   if (!(end.relative[0] <= tuning::kTangentRough)) throw Failure{"the linearised equations of the step do not let themselves be solved"};
 }
 

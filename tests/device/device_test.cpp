@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "device/runs.h"
+
 using namespace mortise;
 using namespace mortise::device;
 
@@ -126,6 +128,24 @@ TEST(Device, RunsEndAtTheLimit) {
   run_starts(keys, start, 1);
   EXPECT_EQ(start.download(), (std::vector<Index>{0}));
   run_starts(Buffer<std::uint64_t>(0), start);
+  EXPECT_EQ(start.download(), (std::vector<Index>{0}));
+}
+
+// Nobody waits for the number of runs: places behind the last are runs without keys, and runs for which there is no room are left out.
+TEST(Device, RunsMayBeFewerOrMoreThanThereIsRoomFor) {
+  const Buffer<std::uint64_t> keys(std::vector<std::uint64_t>{2, 2, 5, 7, 7, 7, 9});
+  Buffer<Index> place, start;
+  const long long before = transfers().to_host;
+  mark_runs(keys, place, 9);
+  start_runs(keys, place, 5, start, 9);
+  empty_runs(place, start);
+  EXPECT_EQ(transfers().to_host, before);
+  EXPECT_EQ(place.download().back(), 3);
+  EXPECT_EQ(start.download(), (std::vector<Index>{0, 2, 3, 6, 6, 6}));
+  start_runs(keys, place, 2, start, 9);
+  empty_runs(place, start);
+  EXPECT_EQ(start.download(), (std::vector<Index>{0, 2, 3}));
+  start_runs(keys, place, 0, start, 9);
   EXPECT_EQ(start.download(), (std::vector<Index>{0}));
 }
 

@@ -161,6 +161,38 @@ TEST(Broadphase, PicksExactlyWhatItWouldFind) {
   }
 }
 
+// What is kept may answer without waiting, on the guess that it serves, and says afterwards whether it did.
+TEST(Broadphase, AGuessIsTheAnswerOrSaysThatItIsNone) {
+  const test::Soup s = many_bodies(9, 3, 4, 17, true);
+  const Surface surface = s.surface();
+  Broadphase broadphase(surface);
+  test::Random r(37);
+  std::vector<Vec3> y = s.points, dy(y.size());
+  for (Vec3& d : dy) d = test::random_vec(r, 1e-4);
+  const Buffer<Vec3> dyb(dy);
+  device::Fetch fetch;
+  const auto guess = [&](const Buffer<Vec3>& at) { return broadphase.guess(at.view(), dyb.view(), 0.02, {}, fetch); };
+  const Buffer<Vec3> first(y);
+  EXPECT_EQ(guess(first), nullptr) << "nothing is kept";
+  broadphase.update(first.view(), dyb.view(), 0.02);
+  for (Vec3& p : y) p += test::random_vec(r, 1e-6);
+  const Buffer<Vec3> near(y);
+  auto one = guess(near);
+  ASSERT_NE(one, nullptr);
+  fetch.now();
+  ASSERT_TRUE(broadphase.take(*one));
+  expect_exact(s, broadphase, brute_force(s, y, dy, 0.02));
+  auto late = guess(near);
+  for (Vec3& p : y) p += test::random_vec(r, 0.1);
+  const Buffer<Vec3> far(y);
+  auto wrong = guess(far);
+  fetch.now();
+  EXPECT_FALSE(broadphase.take(*wrong));
+  broadphase.update(far.view(), dyb.view(), 0.02);
+  EXPECT_FALSE(broadphase.take(*late)) << "another list is kept by now";
+  expect_exact(s, broadphase, brute_force(s, y, dy, 0.02));
+}
+
 // Environments are asked for together and by turns, and one of them moves far each time: it alone is searched again.
 TEST(Broadphase, KeepsAListOfEveryEnvironment) {
   constexpr Index kEnvs = 4, kPasses = 24;

@@ -150,6 +150,25 @@ TEST(Assembly, FollowsAChangedContactSet) {
   }
 }
 
+// How many blocks a contact set has the host hears with the structure of the matrix, in one copy, also where there are many more than last time.
+TEST(Assembly, WaitsOnceForAChangedContactSet) {
+  Random problem;
+  Index rows;
+  const std::vector<Index> row = rows_backwards(rows);
+  Assembler assembler;
+  assembler.set_rows(Buffer<Index>(row), rows);
+  BlockMatrix A;
+  expect_dense_sum(assembler, problem, row, rows, A);
+  problem.new_contact(62);
+  const long long before = device::transfers().to_host;
+  assembler.matrix(problem.sets, A);
+  EXPECT_EQ(device::transfers().to_host - before, 1);
+  for (Index n : {4, 3000, 5}) {
+    problem.new_contact(n);
+    expect_dense_sum(assembler, problem, row, rows, A);
+  }
+}
+
 TEST(Assembly, FollowsChangedRows) {
   Random problem;
   Index rows;

@@ -249,6 +249,25 @@ TEST(Cg, BitsDoNotDependOnTheLengthOfBlocks) {
   }
 }
 
+// Convergence is looked into before the host asks, where it was reached last time.
+TEST(Cg, TheHostLooksOnceWhereABlockIsEnough) {
+  Batch batch({4});
+  BlockJacobi M;
+  M.build(batch.A);
+  ConjugateGradients solver(batch.env_rows);
+  for (Index every : {1000, 7}) {
+    Buffer<Vec3> x(batch.A.rows);
+    x.zero();
+    CgOptions options;
+    options.check_every = every;
+    const long long before = device::transfers().to_host;
+    const CgResult r = solver.solve(batch.A, M, batch.b.view(), x.view(), batch.tolerance(1e-9), options);
+    EXPECT_TRUE(r.converged());
+    const Index blocks = (r.iterations() + every - 1) / every;
+    EXPECT_EQ(device::transfers().to_host - before, blocks) << every;
+  }
+}
+
 // One solver for matrices whose values, structure and right-hand side change.
 TEST(Cg, SolverIsUsedAgain) {
   Batch a({4, 3}), b({3, 4});

@@ -32,7 +32,7 @@ struct Pair {
   }
   GmresResult solve(const Dense& preconditioner, double relative, Index most = 200) {
     rhs.upload(b);
-    return gmres(by(A), by(preconditioner), rhs.view(), x.view(), rows, std::vector<double>(rows.size() - 1, relative), most);
+    return gmres(by(A), awaited(by(preconditioner)), rhs.view(), x.view(), rows, std::vector<double>(rows.size() - 1, relative), most);
   }
 };
 
@@ -82,7 +82,7 @@ TEST(Gmres, SaysWhoGoesOn) {
   for (Index i = 0; i < 20; ++i) p.b[i] *= 1e-3;
   p.rhs.upload(p.b);
   std::vector<Index> told(2, 0);
-  const GmresResult r = gmres(Pair::by(p.A), Pair::by(Dense::Identity(156, 156)), p.rhs.view(), p.x.view(), p.rows, {1e-6, 1e-6}, 200,
+  const GmresResult r = gmres(Pair::by(p.A), awaited(Pair::by(Dense::Identity(156, 156))), p.rhs.view(), p.x.view(), p.rows, {1e-6, 1e-6}, 200,
                               [&](const std::vector<std::uint8_t>& going) {
                                 for (int e = 0; e < 2; ++e) told[e] += going[e];
                               });

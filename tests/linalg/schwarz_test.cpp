@@ -24,10 +24,12 @@ struct Scene {
   std::vector<Vec3> position;
   BlockMatrix A;
 
-  explicit Scene(const std::vector<Index>& cells, double contact = 1e6) {
+  // far: springs between rows far from each other.
+  explicit Scene(const std::vector<Index>& cells, double contact = 1e6, Index far = 0) {
     std::vector<StencilSet*> all;
     std::vector<Index> row_of_block;
     for (std::size_t e = 0; e < cells.size(); ++e) add(cells[e], static_cast<Index>(2 * e), contact, row_of_block);
+    if (far > 0) tie(far, row_of_block);
     for (auto& c : cubes) all.push_back(&c->elastic);
     for (auto& s : sets) all.push_back(s.get());
     Assembler assembler;
@@ -87,8 +89,26 @@ struct Scene {
     sets.push_back(std::move(own)), sets.push_back(std::move(springs));
   }
 
-  std::vector<Vec3> apply(Schwarz& M, const std::vector<Vec3>& r) {
-    Buffer<Vec3> in(r), out(A.rows);
+  void tie(Index n, const std::vector<Index>& row_of_block) {
+    std::vector<Index> free, block;
+    for (std::size_t b = 0; b < row_of_block.size(); ++b)
+      if (row_of_block[b] >= 0) free.push_back(static_cast<Index>(b));
+    const auto count = static_cast<Index>(free.size()) - 4;
+    std::vector<Mat3> hess;
+    for (Index i = 0; i < n; ++i) {
+      block.insert(block.end(), {free[i % count], free[(7 * i + count / 2) % count]});
+      hess.insert(hess.end(), {Mat3::Identity(), -Mat3::Identity(), Mat3::Identity()});
+    }
+    auto set = std::make_unique<StencilSet>();
+    set->resize_uniform(n, 2);
+    set->need_hessian();
+    write(set->view().block, block), write(set->view().hess, hess);
+    set->pattern_changed();
+    sets.push_back(std::move(set));
+  }
+
+  static std::vector<Vec3> apply(Schwarz& M, const std::vector<Vec3>& r) {
+    Buffer<Vec3> in(r), out(static_cast<Index>(r.size()));
     M.apply(in.view(), out.view());
     return out.download();
   }
@@ -196,6 +216,30 @@ TEST(Schwarz, IsItsDefinition) {
     const DenseVector z = want * dense(r);
     EXPECT_LT((dense(scene.apply(M, r)) - z).norm(), 1e-5 * z.norm());
   }
+}
+
+// Levels have room for as many blocks as there were and some more, of which the host hears once; where that was too little they are found anew.
+TEST(Schwarz, FollowsAMatrixWithOtherBlocks) {
+  const Scene few({9}, 1e6, 1), more({9}, 1e6, 5), many({9}, 1e6, 4000);
+  const Buffer<Vec3> q(few.position);
+  Schwarz M(few.rows, few.env_rows);
+  ASSERT_GE(M.levels(), 3);
+  const std::vector<Vec3> r = random_vector(few.A.rows, 5);
+  const auto waits = [&](const Scene& s) {
+    const long long before = device::transfers().to_host;
+    M.build(s.A, q.view());
+    const long long there = device::transfers().to_host - before;
+    Schwarz fresh(s.rows, s.env_rows);
+    fresh.build(s.A, q.view());
+    EXPECT_EQ(Scene::apply(M, r), Scene::apply(fresh, r));
+    return there;
+  };
+  const Index levels = M.levels() - 1;
+  EXPECT_EQ(waits(few), levels);
+  EXPECT_EQ(waits(more), 1);
+  EXPECT_EQ(waits(many), 1 + levels);
+  EXPECT_EQ(waits(few), 1);
+  EXPECT_EQ(waits(few), 0);
 }
 
 TEST(Schwarz, IsSymmetricAndPositive) {

@@ -289,7 +289,7 @@ TEST(Linear, UnsymmetricSystemsDoNotForgetWhatIsLight) {
     device::copy_in(out.p, x.data(), x.size() * sizeof(Vec3));
   };
   LinearSystem s{c.A, std::as_const(c.b).view(), c.x.view(), c.b2, c.wanted, std::as_const(c.q).view(), &J};
-  solve_whole(c.model, s, {1}, c.rows.env, {0.01}, 30, M);
+  solve_whole(c.model, s, {1}, c.rows.env, {0.01}, 30, linalg::awaited(M));
   const std::vector<Vec3> x = c.x.download();
   for (std::size_t i = 1; i < 4; ++i) EXPECT_LT((whole(x, i) - b[i]).norm(), 0.02) << i;
 }

@@ -139,6 +139,42 @@ TEST(Newton, StartsWithSupportsOnTheirTargets) {
   for (Index b = 0; b < 12; ++b) EXPECT_LT((d[b] - (b == 8 ? behind : b % 4 == 0 ? -10 * answer : answer)).norm(), 1e-13) << b;
 }
 
+namespace {
+
+// Sees the ways that are asked for.
+class Watcher final : public effects::Effect {
+ public:
+  explicit Watcher(bool& finite) : finite_(finite) {}
+  const effects::Kind& kind() const override { return kInertia; }
+  void linearise(effects::Positions, effects::Want, effects::Linearisation& at) override { at.stencils.resize_uniform(0, 0); }
+  void energy(effects::Positions, const effects::Linearisation&, device::EnvValues) override {}
+  void max_step(device::View<const Vec3> dq, effects::Linearisation&, device::EnvValues) override {
+    std::vector<Vec3> d(dq.n);
+    device::copy_out(d.data(), dq.p, dq.n * sizeof(Vec3));
+    for (const Vec3& v : d) finite_ = finite_ && v.allFinite();
+  }
+
+ private:
+  bool& finite_;
+};
+
+}  // namespace
+
+// The host hears that a direction is not finite with how far it may lead: nobody may be asked about one that is not.
+TEST(Newton, NobodySeesADirectionThatIsNotFinite) {
+  Problem p(2);
+  p.options.linear = "direct";
+  bool finite = true;
+  p.add(kStore, toy::spring([](Index e) { return e == 1 ? 1e-200 : 4.0; }, [](Index e) { return e == 1 ? Vec3(1e150, 0, 0) : kForce; }));
+  p.effects.push_back(std::make_unique<Watcher>(finite));
+  Newton newton(p.model, p.effects, p.options, p.clock);
+  solve(p, newton);
+  EXPECT_TRUE(newton.envs().is(0, EnvState::solved));
+  ASSERT_TRUE(newton.envs().is(1, EnvState::failed));
+  EXPECT_EQ(newton.envs()[1].reason, "the Newton direction is not finite");
+  EXPECT_TRUE(finite);
+}
+
 // Linear, reuse and cg give every environment the bits that it has alone, however many iterations the others need, and one that fails leaves
 // the others alone.
 TEST(Newton, EnvironmentsDoNotKnowEachOther) {

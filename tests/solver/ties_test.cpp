@@ -111,7 +111,7 @@ void check(const std::string& second, Index free_blocks) {
   system.potential.linearise(q.view(), {true, {true, 1}}, at);
   linalg::BlockMatrix A;
   device::Fetch fetch;
-  system.matrix(at, q.view(), {1}, A, fetch);
+  system.matrix(at, q.view(), {1}, A, fetch, fetch);
   fetch.now();
   Matrix H = Matrix::Zero(z.size(), z.size());
   const auto row = A.row.download(), col = A.col.download();

@@ -72,15 +72,17 @@ class BarrierContact final : public Effect {
 
   void linearise(Positions q, Want want, Linearisation& out) override {
     BarrierLinearisation& at = of_barrier(out);
-    proximity_.locate(q, at.y);
-    build(view(), proximity_.candidates(), std::as_const(at.y).view(), vertices(), at.active);
-    if (want.forces) contact::assemble(view(), at.active, std::as_const(at.y).view(), model_.point_map(), want.matrix, at.stencils);
+    model_.points_of(q, at.y);
+    if (!want.forces) return build(view(), where(at.y), room_, at.active);
+    build(view(), where(at.y), room_, model_.point_map(), at.active, at.stencils);
+    contact::assemble(view(), at.active, std::as_const(at.y).view(), model_.point_map(), want.matrix, at.stencils);
   }
 
   void sample(Linearisation& out) override {
     BarrierLinearisation& at = of_barrier(out);
     samples(view(), at.active, std::as_const(at.y).view(), at.contact.samples);
     at.contact.env_offset = at.active.env_offset;
+    at.contact.blocks = at.active.blocks, at.contact.pairs = at.active.pairs;
   }
 
   void sample_changes(Linearisation& out) override {
@@ -89,15 +91,11 @@ class BarrierContact final : public Effect {
   }
 
   void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
-    const std::vector<std::uint8_t> finite = proximity_.locate(q, y_);
-    contact::energy(view(), proximity_.candidates(), std::as_const(y_).view(), vertices(), per_env);
-    forbid(finite, per_env);
+    model_.points_of(q, y_);
+    contact::energy(view(), where(y_), per_env);
   }
 
-  void max_step(View<const Vec3> dq, Linearisation& at, device::EnvValues alpha) override {
-    Buffer<Vec3> dy;
-    proximity_.limit(of_barrier(at).y, dq, view(), dy, alpha);
-  }
+  void max_step(View<const Vec3> dq, Linearisation& at, device::EnvValues alpha) override { proximity_.limit(of_barrier(at).y, dq, view(), alpha); }
 
   void report(const FieldSinks& sinks, const Linearisation& at) override;
 
@@ -109,19 +107,19 @@ class BarrierContact final : public Effect {
   }
 
  private:
-  device::Ranges vertices() const { return model_.working(proximity_.vertex_env()); }
+  Where where(const Buffer<Vec3>& y) { return {proximity_.held(), y, model_.at_work, model_.working(proximity_.vertex_env())}; }
   BarrierView view() const { return proximity_.view(barrier_, kappa_, point_area_.view(), plane_area_.view()); }
 
   // Contact areas of the vertices of environments that take the step, as they stand at the accepted state.
   void weigh(const StepInfo& step) {
     Buffer<double> old_points, old_planes;
     if (!step.whose.empty()) old_points.copy_from(point_area_), old_planes.copy_from(plane_area_);
-    proximity_.locate(std::as_const(model_.q).view(), y_);
+    model_.points_of(std::as_const(model_.q).view(), y_);
     const View<const Vec3> y = std::as_const(y_).view();
     face_planes(view(), y, plane_area_.view());
     point_area_.copy_from(model_.surface.vertex_area);
     ActiveSet active;
-    build(view(), proximity_.candidates(), y, vertices(), active);
+    build(view(), where(y_), room_, active);
     face_points(view(), active, y, point_area_.view());
     const auto keep = [](const Buffer<double>& from, Index begin, Index end, Buffer<double>& to) {
       if (end > begin) device::copy(to.view().p + begin, from.view().p + begin, static_cast<std::size_t>(end - begin) * sizeof(double));
@@ -140,6 +138,7 @@ class BarrierContact final : public Effect {
   Buffer<double> kappa_;  // per environment [Pa]
   std::optional<Params> pairs_;
   Proximity proximity_;
+  TermRoom room_;
   Buffer<double> point_area_, plane_area_;  // in this step
   Buffer<Vec3> y_;                          // work space
   bool checked_ = false;

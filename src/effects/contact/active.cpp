@@ -1,7 +1,10 @@
 #include "effects/contact/active.h"
 
+#include <algorithm>
 #include <bit>
+#include <utility>
 
+#include "device/runs.h"
 #include "effects/contact/select.h"
 
 namespace mortise::effects::contact {
@@ -74,19 +77,23 @@ MORTISE_HD inline Active point_term(const BarrierView& s, std::uint64_t key, Ind
   return a;
 }
 
-// Point-triangle terms: each of the candidates within range (`hits` of them) writes its terms, equal ones are merged by sorting, and
+struct PointTerms {
+  Buffer<std::uint64_t> key;       // sorted
+  Buffer<Index> start, sum, kept;  // where its runs begin; coefficient of each; offsets of those that are terms
+};
+
+// Point-triangle terms: each of the candidates within range, for which there is `room`, writes its terms, equal ones are merged by sorting, and
 // those that cancel (all of them, away from the closest feature on a flat surface) disappear.
-Index point_terms(const BarrierView& s, View<const PointTriangle> pairs, View<const Vec3> y, const Buffer<Index>& in_range, Index hits,
-                  Buffer<std::uint64_t>& keys, Buffer<Index>& start, Buffer<Index>& total, Buffer<Index>& kept) {
-  if (hits == 0) return 0;
-  const Index slots = s.barrier.area_weighted ? kSlots : 1;
-  keys.resize(hits * slots);
-  Buffer<Index> slot(hits * slots), coefficient(hits * slots);
-  const View<std::uint64_t> key = keys.view();
+void point_terms(const BarrierView& s, View<const PointTriangle> pairs, View<const Vec3> y, const Buffer<Index>& in_range, Index room,
+                 PointTerms& out) {
+  const Index slots = s.barrier.area_weighted ? kSlots : 1, n = room * slots;
+  out.key.resize(n);
+  Buffer<Index> slot(n), coefficient(n), runs;
+  const View<std::uint64_t> key = out.key.view();
   const View<Index> place = slot.view(), value = coefficient.view();
   const View<const Index> at = in_range.view();
   device::parallel_for("contact.terms", pairs.n, [=] MORTISE_HD(Index i) {
-    if (at[i + 1] == at[i]) return;
+    if (at[i + 1] == at[i] || at[i] >= room) return;
     std::uint64_t k[kSlots];
     Index c[kSlots];
     write_terms(s, pairs[i], y, k, c);
@@ -95,26 +102,36 @@ Index point_terms(const BarrierView& s, View<const PointTriangle> pairs, View<co
       key[to] = k[j], value[to] = c[j], place[to] = to;
     }
   });
-  device::sort_pairs(keys, slot);
-  device::run_starts(keys, start);
+  device::parallel_for("contact.no_terms", n, [=] MORTISE_HD(Index j) {
+    if (j / slots >= at[pairs.n]) key[j] = kNoKey, place[j] = j;
+  });
+  device::sort_pairs(out.key, slot);
+  device::mark_runs(out.key, runs);
+  device::start_runs(out.key, runs, n, out.start);
+  device::empty_runs(runs, out.start);
   // Sorting may exchange the buffers' memory: views from here on.
-  const View<const Index> sorted = slot.view();
-  device::segment_sum(
-      "contact.merge", start, [=] MORTISE_HD(Index j) { return value[sorted[j]]; }, total);
-  const View<const Index> sum = total.view();
+  const View<const Index> sorted = slot.view(), first = std::as_const(out.start).view();
+  out.sum.resize(n);
+  const View<Index> sum = out.sum.view();
   mark(
-      "contact.keep", total.size(), [=] MORTISE_HD(Index r) { return sum[r] != 0; }, kept);
-  device::Fetch fetch;
-  Index n = 0;
-  fetch.add_total(kept, n);
-  fetch.now();
-  return n;
+      "contact.merge", n,
+      [=] MORTISE_HD(Index r) {
+        Index t = 0;
+        for (Index j = first[r]; j < first[r + 1]; ++j) t += value[sorted[j]];
+        sum[r] = t;
+        return t != 0;
+      },
+      out.kept);
 }
 
-// Environment by environment, keeping the order within each.
-void group_by_environment(ActiveSet& set, Index envs) {
+// The number that scan() left behind the counts.
+View<const Index> total_of(const Buffer<Index>& scanned) { return {scanned.view().p + (scanned.size() - 1), 1}; }
+
+// Environment by environment, keeping the order within each; places without a term are of none, and come last.
+void group_by_environment(ActiveSet& set, Index envs, device::Fetch& fetch) {
   const Index n = set.terms.size();
-  if (envs > 1 && n > 0) {
+  if (envs == 1) return;
+  if (n > 0) {
     Buffer<std::uint64_t> keys(n);
     Buffer<Index> order(n);
     Buffer<Active> grouped(n);
@@ -128,9 +145,6 @@ void group_by_environment(ActiveSet& set, Index envs) {
     device::parallel_for("contact.env_order", n, [=] MORTISE_HD(Index i) { to[i] = from[sorted[i]]; });
     set.terms.swap(grouped);
   }
-  set.env_offset.assign(envs + 1, 0);
-  set.env_offset[envs] = n;
-  if (envs == 1) return;
   Buffer<Index> bounds(envs + 1);
   const View<Index> out = bounds.view();
   const View<const Active> terms = set.terms.view();
@@ -145,7 +159,8 @@ void group_by_environment(ActiveSet& set, Index envs) {
     }
     out[e] = lo;
   });
-  set.env_offset = bounds.download();
+  fetch.add(View<const Index>(out), set.env_offset);
+  fetch.keep(std::move(bounds));
 }
 
 // Pairs of half-spaces and vertices: all vertices towards the first, then towards the next.
@@ -160,9 +175,13 @@ device::Ranges pairs_with_planes(const device::Ranges& vertices, Index planes, I
   return {bound, taken};
 }
 
-}  // namespace
-
-void build(const BarrierView& s, const Candidates& c, View<const Vec3> y, const device::Ranges& vertices, ActiveSet& out) {
+// One try, which the host hears of once. False where candidates were missing or the room was too small, which they are no more.
+bool find_terms(const BarrierView& s, const Where& where, TermRoom& room, const model::PointMapView* map, ActiveSet& out,
+                linalg::StencilSet* stencils) {
+  Candidates& c = where.candidates;
+  const View<const Vec3> y = where.y.view();
+  device::Fetch fetch;
+  c.look(where.y, where.whose, fetch);
   Buffer<Index> points_at, edges_at, planes_at;
   const View<const PointTriangle> pt = c.point_triangles();
   mark(
@@ -172,49 +191,84 @@ void build(const BarrierView& s, const Candidates& c, View<const Vec3> y, const 
       "contact.near", ee.n, c.of_edges(), [=] MORTISE_HD(Index i) { return near(s, ee[i], y); }, edges_at);
   const Index plane_pairs = s.planes.n * s.surface.vertices.n;
   mark(
-      "contact.near_planes", plane_pairs, pairs_with_planes(vertices, s.planes.n, s.surface.vertices.n),
+      "contact.near_planes", plane_pairs, pairs_with_planes(where.vertices, s.planes.n, s.surface.vertices.n),
       [=] MORTISE_HD(Index i) {
         Index plane, point;
         double gap;
         return plane_pair(s, i, y, plane, point, gap);
       },
       planes_at);
-  Index hits = 0, edges = 0, planes = 0;
-  device::Fetch fetch;
+  const Index vertices = where.vertices.size(), envs = where.vertices.environments();
+  const Index most = std::min(room.hits.among(vertices), pt.n), places = room.terms.among(vertices);
+  PointTerms found;
+  point_terms(s, pt, y, points_at, most, found);
+  Index hits = 0, points = 0, edges = 0, planes = 0;
   fetch.add_total(points_at, hits);
+  fetch.add_total(found.kept, points);
   fetch.add_total(edges_at, edges);
   fetch.add_total(planes_at, planes);
-  fetch.now();
-  Buffer<std::uint64_t> keys;
-  Buffer<Index> start, total, kept;
-  const Index points = point_terms(s, pt, y, points_at, hits, keys, start, total, kept);
 
-  out.terms.resize(points + edges + planes);
+  out.terms.resize(places);
   const View<Active> terms = out.terms.view();
-  if (points > 0) {
-    const View<const std::uint64_t> key = keys.view();
-    const View<const Index> first = start.view(), sum = total.view(), at = kept.view();
-    device::parallel_for("contact.point_terms", sum.n, [=] MORTISE_HD(Index r) {
-      if (at[r + 1] > at[r]) terms[at[r]] = point_term(s, key[first[r]], sum[r]);
-    });
-  }
-  const View<const Index> edge_at = edges_at.view(), plane_at = planes_at.view();
+  const View<const Index> of_points = total_of(found.kept), of_edges = total_of(edges_at), of_planes = total_of(planes_at);
+  const View<const std::uint64_t> key = std::as_const(found.key).view();
+  const View<const Index> first = std::as_const(found.start).view(), sum = std::as_const(found.sum).view(), at = std::as_const(found.kept).view();
+  device::parallel_for("contact.point_terms", sum.n, [=] MORTISE_HD(Index r) {
+    if (at[r + 1] > at[r] && at[r] < terms.n) terms[at[r]] = point_term(s, key[first[r]], sum[r]);
+  });
+  const View<const Index> edge_at = std::as_const(edges_at).view(), plane_at = std::as_const(planes_at).view();
   device::parallel_for("contact.edge_terms", ee.n, [=] MORTISE_HD(Index i) {
-    if (edge_at[i + 1] == edge_at[i]) return;
+    const Index to = of_points[0] + edge_at[i];
+    if (edge_at[i + 1] == edge_at[i] || to >= terms.n) return;
     const EdgeEdge p = ee[i];
     Vec3 rest[4];
     gather(s.rest, p.v, rest);
-    terms[points + edge_at[i]] = {
+    terms[to] = {
         TermKind::edge_edge, s.surface.env[p.v[0]], {p.v[0], p.v[1], p.v[2], p.v[3]}, -1, edge_weight(s, p), geometry::mollifier_threshold(rest)};
   });
   device::parallel_for("contact.plane_terms", plane_pairs, [=] MORTISE_HD(Index i) {
-    if (plane_at[i + 1] == plane_at[i]) return;
+    const Index to = of_points[0] + of_edges[0] + plane_at[i];
+    if (plane_at[i + 1] == plane_at[i] || to >= terms.n) return;
     Index plane, point;
     double gap;
     plane_pair(s, i, y, plane, point, gap);
-    terms[points + edges + plane_at[i]] = {TermKind::plane, s.surface.env[point], {point, -1, -1, -1}, plane, plane_weight(s, i, point), 0};
+    terms[to] = {TermKind::plane, s.surface.env[point], {point, -1, -1, -1}, plane, plane_weight(s, i, point), 0};
   });
-  group_by_environment(out, vertices.environments());
+  device::parallel_for("contact.no_terms", terms.n, [=] MORTISE_HD(Index i) {
+    if (i >= of_points[0] + of_edges[0] + of_planes[0]) terms[i] = {TermKind::vertex, envs, {-1, -1, -1, -1}, -1, 0, 0};
+  });
+  group_by_environment(out, envs, fetch);
+  if (stencils) {
+    Buffer<Index> counts;
+    count_blocks(out, *map, counts);
+    stencils->begin_resize(std::move(counts), fetch);
+  }
+  fetch.now();
+
+  std::vector<std::uint8_t> finite;
+  const bool missing = c.settle(where.y, finite);
+  const Index all = points + edges + planes;
+  const bool small = hits > most || all > places;
+  room.hits.found(hits, vertices);
+  room.terms.found(hits > most ? std::max(all, hits + edges + planes) : all, vertices);
+  if (missing || small) return false;
+  out.terms.resize(all);
+  if (envs == 1) out.env_offset = {0, all};
+  if (stencils) stencils->end_resize(all);
+  out.blocks = stencils ? stencils->blocks().n : -1, out.pairs = stencils ? stencils->pairs() : -1;
+  return true;
+}
+
+}  // namespace
+
+void build(const BarrierView& s, const Where& at, TermRoom& room, ActiveSet& out) {
+  while (!find_terms(s, at, room, nullptr, out, nullptr)) {
+  }
+}
+
+void build(const BarrierView& s, const Where& at, TermRoom& room, const model::PointMapView& map, ActiveSet& out, linalg::StencilSet& stencils) {
+  while (!find_terms(s, at, room, &map, out, &stencils)) {
+  }
 }
 
 }  // namespace mortise::effects::contact

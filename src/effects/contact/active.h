@@ -1,5 +1,6 @@
 #pragma once
 // The contact terms that act at a position: candidates within range, with equal terms of the alternating sum (pair_energy.h) merged.
+#include "device/room.h"
 #include "effects/contact/candidates.h"
 #include "effects/contact/pair_energy.h"
 #include "effects/curvature.h"
@@ -23,20 +24,39 @@ struct Active {
 struct ActiveSet {
   Buffer<Active> terms;  // environments contiguous, then points by id, then edge pairs, then half-spaces
   std::vector<Index> env_offset;
+  Index blocks = -1, pairs = -1;  // of the stencils of all terms, where they were shaped
+};
+
+// Room for point-triangle pairs in range and for terms, among so many surface vertices.
+struct TermRoom {
+  device::Room hits, terms;
+};
+
+// What the terms are to be found among, and for whom.
+struct Where {
+  Candidates& candidates;                  // all of them are there afterwards
+  const Buffer<Vec3>& y;                   // of the points
+  const std::vector<std::uint8_t>& whose;  // environments, or empty: all
+  device::Ranges vertices;                 // their surface vertices
 };
 
 // Contact areas (pair_energy.h) as bodies stand at y: towards every half-space, and towards the contacts of `set` for the points in them.
 void face_planes(const BarrierView& s, View<const Vec3> y, View<double> plane_area);
 void face_points(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, View<double> point_area);
 
-// Adds the energy of environment e to per_env[e]; +infinity where anything touches. Of the environments that the candidates were asked for, whose
-// surface vertices are `vertices`.
-void energy(const BarrierView& s, const Candidates& c, View<const Vec3> y, const device::Ranges& vertices, device::EnvValues per_env);
+// Adds the energy of environment e to per_env[e]; +infinity where anything touches, or positions are not numbers. What `at` refers to, but for the
+// ranges, must stay until the fetch is done.
+void energy(const BarrierView& s, const Where& at, device::EnvValues per_env);
 
-// The terms at y, of the same.
-void build(const BarrierView& s, const Candidates& c, View<const Vec3> y, const device::Ranges& vertices, ActiveSet& out);
+// The terms. The host waits once, as a rule.
+void build(const BarrierView& s, const Where& at, TermRoom& room, ActiveSet& out);
+// And the shape of their stencils over the blocks of `map`.
+void build(const BarrierView& s, const Where& at, TermRoom& room, const model::PointMapView& map, ActiveSet& out, linalg::StencilSet& stencils);
 
-// Stencils over the blocks of `map`, and one sample per term (model/contact_view.h).
+// Blocks of the stencil of every term, and room for their sum.
+void count_blocks(const ActiveSet& set, const model::PointMapView& map, Buffer<Index>& counts);
+
+// Fills the stencils, and finds one sample per term (model/contact_view.h).
 void assemble(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, const model::PointMapView& map, Curvature curvature,
               linalg::StencilSet& out);
 void samples(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, Buffer<model::ContactSample>& out);

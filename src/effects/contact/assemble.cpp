@@ -184,14 +184,18 @@ void face_points(const BarrierView& s, const ActiveSet& set, View<const Vec3> y,
   });
 }
 
-void assemble(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, const model::PointMapView& map, Curvature curvature,
-              linalg::StencilSet& stencils) {
+void count_blocks(const ActiveSet& set, const model::PointMapView& point_map, Buffer<Index>& counts) {
+  const model::PointMapView map = point_map;
   const View<const Active> terms = set.terms.view();
-  Buffer<Index> counts(terms.n + 1);
+  counts.resize(terms.n + 1);
   const View<Index> count = counts.view();
   device::parallel_for("contact.count_blocks", terms.n,
                        [=] MORTISE_HD(Index i) { count[i] = model::expand<4>(map, terms[i].point, points_of(terms[i].kind)).blocks; });
-  stencils.resize(std::move(counts));
+}
+
+void assemble(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, const model::PointMapView& map, Curvature curvature,
+              linalg::StencilSet& stencils) {
+  const View<const Active> terms = set.terms.view();
   if (curvature.wanted) stencils.need_hessian();
   const linalg::StencilView out = stencils.view();
   device::parallel_for("contact.assemble", terms.n, [=] MORTISE_HD(Index i) {

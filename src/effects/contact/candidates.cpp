@@ -18,16 +18,13 @@ MORTISE_HD inline double off_path(const Vec3& from, const Vec3& move, const Vec3
 }
 
 // Largest distance from the path; not a number where a position is none (or out of all bounds).
-std::vector<double> largest_deviation(const std::vector<Index>& point_env, View<const Vec3> from, View<const Vec3> move, View<const Vec3> y,
-                                      const std::vector<std::uint8_t>& whose) {
-  std::vector<double> out(point_env.size() - 1, 0.0);
+void largest_deviation(const device::Ranges& whose, View<const Vec3> from, View<const Vec3> move, View<const Vec3> y, device::EnvValues out) {
   device::env_max(
-      "contact.deviation", {point_env, whose},
+      "contact.deviation", whose,
       [=] MORTISE_HD(Index i) {
         return !(y[i].squaredNorm() < 1e300) ? static_cast<double>(NAN) : from.n > 0 ? off_path(from[i], move[i], y[i]) : 0.0;
       },
       out);
-  return out;
 }
 
 void keep_path(const device::Ranges& whose, View<const Vec3> y, View<const Vec3> dy, View<Vec3> from, View<Vec3> way) {
@@ -42,8 +39,10 @@ void keep_path(const device::Ranges& whose, View<const Vec3> y, View<const Vec3>
 Candidates::Candidates(geometry::Broadphase& broadphase, double reach, std::vector<Index> point_env)
     : broadphase_(broadphase), reach_(reach), point_env_(std::move(point_env)), held_(point_env_.size() - 1, 0) {}
 
-void Candidates::rebuild(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>* dy, const std::vector<std::uint8_t>& whose) {
-  broadphase_.update(y.view(), dy ? dy->view() : View<const Vec3>{}, reach_ * (1 + tuning::kMargin), whose);
+double Candidates::radius() const { return reach_ * (1 + tuning::kMargin); }
+
+// What the broad phase has found on the way.
+void Candidates::hold(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>* dy, const std::vector<std::uint8_t>& whose) {
   broadphase_.copy(whose, pairs_);
   if (y0_.size() != y.size()) y0_.resize(y.size()), dy_.resize(y.size());
   keep_path({point_env_, whose}, y.view(), dy ? dy->view() : View<const Vec3>{}, y0_.view(), dy_.view());
@@ -51,24 +50,54 @@ void Candidates::rebuild(const device::Buffer<Vec3>& y, const device::Buffer<Vec
     if (whose.empty() || whose[e]) held_[e] = 1;
 }
 
-void Candidates::sweep(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy, const std::vector<std::uint8_t>& whose) {
-  rebuild(y, &dy, whose);
+void Candidates::sweep(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy, const std::vector<std::uint8_t>& whose,
+                       const geometry::Broadphase::Guess* refused) {
+  broadphase_.update(y.view(), dy.view(), radius(), whose, refused);
+  hold(y, &dy, whose);
   asked_ = whose;
 }
 
+std::unique_ptr<geometry::Broadphase::Guess> Candidates::guess(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy,
+                                                               const std::vector<std::uint8_t>& whose, device::Fetch& fetch) const {
+  return broadphase_.guess(y.view(), dy.view(), radius(), whose, fetch);
+}
+
+bool Candidates::take(geometry::Broadphase::Guess& guess, const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy,
+                      const std::vector<std::uint8_t>& whose) {
+  if (!broadphase_.take(guess)) return false;
+  hold(y, &dy, whose);
+  asked_ = whose;
+  return true;
+}
+
 void Candidates::cover(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>& finite, const std::vector<std::uint8_t>& whose) {
-  const std::vector<double> off = largest_deviation(point_env_, y0_.view(), dy_.view(), y.view(), whose);
-  finite.assign(off.size(), 1);
-  std::vector<std::uint8_t> lost(off.size(), 0);
+  device::Fetch fetch;
+  look(y, whose, fetch);
+  fetch.now();
+  settle(y, finite);
+}
+
+void Candidates::look(const device::Buffer<Vec3>& y, const std::vector<std::uint8_t>& whose, device::Fetch& fetch) {
+  asked_ = whose;
+  off_.assign(held_.size(), 0.0);
+  largest_deviation({point_env_, whose}, y0_.view(), dy_.view(), y.view(), {off_, fetch});
+}
+
+bool Candidates::settle(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>& finite) {
+  finite.assign(off_.size(), 1);
+  std::vector<std::uint8_t> lost(off_.size(), 0);
   bool any = false;
-  for (std::size_t e = 0; e < off.size(); ++e) {
-    if (!whose.empty() && !whose[e]) continue;
-    finite[e] = !std::isnan(off[e]);
-    lost[e] = !held_[e] || 2 * off[e] > tuning::kMargin * reach_;  // two points of a pair may each be off by half of the margin
+  for (std::size_t e = 0; e < off_.size(); ++e) {
+    if (!asked_.empty() && !asked_[e]) continue;
+    finite[e] = !std::isnan(off_[e]);
+    lost[e] = !held_[e] || 2 * off_[e] > tuning::kMargin * reach_;  // two points of a pair may each be off by half of the margin
     any = any || lost[e];
   }
-  if (any) rebuild(y, nullptr, lost);
-  asked_ = whose;
+  if (any) {
+    broadphase_.update(y.view(), {}, radius(), lost);
+    hold(y, nullptr, lost);
+  }
+  return any;
 }
 
 }  // namespace mortise::effects::contact

@@ -1,62 +1,75 @@
+#include <memory>
+#include <utility>
+
 #include "effects/contact/active.h"
+#include "effects/contact/proximity.h"
 #include "effects/contact/select.h"
 
 namespace mortise::effects::contact {
 namespace {
 
-// The pairs in range. Energies are sums over them only, so that the order of the sum is a function of y, not of how many more
-// candidates are held.
-struct InRange {
-  Buffer<Index> at;           // offsets among them by candidate
-  std::vector<Index> bounds;  // of the environments
-};
-
+// Energies are sums over the pairs in range only, so that the order of the sum is a function of y, not of how many more candidates are held. Those of
+// an environment stand, in order, at the front of its candidates' places, and nothing behind them adds 0: the host need not know how many they are.
 template <class Pair>
-void find(const BarrierView& s, View<const Pair> pairs, const std::vector<Index>& env_offset, const device::Ranges& whose, View<const Vec3> y,
-          InRange& out, device::Fetch& fetch) {
+void add_pair_energy(const char* name, const BarrierView& s, View<const Pair> pairs, View<const Index> first, const device::Ranges& whose,
+                     View<const Vec3> y, device::EnvValues per_env) {
+  Buffer<Index> offset, picked(pairs.n);
   mark(
-      "contact.near", pairs.n, whose, [=] MORTISE_HD(Index i) { return near(s, pairs[i], y); }, out.at);
-  const View<const Index> at = std::as_const(out.at).view();
-  out.bounds.assign(env_offset.size(), 0);
-  if (out.bounds.size() == 2) return fetch.add_total(out.at, out.bounds[1]);
-  const Buffer<Index> offset(env_offset);
-  Buffer<Index> bounds(offset.size());
-  const View<const Index> from = offset.view();
-  const View<Index> bound = bounds.view();
-  device::parallel_for("contact.env_offset", from.n, [=] MORTISE_HD(Index e) { bound[e] = at[from[e]]; });
-  fetch.add(View<const Index>(bound), out.bounds);
-  fetch.keep(std::move(bounds));
-}
-
-template <class Pair>
-void add_pair_energy(const char* name, const BarrierView& s, View<const Pair> pairs, const InRange& near, View<const Vec3> y,
-                     device::EnvValues per_env) {
-  if (near.bounds.back() == 0) return;
-  Buffer<Index> picked(near.bounds.back());
-  const View<const Index> at = near.at.view();
+      "contact.near", pairs.n, whose, [=] MORTISE_HD(Index i) { return near(s, pairs[i], y); }, offset);
+  const View<const Index> at = std::as_const(offset).view(), env = s.surface.env;
   const View<Index> list = picked.view();
+  const bool one = first.n == 2;
   device::parallel_for("contact.pick", pairs.n, [=] MORTISE_HD(Index i) {
-    if (at[i + 1] > at[i]) list[at[i]] = i;
+    if (at[i + 1] == at[i]) return;
+    const Index begin = one ? 0 : first[env[pairs[i].v[0]]];
+    list[begin + at[i] - at[begin]] = i;
   });
   device::env_sum(
-      name, near.bounds, [=] MORTISE_HD(Index i) { return pair_energy(s, pairs[list[i]], y); }, per_env);
+      name, whose,
+      [=] MORTISE_HD(Index i) {
+        const Index e = one ? 0 : env[pairs[i].v[0]], begin = one ? 0 : first[e], end = one ? pairs.n : first[e + 1];
+        return i - begin < at[end] - at[begin] ? pair_energy(s, pairs[list[i]], y) : 0.0;
+      },
+      per_env);
 }
+
+// One after the other: of points, of edges, and towards every half-space.
+struct EnergyParts {
+  std::vector<std::vector<double>> of;
+
+  void find(const BarrierView& s, const Candidates& c, View<const Vec3> y, const device::Ranges& vertices, device::Fetch& fetch) {
+    of.assign(2 + s.planes.n, std::vector<double>(vertices.environments(), 0.0));
+    add_pair_energy("contact.energy_points", s, c.point_triangles(), c.pt_env_first(), c.of_points(), y, {of[0], fetch});
+    add_pair_energy("contact.energy_edges", s, c.edge_edges(), c.ee_env_first(), c.of_edges(), y, {of[1], fetch});
+    add_planes(s, y, vertices, fetch);
+  }
+  void add_planes(const BarrierView& view, View<const Vec3> y, const device::Ranges& vertices, device::Fetch& fetch) {
+    const BarrierView s = view;
+    for (Index p = 0; p < s.planes.n; ++p) {
+      const Index first = p * s.surface.vertices.n;
+      device::env_sum(
+          "contact.energy_planes", vertices, [=] MORTISE_HD(Index i) { return plane_energy(s, first + i, y); }, device::EnvValues{of[2 + p], fetch});
+    }
+  }
+};
 
 }  // namespace
 
-void energy(const BarrierView& s, const Candidates& c, View<const Vec3> y, const device::Ranges& vertices, device::EnvValues per_env) {
-  InRange points, edges;
-  device::Fetch fetch;
-  find(s, c.point_triangles(), c.pt_env_offset(), c.of_points(), y, points, fetch);
-  find(s, c.edge_edges(), c.ee_env_offset(), c.of_edges(), y, edges, fetch);
-  fetch.now();
-  add_pair_energy("contact.energy_points", s, c.point_triangles(), points, y, per_env);
-  add_pair_energy("contact.energy_edges", s, c.edge_edges(), edges, y, per_env);
-  for (Index p = 0; p < s.planes.n; ++p) {
-    const Index first = p * s.surface.vertices.n;
-    device::env_sum(
-        "contact.energy_planes", vertices, [=] MORTISE_HD(Index i) { return plane_energy(s, first + i, y); }, per_env);
-  }
+void energy(const BarrierView& s, const Where& at, device::EnvValues per_env) {
+  auto parts = std::make_shared<EnergyParts>();
+  at.candidates.look(at.y, at.whose, per_env.fetch);
+  parts->find(s, at.candidates, at.y.view(), at.vertices, per_env.fetch);
+  per_env.fetch.then([s, parts, &c = at.candidates, &y = at.y, vertices = at.vertices, &value = per_env.value] {
+    std::vector<std::uint8_t> finite;
+    if (c.settle(y, finite)) {
+      device::Fetch again;
+      parts->find(s, c, y.view(), vertices, again);
+      again.now();
+    }
+    for (const std::vector<double>& part : parts->of)
+      for (std::size_t e = 0; e < value.size(); ++e) value[e] += part[e];
+    forbid(finite, value);
+  });
 }
 
 void limit_planes(const BarrierView& s, View<const Vec3> y, View<const Vec3> dy, double keep, const device::Ranges& vertices,

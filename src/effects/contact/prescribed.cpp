@@ -11,7 +11,6 @@
 #include "geometry/collide/ccd.h"
 
 namespace mortise::effects::contact {
-namespace {
 
 // The earliest of all, the first in canonical order.
 struct Earliest {
@@ -20,7 +19,7 @@ struct Earliest {
 };
 
 // When every pair of one kind meets; the earliest is known once the fetch is done.
-struct Meetings {
+struct MeetingTimes {
   Buffer<double> times;
   std::vector<double> first{-2.0};  // minus the earliest time
 
@@ -37,12 +36,18 @@ struct Meetings {
   }
 };
 
+namespace {
+
 template <class Pair>
-void meeting(const char* name, const BarrierView& s, View<const Pair> pairs, bool edges, View<const std::uint8_t> held, View<const Vec3> y,
-             View<const Vec3> dy, Meetings& found) {
+void meeting(const char* name, const BarrierView& s, const geometry::Chosen<Pair>& chosen, bool edges, View<const std::uint8_t> held,
+             View<const Vec3> y, View<const Vec3> dy, MeetingTimes& found) {
+  const geometry::Chosen<Pair> list = chosen;
+  const View<const Pair> pairs = list.pair;
   found.times.resize(pairs.n);
   const View<double> out = found.times.view();
   device::parallel_for(name, pairs.n, [=] MORTISE_HD(Index i) {
+    out[i] = geometry::kNoImpact;
+    if (!list.has(i)) return;
     Vec3 x0[4], x1[4];
     bool all = s.sees(pairs[i].v[0], pairs[i].v[edges ? 2 : 1]);
     for (int k = 0; k < 4; ++k) {
@@ -50,11 +55,11 @@ void meeting(const char* name, const BarrierView& s, View<const Pair> pairs, boo
       all = all && held[p];
       x0[k] = y[p], x1[k] = y[p] + dy[p];
     }
-    out[i] = all ? geometry::detail::step_limit(x0, x1, edges, tuning::kTouch) : geometry::kNoImpact;
+    if (all) out[i] = geometry::detail::step_limit(x0, x1, edges, tuning::kTouch);
   });
 }
 
-void plane_meeting(const BarrierView& s, View<const std::uint8_t> held, View<const Vec3> y, View<const Vec3> dy, Meetings& found) {
+void plane_meeting(const BarrierView& s, View<const std::uint8_t> held, View<const Vec3> y, View<const Vec3> dy, MeetingTimes& found) {
   const Index n = s.planes.n * s.surface.vertices.n;
   found.times.resize(n);
   const View<double> out = found.times.view();
@@ -79,9 +84,11 @@ Vec3 at(View<const Vec3> y, View<const Vec3> dy, Index p, double t) { return dev
   throw Failure{who + when + "; supports prescribe the motion of both, so neither can give way" + how, first.env};
 }
 
-// All that a message about a meeting needs.
-struct Found {
-  Meetings of_planes, of_points, of_edges;
+}  // namespace
+
+// And all that a message about a meeting needs.
+struct Prescribed::Meetings {
+  MeetingTimes of_planes, of_points, of_edges;
   Buffer<Vec3> y, dy;
 
   void keep(View<const Vec3> from, View<const Vec3> way) {
@@ -90,29 +97,27 @@ struct Found {
     device::copy(dy.view().p, way.p, way.n * sizeof(Vec3));
   }
   Vec3 place(Index p, double t) const { return at(y.view(), dy.view(), p, t); }
-
-  void fail_on_first(const model::Model& model, const BarrierView& s, const geometry::Broadphase& near, const StepInfo& step) const {
-    const Earliest plane = of_planes.earliest(), points = of_points.earliest(), edges = of_edges.earliest();
-    const auto body = [&](Index p) -> const model::Body& { return model.bodies[device::one_of(s.surface.body, p)]; };
-    if (plane.t <= 1 && plane.t <= std::min(points.t, edges.t)) {
-      const Index p = device::one_of(s.surface.vertices, plane.pair % s.surface.vertices.n);
-      fail(body(p), model.half_spaces[plane.pair / s.surface.vertices.n].name, plane.t, place(p, plane.t), step);
-    }
-    if (points.t <= 1 && points.t <= edges.t) {
-      const geometry::PointTriangle pair = device::one_of(near.point_triangles(), points.pair);
-      fail(body(pair.v[0]), body(pair.v[1]).name, points.t, place(pair.v[0], points.t), step);
-    }
-    if (edges.t <= 1) {
-      const geometry::EdgeEdge pair = device::one_of(near.edge_edges(), edges.pair);
-      Vec3 x[4];
-      for (int k = 0; k < 4; ++k) x[k] = place(pair.v[k], edges.t);
-      const geometry::Closest c = geometry::closest_edge_edge(x);
-      fail(body(pair.v[0]), body(pair.v[2]).name, edges.t, c.w[0] * x[0] + c.w[1] * x[1], step);
-    }
-  }
 };
 
-}  // namespace
+void Prescribed::check(const Meetings& found, const BarrierView& s, const geometry::ChosenPairs& near, const StepInfo& step) const {
+  const Earliest plane = found.of_planes.earliest(), points = found.of_points.earliest(), edges = found.of_edges.earliest();
+  const auto body = [&](Index p) -> const model::Body& { return model_.bodies[device::one_of(s.surface.body, p)]; };
+  if (plane.t <= 1 && plane.t <= std::min(points.t, edges.t)) {
+    const Index p = device::one_of(s.surface.vertices, plane.pair % s.surface.vertices.n);
+    fail(body(p), model_.half_spaces[plane.pair / s.surface.vertices.n].name, plane.t, found.place(p, plane.t), step);
+  }
+  if (points.t <= 1 && points.t <= edges.t) {
+    const geometry::PointTriangle pair = device::one_of(near.points.pair, points.pair);
+    fail(body(pair.v[0]), body(pair.v[1]).name, points.t, found.place(pair.v[0], points.t), step);
+  }
+  if (edges.t <= 1) {
+    const geometry::EdgeEdge pair = device::one_of(near.edges.pair, edges.pair);
+    Vec3 x[4];
+    for (int k = 0; k < 4; ++k) x[k] = found.place(pair.v[k], edges.t);
+    const geometry::Closest c = geometry::closest_edge_edge(x);
+    fail(body(pair.v[0]), body(pair.v[2]).name, edges.t, c.w[0] * x[0] + c.w[1] * x[1], step);
+  }
+}
 
 void Prescribed::refresh() {
   if (model_.held == held_) return;
@@ -124,18 +129,18 @@ void Prescribed::refresh() {
   point_.upload(point);
 }
 
-void Prescribed::forbid_meeting(const BarrierView& s, const geometry::Broadphase& near, View<const Vec3> y, View<const Vec3> dy, const StepInfo& step,
-                                device::Fetch& fetch) {
-  if (!model_.driven) return;
+std::shared_ptr<const Prescribed::Meetings> Prescribed::look(const BarrierView& s, const geometry::ChosenPairs& near, View<const Vec3> y,
+                                                             View<const Vec3> dy, device::Fetch& fetch) {
+  if (!model_.driven) return nullptr;
   refresh();
   const View<const std::uint8_t> held = std::as_const(point_).view();
-  auto found = std::make_shared<Found>();
+  auto found = std::make_shared<Meetings>();
   plane_meeting(s, held, y, dy, found->of_planes);
-  meeting("contact.points_meeting", s, near.point_triangles(), false, held, y, dy, found->of_points);
-  meeting("contact.edges_meeting", s, near.edge_edges(), true, held, y, dy, found->of_edges);
+  meeting("contact.points_meeting", s, near.points, false, held, y, dy, found->of_points);
+  meeting("contact.edges_meeting", s, near.edges, true, held, y, dy, found->of_edges);
   found->keep(y, dy);
-  for (Meetings* m : {&found->of_planes, &found->of_points, &found->of_edges}) m->find_first(fetch);
-  fetch.then([this, found, s, &near, step] { found->fail_on_first(model_, s, near, step); });
+  for (MeetingTimes* m : {&found->of_planes, &found->of_points, &found->of_edges}) m->find_first(fetch);
+  return found;
 }
 
 }  // namespace mortise::effects::contact

@@ -1,6 +1,8 @@
 #pragma once
 // Points that go where supports say are obstacles like all others, but nothing can give way where two of them meet: no force moves them, and
 // no shorter step of Newton's method helps. Their way in a step is known when it begins, so their meeting is found then, and the step fails.
+#include <memory>
+
 #include "effects/contact/pair_energy.h"
 #include "effects/effect.h"
 #include "geometry/collide/broadphase.h"
@@ -12,10 +14,13 @@ class Prescribed {
  public:
   explicit Prescribed(const model::Model& model) : model_(model) {}
 
-  // Once `fetch` is done it throws Failure if primitives of which all points are prescribed meet on the way from y to y + dy, naming the bodies,
-  // the time within the step and the place. near: as swept along that way; s: with all bodies that are to be kept apart.
-  void forbid_meeting(const BarrierView& s, const geometry::Broadphase& near, View<const Vec3> y, View<const Vec3> dy, const StepInfo& step,
-                      device::Fetch& fetch);
+  // When do primitives of which all points are prescribed meet on the way from y to y + dy, among the pairs near that way? Known once `fetch` is
+  // done; empty where no support moves. s: with all bodies that are to be kept apart.
+  struct Meetings;
+  std::shared_ptr<const Meetings> look(const BarrierView& s, const geometry::ChosenPairs& near, View<const Vec3> y, View<const Vec3> dy,
+                                       device::Fetch& fetch);
+  // Throws Failure if they do, naming the bodies, the time within the step and the place. The lists of pairs must still be there.
+  void check(const Meetings& found, const BarrierView& s, const geometry::ChosenPairs& near, const StepInfo& step) const;
 
  private:
   void refresh();

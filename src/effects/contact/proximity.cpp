@@ -92,14 +92,47 @@ const Candidates& Proximity::candidates(const Buffer<Vec3>& y) {
   return candidates_;
 }
 
-void Proximity::limit(const Buffer<Vec3>& from, View<const Vec3> dq, const BarrierView& s, Buffer<Vec3>& dy, device::EnvValues alpha) {
-  model_.points_of(dq, dy);
-  candidates_.sweep(from, dy, model_.at_work);
+namespace {
+
+// How far a way is free, of every environment, and what meets on it.
+struct Way {
+  std::vector<double> limit;
+  std::shared_ptr<const Prescribed::Meetings> meetings;
+
+  void look(const BarrierView& s, const geometry::ChosenPairs& pairs, View<const Vec3> y, View<const Vec3> dy, Prescribed& prescribed,
+            device::Fetch& fetch) {
+    limit.assign(limit.size(), INFINITY);
+    meetings = prescribed.look(s, pairs, y, dy, fetch);
+    geometry::limit_step(pairs, y, dy, tuning::kKeep, {limit, fetch});
+  }
+};
+
+}  // namespace
+
+std::shared_ptr<const Buffer<Vec3>> Proximity::limit(const Buffer<Vec3>& from, View<const Vec3> dq, const BarrierView& s, device::EnvValues alpha) {
+  auto dy = std::make_shared<Buffer<Vec3>>();
+  model_.points_of(dq, *dy);
   const BarrierView all = obstacles(s);
-  const View<const Vec3> y = from.view(), way = std::as_const(dy).view();
-  prescribed_.forbid_meeting(all, candidates_.broadphase(), y, way, step_, alpha.fetch);
-  geometry::limit_step(candidates_.broadphase(), y, way, tuning::kKeep, alpha);
-  limit_planes(all, y, way, tuning::kKeep, model_.working(vertex_env_), alpha);
+  const View<const Vec3> y = from.view(), step = std::as_const(*dy).view();
+  // Pairs are picked from what the broad phase keeps on the guess that it serves; where that turns out wrong, they are searched and looked at again.
+  auto way = std::make_shared<Way>();
+  way->limit.resize(model_.envs);
+  std::shared_ptr<geometry::Broadphase::Guess> guess = candidates_.guess(from, *dy, model_.at_work, alpha.fetch);
+  if (guess) way->look(all, guess->pairs, y, step, prescribed_, alpha.fetch);
+  alpha.fetch.then([this, guess, way, dy, all, &from, whose = model_.at_work, info = step_, &value = alpha.value] {
+    geometry::ChosenPairs pairs = guess ? guess->pairs : geometry::ChosenPairs{};
+    if (!guess || !candidates_.take(*guess, from, *dy, whose)) {
+      candidates_.sweep(from, *dy, whose, guess.get());
+      pairs = candidates_.broadphase().pairs();
+      device::Fetch again;
+      way->look(all, pairs, from.view(), std::as_const(*dy).view(), prescribed_, again);
+      again.now();
+    }
+    if (way->meetings) prescribed_.check(*way->meetings, all, pairs, info);
+    for (std::size_t e = 0; e < value.size(); ++e) value[e] = device::Smaller()(value[e], way->limit[e]);
+  });
+  limit_planes(all, y, step, tuning::kKeep, model_.working(vertex_env_), alpha);
+  return dy;
 }
 
 BarrierView Proximity::view(const BarrierParams& barrier, const Buffer<double>& kappa, View<const double> point_area,
@@ -117,11 +150,13 @@ BarrierView Proximity::view(const BarrierParams& barrier, const Buffer<double>& 
           plane_area};
 }
 
+void forbid(const std::vector<std::uint8_t>& finite, std::vector<double>& value) {
+  for (std::size_t e = 0; e < value.size(); ++e)
+    if (!finite[e] || std::isnan(value[e])) value[e] = INFINITY;
+}
+
 void forbid(const std::vector<std::uint8_t>& finite, device::EnvValues per_env) {
-  per_env.fetch.then([finite, &value = per_env.value] {
-    for (std::size_t e = 0; e < value.size(); ++e)
-      if (!finite[e] || std::isnan(value[e])) value[e] = INFINITY;
-  });
+  per_env.fetch.then([finite, &value = per_env.value] { forbid(finite, value); });
 }
 
 }  // namespace mortise::effects::contact

@@ -2,6 +2,7 @@
 // What every contact effect keeps: which bodies may meet, which primitives were near each other lately, and how far all may move without
 // touching. Where the points are is the caller's to keep.
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "effects/contact/candidates.h"
@@ -27,9 +28,10 @@ class Proximity {
 
   // y = W q, with all candidates there; tells which environments have finite positions.
   std::vector<std::uint8_t> locate(Positions q, Buffer<Vec3>& y);
-  // Lowers alpha so that the step dq from where the points are at y keeps the share tuning::kKeep of every distance; dy: the step of the points.
-  // Throws Failure where what is prescribed would meet.
-  void limit(const Buffer<Vec3>& y, View<const Vec3> dq, const BarrierView& s, Buffer<Vec3>& dy, device::EnvValues alpha);
+  Candidates& held() { return candidates_; }  // for those who find out by themselves whether all are there
+  // Lowers alpha so that the step dq from where the points are at y keeps the share tuning::kKeep of every distance, and returns the step of the
+  // points. Throws Failure where what is prescribed would meet. y must stay until the fetch is done, which then holds all pairs on the way.
+  std::shared_ptr<const Buffer<Vec3>> limit(const Buffer<Vec3>& y, View<const Vec3> dq, const BarrierView& s, device::EnvValues alpha);
 
   double reach(Index env) const { return reach_[env]; }
   const Candidates& candidates() const { return candidates_; }  // of the last locate() or limit(), and around
@@ -64,6 +66,7 @@ class Proximity {
 };
 
 // Energies of environments whose positions, or which themselves, are not numbers become +infinity.
+void forbid(const std::vector<std::uint8_t>& finite, std::vector<double>& value);
 void forbid(const std::vector<std::uint8_t>& finite, device::EnvValues per_env);
 
 }  // namespace mortise::effects::contact

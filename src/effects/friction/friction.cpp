@@ -68,14 +68,17 @@ MORTISE_HD inline Index distinct_blocks(const model::PointMapView& map, const Co
   return model::expand<model::kSamplePoints>(map, s.point, s.points).blocks;
 }
 
-// Fills pattern, block weights and loads from the samples.
-void freeze(const model::PointMapView& map, const Buffer<ContactSample>& samples, View<const double> mu, geometry::BodyPairsView pairs,
-            linalg::StencilSet& stencils, Buffer<double>& weights, Buffer<FrozenContact>& frozen) {
+// Fills pattern, block weights and loads from the samples; view: what is known of them.
+void freeze(const model::PointMapView& map, const Buffer<ContactSample>& samples, const model::ContactView& view, View<const double> mu,
+            geometry::BodyPairsView pairs, linalg::StencilSet& stencils, Buffer<double>& weights, Buffer<FrozenContact>& frozen) {
   const View<const ContactSample> sample = samples.view();
   Buffer<Index> counts(sample.n + 1);
   const View<Index> count = counts.view();
   device::parallel_for("friction.count_blocks", sample.n, [=] MORTISE_HD(Index i) { count[i] = distinct_blocks(map, sample[i]); });
-  stencils.resize(std::move(counts));
+  if (view.blocks >= 0)
+    stencils.resize(std::move(counts), view.blocks, view.pairs);
+  else
+    stencils.resize(std::move(counts));
   const linalg::StencilView out = stencils.view();
   weights.resize(out.block.n);
   frozen.resize(sample.n);
@@ -176,7 +179,7 @@ class Friction final : public Effect {
     at.samples.copy_from(view.samples);
     at.changes.copy_from(view.changes);
     at.env_offset = view.env_offset;
-    freeze(model_.point_map(), at.samples, mu_.view(), model_.surface.pairs.view(), at.stencils, at.weights, at.frozen);
+    freeze(model_.point_map(), at.samples, view, mu_.view(), model_.surface.pairs.view(), at.stencils, at.weights, at.frozen);
   }
 
   void energy(Positions q, const Linearisation& frozen, device::EnvValues per_env) override {

@@ -67,10 +67,11 @@ MORTISE_HD inline Corner cut(const Corner& in, const Corner& out, double t) {
   return c;
 }
 
-// What of a polygon lies where the linear function inside(corner) >= 0; finish(c) is called for every new corner.
+// q: what of a polygon lies where the linear function inside(corner) >= 0; finish(c) is called for every new corner. Polygons are never copied: a
+// kernel would hold a whole one in registers on the way.
 template <class Inside, class Finish>
-MORTISE_HD inline Polygon keep(const Polygon& p, const Inside& inside, const Finish& finish) {
-  Polygon q;
+MORTISE_HD inline void keep(const Polygon& p, const Inside& inside, const Finish& finish, Polygon& q) {
+  q.n = 0;
   for (int i = 0; i < p.n; ++i) {
     const Corner &a = p.v[i], &b = p.v[i + 1 < p.n ? i + 1 : 0];
     const double at_a = inside(a), at_b = inside(b);
@@ -80,17 +81,22 @@ MORTISE_HD inline Polygon keep(const Polygon& p, const Inside& inside, const Fin
     finish(c);
     q.push(c);
   }
-  return q;
 }
 
-// L[k]: slave barycentrics of projected master corner k. Empty where nothing overlaps.
+// L[k]: slave barycentrics of projected master corner k. Empty where nothing overlaps. room: for what lies between.
+MORTISE_HD inline void clip(const double L[3][3], Polygon& out, Polygon& room) {
+  room.n = 0;
+  for (int k = 0; k < 3; ++k) room.push({{L[k][0], L[k][1], L[k][2]}, {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0}});
+  MORTISE_ROLLED for (int side = 0; side < 3; ++side) {
+    const auto inside = [side](const Corner& c) { return c.N[side]; };
+    const auto finish = [side](Corner& c) { c.N[side] = 0; };
+    keep(side == 1 ? out : room, inside, finish, side == 1 ? room : out);
+  }
+}
 MORTISE_HD inline Polygon clip(const double L[3][3]) {
-  Polygon p;
-  for (int k = 0; k < 3; ++k) p.push({{L[k][0], L[k][1], L[k][2]}, {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0}});
-  for (int side = 0; side < 3 && p.n > 0; ++side)
-    p = keep(
-        p, [side](const Corner& c) { return c.N[side]; }, [side](Corner& c) { c.N[side] = 0; });
-  return p;
+  Polygon out, room;
+  clip(L, out, room);
+  return out;
 }
 
 // Area of fan triangle (0, i, i+1) as a share of the slave's, positive where the master's projection turns against the slave

@@ -33,7 +33,7 @@ MORTISE_HD inline double strip(const Patch& p, int k, double gap) { return std::
 MORTISE_HD inline double belongs(const Patch& p, const double w[3], double gap) {
   if (!(gap > 0)) return 0;
   double part = 1;
-  for (int k = 0; k < 3; ++k) part *= hermite(0.5 + w[k] * p.plane.altitude(k) / (2 * strip(p, k, gap)));
+  MORTISE_ROLLED for (int k = 0; k < 3; ++k) part *= hermite(0.5 + w[k] * p.plane.altitude(k) / (2 * strip(p, k, gap)));
   return part > 0 ? part * hermite(2 + 2 * rim_distance(p.y, w) / gap) : 0;
 }
 

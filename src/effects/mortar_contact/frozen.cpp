@@ -8,129 +8,11 @@
 namespace mortise::effects::mortar {
 namespace {
 
-struct Count {
-  Index n = 0;
-  MORTISE_HD void operator()(SampleKind, double, double, const double*, const double*) { ++n; }
-};
-
-struct Write {
-  Sample* out;
-  Index pair, n = 0;
-  MORTISE_HD void operator()(SampleKind kind, double weight, double gap, const double* N, const double* M) {
-    Sample s{kind, pair, weight, gap, {N[0], N[1], N[2]}, {M[0], M[1], M[2]}};
-    out[n++] = s;
-  }
-};
-
-// The patch of slave i; candidates [begin, end) are its masters, triangles first.
-MORTISE_HD inline Patch patch_of(const MortarView& s, View<const Vec3> y, Index i, const Index* master, Index n, double margin) {
-  Patch p;
-  p.slave = s.slaves[i];
-  const Triangle t = s.surface.triangles[p.slave];
-  for (int k = 0; k < 3; ++k) p.y[k] = y[t.v[k]];
-  p.plane = slave_plane(p.y[0], p.y[1], p.y[2]);
-  for (int k = 0; k < 3; ++k) p.bend[k] = bend(s, p.slave, k, p.plane.n);
-  if (s.quarter.n > 0) p.face = sheet_of(s, p.plane, p.slave, y);
-  p.support = s.support[i];
-  p.reach = p.support + margin;
-  p.master = master;
-  p.masters = 0;
-  while (p.masters < n && master[p.masters] >= 0) ++p.masters;
-  return p;
-}
-
-// Samples of candidate c.
-template <class Weights, class Emit>
-MORTISE_HD inline void sample(const MortarView& s, View<const Vec3> y, View<const Index> offset, View<const Index> slave, View<const Index> master,
-                              View<const double> margin, Index c, const Weights& weights, Emit& emit) {
-  const Index i = slave[c], first = offset[i];
-  const Index env = s.surface.env[s.surface.triangles[s.slaves[i]].v[0]];
-  const Patch p = patch_of(s, y, i, master.p + first, offset[i + 1] - first, margin[env]);
-  if (master[c] >= 0)
-    sample_master(s, p, c - first, y, weights, emit);
-  else
-    sample_plane(s, p, s.planes[-1 - master[c]], y, emit);
-}
-
-MORTISE_HD inline Pair make_pair(const MortarView& s, View<const Vec3> y, Index i, Index master) {
-  Pair p;
-  p.slave = s.slaves[i], p.master = master, p.d_hat = s.support[i];
-  const Triangle t = s.surface.triangles[p.slave];
-  const SlavePlane plane = slave_plane(y[t.v[0]], y[t.v[1]], y[t.v[2]]);
-  p.env = s.surface.env[t.v[0]];
-  p.on = s.nodes_of(p.slave);
-  for (int a = 0; a < 3; ++a) p.k[a] = Vec3::Zero();
-  const Index body = s.surface.body[t.v[0]];
-  if (master < 0) {
-    p.interface = s.interface_at(body, s.surface.pairs.bodies - 1 - master);
-    p.n = p.m = -s.planes[-1 - master].normal;
-    return p;
-  }
-  p.under = s.nodes_of(master);
-  p.interface = s.interface_at(body, s.surface.body[p.under.point[0]]);
-  p.n = p.m = plane.n;
-  const double cosine = s.normal[master].dot(plane.n);
-  if (s.set.exact && cosine < -tuning::kTurned) {
-    p.m = s.normal[master] / cosine;
-    const Vec3 u = (p.m - plane.n.dot(p.m) * plane.n) / (2 * plane.area);
-    p.k[1] = plane.e2.cross(u);
-    p.k[2] = u.cross(plane.e1);
-    p.k[0] = -p.k[1] - p.k[2];
-  }
-  return p;
-}
-
-// Offsets of the environments, from those of the candidates.
-void pick(View<const Index> offset, View<const Index> of_slave, View<const Index> first, device::Fetch& fetch, std::vector<Index>& to) {
-  Buffer<Index> picked(first.n);
-  const View<Index> out = picked.view();
-  device::parallel_for("mortar_contact.env_offset", out.n, [=] MORTISE_HD(Index e) { out[e] = offset[of_slave[first[e]]]; });
-  fetch.add(View<const Index>(out), to);
-  fetch.keep(std::move(picked));
-}
-
 // Change of a gap with derivative J when the pair's points move by dy.
 MORTISE_HD inline double change(const Pair& p, const Vec3 J[kPoints], const Vec3 dy[kPoints]) {
   double sum = 0;
   for (int k = 0; k < points_of(p); ++k) sum += J[k].dot(dy[k]);
   return sum;
-}
-
-template <class Weights>
-void freeze(const MortarView& view, Search& search, const Buffer<double>& margin, const Weights weights, FrozenSamples& out) {
-  const View<const Vec3> y = std::as_const(out.y).view();
-  search.update(view, y, margin);
-  const View<const Index> offset = search.offset(), slave = search.slave(), master = search.master();
-  const View<const double> extra = margin.view();
-  const MortarView s = view;
-  const Index n = slave.n;
-  Buffer<Index> sample_offset(n + 1), pair_offset(n + 1);
-  const View<Index> samples = sample_offset.view(), pairs = pair_offset.view();
-  device::parallel_for("mortar_contact.count_samples", n, [=] MORTISE_HD(Index c) {
-    Count count;
-    sample(s, y, offset, slave, master, extra, c, weights, count);
-    samples[c] = count.n;
-    pairs[c] = count.n > 0 ? 1 : 0;
-  });
-  device::scan(sample_offset);
-  device::scan(pair_offset);
-  const Buffer<Index> slave_env(search.slave_env());
-  device::Fetch fetch;
-  pick(std::as_const(pair_offset).view(), offset, slave_env.view(), fetch, out.env_pairs);
-  pick(std::as_const(sample_offset).view(), offset, slave_env.view(), fetch, out.env_samples);
-  fetch.now();
-  out.samples.resize(out.env_samples.back());
-  out.pairs.resize(out.env_pairs.back());
-  const View<Sample> to = out.samples.view();
-  const View<Pair> pair_to = out.pairs.view();
-  device::parallel_for("mortar_contact.samples", n, [=] MORTISE_HD(Index c) {
-    if (pairs[c + 1] == pairs[c]) return;
-    Pair p = make_pair(s, y, slave[c], master[c]);
-    p.begin = samples[c], p.end = samples[c + 1];
-    pair_to[pairs[c]] = p;
-    Write write{to.p + samples[c], pairs[c]};
-    sample(s, y, offset, slave, master, extra, c, weights, write);
-  });
 }
 
 }  // namespace
@@ -159,11 +41,6 @@ void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& 
       deepest[t] = std::fmax(deepest[t], d.norm() / 3);
     }
   });
-}
-
-void freeze(const MortarView& view, Search& search, const Buffer<double>& margin, FrozenSamples& out) {
-  weighted(view.set, [&](const auto& weights) { freeze(view, search, margin, weights, out); });
-  average(view, out);
 }
 
 void least_gaps(const MortarView& view, const Search& search, View<const Vec3> y, Buffer<double>& least) {

@@ -15,9 +15,11 @@
 //
 // N, M are the shape functions of the faces: linear ones, or those of the six nodes of a quadratic face, whose quarters are what is
 // clipped. Normals, weights and k_a are those of the quarters; g counts between the quadratic faces, along the normal.
+#include "device/room.h"
 #include "effects/contact/barrier.h"
 #include "effects/contact/proximity.h"
 #include "effects/mortar_contact/sampling.h"
+#include "effects/mortar_contact/sheet.h"
 #include "geometry/collide/bvh.h"
 #include "linalg/stencils.h"
 #include "model/contact_view.h"
@@ -110,6 +112,7 @@ class Search {
   View<const Index> slave() const { return slave_.view(); }    // per candidate: which slave
   View<const Index> master() const { return master_.view(); }  // per candidate: triangle, or -1 - half-space
   const std::vector<Index>& slave_env() const { return slave_env_; }
+  device::Ranges slaves() const { return {slave_env_, whose_}; }  // that are worked on
   std::size_t bytes() const { return offset_.bytes() + slave_.bytes() + master_.bytes(); }
 
  private:
@@ -126,8 +129,8 @@ class Search {
 void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& faces, View<const Vec3> y, const device::Ranges& whose,
              Buffer<Vec3>& normal, Buffer<double>& area, Buffer<double>& bow);
 
-// The samples at out.y with a gap below support + margin[env].
-void freeze(const MortarView& s, Search& search, const Buffer<double>& margin, FrozenSamples& out);
+// The samples at out.y with a gap below support + margin[env]. room: for what is looked at on the way, kept from one call to the next.
+void freeze(const MortarView& s, Search& search, const Buffer<double>& margin, device::Room& room, FrozenSamples& out);
 
 // Smallest gap of every slave at y to the corners of what it sees, INFINITY where that is not below support. The search is that of y.
 void least_gaps(const MortarView& s, const Search& search, View<const Vec3> y, Buffer<double>& out);

@@ -8,6 +8,13 @@
 
 namespace mortise::effects::mortar {
 
+// The three points of a polygon's moments: at(corner, share of the slave triangle's area).
+template <class At>
+MORTISE_HD inline void at_moments(const Polygon& p, double share, const At& at) {
+  const MomentRule rule = moment_rule(p);
+  MORTISE_ROLLED for (int q = 0; q < 3 && rule.area > 0; ++q) at(rule.at[q], share * rule.area / 3);
+}
+
 // Calls at(b, weight) for the points of a triangle whose corners have these gaps; weights add up to 1.
 template <class At>
 MORTISE_HD inline void integrate(const MortarView& s, const double gap[3], const Patch& p, const At& at) {
@@ -16,33 +23,34 @@ MORTISE_HD inline void integrate(const MortarView& s, const double gap[3], const
     return;
   }
   const int n = s.set.quadrature == kExact ? 7 : s.set.quadrature;
-  for (int q = 0; q < n; ++q) {
+  MORTISE_ROLLED for (int q = 0; q < n; ++q) {
     const TrianglePoint g = triangle_point(n, q);
     at(g.b, g.weight);
   }
 }
 
-// Three points for what of a polygon lies within the support radius, and three for what lies within reach beyond it: a strip that just
+// What of a polygon lies within the support radius (part 0), or within reach beyond it (part 1), where each gets three points: a strip that just
 // comes near is seen, however narrow. The barrier ends so smoothly (b ~ (1 - t)^3) that cutting there adds nothing to derivatives.
-// `gap` at a corner; at(corner, share of the slave triangle's area).
-template <class Gap, class At>
-MORTISE_HD inline void integrate_levels(const Patch& p, const Polygon& whole, const Gap& gap, const At& at) {
+// `gap` at a corner. Returns `whole`, one of `room`, or nothing.
+template <class Gap>
+MORTISE_HD inline const Polygon* level_of(const Patch& p, int part, const Polygon& whole, const Gap& gap, Polygon room[2]) {
   const auto nothing = [](Corner&) {};
   double least = INFINITY, largest = -INFINITY;
-  for (int k = 0; k < whole.n; ++k) least = std::fmin(least, gap(whole.v[k])), largest = std::fmax(largest, gap(whole.v[k]));
-  for (int part = 0; part < 2; ++part) {
-    const double lo = part == 0 ? -INFINITY : p.support, hi = part == 0 ? p.support : p.reach;
-    if (!(lo < hi && least < hi && largest > lo)) continue;
-    Polygon poly = whole;
-    if (least < lo)
-      poly = keep(
-          poly, [&](const Corner& c) { return gap(c) - lo; }, nothing);
-    if (largest > hi)
-      poly = keep(
-          poly, [&](const Corner& c) { return hi - gap(c); }, nothing);
-    const MomentRule rule = moment_rule(poly);
-    for (int q = 0; q < 3 && rule.area > 0; ++q) at(rule.at[q], rule.area / 3);
+  MORTISE_ROLLED for (int k = 0; k < whole.n; ++k) least = std::fmin(least, gap(whole.v[k])), largest = std::fmax(largest, gap(whole.v[k]));
+  const double lo = part == 0 ? -INFINITY : p.support, hi = part == 0 ? p.support : p.reach;
+  if (!(lo < hi && least < hi && largest > lo)) return nullptr;
+  const Polygon* of = &whole;
+  if (least < lo) {
+    keep(
+        *of, [&](const Corner& c) { return gap(c) - lo; }, nothing, room[0]);
+    of = &room[0];
   }
+  if (largest > hi) {
+    keep(
+        *of, [&](const Corner& c) { return hi - gap(c); }, nothing, room[1]);
+    of = &room[1];
+  }
+  return of;
 }
 
 // The same along a segment with gaps g0 and g1 at its ends: at(t, weight).
@@ -53,7 +61,7 @@ MORTISE_HD inline void integrate_segment(const MortarView& s, double g0, double 
     return;
   }
   const int n = segment_points(s.set.quadrature);
-  for (int q = 0; q < n; ++q) {
+  MORTISE_ROLLED for (int q = 0; q < n; ++q) {
     const SegmentPoint g = segment_point(n, q);
     at(g.t, g.weight);
   }

@@ -6,25 +6,17 @@
 
 namespace mortise::effects::mortar {
 
-// A master triangle over a patch.
-struct Facing {
-  Vec3 y[3];
-  double L[3][3], height[3];  // slave barycentrics and heights of its corners
-};
 MORTISE_HD inline Facing project(const MortarView& s, const SlavePlane& plane, Index master, View<const Vec3> y) {
   Facing f;
-  for (int k = 0; k < 3; ++k) {
-    f.y[k] = y[s.surface.triangles[master].v[k]];
-    f.height[k] = project(plane, f.y[k], f.L[k]);
-  }
+  for (int k = 0; k < 3; ++k) f.height[k] = project(plane, y[s.surface.triangles[master].v[k]], f.L[k]);
   return f;
 }
 
 MORTISE_HD inline double height(const Facing& f, const double M[3]) { return M[0] * f.height[0] + M[1] * f.height[1] + M[2] * f.height[2]; }
 
-// How much of what lies at gap g above the slave's point N master f hides: it must lie in between, and hides less and less outside of
+// How much of what lies at gap g above the slave's point N a master hides: it must lie in between, and hides less and less outside of
 // its rim, up to as far as the distance of the two. Stacked layers must not add up.
-MORTISE_HD inline double covers(const Facing& f, const double N[3], double g) {
+MORTISE_HD inline double covers(const Facing& f, const Triangle& t, View<const Vec3> y, const double N[3], double g) {
   const double ax = f.L[1][1] - f.L[0][1], ay = f.L[1][2] - f.L[0][2], bx = f.L[2][1] - f.L[0][1], by = f.L[2][2] - f.L[0][2];
   const double px = N[1] - f.L[0][1], py = N[2] - f.L[0][2], det = ax * by - ay * bx;
   if (det == 0) return 0;
@@ -32,7 +24,8 @@ MORTISE_HD inline double covers(const Facing& f, const double N[3], double g) {
   M[1] = (px * by - py * bx) / det, M[2] = (ax * py - ay * px) / det, M[0] = 1 - M[1] - M[2];
   const double h = height(f, M);
   if (!(h > 0 && h < g)) return 0;
-  return hermite(1 + rim_distance(f.y, M) / (g - h));
+  const Vec3 corner[3] = {y[t.v[0]], y[t.v[1]], y[t.v[2]]};
+  return hermite(1 + rim_distance(corner, M) / (g - h));
 }
 MORTISE_HD inline bool may_cover(const MortarView& s, const Patch& p, Index i, Index j) {
   if (i == j || !(-p.plane.n.dot(s.normal[p.master[j]]) > tuning::kLayerFaces)) return false;
@@ -53,16 +46,16 @@ MORTISE_HD inline bool boxes_overlap(const Patch& p, const Facing& i, const Faci
   }
   return true;
 }
-MORTISE_HD inline bool any_layer(const MortarView& s, const Patch& p, Index i, const Facing& f, View<const Vec3> y) {
+MORTISE_HD inline bool any_layer(const MortarView& s, const Patch& p, Index i) {
   for (Index j = 0; j < p.masters; ++j)
-    if (may_cover(s, p, i, j) && boxes_overlap(p, f, project(s, p.plane, p.master[j], y))) return true;
+    if (may_cover(s, p, i, j) && boxes_overlap(p, p.facing[i], p.facing[j])) return true;
   return false;
 }
 // Share of what master i shows at N that no other master hides.
 MORTISE_HD inline double visible(const MortarView& s, const Patch& p, Index i, View<const Vec3> y, const double N[3], double g) {
   double hidden = 0;
   for (Index j = 0; j < p.masters; ++j)
-    if (may_cover(s, p, i, j)) hidden += covers(project(s, p.plane, p.master[j], y), N, g);
+    if (may_cover(s, p, i, j)) hidden += covers(p.facing[j], s.surface.triangles[p.master[j]], y, N, g);
   return hidden < 1 ? 1 - hidden : 0;
 }
 

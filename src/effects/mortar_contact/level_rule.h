@@ -23,7 +23,7 @@ MORTISE_HD inline SegmentPoint across_point(int n, int i) {
 // Calls slab(u, v, points) for the slabs of gaps between lo and hi, up to `reach`.
 template <class Slab>
 MORTISE_HD inline void slabs(double lo, double mid, double hi, double d_hat, double reach, const Slab& slab) {
-  for (double u = lo; u < hi && u < reach;) {
+  MORTISE_ROLLED for (double u = lo; u < hi && u < reach;) {
     double v = std::fmax(tuning::kSlabGrowth * u, u + tuning::kSlabLeast * d_hat);
     if (u < mid) v = std::fmin(v, mid);
     if (u < d_hat) v = std::fmin(v, d_hat);
@@ -43,11 +43,11 @@ template <class Emit>
 MORTISE_HD inline void level_segment_rule(double g0, double g1, double d_hat, double reach, const Emit& emit) {
   const double lo = std::fmin(g0, g1), hi = std::fmax(g0, g1);
   if (level(lo, hi)) {
-    for (int q = 0; q < 2; ++q) emit(segment_point(2, q).t, segment_point(2, q).weight);
+    MORTISE_ROLLED for (int q = 0; q < 2; ++q) emit(segment_point(2, q).t, segment_point(2, q).weight);
     return;
   }
   slabs(lo, lo, hi, d_hat, reach, [&](double u, double v, int n) {
-    for (int q = 0; q < n; ++q) {
+    MORTISE_ROLLED for (int q = 0; q < n; ++q) {
       const SegmentPoint p = across_point(n, q);
       emit((u + p.t * (v - u) - g0) / (g1 - g0), p.weight * (v - u) / (hi - lo));
     }
@@ -66,7 +66,7 @@ MORTISE_HD inline void level_rule(const double g[3], double d_hat, double reach,
   }
   const double lo = g[a], mid = g[b], hi = g[c];
   if (level(lo, hi)) {
-    for (int q = 0; q < 3; ++q) {
+    MORTISE_ROLLED for (int q = 0; q < 3; ++q) {
       const TrianglePoint p = triangle_point(3, q);
       emit(p.b, p.weight);
     }
@@ -74,13 +74,13 @@ MORTISE_HD inline void level_rule(const double g[3], double d_hat, double reach,
   }
   slabs(lo, mid, hi, d_hat, reach, [&](double u, double v, int n) {
     const bool below = v <= mid;
-    for (int q = 0; q < n; ++q) {
+    MORTISE_ROLLED for (int q = 0; q < n; ++q) {
       const SegmentPoint p = across_point(n, q);
       const double gap = u + p.t * (v - u), t = (gap - lo) / (hi - lo);
       // From the edge (a, c) to (a, b) or (b, c); area per gap, as a share of the triangle's.
       const double s = below ? (gap - lo) / (mid - lo) : (gap - mid) / (hi - mid);
       const double density = below ? 2 * s / (hi - lo) : 2 * (1 - s) / (hi - lo);
-      for (int i = 0; i < 2; ++i) {
+      MORTISE_ROLLED for (int i = 0; i < 2; ++i) {
         const SegmentPoint along = segment_point(2, i);
         double at[3];
         at[a] = (1 - along.t) * (1 - t) + (below ? along.t * (1 - s) : 0);

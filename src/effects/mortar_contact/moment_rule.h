@@ -25,7 +25,7 @@ MORTISE_HD inline MomentRule moment_rule(const Polygon& p) {
   // Moments about corner 0: first[i], second[i][j] = integral of x_i x_j with x = (N1, N2, M1, M2) - corner 0.
   double first[4] = {0, 0, 0, 0}, second[4][2] = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
   const Corner& o = p.v[0];
-  for (int k = 1; k + 1 < p.n; ++k) {
+  MORTISE_ROLLED for (int k = 1; k + 1 < p.n; ++k) {
     const double w = fan_area(p, k);
     const Corner &a = p.v[k], &b = p.v[k + 1];
     const double x[4] = {a.N[1] - o.N[1], a.N[2] - o.N[2], a.M[1] - o.M[1], a.M[2] - o.M[2]};
@@ -45,7 +45,7 @@ MORTISE_HD inline MomentRule moment_rule(const Polygon& p) {
   constexpr double kSliver = 1e-12;  // det C / tr C^2 below which the polygon is a line to rounding
   const double s = det > kSliver * trace * trace ? std::sqrt(det) : 0, t = trace > 0 ? std::sqrt(trace + 2 * s) : 0;
   const double u[3][2] = {{1, 0}, {-0.5, 0.8660254037844386}, {-0.5, -0.8660254037844386}};
-  for (int k = 0; k < 3; ++k) {
+  MORTISE_ROLLED for (int k = 0; k < 3; ++k) {
     double x[4] = {c[0], c[1], c[2], c[3]};
     if (t > 0) {
       const double r = std::sqrt(2.0) / t, a0 = u[k][0], a1 = u[k][1];

@@ -163,12 +163,16 @@ class MortarContact final : public Effect {
 
   void linearise(Positions q, Want want, Linearisation& out) override {
     MortarLinearisation& at = of_mortar(out);
-    proximity_.locate(q, at.frozen.y);
+    model_.points_of(q, at.frozen.y);
     refreeze(at);
-    if (guard_ > 0)
-      contact::build(guard_view(), proximity_.candidates(), at.y(), vertices(), at.guard);
-    else
+    if (!(guard_ > 0)) {
+      proximity_.candidates(at.frozen.y);
       at.guard_stencils.resize_uniform(0, 0);
+    } else if (want.forces) {
+      contact::build(guard_view(), where(at.frozen.y), room_, model_.point_map(), at.guard, at.guard_stencils);
+    } else {
+      contact::build(guard_view(), where(at.frozen.y), room_, at.guard);
+    }
     if (!want.forces) return;
     if (guard_ > 0) contact::assemble(guard_view(), at.guard, at.y(), model_.point_map(), want.matrix, at.guard_stencils);
     mortar::assemble(view(at), at.frozen, model_.point_map(), want.matrix.wanted, at.guard_stencils, at.stencils);
@@ -178,19 +182,17 @@ class MortarContact final : public Effect {
 
   void energy(Positions q, const Linearisation& frozen, device::EnvValues per_env) override {
     const MortarLinearisation& at = of_mortar(frozen);
-    const std::vector<std::uint8_t> finite = proximity_.locate(q, y_);
-    const View<const Vec3> y = std::as_const(y_).view();
-    mortar::energy(view(at), at.frozen, y, model_.at_work, per_env);
-    if (guard_ > 0) contact::energy(guard_view(), proximity_.candidates(), y, vertices(), per_env);
-    contact::forbid(finite, per_env);
+    model_.points_of(q, y_);
+    mortar::energy(view(at), at.frozen, std::as_const(y_).view(), model_.at_work, per_env);
+    if (guard_ > 0) return contact::energy(guard_view(), where(y_), per_env);
+    contact::forbid(proximity_.locate(q, y_), per_env);
   }
 
   void max_step(View<const Vec3> dq, Linearisation& out, device::EnvValues alpha) override {
     MortarLinearisation& at = of_mortar(out);
-    Buffer<Vec3> dy;
-    proximity_.limit(at.frozen.y, dq, guard_view(), dy, alpha);
-    mortar::limit(view(at), at.frozen, std::as_const(dy).view(), contact::tuning::kKeep, alpha);
-    foresee(std::as_const(dy).view(), at, alpha);
+    const auto dy = proximity_.limit(at.frozen.y, dq, guard_view(), alpha);
+    mortar::limit(view(at), at.frozen, dy->view(), contact::tuning::kKeep, alpha);
+    foresee(dy->view(), at, alpha);
   }
 
   // A contact that grows stiffer under load is energy from nowhere, so all of an environment grow by no more than its budget pays for, the guard
@@ -354,7 +356,7 @@ class MortarContact final : public Effect {
   }
   Index env(std::size_t interface) const { return model_.bodies[interfaces_[interface].slave].env; }
 
-  device::Ranges vertices() const { return model_.working(proximity_.vertex_env()); }
+  contact::Where where(const Buffer<Vec3>& y) { return {proximity_.held(), y, model_.at_work, model_.working(proximity_.vertex_env())}; }
 
   mortar::MortarView view(const MortarLinearisation& at) const {
     geometry::SurfaceView surface = model_.surface.view();
@@ -389,7 +391,7 @@ class MortarContact final : public Effect {
   }
   void search_for(MortarLinearisation& at, const Buffer<double>& margin) {
     search_.work_on(model_.at_work);
-    freeze(view(at), search_, margin, at.frozen);
+    freeze(view(at), search_, margin, offers_, at.frozen);
   }
 
   // From the state at the start.
@@ -412,7 +414,7 @@ class MortarContact final : public Effect {
     std::vector<double> per_env(model_.envs, 0.0);
     if (!(guard_ > 0)) return per_env;
     device::Fetch fetch;
-    contact::energy(guard_view(), proximity_.candidates(at.frozen.y), at.y(), vertices(), {per_env, fetch});
+    contact::energy(guard_view(), where(at.frozen.y), {per_env, fetch});
     fetch.now();
     return per_env;
   }
@@ -465,7 +467,9 @@ class MortarContact final : public Effect {
   std::vector<double> guard_kappa_;  // per environment: kappa times the weight of a guard pair [N]
   Buffer<double> guard_kappa_view_;  // the same over the square of its range [Pa]
   contact::Proximity proximity_;
+  contact::TermRoom room_;  // of the guard
   Search search_;
+  device::Room offers_;  // of freezing, among candidates
   Buffer<Index> interface_at_, slaves_;
   std::vector<Index> slave_env_, triangle_env_;  // first slave, and first triangle, of every environment
   Buffer<double> kappa_view_, d_hat_view_, support_, margin_;

@@ -2,9 +2,15 @@
 // A slave triangle with the master triangles near it.
 #include <cmath>
 
-#include "effects/mortar_contact/sheet.h"
+#include "effects/mortar_contact/clip.h"
+#include "effects/mortar_contact/view.h"
 
 namespace mortise::effects::mortar {
+
+// A master triangle over a slave triangle.
+struct Facing {
+  double L[3][3], height[3];  // slave barycentrics and heights of its corners
+};
 
 // A slave triangle with the master triangles near it.
 struct Patch {
@@ -12,10 +18,10 @@ struct Patch {
   Vec3 y[3];    // its corners
   SlavePlane plane;
   double bend[3];         // against the neighbours over its sides (consistent.h)
-  Sheet face;             // where the scene has quadratic faces
   double support, reach;  // samples with a gap below `reach` are wanted
-  const Index* master;    // triangles
-  Index masters;
+  Index masters;          // so many of them:
+  const Index* master;    // triangles,
+  const Facing* facing;   // and what they look like from here
 };
 
 // Distance [m] of the point with barycentrics w in a triangle's plane from its rim: positive inside.
@@ -23,7 +29,7 @@ MORTISE_HD inline double rim_distance(const Vec3 y[3], const double w[3]) {
   Vec3 x = Vec3::Zero();
   for (int k = 0; k < 3; ++k) x += w[k] * y[k];
   double least = INFINITY;
-  for (int k = 0; k < 3; ++k) {
+  MORTISE_ROLLED for (int k = 0; k < 3; ++k) {
     const Vec3 &a = y[k], e = y[(k + 1) % 3] - a;
     const double t = std::fmin(std::fmax((x - a).dot(e) / e.squaredNorm(), 0.0), 1.0);
     least = std::fmin(least, (x - a - t * e).squaredNorm());

@@ -14,86 +14,73 @@
 
 namespace mortise::effects::mortar {
 
-// Master i of a patch, seen from its slave triangle. Calls take(kind, weight, gap, N, M) for every sample.
+// Quarters of curved faces see as far as the faces themselves may stand off them.
+MORTISE_HD inline double reach_of_quarters(const MortarView& s, const Patch& p, Index master) {
+  return p.reach + s.bow_of(p.slave) + s.bow_of(master);
+}
+
+// May any of master i be within reach?
+MORTISE_HD inline bool within(const MortarView& s, const Patch& p, Index i) {
+  const Facing& f = p.facing[i];
+  const double lowest = std::fmin(f.height[0], std::fmin(f.height[1], f.height[2]));
+  const double highest = std::fmax(f.height[0], std::fmax(f.height[1], f.height[2]));
+  return lowest < reach_of_quarters(s, p, p.master[i]) && highest > 0;
+}
+
+// Master i of a patch, seen from its slave triangle. Calls emit(kind, weight, gap, N, M) for every place where there may be a sample: what other
+// masters hide, and how curved faces lie, is for the judge to say (freeze.cpp).
 template <class Weights, class Emit>
 struct Sampler {
   const MortarView& s;
   const Patch& p;
-  const Index i;
-  const View<const Vec3> y;
   const Weights& weights;
   Emit& emit;
   const Index master;
   const Vec3 n;
-  const Facing f;
-  const double reach;  // of its quarters
-  Sheet face{};
-  bool bent = false;
-  int layers = -1;  // do others lie in between? Looked up when a sample first asks
+  const Facing& f;
+  const double reach;
 
-  MORTISE_HD Sampler(const MortarView& view, const Patch& patch, Index which, View<const Vec3> positions, const Weights& how, Emit& to)
+  MORTISE_HD Sampler(const MortarView& view, const Patch& patch, Index i, const Weights& how, Emit& to)
       : s(view),
         p(patch),
-        i(which),
-        y(positions),
         weights(how),
         emit(to),
-        master(patch.master[which]),
+        master(patch.master[i]),
         n(patch.plane.n),
-        f(project(view, patch.plane, master, positions)),
-        reach(patch.reach + view.bow_of(patch.slave) + view.bow_of(master)) {
-    if (s.quarter.n > 0) face = sheet_of(s, p.plane, master, y);
-    bent = p.face.on.quarter >= 0 || face.on.quarter >= 0;
+        f(patch.facing[i]),
+        reach(reach_of_quarters(view, patch, master)) {}
+
+  MORTISE_HD void offer(SampleKind kind, double weight, const double N[3], const double M[3]) const {
+    const double gap = height(f, M);  // of the quarters, which cannot meet
+    if (gap > 0 && gap < reach && weight > 0) emit(kind, weight, gap, N, M);
   }
 
-  // May any of the master be within reach?
-  MORTISE_HD bool within() const {
-    const double lowest = std::fmin(f.height[0], std::fmin(f.height[1], f.height[2]));
-    const double highest = std::fmax(f.height[0], std::fmax(f.height[1], f.height[2]));
-    return lowest < reach && highest > 0;
-  }
-
-  MORTISE_HD void offer(SampleKind kind, double weight, double N[3], double M[3]) {
-    double gap = height(f, M);  // of the quarters, which cannot meet
-    if (!(gap > 0 && gap < reach)) return;
-    if (layers < 0) layers = any_layer(s, p, i, f, y);
-    if (layers) weight *= visible(s, p, i, y, N, gap);
-    if (!(weight > 0)) return;
-    if (bent) {
-      // Faces are sampled at points of the slave, ridges and tips at their own.
-      const bool of_slave = kind == SampleKind::face;
-      const Vec3 fixed = of_slave ? p.face.at(N) : face.at(M);
-      const Vec3 found = of_slave ? slide(face, fixed, M) : slide(p.face, fixed, N);
-      gap = std::fmax(of_slave ? found[2] - fixed[2] : fixed[2] - found[2], tuning::kLeastGap * p.support);
-    }
-    if (gap < p.reach) emit(kind, weight, gap, N, M);
-  }
-
-  MORTISE_HD void faces() {
+  // The overlap at once, where weights and quadrature allow it, from its moments: those of parts by the gap (pieces 0 and 1) and of the whole (2).
+  MORTISE_HD void whole_face(int piece) const {
     const double fade = weights.facing(n, s.normal[master]);
     if (!(fade > 0)) return;
-    const Polygon poly = clip(f.L);
-    if (Weights::kWhole && s.set.quadrature == kMoments)
-      whole_face(fade, poly);
-    else
-      fan_of_face(fade, poly);
+    const double cut = s.bent(p.slave) || s.bent(master) ? 0 : hermite((-n.dot(s.normal[master]) - tuning::kCutNone) / tuning::kCutFade);
+    const double share = piece < 2 ? cut : 1 - cut, area = s.set.pass_weight * fade * p.plane.area;
+    if (!(share > 0)) return;
+    Polygon poly, room[2];
+    clip(f.L, poly, room[0]);
+    const auto gap = [&](const Corner& c) { return height(f, c.M); };
+    const auto at = [&](const Corner& c, double w) { offer(SampleKind::face, area * (piece < 2 ? cut * w : w), c.N, c.M); };
+    const Polygon* of = piece < 2 ? level_of(p, piece, poly, gap, room) : &poly;
+    if (of) at_moments(*of, piece < 2 ? 1 : share, at);
   }
 
-  // The overlap at once, from its moments.
-  MORTISE_HD void whole_face(double fade, const Polygon& poly) {
-    const double cut = bent ? 0 : hermite((-n.dot(s.normal[master]) - tuning::kCutNone) / tuning::kCutFade);
-    const double area = s.set.pass_weight * fade * p.plane.area;
-    const auto at = [&](Corner c, double w) { offer(SampleKind::face, area * w, c.N, c.M); };
-    if (cut > 0)
-      integrate_levels(
-          p, poly, [&](const Corner& c) { return height(f, c.M); }, [&](const Corner& c, double w) { at(c, cut * w); });
-    const MomentRule rule = moment_rule(poly);
-    for (int q = 0; q < 3 && cut < 1 && rule.area > 0; ++q) at(rule.at[q], (1 - cut) * rule.area / 3);
+  MORTISE_HD void fans() const {
+    const double fade = weights.facing(n, s.normal[master]);
+    if (!(fade > 0)) return;
+    Polygon poly, room;
+    clip(f.L, poly, room);
+    fan_of_face(fade, poly);
   }
 
   // The overlap triangle by triangle.
-  MORTISE_HD void fan_of_face(double fade, const Polygon& poly) {
-    for (int k = 1; k + 1 < poly.n; ++k) {
+  MORTISE_HD void fan_of_face(double fade, const Polygon& poly) const {
+    MORTISE_ROLLED for (int k = 1; k + 1 < poly.n; ++k) {
       const double w = fade * p.plane.area * fan_area(poly, k);
       if (!(w > 0)) continue;
       const Corner* c[3] = {&poly.v[0], &poly.v[k], &poly.v[k + 1]};
@@ -111,24 +98,23 @@ struct Sampler {
     }
   }
 
-  MORTISE_HD void edges() {
-    for (int k = 0; k < 3; ++k) {
-      const int l = k < 2 ? k + 1 : 0;
-      const Index edge = s.topology.triangle_edge[3 * master + k];
-      const Index begin = s.topology.edge_offset[edge], end = s.topology.edge_offset[edge + 1];
-      const double top = std::fmin(std::fmax(f.height[k], f.height[l]), p.reach);
-      if (s.topology.edge_triangle[begin] != master || !(top > 0)) continue;
-      Stretches stretch;
-      if (!weights.stretches(p, f.L[k], f.L[l], top, stretch)) continue;
-      double w = s.set.pass_weight * weights.edge_weight(s, n, s.topology.edge_triangle, begin, end);
-      if (!(w > 0)) continue;
-      w *= weights.share_of_edge(s, p, f.L[k], f.L[l], stretch);
-      for (int part = 0; part < 3; ++part) edge_part(k, l, w, stretch.t[part], stretch.t[part + 1]);
-    }
+  // The edge from corner k.
+  MORTISE_HD void edge(int k) const {
+    const int l = k < 2 ? k + 1 : 0;
+    const Index edge = s.topology.triangle_edge[3 * master + k];
+    const Index begin = s.topology.edge_offset[edge], end = s.topology.edge_offset[edge + 1];
+    const double top = std::fmin(std::fmax(f.height[k], f.height[l]), p.reach);
+    if (s.topology.edge_triangle[begin] != master || !(top > 0)) return;
+    Stretches stretch;
+    if (!weights.stretches(p, f.L[k], f.L[l], top, stretch)) return;
+    double w = s.set.pass_weight * weights.edge_weight(s, n, s.topology.edge_triangle, begin, end);
+    if (!(w > 0)) return;
+    w *= weights.share_of_edge(s, p, f.L[k], f.L[l], stretch);
+    MORTISE_ROLLED for (int part = 0; part < 3; ++part) edge_part(k, l, w, stretch.t[part], stretch.t[part + 1]);
   }
 
   // From t0 to t1 of the edge between corners k and l, whose weight is w.
-  MORTISE_HD void edge_part(int k, int l, double w, double t0, double t1) {
+  MORTISE_HD void edge_part(int k, int l, double w, double t0, double t1) const {
     if (!(t1 > t0)) return;
     const auto at = [&](double along, double weight) {
       const double t = t0 + along * (t1 - t0), factor = weights.on_edge(t);
@@ -142,35 +128,25 @@ struct Sampler {
     integrate_segment(s, f.height[k] + t0 * rise, f.height[k] + t1 * rise, p, at);
   }
 
-  MORTISE_HD void points() {
-    for (int k = 0; k < 3; ++k) {
-      const Index v = s.surface.triangles[master].v[k];
-      const Index begin = s.topology.point_offset[v], end = s.topology.point_offset[v + 1];
-      if (s.topology.point_triangle[begin] != master) continue;
-      double N[3] = {f.L[k][0], f.L[k][1], f.L[k][2]};
-      const double shared = weights.share_of_point(s, p, N, f.height[k]);
-      if (!(shared > 0)) continue;
-      const double w = s.set.pass_weight * shared * weights.point_weight(s, n, s.topology.point_triangle, begin, end);
-      double M[3] = {0, 0, 0};
-      M[k] = 1;
-      if (w > 0) offer(SampleKind::point, w, N, M);
-    }
+  // The vertex at corner k.
+  MORTISE_HD void point(int k) const {
+    const Index v = s.surface.triangles[master].v[k];
+    const Index begin = s.topology.point_offset[v], end = s.topology.point_offset[v + 1];
+    if (s.topology.point_triangle[begin] != master) return;
+    const double N[3] = {f.L[k][0], f.L[k][1], f.L[k][2]};
+    const double shared = weights.share_of_point(s, p, N, f.height[k]);
+    if (!(shared > 0)) return;
+    const double w = s.set.pass_weight * shared * weights.point_weight(s, n, s.topology.point_triangle, begin, end);
+    double M[3] = {0, 0, 0};
+    M[k] = 1;
+    if (w > 0) offer(SampleKind::point, w, N, M);
   }
 };
 
-// Every sample on master i of the patch.
-template <class Weights, class Emit>
-MORTISE_HD inline void sample_master(const MortarView& s, const Patch& p, Index i, View<const Vec3> y, const Weights& weights, Emit& emit) {
-  Sampler sampler(s, p, i, y, weights, emit);
-  if (!sampler.within()) return;
-  sampler.faces();
-  sampler.edges();
-  sampler.points();
-}
-
-// Against a half-space: g = n_p . (x_s - p), exact for every point of the slave; w = slave area projected onto the plane.
+// Against a half-space: g = n_p . (x_s - p), exact for every point of the slave; w = slave area projected onto the plane. In two pieces,
+// of which the second is empty where triangles are not taken at once.
 template <class Emit>
-MORTISE_HD inline void sample_plane(const MortarView& s, const Patch& p, const contact::Plane& plane, View<const Vec3> y, Emit& emit) {
+MORTISE_HD inline void sample_plane(const MortarView& s, const Patch& p, const contact::Plane& plane, int piece, View<const Vec3> y, Emit& emit) {
   const double cosine = -p.plane.n.dot(plane.normal);
   if (!(cosine > 0)) return;
   const FaceNodes on = s.nodes_of(p.slave);
@@ -188,12 +164,13 @@ MORTISE_HD inline void sample_plane(const MortarView& s, const Patch& p, const c
   if (s.set.quadrature == kMoments && !s.set.tapered() && on.quarter < 0) {
     Polygon triangle;
     for (int k = 2; k >= 0; --k) triangle.push({{k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0}, {0, 0, 0}});  // turns like a master
-    integrate_levels(
-        p, triangle, [&](const Corner& c) { return c.N[0] * corner[0] + c.N[1] * corner[1] + c.N[2] * corner[2]; },
-        [&](const Corner& c, double weight) { at(c.N, weight); });
+    Polygon room[2];
+    const Polygon* of = level_of(
+        p, piece, triangle, [&](const Corner& c) { return c.N[0] * corner[0] + c.N[1] * corner[1] + c.N[2] * corner[2]; }, room);
+    if (of) at_moments(*of, 1, [&](const Corner& c, double weight) { at(c.N, weight); });
     return;
   }
-  integrate(s, corner, p, at);
+  if (piece == 0) integrate(s, corner, p, at);
 }
 
 }  // namespace mortise::effects::mortar

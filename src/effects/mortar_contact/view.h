@@ -81,6 +81,7 @@ struct MortarView {
   View<const Index> quarter;         // per triangle: 4 face + quarter, or -1; empty where all faces are linear
   View<const double> bow;            // and the most by which the face stands off the triangle [m]
   MORTISE_HD double bow_of(Index triangle) const { return bow.n > 0 ? bow[triangle] : 0; }
+  MORTISE_HD bool bent(Index triangle) const { return quarter.n > 0 && quarter[triangle] >= 0; }
   MORTISE_HD FaceNodes nodes_of(Index triangle) const {
     const Index q = quarter.n > 0 ? quarter[triangle] : -1;
     FaceNodes out;

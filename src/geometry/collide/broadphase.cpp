@@ -36,29 +36,38 @@ void compact(const char* name, const Buffer<Pair>& from, const device::Ranges& w
   });
 }
 
-// The pairs that a search at (y, dy) finds, out of those kept.
-void pick(const SurfaceView& surface, const NearPairs& kept, View<const Vec3> y, View<const Vec3> dy, double radius,
-          const std::vector<std::uint8_t>& whose, NearPairs& found) {
+// Marks the pairs that a search at (y, dy) finds, out of those kept.
+void mark_near(const SurfaceView& surface, const NearPairs& kept, View<const Vec3> y, View<const Vec3> dy, double radius,
+               const std::vector<std::uint8_t>& whose, Buffer<Index>& pt_counts, Buffer<Index>& ee_counts) {
   const SurfaceView s = surface;
   const double grow = radius / 2;
-  Buffer<Index> pt_counts, ee_counts;
-  const device::Ranges points(kept.pt_env_offset, whose), edges(kept.ee_env_offset, whose);
-  mark("broadphase.near_point_triangle", kept.point_triangles, points, pt_counts, [=] MORTISE_HD(const PointTriangle& p) {
+  mark("broadphase.near_point_triangle", kept.point_triangles, {kept.pt_env_offset, whose}, pt_counts, [=] MORTISE_HD(const PointTriangle& p) {
     if (!boxes_overlap(swept_box(p.v, 1, 0, s, y, dy, grow), swept_box(p.v + 1, 3, 0, s, y, dy, grow))) return false;
     return s.body[p.v[0]] != s.body[p.v[1]] || !stay_apart(p.v, 1, y, dy, radius);
   });
-  mark("broadphase.near_edge_edge", kept.edge_edges, edges, ee_counts, [=] MORTISE_HD(const EdgeEdge& p) {
+  mark("broadphase.near_edge_edge", kept.edge_edges, {kept.ee_env_offset, whose}, ee_counts, [=] MORTISE_HD(const EdgeEdge& p) {
     if (!boxes_overlap(swept_box(p.v, 2, 0, s, y, dy, grow), swept_box(p.v + 2, 2, 0, s, y, dy, grow))) return false;
     return s.body[p.v[0]] != s.body[p.v[2]] || !stay_apart(p.v, 2, y, dy, radius);
   });
+}
+
+void compact(const NearPairs& kept, const std::vector<std::uint8_t>& whose, const Buffer<Index>& pt_counts, const Buffer<Index>& ee_counts,
+             NearPairs& found) {
+  compact("broadphase.pick_point_triangle", kept.point_triangles, {kept.pt_env_offset, whose}, pt_counts, found.point_triangles);
+  compact("broadphase.pick_edge_edge", kept.edge_edges, {kept.ee_env_offset, whose}, ee_counts, found.edge_edges);
+}
+
+void pick(const SurfaceView& surface, const NearPairs& kept, View<const Vec3> y, View<const Vec3> dy, double radius,
+          const std::vector<std::uint8_t>& whose, NearPairs& found) {
+  Buffer<Index> pt_counts, ee_counts;
+  mark_near(surface, kept, y, dy, radius, whose, pt_counts, ee_counts);
   found.add_up(pt_counts, kept.pt_env_first.view(), ee_counts, kept.ee_env_first.view());
-  compact("broadphase.pick_point_triangle", kept.point_triangles, points, pt_counts, found.point_triangles);
-  compact("broadphase.pick_edge_edge", kept.edge_edges, edges, ee_counts, found.edge_edges);
+  compact(kept, whose, pt_counts, ee_counts, found);
 }
 
 // Of the points of every environment.
 void farthest(const device::Ranges& whose, View<const Index> point, View<const Vec3> from, View<const Vec3> y, View<const Vec3> dy,
-              std::vector<double>& out) {
+              device::EnvValues out) {
   device::env_max(
       "broadphase.farthest", whose,
       [=] MORTISE_HD(Index i) {
@@ -88,20 +97,62 @@ Broadphase::Broadphase(const Surface& surface) : surface_(surface), search_(surf
   points_.upload(points);
 }
 
-std::vector<double> Broadphase::farthest(View<const Vec3> from, View<const Vec3> y, View<const Vec3> dy, const Mask& whose) const {
-  std::vector<double> out(search_.environments(), 0.0);
+void Broadphase::farthest(View<const Vec3> from, View<const Vec3> y, View<const Vec3> dy, const Mask& whose, device::EnvValues out) const {
+  out.value.assign(search_.environments(), 0.0);
   geometry::farthest({point_env_, whose}, points_.view(), from, y, dy, out);
+}
+
+std::unique_ptr<Broadphase::Guess> Broadphase::guess(View<const Vec3> y, View<const Vec3> dy, double radius, const Mask& whose,
+                                                     device::Fetch& fetch) const {
+  if (!served_) return nullptr;
+  Mask asked(search_.environments(), 1);
+  for (std::size_t e = 0; e < asked.size(); ++e) {
+    asked[e] = whose.empty() || whose[e];
+    if (asked[e] && !(kept_radius_[e] >= radius)) return nullptr;
+  }
+  auto out = std::make_unique<Guess>();
+  out->whose = whose, out->radius = radius, out->list = list_;
+  farthest(kept_at_.view(), y, dy, asked, {out->off, fetch});
+  mark_near(surface_.view(), kept_, y, dy, radius, whose, out->pt_counts, out->ee_counts);
+  out->sizes.begin_add_up(out->pt_counts, kept_.pt_env_first.view(), out->ee_counts, kept_.ee_env_first.view(), out->sums, fetch);
+  out->pairs = {{kept_.point_triangles.view(), std::as_const(out->pt_counts).view()},
+                {kept_.edge_edges.view(), std::as_const(out->ee_counts).view()},
+                {kept_.pt_env_offset, whose},
+                {kept_.ee_env_offset, whose}};
   return out;
 }
 
-void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius, const Mask& whose) {
+bool Broadphase::take(Guess& guess) {
+  if (guess.list != list_) return false;
+  for (std::size_t e = 0; e < guess.off.size(); ++e)
+    if ((guess.whose.empty() || guess.whose[e]) && !serves(guess.radius, guess.off[e], static_cast<Index>(e))) return false;
+  found_.take_sizes(guess.sizes);
+  found_.end_add_up(guess.sums);
+  compact(kept_, guess.whose, guess.pt_counts, guess.ee_counts, found_);
+  return true;
+}
+
+void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius, const Mask& whose, const Guess* refused) {
   const Index envs = search_.environments();
+  std::vector<double> off, way(envs, INFINITY);
+  device::Fetch fetch;
+  // What is kept serves, as a rule, where it just did: the host waits once, to hear whether it does and how many pairs there are then.
+  if (refused && refused->list == list_) {
+    off = refused->off;
+  } else if (const std::unique_ptr<Guess> guess = this->guess(y, dy, radius, whose, fetch)) {
+    fetch.now();
+    if (take(*guess)) return;
+    off = std::move(guess->off);
+  }
   Mask asked(envs, 0), kept(envs, 0), stale(envs, 0), direct(envs, 0);  // direct: searched without anything that could be kept
   for (Index e = 0; e < envs; ++e) asked[e] = whose.empty() || whose[e], kept[e] = asked[e] && kept_radius_[e] >= radius;
-  const std::vector<double> off = any(kept) ? farthest(std::as_const(kept_at_).view(), y, dy, kept) : std::vector<double>{};
-  for (Index e = 0; e < envs; ++e) stale[e] = asked[e] && !(kept[e] && radius + 2 * off[e] <= kept_radius_[e]);
-  if (any(stale)) {
-    const std::vector<double> way = dy.n > 0 ? farthest({}, y, dy, stale) : std::vector<double>(envs, INFINITY);
+  if (any(kept) && off.empty()) farthest(std::as_const(kept_at_).view(), y, dy, kept, {off, fetch});
+  fetch.now();
+  for (Index e = 0; e < envs; ++e) stale[e] = asked[e] && !(kept[e] && serves(radius, off[e], e));
+  served_ = !any(stale);
+  if (!served_) {
+    if (dy.n > 0) farthest({}, y, dy, stale, {way, fetch});
+    fetch.now();
     std::vector<double> wider(envs, radius);
     for (Index e = 0; e < envs; ++e) {
       if (!stale[e]) continue;
@@ -138,6 +189,7 @@ void Broadphase::search(View<const Vec3> y, const std::vector<double>& radius, c
   keep({point_env_, whose}, std::as_const(points_).view(), y, kept_at_.view());
   for (std::size_t e = 0; e < whose.size(); ++e)
     if (whose[e]) kept_radius_[e] = radius[e];
+  ++list_;
 }
 
 void Broadphase::copy(const Mask& whose, NearPairs& to) const {

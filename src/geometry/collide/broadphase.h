@@ -4,6 +4,7 @@
 // Newton's method asks again and again from places that are next to each other. So a search finds somewhat more than it was asked for, and is
 // kept: as long as no point of a question lies farther than half of that surplus from where the search was made, the answer is picked from what
 // it found (a Verlet list, of every environment by itself). Whether an answer was searched or picked cannot be told from it.
+#include <memory>
 #include <vector>
 
 #include "geometry/collide/pair_search.h"
@@ -19,13 +20,37 @@ class Broadphase {
   explicit Broadphase(const Surface& surface);
 
   // y, dy [m]: one per point of the surface; dy may be empty (bodies at rest). radius >= 0 [m]. Pairs of the environments of `whose` only, or of all
-  // where it is empty. Throws Error(Exit::device) when there are more pairs than can be counted.
-  void update(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, const std::vector<std::uint8_t>& whose = {});
+  // where it is empty. refused: the guess of this question that take() has refused. Throws Error(Exit::device) when there are more pairs than can be
+  // counted.
+  struct Guess;
+  void update(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, const std::vector<std::uint8_t>& whose = {},
+              const Guess* refused = nullptr);
+  // The same answer, picked from what is kept without waiting, on the guess that it serves; none where nothing is kept, or what was did not serve the
+  // last question. Whether it did take() says once `fetch` is done: true, and the answer is here, or false, and update() has to be asked. y and dy
+  // must stay until then.
+  struct Guess {
+    ChosenPairs pairs;  // of what is kept: where the guess is right they are the answer
+
+   private:
+    friend class Broadphase;
+    device::Buffer<Index> pt_counts, ee_counts;
+    NearPairs sizes;
+    NearPairs::Sums sums;
+    std::vector<double> off;  // how far points are from where the list was searched [m]
+    std::vector<std::uint8_t> whose;
+    double radius = 0;
+    Index list = 0;
+  };
+  std::unique_ptr<Guess> guess(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, const std::vector<std::uint8_t>& whose,
+                               device::Fetch& fetch) const;
+  bool take(Guess& guess);
+
   // The surface watches other pairs from now on.
   void forget() { kept_radius_.assign(kept_radius_.size(), -1.0); }
 
   device::View<const PointTriangle> point_triangles() const { return found_.point_triangles.view(); }
   device::View<const EdgeEdge> edge_edges() const { return found_.edge_edges.view(); }
+  ChosenPairs pairs() const { return {{point_triangles()}, {edge_edges()}, {pt_env_offset()}, {ee_env_offset()}}; }
   // Pairs of environment e are [offset[e], offset[e+1]); as many environments as the surface's points have.
   const std::vector<Index>& pt_env_offset() const { return found_.pt_env_offset; }
   const std::vector<Index>& ee_env_offset() const { return found_.ee_env_offset; }
@@ -38,7 +63,9 @@ class Broadphase {
  private:
   using Mask = std::vector<std::uint8_t>;
   // Largest |y - from| + |dy| of the environments of `whose`, without `from` |dy|.
-  std::vector<double> farthest(device::View<const Vec3> from, device::View<const Vec3> y, device::View<const Vec3> dy, const Mask& whose) const;
+  void farthest(device::View<const Vec3> from, device::View<const Vec3> y, device::View<const Vec3> dy, const Mask& whose,
+                device::EnvValues out) const;
+  bool serves(double radius, double off, Index env) const { return radius + 2 * off <= kept_radius_[env]; }
   void search(device::View<const Vec3> y, const std::vector<double>& radius, const Mask& whose);
   double most_surplus(device::View<const Vec3> y);
 
@@ -51,6 +78,8 @@ class Broadphase {
   std::vector<double> kept_radius_;  // of kept_ in every environment [m]; negative: none
   double most_surplus_ = -1;         // [m]; negative: not known yet
   Index searches_ = 0;
+  Index list_ = 0;      // number of what is kept
+  bool served_ = true;  // did it serve the last question?
 };
 
 }  // namespace mortise::geometry

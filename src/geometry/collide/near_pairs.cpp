@@ -53,16 +53,30 @@ void copy_pairs(const char* name, View<const Index> env_of_point, View<const Pai
 
 }  // namespace
 
-void NearPairs::add_up(Buffer<Index>& pt_counts, View<const Index> pt_first, Buffer<Index>& ee_counts, View<const Index> ee_first) {
-  Exact pt{0}, ee{0};
-  device::Fetch fetch;
-  geometry::add_up(pt_counts, pt_first, pt, pt_env_first, pt_env_offset, fetch);
-  geometry::add_up(ee_counts, ee_first, ee, ee_env_first, ee_env_offset, fetch);
-  fetch.now();
-  check_countable(pt[0]);
-  check_countable(ee[0]);
+void NearPairs::begin_add_up(Buffer<Index>& pt_counts, View<const Index> pt_first, Buffer<Index>& ee_counts, View<const Index> ee_first, Sums& sums,
+                             device::Fetch& fetch) {
+  geometry::add_up(pt_counts, pt_first, sums.pt, pt_env_first, pt_env_offset, fetch);
+  geometry::add_up(ee_counts, ee_first, sums.ee, ee_env_first, ee_env_offset, fetch);
+}
+
+void NearPairs::end_add_up(const Sums& sums) {
+  check_countable(sums.pt[0]);
+  check_countable(sums.ee[0]);
   point_triangles.resize(pt_env_offset.back());
   edge_edges.resize(ee_env_offset.back());
+}
+
+void NearPairs::take_sizes(NearPairs& o) {
+  pt_env_offset = std::move(o.pt_env_offset), ee_env_offset = std::move(o.ee_env_offset);
+  pt_env_first.swap(o.pt_env_first), ee_env_first.swap(o.ee_env_first);
+}
+
+void NearPairs::add_up(Buffer<Index>& pt_counts, View<const Index> pt_first, Buffer<Index>& ee_counts, View<const Index> ee_first) {
+  Sums sums;
+  device::Fetch fetch;
+  begin_add_up(pt_counts, pt_first, ee_counts, ee_first, sums, fetch);
+  fetch.now();
+  end_add_up(sums);
 }
 
 void NearPairs::resize(std::vector<Index> pt_offset, std::vector<Index> ee_offset) {

@@ -30,9 +30,31 @@ struct NearPairs {
   // environment. Throws Error(Exit::device) when there are more pairs than can be counted.
   void add_up(device::Buffer<Index>& pt_counts, device::View<const Index> pt_first, device::Buffer<Index>& ee_counts,
               device::View<const Index> ee_first);
+  // The same in two halves, between which `fetch` brings the numbers.
+  struct Sums {
+    std::vector<double> pt{0}, ee{0};  // exact
+  };
+  void begin_add_up(device::Buffer<Index>& pt_counts, device::View<const Index> pt_first, device::Buffer<Index>& ee_counts,
+                    device::View<const Index> ee_first, Sums& sums, device::Fetch& fetch);
+  void end_add_up(const Sums& sums);
+  // Goes on where begin_add_up() of `o` began.
+  void take_sizes(NearPairs& o);
   // Makes room for so many pairs of every environment.
   void resize(std::vector<Index> pt_offset, std::vector<Index> ee_offset);
   void copy_from(const NearPairs& o);
+};
+
+// Pairs of a list, of which only those are meant that were chosen: i where at[i + 1] > at[i], or all where `at` is empty.
+template <class Pair>
+struct Chosen {
+  device::View<const Pair> pair;
+  device::View<const Index> at{};
+  MORTISE_HD bool has(Index i) const { return at.n == 0 || at[i + 1] > at[i]; }
+};
+struct ChosenPairs {
+  Chosen<PointTriangle> points;
+  Chosen<EdgeEdge> edges;
+  device::Ranges of_points{}, of_edges{};  // the lists' parts, by environment
 };
 
 // Of the environments of `whose` the pairs of `some`, of the others those of `most`. Throws as add_up().

@@ -9,11 +9,15 @@ using device::Buffer;
 using device::View;
 
 template <class Pair>
-void limit(const char* name, View<const Pair> pairs, const std::vector<Index>& offset, bool edges, View<const Vec3> y, View<const Vec3> dy,
+void limit(const char* name, const Chosen<Pair>& chosen, const device::Ranges& whose, bool edges, View<const Vec3> y, View<const Vec3> dy,
            double keep, device::EnvValues alpha) {
+  const Chosen<Pair> list = chosen;
+  const View<const Pair> pairs = list.pair;
   Buffer<double> limits(pairs.n);
   const View<double> out = limits.view();
-  device::parallel_for(name, pairs.n, [=] MORTISE_HD(Index i) {
+  device::parallel_for(name, whose, [=] MORTISE_HD(Index i) {
+    out[i] = kNoImpact;
+    if (!list.has(i)) return;
     Vec3 x0[4], x1[4];
     for (int k = 0; k < 4; ++k) {
       x0[k] = y[pairs[i].v[k]];
@@ -23,14 +27,18 @@ void limit(const char* name, View<const Pair> pairs, const std::vector<Index>& o
   });
   const View<const double> t = limits.view();
   device::env_min(
-      "step_limit.least", offset, [=] MORTISE_HD(Index i) { return t[i]; }, alpha);
+      "step_limit.least", whose, [=] MORTISE_HD(Index i) { return t[i]; }, alpha);
 }
 
 }  // namespace
 
+void limit_step(const ChosenPairs& pairs, View<const Vec3> y, View<const Vec3> dy, double keep, device::EnvValues alpha) {
+  limit("step_limit.point_triangle", pairs.points, pairs.of_points, false, y, dy, keep, alpha);
+  limit("step_limit.edge_edge", pairs.edges, pairs.of_edges, true, y, dy, keep, alpha);
+}
+
 void limit_step(const Broadphase& pairs, View<const Vec3> y, View<const Vec3> dy, double keep, device::EnvValues alpha) {
-  limit("step_limit.point_triangle", pairs.point_triangles(), pairs.pt_env_offset(), false, y, dy, keep, alpha);
-  limit("step_limit.edge_edge", pairs.edge_edges(), pairs.ee_env_offset(), true, y, dy, keep, alpha);
+  limit_step(pairs.pairs(), y, dy, keep, alpha);
 }
 
 }  // namespace mortise::geometry
