@@ -15,7 +15,7 @@ void add_run(Command app, Context& context) {
   auto o = std::make_shared<run::Options>();
   auto goals = std::make_shared<std::vector<std::string>>();
   auto most = std::make_shared<double>(1800);
-  o->estimate = study::budget_of_run;
+  o->estimate = study::estimate_beside;
   add_scene_options(sub, o->scene, o->overrides);
   sub.option("-o,--output", o->output, "output folder; default out/<name of the scene>");
   const Flag environment =

@@ -91,6 +91,11 @@ class Effect {
   // After that: parameters may be fitted to what was found, at the cost of at most `budget` [J] of energy of every environment, for the next step;
   // what is reported belongs to the state that was solved.
   virtual void adapt(const StepInfo& info, const std::vector<double>& budget, const Linearisation& at) { (void)info, (void)budget, (void)at; }
+  // Of a model beside another (solver/follow.cpp): after begin_step, what was fitted to meshes or to solutions becomes what `leader`, the same effect
+  // of the other model, has; false where some of it cannot be taken over.
+  virtual bool take_after(const Effect& leader) { return (void)leader, true; }
+  // Of an integrator: from now on its formulas are by this share on the way to those of the next higher order, where it has such.
+  virtual void raise_order(double share) { (void)share; }
   // Of the accepted state, where `at` was filled and sampled: to every environment's sink what it would be told alone.
   virtual void report(const FieldSinks&, const Linearisation& at) { (void)at; }
   // Values are told apart by environment.

@@ -55,28 +55,27 @@ class Build : public Engine {
     step_transfers_ = step_transfers_ + (device::transfers() - before);
     return outcome;
   }
-  Outcome lead(const std::vector<Engine*>& others) override {
+  Outcome lead(const std::vector<Beside>& others) override {
     return guarded([&] {
-      std::vector<solver::Simulation*> simulations;
-      for (Engine* other : others) {
-        Build& build = static_cast<Build&>(*other);
+      std::vector<solver::Companion> companions;
+      for (const Beside& other : others) {
+        Build& build = static_cast<Build&>(*other.engine);
         require_same_freedoms(model_, build.model_);
-        simulations.push_back(&build.simulation_);
+        companions.push_back({&build.simulation_, other.by});
       }
-      simulation_.lead(std::move(simulations));
+      simulation_.lead(std::move(companions));
     });
   }
+  Outcome cast(Engine& shadow) override {
+    return guarded([&] {
+      Build& build = static_cast<Build&>(shadow);
+      if (model_.envs != 1 || build.model_.envs != 1) throw Error(Exit::usage, "one environment at a time");
+      simulation_.cast(build.simulation_);
+    });
+  }
+  solver::BesideTime beside_time() const override { return simulation_.beside_time(); }
   void rest(Index env) override { simulation_.rest(env); }
   std::string lost(Index env) const override { return simulation_.lost(env); }
-  Outcome adjoint(const solver::Functional& of, solver::Adjoint& out) override {
-    return guarded([&] {
-      try {
-        out = simulation_.adjoint(of);
-      } catch (const solver::Failure& failure) {
-        throw Error(Exit::solve, failure.reason);
-      }
-    });
-  }
   void report(const FieldSinks& sinks) override {
     std::vector<std::unique_ptr<AddedFields>> added(sinks.size());
     std::vector<FieldSink*> through(sinks.size(), nullptr);

@@ -11,7 +11,7 @@
 #include "base/field_sinks.h"
 #include "device/device_info.h"
 #include "model/command.h"
-#include "solver/adjoint.h"
+#include "solver/companion.h"
 #include "solver/report.h"
 
 namespace mortise::engine {
@@ -40,13 +40,19 @@ class Engine {
   // none is left.
   virtual Outcome step(const std::function<bool()>& stop_asked, const solver::StepReports& report) = 0;
   virtual void rest(Index env) = 0;  // it takes no further step
-  // `others` are engines of the same build for the same meshes, with parameters that differ by a hair, and begun like this one: from now on each
-  // step of this one takes them along, to first order in the difference (solver/follow.cpp). Theirs are derivatives then: they are never stepped.
-  virtual Outcome lead(const std::vector<Engine*>& others) = 0;
+  // `others` are engines of the same build for the same meshes, and begun like this one: from now on each step of this one takes them along, to first
+  // order in what they differ by (solver/follow.cpp). They are never stepped.
+  struct Beside {
+    Beside(Engine* engine, solver::Departure by = {}) : engine(engine), by(by) {}
+    Engine* engine;
+    solver::Departure by;
+  };
+  virtual Outcome lead(const std::vector<Beside>& others) = 0;
+  // The same of an engine for the same bodies on richer meshes, which goes where the displacements of this one put it, with what it leads.
+  virtual Outcome cast(Engine& shadow) = 0;
+  virtual solver::BesideTime beside_time() const = 0;  // of all that went beside so far
   // Why this one could not be taken along any farther, or an environment of several could not take a step; empty where it was.
   virtual std::string lost(Index env = 0) const = 0;
-  // After a step, with what acted in it: what a number of the state would change by if forces were a little different (solver/adjoint.h).
-  virtual Outcome adjoint(const solver::Functional& of, solver::Adjoint& out) = 0;
   virtual void report(const FieldSinks& sinks) = 0;
   virtual std::vector<double> points() = 0;                         // 3 per point [m], accepted state; environment after environment
   virtual Outcome checkpoint(const std::vector<Archive*>& of) = 0;  // of every environment; null: of this one nothing

@@ -1,16 +1,30 @@
 #pragma once
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "base/params.h"
 #include "engine/engine.h"
 #include "model/input.h"
+#include "solver/report.h"
 
 namespace mortise::run {
 
-// How wrong the scene's `quantities` are, for the certificate of a run that has taken all of its steps: JSON. fields: path of its field file.
-using Estimate = std::function<std::string(engine::Engine& engine, const model::ModelInput& input, const std::string& fields)>;
+// Finds how wrong the scene's `quantities` are while a run goes, for its certificate.
+class Estimate {
+ public:
+  virtual ~Estimate() = default;
+  virtual void before_step() = 0;  // of the engine
+  virtual void after_step(const solver::StepReport& report, bool frame) = 0;
+  virtual std::string end() = 0;  // after the last step of the scene, whose field file is closed: JSON
+};
+struct EstimateOf {
+  engine::Engine& engine;
+  const model::ModelInput& input;  // both outlive it
+  std::string folder;              // of the run
+};
+using MakeEstimate = std::function<std::unique_ptr<Estimate>(const EstimateOf&)>;  // null where there is nothing to estimate
 
 // The command line of `mortise run`.
 struct Options {
@@ -37,7 +51,7 @@ struct Options {
   bool quiet = false;
   std::string device = "auto";  // as engine::choose takes it
   int threads = 0;              // 0: what the machine grants
-  Estimate estimate{};          // none: certificates are without
+  MakeEstimate estimate{};      // none: certificates are without
 };
 
 }  // namespace mortise::run

@@ -22,7 +22,7 @@ struct Record {
   };
   device::DeviceInfo device;
   std::vector<output::StepRow> steps;
-  std::map<std::string, double> seconds, cpu_seconds;  // setup, solve, output, pictures, checkpoint
+  std::map<std::string, double> seconds, cpu_seconds;  // setup, solve, estimate, output, pictures, checkpoint
   long frames = 0;
 
   void spent(const char* part, const Stopwatch& since) { spent(part, since.wall(), since.cpu()); }

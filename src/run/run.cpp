@@ -193,6 +193,7 @@ class Run {
       save();
     }
 
+    const std::unique_ptr<Estimate> estimate = o_.estimate && !bridge_ ? o_.estimate({*engine_, input, folder_->path()}) : nullptr;
     while (engine_->steps_done() < last_ && !(reset_ && reset_->due())) {
       if (stop()) co_return stopped();
       if (bridge_ && bridge_->due(engine_->steps_done())) {
@@ -200,10 +201,17 @@ class Run {
         if (!answer) co_return stopped();
         if (ended_ = *answer != bridge::Bridge::Answer::go_on; ended_) break;
       }
+      if (estimate) {
+        const Stopwatch since;
+        estimate->before_step();
+        record_.spent("estimate", since);
+      }
+      const solver::BesideTime beside = engine_->beside_time();
       const engine::Outcome outcome = co_await turn_.step(*engine_, [this] { return stop(); });
       const solver::StepReport report = turn_.report;
       newton_log_->step(report);
-      record_.spent("solve", turn_.wall, turn_.cpu);
+      const double beside_wall = engine_->beside_time().wall - beside.wall, beside_cpu = engine_->beside_time().cpu - beside.cpu;
+      record_.spent("solve", turn_.wall - beside_wall, turn_.cpu - beside_cpu);
       if (outcome.code == static_cast<int>(Exit::stopped)) co_return stopped();
       if (outcome.code == static_cast<int>(Exit::solve)) {
         save();
@@ -223,13 +231,15 @@ class Run {
       check(outcome);
       stepped_ = true;
       after_step(report);
+      if (!estimate) continue;
+      const Stopwatch since;
+      estimate->after_step(report, engine_->steps_done() % frame_every_ == 0 || engine_->steps_done() == last_step());
+      record_.spent("estimate", since.wall() + beside_wall, since.cpu() + beside_cpu);
     }
     if (bridge_ && !ended_) note(bridge_->ask_last(engine_->steps_done(), [this] { return stop(); }));
     if (ended_) save();
     file_->close();
-    // Of the state that a step of this process led to: the next process has no equations of it.
-    if (stepped_ && engine_->steps_done() == steps_ && o_.estimate && scene_.root.has("quantities"))
-      budget_ = o_.estimate(*engine_, input, field_path);
+    if (stepped_ && engine_->steps_done() == steps_ && estimate) budget_ = estimate->end();
     if (!ended_by().empty()) note("reset: " + ended_by());
     if (!checkpoint) keep_time(input);
     co_return Exit::done;

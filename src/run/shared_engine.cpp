@@ -48,8 +48,11 @@ class SharedEngine::Member final : public engine::Engine {
   void command(const std::vector<model::Command>&) override { throw alone(); }
   engine::Outcome step(const std::function<bool()>&, const solver::StepReports&) override { throw alone(); }
   void rest(Index) override { throw alone(); }
-  engine::Outcome lead(const std::vector<Engine*>&) override { throw alone(); }
-  engine::Outcome adjoint(const solver::Functional&, solver::Adjoint&) override { throw alone(); }
+  engine::Outcome lead(const std::vector<Beside>&) override {
+    return {static_cast<int>(Exit::usage), "it shares its engine with other environments"};
+  }
+  engine::Outcome cast(Engine& shadow) override { return lead({&shadow}); }
+  solver::BesideTime beside_time() const override { return {}; }
   std::vector<engine::PlanItem> plan() override { throw alone(); }
 
   const model::ModelInput& input() const { return input_; }

@@ -141,6 +141,7 @@ void Simulation::attempt(effects::StepInfo info, EnvMask whose, const StepReport
 
 void Simulation::step(const std::function<bool()>& stop_asked, const StepReports& report) {
   const auto start = std::chrono::steady_clock::now();
+  const double beside = beside_time_.wall;
   for (Index e = 0; e < model_.envs; ++e) {
     report[e] = {};
     report[e].step = step_[e];
@@ -148,7 +149,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
     report[e].substeps = 0;
   }
   support_work_.assign(model_.envs, 0.0);
-  for (Simulation* other : others_) other->support_work_.assign(1, 0.0);
+  each_beside([](Simulation& other) { other.support_work_.assign(1, 0.0); });
 
   // The step is cut into 2^halvings units, so that substeps always meet its end exactly; every environment cuts it by itself.
   struct Cut {
@@ -235,12 +236,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
     if (!any(accepted)) continue;
     if (size < units) remember();
     info.whose = some_of(accepted);
-    if (!others_.empty()) try {
-        lead_on(info);
-      } catch (const Failure& failure) {
-        undo(takes);
-        throw Error(Exit::solve, failure.reason);
-      }
+    lead_on(info);
     accept(info, lost_energy(info));
     for (Index e = 0; e < model_.envs; ++e) {
       if (!accepted[e]) continue;
@@ -255,7 +251,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
   }
 
   newton_.hold(takes);
-  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() - (beside_time_.wall - beside);
   for (Index e = 0; e < model_.envs; ++e) {
     if (!takes[e] || !lost_[e].empty()) continue;
     ++step_[e];
@@ -263,7 +259,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
     report[e].time = time_[e];
     report[e].wall = wall;
   }
-  for (Simulation* other : others_) other->step_ = step_, other->time_ = time_;
+  each_beside([this](Simulation& other) { other.step_ = step_, other.time_ = time_; });
 }
 
 void Simulation::checkpoint(const std::vector<Archive*>& of) {

@@ -4,7 +4,8 @@
 
 #include "base/archive.h"
 #include "base/field_sinks.h"
-#include "solver/adjoint.h"
+#include "solver/companion.h"
+#include "solver/lift.h"
 #include "solver/newton.h"
 #include "solver/rehearsal.h"
 #include "solver/tangent.h"
@@ -39,12 +40,12 @@ class Simulation {
   // From now on the environment stands still: it has come to its end.
   void rest(Index env) { resting_[env] = 1; }
 
-  // From the next step on `others`, of the same degrees of freedom but with other parameters, go beside this one: when a step is solved they take
-  // it too, by what is linear in the difference (follow.cpp). One environment.
-  void lead(std::vector<Simulation*> others) { others_ = std::move(others); }
-
-  // Of a number of the state that the last step led to, with what acted in that step. Throws Failure where there is none. One environment.
-  Adjoint adjoint(const Functional& of);
+  // From the next step on `others`, of the same degrees of freedom, go beside this one: when a step is solved they take it too, by what is linear in
+  // what they differ by (follow.cpp). They begin where this one stands. One environment.
+  void lead(std::vector<Companion> others);
+  // And `shadow`, of the same bodies on richer meshes, takes every step to where the displacements of this one put it, with what it leads itself.
+  void cast(Simulation& shadow);
+  BesideTime beside_time() const { return beside_time_; }  // of all that went beside so far
 
   // Why an environment was given up; empty where it was not.
   const std::string& lost(Index env) const { return lost_[env]; }
@@ -65,8 +66,13 @@ class Simulation {
              std::vector<std::string>& why);
   std::vector<double> lost_energy(const effects::StepInfo& info) const;  // per environment [J]
   void accept(const effects::StepInfo& info, const std::vector<double>& lost);
+  void join(const device::Buffer<Vec3>& q, const Simulation& leader);
+  void begin_beside(const effects::StepInfo& info, const Simulation& leader, bool fits);
   void lead_on(const effects::StepInfo& info);
-  void follow(const effects::StepInfo& info, Simulation& leader, device::View<const Vec3> still);
+  void follow(const effects::StepInfo& info, Simulation& leader, const Departure& by, device::View<const Vec3> still);
+  void take(const effects::StepInfo& info, Simulation& leader, const Lift& lift);
+  void try_beside(Simulation& other, const std::function<void()>& work) const;
+  void each_beside(const std::function<void(Simulation&)>& work) const;
   void report_balance(const FieldSinks& sinks);
   void report_effects(const FieldSinks& sinks, bool solved);
   std::vector<Vec3> resultants(const std::vector<Vec3>& g) const;
@@ -77,10 +83,15 @@ class Simulation {
   Clock clock_;
   Newton newton_;
   AcceptedForces forces_;
-  std::vector<Simulation*> others_;
-  std::unique_ptr<Tangent> tangent_;  // where there are others, or adjoints,
-  Index tangent_step_ = -1;           // at the state that so many steps led to
-  bool refitted_ = false;             // parameters of effects were fitted to the solution of the step under way
+  std::vector<Companion> others_;
+  struct Shadow {
+    Simulation* of;
+    Lift lift;
+  };
+  std::vector<Shadow> shadows_;
+  std::unique_ptr<Tangent> tangent_;  // where there are others
+  BesideTime beside_time_;
+  bool refitted_ = false;  // parameters of effects were fitted to the solution of the step under way
   // Per environment:
   std::vector<std::string> lost_;
   EnvMask resting_;

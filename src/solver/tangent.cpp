@@ -8,10 +8,18 @@
 
 namespace mortise::solver {
 
-Tangent::Tangent(System& system)
+namespace {
+
+bool iterates(const System& system, bool rough) {
+  return rough ? system.model.blocks > tuning::kDirectBlocks : choose_linear(system.model, system.options).kind == "cg";
+}
+
+}  // namespace
+
+Tangent::Tangent(System& system, Use use)
     : system_(system),
-      linear_(choose_linear(system.model, system.options).kind == "cg" ? make_cg(system.model, system.rows, system.options)
-                                                                       : make_direct(system.model, system.rows, false)),
+      rough_(use == Use::estimates),
+      linear_(iterates(system, rough_) ? make_cg(system.model, system.rows, system.options) : make_direct(system.model, system.rows, false)),
       at_(system.potential.linearised()),
       beside_(system.potential.linearised()) {}
 
@@ -47,13 +55,21 @@ void Tangent::product(device::View<const Vec3> d, bool transposed, device::Buffe
   const double size = largest(d, system_.model.env_blocks)[0], h = size > 0 ? tuning::kTangentDifference * system_.length[0] / size : 0;
   out.resize(d.n);
   out.zero();
-  for (double sign : {1.0, -1.0}) {
-    if (h == 0) break;
+  if (h == 0) return;
+  const auto add_forces = [&](const Linearised& at, double share) {
+    add_scaled(std::as_const(at.gradient).view(), {share}, std::as_const(system_.model.block_env).view(), out);
+  };
+  const auto add_forces_beside = [&](double way, double share) {
     moved_.copy_from(q_);
-    add_scaled(d, {sign * h}, std::as_const(system_.model.block_env).view(), moved_);
+    add_scaled(d, {way}, std::as_const(system_.model.block_env).view(), moved_);
     system_.potential.linearise(std::as_const(moved_).view(), {}, beside_, true);
-    add_scaled(std::as_const(beside_.gradient).view(), {sign / (2 * h)}, std::as_const(system_.model.block_env).view(), out);
-  }
+    add_forces(beside_, share);
+  };
+  add_forces_beside(h, rough_ ? 1 / h : 1 / (2 * h));
+  if (rough_)
+    add_forces(at_, -1 / h);
+  else
+    add_forces_beside(-h, -1 / (2 * h));
 }
 
 void Tangent::solve(device::View<const Vec3> f, bool transposed, device::Buffer<Vec3>& x) {
@@ -69,11 +85,12 @@ void Tangent::solve(device::View<const Vec3> f, bool transposed, device::Buffer<
   };
   const std::vector<double> f2 = dot(f, f, system_.rows.env);
   if (!std::isfinite(f2[0])) throw Failure{"a force is not finite"};
-  const double wanted = assembled_ || transposed ? tuning::kTangent : tuning::kTangentByDifferences;
+  const double wanted = rough_ ? tuning::kTangentOfEstimates : assembled_ || transposed ? tuning::kTangent : tuning::kTangentByDifferences;
   const LinearSystem linear{matrix_, f, x.view(), f2, f2, q_.view(), &J};
   const linalg::GmresResult end = solve_whole(system_.model, linear, all, system_.rows.env, {wanted}, tuning::kTangentMost,
                                               [&](device::View<const Vec3> in, device::View<Vec3> out) { linear_->apply(matrix_, in, out, all); });
-  if (!(end.relative[0] <= tuning::kTangentRough)) throw Failure{"the linearised equations of the step do not let themselves be solved"};
+  if (!(end.relative[0] <= std::max(wanted, tuning::kTangentRough)))
+    throw Failure{"the linearised equations of the step do not let themselves be solved"};
 }
 
 }  // namespace mortise::solver

@@ -15,8 +15,10 @@ namespace mortise::solver {
 
 class Tangent {
  public:
-  // Of a model with one environment. What the system's own solver keeps stays as it is.
-  explicit Tangent(System& system);
+  // Of a model with one environment. What the system's own solver keeps stays as it is. For estimates solutions are rough (tuning.h), with
+  // differences to one side, and never cost a factor of a large matrix.
+  enum class Use { derivatives, estimates };
+  explicit Tangent(System& system, Use use = Use::derivatives);
 
   // J at q, within the step that the effects have begun. Throws Failure where no factor can be made.
   void linearise(const device::Buffer<Vec3>& q);
@@ -34,6 +36,7 @@ class Tangent {
 
  private:
   System& system_;
+  const bool rough_;
   std::unique_ptr<Linear> linear_;
   Linearised at_, beside_;
   linalg::BlockMatrix matrix_;

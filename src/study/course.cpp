@@ -1,59 +1,10 @@
 #include "study/course.h"
 
-#include <filesystem>
-
-#include "base/version.h"
-#include "run/contact_figures.h"
-#include "run/output_mesh.h"
-#include "run/step_row.h"
-#include "study/measure.h"
-
 namespace mortise::study {
 
-void check(const engine::Outcome& outcome) {
-  if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message, outcome.located);
-}
-
-Course::Course(const scene::Scene& scene, const std::string& file, const engine::Choice& choice)
-    : scene_(scene), input_(engine::make_input(scene.root)), file_(file), sensors_(input_), audit_(input_) {
-  check(choice.api->create(input_, engine_));
-}
-
-Course::~Course() {
-  out_.reset();
-  std::error_code ec;
-  std::filesystem::remove(file_, ec);
-}
-
-void Course::open() {
-  output::FieldOptions options;
-  options.double_precision = true, options.xdmf = false, options.commit_seconds = 1e9;
-  out_ = output::FieldFile::open(file_, run::output_mesh(input_), {version(), git_sha1(), "", ""}, options);
-  see(nullptr, true);
-}
-
-void Course::see(const solver::StepReport* report, bool frame) {
-  state_ = {};
-  engine_->report(state_);
-  points_ = engine_->points();
-  sensors_.read(state_, points_);
-  const run::EnergyAudit::Result energy = audit_.state({state_, points_});
-  if (report) out_->append_step(run::step_row(*report, run::contact_figures(state_)));
-  if (!frame) return;
-  out_->begin_frame(engine_->time(), points_);
-  state_.report(*out_);
-  out_->scalar("audit", "total_energy", "J", energy.total);
-  if (energy.work_is_known) out_->scalar("audit", "support_work", "J", energy.support_work);
-  out_->end_frame();
-}
-
-std::vector<double> Course::measure(const std::vector<Quantity>& quantities) {
-  if (out_) out_->close();
-  out_.reset();
-  const output::FieldReader reader(file_);
-  std::vector<double> values;
-  for (const Quantity& q : quantities) values.push_back(study::measure(reader, q));
-  return values;
+Course::Course(model::ModelInput input, const std::string& file, const engine::Api& api) : input_(std::move(input)) {
+  check(api.create(input_, engine_));
+  recording_ = std::make_unique<Recording>(*engine_, input_, file);
 }
 
 }  // namespace mortise::study

@@ -1,50 +1,28 @@
 #pragma once
-// A run of a scene in this process, whose states go to a file for as long as quantities are measured in it.
+// A model in this process with an engine of its own, and a recording of its states.
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "base/snapshot.h"
 #include "engine/choose.h"
 #include "engine/input.h"
-#include "output/field_file.h"
-#include "run/state_audit.h"
-#include "scene/scene.h"
-#include "sensors/sensors.h"
-#include "study/study.h"
+#include "study/recording.h"
 
 namespace mortise::study {
 
-// Throws what an engine's outcome says.
-void check(const engine::Outcome& outcome);
-
 class Course {
  public:
-  Course(const scene::Scene& scene, const std::string& file, const engine::Choice& choice);
+  Course(model::ModelInput input, const std::string& file, const engine::Api& api);
   Course(const Course&) = delete;
-  ~Course();
 
   engine::Engine& engine() { return *engine_; }
   const model::ModelInput& input() const { return input_; }
-  // Writes the state at the start.
-  void open();
-  // Takes note of the state after a step, and writes it where it makes a frame. report: of the step; null of those that only follow.
-  void see(const solver::StepReport* report, bool frame);
-  const Snapshot& state() const { return state_; }               // the last
-  const std::vector<double>& points() const { return points_; }  // there, three per point [m]
-  // No state follows.
-  std::vector<double> measure(const std::vector<Quantity>& quantities);
+  Recording& recording() { return *recording_; }
 
  private:
-  const scene::Scene scene_;
   const model::ModelInput input_;
-  const std::string file_;
   std::unique_ptr<engine::Engine> engine_;
-  std::unique_ptr<output::FieldFile> out_;
-  sensors::Sensors sensors_;
-  run::EnergyAudit audit_;
-  Snapshot state_;
-  std::vector<double> points_;
+  std::unique_ptr<Recording> recording_;
 };
 
 }  // namespace mortise::study

@@ -1,87 +1,47 @@
 #include "study/error_budget.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "base/cpu_time.h"
-#include "effects/roles.h"
 #include "engine/effect_tables.h"
-#include "run/output_mesh.h"
+#include "engine/input.h"
+#include "output/field_reader.h"
 #include "run/signals.h"
 #include "scene/scene.h"
-#include "study/course.h"
-#include "study/goal_error.h"
+#include "study/error_watch.h"
 #include "study/measure.h"
 #include "study/read.h"
 
 namespace mortise::study {
 namespace {
 
-// Number of a body among those that move or are held (half-spaces are none); -1 where there is no such.
-int body_of(const model::ModelInput& input, const std::string& name) {
-  int i = 0;
-  for (const model::BodyInput& body : input.bodies) {
-    if (body.type == model::BodyType::half_space) continue;
-    if (body.name == name) return i;
-    ++i;
+// Of a run of its own folder.
+class Beside final : public run::Estimate {
+ public:
+  explicit Beside(const run::EstimateOf& of)
+      : quantities_(quantities_of(of.input.scene)),
+        watch_(of.engine, of.input, quantities_, {engine::chosen().api, of.folder, false}),
+        fields_(of.folder + "/fields.vtkhdf") {}
+  void before_step() override { watch_.before_step(); }
+  void after_step(const solver::StepReport& report, bool frame) override { watch_.after_step(report, frame); }
+  std::string end() override {
+    ErrorBudget budget = watch_.end();
+    const output::FieldReader reader(fields_);
+    for (std::size_t k = 0; k < quantities_.size(); ++k) try {  // a run that took hours does not fail for a name that nothing reports
+        budget.of[k].value = measure(reader, quantities_[k]);
+      } catch (const Error& e) {
+        budget.of[k].why_not = e.what();
+      }
+    return budget_entries(quantities_, budget);
   }
-  return -1;
-}
 
-constexpr const char* kKnown =
-    "its gradient is not known: there are supports/BODY_x (y, z), and displacement and position along an axis, at a point or as max or min";
-
-// The gradient of a quantity of the last state, or why there is none.
-struct Gradient {
-  solver::Functional of;
-  std::string why_not;
+ private:
+  const std::vector<Quantity> quantities_;
+  ErrorWatch watch_;
+  const std::string fields_;
 };
-
-Gradient gradient_of(const Quantity& q, const model::ModelInput& input, const std::vector<double>& points) {
-  Gradient out;
-  const auto none = [&](const char* why) { return out.why_not = why, out; };
-  if (q.when != "end" || q.at) return none("it is not of the last state");
-  const std::string axes = "xyz";
-  if (group_of(q.value) == "supports") {
-    std::string body = leaf_of(q.value), axis = q.axis;
-    if (axis.empty() && body.size() > 2 && body[body.size() - 2] == '_') axis = body.back(), body.resize(body.size() - 2);
-    out.of.body = axis.size() == 1 && axes.find(axis) != std::string::npos ? body_of(input, body) : -1;
-    if (out.of.body < 0) return none(kKnown);
-    out.of.axis = static_cast<int>(axes.find(axis));
-    return out;
-  }
-  if ((q.value != "displacement" && q.value != "position") || q.axis.size() != 1) return none(kKnown);
-  const output::OutputMesh mesh = run::output_mesh(input);
-  const auto axis = axes.find(q.axis);
-  out.of.points.assign(points.size(), 0.0);
-  if (q.point) {
-    for (const auto& [i, w] : weights_at(mesh, q)) out.of.points[3 * i + axis] = w;
-    return out;
-  }
-  if (q.over != "max" && q.over != "min") return none(kKnown);
-  const int body = body_of(input, q.body);
-  std::size_t best = SIZE_MAX;
-  double most = -INFINITY;
-  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-    if (mesh.body_of_point[i] != body) continue;
-    const double x = points[3 * i + axis] - (q.value == "displacement" ? mesh.points[i][static_cast<int>(axis)] : 0);
-    if (const double v = q.over == "max" ? x : -x; v > most) most = v, best = i;
-  }
-  if (best == SIZE_MAX) return none("no such body has points");
-  out.of.points[3 * best + axis] = 1;
-  return out;
-}
-
-// Why nothing can be said of a scene; empty where something can.
-std::string why_none(const Params& scene) {
-  const Params& time = scene.at("time");
-  if (time.text("mode") != "static") return "in motion the errors of all steps add up, which ladders tell (mortise study --one-at-a-time --vary)";
-  if (!effects::of_role(scene.at("effects"), effects::Role::follower).empty() && time.integer("steps") > 1)
-    return "with friction it needs a single load step: what stuck in earlier ones the last equations do not tell";
-  return "";
-}
 
 }  // namespace
 
@@ -95,49 +55,9 @@ bool QuantityBudget::complete() const {
   return std::all_of(parts.begin(), parts.end(), [](const ErrorPart& p) { return std::isfinite(p.error); });
 }
 
-ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, const std::vector<Quantity>& quantities) {
-  ErrorBudget out;
-  const double start = cpu_time();
-  const std::string none = why_none(input.scene);
-  Snapshot state;
-  engine.report(state);
-  const std::vector<double> points = engine.points();
-  const GoalError mesh(input);
-  const auto stress = state.cell.find("cauchy_stress");
-  const bool contact = !effects::of_role(input.scene.at("effects"), effects::Role::contact).empty();
-  for (const Quantity& q : quantities) {
-    QuantityBudget& budget = out.of.emplace_back();
-    const Gradient gradient = none.empty() ? gradient_of(q, input, points) : Gradient{{}, none};
-    budget.why_not = gradient.why_not;
-    if (!budget.why_not.empty()) continue;
-    solver::Adjoint adjoint;
-    if (const engine::Outcome outcome = engine.adjoint(gradient.of, adjoint); outcome.code != 0) {
-      budget.why_not = outcome.message;
-      continue;
-    }
-    out.exact = out.exact && adjoint.exact;
-    ErrorPart of_mesh{"mesh of soft bodies", NAN, mesh.why_not()};
-    if (stress == state.cell.end()) of_mesh.why_not = "the scene has no soft bodies";
-    if (of_mesh.why_not.empty()) of_mesh.error = mesh.of(stress->second, adjoint.points);
-    budget.parts.push_back(of_mesh);
-    if (contact) budget.parts.push_back({"gap that contact leaves", adjoint.layer, ""});
-    budget.parts.push_back({"Newton's method, linear systems, lag", adjoint.residual, ""});
-    if (contact) budget.parts.push_back({"facets of round surfaces, integration", NAN, "no estimate"});
-  }
-  out.seconds = cpu_time() - start;
-  return out;
-}
-
-std::string budget_of_run(engine::Engine& engine, const model::ModelInput& input, const std::string& fields) {
-  const std::vector<Quantity> quantities = quantities_of(input.scene);
-  ErrorBudget budget = budget_of(engine, input, quantities);
-  const output::FieldReader reader(fields);
-  for (std::size_t k = 0; k < quantities.size(); ++k) try {
-      budget.of[k].value = measure(reader, quantities[k]);
-    } catch (const Error& e) {  // a run that took hours does not fail for a name that nothing reports
-      budget.of[k].why_not = e.what();
-    }
-  return budget_entries(quantities, budget);
+std::unique_ptr<run::Estimate> estimate_beside(const run::EstimateOf& run) {
+  if (quantities_of(run.input.scene).empty()) return nullptr;
+  return std::make_unique<Beside>(run);
 }
 
 ErrorBudget find_error_budget(const Study& study, const Place& place) {
@@ -147,27 +67,27 @@ ErrorBudget find_error_budget(const Study& study, const Place& place) {
   const scene::Scene scene =
       scene::read_scene_text(variant_of(study, study.methods.front(), {}).yaml, study.scene, {"output.precision=double"}, engine::effect_tables());
   const Params& time = scene.root.at("time");
-  if (const std::string none = why_none(scene.root); !none.empty()) throw Error(Exit::usage, study.scene + ": there is no error budget: " + none);
   const long steps = time.integer("steps"), every = time.integer("frame_every");
   const engine::Choice choice = engine::choose(place.device, place.threads);
+  const std::string folder = place.folder + "/runs";
   std::error_code ec;
-  std::filesystem::create_directories(place.folder + "/runs", ec);
-  Course course(scene, place.folder + "/runs/error_budget.vtkhdf", choice);
+  std::filesystem::create_directories(folder, ec);
+  const model::ModelInput input = engine::make_input(scene.root);
+  std::unique_ptr<engine::Engine> engine;
+  check(choice.api->create(input, engine));
+  ErrorWatch watch(*engine, input, study.quantities, {choice.api, folder, true});
   double solve_seconds = 0;
-  check(course.engine().begin());
-  course.open();
+  check(engine->begin());
   for (long step = 1; step <= steps; ++step) {
-    const double start = cpu_time();
+    watch.before_step();
+    const double start = cpu_time(), beside = engine->beside_time().cpu;
     solver::StepReport report;
-    check(course.engine().step(run::stop_asked, report));
-    solve_seconds += cpu_time() - start;
-    course.see(&report, step % every == 0 || step == steps);
+    check(engine->step(run::stop_asked, report));
+    solve_seconds += cpu_time() - start - (engine->beside_time().cpu - beside);
+    watch.after_step(report, step % every == 0 || step == steps);
   }
-
-  ErrorBudget out = budget_of(course.engine(), course.input(), study.quantities);
+  ErrorBudget out = watch.end();
   out.solve_seconds = solve_seconds;
-  const std::vector<double> values = course.measure(study.quantities);
-  for (std::size_t k = 0; k < values.size(); ++k) out.of[k].value = values[k];
   return out;
 }
 

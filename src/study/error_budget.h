@@ -1,12 +1,12 @@
 #pragma once
-// Where the error of a number of one run comes from, from one adjoint solve per quantity with the last Jacobian: what is to be added to it because
-// of the mesh, of the gap that contact leaves, and of what Newton's method left. Static scenes.
-#include <optional>
+// Where the error of a number of one run comes from: what is to be added to it because of the mesh, of the gap that contact leaves, of time steps,
+// and of what Newton's method left (error_watch.h).
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "engine/engine.h"
 #include "model/input.h"
+#include "run/options.h"
 #include "study/run_study.h"
 
 namespace mortise::study {
@@ -28,17 +28,12 @@ struct QuantityBudget {
 struct ErrorBudget {
   std::vector<QuantityBudget> of;         // the quantities
   double solve_seconds = 0, seconds = 0;  // CPU time of the steps, and of the estimates [s]
-  bool exact = true;                      // J^T lacked nothing
 };
 
-// Of the state that the engine's last step led to; values are left out.
-ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, const std::vector<Quantity>& quantities);
+// Goes beside a run, for its certificate: the scene's `quantities`. What cannot be told is told.
+std::unique_ptr<run::Estimate> estimate_beside(const run::EstimateOf& run);
 
-// Of a run that has ended with all of its steps, for its certificate: the scene's `quantities` with values from its field file, as a JSON array.
-// What cannot be told is told.
-std::string budget_of_run(engine::Engine& engine, const model::ModelInput& input, const std::string& fields);
-
-// Runs the scene. Throws Error(Exit::usage) for scenes of which nothing can be said.
+// Runs the scene. Throws what a run throws.
 ErrorBudget find_error_budget(const Study& study, const Place& place);
 
 std::string budget_table(const Study& study, const ErrorBudget& budget);

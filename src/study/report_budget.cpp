@@ -34,7 +34,6 @@ std::string budget_table(const Study& study, const ErrorBudget& budget) {
                        share_text(b.sum(), b.value), b.value + b.sum());
   }
   out += fmt::format("{} of CPU time in the steps, {} for the estimates\n", seconds_text(budget.solve_seconds), seconds_text(budget.seconds));
-  if (!budget.exact) out += "the adjoint leaves out that samples of contact slide and turn\n";
   return out;
 }
 
@@ -50,7 +49,6 @@ std::string budget_entries(const std::vector<Quantity>& quantities, const ErrorB
                    {"error", known ? output::number_or_null(b.sum()) : Json(nullptr)},
                    {"complete", known && b.complete()},
                    {"why_not", b.why_not},
-                   {"adjoint_is_exact", budget.exact},
                    {"parts", parts}});
   }
   return out.dump();

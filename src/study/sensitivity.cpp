@@ -9,6 +9,7 @@
 #include "base/cpu_time.h"
 #include "engine/choose.h"
 #include "engine/effect_tables.h"
+#include "engine/input.h"
 #include "run/signals.h"
 #include "scene/scene.h"
 #include "study/course.h"
@@ -65,7 +66,7 @@ Sensitivities find_sensitivities(const Study& study, const std::vector<std::stri
   const std::string folder = place.folder + "/runs/sensitivity";
   std::error_code ec;
   std::filesystem::create_directories(place.folder + "/runs", ec);
-  Course base(scene, folder + ".vtkhdf", choice);
+  Course base(engine::make_input(scene.root), folder + ".vtkhdf", *choice.api);
   check(base.engine().begin());
   std::vector<Pair> pairs;
   for (std::size_t k = 0; k < out.parameters.size(); ++k) try {
@@ -73,7 +74,8 @@ Sensitivities find_sensitivities(const Study& study, const std::vector<std::stri
       for (double sign : {-1.0, 1.0}) {
         const std::string change = out.parameters[k].parameter.scaled(1 + sign * tuning::kHair);
         const scene::Scene beside = scene::read_scene_text(text, study.scene, {precise, change}, tables);
-        auto course = std::make_unique<Course>(beside, fmt::format("{}_{}{}.vtkhdf", folder, k, sign < 0 ? "a" : "b"), choice);
+        auto course =
+            std::make_unique<Course>(engine::make_input(beside.root), fmt::format("{}_{}{}.vtkhdf", folder, k, sign < 0 ? "a" : "b"), *choice.api);
         if (!same_meshes(base.input(), course->input()))
           throw Error(Exit::usage, "it changes the connections of a mesh: there is no derivative with respect to it");
         check(base.engine().lead({&course->engine()}));
@@ -85,14 +87,14 @@ Sensitivities find_sensitivities(const Study& study, const std::vector<std::stri
       if (e.code() == Exit::file || e.code() == Exit::stopped) throw;
       out.parameters[k].refused = reason_of(e);
     }
-  std::vector<engine::Engine*> beside;
+  std::vector<engine::Engine::Beside> beside;
   std::vector<Course*> courses;
   for (Pair& pair : pairs)
-    for (Course* course : {pair.less.get(), pair.more.get()}) beside.push_back(&course->engine()), courses.push_back(course);
+    for (Course* course : {pair.less.get(), pair.more.get()}) beside.emplace_back(&course->engine()), courses.push_back(course);
   check(base.engine().lead(beside));
 
-  base.open();
-  for (Course* course : courses) course->open();
+  base.recording().open();
+  for (Course* course : courses) course->recording().open();
   const long steps = scene.root.at("time").integer("steps"), every = scene.root.at("time").integer("frame_every");
   for (long step = 1; step <= steps; ++step) {
     const double start = cpu_time();
@@ -100,17 +102,17 @@ Sensitivities find_sensitivities(const Study& study, const std::vector<std::stri
     check(base.engine().step(run::stop_asked, report));
     out.seconds += cpu_time() - start;
     const bool frame = step % every == 0 || step == steps;
-    base.see(&report, frame);
+    base.recording().see(&report, frame);
     for (Course* course : courses)
-      if (course->engine().lost().empty()) course->see(nullptr, frame);
+      if (course->engine().lost().empty()) course->recording().see(nullptr, frame);
   }
 
-  out.values = base.measure(study.quantities);
+  out.values = base.recording().measure(study.quantities);
   for (Pair& pair : pairs) {
     for (Course* course : {pair.less.get(), pair.more.get()})
       if (const std::string why = course->engine().lost(); !why.empty()) out.parameters[pair.parameter].refused = why;
     if (!out.parameters[pair.parameter].refused.empty()) continue;
-    const std::vector<double> less = pair.less->measure(study.quantities), more = pair.more->measure(study.quantities);
+    const std::vector<double> less = pair.less->recording().measure(study.quantities), more = pair.more->recording().measure(study.quantities);
     for (std::size_t q = 0; q < out.values.size(); ++q) {
       Derivative& d = out.parameters[pair.parameter].of[q];
       d.below = (out.values[q] - less[q]) / tuning::kHair, d.above = (more[q] - out.values[q]) / tuning::kHair;

@@ -99,6 +99,12 @@ class AffineBody final : public Effect {
     if (changed) stiffness_changed();
   }
 
+  bool take_after(const Effect& leader) override {
+    next_stiffness_ = stiffness_ = static_cast<const AffineBody&>(leader).stiffness_;
+    stiffness_changed();
+    return true;
+  }
+
   void begin_step(const StepInfo& step) override {
     if (copy_taken(step, next_stiffness_, stiffness_)) stiffness_changed();
   }

@@ -78,6 +78,7 @@ class Inertia final : public Effect {
     for (Index e = 0; e < model_.envs; ++e)
       if (step.taken_by(e))
         integrator_[e] = bdf2_ && dt_prev_[e] > 0 && !step.of_first_order(e) ? inertia::bdf2(step.dt, dt_prev_[e]) : inertia::backward_euler(step.dt);
+    if (raised_ > 0) integrator_[0] = raised(step);
     integrators_.upload(integrator_);
     const View<const inertia::Integrator> in = std::as_const(integrators_).view();
     const View<const Index> env = std::as_const(model_.block_env).view();
@@ -86,6 +87,24 @@ class Inertia final : public Effect {
     const View<Vec3> hat = q_hat_.view();
     device::parallel_for("inertia.predict", hat.n, [=] MORTISE_HD(Index b) { hat[b] = in[env[b]].q_hat(qn[b], qn1[b], vn[b], vn1[b]); });
     q_begin_.copy_from(model_.q);
+    if (raised_ > 0) add_third(1 / integrator_[0].a0, integrator_[0].dt / (integrator_[0].a0 * integrator_[0].a0), q_hat_);
+  }
+
+  // Of one environment that only follows another.
+  void raise_order(double share) override { raised_ = share; }
+  inertia::Integrator raised(const StepInfo& step) const {
+    const inertia::Integrator& as_it_is = integrator_[0];
+    if (dt_prev_[0] == 0) return as_it_is;
+    if (as_it_is.a2 == 0) return inertia::between(as_it_is, inertia::bdf2(step.dt, dt_prev_[0]), raised_);
+    return dt_before_ > 0 ? inertia::between(as_it_is, inertia::bdf3(step.dt, dt_prev_[0], dt_before_), raised_) : as_it_is;
+  }
+  // Adds a3 (of_q q_{n-2} + of_v v_{n-2}).
+  void add_third(double of_q, double of_v, device::Buffer<Vec3>& to) const {
+    const double a3 = integrator_[0].a3;
+    if (a3 == 0) return;
+    const Positions q = q_before_.view(), v = v_before_.view();
+    const View<Vec3> out = to.view();
+    device::parallel_for("inertia.third", out.n, [=] MORTISE_HD(Index b) { out[b] += a3 * (of_q * q[b] + of_v * v[b]); });
   }
 
   Positions carried() const override { return q_hat_.view(); }
@@ -166,6 +185,7 @@ class Inertia final : public Effect {
   }
 
   void end_step(const StepInfo& step, Positions q, const Linearisation&) override {
+    if (raised_ > 0) dt_before_ = dt_prev_[0];
     std::vector<std::uint8_t> taken;
     for (Index e = 0; e < model_.envs; ++e) {
       taken.push_back(step.taken_by(e));
@@ -177,6 +197,8 @@ class Inertia final : public Effect {
     const View<const Index> env = std::as_const(model_.block_env).view();
     const Positions qn = std::as_const(q_begin_).view();
     const View<Vec3> qn1 = q_prev_.view(), vn = v_.view(), vn1 = v_prev_.view();
+    device::Buffer<Vec3> q_before, v_before;
+    if (raised_ > 0) q_before.copy_from(q_prev_), v_before.copy_from(v_prev_);
     device::parallel_for("inertia.velocity", q.n, [=] MORTISE_HD(Index b) {
       if (!mine[env[b]]) return;
       const Vec3 v = in[env[b]].velocity(q[b], qn[b], qn1[b]);
@@ -184,6 +206,9 @@ class Inertia final : public Effect {
       vn1[b] = vn[b];
       vn[b] = v;
     });
+    if (raised_ == 0) return;
+    add_third(-1 / integrator_[0].dt, 0, v_);
+    q_before_ = std::move(q_before), v_before_ = std::move(v_before);
   }
 
   void report(const FieldSinks& sinks, const Linearisation&) override {
@@ -237,6 +262,9 @@ class Inertia final : public Effect {
   // History: velocity now, positions and velocity one step before, and the length of every environment's last step (0 before the first).
   device::Buffer<Vec3> v_, q_prev_, v_prev_;
   std::vector<double> dt_prev_;
+  // Beside another model: the share towards a higher order, and what that takes of one more step before.
+  double raised_ = 0, dt_before_ = 0;
+  device::Buffer<Vec3> q_before_, v_before_;
 };
 
 }  // namespace

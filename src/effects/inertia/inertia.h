@@ -13,6 +13,7 @@ namespace mortise::effects::inertia {
 
 struct Integrator {
   double a0 = 1, a1 = 1, a2 = 0, dt = 0;
+  double a3 = 0;  // of q_{n-2} and v_{n-2}, only on the way to a third order (raised)
   MORTISE_HD double c() const { return a0 * a0 / (dt * dt); }
   MORTISE_HD Vec3 q_hat(const Vec3& qn, const Vec3& qn1, const Vec3& vn, const Vec3& vn1) const {
     return (a1 * qn - a2 * qn1) / a0 + dt / (a0 * a0) * (a1 * vn - a2 * vn1);
@@ -21,6 +22,23 @@ struct Integrator {
 };
 
 inline Integrator backward_euler(double dt) { return {1, 1, 0, dt}; }
+// BDF3, whose v is that of the cubic through q, q_n, q_{n-1} and q_{n-2}. It is never solved with: unstable for some springs without damping.
+inline Integrator bdf3(double dt, double dt_prev, double dt_before) {
+  const double s[4] = {0, dt, dt + dt_prev, dt + dt_prev + dt_before};  // how long ago
+  double slope[4] = {0, 1, 1, 1};
+  for (int j = 1; j < 4; ++j) {
+    slope[0] += 1 / s[j];
+    for (int k = 1; k < 4; ++k)
+      if (k != j) slope[j] *= s[k] / (s[k] - s[j]);
+    slope[j] /= s[j];
+  }
+  return {dt * slope[0], dt * slope[1], -dt * slope[2], dt, dt * slope[3]};
+}
+// From a by this share to b.
+inline Integrator between(const Integrator& a, const Integrator& b, double share) {
+  const auto mix = [share](double x, double y) { return x + share * (y - x); };
+  return {mix(a.a0, b.a0), mix(a.a1, b.a1), mix(a.a2, b.a2), a.dt, mix(a.a3, b.a3)};
+}
 inline Integrator bdf2(double dt, double dt_prev) {
   const double w = dt / dt_prev;
   return {(1 + 2 * w) / (1 + w), 1 + w, w * w / (1 + w), dt};

@@ -84,6 +84,7 @@ class Joints final : public Effect {
     energy_.max_step("joint.max_step", dq, at, alpha);
     if (equations_.any()) equations_.max_step(dq, static_cast<const joint::EquationLinearisation&>(at), alpha);
   }
+  bool take_after(const Effect&) override { return !equations_.any(); }  // multipliers have a history of their own
   void refit(Positions q, const Linearisation&, std::vector<Refit>& per_env) override {
     if (equations_.any()) equations_.refit(q, per_env);
   }

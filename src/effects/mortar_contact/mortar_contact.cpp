@@ -231,6 +231,12 @@ class MortarContact final : public Effect {
     if (any) stiffness_changed();
   }
 
+  bool take_after(const Effect& leader) override {
+    next_kappa_ = kappa_ = static_cast<const MortarContact&>(leader).kappa_;
+    stiffness_changed();
+    return true;
+  }
+
   void report(const FieldSinks& sinks, const Linearisation& at) override;
   void checkpoint(Archive& archive) override {
     // Interfaces are listed pair by pair, in every environment.
