@@ -2,10 +2,12 @@
 
 #include <utility>
 
-#include "geometry/quadratic.h"
+#include "geometry/refine.h"
 
 namespace mortise::solver {
 namespace {
+
+using Weights = std::vector<std::pair<Index, double>>;
 
 [[noreturn]] void unlike(const std::string& body) {
   throw Error(Exit::usage, "the meshes of '" + body + "' have nothing to do with each other: displacements cannot be told from one to the other");
@@ -19,42 +21,78 @@ std::vector<const model::BodyInput*> moving(const model::ModelInput& input) {
   return out;
 }
 
+Index node_of(const model::BodyInput& body, std::size_t tet, int k) { return k < 4 ? body.tets[tet].v[k] : body.midsides[tet].v[k - 4]; }
+
+// Of every node of b by those of a.
+std::vector<Weights> weights_of(const model::BodyInput& a, const model::BodyInput& b) {
+  std::vector<Weights> out(b.nodes.size());
+  const bool quadratic = !a.midsides.empty(), cut = b.tets.size() != a.tets.size();
+  if (a.tets.empty() || b.tets.size() != (cut ? geometry::kChildren : 1) * a.tets.size() || (cut && !quadratic)) unlike(a.name);
+  for (std::size_t t = 0; t < b.tets.size(); ++t) {
+    const std::size_t parent = cut ? t / geometry::kChildren : t;
+    double corner[4][4];
+    for (int k = 0; k < 4; ++k) {
+      const int node = cut ? geometry::child_node(static_cast<int>(t % geometry::kChildren), k) : k;
+      if (b.tets[t].v[k] != node_of(a, parent, node)) unlike(a.name);
+      geometry::tet_node(node, corner[k]);
+      out[b.tets[t].v[k]] = {{b.tets[t].v[k], 1.0}};
+    }
+    if (b.midsides.empty()) continue;
+    for (int e = 0; e < 6; ++e) {
+      Weights& w = out[b.midsides[t].v[e]];
+      if (!w.empty()) continue;
+      if (quadratic && !cut) {
+        if (b.midsides[t].v[e] != a.midsides[parent].v[e]) unlike(a.name);
+        w = {{b.midsides[t].v[e], 1.0}};
+        continue;
+      }
+      double l[4];
+      for (int k = 0; k < 4; ++k) l[k] = 0.5 * (corner[geometry::edge_begin(e)][k] + corner[geometry::edge_end(e)][k]);
+      for (int k = 0; k < (quadratic ? 10 : 4); ++k)
+        if (const double N = quadratic ? geometry::tet_shape_function(k, l) : l[k]; N != 0) w.emplace_back(node_of(a, parent, k), N);
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 Lift::Lift(const model::Model& from, const model::Model& to) {
   const std::vector<const model::BodyInput*> a = moving(from.input), b = moving(to.input);
   if (a.size() != b.size()) throw Error(Exit::usage, "there are other bodies: displacements cannot be told from one to the other");
-  std::vector<Index> first, second;
+  const std::vector<Vec3> rest = from.rest.download(), there = to.rest.download();
+  std::vector<Index> offset{0}, block;
+  std::vector<double> weight;
+  std::vector<Vec3> at_rest;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const model::Body &x = from.bodies[i], &y = to.bodies[i];
-    const Index blocks = x.block_end - x.block_begin;
-    if (x.type != y.type || (x.type == model::BodyType::soft && a[i]->tets.size() != b[i]->tets.size())) unlike(x.name);
-    for (Index k = 0; k < y.block_end - y.block_begin; ++k) first.push_back(k < blocks ? x.block_begin + k : -1), second.push_back(first.back());
-    for (std::size_t t = 0; t < b[i]->tets.size(); ++t) {
-      const Tet& corners = b[i]->tets[t];
-      for (int k = 0; k < 4; ++k)
-        if (corners.v[k] != a[i]->tets[t].v[k]) unlike(x.name);
-      if (b[i]->midsides.empty() || !a[i]->midsides.empty()) continue;
-      for (int e = 0; e < 6; ++e) {
-        const Index middle = y.block_begin + b[i]->midsides[t].v[e];
-        first[middle] = x.block_begin + corners.v[geometry::edge_begin(e)], second[middle] = x.block_begin + corners.v[geometry::edge_end(e)];
-      }
+    if (x.type != y.type) unlike(x.name);
+    std::vector<Weights> of;
+    if (x.type == model::BodyType::soft)
+      of = weights_of(*a[i], *b[i]);
+    else
+      for (Index k = 0; k < y.block_end - y.block_begin; ++k) of.push_back({{k, 1.0}});
+    for (const Weights& w : of) {
+      if (w.empty()) unlike(x.name);
+      Vec3 Q = there[at_rest.size()];
+      for (const auto& [node, N] : w) block.push_back(x.block_begin + node), weight.push_back(N), Q -= N * rest[x.block_begin + node];
+      at_rest.push_back(Q), offset.push_back(static_cast<Index>(block.size()));
     }
-    for (Index k = y.block_begin; k < y.block_end; ++k)
-      if (first[k] < 0) unlike(x.name);
   }
-  const std::vector<Vec3> rest = from.rest.download(), there = to.rest.download();
-  std::vector<Vec3> at_rest;
-  for (std::size_t k = 0; k < there.size(); ++k) at_rest.push_back(there[k] - 0.5 * (rest[first[k]] + rest[second[k]]));
-  first_.upload(first), second_.upload(second), at_rest_.upload(at_rest);
+  offset_.upload(offset), block_.upload(block), weight_.upload(weight), at_rest_.upload(at_rest);
 }
 
 void Lift::apply(device::View<const Vec3> q, device::Buffer<Vec3>& out) const {
   out.resize(at_rest_.size());
-  const device::View<const Index> a = first_.view(), b = second_.view();
+  const device::View<const Index> first = offset_.view(), block = block_.view();
+  const device::View<const double> N = weight_.view();
   const device::View<const Vec3> rest = at_rest_.view();
   const device::View<Vec3> to = out.view();
-  device::parallel_for("solver.lift", to.n, [=] MORTISE_HD(Index k) { to[k] = rest[k] + 0.5 * (q[a[k]] + q[b[k]]); });
+  device::parallel_for("solver.lift", to.n, [=] MORTISE_HD(Index i) {
+    Vec3 x = rest[i];
+    for (Index k = first[i]; k < first[i + 1]; ++k) x += N[k] * q[block[k]];
+    to[i] = x;
+  });
 }
 
 }  // namespace mortise::solver

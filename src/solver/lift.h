@@ -1,8 +1,10 @@
 #pragma once
-// The displacements of a model in another of the same bodies on richer meshes: tetrahedra with nodes in the middles of their edges, where the first
-// has none, or surfaces of stiff bodies with more facets. A node in the middle moves as the mean of the two at the ends,
+// The displacements of a model in another of the same bodies on richer meshes, where they are the same functions:
 //
-//   q' = Q' + sum_k w_k (q_k - Q_k),   Q, Q' at rest.
+//   q' = Q' + sum_k N_k (q_k - Q_k),   Q, Q' at rest,
+//
+// with the shape functions N of the element of the first at the node of the second. Meshes are richer where tetrahedra have nodes in the middles of their
+// edges too, where quadratic ones are cut into eight (geometry/refine.h), and where surfaces of stiff bodies have other facets.
 #include "model/model.h"
 
 namespace mortise::solver {
@@ -14,8 +16,9 @@ class Lift {
   void apply(device::View<const Vec3> q, device::Buffer<Vec3>& out) const;
 
  private:
-  device::Buffer<Index> first_, second_;  // per block of `to`: blocks of `from`, the same where there is one
-  device::Buffer<Vec3> at_rest_;          // Q' - sum_k w_k Q_k
+  device::Buffer<Index> offset_, block_;  // per block of `to`: those of `from`,
+  device::Buffer<double> weight_;         // and N there
+  device::Buffer<Vec3> at_rest_;          // Q' - sum_k N_k Q_k
 };
 
 }  // namespace mortise::solver

@@ -1,11 +1,12 @@
 #include "study/error_watch.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "base/cpu_time.h"
 #include "effects/roles.h"
-#include "output/field_reader.h"
 #include "study/enriched.h"
 #include "study/measure.h"
 #include "study/tuning.h"
@@ -13,12 +14,7 @@
 namespace mortise::study {
 namespace {
 
-constexpr const char *kOfMesh = "mesh of soft bodies", *kOfGap = "gap that contact leaves", *kOfTime = "time steps",
-                     *kOfNewton = "Newton's method, linear systems, lag", *kOfFacets = "facets of round surfaces, integration";
-
 bool has(const model::ModelInput& input, effects::Role role) { return !effects::of_role(input.scene.at("effects"), role).empty(); }
-
-double difference(Recording& a, double of_b, const Quantity& q) { return measure(a.read(), q) - of_b; }
 
 }  // namespace
 
@@ -30,56 +26,76 @@ ErrorWatch::ErrorWatch(engine::Engine& leader, const model::ModelInput& input, s
       moves_(input.scene.at("time").text("mode") != "static"),
       contact_(has(input, effects::Role::contact)),
       steps_(input.scene.at("time").integer("steps")) {
-  remembers_ = moves_ || has(input, effects::Role::follower) || std::any_of(quantities_.begin(), quantities_.end(), [](const Quantity& q) { return q.of_history(); });
+  remembers_ = moves_ || has(input, effects::Role::follower) ||
+               std::any_of(quantities_.begin(), quantities_.end(), [](const Quantity& q) { return q.of_history() || q.when == "start"; });
 }
 
-ErrorWatch::Source ErrorWatch::source(const std::string& name, const model::ModelInput& input, Recording& beside_of) const {
-  Source out{name, &beside_of, nullptr, ""};
-  try {
-    out.companion = std::make_unique<Course>(input, means_.folder + "/estimate_" + std::to_string(sources_.size()) + ".vtkhdf", *means_.api);
-    check(out.companion->engine().begin());
-  } catch (const Error& e) {
-    out.companion.reset(), out.why_not = e.what();
-  }
+std::unique_ptr<Course> ErrorWatch::course(const model::ModelInput& input) {
+  auto out = std::make_unique<Course>(input, fmt::format("{}/estimate_{}.vtkhdf", means_.folder, files_++), *means_.api);
+  check(out->engine().begin());
   return out;
+}
+
+void ErrorWatch::none(const std::string& name, const std::string& why_not) { sources_.push_back({name, nullptr, nullptr, false, why_not}); }
+
+void ErrorWatch::add(const std::string& name, Line& line, const model::ModelInput& input, solver::Departure by, bool whole) {
+  by.fits = true;
+  try {
+    sources_.push_back({name, &line, course(input), whole, ""});
+    line.led.emplace_back(&sources_.back().companion->engine(), by);
+  } catch (const Error& e) {
+    none(name, e.what());
+  }
+}
+
+// Goes where the leader goes, and a companion takes away what it has left there.
+void ErrorWatch::add_shadow(const std::string& name, const model::ModelInput& input, const std::string& why_not) {
+  if (!why_not.empty()) return none(name, why_not);
+  if (moves_ && !means_.all_in_motion) return none(name, "in motion it costs more than the run: mortise study --error-budget");
+  try {
+    auto shadow = course(input);
+    check(leader_.cast(shadow->engine()));
+    engine::Engine& engine = shadow->engine();
+    Recording& recording = shadow->recording();
+    lines_.push_back(std::make_unique<Line>(Line{&engine, &recording, std::move(shadow)}));
+    add(name, *lines_.back(), input, {.residual = tuning::kHair}, true);
+  } catch (const Error& e) {
+    none(name, e.what());
+  }
 }
 
 // The models beside begin where the leader stands.
 void ErrorWatch::join() {
   joined_ = true;
   own_ = std::make_unique<Recording>(leader_, input_, means_.folder + "/estimate.vtkhdf");
-  std::vector<engine::Engine::Beside> led, of_shadow;
+  lines_.push_back(std::make_unique<Line>(Line{&leader_, own_.get()}));
+  Line& own = *lines_.front();
   const double e = tuning::kHair;
-  const auto add = [&](const char* name, const model::ModelInput& input, Recording& of, solver::Departure by, std::vector<engine::Engine::Beside>& to) {
-    sources_.push_back(source(name, input, of));
-    by.fits = true;
-    if (sources_.back().companion) to.emplace_back(&sources_.back().companion->engine(), by);
-  };
-  const auto none = [&](const char* name, const std::string& why_not) { sources_.push_back({name, nullptr, nullptr, why_not}); };
+  std::string why_not, not_round;
 
-  const model::ModelInput richer = enriched(input_, no_shadow_);
-  if (no_shadow_.empty() && moves_ && !means_.mesh_in_motion)
-    no_shadow_ = "in motion it costs more than the run: mortise study --error-budget";
-  if (no_shadow_.empty()) try {
-      shadow_ = std::make_unique<Course>(richer, means_.folder + "/estimate_richer.vtkhdf", *means_.api);
-      check(shadow_->engine().begin());
-      check(leader_.cast(shadow_->engine()));
-    } catch (const Error& error) {
-      shadow_.reset(), no_shadow_ = error.what();
-    }
-  if (shadow_)
-    add(kOfMesh, richer, shadow_->recording(), {.residual = e}, of_shadow);
-  else
-    none(kOfMesh, no_shadow_);
-  if (contact_) add(kOfGap, thinner(input_, e), *own_, {}, led);
-  if (moves_) add(kOfTime, input_, *own_, {.integrator = e}, led);
-  add(kOfNewton, input_, *own_, {.residual = e}, led);
-  if (contact_) none(kOfFacets, "no estimate");
-  check(leader_.lead(led));
-  if (shadow_) check(shadow_->engine().lead(of_shadow));
+  const model::ModelInput mesh = richer(input_, why_not);
+  add_shadow("mesh of soft bodies", mesh, why_not);
+  const bool meshed = lines_.size() > 1;
+  if (contact_) add("gap that contact leaves", own, thinner(input_, e), {});
+  if (moves_) add("time steps", own, input_, {.integrator = e});
+  if (contact_) {
+    const model::ModelInput facets = finer_facets(input_, why_not);
+    if (why_not.empty()) add_shadow("facets of stiff bodies", facets, why_not);
+  }
+  if (const model::ModelInput round = rounder(input_, e, not_round); not_round.empty())  // of quadratic elements,
+    add("facets of soft bodies", own, round, {});
+  else if (const model::ModelInput too = rounder(mesh, e, not_round); not_round.empty())  // or beside them
+    meshed ? add("facets of soft bodies", *lines_[1], too, {}) : none("facets of soft bodies", sources_.front().why_not);
+  if (contact_) {
+    const model::ModelInput integrated = better_integrated(input_, why_not);
+    add_shadow("integration of contact", integrated, why_not);
+  }
+  add("Newton's method, linear systems, lag", own, input_, {.residual = e});
 
-  own_->open();
-  if (shadow_) shadow_->recording().open();
+  for (const auto& line : lines_) {
+    check(line->engine->lead(line->led));
+    line->recording->open();
+  }
   for (const Source& s : sources_)
     if (s.companion) s.companion->recording().open();
 }
@@ -102,23 +118,20 @@ void ErrorWatch::before_step() {
 void ErrorWatch::after_step(const solver::StepReport& report, bool frame) {
   if (!joined_ || !why_not_.empty()) return;
   const double start = cpu_time();
-  own_->see(&report, frame);
-  const auto see = [&](Course& c) {
-    if (c.engine().lost().empty()) c.recording().see(nullptr, frame);
-  };
-  if (shadow_ && shadow_->engine().lost().empty()) see(*shadow_);
+  for (const auto& line : lines_)
+    if (!line->lost()) line->recording->see(line->course ? nullptr : &report, frame);
   for (const Source& s : sources_)
-    if (s.companion) see(*s.companion);
+    if (s.companion && !s.line->lost() && s.companion->engine().lost().empty()) s.companion->recording().see(nullptr, frame);
   seconds_ += cpu_time() - start;
 }
 
-ErrorPart ErrorWatch::part(Source& s, const Quantity& q, double value) {
+ErrorPart ErrorWatch::part(const Source& s, const Quantity& q, double value) const {
   ErrorPart out{s.name, NAN, s.why_not};
-  const bool of_shadow = s.name == kOfMesh;
-  if (s.companion) out.why_not = of_shadow && !shadow_->engine().lost().empty() ? shadow_->engine().lost() : s.companion->engine().lost();
+  if (s.companion) out.why_not = s.line->lost() ? s.line->engine->lost() : s.companion->engine().lost();
   if (!out.why_not.empty()) return out;
-  const double there = of_shadow ? measure(s.beside_of->read(), q) : value;
-  out.error = difference(s.companion->recording(), there, q) / tuning::kHair + (there - value);
+  const double there = measure(s.line->recording->read(), q);  // at the run's displacements
+  out.error = (measure(s.companion->recording().read(), q) - there) / tuning::kHair;
+  if (s.whole) out.error += there - value;
   if (!std::isfinite(out.error)) out.why_not = "it is not reported there";
   return out;
 }
@@ -133,7 +146,7 @@ ErrorBudget ErrorWatch::end() {
     if (!budget.why_not.empty()) continue;
     try {
       budget.value = measure(own_->read(), q);
-      for (Source& s : sources_) budget.parts.push_back(part(s, q, budget.value));
+      for (const Source& s : sources_) budget.parts.push_back(part(s, q, budget.value));
     } catch (const Error& e) {
       budget.why_not = e.what();
     }

@@ -1,6 +1,7 @@
 // What goes beside a run and does a hair of what it leaves undone: its differences, over the hair, against better runs.
 #include <cmath>
 
+#include "geometry/refine.h"
 #include "rig.h"
 
 using namespace mortise;
@@ -126,6 +127,24 @@ TEST(Beside, WhatQuadraticElementsMissIsTheirSolution) {
   ASSERT_GT(std::abs(missing), 0.1 * std::abs(solved[tip] + 5e-3)) << "linear elements of this size are far too stiff";
   EXPECT_NEAR(found[tip] - lifted[tip], missing, 0.02 * std::abs(missing));
   EXPECT_NEAR((near[tip] - lifted[tip]) / kHair, missing, 0.02 * std::abs(missing));
+}
+
+// The same of quadratic elements that are cut into eight.
+TEST(Beside, WhatQuadraticElementsMissIsTheSolutionOfSmallerOnes) {
+  Rig base(beam("linear"), {"bodies.beam.order=2", "bodies.beam.shape.box.edge_length=10 mm"});
+  model::ModelInput finer = base.input;
+  model::BodyInput& body = finer.bodies[0];
+  model::set_mesh(body, geometry::refined({body.nodes, body.tets, body.midsides}));
+  Rig shadow(finer), beside(finer), solved(finer);
+  Rig::check(base.engine->cast(*shadow.engine));
+  Rig::check(shadow.engine->lead({{beside.engine.get(), fitting({.residual = kHair})}}));
+  base.steps(2), solved.steps(2);
+  ASSERT_EQ(beside.engine->lost(), "");
+  const std::vector<double> there = shadow.engine->points(), near = beside.engine->points(), best = solved.engine->points();
+  const std::size_t tip = lowest(best) + 2;
+  const double missing = best[tip] - there[tip];
+  printf("%g %g\n", missing, best[tip]);
+  EXPECT_NEAR((near[tip] - there[tip]) / kHair, missing, 0.02 * std::abs(missing));
 }
 
 // A scene that remembers nothing may be joined at any of its steps.
