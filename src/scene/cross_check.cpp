@@ -5,6 +5,7 @@
 
 #include "scene/checker.h"
 #include "scene/checks.h"
+#include "scene/edge_lengths.h"
 #include "scene/pass_through.h"
 #include "scene/quantities.h"
 #include "scene/quantity.h"
@@ -97,7 +98,7 @@ class CrossCheck {
         if (const Params* part = parts->items()[i].find("shape")) stiff_mesh(*part, path + ".parts." + std::to_string(i) + ".shape", type);
     const Params* mesh = shape.find("mesh");
     if (!mesh) return;
-    for (const char* key : {"edge_length", "surface_edge_length"})
+    for (const char* key : kEdgeLengths)
       if (mesh->has(key))
         errors_.add(mesh->at(key).where(), path + ".mesh." + key + " has no meaning: the surface of a stiff body is taken as its file has it",
                     "remove it, or make the body soft", {{type.where(), "stiff here"}});
