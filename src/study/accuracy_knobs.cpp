@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "effects/roles.h"
+#include "scene/edge_lengths.h"
+#include "study/error_budget.h"
 #include "study/tuning.h"
 
 namespace mortise::study {
@@ -23,25 +25,24 @@ std::string AutoKnob::label(int level) const {
   return level == 0 ? "" : fmt::format("{} {} {:.3g}", name, level > 0 ? "/" : "x", factor);
 }
 
-std::vector<AutoKnob> auto_knobs(const Params& scene) {
+std::vector<AutoKnob> auto_knobs(const Params& root) {
   std::vector<AutoKnob> out;
-  AutoKnob mesh{"mesh", tuning::kMeshRatio, tuning::kMeshDearer, true, {}};
-  for (const auto& [name, body] : scene.at("bodies").entries())
+  AutoKnob mesh{"mesh", tuning::kMeshRatio, tuning::kMeshDearer, true, {}, {kOfMesh}};
+  for (const auto& [name, body] : root.at("bodies").entries())
     if (const Params* shape = body.find("shape"))
-      for (const auto& [kind, block] : shape->entries())
-        for (const char* key : {"edge_length", "surface_edge_length"})
-          if (const Params* edge = block.find(key); edge && edge->kind() == Params::Kind::number)
-            mesh.paths.push_back({fmt::format("bodies.{}.shape.{}.{}", name, kind, key), edge->as_number(), false});
-  if (!mesh.paths.empty()) out.push_back(mesh);
-  AutoKnob layer{"contact layer", 0.5, tuning::kLayerDearer, false, {}};
-  for (const std::string& contact : effects::of_role(scene.at("effects"), effects::Role::contact))
-    if (const Params* d_hat = scene.at("effects").at(contact).find("d_hat"); d_hat && d_hat->kind() == Params::Kind::number)
+      for (const scene::EdgeLength& edge : scene::edge_lengths(*shape))
+        mesh.paths.push_back({fmt::format("bodies.{}.shape.{}", name, edge.path), edge.length, false});
+  AutoKnob layer{"contact layer", 0.5, tuning::kLayerDearer, false, {}, {kOfGap}};
+  for (const std::string& contact : effects::of_role(root.at("effects"), effects::Role::contact))
+    if (const Params* d_hat = root.at("effects").at(contact).find("d_hat"); d_hat && d_hat->kind() == Params::Kind::number)
       layer.paths.push_back({"effects." + contact + ".d_hat", d_hat->as_number(), false});
+  if (layer.paths.empty()) mesh.sources.push_back(kOfGap);  // layers that follow the mesh
+  if (!mesh.paths.empty()) out.push_back(mesh);
   if (!layer.paths.empty()) out.push_back(layer);
-  const Params& time = scene.at("time");
+  const Params& time = root.at("time");
   if (time.text("mode") != "static")
-    out.push_back({"time step", 0.5, 1, false, {{"time.step", time.number("step"), false}}});
-  else if (!effects::of_role(scene.at("effects"), effects::Role::follower).empty())
+    out.push_back({"time step", 0.5, 1, false, {{"time.step", time.number("step"), false}}, {kOfTime}});
+  else if (!effects::of_role(root.at("effects"), effects::Role::follower).empty())
     out.push_back({"load steps", 0.5, 1, false, {{"time.steps", static_cast<double>(time.integer("steps")), true}}});
   return out;
 }

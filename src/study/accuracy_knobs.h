@@ -19,6 +19,7 @@ struct AutoKnob {
     bool whole = false;  // a whole number, that grows
   };
   std::vector<Path> paths;
+  std::vector<std::string> sources{};  // of errors (error_budget.h) that it makes smaller
   Settings settings(int level) const;
   std::string label(int level) const;  // "mesh / 1.4"
 };

@@ -11,6 +11,9 @@
 
 namespace mortise::study {
 
+// Sources of errors that knobs make smaller.
+inline constexpr const char *kOfMesh = "mesh of soft bodies", *kOfGap = "gap that contact leaves", *kOfTime = "time steps";
+
 struct ErrorPart {
   std::string source;
   double error = NAN;   // what is to be added to the number; NaN: not estimated
