@@ -7,6 +7,7 @@
 #include <map>
 
 #include "study/measure.h"
+#include "study/smooth_peak.h"
 
 namespace mortise::study {
 namespace {
@@ -108,10 +109,12 @@ double over_body(const OutputMesh& mesh, const std::vector<Vec3>& points, const 
     return q.over == "max" ? most : least;
   }
   std::vector<double> area(points.size(), 0);  // a third of that of the triangles around, as they are now
-  for (const Corners& t : surface(mesh, body)) {
+  const std::vector<Corners> triangles = surface(mesh, body);
+  for (const Corners& t : triangles) {
     const double a = (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm() / 6;
     for (std::int64_t v : t) area[v] += a;
   }
+  if (q.over == "peak") return smooth_peak(triangles, points, area, values);
   double all = 0, loaded = 0, integral = 0;
   std::vector<std::pair<double, double>> sorted;  // value, area
   for (std::size_t i = 0; i < points.size(); ++i) {
