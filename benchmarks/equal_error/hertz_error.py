@@ -7,14 +7,9 @@ place. A quarter is modelled.
 """
 import math
 
+import calculix  # of ../peers
+
 PARTS = 16  # a triangle under the contact is cut into PARTS^2 for the integral; its own error is below 1e-3 of the largest nodal force
-E_STAR, RADIUS = 1e6 / (2 * (1 - 0.3 ** 2)), 1.0  # Pa, m: benchmarks/hertz/scene.yaml
-
-
-def hertz(force):
-    """Contact radius and peak pressure at this force of the whole ball."""
-    a = (3 * force * RADIUS / (4 * E_STAR)) ** (1 / 3)
-    return a, 3 * force / (2 * math.pi * a * a)
 
 
 def centres():
@@ -50,7 +45,8 @@ class Face:
 
     def exact(self, force):
         """Nodal forces of Hertz's pressure at this force of the whole ball; their sum is made a quarter of it."""
-        a, p0 = hertz(force)
+        a, p0 = calculix.hertz(force)
+        a, p0 = a / calculix.MM, p0 * 1e6  # m, Pa
         out = dict.fromkeys(self.nodes, 0.0)
         for t in self.triangles:
             p = [self.at[n] for n in t]

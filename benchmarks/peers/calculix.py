@@ -130,10 +130,22 @@ def nodal_forces(mesh, stress):
     return force
 
 
+def stresses_of(tables):
+    """Of every tetrahedron of the block [MPa]."""
+    return [row[2:8] for row in next(rows for title, rows in tables.items() if title.startswith("stresses"))]
+
+
+def hertz(force):
+    """Contact radius [mm] and peak pressure [MPa] at this force of the whole ball [N]."""
+    e_star, R = YOUNG / (2 * (1 - POISSON * POISSON)), RADIUS * MM
+    a = (3 * force * R / (4 * e_star)) ** (1 / 3)
+    return a, 3 * force / (2 * math.pi * a * a)
+
+
 def accuracy(meshes, upper, dat):
     tables = blocks_of(dat)
     total = next(rows for title, rows in tables.items() if title.startswith("total force"))[-1]
-    stress = [row[2:8] for row in next(rows for title, rows in tables.items() if title.startswith("stresses"))]
+    stress = stresses_of(tables)
     moved = {int(r[0]) - 1: r[1:4] for r in next(rows for title, rows in tables.items() if title.startswith("displacements"))}
     mesh = meshes["block"]
     force, area = nodal_forces(mesh, stress), {}
@@ -144,9 +156,7 @@ def accuracy(meshes, upper, dat):
         for n in nodes:
             area[n] = area.get(n, 0) + twice / 6
     F = 4 * abs(total[2])  # N
-    e_star, R = YOUNG / (2 * (1 - POISSON * POISSON)), RADIUS * MM
-    a = (3 * F * R / (4 * e_star)) ** (1 / 3)
-    p0 = 3 * F / (2 * math.pi * a * a)
+    a, p0 = hertz(F)
     wrong = every = peak = 0.0
     for n, A in area.items():
         x, y, _ = mesh["points"][n]
