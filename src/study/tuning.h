@@ -44,7 +44,7 @@ inline constexpr double kOverForetold = 3;
 inline constexpr double kFinestGoal = 1e-5, kCoarsestGoal = 0.5;
 
 // Nodes that a quadratic in the plane (six coefficients) is fitted to at least: fewer are hardly smoothed.
-// Nodes whose normals stand at more than 60 degrees to that of the one in the middle are on another side of the body.
+// Triangles that stand at more than 60 degrees to those in the middle are on another side of the body.
 inline constexpr int kPeakNodes = 8;
 inline constexpr double kPeakSide = 0.5;
 
