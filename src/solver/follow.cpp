@@ -135,6 +135,8 @@ void Simulation::take(const effects::StepInfo& info, Simulation& leader, const L
   newton_.end_at(there);
   if (!std::isfinite(newton_.energies().total(0))) throw Failure{"on richer meshes surfaces meet or elements turn over"};
   refitted_ = false;
+  if (tangent_ && leader.tangent_ && leader.tangent_->has_factor())
+    tangent_->lean_on(std::make_unique<Coarse>(leader.newton_.system(), *leader.tangent_, newton_.system(), lift));
   lead_on(info);
   accept(info, leader.lost_energy(info));
 }

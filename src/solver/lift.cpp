@@ -61,9 +61,8 @@ Lift::Lift(const model::Model& from, const model::Model& to) {
   const std::vector<const model::BodyInput*> a = moving(from.input), b = moving(to.input);
   if (a.size() != b.size()) throw Error(Exit::usage, "there are other bodies: displacements cannot be told from one to the other");
   const std::vector<Vec3> rest = from.rest.download(), there = to.rest.download();
-  std::vector<Index> offset{0}, block;
-  std::vector<double> weight;
   std::vector<Vec3> at_rest;
+  transposed_.of.resize(rest.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
     const model::Body &x = from.bodies[i], &y = to.bodies[i];
     if (x.type != y.type) unlike(x.name);
@@ -74,25 +73,44 @@ Lift::Lift(const model::Model& from, const model::Model& to) {
       for (Index k = 0; k < y.block_end - y.block_begin; ++k) of.push_back({{k, 1.0}});
     for (const Weights& w : of) {
       if (w.empty()) unlike(x.name);
-      Vec3 Q = there[at_rest.size()];
-      for (const auto& [node, N] : w) block.push_back(x.block_begin + node), weight.push_back(N), Q -= N * rest[x.block_begin + node];
-      at_rest.push_back(Q), offset.push_back(static_cast<Index>(block.size()));
+      const auto row = static_cast<Index>(at_rest.size());
+      Vec3 Q = there[row];
+      N_.of.emplace_back();
+      for (const auto& [node, N] : w) {
+        const Index block = x.block_begin + node;
+        N_.of.back().emplace_back(block, N), transposed_.of[block].emplace_back(row, N), Q -= N * rest[block];
+      }
+      at_rest.push_back(Q);
     }
   }
-  offset_.upload(offset), block_.upload(block), weight_.upload(weight), at_rest_.upload(at_rest);
+  N_.upload(), transposed_.upload(), at_rest_.upload(at_rest);
 }
 
-void Lift::apply(device::View<const Vec3> q, device::Buffer<Vec3>& out) const {
-  out.resize(at_rest_.size());
-  const device::View<const Index> first = offset_.view(), block = block_.view();
-  const device::View<const double> N = weight_.view();
-  const device::View<const Vec3> rest = at_rest_.view();
+void Lift::Rows::upload() {
+  std::vector<Index> first{0}, blocks;
+  std::vector<double> weights;
+  for (const auto& row : of) {
+    for (const auto& [b, w] : row) blocks.push_back(b), weights.push_back(w);
+    first.push_back(static_cast<Index>(blocks.size()));
+  }
+  offset.upload(first), block.upload(blocks), weight.upload(weights);
+  of.clear();
+}
+
+void Lift::Rows::product(device::View<const Vec3> x, device::View<const Vec3> plus, device::Buffer<Vec3>& out) const {
+  out.resize(offset.size() - 1);
+  const device::View<const Index> first = offset.view(), at = block.view();
+  const device::View<const double> w = weight.view();
   const device::View<Vec3> to = out.view();
   device::parallel_for("solver.lift", to.n, [=] MORTISE_HD(Index i) {
-    Vec3 x = rest[i];
-    for (Index k = first[i]; k < first[i + 1]; ++k) x += N[k] * q[block[k]];
-    to[i] = x;
+    Vec3 sum = plus.n > 0 ? plus[i] : Vec3(Vec3::Zero());
+    for (Index k = first[i]; k < first[i + 1]; ++k) sum += w[k] * x[at[k]];
+    to[i] = sum;
   });
 }
+
+void Lift::apply(device::View<const Vec3> q, device::Buffer<Vec3>& out) const { N_.product(q, at_rest_.view(), out); }
+void Lift::along(device::View<const Vec3> d, device::Buffer<Vec3>& out) const { N_.product(d, {}, out); }
+void Lift::transposed(device::View<const Vec3> f, device::Buffer<Vec3>& out) const { transposed_.product(f, {}, out); }
 
 }  // namespace mortise::solver

@@ -2,7 +2,8 @@
 // with the factor of their symmetric part.
 #include <algorithm>
 
-#include "linalg/stale_factor.h"
+#include "linalg/direct.h"
+#include "linalg/host_cg.h"
 #include "linalg/submatrix.h"
 #include "solver/kernels.h"
 #include "solver/linear_whole.h"
@@ -80,7 +81,8 @@ class Direct final : public Linear {
 
   // By conjugate gradients with the factor that there is; false where they do not get there soon.
   bool iterate(Part& part, const linalg::BlockMatrix& A, device::View<const Vec3> b, device::View<Vec3> x, StepReport& report) {
-    const linalg::StaleResult cg = linalg::solve_with_stale_factor(A, part.solver, b, x, tuning::kStaleForcing, tuning::kStaleMost);
+    const linalg::HostCgResult cg = linalg::solve_on_host(
+        A, [&](device::View<const Vec3> r, device::View<Vec3> z) { part.solver.solve(r, z); }, b, x, tuning::kStaleForcing, tuning::kStaleMost);
     report.cg += cg.iterations;
     part.fresh = cg.converged && cg.iterations <= tuning::kStaleMost / 2;
     return cg.converged;

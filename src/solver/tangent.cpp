@@ -2,30 +2,23 @@
 
 #include <cmath>
 
+#include "linalg/host_cg.h"
 #include "solver/kernels.h"
 #include "solver/linear_whole.h"
 #include "solver/tuning.h"
 
 namespace mortise::solver {
 
-namespace {
-
-bool iterates(const System& system, bool rough) {
-  return rough ? system.model.blocks > tuning::kDirectBlocks : choose_linear(system.model, system.options).kind == "cg";
-}
-
-}  // namespace
-
 Tangent::Tangent(System& system, Use use)
     : system_(system),
       rough_(use == Use::estimates),
-      linear_(iterates(system, rough_) ? make_cg(system.model, system.rows, system.options) : make_direct(system.model, system.rows, false)),
+      linear_(choose_linear(system.model, system.options).kind == "cg" ? make_cg(system.model, system.rows, system.options) : make_direct(system.model, system.rows, false)),
       at_(system.potential.linearised()),
       beside_(system.potential.linearised()) {}
 
 void Tangent::linearise(const device::Buffer<Vec3>& q) {
   q_.copy_from(q);
-  linear_->begin_solve(true);
+  if (!coarse_) linear_->begin_solve(true);
   const EnvMask all(1, 1), none(1, 0);
   const std::vector<double> nothing(1, 0.0);
   bool convex = false;
@@ -36,7 +29,8 @@ void Tangent::linearise(const device::Buffer<Vec3>& q) {
     device::Fetch fetch;
     system_.matrix(at_, q.view(), none, matrix_, fetch);
     fetch.now();
-    if (linear_->prepare({matrix_, {}, {}, nothing, nothing, q.view()}, all)[0]) break;
+    if (coarse_) jacobi_.build(matrix_);
+    if (coarse_ || linear_->prepare({matrix_, {}, {}, nothing, nothing, q.view()}, all)[0]) break;
     if (concave == 0) throw Failure{"the linearised equations of the step have no factor"};
     convex = true;
   }
@@ -88,9 +82,18 @@ void Tangent::solve(device::View<const Vec3> f, bool transposed, device::Buffer<
   const double wanted = rough_ ? tuning::kTangentOfEstimates : assembled_ || transposed ? tuning::kTangent : tuning::kTangentByDifferences;
   const LinearSystem linear{matrix_, f, x.view(), f2, f2, q_.view(), &J};
   const linalg::GmresResult end = solve_whole(system_.model, linear, all, system_.rows.env, {wanted}, tuning::kTangentMost,
-                                              [&](device::View<const Vec3> in, device::View<Vec3> out) { linear_->apply(matrix_, in, out, all); });
+                                              [&](device::View<const Vec3> in, device::View<Vec3> out) { approximate(in, out); });
   if (!(end.relative[0] <= std::max(wanted, tuning::kTangentRough)))
     throw Failure{"the linearised equations of the step do not let themselves be solved"};
+}
+
+void Tangent::approximate(device::View<const Vec3> f, device::View<Vec3> x) {
+  if (!coarse_) return linear_->apply(matrix_, f, x, EnvMask(1, 1));
+  const linalg::Operator M = [&](device::View<const Vec3> r, device::View<Vec3> z) {
+    jacobi_.apply(r, z);
+    coarse_->add(r, z);
+  };
+  linalg::solve_on_host(matrix_, M, f, x, tuning::kRough, tuning::kCoarseMost);
 }
 
 }  // namespace mortise::solver

@@ -8,6 +8,8 @@
 // with the surfaces) products J v are central differences of forces; J^T lacks those terms then, which is good enough for estimates.
 #include <memory>
 
+#include "linalg/jacobi.h"
+#include "solver/coarse.h"
 #include "solver/linear.h"
 #include "solver/system.h"
 
@@ -16,9 +18,11 @@ namespace mortise::solver {
 class Tangent {
  public:
   // Of a model with one environment. What the system's own solver keeps stays as it is. For estimates solutions are rough (tuning.h), with
-  // differences to one side, and never cost a factor of a large matrix.
+  // differences to one side.
   enum class Use { derivatives, estimates };
   explicit Tangent(System& system, Use use = Use::derivatives);
+  // Of richer meshes, from now on: what is near its inverse on coarser ones.
+  void lean_on(std::unique_ptr<Coarse> coarse) { coarse_ = std::move(coarse); }
 
   // J at q, within the step that the effects have begun. Throws Failure where no factor can be made.
   void linearise(const device::Buffer<Vec3>& q);
@@ -33,10 +37,15 @@ class Tangent {
   void product(device::View<const Vec3> d, bool transposed, device::Buffer<Vec3>& out);
   // x on the rows. Throws Failure where it does not converge.
   void solve(device::View<const Vec3> f, bool transposed, device::Buffer<Vec3>& x);
+  // x ~ H^-1 f, by a factor where has_factor().
+  void approximate(device::View<const Vec3> f, device::View<Vec3> x);
+  bool has_factor() const { return !coarse_ && linear_->keeps_factors(); }
 
  private:
   System& system_;
   const bool rough_;
+  std::unique_ptr<Coarse> coarse_;
+  linalg::BlockJacobi jacobi_;
   std::unique_ptr<Linear> linear_;
   Linearised at_, beside_;
   linalg::BlockMatrix matrix_;

@@ -48,7 +48,7 @@ Variant of(const scene::Scene& scene) { return {scene::to_yaml(scene.root), scen
 Params without_effects(const Params& root, const std::vector<std::string>& effects, bool keep_pictures) {
   Params out = Params::make_table(root.where());
   for (const auto& [key, block] : root.entries()) {
-    if (key == "checks" || (key == "render" && !keep_pictures)) continue;
+    if (key == "checks" || key == "quantities" || (key == "render" && !keep_pictures)) continue;
     if (key != "effects") {
       out.set(key, block);
       continue;

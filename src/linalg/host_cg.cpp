@@ -1,4 +1,4 @@
-#include "linalg/stale_factor.h"
+#include "linalg/host_cg.h"
 
 #include <cmath>
 #include <utility>
@@ -7,23 +7,23 @@ namespace mortise::linalg {
 namespace {
 
 double dot(View<const Vec3> a, View<const Vec3> b) {
-  return device::sum("stale_factor.dot", a.n, [=] MORTISE_HD(Index i) { return a[i].dot(b[i]); });
+  return device::sum("host_cg.dot", a.n, [=] MORTISE_HD(Index i) { return a[i].dot(b[i]); });
 }
 
 // y <- y + s x
 void add(double s, View<const Vec3> x, View<Vec3> y) {
-  device::parallel_for("stale_factor.add", x.n, [=] MORTISE_HD(Index i) { y[i] += s * x[i]; });
+  device::parallel_for("host_cg.add", x.n, [=] MORTISE_HD(Index i) { y[i] += s * x[i]; });
 }
 
 // p <- z + beta p
 void turn(View<const Vec3> z, double beta, View<Vec3> p) {
-  device::parallel_for("stale_factor.turn", z.n, [=] MORTISE_HD(Index i) { p[i] = z[i] + beta * p[i]; });
+  device::parallel_for("host_cg.turn", z.n, [=] MORTISE_HD(Index i) { p[i] = z[i] + beta * p[i]; });
 }
 
 }  // namespace
 
-StaleResult solve_with_stale_factor(const BlockMatrix& A, DirectSolver& factor, View<const Vec3> b, View<Vec3> x, double relative, Index limit) {
-  StaleResult out;
+HostCgResult solve_on_host(const BlockMatrix& A, const Operator& preconditioner, View<const Vec3> b, View<Vec3> x, double relative, Index limit) {
+  HostCgResult out;
   const Index n = b.n;
   Buffer<Vec3> r(n), z(n), p(n), Ap(n);
   device::copy(r.view().p, b.p, n * sizeof(Vec3));
@@ -36,7 +36,7 @@ StaleResult solve_with_stale_factor(const BlockMatrix& A, DirectSolver& factor, 
       out.converged = true;
       return out;
     }
-    factor.solve(std::as_const(r).view(), z.view());
+    preconditioner(std::as_const(r).view(), z.view());
     const double next = dot(std::as_const(r).view(), std::as_const(z).view());
     turn(std::as_const(z).view(), out.iterations == 0 ? 0 : next / rz, p.view());
     rz = next;
