@@ -94,7 +94,7 @@ inline constexpr double kMostDifference = 1e-9;    // and no more than curvature
 // ---- the Jacobian at a solution (tangent.h)
 inline constexpr double kTangent = 1e-10;              // of the right-hand side: derivatives are then as good as the assembled terms,
 inline constexpr double kTangentByDifferences = 1e-6;  // or as differences of forces
-inline constexpr double kTangentOfEstimates = 1e-2;    // estimates of errors are no better than some per cent, but what is soft hardly shows in residuals
+inline constexpr double kTangentOfEstimates = 1e-5;    // estimates of errors are no better than some per cent, but what is soft hardly shows in residuals
 inline constexpr Index kCoarseMost = 100;              // iterations leaning on a coarser mesh: some twenty are usual
 inline constexpr double kTangentRough = 1e-4;          // worse is no derivative
 inline constexpr double kTangentDifference = 1e-8;     // of the scene's length: a hundredth of the thinnest gaps, a thousand million times rounding

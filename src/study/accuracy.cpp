@@ -4,15 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <optional>
 
 #include "engine/effect_tables.h"
-#include "output/atomic_file.h"
 #include "run/signals.h"
 #include "scene/environments.h"
 #include "scene/suggest.h"
-#include "study/accuracy_budget.h"
+#include "study/accuracy_knobs.h"
 #include "study/read.h"
 #include "study/tuning.h"
 #include "study/variant.h"
@@ -66,7 +63,6 @@ class Search {
     const std::size_t first = run(centre_, 0);
     if (out_.attempts[first].run.failed()) throw Error(Exit::solve, "the scene as it is failed: " + out_.attempts[first].run.message);
     here_ = first;
-    begin_by_budget();
     refine();
     finish();
     return std::move(out_);
@@ -140,69 +136,10 @@ class Search {
     }
     const bool moves = std::any_of(along.begin(), along.end(), [&](const Attempt* a) { return !same(a->run); });
     for (const Attempt* a : along) {
-      if (by_budget_ && a->levels[k] > centre_[k]) continue;
       if (moves && same(a->run)) continue;  // the same meshes: nothing was refined
       const int level = a->levels[k] - centre_[k];
       out.add({level, size(k, a->run, level), a->run.values, std::max(a->run.process, kLeastCost) / std::max(here().process, kLeastCost)});
     }
-    return out;
-  }
-
-  // What the certificate of a run says that every knob leaves.
-  Known known_of(std::size_t i) const {
-    const Attempt& a = out_.attempts[i];
-    Known out{a.run.values, {}, {}};
-    if (a.run.failed()) return out.errors.why_not = a.run.message, out;
-    for (std::size_t k = 0; k < knobs_.size(); ++k) out.sizes.push_back(size(k, a.run, a.levels[k] - centre_[k]));
-    const std::string certificate = place_.folder + "/runs/" + a.run.id + "/certificate.json";
-    out.errors = knob_errors(std::filesystem::exists(certificate) ? output::read_file(certificate) : "", out_.quantities, knobs_);
-    return out;
-  }
-
-  // Where budgets tell what all knobs leave, one much coarser run tells at which order, and whether what came is what was foretold: neighbours are
-  // not needed then.
-  void begin_by_budget() {
-    by_budget_ = known_of(here_).errors.why_not.empty();
-    if (!by_budget_) return;
-    const auto mesh = std::find_if(knobs_.begin(), knobs_.end(), [](const AutoKnob& k) { return k.mesh; });
-    if (mesh == knobs_.end()) return;
-    Levels coarser = centre_;
-    coarser[static_cast<std::size_t>(mesh - knobs_.begin())] -= tuning::kMuchCoarser;
-    before_ = run(coarser, 0);
-  }
-
-  // Climbs whose errors are those of the budget of the centre; false where it is not to be trusted.
-  bool by_budget() {
-    const Known now = known_of(here_);
-    const auto doubt = [&](const std::string& why) {
-      out_.notes.push_back(out_.attempts[here_].run.label + ": error budgets do not tell enough, neighbours do (" + why + ")");
-      return false;
-    };
-    if (!now.errors.why_not.empty()) return doubt(now.errors.why_not);
-    const Known before = before_ ? known_of(*before_) : Known{};
-    const bool two = before_ && before.errors.why_not.empty();
-    const std::vector<double> most = goals();
-    std::vector<Climb> climbs;
-    for (std::size_t k = 0; k < knobs_.size(); ++k) climbs.push_back(climb_of(k));
-    climbs.push_back(fixed_climb());
-    for (std::size_t q = 0; q < most.size(); ++q) {
-      const double over = two ? come_over_foretold(before, now, q) : 1;
-      const bool little = two && std::abs(now.values[q] - before.values[q]) < tuning::kAlone * most[q];
-      if (!little && !(over >= 1 / tuning::kOverForetold && over <= tuning::kOverForetold))
-        return doubt(fmt::format("'{}' came {:.2g} times as far as foretold", out_.quantities[q].name, over));
-      for (std::size_t k = 0; k < knobs_.size(); ++k)
-        climbs[k].known.push_back({now.errors.left[k][q], two ? order_between(before, now, k, q) : 1, little ? 1 : std::max(1.0, over)});
-      climbs.back().known.push_back({now.errors.rest[q], 1, 1});
-    }
-    out_.climbs = climbs;
-    return true;
-  }
-
-  // Of what no knob refines.
-  Climb fixed_climb() const {
-    Climb out;
-    out.name = "the rest", out.dearer = 0, out.finest = 0;
-    out.rungs.push_back({0, 1, here().values, 1});
     return out;
   }
 
@@ -230,17 +167,14 @@ class Search {
   }
 
   void look_around() {
-    by_budget_ = by_budget_ && by_budget();
-    if (!by_budget_) {
-      out_.climbs.clear();
-      for (std::size_t k = 0; k < knobs_.size(); ++k) {
-        look_along(k);
-        out_.climbs.push_back(climb_of(k));
-      }
+    out_.climbs.clear();
+    for (std::size_t k = 0; k < knobs_.size(); ++k) {
+      look_along(k);
+      out_.climbs.push_back(climb_of(k));
     }
-    at_.push_back({here_, {}, out_.climbs});
-    for (std::size_t q = 0; q < out_.goals.size(); ++q) at_.back().estimates.push_back(estimate(out_.climbs, q, Levels(out_.climbs.size(), 0)));
-    out_.attempts[here_].estimates = at_.back().estimates;
+    at_.push_back({here_, {}});
+    for (std::size_t q = 0; q < out_.goals.size(); ++q) at_.back().second.push_back(estimate(out_.climbs, q, Levels(knobs_.size(), 0)));
+    out_.attempts[here_].estimates = at_.back().second;
   }
 
   bool holds() const {
@@ -254,12 +188,12 @@ class Search {
     for (;;) {
       look_around();
       if (holds()) return void(out_.reached = true);
-      const Chosen next = choose_levels(out_.climbs, goals(), tuning::kAim, Levels(out_.climbs.size(), 0));
+      const Chosen next = choose_levels(out_.climbs, goals(), tuning::kAim, Levels(knobs_.size(), 0));
       Levels to = centre_;
       double cost = next.cost;
       for (std::size_t k = 0; k < knobs_.size(); ++k) to[k] += next.levels[k];
       // On meshes that are too coarse other knobs seem to tend where they do not: of what is far off the mesh first.
-      if (to == centre_ || (!by_budget_ && !next.reached && knobs_[most_left(next.worst)].mesh)) {
+      if (to == centre_ || (!next.reached && knobs_[most_left(next.worst)].mesh)) {
         const std::size_t k = most_left(next.worst);
         if (centre_[k] >= finest_[k])
           return void(out_.why_not =
@@ -268,7 +202,7 @@ class Search {
       }
       const std::size_t i = run(to, std::max(here().process, kLeastCost) * cost);
       if (out_.attempts[i].run.failed()) return void(out_.why_not = out_.attempts[i].run.label + ": " + out_.attempts[i].run.message);
-      before_ = here_, centre_ = to, here_ = i;
+      centre_ = to, here_ = i;
     }
   }
 
@@ -285,18 +219,19 @@ class Search {
 
   // The run that reaches all goals, else the one of those whose errors were looked at that comes nearest.
   void finish() {
+    out_.chosen = here_;
     double best = INFINITY;
-    const Centre* chosen = &at_.back();
-    for (const Centre& c : at_) {
+    for (const auto& [i, estimates] : at_) {
       double worst = 0;
-      for (std::size_t q = 0; q < c.estimates.size(); ++q)
-        worst =
-            std::max(worst, c.estimates[q] / (out_.goals[q].share * std::max(std::abs(out_.attempts[c.attempt].run.values[q]), tuning::kRounding)));
-      if (!out_.reached && worst < best) best = worst, chosen = &c;
+      for (std::size_t q = 0; q < estimates.size(); ++q)
+        worst = std::max(worst, estimates[q] / (out_.goals[q].share * std::max(std::abs(out_.attempts[i].run.values[q]), tuning::kRounding)));
+      if (!out_.reached && worst < best) best = worst, out_.chosen = i;
     }
-    out_.chosen = chosen->attempt, out_.climbs = chosen->climbs;
-    for (std::size_t k = 0; k < knobs_.size(); ++k)
-      for (const auto& s : knobs_[k].settings(out_.attempts[out_.chosen].levels[k])) out_.settings.push_back(s);
+    centre_ = out_.attempts[out_.chosen].levels, here_ = out_.chosen;
+    for (std::size_t k = 0; k < knobs_.size(); ++k) {
+      out_.climbs[k] = climb_of(k);
+      for (const auto& s : knobs_[k].settings(centre_[k])) out_.settings.push_back(s);
+    }
   }
 
   static constexpr double kLeastCost = 0.05;  // CPU time of a process that does nothing [s]
@@ -310,14 +245,7 @@ class Search {
   Levels centre_;         // the run that neighbours are compared with
   std::size_t here_ = 0;  // its number
   std::vector<int> finest_;
-  struct Centre {
-    std::size_t attempt;
-    std::vector<double> estimates;
-    std::vector<Climb> climbs;
-  };
-  std::vector<Centre> at_;
-  bool by_budget_ = false;             // error budgets tell what knobs leave
-  std::optional<std::size_t> before_;  // the run that budgets are compared with
+  std::vector<std::pair<std::size_t, std::vector<double>>> at_;  // centres and their estimates
 };
 
 }  // namespace

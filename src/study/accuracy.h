@@ -28,7 +28,7 @@ struct Accuracy {
   std::vector<Goal> goals;
   std::vector<Quantity> quantities;  // those of the goals
   std::vector<std::string> knobs;
-  std::vector<Climb> climbs;  // around the chosen one: of every knob, and of what none refines where that is known
+  std::vector<Climb> climbs;  // around the chosen one
   std::vector<Attempt> attempts;
   std::size_t chosen = 0;  // of the attempts: the one that reaches all goals, else the one that comes nearest
   bool reached = false;

@@ -19,13 +19,13 @@ struct AutoKnob {
     bool whole = false;  // a whole number, that grows
   };
   std::vector<Path> paths;
-  std::vector<std::string> sources{};  // of errors (error_budget.h) that it makes smaller
   Settings settings(int level) const;
   std::string label(int level) const;  // "mesh / 1.4"
 };
 
-// Edge lengths of all bodies together; the contact layer, where the scene gives its thickness (what is left out follows the mesh); the time step, or
-// load steps where friction remembers them.
+// Edge lengths of all bodies, and with them the thickness of contact layers where the scene gives it (what is left out follows the mesh): layers that
+// get thinner on the same mesh get stiffer beside it, until pressures scatter from node to node, and both together cost fewer runs than each by itself.
+// The time step, or load steps where friction remembers them.
 std::vector<AutoKnob> auto_knobs(const Params& scene);
 
 }  // namespace mortise::study

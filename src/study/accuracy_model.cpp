@@ -43,10 +43,6 @@ double Climb::cost(int level) const {
 }
 
 Limit Climb::limit(std::size_t q) const {
-  if (!known.empty()) {
-    const Left& left = known[q];
-    return {rung_at(*this, 0)->values[q] + left.error, true, left.order, left.over * std::abs(left.error), "its error budget"};
-  }
   std::vector<double> sizes, values;
   for (const Rung& r : rungs) sizes.push_back(r.size), values.push_back(r.values[q]);
   if (values.size() != 2) return limit_of(sizes, values);
@@ -98,7 +94,7 @@ Chosen choose_levels(const std::vector<Climb>& climbs, const std::vector<double>
     for (std::size_t k = 0; k < climbs.size(); ++k) {
       Knob knob;
       knob.base_error = climbs[k].error(out.worst, out.levels[k]);
-      if (out.levels[k] < std::min(climbs[k].finest, from[k] + (climbs[k].known.empty() ? tuning::kFarthest : tuning::kFarthestKnown))) {
+      if (out.levels[k] < std::min(climbs[k].finest, from[k] + tuning::kFarthest)) {
         knob.error.push_back(climbs[k].error(out.worst, out.levels[k] + 1));
         knob.cost.push_back(climbs[k].cost(out.levels[k] + 1) / climbs[k].cost(out.levels[k]));
       }

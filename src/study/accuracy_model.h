@@ -16,18 +16,11 @@ struct Rung {
 };
 
 struct Climb {
-  // What an error budget says of level 0.
-  struct Left {
-    double error = 0;  // to be added
-    double order = 1;
-    double over = 1;  // errors are by so much larger than estimates
-  };
   std::string name;
-  std::vector<Rung> rungs;    // levels rise
-  double ratio = 0.5;         // size from level to level
-  double dearer = 1;          // cost ~ size^-dearer, where runs have not told
-  int finest = 0;             // no finer level is to be tried
-  std::vector<Left> known{};  // one per quantity; empty: runs tell
+  std::vector<Rung> rungs;  // levels rise
+  double ratio = 0.5;       // size from level to level
+  double dearer = 1;        // cost ~ size^-dearer, where runs have not told
+  int finest = 0;           // no finer level is to be tried
 
   double size(int level) const;
   double cost(int level) const;

@@ -11,9 +11,6 @@
 
 namespace mortise::study {
 
-// Sources of errors that knobs make smaller.
-inline constexpr const char *kOfMesh = "mesh of soft bodies", *kOfGap = "gap that contact leaves", *kOfTime = "time steps";
-
 struct ErrorPart {
   std::string source;
   double error = NAN;   // what is to be added to the number; NaN: not estimated

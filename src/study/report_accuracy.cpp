@@ -41,7 +41,7 @@ std::string accuracy_table(const Accuracy& a) {
     out += fmt::format("{} = {:.6g}, estimated error {} of {:g} % asked; left by", a.quantities[q].name, best.run.values[q],
                        percent(best.estimates[q], best.run.values[q]), 100 * a.goals[q].share);
     for (std::size_t k = 0; k < a.climbs.size(); ++k)
-      out += fmt::format("{} {} {}", k == 0 ? "" : ",", a.climbs[k].name, percent(a.climbs[k].error(q, 0), best.run.values[q]));
+      out += fmt::format("{} {} {}", k == 0 ? "" : ",", a.knobs[k], percent(a.climbs[k].error(q, 0), best.run.values[q]));
     out += "\n";
     if (a.quantities[q].reference)
       out += fmt::format("  against its reference of {:.6g}: {}\n", *a.quantities[q].reference,
@@ -59,7 +59,7 @@ std::string accuracy_json(const Accuracy& a) {
   for (const auto& [path, value] : a.settings) j["settings"][path] = value;
   for (std::size_t q = 0; q < a.goals.size(); ++q) {
     Tree left = Tree::object();
-    for (std::size_t k = 0; k < a.climbs.size(); ++k) left[a.climbs[k].name] = output::number_or_null(a.climbs[k].error(q, 0));
+    for (std::size_t k = 0; k < a.climbs.size(); ++k) left[a.knobs[k]] = output::number_or_null(a.climbs[k].error(q, 0));
     j["goals"].push_back({{"quantity", a.goals[q].quantity},
                           {"asked", a.goals[q].share},
                           {"value", output::number_or_null(a.attempts[a.chosen].run.values[q])},

@@ -37,16 +37,15 @@ inline constexpr double kHair = 1e-5, kKink = 0.02, kNoDerivative = 1e-3;
 // is asked for that is finer or coarser than these.
 inline constexpr double kMeshRatio = 0.70710678, kMeshDearer = 3.5, kLayerDearer = 0.3, kAim = 0.8, kAlone = 0.15;
 inline constexpr int kMostLevels = 10, kFarthest = 2;  // levels: in all, and at a time
-// By error budgets: as the scene is it is compared with meshes coarser by so many levels, which cost a twelfth; knobs are moved farther, as orders
-// are known; where more than three times as much, or less than a third, came from run to run of what was foretold budgets are not trusted.
-inline constexpr int kMuchCoarser = 2, kFarthestKnown = 4;
-inline constexpr double kOverForetold = 3;
 inline constexpr double kFinestGoal = 1e-5, kCoarsestGoal = 0.5;
 
 // Nodes that a quadratic in the plane (six coefficients) is fitted to at least: fewer are hardly smoothed.
 // Triangles that stand at more than 60 degrees to those in the middle are on another side of the body.
 inline constexpr int kPeakNodes = 8;
 inline constexpr double kPeakSide = 0.5;
+
+// What is read on two meshes of the same displacements may differ by this share, which is rounding of forces, without any doubt.
+inline constexpr double kReadAlike = 1e-6;
 
 // Errors below this are rounding: they are drawn and compared as if they were this.
 inline constexpr double kRounding = 1e-16;

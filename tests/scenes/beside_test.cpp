@@ -143,7 +143,6 @@ TEST(Beside, WhatQuadraticElementsMissIsTheSolutionOfSmallerOnes) {
   const std::vector<double> there = shadow.engine->points(), near = beside.engine->points(), best = solved.engine->points();
   const std::size_t tip = lowest(best) + 2;
   const double missing = best[tip] - there[tip];
-  printf("%g %g\n", missing, best[tip]);
   EXPECT_NEAR((near[tip] - there[tip]) / kHair, missing, 0.02 * std::abs(missing));
 }
 
