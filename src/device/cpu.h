@@ -7,6 +7,9 @@
 
 namespace mortise::device {
 
+// Kernels run on threads of the host.
+inline constexpr bool kHostThreads = true;
+
 template <class F>
 void parallel_for(const char* name, Index n, F f) {
   if (n <= 0) return;

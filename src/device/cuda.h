@@ -4,6 +4,9 @@
 
 namespace mortise::device {
 
+// Kernels run on a GPU.
+inline constexpr bool kHostThreads = false;
+
 void check(cudaError_t status, const char* what);  // throws Error(Exit::device) naming the launch
 
 // Where launches go: the default stream, except while a Graph records.

@@ -41,15 +41,13 @@ void use_one_blas_thread() {
 
 struct DirectSolver::State {
   DirectStats stats;
-  std::uint64_t pattern = 0, ordered = 0;  // of the supernodes; for which their order was found,
-  double ordered_flops = 0;                // and what a factor took then
-  bool keep_order = false;
+  std::uint64_t pattern = 0;  // that has been analysed
+  Order order;
   cholesky::Supernodes supernodes;
   std::unique_ptr<cholesky::Factor<double>> full;
   std::unique_ptr<cholesky::Factor<float>> rough;
   Precision precision = Precision::full;
   bool factored = false;
-  std::vector<Index> order;
   std::vector<Vec3> b;  // of a solve
 
   // Where the device has a direct solver of its own, it does all but the ordering.
@@ -63,16 +61,15 @@ struct DirectSolver::State {
   void analyse(const BlockMatrix& A) {
     const auto start = Clock::now();
     pattern = 0;
-    full.reset(), rough.reset();
     stats.unknowns = 3 * A.rows;
     const std::vector<Index> row_start = A.row_start.download(), col = A.col.download();
-    const bool kept = keep_order && static_cast<Index>(order.size()) == A.rows;
-    if (kept) supernodes = cholesky::find_supernodes(row_start, col, order);
-    if (!kept || supernodes.flops.back() > cholesky::tuning::kOutgrown * ordered_flops) {
-      order = cholesky::find_order(row_start, col, stats.ordering);
-      supernodes = cholesky::find_supernodes(row_start, col, order);
-      ordered = A.pattern, ordered_flops = supernodes.flops.back();
-      keep_order = true;
+    const bool kept = static_cast<Index>(order.rows.size()) == A.rows;
+    if (kept) supernodes = cholesky::find_supernodes(row_start, col, order.rows);
+    if (!kept || supernodes.flops.back() > cholesky::tuning::kOutgrown * order.flops) {
+      order.rows = cholesky::find_order(row_start, col, stats.ordering);
+      supernodes = cholesky::find_supernodes(row_start, col, order.rows);
+      order.flops = supernodes.flops.back();
+      ++stats.orderings;
     }
     pattern = A.pattern;
     ++stats.analyses;
@@ -128,10 +125,12 @@ void DirectSolver::State::solve_on_device(View<const Vec3> b_of_rows, View<Vec3>
 DirectSolver::DirectSolver() : state_(std::make_unique<State>()) {}
 DirectSolver::~DirectSolver() = default;
 
-void DirectSolver::renew() {
+const DirectSolver::Order& DirectSolver::order() const { return state_->order; }
+
+void DirectSolver::set_order(Order order) {
   State& s = *state_;
-  s.keep_order = false;
-  if (s.ordered != s.pattern) s.pattern = 0;
+  if (order.rows != s.order.rows) s.pattern = 0;
+  s.order = std::move(order);
 }
 
 bool DirectSolver::factor(const BlockMatrix& A, Precision wanted) {
@@ -147,7 +146,13 @@ bool DirectSolver::factor(const BlockMatrix& A, Precision wanted) {
     const std::vector<Mat3> value = A.value.download();
     s.precision = wanted;
     s.factored = wanted == Precision::rough && s.compute(s.rough, value);
-    if (!s.factored) s.precision = Precision::full, s.factored = s.compute(s.full, value);
+    if (s.factored) {
+      s.full.reset();
+    } else {
+      s.precision = Precision::full;
+      s.rough.reset();
+      s.factored = s.compute(s.full, value);
+    }
     ++s.stats.factorisations;
     s.stats.factor_seconds = seconds_since(start);
   } catch (const std::bad_alloc&) {

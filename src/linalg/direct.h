@@ -8,6 +8,7 @@
 // Where the device has a factorisation of its own (device/cholesky.h), only the ordering is done on the host.
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "linalg/block_matrix.h"
 
@@ -19,7 +20,7 @@ struct DirectStats {
   double factor_entries = 0;  // of L, zeros of merged supernodes included
   double factor_flops = 0;
   std::size_t memory = 0;  // bytes of L
-  long long analyses = 0, factorisations = 0, solves = 0;
+  long long orderings = 0, analyses = 0, factorisations = 0, solves = 0;
   double analyse_seconds = 0, factor_seconds = 0, solve_seconds = 0;  // of the last call each
   double reciprocal_condition = 0;                                    // (smallest / largest diagonal entry of L)^2, a rough estimate
 };
@@ -40,9 +41,14 @@ class DirectSolver {
   DirectSolver(const DirectSolver&) = delete;
   DirectSolver& operator=(const DirectSolver&) = delete;
 
-  // Matrices to come are of another time: the order of elimination is looked for anew where theirs is not the pattern that it was found for. Until
-  // then it serves what patterns there are, which differ by some contacts, as long as it is good for them.
-  void renew();
+  // In which order rows are eliminated. It outlives changes of the pattern, which are some contacts, as long as it is good for them.
+  struct Order {
+    std::vector<Index> rows;
+    double flops = 0;  // what a factor took when it was found
+  };
+  const Order& order() const;
+  // For the matrices to come: this one, or, where it is not of as many rows, one that is found anew.
+  void set_order(Order order);
 
   // False when A is not positive definite. Throws Error(Exit::device) when memory runs out.
   bool factor(const BlockMatrix& A, Precision wanted = Precision::full);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/archive.h"
 #include "linalg/block_matrix.h"
 #include "linalg/gmres.h"
 #include "solver/curvature_policy.h"
@@ -46,6 +47,10 @@ class Linear {
   virtual EnvMask prepare(const LinearSystem& system, const EnvMask& todo) = 0;
   // out = M^-1 in, in the environments of `todo`; 0 in all others.
   virtual void apply(linalg::BlockMatrix& A, device::View<const Vec3> in, device::View<Vec3> out, const EnvMask& todo) = 0;
+  // The environments of `whose` have come to the end of their step.
+  virtual void end_step(const EnvMask& whose) { (void)whose; }
+  // What outlives a step and decides last digits, the order in which rows are eliminated, as it was at the end of the last one.
+  virtual void checkpoint(Archive& archive) { (void)archive; }
   // What is kept has turned out to be of no use.
   virtual void distrust(Index env) = 0;
 };

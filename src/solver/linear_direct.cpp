@@ -1,8 +1,9 @@
 // Factors: a new one for every system, or conjugate gradients with the last one as long as that is cheaper. Unsymmetric systems are solved by GMRES
 // with the factor of their symmetric part.
 #include <algorithm>
+#include <utility>
 
-#include "linalg/direct.h"
+#include "effects/per_environment.h"
 #include "linalg/host_cg.h"
 #include "linalg/submatrix.h"
 #include "solver/kernels.h"
@@ -17,8 +18,37 @@ class Direct final : public Linear {
   Direct(const model::Model& model, const Rows& rows, bool reuse) : model_(model), rows_(rows), reuse_(reuse), parts_(model.envs) {}
 
   const char* name() const override { return reuse_ ? "reuse" : "direct"; }
-  void begin_solve(bool) override {
-    for (Part& p : parts_) p.fresh = p.precise = false, p.solver.renew();
+  void begin_solve(bool changed) override {
+    for (Index e = 0; e < rows_.envs(); ++e) {
+      Part& part = parts_[e];
+      part.fresh = part.precise = false;
+      if (std::exchange(part.loaded, false) || changed) part.solver.set_order(of_rows(e, part.order));
+    }
+  }
+  void end_step(const EnvMask& whose) override {
+    for (Index e = 0; e < rows_.envs(); ++e)
+      if (whose[e]) parts_[e].kept = parts_[e].order;
+  }
+  void checkpoint(Archive& archive) override {
+    std::vector<double> place(model_.blocks, -1.0), flops;  // among its environment's, of every block; -1: not in the order
+    for (const Part& part : parts_) {
+      for (std::size_t k = 0; k < part.kept.rows.size(); ++k) place[part.kept.rows[k]] = static_cast<double>(k);
+      flops.push_back(part.kept.flops);
+    }
+    archive.io("elimination", place, effects::in_values(model_.env_blocks));
+    archive.io("elimination_flops", flops, effects::one_each(model_.envs));
+    for (Index e = 0; e < model_.envs; ++e) {
+      if (!archive.loads(e)) continue;
+      std::vector<std::pair<double, Index>> in_order;
+      for (Index b = model_.env_blocks[e]; b < model_.env_blocks[e + 1]; ++b)
+        if (place.at(b) >= 0) in_order.push_back({place[b], b});
+      std::sort(in_order.begin(), in_order.end());
+      Part& part = parts_[e];
+      part.kept = {{}, flops.at(e)};
+      for (const auto& [at, block] : in_order) part.kept.rows.push_back(block);
+      part.order = part.kept;
+      part.loaded = true;
+    }
   }
 
   EnvMask solve(const LinearSystem& s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, const StepReports& report) override {
@@ -30,7 +60,7 @@ class Direct final : public Linear {
       linalg::BlockMatrix& A = of(s.A, e);
       const device::View<const Vec3> b = range(s.b, e);
       const device::View<Vec3> x = range(s.x, e);
-      if (reuse_ && part.fresh && iterate(part, A, b, x, report[e])) continue;
+      if (keeps(e) && part.fresh && iterate(part, A, b, x, report[e])) continue;
       if (!factor(e, A, curvature, envs, report, indefinite)) continue;
       if (part.solver.precision() == linalg::Precision::rough) {
         if (iterate(part, A, b, x, report[e])) continue;
@@ -48,10 +78,8 @@ class Direct final : public Linear {
     EnvMask good(todo.size(), 0);
     for (Index e = 0; e < rows_.envs(); ++e)
       if (todo[e]) {
-        Part& part = parts_[e];
-        linalg::BlockMatrix& A = of(s.A, e);
-        good[e] = part.solver.factor(A, precision(part, A));
-        part.fresh = part.fresh && good[e];
+        good[e] = factor(e, of(s.A, e));
+        parts_[e].fresh = parts_[e].fresh && good[e];
       }
     return good;
   }
@@ -72,11 +100,39 @@ class Direct final : public Linear {
     linalg::SubMatrix own;  // of several environments
     bool fresh = false;     // the last factor belongs to this step and still pays
     bool precise = false;   // single precision was too rough for this step's matrices
+    // The solver's order, in blocks of the model, which outlive rows; and what it was when the last step ended.
+    linalg::DirectSolver::Order order, kept;
+    long long orderings = 0;
+    bool loaded = false;  // it has not come to the solver yet
   };
+  // What only contact holds, in statics, slides away on the errors that iterations leave in soft directions.
+  bool keeps(Index e) const { return reuse_ && !rows_.loose[e]; }
   bool empty(Index e) const { return rows_.env[e] == rows_.env[e + 1]; }
   // Where a factor is most of the work and only preconditions, it need not be precise.
-  linalg::Precision precision(const Part& part, const linalg::BlockMatrix& A) const {
-    return reuse_ && !part.precise && A.rows > tuning::kDirectBlocks ? linalg::Precision::rough : linalg::Precision::full;
+  linalg::Precision precision(Index e, const linalg::BlockMatrix& A) const {
+    return keeps(e) && !parts_[e].precise && A.rows > tuning::kDirectBlocks ? linalg::Precision::rough : linalg::Precision::full;
+  }
+
+  bool factor(Index e, const linalg::BlockMatrix& A) {
+    Part& part = parts_[e];
+    const bool done = part.solver.factor(A, precision(e, A));
+    if (part.orderings != part.solver.stats().orderings) {
+      part.orderings = part.solver.stats().orderings;
+      part.order = part.solver.order();
+      for (Index& row : part.order.rows) row = rows_.of_row[rows_.env[e] + row];
+    }
+    return done;
+  }
+  // An order of blocks as one of rows; none where these are not the blocks that have rows.
+  linalg::DirectSolver::Order of_rows(Index e, const linalg::DirectSolver::Order& blocks) const {
+    linalg::DirectSolver::Order out{{}, blocks.flops};
+    if (static_cast<Index>(blocks.rows.size()) != rows_.env[e + 1] - rows_.env[e]) return {};
+    for (Index block : blocks.rows) {
+      const Index row = rows_.of_block_host[block];
+      if (row < 0) return {};
+      out.rows.push_back(row - rows_.env[e]);
+    }
+    return out;
   }
 
   // By conjugate gradients with the factor that there is; false where they do not get there soon.
@@ -92,12 +148,12 @@ class Direct final : public Linear {
   bool factor(Index e, linalg::BlockMatrix& A, const CurvaturePolicy& curvature, EnvTable& envs, const StepReports& report, EnvMask& indefinite) {
     Part& part = parts_[e];
     double shift = tuning::kFirstShift;
-    part.fresh = part.solver.factor(A, precision(part, A));
+    part.fresh = factor(e, A);
     while (!part.fresh && curvature.concavity(e) == 0 && shift <= tuning::kLargestShift) {
       shift_diagonal(A, shift, {0, A.rows}, {1});
       shift *= tuning::kShiftGrowth;
       ++report[e].regularised;
-      part.fresh = part.solver.factor(A, precision(part, A));
+      part.fresh = factor(e, A);
     }
     if (part.fresh) return true;
     if (curvature.concavity(e) > 0)
@@ -114,7 +170,7 @@ class Direct final : public Linear {
       EnvMask stale(todo.size(), 0);
       for (Index e = 0; e < rows_.envs(); ++e) {
         if (!left[e]) continue;
-        stale[e] = reuse_ && round == 0 && parts_[e].fresh;
+        stale[e] = keeps(e) && round == 0 && parts_[e].fresh;
         if (!stale[e]) left[e] = factor(e, of(s.A, e), curvature, envs, report, indefinite);
       }
       for (Index e = 0; e < rows_.envs(); ++e)
@@ -156,10 +212,9 @@ LinearChoice choose_linear(const model::Model& model, const Options& options) {
   for (Index e = 0; e < model.envs; ++e) blocks = std::max(blocks, model.env_blocks[e + 1] - model.env_blocks[e]);
   const std::string size = std::to_string(blocks) + " blocks";
   if (blocks <= tuning::kDirectBlocks) return {"direct", size + ", a new factor each time up to " + std::to_string(tuning::kDirectBlocks)};
-  const Index limit = options.is_static ? tuning::kReuseBlocks : tuning::kReuseInMotion;
-  const std::string bound = std::to_string(limit) + (options.is_static ? " in statics" : " in motion");
-  if (blocks <= limit) return {"reuse", size + ", factors up to " + bound};
-  return {"cg", size + ", more than " + bound};
+  const Index limit = device::kHostThreads ? tuning::kReuseBlocks : tuning::kReuseOnGpu;
+  if (blocks <= limit) return {"reuse", size + ", factors up to " + std::to_string(limit)};
+  return {"cg", size + ", more than " + std::to_string(limit)};
 }
 
 }  // namespace mortise::solver

@@ -251,6 +251,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
   }
 
   newton_.hold(takes);
+  newton_.end_step(takes);
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() - (beside_time_.wall - beside);
   for (Index e = 0; e < model_.envs; ++e) {
     if (!takes[e] || !lost_[e].empty()) continue;
@@ -283,6 +284,8 @@ void Simulation::checkpoint(const std::vector<Archive*>& of) {
     PrefixedArchive part(archive, std::string(effect->name()));
     effect->checkpoint(part);
   }
+  PrefixedArchive part(archive, "solver");
+  newton_.checkpoint(part);
 }
 
 }  // namespace mortise::solver

@@ -18,11 +18,12 @@ inline constexpr double kSoften = 0.25;        // two or three tries lie between
 inline constexpr double kRegain = 2;           // after a full step
 
 // ---- linear systems (linear.h)
-inline constexpr Index kDirectBlocks = 2000;    // up to here a factor costs next to nothing; beyond it is kept for some iterations,
-inline constexpr Index kReuseBlocks = 20000;    // and from here on its memory and work grow faster than the iterations of conjugate gradients do;
-inline constexpr Index kReuseInMotion = 12000;  // inertia keeps systems well conditioned; 11,000 with friction take 0.7 of the CPU time with a factor
-inline constexpr Index kSchwarzRows = 20000;    // up to some ten thousand rows block Jacobi is as quick (benchmarks/linear)
-inline constexpr double kLoose = 1e-9;          // of the mean stiffness: far above rounding, far below the softest elastic motion
+inline constexpr Index kDirectBlocks = 2000;  // up to here a factor costs next to nothing; beyond it is kept for some iterations,
+inline constexpr Index kReuseBlocks = 50000;  // and from here on its memory grows too fast: 45,000 in motion, with friction, take two thirds of the
+                                              // CPU time of conjugate gradients, and 1.2 GB instead of 0.8 (benchmarks/linear)
+inline constexpr Index kReuseOnGpu = 12000;   // where conjugate gradients have a GPU's bandwidth and factors only the host's threads: not measured
+inline constexpr Index kSchwarzRows = 20000;  // up to some ten thousand rows block Jacobi is as quick (benchmarks/linear)
+inline constexpr double kLoose = 1e-9;        // of the mean stiffness: far above rounding, far below the softest elastic motion
 inline constexpr double kStaleForcing =
     1e-4;                                    // where thin contact layers rule the right-hand side what is soft needs digits too; a solve costs little
 inline constexpr Index kStaleMost = 8;       // a factor costs about as much as this many solves with it

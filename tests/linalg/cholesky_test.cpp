@@ -107,8 +107,8 @@ struct Case {
   Couplings couplings;
 };
 std::vector<Case> cases() {
-  return {{"one row", 1, {}},           {"no couplings", 40, {}},         {"chain", 300, chain(300)}, {"arrow", 200, arrow(200)},
-          {"full", 60, full(60)},       {"grid", 8 * 8 * 8, grid(8)},     {"apart", 2 * 125 + 1, apart(5)}};
+  return {{"one row", 1, {}},     {"no couplings", 40, {}},     {"chain", 300, chain(300)},      {"arrow", 200, arrow(200)},
+          {"full", 60, full(60)}, {"grid", 8 * 8 * 8, grid(8)}, {"apart", 2 * 125 + 1, apart(5)}};
 }
 
 template <class Real>

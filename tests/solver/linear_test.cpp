@@ -250,19 +250,17 @@ TEST(Linear, ChoiceGoesByTheLargestEnvironment) {
   EXPECT_EQ(choose_linear(model, o).kind, "cg");
 }
 
-TEST(Linear, ChoiceGoesBySizeAndMotion) {
+TEST(Linear, ChoiceGoesBySize) {
   model::Model model(toy::boxes(1));
-  Options o;
-  const auto kind = [&](Index blocks, bool is_static) {
+  const Options o;
+  const auto kind = [&](Index blocks) {
     model.env_blocks = {0, blocks};
-    o.is_static = is_static;
     return choose_linear(model, o).kind;
   };
-  EXPECT_EQ(kind(2000, false), "direct");
-  EXPECT_EQ(kind(12000, false), "reuse");
-  EXPECT_EQ(kind(12001, false), "cg");
-  EXPECT_EQ(kind(12001, true), "reuse");
-  EXPECT_EQ(kind(20001, true), "cg");
+  EXPECT_EQ(kind(2000), "direct");
+  EXPECT_EQ(kind(2001), "reuse");
+  EXPECT_EQ(kind(tuning::kReuseBlocks), "reuse");
+  EXPECT_EQ(kind(tuning::kReuseBlocks + 1), "cg");
 }
 
 // What is light is solved beside what is heavy: residuals count by what each row's own stiffness makes of them.

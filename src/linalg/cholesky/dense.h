@@ -25,7 +25,8 @@ void for_tiles(int n, const F& f) {
 
 inline int tiles(int n) { return (n + tuning::kTile - 1) / tuning::kTile; }
 
-// The first `columns` of the `rows` rows of F become those of L; `left` (lower triangle) becomes - L21 L21^T. False where F11 is not positive definite.
+// The first `columns` of the `rows` rows of F become those of L; `left` (lower triangle) becomes - L21 L21^T. False where F11 is not positive
+// definite.
 template <class Real>
 bool eliminate(int rows, int columns, Real* F, Real* left) {
   constexpr int T = tuning::kTile;
@@ -73,7 +74,8 @@ void subtract_large(bool transposed, int m, int n, const Real* A, int rows, cons
   if (m == 0 || n == 0) return;
   const int parts = static_cast<int>(static_cast<std::size_t>(m) * n / tuning::kLargeProduct) + 1, of = transposed ? n : m;
   for_tiles(parts, [&](int part) {
-    const int from = static_cast<int>(static_cast<long long>(of) * part / parts), to = static_cast<int>(static_cast<long long>(of) * (part + 1) / parts);
+    const int from = static_cast<int>(static_cast<long long>(of) * part / parts),
+              to = static_cast<int>(static_cast<long long>(of) * (part + 1) / parts);
     if (from == to) return;
     if (transposed)
       blas::subtract(true, m, to - from, A + static_cast<std::size_t>(from) * rows, rows, x, y + from);

@@ -3,8 +3,8 @@
 // and what it leaves to its parent are one dense matrix
 //     F = [F11    ]      F11 = L11 L11^T,   L21 = F21 L11^-T,   left to the parent: F22 - L21 L21^T
 //         [F21 F22]
-// to which its children have added what they left. Branches of the tree are tasks, large panels are divided into tiles; every number is the sum of the
-// same products in the same order whatever the threads do. In single precision a factor takes half of the time and memory and is a
+// to which its children have added what they left. Branches of the tree are tasks, large panels are divided into tiles; every number is the sum of
+// the same products in the same order whatever the threads do. In single precision a factor takes half of the time and memory and is a
 // preconditioner, no solution.
 #include <memory>
 #include <vector>
@@ -16,8 +16,8 @@ namespace mortise::linalg::cholesky {
 template <class Real>
 class Factor {
  public:
-  // `value`: the blocks of A in the order in which its structure was given. False where A is not positive definite, or too nearly not for Real, or not
-  // finite. Throws std::bad_alloc.
+  // `value`: the blocks of A in the order in which its structure was given. False where A is not positive definite, or too nearly not for Real, or
+  // not finite. Throws std::bad_alloc.
   bool compute(const Supernodes& t, const Mat3* value);
   // x = A^-1 b after compute() has succeeded; may be the same.
   void solve(const Supernodes& t, const Vec3* b, Vec3* x);

@@ -26,9 +26,9 @@ struct Supernodes {
   std::vector<Index> row, to_parent;
   // Supernodes are numbered so that those below s are begin[s] ... s - 1; children ascending. The last one, without places, stands above all roots.
   std::vector<Index> begin, child_start, child;
-  std::vector<std::size_t> panel;     // where each panel begins [scalars], and the end
-  std::vector<std::size_t> left;      // where rows that are left to others begin, over all supernodes [blocks], and the end
-  std::vector<std::size_t> entries;   // where each supernode's entries begin, and the end
+  std::vector<std::size_t> panel;    // where each panel begins [scalars], and the end
+  std::vector<std::size_t> left;     // where rows that are left to others begin, over all supernodes [blocks], and the end
+  std::vector<std::size_t> entries;  // where each supernode's entries begin, and the end
   std::vector<Entry> entry;
   std::vector<double> flops;  // of each and all below it
 
