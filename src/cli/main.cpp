@@ -1,5 +1,8 @@
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
+
+#include <limits>
 
 #include "cli/commands.h"
 
@@ -16,6 +19,19 @@ void check_address_space(int, char**, char**) {
 }
 [[gnu::section(".preinit_array"), gnu::used]] void (*const kFirst)(int, char**, char**) = check_address_space;
 
+// Every iteration asks for the same large pieces again. Given back to the system they would be had page by page each time, which was 4 % of the press
+// (three page faults of four); kept, they cost 4 to 7 % of memory. One arena, because those of threads are given back whatever one says.
+void keep_memory() {
+#ifdef __GLIBC__
+  mallopt(M_ARENA_MAX, 1);
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+#endif
+}
+
 }  // namespace
 
-int main(int argc, char** argv) { return mortise::cli::program({argv + 1, argv + argc}); }
+int main(int argc, char** argv) {
+  keep_memory();
+  return mortise::cli::program({argv + 1, argv + argc});
+}
