@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "effects/per_environment.h"
+#include "linalg/direct.h"
 #include "linalg/host_cg.h"
 #include "linalg/submatrix.h"
 #include "solver/kernels.h"
