@@ -29,6 +29,7 @@ SCENES = {
     "first/04_two_bodies": ("scenes/first/04_two_bodies.yaml", ["time.steps=12"]),
     "first/05_static_press": ("scenes/first/05_static_press.yaml", []),
     "first/06_quadratic_beam": ("scenes/first/06_quadratic_beam.yaml", []),
+    "static mortar": ("benchmarks/patch/scene.yaml", []),
     "tactile/press, 2 frames": ("scenes/tactile/press.yaml", ["time.steps=2"]),
     "tactile/taxels, 1 frame": ("scenes/tactile/taxels.yaml", ["time.steps=1", "time.frame_every=1"]),
 }
@@ -54,7 +55,6 @@ VARIANTS = {
         "exact quadrature": ["effects.mortar_contact.quadrature=exact"],
         "7 points": ["effects.mortar_contact.quadrature=7"],
         "quadratic": ["bodies.pad.order=2", "bodies.block.order=2"],
-        "static": ["time.mode=static"],
     },
 }
 for base, variants in VARIANTS.items():
