@@ -175,6 +175,8 @@ TEST(Broadphase, AGuessIsTheAnswerOrSaysThatItIsNone) {
   const Buffer<Vec3> first(y);
   EXPECT_EQ(guess(first), nullptr) << "nothing is kept";
   broadphase.update(first.view(), dyb.view(), 0.02);
+  EXPECT_EQ(guess(first), nullptr) << "it was searched anew: what was kept did not serve";
+  broadphase.update(first.view(), dyb.view(), 0.02);
   for (Vec3& p : y) p += test::random_vec(r, 1e-6);
   const Buffer<Vec3> near(y);
   auto one = guess(near);
