@@ -169,7 +169,7 @@ class Campaign:
             if done.returncode != 0:
                 return row | {"failed": f"{device}, exit code {done.returncode}: {done.stderr.strip()}"}
             rows.append([json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")])
-        pairs = [(a["value"], b["value"]) for a, b in zip(*rows) if isinstance(a.get("value"), float) and not a.get("quantity", "").endswith("seconds")]
+        pairs = [(a["value"], b["value"]) for a, b in zip(*rows) if isinstance(a.get("value"), float) and not a.get("quantity", "").endswith(("seconds", "of time"))]
         row["rows"], row["cpu"] = len(pairs), "alike"
         row["difference"] = max((abs(a - b) / max(abs(a), 1e-9) for a, b in pairs if np.isfinite(a)), default=float("inf"))
         return row if row["difference"] <= 1e-6 and len(rows[0]) == len(rows[1]) else row | {"failed": f"differs from the CPU by {row['difference']:.1e}"}
