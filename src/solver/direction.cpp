@@ -45,14 +45,6 @@ effects::Want Direction::want(const EnvTable& envs) {
   return {true, curvature_.wanted(), whole};
 }
 
-void Direction::find(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs,
-                     const StepReports& report) {
-  device::Fetch fetch;
-  begin(q, r, wanted, at, envs, report, fetch);
-  fetch.now();
-  end(envs);
-}
-
 void Direction::begin(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs,
                       const StepReports& report, device::Fetch& fetch) {
   system_.supports(q.view(), support_);

@@ -12,10 +12,7 @@ class Direction {
   Direction(System& system, Linear& linear, CurvaturePolicy& curvature) : system_(system), linear_(linear), curvature_(curvature) {}
 
   // In the running environments, from q, where `at` is linearised with a matrix; wanted: per environment the residual at which Newton stops [N].
-  // Where there is none the environment fails.
-  void find(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs,
-            const StepReports& report);
-  // The same in two halves: what is only told of the way comes with `fetch`, between them.
+  // Where there is none the environment fails. In two halves: what is only told of the way comes with `fetch`, between them.
   void begin(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs,
              const StepReports& report, device::Fetch& fetch);
   void end(EnvTable& envs);

@@ -66,13 +66,6 @@ void LineSearch::find_energies(const Linearised& at, const EnvMask& whose, Energ
       if (whose[e]) there[k][e] = here[k][e];
 }
 
-void LineSearch::step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at,
-                      EnvTable& envs, const StepReports& report, const Forces& forces) {
-  device::Fetch fetch;
-  begin(std::as_const(q).view(), dq, c, at, envs, fetch);
-  end(q, dq, slope, at, envs, report, forces);
-}
-
 void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, Linearised& at, EnvTable& envs,
                      const StepReports& report, const Forces& forces) {
   if (!envs.any(EnvState::running)) return;

@@ -29,11 +29,9 @@ class LineSearch {
   };
   LineSearch(System& system, EnergyLedger& energies) : system_(system), energies_(energies) {}
 
-  // Moves q of the running environments along dq, from the state of `at`; slope: gradient . dq [J]; c: what supports still have to move, none
-  // where empty. Where nothing descends the environment fails.
-  void step(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c, Linearised& at,
-            EnvTable& envs, const StepReports& report, const Forces& forces = {});
-  // The same in two halves. The first finds out how far dq may lead, and brings `fetch` with that.
+  // Moves q of the running environments along dq, from the state of `at`, in two halves. The first finds out how far dq may lead, and brings `fetch`
+  // with that; c: what supports still have to move, none where empty. The second goes there; slope: gradient . dq [J]. Where nothing descends the
+  // environment fails.
   void begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, device::View<const Vec3> c, Linearised& at, EnvTable& envs, device::Fetch& fetch);
   void end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, Linearised& at, EnvTable& envs,
            const StepReports& report, const Forces& forces);

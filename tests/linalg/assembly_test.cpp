@@ -21,6 +21,15 @@ std::vector<Index> rows_backwards(Index& rows) {
   return row;
 }
 
+struct OnRowsBackwards {
+  Index rows = 0;
+  std::vector<Index> row = rows_backwards(rows);
+  Assembler assembler;
+  BlockMatrix A;
+
+  OnRowsBackwards() { assembler.set_rows(Buffer<Index>(row), rows); }
+};
+
 struct Random {
   StencilSet tets, contact;
   std::vector<StencilSet*> sets{&tets, &contact};
@@ -56,11 +65,7 @@ void expect_dense_sum(Assembler& assembler, Random& problem, const std::vector<I
 
 TEST(Assembly, RandomStencilsSumLikeDenseMatrices) {
   Random problem;
-  Index rows;
-  const std::vector<Index> row = rows_backwards(rows);
-  Assembler assembler;
-  assembler.set_rows(Buffer<Index>(row), rows);
-  BlockMatrix A;
+  auto [rows, row, assembler, A] = OnRowsBackwards();
   expect_dense_sum(assembler, problem, row, rows, A);
 }
 
@@ -139,11 +144,7 @@ TEST(Assembly, RepeatedBlockInAStencilGivesBothHalves) {
 
 TEST(Assembly, FollowsAChangedContactSet) {
   Random problem;
-  Index rows;
-  const std::vector<Index> row = rows_backwards(rows);
-  Assembler assembler;
-  assembler.set_rows(Buffer<Index>(row), rows);
-  BlockMatrix A;
+  auto [rows, row, assembler, A] = OnRowsBackwards();
   for (Index n : {60, 7, 0, 90}) {
     problem.new_contact(n);
     expect_dense_sum(assembler, problem, row, rows, A);
@@ -153,11 +154,7 @@ TEST(Assembly, FollowsAChangedContactSet) {
 // How many blocks a contact set has the host hears with the structure of the matrix, in one copy, also where there are many more than last time.
 TEST(Assembly, WaitsOnceForAChangedContactSet) {
   Random problem;
-  Index rows;
-  const std::vector<Index> row = rows_backwards(rows);
-  Assembler assembler;
-  assembler.set_rows(Buffer<Index>(row), rows);
-  BlockMatrix A;
+  auto [rows, row, assembler, A] = OnRowsBackwards();
   expect_dense_sum(assembler, problem, row, rows, A);
   problem.new_contact(62);
   const long long before = device::transfers().to_host;
@@ -185,11 +182,7 @@ TEST(Assembly, FollowsChangedRows) {
 
 TEST(Assembly, PatternStandsWhileTheStructureDoes) {
   Random problem;
-  Index rows;
-  const std::vector<Index> row = rows_backwards(rows);
-  Assembler assembler;
-  assembler.set_rows(Buffer<Index>(row), rows);
-  BlockMatrix A;
+  auto [rows, row, assembler, A] = OnRowsBackwards();
   assembler.matrix(problem.sets, A);
   const std::uint64_t first = A.pattern;
   problem.contact.pattern_changed();  // sorted again, but the same blocks
@@ -202,11 +195,7 @@ TEST(Assembly, PatternStandsWhileTheStructureDoes) {
 
 TEST(Assembly, UnchangedSetsAreNotSortedAgain) {
   Random problem;
-  Index rows;
-  const std::vector<Index> row = rows_backwards(rows);
-  Assembler assembler;
-  assembler.set_rows(Buffer<Index>(row), rows);
-  BlockMatrix A;
+  auto [rows, row, assembler, A] = OnRowsBackwards();
   const auto launches = [](const std::string& name) {
     for (const auto& l : device::launch_counts())
       if (l.name == name) return l.launches;
@@ -230,11 +219,7 @@ TEST(Assembly, BitsDoNotDependOnThreadsNorOnSortingHistory) {
     device::set_threads(threads);
     Random problem;
     problem.new_contact(3000, 5);  // groups of many chunks
-    Index rows;
-    const std::vector<Index> row = rows_backwards(rows);
-    Assembler assembler;
-    assembler.set_rows(Buffer<Index>(row), rows);
-    BlockMatrix A;
+    auto [rows, row, assembler, A] = OnRowsBackwards();
     Buffer<Vec3> g;
     if (threads == 3) {  // another contact set first
       Random other;

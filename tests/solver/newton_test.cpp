@@ -442,7 +442,10 @@ TEST(Direction, FollowsTheSymmetricPartWhereTheWholePointsUphill) {
     Linearised at = system.potential.linearised();
     const Residual r = system.linearise(std::as_const(p.model.q).view(), direction.want(envs), at);
     StepReport report;
-    direction.find(p.model.q, r, {1e-9}, at, envs, report);
+    device::Fetch fetch;
+    direction.begin(p.model.q, r, {1e-9}, at, envs, report, fetch);
+    fetch.now();
+    direction.end(envs);
     EXPECT_LT(direction.slope()[0], 0);
     for (const Vec3& d : direction.way().download()) EXPECT_LT((d + kForce).norm(), 1e-12);
     EXPECT_EQ(report.softened > 0, concave);
@@ -482,6 +485,13 @@ TEST(EnergyLedger, GainIsWhatTheIntegratorAdds) {
 
 namespace {
 
+void line_step(LineSearch search, device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, device::View<const Vec3> c,
+               Linearised& at, EnvTable& envs, const StepReports& report, const LineSearch::Forces& forces = {}) {
+  device::Fetch fetch;
+  search.begin(std::as_const(q).view(), dq, c, at, envs, fetch);
+  search.end(q, dq, slope, at, envs, report, forces);
+}
+
 // Two environments at rest under a unit spring and a force; dq is Newton's step in the first, `times` that in the second. beside: energy per block
 // that does not change [J].
 struct Searched {
@@ -501,7 +511,9 @@ struct Searched {
     for (int b = 4; b < 8; ++b) d[b] *= times;
     dq.upload(d);
   }
-  void step(const std::vector<double>& slope) { LineSearch(*system, *energies).step(q, dq, slope, {}, at, envs, report); }
+  void step(const std::vector<double>& slope, device::View<const Vec3> c = {}, const LineSearch::Forces& forces = {}) {
+    line_step(LineSearch(*system, *energies), q, dq, slope, c, at, envs, report, forces);
+  }
 
   Problem p{2};
   std::optional<System> system;
@@ -533,7 +545,7 @@ TEST(LineSearch, AFullStepThatIsCloserStandsWhileOthersAreHalved) {
   LineSearch::Forces forces;
   forces.closer = [](const device::Buffer<Vec3>&, const EnvMask& whose) { return whose; };
   const std::vector<double> slope = dot(std::as_const(s.at.gradient).view(), std::as_const(s.dq).view(), s.p.model.env_blocks);
-  LineSearch(*s.system, *s.energies).step(s.q, s.dq, slope, {}, s.at, s.envs, s.report, forces);
+  s.step(slope, {}, forces);
   EXPECT_EQ(s.envs[0].alpha, 1);
   EXPECT_EQ(s.envs[1].alpha, 0.25);
 }
@@ -545,7 +557,7 @@ TEST(LineSearch, AFarStepThatLeadsAstrayIsNotTaken) {
   forces.far = {1, 0};
   forces.astray = [](const device::Buffer<Vec3>&, const EnvMask& whose) { return whose; };
   const std::vector<double> slope = dot(std::as_const(s.at.gradient).view(), std::as_const(s.dq).view(), s.p.model.env_blocks);
-  LineSearch(*s.system, *s.energies).step(s.q, s.dq, slope, {}, s.at, s.envs, s.report, forces);
+  s.step(slope, {}, forces);
   EXPECT_EQ(s.envs[0].alpha, 0);
   EXPECT_EQ(s.p.moved(s.q)[0], Vec3::Zero());
   EXPECT_EQ(s.envs[1].alpha, 1) << "a near one is not asked about";
@@ -568,7 +580,7 @@ TEST(LineSearch, SupportsMayRaiseTheEnergy) {
   EnvTable envs(1);
   envs[0].step = kForce.norm();
   StepReport report;
-  LineSearch(system, energies).step(q, dq, {0.0}, supports.view(), at, envs, report);
+  line_step(LineSearch(system, energies), q, dq, {0.0}, supports.view(), at, envs, report);
   EXPECT_EQ(envs[0].alpha, 1);
 }
 
@@ -612,7 +624,7 @@ TEST(LineSearch, TheSlopeDecidesWhereEnergyIsBlind) {
       return dot(std::as_const(there.gradient).view(), std::as_const(s.dq).view(), s.p.model.env_blocks);
     };
     const std::vector<double> slope = dot(std::as_const(s.at.gradient).view(), std::as_const(s.dq).view(), s.p.model.env_blocks);
-    LineSearch(*s.system, *s.energies).step(s.q, s.dq, slope, {}, s.at, s.envs, s.report, forces);
+    s.step(slope, {}, forces);
     EXPECT_EQ(s.envs[0].alpha, 1);
     EXPECT_EQ(s.envs[1].alpha, doubtful ? 0.25 : 1);  // 7/2 still goes beyond the mirrored start
   }
@@ -641,7 +653,7 @@ TEST(LineSearch, OnlySupportsThatMoveMostAreLetIntoNewContact) {
   envs[0].step = envs[1].step = kForce.norm();
   StepReport report;
   const std::vector<double> slope = dot(std::as_const(at.gradient).view(), std::as_const(dq).view(), p.model.env_blocks);
-  LineSearch(system, energies).step(q, dq, slope, supports.view(), at, envs, report);
+  line_step(LineSearch(system, energies), q, dq, slope, supports.view(), at, envs, report);
   EXPECT_EQ(envs[0].alpha, 0.25);
   EXPECT_EQ(envs[1].alpha, 0.0625);
 }
