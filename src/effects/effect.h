@@ -101,7 +101,7 @@ inline std::vector<double> Effect::energies_now(Positions q, const Linearisation
   std::vector<double> per_env(envs, 0.0);
   device::Fetch fetch;
   energy(q, frozen, {per_env, fetch});
-  fetch.now();
+  fetch.now("energies");
   return per_env;
 }
 

@@ -56,7 +56,7 @@ void StencilSet::end_resize(Index n) {
 void StencilSet::resize(device::Buffer<Index>&& counts) {
   device::Fetch fetch;
   begin_resize(std::move(counts), fetch);
-  fetch.now();
+  fetch.now("stencils");
   end_resize(n_);
 }
 

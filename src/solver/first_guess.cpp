@@ -52,7 +52,7 @@ EnvMask FirstGuess::go(const EnvMask& whose, const device::Buffer<Vec3>& way, de
   device::Fetch fetch;
   system_.potential.max_step(way.view(), at, {alpha, fetch});
   energies_.find(std::as_const(q).view(), at, fetch);
-  fetch.now();
+  fetch.now("first guess");
   for (Index e = 0; e < model.envs; ++e) alpha[e] = whose[e] && alpha[e] >= 1 ? 1 : 0;
   std::vector<double> before = energies_.sum(energies_.known());
   if (supports.n > 0) {
@@ -77,7 +77,7 @@ std::vector<double> FirstGuess::energies_there(const Linearised& at) {
   Energies there;
   device::Fetch fetch;
   system_.potential.energies(std::as_const(trial_).view(), at, there, fetch);
-  fetch.now();
+  fetch.now("first guess energies");
   return energies_.sum(there);
 }
 

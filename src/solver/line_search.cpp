@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "solver/kernels.h"
 #include "solver/tuning.h"
@@ -35,15 +36,15 @@ void LineSearch::ask(device::View<const Vec3> q, device::Buffer<Vec3>& dq, devic
     dot(c, c, model.env_blocks, {m.cc, fetch});
     largest(c, model.env_blocks, {m.farthest, fetch});
   }
-  fetch.now();
 }
 
 void LineSearch::begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, device::View<const Vec3> c, Linearised& at, EnvTable& envs,
-                       device::Fetch& fetch) {
+                       device::Fetch& fetch, bool asked) {
   const model::Model& model = system_.model;
   for (bool done = false; !done;) {
     try {
-      ask(q, dq, c, at, fetch);
+      if (!std::exchange(asked, false)) ask(q, dq, c, at, fetch);
+      fetch.now("way and energies");
       done = true;
     } catch (const Failure& f) {  // of what supports prescribe: of one environment, without which it is tried again
       envs.fail(f.env, f.reason);
@@ -60,7 +61,7 @@ void LineSearch::find_energies(const Linearised& at, const EnvMask& whose, Energ
   Energies here;
   device::Fetch fetch;
   system_.potential.energies(std::as_const(trial_).view(), at, here, fetch);
-  fetch.now();
+  fetch.now("trial energies");
   for (std::size_t k = 0; k < here.size(); ++k)
     for (std::size_t e = 0; e < whose.size(); ++e)
       if (whose[e]) there[k][e] = here[k][e];

@@ -32,7 +32,10 @@ class LineSearch {
   // Moves q of the running environments along dq, from the state of `at`, in two halves. The first finds out how far dq may lead, and brings `fetch`
   // with that; c: what supports still have to move, none where empty. The second goes there; slope: gradient . dq [J]. Where nothing descends the
   // environment fails.
-  void begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, device::View<const Vec3> c, Linearised& at, EnvTable& envs, device::Fetch& fetch);
+  // asked: ask() was, with that fetch or an earlier one.
+  void begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, device::View<const Vec3> c, Linearised& at, EnvTable& envs, device::Fetch& fetch,
+             bool asked = false);
+  void ask(device::View<const Vec3> q, device::Buffer<Vec3>& dq, device::View<const Vec3> c, Linearised& at, device::Fetch& fetch);
   void end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, Linearised& at, EnvTable& envs,
            const StepReports& report, const Forces& forces);
 
@@ -42,8 +45,6 @@ class LineSearch {
   struct Merit {
     std::vector<double> slope, rho, cc, rounding, curvature, farthest;
   };
-  void ask(device::View<const Vec3> q, device::Buffer<Vec3>& dq, device::View<const Vec3> c, Linearised& at, device::Fetch& fetch);
-
   void find_energies(const Linearised& at, const EnvMask& whose, Energies& there);
 
   System& system_;

@@ -71,7 +71,7 @@ class Cg final : public Linear {
       for (double& asked : relative) asked = std::max(asked, tuning::kWholeRough);
       EnvMask left = todo;
       const Start start = [&](const Then& then) {
-        const linalg::CgResult symmetric = run(s.A, s.b, s.x, relative, absolute, todo, then);
+        const linalg::CgResult symmetric = run(s.A, s.b, s.x, relative, absolute, todo, then, 0, s.aside ? &s.aside->fetch : nullptr);
         count(symmetric, todo, report);
         for (Index e = 0; e < rows_.envs(); ++e)
           if (todo[e] && symmetric.env[e].end == linalg::CgEnd::not_positive_definite && curvature.concavity(e) > 0)
@@ -91,7 +91,9 @@ class Cg final : public Linear {
       }
       return indefinite;
     }
-    const linalg::CgResult cg = run(s.A, s.b, s.x, relative, absolute, todo);
+    const linalg::CgResult cg = run(s.A, s.b, s.x, relative, absolute, todo, s.aside ? s.aside->ask : Then{},
+                                    expected(s, relative, absolute, todo), s.aside ? &s.aside->fetch : nullptr);
+    if (s.aside) s.aside->done = true;
     count(cg, todo, report);
     for (Index e = 0; e < rows_.envs(); ++e) {
       if (!todo[e]) continue;
@@ -144,6 +146,17 @@ class Cg final : public Linear {
       if (whose[e]) report[static_cast<Index>(e)].cg += cg.env[e].iterations;
   }
 
+  // Iterations, at the speed of the last system; 0 where there was none.
+  Index expected(const LinearSystem& s, const std::vector<double>& relative, const std::vector<double>& absolute, const EnvMask& todo) const {
+    double most = 0;
+    for (std::size_t e = 0; e < todo.size(); ++e) {
+      if (!todo[e] || !(s.b2[e] > 0)) continue;
+      const double asked = std::max(relative[e], absolute.empty() ? 0.0 : absolute[e] / std::sqrt(s.b2[e]));
+      most = std::max(most, env_[e].speed * -std::log10(asked));
+    }
+    return static_cast<Index>(std::min<double>(most, options_.cg_iterations));
+  }
+
   double forcing(const Env& e, double b2) const {
     if (!options_.cg_forcing) return options_.cg_tolerance;
     double forcing = tuning::kRoughest;
@@ -155,12 +168,14 @@ class Cg final : public Linear {
   }
 
   linalg::CgResult run(const linalg::BlockMatrix& A, device::View<const Vec3> b, device::View<Vec3> x, const std::vector<double>& relative,
-                       const std::vector<double>& absolute, const EnvMask& todo, const Then& then = {}) {
+                       const std::vector<double>& absolute, const EnvMask& todo, const Then& then = {}, Index expected = 0,
+                       device::Fetch* fetch = nullptr) {
     linalg::CgOptions options;
     options.then = then;
     options.max_iterations = options_.cg_iterations;
     options.absolute = absolute;
     options.only = todo;
+    options.expected = expected, options.fetch = fetch;
     for (Index e = 0; e < rows_.envs(); ++e) options.only[e] &= static_cast<std::uint8_t>(model_.works_on(e));
     return cg_->solve(A, *preconditioner_, b, x, relative, options);
   }

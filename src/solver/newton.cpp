@@ -65,7 +65,7 @@ void Newton::end_at(const device::Buffer<Vec3>& q) {
   energies_.begin_solve();
   device::Fetch fetch;
   energies_.find(std::as_const(q_).view(), at_, fetch);
-  fetch.now();
+  fetch.now("end of follower");
   energies_.begin_search(all);
   energies_.accept({});
   q_.copy_from(q);
@@ -146,7 +146,10 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     system_.potential.linearise(std::as_const(q_).view(), want, at_, want.whole);
     if ((!system_.potential.lags() || want.whole) && it >= tuning::kFirstLook && std::has_single_bit(static_cast<unsigned>(it)))
       system_.find_groups(at_, changing());
-    const Residual r = system_.residual(std::as_const(q_).view(), at_);
+    device::Fetch state;  // what the host hears of the iterate
+    system_.begin_matrix(at_, state);
+    direction_.foresee(at_, state);
+    const Residual r = system_.residual(std::as_const(q_).view(), at_, state);
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running) && !system_.convergence.finite(r, e)) envs_.fail(e, system_.not_finite(at_, e));
     check_failed();
@@ -169,10 +172,10 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     for (Index e = 0; e < envs_.size(); ++e) tolerance.push_back(system_.convergence.least_tolerance(r, e, wanted(e)));
     // What is told of the direction comes with how far it may lead.
     device::Fetch fetch;
-    direction_.begin(q_, r, tolerance, at_, envs_, report, fetch);
+    const bool asked = direction_.begin(q_, r, tolerance, at_, envs_, report, fetch, ask_of_way());
     held_ = running;
     check_failed();
-    line_search_.begin(std::as_const(q_).view(), direction_.way(), direction_.supports(), at_, envs_, fetch);
+    line_search_.begin(std::as_const(q_).view(), direction_.way(), direction_.supports(), at_, envs_, fetch, asked);
     direction_.end(envs_);
     check_failed();
     line_search_.end(q_, direction_.way(), direction_.slope(), at_, envs_, report, forces_beside(r));
@@ -184,6 +187,14 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     for (Index e = 0; e < envs_.size(); ++e) report[e].newton += running[e];
     trace_.end(envs_, running, {}, report);
   }
+}
+
+// What frozen samples grow by on the way is not taken back: there only the last way may be asked.
+std::function<void(device::Fetch&)> Newton::ask_of_way() {
+  if (system_.potential.freezes()) return {};
+  return [this](device::Fetch& fetch) {
+    line_search_.ask(std::as_const(q_).view(), direction_.way(), direction_.supports(), at_, fetch);
+  };
 }
 
 // What the line search may ask of forces at states beside q, where the residual is r.

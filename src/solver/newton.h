@@ -58,6 +58,7 @@ class Newton {
   EnvMask changing() const;
   void check_failed();
   void iterate(const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop);
+  std::function<void(device::Fetch&)> ask_of_way();
   Search::Forces forces_beside(const Residual& r);
   void settle(const Residual& r, Index iteration);
   void keep_nearest(Index env, const Residual& r);

@@ -243,7 +243,7 @@ bool find_terms(const BarrierView& s, const Where& where, TermRoom& room, const 
     count_blocks(out, *map, counts);
     stencils->begin_resize(std::move(counts), fetch);
   }
-  fetch.now();
+  fetch.now("contact terms");
 
   std::vector<std::uint8_t> finite;
   const bool missing = c.settle(where.y, finite);
