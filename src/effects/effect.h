@@ -55,6 +55,8 @@ class Effect {
   virtual std::unique_ptr<Linearisation> linearisation() const { return std::make_unique<Linearisation>(); }
   // Fill `at` at q, as far as wanted.
   virtual void linearise(Positions q, Want want, Linearisation& at) = 0;
+  // The next state at which `at` is filled with forces may be q: what the host has to hear of that comes with `fetch`.
+  virtual void foresee(Positions q, Linearisation& at, device::Fetch& fetch) { (void)q, (void)at, (void)fetch; }
   // Fill the contact samples of the state of `at`.
   virtual void sample(Linearisation& at) { (void)at; }
   // And how they change with the state.

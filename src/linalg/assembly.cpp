@@ -48,7 +48,7 @@ Buffer<std::uint64_t> hessian_keys(const StencilView& view, View<const Index> ro
 
 // Distinct keys of the diagonal and of all lists, those of `of[i]` of list i, and the place among them of every key: first of the diagonal ones, then
 // of list after list.
-struct Assembler::Merge {
+struct Merge {
   Buffer<std::uint64_t> keys;
   Buffer<Index> order, runs, start;
   Index places = 0, n = 0;

@@ -13,6 +13,8 @@
 
 namespace mortise::linalg {
 
+struct Merge;  // of the structures of several sets
+
 class Assembler {
  public:
   Assembler();
@@ -36,7 +38,6 @@ class Assembler {
   void begin_matrix(std::span<StencilSet* const> sets, device::Fetch& fetch);
 
  private:
-  struct Merge;
   struct Sorted {
     const StencilSet* set = nullptr;
     bool has_grad = false, has_hess = false;

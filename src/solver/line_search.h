@@ -38,6 +38,8 @@ class LineSearch {
   void ask(device::View<const Vec3> q, device::Buffer<Vec3>& dq, device::View<const Vec3> c, Linearised& at, device::Fetch& fetch);
   void end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, Linearised& at, EnvTable& envs,
            const StepReports& report, const Forces& forces);
+  // Did it go to a state that effects have foreseen?
+  bool landed() const { return landed_; }
 
  private:
   // Of the merit, per environment: descent promised by the slope, what the supports add, and below what it says nothing. curvature: dq . H dq;
@@ -45,11 +47,13 @@ class LineSearch {
   struct Merit {
     std::vector<double> slope, rho, cc, rounding, curvature, farthest;
   };
-  void find_energies(const Linearised& at, const EnvMask& whose, Energies& there);
+  // next: and what the state is asked for when it is taken.
+  void find_energies(Linearised& at, const EnvMask& whose, bool next, Energies& there);
 
   System& system_;
   EnergyLedger& energies_;
-  std::vector<double> alpha_;  // per environment
+  std::vector<double> alpha_;           // per environment
+  bool lands_ = true, landed_ = false;  // the last search ended at its first trial; and that one was foreseen
   Merit merit_;
   device::Buffer<Vec3> trial_;
 };

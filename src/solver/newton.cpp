@@ -112,6 +112,7 @@ void Newton::solve(const effects::StepInfo& info, const StepReports& report, con
   lag_.begin_solve(q_);
   for (Index e = 0; e < envs_.size(); ++e) fresh_[e] &= whose[e];
   const EnvMask guessed = first_guess_.find(std::exchange(fresh_, EnvMask(envs_.size(), 0)), q_, at_);
+  foreseen_ = first_guess_.landed();
   for (Index e = 0; e < envs_.size(); ++e)
     if (guessed[e]) envs_[e].alpha = 1;  // a full step
   for (Index round = 0;; ++round) {
@@ -142,7 +143,8 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
       if (envs_.is(e, EnvState::running)) curvature_.choose(e, envs_[e].alpha);
     held_ = envs_.mask(EnvState::running);
     const model::Only only(model_, held_);
-    const effects::Want want = direction_.want(envs_);
+    effects::Want want = direction_.want(envs_);
+    want.foreseen = std::exchange(foreseen_, false);
     system_.potential.linearise(std::as_const(q_).view(), want, at_, want.whole);
     if ((!system_.potential.lags() || want.whole) && it >= tuning::kFirstLook && std::has_single_bit(static_cast<unsigned>(it)))
       system_.find_groups(at_, changing());
@@ -179,6 +181,7 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     direction_.end(envs_);
     check_failed();
     line_search_.end(q_, direction_.way(), direction_.slope(), at_, envs_, report, forces_beside(r));
+    foreseen_ = line_search_.landed();
     check_failed();
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running) && envs_[e].alpha == 0) system_.hold.tighten(e);

@@ -93,6 +93,7 @@ class Newton {
   Linearised at_, beside_;  // at q_; at states beside it
   EnvMask held_;            // environments of which at_ holds more than forces
   device::Buffer<Vec3> q_;
+  bool foreseen_ = false;              // q_ is a state that effects have foreseen
   EnvMask fresh_;                      // environments that stand where the step begins
   std::vector<double> nearest_force_;  // per environment: least residual of these iterations [N], and where it was
   device::Buffer<Vec3> nearest_q_;
