@@ -215,7 +215,7 @@ CgResult ConjugateGradients::solve(const BlockMatrix& A, const Preconditioner& M
     do {
       cg.block.replay("cg.block");
       done += options.check_every;
-    } while (done + options.check_every <= sure);
+    } while (done < sure);
     const bool hopeful = done >= expected;
     if (hopeful) cg.begin(A, M, b, x), expected = 2 * done;
     look(hopeful);

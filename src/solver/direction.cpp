@@ -38,8 +38,9 @@ void Direction::solve(const device::Buffer<Vec3>& q, const std::vector<double>& 
     {
       const Timed timed(system_.clock, "solver", "linear_solve");
       const linalg::Operator J = system_.whole(at, matrix_);
-      todo = linear_.solve({matrix_, std::as_const(rhs_).view(), x_.view(), rhs2_, wanted, q.view(), whole ? &J : nullptr, aside.ask ? &aside : nullptr}, todo, curvature_, envs,
-                           report);
+      todo =
+          linear_.solve({matrix_, std::as_const(rhs_).view(), x_.view(), rhs2_, wanted, q.view(), whole ? &J : nullptr, aside.ask ? &aside : nullptr},
+                        todo, curvature_, envs, report);
     }
     if (!any(todo)) break;
     only.reset();
@@ -78,7 +79,10 @@ bool Direction::begin(const device::Buffer<Vec3>& q, const Residual& r, const st
   bool measured = aside.done;
   while (any(whole)) {
     solve(q, wanted, whole, true, at, envs, report, aside);
-    if (!aside.done) measure(fetch);
+    if (aside.ask && !aside.done)
+      aside.ask(fetch), aside.done = true;
+    else if (!aside.done)
+      measure(fetch);
     fetch.now("slope");
     // Uphill: with less negative curvature, and without any by its symmetric part alone.
     EnvMask uphill = whole, symmetric(envs.size(), 0);

@@ -195,9 +195,7 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
 // What frozen samples grow by on the way is not taken back: there only the last way may be asked.
 std::function<void(device::Fetch&)> Newton::ask_of_way() {
   if (system_.potential.freezes()) return {};
-  return [this](device::Fetch& fetch) {
-    line_search_.ask(std::as_const(q_).view(), direction_.way(), direction_.supports(), at_, fetch);
-  };
+  return [this](device::Fetch& fetch) { line_search_.ask(std::as_const(q_).view(), direction_.way(), direction_.supports(), at_, fetch); };
 }
 
 // What the line search may ask of forces at states beside q, where the residual is r.

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -43,7 +43,9 @@ struct BarrierLinearisation final : Linearisation {
     std::vector<std::uint8_t> whose;
     bool there = false;
   } ahead;
-  std::size_t bytes() const override { return Linearisation::bytes() + y.bytes() + active.terms.bytes() + ahead.y.bytes() + ahead.active.terms.bytes() + ahead.shape.bytes(); }
+  std::size_t bytes() const override {
+    return Linearisation::bytes() + y.bytes() + active.terms.bytes() + ahead.y.bytes() + ahead.active.terms.bytes() + ahead.shape.bytes();
+  }
 };
 BarrierLinearisation& of_barrier(Linearisation& at) { return static_cast<BarrierLinearisation&>(at); }
 const BarrierLinearisation& of_barrier(const Linearisation& at) { return static_cast<const BarrierLinearisation&>(at); }

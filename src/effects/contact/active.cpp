@@ -206,7 +206,8 @@ void TermSearch::begin(const BarrierView& view, const Where& at, const TermRoom&
   const View<Active> terms = out.terms.view();
   const View<const Index> of_points = total_of(found_.kept), of_edges = total_of(edges_at_), of_planes = total_of(planes_at_);
   const View<const std::uint64_t> key = std::as_const(found_.key).view();
-  const View<const Index> first = std::as_const(found_.start).view(), sum = std::as_const(found_.sum).view(), kept = std::as_const(found_.kept).view();
+  const View<const Index> first = std::as_const(found_.start).view(), sum = std::as_const(found_.sum).view(),
+                          kept = std::as_const(found_.kept).view();
   device::parallel_for("contact.point_terms", sum.n, [=] MORTISE_HD(Index r) {
     if (kept[r + 1] > kept[r] && kept[r] < terms.n) terms[kept[r]] = point_term(s, key[first[r]], sum[r]);
   });

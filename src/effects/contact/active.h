@@ -75,7 +75,7 @@ class TermSearch {
   PointTerms found_;
   Buffer<Index> points_at_, edges_at_, planes_at_;        // offsets of the candidates in range
   Index hits_ = 0, points_ = 0, edges_ = 0, planes_ = 0;  // how many there are: in range, and terms
-  Index most_ = 0, places_ = 0;                              // and were expected
+  Index most_ = 0, places_ = 0;                           // and were expected
 };
 // The stencils of the terms, of which a search has brought the shape.
 void shape(ActiveSet& set, linalg::StencilSet& stencils);

@@ -64,8 +64,8 @@ bool Candidates::take(geometry::Broadphase::Guess& guess, const device::Buffer<V
 }
 
 std::unique_ptr<geometry::Broadphase::Guess> Candidates::search(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy,
-                                                                const std::vector<std::uint8_t>& whose,
-                                                                const geometry::Broadphase::Guess& refused, device::Fetch& fetch) {
+                                                                const std::vector<std::uint8_t>& whose, const geometry::Broadphase::Guess& refused,
+                                                                device::Fetch& fetch) {
   std::unique_ptr<geometry::Broadphase::Guess> out = broadphase_.search(y.view(), dy.view(), refused, fetch);
   if (!out) hold(y, &dy, whose), asked_ = whose;
   return out;

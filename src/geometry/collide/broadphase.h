@@ -22,8 +22,8 @@ class Broadphase {
   // y, dy [m]: one per point of the surface; dy may be empty (bodies at rest). radius >= 0 [m]. Pairs of the environments of `whose` only, or of all
   // where it is empty. Throws Error(Exit::device) when there are more pairs than can be counted.
   void update(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, const std::vector<std::uint8_t>& whose = {});
-  // The same answer, picked from what is kept without waiting, on the guess that it serves. Whether it did take() says once `fetch` is done: true, and
-  // the answer is here, or false, and it has to be searched. y and dy must stay until then.
+  // The same answer, picked from what is kept without waiting, on the guess that it serves. Whether it did take() says once `fetch` is done: true,
+  // and the answer is here, or false, and it has to be searched. y and dy must stay until then.
   struct Guess {
     bool answers = false;  // not where nothing is kept, or what was did not serve the last question: then only search() can
     ChosenPairs pairs;     // of what is kept: where the guess is right they are the answer
