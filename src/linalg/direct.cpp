@@ -2,8 +2,11 @@
 
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <tbb/task_group.h>
 
 #include <chrono>
+#include <cmath>
+#include <memory>
 #include <new>
 #include <vector>
 
@@ -58,18 +61,50 @@ struct DirectSolver::State {
   };
   std::unique_ptr<OnDevice> on_device;
 
+  // An order that is being found on another thread.
+  struct Search {
+    Order found;
+    std::string how;
+    tbb::task_group task;
+    ~Search() {
+      task.cancel();
+      task.wait();
+    }
+  };
+  std::unique_ptr<Search> search;
+
+  void find_order_beside(std::vector<Index> row_start, std::vector<Index> col) {
+    search = std::make_unique<Search>();
+    search->task.run([s = search.get(), row_start = std::move(row_start), col = std::move(col)] {
+      s->found.rows = cholesky::find_order(row_start, col, s->how);
+      s->found.flops = cholesky::find_supernodes(row_start, col, s->found.rows).flops.back();
+    });
+  }
+  void take_found() {
+    if (!search) return;
+    const std::unique_ptr<Search> done = std::move(search);
+    done->task.wait();
+    order = std::move(done->found), stats.ordering = done->how;
+    pattern = 0;
+    ++stats.orderings;
+  }
+
   void analyse(const BlockMatrix& A) {
     const auto start = Clock::now();
+    take_found();
     pattern = 0;
     stats.unknowns = 3 * A.rows;
-    const std::vector<Index> row_start = A.row_start.download(), col = A.col.download();
+    std::vector<Index> row_start = A.row_start.download(), col = A.col.download();
     const bool kept = static_cast<Index>(order.rows.size()) == A.rows;
     if (kept) supernodes = cholesky::find_supernodes(row_start, col, order.rows);
-    if (!kept || supernodes.flops.back() > cholesky::tuning::kOutgrown * order.flops) {
+    const double grown = kept ? supernodes.flops.back() / order.flops : INFINITY;
+    if (grown > cholesky::tuning::kFarOutgrown) {
       order.rows = cholesky::find_order(row_start, col, stats.ordering);
       supernodes = cholesky::find_supernodes(row_start, col, order.rows);
       order.flops = supernodes.flops.back();
       ++stats.orderings;
+    } else if (grown > cholesky::tuning::kOutgrown) {
+      find_order_beside(std::move(row_start), std::move(col));
     }
     pattern = A.pattern;
     ++stats.analyses;
@@ -129,9 +164,12 @@ const DirectSolver::Order& DirectSolver::order() const { return state_->order; }
 
 void DirectSolver::set_order(Order order) {
   State& s = *state_;
+  s.search.reset();
   if (order.rows != s.order.rows) s.pattern = 0;
   s.order = std::move(order);
 }
+
+void DirectSolver::settle_order() { state_->take_found(); }
 
 bool DirectSolver::factor(const BlockMatrix& A, Precision wanted) {
   State& s = *state_;

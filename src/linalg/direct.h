@@ -41,7 +41,8 @@ class DirectSolver {
   DirectSolver(const DirectSolver&) = delete;
   DirectSolver& operator=(const DirectSolver&) = delete;
 
-  // In which order rows are eliminated. It outlives changes of the pattern, which are some contacts, as long as it is good for them.
+  // In which order rows are eliminated. It outlives changes of the pattern, which are some contacts, as long as it is good for them. A better one is
+  // found beside the work with the old one, as one thread can only do, and taken at the next change, or by settle_order().
   struct Order {
     std::vector<Index> rows;
     double flops = 0;  // what a factor took when it was found
@@ -49,6 +50,7 @@ class DirectSolver {
   const Order& order() const;
   // For the matrices to come: this one, or, where it is not of as many rows, one that is found anew.
   void set_order(Order order);
+  void settle_order();
 
   // False when A is not positive definite. Throws Error(Exit::device) when memory runs out.
   bool factor(const BlockMatrix& A, Precision wanted = Precision::full);

@@ -122,7 +122,7 @@ h5::Table::Spec FieldFile::real_spec(std::string_view unit, int components, hsiz
 void FieldFile::begin_frame(double time, std::span<const double> positions) {
   if (in_frame_) misuse("begin_frame inside a frame");
   if (positions.size() != 3 * points_n_) misuse("positions do not match the points of the mesh");
-  guarded([&] { point_positions_.write_real(file_, frames_ * points_n_, positions); });
+  guarded([&] { write_field(point_positions_, frames_ * points_n_, positions); });
   in_frame_ = true;
   time_ = time;
 }
@@ -148,9 +148,24 @@ void FieldFile::field(Fields& fields, hid_t parent, hid_t offsets, hsize_t count
     Series& series = at->second;
     if (series.written) misuse("field '" + key + "' twice in a frame");
     if (series.values.components() != components) misuse("field '" + key + "' changed its number of components");
-    series.values.write_real(file_, frames_ * count, data);
+    write_field(series.values, frames_ * count, data);
     series.written = true;
   });
+}
+
+void FieldFile::write_field(h5::Table& table, hsize_t first, std::span<const double> values) {
+  if (values.empty() || table.whole() * table.components() != values.size()) return table.write_real(file_, first, values);
+  waiting_.push_back({&table, first});
+  waiting_rows_.push_back(table.raw(values));
+  waiting_bytes_ += waiting_rows_.back().bytes.size();
+  if (waiting_bytes_ > tuning::kWaiting) write_waiting();
+}
+
+void FieldFile::write_waiting() {
+  const std::vector<std::vector<std::byte>> chunks = h5::compress(waiting_rows_);
+  for (std::size_t i = 0; i < waiting_.size(); ++i) waiting_[i].table->write_chunk(file_, waiting_[i].first, chunks[i]);
+  waiting_.clear(), waiting_rows_.clear();
+  waiting_bytes_ = 0;
 }
 
 void FieldFile::points(std::string_view name, std::string_view unit, int components, std::span<const double> data) {
@@ -241,6 +256,7 @@ void FieldFile::finish(Fields& fields, hsize_t count) {
 void FieldFile::end_frame() {
   if (!in_frame_) misuse("end_frame without begin_frame");
   guarded([&] {
+    write_waiting();
     finish(point_fields_, points_n_);
     finish(cell_fields_, cells_n_);
     for (auto& [name, group] : effects_) {

@@ -88,6 +88,8 @@ class FieldFile : public FieldSink {
   void guarded(F&& write);
   void field(Fields& fields, hid_t parent, hid_t offsets, hsize_t count, std::string_view name, std::string_view unit, int components,
              std::span<const double> values);
+  void write_field(h5::Table& table, hsize_t first, std::span<const double> values);
+  void write_waiting();
   void finish(Fields& fields, hsize_t count);
   EffectGroup& effect(std::string_view name);
   void write_steps();
@@ -122,6 +124,15 @@ class FieldFile : public FieldSink {
   Fields point_fields_, cell_fields_;
   std::map<std::string, EffectGroup, std::less<>> effects_;
   std::vector<h5::Table> step_table_;
+
+  // Fields of the frame whose chunks are still to be made: all at once, on all threads.
+  struct Waiting {
+    h5::Table* table;
+    hsize_t first;
+  };
+  std::vector<Waiting> waiting_;
+  std::vector<h5::Raw> waiting_rows_;
+  std::size_t waiting_bytes_ = 0;
 };
 
 }  // namespace mortise::output

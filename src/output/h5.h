@@ -3,6 +3,7 @@
 // is the system's ("No space left on device") when there is one.
 #include <hdf5.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -11,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "output/chunk.h"
 #include "output/h5_driver.h"
 
 namespace mortise::output::h5 {
@@ -131,7 +133,7 @@ class Table {
     int components = 1;   // 1: one-dimensional
     bool column = false;  // with one component: shape (rows, 1) instead of (rows)
     hsize_t chunk_rows = 256;
-    bool compress = false;  // shuffle + deflate level 1
+    bool compress = false;  // as chunk.h does
     bool nan_fill = false;  // rows never written read as NaN and take no space
     std::string unit = "1";
     std::string description{};  // attribute; none where it is empty
@@ -157,6 +159,10 @@ class Table {
   }
   // Doubles in whatever float precision the table has.
   void write_real(const File& file, hsize_t first, std::span<const double> values);
+  // A compressed table can also be given whole chunks (chunk.h): of so many rows (0: it cannot), from a row on that begins one.
+  hsize_t whole() const { return whole_; }
+  Raw raw(std::span<const double> values) const;
+  void write_chunk(const File& file, hsize_t first, std::span<const std::byte> chunk);
   template <class T>
   std::vector<T> read(const File& file, hsize_t first, hsize_t count) const {
     std::vector<T> out(count * components_);
@@ -171,7 +177,7 @@ class Table {
   hid_t opened(const File& file) const;
   mutable Id id_;
   std::string name_, path_;  // path_: in the file
-  hsize_t rows_ = 0;
+  hsize_t rows_ = 0, whole_ = 0;
   int components_ = 1, rank_ = 1;
   bool single_ = false;
 };

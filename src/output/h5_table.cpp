@@ -3,8 +3,24 @@
 
 #include "base/error.h"
 #include "output/h5.h"
+#include "output/tuning.h"
 
 namespace mortise::output::h5 {
+namespace {
+
+// Rows of a chunk that compress() makes as the dataset's filters do; 0 of others.
+hsize_t compressed_rows(const File& file, hid_t dataset, int rank) {
+  Id layout(file.check(H5Dget_create_plist(dataset), "read a layout"));
+  hsize_t chunk[2] = {0, 1};
+  if (H5Pget_layout(layout) != H5D_CHUNKED || H5Pget_chunk(layout, rank, chunk) != rank || H5Pget_nfilters(layout) != 2) return 0;
+  unsigned flags = 0, level = 0;
+  std::size_t parameters = 0;
+  if (H5Pget_filter2(layout, 0, &flags, &parameters, nullptr, 0, nullptr, nullptr) != H5Z_FILTER_SHUFFLE) return 0;
+  parameters = 1;
+  return H5Pget_filter2(layout, 1, &flags, &parameters, &level, 0, nullptr, nullptr) == H5Z_FILTER_DEFLATE ? chunk[0] : 0;
+}
+
+}  // namespace
 
 Table Table::create(const File& file, hid_t parent, const std::string& name, const Spec& spec) {
   const std::string action = "create " + name;
@@ -22,7 +38,8 @@ Table Table::create(const File& file, hid_t parent, const std::string& name, con
   file.check(H5Pset_obj_track_times(layout, false), action);  // equal runs give equal bytes
   if (spec.compress) {
     file.check(H5Pset_shuffle(layout), action);
-    file.check(H5Pset_deflate(layout, 1), action);
+    file.check(H5Pset_deflate(layout, tuning::kDeflate), action);
+    table.whole_ = chunk[0];
   }
   if (spec.nan_fill) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -49,6 +66,7 @@ Table Table::open(const File& file, hid_t parent, const std::string& name) {
   table.rows_ = size[0];
   table.components_ = static_cast<int>(size[1]);
   table.single_ = H5Tequal(type, H5T_IEEE_F32LE) > 0;
+  table.whole_ = compressed_rows(file, table.id_, table.rank_);
   return table;
 }
 
@@ -75,6 +93,18 @@ void Table::write_real(const File& file, hsize_t first, std::span<const double> 
   // Converted here: HDF5 converts in pieces, which would compress every chunk several times.
   const std::vector<float> narrow(values.begin(), values.end());
   write<float>(file, first, narrow);
+}
+
+Raw Table::raw(std::span<const double> values) const {
+  const std::vector<float> narrow(single_ ? values.begin() : values.end(), values.end());
+  const auto bytes = single_ ? std::as_bytes(std::span(narrow)) : std::as_bytes(values);
+  return {{bytes.begin(), bytes.end()}, single_ ? sizeof(float) : sizeof(double)};
+}
+
+void Table::write_chunk(const File& file, hsize_t first, std::span<const std::byte> bytes) {
+  const hsize_t at[2] = {first, 0};
+  if (first + whole_ > rows_) resize(file, first + whole_);
+  file.check(H5Dwrite_chunk(opened(file), H5P_DEFAULT, 0, at, bytes.size(), bytes.data()), "write " + name_);
 }
 
 void Table::write(const File& file, hsize_t first, hsize_t count, hid_t type, const void* values) {

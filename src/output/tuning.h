@@ -10,7 +10,10 @@ inline constexpr int kFilesAtRest = 8;                 // as many keep their dat
                                                        // than opening some thirty again for every frame does (some milliseconds)
 inline constexpr std::uintmax_t kSlowDisk = 50 << 20;  // [byte/s]: how long a damaged file may take to be tried
 
-// ---- writing (paged_file.h)
+// ---- writing (chunk.h, paged_file.h)
+inline constexpr int kDeflate = 1;                 // level: the fastest, as frames are written while the solver waits
+inline constexpr std::size_t kPiece = 128 << 10;   // [byte] of a chunk that are deflated together: some milliseconds, and four windows of deflate
+inline constexpr std::size_t kWaiting = 64 << 20;  // [byte] of fields that wait to be compressed together: more would only take memory
 inline constexpr std::uint64_t kLong = 64 * 1024;  // [byte]: longer writes go to the disk at once, so that a frame need not fit into memory twice
 inline constexpr std::uint64_t kRun = 1 << 20;     // [byte]: written by one call at most when pages are put together
 

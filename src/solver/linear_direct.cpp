@@ -26,8 +26,12 @@ class Direct final : public Linear {
     }
   }
   void end_step(const EnvMask& whose) override {
-    for (Index e = 0; e < rows_.envs(); ++e)
-      if (whose[e]) parts_[e].kept = parts_[e].order;
+    for (Index e = 0; e < rows_.envs(); ++e) {
+      if (!whose[e]) continue;
+      parts_[e].solver.settle_order();
+      see_order(e);
+      parts_[e].kept = parts_[e].order;
+    }
   }
   void checkpoint(Archive& archive) override {
     std::vector<double> place(model_.blocks, -1.0), flops;  // among its environment's, of every block; -1: not in the order
@@ -116,12 +120,15 @@ class Direct final : public Linear {
   bool factor(Index e, const linalg::BlockMatrix& A) {
     Part& part = parts_[e];
     const bool done = part.solver.factor(A, precision(e, A));
-    if (part.orderings != part.solver.stats().orderings) {
-      part.orderings = part.solver.stats().orderings;
-      part.order = part.solver.order();
-      for (Index& row : part.order.rows) row = rows_.of_row[rows_.env[e] + row];
-    }
+    see_order(e);
     return done;
+  }
+  void see_order(Index e) {
+    Part& part = parts_[e];
+    if (part.orderings == part.solver.stats().orderings) return;
+    part.orderings = part.solver.stats().orderings;
+    part.order = part.solver.order();
+    for (Index& row : part.order.rows) row = rows_.of_row[rows_.env[e] + row];
   }
   // An order of blocks as one of rows; none where these are not the blocks that have rows.
   linalg::DirectSolver::Order of_rows(Index e, const linalg::DirectSolver::Order& blocks) const {

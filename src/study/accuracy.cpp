@@ -8,37 +8,12 @@
 #include "engine/effect_tables.h"
 #include "run/signals.h"
 #include "scene/environments.h"
-#include "scene/suggest.h"
-#include "study/accuracy_knobs.h"
-#include "study/read.h"
+#include "study/accuracy_budget.h"
 #include "study/tuning.h"
 #include "study/variant.h"
 
 namespace mortise::study {
 namespace {
-
-// The quantities that goals name, out of the scene's.
-std::vector<Quantity> quantities_of_goals(const Params& scene, const std::vector<Goal>& goals) {
-  const std::vector<Quantity> all = quantities_of(scene);
-  if (all.empty())
-    throw Error(
-        Exit::usage,
-        "--accuracy: the scene names no number to be accurate in; write 'quantities: [{name: peak, value: contact_pressure, body: pad, over: max}]' "
-        "into it (src/study/README.md)");
-  std::vector<std::string> names;
-  for (const Quantity& q : all) names.push_back(q.name);
-  std::vector<Quantity> out;
-  for (const Goal& g : goals) {
-    const auto found = std::find(names.begin(), names.end(), g.quantity);
-    if (found == names.end())
-      throw Error(Exit::usage,
-                  fmt::format("--accuracy: the scene's 'quantities' have no '{}'\n  {}", g.quantity, scene::suggestion(g.quantity, names)));
-    for (const Quantity& q : out)
-      if (q.name == g.quantity) throw Error(Exit::usage, "--accuracy names '" + g.quantity + "' twice");
-    out.push_back(all[static_cast<std::size_t>(found - names.begin())]);
-  }
-  return out;
-}
 
 class Search {
  public:
@@ -50,25 +25,46 @@ class Search {
       throw Error(Exit::usage, "--accuracy: of a scene with 'environments' choose one in a scene of its own");
     study_.quantities = out_.quantities = quantities_of_goals(scene.root, wanted.goals);
     out_.goals = wanted.goals;
-    knobs_ = auto_knobs(scene.root);
+    const bool pressures =
+        std::any_of(out_.quantities.begin(), out_.quantities.end(), [](const Quantity& q) { return q.value == "contact_pressure"; });
+    take(auto_knobs(scene.root, pressures));
     if (knobs_.empty()) throw Error(Exit::usage, "--accuracy: there is nothing to refine: no body has an edge_length, and nothing moves");
-    for (const AutoKnob& k : knobs_) {
-      out_.knobs.push_back(k.name);
-      finest_.push_back(tuning::kMostLevels);
-    }
+    for (const AutoKnob& k : knobs_)
+      for (const AutoKnob::Path& p : k.paths)
+        if (p.set)
+          out_.notes.push_back(
+              fmt::format("{} is {:.3g} mm in the run 'as it is': on thinner layers pressures jump from node to node", p.path, 1e3 * p.base));
   }
 
   Accuracy go() {
-    centre_.assign(knobs_.size(), 0);
     const std::size_t first = run(centre_, 0);
     if (out_.attempts[first].run.failed()) throw Error(Exit::solve, "the scene as it is failed: " + out_.attempts[first].run.message);
     here_ = first;
+    by_budget_ = budgets_tell(knobs_) && budgets_here();
+    if (!by_budget_) {
+      take(joined(knobs_));
+      out_.attempts[first].levels = centre_;
+    }
+    out_.how = by_budget_
+                   ? "what each run says of its own errors (error budget); facets of round surfaces and the integration of contact are not in it"
+                   : "how numbers change from run to run";
     refine();
     finish();
     return std::move(out_);
   }
 
  private:
+  void take(std::vector<AutoKnob> knobs) {
+    knobs_ = std::move(knobs);
+    out_.knobs.clear();
+    for (const AutoKnob& k : knobs_) out_.knobs.push_back(k.name);
+    finest_.assign(knobs_.size(), tuning::kMostLevels), centre_.assign(knobs_.size(), 0);
+  }
+
+  std::optional<std::vector<GoalBudget>> budgets_here() const {
+    return goal_budgets(place_.folder + "/runs/" + here().id + "/certificate.json", out_.quantities);
+  }
+
   const RunResult& here() const { return out_.attempts[here_].run; }
   double left() const { return wanted_.most - out_.seconds; }
   std::vector<double> goals() const {
@@ -117,8 +113,9 @@ class Search {
   }
 
   double size(std::size_t k, const RunResult& r, int level) const {  // over that at the centre
-    return knobs_[k].mesh && r.dofs > 0 && r.dofs != here().dofs ? std::cbrt(static_cast<double>(here().dofs) / static_cast<double>(r.dofs))
-                                                                 : std::pow(knobs_[k].ratio, level);
+    return knobs_[k].mesh && !knobs_[k].layer && r.dofs > 0 && r.dofs != here().dofs
+               ? std::cbrt(static_cast<double>(here().dofs) / static_cast<double>(r.dofs))
+               : std::pow(knobs_[k].ratio, level);
   }
 
   bool same(const RunResult& r) const { return r.dofs == here().dofs && r.values == here().values; }
@@ -140,6 +137,17 @@ class Search {
       const int level = a->levels[k] - centre_[k];
       out.add({level, size(k, a->run, level), a->run.values, std::max(a->run.process, kLeastCost) / std::max(here().process, kLeastCost)});
     }
+    return out;
+  }
+
+  std::vector<Climb> climbs_here() const {
+    std::vector<Climb> out;
+    if (by_budget_) out = climbs_of_budgets(knobs_, budgets_here().value_or(std::vector<GoalBudget>(out_.goals.size(), {INFINITY, INFINITY})));
+    for (std::size_t k = 0; k < knobs_.size(); ++k)
+      if (by_budget_)
+        out[k].finest = finest_[k] - centre_[k], out[k].rungs.push_back({0, 1, here().values, 1});
+      else
+        out.push_back(climb_of(k));
     return out;
   }
 
@@ -167,11 +175,8 @@ class Search {
   }
 
   void look_around() {
-    out_.climbs.clear();
-    for (std::size_t k = 0; k < knobs_.size(); ++k) {
-      look_along(k);
-      out_.climbs.push_back(climb_of(k));
-    }
+    for (std::size_t k = 0; k < knobs_.size() && !by_budget_; ++k) look_along(k);
+    out_.climbs = climbs_here();
     at_.push_back({here_, {}});
     for (std::size_t q = 0; q < out_.goals.size(); ++q) at_.back().second.push_back(estimate(out_.climbs, q, Levels(knobs_.size(), 0)));
     out_.attempts[here_].estimates = at_.back().second;
@@ -192,8 +197,8 @@ class Search {
       Levels to = centre_;
       double cost = next.cost;
       for (std::size_t k = 0; k < knobs_.size(); ++k) to[k] += next.levels[k];
-      // On meshes that are too coarse other knobs seem to tend where they do not: of what is far off the mesh first.
-      if (to == centre_ || (!next.reached && knobs_[most_left(next.worst)].mesh)) {
+      // On meshes that are too coarse other knobs seem to tend where they do not, to ladders: of what is far off the mesh first.
+      if (to == centre_ || (!by_budget_ && !next.reached && knobs_[most_left(next.worst)].mesh)) {
         const std::size_t k = most_left(next.worst);
         if (centre_[k] >= finest_[k])
           return void(out_.why_not =
@@ -228,8 +233,8 @@ class Search {
       if (!out_.reached && worst < best) best = worst, out_.chosen = i;
     }
     centre_ = out_.attempts[out_.chosen].levels, here_ = out_.chosen;
+    out_.climbs = climbs_here();
     for (std::size_t k = 0; k < knobs_.size(); ++k) {
-      out_.climbs[k] = climb_of(k);
       for (const auto& s : knobs_[k].settings(centre_[k])) out_.settings.push_back(s);
     }
   }
@@ -241,6 +246,7 @@ class Search {
   const std::function<void(const Attempt&, const std::vector<Quantity>&)>& told_;
   Study study_;
   std::vector<AutoKnob> knobs_;
+  bool by_budget_ = false;
   Accuracy out_;
   Levels centre_;         // the run that neighbours are compared with
   std::size_t here_ = 0;  // its number
@@ -249,27 +255,6 @@ class Search {
 };
 
 }  // namespace
-
-Goal goal_of_flag(const std::string& text) {
-  const std::size_t eq = text.rfind('=');
-  const auto wrong = [&](const std::string& why) { return Error(Exit::usage, "--accuracy " + text + ": " + why); };
-  if (eq == std::string::npos || eq == 0 || eq + 1 == text.size()) throw wrong("write NAME=PERCENT of a quantity of the scene, e.g. peak=1%");
-  Goal out{text.substr(0, eq), 0};
-  std::string number = text.substr(eq + 1);
-  if (number.back() != '%') throw wrong("'" + number + "' is no percentage; write " + out.quantity + "=1%");
-  number.pop_back();
-  while (!number.empty() && number.back() == ' ') number.pop_back();
-  std::size_t used = 0;
-  try {
-    out.share = std::stod(number, &used) / 100;
-  } catch (const std::exception&) {
-    used = 0;
-  }
-  if (used == 0 || used != number.size()) throw wrong("'" + text.substr(eq + 1) + "' is no percentage");
-  if (!(out.share >= tuning::kFinestGoal && out.share <= tuning::kCoarsestGoal))
-    throw wrong(fmt::format("must be between {:g} % and {:g} %", 100 * tuning::kFinestGoal, 100 * tuning::kCoarsestGoal));
-  return out;
-}
 
 Accuracy find_accuracy(const Wanted& wanted, const Place& place, const std::function<void(const Attempt&, const std::vector<Quantity>&)>& told) {
   run::install_signal_handlers();

@@ -17,6 +17,8 @@ struct Goal {
 
 // "peak=1%". Throws Error(Exit::usage).
 Goal goal_of_flag(const std::string& text);
+// The quantities that goals name, out of the scene's. Throws Error(Exit::usage).
+std::vector<Quantity> quantities_of_goals(const Params& scene, const std::vector<Goal>& goals);
 
 struct Attempt {
   RunResult run;
@@ -33,6 +35,7 @@ struct Accuracy {
   std::size_t chosen = 0;  // of the attempts: the one that reaches all goals, else the one that comes nearest
   bool reached = false;
   std::string why_not;             // then
+  std::string how;                 // estimates were found
   std::vector<std::string> notes;  // knobs that failed
   double seconds = 0;              // CPU time of all runs, those of earlier attempts included
   Settings settings;               // of the chosen one

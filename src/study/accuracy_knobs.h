@@ -13,18 +13,23 @@ struct AutoKnob {
   std::string name;
   double ratio = 0.5, dearer = 1;  // as in Climb
   bool mesh = false;               // its size is that of the mesh that came out, not the one asked for
+  bool layer = false;              // of contact; beside a mesh that came out as it could, this has the size that was asked for
   struct Path {
     std::string path;
-    double base;         // as the scene has it, SI
+    double base;         // at level 0, SI
     bool whole = false;  // a whole number, that grows
+    bool set = false;    // at level 0 too: the scene has it otherwise
   };
   std::vector<Path> paths;
   Settings settings(int level) const;
   std::string label(int level) const;  // "mesh / 1.4"
 };
 
-// Edge lengths of all bodies together; the contact layer, where the scene gives its thickness (what is left out follows the mesh); the time step, or
-// load steps where friction remembers them.
-std::vector<AutoKnob> auto_knobs(const Params& scene);
+// Edge lengths of all bodies together; the contact layer where the scene gives its thickness (what is left out follows the mesh); the time step, or
+// load steps where friction remembers them. `pressures`: numbers of contact pressures are looked for. Layers whose stiffness is left to the program
+// are then no thinner than tuning::kPressureLayer of the finest soft mesh: on thinner ones pressures jump from node to node.
+std::vector<AutoKnob> auto_knobs(const Params& scene, bool pressures);
+// Mesh and layer as one, in proportion: ladders tell of both together with coarser runs alone, which are cheap.
+std::vector<AutoKnob> joined(std::vector<AutoKnob> knobs);
 
 }  // namespace mortise::study

@@ -45,7 +45,16 @@ double Climb::cost(int level) const {
 Limit Climb::limit(std::size_t q) const {
   std::vector<double> sizes, values;
   for (const Rung& r : rungs) sizes.push_back(r.size), values.push_back(r.values[q]);
-  if (values.size() != 2) return limit_of(sizes, values);
+  if (const std::size_t n = values.size(); n != 2) {
+    Limit out = limit_of(sizes, values);
+    if (n < 3 || (out.extrapolated && out.order <= tuning::kTrustedOrder)) return out;
+    const double near = values[n - 1] - values[n - 2], far = values[n - 2] - values[n - 3];
+    const double scatter = tuning::kSafety * std::max(std::abs(near), std::abs(near + far));
+    const bool grows = near * far > 0 && std::abs(near) > std::abs(far);
+    out = {values[n - 1], false, 0, grows ? std::max(scatter, tuning::kUnknownOrder * std::abs(near)) : scatter,
+           "the finest run, and how the last three scatter"};
+    return out;
+  }
   // Of two runs the order is a guess: 1.
   const double change = values[1] - values[0], step = change * sizes[1] / (sizes[0] - sizes[1]);
   return {values[1] + step, true, 1, std::max(tuning::kUnknownOrder * std::abs(change), tuning::kSafety * std::abs(step)), "a guess from two runs"};
@@ -57,13 +66,25 @@ double Climb::value(std::size_t q, int level) const {
   return l.value - (l.value - rungs.back().values[q]) * std::pow(size(level) / rungs.back().size, l.extrapolated ? l.order : 1);
 }
 
-double Climb::left(std::size_t q, int level) const { return limit(q).value - value(q, level); }
+double Climb::left(std::size_t q, int level) const {
+  if (parts.empty()) return limit(q).value - value(q, level);
+  double sum = 0;
+  for (const Part& p : parts) sum += p.left[q] * std::pow(size(level), p.order);
+  return sum;
+}
 
 double Climb::error(std::size_t q, int level) const {
+  if (!parts.empty()) return std::abs(left(q, level));
   const Limit l = limit(q);
   if (std::isnan(l.uncertainty)) return INFINITY;
   const double smaller = level >= rungs.back().level ? std::pow(size(level) / rungs.back().size, l.extrapolated ? l.order : 1) : 1;
   return std::max(std::abs(l.value - value(q, level)), l.uncertainty * smaller);
+}
+
+bool Climb::settles(std::size_t q) const {
+  if (!parts.empty()) return std::isfinite(error(q, 0));
+  const Limit l = limit(q);
+  return l.extrapolated || l.uncertainty == 0;
 }
 
 void Climb::add(Rung rung) {

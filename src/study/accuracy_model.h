@@ -15,19 +15,29 @@ struct Rung {
   double cost = 1;             // CPU time over that of level 0
 };
 
+// What one run says that it lacks because of a knob (error_budget.h), and the order at which that falls.
+struct Part {
+  std::vector<double> left;  // per quantity, at level 0
+  double order = 1;
+};
+
 struct Climb {
   std::string name;
   std::vector<Rung> rungs;  // levels rise
   double ratio = 0.5;       // size from level to level
   double dearer = 1;        // cost ~ size^-dearer, where runs have not told
   int finest = 0;           // no finer level is to be tried
+  std::vector<Part> parts;  // where they are known nothing else is asked
 
   double size(int level) const;
   double cost(int level) const;
+  // As of ladders (limit.h). Where no order is seen, or a higher one than methods have (tuning::kTrustedOrder), the last value, known no better than
+  // it differs from the two before: with sizes in the ratio of root two, by what an error of order 1 would be.
   Limit limit(std::size_t quantity) const;
   double value(std::size_t quantity, int level) const;  // from the limit where no run has it
   double left(std::size_t quantity, int level) const;   // what is to be added to it for this knob
   double error(std::size_t quantity, int level) const;  // the size of that with its uncertainty, never less than it
+  bool settles(std::size_t quantity) const;             // a budget or a limit is behind that, and not what runs scatter by
   void add(Rung rung);
 };
 

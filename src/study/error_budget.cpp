@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "base/cpu_time.h"
@@ -15,6 +16,7 @@
 #include "study/goal_error.h"
 #include "study/measure.h"
 #include "study/read.h"
+#include "study/tuning.h"
 
 namespace mortise::study {
 namespace {
@@ -85,6 +87,16 @@ std::string why_none(const Params& scene) {
 
 }  // namespace
 
+void QuantityBudget::judge(double of_value) {
+  value = of_value;
+  for (ErrorPart& part : parts) {
+    if (part.source != kMeshPart || !(std::abs(part.error) > tuning::kCoarseShare * std::abs(value))) continue;
+    part.why_not = fmt::format("{}: the mesh is too coarse for it ({:.2g} % of the number was found, and above {:g} % up to half is missed)",
+                               kNotReliable, 100 * std::abs(part.error / value), 100 * tuning::kCoarseShare);
+    part.error = NAN;
+  }
+}
+
 double QuantityBudget::sum() const {
   double out = 0;
   for (const ErrorPart& part : parts) out += std::isfinite(part.error) ? part.error : 0;
@@ -116,11 +128,11 @@ ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, co
       continue;
     }
     out.exact = out.exact && adjoint.exact;
-    ErrorPart of_mesh{"mesh of soft bodies", NAN, mesh.why_not()};
+    ErrorPart of_mesh{kMeshPart, NAN, mesh.why_not()};
     if (stress == state.cell.end()) of_mesh.why_not = "the scene has no soft bodies";
     if (of_mesh.why_not.empty()) of_mesh.error = mesh.of(stress->second, adjoint.points);
     budget.parts.push_back(of_mesh);
-    if (contact) budget.parts.push_back({"gap that contact leaves", adjoint.layer, ""});
+    if (contact) budget.parts.push_back({kGapPart, adjoint.layer, ""});
     budget.parts.push_back({"Newton's method, linear systems, lag", adjoint.residual, ""});
     if (contact) budget.parts.push_back({"facets of round surfaces, integration", NAN, "no estimate"});
   }
@@ -133,7 +145,7 @@ std::string budget_of_run(engine::Engine& engine, const model::ModelInput& input
   ErrorBudget budget = budget_of(engine, input, quantities);
   const output::FieldReader reader(fields);
   for (std::size_t k = 0; k < quantities.size(); ++k) try {
-      budget.of[k].value = measure(reader, quantities[k]);
+      budget.of[k].judge(measure(reader, quantities[k]));
     } catch (const Error& e) {  // a run that took hours does not fail for a name that nothing reports
       budget.of[k].why_not = e.what();
     }
@@ -167,7 +179,7 @@ ErrorBudget find_error_budget(const Study& study, const Place& place) {
   ErrorBudget out = budget_of(course.engine(), course.input(), study.quantities);
   out.solve_seconds = solve_seconds;
   const std::vector<double> values = course.measure(study.quantities);
-  for (std::size_t k = 0; k < values.size(); ++k) out.of[k].value = values[k];
+  for (std::size_t k = 0; k < values.size(); ++k) out.of[k].judge(values[k]);
   return out;
 }
 

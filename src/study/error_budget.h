@@ -11,6 +11,9 @@
 
 namespace mortise::study {
 
+inline constexpr const char *kMeshPart = "mesh of soft bodies", *kGapPart = "gap that contact leaves";
+inline constexpr const char* kNotReliable = "not reliable";  // so begins why there is no number where one was found
+
 struct ErrorPart {
   std::string source;
   double error = NAN;   // what is to be added to the number; NaN: not estimated
@@ -19,9 +22,10 @@ struct ErrorPart {
 
 struct QuantityBudget {
   double value = NAN;
-  std::string why_not;  // nothing is known of this one
-  std::vector<ErrorPart> parts;
-  double sum() const;  // of what is estimated
+  std::string why_not;           // nothing is known of this one
+  std::vector<ErrorPart> parts;  // of the mesh first
+  void judge(double of_value);   // sets the value; a part of the mesh that is too much of it to be relied on becomes "not reliable"
+  double sum() const;            // of what is estimated
   bool complete() const;
 };
 

@@ -1,6 +1,7 @@
 // What is told of the way to an accuracy.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -15,7 +16,12 @@ namespace {
 using Tree = nlohmann::ordered_json;
 
 std::string percent(double error, double value) {
+  if (!std::isfinite(error)) return "not reliable";
   return value != 0 ? fmt::format("{:.2g} %", 100 * error / std::abs(value)) : fmt::format("{:.2g}", error);
+}
+
+bool settles(const Accuracy& a, std::size_t q) {
+  return std::all_of(a.climbs.begin(), a.climbs.end(), [&](const Climb& c) { return c.settles(q); });
 }
 
 }  // namespace
@@ -43,18 +49,20 @@ std::string accuracy_table(const Accuracy& a) {
     for (std::size_t k = 0; k < a.climbs.size(); ++k)
       out += fmt::format("{} {} {}", k == 0 ? "" : ",", a.knobs[k], percent(a.climbs[k].error(q, 0), best.run.values[q]));
     out += "\n";
+    if (!settles(a, q)) out += "  not settled: this is what it scatters by from run to run, and says little of how wrong it is\n";
     if (a.quantities[q].reference)
       out += fmt::format("  against its reference of {:.6g}: {}\n", *a.quantities[q].reference,
                          percent(std::abs(best.run.values[q] - *a.quantities[q].reference), *a.quantities[q].reference));
   }
+  out += "estimated by " + a.how + "\n";
   for (const std::string& n : a.notes) out += "note: " + n + "\n";
   out += a.reached ? "reached" : "not reached: " + a.why_not;
   return out + fmt::format("; {} of CPU time in all\n", seconds_text(a.seconds));
 }
 
 std::string accuracy_json(const Accuracy& a) {
-  Tree j{
-      {"filetype", "mortise accuracy"}, {"mortise_version", version()}, {"reached", a.reached}, {"why_not", a.why_not}, {"cpu_seconds", a.seconds}};
+  Tree j{{"filetype", "mortise accuracy"}, {"mortise_version", version()}, {"reached", a.reached},
+         {"why_not", a.why_not},           {"estimated_by", a.how},        {"cpu_seconds", a.seconds}};
   j["goals"] = Tree::array(), j["runs"] = Tree::array(), j["settings"] = Tree::object();
   for (const auto& [path, value] : a.settings) j["settings"][path] = value;
   for (std::size_t q = 0; q < a.goals.size(); ++q) {
@@ -64,6 +72,7 @@ std::string accuracy_json(const Accuracy& a) {
                           {"asked", a.goals[q].share},
                           {"value", output::number_or_null(a.attempts[a.chosen].run.values[q])},
                           {"estimated_error", output::number_or_null(a.attempts[a.chosen].estimates[q])},
+                          {"settled", settles(a, q)},
                           {"left_by", left}});
   }
   for (std::size_t i = 0; i < a.attempts.size(); ++i) {

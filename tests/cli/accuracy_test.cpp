@@ -50,6 +50,32 @@ TEST_F(AccuracyProgram, RefinesUntilTheEstimateHolds) {
   EXPECT_THAT(again.err, HasSubstr("(before)"));
 }
 
+// A block between a plate and its supports: F = E A travel / L = 2 N, and the layer's gap adds 17 % to it.
+TEST_F(AccuracyProgram, AStaticRunSaysItselfWhatItsLayerAdds) {
+  std::ofstream(folder_ + "/patch.yaml")
+      << "mortise: 1\nname: patch\ntime: {mode: static, steps: 1}\n"
+         "materials: {gel: {model: linear, youngs_modulus: 0.1 MPa, poisson_ratio: 0.3, density: 1000}}\n"
+         "bodies:\n"
+         "  block: {type: soft, shape: {box: {size: [20 mm, 20 mm, 10 mm], edge_length: 5 mm}}, material: gel, position: [10 mm, 10 mm, 5 mm]}\n"
+         "  plate: {type: stiff, shape: {box: {size: [30 mm, 30 mm, 4 mm], edge_length: 6 mm}}, material: gel, position: [10 mm, 10 mm, 12.2 mm]}\n"
+         "effects:\n  elasticity: {}\n  pin:\n    - {body: block, where: {side: x_min}, axes: x}\n    - {body: block, where: {side: y_min}, axes: "
+         "y}\n"
+         "    - {body: block, where: {side: z_min}, axes: z}\n"
+         "    - {body: plate, where: {side: all}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, -0.7 mm]]}}\n"
+         "  mortar_contact: {d_hat: 0.1 mm, stiffness: 0.1 MPa, pairs: [{slave: block, master: plate}]}\n"
+         "quantities: [{name: force, value: supports/plate_z}]\n";
+  const Result r = mortise("run patch.yaml -o out --threads 1 --accuracy force=5%", folder_);
+  ASSERT_EQ(r.code, 0) << r.err << r.out;
+  EXPECT_THAT(r.out, HasSubstr("error budget"));
+  const auto j = found();
+  const double value = j["goals"][0]["value"], error = std::abs(value + 2);
+  EXPECT_LT(error, 0.05 * 2);
+  EXPECT_NEAR(j["goals"][0]["estimated_error"], error, 0.1 * error);
+  EXPECT_EQ(j["runs"].size(), 2U) << "nothing beside the scene and the one that is right";
+  EXPECT_EQ(j["settings"].size(), 1U);
+  EXPECT_TRUE(j["settings"].contains("effects.mortar_contact.d_hat"));
+}
+
 TEST_F(AccuracyProgram, SaysWhatItCouldNotReach) {
   const Result r = run("--accuracy fall=0.1% --accuracy-budget '0.6 s'");
   EXPECT_EQ(r.code, 7) << r.err << r.out;

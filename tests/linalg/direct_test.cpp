@@ -142,10 +142,31 @@ TEST(Direct, KeepsTheOrderUntilOutgrown) {
   other.set_order(order);
   EXPECT_EQ(solution(other, near), kept) << "the order is all that it kept";
   EXPECT_EQ(other.stats().orderings, 0);
-  DirectSolver outgrown;
-  outgrown.set_order({order.rows, 0.8 * order.flops});
-  EXPECT_EQ(solution(outgrown, near), fresh);
-  EXPECT_EQ(outgrown.stats().orderings, 1);
+  DirectSolver far_outgrown;
+  far_outgrown.set_order({order.rows, 0.5 * order.flops});
+  EXPECT_EQ(solution(far_outgrown, near), fresh);
+  EXPECT_EQ(far_outgrown.stats().orderings, 1);
+  // Outgrown by less, it serves while a new one is found, which is taken where it is asked for, or at the next pattern.
+  for (const bool asked : {true, false}) {
+    DirectSolver outgrown;
+    outgrown.set_order({order.rows, 0.8 * order.flops});
+    EXPECT_EQ(solution(outgrown, near), kept);
+    EXPECT_EQ(outgrown.stats().orderings, 0);
+    if (asked)
+      outgrown.settle_order();
+    else
+      solution(outgrown, A);
+    EXPECT_EQ(outgrown.stats().orderings, 1);
+    EXPECT_EQ(solution(outgrown, near), fresh);
+    EXPECT_EQ(outgrown.stats().orderings, 1) << "which is good for it";
+  }
+  // Nobody waits for what nobody wants any more.
+  DirectSolver given_up;
+  given_up.set_order({order.rows, 0.8 * order.flops});
+  solution(given_up, near);
+  given_up.set_order(order);
+  EXPECT_EQ(solution(given_up, near), kept);
+  EXPECT_EQ(given_up.stats().orderings, 0);
 }
 
 TEST(Direct, ReportsAMatrixThatIsNotPositiveDefinite) {

@@ -93,7 +93,10 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
   const double R = 1, E = b.scene().number("materials.rubber.youngs_modulus"), nu = b.scene().number("materials.rubber.poisson_ratio");
   const double e_star = E / (2 * (1 - nu * nu));
   // `layer`: a thinner one with the same start and travel, so that forces at the travel can be compared.
-  const double usual = std::stod(b.option("d_hat", fmt::format("{:.17g}", size.d_hat))), d_hat = std::stod(b.option("layer", "1")) * usual;
+  // auto: the layer that a scene gets which names none.
+  const std::string layer = b.option("layer", "1");
+  const bool chosen = layer == "auto";
+  const double usual = std::stod(b.option("d_hat", fmt::format("{:.17g}", size.d_hat))), d_hat = chosen ? usual : std::stod(layer) * usual;
   const double expected = 2 * e_star * kExpectedRadius / (3.14159265358979 * R);
   const double kappa = matched_stiffness(expected, d_hat, size.mesh.h, e_star, std::stod(b.option("k", quadratic ? "24" : "4")));
   // Where the ball starts decides how hard the first Newton iterations are; where it ends does not depend on it.
@@ -103,8 +106,13 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
     SceneText scene = b.scene();
     scene.set("bodies.ball.position", fmt::format("[0, 0, {:.17g}]", R + gap));
     scene.set(scene.moving_pin() + ".motion.translation.1.2", end - gap);
-    scene.set("effects.mortar_contact.d_hat", d_hat);
-    scene.set("effects.mortar_contact.stiffness", kappa);
+    if (chosen) {
+      scene.set("effects.mortar_contact.d_hat", "auto");
+      scene.set("effects.mortar_contact.stiffness", "auto");
+    } else {
+      scene.set("effects.mortar_contact.d_hat", d_hat);
+      scene.set("effects.mortar_contact.stiffness", kappa);
+    }
     scene.use(m, size.mesh.h * size.mesh.h / (quadratic ? 16 : 4));
     const auto element = [&](const geometry::TetMesh& mesh, const geometry::Snap& snap = {}) {
       return quadratic ? geometry::with_midsides(mesh, snap) : mesh;

@@ -3,6 +3,7 @@
 #include <cholmod.h>
 
 #include <algorithm>
+#include <mutex>
 
 #include "base/error.h"
 #include "linalg/cholesky/tuning.h"
@@ -122,6 +123,9 @@ void place_blocks(const std::vector<Index>& row_start, const std::vector<Index>&
 }  // namespace
 
 std::vector<Index> find_order(const std::vector<Index>& row_start, const std::vector<Index>& col, std::string& how) {
+  // METIS draws from the C library's one sequence of random numbers, which it begins anew: two at once would disturb each other.
+  static std::mutex one_at_a_time;
+  const std::lock_guard<std::mutex> lock(one_at_a_time);
   return Graph(row_start, col).order(how);
 }
 

@@ -9,7 +9,8 @@ namespace mortise::linalg::cholesky::tuning {
 inline constexpr std::size_t kMergedColumns[3] = {2, 6, 16};
 inline constexpr double kMergedZeros[3] = {0.8, 0.1, 0.05};
 
-inline constexpr double kOutgrown = 1.15;  // of a factor's flops: more in an order found for other contacts cost more than a new order does
+inline constexpr double kOutgrown = 1.15;    // of a factor's flops: more in an order found for other contacts cost more than a new order does,
+inline constexpr double kFarOutgrown = 1.5;  // and from here on more than waiting for it
 
 inline constexpr double kShares = 128;      // parts of the tree that are not divided further: so many threads could find work, and tasks cost nothing
 inline constexpr int kTile = 128;           // [scalars] tiles of large panels: large enough for BLAS, small enough to be shared out
