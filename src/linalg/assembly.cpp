@@ -144,7 +144,7 @@ void Assembler::set_rows(Buffer<Index>&& row_of_block, Index rows, std::vector<I
   rows_ = rows;
   for (auto& s : sorted_) s->has_hess = false, s->room = {};
   merge_valid_ = false;
-  begun_.clear(), merge_.reset();
+  begun_.reset(), merge_.reset();
 }
 
 Assembler::Sorted& Assembler::sorted(const StencilSet* set) {
@@ -231,7 +231,7 @@ bool Assembler::had_room(std::span<StencilSet* const> sets) {
 }
 
 void Assembler::begin_matrix(std::span<StencilSet* const> sets, device::Fetch& fetch) {
-  if (!begun_.empty()) begun({});  // nobody wanted that matrix
+  if (begun_) begun({});  // nobody wanted that matrix
   if (!std::equal(sets.begin(), sets.end(), merged_.begin(), merged_.end())) merge_valid_ = false;
   begun_whose_ = some() ? *whose_ : std::vector<std::uint8_t>{};
   if (begun_whose_ != merged_whose_) merge_valid_ = false;
@@ -246,7 +246,7 @@ void Assembler::begin_matrix(std::span<StencilSet* const> sets, device::Fetch& f
     if (some()) only_.push_back(groups_of(*lists.back(), first_key, begun_whose_));
     of.push_back(some() ? only_.back().groups : device::Ranges{0, lists.back()->groups});
   }
-  begun_.assign(sets.begin(), sets.end());
+  begun_.emplace(sets.begin(), sets.end());
   merge_.reset();
   if (merge_valid_) return;
   merge_ = std::make_unique<Merge>();
@@ -255,11 +255,11 @@ void Assembler::begin_matrix(std::span<StencilSet* const> sets, device::Fetch& f
 
 // What it has sorted is looked at even where the sets have changed since: of those that have not it is used again.
 bool Assembler::begun(std::span<StencilSet* const> sets) {
-  if (begun_.empty()) return false;
-  bool same = std::equal(sets.begin(), sets.end(), begun_.begin(), begun_.end()) && begun_whose_ == (some() ? *whose_ : std::vector<std::uint8_t>{});
-  for (StencilSet* set : begun_) same = same && sorted(set).hess_version == set->version();
-  if (merge_ && !had_room(begun_)) same = false;
-  begun_.clear();
+  if (!begun_) return false;
+  const std::vector<StencilSet*> of = *std::exchange(begun_, std::nullopt);
+  bool same = std::equal(sets.begin(), sets.end(), of.begin(), of.end()) && begun_whose_ == (some() ? *whose_ : std::vector<std::uint8_t>{});
+  for (StencilSet* set : of) same = same && sorted(set).hess_version == set->version();
+  if (merge_ && !had_room(of)) same = false;
   return same;
 }
 

@@ -3,6 +3,7 @@
 // set after set, within a set in stencil order (grouping.h). A set is sorted again only when its version() changed; merging the
 // structures of the sets costs one sort of their distinct blocks, and is skipped while no set changed.
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -71,7 +72,7 @@ class Assembler {
   std::uint64_t pattern_ = 0;
 
   // Of begin_matrix(): the groups of the environments that are not left out, and the structure that is being merged, where it may have changed.
-  std::vector<StencilSet*> begun_;
+  std::optional<std::vector<StencilSet*>> begun_;
   std::vector<std::uint8_t> begun_whose_;
   std::vector<GroupsOf> only_;
   std::unique_ptr<Merge> merge_;
