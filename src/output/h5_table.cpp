@@ -1,4 +1,5 @@
 // Datasets that grow along their rows.
+#include <algorithm>
 #include <limits>
 
 #include "base/error.h"
@@ -96,9 +97,13 @@ void Table::write_real(const File& file, hsize_t first, std::span<const double> 
 }
 
 Raw Table::raw(std::span<const double> values) const {
-  const std::vector<float> narrow(single_ ? values.begin() : values.end(), values.end());
-  const auto bytes = single_ ? std::as_bytes(std::span(narrow)) : std::as_bytes(values);
-  return {{bytes.begin(), bytes.end()}, single_ ? sizeof(float) : sizeof(double)};
+  const std::size_t size = single_ ? sizeof(float) : sizeof(double);
+  Raw out{std::vector<std::byte>(values.size() * size), size};
+  if (single_)
+    std::copy(values.begin(), values.end(), reinterpret_cast<float*>(out.bytes.data()));
+  else
+    std::copy(values.begin(), values.end(), reinterpret_cast<double*>(out.bytes.data()));
+  return out;
 }
 
 void Table::write_chunk(const File& file, hsize_t first, std::span<const std::byte> bytes) {

@@ -142,12 +142,12 @@ class Search {
 
   std::vector<Climb> climbs_here() const {
     std::vector<Climb> out;
-    if (by_budget_) out = climbs_of_budgets(knobs_, budgets_here().value_or(std::vector<GoalBudget>(out_.goals.size(), {INFINITY, INFINITY})));
-    for (std::size_t k = 0; k < knobs_.size(); ++k)
-      if (by_budget_)
-        out[k].finest = finest_[k] - centre_[k], out[k].rungs.push_back({0, 1, here().values, 1});
-      else
-        out.push_back(climb_of(k));
+    if (!by_budget_) {
+      for (std::size_t k = 0; k < knobs_.size(); ++k) out.push_back(climb_of(k));
+      return out;
+    }
+    out = climbs_of_budgets(knobs_, budgets_here().value_or(std::vector<GoalBudget>(out_.goals.size(), {INFINITY, INFINITY})));
+    for (std::size_t k = 0; k < knobs_.size(); ++k) out[k].finest = finest_[k] - centre_[k], out[k].rungs.push_back({0, 1, here().values, 1});
     return out;
   }
 

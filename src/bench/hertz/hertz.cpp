@@ -106,13 +106,9 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
     SceneText scene = b.scene();
     scene.set("bodies.ball.position", fmt::format("[0, 0, {:.17g}]", R + gap));
     scene.set(scene.moving_pin() + ".motion.translation.1.2", end - gap);
-    if (chosen) {
-      scene.set("effects.mortar_contact.d_hat", "auto");
-      scene.set("effects.mortar_contact.stiffness", "auto");
-    } else {
-      scene.set("effects.mortar_contact.d_hat", d_hat);
-      scene.set("effects.mortar_contact.stiffness", kappa);
-    }
+    const auto of_layer = [chosen](double value) { return chosen ? "auto" : fmt::format("{:.17g}", value); };
+    scene.set("effects.mortar_contact.d_hat", of_layer(d_hat));
+    scene.set("effects.mortar_contact.stiffness", of_layer(kappa));
     scene.use(m, size.mesh.h * size.mesh.h / (quadratic ? 16 : 4));
     const auto element = [&](const geometry::TetMesh& mesh, const geometry::Snap& snap = {}) {
       return quadratic ? geometry::with_midsides(mesh, snap) : mesh;
