@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "effects/contact/active.h"
 #include "effects/contact/layer.h"
+#include "effects/contact/nodal_pressure.h"
 #include "effects/contact/proximity.h"
 #include "effects/contact/report.h"
 #include "effects/contact/start_check.h"
@@ -152,14 +153,12 @@ void BarrierContact::report(const FieldSinks& sinks, const Linearisation& accept
   point_forces(view(), at.active, at.y.view(), buffer);
   const std::vector<Vec3> term_force = buffer.download();
 
-  std::vector<double> area_of = point_area_.download();
   PointForces forces(model_, at.y);
   std::vector<SampleRows> rows;
   for (Index e = 0; e < model_.envs; ++e) rows.emplace_back(model_, e);
   const std::vector<model::ContactSample> samples = at.contact.samples.download();
   for (std::size_t i = 0; i < terms.size(); ++i) {
     const model::ContactSample& s = samples[i];
-    if (terms[i].kind == TermKind::plane && barrier_.area_weighted) area_of[terms[i].point[0]] = terms[i].weight;
     for (int k = 0; k < 4; ++k) {
       if (terms[i].point[k] < 0) continue;
       const bool first = k == 0 || (k == 1 && terms[i].kind == TermKind::edge_edge);
@@ -168,10 +167,7 @@ void BarrierContact::report(const FieldSinks& sinks, const Linearisation& accept
     rows[s.env].add(s);
   }
   forces.report(sinks, group);
-  std::vector<double> pressure(model_.points, 0.0);
-  for (Index p = 0; p < model_.points; ++p)
-    if (area_of[p] > 0) pressure[p] = forces.size(p) / area_of[p];
-  report_points(sinks, model_, "contact_pressure", "Pa", 1, pressure);
+  report_points(sinks, model_, "contact_pressure", "Pa", 1, nodal_pressure(model_.surface, forces.places(), forces.force()));
 
   const std::vector<double> distance =
                                 least_distances(proximity_.obstacles(view()), proximity_.candidates(at.y), at.y.view(), proximity_.vertex_env()),

@@ -29,8 +29,6 @@ void PointForces::add(Index point, const Vec3& force, Index from) {
   w.moment += y_[point].cross(force);
 }
 
-double PointForces::size(Index point) const { return std::hypot(force_[3 * point], force_[3 * point + 1], force_[3 * point + 2]); }
-
 Vec3 PointForces::on_first(const BodyPair& pair) const {
   const auto it = pairs_.find(pair);
   return it == pairs_.end() ? Vec3(0, 0, 0) : it->second.force;

@@ -24,7 +24,8 @@ class PointForces {
   // The force on a point that body or half-space `from` exerts.
   void add(Index point, const Vec3& force, Index from);
   Index body(Index point) const { return body_[point]; }
-  double size(Index point) const;  // magnitude of the force on a point [N]
+  const std::vector<double>& force() const { return force_; }  // 3 per point [N]
+  const std::vector<Vec3>& places() const { return y_; }
   // Force on the first body of a pair [N]; zero where the pair does not touch.
   Vec3 on_first(const BodyPair& pair) const;
   void report(const FieldSinks& sinks, std::string_view group) const;

@@ -24,4 +24,9 @@ inline constexpr double kMargin =
     0.5;  // of the reach: pairs are searched so much farther, so that positions a little off the path need no new search
 inline constexpr double kTouch = 1e-6;  // share of a distance that counts as none left between bodies that nothing can move
 
+// ---- nodal_pressure.h
+// Cosine of a triangle's normal to the force, over the best one around the point. Sides that bulge by up to 20 degrees stay below; both sides of a
+// pressed ridge are above unless one of them is three times as large.
+inline constexpr double kFaces = 0.35;
+
 }  // namespace mortise::effects::contact::tuning

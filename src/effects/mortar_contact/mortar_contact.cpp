@@ -7,6 +7,7 @@
 #include "effects/body_blocks.h"
 #include "effects/contact/active.h"
 #include "effects/contact/layer.h"
+#include "effects/contact/nodal_pressure.h"
 #include "effects/contact/proximity.h"
 #include "effects/contact/report.h"
 #include "effects/contact/start_check.h"
@@ -492,7 +493,9 @@ void MortarContact::report(const FieldSinks& sinks, const Linearisation& accepte
   std::vector<Own> own;
   for (Index e = 0; e < model_.envs; ++e) own.push_back({{model_, e}, {model_, e}, {}, {}, d_hat_[e]});
 
-  std::vector<double> load(model_.points, 0.0), area_of(model_.points, 0.0), pressure(model_.points, 0.0);
+  // What hat functions make of the pressures [N]: on quadratic faces those of their quarters, whose shares are nowhere negative.
+  std::vector<double> load(3 * static_cast<std::size_t>(model_.points), 0.0);
+  const auto press = [&](Index point, const Vec3& force) { Eigen::Map<Vec3>(load.data() + 3 * point) += force; };
   contact::PointForces forces(model_, at.frozen.y);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Sample& s = samples[i];
@@ -505,11 +508,10 @@ void MortarContact::report(const FieldSinks& sinks, const Linearisation& accepte
       const Index p = point_of(pair, k);
       forces.add(p, c.pressure * c.area * J[k], forces.body(p) == c.body_a ? c.body_b : c.body_a);
     }
-    // Of quadratic faces too the pressure is averaged with the hat functions of their quarters, which are nowhere negative.
-    for (int k = 0; k < (pair.master < 0 ? 3 : 6); ++k) {
-      const Index p = k < 3 ? pair.on.point[pair.on.vertex(k)] : pair.under.point[pair.under.vertex(k - 3)];
-      const double area = c.area * (k < 3 ? s.N[k] : s.M[k - 3]);
-      if (area > 0) load[p] += area * c.pressure, area_of[p] += area;
+    const Vec3 on_master = c.pressure * c.area * Vec3(c.normal[0], c.normal[1], c.normal[2]);
+    for (int k = 0; k < 3; ++k) {
+      press(pair.on.point[pair.on.vertex(k)], (pair.master < 0 ? s.N[k] : -s.N[k]) * on_master);  // a half-space's normal points at the slave
+      if (pair.master >= 0) press(pair.under.point[pair.under.vertex(k)], s.M[k] * on_master);
     }
     mine.total[static_cast<Index>(s.kind)] += c.force;
     // Curved faces may meet between their nodes; what is kept apart are their quarters, and none within reach is nearer than they are.
@@ -530,16 +532,16 @@ void MortarContact::report(const FieldSinks& sinks, const Linearisation& accepte
       mine.total[kKinds] += guard[4 * i].norm();
       for (int k = 0; k < 4; ++k) {
         const Index p = terms[i].point[k];
-        if (p >= 0) forces.add(p, guard[4 * i + k], forces.body(p) == guard_view[i].body_a ? guard_view[i].body_b : guard_view[i].body_a);
+        if (p < 0) continue;
+        forces.add(p, guard[4 * i + k], forces.body(p) == guard_view[i].body_a ? guard_view[i].body_b : guard_view[i].body_a);
+        press(p, guard[4 * i + k]);
       }
       mine.guard_rows.add(guard_view[i]);
     }
     for (Index e = 0; e < sinks.size(); ++e) own[e].guard_rows.report(sinks[e], group, "guard_");
   }
-  for (Index p = 0; p < model_.points; ++p)
-    if (area_of[p] > 0) pressure[p] = load[p] / area_of[p];
   forces.report(sinks, group);
-  report_points(sinks, model_, "contact_pressure", "Pa", 1, pressure);
+  report_points(sinks, model_, "contact_pressure", "Pa", 1, contact::nodal_pressure(model_.surface, forces.places(), load));
 
   const std::vector<double> distance = contact::least_distances(proximity_.obstacles(guard_view()), proximity_.candidates(at.frozen.y), at.y(),
                                                                 proximity_.vertex_env()),
