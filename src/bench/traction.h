@@ -1,7 +1,6 @@
 #pragma once
 // Pressure on part of a body's surface as every contact method can give it.
-//   Linear tetrahedra: force of a node over its area. (The methods' own contact_pressure counts only the part of a node's area that is in
-//   contact.)
+//   Linear tetrahedra: force of a node over its area at rest, along that area's normal.
 //   Quadratic tetrahedra: forces at corners are zero or less, whatever the pressure, so contact_pressure it is. It is a force per area now;
 //   linear theories, like the bodies' linear law, speak of the area and of the place at rest, and into these it is turned.
 #include <functional>

@@ -1,8 +1,8 @@
 #pragma once
 // Pressure of the points of surfaces: what presses a point, over the area that it stands for,
 //     p_i = |f_i| / A_i,   A_i = sum_T (n_T . u) |T| / 3,   u = -f_i / |f_i|                     [Pa]
-// over the triangles T around i, as they stand now, that face the force, compared with the best of them (tuning::kFaces): the other sides of a body do
-// not. The whole of a triangle counts, however little of it is in contact, so that pressures times areas add up to the force.
+// over the triangles T around i, as they stand now, that face the force, compared with the best of them (tuning::kFaces): the other sides of a body
+// do not. The whole of a triangle counts, however little of it is in contact, so that pressures times areas add up to the force.
 #include <vector>
 
 #include "geometry/surface.h"
