@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "geometry/topology.h"
 
 namespace mortise::geometry {
 namespace {
@@ -33,47 +34,46 @@ bool is_mirrored(Index i, Index n) {
   return (depth % 2 == 1) != (2 * i < n - 1);
 }
 
-// Kuhn split of a grid: each cell into the six tetrahedra that share its diagonal, mirrored along axes as is_mirrored() says. What two
-// neighbours have in common is split by the axes within it, which agree. `place(i,j,k)` is the position of a grid vertex.
-template <class Place>
-TetMesh kuhn_grid(const Cell& n, const Place& place) {
-  TetMesh mesh;
+Index id(const Cell& n, const Cell& c) { return c[0] + (n[0] + 1) * (c[1] + (n[1] + 1) * c[2]); }
+
+template <class Visit>
+void for_each(const Cell& count, const Visit& visit) {
+  for (Index k = 0; k < count[2]; ++k)
+    for (Index j = 0; j < count[1]; ++j)
+      for (Index i = 0; i < count[0]; ++i) visit(Cell{i, j, k});
+}
+
+std::size_t vertices(const Cell& n) {
   const double count = (n[0] + 1.0) * (n[1] + 1.0) * (n[2] + 1.0);
   if (count > 2e7) throw Error(Exit::scene, "edge_length is too small: the mesh would have more than 20 million vertices");
-  mesh.points.reserve(static_cast<std::size_t>(count));
-  mesh.tets.reserve(6ull * n[0] * n[1] * n[2]);
-  for (Index k = 0; k <= n[2]; ++k)
-    for (Index j = 0; j <= n[1]; ++j)
-      for (Index i = 0; i <= n[0]; ++i) mesh.points.push_back(place(i, j, k));
-  const auto id = [&](const Cell& c) { return c[0] + (n[0] + 1) * (c[1] + (n[1] + 1) * c[2]); };
+  return static_cast<std::size_t>(count);
+}
 
+// The six tetrahedra of a cell that share its diagonal (Kuhn), mirrored along axes as is_mirrored() says. What two neighbours have in common is split
+// by the axes within it, which agree.
+std::array<Tet, 6> split(const Cell& n, const Cell& cell) {
   constexpr int kOrders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};  // even, then odd
-  for (Index k = 0; k < n[2]; ++k)
-    for (Index j = 0; j < n[1]; ++j)
-      for (Index i = 0; i < n[0]; ++i) {
-        const Cell cell{i, j, k};
-        Cell start = cell, step;
-        bool flip = false;
-        for (int a = 0; a < 3; ++a) {
-          const bool mirrored = is_mirrored(cell[a], n[a]);
-          step[a] = mirrored ? -1 : 1;
-          if (mirrored) ++start[a];
-          flip ^= mirrored;
-        }
-        for (int o = 0; o < 6; ++o) {
-          Tet tet;
-          Cell at = start;
-          tet.v[0] = id(at);
-          for (int s = 0; s < 3; ++s) {
-            const int axis = kOrders[o][s];
-            at[axis] += step[axis];
-            tet.v[s + 1] = id(at);
-          }
-          if ((o >= 3) != flip) std::swap(tet.v[1], tet.v[2]);
-          mesh.tets.push_back(tet);
-        }
-      }
-  return mesh;
+  Cell start = cell, step;
+  bool flip = false;
+  for (int a = 0; a < 3; ++a) {
+    const bool mirrored = is_mirrored(cell[a], n[a]);
+    step[a] = mirrored ? -1 : 1;
+    if (mirrored) ++start[a];
+    flip ^= mirrored;
+  }
+  std::array<Tet, 6> out;
+  for (int o = 0; o < 6; ++o) {
+    Tet& tet = out[o];
+    Cell at = start;
+    tet.v[0] = id(n, at);
+    for (int s = 0; s < 3; ++s) {
+      const int axis = kOrders[o][s];
+      at[axis] += step[axis];
+      tet.v[s + 1] = id(n, at);
+    }
+    if ((o >= 3) != flip) std::swap(tet.v[1], tet.v[2]);
+  }
+  return out;
 }
 
 // Direction of the point c of a cube surface |c|_inf = s, spaced by equal angles along each face ("equiangular cubed
@@ -92,48 +92,99 @@ Vec3 to_ball(const Vec3& c) {
 
 }  // namespace
 
-TetMesh box(const Vec3& size, double edge_length) {
+TetMesh solid(const Grid& grid) {
+  const Cell& n = grid.n;
+  TetMesh mesh;
+  mesh.points.reserve(vertices(n));
+  mesh.tets.reserve(6ull * n[0] * n[1] * n[2]);
+  for_each({n[0] + 1, n[1] + 1, n[2] + 1}, [&](const Cell& c) { mesh.points.push_back(grid.place(c)); });
+  for_each(n, [&](const Cell& cell) {
+    for (const Tet& t : split(n, cell)) mesh.tets.push_back(t);
+  });
+  return mesh;
+}
+
+TriMesh skin(const Grid& grid) {
+  const Cell& n = grid.n;
+  TetMesh shell;  // the outermost cells: they have an inner side too
+  for_each(n, [&](const Cell& c) {
+    bool outermost = false;
+    for (int a = 0; a < 3; ++a) outermost |= c[a] == 0 || c[a] == n[a] - 1;
+    if (!outermost) return;
+    for (const Tet& t : split(n, c)) shell.tets.push_back(t);
+  });
+  const auto cell_of = [&](Index v) { return Cell{v % (n[0] + 1), v / (n[0] + 1) % (n[1] + 1), v / (n[0] + 1) / (n[1] + 1)}; };
+  const auto outside = [&](const Triangle& t) {
+    const Cell c[3] = {cell_of(t.v[0]), cell_of(t.v[1]), cell_of(t.v[2])};
+    for (int a = 0; a < 3; ++a)
+      if (c[0][a] == c[1][a] && c[1][a] == c[2][a] && (c[0][a] == 0 || c[0][a] == n[a])) return true;
+    return false;
+  };
+  TriMesh out;
+  std::vector<Index> number(vertices(n), -1);  // of the grid's vertices, on the skin
+  for (const Triangle& t : boundary_triangles(shell)) {
+    if (!outside(t)) continue;
+    out.triangles.push_back(t);
+    for (Index v : t.v) number[v] = 0;
+  }
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    if (number[v] < 0) continue;
+    number[v] = static_cast<Index>(out.points.size());
+    out.points.push_back(grid.place(cell_of(static_cast<Index>(v))));
+  }
+  for (Triangle& t : out.triangles)
+    for (Index& v : t.v) v = number[v];
+  return out;
+}
+
+Grid box_grid(const Vec3& size, const std::array<Index, 3>& n) {
+  for (int a = 0; a < 3; ++a) require_positive(size[a], "box: size"), require_positive(n[a], "box: number of cells");
+  // (2i - n)/(2n): mirror images get the same bits.
+  return {n, [=](const Cell& c) {
+            return Vec3(size[0] * (2 * c[0] - n[0]) / (2.0 * n[0]), size[1] * (2 * c[1] - n[1]) / (2.0 * n[1]),
+                        size[2] * (2 * c[2] - n[2]) / (2.0 * n[2]));
+          }};
+}
+
+Grid box_grid(const Vec3& size, double edge_length) {
   require_positive(edge_length, "box: edge_length");
   for (int a = 0; a < 3; ++a) require_positive(size[a], "box: size");
-  return box(size, {cells_along(size[0], edge_length), cells_along(size[1], edge_length), cells_along(size[2], edge_length)});
+  return box_grid(size, {cells_along(size[0], edge_length), cells_along(size[1], edge_length), cells_along(size[2], edge_length)});
 }
 
-TetMesh box(const Vec3& size, const std::array<Index, 3>& cells) {
-  for (int a = 0; a < 3; ++a) require_positive(size[a], "box: size"), require_positive(cells[a], "box: number of cells");
-  return kuhn_grid(cells, [&](Index i, Index j, Index k) {
-    // (2i - n)/(2n): mirror images get the same bits.
-    return Vec3(size[0] * (2 * i - cells[0]) / (2.0 * cells[0]), size[1] * (2 * j - cells[1]) / (2.0 * cells[1]),
-                size[2] * (2 * k - cells[2]) / (2.0 * cells[2]));
-  });
-}
-
-TetMesh sphere(double radius, double edge_length) {
+Grid sphere_grid(double radius, double edge_length) {
   require_positive(radius, "sphere: radius"), require_positive(edge_length, "sphere: edge_length");
   const Index m = cells_of_half(radius, edge_length);
-  return kuhn_grid({2 * m, 2 * m, 2 * m}, [&](Index i, Index j, Index k) { return Vec3(radius / m * to_ball(Vec3(i - m, j - m, k - m))); });
+  return {{2 * m, 2 * m, 2 * m}, [=](const Cell& c) { return Vec3(radius / m * to_ball(Vec3(c[0] - m, c[1] - m, c[2] - m))); }};
 }
 
-TetMesh cylinder(double radius, double height, double edge_length) {
+Grid cylinder_grid(double radius, double height, double edge_length) {
   require_positive(radius, "cylinder: radius"), require_positive(height, "cylinder: height");
   require_positive(edge_length, "cylinder: edge_length");
   const Index m = cells_of_half(radius, edge_length), layers = cells_along(height, edge_length);
-  return kuhn_grid({2 * m, 2 * m, layers}, [&](Index i, Index j, Index k) {
-    Vec3 p = radius / m * to_ball(Vec3(i - m, j - m, 0));
-    p[2] = height * (2 * k - layers) / (2.0 * layers);
-    return p;
-  });
+  return {{2 * m, 2 * m, layers}, [=](const Cell& c) {
+            Vec3 p = radius / m * to_ball(Vec3(c[0] - m, c[1] - m, 0));
+            p[2] = height * (2 * c[2] - layers) / (2.0 * layers);
+            return p;
+          }};
 }
 
-TetMesh capsule(double radius, double height, double edge_length) {
+Grid capsule_grid(double radius, double height, double edge_length) {
   require_positive(radius, "capsule: radius"), require_positive(height, "capsule: height");
   require_positive(edge_length, "capsule: edge_length");
   const Index m = cells_of_half(radius, edge_length), layers = cells_along(height, edge_length);
-  return kuhn_grid({2 * m, 2 * m, 2 * m + layers}, [&](Index i, Index j, Index k) {
-    const Index below = std::min(k - m, 0), above = std::max(k - m - layers, 0), between = std::clamp(k - m, 0, layers);
-    Vec3 p = radius / m * to_ball(Vec3(i - m, j - m, below + above));
-    p[2] += height * (2 * between - layers) / (2.0 * layers);
-    return p;
-  });
+  return {{2 * m, 2 * m, 2 * m + layers}, [=](const Cell& c) {
+            const Index below = std::min(c[2] - m, 0), above = std::max(c[2] - m - layers, 0), between = std::clamp(c[2] - m, 0, layers);
+            Vec3 p = radius / m * to_ball(Vec3(c[0] - m, c[1] - m, below + above));
+            p[2] += height * (2 * between - layers) / (2.0 * layers);
+            return p;
+          }};
 }
+
+TetMesh box(const Vec3& size, double edge_length) { return solid(box_grid(size, edge_length)); }
+TetMesh box(const Vec3& size, const std::array<Index, 3>& cells) { return solid(box_grid(size, cells)); }
+TetMesh sphere(double radius, double edge_length) { return solid(sphere_grid(radius, edge_length)); }
+TetMesh cylinder(double radius, double height, double edge_length) { return solid(cylinder_grid(radius, height, edge_length)); }
+TetMesh capsule(double radius, double height, double edge_length) { return solid(capsule_grid(radius, height, edge_length)); }
 
 }  // namespace mortise::geometry

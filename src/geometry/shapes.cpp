@@ -27,12 +27,12 @@ auto located(const SourceLoc& at, const Make& make) {
   }
 }
 
-TetMesh primitive(const std::string& kind, const Params& p) {
+Grid primitive(const std::string& kind, const Params& p) {
   const double h = p.number("edge_length");
-  if (kind == "box") return box(p.vec3("size"), h);
-  if (kind == "sphere") return sphere(p.number("radius"), h);
-  if (kind == "cylinder") return cylinder(p.number("radius"), p.number("height"), h);
-  if (kind == "capsule") return capsule(p.number("radius"), p.number("height"), h);
+  if (kind == "box") return box_grid(p.vec3("size"), h);
+  if (kind == "sphere") return sphere_grid(p.number("radius"), h);
+  if (kind == "cylinder") return cylinder_grid(p.number("radius"), p.number("height"), h);
+  if (kind == "capsule") return capsule_grid(p.number("radius"), p.number("height"), h);
   throw Error(Exit::scene, p.where(), "unknown shape '" + kind + "'");
 }
 
@@ -106,7 +106,7 @@ TetMesh tet_shape(const Params& shape, const ElementOrder& element) {
     if (element.curved && element.order == 1) throw Error(Exit::scene, "curved edges need `order: 2`");
     if (kind == "parts") throw Error(Exit::scene, "'parts' are for stiff bodies: a soft body is of one piece");
     const Snap snap = element.curved ? surface_snap(kind, p) : Snap{};
-    TetMesh mesh = kind == "mesh" ? mesh_tets(p) : primitive(kind, p);
+    TetMesh mesh = kind == "mesh" ? mesh_tets(p) : solid(primitive(kind, p));
     if (mesh.quadratic() && element.order == 1) throw Error(Exit::scene, named(p) + " has tetrahedra of second order: give the body `order: 2`");
     return element.order == 1 || mesh.quadratic() ? mesh : with_midsides(std::move(mesh), snap);
   });
@@ -116,7 +116,7 @@ TriMesh surface_shape(const Params& shape) {
   const auto& [kind, p] = only_entry(shape);
   if (kind == "parts") return all_parts(p);
   return located(p.where(), [&, kind = kind, &p = p] {
-    if (kind != "mesh") return surface_of(primitive(kind, p));
+    if (kind != "mesh") return skin(primitive(kind, p));
     TriMesh mesh = scaled_surface(p);
     check_closed_surface(mesh, named(p));
     return mesh;

@@ -184,6 +184,19 @@ TEST(Primitives, EdgeLengthsGiveEvenNumbersOfCells) {
     EXPECT_EQ(box({0.1 * length, 0.1, 0.1}, 0.1).points.size(), 8 * planes) << length;
 }
 
+// What stiff bodies are made of, without their insides.
+TEST(Primitives, SkinsAreSurfacesToTheLastBit) {
+  for (const Grid& grid : {box_grid({1, 1, 1}, 1), box_grid({1, 2, 3}, 1), box_grid({0.5, 0.9, 0.3}, 0.1), sphere_grid(1, 0.5), sphere_grid(1, 0.11),
+                           cylinder_grid(1, 0.3, 0.5), cylinder_grid(0.2, 1, 0.06), capsule_grid(0.3, 0.4, 0.1)}) {
+    const TriMesh expected = surface_of(solid(grid)), got = skin(grid);
+    ASSERT_EQ(got.points.size(), expected.points.size());
+    ASSERT_EQ(got.triangles.size(), expected.triangles.size());
+    for (std::size_t i = 0; i < got.points.size(); ++i) ASSERT_EQ(got.points[i], expected.points[i]);
+    for (std::size_t t = 0; t < got.triangles.size(); ++t)
+      for (int k = 0; k < 3; ++k) ASSERT_EQ(got.triangles[t].v[k], expected.triangles[t].v[k]);
+  }
+}
+
 TEST(Primitives, Deterministic) {
   const TetMesh a = capsule(0.3, 0.4, 0.1), b = capsule(0.3, 0.4, 0.1);
   ASSERT_EQ(a.points.size(), b.points.size());

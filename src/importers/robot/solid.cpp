@@ -78,19 +78,19 @@ geometry::TriMesh surface(const Shape& s, const Pose& at) {
   geometry::TriMesh out;
   switch (s.kind) {
     case Shape::Kind::box:
-      out = geometry::surface_of(geometry::box(s.size, h));
+      out = geometry::skin(geometry::box_grid(s.size, h));
       break;
     case Shape::Kind::sphere:
-      out = geometry::surface_of(geometry::sphere(s.radius, h));
+      out = geometry::skin(geometry::sphere_grid(s.radius, h));
       break;
     case Shape::Kind::cylinder:
-      out = geometry::surface_of(geometry::cylinder(s.radius, s.length, h));
+      out = geometry::skin(geometry::cylinder_grid(s.radius, s.length, h));
       break;
     case Shape::Kind::capsule:
-      out = geometry::surface_of(geometry::capsule(s.radius, s.length, h));
+      out = geometry::skin(geometry::capsule_grid(s.radius, s.length, h));
       break;
     case Shape::Kind::ellipsoid:
-      out = geometry::surface_of(geometry::sphere(0.5, h));
+      out = geometry::skin(geometry::sphere_grid(0.5, h));
       for (Vec3& x : out.points) x = x.cwiseProduct(s.size);
       break;
     case Shape::Kind::mesh:
