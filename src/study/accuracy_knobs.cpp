@@ -15,7 +15,7 @@ Settings AutoKnob::settings(int level) const {
   Settings out;
   const double factor = std::pow(ratio, level);
   for (const Path& p : paths)
-    if (level != 0)
+    if (level != 0 || p.set)
       out.emplace_back(p.path, p.whole ? fmt::format("{}", static_cast<long>(std::lround(p.base / factor))) : fmt::format("{:.9g}", p.base * factor));
   return out;
 }
@@ -34,18 +34,24 @@ bool is_number(const Params& block, const char* key) {
 
 }  // namespace
 
-std::vector<AutoKnob> auto_knobs(const Params& scene) {
+std::vector<AutoKnob> auto_knobs(const Params& scene, bool pressures) {
   std::vector<AutoKnob> out;
   AutoKnob mesh{"mesh", tuning::kMeshRatio, tuning::kMeshDearer, true, false, {}}, layer{"contact layer", 0.5, tuning::kLayerDearer, false, true, {}};
+  double finest = INFINITY;  // edge of a soft body [m]
   for (const auto& [name, body] : scene.at("bodies").entries()) {
     const Params* shape = body.find("shape");
     if (!shape) continue;
-    for (const scene::EdgeLength& edge : scene::edge_lengths(*shape))
+    for (const scene::EdgeLength& edge : scene::edge_lengths(*shape)) {
       mesh.paths.push_back({fmt::format("bodies.{}.shape.{}", name, edge.path), edge.length});
+      if (body.text("type") == "soft") finest = std::min(finest, edge.length);
+    }
   }
   for (const std::string& contact : effects::of_role(scene.at("effects"), effects::Role::contact)) {
     const Params& block = scene.at("effects").at(contact);
-    if (is_number(block, "d_hat")) layer.paths.push_back({"effects." + contact + ".d_hat", block.number("d_hat"), false});
+    const double given = is_number(block, "d_hat") ? block.number("d_hat") : 0;
+    const bool thicker = pressures && !is_number(block, "stiffness") && finest < INFINITY && given < tuning::kPressureLayer * finest;
+    if (given > 0 || thicker)
+      layer.paths.push_back({"effects." + contact + ".d_hat", thicker ? tuning::kPressureLayer * finest : given, false, thicker});
   }
   if (!mesh.paths.empty()) out.push_back(mesh);
   if (!layer.paths.empty()) out.push_back(layer);

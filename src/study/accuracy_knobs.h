@@ -18,6 +18,7 @@ struct AutoKnob {
     std::string path;
     double base;         // at level 0, SI
     bool whole = false;  // a whole number, that grows
+    bool set = false;    // at level 0 too: the scene has it otherwise
   };
   std::vector<Path> paths;
   Settings settings(int level) const;
@@ -25,8 +26,9 @@ struct AutoKnob {
 };
 
 // Edge lengths of all bodies together; the contact layer where the scene gives its thickness (what is left out follows the mesh); the time step, or
-// load steps where friction remembers them.
-std::vector<AutoKnob> auto_knobs(const Params& scene);
+// load steps where friction remembers them. `pressures`: numbers of contact pressures are looked for. Layers whose stiffness is left to the program
+// are then no thinner than tuning::kPressureLayer of the finest soft mesh: on thinner ones pressures scatter more.
+std::vector<AutoKnob> auto_knobs(const Params& scene, bool pressures);
 // Mesh and layer as one, in proportion: ladders tell of both together with coarser runs alone, which are cheap.
 std::vector<AutoKnob> joined(std::vector<AutoKnob> knobs);
 

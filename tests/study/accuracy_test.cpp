@@ -143,7 +143,7 @@ TEST(Accuracy, AMeshThatIsTooCoarseIsNotReliedOn) {
   }
 }
 
-TEST(Accuracy, ALayerIsAKnobWhereTheSceneGivesIt) {
+TEST(Accuracy, PressuresWantALayerThatFitsTheMesh) {
   const std::string file = (std::filesystem::temp_directory_path() / ("mortise_knobs_" + std::to_string(getpid()) + ".yaml")).string();
   std::ofstream(file) << "mortise: 1\nname: press\ntime: {mode: static, steps: 1}\nmaterials: {gel: {model: linear, youngs_modulus: 1e5, "
                          "poisson_ratio: 0.3, density: 1e3}}\n"
@@ -151,15 +151,22 @@ TEST(Accuracy, ALayerIsAKnobWhereTheSceneGivesIt) {
                          "  ball: {type: stiff, shape: {sphere: {radius: 1, edge_length: 0.1}}, material: gel, position: [0, 0, 2]}\n"
                          "effects:\n  elasticity: {}\n  pin: [{body: pad, where: {side: z_min}}, {body: ball, where: {side: all}}]\n"
                          "  mortar_contact: {pairs: [{slave: pad, master: ball}]}\n";
-  const auto knobs = [&](const std::vector<std::string>& set) { return auto_knobs(scene::read_scene(file, set, engine::effect_tables()).root); };
-  EXPECT_EQ(knobs({}).size(), 1U) << "left out it follows the mesh";
-  const auto given = knobs({"effects.mortar_contact.d_hat=0.01"});
-  ASSERT_EQ(given.size(), 2U);
-  EXPECT_TRUE(given[1].settings(0).empty());
-  const auto one = joined(given);
+  const auto knobs = [&](const std::vector<std::string>& set, bool pressures) {
+    return auto_knobs(scene::read_scene(file, set, engine::effect_tables()).root, pressures);
+  };
+  const std::string layer = "effects.mortar_contact.";
+  EXPECT_EQ(knobs({}, false).size(), 1U);
+  const auto fits = knobs({}, true);
+  ASSERT_EQ(fits.size(), 2U);
+  EXPECT_EQ(fits[1].settings(0), (Settings{{layer + "d_hat", "0.01"}})) << "a twentieth of the soft body's edge";
+  EXPECT_EQ(knobs({layer + "d_hat=0.004"}, true)[1].settings(0), fits[1].settings(0));
+  EXPECT_TRUE(knobs({layer + "d_hat=0.02"}, true)[1].settings(0).empty()) << "thick enough as it is";
+  EXPECT_TRUE(knobs({layer + "d_hat=0.004", layer + "stiffness=1e5"}, true)[1].settings(0).empty()) << "the scene's choice";
+  const auto one = joined(fits);
   ASSERT_EQ(one.size(), 1U);
   EXPECT_EQ(one[0].name, "mesh and layer");
-  ASSERT_EQ(one[0].settings(2).size(), 3U);
+  EXPECT_EQ(one[0].settings(0), fits[1].settings(0));
+  EXPECT_EQ(one[0].settings(2).size(), 3U);
   EXPECT_NEAR(std::stod(one[0].settings(2)[2].second), 0.005, 1e-9) << "both in proportion";
   std::filesystem::remove(file);
 }
