@@ -46,7 +46,8 @@ class Cg final : public Linear {
   const char* name() const override { return "cg"; }
   void begin_solve(bool changed) override {
     if (changed) cg_.reset();
-    for (Env& e : env_) e = {};
+    for (Env& e : env_) e = {.rate = e.rate};
+    enough_ = false;
   }
 
   EnvMask solve(const LinearSystem& s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, const StepReports& report) override {
@@ -71,7 +72,7 @@ class Cg final : public Linear {
       for (double& asked : relative) asked = std::max(asked, tuning::kWholeRough);
       EnvMask left = todo;
       const Start start = [&](const Then& then) {
-        const linalg::CgResult symmetric = run(s.A, s.b, s.x, relative, absolute, todo, then);
+        const linalg::CgResult symmetric = run(s.A, s.b, s.x, relative, absolute, todo, then, &s);
         count(symmetric, todo, report);
         for (Index e = 0; e < rows_.envs(); ++e)
           if (todo[e] && symmetric.env[e].end == linalg::CgEnd::not_positive_definite && curvature.concavity(e) > 0)
@@ -82,7 +83,9 @@ class Cg final : public Linear {
         device::clear(out.p, out.n * sizeof(Vec3));
         count(run(s.A, in, out, rough, nothing, left, then), left, report);  // none of those that have ended
       };
+      if (s.aside) s.aside->early = enough_;
       const linalg::GmresResult end = solve_whole(model_, s, start, rows_.env, relative, tuning::kWholeMost, inner);
+      enough_ = end.iterations == 0;
       for (Index e = 0; e < rows_.envs(); ++e) {
         if (!left[e]) continue;
         env_[e].speed = end.of_env[e] / std::max(1.0, -std::log10(end.relative[e]));
@@ -91,7 +94,8 @@ class Cg final : public Linear {
       }
       return indefinite;
     }
-    const linalg::CgResult cg = run(s.A, s.b, s.x, relative, absolute, todo);
+    const linalg::CgResult cg = run(s.A, s.b, s.x, relative, absolute, todo, s.aside ? s.aside->ask : Then{}, &s);
+    if (s.aside) s.aside->done = true;
     count(cg, todo, report);
     for (Index e = 0; e < rows_.envs(); ++e) {
       if (!todo[e]) continue;
@@ -132,9 +136,10 @@ class Cg final : public Linear {
  private:
   using Then = std::function<void(device::Fetch&)>;
 
-  // Within one step.
+  // Within one step, but for `rate`, by which only the host's looks go.
   struct Env {
     double built_speed = 0, speed = 0;  // iterations per digit: right after the preconditioner was built (0: not yet), last time
+    double rate = 0;                    // iterations per digit of the last system with A itself
     bool any = false;                   // a system has been solved; how exactly, and its right-hand side:
     double relative = 0, last_rhs = 0;
   };
@@ -142,6 +147,17 @@ class Cg final : public Linear {
   static void count(const linalg::CgResult& cg, const EnvMask& whose, const StepReports& report) {
     for (std::size_t e = 0; e < whose.size(); ++e)
       if (whose[e]) report[static_cast<Index>(e)].cg += cg.env[e].iterations;
+  }
+
+  // Iterations, at the rate of the last system; 0 where there was none. of: where it is a Newton iteration's own.
+  Index expected(const std::vector<double>& relative, const std::vector<double>& absolute, const EnvMask& todo, const LinearSystem* of) const {
+    double most = 0;
+    for (std::size_t e = 0; e < todo.size(); ++e) {
+      if (!todo[e]) continue;
+      const double least = of && !absolute.empty() && of->b2[e] > 0 ? absolute[e] / std::sqrt(of->b2[e]) : 0;
+      most = std::max(most, env_[e].rate * -std::log10(std::max(relative[e], least)));
+    }
+    return static_cast<Index>(std::min<double>(most, options_.cg_iterations));
   }
 
   double forcing(const Env& e, double b2) const {
@@ -155,14 +171,20 @@ class Cg final : public Linear {
   }
 
   linalg::CgResult run(const linalg::BlockMatrix& A, device::View<const Vec3> b, device::View<Vec3> x, const std::vector<double>& relative,
-                       const std::vector<double>& absolute, const EnvMask& todo, const Then& then = {}) {
+                       const std::vector<double>& absolute, const EnvMask& todo, const Then& then = {}, const LinearSystem* of = nullptr) {
     linalg::CgOptions options;
     options.then = then;
     options.max_iterations = options_.cg_iterations;
     options.absolute = absolute;
     options.only = todo;
+    options.expected = expected(relative, absolute, todo, of);
+    if (of && of->aside) options.fetch = &of->aside->fetch;
     for (Index e = 0; e < rows_.envs(); ++e) options.only[e] &= static_cast<std::uint8_t>(model_.works_on(e));
-    return cg_->solve(A, *preconditioner_, b, x, relative, options);
+    const linalg::CgResult out = cg_->solve(A, *preconditioner_, b, x, relative, options);
+    for (std::size_t e = 0; e < todo.size(); ++e)
+      if (const linalg::CgResult::Env& end = out.env[e]; todo[e] && end.end == linalg::CgEnd::converged && end.residual < end.rhs)
+        env_[e].rate = end.iterations / std::log10(end.rhs / end.residual);
+    return out;
   }
 
   // Schwarz needs a quarter to a half of the iterations of block Jacobi, but each costs twice as much on CPU threads, and setting it up as much
@@ -198,6 +220,7 @@ class Cg final : public Linear {
   const Rows& rows_;
   const Options& options_;
   std::vector<Env> env_;
+  bool enough_ = false;  // the symmetric part of the last unsymmetric system was
   std::unique_ptr<linalg::Preconditioner> preconditioner_;
   linalg::PerEnvironment* parts_ = nullptr;         // the same, of several environments
   std::unique_ptr<linalg::ConjugateGradients> cg_;  // of the present rows
