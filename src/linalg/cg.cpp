@@ -12,7 +12,7 @@
 namespace mortise::linalg {
 namespace {
 
-constexpr double kSure = 0.8;  // of the iterations that are expected: a block too many costs as much as ten looks
+constexpr double kSure = 0.5;  // of the iterations that are expected: a block too many costs as much as ten looks
 
 enum Status : Index { active, claimed, ended };
 

@@ -22,8 +22,7 @@ namespace mortise::solver {
 struct Aside {
   device::Fetch& fetch;
   std::function<void(device::Fetch&)> ask;
-  bool done = false;   // of the x that solve() left; else the caller asks
-  bool early = false;  // where the symmetric part may be all
+  bool done = false;  // of the x that solve() left; else the caller asks
 };
 
 struct LinearSystem {

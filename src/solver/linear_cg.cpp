@@ -47,7 +47,6 @@ class Cg final : public Linear {
   void begin_solve(bool changed) override {
     if (changed) cg_.reset();
     for (Env& e : env_) e = {.rate = e.rate};
-    enough_ = false;
   }
 
   EnvMask solve(const LinearSystem& s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, const StepReports& report) override {
@@ -83,9 +82,7 @@ class Cg final : public Linear {
         device::clear(out.p, out.n * sizeof(Vec3));
         count(run(s.A, in, out, rough, nothing, left, then), left, report);  // none of those that have ended
       };
-      if (s.aside) s.aside->early = enough_;
       const linalg::GmresResult end = solve_whole(model_, s, start, rows_.env, relative, tuning::kWholeMost, inner);
-      enough_ = end.iterations == 0;
       for (Index e = 0; e < rows_.envs(); ++e) {
         if (!left[e]) continue;
         env_[e].speed = end.of_env[e] / std::max(1.0, -std::log10(end.relative[e]));
@@ -149,12 +146,12 @@ class Cg final : public Linear {
       if (whose[e]) report[static_cast<Index>(e)].cg += cg.env[e].iterations;
   }
 
-  // Iterations, at the rate of the last system; 0 where there was none. of: where it is a Newton iteration's own.
-  Index expected(const std::vector<double>& relative, const std::vector<double>& absolute, const EnvMask& todo, const LinearSystem* of) const {
+  // Iterations of a Newton iteration's own system, at the rate of the last one; 0 where there was none.
+  Index expected(const std::vector<double>& relative, const std::vector<double>& absolute, const EnvMask& todo, const LinearSystem& of) const {
     double most = 0;
     for (std::size_t e = 0; e < todo.size(); ++e) {
       if (!todo[e]) continue;
-      const double least = of && !absolute.empty() && of->b2[e] > 0 ? absolute[e] / std::sqrt(of->b2[e]) : 0;
+      const double least = !absolute.empty() && of.b2[e] > 0 ? absolute[e] / std::sqrt(of.b2[e]) : 0;
       most = std::max(most, env_[e].rate * -std::log10(std::max(relative[e], least)));
     }
     return static_cast<Index>(std::min<double>(most, options_.cg_iterations));
@@ -177,11 +174,11 @@ class Cg final : public Linear {
     options.max_iterations = options_.cg_iterations;
     options.absolute = absolute;
     options.only = todo;
-    options.expected = expected(relative, absolute, todo, of);
+    if (of) options.expected = expected(relative, absolute, todo, *of);
     if (of && of->aside) options.fetch = &of->aside->fetch;
     for (Index e = 0; e < rows_.envs(); ++e) options.only[e] &= static_cast<std::uint8_t>(model_.works_on(e));
     const linalg::CgResult out = cg_->solve(A, *preconditioner_, b, x, relative, options);
-    for (std::size_t e = 0; e < todo.size(); ++e)
+    for (std::size_t e = 0; of && e < todo.size(); ++e)
       if (const linalg::CgResult::Env& end = out.env[e]; todo[e] && end.end == linalg::CgEnd::converged && end.residual < end.rhs)
         env_[e].rate = end.iterations / std::log10(end.rhs / end.residual);
     return out;
@@ -220,7 +217,6 @@ class Cg final : public Linear {
   const Rows& rows_;
   const Options& options_;
   std::vector<Env> env_;
-  bool enough_ = false;  // the symmetric part of the last unsymmetric system was
   std::unique_ptr<linalg::Preconditioner> preconditioner_;
   linalg::PerEnvironment* parts_ = nullptr;         // the same, of several environments
   std::unique_ptr<linalg::ConjugateGradients> cg_;  // of the present rows

@@ -74,7 +74,6 @@ linalg::GmresResult solve_whole(const model::Model& model, const LinearSystem& s
     size(b2, fetch);
     device::copy(x.view().p, s.x.p, rows * sizeof(Vec3));
     residual(fetch);
-    if (s.aside && s.aside->early) s.aside->ask(fetch), s.aside->done = true;
   });
   const auto leave = [&] {
     for (Index e = 0; e < envs; ++e)

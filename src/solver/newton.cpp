@@ -149,8 +149,10 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     if ((!system_.potential.lags() || want.whole) && it >= tuning::kFirstLook && std::has_single_bit(static_cast<unsigned>(it)))
       system_.find_groups(at_, changing());
     device::Fetch state;  // what the host hears of the iterate
-    system_.begin_matrix(at_, state);
-    direction_.foresee(at_, state);
+    if (it != last_) {    // after as many iterations as last time it may be the solution, of which nobody wants a matrix
+      system_.begin_matrix(at_, state);
+      direction_.foresee(at_, state);
+    }
     const Residual r = system_.residual(std::as_const(q_).view(), at_, state);
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running) && !system_.convergence.finite(r, e)) envs_.fail(e, system_.not_finite(at_, e));
@@ -167,7 +169,10 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     settle(r, it);
     check_failed();
     const EnvMask running = envs_.mask(EnvState::running);
-    if (!any(running)) return;
+    if (!any(running)) {
+      last_ = it;
+      return;
+    }
     const model::Only left(model_, running);
 
     std::vector<double> tolerance;

@@ -94,6 +94,7 @@ class Newton {
   EnvMask held_;            // environments of which at_ holds more than forces
   device::Buffer<Vec3> q_;
   bool foreseen_ = false;              // q_ is a state that effects have foreseen
+  Index last_ = 0;                     // iterations of the last solve
   EnvMask fresh_;                      // environments that stand where the step begins
   std::vector<double> nearest_force_;  // per environment: least residual of these iterations [N], and where it was
   device::Buffer<Vec3> nearest_q_;
