@@ -66,7 +66,7 @@ TEST(Transfers, PerIterationDoNotGrowWithTheMesh) {
   EXPECT_LT(fine.per_iteration(fine.transfers.bytes_to_host), 0.1 * field);
 }
 
-// Three to five of them in an iteration (benchmarks/gpu; 8.3 and 9.2 were counted), the others at the beginnings and ends of steps, of which there is
+// Three to five of them in an iteration (benchmarks/gpu; 8.3 and 9.8 were counted), the others at the beginnings and ends of steps, of which there is
 // one per four iterations here, for halved steps and where a guess was wrong.
 TEST(Transfers, AreFewPerIteration) {
   for (double edge : {2.0, 1.0}) {
