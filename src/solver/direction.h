@@ -19,6 +19,7 @@ class Direction {
   void end(EnvTable& envs);
   // Before that: the right-hand side of the state of `at`, on the guess that no support moves; its size comes with `fetch`.
   void foresee(const Linearised& at, device::Fetch& fetch);
+  void forget() { foreseen_ = false; }  // another state comes
 
   // What Newton's next direction needs of its iterate.
   effects::Want want(const EnvTable& envs);

@@ -149,7 +149,8 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     if ((!system_.potential.lags() || want.whole) && it >= tuning::kFirstLook && std::has_single_bit(static_cast<unsigned>(it)))
       system_.find_groups(at_, changing());
     device::Fetch state;  // what the host hears of the iterate
-    if (it != last_) {    // after as many iterations as last time it may be the solution, of which nobody wants a matrix
+    direction_.forget();
+    if (it != last_) {  // after as many iterations as last time it may be the solution, of which nobody wants a matrix
       system_.begin_matrix(at_, state);
       direction_.foresee(at_, state);
     }
