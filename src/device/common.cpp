@@ -16,6 +16,7 @@ const std::string none;
 const std::string* last = &none;  // a key of the ledger
 MemoryUse use;
 Transfers moved;
+Waits waited;
 
 }  // namespace
 
@@ -40,9 +41,15 @@ void reset_launch_counts() {
 }
 
 Transfers transfers() { return moved; }
+const Waits& waits() { return waited; }
 
 void count_to_device(std::size_t bytes) { ++moved.to_device, moved.bytes_to_device += static_cast<long long>(bytes); }
-void count_to_host(std::size_t bytes) { ++moved.to_host, moved.bytes_to_host += static_cast<long long>(bytes); }
+void count_to_host(std::size_t bytes, std::string_view who) {
+  ++moved.to_host, moved.bytes_to_host += static_cast<long long>(bytes);
+  auto it = waited.find(who);
+  if (it == waited.end()) it = waited.emplace(std::string(who), 0).first;
+  ++it->second;
+}
 
 MemoryUse memory_use() { return use; }
 
@@ -54,7 +61,7 @@ void account(std::ptrdiff_t bytes) {
 Index exclusive_scan(Buffer<Index>& counts) {
   scan(counts);
   Index total = 0;
-  copy_out(&total, counts.view().p + (counts.size() - 1), sizeof total);
+  copy_out(&total, counts.view().p + (counts.size() - 1), sizeof total, "scan");
   return total;
 }
 
@@ -92,7 +99,7 @@ void run_starts(const Buffer<std::uint64_t>& sorted_keys, Buffer<Index>& start, 
   Buffer<Index> place;
   mark_runs(sorted_keys, place, limit);
   Index runs = 0;
-  copy_out(&runs, place.view().p + (place.size() - 1), sizeof runs);
+  copy_out(&runs, place.view().p + (place.size() - 1), sizeof runs, "runs");
   start_runs(sorted_keys, place, runs, start, limit);
 }
 

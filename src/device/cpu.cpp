@@ -80,8 +80,8 @@ void copy_in(void* device, const void* host, std::size_t bytes) {
   const trap::Open open("upload");
   std::memcpy(device, host, bytes);
 }
-void copy_out(void* host, const void* device, std::size_t bytes) {
-  count_to_host(bytes);
+void copy_out(void* host, const void* device, std::size_t bytes, std::string_view who) {
+  count_to_host(bytes, who);
   trap::check_range(device, bytes, "download");
   const trap::Open open("download");
   std::memcpy(host, device, bytes);

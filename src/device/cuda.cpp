@@ -98,8 +98,8 @@ void copy_in(void* device, const void* host, std::size_t bytes) {
   count_to_device(bytes);
   check(cudaMemcpy(device, host, bytes, cudaMemcpyHostToDevice), "upload");
 }
-void copy_out(void* host, const void* device, std::size_t bytes) {
-  count_to_host(bytes);
+void copy_out(void* host, const void* device, std::size_t bytes, std::string_view who) {
+  count_to_host(bytes, who);
   check(cudaMemcpy(host, device, bytes, cudaMemcpyDeviceToHost), "download");
 }
 void copy(void* to, const void* from, std::size_t bytes) { check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice), "copy"); }

@@ -9,6 +9,7 @@
 //   * memory of a Buffer is touched on the host only through upload/download.
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,6 +42,9 @@ void reset_launch_counts();
 
 // Copies between host and device since the start; backends count every one.
 Transfers transfers();
+// Those to the host, for each of which it waits, by who wanted them.
+using Waits = std::map<std::string, long long, std::less<>>;
+const Waits& waits();
 
 // Bytes held by all Buffers now, and the most held at once.
 struct MemoryUse {
@@ -64,7 +68,7 @@ int threads();
 void* allocate(std::size_t bytes);  // throws Error(Exit::device) when memory runs out
 void release(void* p, std::size_t bytes);
 void copy_in(void* device, const void* host, std::size_t bytes);
-void copy_out(void* host, const void* device, std::size_t bytes);
+void copy_out(void* host, const void* device, std::size_t bytes, std::string_view who = "download");
 void copy(void* to, const void* from, std::size_t bytes);  // device to device
 void clear(void* p, std::size_t bytes);
 void forget(void* p, std::size_t bytes);  // values become undefined; the debug device makes them NaN

@@ -23,13 +23,13 @@ void gather(const Sources& sources, Index begin, Index end, View<std::uint32_t> 
 
 }  // namespace
 
-std::vector<std::uint32_t> Fetch::bring() const {
+std::vector<std::uint32_t> Fetch::bring(std::string_view who) const {
   std::vector<const Wish*> there;
   Index total = 0;
   for (const Wish& w : wishes_)
     if (w.words > 0) there.push_back(&w), total += w.words;
   std::vector<Word> host(total);
-  if (there.size() == 1) copy_out(host.data(), there[0]->from, total * sizeof(Word));
+  if (there.size() == 1) copy_out(host.data(), there[0]->from, total * sizeof(Word), who);
   if (there.size() < 2) return host;
   Buffer<Word> staged(total);
   Index to = 0;
@@ -43,12 +43,12 @@ std::vector<std::uint32_t> Fetch::bring() const {
     }
     gather(s, begin, to, staged.view());
   }
-  copy_out(host.data(), staged.view().p, total * sizeof(Word));
+  copy_out(host.data(), staged.view().p, total * sizeof(Word), who);
   return host;
 }
 
-void Fetch::now() {
-  const std::vector<Word> host = bring();
+void Fetch::now(std::string_view who) {
+  const std::vector<Word> host = bring(who);
   const std::vector<Wish> wishes = std::move(wishes_);
   wishes_.clear(), kept_.clear();
   const Word* at = host.data();

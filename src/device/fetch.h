@@ -4,6 +4,7 @@
 #include <cstring>
 #include <functional>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 namespace mortise::device {
@@ -43,8 +44,8 @@ class Fetch {
     kept_.push_back(std::make_shared<Buffer<T>>(std::move(memory)));
   }
 
-  // One copy, none where nothing was added; then everything is handed out in the order in which it was added.
-  void now();
+  // One copy, none where nothing was added; then everything is handed out in the order in which it was added. `who` waits, for the table of waits.
+  void now(std::string_view who = "other");
 
  private:
   using Word = std::uint32_t;
@@ -53,7 +54,7 @@ class Fetch {
     Index words;
     std::function<void(const Word*)> receive;
   };
-  std::vector<Word> bring() const;
+  std::vector<Word> bring(std::string_view who) const;
 
   std::vector<Wish> wishes_;
   std::vector<std::shared_ptr<void>> kept_;

@@ -20,6 +20,7 @@ struct Want {
   bool forces = true;
   Curvature matrix = false;
   bool whole = false;
+  bool foreseen = false;  // at the state that Effect::foresee() was last asked for
   static Want frozen() { return {false, false}; }
 };
 

@@ -55,6 +55,8 @@ class Effect {
   virtual std::unique_ptr<Linearisation> linearisation() const { return std::make_unique<Linearisation>(); }
   // Fill `at` at q, as far as wanted.
   virtual void linearise(Positions q, Want want, Linearisation& at) = 0;
+  // The next state at which `at` is filled with forces may be q: what the host has to hear of that comes with `fetch`.
+  virtual void foresee(Positions q, Linearisation& at, device::Fetch& fetch) { (void)q, (void)at, (void)fetch; }
   // Fill the contact samples of the state of `at`.
   virtual void sample(Linearisation& at) { (void)at; }
   // And how they change with the state.
@@ -101,7 +103,7 @@ inline std::vector<double> Effect::energies_now(Positions q, const Linearisation
   std::vector<double> per_env(envs, 0.0);
   device::Fetch fetch;
   energy(q, frozen, {per_env, fetch});
-  fetch.now();
+  fetch.now("energies");
   return per_env;
 }
 

@@ -51,8 +51,13 @@ class Build : public Engine {
   }
   Outcome step(const std::function<bool()>& stop_asked, const solver::StepReports& report) override {
     const device::Transfers before = device::transfers();
+    const device::Waits waited = device::waits();
     const Outcome outcome = guarded([&] { simulation_.step(stop_asked, report); });
     step_transfers_ = step_transfers_ + (device::transfers() - before);
+    for (const auto& [who, n] : device::waits()) {
+      const auto old = waited.find(who);
+      if (const long long more = n - (old == waited.end() ? 0 : old->second); more > 0) step_waits_[who] += more;
+    }
     return outcome;
   }
   Outcome lead(const std::vector<Engine*>& others) override {
@@ -107,6 +112,7 @@ class Build : public Engine {
   }
   device::Transfers transfers() const override { return device::transfers(); }
   device::Transfers step_transfers() const override { return step_transfers_; }
+  std::vector<std::pair<std::string, long long>> step_waits() const override { return {step_waits_.begin(), step_waits_.end()}; }
   std::size_t peak_memory() const override { return device::memory_use().peak; }
   std::vector<PlanItem> plan() override {
     std::vector<PlanItem> out;
@@ -133,6 +139,7 @@ class Build : public Engine {
   solver::EffectList effects_;
   solver::Simulation simulation_;
   device::Transfers step_transfers_;
+  device::Waits step_waits_;
 };
 
 Outcome create(const model::ModelInput& input, std::unique_ptr<Engine>& out) {

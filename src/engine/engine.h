@@ -55,8 +55,9 @@ class Engine {
   virtual long steps_done(Index env = 0) const = 0;
   virtual solver::Clock clock() const = 0;
   virtual std::vector<std::pair<std::string, long long>> launches() const = 0;
-  virtual device::Transfers transfers() const = 0;       // of all kinds of work so far,
-  virtual device::Transfers step_transfers() const = 0;  // and of step() alone
+  virtual device::Transfers transfers() const = 0;                                // of all kinds of work so far,
+  virtual device::Transfers step_transfers() const = 0;                           // and of step() alone
+  virtual std::vector<std::pair<std::string, long long>> step_waits() const = 0;  // its copies to the host, by who waited for them
   virtual std::size_t peak_memory() const = 0;
   virtual std::vector<PlanItem> plan() = 0;       // after begin()
   virtual std::string linear_solver() const = 0;  // and why

@@ -44,6 +44,8 @@ Buffer<std::uint64_t> hessian_keys(const StencilView& view, View<const Index> ro
   return keys;
 }
 
+}  // namespace
+
 // Distinct keys of the diagonal and of all lists, those of `of[i]` of list i, and the place among them of every key: first of the diagonal ones, then
 // of list after list.
 struct Merge {
@@ -108,6 +110,8 @@ struct Merge {
   }
 };
 
+namespace {
+
 void add_gradient(const StencilView& s, const Grouping& groups, View<Vec3> g, const GroupsOf* only) {
   const View<const Vec3> piece = s.grad;
   const View<const std::uint64_t> block = groups.key.view();
@@ -131,12 +135,16 @@ void add_hessian(const StencilView& s, const Grouping& groups, View<const std::u
 
 }  // namespace
 
+Assembler::Assembler() = default;
+Assembler::~Assembler() = default;
+
 void Assembler::set_rows(Buffer<Index>&& row_of_block, Index rows, std::vector<Index> env_rows) {
   row_of_block_ = std::move(row_of_block);
   env_rows_ = std::move(env_rows);
   rows_ = rows;
   for (auto& s : sorted_) s->has_hess = false, s->room = {};
   merge_valid_ = false;
+  begun_.reset(), merge_.reset();
 }
 
 Assembler::Sorted& Assembler::sorted(const StencilSet* set) {
@@ -198,7 +206,7 @@ bool Assembler::sort_hessians(std::span<StencilSet* const> sets, device::Fetch& 
       begin_group(std::move(keys), limit, s.hess, terms[i], fetch), unknown.push_back(i);
   }
   if (unknown.empty()) return changed;
-  fetch.now();
+  fetch.now("groups of pieces");
   for (std::size_t i : unknown) {
     Sorted& s = sorted(sets[i]);
     s.there = terms[i].groups;
@@ -222,31 +230,48 @@ bool Assembler::had_room(std::span<StencilSet* const> sets) {
   return all;
 }
 
-void Assembler::matrix(std::span<StencilSet* const> sets, BlockMatrix& A, device::Fetch& fetch) {
+void Assembler::begin_matrix(std::span<StencilSet* const> sets, device::Fetch& fetch) {
+  if (begun_) begun({});  // nobody wanted that matrix
   if (!std::equal(sets.begin(), sets.end(), merged_.begin(), merged_.end())) merge_valid_ = false;
-  const std::vector<std::uint8_t> whose = some() ? *whose_ : std::vector<std::uint8_t>{};
-  if (whose != merged_whose_) merge_valid_ = false;
+  begun_whose_ = some() ? *whose_ : std::vector<std::uint8_t>{};
+  if (begun_whose_ != merged_whose_) merge_valid_ = false;
+  if (sort_hessians(sets, fetch)) merge_valid_ = false;
   std::vector<std::uint64_t> first_key;
   for (Index row : env_rows_) first_key.push_back(block_key(row, 0, rows_));
-  std::vector<GroupsOf> only;
-  for (bool whole = false; !whole;) {
-    std::vector<const Grouping*> lists;
-    std::vector<device::Ranges> of;
-    only.clear();
-    if (sort_hessians(sets, fetch)) merge_valid_ = false;
-    for (StencilSet* set : sets) {
-      lists.push_back(&sorted(set).hess);
-      if (some()) only.push_back(groups_of(*lists.back(), first_key, whose));
-      of.push_back(some() ? only.back().groups : device::Ranges{0, lists.back()->groups});
-    }
-    if (merge_valid_) break;
-    Merge merge;
-    merge.begin(lists, of, rows_, keys_, fetch);
-    fetch.now();
-    whole = had_room(sets);
-    if (!whole) continue;
-    merged_whose_ = whose;
-    if (!merge.end(keys_, merge_place_) || A.rows != rows_) pattern_ = 0;
+  std::vector<const Grouping*> lists;
+  std::vector<device::Ranges> of;
+  only_.clear();
+  for (StencilSet* set : sets) {
+    lists.push_back(&sorted(set).hess);
+    if (some()) only_.push_back(groups_of(*lists.back(), first_key, begun_whose_));
+    of.push_back(some() ? only_.back().groups : device::Ranges{0, lists.back()->groups});
+  }
+  begun_.emplace(sets.begin(), sets.end());
+  merge_.reset();
+  if (merge_valid_) return;
+  merge_ = std::make_unique<Merge>();
+  merge_->begin(lists, of, rows_, keys_, fetch);
+}
+
+// What it has sorted is looked at even where the sets have changed since: of those that have not it is used again.
+bool Assembler::begun(std::span<StencilSet* const> sets) {
+  if (!begun_) return false;
+  const std::vector<StencilSet*> of = *std::exchange(begun_, std::nullopt);
+  bool same = std::equal(sets.begin(), sets.end(), of.begin(), of.end()) && begun_whose_ == (some() ? *whose_ : std::vector<std::uint8_t>{});
+  for (StencilSet* set : of) same = same && sorted(set).hess_version == set->version();
+  if (merge_ && !had_room(of)) same = false;
+  return same;
+}
+
+void Assembler::matrix(std::span<StencilSet* const> sets, BlockMatrix& A, device::Fetch& fetch) {
+  while (!begun(sets)) {
+    begin_matrix(sets, fetch);
+    if (merge_) fetch.now("matrix");
+  }
+  if (merge_) {
+    if (!merge_->end(keys_, merge_place_) || A.rows != rows_) pattern_ = 0;
+    merge_.reset();
+    merged_whose_ = begun_whose_;
     merged_.assign(sets.begin(), sets.end());
     merge_valid_ = true;
   }
@@ -258,7 +283,7 @@ void Assembler::matrix(std::span<StencilSet* const> sets, BlockMatrix& A, device
   Index base = rows_;
   for (std::size_t i = 0; i < sets.size(); ++i) {
     const Sorted& s = sorted(sets[i]);
-    add_hessian(sets[i]->view(), s.hess, s.place.view(), {merge_place_.view().p + base, s.hess.groups}, A.value.view(), some() ? &only[i] : nullptr);
+    add_hessian(sets[i]->view(), s.hess, s.place.view(), {merge_place_.view().p + base, s.hess.groups}, A.value.view(), some() ? &only_[i] : nullptr);
     base += s.hess.groups;
   }
 }

@@ -3,6 +3,7 @@
 // set after set, within a set in stencil order (grouping.h). A set is sorted again only when its version() changed; merging the
 // structures of the sets costs one sort of their distinct blocks, and is skipped while no set changed.
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,8 +14,12 @@
 
 namespace mortise::linalg {
 
+struct Merge;  // of the structures of several sets
+
 class Assembler {
  public:
+  Assembler();
+  ~Assembler();
   // Environment e has the blocks [env_blocks[e], env_blocks[e+1]). Both are looked at in every call: while `whose` marks only some environments,
   // sums of the others' pieces are not taken.
   void set_environments(const std::vector<Index>& env_blocks, const std::vector<std::uint8_t>& whose) { env_blocks_ = &env_blocks, whose_ = &whose; }
@@ -30,6 +35,8 @@ class Assembler {
   void matrix(std::span<StencilSet* const> sets, BlockMatrix& A);
   // What else `fetch` was asked for is brought too where the structure has to be asked for.
   void matrix(std::span<StencilSet* const> sets, BlockMatrix& A, device::Fetch& fetch);
+  // Asks for the structure of that matrix: once `fetch` is done matrix() has it, of the sets as they are now.
+  void begin_matrix(std::span<StencilSet* const> sets, device::Fetch& fetch);
 
  private:
   struct Sorted {
@@ -46,6 +53,7 @@ class Assembler {
   Sorted& sorted(const StencilSet* set);
   bool sort_hessians(std::span<StencilSet* const> sets, device::Fetch& fetch);  // false: none had changed
   bool had_room(std::span<StencilSet* const> sets);                             // true: what was sorted is whole
+  bool begun(std::span<StencilSet* const> sets);                                // true: begin_matrix() was for these, and had room for them
   bool some() const { return whose_ && !whose_->empty(); }
 
   const std::vector<Index>* env_blocks_ = nullptr;
@@ -62,6 +70,12 @@ class Assembler {
   Buffer<std::uint64_t> keys_;
   Buffer<Index> merge_place_;
   std::uint64_t pattern_ = 0;
+
+  // Of begin_matrix(): the groups of the environments that are not left out, and the structure that is being merged, where it may have changed.
+  std::optional<std::vector<StencilSet*>> begun_;
+  std::vector<std::uint8_t> begun_whose_;
+  std::vector<GroupsOf> only_;
+  std::unique_ptr<Merge> merge_;
 };
 
 }  // namespace mortise::linalg

@@ -19,10 +19,12 @@ struct CgOptions {
   Index max_iterations = 10000;      // per environment, restarts included
   std::vector<double> absolute;      // [unit of b] per environment, or empty: residuals up to this count as converged
   Index check_every = 16;            // iterations between two looks from the host
+  Index expected = 0;                // iterations that it will take, where something is known of that: during half of them the host does not look
   std::vector<std::uint8_t> only{};  // per environment: whether it is solved at all, or empty: all are
   // Called where the host is about to look and x may be the solution; what it asks of the fetch is brought with that look. It has been called for the
   // x that solve() leaves.
   std::function<void(device::Fetch&)> then{};
+  device::Fetch* fetch = nullptr;  // brought with the first look, where somebody has asked for something already
 };
 
 enum class CgEnd : std::uint8_t {

@@ -117,7 +117,7 @@ Awaited awaited(Operator op) {
     op(in, out);
     device::Fetch fetch;
     then(fetch);
-    fetch.now();
+    fetch.now("preconditioned product");
   };
 }
 

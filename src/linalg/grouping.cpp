@@ -58,7 +58,7 @@ void group(Buffer<std::uint64_t>&& keys, std::uint64_t limit, Grouping& out) {
   SortedTerms sorted;
   device::Fetch fetch;
   begin_group(std::move(keys), limit, out, sorted, fetch);
-  fetch.now();
+  fetch.now("groups");
   end_group(std::move(sorted), out);
 }
 

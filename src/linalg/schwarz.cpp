@@ -179,7 +179,7 @@ bool Schwarz::group_levels(const BlockMatrix& A, bool within) {
     }
     shape(here);
   }
-  fetch.now();
+  fetch.now("schwarz levels");
   if (std::any_of(coarse_.begin(), coarse_.end(), [](const CoarseMatrix& m) { return m.there > m.terms.groups; })) return false;
   for (CoarseMatrix& m : coarse_) m.room.found(m.there, fine);
   return true;

@@ -53,10 +53,16 @@ void StencilSet::end_resize(Index n) {
   pattern_changed();
 }
 
+void StencilSet::take_shape(StencilSet& from) {
+  uniform_ = -1;
+  n_ = from.n_, sum_ = from.sum_, pairs_ = from.pairs_;
+  offset_.swap(from.offset_), hess_offset_.swap(from.hess_offset_);
+}
+
 void StencilSet::resize(device::Buffer<Index>&& counts) {
   device::Fetch fetch;
   begin_resize(std::move(counts), fetch);
-  fetch.now();
+  fetch.now("stencils");
   end_resize(n_);
 }
 

@@ -32,6 +32,8 @@ class StencilSet {
   // The same in two halves, between which `fetch` brings the sums; then all but the first n have to be without blocks, and are none.
   void begin_resize(device::Buffer<Index>&& counts, device::Fetch& fetch);
   void end_resize(Index n);
+  // Takes over what begin_resize() of `from` was told, in place of its own; end_resize() comes next.
+  void take_shape(StencilSet& from);
   // Room for the Hessian pieces, which a new shape is without.
   void need_hessian() { hess_.resize(pairs_); }
   bool has_hessian() const { return hess_.size() == pairs_; }

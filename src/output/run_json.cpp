@@ -83,6 +83,8 @@ std::string run_json(const RunRecord& r) {
   for (const auto& t : r.transfers)
     j["transfers"][t.of] = {
         {"to_device", t.to_device}, {"bytes_to_device", t.bytes_to_device}, {"to_host", t.to_host}, {"bytes_to_host", t.bytes_to_host}};
+  j["waits"] = Json::object();
+  for (const auto& [who, count] : r.waits) j["waits"][who] = count;
   j["memory_peak_bytes"] = {{"host", r.host_memory_peak_bytes}, {"device", r.device_memory_peak_bytes}};
   j["frames"] = r.frames;
   Json& steps = j["steps"];

@@ -46,6 +46,7 @@ struct RunRecord {
   std::vector<Phase> phases;
   std::vector<std::pair<std::string, std::int64_t>> launches;  // per kernel
   std::vector<Transfers> transfers;
+  std::vector<std::pair<std::string, std::int64_t>> waits;  // of steps, by who waited
   std::int64_t host_memory_peak_bytes = 0, device_memory_peak_bytes = 0;
   std::int64_t frames = 0;
   std::vector<StepRow> steps;

@@ -29,6 +29,7 @@ void Record::write(const std::string& path, const End& end, const engine::Engine
     for (const auto& [name, n] : engine->launches()) r.launches.emplace_back(name, n);
     for (const auto& [name, t] : {std::pair{"all", engine->transfers()}, std::pair{"steps", engine->step_transfers()}})
       r.transfers.push_back({name, t.to_device, t.bytes_to_device, t.to_host, t.bytes_to_host});
+    for (const auto& [who, n] : engine->step_waits()) r.waits.emplace_back(who, n);
     r.device_memory_peak_bytes = static_cast<std::int64_t>(engine->peak_memory());
   }
   r.steps = steps;

@@ -40,6 +40,7 @@ class SharedEngine::Member final : public engine::Engine {
   std::vector<std::pair<std::string, long long>> launches() const override { return all_.engine_->launches(); }
   device::Transfers transfers() const override { return all_.engine_->transfers(); }
   device::Transfers step_transfers() const override { return all_.engine_->step_transfers(); }
+  std::vector<std::pair<std::string, long long>> step_waits() const override { return all_.engine_->step_waits(); }
   std::size_t peak_memory() const override { return all_.engine_->peak_memory(); }
   std::string linear_solver() const override { return all_.engine_->linear_solver(); }
 

@@ -19,7 +19,7 @@ void Coupled::factor(const device::Buffer<Vec3>& q, const EnvMask& whose, Linear
   system_.linearise(q.view(), {true, curvature_.wanted()}, at);
   device::Fetch fetch;
   system_.matrix(at, q.view(), wanted, A_, fetch, fetch);
-  fetch.now();
+  fetch.now("coupled");
   const std::vector<double> none(wanted.size(), 0.0);
   const EnvMask good = linear_.prepare({A_, {}, {}, none, none, q.view()}, wanted);
   for (std::size_t e = 0; e < wanted.size(); ++e) {
@@ -92,7 +92,7 @@ void Coupled::monotone_step(device::Buffer<Vec3>& q, Residual& r, Linearised& at
   std::vector<double> alpha(model.envs, 1.0);
   device::Fetch fetch;
   system_.potential.max_step(std::as_const(dq_).view(), at, {alpha, fetch});
-  fetch.now();
+  fetch.now("coupled");
   for (Index e = 0; e < model.envs; ++e)
     if (!active_[e]) alpha[e] = 0;
   const std::vector<double> before = natural_level(at);
@@ -134,7 +134,7 @@ EnvMask Coupled::finite_energies(const Linearised& at) {
   Energies energies;
   device::Fetch fetch;
   system_.potential.energies(std::as_const(trial_).view(), at, energies, fetch);
-  fetch.now();
+  fetch.now("coupled");
   EnvMask out = active_;
   for (std::size_t e = 0; e < out.size(); ++e) {
     double sum = 0;
@@ -180,7 +180,7 @@ void Coupled::solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Li
     device::Fetch fetch;
     system_.convergence.see_step(std::as_const(dq_).view(), r, active_, fetch);
     largest(std::as_const(dq_).view(), model.env_blocks, {longest, fetch});
-    fetch.now();
+    fetch.now("coupled");
     std::vector<double> before(model.envs);
     for (Index e = 0; e < model.envs; ++e) {
       before[e] = system_.convergence.largest_force(r, e);

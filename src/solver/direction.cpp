@@ -8,33 +8,45 @@
 
 namespace mortise::solver {
 
-// x_ of the environments of `todo`. What is not needed for it comes with `later`.
+void Direction::foresee(const Linearised& at, device::Fetch& fetch) {
+  system_.right_hand_side(at, {}, rhs_);
+  rhs2_.assign(system_.model.envs, 0.0);
+  dot(std::as_const(rhs_).view(), std::as_const(rhs_).view(), system_.rows.env, {rhs2_, fetch});
+  foreseen_ = true;
+}
+
+// x_ of the environments of `todo`. What is not needed for it comes with the fetch of `aside`.
 void Direction::solve(const device::Buffer<Vec3>& q, const std::vector<double>& wanted, EnvMask todo, bool whole, Linearised& at, EnvTable& envs,
-                      const StepReports& report, device::Fetch& later) {
+                      const StepReports& report, Aside& aside) {
   while (any(todo)) {
+    aside.done = false;
     std::optional<model::Only> only(std::in_place, system_.model, todo);
     device::Buffer<Vec3> Jc, Uc;
     if (supports_move_) {
       system_.potential.product(at, std::as_const(support_).view(), Jc);
       if (whole) system_.potential.unsymmetric_product(at, false, std::as_const(support_).view(), Uc), add(std::as_const(Uc).view(), Jc);
     }
-    system_.right_hand_side(at, std::as_const(Jc).view(), rhs_);
-    std::vector<double> rhs2(envs.size(), 0.0);
     device::Fetch fetch;
-    dot(std::as_const(rhs_).view(), std::as_const(rhs_).view(), system_.rows.env, {rhs2, fetch});
-    system_.matrix(at, q.view(), todo, matrix_, fetch, later);
-    fetch.now();
+    if (supports_move_ || !foreseen_) {
+      system_.right_hand_side(at, std::as_const(Jc).view(), rhs_);
+      rhs2_.assign(envs.size(), 0.0);
+      dot(std::as_const(rhs_).view(), std::as_const(rhs_).view(), system_.rows.env, {rhs2_, fetch});
+    }
+    system_.matrix(at, q.view(), todo, matrix_, fetch, aside.fetch);
+    fetch.now("right-hand side");
     clear_envs(x_, todo, 1, system_.rows.env);
     {
       const Timed timed(system_.clock, "solver", "linear_solve");
       const linalg::Operator J = system_.whole(at, matrix_);
-      todo = linear_.solve({matrix_, std::as_const(rhs_).view(), x_.view(), rhs2, wanted, q.view(), whole ? &J : nullptr}, todo, curvature_, envs,
-                           report);
+      todo =
+          linear_.solve({matrix_, std::as_const(rhs_).view(), x_.view(), rhs2_, wanted, q.view(), whole ? &J : nullptr, aside.ask ? &aside : nullptr},
+                        todo, curvature_, envs, report);
     }
     if (!any(todo)) break;
     only.reset();
     for (Index e = 0; e < envs.size(); ++e)
       if (todo[e]) curvature_.soften(e), ++report[e].softened;
+    foreseen_ = false;
     system_.potential.linearise(q.view(), want(envs), at);
   }
 }
@@ -45,14 +57,14 @@ effects::Want Direction::want(const EnvTable& envs) {
   return {true, curvature_.wanted(), whole};
 }
 
-void Direction::begin(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs,
-                      const StepReports& report, device::Fetch& fetch) {
+bool Direction::begin(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs,
+                      const StepReports& report, device::Fetch& fetch, const std::function<void(device::Fetch&)>& ask) {
   system_.supports(q.view(), support_);
   supports_move_ = largest_of(r.support_gap) > 0;
   x_.resize(system_.rows.count());
   EnvMask plain = envs.mask(EnvState::running), whole = plain;
   for (Index e = 0; e < envs.size(); ++e) (envs[e].whole ? plain : whole)[e] = 0;
-  const auto measure = [&] {
+  const auto measure = [&](device::Fetch& fetch) {
     measured_ = envs.mask(EnvState::running);
     longest_.assign(envs.size(), 0.0);
     carry(at, envs, fetch);
@@ -60,12 +72,18 @@ void Direction::begin(const device::Buffer<Vec3>& q, const Residual& r, const st
     system_.convergence.see_step(std::as_const(dq_).view(), r, measured_, fetch);
     clear_not_finite(dq_);  // the host hears of it after others have asked how far it may lead
   };
-  solve(q, wanted, plain, false, at, envs, report, fetch);
-  bool measured = false;
+  // A failure of what is asked is that of the only environment; several are asked when all have their ways.
+  Aside aside{fetch, {}};
+  if (ask && envs.size() == 1) aside.ask = [&](device::Fetch& now) { measure(now), ask(now); };
+  solve(q, wanted, plain, false, at, envs, report, aside);
+  bool measured = aside.done;
   while (any(whole)) {
-    solve(q, wanted, whole, true, at, envs, report, fetch);
-    measure();
-    fetch.now();
+    solve(q, wanted, whole, true, at, envs, report, aside);
+    if (aside.ask && !aside.done)
+      aside.ask(fetch), aside.done = true;
+    else if (!aside.done)
+      measure(fetch);
+    fetch.now("slope");
     // Uphill: with less negative curvature, and without any by its symmetric part alone.
     EnvMask uphill = whole, symmetric(envs.size(), 0);
     for (Index e = 0; e < envs.size(); ++e) {
@@ -76,11 +94,16 @@ void Direction::begin(const device::Buffer<Vec3>& q, const Residual& r, const st
     }
     for (Index e = 0; e < envs.size(); ++e) report[e].softened += uphill[e];
     if (any(uphill)) system_.potential.linearise(q.view(), want(envs), at);
-    solve(q, wanted, symmetric, false, at, envs, report, fetch);
     measured = !any(uphill) && !any(symmetric);
+    if (any(symmetric)) {
+      solve(q, wanted, symmetric, false, at, envs, report, aside);
+      measured = aside.done;
+    }
     whole = uphill;
   }
-  if (!measured) measure();
+  if (!measured) measure(fetch);
+  foreseen_ = false;
+  return aside.done;
 }
 
 void Direction::end(EnvTable& envs) {

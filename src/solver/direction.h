@@ -13,9 +13,13 @@ class Direction {
 
   // In the running environments, from q, where `at` is linearised with a matrix; wanted: per environment the residual at which Newton stops [N].
   // Where there is none the environment fails. In two halves: what is only told of the way comes with `fetch`, between them.
-  void begin(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs,
-             const StepReports& report, device::Fetch& fetch);
+  // `ask`: what else is to be known of the way; it is asked here where the host waits for that anyway, which is said by `true`.
+  bool begin(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs,
+             const StepReports& report, device::Fetch& fetch, const std::function<void(device::Fetch&)>& ask = {});
   void end(EnvTable& envs);
+  // Before that: the right-hand side of the state of `at`, on the guess that no support moves; its size comes with `fetch`.
+  void foresee(const Linearised& at, device::Fetch& fetch);
+  void forget() { foreseen_ = false; }  // another state comes
 
   // What Newton's next direction needs of its iterate.
   effects::Want want(const EnvTable& envs);
@@ -28,7 +32,7 @@ class Direction {
 
  private:
   void solve(const device::Buffer<Vec3>& q, const std::vector<double>& wanted, EnvMask todo, bool whole, Linearised& at, EnvTable& envs,
-             const StepReports& report, device::Fetch& later);
+             const StepReports& report, Aside& aside);
   void carry(const Linearised& at, const EnvTable& envs, device::Fetch& fetch);
   System& system_;
   Linear& linear_;
@@ -37,6 +41,8 @@ class Direction {
   bool supports_move_ = false;
   device::Buffer<Vec3> support_, rhs_, x_, dq_, offset_;
   std::vector<double> slope_, longest_;  // per environment [J], [m]
+  bool foreseen_ = false;                // rhs_ is that of the iterate without supports,
+  std::vector<double> rhs2_;             // and its squared size
   EnvMask measured_;                     // environments of which they are known
 };
 

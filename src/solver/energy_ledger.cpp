@@ -25,7 +25,7 @@ void EnergyLedger::find(device::View<const Vec3> q, const Linearised& at, device
     Energies here;
     device::Fetch now;
     potential_.energies(q, at, here, now);
-    now.now();
+    now.now("energies again");
     for (std::size_t k = 0; k < here.size(); ++k)
       for (std::size_t e = 0; e < again.size() && !known_[k].empty(); ++e)
         if (again[e]) known_[k][e] = here[k][e];
@@ -90,7 +90,7 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
       for (const device::Buffer<Vec3>& g : at.gradients) dot(g.view(), std::as_const(offset).view(), model_.env_blocks, {work, fetch});
     }
   }
-  fetch.now();
+  fetch.now("end of solve");
   total_ = sum(known_);
   for (Index e = 0; e < model_.envs; ++e) {
     StepEnergy& step = step_[e] = {};

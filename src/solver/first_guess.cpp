@@ -19,6 +19,7 @@ void free_way(device::View<const Vec3> from, device::View<const Vec3> to, device
 
 EnvMask FirstGuess::find(const EnvMask& whose, device::Buffer<Vec3>& q, Linearised& at) {
   const model::Model& model = system_.model;
+  landed_ = false;
   device::View<const Vec3> carried;
   for (const auto& effect : system_.potential.effects())
     if (const auto to = effect->carried(); to.n > 0) carried = to;
@@ -52,32 +53,35 @@ EnvMask FirstGuess::go(const EnvMask& whose, const device::Buffer<Vec3>& way, de
   device::Fetch fetch;
   system_.potential.max_step(way.view(), at, {alpha, fetch});
   energies_.find(std::as_const(q).view(), at, fetch);
-  fetch.now();
+  fetch.now("first guess");
   for (Index e = 0; e < model.envs; ++e) alpha[e] = whose[e] && alpha[e] >= 1 ? 1 : 0;
   std::vector<double> before = energies_.sum(energies_.known());
   if (supports.n > 0) {
     advance(std::as_const(q).view(), supports, alpha, model, trial_);
-    before = energies_there(at);
+    before = energies_there(at, false);
     advance(std::as_const(q).view(), way.view(), alpha, model, trial_);
   } else {  // not `advance`, by which supports would land on their targets
     trial_.copy_from(q);
     add_scaled(way.view(), alpha, model.block_env.view(), trial_);
     if (model.ties.any()) model.ties.place(trial_.view());
   }
-  const std::vector<double> after = energies_there(at);
+  const std::vector<double> after = energies_there(at, lands_);
   EnvMask taken(model.envs, 0);
   for (Index e = 0; e < model.envs; ++e) taken[e] = alpha[e] == 1 && std::isfinite(after[e]) && !(after[e] >= before[e]);
+  landed_ = lands_ && taken == whose;
+  lands_ = any(taken);
   energies_.begin_search(taken);
   for (Index e = 0; e < model.envs; ++e)
     if (taken[e]) copy_blocks(trial_, model.env_blocks[e], model.env_blocks[e + 1], q), energies_.forget(e);
   return taken;
 }
 
-std::vector<double> FirstGuess::energies_there(const Linearised& at) {
+std::vector<double> FirstGuess::energies_there(Linearised& at, bool next) {
   Energies there;
   device::Fetch fetch;
   system_.potential.energies(std::as_const(trial_).view(), at, there, fetch);
-  fetch.now();
+  if (next) system_.potential.foresee(std::as_const(trial_).view(), at, fetch);
+  fetch.now("first guess energies");
   return energies_.sum(there);
 }
 

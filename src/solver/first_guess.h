@@ -14,15 +14,18 @@ class FirstGuess {
 
   // Moves the environments of `whose`, in which a step begins; returns those that it could. at: frozen at q.
   EnvMask find(const EnvMask& whose, device::Buffer<Vec3>& q, Linearised& at);
+  // Did they all go to a state that effects have foreseen?
+  bool landed() const { return landed_; }
 
  private:
   // Takes the way from q where that is good; returns where. supports: their part of the way, which leads to their targets; empty: they stay.
   EnvMask go(const EnvMask& whose, const device::Buffer<Vec3>& way, device::View<const Vec3> supports, device::Buffer<Vec3>& q, Linearised& at);
-  // Sums at trial_, to which this moves [J].
-  std::vector<double> energies_there(const Linearised& at);
+  // Sums at trial_, to which this moves [J]; next: and what the state is asked for when it is taken.
+  std::vector<double> energies_there(Linearised& at, bool next);
 
   System& system_;
   EnergyLedger& energies_;
+  bool lands_ = true, landed_ = false;  // the last guess was taken; and was foreseen
   device::Buffer<Vec3> way_, with_supports_, supports_, trial_;
 };
 

@@ -13,7 +13,7 @@ std::vector<double> largest(View<const Vec3> v, const std::vector<Index>& env_bl
   std::vector<double> out(env_blocks.size() - 1, 0.0);
   Fetch fetch;
   largest(v, env_blocks, {out, fetch});
-  fetch.now();
+  fetch.now("largest");
   return out;
 }
 
@@ -26,7 +26,7 @@ std::vector<double> dot(View<const Vec3> a, View<const Vec3> b, const std::vecto
   std::vector<double> out(env_blocks.size() - 1, 0.0);
   Fetch fetch;
   dot(a, b, env_blocks, {out, fetch});
-  fetch.now();
+  fetch.now("dot");
   return out;
 }
 
@@ -254,7 +254,7 @@ double hold_rows(linalg::BlockMatrix& A, double scale, View<const Index> list, I
       EnvValues{trace, fetch});
   device::env_sum(
       "solver.hold_positions", {begin, end}, [=] MORTISE_HD(Index i) { return position[block_of_row[list[i]]]; }, EnvValues{positions, fetch});
-  fetch.now();
+  fetch.now("hold");
   if (positions[0] == 0) return 0;
   const double k = trace[0] / positions[0];
   device::parallel_for("solver.hold", end - begin, [=] MORTISE_HD(Index i) {

@@ -37,7 +37,7 @@ void LagLoop::relax(const device::Buffer<Vec3>& q, const EnvMask& whose, Lineari
     device::Fetch fetch;
     dot(std::as_const(last_).view(), std::as_const(change).view(), model.env_blocks, {along, fetch});
     dot(std::as_const(change).view(), std::as_const(change).view(), model.env_blocks, {square, fetch});
-    fetch.now();
+    fetch.now("relaxation");
     for (Index e = 0; e < model.envs; ++e)
       if (square[e] > 0) relaxation_[e] = std::clamp(-relaxation_[e] * along[e] / square[e], tuning::kLeastRelaxation, 1.0);
   }
@@ -57,7 +57,7 @@ void LagLoop::relax(const device::Buffer<Vec3>& q, const EnvMask& whose, Lineari
   system_.potential.linearise(std::as_const(q_).view(), frozen, near);
   device::Fetch fetch;
   system_.potential.max_step(std::as_const(move_).view(), near, {relative_residual, fetch});
-  fetch.now();
+  fetch.now("relaxation");
   add_scaled(std::as_const(move_).view(), relative_residual, std::as_const(model.block_env).view(), q_);
   system_.potential.linearise(std::as_const(q_).view(), frozen, near);
   system_.potential.sample(near);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "solver/kernels.h"
 #include "solver/tuning.h"
@@ -35,15 +36,15 @@ void LineSearch::ask(device::View<const Vec3> q, device::Buffer<Vec3>& dq, devic
     dot(c, c, model.env_blocks, {m.cc, fetch});
     largest(c, model.env_blocks, {m.farthest, fetch});
   }
-  fetch.now();
 }
 
 void LineSearch::begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, device::View<const Vec3> c, Linearised& at, EnvTable& envs,
-                       device::Fetch& fetch) {
+                       device::Fetch& fetch, bool asked) {
   const model::Model& model = system_.model;
   for (bool done = false; !done;) {
     try {
-      ask(q, dq, c, at, fetch);
+      if (!std::exchange(asked, false)) ask(q, dq, c, at, fetch);
+      fetch.now("way and energies");
       done = true;
     } catch (const Failure& f) {  // of what supports prescribe: of one environment, without which it is tried again
       envs.fail(f.env, f.reason);
@@ -55,12 +56,13 @@ void LineSearch::begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, dev
 }
 
 // Energies at trial_ of the environments of `whose`; those of the others stay.
-void LineSearch::find_energies(const Linearised& at, const EnvMask& whose, Energies& there) {
+void LineSearch::find_energies(Linearised& at, const EnvMask& whose, bool next, Energies& there) {
   const model::Only only(system_.model, whose);
   Energies here;
   device::Fetch fetch;
   system_.potential.energies(std::as_const(trial_).view(), at, here, fetch);
-  fetch.now();
+  if (next) system_.potential.foresee(std::as_const(trial_).view(), at, fetch);
+  fetch.now("trial energies");
   for (std::size_t k = 0; k < here.size(); ++k)
     for (std::size_t e = 0; e < whose.size(); ++e)
       if (whose[e]) there[k][e] = here[k][e];
@@ -68,6 +70,7 @@ void LineSearch::find_energies(const Linearised& at, const EnvMask& whose, Energ
 
 void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, Linearised& at, EnvTable& envs,
                      const StepReports& report, const Forces& forces) {
+  landed_ = false;
   if (!envs.any(EnvState::running)) return;
   const model::Model& model = system_.model;
   std::vector<double>& alpha = alpha_;
@@ -92,10 +95,12 @@ void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const st
     alpha[e] = 0, searching[e] = 0, placed = false;
     for (std::size_t k = 0; k < there.size(); ++k) there[k][e] = energies_.known()[k][e];
   };
-  for (int k = 0; any(searching); ++k) {
+  const bool foresees = lands_;
+  int k = 0;
+  for (; any(searching); ++k) {
     advance(std::as_const(q).view(), std::as_const(dq).view(), alpha, model, trial_);
     placed = true;
-    find_energies(at, searching, there);
+    find_energies(at, searching, k == 0 && foresees, there);
     std::vector<double> scale;
     const std::vector<double> after = energies_.sum(there, &scale);
     const auto rounding = [&](Index e) { return tuning::kEnergyRounding * scale[e] + merit.rounding[e]; };
@@ -152,6 +157,8 @@ void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const st
       }
     }
   }
+  lands_ = placed && k == 1;
+  landed_ = lands_ && foresees;
   if (!placed) advance(std::as_const(q).view(), std::as_const(dq).view(), alpha, model, trial_);
   energies_.accept(std::move(there));
   for (Index e = 0; e < model.envs; ++e) {

@@ -32,9 +32,14 @@ class LineSearch {
   // Moves q of the running environments along dq, from the state of `at`, in two halves. The first finds out how far dq may lead, and brings `fetch`
   // with that; c: what supports still have to move, none where empty. The second goes there; slope: gradient . dq [J]. Where nothing descends the
   // environment fails.
-  void begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, device::View<const Vec3> c, Linearised& at, EnvTable& envs, device::Fetch& fetch);
+  // asked: ask() was, with that fetch or an earlier one.
+  void begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, device::View<const Vec3> c, Linearised& at, EnvTable& envs, device::Fetch& fetch,
+             bool asked = false);
+  void ask(device::View<const Vec3> q, device::Buffer<Vec3>& dq, device::View<const Vec3> c, Linearised& at, device::Fetch& fetch);
   void end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, Linearised& at, EnvTable& envs,
            const StepReports& report, const Forces& forces);
+  // Did it go to a state that effects have foreseen?
+  bool landed() const { return landed_; }
 
  private:
   // Of the merit, per environment: descent promised by the slope, what the supports add, and below what it says nothing. curvature: dq . H dq;
@@ -42,13 +47,13 @@ class LineSearch {
   struct Merit {
     std::vector<double> slope, rho, cc, rounding, curvature, farthest;
   };
-  void ask(device::View<const Vec3> q, device::Buffer<Vec3>& dq, device::View<const Vec3> c, Linearised& at, device::Fetch& fetch);
-
-  void find_energies(const Linearised& at, const EnvMask& whose, Energies& there);
+  // next: and what the state is asked for when it is taken.
+  void find_energies(Linearised& at, const EnvMask& whose, bool next, Energies& there);
 
   System& system_;
   EnergyLedger& energies_;
-  std::vector<double> alpha_;  // per environment
+  std::vector<double> alpha_;           // per environment
+  bool lands_ = true, landed_ = false;  // the last search ended at its first trial; and that one was foreseen
   Merit merit_;
   device::Buffer<Vec3> trial_;
 };

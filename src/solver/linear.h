@@ -2,6 +2,7 @@
 // How the linear system of a Newton iteration, A x = b, is solved, in every environment by itself: a factor each time (direct), factors that
 // serve later iterations of the step as preconditioners (reuse), or conjugate gradients (cg). What is kept from one iteration to the next never
 // outlives the step, so that a restart between steps meets the same.
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,6 +18,13 @@
 
 namespace mortise::solver {
 
+// What else is to be known once there is x: a strategy that waits for its end anyway asks where x may be the solution, and brings `fetch` with that.
+struct Aside {
+  device::Fetch& fetch;
+  std::function<void(device::Fetch&)> ask;
+  bool done = false;  // of the x that solve() left; else the caller asks
+};
+
 struct LinearSystem {
   linalg::BlockMatrix& A;  // block diagonal over environments; may be shifted
   device::View<const Vec3> b;
@@ -25,6 +33,7 @@ struct LinearSystem {
   const std::vector<double>& wanted;        // per environment: the residual at which Newton stops [N]
   device::View<const Vec3> q;               // positions of blocks
   const linalg::Operator* whole = nullptr;  // where the matrix of the system is not A but has unsymmetric parts too: its products; A is near it then
+  Aside* aside = nullptr;
 };
 
 class Linear {

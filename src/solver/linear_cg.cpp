@@ -46,7 +46,7 @@ class Cg final : public Linear {
   const char* name() const override { return "cg"; }
   void begin_solve(bool changed) override {
     if (changed) cg_.reset();
-    for (Env& e : env_) e = {};
+    for (Env& e : env_) e = {.rate = e.rate};
   }
 
   EnvMask solve(const LinearSystem& s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, const StepReports& report) override {
@@ -71,7 +71,7 @@ class Cg final : public Linear {
       for (double& asked : relative) asked = std::max(asked, tuning::kWholeRough);
       EnvMask left = todo;
       const Start start = [&](const Then& then) {
-        const linalg::CgResult symmetric = run(s.A, s.b, s.x, relative, absolute, todo, then);
+        const linalg::CgResult symmetric = run(s.A, s.b, s.x, relative, absolute, todo, then, &s);
         count(symmetric, todo, report);
         for (Index e = 0; e < rows_.envs(); ++e)
           if (todo[e] && symmetric.env[e].end == linalg::CgEnd::not_positive_definite && curvature.concavity(e) > 0)
@@ -91,7 +91,8 @@ class Cg final : public Linear {
       }
       return indefinite;
     }
-    const linalg::CgResult cg = run(s.A, s.b, s.x, relative, absolute, todo);
+    const linalg::CgResult cg = run(s.A, s.b, s.x, relative, absolute, todo, s.aside ? s.aside->ask : Then{}, &s);
+    if (s.aside) s.aside->done = true;
     count(cg, todo, report);
     for (Index e = 0; e < rows_.envs(); ++e) {
       if (!todo[e]) continue;
@@ -132,9 +133,10 @@ class Cg final : public Linear {
  private:
   using Then = std::function<void(device::Fetch&)>;
 
-  // Within one step.
+  // Within one step, but for `rate`, by which only the host's looks go.
   struct Env {
     double built_speed = 0, speed = 0;  // iterations per digit: right after the preconditioner was built (0: not yet), last time
+    double rate = 0;                    // iterations per digit of the last system with A itself
     bool any = false;                   // a system has been solved; how exactly, and its right-hand side:
     double relative = 0, last_rhs = 0;
   };
@@ -142,6 +144,17 @@ class Cg final : public Linear {
   static void count(const linalg::CgResult& cg, const EnvMask& whose, const StepReports& report) {
     for (std::size_t e = 0; e < whose.size(); ++e)
       if (whose[e]) report[static_cast<Index>(e)].cg += cg.env[e].iterations;
+  }
+
+  // Iterations of a Newton iteration's own system, at the rate of the last one; 0 where there was none.
+  Index expected(const std::vector<double>& relative, const std::vector<double>& absolute, const EnvMask& todo, const LinearSystem& of) const {
+    double most = 0;
+    for (std::size_t e = 0; e < todo.size(); ++e) {
+      if (!todo[e]) continue;
+      const double least = !absolute.empty() && of.b2[e] > 0 ? absolute[e] / std::sqrt(of.b2[e]) : 0;
+      most = std::max(most, env_[e].rate * -std::log10(std::max(relative[e], least)));
+    }
+    return static_cast<Index>(std::min<double>(most, options_.cg_iterations));
   }
 
   double forcing(const Env& e, double b2) const {
@@ -155,14 +168,20 @@ class Cg final : public Linear {
   }
 
   linalg::CgResult run(const linalg::BlockMatrix& A, device::View<const Vec3> b, device::View<Vec3> x, const std::vector<double>& relative,
-                       const std::vector<double>& absolute, const EnvMask& todo, const Then& then = {}) {
+                       const std::vector<double>& absolute, const EnvMask& todo, const Then& then = {}, const LinearSystem* of = nullptr) {
     linalg::CgOptions options;
     options.then = then;
     options.max_iterations = options_.cg_iterations;
     options.absolute = absolute;
     options.only = todo;
+    if (of) options.expected = expected(relative, absolute, todo, *of);
+    if (of && of->aside) options.fetch = &of->aside->fetch;
     for (Index e = 0; e < rows_.envs(); ++e) options.only[e] &= static_cast<std::uint8_t>(model_.works_on(e));
-    return cg_->solve(A, *preconditioner_, b, x, relative, options);
+    const linalg::CgResult out = cg_->solve(A, *preconditioner_, b, x, relative, options);
+    for (std::size_t e = 0; of && e < todo.size(); ++e)
+      if (const linalg::CgResult::Env& end = out.env[e]; todo[e] && end.end == linalg::CgEnd::converged && end.residual < end.rhs)
+        env_[e].rate = end.iterations / std::log10(end.rhs / end.residual);
+    return out;
   }
 
   // Schwarz needs a quarter to a half of the iterations of block Jacobi, but each costs twice as much on CPU threads, and setting it up as much

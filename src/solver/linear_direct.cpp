@@ -169,7 +169,9 @@ class Direct final : public Linear {
     return false;
   }
 
-  EnvMask solve_whole(const LinearSystem& s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, const StepReports& report) {
+  // Where an old factor does not get there a new one is made: x is not known to be the solution before the end.
+  EnvMask solve_whole(LinearSystem s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, const StepReports& report) {
+    s.aside = nullptr;
     EnvMask indefinite(todo.size(), 0), left(todo.size(), 0);
     for (Index e = 0; e < rows_.envs(); ++e) left[e] = todo[e] && !empty(e);
     for (int round = 0; any(left); ++round) {

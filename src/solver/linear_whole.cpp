@@ -37,7 +37,7 @@ linalg::GmresResult solve_whole(const model::Model& model, const LinearSystem& s
   const Start here = [&](const std::function<void(device::Fetch&)>& then) {
     device::Fetch fetch;
     then(fetch);
-    fetch.now();
+    fetch.now("whole system");
     return whose;
   };
   return solve_whole(model, s, here, env_rows, relative, limit, preconditioner);
@@ -75,6 +75,10 @@ linalg::GmresResult solve_whole(const model::Model& model, const LinearSystem& s
     device::copy(x.view().p, s.x.p, rows * sizeof(Vec3));
     residual(fetch);
   });
+  const auto leave = [&] {
+    for (Index e = 0; e < envs; ++e)
+      if (whose[e]) device::copy(s.x.p + env_rows[e], std::as_const(x).view().p + env_rows[e], (env_rows[e + 1] - env_rows[e]) * sizeof(Vec3));
+  };
   EnvMask left = whose;
   linalg::GmresResult sum;
   sum.of_env.assign(envs, 0), sum.relative.assign(envs, 0.0);
@@ -102,12 +106,16 @@ linalg::GmresResult solve_whole(const model::Model& model, const LinearSystem& s
     add(std::as_const(d).view(), x);
     sum.iterations += cycle.iterations;
     for (Index e = 0; e < envs; ++e) sum.of_env[e] += left[e] ? cycle.of_env[e] : 0;
-    device::Fetch fetch;
+    device::Fetch own, &fetch = s.aside ? s.aside->fetch : own;
     residual(fetch);
-    fetch.now();
+    if (s.aside) {
+      leave();
+      s.aside->ask(fetch);
+      s.aside->done = true;
+    }
+    fetch.now("whole system");
   }
-  for (Index e = 0; e < envs; ++e)
-    if (whose[e]) device::copy(s.x.p + env_rows[e], std::as_const(x).view().p + env_rows[e], (env_rows[e + 1] - env_rows[e]) * sizeof(Vec3));
+  leave();
   return sum;
 }
 

@@ -65,7 +65,7 @@ void Newton::end_at(const device::Buffer<Vec3>& q) {
   energies_.begin_solve();
   device::Fetch fetch;
   energies_.find(std::as_const(q_).view(), at_, fetch);
-  fetch.now();
+  fetch.now("end of follower");
   energies_.begin_search(all);
   energies_.accept({});
   q_.copy_from(q);
@@ -112,6 +112,7 @@ void Newton::solve(const effects::StepInfo& info, const StepReports& report, con
   lag_.begin_solve(q_);
   for (Index e = 0; e < envs_.size(); ++e) fresh_[e] &= whose[e];
   const EnvMask guessed = first_guess_.find(std::exchange(fresh_, EnvMask(envs_.size(), 0)), q_, at_);
+  foreseen_ = first_guess_.landed();
   for (Index e = 0; e < envs_.size(); ++e)
     if (guessed[e]) envs_[e].alpha = 1;  // a full step
   for (Index round = 0;; ++round) {
@@ -142,11 +143,18 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
       if (envs_.is(e, EnvState::running)) curvature_.choose(e, envs_[e].alpha);
     held_ = envs_.mask(EnvState::running);
     const model::Only only(model_, held_);
-    const effects::Want want = direction_.want(envs_);
+    effects::Want want = direction_.want(envs_);
+    want.foreseen = std::exchange(foreseen_, false);
     system_.potential.linearise(std::as_const(q_).view(), want, at_, want.whole);
     if ((!system_.potential.lags() || want.whole) && it >= tuning::kFirstLook && std::has_single_bit(static_cast<unsigned>(it)))
       system_.find_groups(at_, changing());
-    const Residual r = system_.residual(std::as_const(q_).view(), at_);
+    device::Fetch state;  // what the host hears of the iterate
+    direction_.forget();
+    if (it != last_) {  // after as many iterations as last time it may be the solution, of which nobody wants a matrix
+      system_.begin_matrix(at_, state);
+      direction_.foresee(at_, state);
+    }
+    const Residual r = system_.residual(std::as_const(q_).view(), at_, state);
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running) && !system_.convergence.finite(r, e)) envs_.fail(e, system_.not_finite(at_, e));
     check_failed();
@@ -162,20 +170,24 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     settle(r, it);
     check_failed();
     const EnvMask running = envs_.mask(EnvState::running);
-    if (!any(running)) return;
+    if (!any(running)) {
+      last_ = it;
+      return;
+    }
     const model::Only left(model_, running);
 
     std::vector<double> tolerance;
     for (Index e = 0; e < envs_.size(); ++e) tolerance.push_back(system_.convergence.least_tolerance(r, e, wanted(e)));
     // What is told of the direction comes with how far it may lead.
     device::Fetch fetch;
-    direction_.begin(q_, r, tolerance, at_, envs_, report, fetch);
+    const bool asked = direction_.begin(q_, r, tolerance, at_, envs_, report, fetch, ask_of_way());
     held_ = running;
     check_failed();
-    line_search_.begin(std::as_const(q_).view(), direction_.way(), direction_.supports(), at_, envs_, fetch);
+    line_search_.begin(std::as_const(q_).view(), direction_.way(), direction_.supports(), at_, envs_, fetch, asked);
     direction_.end(envs_);
     check_failed();
     line_search_.end(q_, direction_.way(), direction_.slope(), at_, envs_, report, forces_beside(r));
+    foreseen_ = line_search_.landed();
     check_failed();
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running) && envs_[e].alpha == 0) system_.hold.tighten(e);
@@ -184,6 +196,12 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     for (Index e = 0; e < envs_.size(); ++e) report[e].newton += running[e];
     trace_.end(envs_, running, {}, report);
   }
+}
+
+// What frozen samples grow by on the way is not taken back: there only the last way may be asked.
+std::function<void(device::Fetch&)> Newton::ask_of_way() {
+  if (system_.potential.freezes()) return {};
+  return [this](device::Fetch& fetch) { line_search_.ask(std::as_const(q_).view(), direction_.way(), direction_.supports(), at_, fetch); };
 }
 
 // What the line search may ask of forces at states beside q, where the residual is r.

@@ -58,6 +58,7 @@ class Newton {
   EnvMask changing() const;
   void check_failed();
   void iterate(const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop);
+  std::function<void(device::Fetch&)> ask_of_way();
   Search::Forces forces_beside(const Residual& r);
   void settle(const Residual& r, Index iteration);
   void keep_nearest(Index env, const Residual& r);
@@ -92,6 +93,8 @@ class Newton {
   Linearised at_, beside_;  // at q_; at states beside it
   EnvMask held_;            // environments of which at_ holds more than forces
   device::Buffer<Vec3> q_;
+  bool foreseen_ = false;              // q_ is a state that effects have foreseen
+  Index last_ = 0;                     // iterations of the last solve
   EnvMask fresh_;                      // environments that stand where the step begins
   std::vector<double> nearest_force_;  // per environment: least residual of these iterations [N], and where it was
   device::Buffer<Vec3> nearest_q_;

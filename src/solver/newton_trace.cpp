@@ -10,7 +10,7 @@ void NewtonTrace::begin(const effects::StepInfo& info, device::View<const Vec3> 
   Energies energies;
   device::Fetch fetch;
   system_.potential.energies(q, at, energies, fetch);
-  fetch.now();
+  fetch.now("trace");
   for (Index e = 0; e < static_cast<Index>(whose.size()); ++e) {
     if (!whose[e]) continue;
     Iterate now;

@@ -57,6 +57,13 @@ void Potential::linearise(device::View<const Vec3> q, effects::Want want, Linear
   if (want.forces) model_.ties.fold(at.gradient.view());
 }
 
+void Potential::foresee(device::View<const Vec3> q, Linearised& at, device::Fetch& fetch) {
+  for (std::size_t k = 0; k < effects_.size(); ++k) {
+    const Timed timed(clock_, effects_[k]->name(), "assemble");
+    effects_[k]->foresee(q, *at.of[k], fetch);
+  }
+}
+
 void Potential::sample(Linearised& at) {
   for (std::size_t k = 0; k < effects_.size(); ++k) {
     if (effects_[k]->kind().role != effects::Role::contact) continue;

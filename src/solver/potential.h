@@ -29,6 +29,8 @@ class Potential {
   Linearised linearised() const;
   // `fresh`: with lagged quantities of q itself, not those that `at` holds.
   void linearise(device::View<const Vec3> q, effects::Want want, Linearised& at, bool fresh = false);
+  // `at` may be filled with forces at q next: effects ask for what they have to hear of that.
+  void foresee(device::View<const Vec3> q, Linearised& at, device::Fetch& fetch);
   // The contact samples of the state of `at`.
   void sample(Linearised& at);
   // Lagged quantities of `to` become those of the state of `from`.

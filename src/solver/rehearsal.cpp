@@ -42,7 +42,7 @@ std::vector<Rehearsed> rehearse(const model::Model& model, Potential& potential)
       device::Fetch fetch;
       effect.max_step(std::as_const(still).view(), here, {alpha, fetch});
       effect.energy(model.q.view(), here, {energy, fetch});
-      fetch.now();
+      fetch.now("rehearsal");
       PassOn silent(nullptr);
       effect.report(silent, here);
     });

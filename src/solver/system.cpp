@@ -57,8 +57,12 @@ Residual System::linearise(device::View<const Vec3> q, effects::Want want, Linea
 }
 
 Residual System::residual(device::View<const Vec3> q, const Linearised& at) const {
-  Residual r = convergence.begin();
   device::Fetch fetch;
+  return residual(q, at, fetch);
+}
+
+Residual System::residual(device::View<const Vec3> q, const Linearised& at, device::Fetch& fetch) const {
+  Residual r = convergence.begin();
   for (std::size_t k = 0; k < at.gradients.size(); ++k) {
     device::View<const Vec3> gradient = at.gradients[k].view();
     if (model.ties.any()) {
@@ -72,7 +76,7 @@ Residual System::residual(device::View<const Vec3> q, const Linearised& at) cons
   device::Buffer<Vec3> c;
   supports(q, c);
   largest(std::as_const(c).view(), model.env_blocks, {r.support_gap, fetch});
-  fetch.now();
+  fetch.now("residual");
   convergence.finish(r);
   return r;
 }

@@ -21,6 +21,8 @@ class System {
 
   // What is left of the forces of `at`, linearised at q.
   Residual residual(device::View<const Vec3> q, const Linearised& at) const;
+  // And what else `fetch` was asked for.
+  Residual residual(device::View<const Vec3> q, const Linearised& at, device::Fetch& fetch) const;
   // Potential::linearise, and that.
   Residual linearise(device::View<const Vec3> q, effects::Want want, Linearised& at, bool fresh = false);
   // Which force is not finite in an environment, and where.
@@ -30,6 +32,8 @@ class System {
 
   // c = T (I - P)(target - q): what supports still have to move, and what is tied to it.
   void supports(device::View<const Vec3> q, device::Buffer<Vec3>& c) const;
+  // Asks for the structure of the matrix of `at`.
+  void begin_matrix(const Linearised& at, device::Fetch& fetch) { potential.assembler().begin_matrix(at.sets(), fetch); }
   // P T^T H T P + I - P on the rows, with H of `at`, linearised at q. Convergence knows its rounding in the environments of `whose` once `later` is
   // done; `now` is brought where the structure has to be asked for.
   void matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& whose, linalg::BlockMatrix& A, device::Fetch& now, device::Fetch& later);

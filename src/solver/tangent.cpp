@@ -27,7 +27,7 @@ void Tangent::linearise(const device::Buffer<Vec3>& q) {
     system_.potential.sample(at_);
     device::Fetch fetch;
     system_.matrix(at_, q.view(), none, matrix_, fetch, fetch);
-    fetch.now();
+    fetch.now("tangent");
     if (linear_->prepare({matrix_, {}, {}, nothing, nothing, q.view()}, all)[0]) break;
     if (concave == 0) throw Failure{"the linearised equations of the step have no factor"};
     convex = true;

@@ -50,6 +50,11 @@ TEST(Device, DebugGivesTheBitsOfTheCpu) {
   EXPECT_EQ(b["device"]["kind"], "debug");
   EXPECT_EQ(a["launches"], b["launches"]);
   EXPECT_EQ(a["transfers"], b["transfers"]);
+  EXPECT_EQ(a["waits"], b["waits"]);
+  long long waits = 0;  // every copy to the host in a step has a name
+  for (const auto& [who, n] : a["waits"].items()) waits += n.get<long long>();
+  EXPECT_EQ(a["transfers"]["steps"]["to_host"], waits);
+  EXPECT_GT(a["waits"]["residual"], 0);
   EXPECT_GT(b["transfers"]["steps"]["to_host"], 0);
   EXPECT_LT(b["transfers"]["steps"]["to_host"], b["transfers"]["all"]["to_host"]);
 }

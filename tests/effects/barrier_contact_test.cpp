@@ -134,6 +134,39 @@ TEST(BarrierContact, BlockOnHalfSpaceObeysTheBarrierIdentity) {
   }
 }
 
+// The terms of a state that was foreseen are there without waiting, with the same bits; at any other state they are found as ever.
+TEST(BarrierContact, TermsOfAForeseenStateAreThere) {
+  Problem p(mixed(0.01));
+  p.contact->begin_step({});
+  const auto forces = [&](const fd::Vector& x, bool foreseen, bool ask, long long& waits) {
+    const device::Buffer<Vec3> q(fd::blocks_of(x));
+    if (ask) {
+      device::Fetch fetch;
+      p.contact->effect->foresee(q.view(), *p.contact->at, fetch);
+      fetch.now();
+    }
+    const long long before = device::transfers().to_host;
+    effects::Want want{true, true};
+    want.foreseen = foreseen;
+    p.contact->effect->linearise(q.view(), want, *p.contact->at);
+    waits = device::transfers().to_host - before;
+    const linalg::StencilView v = p.contact->at->stencils.view();
+    device::Buffer<Vec3> g(v.grad.n);
+    device::copy(g.view().p, v.grad.p, v.grad.n * sizeof(Vec3));
+    return g.download();
+  };
+  const fd::Vector x = shaken(positions(p.model), 1e-3, 5), other = shaken(x, 1e-3, 6);
+  long long waits = 0;
+  const auto here = forces(x, false, false, waits), there = forces(other, false, false, waits);
+  ASSERT_NE(here, there);
+  EXPECT_GT(waits, 0);
+  EXPECT_EQ(forces(x, true, true, waits), here);
+  EXPECT_EQ(waits, 0);
+  EXPECT_EQ(forces(other, false, true, waits), there);
+  EXPECT_EQ(forces(x, true, false, waits), here) << "what was foreseen is used once";
+  EXPECT_GT(waits, 0);
+}
+
 // Away from the closest feature all terms of a flat surface cancel, so each vertex has one sample.
 TEST(BarrierContact, TermsThatCancelDisappear) {
   Problem p(stack(0.6 * kHat));

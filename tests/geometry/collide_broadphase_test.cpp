@@ -173,14 +173,19 @@ TEST(Broadphase, AGuessIsTheAnswerOrSaysThatItIsNone) {
   device::Fetch fetch;
   const auto guess = [&](const Buffer<Vec3>& at) { return broadphase.guess(at.view(), dyb.view(), 0.02, {}, fetch); };
   const Buffer<Vec3> first(y);
-  EXPECT_EQ(guess(first), nullptr) << "nothing is kept";
+  const auto none = guess(first);
+  EXPECT_FALSE(none->answers) << "nothing is kept";
+  fetch.now();
+  EXPECT_FALSE(broadphase.take(*none));
   broadphase.update(first.view(), dyb.view(), 0.02);
-  EXPECT_EQ(guess(first), nullptr) << "it was searched anew: what was kept did not serve";
+  const auto doubtful = guess(first);
+  EXPECT_FALSE(doubtful->answers) << "it was searched anew: what was kept did not serve";
+  fetch.now();
   broadphase.update(first.view(), dyb.view(), 0.02);
   for (Vec3& p : y) p += test::random_vec(r, 1e-6);
   const Buffer<Vec3> near(y);
   auto one = guess(near);
-  ASSERT_NE(one, nullptr);
+  ASSERT_TRUE(one->answers);
   fetch.now();
   ASSERT_TRUE(broadphase.take(*one));
   expect_exact(s, broadphase, brute_force(s, y, dy, 0.02));
@@ -190,7 +195,10 @@ TEST(Broadphase, AGuessIsTheAnswerOrSaysThatItIsNone) {
   auto wrong = guess(far);
   fetch.now();
   EXPECT_FALSE(broadphase.take(*wrong));
-  broadphase.update(far.view(), dyb.view(), 0.02);
+  auto found = broadphase.search(far.view(), dyb.view(), *wrong, fetch);
+  fetch.now();
+  ASSERT_NE(found, nullptr);
+  EXPECT_TRUE(broadphase.take(*found)) << "it was searched for this question";
   EXPECT_FALSE(broadphase.take(*late)) << "another list is kept by now";
   expect_exact(s, broadphase, brute_force(s, y, dy, 0.02));
 }

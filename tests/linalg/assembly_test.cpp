@@ -166,6 +166,35 @@ TEST(Assembly, WaitsOnceForAChangedContactSet) {
   }
 }
 
+// The structure may be asked for with other things before: then matrix() does not wait, unless there are more blocks than there was room for: of few
+// pieces a larger share is distinct.
+TEST(Assembly, TheStructureMayBeAskedForBefore) {
+  Random problem;
+  auto [rows, row, assembler, A] = OnRowsBackwards();
+  expect_dense_sum(assembler, problem, row, rows, A);
+  const auto ask = [&assembler = assembler, &problem] {
+    device::Fetch fetch;
+    assembler.begin_matrix(problem.sets, fetch);
+    fetch.now();
+  };
+  for (Index n : {62, 3000, 60}) {
+    problem.new_contact(n);
+    ask();
+    const long long before = device::transfers().to_host;
+    assembler.matrix(problem.sets, A);
+    EXPECT_EQ(device::transfers().to_host - before > 0, n == 60) << n;
+    expect_dense_sum(assembler, problem, row, rows, A);
+  }
+  // Of what nobody wanted in the end, and of sets that have changed since, nothing is used that is not so any more.
+  for (Index n : {5, 4000, 6}) {
+    problem.new_contact(n);
+    ask();
+    if (n == 6) ask();
+    problem.new_contact(n + 1);
+    expect_dense_sum(assembler, problem, row, rows, A);
+  }
+}
+
 TEST(Assembly, FollowsChangedRows) {
   Random problem;
   Index rows;

@@ -268,6 +268,36 @@ TEST(Cg, TheHostLooksOnceWhereABlockIsEnough) {
   }
 }
 
+// Where it is known about how long it will take, the host does not look before; the bits are those of a solve that is looked at.
+TEST(Cg, TheHostLooksWhenTheEndIsNear) {
+  Batch batch({6, 3, 5});
+  BlockJacobi M;
+  M.build(batch.A);
+  ConjugateGradients solver(batch.env_rows);
+  CgOptions options;
+  options.check_every = 2;
+  std::vector<Vec3> first;
+  Index taken = 0;
+  for (const bool known : {false, true}) {
+    Buffer<Vec3> x(batch.A.rows);
+    x.zero();
+    options.expected = taken;
+    const long long before = device::transfers().to_host;
+    const CgResult r = solver.solve(batch.A, M, batch.b.view(), x.view(), batch.tolerance(1e-9), options);
+    EXPECT_TRUE(r.converged());
+    const long long looks = device::transfers().to_host - before;
+    taken = r.iterations();
+    ASSERT_GT(taken, 20);
+    if (!known) {
+      EXPECT_GE(looks, taken / 2);
+      first = x.download();
+    } else {
+      EXPECT_LE(looks, 4 + taken / 4);  // none before half of them
+      EXPECT_EQ(x.download(), first);
+    }
+  }
+}
+
 // One solver for matrices whose values, structure and right-hand side change.
 TEST(Cg, SolverIsUsedAgain) {
   Batch a({4, 3}), b({3, 4});

@@ -23,6 +23,7 @@ RunRecord record() {
   r.seconds["output"] = 0.25, r.cpu_seconds["output"] = 0.125;
   r.phases = {{"elasticity", "assemble", 0.5, 12}};
   r.launches = {{"elasticity.gradient", 12}, {"solver.step", 3}};
+  r.waits = {{"residual", 7}};
   r.frames = 4;
   for (int i = 1; i <= 4; ++i) {
     StepRow row;
@@ -42,6 +43,7 @@ TEST(RunJson, SaysWhatTheRecordHolds) {
   EXPECT_EQ(j["cpu_seconds"]["output"], 0.125);
   EXPECT_EQ(j["phases"][0]["calls"], 12);
   EXPECT_EQ(j["launches"]["solver.step"], 3);
+  EXPECT_EQ(j["waits"]["residual"], 7);
   EXPECT_EQ(j["steps"]["count"], 4);
   EXPECT_EQ(j["steps"]["newton_iterations"]["total"], 10);
   EXPECT_EQ(j["steps"]["newton_iterations"]["mean"], 2.5);

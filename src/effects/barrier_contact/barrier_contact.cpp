@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "base/error.h"
 #include "effects/contact/active.h"
@@ -34,7 +36,17 @@ const ParamTable kTable{
 struct BarrierLinearisation final : Linearisation {
   Buffer<Vec3> y;
   ActiveSet active;
-  std::size_t bytes() const override { return Linearisation::bytes() + y.bytes() + active.terms.bytes(); }
+  // Terms at a state where forces may be asked for next, of the environments of `whose`.
+  struct Ahead {
+    Buffer<Vec3> y;
+    ActiveSet active;
+    linalg::StencilSet shape;
+    std::vector<std::uint8_t> whose;
+    bool there = false;
+  } ahead;
+  std::size_t bytes() const override {
+    return Linearisation::bytes() + y.bytes() + active.terms.bytes() + ahead.y.bytes() + ahead.active.terms.bytes() + ahead.shape.bytes();
+  }
 };
 BarrierLinearisation& of_barrier(Linearisation& at) { return static_cast<BarrierLinearisation&>(at); }
 const BarrierLinearisation& of_barrier(const Linearisation& at) { return static_cast<const BarrierLinearisation&>(at); }
@@ -73,10 +85,27 @@ class BarrierContact final : public Effect {
 
   void linearise(Positions q, Want want, Linearisation& out) override {
     BarrierLinearisation& at = of_barrier(out);
+    if (std::exchange(at.ahead.there, false) && want.foreseen && at.ahead.whose == model_.at_work) {
+      at.y.swap(at.ahead.y);
+      std::swap(at.active, at.ahead.active);
+      at.stencils.take_shape(at.ahead.shape);
+      shape(at.active, at.stencils);
+      return contact::assemble(view(), at.active, std::as_const(at.y).view(), model_.point_map(), want.matrix, at.stencils);
+    }
     model_.points_of(q, at.y);
     if (!want.forces) return build(view(), where(at.y), room_, at.active);
     build(view(), where(at.y), room_, model_.point_map(), at.active, at.stencils);
     contact::assemble(view(), at.active, std::as_const(at.y).view(), model_.point_map(), want.matrix, at.stencils);
+  }
+
+  void foresee(Positions q, Linearisation& out, device::Fetch& fetch) override {
+    BarrierLinearisation::Ahead& ahead = of_barrier(out).ahead;
+    ahead.there = false, ahead.whose = model_.at_work;
+    model_.points_of(q, ahead.y);
+    const model::PointMapView map = model_.point_map();
+    const auto search = std::make_shared<TermSearch>();
+    search->begin(view(), where(ahead.y), room_, &map, ahead.active, &ahead.shape, fetch);
+    fetch.then([this, search, &ahead] { ahead.there = search->end(room_); });
   }
 
   void sample(Linearisation& out) override {

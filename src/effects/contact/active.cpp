@@ -77,11 +77,6 @@ MORTISE_HD inline Active point_term(const BarrierView& s, std::uint64_t key, Ind
   return a;
 }
 
-struct PointTerms {
-  Buffer<std::uint64_t> key;       // sorted
-  Buffer<Index> start, sum, kept;  // where its runs begin; coefficient of each; offsets of those that are terms
-};
-
 // Point-triangle terms: each of the candidates within range, for which there is `room`, writes its terms, equal ones are merged by sorting, and
 // those that cancel (all of them, away from the closest feature on a flat surface) disappear.
 void point_terms(const BarrierView& s, View<const PointTriangle> pairs, View<const Vec3> y, const Buffer<Index>& in_range, Index room,
@@ -175,48 +170,48 @@ device::Ranges pairs_with_planes(const device::Ranges& vertices, Index planes, I
   return {bound, taken};
 }
 
-// One try, which the host hears of once. False where candidates were missing or the room was too small, which they are no more.
-bool find_terms(const BarrierView& s, const Where& where, TermRoom& room, const model::PointMapView* map, ActiveSet& out,
-                linalg::StencilSet* stencils) {
-  Candidates& c = where.candidates;
-  const View<const Vec3> y = where.y.view();
-  device::Fetch fetch;
-  c.look(where.y, where.whose, fetch);
-  Buffer<Index> points_at, edges_at, planes_at;
+}  // namespace
+
+void TermSearch::begin(const BarrierView& view, const Where& at, const TermRoom& room, const model::PointMapView* map, ActiveSet& out,
+                       linalg::StencilSet* stencils, device::Fetch& fetch) {
+  where_.emplace(at), out_ = &out;
+  const BarrierView s = view;
+  Candidates& c = at.candidates;
+  const View<const Vec3> y = at.y.view();
+  c.look(at.y, at.whose, fetch);
   const View<const PointTriangle> pt = c.point_triangles();
   mark(
-      "contact.near", pt.n, c.of_points(), [=] MORTISE_HD(Index i) { return near(s, pt[i], y); }, points_at);
+      "contact.near", pt.n, c.of_points(), [=] MORTISE_HD(Index i) { return near(s, pt[i], y); }, points_at_);
   const View<const EdgeEdge> ee = c.edge_edges();
   mark(
-      "contact.near", ee.n, c.of_edges(), [=] MORTISE_HD(Index i) { return near(s, ee[i], y); }, edges_at);
+      "contact.near", ee.n, c.of_edges(), [=] MORTISE_HD(Index i) { return near(s, ee[i], y); }, edges_at_);
   const Index plane_pairs = s.planes.n * s.surface.vertices.n;
   mark(
-      "contact.near_planes", plane_pairs, pairs_with_planes(where.vertices, s.planes.n, s.surface.vertices.n),
+      "contact.near_planes", plane_pairs, pairs_with_planes(at.vertices, s.planes.n, s.surface.vertices.n),
       [=] MORTISE_HD(Index i) {
         Index plane, point;
         double gap;
         return plane_pair(s, i, y, plane, point, gap);
       },
-      planes_at);
-  const Index vertices = where.vertices.size(), envs = where.vertices.environments();
-  const Index most = std::min(room.hits.among(vertices), pt.n), places = room.terms.among(vertices);
-  PointTerms found;
-  point_terms(s, pt, y, points_at, most, found);
-  Index hits = 0, points = 0, edges = 0, planes = 0;
-  fetch.add_total(points_at, hits);
-  fetch.add_total(found.kept, points);
-  fetch.add_total(edges_at, edges);
-  fetch.add_total(planes_at, planes);
+      planes_at_);
+  const Index vertices = at.vertices.size(), envs = at.vertices.environments();
+  most_ = std::min(room.hits.among(vertices), pt.n), places_ = room.terms.among(vertices);
+  point_terms(s, pt, y, points_at_, most_, found_);
+  fetch.add_total(points_at_, hits_);
+  fetch.add_total(found_.kept, points_);
+  fetch.add_total(edges_at_, edges_);
+  fetch.add_total(planes_at_, planes_);
 
-  out.terms.resize(places);
+  out.terms.resize(places_);
   const View<Active> terms = out.terms.view();
-  const View<const Index> of_points = total_of(found.kept), of_edges = total_of(edges_at), of_planes = total_of(planes_at);
-  const View<const std::uint64_t> key = std::as_const(found.key).view();
-  const View<const Index> first = std::as_const(found.start).view(), sum = std::as_const(found.sum).view(), at = std::as_const(found.kept).view();
+  const View<const Index> of_points = total_of(found_.kept), of_edges = total_of(edges_at_), of_planes = total_of(planes_at_);
+  const View<const std::uint64_t> key = std::as_const(found_.key).view();
+  const View<const Index> first = std::as_const(found_.start).view(), sum = std::as_const(found_.sum).view(),
+                          kept = std::as_const(found_.kept).view();
   device::parallel_for("contact.point_terms", sum.n, [=] MORTISE_HD(Index r) {
-    if (at[r + 1] > at[r] && at[r] < terms.n) terms[at[r]] = point_term(s, key[first[r]], sum[r]);
+    if (kept[r + 1] > kept[r] && kept[r] < terms.n) terms[kept[r]] = point_term(s, key[first[r]], sum[r]);
   });
-  const View<const Index> edge_at = std::as_const(edges_at).view(), plane_at = std::as_const(planes_at).view();
+  const View<const Index> edge_at = std::as_const(edges_at_).view(), plane_at = std::as_const(planes_at_).view();
   device::parallel_for("contact.edge_terms", ee.n, [=] MORTISE_HD(Index i) {
     const Index to = of_points[0] + edge_at[i];
     if (edge_at[i + 1] == edge_at[i] || to >= terms.n) return;
@@ -243,32 +238,46 @@ bool find_terms(const BarrierView& s, const Where& where, TermRoom& room, const 
     count_blocks(out, *map, counts);
     stencils->begin_resize(std::move(counts), fetch);
   }
-  fetch.now();
+}
 
+bool TermSearch::end(TermRoom& room) {
   std::vector<std::uint8_t> finite;
-  const bool missing = c.settle(where.y, finite);
-  const Index all = points + edges + planes;
-  const bool small = hits > most || all > places;
-  room.hits.found(hits, vertices);
-  room.terms.found(hits > most ? std::max(all, hits + edges + planes) : all, vertices);
+  const bool missing = where_->candidates.settle(where_->y, finite);
+  const Index all = points_ + edges_ + planes_, vertices = where_->vertices.size();
+  const bool small = hits_ > most_ || all > places_;
+  room.hits.found(hits_, vertices);
+  room.terms.found(hits_ > most_ ? std::max(all, hits_ + edges_ + planes_) : all, vertices);
   if (missing || small) return false;
-  out.terms.resize(all);
-  if (envs == 1) out.env_offset = {0, all};
-  if (stencils) stencils->end_resize(all);
-  out.blocks = stencils ? stencils->blocks().n : -1, out.pairs = stencils ? stencils->pairs() : -1;
+  out_->terms.resize(all);
+  out_->blocks = out_->pairs = -1;
+  if (where_->vertices.environments() == 1) out_->env_offset = {0, all};
   return true;
+}
+
+void shape(ActiveSet& set, linalg::StencilSet& stencils) {
+  stencils.end_resize(set.terms.size());
+  set.blocks = stencils.blocks().n, set.pairs = stencils.pairs();
+}
+
+namespace {
+
+void find(const BarrierView& s, const Where& at, TermRoom& room, const model::PointMapView* map, ActiveSet& out, linalg::StencilSet* stencils) {
+  for (bool done = false; !done;) {
+    device::Fetch fetch;
+    TermSearch search;
+    search.begin(s, at, room, map, out, stencils, fetch);
+    fetch.now("contact terms");
+    done = search.end(room);
+  }
 }
 
 }  // namespace
 
-void build(const BarrierView& s, const Where& at, TermRoom& room, ActiveSet& out) {
-  while (!find_terms(s, at, room, nullptr, out, nullptr)) {
-  }
-}
+void build(const BarrierView& s, const Where& at, TermRoom& room, ActiveSet& out) { find(s, at, room, nullptr, out, nullptr); }
 
 void build(const BarrierView& s, const Where& at, TermRoom& room, const model::PointMapView& map, ActiveSet& out, linalg::StencilSet& stencils) {
-  while (!find_terms(s, at, room, &map, out, &stencils)) {
-  }
+  find(s, at, room, &map, out, &stencils);
+  shape(out, stencils);
 }
 
 }  // namespace mortise::effects::contact

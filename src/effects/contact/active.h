@@ -1,5 +1,7 @@
 #pragma once
 // The contact terms that act at a position: candidates within range, with equal terms of the alternating sum (pair_energy.h) merged.
+#include <optional>
+
 #include "device/room.h"
 #include "effects/contact/candidates.h"
 #include "effects/contact/pair_energy.h"
@@ -48,10 +50,35 @@ void face_points(const BarrierView& s, const ActiveSet& set, View<const Vec3> y,
 // ranges, must stay until the fetch is done.
 void energy(const BarrierView& s, const Where& at, device::EnvValues per_env);
 
+struct PointTerms {
+  Buffer<std::uint64_t> key;       // sorted
+  Buffer<Index> start, sum, kept;  // where its runs begin; coefficient of each; offsets of those that are terms
+};
+
 // The terms. The host waits once, as a rule.
 void build(const BarrierView& s, const Where& at, TermRoom& room, ActiveSet& out);
 // And the shape of their stencils over the blocks of `map`.
 void build(const BarrierView& s, const Where& at, TermRoom& room, const model::PointMapView& map, ActiveSet& out, linalg::StencilSet& stencils);
+
+// That in two halves, between which a fetch brings what only the device counts; false: candidates were missing or the room was too small, which they
+// are no more.
+class TermSearch {
+ public:
+  // map, stencils: for their shape, or null. What is referred to must stay until the end.
+  void begin(const BarrierView& s, const Where& at, const TermRoom& room, const model::PointMapView* map, ActiveSet& out,
+             linalg::StencilSet* stencils, device::Fetch& fetch);
+  bool end(TermRoom& room);
+
+ private:
+  std::optional<Where> where_;
+  ActiveSet* out_ = nullptr;
+  PointTerms found_;
+  Buffer<Index> points_at_, edges_at_, planes_at_;        // offsets of the candidates in range
+  Index hits_ = 0, points_ = 0, edges_ = 0, planes_ = 0;  // how many there are: in range, and terms
+  Index most_ = 0, places_ = 0;                           // and were expected
+};
+// The stencils of the terms, of which a search has brought the shape.
+void shape(ActiveSet& set, linalg::StencilSet& stencils);
 
 // Blocks of the stencil of every term, and room for their sum.
 void count_blocks(const ActiveSet& set, const model::PointMapView& map, Buffer<Index>& counts);

@@ -50,13 +50,6 @@ void Candidates::hold(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>*
     if (whose.empty() || whose[e]) held_[e] = 1;
 }
 
-void Candidates::sweep(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy, const std::vector<std::uint8_t>& whose,
-                       const geometry::Broadphase::Guess* refused) {
-  broadphase_.update(y.view(), dy.view(), radius(), whose, refused);
-  hold(y, &dy, whose);
-  asked_ = whose;
-}
-
 std::unique_ptr<geometry::Broadphase::Guess> Candidates::guess(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy,
                                                                const std::vector<std::uint8_t>& whose, device::Fetch& fetch) const {
   return broadphase_.guess(y.view(), dy.view(), radius(), whose, fetch);
@@ -70,10 +63,18 @@ bool Candidates::take(geometry::Broadphase::Guess& guess, const device::Buffer<V
   return true;
 }
 
+std::unique_ptr<geometry::Broadphase::Guess> Candidates::search(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy,
+                                                                const std::vector<std::uint8_t>& whose, const geometry::Broadphase::Guess& refused,
+                                                                device::Fetch& fetch) {
+  std::unique_ptr<geometry::Broadphase::Guess> out = broadphase_.search(y.view(), dy.view(), refused, fetch);
+  if (!out) hold(y, &dy, whose), asked_ = whose;
+  return out;
+}
+
 void Candidates::cover(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>& finite, const std::vector<std::uint8_t>& whose) {
   device::Fetch fetch;
   look(y, whose, fetch);
-  fetch.now();
+  fetch.now("deviation from the path");
   settle(y, finite);
 }
 

@@ -12,16 +12,17 @@ class Candidates {
   // reach [m]: pairs nearer than this are wanted. point_env[e]: first point of environment e.
   Candidates(geometry::Broadphase& broadphase, double reach, std::vector<Index> point_env);
 
-  // All pairs within reach on the way from y to y + dy, of the environments of `whose` (of all where it is empty).
-  // refused: the guess of this question that take() has refused.
-  void sweep(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy, const std::vector<std::uint8_t>& whose = {},
-             const geometry::Broadphase::Guess* refused = nullptr);
-  // The same without waiting, on the guess that the broad phase has them (Broadphase::guess): once `fetch` is done take() says whether it had, and
-  // then they are held; else sweep() has to be asked. None where it cannot be guessed.
+  // All pairs within reach on the way from y to y + dy, of the environments of `whose` (of all where it is empty), without waiting, on the guess
+  // that the broad phase has them (Broadphase::guess): once `fetch` is done take() says whether it had, and
+  // then they are held; else search() has to be asked.
   std::unique_ptr<geometry::Broadphase::Guess> guess(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy,
                                                      const std::vector<std::uint8_t>& whose, device::Fetch& fetch) const;
   bool take(geometry::Broadphase::Guess& guess, const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy,
             const std::vector<std::uint8_t>& whose);
+  // Searches, and answers with a guess that take() accepts, or holds them already (Broadphase::search).
+  std::unique_ptr<geometry::Broadphase::Guess> search(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy,
+                                                      const std::vector<std::uint8_t>& whose, const geometry::Broadphase::Guess& refused,
+                                                      device::Fetch& fetch);
   // Makes sure that all pairs within reach at y are held, searching only if y lies off the path of the last search. False in
   // finite[e] where environment e has a position that is not a number. The same environments.
   void cover(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>& finite, const std::vector<std::uint8_t>& whose = {});
@@ -39,7 +40,7 @@ class Candidates {
   const std::vector<Index>& ee_env_offset() const { return pairs_.ee_env_offset; }
   device::View<const Index> pt_env_first() const { return pairs_.pt_env_first.view(); }  // the same where kernels can read it
   device::View<const Index> ee_env_first() const { return pairs_.ee_env_first.view(); }
-  const geometry::Broadphase& broadphase() const { return broadphase_; }  // as sweep() left it
+  const geometry::Broadphase& broadphase() const { return broadphase_; }  // as search() left it
   std::size_t bytes() const { return pairs_.point_triangles.bytes() + pairs_.edge_edges.bytes() + y0_.bytes() + dy_.bytes(); }
 
  private:

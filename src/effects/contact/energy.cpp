@@ -64,7 +64,7 @@ void energy(const BarrierView& s, const Where& at, device::EnvValues per_env) {
     if (c.settle(y, finite)) {
       device::Fetch again;
       parts->find(s, c, y.view(), vertices, again);
-      again.now();
+      again.now("contact energies again");
     }
     for (const std::vector<double>& part : parts->of)
       for (std::size_t e = 0; e < value.size(); ++e) value[e] += part[e];
@@ -124,7 +124,7 @@ std::vector<double> least_distances(const BarrierView& s, const Candidates& c, V
           return s.planes[plane].normal.dot(y[p] - s.planes[plane].point);
         },
         device::EnvValues{gap, fetch});
-  fetch.now();
+  fetch.now("least distances");
   for (std::size_t e = 0; e < envs; ++e) gap[e] = std::fmin(gap[e], std::sqrt(squared[e]));
   return gap;
 }

@@ -117,16 +117,17 @@ std::shared_ptr<const Buffer<Vec3>> Proximity::limit(const Buffer<Vec3>& from, V
   // Pairs are picked from what the broad phase keeps on the guess that it serves; where that turns out wrong, they are searched and looked at again.
   auto way = std::make_shared<Way>();
   way->limit.resize(model_.envs);
-  std::shared_ptr<geometry::Broadphase::Guess> guess = candidates_.guess(from, *dy, model_.at_work, alpha.fetch);
-  if (guess) way->look(all, guess->pairs, y, step, prescribed_, alpha.fetch);
+  const std::shared_ptr<geometry::Broadphase::Guess> guess = candidates_.guess(from, *dy, model_.at_work, alpha.fetch);
+  if (guess->answers) way->look(all, guess->pairs, y, step, prescribed_, alpha.fetch);
   alpha.fetch.then([this, guess, way, dy, all, &from, whose = model_.at_work, info = step_, &value = alpha.value] {
-    geometry::ChosenPairs pairs = guess ? guess->pairs : geometry::ChosenPairs{};
-    if (!guess || !candidates_.take(*guess, from, *dy, whose)) {
-      candidates_.sweep(from, *dy, whose, guess.get());
-      pairs = candidates_.broadphase().pairs();
+    geometry::ChosenPairs pairs = guess->pairs;
+    if (!candidates_.take(*guess, from, *dy, whose)) {
       device::Fetch again;
+      const std::unique_ptr<geometry::Broadphase::Guess> found = candidates_.search(from, *dy, whose, *guess, again);
+      pairs = found ? found->pairs : candidates_.broadphase().pairs();
       way->look(all, pairs, from.view(), std::as_const(*dy).view(), prescribed_, again);
-      again.now();
+      again.now("way after search");
+      if (found) candidates_.take(*found, from, *dy, whose);
     }
     if (way->meetings) prescribed_.check(*way->meetings, all, pairs, info);
     for (std::size_t e = 0; e < value.size(); ++e) value[e] = device::Smaller()(value[e], way->limit[e]);

@@ -284,7 +284,7 @@ bool try_freeze(const Stage& stage, const std::vector<Index>& slave_env, const W
   fetch.add_total(offer_offset, all);
   pick(s.offset, env_buffer.view(), At{std::as_const(pair_offset).view()}, fetch, out.env_pairs);
   pick(s.offset, env_buffer.view(), samples_of, fetch, out.env_samples);
-  fetch.now();
+  fetch.now("mortar freeze");
   rooms.found(all, n);
   if (all > room) return false;
 

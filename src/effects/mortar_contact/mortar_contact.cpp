@@ -262,7 +262,7 @@ class MortarContact final : public Effect {
     device::env_max(
         "mortar_contact.farthest", proximity_.point_env(), [=] MORTISE_HD(Index i) { return dy[i].norm(); },
         device::EnvValues{farthest, alpha.fetch});
-    alpha.fetch.now();
+    alpha.fetch.now("farthest point");
     bool any = false;
     std::vector<double> margin = more_reach();
     for (Index e = 0; e < model_.envs; ++e) {
@@ -416,7 +416,7 @@ class MortarContact final : public Effect {
     if (!(guard_ > 0)) return per_env;
     device::Fetch fetch;
     contact::energy(guard_view(), where(at.frozen.y), {per_env, fetch});
-    fetch.now();
+    fetch.now("energies");
     return per_env;
   }
 

@@ -104,15 +104,22 @@ void Broadphase::farthest(View<const Vec3> from, View<const Vec3> y, View<const 
 
 std::unique_ptr<Broadphase::Guess> Broadphase::guess(View<const Vec3> y, View<const Vec3> dy, double radius, const Mask& whose,
                                                      device::Fetch& fetch) const {
-  if (!served_) return nullptr;
-  Mask asked(search_.environments(), 1);
-  for (std::size_t e = 0; e < asked.size(); ++e) {
-    asked[e] = whose.empty() || whose[e];
-    if (asked[e] && !(kept_radius_[e] >= radius)) return nullptr;
-  }
+  return ask(y, dy, radius, whose, served_, fetch);
+}
+
+std::unique_ptr<Broadphase::Guess> Broadphase::ask(View<const Vec3> y, View<const Vec3> dy, double radius, const Mask& whose, bool serves,
+                                                   device::Fetch& fetch) const {
   auto out = std::make_unique<Guess>();
-  out->whose = whose, out->radius = radius, out->list = list_;
-  farthest(kept_at_.view(), y, dy, asked, {out->off, fetch});
+  out->whose = whose, out->radius = radius, out->list = list_, out->answers = serves;
+  Mask asked(search_.environments(), 0), kept(asked);
+  for (std::size_t e = 0; e < asked.size(); ++e) {
+    asked[e] = whose.empty() || whose[e], kept[e] = asked[e] && kept_radius_[e] >= radius;
+    out->answers = out->answers && kept[e] == asked[e];
+  }
+  out->off.assign(asked.size(), 0.0);
+  if (any(kept)) farthest(kept_at_.view(), y, dy, kept, {out->off, fetch});
+  farthest({}, y, dy, asked, {out->way, fetch});
+  if (!out->answers) return out;
   mark_near(surface_.view(), kept_, y, dy, radius, whose, out->pt_counts, out->ee_counts);
   out->sizes.begin_add_up(out->pt_counts, kept_.pt_env_first.view(), out->ee_counts, kept_.ee_env_first.view(), out->sums, fetch);
   out->pairs = {{kept_.point_triangles.view(), std::as_const(out->pt_counts).view()},
@@ -123,7 +130,7 @@ std::unique_ptr<Broadphase::Guess> Broadphase::guess(View<const Vec3> y, View<co
 }
 
 bool Broadphase::take(Guess& guess) {
-  if (guess.list != list_) return false;
+  if (!guess.answers || guess.list != list_) return false;
   for (std::size_t e = 0; e < guess.off.size(); ++e)
     if ((guess.whose.empty() || guess.whose[e]) && !serves(guess.radius, guess.off[e], static_cast<Index>(e))) return false;
   found_.take_sizes(guess.sizes);
@@ -132,51 +139,58 @@ bool Broadphase::take(Guess& guess) {
   return true;
 }
 
-void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius, const Mask& whose, const Guess* refused) {
-  const Index envs = search_.environments();
-  std::vector<double> off, way(envs, INFINITY);
+void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius, const Mask& whose) {
   device::Fetch fetch;
-  // What is kept serves, as a rule, where it just did: the host waits once, to hear whether it does and how many pairs there are then.
-  if (refused && refused->list == list_) {
-    off = refused->off;
-  } else if (const std::unique_ptr<Guess> guess = this->guess(y, dy, radius, whose, fetch)) {
-    fetch.now();
-    if (take(*guess)) return;
-    off = std::move(guess->off);
+  const std::unique_ptr<Guess> guess = this->guess(y, dy, radius, whose, fetch);
+  fetch.now("kept pairs");
+  if (take(*guess)) return;
+  const std::unique_ptr<Guess> found = search(y, dy, *guess, fetch);
+  fetch.now("pairs");
+  if (found) take(*found);
+}
+
+std::unique_ptr<Broadphase::Guess> Broadphase::search(View<const Vec3> y, View<const Vec3> dy, const Guess& refused, device::Fetch& fetch) {
+  const Index envs = search_.environments();
+  const double radius = refused.radius;
+  const Mask& whose = refused.whose;
+  std::unique_ptr<Guess> again;  // where somebody else has searched since
+  if (refused.list != list_) {
+    device::Fetch now;
+    again = ask(y, dy, radius, whose, false, now);
+    now.now("way of points");
   }
-  Mask asked(envs, 0), kept(envs, 0), stale(envs, 0), direct(envs, 0);  // direct: searched without anything that could be kept
-  for (Index e = 0; e < envs; ++e) asked[e] = whose.empty() || whose[e], kept[e] = asked[e] && kept_radius_[e] >= radius;
-  if (any(kept) && off.empty()) farthest(std::as_const(kept_at_).view(), y, dy, kept, {off, fetch});
-  fetch.now();
-  for (Index e = 0; e < envs; ++e) stale[e] = asked[e] && !(kept[e] && serves(radius, off[e], e));
+  const std::vector<double>&off = again ? again->off : refused.off, &way = again ? again->way : refused.way;
+  Mask asked(envs, 0), stale(envs, 0), direct(envs, 0);  // direct: searched without anything that could be kept
+  for (Index e = 0; e < envs; ++e) asked[e] = whose.empty() || whose[e];
+  for (Index e = 0; e < envs; ++e) stale[e] = asked[e] && !serves(radius, off[e], e);
   served_ = !any(stale);
-  if (!served_) {
-    if (dy.n > 0) farthest({}, y, dy, stale, {way, fetch});
-    fetch.now();
-    std::vector<double> wider(envs, radius);
-    for (Index e = 0; e < envs; ++e) {
-      if (!stale[e]) continue;
-      ++searches_;
-      const double more = tuning::kSurplus * way[e];
-      direct[e] = !(more <= most_surplus(y));
-      stale[e] = !direct[e];
-      if (stale[e]) wider[e] = radius + more;
-    }
-    if (any(stale)) search(y, wider, stale);
+  std::vector<double> wider(envs, radius);
+  for (Index e = 0; e < envs; ++e) {
+    if (!stale[e]) continue;
+    ++searches_;
+    const double more = tuning::kSurplus * way[e];
+    direct[e] = dy.n == 0 || !(more <= most_surplus(y));
+    stale[e] = !direct[e];
+    if (stale[e]) wider[e] = radius + more;
   }
-  if (!any(direct)) return pick(surface_.view(), kept_, y, dy, radius, whose, found_);
+  if (any(stale)) keep_more(y, wider, stale);
+  if (!any(direct)) return ask(y, dy, radius, whose, true, fetch);
   Mask rest(envs, 0);
   for (Index e = 0; e < envs; ++e) rest[e] = asked[e] && !direct[e];
   const std::vector<double> same(envs, radius);
-  if (!any(rest)) return search_.find(y, dy, same, direct, found_);
-  NearPairs swept, picked;
-  search_.find(y, dy, same, direct, swept);
-  pick(surface_.view(), kept_, y, dy, radius, rest, picked);
-  join(surface_.view(), picked, swept, direct, found_);
+  if (any(rest)) {
+    NearPairs swept, picked;
+    search_.find(y, dy, same, direct, swept);
+    pick(surface_.view(), kept_, y, dy, radius, rest, picked);
+    join(surface_.view(), picked, swept, direct, found_);
+  } else {
+    search_.find(y, dy, same, direct, found_);
+  }
+  return nullptr;
 }
 
 // Keeps what is found at y of the environments of `whose`, and of the others what was kept.
-void Broadphase::search(View<const Vec3> y, const std::vector<double>& radius, const Mask& whose) {
+void Broadphase::keep_more(View<const Vec3> y, const std::vector<double>& radius, const Mask& whose) {
   if (all(whose)) {
     search_.find(y, {}, radius, whose, kept_);
   } else {

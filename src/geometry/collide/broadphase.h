@@ -20,23 +20,20 @@ class Broadphase {
   explicit Broadphase(const Surface& surface);
 
   // y, dy [m]: one per point of the surface; dy may be empty (bodies at rest). radius >= 0 [m]. Pairs of the environments of `whose` only, or of all
-  // where it is empty. refused: the guess of this question that take() has refused. Throws Error(Exit::device) when there are more pairs than can be
-  // counted.
-  struct Guess;
-  void update(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, const std::vector<std::uint8_t>& whose = {},
-              const Guess* refused = nullptr);
-  // The same answer, picked from what is kept without waiting, on the guess that it serves; none where nothing is kept, or what was did not serve the
-  // last question. Whether it did take() says once `fetch` is done: true, and the answer is here, or false, and update() has to be asked. y and dy
-  // must stay until then.
+  // where it is empty. Throws Error(Exit::device) when there are more pairs than can be counted.
+  void update(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, const std::vector<std::uint8_t>& whose = {});
+  // The same answer, picked from what is kept without waiting, on the guess that it serves. Whether it did take() says once `fetch` is done: true,
+  // and the answer is here, or false, and it has to be searched. y and dy must stay until then.
   struct Guess {
-    ChosenPairs pairs;  // of what is kept: where the guess is right they are the answer
+    bool answers = false;  // not where nothing is kept, or what was did not serve the last question: then only search() can
+    ChosenPairs pairs;     // of what is kept: where the guess is right they are the answer
 
    private:
     friend class Broadphase;
     device::Buffer<Index> pt_counts, ee_counts;
     NearPairs sizes;
     NearPairs::Sums sums;
-    std::vector<double> off;  // how far points are from where the list was searched [m]
+    std::vector<double> off, way;  // of every environment [m]: how far points are from where the list was searched, and how far they go
     std::vector<std::uint8_t> whose;
     double radius = 0;
     Index list = 0;
@@ -44,6 +41,9 @@ class Broadphase {
   std::unique_ptr<Guess> guess(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, const std::vector<std::uint8_t>& whose,
                                device::Fetch& fetch) const;
   bool take(Guess& guess);
+  // After a guess that take() has refused: searches where what is kept does not serve. The answer is a guess, which take() accepts once `fetch` is
+  // done; none where it is here already, searched on ways that are too long for more to be kept.
+  std::unique_ptr<Guess> search(device::View<const Vec3> y, device::View<const Vec3> dy, const Guess& refused, device::Fetch& fetch);
 
   // The surface watches other pairs from now on.
   void forget() { kept_radius_.assign(kept_radius_.size(), -1.0); }
@@ -66,7 +66,9 @@ class Broadphase {
   void farthest(device::View<const Vec3> from, device::View<const Vec3> y, device::View<const Vec3> dy, const Mask& whose,
                 device::EnvValues out) const;
   bool serves(double radius, double off, Index env) const { return radius + 2 * off <= kept_radius_[env]; }
-  void search(device::View<const Vec3> y, const std::vector<double>& radius, const Mask& whose);
+  std::unique_ptr<Guess> ask(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, const Mask& whose, bool serves,
+                             device::Fetch& fetch) const;
+  void keep_more(device::View<const Vec3> y, const std::vector<double>& radius, const Mask& whose);
   double most_surplus(device::View<const Vec3> y);
 
   const Surface& surface_;

@@ -75,7 +75,7 @@ void NearPairs::add_up(Buffer<Index>& pt_counts, View<const Index> pt_first, Buf
   Sums sums;
   device::Fetch fetch;
   begin_add_up(pt_counts, pt_first, ee_counts, ee_first, sums, fetch);
-  fetch.now();
+  fetch.now("pairs");
   end_add_up(sums);
 }
 
