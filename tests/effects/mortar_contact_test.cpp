@@ -1,8 +1,6 @@
 // mortar_contact as a whole: frozen energy and its derivatives, balance, samples, weights, supports, stiffness.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "base/error.h"
 #include "base/memory_archive.h"
 #include "contact_scene.h"
@@ -266,14 +264,7 @@ TEST(MortarContact, FlatFacesPressUniformly) {
         EXPECT_NEAR(r("mortar_contact/force_tool_z"), 0.25 * p0, 1e-10 * p0);
         EXPECT_EQ(r("mortar_contact/force_share_faces"), 1);
         EXPECT_LE(r("mortar_contact/clip_partition_defect"), 1e-12);
-        // The whole of the tool's side is pressed; nodes of the pad at its rim have less, in proportion to their area.
-        const std::vector<double> pressure = r.values.at("contact_pressure");
-        const std::vector<Index> body = p.model.surface.body.download();
-        for (std::size_t i = 0; i < pressure.size(); ++i) {
-          EXPECT_LE(pressure[i], p0 * (1 + 1e-11));
-          EXPECT_TRUE(p.model.bodies[body[i]].name == "pad" || pressure[i] == 0 || std::abs(pressure[i] / p0 - 1) < 1e-11) << pressure[i];
-        }
-        EXPECT_NEAR(*std::max_element(pressure.begin(), pressure.end()) / p0, 1, 1e-11);
+        for (double v : r.values.at("contact_pressure")) EXPECT_TRUE(v == 0 || std::abs(v / p0 - 1) < 1e-11) << v;
       }
 }
 

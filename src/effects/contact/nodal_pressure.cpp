@@ -6,7 +6,8 @@
 
 namespace mortise::effects::contact {
 
-std::vector<double> nodal_pressure(const geometry::Surface& surface, const std::vector<Vec3>& y, const std::vector<double>& f) {
+std::vector<double> nodal_pressure(const geometry::Surface& surface, const std::vector<Vec3>& y, const std::vector<double>& f,
+                                   const std::vector<double>& covered) {
   std::vector<double> size(y.size()), best(y.size(), 0.0), area(y.size(), 0.0);
   const auto force = [&](std::size_t i) { return Eigen::Map<const Vec3>(f.data() + 3 * i); };
   for (std::size_t i = 0; i < y.size(); ++i) size[i] = force(i).norm();
@@ -26,7 +27,7 @@ std::vector<double> nodal_pressure(const geometry::Surface& surface, const std::
   });
   std::vector<double> p(y.size(), 0.0);
   for (std::size_t i = 0; i < y.size(); ++i)
-    if (area[i] > 0) p[i] = size[i] / area[i];
+    if (area[i] > 0) p[i] = size[i] / (!covered.empty() && covered[i] > 0 ? std::min(covered[i], area[i]) : area[i]);
   return p;
 }
 

@@ -70,18 +70,30 @@ void least_gaps(const MortarView& view, const Search& search, View<const Vec3> y
   });
 }
 
-void cover(const MortarView& view, const Search& search, View<const Vec3> y, Buffer<double>& covered) {
-  covered.resize(view.slaves.n);
-  const View<double> out = covered.view();
-  const View<const Index> offset = search.offset(), master = search.master();
+void cover(const MortarView& view, const Search& search, View<const Vec3> y, Buffer<Cover>& covers) {
+  const View<const Index> slave = search.slave(), master = search.master();
+  covers.resize(master.n);
+  const View<Cover> out = covers.view();
   const MortarView s = view;
-  device::parallel_for("mortar_contact.cover", s.slaves.n, [=] MORTISE_HD(Index i) {
-    const Triangle t = s.surface.triangles[s.slaves[i]];
+  device::parallel_for("mortar_contact.cover", master.n, [=] MORTISE_HD(Index c) {
+    const Triangle t = s.surface.triangles[s.slaves[slave[c]]];
     const SlavePlane plane = slave_plane(y[t.v[0]], y[t.v[1]], y[t.v[2]]);
-    double sum = 0;
-    for (Index c = offset[i]; c < offset[i + 1]; ++c)
-      if (master[c] >= 0 && facing(s.set, plane.n, s.normal[master[c]]) > 0) sum += polygon_area(clip(project(s, plane, master[c], y).L));
-    out[i] = sum;
+    Cover of{s.slaves[slave[c]], master[c], 0, {0, 0, 0}, {0, 0, 0}};
+    if (master[c] < 0) {
+      of.share = 1;
+      for (int k = 0; k < 3; ++k) of.N[k] = plane.area / 3;
+    } else if (facing(s.set, plane.n, s.normal[master[c]]) > 0) {
+      const Polygon p = clip(project(s, plane, master[c], y).L);
+      for (int i = 1; i + 1 < p.n; ++i) {
+        const double share = fan_area(p, i), third = share * plane.area / 3;
+        of.share += share;
+        for (int k = 0; k < 3; ++k) {
+          of.N[k] += third * (p.v[0].N[k] + p.v[i].N[k] + p.v[i + 1].N[k]);
+          of.M[k] += third * (p.v[0].M[k] + p.v[i].M[k] + p.v[i + 1].M[k]);
+        }
+      }
+    }
+    out[c] = of;
   });
 }
 

@@ -134,8 +134,13 @@ void freeze(const MortarView& s, Search& search, const Buffer<double>& margin, d
 
 // Smallest gap of every slave at y to the corners of what it sees, INFINITY where that is not below support. The search is that of y.
 void least_gaps(const MortarView& s, const Search& search, View<const Vec3> y, Buffer<double>& out);
-// Sum over the masters that face a slave of their clipped share of its area.
-void cover(const MortarView& s, const Search& search, View<const Vec3> y, Buffer<double>& out);
+// What of a candidate's slave lies under its master, as a share of the slave's area, and there int N dA, int M dA [m^2]. Half-spaces cover all.
+struct Cover {
+  Index slave, master;  // triangles; master = -1 - h: half-space h
+  double share, N[3], M[3];
+};
+// Of every candidate of the search, however far apart they are; nothing where they do not face each other.
+void cover(const MortarView& s, const Search& search, View<const Vec3> y, Buffer<Cover>& out);
 
 // In the environments of `whose`; empty: in all.
 void energy(const MortarView& s, const FrozenSamples& f, View<const Vec3> y, const std::vector<std::uint8_t>& whose, device::EnvValues per_env);

@@ -235,6 +235,7 @@ class MortarContact final : public Effect {
   }
 
   void report(const FieldSinks& sinks, const Linearisation& at) override;
+  std::vector<double> cover_of(const MortarLinearisation& at, const std::vector<Vec3>& y, const std::vector<Pair>& pairs, std::vector<double>& share);
   void checkpoint(Archive& archive) override {
     // Interfaces are listed pair by pair, in every environment.
     std::vector<Index> order(kappa_.size()), of;
@@ -478,6 +479,36 @@ class MortarContact final : public Effect {
   Buffer<Vec3> y_;  // work space
 };
 
+// Areas of points that lie over or under the other surface: of a point of slaves and masters the larger [m^2]. What is farther than the longest edge
+// of a slave in contact covers nothing. share: what of every triangle is covered by triangles.
+std::vector<double> MortarContact::cover_of(const MortarLinearisation& at, const std::vector<Vec3>& y, const std::vector<Pair>& pairs,
+                                            std::vector<double>& share) {
+  std::vector<double> reach = more_reach();
+  for (const Pair& p : pairs)
+    for (int k = 0; k < 3; ++k) {
+      const Index a = p.on.point[p.on.vertex(k)], b = p.on.point[p.on.vertex((k + 1) % 3)];
+      reach[p.env] = std::max(reach[p.env], (y[a] - y[b]).norm());
+    }
+  Buffer<double> wide;
+  wide.upload(reach);
+  search_.work_on(model_.at_work);
+  search_.update(view(at), at.y(), wide);
+  Buffer<Cover> buffer;
+  cover(view(at), search_, at.y(), buffer);
+  const std::vector<Triangle> triangles = model_.surface.triangles.download();
+  std::vector<double> on(model_.points, 0.0), under(model_.points, 0.0);
+  share.assign(triangles.size(), 0.0);
+  for (const Cover& c : buffer.download()) {
+    if (c.master >= 0) share[c.slave] += c.share;
+    for (int k = 0; k < 3; ++k) {
+      on[triangles[c.slave].v[k]] += c.N[k];
+      if (c.master >= 0) under[triangles[c.master].v[k]] += c.M[k];
+    }
+  }
+  for (std::size_t i = 0; i < on.size(); ++i) on[i] = std::max(on[i], under[i]);
+  return on;
+}
+
 void MortarContact::report(const FieldSinks& sinks, const Linearisation& accepted) {
   const MortarLinearisation& at = of_mortar(accepted);
   const std::vector<Pair> pairs = at.frozen.pairs.download();
@@ -497,6 +528,8 @@ void MortarContact::report(const FieldSinks& sinks, const Linearisation& accepte
   std::vector<double> load(3 * static_cast<std::size_t>(model_.points), 0.0);
   const auto press = [&](Index point, const Vec3& force) { Eigen::Map<Vec3>(load.data() + 3 * point) += force; };
   contact::PointForces forces(model_, at.frozen.y);
+  std::vector<double> share;
+  std::vector<double> covered = cover_of(at, forces.places(), pairs, share);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Sample& s = samples[i];
     const model::ContactSample& c = contact_samples.at(i);
@@ -510,8 +543,12 @@ void MortarContact::report(const FieldSinks& sinks, const Linearisation& accepte
     }
     const Vec3 on_master = c.pressure * c.area * Vec3(c.normal[0], c.normal[1], c.normal[2]);
     for (int k = 0; k < 3; ++k) {
-      press(pair.on.point[pair.on.vertex(k)], (pair.master < 0 ? s.N[k] : -s.N[k]) * on_master);  // a half-space's normal points at the slave
-      if (pair.master >= 0) press(pair.under.point[pair.under.vertex(k)], s.M[k] * on_master);
+      const Index on = pair.on.point[pair.on.vertex(k)], under = pair.master < 0 ? -1 : pair.under.point[pair.under.vertex(k)];
+      press(on, (under < 0 ? s.N[k] : -s.N[k]) * on_master);  // a half-space's normal points at the slave
+      if (under >= 0) press(under, s.M[k] * on_master);
+      if (s.kind == SampleKind::face) continue;
+      covered[on] += s.N[k] * c.area;
+      if (under >= 0) covered[under] += s.M[k] * c.area;
     }
     mine.total[static_cast<Index>(s.kind)] += c.force;
     // Curved faces may meet between their nodes; what is kept apart are their quarters, and none within reach is nearer than they are.
@@ -541,17 +578,11 @@ void MortarContact::report(const FieldSinks& sinks, const Linearisation& accepte
     for (Index e = 0; e < sinks.size(); ++e) own[e].guard_rows.report(sinks[e], group, "guard_");
   }
   forces.report(sinks, group);
-  report_points(sinks, model_, "contact_pressure", "Pa", 1, contact::nodal_pressure(model_.surface, forces.places(), load));
+  report_points(sinks, model_, "contact_pressure", "Pa", 1, contact::nodal_pressure(model_.surface, forces.places(), load, covered));
 
   const std::vector<double> distance = contact::least_distances(proximity_.obstacles(guard_view()), proximity_.candidates(at.frozen.y), at.y(),
                                                                 proximity_.vertex_env()),
                             energy = energies_now(std::as_const(model_.q).view(), at, model_.envs);
-  // Covered slave triangles are those whose pieces add up to their area but for rounding; stacked layers count more than once.
-  Buffer<double> covered;
-  search_.work_on(model_.at_work);
-  search_.update(view(at), at.y(), margin_);
-  cover(view(at), search_, at.y(), covered);
-  const std::vector<double> share = covered.download();
   for (Index e = 0; e < sinks.size(); ++e) {
     if (!sinks.wanted(e)) continue;
     FieldSink& sink = sinks[e];
@@ -567,8 +598,8 @@ void MortarContact::report(const FieldSinks& sinks, const Linearisation& accepte
     const double sum = mine.total[0] + mine.total[1] + mine.total[2] + mine.total[3];
     const char* const share_names[] = {"force_share_faces", "force_share_edges", "force_share_points", "force_share_guard"};
     for (int k = 0; k <= kKinds; ++k) sink.scalar(group, share_names[k], "1", sum > 0 ? mine.total[k] / sum : 0);
-    double defect = 0;
-    for (Index t = slave_env_[e]; t < slave_env_[e + 1]; ++t)
+    double defect = 0;  // of slaves whose pieces add up to their area but for rounding; stacked layers count more than once
+    for (Index t = triangle_env_[e]; t < triangle_env_[e + 1]; ++t)
       if (std::abs(share[t] - 1) < 1e-6) defect = std::max(defect, std::abs(share[t] - 1));
     sink.scalar(group, "clip_partition_defect", "1", defect);
   }
