@@ -268,6 +268,28 @@ TEST(MortarContact, FlatFacesPressUniformly) {
       }
 }
 
+// A tool that leans over a pad presses a strip of it: a node's pressure is that over its area, not over what of it is within the layer.
+TEST(MortarContact, PressuresTimesAreasAreTheForce) {
+  const auto pad = geometry::box({1, 1, 0.5}, std::array<Index, 3>{4, 4, 1});
+  auto tool = geometry::box({2, 2, 0.5}, std::array<Index, 3>{1, 1, 1});
+  for (Vec3& x : tool.points) x = turn(4, {0, 1, 0}) * x;
+  Problem p(scene({soft_body("pad", pad, gel()), soft_body("tool", tool, gel(), {0, 0, 0.5 + 0.05})}), {});
+  const Recorder r = p.report();
+  const std::vector<double> pressure = r.values.at("contact_pressure");
+  const std::vector<Triangle> top = [&] {
+    std::vector<Triangle> out;
+    for (const Triangle& t : geometry::boundary_triangles(pad))
+      if (std::all_of(t.v, t.v + 3, [&](Index v) { return pad.points[v].z() > 0.25 - 1e-12; })) out.push_back(t);
+    return out;
+  }();
+  const std::vector<double> area = geometry::vertex_areas(pad.points, top);
+  double sum = 0, reached = 0, all = 0;
+  for (std::size_t i = 0; i < area.size(); ++i) sum += pressure[i] * area[i], all += pressure[i] > 0 ? area[i] : 0;
+  for (const model::ContactSample& s : p.samples()) reached += s.area;
+  ASSERT_LT(reached, 0.8 * all) << "most of the area of the nodes in contact is, and nothing is tested";
+  EXPECT_NEAR(sum / -r("mortar_contact/force_pad_z"), 1, 1e-12);
+}
+
 // Tapered weights: what the taper takes from faces comes back by edges and points (the README of mortar_contact). The rule has to resolve the
 // taper, hence the fine pad; with 24 cells master edges and vertices lie on slave edges and vertices and must count once.
 TEST(MortarContact, TaperedWeightsConserveTheTotalLoad) {
