@@ -9,7 +9,7 @@
 // misfit: a pressure p loads a node with F_i = int N_i p dA: of linear tetrahedra p_i A_i up to second order in the mesh size, A_i being a third of
 // the triangles around the node, of quadratic ones sum_j (int N_i N_j dA) p_j, which leaves corners without. Methods that weigh points or samples
 // unevenly load nodes as no such pressure does, and stresses below are wrong although forces balance. The root mean square of |F_i| - |int N_i p dA|
-// likewise; zero in the patch test.
+// likewise; zero in the patch test, and nearly so of all linear tetrahedra, whose pressures are those forces over areas.
 #include <cmath>
 #include <span>
 

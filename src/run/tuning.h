@@ -21,8 +21,8 @@ inline constexpr Bounds kFreeMotionLoss{0.05, 0.1};
 inline constexpr Bounds kMotionLag{0.05, 0.1};
 inline constexpr Bounds kGuard{0.02, 0.1};
 inline constexpr Bounds kStress{0.05, 0.1};
-inline constexpr Bounds kRoughness{0.04, 0.05};
-inline constexpr Bounds kMisfit{0.04, 0.05};
+inline constexpr Bounds kRoughness{0.03, 0.04};
+inline constexpr Bounds kMisfit{0.01, 0.018};
 inline constexpr Bounds kLayer{0.03, 0.06};
 
 // ---- what counts in them
