@@ -106,7 +106,8 @@ TetMesh solid(const Grid& grid) {
 
 TriMesh skin(const Grid& grid) {
   const Cell& n = grid.n;
-  TetMesh shell;  // the outermost cells: they have an inner side too
+  std::vector<Index> number(vertices(n), -1);  // of the grid's vertices, on the skin
+  TetMesh shell;                               // the outermost cells: they have an inner side too
   for_each(n, [&](const Cell& c) {
     bool outermost = false;
     for (int a = 0; a < 3; ++a) outermost |= c[a] == 0 || c[a] == n[a] - 1;
@@ -121,7 +122,6 @@ TriMesh skin(const Grid& grid) {
     return false;
   };
   TriMesh out;
-  std::vector<Index> number(vertices(n), -1);  // of the grid's vertices, on the skin
   for (const Triangle& t : boundary_triangles(shell)) {
     if (!outside(t)) continue;
     out.triangles.push_back(t);

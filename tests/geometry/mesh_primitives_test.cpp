@@ -197,6 +197,13 @@ TEST(Primitives, SkinsAreSurfacesToTheLastBit) {
   }
 }
 
+// Before anything of that size is made.
+TEST(Primitives, TooManyVerticesAreRefused) {
+  const Grid grid = box_grid({1, 1, 1}, 1.0 / 2000);
+  EXPECT_THROW(solid(grid), Error);
+  EXPECT_THROW(skin(grid), Error);
+}
+
 TEST(Primitives, Deterministic) {
   const TetMesh a = capsule(0.3, 0.4, 0.1), b = capsule(0.3, 0.4, 0.1);
   ASSERT_EQ(a.points.size(), b.points.size());

@@ -235,7 +235,6 @@ class MortarContact final : public Effect {
   }
 
   void report(const FieldSinks& sinks, const Linearisation& at) override;
-  std::vector<double> cover_of(const MortarLinearisation& at, const std::vector<Vec3>& y, const std::vector<Pair>& pairs, std::vector<double>& share);
   void checkpoint(Archive& archive) override {
     // Interfaces are listed pair by pair, in every environment.
     std::vector<Index> order(kappa_.size()), of;
@@ -385,6 +384,8 @@ class MortarContact final : public Effect {
     barrier.area_weighted = false;
     return proximity_.view(barrier, guard_kappa_view_, {}, {});
   }
+
+  std::vector<double> cover_of(const MortarLinearisation& at, const std::vector<Vec3>& y, const std::vector<Pair>& pairs, std::vector<double>& share);
 
   // Samples within range at y.
   void refreeze(MortarLinearisation& at) {
