@@ -193,7 +193,7 @@ class MortarContact final : public Effect {
     MortarLinearisation& at = of_mortar(out);
     const auto dy = proximity_.limit(at.frozen.y, dq, guard_view(), alpha);
     mortar::limit(view(at), at.frozen, dy->view(), contact::tuning::kKeep, alpha);
-    foresee(dy->view(), at, alpha);
+    reach_along(dy->view(), at, alpha);
   }
 
   // A contact that grows stiffer under load is energy from nowhere, so all of an environment grow by no more than its budget pays for, the guard
@@ -257,7 +257,7 @@ class MortarContact final : public Effect {
   }
 
   // Samples that the step may bring into range join the frozen ones, without any energy yet, so that the line search sees them.
-  void foresee(View<const Vec3> dy, MortarLinearisation& at, device::EnvValues alpha) {
+  void reach_along(View<const Vec3> dy, MortarLinearisation& at, device::EnvValues alpha) {
     std::vector<double> farthest(model_.envs, 0.0);
     device::env_max(
         "mortar_contact.farthest", proximity_.point_env(), [=] MORTISE_HD(Index i) { return dy[i].norm(); },
