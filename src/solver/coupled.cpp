@@ -52,7 +52,8 @@ void Coupled::product(const device::Buffer<Vec3>& q, device::View<const Vec3> v,
 }
 
 // dq_ along which the residual of `at` vanishes to first order; false where a difference went through a surface.
-bool Coupled::direction(const device::Buffer<Vec3>& q, Linearised& at, Linearised& near, const EnvTable& envs, const StepReports& report) {
+bool Coupled::direction(const device::Buffer<Vec3>& q, Linearised& at, Linearised& near, const EnvTable& envs, const StepReports& report,
+                        const std::function<void()>& stop) {
   const Index rows = system_.rows.count();
   system_.right_hand_side(at, {}, r0_);
   clear_envs(r0_, active_, 0, system_.rows.env);
@@ -64,6 +65,7 @@ bool Coupled::direction(const device::Buffer<Vec3>& q, Linearised& at, Linearise
         linalg::awaited([&](device::View<const Vec3> in, device::View<Vec3> out) { linear_.apply(A_, in, out, active_); }), std::as_const(r0_).view(),
         x_.view(), system_.rows.env, std::vector<double>(system_.model.envs, tuning::kCoupledForcing), tuning::kMostProducts,
         [&](const EnvMask& going) {
+          stop();  // a product takes as long as an iteration elsewhere
           only.reset();
           only.emplace(system_.model, going);
         });
@@ -175,7 +177,7 @@ void Coupled::solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Li
     if (!any(active_)) return;
     narrow();
     const Timed timed(system_.clock, "solver", "coupled");
-    if (!direction(q, at, near, envs, report)) return;
+    if (!direction(q, at, near, envs, report, stop)) return;
     std::vector<double> longest(model.envs, 0.0);
     device::Fetch fetch;
     system_.convergence.see_step(std::as_const(dq_).view(), r, active_, fetch);

@@ -30,7 +30,8 @@ class Coupled {
   };
 
   // From q in the stuck environments, with `at` and `near` for two states. Those whose residual with everything fresh comes down to `relative` are
-  // solved then; the others stay stuck at the best state that was found, or fail where forces are not finite. `at` is left at q.
+  // solved then; the others stay stuck at the best state that was found, or fail where forces are not finite. `at` is left at q. `stop` is asked
+  // before every iteration and every product, and may throw.
   void solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Linearised& near, EnvTable& envs, const StepReports& report,
              const std::function<void()>& stop, const Watch& watch);
 
@@ -38,7 +39,8 @@ class Coupled {
   struct Broken {};  // every product went through a surface
   void factor(const device::Buffer<Vec3>& q, const EnvMask& whose, Linearised& at);
   void product(const device::Buffer<Vec3>& q, device::View<const Vec3> v, device::View<Vec3> out, Linearised& near, const EnvTable& envs);
-  bool direction(const device::Buffer<Vec3>& q, Linearised& at, Linearised& near, const EnvTable& envs, const StepReports& report);
+  bool direction(const device::Buffer<Vec3>& q, Linearised& at, Linearised& near, const EnvTable& envs, const StepReports& report,
+                 const std::function<void()>& stop);
   std::vector<double> natural_level(const Linearised& at);
   EnvMask finite_energies(const Linearised& at);
   void monotone_step(device::Buffer<Vec3>& q, Residual& r, Linearised& at, Linearised& near, EnvTable& envs, const StepReports& report);

@@ -6,6 +6,7 @@
 #include "collide_helpers.h"
 #include "geometry/collide/broadphase.h"
 #include "geometry/collide/distance.h"
+#include "geometry/collide/tuning.h"
 
 namespace mortise::geometry {
 namespace {
@@ -195,12 +196,56 @@ TEST(Broadphase, AGuessIsTheAnswerOrSaysThatItIsNone) {
   auto wrong = guess(far);
   fetch.now();
   EXPECT_FALSE(broadphase.take(*wrong));
-  auto found = broadphase.search(far.view(), dyb.view(), *wrong, fetch);
+  auto found = broadphase.search(far.view(), dyb.view(), *wrong, {}, fetch);
   fetch.now();
   ASSERT_NE(found, nullptr);
   EXPECT_TRUE(broadphase.take(*found)) << "it was searched for this question";
   EXPECT_FALSE(broadphase.take(*late)) << "another list is kept by now";
   expect_exact(s, broadphase, brute_force(s, y, dy, 0.02));
+}
+
+// Where everything lies on the way of everything, ways are shortened until few enough pairs are left, and those are exact; those of another
+// environment, as long as the scene too, stay as they are.
+TEST(Broadphase, ShortensWaysOnWhichTooMuchLies) {
+  test::Random r(41);
+  test::Soup s;
+  for (int b = 0; b < 2; ++b) test::add_patch(s, r, 14, 1, test::random_vec(r, 0.3), 0);
+  for (int b = 0; b < 2; ++b) test::add_patch(s, r, 4, 1, test::random_vec(r, 0.3), 1);
+  s.allowed.assign(s.bodies * s.bodies, 1);
+  for (int b = 0; b < s.bodies; ++b) s.allowed[b * s.bodies + b] = 0;
+  const Surface surface = s.surface();
+  Broadphase broadphase(surface);
+  std::vector<Vec3> dy(s.points.size());
+  for (std::size_t i = 0; i < dy.size(); ++i) dy[i] = test::random_vec(r, s.env[i] == 0 ? 1e7 : 1);
+  const Buffer<Vec3> y(s.points);
+  Buffer<Vec3> way(dy);
+  device::Fetch fetch;
+  const auto guess = broadphase.guess(y.view(), std::as_const(way).view(), 0.02, {}, fetch);
+  fetch.now();
+  ASSERT_FALSE(broadphase.take(*guess));
+  const auto shorten = [&](const std::vector<double>& by) {
+    for (std::size_t i = 0; i < dy.size(); ++i) dy[i] *= by[s.env[i]];
+    way.upload(dy);
+  };
+  const std::vector<Vec3> whole = dy;
+  ASSERT_EQ(broadphase.search(y.view(), std::as_const(way).view(), *guess, shorten, fetch), nullptr);
+  const auto few = [&](const BruteForce& found) {
+    const auto mine = [&](Index point) { return s.env[point] == 0; };
+    const auto pairs = std::count_if(found.pt.begin(), found.pt.end(), [&](const auto& p) { return mine(p[0]); }) +
+                       std::count_if(found.ee.begin(), found.ee.end(), [&](const auto& p) { return mine(s.edges[p[0]].v[0]); });
+    const auto queries = std::count_if(s.env.begin(), s.env.end(), [](Index e) { return e == 0; }) +
+                         std::count_if(s.edges.begin(), s.edges.end(), [&](const Edge& e) { return mine(e.v[0]); });
+    return pairs <= std::max<double>(tuning::kFewPairs, tuning::kPairsEach * queries);
+  };
+  const BruteForce truth = brute_force(s, s.points, dy, 0.02);
+  expect_exact(s, broadphase, truth);
+  EXPECT_TRUE(few(truth));
+  std::vector<Vec3> twice = dy;
+  for (std::size_t i = 0; i < dy.size(); ++i) {
+    twice[i] *= 2;
+    if (s.env[i] == 1) EXPECT_EQ(dy[i], whole[i]);
+  }
+  EXPECT_FALSE(few(brute_force(s, s.points, twice, 0.02))) << "shorter than need be";
 }
 
 // Environments are asked for together and by turns, and one of them moves far each time: it alone is searched again.

@@ -710,18 +710,20 @@ struct Stuck {
     for (Index e = 0; e < envs.size(); ++e) envs[e].state = EnvState::stuck;
     StepReport report;
     const Coupled::Watch watch{[](const Residual&, Index, const EnvMask&) {},
-                               [&](const EnvMask& whose, const std::vector<Index>&) {
+                               [&](const EnvMask& whose, const std::vector<Index>& products) {
                                  for (Index e = 0; e < envs.size(); ++e)
                                    if (whose[e]) alpha[e].push_back(envs[e].alpha);
+                                 all_products += *std::max_element(products.begin(), products.end());
                                }};
     Coupled(system, *linear, curvature, A)
         .solve(
-            q, 1e-6, at, near, envs, report, [] {}, watch);
+            q, 1e-6, at, near, envs, report, [this] { ++asked; }, watch);
   }
   Problem& p;
   device::Buffer<Vec3> q;
   EnvTable envs;
   std::vector<std::vector<double>> alpha;
+  Index all_products = 0, asked = 0;  // of all iterations together; how often it asked whether to stop
 };
 
 }  // namespace
@@ -737,6 +739,15 @@ TEST(Coupled, TakesShareOfStepsThatLowersTheNaturalLevel) {
   EXPECT_EQ(*std::min_element(s.alpha[0].begin(), s.alpha[0].end()), 1);
   EXPECT_LT(*std::min_element(s.alpha[1].begin(), s.alpha[1].end()), 1);
   for (const Vec3& d : p.moved(s.q)) EXPECT_LT(d.norm(), 1e-5);
+}
+
+// Every product looks at all forces anew: a run that is asked to stop does not go through a whole iteration's first.
+TEST(Coupled, AsksBeforeEveryProductWhetherToStop) {
+  Problem p;
+  p.add(kTwisted, kAtan);
+  const Stuck s(p, {Vec3(0.3, 0, 0.1)});
+  ASSERT_TRUE(s.envs.is(0, EnvState::solved));
+  EXPECT_EQ(s.asked, static_cast<Index>(s.alpha[0].size()) + 1 + s.all_products);
 }
 
 // Where something keeps steps short no solution is near: after three of them it gives up and says so.

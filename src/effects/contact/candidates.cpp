@@ -1,6 +1,7 @@
 #include "effects/contact/candidates.h"
 
 #include <cmath>
+#include <utility>
 
 #include "effects/contact/tuning.h"
 
@@ -25,6 +26,16 @@ void largest_deviation(const device::Ranges& whose, View<const Vec3> from, View<
         return !(y[i].squaredNorm() < 1e300) ? static_cast<double>(NAN) : from.n > 0 ? off_path(from[i], move[i], y[i]) : 0.0;
       },
       out);
+}
+
+// dy *= by, of the points of every environment.
+void scale(View<Vec3> dy, const std::vector<Index>& point_env, const std::vector<double>& by) {
+  for (std::size_t e = 0; e < by.size(); ++e) {
+    if (by[e] == 1) continue;
+    const double factor = by[e];
+    const Index first = point_env[e];
+    device::parallel_for("contact.shorten", point_env[e + 1] - first, [=] MORTISE_HD(Index i) { dy[first + i] *= factor; });
+  }
 }
 
 void keep_path(const device::Ranges& whose, View<const Vec3> y, View<const Vec3> dy, View<Vec3> from, View<Vec3> way) {
@@ -63,10 +74,15 @@ bool Candidates::take(geometry::Broadphase::Guess& guess, const device::Buffer<V
   return true;
 }
 
-std::unique_ptr<geometry::Broadphase::Guess> Candidates::search(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy,
+std::unique_ptr<geometry::Broadphase::Guess> Candidates::search(const device::Buffer<Vec3>& y, device::Buffer<Vec3>& dy,
                                                                 const std::vector<std::uint8_t>& whose, const geometry::Broadphase::Guess& refused,
-                                                                device::Fetch& fetch) {
-  std::unique_ptr<geometry::Broadphase::Guess> out = broadphase_.search(y.view(), dy.view(), refused, fetch);
+                                                                std::vector<double>& share, device::Fetch& fetch) {
+  share.assign(held_.size(), 1.0);
+  const auto shorten = [&](const std::vector<double>& by) {
+    scale(dy.view(), point_env_, by);
+    for (std::size_t e = 0; e < by.size(); ++e) share[e] *= by[e];
+  };
+  std::unique_ptr<geometry::Broadphase::Guess> out = broadphase_.search(y.view(), std::as_const(dy).view(), refused, shorten, fetch);
   if (!out) hold(y, &dy, whose), asked_ = whose;
   return out;
 }

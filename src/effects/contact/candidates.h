@@ -19,10 +19,10 @@ class Candidates {
                                                      const std::vector<std::uint8_t>& whose, device::Fetch& fetch) const;
   bool take(geometry::Broadphase::Guess& guess, const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy,
             const std::vector<std::uint8_t>& whose);
-  // Searches, and answers with a guess that take() accepts, or holds them already (Broadphase::search).
-  std::unique_ptr<geometry::Broadphase::Guess> search(const device::Buffer<Vec3>& y, const device::Buffer<Vec3>& dy,
-                                                      const std::vector<std::uint8_t>& whose, const geometry::Broadphase::Guess& refused,
-                                                      device::Fetch& fetch);
+  // Searches, and answers with a guess that take() accepts, or holds them already (Broadphase::search). Ways that are too long to be looked at whole
+  // are shortened; share[e]: to how much of what they were.
+  std::unique_ptr<geometry::Broadphase::Guess> search(const device::Buffer<Vec3>& y, device::Buffer<Vec3>& dy, const std::vector<std::uint8_t>& whose,
+                                                      const geometry::Broadphase::Guess& refused, std::vector<double>& share, device::Fetch& fetch);
   // Makes sure that all pairs within reach at y are held, searching only if y lies off the path of the last search. False in
   // finite[e] where environment e has a position that is not a number. The same environments.
   void cover(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>& finite, const std::vector<std::uint8_t>& whose = {});

@@ -97,7 +97,10 @@ namespace {
 // How far a way is free, of every environment, and what meets on it.
 struct Way {
   std::vector<double> limit;
+  std::vector<double> share;  // of what was to be gone that was looked at; empty: all of it
   std::shared_ptr<const Prescribed::Meetings> meetings;
+
+  double of_all(std::size_t env) const { return share.empty() || share[env] == 1 ? limit[env] : share[env] * std::min(1.0, limit[env]); }
 
   void look(const BarrierView& s, const geometry::ChosenPairs& pairs, View<const Vec3> y, View<const Vec3> dy, Prescribed& prescribed,
             device::Fetch& fetch) {
@@ -123,14 +126,14 @@ std::shared_ptr<const Buffer<Vec3>> Proximity::limit(const Buffer<Vec3>& from, V
     geometry::ChosenPairs pairs = guess->pairs;
     if (!candidates_.take(*guess, from, *dy, whose)) {
       device::Fetch again;
-      const std::unique_ptr<geometry::Broadphase::Guess> found = candidates_.search(from, *dy, whose, *guess, again);
+      const std::unique_ptr<geometry::Broadphase::Guess> found = candidates_.search(from, *dy, whose, *guess, way->share, again);
       pairs = found ? found->pairs : candidates_.broadphase().pairs();
       way->look(all, pairs, from.view(), std::as_const(*dy).view(), prescribed_, again);
       again.now("way after search");
       if (found) candidates_.take(*found, from, *dy, whose);
     }
     if (way->meetings) prescribed_.check(*way->meetings, all, pairs, info);
-    for (std::size_t e = 0; e < value.size(); ++e) value[e] = device::Smaller()(value[e], way->limit[e]);
+    for (std::size_t e = 0; e < value.size(); ++e) value[e] = device::Smaller()(value[e], way->of_all(e));
   });
   limit_planes(all, y, step, tuning::kKeep, model_.working(vertex_env_), alpha);
   return dy;

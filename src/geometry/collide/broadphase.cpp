@@ -1,5 +1,6 @@
 #include "geometry/collide/broadphase.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -61,7 +62,8 @@ void pick(const SurfaceView& surface, const NearPairs& kept, View<const Vec3> y,
           const std::vector<std::uint8_t>& whose, NearPairs& found) {
   Buffer<Index> pt_counts, ee_counts;
   mark_near(surface, kept, y, dy, radius, whose, pt_counts, ee_counts);
-  found.add_up(pt_counts, kept.pt_env_first.view(), ee_counts, kept.ee_env_first.view());
+  found.add_up({pt_counts, {kept.pt_env_offset, whose}, kept.pt_env_first.view()},
+               {ee_counts, {kept.ee_env_offset, whose}, kept.ee_env_first.view()});
   compact(kept, whose, pt_counts, ee_counts, found);
 }
 
@@ -121,7 +123,8 @@ std::unique_ptr<Broadphase::Guess> Broadphase::ask(View<const Vec3> y, View<cons
   farthest({}, y, dy, asked, {out->way, fetch});
   if (!out->answers) return out;
   mark_near(surface_.view(), kept_, y, dy, radius, whose, out->pt_counts, out->ee_counts);
-  out->sizes.begin_add_up(out->pt_counts, kept_.pt_env_first.view(), out->ee_counts, kept_.ee_env_first.view(), out->sums, fetch);
+  out->sizes.begin_add_up({out->pt_counts, {kept_.pt_env_offset, whose}, kept_.pt_env_first.view()},
+                          {out->ee_counts, {kept_.ee_env_offset, whose}, kept_.ee_env_first.view()}, out->sums, fetch);
   out->pairs = {{kept_.point_triangles.view(), std::as_const(out->pt_counts).view()},
                 {kept_.edge_edges.view(), std::as_const(out->ee_counts).view()},
                 {kept_.pt_env_offset, whose},
@@ -144,12 +147,13 @@ void Broadphase::update(View<const Vec3> y, View<const Vec3> dy, double radius, 
   const std::unique_ptr<Guess> guess = this->guess(y, dy, radius, whose, fetch);
   fetch.now("kept pairs");
   if (take(*guess)) return;
-  const std::unique_ptr<Guess> found = search(y, dy, *guess, fetch);
+  const std::unique_ptr<Guess> found = search(y, dy, *guess, {}, fetch);
   fetch.now("pairs");
   if (found) take(*found);
 }
 
-std::unique_ptr<Broadphase::Guess> Broadphase::search(View<const Vec3> y, View<const Vec3> dy, const Guess& refused, device::Fetch& fetch) {
+std::unique_ptr<Broadphase::Guess> Broadphase::search(View<const Vec3> y, View<const Vec3> dy, const Guess& refused, const Shorten& shorten,
+                                                      device::Fetch& fetch) {
   const Index envs = search_.environments();
   const double radius = refused.radius;
   const Mask& whose = refused.whose;
@@ -177,16 +181,47 @@ std::unique_ptr<Broadphase::Guess> Broadphase::search(View<const Vec3> y, View<c
   if (!any(direct)) return ask(y, dy, radius, whose, true, fetch);
   Mask rest(envs, 0);
   for (Index e = 0; e < envs; ++e) rest[e] = asked[e] && !direct[e];
-  const std::vector<double> same(envs, radius);
   if (any(rest)) {
     NearPairs swept, picked;
-    search_.find(y, dy, same, direct, swept);
+    find_on_ways(y, dy, radius, direct, way, shorten, swept);
     pick(surface_.view(), kept_, y, dy, radius, rest, picked);
     join(surface_.view(), picked, swept, direct, found_);
   } else {
-    search_.find(y, dy, same, direct, found_);
+    find_on_ways(y, dy, radius, direct, way, shorten, found_);
   }
   return nullptr;
+}
+
+void Broadphase::find_on_ways(View<const Vec3> y, View<const Vec3> dy, double radius, const Mask& whose, const std::vector<double>& way,
+                              const Shorten& shorten, NearPairs& to) {
+  const std::vector<double> same(search_.environments(), radius);
+  std::vector<double> size;  // of environments [m]
+  for (int time = 0;; ++time) {
+    const NearPairs::Sums& pairs = search_.count(y, dy, same, whose, to);
+    std::vector<double> by(search_.environments(), 1.0);
+    bool too_many = false;
+    for (std::size_t e = 0; e < by.size(); ++e) {
+      if (!whose[e] || !(pairs.of(e) > std::max(tuning::kFewPairs, tuning::kPairsEach * search_.queries(static_cast<Index>(e))))) continue;
+      if (size.empty()) size = sizes(y);
+      by[e] = time == 0 ? std::min(0.5, size[e] / way[e]) : 0.5, too_many = true;
+    }
+    if (!shorten || !too_many || time == tuning::kShortenings) return search_.fill(y, dy, to);
+    shorten(by);
+  }
+}
+
+// Diagonals of the boxes around all points of every environment [m].
+std::vector<double> Broadphase::sizes(View<const Vec3> y) const {
+  std::vector<Vec3> at(y.n);
+  device::copy_out(at.data(), y.p, at.size() * sizeof(Vec3));
+  const std::vector<Index> points = points_.download();
+  std::vector<double> out;
+  for (Index e = 0; e < search_.environments(); ++e) {
+    Eigen::AlignedBox3d box;
+    for (Index i = point_env_[e]; i < point_env_[e + 1]; ++i) box.extend(at[points[i]]);
+    out.push_back(box.isEmpty() ? 0 : box.diagonal().norm());
+  }
+  return out;
 }
 
 // Keeps what is found at y of the environments of `whose`, and of the others what was kept.

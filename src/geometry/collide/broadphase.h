@@ -4,6 +4,7 @@
 // Newton's method asks again and again from places that are next to each other. So a search finds somewhat more than it was asked for, and is
 // kept: as long as no point of a question lies farther than half of that surplus from where the search was made, the answer is picked from what
 // it found (a Verlet list, of every environment by itself). Whether an answer was searched or picked cannot be told from it.
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -43,7 +44,13 @@ class Broadphase {
   bool take(Guess& guess);
   // After a guess that take() has refused: searches where what is kept does not serve. The answer is a guess, which take() accepts once `fetch` is
   // done; none where it is here already, searched on ways that are too long for more to be kept.
-  std::unique_ptr<Guess> search(device::View<const Vec3> y, device::View<const Vec3> dy, const Guess& refused, device::Fetch& fetch);
+  //
+  // A body that hardly anything holds goes so far in a step of Newton's method that everything lies on its way: more pairs than memory has room for,
+  // of which the first would do. Where there is `shorten`, it is told by how much the ways of every environment are too long, until few enough lie on
+  // them, and multiplies dy.
+  using Shorten = std::function<void(const std::vector<double>& by)>;
+  std::unique_ptr<Guess> search(device::View<const Vec3> y, device::View<const Vec3> dy, const Guess& refused, const Shorten& shorten,
+                                device::Fetch& fetch);
 
   // The surface watches other pairs from now on.
   void forget() { kept_radius_.assign(kept_radius_.size(), -1.0); }
@@ -70,6 +77,9 @@ class Broadphase {
                              device::Fetch& fetch) const;
   void keep_more(device::View<const Vec3> y, const std::vector<double>& radius, const Mask& whose);
   double most_surplus(device::View<const Vec3> y);
+  void find_on_ways(device::View<const Vec3> y, device::View<const Vec3> dy, double radius, const Mask& whose, const std::vector<double>& way,
+                    const Shorten& shorten, NearPairs& to);
+  std::vector<double> sizes(device::View<const Vec3> y) const;
 
   const Surface& surface_;
   PairSearch search_;

@@ -1,5 +1,6 @@
 #include "geometry/collide/near_pairs.h"
 
+#include <numeric>
 #include <utility>
 
 #include "base/error.h"
@@ -10,18 +11,17 @@ namespace {
 using device::Buffer;
 using device::View;
 
-using Exact = std::vector<double>;  // one sum that cannot overflow
-
-// Turns counts into offsets, and wants to know those of the environments.
-void add_up(Buffer<Index>& counts, View<const Index> env_first, Exact& exact, Buffer<Index>& bounds, std::vector<Index>& env_offset,
+// Turns counts into offsets, and wants to know those of the environments, and their sums, which cannot overflow.
+void add_up(const NearPairs::Counts& counts, std::vector<double>& exact, Buffer<Index>& bounds, std::vector<Index>& env_offset,
             device::Fetch& fetch) {
-  const View<const Index> count = std::as_const(counts).view();
+  const View<const Index> count = std::as_const(counts.of).view(), first = counts.first;
+  exact.assign(first.n - 1, 0.0);
   device::env_sum(
-      "broadphase.total", {0, count.n - 1}, [=] MORTISE_HD(Index i) { return static_cast<double>(count[i]); }, device::EnvValues{exact, fetch});
-  device::scan(counts);
-  bounds.resize(env_first.n);
+      "broadphase.total", counts.queries, [=] MORTISE_HD(Index i) { return static_cast<double>(count[i]); }, device::EnvValues{exact, fetch});
+  device::scan(counts.of);
+  bounds.resize(first.n);
   const View<Index> out = bounds.view();
-  device::parallel_for("broadphase.env_offset", env_first.n, [=] MORTISE_HD(Index e) { out[e] = count[env_first[e]]; });
+  device::parallel_for("broadphase.env_offset", first.n, [=] MORTISE_HD(Index e) { out[e] = count[first[e]]; });
   fetch.add(View<const Index>(out), env_offset);
 }
 
@@ -53,15 +53,13 @@ void copy_pairs(const char* name, View<const Index> env_of_point, View<const Pai
 
 }  // namespace
 
-void NearPairs::begin_add_up(Buffer<Index>& pt_counts, View<const Index> pt_first, Buffer<Index>& ee_counts, View<const Index> ee_first, Sums& sums,
-                             device::Fetch& fetch) {
-  geometry::add_up(pt_counts, pt_first, sums.pt, pt_env_first, pt_env_offset, fetch);
-  geometry::add_up(ee_counts, ee_first, sums.ee, ee_env_first, ee_env_offset, fetch);
+void NearPairs::begin_add_up(const Counts& points, const Counts& edges, Sums& sums, device::Fetch& fetch) {
+  geometry::add_up(points, sums.pt, pt_env_first, pt_env_offset, fetch);
+  geometry::add_up(edges, sums.ee, ee_env_first, ee_env_offset, fetch);
 }
 
 void NearPairs::end_add_up(const Sums& sums) {
-  check_countable(sums.pt[0]);
-  check_countable(sums.ee[0]);
+  for (const std::vector<double>* of : {&sums.pt, &sums.ee}) check_countable(std::accumulate(of->begin(), of->end(), 0.0));
   point_triangles.resize(pt_env_offset.back());
   edge_edges.resize(ee_env_offset.back());
 }
@@ -71,10 +69,10 @@ void NearPairs::take_sizes(NearPairs& o) {
   pt_env_first.swap(o.pt_env_first), ee_env_first.swap(o.ee_env_first);
 }
 
-void NearPairs::add_up(Buffer<Index>& pt_counts, View<const Index> pt_first, Buffer<Index>& ee_counts, View<const Index> ee_first) {
+void NearPairs::add_up(const Counts& points, const Counts& edges) {
   Sums sums;
   device::Fetch fetch;
-  begin_add_up(pt_counts, pt_first, ee_counts, ee_first, sums, fetch);
+  begin_add_up(points, edges, sums, fetch);
   fetch.now("pairs");
   end_add_up(sums);
 }

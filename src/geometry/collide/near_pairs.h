@@ -26,16 +26,20 @@ struct NearPairs {
   std::vector<Index> pt_env_offset, ee_env_offset;
   device::Buffer<Index> pt_env_first, ee_env_first;  // the same where kernels can read it
 
-  // Turns counts (one more than there are queries) into offsets of their first pairs, and makes room for all; *_first: first query of every
-  // environment. Throws Error(Exit::device) when there are more pairs than can be counted.
-  void add_up(device::Buffer<Index>& pt_counts, device::View<const Index> pt_first, device::Buffer<Index>& ee_counts,
-              device::View<const Index> ee_first);
+  // How many pairs every query has (one more than there are queries, for their sum); `first`: first query of every environment.
+  struct Counts {
+    device::Buffer<Index>& of;
+    device::Ranges queries;
+    device::View<const Index> first;
+  };
+  // Turns counts into offsets of their first pairs, and makes room for all. Throws Error(Exit::device) when there are more pairs than can be counted.
+  void add_up(const Counts& points, const Counts& edges);
   // The same in two halves, between which `fetch` brings the numbers.
   struct Sums {
-    std::vector<double> pt{0}, ee{0};  // exact
+    std::vector<double> pt, ee;  // of every environment, exact
+    double of(std::size_t env) const { return pt[env] + ee[env]; }
   };
-  void begin_add_up(device::Buffer<Index>& pt_counts, device::View<const Index> pt_first, device::Buffer<Index>& ee_counts,
-                    device::View<const Index> ee_first, Sums& sums, device::Fetch& fetch);
+  void begin_add_up(const Counts& points, const Counts& edges, Sums& sums, device::Fetch& fetch);
   void end_add_up(const Sums& sums);
   // Goes on where begin_add_up() of `o` began.
   void take_sizes(NearPairs& o);

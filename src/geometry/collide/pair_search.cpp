@@ -187,8 +187,14 @@ PairSearch::PairSearch(const Surface& surface) : surface_(surface) {
 
 void PairSearch::find(View<const Vec3> y, View<const Vec3> dy, const std::vector<double>& radius, const std::vector<std::uint8_t>& whose,
                       NearPairs& out) {
+  count(y, dy, radius, whose, out);
+  fill(y, dy, out);
+}
+
+const NearPairs::Sums& PairSearch::count(View<const Vec3> y, View<const Vec3> dy, const std::vector<double>& radius,
+                                         const std::vector<std::uint8_t>& whose, NearPairs& out) {
   const SurfaceView s = surface_.view();
-  Radius r{radius[0]};
+  Radius& r = asked_ = {radius[0]};
   if (std::any_of(radius.begin(), radius.end(), [&](double one) { return one != radius[0]; })) {
     radius_.upload(radius);
     r.each = std::as_const(radius_).view();
@@ -196,13 +202,22 @@ void PairSearch::find(View<const Vec3> y, View<const Vec3> dy, const std::vector
   const device::Ranges triangles_of(triangle_env_offset_, whose), edges_of(edge_env_offset_, whose);
   triangle_tree_.update({s.triangles.n ? s.triangles.p->v : nullptr, s.triangles.n, 3}, s, environments_, y, dy, {.radius = r}, &triangles_of);
   edge_tree_.update({s.edges.n ? s.edges.p->v : nullptr, s.edges.n, 2}, s, environments_, y, dy, {.radius = r}, &edges_of);
-  const BvhView triangles = triangle_tree_.view(), edges = edge_tree_.view();
-  const View<const Index> point = std::as_const(points_).view(), edge = std::as_const(edges_).view();
-  count_point_triangles(s, triangles, point, {point_env_offset_, whose}, y, dy, r, pt_counts_, pt_noted_);
-  count_edge_edges(s, edges, edge, edges_of, y, dy, r, ee_counts_, ee_noted_);
-  out.add_up(pt_counts_, point_env_first_.view(), ee_counts_, edge_env_first_.view());
-  fill_point_triangles(s, triangles, point, y, dy, r, std::as_const(pt_counts_).view(), std::as_const(pt_noted_).view(), out.point_triangles.view());
-  fill_edge_edges(s, edges, edge, y, dy, r, std::as_const(ee_counts_).view(), std::as_const(ee_noted_).view(), out.edge_edges.view());
+  const device::Ranges points_of(point_env_offset_, whose);
+  count_point_triangles(s, triangle_tree_.view(), std::as_const(points_).view(), points_of, y, dy, r, pt_counts_, pt_noted_);
+  count_edge_edges(s, edge_tree_.view(), std::as_const(edges_).view(), edges_of, y, dy, r, ee_counts_, ee_noted_);
+  device::Fetch fetch;
+  out.begin_add_up({pt_counts_, points_of, point_env_first_.view()}, {ee_counts_, edges_of, edge_env_first_.view()}, sums_, fetch);
+  fetch.now("pairs");
+  return sums_;
+}
+
+void PairSearch::fill(View<const Vec3> y, View<const Vec3> dy, NearPairs& out) {
+  const SurfaceView s = surface_.view();
+  out.end_add_up(sums_);
+  fill_point_triangles(s, triangle_tree_.view(), std::as_const(points_).view(), y, dy, asked_, std::as_const(pt_counts_).view(),
+                       std::as_const(pt_noted_).view(), out.point_triangles.view());
+  fill_edge_edges(s, edge_tree_.view(), std::as_const(edges_).view(), y, dy, asked_, std::as_const(ee_counts_).view(),
+                  std::as_const(ee_noted_).view(), out.edge_edges.view());
 }
 
 }  // namespace mortise::geometry

@@ -13,7 +13,14 @@ class PairSearch {
   // As Broadphase::update (broadphase.h), with a radius for every environment.
   void find(device::View<const Vec3> y, device::View<const Vec3> dy, const std::vector<double>& radius, const std::vector<std::uint8_t>& whose,
             NearPairs& out);
+  // The same in two halves: how many pairs every environment has, none of which needs room yet,
+  const NearPairs::Sums& count(device::View<const Vec3> y, device::View<const Vec3> dy, const std::vector<double>& radius,
+                               const std::vector<std::uint8_t>& whose, NearPairs& out);
+  // and the pairs.
+  void fill(device::View<const Vec3> y, device::View<const Vec3> dy, NearPairs& out);
   Index environments() const { return environments_; }
+  // Points and edges of an environment, which all ask for what is near them.
+  Index queries(Index env) const { return point_env_offset_[env + 1] - point_env_offset_[env] + edge_env_offset_[env + 1] - edge_env_offset_[env]; }
 
  private:
   const Surface& surface_;
@@ -22,6 +29,8 @@ class PairSearch {
   device::Buffer<Index> point_env_first_, edge_env_first_;                       // first query of each environment,
   std::vector<Index> point_env_offset_, edge_env_offset_, triangle_env_offset_;  // the same on the host, and of triangles
   device::Buffer<double> radius_;                                                // of every environment [m]
+  Radius asked_;                                                                 // of the last question,
+  NearPairs::Sums sums_;                                                         // and its answer
   device::Buffer<Index> pt_counts_, pt_noted_, ee_counts_, ee_noted_;            // scratch
   Bvh triangle_tree_, edge_tree_;
 };

@@ -11,6 +11,11 @@ inline constexpr double kCoordinate = 1e-14;    // of a coordinate: what roundin
 inline constexpr int kReorderEvery = 16;        // updates: bodies move little between them
 inline constexpr Index kNoted = 16;             // pairs that a query may note while they are counted; one with more walks the tree again
 
+// Of long ways those are shortened on which more pairs lie than this, and than this for each point and edge: some ten times what lies within an edge
+// of everything at rest.
+inline constexpr double kFewPairs = 100000, kPairsEach = 100;
+inline constexpr int kShortenings = 12;  // at most: the first makes a way as long as the scene, each of the others halves it
+
 // ---- distances (distance.h, near_pairs.h)
 inline constexpr double kParallel = 1e-16;  // sin^2 of the angle between directions below which their plane carries no information in doubles
 inline constexpr double kApart = 1e-12;     // of a distance: far above its rounding, far below what any decision hangs on
