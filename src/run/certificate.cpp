@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "effects/contact/layer.h"
+#include "effects/friction/creep.h"
 #include "effects/roles.h"
 #include "engine/effect_tables.h"
 #include "geometry/bounds.h"
@@ -54,9 +55,8 @@ Certificate::Certificate(const model::ModelInput& input) : stress_error_(input),
   const Params& effects = scene.at("effects");
   for (const std::string& name : effects::of_role(effects, effects::Role::contact))
     d_hat_[name] = effects::contact::support_radius(effects.at(name), input);
-  for (const std::string& name : effects::of_role(effects, effects::Role::follower)) {
-    if (const Params* creep = effects.at(name).find("creep_speed")) creep_speed_ = creep->as_number();
-  }
+  for (const std::string& name : effects::of_role(effects, effects::Role::follower))
+    creep_speed_ = effects::friction::creep_speed(effects.at(name), input);
   for (const std::string& name : effects::of_role(effects, effects::Role::inertia)) inertia_ = name;
 }
 

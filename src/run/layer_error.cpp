@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "run/measured_body.h"
 #include "run/tuning.h"
@@ -9,18 +10,46 @@
 
 namespace mortise::run {
 
+namespace {
+
+std::vector<Params> entries(const Params& effects, const char* effect) {
+  const Params* list = effects.find(effect);
+  return list ? list->items() : std::vector<Params>();
+}
+
+// Bodies that go, or are held, as the scene says: pinned somewhere, or all of whose motion joints and drives give from such a body or from the world.
+std::set<std::string> held_bodies(const Params& effects) {
+  std::set<std::string> held, given;  // given: joints of which nothing is left free
+  for (const Params& pin : entries(effects, "pin"))
+    if (!pin.has("release")) held.insert(pin.text("body"));
+  for (const Params& drive : entries(effects, "drive"))
+    if (drive.text("mode") == "kinematic") given.insert(drive.text("joint"));
+  const auto is_held = [&](const std::string* body) { return !body || held.count(*body); };
+  for (std::size_t before = ~0UL; before != held.size() + given.size();) {
+    before = held.size() + given.size();
+    for (const Params& joint : entries(effects, "joint")) {
+      const Params *to = joint.find("to"), *mimic = joint.find("mimic");
+      const std::string &body = joint.text("body"), *other = to ? &to->as_text() : nullptr;
+      const std::string name = joint.has("name") ? joint.text("name") : body + "_" + (other ? *other : "world");
+      if (joint.text("type") == "fixed" || (mimic && given.count(mimic->text("joint")))) given.insert(name);
+      if (!given.count(name)) continue;
+      if (is_held(other)) held.insert(body);
+      if (other && is_held(&body)) held.insert(*other);
+    }
+    for (const Params& bond : entries(effects, "bond"))
+      if (is_held(&bond.text("to"))) held.insert(bond.text("body"));
+  }
+  return held;
+}
+
+}  // namespace
+
 LayerError::LayerError(const model::ModelInput& input) {
-  const Params &effects = input.scene.at("effects"), *pins = effects.find("pin"), *bonds = effects.find("bond");
-  const auto is_pinned = [&](const std::string& name) {
-    return pins && std::any_of(pins->items().begin(), pins->items().end(), [&](const Params& pin) { return pin.text("body") == name; });
-  };
+  const std::set<std::string> held = held_bodies(input.scene.at("effects"));
   std::size_t first = 0;
   for (const model::BodyInput& in : input.bodies) {
     if (in.type == model::BodyType::half_space) continue;
-    bool pinned = is_pinned(in.name);
-    if (bonds)
-      for (const Params& bond : bonds->items()) pinned |= bond.text("body") == in.name && is_pinned(bond.text("to"));
-    bodies_.push_back({first, in.nodes.size(), in.type == model::BodyType::soft, pinned});
+    bodies_.push_back({first, in.nodes.size(), in.type == model::BodyType::soft, held.count(in.name) > 0});
     first += in.nodes.size();
   }
 }
@@ -28,7 +57,7 @@ LayerError::LayerError(const model::ModelInput& input) {
 double LayerError::indentation(std::size_t body, const Fields& f) const {
   if (body >= bodies_.size()) return 0;  // a half-space
   const Body& b = bodies_[body];
-  if (!b.pinned) return -1;
+  if (!b.held) return -1;
   if (!b.soft) return 0;
   Vec3 base = Vec3::Zero();
   double held = 0, farthest = 0;
@@ -42,7 +71,7 @@ double LayerError::indentation(std::size_t body, const Fields& f) const {
 }
 
 double LayerError::borne(std::size_t body, const Fields& f) const {
-  if (body >= bodies_.size()) return 1;
+  if (body >= bodies_.size() || !bodies_[body].soft) return 1;
   Vec3 contact = Vec3::Zero(), support = Vec3::Zero();
   double all = 0;
   for (std::size_t i = bodies_[body].first; i < bodies_[body].first + bodies_[body].count; ++i)

@@ -4,6 +4,8 @@
 // supports, or from where they are bonded to bodies that are supported, the force at the imposed travel is too large by about 3/2 g/d (Hertz: F ~
 // d^1.5). Where loads balance the contact force, and not supports, no travel is imposed and the gap is no error of forces: g/d counts fully
 // where supports of both bodies bear the contact force, less where they bear a part, and not where they bear less than half of it.
+// Held are bodies with pins, and what fixed joints, kinematic drives and bonds hang on them or on the world; a motor with gains gives way and imposes
+// no travel.
 #include <map>
 #include <span>
 #include <string>
@@ -30,12 +32,12 @@ class LayerError {
  private:
   // Farthest that loaded points of a body are from where its supports are [m]; negative: nothing supports it.
   double indentation(std::size_t body, const Fields& fields) const;
-  // Share of the contact force on a body that its supports bear.
+  // Share of the contact force on a held body that its supports bear: of a stiff one, which has nothing free, all.
   double borne(std::size_t body, const Fields& fields) const;
 
   struct Body {
     std::size_t first, count;  // points
-    bool soft, pinned;
+    bool soft, held;
   };
   std::vector<Body> bodies_;
 };

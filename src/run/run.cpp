@@ -8,6 +8,7 @@
 #include <cmath>
 #include <csignal>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "base/memory_archive.h"
@@ -229,10 +230,20 @@ class Run {
     file_->close();
     // Of the state that a step of this process led to: the next process has no equations of it.
     if (stepped_ && engine_->steps_done() == steps_ && o_.estimate && scene_.root.has("quantities"))
-      budget_ = o_.estimate(*engine_, input, field_path);
+      budget_ = o_.estimate(*engine_, input, field_path), note(without_value());
     if (!ended_by().empty()) note("reset: " + ended_by());
     if (!checkpoint) keep_time(input);
     co_return Exit::done;
+  }
+
+  // Quantities that the run has no number for: a name that nothing reports does not undo hours of work, but is told.
+  std::string without_value() const {
+    std::string text;
+    for (const auto& of : nlohmann::json::parse(budget_))
+      if (of["value"].is_null())
+        text += fmt::format("{}warning: quantity '{}' has no value: {}", text.empty() ? "" : "\n", of["quantity"].get<std::string>(),
+                            of["why_not"].get<std::string>());
+    return text;
   }
 
   // For `check --plan`: what a whole scene took on the CPU.

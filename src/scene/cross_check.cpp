@@ -34,6 +34,7 @@ class CrossCheck {
     ties();
     cameras();
     kept_fields();
+    measured_fields();
     directions(root_, "");
   }
 
@@ -292,6 +293,19 @@ class CrossCheck {
     const Params* names = output ? output->find("fields") : nullptr;
     if (!names) return;
     for (const Params& name : names->items()) is_field(name, "output.fields", fields(true));
+  }
+
+  // Of quantities; what scalars there are the run alone knows, and it says so at its end.
+  void measured_fields() {
+    const Params* list = root_.find("quantities");
+    if (!list) return;
+    std::vector<std::string> known = fields(false);
+    known.emplace_back("position");
+    for (std::size_t i = 0; i < list->items().size(); ++i) {
+      const Params *value = list->items()[i].find("value"), *body = list->items()[i].find("body");
+      if (value && body && value->as_text().find('/') == std::string::npos)
+        is_field(*value, dotted("quantities", std::to_string(i)) + ".value", known);
+    }
   }
 
   // Directions have no length of their own, but zero has no direction.

@@ -22,7 +22,7 @@ const ParamTable& quantity_table() {
        optional(of(Kind::text, "body", Unit::none, {}, "Body whose points are looked at.")),
        optional(choice("over", {"mean", "max", "min", "integral", "area", "percentile"}, "",
                        "What the field becomes over the body's surface: mean and percentile by area, the latter of where it is not zero; area: where "
-                       "it is not zero; max, min: of all points.")),
+                       "it is not zero; max, min: of all points. The integral of contact_pressure is the force.")),
        range(optional(of(Kind::number, "percent", Unit::none, {}, "Of a percentile: 99 is nearly the peak.")), 0, 100),
        optional(of(Kind::vec3, "point", Unit::length, {}, "Instead of over: at this place of the body at rest.")),
        choice("when", {"end", "start", "largest", "smallest", "mean", "sum", "range"}, "end",

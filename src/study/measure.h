@@ -17,8 +17,10 @@ struct History {
 };
 double reduced(const History& history, const Quantity& quantity);
 
-// A field of the points of a body in one frame, as one number. values: of all points of the file, `components` each.
-double over_body(const output::OutputMesh& mesh, const std::vector<Vec3>& points, const output::FieldValues& values, const Quantity& quantity);
+// A field of the points of a body in one frame, as one number. values: of all points of the file, `components` each; areas: what these stand for
+// [m^2], a third of the triangles around them where there are none.
+double over_body(const output::OutputMesh& mesh, const std::vector<Vec3>& points, const output::FieldValues& values, const Quantity& quantity,
+                 const std::vector<double>& areas = {});
 
 // Points of the file whose values, with these weights, are the field at `quantity.point` of the body at rest: those of the cell that holds it, or
 // that it is least far outside of. Throws Error(Exit::usage) where it is far from the body.

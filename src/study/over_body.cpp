@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "study/measure.h"
 
@@ -93,7 +94,8 @@ PointWeights weights_at(const OutputMesh& mesh, const Quantity& q) {
   return found;
 }
 
-double over_body(const OutputMesh& mesh, const std::vector<Vec3>& points, const output::FieldValues& field, const Quantity& q) {
+double over_body(const OutputMesh& mesh, const std::vector<Vec3>& points, const output::FieldValues& field, const Quantity& q,
+                 const std::vector<double>& areas) {
   const auto body = static_cast<int>(std::find(mesh.body_names.begin(), mesh.body_names.end(), q.body) - mesh.body_names.begin());
   const std::vector<double>& values = field.values;
   if (q.point) {
@@ -112,11 +114,13 @@ double over_body(const OutputMesh& mesh, const std::vector<Vec3>& points, const 
     const double a = (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm() / 6;
     for (std::int64_t v : t) area[v] += a;
   }
-  double all = 0, loaded = 0, integral = 0;
+  const double all = std::accumulate(area.begin(), area.end(), 0.0);
+  if (!areas.empty()) area = areas;
+  double loaded = 0, integral = 0;
   std::vector<std::pair<double, double>> sorted;  // value, area
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!(area[i] > 0)) continue;
-    all += area[i], integral += area[i] * values[i];
+    if (mesh.body_of_point[i] != body || !(area[i] > 0)) continue;
+    integral += area[i] * values[i];
     if (values[i] != 0) loaded += area[i], sorted.emplace_back(values[i], area[i]);
   }
   if (q.over == "integral") return integral;

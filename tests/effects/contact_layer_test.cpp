@@ -3,6 +3,7 @@
 
 #include "contact_scene.h"
 #include "effects/contact/layer.h"
+#include "effects/friction/creep.h"
 
 using namespace mortise;
 using namespace mortise::testing;
@@ -87,4 +88,22 @@ TEST(ContactLayer, IsAsStiffAsTheBodies) {
   const model::ModelInput in{{}, {plate("pad", 0.1, model::BodyType::soft), plate("tool", 0.1, model::BodyType::stiff)}};
   EXPECT_NEAR(stiffness(Params::make_table(), in), 1e5 / (1 - 0.09), 1e-6);
   EXPECT_EQ(stiffness(Params::make_table(), {{}, {in.bodies[1]}}), effects::contact::tuning::kRigid);
+}
+
+// What sticks creeps by 1e-5 m in a second, which would be all the way that surfaces go in a scene of micrometres.
+TEST(ContactLayer, FrictionCreepsNoFasterThanTheLayerIsThick) {
+  const auto creep = [](double h, double d_hat = 0, double given = 0) {
+    Params friction = Params::make_table(), contact = Params::make_table(), effects = Params::make_table();
+    friction.set("follows", Params::make_text("barrier_contact"));
+    if (given > 0) friction.set("creep_speed", Params::make_number(given));
+    if (d_hat > 0) contact.set("d_hat", Params::make_number(d_hat));
+    effects.set("barrier_contact", contact), effects.set("friction", friction);
+    model::ModelInput in{Params::make_table(), {plate("pad", h, model::BodyType::soft)}};
+    in.scene.set("effects", effects);
+    return effects::friction::creep_speed(in.scene.at("effects").at("friction"), in);
+  };
+  EXPECT_EQ(creep(0.1), 1e-5);
+  EXPECT_NEAR(creep(1e-5), 1e-7, 1e-15);
+  EXPECT_EQ(creep(0.1, 2e-6), 2e-6);
+  EXPECT_EQ(creep(1e-5, 0, 3e-4), 3e-4);
 }

@@ -212,6 +212,46 @@ TEST(Certificate, TheLayerCountsWhereATravelIsImposed) {
   EXPECT_EQ(layer(0.5), 0);
 }
 
+// A stiff punch in the place of that body has no nodes of its own on which forces of supports are written, whatever holds it.
+TEST(Certificate, TheLayerCountsUnderAStiffBodyThatIsHeld) {
+  const auto entry = [](std::initializer_list<std::pair<const char*, const char*>> keys) {
+    Params out = Params::make_table();
+    for (const auto& [key, text] : keys) out.set(key, Params::make_text(text));
+    return out;
+  };
+  const auto layer = [&](std::vector<std::pair<const char*, Params>> holds) {
+    model::ModelInput input = scene();
+    Params effects = input.scene.at("effects"), pins = Params::make_list();
+    pins.push(entry({{"body", "pad"}}));
+    effects.set("pin", pins);
+    for (const auto& [effect, held] : holds) {
+      Params list = effects.find(effect) ? *effects.find(effect) : Params::make_list();
+      list.push(held);
+      effects.set(effect, list);
+    }
+    input.scene.set("effects", effects);
+    input.bodies.clear();
+    model::BodyInput pad, punch, arm;
+    pad.name = "pad", punch.name = "punch", arm.name = "arm";
+    punch.type = arm.type = model::BodyType::stiff;
+    pad.nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}}, punch.nodes = {{0, 0, 1}}, arm.nodes = {{0, 0, 2}};
+    input.bodies = {pad, punch, arm};
+    const std::vector<double> gap{0.01}, force{10}, bodies{0, 1}, pressure{20, 20, 20, 0, 20, 0};
+    std::vector<double> moved(18, 0.0), contact(18, 0.0), support(18, 0.0);
+    for (int i = 0; i < 3; ++i) moved[3 * i + 2] = -0.1, contact[3 * i + 2] = -10. / 3;
+    contact[14] = 10, support[11] = 10;
+    return run::LayerError(input).of({bodies, gap, force}, {moved, support, contact, pressure});
+  };
+  const Params slide = entry({{"name", "lift"}, {"type", "prismatic"}, {"body", "punch"}}),
+               weld = entry({{"type", "fixed"}, {"body", "punch"}, {"to", "arm"}});
+  EXPECT_NEAR(layer({{"pin", entry({{"body", "punch"}})}}), 0.1, 1e-12);
+  EXPECT_NEAR(layer({{"joint", slide}, {"drive", entry({{"joint", "lift"}, {"mode", "kinematic"}})}}), 0.1, 1e-12);
+  EXPECT_NEAR(layer({{"joint", weld}, {"pin", entry({{"body", "arm"}})}}), 0.1, 1e-12);
+  EXPECT_TRUE(std::isnan(layer({{"joint", weld}}))) << "the arm is free";
+  EXPECT_TRUE(std::isnan(layer({{"joint", slide}, {"drive", entry({{"joint", "lift"}, {"mode", "pd"}})}}))) << "a motor with gains gives way";
+  EXPECT_TRUE(std::isnan(layer({})));
+}
+
 TEST(Certificate, BalanceOfAClosedSystemIsAShareOfWhatSupportsBear) {
   Certificate c(scene());
   Snapshot said = state(1e-6);  // on a largest force of 10 N

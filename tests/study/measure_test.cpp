@@ -5,6 +5,9 @@
 
 #include <cmath>
 
+#include "../output/helpers.h"
+#include "output/field_file.h"
+
 using namespace mortise;
 using namespace mortise::study;
 
@@ -117,5 +120,31 @@ TEST(Measure, PlacesAreInterpolated) {
     EXPECT_THROW(over(
                      m, m.points, [](const Vec3& p) { return p[0]; }, "", NAN, Vec3(3, 0.5, 0.5)),
                  Error);
+  }
+}
+
+// A cube of 1 m stands on 1 m^2 under 1 kPa: its lower nodes belong to its sides too, which are not pressed.
+TEST(Measure, ContactPressureIsOverTheAreaThatMakesItOfForce) {
+  const output::Folder dir;
+  const output::OutputMesh m = cube(false);
+  std::vector<double> positions, pressure, force;
+  for (const Vec3& x : m.points) {
+    positions.insert(positions.end(), x.data(), x.data() + 3);
+    pressure.push_back(x[2] > 0.5 ? 0 : 1000);
+    force.insert(force.end(), {0, 0, x[2] > 0.5 ? 0 : 250.0});
+  }
+  auto file = output::FieldFile::open(dir / "fields.vtkhdf", m, output::small_info(), {});
+  file->begin_frame(0, positions);
+  file->points("contact_pressure", "Pa", 1, pressure);
+  file->points("contact_force", "N", 3, force);
+  file->end_frame();
+  file->close();
+  const output::FieldReader run(dir / "fields.vtkhdf");
+  Quantity q;
+  q.value = "contact_pressure", q.body = "cube", q.percent = 50;
+  for (const auto& [over, expected] :
+       std::vector<std::pair<std::string, double>>{{"integral", 1000}, {"area", 1}, {"percentile", 1000}, {"mean", 1000. / 6}, {"max", 1000}}) {
+    q.over = over;
+    EXPECT_NEAR(measure(run, q), expected, 1e-4 * expected) << over;
   }
 }

@@ -2,6 +2,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "effects/friction/creep.h"
 #include "effects/friction/law.h"
 #include "effects/friction/tuning.h"
 #include "effects/list.h"
@@ -34,8 +35,9 @@ const ParamTable kTable{
     "Coulomb friction of the contact that it follows, smoothed below an absolute creep speed.",
     {param::of(Param::Kind::text, "follows", Unit::none, "barrier_contact", "The contact effect whose forces cause the friction"),
      param::number("mu", Unit::none, "0.5", 0, "Friction coefficient"), pairs_param(),
-     param::positive(param::number("creep_speed", Unit::velocity, "1e-5 m/s", 0,
-                                   "Slip speed below which friction falls smoothly to zero; what sticks creeps slower than this")),
+     param::positive(param::automatic(param::number("creep_speed", Unit::velocity, "1e-5 m/s", 0,
+                                                    "Slip speed below which friction falls smoothly to zero; what sticks creeps slower than this; "
+                                                    "auto, or without it, 1e-5 m/s, but no more than d_hat of the contact in a second"))),
      param::positive(param::number("lag_tolerance", Unit::none, "1e-3", 0,
                                    "Residual with refreshed contact forces at which lagging ends, as a share of the largest force")),
      param::range(param::of(Param::Kind::integer, "lag_iterations", Unit::none, "20", "Most refreshes of the contact forces in a step"), 1, 1000)}};
@@ -128,7 +130,7 @@ class Friction final : public Effect {
     std::vector<double> mu(pairs.size(model.half_spaces.size()), 0.0);
     for (Index e = 0; e < model.envs; ++e) {
       const Params& own = model.input.effect_of(p, e);
-      creep_speed_.push_back(own.number("creep_speed"));
+      creep_speed_.push_back(friction::creep_speed(p, model.input, e));
       for (Index a = model.env_bodies[e]; a < model.env_bodies[e + 1]; ++a) {
         for (Index b = model.env_bodies[e]; b < model.env_bodies[e + 1]; ++b) mu[pairs.of(a, b)] = own.number("mu");
         for (Index plane = bodies; plane < bodies + planes; ++plane) mu[pairs.of(a, plane)] = own.number("mu");
