@@ -9,7 +9,8 @@
 
 namespace mortise::effects::friction {
 
-// `creep_speed` of the effect with these parameters (its block in the scene of the first environment), or what fits the contact that it follows [m/s].
+// `creep_speed` of the effect with these parameters (its block in the scene of the first environment), or what fits the contact that it
+// follows [m/s].
 inline double creep_speed(const Params& effect, const model::ModelInput& input, Index env = 0) {
   const Params& own = input.effect_of(effect, env);
   if (const Params* given = own.find("creep_speed")) return given->as_number();
