@@ -1,6 +1,7 @@
 #include "report.h"
 
 #include <cxxabi.h>
+#include <pthread.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -23,8 +24,11 @@ struct Ledger {
   std::map<std::string, long long> faults, calls;
   std::map<const Kernel*, Runs> runs;
   long long waits = 0;
-  const pid_t process = getpid();
+  pid_t process = getpid();
+  bool forked = false;
+  Ledger();
   ~Ledger();
+  void begin_fork();
 };
 Ledger& ledger() {
   static Ledger l;
@@ -49,7 +53,8 @@ std::string object(const Map& map, Text text) {
 
 void write(const Ledger& l) {
   const char* name = std::getenv("MORTISE_PTX_REPORT");
-  std::FILE* f = name ? std::fopen(name, "a") : nullptr;
+  const std::string own = name && l.forked ? std::string(name) + "." + std::to_string(l.process) : name ? name : "";
+  std::FILE* f = name ? std::fopen(own.c_str(), l.forked ? "w" : "a") : nullptr;
   if (!f) return;
   const auto number = [](const std::string& key, long long n) { return quoted(key) + ": " + std::to_string(n); };
   const auto run = [](const Kernel* k, const Runs& r) {
@@ -60,6 +65,18 @@ void write(const Ledger& l) {
                ptx_checked ? "true" : "false", settings().backwards ? "true" : "false", l.waits, object(l.faults, number).c_str(),
                object(l.calls, number).c_str(), object(l.runs, run).c_str());
   std::fclose(f);
+}
+
+// What was forked (an environment) ends without destructors, so what it has done is written whenever it waits for the device, to a file of its own;
+// what came before is the parent's to tell.
+void Ledger::begin_fork() {
+  forked = true, process = getpid(), waits = 0;
+  faults.clear(), calls.clear();
+  for (auto& [kernel, done] : runs) done = {};
+}
+
+Ledger::Ledger() {
+  pthread_atfork(nullptr, nullptr, [] { ledger().begin_fork(); });
 }
 
 Ledger::~Ledger() {
@@ -100,6 +117,10 @@ void count_run(const Kernel* kernel, std::size_t threads, const Traffic& traffic
   r.traffic.accessed += traffic.accessed, r.traffic.touched += traffic.touched;
 }
 void count_known(const Kernel* kernel) { ledger().runs[kernel]; }
-void count_wait() { ++ledger().waits; }
+void count_wait() {
+  Ledger& l = ledger();
+  ++l.waits;
+  if (l.forked) write(l);
+}
 
 }  // namespace ptx

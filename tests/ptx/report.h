@@ -1,7 +1,7 @@
 #pragma once
 // What the emulated device says about a run: faults, at once and on stderr; and at the end of the process, appended as one line of JSON to
 // the file named by MORTISE_PTX_REPORT, which kernels there are, how often and how many threads of them ran, and which runtime functions were called
-// how often. A process with faults ends with exit code 70.
+// how often (of a process that was forked, in a file of its own with its number behind the name). A process with faults ends with exit code 70.
 #include <cstddef>
 #include <string>
 
