@@ -8,6 +8,7 @@
 
 #include "bridge/exit.h"
 #include "bridge/tuning.h"
+#include "effects/tie_name.h"
 #include "scene/suggest.h"
 
 namespace mortise::bridge {
@@ -138,9 +139,7 @@ std::vector<Drive> drives_of(const Params& scene) {
                                       : Drive::Mode::effort,
                 false, -INFINITY, INFINITY};
     for (const Params& j : joints->items()) {
-      // A joint without a name is called as its bodies are (effects/tie.cpp).
-      const std::string name = j.has("name") ? j.text("name") : j.text("body") + "_" + (j.has("to") ? j.text("to") : std::string("world"));
-      if (name != drive.joint) continue;
+      if (effects::tie_name(j) != drive.joint) continue;
       drive.slides = j.text("type") == "prismatic";
       if (const Params* limits = j.find(drive.slides ? "travel_limits" : "angle_limits")) {
         const std::vector<double> ends = limits->as_numbers();

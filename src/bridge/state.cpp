@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "effects/tie_name.h"
 #include "geometry/rigid_motion.h"
 
 namespace mortise::bridge {
@@ -27,8 +28,7 @@ State::State(const model::ModelInput& input, const sensors::Sensors& sensors) : 
     first += b.nodes.size();
   }
   if (const Params* joints = input.scene.at("effects").find("joint"))
-    for (const Params& j : joints->items())
-      joints_.push_back(j.has("name") ? j.text("name") : j.text("body") + "_" + (j.has("to") ? j.text("to") : std::string("world")));
+    for (const Params& j : joints->items()) joints_.push_back(effects::tie_name(j));
 }
 
 std::string State::hello(const Facts& f, const std::vector<Drive>& drives) const {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "effects/tie_name.h"
+
 namespace mortise::effects {
 
 std::vector<PlanItem> tie_plan(std::string_view effect, const model::Model& model) {
@@ -25,7 +27,7 @@ ParamTable tie_table(const char* effect, std::string help, std::vector<Param> ow
 model::Tie tie_of(const char* effect, const Params& entry, Index body, Index to) {
   model::Tie tie;
   tie.effect = effect;
-  tie.name = entry.has("name") ? entry.text("name") : entry.text("body") + "_" + (entry.has("to") ? entry.text("to") : "world");
+  tie.name = tie_name(entry);
   tie.where = entry.where();
   tie.body = body, tie.to = to;
   tie.contact = entry.flag("contact");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "effects/tie_name.h"
 #include "run/measured_body.h"
 #include "run/tuning.h"
 #include "run/vector_at.h"
@@ -29,8 +30,7 @@ std::set<std::string> held_bodies(const Params& effects) {
     before = held.size() + given.size();
     for (const Params& joint : entries(effects, "joint")) {
       const Params *to = joint.find("to"), *mimic = joint.find("mimic");
-      const std::string &body = joint.text("body"), *other = to ? &to->as_text() : nullptr;
-      const std::string name = joint.has("name") ? joint.text("name") : body + "_" + (other ? *other : "world");
+      const std::string &body = joint.text("body"), *other = to ? &to->as_text() : nullptr, name = effects::tie_name(joint);
       if (joint.text("type") == "fixed" || (mimic && given.count(mimic->text("joint")))) given.insert(name);
       if (!given.count(name)) continue;
       if (is_held(other)) held.insert(body);

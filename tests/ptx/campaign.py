@@ -135,8 +135,8 @@ class Campaign:
     def report(self, name, order):
         return self.reports / (f"{name} {order}".replace("/", "_").replace(" ", "_") + ".json")
 
-    def said(self, files, what):
-        return [json.loads(line)[what] for path in sorted(self.reports.glob(files)) for line in path.read_text().splitlines()]
+    def said(self, files="*"):
+        return [json.loads(line) for path in sorted(self.reports.glob(files)) for line in path.read_text().splitlines()]
 
     def scene(self, name):
         path, values = SCENES[name]
@@ -152,7 +152,7 @@ class Campaign:
             done, row[f"{order}_s"] = run([*common, "--device", "cuda", "-o", folder / order], self.report(name, order), order == "backwards")
             if done.returncode != 0:
                 return row | {"failed": f"{order}, exit code {done.returncode}: {done.stderr.strip()}"}
-            if not any(n for kernels in self.said(self.report(name, order).name + "*", "kernels") for _, n, *_ in kernels.values()):
+            if not any(n for r in self.said(self.report(name, order).name + "*") for _, n, *_ in r["kernels"].values()):
                 return row | {"failed": f"{order}: no kernel ran"}
         row["cpu"], row["difference"] = compare(folder / "cpu" / "fields.vtkhdf", folder / "forwards" / "fields.vtkhdf")
         row["orders"] = compare(folder / "forwards" / "fields.vtkhdf", folder / "backwards" / "fields.vtkhdf")[0]
@@ -222,16 +222,13 @@ class Campaign:
 
     def coverage(self):
         """Kernels of the module by how many threads of them ran; and what was reported."""
-        threads, faults, waits = {}, {}, 0
-        for path in sorted(self.reports.iterdir()):
-            for line in path.read_text().splitlines():
-                r = json.loads(line)
-                for kernel, (_, n, *_) in r["kernels"].items():
-                    if ("mortise::" in kernel or "cub::" in kernel) and "EmptyKernel" not in kernel:  # which CUB asks for its architecture
-                        threads[kernel] = threads.get(kernel, 0) + n
-                for fault, n in r["faults"].items():
-                    faults[fault] = faults.get(fault, 0) + n
-                waits += r["waits"]
+        threads, faults = {}, {}
+        for r in self.said():
+            for kernel, (_, n, *_) in r["kernels"].items():
+                if ("mortise::" in kernel or "cub::" in kernel) and "EmptyKernel" not in kernel:  # which CUB asks for its architecture
+                    threads[kernel] = threads.get(kernel, 0) + n
+            for fault, n in r["faults"].items():
+                faults[fault] = faults.get(fault, 0) + n
         return threads, faults
 
 

@@ -53,8 +53,8 @@ std::string object(const Map& map, Text text) {
 
 void write(const Ledger& l) {
   const char* name = std::getenv("MORTISE_PTX_REPORT");
-  const std::string own = name && l.forked ? std::string(name) + "." + std::to_string(l.process) : name ? name : "";
-  std::FILE* f = name ? std::fopen(own.c_str(), l.forked ? "w" : "a") : nullptr;
+  if (!name) return;
+  std::FILE* f = l.forked ? std::fopen((std::string(name) + "." + std::to_string(l.process)).c_str(), "w") : std::fopen(name, "a");
   if (!f) return;
   const auto number = [](const std::string& key, long long n) { return quoted(key) + ": " + std::to_string(n); };
   const auto run = [](const Kernel* k, const Runs& r) {

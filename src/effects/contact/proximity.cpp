@@ -96,11 +96,12 @@ namespace {
 
 // How far a way is free, of every environment, and what meets on it.
 struct Way {
-  std::vector<double> limit;
-  std::vector<double> share;  // of what was to be gone that was looked at; empty: all of it
+  std::vector<double> limit, share;  // the latter: how much of what was to be gone was looked at
   std::shared_ptr<const Prescribed::Meetings> meetings;
 
-  double of_all(std::size_t env) const { return share.empty() || share[env] == 1 ? limit[env] : share[env] * std::min(1.0, limit[env]); }
+  explicit Way(Index envs) : limit(envs), share(envs, 1.0) {}
+
+  double of_all(std::size_t env) const { return share[env] == 1 ? limit[env] : share[env] * std::min(1.0, limit[env]); }
 
   void look(const BarrierView& s, const geometry::ChosenPairs& pairs, View<const Vec3> y, View<const Vec3> dy, Prescribed& prescribed,
             device::Fetch& fetch) {
@@ -118,8 +119,7 @@ std::shared_ptr<const Buffer<Vec3>> Proximity::limit(const Buffer<Vec3>& from, V
   const BarrierView all = obstacles(s);
   const View<const Vec3> y = from.view(), step = std::as_const(*dy).view();
   // Pairs are picked from what the broad phase keeps on the guess that it serves; where that turns out wrong, they are searched and looked at again.
-  auto way = std::make_shared<Way>();
-  way->limit.resize(model_.envs);
+  auto way = std::make_shared<Way>(model_.envs);
   const std::shared_ptr<geometry::Broadphase::Guess> guess = candidates_.guess(from, *dy, model_.at_work, alpha.fetch);
   if (guess->answers) way->look(all, guess->pairs, y, step, prescribed_, alpha.fetch);
   alpha.fetch.then([this, guess, way, dy, all, &from, whose = model_.at_work, info = step_, &value = alpha.value] {

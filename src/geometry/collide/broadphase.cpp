@@ -1,11 +1,11 @@
 #include "geometry/collide/broadphase.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
+#include "geometry/bounds.h"
 #include "geometry/collide/tuning.h"
 
 namespace mortise::geometry {
@@ -198,6 +198,7 @@ void Broadphase::find_on_ways(View<const Vec3> y, View<const Vec3> dy, double ra
   std::vector<double> size;  // of environments [m]
   for (int time = 0;; ++time) {
     const NearPairs::Sums& pairs = search_.count(y, dy, same, whose, to);
+    if (!shorten || time == tuning::kShortenings) break;
     std::vector<double> by(search_.environments(), 1.0);
     bool too_many = false;
     for (std::size_t e = 0; e < by.size(); ++e) {
@@ -205,9 +206,10 @@ void Broadphase::find_on_ways(View<const Vec3> y, View<const Vec3> dy, double ra
       if (size.empty()) size = sizes(y);
       by[e] = time == 0 ? std::min(0.5, size[e] / way[e]) : 0.5, too_many = true;
     }
-    if (!shorten || !too_many || time == tuning::kShortenings) return search_.fill(y, dy, to);
+    if (!too_many) break;
     shorten(by);
   }
+  search_.fill(y, dy, to);
 }
 
 // Diagonals of the boxes around all points of every environment [m].
@@ -217,9 +219,9 @@ std::vector<double> Broadphase::sizes(View<const Vec3> y) const {
   const std::vector<Index> points = points_.download();
   std::vector<double> out;
   for (Index e = 0; e < search_.environments(); ++e) {
-    Eigen::AlignedBox3d box;
-    for (Index i = point_env_[e]; i < point_env_[e + 1]; ++i) box.extend(at[points[i]]);
-    out.push_back(box.isEmpty() ? 0 : box.diagonal().norm());
+    Bounds box;
+    for (Index i = point_env_[e]; i < point_env_[e + 1]; ++i) box.include(at[points[i]]);
+    out.push_back(box.size().norm());
   }
   return out;
 }
