@@ -15,13 +15,16 @@ struct Curvature {
   MORTISE_HD double concavity(Index env) const { return of_env.n > 0 ? of_env[env] : concave; }
 };
 
-// How much linearise() is to find: what it freezes, always; forces; the matrix; and, where that is not the whole Jacobian, the rest of it.
+// How much linearise() is to find: what it freezes, always; forces; the matrix; and, where that is not the whole Jacobian, the rest of it: what hangs
+// on lagged quantities, and what samples do that move.
 struct Want {
   bool forces = true;
   Curvature matrix = false;
   bool whole = false;
+  bool moving = false;
   bool foreseen = false;  // at the state that Effect::foresee() was last asked for
   static Want frozen() { return {false, false}; }
+  static Want jacobian(Curvature matrix) { return {true, matrix, true, true}; }
 };
 
 }  // namespace mortise::effects

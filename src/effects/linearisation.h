@@ -12,6 +12,7 @@ struct Linearisation {
   linalg::StencilSet stencils;
   // What the Jacobian has besides, where that was wanted: pieces of rank one, not symmetric, beside each stencil.
   linalg::RankOnes unsymmetric;
+  bool complete = true;  // together they are the whole Jacobian of the forces, where that was wanted with all that samples do
   bool shaped = false;  // the blocks of `stencils` are written: for effects that always have the same
   // Samples of a contact effect, once sample() was called.
   model::ContactView contact;

@@ -31,20 +31,48 @@ MORTISE_HD inline bool against_obstacle(const ContactSample& s) {
   return sum > 0.5;
 }
 
-// How a sample of at most four points changes with them: by functionals z_c = sum_k along_ck . dy_k,
+// How samples change with their points: by functionals z_c = sum_k along_ck . dy_k, c < functionals,
 //     d force = sum_c force_c z_c,   d normal = sum_c normal_c z_c,   d weight_k = sum_c weight_ck z_c.
-struct SampleChange {
-  static constexpr int kPoints = 4, kMost = 6;
-  Index count = 0;
-  Vec3 along[kMost][kPoints];     // [1], or as others ask for
-  double force[kMost];            // [N/m]
-  Vec3 normal[kMost];             // [1/m]
-  double weight[kMost][kPoints];  // [1/m]
+struct SampleChangesView {
+  Index functionals = 0, points = 0;  // of every sample, at most
+  device::View<Vec3> along_;          // [1], or as others ask for
+  device::View<double> force_;        // [N/m]
+  device::View<Vec3> normal_;         // [1/m]
+  device::View<double> weight_;       // [1/m]
+  MORTISE_HD Vec3* along(Index i, Index c) const { return along_.p + (i * functionals + c) * points; }
+  MORTISE_HD double& force(Index i, Index c) const { return force_[i * functionals + c]; }
+  MORTISE_HD Vec3& normal(Index i, Index c) const { return normal_[i * functionals + c]; }
+  MORTISE_HD double* weight(Index i, Index c) const { return weight_.p + (i * functionals + c) * points; }
+  MORTISE_HD void clear(Index i, Index c) const {
+    force(i, c) = 0, normal(i, c) = Vec3::Zero();
+    for (Index k = 0; k < points; ++k) along(i, c)[k] = Vec3::Zero(), weight(i, c)[k] = 0;
+  }
+};
+
+class SampleChanges {
+ public:
+  void resize(Index samples, Index functionals, Index points) {
+    functionals_ = functionals, points_ = points;
+    const Index n = samples * functionals;
+    along_.resize(n * points), force_.resize(n), normal_.resize(n), weight_.resize(n * points);
+  }
+  bool any() const { return force_.size() > 0; }
+  void copy_from(const SampleChanges& o) {
+    functionals_ = o.functionals_, points_ = o.points_;
+    along_.copy_from(o.along_), force_.copy_from(o.force_), normal_.copy_from(o.normal_), weight_.copy_from(o.weight_);
+  }
+  SampleChangesView view() { return {functionals_, points_, along_.view(), force_.view(), normal_.view(), weight_.view()}; }
+  std::size_t bytes() const { return along_.bytes() + force_.bytes() + normal_.bytes() + weight_.bytes(); }
+
+ private:
+  Index functionals_ = 0, points_ = 0;
+  device::Buffer<Vec3> along_, normal_;
+  device::Buffer<double> force_, weight_;
 };
 
 struct ContactView {
   device::Buffer<ContactSample> samples;  // canonical order, environments contiguous
-  device::Buffer<SampleChange> changes;   // of every sample, where that was asked for and is known: else normals and weights count as fixed
+  SampleChanges changes;                  // of every sample, where that was asked for and is known: else normals and weights count as fixed
   std::vector<Index> env_offset;          // per environment, on the host
   Index blocks = -1, pairs = -1;          // how many a stencil of every sample's points has in all, and pairs of them; -1 where that is not known
   bool local = true;                      // the force of a sample hangs on its own gap alone, by its stiffness

@@ -53,7 +53,7 @@ Adjoint Simulation::adjoint(const Functional& Q) {
     add(std::as_const(JE).view(), gradient);
   }
   device::clear(f.view().p, f.size() * sizeof(Vec3));
-  add_to_rows(std::as_const(gradient).view(), system.rows.block.view(), system.rows.projector.view(), f.view());
+  add_to_rows(std::as_const(gradient).view(), model_.working(system.rows.env), system.rows.block.view(), system.rows.projector.view(), f.view());
   tangent_->solve(std::as_const(f).view(), true, lambda);
 
   Adjoint out;

@@ -29,55 +29,28 @@ void Coupled::factor(const device::Buffer<Vec3>& q, const EnvMask& whose, Linear
   }
 }
 
-// J v by a difference of residuals; r0 = -P grad Phi at q.
-void Coupled::product(const device::Buffer<Vec3>& q, device::View<const Vec3> v, device::View<Vec3> out, Linearised& near, const EnvTable& envs) {
-  const model::Model& model = system_.model;
-  device::Buffer<Vec3> move, beside, r1;
-  system_.to_blocks(v, std::as_const(still_).view(), active_, move);
-  std::vector<double> h = largest(std::as_const(move).view(), model.env_blocks), inverse(model.envs, 0.0);
-  for (Index e = 0; e < model.envs; ++e) {
-    const double wanted =
-        std::clamp(tuning::kDifference * envs[e].step, tuning::kLeastDifference * system_.length[e], tuning::kMostDifference * system_.length[e]);
-    h[e] = h[e] > 0 ? wanted / h[e] : 0;
-    inverse[e] = h[e] > 0 ? 1 / h[e] : 0;
-  }
-  beside.copy_from(q);
-  add_scaled(std::as_const(move).view(), h, std::as_const(model.block_env).view(), beside);
-  const Residual r = system_.linearise(std::as_const(beside).view(), {}, near, true);
-  for (Index e = 0; e < model.envs; ++e)
-    if (active_[e] && model.works_on(e) && !system_.convergence.finite(r, e)) active_[e] = 0, inverse[e] = 0;
-  if (!any(active_)) throw Broken{};
-  system_.right_hand_side(near, {}, r1);
-  difference(std::as_const(r0_).view(), std::as_const(r1).view(), inverse, system_.rows.block.view(), std::as_const(model.block_env).view(), out);
-}
-
-// dq_ along which the residual of `at` vanishes to first order; false where a difference went through a surface.
-bool Coupled::direction(const device::Buffer<Vec3>& q, Linearised& at, Linearised& near, const EnvTable& envs, const StepReports& report,
-                        const std::function<void()>& stop) {
-  const Index rows = system_.rows.count();
+// dq_ along which the residual of `at` vanishes to first order.
+void Coupled::direction(const device::Buffer<Vec3>& q, Linearised& at, const StepReports& report, const std::function<void()>& stop) {
+  system_.potential.linearise(q.view(), effects::Want::jacobian(effects::Curvature(true, 1)), at, true);
   system_.right_hand_side(at, {}, r0_);
   clear_envs(r0_, active_, 0, system_.rows.env);
-  x_.resize(rows);
-  try {
-    std::optional<model::Only> only;
-    const linalg::GmresResult gmres = linalg::gmres(
-        [&](device::View<const Vec3> in, device::View<Vec3> out) { product(q, in, out, near, envs); },
-        linalg::awaited([&](device::View<const Vec3> in, device::View<Vec3> out) { linear_.apply(A_, in, out, active_); }), std::as_const(r0_).view(),
-        x_.view(), system_.rows.env, std::vector<double>(system_.model.envs, tuning::kCoupledForcing), tuning::kMostProducts,
-        [&](const EnvMask& going) {
-          stop();  // a product takes as long as an iteration elsewhere
-          only.reset();
-          only.emplace(system_.model, going);
-        });
-    for (Index e = 0; e < system_.model.envs; ++e)
-      if (active_[e]) report[e].cg += gmres.of_env[e];
-    products_ = gmres.of_env;
-    for (Index e = 0; e < system_.model.envs; ++e) factored_[e] = gmres.of_env[e] <= tuning::kGoodProducts;
-  } catch (const Broken&) {
-    return false;
-  }
+  x_.resize(system_.rows.count());
+  std::optional<model::Only> only;
+  const linalg::GmresResult gmres = linalg::gmres(
+      system_.jacobian(at, false),
+      linalg::awaited([&](device::View<const Vec3> in, device::View<Vec3> out) { linear_.apply(A_, in, out, active_); }), std::as_const(r0_).view(),
+      x_.view(), system_.rows.env, std::vector<double>(system_.model.envs, tuning::kCoupledForcing), tuning::kMostProducts,
+      [&](const EnvMask& going) {
+        stop();
+        only.reset();
+        only.emplace(system_.model, going);
+      });
+  only.reset();
+  for (Index e = 0; e < system_.model.envs; ++e)
+    if (active_[e]) report[e].cg += gmres.of_env[e];
+  products_ = gmres.of_env;
+  for (Index e = 0; e < system_.model.envs; ++e) factored_[e] = gmres.of_env[e] <= tuning::kGoodProducts;
   system_.to_blocks(std::as_const(x_).view(), std::as_const(still_).view(), active_, dq_);
-  return true;
 }
 
 // |M^-1 r|^2 of every environment.
@@ -177,7 +150,7 @@ void Coupled::solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Li
     if (!any(active_)) return;
     narrow();
     const Timed timed(system_.clock, "solver", "coupled");
-    if (!direction(q, at, near, envs, report, stop)) return;
+    direction(q, at, report, stop);
     std::vector<double> longest(model.envs, 0.0);
     device::Fetch fetch;
     system_.convergence.see_step(std::as_const(dq_).view(), r, active_, fetch);

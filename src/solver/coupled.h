@@ -4,8 +4,7 @@
 // energies then converges slowly (the Jacobian lacks those terms), or runs in a circle. Here
 //
 //   r(q) = P grad Phi(q), everything frozen afresh at q
-//   J v  ~ (r(q + h v) - r(q)) / h,   h max|v_b| = a tenth of the last step, between 1e-12 and 1e-9 of the scene's length
-//   J d  = -r   by GMRES, preconditioned by M, the frozen Hessian (Knoll, Keyes, J. Comput. Phys. 193, 2004)
+//   J d  = -r   J = H + U, with what moves (potential.h), by GMRES, preconditioned by M, the frozen Hessian without negative curvature
 //   q   <- q + alpha d,   alpha halved until |M^-1 r| falls by a quarter of alpha ("natural monotonicity": Deuflhard, Newton Methods
 //                         for Nonlinear Problems, 2004, ch. 3.3), and cut short of contact and inversion like every step.
 //
@@ -36,11 +35,8 @@ class Coupled {
              const std::function<void()>& stop, const Watch& watch);
 
  private:
-  struct Broken {};  // every product went through a surface
   void factor(const device::Buffer<Vec3>& q, const EnvMask& whose, Linearised& at);
-  void product(const device::Buffer<Vec3>& q, device::View<const Vec3> v, device::View<Vec3> out, Linearised& near, const EnvTable& envs);
-  bool direction(const device::Buffer<Vec3>& q, Linearised& at, Linearised& near, const EnvTable& envs, const StepReports& report,
-                 const std::function<void()>& stop);
+  void direction(const device::Buffer<Vec3>& q, Linearised& at, const StepReports& report, const std::function<void()>& stop);
   std::vector<double> natural_level(const Linearised& at);
   EnvMask finite_energies(const Linearised& at);
   void monotone_step(device::Buffer<Vec3>& q, Residual& r, Linearised& at, Linearised& near, EnvTable& envs, const StepReports& report);

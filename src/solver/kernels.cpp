@@ -65,8 +65,8 @@ void stencil_product(linalg::StencilSet& set, const model::Model& model, View<co
   });
 }
 
-void add_to_rows(View<const Vec3> g, View<const Index> block_of_row, View<const Mat3> row_projector, View<Vec3> out) {
-  device::parallel_for("solver.add_to_rows", block_of_row.n, [=] MORTISE_HD(Index r) { out[r] += row_projector[r] * g[block_of_row[r]]; });
+void add_to_rows(View<const Vec3> g, const device::Ranges& whose, View<const Index> block_of_row, View<const Mat3> row_projector, View<Vec3> out) {
+  device::parallel_for("solver.add_to_rows", whose, [=] MORTISE_HD(Index r) { out[r] += row_projector[r] * g[block_of_row[r]]; });
 }
 
 void right_hand_side(View<const Vec3> g, View<const Vec3> Hc, View<const Index> block_of_row, View<const Mat3> row_projector, Buffer<Vec3>& rhs) {
@@ -78,13 +78,6 @@ void right_hand_side(View<const Vec3> g, View<const Vec3> Hc, View<const Index> 
     if (Hc.n > 0) f -= Hc[b];
     out[r] = row_projector[r] * f;
   });
-}
-
-void difference(View<const Vec3> a, View<const Vec3> b, const std::vector<double>& scale, View<const Index> block_of_row, View<const Index> block_env,
-                View<Vec3> out) {
-  const Buffer<double> scales(scale);
-  const View<const double> s = scales.view();
-  device::parallel_for("solver.difference", out.n, [=] MORTISE_HD(Index r) { out[r] = s[block_env[block_of_row[r]]] * (a[r] - b[r]); });
 }
 
 void step_of(View<const Vec3> x, View<const Vec3> c, View<const Index> row_of_block, View<const Mat3> projector, Buffer<Vec3>& dq) {

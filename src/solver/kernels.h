@@ -29,11 +29,8 @@ void support_move(View<const Vec3> q, View<const Vec3> target, View<const Mat3> 
 void stencil_product(linalg::StencilSet& set, const model::Model& model, View<const Vec3> d);
 // rhs_row = -P (g + Hc) at the block of the row.
 void right_hand_side(View<const Vec3> g, View<const Vec3> Hc, View<const Index> block_of_row, View<const Mat3> row_projector, Buffer<Vec3>& rhs);
-// out_row += P g at the block of the row.
-void add_to_rows(View<const Vec3> g, View<const Index> block_of_row, View<const Mat3> row_projector, View<Vec3> out);
-// out_row = (a_row - b_row) * scale of the row's environment.
-void difference(View<const Vec3> a, View<const Vec3> b, const std::vector<double>& scale, View<const Index> block_of_row, View<const Index> block_env,
-                View<Vec3> out);
+// out_row += P g at the block of the row, for the rows of `whose`.
+void add_to_rows(View<const Vec3> g, const device::Ranges& whose, View<const Index> block_of_row, View<const Mat3> row_projector, View<Vec3> out);
 // dq_b = P x_row(b) + c_b; c may be empty.
 void step_of(View<const Vec3> x, View<const Vec3> c, View<const Index> row_of_block, View<const Mat3> projector, Buffer<Vec3>& dq);
 // trial = q + alpha_env dq; where alpha is exactly 1 the held directions land exactly on their targets, and what is tied exactly on what it follows.

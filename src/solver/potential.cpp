@@ -121,6 +121,18 @@ void Potential::unsymmetric_product(Linearised& at, bool transposed, device::Vie
   model_.ties.fold(out.view());
 }
 
+void Potential::jacobian_product(Linearised& at, bool transposed, device::View<const Vec3> d, device::Buffer<Vec3>& out) {
+  product(at, d, out);
+  unsymmetric_product(at, transposed, d, beside_);
+  add(std::as_const(beside_).view(), out);
+}
+
+bool Potential::complete(const Linearised& at) const {
+  for (const auto& one : at.of)
+    if (!one->complete) return false;
+  return follows_locally(at);
+}
+
 bool Potential::follows_locally(const Linearised& at) const {
   for (std::size_t k = 0; k < at.of.size(); ++k)
     if (is_followed_[k] && !at.of[k]->contact.local) return false;

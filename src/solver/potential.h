@@ -43,13 +43,17 @@ class Potential {
   void product(Linearised& at, device::View<const Vec3> d, device::Buffer<Vec3>& out, bool folded = true);
   // T^T U d, U being what the whole Jacobian has besides H (of states linearised with it), or T^T U^T d. The same.
   void unsymmetric_product(Linearised& at, bool transposed, device::View<const Vec3> d, device::Buffer<Vec3>& out);
+  // T^T (H + U) d, or T^T (H + U)^T d. The same.
+  void jacobian_product(Linearised& at, bool transposed, device::View<const Vec3> d, device::Buffer<Vec3>& out);
+  // Is H + U of `at` all of the Jacobian? Where it was linearised with everything that moves.
+  bool complete(const Linearised& at) const;
   // Do the lagged quantities of the state of `at`, sampled, follow from it as the Jacobian says?
   bool follows_locally(const Linearised& at) const;
   linalg::Assembler& assembler() { return assembler_; }
 
   bool symmetric() const { return symmetric_; }  // all effects are
   bool lags() const { return lags_; }            // some effect does
-  bool freezes() const { return freezes_; }      // some effect freezes more than what it lags: H + U is not its whole Jacobian
+  bool freezes() const { return freezes_; }      // some effect freezes more than what it lags: what moves is not in H
   EffectList& effects() { return effects_; }
   const EffectList& effects() const { return effects_; }
 
@@ -61,7 +65,7 @@ class Potential {
   std::vector<int> followed_;  // per effect: the contact effect whose samples it follows, or -1
   std::vector<std::uint8_t> is_followed_;
   bool symmetric_ = true, lags_ = false, freezes_ = false;
-  device::Buffer<Vec3> product_;  // work space
+  device::Buffer<Vec3> product_, beside_;  // work space
 };
 
 }  // namespace mortise::solver

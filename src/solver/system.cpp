@@ -127,7 +127,16 @@ linalg::Operator System::whole(Linearised& at, const linalg::BlockMatrix& A) {
     linalg::multiply(A, in, model.working(rows.env), out);
     to_blocks(in, {}, EnvMask(model.envs, 1), way_);
     potential.unsymmetric_product(at, false, std::as_const(way_).view(), force_);
-    add_to_rows(std::as_const(force_).view(), rows.block.view(), rows.projector.view(), out);
+    add_to_rows(std::as_const(force_).view(), model.working(rows.env), rows.block.view(), rows.projector.view(), out);
+  };
+}
+
+linalg::Operator System::jacobian(Linearised& at, bool transposed) {
+  return [this, &at, transposed](device::View<const Vec3> in, device::View<Vec3> out) {
+    to_blocks(in, {}, EnvMask(model.envs, 1), way_);
+    potential.jacobian_product(at, transposed, std::as_const(way_).view(), force_);
+    device::clear(out.p, out.n * sizeof(Vec3));
+    add_to_rows(std::as_const(force_).view(), model.working(rows.env), rows.block.view(), rows.projector.view(), out);
   };
 }
 

@@ -39,6 +39,8 @@ class System {
   void matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& whose, linalg::BlockMatrix& A, device::Fetch& now, device::Fetch& later);
   // y = P T^T (H + U) T P x on the rows, with the matrix A of H, and U of `at` (Potential::unsymmetric_product).
   linalg::Operator whole(Linearised& at, const linalg::BlockMatrix& A);
+  // The same of an `at` with everything that moves in U, by stencils alone; or with (H + U)^T. The pieces of forces in `at` are used up.
+  linalg::Operator jacobian(Linearised& at, bool transposed);
   // -P (g + Hc), where Hc may be empty.
   void right_hand_side(const Linearised& at, device::View<const Vec3> Hc, device::Buffer<Vec3>& rhs) const;
   // T (P x + c) over all blocks, for x on the rows; 0 outside of `whose`.

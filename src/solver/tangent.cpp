@@ -23,7 +23,7 @@ void Tangent::linearise(const device::Buffer<Vec3>& q) {
   bool convex = false;
   // The exact Hessian; where that is no minimum's (a step of motion may end at one that inertia alone holds), a convex one serves as its factor.
   for (double concave : {1.0, 0.0}) {
-    system_.potential.linearise(q.view(), {true, effects::Curvature(true, concave), true}, at_, true);
+    system_.potential.linearise(q.view(), effects::Want::jacobian(effects::Curvature(true, concave)), at_, true);
     system_.potential.sample(at_);
     device::Fetch fetch;
     system_.matrix(at_, q.view(), none, matrix_, fetch, fetch);
@@ -32,16 +32,14 @@ void Tangent::linearise(const device::Buffer<Vec3>& q) {
     if (concave == 0) throw Failure{"the linearised equations of the step have no factor"};
     convex = true;
   }
-  if (convex) system_.potential.linearise(q.view(), {true, effects::Curvature(true, 1), true}, at_, true);
-  assembled_ = !system_.potential.freezes() && system_.potential.follows_locally(at_);
+  if (convex) system_.potential.linearise(q.view(), effects::Want::jacobian(effects::Curvature(true, 1)), at_, true);
+  assembled_ = system_.potential.complete(at_);
   system_.right_hand_side(at_, {}, forces_);
 }
 
 void Tangent::product(device::View<const Vec3> d, bool transposed, device::Buffer<Vec3>& out) {
   if (assembled_ || transposed) {
-    system_.potential.product(at_, d, out);
-    system_.potential.unsymmetric_product(at_, transposed, d, other_);
-    add(std::as_const(other_).view(), out);
+    system_.potential.jacobian_product(at_, transposed, d, out);
     return;
   }
   const double size = largest(d, system_.model.env_blocks)[0], h = size > 0 ? tuning::kTangentDifference * system_.length[0] / size : 0;
@@ -65,7 +63,7 @@ void Tangent::solve(device::View<const Vec3> f, bool transposed, device::Buffer<
     system_.to_blocks(in, {}, all, way_);
     product(std::as_const(way_).view(), transposed, force_);
     device::clear(out.p, out.n * sizeof(Vec3));
-    add_to_rows(std::as_const(force_).view(), system_.rows.block.view(), system_.rows.projector.view(), out);
+    add_to_rows(std::as_const(force_).view(), system_.model.working(system_.rows.env), system_.rows.block.view(), system_.rows.projector.view(), out);
   };
   const std::vector<double> f2 = dot(f, f, system_.rows.env);
   if (!std::isfinite(f2[0])) throw Failure{"a force is not finite"};

@@ -38,7 +38,7 @@ class Tangent {
   Linearised at_, beside_;
   linalg::BlockMatrix matrix_;
   bool assembled_ = true;
-  device::Buffer<Vec3> q_, forces_, moved_, way_, force_, other_;  // of the state; work space
+  device::Buffer<Vec3> q_, forces_, moved_, way_, force_;  // of the state; work space
 };
 
 }  // namespace mortise::solver

@@ -78,7 +78,7 @@ inline constexpr Index kWholePatience = 12;  // iterations without: then rounds 
 inline constexpr Index kHopeless = 24;       // where that has failed too: time for a shorter step
 
 // ---- coupled iteration (coupled.h)
-inline constexpr double kCoupledForcing = 1e-4;  // what a difference of forces is good for; the last iteration then ends well below the tolerance
+inline constexpr double kCoupledForcing = 1e-4;  // the last iteration then ends well below the tolerance
 inline constexpr double kRough = 1e-2;           // conjugate gradients as a preconditioner
 inline constexpr Index kCoupledIterations = 20, kMostProducts = 30;
 inline constexpr Index kGoodProducts = 12;         // with no more of them the factor serves another iteration
@@ -88,9 +88,6 @@ inline constexpr Index kMostShort = 3;             // so often in a row
 inline constexpr double kNearer = 0.5;             // of the residual from which it has failed: nearer it is tried again,
 inline constexpr int kMostCoupled = 4;             // so often
 inline constexpr double kNaturalShare = 0.25;      // of alpha: how much the natural level has to fall
-inline constexpr double kDifference = 0.1;         // of the last step,
-inline constexpr double kLeastDifference = 1e-12;  // but no less than rounding,
-inline constexpr double kMostDifference = 1e-9;    // and no more than curvature allows; of the scene's length
 
 // ---- the Jacobian at a solution (tangent.h)
 inline constexpr double kTangent = 1e-10;              // of the right-hand side: derivatives are then as good as the assembled terms,

@@ -153,12 +153,11 @@ struct Dense {
   Vector gradient;
   Matrix hessian;  // empty unless asked for
 };
-inline Dense effect_assemble(Subject& e, const Vector& x, effects::Curvature hessian) {
-  const device::Buffer<Vec3> q(blocks_of(x));
-  const linalg::StencilView s = e.linearise(q.view(), hessian).view();
+inline Dense dense(linalg::StencilSet& set, Eigen::Index size, bool hessian) {
+  const linalg::StencilView s = set.view();
   Dense d;
-  d.gradient = Vector::Zero(x.size());
-  if (hessian.wanted) d.hessian = Matrix::Zero(x.size(), x.size());
+  d.gradient = Vector::Zero(size);
+  if (hessian) d.hessian = Matrix::Zero(size, size);
   if (s.n == 0) return d;
   const auto offset = fetch(s.offset), hess_offset = fetch(s.hess_offset), block = fetch(s.block);
   const auto grad = fetch(s.grad);
@@ -169,7 +168,7 @@ inline Dense effect_assemble(Subject& e, const Vector& x, effects::Curvature hes
       const Index i = block[begin + a];
       if (i < 0) continue;
       d.gradient.segment<3>(3 * i) += grad[begin + a];
-      for (Index b = a; hessian.wanted && b < nb; ++b) {
+      for (Index b = a; hessian && b < nb; ++b) {
         const Index j = block[begin + b];
         if (j < 0) continue;
         const Mat3& h = hess[hess_offset[k] + linalg::pair_place(a, b, nb)];
@@ -179,6 +178,10 @@ inline Dense effect_assemble(Subject& e, const Vector& x, effects::Curvature hes
     }
   }
   return d;
+}
+inline Dense effect_assemble(Subject& e, const Vector& x, effects::Curvature hessian) {
+  const device::Buffer<Vec3> q(blocks_of(x));
+  return dense(e.linearise(q.view(), hessian), x.size(), hessian.wanted);
 }
 
 struct Errors {

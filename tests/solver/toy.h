@@ -67,6 +67,17 @@ class Field final : public effects::Effect {
     device::copy_in(v.grad.p, grad.data(), grad.size() * sizeof(Vec3));
     device::copy_in(v.hess.p, hess.data(), hess.size() * sizeof(Mat3));
     if (!at.shaped) at.stencils.pattern_changed(), at.shaped = true;
+    at.unsymmetric.resize(want.moving ? 3 : 0, model_.blocks);
+    if (!want.moving) return;
+    // What the Hessian lacks of the gradient's derivative.
+    std::vector<Vec3> left, right;
+    for (int c = 0; c < 3; ++c)
+      for (Index b = 0; b < model_.blocks; ++b) {
+        const Vec3 d = x[b] - rest_[b], step = 1e-9 * Vec3::Unit(c);
+        left.push_back((law_.gradient(env_[b], d + step) - law_.gradient(env_[b], d - step)) / 2e-9 - hess[b].col(c));
+        right.push_back(Vec3::Unit(c));
+      }
+    at.unsymmetric.left.upload(left), at.unsymmetric.right.upload(right);
   }
   void energy(Positions q, const Linearisation& frozen, device::EnvValues out) override {
     const std::vector<Vec3> x = host(q), &x0 = static_cast<const FieldLinearisation&>(frozen).x;

@@ -61,7 +61,7 @@ MORTISE_HD inline void write_terms(const BarrierView& s, const PointTriangle& pa
 MORTISE_HD inline Active point_term(const BarrierView& s, std::uint64_t key, Index coefficient) {
   const Index point = static_cast<Index>(key >> 32);
   Index feature = static_cast<Index>(key & 0xffffffffull);
-  Active a{TermKind::vertex, s.surface.env[point], {point, -1, -1, -1}, -1, coefficient * point_weight(s, point), 0};
+  Active a{TermKind::vertex, s.surface.env[point], {point, -1, -1, -1}, -1, 0, coefficient * point_weight(s, point), 0};
   if (feature < s.rest.n) {
     a.point[1] = feature;
     return a;
@@ -219,7 +219,7 @@ void TermSearch::begin(const BarrierView& view, const Where& at, const TermRoom&
     Vec3 rest[4];
     gather(s.rest, p.v, rest);
     terms[to] = {
-        TermKind::edge_edge, s.surface.env[p.v[0]], {p.v[0], p.v[1], p.v[2], p.v[3]}, -1, edge_weight(s, p), geometry::mollifier_threshold(rest)};
+        TermKind::edge_edge, s.surface.env[p.v[0]], {p.v[0], p.v[1], p.v[2], p.v[3]}, -1, 0, edge_weight(s, p), geometry::mollifier_threshold(rest)};
   });
   device::parallel_for("contact.plane_terms", plane_pairs, [=] MORTISE_HD(Index i) {
     const Index to = of_points[0] + of_edges[0] + plane_at[i];
@@ -227,10 +227,10 @@ void TermSearch::begin(const BarrierView& view, const Where& at, const TermRoom&
     Index plane, point;
     double gap;
     plane_pair(s, i, y, plane, point, gap);
-    terms[to] = {TermKind::plane, s.surface.env[point], {point, -1, -1, -1}, plane, plane_weight(s, i, point), 0};
+    terms[to] = {TermKind::plane, s.surface.env[point], {point, -1, -1, -1}, plane, 0, plane_weight(s, i, point), 0};
   });
   device::parallel_for("contact.no_terms", terms.n, [=] MORTISE_HD(Index i) {
-    if (i >= of_points[0] + of_edges[0] + of_planes[0]) terms[i] = {TermKind::vertex, envs, {-1, -1, -1, -1}, -1, 0, 0};
+    if (i >= of_points[0] + of_edges[0] + of_planes[0]) terms[i] = {TermKind::vertex, envs, {-1, -1, -1, -1}, -1, 0, 0, 0};
   });
   group_by_environment(out, envs, fetch);
   if (stencils) {

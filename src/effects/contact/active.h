@@ -19,6 +19,7 @@ struct Active {
   Index env;
   Index point[4];  // the point first, or the two edges; -1 where unused
   Index plane;
+  Index open = 0;  // what would be padding: copies read it too
   double weight;  // [m^2]; may be negative where the alternating sum is
   double eps;     // mollifier threshold [m^4], 0 without
 };
@@ -89,7 +90,7 @@ void assemble(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, co
 void samples(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, Buffer<model::ContactSample>& out);
 
 // How the samples change with y: exactly.
-void sample_changes(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, Buffer<model::SampleChange>& out);
+void sample_changes(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, model::SampleChanges& out);
 
 // Force on the four points of every term [N]: minus the gradient.
 void point_forces(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, Buffer<Vec3>& out);

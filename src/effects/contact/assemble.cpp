@@ -5,7 +5,6 @@ namespace mortise::effects::contact {
 namespace {
 
 using model::ContactSample;
-using model::SampleChange;
 
 MORTISE_HD inline Index points_of(TermKind kind) {
   return kind == TermKind::plane ? 1 : kind == TermKind::vertex ? 2 : kind == TermKind::edge ? 3 : 4;
@@ -109,53 +108,48 @@ MORTISE_HD inline ContactSample sample_of(const BarrierView& s, const Active& a,
   return out;
 }
 
+inline constexpr Index kFunctionals = 6;  // of a sample, at most: of its gap, two tangents, two turns and the mollifier
+
 // Weights, normal and force of sample_of() as functions of the points. With the frame of stencil.h, r = sum_i w_i x_i = d n, the closest points go on
 // by dtau_j along the tangents t_j that have a parameter, so that r stays across them:
 //     dtau_j = -(t_j . sum w dx + d n . sum u_j dx),     dw_i = sum_j u_ji dtau_j,     dd = n . sum w dx,
 //     dn     = -sum_j t_j (n . sum u_j dx) + sum_free t (t . sum w dx)/d,              d force = -k (m b'' dd + b' dm).
-MORTISE_HD inline SampleChange change_of(const BarrierView& s, const Active& a, View<const Vec3> y) {
-  SampleChange out;
-  for (int c = 0; c < SampleChange::kMost; ++c) {
-    out.force[c] = 0, out.normal[c] = Vec3::Zero();
-    for (int i = 0; i < 4; ++i) out.along[c][i] = Vec3::Zero(), out.weight[c][i] = 0;
-  }
+MORTISE_HD inline void change(const BarrierView& s, const Active& a, View<const Vec3> y, const model::SampleChangesView& out, Index at) {
+  for (Index c = 0; c < kFunctionals; ++c) out.clear(at, c);
   const double k = s.kappa(a.point[0]) * a.weight;
   if (a.kind == TermKind::plane) {
     const Plane p = s.planes[a.plane];
-    out.count = 1;
-    out.along[0][0] = p.normal;
-    out.force[0] = -k * barrier::second(p.normal.dot(y[a.point[0]] - p.point), s.d_hat(a.point[0]));
-    return out;
+    out.along(at, 0)[0] = p.normal;
+    out.force(at, 0) = -k * barrier::second(p.normal.dot(y[a.point[0]] - p.point), s.d_hat(a.point[0]));
+    return;
   }
   Vec3 x[4];
   const Frame f = frame(closest(a, y, x), x);
   const double d_hat = range_of(s, a), b1 = barrier::first(f.d, d_hat);
   Mollifier m;
   if (a.eps > 0) m = mollifier(x, a.eps);
-  out.count = 3 + f.free;
-  for (int i = 0; i < 4; ++i) out.along[0][i] = f.w[i] * f.n;
-  out.force[0] = -k * m.m * barrier::second(f.d, d_hat);
+  for (int i = 0; i < 4; ++i) out.along(at, 0)[i] = f.w[i] * f.n;
+  out.force(at, 0) = -k * m.m * barrier::second(f.d, d_hat);
   // Samples count weights and normal the other way round: from the first primitive to the second.
   for (int j = 0; j < 2; ++j) {
     const bool free = j >= f.free;
     for (int i = 0; i < 4; ++i) {
-      out.along[1 + j][i] = f.w[i] * f.t[j];
+      out.along(at, 1 + j)[i] = f.w[i] * f.t[j];
       if (free) continue;
-      out.along[3 + j][i] = f.u[j][i] * f.n;
-      out.weight[1 + j][i] = f.u[j][i];
-      out.weight[3 + j][i] = f.d * f.u[j][i];
+      out.along(at, 3 + j)[i] = f.u[j][i] * f.n;
+      out.weight(at, 1 + j)[i] = f.u[j][i];
+      out.weight(at, 3 + j)[i] = f.d * f.u[j][i];
     }
     if (free)
-      out.normal[1 + j] = -f.t[j] / f.d;
+      out.normal(at, 1 + j) = -f.t[j] / f.d;
     else
-      out.normal[3 + j] = f.t[j];
+      out.normal(at, 3 + j) = f.t[j];
   }
   if (m.m1 > 0) {
-    const int c = static_cast<int>(out.count++);
-    spread(2 * m.v.cross(m.X), 2 * m.X.cross(m.u), out.along[c]);
-    out.force[c] = -k * m.m1 * b1;
+    const Index c = 3 + f.free;
+    spread(2 * m.v.cross(m.X), 2 * m.X.cross(m.u), out.along(at, c));
+    out.force(at, c) = -k * m.m1 * b1;
   }
-  return out;
 }
 
 }  // namespace
@@ -217,11 +211,11 @@ void samples(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, Buf
   device::parallel_for("contact.samples", terms.n, [=] MORTISE_HD(Index i) { to[i] = sample_of(s, terms[i], y); });
 }
 
-void sample_changes(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, Buffer<SampleChange>& out) {
+void sample_changes(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, model::SampleChanges& out) {
   const View<const Active> terms = set.terms.view();
-  out.resize(terms.n);
-  const View<SampleChange> to = out.view();
-  device::parallel_for("contact.sample_changes", terms.n, [=] MORTISE_HD(Index i) { to[i] = change_of(s, terms[i], y); });
+  out.resize(terms.n, kFunctionals, 4);
+  const model::SampleChangesView to = out.view();
+  device::parallel_for("contact.sample_changes", terms.n, [=] MORTISE_HD(Index i) { change(s, terms[i], y, to, i); });
 }
 
 void point_forces(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, Buffer<Vec3>& out) {

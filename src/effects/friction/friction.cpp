@@ -16,7 +16,6 @@ namespace {
 
 using device::Buffer;
 using model::ContactSample;
-using model::SampleChange;
 
 const ParamTable kPair{"friction pair",
                        "Friction coefficient of one pair of bodies.",
@@ -115,7 +114,7 @@ void measure(const Slips& s, const Buffer<ContactSample>& samples, Positions q, 
 // The samples of some state, and what became of them; the stencils are theirs.
 struct FrictionLinearisation final : Linearisation {
   Buffer<ContactSample> samples;
-  Buffer<SampleChange> changes;  // of them, as the contact effect knows it
+  model::SampleChanges changes;  // of them, as the contact effect knows it
   std::vector<Index> env_offset;
   Buffer<double> weights;
   Buffer<FrozenContact> frozen;
@@ -223,7 +222,7 @@ class Friction final : public Effect {
     const Slips s = slips(at);
     const Index n = at.stencils.blocks().n;
     const View<const Index> offset = at.stencils.offsets();
-    if (at.changes.size() == 0) {
+    if (!at.changes.any()) {
       // Only forces are known to: d(mu lambda) = -mu stiffness n . sum_b W_b dq_b.
       at.unsymmetric.resize(1, n);
       const View<Vec3> left = at.unsymmetric.left.view(), right = at.unsymmetric.right.view();
@@ -237,33 +236,26 @@ class Friction final : public Effect {
       });
       return;
     }
-    at.unsymmetric.resize(SampleChange::kMost, n);
+    const model::SampleChangesView change = at.changes.view();
+    at.unsymmetric.resize(change.functionals, n);
     const View<Vec3> left = at.unsymmetric.left.view(), right = at.unsymmetric.right.view();
     const View<const ContactSample> sample = std::as_const(at.samples).view();
-    const View<const SampleChange> change = std::as_const(at.changes).view();
     const model::PointMapView map = model_.point_map();
     device::parallel_for("friction.follow", model_.working(at.env_offset), [=] MORTISE_HD(Index i) {
       const ContactSample& here = sample[i];
-      const auto e = model::expand<SampleChange::kPoints>(map, here.point, here.points);
-      Vec3 way[SampleChange::kPoints];  // of the points since the step began
-      for (Index k = 0; k < SampleChange::kPoints; ++k) {
+      const auto e = model::expand<model::kSamplePoints>(map, here.point, here.points);
+      Vec3 way[model::kSamplePoints];  // of the points since the step began
+      for (Index k = 0; k < here.points; ++k) {
         way[k] = Vec3::Zero();
-        if (k >= here.points) continue;
         for (int j = 0; j < model::kPointTerms; ++j)
           if (e.slot[k][j] >= 0) way[k] += e.weight[k][j] * (q[e.block[e.slot[k][j]]] - s.q0[e.block[e.slot[k][j]]]);
       }
       const friction::Sample at{here.weight, way, static_cast<int>(here.points), s.frozen[i].normal, s.frozen[i].load, s.frozen[i].mu};
-      for (Index c = 0; c < SampleChange::kMost; ++c) {
-        Vec3* l = left.p + c * n + offset[i];
-        Vec3* r = right.p + c * n + offset[i];
-        if (c >= change[i].count) {
-          for (Index b = 0; b < e.blocks; ++b) l[b] = r[b] = Vec3::Zero();
-          continue;
-        }
-        Vec3 force[SampleChange::kPoints];
-        friction::change(at, change[i].force[c], change[i].normal[c], change[i].weight[c], s.creep(i), force);
-        e.chain(force, l);
-        e.chain(change[i].along[c], r);
+      for (Index c = 0; c < change.functionals; ++c) {
+        Vec3 force[model::kSamplePoints];
+        friction::change(at, change.force(i, c), change.normal(i, c), change.weight(i, c), s.creep(i), force);
+        e.chain(force, left.p + c * n + offset[i]);
+        e.chain(change.along(i, c), right.p + c * n + offset[i]);
       }
     });
   }

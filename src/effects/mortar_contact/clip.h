@@ -9,6 +9,7 @@
 // of their union to rounding: over a covered slave triangle to its own area, whatever the meshes (none is too small to count).
 #include <cmath>
 
+#include "base/jet.h"
 #include "base/types.h"
 
 namespace mortise::effects::mortar {
@@ -17,25 +18,27 @@ namespace mortise::effects::mortar {
 // not quite convex.
 inline constexpr int kCorners = 10;
 
-struct Corner {
-  double N[3];  // barycentrics on the slave
-  double M[3];  // on the master
+template <class T>
+struct CornerOf {
+  T N[3];  // barycentrics on the slave
+  T M[3];  // on the master
 };
+using Corner = CornerOf<double>;
 
-struct Polygon {
+template <class T>
+struct PolygonOf {
   int n = 0;
-  Corner v[kCorners];
-  MORTISE_HD void push(const Corner& c) {
+  CornerOf<T> v[kCorners];
+  MORTISE_HD void push(const CornerOf<T>& c) {
     if (n < kCorners) v[n++] = c;
   }
 };
+using Polygon = PolygonOf<double>;
 
 // A slave triangle: corner a0, edges e1, e2, unit normal n, area [m^2].
 struct SlavePlane {
   Vec3 a0, e1, e2, n;
   double area;
-  // Distance of corner k from the opposite side [m].
-  MORTISE_HD double altitude(int k) const { return 2 * area / (k == 0 ? Vec3(e2 - e1) : k == 1 ? e2 : e1).norm(); }
 };
 
 MORTISE_HD inline SlavePlane slave_plane(const Vec3& a0, const Vec3& a1, const Vec3& a2) {
@@ -58,8 +61,9 @@ MORTISE_HD inline double project(const SlavePlane& p, const Vec3& x, double N[3]
 }
 
 // The corner between one inside and one outside, at the share t of the way.
-MORTISE_HD inline Corner cut(const Corner& in, const Corner& out, double t) {
-  Corner c;
+template <class T>
+MORTISE_HD inline CornerOf<T> cut(const CornerOf<T>& in, const CornerOf<T>& out, const T& t) {
+  CornerOf<T> c;
   for (int k = 0; k < 3; ++k) {
     c.N[k] = in.N[k] + t * (out.N[k] - in.N[k]);
     c.M[k] = in.M[k] + t * (out.M[k] - in.M[k]);
@@ -69,27 +73,28 @@ MORTISE_HD inline Corner cut(const Corner& in, const Corner& out, double t) {
 
 // q: what of a polygon lies where the linear function inside(corner) >= 0; finish(c) is called for every new corner. Polygons are never copied: a
 // kernel would hold a whole one in registers on the way.
-template <class Inside, class Finish>
-MORTISE_HD inline void keep(const Polygon& p, const Inside& inside, const Finish& finish, Polygon& q) {
+template <class T, class Inside, class Finish>
+MORTISE_HD inline void keep(const PolygonOf<T>& p, const Inside& inside, const Finish& finish, PolygonOf<T>& q) {
   q.n = 0;
   for (int i = 0; i < p.n; ++i) {
-    const Corner &a = p.v[i], &b = p.v[i + 1 < p.n ? i + 1 : 0];
-    const double at_a = inside(a), at_b = inside(b);
+    const CornerOf<T>&a = p.v[i], &b = p.v[i + 1 < p.n ? i + 1 : 0];
+    const T at_a = inside(a), at_b = inside(b);
     if (at_a >= 0) q.push(a);
     if ((at_a >= 0) == (at_b >= 0)) continue;
-    Corner c = at_a >= 0 ? cut(a, b, at_a / (at_a - at_b)) : cut(b, a, at_b / (at_b - at_a));
+    CornerOf<T> c = at_a >= 0 ? cut<T>(a, b, at_a / (at_a - at_b)) : cut<T>(b, a, at_b / (at_b - at_a));
     finish(c);
     q.push(c);
   }
 }
 
 // L[k]: slave barycentrics of projected master corner k. Empty where nothing overlaps. room: for what lies between.
-MORTISE_HD inline void clip(const double L[3][3], Polygon& out, Polygon& room) {
+template <class T>
+MORTISE_HD inline void clip(const T L[3][3], PolygonOf<T>& out, PolygonOf<T>& room) {
   room.n = 0;
   for (int k = 0; k < 3; ++k) room.push({{L[k][0], L[k][1], L[k][2]}, {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0}});
   MORTISE_ROLLED for (int side = 0; side < 3; ++side) {
-    const auto inside = [side](const Corner& c) { return c.N[side]; };
-    const auto finish = [side](Corner& c) { c.N[side] = 0; };
+    const auto inside = [side](const CornerOf<T>& c) { return c.N[side]; };
+    const auto finish = [side](CornerOf<T>& c) { c.N[side] = 0; };
     keep(side == 1 ? out : room, inside, finish, side == 1 ? room : out);
   }
 }
@@ -101,8 +106,9 @@ MORTISE_HD inline Polygon clip(const double L[3][3]) {
 
 // Area of fan triangle (0, i, i+1) as a share of the slave's, positive where the master's projection turns against the slave
 // (the faces look at each other).
-MORTISE_HD inline double fan_area(const Polygon& p, int i) {
-  const Corner &o = p.v[0], &a = p.v[i], &b = p.v[i + 1];
+template <class T>
+MORTISE_HD inline T fan_area(const PolygonOf<T>& p, int i) {
+  const CornerOf<T>&o = p.v[0], &a = p.v[i], &b = p.v[i + 1];
   return (b.N[1] - o.N[1]) * (a.N[2] - o.N[2]) - (a.N[1] - o.N[1]) * (b.N[2] - o.N[2]);
 }
 MORTISE_HD inline double polygon_area(const Polygon& p) {
@@ -113,16 +119,17 @@ MORTISE_HD inline double polygon_area(const Polygon& p) {
 
 // The part [t0, t1] of the segment from P to Q (slave barycentrics) within the slave triangle whose side k is moved outwards by
 // tolerance[k]; t0 > t1 if none.
-MORTISE_HD inline void clip_segment(const double P[3], const double Q[3], const double tolerance[3], double& t0, double& t1) {
+template <class T>
+MORTISE_HD inline void clip_segment(const T P[3], const T Q[3], const T tolerance[3], T& t0, T& t1) {
   t0 = 0, t1 = 1;
   for (int side = 0; side < 3; ++side) {
-    const double p = P[side] + tolerance[side], q = Q[side] + tolerance[side];
+    const T p = P[side] + tolerance[side], q = Q[side] + tolerance[side];
     if (p < 0 && q < 0)
       t1 = -1;
     else if (p < 0)
-      t0 = std::fmax(t0, p / (p - q));
+      t0 = larger(t0, p / (p - q));
     else if (q < 0)
-      t1 = std::fmin(t1, p / (p - q));
+      t1 = smaller(t1, p / (p - q));
   }
 }
 

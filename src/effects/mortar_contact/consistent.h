@@ -24,17 +24,21 @@ MORTISE_HD inline double bend(const MortarView& s, Index t, int k, const Vec3& n
 }
 
 // Half the width [m] of the strip along side k in which triangle and neighbour share what lies at a gap above.
-MORTISE_HD inline double strip(const Patch& p, int k, double gap) { return std::fmax(p.bend[k] * gap, tuning::kStrip * p.plane.altitude(k)); }
+template <class T>
+MORTISE_HD inline T strip(const SlaveOf<T>& p, int k, const T& gap) {
+  return larger(p.bend[k] * gap, tuning::kStrip * p.altitude(k));
+}
 
 // How much a point above w belongs to the triangle: 1 inside, 0 outside, and in between in the strips along its sides. Where the slave is
 // bent they are as wide as the gap, so that the force on an edge or a tip that slides from one triangle to the next turns with it
 // rather than jumping from one normal to the other. Over a common side the shares of both triangles add up to 1. The last factor
 // ends what the product of strips goes beyond a sharp corner.
-MORTISE_HD inline double belongs(const Patch& p, const double w[3], double gap) {
+template <class T>
+MORTISE_HD inline T belongs(const SlaveOf<T>& p, const T w[3], const T& gap) {
   if (!(gap > 0)) return 0;
-  double part = 1;
-  MORTISE_ROLLED for (int k = 0; k < 3; ++k) part *= hermite(0.5 + w[k] * p.plane.altitude(k) / (2 * strip(p, k, gap)));
-  return part > 0 ? part * hermite(2 + 2 * rim_distance(p.y, w) / gap) : 0;
+  T part = 1;
+  MORTISE_ROLLED for (int k = 0; k < 3; ++k) part *= hermite<T>(0.5 + w[k] * p.altitude(k) / (2 * strip(p, k, gap)));
+  return part > 0 ? part * hermite<T>(2 + 2 * rim_distance<T>(p.y, w) / gap) : T(0);
 }
 
 struct Consistent {
@@ -42,29 +46,49 @@ struct Consistent {
 
   MORTISE_HD explicit Consistent(const Settings&) {}
 
-  MORTISE_HD double facing(const Vec3& n, const Vec3& nm) const { return hermite((-n.dot(nm) - tuning::kFaceNone) / tuning::kFaceFade); }
+  // Of faces with -n . n_master.
+  template <class T>
+  MORTISE_HD T facing(const T& cosine) const {
+    return hermite<T>((cosine - tuning::kFaceNone) / tuning::kFaceFade);
+  }
 
   // Factors of samples at barycentrics M of the master triangle, at t along its edge.
-  MORTISE_HD double on_face(const double[3]) const { return 1; }
-  MORTISE_HD double on_edge(double) const { return 1; }
+  template <class T>
+  MORTISE_HD T on_face(const T[3]) const {
+    return 1;
+  }
+  template <class T>
+  MORTISE_HD T on_edge(const T&) const {
+    return 1;
+  }
 
   // The edge from P to Q over the triangle and its outer strips, cut where it enters and leaves what is within all inner ones.
-  MORTISE_HD bool stretches(const Patch& p, const double P[3], const double Q[3], double gap, Stretches& out) const {
-    double grow[3], shrink[3];
-    for (int k = 0; k < 3; ++k) grow[k] = strip(p, k, gap) / p.plane.altitude(k), shrink[k] = -grow[k];
-    double in, back;
+  template <class T>
+  MORTISE_HD bool stretches(const SlaveOf<T>& p, const T P[3], const T Q[3], const T& gap, Stretches<T>& out) const {
+    T grow[3], shrink[3];
+    for (int k = 0; k < 3; ++k) grow[k] = strip(p, k, gap) / p.altitude(k), shrink[k] = -grow[k];
+    T in, back;
     clip_segment(P, Q, grow, out.t[0], out.t[3]);
     if (!(out.t[0] < out.t[3])) return false;
     clip_segment(P, Q, shrink, in, back);
-    if (in > back) in = back = 0.5 * (in + std::fmax(back, 0.0));  // nothing is inside: one cut, where the inside would appear
-    out.t[1] = std::fmin(std::fmax(in, out.t[0]), out.t[3]);
-    out.t[2] = std::fmin(std::fmax(back, out.t[0]), out.t[3]);
+    if (in > back) in = back = 0.5 * (in + larger(back, T(0.0)));  // nothing is inside: one cut, where the inside would appear
+    out.t[1] = smaller(larger(in, out.t[0]), out.t[3]);
+    out.t[2] = smaller(larger(back, out.t[0]), out.t[3]);
     return true;
   }
   // How much of the edge, of a point on it at a gap, of a vertex belongs to the triangle.
-  MORTISE_HD double share_of_edge(const MortarView&, const Patch&, const double[3], const double[3], const Stretches&) const { return 1; }
-  MORTISE_HD double share_on_edge(const Patch& p, const double N[3], double gap) const { return belongs(p, N, gap); }
-  MORTISE_HD double share_of_point(const MortarView&, const Patch& p, const double N[3], double gap) const { return belongs(p, N, gap); }
+  template <class T>
+  MORTISE_HD double share_of_edge(const MortarView&, const SlaveOf<T>&, const Vec3&, const T[3], const T[3], const Stretches<T>&) const {
+    return 1;
+  }
+  template <class T>
+  MORTISE_HD T share_on_edge(const SlaveOf<T>& p, const T N[3], const T& gap) const {
+    return belongs(p, N, gap);
+  }
+  template <class T>
+  MORTISE_HD T share_of_point(const MortarView&, const SlaveOf<T>& p, const Vec3&, const T N[3], const T& gap) const {
+    return belongs(p, N, gap);
+  }
 
   // Weight [m^2] of a master edge or vertex whose triangles are list[begin..end).
   MORTISE_HD double edge_weight(const MortarView& s, const Vec3& n, const View<const Index>& list, Index begin, Index end) const {

@@ -10,13 +10,10 @@
 #include <utility>
 
 #include "effects/mortar_contact/averaged.h"
-#include "effects/mortar_contact/frozen.h"
+#include "effects/mortar_contact/moving.h"
 
 namespace mortise::effects::mortar {
 namespace {
-
-// Pieces of the offers of a candidate, a thread each: of its face or of a half-space, of edges, of vertices.
-inline constexpr Index kFacePieces = 3, kPlanePieces = 2, kPieces = kFacePieces + 3 + 3;
 
 // From place `at` on, as long as there is room; Sample::pair is the candidate.
 struct Write {
@@ -45,52 +42,10 @@ struct Offers {
   }
 };
 
-// What all stages read. Candidate c is master[c] on slave[c]; those of slave i are [offset[i], offset[i + 1]), triangles first.
-struct Stage {
-  MortarView s;
-  View<const Vec3> y;
-  View<const Index> offset, slave, master;
-  View<const double> margin;
-  View<const Patch> patches;
-  View<const std::uint8_t> near;
-
-  MORTISE_HD Index place(Index c) const { return c - offset[slave[c]]; }  // among the slave's masters
-  MORTISE_HD const Patch& patch(Index c) const { return patches[slave[c]]; }
-};
-
-// Which offers of a candidate.
-struct WholeFaces {
-  static constexpr Index kFirst = 0, kCount = kFacePieces;
-  template <class Sampler>
-  MORTISE_HD static void show(const Sampler& sampler, int piece) {
-    sampler.whole_face(piece);
-  }
-};
-struct Fans {
-  static constexpr Index kFirst = 0, kCount = 1;
-  template <class Sampler>
-  MORTISE_HD static void show(const Sampler& sampler, int) {
-    sampler.fans();
-  }
-};
-struct Edges {
-  static constexpr Index kFirst = kFacePieces, kCount = 3;
-  template <class Sampler>
-  MORTISE_HD static void show(const Sampler& sampler, int piece) {
-    sampler.edge(piece);
-  }
-};
-struct Points {
-  static constexpr Index kFirst = kFacePieces + 3, kCount = 3;
-  template <class Sampler>
-  MORTISE_HD static void show(const Sampler& sampler, int piece) {
-    sampler.point(piece);
-  }
-};
-
 template <class Part, class Weights, class Emit>
 MORTISE_HD inline void show(const Stage& stage, Index c, int piece, const Weights& weights, Emit& emit) {
-  Part::show(Sampler(stage.s, stage.patch(c), stage.place(c), weights, emit), piece);
+  const Patch& p = stage.patch(c);
+  Part::show(Sampler<double, Weights, Emit>(stage.s, p, p.facing[stage.place(c)], stage.master[c], p.plane.n, weights, emit), piece);
 }
 
 template <class Part, class Weights>
@@ -113,20 +68,6 @@ void offer_planes(const Stage& stage, const Offers& to) {
   });
 }
 
-// f(part) for all parts of the offers of triangles.
-template <class Weights, class F>
-void each_part(const Settings& set, const F& f) {
-  if constexpr (Weights::kWhole) {
-    if (set.quadrature == kMoments)
-      f(WholeFaces());
-    else
-      f(Fans());
-  } else {
-    f(Fans());
-  }
-  f(Edges()), f(Points());
-}
-
 void find_patches(const Stage& stage, const device::Ranges& whose, View<const Facing> facing, View<Patch> patches) {
   const Stage s = stage;
   device::parallel_for("mortar_contact.patches", whose, [=] MORTISE_HD(Index i) {
@@ -135,6 +76,7 @@ void find_patches(const Stage& stage, const device::Ranges& whose, View<const Fa
     const Triangle t = s.s.surface.triangles[p.slave];
     for (int k = 0; k < 3; ++k) p.y[k] = s.y[t.v[k]];
     p.plane = slave_plane(p.y[0], p.y[1], p.y[2]);
+    p.area = p.plane.area;
     for (int k = 0; k < 3; ++k) p.bend[k] = bend(s.s, p.slave, k, p.plane.n);
     p.support = s.s.support[i];
     p.reach = p.support + s.margin[s.s.surface.env[t.v[0]]];
@@ -251,7 +193,7 @@ struct At {
 
 // One try; false where the room was too small, which it is no more.
 template <class Weights>
-bool try_freeze(const Stage& stage, const std::vector<Index>& slave_env, const Weights weights, device::Room& rooms, FrozenSamples& out) {
+bool try_freeze(const Stage& stage, const std::vector<Index>& slave_env, const Weights weights, device::Room& rooms, bool moving, FrozenSamples& out) {
   const Stage s = stage;
   const Index n = s.master.n, room = rooms.among(n);
   Buffer<Index> offer_offset(kPieces * n + 1), kept_offset(room + 1), pair_offset(n + 1);
@@ -304,12 +246,14 @@ bool try_freeze(const Stage& stage, const std::vector<Index>& slave_env, const W
     sample.pair = pairs[sample.pair];
     to[kept[o]] = sample;
   });
+  out.moving.resize(0, 0);
+  if (moving) find_moving(s, weights, {first, kept}, out);
   return true;
 }
 
 }  // namespace
 
-void freeze(const MortarView& view, Search& search, const Buffer<double>& margin, device::Room& room, FrozenSamples& out) {
+void freeze(const MortarView& view, Search& search, const Buffer<double>& margin, device::Room& room, bool moving, FrozenSamples& out) {
   const View<const Vec3> y = std::as_const(out.y).view();
   search.update(view, y, margin);
   Buffer<Patch> patches(view.slaves.n);
@@ -320,7 +264,7 @@ void freeze(const MortarView& view, Search& search, const Buffer<double>& margin
   find_patches(stage, search.slaves(), std::as_const(facing).view(), patches.view());
   find_facing(stage, facing.view(), near.view());
   weighted(view.set, [&](const auto& weights) {
-    while (!try_freeze(stage, search.slave_env(), weights, room, out)) {
+    while (!try_freeze(stage, search.slave_env(), weights, room, moving, out)) {
     }
   });
   average(view, out);

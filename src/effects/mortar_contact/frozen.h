@@ -55,11 +55,20 @@ struct Averages {
   std::vector<Index> env_nodes;
 };
 
+// What becomes of a sample while its pair's nodes move: N_1, N_2, M_1, M_2 and w change by sum_k by . dy_k.
+inline constexpr int kMoved = 5;
+struct Moving {
+  Index points = 0;  // that a pair may have
+  Buffer<Vec3> by;   // kMoved of every sample, `points` each [1/m], [m]
+  void resize(Index samples, Index points_) { points = points_, by.resize(kMoved * points * samples); }
+};
+
 struct FrozenSamples {
   Buffer<Pair> pairs;  // environments contiguous, then by slave and master
   Buffer<Sample> samples;
   Buffer<double> pressure;                    // per sample [Pa]
   Averages averages;                          // empty unless the gap is averaged
+  Moving moving;                              // empty unless it was wanted
   std::vector<Index> env_pairs, env_samples;  // offsets
   Buffer<Vec3> y;                             // where they were taken
 };
@@ -129,8 +138,9 @@ class Search {
 void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& faces, View<const Vec3> y, const device::Ranges& whose,
              Buffer<Vec3>& normal, Buffer<double>& area, Buffer<double>& bow);
 
-// The samples at out.y with a gap below support + margin[env]. room: for what is looked at on the way, kept from one call to the next.
-void freeze(const MortarView& s, Search& search, const Buffer<double>& margin, device::Room& room, FrozenSamples& out);
+// The samples at out.y with a gap below support + margin[env]; and, where wanted, how they move. room: for what is looked at on the way, kept from
+// one call to the next.
+void freeze(const MortarView& s, Search& search, const Buffer<double>& margin, device::Room& room, bool moving, FrozenSamples& out);
 
 // Smallest gap of every slave at y to the corners of what it sees, INFINITY where that is not below support. The search is that of y.
 void least_gaps(const MortarView& s, const Search& search, View<const Vec3> y, Buffer<double>& out);

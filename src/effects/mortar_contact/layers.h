@@ -9,10 +9,12 @@ namespace mortise::effects::mortar {
 MORTISE_HD inline Facing project(const MortarView& s, const SlavePlane& plane, Index master, View<const Vec3> y) {
   Facing f;
   for (int k = 0; k < 3; ++k) f.height[k] = project(plane, y[s.surface.triangles[master].v[k]], f.L[k]);
+  f.cosine = -plane.n.dot(s.normal[master]);
   return f;
 }
 
-MORTISE_HD inline double height(const Facing& f, const double M[3]) { return M[0] * f.height[0] + M[1] * f.height[1] + M[2] * f.height[2]; }
+template <class T>
+MORTISE_HD inline T height(const FacingOf<T>& f, const T M[3]) { return M[0] * f.height[0] + M[1] * f.height[1] + M[2] * f.height[2]; }
 
 // How much of what lies at gap g above the slave's point N a master hides: it must lie in between, and hides less and less outside of
 // its rim, up to as far as the distance of the two. Stacked layers must not add up.
@@ -41,7 +43,7 @@ MORTISE_HD inline bool boxes_overlap(const Patch& p, const Facing& i, const Faci
   for (int c = 0; c < 3; ++c) {
     const auto lo = [c](const Facing& f) { return std::fmin(f.L[0][c], std::fmin(f.L[1][c], f.L[2][c])); };
     const auto hi = [c](const Facing& f) { return std::fmax(f.L[0][c], std::fmax(f.L[1][c], f.L[2][c])); };
-    const double strip = (top - floor) / p.plane.altitude(c);  // covers() fades over no more
+    const double strip = (top - floor) / p.altitude(c);  // covers() fades over no more
     if (!(lo(i) < hi(j) + strip && lo(j) < hi(i) + strip)) return false;
   }
   return true;

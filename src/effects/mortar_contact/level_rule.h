@@ -6,6 +6,7 @@
 // Gauss' rule of n points errs by about (z + sqrt(z^2 - 1))^-2n with z = (v + u)/(v - u), the distance of the singularity g = 0
 // (Trefethen, Approximation Theory and Practice, ch. 19): below 1e-12 throughout. Integrals of b, b' N_a and b'' N_a N_b then depend on
 // the polygon alone, not on how it is divided into triangles.
+#include "base/jet.h"
 #include "effects/mortar_contact/quadrature.h"
 #include "effects/mortar_contact/tuning.h"
 
@@ -21,32 +22,33 @@ MORTISE_HD inline SegmentPoint across_point(int n, int i) {
 }
 
 // Calls slab(u, v, points) for the slabs of gaps between lo and hi, up to `reach`.
-template <class Slab>
-MORTISE_HD inline void slabs(double lo, double mid, double hi, double d_hat, double reach, const Slab& slab) {
-  MORTISE_ROLLED for (double u = lo; u < hi && u < reach;) {
-    double v = std::fmax(tuning::kSlabGrowth * u, u + tuning::kSlabLeast * d_hat);
-    if (u < mid) v = std::fmin(v, mid);
-    if (u < d_hat) v = std::fmin(v, d_hat);
-    v = std::fmin(v, hi);
-    const double z = (v + u) / (v - u);
+template <class T, class Slab>
+MORTISE_HD inline void slabs(const T& lo, const T& mid, const T& hi, double d_hat, double reach, const Slab& slab) {
+  MORTISE_ROLLED for (T u = lo; u < hi && u < reach;) {
+    T v = larger(tuning::kSlabGrowth * u, u + tuning::kSlabLeast * d_hat);
+    if (u < mid) v = smaller(v, mid);
+    if (u < d_hat) v = smaller(v, d_hat);
+    v = smaller(v, hi);
+    const double z = value_of((v + u) / (v - u));
     slab(u, v, z > 1000 ? 2 : z > 60 ? 3 : 6);
     u = v;
   }
 }
 
 // As good as constant?
-MORTISE_HD inline bool level(double lo, double hi) { return !(hi - lo > tuning::kLevel * hi); }
+template <class T>
+MORTISE_HD inline bool level(const T& lo, const T& hi) { return !(hi - lo > tuning::kLevel * hi); }
 
 // Calls take(t, weight) for points 0 <= t <= 1 of a segment with gaps g0 > 0 at 0 and g1 > 0 at 1; weights add up to 1, less what lies
 // beyond `reach`.
-template <class Emit>
-MORTISE_HD inline void level_segment_rule(double g0, double g1, double d_hat, double reach, const Emit& emit) {
-  const double lo = std::fmin(g0, g1), hi = std::fmax(g0, g1);
+template <class T, class Emit>
+MORTISE_HD inline void level_segment_rule(const T& g0, const T& g1, double d_hat, double reach, const Emit& emit) {
+  const T lo = smaller(g0, g1), hi = larger(g0, g1);
   if (level(lo, hi)) {
-    MORTISE_ROLLED for (int q = 0; q < 2; ++q) emit(segment_point(2, q).t, segment_point(2, q).weight);
+    MORTISE_ROLLED for (int q = 0; q < 2; ++q) emit(T(segment_point(2, q).t), T(segment_point(2, q).weight));
     return;
   }
-  slabs(lo, lo, hi, d_hat, reach, [&](double u, double v, int n) {
+  slabs(lo, lo, hi, d_hat, reach, [&](const T& u, const T& v, int n) {
     MORTISE_ROLLED for (int q = 0; q < n; ++q) {
       const SegmentPoint p = across_point(n, q);
       emit((u + p.t * (v - u) - g0) / (g1 - g0), p.weight * (v - u) / (hi - lo));
@@ -55,8 +57,8 @@ MORTISE_HD inline void level_segment_rule(double g0, double g1, double d_hat, do
 }
 
 // The same for a triangle: take(b, weight) gets barycentrics. g: gaps at the corners, > 0.
-template <class Emit>
-MORTISE_HD inline void level_rule(const double g[3], double d_hat, double reach, const Emit& emit) {
+template <class T, class Emit>
+MORTISE_HD inline void level_rule(const T g[3], double d_hat, double reach, const Emit& emit) {
   int a = 0, b = 1, c = 2;  // corners by gap
   if (g[b] < g[a]) a = 1, b = 0;
   if (g[c] < g[a]) {
@@ -64,28 +66,29 @@ MORTISE_HD inline void level_rule(const double g[3], double d_hat, double reach,
   } else if (g[c] < g[b]) {
     c = b, b = 2;
   }
-  const double lo = g[a], mid = g[b], hi = g[c];
+  const T lo = g[a], mid = g[b], hi = g[c];
   if (level(lo, hi)) {
     MORTISE_ROLLED for (int q = 0; q < 3; ++q) {
       const TrianglePoint p = triangle_point(3, q);
-      emit(p.b, p.weight);
+      const T at[3] = {p.b[0], p.b[1], p.b[2]};
+      emit(at, T(p.weight));
     }
     return;
   }
-  slabs(lo, mid, hi, d_hat, reach, [&](double u, double v, int n) {
+  slabs(lo, mid, hi, d_hat, reach, [&](const T& u, const T& v, int n) {
     const bool below = v <= mid;
     MORTISE_ROLLED for (int q = 0; q < n; ++q) {
       const SegmentPoint p = across_point(n, q);
-      const double gap = u + p.t * (v - u), t = (gap - lo) / (hi - lo);
+      const T gap = u + p.t * (v - u), t = (gap - lo) / (hi - lo);
       // From the edge (a, c) to (a, b) or (b, c); area per gap, as a share of the triangle's.
-      const double s = below ? (gap - lo) / (mid - lo) : (gap - mid) / (hi - mid);
-      const double density = below ? 2 * s / (hi - lo) : 2 * (1 - s) / (hi - lo);
+      const T s = below ? (gap - lo) / (mid - lo) : (gap - mid) / (hi - mid);
+      const T density = below ? 2 * s / (hi - lo) : 2 * (1 - s) / (hi - lo);
       MORTISE_ROLLED for (int i = 0; i < 2; ++i) {
         const SegmentPoint along = segment_point(2, i);
-        double at[3];
-        at[a] = (1 - along.t) * (1 - t) + (below ? along.t * (1 - s) : 0);
+        T at[3];
+        at[a] = (1 - along.t) * (1 - t) + (below ? along.t * (1 - s) : T(0));
         at[b] = along.t * (below ? s : 1 - s);
-        at[c] = (1 - along.t) * t + (below ? 0 : along.t * s);
+        at[c] = (1 - along.t) * t + (below ? T(0) : along.t * s);
         emit(at, p.weight * (v - u) * density * along.weight);
       }
     }

@@ -13,6 +13,7 @@
 #include "effects/contact/start_check.h"
 #include "effects/list.h"
 #include "effects/mortar_contact/averaged.h"
+#include "effects/mortar_contact/moving.h"
 #include "effects/mortar_contact/stiffness.h"
 #include "effects/per_environment.h"
 
@@ -73,7 +74,7 @@ struct MortarLinearisation final : Linearisation {
   linalg::StencilSet guard_stencils;
   View<const Vec3> y() const { return frozen.y.view(); }
   std::size_t bytes() const override {
-    return Linearisation::bytes() + frozen.pairs.bytes() + frozen.samples.bytes() + frozen.y.bytes() + normal.bytes() + area.bytes() +
+    return Linearisation::bytes() + frozen.pairs.bytes() + frozen.samples.bytes() + frozen.moving.by.bytes() + frozen.y.bytes() + normal.bytes() + area.bytes() +
            guard.terms.bytes() + guard_stencils.bytes();
   }
 };
@@ -165,7 +166,7 @@ class MortarContact final : public Effect {
   void linearise(Positions q, Want want, Linearisation& out) override {
     MortarLinearisation& at = of_mortar(out);
     model_.points_of(q, at.frozen.y);
-    refreeze(at);
+    refreeze(at, want.moving);
     if (!(guard_ > 0)) {
       proximity_.candidates(at.frozen.y);
       at.guard_stencils.resize_uniform(0, 0);
@@ -177,9 +178,18 @@ class MortarContact final : public Effect {
     if (!want.forces) return;
     if (guard_ > 0) contact::assemble(guard_view(), at.guard, at.y(), model_.point_map(), want.matrix, at.guard_stencils);
     mortar::assemble(view(at), at.frozen, model_.point_map(), want.matrix.wanted, at.guard_stencils, at.stencils);
+    at.complete = want.moving && complete(view(at), at.frozen);
+    if (want.moving)
+      follow(view(at), at.frozen, model_.point_map(), at.stencils, at.unsymmetric);
+    else
+      at.unsymmetric.resize(0, 0);
   }
 
   void sample(Linearisation& at) override { samples(view(of_mortar(at)), of_mortar(at).frozen, at.contact); }
+  void sample_changes(Linearisation& out) override {
+    MortarLinearisation& at = of_mortar(out);
+    mortar::sample_changes(view(at), at.frozen, at.contact.changes);
+  }
 
   void energy(Positions q, const Linearisation& frozen, device::EnvValues per_env) override {
     const MortarLinearisation& at = of_mortar(frozen);
@@ -388,13 +398,13 @@ class MortarContact final : public Effect {
   std::vector<double> cover_of(const MortarLinearisation& at, const std::vector<Vec3>& y, const std::vector<Pair>& pairs, std::vector<double>& share);
 
   // Samples within range at y.
-  void refreeze(MortarLinearisation& at) {
+  void refreeze(MortarLinearisation& at, bool moving = false) {
     measure(model_.surface.view(), model_.faces, at.y(), model_.working(triangle_env_), at.normal, at.area, at.bow);
-    search_for(at, margin_);
+    search_for(at, margin_, moving);
   }
-  void search_for(MortarLinearisation& at, const Buffer<double>& margin) {
+  void search_for(MortarLinearisation& at, const Buffer<double>& margin, bool moving = false) {
     search_.work_on(model_.at_work);
-    freeze(view(at), search_, margin, offers_, at.frozen);
+    freeze(view(at), search_, margin, offers_, moving, at.frozen);
   }
 
   // From the state at the start.

@@ -8,39 +8,58 @@
 namespace mortise::effects::mortar {
 
 // A master triangle over a slave triangle.
-struct Facing {
-  double L[3][3], height[3];  // slave barycentrics and heights of its corners
+template <class T>
+struct FacingOf {
+  T L[3][3], height[3];  // slave barycentrics and heights of its corners
+  T cosine;              // -n . n_master: 1 where they look at each other
 };
+using Facing = FacingOf<double>;
 
-// A slave triangle with the master triangles near it.
-struct Patch {
-  Index slave;  // triangle
-  Vec3 y[3];    // its corners
-  SlavePlane plane;
+template <class T>
+using Vec3Of = Eigen::Matrix<T, 3, 1>;
+
+// A slave triangle. With jets lengths and places are what counts: axes may be its own (moving.cpp).
+template <class T>
+struct SlaveOf {
+  Index slave;     // triangle
+  Vec3Of<T> y[3];  // its corners
+  T area;
   double bend[3];         // against the neighbours over its sides (consistent.h)
   double support, reach;  // samples with a gap below `reach` are wanted
-  Index masters;          // so many of them:
-  const Index* master;    // triangles,
-  const Facing* facing;   // and what they look like from here
+  // Distance of corner k from the opposite side [m].
+  MORTISE_HD T altitude(int k) const {
+    const Vec3Of<T> e1 = y[1] - y[0], e2 = y[2] - y[0];
+    return 2 * area / root(k == 0 ? Vec3Of<T>(e2 - e1).squaredNorm() : k == 1 ? e2.squaredNorm() : e1.squaredNorm());
+  }
+};
+
+// With the master triangles near it.
+struct Patch : SlaveOf<double> {
+  SlavePlane plane;
+  Index masters;         // so many of them:
+  const Index* master;   // triangles,
+  const Facing* facing;  // and what they look like from here
 };
 
 // Distance [m] of the point with barycentrics w in a triangle's plane from its rim: positive inside.
-MORTISE_HD inline double rim_distance(const Vec3 y[3], const double w[3]) {
-  Vec3 x = Vec3::Zero();
+template <class T>
+MORTISE_HD inline T rim_distance(const Vec3Of<T> y[3], const T w[3]) {
+  Vec3Of<T> x = Vec3Of<T>::Zero();
   for (int k = 0; k < 3; ++k) x += w[k] * y[k];
-  double least = INFINITY;
+  T least = INFINITY;
   MORTISE_ROLLED for (int k = 0; k < 3; ++k) {
-    const Vec3 &a = y[k], e = y[(k + 1) % 3] - a;
-    const double t = std::fmin(std::fmax((x - a).dot(e) / e.squaredNorm(), 0.0), 1.0);
-    least = std::fmin(least, (x - a - t * e).squaredNorm());
+    const Vec3Of<T>&a = y[k], e = y[(k + 1) % 3] - a;
+    const T t = smaller(larger((x - a).dot(e) / e.squaredNorm(), T(0.0)), T(1.0));
+    least = smaller(least, (x - a - t * e).squaredNorm());
   }
-  const double distance = std::sqrt(least);
+  const T distance = root(least);
   return w[0] >= 0 && w[1] >= 0 && w[2] >= 0 ? distance : -distance;
 }
 
 // A segment over a slave triangle, in up to three parts: t[0]..t[1]..t[2]..t[3].
+template <class T>
 struct Stretches {
-  double t[4];
+  T t[4];
 };
 
 }  // namespace mortise::effects::mortar

@@ -21,7 +21,8 @@ MORTISE_HD inline double side_multiplicity(const MortarView& s, Index slave, con
 }
 
 // The same for a master vertex above N.
-MORTISE_HD inline double multiplicity(const MortarView& s, Index slave, const Vec3& n, const double N[3]) {
+template <class T>
+MORTISE_HD inline double multiplicity(const MortarView& s, Index slave, const Vec3& n, const T N[3]) {
   int on = 0, side = 0, corner = 0;
   for (int k = 0; k < 3; ++k) {
     if (N[k] <= tuning::kOnSide)
@@ -44,29 +45,44 @@ struct Tapered {
   double e;
   MORTISE_HD explicit Tapered(const Settings& set) : e(set.taper) {}
 
-  MORTISE_HD double facing(const Vec3& n, const Vec3& nm) const { return hermite((-n.dot(nm) - tuning::kTaperedNone) / tuning::kTaperedFade); }
+  template <class T>
+  MORTISE_HD T facing(const T& cosine) const {
+    return hermite<T>((cosine - tuning::kTaperedNone) / tuning::kTaperedFade);
+  }
 
-  MORTISE_HD double on_face(const double M[3]) const { return hermite(std::fmin(M[0], std::fmin(M[1], M[2])) / e); }
-  MORTISE_HD double on_edge(double t) const { return hermite(std::fmin(t, 1 - t) / e); }
+  template <class T>
+  MORTISE_HD T on_face(const T M[3]) const {
+    return hermite<T>(smaller(M[0], smaller(M[1], M[2])) / e);
+  }
+  template <class T>
+  MORTISE_HD T on_edge(const T& t) const {
+    return hermite<T>(smaller(t, T(1 - t)) / e);
+  }
 
   // The part of the edge over the triangle itself.
-  MORTISE_HD bool stretches(const Patch&, const double P[3], const double Q[3], double, Stretches& out) const {
-    const double rim[3] = {tuning::kOnSide, tuning::kOnSide, tuning::kOnSide};
+  template <class T>
+  MORTISE_HD bool stretches(const SlaveOf<T>&, const T P[3], const T Q[3], const T&, Stretches<T>& out) const {
+    const T rim[3] = {tuning::kOnSide, tuning::kOnSide, tuning::kOnSide};
     clip_segment(P, Q, rim, out.t[0], out.t[3]);
     out.t[1] = out.t[0], out.t[2] = out.t[3];
     return out.t[0] < out.t[3];
   }
-  MORTISE_HD double share_of_edge(const MortarView& s, const Patch& p, const double P[3], const double Q[3], const Stretches& part) const {
+  template <class T>
+  MORTISE_HD double share_of_edge(const MortarView& s, const SlaveOf<T>& p, const Vec3& n, const T P[3], const T Q[3],
+                                  const Stretches<T>& part) const {
     double out = 1;
     for (int a = 0; a < 3; ++a)
-      if (std::fmax(P[a] + part.t[0] * (Q[a] - P[a]), P[a] + part.t[3] * (Q[a] - P[a])) <= tuning::kOnSide)
-        out *= side_multiplicity(s, p.slave, p.plane.n, a);
+      if (larger(P[a] + part.t[0] * (Q[a] - P[a]), P[a] + part.t[3] * (Q[a] - P[a])) <= tuning::kOnSide) out *= side_multiplicity(s, p.slave, n, a);
     return out;
   }
-  MORTISE_HD double share_on_edge(const Patch&, const double[3], double) const { return 1; }
-  MORTISE_HD double share_of_point(const MortarView& s, const Patch& p, const double N[3], double) const {
+  template <class T>
+  MORTISE_HD T share_on_edge(const SlaveOf<T>&, const T[3], const T&) const {
+    return 1;
+  }
+  template <class T>
+  MORTISE_HD T share_of_point(const MortarView& s, const SlaveOf<T>& p, const Vec3& n, const T N[3], const T&) const {
     const bool above = N[0] >= -tuning::kOnSide && N[1] >= -tuning::kOnSide && N[2] >= -tuning::kOnSide;
-    return above ? multiplicity(s, p.slave, p.plane.n, N) : 0;
+    return above ? multiplicity(s, p.slave, n, N) : 0;
   }
 
   MORTISE_HD double edge_weight(const MortarView& s, const Vec3& n, const View<const Index>& list, Index begin, Index end) const {
@@ -79,7 +95,7 @@ struct Tapered {
  private:
   MORTISE_HD double facing_area(const MortarView& s, const Vec3& n, const View<const Index>& list, Index begin, Index end) const {
     double sum = 0;
-    for (Index k = begin; k < end; ++k) sum += facing(n, s.normal[list[k]]) * -n.dot(s.normal[list[k]]) * s.area[list[k]];
+    for (Index k = begin; k < end; ++k) sum += facing(-n.dot(s.normal[list[k]])) * -n.dot(s.normal[list[k]]) * s.area[list[k]];
     return sum;
   }
 };

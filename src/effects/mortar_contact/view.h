@@ -2,6 +2,7 @@
 // What the kernels of mortar_contact read besides positions.
 #include <cmath>
 
+#include "base/jet.h"
 #include "effects/contact/topology.h"
 #include "effects/mortar_contact/tuning.h"
 #include "geometry/mesh.h"
@@ -94,6 +95,9 @@ struct MortarView {
 };
 
 // C1 step.
-MORTISE_HD inline double hermite(double s) { return s <= 0 ? 0 : s >= 1 ? 1 : s * s * (3 - 2 * s); }
+template <class T>
+MORTISE_HD inline T hermite(const T& s) {
+  return s <= 0 ? T(0) : s >= 1 ? T(1) : s * s * (3 - 2 * s);
+}
 
 }  // namespace mortise::effects::mortar

@@ -13,7 +13,8 @@ inline void weighted(const Settings& set, const F& f) {
 
 // How much a master face with normal nm counts for a slave with normal n.
 MORTISE_HD inline double facing(const Settings& set, const Vec3& n, const Vec3& nm) {
-  return set.tapered() ? Tapered(set).facing(n, nm) : Consistent(set).facing(n, nm);
+  const double cosine = -n.dot(nm);
+  return set.tapered() ? Tapered(set).facing(cosine) : Consistent(set).facing(cosine);
 }
 
 }  // namespace mortise::effects::mortar

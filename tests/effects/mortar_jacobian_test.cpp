@@ -1,0 +1,178 @@
+// The whole Jacobian of mortar contact and friction, H + U, against central differences of forces with everything fresh.
+#include <gtest/gtest.h>
+
+#include "contact_scene.h"
+#include "geometry/midsides.h"
+
+using namespace mortise;
+using namespace mortise::testing;
+
+namespace {
+
+constexpr double kHat = 0.05, kKappa = 1e4;
+
+Params table(std::initializer_list<std::pair<std::string, Params>> entries) {
+  Params p = Params::make_table();
+  for (const auto& [key, value] : entries) p.set(key, value);
+  return p;
+}
+
+struct How {
+  std::string weights = "consistent", quadrature = "3", master = "tool";
+  double mu = 0, guard = 0;
+};
+
+Params contact_of(const How& how) {
+  const Params pair = table({{"slave", Params::make_text("pad")}, {"master", Params::make_text(how.master)}});
+  return table({{"pairs", Params::make_list({pair})},
+                {"d_hat", Params::make_number(kHat)},
+                {"stiffness", Params::make_number(kKappa)},
+                {"weights", Params::make_text(how.weights)},
+                {"taper_width", Params::make_number(0.1)},
+                {"quadrature", Params::make_text(how.quadrature)},
+                {"gap", Params::make_text("pointwise")},
+                {"gradient", Params::make_text("frozen")},
+                {"guard", Params::make_number(how.guard)},
+                {"rest_share", Params::make_number(0)},
+                {"two_pass", Params::make_flag(false)}});
+}
+
+Params friction_of(double mu) {
+  return table({{"follows", Params::make_text("mortar_contact")},
+                {"mu", Params::make_number(mu)},
+                {"creep_speed", Params::make_number(0.5)},
+                {"lag_tolerance", Params::make_number(1e-3)},
+                {"lag_iterations", Params::make_number(20)}});
+}
+
+struct Problem {
+  model::Model model;
+  std::vector<std::unique_ptr<fd::Subject>> effects;  // contact, and friction that follows it
+
+  Problem(model::ModelInput in, const How& how) : model(std::move(in)) {
+    effects.push_back(make_effect("mortar_contact", contact_of(how), model));
+    if (how.mu > 0) effects.push_back(make_effect("friction", friction_of(how.mu), model));
+    for (auto& effect : effects) effect->begin_step({0, 0.01, 0, false});
+  }
+  // Everything fresh at x.
+  void linearise(const fd::Vector& x, effects::Want want) {
+    const device::Buffer<Vec3> q(fd::blocks_of(x));
+    fd::Subject& contact = *effects[0];
+    contact.effect->linearise(q.view(), want, contact.here());
+    if (effects.size() == 1) return;
+    contact.effect->sample(contact.here());
+    if (want.whole) contact.effect->sample_changes(contact.here());
+    effects[1]->effect->lag(contact.here().contact, effects[1]->here());
+    effects[1]->effect->linearise(q.view(), want, effects[1]->here());
+  }
+  fd::Vector forces(const fd::Vector& x) {
+    linearise(x, {});
+    fd::Vector sum = fd::Vector::Zero(x.size());
+    for (auto& effect : effects) sum += fd::dense(effect->here().stencils, x.size(), false).gradient;
+    return sum;
+  }
+  // H + U.
+  fd::Matrix jacobian(const fd::Vector& x) {
+    linearise(x, effects::Want::jacobian(effects::Curvature(true, 1)));
+    fd::Matrix sum = fd::Matrix::Zero(x.size(), x.size());
+    for (auto& effect : effects) {
+      effects::Linearisation& at = effect->here();
+      sum += fd::dense(at.stencils, x.size(), true).hessian;
+      // U d for every unit vector d
+      for (Eigen::Index i = 0; i < x.size() && at.unsymmetric.any(); ++i) {
+        linalg::multiply(at.unsymmetric, false, device::Buffer<Vec3>(fd::blocks_of(fd::Vector::Unit(x.size(), i))).view(), at.stencils);
+        sum.col(i) += fd::dense(at.stencils, x.size(), false).gradient;
+      }
+    }
+    return sum;
+  }
+  bool complete() const {
+    bool all = true;
+    for (auto& effect : effects) all = all && effect->at->complete;
+    return all;
+  }
+};
+
+// Of J against differences of forces, by directions.
+double error(Problem& p, const fd::Vector& x) {
+  const fd::Matrix J = p.jacobian(x);
+  double worst = 0;
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    const fd::Vector d = shaken(fd::Vector::Zero(x.size()), 1, seed);
+    const double h = 1e-6;  // bodies of size 1
+    const auto at = [&](double s) { return p.forces(x + s * h * d); };
+    const fd::Vector slope = (8 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12 * h);
+    EXPECT_GT(slope.norm(), 0);
+    worst = std::max(worst, (J * d - slope).norm() / slope.norm());
+  }
+  return worst;
+}
+
+geometry::TetMesh block(Index cells, bool quadratic = false, double size = 1) {
+  const auto mesh = geometry::box({size, size, 0.5}, std::array<Index, 3>{cells, cells, 1});
+  return quadratic ? geometry::with_midsides(mesh) : mesh;
+}
+
+// A block over a pad, turned a little, `gap` above it.
+model::ModelInput stack(double gap, bool stiff, double degrees, bool quadratic_pad = false, bool quadratic_tool = false) {
+  model::ModelInput in;
+  in.scene = Params::make_table();
+  in.bodies.push_back(soft_body("pad", block(2, quadratic_pad), gel()));
+  const geometry::TetMesh mesh = block(3, quadratic_tool, 1.3);
+  in.bodies.push_back(stiff ? stiff_body("tool", mesh, gel()) : soft_body("tool", mesh, gel()));
+  const Mat3 R = Eigen::AngleAxisd(degrees * M_PI / 180, Vec3(0.3, 1, 0.2).normalized()).toRotationMatrix();
+  double low = 1e9;
+  for (Vec3& x : in.bodies.back().nodes) x = R * x, low = std::min(low, x.z());
+  for (Vec3& x : in.bodies.back().nodes) x += Vec3(0.03, 0.02, 0.25 + gap - low);
+  return in;
+}
+
+model::ModelInput on_floor(double gap, bool quadratic) {
+  model::ModelInput in;
+  in.scene = Params::make_table();
+  in.bodies.push_back(soft_body("pad", block(2, quadratic), gel()));
+  in.bodies.push_back(half_space("floor", {0, 0, -0.25 - gap}, {0, 0, 1}));
+  return in;
+}
+
+}  // namespace
+
+TEST(Jacobian, OfFacesIsThatOfForces) {
+  for (double mu : {0.0, 0.5})
+    for (const bool stiff : {false, true})
+      for (const double degrees : {0.0, 1.0, 12.0})
+        for (unsigned seed : {1u, 2u}) {
+          Problem p(stack(0.02, stiff, degrees), {.mu = mu});
+          const fd::Vector x = shaken(positions(p.model), 0.004, seed);
+          const double e = error(p, x);
+          EXPECT_LT(e, 1e-6) << "mu " << mu << " stiff " << stiff << " angle " << degrees << " seed " << seed << " complete "
+                             << p.complete();
+        }
+}
+
+TEST(Jacobian, OfEveryRuleAndWeighting) {
+  for (const char* weights : {"consistent", "tapered"})
+    for (const char* quadrature : {"1", "3", "6", "7", "exact"}) {
+      Problem p(stack(0.02, false, 1), {.weights = weights, .quadrature = quadrature});
+      EXPECT_LT(error(p, shaken(positions(p.model), 0.004, 3)), 1e-6) << weights << " " << quadrature;
+    }
+}
+
+TEST(Jacobian, OverAHalfSpace) {
+  for (const bool quadratic : {false, true})
+    for (double mu : {0.0, 0.5})
+      for (const char* quadrature : {"3", "7", "exact"}) {
+        Problem p(on_floor(0.03, quadratic), {.quadrature = quadrature, .master = "floor", .mu = mu});
+        EXPECT_LT(error(p, shaken(positions(p.model), 0.01, 4)), 1e-6) << quadratic << " " << mu << " " << quadrature;
+      }
+}
+
+TEST(Jacobian, OfQuadraticFaces) {
+  for (double mu : {0.0, 0.5})
+    for (const auto& [pad, tool] : {std::pair{true, false}, {true, true}, {false, true}})
+      for (const bool stiff : {false, true}) {
+        if (stiff && tool) continue;
+        Problem p(stack(0.02, stiff, 1, pad, tool), {.mu = mu});
+        EXPECT_LT(error(p, shaken(positions(p.model), 0.004, 5)), 1e-6) << mu << " " << pad << tool << stiff;
+      }
+}
