@@ -10,13 +10,16 @@ struct Linearisation {
   virtual ~Linearisation() = default;
   // Forces and, as far as wanted, the symmetric part of their Jacobian.
   linalg::StencilSet stencils;
-  // What the Jacobian has besides, where that was wanted: pieces of rank one, not symmetric, beside each stencil.
+  // What the Jacobian has besides, where that was wanted: pieces of rank one, not symmetric, beside each stencil, or each of `beside`, where other
+  // blocks take part.
   linalg::RankOnes unsymmetric;
+  linalg::StencilSet beside;
   bool complete = true;  // together they are the whole Jacobian of the forces, where that was wanted with all that samples do
+  linalg::StencilSet& of_unsymmetric() { return beside.size() > 0 ? beside : stencils; }
   bool shaped = false;  // the blocks of `stencils` are written: for effects that always have the same
   // Samples of a contact effect, once sample() was called.
   model::ContactView contact;
-  virtual std::size_t bytes() const { return stencils.bytes() + unsymmetric.bytes() + contact.samples.bytes(); }
+  virtual std::size_t bytes() const { return stencils.bytes() + unsymmetric.bytes() + beside.bytes() + contact.samples.bytes(); }
 };
 
 }  // namespace mortise::effects

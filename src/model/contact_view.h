@@ -2,6 +2,8 @@
 // What a contact effect tells about its active samples at a state; friction and the solver read it. A sample is a relative
 // position r = sum_k weight[k] * y[point[k]] of surface points (weights sum to 0, or to 1 against an analytic obstacle that
 // does not move), with the contact force along a fixed normal.
+#include <utility>
+
 #include "device/device.h"
 
 namespace mortise::model {
@@ -31,41 +33,62 @@ MORTISE_HD inline bool against_obstacle(const ContactSample& s) {
   return sum > 0.5;
 }
 
-// How samples change with their points: by functionals z_c = sum_k along_ck . dy_k, c < functionals,
+// How samples change with points: by functionals z_c = sum_k along_ck . dy_k, c < functionals,
 //     d force = sum_c force_c z_c,   d normal = sum_c normal_c z_c,   d weight_k = sum_c weight_ck z_c.
+// Points are those of the sample, in their order; or more, after them, where neighbours take part.
 struct SampleChangesView {
-  Index functionals = 0, points = 0;  // of every sample, at most
-  device::View<Vec3> along_;          // [1], or as others ask for
-  device::View<double> force_;        // [N/m]
-  device::View<Vec3> normal_;         // [1/m]
-  device::View<double> weight_;       // [1/m]
-  MORTISE_HD Vec3* along(Index i, Index c) const { return along_.p + (i * functionals + c) * points; }
+  Index functionals = 0;
+  device::View<const Index> start, node;  // points of sample i: node[start[i]] ... node[start[i + 1] - 1]; empty: kUniform, of the sample
+  device::View<Vec3> along_;              // [1], or as others ask for
+  device::View<double> force_;            // [N/m]
+  device::View<Vec3> normal_;             // [1/m]
+  device::View<double> weight_;           // [1/m]
+  static constexpr Index kUniform = 4;
+  MORTISE_HD Index begin(Index i) const { return start.n > 0 ? start[i] : kUniform * i; }
+  MORTISE_HD Index points(Index i) const { return start.n > 0 ? start[i + 1] - start[i] : kUniform; }
+  MORTISE_HD Vec3* along(Index i, Index c) const { return along_.p + begin(i) * functionals + c * points(i); }
+  MORTISE_HD double* weight(Index i, Index c) const { return weight_.p + begin(i) * functionals + c * points(i); }
   MORTISE_HD double& force(Index i, Index c) const { return force_[i * functionals + c]; }
   MORTISE_HD Vec3& normal(Index i, Index c) const { return normal_[i * functionals + c]; }
-  MORTISE_HD double* weight(Index i, Index c) const { return weight_.p + (i * functionals + c) * points; }
   MORTISE_HD void clear(Index i, Index c) const {
     force(i, c) = 0, normal(i, c) = Vec3::Zero();
-    for (Index k = 0; k < points; ++k) along(i, c)[k] = Vec3::Zero(), weight(i, c)[k] = 0;
+    for (Index k = 0; k < points(i); ++k) along(i, c)[k] = Vec3::Zero(), weight(i, c)[k] = 0;
   }
 };
 
+inline constexpr Index kChangePoints = 32;  // that a sample may hang on
+
 class SampleChanges {
  public:
-  void resize(Index samples, Index functionals, Index points) {
-    functionals_ = functionals, points_ = points;
-    const Index n = samples * functionals;
-    along_.resize(n * points), force_.resize(n), normal_.resize(n), weight_.resize(n * points);
+  void resize(Index samples, Index functionals) {
+    start_.resize(0), node_.resize(0);
+    shape(samples, functionals, SampleChangesView::kUniform * samples);
+  }
+  // With points of their own.
+  void resize(Index samples, Index functionals, const device::Buffer<Index>& start, const device::Buffer<Index>& node) {
+    start_.copy_from(start), node_.copy_from(node);
+    shape(samples, functionals, node.size());
   }
   bool any() const { return force_.size() > 0; }
+  bool scattered() const { return start_.size() > 0; }
   void copy_from(const SampleChanges& o) {
-    functionals_ = o.functionals_, points_ = o.points_;
+    functionals_ = o.functionals_;
+    start_.copy_from(o.start_), node_.copy_from(o.node_);
     along_.copy_from(o.along_), force_.copy_from(o.force_), normal_.copy_from(o.normal_), weight_.copy_from(o.weight_);
   }
-  SampleChangesView view() { return {functionals_, points_, along_.view(), force_.view(), normal_.view(), weight_.view()}; }
-  std::size_t bytes() const { return along_.bytes() + force_.bytes() + normal_.bytes() + weight_.bytes(); }
+  SampleChangesView view() {
+    return {functionals_,  std::as_const(start_).view(), std::as_const(node_).view(), along_.view(), force_.view(), normal_.view(), weight_.view()};
+  }
+  std::size_t bytes() const { return start_.bytes() + node_.bytes() + along_.bytes() + force_.bytes() + normal_.bytes() + weight_.bytes(); }
 
  private:
-  Index functionals_ = 0, points_ = 0;
+  void shape(Index samples, Index functionals, Index points) {
+    functionals_ = functionals;
+    along_.resize(functionals * points), weight_.resize(functionals * points);
+    force_.resize(samples * functionals), normal_.resize(samples * functionals);
+  }
+  Index functionals_ = 0;
+  device::Buffer<Index> start_, node_;
   device::Buffer<Vec3> along_, normal_;
   device::Buffer<double> force_, weight_;
 };

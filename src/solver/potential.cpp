@@ -111,8 +111,8 @@ void Potential::unsymmetric_product(Linearised& at, bool transposed, device::Vie
   out.zero();
   for (const auto& one : at.of) {
     if (!one->unsymmetric.any()) continue;
-    linalg::multiply(one->unsymmetric, transposed, d, one->stencils);
-    linalg::StencilSet* const set[] = {&one->stencils};
+    linalg::StencilSet* const set[] = {&one->of_unsymmetric()};
+    linalg::multiply(one->unsymmetric, transposed, d, *set[0]);
     product_.resize(model_.blocks);
     product_.zero();
     assembler_.gradient(set, model_.blocks, product_);

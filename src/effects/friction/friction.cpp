@@ -2,6 +2,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "effects/contact/change_stencils.h"
 #include "effects/friction/creep.h"
 #include "effects/friction/law.h"
 #include "effects/friction/tuning.h"
@@ -220,11 +221,11 @@ class Friction final : public Effect {
   // What forces change by because the samples do.
   void follow(Positions q, FrictionLinearisation& at) const {
     const Slips s = slips(at);
-    const Index n = at.stencils.blocks().n;
-    const View<const Index> offset = at.stencils.offsets();
+    at.beside.resize_uniform(0, 0);
     if (!at.changes.any()) {
       // Only forces are known to: d(mu lambda) = -mu stiffness n . sum_b W_b dq_b.
-      at.unsymmetric.resize(1, n);
+      at.unsymmetric.resize(1, at.stencils.blocks().n);
+      const View<const Index> offset = at.stencils.offsets();
       const View<Vec3> left = at.unsymmetric.left.view(), right = at.unsymmetric.right.view();
       const View<const ContactSample> sample = std::as_const(at.samples).view();
       device::parallel_for("friction.follow_force", model_.working(at.env_offset), [=] MORTISE_HD(Index i) {
@@ -237,14 +238,19 @@ class Friction final : public Effect {
       return;
     }
     const model::SampleChangesView change = at.changes.view();
-    at.unsymmetric.resize(change.functionals, n);
+    const model::PointMapView map = model_.point_map();
+    const bool scattered = at.changes.scattered();
+    if (scattered) contact::shape(map, change, at.samples.size(), at.beside);
+    const View<const Index> first = at.of_unsymmetric().offsets();
+    const Index blocks = at.of_unsymmetric().blocks().n;
+    at.unsymmetric.resize(change.functionals, blocks);
     const View<Vec3> left = at.unsymmetric.left.view(), right = at.unsymmetric.right.view();
     const View<const ContactSample> sample = std::as_const(at.samples).view();
-    const model::PointMapView map = model_.point_map();
     device::parallel_for("friction.follow", model_.working(at.env_offset), [=] MORTISE_HD(Index i) {
       const ContactSample& here = sample[i];
-      const auto e = model::expand<model::kSamplePoints>(map, here.point, here.points);
-      Vec3 way[model::kSamplePoints];  // of the points since the step began
+      const auto e = scattered ? contact::changed_blocks(map, change, i) : model::expand<model::kChangePoints>(map, here.point, here.points);
+      Vec3 way[model::kSamplePoints], force[model::kChangePoints];  // way: of the points since the step began
+      for (Index k = 0; k < e.points; ++k) force[k] = Vec3::Zero();
       for (Index k = 0; k < here.points; ++k) {
         way[k] = Vec3::Zero();
         for (int j = 0; j < model::kPointTerms; ++j)
@@ -252,10 +258,9 @@ class Friction final : public Effect {
       }
       const friction::Sample at{here.weight, way, static_cast<int>(here.points), s.frozen[i].normal, s.frozen[i].load, s.frozen[i].mu};
       for (Index c = 0; c < change.functionals; ++c) {
-        Vec3 force[model::kSamplePoints];
         friction::change(at, change.force(i, c), change.normal(i, c), change.weight(i, c), s.creep(i), force);
-        e.chain(force, left.p + c * n + offset[i]);
-        e.chain(change.along(i, c), right.p + c * n + offset[i]);
+        e.chain(force, left.p + c * blocks + first[i]);
+        e.chain(change.along(i, c), right.p + c * blocks + first[i]);
       }
     });
   }

@@ -92,14 +92,14 @@ struct Consistent {
 
   // Weight [m^2] of a master edge or vertex whose triangles are list[begin..end).
   MORTISE_HD double edge_weight(const MortarView& s, const Vec3& n, const View<const Index>& list, Index begin, Index end) const {
-    return feature_weight(s, n, list, begin, end);
+    return feature_area(s, n, list, begin, end);
   }
   MORTISE_HD double point_weight(const MortarView& s, const Vec3& n, const View<const Index>& list, Index begin, Index end) const {
-    return feature_weight(s, n, list, begin, end);
+    return feature_area(s, n, list, begin, end);
   }
 
- private:
-  MORTISE_HD static double feature_weight(const MortarView& s, const Vec3& n, const View<const Index>& list, Index begin, Index end) {
+  // The area [m^2] that stands behind them.
+  MORTISE_HD static double feature_area(const MortarView& s, const Vec3& n, const View<const Index>& list, Index begin, Index end) {
     Vec3 mean = Vec3::Zero();
     double sum = 0, parallel = 2, sharp = 0;
     for (Index k = begin; k < end; ++k) {
@@ -111,6 +111,37 @@ struct Consistent {
     mean /= mean.norm();
     for (Index k = begin; k < end; ++k) sharp = std::fmax(sharp, 1 - mean.dot(s.normal[list[k]]));
     return sum / 3 * hermite(parallel / tuning::kGate) * hermite(sharp / tuning::kSharp) * hermite(-n.dot(mean) / tuning::kFarSide);
+  }
+  // Adds x times its derivative: to(triangle, c, a) adds c . dn + a dA of a triangle.
+  template <class To>
+  MORTISE_HD static void area_slopes(const MortarView& s, Index slave, const Vec3& n, const View<const Index>& list, Index begin, Index end, double x,
+                                     const To& to) {
+    Vec3 sum_n = Vec3::Zero();
+    double sum = 0, parallel = 2, sharp = 0;
+    Index most_parallel = -1, sharpest = -1;
+    for (Index k = begin; k < end; ++k) {
+      const Vec3 nm = s.normal[list[k]];
+      sum_n += nm, sum += s.area[list[k]];
+      if (1 + n.dot(nm) < parallel) parallel = 1 + n.dot(nm), most_parallel = k;
+    }
+    const Vec3 mean = sum_n / sum_n.norm();
+    for (Index k = begin; k < end; ++k)
+      if (1 - mean.dot(s.normal[list[k]]) > sharp) sharp = 1 - mean.dot(s.normal[list[k]]), sharpest = k;
+    const double far = -n.dot(mean) / tuning::kFarSide, A = hermite(parallel / tuning::kGate), B = hermite(sharp / tuning::kSharp), C = hermite(far);
+    const double by_parallel = x * sum / 3 * hermite_slope(parallel / tuning::kGate) / tuning::kGate * B * C;
+    const double by_sharp = x * sum / 3 * A * hermite_slope(sharp / tuning::kSharp) / tuning::kSharp * C;
+    const double by_far = x * sum / 3 * A * B * hermite_slope(far) / tuning::kFarSide;
+    Vec3 by_n = -by_far * mean, by_mean = -by_far * n;
+    if (most_parallel >= 0) by_n += by_parallel * s.normal[list[most_parallel]];
+    if (sharpest >= 0) by_mean -= by_sharp * s.normal[list[sharpest]];
+    by_mean = Vec3((by_mean - mean.dot(by_mean) * mean) / sum_n.norm());
+    to(slave, by_n, 0.0);
+    for (Index k = begin; k < end; ++k) {
+      Vec3 c = by_mean;
+      if (k == most_parallel) c += by_parallel * n;
+      if (k == sharpest) c -= by_sharp * mean;
+      to(list[k], c, x / 3 * A * B * C);
+    }
   }
 };
 

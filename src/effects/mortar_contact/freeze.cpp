@@ -246,7 +246,7 @@ bool try_freeze(const Stage& stage, const std::vector<Index>& slave_env, const W
     sample.pair = pairs[sample.pair];
     to[kept[o]] = sample;
   });
-  out.moving.resize(0, 0);
+  out.moving.clear();
   if (moving) find_moving(s, weights, {first, kept}, out);
   return true;
 }

@@ -55,12 +55,21 @@ struct Averages {
   std::vector<Index> env_nodes;
 };
 
-// What becomes of a sample while its pair's nodes move: N_1, N_2, M_1, M_2 and w change by sum_k by . dy_k.
+// What becomes of a sample while nodes move: N_1, N_2, M_1, M_2 and w change by sum_k by . dy_k.
 inline constexpr int kMoved = 5;
+struct MovingView {
+  View<const Index> start, node;  // of sample i: node[start[i]] ... node[start[i + 1] - 1], those of its pair first
+  View<Vec3> by_;                 // [1/m], [m]
+  MORTISE_HD Index count(Index i) const { return start[i + 1] - start[i]; }
+  MORTISE_HD Vec3* by(Index i, int q) const { return by_.p + kMoved * start[i] + q * count(i); }
+};
 struct Moving {
-  Index points = 0;  // that a pair may have
-  Buffer<Vec3> by;   // kMoved of every sample, `points` each [1/m], [m]
-  void resize(Index samples, Index points_) { points = points_, by.resize(kMoved * points * samples); }
+  Buffer<Index> start, node;
+  Buffer<Vec3> by;
+  Buffer<std::uint8_t> partly;  // per sample: something that moves it is left out
+  void clear() { start.resize(0), node.resize(0), by.resize(0), partly.resize(0); }
+  bool any() const { return start.size() > 0; }
+  std::size_t bytes() const { return start.bytes() + node.bytes() + by.bytes() + partly.bytes(); }
 };
 
 struct FrozenSamples {

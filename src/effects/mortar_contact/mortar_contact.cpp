@@ -74,7 +74,7 @@ struct MortarLinearisation final : Linearisation {
   linalg::StencilSet guard_stencils;
   View<const Vec3> y() const { return frozen.y.view(); }
   std::size_t bytes() const override {
-    return Linearisation::bytes() + frozen.pairs.bytes() + frozen.samples.bytes() + frozen.moving.by.bytes() + frozen.y.bytes() + normal.bytes() + area.bytes() +
+    return Linearisation::bytes() + frozen.pairs.bytes() + frozen.samples.bytes() + frozen.moving.bytes() + frozen.y.bytes() + normal.bytes() + area.bytes() +
            guard.terms.bytes() + guard_stencils.bytes();
   }
 };
@@ -178,11 +178,14 @@ class MortarContact final : public Effect {
     if (!want.forces) return;
     if (guard_ > 0) contact::assemble(guard_view(), at.guard, at.y(), model_.point_map(), want.matrix, at.guard_stencils);
     mortar::assemble(view(at), at.frozen, model_.point_map(), want.matrix.wanted, at.guard_stencils, at.stencils);
-    at.complete = want.moving && complete(view(at), at.frozen);
-    if (want.moving)
-      follow(view(at), at.frozen, model_.point_map(), at.stencils, at.unsymmetric);
-    else
-      at.unsymmetric.resize(0, 0);
+    follow(want.moving, at);
+  }
+  void follow(bool wanted, MortarLinearisation& at) {
+    at.unsymmetric.resize(0, 0);
+    at.complete = wanted && complete(view(at), at.frozen);
+    if (!wanted) return;
+    sample(at), sample_changes(at);
+    mortar::follow(at.contact, model_.point_map(), at.beside, at.unsymmetric);
   }
 
   void sample(Linearisation& at) override { samples(view(of_mortar(at)), of_mortar(at).frozen, at.contact); }

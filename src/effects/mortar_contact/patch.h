@@ -24,7 +24,7 @@ struct SlaveOf {
   Index slave;     // triangle
   Vec3Of<T> y[3];  // its corners
   T area;
-  double bend[3];         // against the neighbours over its sides (consistent.h)
+  T bend[3];              // against the neighbours over its sides (consistent.h)
   double support, reach;  // samples with a gap below `reach` are wanted
   // Distance of corner k from the opposite side [m].
   MORTISE_HD T altitude(int k) const {

@@ -86,17 +86,31 @@ struct Tapered {
   }
 
   MORTISE_HD double edge_weight(const MortarView& s, const Vec3& n, const View<const Index>& list, Index begin, Index end) const {
-    return e * facing_area(s, n, list, begin, end);
+    return e * feature_area(s, n, list, begin, end);
   }
   MORTISE_HD double point_weight(const MortarView& s, const Vec3& n, const View<const Index>& list, Index begin, Index end) const {
-    return tuning::kPointShare * e * e * facing_area(s, n, list, begin, end);
+    return tuning::kPointShare * e * e * feature_area(s, n, list, begin, end);
   }
 
- private:
-  MORTISE_HD double facing_area(const MortarView& s, const Vec3& n, const View<const Index>& list, Index begin, Index end) const {
+  // The area [m^2] that stands behind them: what faces the slave.
+  MORTISE_HD double feature_area(const MortarView& s, const Vec3& n, const View<const Index>& list, Index begin, Index end) const {
     double sum = 0;
     for (Index k = begin; k < end; ++k) sum += facing(-n.dot(s.normal[list[k]])) * -n.dot(s.normal[list[k]]) * s.area[list[k]];
     return sum;
+  }
+
+ public:
+  // Adds d(weight) of an edge or vertex with x times the area that faces the slave: to(triangle, c, a) adds c . dn + a dA of a triangle.
+  template <class To>
+  MORTISE_HD void area_slopes(const MortarView& s, Index slave, const Vec3& n, const View<const Index>& list, Index begin, Index end, double x,
+                              const To& to) const {
+    for (Index k = begin; k < end; ++k) {
+      const Vec3 nm = s.normal[list[k]];
+      const double c = -n.dot(nm), A = s.area[list[k]], f = facing(c);
+      const double by_c = x * A * (f + c * hermite_slope((c - tuning::kTaperedNone) / tuning::kTaperedFade) / tuning::kTaperedFade);
+      to(slave, -by_c * nm, 0.0);
+      to(list[k], -by_c * n, x * f * c);
+    }
   }
 };
 

@@ -100,4 +100,6 @@ MORTISE_HD inline T hermite(const T& s) {
   return s <= 0 ? T(0) : s >= 1 ? T(1) : s * s * (3 - 2 * s);
 }
 
+MORTISE_HD inline double hermite_slope(double s) { return s <= 0 || s >= 1 ? 0 : 6 * s * (1 - s); }
+
 }  // namespace mortise::effects::mortar
