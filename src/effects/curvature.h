@@ -15,13 +15,22 @@ struct Curvature {
   MORTISE_HD double concavity(Index env) const { return of_env.n > 0 ? of_env[env] : concave; }
 };
 
+// In which environments linearise() is to find what samples do that move: derivatives of what it freezes.
+struct Moving {
+  constexpr Moving(bool wanted) : wanted(wanted) {}
+  explicit Moving(device::View<const std::uint8_t> of_env) : wanted(true), of_env(of_env) {}
+  bool wanted;
+  device::View<const std::uint8_t> of_env{};  // or, where it is empty, in all
+  MORTISE_HD bool in(Index env) const { return wanted && (of_env.n == 0 || of_env[env]); }
+};
+
 // How much linearise() is to find: what it freezes, always; forces; the matrix; and, where that is not the whole Jacobian, the rest of it: what hangs
 // on lagged quantities, and what samples do that move.
 struct Want {
   bool forces = true;
   Curvature matrix = false;
   bool whole = false;
-  bool moving = false;
+  Moving moving = false;
   bool foreseen = false;  // at the state that Effect::foresee() was last asked for
   static Want frozen() { return {false, false}; }
   static Want jacobian(Curvature matrix) { return {true, matrix, true, true}; }

@@ -77,7 +77,7 @@ class SampleChanges {
     along_.copy_from(o.along_), force_.copy_from(o.force_), normal_.copy_from(o.normal_), weight_.copy_from(o.weight_);
   }
   SampleChangesView view() {
-    return {functionals_,  std::as_const(start_).view(), std::as_const(node_).view(), along_.view(), force_.view(), normal_.view(), weight_.view()};
+    return {functionals_, std::as_const(start_).view(), std::as_const(node_).view(), along_.view(), force_.view(), normal_.view(), weight_.view()};
   }
   std::size_t bytes() const { return start_.bytes() + node_.bytes() + along_.bytes() + force_.bytes() + normal_.bytes() + weight_.bytes(); }
 

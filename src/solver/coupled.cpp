@@ -37,9 +37,8 @@ void Coupled::direction(const device::Buffer<Vec3>& q, Linearised& at, const Ste
   x_.resize(system_.rows.count());
   std::optional<model::Only> only;
   const linalg::GmresResult gmres = linalg::gmres(
-      system_.jacobian(at, false),
-      linalg::awaited([&](device::View<const Vec3> in, device::View<Vec3> out) { linear_.apply(A_, in, out, active_); }), std::as_const(r0_).view(),
-      x_.view(), system_.rows.env, std::vector<double>(system_.model.envs, tuning::kCoupledForcing), tuning::kMostProducts,
+      system_.jacobian(at, false), linalg::awaited([&](device::View<const Vec3> in, device::View<Vec3> out) { linear_.apply(A_, in, out, active_); }),
+      std::as_const(r0_).view(), x_.view(), system_.rows.env, std::vector<double>(system_.model.envs, tuning::kCoupledForcing), tuning::kMostProducts,
       [&](const EnvMask& going) {
         stop();
         only.reset();

@@ -53,8 +53,18 @@ void Direction::solve(const device::Buffer<Vec3>& q, const std::vector<double>& 
 
 effects::Want Direction::want(const EnvTable& envs) {
   bool whole = false;
-  for (Index e = 0; e < envs.size(); ++e) whole = whole || (envs.is(e, EnvState::running) && envs[e].whole);
-  return {true, curvature_.wanted(), whole};
+  EnvMask moving(envs.size(), 0);
+  for (Index e = 0; e < envs.size(); ++e) {
+    if (!envs.is(e, EnvState::running)) continue;
+    moving[e] = envs[e].moving;
+    whole = whole || envs[e].whole || envs[e].moving;
+  }
+  effects::Want out{true, curvature_.wanted(), whole};
+  if (!any(moving)) return out;
+  if (envs.size() == 1) return out.moving = true, out;
+  moving_.upload(moving);
+  out.moving = effects::Moving(std::as_const(moving_).view());
+  return out;
 }
 
 bool Direction::begin(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs,
@@ -63,7 +73,7 @@ bool Direction::begin(const device::Buffer<Vec3>& q, const Residual& r, const st
   supports_move_ = largest_of(r.support_gap) > 0;
   x_.resize(system_.rows.count());
   EnvMask plain = envs.mask(EnvState::running), whole = plain;
-  for (Index e = 0; e < envs.size(); ++e) (envs[e].whole ? plain : whole)[e] = 0;
+  for (Index e = 0; e < envs.size(); ++e) (envs[e].whole || envs[e].moving ? plain : whole)[e] = 0;
   const auto measure = [&](device::Fetch& fetch) {
     measured_ = envs.mask(EnvState::running);
     longest_.assign(envs.size(), 0.0);

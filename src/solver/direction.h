@@ -43,6 +43,7 @@ class Direction {
   std::vector<double> slope_, longest_;  // per environment [J], [m]
   bool foreseen_ = false;                // rhs_ is that of the iterate without supports,
   std::vector<double> rhs2_;             // and its squared size
+  device::Buffer<std::uint8_t> moving_;  // environments that want what moves
   EnvMask measured_;                     // environments of which they are known
 };
 

@@ -29,6 +29,7 @@ struct EnvStatus {
   double energy = 0;               // Phi there [J],
   double concave = 0;              // and how much of its negative curvature the matrix kept
   bool whole = false;              // lagged quantities are those of every iterate, and directions those of the whole Jacobian
+  bool moving = false;             // so are those of what is frozen beside them (moving_policy.h)
   bool arrived = false;            // supports stand on their targets
   bool may_couple = false;         // the coupled iteration may be tried,
   double couple_below = INFINITY;  // where a residual is less than this [N]: farther away it has failed

@@ -22,6 +22,7 @@ Newton::Newton(model::Model& model, EffectList& effects, const Options& options,
       direction_(system_, *linear_, curvature_),
       creep_(model.envs),
       progress_(model.envs),
+      moving_(model.envs),
       energies_(model, system_.potential),
       line_search_(system_, energies_),
       first_guess_(system_, energies_),
@@ -135,12 +136,17 @@ void Newton::solve(const effects::StepInfo& info, const StepReports& report, con
 // Until no environment runs any more: each has settled, is stuck or has failed.
 void Newton::iterate(const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop) {
   for (Index e = 0; e < envs_.size(); ++e)
-    if (envs_.is(e, EnvState::running)) envs_[e].force = 0;
+    if (envs_.is(e, EnvState::running)) envs_[e].force = 0, moving_.begin(e);
   nearest_force_.assign(envs_.size(), INFINITY);
   for (Index it = 0;; ++it) {
     stop();
-    for (Index e = 0; e < envs_.size(); ++e)
-      if (envs_.is(e, EnvState::running)) curvature_.choose(e, envs_[e].alpha);
+    for (Index e = 0; e < envs_.size(); ++e) {
+      if (!envs_.is(e, EnvState::running)) continue;
+      curvature_.choose(e, envs_[e].alpha);
+      // In rounds of lagged quantities the energy that is minimised has no Jacobian but its Hessian.
+      const bool fresh = envs_[e].whole || !system_.potential.lags();
+      envs_[e].moving = moving_.choose(e, envs_[e].alpha) && fresh && system_.potential.freezes();
+    }
     held_ = envs_.mask(EnvState::running);
     const model::Only only(model_, held_);
     effects::Want want = direction_.want(envs_);
@@ -191,8 +197,11 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     check_failed();
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running) && envs_[e].alpha == 0) system_.hold.tighten(e);
-    for (Index e = 0; e < envs_.size(); ++e)
-      if (envs_.is(e, EnvState::running)) envs_[e].force = system_.convergence.largest_force(r, e), envs_[e].concave = curvature_.concavity(e);
+    for (Index e = 0; e < envs_.size(); ++e) {
+      if (!envs_.is(e, EnvState::running)) continue;
+      envs_[e].force = system_.convergence.largest_force(r, e), envs_[e].concave = curvature_.concavity(e);
+      moving_.see(e, envs_[e].force);
+    }
     for (Index e = 0; e < envs_.size(); ++e) report[e].newton += running[e];
     trace_.end(envs_, running, {}, report);
   }

@@ -18,6 +18,7 @@
 #include "solver/first_guess.h"
 #include "solver/lag_loop.h"
 #include "solver/line_search.h"
+#include "solver/moving_policy.h"
 #include "solver/newton_trace.h"
 #include "solver/progress_watch.h"
 
@@ -83,6 +84,7 @@ class Newton {
   Direction direction_;
   CreepWatch creep_;
   ProgressWatch progress_;
+  MovingPolicy moving_;
   EnergyLedger energies_;
   Search line_search_;
   FirstGuess first_guess_;

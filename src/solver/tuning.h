@@ -81,13 +81,13 @@ inline constexpr Index kHopeless = 24;       // where that has failed too: time 
 inline constexpr double kCoupledForcing = 1e-4;  // the last iteration then ends well below the tolerance
 inline constexpr double kRough = 1e-2;           // conjugate gradients as a preconditioner
 inline constexpr Index kCoupledIterations = 20, kMostProducts = 30;
-inline constexpr Index kGoodProducts = 12;         // with no more of them the factor serves another iteration
-inline constexpr int kMonotoneTries = 10;          // shares of a step
-inline constexpr double kShort = 0.25;             // a solution is not near where steps are shorter
-inline constexpr Index kMostShort = 3;             // so often in a row
-inline constexpr double kNearer = 0.5;             // of the residual from which it has failed: nearer it is tried again,
-inline constexpr int kMostCoupled = 4;             // so often
-inline constexpr double kNaturalShare = 0.25;      // of alpha: how much the natural level has to fall
+inline constexpr Index kGoodProducts = 12;     // with no more of them the factor serves another iteration
+inline constexpr int kMonotoneTries = 10;      // shares of a step
+inline constexpr double kShort = 0.25;         // a solution is not near where steps are shorter
+inline constexpr Index kMostShort = 3;         // so often in a row
+inline constexpr double kNearer = 0.5;         // of the residual from which it has failed: nearer it is tried again,
+inline constexpr int kMostCoupled = 4;         // so often
+inline constexpr double kNaturalShare = 0.25;  // of alpha: how much the natural level has to fall
 
 // ---- the Jacobian at a solution (tangent.h)
 inline constexpr double kTangent = 1e-10;              // of the right-hand side: derivatives are then as good as the assembled terms,

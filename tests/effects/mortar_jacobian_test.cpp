@@ -159,7 +159,7 @@ TEST(Jacobian, OfEdgesAndTips) {
             Problem p(stack(0.01, stiff, degrees, quadratic, false, 0.9), {.weights = weights, .mu = mu});
             const fd::Vector x = shaken(positions(p.model), 0.002, 6);
             EXPECT_LT(error(p, x), 1e-6) << "mu " << mu << " stiff " << stiff << " angle " << degrees << " " << weights << " quadratic " << quadratic;
-            }
+          }
 }
 
 TEST(Jacobian, OfEveryRuleAndWeighting) {

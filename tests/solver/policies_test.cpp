@@ -5,6 +5,7 @@
 #include "solver/curvature_policy.h"
 #include "solver/energy_ledger.h"
 #include "solver/loose_hold.h"
+#include "solver/moving_policy.h"
 #include "solver/progress_watch.h"
 
 using namespace mortise;
@@ -57,6 +58,29 @@ TEST(CreepWatch, SeesLinearConvergenceWhileDigitsAreMissing) {
   EXPECT_FALSE(w.look(0, 2, 0.01, 50, 1).linear) << "one more such iteration is enough";
   EXPECT_FALSE(w.look(0, 3, 1e-5, 1e9, 1).linear) << "quadratic";
   EXPECT_FALSE(w.look(0, 4, 0.01, 1e4, 0.5).linear) << "a cut step says nothing";
+}
+
+// From the first full step that left more than a tenth of the residual on, until a step is cut.
+TEST(MovingPolicy, BeginsWhereFullStepsConvergeSlowly) {
+  MovingPolicy p(2);
+  p.begin(0), p.begin(1);
+  EXPECT_FALSE(p.choose(0, 0)) << "nothing is known";
+  p.see(0, 1);
+  EXPECT_FALSE(p.choose(0, 1));
+  p.see(0, 0.05);
+  EXPECT_FALSE(p.choose(0, 1)) << "a digit was gained";
+  p.see(0, 0.02);
+  EXPECT_FALSE(p.choose(0, 0.5)) << "cut";
+  EXPECT_TRUE(p.choose(0, 1));
+  p.see(0, 1e-9);
+  EXPECT_TRUE(p.choose(0, 1)) << "it gains digits because of it";
+  EXPECT_FALSE(p.choose(0, 0.5));
+  EXPECT_FALSE(p.choose(0, 1));
+  EXPECT_FALSE(p.choose(1, 1)) << "another environment";
+  p.see(0, 1);
+  EXPECT_TRUE(p.choose(0, 1));
+  p.begin(0);
+  EXPECT_FALSE(p.choose(0, 1));
 }
 
 TEST(ProgressWatch, ForcesAndEnergiesCountEachByItself) {

@@ -20,8 +20,8 @@ struct Active {
   Index point[4];  // the point first, or the two edges; -1 where unused
   Index plane;
   Index open = 0;  // what would be padding: copies read it too
-  double weight;  // [m^2]; may be negative where the alternating sum is
-  double eps;     // mollifier threshold [m^4], 0 without
+  double weight;   // [m^2]; may be negative where the alternating sum is
+  double eps;      // mollifier threshold [m^4], 0 without
 };
 
 struct ActiveSet {

@@ -112,6 +112,16 @@ void measure(const Slips& s, const Buffer<ContactSample>& samples, Positions q, 
   });
 }
 
+// The piece of a sample of which only the force is known to change: d(mu lambda) = -mu stiffness n . sum_b W_b dq_b.
+MORTISE_HD inline void follow_force(const Slips& s, const ContactSample& sample, Index i, Positions q, Vec3* left, Vec3* right) {
+  const Vec3 u = s.slip(i, q), pull = friction::f1_over_x(u.norm(), s.creep(i)) * u;
+  for (Index b = 0; b < s.offset[i + 1] - s.offset[i]; ++b) {
+    const double w = s.weight[s.offset[i] + b];
+    left[b] = (-w * s.frozen[i].mu * sample.stiffness) * pull;
+    right[b] = w * s.frozen[i].normal;
+  }
+}
+
 // The samples of some state, and what became of them; the stencils are theirs.
 struct FrictionLinearisation final : Linearisation {
   Buffer<ContactSample> samples;
@@ -196,7 +206,7 @@ class Friction final : public Effect {
     if (!want.forces) return;
     auto& at = static_cast<FrictionLinearisation&>(lagged);
     if (want.whole)
-      follow(q, at);
+      follow(q, want.moving, at);
     else
       at.unsymmetric.resize(0, 0);
     const Curvature curvature = want.matrix;  // negative of samples with a negative force
@@ -219,22 +229,16 @@ class Friction final : public Effect {
   }
 
   // What forces change by because the samples do.
-  void follow(Positions q, FrictionLinearisation& at) const {
+  void follow(Positions q, Moving moving, FrictionLinearisation& at) const {
     const Slips s = slips(at);
     at.beside.resize_uniform(0, 0);
     if (!at.changes.any()) {
-      // Only forces are known to: d(mu lambda) = -mu stiffness n . sum_b W_b dq_b.
       at.unsymmetric.resize(1, at.stencils.blocks().n);
       const View<const Index> offset = at.stencils.offsets();
       const View<Vec3> left = at.unsymmetric.left.view(), right = at.unsymmetric.right.view();
       const View<const ContactSample> sample = std::as_const(at.samples).view();
-      device::parallel_for("friction.follow_force", model_.working(at.env_offset), [=] MORTISE_HD(Index i) {
-        const Vec3 u = s.slip(i, q), pull = friction::f1_over_x(u.norm(), s.creep(i)) * u;
-        for (Index b = offset[i]; b < offset[i + 1]; ++b) {
-          left[b] = (-s.weight[b] * s.frozen[i].mu * sample[i].stiffness) * pull;
-          right[b] = s.weight[b] * s.frozen[i].normal;
-        }
-      });
+      device::parallel_for("friction.follow_force", model_.working(at.env_offset),
+                           [=] MORTISE_HD(Index i) { follow_force(s, sample[i], i, q, left.p + offset[i], right.p + offset[i]); });
       return;
     }
     const model::SampleChangesView change = at.changes.view();
@@ -248,6 +252,12 @@ class Friction final : public Effect {
     const View<const ContactSample> sample = std::as_const(at.samples).view();
     device::parallel_for("friction.follow", model_.working(at.env_offset), [=] MORTISE_HD(Index i) {
       const ContactSample& here = sample[i];
+      if (scattered && !moving.in(here.env)) {  // the bits that it has where nobody else asks for more
+        for (Index c = 0; c < change.functionals; ++c)
+          for (Index b = first[i]; b < first[i + 1]; ++b) left[c * blocks + b] = right[c * blocks + b] = Vec3::Zero();
+        follow_force(s, here, i, q, left.p + first[i], right.p + first[i]);
+        return;
+      }
       const auto e = scattered ? contact::changed_blocks(map, change, i) : model::expand<model::kChangePoints>(map, here.point, here.points);
       Vec3 way[model::kSamplePoints], force[model::kChangePoints];  // way: of the points since the step began
       for (Index k = 0; k < e.points; ++k) force[k] = Vec3::Zero();

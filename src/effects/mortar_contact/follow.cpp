@@ -21,6 +21,7 @@ void sample_changes(const MortarView& view, FrozenSamples& f, model::SampleChang
   const View<const double> pressure = f.pressure.view(), kappa = view.kappa;
   const MovingView moving = view_of(f.moving);
   const View<const Vec3> y = f.y.view();
+  const Moving wanted = f.moving.wanted;
   // A thread per functional.
   device::parallel_for("mortar_contact.sample_changes", kFunctionals * samples.n, [=] MORTISE_HD(Index at) {
     const Index i = at / kFunctionals, c = at % kFunctionals;
@@ -35,6 +36,8 @@ void sample_changes(const MortarView& view, FrozenSamples& f, model::SampleChang
       jacobian(p, sample, gap);
       for (int k = 0; k < points_of(p); ++k) along[k] = gap[k];
       to.force(i, c) = -stiffness;
+    } else if (!wanted.in(p.env)) {
+      return;
     } else if (c < kFirstTurn) {
       const int q = static_cast<int>(c - kFirstMoved), j = q % 2;
       for (Index k = 0; k < moving.count(i); ++k) along[k] = moving.by(i, q)[k];

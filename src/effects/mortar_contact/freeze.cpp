@@ -193,7 +193,8 @@ struct At {
 
 // One try; false where the room was too small, which it is no more.
 template <class Weights>
-bool try_freeze(const Stage& stage, const std::vector<Index>& slave_env, const Weights weights, device::Room& rooms, bool moving, FrozenSamples& out) {
+bool try_freeze(const Stage& stage, const std::vector<Index>& slave_env, const Weights weights, device::Room& rooms, Moving moving,
+                FrozenSamples& out) {
   const Stage s = stage;
   const Index n = s.master.n, room = rooms.among(n);
   Buffer<Index> offer_offset(kPieces * n + 1), kept_offset(room + 1), pair_offset(n + 1);
@@ -247,13 +248,13 @@ bool try_freeze(const Stage& stage, const std::vector<Index>& slave_env, const W
     to[kept[o]] = sample;
   });
   out.moving.clear();
-  if (moving) find_moving(s, weights, {first, kept}, out);
+  if (moving.wanted) find_moving(s, moving, weights, {first, kept}, out);
   return true;
 }
 
 }  // namespace
 
-void freeze(const MortarView& view, Search& search, const Buffer<double>& margin, device::Room& room, bool moving, FrozenSamples& out) {
+void freeze(const MortarView& view, Search& search, const Buffer<double>& margin, device::Room& room, Moving moving, FrozenSamples& out) {
   const View<const Vec3> y = std::as_const(out.y).view();
   search.update(view, y, margin);
   Buffer<Patch> patches(view.slaves.n);

@@ -18,6 +18,7 @@
 #include "device/room.h"
 #include "effects/contact/barrier.h"
 #include "effects/contact/proximity.h"
+#include "effects/curvature.h"
 #include "effects/mortar_contact/sampling.h"
 #include "effects/mortar_contact/sheet.h"
 #include "geometry/collide/bvh.h"
@@ -63,11 +64,12 @@ struct MovingView {
   MORTISE_HD Index count(Index i) const { return start[i + 1] - start[i]; }
   MORTISE_HD Vec3* by(Index i, int q) const { return by_.p + kMoved * start[i] + q * count(i); }
 };
-struct Moving {
+struct Motion {
   Buffer<Index> start, node;
   Buffer<Vec3> by;
   Buffer<std::uint8_t> partly;  // per sample: something that moves it is left out
-  void clear() { start.resize(0), node.resize(0), by.resize(0), partly.resize(0); }
+  Moving wanted = false;
+  void clear() { wanted = false, start.resize(0), node.resize(0), by.resize(0), partly.resize(0); }
   bool any() const { return start.size() > 0; }
   std::size_t bytes() const { return start.bytes() + node.bytes() + by.bytes() + partly.bytes(); }
 };
@@ -77,7 +79,7 @@ struct FrozenSamples {
   Buffer<Sample> samples;
   Buffer<double> pressure;                    // per sample [Pa]
   Averages averages;                          // empty unless the gap is averaged
-  Moving moving;                              // empty unless it was wanted
+  Motion moving;                              // empty unless it was wanted
   std::vector<Index> env_pairs, env_samples;  // offsets
   Buffer<Vec3> y;                             // where they were taken
 };
@@ -149,7 +151,7 @@ void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& 
 
 // The samples at out.y with a gap below support + margin[env]; and, where wanted, how they move. room: for what is looked at on the way, kept from
 // one call to the next.
-void freeze(const MortarView& s, Search& search, const Buffer<double>& margin, device::Room& room, bool moving, FrozenSamples& out);
+void freeze(const MortarView& s, Search& search, const Buffer<double>& margin, device::Room& room, Moving moving, FrozenSamples& out);
 
 // Smallest gap of every slave at y to the corners of what it sees, INFINITY where that is not below support. The search is that of y.
 void least_gaps(const MortarView& s, const Search& search, View<const Vec3> y, Buffer<double>& out);

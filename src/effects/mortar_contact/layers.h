@@ -14,7 +14,9 @@ MORTISE_HD inline Facing project(const MortarView& s, const SlavePlane& plane, I
 }
 
 template <class T>
-MORTISE_HD inline T height(const FacingOf<T>& f, const T M[3]) { return M[0] * f.height[0] + M[1] * f.height[1] + M[2] * f.height[2]; }
+MORTISE_HD inline T height(const FacingOf<T>& f, const T M[3]) {
+  return M[0] * f.height[0] + M[1] * f.height[1] + M[2] * f.height[2];
+}
 
 // How much of what lies at gap g above the slave's point N a master hides: it must lie in between, and hides less and less outside of
 // its rim, up to as far as the distance of the two. Stacked layers must not add up.

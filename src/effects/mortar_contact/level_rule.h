@@ -37,7 +37,9 @@ MORTISE_HD inline void slabs(const T& lo, const T& mid, const T& hi, double d_ha
 
 // As good as constant?
 template <class T>
-MORTISE_HD inline bool level(const T& lo, const T& hi) { return !(hi - lo > tuning::kLevel * hi); }
+MORTISE_HD inline bool level(const T& lo, const T& hi) {
+  return !(hi - lo > tuning::kLevel * hi);
+}
 
 // Calls take(t, weight) for points 0 <= t <= 1 of a segment with gaps g0 > 0 at 0 and g1 > 0 at 1; weights add up to 1, less what lies
 // beyond `reach`.

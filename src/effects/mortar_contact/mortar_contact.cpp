@@ -74,8 +74,8 @@ struct MortarLinearisation final : Linearisation {
   linalg::StencilSet guard_stencils;
   View<const Vec3> y() const { return frozen.y.view(); }
   std::size_t bytes() const override {
-    return Linearisation::bytes() + frozen.pairs.bytes() + frozen.samples.bytes() + frozen.moving.bytes() + frozen.y.bytes() + normal.bytes() + area.bytes() +
-           guard.terms.bytes() + guard_stencils.bytes();
+    return Linearisation::bytes() + frozen.pairs.bytes() + frozen.samples.bytes() + frozen.moving.bytes() + frozen.y.bytes() + normal.bytes() +
+           area.bytes() + guard.terms.bytes() + guard_stencils.bytes();
   }
 };
 MortarLinearisation& of_mortar(Linearisation& at) { return static_cast<MortarLinearisation&>(at); }
@@ -180,10 +180,10 @@ class MortarContact final : public Effect {
     mortar::assemble(view(at), at.frozen, model_.point_map(), want.matrix.wanted, at.guard_stencils, at.stencils);
     follow(want.moving, at);
   }
-  void follow(bool wanted, MortarLinearisation& at) {
+  void follow(Moving wanted, MortarLinearisation& at) {
     at.unsymmetric.resize(0, 0);
-    at.complete = wanted && complete(view(at), at.frozen);
-    if (!wanted) return;
+    at.complete = wanted.wanted && complete(view(at), at.frozen);
+    if (!wanted.wanted) return;
     sample(at), sample_changes(at);
     mortar::follow(at.contact, model_.point_map(), at.beside, at.unsymmetric);
   }
@@ -401,11 +401,11 @@ class MortarContact final : public Effect {
   std::vector<double> cover_of(const MortarLinearisation& at, const std::vector<Vec3>& y, const std::vector<Pair>& pairs, std::vector<double>& share);
 
   // Samples within range at y.
-  void refreeze(MortarLinearisation& at, bool moving = false) {
+  void refreeze(MortarLinearisation& at, Moving moving = false) {
     measure(model_.surface.view(), model_.faces, at.y(), model_.working(triangle_env_), at.normal, at.area, at.bow);
     search_for(at, margin_, moving);
   }
-  void search_for(MortarLinearisation& at, const Buffer<double>& margin, bool moving = false) {
+  void search_for(MortarLinearisation& at, const Buffer<double>& margin, Moving moving = false) {
     search_.work_on(model_.at_work);
     freeze(view(at), search_, margin, offers_, moving, at.frozen);
   }

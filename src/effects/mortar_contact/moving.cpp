@@ -141,10 +141,12 @@ void follow_part(const Stage& stage, const Weights weights, const Places& places
   const View<const Sample> samples = std::as_const(out.samples).view();
   const MovingView moving = view_of(out.moving);
   const View<std::uint8_t> partly = out.moving.partly.view();
+  const Moving wanted = out.moving.wanted;
   device::parallel_for("mortar_contact.moving", Part::kCount * s.master.n, [=] MORTISE_HD(Index i) {
     const Index c = i / Part::kCount, piece = i % Part::kCount, place = kPieces * c + Part::kFirst + piece, master = s.master[c];
     if (!s.near[c] || !at.any(place)) return;
     const Patch& patch = s.patch(c);
+    if (!wanted.in(s.env(patch))) return;
     const FaceNodes on = s.s.nodes_of(patch.slave), under = s.s.nodes_of(master);
     const Index* v = s.s.surface.triangles[master].v;
     const Vec3 corner[3] = {s.y[v[0]], s.y[v[1]], s.y[v[2]]};
@@ -182,10 +184,12 @@ void follow_planes(const Stage& stage, const Places& places, FrozenSamples& out)
   const View<const Sample> samples = std::as_const(out.samples).view();
   const MovingView moving = view_of(out.moving);
   const View<std::uint8_t> partly = out.moving.partly.view();
+  const Moving wanted = out.moving.wanted;
   device::parallel_for("mortar_contact.moving", s.s.planes.n > 0 ? kPlanePieces * s.master.n : 0, [=] MORTISE_HD(Index i) {
     const Index c = i / kPlanePieces, piece = i % kPlanePieces, place = kPieces * c + piece;
     if (s.master[c] >= 0 || !at.any(place)) return;
     const Patch& p = s.patch(c);
+    if (!wanted.in(s.env(p))) return;
     const contact::Plane plane = s.s.planes[-1 - s.master[c]];
     const FaceNodes on = s.s.nodes_of(p.slave);
     SlaveOf<J> slave;
@@ -210,10 +214,11 @@ void follow_features(const Stage& stage, const Weights weights, FrozenSamples& o
   const View<const Pair> pairs = std::as_const(out.pairs).view();
   const View<const Sample> samples = std::as_const(out.samples).view();
   const MovingView moving = view_of(out.moving);
+  const Moving wanted = out.moving.wanted;
   device::parallel_for("mortar_contact.moving_features", samples.n, [=] MORTISE_HD(Index i) {
     const Sample& sample = samples[i];
-    if (sample.kind == SampleKind::face) return;
     const Pair& p = pairs[sample.pair];
+    if (sample.kind == SampleKind::face || !wanted.in(p.env)) return;
     const Ring ring = around(s.s, p.master, sample);
     const double area = weights.feature_area(s.s, p.n, ring.list, ring.begin, ring.end);
     if (!(area > 0)) return;
@@ -255,7 +260,8 @@ void slide(const MortarView& view, View<const Vec3> y, FrozenSamples& out) {
         for (int j = 0; j < 2; ++j) turn -= g.dot(frame.g[j]) * ((own == p.on.vertex(j + 1) ? 1 : 0) - (own == p.on.vertex(0) ? 1 : 0));
         rhs[r] += (of_slave ? sample.gap : -sample.gap) * turn * frame.n;
       }
-      for (int j = 0; j < 2; ++j) moving.by(i, led + j)[k] = det != 0 ? Vec3((A[1 - j][1 - j] * rhs[j] - A[j][1 - j] * rhs[1 - j]) / det) : Vec3::Zero();
+      for (int j = 0; j < 2; ++j)
+        moving.by(i, led + j)[k] = det != 0 ? Vec3((A[1 - j][1 - j] * rhs[j] - A[j][1 - j] * rhs[1 - j]) / det) : Vec3::Zero();
     }
   });
 }
@@ -265,7 +271,7 @@ void find_nodes(const MortarView& view, FrozenSamples& out) {
   const MortarView s = view;
   const View<const Pair> pairs = std::as_const(out.pairs).view();
   const View<const Sample> samples = std::as_const(out.samples).view();
-  Moving& moving = out.moving;
+  Motion& moving = out.moving;
   moving.start.resize(samples.n + 1), moving.partly.resize(samples.n);
   const View<Index> count = moving.start.view();
   const View<std::uint8_t> partly = moving.partly.view();
@@ -286,17 +292,18 @@ void find_nodes(const MortarView& view, FrozenSamples& out) {
 
 }  // namespace
 
-MovingView view_of(Moving& moving) { return {std::as_const(moving.start).view(), std::as_const(moving.node).view(), moving.by.view()}; }
+MovingView view_of(Motion& moving) { return {std::as_const(moving.start).view(), std::as_const(moving.node).view(), moving.by.view()}; }
 
 template <class Weights>
-void find_moving(const Stage& stage, const Weights& weights, const Places& places, FrozenSamples& out) {
+void find_moving(const Stage& stage, Moving wanted, const Weights& weights, const Places& places, FrozenSamples& out) {
+  out.moving.wanted = wanted;
   find_nodes(stage.s, out);
   each_part<Weights>(stage.s.set, [&](auto part) { follow_part<decltype(part)>(stage, weights, places, out); });
   follow_planes(stage, places, out);
   follow_features(stage, weights, out);
   slide(stage.s, stage.y, out);
 }
-template void find_moving(const Stage&, const Consistent&, const Places&, FrozenSamples&);
-template void find_moving(const Stage&, const Tapered&, const Places&, FrozenSamples&);
+template void find_moving(const Stage&, Moving, const Consistent&, const Places&, FrozenSamples&);
+template void find_moving(const Stage&, Moving, const Tapered&, const Places&, FrozenSamples&);
 
 }  // namespace mortise::effects::mortar

@@ -17,12 +17,13 @@
 
 namespace mortise::effects::mortar {
 
-MovingView view_of(Moving& moving);
+MovingView view_of(Motion& moving);
 
+// Of the samples of the environments that want it.
 template <class Weights>
-void find_moving(const Stage& stage, const Weights& weights, const Places& places, FrozenSamples& out);
+void find_moving(const Stage& stage, Moving wanted, const Weights& weights, const Places& places, FrozenSamples& out);
 
-// How what is published of every sample changes; nothing where its motion is not known.
+// How what is published of every sample changes; nothing where its motion is not known, and with its frozen gap alone in other environments.
 void sample_changes(const MortarView& s, FrozenSamples& f, model::SampleChanges& out);
 
 // What the changes of a contact's samples add to the Jacobian of minus its forces, beyond the frozen Hessian.
