@@ -26,6 +26,9 @@ std::map<std::string, LayerError::Samples> samples_of(const Snapshot& said) {
     if (leaf_of(name) == "gap") of.gap = values;
     if (leaf_of(name) == "bodies") of.bodies = values;
     if (leaf_of(name) == "force" && values.components == 1) of.force = values;
+    if (leaf_of(name) == "pair_bodies") of.pair_bodies = values;
+    if (leaf_of(name) == "pair_force") of.pair_force = values;
+    if (leaf_of(name) == "pair_moment") of.pair_moment = values;
   }
   return out;
 }
@@ -105,13 +108,10 @@ void Certificate::state(const Snapshot& said) {
     most_pressed_ = pressed, guard_share_ = guard_share;
     pressure_estimate_ = pressure_error_.of({pressure, of_points("contact_force", 3), of_points("displacement", 3)});
     layer_ = NAN;
-    const std::span<const double> support = of_points("support_force", 3), bond = of_points("tie_force", 3);
-    std::vector<double> held(support.begin(), support.end());
-    if (held.empty()) held.assign(bond.size(), 0.0);
-    for (std::size_t i = 0; i < bond.size(); ++i) held[i] += bond[i];
+    const LayerError::Fields fields{of_points("displacement", 3), of_points("support_force", 3), of_points("tie_force", 3),
+                                    of_points("contact_force", 3), pressure};
     for (const auto& [effect, of] : samples)
-      if (!of.gap.empty() && of.bodies.size() == 2 * of.force.size())
-        layer_ = std::fmax(layer_, layer_error_.of(of, {of_points("displacement", 3), held, of_points("contact_force", 3), pressure}));
+      if (!of.gap.empty() && of.bodies.size() == 2 * of.force.size()) layer_ = std::fmax(layer_, layer_error_.of(of, fields, said.number));
   }
   largest(written_newton_, said.at("balance/written_defect"));
   largest(balance_newton_, balance.defect);
