@@ -229,7 +229,7 @@ Params with(Params to, const char* key, const std::vector<double>& v) {
   to.set(key, list);
   return to;
 }
-double layer_under_punch(const Entries& holds, const std::map<std::string, double>& number = {}) {
+model::ModelInput punched(const Entries& holds) {
   model::ModelInput input = scene();
   Params effects = input.scene.at("effects"), pins = Params::make_list();
   pins.push(texts({{"body", "pad"}}));
@@ -240,17 +240,27 @@ double layer_under_punch(const Entries& holds, const std::map<std::string, doubl
     effects.set(effect, list);
   }
   input.scene.set("effects", effects);
-  input.bodies.clear();
   model::BodyInput pad, punch, arm;
   pad.name = "pad", punch.name = "punch", arm.name = "arm";
+  pad.material = Params::make_table(), pad.material.set("youngs_modulus", Params::make_number(1e5)),
+  pad.material.set("poisson_ratio", Params::make_number(0.3));
   punch.type = arm.type = model::BodyType::stiff;
   pad.nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}}, punch.nodes = {{0, 0, 1}}, arm.nodes = {{0, 0, 2}};
+  pad.tets = {{{0, 1, 2, 3}}}, pad.triangles = {{{0, 1, 2}}};
   input.bodies = {pad, punch, arm};
-  const std::vector<double> gap{0.01}, force{10}, bodies{0, 1}, pressure{20, 20, 20, 0, 20, 0};
-  std::vector<double> moved(18, 0.0), contact(18, 0.0), support(18, 0.0);
-  for (int i = 0; i < 3; ++i) moved[3 * i + 2] = -0.1, contact[3 * i + 2] = -10. / 3;
-  contact[14] = 10, support[11] = 10;
-  return run::LayerError(input).of({bodies, gap, force}, {moved, support, {}, contact, pressure}, number);
+  return input;
+}
+struct Punched {
+  std::vector<double> gap{0.01}, force{10}, bodies{0, 1}, pressure{20, 20, 20, 0, 20, 0}, moved = std::vector<double>(18, 0.0), contact = moved,
+                                                                                          support = moved;
+  Punched() {
+    for (int i = 0; i < 3; ++i) moved[3 * i + 2] = -0.1, contact[3 * i + 2] = -10. / 3;
+    contact[14] = 10, support[11] = 10;
+  }
+};
+double layer_under_punch(const Entries& holds, const std::map<std::string, double>& number = {}) {
+  const Punched p;
+  return run::LayerError(punched(holds)).of({p.bodies, p.gap, p.force}, {p.moved, p.support, {}, p.contact, p.pressure}, number);
 }
 const Params kSlide = with(texts({{"name", "lift"}, {"type", "prismatic"}, {"body", "punch"}}), "axis", {0, 0, 1});
 const Params kHinge = with(with(texts({{"name", "lift"}, {"type", "revolute"}, {"body", "punch"}}), "axis", {0, 1, 0}), "at", {-2, 0, 1});
@@ -303,6 +313,33 @@ TEST(Certificate, TheLayerDoesNotCountUnderAMotorAtItsLimit) {
   EXPECT_NEAR(layer_under_punch({{"joint", stopped}, {"drive", texts({{"joint", "lift"}, {"mode", "effort"}})}},
                                 {{"joint/lift_travel", -1 + 2.5e-4}, {"joint/lift_stop", 10}}),
               0.01 / (0.1 + 5e-4 * 1.19315 / 6.38629), 1e-7);
+}
+
+// The last of states under the same pressure counts, with what the files have of its pairs and motors.
+TEST(Certificate, TheLayerIsThatOfTheLastStateOfMostPressure) {
+  const auto layer = [](std::vector<double> errors, const std::vector<double>& scale) {
+    Certificate c(punched({{"joint", kSlide}, {"drive", with(motor(100), "effort", 10)}}));
+    c.state(state(0));
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      Punched p;
+      for (double& v : p.pressure) v *= scale[i];
+      Snapshot said = state(0);
+      said.points("displacement", "m", 3, p.moved), said.points("support_force", "N", 3, p.support), said.points("contact_force", "N", 3, p.contact);
+      said.points("contact_pressure", "Pa", 1, p.pressure);
+      said.rows("mortar_contact", "gap", "m", 1, p.gap), said.rows("mortar_contact", "force", "N", 1, p.force);
+      said.rows("mortar_contact", "bodies", "1", 2, p.bodies), said.rows("mortar_contact", "pair_bodies", "1", 2, p.bodies);
+      // Twice the force on this pair; the punch bears as much again elsewhere.
+      said.rows("mortar_contact", "pair_force", "N", 3, std::vector<double>{0, 0, -20}),
+          said.rows("mortar_contact", "pair_moment", "N m", 3, std::vector<double>(3, 0.0));
+      said.scalar("drive", "lift_error", "m", errors[i]);
+      c.state(said);
+      c.step(good());
+    }
+    return nlohmann::json::parse(c.json({"s", "abc", "cpu", Exit::done, ""}))["model"]["layer_over_indentation"];
+  };
+  EXPECT_NEAR(layer({0.1}, {1}), 0.01 / 0.3, 1e-12);
+  EXPECT_TRUE(layer({0.1, 0.2}, {1, 1}).is_null()) << "at its limit by then";
+  EXPECT_NEAR(layer({0.1, 0.2}, {1, 0.9}), 0.01 / 0.3, 1e-12);
 }
 
 // A free body of 2 m between the world and a held stamp, pressed together by 0.2 m with 10 N and turned by a right angle.
