@@ -43,7 +43,7 @@ void Certificate::Range::add(double v) {
   if (!(most >= v)) most = v;
 }
 
-Certificate::Certificate(const model::ModelInput& input) : stress_error_(input), pressure_error_(input), layer_error_(input) {
+Certificate::Certificate(const model::ModelInput& input) : stress_error_(input), pressure_error_(input), layer_error_(input), linear_law_(input) {
   for (const model::BodyInput& body : input.bodies) {
     if (body.type != model::BodyType::soft || body.nodes.empty()) continue;
     const double E = body.material.number("youngs_modulus"), size = geometry::bounds_of(body.nodes).size().norm();
@@ -100,8 +100,10 @@ void Certificate::state(const Snapshot& said) {
     const Snapshot::Values* v = said.of_points(name, components);
     return v ? std::span<const double>(*v) : std::span<const double>();
   };
-  if (solved && stress != said.cell.end() && elastic > std::max(most_elastic_, energy_floor_))
+  if (solved && stress != said.cell.end() && elastic > std::max(most_elastic_, energy_floor_)) {
     most_elastic_ = elastic, stress_estimate_ = stress_error_.of(stress->second, of_points("displacement", 3));
+    turned_ = linear_law_.of(of_points("displacement", 3));
+  }
   const std::span<const double> pressure = of_points("contact_pressure", 1);
   for (double p : pressure) pressed += std::max(p, 0.0);
   if (solved && pressed > most_pressed_) {
@@ -183,6 +185,7 @@ void Certificate::checkpoint(Archive& archive) {
                              {"tie_error", &tie_error_},
                              {"most_elastic", &most_elastic_},
                              {"stress_estimate", &stress_estimate_},
+                             {"turned", &turned_},
                              {"most_pressed", &most_pressed_},
                              {"guard_share", &guard_share_},
                              {"layer", &layer_},

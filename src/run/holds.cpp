@@ -80,6 +80,21 @@ bool Holds::pinned(const std::string& body) const {
   return it != ways_.end() && it->second.to.empty() && it->second.joint < 0;
 }
 
+bool Holds::given(const std::string& body) const {
+  if (!held(body)) return false;
+  for (const std::string* at = &body; !at->empty();) {
+    const Step& step = ways_.at(*at);
+    at = &step.to;
+    if (step.joint < 0) continue;
+    const Joint* joint = &joints_[step.joint];
+    if (joint->fixed) continue;
+    for (std::size_t turns = 0; !joint->leader.empty() && turns < joints_.size(); ++turns) joint = &joints_[by_name_.at(joint->leader)];
+    const auto motor = motors_.find(joint->name);
+    if (motor == motors_.end() || !motor->second.kinematic) return false;
+  }
+  return true;
+}
+
 const std::string* Holds::tied_to(const std::string& body) const {
   const auto it = ways_.find(body);
   return it != ways_.end() && it->second.tie ? &it->second.to : nullptr;

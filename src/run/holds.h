@@ -26,6 +26,8 @@ class Holds {
 
   bool held(const std::string& body) const { return ways_.count(body) > 0; }
   bool pinned(const std::string& body) const;
+  // Does it go as the scene says: pinned, or all of whose joints on the way are fixed or have kinematic drives?
+  bool given(const std::string& body) const;
   // Of a soft body that a mortar tie holds: the one that it is tied to; null of others.
   const std::string* tied_to(const std::string& body) const;
   // Pairs of bodies that joints, bonds or ties keep together.

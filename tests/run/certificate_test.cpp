@@ -373,6 +373,40 @@ TEST(Certificate, TheLayerCountsOnBothSidesOfWhatIsSqueezed) {
   EXPECT_EQ(layer(0, false), 0) << "the stamp is a load";
 }
 
+// `linear` takes a body that only turns for one that is stressed, and its stress is as smooth as can be.
+TEST(Certificate, BodiesOfTheLinearLawDoNotTurn) {
+  const auto turned = [](double angle, double stretch, const char* law = "linear") {
+    model::ModelInput input = scene();
+    model::BodyInput block;
+    block.name = "block", block.material = texts({{"model", law}});
+    block.material = with(with(block.material, "youngs_modulus", 1e5), "poisson_ratio", 0.3);
+    block.nodes = {{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0, 0, 1}}, block.tets = {{{0, 1, 2, 3}}};
+    input.bodies.push_back(block);
+    Certificate c(input);
+    c.state(state(0));
+    Snapshot said = state(0);
+    std::vector<double> moved;
+    for (const Vec3& x : block.nodes) {
+      const Vec3 s((1 + stretch) * x[0], x[1], x[2]);
+      for (double v : {std::cos(angle) * s[0] - std::sin(angle) * s[1] - x[0] + 3, std::sin(angle) * s[0] + std::cos(angle) * s[1] - x[1], 0.})
+        moved.push_back(v);
+    }
+    said.points("displacement", "m", 3, moved);
+    said.scalar("elasticity", "energy", "J", 1), said.cells("cauchy_stress", "Pa", 6, std::vector<double>(6, 1e3));
+    c.state(said);
+    c.step(good());
+    return nlohmann::json::parse(c.json({"s", "abc", "cpu", Exit::done, ""}));
+  };
+  EXPECT_NEAR(turned(1, 0)["model"]["linear_law_turned"], 1, 1e-12);
+  EXPECT_EQ(turned(1, 0)["grade"], "C");
+  EXPECT_NEAR(turned(0, 0.1)["model"]["linear_law_turned"], 0, 1e-12);
+  EXPECT_EQ(turned(0, 0.1)["grade"], "A");
+  // sym(R U) - U with U = diag(1 + e, 1): (cos - 1) (1 + e, 1) on the diagonal, e/2 sin beside it
+  const double e = 0.05, c = std::cos(0.1) - 1, s = 0.5 * e * std::sin(0.1), both = c * c * ((1 + e) * (1 + e) + 1) + 2 * s * s;
+  EXPECT_NEAR(turned(0.1, e)["model"]["linear_law_turned"], std::sqrt(both / (both + e * e)), 1e-12);
+  EXPECT_TRUE(turned(1, 0, "corotated")["model"]["linear_law_turned"].is_null());
+}
+
 TEST(Certificate, BalanceOfAClosedSystemIsAShareOfWhatSupportsBear) {
   Certificate c(scene());
   Snapshot said = state(1e-6);  // on a largest force of 10 N
