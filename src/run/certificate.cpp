@@ -26,6 +26,9 @@ std::map<std::string, LayerError::Samples> samples_of(const Snapshot& said) {
     if (leaf_of(name) == "gap") of.gap = values;
     if (leaf_of(name) == "bodies") of.bodies = values;
     if (leaf_of(name) == "force" && values.components == 1) of.force = values;
+    if (leaf_of(name) == "pair_bodies") of.pair_bodies = values;
+    if (leaf_of(name) == "pair_force") of.pair_force = values;
+    if (leaf_of(name) == "pair_moment") of.pair_moment = values;
   }
   return out;
 }
@@ -40,7 +43,7 @@ void Certificate::Range::add(double v) {
   if (!(most >= v)) most = v;
 }
 
-Certificate::Certificate(const model::ModelInput& input) : stress_error_(input), pressure_error_(input), layer_error_(input) {
+Certificate::Certificate(const model::ModelInput& input) : stress_error_(input), pressure_error_(input), layer_error_(input), linear_law_(input) {
   for (const model::BodyInput& body : input.bodies) {
     if (body.type != model::BodyType::soft || body.nodes.empty()) continue;
     const double E = body.material.number("youngs_modulus"), size = geometry::bounds_of(body.nodes).size().norm();
@@ -97,21 +100,23 @@ void Certificate::state(const Snapshot& said) {
     const Snapshot::Values* v = said.of_points(name, components);
     return v ? std::span<const double>(*v) : std::span<const double>();
   };
-  if (solved && stress != said.cell.end() && elastic > std::max(most_elastic_, energy_floor_))
+  if (solved && stress != said.cell.end() && elastic > std::max(most_elastic_, energy_floor_)) {
     most_elastic_ = elastic, stress_estimate_ = stress_error_.of(stress->second, of_points("displacement", 3));
+    turned_ = linear_law_.of(of_points("displacement", 3));
+  }
   const std::span<const double> pressure = of_points("contact_pressure", 1);
   for (double p : pressure) pressed += std::max(p, 0.0);
   if (solved && pressed > most_pressed_) {
     most_pressed_ = pressed, guard_share_ = guard_share;
     pressure_estimate_ = pressure_error_.of({pressure, of_points("contact_force", 3), of_points("displacement", 3)});
+  }
+  // Of states with as much the latest: a motor that reaches its limit gives the same force from then on, and no travel.
+  if (solved && pressed > 0 && pressed >= (1 - tuning::kAsMuch) * most_pressed_) {
     layer_ = NAN;
-    const std::span<const double> support = of_points("support_force", 3), bond = of_points("tie_force", 3);
-    std::vector<double> held(support.begin(), support.end());
-    if (held.empty()) held.assign(bond.size(), 0.0);
-    for (std::size_t i = 0; i < bond.size(); ++i) held[i] += bond[i];
+    const LayerError::Fields fields{of_points("displacement", 3), of_points("support_force", 3), of_points("tie_force", 3),
+                                    of_points("contact_force", 3), pressure};
     for (const auto& [effect, of] : samples)
-      if (!of.gap.empty() && of.bodies.size() == 2 * of.force.size())
-        layer_ = std::fmax(layer_, layer_error_.of(of, {of_points("displacement", 3), held, of_points("contact_force", 3), pressure}));
+      if (!of.gap.empty() && of.bodies.size() == 2 * of.force.size()) layer_ = std::fmax(layer_, layer_error_.of(of, fields, said.number));
   }
   largest(written_newton_, said.at("balance/written_defect"));
   largest(balance_newton_, balance.defect);
@@ -180,6 +185,7 @@ void Certificate::checkpoint(Archive& archive) {
                              {"tie_error", &tie_error_},
                              {"most_elastic", &most_elastic_},
                              {"stress_estimate", &stress_estimate_},
+                             {"turned", &turned_},
                              {"most_pressed", &most_pressed_},
                              {"guard_share", &guard_share_},
                              {"layer", &layer_},

@@ -9,6 +9,7 @@
 #include "base/params.h"
 #include "base/snapshot.h"
 #include "run/layer_error.h"
+#include "run/linear_law.h"
 #include "run/pressure_error.h"
 #include "run/state_audit.h"
 #include "run/stress_error.h"
@@ -58,6 +59,7 @@ class Certificate {
   StressError stress_error_;
   PressureError pressure_error_;
   LayerError layer_error_;
+  LinearLaw linear_law_;
   std::vector<std::string> passes_through_;  // what nothing keeps apart
   std::vector<std::string> locking_risks_;
   std::map<std::string, std::string> volumetric_;  // how soft bodies resist changes of volume
@@ -77,8 +79,8 @@ class Certificate {
   double balance_newton_ = NAN, balance_relative_ = NAN, unsupported_newton_ = NAN, unsupported_relative_ = NAN;
   double written_newton_ = NAN, written_relative_ = NAN;  // forces in the files against those of the solution
   double rigidity_ = NAN, tie_error_ = NAN;
-  double most_elastic_ = 0, stress_estimate_ = NAN;  // [J], at that state
-  double most_pressed_ = 0, guard_share_ = NAN;      // sum of nodal pressures [Pa], at that state
+  double most_elastic_ = 0, stress_estimate_ = NAN, turned_ = NAN;  // [J], at that state
+  double most_pressed_ = 0, guard_share_ = NAN;                     // sum of nodal pressures [Pa], at that state
   PressureError::Result pressure_estimate_;
   double layer_ = NAN;
   double first_energy_ = NAN, last_energy_ = NAN, largest_rise_ = NAN;

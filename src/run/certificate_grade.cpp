@@ -24,6 +24,7 @@ std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& e
   add("motion_lag", energy.motion_lag, tuning::kMotionLag);
   add("guard_share", guard_share_, tuning::kGuard);
   add("stress_error", stress_estimate_, tuning::kStress);
+  add("linear_law_turned", turned_, tuning::kTurned);
   add("pressure_roughness", pressure_estimate_.roughness, tuning::kRoughness);
   add("pressure_misfit", pressure_estimate_.misfit, tuning::kMisfit);
   add("layer_over_indentation", layer_, tuning::kLayer);

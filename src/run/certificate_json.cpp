@@ -77,6 +77,7 @@ std::string Certificate::json(const End& end) const {
                 {"force_share_last", shares},
                 {"rigidity_defect_max", number_or_null(rigidity_)},
                 {"stress_error_estimate", number_or_null(stress_estimate_)},
+                {"linear_law_turned", number_or_null(turned_)},
                 {"pressure_roughness", number_or_null(pressure_estimate_.roughness)},
                 {"pressure_misfit", number_or_null(pressure_estimate_.misfit)},
                 {"layer_over_indentation", number_or_null(layer_)},

@@ -2,101 +2,180 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <numeric>
 
-#include "effects/tie_name.h"
-#include "run/measured_body.h"
 #include "run/tuning.h"
 #include "run/vector_at.h"
 
 namespace mortise::run {
 
-namespace {
-
-std::vector<Params> entries(const Params& effects, const char* effect) {
-  const Params* list = effects.find(effect);
-  return list ? list->items() : std::vector<Params>();
-}
-
-// Bodies that go, or are held, as the scene says: pinned somewhere, or all of whose motion joints and drives give from such a body or from the world.
-std::set<std::string> held_bodies(const Params& effects) {
-  std::set<std::string> held, given;  // given: joints of which nothing is left free
-  for (const Params& pin : entries(effects, "pin"))
-    if (!pin.has("release")) held.insert(pin.text("body"));
-  for (const Params& drive : entries(effects, "drive"))
-    if (drive.text("mode") == "kinematic") given.insert(drive.text("joint"));
-  const auto is_held = [&](const std::string* body) { return !body || held.count(*body); };
-  for (std::size_t before = ~0UL; before != held.size() + given.size();) {
-    before = held.size() + given.size();
-    for (const Params& joint : entries(effects, "joint")) {
-      const Params *to = joint.find("to"), *mimic = joint.find("mimic");
-      const std::string &body = joint.text("body"), *other = to ? &to->as_text() : nullptr, name = effects::tie_name(joint);
-      if (joint.text("type") == "fixed" || (mimic && given.count(mimic->text("joint")))) given.insert(name);
-      if (!given.count(name)) continue;
-      if (is_held(other)) held.insert(body);
-      if (other && is_held(&body)) held.insert(*other);
-    }
-    for (const Params& bond : entries(effects, "bond"))
-      if (is_held(&bond.text("to"))) held.insert(bond.text("body"));
-  }
-  return held;
-}
-
-}  // namespace
-
-LayerError::LayerError(const model::ModelInput& input) {
-  const std::set<std::string> held = held_bodies(input.scene.at("effects"));
-  std::size_t first = 0;
+LayerError::LayerError(const model::ModelInput& input) : holds_(input.scene.at("effects")) {
   for (const model::BodyInput& in : input.bodies) {
     if (in.type == model::BodyType::half_space) continue;
-    bodies_.push_back({first, in.nodes.size(), in.type == model::BodyType::soft, held.count(in.name) > 0});
-    first += in.nodes.size();
+    number_[in.name] = bodies_.size();
+    bodies_.push_back({in.name, rest_.size(), in.nodes.size(), in.type == model::BodyType::soft});
+    rest_.insert(rest_.end(), in.nodes.begin(), in.nodes.end());
   }
+}
+
+geometry::Motion LayerError::motion(const Body& body, const Fields& f) const {
+  std::vector<Vec3> from, to;
+  for (std::size_t i = body.first; i < body.first + body.count; ++i) from.push_back(rest_[i]), to.push_back(rest_[i] + at(f.displacement, i));
+  if (geometry::fixes_a_frame(from)) return geometry::nearest_motion(from, to);
+  geometry::Motion shift;  // of a point or a line
+  for (std::size_t i = 0; i < from.size(); ++i) shift.t += (to[i] - from[i]) / static_cast<double>(from.size());
+  return shift;
 }
 
 double LayerError::indentation(std::size_t body, const Fields& f) const {
+  const Body& b = bodies_[body];
+  if (!b.soft) return 0;
+  // Where its supports are: its own, or those of the body that it is tied to.
+  std::size_t base = body;
+  for (std::size_t turns = 0; turns < bodies_.size(); ++turns) {
+    const std::string* next = holds_.tied_to(bodies_[base].name);
+    if (!next || !number_.count(*next)) break;
+    base = number_.at(*next);
+  }
+  const std::span<const double> bears = holds_.pinned(bodies_[base].name) && !f.support.empty() ? f.support : f.tie;
+  if (bears.empty()) return -1;
+  std::vector<Vec3> from, to;
+  for (std::size_t i = bodies_[base].first; i < bodies_[base].first + bodies_[base].count; ++i)
+    if (!at(bears, i).isZero(0)) from.push_back(rest_[i]), to.push_back(rest_[i] + at(f.displacement, i));
+  if (from.empty()) return -1;
+  geometry::Motion motion;
+  if (geometry::fixes_a_frame(from)) {
+    motion = geometry::nearest_motion(from, to);
+  } else {
+    for (std::size_t i = 0; i < from.size(); ++i) motion.t += (to[i] - from[i]) / static_cast<double>(from.size());
+  }
+  double farthest = 0;
+  for (std::size_t i = b.first; i < b.first + b.count; ++i)
+    if (f.pressure[i] > 0) farthest = std::max(farthest, (rest_[i] + at(f.displacement, i) - motion.R * rest_[i] - motion.t).norm());
+  return farthest;
+}
+
+double LayerError::way(std::size_t body, std::pair<std::size_t, std::size_t> pair, const Pair& of, const Fields& f,
+                       const std::map<std::string, double>& number) const {
   if (body >= bodies_.size()) return 0;  // a half-space
   const Body& b = bodies_[body];
-  if (!b.held) return -1;
-  if (!b.soft) return 0;
-  Vec3 base = Vec3::Zero();
-  double held = 0, farthest = 0;
-  for (std::size_t i = b.first; i < b.first + b.count; ++i)
-    if (!at(f.support, i).isZero(0)) base += at(f.displacement, i), held += 1;
-  if (held == 0) return -1;
-  base /= held;
-  for (std::size_t i = b.first; i < b.first + b.count; ++i)
-    if (f.pressure[i] > 0) farthest = std::max(farthest, (at(f.displacement, i) - base).norm());
-  return farthest;
+  if (!holds_.held(b.name)) return -1;
+  const double pressed = indentation(body, f);
+  if (pressed < 0) return -1;
+  Holds::Load load;
+  load.gap = of.gap();
+  if (of.known) {
+    const double sign = body == pair.first ? 1 : -1;
+    load.force = sign * of.on_first, load.moment = sign * of.moment;
+  } else {
+    for (std::size_t i = b.first; i < b.first + b.count; ++i)
+      load.force += at(f.contact, i), load.moment += (rest_[i] + at(f.displacement, i)).cross(at(f.contact, i));
+  }
+  const auto motion_of = [&](const std::string& name) { return motion(bodies_[number_.at(name)], f); };
+  const auto distance = [&](const std::string& name, const Vec3& place) {
+    const Body& of = bodies_[number_.at(name)];
+    Vec3 middle = Vec3::Zero();
+    for (std::size_t i = of.first; i < of.first + of.count; ++i) middle += (rest_[i] + at(f.displacement, i)) / static_cast<double>(of.count);
+    return (middle - place).norm();
+  };
+  const double give = holds_.give(b.name, load, {number, motion_of, distance});
+  return std::isfinite(give) ? pressed + give : -1;
 }
 
 double LayerError::borne(std::size_t body, const Fields& f) const {
   if (body >= bodies_.size() || !bodies_[body].soft) return 1;
   Vec3 contact = Vec3::Zero(), support = Vec3::Zero();
-  double all = 0;
-  for (std::size_t i = bodies_[body].first; i < bodies_[body].first + bodies_[body].count; ++i)
-    contact += at(f.contact, i), support += at(f.support, i), all += at(f.contact, i).norm();
-  if (!(contact.norm() > tuning::kOneWay * all)) return 1;
+  for (std::size_t i = bodies_[body].first; i < bodies_[body].first + bodies_[body].count; ++i) {
+    contact += at(f.contact, i);
+    for (const std::span<const double> bears : {f.support, f.tie})
+      if (!bears.empty()) support += at(bears, i);
+  }
   return std::clamp(-support.dot(contact) / contact.squaredNorm(), 0.0, 1.0);
 }
 
-double LayerError::of(const Samples& s, const Fields& f) const {
-  if (f.support.size() != f.displacement.size() || f.contact.size() != f.displacement.size() || 3 * f.pressure.size() != f.displacement.size())
-    return NAN;
-  struct Pair {
-    double force = 0, gap = 0;
+bool LayerError::free(std::size_t body, const Fields& f) const {
+  const Body& b = bodies_[body];
+  if (!holds_.held(b.name)) return true;
+  if (!b.soft) return false;
+  Vec3 contact = Vec3::Zero();
+  double all = 0;
+  for (std::size_t i = b.first; i < b.first + b.count; ++i) contact += at(f.contact, i), all += at(f.contact, i).norm();
+  return !(contact.norm() > tuning::kOneWay * all);
+}
+
+double LayerError::deformation_work(const Body& b, const Fields& f) const {
+  const geometry::Motion rigid = motion(b, f);
+  double work = 0;
+  for (std::size_t i = b.first; i < b.first + b.count; ++i)
+    work += at(f.contact, i).dot(rest_[i] + at(f.displacement, i) - rigid.R * rest_[i] - rigid.t);
+  return work;
+}
+
+double LayerError::squeezed(const Pairs& pairs, const std::vector<bool>& free, const Fields& f, const std::map<std::string, double>& number) const {
+  // Free bodies that touch or hang together.
+  std::vector<std::size_t> group(bodies_.size());
+  std::iota(group.begin(), group.end(), 0);
+  const auto root = [&](std::size_t i) {
+    while (group[i] != i) i = group[i] = group[group[i]];
+    return i;
   };
-  std::map<std::pair<std::size_t, std::size_t>, Pair> pairs;
+  const auto is_free = [&](std::size_t i) { return i < bodies_.size() && free[i]; };
+  for (const auto& [bodies, pair] : pairs)
+    if (is_free(bodies.first) && is_free(bodies.second)) group[root(bodies.first)] = root(bodies.second);
+  for (const auto& [one, other] : holds_.together())
+    if (number_.count(one) && number_.count(other) && free[number_.at(one)] && free[number_.at(other)])
+      group[root(number_.at(one))] = root(number_.at(other));
+  struct Group {
+    double gaps = 0, work = 0, forces = 0;
+    Vec3 load = Vec3::Zero();
+    bool given = false;  // something that presses gives a force, and no travel
+  };
+  std::map<std::size_t, Group> groups;
+  for (const auto& [bodies, pair] : pairs) {
+    const bool first = is_free(bodies.first), second = is_free(bodies.second);
+    if (!(first || second) || bodies.first == bodies.second || !(pair.force > 0)) continue;
+    Group& g = groups[root(first ? bodies.first : bodies.second)];
+    g.gaps += pair.work;
+    if (first && second) continue;
+    const double way = this->way(first ? bodies.second : bodies.first, bodies, pair, f, number);
+    g.given = g.given || way < 0 || !pair.known;
+    g.work += pair.force * way, g.forces += pair.on_first.norm(), g.load += (first ? 1 : -1) * pair.on_first;
+  }
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    if (const auto g = groups.find(root(i)); free[i] && bodies_[i].soft && g != groups.end()) g->second.work += deformation_work(bodies_[i], f);
+  double worst = NAN;
+  for (const auto& [name, g] : groups) {
+    if (g.given || !(g.forces > 0 && g.work > 0)) continue;
+    const double resultant = g.load.norm() / g.forces;  // of F + w and F: a load w bears w / (F + w) = 2 resultant / (1 + resultant)
+    worst = std::fmax(worst, std::max(0.0, (1 - 3 * resultant) / (1 + resultant)) * g.gaps / g.work);
+  }
+  return worst;
+}
+
+double LayerError::of(const Samples& s, const Fields& f, const std::map<std::string, double>& number) const {
+  const std::size_t n = f.displacement.size();
+  if (n != 3 * rest_.size() || f.contact.size() != n || 3 * f.pressure.size() != n) return NAN;
+  for (const std::span<const double> bears : {f.support, f.tie})
+    if (!bears.empty() && bears.size() != n) return NAN;
+  Pairs pairs;
   for (std::size_t i = 0; i < s.force.size(); ++i) {
     Pair& pair = pairs[std::minmax(static_cast<std::size_t>(s.bodies[2 * i]), static_cast<std::size_t>(s.bodies[2 * i + 1]))];
-    pair.force += s.force[i], pair.gap += s.force[i] * s.gap[i];
+    pair.force += s.force[i], pair.work += s.force[i] * s.gap[i];
   }
-  double worst = NAN;
+  for (std::size_t i = 0; 3 * i < std::min(s.pair_force.size(), s.pair_moment.size()); ++i) {
+    const auto it = pairs.find({static_cast<std::size_t>(s.pair_bodies[2 * i]), static_cast<std::size_t>(s.pair_bodies[2 * i + 1])});
+    if (it != pairs.end()) it->second.on_first = at(s.pair_force, i), it->second.moment = at(s.pair_moment, i), it->second.known = true;
+  }
+  std::vector<bool> free;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) free.push_back(this->free(i, f));
+  double worst = squeezed(pairs, free, f, number);
   for (const auto& [bodies, pair] : pairs) {
-    const double one = indentation(bodies.first, f), other = indentation(bodies.second, f);
-    if (!(pair.force > 0 && one >= 0 && other >= 0 && one + other > 0)) continue;
+    if (!(pair.force > 0) || (bodies.first < bodies_.size() && free[bodies.first]) || (bodies.second < bodies_.size() && free[bodies.second]))
+      continue;
+    const double one = way(bodies.first, bodies, pair, f, number), other = way(bodies.second, bodies, pair, f, number);
+    if (!(one >= 0 && other >= 0 && one + other > 0)) continue;
     const double fraction = std::max(0.0, 2 * std::min(borne(bodies.first, f), borne(bodies.second, f)) - 1);
-    worst = std::fmax(worst, fraction * pair.gap / pair.force / (one + other));
+    worst = std::fmax(worst, fraction * pair.gap() / (one + other));
   }
   return worst;
 }

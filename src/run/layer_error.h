@@ -4,42 +4,72 @@
 // supports, or from where they are bonded to bodies that are supported, the force at the imposed travel is too large by about 3/2 g/d (Hertz: F ~
 // d^1.5). Where loads balance the contact force, and not supports, no travel is imposed and the gap is no error of forces: g/d counts fully
 // where supports of both bodies bear the contact force, less where they bear a part, and not where they bear less than half of it.
-// Held are bodies with pins, and what fixed joints, kinematic drives and bonds hang on them or on the world; a motor with gains gives way and imposes
-// no travel.
+// Held are bodies with pins, and what joints, bonds and mortar ties hang on them or on the world (run/holds.h). Motors with gains are springs in
+// series with the contact: what they give under its force, e, is way that the layer is no part of, g / (d + e): g/d of a stiff motor, nothing of one
+// that gives the same force everywhere. Bodies that are free and pressed together between held ones take part in the travel as well. With all pairs p
+// of contact in which such bodies are, their forces F, gaps g, and the work of contact on what is soft,
+//
+//     sum_p F_p g_p / (sum_i f_i . u_i + sum_p F_p (d + e)_p),       u_i: displacement without the body's rigid motion; d, e: of the held body of p
+//
+// which is g/d again where one body is pressed from two sides (both gaps, all of its shortening). It counts fully where forces of the held bodies
+// balance each other, and not where their resultant, which a load bears, is more than half of one of two that press from opposite sides.
 #include <map>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "model/input.h"
+#include "run/holds.h"
 
 namespace mortise::run {
 
 class LayerError {
  public:
   explicit LayerError(const model::ModelInput& input);
-  // Samples of one contact effect: pairs of bodies, gaps [m], forces [N].
+  // Samples of one contact effect: pairs of bodies, gaps [m], forces [N]; and, of pairs of bodies, what acts on the first: force [N], moment about
+  // the world's origin [N m]. Without these of pairs, all that acts on a body counts.
   struct Samples {
     std::vector<double> bodies, gap, force;
+    std::vector<double> pair_bodies{}, pair_force{}, pair_moment{};
   };
-  // Of all points: displacement [m], support_force and tie_force together [N], contact_force [N], contact_pressure [Pa].
+  // Of all points: displacement [m], support_force and tie_force [N] (empty: none), contact_force [N], contact_pressure [Pa].
   struct Fields {
-    std::span<const double> displacement, support, contact, pressure;
+    std::span<const double> displacement, support, tie, contact, pressure;
   };
-  // Largest share of g/d of any pair of supported bodies; NaN where there is none.
-  double of(const Samples& samples, const Fields& fields) const;
+  // Largest share of g/d of any pair of supported bodies, or of what they press together; NaN where there is none. `number`: what was reported of
+  // joints and drives.
+  double of(const Samples& samples, const Fields& fields, const std::map<std::string, double>& number = {}) const;
 
  private:
-  // Farthest that loaded points of a body are from where its supports are [m]; negative: nothing supports it.
+  struct Body {
+    std::string name;
+    std::size_t first, count;  // points
+    bool soft;
+  };
+  struct Pair {
+    double force = 0, work = 0;  // over its samples: forces [N], times gaps [J]
+    Vec3 on_first = Vec3::Zero(), moment = Vec3::Zero();
+    bool known = false;  // the last two
+    double gap() const { return work / force; }
+  };
+  using Pairs = std::map<std::pair<std::size_t, std::size_t>, Pair>;
+
+  // Farthest that loaded points of a held body are from where its supports are, and what motors give [m]; negative: nothing imposes a travel.
+  double way(std::size_t body, std::pair<std::size_t, std::size_t> pair, const Pair& of, const Fields& f,
+             const std::map<std::string, double>& number) const;
   double indentation(std::size_t body, const Fields& fields) const;
   // Share of the contact force on a held body that its supports bear: of a stiff one, which has nothing free, all.
   double borne(std::size_t body, const Fields& fields) const;
+  // Does the contact of a body, and nothing that holds it, balance itself?
+  bool free(std::size_t body, const Fields& fields) const;
+  double squeezed(const Pairs& pairs, const std::vector<bool>& free, const Fields& f, const std::map<std::string, double>& number) const;
+  geometry::Motion motion(const Body& body, const Fields& fields) const;
+  double deformation_work(const Body& body, const Fields& fields) const;
 
-  struct Body {
-    std::size_t first, count;  // points
-    bool soft, held;
-  };
+  Holds holds_;
   std::vector<Body> bodies_;
+  std::vector<Vec3> rest_;  // of all points
+  std::map<std::string, std::size_t> number_;
 };
 
 }  // namespace mortise::run

@@ -7,7 +7,7 @@
 
 namespace mortise::run {
 
-MotionLag::MotionLag(const model::ModelInput& input) {
+MotionLag::MotionLag(const model::ModelInput& input) : holds_(input.scene.at("effects")) {
   const Params &effects = input.scene.at("effects"), *time = input.scene.find("time");
   const std::vector<std::string> inertia = effects::of_role(effects, effects::Role::inertia);
   if (!time || inertia.empty()) return;
@@ -31,7 +31,8 @@ void MotionLag::state(const Snapshot& said, const std::vector<double>& points, c
       continue;
     }
     far_[i] = std::max(far_[i], (x - vector_at(start_, i)).norm());
-    if (said.has("supports/" + b.name + "_x")) continue;
+    // Slides on the world are supported, across their axis.
+    if (holds_.given(b.name) || (said.has("supports/" + b.name + "_x") && !holds_.held(b.name))) continue;
     const double e = 0.5 * step_ * (v - vector_at(v0_, i)).norm();
     if (e > 0) value_ = std::max(value_, e / std::max(far_[i] - e, least_[i]));
   }

@@ -23,6 +23,8 @@ inline constexpr Bounds kGuard{0.02, 0.1};
 inline constexpr Bounds kStress{0.05, 0.1};
 inline constexpr Bounds kRoughness{0.03, 0.04};
 inline constexpr Bounds kMisfit{0.01, 0.018};
+// Who asks for small rotations takes terms of second order for granted, as the formulas do that such results are compared with: bounds beyond those.
+inline constexpr Bounds kTurned{0.2, 0.4};
 inline constexpr Bounds kLayer{0.03, 0.06};
 
 // ---- what counts in them
@@ -30,6 +32,7 @@ inline constexpr double kStrain = 1e-10;  // far below any strain that means som
 inline constexpr double kDriven = 1e-6;   // work in a step, of the largest energy: less is what holding takes (state_audit.cpp)
 inline constexpr double kStill = 0.01;    // of a body's size: less is no motion that anybody looks at (motion_lag.cpp)
 inline constexpr double kOneWay = 0.1;    // forces from opposite sides have no resultant that supports could bear (layer_error.cpp)
+inline constexpr double kAsMuch = 0.01;   // of the most pressure: loads that are held waver by that (certificate.cpp)
 inline constexpr double kFacing = 0.5;    // cosine of 60 degrees: friction may tilt the force by half of that (contact_patch.cpp)
 inline constexpr double kSmooth = 0.75;   // cosine of some 40 degrees: facets of a coarse ball meet at half of that, sides of a body at more
 inline constexpr double kFlat = 0.05;     // the ring of a node lies nearly in a plane: no slope across it (pressure_error.cpp)

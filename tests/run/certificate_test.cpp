@@ -205,7 +205,7 @@ TEST(Certificate, TheLayerCountsWhereATravelIsImposed) {
     std::vector<double> moved(12, 0.0), contact(12, 0.0), support(12, 0.0);
     for (int i = 0; i < 3; ++i) moved[3 * i + 2] = -0.1, contact[3 * i + 2] = -10. / 3;
     support[11] = 10 * borne, support[9] = 1;
-    return run::LayerError(input).of({bodies, gap, force}, {moved, support, contact, pressure});
+    return run::LayerError(input).of({bodies, gap, force}, {moved, support, {}, contact, pressure});
   };
   EXPECT_NEAR(layer(1), 0.1, 1e-12) << "a half-space, as body 1 is, bears what there is";
   EXPECT_NEAR(layer(0.75), 0.05, 1e-12) << "the rest is a load's";
@@ -213,43 +213,198 @@ TEST(Certificate, TheLayerCountsWhereATravelIsImposed) {
 }
 
 // A stiff punch in the place of that body has no nodes of its own on which forces of supports are written, whatever holds it.
-TEST(Certificate, TheLayerCountsUnderAStiffBodyThatIsHeld) {
-  const auto entry = [](std::initializer_list<std::pair<const char*, const char*>> keys) {
-    Params out = Params::make_table();
-    for (const auto& [key, text] : keys) out.set(key, Params::make_text(text));
-    return out;
-  };
-  const auto layer = [&](std::vector<std::pair<const char*, Params>> holds) {
-    model::ModelInput input = scene();
-    Params effects = input.scene.at("effects"), pins = Params::make_list();
-    pins.push(entry({{"body", "pad"}}));
-    effects.set("pin", pins);
-    for (const auto& [effect, held] : holds) {
-      Params list = effects.find(effect) ? *effects.find(effect) : Params::make_list();
-      list.push(held);
-      effects.set(effect, list);
-    }
-    input.scene.set("effects", effects);
-    input.bodies.clear();
-    model::BodyInput pad, punch, arm;
-    pad.name = "pad", punch.name = "punch", arm.name = "arm";
-    punch.type = arm.type = model::BodyType::stiff;
-    pad.nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}}, punch.nodes = {{0, 0, 1}}, arm.nodes = {{0, 0, 2}};
-    input.bodies = {pad, punch, arm};
-    const std::vector<double> gap{0.01}, force{10}, bodies{0, 1}, pressure{20, 20, 20, 0, 20, 0};
-    std::vector<double> moved(18, 0.0), contact(18, 0.0), support(18, 0.0);
+using Entries = std::vector<std::pair<const char*, Params>>;
+Params texts(std::initializer_list<std::pair<const char*, const char*>> keys) {
+  Params out = Params::make_table();
+  for (const auto& [key, text] : keys) out.set(key, Params::make_text(text));
+  return out;
+}
+Params with(Params to, const char* key, double v) {
+  to.set(key, Params::make_number(v));
+  return to;
+}
+Params with(Params to, const char* key, const std::vector<double>& v) {
+  Params list = Params::make_list();
+  for (double x : v) list.push(Params::make_number(x));
+  to.set(key, list);
+  return to;
+}
+model::ModelInput punched(const Entries& holds) {
+  model::ModelInput input = scene();
+  Params effects = input.scene.at("effects"), pins = Params::make_list();
+  pins.push(texts({{"body", "pad"}}));
+  effects.set("pin", pins);
+  for (const auto& [effect, held] : holds) {
+    Params list = effects.find(effect) ? *effects.find(effect) : Params::make_list();
+    list.push(held);
+    effects.set(effect, list);
+  }
+  input.scene.set("effects", effects);
+  model::BodyInput pad, punch, arm;
+  pad.name = "pad", punch.name = "punch", arm.name = "arm";
+  pad.material = Params::make_table(), pad.material.set("youngs_modulus", Params::make_number(1e5)),
+  pad.material.set("poisson_ratio", Params::make_number(0.3));
+  punch.type = arm.type = model::BodyType::stiff;
+  pad.nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}}, punch.nodes = {{0, 0, 1}}, arm.nodes = {{0, 0, 2}};
+  pad.tets = {{{0, 1, 2, 3}}}, pad.triangles = {{{0, 1, 2}}};
+  input.bodies = {pad, punch, arm};
+  return input;
+}
+struct Punched {
+  std::vector<double> gap{0.01}, force{10}, bodies{0, 1}, pressure{20, 20, 20, 0, 20, 0}, moved = std::vector<double>(18, 0.0), contact = moved,
+                                                                                          support = moved;
+  Punched() {
     for (int i = 0; i < 3; ++i) moved[3 * i + 2] = -0.1, contact[3 * i + 2] = -10. / 3;
     contact[14] = 10, support[11] = 10;
-    return run::LayerError(input).of({bodies, gap, force}, {moved, support, contact, pressure});
+  }
+};
+double layer_under_punch(const Entries& holds, const std::map<std::string, double>& number = {}) {
+  const Punched p;
+  return run::LayerError(punched(holds)).of({p.bodies, p.gap, p.force}, {p.moved, p.support, {}, p.contact, p.pressure}, number);
+}
+const Params kSlide = with(texts({{"name", "lift"}, {"type", "prismatic"}, {"body", "punch"}}), "axis", {0, 0, 1});
+const Params kHinge = with(with(texts({{"name", "lift"}, {"type", "revolute"}, {"body", "punch"}}), "axis", {0, 1, 0}), "at", {-2, 0, 1});
+Params motor(double kp, const char* mode = "pd") { return with(texts({{"joint", "lift"}, {"mode", mode}}), "kp", kp); }
+
+TEST(Certificate, TheLayerCountsUnderAStiffBodyThatIsHeld) {
+  const Params weld = texts({{"type", "fixed"}, {"body", "punch"}, {"to", "arm"}}), kinematic = texts({{"joint", "lift"}, {"mode", "kinematic"}});
+  EXPECT_NEAR(layer_under_punch({{"pin", texts({{"body", "punch"}})}}), 0.1, 1e-12);
+  EXPECT_NEAR(layer_under_punch({{"joint", kSlide}, {"drive", kinematic}}), 0.1, 1e-12);
+  EXPECT_NEAR(layer_under_punch({{"joint", weld}, {"pin", texts({{"body", "arm"}})}}), 0.1, 1e-12);
+  EXPECT_TRUE(std::isnan(layer_under_punch({{"joint", weld}}))) << "the arm is free";
+  EXPECT_TRUE(std::isnan(layer_under_punch({{"joint", kSlide}}))) << "nothing drives it";
+  EXPECT_TRUE(std::isnan(layer_under_punch({{"joint", kHinge}})));
+  EXPECT_TRUE(std::isnan(layer_under_punch({})));
+}
+
+// A motor is a spring in series with the contact of 10 N and 0.1 m: g / (d + F/kp), and F lever^2 / kp of a hinge 2 m beside it.
+TEST(Certificate, TheLayerCountsUnderAMotorAsFarAsItIsStiff) {
+  EXPECT_NEAR(layer_under_punch({{"joint", kSlide}, {"drive", motor(100)}}), 0.05, 1e-12);
+  EXPECT_NEAR(layer_under_punch({{"joint", kSlide}, {"drive", motor(1e9)}}), 0.1, 1e-8);
+  EXPECT_NEAR(layer_under_punch({{"joint", kSlide}, {"drive", motor(1e-3)}}), 0, 1e-6);
+  EXPECT_NEAR(layer_under_punch({{"joint", kHinge}, {"drive", motor(400)}}), 0.05, 1e-12);
+  const Params across = with(kSlide, "axis", {1, 0, 0}), along = with(kHinge, "at", {0, 0, 5});
+  EXPECT_NEAR(layer_under_punch({{"joint", across}, {"drive", motor(1e-3)}}), 0.1, 1e-12) << "the force does not move it";
+  EXPECT_NEAR(layer_under_punch({{"joint", along}}), 0.1, 1e-12) << "nor this";
+  // On an arm that has a motor of its own, and on one that follows: 1 m of punch are 3 m of the arm.
+  const Params on_arm = texts({{"name", "wrist"}, {"type", "prismatic"}, {"body", "punch"}, {"to", "arm"}});
+  Params arm = kSlide;
+  arm.set("body", Params::make_text("arm"));
+  const Params second = with(texts({{"joint", "wrist"}, {"mode", "passive"}}), "stiffness", 50);
+  EXPECT_NEAR(layer_under_punch({{"joint", arm}, {"joint", with(on_arm, "axis", {0, 0, 1})}, {"drive", motor(100)}, {"drive", second}}), 0.01 / 0.4,
+              1e-12);
+  Params follows = with(on_arm, "axis", {0, 0, 1}),
+         turned = with(texts({{"name", "wrist"}, {"type", "prismatic"}, {"body", "arm"}, {"to", "punch"}}), "axis", {0, 0, -1});
+  for (Params wrist : {follows, turned}) {
+    wrist.set("mimic", with(texts({{"joint", "lift"}}), "ratio", 2));
+    EXPECT_NEAR(layer_under_punch({{"joint", arm}, {"joint", wrist}, {"drive", motor(900)}}), 0.05, 1e-12);
+  }
+}
+
+// A motor at its limit gives a force, and no travel; one that would not be there without the layer does not.
+TEST(Certificate, TheLayerDoesNotCountUnderAMotorAtItsLimit) {
+  const Params limited = with(motor(100), "effort", 10);
+  EXPECT_TRUE(std::isnan(layer_under_punch({{"joint", kSlide}, {"drive", limited}}, {{"drive/lift_error", 0.12}})))
+      << "11 N wanted, were there no gap";
+  EXPECT_NEAR(layer_under_punch({{"joint", kSlide}, {"drive", limited}}, {{"drive/lift_error", 0.105}}), 0.05, 1e-12);
+  EXPECT_TRUE(std::isnan(layer_under_punch({{"joint", kSlide}, {"drive", texts({{"joint", "lift"}, {"mode", "effort"}})}})));
+  // It pushes the joint on a stop of 10 N, half a range of 0.5 mm before its end: phi = 1.193, -phi' = 6.386 there.
+  const Params stopped = with(kSlide, "travel_limits", {-1, 1});
+  EXPECT_NEAR(layer_under_punch({{"joint", stopped}, {"drive", texts({{"joint", "lift"}, {"mode", "effort"}})}},
+                                {{"joint/lift_travel", -1 + 2.5e-4}, {"joint/lift_stop", 10}}),
+              0.01 / (0.1 + 5e-4 * 1.19315 / 6.38629), 1e-7);
+}
+
+// The last of states under the same pressure counts, with what the files have of its pairs and motors.
+TEST(Certificate, TheLayerIsThatOfTheLastStateOfMostPressure) {
+  const auto layer = [](std::vector<double> errors, const std::vector<double>& scale) {
+    Certificate c(punched({{"joint", kSlide}, {"drive", with(motor(100), "effort", 10)}}));
+    c.state(state(0));
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      Punched p;
+      for (double& v : p.pressure) v *= scale[i];
+      Snapshot said = state(0);
+      said.points("displacement", "m", 3, p.moved), said.points("support_force", "N", 3, p.support), said.points("contact_force", "N", 3, p.contact);
+      said.points("contact_pressure", "Pa", 1, p.pressure);
+      said.rows("mortar_contact", "gap", "m", 1, p.gap), said.rows("mortar_contact", "force", "N", 1, p.force);
+      said.rows("mortar_contact", "bodies", "1", 2, p.bodies), said.rows("mortar_contact", "pair_bodies", "1", 2, p.bodies);
+      // Twice the force on this pair; the punch bears as much again elsewhere.
+      said.rows("mortar_contact", "pair_force", "N", 3, std::vector<double>{0, 0, -20}),
+          said.rows("mortar_contact", "pair_moment", "N m", 3, std::vector<double>(3, 0.0));
+      said.scalar("drive", "lift_error", "m", errors[i]);
+      c.state(said);
+      c.step(good());
+    }
+    return nlohmann::json::parse(c.json({"s", "abc", "cpu", Exit::done, ""}))["model"]["layer_over_indentation"];
   };
-  const Params slide = entry({{"name", "lift"}, {"type", "prismatic"}, {"body", "punch"}}),
-               weld = entry({{"type", "fixed"}, {"body", "punch"}, {"to", "arm"}});
-  EXPECT_NEAR(layer({{"pin", entry({{"body", "punch"}})}}), 0.1, 1e-12);
-  EXPECT_NEAR(layer({{"joint", slide}, {"drive", entry({{"joint", "lift"}, {"mode", "kinematic"}})}}), 0.1, 1e-12);
-  EXPECT_NEAR(layer({{"joint", weld}, {"pin", entry({{"body", "arm"}})}}), 0.1, 1e-12);
-  EXPECT_TRUE(std::isnan(layer({{"joint", weld}}))) << "the arm is free";
-  EXPECT_TRUE(std::isnan(layer({{"joint", slide}, {"drive", entry({{"joint", "lift"}, {"mode", "pd"}})}}))) << "a motor with gains gives way";
-  EXPECT_TRUE(std::isnan(layer({})));
+  EXPECT_NEAR(layer({0.1}, {1}), 0.01 / 0.3, 1e-12);
+  EXPECT_TRUE(layer({0.1, 0.2}, {1, 1}).is_null()) << "at its limit by then";
+  EXPECT_NEAR(layer({0.1, 0.2}, {1, 0.9}), 0.01 / 0.3, 1e-12);
+}
+
+// A free body of 2 m between the world and a held stamp, pressed together by 0.2 m with 10 N and turned by a right angle.
+TEST(Certificate, TheLayerCountsOnBothSidesOfWhatIsSqueezed) {
+  const auto layer = [](double weight, bool held) {
+    model::ModelInput input = scene();
+    Params effects = input.scene.at("effects"), pins = Params::make_list();
+    if (held) pins.push(texts({{"body", "stamp"}}));
+    effects.set("pin", pins);
+    input.scene.set("effects", effects);
+    input.bodies.clear();
+    model::BodyInput block, stamp;
+    block.name = "block", block.type = model::BodyType::soft, stamp.name = "stamp", stamp.type = model::BodyType::stiff;
+    stamp.nodes = {{0, 0, 2}};
+    std::vector<double> moved(3, 0.0), contact{0, -10, 0};
+    const std::vector<double> pressure(9, 20), none(27, 0.0);
+    for (double z : {-1., 1.})
+      for (double y : {-1., 1.})
+        for (double x : {-1., 1.}) {
+          block.nodes.push_back({x, y, z});
+          for (double v : {0., -z * 0.9 - y, y - z}) moved.push_back(v);  // to (x, -0.9 z, y)
+          for (double v : {0., z > 0 ? 10. / 4 : -(10 + weight) / 4, 0.}) contact.push_back(v);
+        }
+    input.bodies = {stamp, block};
+    const run::LayerError::Samples samples{{0, 1, 1, 2},      {0.01, 0.03}, {10, 10 + weight}, {0, 1, 1, 2}, {0, -10, 0, 0, -10 - weight, 0},
+                                           {0, 0, 0, 0, 0, 0}};
+    return run::LayerError(input).of(samples, {moved, none, {}, contact, pressure});
+  };
+  EXPECT_NEAR(layer(0, true), 0.04 / 0.2, 1e-12);
+  EXPECT_NEAR(layer(10, true), 0, 1e-12) << "half of the force below is a load's";
+  EXPECT_EQ(layer(0, false), 0) << "the stamp is a load";
+}
+
+// `linear` takes a body that only turns for one that is stressed, and its stress is as smooth as can be.
+TEST(Certificate, BodiesOfTheLinearLawDoNotTurn) {
+  const auto turned = [](double angle, double stretch, const char* law = "linear") {
+    model::ModelInput input = scene();
+    model::BodyInput block;
+    block.name = "block", block.material = texts({{"model", law}});
+    block.material = with(with(block.material, "youngs_modulus", 1e5), "poisson_ratio", 0.3);
+    block.nodes = {{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0, 0, 1}}, block.tets = {{{0, 1, 2, 3}}};
+    input.bodies.push_back(block);
+    Certificate c(input);
+    c.state(state(0));
+    Snapshot said = state(0);
+    std::vector<double> moved;
+    for (const Vec3& x : block.nodes) {
+      const Vec3 s((1 + stretch) * x[0], x[1], x[2]);
+      for (double v : {std::cos(angle) * s[0] - std::sin(angle) * s[1] - x[0] + 3, std::sin(angle) * s[0] + std::cos(angle) * s[1] - x[1], 0.})
+        moved.push_back(v);
+    }
+    said.points("displacement", "m", 3, moved);
+    said.scalar("elasticity", "energy", "J", 1), said.cells("cauchy_stress", "Pa", 6, std::vector<double>(6, 1e3));
+    c.state(said);
+    c.step(good());
+    return nlohmann::json::parse(c.json({"s", "abc", "cpu", Exit::done, ""}));
+  };
+  EXPECT_NEAR(turned(1, 0)["model"]["linear_law_turned"], 1, 1e-12);
+  EXPECT_EQ(turned(1, 0)["grade"], "C");
+  EXPECT_NEAR(turned(0, 0.1)["model"]["linear_law_turned"], 0, 1e-12);
+  EXPECT_EQ(turned(0, 0.1)["grade"], "A");
+  // sym(R U) - U with U = diag(1 + e, 1): (cos - 1) (1 + e, 1) on the diagonal, e/2 sin beside it
+  const double e = 0.05, c = std::cos(0.1) - 1, s = 0.5 * e * std::sin(0.1), both = c * c * ((1 + e) * (1 + e) + 1) + 2 * s * s;
+  EXPECT_NEAR(turned(0.1, e)["model"]["linear_law_turned"], std::sqrt(both / (both + e * e)), 1e-12);
+  EXPECT_TRUE(turned(1, 0, "corotated")["model"]["linear_law_turned"].is_null());
 }
 
 TEST(Certificate, BalanceOfAClosedSystemIsAShareOfWhatSupportsBear) {

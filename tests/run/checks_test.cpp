@@ -263,6 +263,36 @@ effects: {inertia: )" + inertia + ", elasticity: {}}",
   EXPECT_TRUE(std::isnan(lag("{integrator: bdf2}", 2, false)));
 }
 
+// A slide on the world is supported across its axis, and free along it; what a kinematic drive gives is where it should be.
+TEST(Checks, BackwardEulerIsAheadOnASlideToo) {
+  const auto lag = [](const std::string& effects, bool supported) {
+    const model::ModelInput input = engine::make_input(scene::read_scene_text(R"(
+mortise: 1
+time: {step: 0.1 s, steps: 2}
+materials: {steel: {density: 1000}}
+bodies: {cube: {type: stiff, shape: {box: {size: [1, 1, 1], edge_length: 1}}, material: steel}}
+effects: {inertia: {}, affine_body: {}, )" + effects + "}",
+                                                                              "test.yaml", {}, engine::effect_tables())
+                                                           .root);
+    Checks checks(input);
+    for (int k = 0; k < 3; ++k) {
+      Snapshot sink;
+      std::vector<double> v;
+      for (std::size_t i = 0; i < input.bodies[0].nodes.size(); ++i) v.insert(v.end(), {0.5 + 0.3 * k, 0, 0});
+      sink.points("velocity", "m/s", 3, v);
+      if (supported) sink.scalar("supports", "cube_x", "N", 1);
+      checks.state(sink, points(input, [&](const Vec3& x) { return Vec3(x + Vec3(k, 0, 0)); }));
+    }
+    return checks.energy().motion_lag;
+  };
+  const std::string slide = "joint: {name: rail, type: prismatic, body: cube, axis: [1, 0, 0]}", ahead = ", drive: {joint: rail, mode: ";
+  EXPECT_NEAR(lag(slide, true), 0.03 / (2 - 0.03), 1e-12);
+  EXPECT_NEAR(lag(slide + ahead + "effort, force: 1 N}", true), 0.03 / (2 - 0.03), 1e-12);
+  EXPECT_EQ(lag(slide + ahead + "kinematic, travel: 0}", false), 0);
+  EXPECT_EQ(lag("pin: {body: cube, where: {side: all}}", true), 0);
+  EXPECT_EQ(lag("pin: {body: cube, where: {side: all}, release: 1 s}", true), 0);
+}
+
 // Inside of one body forces have no resultant; what its points are held with is what a defect is measured against.
 TEST(Checks, BalanceIsAShareOfTheForcesThatSupportsBear) {
   const auto share = [](double held) {

@@ -1,0 +1,82 @@
+#pragma once
+// What holds bodies: how they hang on pinned bodies and on the world by joints, bonds and mortar ties, and by how much motors on that way give.
+//
+// A force F on a body has the moment tau_j about the coordinate x_j of each joint on the way (of a slide the component along it). Where the motor of
+// that joint has the stiffness K_j, the place where F acts gives by e along F:
+//
+//     e |F| = sum_j tau_j^2 / K_j,     K_j = kp + S + M/w b''          kp: of a motor of mode pd; S: of the joint's spring; M/w b'': of its stop
+//
+// K_j is infinite of kinematic drives and fixed joints. A motor that wants more than its `effort` gives that and no more, wherever the joint is: it
+// has no kp then, provided that it still wants as much once the joint has gone on by the gap of the contact layer. Joints that mimic add to the
+// moment of the one that leads, times their ratios.
+// Left out: kd and inertia, by which a motor is stiffer while it moves than where it has come to rest; loops are followed one way round.
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/params.h"
+#include "geometry/rigid_motion.h"
+
+namespace mortise::run {
+
+class Holds {
+ public:
+  explicit Holds(const Params& effects);
+
+  bool held(const std::string& body) const { return ways_.count(body) > 0; }
+  bool pinned(const std::string& body) const;
+  // Does it go as the scene says: pinned, or all of whose joints on the way are fixed or have kinematic drives?
+  bool given(const std::string& body) const;
+  // Of a soft body that a mortar tie holds: the one that it is tied to; null of others.
+  const std::string* tied_to(const std::string& body) const;
+  // Pairs of bodies that joints, bonds or ties keep together.
+  const std::vector<std::pair<std::string, std::string>>& together() const { return together_; }
+
+  // On a body: force [N], moment about the world's origin [N m], and the gap in the contact that it is of [m].
+  struct Load {
+    Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+    double gap = 0;
+  };
+  struct State {
+    const std::map<std::string, double>& number;                              // what joints and drives report
+    std::function<geometry::Motion(const std::string& body)> motion;          // from rest to now
+    std::function<double(const std::string& body, const Vec3& at)> distance;  // of the middle of a body from a place
+  };
+  // e of a held body [m]; infinite where something is free that the force moves.
+  double give(const std::string& body, const Load& load, const State& state) const;
+
+ private:
+  struct Joint {
+    std::string name, body, to;  // to: empty is the world
+    bool spherical = false, fixed = false, slides = false;
+    Vec3 at = Vec3::Zero(), axis = Vec3::Zero();
+    std::string leader;
+    double ratio = 1;
+    double low = -INFINITY, high = INFINITY;  // its stops
+    bool has_coordinate() const { return !spherical && !fixed; }
+  };
+  struct Motor {
+    bool kinematic = false;
+    double kp = 0, kd = 0, effort = INFINITY, spring = 0;
+  };
+  // The next body on the way to what holds; by which joint, or none (-1).
+  struct Step {
+    std::string to;
+    long joint = -1;
+    bool tie = false;
+  };
+  struct Coordinate {
+    double moment = 0, spring = 0, size = 0;
+  };
+  double stiffness(const Joint& joint, double moment, const Load& load, const State& state) const;
+  double stop(const Joint& joint, const State& state) const;
+
+  std::vector<Joint> joints_;
+  std::map<std::string, std::size_t> by_name_;
+  std::map<std::string, Motor> motors_;
+  std::map<std::string, Step> ways_;
+  std::vector<std::pair<std::string, std::string>> together_;
+};
+
+}  // namespace mortise::run
