@@ -42,6 +42,15 @@ MORTISE_HD inline double coordinate(const Coordinate& c, const HingeDirections& 
   return c.slides ? c.at_rest + r.c2.dot(r.c3) : unwrapped(c.at_rest + hinge_angle(r), c.before);
 }
 
+// Its rate where what it depends on has the rate w: of atan2(s, k) it is (k s' - s k') / (k^2 + s^2).
+MORTISE_HD inline double coordinate_rate(const Coordinate& c, const HingeDirections& r, const HingeDirections& w) {
+  if (c.slides) return w.c2.dot(r.c3) + r.c2.dot(w.c3);
+  const double s = sine(r), k = cosine(r);
+  const double s1 = w.c2.dot(r.t3) - w.c3.dot(r.t2) + r.c2.dot(w.t3) - r.c3.dot(w.t2);
+  const double k1 = w.c2.dot(r.t2) + w.c3.dot(r.t3) + r.c2.dot(w.t2) + r.c3.dot(w.t3);
+  return (k * s1 - s * k1) / (k * k + s * s);
+}
+
 // Gradient and Hessian of E of the coordinate, as hinge_stencil. Negative curvature of a slide is of t alone and of t with c: none where t is given.
 MORTISE_HD inline void coordinate_stencil(const Coordinate& c, const HingeDirections& r, double e1, double e2, double concave, Index* block,
                                           Vec3* grad, Mat3* hess) {

@@ -52,7 +52,7 @@ namespace {
 using Time = std::chrono::steady_clock;
 
 void check(const engine::Outcome& outcome) {
-  if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message);
+  if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message, outcome.located);
 }
 
 // What a run without a checkpoint may replace: results that --overwrite gives up, and a start that was cut short before its first checkpoint.

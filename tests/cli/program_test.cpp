@@ -105,6 +105,17 @@ TEST(Program, ASceneAloneIsRun) {
   fs::remove_all(out);
 }
 
+// What is wrong with a scene is said in one way, by whatever finds it.
+TEST(Program, RunsNameThePlaceOfAnErrorAsChecksDo) {
+  const std::string wrong = kScene + " --set " + quoted("effects.joint=[{type: revolute, body: box}]");
+  const fs::path out = fs::temp_directory_path() / ("mortise_run_" + std::to_string(getpid()));
+  const Result run = mortise("run -q -o " + quoted(out) + " " + wrong), check = mortise("check " + wrong);
+  EXPECT_EQ(run.code, 3);
+  EXPECT_THAT(run.err, testing::StartsWith("--set effects.joint=[{type: revolute, body: box}]: error: a revolute joint needs 'at'"));
+  EXPECT_EQ(run.err, check.err);
+  fs::remove_all(out);
+}
+
 TEST(Check, SummarisesOnStdout) {
   const Result r = mortise("check " + kScene);
   EXPECT_EQ(r.code, 0) << r.err;

@@ -82,6 +82,19 @@ TEST(Drives, SpringsAndRotorsAgainstTheirEquation) {
   EXPECT_EQ(broken.engine->points(), rig.engine->points());
 }
 
+// What starts in motion has its rotor in motion: nothing that acts changes the rate.
+TEST(Drives, RotorsStartWithTheirBodies) {
+  Rig hinge(link("", "mode: passive, armature: 3e-4", 1), {kNoWeight, "bodies.arm.angular_velocity=[0, 10, 0]", "bodies.arm.velocity=[0, 0, -0.5]"});
+  EXPECT_NEAR(hinge.fields().at("joint/hip_rate"), 10, 1e-12);
+  hinge.steps(20);
+  EXPECT_NEAR(hinge.fields().at("joint/hip_angle"), 0.2, 0.005);
+  Rig slide(link("", "mode: passive, armature: 0.1", 1),
+            {kNoWeight, "effects.joint=[{name: hip, type: prismatic, body: arm, axis: [0, 1, 0]}]", "bodies.arm.velocity=[0, 0.3, 0]"});
+  EXPECT_NEAR(slide.fields().at("joint/hip_rate"), 0.3, 1e-12);
+  slide.steps(20);
+  EXPECT_NEAR(slide.fields().at("joint/hip_travel"), 0.006, 1e-9);
+}
+
 // Turns are counted.
 TEST(Drives, TorqueTurnsABodySeveralTimes) {
   Rig rig(link("", "mode: effort, torque: 1e-2", 1, "bdf2"), {kNoWeight});

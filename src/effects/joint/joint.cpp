@@ -52,6 +52,9 @@ class Joints final : public Effect {
   void connect() override {
     model::guide(model_);
     equations_.find();
+    // Bodies that the scene sets in motion start with rates: rotors of drives turn with them.
+    const std::vector<double> rates = rates_of(std::as_const(model_.q).view(), std::as_const(model_.initial_velocity).view());
+    for (std::size_t i = 0; i < moving_.size(); ++i) model_.joints[moving_[i]].rate = rates[i];
   }
   void begin_step(const StepInfo& step) override {
     model::guide(model_);
@@ -150,6 +153,20 @@ class Joints final : public Effect {
       throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(value.size()) + " joints");
     for (std::size_t i = 0; i < value.size(); ++i) model_.joints[by_env[i]].value = value[i], model_.joints[by_env[i]].rate = rate[i];
     equations_.checkpoint(archive);
+  }
+
+  // Of the same joints, where the blocks move with v.
+  std::vector<double> rates_of(Positions q, Positions v) const {
+    std::vector<model::Coordinate> list;
+    for (Index j : moving_) list.push_back(model::coordinate_of(model_, model_.joints[j]));
+    const device::Buffer<model::Coordinate> all(list);
+    device::Buffer<double> rate(all.size());
+    const View<double> out = rate.view();
+    const View<const model::Coordinate> of = all.view();
+    device::parallel_for("joint.rates", out.n, [=] MORTISE_HD(Index i) {
+      out[i] = model::coordinate_rate(of[i], model::reading(of[i], q), model::reading(of[i], v, true));
+    });
+    return rate.download();
   }
 
   // Of all joints that have one, at q; turns counted from the accepted state.
