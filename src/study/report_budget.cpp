@@ -34,7 +34,7 @@ std::string budget_table(const Study& study, const ErrorBudget& budget) {
                        share_text(b.sum(), b.value), b.value + b.sum());
   }
   out += fmt::format("{} of CPU time in the steps, {} for the estimates\n", seconds_text(budget.solve_seconds), seconds_text(budget.seconds));
-  if (!budget.exact) out += "the adjoint leaves out that samples of contact slide and turn\n";
+  if (!budget.exact) out += "the adjoint leaves out some of how samples of contact slide and turn\n";
   return out;
 }
 
