@@ -67,8 +67,8 @@ class Field final : public effects::Effect {
     device::copy_in(v.grad.p, grad.data(), grad.size() * sizeof(Vec3));
     device::copy_in(v.hess.p, hess.data(), hess.size() * sizeof(Mat3));
     if (!at.shaped) at.stencils.pattern_changed(), at.shaped = true;
-    at.unsymmetric.resize(want.moving ? 3 : 0, model_.blocks);
-    if (!want.moving) return;
+    at.unsymmetric.resize(want.moving.wanted ? 3 : 0, model_.blocks);
+    if (!want.moving.wanted) return;
     // What the Hessian lacks of the gradient's derivative.
     std::vector<Vec3> left, right;
     for (int c = 0; c < 3; ++c)
