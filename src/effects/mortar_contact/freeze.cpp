@@ -92,6 +92,7 @@ void find_facing(const Stage& stage, View<Facing> facing, View<std::uint8_t> nea
     near[c] = 0;
     if (s.master[c] < 0) return;
     facing[c] = project(s.s, s.patch(c).plane, s.master[c], s.y);
+    facing[c].cosine = -s.patch(c).plane.n.dot(s.s.normal[s.master[c]]);
     near[c] = within(s.s, s.patch(c), s.place(c)) ? 1 : 0;
   });
 }

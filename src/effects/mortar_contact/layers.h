@@ -9,7 +9,6 @@ namespace mortise::effects::mortar {
 MORTISE_HD inline Facing project(const MortarView& s, const SlavePlane& plane, Index master, View<const Vec3> y) {
   Facing f;
   for (int k = 0; k < 3; ++k) f.height[k] = project(plane, y[s.surface.triangles[master].v[k]], f.L[k]);
-  f.cosine = -plane.n.dot(s.normal[master]);
   return f;
 }
 

@@ -11,7 +11,7 @@ namespace mortise::effects::mortar {
 template <class T>
 struct FacingOf {
   T L[3][3], height[3];  // slave barycentrics and heights of its corners
-  T cosine;              // -n . n_master: 1 where they look at each other
+  T cosine = 0;          // -n . n_master: 1 where they look at each other
 };
 using Facing = FacingOf<double>;
 
