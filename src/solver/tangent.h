@@ -4,8 +4,8 @@
 //   J x = f     how the solution moves where forces f [N] act besides,
 //   J^T x = f   its adjoint: what a functional with the gradient f would change by per newton at every block [.../N].
 //
-// J is H + U with what moves (potential.h), solved by GMRES with a factor of H. Where an effect says that something is missing (Linearisation::complete)
-// products J v are central differences of forces; J^T lacks those terms then, which is good enough for estimates.
+// J is H + U with what moves (potential.h), solved by GMRES with a factor of H. Where an effect says that something is missing
+// (Linearisation::complete) products J v are central differences of forces; J^T lacks those terms then, which is good enough for estimates.
 #include <memory>
 
 #include "solver/linear.h"
