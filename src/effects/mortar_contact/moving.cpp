@@ -272,11 +272,12 @@ void find_nodes(const MortarView& view, FrozenSamples& out) {
   const View<const Pair> pairs = std::as_const(out.pairs).view();
   const View<const Sample> samples = std::as_const(out.samples).view();
   Motion& moving = out.moving;
+  const Moving wanted = moving.wanted;
   moving.start.resize(samples.n + 1), moving.partly.resize(samples.n);
   const View<Index> count = moving.start.view();
   const View<std::uint8_t> partly = moving.partly.view();
   device::parallel_for("mortar_contact.count_nodes", samples.n, [=] MORTISE_HD(Index i) {
-    const NodeList list = nodes_of(s, pairs[samples[i].pair], samples[i]);
+    const NodeList list = nodes_of(s, pairs[samples[i].pair], samples[i], wanted.in(pairs[samples[i].pair].env));
     count[i] = list.n, partly[i] = list.all ? 0 : 1;
   });
   moving.node.resize(device::exclusive_scan(moving.start));
@@ -285,7 +286,7 @@ void find_nodes(const MortarView& view, FrozenSamples& out) {
   const View<const Index> start = std::as_const(moving.start).view();
   const View<Index> node = moving.node.view();
   device::parallel_for("mortar_contact.nodes_of", samples.n, [=] MORTISE_HD(Index i) {
-    const NodeList list = nodes_of(s, pairs[samples[i].pair], samples[i]);
+    const NodeList list = nodes_of(s, pairs[samples[i].pair], samples[i], wanted.in(pairs[samples[i].pair].env));
     for (int k = 0; k < list.n; ++k) node[start[i] + k] = list.id[k];
   });
 }

@@ -64,10 +64,11 @@ struct NodeList {
       for (int k = 0; k < 3; ++k) add(s.surface.triangles[ring.list[j]].v[k]);
   }
 };
-MORTISE_HD inline NodeList nodes_of(const MortarView& s, const Pair& p, const Sample& sample) {
+// Where its motion is not wanted they are those alone: sums of forces then have the terms, and the bits, that they have without.
+MORTISE_HD inline NodeList nodes_of(const MortarView& s, const Pair& p, const Sample& sample, bool moving) {
   NodeList out;
   for (int k = 0; k < points_of(p); ++k) out.id[out.n++] = point_of(p, k);
-  if (sample.kind == SampleKind::face) return out;
+  if (sample.kind == SampleKind::face || !moving) return out;
   for (int k = 0; k < 3; ++k) out.add(s, over_side(s, p.slave, k));
   out.add(s, around(s, p.master, sample));
   return out;
