@@ -225,7 +225,7 @@ TEST(Batch, AutomaticStiffnessWhileOthersCutTheirSteps) {
   barrier.replace(barrier.find("{d_hat: 1 mm, stiffness: 50 kPa}"), 32, "{}");
   for (const std::string& scene : {barrier, layer}) {
     const bool mortar = scene == layer;
-    const std::vector<Told> told = expect_told_alone(scene, few, kEnvironments, 5, mortar ? "mortar" : "barrier");
+    const std::vector<Told> told = expect_told_alone(scene, few, kEnvironments, 10, mortar ? "mortar" : "barrier");
     const auto less = [](const Told& a, const Told& b) { return a.substeps < b.substeps; };
     EXPECT_LT(std::min_element(told.begin(), told.end(), less)->substeps, std::max_element(told.begin(), told.end(), less)->substeps)
         << "they have to differ for this test to mean something";
