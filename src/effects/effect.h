@@ -61,6 +61,8 @@ class Effect {
   virtual void sample(Linearisation& at) { (void)at; }
   // And how they change with the state.
   virtual void sample_changes(Linearisation& at) { (void)at; }
+  // Are the matrix and what it lacks of `at`, linearised with everything that moves, the whole Jacobian of the forces?
+  virtual bool complete(const Linearisation& at) const { return (void)at, true; }
   // Of a follower: the contact effect whose samples it wants. Takes over the lagged quantities (friction's normal forces) from them; `at` keeps
   // them while it is filled at other states.
   virtual std::string_view follows() const { return {}; }

@@ -14,7 +14,6 @@ struct Linearisation {
   // blocks take part.
   linalg::RankOnes unsymmetric;
   linalg::StencilSet beside;
-  bool complete = true;  // together they are the whole Jacobian of the forces, where that was wanted with all that samples do
   linalg::StencilSet& of_unsymmetric() { return beside.size() > 0 ? beside : stencils; }
   bool shaped = false;  // the blocks of `stencils` are written: for effects that always have the same
   // Samples of a contact effect, once sample() was called.

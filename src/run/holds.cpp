@@ -86,13 +86,19 @@ bool Holds::given(const std::string& body) const {
     const Step& step = ways_.at(*at);
     at = &step.to;
     if (step.joint < 0) continue;
-    const Joint* joint = &joints_[step.joint];
-    if (joint->fixed) continue;
-    for (std::size_t turns = 0; !joint->leader.empty() && turns < joints_.size(); ++turns) joint = &joints_[by_name_.at(joint->leader)];
-    const auto motor = motors_.find(joint->name);
+    const Joint& joint = joints_[step.joint];
+    if (joint.fixed) continue;
+    const auto motor = motors_.find(leader(joint).first->name);
     if (motor == motors_.end() || !motor->second.kinematic) return false;
   }
   return true;
+}
+
+std::pair<const Holds::Joint*, double> Holds::leader(const Joint& joint) const {
+  std::pair<const Joint*, double> out{&joint, 1};
+  for (std::size_t turns = 0; !out.first->leader.empty() && turns < joints_.size(); ++turns)
+    out.second *= out.first->ratio, out.first = &joints_[by_name_.at(out.first->leader)];
+  return out;
 }
 
 const std::string* Holds::tied_to(const std::string& body) const {
@@ -136,10 +142,7 @@ double Holds::give(const std::string& body, const Load& load, const State& state
       if (joint.has_coordinate()) {
         // The load is on the side of `body`, or on that of `to`.
         const double along = (joint.body == *at ? 1 : -1) * axis.dot(joint.slides ? load.force : moment);
-        double ratio = 1;
-        const Joint* leader = &joint;
-        for (std::size_t turns = 0; !leader->leader.empty() && turns < joints_.size(); ++turns)
-          ratio *= leader->ratio, leader = &joints_[by_name_.at(leader->leader)];
+        const auto [leader, ratio] = this->leader(joint);
         Coordinate& c = led[leader->name];
         c.moment += ratio * along, c.size = std::max(c.size, std::abs(ratio) * (joint.slides ? 1 : size));
         if (const auto motor = motors_.find(joint.name); leader != &joint && motor != motors_.end()) c.spring += ratio * ratio * motor->second.spring;

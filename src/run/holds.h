@@ -69,6 +69,8 @@ class Holds {
   struct Coordinate {
     double moment = 0, spring = 0, size = 0;
   };
+  // Who leads a joint, by how much: the end of its chain of mimicry.
+  std::pair<const Joint*, double> leader(const Joint& joint) const;
   double stiffness(const Joint& joint, double moment, const Load& load, const State& state) const;
   double stop(const Joint& joint, const State& state) const;
 

@@ -57,7 +57,7 @@ effects::Want Direction::want(const EnvTable& envs) {
   for (Index e = 0; e < envs.size(); ++e) {
     if (!envs.is(e, EnvState::running)) continue;
     moving[e] = envs[e].moving;
-    whole = whole || envs[e].whole || envs[e].moving;
+    whole = whole || envs[e].unsymmetric();
   }
   effects::Want out{true, curvature_.wanted(), whole};
   if (!any(moving)) return out;
@@ -73,7 +73,7 @@ bool Direction::begin(const device::Buffer<Vec3>& q, const Residual& r, const st
   supports_move_ = largest_of(r.support_gap) > 0;
   x_.resize(system_.rows.count());
   EnvMask plain = envs.mask(EnvState::running), whole = plain;
-  for (Index e = 0; e < envs.size(); ++e) (envs[e].whole || envs[e].moving ? plain : whole)[e] = 0;
+  for (Index e = 0; e < envs.size(); ++e) (envs[e].unsymmetric() ? plain : whole)[e] = 0;
   const auto measure = [&](device::Fetch& fetch) {
     measured_ = envs.mask(EnvState::running);
     longest_.assign(envs.size(), 0.0);

@@ -23,18 +23,19 @@ enum class EnvState : std::uint8_t {
 
 struct EnvStatus {
   EnvState state = EnvState::running;
-  double alpha = 0;                // share of the last step that was taken; 0 before the first
-  double step = 0;                 // longest move of a block in the last step at full length [m]
-  double force = 0;                // residual before the last iteration [N]; 0 before the first
-  double energy = 0;               // Phi there [J],
-  double concave = 0;              // and how much of its negative curvature the matrix kept
-  bool whole = false;              // lagged quantities are those of every iterate, and directions those of the whole Jacobian
-  bool moving = false;             // so are those of what is frozen beside them (moving_policy.h)
-  bool arrived = false;            // supports stand on their targets
-  bool may_couple = false;         // the coupled iteration may be tried,
-  double couple_below = INFINITY;  // where a residual is less than this [N]: farther away it has failed
-  int coupled = 0;                 // times that it has failed in this step
-  std::string reason;              // of a failure
+  double alpha = 0;                                     // share of the last step that was taken; 0 before the first
+  double step = 0;                                      // longest move of a block in the last step at full length [m]
+  double force = 0;                                     // residual before the last iteration [N]; 0 before the first
+  double energy = 0;                                    // Phi there [J],
+  double concave = 0;                                   // and how much of its negative curvature the matrix kept
+  bool whole = false;                                   // lagged quantities are those of every iterate, and directions those of the whole Jacobian
+  bool moving = false;                                  // so are those of what is frozen beside them (moving_policy.h)
+  bool unsymmetric() const { return whole || moving; }  // its directions are of more than the Hessian
+  bool arrived = false;                                 // supports stand on their targets
+  bool may_couple = false;                              // the coupled iteration may be tried,
+  double couple_below = INFINITY;                       // where a residual is less than this [N]: farther away it has failed
+  int coupled = 0;                                      // times that it has failed in this step
+  std::string reason;                                   // of a failure
 };
 
 class EnvTable {

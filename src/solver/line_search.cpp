@@ -149,7 +149,7 @@ void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const st
         alpha[e] *= 0.5;
       } else {
         // A direction that is not the energy's own may end in its rounding before its slope does.
-        if (envs[e].whole || envs[e].moving)
+        if (envs[e].unsymmetric())
           envs[e].state = EnvState::stuck;
         else
           envs.fail(e, "the line search found no descent");

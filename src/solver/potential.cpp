@@ -128,8 +128,8 @@ void Potential::jacobian_product(Linearised& at, bool transposed, device::View<c
 }
 
 bool Potential::complete(const Linearised& at) const {
-  for (const auto& one : at.of)
-    if (!one->complete) return false;
+  for (std::size_t k = 0; k < effects_.size(); ++k)
+    if (!effects_[k]->complete(*at.of[k])) return false;
   return follows_locally(at);
 }
 

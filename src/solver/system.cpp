@@ -132,9 +132,14 @@ linalg::Operator System::whole(Linearised& at, const linalg::BlockMatrix& A) {
 }
 
 linalg::Operator System::jacobian(Linearised& at, bool transposed) {
-  return [this, &at, transposed](device::View<const Vec3> in, device::View<Vec3> out) {
+  return on_rows(
+      [this, &at, transposed](device::View<const Vec3> in, device::Buffer<Vec3>& out) { potential.jacobian_product(at, transposed, in, out); });
+}
+
+linalg::Operator System::on_rows(BlockProduct product) {
+  return [this, product = std::move(product)](device::View<const Vec3> in, device::View<Vec3> out) {
     to_blocks(in, {}, EnvMask(model.envs, 1), way_);
-    potential.jacobian_product(at, transposed, std::as_const(way_).view(), force_);
+    product(std::as_const(way_).view(), force_);
     device::clear(out.p, out.n * sizeof(Vec3));
     add_to_rows(std::as_const(force_).view(), model.working(rows.env), rows.block.view(), rows.projector.view(), out);
   };

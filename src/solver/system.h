@@ -1,5 +1,7 @@
 #pragma once
 // The equations of a step: all effects at a state, what is left of their forces, and the matrix over the blocks that are free.
+#include <functional>
+
 #include "linalg/block_matrix.h"
 #include "linalg/elimination.h"
 #include "linalg/gmres.h"
@@ -39,7 +41,10 @@ class System {
   void matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& whose, linalg::BlockMatrix& A, device::Fetch& now, device::Fetch& later);
   // y = P T^T (H + U) T P x on the rows, with the matrix A of H, and U of `at` (Potential::unsymmetric_product).
   linalg::Operator whole(Linearised& at, const linalg::BlockMatrix& A);
-  // The same of an `at` with everything that moves in U, by stencils alone; or with (H + U)^T. The pieces of forces in `at` are used up.
+  // y = P T^T B T P x on the rows, for a product with B over all blocks, which folds it.
+  using BlockProduct = std::function<void(device::View<const Vec3> in, device::Buffer<Vec3>& out)>;
+  linalg::Operator on_rows(BlockProduct product);
+  // The same as `whole` of an `at` with everything that moves in U, by stencils alone; or with (H + U)^T. The pieces of forces in `at` are used up.
   linalg::Operator jacobian(Linearised& at, bool transposed);
   // -P (g + Hc), where Hc may be empty.
   void right_hand_side(const Linearised& at, device::View<const Vec3> Hc, device::Buffer<Vec3>& rhs) const;

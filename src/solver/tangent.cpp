@@ -59,12 +59,7 @@ void Tangent::solve(device::View<const Vec3> f, bool transposed, device::Buffer<
   x.zero();
   if (f.n == 0) return;
   const EnvMask all(1, 1);
-  const linalg::Operator J = [&](device::View<const Vec3> in, device::View<Vec3> out) {
-    system_.to_blocks(in, {}, all, way_);
-    product(std::as_const(way_).view(), transposed, force_);
-    device::clear(out.p, out.n * sizeof(Vec3));
-    add_to_rows(std::as_const(force_).view(), system_.model.working(system_.rows.env), system_.rows.block.view(), system_.rows.projector.view(), out);
-  };
+  const linalg::Operator J = system_.on_rows([&](device::View<const Vec3> in, device::Buffer<Vec3>& out) { product(in, transposed, out); });
   const std::vector<double> f2 = dot(f, f, system_.rows.env);
   if (!std::isfinite(f2[0])) throw Failure{"a force is not finite"};
   const double wanted = assembled_ || transposed ? tuning::kTangent : tuning::kTangentByDifferences;

@@ -5,7 +5,7 @@
 //   J^T x = f   its adjoint: what a functional with the gradient f would change by per newton at every block [.../N].
 //
 // J is H + U with what moves (potential.h), solved by GMRES with a factor of H. Where an effect says that something is missing
-// (Linearisation::complete) products J v are central differences of forces; J^T lacks those terms then, which is good enough for estimates.
+// (Effect::complete) products J v are central differences of forces; J^T lacks those terms then, which is good enough for estimates.
 #include <memory>
 
 #include "solver/linear.h"
@@ -38,7 +38,7 @@ class Tangent {
   Linearised at_, beside_;
   linalg::BlockMatrix matrix_;
   bool assembled_ = true;
-  device::Buffer<Vec3> q_, forces_, moved_, way_, force_;  // of the state; work space
+  device::Buffer<Vec3> q_, forces_, moved_;  // of the state; work space
 };
 
 }  // namespace mortise::solver

@@ -77,7 +77,7 @@ struct Problem {
     fd::Matrix sum = fd::Matrix::Zero(x.size(), x.size());
     for (auto& effect : effects) {
       effects::Linearisation& at = effect->here();
-      EXPECT_TRUE(at.complete);
+      EXPECT_TRUE(effect->effect->complete(at));
       sum += fd::dense(at.stencils, x.size(), true).hessian;
       // U d for every unit vector d
       for (Eigen::Index i = 0; i < x.size() && at.unsymmetric.any(); ++i) {

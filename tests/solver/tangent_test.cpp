@@ -27,7 +27,6 @@ class Unsymmetric final : public effects::Effect {
   std::unique_ptr<effects::Linearisation> linearisation() const override { return field_.linearisation(); }
   void linearise(effects::Positions q, effects::Want want, effects::Linearisation& at) override {
     field_.linearise(q, want, at);
-    at.complete = complete_;
     const Index blocks = at.stencils.blocks().n;
     at.unsymmetric.resize(want.whole ? 1 : 0, blocks);
     if (!want.whole) return;
@@ -35,6 +34,7 @@ class Unsymmetric final : public effects::Effect {
     at.unsymmetric.right.upload(std::vector<Vec3>(blocks, kRight));
   }
   void energy(effects::Positions, const effects::Linearisation&, device::EnvValues) override {}
+  bool complete(const effects::Linearisation&) const override { return complete_; }
 
  private:
   bool complete_;

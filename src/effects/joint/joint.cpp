@@ -155,11 +155,16 @@ class Joints final : public Effect {
     equations_.checkpoint(archive);
   }
 
-  // Of the same joints, where the blocks move with v.
-  std::vector<double> rates_of(Positions q, Positions v) const {
+  // The coordinates that there are.
+  device::Buffer<model::Coordinate> those_that_move() const {
     std::vector<model::Coordinate> list;
     for (Index j : moving_) list.push_back(model::coordinate_of(model_, model_.joints[j]));
-    const device::Buffer<model::Coordinate> all(list);
+    return device::Buffer<model::Coordinate>(list);
+  }
+
+  // Their rates, where the blocks are at q and move with v.
+  std::vector<double> rates_of(Positions q, Positions v) const {
+    const device::Buffer<model::Coordinate> all = those_that_move();
     device::Buffer<double> rate(all.size());
     const View<double> out = rate.view();
     const View<const model::Coordinate> of = all.view();
@@ -171,9 +176,7 @@ class Joints final : public Effect {
 
   // Of all joints that have one, at q; turns counted from the accepted state.
   std::vector<double> coordinates(Positions q) const {
-    std::vector<model::Coordinate> list;
-    for (Index j : moving_) list.push_back(model::coordinate_of(model_, model_.joints[j]));
-    const device::Buffer<model::Coordinate> all(list);
+    const device::Buffer<model::Coordinate> all = those_that_move();
     device::Buffer<double> value(all.size());
     const View<double> out = value.view();
     const View<const model::Coordinate> of = all.view();

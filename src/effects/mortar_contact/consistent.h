@@ -16,10 +16,9 @@ namespace mortise::effects::mortar {
 
 // How far slave triangle t is bent against its neighbour over side k: 0 where they lie in one plane, 1 from 1 degree on.
 MORTISE_HD inline double bend(const MortarView& s, Index t, int k, const Vec3& n) {
-  const Index edge = s.topology.triangle_edge[3 * t + (k + 1) % 3];
+  const Ring ring = over_side(s, t, k);
   double largest = 0;
-  for (Index j = s.topology.edge_offset[edge]; j < s.topology.edge_offset[edge + 1]; ++j)
-    largest = std::fmax(largest, 1 - n.dot(s.normal[s.topology.edge_triangle[j]]));
+  for (Index j = ring.begin; j < ring.end; ++j) largest = std::fmax(largest, 1 - n.dot(s.normal[ring.list[j]]));
   return hermite(largest / tuning::kBent);
 }
 

@@ -13,7 +13,6 @@ inline constexpr Index kGap = 0, kFirstMoved = 1, kFirstTurn = kFirstMoved + kMo
 }  // namespace
 
 void sample_changes(const MortarView& view, FrozenSamples& f, model::SampleChanges& out) {
-  if (!f.moving.any()) return out.resize(0, 0);
   out.resize(f.samples.size(), kFunctionals, f.moving.start, f.moving.node);
   const model::SampleChangesView to = out.view();
   const View<const Pair> pairs = f.pairs.view();
@@ -88,8 +87,8 @@ void follow(model::ContactView& contact, const model::PointMapView& point_map, l
   });
 }
 
-bool complete(const MortarView& s, const FrozenSamples& f) {
-  if (s.set.exact || s.set.averaged) return false;
+bool complete(const Settings& set, const FrozenSamples& f) {
+  if (set.exact || set.averaged) return false;
   const View<const std::uint8_t> partly = f.moving.partly.view();
   return device::sum("mortar_contact.partly", partly.n, [=] MORTISE_HD(Index i) { return partly[i] ? 1.0 : 0.0; }) == 0;
 }

@@ -17,6 +17,17 @@ MORTISE_HD inline T height(const FacingOf<T>& f, const T M[3]) {
   return M[0] * f.height[0] + M[1] * f.height[1] + M[2] * f.height[2];
 }
 
+// Triangles list[begin] ... list[end - 1].
+struct Ring {
+  View<const Index> list;
+  Index begin = 0, end = 0;
+};
+// At the side of a triangle where barycentric k is 0: it and its neighbours.
+MORTISE_HD inline Ring over_side(const MortarView& s, Index triangle, int k) {
+  const Index edge = s.topology.triangle_edge[3 * triangle + (k + 1) % 3];
+  return {s.topology.edge_triangle, s.topology.edge_offset[edge], s.topology.edge_offset[edge + 1]};
+}
+
 // How much of what lies at gap g above the slave's point N a master hides: it must lie in between, and hides less and less outside of
 // its rim, up to as far as the distance of the two. Stacked layers must not add up.
 MORTISE_HD inline double covers(const Facing& f, const Triangle& t, View<const Vec3> y, const double N[3], double g) {

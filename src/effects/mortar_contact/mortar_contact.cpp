@@ -182,17 +182,18 @@ class MortarContact final : public Effect {
   }
   void follow(Moving wanted, MortarLinearisation& at) {
     at.unsymmetric.resize(0, 0);
-    at.complete = wanted.wanted && complete(view(at), at.frozen);
     if (!wanted.wanted) return;
-    sample(at), sample_changes(at);
+    sample(at);
+    mortar::sample_changes(view(at), at.frozen, at.contact.changes);
     mortar::follow(at.contact, model_.point_map(), at.beside, at.unsymmetric);
   }
 
   void sample(Linearisation& at) override { samples(view(of_mortar(at)), of_mortar(at).frozen, at.contact); }
-  void sample_changes(Linearisation& out) override {
-    MortarLinearisation& at = of_mortar(out);
-    mortar::sample_changes(view(at), at.frozen, at.contact.changes);
+  // They are there where they are known.
+  void sample_changes(Linearisation& at) override {
+    if (!of_mortar(at).frozen.moving.any()) at.contact.changes.resize(0, 0);
   }
+  bool complete(const Linearisation& at) const override { return mortar::complete(set_, of_mortar(at).frozen); }
 
   void energy(Positions q, const Linearisation& frozen, device::EnvValues per_env) override {
     const MortarLinearisation& at = of_mortar(frozen);

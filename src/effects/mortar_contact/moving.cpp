@@ -108,6 +108,18 @@ struct Trace {
   }
 };
 
+// Of every piece whose samples' motion is wanted.
+struct Traces {
+  Places places;
+  View<const Sample> samples;
+  MovingView moving;
+  View<std::uint8_t> partly;
+  Moving wanted;
+  Traces(const Places& at, FrozenSamples& f)
+      : places(at), samples(std::as_const(f.samples).view()), moving(view_of(f.moving)), partly(f.moving.partly.view()), wanted(f.moving.wanted) {}
+  MORTISE_HD Trace of(Index place) const { return {places, places.first[place], places.first[place + 1], samples, moving, partly}; }
+};
+
 struct Follow {
   Trace trace;
   const Couple& couple;
@@ -137,16 +149,12 @@ struct Follow {
 template <class Part, class Weights>
 void follow_part(const Stage& stage, const Weights weights, const Places& places, FrozenSamples& out) {
   const Stage s = stage;
-  const Places at = places;
-  const View<const Sample> samples = std::as_const(out.samples).view();
-  const MovingView moving = view_of(out.moving);
-  const View<std::uint8_t> partly = out.moving.partly.view();
-  const Moving wanted = out.moving.wanted;
+  const Traces traces(places, out);
   device::parallel_for("mortar_contact.moving", Part::kCount * s.master.n, [=] MORTISE_HD(Index i) {
     const Index c = i / Part::kCount, piece = i % Part::kCount, place = kPieces * c + Part::kFirst + piece, master = s.master[c];
-    if (!s.near[c] || !at.any(place)) return;
+    if (!s.near[c] || !traces.places.any(place)) return;
     const Patch& patch = s.patch(c);
-    if (!wanted.in(s.env(patch))) return;
+    if (!traces.wanted.in(s.env(patch))) return;
     const FaceNodes on = s.s.nodes_of(patch.slave), under = s.s.nodes_of(master);
     const Index* v = s.s.surface.triangles[master].v;
     const Vec3 corner[3] = {s.y[v[0]], s.y[v[1]], s.y[v[2]]};
@@ -155,7 +163,7 @@ void follow_part(const Stage& stage, const Weights weights, const Places& places
       SlaveOf<J> slave;
       FacingOf<J> facing;
       couple.see(round, slave, facing);
-      Follow follow{{at, at.first[place], at.first[place + 1], samples, moving, partly}, couple, s.s, s.y, on, under, round};
+      Follow follow{traces.of(place), couple, s.s, s.y, on, under, round};
       Part::show(Sampler<J, Weights, Follow>(s.s, slave, facing, master, patch.plane.n, weights, follow), piece);
     }
   });
@@ -180,16 +188,12 @@ struct FollowPlane {
 
 void follow_planes(const Stage& stage, const Places& places, FrozenSamples& out) {
   const Stage s = stage;
-  const Places at = places;
-  const View<const Sample> samples = std::as_const(out.samples).view();
-  const MovingView moving = view_of(out.moving);
-  const View<std::uint8_t> partly = out.moving.partly.view();
-  const Moving wanted = out.moving.wanted;
+  const Traces traces(places, out);
   device::parallel_for("mortar_contact.moving", s.s.planes.n > 0 ? kPlanePieces * s.master.n : 0, [=] MORTISE_HD(Index i) {
     const Index c = i / kPlanePieces, piece = i % kPlanePieces, place = kPieces * c + piece;
-    if (s.master[c] >= 0 || !at.any(place)) return;
+    if (s.master[c] >= 0 || !traces.places.any(place)) return;
     const Patch& p = s.patch(c);
-    if (!wanted.in(s.env(p))) return;
+    if (!traces.wanted.in(s.env(p))) return;
     const contact::Plane plane = s.s.planes[-1 - s.master[c]];
     const FaceNodes on = s.s.nodes_of(p.slave);
     SlaveOf<J> slave;
@@ -199,10 +203,7 @@ void follow_planes(const Stage& stage, const Places& places, FrozenSamples& out)
     for (int k = 0; k < 3; ++k) corner[k] = J::variable(h[on.vertex(k)].a, k);
     const double half = -0.5 * s.s.set.pass_weight;
     const J shadow = J::variable(s.s.set.pass_weight * -p.plane.n.dot(plane.normal) * p.area, 3);
-    FollowPlane follow{{at, at.first[place], at.first[place + 1], samples, moving, partly},
-                       on,
-                       plane.normal,
-                       {half * p.plane.e2.cross(plane.normal), half * plane.normal.cross(p.plane.e1)}};
+    FollowPlane follow{traces.of(place), on, plane.normal, {half * p.plane.e2.cross(plane.normal), half * plane.normal.cross(p.plane.e1)}};
     sample_plane(s.s, slave, shadow, corner, h, static_cast<int>(piece), follow);
   });
 }

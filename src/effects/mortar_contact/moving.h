@@ -23,13 +23,13 @@ MovingView view_of(Motion& moving);
 template <class Weights>
 void find_moving(const Stage& stage, Moving wanted, const Weights& weights, const Places& places, FrozenSamples& out);
 
-// How what is published of every sample changes; nothing where its motion is not known, and with its frozen gap alone in other environments.
+// How what is published of every sample changes: in environments that do not want its motion with its frozen gap alone.
 void sample_changes(const MortarView& s, FrozenSamples& f, model::SampleChanges& out);
 
 // What the changes of a contact's samples add to the Jacobian of minus its forces, beyond the frozen Hessian.
 void follow(model::ContactView& contact, const model::PointMapView& map, linalg::StencilSet& beside, linalg::RankOnes& out);
 
 // Is that all of the Jacobian?
-bool complete(const MortarView& s, const FrozenSamples& f);
+bool complete(const Settings& set, const FrozenSamples& f);
 
 }  // namespace mortise::effects::mortar

@@ -21,23 +21,10 @@ MORTISE_HD inline Frame frame_of(const FaceNodes& on, View<const Vec3> y) {
   return {y[on.point[on.vertex(1)]] - a, y[on.point[on.vertex(2)]] - a};
 }
 
-// Triangles list[begin] ... list[end - 1].
-struct Ring {
-  View<const Index> list;
-  Index begin = 0, end = 0;
-};
-// Over side k of a slave (bend() in consistent.h).
-MORTISE_HD inline Ring over_side(const MortarView& s, Index slave, int k) {
-  const Index edge = s.topology.triangle_edge[3 * slave + (k + 1) % 3];
-  return {s.topology.edge_triangle, s.topology.edge_offset[edge], s.topology.edge_offset[edge + 1]};
-}
 // Around the edge or vertex of the master that a sample sits on.
 MORTISE_HD inline Ring around(const MortarView& s, Index master, const Sample& sample) {
   for (int k = 0; k < 3; ++k) {
-    if (sample.kind == SampleKind::edge && sample.M[k] == 0) {
-      const Index edge = s.topology.triangle_edge[3 * master + (k + 1) % 3];
-      return {s.topology.edge_triangle, s.topology.edge_offset[edge], s.topology.edge_offset[edge + 1]};
-    }
+    if (sample.kind == SampleKind::edge && sample.M[k] == 0) return over_side(s, master, k);
     if (sample.kind == SampleKind::point && sample.M[k] == 1) {
       const Index v = s.surface.triangles[master].v[k];
       return {s.topology.point_triangle, s.topology.point_offset[v], s.topology.point_offset[v + 1]};

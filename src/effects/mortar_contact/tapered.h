@@ -13,10 +13,10 @@ MORTISE_HD inline bool goes_on(const MortarView& s, const Vec3& n, Index t) { re
 
 // One over the number of slave triangles that find what lies on side k of `slave`.
 MORTISE_HD inline double side_multiplicity(const MortarView& s, Index slave, const Vec3& n, int k) {
-  const Index edge = s.topology.triangle_edge[3 * slave + (k + 1) % 3];
+  const Ring ring = over_side(s, slave, k);
   Index count = 0;
-  for (Index j = s.topology.edge_offset[edge]; j < s.topology.edge_offset[edge + 1]; ++j)
-    if (goes_on(s, n, s.topology.edge_triangle[j])) ++count;
+  for (Index j = ring.begin; j < ring.end; ++j)
+    if (goes_on(s, n, ring.list[j])) ++count;
   return count > 1 ? 1.0 / count : 1;
 }
 
