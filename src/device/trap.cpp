@@ -167,10 +167,14 @@ void start() {
   const char* limit = std::getenv("MORTISE_DEBUG_MEMORY_MIB");
   a.limit = limit && std::atof(limit) > 0 ? static_cast<std::size_t>(std::atof(limit) * (1 << 20))
                                           : static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-  void* p = mmap(nullptr, kReserved, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  // The first block lies kStep behind a multiple of 2^32: two integers side by side in a closure, the lower one below kStep, are no address of a block.
+  constexpr std::size_t kHalf = std::size_t{1} << 32;
+  void* p = mmap(nullptr, kReserved + 2 * kHalf, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (p == MAP_FAILED) throw Error(Exit::device, "debug device: cannot reserve addresses");
-  madvise(p, kReserved, MADV_HUGEPAGE);  // fewer pages to protect at every launch
-  a.base = a.top = a.next = static_cast<char*>(p);
+  a.base = a.top = a.next = reinterpret_cast<char*>((reinterpret_cast<std::uintptr_t>(p) / kHalf + 1) * kHalf + kStep);
+  munmap(p, static_cast<std::size_t>(a.base - static_cast<char*>(p)));
+  munmap(a.base + kReserved, static_cast<std::size_t>(static_cast<char*>(p) + 2 * kHalf - a.base));
+  madvise(a.base, kReserved, MADV_HUGEPAGE);  // fewer pages to protect at every launch
   void* frame[1];
   backtrace(frame, 1);  // loads what it needs now, not in the handler
   struct sigaction action {};
@@ -232,7 +236,7 @@ void check_range(const void* p, std::size_t bytes, const char* what) {
 }
 
 void check_closure(const char* kernel, const void* closure, std::size_t bytes) {
-  // Doubles and pairs of small integers have other upper halves than the addresses of programs, heaps and stacks.
+  // Doubles, and integers in pairs whose second one is outside 20,480..32,767, have other upper halves than the addresses of programs, heaps and stacks.
   constexpr std::uint64_t kLeast = 0x5000ull << 32, kEnd = 0x8000ull << 32;
   for (std::size_t at = 0; at + 8 <= bytes; at += 8) {
     std::uint64_t word;
@@ -245,8 +249,8 @@ void check_closure(const char* kernel, const void* closure, std::size_t bytes) {
     };
     if (inside(p)) {
       const std::lock_guard lock(arena().mutex);
-      const auto* block = find(p);
-      if (!block || !block->second.live) complain("a stale address: " + describe(p));
+      const auto* block = find(p);  // none: two integers, no address that was ever given out
+      if (block && !block->second.live) complain("a stale address: " + describe(p));
     } else if (mapped(word)) {
       complain("an address of host memory, which means nothing on a GPU");
     }

@@ -104,6 +104,22 @@ TEST_F(Trap, NumbersAreNoAddresses) {
               testing::ExitedWithCode(0), "");
 }
 
+// The second of two integers side by side can be the upper half of the addresses of buffers.
+TEST_F(Trap, PairsOfIntegersAreNoAddresses) {
+  EXPECT_EXIT(run([] {
+                Buffer<double> a(std::vector<double>(10, 1.0)), released(1 << 20);
+                released = Buffer<double>();
+                const auto upper = static_cast<Index>(reinterpret_cast<std::uint64_t>(a.view().p) >> 32);
+                for (const Index lower : {4, 30000, 5000000}) {
+                  struct Pair {
+                    Index lower, upper;
+                  } pair{lower, upper};
+                  parallel_for("pairs", 10, [pair, v = a.view()](Index i) { v[i] += pair.lower + pair.upper; });
+                }
+              }),
+              testing::ExitedWithCode(0), "");
+}
+
 TEST_F(Trap, ViewsOfReleasedBuffersAreStale) {
   EXPECT_EXIT(run([] {
                 Buffer<double> a(10);
