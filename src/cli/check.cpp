@@ -36,9 +36,9 @@ std::string summary(const Params& scene) {
 }
 
 // All that would keep a run of the scene from its first step.
-void check_run(const Params& scene, const std::string& called, std::set<std::string>& warned) {
+void check_run(const Params& scene, const std::string& called, std::set<std::string>& warned, const std::vector<Params>& resets = {}) {
   const model::ModelInput input = engine::make_input(scene);
-  run::check_start(scene, input);
+  run::check_start(scene, input, resets);
   for (const std::string& w : run::warnings(input))
     if (warned.insert(w).second) std::cerr << "warning: " << called << w << "\n";
 }
@@ -68,7 +68,7 @@ int cmd_check(const CheckOptions& o) {
     const scene::Scene one = scene::environment_of(scene, o.overrides, tables, e);
     if (o.quick) continue;
     try {
-      check_run(one.root, called, warned);
+      check_run(one.root, called, warned, scene.root.at("environments").at("reset").items());
     } catch (const Error& error) {
       throw Error(error.code(), called + error.what());
     }

@@ -167,7 +167,8 @@ void start() {
   const char* limit = std::getenv("MORTISE_DEBUG_MEMORY_MIB");
   a.limit = limit && std::atof(limit) > 0 ? static_cast<std::size_t>(std::atof(limit) * (1 << 20))
                                           : static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-  // The first block lies kStep behind a multiple of 2^32: two integers side by side in a closure, the lower one below kStep, are no address of a block.
+  // The first block lies kStep behind a multiple of 2^32: two integers side by side in a closure, the lower one below kStep, are no address of a
+  // block.
   constexpr std::size_t kHalf = std::size_t{1} << 32;
   void* p = mmap(nullptr, kReserved + 2 * kHalf, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (p == MAP_FAILED) throw Error(Exit::device, "debug device: cannot reserve addresses");
@@ -236,7 +237,8 @@ void check_range(const void* p, std::size_t bytes, const char* what) {
 }
 
 void check_closure(const char* kernel, const void* closure, std::size_t bytes) {
-  // Doubles, and integers in pairs whose second one is outside 20,480..32,767, have other upper halves than the addresses of programs, heaps and stacks.
+  // Doubles, and integers in pairs whose second one is outside 20,480..32,767, have other upper halves than the addresses of programs, heaps and
+  // stacks.
   constexpr std::uint64_t kLeast = 0x5000ull << 32, kEnd = 0x8000ull << 32;
   for (std::size_t at = 0; at + 8 <= bytes; at += 8) {
     std::uint64_t word;

@@ -36,6 +36,23 @@ class CoordinateEnergy {
         per_env);
   }
 
+  // Of laws that hold energy: how much at q, and what of the forces there that holds it does along `move`, with the other sign.
+  void stored(const char* kernel, Positions q, Positions move, device::EnvValues held, device::EnvValues along) const {
+    if (items_.empty()) return;
+    const View<const Item> list = items_.view();
+    device::env_sum(
+        kernel, env_offset_, [=] MORTISE_HD(Index i) { return list[i].law.stored(model::coordinate(list[i].of, model::reading(list[i].of, q))); },
+        held);
+    device::env_sum(
+        kernel, env_offset_,
+        [=] MORTISE_HD(Index i) {
+          const model::HingeDirections d = model::reading(list[i].of, q);
+          return list[i].law.storing(model::coordinate(list[i].of, d)) *
+                 model::coordinate_rate(list[i].of, d, model::reading(list[i].of, move, true));
+        },
+        along);
+  }
+
   void linearise(const char* kernel, const model::Model& model, Positions q, Want want, Linearisation& at) const {
     if (items_.empty()) return;
     const bool fresh = want.forces && at.stencils.resize_uniform(items_.size(), model::kCoordinateBlocks);

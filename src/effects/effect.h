@@ -20,6 +20,11 @@ namespace mortise::effects {
 using device::View;
 using Positions = View<const Vec3>;  // one 3-vector per block
 
+// What a motor holds of energy, of every environment [J].
+struct Held {
+  std::vector<double> at_last, begin, end, along;
+};
+
 struct StepInfo {
   double t0 = 0;   // time at the start of the step [s]
   double dt = 0;   // its length [s]; in static mode a share of pseudo-time
@@ -84,6 +89,9 @@ class Effect {
   // minus its energy at q; it goes to `gain`, and the kinetic energy T(q_n) that there was to `there` [J].
   virtual bool second_order(Index env) const { return (void)env, false; }
   virtual void own_gain(Positions q, device::EnvValues gain, device::EnvValues there) { (void)q, (void)gain, (void)there; }
+  // Of a motor that holds energy and reports it: how much at the last accepted state, at the beginning of the step under way (which may pull
+  // elsewhere) and at q, its end; and the gradient of what holds it, at q, along the way `move` of the step.
+  virtual void hold(Positions q, Positions move, device::Fetch& fetch, Held& held) { (void)q, (void)move, (void)fetch, (void)held; }
   // Parameters that must fit the solution q of the very step are changed; raises per_env where the step has to be solved again with them,
   // from q or from its start. `at`: q. Nothing outlives a step that is given up.
   enum class Refit { none, from_here, from_start };

@@ -3,6 +3,7 @@
 #include "engine/api.h"
 #include "render/from_scene.h"
 #include "render/renderer.h"
+#include "run/reset_watch.h"
 #include "sensors/sensors.h"
 
 namespace mortise::run {
@@ -14,7 +15,7 @@ void must_succeed(const engine::Outcome& outcome) {
 
 }  // namespace
 
-std::unique_ptr<engine::Engine> check_start(const Params& scene, const model::ModelInput& input) {
+std::unique_ptr<engine::Engine> check_start(const Params& scene, const model::ModelInput& input, const std::vector<Params>& resets) {
   std::unique_ptr<engine::Engine> engine;
   must_succeed(engine::cpu_api().create(input, engine));
   sensors::Sensors sensors(input);
@@ -22,6 +23,7 @@ std::unique_ptr<engine::Engine> check_start(const Params& scene, const model::Mo
   Snapshot start;
   engine->report(start);
   sensors.read(start, points);
+  ResetWatch(resets, input).check(scene, start);
   if (scene.has("render") && scene.at("output").flag("pictures")) {
     render::SceneView view(scene, input.bodies);
     view.move(points);

@@ -13,6 +13,9 @@ class ResetWatch {
  public:
   ResetWatch(const std::vector<Params>& conditions, const model::ModelInput& input);
 
+  // Before a run, whose first state has only a part of what is reported later: throws Error(Exit::scene) for a quantity of what the scene does not
+  // have.
+  void check(const Params& scene, const Snapshot& start) const;
   // `step`: of the episode, 0 at its start, where nothing has been judged yet. Throws Error(Exit::scene) for a quantity that nobody reports.
   void see(long step, double time, const Snapshot& said, const std::vector<double>& points);
   bool due() const { return due_ >= 0; }
@@ -20,6 +23,8 @@ class ResetWatch {
   void checkpoint(Archive& archive);
 
  private:
+  [[noreturn]] static void unknown(const Params& condition, const Snapshot& said);
+
   std::vector<Params> conditions_;
   std::vector<MeasuredBody> bodies_;  // one per condition of a body, in their order
   long due_ = -1;                     // number of the condition

@@ -15,6 +15,14 @@ ForceBalance force_balance(const Snapshot& said) {
           std::fmax(said.at("balance/largest"), supports)};
 }
 
+namespace {
+
+bool at_a_stop(const Snapshot& said) {
+  return std::any_of(said.number.begin(), said.number.end(), [](const auto& n) { return n.first.ends_with("_stop") && n.second != 0; });
+}
+
+}  // namespace
+
 EnergyAudit::EnergyAudit(const model::ModelInput& input) : lag_(input) {
   std::size_t first = 0;
   for (const model::BodyInput& b : input.bodies) {
@@ -31,7 +39,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   // The work of a load is counted where its potential is.
   for (const std::string& load : loads_) r_.work_is_known = r_.work_is_known && now.said.has(load + "/energy");
   const double before = r_.total, all_before = all_;
-  const bool touches = contact_figures(now.said).pairs > 0;
+  const bool touches = contact_figures(now.said).pairs > 0 || at_a_stop(now.said);
   all_ = total(now);
   r_.total = all_ - turning(now);
   if (!points_before_.empty() && r_.work_is_known) {

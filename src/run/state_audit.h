@@ -44,8 +44,8 @@ class EnergyAudit {
     double gain = NAN;          // of this step: change of total less the work of supports [J]; NaN: the first state
     double largest_gain = NAN;  // of all steps so far [J]
     double scale = 0;           // largest energy of the run so far [J]
-    double free_loss = 0;       // of energy between states in which nothing touches, while nothing is driven: the time step's doing [J]
-    double motion_lag = NAN;    // motion_lag.h
+    double free_loss = 0;     // of energy between states in which nothing touches or is at a stop, while nothing is driven: the time step's doing [J]
+    double motion_lag = NAN;  // motion_lag.h
     bool work_is_known = true;  // false: loads do work whose potential is not reported, or nothing moves in time; then `gain` stays NaN
   };
   const Result& state(const StateReport& now);

@@ -68,6 +68,7 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
   std::vector<std::vector<double>> along(effects.size(), std::vector<double>(model_.envs, 0.0));
   std::vector<double> work(model_.envs, 0.0);
   std::vector<std::vector<double>> own(effects.size()), there(effects.size());  // of steps of second order
+  std::vector<effects::Held> motors(effects.size());
   device::Buffer<Vec3> move, held, offset;
   const bool measured = measures_ && !start_.empty();
   if (measured) {
@@ -81,6 +82,7 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
         if (any) effects[k]->own_gain(q, {own[k], fetch}, {there[k], fetch});
       } else if (effects[k]->kind().stores_energy() || effects[k]->kind().role == effects::Role::motor) {
         dot(at.gradients[k].view(), std::as_const(move).view(), model_.env_blocks, {along[k], fetch});
+        if (effects[k]->kind().role == effects::Role::motor) effects[k]->hold(q, std::as_const(move).view(), fetch, motors[k]);
       }
     dot(at.gradient.view(), std::as_const(held).view(), model_.env_blocks, {work, fetch});
     if (model_.ties.driven()) {
@@ -98,6 +100,11 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
     step.work = work[e];
     for (std::size_t k = 0; k < effects.size(); ++k) {
       if (effects[k]->kind().role == effects::Role::motor) step.work -= along[k][e];
+      if (const effects::Held& m = motors[k]; !m.end.empty()) {  // its springs: what they do is no work, what moves their other end is
+        step.work += m.along[e] + m.begin[e] - m.at_last[e];
+        step.gain += m.end[e] - m.begin[e] - m.along[e];
+        step.there += std::max(m.begin[e], m.end[e]);
+      }
       const double before = start_[k][e], after = known_[k][e];
       if (effects[k]->kind().stores_energy()) {
         step.gain += after - before - along[k][e];

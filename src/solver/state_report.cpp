@@ -126,7 +126,7 @@ void Simulation::report_balance(const FieldSinks& sinks) {
     const std::vector<Vec3> sums = resultants(forces_.of(k, newton_.at()).download());
     for (Index e = 0; e < model_.envs; ++e) {
       Vec3 f = -resultant(sums, e);
-      if (effects_[k]->kind().role == effects::Role::tie) f = ties->of_effect(effects_[k]->name(), e);
+      if (effects_[k]->kind().role == effects::Role::tie) f += ties->of_effect(effects_[k]->name(), e);
       put(e, std::string(effects_[k]->name()), f);
       total[e] += f;
     }

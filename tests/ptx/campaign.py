@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 """Runs scenes, benchmarks and test programs on the emulated GPU in checked mode, forwards and backwards, beside the CPU.
 
-  campaign.py BUILD [--short] [--only WORDS] [--jobs N] [--result FILE]
+  campaign.py BUILD [--short] [--only WORDS] [--go-on] [--jobs N] [--result FILE]
 
-Exit code 1 when something was reported, results differ, or (whole campaign) a kernel of the module never ran.
+A campaign takes hours on two cores: --go-on leaves out what passed before with these sources, and counts it. Exit code 1 when something was reported, results differ, or (whole campaign) a kernel of the module never ran.
 """
 import argparse
+import hashlib
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import time
@@ -123,24 +125,47 @@ def compare(a, b):
     return "alike", float(np.abs(x - y).max() / np.ptp(x, axis=0).max())
 
 
+def file_of(name):
+    return name.replace("/", "_").replace(" ", "_").replace(",", "")
+
+
+def sources():
+    """A digest of everything that the programs are made of."""
+    digest = hashlib.sha256()
+    for folder in ("src", "tests"):
+        for path in sorted((ROOT / folder).rglob("*")):
+            if path.suffix in (".h", ".cpp", ".cu", ".txt", ".c"):
+                digest.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
 class Campaign:
-    def __init__(self, build):
+    def __init__(self, build, go_on):
         self.build, self.out = build, build / "ptx" / "out"
         self.bin = build / "ptx" / "bin"
-        self.reports = self.out / "reports"
-        self.reports.mkdir(parents=True, exist_ok=True)
-        for old in self.reports.iterdir():
-            old.unlink()
+        self.reports, self.passed = self.out / "reports", self.out / "passed"
+        self.sources = sources()
+        stale = not go_on or not (self.passed / self.sources).exists()
+        for folder in (self.reports, self.passed):
+            if stale:
+                shutil.rmtree(folder, ignore_errors=True)
+            folder.mkdir(parents=True, exist_ok=True)
+        (self.passed / self.sources).touch()
+
+    def before(self, name):
+        """What an earlier call found of a job that passed; None where there is no such."""
+        path = self.passed / (file_of(name) + ".json")
+        return json.loads(path.read_text()) if path.exists() else None
 
     def report(self, name, order):
-        return self.reports / (f"{name} {order}".replace("/", "_").replace(" ", "_") + ".json")
+        return self.reports / file_of(name) / (order + ".json")
 
-    def said(self, files="*"):
+    def said(self, files="*/*"):
         return [json.loads(line) for path in sorted(self.reports.glob(files)) for line in path.read_text().splitlines()]
 
     def scene(self, name):
         path, values = SCENES[name]
-        folder = self.out / name.replace("/", "_").replace(" ", "_").replace(",", "")
+        folder = self.out / file_of(name)
         common = [self.bin / "mortise", "run", ROOT / path, "--overwrite", "--no-render", "-q", "--set", "output.precision=double"]
         for v in values:
             common += ["--set", v]
@@ -152,7 +177,7 @@ class Campaign:
             done, row[f"{order}_s"] = run([*common, "--device", "cuda", "-o", folder / order], self.report(name, order), order == "backwards")
             if done.returncode != 0:
                 return row | {"failed": f"{order}, exit code {done.returncode}: {done.stderr.strip()}"}
-            if not any(n for r in self.said(self.report(name, order).name + "*") for _, n, *_ in r["kernels"].values()):
+            if not any(n for r in self.said(f"{file_of(name)}/{order}*") for _, n, *_ in r["kernels"].values()):
                 return row | {"failed": f"{order}: no kernel ran"}
         row["cpu"], row["difference"] = compare(folder / "cpu" / "fields.vtkhdf", folder / "forwards" / "fields.vtkhdf")
         row["orders"] = compare(folder / "forwards" / "fields.vtkhdf", folder / "backwards" / "fields.vtkhdf")[0]
@@ -168,7 +193,7 @@ class Campaign:
         command = [self.bin / "mortise", "run", HERE / "scenes/barrier.yaml", "--no-render", "-q", "--device", "cuda", "--set", "output.precision=double", "--set", "output.checkpoint_every.steps=1", "--set", "time.steps=4"]
         row = {"name": name}
         for end, more in (("whole", ["--overwrite"]), ("parts", ["--overwrite", "--frames", 2]), ("parts", ["--resume"])):
-            done, row["forwards_s"] = run([*command, "-o", folder / end, *more], self.report(name + end + more[0], "forwards"))
+            done, row["forwards_s"] = run([*command, "-o", folder / end, *more], self.report(name, end + more[0]))
             if done.returncode != 0:
                 return row | {"failed": done.stderr.strip()}
         row["cpu"] = "none"
@@ -211,6 +236,10 @@ class Campaign:
         return row
 
     def job(self, name):
+        if row := self.before(name):
+            return row
+        shutil.rmtree(self.reports / file_of(name), ignore_errors=True)
+        (self.reports / file_of(name)).mkdir()
         kind = self.scene if name in SCENES else self.bench if name in BENCHMARKS else self.resume if name == "resume" else self.errors if name == "errors" else self.program
         try:
             row = kind(name)
@@ -218,6 +247,8 @@ class Campaign:
             row = {"name": name, "failed": f"{type(e).__name__}: {e}"}
         seconds = row.get("forwards_s", 0)
         print(f"{'FAIL' if 'failed' in row else 'ok  '} {name:28} {seconds:7.1f} s  {row.get('cpu', '')} {row.get('difference', '')} {row.get('failed', '')}", flush=True)
+        if "failed" not in row:
+            (self.passed / (file_of(name) + ".json")).write_text(json.dumps(row))
         return row
 
     def coverage(self):
@@ -237,18 +268,22 @@ def main():
     parser.add_argument("build", type=Path)
     parser.add_argument("--short", action="store_true")
     parser.add_argument("--only", default="", help="jobs with one of these words in their names, comma between them")
+    parser.add_argument("--go-on", action="store_true")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--result", type=Path)
     a = parser.parse_args()
-    campaign = Campaign(a.build.resolve())
+    campaign = Campaign(a.build.resolve(), a.go_on)
     names = ["translator", "test_ptx", "errors", *SHORT] if a.short else ["translator", "test_ptx", "errors", *[f"test_{t}_ptx" for t in TWINS], *BENCHMARKS, "resume", *SCENES]
-    names = [n for n in names if any(word in n for word in a.only.split(","))]
+    chosen = [n for n in names if any(word in n for word in a.only.split(","))]
+    if a.go_on:
+        chosen = [n for n in names if n in chosen or campaign.before(n)]
+    complete = chosen == names and not a.short
     with ThreadPoolExecutor(a.jobs) as pool:
-        rows = list(pool.map(campaign.job, names))
+        rows = list(pool.map(campaign.job, chosen))
     threads, faults = campaign.coverage()
     never = sorted(k for k, n in threads.items() if n == 0)
     print(f"{len(threads) - len(never)} of {len(threads)} kernels ran, {sum(threads.values())} threads in all; {len(faults)} kinds of fault")
-    if not a.short and not a.only:
+    if complete:
         for kernel in never:
             print("never ran:", kernel)
     if a.result:
@@ -256,8 +291,8 @@ def main():
             for key in list(row):
                 if key.endswith("_s"):
                     row[key] = round(row[key], 1)
-        a.result.write_text(json.dumps({"complete": not a.short and not a.only, "kernels": len(threads), "ran": len(threads) - len(never), "threads": sum(threads.values()), "never": never, "faults": faults, "jobs": rows}, indent=1) + "\n")
-    failed = any("failed" in r for r in rows) or bool(faults) or (bool(never) and not a.short and not a.only)
+        a.result.write_text(json.dumps({"complete": complete, "kernels": len(threads), "ran": len(threads) - len(never), "threads": sum(threads.values()), "never": never, "faults": faults, "jobs": rows}, indent=1) + "\n")
+    failed = any("failed" in r for r in rows) or bool(faults) or (bool(never) and complete)
     sys.exit(1 if failed else 0)
 
 

@@ -58,6 +58,7 @@ struct Entry {
   double kp = 0, kd = 0, effort = INFINITY, velocity = INFINITY, damping = 0, friction = 0;
   SourceLoc where;
   double stiffness = 0, rest = 0, armature = 0;
+  bool holds() const { return kp > 0 || stiffness > 0 || armature > 0; }
   bool drags() const { return damping > 0 || friction > 0 || stiffness > 0 || armature > 0; }
 };
 
@@ -117,6 +118,7 @@ struct Driven {
   Index entry, joint;
   double ratio = 1, offset = 0;             // of what the entry aims at: joints that mimic a given one are given too
   double target = 0, torque = 0, drag = 0;  // [rad, m] or [N m, N], [N m, N]
+  double held = 0;                          // [J]
   Law law{};                                // of the step under way
 };
 
@@ -161,6 +163,7 @@ class Drive final : public Effect, public Commanded {
     for (const model::Command& c : commands) commands_.emplace(c.joint, c);
   }
 
+  void connect() override { remember(); }
   void begin_step(const StepInfo& step) override {
     for (Driven& d : motors_) {
       const Entry& e = entries_[d.entry];
@@ -172,7 +175,7 @@ class Drive final : public Effect, public Commanded {
       d.law.friction = e.friction;
       d.law.stiffness = e.stiffness, d.law.stretch = j.value - e.rest, d.law.armature = e.armature, d.law.rate = j.rate;
       d.law.creep = j.type == model::JointType::prismatic ? drive::tuning::kCreepSlide : drive::tuning::kCreep;
-      if (e.mode == Mode::pd) d.law.a = e.kp * (d.target - j.value), d.law.K = e.kp + e.kd / d.law.h;
+      if (e.mode == Mode::pd) d.law.kp = e.kp, d.law.aim = d.target - j.value, d.law.a = e.kp * d.law.aim, d.law.K = e.kp + e.kd / d.law.h;
       if (e.mode == Mode::effort) d.law.a = d.target;
     }
     upload();
@@ -183,6 +186,15 @@ class Drive final : public Effect, public Commanded {
   void linearise(Positions q, Want want, Linearisation& at) override { energy_.linearise("drive.assemble", model_, q, want, at); }
   void max_step(View<const Vec3> dq, Linearisation& at, device::EnvValues alpha) override { energy_.max_step("drive.max_step", dq, at, alpha); }
 
+  void hold(Positions q, Positions move, device::Fetch& fetch, Held& all) override {
+    for (std::vector<double>* sums : {&all.at_last, &all.begin, &all.end, &all.along}) sums->assign(static_cast<std::size_t>(model_.envs), 0.0);
+    for (std::size_t i = 0; i < motors_.size(); ++i) {
+      const Index env = model_.joints[motors_[i].joint].env;
+      all.at_last[env] += motors_[i].held, all.begin[env] += held(motors_[i]);
+    }
+    energy_.stored("drive.stored", q, move, {all.end, fetch}, {all.along, fetch});
+  }
+
   // Joints know where they are by now; the way of the step is that from where the law began.
   void end_step(const StepInfo& step, Positions, const Linearisation&) override {
     for (std::size_t i = 0; i < motors_.size(); ++i) {
@@ -190,7 +202,7 @@ class Drive final : public Effect, public Commanded {
       const model::Joint& j = model_.joints[d.joint];
       if (!step.taken_by(j.env)) continue;
       const double way = j.value - begin_[i];
-      d.torque = d.law.motor(way), d.drag = -d.law.drag(way);
+      d.torque = d.law.motor(way), d.drag = -d.law.drag(way), d.held = held(d);
     }
   }
 
@@ -209,6 +221,14 @@ class Drive final : public Effect, public Commanded {
         if (e.drags()) put(j, "drag", j.effort_unit(), d.drag);
       }
     report_tracking(sinks);
+    std::vector<double> energy(static_cast<std::size_t>(model_.envs), 0.0);
+    std::vector<char> any(energy.size(), 0);
+    for (const Driven& d : motors_) {
+      const Index env = model_.joints[d.joint].env;
+      energy[env] += d.held, any[env] |= entries_[d.entry].holds();
+    }
+    for (Index e = 0; e < model_.envs; ++e)
+      if (any[e]) sinks[e].scalar("drive", "energy", "J", energy[e]);
   }
 
   // The largest of all errors, in the units that people think of robots in.
@@ -244,11 +264,23 @@ class Drive final : public Effect, public Commanded {
       throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(state.size() / 3) + " drives");
     for (std::size_t i = 0; i < drives.size(); ++i)
       drives[i]->target = state[3 * i], drives[i]->torque = state[3 * i + 1], drives[i]->drag = state[3 * i + 2];
+    remember();
     upload();
     place();
   }
 
  private:
+  void remember() {
+    for (Driven& d : motors_) d.held = held(d);
+  }
+  // In springs, in the rotor, and between where the joint is and the target of a motor with gains (law.h), of the state that joints are in [J].
+  double held(const Driven& d) const {
+    const Entry& e = entries_[d.entry];
+    const model::Joint& j = model_.joints[d.joint];
+    const double s = j.value - e.rest;
+    return 0.5 * e.stiffness * s * s + 0.5 * e.armature * j.rate * j.rate + drive::limited_spring(e.kp, e.effort, d.target - j.value);
+  }
+
   double wanted(const Driven& d, double t) const {
     const auto command = commands_.find(entries_[d.entry].joint);
     return d.ratio * (command != commands_.end() ? command->second.at(t) : entries_[d.entry].target(t)) + d.offset;

@@ -12,6 +12,9 @@
 //     D x^2 / (2 h)     and     F f(|x|),  f = x^2/e - x^3/(3 e^2)  (x < e),  x - e/3  (x >= e),
 // a spring in the joint with its ease at theta_0, and a rotor of inertia J (already times the square of its gear) that turned at v_n,
 //     S (theta_n + x - theta_0)^2 / 2     and     J (x / h - v_n)^2 / 2.
+// What of it is held, and comes back: that spring, the motion of the rotor, and a motor of mode pd, which as long as its target stays is a spring
+// too,
+//     S (theta - theta_0)^2 / 2 + J v^2 / 2 + U(target - theta),     U(y) = int_0^y min(effort, kp s) ds.
 // Units: theta rad, torques N m, kp and S N m/rad, kd and D N m s/rad, J kg m^2; of a slide m, N, N/m, N s/m, kg.
 #include <cmath>
 
@@ -24,8 +27,15 @@ using tuning::kRamp;
 
 MORTISE_HD inline double clamp01(double t) { return t < 0 ? 0.0 : t > 1 ? 1.0 : t; }
 
+// U: of a spring of stiffness kp that never pulls with more than `effort`.
+MORTISE_HD inline double limited_spring(double kp, double effort, double y) {
+  const double pull = kp * std::fabs(y);
+  return pull <= effort ? 0.5 * pull * std::fabs(y) : effort * (std::fabs(y) - 0.5 * effort / kp);
+}
+
 struct Law {
   double a = 0, K = 0;
+  double kp = 0, aim = 0;  // of mode pd; target - theta_n
   double effort = INFINITY, velocity = INFINITY;
   double h = 1;
   double damping = 0, friction = 0, creep = tuning::kCreep;
@@ -86,6 +96,15 @@ struct Law {
     const double s = stretch + x, v = x / h - rate;
     return all + 0.5 * stiffness * s * s + 0.5 * armature * v * v;
   }
+  MORTISE_HD double stored(double x) const {
+    const double s = stretch + x, v = x / h;
+    return 0.5 * stiffness * s * s + 0.5 * armature * v * v + limited_spring(kp, effort, aim - x);
+  }
+  // Of first_of(x) the part that does that [N m].
+  MORTISE_HD double storing(double x) const {
+    const double pull = kp * (aim - x), most = pull < -effort ? -effort : pull > effort ? effort : pull;
+    return stiffness * (stretch + x) + armature * (x / h - rate) / h - most;
+  }
   MORTISE_HD double first_of(double x) const { return drag(x) - motor(x); }
   MORTISE_HD double second_of(double x) const {
     const double e = creep * h, y = std::fabs(x);
@@ -101,6 +120,8 @@ struct At {
   MORTISE_HD double energy(double theta) const { return law.energy_of(theta - begin); }
   MORTISE_HD double first(double theta) const { return law.first_of(theta - begin); }
   MORTISE_HD double second(double theta) const { return law.second_of(theta - begin); }
+  MORTISE_HD double stored(double theta) const { return law.stored(theta - begin); }
+  MORTISE_HD double storing(double theta) const { return law.storing(theta - begin); }
   MORTISE_HD double up(double) const { return INFINITY; }
   MORTISE_HD double down(double) const { return INFINITY; }
 };

@@ -241,10 +241,17 @@ class Friction final : public Effect {
                            [=] MORTISE_HD(Index i) { follow_force(s, sample[i], i, q, left.p + offset[i], right.p + offset[i]); });
       return;
     }
+    if (!at.changes.scattered()) return follow_changes<model::kSamplePoints>(q, moving, at);
+    contact::shape(model_.point_map(), at.changes.view(), at.samples.size(), at.beside);
+    follow_changes<model::kChangePoints>(q, moving, at);
+  }
+  // N: on how many points a sample hangs at most.
+  template <Index N>
+  void follow_changes(Positions q, Moving moving, FrictionLinearisation& at) const {
+    const Slips s = slips(at);
     const model::SampleChangesView change = at.changes.view();
     const model::PointMapView map = model_.point_map();
-    const bool scattered = at.changes.scattered();
-    if (scattered) contact::shape(map, change, at.samples.size(), at.beside);
+    constexpr bool scattered = N > model::kSamplePoints;
     const View<const Index> first = at.of_unsymmetric().offsets();
     const Index blocks = at.of_unsymmetric().blocks().n;
     at.unsymmetric.resize(change.functionals, blocks);
@@ -258,8 +265,9 @@ class Friction final : public Effect {
         follow_force(s, here, i, q, left.p + first[i], right.p + first[i]);
         return;
       }
-      const auto e = scattered ? contact::changed_blocks(map, change, i) : model::expand<model::kChangePoints>(map, here.point, here.points);
-      Vec3 way[model::kSamplePoints], force[model::kChangePoints];  // way: of the points since the step began
+      const model::Expansion<N> e =
+          scattered ? model::expand<N>(map, change.node.p + change.start[i], change.points(i)) : model::expand<N>(map, here.point, here.points);
+      Vec3 way[model::kSamplePoints], force[N];  // way: of the points since the step began
       for (Index k = 0; k < e.points; ++k) force[k] = Vec3::Zero();
       for (Index k = 0; k < here.points; ++k) {
         way[k] = Vec3::Zero();
