@@ -91,7 +91,7 @@ class Effect {
   virtual void own_gain(Positions q, device::EnvValues gain, device::EnvValues there) { (void)q, (void)gain, (void)there; }
   // Of a motor that holds energy and reports it: how much at the last accepted state, at the beginning of the step under way (which may pull
   // elsewhere) and at q, its end; and the gradient of what holds it, at q, along the way `move` of the step.
-  virtual void hold(Positions q, Positions move, device::Fetch& fetch, Held& held) { (void)q, (void)move, (void)fetch, (void)held; }
+  virtual void held_energy(Positions q, Positions move, device::Fetch& fetch, Held& held) { (void)q, (void)move, (void)fetch, (void)held; }
   // Parameters that must fit the solution q of the very step are changed; raises per_env where the step has to be solved again with them,
   // from q or from its start. `at`: q. Nothing outlives a step that is given up.
   enum class Refit { none, from_here, from_start };

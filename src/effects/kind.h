@@ -21,7 +21,8 @@ enum class Role {
         // tied `to`
   inertia,  // resists acceleration: makes a scene dynamic; its potential is no store
   load,     // forces from outside; its potential is no store
-  motor,    // forces that come and go: energy() is that of one step; their work counts with that of supports, but for what they hold (Effect::hold)
+  motor,    // forces that come and go: energy() is that of one step; their work counts with that of supports, but for what they hold
+            // (Effect::held_energy)
   store,    // energy that bodies hold; its forces on every body cancel
   contact,  // energy between bodies; has samples, and a key d_hat in the scene
   follower  // acts on the samples of the contact effect that its key `follows` names

@@ -108,7 +108,7 @@ void Certificate::state(const Snapshot& said) {
   for (double p : pressure) pressed += std::max(p, 0.0);
   if (solved && pressed > most_pressed_) {
     most_pressed_ = pressed, guard_share_ = guard_share;
-    pressure_estimate_ = pressure_error_.of({pressure, of_points("contact_force", 3), of_points("displacement", 3)});
+    pressure_estimate_ = pressure_error_.of({pressure, of_points("contact_force", 3), of_points("displacement", 3), of_points("contact_area", 1)});
   }
   // Of states with as much the latest: a motor that reaches its limit gives the same force from then on, and no travel.
   if (solved && pressed > 0 && pressed >= (1 - tuning::kAsMuch) * most_pressed_) {

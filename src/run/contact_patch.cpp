@@ -18,6 +18,13 @@ void unite(std::vector<Index>& ring) {
 constexpr double kSixNodes[6][6] = {{6, -1, -1, 0, -4, 0},  {-1, 6, -1, 0, 0, -4},  {-1, -1, 6, -4, 0, 0},
                                     {0, 0, -4, 32, 16, 16}, {-4, 0, 0, 16, 32, 16}, {0, -4, 0, 16, 16, 32}};
 
+// Does `area` make up all of the facets that are pressed, counted as contact_area does (effects/contact/nodal_pressure.h)?
+bool whole(double area, const Vec3& force, const std::vector<Index>& pressed, const std::vector<Vec3>& normal) {
+  double all = 0;
+  for (Index t : pressed) all += std::max(-normal[t].dot(force), 0.0) / (6 * std::max(force.norm(), std::numeric_limits<double>::min()));
+  return area >= tuning::kWhole * all;
+}
+
 }  // namespace
 
 ContactPatch::ContactPatch(const model::ModelInput& input) {
@@ -61,18 +68,27 @@ std::vector<ContactPatch::Node> ContactPatch::interior(const Fields& f) const {
     const std::vector<Index> ring = ring_of(i, [](Index) { return true; });
     covered[i] = 2 * std::count_if(ring.begin(), ring.end(), loaded) > static_cast<std::ptrdiff_t>(ring.size());
   }
-  std::vector<Node> out;
-  for (std::size_t i = 0; i < rest_.size(); ++i) {
-    if (!covered[i]) continue;
-    // Where no force is, as on corners of quadratic faces, that of the neighbours tells the side.
+  // Where no force is, as on corners of quadratic faces, that of the neighbours tells the side.
+  const auto force_at = [&](std::size_t i) {
     Vec3 force = at(f.force, i);
     if (force.isZero(0) || facets_[around_[i][0]].face >= 0)
       for (Index j : ring_of(i, [](Index) { return true; })) force += at(f.force, j);
-    const std::vector<Index> pressed = sheet(i, force, normal);
+    return force;
+  };
+  std::vector<signed char> known(rest_.size(), -1);
+  const auto is_whole = [&](Index i) {
+    if (known[i] < 0) known[i] = f.area.empty() || whole(f.area[i], force_at(i), sheet(i, force_at(i), normal), normal) ? 1 : 0;
+    return known[i] == 1;
+  };
+  std::vector<Node> out;
+  for (std::size_t i = 0; i < rest_.size(); ++i) {
+    if (!covered[i]) continue;
+    const std::vector<Index> pressed = sheet(i, force_at(i), normal);
     Node node{i, ring_of(i, [&](Index t) { return std::find(pressed.begin(), pressed.end(), t) != pressed.end(); }), {}};
     if (node.ring.empty() || !std::all_of(node.ring.begin(), node.ring.end(), [&](Index j) { return covered[j] != 0; })) continue;
     load(i, pressed, normal, node.load);
-    if (!std::all_of(node.load.begin(), node.load.end(), [&](const auto& term) { return covered[term.first] != 0; })) node.load.clear();
+    if (!std::all_of(node.load.begin(), node.load.end(), [&](const auto& term) { return covered[term.first] != 0 && is_whole(term.first); }))
+      node.load.clear();
     out.push_back(std::move(node));
   }
   return out;

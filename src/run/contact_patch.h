@@ -17,12 +17,12 @@ class ContactPatch {
     std::size_t point;
     std::vector<Index> ring;  // corners of the triangles around it that are pressed, without itself
     // What a pressure p over them loads it with: sum of weight times p at node, int N_i p dA with the areas as they stand now [m^2]. Nothing where
-    // faces around it reach beyond the patch.
+    // faces around it reach beyond the patch, or beyond what presses on them.
     std::vector<std::pair<Index, double>> load;
   };
-  // Of all points: contact_pressure [Pa], contact_force [N] and displacement [m], three each; the last may be empty.
+  // Of all points: contact_pressure [Pa], contact_force [N] and displacement [m], three each, contact_area [m^2]; the last two may be empty.
   struct Fields {
-    std::span<const double> pressure, force, displacement;
+    std::span<const double> pressure, force, displacement, area = {};
   };
   // Nodes in the interior of the patch: what is pressed around them is covered. Covered are nodes that carry pressure, or of whose neighbours most
   // do, as where a method leaves out every other one. A body's own edge is no rim: triangles around the corner are not pressed.

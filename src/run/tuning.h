@@ -35,6 +35,7 @@ inline constexpr double kOneWay = 0.1;    // forces from opposite sides have no 
 inline constexpr double kAsMuch = 0.01;   // of the most pressure: loads that are held waver by that (certificate.cpp)
 inline constexpr double kFacing = 0.5;    // cosine of 60 degrees: friction may tilt the force by half of that (contact_patch.cpp)
 inline constexpr double kSmooth = 0.75;   // cosine of some 40 degrees: facets of a coarse ball meet at half of that, sides of a body at more
+inline constexpr double kWhole = 0.97;    // of a node's area: less lies over what presses, and one pressure for all of it is none (contact_patch.cpp)
 inline constexpr double kFlat = 0.05;     // the ring of a node lies nearly in a plane: no slope across it (pressure_error.cpp)
 inline constexpr std::size_t kPlane = 4;  // neighbours: a plane through three has no say about a fourth
 inline constexpr double kQuadraticLocks = 0.49;  // nu: without averages quadratic elements are a few percent too stiff there (benchmarks/locking)

@@ -82,7 +82,7 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
         if (any) effects[k]->own_gain(q, {own[k], fetch}, {there[k], fetch});
       } else if (effects[k]->kind().stores_energy() || effects[k]->kind().role == effects::Role::motor) {
         dot(at.gradients[k].view(), std::as_const(move).view(), model_.env_blocks, {along[k], fetch});
-        if (effects[k]->kind().role == effects::Role::motor) effects[k]->hold(q, std::as_const(move).view(), fetch, motors[k]);
+        if (effects[k]->kind().role == effects::Role::motor) effects[k]->held_energy(q, std::as_const(move).view(), fetch, motors[k]);
       }
     dot(at.gradient.view(), std::as_const(held).view(), model_.env_blocks, {work, fetch});
     if (model_.ties.driven()) {

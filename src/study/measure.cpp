@@ -72,13 +72,9 @@ History of_scalar(const FieldReader& file, const Quantity& q) {
 
 // The area that points stand for in a field, where that is another than a third of the triangles around: under a pressure of contact that by which
 // force makes pressure (effects/contact/nodal_pressure.h), so that its integral is the force, and no triangle counts that goes on beside the contact.
-std::vector<double> areas_of(const FieldReader& file, const Quantity& q, const FieldValues& values, std::int64_t frame) {
-  std::vector<double> out;
-  if (q.value != "contact_pressure" || q.over.empty() || !std::ranges::count(file.point_fields(), "contact_force")) return out;
-  const FieldValues force = file.point_field("contact_force", frame);
-  for (std::size_t i = 0; i < values.values.size(); ++i)
-    out.push_back(values.values[i] > 0 ? component(&force.values[3 * i], 3, "size") / values.values[i] : 0);
-  return out;
+std::vector<double> areas_of(const FieldReader& file, const Quantity& q, std::int64_t frame) {
+  if (q.value != "contact_pressure" || q.over.empty() || !std::ranges::count(file.point_fields(), "contact_area")) return {};
+  return file.point_field("contact_area", frame).values;
 }
 
 History of_field(const FieldReader& file, const Quantity& q) {
@@ -102,7 +98,7 @@ History of_field(const FieldReader& file, const Quantity& q) {
     // One number per point from here on.
     FieldValues one{1, values.unit, {}};
     for (std::size_t i = 0; i < points.size(); ++i) one.values.push_back(component(&values.values[i * values.components], values.components, q.axis));
-    const double value = over_body(file.mesh(), points, one, q, areas_of(file, q, values, f));
+    const double value = over_body(file.mesh(), points, one, q, areas_of(file, q, f));
     if (std::isfinite(value)) out.time.push_back(file.time(f)), out.value.push_back(value);
   }
   return out;

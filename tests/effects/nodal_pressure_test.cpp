@@ -68,7 +68,7 @@ TEST(NodalPressure, OfAPressedSideIsThatPressureUpToItsRim) {
   for (Vec3& x : b.mesh.points) x.head<2>() *= 1 + 0.2 * (top - x[2]);
   const Mat3 R = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   for (Vec3& x : b.mesh.points) x = R * x;
-  const std::vector<double> p = nodal_pressure(surface_of(b.triangles), b.mesh.points, pressed(b.mesh.points, on, 300));
+  const std::vector<double> p = nodal_pressure(surface_of(b.triangles), b.mesh.points, pressed(b.mesh.points, on, 300)).pressure;
   const std::vector<double> area = geometry::vertex_areas(b.mesh.points, on);
   for (std::size_t i = 0; i < p.size(); ++i) EXPECT_NEAR(p[i], area[i] > 0 ? 300 : 0, 1e-10);
 }
@@ -79,7 +79,7 @@ TEST(NodalPressure, OfBothSidesOfARidge) {
   std::vector<Triangle> on = b.side(2, 1);
   const std::vector<Triangle> beside = b.side(0, -1);
   on.insert(on.end(), beside.begin(), beside.end());
-  const std::vector<double> p = nodal_pressure(surface_of(b.triangles), b.mesh.points, pressed(b.mesh.points, on, 300));
+  const std::vector<double> p = nodal_pressure(surface_of(b.triangles), b.mesh.points, pressed(b.mesh.points, on, 300)).pressure;
   const std::vector<double> area = geometry::vertex_areas(b.mesh.points, on);
   for (std::size_t i = 0; i < p.size(); ++i) EXPECT_NEAR(p[i], area[i] > 0 ? 300 : 0, 1e-10);
 }
@@ -95,7 +95,7 @@ TEST(NodalPressure, AddsUpToTheForce) {
   for (std::size_t i = 0; i < area.size(); ++i)
     if (area[i] > 0 && random() % 3 == 0) sum += -(f[3 * i + 2] = -std::uniform_real_distribution<>(0, 1)(random));
   ASSERT_GT(sum, 0);
-  EXPECT_NEAR(sum_of(b.mesh.points, on, nodal_pressure(surface_of(b.triangles), b.mesh.points, f)), sum, 1e-13);
+  EXPECT_NEAR(sum_of(b.mesh.points, on, nodal_pressure(surface_of(b.triangles), b.mesh.points, f).pressure), sum, 1e-13);
 }
 
 }  // namespace

@@ -276,7 +276,9 @@ TEST(Drives, PowerBalance) {
       audit.state({f, points});
       held = f.at("drive/energy");
       if (i == 0) first = audit.result().total - held;
-      if (i > 0) EXPECT_LT(audit.result().gain, 1e-9 * audit.result().scale) << drive << ", state " << i;
+      if (i > 0) {
+        EXPECT_LT(audit.result().gain, 1e-9 * audit.result().scale) << drive << ", state " << i;
+      }
       rig.step();
     }
     const auto& r = audit.result();

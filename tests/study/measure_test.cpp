@@ -127,16 +127,16 @@ TEST(Measure, PlacesAreInterpolated) {
 TEST(Measure, ContactPressureIsOverTheAreaThatMakesItOfForce) {
   const output::Folder dir;
   const output::OutputMesh m = cube(false);
-  std::vector<double> positions, pressure, force;
+  std::vector<double> positions, pressure, area;
   for (const Vec3& x : m.points) {
     positions.insert(positions.end(), x.data(), x.data() + 3);
     pressure.push_back(x[2] > 0.5 ? 0 : 1000);
-    force.insert(force.end(), {0, 0, x[2] > 0.5 ? 0 : 250.0});
+    area.push_back(x[2] > 0.5 ? 0 : 0.25);
   }
   auto file = output::FieldFile::open(dir / "fields.vtkhdf", m, output::small_info(), {});
   file->begin_frame(0, positions);
   file->points("contact_pressure", "Pa", 1, pressure);
-  file->points("contact_force", "N", 3, force);
+  file->points("contact_area", "m^2", 1, area);
   file->end_frame();
   file->close();
   const output::FieldReader run(dir / "fields.vtkhdf");

@@ -196,7 +196,9 @@ void BarrierContact::report(const FieldSinks& sinks, const Linearisation& accept
     rows[s.env].add(s);
   }
   forces.report(sinks, group);
-  report_points(sinks, model_, "contact_pressure", "Pa", 1, nodal_pressure(model_.surface, forces.places(), forces.force()));
+  const NodalPressure nodal = nodal_pressure(model_.surface, forces.places(), forces.force());
+  report_points(sinks, model_, "contact_pressure", "Pa", 1, nodal.pressure);
+  report_points(sinks, model_, "contact_area", "m^2", 1, nodal.area);
 
   const std::vector<double> distance =
                                 least_distances(proximity_.obstacles(view()), proximity_.candidates(at.y), at.y.view(), proximity_.vertex_env()),
@@ -221,8 +223,8 @@ const Kind& barrier_contact_kind() {
       [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<BarrierContact>(p, m); },
       {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020",
        "Li, Kaufman, Jiang: Convergent Incremental Potential Contact. arXiv:2307.15908, 2023"},
-      {"contact_force",
-       "contact_pressure"}}.differing_in({"d_hat", "stiffness"});
+      {"contact_force", "contact_pressure",
+       "contact_area"}}.differing_in({"d_hat", "stiffness"});
   return kind;
 }
 

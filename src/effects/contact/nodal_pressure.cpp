@@ -1,13 +1,14 @@
 #include "effects/contact/nodal_pressure.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "effects/contact/tuning.h"
 
 namespace mortise::effects::contact {
 
-std::vector<double> nodal_pressure(const geometry::Surface& surface, const std::vector<Vec3>& y, const std::vector<double>& f,
-                                   const std::vector<double>& covered) {
+NodalPressure nodal_pressure(const geometry::Surface& surface, const std::vector<Vec3>& y, const std::vector<double>& f,
+                             const std::vector<double>& covered) {
   std::vector<double> size(y.size()), best(y.size(), 0.0), area(y.size(), 0.0);
   const auto force = [&](std::size_t i) { return Eigen::Map<const Vec3>(f.data() + 3 * i); };
   for (std::size_t i = 0; i < y.size(); ++i) size[i] = force(i).norm();
@@ -26,9 +27,11 @@ std::vector<double> nodal_pressure(const geometry::Surface& surface, const std::
     if (faces > tuning::kFaces * best[i]) area[i] += faces * a / 3;
   });
   std::vector<double> p(y.size(), 0.0);
-  for (std::size_t i = 0; i < y.size(); ++i)
-    if (area[i] > 0) p[i] = size[i] / (!covered.empty() && covered[i] > 0 ? std::min(covered[i], area[i]) : area[i]);
-  return p;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    if (!covered.empty() && covered[i] > 0) area[i] = std::min(covered[i], area[i]);
+    if (area[i] > 0) p[i] = size[i] / area[i];
+  }
+  return {std::move(p), std::move(area)};
 }
 
 }  // namespace mortise::effects::contact

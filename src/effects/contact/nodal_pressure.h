@@ -9,9 +9,13 @@
 
 namespace mortise::effects::contact {
 
+struct NodalPressure {
+  std::vector<double> pressure, area;  // p_i [Pa] and A_i [m^2]; 0 where no force is
+};
+
 // y: where points are [m]; f: force on each [N], three per point; 0 where there is none. covered: what A_i is at most [m^2], where that is not 0; may
 // be empty.
-std::vector<double> nodal_pressure(const geometry::Surface& surface, const std::vector<Vec3>& y, const std::vector<double>& f,
-                                   const std::vector<double>& covered = {});
+NodalPressure nodal_pressure(const geometry::Surface& surface, const std::vector<Vec3>& y, const std::vector<double>& f,
+                             const std::vector<double>& covered = {});
 
 }  // namespace mortise::effects::contact

@@ -186,7 +186,7 @@ class Drive final : public Effect, public Commanded {
   void linearise(Positions q, Want want, Linearisation& at) override { energy_.linearise("drive.assemble", model_, q, want, at); }
   void max_step(View<const Vec3> dq, Linearisation& at, device::EnvValues alpha) override { energy_.max_step("drive.max_step", dq, at, alpha); }
 
-  void hold(Positions q, Positions move, device::Fetch& fetch, Held& all) override {
+  void held_energy(Positions q, Positions move, device::Fetch& fetch, Held& all) override {
     for (std::vector<double>* sums : {&all.at_last, &all.begin, &all.end, &all.along}) sums->assign(static_cast<std::size_t>(model_.envs), 0.0);
     for (std::size_t i = 0; i < motors_.size(); ++i) {
       const Index env = model_.joints[motors_[i].joint].env;

@@ -593,7 +593,9 @@ void MortarContact::report(const FieldSinks& sinks, const Linearisation& accepte
     for (Index e = 0; e < sinks.size(); ++e) own[e].guard_rows.report(sinks[e], group, "guard_");
   }
   forces.report(sinks, group);
-  report_points(sinks, model_, "contact_pressure", "Pa", 1, contact::nodal_pressure(model_.surface, forces.places(), load, covered));
+  const contact::NodalPressure nodal = contact::nodal_pressure(model_.surface, forces.places(), load, covered);
+  report_points(sinks, model_, "contact_pressure", "Pa", 1, nodal.pressure);
+  report_points(sinks, model_, "contact_area", "m^2", 1, nodal.area);
 
   const std::vector<double> distance = contact::least_distances(proximity_.obstacles(guard_view()), proximity_.candidates(at.frozen.y), at.y(),
                                                                 proximity_.vertex_env()),
@@ -639,7 +641,7 @@ const Kind& mortar_contact_kind() {
                                 {"Liang, Han: IsaacIPC (geometric mortar contact potential). arXiv:2605.24339, 2026",
                                  "Puso, Laursen: A mortar segment-to-segment contact method for large deformation solid mechanics. CMAME 193, 2004",
                                  "Li, Kaufman, Jiang: Convergent Incremental Potential Contact. arXiv:2307.15908, 2023"},
-                                {"contact_force", "contact_pressure"},
+                                {"contact_force", "contact_pressure", "contact_area"},
                                 {},
                                 false}
                                .differing_in({"d_hat", "stiffness"});  // samples are frozen (frozen.h)
