@@ -21,6 +21,7 @@ std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& e
   add("rigidity_defect", rigidity_, tuning::kRigidity);
   add("energy_gain", energy.scale > 0 ? energy.largest_gain / energy.scale : NAN, tuning::kEnergyGain);
   add("free_motion_loss", energy.scale > 0 && energy.work_is_known ? energy.free_loss / energy.scale : NAN, tuning::kFreeMotionLoss);
+  add("turning_loss", energy.scale > 0 ? energy.turning_loss / energy.scale : NAN, tuning::kTurningLoss);
   add("motion_lag", energy.motion_lag, tuning::kMotionLag);
   add("guard_share", guard_share_, tuning::kGuard);
   add("stress_error", stress_estimate_, tuning::kStress);

@@ -115,6 +115,7 @@ void Checks::momentum(const StateReport& now) {
 
 void Checks::step(const solver::StepReport& r) {
   now_ = r.time;
+  energy_.step(r.first_order > 0);
   record("newton_iterations", r.newton);
   record("substeps", r.substeps);
   record("step_length", r.alpha);

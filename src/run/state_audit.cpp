@@ -23,7 +23,7 @@ bool at_a_stop(const Snapshot& said) {
 
 }  // namespace
 
-EnergyAudit::EnergyAudit(const model::ModelInput& input) : lag_(input) {
+EnergyAudit::EnergyAudit(const model::ModelInput& input) : lag_(input), turning_(input) {
   std::size_t first = 0;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
@@ -55,8 +55,14 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   touched_ = touches;
   lag_.state(now.said, now.points, bodies_);
   r_.motion_lag = lag_.value();
+  turning_.state(now.said, now.points, bodies_);
   points_before_ = now.points;
   return r_;
+}
+
+void EnergyAudit::step(bool first_order) {
+  turning_.step(first_order);
+  r_.turning_loss = turning_.sum();
 }
 
 void EnergyAudit::checkpoint(Archive& archive) {
@@ -72,6 +78,8 @@ void EnergyAudit::checkpoint(Archive& archive) {
   archive.io("touched", touched_);
   lag_.checkpoint(archive);
   r_.motion_lag = lag_.value();
+  turning_.checkpoint(archive);
+  r_.turning_loss = turning_.sum();
   archive.io("points_before", points_before_);
 }
 

@@ -11,6 +11,7 @@
 #include "model/input.h"
 #include "run/measured_body.h"
 #include "run/motion_lag.h"
+#include "run/turning_loss.h"
 
 namespace mortise::run {
 
@@ -44,11 +45,13 @@ class EnergyAudit {
     double gain = NAN;          // of this step: change of total less the work of supports [J]; NaN: the first state
     double largest_gain = NAN;  // of all steps so far [J]
     double scale = 0;           // largest energy of the run so far [J]
-    double free_loss = 0;     // of energy between states in which nothing touches or is at a stop, while nothing is driven: the time step's doing [J]
-    double motion_lag = NAN;  // motion_lag.h
+    double free_loss = 0;  // of energy between states in which nothing touches or is at a stop, while nothing is driven: the time step's doing [J]
+    double turning_loss = NAN;  // turning_loss.h [J]
+    double motion_lag = NAN;    // motion_lag.h
     bool work_is_known = true;  // false: loads do work whose potential is not reported, or nothing moves in time; then `gain` stays NaN
   };
   const Result& state(const StateReport& now);
+  void step(bool first_order);  // that led to the state
   const Result& result() const { return r_; }
   void checkpoint(Archive& archive);
 
@@ -61,6 +64,7 @@ class EnergyAudit {
   std::vector<std::string> loads_;  // effects of that role
   Result r_;
   MotionLag lag_;
+  TurningLoss turning_;
   double all_ = NAN;  // total energy, turning of pinned bodies included
   std::vector<double> points_before_;
   double gravity_first_ = NAN;

@@ -18,6 +18,7 @@ inline constexpr Bounds kRigidity{2e-3, 2e-2};    // of the axes of a stiff body
 inline constexpr Bounds kEnergyGain{1e-3, 1e-2};  // of the largest energy; dissipative steps gain none
 // From here on estimates of errors of the model, whose bounds are what they are where the true error is 5 % and 10 % (benchmarks/grades).
 inline constexpr Bounds kFreeMotionLoss{0.05, 0.1};
+inline constexpr Bounds kTurningLoss{0.1, 0.2};  // of energy: half of that of rates
 inline constexpr Bounds kMotionLag{0.05, 0.1};
 inline constexpr Bounds kGuard{0.02, 0.1};
 inline constexpr Bounds kStress{0.05, 0.1};
@@ -30,11 +31,12 @@ inline constexpr Bounds kLayer{0.03, 0.06};
 // ---- what counts in them
 inline constexpr double kStrain = 1e-10;  // far below any strain that means something, far above what rounding of positions makes (certificate.cpp)
 inline constexpr double kDriven = 1e-6;   // work in a step, of the largest energy: less is what holding takes (state_audit.cpp)
-inline constexpr double kStill = 0.01;    // of a body's size: less is no motion that anybody looks at (motion_lag.cpp)
-inline constexpr double kOneWay = 0.1;    // forces from opposite sides have no resultant that supports could bear (layer_error.cpp)
-inline constexpr double kAsMuch = 0.01;   // of the most pressure: loads that are held waver by that (certificate.cpp)
-inline constexpr double kFacing = 0.5;    // cosine of 60 degrees: friction may tilt the force by half of that (contact_patch.cpp)
-inline constexpr double kSmooth = 0.75;   // cosine of some 40 degrees: facets of a coarse ball meet at half of that, sides of a body at more
+inline constexpr double kTurnSecondOrder = 0.85;  // turning_loss.h
+inline constexpr double kStill = 0.01;            // of a body's size: less is no motion that anybody looks at (motion_lag.cpp)
+inline constexpr double kOneWay = 0.1;            // forces from opposite sides have no resultant that supports could bear (layer_error.cpp)
+inline constexpr double kAsMuch = 0.01;           // of the most pressure: loads that are held waver by that (certificate.cpp)
+inline constexpr double kFacing = 0.5;            // cosine of 60 degrees: friction may tilt the force by half of that (contact_patch.cpp)
+inline constexpr double kSmooth = 0.75;           // cosine of some 40 degrees: facets of a coarse ball meet at half of that, sides of a body at more
 inline constexpr double kWhole = 0.97;    // of a node's area: less lies over what presses, and one pressure for all of it is none (contact_patch.cpp)
 inline constexpr double kFlat = 0.05;     // the ring of a node lies nearly in a plane: no slope across it (pressure_error.cpp)
 inline constexpr std::size_t kPlane = 4;  // neighbours: a plane through three has no say about a fourth

@@ -50,6 +50,7 @@ Simulation::Simulation(model::Model& model, EffectList& effects, const Options& 
       resting_(model.envs, 0),
       solved_(model.envs, 0),
       support_work_(model.envs, 0.0),
+      regain_(model.envs, -1.0),
       time_(model.envs, 0.0),
       step_(model.envs, 0) {}
 
@@ -93,6 +94,14 @@ std::vector<double> Simulation::lost_energy(const effects::StepInfo& info) const
   return lost;
 }
 
+// After a step of first order velocities of what turns are those of half a step before; the first step of second order loses twice its share of
+// energy for that, and the next ones give some of it back. Refused that, a body that turns would take every other step by first order.
+static double next_regain(double regain, const StepEnergy& step) {
+  if (!step.second_order) return -1;
+  if (regain < 0) return tuning::kGivenBack * std::max(-step.gain, 0.0);
+  return 0.5 * std::max(regain - std::max(step.gain, 0.0), 0.0);
+}
+
 // info.whose: the environments that accept.
 void Simulation::accept(const effects::StepInfo& info, const std::vector<double>& lost) {
   const EnvMask whose = info.whose.empty() ? EnvMask(model_.envs, 1) : info.whose;
@@ -100,7 +109,9 @@ void Simulation::accept(const effects::StepInfo& info, const std::vector<double>
   copy_envs(newton_.q(), whose, model_.env_blocks, model_.q);
   for (Index e = 0; e < model_.envs; ++e) {
     if (!info.taken_by(e)) continue;
-    support_work_[e] += newton_.energies().of_step(e).work;
+    const StepEnergy& energy = newton_.energies().of_step(e);
+    regain_[e] = next_regain(regain_[e], energy);
+    support_work_[e] += energy.work;
     solved_[e] = 1;
   }
   for (std::size_t k = 0; k < effects_.size(); ++k) {
@@ -208,7 +219,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
     for (Index e = 0; e < model_.envs; ++e) {
       if (!whose[e]) continue;
       const StepEnergy& energy = newton_.energies().of_step(e);
-      if (why[e].empty() && energy.second_order && energy.gain > tuning::kSecondOrderGainShare * energy.there) {
+      if (why[e].empty() && energy.second_order && energy.gain > tuning::kSecondOrderGainShare * energy.there + std::max(regain_[e], 0.0)) {
         cuts[e].first_order = true;
       } else if (size > 1 && (!why[e].empty() || (!energy.second_order && cuts[e].guard.wants_halving(energy, gain)))) {
         cuts[e].size /= 2;
@@ -273,6 +284,7 @@ void Simulation::checkpoint(const std::vector<Archive*>& of) {
   std::vector<double> step(step_.begin(), step_.end());
   archive.io("step", step, each);
   archive.io("time", time_, each);
+  archive.io("regain", regain_, each);
   step_.assign(step.begin(), step.end());
   std::vector<double> q = flatten(model_.q.download());
   archive.io("q", q, effects::in_values(model_.env_blocks, 3));

@@ -1,0 +1,97 @@
+// What turning bodies lose to the time step, and what their certificates say of it (run/turning_loss.h).
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "rig.h"
+#include "run/state_audit.h"
+
+using namespace mortise;
+using namespace mortise::testing;
+
+namespace {
+
+struct Turned {
+  run::EnergyAudit::Result energy;
+  double way = 0;
+  int first_order = 0;
+};
+
+Turned turn(const std::string& scene, int steps, const std::vector<std::string>& overrides = {}) {
+  Rig rig(scene, overrides);
+  run::EnergyAudit audit(rig.input);
+  const std::vector<double> start = rig.engine->points();
+  audit.state({rig.fields(), start});
+  Turned out;
+  for (int i = 0; i < steps; ++i) {
+    const solver::StepReport report = rig.step();
+    const std::vector<double> points = rig.engine->points();
+    audit.state({rig.fields(), points});
+    audit.step(report.first_order > 0);
+    out.first_order += report.first_order;
+  }
+  out.energy = audit.result();
+  out.way = run::MeasuredBody(rig.input.bodies[0], 0).mean(rig.engine->points(), rig.engine->points())[0] -
+            run::MeasuredBody(rig.input.bodies[0], 0).mean(start, start)[0];
+  return out;
+}
+
+std::string ball(const std::string& inertia, double omega) {
+  return fmt::format(R"(
+mortise: 1
+name: ball
+time: {{step: 5 ms, steps: 100}}
+materials: {{steel: {{density: 7800}}}}
+bodies:
+  ball: {{type: stiff, shape: {{sphere: {{radius: 15 mm, edge_length: 3 mm}}}}, material: steel, position: [0, 0, 15.05 mm], angular_velocity: [0, {}, 0]}}
+effects:
+  inertia: {{integrator: {}}}
+  affine_body: {{}}
+)",
+                     omega, inertia);
+}
+
+}  // namespace
+
+// In flight, where the loss is measured too.
+TEST(TurningLoss, IsThatOfABodyInFlight) {
+  for (const double omega : {10.0, 20.0, 40.0}) {
+    const Turned t = turn(ball("backward_euler", omega), 20);
+    EXPECT_NEAR(t.energy.turning_loss, t.energy.free_loss, 0.15 * t.energy.free_loss) << omega;
+  }
+  // The first two steps of BDF2 are those of a start, not of its order.
+  for (const double omega : {20.0, 40.0, 80.0}) {
+    const Turned first = turn(ball("bdf2", omega), 5), all = turn(ball("bdf2", omega), 25);
+    EXPECT_NEAR(all.energy.turning_loss - first.energy.turning_loss, all.energy.free_loss - first.energy.free_loss,
+                0.3 * (all.energy.free_loss - first.energy.free_loss))
+        << omega;
+  }
+}
+
+// After its start, and after every step of first order, BDF2 gives back energy that the step before lost: that is no gain from nowhere. Taken for one,
+// every other step was of first order.
+TEST(TurningLoss, StepsOfSecondOrderStaySo) {
+  for (const double omega : {10.0, 20.0, 40.0, 60.0, 80.0}) {
+    const Turned t = turn(ball("bdf2", omega), 40);
+    EXPECT_EQ(t.first_order, 0) << omega;
+  }
+  const Turned t = turn(ball("bdf2", 20), 100);
+  EXPECT_LT(t.energy.free_loss, 0.04 * t.energy.scale);
+}
+
+// A ball rolls down a slope: 5/7 g sin(10 deg). What it lacks is seen in contact.
+TEST(TurningLoss, IsSeenOfABallThatRolls) {
+  const std::string rolling = ball("backward_euler", 0) + R"(
+  gravity: {acceleration: [1.7035, 0, -9.661]}
+  barrier_contact: {}
+  friction: {follows: barrier_contact, mu: 0.5}
+)";
+  std::string scene = rolling;
+  scene.replace(scene.find("effects:"), 8, "  floor: {type: half_space}\neffects:");
+  const double a = 5.0 / 7 * 1.7035;
+  const Turned coarse = turn(scene, 100), fine = turn(scene, 300, {"time.step=0.5 ms"});
+  EXPECT_EQ(coarse.energy.free_loss, 0);
+  EXPECT_LT(coarse.way, 0.92 * a * 0.5 * 0.5 / 2);
+  EXPECT_GT(coarse.energy.turning_loss, 0.2 * coarse.energy.scale);
+  EXPECT_LT(fine.energy.turning_loss, 0.02 * fine.energy.scale);
+}
