@@ -23,7 +23,7 @@ bool at_a_stop(const Snapshot& said) {
 
 }  // namespace
 
-EnergyAudit::EnergyAudit(const model::ModelInput& input) : lag_(input), turning_(input) {
+EnergyAudit::EnergyAudit(const model::ModelInput& input) : lag_(input), turning_(input), bounces_(input) {
   std::size_t first = 0;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
@@ -42,6 +42,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   const bool touches = contact_figures(now.said).pairs > 0 || at_a_stop(now.said);
   all_ = total(now);
   r_.total = all_ - turning(now);
+  double lost = 0;  // to the time step
   if (!points_before_.empty() && r_.work_is_known) {
     // The solver's own sum over the substeps counts moments too.
     const bool summed = now.said.has("supports/work");
@@ -50,12 +51,17 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
     r_.scale = std::max(r_.scale, std::abs(r_.support_work));
     r_.gain = (summed ? all_ - all_before : r_.total - before) - work;
     r_.largest_gain = std::fmax(r_.largest_gain, r_.gain);
+    const double rubbed = std::fmax(now.said.at("friction/dissipation"), 0.0), bounced = bounces_.sum();
+    lost = std::max(-r_.gain - (rubbed - rubbed_), 0.0);
+    rubbed_ = rubbed;
+    bounces_.state(now.said, now.points, bodies_, lost);
+    r_.free_loss += bounces_.sum() - bounced;
     if (!touched_ && !touches && std::abs(work) <= tuning::kDriven * r_.scale) r_.free_loss -= std::min(r_.gain, 0.0);
   }
   touched_ = touches;
   lag_.state(now.said, now.points, bodies_);
   r_.motion_lag = lag_.value();
-  turning_.state(now.said, now.points, bodies_);
+  turning_.state(now.said, now.points, bodies_, lost);
   points_before_ = now.points;
   return r_;
 }
@@ -79,6 +85,8 @@ void EnergyAudit::checkpoint(Archive& archive) {
   lag_.checkpoint(archive);
   r_.motion_lag = lag_.value();
   turning_.checkpoint(archive);
+  bounces_.checkpoint(archive);
+  archive.io("rubbed", rubbed_);
   r_.turning_loss = turning_.sum();
   archive.io("points_before", points_before_);
 }

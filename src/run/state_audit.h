@@ -9,6 +9,7 @@
 #include "base/archive.h"
 #include "base/snapshot.h"
 #include "model/input.h"
+#include "run/bounce_loss.h"
 #include "run/measured_body.h"
 #include "run/motion_lag.h"
 #include "run/turning_loss.h"
@@ -45,7 +46,8 @@ class EnergyAudit {
     double gain = NAN;          // of this step: change of total less the work of supports [J]; NaN: the first state
     double largest_gain = NAN;  // of all steps so far [J]
     double scale = 0;           // largest energy of the run so far [J]
-    double free_loss = 0;  // of energy between states in which nothing touches or is at a stop, while nothing is driven: the time step's doing [J]
+    double free_loss =
+        0;  // of energy between states in which nothing touches or is at a stop, while nothing is driven, and in bounces: the time step's doing [J]
     double turning_loss = NAN;  // turning_loss.h [J]
     double motion_lag = NAN;    // motion_lag.h
     bool work_is_known = true;  // false: loads do work whose potential is not reported, or nothing moves in time; then `gain` stays NaN
@@ -65,7 +67,9 @@ class EnergyAudit {
   Result r_;
   MotionLag lag_;
   TurningLoss turning_;
-  double all_ = NAN;  // total energy, turning of pinned bodies included
+  BounceLoss bounces_;
+  double rubbed_ = 0;  // by friction so far [J]
+  double all_ = NAN;   // total energy, turning of pinned bodies included
   std::vector<double> points_before_;
   double gravity_first_ = NAN;
   bool touched_ = false;  // something, in the state before

