@@ -47,6 +47,7 @@ linalg::GmresResult solve_whole(const model::Model& model, const LinearSystem& s
                                 const std::vector<double>& relative, Index limit, const linalg::Awaited& preconditioner) {
   const Index rows = s.b.n, envs = static_cast<Index>(env_rows.size()) - 1;
   device::Buffer<Vec3> r(rows), x(rows), d(rows), Jx(rows), forces(rows);
+  Jx.zero();  // of environments that have settled no product is taken
   const device::Buffer<double> weights = row_weights(s.A);
   const device::View<const double> w = weights.view();
   // D^-1/2 J, and its preconditioner.

@@ -23,7 +23,7 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 
-# name: (scene, values set)
+# name: (scene, values set, and options where they begin with --)
 SCENES = {
     "first/01_free_fall": ("scenes/first/01_free_fall.yaml", []),
     "first/02_block_on_floor": ("scenes/first/02_block_on_floor.yaml", ["time.steps=50"]),
@@ -35,12 +35,14 @@ SCENES = {
     "first/08_environments": ("scenes/first/08_environments.yaml", ["time.steps=4", "environments.count=3"]),
     "first/09_driven_leg": ("scenes/first/09_driven_leg.yaml", ["time.steps=4"]),
     "first/10_gripper": ("scenes/first/10_gripper.yaml", ["time.steps=4"]),
-    "static mortar": ("benchmarks/patch/scene.yaml", []),
+    "static mortar": ("benchmarks/patch/scene.yaml", ["quantities=[{name: top, value: displacement, body: top, over: max, axis: z}]"]),
     "long ways": ("benchmarks/effectivity/peak.yaml", ["solver.linear=cg"]),  # Broadphase::search
     "tactile/press, 2 frames": ("scenes/tactile/press.yaml", ["time.steps=2"]),
     "tactile/taxels, 1 frame": ("scenes/tactile/taxels.yaml", ["time.steps=1", "time.frame_every=1"]),
 }
 ENVIRONMENTS = "environments={count: 3, seed: 1, vary: [{path: effects.friction.mu, abs: {uniform: [0.1, 0.9]}}]}"
+GAINS = "environments={count: 3, seed: 1, vary: [{path: effects.drive.0.kp, abs: {uniform: [4, 6]}}]}"
+TOGETHER = "--together=all"  # in one model; else each is a process of its own
 VARIANTS = {
     "barrier": {
         "": [],
@@ -55,6 +57,8 @@ VARIANTS = {
         "quadratic": ["bodies.pad.order=2"],
         "environments": [ENVIRONMENTS],
         "environments cg mas": [ENVIRONMENTS, "solver.linear=cg", "solver.preconditioner=mas"],
+        "together": [ENVIRONMENTS, TOGETHER],
+        "together cg mas": [ENVIRONMENTS, TOGETHER, "solver.linear=cg", "solver.preconditioner=mas"],
     },
     "mortar": {
         "": [],
@@ -66,6 +70,16 @@ VARIANTS = {
         "7 points": ["effects.mortar_contact.quadrature=7"],
         "quadratic": ["bodies.pad.order=2", "bodies.block.order=2"],
         "environments": [ENVIRONMENTS],
+        "together": [ENVIRONMENTS, TOGETHER],
+        "averaged together": ["effects.mortar_contact.gap=averaged", ENVIRONMENTS, TOGETHER],
+        "rest share": ["effects.mortar_contact.rest_share=0.5"],
+    },
+    "robot": {"": [], "bdf2": ["effects.inertia.integrator=bdf2"], "together": [GAINS, TOGETHER]},
+    "loose": {
+        "": [],
+        "direct": ["solver.linear=direct"],
+        "reuse": ["solver.linear=reuse"],
+        "cg": ["solver.linear=cg"],
     },
 }
 for base, variants in VARIANTS.items():
@@ -168,7 +182,7 @@ class Campaign:
         folder = self.out / file_of(name)
         common = [self.bin / "mortise", "run", ROOT / path, "--overwrite", "--no-render", "-q", "--set", "output.precision=double"]
         for v in values:
-            common += ["--set", v]
+            common += [v] if v.startswith("--") else ["--set", v]
         row = {"name": name}
         done, row["cpu_s"] = run([*common, "--device", "cpu", "-o", folder / "cpu"])
         if done.returncode != 0:
@@ -214,6 +228,11 @@ class Campaign:
         row["difference"] = max((abs(a - b) / max(abs(a), 1e-9) for a, b in pairs if np.isfinite(a)), default=float("inf"))
         return row if row["difference"] <= 1e-6 and len(rows[0]) == len(rows[1]) else row | {"failed": f"differs from the CPU by {row['difference']:.1e}"}
 
+    def bandwidth(self, name):
+        row = {"name": name}
+        done, row["forwards_s"] = run([self.bin / "mortise", "bench", "bandwidth", "--set", "edge=8", "--device", "cuda"], self.report(name, "forwards"))
+        return row if done.returncode == 0 else row | {"failed": done.stderr.strip()}
+
     def errors(self, name):
         row = {"name": name, "tests": 0}
         for plan, words in ERRORS.items():
@@ -240,7 +259,7 @@ class Campaign:
             return row
         shutil.rmtree(self.reports / file_of(name), ignore_errors=True)
         (self.reports / file_of(name)).mkdir()
-        kind = self.scene if name in SCENES else self.bench if name in BENCHMARKS else self.resume if name == "resume" else self.errors if name == "errors" else self.program
+        kind = self.scene if name in SCENES else self.bench if name in BENCHMARKS else self.resume if name == "resume" else self.errors if name == "errors" else self.bandwidth if name == "bandwidth" else self.program
         try:
             row = kind(name)
         except Exception as e:  # a job that fails in an unforeseen way is a failed job
@@ -273,7 +292,7 @@ def main():
     parser.add_argument("--result", type=Path)
     a = parser.parse_args()
     campaign = Campaign(a.build.resolve(), a.go_on)
-    names = ["translator", "test_ptx", "errors", *SHORT] if a.short else ["translator", "test_ptx", "errors", *[f"test_{t}_ptx" for t in TWINS], *BENCHMARKS, "resume", *SCENES]
+    names = ["translator", "test_ptx", "errors", *SHORT] if a.short else ["translator", "test_ptx", "errors", *[f"test_{t}_ptx" for t in TWINS], *BENCHMARKS, "bandwidth", "resume", *SCENES]
     chosen = [n for n in names if any(word in n for word in a.only.split(","))]
     if a.go_on:
         chosen = [n for n in names if n in chosen or campaign.before(n)]
