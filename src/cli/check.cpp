@@ -63,12 +63,13 @@ int cmd_check(const CheckOptions& o) {
   std::set<std::string> warned;
   if (!o.quick && environments == 0) check_run(scene.root, "", warned);
   if (environments > 0 && !o.quick) engine::keep_meshes(scene.root);
+  const Params* reset = environments > 0 ? scene.root.at("environments").find("reset") : nullptr;
   for (long e = 0; e < environments; ++e) {
     const std::string called = "environment " + std::to_string(e) + ": ";
     const scene::Scene one = scene::environment_of(scene, o.overrides, tables, e);
     if (o.quick) continue;
     try {
-      check_run(one.root, called, warned, scene.root.at("environments").at("reset").items());
+      check_run(one.root, called, warned, reset ? reset->items() : std::vector<Params>());
     } catch (const Error& error) {
       throw Error(error.code(), called + error.what());
     }

@@ -26,6 +26,7 @@ constexpr Entry kDatasets[] = {
     {"", "velocity", "velocity"},
     {"", "contact_force", "force of contact on the node"},
     {"", "contact_pressure", "pressure of contact: normal force on the node over its area"},
+    {"", "contact_area", "area of the node that this force is over"},
     {"", "friction_force", "force of friction on the node"},
     {"", "support_force", "force of pins and drives on the node"},
     {"", "tie_force", "force of bonds and ties on the node"},

@@ -34,7 +34,8 @@ void BounceLoss::state(const Snapshot& said, const std::vector<double>& points, 
 }
 
 void BounceLoss::checkpoint(Archive& archive) {
-  for (auto [name, v] : {std::pair{"bounce.steps", &steps_}, {"bounce.slow", &slow_}, {"bounce.before", &before_}, {"bounce.lost", &lost_}, {"bounce.soft", &soft_}})
+  for (auto [name, v] :
+       {std::pair{"bounce.steps", &steps_}, {"bounce.slow", &slow_}, {"bounce.before", &before_}, {"bounce.lost", &lost_}, {"bounce.soft", &soft_}})
     archive.io(name, *v);
   archive.io("bounce.sum", sum_);
 }

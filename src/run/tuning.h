@@ -23,7 +23,7 @@ inline constexpr Bounds kMotionLag{0.05, 0.1};
 inline constexpr Bounds kGuard{0.02, 0.1};
 inline constexpr Bounds kStress{0.05, 0.1};
 inline constexpr Bounds kRoughness{0.03, 0.04};
-inline constexpr Bounds kMisfit{0.01, 0.018};
+inline constexpr Bounds kMisfit{0.01, 0.0125};
 // Who asks for small rotations takes terms of second order for granted, as the formulas do that such results are compared with: bounds beyond those.
 inline constexpr Bounds kTurned{0.2, 0.4};
 inline constexpr Bounds kLayer{0.03, 0.06};
