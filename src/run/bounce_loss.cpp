@@ -6,19 +6,16 @@
 
 namespace mortise::run {
 
-void BounceLoss::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MeasuredBody>& bodies, double lost) {
-  const Snapshot::Values *velocity = said.of_points("velocity", 3), *force = said.of_points("contact_force", 3);
-  if (!velocity || velocity->empty() || !force || force->empty()) return;
-  const bool first = steps_.empty();
-  if (first)
+void BounceLoss::state(const std::vector<MovingBody>& bodies, double lost) {
+  if (bodies.empty()) return;
+  if (steps_.empty())
     for (std::vector<double>* v : {&steps_, &slow_, &before_, &lost_, &soft_}) v->assign(bodies.size(), 0.0);
-  const bool soft = std::any_of(bodies.begin(), bodies.end(), [&](const MeasuredBody& b) { return b.soft() && touches(b, *force); });
+  const bool soft = std::any_of(bodies.begin(), bodies.end(), [](const MovingBody& b) { return b.body.soft() && b.touches; });
   double ended = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const MeasuredBody& b = bodies[i];
-    if (!free_.free(i)) continue;
-    const double energy = 0.5 * b.mass() * b.mean(*velocity, points).squaredNorm();
-    if (!touches(b, *force)) {
+    if (!bodies[i].free) continue;
+    const double energy = bodies[i].energy();
+    if (!bodies[i].touches) {
       const bool rested = slow_[i] >= tuning::kRested && slow_[i] >= tuning::kRestedShare * steps_[i];
       if (steps_[i] > 0 && soft_[i] > 0 && !rested) ended = std::max(ended, lost_[i]);
       steps_[i] = -1, before_[i] = energy;

@@ -6,23 +6,18 @@
 #include <vector>
 
 #include "base/archive.h"
-#include "base/snapshot.h"
-#include "model/input.h"
-#include "run/free_bodies.h"
-#include "run/measured_body.h"
+#include "run/moving_body.h"
 
 namespace mortise::run {
 
 class BounceLoss {
  public:
-  explicit BounceLoss(const model::ModelInput& input) : free_(input) {}
   // lost: by the step that led to this state, without friction [J].
-  void state(const Snapshot& said, const std::vector<double>& points, const std::vector<MeasuredBody>& bodies, double lost);
+  void state(const std::vector<MovingBody>& bodies, double lost);
   double sum() const { return sum_; }  // lost in contacts that ended in flight [J]
   void checkpoint(Archive& archive);
 
  private:
-  FreeBodies free_;
   // Of the contact under way, per body: steps so far (-1: in flight; no start was seen of what touches in the first state), those of them in which it
   // hardly moved, its energy before [J], lost so far [J]; was something soft struck?
   std::vector<double> steps_, slow_, before_, lost_, soft_;

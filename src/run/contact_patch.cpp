@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "run/tuning.h"
 #include "run/vector_at.h"
@@ -69,21 +70,23 @@ std::vector<ContactPatch::Node> ContactPatch::interior(const Fields& f) const {
     covered[i] = 2 * std::count_if(ring.begin(), ring.end(), loaded) > static_cast<std::ptrdiff_t>(ring.size());
   }
   // Where no force is, as on corners of quadratic faces, that of the neighbours tells the side.
-  const auto force_at = [&](std::size_t i) {
+  struct Pressed {
+    Vec3 force;
+    std::vector<Index> facets;
+  };
+  std::vector<std::optional<Pressed>> known(rest_.size());
+  const auto pressed_at = [&](std::size_t i) -> const Pressed& {
+    if (known[i]) return *known[i];
     Vec3 force = at(f.force, i);
     if (force.isZero(0) || facets_[around_[i][0]].face >= 0)
       for (Index j : ring_of(i, [](Index) { return true; })) force += at(f.force, j);
-    return force;
+    return known[i].emplace(Pressed{force, sheet(i, force, normal)});
   };
-  std::vector<signed char> known(rest_.size(), -1);
-  const auto is_whole = [&](Index i) {
-    if (known[i] < 0) known[i] = f.area.empty() || whole(f.area[i], force_at(i), sheet(i, force_at(i), normal), normal) ? 1 : 0;
-    return known[i] == 1;
-  };
+  const auto is_whole = [&](Index i) { return f.area.empty() || whole(f.area[i], pressed_at(i).force, pressed_at(i).facets, normal); };
   std::vector<Node> out;
   for (std::size_t i = 0; i < rest_.size(); ++i) {
     if (!covered[i]) continue;
-    const std::vector<Index> pressed = sheet(i, force_at(i), normal);
+    const std::vector<Index>& pressed = pressed_at(i).facets;
     Node node{i, ring_of(i, [&](Index t) { return std::find(pressed.begin(), pressed.end(), t) != pressed.end(); }), {}};
     if (node.ring.empty() || !std::all_of(node.ring.begin(), node.ring.end(), [&](Index j) { return covered[j] != 0; })) continue;
     load(i, pressed, normal, node.load);

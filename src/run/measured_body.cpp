@@ -73,6 +73,12 @@ Vec3 MeasuredBody::sum(const std::vector<double>& values) const {
   return s;
 }
 
+double MeasuredBody::radius(const Vec3& centre, const std::vector<double>& points) const {
+  double most = 0;
+  for (std::size_t i = first; i < first + count; ++i) most = std::max(most, (vector_at(points, i) - centre).norm());
+  return most;
+}
+
 Vec3 MeasuredBody::rotation(const std::vector<double>& start, const std::vector<double>& points) const {
   std::vector<Vec3> from, to;
   for (std::size_t i = first; i < first + count; ++i) from.push_back(vector_at(start, i)), to.push_back(vector_at(points, i));

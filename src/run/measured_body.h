@@ -21,6 +21,7 @@ class MeasuredBody {
   // Mean over the mass of a field of vectors, which is affine on stiff bodies: there the value at the centre of mass.
   Vec3 mean(const std::vector<double>& values, const std::vector<double>& points) const;
   Vec3 sum(const std::vector<double>& values) const;
+  double radius(const Vec3& centre, const std::vector<double>& points) const;  // of the farthest point
   // Of the rigid motion from `start` to `points` (least squares, all points alike): the angle along the axis [rad].
   Vec3 rotation(const std::vector<double>& start, const std::vector<double>& points) const;
   // Angular velocity of the rigid motion nearest to the points' velocities (least squares, all points alike).

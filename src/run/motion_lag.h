@@ -6,24 +6,21 @@
 #include <vector>
 
 #include "base/archive.h"
-#include "base/snapshot.h"
 #include "model/input.h"
-#include "run/holds.h"
-#include "run/measured_body.h"
+#include "run/moving_body.h"
 
 namespace mortise::run {
 
 class MotionLag {
  public:
   explicit MotionLag(const model::ModelInput& input);
-  void state(const Snapshot& said, const std::vector<double>& points, const std::vector<MeasuredBody>& bodies);
+  void state(const std::vector<double>& points, const std::vector<MovingBody>& bodies);
   // Of the last state: e over the farthest that the body has been from its start, less e, or, where it hardly moved, a share of its size; the largest
   // of all bodies that go as no pin and no kinematic drive says. NaN without backward Euler.
   double value() const { return value_; }
   void checkpoint(Archive& archive);
 
  private:
-  Holds holds_;
   double step_ = NAN;                // h [s]
   std::vector<double> start_, v0_;   // 3 per body: centre of mass [m], its velocity [m/s]
   std::vector<double> least_, far_;  // per body: smallest way that counts, farthest from the start so far [m]

@@ -23,7 +23,7 @@ bool at_a_stop(const Snapshot& said) {
 
 }  // namespace
 
-EnergyAudit::EnergyAudit(const model::ModelInput& input) : lag_(input), turning_(input), bounces_(input) {
+EnergyAudit::EnergyAudit(const model::ModelInput& input) : moving_(input), lag_(input), turning_(input) {
   std::size_t first = 0;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
@@ -42,6 +42,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   const bool touches = contact_figures(now.said).pairs > 0 || at_a_stop(now.said);
   all_ = total(now);
   r_.total = all_ - turning(now);
+  const std::vector<MovingBody> moving = moving_.at(now.said, now.points, bodies_);
   double lost = 0;  // to the time step
   if (!points_before_.empty() && r_.work_is_known) {
     // The solver's own sum over the substeps counts moments too.
@@ -54,14 +55,14 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
     const double rubbed = std::fmax(now.said.at("friction/dissipation"), 0.0), bounced = bounces_.sum();
     lost = std::max(-r_.gain - (rubbed - rubbed_), 0.0);
     rubbed_ = rubbed;
-    bounces_.state(now.said, now.points, bodies_, lost);
+    bounces_.state(moving, lost);
     r_.free_loss += bounces_.sum() - bounced;
     if (!touched_ && !touches && std::abs(work) <= tuning::kDriven * r_.scale) r_.free_loss -= std::min(r_.gain, 0.0);
   }
   touched_ = touches;
-  lag_.state(now.said, now.points, bodies_);
+  lag_.state(now.points, moving);
   r_.motion_lag = lag_.value();
-  turning_.state(now.said, now.points, bodies_, lost);
+  turning_.state(now.said, now.points, moving, lost);
   points_before_ = now.points;
   return r_;
 }

@@ -65,6 +65,7 @@ class EnergyAudit {
   std::vector<MeasuredBody> bodies_;
   std::vector<std::string> loads_;  // effects of that role
   Result r_;
+  MovingBodies moving_;
   MotionLag lag_;
   TurningLoss turning_;
   BounceLoss bounces_;

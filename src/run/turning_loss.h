@@ -11,9 +11,7 @@
 #include "base/archive.h"
 #include "base/snapshot.h"
 #include "model/input.h"
-#include "run/free_bodies.h"
-#include "run/holds.h"
-#include "run/measured_body.h"
+#include "run/moving_body.h"
 
 namespace mortise::run {
 
@@ -21,18 +19,13 @@ class TurningLoss {
  public:
   explicit TurningLoss(const model::ModelInput& input);
   // lost: by the step that led to this state, without friction [J].
-  void state(const Snapshot& said, const std::vector<double>& points, const std::vector<MeasuredBody>& bodies, double lost);
+  void state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies, double lost);
   void step(bool first_order);         // that led to that state
   double sum() const { return sum_; }  // of all steps [J]; NaN without a time step
   void checkpoint(Archive& archive);
 
  private:
-  bool rolls(const MeasuredBody& body, double omega, const Snapshot& said, const std::vector<double>& points) const;
-
-  Holds holds_;
-  FreeBodies free_;
-  double step_ = NAN;  // h [s]
-  bool second_order_ = false;
+  Integration integration_;
   double sum_ = NAN, of_first_ = 0, of_second_ = 0;  // of the last step, by its order
 };
 

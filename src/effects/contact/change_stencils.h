@@ -6,9 +6,9 @@
 
 namespace mortise::effects::contact {
 
-MORTISE_HD inline model::Expansion<model::kChangePoints> changed_blocks(const model::PointMapView& map, const model::SampleChangesView& changes,
-                                                                        Index i) {
-  return model::expand<model::kChangePoints>(map, changes.node.p + changes.start[i], changes.points(i));
+template <Index N = model::kChangePoints>
+MORTISE_HD inline model::Expansion<N> changed_blocks(const model::PointMapView& map, const model::SampleChangesView& changes, Index i) {
+  return model::expand<N>(map, changes.node.p + changes.start[i], changes.points(i));
 }
 
 // One per sample, with its blocks; without gradients and Hessians.

@@ -265,8 +265,7 @@ class Friction final : public Effect {
         follow_force(s, here, i, q, left.p + first[i], right.p + first[i]);
         return;
       }
-      const model::Expansion<N> e =
-          scattered ? model::expand<N>(map, change.node.p + change.start[i], change.points(i)) : model::expand<N>(map, here.point, here.points);
+      const model::Expansion<N> e = scattered ? contact::changed_blocks<N>(map, change, i) : model::expand<N>(map, here.point, here.points);
       Vec3 way[model::kSamplePoints], force[N];  // way: of the points since the step began
       for (Index k = 0; k < e.points; ++k) force[k] = Vec3::Zero();
       for (Index k = 0; k < here.points; ++k) {

@@ -1,0 +1,42 @@
+#pragma once
+// Bodies in a state of motion, measured once for all estimates of what the time step does to it, and who leads them.
+#include <span>
+#include <vector>
+
+#include "base/snapshot.h"
+#include "model/input.h"
+#include "run/measured_body.h"
+
+namespace mortise::run {
+
+struct MovingBody {
+  const MeasuredBody& body;
+  Vec3 x, v;        // centre of mass [m], its velocity [m/s]
+  bool touches;     // a force of contact is on one of its points
+  bool given;       // it goes as pins or kinematic drives say (Holds::given)
+  bool led;         // given, or supported by what is no joint
+  bool free;        // nothing holds it or ties it to another body
+  double energy() const { return 0.5 * body.mass() * v.squaredNorm(); }  // of its centre [J]
+};
+
+class MovingBodies {
+ public:
+  explicit MovingBodies(const model::ModelInput& input);
+  // bodies: all but half-spaces. Empty where no velocities are reported.
+  std::vector<MovingBody> at(const Snapshot& said, const std::vector<double>& points, const std::vector<MeasuredBody>& bodies) const;
+
+ private:
+  struct Who {
+    bool held, given, free;
+  };
+  std::vector<Who> who_;
+};
+
+// An integrator's time step h [s], NaN without one, and whether it is of second order.
+struct Integration {
+  double step = NAN;
+  bool second_order = false;
+};
+Integration integration_of(const Params& scene);
+
+}  // namespace mortise::run
