@@ -1,7 +1,7 @@
 #pragma once
 // Numbers that carry derivatives: a + sum_i d_i e_i with e_i e_j = 0, the first N derivatives of whatever a program computes (forward mode:
-// Griewank, Walther, Evaluating Derivatives, 2nd ed., ch. 3). Code that is to be differentiated is written for any number T and uses root, magnitude,
-// smaller and larger; comparisons look at values, so that a program takes the same way with jets and with doubles, and values have the same bits.
+// Griewank, Walther, Evaluating Derivatives, 2nd ed., ch. 3). Code that is to be differentiated is written for any number T and uses root, smaller
+// and larger; comparisons look at values, so that a program takes the same way with jets and with doubles, and values have the same bits.
 #include <cmath>
 
 #include "base/hd.h"
@@ -65,14 +65,12 @@ struct Jet {
     const double r = std::sqrt(x.a);
     return x.chain(r, r > 0 ? 0.5 / r : 0);
   }
-  MORTISE_HD friend Jet magnitude(const Jet& x) { return x.a < 0 ? -x : x; }
   MORTISE_HD friend Jet smaller(const Jet& x, const Jet& y) { return y.a < x.a ? y : x; }
   MORTISE_HD friend Jet larger(const Jet& x, const Jet& y) { return y.a > x.a ? y : x; }
 };
 
 MORTISE_HD inline double value_of(double x) { return x; }
 MORTISE_HD inline double root(double x) { return std::sqrt(x); }
-MORTISE_HD inline double magnitude(double x) { return std::abs(x); }
 MORTISE_HD inline double smaller(double x, double y) { return std::fmin(x, y); }
 MORTISE_HD inline double larger(double x, double y) { return std::fmax(x, y); }
 

@@ -1,6 +1,7 @@
 // mortise bench: named benchmarks with known answers.
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -45,12 +46,26 @@ int bench_ccd(const BenchOptions& o) {
   return static_cast<int>(result.point_triangle.false_negatives + result.edge_edge.false_negatives == 0 ? Exit::done : Exit::solve);
 }
 
-// The matrix product against a plain copy, from what fits into caches to what does not.
+// Nodes along the edges of the cubes whose matrices are multiplied: by default from what fits into caches to what does not.
+std::vector<Index> bandwidth_edges(const std::vector<std::string>& sets) {
+  constexpr Index kMost = 100;  // its matrix takes a gigabyte
+  if (sets.empty()) return {20, 34, 54};
+  std::vector<Index> out;
+  for (const std::string& set : sets) {
+    int edge = 0, end = 0;
+    if (std::sscanf(set.c_str(), "edge=%d%n", &edge, &end) != 1 || set.c_str()[end] != 0 || edge < 2 || edge > kMost)
+      throw Error(Exit::usage, fmt::format("bench bandwidth: '{}' is not edge=N, nodes along the edge of a cube, 2 to {}", set, kMost));
+    out.push_back(edge);
+  }
+  return out;
+}
+
+// The matrix product against a plain copy.
 int bench_bandwidth(const BenchOptions& o) {
   auto list = nlohmann::ordered_json::array();
   if (!o.json)
     std::cout << fmt::format("{:>8} {:>9} {:>14} {:>14} {:>14} {:>8}\n", "rows", "blocks", "product us", "product GB/s", "copy GB/s", "share");
-  for (Index edge : {20, 34, 54}) {
+  for (const Index edge : bandwidth_edges(o.sets)) {
     engine::Bandwidth b;
     const engine::Outcome outcome = engine::chosen().api->bandwidth(edge, b);
     if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message);
@@ -103,8 +118,10 @@ int cmd_bench(const BenchOptions& o) {
   }
   setenv("MORTISE_DEVICE", o.device.c_str(), 1);  // for cases that run in processes of their own
   engine::choose(o.device, o.threads);
-  if (o.name == "ccd") return bench_ccd(o);
   if (o.name == "bandwidth") return bench_bandwidth(o);
+  const bool plain = o.name == "ccd" || o.name == "fuzz" || o.name == "hard";
+  if (plain && !o.sets.empty()) throw Error(Exit::usage, "bench " + o.name + " has nothing to --set");
+  if (o.name == "ccd") return bench_ccd(o);
   if (o.name == "fuzz") return bench_fuzz(o.hard, o.result, o.threads, o.json);
   if (o.name == "hard") return bench_hard(o.hard, o.data, o.result, o.threads, o.json);
   if (const bench::Benchmark* b = bench::find_benchmark(o.name)) return bench_named(o, *b);
@@ -121,7 +138,8 @@ void add_bench(Command app, Context& context) {
   sub.flag("--list", o->list, "list the benchmarks");
   sub.option("--data", o->data, "folder with the benchmark's data");
   sub.flag("--json", o->json, "one JSON object per row");
-  sub.option("--set", o->sets, "value of the benchmark's scene (a.b=c) or an option of its own (methods=gmcp_consistent,ipc_classic; size=medium)");
+  sub.option("--set", o->sets,
+             "value of the benchmark's scene (a.b=c) or an option of its own (methods=gmcp_consistent,ipc_classic; size=medium; edge=20)");
   sub.option("--result", o->result, "also write the rows and the machine to this file");
   add_device_options(sub, o->device, o->threads);
   add_hard_flags(sub, o->hard);

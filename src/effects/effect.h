@@ -88,6 +88,8 @@ class Effect {
   // Of an integrator: is the step under way of second order? Then what it adds of its own over the step to q, T(q) - T(q_n) - M a . (q - q_n), is not
   // minus its energy at q; it goes to `gain`, and the kinetic energy T(q_n) that there was to `there` [J].
   virtual bool second_order(Index env) const { return (void)env, false; }
+  // Of an integrator of second order: has it no history yet, so that the next step begins with one of first order?
+  virtual bool starts(Index env) const { return (void)env, false; }
   virtual void own_gain(Positions q, device::EnvValues gain, device::EnvValues there) { (void)q, (void)gain, (void)there; }
   // Of a motor that holds energy and reports it: how much at the last accepted state, at the beginning of the step under way (which may pull
   // elsewhere) and at q, its end; and the gradient of what holds it, at q, along the way `move` of the step.

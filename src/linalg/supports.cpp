@@ -13,11 +13,4 @@ void project(BlockMatrix& A, View<const Mat3> P) {
   });
 }
 
-void project(View<Vec3> v, View<const Mat3> P) {
-  device::parallel_for("vector.project", v.n, [=] MORTISE_HD(Index i) {
-    const Vec3 here = v[i];
-    v[i] = P[i] * here;
-  });
-}
-
 }  // namespace mortise::linalg

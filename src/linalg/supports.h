@@ -7,7 +7,5 @@
 namespace mortise::linalg {
 
 void project(BlockMatrix& A, View<const Mat3> P_of_row);
-// v_r <- P_r v_r, for every row or every block, as P is given.
-void project(View<Vec3> v, View<const Mat3> P);
 
 }  // namespace mortise::linalg

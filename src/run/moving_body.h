@@ -11,12 +11,14 @@ namespace mortise::run {
 
 struct MovingBody {
   const MeasuredBody& body;
-  Vec3 x, v;                                                             // centre of mass [m], its velocity [m/s]
-  bool touches;                                                          // a force of contact is on one of its points
-  bool given;                                                            // it goes as pins or kinematic drives say (Holds::given)
-  bool led;                                                              // given, or supported by what is no joint
-  bool free;                                                             // nothing holds it or ties it to another body
-  double energy() const { return 0.5 * body.mass() * v.squaredNorm(); }  // of its centre [J]
+  Vec3 x, v;     // centre of mass [m], its velocity [m/s]
+  bool touches;  // a force of contact is on one of its points
+  bool given;    // it goes as pins or kinematic drives say (Holds::given)
+  bool led;      // given, or supported by what is no joint
+  bool free;     // nothing holds it or ties it to another body
+
+  // Of its centre [J].
+  double energy() const { return 0.5 * body.mass() * v.squaredNorm(); }
 };
 
 class MovingBodies {

@@ -29,7 +29,7 @@ void TurningLoss::state(const Snapshot& said, const std::vector<double>& points,
     if (b.given) continue;
     const double omega = b.body.spin(velocity, points).norm(), phi = omega * integration_.step, energy = b.body.turning_energy(velocity, points);
     of_first_ += std::min(2 * phi * phi, 1.0) * energy;
-    of_second_ += std::min(tuning::kTurnSecondOrder * std::pow(phi, 4), 1.0) * energy;
+    of_second_ += std::min(std::pow(phi, 4) / (1 + 4 * phi * phi), 1.0) * energy;
     if (rolls(b, omega, points)) rolling += energy + b.energy();
   }
   if (lost > tuning::kImpact * rolling) return;

@@ -95,10 +95,10 @@ std::vector<double> Simulation::lost_energy(const effects::StepInfo& info) const
 }
 
 // After a step of first order velocities of what turns are those of half a step before; the first step of second order loses twice its share of
-// energy for that, and the next ones give some of it back. Refused that, a body that turns would take every other step by first order.
+// energy for that, and the next ones may give that back, but no more. Refused it, a body that turns would take every other step by first order.
 static double next_regain(double regain, const StepEnergy& step) {
   if (!step.second_order) return -1;
-  if (regain < 0) return tuning::kGivenBack * std::max(-step.gain, 0.0);
+  if (regain < 0) return std::max(-step.gain, 0.0);
   return 0.5 * std::max(regain - std::max(step.gain, 0.0), 0.0);
 }
 
@@ -169,7 +169,10 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
   };
   const long units = 1L << options_.halvings;
   std::vector<Cut> cuts(model_.envs);
-  for (Cut& c : cuts) c.size = units;
+  for (Index e = 0; e < model_.envs; ++e)
+    cuts[e].size = std::any_of(effects_.begin(), effects_.end(), [&](const auto& effect) { return effect->starts(e); })
+                       ? std::max(units >> tuning::kStartHalvings, 1L)
+                       : units;
   EnvMask takes(model_.envs, 1);
   for (Index e = 0; e < model_.envs; ++e)
     if (!lost_[e].empty() || resting_[e]) cuts[e].done = units, takes[e] = 0;

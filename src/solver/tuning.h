@@ -100,8 +100,10 @@ inline constexpr Index kTangentMost = 100;             // products; friction tak
 inline constexpr double kGainShare = 1e-6;             // of the energy there is: what a step may gain from nowhere
 inline constexpr double kFrozenGainShare = 1e-3;       // where something is frozen, what that feeds into motions does not fall with the step
 inline constexpr double kSecondOrderGainShare = 1e-3;  // BDF2 may, as its own oscillations of energy are of that size in smooth motion
-inline constexpr double kGivenBack = 0.25;             // and of what the first step after one of first order lost: a turn by 0.4 rad gives back 0.21
-inline constexpr double kGainFalls = 3;                // halving must lower the gain by this; that of backward Euler falls to about a quarter
+// An integrator of second order starts with h/8, h/8, h/4, h/2: each is at most twice the one before, which BDF2 bears, and what the first errs,
+// of first order, is a 64th of what it would be.
+inline constexpr int kStartHalvings = 3;
+inline constexpr double kGainFalls = 3;  // halving must lower the gain by this; that of backward Euler falls to about a quarter
 
 // ---- steps (simulation.h)
 inline constexpr int kMostFits = 8;  // a pressure that hangs on the stiffness is met within three or four

@@ -10,7 +10,7 @@ namespace {
 template <class T>
 T program(const T& x, const T& y) {
   T out = x * y - 2 / (1 + x);
-  out += root(y) * magnitude(x - 3);
+  out += root(y) * (x - 3);
   out *= smaller(x, y);
   out -= larger(x, T(1.5));
   return x < y ? out / (x + 1) : -out;

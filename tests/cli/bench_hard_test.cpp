@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -80,7 +81,20 @@ TEST(BenchHard, FailuresAreShown) {
   EXPECT_EQ(other.code, 5);
   EXPECT_NE(other.err.find("worse: h02_face_point barrier: passed before: min_distance above 1"), std::string::npos) << other.err;
   EXPECT_EQ(mortise("bench hard --only nothing").code, 2);
+  EXPECT_EQ(mortise("bench hard --only H02 --set edge=8").code, 2);
   fs::remove_all(dir);
+}
+
+TEST(BenchBandwidth, TakesTheSizesThatItIsGiven) {
+  const Result r = mortise("bench bandwidth --set edge=4 edge=6 --json");
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_EQ(std::count(r.out.begin(), r.out.end(), '\n'), 2) << r.out;
+  EXPECT_NE(r.out.find("\"rows\":64"), std::string::npos) << r.out;
+  for (const char* bad : {"edge=1", "edge=5x", "edge=2000", "size=3"}) {
+    const Result refused = mortise(std::string("bench bandwidth --set ") + bad);
+    EXPECT_EQ(refused.code, 2) << bad;
+    EXPECT_NE(refused.err.find("is not edge=N"), std::string::npos) << refused.err;
+  }
 }
 
 // A program that was built without the tests has no judge: told before anything runs.

@@ -90,8 +90,4 @@ TEST(Supports, ProjectionIsTheDenseOne) {
   Buffer<Mat3> Pb(P);
   project(A, Pb.view());
   EXPECT_LT((dense(A) - want).cwiseAbs().maxCoeff(), 1e-13);
-  const auto v = random_vector(kRows, 9);
-  Buffer<Vec3> vb(v);
-  project(vb.view(), Pb.view());
-  EXPECT_LT((dense(vb.download()) - full * dense(v)).cwiseAbs().maxCoeff(), 1e-15);
 }

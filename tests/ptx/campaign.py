@@ -23,7 +23,7 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 
-# name: (scene, values set, and options where they begin with --)
+# name: (scene, or who writes it; values set, and options where they begin with --)
 SCENES = {
     "first/01_free_fall": ("scenes/first/01_free_fall.yaml", []),
     "first/02_block_on_floor": ("scenes/first/02_block_on_floor.yaml", ["time.steps=50"]),
@@ -73,6 +73,7 @@ VARIANTS = {
         "together": [ENVIRONMENTS, TOGETHER],
         "averaged together": ["effects.mortar_contact.gap=averaged", ENVIRONMENTS, TOGETHER],
         "rest share": ["effects.mortar_contact.rest_share=0.5"],
+        "averaged, finer": ["effects.mortar_contact.gap=averaged", "bodies.block.shape.box.edge_length=1 mm", "bodies.pad.shape.box.edge_length=1.6 mm"],
     },
     "robot": {"": [], "bdf2": ["effects.inertia.integrator=bdf2"], "together": [GAINS, TOGETHER]},
     "loose": {
@@ -85,6 +86,33 @@ VARIANTS = {
 for base, variants in VARIANTS.items():
     for variant, values in variants.items():
         SCENES[f"{base} {variant}".strip()] = (f"tests/ptx/scenes/{base}.yaml", values)
+# Sums over more than one chunk of 64 terms: as many robots as that in one environment.
+CROWD = 66
+
+
+def crowd(folder):
+    """Writes its scene: bars on hinges of the world, each with a motor, a spring and stops, and a second bar that mimics the first."""
+    bodies, joints, drives = {}, [], []
+    for i in range(CROWD):
+        y = f"{40 * i} mm"
+        bar = {"type": "stiff", "shape": {"box": {"size": ["80 mm", "10 mm", "10 mm"], "edge_length": "80 mm"}}, "material": "steel"}
+        bodies[f"upper{i}"] = bar | {"position": ["40 mm", y, "0 mm"]}
+        bodies[f"lower{i}"] = bar | {"position": ["120 mm", y, "0 mm"]}
+        joints.append({"name": f"shoulder{i}", "body": f"upper{i}", "type": "revolute", "at": ["0 mm", y, "0 mm"], "axis": [0, 1, 0],
+                       "angle_limits": ["-0.5 deg", "20 deg"]})
+        joints.append({"name": f"elbow{i}", "body": f"lower{i}", "to": f"upper{i}", "type": "revolute", "at": ["80 mm", y, "0 mm"], "axis": [0, 1, 0],
+                       "mimic": {"joint": f"shoulder{i}", "ratio": 2}})
+        drives.append({"joint": f"shoulder{i}", "mode": "pd", "kp": 5, "kd": 0.05, "angle": "1 deg", "stiffness": 0.5})
+    scene = {"mortise": 1, "name": "crowd", "time": {"step": "5 ms", "steps": 2}, "materials": {"steel": {"density": 7800}}, "bodies": bodies,
+             "effects": {"inertia": {}, "gravity": {}, "affine_body": {}, "joint": joints, "drive": drives}}
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / "scene.yaml"
+    path.write_text(json.dumps(scene))
+    return path
+
+
+SCENES["crowd"] = (crowd, [])
+
 BENCHMARKS = {"bench patch": ["patch"], "bench hertz": ["hertz", "--set", "size=coarse"]}
 # What the runtime is made to answer (report.h), and what the program has to say then, with exit code 4.
 ERRORS = {
@@ -180,7 +208,8 @@ class Campaign:
     def scene(self, name):
         path, values = SCENES[name]
         folder = self.out / file_of(name)
-        common = [self.bin / "mortise", "run", ROOT / path, "--overwrite", "--no-render", "-q", "--set", "output.precision=double"]
+        path = path(self.out / "scenes") if callable(path) else ROOT / path
+        common = [self.bin / "mortise", "run", path, "--overwrite", "--no-render", "-q", "--set", "output.precision=double"]
         for v in values:
             common += [v] if v.startswith("--") else ["--set", v]
         row = {"name": name}

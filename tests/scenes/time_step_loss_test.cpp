@@ -60,11 +60,11 @@ TEST(TurningLoss, IsThatOfABodyInFlight) {
     const Turned t = turn(ball("backward_euler", omega), 20);
     EXPECT_NEAR(t.energy.turning_loss, t.energy.free_loss, 0.15 * t.energy.free_loss) << omega;
   }
-  // The first two steps of BDF2 are those of a start, not of its order.
+  // BDF2 starts in parts of a step, and it takes some steps until it loses what it always does.
   for (const double omega : {20.0, 40.0, 80.0}) {
-    const Turned first = turn(ball("bdf2", omega), 5), all = turn(ball("bdf2", omega), 25);
+    const Turned first = turn(ball("bdf2", omega), 10), all = turn(ball("bdf2", omega), 30);
     EXPECT_NEAR(all.energy.turning_loss - first.energy.turning_loss, all.energy.free_loss - first.energy.free_loss,
-                0.3 * (all.energy.free_loss - first.energy.free_loss))
+                0.15 * (all.energy.free_loss - first.energy.free_loss))
         << omega;
   }
 }
@@ -77,7 +77,9 @@ TEST(TurningLoss, StepsOfSecondOrderStaySo) {
     EXPECT_EQ(t.first_order, 0) << omega;
   }
   const Turned t = turn(ball("bdf2", 20), 100);
-  EXPECT_LT(t.energy.free_loss, 0.04 * t.energy.scale);
+  EXPECT_LT(t.energy.free_loss, 0.01 * t.energy.scale);  // 0.025 of it with a first step of first order
+  const Turned four = turn(ball("bdf2", 40), 4);
+  EXPECT_LT(four.energy.free_loss, 0.002 * four.energy.scale);  // 0.1
 }
 
 // A ball rolls down a slope: 5/7 g sin(10 deg). What it lacks is seen in contact.

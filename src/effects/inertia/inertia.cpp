@@ -68,6 +68,7 @@ class Inertia final : public Effect {
   const Kind& kind() const override;
   bool loses_energy() const override { return true; }
   bool second_order(Index env) const override { return integrator_[env].a2 != 0; }
+  bool starts(Index env) const override { return bdf2_ && dt_prev_[env] == 0; }
   std::vector<PlanItem> plan() const override {
     return {{"mass entries", pairs_.bytes() + counts_.bytes()},
             {"history", q_begin_.bytes() + q_prev_.bytes() + v_.bytes() + v_prev_.bytes() + q_hat_.bytes()}};
