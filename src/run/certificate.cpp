@@ -18,21 +18,6 @@ void largest(double& most, double v) {
   if (std::isfinite(v) && !(most >= v)) most = v;
 }
 
-// Contact samples by effect.
-std::map<std::string, LayerError::Samples> samples_of(const Snapshot& said) {
-  std::map<std::string, LayerError::Samples> out;
-  for (const auto& [name, values] : said.row) {
-    LayerError::Samples& of = out[group_of(name)];
-    if (leaf_of(name) == "gap") of.gap = values;
-    if (leaf_of(name) == "bodies") of.bodies = values;
-    if (leaf_of(name) == "force" && values.components == 1) of.force = values;
-    if (leaf_of(name) == "pair_bodies") of.pair_bodies = values;
-    if (leaf_of(name) == "pair_force") of.pair_force = values;
-    if (leaf_of(name) == "pair_moment") of.pair_moment = values;
-  }
-  return out;
-}
-
 bool starts_with(const std::string& s, const std::string& head) { return s.rfind(head, 0) == 0; }
 
 }  // namespace
@@ -43,12 +28,15 @@ void Certificate::Range::add(double v) {
   if (!(most >= v)) most = v;
 }
 
-Certificate::Certificate(const model::ModelInput& input) : stress_error_(input), pressure_error_(input), layer_error_(input), linear_law_(input) {
+Certificate::Certificate(const model::ModelInput& input) : field_errors_(input) {
+  const double dt = integration_of(input.scene).step;
   for (const model::BodyInput& body : input.bodies) {
-    if (body.type != model::BodyType::soft || body.nodes.empty()) continue;
-    const double E = body.material.number("youngs_modulus"), size = geometry::bounds_of(body.nodes).size().norm();
-    force_floor_ = std::max(force_floor_, tuning::kStrain * E * size * size),
-    energy_floor_ = std::max(energy_floor_, tuning::kStrain * tuning::kStrain * E * size * size * size);
+    if (body.nodes.empty()) continue;
+    const double size = geometry::bounds_of(body.nodes).size().norm();
+    if (body.type == model::BodyType::soft)
+      force_floor_ = std::max(force_floor_, tuning::kStrain * body.material.number("youngs_modulus") * size * size);
+    // What moves by rounding in a step: m x/dt^2.
+    if (std::isfinite(dt)) force_floor_ = std::max(force_floor_, tuning::kRounding * MeasuredBody(body, 0).mass() * size / (dt * dt));
   }
   const Params& scene = input.scene;
   for (const model::BodyInput& body : input.bodies)
@@ -73,8 +61,7 @@ void Certificate::state(const Snapshot& said) {
   for (const auto& [name, v] : said.number) finite(leaf_of(name), v);
 
   double energy = 0;
-  double unsupported = NAN;             // load of a held body that its supports do not bear [N]
-  double elastic = 0, guard_share = 0;  // [J], 1
+  double unsupported = NAN;  // load of a held body that its supports do not bear [N]
   bool any_energy = false;
   for (const auto& [name, v] : said.number) {
     const std::string leaf = leaf_of(name);
@@ -83,41 +70,13 @@ void Certificate::state(const Snapshot& said) {
     if (leaf == "clip_partition_defect") partition_.add(v);
     if (leaf == "rigidity_defect") largest(rigidity_, v);
     if (leaf == "tie_error") largest(tie_error_, v);
-    if (leaf == "force_share_guard") guard_share = v;
-    if (name == "elasticity/energy") elastic = v;
     if (leaf == "pressure_sum_defect") pressure_sum_.add(v);
     if (starts_with(name, "supports/") && leaf.ends_with("_defect")) largest(unsupported, v);
     if (leaf == "energy" || leaf == "kinetic_energy") energy += v, any_energy = true;
     if (starts_with(leaf, "force_share_")) kind_share_[leaf.substr(12)] = v;
   }
   const ForceBalance balance = force_balance(said);
-  // Errors of fields are judged at the state that is loaded most; where a run starts nothing is solved yet.
-  const bool solved = states_++ > 0;
-  const auto stress = said.cell.find("cauchy_stress");
-  const std::map<std::string, LayerError::Samples> samples = samples_of(said);
-  double pressed = 0;
-  const auto of_points = [&](const char* name, int components) {
-    const Snapshot::Values* v = said.of_points(name, components);
-    return v ? std::span<const double>(*v) : std::span<const double>();
-  };
-  if (solved && stress != said.cell.end() && elastic > std::max(most_elastic_, energy_floor_)) {
-    most_elastic_ = elastic, stress_estimate_ = stress_error_.of(stress->second, of_points("displacement", 3));
-    turned_ = linear_law_.of(of_points("displacement", 3));
-  }
-  const std::span<const double> pressure = of_points("contact_pressure", 1);
-  for (double p : pressure) pressed += std::max(p, 0.0);
-  if (solved && pressed > most_pressed_) {
-    most_pressed_ = pressed, guard_share_ = guard_share;
-    pressure_estimate_ = pressure_error_.of({pressure, of_points("contact_force", 3), of_points("displacement", 3), of_points("contact_area", 1)});
-  }
-  // Of states with as much the latest: a motor that reaches its limit gives the same force from then on, and no travel.
-  if (solved && pressed > 0 && pressed >= (1 - tuning::kAsMuch) * most_pressed_) {
-    layer_ = NAN;
-    const LayerError::Fields fields{of_points("displacement", 3), of_points("support_force", 3), of_points("tie_force", 3),
-                                    of_points("contact_force", 3), pressure};
-    for (const auto& [effect, of] : samples)
-      if (!of.gap.empty() && of.bodies.size() == 2 * of.force.size()) layer_ = std::fmax(layer_, layer_error_.of(of, fields, said.number));
-  }
+  if (states_++ > 0) field_errors_.state(said);  // where a run starts nothing is solved yet
   largest(written_newton_, said.at("balance/written_defect"));
   largest(balance_newton_, balance.defect);
   largest(unsupported_newton_, unsupported);
@@ -139,11 +98,11 @@ void Certificate::state(const Snapshot& said) {
     if (std::isnan(first_momentum_[a])) first_momentum_[a] = m;
     last_momentum_[a] = m;
   }
-  for (const auto& [effect, of] : samples) {
-    const auto d_hat = d_hat_.find(effect);
-    if (d_hat == d_hat_.end()) continue;
-    for (std::size_t i = 0; i < std::min(of.gap.size(), of.force.size()); ++i)
-      if (of.force[i] > 0) gap_over_d_hat_[effect].add(of.gap[i] / d_hat->second);
+  for (const auto& [effect, d_hat] : d_hat_) {
+    const auto gap = said.row.find(effect + "/gap"), force = said.row.find(effect + "/force");
+    if (gap == said.row.end() || force == said.row.end()) continue;
+    for (std::size_t i = 0; i < std::min(gap->second.size(), force->second.size()); ++i)
+      if (force->second[i] > 0) gap_over_d_hat_[effect].add(gap->second[i] / d_hat);
   }
 }
 
@@ -160,9 +119,7 @@ void Certificate::checkpoint(Archive& archive) {
   for (const auto& [effect, v] : least) gap_over_d_hat_[effect] = {v, most.at(effect)};
   archive.io("kind_share", kind_share_);
   archive.io("first_not_finite", first_not_finite_);
-  archive.io("pressure_roughness", pressure_estimate_.roughness);
-  archive.io("pressure_misfit", pressure_estimate_.misfit);
-  archive.io("pressure_nodes", pressure_estimate_.nodes);
+  field_errors_.checkpoint(archive);
   for (auto [name, value] : {std::pair{"not_finite", &not_finite_},
                              {"states", &states_},
                              {"steps", &steps_},
@@ -183,12 +140,6 @@ void Certificate::checkpoint(Archive& archive) {
                              {"written_relative", &written_relative_},
                              {"rigidity", &rigidity_},
                              {"tie_error", &tie_error_},
-                             {"most_elastic", &most_elastic_},
-                             {"stress_estimate", &stress_estimate_},
-                             {"turned", &turned_},
-                             {"most_pressed", &most_pressed_},
-                             {"guard_share", &guard_share_},
-                             {"layer", &layer_},
                              {"first_energy", &first_energy_},
                              {"last_energy", &last_energy_},
                              {"largest_rise", &largest_rise_},

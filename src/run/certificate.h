@@ -8,11 +8,8 @@
 #include "base/error.h"
 #include "base/params.h"
 #include "base/snapshot.h"
-#include "run/layer_error.h"
-#include "run/linear_law.h"
-#include "run/pressure_error.h"
+#include "run/field_errors.h"
 #include "run/state_audit.h"
-#include "run/stress_error.h"
 #include "solver/report.h"
 
 namespace mortise::run {
@@ -54,16 +51,13 @@ class Certificate {
     double value, good, usable;
     const char* earns() const { return value <= good ? "A" : (value <= usable ? "B" : "C"); }
   };
-  std::vector<Check> checks(const EnergyAudit::Result& energy) const;
+  std::vector<Check> checks(const EnergyAudit::Result& energy, const FieldErrors::Result& fields) const;
 
-  StressError stress_error_;
-  PressureError pressure_error_;
-  LayerError layer_error_;
-  LinearLaw linear_law_;
+  FieldErrors field_errors_;
   std::vector<std::string> passes_through_;  // what nothing keeps apart
   std::vector<std::string> locking_risks_;
   std::map<std::string, std::string> volumetric_;  // how soft bodies resist changes of volume
-  double force_floor_ = 0, energy_floor_ = 0;      // [N], [J]: of strains that are rounding
+  double force_floor_ = 0;                         // of strains and motions that are rounding [N]
   std::string inertia_;                            // the effect of that role, if there is one
   double creep_speed_ = NAN;
   std::map<std::string, double> d_hat_;  // by contact effect [m]
@@ -79,10 +73,6 @@ class Certificate {
   double balance_newton_ = NAN, balance_relative_ = NAN, unsupported_newton_ = NAN, unsupported_relative_ = NAN;
   double written_newton_ = NAN, written_relative_ = NAN;  // forces in the files against those of the solution
   double rigidity_ = NAN, tie_error_ = NAN;
-  double most_elastic_ = 0, stress_estimate_ = NAN, turned_ = NAN;  // [J], at that state
-  double most_pressed_ = 0, guard_share_ = NAN;                     // sum of nodal pressures [Pa], at that state
-  PressureError::Result pressure_estimate_;
-  double layer_ = NAN;
   double first_energy_ = NAN, last_energy_ = NAN, largest_rise_ = NAN;
   double first_momentum_[3] = {NAN, NAN, NAN}, last_momentum_[3] = {NAN, NAN, NAN};
   // Of all steps

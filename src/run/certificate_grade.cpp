@@ -7,7 +7,7 @@
 
 namespace mortise::run {
 
-std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& energy) const {
+std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& energy, const FieldErrors::Result& fields) const {
   std::vector<Check> all;
   const auto add = [&](const char* name, double value, const tuning::Bounds& bounds) {
     if (std::isfinite(value)) all.push_back({name, value, bounds.good, bounds.usable});
@@ -23,12 +23,12 @@ std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& e
   add("free_motion_loss", energy.scale > 0 && energy.work_is_known ? energy.free_loss / energy.scale : NAN, tuning::kFreeMotionLoss);
   add("turning_loss", energy.scale > 0 ? energy.turning_loss / energy.scale : NAN, tuning::kTurningLoss);
   add("motion_lag", energy.motion_lag, tuning::kMotionLag);
-  add("guard_share", guard_share_, tuning::kGuard);
-  add("stress_error", stress_estimate_, tuning::kStress);
-  add("linear_law_turned", turned_, tuning::kTurned);
-  add("pressure_roughness", pressure_estimate_.roughness, tuning::kRoughness);
-  add("pressure_misfit", pressure_estimate_.misfit, tuning::kMisfit);
-  add("layer_over_indentation", layer_, tuning::kLayer);
+  add("guard_share", fields.guard, tuning::kGuard);
+  add("stress_error", fields.stress, tuning::kStress);
+  add("linear_law_turned", fields.turned, tuning::kTurned);
+  add("pressure_roughness", fields.pressure.roughness, tuning::kRoughness);
+  add("pressure_misfit", fields.pressure.misfit, tuning::kMisfit);
+  add("layer_over_indentation", fields.layer, tuning::kLayer);
   return all;
 }
 
@@ -45,7 +45,7 @@ Certificate::Grade Certificate::grade(const End& end) const {
     lower("C", "a step did not converge");
   else if (end.status != Exit::done && end.status != Exit::checks)
     lower("F", "the run failed");
-  for (const Check& k : checks(end.energy)) {
+  for (const Check& k : checks(end.energy, field_errors_.result())) {
     out.graded[k.name] = k.value;
     const char* earns = k.earns();
     if (earns[0] > 'A') lower(earns, fmt::format("{} is {:.3g}, more than {:.3g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable));

@@ -14,8 +14,9 @@ using output::number_or_null;
 
 std::string Certificate::json(const End& end) const {
   const Grade all = grade(end);
+  const FieldErrors::Result fields = field_errors_.result();
   Json graded = Json::array();
-  for (const Check& k : checks(end.energy))
+  for (const Check& k : checks(end.energy, fields))
     graded.push_back({{"name", k.name}, {"value", number_or_null(k.value)}, {"bound_A", k.good}, {"bound_B", k.usable}, {"grade", k.earns()}});
 
   Json j;
@@ -76,12 +77,12 @@ std::string Certificate::json(const End& end) const {
                 {"clip_partition_defect_max", number_or_null(partition_.most)},
                 {"force_share_last", shares},
                 {"rigidity_defect_max", number_or_null(rigidity_)},
-                {"stress_error_estimate", number_or_null(stress_estimate_)},
-                {"linear_law_turned", number_or_null(turned_)},
-                {"pressure_roughness", number_or_null(pressure_estimate_.roughness)},
-                {"pressure_misfit", number_or_null(pressure_estimate_.misfit)},
-                {"layer_over_indentation", number_or_null(layer_)},
-                {"nodes_under_pressure", pressure_estimate_.nodes},
+                {"stress_error_estimate", number_or_null(fields.stress)},
+                {"linear_law_turned", number_or_null(fields.turned)},
+                {"pressure_roughness", number_or_null(fields.pressure.roughness)},
+                {"pressure_misfit", number_or_null(fields.pressure.misfit)},
+                {"layer_over_indentation", number_or_null(fields.layer)},
+                {"nodes_under_pressure", fields.pressure.nodes},
                 // A body at rest creeps at most at this speed, all the time (incline benchmark).
                 {"friction_creep_bound_m", number_or_null(creep_speed_ * (end_ - begin_))}};
   j["model"]["volumetric"] = volumetric_;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "base/disjoint_sets.h"
 #include "run/tuning.h"
 #include "run/vector_at.h"
 
@@ -113,18 +113,12 @@ double LayerError::deformation_work(const Body& b, const Fields& f) const {
 
 double LayerError::squeezed(const Pairs& pairs, const std::vector<bool>& free, const Fields& f, const std::map<std::string, double>& number) const {
   // Free bodies that touch or hang together.
-  std::vector<std::size_t> group(bodies_.size());
-  std::iota(group.begin(), group.end(), 0);
-  const auto root = [&](std::size_t i) {
-    while (group[i] != i) i = group[i] = group[group[i]];
-    return i;
-  };
+  DisjointSets sets(bodies_.size());
   const auto is_free = [&](std::size_t i) { return i < bodies_.size() && free[i]; };
   for (const auto& [bodies, pair] : pairs)
-    if (is_free(bodies.first) && is_free(bodies.second)) group[root(bodies.first)] = root(bodies.second);
+    if (is_free(bodies.first) && is_free(bodies.second)) sets.join(bodies.first, bodies.second);
   for (const auto& [one, other] : holds_.together())
-    if (number_.count(one) && number_.count(other) && free[number_.at(one)] && free[number_.at(other)])
-      group[root(number_.at(one))] = root(number_.at(other));
+    if (number_.count(one) && number_.count(other) && free[number_.at(one)] && free[number_.at(other)]) sets.join(number_.at(one), number_.at(other));
   struct Group {
     double gaps = 0, work = 0, forces = 0;
     Vec3 load = Vec3::Zero();
@@ -134,7 +128,7 @@ double LayerError::squeezed(const Pairs& pairs, const std::vector<bool>& free, c
   for (const auto& [bodies, pair] : pairs) {
     const bool first = is_free(bodies.first), second = is_free(bodies.second);
     if (!(first || second) || bodies.first == bodies.second || !(pair.force > 0)) continue;
-    Group& g = groups[root(first ? bodies.first : bodies.second)];
+    Group& g = groups[sets.of(first ? bodies.first : bodies.second)];
     g.gaps += pair.work;
     if (first && second) continue;
     const double way = this->way(first ? bodies.second : bodies.first, bodies, pair, f, number);
@@ -142,7 +136,7 @@ double LayerError::squeezed(const Pairs& pairs, const std::vector<bool>& free, c
     g.work += pair.force * way, g.forces += pair.on_first.norm(), g.load += (first ? 1 : -1) * pair.on_first;
   }
   for (std::size_t i = 0; i < bodies_.size(); ++i)
-    if (const auto g = groups.find(root(i)); free[i] && bodies_[i].soft && g != groups.end()) g->second.work += deformation_work(bodies_[i], f);
+    if (const auto g = groups.find(sets.of(i)); free[i] && bodies_[i].soft && g != groups.end()) g->second.work += deformation_work(bodies_[i], f);
   double worst = NAN;
   for (const auto& [name, g] : groups) {
     if (g.given || !(g.forces > 0 && g.work > 0)) continue;

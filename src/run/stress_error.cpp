@@ -1,10 +1,12 @@
 #include "run/stress_error.h"
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <map>
 
 #include "geometry/quadratic.h"
 #include "model/volumetric.h"
+#include "run/tuning.h"
 
 namespace mortise::run {
 namespace {
@@ -28,12 +30,13 @@ double mean_of_linear(const Stress (&corner)[4], double E, double nu) {
 }  // namespace
 
 StressError::StressError(const model::ModelInput& input) {
-  std::size_t cell = 0, point = 0;
+  std::size_t number = 0, cell = 0, point = 0;
   for (const model::BodyInput& in : input.bodies) {
     if (in.type == model::BodyType::half_space) continue;
     if (in.type == model::BodyType::soft) {
       const bool quadratic = !in.midsides.empty();
-      Body b{cell,
+      Body b{number,
+             cell,
              point,
              in.tets,
              in.midsides,
@@ -51,7 +54,7 @@ StressError::StressError(const model::ModelInput& input) {
       bodies_.push_back(std::move(b));
     }
     cell += in.type == model::BodyType::soft ? in.tets.size() : in.triangles.size();
-    point += in.nodes.size();
+    point += in.nodes.size(), ++number;
   }
 }
 
@@ -89,9 +92,13 @@ StressError::Corners StressError::of_quadratic(const Body& b, std::size_t tet, s
   return out;
 }
 
-double StressError::of(std::span<const double> stress, std::span<const double> displacement) const {
-  double missed = 0, all = 0;
+double StressError::of(std::span<const double> stress, std::span<const double> displacement, const std::vector<std::size_t>& group) const {
+  struct Energy {
+    double missed = 0, all = 0;
+  };
+  std::map<std::size_t, Energy> groups;
   for (const Body& b : bodies_) {
+    Energy& of = groups[group[b.number]];
     if (!b.midsides.empty() && displacement.size() < 3 * (b.first_point + b.nodes)) continue;
     std::vector<Corners> here(b.tets.size());
     std::vector<Stress> mean(b.nodes, Stress::Zero());
@@ -108,11 +115,15 @@ double StressError::of(std::span<const double> stress, std::span<const double> d
     for (std::size_t t = 0; t < b.tets.size(); ++t) {
       Stress smooth[4], jump[4];
       for (int k = 0; k < 4; ++k) smooth[k] = mean[b.tets[t].v[k]], jump[k] = smooth[k] - here[t][k];
-      missed += b.volume[t] * mean_of_linear(jump, b.E, b.nu);
-      all += b.volume[t] * mean_of_linear(smooth, b.E, b.nu);
+      of.missed += b.volume[t] * mean_of_linear(jump, b.E, b.nu);
+      of.all += b.volume[t] * mean_of_linear(smooth, b.E, b.nu);
     }
   }
-  return all > 0 ? missed / (missed + all) : std::numeric_limits<double>::quiet_NaN();
+  double most = 0, worst = NAN;
+  for (const auto& [number, of] : groups) most = std::max(most, of.all);
+  for (const auto& [number, of] : groups)
+    if (of.all > 0 && of.all >= tuning::kStillLoaded * tuning::kStillLoaded * most) worst = std::fmax(worst, of.missed / (of.missed + of.all));
+  return worst;
 }
 
 }  // namespace mortise::run

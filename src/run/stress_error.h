@@ -20,12 +20,13 @@ namespace mortise::run {
 class StressError {
  public:
   explicit StressError(const model::ModelInput& input);
-  // cauchy_stress of all output cells, six components each (xx yy zz xy yz zx) [Pa], and displacement of all points [m]; NaN where nothing can be
-  // estimated.
-  double of(std::span<const double> stress, std::span<const double> displacement) const;
+  // cauchy_stress of all output cells, six components each (xx yy zz xy yz zx) [Pa], and displacement of all points [m]; group: by body that has
+  // points, of which the worst is told that has energy at all. NaN where nothing can be estimated.
+  double of(std::span<const double> stress, std::span<const double> displacement, const std::vector<std::size_t>& group) const;
 
  private:
   struct Body {
+    std::size_t number;  // among those that have points
     std::size_t first_cell, first_point;
     std::vector<Tet> tets;
     std::vector<geometry::Midsides> midsides;  // of quadratic ones

@@ -29,18 +29,20 @@ inline constexpr Bounds kTurned{0.2, 0.4};
 inline constexpr Bounds kLayer{0.03, 0.06};
 
 // ---- what counts in them
-inline constexpr double kStrain = 1e-10;  // far below any strain that means something, far above what rounding of positions makes (certificate.cpp)
-inline constexpr double kDriven = 1e-6;   // work in a step, of the largest energy: less is what holding takes (state_audit.cpp)
-inline constexpr double kRolls = 0.5;     // its farthest point, from turning, over its velocity (turning_loss.cpp): sliding bodies turn less
-inline constexpr double kImpact = 0.1;    // of the energy of what rolls, in a step: more is no rolling
-inline constexpr double kSlow = 0.01;     // of the energy before a contact: a body that has less, in kRestedShare of the steps of that contact and in
+inline constexpr double kRounding = 1e-12;  // of positions: some thousand times what one rounding makes (certificate.cpp)
+inline constexpr double kStrain = 1e-10;    // far below any strain that means something, far above what rounding of positions makes (certificate.cpp)
+inline constexpr double kDriven = 1e-6;     // work in a step, of the largest energy: less is what holding takes (state_audit.cpp)
+inline constexpr double kRolls = 0.5;       // its farthest point, from turning, over its velocity (turning_loss.cpp): sliding bodies turn less
+inline constexpr double kImpact = 0.1;      // of the energy of what rolls, in a step: more is no rolling
+inline constexpr double kSlow = 0.01;  // of the energy before a contact: a body that has less, in kRestedShare of the steps of that contact and in
 inline constexpr double kRested = 4,
-                        kRestedShare = 0.3;  // kRested of them, came to rest there (bounce_loss.cpp; at the turn of a bounce: 6 % of them)
-inline constexpr double kStill = 0.01;       // of a body's size: less is no motion that anybody looks at (motion_lag.cpp)
-inline constexpr double kOneWay = 0.1;       // forces from opposite sides have no resultant that supports could bear (layer_error.cpp)
-inline constexpr double kAsMuch = 0.01;      // of the most pressure: loads that are held waver by that (certificate.cpp)
-inline constexpr double kFacing = 0.5;       // cosine of 60 degrees: friction may tilt the force by half of that (contact_patch.cpp)
-inline constexpr double kSmooth = 0.75;      // cosine of some 40 degrees: facets of a coarse ball meet at half of that, sides of a body at more
+                        kRestedShare = 0.3;   // kRested of them, came to rest there (bounce_loss.cpp; at the turn of a bounce: 6 % of them)
+inline constexpr double kStill = 0.01;        // of a body's size: less is no motion that anybody looks at (motion_lag.cpp)
+inline constexpr double kOneWay = 0.1;        // forces from opposite sides have no resultant that supports could bear (layer_error.cpp)
+inline constexpr double kAsMuch = 0.01;       // of the most pressure: loads that are held waver by that (field_errors.cpp)
+inline constexpr double kStillLoaded = 0.01;  // of the most force: less is what unloading leaves (field_errors.cpp; of energy its square)
+inline constexpr double kFacing = 0.5;        // cosine of 60 degrees: friction may tilt the force by half of that (contact_patch.cpp)
+inline constexpr double kSmooth = 0.75;       // cosine of some 40 degrees: facets of a coarse ball meet at half of that, sides of a body at more
 inline constexpr double kWhole = 0.97;    // of a node's area: less lies over what presses, and one pressure for all of it is none (contact_patch.cpp)
 inline constexpr double kFlat = 0.05;     // the ring of a node lies nearly in a plane: no slope across it (pressure_error.cpp)
 inline constexpr std::size_t kPlane = 4;  // neighbours: a plane through three has no say about a fourth

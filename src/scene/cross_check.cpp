@@ -131,7 +131,8 @@ class CrossCheck {
     if (blocks.has(wanted)) return true;
     std::vector<std::string> names;
     for (const auto& [name, block] : blocks.entries()) names.push_back(name);
-    const std::string hint = wanted == "world" ? "the world has no name: a joint is to it where 'to' is left out" : suggestion(wanted, names);
+    const std::string hint =
+        wanted == "world" && path.ends_with(".to") ? "the world has no name: a joint is to it where 'to' is left out" : suggestion(wanted, names);
     errors_.add(cited.where(), path + ": no " + what + " '" + wanted + "'", names.empty() ? "the scene has none" : hint);
     return false;
   }

@@ -182,7 +182,6 @@ TEST(Scene, PairsNameBodies) {
   EXPECT_THAT(message(kBase + "  load: {side: {slave: bal}}\n"), HasSubstr("effects.load.side.slave: no body 'bal'"));
   EXPECT_EQ(message(kBase + "  load: {pairs: [[ball, ball]]}\n"), "");
   EXPECT_THAT(message(kBase + "  load: {pairs: [[ball, bal]]}\n"), HasSubstr("effects.load.pairs.0.1: no body 'bal'"));
-  EXPECT_THAT(message(kBase + "  load: {side: {to: world}}\n"), HasSubstr("a joint is to it where 'to' is left out"));
   EXPECT_THAT(message(kBase + "  load: {pairs: [[ball]]}\n"), HasSubstr("effects.load.pairs.0 has 1 entries; must be [name, name]"));
 }
 

@@ -193,7 +193,9 @@ TEST(Batch, EveryEnvironmentCutsItsStepsByItself) {
   // BDF2 knows the length of the last step.
   std::string bdf2 = kSlide;
   bdf2.replace(bdf2.find("inertia: {}"), 11, "inertia: {integrator: bdf2}");
-  expect_alone(bdf2, few, kEnvironments, 3, "halving, BDF2");
+  std::vector<std::string> more = few;
+  more[1] = "effects.friction.lag_iterations=2";  // its first parts are the smallest that there are
+  expect_alone(bdf2, more, kEnvironments, 3, "halving, BDF2");
 }
 
 // One block is shot at the pad: no step is short enough. The others never notice.

@@ -1,0 +1,151 @@
+#include "run/field_errors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/disjoint_sets.h"
+#include "geometry/bounds.h"
+#include "run/holds.h"
+#include "run/tuning.h"
+
+namespace mortise::run {
+namespace {
+
+std::span<const double> of_points(const Snapshot& said, const char* name, int components) {
+  const Snapshot::Values* v = said.of_points(name, components);
+  return v ? std::span<const double>(*v) : std::span<const double>();
+}
+
+}  // namespace
+
+FieldErrors::FieldErrors(const model::ModelInput& input) : stress_(input), pressure_(input), layer_(input), linear_law_(input) {
+  const Holds holds(input.scene.at("effects"));
+  std::map<std::string, std::size_t> number;
+  for (const model::BodyInput& body : input.bodies) {
+    if (body.type == model::BodyType::half_space) continue;
+    const bool soft = body.type == model::BodyType::soft;
+    number[body.name] = names_.size();
+    names_.push_back(body.name), passes_on_.push_back(soft || !holds.held(body.name));
+    if (!soft || body.nodes.empty()) continue;
+    const double E = body.material.number("youngs_modulus"), size = geometry::bounds_of(body.nodes).size().norm();
+    energy_floor_ = std::max(energy_floor_, tuning::kStrain * tuning::kStrain * E * size * size * size);
+  }
+  for (const auto& [one, other] : holds.together())
+    if (number.count(one) && number.count(other) && passes_on_[number[one]] && passes_on_[number[other]])
+      tied_.emplace_back(number[one], number[other]);
+}
+
+FieldErrors::AllSamples FieldErrors::samples_of(const Snapshot& said) {
+  AllSamples out;
+  for (const auto& [name, values] : said.row) {
+    Samples& of = out[group_of(name)];
+    const std::string leaf = leaf_of(name);
+    if (leaf == "gap") of.pressed.gap = values;
+    if (leaf == "bodies") of.pressed.bodies = values;
+    if (leaf == "force" && values.components == 1) of.pressed.force = values;
+    if (leaf == "pair_bodies") of.pressed.pair_bodies = values;
+    if (leaf == "pair_force") of.pressed.pair_force = values;
+    if (leaf == "pair_moment") of.pressed.pair_moment = values;
+    if (leaf == "guard_bodies") of.guard_bodies = values;
+    if (leaf == "guard_force") of.guard_force = values;
+  }
+  std::erase_if(out, [](const auto& of) { return of.second.pressed.bodies.size() != 2 * of.second.pressed.force.size(); });
+  return out;
+}
+
+double FieldErrors::elastic_of(const Snapshot& said) {
+  const double energy = said.at("elasticity/energy");
+  return said.cell.count("cauchy_stress") && std::isfinite(energy) ? energy : 0;
+}
+
+double FieldErrors::pressed_of(const Snapshot& said) {
+  double sum = 0;
+  for (double p : of_points(said, "contact_pressure", 1)) sum += std::max(p, 0.0);
+  return sum;
+}
+
+// By body: one of those that it presses, or is tied to, all the way through what passes that on.
+std::vector<std::size_t> FieldErrors::groups(const AllSamples& samples) const {
+  DisjointSets sets(names_.size());
+  const auto join = [&](const std::vector<double>& bodies, const std::vector<double>& force) {
+    for (std::size_t i = 0; i < force.size() && 2 * i + 1 < bodies.size(); ++i) {
+      const auto a = static_cast<std::size_t>(bodies[2 * i]), b = static_cast<std::size_t>(bodies[2 * i + 1]);
+      if (force[i] != 0 && a < names_.size() && b < names_.size() && passes_on_[a] && passes_on_[b]) sets.join(a, b);
+    }
+  };
+  for (const auto& [effect, of] : samples) join(of.pressed.bodies, of.pressed.force), join(of.guard_bodies, of.guard_force);
+  for (const auto& [a, b] : tied_) sets.join(a, b);
+  std::vector<std::size_t> out(names_.size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = sets.of(i);
+  return out;
+}
+
+void FieldErrors::judge_stress(const Snapshot& said, Result& r) const {
+  const std::span<const double> displacement = of_points(said, "displacement", 3);
+  r.stress = stress_.of(said.cell.at("cauchy_stress"), displacement, groups(samples_of(said)));
+  r.turned = linear_law_.of(displacement);
+}
+
+void FieldErrors::judge_pressure(const Snapshot& said, Result& r) const {
+  r.pressure = pressure_.of({of_points(said, "contact_pressure", 1), of_points(said, "contact_force", 3), of_points(said, "displacement", 3),
+                             of_points(said, "contact_area", 1)});
+  struct Force {
+    double all = 0, guard = 0;
+  };
+  r.guard = NAN;
+  for (const auto& [effect, of] : samples_of(said)) {
+    std::map<std::pair<double, double>, Force> pairs;
+    const auto add = [&](const std::vector<double>& bodies, const std::vector<double>& force, double Force::*part) {
+      for (std::size_t i = 0; i < force.size() && 2 * i + 1 < bodies.size(); ++i)
+        pairs[std::minmax(bodies[2 * i], bodies[2 * i + 1])].*part += std::abs(force[i]);
+    };
+    add(of.pressed.bodies, of.pressed.force, &Force::all), add(of.guard_bodies, of.guard_force, &Force::guard);
+    double most = 0;
+    for (auto& [bodies, f] : pairs) f.all += f.guard, most = std::max(most, f.all);
+    for (const auto& [bodies, f] : pairs)
+      if (f.all > 0 && f.all >= tuning::kStillLoaded * most) r.guard = std::fmax(r.guard, f.guard / f.all);
+  }
+}
+
+void FieldErrors::judge_layer(const Snapshot& said, Result& r) const {
+  const LayerError::Fields fields{of_points(said, "displacement", 3), of_points(said, "support_force", 3), of_points(said, "tie_force", 3),
+                                  of_points(said, "contact_force", 3), of_points(said, "contact_pressure", 1)};
+  r.layer = NAN;
+  for (const auto& [effect, of] : samples_of(said))
+    if (!of.pressed.gap.empty()) r.layer = std::fmax(r.layer, layer_.of(of.pressed, fields, said.number));
+}
+
+void FieldErrors::state(const Snapshot& said) {
+  const double elastic = elastic_of(said), pressed = pressed_of(said);
+  if (elastic > std::max(most_elastic_, energy_floor_)) most_elastic_ = elastic, judge_stress(said, at_most_);
+  if (pressed > most_pressed_) most_pressed_ = pressed, judge_pressure(said, at_most_);
+  // Of states with as much the latest: a motor that reaches its limit gives the same force from then on, and no travel.
+  if (pressed > 0 && pressed >= (1 - tuning::kAsMuch) * most_pressed_) judge_layer(said, at_most_);
+  last_ = said;
+}
+
+FieldErrors::Result FieldErrors::result() const {
+  Result out = at_most_, last;
+  const double elastic = elastic_of(last_), pressed = pressed_of(last_);
+  if (elastic > energy_floor_ && elastic >= tuning::kStillLoaded * tuning::kStillLoaded * most_elastic_) judge_stress(last_, last);
+  if (pressed > 0 && pressed >= tuning::kStillLoaded * most_pressed_) judge_pressure(last_, last), judge_layer(last_, last);
+  for (double Result::*of : {&Result::stress, &Result::turned, &Result::guard, &Result::layer}) out.*of = std::fmax(out.*of, last.*of);
+  for (double PressureError::Result::*of : {&PressureError::Result::roughness, &PressureError::Result::misfit})
+    out.pressure.*of = std::fmax(out.pressure.*of, last.pressure.*of);
+  return out;
+}
+
+void FieldErrors::checkpoint(Archive& archive) {
+  for (auto [name, value] : {std::pair{"most_elastic", &most_elastic_},
+                             {"stress_estimate", &at_most_.stress},
+                             {"turned", &at_most_.turned},
+                             {"most_pressed", &most_pressed_},
+                             {"guard_share", &at_most_.guard},
+                             {"pressure_roughness", &at_most_.pressure.roughness},
+                             {"pressure_misfit", &at_most_.pressure.misfit},
+                             {"layer", &at_most_.layer}})
+    archive.io(name, *value);
+  archive.io("pressure_nodes", at_most_.pressure.nodes);
+}
+
+}  // namespace mortise::run

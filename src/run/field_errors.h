@@ -1,0 +1,60 @@
+#pragma once
+// Estimates of the errors of fields: at the state that was loaded most, where a run is judged by what it was made for, and at the last one that was
+// still loaded, which is what people look at. Each is the worst of any bodies that press each other: what stands by itself tells nothing of others.
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/archive.h"
+#include "base/snapshot.h"
+#include "run/layer_error.h"
+#include "run/linear_law.h"
+#include "run/pressure_error.h"
+#include "run/stress_error.h"
+
+namespace mortise::run {
+
+class FieldErrors {
+ public:
+  explicit FieldErrors(const model::ModelInput& input);
+
+  void state(const Snapshot& said);  // after a step
+  struct Result {
+    double stress = NAN, turned = NAN;  // stress_error.h, linear_law.h
+    PressureError::Result pressure;
+    double guard = NAN;  // share of the force between two bodies that the guard bears
+    double layer = NAN;  // layer_error.h
+  };
+  Result result() const;
+  // All but the last state, which the next step replaces.
+  void checkpoint(Archive& archive);
+
+ private:
+  // Contact samples of an effect: what the pressure bears, and the guard.
+  struct Samples {
+    LayerError::Samples pressed;
+    std::vector<double> guard_bodies, guard_force;
+  };
+  using AllSamples = std::map<std::string, Samples>;
+  static AllSamples samples_of(const Snapshot& said);
+  static double elastic_of(const Snapshot& said);  // [J]
+  static double pressed_of(const Snapshot& said);  // sum of nodal pressures [Pa]
+  void judge_stress(const Snapshot& said, Result& r) const;
+  void judge_pressure(const Snapshot& said, Result& r) const;
+  void judge_layer(const Snapshot& said, Result& r) const;
+  std::vector<std::size_t> groups(const AllSamples& samples) const;
+
+  StressError stress_;
+  PressureError pressure_;
+  LayerError layer_;
+  LinearLaw linear_law_;
+  std::vector<std::string> names_;                         // of the bodies that have points
+  std::vector<bool> passes_on_;                            // what presses it to others: soft bodies, and stiff ones that nothing holds
+  std::vector<std::pair<std::size_t, std::size_t>> tied_;  // of those
+  double energy_floor_ = 0;                                // of strains that are rounding [J]
+  double most_elastic_ = 0, most_pressed_ = 0;             // [J], [Pa]
+  Result at_most_;
+  Snapshot last_;
+};
+
+}  // namespace mortise::run
