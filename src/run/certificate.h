@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/params.h"
 #include "base/snapshot.h"
+#include "run/crept.h"
 #include "run/field_errors.h"
 #include "run/state_audit.h"
 #include "solver/report.h"
@@ -54,6 +55,8 @@ class Certificate {
   std::vector<Check> checks(const EnergyAudit::Result& energy, const FieldErrors::Result& fields) const;
 
   FieldErrors field_errors_;
+  Crept crept_;
+  double shape_defect_ = 0;
   std::vector<std::string> passes_through_;  // what nothing keeps apart
   std::vector<std::string> locking_risks_;
   std::map<std::string, std::string> volumetric_;  // how soft bodies resist changes of volume

@@ -26,6 +26,9 @@ std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& e
   add("guard_share", fields.guard, tuning::kGuard);
   add("stress_error", fields.stress, tuning::kStress);
   add("linear_law_turned", fields.turned, tuning::kTurned);
+  add("load_turned", fields.load_turned, tuning::kLoadTurned);
+  add("shape_defect", shape_defect_ > 0 ? shape_defect_ : NAN, tuning::kShape);
+  add("friction_crept", crept_.share(), tuning::kCrept);
   add("pressure_roughness", fields.pressure.roughness, tuning::kRoughness);
   add("pressure_misfit", fields.pressure.misfit, tuning::kMisfit);
   add("layer_over_indentation", fields.layer, tuning::kLayer);

@@ -18,7 +18,7 @@ std::span<const double> of_points(const Snapshot& said, const char* name, int co
 
 }  // namespace
 
-FieldErrors::FieldErrors(const model::ModelInput& input) : stress_(input), pressure_(input), layer_(input), linear_law_(input) {
+FieldErrors::FieldErrors(const model::ModelInput& input) : stress_(input), pressure_(input), layer_(input), linear_law_(input), load_turned_(input) {
   const Holds holds(input.scene.at("effects"));
   std::map<std::string, std::size_t> number;
   for (const model::BodyInput& body : input.bodies) {
@@ -83,7 +83,7 @@ std::vector<std::size_t> FieldErrors::groups(const AllSamples& samples) const {
 void FieldErrors::judge_stress(const Snapshot& said, Result& r) const {
   const std::span<const double> displacement = of_points(said, "displacement", 3);
   r.stress = stress_.of(said.cell.at("cauchy_stress"), displacement, groups(samples_of(said)));
-  r.turned = linear_law_.of(displacement);
+  r.turned = linear_law_.of(displacement), r.load_turned = load_turned_.of(displacement);
 }
 
 void FieldErrors::judge_pressure(const Snapshot& said, Result& r) const {
@@ -129,7 +129,8 @@ FieldErrors::Result FieldErrors::result() const {
   const double elastic = elastic_of(last_), pressed = pressed_of(last_);
   if (elastic > energy_floor_ && elastic >= tuning::kStillLoaded * tuning::kStillLoaded * most_elastic_) judge_stress(last_, last);
   if (pressed > 0 && pressed >= tuning::kStillLoaded * most_pressed_) judge_pressure(last_, last), judge_layer(last_, last);
-  for (double Result::*of : {&Result::stress, &Result::turned, &Result::guard, &Result::layer}) out.*of = std::fmax(out.*of, last.*of);
+  for (double Result::*of : {&Result::stress, &Result::turned, &Result::load_turned, &Result::guard, &Result::layer})
+    out.*of = std::fmax(out.*of, last.*of);
   for (double PressureError::Result::*of : {&PressureError::Result::roughness, &PressureError::Result::misfit})
     out.pressure.*of = std::fmax(out.pressure.*of, last.pressure.*of);
   return out;
@@ -139,6 +140,7 @@ void FieldErrors::checkpoint(Archive& archive) {
   for (auto [name, value] : {std::pair{"most_elastic", &most_elastic_},
                              {"stress_estimate", &at_most_.stress},
                              {"turned", &at_most_.turned},
+                             {"load_turned", &at_most_.load_turned},
                              {"most_pressed", &most_pressed_},
                              {"guard_share", &at_most_.guard},
                              {"pressure_roughness", &at_most_.pressure.roughness},

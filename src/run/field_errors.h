@@ -9,6 +9,7 @@
 #include "base/snapshot.h"
 #include "run/layer_error.h"
 #include "run/linear_law.h"
+#include "run/load_turned.h"
 #include "run/pressure_error.h"
 #include "run/stress_error.h"
 
@@ -20,7 +21,7 @@ class FieldErrors {
 
   void state(const Snapshot& said);  // after a step
   struct Result {
-    double stress = NAN, turned = NAN;  // stress_error.h, linear_law.h
+    double stress = NAN, turned = NAN, load_turned = NAN;  // stress_error.h, linear_law.h, load_turned.h
     PressureError::Result pressure;
     double guard = NAN;  // share of the force between two bodies that the guard bears
     double layer = NAN;  // layer_error.h
@@ -48,6 +49,7 @@ class FieldErrors {
   PressureError pressure_;
   LayerError layer_;
   LinearLaw linear_law_;
+  LoadTurned load_turned_;
   std::vector<std::string> names_;                         // of the bodies that have points
   std::vector<bool> passes_on_;                            // what presses it to others: soft bodies, and stiff ones that nothing holds
   std::vector<std::pair<std::size_t, std::size_t>> tied_;  // of those
