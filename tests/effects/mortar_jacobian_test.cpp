@@ -188,3 +188,57 @@ TEST(Jacobian, OfQuadraticFaces) {
         EXPECT_LT(error(p, shaken(positions(p.model), 0.004, 5)), 1e-6) << mu << " " << pad << tool << stiff;
       }
 }
+
+// The guard's samples rub too, and move with the points and edges they are between.
+TEST(Jacobian, OfTheGuard) {
+  for (const bool stiff : {false, true})
+    for (const double degrees : {0.0, 12.0, 40.0}) {
+      Problem p(stack(0.01, stiff, degrees, false, false, 0.9), {.mu = 0.5, .guard = 0.9});
+      EXPECT_LT(error(p, shaken(positions(p.model), 0.002, 6)), 1e-6) << "stiff " << stiff << " angle " << degrees;
+    }
+  Problem p(on_floor(0.03, false), {.master = "floor", .mu = 0.5, .guard = 0.9});
+  EXPECT_LT(error(p, shaken(positions(p.model), 0.01, 4)), 1e-6);
+}
+
+// What slips meets mu times all that presses, whether the field bears it or the guard; between two bodies both get the same.
+TEST(Jacobian, FrictionIsThatOfFieldAndGuard) {
+  for (const bool floor : {false, true}) {
+    std::vector<model::ContactSample> field;
+    for (const double guard : {0.0, 0.9}) {
+      const double mu = 0.5;
+      Problem p(floor ? on_floor(0.01, false) : stack(0.01, true, 0, false, false, 0.8),
+                {.master = floor ? "floor" : "tool", .mu = mu, .guard = guard});
+      fd::Vector x = positions(p.model);
+      const auto blocks = [](const model::Body& b) {  // that sum up to the force on it
+        return std::pair{b.block_begin, b.type == model::BodyType::soft ? b.block_end : b.block_begin + 1};
+      };
+      const model::Body& moved = p.model.bodies.back();
+      for (auto [i, end] = blocks(moved); i < end; ++i) x[3 * i] += 0.02;  // by far more than it may creep
+      p.linearise(x, {});
+      const auto force = [&](int effect, const model::Body& b) {
+        const fd::Vector g = fd::dense(p.effects[effect]->here().stencils, x.size(), false).gradient;
+        Vec3 sum = Vec3::Zero();
+        for (auto [i, end] = blocks(b); i < end; ++i) sum -= g.segment<3>(3 * i);
+        return sum;
+      };
+      const std::vector<model::ContactSample> samples = p.effects[0]->here().contact.samples.download();
+      Vec3 press = Vec3::Zero(), rub = Vec3::Zero();  // on what moves
+      for (const model::ContactSample& s : samples) {
+        const Vec3 n(s.normal[0], s.normal[1], s.normal[2]), along = Vec3::UnitX() - n.x() * n;
+        const bool at_it = model::against_obstacle(s) || s.body_b == static_cast<Index>(p.model.bodies.size()) - 1;
+        press += (at_it ? s.force : -s.force) * n, rub -= mu * s.force * along.normalized();
+      }
+      ASSERT_GT(press.z(), 0);
+      EXPECT_LT((force(0, moved) - press).norm(), 1e-12 * press.norm()) << floor << " " << guard;
+      EXPECT_LT((force(1, moved) - rub).norm(), 1e-12 * rub.norm()) << floor << " " << guard;
+      if (!floor) EXPECT_LT((force(1, moved) + force(1, p.model.bodies.front())).norm(), 1e-12 * rub.norm()) << guard;
+      // In one list, those of the field first: the guard does not change them.
+      if (guard == 0) {
+        field = samples;
+        continue;
+      }
+      ASSERT_GT(samples.size(), field.size());
+      for (std::size_t i = 0; i < field.size(); ++i) EXPECT_EQ(samples[i].force, field[i].force);
+    }
+  }
+}

@@ -81,6 +81,7 @@ std::map<std::string, std::vector<std::uint64_t>> bits(const std::map<std::strin
 struct Told {
   Index substeps = 0;
   std::set<double> stiffness;  // of the block's contact with the pad, after every step
+  double guard = 0;            // the largest share of the force that mortar's guard bore
 };
 std::vector<Told> expect_told_alone(const std::string& scene, const std::vector<std::string>& common, const std::vector<Environment>& envs, int steps,
                                     const std::string& what) {
@@ -120,6 +121,8 @@ std::vector<Told> expect_told_alone(const std::string& scene, const std::vector<
       out[e].substeps += report.substeps;
       const auto stiffness = own.number.find("mortar_contact/stiffness_pad_block");
       if (stiffness != own.number.end()) out[e].stiffness.insert(stiffness->second);
+      const auto guard = own.number.find("mortar_contact/force_share_guard");
+      if (guard != own.number.end()) out[e].guard = std::max(out[e].guard, guard->second);
     }
   }
   return out;
@@ -170,6 +173,18 @@ TEST(Batch, SchwarzPreconditioner) { expect_alone(kSlide, {"solver.linear=cg", "
 TEST(Batch, MortarContactWithFriction) {
   for (const char* linear : {"direct", "reuse", "cg"})
     expect_alone(with_mortar(kSlide), {std::string("solver.linear=") + linear}, kEnvironments, 3, std::string("mortar, ") + linear);
+}
+
+// Samples of the guard among those of the pressure field: in environments that have some, and beside such.
+TEST(Batch, MortarContactWhoseGuardRubs) {
+  const std::vector<std::string> guarded{"effects.mortar_contact.guard=1", "effects.mortar_contact.stiffness=50 kPa"};
+  const std::vector<Told> told = expect_told_alone(with_mortar(kSlide), guarded, kEnvironments, 4, "guard");
+  EXPECT_GT(told[0].guard, 0.1);
+  for (const char* linear : {"direct", "cg"}) {
+    std::vector<std::string> common = guarded;
+    common.push_back(std::string("solver.linear=") + linear);
+    expect_alone(with_mortar(kSlide), common, kEnvironments, 3, std::string("guard, ") + linear);
+  }
 }
 
 // Few iterations: some environments have to halve their steps, each by itself.

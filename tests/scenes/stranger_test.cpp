@@ -344,6 +344,81 @@ solver: {iterations: 1, halvings: 0}
   EXPECT_THAT(hung("{box: {min: [-1, -1, 0], max: [1, 1, 1]}}"), ::testing::Not(::testing::HasSubstr("as a whole")));
 }
 
+// On edges and tips the guard bears most of the force, and rubs like the rest. A ladder that leans against a smooth wall at 60 degrees needs 0.264 of
+// friction on the floor.
+TEST(Stranger, ALadderStands) {
+  const double size[] = {0.2, 0.04, 0.01};
+  Rig rig(R"(
+mortise: 1
+name: ladder
+time: {step: 4 ms, steps: 40}
+materials: {wood: {density: 800}}
+bodies:
+  ladder:
+    type: stiff
+    shape: {box: {size: [0.2, 0.04, 0.01], edge_length: 10 mm}}
+    material: wood
+    position: [-0.05442012701892221, 0, 0.08919254037844387]
+    rotation: {axis: [0, -1, 0], angle: 60 deg}
+  floor: {type: half_space}
+  wall: {type: half_space, normal: [-1, 0, 0]}
+effects:
+  inertia: {}
+  gravity: {}
+  affine_body: {}
+  mortar_contact: {pairs: [{slave: ladder, master: floor}, {slave: ladder, master: wall}]}
+  friction: {follows: mortar_contact, mu: 0.4, pairs: [{a: ladder, b: wall, mu: 0}]}
+)");
+  const std::vector<double> start = rig.engine->points();
+  rig.steps(10);
+  const std::vector<double> leans = rig.engine->points();
+  rig.steps(30);
+  const std::vector<double> end = rig.engine->points();
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    EXPECT_NEAR(leans[i], start[i], 2e-4);
+    EXPECT_NEAR(end[i], leans[i], 1e-6);  // it slid by 33 mm
+  }
+  const Captured f = rig.fields();
+  EXPECT_GT(f.at("mortar_contact/force_share_guard"), 0.5);
+  const double weight = 800 * size[0] * size[1] * size[2] * 9.81, lean = M_PI / 3;
+  const double wall = weight / 2 * (size[0] * std::cos(lean) - size[2] * std::sin(lean)) / (size[0] * std::sin(lean));  // about the foot
+  EXPECT_NEAR(f.at("friction/force_ladder_x"), wall, 0.01 * weight);
+}
+
+// A field far too weak for a block's weight leaves a fifth of it to the guard at the corners. The block sticks up to mu = tan 20 degrees all the
+// same.
+TEST(Stranger, ABlockThatTheGuardHelpsToBearSticks) {
+  Rig rig(R"(
+mortise: 1
+name: sticks
+time: {step: 5 ms, steps: 60}
+materials: {wood: {density: 800}}
+bodies:
+  block:
+    type: stiff
+    shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 20 mm}}
+    material: wood
+    position: [3.42704 mm, 0, 9.41572 mm]
+    rotation: {axis: [0, 1, 0], angle: 20 deg}
+  slope: {type: half_space, normal: [0.3420201433256687, 0, 0.9396926207859084]}
+effects:
+  inertia: {}
+  gravity: {}
+  affine_body: {}
+  mortar_contact: {pairs: [{slave: block, master: slope}], stiffness: 5 Pa}
+  friction: {follows: mortar_contact, mu: 0.4}
+)");
+  const std::vector<double> start = rig.engine->points();
+  rig.steps(60);
+  const std::vector<double> end = rig.engine->points();
+  for (std::size_t i = 0; i < start.size(); ++i) EXPECT_NEAR(end[i], start[i], 5e-5);  // it slid by 15 mm
+  const Captured f = rig.fields();
+  EXPECT_GT(f.at("mortar_contact/force_share_guard"), 0.15);
+  const double weight = 800 * 8e-6 * 9.81, slope = 20 * M_PI / 180;
+  const Vec3 rubbed = vector(f, "friction/force_block_");
+  EXPECT_NEAR(rubbed.norm(), weight * std::sin(slope), 1e-3 * weight);
+}
+
 // Nothing deforms, so there is no mesh to choose a stiffness for; the weight decides.
 TEST(Stranger, MortarContactChoosesAStiffnessForStiffBodiesToo) {
   Rig rig(R"(

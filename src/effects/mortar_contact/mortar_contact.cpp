@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "effects/body_blocks.h"
 #include "effects/contact/active.h"
+#include "effects/contact/join.h"
 #include "effects/contact/layer.h"
 #include "effects/contact/nodal_pressure.h"
 #include "effects/contact/proximity.h"
@@ -72,10 +73,15 @@ struct MortarLinearisation final : Linearisation {
   Buffer<double> area, bow;  // their areas, and how far their quadratic faces stand off
   contact::ActiveSet guard;
   linalg::StencilSet guard_stencils;
+  Buffer<Index> origin;  // of contact.samples, where the guard has some (contact/join.h)
+  explicit MortarLinearisation(Index envs) { guard.env_offset.assign(envs + 1, 0); }
+  // Places of sample i of the field and of the guard in contact.samples: in every environment those of the guard come last.
+  Index place(Index env, Index i) const { return i + guard.env_offset[env]; }
+  Index guard_place(Index env, Index i) const { return i + frozen.env_samples[env + 1]; }
   View<const Vec3> y() const { return frozen.y.view(); }
   std::size_t bytes() const override {
     return Linearisation::bytes() + frozen.pairs.bytes() + frozen.samples.bytes() + frozen.moving.bytes() + frozen.y.bytes() + normal.bytes() +
-           area.bytes() + guard.terms.bytes() + guard_stencils.bytes();
+           area.bytes() + guard.terms.bytes() + guard_stencils.bytes() + origin.bytes();
   }
 };
 MortarLinearisation& of_mortar(Linearisation& at) { return static_cast<MortarLinearisation&>(at); }
@@ -138,7 +144,7 @@ class MortarContact final : public Effect {
     if (changed) stiffness_changed();
     proximity_.begin_step(step);
     if (started_) return;
-    MortarLinearisation at;
+    MortarLinearisation at(model_.envs);
     proximity_.locate(std::as_const(model_.q).view(), at.frozen.y);
     contact::check_start(model_, proximity_.obstacles(guard_view()), proximity_.candidates(), at.y());
     refreeze(at);
@@ -161,7 +167,7 @@ class MortarContact final : public Effect {
     }
   }
 
-  std::unique_ptr<Linearisation> linearisation() const override { return std::make_unique<MortarLinearisation>(); }
+  std::unique_ptr<Linearisation> linearisation() const override { return std::make_unique<MortarLinearisation>(model_.envs); }
 
   void linearise(Positions q, Want want, Linearisation& out) override {
     MortarLinearisation& at = of_mortar(out);
@@ -183,15 +189,29 @@ class MortarContact final : public Effect {
   void follow(Moving wanted, MortarLinearisation& at) {
     at.unsymmetric.resize(0, 0);
     if (!wanted.wanted) return;
-    sample(at);
+    mortar::samples(view(at), at.frozen, at.contact);
     mortar::sample_changes(view(at), at.frozen, at.contact.changes);
     mortar::follow(at.contact, model_.point_map(), at.beside, at.unsymmetric);
   }
 
-  void sample(Linearisation& at) override { samples(view(of_mortar(at)), of_mortar(at).frozen, at.contact); }
-  // They are there where they are known.
-  void sample_changes(Linearisation& at) override {
-    if (!of_mortar(at).frozen.moving.any()) at.contact.changes.resize(0, 0);
+  // Of the field and, where it acts, of the guard.
+  void sample(Linearisation& out) override {
+    MortarLinearisation& at = of_mortar(out);
+    mortar::samples(view(at), at.frozen, at.contact);
+    if (at.guard.terms.empty()) return;
+    Buffer<model::ContactSample> more;
+    contact::samples(guard_view(), at.guard, at.y(), more);
+    contact::join(more, at.guard.env_offset, at.contact, at.origin);
+  }
+  // Those of the field are there where they are known; the guard's go with them.
+  void sample_changes(Linearisation& out) override {
+    MortarLinearisation& at = of_mortar(out);
+    if (!at.frozen.moving.any()) return at.contact.changes.resize(0, 0);
+    if (at.guard.terms.empty()) return;
+    mortar::sample_changes(view(at), at.frozen, at.contact.changes);
+    model::SampleChanges more;
+    contact::sample_changes(guard_view(), at.guard, at.y(), more);
+    contact::join(at.contact.samples, at.origin, more, at.contact.changes);
   }
   bool complete(const Linearisation& at) const override { return mortar::complete(set_, of_mortar(at).frozen); }
 
@@ -414,7 +434,7 @@ class MortarContact final : public Effect {
   // From the state at the start.
   void fit_support() {
     if (!(rest_ > 0)) return;
-    MortarLinearisation at;
+    MortarLinearisation at(model_.envs);
     proximity_.locate(std::as_const(model_.q).view(), at.frozen.y);
     refreeze(at);
     Buffer<double> least;
@@ -547,8 +567,8 @@ void MortarContact::report(const FieldSinks& sinks, const Linearisation& accepte
   std::vector<double> covered = cover_of(at, forces.places(), pairs, share);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Sample& s = samples[i];
-    const model::ContactSample& c = contact_samples.at(i);
     const Pair& pair = pairs[s.pair];
+    const model::ContactSample& c = contact_samples.at(at.place(pair.env, static_cast<Index>(i)));
     Own& mine = own[c.env];
     Vec3 J[kPoints];
     jacobian(pair, s, J);
@@ -573,22 +593,20 @@ void MortarContact::report(const FieldSinks& sinks, const Linearisation& accepte
   }
   if (guard_ > 0) {
     Buffer<Vec3> buffer;
-    Buffer<model::ContactSample> guard_samples;
     contact::point_forces(guard_view(), at.guard, at.y(), buffer);
-    contact::samples(guard_view(), at.guard, at.y(), guard_samples);
     const std::vector<Vec3> guard = buffer.download();
-    const std::vector<model::ContactSample> guard_view = guard_samples.download();
     const std::vector<contact::Active> terms = at.guard.terms.download();
     for (std::size_t i = 0; i < terms.size(); ++i) {
-      Own& mine = own[guard_view[i].env];
+      const model::ContactSample& c = contact_samples.at(at.guard_place(terms[i].env, static_cast<Index>(i)));
+      Own& mine = own[c.env];
       mine.total[kKinds] += guard[4 * i].norm();
       for (int k = 0; k < 4; ++k) {
         const Index p = terms[i].point[k];
         if (p < 0) continue;
-        forces.add(p, guard[4 * i + k], forces.body(p) == guard_view[i].body_a ? guard_view[i].body_b : guard_view[i].body_a);
+        forces.add(p, guard[4 * i + k], forces.body(p) == c.body_a ? c.body_b : c.body_a);
         press(p, guard[4 * i + k]);
       }
-      mine.guard_rows.add(guard_view[i]);
+      mine.guard_rows.add(c);
     }
     for (Index e = 0; e < sinks.size(); ++e) own[e].guard_rows.report(sinks[e], group, "guard_");
   }
