@@ -46,6 +46,19 @@ void of_contact(const model::ModelInput& input, std::vector<std::string>& out) {
   }
 }
 
+void of_friction(const Params& scene, std::vector<std::string>& out) {
+  const Params& effects = scene.at("effects");
+  for (const std::string& follower : effects::of_role(effects, effects::Role::follower)) {
+    const Params& follows = effects.at(follower).at("follows");
+    for (const std::string& contact : effects::of_role(effects, effects::Role::contact))
+      if (contact != follows.as_text())
+        out.push_back(
+            at(follows.where(), fmt::format("effects.{} follows {}: what {} presses slides freely, and where both see a pair of bodies {} may "
+                                            "bear all of it; tell them apart by `pairs`",
+                                            follower, follows.as_text(), contact, contact)));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> warnings(const model::ModelInput& input) {
@@ -56,6 +69,7 @@ std::vector<std::string> warnings(const model::ModelInput& input) {
     out.push_back(
         at(step->where(), fmt::format("time.step is {:.3g} s: motions and oscillations shorter than that are damped away", step->as_number())));
   of_contact(input, out);
+  of_friction(input.scene, out);
   for (std::string& risk : locking_risks(input)) out.push_back(std::move(risk));
   for (const scene::PassThrough& p : scene::pass_through(input.scene, engine::effect_tables()))
     if (p.everything) out.push_back(p.text());

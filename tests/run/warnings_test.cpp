@@ -40,6 +40,13 @@ TEST(Warnings, TellWhatIsHardlyEverMeant) {
   EXPECT_THAT(warned({"effects.barrier_contact.d_hat=5 mm"}), ElementsAre(HasSubstr("d_hat is 0.005 m, 0.25 times the size of body 'block'")));
 }
 
+// A block between both slid through 0.29 m instead of 0.11 m, and nobody had said anything.
+TEST(Warnings, TellWhatSlidesFreely) {
+  EXPECT_THAT(warned({"effects.friction={follows: barrier_contact, mu: 0.3}"}), IsEmpty());
+  EXPECT_THAT(warned({"effects.mortar_contact={pairs: [{slave: block, master: floor}]}", "effects.friction={follows: mortar_contact, mu: 0.3}"}),
+              ElementsAre(HasSubstr("effects.friction follows mortar_contact: what barrier_contact presses slides freely")));
+}
+
 TEST(Warnings, TellWhereElementsLock) {
   EXPECT_THAT(warned({"materials.gel.poisson_ratio=0.49"}), IsEmpty());
   EXPECT_THAT(warned({"materials.gel.volumetric=full"}), IsEmpty());

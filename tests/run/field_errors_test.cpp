@@ -1,0 +1,159 @@
+// What certificates judge where: the most loaded state and the last one, every group of bodies by itself; loads that turned, round bodies, creep.
+#include "run/field_errors.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "geometry/primitives.h"
+#include "geometry/shapes.h"
+#include "run/crept.h"
+#include "run/shape_defect.h"
+
+using namespace mortise;
+
+namespace {
+
+Params table(const std::vector<std::pair<std::string, Params>>& entries) {
+  Params out = Params::make_table();
+  for (const auto& [key, value] : entries) out.set(key, value);
+  return out;
+}
+Params number(double v) { return Params::make_number(v); }
+
+// Two soft bodies of two tetrahedra each, 5 m apart, and nothing that holds them.
+model::ModelInput two() {
+  model::ModelInput input{table({{"effects", Params::make_table()}}), {}};
+  for (double x : {0., 5.}) {
+    model::BodyInput body;
+    body.name = x == 0 ? "one" : "other";
+    body.material = table({{"youngs_modulus", number(1e5)}, {"poisson_ratio", number(0.3)}, {"density", number(1e3)}});
+    body.nodes = {{x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0}, {x, 0, 1}, {x + 1, 1, 1}};
+    body.tets = {{{0, 1, 2, 3}}, {{1, 2, 3, 4}}};
+    input.bodies.push_back(body);
+  }
+  return input;
+}
+
+// Stresses zz of the four tetrahedra [Pa]; force of contact between the bodies, and the guard's part of it [N].
+Snapshot state(double energy, const std::array<double, 4>& zz, double force = 0, double guard = 0) {
+  Snapshot said;
+  std::vector<double> stress(24, 0.0);
+  for (std::size_t t = 0; t < 4; ++t) stress[6 * t + 2] = zz[t];
+  said.scalar("elasticity", "energy", "J", energy);
+  said.cells("cauchy_stress", "Pa", 6, stress);
+  said.points("displacement", "m", 3, std::vector<double>(30, 0.0));
+  said.points("contact_pressure", "Pa", 1, std::vector<double>(10, force));
+  said.rows("mortar_contact", "bodies", "1", 2, std::vector<double>{0, 1});
+  said.rows("mortar_contact", "gap", "m", 1, std::vector<double>{1e-3});
+  said.rows("mortar_contact", "force", "N", 1, std::vector<double>{force - guard});
+  said.rows("mortar_contact", "guard_bodies", "1", 2, std::vector<double>{0, 1});
+  said.rows("mortar_contact", "guard_force", "N", 1, std::vector<double>{guard});
+  return said;
+}
+
+run::FieldErrors::Result after(const std::vector<Snapshot>& states) {
+  run::FieldErrors errors(two());
+  for (const Snapshot& s : states) errors.state(s);
+  return errors.result();
+}
+
+}  // namespace
+
+TEST(FieldErrors, TheLastLoadedStateCountsToo) {
+  const std::array<double, 4> even{1e3, 1e3, 1e3, 1e3}, jumps{1e2, -1e2, 1e2, -1e2};
+  EXPECT_NEAR(after({state(1, even)}).stress, 0, 1e-9);
+  EXPECT_GT(after({state(1, even), state(0.01, jumps)}).stress, 0.3) << "a tenth of the load";
+  EXPECT_NEAR(after({state(1, even), state(1e-5, jumps)}).stress, 0, 1e-9) << "what unloading leaves";
+  EXPECT_NEAR(after({state(1, even), state(0.01, jumps), state(1, even)}).stress, 0, 1e-9) << "nobody looks at that one";
+}
+
+TEST(FieldErrors, ABodyThatStandsByItselfHidesNothing) {
+  const std::array<double, 4> mixed{1e2, -1e2, 1e3, 1e3};
+  const double apart = after({state(1, mixed)}).stress, together = after({state(1, mixed, 1.0)}).stress;
+  EXPECT_GT(apart, 0.3);
+  EXPECT_LT(together, 0.02) << "pressed on each other they are one thing, of which most of the energy is right";
+}
+
+TEST(FieldErrors, TheGuardIsJudgedByPairs) {
+  const std::array<double, 4> even{1e3, 1e3, 1e3, 1e3};
+  EXPECT_DOUBLE_EQ(after({state(1, even, 2.0, 0.5)}).guard, 0.25);
+  Snapshot said = state(1, even, 2.0, 0.5);
+  said.row["mortar_contact/bodies"] = {}, said.row["mortar_contact/force"] = {};
+  said.rows("mortar_contact", "bodies", "1", 2, std::vector<double>{0, 1, 1, 2});
+  said.rows("mortar_contact", "force", "N", 1, std::vector<double>{0.1, 8});
+  EXPECT_DOUBLE_EQ(after({said}).guard, 0.5 / 0.6) << "of 0.6 N, beside a pair of 8 N";
+  said.row["mortar_contact/force"][1] = 80;
+  EXPECT_DOUBLE_EQ(after({said}).guard, 0) << "less than a hundredth of that";
+}
+
+// Faces that grow by l in both directions: l^2 - 1; that turn by t: 2 sin(t/2).
+TEST(LoadTurned, IsHowFarAreasAreFromThoseAtRest) {
+  model::BodyInput body;
+  body.name = "pad";
+  model::set_mesh(body, geometry::box(Vec3(1, 1, 1), {2, 2, 2}));
+  const Params list = Params::make_list(
+      {table({{"body", Params::make_text("pad")}, {"pressure", number(1)}, {"where", table({{"side", Params::make_text("z_max")}})}})});
+  const model::ModelInput input{table({{"effects", table({{"pressure_load", list}})}}), {body}};
+  const run::LoadTurned turned(input);
+  const auto of = [&](const Mat3& F) {
+    std::vector<double> u;
+    for (const Vec3& x : body.nodes)
+      for (int c = 0; c < 3; ++c) u.push_back((F * x - x)[c]);
+    return turned.of(u);
+  };
+  EXPECT_NEAR(of(Vec3(1.1, 1.1, 0.5).asDiagonal()), 0.21, 1e-12);
+  EXPECT_NEAR(of(Eigen::AngleAxisd(0.3, Vec3(1, 2, 0).normalized()).toRotationMatrix()), 2 * std::sin(0.15), 1e-12);
+  EXPECT_TRUE(std::isnan(run::LoadTurned({table({{"effects", Params::make_table()}}), {body}}).of(std::vector<double>(3 * body.nodes.size()))));
+}
+
+// A cylinder whose section is a polygon of n corners lacks 1 - sin(2 pi/n) n/(2 pi) of its volume.
+TEST(ShapeDefect, IsTheVolumeThatFacetsLeaveOut) {
+  const auto defect = [](const char* kind, double edge, bool soft, const std::vector<std::pair<std::string, Params>>& more = {}) {
+    Params shape = table({{kind, table({{"radius", number(1)}, {"height", number(2)}, {"edge_length", number(edge)}})}});
+    std::vector<std::pair<std::string, Params>> entries{{"shape", shape}};
+    entries.insert(entries.end(), more.begin(), more.end());
+    model::BodyInput body;
+    body.name = "round", body.params = table(entries);
+    body.material = table({{"density", number(1e3)}});
+    body.type = soft ? model::BodyType::soft : model::BodyType::stiff;
+    if (soft) {
+      model::set_mesh(body, geometry::tet_shape(shape));
+    } else {
+      const geometry::TriMesh mesh = geometry::surface_shape(shape);
+      body.nodes = mesh.points, body.triangles = mesh.triangles;
+    }
+    return run::shape_defect({table({{"effects", Params::make_table()}}), {body}});
+  };
+  const auto polygon = [](double n) { return 1 - std::sin(2 * std::numbers::pi / n) * n / (2 * std::numbers::pi); };
+  EXPECT_NEAR(defect("cylinder", 0.8, true), polygon(8), 1e-9);
+  EXPECT_GT(defect("sphere", 1, false), 0.15);
+  EXPECT_LT(defect("sphere", 0.2, false), 0.015);
+  EXPECT_LT(defect("capsule", 0.2, false), 0.015);
+  EXPECT_EQ(defect("sphere", 1, false, {{"mass", number(1)}}), 0) << "the scene states its mass";
+}
+
+TEST(Crept, IsTheSlipOfWhatSticks) {
+  model::ModelInput input = two();
+  input.scene = table({{"effects", table({{"friction", table({{"creep_speed", number(1e-5)}, {"follows", Params::make_text("mortar_contact")}})}})}});
+  run::Crept crept(input);
+  const auto slips = [&](double speed, double goes) {
+    Snapshot said;
+    said.points("displacement", "m", 3, std::vector<double>{0, goes, 0});
+    said.rows("friction", "force", "N", 3, std::vector<double>{3, 0, 0, 0, 4, 0});
+    said.scalar("friction", "power", "W", 7 * speed);
+    crept.state(said);
+    crept.step(100);
+  };
+  const double least = 0.01 * std::sqrt(3.0);  // a hundredth of a body
+  slips(4e-6, 1e-3);
+  EXPECT_NEAR(crept.share(), 4e-4 / least, 1e-12);
+  slips(5e-5, 1e-3);
+  EXPECT_NEAR(crept.share(), 4e-4 / least, 1e-12) << "it slips";
+  slips(1e-6, 2);
+  EXPECT_NEAR(crept.share(), 5e-4 / 2, 1e-12);
+  input.scene = table({{"effects", Params::make_table()}});
+  EXPECT_TRUE(std::isnan(run::Crept(input).share()));
+}
