@@ -26,9 +26,7 @@ void LineSearch::ask(device::View<const Vec3> q, device::Buffer<Vec3>& dq, devic
   energies_.find(q, at, fetch);
   const std::vector<double> none(model.envs, 0.0);
   Merit& m = merit_ = {none, none, none, none, none, none};
-  // What is tied is stiff in directions in which the weight of others acts: there rounding of positions shows in the energy before forces balance.
-  for (std::size_t k = 0; k < at.gradients.size() && model.ties.any(); ++k)
-    energy_rounding(at.gradients[k].view(), q, model.env_blocks, {m.rounding, fetch});
+  for (std::size_t k = 0; k < at.gradients.size(); ++k) energy_rounding(at.gradients[k].view(), q, model.env_blocks, {m.rounding, fetch});
   if (c.n > 0) {
     device::Buffer<Vec3> Hdq;
     system_.potential.product(at, std::as_const(dq).view(), Hdq, !model.ties.driven());  // driven blocks have ways of their own
@@ -103,7 +101,8 @@ void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const st
     find_energies(at, searching, k == 0 && foresees, there);
     std::vector<double> scale;
     const std::vector<double> after = energies_.sum(there, &scale);
-    const auto rounding = [&](Index e) { return tuning::kEnergyRounding * scale[e] + merit.rounding[e]; };
+    // What is tied is stiff in directions in which the weight of others acts: there rounding of positions shows in the energy before forces balance.
+    const auto rounding = [&](Index e) { return tuning::kEnergyRounding * scale[e] + (model.ties.any() ? merit.rounding[e] : 0); };
     const auto low_enough = [&](Index e) {
       const double left = (1 - alpha[e]) * (1 - alpha[e]);
       const double change = after[e] - before[e] + 0.5 * merit.rho[e] * (left - 1) * merit.cc[e];
@@ -130,8 +129,10 @@ void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const st
     });
     const std::vector<double> slope_there =
         any(blind) ? ask_of(model, blind, [&](const EnvMask& whose) { return forces.slope(trial_, whose); }) : std::vector<double>{};
+    // So it does where all that is left is a vibration that has died away; how far it may be off is no reason to believe that it is.
+    const auto says_nothing = [&](Index e) { return envs[e].whole || alpha[e] * std::abs(merit.slope[e]) <= merit.rounding[e]; };
     const EnvMask higher =
-        asked([&](Index e) { return !low_enough(e) && !pushes(e) && k == 0 && envs[e].whole && forces.closer && std::isfinite(after[e]); });
+        asked([&](Index e) { return !low_enough(e) && !pushes(e) && k == 0 && says_nothing(e) && forces.closer && std::isfinite(after[e]); });
     const EnvMask closer = any(higher) ? ask_of(model, higher, [&](const EnvMask& whose) { return forces.closer(trial_, whose); }) : higher;
     for (Index e = 0; e < model.envs; ++e) {
       if (!searching[e]) continue;
