@@ -6,22 +6,30 @@
 
 namespace mortise::run {
 
+namespace {
+
+// A body on a joint may turn about the joint.
+double energy_of(const MovingBody& b) { return b.free ? b.energy() : b.energy() + b.turns; }
+
+}  // namespace
+
 void BounceLoss::state(const std::vector<MovingBody>& bodies, double lost) {
   if (bodies.empty()) return;
   if (steps_.empty())
     for (std::vector<double>* v : {&steps_, &slow_, &before_, &lost_, &soft_}) v->assign(bodies.size(), 0.0);
   const bool soft = std::any_of(bodies.begin(), bodies.end(), [](const MovingBody& b) { return b.body.soft() && b.touches; });
   double ended = 0;
+  brought_ = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (!bodies[i].free) continue;
-    const double energy = bodies[i].energy();
+    if (!bodies[i].swings) continue;
+    const double energy = energy_of(bodies[i]);
     if (!bodies[i].touches) {
       const bool rested = slow_[i] >= tuning::kRested && slow_[i] >= tuning::kRestedShare * steps_[i];
-      if (steps_[i] > 0 && soft_[i] > 0 && !rested) ended = std::max(ended, lost_[i]);
+      if (steps_[i] > 0 && soft_[i] > 0 && !rested) ended = std::max(ended, std::min(lost_[i], before_[i]));
       steps_[i] = -1, before_[i] = energy;
       continue;
     }
-    if (steps_[i] < 0) steps_[i] = slow_[i] = lost_[i] = soft_[i] = 0;
+    if (steps_[i] < 0) steps_[i] = slow_[i] = lost_[i] = soft_[i] = 0, brought_ += before_[i];
     if (before_[i] == 0) continue;  // it touched from the start
     ++steps_[i], lost_[i] += lost;
     if (soft) soft_[i] = 1;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "run/certificate.h"
@@ -20,8 +21,8 @@ std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& e
   add("clip_partition_defect", partition_.most, tuning::kPartition);
   add("rigidity_defect", rigidity_, tuning::kRigidity);
   add("energy_gain", energy.scale > 0 ? energy.largest_gain / energy.scale : NAN, tuning::kEnergyGain);
-  add("free_motion_loss", energy.scale > 0 && energy.work_is_known ? energy.free_loss / energy.scale : NAN, tuning::kFreeMotionLoss);
-  add("turning_loss", energy.scale > 0 ? energy.turning_loss / energy.scale : NAN, tuning::kTurningLoss);
+  add("free_motion_loss", energy.turnover > 0 ? energy.free_loss / energy.turnover : NAN, tuning::kFreeMotionLoss);
+  add("turning_loss", energy.scale > 0 ? std::max(energy.turning_loss / energy.scale, energy.flight_turning) : NAN, tuning::kTurningLoss);
   add("motion_lag", energy.motion_lag, tuning::kMotionLag);
   add("guard_share", fields.guard, tuning::kGuard);
   add("stress_error", fields.stress, tuning::kStress);

@@ -39,7 +39,7 @@ Holds::Holds(const Params& effects) {
   }
   for (const Params& p : entries(effects, "drive")) {
     Motor& m = motors_[p.text("joint")];
-    m.kinematic = p.text("mode") == "kinematic";
+    m.kinematic = p.text("mode") == "kinematic", m.passive = p.text("mode") == "passive";
     m.kp = number_or(p, "kp", 0), m.kd = number_or(p, "kd", 0), m.effort = number_or(p, "effort", INFINITY), m.spring = number_or(p, "stiffness", 0);
   }
   struct Link {
@@ -92,6 +92,18 @@ bool Holds::given(const std::string& body) const {
     if (motor == motors_.end() || !motor->second.kinematic) return false;
   }
   return true;
+}
+
+bool Holds::motored(const std::string& body) const {
+  if (!held(body)) return false;
+  for (const std::string* at = &body; !at->empty();) {
+    const Step& step = ways_.at(*at);
+    at = &step.to;
+    if (step.joint < 0) continue;
+    const auto motor = motors_.find(leader(joints_[step.joint]).first->name);
+    if (motor != motors_.end() && !motor->second.passive) return true;
+  }
+  return false;
 }
 
 std::pair<const Holds::Joint*, double> Holds::leader(const Joint& joint) const {

@@ -28,6 +28,8 @@ class Holds {
   bool pinned(const std::string& body) const;
   // Does it go as the scene says: pinned, or all of whose joints on the way are fixed or have kinematic drives?
   bool given(const std::string& body) const;
+  // Is there a motor on the way to what holds it? Springs alone are none.
+  bool motored(const std::string& body) const;
   // Of a soft body that a mortar tie holds: the one that it is tied to; null of others.
   const std::string* tied_to(const std::string& body) const;
   // Pairs of bodies that joints, bonds or ties keep together.
@@ -57,7 +59,7 @@ class Holds {
     bool has_coordinate() const { return !spherical && !fixed; }
   };
   struct Motor {
-    bool kinematic = false;
+    bool kinematic = false, passive = false;
     double kp = 0, kd = 0, effort = INFINITY, spring = 0;
   };
   // The next body on the way to what holds; by which joint, or none (-1).

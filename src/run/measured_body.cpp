@@ -98,6 +98,13 @@ Vec3 MeasuredBody::spin(const std::vector<double>& velocity, const std::vector<d
   return inertia.ldlt().solve(momentum);
 }
 
+double MeasuredBody::kinetic_energy(const std::vector<double>& velocity, const std::vector<double>& points) const {
+  if (!soft()) return 0.5 * mass() * mean(velocity, points).squaredNorm() + turning_energy(velocity, points);
+  double twice = 0;
+  for (std::size_t i = 0; i < count; ++i) twice += mass_[i] * vector_at(velocity, first + i).squaredNorm();
+  return 0.5 * twice;
+}
+
 // The body is cut into tetrahedra from the mean of its points, where the velocity, being linear in space, is the mean of theirs.
 double MeasuredBody::turning_energy(const std::vector<double>& velocity, const std::vector<double>& points) const {
   if (stated_) {  // 1/2 tr(B^T S B), B the slopes of the velocity, S = int rho X X^T

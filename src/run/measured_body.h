@@ -26,6 +26,8 @@ class MeasuredBody {
   Vec3 rotation(const std::vector<double>& start, const std::vector<double>& points) const;
   // Angular velocity of the rigid motion nearest to the points' velocities (least squares, all points alike).
   Vec3 spin(const std::vector<double>& velocity, const std::vector<double>& points) const;
+  // Of velocities: of all that the body consists of [J].
+  double kinetic_energy(const std::vector<double>& velocity, const std::vector<double>& points) const;
   // Kinetic energy (stiff) about the mean of the points; where the scene states the inertia, about the centre of mass.
   double turning_energy(const std::vector<double>& velocity, const std::vector<double>& points) const;
 

@@ -16,6 +16,8 @@ struct MovingBody {
   bool given;    // it goes as pins or kinematic drives say (Holds::given)
   bool led;      // given, or supported by what is no joint
   bool free;     // nothing holds it or ties it to another body
+  bool swings;   // it goes as forces say: free, or held on a way on which there is no motor, and not given
+  double turns;  // energy of turning about its centre, of stiff bodies [J]
 
   // Of its centre [J].
   double energy() const { return 0.5 * body.mass() * v.squaredNorm(); }
@@ -29,7 +31,7 @@ class MovingBodies {
 
  private:
   struct Who {
-    bool held, given, free;
+    bool held, given, free, swings;
   };
   std::vector<Who> who_;
 };

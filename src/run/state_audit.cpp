@@ -23,7 +23,7 @@ bool at_a_stop(const Snapshot& said) {
 
 }  // namespace
 
-EnergyAudit::EnergyAudit(const model::ModelInput& input) : moving_(input), lag_(input), turning_(input) {
+EnergyAudit::EnergyAudit(const model::ModelInput& input) : moving_(input), lag_(input), turning_(input), vibrations_(input) {
   std::size_t first = 0;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
@@ -44,32 +44,41 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   r_.total = all_ - turning(now);
   const std::vector<MovingBody> moving = moving_.at(now.said, now.points, bodies_);
   double lost = 0;  // to the time step
-  if (!points_before_.empty() && r_.work_is_known) {
+  balanced_ = points_before_.empty();
+  if (!points_before_.empty()) {
     // The solver's own sum over the substeps counts moments too.
     const bool summed = now.said.has("supports/work");
     const double work = summed ? now.said.at("supports/work") : support_work(now);
-    r_.support_work += work;
-    r_.scale = std::max(r_.scale, std::abs(r_.support_work));
-    r_.gain = (summed ? all_ - all_before : r_.total - before) - work;
-    r_.largest_gain = std::fmax(r_.largest_gain, r_.gain);
-    const double rubbed = std::fmax(now.said.at("friction/dissipation"), 0.0), bounced = bounces_.sum();
-    lost = std::max(-r_.gain - (rubbed - rubbed_), 0.0);
-    rubbed_ = rubbed;
+    there_and_back_ += std::abs(work);
+    if (r_.work_is_known) {
+      r_.support_work += work;
+      r_.scale = std::max(r_.scale, std::abs(r_.support_work));
+      r_.gain = (summed ? all_ - all_before : r_.total - before) - work;
+      r_.largest_gain = std::fmax(r_.largest_gain, r_.gain);
+      const double rubbed = std::fmax(now.said.at("friction/dissipation"), 0.0);
+      lost = std::max(-r_.gain - (rubbed - rubbed_), 0.0);
+      rubbed_ = rubbed;
+      balanced_ = !touched_ && !touches && std::abs(work) <= tuning::kDriven * r_.scale;
+      if (balanced_) free_ -= std::min(r_.gain, 0.0);
+    }
     bounces_.state(moving, lost);
-    r_.free_loss += bounces_.sum() - bounced;
-    if (!touched_ && !touches && std::abs(work) <= tuning::kDriven * r_.scale) r_.free_loss -= std::min(r_.gain, 0.0);
   }
+  r_.free_loss = free_loss();
+  if (!moving.empty()) r_.turnover = std::max(r_.scale, there_and_back_);
   touched_ = touches;
   lag_.state(now.points, moving);
   r_.motion_lag = lag_.value();
+  vibrations_.state(now.said, now.points, moving, stored_, bounces_.brought());
   turning_.state(now.said, now.points, moving, lost);
   points_before_ = now.points;
   return r_;
 }
 
 void EnergyAudit::step(bool first_order) {
+  vibrations_.step(first_order, !balanced_);
+  r_.free_loss = free_loss();
   turning_.step(first_order);
-  r_.turning_loss = turning_.sum();
+  r_.turning_loss = turning_.sum(), r_.flight_turning = turning_.in_flight();
 }
 
 void EnergyAudit::checkpoint(Archive& archive) {
@@ -80,26 +89,33 @@ void EnergyAudit::checkpoint(Archive& archive) {
                              {"scale", &r_.scale},
                              {"all", &all_},
                              {"gravity_first", &gravity_first_},
-                             {"free_loss", &r_.free_loss}})
+                             {"free_loss", &r_.free_loss},
+                             {"free", &free_},
+                             {"turnover", &r_.turnover},
+                             {"there_and_back", &there_and_back_}})
     archive.io(name, *value);
   archive.io("touched", touched_);
+  archive.io("balanced", balanced_);
   lag_.checkpoint(archive);
   r_.motion_lag = lag_.value();
   turning_.checkpoint(archive);
   bounces_.checkpoint(archive);
+  vibrations_.checkpoint(archive);
   archive.io("rubbed", rubbed_);
-  r_.turning_loss = turning_.sum();
+  r_.turning_loss = turning_.sum(), r_.flight_turning = turning_.in_flight();
   archive.io("points_before", points_before_);
 }
 
 double EnergyAudit::total(const StateReport& now) {
   double sum = 0;
+  stored_ = 0;
   for (const auto& [name, v] : now.said.number) {
     const std::string leaf = leaf_of(name);
     if (leaf != "energy" && leaf != "kinetic_energy") continue;
     sum += v;
     if (name != "gravity/energy") {  // which is arbitrary up to a constant
       r_.scale = std::max(r_.scale, v);
+      if (leaf == "energy") stored_ += v;
       continue;
     }
     if (std::isnan(gravity_first_)) gravity_first_ = v;

@@ -13,6 +13,7 @@
 #include "run/measured_body.h"
 #include "run/motion_lag.h"
 #include "run/turning_loss.h"
+#include "run/vibration_loss.h"
 
 namespace mortise::run {
 
@@ -46,9 +47,12 @@ class EnergyAudit {
     double gain = NAN;          // of this step: change of total less the work of supports [J]; NaN: the first state
     double largest_gain = NAN;  // of all steps so far [J]
     double scale = 0;           // largest energy of the run so far [J]
-    double free_loss =
-        0;  // of energy between states in which nothing touches or is at a stop, while nothing is driven, and in bounces: the time step's doing [J]
+    // Of energy, the time step's doing [J]: between states in which nothing touches or is at a stop, while nothing is driven; otherwise
+    // vibration_loss.h; and bounce_loss.h. `turnover`: what it is to be held against, the largest energy or, where more, all work of supports, there
+    // and back.
+    double free_loss = 0, turnover = 0;
     double turning_loss = NAN;  // turning_loss.h [J]
+    double flight_turning = 0;  // the same of one body in flight, a share of its own energy of turning
     double motion_lag = NAN;    // motion_lag.h
     bool work_is_known = true;  // false: loads do work whose potential is not reported, or nothing moves in time; then `gain` stays NaN
   };
@@ -61,6 +65,7 @@ class EnergyAudit {
   double total(const StateReport& now);
   double turning(const StateReport& now) const;
   double support_work(const StateReport& now) const;
+  double free_loss() const { return free_ + bounces_.sum() + vibrations_.sum(); }
 
   std::vector<MeasuredBody> bodies_;
   std::vector<std::string> loads_;  // effects of that role
@@ -69,11 +74,16 @@ class EnergyAudit {
   MotionLag lag_;
   TurningLoss turning_;
   BounceLoss bounces_;
+  VibrationLoss vibrations_;
   double rubbed_ = 0;  // by friction so far [J]
   double all_ = NAN;   // total energy, turning of pinned bodies included
   std::vector<double> points_before_;
   double gravity_first_ = NAN;
-  bool touched_ = false;  // something, in the state before
+  double there_and_back_ = 0;  // work of supports [J]
+  double free_ = 0;            // lost where the balance of energies tells it [J]
+  double stored_ = 0;          // of the state, without gravity [J]
+  bool touched_ = false;       // something, in the state before
+  bool balanced_ = false;      // what the last step lost is in the balance of energies
 };
 
 }  // namespace mortise::run

@@ -36,8 +36,10 @@ inline constexpr double kRounding = 1e-12;  // of positions: some thousand times
 inline constexpr double kStrain = 1e-10;    // far below any strain that means something, far above what rounding of positions makes (certificate.cpp)
 inline constexpr double kDriven = 1e-6;     // work in a step, of the largest energy: less is what holding takes (state_audit.cpp)
 inline constexpr double kRolls = 0.5;       // its farthest point, from turning, over its velocity (turning_loss.cpp): sliding bodies turn less
-inline constexpr double kImpact = 0.1;      // of the energy of what rolls, in a step: more is no rolling
-inline constexpr double kSlow = 0.01;  // of the energy before a contact: a body that has less, in kRestedShare of the steps of that contact and in
+inline constexpr double kTurns =
+    1e-3;  // of the energy of motion of a body in flight: with less its rim turns by less than a twentieth of its way (turning_loss.cpp)
+inline constexpr double kImpact = 0.1;  // of the energy of what rolls, in a step: more is no rolling
+inline constexpr double kSlow = 0.01;   // of the energy before a contact: a body that has less, in kRestedShare of the steps of that contact and in
 inline constexpr double kRested = 4,
                         kRestedShare = 0.3;   // kRested of them, came to rest there (bounce_loss.cpp; at the turn of a bounce: 6 % of them)
 inline constexpr double kStill = 0.01;        // of a body's size: less is no motion that anybody looks at (motion_lag.cpp)

@@ -24,20 +24,41 @@ void TurningLoss::state(const Snapshot& said, const std::vector<double>& points,
   of_first_ = of_second_ = 0;
   if (std::isnan(sum_) || bodies.empty()) return;
   const Snapshot::Values& velocity = *said.of_points("velocity", 3);
+  for (std::vector<double>* v : {&turned_, &moved_, &lost_}) v->resize(bodies.size());
+  for (std::vector<double>* v : {&lost_first_, &lost_second_}) v->assign(bodies.size(), 0.0);
   double rolling = 0;  // energy of what rolls
-  for (const MovingBody& b : bodies) {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const MovingBody& b = bodies[i];
     if (b.given) continue;
-    const double omega = b.body.spin(velocity, points).norm(), phi = omega * integration_.step, energy = b.body.turning_energy(velocity, points);
-    of_first_ += std::min(2 * phi * phi, 1.0) * energy;
-    of_second_ += std::min(std::pow(phi, 4) / (1 + 4 * phi * phi), 1.0) * energy;
-    if (rolls(b, omega, points)) rolling += energy + b.energy();
+    const double omega = b.body.spin(velocity, points).norm(), phi = omega * integration_.step;
+    const double first = std::min(2 * phi * phi, 1.0) * b.turns, second = std::min(std::pow(phi, 4) / (1 + 4 * phi * phi), 1.0) * b.turns;
+    of_first_ += first, of_second_ += second;
+    if (rolls(b, omega, points)) rolling += b.turns + b.energy();
+    if (!b.free || b.touches) continue;
+    lost_first_[i] = first, lost_second_[i] = second;
+    turned_[i] = std::max(turned_[i], b.turns), moved_[i] = std::max(moved_[i], b.turns + b.energy());
   }
   if (lost > tuning::kImpact * rolling) return;
   of_first_ = std::max(of_first_, lost), of_second_ = std::max(of_second_, lost);
 }
 
-void TurningLoss::step(bool first_order) { sum_ += integration_.second_order && !first_order ? of_second_ : of_first_; }
+void TurningLoss::step(bool first_order) {
+  const bool second = integration_.second_order && !first_order;
+  sum_ += second ? of_second_ : of_first_;
+  const std::vector<double>& of_step = second ? lost_second_ : lost_first_;
+  for (std::size_t i = 0; i < of_step.size(); ++i) lost_[i] += of_step[i];
+}
 
-void TurningLoss::checkpoint(Archive& archive) { archive.io("turning", sum_); }
+double TurningLoss::in_flight() const {
+  double most = 0;
+  for (std::size_t i = 0; i < lost_.size(); ++i)
+    if (turned_[i] > tuning::kTurns * moved_[i]) most = std::max(most, lost_[i] / turned_[i]);
+  return most;
+}
+
+void TurningLoss::checkpoint(Archive& archive) {
+  archive.io("turning", sum_);
+  for (auto [name, v] : {std::pair{"turning.turned", &turned_}, {"turning.moved", &moved_}, {"turning.lost", &lost_}}) archive.io(name, *v);
+}
 
 }  // namespace mortise::run

@@ -6,6 +6,9 @@
 // so a ball that rolls for long is too slow. free_motion_loss sees it of bodies in flight; this is of all that turn as no pin and no kinematic drive
 // says, in contact and under motors too. Where a free body rolls, whatever else energy is lost by than friction makes it slower too: facets of a
 // round body, that strike one after the other; of a step the larger of the two counts.
+// What is supported, driven or rolls gets its energy of turning from elsewhere, and gives it there: the loss is held against the largest energy of
+// the scene. A body in flight has its own alone: of each such body the losses are also held against the most that it turned with in flight, where
+// that is more than kTurns of its energy of motion.
 #include <vector>
 
 #include "base/archive.h"
@@ -22,11 +25,14 @@ class TurningLoss {
   void state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies, double lost);
   void step(bool first_order);         // that led to that state
   double sum() const { return sum_; }  // of all steps [J]; NaN without a time step
+  double in_flight() const;            // the largest share of its own energy that a body lost
   void checkpoint(Archive& archive);
 
  private:
   Integration integration_;
   double sum_ = NAN, of_first_ = 0, of_second_ = 0;  // of the last step, by its order
+  // Per body: the most that it turned with in flight, and had of energy of motion then [J]; lost there so far, in the last step by its order [J].
+  std::vector<double> turned_, moved_, lost_, lost_first_, lost_second_;
 };
 
 }  // namespace mortise::run

@@ -1,0 +1,40 @@
+#pragma once
+// What the time step takes from vibrations while supports move, loads act or something touches, so that the balance of energies does not tell it from
+// what supports, loads and contacts do. Of a linear system y' = A y (y: velocities and elastic forces, in the norm of energy) a step loses
+//     backward Euler   1/2 |y_1 - y_0|^2
+//     BDF2             1/4 |y_2 - 2 y_1 + y_0|^2     (in its G-norm: Hairer & Wanner, Solving Ordinary Differential Equations II, V.6)
+// exactly, whatever drives it. The part of the velocities is known from them,
+//     D = 1/2 |v_1 - v_0|_M^2,     or 1/4 |v_2 - 2 v_1 + v_0|_M^2,
+// and what vibrates loses as much again of its potential energy, on the average of a period: 2 D. What is pressed or held so slowly that its kinetic
+// energy is nothing beside the elastic one has no D. What is carried about hardly vibrates: beside its kinetic energy T its elastic one U is nothing
+// (at r times its own frequency r^2 T, and by r^2 h omega the step then alters how far it gives). So the sum over all steps is
+//     min(1, U/T) sum 2 D,     U, T: the largest of the run.
+// Counted are soft bodies, and stiff ones that go as no pin and no motor says and that touch something soft or are held (by what is soft, by
+// springs, by joints). Not what bodies brought that struck something (2 D of bringing them to rest in one step is twice that): if they come to rest
+// nobody asks for it, if not: bounce_loss.h.
+#include <vector>
+
+#include "base/archive.h"
+#include "base/snapshot.h"
+#include "run/moving_body.h"
+
+namespace mortise::run {
+
+class VibrationLoss {
+ public:
+  explicit VibrationLoss(const model::ModelInput& input) : integration_(integration_of(input.scene)) {}
+  // stored: elastic energy, of bodies, contacts and springs; brought: energy of what struck something in the step that led to this state [J].
+  void state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies, double stored, double brought);
+  void step(bool first_order, bool counts);                                         // that led to that state; not: its loss is known
+  double sum() const { return stored_ < moved_ ? stored_ / moved_ * sum_ : sum_; }  // [J]
+  void checkpoint(Archive& archive);
+
+ private:
+  Integration integration_;
+  std::vector<double> v1_, v0_;              // velocities of the last state and of the one before
+  double of_first_ = 0, of_second_ = 0;      // 2 D of the last step, by its order [J]
+  double brought_ = 0;                       // of that does not count [J]
+  double sum_ = 0, stored_ = 0, moved_ = 0;  // of 2 D, U, T [J]
+};
+
+}  // namespace mortise::run
