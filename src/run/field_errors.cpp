@@ -121,14 +121,21 @@ void FieldErrors::state(const Snapshot& said) {
   if (pressed > most_pressed_) most_pressed_ = pressed, judge_pressure(said, at_most_);
   // Of states with as much the latest: a motor that reaches its limit gives the same force from then on, and no travel.
   if (pressed > 0 && pressed >= (1 - tuning::kAsMuch) * most_pressed_) judge_layer(said, at_most_);
-  last_ = said;
+  last_ = said, resumed_ = false;
+}
+
+FieldErrors::Result FieldErrors::at_last() const {
+  if (resumed_) return resumed_last_;
+  Result out;
+  const double elastic = elastic_of(last_), pressed = pressed_of(last_);
+  if (elastic > energy_floor_ && elastic >= tuning::kStillLoaded * tuning::kStillLoaded * most_elastic_) judge_stress(last_, out);
+  if (pressed > 0 && pressed >= tuning::kStillLoaded * most_pressed_) judge_pressure(last_, out), judge_layer(last_, out);
+  return out;
 }
 
 FieldErrors::Result FieldErrors::result() const {
-  Result out = at_most_, last;
-  const double elastic = elastic_of(last_), pressed = pressed_of(last_);
-  if (elastic > energy_floor_ && elastic >= tuning::kStillLoaded * tuning::kStillLoaded * most_elastic_) judge_stress(last_, last);
-  if (pressed > 0 && pressed >= tuning::kStillLoaded * most_pressed_) judge_pressure(last_, last), judge_layer(last_, last);
+  Result out = at_most_;
+  const Result last = at_last();
   for (double Result::*of : {&Result::stress, &Result::turned, &Result::load_turned, &Result::guard, &Result::layer})
     out.*of = std::fmax(out.*of, last.*of);
   for (double PressureError::Result::*of : {&PressureError::Result::roughness, &PressureError::Result::misfit})
@@ -136,18 +143,25 @@ FieldErrors::Result FieldErrors::result() const {
   return out;
 }
 
+void FieldErrors::io(Archive& archive, const std::string& prefix, Result& r) {
+  for (auto [name, value] : {std::pair{"stress", &r.stress},
+                             {"turned", &r.turned},
+                             {"load_turned", &r.load_turned},
+                             {"guard", &r.guard},
+                             {"roughness", &r.pressure.roughness},
+                             {"misfit", &r.pressure.misfit},
+                             {"layer", &r.layer}})
+    archive.io(prefix + name, *value);
+  archive.io(prefix + "pressure_nodes", r.pressure.nodes);
+}
+
 void FieldErrors::checkpoint(Archive& archive) {
-  for (auto [name, value] : {std::pair{"most_elastic", &most_elastic_},
-                             {"stress_estimate", &at_most_.stress},
-                             {"turned", &at_most_.turned},
-                             {"load_turned", &at_most_.load_turned},
-                             {"most_pressed", &most_pressed_},
-                             {"guard_share", &at_most_.guard},
-                             {"pressure_roughness", &at_most_.pressure.roughness},
-                             {"pressure_misfit", &at_most_.pressure.misfit},
-                             {"layer", &at_most_.layer}})
-    archive.io(name, *value);
-  archive.io("pressure_nodes", at_most_.pressure.nodes);
+  archive.io("most_elastic", most_elastic_);
+  archive.io("most_pressed", most_pressed_);
+  io(archive, "at_most_", at_most_);
+  resumed_last_ = archive.loading() ? Result{} : at_last();
+  io(archive, "at_last_", resumed_last_);
+  resumed_ = resumed_ || archive.loading();
 }
 
 }  // namespace mortise::run

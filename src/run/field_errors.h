@@ -27,7 +27,6 @@ class FieldErrors {
     double layer = NAN;  // layer_error.h
   };
   Result result() const;
-  // All but the last state, which the next step replaces.
   void checkpoint(Archive& archive);
 
  private:
@@ -43,6 +42,8 @@ class FieldErrors {
   void judge_stress(const Snapshot& said, Result& r) const;
   void judge_pressure(const Snapshot& said, Result& r) const;
   void judge_layer(const Snapshot& said, Result& r) const;
+  Result at_last() const;
+  static void io(Archive& archive, const std::string& prefix, Result& r);
   std::vector<std::size_t> groups(const AllSamples& samples) const;
 
   StressError stress_;
@@ -57,6 +58,8 @@ class FieldErrors {
   double most_elastic_ = 0, most_pressed_ = 0;             // [J], [Pa]
   Result at_most_;
   Snapshot last_;
+  bool resumed_ = false;  // no state has come since: the last one is known by
+  Result resumed_last_;
 };
 
 }  // namespace mortise::run
