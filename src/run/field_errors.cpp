@@ -24,8 +24,8 @@ FieldErrors::FieldErrors(const model::ModelInput& input) : stress_(input), press
   for (const model::BodyInput& body : input.bodies) {
     if (body.type == model::BodyType::half_space) continue;
     const bool soft = body.type == model::BodyType::soft;
-    number[body.name] = names_.size();
-    names_.push_back(body.name), passes_on_.push_back(soft || !holds.held(body.name));
+    number[body.name] = passes_on_.size();
+    passes_on_.push_back(soft || !holds.held(body.name));
     if (!soft || body.nodes.empty()) continue;
     const double E = body.material.number("youngs_modulus"), size = geometry::bounds_of(body.nodes).size().norm();
     energy_floor_ = std::max(energy_floor_, tuning::kStrain * tuning::kStrain * E * size * size * size);
@@ -66,16 +66,16 @@ double FieldErrors::pressed_of(const Snapshot& said) {
 
 // By body: one of those that it presses, or is tied to, all the way through what passes that on.
 std::vector<std::size_t> FieldErrors::groups(const AllSamples& samples) const {
-  DisjointSets sets(names_.size());
+  DisjointSets sets(passes_on_.size());
   const auto join = [&](const std::vector<double>& bodies, const std::vector<double>& force) {
     for (std::size_t i = 0; i < force.size() && 2 * i + 1 < bodies.size(); ++i) {
       const auto a = static_cast<std::size_t>(bodies[2 * i]), b = static_cast<std::size_t>(bodies[2 * i + 1]);
-      if (force[i] != 0 && a < names_.size() && b < names_.size() && passes_on_[a] && passes_on_[b]) sets.join(a, b);
+      if (force[i] != 0 && a < passes_on_.size() && b < passes_on_.size() && passes_on_[a] && passes_on_[b]) sets.join(a, b);
     }
   };
   for (const auto& [effect, of] : samples) join(of.pressed.bodies, of.pressed.force), join(of.guard_bodies, of.guard_force);
   for (const auto& [a, b] : tied_) sets.join(a, b);
-  std::vector<std::size_t> out(names_.size());
+  std::vector<std::size_t> out(passes_on_.size());
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = sets.of(i);
   return out;
 }

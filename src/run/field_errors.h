@@ -51,8 +51,7 @@ class FieldErrors {
   LayerError layer_;
   LinearLaw linear_law_;
   LoadTurned load_turned_;
-  std::vector<std::string> names_;                         // of the bodies that have points
-  std::vector<bool> passes_on_;                            // what presses it to others: soft bodies, and stiff ones that nothing holds
+  std::vector<bool> passes_on_;  // by body that has points, what presses it to others: soft ones, and stiff ones that nothing holds
   std::vector<std::pair<std::size_t, std::size_t>> tied_;  // of those
   double energy_floor_ = 0;                                // of strains that are rounding [J]
   double most_elastic_ = 0, most_pressed_ = 0;             // [J], [Pa]
