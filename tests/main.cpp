@@ -11,6 +11,7 @@
 
 #include <climits>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <string>
 
@@ -48,6 +49,25 @@ void choose(const std::string& wanted, char** argv) {
 void choose(const std::string&, char**) {}
 #endif
 
+// What the tests of this process, and the programs it starts, write for a while: ctest runs tests side by side, and two of them may choose
+// one name.
+class Scratch {
+ public:
+  Scratch() {
+    if (!mkdtemp(path_.data())) return;
+    for (const char* name : {"TMPDIR", "TEST_TMPDIR"}) setenv(name, path_.c_str(), 1);
+  }
+  ~Scratch() {
+    std::error_code left;
+    std::filesystem::remove_all(path_, left);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+
+ private:
+  std::string path_ = (std::filesystem::temp_directory_path() / "mortise-test-XXXXXX").string();
+};
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -62,5 +82,6 @@ int main(int argc, char** argv) {
     return static_cast<int>(e.code());
   }
   testing::InitGoogleTest(&argc, argv);
+  const Scratch scratch;
   return RUN_ALL_TESTS();
 }

@@ -22,8 +22,8 @@ namespace mortise::output {
 class Folder {
  public:
   Folder() {
-    char name[] = "/tmp/mortise_output_XXXXXX";
-    path_ = ::mkdtemp(name);
+    path_ = (std::filesystem::temp_directory_path() / "mortise-output-XXXXXX").string();
+    ::mkdtemp(path_.data());
   }
   ~Folder() { std::filesystem::remove_all(path_); }
   std::string operator/(const std::string& name) const { return path_ + "/" + name; }
