@@ -35,7 +35,8 @@ MORTISE_HD inline bool against_obstacle(const ContactSample& s) {
 
 // How samples change with points: by functionals z_c = sum_k along_ck . dy_k, c < functionals,
 //     d force = sum_c force_c z_c,   d normal = sum_c normal_c z_c,   d weight_k = sum_c weight_ck z_c.
-// Points are those of the sample, in their order; or more, after them, where neighbours take part.
+// Points are those of the sample, in their order; or more, after them, where neighbours take part. Of a sample whose changes are not known the force
+// hangs on the gap, by its stiffness; normal and weights count as fixed.
 struct SampleChangesView {
   Index functionals = 0;
   device::View<const Index> start, node;  // points of sample i: node[start[i]] ... node[start[i + 1] - 1]; empty: kUniform, of the sample
@@ -43,6 +44,7 @@ struct SampleChangesView {
   device::View<double> force_;            // [N/m]
   device::View<Vec3> normal_;             // [1/m]
   device::View<double> weight_;           // [1/m]
+  device::View<std::uint8_t> known_;      // empty: all are
   static constexpr Index kUniform = 4;
   MORTISE_HD Index begin(Index i) const { return start.n > 0 ? start[i] : kUniform * i; }
   MORTISE_HD Index points(Index i) const { return start.n > 0 ? start[i + 1] - start[i] : kUniform; }
@@ -50,6 +52,7 @@ struct SampleChangesView {
   MORTISE_HD double* weight(Index i, Index c) const { return weight_.p + begin(i) * functionals + c * points(i); }
   MORTISE_HD double& force(Index i, Index c) const { return force_[i * functionals + c]; }
   MORTISE_HD Vec3& normal(Index i, Index c) const { return normal_[i * functionals + c]; }
+  MORTISE_HD bool known(Index i) const { return known_.n == 0 || known_[i] != 0; }
   MORTISE_HD void clear(Index i, Index c) const {
     force(i, c) = 0, normal(i, c) = Vec3::Zero();
     for (Index k = 0; k < points(i); ++k) along(i, c)[k] = Vec3::Zero(), weight(i, c)[k] = 0;
@@ -60,14 +63,15 @@ inline constexpr Index kChangePoints = 32;  // that a sample may hang on
 
 class SampleChanges {
  public:
-  void resize(Index samples, Index functionals) {
+  // partly: of which they are known is told as well.
+  void resize(Index samples, Index functionals, bool partly = false) {
     start_.resize(0), node_.resize(0);
-    shape(samples, functionals, SampleChangesView::kUniform * samples);
+    shape(samples, functionals, SampleChangesView::kUniform * samples, partly);
   }
-  // With points of their own.
+  // With points of their own, partly.
   void resize(Index samples, Index functionals, const device::Buffer<Index>& start, const device::Buffer<Index>& node) {
     start_.copy_from(start), node_.copy_from(node);
-    shape(samples, functionals, node.size());
+    shape(samples, functionals, node.size(), true);
   }
   bool any() const { return force_.size() > 0; }
   bool scattered() const { return start_.size() > 0; }
@@ -75,27 +79,33 @@ class SampleChanges {
     functionals_ = o.functionals_;
     start_.copy_from(o.start_), node_.copy_from(o.node_);
     along_.copy_from(o.along_), force_.copy_from(o.force_), normal_.copy_from(o.normal_), weight_.copy_from(o.weight_);
+    known_.copy_from(o.known_);
   }
   SampleChangesView view() {
-    return {functionals_, std::as_const(start_).view(), std::as_const(node_).view(), along_.view(), force_.view(), normal_.view(), weight_.view()};
+    return {functionals_, std::as_const(start_).view(), std::as_const(node_).view(), along_.view(), force_.view(), normal_.view(), weight_.view(),
+            known_.view()};
   }
-  std::size_t bytes() const { return start_.bytes() + node_.bytes() + along_.bytes() + force_.bytes() + normal_.bytes() + weight_.bytes(); }
+  std::size_t bytes() const {
+    return start_.bytes() + node_.bytes() + along_.bytes() + force_.bytes() + normal_.bytes() + weight_.bytes() + known_.bytes();
+  }
 
  private:
-  void shape(Index samples, Index functionals, Index points) {
+  void shape(Index samples, Index functionals, Index points, bool partly) {
     functionals_ = functionals;
     along_.resize(functionals * points), weight_.resize(functionals * points);
     force_.resize(samples * functionals), normal_.resize(samples * functionals);
+    known_.resize(partly ? samples : 0);
   }
   Index functionals_ = 0;
   device::Buffer<Index> start_, node_;
   device::Buffer<Vec3> along_, normal_;
   device::Buffer<double> force_, weight_;
+  device::Buffer<std::uint8_t> known_;
 };
 
 struct ContactView {
   device::Buffer<ContactSample> samples;  // canonical order, environments contiguous
-  SampleChanges changes;                  // of every sample, where that was asked for and is known: else normals and weights count as fixed
+  SampleChanges changes;                  // of every sample, where that was asked for
   std::vector<Index> env_offset;          // per environment, on the host
   Index blocks = -1, pairs = -1;          // how many a stencil of every sample's points has in all, and pairs of them; -1 where that is not known
   bool local = true;                      // the force of a sample hangs on its own gap alone, by its stiffness

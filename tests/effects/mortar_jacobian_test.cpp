@@ -71,13 +71,15 @@ struct Problem {
     for (auto& effect : effects) sum += fd::dense(effect->here().stencils, x.size(), false).gradient;
     return sum;
   }
-  // H + U.
-  fd::Matrix jacobian(const fd::Vector& x) {
-    linearise(x, effects::Want::jacobian(effects::Curvature(true, 1)));
+  // H + U; moving: of the field's samples too.
+  fd::Matrix jacobian(const fd::Vector& x, bool moving = true) {
+    effects::Want want = effects::Want::jacobian(effects::Curvature(true, 1));
+    if (!moving) want.moving = false;
+    linearise(x, want);
     fd::Matrix sum = fd::Matrix::Zero(x.size(), x.size());
     for (auto& effect : effects) {
       effects::Linearisation& at = effect->here();
-      EXPECT_TRUE(effect->effect->complete(at));
+      EXPECT_TRUE(!moving || effect->effect->complete(at));
       sum += fd::dense(at.stencils, x.size(), true).hessian;
       // U d for every unit vector d
       for (Eigen::Index i = 0; i < x.size() && at.unsymmetric.any(); ++i) {
@@ -200,6 +202,24 @@ TEST(Jacobian, OfTheGuard) {
   EXPECT_LT(error(p, shaken(positions(p.model), 0.01, 4)), 1e-6);
 }
 
+// Whether those of the field are asked for or not.
+TEST(Jacobian, OfTheGuardBesideAFieldAtRest) {
+  for (const bool floor : {false, true}) {
+    fd::Matrix own[2], all;  // the guard's, without and with changes of the field
+    for (const bool moving : {false, true}) {
+      const auto jacobian = [&](double guard) {
+        Problem p(floor ? on_floor(0.03, false) : stack(0.01, true, 12, false, false, 0.9),
+                  {.master = floor ? "floor" : "tool", .mu = 0.5, .guard = guard});
+        return p.jacobian(shaken(positions(p.model), 0.002, 6), moving);
+      };
+      all = jacobian(0.9);
+      own[moving] = all - jacobian(0);
+    }
+    EXPECT_GT(own[1].norm(), 1e-3 * all.norm()) << floor;
+    EXPECT_LT((own[0] - own[1]).norm(), 1e-12 * all.norm()) << floor;
+  }
+}
+
 // What slips meets mu times all that presses, whether the field bears it or the guard; between two bodies both get the same.
 TEST(Jacobian, FrictionIsThatOfFieldAndGuard) {
   for (const bool floor : {false, true}) {
@@ -231,7 +251,9 @@ TEST(Jacobian, FrictionIsThatOfFieldAndGuard) {
       ASSERT_GT(press.z(), 0);
       EXPECT_LT((force(0, moved) - press).norm(), 1e-12 * press.norm()) << floor << " " << guard;
       EXPECT_LT((force(1, moved) - rub).norm(), 1e-12 * rub.norm()) << floor << " " << guard;
-      if (!floor) EXPECT_LT((force(1, moved) + force(1, p.model.bodies.front())).norm(), 1e-12 * rub.norm()) << guard;
+      if (!floor) {
+        EXPECT_LT((force(1, moved) + force(1, p.model.bodies.front())).norm(), 1e-12 * rub.norm()) << guard;
+      }
       // In one list, those of the field first: the guard does not change them.
       if (guard == 0) {
         field = samples;

@@ -10,7 +10,8 @@ namespace mortise::effects::contact {
 void join(const device::Buffer<model::ContactSample>& more, const std::vector<Index>& more_env, model::ContactView& to,
           device::Buffer<Index>& origin);
 
-// How samples so joined change: `more`, of uniform shape, joins `to`, whose samples have points of their own.
+// How samples so joined change: `more`, of uniform shape and all known, joins `to`, whose samples have points of their own, or of which nothing is
+// known.
 void join(const device::Buffer<model::ContactSample>& joined, const device::Buffer<Index>& origin, model::SampleChanges& more,
           model::SampleChanges& to);
 

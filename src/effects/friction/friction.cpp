@@ -206,7 +206,7 @@ class Friction final : public Effect {
     if (!want.forces) return;
     auto& at = static_cast<FrictionLinearisation&>(lagged);
     if (want.whole)
-      follow(q, want.moving, at);
+      follow(q, at);
     else
       at.unsymmetric.resize(0, 0);
     const Curvature curvature = want.matrix;  // negative of samples with a negative force
@@ -229,7 +229,7 @@ class Friction final : public Effect {
   }
 
   // What forces change by because the samples do.
-  void follow(Positions q, Moving moving, FrictionLinearisation& at) const {
+  void follow(Positions q, FrictionLinearisation& at) const {
     const Slips s = slips(at);
     at.beside.resize_uniform(0, 0);
     if (!at.changes.any()) {
@@ -241,13 +241,13 @@ class Friction final : public Effect {
                            [=] MORTISE_HD(Index i) { follow_force(s, sample[i], i, q, left.p + offset[i], right.p + offset[i]); });
       return;
     }
-    if (!at.changes.scattered()) return follow_changes<model::kSamplePoints>(q, moving, at);
+    if (!at.changes.scattered()) return follow_changes<model::kSamplePoints>(q, at);
     contact::shape(model_.point_map(), at.changes.view(), at.samples.size(), at.beside);
-    follow_changes<model::kChangePoints>(q, moving, at);
+    follow_changes<model::kChangePoints>(q, at);
   }
   // N: on how many points a sample hangs at most.
   template <Index N>
-  void follow_changes(Positions q, Moving moving, FrictionLinearisation& at) const {
+  void follow_changes(Positions q, FrictionLinearisation& at) const {
     const Slips s = slips(at);
     const model::SampleChangesView change = at.changes.view();
     const model::PointMapView map = model_.point_map();
@@ -259,7 +259,7 @@ class Friction final : public Effect {
     const View<const ContactSample> sample = std::as_const(at.samples).view();
     device::parallel_for("friction.follow", model_.working(at.env_offset), [=] MORTISE_HD(Index i) {
       const ContactSample& here = sample[i];
-      if (scattered && !moving.in(here.env)) {  // the bits that it has where nobody else asks for more
+      if (!change.known(i)) {
         for (Index c = 0; c < change.functionals; ++c)
           for (Index b = first[i]; b < first[i + 1]; ++b) left[c * blocks + b] = right[c * blocks + b] = Vec3::Zero();
         follow_force(s, here, i, q, left.p + first[i], right.p + first[i]);

@@ -35,6 +35,7 @@ void sample_changes(const MortarView& view, FrozenSamples& f, model::SampleChang
       jacobian(p, sample, gap);
       for (int k = 0; k < points_of(p); ++k) along[k] = gap[k];
       to.force(i, c) = -stiffness;
+      to.known_[i] = wanted.in(p.env);
     } else if (!wanted.in(p.env)) {
       return;
     } else if (c < kFirstTurn) {

@@ -203,12 +203,12 @@ class MortarContact final : public Effect {
     contact::samples(guard_view(), at.guard, at.y(), more);
     contact::join(more, at.guard.env_offset, at.contact, at.origin);
   }
-  // Those of the field are there where they are known; the guard's go with them.
+  // Those of the field are there where they were asked for, the guard's always.
   void sample_changes(Linearisation& out) override {
     MortarLinearisation& at = of_mortar(out);
-    if (!at.frozen.moving.any()) return at.contact.changes.resize(0, 0);
+    if (!at.frozen.moving.any()) at.contact.changes.resize(0, 0);
     if (at.guard.terms.empty()) return;
-    mortar::sample_changes(view(at), at.frozen, at.contact.changes);
+    if (at.frozen.moving.any()) mortar::sample_changes(view(at), at.frozen, at.contact.changes);
     model::SampleChanges more;
     contact::sample_changes(guard_view(), at.guard, at.y(), more);
     contact::join(at.contact.samples, at.origin, more, at.contact.changes);
