@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "effects/contact/layer.h"
-#include "effects/friction/creep.h"
 #include "effects/roles.h"
 #include "engine/effect_tables.h"
 #include "geometry/bounds.h"
@@ -47,8 +46,6 @@ Certificate::Certificate(const model::ModelInput& input) : field_errors_(input),
   const Params& effects = scene.at("effects");
   for (const std::string& name : effects::of_role(effects, effects::Role::contact))
     d_hat_[name] = effects::contact::support_radius(effects.at(name), input);
-  for (const std::string& name : effects::of_role(effects, effects::Role::follower))
-    creep_speed_ = effects::friction::creep_speed(effects.at(name), input);
   for (const std::string& name : effects::of_role(effects, effects::Role::inertia)) inertia_ = name;
 }
 

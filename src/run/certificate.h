@@ -62,8 +62,7 @@ class Certificate {
   std::map<std::string, std::string> volumetric_;  // how soft bodies resist changes of volume
   double force_floor_ = 0;                         // of strains and motions that are rounding [N]
   std::string inertia_;                            // the effect of that role, if there is one
-  double creep_speed_ = NAN;
-  std::map<std::string, double> d_hat_;  // by contact effect [m]
+  std::map<std::string, double> d_hat_;            // by contact effect [m]
   // Of all states
   long states_ = 0;
   Range distance_, det_F_, partition_;

@@ -84,7 +84,7 @@ std::string Certificate::json(const End& end) const {
                 {"layer_over_indentation", number_or_null(fields.layer)},
                 {"nodes_under_pressure", fields.pressure.nodes},
                 // A body at rest creeps at most at this speed, all the time (incline benchmark).
-                {"friction_creep_bound_m", number_or_null(creep_speed_ * (end_ - begin_))}};
+                {"friction_creep_bound_m", number_or_null(crept_.speed() * (end_ - begin_))}};
   j["model"]["volumetric"] = volumetric_;
   j["locking_risks"] = locking_risks_;
   j["passes_through"] = passes_through_;

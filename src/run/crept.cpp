@@ -21,6 +21,12 @@ Crept::Crept(const model::ModelInput& input) {
   if (std::isfinite(smallest)) least_ = tuning::kStill * smallest;
 }
 
+double Crept::speed() const {
+  double out = NAN;
+  for (const auto& [effect, speed] : speed_) out = std::fmax(out, speed);
+  return out;
+}
+
 void Crept::state(const Snapshot& said) {
   if (const Snapshot::Values* u = said.of_points("displacement", 3))
     for (std::size_t i = 0; i < u->size() / 3; ++i) far_ = std::max(far_, at(*u, i).norm());

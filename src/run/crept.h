@@ -20,6 +20,7 @@ class Crept {
   explicit Crept(const model::ModelInput& input);
   void state(const Snapshot& said);
   void step(double dt);  // that led to that state [s]
+  double speed() const;  // what sticks creeps more slowly [m/s]; NaN without friction
   double share() const { return speed_.empty() ? NAN : crept_ / std::fmax(far_, least_); }
   void checkpoint(Archive& archive);
 

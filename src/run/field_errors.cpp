@@ -80,20 +80,28 @@ std::vector<std::size_t> FieldErrors::groups(const AllSamples& samples) const {
   return out;
 }
 
-void FieldErrors::judge_stress(const Snapshot& said, Result& r) const {
+void FieldErrors::judge(const Snapshot& said, Judged what, Result& r) const {
+  if (!what.stress && !what.pressure && !what.layer) return;
+  const AllSamples samples = samples_of(said);
+  if (what.stress) judge_stress(said, samples, r);
+  if (what.pressure) judge_pressure(said, samples, r);
+  if (what.layer) judge_layer(said, samples, r);
+}
+
+void FieldErrors::judge_stress(const Snapshot& said, const AllSamples& samples, Result& r) const {
   const std::span<const double> displacement = of_points(said, "displacement", 3);
-  r.stress = stress_.of(said.cell.at("cauchy_stress"), displacement, groups(samples_of(said)));
+  r.stress = stress_.of(said.cell.at("cauchy_stress"), displacement, groups(samples));
   r.turned = linear_law_.of(displacement), r.load_turned = load_turned_.of(displacement);
 }
 
-void FieldErrors::judge_pressure(const Snapshot& said, Result& r) const {
+void FieldErrors::judge_pressure(const Snapshot& said, const AllSamples& samples, Result& r) const {
   r.pressure = pressure_.of({of_points(said, "contact_pressure", 1), of_points(said, "contact_force", 3), of_points(said, "displacement", 3),
                              of_points(said, "contact_area", 1)});
   struct Force {
     double all = 0, guard = 0;
   };
   r.guard = NAN;
-  for (const auto& [effect, of] : samples_of(said)) {
+  for (const auto& [effect, of] : samples) {
     std::map<std::pair<double, double>, Force> pairs;
     const auto add = [&](const std::vector<double>& bodies, const std::vector<double>& force, double Force::*part) {
       for (std::size_t i = 0; i < force.size() && 2 * i + 1 < bodies.size(); ++i)
@@ -107,20 +115,22 @@ void FieldErrors::judge_pressure(const Snapshot& said, Result& r) const {
   }
 }
 
-void FieldErrors::judge_layer(const Snapshot& said, Result& r) const {
+void FieldErrors::judge_layer(const Snapshot& said, const AllSamples& samples, Result& r) const {
   const LayerError::Fields fields{of_points(said, "displacement", 3), of_points(said, "support_force", 3), of_points(said, "tie_force", 3),
                                   of_points(said, "contact_force", 3), of_points(said, "contact_pressure", 1)};
   r.layer = NAN;
-  for (const auto& [effect, of] : samples_of(said))
+  for (const auto& [effect, of] : samples)
     if (!of.pressed.gap.empty()) r.layer = std::fmax(r.layer, layer_.of(of.pressed, fields, said.number));
 }
 
 void FieldErrors::state(const Snapshot& said) {
   const double elastic = elastic_of(said), pressed = pressed_of(said);
-  if (elastic > std::max(most_elastic_, energy_floor_)) most_elastic_ = elastic, judge_stress(said, at_most_);
-  if (pressed > most_pressed_) most_pressed_ = pressed, judge_pressure(said, at_most_);
-  // Of states with as much the latest: a motor that reaches its limit gives the same force from then on, and no travel.
-  if (pressed > 0 && pressed >= (1 - tuning::kAsMuch) * most_pressed_) judge_layer(said, at_most_);
+  const Judged what{elastic > std::max(most_elastic_, energy_floor_), pressed > most_pressed_,
+                    // Of states with as much the latest: a motor that reaches its limit gives the same force from then on, and no travel.
+                    pressed > 0 && pressed >= (1 - tuning::kAsMuch) * std::max(most_pressed_, pressed)};
+  if (what.stress) most_elastic_ = elastic;
+  if (what.pressure) most_pressed_ = pressed;
+  judge(said, what, at_most_);
   last_ = said, resumed_ = false;
 }
 
@@ -128,8 +138,8 @@ FieldErrors::Result FieldErrors::at_last() const {
   if (resumed_) return resumed_last_;
   Result out;
   const double elastic = elastic_of(last_), pressed = pressed_of(last_);
-  if (elastic > energy_floor_ && elastic >= tuning::kStillLoaded * tuning::kStillLoaded * most_elastic_) judge_stress(last_, out);
-  if (pressed > 0 && pressed >= tuning::kStillLoaded * most_pressed_) judge_pressure(last_, out), judge_layer(last_, out);
+  const bool loaded = pressed > 0 && pressed >= tuning::kStillLoaded * most_pressed_;
+  judge(last_, {elastic > energy_floor_ && elastic >= tuning::kStillLoaded * tuning::kStillLoaded * most_elastic_, loaded, loaded}, out);
   return out;
 }
 

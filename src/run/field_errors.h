@@ -39,9 +39,13 @@ class FieldErrors {
   static AllSamples samples_of(const Snapshot& said);
   static double elastic_of(const Snapshot& said);  // [J]
   static double pressed_of(const Snapshot& said);  // sum of nodal pressures [Pa]
-  void judge_stress(const Snapshot& said, Result& r) const;
-  void judge_pressure(const Snapshot& said, Result& r) const;
-  void judge_layer(const Snapshot& said, Result& r) const;
+  struct Judged {
+    bool stress, pressure, layer;
+  };
+  void judge(const Snapshot& said, Judged what, Result& r) const;
+  void judge_stress(const Snapshot& said, const AllSamples& samples, Result& r) const;
+  void judge_pressure(const Snapshot& said, const AllSamples& samples, Result& r) const;
+  void judge_layer(const Snapshot& said, const AllSamples& samples, Result& r) const;
   Result at_last() const;
   static void io(Archive& archive, const std::string& prefix, Result& r);
   std::vector<std::size_t> groups(const AllSamples& samples) const;

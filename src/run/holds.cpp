@@ -80,30 +80,32 @@ bool Holds::pinned(const std::string& body) const {
   return it != ways_.end() && it->second.to.empty() && it->second.joint < 0;
 }
 
-bool Holds::given(const std::string& body) const {
-  if (!held(body)) return false;
+bool Holds::each_joint(const std::string& body, const std::function<bool(const Joint&)>& passes) const {
   for (const std::string* at = &body; !at->empty();) {
     const Step& step = ways_.at(*at);
+    if (step.joint >= 0 && !passes(joints_[step.joint])) return false;
     at = &step.to;
-    if (step.joint < 0) continue;
-    const Joint& joint = joints_[step.joint];
-    if (joint.fixed) continue;
-    const auto motor = motors_.find(leader(joint).first->name);
-    if (motor == motors_.end() || !motor->second.kinematic) return false;
   }
   return true;
 }
 
+const Holds::Motor* Holds::motor(const Joint& joint) const {
+  const auto it = motors_.find(leader(joint).first->name);
+  return it == motors_.end() ? nullptr : &it->second;
+}
+
+bool Holds::given(const std::string& body) const {
+  return held(body) && each_joint(body, [&](const Joint& joint) {
+           const Motor* m = motor(joint);
+           return joint.fixed || (m && m->kinematic);
+         });
+}
+
 bool Holds::motored(const std::string& body) const {
-  if (!held(body)) return false;
-  for (const std::string* at = &body; !at->empty();) {
-    const Step& step = ways_.at(*at);
-    at = &step.to;
-    if (step.joint < 0) continue;
-    const auto motor = motors_.find(leader(joints_[step.joint]).first->name);
-    if (motor != motors_.end() && !motor->second.passive) return true;
-  }
-  return false;
+  return held(body) && !each_joint(body, [&](const Joint& joint) {
+           const Motor* m = motor(joint);
+           return !m || m->passive;
+         });
 }
 
 std::pair<const Holds::Joint*, double> Holds::leader(const Joint& joint) const {

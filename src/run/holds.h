@@ -71,6 +71,10 @@ class Holds {
   struct Coordinate {
     double moment = 0, spring = 0, size = 0;
   };
+  // Do all joints on the way from a held body to what holds it pass a test?
+  bool each_joint(const std::string& body, const std::function<bool(const Joint&)>& passes) const;
+  // The motor of a joint or of the one that leads it; null without one.
+  const Motor* motor(const Joint& joint) const;
   // Who leads a joint, by how much: the end of its chain of mimicry.
   std::pair<const Joint*, double> leader(const Joint& joint) const;
   double stiffness(const Joint& joint, double moment, const Load& load, const State& state) const;
