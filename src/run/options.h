@@ -9,8 +9,13 @@
 
 namespace mortise::run {
 
-// How wrong the scene's `quantities` are, for the certificate of a run that has taken all of its steps: JSON. fields: path of its field file.
-using Estimate = std::function<std::string(engine::Engine& engine, const model::ModelInput& input, const std::string& fields)>;
+// How wrong the scene's `quantities` are, for the certificate of a run that has taken all of its steps.
+struct Estimated {
+  std::string json;
+  std::vector<std::string> warnings;  // what the user should know
+};
+// fields: path of the run's field file.
+using Estimate = std::function<Estimated(engine::Engine& engine, const model::ModelInput& input, const std::string& fields)>;
 
 // The command line of `mortise run`.
 struct Options {

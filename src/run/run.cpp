@@ -3,12 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <csignal>
-#include <filesystem>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "base/memory_archive.h"
@@ -19,32 +15,23 @@
 #include "engine/input.h"
 #include "output/atomic_file.h"
 #include "output/checkpoint.h"
-#include "output/field_file.h"
-#include "output/field_reader.h"
 #include "output/run_json.h"
 #include "run/alone.h"
 #include "run/batch.h"
 #include "run/bridged.h"
-#include "run/certificate.h"
-#include "run/checks.h"
+#include "run/checkpoint_times.h"
+#include "run/earlier.h"
 #include "run/environment.h"
 #include "run/folder.h"
-#include "run/newton_log.h"
-#include "run/output_mesh.h"
-#include "run/pictures.h"
 #include "run/progress.h"
 #include "run/record.h"
 #include "run/reset_watch.h"
-#include "run/sensor_facts.h"
-#include "run/sensor_maps.h"
+#include "run/results.h"
 #include "run/signals.h"
-#include "run/step_row.h"
 #include "run/stopwatch.h"
 #include "run/warnings.h"
 #include "scene/environments.h"
 #include "sensors/sensors.h"
-
-namespace fs = std::filesystem;
 
 namespace mortise::run {
 namespace {
@@ -53,35 +40,6 @@ using Time = std::chrono::steady_clock;
 
 void check(const engine::Outcome& outcome) {
   if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message, outcome.located);
-}
-
-// What a run without a checkpoint may replace: results that --overwrite gives up, and a start that was cut short before its first checkpoint.
-void clear_folder(const Options& o, const Folder& folder, const std::string& hash) {
-  if (!folder.used()) return;
-  const std::string &dir = folder.path(), fields = folder.file("fields.vtkhdf");
-  if (!o.overwrite && o.resume.empty())
-    throw Error(Exit::usage, "'" + dir + "' is not empty; use --overwrite to replace its results, --resume to continue, or another -o");
-  std::error_code ec;
-  if (!o.overwrite && fs::exists(fs::symlink_status(fields, ec))) {
-    const output::FieldReader there(fields);
-    if (there.scene_sha256() != hash || there.frames() > 1)
-      throw Error(Exit::file, "'" + fields + "' holds " + std::to_string(there.frames()) +
-                                  " frames, but there is no checkpoint to go on from; --overwrite replaces them");
-  }
-  folder.remove_results();
-}
-
-// Whether to continue, and from what; notes what was skipped.
-std::unique_ptr<output::NewestCheckpoint> open_checkpoint(const Options& o, const std::string& dir, const std::string& hash) {
-  if (o.resume.empty()) return nullptr;
-  if (!output::has_checkpoint(dir)) {
-    if (o.resume == "auto") return nullptr;
-    throw Error(Exit::file, "--resume: '" + dir + "' has no checkpoint (use --resume=auto to start afresh then)");
-  }
-  auto out = std::make_unique<output::NewestCheckpoint>(output::open_newest_valid(dir));
-  if (out->reader.info().scene_sha256 != hash)
-    throw Error(Exit::file, "the checkpoint in '" + dir + "' belongs to another scene, other --set values or other mesh files");
-  return out;
 }
 
 // One run, from the folder's preparation to certificate.json and run.json.
@@ -144,55 +102,18 @@ class Run {
     note(folder_->lock());
     if (!checkpoint) clear_folder(o_, *folder_, hash_);
     if (bridge_) note(bridge_->begin(folder_->path(), hash_, checkpoint ? checkpoint->reader.info().step : 0, last_, checkpoint != nullptr));
-    certificate_.emplace(input);
-    checks_.emplace(input);
-    newton_log_.emplace(folder_->file("newton.csv"));
+    results_.emplace(o_, scene_.root, hash_, input, *folder_, *sensors_, record_);
+    checkpoints_.emplace(scene_.root, o_.checkpoint_every);
     if (!o_.resets.empty()) reset_.emplace(o_.resets, input);
-
-    output::FieldOptions fields;
-    const Params& out = scene_.root.at("output");
-    fields.double_precision = out.text("precision") == "double";
-    if (const Params* names = out.find("fields"))
-      for (const Params& name : names->items()) fields.fields.push_back(name.as_text());
-    // A checkpoint commits the frames that it speaks of. Others may be lost in a kill, as --resume computes them again.
-    fields.commit_seconds = 1;
-    const std::string field_path = folder_->file("fields.vtkhdf");
-    if (const Params* every = out.find("checkpoint_every")) {
-      if (const Params* steps = every->find("steps")) checkpoint_steps_ = steps->as_integer();
-      if (const Params* seconds = every->find("seconds")) checkpoint_seconds_ = seconds->as_number();
-    }
-
-    if (o_.checkpoint_every > 0) checkpoint_steps_ = 0, checkpoint_seconds_ = o_.checkpoint_every;
-
-    const Params* render = scene_.root.find("render");
-    if (render) picture_every_ = render->integer("every");
-    if (!o_.no_render && out.flag("pictures") && render && render->has("cameras"))
-      pictures_ = std::make_unique<Pictures>(scene_.root, input, folder_->file("frames"));
-    if (!o_.no_render && out.flag("pictures") && !sensors_->empty()) sensor_maps_.emplace(scene_.root, *sensors_, folder_->file("frames"));
     record_.spent("setup", setup_);
     progress_.start(scene_.root.text("name"), summary(input), steps_);
     for (const std::string& w : warnings(input)) note("warning: " + w);
 
     install_signal_handlers();
-    if (checkpoint) {
-      for (const std::string& why : checkpoint->skipped) note(why);
-      output::CheckpointReader& reader = checkpoint->reader;
-      check(engine_->checkpoint(reader));
-      checkpoint_own(reader);
-      if (bridge_) engine_->command(bridge_->commands());
-      file_ = output::FieldFile::reopen(field_path, reader.info().frames, reader.info().step, fields);
-      record_.steps = file_->steps();
-      // They are of a run that ended; this one has not.
-      for (const char* end : {"certificate.json", "run.json"}) ::unlink(folder_->file(end).c_str());
-      started_ = true;
-      note(fmt::format("continuing at step {}, t = {:.6g} s", engine_->steps_done(), engine_->time()));
-    } else {
-      started_ = true;
-      file_ = output::FieldFile::open(field_path, output_mesh(input), {version(), git_sha1(), resolved_, hash_}, fields);
-      write_start();
-      progress_.frame(0, 0);
-      save();
-    }
+    if (checkpoint)
+      go_on(*checkpoint);
+    else
+      begin(input);
 
     while (engine_->steps_done() < last_ && !(reset_ && reset_->due())) {
       if (stop()) co_return stopped();
@@ -203,47 +124,72 @@ class Run {
       }
       const engine::Outcome outcome = co_await turn_.step(*engine_, [this] { return stop(); });
       const solver::StepReport report = turn_.report;
-      newton_log_->step(report);
+      results_->tried(report);
       record_.spent("solve", turn_.wall, turn_.cpu);
       if (outcome.code == static_cast<int>(Exit::stopped)) co_return stopped();
-      if (outcome.code == static_cast<int>(Exit::solve)) {
-        save();
-        const std::string replay = fmt::format("mortise run {} -o {} --resume --frames {}", shell_word(o_.scene), shell_word(folder_->path()),
-                                               (engine_->steps_done() + frame_every_) / frame_every_);
-        throw Error(Exit::solve, outcome.message + "\n  the last good state is in " + folder_->path() +
-                                     "/checkpoint.h5; this replays the moment:\n    " + replay + overrides_text());
-      }
-      if (!outcome.picture.empty()) {
-        const std::string picture = folder_->file("touching.obj");
-        output::write_file_atomically(picture, outcome.picture, true);
-        throw Error(static_cast<Exit>(outcome.code), outcome.message + "\n  where they touch is drawn in " + picture);
-      }
-      if (outcome.code == static_cast<int>(Exit::device) && output::has_checkpoint(folder_->path()))
-        throw Error(Exit::device, outcome.message + "\n  the last checkpoint in " + folder_->path() +
-                                      " is good: --resume continues from it, on a device with more memory or with less contact");
-      check(outcome);
+      if (outcome.code != 0) fail(outcome);
       stepped_ = true;
       after_step(report);
     }
     if (bridge_ && !ended_) note(bridge_->ask_last(engine_->steps_done(), [this] { return stop(); }));
     if (ended_) save();
-    file_->close();
-    // Of the state that a step of this process led to: the next process has no equations of it.
-    if (stepped_ && engine_->steps_done() == steps_ && o_.estimate && scene_.root.has("quantities"))
-      budget_ = o_.estimate(*engine_, input, field_path), note(without_value());
+    results_->close();
+    estimate(input);
     if (!ended_by().empty()) note("reset: " + ended_by());
     if (!checkpoint) keep_time(input);
     co_return Exit::done;
   }
 
-  // Quantities that the run has no number for: a name that nothing reports does not undo hours of work, but is told.
-  std::string without_value() const {
-    std::string text;
-    for (const auto& of : nlohmann::json::parse(budget_))
-      if (of["value"].is_null())
-        text += fmt::format("{}warning: quantity '{}' has no value: {}", text.empty() ? "" : "\n", of["quantity"].get<std::string>(),
-                            of["why_not"].get<std::string>());
-    return text;
+  void go_on(output::NewestCheckpoint& checkpoint) {
+    for (const std::string& why : checkpoint.skipped) note(why);
+    check(engine_->checkpoint(checkpoint.reader));
+    checkpoint_others(checkpoint.reader);
+    if (bridge_) engine_->command(bridge_->commands());
+    results_->go_on(checkpoint.reader);
+    started_ = true;
+    note(fmt::format("continuing at step {}, t = {:.6g} s", engine_->steps_done(), engine_->time()));
+  }
+
+  void begin(const model::ModelInput& input) {
+    started_ = true;
+    results_->begin(input, resolved_);
+    const std::vector<double> points = engine_->points();
+    Snapshot state;
+    engine_->report(state);
+    if (bridge_) tell(state, points);
+    results_->state({engine_->time(), state, points, nullptr, true});
+    progress_.frame(0, 0);
+    save();
+  }
+
+  // What the user is told of a step that failed, and left for it.
+  [[noreturn]] void fail(const engine::Outcome& outcome) {
+    const auto code = static_cast<Exit>(outcome.code);
+    const std::string& dir = folder_->path();
+    if (code == Exit::solve) {
+      save();
+      const std::string replay = fmt::format("mortise run {} -o {} --resume --frames {}", shell_word(o_.scene), shell_word(dir),
+                                             (engine_->steps_done() + frame_every_) / frame_every_);
+      throw Error(code, outcome.message + "\n  the last good state is in " + dir + "/checkpoint.h5; this replays the moment:\n    " + replay +
+                            overrides_text());
+    }
+    if (!outcome.picture.empty()) {
+      const std::string picture = folder_->file("touching.obj");
+      output::write_file_atomically(picture, outcome.picture, true);
+      throw Error(code, outcome.message + "\n  where they touch is drawn in " + picture);
+    }
+    if (code == Exit::device && output::has_checkpoint(dir))
+      throw Error(code, outcome.message + "\n  the last checkpoint in " + dir +
+                            " is good: --resume continues from it, on a device with more memory or with less contact");
+    throw Error(code, outcome.message, outcome.located);
+  }
+
+  // Of the state that a step of this process led to: the next process has no equations of it.
+  void estimate(const model::ModelInput& input) {
+    if (!stepped_ || engine_->steps_done() < steps_ || !o_.estimate || !scene_.root.has("quantities")) return;
+    const Estimated said = o_.estimate(*engine_, input, folder_->file("fields.vtkhdf"));
+    budget_ = said.json;
+    for (const std::string& warning : said.warnings) note(warning);
   }
 
   // For `check --plan`: what a whole scene took on the CPU.
@@ -310,16 +256,12 @@ class Run {
     engine_->report(state);
     if (reset_) watch(state, points);
     if (bridge_) tell(state, points);
-    const bool frame = engine_->steps_done() % frame_every_ == 0 || engine_->steps_done() == last_step();
-    if (frame)
-      write_frame(&report, state, points);
-    else
-      capture(report, state, points);
-    certificate_->step(report);
-    checks_->step(report);
-    progress_.step(report, contact_);
-    if (checkpoint_due(frame) || checkpoint_asked(seen_)) save();
-    if (frame) progress_.frame(file_->frames() - 1, engine_->time());
+    const long step = engine_->steps_done();
+    const bool frame = step % frame_every_ == 0 || step == last_step();
+    results_->state({engine_->time(), state, points, &report, frame});
+    progress_.step(report, results_->contact());
+    if (step == last_ || step == last_step() || checkpoints_->due(step, frame) || checkpoint_asked(seen_)) save();
+    if (frame) progress_.frame(results_->frames() - 1, engine_->time());
   }
 
   void watch(Snapshot state, const std::vector<double>& points) {
@@ -335,81 +277,21 @@ class Run {
   // The last step of all has a frame; so has the one that ends an episode.
   long last_step() const { return reset_ && reset_->due() ? engine_->steps_done() : o_.most_steps >= 0 ? last_ : steps_; }
 
-  bool checkpoint_due(bool frame) const {
-    if (engine_->steps_done() == last_ || engine_->steps_done() == last_step()) return true;
-    if (checkpoint_steps_ > 0) return engine_->steps_done() % checkpoint_steps_ == 0;
-    if (checkpoint_seconds_ > 0) return std::chrono::duration<double>(Time::now() - saved_).count() >= checkpoint_seconds_;
-    return frame;
-  }
-
-  void append(const solver::StepReport& report, const Snapshot& state) {
-    contact_ = contact_figures(state);
-    const output::StepRow row = step_row(report, contact_);
-    file_->append_step(row);
-    record_.steps.push_back(row);
-  }
-
-  void capture(const solver::StepReport& report, const Snapshot& state, const std::vector<double>& points) {
-    certificate_->state(state);
-    checks_->state(state, points, engine_->time());
-    append(report, state);
-  }
-
-  void write_start() {
-    Snapshot state;
-    engine_->report(state);
-    if (bridge_) tell(state, engine_->points());
-    write_frame(nullptr, state, engine_->points());
-  }
-
-  // `report`: of the step that led to this state, null at the start.
-  void write_frame(const solver::StepReport* report, Snapshot& state, const std::vector<double>& points) {
-    const Stopwatch output;
-    const std::vector<sensors::Reading> readings = sensors_->read(state, points);
-    certificate_->state(state);
-    file_->begin_frame(engine_->time(), points);
-    state.report(*file_);
-    if (file_->frames() == 0) write_sensor_facts(scene_.root, *sensors_, *file_);
-    audit(checks_->state(state, points, engine_->time()));
-    if (report) append(*report, state);
-    file_->end_frame();
-    record_.spent("output", output);
-    const Stopwatch pictures;
-    const long frame = file_->frames() - 1;
-    const bool drawn = frame % picture_every_ == 0;
-    if (pictures_ && drawn) pictures_->draw(frame, engine_->time(), points, state.drawable());
-    if (sensor_maps_) sensor_maps_->see(readings);
-    if (sensor_maps_ && drawn) sensor_maps_->draw(frame, engine_->time(), readings);
-    record_.spent("pictures", pictures);
-  }
-
-  // Energies of the frame's state beside what effects report.
-  void audit(const EnergyAudit::Result& energy) {
-    file_->scalar("audit", "total_energy", "J", energy.total);
-    if (!energy.work_is_known) return;
-    file_->scalar("audit", "support_work", "J", energy.support_work);
-    file_->scalar("audit", "largest_energy_gain", "J", std::isnan(energy.largest_gain) ? 0 : energy.largest_gain);
-  }
-
   // The field file first, so that a checkpoint never speaks of frames that are not there.
   void save() {
     const Stopwatch checkpoint;
-    file_->flush();
-    output::CheckpointWriter writer(folder_->path(), {version(), hash_, engine_->steps_done(), file_->frames(), engine_->time()});
+    results_->flush();
+    output::CheckpointWriter writer(folder_->path(), {version(), hash_, engine_->steps_done(), results_->frames(), engine_->time()});
     check(engine_->checkpoint(writer));
-    checkpoint_own(writer);
+    results_->checkpoint(writer);
+    checkpoint_others(writer);
     writer.commit();
-    saved_ = Time::now();
+    checkpoints_->saved();
     record_.spent("checkpoint", checkpoint);
   }
 
-  // What this side of the engine has gathered.
-  void checkpoint_own(Archive& archive) {
-    PrefixedArchive certificate(archive, "run/certificate"), checks(archive, "run/checks"), log(archive, "run/newton_log"),
-        maps(archive, "run/sensor_maps");
-    certificate_->checkpoint(certificate);
-    checks_->checkpoint(checks);
-    newton_log_->checkpoint(log);
+  // What neither the engine nor the results have.
+  void checkpoint_others(Archive& archive) {
     if (reset_) {
       PrefixedArchive reset(archive, "run/reset");
       reset_->checkpoint(reset);
@@ -418,36 +300,22 @@ class Run {
       PrefixedArchive bridge(archive, "run/bridge");
       bridge_->checkpoint(bridge);
     }
-    bool drawn = sensor_maps_.has_value();
-    maps.io("drawn", drawn);
-    if (drawn && sensor_maps_) sensor_maps_->checkpoint(maps);
   }
 
   Exit stopped() {
     save();
-    file_->close();
+    results_->close();
     note(fmt::format("stopped after step {}; continue with --resume", engine_->steps_done()));
     return Exit::stopped;
   }
 
   // Returns the code that the program ends with.
-  Exit finish(Exit status, std::string message) {
+  Exit finish(Exit status, const std::string& message) {
     if (!started_) return status;
-    const double wall = std::chrono::duration<double>(Time::now() - begin_).count();
-    const std::string device = engine_ ? record_.device.kind : "";
-    const std::vector<Checks::Verdict> verdicts = checks_->verdicts(status, message);
-    const auto failed = std::count_if(verdicts.begin(), verdicts.end(), [](const Checks::Verdict& v) { return !v.pass; });
-    if (status == Exit::done && failed > 0) status = Exit::checks, message = fmt::format("{} of {} checks failed", failed, verdicts.size());
-    std::string certificate = certificate_->json({scene_.root.text("name"), hash_, device, status, message, checks_->energy()});
-    if (!budget_.empty()) certificate = with_error_budget(certificate, budget_);
-    output::write_file_atomically(folder_->file("certificate.json"), Checks::add_to(certificate, verdicts), true);
-    for (const Checks::Verdict& v : verdicts)
-      if (!v.pass) note(fmt::format("check failed: {}; it is {}", v.text, v.found.empty() ? fmt::format("{:.6g}", v.value) : v.found));
-    if (file_ && file_->can_flush()) file_->flush();
-    record_.frames = file_ ? file_->frames() : 0;
-    record_.write(folder_->file("run.json"), {o_, scene_.root.text("name"), hash_, status, message, wall}, engine_.get());
-    if (status == Exit::done || status == Exit::checks) progress_.end(status == Exit::done ? "done" : message, wall);
-    return status;
+    Results::End end{status, message, std::chrono::duration<double>(Time::now() - begin_).count(), engine_.get(), budget_};
+    results_->finish(end, [this](const std::string& text) { note(text); });
+    if (end.status == Exit::done || end.status == Exit::checks) progress_.end(end.status == Exit::done ? "done" : end.message, end.wall);
+    return end.status;
   }
 
   const Options& o_;
@@ -458,24 +326,16 @@ class Run {
   scene::Scene scene_;
   std::string resolved_, hash_;
   std::optional<Folder> folder_;
-  std::optional<NewtonLog> newton_log_;
   std::unique_ptr<engine::Engine> engine_;
-  std::unique_ptr<output::FieldFile> file_;
   std::optional<sensors::Sensors> sensors_;
-  std::unique_ptr<Pictures> pictures_;
-  std::optional<SensorMaps> sensor_maps_;
   Record record_;
-  std::optional<Certificate> certificate_;
-  std::optional<Checks> checks_;
+  std::optional<Results> results_;
+  std::optional<CheckpointTimes> checkpoints_;
   std::optional<ResetWatch> reset_;
   const bridge::Options* bridge_options_;
   std::optional<bridge::Bridge> bridge_;
-  bool ended_ = false;  // by its partner
-  ContactFigures contact_;
+  bool ended_ = false;                           // by its partner
   long frame_every_ = 1, steps_ = 0, last_ = 0;  // last_: where this run ends, with --frames before the scene does
-  long picture_every_ = 1, checkpoint_steps_ = 0;
-  double checkpoint_seconds_ = 0;
-  Time::time_point saved_ = Time::now();
   bool started_ = false, stepped_ = false;
   int seen_ = checkpoints_asked();
   std::string budget_;  // how wrong quantities are, JSON

@@ -140,16 +140,22 @@ ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, co
   return out;
 }
 
-std::string budget_of_run(engine::Engine& engine, const model::ModelInput& input, const std::string& fields) {
+run::Estimated budget_of_run(engine::Engine& engine, const model::ModelInput& input, const std::string& fields) {
+  run::Estimated out;
   const std::vector<Quantity> quantities = quantities_of(input.scene);
   ErrorBudget budget = budget_of(engine, input, quantities);
   const output::FieldReader reader(fields);
-  for (std::size_t k = 0; k < quantities.size(); ++k) try {
-      budget.of[k].judge(measure(reader, quantities[k]));
-    } catch (const Error& e) {  // a run that took hours does not fail for a name that nothing reports
-      budget.of[k].why_not = e.what();
+  for (std::size_t k = 0; k < quantities.size(); ++k) {
+    QuantityBudget& of = budget.of[k];
+    try {
+      of.judge(measure(reader, quantities[k]));
+    } catch (const Error& e) {
+      of.why_not = e.what();
     }
-  return budget_entries(quantities, budget);
+    if (!std::isfinite(of.value)) out.warnings.push_back(fmt::format("warning: quantity '{}' has no value: {}", quantities[k].name, of.why_not));
+  }
+  out.json = budget_entries(quantities, budget);
+  return out;
 }
 
 ErrorBudget find_error_budget(const Study& study, const Place& place) {

@@ -7,6 +7,7 @@
 
 #include "engine/engine.h"
 #include "model/input.h"
+#include "run/options.h"
 #include "study/run_study.h"
 
 namespace mortise::study {
@@ -39,8 +40,8 @@ struct ErrorBudget {
 ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, const std::vector<Quantity>& quantities);
 
 // Of a run that has ended with all of its steps, for its certificate: the scene's `quantities` with values from its field file, as a JSON array.
-// What cannot be told is told.
-std::string budget_of_run(engine::Engine& engine, const model::ModelInput& input, const std::string& fields);
+// What cannot be told is told; a quantity that nothing reports is warned of: it does not undo hours of work.
+run::Estimated budget_of_run(engine::Engine& engine, const model::ModelInput& input, const std::string& fields);
 
 // Runs the scene. Throws Error(Exit::usage) for scenes of which nothing can be said.
 ErrorBudget find_error_budget(const Study& study, const Place& place);

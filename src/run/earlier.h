@@ -1,0 +1,19 @@
+#pragma once
+// What an earlier run left in the folder of a new one.
+#include <memory>
+#include <string>
+
+#include "output/checkpoint.h"
+#include "run/folder.h"
+#include "run/options.h"
+
+namespace mortise::run {
+
+// Whether to continue, and from what; notes what was skipped. hash: identity of the scene. Throws Error(Exit::file).
+std::unique_ptr<output::NewestCheckpoint> open_checkpoint(const Options& options, const std::string& folder, const std::string& hash);
+
+// Takes away what a run without a checkpoint may replace: results that --overwrite gives up, and a start that was cut short before its first
+// checkpoint. Throws Error(Exit::usage) or Error(Exit::file) where there is more.
+void clear_folder(const Options& options, const Folder& folder, const std::string& hash);
+
+}  // namespace mortise::run

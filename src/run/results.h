@@ -1,0 +1,87 @@
+#pragma once
+// What a run leaves in its folder, but for checkpoints: fields.vtkhdf, pictures, newton.csv and, at its end, certificate.json and run.json.
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/archive.h"
+#include "base/snapshot.h"
+#include "model/input.h"
+#include "output/checkpoint.h"
+#include "output/field_file.h"
+#include "run/certificate.h"
+#include "run/checks.h"
+#include "run/folder.h"
+#include "run/newton_log.h"
+#include "run/pictures.h"
+#include "run/progress.h"
+#include "run/record.h"
+#include "run/sensor_maps.h"
+#include "sensors/sensors.h"
+
+namespace mortise::run {
+
+class Results {
+ public:
+  // scene: the whole, of which `hash` is the identity. Throws Error(Exit::file).
+  Results(const Options& options, const Params& scene, std::string hash, const model::ModelInput& input, const Folder& folder,
+          const sensors::Sensors& sensors, Record& record);
+
+  // The file of fields is new; resolved: the scene as the program understood it.
+  void begin(const model::ModelInput& input, const std::string& resolved);
+  // Or it goes on where a checkpoint left it, with all that was gathered until then.
+  void go_on(output::CheckpointReader& from);
+
+  // A step that was tried, whatever became of it.
+  void tried(const solver::StepReport& report) { newton_log_.step(report); }
+  // A state: at the start, or that a step led to. It has a frame or a line.
+  struct State {
+    double time;  // [s]
+    Snapshot& said;
+    const std::vector<double>& points;
+    const solver::StepReport* step;  // null at the start
+    bool frame;
+  };
+  void state(const State& now);
+  long frames() const { return file_ ? file_->frames() : 0; }
+  const ContactFigures& contact() const { return contact_; }  // of the last state that a step led to
+
+  void flush() { file_->flush(); }
+  void close() { file_->close(); }
+  void checkpoint(Archive& archive);  // of what was gathered
+
+  struct End {
+    Exit status;
+    std::string message;  // of the error, empty without one
+    double wall;          // of the run [s]
+    const engine::Engine* engine;
+    std::string budget;  // how wrong quantities are, JSON; empty where that is not known
+  };
+  // Writes how it ended. Checks that failed are told to `note`, and make another end of one that was good.
+  void finish(End& end, const std::function<void(const std::string&)>& note);
+
+ private:
+  void frame(const State& now);
+  void line(const State& now);
+  void audit(const EnergyAudit::Result& energy);
+
+  const Options& options_;
+  const Params& scene_;
+  const std::string hash_;
+  const Folder& folder_;
+  const sensors::Sensors& sensors_;
+  Record& record_;
+  output::FieldOptions fields_;
+  std::unique_ptr<output::FieldFile> file_;
+  NewtonLog newton_log_;
+  Certificate certificate_;
+  Checks checks_;
+  std::unique_ptr<Pictures> pictures_;
+  std::optional<SensorMaps> sensor_maps_;
+  long picture_every_ = 1;
+  ContactFigures contact_;
+};
+
+}  // namespace mortise::run
