@@ -72,6 +72,7 @@ class Schedule {
   Schedule() = default;
   explicit Schedule(const Params& p, bool smooth = false);  // number, or table {time: [...], value: [...]}; smooth: see slope_
   double operator()(double t) const;
+  const std::vector<double>& keys() const { return time_; }  // where it may bend [s]
 
  private:
   std::vector<double> time_, value_;

@@ -15,6 +15,17 @@ constexpr double kPerTet = 1850, kPerQuadraticTet = 13800, kPerContactTriangle =
 constexpr double kBesidePerTet = 250, kBesidePerQuadraticTet = 650;  // [B]
 // Of a linear tetrahedron whose change of volume is averaged: its share of a piece per pair of nodes of the cluster, and of the wider matrix.
 constexpr double kPerAveragedTet = 1000;  // [B]
+// Of a linear tetrahedron of a body in motion that nothing holds, whose masses are not lumped: its share of a piece per edge.
+constexpr double kPerMovingTet = 650;  // [B]
+
+// Does a support or a tie name the body?
+bool hangs(const Params& wanted, const std::string& body) {
+  for (const effects::Role role : {effects::Role::support, effects::Role::tie})
+    for (const std::string& name : effects::of_role(wanted, role))
+      for (const Params& p : wanted.at(name).items())
+        if (p.has("body") && p.text("body") == body) return true;
+  return false;
+}
 
 }  // namespace
 
@@ -22,6 +33,7 @@ std::size_t memory_needed(const model::ModelInput& input) {
   const Params& wanted = input.scene.at("effects");
   const bool contact = !effects::of_role(wanted, effects::Role::contact).empty();
   const bool schwarz = input.scene.at("solver").text("preconditioner") != "jacobi";
+  const bool moves = !effects::of_role(wanted, effects::Role::inertia).empty();
   bool beside = false;
   for (const auto& [name, block] : wanted.entries())
     if (const effects::Kind* kind = effects::find_kind(name)) beside = beside || !kind->symmetric;
@@ -29,6 +41,7 @@ std::size_t memory_needed(const model::ModelInput& input) {
   for (const model::BodyInput& b : input.bodies) {
     if (beside) bytes += (b.midsides.empty() ? kBesidePerTet : kBesidePerQuadraticTet) * static_cast<double>(b.tets.size());
     if (!b.tets.empty() && b.midsides.empty() && model::averages_volume(b.material)) bytes += kPerAveragedTet * static_cast<double>(b.tets.size());
+    if (moves && b.midsides.empty() && !hangs(wanted, b.name)) bytes += kPerMovingTet * static_cast<double>(b.tets.size());
     bytes += (b.midsides.empty() ? kPerTet : kPerQuadraticTet) * static_cast<double>(b.tets.size());
     if (contact) bytes += kPerContactTriangle * static_cast<double>(b.triangles.size());
     if (schwarz && !b.tets.empty()) bytes += kPerNode * static_cast<double>(b.nodes.size());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "base/error.h"
 #include "geometry/topology.h"
@@ -16,8 +17,9 @@ Index cells_along(double length, double edge_length) {
   constexpr double kSingle = 1.5, kRounding = 1e-9;
   const double n = length < (kSingle - kRounding) * edge_length ? 1 : 2 * std::round(0.5 * length / edge_length + kRounding);
   if (!(n < 2048))
-    throw Error(Exit::scene, "edge_length " + std::to_string(edge_length) + " m is too small for a length of " + std::to_string(length) +
-                                 " m: more than 2047 cells");
+    throw Error(
+        Exit::scene,
+        (std::ostringstream() << "edge_length " << edge_length << " m is too small for a length of " << length << " m: more than 2047 cells").str());
   return static_cast<Index>(n);
 }
 // Of half a body: its other half mirrors it, so that any number does.

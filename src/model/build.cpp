@@ -57,8 +57,9 @@ Mat3 rest_jacobian(const std::array<Vec3, 10>& X, const double l[4]) {
               "body '" + in.name + "': tetrahedron " + std::to_string(t) + " has volume " + std::to_string(volume) + " m^3; it must be positive");
 }
 
-// Linear: one point, mass lumped on the corners.
-void add_linear(Layout& l, const BodyInput& in, Body& body, std::size_t t, std::vector<double>& mass, Vec3& moment) {
+// Linear: one point; the consistent mass, int rho N_a N_b dV = rho V (1 + delta_ab) / 20: a body that turns has its moments of inertia then, where
+// masses lumped on the corners of n cells across a cube have 1 + 2/n^2 times as much.
+void add_linear(Layout& l, const BodyInput& in, Body& body, std::size_t t, Vec3& moment) {
   const Tet& tet = in.tets[t];
   Mat3 dm;
   for (int k = 0; k < 3; ++k) dm.col(k) = in.nodes[tet.v[k + 1]] - in.nodes[tet.v[0]];
@@ -68,7 +69,8 @@ void add_linear(Layout& l, const BodyInput& in, Body& body, std::size_t t, std::
   l.rest_volume.push_back(volume);
   body.volume += volume;
   for (int k = 0; k < 4; ++k) {
-    mass[tet.v[k]] += body.density * volume / 4;
+    for (int j = 0; j < 4; ++j)
+      l.mass.push_back({body.block_begin + tet.v[k], body.block_begin + tet.v[j], body.density * volume / 20 * (j == k ? 2 : 1)});
     moment += volume / 4 * in.nodes[tet.v[k]];
   }
 }
@@ -108,7 +110,6 @@ void add_soft(Layout& l, const BodyInput& in, Body& body) {
   const double E = body.youngs_modulus, nu = body.poisson_ratio;
   const bool quadratic = !in.midsides.empty(), averaged = averages_volume(in.material);
   const double lambda = E * nu / ((1 + nu) * (1 - 2 * nu));
-  std::vector<double> mass(in.nodes.size(), 0.0);
   std::vector<std::uint8_t> used(in.nodes.size(), 0);
   body.tet_begin = static_cast<Index>(l.tets.size());
   Vec3 moment = Vec3::Zero();
@@ -120,7 +121,7 @@ void add_soft(Layout& l, const BodyInput& in, Body& body) {
       add_quadratic(l, in, body, t, moment);
       for (int k = 0; k < 6; ++k) middle.v[k] = first + in.midsides[t].v[k], used[in.midsides[t].v[k]] = 1;
     } else {
-      add_linear(l, in, body, t, mass, moment);
+      add_linear(l, in, body, t, moment);
     }
     l.tets.push_back({{first + tet.v[0], first + tet.v[1], first + tet.v[2], first + tet.v[3]}});
     l.midsides.push_back(middle);
@@ -141,7 +142,6 @@ void add_soft(Layout& l, const BodyInput& in, Body& body) {
     if (!used[i]) throw Error(Exit::scene, body.where, "body '" + in.name + "': node " + std::to_string(i) + " belongs to no tetrahedron");
     l.rest.push_back(in.nodes[i]);
     l.velocity.push_back(v + w.cross(in.nodes[i] - body.centre));
-    if (!quadratic) l.mass.push_back({block, block, mass[i]});
     l.points.push_back(in.nodes[i]);
     l.point_block.push_back(block);
     l.point_weight.push_back(1);

@@ -82,14 +82,18 @@ Follow axis_of(const Model& model, const Joint& joint) {
   return {-1, {{first, joint.axis[0]}, {first + 1, joint.axis[1]}, {first + 2, joint.axis[2]}}};
 }
 
+bool guided_by_support(const Model& model, const Joint& joint) {
+  const Index carrier = carrier_of(joint);
+  return (carrier == Tie::kWorld || model.bodies[carrier].prescribed()) && !model.ties.tied(model.bodies[joint.follower].block_begin);
+}
+
 void guide(Model& model) {
   std::vector<Vec3> target;
   std::vector<Mat3> projector;
   for (const Joint& j : model.joints) {
     if (j.type != JointType::prismatic || j.mimics) continue;
+    if (!guided_by_support(model, j)) continue;
     const Index slider = model.bodies[j.follower].block_begin, carrier = carrier_of(j);
-    if (model.ties.tied(slider)) continue;  // its way is given
-    if (carrier != Tie::kWorld && !model.bodies[carrier].prescribed()) continue;
     if (target.empty()) target = model.target.download(), projector = model.projector.download();
     // Blocks of what is prescribed, at the end of the step.
     const auto at_end = [&](Index block) {

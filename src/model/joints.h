@@ -53,7 +53,8 @@ Follow axis_of(const Model& model, const Joint& joint);
 
 // Prismatic joints of which no coordinate is given guide the centre of the body that follows along the axis of the other. Where that is prescribed at
 // all times it is a support across the axis (Model::projector), where it will be at the end of the step, once targets and driven ties say so; on one
-// that moves freely it is the effect's matter (effects/joint/equations.h).
+// that moves freely, and where other joints of a loop have the slide itself follow, it is the effect's matter (effects/joint/equations.h).
 void guide(Model& model);
+bool guided_by_support(const Model& model, const Joint& prismatic);
 
 }  // namespace mortise::model

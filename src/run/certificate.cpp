@@ -6,6 +6,7 @@
 #include "effects/roles.h"
 #include "engine/effect_tables.h"
 #include "geometry/bounds.h"
+#include "run/schedule_missed.h"
 #include "run/shape_defect.h"
 #include "run/tuning.h"
 #include "run/volumetric.h"
@@ -28,7 +29,8 @@ void Certificate::Range::add(double v) {
   if (!(most >= v)) most = v;
 }
 
-Certificate::Certificate(const model::ModelInput& input) : field_errors_(input), crept_(input), shape_defect_(shape_defect(input)) {
+Certificate::Certificate(const model::ModelInput& input)
+    : field_errors_(input), crept_(input), shape_defect_(shape_defect(input)), schedule_missed_(schedule_missed(input)) {
   const double dt = integration_of(input.scene).step;
   for (const model::BodyInput& body : input.bodies) {
     if (body.nodes.empty()) continue;

@@ -56,7 +56,7 @@ class Certificate {
 
   FieldErrors field_errors_;
   Crept crept_;
-  double shape_defect_ = 0;
+  double shape_defect_ = 0, schedule_missed_ = NAN;
   std::vector<std::string> passes_through_;  // what nothing keeps apart
   std::vector<std::string> locking_risks_;
   std::map<std::string, std::string> volumetric_;  // how soft bodies resist changes of volume

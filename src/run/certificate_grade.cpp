@@ -21,8 +21,11 @@ std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& e
   add("clip_partition_defect", partition_.most, tuning::kPartition);
   add("rigidity_defect", rigidity_, tuning::kRigidity);
   add("energy_gain", energy.scale > 0 ? energy.largest_gain / energy.scale : NAN, tuning::kEnergyGain);
-  add("free_motion_loss", energy.turnover > 0 ? energy.free_loss / energy.turnover : NAN, tuning::kFreeMotionLoss);
+  add("free_motion_loss", energy.turnover > 0 ? std::max(energy.free_loss / energy.turnover, energy.alone_loss) : NAN, tuning::kFreeMotionLoss);
   add("turning_loss", energy.scale > 0 ? std::max(energy.turning_loss / energy.scale, energy.flight_turning) : NAN, tuning::kTurningLoss);
+  add("given_turning_loss", energy.turnover > 0 ? energy.given_turning / energy.turnover : NAN, tuning::kGivenTurning);
+  add("start_energy", energy.turnover > 0 ? energy.at_start / energy.turnover : NAN, tuning::kAtStart);
+  add("schedule_missed", schedule_missed_, tuning::kMissed);
   add("motion_lag", energy.motion_lag, tuning::kMotionLag);
   add("guard_share", fields.guard, tuning::kGuard);
   add("stress_error", fields.stress, tuning::kStress);

@@ -1,13 +1,14 @@
 #pragma once
 // Friction's law is smooth: what sticks creeps, at speeds below `creep_speed`, and what slips more slowly than that has less friction than mu N. With
-// the mean speed of the slip over the friction forces, v = P / sum |F|, P what friction takes away [W],
+// the mean speed of the slip between two bodies over the friction forces, v = P / sum |F|, P what friction takes away there [W],
 //
 //   crept = sum over the steps with v < creep_speed of v dt,
 //
-// of which a body in a hand slips, or a sheared pad lets go again. Told as a share of the farthest that any point has gone, or of a hundredth of the
-// smallest body, whichever is more.
+// of which a body in a hand slips, or a sheared pad lets go again. Told as a share of the farthest that any point of the two has gone from where it
+// would be if it had gone with one of them, or of a hundredth of the smaller one, whichever is more; of the pair where that is most.
 #include <map>
 #include <string>
+#include <vector>
 
 #include "base/archive.h"
 #include "base/snapshot.h"
@@ -21,13 +22,29 @@ class Crept {
   void state(const Snapshot& said);
   void step(double dt);  // that led to that state [s]
   double speed() const;  // what sticks creeps more slowly [m/s]; NaN without friction
-  double share() const { return speed_.empty() ? NAN : crept_ / std::fmax(far_, least_); }
+  double share() const;  // NaN without friction
   void checkpoint(Archive& archive);
 
  private:
-  std::map<std::string, double> speed_;     // by effect: what sticks creeps more slowly [m/s]
-  double least_ = 0, far_ = 0, crept_ = 0;  // [m]
-  double now_ = 0;                          // how fast it creeps in the last state, 0 where it slips [m/s]
+  struct Body {
+    std::size_t first = 0, count = 0;  // points
+    double size = INFINITY;            // [m]
+  };
+  struct Pair {
+    double crept = 0, far = 0;  // [m]
+    double now = 0;             // how fast it creeps in the last state, 0 where it slips [m/s]
+  };
+  struct Law {
+    double speed;         // what sticks creeps more slowly [m/s]
+    std::string follows;  // the contact effect
+  };
+  using Bodies = std::pair<std::size_t, std::size_t>;
+  void creeps(const std::string& effect, const Law& law, const Snapshot& said);
+  double farthest(const Bodies& bodies, const Snapshot::Values& displacement) const;
+
+  std::map<std::string, Law> laws_;  // by effect
+  std::vector<Body> bodies_;         // that have points; obstacles have later numbers
+  std::map<Bodies, Pair> pairs_;
 };
 
 }  // namespace mortise::run

@@ -96,7 +96,8 @@ void FieldErrors::judge_stress(const Snapshot& said, const AllSamples& samples, 
 
 void FieldErrors::judge_pressure(const Snapshot& said, const AllSamples& samples, Result& r) const {
   r.pressure = pressure_.of({of_points(said, "contact_pressure", 1), of_points(said, "contact_force", 3), of_points(said, "displacement", 3),
-                             of_points(said, "contact_area", 1)});
+                             of_points(said, "contact_area", 1)},
+                            groups(samples));
   struct Force {
     double all = 0, guard = 0;
   };
@@ -131,6 +132,8 @@ void FieldErrors::state(const Snapshot& said) {
   if (what.stress) most_elastic_ = elastic;
   if (what.pressure) most_pressed_ = pressed;
   judge(said, what, at_most_);
+  if (!said.cell.count("cauchy_stress"))  // no elastic energy tells when stiff bodies are loaded most
+    at_most_.load_turned = std::fmax(at_most_.load_turned, load_turned_.of(of_points(said, "displacement", 3)));
   last_ = said, resumed_ = false;
 }
 

@@ -1,8 +1,10 @@
 #include "run/linear_law.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "linalg/small.h"
+#include "run/tuning.h"
 #include "run/vector_at.h"
 
 namespace mortise::run {
@@ -26,8 +28,10 @@ LinearLaw::LinearLaw(const model::ModelInput& input) {
 
 double LinearLaw::of(std::span<const double> displacement) const {
   if (bodies_.empty() || displacement.size() != 3 * points_) return NAN;
-  double turned = 0, strained = 0;
-  for (const Body& b : bodies_)
+  std::vector<std::pair<double, double>> of_body;  // turned, and with what is strained
+  double most = 0;
+  for (const Body& b : bodies_) {
+    double turned = 0, strained = 0;
     for (std::size_t t = 0; t < b.tets.size(); ++t) {
       const auto u = [&](int k) { return at(displacement, b.first_point + static_cast<std::size_t>(b.tets[t].v[k])); };
       Mat3 edges;
@@ -38,7 +42,13 @@ double LinearLaw::of(std::span<const double> displacement) const {
       turned += b.weight[t] * (0.5 * (F + F.transpose()) - U).squaredNorm();
       strained += b.weight[t] * (U - Mat3::Identity()).squaredNorm();
     }
-  return turned + strained > 0 ? std::sqrt(turned / (turned + strained)) : 0;
+    of_body.emplace_back(turned, turned + strained);
+    most = std::max(most, turned + strained);
+  }
+  double worst = 0;
+  for (const auto& [turned, all] : of_body)
+    if (all > tuning::kCounts * tuning::kCounts * most) worst = std::max(worst, std::sqrt(turned / all));
+  return worst;
 }
 
 }  // namespace mortise::run

@@ -1,6 +1,6 @@
 #pragma once
 // How far bodies of the law `linear` have turned for it: its strain is sym(F) - I, that of what turned by R and was stretched by U, F = R U, is U -
-// I. Over the tetrahedra of all such bodies, by energy,
+// I. Over the tetrahedra of such a body, by energy,
 //
 //   share^2 = turned / (turned + strained),     turned = sum E V |sym(F) - U|^2,     strained = sum E V |U - I|^2:
 //
@@ -16,7 +16,8 @@ namespace mortise::run {
 class LinearLaw {
  public:
   explicit LinearLaw(const model::ModelInput& input);
-  // Of the displacement of all points [m]; NaN where no body has the law.
+  // Of the displacement of all points [m], the largest of all bodies that are strained or turned at all (tuning::kCounts); NaN where no body has the
+  // law.
   double of(std::span<const double> displacement) const;
 
  private:

@@ -12,8 +12,9 @@ MeasuredBody::MeasuredBody(const model::BodyInput& b, std::size_t first_point)
   if (soft()) {
     density_ = b.material.number("density");
     for (const Tet& t : tets_) {
-      volume_ += geometry::tet_volume(b.nodes, t);
-      for (Index v : t.v) mass_[v] += density_ * geometry::tet_volume(b.nodes, t) / 4;
+      const double volume = geometry::tet_volume(b.nodes, t);
+      volume_ += volume, tet_mass_.push_back(density_ * volume);
+      for (Index v : t.v) mass_[v] += density_ * volume / 4;
     }
     return;
   }
@@ -101,7 +102,15 @@ Vec3 MeasuredBody::spin(const std::vector<double>& velocity, const std::vector<d
 double MeasuredBody::kinetic_energy(const std::vector<double>& velocity, const std::vector<double>& points) const {
   if (!soft()) return 0.5 * mass() * mean(velocity, points).squaredNorm() + turning_energy(velocity, points);
   double twice = 0;
-  for (std::size_t i = 0; i < count; ++i) twice += mass_[i] * vector_at(velocity, first + i).squaredNorm();
+  for (std::size_t t = 0; t < tets_.size(); ++t) {
+    Vec3 total = Vec3::Zero();
+    double squares = 0;
+    for (Index v : tets_[t].v) {
+      const Vec3 w = vector_at(velocity, first + v);
+      total += w, squares += w.squaredNorm();
+    }
+    twice += tet_mass_[t] / 20 * (squares + total.squaredNorm());
+  }
   return 0.5 * twice;
 }
 

@@ -43,7 +43,7 @@ class MeasuredBody {
 
   std::vector<Tet> tets_;                   // soft
   std::vector<Triangle> triangles_;         // stiff
-  std::vector<double> mass_;                // of the points, lumped (soft) [kg]
+  std::vector<double> mass_, tet_mass_;     // shares of the points, by which centres of mass are those of the body, and of tetrahedra (soft) [kg]
   double density_ = 0, volume_ = 0;         // at rest
   std::optional<model::StiffMass> stated_;  // stiff, where the scene states its inertia
   std::vector<Vec3> rest_;                  // then

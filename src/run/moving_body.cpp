@@ -14,7 +14,7 @@ MovingBodies::MovingBodies(const model::ModelInput& input) {
     if (b.type == model::BodyType::half_space) continue;
     const bool tied = std::any_of(pairs.begin(), pairs.end(), [&](const auto& p) { return p.first == b.name || p.second == b.name; });
     const bool held = holds.held(b.name), given = holds.given(b.name), free = !held && !tied;
-    who_.push_back({held, given, free, free || (held && !given && !holds.motored(b.name))});
+    who_.push_back({held, given, given && !holds.pinned(b.name), free, free || (held && !given && !holds.motored(b.name))});
   }
 }
 
@@ -30,8 +30,8 @@ std::vector<MovingBody> MovingBodies::at(const Snapshot& said, const std::vector
     };
     // Slides on the world are supported, across their axis.
     const bool led = who_[i].given || (said.has("supports/" + b.name + "_x") && !who_[i].held);
-    out.push_back({b, b.mean(points, points), b.mean(*velocity, points), force && !force->empty() && pushed(), who_[i].given, led, who_[i].free,
-                   who_[i].swings, b.soft() ? 0.0 : b.turning_energy(*velocity, points)});
+    out.push_back({b, b.mean(points, points), b.mean(*velocity, points), force && !force->empty() && pushed(), who_[i].given, who_[i].driven, led,
+                   who_[i].free, who_[i].swings, b.soft() ? 0.0 : b.turning_energy(*velocity, points)});
   }
   return out;
 }

@@ -14,6 +14,7 @@ struct MovingBody {
   Vec3 x, v;     // centre of mass [m], its velocity [m/s]
   bool touches;  // a force of contact is on one of its points
   bool given;    // it goes as pins or kinematic drives say (Holds::given)
+  bool driven;   // given, and not by pins of its own
   bool led;      // given, or supported by what is no joint
   bool free;     // nothing holds it or ties it to another body
   bool swings;   // it goes as forces say: free, or held on a way on which there is no motor, and not given
@@ -31,7 +32,7 @@ class MovingBodies {
 
  private:
   struct Who {
-    bool held, given, free, swings;
+    bool held, given, driven, free, swings;
   };
   std::vector<Who> who_;
 };

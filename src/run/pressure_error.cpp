@@ -1,6 +1,7 @@
 #include "run/pressure_error.h"
 
 #include <algorithm>
+#include <map>
 
 #include "run/tuning.h"
 
@@ -31,20 +32,41 @@ struct Misses {
 
 }  // namespace
 
-PressureError::Result PressureError::of(const ContactPatch::Fields& f) const {
-  Misses smooth, fit;
+PressureError::PressureError(const model::ModelInput& input) : patch_(input) {
+  std::size_t number = 0;
+  for (const model::BodyInput& body : input.bodies)
+    if (body.type != model::BodyType::half_space) body_.insert(body_.end(), body.nodes.size(), number++);
+}
+
+PressureError::Result PressureError::of(const ContactPatch::Fields& f, const std::vector<std::size_t>& group) const {
+  struct Group {
+    Misses smooth, fit;
+    double pressed = 0;
+  };
+  std::map<std::size_t, Group> groups;
   for (const ContactPatch::Node& node : patch_.interior(f)) {
+    Group& of = groups[group.empty() ? 0 : group[body_[node.point]]];
     const double here = f.pressure[node.point];
+    of.pressed = std::max(of.pressed, here);
     double expected = 0;
     for (const auto& [j, weight] : node.load) expected += weight * f.pressure[j];
-    if (!node.load.empty()) fit.add(Eigen::Map<const Vec3>(f.force.data() + 3 * node.point).norm(), std::abs(expected));
+    if (!node.load.empty()) of.fit.add(Eigen::Map<const Vec3>(f.force.data() + 3 * node.point).norm(), std::abs(expected));
     if (node.ring.size() < tuning::kPlane) continue;
     std::vector<Vec3> x;
     std::vector<double> p;
     for (Index j : node.ring) x.push_back(patch_.rest()[j] - patch_.rest()[node.point]), p.push_back(f.pressure[j]);
-    smooth.add(here, plane_at_origin(x, p));
+    of.smooth.add(here, plane_at_origin(x, p));
   }
-  return {smooth.relative(), fit.relative(), patch_.loaded(f.pressure)};
+  double most = 0;
+  for (const auto& [number, of] : groups) most = std::max(most, of.pressed);
+  Result out;
+  out.nodes = patch_.loaded(f.pressure);
+  for (const auto& [number, of] : groups) {
+    if (of.pressed < tuning::kCounts * most) continue;
+    out.roughness = std::fmax(out.roughness, of.smooth.relative());
+    out.misfit = std::fmax(out.misfit, of.fit.relative());
+  }
+  return out;
 }
 
 }  // namespace mortise::run

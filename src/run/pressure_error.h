@@ -12,6 +12,7 @@
 // likewise; zero in the patch test, and nearly so of all linear tetrahedra, whose pressures are those forces over areas.
 #include <cmath>
 #include <span>
+#include <vector>
 
 #include "run/contact_patch.h"
 
@@ -19,15 +20,17 @@ namespace mortise::run {
 
 class PressureError {
  public:
-  explicit PressureError(const model::ModelInput& input) : patch_(input) {}
+  explicit PressureError(const model::ModelInput& input);
   struct Result {
     double roughness = NAN, misfit = NAN;  // NaN where there is no interior
     long nodes = 0;                        // that carry pressure
   };
-  Result of(const ContactPatch::Fields& fields) const;
+  // group: by body that has points, of which the worst is told that is pressed at all (kCounts); empty: all are one.
+  Result of(const ContactPatch::Fields& fields, const std::vector<std::size_t>& group = {}) const;
 
  private:
   ContactPatch patch_;
+  std::vector<std::size_t> body_;  // of every point
 };
 
 }  // namespace mortise::run

@@ -32,7 +32,7 @@ EnergyAudit::EnergyAudit(const model::ModelInput& input) : moving_(input), lag_(
   }
   const Params& effects = input.scene.at("effects");
   r_.work_is_known = !effects::of_role(effects, effects::Role::inertia).empty();
-  loads_ = effects::of_role(effects, effects::Role::load);
+  loads_ = effects::of_role(effects, effects::Role::load), contacts_ = effects::of_role(effects, effects::Role::contact);
 }
 
 const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
@@ -45,7 +45,10 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   const std::vector<MovingBody> moving = moving_.at(now.said, now.points, bodies_);
   double lost = 0;  // to the time step
   balanced_ = points_before_.empty();
-  if (!points_before_.empty()) {
+  if (points_before_.empty()) {
+    for (const std::string& contact : contacts_)
+      if (now.said.has(contact + "/energy")) r_.at_start += now.said.at(contact + "/energy");
+  } else {
     // The solver's own sum over the substeps counts moments too.
     const bool summed = now.said.has("supports/work");
     const double work = summed ? now.said.at("supports/work") : support_work(now);
@@ -59,7 +62,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
       lost = std::max(-r_.gain - (rubbed - rubbed_), 0.0);
       rubbed_ = rubbed;
       balanced_ = !touched_ && !touches && std::abs(work) <= tuning::kDriven * r_.scale;
-      if (balanced_) free_ -= std::min(r_.gain, 0.0);
+      if (balanced_ && !vibrations_.nothing_moves()) free_ -= std::min(r_.gain, 0.0);
     }
     bounces_.state(moving, lost);
   }
@@ -76,9 +79,9 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
 
 void EnergyAudit::step(bool first_order) {
   vibrations_.step(first_order, !balanced_);
-  r_.free_loss = free_loss();
+  r_.free_loss = free_loss(), r_.alone_loss = vibrations_.alone(r_.turnover);
   turning_.step(first_order);
-  r_.turning_loss = turning_.sum(), r_.flight_turning = turning_.in_flight();
+  r_.turning_loss = turning_.sum(), r_.flight_turning = turning_.in_flight(), r_.given_turning = turning_.given();
 }
 
 void EnergyAudit::checkpoint(Archive& archive) {
@@ -91,6 +94,7 @@ void EnergyAudit::checkpoint(Archive& archive) {
                              {"gravity_first", &gravity_first_},
                              {"free_loss", &r_.free_loss},
                              {"free", &free_},
+                             {"at_start", &r_.at_start},
                              {"turnover", &r_.turnover},
                              {"there_and_back", &there_and_back_}})
     archive.io(name, *value);
@@ -102,7 +106,8 @@ void EnergyAudit::checkpoint(Archive& archive) {
   bounces_.checkpoint(archive);
   vibrations_.checkpoint(archive);
   archive.io("rubbed", rubbed_);
-  r_.turning_loss = turning_.sum(), r_.flight_turning = turning_.in_flight();
+  r_.alone_loss = vibrations_.alone(r_.turnover);
+  r_.turning_loss = turning_.sum(), r_.flight_turning = turning_.in_flight(), r_.given_turning = turning_.given();
   archive.io("points_before", points_before_);
 }
 

@@ -51,7 +51,10 @@ class EnergyAudit {
     // vibration_loss.h; and bounce_loss.h. `turnover`: what it is to be held against, the largest energy or, where more, all work of supports, there
     // and back.
     double free_loss = 0, turnover = 0;
+    double at_start = 0;        // energy of contact in the first state [J]
+    double alone_loss = 0;      // share of its own energy that a mechanism lost by itself (vibration_loss.h)
     double turning_loss = NAN;  // turning_loss.h [J]
+    double given_turning = 0;   // the same of what kinematic drives turn [J]
     double flight_turning = 0;  // the same of one body in flight, a share of its own energy of turning
     double motion_lag = NAN;    // motion_lag.h
     bool work_is_known = true;  // false: loads do work whose potential is not reported, or nothing moves in time; then `gain` stays NaN
@@ -68,7 +71,7 @@ class EnergyAudit {
   double free_loss() const { return free_ + bounces_.sum() + vibrations_.sum(); }
 
   std::vector<MeasuredBody> bodies_;
-  std::vector<std::string> loads_;  // effects of that role
+  std::vector<std::string> loads_, contacts_;  // effects of these roles
   Result r_;
   MovingBodies moving_;
   MotionLag lag_;

@@ -30,6 +30,9 @@ inline constexpr Bounds kLayer{0.03, 0.06};
 inline constexpr Bounds kLoadTurned{0.05, 0.08};  // a thick tube that is blown up: 1.2 times its growth is missing
 inline constexpr Bounds kShape{0.025, 0.05};      // of volume: half of that of stiffness against bending
 inline constexpr Bounds kCrept{0.02, 0.035};      // a pad that was sheared and held lost 23 % of its force at 0.041
+inline constexpr Bounds kMissed{0.05, 0.1};       // of what is asked for: a sine with eight steps in a period, and with six
+inline constexpr Bounds kGivenTurning{0.1, 0.2};  // of energy, as of turning bodies
+inline constexpr Bounds kAtStart{0.1, 0.2};       // of energy: half of that of velocities
 
 // ---- what counts in them
 inline constexpr double kRounding = 1e-12;  // of positions: some thousand times what one rounding makes (certificate.cpp)
@@ -43,9 +46,12 @@ inline constexpr double kSlow = 0.01;   // of the energy before a contact: a bod
 inline constexpr double kRested = 4,
                         kRestedShare = 0.3;   // kRested of them, came to rest there (bounce_loss.cpp; at the turn of a bounce: 6 % of them)
 inline constexpr double kStill = 0.01;        // of a body's size: less is no motion that anybody looks at (motion_lag.cpp)
+inline constexpr int kLooks = 16;             // in a step, at what is asked for (schedule_missed.cpp)
+inline constexpr double kTrembles = 1e-3;     // of a stiff body's radius: by less it gives way itself (vibration_loss.cpp)
 inline constexpr double kOneWay = 0.1;        // forces from opposite sides have no resultant that supports could bear (layer_error.cpp)
 inline constexpr double kAsMuch = 0.01;       // of the most pressure: loads that are held waver by that (field_errors.cpp)
 inline constexpr double kStillLoaded = 0.01;  // of the most force: less is what unloading leaves (field_errors.cpp; of energy its square)
+inline constexpr double kCounts = 1e-3;       // of the most pressure or force: bodies with less may be no better solved than that (residual_share)
 inline constexpr double kFacing = 0.5;        // cosine of 60 degrees: friction may tilt the force by half of that (contact_patch.cpp)
 inline constexpr double kSmooth = 0.75;       // cosine of some 40 degrees: facets of a coarse ball meet at half of that, sides of a body at more
 inline constexpr double kWhole = 0.97;    // of a node's area: less lies over what presses, and one pressure for all of it is none (contact_patch.cpp)

@@ -21,7 +21,7 @@ TurningLoss::TurningLoss(const model::ModelInput& input) : integration_(integrat
 }
 
 void TurningLoss::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies, double lost) {
-  of_first_ = of_second_ = 0;
+  of_first_ = of_second_ = given_first_ = given_second_ = 0;
   if (std::isnan(sum_) || bodies.empty()) return;
   const Snapshot::Values& velocity = *said.of_points("velocity", 3);
   for (std::vector<double>* v : {&turned_, &moved_, &lost_}) v->resize(bodies.size());
@@ -29,9 +29,10 @@ void TurningLoss::state(const Snapshot& said, const std::vector<double>& points,
   double rolling = 0;  // energy of what rolls
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovingBody& b = bodies[i];
-    if (b.given) continue;
     const double omega = b.body.spin(velocity, points).norm(), phi = omega * integration_.step;
     const double first = std::min(2 * phi * phi, 1.0) * b.turns, second = std::min(std::pow(phi, 4) / (1 + 4 * phi * phi), 1.0) * b.turns;
+    if (b.driven) given_first_ += first, given_second_ += second;
+    if (b.given) continue;
     of_first_ += first, of_second_ += second;
     if (rolls(b, omega, points)) rolling += b.turns + b.energy();
     if (!b.free || b.touches) continue;
@@ -45,6 +46,7 @@ void TurningLoss::state(const Snapshot& said, const std::vector<double>& points,
 void TurningLoss::step(bool first_order) {
   const bool second = integration_.second_order && !first_order;
   sum_ += second ? of_second_ : of_first_;
+  given_ += second ? given_second_ : given_first_;
   const std::vector<double>& of_step = second ? lost_second_ : lost_first_;
   for (std::size_t i = 0; i < of_step.size(); ++i) lost_[i] += of_step[i];
 }
@@ -58,6 +60,7 @@ double TurningLoss::in_flight() const {
 
 void TurningLoss::checkpoint(Archive& archive) {
   archive.io("turning", sum_);
+  archive.io("turning.given", given_);
   for (auto [name, v] : {std::pair{"turning.turned", &turned_}, {"turning.moved", &moved_}, {"turning.lost", &lost_}}) archive.io(name, *v);
 }
 

@@ -8,7 +8,8 @@
 // round body, that strike one after the other; of a step the larger of the two counts.
 // What is supported, driven or rolls gets its energy of turning from elsewhere, and gives it there: the loss is held against the largest energy of
 // the scene. A body in flight has its own alone: of each such body the losses are also held against the most that it turned with in flight, where
-// that is more than kTurns of its energy of motion.
+// that is more than kTurns of its energy of motion. What kinematic drives turn goes as they say, but their torques and their work are by this more
+// than they should be, which is a sum of its own.
 #include <vector>
 
 #include "base/archive.h"
@@ -23,14 +24,16 @@ class TurningLoss {
   explicit TurningLoss(const model::ModelInput& input);
   // lost: by the step that led to this state, without friction [J].
   void state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies, double lost);
-  void step(bool first_order);         // that led to that state
-  double sum() const { return sum_; }  // of all steps [J]; NaN without a time step
-  double in_flight() const;            // the largest share of its own energy that a body lost
+  void step(bool first_order);             // that led to that state
+  double sum() const { return sum_; }      // of all steps [J]; NaN without a time step
+  double given() const { return given_; }  // of what kinematic drives turn [J]
+  double in_flight() const;                // the largest share of its own energy that a body lost
   void checkpoint(Archive& archive);
 
  private:
   Integration integration_;
   double sum_ = NAN, of_first_ = 0, of_second_ = 0;  // of the last step, by its order
+  double given_ = 0, given_first_ = 0, given_second_ = 0;
   // Per body: the most that it turned with in flight, and had of energy of motion then [J]; lost there so far, in the last step by its order [J].
   std::vector<double> turned_, moved_, lost_, lost_first_, lost_second_;
 };

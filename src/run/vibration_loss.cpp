@@ -1,46 +1,125 @@
 #include "run/vibration_loss.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "base/disjoint_sets.h"
+#include "effects/roles.h"
+#include "effects/tie_name.h"
+#include "run/holds.h"
+#include "run/tuning.h"
+#include "run/vector_at.h"
 
 namespace mortise::run {
 
-namespace {
-
-// Of a field of velocities, or of changes of them.
-double energy_of(const std::vector<double>& velocity, const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
-  const bool soft = std::any_of(bodies.begin(), bodies.end(), [](const MovingBody& b) { return b.body.soft() && b.touches; });
-  double sum = 0;
-  for (const MovingBody& b : bodies)
-    if (b.body.soft() || (b.swings && (b.touches ? soft : !b.free))) sum += b.body.kinetic_energy(velocity, points);
-  return sum;
+VibrationLoss::VibrationLoss(const model::ModelInput& input) : integration_(integration_of(input.scene)) {
+  const Params& effects = input.scene.at("effects");
+  const Holds holds(effects);
+  std::map<std::string, std::size_t> number;
+  for (const model::BodyInput& body : input.bodies)
+    if (body.type != model::BodyType::half_space) number.emplace(body.name, number.size()), far_.push_back(body.type == model::BodyType::soft);
+  DisjointSets sets(number.size());
+  for (const auto& [one, other] : holds.together())
+    if (number.count(one) && number.count(other)) sets.join(number[one], number[other]);
+  for (std::size_t i = 0; i < number.size(); ++i) mechanism_.push_back(sets.of(i));
+  mechanisms_.resize(number.size());
+  const auto works_on = [&](const std::string& body) {
+    if (number.count(body)) mechanisms_[mechanism_[number[body]]].alone = false;
+  };
+  for (const auto& [name, i] : number)
+    if (holds.given(name) || holds.motored(name)) works_on(name);
+  std::set<std::string> rubs;  // joints
+  if (const Params* drives = effects.find("drive"))
+    for (const Params& p : drives->items())
+      if (p.has("friction") && p.number("friction") > 0) rubs.insert(p.text("joint"));
+  if (const Params* joints = effects.find("joint"))
+    for (const Params& p : joints->items())
+      if (rubs.count(effects::tie_name(p))) works_on(p.text("body"));
+  std::vector<std::string> lists = effects::of_role(effects, effects::Role::load);
+  lists.emplace_back("pin");  // which holds a part of it
+  for (const std::string& list : lists)
+    if (const Params* entries = effects.find(list); entries && entries->kind() == Params::Kind::list)
+      for (const Params& p : entries->items())
+        if (list != "pin" || p.has("motion")) works_on(p.text("body"));
 }
-
-}  // namespace
 
 void VibrationLoss::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies, double stored,
                           double brought) {
   of_first_ = of_second_ = 0;
+  for (Mechanism& m : mechanisms_) m.first = m.second = 0;
   if (bodies.empty()) return;
   brought_ += 2 * brought;
   const Snapshot::Values& v = *said.of_points("velocity", 3);
-  std::vector<double> change(v.begin(), v.end());
-  stored_ = std::max(stored_, stored), moved_ = std::max(moved_, energy_of(change, points, bodies));
+  const std::vector<double> now(v.begin(), v.end());
+  look_how_far(said, points, bodies);
+  stored_ = std::max(stored_, stored), moved_ = std::max(moved_, energy_of(now, points, bodies));
+  std::vector<double> moved(mechanisms_.size(), 0.0);
+  std::vector<bool> touches(mechanisms_.size(), false);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    moved[mechanism_[i]] += bodies[i].body.kinetic_energy(now, points);
+    touches[mechanism_[i]] = touches[mechanism_[i]] || bodies[i].touches;
+  }
+  for (std::size_t g = 0; g < moved.size(); ++g) mechanisms_[g].moved = std::max(mechanisms_[g].moved, moved[g]);
+  const auto lost = [&](const std::vector<double>& change, double times, double Mechanism::*to) {
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      if (Mechanism& m = mechanisms_[mechanism_[i]]; m.alone && !touches[mechanism_[i]] && counts(bodies[i], i, false))
+        m.*to += times * bodies[i].body.kinetic_energy(change, points);
+    return times * energy_of(change, points, bodies);
+  };
+  std::vector<double> change = now;
   if (!v1_.empty()) {
-    for (std::size_t i = 0; i < v.size(); ++i) change[i] = v[i] - v1_[i];
-    of_first_ = 2 * energy_of(change, points, bodies);
+    for (std::size_t i = 0; i < now.size(); ++i) change[i] = now[i] - v1_[i];
+    of_first_ = lost(change, 2, &Mechanism::first);
   }
   if (integration_.second_order && !v0_.empty()) {
-    for (std::size_t i = 0; i < v.size(); ++i) change[i] -= v1_[i] - v0_[i];
-    of_second_ = energy_of(change, points, bodies);
+    for (std::size_t i = 0; i < now.size(); ++i) change[i] -= v1_[i] - v0_[i];
+    of_second_ = lost(change, 1, &Mechanism::second);
   }
   v0_ = std::move(v1_);
-  v1_.assign(v.begin(), v.end());
+  v1_ = now;
+}
+
+void VibrationLoss::look_how_far(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
+  const Snapshot::Values* u = said.of_points("displacement", 3);
+  for (std::size_t i = 0; u && i < bodies.size(); ++i) {
+    const MeasuredBody& b = bodies[i].body;
+    const double least = far_[i] ? INFINITY : tuning::kTrembles * b.radius(bodies[i].x, points);
+    for (std::size_t p = b.first; std::isfinite(least) && p < b.first + b.count && !far_[i]; ++p) far_[i] = at(*u, p).norm() > least;
+  }
+}
+
+bool VibrationLoss::counts(const MovingBody& b, std::size_t i, bool struck) const {
+  return b.body.soft() || (!b.given && far_[i] && (b.touches ? struck : !b.free));
+}
+
+// Of a field of velocities, or of changes of them.
+double VibrationLoss::energy_of(const std::vector<double>& velocity, const std::vector<double>& points, const std::vector<MovingBody>& bodies) const {
+  const bool soft = std::any_of(bodies.begin(), bodies.end(), [](const MovingBody& b) { return b.body.soft() && b.touches; });
+  double sum = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    if (counts(bodies[i], i, soft)) sum += bodies[i].body.kinetic_energy(velocity, points);
+  return sum;
 }
 
 void VibrationLoss::step(bool first_order, bool counts) {
-  const double loss = integration_.second_order && !first_order ? of_second_ : of_first_, struck = std::min(loss, brought_);
+  const bool second = integration_.second_order && !first_order;
+  const double loss = second ? of_second_ : of_first_, struck = std::min(loss, brought_);
   brought_ -= struck;
   if (counts) sum_ += loss - struck;
+  for (Mechanism& m : mechanisms_) m.sum += second ? m.second : m.first;
+}
+
+bool VibrationLoss::nothing_moves() const {
+  return std::none_of(far_.begin(), far_.end(), [](std::uint8_t far) { return far != 0; });
+}
+
+double VibrationLoss::alone(double all) const {
+  double most = 0;
+  for (const Mechanism& m : mechanisms_)
+    if (m.alone && m.moved > 0 && m.moved < 0.5 * all) most = std::max(most, m.sum / m.moved);
+  return most;
 }
 
 void VibrationLoss::checkpoint(Archive& archive) {
@@ -48,6 +127,13 @@ void VibrationLoss::checkpoint(Archive& archive) {
   archive.io("vibration.v0", v0_);
   for (auto [name, value] : {std::pair{"brought", &brought_}, {"sum", &sum_}, {"stored", &stored_}, {"moved", &moved_}})
     archive.io(std::string("vibration.") + name, *value);
+  std::vector<double> own, far(far_.begin(), far_.end());
+  archive.io("vibration.far", far);
+  if (archive.loading()) far_.assign(far.begin(), far.end());
+  for (const Mechanism& m : mechanisms_) own.push_back(m.sum), own.push_back(m.moved);
+  archive.io("vibration.own", own);
+  for (std::size_t g = 0; archive.loading() && 2 * g + 1 < own.size() && g < mechanisms_.size(); ++g)
+    mechanisms_[g].sum = own[2 * g], mechanisms_[g].moved = own[2 * g + 1];
 }
 
 }  // namespace mortise::run

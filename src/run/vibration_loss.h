@@ -9,9 +9,13 @@
 // energy is nothing beside the elastic one has no D. What is carried about hardly vibrates: beside its kinetic energy T its elastic one U is nothing
 // (at r times its own frequency r^2 T, and by r^2 h omega the step then alters how far it gives). So the sum over all steps is
 //     min(1, U/T) sum 2 D,     U, T: the largest of the run.
-// Counted are soft bodies, and stiff ones that go as no pin and no motor says and that touch something soft or are held (by what is soft, by
-// springs, by joints). Not what bodies brought that struck something (2 D of bringing them to rest in one step is twice that): if they come to rest
-// nobody asks for it, if not: bounce_loss.h.
+// Counted are soft bodies, and stiff ones that go as no pin and no kinematic drive says and that touch something soft or are held (by what is soft,
+// by springs, by motors with gains or efforts, by joints), once they have gone farther than stiff bodies give (kTrembles). Not what bodies brought
+// that struck something (2 D of bringing them to rest in one step is twice that): if they come to rest nobody asks for it, if not: bounce_loss.h.
+//
+// Beside bodies with far more energy that loss is nothing, though somebody may look at what vibrates. Bodies that hang together by joints, bonds and
+// ties, and on which no support, motor, load or friction does work, have energy of their own alone: of such a mechanism, while it touches nothing,
+//     sum 2 D / T,     T: its largest.
 #include <vector>
 
 #include "base/archive.h"
@@ -22,15 +26,30 @@ namespace mortise::run {
 
 class VibrationLoss {
  public:
-  explicit VibrationLoss(const model::ModelInput& input) : integration_(integration_of(input.scene)) {}
+  explicit VibrationLoss(const model::ModelInput& input);
   // stored: elastic energy, of bodies, contacts and springs; brought: energy of what struck something in the step that led to this state [J].
   void state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies, double stored, double brought);
-  void step(bool first_order, bool counts);                                         // that led to that state; not: its loss is known
+  void step(bool first_order, bool counts);  // that led to that state; not: its loss is known
+  // The largest share of its own energy that a mechanism lost which has less than half of `all` [J].
+  double alone(double all) const;
+  bool nothing_moves() const;                                                       // all bodies are stiff, and have trembled at most
   double sum() const { return stored_ < moved_ ? stored_ / moved_ * sum_ : sum_; }  // [J]
   void checkpoint(Archive& archive);
 
  private:
+  struct Mechanism {
+    bool alone = true;             // nothing does work on it
+    double first = 0, second = 0;  // 2 D of the last step, by its order [J]
+    double sum = 0, moved = 0;     // of 2 D, T [J]
+  };
   Integration integration_;
+  void look_how_far(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies);
+  bool counts(const MovingBody& b, std::size_t i, bool struck) const;
+  double energy_of(const std::vector<double>& velocity, const std::vector<double>& points, const std::vector<MovingBody>& bodies) const;
+
+  std::vector<std::size_t> mechanism_;  // of every body that has points
+  std::vector<std::uint8_t> far_;       // likewise: is it soft, or has it gone so far that it does more than tremble?
+  std::vector<Mechanism> mechanisms_;
   std::vector<double> v1_, v0_;              // velocities of the last state and of the one before
   double of_first_ = 0, of_second_ = 0;      // 2 D of the last step, by its order [J]
   double brought_ = 0;                       // of that does not count [J]

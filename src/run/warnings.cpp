@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <map>
+
 #include "effects/roles.h"
 #include "engine/effect_tables.h"
 #include "geometry/bounds.h"
+#include "geometry/rigid_motion.h"
+#include "model/bonded.h"
 #include "run/tuning.h"
 #include "run/volumetric.h"
 #include "scene/pass_through.h"
@@ -59,6 +63,25 @@ void of_friction(const Params& scene, std::vector<std::string>& out) {
   }
 }
 
+// A bond that holds a body by one node, or by nodes on a line, is a ball joint or a hinge.
+void of_bonds(const model::ModelInput& input, std::vector<std::string>& out) {
+  const Params* bonds = input.scene.at("effects").find("bond");
+  if (!bonds) return;
+  std::map<std::string, const model::BodyInput*> bodies;
+  for (const model::BodyInput& body : input.bodies) bodies[body.name] = &body;
+  for (const Params& bond : bonds->items()) {
+    if (!bodies.count(bond.text("body")) || !bodies.count(bond.text("to"))) continue;
+    const model::BodyInput &soft = *bodies.at(bond.text("body")), &stiff = *bodies.at(bond.text("to"));
+    std::vector<Vec3> held;
+    for (Index i : model::bonded(bond, soft, stiff)) held.push_back(soft.nodes[i]);
+    if (!geometry::fixes_a_frame(held))
+      out.push_back(
+          at(bond.where(),
+             fmt::format("the bond of '{}' holds {}: it may turn about {} (a wider `within` or a finer mesh catches more nodes)", soft.name,
+                         held.size() == 1 ? "one node" : fmt::format("{} nodes on a line", held.size()), held.size() == 1 ? "it" : "that")));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> warnings(const model::ModelInput& input) {
@@ -70,6 +93,7 @@ std::vector<std::string> warnings(const model::ModelInput& input) {
         at(step->where(), fmt::format("time.step is {:.3g} s: motions and oscillations shorter than that are damped away", step->as_number())));
   of_contact(input, out);
   of_friction(input.scene, out);
+  of_bonds(input, out);
   for (std::string& risk : locking_risks(input)) out.push_back(std::move(risk));
   for (const scene::PassThrough& p : scene::pass_through(input.scene, engine::effect_tables()))
     if (p.everything) out.push_back(p.text());

@@ -23,6 +23,8 @@ class Search {
     const scene::Scene scene = scene::read_scene(wanted.scene, wanted.set, engine::effect_tables());
     if (scene::environment_count(scene.root) > 0)
       throw Error(Exit::usage, "--accuracy: of a scene with 'environments' choose one in a scene of its own");
+    const auto& bodies = scene.root.at("bodies").entries();
+    soft_ = std::any_of(bodies.begin(), bodies.end(), [](const auto& b) { return b.second.text("type") == "soft"; });
     study_.quantities = out_.quantities = quantities_of_goals(scene.root, wanted.goals);
     out_.goals = wanted.goals;
     const bool pressures =
@@ -137,6 +139,7 @@ class Search {
       const int level = a->levels[k] - centre_[k];
       out.add({level, size(k, a->run, level), a->run.values, std::max(a->run.process, kLeastCost) / std::max(here().process, kLeastCost)});
     }
+    out.blind = knobs_[k].mesh && soft_ && !along.empty() && !moves;
     return out;
   }
 
@@ -247,6 +250,7 @@ class Search {
   Study study_;
   std::vector<AutoKnob> knobs_;
   bool by_budget_ = false;
+  bool soft_ = false;  // there are soft bodies, so that another mesh has other unknowns
   Accuracy out_;
   Levels centre_;         // the run that neighbours are compared with
   std::size_t here_ = 0;  // its number

@@ -76,7 +76,7 @@ double Climb::left(std::size_t q, int level) const {
 double Climb::error(std::size_t q, int level) const {
   if (!parts.empty()) return std::abs(left(q, level));
   const Limit l = limit(q);
-  if (std::isnan(l.uncertainty)) return INFINITY;
+  if (blind || std::isnan(l.uncertainty)) return INFINITY;
   const double smaller = level >= rungs.back().level ? std::pow(size(level) / rungs.back().size, l.extrapolated ? l.order : 1) : 1;
   return std::max(std::abs(l.value - value(q, level)), l.uncertainty * smaller);
 }
@@ -84,7 +84,7 @@ double Climb::error(std::size_t q, int level) const {
 bool Climb::settles(std::size_t q) const {
   if (!parts.empty()) return std::isfinite(error(q, 0));
   const Limit l = limit(q);
-  return l.extrapolated || l.uncertainty == 0;
+  return !blind && (l.extrapolated || l.uncertainty == 0);
 }
 
 void Climb::add(Rung rung) {

@@ -28,6 +28,7 @@ struct Climb {
   double dearer = 1;        // cost ~ size^-dearer, where runs have not told
   int finest = 0;           // no finer level is to be tried
   std::vector<Part> parts;  // where they are known nothing else is asked
+  bool blind = false;       // all of its runs had the same mesh: nothing is known
 
   double size(int level) const;
   double cost(int level) const;

@@ -9,6 +9,7 @@
 #include "base/cpu_time.h"
 #include "effects/roles.h"
 #include "engine/effect_tables.h"
+#include "run/holds.h"
 #include "run/output_mesh.h"
 #include "run/signals.h"
 #include "scene/scene.h"
@@ -32,6 +33,12 @@ int body_of(const model::ModelInput& input, const std::string& name) {
   return -1;
 }
 
+// Does something hang on a body by bonds, joints or ties?
+bool ties(const model::ModelInput& input, const std::string& body) {
+  const run::Holds holds(input.scene.at("effects"));
+  return std::any_of(holds.together().begin(), holds.together().end(), [&](const auto& pair) { return pair.first == body || pair.second == body; });
+}
+
 constexpr const char* kKnown =
     "its gradient is not known: there are supports/BODY_x (y, z), and displacement and position along an axis, at a point or as max or min";
 
@@ -43,7 +50,7 @@ struct Gradient {
 
 Gradient gradient_of(const Quantity& q, const model::ModelInput& input, const std::vector<double>& points) {
   Gradient out;
-  const auto none = [&](const char* why) { return out.why_not = why, out; };
+  const auto none = [&](const std::string& why) { return out.why_not = why, out; };
   if (q.when != "end" || q.at) return none("it is not of the last state");
   const std::string axes = "xyz";
   if (group_of(q.value) == "supports") {
@@ -52,6 +59,7 @@ Gradient gradient_of(const Quantity& q, const model::ModelInput& input, const st
     out.of.body = axis.size() == 1 && axes.find(axis) != std::string::npos ? body_of(input, body) : -1;
     if (out.of.body < 0) return none(kKnown);
     out.of.axis = static_cast<int>(axes.find(axis));
+    if (ties(input, body)) return none("its gradient is not known: bonds, joints or ties hang other bodies on '" + body + "'");
     return out;
   }
   if ((q.value != "displacement" && q.value != "position") || q.axis.size() != 1) return none(kKnown);

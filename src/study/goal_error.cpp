@@ -1,6 +1,10 @@
 #include "study/goal_error.h"
 
+#include <algorithm>
+
+#include "run/held_points.h"
 #include "run/volumetric.h"
+#include "study/tuning.h"
 
 namespace mortise::study {
 namespace {
@@ -43,6 +47,7 @@ std::vector<std::array<Stress, 4>> jumps(const Body& b, const std::vector<Stress
 }  // namespace
 
 GoalError::GoalError(const model::ModelInput& input) {
+  const std::vector<bool> held = run::held_points(input);
   std::size_t cell = 0, point = 0;
   for (const model::BodyInput& in : input.bodies) {
     if (in.type == model::BodyType::half_space) continue;
@@ -52,12 +57,17 @@ GoalError::GoalError(const model::ModelInput& input) {
       else if (run::volumetric(in) != "full")
         why_not_ = "the change of volume of '" + in.name + "' is averaged, and stresses say less";
       Body b{cell, point, in.nodes.size(), in.tets, {}, {}, in.material.number("youngs_modulus"), in.material.number("poisson_ratio")};
+      double all = 0, blind = 0;  // volumes: of all elements, and of those without a free node
       for (const Tet& t : in.tets) {
         Mat3 edges;
         for (int k = 0; k < 3; ++k) edges.col(k) = in.nodes[t.v[k + 1]] - in.nodes[t.v[0]];
         b.volume.push_back(edges.determinant() / 6);
         b.inverse.push_back(edges.inverse());
+        all += b.volume.back();
+        if (std::all_of(std::begin(t.v), std::end(t.v), [&](Index v) { return held[point + static_cast<std::size_t>(v)]; })) blind += b.volume.back();
       }
+      if (blind > tuning::kBlind * all)
+        why_not_ = "elements of '" + in.name + "' have no free node, and their stresses tell nothing: use a finer mesh";
       bodies_.push_back(std::move(b));
     }
     cell += in.type == model::BodyType::soft ? in.tets.size() : in.triangles.size();

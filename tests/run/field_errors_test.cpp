@@ -7,10 +7,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/memory_archive.h"
 #include "geometry/primitives.h"
 #include "geometry/shapes.h"
 #include "run/crept.h"
 #include "run/shape_defect.h"
+#include "run/stress_error.h"
 
 using namespace mortise;
 
@@ -77,6 +79,27 @@ TEST(FieldErrors, ABodyThatStandsByItselfHidesNothing) {
   EXPECT_LT(together, 0.02) << "pressed on each other they are one thing, of which most of the energy is right";
 }
 
+// A pad of one element between two plates: its stress is even, and says nothing.
+TEST(FieldErrors, ElementsWithoutAFreeNodeTellNothing) {
+  for (const Index layers : {1, 2}) {
+    model::BodyInput body;
+    body.name = "pad", body.material = two().bodies[0].material;
+    model::set_mesh(body, geometry::box(Vec3(4, 4, 1), {4, 4, layers}));
+    const auto pin = [](const char* side, const char* axes) {
+      return table({{"body", Params::make_text("pad")}, {"axes", Params::make_text(axes)}, {"where", table({{"side", Params::make_text(side)}})}});
+    };
+    const auto error = [&](const Params& pins) {
+      const model::ModelInput input{table({{"effects", table({{"pin", pins}})}}), {body}};
+      std::vector<double> stress(6 * body.tets.size(), 0.0);
+      for (std::size_t t = 0; t < body.tets.size(); ++t) stress[6 * t + 2] = 1e3;
+      return run::StressError(input).of(stress, std::vector<double>(3 * body.nodes.size(), 0.0), {0});
+    };
+    EXPECT_NEAR(error(Params::make_list({pin("z_min", "xyz"), pin("z_max", "xyz")})), layers == 1 ? 0.5 : 0, 1e-9);
+    EXPECT_NEAR(error(Params::make_list({pin("z_min", "xyz"), pin("z_max", "z")})), 0, 1e-9);
+    EXPECT_NEAR(error(Params::make_list({pin("z_min", "xyz"), pin("z_max", "xy"), pin("z_max", "z")})), layers == 1 ? 0.5 : 0, 1e-9);
+  }
+}
+
 TEST(FieldErrors, TheGuardIsJudgedByPairs) {
   const std::array<double, 4> even{1e3, 1e3, 1e3, 1e3};
   EXPECT_DOUBLE_EQ(after({state(1, even, 2.0, 0.5)}).guard, 0.25);
@@ -135,25 +158,41 @@ TEST(ShapeDefect, IsTheVolumeThatFacetsLeaveOut) {
   EXPECT_EQ(defect("sphere", 1, false, {{"mass", number(1)}}), 0) << "the scene states its mass";
 }
 
+// Two bodies of a point each, at which both stick to an obstacle and to each other.
 TEST(Crept, IsTheSlipOfWhatSticks) {
   model::ModelInput input = two();
   input.scene = table({{"effects", table({{"friction", table({{"creep_speed", number(1e-5)}, {"follows", Params::make_text("mortar_contact")}})}})}});
   run::Crept crept(input);
-  const auto slips = [&](double speed, double goes) {
+  const std::size_t points = input.bodies[0].nodes.size() + input.bodies[1].nodes.size();
+  // The first body against the obstacle at `speed`, with all the rest at rest; the second one goes that far.
+  const auto slips = [&](double speed, double first_goes, double second_goes) {
     Snapshot said;
-    said.points("displacement", "m", 3, std::vector<double>{0, goes, 0});
+    std::vector<double> u(3 * points, 0.0);
+    for (std::size_t i = 0; i < points; ++i) u[3 * i + 1] = i < input.bodies[0].nodes.size() ? first_goes : second_goes;
+    said.points("displacement", "m", 3, u);
+    said.rows("mortar_contact", "bodies", "1", 2, std::vector<double>{0, 2});
+    said.rows("mortar_contact", "guard_bodies", "1", 2, std::vector<double>{2, 0});
     said.rows("friction", "force", "N", 3, std::vector<double>{3, 0, 0, 0, 4, 0});
+    said.rows("friction", "slip", "m", 3, std::vector<double>{-0.5 * speed, 0, 0, 0, -0.5 * speed, 0});
     said.scalar("friction", "power", "W", 7 * speed);
     crept.state(said);
     crept.step(100);
   };
   const double least = 0.01 * std::sqrt(3.0);  // a hundredth of a body
-  slips(4e-6, 1e-3);
+  slips(4e-6, 1e-3, 0);
   EXPECT_NEAR(crept.share(), 4e-4 / least, 1e-12);
-  slips(5e-5, 1e-3);
+  slips(5e-5, 1e-3, 0);
   EXPECT_NEAR(crept.share(), 4e-4 / least, 1e-12) << "it slips";
-  slips(1e-6, 2);
-  EXPECT_NEAR(crept.share(), 5e-4 / 2, 1e-12);
+  slips(1e-6, 1e-3, 9);
+  EXPECT_NEAR(crept.share(), 5e-4 / least, 1e-12) << "another one goes far";
+  MemoryArchive saved;
+  crept.checkpoint(saved);
+  saved.rewind();
+  run::Crept resumed(input);
+  resumed.checkpoint(saved);
+  EXPECT_EQ(resumed.share(), crept.share());
+  slips(1e-6, 2, 0);
+  EXPECT_NEAR(crept.share(), 6e-4 / 2, 1e-12);
   input.scene = table({{"effects", Params::make_table()}});
   EXPECT_TRUE(std::isnan(run::Crept(input).share()));
 }

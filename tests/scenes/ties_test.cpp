@@ -720,6 +720,55 @@ TEST(Joints, CloseLoops) {
     }
 }
 
+// A slider-crank: the piston stays on its line, and is where crank and rod put it, in whatever order the joints stand and whatever it slides on.
+TEST(Joints, ASlideInALoopKeepsToItsAxis) {
+  constexpr double r = 0.05, l = 0.13, start = 0.9273;  // [m], [m], [rad]: 3-4-5 and 5-12-13 triangles, nearly
+  const auto scene = [&](bool first, bool based) {
+    const double x = r * std::cos(start), z = r * std::sin(start), tilt = std::asin(z / l), at = x + l * std::cos(tilt);
+    std::ostringstream out;
+    out.precision(17);
+    const auto link = [&](const char* name, double length, double cx, double cz, double angle) {
+      out << "  " << name << ": {type: stiff, shape: {box: {size: [" << length << ", 0.01, 0.01], edge_length: 0.2}}, mass: 0.1, position: [" << cx
+          << ", 0, " << cz << "], rotation: {axis: [0, -1, 0], angle: " << angle << "}}\n";
+    };
+    out << "mortise: 1\nname: slider_crank\ntime: {step: 5 ms, steps: 60}\nbodies:\n";
+    link("crank", r, x / 2, z / 2, start), link("rod", l, (x + at) / 2, z / 2, -tilt), link("piston", 0.03, at, 0, 0);
+    if (based) link("base", 0.3, 0, -0.1, 0);
+    out << "effects:\n  inertia: {}\n  affine_body: {stiffness: 100 GPa}\n"
+        << (based ? "  pin: [{body: base, where: {side: all}}]\n" : "") << "  joint:\n";
+    const std::string slide = std::string("    - {name: slide, type: prismatic, body: piston, axis: [1, 0, 0]") + (based ? ", to: base}\n" : "}\n");
+    if (first) out << slide;
+    const auto hinge = [&](const char* bodies, double hx, double hz) {
+      out << "    - {type: revolute, axis: [0, -1, 0], " << bodies << ", at: [" << hx << ", 0, " << hz << "]}\n";
+    };
+    hinge(based ? "name: main, body: crank, to: base" : "name: main, body: crank", 0, 0), hinge("name: pin, body: rod, to: crank", x, z);
+    if (!first) out << slide;
+    hinge("name: wrist, body: rod, to: piston", at, 0);
+    out << "  drive:\n    - {joint: main, mode: pd, kp: 20, kd: 1, angle: 0.2}\n    - {joint: slide, mode: effort, force: -20, effort: 100}\n";
+    return out.str();
+  };
+  for (const bool first : {false, true})
+    for (const bool based : {false, true}) {
+      Rig rig(scene(first, based));
+      Captured f;
+      for (int i = 0; i < 60; ++i) {
+        rig.step();
+        f = rig.fields();
+        const double angle = start + f.at("joint/main_angle"), x = r * std::cos(angle) + std::sqrt(l * l - std::pow(r * std::sin(angle), 2));
+        EXPECT_NEAR(f.at("joint/slide_travel"), x - r * std::cos(start) - std::sqrt(l * l - std::pow(r * std::sin(start), 2)), 1e-7)
+            << first << based;
+        ASSERT_LT(f.at("joint/slide_beside"), 1e-10) << first << based;
+      }
+      // At rest the motor bears what the force on the piston makes of it: the work of both is none.
+      const double angle = start + f.at("joint/main_angle"),
+                   way = -r * std::sin(angle) * (1 + r * std::cos(angle) / std::sqrt(l * l - std::pow(r * std::sin(angle), 2)));
+      EXPECT_NEAR(f.at("drive/main_torque"), 20 * way, 1e-3) << first << based;
+      // What the guide bears: the rod's push across.
+      const double tilt = std::asin(r * std::sin(angle) / l);
+      EXPECT_NEAR(std::abs(f.at("joint/slide_guide_z")), 20 * std::tan(tilt), 1e-2) << first << based;
+    }
+}
+
 // At rest the force in the loop is that of statics: a beam on two ball joints bears half of its weight on each side; a second hinge on the axis of
 // the first says nothing new.
 TEST(Joints, CloseLoopsAtRest) {

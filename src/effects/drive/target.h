@@ -22,6 +22,8 @@ class Target {
   void step(const Gait& gait) { gait_ = gait; }
   double operator()(double t) const { return gait_ ? (*gait_)(t) : keys_(t) + amplitude_ * std::sin(omega_ * t + phase_); }
 
+  const std::vector<double>& keys() const { return keys_.keys(); }
+
   // Does the block aim at anything, or at this?
   static bool any(const Params& entry);
 

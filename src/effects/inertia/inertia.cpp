@@ -24,24 +24,7 @@ struct MassPair {
 class Inertia final : public Effect {
  public:
   Inertia(const Params& params, model::Model& model) : model_(model), bdf2_(params.text("integrator") == "bdf2") {
-    const auto row = model.mass.row_offset.download(), column = model.mass.column.download();
-    const auto value = model.mass.value.download();
-    const auto env = model.block_env.download();
-    std::vector<MassPair> pairs;
-    std::vector<Index> counts, pair_env;
-    for (Index i = 0; i < model.blocks; ++i)
-      for (Index k = row[i]; k < row[i + 1]; ++k) {
-        const Index j = column[k];
-        if (j < i || value[k] == 0) continue;
-        pairs.push_back({i, j, value[k]});
-        counts.push_back(i == j ? 1 : 2);
-        pair_env.push_back(env[i]);
-      }
-    counts.push_back(0);
-    env_offset_ = env_offsets(pair_env, model.envs);
-    pairs_.upload(pairs);
-    counts_.upload(counts);
-
+    find_pairs();
     q_begin_.copy_from(model.q);
     q_prev_.copy_from(model.q);
     v_.copy_from(model.initial_velocity);
@@ -51,6 +34,9 @@ class Inertia final : public Effect {
     integrators_.upload(integrator_);
     dt_prev_.assign(model.envs, 0.0);
   }
+
+  // Supports and ties are known by now.
+  void connect() override { find_pairs(); }
 
   void write_pattern(linalg::StencilSet& stencils) const {
     device::Buffer<Index> counts;
@@ -225,6 +211,44 @@ class Inertia final : public Effect {
   }
 
  private:
+  void find_pairs() {
+    const auto row = model_.mass.row_offset.download(), column = model_.mass.column.download();
+    const auto value = model_.mass.value.download();
+    const auto env = model_.block_env.download();
+    const std::vector<std::uint8_t> lumped = lumped_blocks();
+    std::vector<MassPair> pairs;
+    std::vector<Index> counts, pair_env;
+    for (Index i = 0; i < model_.blocks; ++i) {
+      double sum = 0;
+      for (Index k = row[i]; k < row[i + 1]; ++k) sum += value[k];
+      for (Index k = row[i]; k < row[i + 1]; ++k) {
+        const Index j = column[k];
+        if (j < i || value[k] == 0 || (lumped[i] && j != i)) continue;
+        pairs.push_back({i, j, lumped[i] ? sum : value[k]});
+        counts.push_back(i == j ? 1 : 2);
+        pair_env.push_back(env[i]);
+      }
+    }
+    counts.push_back(0);
+    env_offset_ = env_offsets(pair_env, model_.envs);
+    pairs_.upload(pairs);
+    counts_.upload(counts);
+  }
+
+  // Blocks of bodies of linear tetrahedra of which a node is held or follows another body: they do not turn freely, and with masses on nodes
+  // matrices have a fifth less in them.
+  std::vector<std::uint8_t> lumped_blocks() const {
+    std::vector<std::uint8_t> out(model_.blocks, 0);
+    const std::vector<geometry::Midsides> midsides = model_.volume.midsides.download();
+    for (const model::Body& body : model_.bodies) {
+      if (body.type != model::BodyType::soft || (!midsides.empty() && midsides[body.tet_begin].v[0] >= 0)) continue;
+      bool hangs = false;
+      for (Index i = body.block_begin; i < body.block_end; ++i) hangs = hangs || model_.held[i] != 0 || model_.ties.tied(i);
+      if (hangs) std::fill(out.begin() + body.block_begin, out.begin() + body.block_end, 1);
+    }
+    return out;
+  }
+
   model::Model& model_;
   bool bdf2_;
   device::Buffer<MassPair> pairs_;

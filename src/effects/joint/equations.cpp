@@ -50,8 +50,7 @@ void Equations::find() {
         o.now.two = true, o.now.ratio = j.ratio, o.now.offset = j.at_rest - j.ratio * model_.joints[j.leader].at_rest;
         list_.push_back(o), env.push_back(e);
       }
-      const Index carrier = carrier_of_slide(j);
-      if (j.type != model::JointType::prismatic || carrier == model::Tie::kWorld || model_.bodies[carrier].prescribed()) continue;
+      if (j.type != model::JointType::prismatic || model::guided_by_support(model_, j)) continue;
       for (int side = 0; side < 2; ++side) {
         One o = described(joint);
         const Vec3 first = linalg::any_perpendicular(j.axis);
@@ -187,10 +186,13 @@ void Equations::report(const FieldSinks& sinks) const {
     }
     // Both directions of a slide, one after the other: on `body`.
     const One& other = list_[i + 1];
-    const Index first = model_.bodies[carrier_of_slide(j)].block_begin + 1;
+    const Index carrier = carrier_of_slide(j);
     Vec3 sum = Vec3::Zero();
     for (const One* one : {&o, &other})
-      for (int k = 0; k < 3; ++k) sum -= (one->lambda + one->K * one->miss) * one->across[k] * q[first + k];
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 axis = carrier == model::Tie::kWorld ? Vec3(Vec3::Unit(k)) : q[model_.bodies[carrier].block_begin + 1 + k];
+        sum -= (one->lambda + one->K * one->miss) * one->across[k] * axis;
+      }
     if (j.follower != j.body) sum = -sum;
     for (int k = 0; k < 3; ++k) sinks[o.env].scalar("joint", j.name + "_guide_" + "xyz"[k], "N", sum[k]);
     sinks[o.env].scalar("joint", j.name + "_beside", "m", std::hypot(o.miss, other.miss));

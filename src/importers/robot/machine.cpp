@@ -407,12 +407,14 @@ class Assembly {
     return body_[link] == kWorld ? std::vector<std::size_t>{} : std::vector<std::size_t>{static_cast<std::size_t>(body_[link])};
   }
 
-  // Clear of the floor.
+  // Clear of the floor. What hangs on the world hangs where the file says, unless that is in the floor.
   void lift() {
     double lowest = INFINITY;
     for (const Body& b : out_.bodies)
       for (const Shape& s : b.shapes) lowest = std::min(lowest, bounds(s, b.at * s.at).first[2]);
     for (const Pad& p : out_.pads) lowest = std::min(lowest, bounds(p.shape, p.shape.at).first[2]);
+    const bool hangs = std::any_of(out_.axes.begin(), out_.axes.end(), [](const Axis& a) { return a.to < 0; });
+    if (hangs && lowest >= options_.clearance) return;
     const Vec3 up(0, 0, options_.clearance - lowest);
     for (Body& b : out_.bodies) b.at.t += up;
     for (Axis& a : out_.axes) a.place += up;

@@ -1,0 +1,55 @@
+#include "run/held_points.h"
+
+#include <map>
+#include <string>
+
+#include "model/bonded.h"
+#include "model/select.h"
+
+namespace mortise::run {
+
+namespace {
+
+std::vector<Params> entries(const model::ModelInput& input, const char* effect) {
+  const Params* effects = input.scene.find("effects");
+  const Params* list = effects ? effects->find(effect) : nullptr;
+  return list ? list->items() : std::vector<Params>();
+}
+
+unsigned mask_of(const std::string& axes) {
+  unsigned mask = 0;
+  for (const char c : axes) mask |= 1u << (c - 'x');
+  return mask;
+}
+
+}  // namespace
+
+std::vector<bool> held_points(const model::ModelInput& input) {
+  struct Place {
+    const model::BodyInput* body;
+    std::size_t first;
+  };
+  std::map<std::string, Place> bodies;
+  std::size_t points = 0;
+  for (const model::BodyInput& body : input.bodies) {
+    if (body.type == model::BodyType::half_space) continue;
+    bodies[body.name] = {&body, points};
+    points += body.nodes.size();
+  }
+  std::vector<unsigned> axes(points, 0);
+  for (const Params& pin : entries(input, "pin")) {
+    const auto at = bodies.find(pin.text("body"));
+    if (at == bodies.end() || pin.has("release") || !pin.has("where")) continue;
+    for (Index i : model::select(at->second.body->nodes, pin.at("where"))) axes[at->second.first + i] |= mask_of(pin.text("axes"));
+  }
+  for (const Params& bond : entries(input, "bond")) {
+    const auto soft = bodies.find(bond.text("body")), stiff = bodies.find(bond.text("to"));
+    if (soft == bodies.end() || stiff == bodies.end()) continue;
+    for (Index i : model::bonded(bond, *soft->second.body, *stiff->second.body)) axes[soft->second.first + i] = mask_of("xyz");
+  }
+  std::vector<bool> out;
+  for (const unsigned a : axes) out.push_back(a == mask_of("xyz"));
+  return out;
+}
+
+}  // namespace mortise::run
