@@ -41,6 +41,7 @@ Holds::Holds(const Params& effects) {
     Motor& m = motors_[p.text("joint")];
     m.kinematic = p.text("mode") == "kinematic", m.passive = p.text("mode") == "passive";
     m.kp = number_or(p, "kp", 0), m.kd = number_or(p, "kd", 0), m.effort = number_or(p, "effort", INFINITY), m.spring = number_or(p, "stiffness", 0);
+    m.damping = number_or(p, "damping", 0);
   }
   struct Link {
     std::string body, to;
@@ -106,6 +107,17 @@ bool Holds::motored(const std::string& body) const {
            const Motor* m = motor(joint);
            return !m || m->passive;
          });
+}
+
+bool Holds::damped(const std::string& body, double step) const {
+  if (!held(body)) return false;
+  const Motor* first = nullptr;
+  each_joint(body, [&](const Joint& joint) {
+    if (joint.fixed) return true;
+    first = motor(joint);
+    return false;
+  });
+  return first && first->kp + first->spring > 0 && first->kd + first->damping > tuning::kDamped * step * (first->kp + first->spring);
 }
 
 std::pair<const Holds::Joint*, double> Holds::leader(const Joint& joint) const {

@@ -30,6 +30,9 @@ class Holds {
   bool given(const std::string& body) const;
   // Is there a motor on the way to what holds it? Springs alone are none.
   bool motored(const std::string& body) const;
+  // Do motor, spring and damper of the first joint on the way that moves damp by far more than a time step of backward Euler does, whose share
+  // of damping is h times the stiffness? step: h [s].
+  bool damped(const std::string& body, double step) const;
   // Of a soft body that a mortar tie holds: the one that it is tied to; null of others.
   const std::string* tied_to(const std::string& body) const;
   // Pairs of bodies that joints, bonds or ties keep together.
@@ -60,7 +63,7 @@ class Holds {
   };
   struct Motor {
     bool kinematic = false, passive = false;
-    double kp = 0, kd = 0, effort = INFINITY, spring = 0;
+    double kp = 0, kd = 0, effort = INFINITY, spring = 0, damping = 0;
   };
   // The next body on the way to what holds; by which joint, or none (-1).
   struct Step {

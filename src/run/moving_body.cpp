@@ -9,12 +9,14 @@ namespace mortise::run {
 
 MovingBodies::MovingBodies(const model::ModelInput& input) {
   const Holds holds(input.scene.at("effects"));
+  const double step = integration_of(input.scene).step;
   const auto& pairs = holds.together();
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
     const bool tied = std::any_of(pairs.begin(), pairs.end(), [&](const auto& p) { return p.first == b.name || p.second == b.name; });
     const bool held = holds.held(b.name), given = holds.given(b.name), free = !held && !tied;
-    who_.push_back({held, given, given && !holds.pinned(b.name), free, free || (held && !given && !holds.motored(b.name))});
+    who_.push_back(
+        {held, given, given && !holds.pinned(b.name), free, free || (held && !given && !holds.motored(b.name)), holds.damped(b.name, step)});
   }
 }
 
@@ -31,7 +33,7 @@ std::vector<MovingBody> MovingBodies::at(const Snapshot& said, const std::vector
     // Slides on the world are supported, across their axis.
     const bool led = who_[i].given || (said.has("supports/" + b.name + "_x") && !who_[i].held);
     out.push_back({b, b.mean(points, points), b.mean(*velocity, points), force && !force->empty() && pushed(), who_[i].given, who_[i].driven, led,
-                   who_[i].free, who_[i].swings, b.soft() ? 0.0 : b.turning_energy(*velocity, points)});
+                   who_[i].free, who_[i].swings, who_[i].damped, b.soft() ? 0.0 : b.turning_energy(*velocity, points)});
   }
   return out;
 }

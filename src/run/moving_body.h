@@ -18,6 +18,7 @@ struct MovingBody {
   bool led;      // given, or supported by what is no joint
   bool free;     // nothing holds it or ties it to another body
   bool swings;   // it goes as forces say: free, or held on a way on which there is no motor, and not given
+  bool damped;   // by its joint, far more than by the time step (Holds::damped)
   double turns;  // energy of turning about its centre, of stiff bodies [J]
 
   // Of its centre [J].
@@ -32,7 +33,7 @@ class MovingBodies {
 
  private:
   struct Who {
-    bool held, given, driven, free, swings;
+    bool held, given, driven, free, swings, damped;
   };
   std::vector<Who> who_;
 };

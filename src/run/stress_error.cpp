@@ -122,8 +122,7 @@ double StressError::of(std::span<const double> stress, std::span<const double> d
     for (std::size_t t = 0; t < b.tets.size(); ++t) {
       Stress smooth[4], jump[4];
       for (int k = 0; k < 4; ++k) smooth[k] = mean[b.tets[t].v[k]], jump[k] = b.held[t] ? smooth[k] : Stress(smooth[k] - here[t][k]);
-      // Where volumes are averaged, what is wrong of a pressure moves the body as a stress of shear would.
-      of.missed += b.volume[t] * (b.averaged ? mean_of_linear(jump, b.E / (1 + b.nu), 0) : mean_of_linear(jump, b.E, b.nu));
+      of.missed += b.volume[t] * mean_of_linear(jump, b.E, b.nu);
       of.all += b.volume[t] * mean_of_linear(smooth, b.E, b.nu);
     }
   }

@@ -8,8 +8,7 @@
 // which is an estimate of the relative error of the energy, so of a force at imposed travel or of a travel at imposed force. Elements that lock
 // (linear ones near nu = 1/2) show in it, as their pressures alternate. Stresses of quadratic elements are linear within an element: s_h is
 // the field through its four points of integration, S = lambda ln(J) I + 2 mu G with J and Green's strain G there (which turns with the body, and is
-// Hooke's law where strains are small); where volumes are averaged over elements, with the mean of J, and w(s* - s_h) is that of nu = 0 and the same
-// shear modulus: a pressure that is wrong costs nearly no energy near nu = 1/2, but bends a beam of one such element across too far by a sixth.
+// Hooke's law where strains are small); where volumes are averaged over elements, with the mean of J.
 // Elements that have no free node deform as pins and bonds say, whatever they are made of: nothing tells how wrong that is, and all of their energy
 // counts as missed (a pad of rubber between two plates, one element thick, is as stiff as if it could not bulge).
 #include <array>

@@ -47,6 +47,7 @@ inline constexpr double kRested = 4,
                         kRestedShare = 0.3;   // kRested of them, came to rest there (bounce_loss.cpp; at the turn of a bounce: 6 % of them)
 inline constexpr double kStill = 0.01;        // of a body's size: less is no motion that anybody looks at (motion_lag.cpp)
 inline constexpr int kLooks = 16;             // in a step, at what is asked for (schedule_missed.cpp)
+inline constexpr double kDamped = 10;         // times what the time step damps: amplitudes are right within a tenth (holds.cpp)
 inline constexpr double kTrembles = 1e-3;     // of a stiff body's radius: by less it gives way itself (vibration_loss.cpp)
 inline constexpr double kOneWay = 0.1;        // forces from opposite sides have no resultant that supports could bear (layer_error.cpp)
 inline constexpr double kAsMuch = 0.01;       // of the most pressure: loads that are held waver by that (field_errors.cpp)

@@ -91,7 +91,7 @@ void VibrationLoss::look_how_far(const Snapshot& said, const std::vector<double>
 }
 
 bool VibrationLoss::counts(const MovingBody& b, std::size_t i, bool struck) const {
-  return b.body.soft() || (!b.given && far_[i] && (b.touches ? struck : !b.free));
+  return b.body.soft() || (!b.given && !b.damped && far_[i] && (b.touches ? struck : !b.free));
 }
 
 // Of a field of velocities, or of changes of them.
