@@ -43,11 +43,11 @@ class VibrationLoss {
     double first = 0, second = 0;  // 2 D of the last step, by its order [J]
     double sum = 0, moved = 0;     // of 2 D, T [J]
   };
-  Integration integration_;
   void look_how_far(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies);
   bool counts(const MovingBody& b, std::size_t i, bool struck) const;
   double energy_of(const std::vector<double>& velocity, const std::vector<double>& points, const std::vector<MovingBody>& bodies) const;
 
+  Integration integration_;
   std::vector<std::size_t> mechanism_;  // of every body that has points
   std::vector<std::uint8_t> far_;       // likewise: is it soft, or has it gone so far that it does more than tremble?
   std::vector<Mechanism> mechanisms_;
