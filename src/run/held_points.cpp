@@ -5,16 +5,11 @@
 
 #include "model/bonded.h"
 #include "model/select.h"
+#include "run/entries.h"
 
 namespace mortise::run {
 
 namespace {
-
-std::vector<Params> entries(const model::ModelInput& input, const char* effect) {
-  const Params* effects = input.scene.find("effects");
-  const Params* list = effects ? effects->find(effect) : nullptr;
-  return list ? list->items() : std::vector<Params>();
-}
 
 unsigned mask_of(const std::string& axes) {
   unsigned mask = 0;
@@ -37,12 +32,14 @@ std::vector<bool> held_points(const model::ModelInput& input) {
     points += body.nodes.size();
   }
   std::vector<unsigned> axes(points, 0);
-  for (const Params& pin : entries(input, "pin")) {
+  const Params* found = input.scene.find("effects");
+  const Params effects = found ? *found : Params::make_table();
+  for (const Params& pin : entries(effects, "pin")) {
     const auto at = bodies.find(pin.text("body"));
     if (at == bodies.end() || pin.has("release") || !pin.has("where")) continue;
     for (Index i : model::select(at->second.body->nodes, pin.at("where"))) axes[at->second.first + i] |= mask_of(pin.text("axes"));
   }
-  for (const Params& bond : entries(input, "bond")) {
+  for (const Params& bond : entries(effects, "bond")) {
     const auto soft = bodies.find(bond.text("body")), stiff = bodies.find(bond.text("to"));
     if (soft == bodies.end() || stiff == bodies.end()) continue;
     for (Index i : model::bonded(bond, *soft->second.body, *stiff->second.body)) axes[soft->second.first + i] = mask_of("xyz");

@@ -5,16 +5,12 @@
 
 #include "effects/joint/stop.h"
 #include "effects/tie_name.h"
+#include "run/entries.h"
 #include "run/tuning.h"
 
 namespace mortise::run {
 
 namespace {
-
-std::vector<Params> entries(const Params& effects, const char* effect) {
-  const Params* list = effects.find(effect);
-  return list ? list->items() : std::vector<Params>();
-}
 
 double number_or(const Params& p, const char* key, double otherwise) { return p.has(key) ? p.number(key) : otherwise; }
 double reported(const Holds::State& state, const std::string& name) {

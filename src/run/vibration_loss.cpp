@@ -14,6 +14,17 @@
 
 namespace mortise::run {
 
+namespace {
+
+// By body, of a field of velocities, or of changes of them [J].
+std::vector<double> energies_of(const std::vector<double>& velocity, const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
+  std::vector<double> out;
+  for (const MovingBody& b : bodies) out.push_back(b.body.kinetic_energy(velocity, points));
+  return out;
+}
+
+}  // namespace
+
 VibrationLoss::VibrationLoss(const model::ModelInput& input) : integration_(integration_of(input.scene)) {
   const Params& effects = input.scene.at("effects");
   const Holds holds(effects);
@@ -54,19 +65,20 @@ void VibrationLoss::state(const Snapshot& said, const std::vector<double>& point
   const Snapshot::Values& v = *said.of_points("velocity", 3);
   const std::vector<double> now(v.begin(), v.end());
   look_how_far(said, points, bodies);
-  stored_ = std::max(stored_, stored), moved_ = std::max(moved_, energy_of(now, points, bodies));
+  const std::vector<double> energies = energies_of(now, points, bodies);
+  stored_ = std::max(stored_, stored), moved_ = std::max(moved_, counted(energies, bodies));
   std::vector<double> moved(mechanisms_.size(), 0.0);
   std::vector<bool> touches(mechanisms_.size(), false);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    moved[mechanism_[i]] += bodies[i].body.kinetic_energy(now, points);
+    moved[mechanism_[i]] += energies[i];
     touches[mechanism_[i]] = touches[mechanism_[i]] || bodies[i].touches;
   }
   for (std::size_t g = 0; g < moved.size(); ++g) mechanisms_[g].moved = std::max(mechanisms_[g].moved, moved[g]);
   const auto lost = [&](const std::vector<double>& change, double times, double Mechanism::*to) {
+    const std::vector<double> energies = energies_of(change, points, bodies);
     for (std::size_t i = 0; i < bodies.size(); ++i)
-      if (Mechanism& m = mechanisms_[mechanism_[i]]; m.alone && !touches[mechanism_[i]] && counts(bodies[i], i, false))
-        m.*to += times * bodies[i].body.kinetic_energy(change, points);
-    return times * energy_of(change, points, bodies);
+      if (Mechanism& m = mechanisms_[mechanism_[i]]; m.alone && !touches[mechanism_[i]] && counts(bodies[i], i, false)) m.*to += times * energies[i];
+    return times * counted(energies, bodies);
   };
   std::vector<double> change = now;
   if (!v1_.empty()) {
@@ -94,12 +106,11 @@ bool VibrationLoss::counts(const MovingBody& b, std::size_t i, bool struck) cons
   return b.body.soft() || (!b.given && !b.damped && far_[i] && (b.touches ? struck : !b.free));
 }
 
-// Of a field of velocities, or of changes of them.
-double VibrationLoss::energy_of(const std::vector<double>& velocity, const std::vector<double>& points, const std::vector<MovingBody>& bodies) const {
+double VibrationLoss::counted(const std::vector<double>& energies, const std::vector<MovingBody>& bodies) const {
   const bool soft = std::any_of(bodies.begin(), bodies.end(), [](const MovingBody& b) { return b.body.soft() && b.touches; });
   double sum = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i)
-    if (counts(bodies[i], i, soft)) sum += bodies[i].body.kinetic_energy(velocity, points);
+    if (counts(bodies[i], i, soft)) sum += energies[i];
   return sum;
 }
 

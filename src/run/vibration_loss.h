@@ -45,7 +45,7 @@ class VibrationLoss {
   };
   void look_how_far(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies);
   bool counts(const MovingBody& b, std::size_t i, bool struck) const;
-  double energy_of(const std::vector<double>& velocity, const std::vector<double>& points, const std::vector<MovingBody>& bodies) const;
+  double counted(const std::vector<double>& energies, const std::vector<MovingBody>& bodies) const;  // sum over the bodies that count
 
   Integration integration_;
   std::vector<std::size_t> mechanism_;  // of every body that has points

@@ -13,17 +13,13 @@
 #include "run/crept.h"
 #include "run/shape_defect.h"
 #include "run/stress_error.h"
+#include "tables.h"
 
 using namespace mortise;
+using mortise::testing::number;
+using mortise::testing::table;
 
 namespace {
-
-Params table(const std::vector<std::pair<std::string, Params>>& entries) {
-  Params out = Params::make_table();
-  for (const auto& [key, value] : entries) out.set(key, value);
-  return out;
-}
-Params number(double v) { return Params::make_number(v); }
 
 // Two soft bodies of two tetrahedra each, 5 m apart, and nothing that holds them.
 model::ModelInput two() {

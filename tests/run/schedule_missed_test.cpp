@@ -5,16 +5,14 @@
 
 #include <cmath>
 
+#include "tables.h"
+
 using namespace mortise;
+using mortise::testing::number;
+using mortise::testing::table;
 
 namespace {
 
-Params table(const std::vector<std::pair<std::string, Params>>& entries) {
-  Params out = Params::make_table();
-  for (const auto& [key, value] : entries) out.set(key, value);
-  return out;
-}
-Params number(double v) { return Params::make_number(v); }
 Params text(const char* v) { return Params::make_text(v); }
 Params numbers(const std::vector<double>& values) {
   Params out = Params::make_list();
