@@ -33,7 +33,7 @@ Adjoint Simulation::adjoint(const Functional& Q) {
   tangent_step_ = step_[0];
   const std::vector<Mat3> P = model_.projector.download();
 
-  // dQ/dq + J^T (I - P) E
+  // dQ/dq + J^T T (I - P) E: what supports move takes along what is tied to it
   std::vector<Vec3> w(model_.blocks, Vec3::Zero()), E = w;
   if (!Q.points.empty()) {
     const std::vector<Index> offset = model_.point_offset.download(), block = model_.point_block.download();
@@ -46,10 +46,10 @@ Adjoint Simulation::adjoint(const Functional& Q) {
     const Index end = body.type == model::BodyType::stiff ? body.block_begin + 1 : body.block_end;
     for (Index b = body.block_begin; b < end; ++b) E[b] = Vec3::Unit(Q.axis) - P[b] * Vec3::Unit(Q.axis);
   }
-  device::Buffer<Vec3> gradient(w), JE, f(system.rows.count()), lambda, way;
-  if (model_.ties.any()) model_.ties.fold(gradient.view());
+  device::Buffer<Vec3> gradient(w), supported(E), JE, f(system.rows.count()), lambda, way;
+  if (model_.ties.any()) model_.ties.fold(gradient.view()), model_.ties.carry(supported.view());
   if (Q.body >= 0) {
-    tangent_->product(device::Buffer<Vec3>(E).view(), true, JE);
+    tangent_->product(std::as_const(supported).view(), true, JE);
     add(std::as_const(JE).view(), gradient);
   }
   device::clear(f.view().p, f.size() * sizeof(Vec3));
@@ -61,7 +61,8 @@ Adjoint Simulation::adjoint(const Functional& Q) {
   out.residual = dot_of(lambda.download(), tangent_->forces().download());
   system.to_blocks(std::as_const(lambda).view(), {}, EnvMask(1, 1), way);
   std::vector<Vec3> z = way.download();
-  for (std::size_t b = 0; b < z.size(); ++b) z[b] = E[b] - z[b];
+  const std::vector<Vec3> moved = supported.download();
+  for (std::size_t b = 0; b < z.size(); ++b) z[b] = moved[b] - z[b];
   device::Buffer<Vec3> y;
   model_.points_of(device::Buffer<Vec3>(z).view(), y);
   const std::vector<Vec3> at_points = y.download();

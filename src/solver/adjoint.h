@@ -2,7 +2,7 @@
 // Of a number Q that is measured of an accepted state: what it would change by if forces were a little different. With g = grad Phi, E the way of
 // supports along which Q is a force of supports (Q = E . (I - P) g), and dQ/dq,
 //
-//   z = (I - P) E - P lambda,   P J^T P lambda = P (dQ/dq + J^T (I - P) E),
+//   z = T (I - P) E - P lambda,   P J^T P lambda = P (dQ/dq + J^T T (I - P) E),   T: what is tied to a body goes with it
 //
 // a small change dg of what acts on blocks changes Q by z . dg. What the solution leaves undone is such a change:
 //

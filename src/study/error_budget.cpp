@@ -9,9 +9,9 @@
 #include "base/cpu_time.h"
 #include "effects/roles.h"
 #include "engine/effect_tables.h"
-#include "run/holds.h"
 #include "run/output_mesh.h"
 #include "run/signals.h"
+#include "run/vector_at.h"
 #include "scene/scene.h"
 #include "study/course.h"
 #include "study/goal_error.h"
@@ -33,12 +33,6 @@ int body_of(const model::ModelInput& input, const std::string& name) {
   return -1;
 }
 
-// Does something hang on a body by bonds, joints or ties?
-bool ties(const model::ModelInput& input, const std::string& body) {
-  const run::Holds holds(input.scene.at("effects"));
-  return std::any_of(holds.together().begin(), holds.together().end(), [&](const auto& pair) { return pair.first == body || pair.second == body; });
-}
-
 constexpr const char* kKnown =
     "its gradient is not known: there are supports/BODY_x (y, z), and displacement and position along an axis, at a point or as max or min";
 
@@ -46,9 +40,31 @@ constexpr const char* kKnown =
 struct Gradient {
   solver::Functional of;
   std::string why_not;
+  double scale = 0;  // see QuantityBudget
 };
 
-Gradient gradient_of(const Quantity& q, const model::ModelInput& input, const std::vector<double>& points) {
+// What supports hold a body with, or the points of a soft one, summed without regard to direction [N].
+double held_with(const model::ModelInput& input, const std::string& name, const Snapshot& state) {
+  double square = 0, sum = 0;
+  for (const char* tail : {"_x", "_y", "_z"})
+    if (const double f = state.at("supports/" + name + tail); std::isfinite(f)) square += f * f;
+  std::size_t point = 0;
+  const Snapshot::Values* force = state.of_points("support_force", 3);
+  for (const model::BodyInput& body : input.bodies) {
+    if (body.type == model::BodyType::half_space) continue;
+    for (std::size_t i = 0; i < body.nodes.size() && force && body.name == name; ++i) sum += run::at(*force, point + i).norm();
+    point += body.nodes.size();
+  }
+  return std::fmax(std::sqrt(square), sum);
+}
+
+double longest(const std::vector<Vec3>& rest, const std::vector<double>& points) {
+  double out = 0;
+  for (std::size_t i = 0; i < rest.size(); ++i) out = std::max(out, (run::at(points, i) - rest[i]).norm());
+  return out;
+}
+
+Gradient gradient_of(const Quantity& q, const model::ModelInput& input, const Snapshot& state, const std::vector<double>& points) {
   Gradient out;
   const auto none = [&](const std::string& why) { return out.why_not = why, out; };
   if (q.when != "end" || q.at) return none("it is not of the last state");
@@ -59,12 +75,13 @@ Gradient gradient_of(const Quantity& q, const model::ModelInput& input, const st
     out.of.body = axis.size() == 1 && axes.find(axis) != std::string::npos ? body_of(input, body) : -1;
     if (out.of.body < 0) return none(kKnown);
     out.of.axis = static_cast<int>(axes.find(axis));
-    if (ties(input, body)) return none("its gradient is not known: bonds, joints or ties hang other bodies on '" + body + "'");
+    out.scale = held_with(input, body, state);
     return out;
   }
   if ((q.value != "displacement" && q.value != "position") || q.axis.size() != 1) return none(kKnown);
   const output::OutputMesh mesh = run::output_mesh(input);
   const auto axis = axes.find(q.axis);
+  out.scale = longest(mesh.points, points);
   out.of.points.assign(points.size(), 0.0);
   if (q.point) {
     for (const auto& [i, w] : weights_at(mesh, q)) out.of.points[3 * i + axis] = w;
@@ -84,6 +101,13 @@ Gradient gradient_of(const Quantity& q, const model::ModelInput& input, const st
   return out;
 }
 
+// A point that lies nowhere is a reason too: it does not undo hours of work.
+Gradient known_gradient(const Quantity& q, const model::ModelInput& input, const Snapshot& state, const std::vector<double>& points) try {
+  return gradient_of(q, input, state, points);
+} catch (const Error& e) {
+  return {{}, e.what()};
+}
+
 // Why nothing can be said of a scene; empty where something can.
 std::string why_none(const Params& scene) {
   const Params& time = scene.at("time");
@@ -98,6 +122,7 @@ std::string why_none(const Params& scene) {
 void QuantityBudget::judge(double of_value) {
   value = of_value;
   for (ErrorPart& part : parts) {
+    part.found = part.error;
     if (part.source != kMeshPart || !(std::abs(part.error) > tuning::kCoarseShare * std::abs(value))) continue;
     part.why_not = fmt::format("{}: the mesh is too coarse for it ({:.2g} % of the number was found, and above {:g} % up to half is missed)",
                                kNotReliable, 100 * std::abs(part.error / value), 100 * tuning::kCoarseShare);
@@ -109,6 +134,15 @@ double QuantityBudget::sum() const {
   double out = 0;
   for (const ErrorPart& part : parts) out += std::isfinite(part.error) ? part.error : 0;
   return out;
+}
+
+double QuantityBudget::share() const {
+  double found = 0;
+  bool any = false;
+  for (const ErrorPart& part : parts)
+    if (std::isfinite(part.found)) found += part.found, any = true;
+  const double of = std::max(std::abs(value), tuning::kSmallest * scale);
+  return any && of > 0 ? std::abs(found) / of : NAN;
 }
 
 bool QuantityBudget::complete() const {
@@ -127,8 +161,8 @@ ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, co
   const bool contact = !effects::of_role(input.scene.at("effects"), effects::Role::contact).empty();
   for (const Quantity& q : quantities) {
     QuantityBudget& budget = out.of.emplace_back();
-    const Gradient gradient = none.empty() ? gradient_of(q, input, points) : Gradient{{}, none};
-    budget.why_not = gradient.why_not;
+    const Gradient gradient = none.empty() ? known_gradient(q, input, state, points) : Gradient{{}, none};
+    budget.why_not = gradient.why_not, budget.scale = gradient.scale;
     if (!budget.why_not.empty()) continue;
     solver::Adjoint adjoint;
     if (const engine::Outcome outcome = engine.adjoint(gradient.of, adjoint); outcome.code != 0) {
@@ -160,6 +194,7 @@ run::Estimated budget_of_run(engine::Engine& engine, const model::ModelInput& in
     } catch (const Error& e) {
       of.why_not = e.what();
     }
+    out.worst = std::fmax(out.worst, of.share());
     if (!std::isfinite(of.value)) out.warnings.push_back(fmt::format("warning: quantity '{}' has no value: {}", quantities[k].name, of.why_not));
   }
   out.json = budget_entries(quantities, budget);

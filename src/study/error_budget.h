@@ -19,15 +19,18 @@ struct ErrorPart {
   std::string source;
   double error = NAN;   // what is to be added to the number; NaN: not estimated
   std::string why_not;  // then
+  double found = NAN;   // the error that was found, relied on or not
 };
 
 struct QuantityBudget {
   double value = NAN;
+  double scale = 0;              // what a number of its kind is large against: of a force all that holds the body, of a way the longest
   std::string why_not;           // nothing is known of this one
   std::vector<ErrorPart> parts;  // of the mesh first
   void judge(double of_value);   // sets the value; a part of the mesh that is too much of it to be relied on becomes "not reliable"
   double sum() const;            // of what is estimated
   bool complete() const;
+  double share() const;  // of all that was found, relied on or not, of the number, or of what it is large against; NaN where nothing was
 };
 
 struct ErrorBudget {

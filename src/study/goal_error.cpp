@@ -68,6 +68,8 @@ GoalError::GoalError(const model::ModelInput& input) {
       }
       if (blind > tuning::kBlind * all)
         why_not_ = "elements of '" + in.name + "' have no free node, and their stresses tell nothing: use a finer mesh";
+      const auto begin = held.begin() + static_cast<std::ptrdiff_t>(point), end = begin + static_cast<std::ptrdiff_t>(in.nodes.size());
+      if (const auto free = std::count(begin, end, false); free > 0) b.one_sided = static_cast<double>(in.nodes.size()) / static_cast<double>(free);
       bodies_.push_back(std::move(b));
     }
     cell += in.type == model::BodyType::soft ? in.tets.size() : in.triangles.size();
@@ -90,7 +92,7 @@ double GoalError::of(std::span<const double> stress, std::span<const double> z) 
     for (std::size_t t = 0; t < b.tets.size(); ++t) {
       Stress u[4], v[4];
       for (int k = 0; k < 4; ++k) u[k] = jump_u[t][k], v[k] = jump_z[t][k];
-      sum += b.volume[t] * mean_of_product(u, v, b.E, b.nu);
+      sum += b.one_sided * b.volume[t] * mean_of_product(u, v, b.E, b.nu);
     }
   }
   return -sum;

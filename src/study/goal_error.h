@@ -29,6 +29,7 @@ class GoalError {
     std::vector<double> volume;  // [m^3]
     std::vector<Mat3> inverse;   // of the edges at rest [1/m]
     double E, nu;
+    double one_sided = 1;  // nodes over free nodes (run/stress_error.h)
   };
   std::vector<Body> bodies_;
   std::string why_not_;

@@ -34,6 +34,9 @@ inline constexpr double kHair = 1e-5, kKink = 0.02, kNoDerivative = 1e-3;
 // A mesh's part of an error from the jumps of stresses: above this share of the number it was between 0.44 and 0.82 of the true one, below between
 // 0.6 and 1.5 (benchmarks/effectivity).
 inline constexpr double kCoarseShare = 0.1;
+// Of all that holds a body, or of the longest way: what is smaller is what symmetry or balance leave, and shares of it say nothing
+// (error_budget.cpp).
+inline constexpr double kSmallest = 1e-4;
 
 // Asking for an accuracy (accuracy.cpp). Meshes are refined by the root of two, so that none is much finer than it has to be; times grow as
 // sizes^-3.5 (elements ^3, factors and iterations somewhat more), with thinner layers hardly. Layers of contact for pressures are this share of an

@@ -73,6 +73,42 @@ TEST(Adjoint, OfAForceTellsWhatTheGapAddsToIt) {
   shows_its_gap("barrier_contact: {d_hat: 0.1 mm, stiffness: 1 MPa}");
 }
 
+// A bar that hangs on a pinned body by a bond: what holds that body is the force of the bar's own support, and hangs on the same things.
+TEST(Adjoint, GoesThroughBonds) {
+  constexpr const char* kHeld = R"(
+mortise: 1
+name: held
+time: {mode: static, steps: 1}
+materials:
+  gel: {model: neo_hookean, youngs_modulus: 0.1 MPa, poisson_ratio: 0.3, density: 1000}
+bodies:
+  bar: {type: soft, shape: {box: {size: [40 mm, 10 mm, 10 mm], edge_length: 5 mm}}, material: gel, position: [20 mm, 0, 0]}
+  grip: {type: stiff, shape: {box: {size: [10 mm, 10 mm, 10 mm], edge_length: 10 mm}}, mass: 1, position: [45 mm, 0, 0]}
+effects:
+  elasticity: {}
+  bond: [{body: bar, to: grip, where: {side: x_max}}]
+  pin:
+    - {body: bar, where: {side: x_min}}
+    - {body: grip, where: {side: all}, motion: {time: [0, 1], translation: [[0, 0, 0], [1 mm, 0, 2 mm]]}}
+)";
+  Rig rig(kHeld, {"solver.relative_tolerance=1e-11"});
+  rig.step();
+  constexpr int kBar = 0, kGrip = 1;
+  const solver::Adjoint bar = adjoint(rig, {{}, kBar, kZ}), grip = adjoint(rig, {{}, kGrip, kZ});
+  const std::vector<double> points = rig.engine->points();
+  double most = 0;
+  for (std::size_t i = 0; i < points.size(); i += 3) {
+    // Moved with both of its ends it does not strain: the two are one metre per metre together.
+    EXPECT_NEAR(bar.points[i + 2] + grip.points[i + 2], 1, 1e-6);
+    if (points[i] > 0.0409) {
+      EXPECT_NEAR(grip.points[i + 2], 1, 1e-12) << "goes with the grip";
+    }
+    most = std::max(most, std::abs(grip.points[i]));
+  }
+  EXPECT_GT(most, 1e-3) << "it bends";
+  EXPECT_NEAR(grip.residual, 0, 1e-9);
+}
+
 // A block that is bent by gravity far enough for Newton's method to take iterations: stopped too early, the adjoint tells what is missing.
 TEST(Adjoint, TellsWhatNewtonLeft) {
   constexpr const char* kBent = R"(
