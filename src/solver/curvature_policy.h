@@ -3,6 +3,7 @@
 // quadratic model reaches too far: convex pieces are safer then. After a full one the exact Hessian is tried again, as it converges
 // quadratically; where that matrix is not positive definite, less of it.
 #include <algorithm>
+#include <iterator>
 #include <vector>
 
 #include "effects/curvature.h"
@@ -18,12 +19,11 @@ class CurvaturePolicy {
   // alpha: share of the last step that was taken; 0 before the first.
   void choose(Index env, double alpha) {
     double& s = concavity_[env];
-    s = alpha < 1 ? 0 : s == 0 ? 1 : std::min(1.0, tuning::kRegain * s);
+    s = alpha < 1 ? 0 : s == 0 ? 1 : *(std::find(std::begin(tuning::kConcave), std::end(tuning::kConcave), s) - (s < 1));
   }
   void soften(Index env) {
     double& s = concavity_[env];
-    s *= tuning::kSoften;
-    if (s < tuning::kLeastConcave) s = 0;
+    s = *(std::find(std::begin(tuning::kConcave), std::end(tuning::kConcave), s) + (s > 0));
   }
   void make_convex(Index env) { concavity_[env] = 0; }
 

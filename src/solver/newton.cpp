@@ -23,6 +23,7 @@ Newton::Newton(model::Model& model, EffectList& effects, const Options& options,
       creep_(model.envs),
       progress_(model.envs),
       moving_(model.envs),
+      saddle_(model.envs),
       energies_(model, system_.potential),
       line_search_(system_, energies_),
       first_guess_(system_, energies_),
@@ -31,7 +32,9 @@ Newton::Newton(model::Model& model, EffectList& effects, const Options& options,
       trace_(system_, curvature_),
       at_(system_.potential.linearised()),
       beside_(system_.potential.linearised()),
-      held_(model.envs, 0) {}
+      held_(model.envs, 0) {
+  for (const auto& effect : effects) touching_ = touching_ || effect->kind().role == effects::Role::contact;
+}
 
 void Newton::begin(const EnvMask& whose) {
   if (q_.size() != model_.blocks) q_.copy_from(model_.q);
@@ -136,7 +139,7 @@ void Newton::solve(const effects::StepInfo& info, const StepReports& report, con
 // Until no environment runs any more: each has settled, is stuck or has failed.
 void Newton::iterate(const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop) {
   for (Index e = 0; e < envs_.size(); ++e)
-    if (envs_.is(e, EnvState::running)) envs_[e].force = 0, moving_.begin(e);
+    if (envs_.is(e, EnvState::running)) envs_[e].force = 0, moving_.begin(e), saddle_.begin(e);
   nearest_force_.assign(envs_.size(), INFINITY);
   for (Index it = 0;; ++it) {
     stop();
@@ -184,9 +187,12 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
 
     std::vector<double> tolerance;
     for (Index e = 0; e < envs_.size(); ++e) tolerance.push_back(system_.convergence.least_tolerance(r, e, wanted(e)));
+    std::vector<double> stretch(envs_.size(), 1.0);
+    for (Index e = 0; e < envs_.size(); ++e)
+      if (running[e] && !slides(e)) stretch[e] = saddle_.choose(e, envs_[e].alpha, envs_[e].concave, system_.convergence.largest_force(r, e));
     // What is told of the direction comes with how far it may lead.
     device::Fetch fetch;
-    const bool asked = direction_.begin(q_, r, tolerance, at_, envs_, report, fetch, ask_of_way());
+    const bool asked = direction_.begin(q_, r, tolerance, stretch, at_, envs_, report, fetch, ask_of_way());
     held_ = running;
     check_failed();
     line_search_.begin(std::as_const(q_).view(), direction_.way(), direction_.supports(), at_, envs_, fetch, asked);
@@ -256,7 +262,8 @@ void Newton::settle(const Residual& r, Index iteration) {
     // While supports move, energies rise with their work and say nothing.
     const double energy = std::exchange(envs_[e].arrived, r.support_gap[e] == 0) ? envs_[e].energy : INFINITY;
     const double relative = wanted(e);
-    if (system_.solved(r, e, relative, envs_[e].step)) {
+    const bool energy_alone = options_.is_static && !system_.potential.lags() && !system_.potential.freezes() && !slides(e);
+    if (system_.solved(r, e, relative, envs_[e].step) && !(energy_alone && saddle_.waits(e, envs_[e].concave))) {
       envs_[e].state = envs_[e].whole ? EnvState::solved : EnvState::settled;
       continue;
     }
@@ -307,7 +314,7 @@ bool Newton::wants_coupled(Index env, Index iteration, const Residual& r, const 
   const bool idle = sight.idle >= tuning::kWholePatience;
   if (now.whole && (idle || iteration >= options_.iterations)) return true;
   if (now.whole && (sight.falls || !system_.potential.freezes())) return false;
-  if (!now.may_couple || r.support_gap[env] > 0 || !needs_jacobian(env, iteration, r)) return false;
+  if (!now.may_couple || r.support_gap[env] > 0 || !(sight.circles || needs_jacobian(env, iteration, r))) return false;
   return now.coupled == 0 || idle || (!sight.falls && nearest_force_[env] < now.couple_below);
 }
 

@@ -21,6 +21,7 @@
 #include "solver/moving_policy.h"
 #include "solver/newton_trace.h"
 #include "solver/progress_watch.h"
+#include "solver/saddle_policy.h"
 
 namespace mortise::solver {
 
@@ -70,6 +71,8 @@ class Newton {
   void lag_here(const EnvMask& whose);
   void freeze(Index env);
   bool refresh(Index round, const StepReports& report);
+  // Statics, and nothing but contact holds a body: where it slides nothing resists, and that is no saddle.
+  bool slides(Index env) const { return touching_ && system_.rows.loose[env]; }
   double wanted(Index env) const { return envs_[env].whole ? lag_.finest() : lag_.relative(env); }
   // How far the environments of `whose` are.
   void note(const Residual& r, const std::function<double(Index)>& relative, const EnvMask& whose, const StepReports& report) const;
@@ -85,6 +88,7 @@ class Newton {
   CreepWatch creep_;
   ProgressWatch progress_;
   MovingPolicy moving_;
+  SaddlePolicy saddle_;
   EnergyLedger energies_;
   Search line_search_;
   FirstGuess first_guess_;
@@ -95,6 +99,7 @@ class Newton {
   Linearised at_, beside_;  // at q_; at states beside it
   EnvMask held_;            // environments of which at_ holds more than forces
   device::Buffer<Vec3> q_;
+  bool touching_ = false;              // some effect is contact
   bool foreseen_ = false;              // q_ is a state that effects have foreseen
   Index last_ = 0;                     // iterations of the last solve
   EnvMask fresh_;                      // environments that stand where the step begins

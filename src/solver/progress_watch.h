@@ -1,7 +1,9 @@
 #pragma once
 // Whether iterations get anywhere: they do while the residual falls, or the energy to ever lower values. One of them may rise meanwhile: forces on
-// the way through an instability, energies of iterates that have frozen something of their own.
+// the way through an instability, energies of iterates that have frozen something of their own. Where neither does and the residual is that of the
+// iterate before the last, again and again, they run in a circle between two states, and more of them are of no use.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -14,8 +16,9 @@ class ProgressWatch {
   explicit ProgressWatch(Index envs) : rows_(envs) {}
 
   struct Sight {
-    bool falls;  // the energy, to the lowest of these iterations
-    Index idle;  // iterations since the last progress
+    bool falls;    // the energy, to the lowest of these iterations
+    Index idle;    // iterations since the last progress; in a circle as many as there could be
+    bool circles;  // between two states
   };
   // force: residual [N]; energy: of the iterate before [J], infinite where supports still moved; by_energy: does a falling energy count?
   Sight look(Index env, Index iteration, double force, double energy, bool by_energy) {
@@ -25,13 +28,19 @@ class ProgressWatch {
     const bool falls = by_energy && iteration > 0 && energy < row.energy;
     if (iteration > 0) row.energy = std::min(row.energy, energy);
     if (falls) row.since = iteration;
-    return {falls, iteration - row.since};
+    const bool same = iteration > 1 && !falls && std::abs(force - row.last[0]) <= tuning::kSameForce * force;
+    row.circling = same ? row.circling + 1 : 0;
+    row.last = {row.last[1], force};
+    const bool circles = row.circling >= tuning::kCircles;
+    return {falls, circles ? tuning::kHopeless : iteration - row.since, circles};
   }
 
  private:
   struct Row {
     double force = 0, energy = INFINITY;  // least so far
     Index since = 0;                      // iteration of the last progress
+    std::array<double, 2> last{};         // residuals of the last two iterates [N]
+    Index circling = 0;                   // iterations
   };
   std::vector<Row> rows_;  // environments
 };

@@ -13,9 +13,15 @@ inline constexpr double kSupportGap = 1e-13;  // of the scene's length: what rou
 inline constexpr Index kFirstLook = 8;        // iteration at which what touches by now is looked at; then ever more seldom, by powers of two
 
 // ---- curvature (curvature_policy.h)
-inline constexpr double kLeastConcave = 0.05;  // a smaller share of negative curvature makes no difference to convergence
-inline constexpr double kSoften = 0.25;        // two or three tries lie between the exact Hessian and a convex one
-inline constexpr double kRegain = 2;           // after a full step
+// What is kept of negative curvature, less where that is not enough, more after a full step. Just beyond the load of a column a 64th less makes the
+// Hessian definite, and Newton's method converges nearly as with all of it, while what is unstable grows many times over in an iteration; far beyond
+// it half or an eighth of it is still better than none.
+inline constexpr double kConcave[] = {1, 63. / 64, 0.875, 0.5, 0.125, 0};
+
+// ---- saddles (saddle_policy.h)
+inline constexpr double kStretch = 4;    // in two iterations sixteen times as far: cutting a way that is too long costs an energy per halving
+inline constexpr Index kWaits = 40;      // iterations for which rounding may look for a way down: unstable motions grow by a third in each, or more
+inline constexpr double kLongest = 1e6;  // beyond it a direction is as little that motion as rounding made it
 
 // ---- linear systems (linear.h)
 inline constexpr Index kDirectBlocks = 2000;  // up to here a factor costs next to nothing; beyond it is kept for some iterations,
@@ -75,6 +81,8 @@ inline constexpr double kCloser = 0.5;  // of the residual: a full step that lea
 inline constexpr double kProgress = 0.9;     // of the least residual
 inline constexpr Index kWholePatience = 12;  // iterations without: then rounds of lagged quantities take over from the whole Jacobian, and the
                                              // coupled iteration is tried again
+inline constexpr double kSameForce = 1e-3;   // of the residual: what comes closer by no more would take a thousand iterations,
+inline constexpr Index kCircles = 5;         // so often in a row
 inline constexpr Index kHopeless = 24;       // where that has failed too: time for a shorter step
 
 // ---- coupled iteration (coupled.h)

@@ -48,8 +48,9 @@ std::string unsupported(const model::Model& model, Index env) {
   }
   std::string text;
   if (!loose.empty())
-    text += "\n  nothing but contact can hold " + loose +
-            " in this static scene, and without friction it slides off whatever leans: pin it, name friction, or make the scene dynamic";
+    text +=
+        "\n  nothing but contact can hold " + loose +
+        " in this static scene, and it slides off whatever leans by more than friction bears: pin it, name more friction, or make the scene dynamic";
   if (!turning.empty())
     text += "\n  supports let " + turning +
             " move or turn as a whole (held at a point, along a line or in one direction), and nothing but contact keeps it from that: hold more of "

@@ -7,6 +7,7 @@
 #include "solver/loose_hold.h"
 #include "solver/moving_policy.h"
 #include "solver/progress_watch.h"
+#include "solver/saddle_policy.h"
 
 using namespace mortise;
 using namespace mortise::solver;
@@ -19,14 +20,19 @@ TEST(CurvaturePolicy, ConvexUntilAFullStepThenExactAndSoftenedWhereIndefinite) {
   p.choose(0, 1);
   EXPECT_EQ(p.concavity(0), 1);
   p.soften(0);
-  EXPECT_EQ(p.concavity(0), 0.25);
+  EXPECT_EQ(p.concavity(0), 63. / 64);
+  p.soften(0);
+  EXPECT_EQ(p.concavity(0), 0.875);
   p.choose(0, 1);
-  EXPECT_EQ(p.concavity(0), 0.5);
+  EXPECT_EQ(p.concavity(0), 63. / 64);
+  p.choose(0, 1);
+  EXPECT_EQ(p.concavity(0), 1);
+  p.soften(0);
   p.choose(0, 0.5);  // a cut step
   EXPECT_EQ(p.concavity(0), 0);
   p.choose(0, 1);
-  for (int i = 0; i < 3; ++i) p.soften(0);
-  EXPECT_EQ(p.concavity(0), 0) << "shares that make no difference are none";
+  for (int i = 0; i < 8; ++i) p.soften(0);
+  EXPECT_EQ(p.concavity(0), 0) << "convex";
 }
 
 TEST(CurvaturePolicy, EveryEnvironmentHasItsOwn) {
@@ -35,11 +41,11 @@ TEST(CurvaturePolicy, EveryEnvironmentHasItsOwn) {
   p.soften(2);
   EXPECT_EQ(p.concavity(0), 1);
   EXPECT_EQ(p.concavity(1), 0);
-  EXPECT_EQ(p.concavity(2), 0.25);
+  EXPECT_EQ(p.concavity(2), 63. / 64);
   const effects::Curvature c = p.wanted();
   std::vector<double> seen(3);
   device::copy_out(seen.data(), c.of_env.p, 3 * sizeof(double));
-  EXPECT_EQ(seen, (std::vector<double>{1, 0, 0.25}));
+  EXPECT_EQ(seen, (std::vector<double>{1, 0, 63. / 64}));
 }
 
 TEST(CreepWatch, SeesThreeSlowIterationsButNotInTheFirstTwenty) {
@@ -81,6 +87,47 @@ TEST(MovingPolicy, BeginsWhereFullStepsConvergeSlowly) {
   EXPECT_TRUE(p.choose(0, 1));
   p.begin(0);
   EXPECT_FALSE(p.choose(0, 1));
+}
+
+// The residual of the iterate before the last, five times in a row, and no lower energy: nothing is gained by more.
+TEST(ProgressWatch, SeesACircleOfTwo) {
+  ProgressWatch w(1);
+  const auto look = [&](Index i, double force, double energy) { return w.look(0, i, force, energy, true); };
+  look(0, 100, 0), look(1, 1, -1);
+  Index i = 2;
+  for (; i < 8; ++i) EXPECT_FALSE(look(i, i % 2 ? 1.1 : 1.2, -1).circles) << i;
+  const ProgressWatch::Sight circle = look(i, 1.2, -1);
+  EXPECT_TRUE(circle.circles);
+  EXPECT_GE(circle.idle, tuning::kHopeless);
+  EXPECT_FALSE(look(++i, 1.1, -2).circles) << "a lower energy";
+  EXPECT_FALSE(look(++i, 1.2, -2).circles);
+}
+
+// Ways grow while residuals do, with part of the negative curvature, from one iteration to the next but one; a cut one ends that.
+TEST(SaddlePolicy, LongerWaysWhileItLeaves) {
+  SaddlePolicy p(2);
+  p.begin(0), p.begin(1);
+  EXPECT_EQ(p.choose(0, 1, 0.25, 8), 1);
+  EXPECT_EQ(p.choose(0, 1, 0.5, 4), 1);
+  EXPECT_EQ(p.choose(0, 1, 0.25, 5), 1) << "less than before that";
+  EXPECT_EQ(p.choose(0, 1, 0.5, 4.5), 4);
+  EXPECT_EQ(p.choose(0, 1, 0.25, 9), 16);
+  EXPECT_EQ(p.choose(1, 1, 0.25, 9), 1) << "another environment";
+  EXPECT_EQ(p.choose(0, 0.5, 0.25, 20), 1) << "cut";
+  EXPECT_EQ(p.choose(0, 1, 0, 30), 1) << "nothing but a convex matrix was tried";
+  EXPECT_EQ(p.choose(0, 1, 1, 35), 1) << "the Hessian is definite";
+  EXPECT_EQ(p.choose(0, 1, 0, 40), 4);
+  for (int i = 0; i < 40; ++i) EXPECT_LE(p.choose(0, 1, 0.5, 50 + i), tuning::kLongest);
+}
+
+TEST(SaddlePolicy, WaitsForRoundingWhereTheHessianIsIndefinite) {
+  SaddlePolicy p(1);
+  p.begin(0);
+  EXPECT_FALSE(p.waits(0, 1));
+  EXPECT_TRUE(p.waits(0, 0)) << "nothing is known of it";
+  int waited = 1;
+  while (p.waits(0, 0.25) && waited < 1000) ++waited;
+  EXPECT_EQ(waited, tuning::kWaits);
 }
 
 TEST(ProgressWatch, ForcesAndEnergiesCountEachByItself) {
