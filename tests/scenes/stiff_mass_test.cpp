@@ -135,3 +135,33 @@ bodies:
 
 }  // namespace
 }  // namespace mortise::testing
+
+// Soft, stiff, soft, one upon the other and bonded: the stiff plate in the middle gives way by nothing, whatever the others are made of.
+TEST(AffineBody, IsStiffBesideWhatItIsJoinedTo) {
+  for (const char* modulus : {"1 MPa", "200 GPa"}) {
+    mortise::testing::Rig rig(std::string(R"(
+mortise: 1
+name: sandwich
+time: {mode: static, steps: 1}
+materials:
+  m: {model: linear, youngs_modulus: )") +
+                              modulus + R"(, poisson_ratio: 0, density: 1000}
+bodies:
+  lower: {type: soft, shape: {box: {size: [20 mm, 20 mm, 10 mm], edge_length: 5 mm}}, material: m}
+  plate: {type: stiff, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 10 mm}}, mass: 0.1, position: [0, 0, 15 mm]}
+  upper: {type: soft, shape: {box: {size: [20 mm, 20 mm, 10 mm], edge_length: 5 mm}}, material: m, position: [0, 0, 30 mm]}
+effects:
+  elasticity: {}
+  affine_body: {}
+  bond:
+    - {body: lower, to: plate, where: {side: z_max}}
+    - {body: upper, to: plate, where: {side: z_min}}
+  pin:
+    - {body: lower, where: {side: z_min}}
+    - {body: upper, where: {side: z_max}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, -20 um]]}}
+)");
+    rig.step();
+    const double E = modulus[0] == '1' ? 1e6 : 2e11, force = E * 4e-4 * 20e-6 / 0.02;
+    EXPECT_NEAR(rig.fields().at("supports/lower_z"), force, 0.005 * force) << modulus;
+  }
+}
