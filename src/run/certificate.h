@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/params.h"
 #include "base/snapshot.h"
+#include "run/bearing_creep.h"
 #include "run/crept.h"
 #include "run/field_errors.h"
 #include "run/state_audit.h"
@@ -22,7 +23,7 @@ class Certificate {
  public:
   explicit Certificate(const model::ModelInput& input);
 
-  void state(const Snapshot& said);
+  void state(const Snapshot& said, double time = NAN);  // [s]
   // The step that led to the state reported last.
   void step(const solver::StepReport& report);
   // Everything gathered so far: a resumed run certifies the whole. What is added below has to be added there.
@@ -33,6 +34,7 @@ class Certificate {
     Exit status = Exit::done;
     std::string message;  // of the error, empty without one
     EnergyAudit::Result energy{};
+    double quantity_error = NAN;  // the largest of what the scene names in `quantities`, a share of it
   };
   struct Grade {
     std::string letter, reason;
@@ -52,10 +54,11 @@ class Certificate {
     double value, good, usable;
     const char* earns() const { return value <= good ? "A" : (value <= usable ? "B" : "C"); }
   };
-  std::vector<Check> checks(const EnergyAudit::Result& energy, const FieldErrors::Result& fields) const;
+  std::vector<Check> checks(const End& end, const FieldErrors::Result& fields) const;
 
   FieldErrors field_errors_;
   Crept crept_;
+  BearingCreep bearings_;
   double shape_defect_ = 0, schedule_missed_ = NAN;
   std::vector<std::string> passes_through_;  // what nothing keeps apart
   std::vector<std::string> locking_risks_;

@@ -8,7 +8,8 @@
 
 namespace mortise::run {
 
-std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& energy, const FieldErrors::Result& fields) const {
+std::vector<Certificate::Check> Certificate::checks(const End& end, const FieldErrors::Result& fields) const {
+  const EnergyAudit::Result& energy = end.energy;
   std::vector<Check> all;
   const auto add = [&](const char* name, double value, const tuning::Bounds& bounds) {
     if (std::isfinite(value)) all.push_back({name, value, bounds.good, bounds.usable});
@@ -27,15 +28,17 @@ std::vector<Certificate::Check> Certificate::checks(const EnergyAudit::Result& e
   add("start_energy", energy.turnover > 0 ? energy.at_start / energy.turnover : NAN, tuning::kAtStart);
   add("schedule_missed", schedule_missed_, tuning::kMissed);
   add("motion_lag", energy.motion_lag, tuning::kMotionLag);
+  add("given_lag", energy.given_lag, tuning::kGivenLag);
   add("guard_share", fields.guard, tuning::kGuard);
   add("stress_error", fields.stress, tuning::kStress);
   add("linear_law_turned", fields.turned, tuning::kTurned);
   add("load_turned", fields.load_turned, tuning::kLoadTurned);
   add("shape_defect", shape_defect_ > 0 ? shape_defect_ : NAN, tuning::kShape);
-  add("friction_crept", crept_.share(), tuning::kCrept);
+  add("friction_crept", std::fmax(crept_.share(), bearings_.share()), tuning::kCrept);
   add("pressure_roughness", fields.pressure.roughness, tuning::kRoughness);
   add("pressure_misfit", fields.pressure.misfit, tuning::kMisfit);
   add("layer_over_indentation", fields.layer, tuning::kLayer);
+  add("quantity_error", end.quantity_error, tuning::kQuantity);
   return all;
 }
 
@@ -52,7 +55,7 @@ Certificate::Grade Certificate::grade(const End& end) const {
     lower("C", "a step did not converge");
   else if (end.status != Exit::done && end.status != Exit::checks)
     lower("F", "the run failed");
-  for (const Check& k : checks(end.energy, field_errors_.result())) {
+  for (const Check& k : checks(end, field_errors_.result())) {
     out.graded[k.name] = k.value;
     const char* earns = k.earns();
     if (earns[0] > 'A') lower(earns, fmt::format("{} is {:.3g}, more than {:.3g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable));

@@ -16,7 +16,7 @@ std::string Certificate::json(const End& end) const {
   const Grade all = grade(end);
   const FieldErrors::Result fields = field_errors_.result();
   Json graded = Json::array();
-  for (const Check& k : checks(end.energy, fields))
+  for (const Check& k : checks(end, fields))
     graded.push_back({{"name", k.name}, {"value", number_or_null(k.value)}, {"bound_A", k.good}, {"bound_B", k.usable}, {"grade", k.earns()}});
 
   Json j;

@@ -5,6 +5,7 @@
 
 #include "base/disjoint_sets.h"
 #include "geometry/bounds.h"
+#include "run/asked.h"
 #include "run/holds.h"
 #include "run/tuning.h"
 
@@ -18,7 +19,8 @@ std::span<const double> of_points(const Snapshot& said, const char* name, int co
 
 }  // namespace
 
-FieldErrors::FieldErrors(const model::ModelInput& input) : stress_(input), pressure_(input), layer_(input), linear_law_(input), load_turned_(input) {
+FieldErrors::FieldErrors(const model::ModelInput& input)
+    : stress_(input), pressure_(input), layer_(input), linear_law_(input), load_turned_(input), phases_(phases(input.scene.at("effects"))) {
   const Holds holds(input.scene.at("effects"));
   std::map<std::string, std::size_t> number;
   for (const model::BodyInput& body : input.bodies) {
@@ -90,7 +92,7 @@ void FieldErrors::judge(const Snapshot& said, Judged what, Result& r) const {
 
 void FieldErrors::judge_stress(const Snapshot& said, const AllSamples& samples, Result& r) const {
   const std::span<const double> displacement = of_points(said, "displacement", 3);
-  r.stress = stress_.of(said.cell.at("cauchy_stress"), displacement, groups(samples));
+  r.stress = stress_.of(stress_.stresses(said.cell.at("cauchy_stress"), displacement), groups(samples)).error;
   r.turned = linear_law_.of(displacement), r.load_turned = load_turned_.of(displacement);
 }
 
@@ -124,7 +126,32 @@ void FieldErrors::judge_layer(const Snapshot& said, const AllSamples& samples, R
     if (!of.pressed.gap.empty()) r.layer = std::fmax(r.layer, layer_.of(of.pressed, fields, said.number));
 }
 
-void FieldErrors::state(const Snapshot& said) {
+void FieldErrors::phase(const Snapshot& said, double time) {
+  // Times are sums of steps: a hair of rounding decides nothing.
+  const auto end = std::upper_bound(phases_.begin(), phases_.end(), time * (1 + tuning::kRounding));
+  const long ended = end - phases_.begin();
+  if (std::isnan(time) || ended <= phase_) return;
+  phase_ = ended;
+  const auto stress = said.cell.find("cauchy_stress");
+  if (stress == said.cell.end()) return;
+  const std::span<const double> displacement = of_points(said, "displacement", 3);
+  StressError::Stresses change = stress_.stresses(stress->second, displacement);
+  if (!stress_then_.empty()) change = StressError::change(std::move(change), stress_.stresses(stress_then_, displacement_then_));
+  const StressError::Estimate estimate = stress_.of(change, groups(samples_of(said)));
+  changed_.push_back(estimate.energy), changed_badly_.push_back(estimate.error);
+  stress_then_ = stress->second, displacement_then_.assign(displacement.begin(), displacement.end());
+}
+
+double FieldErrors::of_phases() const {
+  double worst = NAN;
+  for (std::size_t i = 0; i < changed_.size(); ++i)
+    if (changed_[i] > energy_floor_ && changed_[i] >= tuning::kNoticed * tuning::kNoticed * most_elastic_)
+      worst = std::fmax(worst, changed_badly_[i]);
+  return worst;
+}
+
+void FieldErrors::state(const Snapshot& said, double time) {
+  phase(said, time);
   const double elastic = elastic_of(said), pressed = pressed_of(said);
   const Judged what{elastic > std::max(most_elastic_, energy_floor_), pressed > most_pressed_,
                     // Of states with as much the latest: a motor that reaches its limit gives the same force from then on, and no travel.
@@ -153,6 +180,7 @@ FieldErrors::Result FieldErrors::result() const {
     out.*of = std::fmax(out.*of, last.*of);
   for (double PressureError::Result::*of : {&PressureError::Result::roughness, &PressureError::Result::misfit})
     out.pressure.*of = std::fmax(out.pressure.*of, last.pressure.*of);
+  out.stress = std::fmax(out.stress, of_phases());
   return out;
 }
 
@@ -171,6 +199,12 @@ void FieldErrors::io(Archive& archive, const std::string& prefix, Result& r) {
 void FieldErrors::checkpoint(Archive& archive) {
   archive.io("most_elastic", most_elastic_);
   archive.io("most_pressed", most_pressed_);
+  for (auto [name, values] : {std::pair{"stress_then", &stress_then_},
+                              {"displacement_then", &displacement_then_},
+                              {"changed", &changed_},
+                              {"changed_badly", &changed_badly_}})
+    archive.io(name, *values);
+  archive.io("phase", phase_);
   io(archive, "at_most_", at_most_);
   resumed_last_ = archive.loading() ? Result{} : at_last();
   io(archive, "at_last_", resumed_last_);

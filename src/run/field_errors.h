@@ -1,6 +1,8 @@
 #pragma once
 // Estimates of the errors of fields: at the state that was loaded most, where a run is judged by what it was made for, and at the last one that was
 // still loaded, which is what people look at. Each is the worst of any bodies that press each other: what stands by itself tells nothing of others.
+// Stresses besides by what each phase of the scene changed (asked.h): a pad that is squeezed hides how badly its mesh bends, and so does what comes
+// later.
 #include <map>
 #include <string>
 #include <vector>
@@ -19,7 +21,7 @@ class FieldErrors {
  public:
   explicit FieldErrors(const model::ModelInput& input);
 
-  void state(const Snapshot& said);  // after a step
+  void state(const Snapshot& said, double time = NAN);  // after a step that ended then [s]; NaN: within a phase
   struct Result {
     double stress = NAN, turned = NAN, load_turned = NAN;  // stress_error.h, linear_law.h, load_turned.h
     PressureError::Result pressure;
@@ -47,6 +49,8 @@ class FieldErrors {
   void judge_pressure(const Snapshot& said, const AllSamples& samples, Result& r) const;
   void judge_layer(const Snapshot& said, const AllSamples& samples, Result& r) const;
   Result at_last() const;
+  void phase(const Snapshot& said, double time);
+  double of_phases() const;
   static void io(Archive& archive, const std::string& prefix, Result& r);
   std::vector<std::size_t> groups(const AllSamples& samples) const;
 
@@ -58,6 +62,10 @@ class FieldErrors {
   std::vector<bool> passes_on_;  // by body that has points, what presses it to others: soft ones, and stiff ones that nothing holds
   std::vector<std::pair<std::size_t, std::size_t>> tied_;  // of those
   double energy_floor_ = 0;                                // of strains that are rounding [J]
+  std::vector<double> phases_;                             // their ends [s]
+  long phase_ = 0;                                         // under way
+  std::vector<double> stress_then_, displacement_then_;    // when it began; empty: at rest
+  std::vector<double> changed_, changed_badly_;            // by every phase that ended: energy [J], stress_error.h
   double most_elastic_ = 0, most_pressed_ = 0;             // [J], [Pa]
   Result at_most_;
   Snapshot last_;

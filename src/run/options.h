@@ -12,6 +12,7 @@ namespace mortise::run {
 // How wrong the scene's `quantities` are, for the certificate of a run that has taken all of its steps.
 struct Estimated {
   std::string json;
+  double worst = NAN;                 // of the estimated errors, as a share of the quantity; NaN: none is estimated
   std::vector<std::string> warnings;  // what the user should know
 };
 // fields: path of the run's field file.

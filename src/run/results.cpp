@@ -65,7 +65,7 @@ void Results::state(const State& now) {
   if (now.frame) {
     frame(now);
   } else {
-    certificate_.state(now.said);
+    certificate_.state(now.said, now.time);
     checks_.state(now.said, now.points, now.time);
     line(now);
   }
@@ -77,7 +77,7 @@ void Results::state(const State& now) {
 void Results::frame(const State& now) {
   const Stopwatch output;
   const std::vector<sensors::Reading> readings = sensors_.read(now.said, now.points);
-  certificate_.state(now.said);
+  certificate_.state(now.said, now.time);
   file_->begin_frame(now.time, now.points);
   now.said.report(*file_);
   if (file_->frames() == 0) write_sensor_facts(scene_, sensors_, *file_);
@@ -125,7 +125,7 @@ void Results::finish(End& end, const std::function<void(const std::string&)>& no
   const auto failed = std::count_if(verdicts.begin(), verdicts.end(), [](const Checks::Verdict& v) { return !v.pass; });
   if (end.status == Exit::done && failed > 0) end.status = Exit::checks, end.message = fmt::format("{} of {} checks failed", failed, verdicts.size());
   const std::string name = scene_.text("name");
-  std::string certificate = certificate_.json({name, hash_, record_.device.kind, end.status, end.message, checks_.energy()});
+  std::string certificate = certificate_.json({name, hash_, record_.device.kind, end.status, end.message, checks_.energy(), end.quantity_error});
   if (!end.budget.empty()) certificate = with_error_budget(certificate, end.budget);
   output::write_file_atomically(folder_.file("certificate.json"), Checks::add_to(certificate, verdicts), true);
   for (const Checks::Verdict& v : verdicts)

@@ -187,9 +187,8 @@ class Run {
   // Of the state that a step of this process led to: the next process has no equations of it.
   void estimate(const model::ModelInput& input) {
     if (!stepped_ || engine_->steps_done() < steps_ || !o_.estimate || !scene_.root.has("quantities")) return;
-    const Estimated said = o_.estimate(*engine_, input, folder_->file("fields.vtkhdf"));
-    budget_ = said.json;
-    for (const std::string& warning : said.warnings) note(warning);
+    estimated_ = o_.estimate(*engine_, input, folder_->file("fields.vtkhdf"));
+    for (const std::string& warning : estimated_.warnings) note(warning);
   }
 
   // For `check --plan`: what a whole scene took on the CPU.
@@ -312,7 +311,7 @@ class Run {
   // Returns the code that the program ends with.
   Exit finish(Exit status, const std::string& message) {
     if (!started_) return status;
-    Results::End end{status, message, std::chrono::duration<double>(Time::now() - begin_).count(), engine_.get(), budget_};
+    Results::End end{status, message, std::chrono::duration<double>(Time::now() - begin_).count(), engine_.get(), estimated_.json, estimated_.worst};
     results_->finish(end, [this](const std::string& text) { note(text); });
     if (end.status == Exit::done || end.status == Exit::checks) progress_.end(end.status == Exit::done ? "done" : end.message, end.wall);
     return end.status;
@@ -338,7 +337,7 @@ class Run {
   long frame_every_ = 1, steps_ = 0, last_ = 0;  // last_: where this run ends, with --frames before the scene does
   bool started_ = false, stepped_ = false;
   int seen_ = checkpoints_asked();
-  std::string budget_;  // how wrong quantities are, JSON
+  Estimated estimated_;
 };
 
 }  // namespace

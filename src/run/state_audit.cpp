@@ -23,11 +23,12 @@ bool at_a_stop(const Snapshot& said) {
 
 }  // namespace
 
-EnergyAudit::EnergyAudit(const model::ModelInput& input) : moving_(input), lag_(input), turning_(input), vibrations_(input) {
+EnergyAudit::EnergyAudit(const model::ModelInput& input) : moving_(input), lag_(input), given_lag_(input), turning_(input), vibrations_(input) {
   std::size_t first = 0;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
     bodies_.emplace_back(b, first);
+    soft_ = soft_ && b.type == model::BodyType::soft;
     first += b.nodes.size();
   }
   const Params& effects = input.scene.at("effects");
@@ -45,10 +46,8 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   const std::vector<MovingBody> moving = moving_.at(now.said, now.points, bodies_);
   double lost = 0;  // to the time step
   balanced_ = points_before_.empty();
-  if (points_before_.empty()) {
-    for (const std::string& contact : contacts_)
-      if (now.said.has(contact + "/energy")) r_.at_start += now.said.at(contact + "/energy");
-  } else {
+  contact_energy(now);
+  if (!points_before_.empty()) {
     // The solver's own sum over the substeps counts moments too.
     const bool summed = now.said.has("supports/work");
     const double work = summed ? now.said.at("supports/work") : support_work(now);
@@ -61,8 +60,13 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
       const double rubbed = std::fmax(now.said.at("friction/dissipation"), 0.0);
       lost = std::max(-r_.gain - (rubbed - rubbed_), 0.0);
       rubbed_ = rubbed;
-      balanced_ = !touched_ && !touches && std::abs(work) <= tuning::kDriven * r_.scale;
-      if (balanced_ && !vibrations_.nothing_moves()) free_ -= std::min(r_.gain, 0.0);
+      // Supports of soft bodies do no more than is reported; those of stiff ones do, where they are set in motion.
+      const bool driven = std::abs(work) > tuning::kDriven * r_.scale;
+      balanced_ = !touched_ && !touches && (!driven || soft_);
+      if (balanced_ && driven)
+        vibrations_.lost(-std::min(r_.gain, 0.0));
+      else if (balanced_ && !vibrations_.nothing_moves())
+        free_ -= std::min(r_.gain, 0.0);
     }
     bounces_.state(moving, lost);
   }
@@ -71,6 +75,8 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   touched_ = touches;
   lag_.state(now.points, moving);
   r_.motion_lag = lag_.value();
+  given_lag_.state(moving, force_balance(now.said).scale);
+  r_.given_lag = given_lag_.value();
   vibrations_.state(now.said, now.points, moving, stored_, bounces_.brought());
   turning_.state(now.said, now.points, moving, lost);
   points_before_ = now.points;
@@ -95,13 +101,16 @@ void EnergyAudit::checkpoint(Archive& archive) {
                              {"free_loss", &r_.free_loss},
                              {"free", &free_},
                              {"at_start", &r_.at_start},
+                             {"pressed_first", &pressed_first_},
+                             {"pressed_least", &pressed_least_},
                              {"turnover", &r_.turnover},
                              {"there_and_back", &there_and_back_}})
     archive.io(name, *value);
   archive.io("touched", touched_);
   archive.io("balanced", balanced_);
   lag_.checkpoint(archive);
-  r_.motion_lag = lag_.value();
+  given_lag_.checkpoint(archive);
+  r_.motion_lag = lag_.value(), r_.given_lag = given_lag_.value();
   turning_.checkpoint(archive);
   bounces_.checkpoint(archive);
   vibrations_.checkpoint(archive);
@@ -109,6 +118,16 @@ void EnergyAudit::checkpoint(Archive& archive) {
   r_.alone_loss = vibrations_.alone(r_.turnover);
   r_.turning_loss = turning_.sum(), r_.flight_turning = turning_.in_flight(), r_.given_turning = turning_.given();
   archive.io("points_before", points_before_);
+}
+
+// What bears a weight from the start keeps its energy; what is shot apart does not.
+void EnergyAudit::contact_energy(const StateReport& now) {
+  double sum = 0;
+  for (const std::string& contact : contacts_)
+    if (now.said.has(contact + "/energy")) sum += now.said.at(contact + "/energy");
+  if (std::isnan(pressed_first_)) pressed_first_ = sum;
+  pressed_least_ = std::fmin(pressed_least_, sum);
+  r_.at_start = pressed_first_ - pressed_least_;
 }
 
 double EnergyAudit::total(const StateReport& now) {

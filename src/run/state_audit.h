@@ -10,6 +10,7 @@
 #include "base/snapshot.h"
 #include "model/input.h"
 #include "run/bounce_loss.h"
+#include "run/given_lag.h"
 #include "run/measured_body.h"
 #include "run/motion_lag.h"
 #include "run/turning_loss.h"
@@ -51,12 +52,13 @@ class EnergyAudit {
     // vibration_loss.h; and bounce_loss.h. `turnover`: what it is to be held against, the largest energy or, where more, all work of supports, there
     // and back.
     double free_loss = 0, turnover = 0;
-    double at_start = 0;        // energy of contact in the first state [J]
+    double at_start = 0;        // energy that contact has in the first state and gives away [J]
     double alone_loss = 0;      // share of its own energy that a mechanism lost by itself (vibration_loss.h)
     double turning_loss = NAN;  // turning_loss.h [J]
     double given_turning = 0;   // the same of what kinematic drives turn [J]
     double flight_turning = 0;  // the same of one body in flight, a share of its own energy of turning
     double motion_lag = NAN;    // motion_lag.h
+    double given_lag = NAN;     // given_lag.h
     bool work_is_known = true;  // false: loads do work whose potential is not reported, or nothing moves in time; then `gain` stays NaN
   };
   const Result& state(const StateReport& now);
@@ -66,6 +68,7 @@ class EnergyAudit {
 
  private:
   double total(const StateReport& now);
+  void contact_energy(const StateReport& now);
   double turning(const StateReport& now) const;
   double support_work(const StateReport& now) const;
   double free_loss() const { return free_ + bounces_.sum() + vibrations_.sum(); }
@@ -75,17 +78,20 @@ class EnergyAudit {
   Result r_;
   MovingBodies moving_;
   MotionLag lag_;
+  GivenLag given_lag_;
   TurningLoss turning_;
   BounceLoss bounces_;
   VibrationLoss vibrations_;
-  double rubbed_ = 0;  // by friction so far [J]
-  double all_ = NAN;   // total energy, turning of pinned bodies included
+  double rubbed_ = 0;                                 // by friction so far [J]
+  double pressed_first_ = NAN, pressed_least_ = NAN;  // energy of contact in the first state, and the least since [J]
+  double all_ = NAN;                                  // total energy, turning of pinned bodies included
   std::vector<double> points_before_;
   double gravity_first_ = NAN;
   double there_and_back_ = 0;  // work of supports [J]
   double free_ = 0;            // lost where the balance of energies tells it [J]
   double stored_ = 0;          // of the state, without gravity [J]
   bool touched_ = false;       // something, in the state before
+  bool soft_ = true;           // all bodies
   bool balanced_ = false;      // what the last step lost is in the balance of energies
 };
 

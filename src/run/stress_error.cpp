@@ -5,14 +5,16 @@
 #include <map>
 
 #include "geometry/quadratic.h"
+#include "linalg/small.h"
 #include "model/volumetric.h"
 #include "run/held_points.h"
 #include "run/tuning.h"
+#include "run/vector_at.h"
 
 namespace mortise::run {
 namespace {
 
-using Stress = Eigen::Matrix<double, 6, 1>;
+using Stress = StressError::Stress;
 
 // w(a) of the header.
 double energy_density(const Stress& s, double E, double nu) {
@@ -37,18 +39,19 @@ StressError::StressError(const model::ModelInput& input) {
     if (in.type == model::BodyType::half_space) continue;
     if (in.type == model::BodyType::soft) {
       const bool quadratic = !in.midsides.empty();
+      const Params* law = in.material.find("model");
       Body b{number,
              cell,
              point,
              in.tets,
              in.midsides,
-             quadratic ? in.nodes : std::vector<Vec3>{},
+             in.nodes,
              {},
              {},
-             in.nodes.size(),
              in.material.number("youngs_modulus"),
              in.material.number("poisson_ratio"),
-             quadratic && model::averages_volume(in.material)};
+             quadratic && model::averages_volume(in.material),
+             !law || law->as_text() != "linear"};
       for (const Tet& t : in.tets) {
         Mat3 edges;
         for (int k = 0; k < 3; ++k) edges.col(k) = in.nodes[t.v[k + 1]] - in.nodes[t.v[0]];
@@ -58,6 +61,10 @@ StressError::StressError(const model::ModelInput& input) {
         b.held.push_back(std::all_of(std::begin(t.v), std::end(t.v), held_there) &&
                          (!quadratic || std::all_of(std::begin(in.midsides[tet].v), std::end(in.midsides[tet].v), held_there)));
       }
+      const auto begin = held.begin() + static_cast<std::ptrdiff_t>(point), end = begin + static_cast<std::ptrdiff_t>(in.nodes.size());
+      const auto free = std::count(begin, end, false);
+      if (!quadratic && free > 0 && !model::averages_volume(in.material))
+        b.one_sided = static_cast<double>(in.nodes.size()) / static_cast<double>(free);
       bodies_.push_back(std::move(b));
     }
     cell += in.type == model::BodyType::soft ? in.tets.size() : in.triangles.size();
@@ -99,38 +106,76 @@ StressError::Corners StressError::of_quadratic(const Body& b, std::size_t tet, s
   return out;
 }
 
-double StressError::of(std::span<const double> stress, std::span<const double> displacement, const std::vector<std::size_t>& group) const {
+// R of F = R U.
+Mat3 StressError::turn(const Body& b, std::size_t tet, std::span<const double> displacement) {
+  Mat3 edges, moved;
+  const Index* v = b.tets[tet].v;
+  const auto u = [&](Index node) { return at(displacement, b.first_point + static_cast<std::size_t>(node)); };
+  for (int k = 0; k < 3; ++k) edges.col(k) = b.rest[v[k + 1]] - b.rest[v[0]], moved.col(k) = u(v[k + 1]) - u(v[0]);
+  const linalg::Svd3 svd = linalg::svd3(Mat3(Mat3::Identity() + moved * edges.inverse()));
+  return svd.U * svd.V.transpose();
+}
+
+StressError::Stresses StressError::stresses(std::span<const double> stress, std::span<const double> displacement) const {
+  Stresses out;
+  for (const Body& b : bodies_) {
+    std::vector<Corners>& here = out.emplace_back();
+    const bool moves = displacement.size() >= 3 * (b.first_point + b.rest.size());
+    if (!b.midsides.empty() && !moves) continue;
+    for (std::size_t t = 0; t < b.tets.size(); ++t) {
+      if (!b.midsides.empty()) {
+        here.push_back(of_quadratic(b, t, displacement));
+        continue;
+      }
+      Stress s = Eigen::Map<const Stress>(stress.data() + 6 * (b.first_cell + t));
+      if (b.turns && moves) {
+        const Mat3 R = turn(b, t, displacement);
+        Mat3 S;
+        S << s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2];
+        S = R.transpose() * S * R;
+        s << S(0, 0), S(1, 1), S(2, 2), S(0, 1), S(1, 2), S(2, 0);
+      }
+      here.emplace_back().fill(s);
+    }
+  }
+  return out;
+}
+
+StressError::Stresses StressError::change(Stresses after, const Stresses& before) {
+  for (std::size_t b = 0; b < after.size(); ++b)
+    for (std::size_t t = 0; t < std::min(after[b].size(), before[b].size()); ++t)
+      for (int k = 0; k < 4; ++k) after[b][t][k] -= before[b][t][k];
+  return after;
+}
+
+StressError::Estimate StressError::of(const Stresses& stresses, const std::vector<std::size_t>& group) const {
   struct Energy {
     double missed = 0, all = 0;
   };
   std::map<std::size_t, Energy> groups;
-  for (const Body& b : bodies_) {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const Body& b = bodies_[i];
+    const std::vector<Corners>& here = stresses[i];
     Energy& of = groups[group[b.number]];
-    if (!b.midsides.empty() && displacement.size() < 3 * (b.first_point + b.nodes)) continue;
-    std::vector<Corners> here(b.tets.size());
-    std::vector<Stress> mean(b.nodes, Stress::Zero());
-    std::vector<double> weight(b.nodes, 0.0);
-    for (std::size_t t = 0; t < b.tets.size(); ++t) {
-      if (b.midsides.empty())
-        here[t].fill(Eigen::Map<const Stress>(stress.data() + 6 * (b.first_cell + t)));
-      else
-        here[t] = of_quadratic(b, t, displacement);
+    if (here.empty()) continue;
+    std::vector<Stress> mean(b.rest.size(), Stress::Zero());
+    std::vector<double> weight(b.rest.size(), 0.0);
+    for (std::size_t t = 0; t < b.tets.size(); ++t)
       for (int k = 0; k < 4; ++k) mean[b.tets[t].v[k]] += b.volume[t] * here[t][k], weight[b.tets[t].v[k]] += b.volume[t];
-    }
-    for (std::size_t i = 0; i < mean.size(); ++i)
-      if (weight[i] > 0) mean[i] /= weight[i];
+    for (std::size_t n = 0; n < mean.size(); ++n)
+      if (weight[n] > 0) mean[n] /= weight[n];
     for (std::size_t t = 0; t < b.tets.size(); ++t) {
       Stress smooth[4], jump[4];
       for (int k = 0; k < 4; ++k) smooth[k] = mean[b.tets[t].v[k]], jump[k] = b.held[t] ? smooth[k] : Stress(smooth[k] - here[t][k]);
-      of.missed += b.volume[t] * mean_of_linear(jump, b.E, b.nu);
+      of.missed += (b.held[t] ? 1 : b.one_sided) * b.volume[t] * mean_of_linear(jump, b.E, b.nu);
       of.all += b.volume[t] * mean_of_linear(smooth, b.E, b.nu);
     }
   }
-  double most = 0, worst = NAN;
-  for (const auto& [number, of] : groups) most = std::max(most, of.all);
+  Estimate out;
+  for (const auto& [number, of] : groups) out.energy = std::max(out.energy, of.all);
   for (const auto& [number, of] : groups)
-    if (of.all > 0 && of.all >= tuning::kCounts * tuning::kCounts * most) worst = std::fmax(worst, of.missed / (of.missed + of.all));
-  return worst;
+    if (of.all > 0 && of.all >= tuning::kCounts * tuning::kCounts * out.energy) out.error = std::fmax(out.error, of.missed / (of.missed + of.all));
+  return out;
 }
 
 }  // namespace mortise::run

@@ -20,6 +20,7 @@ inline constexpr Bounds kEnergyGain{1e-3, 1e-2};  // of the largest energy; diss
 inline constexpr Bounds kFreeMotionLoss{0.05, 0.1};
 inline constexpr Bounds kTurningLoss{0.1, 0.2};  // of energy: half of that of rates
 inline constexpr Bounds kMotionLag{0.05, 0.1};
+inline constexpr Bounds kGivenLag{0.1, 0.2};  // of forces: a sine of 60 and of 25 steps, whose largest errors are 10 and 25 % of its amplitude
 inline constexpr Bounds kGuard{0.02, 0.1};
 inline constexpr Bounds kStress{0.05, 0.1};
 inline constexpr Bounds kRoughness{0.03, 0.04};
@@ -32,6 +33,7 @@ inline constexpr Bounds kShape{0.025, 0.05};      // of volume: half of that of 
 inline constexpr Bounds kCrept{0.02, 0.035};      // a pad that was sheared and held lost 23 % of its force at 0.041
 inline constexpr Bounds kMissed{0.05, 0.1};       // of what is asked for: a sine with eight steps in a period, and with six
 inline constexpr Bounds kGivenTurning{0.1, 0.2};  // of energy, as of turning bodies
+inline constexpr Bounds kQuantity{0.05, 0.1};     // an estimate of the error itself
 inline constexpr Bounds kAtStart{0.1, 0.2};       // of energy: half of that of velocities
 
 // ---- what counts in them
@@ -46,6 +48,7 @@ inline constexpr double kSlow = 0.01;   // of the energy before a contact: a bod
 inline constexpr double kRested = 4,
                         kRestedShare = 0.3;   // kRested of them, came to rest there (bounce_loss.cpp; at the turn of a bounce: 6 % of them)
 inline constexpr double kStill = 0.01;        // of a body's size: less is no motion that anybody looks at (motion_lag.cpp)
+inline constexpr double kSettles = 0.05;      // radians, or of a body on a slide: less is how joints settle (bearing_creep.cpp)
 inline constexpr int kLooks = 16;             // in a step, at what is asked for (schedule_missed.cpp)
 inline constexpr double kDamped = 10;         // times what the time step damps: amplitudes are right within a tenth (holds.cpp)
 inline constexpr double kTrembles = 1e-3;     // of a stiff body's radius: by less it gives way itself (vibration_loss.cpp)
@@ -53,8 +56,10 @@ inline constexpr double kOneWay = 0.1;        // forces from opposite sides have
 inline constexpr double kAsMuch = 0.01;       // of the most pressure: loads that are held waver by that (field_errors.cpp)
 inline constexpr double kStillLoaded = 0.01;  // of the most force: less is what unloading leaves (field_errors.cpp; of energy its square)
 inline constexpr double kCounts = 1e-3;       // of the most pressure or force: bodies with less may be no better solved than that (residual_share)
-inline constexpr double kFacing = 0.5;        // cosine of 60 degrees: friction may tilt the force by half of that (contact_patch.cpp)
-inline constexpr double kSmooth = 0.75;       // cosine of some 40 degrees: facets of a coarse ball meet at half of that, sides of a body at more
+inline constexpr double kNoticed = 3e-3;  // of the most stress, roughly: what a phase changes by less is what steps leave unsolved (field_errors.cpp)
+inline constexpr std::size_t kPhases = 16;  // keys: a schedule with more draws a curve (asked.cpp)
+inline constexpr double kFacing = 0.5;      // cosine of 60 degrees: friction may tilt the force by half of that (contact_patch.cpp)
+inline constexpr double kSmooth = 0.75;     // cosine of some 40 degrees: facets of a coarse ball meet at half of that, sides of a body at more
 inline constexpr double kWhole = 0.97;    // of a node's area: less lies over what presses, and one pressure for all of it is none (contact_patch.cpp)
 inline constexpr double kFlat = 0.05;     // the ring of a node lies nearly in a plane: no slope across it (pressure_error.cpp)
 inline constexpr std::size_t kPlane = 4;  // neighbours: a plane through three has no say about a fourth

@@ -14,6 +14,9 @@
 // damps far more than the time step does. Not what bodies brought that struck something (2 D of bringing them to rest in one step is twice that): if
 // they come to rest nobody asks for it, if not: bounce_loss.h.
 //
+// Where nothing but soft bodies is moved and nothing touches, energies tell what they lose: a stress wave in a bar that is pushed has no 2 D in the
+// step in which it starts.
+//
 // Beside bodies with far more energy that loss is nothing, though somebody may look at what vibrates. Bodies that hang together by joints, bonds and
 // ties, and on which no support, motor, load or friction does work, have energy of their own alone: of such a mechanism, while it touches nothing,
 //     sum 2 D / T,     T: its largest.
@@ -30,7 +33,8 @@ class VibrationLoss {
   explicit VibrationLoss(const model::ModelInput& input);
   // stored: elastic energy, of bodies, contacts and springs; brought: energy of what struck something in the step that led to this state [J].
   void state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies, double stored, double brought);
-  void step(bool first_order, bool counts);  // that led to that state; not: its loss is known
+  void step(bool first_order, bool counts);     // that led to that state; not: its loss is known
+  void lost(double energy) { sum_ += energy; }  // in such a step, in the place of 2 D [J]
   // The largest share of its own energy that a mechanism lost which has less than half of `all` [J].
   double alone(double all) const;
   bool nothing_moves() const;                                                       // all bodies are stiff, and have trembled at most

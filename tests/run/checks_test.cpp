@@ -206,6 +206,31 @@ effects: {inertia: {}, elasticity: {}, pin: [{body: cube, where: {side: z_max}}]
   EXPECT_TRUE(std::isnan(loaded.largest_gain));
 }
 
+// Bodies that begin within each other's layer are driven apart by its energy; what lies on another keeps it.
+TEST(Checks, EnergyOfContactAtTheStartCountsAsFarAsItIsGivenAway) {
+  const auto at_start = [](double first, double then) {
+    const model::ModelInput input = engine::make_input(scene::read_scene_text(R"(
+mortise: 1
+time: {step: 0.1 s, steps: 2}
+materials: {gel: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1000}}
+bodies: {cube: {type: soft, shape: {box: {size: [1, 1, 1], edge_length: 1}}, material: gel}, floor: {type: half_space, point: [0, 0, -1]}}
+effects: {inertia: {}, elasticity: {}, barrier_contact: {d_hat: 1 mm, stiffness: 1 MPa}}
+)",
+                                                                              "test.yaml", {}, engine::effect_tables())
+                                                           .root);
+    Checks checks(input);
+    for (double energy : {first, then, 0.5 * (first + then)}) {
+      Snapshot sink;
+      sink.scalar("barrier_contact", "energy", "J", energy);
+      checks.state(sink, points(input, [](const Vec3& x) { return x; }));
+    }
+    return checks.energy().at_start;
+  };
+  EXPECT_DOUBLE_EQ(at_start(2, 0), 2);
+  EXPECT_DOUBLE_EQ(at_start(2, 1.5), 0.5);
+  EXPECT_DOUBLE_EQ(at_start(0, 3), 0);
+}
+
 // Energy that is lost where nothing touches and nothing is driven is the time step's doing; contact and work explain losses.
 TEST(Checks, FreeMotionShouldLoseNoEnergy) {
   const auto lost = [](int touches_at, double work) {
@@ -232,13 +257,14 @@ effects: {inertia: {}, elasticity: {}}
   EXPECT_DOUBLE_EQ(lost(-1, 1e-7), 2 + 2e-7);
   EXPECT_DOUBLE_EQ(lost(1, 0), 0) << "both steps have an end in contact";
   EXPECT_DOUBLE_EQ(lost(2, 0), 1);
-  EXPECT_DOUBLE_EQ(lost(-1, -0.5), 0) << "a brake did it";
+  EXPECT_DOUBLE_EQ(lost(-1, -1), 0) << "a brake did it";
+  EXPECT_DOUBLE_EQ(lost(-1, -0.5), 1) << "and half of it did not";
 }
 
 namespace {
 
-// motion_lag of a cube of 1 m that is seen three times, `way` apart, as it gets faster.
-double lag_of(const std::string& material, const std::string& type, const std::string& effects, double way, bool supported) {
+// motion_lag of a cube of 1 m that is seen three times, `way` apart, as it gets faster: by `faster` in the second step.
+double lag_of(const std::string& material, const std::string& type, const std::string& effects, double way, bool supported, double faster = 0.3) {
   const model::ModelInput input = engine::make_input(scene::read_scene_text(R"(
 mortise: 1
 time: {step: 0.1 s, steps: 2}
@@ -251,7 +277,8 @@ effects: )" + effects,
   for (int k = 0; k < 3; ++k) {
     Snapshot sink;
     std::vector<double> v;
-    for (std::size_t i = 0; i < input.bodies[0].nodes.size(); ++i) v.insert(v.end(), {0.5 + 0.3 * k, 0, 0});
+    for (std::size_t i = 0; i < input.bodies[0].nodes.size(); ++i)
+      v.insert(v.end(), {0.5 + 0.3 * std::min(k, 1) + faster * std::max(k - 1, 0), 0, 0});
     sink.points("velocity", "m/s", 3, v);
     if (supported) sink.scalar("supports", "cube_x", "N", 1);
     checks.state(sink, points(input, [&](const Vec3& x) { return Vec3(x + Vec3(0.5 * k * way, 0, 0)); }));
@@ -263,11 +290,14 @@ effects: )" + effects,
 
 // Backward Euler is ahead by h/2 (v - v_0); bdf2 is not, what is held goes where it is told, and what hardly moves is not judged by its way.
 TEST(Checks, BackwardEulerIsAhead) {
-  const auto lag = [](const std::string& inertia, double way, bool held) {
-    return lag_of("{youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1000}", "soft", "{inertia: " + inertia + ", elasticity: {}}", way, held);
+  const auto lag = [](const std::string& inertia, double way, bool held, double faster = 0.3) {
+    return lag_of("{youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1000}", "soft", "{inertia: " + inertia + ", elasticity: {}}", way, held,
+                  faster);
   };
   EXPECT_NEAR(lag("{}", 2, false), 0.03 / (2 - 0.03), 1e-12);
   EXPECT_NEAR(lag("{}", 0, false), 0.03 / (0.01 * std::sqrt(3.0)), 1e-12);
+  EXPECT_NEAR(lag("{}", 2, false, 0.5), 0.05 / (2 - 0.05), 1e-12) << "as the force grows: 0.05 (0.8 + 0.2) m";
+  EXPECT_NEAR(lag("{}", 2, false, 0), 0.015 / (2 - 0.015), 1e-12) << "as it ends";
   EXPECT_EQ(lag("{}", 2, true), 0);
   EXPECT_TRUE(std::isnan(lag("{integrator: bdf2}", 2, false)));
 }

@@ -5,11 +5,13 @@
 
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include "base/memory_archive.h"
 #include "geometry/primitives.h"
 #include "geometry/shapes.h"
+#include "run/bearing_creep.h"
 #include "run/crept.h"
 #include "run/shape_defect.h"
 #include "run/stress_error.h"
@@ -68,6 +70,44 @@ TEST(FieldErrors, TheLastLoadedStateCountsToo) {
   EXPECT_NEAR(after({state(1, even), state(0.01, jumps), state(1, even)}).stress, 0, 1e-9) << "nobody looks at that one";
 }
 
+// Phases are told from each other by what a scene asks of anything: here of a pin, at 1, 2 and 3 s.
+TEST(FieldErrors, WhatAPhaseChangesIsJudgedByItself) {
+  const auto numbers = [](std::initializer_list<double> values) {
+    Params out = Params::make_list();
+    for (double v : values) out.push(number(v));
+    return out;
+  };
+  model::ModelInput input = two();
+  const Params turn = table({{"axis", numbers({0, 0, 1})}, {"centre", numbers({0, 0, 0})}, {"angle", numbers({0, 1, 2, 3})}});
+  const Params motion =
+      table({{"time", numbers({0, 1, 2, 3})}, {"interpolation", Params::make_text("linear")}, {"rotation", Params::make_list({turn})}});
+  const Params pin = table({{"body", Params::make_text("one")},
+                            {"axes", Params::make_text("z")},
+                            {"where", table({{"side", Params::make_text("z_min")}})},
+                            {"motion", motion}});
+  input.scene = table({{"effects", table({{"pin", Params::make_list({pin})}})}});
+  const auto after = [&](const std::vector<std::pair<double, std::array<double, 4>>>& states, std::size_t break_after = 0) {
+    auto errors = std::make_unique<run::FieldErrors>(input);
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      errors->state(state(2e4, states[i].second), states[i].first);  // roughly s^2 V / 2E
+      if (i + 1 != break_after) continue;
+      MemoryArchive archive;
+      errors->checkpoint(archive);
+      archive.rewind();
+      errors = std::make_unique<run::FieldErrors>(input);
+      errors->checkpoint(archive);
+    }
+    return errors->result().stress;
+  };
+  const std::array<double, 4> pressed{1e5, 1e5, 1e5, 1e5}, bent{1.1e5, 0.9e5, 1.1e5, 0.9e5}, more{2e5, 2e5, 2e5, 2e5};
+  EXPECT_NEAR(after({{1, pressed}, {2, more}}), 0, 1e-9);
+  EXPECT_GT(after({{1, pressed}, {2, bent}}), 0.3) << "a hundredth of the energy, all of it bent badly";
+  EXPECT_GT(after({{1, pressed}, {2, bent}}, 1), 0.3) << "resumed in between";
+  EXPECT_LT(after({{1, pressed}, {1.9, bent}, {2, more}}), 0.02) << "within a phase nobody looks";
+  EXPECT_GT(after({{1, {1e4, -1e4, 1e4, -1e4}}, {2, pressed}, {3, more}}), 0.3) << "what comes later hides nothing";
+  EXPECT_LT(after({{1, pressed}, {2, {1.0001e5, 0.9999e5, 1.0001e5, 0.9999e5}}}), 1e-3) << "no phase: what steps leave unsolved";
+}
+
 TEST(FieldErrors, ABodyThatStandsByItselfHidesNothing) {
   const std::array<double, 4> mixed{1e2, -1e2, 1e3, 1e3};
   const double apart = after({state(1, mixed)}).stress, together = after({state(1, mixed, 1.0)}).stress;
@@ -88,7 +128,10 @@ TEST(FieldErrors, ElementsWithoutAFreeNodeTellNothing) {
       const model::ModelInput input{table({{"effects", table({{"pin", pins}})}}), {body}};
       std::vector<double> stress(6 * body.tets.size(), 0.0);
       for (std::size_t t = 0; t < body.tets.size(); ++t) stress[6 * t + 2] = 1e3;
-      return run::StressError(input).of(stress, std::vector<double>(3 * body.nodes.size(), 0.0), {0});
+      return ([&] {
+        const run::StressError estimate(input);
+        return estimate.of(estimate.stresses(stress, std::vector<double>(3 * body.nodes.size(), 0.0)), {0}).error;
+      })();
     };
     EXPECT_NEAR(error(Params::make_list({pin("z_min", "xyz"), pin("z_max", "xyz")})), layers == 1 ? 0.5 : 0, 1e-9);
     EXPECT_NEAR(error(Params::make_list({pin("z_min", "xyz"), pin("z_max", "z")})), 0, 1e-9);
@@ -191,4 +234,29 @@ TEST(Crept, IsTheSlipOfWhatSticks) {
   EXPECT_NEAR(crept.share(), 6e-4 / 2, 1e-12);
   input.scene = table({{"effects", Params::make_table()}});
   EXPECT_TRUE(std::isnan(run::Crept(input).share()));
+}
+
+// An arm that its bearing holds; what turns faster slips.
+TEST(BearingCreep, IsTheWayOfWhatABearingHolds) {
+  const auto text = [](const char* v) { return Params::make_text(v); };
+  const auto input = [&](const char* mode) {
+    const Params joint = table({{"name", text("hip")}, {"type", text("revolute")}, {"body", text("arm")}});
+    const Params drive = table({{"joint", text("hip")}, {"mode", text(mode)}, {"friction", number(1)}});
+    const Params effects = table({{"inertia", table({})}, {"joint", Params::make_list({joint})}, {"drive", Params::make_list({drive})}});
+    return model::ModelInput{table({{"time", table({{"step", number(0.1)}})}, {"effects", effects}}), {}};
+  };
+  run::BearingCreep creep(input("passive"));
+  const auto go = [&](double angle, double rate, double dt) {
+    Snapshot said;
+    said.scalar("joint", "hip_angle", "rad", angle);
+    said.scalar("joint", "hip_rate", "rad/s", rate);
+    creep.state(said);
+    creep.step(dt);
+  };
+  go(0, 0, 0);
+  go(0.001, 5e-4, 2);
+  EXPECT_NEAR(creep.share(), 0.02, 1e-9) << "of a twentieth of a radian";
+  go(0.2, 0.1, 2);
+  EXPECT_NEAR(creep.share(), 0.005, 1e-9) << "of the way that it went";
+  EXPECT_TRUE(std::isnan(run::BearingCreep(input("pd")).share())) << "a motor holds it";
 }

@@ -22,7 +22,7 @@ Params numbers(const std::vector<double>& values) {
 
 // 20 steps of 5 ms of a drive.
 double missed(const Params& drive) {
-  const Params time = table({{"step", number(5e-3)}, {"steps", Params::make_integer(20)}});
+  const Params time = table({{"step", number(5e-3)}, {"steps", Params::make_integer(20)}, {"mode", text("dynamic")}});
   const Params joint = table({{"name", text("slide")}, {"type", text("prismatic")}, {"body", text("b")}});
   const Params effects = table(
       {{"inertia", table({{"integrator", text("backward_euler")}})}, {"joint", Params::make_list({joint})}, {"drive", Params::make_list({drive})}});
@@ -55,4 +55,23 @@ TEST(ScheduleMissed, Sines) {
   EXPECT_NEAR(missed(10.), std::pow(M_PI / 20, 2) / 3, 5e-4);
   EXPECT_NEAR(missed(20.), std::pow(M_PI / 10, 2) / 3, 2e-3);
   EXPECT_NEAR(missed(200.), 1, 1e-6) << "a period in every step";
+}
+
+// Load steps are judged by the way that they cut short, where there is friction.
+TEST(ScheduleMissed, WaysWithinALoadStep) {
+  const auto list = [](std::initializer_list<Params> items) { return Params::make_list(items); };
+  const auto key = [&](double x, double z) { return list({number(x), number(0), number(z)}); };
+  const auto missed = [&](long steps, bool friction, const Params& path) {
+    const Params motion = table({{"time", numbers({0, 0.5, 1})}, {"interpolation", text("linear")}, {"translation", path}});
+    Params effects = table({{"pin", list({table({{"body", text("b")}, {"motion", motion}})})}});
+    if (friction) effects.set("friction", table({{"mu", number(0.5)}}));
+    const Params time = table({{"mode", text("static")}, {"steps", Params::make_integer(steps)}});
+    return run::schedule_missed({table({{"time", time}, {"effects", effects}}), {}});
+  };
+  const Params there_and_back = list({key(0, 0), key(1, 0), key(0, 0)}), press_and_slide = list({key(0, 0), key(0, -1), key(2, -1)});
+  EXPECT_NEAR(missed(1, true, there_and_back), 1, 1e-9);
+  EXPECT_NEAR(missed(2, true, there_and_back), 0, 1e-9);
+  EXPECT_NEAR(missed(1, true, press_and_slide), 1 - std::sqrt(0.5), 1e-9) << "each over what it goes through";
+  EXPECT_NEAR(missed(10, true, press_and_slide), 0, 1e-9);
+  EXPECT_TRUE(std::isnan(missed(1, false, there_and_back))) << "the end is the same, whatever the way";
 }

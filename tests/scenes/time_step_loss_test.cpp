@@ -233,3 +233,46 @@ TEST(TurningLoss, IsAShareOfABodysOwnTurningInFlight) {
   EXPECT_LT(t.energy.turning_loss, 0.1 * t.energy.scale);
   EXPECT_GT(t.energy.flight_turning, 0.5);
 }
+
+// A body on a pin that shakes it, m = 1 kg, amplitude 1 mm, n steps in a period: the force of the pin is late by a step.
+TEST(GivenLag, IsThatOfAShakenBody) {
+  const auto lag = [](int n, const std::string& more) {
+    std::string times, ways;
+    for (int k = 0; k <= 3 * n; ++k) {
+      times += fmt::format("{}{}", k ? ", " : "", 0.01 * k);
+      ways += fmt::format("{}[{}, 0, 0]", k ? ", " : "", 1e-3 * std::sin(2 * M_PI * k / n));
+    }
+    return turn(fmt::format(R"(
+mortise: 1
+name: shaken
+time: {{step: 10 ms, steps: {}}}
+bodies:
+  table: {{type: stiff, shape: {{box: {{size: [0.1, 0.1, 0.02], edge_length: 0.1}}}}, mass: 1}}
+effects:
+  inertia: {{}}
+  affine_body: {{}}
+  pin: [{{body: table, where: {{side: all}}, motion: {{time: [{}], translation: [{}]}}}}]
+  {}
+)",
+                            3 * n, times, ways, more),
+                3 * n)
+        .energy.given_lag;
+  };
+  // Of the quarter in which a falls by less than itself, wh (1 - sin d) / cos d with tan d = wh = 2 pi / n; of the one in which it grows half as
+  // much.
+  EXPECT_NEAR(lag(20, ""), 0.28, 0.06);
+  EXPECT_NEAR(lag(80, ""), 0.08, 0.02);
+  EXPECT_LT(lag(20, "gravity: {}"), 0.03) << "its weight is far more";
+  const std::string straight = R"(
+mortise: 1
+name: jump
+time: {step: 10 ms, steps: 20}
+bodies:
+  table: {type: stiff, shape: {box: {size: [0.1, 0.1, 0.02], edge_length: 0.1}}, mass: 1}
+effects:
+  inertia: {}
+  affine_body: {}
+  pin: [{body: table, where: {side: all}, motion: {time: [0, 0.05, 0.1, 0.2], translation: [[0, 0, 0], [0, 0, 0], [0.01, 0, 0], [0.01, 0, 0]]}}]
+)";
+  EXPECT_TRUE(std::isnan(turn(straight, 20).energy.given_lag)) << "it starts and stops at once";
+}
