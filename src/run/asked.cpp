@@ -70,14 +70,21 @@ std::vector<Asked> asked_of_pins(const Params& effects) {
   return out;
 }
 
-std::vector<double> phases(const Params& effects) {
-  std::vector<double> out;
-  for (const std::vector<Asked>& all : {asked_of_pins(effects), asked_of_drives_and_loads(effects)})
-    for (const Asked& asked : all)
-      if (asked.keys.size() <= tuning::kPhases)
-        std::copy_if(asked.keys.begin(), asked.keys.end(), std::back_inserter(out), [](double t) { return t > 0; });
-  std::sort(out.begin(), out.end());
-  out.erase(std::unique(out.begin(), out.end()), out.end());
+std::vector<Phase> phases(const Params& effects) {
+  std::vector<Asked> all = asked_of_pins(effects);
+  for (Asked& asked : asked_of_drives_and_loads(effects)) all.push_back(std::move(asked));
+  std::vector<double> ends;
+  for (const Asked& asked : all)
+    if (asked.keys.size() <= tuning::kPhases)
+      std::copy_if(asked.keys.begin(), asked.keys.end(), std::back_inserter(ends), [](double t) { return t > 0; });
+  std::sort(ends.begin(), ends.end());
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  std::vector<Phase> out;
+  double start = 0;
+  for (double end : ends) {
+    out.push_back({end, std::any_of(all.begin(), all.end(), [&](const Asked& asked) { return asked.at(end) != asked.at(start); })});
+    start = end;
+  }
   return out;
 }
 

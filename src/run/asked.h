@@ -17,6 +17,10 @@ std::vector<Asked> asked_of_pins(const Params& effects);
 
 // Times after the start, ascending, at which one phase of a scene ends and another begins: keys of pins, drives and loads, but of schedules that have
 // so many that they draw a curve.
-std::vector<double> phases(const Params& effects);
+struct Phase {
+  double end;  // [s]
+  bool moves;  // something is asked for at its end that was not at its start
+};
+std::vector<Phase> phases(const Params& effects);
 
 }  // namespace mortise::run

@@ -5,7 +5,6 @@
 
 #include "base/disjoint_sets.h"
 #include "geometry/bounds.h"
-#include "run/asked.h"
 #include "run/holds.h"
 #include "run/tuning.h"
 
@@ -128,17 +127,19 @@ void FieldErrors::judge_layer(const Snapshot& said, const AllSamples& samples, R
 
 void FieldErrors::phase(const Snapshot& said, double time) {
   // Times are sums of steps: a hair of rounding decides nothing.
-  const auto end = std::upper_bound(phases_.begin(), phases_.end(), time * (1 + tuning::kRounding));
-  const long ended = end - phases_.begin();
-  if (std::isnan(time) || ended <= phase_) return;
-  phase_ = ended;
+  if (std::isnan(time)) return;
+  const long before = phase_;
+  bool moves = false;
+  for (; phase_ < static_cast<long>(phases_.size()) && phases_[phase_].end <= time * (1 + tuning::kRounding); ++phase_)
+    moves |= phases_[phase_].moves;
+  if (phase_ == before) return;
   const auto stress = said.cell.find("cauchy_stress");
   if (stress == said.cell.end()) return;
   const std::span<const double> displacement = of_points(said, "displacement", 3);
   StressError::Stresses change = stress_.stresses(stress->second, displacement);
   if (!stress_then_.empty()) change = StressError::change(std::move(change), stress_.stresses(stress_then_, displacement_then_));
   const StressError::Estimate estimate = stress_.of(change, groups(samples_of(said)));
-  changed_.push_back(estimate.energy), changed_badly_.push_back(estimate.error);
+  if (moves) changed_.push_back(estimate.energy), changed_badly_.push_back(estimate.error);  // what is held only settles
   stress_then_ = stress->second, displacement_then_.assign(displacement.begin(), displacement.end());
 }
 

@@ -9,6 +9,7 @@
 
 #include "base/archive.h"
 #include "base/snapshot.h"
+#include "run/asked.h"
 #include "run/layer_error.h"
 #include "run/linear_law.h"
 #include "run/load_turned.h"
@@ -62,11 +63,11 @@ class FieldErrors {
   std::vector<bool> passes_on_;  // by body that has points, what presses it to others: soft ones, and stiff ones that nothing holds
   std::vector<std::pair<std::size_t, std::size_t>> tied_;  // of those
   double energy_floor_ = 0;                                // of strains that are rounding [J]
-  std::vector<double> phases_;                             // their ends [s]
-  long phase_ = 0;                                         // under way
-  std::vector<double> stress_then_, displacement_then_;    // when it began; empty: at rest
-  std::vector<double> changed_, changed_badly_;            // by every phase that ended: energy [J], stress_error.h
-  double most_elastic_ = 0, most_pressed_ = 0;             // [J], [Pa]
+  std::vector<Phase> phases_;
+  long phase_ = 0;                                       // under way
+  std::vector<double> stress_then_, displacement_then_;  // when it began; empty: at rest
+  std::vector<double> changed_, changed_badly_;          // by every phase that ended: energy [J], stress_error.h
+  double most_elastic_ = 0, most_pressed_ = 0;           // [J], [Pa]
   Result at_most_;
   Snapshot last_;
   bool resumed_ = false;  // no state has come since: the last one is known by
