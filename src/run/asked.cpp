@@ -5,7 +5,7 @@
 
 #include "effects/drive/target.h"
 #include "effects/roles.h"
-#include "effects/tie_name.h"
+#include "run/entries.h"
 #include "run/tuning.h"
 
 namespace mortise::run {
@@ -13,13 +13,6 @@ namespace {
 
 using effects::drive::Quantity;
 using effects::drive::Target;
-
-bool slides(const Params& effects, const std::string& joint) {
-  const Params* list = effects.find("joint");
-  if (!list) return false;
-  return std::any_of(list->items().begin(), list->items().end(),
-                     [&](const Params& p) { return effects::tie_name(p) == joint && p.text("type") == "prismatic"; });
-}
 
 void ask(std::vector<Asked>& out, const Schedule& schedule) { out.push_back({schedule, schedule.keys()}); }
 
@@ -32,32 +25,9 @@ void ask(std::vector<Asked>& out, const Params& motion, const Params& list, int 
   ask(out, Schedule(table, motion.text("interpolation") == "smooth"));
 }
 
-}  // namespace
-
-std::vector<Asked> asked_of_drives_and_loads(const Params& effects) {
-  std::vector<Asked> out;
-  if (const Params* drives = effects.find("drive"))
-    for (const Params& p : drives->items()) {
-      if (!Target::any(p) || p.has("gait")) continue;
-      const bool slide = slides(effects, p.text("joint"));
-      const Target target(p, p.text("mode") == "effort" ? (slide ? Quantity::force : Quantity::torque) : slide ? Quantity::travel : Quantity::angle);
-      out.push_back({target, target.keys()});
-    }
-  for (const std::string& name : effects::of_role(effects, effects::Role::load)) {
-    const Params& list = effects.at(name);
-    if (list.kind() != Params::Kind::list) continue;
-    for (const Params& load : list.items())
-      for (const char* key : {"pressure", "traction_factor"})
-        if (load.has(key)) ask(out, Schedule(load.at(key)));
-  }
-  return out;
-}
-
 std::vector<Asked> asked_of_pins(const Params& effects) {
   std::vector<Asked> out;
-  const Params* pins = effects.find("pin");
-  if (!pins) return out;
-  for (const Params& pin : pins->items()) {
+  for (const Params& pin : entries(effects, "pin")) {
     const Params* motion = pin.find("motion");
     if (!motion) continue;
     if (const Params* list = motion->find("translation"))
@@ -70,9 +40,35 @@ std::vector<Asked> asked_of_pins(const Params& effects) {
   return out;
 }
 
+}  // namespace
+
+std::vector<Asked> asked_of_drives_and_loads(const Params& effects) {
+  std::vector<Asked> out;
+  for (const Params& p : entries(effects, "drive")) {
+    if (!Target::any(p) || p.has("gait")) continue;
+    const std::optional<Params> joint = joint_named(effects, p.text("joint"));
+    const bool slide = joint && joint->text("type") == "prismatic";
+    const Target target(p, p.text("mode") == "effort" ? (slide ? Quantity::force : Quantity::torque) : slide ? Quantity::travel : Quantity::angle);
+    out.push_back({target, target.keys()});
+  }
+  for (const std::string& name : effects::of_role(effects, effects::Role::load)) {
+    const Params& list = effects.at(name);
+    if (list.kind() != Params::Kind::list) continue;
+    for (const Params& load : list.items())
+      for (const char* key : {"pressure", "traction_factor"})
+        if (load.has(key)) ask(out, Schedule(load.at(key)));
+  }
+  return out;
+}
+
+std::vector<Asked> all_asked(const Params& effects) {
+  std::vector<Asked> out = asked_of_pins(effects);
+  for (Asked& asked : asked_of_drives_and_loads(effects)) out.push_back(std::move(asked));
+  return out;
+}
+
 std::vector<Phase> phases(const Params& effects) {
-  std::vector<Asked> all = asked_of_pins(effects);
-  for (Asked& asked : asked_of_drives_and_loads(effects)) all.push_back(std::move(asked));
+  const std::vector<Asked> all = all_asked(effects);
   std::vector<double> ends;
   for (const Asked& asked : all)
     if (asked.keys.size() <= tuning::kPhases)

@@ -13,7 +13,7 @@ struct Asked {
 };
 
 std::vector<Asked> asked_of_drives_and_loads(const Params& effects);
-std::vector<Asked> asked_of_pins(const Params& effects);
+std::vector<Asked> all_asked(const Params& effects);
 
 // Times after the start, ascending, at which one phase of a scene ends and another begins: keys of pins, drives and loads, but of schedules that have
 // so many that they draw a curve.

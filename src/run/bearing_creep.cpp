@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "effects/drive/tuning.h"
-#include "effects/tie_name.h"
 #include "geometry/bounds.h"
+#include "run/entries.h"
 #include "run/moving_body.h"
 #include "run/tuning.h"
 
@@ -13,20 +13,17 @@ namespace mortise::run {
 
 BearingCreep::BearingCreep(const model::ModelInput& input) {
   const Params& effects = input.scene.at("effects");
-  const Params *drives = effects.find("drive"), *joints = effects.find("joint");
-  if (!drives || !joints || std::isnan(integration_of(input.scene).step)) return;
-  for (const Params& drive : drives->items()) {
-    const std::string mode = drive.text("mode"), joint = drive.text("joint");
-    if (!drive.has("friction") || (mode != "passive" && mode != "effort")) continue;
-    for (const Params& j : joints->items()) {
-      if (effects::tie_name(j) != joint) continue;
-      const bool slides = j.text("type") == "prismatic";
-      double least = tuning::kSettles;
-      for (const model::BodyInput& body : input.bodies)
-        if (slides && body.name == j.text("body") && !body.nodes.empty()) least = tuning::kSettles * geometry::bounds_of(body.nodes).size().norm();
-      bearings_.push_back({"joint/" + joint + (slides ? "_travel" : "_angle"), "joint/" + joint + "_rate",
-                           slides ? effects::drive::tuning::kCreepSlide : effects::drive::tuning::kCreep, least});
-    }
+  if (std::isnan(integration_of(input.scene).step)) return;
+  for (const Params& drive : entries(effects, "drive")) {
+    const std::string mode = drive.text("mode"), name = drive.text("joint");
+    const std::optional<Params> joint = joint_named(effects, name);
+    if (!joint || !drive.has("friction") || (mode != "passive" && mode != "effort")) continue;
+    const bool slides = joint->text("type") == "prismatic";
+    double least = tuning::kSettles;
+    for (const model::BodyInput& body : input.bodies)
+      if (slides && body.name == joint->text("body") && !body.nodes.empty()) least = tuning::kSettles * geometry::bounds_of(body.nodes).size().norm();
+    bearings_.push_back({"joint/" + name + (slides ? "_travel" : "_angle"), "joint/" + name + "_rate",
+                         slides ? effects::drive::tuning::kCreepSlide : effects::drive::tuning::kCreep, least});
   }
 }
 

@@ -1,7 +1,10 @@
 #pragma once
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "base/params.h"
+#include "effects/tie_name.h"
 
 namespace mortise::run {
 
@@ -9,6 +12,12 @@ namespace mortise::run {
 inline std::vector<Params> entries(const Params& effects, const char* effect) {
   const Params* list = effects.find(effect);
   return list ? list->items() : std::vector<Params>();
+}
+
+inline std::optional<Params> joint_named(const Params& effects, const std::string& name) {
+  for (const Params& joint : entries(effects, "joint"))
+    if (effects::tie_name(joint) == name) return joint;
+  return {};
 }
 
 }  // namespace mortise::run

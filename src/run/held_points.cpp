@@ -1,5 +1,6 @@
 #include "run/held_points.h"
 
+#include <algorithm>
 #include <map>
 #include <string>
 
@@ -47,6 +48,12 @@ std::vector<bool> held_points(const model::ModelInput& input) {
   std::vector<bool> out;
   for (const unsigned a : axes) out.push_back(a == mask_of("xyz"));
   return out;
+}
+
+double one_sided(const std::vector<bool>& held, std::size_t first, std::size_t count) {
+  const auto begin = held.begin() + static_cast<std::ptrdiff_t>(first), end = begin + static_cast<std::ptrdiff_t>(count);
+  const auto free = std::count(begin, end, false);
+  return free > 0 ? static_cast<double>(count) / static_cast<double>(free) : 1;
 }
 
 }  // namespace mortise::run

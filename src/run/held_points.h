@@ -7,5 +7,7 @@ namespace mortise::run {
 
 // Of all points of bodies: which go as pins (in all directions, for good) or bonds say, so that a body has no say there.
 std::vector<bool> held_points(const model::ModelInput& input);
+// All of a body's points over those that are not held (stress_error.h); 1 where all are.
+double one_sided(const std::vector<bool>& held, std::size_t first, std::size_t count);
 
 }  // namespace mortise::run

@@ -125,8 +125,8 @@ void Results::finish(End& end, const std::function<void(const std::string&)>& no
   const auto failed = std::count_if(verdicts.begin(), verdicts.end(), [](const Checks::Verdict& v) { return !v.pass; });
   if (end.status == Exit::done && failed > 0) end.status = Exit::checks, end.message = fmt::format("{} of {} checks failed", failed, verdicts.size());
   const std::string name = scene_.text("name");
-  std::string certificate = certificate_.json({name, hash_, record_.device.kind, end.status, end.message, checks_.energy(), end.quantity_error});
-  if (!end.budget.empty()) certificate = with_error_budget(certificate, end.budget);
+  std::string certificate = certificate_.json({name, hash_, record_.device.kind, end.status, end.message, checks_.energy(), end.estimated.worst});
+  if (!end.estimated.json.empty()) certificate = with_error_budget(certificate, end.estimated.json);
   output::write_file_atomically(folder_.file("certificate.json"), Checks::add_to(certificate, verdicts), true);
   for (const Checks::Verdict& v : verdicts)
     if (!v.pass) note(fmt::format("check failed: {}; it is {}", v.text, v.found.empty() ? fmt::format("{:.6g}", v.value) : v.found));

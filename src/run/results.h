@@ -57,8 +57,7 @@ class Results {
     std::string message;  // of the error, empty without one
     double wall;          // of the run [s]
     const engine::Engine* engine;
-    std::string budget;           // how wrong quantities are, JSON; empty where that is not known
-    double quantity_error = NAN;  // the worst of them
+    const Estimated& estimated;  // how wrong quantities are
   };
   // Writes how it ended. Checks that failed are told to `note`, and make another end of one that was good.
   void finish(End& end, const std::function<void(const std::string&)>& note);

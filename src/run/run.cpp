@@ -311,7 +311,7 @@ class Run {
   // Returns the code that the program ends with.
   Exit finish(Exit status, const std::string& message) {
     if (!started_) return status;
-    Results::End end{status, message, std::chrono::duration<double>(Time::now() - begin_).count(), engine_.get(), estimated_.json, estimated_.worst};
+    Results::End end{status, message, std::chrono::duration<double>(Time::now() - begin_).count(), engine_.get(), estimated_};
     results_->finish(end, [this](const std::string& text) { note(text); });
     if (end.status == Exit::done || end.status == Exit::checks) progress_.end(end.status == Exit::done ? "done" : end.message, end.wall);
     return end.status;

@@ -6,6 +6,7 @@
 
 #include "effects/roles.h"
 #include "run/asked.h"
+#include "run/entries.h"
 #include "run/moving_body.h"
 #include "run/tuning.h"
 
@@ -39,14 +40,13 @@ double missed(const Asked& asked, double h, long steps) {
 
 bool rubs(const Params& effects) {
   if (!effects::of_role(effects, effects::Role::follower).empty()) return true;
-  const Params* drives = effects.find("drive");
-  return drives && std::any_of(drives->items().begin(), drives->items().end(), [](const Params& p) { return p.has("friction"); });
+  const std::vector<Params> drives = entries(effects, "drive");
+  return std::any_of(drives.begin(), drives.end(), [](const Params& p) { return p.has("friction"); });
 }
 
 // Of load steps.
 double cut_short(const Params& effects, long steps) {
-  std::vector<Asked> all = asked_of_pins(effects);
-  for (Asked& asked : asked_of_drives_and_loads(effects)) all.push_back(std::move(asked));
+  const std::vector<Asked> all = all_asked(effects);
   std::vector<double> keys;
   for (const Asked& asked : all) keys.insert(keys.end(), asked.keys.begin(), asked.keys.end());
   std::sort(keys.begin(), keys.end());

@@ -100,12 +100,12 @@ void EnergyAudit::checkpoint(Archive& archive) {
                              {"gravity_first", &gravity_first_},
                              {"free_loss", &r_.free_loss},
                              {"free", &free_},
-                             {"at_start", &r_.at_start},
                              {"pressed_first", &pressed_first_},
                              {"pressed_least", &pressed_least_},
                              {"turnover", &r_.turnover},
                              {"there_and_back", &there_and_back_}})
     archive.io(name, *value);
+  r_.at_start = pressed_first_ - pressed_least_;
   archive.io("touched", touched_);
   archive.io("balanced", balanced_);
   lag_.checkpoint(archive);

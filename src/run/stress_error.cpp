@@ -61,10 +61,7 @@ StressError::StressError(const model::ModelInput& input) {
         b.held.push_back(std::all_of(std::begin(t.v), std::end(t.v), held_there) &&
                          (!quadratic || std::all_of(std::begin(in.midsides[tet].v), std::end(in.midsides[tet].v), held_there)));
       }
-      const auto begin = held.begin() + static_cast<std::ptrdiff_t>(point), end = begin + static_cast<std::ptrdiff_t>(in.nodes.size());
-      const auto free = std::count(begin, end, false);
-      if (!quadratic && free > 0 && !model::averages_volume(in.material))
-        b.one_sided = static_cast<double>(in.nodes.size()) / static_cast<double>(free);
+      if (!quadratic && !model::averages_volume(in.material)) b.one_sided = one_sided(held, point, in.nodes.size());
       bodies_.push_back(std::move(b));
     }
     cell += in.type == model::BodyType::soft ? in.tets.size() : in.triangles.size();

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "base/disjoint_sets.h"
 #include "effects/roles.h"
-#include "effects/tie_name.h"
+#include "run/entries.h"
 #include "run/holds.h"
 #include "run/tuning.h"
 #include "run/vector_at.h"
@@ -41,13 +40,9 @@ VibrationLoss::VibrationLoss(const model::ModelInput& input) : integration_(inte
   };
   for (const auto& [name, i] : number)
     if (holds.given(name) || holds.motored(name)) works_on(name);
-  std::set<std::string> rubs;  // joints
-  if (const Params* drives = effects.find("drive"))
-    for (const Params& p : drives->items())
-      if (p.has("friction") && p.number("friction") > 0) rubs.insert(p.text("joint"));
-  if (const Params* joints = effects.find("joint"))
-    for (const Params& p : joints->items())
-      if (rubs.count(effects::tie_name(p))) works_on(p.text("body"));
+  for (const Params& p : entries(effects, "drive"))
+    if (p.has("friction") && p.number("friction") > 0)
+      if (const std::optional<Params> joint = joint_named(effects, p.text("joint"))) works_on(joint->text("body"));
   std::vector<std::string> lists = effects::of_role(effects, effects::Role::load);
   lists.emplace_back("pin");  // which holds a part of it
   for (const std::string& list : lists)

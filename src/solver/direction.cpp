@@ -67,9 +67,8 @@ effects::Want Direction::want(const EnvTable& envs) {
   return out;
 }
 
-bool Direction::begin(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, const std::vector<double>& stretch,
-                      Linearised& at, EnvTable& envs, const StepReports& report, device::Fetch& fetch,
-                      const std::function<void(device::Fetch&)>& ask) {
+bool Direction::begin(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs,
+                      const StepReports& report, device::Fetch& fetch, const std::function<void(device::Fetch&)>& ask) {
   system_.supports(q.view(), support_);
   supports_move_ = largest_of(r.support_gap) > 0;
   x_.resize(system_.rows.count());
@@ -78,7 +77,7 @@ bool Direction::begin(const device::Buffer<Vec3>& q, const Residual& r, const st
   const auto measure = [&](device::Fetch& fetch) {
     measured_ = envs.mask(EnvState::running);
     longest_.assign(envs.size(), 0.0);
-    carry(stretch, at, envs, fetch);
+    carry(at, envs, fetch);
     largest(std::as_const(dq_).view(), system_.model.env_blocks, {longest_, fetch});
     system_.convergence.see_step(std::as_const(dq_).view(), r, measured_, fetch);
     clear_not_finite(dq_);  // the host hears of it after others have asked how far it may lead
@@ -128,13 +127,11 @@ void Direction::end(EnvTable& envs) {
 }
 
 // From x_ to dq_ and its slope.
-void Direction::carry(const std::vector<double>& stretch, const Linearised& at, const EnvTable& envs, device::Fetch& fetch) {
+void Direction::carry(const Linearised& at, const EnvTable& envs, device::Fetch& fetch) {
   system_.to_blocks(std::as_const(x_).view(), std::as_const(support_).view(), envs.mask(EnvState::running), dq_);
-  if (!supports_move_ && largest_of(stretch) > 1) {
-    std::vector<double> more;
-    for (double s : stretch) more.push_back(s - 1);
-    add_scaled(std::as_const(dq_).view(), more, std::as_const(system_.model.block_env).view(), dq_);
-  }
+  std::vector<double> more;  // of its own length
+  for (Index e = 0; e < envs.size(); ++e) more.push_back(envs.is(e, EnvState::running) ? envs[e].stretch - 1 : 0);
+  if (!supports_move_ && largest_of(more) > 0) add_scaled(std::as_const(dq_).view(), more, std::as_const(system_.model.block_env).view(), dq_);
   slope_.assign(envs.size(), 0.0);
   dot(std::as_const(at.gradient).view(), std::as_const(dq_).view(), system_.model.env_blocks, {slope_, fetch});
   if (!system_.model.ties.driven()) return;

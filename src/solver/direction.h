@@ -11,12 +11,11 @@ class Direction {
  public:
   Direction(System& system, Linear& linear, CurvaturePolicy& curvature) : system_(system), linear_(linear), curvature_(curvature) {}
 
-  // In the running environments, from q, where `at` is linearised with a matrix; wanted: per environment the residual at which Newton stops [N];
-  // stretch: what its way is multiplied by, where no support moves.
+  // In the running environments, from q, where `at` is linearised with a matrix; wanted: per environment the residual at which Newton stops [N].
   // Where there is none the environment fails. In two halves: what is only told of the way comes with `fetch`, between them.
   // `ask`: what else is to be known of the way; it is asked here where the host waits for that anyway, which is said by `true`.
-  bool begin(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, const std::vector<double>& stretch, Linearised& at,
-             EnvTable& envs, const StepReports& report, device::Fetch& fetch, const std::function<void(device::Fetch&)>& ask = {});
+  bool begin(const device::Buffer<Vec3>& q, const Residual& r, const std::vector<double>& wanted, Linearised& at, EnvTable& envs,
+             const StepReports& report, device::Fetch& fetch, const std::function<void(device::Fetch&)>& ask = {});
   void end(EnvTable& envs);
   // Before that: the right-hand side of the state of `at`, on the guess that no support moves; its size comes with `fetch`.
   void foresee(const Linearised& at, device::Fetch& fetch);
@@ -34,7 +33,7 @@ class Direction {
  private:
   void solve(const device::Buffer<Vec3>& q, const std::vector<double>& wanted, EnvMask todo, bool whole, Linearised& at, EnvTable& envs,
              const StepReports& report, Aside& aside);
-  void carry(const std::vector<double>& stretch, const Linearised& at, const EnvTable& envs, device::Fetch& fetch);
+  void carry(const Linearised& at, const EnvTable& envs, device::Fetch& fetch);
   System& system_;
   Linear& linear_;
   CurvaturePolicy& curvature_;

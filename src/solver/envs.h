@@ -28,6 +28,7 @@ struct EnvStatus {
   double force = 0;                                     // residual before the last iteration [N]; 0 before the first
   double energy = 0;                                    // Phi there [J],
   double concave = 0;                                   // and how much of its negative curvature the matrix kept
+  double stretch = 1;                                   // what its next way is multiplied by (saddle_policy.h)
   bool whole = false;                                   // lagged quantities are those of every iterate, and directions those of the whole Jacobian
   bool moving = false;                                  // so are those of what is frozen beside them (moving_policy.h)
   bool unsymmetric() const { return whole || moving; }  // its directions are of more than the Hessian

@@ -187,12 +187,11 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
 
     std::vector<double> tolerance;
     for (Index e = 0; e < envs_.size(); ++e) tolerance.push_back(system_.convergence.least_tolerance(r, e, wanted(e)));
-    std::vector<double> stretch(envs_.size(), 1.0);
     for (Index e = 0; e < envs_.size(); ++e)
-      if (running[e] && !slides(e)) stretch[e] = saddle_.choose(e, envs_[e].alpha, envs_[e].concave, system_.convergence.largest_force(r, e));
+      if (running[e] && !slides(e)) envs_[e].stretch = saddle_.choose(e, envs_[e].alpha, envs_[e].concave, system_.convergence.largest_force(r, e));
     // What is told of the direction comes with how far it may lead.
     device::Fetch fetch;
-    const bool asked = direction_.begin(q_, r, tolerance, stretch, at_, envs_, report, fetch, ask_of_way());
+    const bool asked = direction_.begin(q_, r, tolerance, at_, envs_, report, fetch, ask_of_way());
     held_ = running;
     check_failed();
     line_search_.begin(std::as_const(q_).view(), direction_.way(), direction_.supports(), at_, envs_, fetch, asked);

@@ -68,8 +68,7 @@ GoalError::GoalError(const model::ModelInput& input) {
       }
       if (blind > tuning::kBlind * all)
         why_not_ = "elements of '" + in.name + "' have no free node, and their stresses tell nothing: use a finer mesh";
-      const auto begin = held.begin() + static_cast<std::ptrdiff_t>(point), end = begin + static_cast<std::ptrdiff_t>(in.nodes.size());
-      if (const auto free = std::count(begin, end, false); free > 0) b.one_sided = static_cast<double>(in.nodes.size()) / static_cast<double>(free);
+      b.one_sided = run::one_sided(held, point, in.nodes.size());
       bodies_.push_back(std::move(b));
     }
     cell += in.type == model::BodyType::soft ? in.tets.size() : in.triangles.size();

@@ -16,6 +16,10 @@ namespace {
 using namespace mortise;
 using run::Checks;
 
+model::ModelInput input_of(const std::string& yaml) {
+  return engine::make_input(scene::read_scene_text(yaml, "test.yaml", {}, engine::effect_tables()).root);
+}
+
 // One cube of 1 m^3 and 1000 kg with its centre at the origin, pinned to nothing.
 model::ModelInput scene(const std::string& checks) {
   const std::string text = R"(
@@ -26,7 +30,7 @@ bodies: {cube: {type: soft, shape: {box: {size: [1, 1, 1], edge_length: 1}}, mat
 effects: {inertia: {}, elasticity: {}, barrier_contact: {}, pin: [{body: cube, where: {side: z_max}}]}
 checks:
 )" + checks;
-  return engine::make_input(scene::read_scene_text(text, "test.yaml", {}, engine::effect_tables()).root);
+  return input_of(text);
 }
 
 using Map = std::function<Vec3(const Vec3&)>;
@@ -137,7 +141,7 @@ TEST(Checks, EnergyGainTakesTheWorkThatTheSolverSummed) {
 
 // A mean over whole cycles of the force that several feet bear together.
 TEST(Checks, ForcesOfSeveralBodiesAddUpOverAWindowOfTime) {
-  const model::ModelInput input = engine::make_input(scene::read_scene_text(R"(
+  const model::ModelInput input = input_of(R"(
 mortise: 1
 time: {step: 0.1 s, steps: 6}
 materials: {gel: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1000}}
@@ -149,9 +153,7 @@ checks:
   - {quantity: contact_force, bodies: [a, b], axis: z, when: mean, from: 0.2 s, until: 0.4 s, near: 0 N, tolerance: 0 N}
   - {quantity: contact_force, body: a, axis: z, when: mean, near: 0 N, tolerance: 0 N}
   - {quantity: newton_iterations, from: 0.4 s, below: 5}
-)",
-                                                                            "test.yaml", {}, engine::effect_tables())
-                                                         .root);
+)");
   Checks checks(input);
   for (int k = 0; k <= 6; ++k) {  // forces k and 10 k
     Snapshot said;
@@ -175,15 +177,13 @@ checks:
 // The energies of a frame are known without any criterion; dead loads do work that nobody counts.
 TEST(Checks, EnergiesAreKnownWithoutCriteria) {
   const auto after_two_states = [](const std::string& more) {
-    const model::ModelInput input = engine::make_input(scene::read_scene_text(R"(
+    const model::ModelInput input = input_of(R"(
 mortise: 1
 time: {step: 0.1 s, steps: 2}
 materials: {gel: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1000}}
 bodies: {cube: {type: soft, shape: {box: {size: [1, 1, 1], edge_length: 1}}, material: gel}}
 effects: {inertia: {}, elasticity: {}, pin: [{body: cube, where: {side: z_max}}])" +
-                                                                                  more + "}\n",
-                                                                              "test.yaml", {}, engine::effect_tables())
-                                                           .root);
+                                             more + "}\n");
     Checks checks(input);
     for (int k = 0; k < 2; ++k) {
       Snapshot sink;
@@ -209,15 +209,13 @@ effects: {inertia: {}, elasticity: {}, pin: [{body: cube, where: {side: z_max}}]
 // Bodies that begin within each other's layer are driven apart by its energy; what lies on another keeps it.
 TEST(Checks, EnergyOfContactAtTheStartCountsAsFarAsItIsGivenAway) {
   const auto at_start = [](double first, double then) {
-    const model::ModelInput input = engine::make_input(scene::read_scene_text(R"(
+    const model::ModelInput input = input_of(R"(
 mortise: 1
 time: {step: 0.1 s, steps: 2}
 materials: {gel: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1000}}
 bodies: {cube: {type: soft, shape: {box: {size: [1, 1, 1], edge_length: 1}}, material: gel}, floor: {type: half_space, point: [0, 0, -1]}}
 effects: {inertia: {}, elasticity: {}, barrier_contact: {d_hat: 1 mm, stiffness: 1 MPa}}
-)",
-                                                                              "test.yaml", {}, engine::effect_tables())
-                                                           .root);
+)");
     Checks checks(input);
     for (double energy : {first, then, 0.5 * (first + then)}) {
       Snapshot sink;
@@ -234,15 +232,13 @@ effects: {inertia: {}, elasticity: {}, barrier_contact: {d_hat: 1 mm, stiffness:
 // Energy that is lost where nothing touches and nothing is driven is the time step's doing; contact and work explain losses.
 TEST(Checks, FreeMotionShouldLoseNoEnergy) {
   const auto lost = [](int touches_at, double work) {
-    const model::ModelInput input = engine::make_input(scene::read_scene_text(R"(
+    const model::ModelInput input = input_of(R"(
 mortise: 1
 time: {step: 0.1 s, steps: 2}
 materials: {gel: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.4, density: 1000}}
 bodies: {cube: {type: soft, shape: {box: {size: [1, 1, 1], edge_length: 1}}, material: gel}}
 effects: {inertia: {}, elasticity: {}}
-)",
-                                                                              "test.yaml", {}, engine::effect_tables())
-                                                           .root);
+)");
     Checks checks(input);
     for (int k = 0; k < 3; ++k) {
       Snapshot sink;
@@ -265,14 +261,12 @@ namespace {
 
 // motion_lag of a cube of 1 m that is seen three times, `way` apart, as it gets faster: by `faster` in the second step.
 double lag_of(const std::string& material, const std::string& type, const std::string& effects, double way, bool supported, double faster = 0.3) {
-  const model::ModelInput input = engine::make_input(scene::read_scene_text(R"(
+  const model::ModelInput input = input_of(R"(
 mortise: 1
 time: {step: 0.1 s, steps: 2}
 materials: {stuff: )" + material + R"(}
 bodies: {cube: {type: )" + type + R"(, shape: {box: {size: [1, 1, 1], edge_length: 1}}, material: stuff}}
-effects: )" + effects,
-                                                                            "test.yaml", {}, engine::effect_tables())
-                                                         .root);
+effects: )" + effects);
   Checks checks(input);
   for (int k = 0; k < 3; ++k) {
     Snapshot sink;

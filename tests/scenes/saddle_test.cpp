@@ -1,4 +1,4 @@
-// Where equilibrium is unstable: columns beyond their load, and edges that meet exactly parallel.
+// Where equilibrium is unstable: columns beyond their load.
 #include <cmath>
 #include <numbers>
 

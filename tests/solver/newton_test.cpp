@@ -443,7 +443,7 @@ TEST(Direction, FollowsTheSymmetricPartWhereTheWholePointsUphill) {
     const Residual r = system.linearise(std::as_const(p.model.q).view(), direction.want(envs), at);
     StepReport report;
     device::Fetch fetch;
-    direction.begin(p.model.q, r, {1e-9}, {1}, at, envs, report, fetch);
+    direction.begin(p.model.q, r, {1e-9}, at, envs, report, fetch);
     fetch.now();
     direction.end(envs);
     EXPECT_LT(direction.slope()[0], 0);
