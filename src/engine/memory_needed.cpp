@@ -15,15 +15,14 @@ constexpr double kPerTet = 1850, kPerQuadraticTet = 13800, kPerContactTriangle =
 constexpr double kBesidePerTet = 250, kBesidePerQuadraticTet = 650;  // [B]
 // Of a linear tetrahedron whose change of volume is averaged: its share of a piece per pair of nodes of the cluster, and of the wider matrix.
 constexpr double kPerAveragedTet = 1000;  // [B]
-// Of a linear tetrahedron of a body in motion that nothing holds, whose masses are not lumped: its share of a piece per edge.
+// Of a linear tetrahedron of a body that supports do not hold where it is, whose masses are not lumped: its share of a piece per edge.
 constexpr double kPerMovingTet = 650;  // [B]
 
-// Does a support or a tie name the body?
-bool hangs(const Params& wanted, const std::string& body) {
-  for (const effects::Role role : {effects::Role::support, effects::Role::tie})
-    for (const std::string& name : effects::of_role(wanted, role))
-      for (const Params& p : wanted.at(name).items())
-        if (p.has("body") && p.text("body") == body) return true;
+// Does a support hold the body where it is, for good?
+bool stays(const Params& wanted, const std::string& body) {
+  for (const std::string& name : effects::of_role(wanted, effects::Role::support))
+    for (const Params& p : wanted.at(name).items())
+      if (p.has("body") && p.text("body") == body && !p.has("motion") && !p.has("release")) return true;
   return false;
 }
 
@@ -41,7 +40,7 @@ std::size_t memory_needed(const model::ModelInput& input) {
   for (const model::BodyInput& b : input.bodies) {
     if (beside) bytes += (b.midsides.empty() ? kBesidePerTet : kBesidePerQuadraticTet) * static_cast<double>(b.tets.size());
     if (!b.tets.empty() && b.midsides.empty() && model::averages_volume(b.material)) bytes += kPerAveragedTet * static_cast<double>(b.tets.size());
-    if (moves && b.midsides.empty() && !hangs(wanted, b.name)) bytes += kPerMovingTet * static_cast<double>(b.tets.size());
+    if (moves && b.midsides.empty() && !stays(wanted, b.name)) bytes += kPerMovingTet * static_cast<double>(b.tets.size());
     bytes += (b.midsides.empty() ? kPerTet : kPerQuadraticTet) * static_cast<double>(b.tets.size());
     if (contact) bytes += kPerContactTriangle * static_cast<double>(b.triangles.size());
     if (schwarz && !b.tets.empty()) bytes += kPerNode * static_cast<double>(b.nodes.size());

@@ -37,6 +37,7 @@ struct Body {
   Vec3 centre = Vec3::Zero();                  // rest centre of mass [m]
   double youngs_modulus = 0, poisson_ratio = 0, density = 0;
   Index carriage = kFree;  // whose path prescribes all of it at all times: bodies of one carriage move as one
+  bool stays = false;      // soft: supports hold three of its points, not on a line, for good and never turn them
   SourceLoc where;
   static constexpr Index kFree = -1, kStill = 0;
   bool prescribed() const { return carriage != kFree; }

@@ -161,7 +161,6 @@ void read_scene(const File& file, Case& c) {
       const std::string name = name_of(t);
       Tie& tie = c.ties.emplace_back(Tie{std::string("/mortise/effects/") + effect + "/" + name + "_force_", {{body, 1}, {to, -1}}});
       if (std::string(effect) == "joint" && t["type"].as<std::string>() == "prismatic") slide(effects, t, name, tie, c);
-      for (Body& own : c.bodies) own.hangs = own.hangs || (own.name == body && std::string(effect) != "joint");
       const std::string guide = std::string("/mortise/effects/") + effect + "/" + name + "_guide_";
       if (file.has(guide + "x")) c.ties.push_back(Tie{guide, {{body, 1}, {to, -1}}});
       if (!t["contact"] || !t["contact"].as<bool>()) c.pass.insert({body, to}), c.pass.insert({to, body});
@@ -180,9 +179,11 @@ void read_scene(const File& file, Case& c) {
   for (const auto& p : effects["pin"])
     for (Body& body : c.bodies) {
       if (body.name != p["body"].as<std::string>()) continue;
-      body.pinned = body.hangs = true;
+      body.pinned = true;
       const bool all = p["where"]["side"] && p["where"]["side"].as<std::string>() == "all",
                  every = !p["axes"] || p["axes"].as<std::string>().size() == 3;
+      const bool turns = p["motion"] && (p["motion"]["rotation"] || p["motion"]["orientation"] || p["motion"]["file"]);
+      body.stays = body.stays || (every && !turns && !p["release"]);
       if (!all || !every || p["release"]) continue;
       body.prescribed = true;
       if (p["motion"]) body.motion = YAML::Dump(p["motion"]);

@@ -25,9 +25,9 @@ struct Body {
   bool mean_volume = false;  // lambda acts on averages
   bool soft = false, self_contact = false, pinned = false;
   std::optional<Spread> spread;  // its mass is spread as the scene says, not evenly
-  bool hangs = false;            // pins hold a part of it, or it is bonded or tied: its masses are lumped on nodes, where it is of linear tetrahedra
-  bool prescribed = false;       // all of it goes where the scene says, always
-  std::string motion;            // of a prescribed body, "" if it stays
+  bool stays = false;       // pins hold a part of it, for good, and never turn it: its masses are lumped on nodes, where it is of linear tetrahedra
+  bool prescribed = false;  // all of it goes where the scene says, always
+  std::string motion;       // of a prescribed body, "" if it stays
   bool quadratic() const { return !midsides.empty(); }
 };
 struct Plane {

@@ -82,9 +82,9 @@ void judge_elements(const Case& c, const std::vector<Vector>& x, long frame, Ver
     }
 }
 
-// Kinetic energy and momentum. Soft: masses lumped at nodes where the body hangs on something, else the velocity is linear in every tetrahedron.
-// Stiff: the velocity is linear in space; a body filled evenly is cut into tetrahedra from the mean of its vertices, where the velocity is the mean
-// of theirs, and integrated exactly.
+// Kinetic energy and momentum. Soft: masses lumped at nodes where supports hold the body and do not turn it, else the velocity is linear in every
+// tetrahedron. Stiff: the velocity is linear in space; a body filled evenly is cut into tetrahedra from the mean of its vertices, where the velocity
+// is the mean of theirs, and integrated exactly.
 void motion(const Body& body, const std::vector<Vector>& rest, const std::vector<Vector>& velocity, double& kinetic, Vector& momentum) {
   if (body.soft) {
     for (const auto& t : body.tets) {
@@ -95,7 +95,7 @@ void motion(const Body& body, const std::vector<Vector>& rest, const std::vector
         squares += dot(velocity[p], velocity[p]);
         for (int k = 0; k < 3; ++k) sum[k] += velocity[p][k];
       }
-      kinetic += body.hangs ? 0.5 * m / 4 * squares : 0.5 * m / 20 * (squares + dot(sum, sum));
+      kinetic += body.stays ? 0.5 * m / 4 * squares : 0.5 * m / 20 * (squares + dot(sum, sum));
       for (int k = 0; k < 3; ++k) momentum[k] += m / 4 * sum[k];
     }
     return;

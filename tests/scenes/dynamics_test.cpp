@@ -156,3 +156,37 @@ effects: {inertia: {integrator: bdf2}, gravity: {}, elasticity: {}, barrier_cont
     EXPECT_GT(second, 30) << dt;  // the rest stays of second order
   }
 }
+
+// A cube of two cells across that a stiff plate takes along, and one that a pin turns: with masses on its nodes it had 1.5 times its moment of
+// inertia.
+TEST(Dynamics, WhatIsTurnedHasItsMomentOfInertia) {
+  const double a = 0.04, cube = 1000 * a * a * a * a * a / 6, plate = cube * 0.002 / a;  // about the axis [kg m^2]
+  const std::string yaml = R"(
+mortise: 1
+name: wheel
+time: {step: 2 ms, steps: 50}
+materials: {rubber: {youngs_modulus: 100 MPa, poisson_ratio: 0, density: 1000}}
+bodies:
+  plate: {type: stiff, shape: {box: {size: [2 mm, 40 mm, 40 mm], edge_length: 40 mm}}, material: rubber, position: [-1 mm, 0, 0]}
+  cube: {type: soft, shape: {box: {size: [40 mm, 40 mm, 40 mm], edge_length: 20 mm}}, material: rubber, position: [20 mm, 0, 0]}
+effects:
+  inertia: {}
+  elasticity: {}
+)";
+  Rig driven(yaml + R"(
+  affine_body: {}
+  joint: [{name: axle, type: revolute, body: plate, at: [0, 0, 0], axis: [1, 0, 0]}]
+  drive: [{joint: axle, mode: effort, torque: 2e-4}]
+  bond: [{body: cube, to: plate, where: {side: x_min}}]
+)");
+  driven.steps(50);
+  EXPECT_NEAR(driven.fields().at("joint/axle_rate"), 2e-4 / (cube + plate) * 0.1, 2e-3 * 2e-4 / (cube + plate) * 0.1);
+
+  Rig turned(yaml + R"(
+  pin:
+    - {body: plate, where: {side: all}}
+    - {body: cube, where: {side: all}, motion: {time: [0, 1], rotation: {axis: [1, 0, 0], angle: [0, 0.2]}}}
+)");
+  turned.steps(2);
+  EXPECT_NEAR(turned.fields().at("inertia/kinetic_energy"), 0.5 * cube * 0.2 * 0.2, 1e-4 * cube * 0.2 * 0.2);
+}

@@ -235,17 +235,13 @@ class Inertia final : public Effect {
     counts_.upload(counts);
   }
 
-  // Blocks of bodies of linear tetrahedra of which a node is held or follows another body: they do not turn freely, and with masses on nodes
-  // matrices have a fifth less in them.
+  // Blocks of bodies of linear tetrahedra that supports keep from turning: with masses on nodes matrices have a fifth less in them.
   std::vector<std::uint8_t> lumped_blocks() const {
     std::vector<std::uint8_t> out(model_.blocks, 0);
     const std::vector<geometry::Midsides> midsides = model_.volume.midsides.download();
-    for (const model::Body& body : model_.bodies) {
-      if (body.type != model::BodyType::soft || (!midsides.empty() && midsides[body.tet_begin].v[0] >= 0)) continue;
-      bool hangs = false;
-      for (Index i = body.block_begin; i < body.block_end; ++i) hangs = hangs || model_.held[i] != 0 || model_.ties.tied(i);
-      if (hangs) std::fill(out.begin() + body.block_begin, out.begin() + body.block_end, 1);
-    }
+    for (const model::Body& body : model_.bodies)
+      if (body.stays && (midsides.empty() || midsides[body.tet_begin].v[0] < 0))
+        std::fill(out.begin() + body.block_begin, out.begin() + body.block_end, 1);
     return out;
   }
 

@@ -113,6 +113,7 @@ class Motion {
   }
 
   bool moves() const { return moves_; }
+  bool turns() const { return !turns_.empty() || orientation_.any(); }
   bool same_as(const Motion& other) const { return same(params_, other.params_); }
   pin::RigidMotion at(double t) const {
     pin::RigidMotion m{Mat3::Identity(), Vec3::Zero()};
@@ -166,6 +167,9 @@ struct Entry {
   double size = 0;                                                     // of the body, at rest [m]
   Vec3 lo = Vec3::Constant(INFINITY), hi = Vec3::Constant(-INFINITY);  // of what is held of it
 };
+
+constexpr std::uint8_t kAllAxes = 7;
+constexpr double kOff = 1e-6;  // of a length: points nearer to a line than that are on it
 
 // A held block: which list entry holds which of its axes.
 struct Held {
@@ -275,7 +279,7 @@ class Pin final : public Effect {
 
   void add_stiff(const Params& p, const model::Body& body, std::uint8_t axes) {
     const Params& where = p.at("where");
-    if (!where.has("side") || where.text("side") != "all" || axes != 7)
+    if (!where.has("side") || where.text("side") != "all" || axes != kAllAxes)
       throw Error(Exit::scene, where.where(), "stiff body '" + body.name + "' can only be held as a whole: where: {side: all}, axes: xyz");
     const std::vector<Vec3> rest = model_.rest_points.download();
     for (Index point = body.point_begin; point < body.point_end; ++point) include(rest[point]);
@@ -289,6 +293,18 @@ class Pin final : public Effect {
     const std::vector<Vec3> rest = model_.rest_points.download();
     for (Index point : points) include(rest[point]);
     for (Index point : points) hold_block(block[offset[point]], axes, false, body);
+    const Entry& e = entries_.back();
+    if (axes == kAllAxes && std::isinf(e.release) && !e.motion.turns() && off_a_line(points, rest))
+      model_.bodies[&body - model_.bodies.data()].stays = true;
+  }
+  // Three of the points are not on a line.
+  static bool off_a_line(const std::vector<Index>& points, const std::vector<Vec3>& x) {
+    const auto far_from = [&](const auto& distance) {
+      return *std::max_element(points.begin(), points.end(), [&](Index a, Index b) { return distance(x[a]) < distance(x[b]); });
+    };
+    const Vec3 begin = x[points[0]], way = x[far_from([&](const Vec3&y) { return (y - begin).norm(); })] - begin;
+    const auto beside = [&](const Vec3& y) { return way.cross(y - begin).norm(); };
+    return beside(x[far_from(beside)]) > kOff * way.squaredNorm();
   }
 
   double size_of(const model::Body& body) const {
