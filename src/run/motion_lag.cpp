@@ -7,6 +7,24 @@
 
 namespace mortise::run {
 
+void MotionLag::Ways::start(const Vec3& v, double least_way) {
+  v0.insert(v0.end(), {v[0], v[1], v[2]});
+  a0.push_back(0), least.push_back(least_way), far.push_back(0);
+}
+
+double MotionLag::Ways::lag(std::size_t body, const Vec3& way, const Vec3& v, double h, long steps) {
+  far[body] = std::max(far[body], way.norm());
+  const Vec3 more = v - vector_at(v0, body);
+  const double gained = more.norm();
+  if (steps == 1) a0[body] = gained / h;
+  const double e = 0.5 * h * (gained + std::max(gained - a0[body] * h * static_cast<double>(steps), 0.0));
+  return e > 0 ? e / std::max(far[body] + (more.dot(way) < 0 ? e : -e), least[body]) : 0;
+}
+
+void MotionLag::Ways::checkpoint(Archive& archive, const std::string& name) {
+  for (auto [what, values] : {std::pair{".velocity", &v0}, {".a0", &a0}, {".least", &least}, {".far", &far}}) archive.io(name + what, *values);
+}
+
 MotionLag::MotionLag(const model::ModelInput& input) {
   const Integration integration = integration_of(input.scene);
   if (!integration.second_order) step_ = integration.step;
@@ -15,27 +33,29 @@ MotionLag::MotionLag(const model::ModelInput& input) {
 void MotionLag::state(const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
   if (std::isnan(step_) || bodies.empty()) return;
   const bool first = start_.empty();
+  if (first) turned_.assign(3 * bodies.size(), 0.0);
   if (!first) ++steps_;
   value_ = first ? NAN : 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const Vec3 &x = bodies[i].x, &v = bodies[i].v;
+    const Vec3 &x = bodies[i].x, &v = bodies[i].v, &w = bodies[i].w;
     if (first) {
-      start_.insert(start_.end(), {x[0], x[1], x[2]}), v0_.insert(v0_.end(), {v[0], v[1], v[2]});
-      least_.push_back(tuning::kStill * 2 * bodies[i].body.radius(x, points)), far_.push_back(0), a0_.push_back(0);
+      start_.insert(start_.end(), {x[0], x[1], x[2]});
+      centres_.start(v, tuning::kStill * 2 * bodies[i].body.radius(x, points));
+      turns_.start(w, tuning::kStill * 2);  // its rim goes a share of the body's size
       continue;
     }
-    far_[i] = std::max(far_[i], (x - vector_at(start_, i)).norm());
-    if (bodies[i].led) continue;
-    const double gained = (v - vector_at(v0_, i)).norm();
-    if (steps_ == 1) a0_[i] = gained / step_;
-    const double e = 0.5 * step_ * (gained + std::max(gained - a0_[i] * step_ * static_cast<double>(steps_), 0.0));
-    if (e > 0) value_ = std::max(value_, e / std::max(far_[i] - e, least_[i]));
+    for (int a = 0; a < 3; ++a) turned_[3 * i + a] += step_ * w[a];
+    const double of_centre = centres_.lag(i, x - vector_at(start_, i), v, step_, steps_),
+                 of_turning = turns_.lag(i, vector_at(turned_, i), w, step_, steps_);
+    if (!bodies[i].led) value_ = std::max({value_, of_centre, of_turning});
   }
 }
 
 void MotionLag::checkpoint(Archive& archive) {
-  for (auto [name, values] : {std::pair{"lag.start", &start_}, {"lag.velocity", &v0_}, {"lag.least", &least_}, {"lag.far", &far_}, {"lag.a0", &a0_}})
-    archive.io(name, *values);
+  archive.io("lag.start", start_);
+  archive.io("lag.turned", turned_);
+  centres_.checkpoint(archive, "lag.centres");
+  turns_.checkpoint(archive, "lag.turns");
   archive.io("lag.steps", steps_);
   archive.io("lag.value", value_);
 }

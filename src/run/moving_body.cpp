@@ -32,8 +32,9 @@ std::vector<MovingBody> MovingBodies::at(const Snapshot& said, const std::vector
     };
     // Slides on the world are supported, across their axis.
     const bool led = who_[i].given || (said.has("supports/" + b.name + "_x") && !who_[i].held);
-    out.push_back({b, b.mean(points, points), b.mean(*velocity, points), force && !force->empty() && pushed(), who_[i].given, who_[i].driven, led,
-                   who_[i].free, who_[i].swings, who_[i].damped, b.soft() ? 0.0 : b.turning_energy(*velocity, points)});
+    out.push_back({b, b.mean(points, points), b.mean(*velocity, points), b.spin(*velocity, points), force && !force->empty() && pushed(),
+                   who_[i].given, who_[i].driven, led, who_[i].free, who_[i].swings, who_[i].damped,
+                   b.soft() ? 0.0 : b.turning_energy(*velocity, points)});
   }
   return out;
 }

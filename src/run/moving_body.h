@@ -11,7 +11,7 @@ namespace mortise::run {
 
 struct MovingBody {
   const MeasuredBody& body;
-  Vec3 x, v;     // centre of mass [m], its velocity [m/s]
+  Vec3 x, v, w;  // centre of mass [m], its velocity [m/s], angular velocity [rad/s]
   bool touches;  // a force of contact is on one of its points
   bool given;    // it goes as pins or kinematic drives say (Holds::given)
   bool driven;   // given, and not by pins of its own

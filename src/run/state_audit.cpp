@@ -78,7 +78,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   given_lag_.state(moving, force_balance(now.said).scale);
   r_.given_lag = given_lag_.value();
   vibrations_.state(now.said, now.points, moving, stored_, bounces_.brought());
-  turning_.state(now.said, now.points, moving, lost);
+  turning_.state(now.points, moving, lost);
   points_before_ = now.points;
   return r_;
 }

@@ -20,16 +20,15 @@ TurningLoss::TurningLoss(const model::ModelInput& input) : integration_(integrat
   if (!std::isnan(integration_.step)) sum_ = 0;
 }
 
-void TurningLoss::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies, double lost) {
+void TurningLoss::state(const std::vector<double>& points, const std::vector<MovingBody>& bodies, double lost) {
   of_first_ = of_second_ = given_first_ = given_second_ = 0;
   if (std::isnan(sum_) || bodies.empty()) return;
-  const Snapshot::Values& velocity = *said.of_points("velocity", 3);
   for (std::vector<double>* v : {&turned_, &moved_, &lost_}) v->resize(bodies.size());
   for (std::vector<double>* v : {&lost_first_, &lost_second_}) v->assign(bodies.size(), 0.0);
   double rolling = 0;  // energy of what rolls
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovingBody& b = bodies[i];
-    const double omega = b.body.spin(velocity, points).norm(), phi = omega * integration_.step;
+    const double omega = b.w.norm(), phi = omega * integration_.step;
     const double first = std::min(2 * phi * phi, 1.0) * b.turns, second = std::min(std::pow(phi, 4) / (1 + 4 * phi * phi), 1.0) * b.turns;
     if (b.driven) given_first_ += first, given_second_ += second;
     if (b.given) continue;

@@ -23,7 +23,7 @@ class TurningLoss {
  public:
   explicit TurningLoss(const model::ModelInput& input);
   // lost: by the step that led to this state, without friction [J].
-  void state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies, double lost);
+  void state(const std::vector<double>& points, const std::vector<MovingBody>& bodies, double lost);
   void step(bool first_order);             // that led to that state
   double sum() const { return sum_; }      // of all steps [J]; NaN without a time step
   double given() const { return given_; }  // of what kinematic drives turn [J]

@@ -296,6 +296,34 @@ TEST(Checks, BackwardEulerIsAhead) {
   EXPECT_TRUE(std::isnan(lag("{integrator: bdf2}", 2, false)));
 }
 
+// So are angles, and what gets slower is behind: of the angle that it should have turned by.
+TEST(Checks, BackwardEulerIsAheadInTurning) {
+  const model::ModelInput input = input_of(R"(
+mortise: 1
+time: {step: 0.1 s, steps: 2}
+materials: {stuff: {density: 1000}}
+bodies: {cube: {type: stiff, shape: {box: {size: [1, 1, 1], edge_length: 1}}, material: stuff}}
+effects: {inertia: {}, affine_body: {}}
+)");
+  const auto lag = [&](std::array<double, 3> rates) {
+    Checks checks(input);
+    for (double rate : rates) {
+      Snapshot sink;
+      std::vector<double> v;
+      for (const Vec3& x : input.bodies[0].nodes) {
+        const Vec3 u = Vec3(0, 0, rate).cross(x);
+        v.insert(v.end(), {u[0], u[1], u[2]});
+      }
+      sink.points("velocity", "m/s", 3, v);
+      checks.state(sink, points(input, [](const Vec3& x) { return x; }));
+    }
+    return checks.energy().motion_lag;
+  };
+  EXPECT_NEAR(lag({0.5, 0.8, 1.1}), 0.03 / (0.19 - 0.03), 1e-12);
+  EXPECT_NEAR(lag({1.1, 0.8, 0.5}), 0.03 / (0.13 + 0.03), 1e-12);
+  EXPECT_EQ(lag({1, 1, 1}), 0);
+}
+
 // A slide on the world is supported across its axis, and free along it; what a kinematic drive gives is where it should be.
 TEST(Checks, BackwardEulerIsAheadOnASlideToo) {
   const auto lag = [](const std::string& effects, bool supported) {
