@@ -100,6 +100,9 @@ void Params::set(std::string key, Params value) {
     }
   entries_.emplace_back(std::move(key), std::move(value));
 }
+void Params::remove(std::string_view key) {
+  std::erase_if(entries_, [&](const auto& entry) { return entry.first == key; });
+}
 void Params::push(Params value) {
   kind_ = Kind::list;
   items_.push_back(std::move(value));

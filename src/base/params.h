@@ -52,6 +52,7 @@ class Params {
   std::vector<double> numbers(std::string_view key) const { return at(key).as_numbers(); }
 
   void set(std::string key, Params value);  // table: replace or append
+  void remove(std::string_view key);        // table
   void push(Params value);                  // list: append
 
  private:

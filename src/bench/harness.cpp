@@ -227,6 +227,7 @@ void set_mesh(model::ModelInput& input, const std::string& body, const geometry:
   for (model::BodyInput& b : input.bodies) {
     if (b.name != body) continue;
     model::set_mesh(b, mesh);
+    b.params.remove("shape");  // it stood for this mesh, and says nothing of it
     if (b.type == model::BodyType::stiff) {
       const geometry::TriMesh surface = geometry::surface_of(mesh);
       b.nodes = surface.points, b.triangles = surface.triangles;

@@ -109,6 +109,34 @@ void slide(const YAML::Node& effects, const YAML::Node& joint, const std::string
 
 }  // namespace
 
+// Does `where` catch three points of the body that are not on a line?
+bool catches_a_face(const YAML::Node& where, const Body& body, const std::vector<Vector>& rest) {
+  Vector lo{INFINITY, INFINITY, INFINITY}, hi{-INFINITY, -INFINITY, -INFINITY};
+  for (long p : body.points)
+    for (int k = 0; k < 3; ++k) lo[k] = std::min(lo[k], rest[p][k]), hi[k] = std::max(hi[k], rest[p][k]);
+  const double size = norm(hi - lo);
+  const auto inside = [&](const Vector& x) {
+    if (where["side"]) {
+      const std::string side = where["side"].as<std::string>();
+      if (side == "all") return true;
+      const int k = side[0] - 'x';
+      return side.substr(2) == "min" ? x[k] <= lo[k] + 1e-6 * size : x[k] >= hi[k] - 1e-6 * size;
+    }
+    if (where["sphere"]) return norm(x - vector_of(where["sphere"]["centre"])) <= where["sphere"]["radius"].as<double>();
+    const Vector a = vector_of(where["box"]["min"]), b = vector_of(where["box"]["max"]);
+    for (int k = 0; k < 3; ++k)
+      if (x[k] < a[k] || x[k] > b[k]) return false;
+    return true;
+  };
+  std::vector<Vector> caught;
+  for (long p : body.points)
+    if (inside(rest[p])) caught.push_back(rest[p]);
+  double most = 0;
+  for (const Vector& x : caught)
+    for (const Vector& y : caught) most = std::max(most, norm(cross(x - caught[0], y - caught[0])));
+  return most > 1e-6 * size * size;
+}
+
 void read_scene(const File& file, Case& c) {
   const YAML::Node scene = YAML::Load(file.text("/mortise/scene"));
   std::vector<std::string> names;
@@ -183,7 +211,7 @@ void read_scene(const File& file, Case& c) {
       const bool all = p["where"]["side"] && p["where"]["side"].as<std::string>() == "all",
                  every = !p["axes"] || p["axes"].as<std::string>().size() == 3;
       const bool turns = p["motion"] && (p["motion"]["rotation"] || p["motion"]["orientation"] || p["motion"]["file"]);
-      body.stays = body.stays || (every && !turns && !p["release"]);
+      body.stays = body.stays || (every && !turns && !p["release"] && catches_a_face(p["where"], body, c.rest));
       if (!all || !every || p["release"]) continue;
       body.prescribed = true;
       if (p["motion"]) body.motion = YAML::Dump(p["motion"]);

@@ -98,8 +98,11 @@ MORTISE_HD inline linalg::IsotropicModes corotated_modes(const Mat3& F, double m
 // ---- stable neo-Hookean (Smith, de Goes, Kim 2018, eq. 14) ---------------------------------------------------------------
 //   Psi = m/2 (I_C - 3) - m/2 ln(I_C + 1) + l/2 (J - alpha)^2 + const,   I_C = |F|^2,   alpha = 1 + 3 m / (4 l)
 // with m = 4/3 mu, l = lambda + 5/6 mu (their section 3.4), so that small strains see mu and lambda. The constant makes Psi(I) = 0.
-// With G = F - I and y = (I_C - 3)/4 the same function, free of cancellation near rest, is
-//   Psi = 3/8 m |G|^2 - 3/4 m (J - 1 - tr G) + m/2 (y - ln(1 + y)) + l/2 (J - 1)^2.
+// The same function of Green's strain E = (F^T F - I)/2 and of J > 0, with E2 the sum of its principal 2x2 minors, is
+//   Psi = 3/4 m (tr E - (J - 1)) + m/2 (y - ln(1 + y)) + l/2 (J - 1)^2,     y = tr E / 2,
+//   J - 1 = d / (J + 1),     d = J^2 - 1 = 2 tr E + 4 E2 + 8 det E,     tr E - (J - 1) = (tr E (J - 1) - 4 E2 - 8 det E) / (J + 1),
+// which is of second order in E: free of cancellation near rest however far the body has turned. With G = F - I instead, rounding was as that of the
+// modulus itself in bodies that had turned, and line searches ended in it.
 
 MORTISE_HD inline double neo_hookean_mu(double mu) { return 4.0 / 3.0 * mu; }
 MORTISE_HD inline double neo_hookean_lambda(double mu, double lambda) { return lambda + 5.0 / 6.0 * mu; }
@@ -114,11 +117,16 @@ MORTISE_HD inline double minus_log1p(double y) {
 
 MORTISE_HD inline double neo_hookean_density(const Mat3& F, double mu, double lambda) {
   const double m = neo_hookean_mu(mu), l = neo_hookean_lambda(mu, lambda);
-  Mat3 G = F;
-  G.diagonal() -= Vec3(1, 1, 1);
-  const double tr = G(0, 0) + G(1, 1) + G(2, 2), g2 = G.squaredNorm(), higher = minors(G) + det3(G);
-  const double j1 = tr + higher, y = 0.25 * (2 * tr + g2);
-  return 0.375 * m * g2 - 0.75 * m * higher + 0.5 * m * minus_log1p(y) + 0.5 * l * j1 * j1;
+  Mat3 E = F.transpose() * F;
+  E.diagonal() -= Vec3(1, 1, 1);
+  E *= 0.5;
+  const double t = E(0, 0) + E(1, 1) + E(2, 2), higher = 4 * minors(E) + 8 * det3(E), J = det3(F);
+  double j1 = J - 1, bend = t - j1;
+  if (J > 0) {
+    j1 = (2 * t + higher) / (J + 1);
+    bend = (t * j1 - higher) / (J + 1);
+  }
+  return 0.75 * m * bend + 0.5 * m * minus_log1p(0.5 * t) + 0.5 * l * j1 * j1;
 }
 // P = 3/4 m (F - dJ/dF) + m/4 y/(1 + y) F + l (J - 1) dJ/dF
 MORTISE_HD inline Mat3 neo_hookean_stress(const Mat3& F, double mu, double lambda) {
