@@ -16,4 +16,12 @@ std::vector<std::string> of_role(const Params& effects, Role role) {
   return out;
 }
 
+std::vector<const Params*> of_body(const Params& effects, Role role, std::string_view body) {
+  std::vector<const Params*> out;
+  for (const std::string& name : of_role(effects, role))
+    for (const Params& p : effects.at(name).items())
+      if (p.has("body") && p.text("body") == body) out.push_back(&p);
+  return out;
+}
+
 }  // namespace mortise::effects

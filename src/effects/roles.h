@@ -12,5 +12,7 @@ namespace mortise::effects {
 bool has_role(std::string_view name, Role role);
 // Those of the scene's block `effects` that have the role.
 std::vector<std::string> of_role(const Params& effects, Role role);
+// Entries of their lists that name this `body`.
+std::vector<const Params*> of_body(const Params& effects, Role role, std::string_view body);
 
 }  // namespace mortise::effects

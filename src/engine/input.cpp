@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "effects/roles.h"
 #include "geometry/placement.h"
 #include "geometry/shapes.h"
 #include "scene/scene.h"
@@ -9,9 +10,26 @@
 namespace mortise::engine {
 namespace {
 
+// Along a side of a stiff box that would have a single one and is not held as a whole. Faces with corners alone say little of where they press: on
+// four of them a box resists being turned 1.85 times as much as one that is pressed evenly, with four cells 1.06 times; and cells of a stiff body
+// take no degree of freedom. What is held is what others are pressed on, whose nodes tell where.
+constexpr Index kStiffCells = 4;
+
+// A body, and what else of the scene its mesh hangs on.
+struct Wanted {
+  const Params& body;
+  Index single;
+  Wanted(const Params& scene, const std::string& name, const Params& body) : body(body), single(kStiffCells) {
+    for (const Params* p : effects::of_body(scene.at("effects"), effects::Role::support, name))
+      if (!p->has("release")) single = 1;
+  }
+};
+
 // All that the mesh of a body hangs on.
-std::string key_of(const Params& body) {
+std::string key_of(const Wanted& wanted) {
+  const Params& body = wanted.body;
   Params of = Params::make_table();
+  of.set("single", Params::make_number(wanted.single));
   for (const char* key : {"shape", "order", "curved"})
     if (const Params* value = body.find(key)) of.set(key, *value);
   return scene::to_yaml(of);
@@ -28,13 +46,16 @@ Meshes& kept() {
 }
 
 template <class Mesh, class Make>
-Mesh mesh_of(const std::map<std::string, Mesh>& there, const Params& body, const Make& make) {
-  const auto it = there.empty() ? there.end() : there.find(key_of(body));
-  return it != there.end() ? it->second : make(body);
+Mesh mesh_of(const std::map<std::string, Mesh>& there, const Wanted& wanted, const Make& make) {
+  const auto it = there.empty() ? there.end() : there.find(key_of(wanted));
+  return it != there.end() ? it->second : make(wanted);
 }
 
-geometry::TetMesh soft_mesh(const Params& body) { return geometry::tet_shape(body.at("shape"), {body.integer("order"), body.flag("curved")}); }
-geometry::TriMesh stiff_mesh(const Params& body) { return geometry::surface_shape(body.at("shape")); }
+geometry::TetMesh soft_mesh(const Wanted& wanted) {
+  const Params& body = wanted.body;
+  return geometry::tet_shape(body.at("shape"), {body.integer("order"), body.flag("curved")});
+}
+geometry::TriMesh stiff_mesh(const Wanted& wanted) { return geometry::surface_shape(wanted.body.at("shape"), wanted.single); }
 
 model::BodyInput make_body(const Params& scene, const std::string& name, const Params& body) {
   model::BodyInput out;
@@ -46,12 +67,13 @@ model::BodyInput make_body(const Params& scene, const std::string& name, const P
     return out;
   }
   if (body.has("material")) out.material = scene.at("materials").at(body.text("material"));  // a stiff one of stated mass may have none
+  const Wanted wanted(scene, name, body);
   if (type == "soft") {
     out.type = model::BodyType::soft;
-    model::set_mesh(out, mesh_of(kept().soft, body, soft_mesh));
+    model::set_mesh(out, mesh_of(kept().soft, wanted, soft_mesh));
   } else {
     out.type = model::BodyType::stiff;
-    geometry::TriMesh mesh = mesh_of(kept().stiff, body, stiff_mesh);
+    geometry::TriMesh mesh = mesh_of(kept().stiff, wanted, stiff_mesh);
     out.nodes = std::move(mesh.points);
     out.triangles = std::move(mesh.triangles);
   }
@@ -63,8 +85,9 @@ model::BodyInput make_body(const Params& scene, const std::string& name, const P
 
 void keep_meshes(const Params& scene) {
   for (const auto& [name, body] : scene.at("bodies").entries()) {
-    if (body.text("type") == "soft") kept().soft.try_emplace(key_of(body), soft_mesh(body));
-    if (body.text("type") == "stiff") kept().stiff.try_emplace(key_of(body), stiff_mesh(body));
+    const Wanted wanted(scene, name, body);
+    if (body.text("type") == "soft") kept().soft.try_emplace(key_of(wanted), soft_mesh(wanted));
+    if (body.text("type") == "stiff") kept().stiff.try_emplace(key_of(wanted), stiff_mesh(wanted));
   }
 }
 

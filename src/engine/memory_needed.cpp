@@ -1,5 +1,7 @@
 #include "engine/memory_needed.h"
 
+#include <algorithm>
+
 #include "effects/list.h"
 #include "effects/roles.h"
 #include "model/volumetric.h"
@@ -20,10 +22,8 @@ constexpr double kPerMovingTet = 650;  // [B]
 
 // Does a support hold the body where it is, for good?
 bool stays(const Params& wanted, const std::string& body) {
-  for (const std::string& name : effects::of_role(wanted, effects::Role::support))
-    for (const Params& p : wanted.at(name).items())
-      if (p.has("body") && p.text("body") == body && !p.has("motion") && !p.has("release")) return true;
-  return false;
+  const auto entries = effects::of_body(wanted, effects::Role::support, body);
+  return std::any_of(entries.begin(), entries.end(), [](const Params* p) { return !p->has("motion") && !p->has("release"); });
 }
 
 }  // namespace

@@ -148,10 +148,15 @@ Grid box_grid(const Vec3& size, const std::array<Index, 3>& n) {
           }};
 }
 
-Grid box_grid(const Vec3& size, double edge_length) {
+Grid box_grid(const Vec3& size, double edge_length, Index single) {
   require_positive(edge_length, "box: edge_length");
   for (int a = 0; a < 3; ++a) require_positive(size[a], "box: size");
-  return box_grid(size, {cells_along(size[0], edge_length), cells_along(size[1], edge_length), cells_along(size[2], edge_length)});
+  std::array<Index, 3> cells;
+  for (int k = 0; k < 3; ++k) {
+    const Index n = cells_along(size[k], edge_length);
+    cells[k] = n == 1 ? single : n;
+  }
+  return box_grid(size, cells);
 }
 
 Grid sphere_grid(double radius, double edge_length) {

@@ -19,7 +19,7 @@ struct Grid {
 // Axis-aligned box with side lengths `size` [m]. Neighbouring cells are split as mirror images of each other (Kuhn): diagonals of one way would
 // bend the body's answer to a load towards it, and lock five times as much near nu = 0.5. An odd number of cells has a middle layer whose split
 // is not its own mirror image; all else is.
-Grid box_grid(const Vec3& size, double edge_length);
+Grid box_grid(const Vec3& size, double edge_length, Index single = 1);  // single: so many cells where one would do
 Grid box_grid(const Vec3& size, const std::array<Index, 3>& cells);
 Grid sphere_grid(double radius, double edge_length);
 Grid cylinder_grid(double radius, double height, double edge_length);  // axis z

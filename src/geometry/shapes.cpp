@@ -27,9 +27,9 @@ auto located(const SourceLoc& at, const Make& make) {
   }
 }
 
-Grid primitive(const std::string& kind, const Params& p) {
+Grid primitive(const std::string& kind, const Params& p, Index single = 1) {
   const double h = p.number("edge_length");
-  if (kind == "box") return box_grid(p.vec3("size"), h);
+  if (kind == "box") return box_grid(p.vec3("size"), h, single);
   if (kind == "sphere") return sphere_grid(p.number("radius"), h);
   if (kind == "cylinder") return cylinder_grid(p.number("radius"), p.number("height"), h);
   if (kind == "capsule") return capsule_grid(p.number("radius"), p.number("height"), h);
@@ -88,10 +88,10 @@ TetMesh mesh_tets(const Params& p) {
 }
 
 // Side by side or one in the other: parts of a stiff body never move against each other, so their surfaces may cross.
-TriMesh all_parts(const Params& list) {
+TriMesh all_parts(const Params& list, Index single) {
   TriMesh all;
   for (const Params& part : list.items()) {
-    TriMesh mesh = surface_shape(part.at("shape"));
+    TriMesh mesh = surface_shape(part.at("shape"), single);
     Placement(part).apply(mesh.points);
     append(mesh, all);
   }
@@ -112,11 +112,11 @@ TetMesh tet_shape(const Params& shape, const ElementOrder& element) {
   });
 }
 
-TriMesh surface_shape(const Params& shape) {
+TriMesh surface_shape(const Params& shape, Index single) {
   const auto& [kind, p] = only_entry(shape);
-  if (kind == "parts") return all_parts(p);
+  if (kind == "parts") return all_parts(p, single);
   return located(p.where(), [&, kind = kind, &p = p] {
-    if (kind != "mesh") return skin(primitive(kind, p));
+    if (kind != "mesh") return skin(primitive(kind, p, single));
     TriMesh mesh = scaled_surface(p);
     check_closed_surface(mesh, named(p));
     return mesh;

@@ -20,7 +20,8 @@ struct ElementOrder {
 // `surface_edge_length`.
 TetMesh tet_shape(const Params& shape, const ElementOrder& element = {});
 
-// For stiff bodies. mesh: the surface of the file as it is; parts: the surfaces of all, each placed.
-TriMesh surface_shape(const Params& shape);
+// For stiff bodies. mesh: the surface of the file as it is; parts: the surfaces of all, each placed. single: cells along a side of a box where
+// one would do.
+TriMesh surface_shape(const Params& shape, Index single = 1);
 
 }  // namespace mortise::geometry

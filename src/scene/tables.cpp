@@ -79,11 +79,12 @@ const ParamTable& rotation_table() {
 }
 
 const ParamTable& box_table() {
-  static const ParamTable t{
-      "box",
-      "Box centred at the origin.",
-      {positive(vector("size", Unit::length, {}, "Lengths of the sides along x, y, z.")),
-       length("edge_length", "Target length of mesh edges; every side gets the nearest even number of cells, below 1.5 edges a single one.")}};
+  static const ParamTable t{"box",
+                            "Box centred at the origin.",
+                            {positive(vector("size", Unit::length, {}, "Lengths of the sides along x, y, z.")),
+                             length("edge_length",
+                                    "Target length of mesh edges; every side gets the nearest even number of cells, below 1.5 edges a single one "
+                                    "(four of a stiff box that is not pinned).")}};
   return t;
 }
 const ParamTable& sphere_table() {
