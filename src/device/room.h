@@ -14,8 +14,11 @@ class Room {
     const auto share = static_cast<Index>(known() ? static_cast<double>(last_) / among_ * n : 0.0);
     return share + share / 8 + 16;
   }
-  // So many there were among n.
-  void found(Index there, Index n) { last_ = there, among_ = n; }
+  // So many there were among n; and where it was more before, `kept` of that.
+  void found(Index there, Index n, double kept = 0) {
+    const auto before = static_cast<Index>(known() ? kept * last_ / among_ * n : 0.0);
+    last_ = there > before ? there : before, among_ = n;
+  }
 
  private:
   Index last_ = 0, among_ = 0;

@@ -32,6 +32,7 @@ struct Want {
   bool whole = false;
   Moving moving = false;
   bool foreseen = false;  // at the state that Effect::foresee() was last asked for
+  bool here = false;      // or where the linearisation was filled last, at least with what it freezes
   static Want frozen() { return {false, false}; }
   static Want jacobian(Curvature matrix) { return {true, matrix, true, true}; }
 };

@@ -77,9 +77,10 @@ class Effect {
   virtual void energy(Positions q, const Linearisation& frozen, device::EnvValues per_env) = 0;
   std::vector<double> energies_now(Positions q, const Linearisation& frozen, Index envs);  // of every environment,
   double energy_now(Positions q, const Linearisation& frozen, Index envs);                 // and of all
-  // Lower alpha of the environments to the longest step alpha dq (alpha <= 1) from the state of `at` that keeps the energy finite; `at` may be
-  // readied for energies on that way.
+  // Lower alpha of the environments to the longest step alpha dq (alpha <= 1) from the state of `at` that keeps the energy finite.
   virtual void max_step(View<const Vec3> dq, Linearisation& at, device::EnvValues alpha) { (void)dq, (void)at, (void)alpha; }
+  // Once that is fetched: ready `at` for energies on the way that was asked for last.
+  virtual void reach(Linearisation& at) { (void)at; }
 
   // Of an integrator: where everything would be at the end of the step under way if nothing acted on it [m].
   virtual Positions carried() const { return {}; }

@@ -11,7 +11,7 @@ namespace mortise::engine {
 namespace {
 
 // Along a side of a stiff box that would have a single one and is not held as a whole. Faces with corners alone say little of where they press: on
-// four of them a box resists being turned 1.85 times as much as one that is pressed evenly, with four cells 1.06 times; and cells of a stiff body
+// four of them a box resists being turned 1.85 times as much as one that is pressed evenly, with four cells 1.1 times; and cells of a stiff body
 // take no degree of freedom. What is held is what others are pressed on, whose nodes tell where.
 constexpr Index kStiffCells = 4;
 

@@ -181,7 +181,8 @@ bool DirectSolver::factor(const BlockMatrix& A, Precision wanted) {
   try {
     if (A.pattern != s.pattern || s.pattern == 0) s.analyse(A);
     const auto start = Clock::now();
-    const std::vector<Mat3> value = A.value.download();
+    std::vector<Mat3> value(A.value.size());
+    device::copy_out(value.data(), A.value.view().p, value.size() * sizeof(Mat3), "matrix for the host");
     s.precision = wanted;
     s.factored = wanted == Precision::rough && s.compute(s.rough, value);
     if (s.factored) {
@@ -209,7 +210,7 @@ void DirectSolver::solve(View<const Vec3> b, View<Vec3> x) {
   const auto start = Clock::now();
   const std::size_t bytes = static_cast<std::size_t>(b.n) * sizeof(Vec3);
   s.b.resize(b.n);
-  device::copy_out(s.b.data(), b.p, bytes);
+  device::copy_out(s.b.data(), b.p, bytes, "right-hand side for the host");
   if (s.precision == Precision::full)
     s.full->solve(s.supernodes, s.b.data(), s.b.data());
   else

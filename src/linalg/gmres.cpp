@@ -110,6 +110,14 @@ void combine(bool keep, const std::vector<double>& scale, View<const Vec3> x, Vi
   device::parallel_for("gmres.combine", rows, [=] MORTISE_HD(Index i) { y[i] = keep ? Vec3(y[i] + s[env[i]] * x[i]) : Vec3(s[env[i]] * x[i]); });
 }
 
+// y = x / |x|, of a single environment.
+void normalise(View<const Vec3> x, View<const double> square, View<Vec3> y) {
+  device::parallel_for("gmres.combine", x.n, [=] MORTISE_HD(Index i) {
+    const double size = std::sqrt(square[0]);
+    y[i] = (size > 0 ? 1 / size : 0.0) * x[i];
+  });
+}
+
 }  // namespace
 
 Awaited awaited(Operator op) {
@@ -138,24 +146,37 @@ GmresResult gmres(const Operator& A, const Awaited& preconditioner, View<const V
   out.relative.assign(envs, 0.0);
   out.of_env.assign(envs, 0);
   std::vector<std::uint8_t> active(envs, 0);
-  const std::vector<double> square = b2.empty() ? dot(b, b, env_rows) : b2;
   std::vector<Small> small(envs);
   std::vector<double> size(envs), scale(envs);
   const auto invert = [&](std::size_t e, double v) { scale[e] = v > 0 ? 1 / v : 0; };
   bool any = false;
-  for (std::size_t e = 0; e < envs; ++e) {
-    size[e] = std::sqrt(square[e]);
-    small[e].g = {size[e]};
-    invert(e, size[e]);
-    active[e] = size[e] > 0;
-    any |= size[e] > 0;
-  }
+  const auto begin = [&] {  // with the sizes of b
+    any = false;
+    for (std::size_t e = 0; e < envs; ++e) {
+      size[e] = std::sqrt(out.b2[e]);
+      small[e].g = {size[e]};
+      invert(e, size[e]);
+      active[e] = size[e] > 0;
+      any |= size[e] > 0;
+    }
+  };
   std::vector<Buffer<Vec3>> v, z;
   v.emplace_back(n);
-  combine(false, scale, b, env, env_rows, v[0].view());
   Buffer<Vec3> w(n);
   w.zero();
   Column products(env_rows, env, limit + 1);
+  const bool later = b2.empty() && envs == 1;  // when there is a product the host hears of its size
+  Buffer<double> own_size(later ? 1 : 0);
+  if (later) {
+    products.begin(active);
+    device::copy(own_size.view().p, products.add(b, b).p, sizeof(double));
+    normalise(b, std::as_const(own_size).view(), v[0].view());
+    active[0] = 1, any = true;
+  } else {
+    out.b2 = b2.empty() ? dot(b, b, env_rows) : b2;
+    begin();
+    combine(false, scale, b, env, env_rows, v[0].view());
+  }
   while (any && out.iterations < limit) {
     const device::Ranges rows(env_rows, active);
     if (go_on) go_on(active);
@@ -165,7 +186,10 @@ GmresResult gmres(const Operator& A, const Awaited& preconditioner, View<const V
       products.begin(active);
       for (const Buffer<Vec3>& basis : v) products.take_out(basis.view(), rows, w.view());  // modified Gram-Schmidt
       products.end(std::as_const(w).view(), fetch);
+      if (out.b2.empty()) fetch.add(std::as_const(own_size).view(), out.b2);
     });
+    if (later && out.iterations == 0) begin();
+    if (!any) break;
     ++out.iterations;
     std::vector<std::vector<double>> column = products.entries();
     any = false;

@@ -23,11 +23,12 @@ struct GmresResult {
   Index iterations = 0;          // of the environment that took most,
   std::vector<Index> of_env;     // and of each: one that has converged stands still
   std::vector<double> relative;  // |b - A x| / |b| of every environment, by the recurrence; 0 where b is 0
+  std::vector<double> b2;        // |b|^2 of every environment
 };
 
 // Starts at x = 0 and stops when every environment's residual is at most its `relative` |b|, or after `most` products. `go_on`, where there is one,
 // is told before every product which environments have not ended yet: only theirs are wanted. b2: |b|^2 of every environment, where the caller knows
-// it. The host waits once per product, with the preconditioner.
+// it; that of a single environment comes with the first product. The host waits once per product, with the preconditioner.
 GmresResult gmres(const Operator& A, const Awaited& preconditioner, View<const Vec3> b, View<Vec3> x, const std::vector<Index>& env_rows,
                   const std::vector<double>& relative, Index limit, const std::function<void(const std::vector<std::uint8_t>&)>& go_on = {},
                   const std::vector<double>& b2 = {});

@@ -13,7 +13,7 @@ void count_pairs(device::View<const Index> blocks, device::View<Index> pairs) {
 
 bool StencilSet::resize_uniform(Index n, Index nb) {
   if (n == n_ && nb == uniform_) return false;
-  n_ = n, uniform_ = nb, pairs_ = n * pair_count(nb);
+  n_ = n, uniform_ = nb, sizes_ = {n * nb, n * pair_count(nb)};
   offset_.resize(n + 1);
   hess_offset_.resize(n + 1);
   const auto off = offset_.view(), hoff = hess_offset_.view();
@@ -40,35 +40,34 @@ void StencilSet::take_counts(device::Buffer<Index>&& counts) {
 
 void StencilSet::begin_resize(device::Buffer<Index>&& counts, device::Fetch& fetch) {
   take_counts(std::move(counts));
-  fetch.add_total(offset_, sum_);
-  fetch.add_total(hess_offset_, pairs_);
+  fetch.add_total(offset_, sizes_.blocks);
+  fetch.add_total(hess_offset_, sizes_.pairs);
 }
 
 void StencilSet::end_resize(Index n) {
   n_ = n;
   offset_.resize(n + 1), hess_offset_.resize(n + 1);
-  block_.resize(sum_);
-  grad_.resize(sum_);
+  block_.resize(sizes_.blocks);
+  grad_.resize(sizes_.blocks);
   hess_.resize(0);
   pattern_changed();
 }
 
 void StencilSet::take_shape(StencilSet& from) {
   uniform_ = -1;
-  n_ = from.n_, sum_ = from.sum_, pairs_ = from.pairs_;
+  n_ = from.n_, sizes_ = from.sizes_;
   offset_.swap(from.offset_), hess_offset_.swap(from.hess_offset_);
 }
 
-void StencilSet::resize(device::Buffer<Index>&& counts) {
-  device::Fetch fetch;
-  begin_resize(std::move(counts), fetch);
-  fetch.now("stencils");
-  end_resize(n_);
-}
-
-void StencilSet::resize(device::Buffer<Index>&& counts, Index blocks, Index pairs) {
-  take_counts(std::move(counts));
-  sum_ = blocks, pairs_ = pairs;
+void StencilSet::resize(device::Buffer<Index>&& counts, StencilSizes sizes) {
+  if (sizes.known()) {
+    take_counts(std::move(counts));
+    sizes_ = sizes;
+  } else {
+    device::Fetch fetch;
+    begin_resize(std::move(counts), fetch);
+    fetch.now("stencils");
+  }
   end_resize(n_);
 }
 

@@ -4,7 +4,7 @@
 // does not move), with the contact force along a fixed normal.
 #include <utility>
 
-#include "device/device.h"
+#include "linalg/stencils.h"
 
 namespace mortise::model {
 
@@ -73,10 +73,11 @@ class SampleChanges {
     start_.copy_from(start), node_.copy_from(node);
     shape(samples, functionals, node.size(), true);
   }
+  linalg::StencilSizes sizes;  // of stencils of the points
   bool any() const { return force_.size() > 0; }
   bool scattered() const { return start_.size() > 0; }
   void copy_from(const SampleChanges& o) {
-    functionals_ = o.functionals_;
+    functionals_ = o.functionals_, sizes = o.sizes;
     start_.copy_from(o.start_), node_.copy_from(o.node_);
     along_.copy_from(o.along_), force_.copy_from(o.force_), normal_.copy_from(o.normal_), weight_.copy_from(o.weight_);
     known_.copy_from(o.known_);
@@ -91,7 +92,7 @@ class SampleChanges {
 
  private:
   void shape(Index samples, Index functionals, Index points, bool partly) {
-    functionals_ = functionals;
+    functionals_ = functionals, sizes = {};
     along_.resize(functionals * points), weight_.resize(functionals * points);
     force_.resize(samples * functionals), normal_.resize(samples * functionals);
     known_.resize(partly ? samples : 0);
@@ -107,7 +108,7 @@ struct ContactView {
   device::Buffer<ContactSample> samples;  // canonical order, environments contiguous
   SampleChanges changes;                  // of every sample, where that was asked for
   std::vector<Index> env_offset;          // per environment, on the host
-  Index blocks = -1, pairs = -1;          // how many a stencil of every sample's points has in all, and pairs of them; -1 where that is not known
+  linalg::StencilSizes sizes;             // of stencils of every sample's points
   bool local = true;                      // the force of a sample hangs on its own gap alone, by its stiffness
 };
 

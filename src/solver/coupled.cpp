@@ -67,6 +67,7 @@ void Coupled::monotone_step(device::Buffer<Vec3>& q, Residual& r, Linearised& at
   device::Fetch fetch;
   system_.potential.max_step(std::as_const(dq_).view(), at, {alpha, fetch});
   fetch.now("coupled");
+  system_.potential.reach(at);
   for (Index e = 0; e < model.envs; ++e)
     if (!active_[e]) alpha[e] = 0;
   const std::vector<double> before = natural_level(at);

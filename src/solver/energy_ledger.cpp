@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "solver/kernels.h"
 #include "solver/tuning.h"
@@ -22,13 +23,16 @@ void EnergyLedger::find(device::View<const Vec3> q, const Linearised& at, device
   for (const std::vector<double>& part : known_) some = some || part.empty();
   if (any(again) && !known_.empty()) {
     const model::Only only(model_, again);
-    Energies here;
-    device::Fetch now;
-    potential_.energies(q, at, here, now);
-    now.now("energies again");
-    for (std::size_t k = 0; k < here.size(); ++k)
-      for (std::size_t e = 0; e < again.size() && !known_[k].empty(); ++e)
-        if (again[e]) known_[k][e] = here[k][e];
+    const auto here = std::make_shared<Energies>();
+    std::vector<std::size_t> there;
+    for (std::size_t k = 0; k < known_.size(); ++k)
+      if (!known_[k].empty()) there.push_back(k);
+    potential_.energies(q, at, *here, fetch);
+    fetch.then([this, here, again, there] {
+      for (std::size_t k : there)
+        for (std::size_t e = 0; e < again.size(); ++e)
+          if (again[e]) known_[k][e] = (*here)[k][e];
+    });
   }
   for (Index e = 0; e < model_.envs; ++e) gone_[e] = model_.works_on(e) ? 0 : gone_[e] || some;
   potential_.energies(q, at, known_, fetch);

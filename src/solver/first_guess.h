@@ -18,15 +18,16 @@ class FirstGuess {
   bool landed() const { return landed_; }
 
  private:
-  // Takes the way from q where that is good; returns where. supports: their part of the way, which leads to their targets; empty: they stay.
-  EnvMask go(const EnvMask& whose, const device::Buffer<Vec3>& way, device::View<const Vec3> supports, device::Buffer<Vec3>& q, Linearised& at);
-  // Sums at trial_, to which this moves [J]; next: and what the state is asked for when it is taken.
-  std::vector<double> energies_there(Linearised& at, bool next);
+  // Takes the way from q where that is good; returns where. supports: their part of the way, which leads to their targets; empty: they stay. free:
+  // how far the way leads, where that is known.
+  EnvMask go(const EnvMask& whose, const device::Buffer<Vec3>& way, device::View<const Vec3> supports, std::vector<double> free,
+             device::Buffer<Vec3>& q, Linearised& at);
 
   System& system_;
   EnergyLedger& energies_;
   bool lands_ = true, landed_ = false;  // the last guess was taken; and was foreseen
-  device::Buffer<Vec3> way_, with_supports_, supports_, trial_;
+  bool driven_ = false;                 // supports moved in the last step
+  device::Buffer<Vec3> way_, with_supports_, supports_, trial_, moved_;
 };
 
 }  // namespace mortise::solver

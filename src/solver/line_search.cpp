@@ -23,7 +23,6 @@ void LineSearch::ask(device::View<const Vec3> q, device::Buffer<Vec3>& dq, devic
   const model::Model& model = system_.model;
   alpha_.assign(model.envs, 1.0);
   system_.potential.max_step(std::as_const(dq).view(), at, {alpha_, fetch});
-  energies_.find(q, at, fetch);
   const std::vector<double> none(model.envs, 0.0);
   Merit& m = merit_ = {none, none, none, none, none, none};
   for (std::size_t k = 0; k < at.gradients.size(); ++k) energy_rounding(at.gradients[k].view(), q, model.env_blocks, {m.rounding, fetch});
@@ -42,28 +41,24 @@ void LineSearch::begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, dev
   for (bool done = false; !done;) {
     try {
       if (!std::exchange(asked, false)) ask(q, dq, c, at, fetch);
-      fetch.now("way and energies");
+      fetch.now("way");
       done = true;
     } catch (const Failure& f) {  // of what supports prescribe: of one environment, without which it is tried again
       envs.fail(f.env, f.reason);
       clear_blocks(dq, model.env_blocks[f.env], model.env_blocks[f.env + 1]);
-      energies_.forget(f.env);
       if (!envs.any(EnvState::running)) return;
     }
   }
+  system_.potential.reach(at);
 }
 
-// Energies at trial_ of the environments of `whose`; those of the others stay.
-void LineSearch::find_energies(Linearised& at, const EnvMask& whose, bool next, Energies& there) {
+Energies LineSearch::find_energies(Linearised& at, const EnvMask& whose, bool next, device::Fetch& fetch) {
   const model::Only only(system_.model, whose);
   Energies here;
-  device::Fetch fetch;
   system_.potential.energies(std::as_const(trial_).view(), at, here, fetch);
   if (next) system_.potential.foresee(std::as_const(trial_).view(), at, fetch);
   fetch.now("trial energies");
-  for (std::size_t k = 0; k < here.size(); ++k)
-    for (std::size_t e = 0; e < whose.size(); ++e)
-      if (whose[e]) there[k][e] = here[k][e];
+  return here;
 }
 
 void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const std::vector<double>& slope, Linearised& at, EnvTable& envs,
@@ -73,7 +68,6 @@ void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const st
   const model::Model& model = system_.model;
   std::vector<double>& alpha = alpha_;
   Merit& merit = merit_;
-  energies_.begin_search(envs.mask(EnvState::running));
   // rho makes the quadratic model of the merit decrease over the full step and its slope negative.
   merit.slope = slope;
   for (Index e = 0; e < model.envs; ++e) {
@@ -81,13 +75,20 @@ void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const st
     merit.rho[e] = std::max(0.0, 2 * (2 * merit.slope[e] + merit.curvature[e]) / merit.cc[e]);
     merit.slope[e] -= merit.rho[e] * merit.cc[e];
   }
-  const std::vector<double> before = energies_.sum(energies_.known());
   for (Index e = 0; e < model.envs; ++e)
     if (!envs.is(e, EnvState::running)) alpha[e] = 0;
 
-  Energies there = energies_.known();
   EnvMask searching(model.envs);
   for (Index e = 0; e < model.envs; ++e) searching[e] = alpha[e] > 0;
+  // Energies at q come with those of the first trial state.
+  Energies there;
+  std::vector<double> before;
+  device::Fetch fetch;
+  energies_.find(std::as_const(q).view(), at, fetch);
+  const auto begin = [&] {
+    energies_.begin_search(envs.mask(EnvState::running));
+    there = energies_.known(), before = energies_.sum(there);
+  };
   bool placed = false;  // trial_ is what alpha says
   const auto stay = [&](Index e) {
     alpha[e] = 0, searching[e] = 0, placed = false;
@@ -98,7 +99,11 @@ void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const st
   for (; any(searching); ++k) {
     advance(std::as_const(q).view(), std::as_const(dq).view(), alpha, model, trial_);
     placed = true;
-    find_energies(at, searching, k == 0 && foresees, there);
+    const Energies trial = find_energies(at, searching, k == 0 && foresees, fetch);
+    if (k == 0) begin();
+    for (std::size_t i = 0; i < trial.size(); ++i)
+      for (Index e = 0; e < model.envs; ++e)
+        if (searching[e]) there[i][e] = trial[i][e];
     std::vector<double> scale;
     const std::vector<double> after = energies_.sum(there, &scale);
     // What is tied is stiff in directions in which the weight of others acts: there rounding of positions shows in the energy before forces balance.
@@ -158,6 +163,7 @@ void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const st
       }
     }
   }
+  if (k == 0) fetch.now("trial energies"), begin();
   lands_ = placed && k == 1;
   landed_ = lands_ && foresees;
   if (!placed) advance(std::as_const(q).view(), std::as_const(dq).view(), alpha, model, trial_);

@@ -29,10 +29,9 @@ class LineSearch {
   };
   LineSearch(System& system, EnergyLedger& energies) : system_(system), energies_(energies) {}
 
-  // Moves q of the running environments along dq, from the state of `at`, in two halves. The first finds out how far dq may lead, and brings `fetch`
-  // with that; c: what supports still have to move, none where empty. The second goes there; slope: gradient . dq [J]. Where nothing descends the
-  // environment fails.
-  // asked: ask() was, with that fetch or an earlier one.
+  // Moves q of the running environments along dq, from the state of `at`, in two halves. The first finds out how far dq may lead, brings `fetch`
+  // with that, and readies `at`; c: what supports still have to move, none where empty. The second goes there; slope: gradient . dq [J]. Where
+  // nothing descends the environment fails. asked: ask() was, with that fetch or an earlier one.
   void begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, device::View<const Vec3> c, Linearised& at, EnvTable& envs, device::Fetch& fetch,
              bool asked = false);
   void ask(device::View<const Vec3> q, device::Buffer<Vec3>& dq, device::View<const Vec3> c, Linearised& at, device::Fetch& fetch);
@@ -47,8 +46,8 @@ class LineSearch {
   struct Merit {
     std::vector<double> slope, rho, cc, rounding, curvature, farthest;
   };
-  // next: and what the state is asked for when it is taken.
-  void find_energies(Linearised& at, const EnvMask& whose, bool next, Energies& there);
+  // At trial_, and what else `fetch` was asked for. next: and what the state is asked for when it is taken.
+  Energies find_energies(Linearised& at, const EnvMask& whose, bool next, device::Fetch& fetch);
 
   System& system_;
   EnergyLedger& energies_;

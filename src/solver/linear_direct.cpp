@@ -169,9 +169,8 @@ class Direct final : public Linear {
     return false;
   }
 
-  // Where an old factor does not get there a new one is made: x is not known to be the solution before the end.
-  EnvMask solve_whole(LinearSystem s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, const StepReports& report) {
-    s.aside = nullptr;
+  // Where an old factor does not get there a new one is made.
+  EnvMask solve_whole(const LinearSystem& s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, const StepReports& report) {
     EnvMask indefinite(todo.size(), 0), left(todo.size(), 0);
     for (Index e = 0; e < rows_.envs(); ++e) left[e] = todo[e] && !empty(e);
     for (int round = 0; any(left); ++round) {
@@ -181,8 +180,7 @@ class Direct final : public Linear {
         stale[e] = keeps(e) && round == 0 && parts_[e].fresh;
         if (!stale[e]) left[e] = factor(e, of(s.A, e), curvature, envs, report, indefinite);
       }
-      for (Index e = 0; e < rows_.envs(); ++e)
-        if (left[e]) device::clear(range(s.x, e).p, range(s.x, e).n * sizeof(Vec3));
+      if (s.aside) s.aside->done = false;
       const linalg::GmresResult end =
           solver::solve_whole(model_, s, left, rows_.env, std::vector<double>(todo.size(), tuning::kWholeRough), tuning::kWholeMost,
                               linalg::awaited([&](device::View<const Vec3> in, device::View<Vec3> out) { apply(s.A, in, out, left); }));

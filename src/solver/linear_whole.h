@@ -10,7 +10,7 @@
 
 namespace mortise::solver {
 
-// From system.x to |b - J x|_D <= relative[e] |b|_D, or as near as `most` products lead, which every environment has for
+// From x = 0 to |b - J x|_D <= relative[e] |b|_D, or as near as `most` products lead, which every environment has for
 // itself; where rounding hid that it had not ended, and fewer were needed, it has them once more. x stands still outside of
 // `whose`.
 linalg::GmresResult solve_whole(const model::Model& model, const LinearSystem& system, const EnvMask& whose, const std::vector<Index>& env_rows,

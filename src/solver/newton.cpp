@@ -115,8 +115,9 @@ void Newton::solve(const effects::StepInfo& info, const StepReports& report, con
   energies_.begin_solve();
   lag_.begin_solve(q_);
   for (Index e = 0; e < envs_.size(); ++e) fresh_[e] &= whose[e];
+  stays_ = fresh_ == whose;
   const EnvMask guessed = first_guess_.find(std::exchange(fresh_, EnvMask(envs_.size(), 0)), q_, at_);
-  foreseen_ = first_guess_.landed();
+  foreseen_ = first_guess_.landed(), stays_ = stays_ && !any(guessed);
   for (Index e = 0; e < envs_.size(); ++e)
     if (guessed[e]) envs_[e].alpha = 1;  // a full step
   for (Index round = 0;; ++round) {
@@ -153,7 +154,7 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     held_ = envs_.mask(EnvState::running);
     const model::Only only(model_, held_);
     effects::Want want = direction_.want(envs_);
-    want.foreseen = std::exchange(foreseen_, false);
+    want.foreseen = std::exchange(foreseen_, false), want.here = std::exchange(stays_, false);
     system_.potential.linearise(std::as_const(q_).view(), want, at_, want.whole);
     if ((!system_.potential.lags() || want.whole) && it >= tuning::kFirstLook && std::has_single_bit(static_cast<unsigned>(it)))
       system_.find_groups(at_, changing());
@@ -212,9 +213,7 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
   }
 }
 
-// What frozen samples grow by on the way is not taken back: there only the last way may be asked.
 std::function<void(device::Fetch&)> Newton::ask_of_way() {
-  if (system_.potential.freezes()) return {};
   return [this](device::Fetch& fetch) { line_search_.ask(std::as_const(q_).view(), direction_.way(), direction_.supports(), at_, fetch); };
 }
 

@@ -101,6 +101,7 @@ class Newton {
   device::Buffer<Vec3> q_;
   bool touching_ = false;              // some effect is contact
   bool foreseen_ = false;              // q_ is a state that effects have foreseen
+  bool stays_ = false;                 // at_ was filled at q_
   Index last_ = 0;                     // iterations of the last solve
   EnvMask fresh_;                      // environments that stand where the step begins
   std::vector<double> nearest_force_;  // per environment: least residual of these iterations [N], and where it was

@@ -97,6 +97,13 @@ void Potential::max_step(device::View<const Vec3> dq, Linearised& at, device::En
   }
 }
 
+void Potential::reach(Linearised& at) {
+  for (std::size_t k = 0; k < effects_.size(); ++k) {
+    const Timed timed(clock_, effects_[k]->name(), "max_step");
+    effects_[k]->reach(*at.of[k]);
+  }
+}
+
 void Potential::product(Linearised& at, device::View<const Vec3> d, device::Buffer<Vec3>& out, bool folded) {
   const std::vector<linalg::StencilSet*> sets = at.sets();
   for (linalg::StencilSet* set : sets) stencil_product(*set, model_, d);

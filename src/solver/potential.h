@@ -38,6 +38,7 @@ class Potential {
   // Finds the unknown energies at q, with what is frozen.
   void energies(device::View<const Vec3> q, const Linearised& frozen, Energies& of, device::Fetch& fetch);
   void max_step(device::View<const Vec3> dq, Linearised& at, device::EnvValues alpha);
+  void reach(Linearised& at);  // once that is fetched, for energies on that way
 
   // T^T H d, d over all blocks; not folded: H d. The pieces of the effects' forces in `at` are used up.
   void product(Linearised& at, device::View<const Vec3> d, device::Buffer<Vec3>& out, bool folded = true);

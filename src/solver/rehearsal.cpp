@@ -41,6 +41,8 @@ std::vector<Rehearsed> rehearse(const model::Model& model, Potential& potential)
       std::vector<double> alpha(model.envs, 1.0), energy(model.envs, 0.0);
       device::Fetch fetch;
       effect.max_step(std::as_const(still).view(), here, {alpha, fetch});
+      fetch.now("rehearsal");
+      effect.reach(here);
       effect.energy(model.q.view(), here, {energy, fetch});
       fetch.now("rehearsal");
       PassOn silent(nullptr);

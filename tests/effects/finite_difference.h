@@ -134,12 +134,13 @@ inline std::vector<double> effect_energies(Subject& e, const Vector& x, Index en
   fetch.now();
   return per_env;
 }
-// The longest allowed step of the one environment, from where the subject was linearised.
+// The longest allowed step of the one environment, from where the subject was linearised, which is readied for energies on that way.
 inline double longest_step(Subject& e, device::View<const Vec3> dq) {
   std::vector<double> alpha{1};
   device::Fetch fetch;
   e.effect->max_step(dq, e.here(), {alpha, fetch});
   fetch.now();
+  e.effect->reach(e.here());
   return alpha[0];
 }
 inline double effect_energy(Subject& e, const Vector& x, Index envs = 1) {

@@ -46,6 +46,7 @@ class Own final : public Effect {
   void sample(Linearisation& at) override { known_->sample(at); }
   void energy(Positions q, const Linearisation& at, device::EnvValues out) override { known_->energy(q, at, out); }
   void max_step(device::View<const Vec3> dq, Linearisation& at, device::EnvValues alpha) override { known_->max_step(dq, at, alpha); }
+  void reach(Linearisation& at) override { known_->reach(at); }
   bool loses_energy() const override { return known_->loses_energy(); }
   Positions carried() const override { return known_->carried(); }
   void end_step(const StepInfo& info, Positions q, const Linearisation& at) override { known_->end_step(info, q, at); }

@@ -405,7 +405,7 @@ effects:
   inertia: {}
   gravity: {}
   affine_body: {}
-  mortar_contact: {pairs: [{slave: block, master: slope}], stiffness: 5 Pa}
+  mortar_contact: {pairs: [{slave: block, master: slope}], stiffness: 2 Pa}
   friction: {follows: mortar_contact, mu: 0.4}
 )");
   const std::vector<double> start = rig.engine->points();

@@ -36,6 +36,7 @@ const ParamTable kTable{
 struct BarrierLinearisation final : Linearisation {
   Buffer<Vec3> y;
   ActiveSet active;
+  std::vector<std::uint8_t> whose;  // the environments of which it has terms, as in model::Model::at_work
   // Terms at a state where forces may be asked for next, of the environments of `whose`.
   struct Ahead {
     Buffer<Vec3> y;
@@ -90,12 +91,12 @@ class BarrierContact final : public Effect {
       std::swap(at.active, at.ahead.active);
       at.stencils.take_shape(at.ahead.shape);
       shape(at.active, at.stencils);
-      return contact::assemble(view(), at.active, std::as_const(at.y).view(), model_.point_map(), want.matrix, at.stencils);
+    } else if (!want.here || at.whose != model_.at_work) {
+      model_.points_of(q, at.y);
+      build(view(), where(at.y), room_, model_.point_map(), at.active, at.stencils);
     }
-    model_.points_of(q, at.y);
-    if (!want.forces) return build(view(), where(at.y), room_, at.active);
-    build(view(), where(at.y), room_, model_.point_map(), at.active, at.stencils);
-    contact::assemble(view(), at.active, std::as_const(at.y).view(), model_.point_map(), want.matrix, at.stencils);
+    at.whose = model_.at_work;
+    if (want.forces) contact::assemble(view(), at.active, std::as_const(at.y).view(), model_.point_map(), want.matrix, at.stencils);
   }
 
   void foresee(Positions q, Linearisation& out, device::Fetch& fetch) override {
@@ -112,7 +113,7 @@ class BarrierContact final : public Effect {
     BarrierLinearisation& at = of_barrier(out);
     samples(view(), at.active, std::as_const(at.y).view(), at.contact.samples);
     at.contact.env_offset = at.active.env_offset;
-    at.contact.blocks = at.active.blocks, at.contact.pairs = at.active.pairs;
+    at.contact.sizes = at.active.sizes;
   }
 
   void sample_changes(Linearisation& out) override {
@@ -121,8 +122,10 @@ class BarrierContact final : public Effect {
   }
 
   void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
-    model_.points_of(q, y_);
-    contact::energy(view(), where(y_), per_env);
+    const auto y = std::make_shared<Buffer<Vec3>>();
+    model_.points_of(q, *y);
+    contact::energy(view(), where(*y), per_env);
+    per_env.fetch.then([y] {});  // until then it stays
   }
 
   void max_step(View<const Vec3> dq, Linearisation& at, device::EnvValues alpha) override { proximity_.limit(of_barrier(at).y, dq, view(), alpha); }

@@ -178,13 +178,13 @@ void TermSearch::begin(const BarrierView& view, const Where& at, const TermRoom&
   const BarrierView s = view;
   Candidates& c = at.candidates;
   const View<const Vec3> y = at.y.view();
-  c.look(at.y, at.whose, fetch);
+  c.look(at.y, at.whose, look_, fetch);
   const View<const PointTriangle> pt = c.point_triangles();
   mark(
-      "contact.near", pt.n, c.of_points(), [=] MORTISE_HD(Index i) { return near(s, pt[i], y); }, points_at_);
+      "contact.near", pt.n, c.of_points(at.whose), [=] MORTISE_HD(Index i) { return near(s, pt[i], y); }, points_at_);
   const View<const EdgeEdge> ee = c.edge_edges();
   mark(
-      "contact.near", ee.n, c.of_edges(), [=] MORTISE_HD(Index i) { return near(s, ee[i], y); }, edges_at_);
+      "contact.near", ee.n, c.of_edges(at.whose), [=] MORTISE_HD(Index i) { return near(s, ee[i], y); }, edges_at_);
   const Index plane_pairs = s.planes.n * s.surface.vertices.n;
   mark(
       "contact.near_planes", plane_pairs, pairs_with_planes(at.vertices, s.planes.n, s.surface.vertices.n),
@@ -242,21 +242,21 @@ void TermSearch::begin(const BarrierView& view, const Where& at, const TermRoom&
 
 bool TermSearch::end(TermRoom& room) {
   std::vector<std::uint8_t> finite;
-  const bool missing = where_->candidates.settle(where_->y, finite);
+  const bool missing = where_->candidates.settle(where_->y, look_, finite);
   const Index all = points_ + edges_ + planes_, vertices = where_->vertices.size();
   const bool small = hits_ > most_ || all > places_;
   room.hits.found(hits_, vertices);
   room.terms.found(hits_ > most_ ? std::max(all, hits_ + edges_ + planes_) : all, vertices);
   if (missing || small) return false;
   out_->terms.resize(all);
-  out_->blocks = out_->pairs = -1;
+  out_->sizes = {};
   if (where_->vertices.environments() == 1) out_->env_offset = {0, all};
   return true;
 }
 
 void shape(ActiveSet& set, linalg::StencilSet& stencils) {
   stencils.end_resize(set.terms.size());
-  set.blocks = stencils.blocks().n, set.pairs = stencils.pairs();
+  set.sizes = stencils.sizes();
 }
 
 namespace {

@@ -27,7 +27,7 @@ struct Active {
 struct ActiveSet {
   Buffer<Active> terms;  // environments contiguous, then points by id, then edge pairs, then half-spaces
   std::vector<Index> env_offset;
-  Index blocks = -1, pairs = -1;  // of the stencils of all terms, where they were shaped
+  linalg::StencilSizes sizes;  // of the stencils of all terms, where they were shaped
 };
 
 // Room for point-triangle pairs in range and for terms, among so many surface vertices.
@@ -48,7 +48,7 @@ void face_planes(const BarrierView& s, View<const Vec3> y, View<double> plane_ar
 void face_points(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, View<double> point_area);
 
 // Adds the energy of environment e to per_env[e]; +infinity where anything touches, or positions are not numbers. What `at` refers to, but for the
-// ranges, must stay until the fetch is done.
+// environments and ranges, must stay until the fetch is done.
 void energy(const BarrierView& s, const Where& at, device::EnvValues per_env);
 
 struct PointTerms {
@@ -72,6 +72,7 @@ class TermSearch {
 
  private:
   std::optional<Where> where_;
+  Candidates::Look look_;
   ActiveSet* out_ = nullptr;
   PointTerms found_;
   Buffer<Index> points_at_, edges_at_, planes_at_;        // offsets of the candidates in range

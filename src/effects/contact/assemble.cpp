@@ -214,6 +214,7 @@ void samples(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, Buf
 void sample_changes(const BarrierView& s, const ActiveSet& set, View<const Vec3> y, model::SampleChanges& out) {
   const View<const Active> terms = set.terms.view();
   out.resize(terms.n, kFunctionals);
+  out.sizes = set.sizes;
   const model::SampleChangesView to = out.view();
   device::parallel_for("contact.sample_changes", terms.n, [=] MORTISE_HD(Index i) { change(s, terms[i], y, to, i); });
 }

@@ -70,7 +70,6 @@ bool Candidates::take(geometry::Broadphase::Guess& guess, const device::Buffer<V
                       const std::vector<std::uint8_t>& whose) {
   if (!broadphase_.take(guess)) return false;
   hold(y, &dy, whose);
-  asked_ = whose;
   return true;
 }
 
@@ -83,31 +82,34 @@ std::unique_ptr<geometry::Broadphase::Guess> Candidates::search(const device::Bu
     for (std::size_t e = 0; e < by.size(); ++e) share[e] *= by[e];
   };
   std::unique_ptr<geometry::Broadphase::Guess> out = broadphase_.search(y.view(), std::as_const(dy).view(), refused, shorten, fetch);
-  if (!out) hold(y, &dy, whose), asked_ = whose;
+  if (!out) hold(y, &dy, whose);
   return out;
 }
 
 void Candidates::cover(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>& finite, const std::vector<std::uint8_t>& whose) {
   device::Fetch fetch;
-  look(y, whose, fetch);
+  Look here;
+  look(y, whose, here, fetch);
   fetch.now("deviation from the path");
-  settle(y, finite);
+  settle(y, here, finite);
 }
 
-void Candidates::look(const device::Buffer<Vec3>& y, const std::vector<std::uint8_t>& whose, device::Fetch& fetch) {
-  asked_ = whose;
-  off_.assign(held_.size(), 0.0);
-  largest_deviation({point_env_, whose}, y0_.view(), dy_.view(), y.view(), {off_, fetch});
+void Candidates::look(const device::Buffer<Vec3>& y, const std::vector<std::uint8_t>& whose, Look& to, device::Fetch& fetch) const {
+  to.whose = whose;
+  to.off.clear();
+  for (std::uint8_t held : held_) to.off.push_back(held ? 0 : INFINITY);
+  largest_deviation({point_env_, whose}, y0_.view(), dy_.view(), y.view(), {to.off, fetch});
 }
 
-bool Candidates::settle(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>& finite) {
-  finite.assign(off_.size(), 1);
-  std::vector<std::uint8_t> lost(off_.size(), 0);
+bool Candidates::settle(const device::Buffer<Vec3>& y, const Look& look, std::vector<std::uint8_t>& finite) {
+  const std::vector<double>& off = look.off;
+  finite.assign(off.size(), 1);
+  std::vector<std::uint8_t> lost(off.size(), 0);
   bool any = false;
-  for (std::size_t e = 0; e < off_.size(); ++e) {
-    if (!asked_.empty() && !asked_[e]) continue;
-    finite[e] = !std::isnan(off_[e]);
-    lost[e] = !held_[e] || 2 * off_[e] > tuning::kMargin * reach_;  // two points of a pair may each be off by half of the margin
+  for (std::size_t e = 0; e < off.size(); ++e) {
+    if (!look.whose.empty() && !look.whose[e]) continue;
+    finite[e] = !std::isnan(off[e]);
+    lost[e] = 2 * off[e] > tuning::kMargin * reach_;  // two points of a pair may each be off by half of the margin
     any = any || lost[e];
   }
   if (any) {

@@ -27,15 +27,18 @@ class Candidates {
   // finite[e] where environment e has a position that is not a number. The same environments.
   void cover(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>& finite, const std::vector<std::uint8_t>& whose = {});
   // The same in two halves, for those who use what is held on the guess that it is all: once `fetch` is done settle() says whether it was not, and
-  // pairs had to be searched. In between nobody else may ask.
-  void look(const device::Buffer<Vec3>& y, const std::vector<std::uint8_t>& whose, device::Fetch& fetch);
-  bool settle(const device::Buffer<Vec3>& y, std::vector<std::uint8_t>& finite);
+  // pairs had to be searched.
+  struct Look {
+    std::vector<std::uint8_t> whose;
+    std::vector<double> off;  // how far off the path of every environment's last search; +infinity where there was none
+  };
+  void look(const device::Buffer<Vec3>& y, const std::vector<std::uint8_t>& whose, Look& to, device::Fetch& fetch) const;
+  bool settle(const device::Buffer<Vec3>& y, const Look& look, std::vector<std::uint8_t>& finite);
 
   device::View<const geometry::PointTriangle> point_triangles() const { return pairs_.point_triangles.view(); }
   device::View<const geometry::EdgeEdge> edge_edges() const { return pairs_.edge_edges.view(); }
-  // Those that the last question was for.
-  device::Ranges of_points() const { return {pairs_.pt_env_offset, asked_}; }
-  device::Ranges of_edges() const { return {pairs_.ee_env_offset, asked_}; }
+  device::Ranges of_points(const std::vector<std::uint8_t>& whose) const { return {pairs_.pt_env_offset, whose}; }
+  device::Ranges of_edges(const std::vector<std::uint8_t>& whose) const { return {pairs_.ee_env_offset, whose}; }
   const std::vector<Index>& pt_env_offset() const { return pairs_.pt_env_offset; }
   const std::vector<Index>& ee_env_offset() const { return pairs_.ee_env_offset; }
   device::View<const Index> pt_env_first() const { return pairs_.pt_env_first.view(); }  // the same where kernels can read it
@@ -50,9 +53,8 @@ class Candidates {
   geometry::Broadphase& broadphase_;  // shared with other contact effects, therefore the results are copied
   double reach_;
   std::vector<Index> point_env_;
-  std::vector<std::uint8_t> held_, asked_;  // environments whose pairs are there; those of the last question, or empty: all
-  device::Buffer<Vec3> y0_, dy_;            // path of every environment's last search,
-  std::vector<double> off_;                 // and how far off it the last question lies
+  std::vector<std::uint8_t> held_;  // environments whose pairs are there
+  device::Buffer<Vec3> y0_, dy_;    // path of every environment's last search
   geometry::NearPairs pairs_;
 };
 

@@ -12,6 +12,6 @@ MORTISE_HD inline model::Expansion<N> changed_blocks(const model::PointMapView& 
 }
 
 // One per sample, with its blocks; without gradients and Hessians.
-void shape(const model::PointMapView& map, const model::SampleChangesView& changes, Index samples, linalg::StencilSet& out);
+void shape(const model::PointMapView& map, model::SampleChanges& changes, Index samples, linalg::StencilSet& out);
 
 }  // namespace mortise::effects::contact

@@ -36,11 +36,12 @@ void add_pair_energy(const char* name, const BarrierView& s, View<const Pair> pa
 // One after the other: of points, of edges, and towards every half-space.
 struct EnergyParts {
   std::vector<std::vector<double>> of;
+  Candidates::Look look;
 
   void find(const BarrierView& s, const Candidates& c, View<const Vec3> y, const device::Ranges& vertices, device::Fetch& fetch) {
     of.assign(2 + s.planes.n, std::vector<double>(vertices.environments(), 0.0));
-    add_pair_energy("contact.energy_points", s, c.point_triangles(), c.pt_env_first(), c.of_points(), y, {of[0], fetch});
-    add_pair_energy("contact.energy_edges", s, c.edge_edges(), c.ee_env_first(), c.of_edges(), y, {of[1], fetch});
+    add_pair_energy("contact.energy_points", s, c.point_triangles(), c.pt_env_first(), c.of_points(look.whose), y, {of[0], fetch});
+    add_pair_energy("contact.energy_edges", s, c.edge_edges(), c.ee_env_first(), c.of_edges(look.whose), y, {of[1], fetch});
     add_planes(s, y, vertices, fetch);
   }
   void add_planes(const BarrierView& view, View<const Vec3> y, const device::Ranges& vertices, device::Fetch& fetch) {
@@ -57,11 +58,11 @@ struct EnergyParts {
 
 void energy(const BarrierView& s, const Where& at, device::EnvValues per_env) {
   auto parts = std::make_shared<EnergyParts>();
-  at.candidates.look(at.y, at.whose, per_env.fetch);
+  at.candidates.look(at.y, at.whose, parts->look, per_env.fetch);
   parts->find(s, at.candidates, at.y.view(), at.vertices, per_env.fetch);
   per_env.fetch.then([s, parts, &c = at.candidates, &y = at.y, vertices = at.vertices, &value = per_env.value] {
     std::vector<std::uint8_t> finite;
-    if (c.settle(y, finite)) {
+    if (c.settle(y, parts->look, finite)) {
       device::Fetch again;
       parts->find(s, c, y.view(), vertices, again);
       again.now("contact energies again");

@@ -27,7 +27,7 @@ MORTISE_HD inline Index firsts_before(Index i, Index from) { return from >= 0 ? 
 
 // Room for joined changes whose samples have points of their own: those of the second list have them from the samples.
 void scatter(const Buffer<ContactSample>& joined, View<const Index> from, const model::SampleChangesView& first, Index functionals,
-             model::SampleChanges& out) {
+             linalg::StencilSizes sizes, model::SampleChanges& out) {
   constexpr Index kPoints = model::SampleChangesView::kUniform;
   const View<const ContactSample> sample = joined.view();
   const Index n = sample.n;
@@ -46,11 +46,13 @@ void scatter(const Buffer<ContactSample>& joined, View<const Index> from, const 
       for (Index k = 0; k < kPoints; ++k) node[at + k] = sample[i].point[k];  // -1 where there is none
   });
   out.resize(n, functionals, starts, nodes);
+  out.sizes = sizes;
 }
 
 }  // namespace
 
-void join(const Buffer<ContactSample>& more, const std::vector<Index>& more_env, model::ContactView& to, Buffer<Index>& origin) {
+void join(const Buffer<ContactSample>& more, const std::vector<Index>& more_env, linalg::StencilSizes more_sizes, model::ContactView& to,
+          Buffer<Index>& origin) {
   const Index n = to.samples.size(), all = n + more.size();
   Buffer<ContactSample> joined(all);
   origin.resize(all);
@@ -65,6 +67,7 @@ void join(const Buffer<ContactSample>& more, const std::vector<Index>& more_env,
     out[place] = s, from[place] = of_first ? j : -1 - j;
   });
   to.samples.swap(joined);
+  to.sizes = to.sizes + more_sizes;
   for (std::size_t e = 0; e < to.env_offset.size(); ++e) to.env_offset[e] += more_env[e];
 }
 
@@ -74,7 +77,7 @@ void join(const Buffer<ContactSample>& joined, const Buffer<Index>& origin, mode
   const Index functionals = first.functionals > second.functionals ? first.functionals : second.functionals;
   model::SampleChanges changes;
   if (to.scattered())
-    scatter(joined, from, first, functionals, changes);
+    scatter(joined, from, first, functionals, to.sizes + more.sizes, changes);
   else
     changes.resize(joined.size(), functionals, true);
   const model::SampleChangesView out = changes.view();

@@ -5,10 +5,10 @@
 
 namespace mortise::effects::contact {
 
-// Samples `more` join those of `to`; more_env: their offsets of environments. origin: of every sample now there its number in the list that it comes
-// from: i of the first, -1 - i of the second.
-void join(const device::Buffer<model::ContactSample>& more, const std::vector<Index>& more_env, model::ContactView& to,
-          device::Buffer<Index>& origin);
+// Samples `more` join those of `to`; more_env: their offsets of environments, more_sizes: of their stencils. origin: of every sample now there its
+// number in the list that it comes from: i of the first, -1 - i of the second.
+void join(const device::Buffer<model::ContactSample>& more, const std::vector<Index>& more_env, linalg::StencilSizes more_sizes,
+          model::ContactView& to, device::Buffer<Index>& origin);
 
 // How samples so joined change: `more`, of uniform shape and all known, joins `to`, whose samples have points of their own, or of which nothing is
 // known.

@@ -86,6 +86,16 @@ std::vector<std::uint8_t> Proximity::locate(Positions q, Buffer<Vec3>& y) {
   return finite;
 }
 
+void Proximity::require(const Buffer<Vec3>& y, device::EnvValues per_env) {
+  const auto look = std::make_shared<Candidates::Look>();
+  candidates_.look(y, model_.at_work, *look, per_env.fetch);
+  per_env.fetch.then([this, look, &y, &value = per_env.value] {
+    std::vector<std::uint8_t> finite;
+    candidates_.settle(y, *look, finite);
+    forbid(finite, value);
+  });
+}
+
 const Candidates& Proximity::candidates(const Buffer<Vec3>& y) {
   std::vector<std::uint8_t> finite;
   candidates_.cover(y, finite, model_.at_work);
@@ -157,10 +167,6 @@ BarrierView Proximity::view(const BarrierParams& barrier, const Buffer<double>& 
 void forbid(const std::vector<std::uint8_t>& finite, std::vector<double>& value) {
   for (std::size_t e = 0; e < value.size(); ++e)
     if (!finite[e] || std::isnan(value[e])) value[e] = INFINITY;
-}
-
-void forbid(const std::vector<std::uint8_t>& finite, device::EnvValues per_env) {
-  per_env.fetch.then([finite, &value = per_env.value] { forbid(finite, value); });
 }
 
 }  // namespace mortise::effects::contact

@@ -28,6 +28,8 @@ class Proximity {
 
   // y = W q, with all candidates there; tells which environments have finite positions.
   std::vector<std::uint8_t> locate(Positions q, Buffer<Vec3>& y);
+  // All candidates at y, too; energies of environments in which y is not finite become +infinity. y must stay until the fetch is done.
+  void require(const Buffer<Vec3>& y, device::EnvValues per_env);
   Candidates& held() { return candidates_; }  // for those who find out by themselves whether all are there
   // Lowers alpha so that the step dq from where the points are at y keeps the share tuning::kKeep of every distance, and returns the step of the
   // points. Throws Failure where what is prescribed would meet. y must stay until the fetch is done, which then holds all pairs on the way.
@@ -67,6 +69,5 @@ class Proximity {
 
 // Energies of environments whose positions, or which themselves, are not numbers become +infinity.
 void forbid(const std::vector<std::uint8_t>& finite, std::vector<double>& value);
-void forbid(const std::vector<std::uint8_t>& finite, device::EnvValues per_env);
 
 }  // namespace mortise::effects::contact

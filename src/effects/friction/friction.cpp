@@ -77,10 +77,7 @@ void freeze(const model::PointMapView& map, const Buffer<ContactSample>& samples
   Buffer<Index> counts(sample.n + 1);
   const View<Index> count = counts.view();
   device::parallel_for("friction.count_blocks", sample.n, [=] MORTISE_HD(Index i) { count[i] = distinct_blocks(map, sample[i]); });
-  if (view.blocks >= 0)
-    stencils.resize(std::move(counts), view.blocks, view.pairs);
-  else
-    stencils.resize(std::move(counts));
+  stencils.resize(std::move(counts), view.sizes);
   const linalg::StencilView out = stencils.view();
   weights.resize(out.block.n);
   frozen.resize(sample.n);
@@ -98,11 +95,12 @@ void freeze(const model::PointMapView& map, const Buffer<ContactSample>& samples
   });
 }
 
-// Friction force on the first body of every sample and its slip against the second [N, m].
-void measure(const Slips& s, const Buffer<ContactSample>& samples, Positions q, Buffer<Vec3>& force, Buffer<Vec3>& slip) {
+// Friction force on the first body of every sample [N], and then the slips of all against the second [m].
+std::vector<Vec3> measure(const Slips& s, const Buffer<ContactSample>& samples, Positions q) {
   const View<const ContactSample> sample = samples.view();
-  force.resize(s.size()), slip.resize(s.size());
-  const View<Vec3> f = force.view(), u = slip.view();
+  const Index n = s.size();
+  Buffer<Vec3> both(2 * n);
+  const View<Vec3> f{both.view().p, n}, u{both.view().p + n, n};
   device::parallel_for("friction.measure", s.size(), [=] MORTISE_HD(Index i) {
     const Vec3 r = s.slip(i, q);
     // r is the motion of the first body against an obstacle, else that of the second against the first.
@@ -110,6 +108,7 @@ void measure(const Slips& s, const Buffer<ContactSample>& samples, Positions q, 
     u[i] = sign * r;
     f[i] = (-s.frozen[i].load * friction::f1_over_x(r.norm(), s.creep(i))) * u[i];
   });
+  return both.download();
 }
 
 // The piece of a sample of which only the force is known to change: d(mu lambda) = -mu stiffness n . sum_b W_b dq_b.
@@ -242,7 +241,7 @@ class Friction final : public Effect {
       return;
     }
     if (!at.changes.scattered()) return follow_changes<model::kSamplePoints>(q, at);
-    contact::shape(model_.point_map(), at.changes.view(), at.samples.size(), at.beside);
+    contact::shape(model_.point_map(), at.changes, at.samples.size(), at.beside);
     follow_changes<model::kChangePoints>(q, at);
   }
   // N: on how many points a sample hangs at most.
@@ -284,9 +283,8 @@ class Friction final : public Effect {
 
   void end_step(const StepInfo& info, Positions q, const Linearisation& lagged) override {
     const auto& at = static_cast<const FrictionLinearisation&>(lagged);
-    Buffer<Vec3> force, slip;
-    measure(slips(at), at.samples, q, force, slip);
-    std::vector<Vec3> f = force.download(), u = slip.download();
+    const std::vector<Vec3> both = measure(slips(at), at.samples, q);
+    std::vector<Vec3> f(both.begin(), both.begin() + at.samples.size()), u(both.begin() + at.samples.size(), both.end());
     for (Index e = 0; e < model_.envs; ++e) {
       if (!info.taken_by(e)) continue;
       double step = 0;

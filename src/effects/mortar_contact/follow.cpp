@@ -14,6 +14,7 @@ inline constexpr Index kGap = 0, kFirstMoved = 1, kFirstTurn = kFirstMoved + kMo
 
 void sample_changes(const MortarView& view, FrozenSamples& f, model::SampleChanges& out) {
   out.resize(f.samples.size(), kFunctionals, f.moving.start, f.moving.node);
+  out.sizes = f.moving.sizes;
   const model::SampleChangesView to = out.view();
   const View<const Pair> pairs = f.pairs.view();
   const View<const Sample> samples = f.samples.view();
@@ -66,7 +67,7 @@ void follow(model::ContactView& contact, const model::PointMapView& point_map, l
   const model::SampleChangesView change = contact.changes.view();
   const View<const model::ContactSample> samples = std::as_const(contact.samples).view();
   const model::PointMapView map = point_map;
-  contact::shape(map, change, samples.n, beside);
+  contact::shape(map, contact.changes, samples.n, beside);
   constexpr Index kRank = kFunctionals - 1;  // what follows from the frozen gap is the frozen Hessian
   const Index blocks = beside.blocks().n;
   out.resize(kRank, blocks);

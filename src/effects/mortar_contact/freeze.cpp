@@ -6,10 +6,12 @@
 //            kernel each, first counted, then written;
 //   judge    what other masters hide of every offer, where the curved faces above it are, and whether it lies within reach: then it is a sample.
 //
-// The host waits once, for the number of samples. Offers have room for as many as there were last, and some more (device/room.h).
+// The host waits once, for the numbers of all. Candidates and offers have room for as many as there were last, and some more (device/room.h).
+#include <type_traits>
 #include <utility>
 
 #include "effects/mortar_contact/averaged.h"
+#include "effects/mortar_contact/freezing.h"
 #include "effects/mortar_contact/moving.h"
 
 namespace mortise::effects::mortar {
@@ -63,7 +65,7 @@ void offer_planes(const Stage& stage, const Offers& to) {
   const Offers offers = to;
   device::parallel_for("mortar_contact.offers", s.s.planes.n > 0 ? kPlanePieces * s.master.n : 0, [=] MORTISE_HD(Index i) {
     const Index c = i / kPlanePieces, piece = i % kPlanePieces;
-    if (s.master[c] < 0)
+    if (s.plane(c))
       offers.take(kPieces * c + piece, c, [&](Write& write) { sample_plane(s.s, s.patch(c), s.s.planes[-1 - s.master[c]], piece, s.y, write); });
   });
 }
@@ -82,7 +84,7 @@ void find_patches(const Stage& stage, const device::Ranges& whose, View<const Fa
     p.reach = p.support + s.margin[s.s.surface.env[t.v[0]]];
     p.masters = 0;
     p.master = s.master.p + s.offset[i], p.facing = facing.p + s.offset[i];
-    for (Index c = s.offset[i]; c < s.offset[i + 1] && s.master[c] >= 0; ++c) ++p.masters;
+    for (Index c = s.offset[i]; c < s.offset[i + 1] && c < s.master.n && s.master[c] >= 0; ++c) ++p.masters;
   });
 }
 
@@ -170,10 +172,15 @@ MORTISE_HD inline Pair make_pair(const MortarView& s, View<const Vec3> y, Index 
 
 // Offsets of the environments, from those of the candidates: to[e] = of(first candidate of e).
 template <class Of>
-void pick(View<const Index> offset, View<const Index> first, Of of, device::Fetch& fetch, std::vector<Index>& to) {
+void pick(const Stage& stage, View<const Index> first, Of of, device::Fetch& fetch, std::vector<Index>& to) {
+  const View<const Index> offset = stage.offset;
+  const Index room = stage.master.n;
   Buffer<Index> picked(first.n);
   const View<Index> out = picked.view();
-  device::parallel_for("mortar_contact.env_offset", out.n, [=] MORTISE_HD(Index e) { out[e] = of(offset[first[e]]); });
+  device::parallel_for("mortar_contact.env_offset", out.n, [=] MORTISE_HD(Index e) {
+    const Index c = offset[first[e]];
+    out[e] = of(c < room ? c : room);
+  });
   fetch.add(View<const Index>(out), to);
   fetch.keep(std::move(picked));
 }
@@ -192,84 +199,133 @@ struct At {
   MORTISE_HD Index operator()(Index c) const { return at[c]; }
 };
 
-// One try; false where the room was too small, which it is no more.
-template <class Weights>
-bool try_freeze(const Stage& stage, const std::vector<Index>& slave_env, const Weights weights, device::Room& rooms, Moving moving,
-                FrozenSamples& out) {
+// What is counted of every candidate, a list each. One scan goes through all of them.
+enum List : Index { pairs, pair_blocks, pair_pairs, sample_blocks, sample_pairs, kLists };
+
+// 1 of a candidate with samples, and how many blocks, and pairs of them, its stencil has and those of its samples have together; `lists`: the first
+// alone, or all.
+void count_pairs(const Stage& stage, const Kept& samples_of, const model::PointMapView& point_map, Index lists, Buffer<Index>& counts) {
   const Stage s = stage;
-  const Index n = s.master.n, room = rooms.among(n);
-  Buffer<Index> offer_offset(kPieces * n + 1), kept_offset(room + 1), pair_offset(n + 1);
+  const Index n = s.master.n;
+  counts.resize(lists * n + 1);
+  const View<Index> count = counts.view();
+  const bool sizes = lists > 1;
+  const model::PointMapView map = point_map;
+  device::parallel_for("mortar_contact.count_pairs", n, [=] MORTISE_HD(Index c) {
+    const Index samples = samples_of.begin(c + 1) - samples_of.begin(c);
+    count[c] = samples > 0 ? 1 : 0;
+    if (!sizes) return;
+    Index blocks = 0;
+    if (samples > 0) {
+      const FaceNodes none{}, on = s.s.nodes_of(s.s.slaves[s.slave[c]]), under = s.master[c] < 0 ? none : s.s.nodes_of(s.master[c]);
+      blocks = blocks_of(map, on, under).blocks;
+    }
+    count[pair_blocks * n + c] = blocks, count[pair_pairs * n + c] = linalg::pair_count(blocks);
+    count[sample_blocks * n + c] = samples * blocks, count[sample_pairs * n + c] = samples * linalg::pair_count(blocks);
+  });
+  device::scan(counts);
+}
+
+}  // namespace
+
+void Freezing::begin(const MortarView& view, Search& search, const Buffer<double>& margin, const FreezeRoom& room, const model::PointMapView* map,
+                     FrozenSamples& out, device::Fetch& fetch) {
+  const View<const Vec3> y = std::as_const(out.y).view();
+  search_ = &search, out_ = &out;
+  if (map) map_ = *map;
+  const Index slaves = search.slaves().size(), n = room.candidates.among(slaves);
+  search.begin(view, y, margin, n, fetch);
+  patches_.resize(view.slaves.n);
+  facing_.resize(n), near_.resize(n);
+  stage_.emplace(
+      Stage{view, y, search.offset(), search.slave(), search.master(), margin.view(), std::as_const(patches_).view(), std::as_const(near_).view()});
+  const Stage& s = *stage_;
+  find_patches(s, search.slaves(), std::as_const(facing_).view(), patches_.view());
+  find_facing(s, facing_.view(), near_.view());
+
+  offers_at_.resize(kPieces * n + 1), offers_.resize(room.offers.among(slaves)), kept_at_.resize(offers_.size() + 1);
+  const View<const Index> first = std::as_const(offers_at_).view(), kept = std::as_const(kept_at_).view(), count{first.p + kPieces * n, 1};
+  weighted(view.set, [&](const auto& weights) {
+    const auto offer_all = [&](const Offers& to) {
+      each_part<std::decay_t<decltype(weights)>>(view.set, [&](auto part) { offer<decltype(part)>(s, weights, to); });
+      offer_planes(s, to);
+    };
+    offers_at_.zero();  // not all have every piece
+    offer_all({offers_at_.view(), {}, {}});
+    device::scan(offers_at_);
+    offer_all({{}, first, offers_.view()});
+  });
   Buffer<std::uint8_t> layered(n);
-  Buffer<Sample> offer_buffer(room);
-  const View<Index> counts = offer_offset.view(), keep = kept_offset.view(), pairs = pair_offset.view();
-  const View<const Index> first = std::as_const(offer_offset).view(), kept = std::as_const(kept_offset).view();
-  const View<Sample> offers = offer_buffer.view();
-  const auto offer_all = [&](const Offers& to) {
-    each_part<Weights>(s.s.set, [&](auto part) { offer<decltype(part)>(s, weights, to); });
-    offer_planes(s, to);
-  };
-  offer_offset.zero();  // not all have every piece
-  offer_all({counts, {}, {}});
-  device::scan(offer_offset);
-  const View<const Index> count{first.p + kPieces * n, 1};
-  offer_all({{}, first, offers});
   find_layers(s, first, layered.view());
-  judge(s, std::as_const(layered).view(), count, offers, keep);
-  slide_offers(s, count, offers, keep);
-  device::scan(kept_offset);
+  judge(s, std::as_const(layered).view(), count, offers_.view(), kept_at_.view());
+  slide_offers(s, count, offers_.view(), kept_at_.view());
+  device::scan(kept_at_);
   const Kept samples_of{first, kept};
-  device::parallel_for("mortar_contact.count_pairs", n,
-                       [=] MORTISE_HD(Index c) { pairs[c] = samples_of.begin(c + 1) > samples_of.begin(c) ? 1 : 0; });
-  device::scan(pair_offset);
+  list_end_.assign(map ? kLists : 1, 0);
+  const auto lists = static_cast<Index>(list_end_.size());
+  count_pairs(s, samples_of, map_, lists, counts_);
 
-  const Buffer<Index> env_buffer(slave_env);
-  Index all = 0;
-  device::Fetch fetch;
-  fetch.add_total(offer_offset, all);
-  pick(s.offset, env_buffer.view(), At{std::as_const(pair_offset).view()}, fetch, out.env_pairs);
-  pick(s.offset, env_buffer.view(), samples_of, fetch, out.env_samples);
-  fetch.now("mortar freeze");
-  rooms.found(all, n);
-  if (all > room) return false;
+  fetch.add_total(offers_at_, offered_);
+  const View<const Index> added = std::as_const(counts_).view();
+  for (Index list = 0; list < lists; ++list)
+    fetch.add(View<const Index>{added.p + (list + 1) * n, 1}, [this, list](const std::vector<Index>& sum) { list_end_[list] = sum[0]; });
+  const Buffer<Index> env_buffer(search.slave_env());
+  pick(s, env_buffer.view(), At{added}, fetch, out.env_pairs);
+  pick(s, env_buffer.view(), samples_of, fetch, out.env_samples);
+}
 
+bool Freezing::end(FreezeRoom& rooms, Moving moving) {
+  const Index slaves = search_->slaves().size();
+  const Index candidates = stage_->master.n;
+  const bool all = search_->end();
+  // Where there was no room for all candidates, as many more of them have offers too.
+  const auto offered = static_cast<Index>(all ? offered_ : static_cast<double>(offered_) / candidates * search_->found());
+  rooms.candidates.found(search_->found(), slaves, FreezeRoom::kKept);
+  rooms.offers.found(offered, slaves, FreezeRoom::kKept);
+  if (!all || offered > offers_.size()) return false;
+  stage_->slave = search_->slave(), stage_->master = search_->master();
+
+  FrozenSamples& out = *out_;
+  out.of_pairs = out.of_samples = {};
+  if (list_end_.size() == kLists) {
+    const auto of = [&](List list) { return list_end_[list] - list_end_[list - 1]; };
+    out.of_pairs = {of(pair_blocks), of(pair_pairs)}, out.of_samples = {of(sample_blocks), of(sample_pairs)};
+  }
   out.samples.resize(out.env_samples.back());
   out.pairs.resize(out.env_pairs.back());
+  const Stage s = *stage_;
+  const View<const Index> first = std::as_const(offers_at_).view(), kept = std::as_const(kept_at_).view(), pairs = std::as_const(counts_).view();
+  const Kept samples_of{first, kept};
+  const View<const Sample> offers = std::as_const(offers_).view();
   const View<Sample> to = out.samples.view();
   const View<Pair> pair_to = out.pairs.view();
-  device::parallel_for("mortar_contact.pairs", n, [=] MORTISE_HD(Index c) {
+  device::parallel_for("mortar_contact.pairs", s.master.n, [=] MORTISE_HD(Index c) {
     if (pairs[c + 1] == pairs[c]) return;
     Pair p = make_pair(s.s, s.y, s.slave[c], s.master[c]);
     p.begin = samples_of.begin(c), p.end = samples_of.begin(c + 1);
     pair_to[pairs[c]] = p;
   });
-  device::parallel_for("mortar_contact.samples", all, [=] MORTISE_HD(Index o) {
+  device::parallel_for("mortar_contact.samples", offered_, [=] MORTISE_HD(Index o) {
     if (kept[o + 1] == kept[o]) return;
     Sample sample = offers[o];
     sample.pair = pairs[sample.pair];
     to[kept[o]] = sample;
   });
   out.moving.clear();
-  if (moving.wanted) find_moving(s, moving, weights, {first, kept}, out);
+  if (moving.wanted) weighted(s.s.set, [&](const auto& weights) { find_moving(s, moving, map_, weights, {first, kept}, out); });
+  average(s.s, out);
   return true;
 }
 
-}  // namespace
-
-void freeze(const MortarView& view, Search& search, const Buffer<double>& margin, device::Room& room, Moving moving, FrozenSamples& out) {
-  const View<const Vec3> y = std::as_const(out.y).view();
-  search.update(view, y, margin);
-  Buffer<Patch> patches(view.slaves.n);
-  Buffer<Facing> facing(search.master().n);
-  Buffer<std::uint8_t> near(search.master().n);
-  const Stage stage{
-      view, y, search.offset(), search.slave(), search.master(), margin.view(), std::as_const(patches).view(), std::as_const(near).view()};
-  find_patches(stage, search.slaves(), std::as_const(facing).view(), patches.view());
-  find_facing(stage, facing.view(), near.view());
-  weighted(view.set, [&](const auto& weights) {
-    while (!try_freeze(stage, search.slave_env(), weights, room, moving, out)) {
-    }
-  });
-  average(view, out);
+void freeze(const MortarView& view, Search& search, const Buffer<double>& margin, FreezeRoom& room, const model::PointMapView* map, Moving moving,
+            FrozenSamples& out) {
+  for (bool done = false; !done;) {
+    Freezing freezing;
+    device::Fetch fetch;
+    freezing.begin(view, search, margin, room, map, out, fetch);
+    fetch.now("mortar freeze");
+    done = freezing.end(room, moving);
+  }
 }
 
 }  // namespace mortise::effects::mortar

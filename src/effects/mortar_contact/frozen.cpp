@@ -143,7 +143,7 @@ void assemble(const MortarView& s, const FrozenSamples& f, const model::PointMap
     const Index k = i - pairs.n;
     count[i] = k < 0 ? blocks_of(map, pairs[i]).blocks : k < node_count ? entry[k + 1] - entry[k] : extra.blocks(k - node_count);
   });
-  set.resize(std::move(counts));
+  set.resize(std::move(counts), nodal ? linalg::StencilSizes{} : f.of_pairs + guard.sizes());
   if (hessian) set.need_hessian();
   const linalg::StencilView out = set.view();
   device::parallel_for("mortar_contact.assemble", pairs.n, [=] MORTISE_HD(Index i) {
@@ -225,6 +225,7 @@ void limit(const MortarView& view, const FrozenSamples& f, View<const Vec3> dy, 
 void samples(const MortarView& s, const FrozenSamples& f, model::ContactView& view) {
   view.samples.resize(f.samples.size());
   view.env_offset = f.env_samples;
+  view.sizes = f.of_samples;
   view.local = !s.set.averaged;
   const View<model::ContactSample> out = view.samples.view();
   const View<const Pair> pairs = f.pairs.view();

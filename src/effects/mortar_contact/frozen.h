@@ -15,7 +15,6 @@
 //
 // N, M are the shape functions of the faces: linear ones, or those of the six nodes of a quadratic face, whose quarters are what is
 // clipped. Normals, weights and k_a are those of the quarters; g counts between the quadratic faces, along the normal.
-#include "device/room.h"
 #include "effects/contact/barrier.h"
 #include "effects/contact/proximity.h"
 #include "effects/curvature.h"
@@ -68,6 +67,7 @@ struct Motion {
   Buffer<Index> start, node;
   Buffer<Vec3> by;
   Buffer<std::uint8_t> partly;  // per sample: something that moves it is left out
+  linalg::StencilSizes sizes;   // of stencils of the samples' nodes
   Moving wanted = false;
   void clear() { wanted = false, start.resize(0), node.resize(0), by.resize(0), partly.resize(0); }
   bool any() const { return start.size() > 0; }
@@ -81,6 +81,7 @@ struct FrozenSamples {
   Averages averages;                          // empty unless the gap is averaged
   Motion moving;                              // empty unless it was wanted
   std::vector<Index> env_pairs, env_samples;  // offsets
+  linalg::StencilSizes of_pairs, of_samples;  // of stencils of every pair's points, and of every sample's
   Buffer<Vec3> y;                             // where they were taken
 };
 
@@ -112,11 +113,13 @@ MORTISE_HD inline void jacobian(const Pair& p, const Sample& s, Vec3 J[kPoints])
 // Whether two quadratic faces meet, although their quarters do not.
 inline bool met(const Pair& p, double gap) { return p.quadratic() && gap <= tuning::kLeastGap * p.d_hat; }
 
-MORTISE_HD inline model::Expansion<kPoints> blocks_of(const model::PointMapView& map, const Pair& p) {
+MORTISE_HD inline model::Expansion<kPoints> blocks_of(const model::PointMapView& map, const FaceNodes& on, const FaceNodes& under) {
   Index point[kPoints];
-  for (int k = 0; k < points_of(p); ++k) point[k] = point_of(p, k);
-  return model::expand<kPoints>(map, point, points_of(p));
+  for (int k = 0; k < on.count; ++k) point[k] = on.point[k];
+  for (int k = 0; k < under.count; ++k) point[on.count + k] = under.point[k];
+  return model::expand<kPoints>(map, point, on.count + under.count);
 }
+MORTISE_HD inline model::Expansion<kPoints> blocks_of(const model::PointMapView& map, const Pair& p) { return blocks_of(map, p.on, p.under); }
 
 // Finds the master triangles near every slave triangle.
 class Search {
@@ -128,9 +131,18 @@ class Search {
   void work_on(const std::vector<std::uint8_t>& whose) { whose_ = whose; }
   // Masters within support + margin[env] of each slave at y; ascending.
   void update(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin);
+  // The same in two halves, between which `fetch` brings how many there are: until then they have `room`, and nobody's places are among them. False:
+  // it was too small.
+  void begin(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin, Index room, device::Fetch& fetch);
+  bool end();
+  Index found() const { return found_; }
+  // How many every slave has, and which: what both do (nvcc takes no kernels from private functions).
+  void count(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin);
+  void list(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin, Index room);
   View<const Index> offset() const { return offset_.view(); }
   View<const Index> slave() const { return slave_.view(); }    // per candidate: which slave
-  View<const Index> master() const { return master_.view(); }  // per candidate: triangle, or -1 - half-space
+  View<const Index> master() const { return master_.view(); }  // per candidate: triangle, or -1 - half-space, or kNobody
+  static constexpr Index kNobody = std::numeric_limits<Index>::min();
   const std::vector<Index>& slave_env() const { return slave_env_; }
   device::Ranges slaves() const { return {slave_env_, whose_}; }  // that are worked on
   std::size_t bytes() const { return offset_.bytes() + slave_.bytes() + master_.bytes(); }
@@ -143,15 +155,12 @@ class Search {
   Buffer<Triangle> corners_;  // of the masters
   Buffer<double> bow_;        // of the masters, as in MortarView
   Buffer<Index> offset_, slave_, master_;
+  Index found_ = 0;
 };
 
 // Normals and areas of the triangles of `whose`; bow [m]: the most by which a quadratic face stands off its quarter, empty where all are linear.
 void measure(const geometry::SurfaceView& surface, const model::QuadraticFaces& faces, View<const Vec3> y, const device::Ranges& whose,
              Buffer<Vec3>& normal, Buffer<double>& area, Buffer<double>& bow);
-
-// The samples at out.y with a gap below support + margin[env]; and, where wanted, how they move. room: for what is looked at on the way, kept from
-// one call to the next.
-void freeze(const MortarView& s, Search& search, const Buffer<double>& margin, device::Room& room, Moving moving, FrozenSamples& out);
 
 // Smallest gap of every slave at y to the corners of what it sees, INFINITY where that is not below support. The search is that of y.
 void least_gaps(const MortarView& s, const Search& search, View<const Vec3> y, Buffer<double>& out);

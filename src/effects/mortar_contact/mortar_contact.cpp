@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "effects/contact/start_check.h"
 #include "effects/list.h"
 #include "effects/mortar_contact/averaged.h"
+#include "effects/mortar_contact/freezing.h"
 #include "effects/mortar_contact/moving.h"
 #include "effects/mortar_contact/stiffness.h"
 #include "effects/per_environment.h"
@@ -73,7 +75,8 @@ struct MortarLinearisation final : Linearisation {
   Buffer<double> area, bow;  // their areas, and how far their quadratic faces stand off
   contact::ActiveSet guard;
   linalg::StencilSet guard_stencils;
-  Buffer<Index> origin;  // of contact.samples, where the guard has some (contact/join.h)
+  Buffer<Index> origin;                 // of contact.samples, where the guard has some (contact/join.h)
+  std::vector<double> alpha, farthest;  // of the way that was asked for last: as far as it may be gone; how far it moves points [m]
   explicit MortarLinearisation(Index envs) { guard.env_offset.assign(envs + 1, 0); }
   // Places of sample i of the field and of the guard in contact.samples: in every environment those of the guard come last.
   Index place(Index env, Index i) const { return i + guard.env_offset[env]; }
@@ -172,19 +175,36 @@ class MortarContact final : public Effect {
   void linearise(Positions q, Want want, Linearisation& out) override {
     MortarLinearisation& at = of_mortar(out);
     model_.points_of(q, at.frozen.y);
-    refreeze(at, want.moving);
-    if (!(guard_ > 0)) {
-      proximity_.candidates(at.frozen.y);
-      at.guard_stencils.resize_uniform(0, 0);
-    } else if (want.forces) {
-      contact::build(guard_view(), where(at.frozen.y), room_, model_.point_map(), at.guard, at.guard_stencils);
-    } else {
-      contact::build(guard_view(), where(at.frozen.y), room_, at.guard);
-    }
+    take_samples(at, want.moving);
     if (!want.forces) return;
     if (guard_ > 0) contact::assemble(guard_view(), at.guard, at.y(), model_.point_map(), want.matrix, at.guard_stencils);
     mortar::assemble(view(at), at.frozen, model_.point_map(), want.matrix.wanted, at.guard_stencils, at.stencils);
     follow(want.moving, at);
+  }
+  // Of the field and of the guard: the host waits once, as a rule.
+  void take_samples(MortarLinearisation& at, Moving moving) {
+    const model::PointMapView map = model_.point_map();
+    measure(at);
+    search_.work_on(model_.at_work);
+    Freezing field;
+    contact::TermSearch guard;
+    contact::Candidates::Look near;
+    device::Fetch fetch;
+    field.begin(view(at), search_, margin_, rooms_, &map, at.frozen, fetch);
+    if (guard_ > 0)
+      guard.begin(guard_view(), where(at.frozen.y), room_, &map, at.guard, &at.guard_stencils, fetch);
+    else
+      proximity_.held().look(at.frozen.y, model_.at_work, near, fetch);
+    fetch.now("mortar freeze");
+    if (!field.end(rooms_, moving)) freeze(view(at), search_, margin_, rooms_, &map, moving, at.frozen);
+    if (std::vector<std::uint8_t> finite; !(guard_ > 0)) {
+      proximity_.held().settle(at.frozen.y, near, finite);
+      at.guard_stencils.resize_uniform(0, 0);
+    } else if (guard.end(room_)) {
+      contact::shape(at.guard, at.guard_stencils);
+    } else {
+      contact::build(guard_view(), where(at.frozen.y), room_, map, at.guard, at.guard_stencils);
+    }
   }
   void follow(Moving wanted, MortarLinearisation& at) {
     at.unsymmetric.resize(0, 0);
@@ -201,7 +221,7 @@ class MortarContact final : public Effect {
     if (at.guard.terms.empty()) return;
     Buffer<model::ContactSample> more;
     contact::samples(guard_view(), at.guard, at.y(), more);
-    contact::join(more, at.guard.env_offset, at.contact, at.origin);
+    contact::join(more, at.guard.env_offset, at.guard.sizes, at.contact, at.origin);
   }
   // Those of the field are there where they were asked for, the guard's always.
   void sample_changes(Linearisation& out) override {
@@ -217,17 +237,42 @@ class MortarContact final : public Effect {
 
   void energy(Positions q, const Linearisation& frozen, device::EnvValues per_env) override {
     const MortarLinearisation& at = of_mortar(frozen);
-    model_.points_of(q, y_);
-    mortar::energy(view(at), at.frozen, std::as_const(y_).view(), model_.at_work, per_env);
-    if (guard_ > 0) return contact::energy(guard_view(), where(y_), per_env);
-    contact::forbid(proximity_.locate(q, y_), per_env);
+    const auto y = std::make_shared<Buffer<Vec3>>();
+    model_.points_of(q, *y);
+    mortar::energy(view(at), at.frozen, std::as_const(*y).view(), model_.at_work, per_env);
+    if (guard_ > 0)
+      contact::energy(guard_view(), where(*y), per_env);
+    else
+      proximity_.require(*y, per_env);
+    per_env.fetch.then([y] {});  // until then it stays
   }
 
   void max_step(View<const Vec3> dq, Linearisation& out, device::EnvValues alpha) override {
     MortarLinearisation& at = of_mortar(out);
     const auto dy = proximity_.limit(at.frozen.y, dq, guard_view(), alpha);
     mortar::limit(view(at), at.frozen, dy->view(), contact::tuning::kKeep, alpha);
-    reach_along(dy->view(), at, alpha);
+    at.farthest.assign(model_.envs, 0.0);
+    const View<const Vec3> way = std::as_const(*dy).view();
+    device::env_max(
+        "mortar_contact.farthest", proximity_.point_env(), [=] MORTISE_HD(Index i) { return way[i].norm(); },
+        device::EnvValues{at.farthest, alpha.fetch});
+    alpha.fetch.then([&at, &value = alpha.value] { at.alpha = value; });
+  }
+
+  // Samples that the step may bring into range join the frozen ones, without any energy yet, so that the line search sees them.
+  void reach(Linearisation& out) override {
+    MortarLinearisation& at = of_mortar(out);
+    bool any = false;
+    std::vector<double> margin = more_reach();
+    for (Index e = 0; e < model_.envs; ++e) {
+      const double way = 2 * std::min(1.0, at.alpha[e]) * at.farthest[e];
+      if (!std::isfinite(way) || way < tuning::kNearest * d_hat_[e]) continue;
+      margin[e] += std::min(way, tuning::kFarthest * d_hat_[e]);
+      any = true;
+    }
+    if (!any) return;
+    search_.work_on(model_.at_work);
+    freeze(view(at), search_, Buffer<double>(margin), rooms_on_ways_, nullptr, false, at.frozen);
   }
 
   // A contact that grows stiffer under load is energy from nowhere, so all of an environment grow by no more than its budget pays for, the guard
@@ -288,25 +333,6 @@ class MortarContact final : public Effect {
     support_.upload(support);
     stiffness_changed();
     started_ = true;
-  }
-
-  // Samples that the step may bring into range join the frozen ones, without any energy yet, so that the line search sees them.
-  void reach_along(View<const Vec3> dy, MortarLinearisation& at, device::EnvValues alpha) {
-    std::vector<double> farthest(model_.envs, 0.0);
-    device::env_max(
-        "mortar_contact.farthest", proximity_.point_env(), [=] MORTISE_HD(Index i) { return dy[i].norm(); },
-        device::EnvValues{farthest, alpha.fetch});
-    alpha.fetch.now("farthest point");
-    bool any = false;
-    std::vector<double> margin = more_reach();
-    for (Index e = 0; e < model_.envs; ++e) {
-      const double way = 2 * std::min(1.0, alpha.value[e]) * farthest[e];
-      if (!std::isfinite(way) || way < tuning::kNearest * d_hat_[e]) continue;
-      margin[e] += std::min(way, tuning::kFarthest * d_hat_[e]);
-      any = true;
-    }
-    if (!any) return;
-    search_for(at, Buffer<double>(margin));
   }
 
  private:
@@ -421,14 +447,14 @@ class MortarContact final : public Effect {
 
   std::vector<double> cover_of(const MortarLinearisation& at, const std::vector<Vec3>& y, const std::vector<Pair>& pairs, std::vector<double>& share);
 
-  // Samples within range at y.
-  void refreeze(MortarLinearisation& at, Moving moving = false) {
-    measure(model_.surface.view(), model_.faces, at.y(), model_.working(triangle_env_), at.normal, at.area, at.bow);
-    search_for(at, margin_, moving);
+  void measure(MortarLinearisation& at) const {
+    mortar::measure(model_.surface.view(), model_.faces, at.y(), model_.working(triangle_env_), at.normal, at.area, at.bow);
   }
-  void search_for(MortarLinearisation& at, const Buffer<double>& margin, Moving moving = false) {
+  // Samples within range at y.
+  void refreeze(MortarLinearisation& at) {
+    measure(at);
     search_.work_on(model_.at_work);
-    freeze(view(at), search_, margin, offers_, moving, at.frozen);
+    freeze(view(at), search_, margin_, rooms_, nullptr, false, at.frozen);
   }
 
   // From the state at the start.
@@ -506,12 +532,11 @@ class MortarContact final : public Effect {
   contact::Proximity proximity_;
   contact::TermRoom room_;  // of the guard
   Search search_;
-  device::Room offers_;  // of freezing, among candidates
+  FreezeRoom rooms_, rooms_on_ways_;  // of freezing at iterates, and for what steps may bring into range
   Buffer<Index> interface_at_, slaves_;
   std::vector<Index> slave_env_, triangle_env_;  // first slave, and first triangle, of every environment
   Buffer<double> kappa_view_, d_hat_view_, support_, margin_;
   Buffer<std::uint8_t> directed_;
-  Buffer<Vec3> y_;  // work space
 };
 
 // Areas of points that lie over or under the other surface: of a point of slaves and masters the larger [m^2]. What is farther than the longest edge

@@ -268,20 +268,33 @@ void slide(const MortarView& view, View<const Vec3> y, FrozenSamples& out) {
 }
 
 // Which nodes every sample hangs on.
-void find_nodes(const MortarView& view, FrozenSamples& out) {
+void find_nodes(const MortarView& view, const model::PointMapView& point_map, FrozenSamples& out) {
   const MortarView s = view;
   const View<const Pair> pairs = std::as_const(out.pairs).view();
   const View<const Sample> samples = std::as_const(out.samples).view();
   Motion& moving = out.moving;
   const Moving wanted = moving.wanted;
   moving.start.resize(samples.n + 1), moving.partly.resize(samples.n);
-  const View<Index> count = moving.start.view();
+  Buffer<Index> of_nodes(2 * samples.n + 1);  // blocks of all, then pairs of all
+  const View<Index> count = moving.start.view(), blocks = of_nodes.view();
   const View<std::uint8_t> partly = moving.partly.view();
+  const model::PointMapView map = point_map;
   device::parallel_for("mortar_contact.count_nodes", samples.n, [=] MORTISE_HD(Index i) {
     const NodeList list = nodes_of(s, pairs[samples[i].pair], samples[i], wanted.in(pairs[samples[i].pair].env));
     count[i] = list.n, partly[i] = list.all ? 0 : 1;
+    blocks[i] = model::expand<model::kChangePoints>(map, list.id, list.n).blocks;
+    blocks[samples.n + i] = linalg::pair_count(blocks[i]);
   });
-  moving.node.resize(device::exclusive_scan(moving.start));
+  device::scan(moving.start);
+  device::scan(of_nodes);
+  Index nodes = 0, all = 0;
+  device::Fetch fetch;
+  fetch.add_total(moving.start, nodes);
+  fetch.add(View<const Index>{blocks.p + samples.n, 1}, [&](const std::vector<Index>& sum) { moving.sizes.blocks = sum[0]; });
+  fetch.add_total(of_nodes, all);
+  fetch.now("nodes of samples");
+  moving.sizes.pairs = all - moving.sizes.blocks;
+  moving.node.resize(nodes);
   moving.by.resize(kMoved * moving.node.size());
   moving.by.zero();
   const View<const Index> start = std::as_const(moving.start).view();
@@ -297,15 +310,16 @@ void find_nodes(const MortarView& view, FrozenSamples& out) {
 MovingView view_of(Motion& moving) { return {std::as_const(moving.start).view(), std::as_const(moving.node).view(), moving.by.view()}; }
 
 template <class Weights>
-void find_moving(const Stage& stage, Moving wanted, const Weights& weights, const Places& places, FrozenSamples& out) {
+void find_moving(const Stage& stage, Moving wanted, const model::PointMapView& map, const Weights& weights, const Places& places,
+                 FrozenSamples& out) {
   out.moving.wanted = wanted;
-  find_nodes(stage.s, out);
+  find_nodes(stage.s, map, out);
   each_part<Weights>(stage.s.set, [&](auto part) { follow_part<decltype(part)>(stage, weights, places, out); });
   follow_planes(stage, places, out);
   follow_features(stage, weights, out);
   slide(stage.s, stage.y, out);
 }
-template void find_moving(const Stage&, Moving, const Consistent&, const Places&, FrozenSamples&);
-template void find_moving(const Stage&, Moving, const Tapered&, const Places&, FrozenSamples&);
+template void find_moving(const Stage&, Moving, const model::PointMapView&, const Consistent&, const Places&, FrozenSamples&);
+template void find_moving(const Stage&, Moving, const model::PointMapView&, const Tapered&, const Places&, FrozenSamples&);
 
 }  // namespace mortise::effects::mortar

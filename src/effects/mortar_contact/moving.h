@@ -19,9 +19,9 @@ namespace mortise::effects::mortar {
 
 MovingView view_of(Motion& moving);
 
-// Of the samples of the environments that want it.
+// Of the samples of the environments that want it. The host waits for how many nodes they hang on.
 template <class Weights>
-void find_moving(const Stage& stage, Moving wanted, const Weights& weights, const Places& places, FrozenSamples& out);
+void find_moving(const Stage& stage, Moving wanted, const model::PointMapView& map, const Weights& weights, const Places& places, FrozenSamples& out);
 
 // How what is published of every sample changes: in environments that do not want its motion with its frozen gap alone.
 void sample_changes(const MortarView& s, FrozenSamples& f, model::SampleChanges& out);

@@ -42,7 +42,7 @@ Search::Search(std::vector<Index> slave_env, const std::vector<Index>& masters, 
   corners_.upload(corners);
 }
 
-void Search::update(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin) {
+void Search::count(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin) {
   const View<const Index> masters = std::as_const(masters_).view();
   const View<const Triangle> corners = std::as_const(corners_).view();
   const View<const double> bow = s.bow;
@@ -62,15 +62,53 @@ void Search::update(const MortarView& s, View<const Vec3> y, const Buffer<double
     const Index env = view.surface.env[view.surface.triangles[view.slaves[i]].v[0]];
     count[i] = masters_near(view, tree, masters, y, view.slaves[i], view.support[i] + extra[env] + view.bow_of(view.slaves[i]), nullptr);
   });
-  const Index n = device::exclusive_scan(offset_);
-  slave_.resize(n), master_.resize(n);
+  device::scan(offset_);
+}
+
+// The first `room` of them. Slaves that do not find room for all of theirs have none.
+void Search::list(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin, Index room) {
+  const View<const Index> masters = std::as_const(masters_).view(), first = std::as_const(offset_).view();
+  const View<const double> extra = margin.view();
+  const geometry::BvhView tree = tree_.view();
+  const MortarView view = s;
+  slave_.resize(room), master_.resize(room);
   const View<Index> slave = slave_.view(), master = master_.view();
-  device::parallel_for("mortar_contact.find_masters", s.slaves.n, [=] MORTISE_HD(Index i) {
-    if (count[i + 1] == count[i]) return;
+  device::parallel_for("mortar_contact.find_masters", s.slaves.n + room, [=] MORTISE_HD(Index i) {
+    const Index slaves = view.slaves.n;
+    if (i >= slaves) {
+      const Index c = i - slaves;
+      if (c >= first[slaves]) slave[c] = 0, master[c] = kNobody;
+      return;
+    }
+    if (first[i + 1] == first[i]) return;
+    if (first[i + 1] > room) {
+      for (Index c = first[i]; c < room; ++c) slave[c] = i, master[c] = kNobody;
+      return;
+    }
+    for (Index c = first[i]; c < first[i + 1]; ++c) slave[c] = i;
     const Index env = view.surface.env[view.surface.triangles[view.slaves[i]].v[0]];
-    masters_near(view, tree, masters, y, view.slaves[i], view.support[i] + extra[env] + view.bow_of(view.slaves[i]), master.p + count[i]);
-    for (Index k = count[i]; k < count[i + 1]; ++k) slave[k] = i;
+    masters_near(view, tree, masters, y, view.slaves[i], view.support[i] + extra[env] + view.bow_of(view.slaves[i]), master.p + first[i]);
   });
+}
+
+void Search::begin(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin, Index room, device::Fetch& fetch) {
+  count(s, y, margin);
+  fetch.add_total(offset_, found_);
+  list(s, y, margin, room);
+}
+
+bool Search::end() {
+  if (found_ > master_.size()) return false;
+  slave_.resize(found_), master_.resize(found_);
+  return true;
+}
+
+void Search::update(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin) {
+  count(s, y, margin);
+  device::Fetch fetch;
+  fetch.add_total(offset_, found_);
+  fetch.now("masters");
+  list(s, y, margin, found_);
 }
 
 }  // namespace mortise::effects::mortar

@@ -18,6 +18,7 @@ struct Stage {
 
   MORTISE_HD Index place(Index c) const { return c - offset[slave[c]]; }  // among the slave's masters
   MORTISE_HD Index env(const Patch& p) const { return s.surface.env[s.surface.triangles[p.slave].v[0]]; }
+  MORTISE_HD bool plane(Index c) const { return master[c] < 0 && master[c] != Search::kNobody; }
   MORTISE_HD const Patch& patch(Index c) const { return patches[slave[c]]; }
 };
 
