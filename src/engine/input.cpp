@@ -19,7 +19,7 @@ constexpr Index kStiffCells = 4;
 struct Wanted {
   const Params& body;
   Index single;
-  Wanted(const Params& scene, const std::string& name, const Params& body) : body(body), single(kStiffCells) {
+  Wanted(const Params& scene, const std::string& name, const Params& body) : body(body), single(body.text("type") == "stiff" ? kStiffCells : 1) {
     for (const Params* p : effects::of_body(scene.at("effects"), effects::Role::support, name))
       if (!p->has("release")) single = 1;
   }
@@ -49,6 +49,11 @@ template <class Mesh, class Make>
 Mesh mesh_of(const std::map<std::string, Mesh>& there, const Wanted& wanted, const Make& make) {
   const auto it = there.empty() ? there.end() : there.find(key_of(wanted));
   return it != there.end() ? it->second : make(wanted);
+}
+
+template <class Mesh, class Make>
+void keep(std::map<std::string, Mesh>& there, const Wanted& wanted, const Make& make) {
+  if (std::string key = key_of(wanted); !there.count(key)) there.emplace(std::move(key), make(wanted));
 }
 
 geometry::TetMesh soft_mesh(const Wanted& wanted) {
@@ -86,8 +91,8 @@ model::BodyInput make_body(const Params& scene, const std::string& name, const P
 void keep_meshes(const Params& scene) {
   for (const auto& [name, body] : scene.at("bodies").entries()) {
     const Wanted wanted(scene, name, body);
-    if (body.text("type") == "soft") kept().soft.try_emplace(key_of(wanted), soft_mesh(wanted));
-    if (body.text("type") == "stiff") kept().stiff.try_emplace(key_of(wanted), stiff_mesh(wanted));
+    if (body.text("type") == "soft") keep(kept().soft, wanted, soft_mesh);
+    if (body.text("type") == "stiff") keep(kept().stiff, wanted, stiff_mesh);
   }
 }
 
