@@ -69,7 +69,8 @@ std::string json_line(const Row& r) {
     j["pass"] = r.pass();
   else
     j["pass"] = nullptr;
-  if (!r.as.letter.empty()) j["grade"] = r.as.letter, j["grade_reason"] = r.as.reason, j["graded"] = r.as.graded;
+  if (const run::Grade& as = r.as; !as.all.letter.empty())
+    j["grade"] = as.all.letter, j["grade_reason"] = as.all.reason, j["grade_forces"] = as.forces.letter, j["graded"] = as.graded;
   j["seconds"] = number_or_null(r.seconds), j["cpu_seconds"] = number_or_null(r.cpu_seconds), j["newton_iterations"] = r.newton_iterations;
   j["dofs"] = r.dofs;
   return j.dump();

@@ -39,7 +39,7 @@ std::size_t memory_needed(const model::ModelInput& input) {
   double bytes = 0;
   for (const model::BodyInput& b : input.bodies) {
     if (beside) bytes += (b.midsides.empty() ? kBesidePerTet : kBesidePerQuadraticTet) * static_cast<double>(b.tets.size());
-    if (!b.tets.empty() && b.midsides.empty() && model::averages_volume(b.material)) bytes += kPerAveragedTet * static_cast<double>(b.tets.size());
+    if (!b.tets.empty() && b.midsides.empty() && model::averages_volume(b)) bytes += kPerAveragedTet * static_cast<double>(b.tets.size());
     if (moves && b.midsides.empty() && !stays(wanted, b.name)) bytes += kPerMovingTet * static_cast<double>(b.tets.size());
     bytes += (b.midsides.empty() ? kPerTet : kPerQuadraticTet) * static_cast<double>(b.tets.size());
     if (contact) bytes += kPerContactTriangle * static_cast<double>(b.triangles.size());

@@ -108,7 +108,7 @@ void add_quadratic(Layout& l, const BodyInput& in, Body& body, std::size_t t, Ve
 void add_soft(Layout& l, const BodyInput& in, Body& body) {
   const Index first = body.block_begin;
   const double E = body.youngs_modulus, nu = body.poisson_ratio;
-  const bool quadratic = !in.midsides.empty(), averaged = averages_volume(in.material);
+  const bool quadratic = !in.midsides.empty(), averaged = averages_volume(in);
   const double lambda = E * nu / ((1 + nu) * (1 - 2 * nu));
   std::vector<std::uint8_t> used(in.nodes.size(), 0);
   body.tet_begin = static_cast<Index>(l.tets.size());

@@ -11,13 +11,14 @@
 #include "run/bearing_creep.h"
 #include "run/crept.h"
 #include "run/field_errors.h"
+#include "run/grade.h"
 #include "run/state_audit.h"
 #include "solver/report.h"
 
 namespace mortise::run {
 
 // How far a run can be trusted: what must hold of every state, how well each step was solved, what the contact model left between the
-// surfaces, how large the errors of its meshes are, and a grade with its first reason. Gathered from what effects report at every step, so
+// surfaces, how large the errors of its meshes are, and grades with their first reasons. Gathered from what effects report at every step, so
 // that it costs nothing; written as certificate.json (schemas/certificate.schema.json), also for a run that failed.
 class Certificate {
  public:
@@ -36,10 +37,6 @@ class Certificate {
     EnergyAudit::Result energy{};
     double quantity_error = NAN;  // the largest of what the scene names in `quantities`, a share of it
   };
-  struct Grade {
-    std::string letter, reason;
-    std::map<std::string, double> graded;  // what it rests on
-  };
   Grade grade(const End& end) const;
   std::string json(const End& end) const;
 
@@ -47,12 +44,6 @@ class Certificate {
   struct Range {
     double least = NAN, most = NAN;
     void add(double v);
-  };
-  // One quantity with two bounds: what a run is graded by.
-  struct Check {
-    std::string name;
-    double value, good, usable;
-    const char* earns() const { return value <= good ? "A" : (value <= usable ? "B" : "C"); }
   };
   std::vector<Check> checks(const End& end, const FieldErrors::Result& fields) const;
 

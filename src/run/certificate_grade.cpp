@@ -8,11 +8,21 @@
 
 namespace mortise::run {
 
-std::vector<Certificate::Check> Certificate::checks(const End& end, const FieldErrors::Result& fields) const {
+void Grade::Verdict::lower(const char* to, const std::string& why) {
+  if (letter[0] < to[0]) letter = to, reason = why;
+}
+
+std::string text_of(const Grade& grade) {
+  const auto of = [](const Grade::Verdict& v) { return v.letter == "A" ? v.letter : v.letter + ": " + v.reason; };
+  if (grade.forces.letter == grade.all.letter) return "grade " + of(grade.all);
+  return fmt::format("grade {}; of forces and motions {}", of(grade.all), of(grade.forces));
+}
+
+std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result& fields) const {
   const EnergyAudit::Result& energy = end.energy;
   std::vector<Check> all;
-  const auto add = [&](const char* name, double value, const tuning::Bounds& bounds) {
-    if (std::isfinite(value)) all.push_back({name, value, bounds.good, bounds.usable});
+  const auto add = [&](const char* name, double value, const tuning::Bounds& bounds, Of of = Of::all) {
+    if (std::isfinite(value)) all.push_back({name, value, bounds.good, bounds.usable, of});
   };
   add("residual_share", relative_residual_, tuning::kResidual);
   add("force_balance_defect", balance_relative_, tuning::kBalance);
@@ -29,25 +39,27 @@ std::vector<Certificate::Check> Certificate::checks(const End& end, const FieldE
   add("schedule_missed", schedule_missed_, tuning::kMissed);
   add("motion_lag", energy.motion_lag, tuning::kMotionLag);
   add("given_lag", energy.given_lag, tuning::kGivenLag);
-  add("guard_share", fields.guard, tuning::kGuard);
-  add("stress_error", fields.stress, tuning::kStress);
+  add("guard_share", fields.guard, tuning::kGuard, Of::fields);
+  add("stress_error", fields.stress, tuning::kStress, Of::fields);
+  add("stiffness_error", fields.stiffness, tuning::kStress, Of::forces);
   add("linear_law_turned", fields.turned, tuning::kTurned);
   add("load_turned", fields.load_turned, tuning::kLoadTurned);
   add("shape_defect", shape_defect_ > 0 ? shape_defect_ : NAN, tuning::kShape);
   add("friction_crept", std::fmax(crept_.share(), bearings_.share()), tuning::kCrept);
-  add("pressure_roughness", fields.pressure.roughness, tuning::kRoughness);
-  add("pressure_misfit", fields.pressure.misfit, tuning::kMisfit);
+  add("pressure_roughness", fields.pressure.roughness, tuning::kRoughness, Of::fields);
+  add("pressure_misfit", fields.pressure.misfit, tuning::kMisfit, Of::fields);
   add("layer_over_indentation", fields.layer, tuning::kLayer);
   add("quantity_error", end.quantity_error, tuning::kQuantity);
   return all;
 }
 
 // F: some state is no state of the model. C: incomplete, or the bound of B is exceeded. B: that of A is. A: none.
-Certificate::Grade Certificate::grade(const End& end) const {
-  Grade out{"A", "every bound is met", {}};
-  const auto lower = [&](const char* to, const std::string& why) {
-    if (out.letter[0] >= to[0]) return;
-    out.letter = to, out.reason = why;
+Grade Certificate::grade(const End& end) const {
+  const Grade::Verdict best{"A", "every bound is met"};
+  Grade out{best, best, {}};
+  const auto lower = [&](const char* to, const std::string& why, Of of = Of::all) {
+    out.all.lower(to, why);
+    if (of != Of::fields) out.forces.lower(to, why);
   };
   if (end.status == Exit::stopped)
     lower("C", "the run was stopped");
@@ -58,8 +70,9 @@ Certificate::Grade Certificate::grade(const End& end) const {
   for (const Check& k : checks(end, field_errors_.result())) {
     out.graded[k.name] = k.value;
     const char* earns = k.earns();
-    if (earns[0] > 'A') lower(earns, fmt::format("{} is {:.3g}, more than {:.3g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable));
+    if (earns[0] > 'A') lower(earns, fmt::format("{} is {:.3g}, more than {:.3g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable), k.of);
   }
+  if (!locking_risks_.empty()) lower("B", locking_risks_.front());
   if (steps_ == 0) lower("F", "no step was finished");
   if (det_F_.least <= 0) lower("F", "an element is inverted (det F <= 0)");
   if (distance_.least <= 0) lower("F", "surfaces touch or intersect");

@@ -10,14 +10,21 @@ namespace {
 using Json = nlohmann::ordered_json;
 using output::number_or_null;
 
+const char* name_of(Of of) { return of == Of::all ? "all" : of == Of::forces ? "forces" : "fields"; }
+
 }  // namespace
 
 std::string Certificate::json(const End& end) const {
-  const Grade all = grade(end);
+  const Grade grades = grade(end);
   const FieldErrors::Result fields = field_errors_.result();
   Json graded = Json::array();
   for (const Check& k : checks(end, fields))
-    graded.push_back({{"name", k.name}, {"value", number_or_null(k.value)}, {"bound_A", k.good}, {"bound_B", k.usable}, {"grade", k.earns()}});
+    graded.push_back({{"name", k.name},
+                      {"of", name_of(k.of)},
+                      {"value", number_or_null(k.value)},
+                      {"bound_A", k.good},
+                      {"bound_B", k.usable},
+                      {"grade", k.earns()}});
 
   Json j;
   j["filetype"] = "mortise certificate";
@@ -28,8 +35,10 @@ std::string Certificate::json(const End& end) const {
   j["device"] = end.device;
   j["exit_code"] = static_cast<int>(end.status);
   j["message"] = end.message;
-  j["grade"] = all.letter;
-  j["reason"] = all.reason;
+  j["grade"] = grades.all.letter;
+  j["reason"] = grades.all.reason;
+  j["grade_forces"] = grades.forces.letter;
+  j["reason_forces"] = grades.forces.reason;
   j["checks"] = graded;
   Json drift = Json::array();
   for (int a = 0; a < 3; ++a) drift.push_back(number_or_null(last_momentum_[a] - first_momentum_[a]));

@@ -29,6 +29,7 @@ std::string cell(const std::string& text) {
   return "\"" + out + "\"";
 }
 
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
 std::string name_of(long environment) { return std::filesystem::path(environment_folder("", environment)).filename().string(); }
@@ -44,8 +45,9 @@ void read_run(const std::string& folder, EnvironmentEnd& end) {
     if (const auto it = steps.find("newton_iterations"); it != steps.end() && it->is_object())
       end.newton += static_cast<long>(it->value("total", 0.0));
   }
-  const std::string grade = certificate.is_object() ? certificate.value("grade", "") : "";
-  if (grade > end.grade) end.grade = grade, end.reason = certificate.value("reason", "");
+  const auto said = [&](const char* key) { return certificate.is_object() ? certificate.value(key, "") : std::string(); };
+  if (const std::string grade = said("grade"); grade > end.grade) end.grade = grade, end.reason = said("reason");
+  end.grade_forces = std::max(end.grade_forces, said("grade_forces"));
   end.runs.push_back(folder);
 }
 
@@ -59,14 +61,15 @@ void read_end(const std::string& folder, EnvironmentEnd& end) {
 }
 
 std::string environments_csv(const std::vector<EnvironmentEnd>& all) {
-  std::string out = "environment,status,exit_code,grade,reason,message,episodes,steps,newton_iterations,cpu_seconds,wall_seconds";
+  std::string out = "environment,status,exit_code,grade,grade_forces,reason,message,episodes,steps,newton_iterations,cpu_seconds,wall_seconds";
   if (!all.empty())
     for (const scene::Drawn& d : all.front().drawn) out += "," + cell(d.path);
   out += "\n";
   for (std::size_t e = 0; e < all.size(); ++e) {
     const EnvironmentEnd& end = all[e];
-    out += fmt::format("{},{},{},{},{},{},{},{},{},{:.3f},{:.3f}", e, end.status(), end.code < 0 ? "" : std::to_string(end.code), cell(end.grade),
-                       cell(end.reason), cell(first_line(end.message)), end.runs.size(), end.steps, end.newton, end.cpu, end.wall);
+    out += fmt::format("{},{},{},{},{},{},{},{},{},{},{:.3f},{:.3f}", e, end.status(), end.code < 0 ? "" : std::to_string(end.code), cell(end.grade),
+                       cell(end.grade_forces), cell(end.reason), cell(first_line(end.message)), end.runs.size(), end.steps, end.newton, end.cpu,
+                       end.wall);
     for (const scene::Drawn& d : end.drawn) out += "," + scene::format_number(d.value);
     out += "\n";
   }
@@ -92,6 +95,7 @@ std::string environments_json(const std::vector<EnvironmentEnd>& all, const Batc
   j["waiting"] = count([](const EnvironmentEnd& e) { return e.code < 0; });
   // The worst certificate speaks for all.
   const EnvironmentEnd* worst = nullptr;
+  std::string forces;
   std::map<std::string, long> grades;
   double cpu = 0;
   for (const EnvironmentEnd& e : all) {
@@ -99,8 +103,10 @@ std::string environments_json(const std::vector<EnvironmentEnd>& all, const Batc
     if (e.grade.empty()) continue;
     ++grades[e.grade];
     if (!worst || e.grade > worst->grade) worst = &e;
+    forces = std::max(forces, e.grade_forces);
   }
   j["grade"] = worst ? Json(worst->grade) : Json(nullptr);
+  j["grade_forces"] = text_or_null(forces);
   j["reason"] = worst ? fmt::format("environment {}: {}", worst - all.data(), worst->reason) : "";
   j["grades"] = grades;
   j["wall_seconds"] = end.wall;
@@ -115,7 +121,8 @@ std::string environments_json(const std::vector<EnvironmentEnd>& all, const Batc
                                  {"status", one.status()},
                                  {"exit_code", one.code < 0 ? Json(nullptr) : Json(one.code)},
                                  {"message", one.message},
-                                 {"grade", one.grade.empty() ? Json(nullptr) : Json(one.grade)},
+                                 {"grade", text_or_null(one.grade)},
+                                 {"grade_forces", text_or_null(one.grade_forces)},
                                  {"reason", one.reason},
                                  {"episodes", one.runs.size()},
                                  {"steps", one.steps},

@@ -15,6 +15,7 @@ struct EnvironmentEnd {
   long long memory = 0;                    // most resident memory of its process [B]
   long steps = 0, frames = 0, newton = 0;  // that its files hold; Newton iterations
   std::string grade, reason;               // of its certificate, of the worst episode's
+  std::string grade_forces;                // of forces and motions alone
   std::vector<std::string> runs;           // folders of its runs: its own, or those of its episodes
 
   bool done() const { return code == static_cast<int>(Exit::done) || code == static_cast<int>(Exit::checks); }

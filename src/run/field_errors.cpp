@@ -19,7 +19,13 @@ std::span<const double> of_points(const Snapshot& said, const char* name, int co
 }  // namespace
 
 FieldErrors::FieldErrors(const model::ModelInput& input)
-    : stress_(input), pressure_(input), layer_(input), linear_law_(input), load_turned_(input), phases_(phases(input.scene.at("effects"))) {
+    : stress_(input),
+      stiffness_(input),
+      pressure_(input),
+      layer_(input),
+      linear_law_(input),
+      load_turned_(input),
+      phases_(phases(input.scene.at("effects"))) {
   const Holds holds(input.scene.at("effects"));
   std::map<std::string, std::size_t> number;
   for (const model::BodyInput& body : input.bodies) {
@@ -89,9 +95,30 @@ void FieldErrors::judge(const Snapshot& said, Judged what, Result& r) const {
   if (what.layer) judge_layer(said, samples, r);
 }
 
+LayerError::Fields FieldErrors::fields_of(const Snapshot& said) {
+  return {of_points(said, "displacement", 3), of_points(said, "support_force", 3), of_points(said, "tie_force", 3),
+          of_points(said, "contact_force", 3), of_points(said, "contact_pressure", 1)};
+}
+
+FieldErrors::OfStress FieldErrors::of_stress(const StressError::Stresses& stresses, std::span<const double> displacement, const Snapshot& said,
+                                             const AllSamples& samples) const {
+  const std::vector<std::size_t> group = groups(samples);
+  const StressError::Estimate estimate = stress_.of(stresses, group);
+  std::vector<LayerError::Travel> travels;
+  for (const auto& [effect, of] : samples)
+    if (!of.pressed.gap.empty())
+      for (LayerError::Travel& t : layer_.travels(of.pressed, fields_of(said), said.number)) travels.push_back(std::move(t));
+  LayerError::Fields fields = fields_of(said);
+  fields.displacement = displacement;
+  StiffnessError::Bases bases;
+  for (std::size_t b = 0; b < passes_on_.size(); ++b) bases.push_back(layer_.motion_of_supports(b, fields));
+  return {estimate.energy, estimate.error(), stiffness_.of(estimate.errors, group, travels, bases, displacement)};
+}
+
 void FieldErrors::judge_stress(const Snapshot& said, const AllSamples& samples, Result& r) const {
   const std::span<const double> displacement = of_points(said, "displacement", 3);
-  r.stress = stress_.of(stress_.stresses(said.cell.at("cauchy_stress"), displacement), groups(samples)).error;
+  const OfStress of = of_stress(stress_.stresses(said.cell.at("cauchy_stress"), displacement), displacement, said, samples);
+  r.stress = of.stress, r.stiffness = of.stiffness;
   r.turned = linear_law_.of(displacement), r.load_turned = load_turned_.of(displacement);
 }
 
@@ -118,8 +145,7 @@ void FieldErrors::judge_pressure(const Snapshot& said, const AllSamples& samples
 }
 
 void FieldErrors::judge_layer(const Snapshot& said, const AllSamples& samples, Result& r) const {
-  const LayerError::Fields fields{of_points(said, "displacement", 3), of_points(said, "support_force", 3), of_points(said, "tie_force", 3),
-                                  of_points(said, "contact_force", 3), of_points(said, "contact_pressure", 1)};
+  const LayerError::Fields fields = fields_of(said);
   r.layer = NAN;
   for (const auto& [effect, of] : samples)
     if (!of.pressed.gap.empty()) r.layer = std::fmax(r.layer, layer_.of(of.pressed, fields, said.number));
@@ -137,17 +163,22 @@ void FieldErrors::phase(const Snapshot& said, double time) {
   if (stress == said.cell.end()) return;
   const std::span<const double> displacement = of_points(said, "displacement", 3);
   StressError::Stresses change = stress_.stresses(stress->second, displacement);
-  if (!stress_then_.empty()) change = StressError::change(std::move(change), stress_.stresses(stress_then_, displacement_then_));
-  const StressError::Estimate estimate = stress_.of(change, groups(samples_of(said)));
-  if (moves) changed_.push_back(estimate.energy), changed_badly_.push_back(estimate.error);  // what is held only settles
+  std::vector<double> moved(displacement.begin(), displacement.end());
+  if (!stress_then_.empty()) {
+    change = StressError::change(std::move(change), stress_.stresses(stress_then_, displacement_then_));
+    for (std::size_t i = 0; i < std::min(moved.size(), displacement_then_.size()); ++i) moved[i] -= displacement_then_[i];
+  }
+  if (moves) {  // what is held only settles
+    const OfStress of = of_stress(change, moved, said, samples_of(said));
+    changed_.push_back(of.energy), changed_badly_.push_back(of.stress), changed_forces_.push_back(of.stiffness);
+  }
   stress_then_ = stress->second, displacement_then_.assign(displacement.begin(), displacement.end());
 }
 
-double FieldErrors::of_phases() const {
+double FieldErrors::of_phases(const std::vector<double>& errors) const {
   double worst = NAN;
   for (std::size_t i = 0; i < changed_.size(); ++i)
-    if (changed_[i] > energy_floor_ && changed_[i] >= tuning::kNoticed * tuning::kNoticed * most_elastic_)
-      worst = std::fmax(worst, changed_badly_[i]);
+    if (changed_[i] > energy_floor_ && changed_[i] >= tuning::kNoticed * tuning::kNoticed * most_elastic_) worst = std::fmax(worst, errors[i]);
   return worst;
 }
 
@@ -157,36 +188,47 @@ void FieldErrors::state(const Snapshot& said, double time) {
   const Judged what{elastic > std::max(most_elastic_, energy_floor_), pressed > most_pressed_,
                     // Of states with as much the latest: a motor that reaches its limit gives the same force from then on, and no travel.
                     pressed > 0 && pressed >= (1 - tuning::kAsMuch) * std::max(most_pressed_, pressed)};
-  if (what.stress) most_elastic_ = elastic;
-  if (what.pressure) most_pressed_ = pressed;
-  judge(said, what, at_most_);
+  last_ = std::make_shared<Snapshot>(said), resumed_ = false;
+  if (what.stress) most_elastic_ = elastic, stressed_ = last_;
+  if (what.pressure) most_pressed_ = pressed, pressed_ = last_;
+  if (what.layer) layered_ = last_;
   if (!said.cell.count("cauchy_stress"))  // no elastic energy tells when stiff bodies are loaded most
     at_most_.load_turned = std::fmax(at_most_.load_turned, load_turned_.of(of_points(said, "displacement", 3)));
-  last_ = said, resumed_ = false;
+}
+
+FieldErrors::Result FieldErrors::at_most() const {
+  Result out = at_most_;
+  if (stressed_) judge(*stressed_, {.stress = true}, out);
+  if (pressed_) judge(*pressed_, {.pressure = true}, out);
+  if (layered_) judge(*layered_, {.layer = true}, out);
+  return out;
 }
 
 FieldErrors::Result FieldErrors::at_last() const {
   if (resumed_) return resumed_last_;
   Result out;
-  const double elastic = elastic_of(last_), pressed = pressed_of(last_);
+  if (!last_) return out;
+  const double elastic = elastic_of(*last_), pressed = pressed_of(*last_);
   const bool loaded = pressed > 0 && pressed >= tuning::kStillLoaded * most_pressed_;
-  judge(last_, {elastic > energy_floor_ && elastic >= tuning::kStillLoaded * tuning::kStillLoaded * most_elastic_, loaded, loaded}, out);
+  judge(*last_, {elastic > energy_floor_ && elastic >= tuning::kStillLoaded * tuning::kStillLoaded * most_elastic_, loaded, loaded}, out);
   return out;
 }
 
 FieldErrors::Result FieldErrors::result() const {
-  Result out = at_most_;
+  Result out = at_most();
   const Result last = at_last();
-  for (double Result::*of : {&Result::stress, &Result::turned, &Result::load_turned, &Result::guard, &Result::layer})
+  for (double Result::*of : {&Result::stress, &Result::stiffness, &Result::turned, &Result::load_turned, &Result::guard, &Result::layer})
     out.*of = std::fmax(out.*of, last.*of);
   for (double PressureError::Result::*of : {&PressureError::Result::roughness, &PressureError::Result::misfit})
     out.pressure.*of = std::fmax(out.pressure.*of, last.pressure.*of);
-  out.stress = std::fmax(out.stress, of_phases());
+  out.stress = std::fmax(out.stress, of_phases(changed_badly_));
+  out.stiffness = std::fmax(out.stiffness, of_phases(changed_forces_));
   return out;
 }
 
 void FieldErrors::io(Archive& archive, const std::string& prefix, Result& r) {
   for (auto [name, value] : {std::pair{"stress", &r.stress},
+                             {"stiffness", &r.stiffness},
                              {"turned", &r.turned},
                              {"load_turned", &r.load_turned},
                              {"guard", &r.guard},
@@ -203,9 +245,11 @@ void FieldErrors::checkpoint(Archive& archive) {
   for (auto [name, values] : {std::pair{"stress_then", &stress_then_},
                               {"displacement_then", &displacement_then_},
                               {"changed", &changed_},
-                              {"changed_badly", &changed_badly_}})
+                              {"changed_badly", &changed_badly_},
+                              {"changed_forces", &changed_forces_}})
     archive.io(name, *values);
   archive.io("phase", phase_);
+  if (!archive.loading()) at_most_ = at_most();
   io(archive, "at_most_", at_most_);
   resumed_last_ = archive.loading() ? Result{} : at_last();
   io(archive, "at_last_", resumed_last_);

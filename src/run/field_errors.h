@@ -4,6 +4,7 @@
 // Stresses besides by what each phase of the scene changed (asked.h): a pad that is squeezed hides how badly its mesh bends, and so does what comes
 // later.
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "run/linear_law.h"
 #include "run/load_turned.h"
 #include "run/pressure_error.h"
+#include "run/stiffness_error.h"
 #include "run/stress_error.h"
 
 namespace mortise::run {
@@ -26,8 +28,9 @@ class FieldErrors {
   struct Result {
     double stress = NAN, turned = NAN, load_turned = NAN;  // stress_error.h, linear_law.h, load_turned.h
     PressureError::Result pressure;
-    double guard = NAN;  // share of the force between two bodies that the guard bears
-    double layer = NAN;  // layer_error.h
+    double stiffness = NAN;  // what is left of `stress` in forces and motions (stiffness_error.h)
+    double guard = NAN;      // share of the force between two bodies that the guard bears
+    double layer = NAN;      // layer_error.h
   };
   Result result() const;
   void checkpoint(Archive& archive);
@@ -43,19 +46,28 @@ class FieldErrors {
   static double elastic_of(const Snapshot& said);  // [J]
   static double pressed_of(const Snapshot& said);  // sum of nodal pressures [Pa]
   struct Judged {
-    bool stress, pressure, layer;
+    bool stress = false, pressure = false, layer = false;
   };
   void judge(const Snapshot& said, Judged what, Result& r) const;
   void judge_stress(const Snapshot& said, const AllSamples& samples, Result& r) const;
   void judge_pressure(const Snapshot& said, const AllSamples& samples, Result& r) const;
   void judge_layer(const Snapshot& said, const AllSamples& samples, Result& r) const;
+  Result at_most() const;
   Result at_last() const;
   void phase(const Snapshot& said, double time);
-  double of_phases() const;
+  double of_phases(const std::vector<double>& errors) const;
+  // Of stresses, or their change, and the displacements that belong to them.
+  struct OfStress {
+    double energy, stress, stiffness;
+  };
+  OfStress of_stress(const StressError::Stresses& stresses, std::span<const double> displacement, const Snapshot& said,
+                     const AllSamples& samples) const;
+  static LayerError::Fields fields_of(const Snapshot& said);
   static void io(Archive& archive, const std::string& prefix, Result& r);
   std::vector<std::size_t> groups(const AllSamples& samples) const;
 
   StressError stress_;
+  StiffnessError stiffness_;
   PressureError pressure_;
   LayerError layer_;
   LinearLaw linear_law_;
@@ -64,12 +76,15 @@ class FieldErrors {
   std::vector<std::pair<std::size_t, std::size_t>> tied_;  // of those
   double energy_floor_ = 0;                                // of strains that are rounding [J]
   std::vector<Phase> phases_;
-  long phase_ = 0;                                       // under way
-  std::vector<double> stress_then_, displacement_then_;  // when it began; empty: at rest
-  std::vector<double> changed_, changed_badly_;          // by every phase that ended: energy [J], stress_error.h
-  double most_elastic_ = 0, most_pressed_ = 0;           // [J], [Pa]
-  Result at_most_;
-  Snapshot last_;
+  long phase_ = 0;                                                // under way
+  std::vector<double> stress_then_, displacement_then_;           // when it began; empty: at rest
+  std::vector<double> changed_, changed_badly_, changed_forces_;  // by every phase that ended: energy [J], stress_error.h, stiffness_error.h
+  double most_elastic_ = 0, most_pressed_ = 0;                    // [J], [Pa]
+  // Judged when someone asks: the state that was stressed most, that which was pressed most, and the latest that was pressed as much.
+  using State = std::shared_ptr<const Snapshot>;
+  State stressed_, pressed_, layered_;  // null: none since the run was resumed
+  Result at_most_;                      // until then
+  State last_;
   bool resumed_ = false;  // no state has come since: the last one is known by
   Result resumed_last_;
 };

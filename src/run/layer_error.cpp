@@ -27,10 +27,8 @@ geometry::Motion LayerError::motion(const Body& body, const Fields& f) const {
   return shift;
 }
 
-double LayerError::indentation(std::size_t body, const Fields& f) const {
-  const Body& b = bodies_[body];
-  if (!b.soft) return 0;
-  // Where its supports are: its own, or those of the body that it is tied to.
+std::optional<geometry::Motion> LayerError::motion_of_supports(std::size_t body, const Fields& f) const {
+  if (!bodies_[body].soft) return {};
   std::size_t base = body;
   for (std::size_t turns = 0; turns < bodies_.size(); ++turns) {
     const std::string* next = holds_.tied_to(bodies_[base].name);
@@ -38,30 +36,38 @@ double LayerError::indentation(std::size_t body, const Fields& f) const {
     base = number_.at(*next);
   }
   const std::span<const double> bears = holds_.pinned(bodies_[base].name) && !f.support.empty() ? f.support : f.tie;
-  if (bears.empty()) return -1;
+  if (bears.size() != 3 * rest_.size() || f.displacement.size() != bears.size()) return {};
   std::vector<Vec3> from, to;
   for (std::size_t i = bodies_[base].first; i < bodies_[base].first + bodies_[base].count; ++i)
     if (!at(bears, i).isZero(0)) from.push_back(rest_[i]), to.push_back(rest_[i] + at(f.displacement, i));
-  if (from.empty()) return -1;
+  if (from.empty()) return {};
   geometry::Motion motion;
   if (geometry::fixes_a_frame(from)) {
     motion = geometry::nearest_motion(from, to);
   } else {
     for (std::size_t i = 0; i < from.size(); ++i) motion.t += (to[i] - from[i]) / static_cast<double>(from.size());
   }
+  return motion;
+}
+
+double LayerError::indentation(std::size_t body, const Fields& f) const {
+  const Body& b = bodies_[body];
+  if (!b.soft) return 0;
+  const std::optional<geometry::Motion> base = motion_of_supports(body, f);
+  if (!base) return -1;
   double farthest = 0;
   for (std::size_t i = b.first; i < b.first + b.count; ++i)
-    if (f.pressure[i] > 0) farthest = std::max(farthest, (rest_[i] + at(f.displacement, i) - motion.R * rest_[i] - motion.t).norm());
+    if (f.pressure[i] > 0) farthest = std::max(farthest, (rest_[i] + at(f.displacement, i) - base->R * rest_[i] - base->t).norm());
   return farthest;
 }
 
-double LayerError::way(std::size_t body, std::pair<std::size_t, std::size_t> pair, const Pair& of, const Fields& f,
-                       const std::map<std::string, double>& number) const {
-  if (body >= bodies_.size()) return 0;  // a half-space
+LayerError::Way LayerError::way(std::size_t body, std::pair<std::size_t, std::size_t> pair, const Pair& of, const Fields& f,
+                                const std::map<std::string, double>& number) const {
+  if (body >= bodies_.size()) return {};  // a half-space
   const Body& b = bodies_[body];
-  if (!holds_.held(b.name)) return -1;
+  if (!holds_.held(b.name)) return {.imposed = false};
   const double pressed = indentation(body, f);
-  if (pressed < 0) return -1;
+  if (pressed < 0) return {.imposed = false};
   Holds::Load load;
   load.gap = of.gap();
   if (of.known) {
@@ -79,7 +85,7 @@ double LayerError::way(std::size_t body, std::pair<std::size_t, std::size_t> pai
     return (middle - place).norm();
   };
   const double give = holds_.give(b.name, load, {number, motion_of, distance});
-  return std::isfinite(give) ? pressed + give : -1;
+  return {pressed, give, std::isfinite(give)};
 }
 
 double LayerError::borne(std::size_t body, const Fields& f) const {
@@ -111,7 +117,8 @@ double LayerError::deformation_work(const Body& b, const Fields& f) const {
   return work;
 }
 
-double LayerError::squeezed(const Pairs& pairs, const std::vector<bool>& free, const Fields& f, const std::map<std::string, double>& number) const {
+void LayerError::squeezed(const Pairs& pairs, const std::vector<bool>& free, const Fields& f, const std::map<std::string, double>& number,
+                          std::vector<Travel>& out) const {
   // Free bodies that touch or hang together.
   DisjointSets sets(bodies_.size());
   const auto is_free = [&](std::size_t i) { return i < bodies_.size() && free[i]; };
@@ -120,7 +127,8 @@ double LayerError::squeezed(const Pairs& pairs, const std::vector<bool>& free, c
   for (const auto& [one, other] : holds_.together())
     if (number_.count(one) && number_.count(other) && free[number_.at(one)] && free[number_.at(other)]) sets.join(number_.at(one), number_.at(other));
   struct Group {
-    double gaps = 0, work = 0, forces = 0;
+    std::vector<std::size_t> bodies;
+    double gaps = 0, deformed = 0, give = 0, forces = 0;
     Vec3 load = Vec3::Zero();
     bool given = false;  // something that presses gives a force, and no travel
   };
@@ -129,28 +137,29 @@ double LayerError::squeezed(const Pairs& pairs, const std::vector<bool>& free, c
     const bool first = is_free(bodies.first), second = is_free(bodies.second);
     if (!(first || second) || bodies.first == bodies.second || !(pair.force > 0)) continue;
     Group& g = groups[sets.of(first ? bodies.first : bodies.second)];
-    g.gaps += pair.work;
+    g.gaps += pair.work, g.bodies.insert(g.bodies.end(), {bodies.first, bodies.second});
     if (first && second) continue;
-    const double way = this->way(first ? bodies.second : bodies.first, bodies, pair, f, number);
-    g.given = g.given || way < 0 || !pair.known;
-    g.work += pair.force * way, g.forces += pair.on_first.norm(), g.load += (first ? 1 : -1) * pair.on_first;
+    const Way way = this->way(first ? bodies.second : bodies.first, bodies, pair, f, number);
+    g.given = g.given || !way.imposed || !pair.known;
+    g.deformed += pair.force * way.pressed, g.give += pair.force * way.give, g.forces += pair.on_first.norm(),
+        g.load += (first ? 1 : -1) * pair.on_first;
   }
   for (std::size_t i = 0; i < bodies_.size(); ++i)
-    if (const auto g = groups.find(sets.of(i)); free[i] && bodies_[i].soft && g != groups.end()) g->second.work += deformation_work(bodies_[i], f);
-  double worst = NAN;
+    if (const auto g = groups.find(sets.of(i)); free[i] && bodies_[i].soft && g != groups.end())
+      g->second.deformed += deformation_work(bodies_[i], f);
   for (const auto& [name, g] : groups) {
-    if (g.given || !(g.forces > 0 && g.work > 0)) continue;
+    const double work = g.deformed + g.give;
+    if (g.given || !(g.forces > 0 && work > 0)) continue;
     const double resultant = g.load.norm() / g.forces;  // of F + w and F: a load w bears w / (F + w) = 2 resultant / (1 + resultant)
-    worst = std::fmax(worst, std::max(0.0, (1 - 3 * resultant) / (1 + resultant)) * g.gaps / g.work);
+    out.push_back({g.bodies, std::max(0.0, (1 - 3 * resultant) / (1 + resultant)), g.gaps, g.deformed, work});
   }
-  return worst;
 }
 
-double LayerError::of(const Samples& s, const Fields& f, const std::map<std::string, double>& number) const {
+std::vector<LayerError::Travel> LayerError::travels(const Samples& s, const Fields& f, const std::map<std::string, double>& number) const {
   const std::size_t n = f.displacement.size();
-  if (n != 3 * rest_.size() || f.contact.size() != n || 3 * f.pressure.size() != n) return NAN;
+  if (n != 3 * rest_.size() || f.contact.size() != n || 3 * f.pressure.size() != n) return {};
   for (const std::span<const double> bears : {f.support, f.tie})
-    if (!bears.empty() && bears.size() != n) return NAN;
+    if (!bears.empty() && bears.size() != n) return {};
   Pairs pairs;
   for (std::size_t i = 0; i < s.force.size(); ++i) {
     Pair& pair = pairs[std::minmax(static_cast<std::size_t>(s.bodies[2 * i]), static_cast<std::size_t>(s.bodies[2 * i + 1]))];
@@ -162,15 +171,23 @@ double LayerError::of(const Samples& s, const Fields& f, const std::map<std::str
   }
   std::vector<bool> free;
   for (std::size_t i = 0; i < bodies_.size(); ++i) free.push_back(this->free(i, f));
-  double worst = squeezed(pairs, free, f, number);
+  std::vector<Travel> out;
+  squeezed(pairs, free, f, number, out);
   for (const auto& [bodies, pair] : pairs) {
     if (!(pair.force > 0) || (bodies.first < bodies_.size() && free[bodies.first]) || (bodies.second < bodies_.size() && free[bodies.second]))
       continue;
-    const double one = way(bodies.first, bodies, pair, f, number), other = way(bodies.second, bodies, pair, f, number);
-    if (!(one >= 0 && other >= 0 && one + other > 0)) continue;
-    const double fraction = std::max(0.0, 2 * std::min(borne(bodies.first, f), borne(bodies.second, f)) - 1);
-    worst = std::fmax(worst, fraction * pair.gap() / (one + other));
+    const Way one = way(bodies.first, bodies, pair, f, number), other = way(bodies.second, bodies, pair, f, number);
+    const double deformed = one.pressed + other.pressed, all = deformed + one.give + other.give;
+    if (!(one.imposed && other.imposed && all > 0)) continue;
+    const double share = std::max(0.0, 2 * std::min(borne(bodies.first, f), borne(bodies.second, f)) - 1);
+    out.push_back({{bodies.first, bodies.second}, share, pair.gap(), deformed, all});
   }
+  return out;
+}
+
+double LayerError::of(const Samples& samples, const Fields& fields, const std::map<std::string, double>& number) const {
+  double worst = NAN;
+  for (const Travel& t : travels(samples, fields, number)) worst = std::fmax(worst, t.layer());
   return worst;
 }
 

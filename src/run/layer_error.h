@@ -14,6 +14,7 @@
 // which is g/d again where one body is pressed from two sides (both gaps, all of its shortening). It counts fully where forces of the held bodies
 // balance each other, and not where their resultant, which a load bears, is more than half of one of two that press from opposite sides.
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -36,8 +37,20 @@ class LayerError {
   struct Fields {
     std::span<const double> displacement, support, tie, contact, pressure;
   };
-  // Largest share of g/d of any pair of supported bodies, or of what they press together; NaN where there is none. `number`: what was reported of
-  // joints and drives.
+  // A travel that supports impose on two held bodies, or on what held ones squeeze.
+  struct Travel {
+    std::vector<std::size_t> bodies;  // that press each other, by number
+    double share;                     // of the force, that the travel decides
+    double gap, deformed, way;        // what layer and soft bodies take of it, and all of it [m], or times forces [J]
+    double layer() const { return share * gap / way; }
+    double stiffness() const { return share * deformed / way; }  // by how much the force is wrong, over how much the soft bodies' stiffness is
+  };
+  // `number`: what was reported of joints and drives.
+  std::vector<Travel> travels(const Samples& samples, const Fields& fields, const std::map<std::string, double>& number = {}) const;
+  // Of the points where supports, bonds and ties bear a soft body, or that body which it is tied to, since rest; none where nothing holds it, or it
+  // is stiff.
+  std::optional<geometry::Motion> motion_of_supports(std::size_t body, const Fields& fields) const;
+  // Largest share of g/d of any pair of supported bodies, or of what they press together; NaN where there is none.
   double of(const Samples& samples, const Fields& fields, const std::map<std::string, double>& number = {}) const;
 
  private:
@@ -54,15 +67,20 @@ class LayerError {
   };
   using Pairs = std::map<std::pair<std::size_t, std::size_t>, Pair>;
 
-  // Farthest that loaded points of a held body are from where its supports are, and what motors give [m]; negative: nothing imposes a travel.
-  double way(std::size_t body, std::pair<std::size_t, std::size_t> pair, const Pair& of, const Fields& f,
-             const std::map<std::string, double>& number) const;
+  // Farthest that loaded points of a held body are from where its supports are, and what motors give [m].
+  struct Way {
+    double pressed = 0, give = 0;
+    bool imposed = true;  // by something
+  };
+  Way way(std::size_t body, std::pair<std::size_t, std::size_t> pair, const Pair& of, const Fields& f,
+          const std::map<std::string, double>& number) const;
   double indentation(std::size_t body, const Fields& fields) const;
   // Share of the contact force on a held body that its supports bear: of a stiff one, which has nothing free, all.
   double borne(std::size_t body, const Fields& fields) const;
   // Does the contact of a body, and nothing that holds it, balance itself?
   bool free(std::size_t body, const Fields& fields) const;
-  double squeezed(const Pairs& pairs, const std::vector<bool>& free, const Fields& f, const std::map<std::string, double>& number) const;
+  void squeezed(const Pairs& pairs, const std::vector<bool>& free, const Fields& f, const std::map<std::string, double>& number,
+                std::vector<Travel>& out) const;
   geometry::Motion motion(const Body& body, const Fields& fields) const;
   double deformation_work(const Body& body, const Fields& fields) const;
 

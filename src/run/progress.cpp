@@ -96,7 +96,9 @@ class Lines : public Progress {
   }
   void frame(long, double) override {}
   void note(const std::string& text) override { line(text); }
-  void end(const std::string& status, double seconds) override { line(fmt::format("{} in {}", status, duration_text(seconds))); }
+  void end(const std::string& status, double seconds, const Grade& grade) override {
+    line(fmt::format("{} in {}; {}", status, duration_text(seconds), text_of(grade)));
+  }
 
  protected:
   void line(const std::string& text) const {
@@ -126,9 +128,9 @@ class Terminal : public Lines {
     close_line();
     line(text);
   }
-  void end(const std::string& status, double seconds) override {
+  void end(const std::string& status, double seconds, const Grade& grade) override {
     close_line();
-    Lines::end(status, seconds);
+    Lines::end(status, seconds, grade);
   }
 
  private:
@@ -162,7 +164,14 @@ class JsonLines : public Progress {
   }
   void frame(long frame, double time) override { put({{"event", "frame"}, {"frame", frame}, {"time", time}}); }
   void note(const std::string& text) override { put({{"event", "note"}, {"text", text}}); }
-  void end(const std::string& status, double seconds) override { put({{"event", "end"}, {"status", status}, {"seconds", seconds}}); }
+  void end(const std::string& status, double seconds, const Grade& grade) override {
+    put({{"event", "end"},
+         {"status", status},
+         {"seconds", seconds},
+         {"grade", grade.all.letter},
+         {"grade_forces", grade.forces.letter},
+         {"reason", grade.all.reason}});
+  }
   bool lost() const override { return lost_; }
 
  private:

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "run/contact_figures.h"
+#include "run/grade.h"
 #include "solver/report.h"
 
 namespace mortise::run {
@@ -16,7 +17,7 @@ class Progress {
   virtual void step(const solver::StepReport& report, const ContactFigures& contact) = 0;
   virtual void frame(long frame, double time) = 0;
   virtual void note(const std::string& text) = 0;
-  virtual void end(const std::string& status, double seconds) = 0;
+  virtual void end(const std::string& status, double seconds, const Grade& grade) = 0;
   virtual bool lost() const { return false; }  // could an event not be written to where they were asked for?
 };
 

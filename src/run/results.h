@@ -58,8 +58,9 @@ class Results {
     double wall;          // of the run [s]
     const engine::Engine* engine;
     const Estimated& estimated;  // how wrong quantities are
+    Grade grade{};               // that it got
   };
-  // Writes how it ended. Checks that failed are told to `note`, and make another end of one that was good.
+  // Writes how it ended, and grades it. Checks that failed are told to `note`, and make another end of one that was good.
   void finish(End& end, const std::function<void(const std::string&)>& note);
 
  private:

@@ -50,7 +50,7 @@ StressError::StressError(const model::ModelInput& input) {
              {},
              in.material.number("youngs_modulus"),
              in.material.number("poisson_ratio"),
-             quadratic && model::averages_volume(in.material),
+             quadratic && model::averages_volume(in),
              !law || law->as_text() != "linear"};
       for (const Tet& t : in.tets) {
         Mat3 edges;
@@ -61,7 +61,7 @@ StressError::StressError(const model::ModelInput& input) {
         b.held.push_back(std::all_of(std::begin(t.v), std::end(t.v), held_there) &&
                          (!quadratic || std::all_of(std::begin(in.midsides[tet].v), std::end(in.midsides[tet].v), held_there)));
       }
-      if (!quadratic && !model::averages_volume(in.material)) b.one_sided = one_sided(held, point, in.nodes.size());
+      if (!quadratic && !model::averages_volume(in)) b.one_sided = one_sided(held, point, in.nodes.size());
       bodies_.push_back(std::move(b));
     }
     cell += in.type == model::BodyType::soft ? in.tets.size() : in.triangles.size();
@@ -171,8 +171,14 @@ StressError::Estimate StressError::of(const Stresses& stresses, const std::vecto
   Estimate out;
   for (const auto& [number, of] : groups) out.energy = std::max(out.energy, of.all);
   for (const auto& [number, of] : groups)
-    if (of.all > 0 && of.all >= tuning::kCounts * tuning::kCounts * out.energy) out.error = std::fmax(out.error, of.missed / (of.missed + of.all));
+    if (of.all > 0 && of.all >= tuning::kCounts * tuning::kCounts * out.energy) out.errors[number] = of.missed / (of.missed + of.all);
   return out;
+}
+
+double StressError::Estimate::error() const {
+  double worst = NAN;
+  for (const auto& [group, error] : errors) worst = std::fmax(worst, error);
+  return worst;
 }
 
 }  // namespace mortise::run

@@ -15,6 +15,7 @@
 // Elements that have no free node deform as pins and bonds say, whatever they are made of: nothing tells how wrong that is, and all of their energy
 // counts as missed (a pad of rubber between two plates, one element thick, is as stiff as if it could not bulge).
 #include <array>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -34,10 +35,11 @@ class StressError {
   static Stresses change(Stresses after, const Stresses& before);
 
   struct Estimate {
-    double error = NAN;  // NaN where nothing can be estimated
-    double energy = 0;   // of the group that has most [J]
+    std::map<std::size_t, double> errors;  // by group, of those that have energy at all
+    double energy = 0;                     // of the group that has most [J]
+    double error() const;                  // the largest; NaN where nothing can be estimated
   };
-  // group: by body that has points, of which the worst is told that has energy at all.
+  // group: by body that has points.
   Estimate of(const Stresses& stresses, const std::vector<std::size_t>& group) const;
 
  private:

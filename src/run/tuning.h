@@ -9,8 +9,7 @@ struct Bounds {
   double good, usable;
 };
 inline constexpr Bounds kResidual{1.01e-3, 1e-2};  // of the largest force: friction's default lag_tolerance, and rounding, are no reason for a B
-inline constexpr Bounds kBalance{
-    1e-5, 1e-3};  // of forces, on all bodies and on each with its supports: rounding leaves 1e-9, a thousandth is seen in plots
+inline constexpr Bounds kBalance = kResidual;      // of forces, on all bodies and on each with its supports: residuals add up to it
 inline constexpr Bounds kWritten{1e-9, 1e-3};      // the same forces added up twice
 inline constexpr Bounds kPressureSum{1e-6, 1e-3};  // pressure times area against force, over thousands of samples
 inline constexpr Bounds kPartition{1e-5, 1e-3};    // pieces of a covered face against the face: slivers are left out

@@ -9,7 +9,7 @@ namespace mortise::run {
 
 // "averaged over 96 clusters", "averaged over every element" or "full".
 std::string volumetric(const model::BodyInput& body);
-// Of every body whose elements may lock because averages are switched off, why.
+// Of every body whose elements may lock, as nothing is averaged, why.
 std::vector<std::string> locking_risks(const model::ModelInput& input);
 
 }  // namespace mortise::run

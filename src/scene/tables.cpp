@@ -65,7 +65,7 @@ const ParamTable& material_table() {
        choice("volumetric", {"auto", "full", "averaged"}, "auto",
               "How a soft body resists changes of volume: at every point, or on average over the elements around a vertex (order 2: over an "
               "element), which does not lock near "
-              "Poisson's ratio 0.5. auto averages above 0.4."),
+              "Poisson's ratio 0.5. auto averages above 0.4, order 2 where there are two elements across."),
        positive(required(of(Kind::number, "density", Unit::density, {}, "Mass per volume at rest.")))}};
   return t;
 }

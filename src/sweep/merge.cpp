@@ -74,8 +74,8 @@ std::string line(const Sweep& sweep, std::size_t row, const std::string& folder,
   const auto text = [&](const char* key) {
     return certificate.is_object() && certificate.contains(key) && certificate[key].is_string() ? certificate[key].get<std::string>() : "";
   };
-  out += fmt::format(",{},{},{},{}", name_of(status.is), status.code >= 0 ? std::to_string(status.code) : "", cell(text("grade")),
-                     cell(status.is == Status::Is::failed ? status.message : text("reason")));
+  out += fmt::format(",{},{},{},{},{}", name_of(status.is), status.code >= 0 ? std::to_string(status.code) : "", cell(text("grade")),
+                     cell(text("grade_forces")), cell(status.is == Status::Is::failed ? status.message : text("reason")));
   out += "," + cell(number(certificate, "solver", "steps")) + "," + cell(number(certificate, "solver", "newton_iterations_mean")) + "," +
          cell(number(run, "seconds", "solve"));
   for (double v : at_the_end(folder, sweep.quantities)) out += "," + cell(v);
@@ -86,7 +86,7 @@ std::string header(const Sweep& sweep) {
   std::string out = "row";
   if (!sweep.rows.empty())
     for (const auto& [path, value] : sweep.rows.front().values) out += "," + cell(path);
-  out += ",status,exit_code,grade,reason,steps,newton_iterations_mean,solve_seconds";
+  out += ",status,exit_code,grade,grade_forces,reason,steps,newton_iterations_mean,solve_seconds";
   for (const std::string& q : sweep.quantities) out += "," + cell(q);
   return out + "\n";
 }

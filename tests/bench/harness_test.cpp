@@ -34,10 +34,12 @@ TEST(StudyHarness, RowsAreJsonWithExactlyTheseKeys) {
   EXPECT_TRUE(nlohmann::json::parse(json_line(row))["pass"].is_null());
   row.failed = true;
   EXPECT_EQ(nlohmann::json::parse(json_line(row))["pass"], false);
-  row.as = {"B", "stress_error is 0.07, more than 0.05", {{"stress_error", 0.07}}};
+  const run::Grade::Verdict a{"A", "every bound is met"}, b{"B", "stress_error is 0.07, more than 0.05"};
+  row.as = {.all = b, .forces = a, .graded = {{"stress_error", 0.07}}};
   const auto graded = nlohmann::json::parse(json_line(row));
   EXPECT_EQ(graded["grade"], "B");
-  EXPECT_EQ(graded["grade_reason"], row.as.reason);
+  EXPECT_EQ(graded["grade_reason"], b.reason);
+  EXPECT_EQ(graded["grade_forces"], "A");
   EXPECT_EQ(graded["graded"]["stress_error"], 0.07);
 }
 

@@ -130,7 +130,7 @@ TEST(FieldErrors, ElementsWithoutAFreeNodeTellNothing) {
       for (std::size_t t = 0; t < body.tets.size(); ++t) stress[6 * t + 2] = 1e3;
       return ([&] {
         const run::StressError estimate(input);
-        return estimate.of(estimate.stresses(stress, std::vector<double>(3 * body.nodes.size(), 0.0)), {0}).error;
+        return estimate.of(estimate.stresses(stress, std::vector<double>(3 * body.nodes.size(), 0.0)), {0}).error();
       })();
     };
     EXPECT_NEAR(error(Params::make_list({pin("z_min", "xyz"), pin("z_max", "xyz")})), layers == 1 ? 0.5 : 0, 1e-9);

@@ -34,7 +34,7 @@ std::vector<double> moved(const model::ModelInput& input, const std::function<Ve
 double stress_error(const char* volumetric, const std::function<Vec3(const Vec3&)>& u) {
   const model::ModelInput input = pad(volumetric);
   const run::StressError estimate(input);
-  return estimate.of(estimate.stresses(std::vector<double>(6 * input.bodies[0].tets.size(), NAN), moved(input, u)), {0}).error;
+  return estimate.of(estimate.stresses(std::vector<double>(6 * input.bodies[0].tets.size(), NAN), moved(input, u)), {0}).error();
 }
 
 // Of the face z = 0.5, which a pressure p(x) loads: the consistent forces of the faces' pressure, or thirds of the quarters' areas.

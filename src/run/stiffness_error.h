@@ -1,0 +1,40 @@
+#pragma once
+// What the error of a mesh's stiffness (stress_error.h) makes of forces, and of motions of bodies as a whole. A force follows the stiffness of soft
+// bodies as far as supports impose a travel on them (layer_error.h), a motion as far as deformation is a part of it:
+//
+//     error = largest, of all groups of bodies that press each other, of  e max(s, d/w)
+//
+// e: the group's stress_error; s: share of a force that follows stiffness, all of it where a soft body hangs on two supports or more; d: farthest
+// that a point of a soft body is from where it would be without deformation, held by its supports; w: farthest way of any point of the group [m].
+#include <map>
+#include <span>
+#include <vector>
+
+#include "model/input.h"
+#include "run/layer_error.h"
+
+namespace mortise::run {
+
+class StiffnessError {
+ public:
+  explicit StiffnessError(const model::ModelInput& input);
+  // errors: by group; group: by body that has points; bases: by such a body, how its supports moved (`LayerError::motion_of_supports`). NaN without
+  // errors.
+  using Bases = std::vector<std::optional<geometry::Motion>>;
+  double of(const std::map<std::size_t, double>& errors, const std::vector<std::size_t>& group, const std::vector<LayerError::Travel>& travels,
+            const Bases& bases, std::span<const double> displacement) const;
+
+ private:
+  struct Body {
+    std::size_t first;  // point
+    std::vector<Vec3> rest;
+    bool soft;
+    int supports;
+  };
+  static double deformed(const Body& body, std::optional<geometry::Motion> base, std::span<const double> displacement);  // d [m]
+  static double way(const Body& body, std::span<const double> displacement);                                             // w [m]
+  std::vector<Body> bodies_;
+  std::size_t points_ = 0;
+};
+
+}  // namespace mortise::run
