@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "base/csv_cell.h"
 #include "base/version.h"
 #include "output/atomic_file.h"
 #include "run/folder.h"
@@ -20,13 +21,6 @@ using Json = nlohmann::ordered_json;
 Json read_json(const std::string& path) {
   std::error_code ec;
   return std::filesystem::exists(path, ec) ? Json::parse(output::read_file(path), nullptr, false) : Json();
-}
-
-std::string cell(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string out;
-  for (char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-  return "\"" + out + "\"";
 }
 
 Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
@@ -63,13 +57,13 @@ void read_end(const std::string& folder, EnvironmentEnd& end) {
 std::string environments_csv(const std::vector<EnvironmentEnd>& all) {
   std::string out = "environment,status,exit_code,grade,grade_forces,reason,message,episodes,steps,newton_iterations,cpu_seconds,wall_seconds";
   if (!all.empty())
-    for (const scene::Drawn& d : all.front().drawn) out += "," + cell(d.path);
+    for (const scene::Drawn& d : all.front().drawn) out += "," + csv_cell(d.path);
   out += "\n";
   for (std::size_t e = 0; e < all.size(); ++e) {
     const EnvironmentEnd& end = all[e];
-    out += fmt::format("{},{},{},{},{},{},{},{},{},{},{:.3f},{:.3f}", e, end.status(), end.code < 0 ? "" : std::to_string(end.code), cell(end.grade),
-                       cell(end.grade_forces), cell(end.reason), cell(first_line(end.message)), end.runs.size(), end.steps, end.newton, end.cpu,
-                       end.wall);
+    out += fmt::format("{},{},{},{},{},{},{},{},{},{},{:.3f},{:.3f}", e, end.status(), end.code < 0 ? "" : std::to_string(end.code),
+                       csv_cell(end.grade), csv_cell(end.grade_forces), csv_cell(end.reason), csv_cell(first_line(end.message)), end.runs.size(),
+                       end.steps, end.newton, end.cpu, end.wall);
     for (const scene::Drawn& d : end.drawn) out += "," + scene::format_number(d.value);
     out += "\n";
   }

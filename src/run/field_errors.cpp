@@ -110,9 +110,13 @@ FieldErrors::OfStress FieldErrors::of_stress(const StressError::Stresses& stress
       for (LayerError::Travel& t : layer_.travels(of.pressed, fields_of(said), said.number)) travels.push_back(std::move(t));
   LayerError::Fields fields = fields_of(said);
   fields.displacement = displacement;
-  StiffnessError::Bases bases;
-  for (std::size_t b = 0; b < passes_on_.size(); ++b) bases.push_back(layer_.motion_of_supports(b, fields));
-  return {estimate.energy, estimate.error(), stiffness_.of(estimate.errors, group, travels, bases, displacement)};
+  return {estimate.energy, estimate.error(), stiffness_.of(estimate.errors, group, travels, bases(fields), displacement)};
+}
+
+StiffnessError::Bases FieldErrors::bases(const LayerError::Fields& fields) const {
+  StiffnessError::Bases out;
+  for (std::size_t b = 0; b < passes_on_.size(); ++b) out.push_back(layer_.motion_of_supports(b, fields));
+  return out;
 }
 
 void FieldErrors::judge_stress(const Snapshot& said, const AllSamples& samples, Result& r) const {
@@ -146,9 +150,12 @@ void FieldErrors::judge_pressure(const Snapshot& said, const AllSamples& samples
 
 void FieldErrors::judge_layer(const Snapshot& said, const AllSamples& samples, Result& r) const {
   const LayerError::Fields fields = fields_of(said);
-  r.layer = NAN;
+  r.layer = r.layer_over_way = NAN;
   for (const auto& [effect, of] : samples)
-    if (!of.pressed.gap.empty()) r.layer = std::fmax(r.layer, layer_.of(of.pressed, fields, said.number));
+    if (!of.pressed.gap.empty()) {
+      r.layer = std::fmax(r.layer, layer_.of(of.pressed, fields, said.number));
+      r.layer_over_way = std::fmax(r.layer_over_way, stiffness_.layer_over_way(of.pressed, bases(fields), fields.displacement));
+    }
 }
 
 void FieldErrors::phase(const Snapshot& said, double time) {
@@ -217,7 +224,8 @@ FieldErrors::Result FieldErrors::at_last() const {
 FieldErrors::Result FieldErrors::result() const {
   Result out = at_most();
   const Result last = at_last();
-  for (double Result::*of : {&Result::stress, &Result::stiffness, &Result::turned, &Result::load_turned, &Result::guard, &Result::layer})
+  for (double Result::*of :
+       {&Result::stress, &Result::stiffness, &Result::turned, &Result::load_turned, &Result::guard, &Result::layer, &Result::layer_over_way})
     out.*of = std::fmax(out.*of, last.*of);
   for (double PressureError::Result::*of : {&PressureError::Result::roughness, &PressureError::Result::misfit})
     out.pressure.*of = std::fmax(out.pressure.*of, last.pressure.*of);
@@ -234,7 +242,8 @@ void FieldErrors::io(Archive& archive, const std::string& prefix, Result& r) {
                              {"guard", &r.guard},
                              {"roughness", &r.pressure.roughness},
                              {"misfit", &r.pressure.misfit},
-                             {"layer", &r.layer}})
+                             {"layer", &r.layer},
+                             {"layer_over_way", &r.layer_over_way}})
     archive.io(prefix + name, *value);
   archive.io(prefix + "pressure_nodes", r.pressure.nodes);
 }

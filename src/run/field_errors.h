@@ -28,9 +28,10 @@ class FieldErrors {
   struct Result {
     double stress = NAN, turned = NAN, load_turned = NAN;  // stress_error.h, linear_law.h, load_turned.h
     PressureError::Result pressure;
-    double stiffness = NAN;  // what is left of `stress` in forces and motions (stiffness_error.h)
-    double guard = NAN;      // share of the force between two bodies that the guard bears
-    double layer = NAN;      // layer_error.h
+    double stiffness = NAN;       // what is left of `stress` in forces and motions (stiffness_error.h)
+    double guard = NAN;           // share of the force between two bodies that the guard bears
+    double layer = NAN;           // layer_error.h
+    double layer_over_way = NAN;  // stiffness_error.h
   };
   Result result() const;
   void checkpoint(Archive& archive);
@@ -63,6 +64,7 @@ class FieldErrors {
   OfStress of_stress(const StressError::Stresses& stresses, std::span<const double> displacement, const Snapshot& said,
                      const AllSamples& samples) const;
   static LayerError::Fields fields_of(const Snapshot& said);
+  StiffnessError::Bases bases(const LayerError::Fields& fields) const;
   static void io(Archive& archive, const std::string& prefix, Result& r);
   std::vector<std::size_t> groups(const AllSamples& samples) const;
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/bounds.h"
 #include "geometry/rigid_motion.h"
 #include "run/entries.h"
+#include "run/tuning.h"
 #include "run/vector_at.h"
 
 namespace mortise::run {
@@ -17,7 +19,8 @@ StiffnessError::StiffnessError(const model::ModelInput& input) {
       for (const char* key : keys) ++supports[p.text(key)];
   for (const model::BodyInput& in : input.bodies) {
     if (in.type == model::BodyType::half_space) continue;
-    bodies_.push_back({points_, in.nodes, in.type == model::BodyType::soft, supports[in.name]});
+    bodies_.push_back({points_, in.nodes, in.type == model::BodyType::soft, supports[in.name],
+                       in.nodes.empty() ? 0 : geometry::bounds_of(in.nodes).size().minCoeff()});
     points_ += in.nodes.size();
   }
 }
@@ -53,6 +56,33 @@ double StiffnessError::of(const std::map<std::size_t, double>& errors, const std
       for (const std::size_t b : t.bodies)
         if (b < bodies_.size() && group[b] == number) follows = std::max(follows, t.stiffness());
     worst = std::fmax(worst, error * std::max(follows, way > deformed ? deformed / way : 1));
+  }
+  return worst;
+}
+
+double StiffnessError::layer_over_way(const LayerError::Samples& samples, const Bases& bases, std::span<const double> displacement) const {
+  if (displacement.size() != 3 * points_) return NAN;
+  struct Pair {
+    double force = 0, work = 0;
+  };
+  std::map<std::pair<std::size_t, std::size_t>, Pair> pairs;
+  for (std::size_t i = 0; i < samples.force.size(); ++i) {
+    Pair& pair = pairs[{static_cast<std::size_t>(samples.bodies[2 * i]), static_cast<std::size_t>(samples.bodies[2 * i + 1])}];
+    pair.force += samples.force[i], pair.work += samples.force[i] * samples.gap[i];
+  }
+  double worst = NAN;
+  for (const auto& [both, pair] : pairs) {
+    if (!(pair.force > 0)) continue;
+    bool noticeably = false;
+    double way = 0;
+    for (const std::size_t b : {both.first, both.second}) {
+      if (b >= bodies_.size()) continue;
+      const Body& body = bodies_[b];
+      noticeably |= body.soft && deformed(body, bases[b], displacement) > tuning::kNoticeably * body.thickness;
+      way = std::max(way, this->way(body, displacement));
+    }
+    const double gap = pair.work / pair.force;
+    if (noticeably && way > 0) worst = std::fmax(worst, gap / (way + gap));
   }
   return worst;
 }

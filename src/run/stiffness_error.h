@@ -24,12 +24,17 @@ class StiffnessError {
   double of(const std::map<std::size_t, double>& errors, const std::vector<std::size_t>& group, const std::vector<LayerError::Travel>& travels,
             const Bases& bases, std::span<const double> displacement) const;
 
+  // The gap that contact leaves, of what presses a soft body noticeably, over the farthest that both have gone without it: by which they should have
+  // gone farther. The largest of all pairs of bodies; NaN where there is none.
+  double layer_over_way(const LayerError::Samples& samples, const Bases& bases, std::span<const double> displacement) const;
+
  private:
   struct Body {
     std::size_t first;  // point
     std::vector<Vec3> rest;
     bool soft;
     int supports;
+    double thickness;  // least extent at rest [m]
   };
   static double deformed(const Body& body, std::optional<geometry::Motion> base, std::span<const double> displacement);  // d [m]
   static double way(const Body& body, std::span<const double> displacement);                                             // w [m]

@@ -61,7 +61,8 @@ StressError::StressError(const model::ModelInput& input) {
         b.held.push_back(std::all_of(std::begin(t.v), std::end(t.v), held_there) &&
                          (!quadratic || std::all_of(std::begin(in.midsides[tet].v), std::end(in.midsides[tet].v), held_there)));
       }
-      if (!quadratic && !model::averages_volume(in)) b.one_sided = one_sided(held, point, in.nodes.size());
+      b.one_across = quadratic && model::one_across(in);
+      if (quadratic ? b.one_across : !model::averages_volume(in)) b.one_sided = one_sided(held, point, in.nodes.size());
       bodies_.push_back(std::move(b));
     }
     cell += in.type == model::BodyType::soft ? in.tets.size() : in.triangles.size();
@@ -166,6 +167,10 @@ StressError::Estimate StressError::of(const Stresses& stresses, const std::vecto
       for (int k = 0; k < 4; ++k) smooth[k] = mean[b.tets[t].v[k]], jump[k] = b.held[t] ? smooth[k] : Stress(smooth[k] - here[t][k]);
       of.missed += (b.held[t] ? 1 : b.one_sided) * b.volume[t] * mean_of_linear(jump, b.E, b.nu);
       of.all += b.volume[t] * mean_of_linear(smooth, b.E, b.nu);
+      if (!b.one_across) continue;
+      Stress within[4];
+      for (int k = 0; k < 4; ++k) within[k] = here[t][k] - (here[t][0] + here[t][1] + here[t][2] + here[t][3]) / 4;
+      of.missed += tuning::kWithin * b.one_sided * b.volume[t] * mean_of_linear(within, b.E, b.nu);
     }
   }
   Estimate out;

@@ -28,6 +28,7 @@ inline constexpr Bounds kMisfit{0.01, 0.0125};
 // Who asks for small rotations takes terms of second order for granted, as the formulas do that such results are compared with: bounds beyond those.
 inline constexpr Bounds kTurned{0.2, 0.4};
 inline constexpr Bounds kLayer{0.03, 0.06};
+inline constexpr Bounds kLayerOverWay{0.05, 0.1};
 inline constexpr Bounds kLoadTurned{0.05, 0.08};  // a thick tube that is blown up: 1.2 times its growth is missing
 inline constexpr Bounds kShape{0.025, 0.05};      // of volume: half of that of stiffness against bending
 inline constexpr Bounds kCrept{0.02, 0.035};      // a pad that was sheared and held lost 23 % of its force at 0.041
@@ -47,6 +48,7 @@ inline constexpr double kImpact = 0.1;  // of the energy of what rolls, in a ste
 inline constexpr double kSlow = 0.01;   // of the energy before a contact: a body that has less, in kRestedShare of the steps of that contact and in
 inline constexpr double kRested = 4,
                         kRestedShare = 0.3;   // kRested of them, came to rest there (bounce_loss.cpp; at the turn of a bounce: 6 % of them)
+inline constexpr double kNoticeably = 2e-3;   // of a soft body's thickness: pressed by less, as by its own weight, is at rest (stiffness_error.cpp)
 inline constexpr double kStill = 0.01;        // of a body's size: less is no motion that anybody looks at (motion_lag.cpp)
 inline constexpr double kSettles = 0.05;      // radians, or of a body on a slide: less is how joints settle (bearing_creep.cpp)
 inline constexpr int kLooks = 16;             // in a step, at what is asked for (schedule_missed.cpp)
@@ -63,6 +65,8 @@ inline constexpr double kSmooth = 0.75;     // cosine of some 40 degrees: facets
 inline constexpr double kWhole = 0.97;    // of a node's area: less lies over what presses, and one pressure for all of it is none (contact_patch.cpp)
 inline constexpr double kFlat = 0.05;     // the ring of a node lies nearly in a plane: no slope across it (pressure_error.cpp)
 inline constexpr std::size_t kPlane = 4;  // neighbours: a plane through three has no say about a fourth
+inline constexpr double kWithin = 0.5;    // of energy: sheared and turned cubes of one quadratic element are 12 to 24 % too stiff, bent beams 1 to 10
+                                          // %, bonded pads 1 % (stress_error.cpp)
 inline constexpr double kQuadraticLocks = 0.49;  // nu: without averages quadratic elements are a few percent too stiff there (benchmarks/locking)
 
 // ---- warnings: beyond what solids, steps and contact layers are in practice; most often a unit is missing

@@ -32,8 +32,8 @@ std::vector<std::string> locking_risks(const model::ModelInput& input) {
                       key->where().file.empty() ? "" : key->where().text(), key->where().file.empty() ? "" : ": ", nu, b.name));
     } else {
       out.push_back(
-          fmt::format("body '{}' has one quadratic element across, at Poisson's ratio {:g}: it bends up to a tenth too little; half the edge length "
-                      "bends as it should",
+          fmt::format("body '{}' has one quadratic element across, at Poisson's ratio {:g}: it may be a quarter too stiff; half the edge length is "
+                      "right to a few percent",
                       b.name, nu));
     }
   }

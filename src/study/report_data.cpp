@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/csv_cell.h"
 #include "output/json_number.h"
 #include "study/compare.h"
 #include "study/report.h"
@@ -13,15 +14,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using output::number_or_null;
-
-std::string cell(const std::string& s) {
-  if (s.find_first_of(",\"\n") == std::string::npos) return s;
-  std::string out = "\"";
-  for (char c : s) out += c == '"' ? "\"\"" : std::string(1, c);
-  return out + "\"";
-}
-
-std::string cell(double v) { return std::isfinite(v) ? fmt::format("{}", v) : ""; }
 
 const char* status(const Point& p) { return p.failed ? "failed" : p.reference ? "reference" : p.hollow ? "below_uncertainty" : "done"; }
 
@@ -40,10 +32,10 @@ std::string points_csv(const Results& r) {
       "run\n";
   for (const Point& p : r.points) {
     const Reference& ref = r.references[p.quantity];
-    out +=
-        fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", cell(p.curve), cell(settings_text(p.settings)),
-                    cell(r.study.quantities[p.quantity].name), cell(p.value), cell(ref.value), cell(ref.uncertainty), cell(p.error), cell(p.seconds),
-                    cell(p.slowest), p.newton, p.dofs, status(p), cell(p.why), cell(p.cancel), p.best ? 1 : 0, p.knee ? 1 : 0, p.run);
+    out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(p.curve), csv_cell(settings_text(p.settings)),
+                       csv_cell(r.study.quantities[p.quantity].name), csv_cell(p.value), csv_cell(ref.value), csv_cell(ref.uncertainty),
+                       csv_cell(p.error), csv_cell(p.seconds), csv_cell(p.slowest), p.newton, p.dofs, status(p), csv_cell(p.why), csv_cell(p.cancel),
+                       p.best ? 1 : 0, p.knee ? 1 : 0, p.run);
   }
   return out;
 }

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "base/csv_cell.h"
 #include "base/error.h"
 #include "output/atomic_file.h"
 #include "output/field_reader.h"
@@ -20,15 +21,6 @@ namespace mortise::sweep {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string cell(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string out;
-  for (char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-  return "\"" + out + "\"";
-}
-
-std::string cell(double v) { return std::isfinite(v) ? fmt::format("{}", v) : ""; }
 
 Json read_json(const std::string& path) { return fs::exists(path) ? Json::parse(output::read_file(path), nullptr, false) : Json(); }
 
@@ -68,26 +60,26 @@ std::vector<double> at_the_end(const std::string& folder, const std::vector<std:
 
 std::string line(const Sweep& sweep, std::size_t row, const std::string& folder, const Status& status) {
   std::string out = std::to_string(row);
-  for (const auto& [path, value] : sweep.rows[row].values) out += "," + cell(value);
+  for (const auto& [path, value] : sweep.rows[row].values) out += "," + csv_cell(value);
   const Json run = read_json(folder + "/run.json"),
              certificate = read_json(folder + (of_environments(folder) ? "/environments.json" : "/certificate.json"));
   const auto text = [&](const char* key) {
     return certificate.is_object() && certificate.contains(key) && certificate[key].is_string() ? certificate[key].get<std::string>() : "";
   };
-  out += fmt::format(",{},{},{},{},{}", name_of(status.is), status.code >= 0 ? std::to_string(status.code) : "", cell(text("grade")),
-                     cell(text("grade_forces")), cell(status.is == Status::Is::failed ? status.message : text("reason")));
-  out += "," + cell(number(certificate, "solver", "steps")) + "," + cell(number(certificate, "solver", "newton_iterations_mean")) + "," +
-         cell(number(run, "seconds", "solve"));
-  for (double v : at_the_end(folder, sweep.quantities)) out += "," + cell(v);
+  out += fmt::format(",{},{},{},{},{}", name_of(status.is), status.code >= 0 ? std::to_string(status.code) : "", csv_cell(text("grade")),
+                     csv_cell(text("grade_forces")), csv_cell(status.is == Status::Is::failed ? status.message : text("reason")));
+  out += "," + csv_cell(number(certificate, "solver", "steps")) + "," + csv_cell(number(certificate, "solver", "newton_iterations_mean")) + "," +
+         csv_cell(number(run, "seconds", "solve"));
+  for (double v : at_the_end(folder, sweep.quantities)) out += "," + csv_cell(v);
   return out + "\n";
 }
 
 std::string header(const Sweep& sweep) {
   std::string out = "row";
   if (!sweep.rows.empty())
-    for (const auto& [path, value] : sweep.rows.front().values) out += "," + cell(path);
+    for (const auto& [path, value] : sweep.rows.front().values) out += "," + csv_cell(path);
   out += ",status,exit_code,grade,grade_forces,reason,steps,newton_iterations_mean,solve_seconds";
-  for (const std::string& q : sweep.quantities) out += "," + cell(q);
+  for (const std::string& q : sweep.quantities) out += "," + csv_cell(q);
   return out + "\n";
 }
 

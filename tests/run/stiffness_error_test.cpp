@@ -67,6 +67,18 @@ TEST(StiffnessError, CountsInForcesAsFarAsATravelIsImposed) {
       << "half of the force is a load's, and three quarters of the way a motor's";
 }
 
+TEST(StiffnessError, TheLayerIsMissingInWaysOfWhatIsPressed) {
+  const auto over_way = [](double way, double sheared) {
+    const Case c(1);
+    std::vector<double> moved;
+    for (const model::BodyInput& body : c.input.bodies)
+      for (const Vec3& x : body.nodes) moved.insert(moved.end(), {0, 0, body.name == "pad" ? -sheared * x[2] * x[0] : -way});
+    return StiffnessError(c.input).layer_over_way({{0, 1}, {0.01}, {5}}, {geometry::Motion{}, {}}, moved);
+  };
+  EXPECT_NEAR(over_way(0.09, 0.05), 0.1, 1e-12);
+  EXPECT_TRUE(std::isnan(over_way(0.09, 1e-3))) << "hardly pressed";
+}
+
 TEST(StiffnessError, IsNoneWhereNothingIsKnown) {
   EXPECT_TRUE(std::isnan(StiffnessError(Case(1).input).of({}, {0, 0}, {}, {{}, {}}, {})));
   EXPECT_DOUBLE_EQ(StiffnessError(Case(1).input).of({{0, 0.4}}, {0, 0}, {}, {{}, {}}, {}), 0.4) << "without displacements it counts";

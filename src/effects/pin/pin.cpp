@@ -11,6 +11,7 @@
 #include "effects/pin/orientation.h"
 #include "effects/where.h"
 #include "geometry/bounds.h"
+#include "geometry/rigid_motion.h"
 #include "model/model.h"
 
 namespace mortise::effects {
@@ -169,7 +170,6 @@ struct Entry {
 };
 
 constexpr std::uint8_t kAllAxes = 7;
-constexpr double kOff = 1e-6;  // of a length: points nearer to a line than that are on it
 
 // A held block: which list entry holds which of its axes.
 struct Held {
@@ -291,22 +291,13 @@ class Pin final : public Effect {
     if (points.empty()) throw Error(Exit::scene, p.at("where").where(), "selects no node of body '" + body.name + "'");
     const std::vector<Index> offset = model_.point_offset.download(), block = model_.point_block.download();
     const std::vector<Vec3> rest = model_.rest_points.download();
-    for (Index point : points) include(rest[point]);
+    std::vector<Vec3> held;
+    for (Index point : points) include(rest[point]), held.push_back(rest[point]);
     for (Index point : points) hold_block(block[offset[point]], axes, false, body);
     const Entry& e = entries_.back();
-    if (axes == kAllAxes && std::isinf(e.release) && !e.motion.turns() && off_a_line(points, rest))
+    if (axes == kAllAxes && std::isinf(e.release) && !e.motion.turns() && geometry::fixes_a_frame(held))
       model_.bodies[&body - model_.bodies.data()].stays = true;
   }
-  // Three of the points are not on a line.
-  static bool off_a_line(const std::vector<Index>& points, const std::vector<Vec3>& x) {
-    const auto far_from = [&](const auto& distance) {
-      return *std::max_element(points.begin(), points.end(), [&](Index a, Index b) { return distance(x[a]) < distance(x[b]); });
-    };
-    const Vec3 begin = x[points[0]], way = x[far_from([&](const Vec3&y) { return (y - begin).norm(); })] - begin;
-    const auto beside = [&](const Vec3& y) { return way.cross(y - begin).norm(); };
-    return beside(x[far_from(beside)]) > kOff * way.squaredNorm();
-  }
-
   double size_of(const model::Body& body) const {
     const std::vector<Vec3> rest = model_.rest_points.download();
     return geometry::bounds_of(std::span(rest).subspan(body.point_begin, body.point_end - body.point_begin)).size().norm();
