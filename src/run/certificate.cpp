@@ -43,7 +43,7 @@ Certificate::Certificate(const model::ModelInput& input)
   const Params& scene = input.scene;
   for (const model::BodyInput& body : input.bodies)
     if (body.type == model::BodyType::soft) volumetric_[body.name] = volumetric(body);
-  locking_risks_ = locking_risks(input);
+  locking_risks_ = locking_risks(input), single_elements_ = single_elements(input);
   for (const scene::PassThrough& p : scene::pass_through(scene, engine::effect_tables())) passes_through_.push_back(p.text());
   const Params& effects = scene.at("effects");
   for (const std::string& name : effects::of_role(effects, effects::Role::contact))

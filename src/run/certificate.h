@@ -52,7 +52,7 @@ class Certificate {
   BearingCreep bearings_;
   double shape_defect_ = 0, schedule_missed_ = NAN;
   std::vector<std::string> passes_through_;  // what nothing keeps apart
-  std::vector<std::string> locking_risks_;
+  std::vector<std::string> locking_risks_, single_elements_;
   std::map<std::string, std::string> volumetric_;  // how soft bodies resist changes of volume
   double force_floor_ = 0;                         // of strains and motions that are rounding [N]
   std::string inertia_;                            // the effect of that role, if there is one

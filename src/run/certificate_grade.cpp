@@ -73,7 +73,7 @@ Grade Certificate::grade(const End& end) const {
     const char* earns = k.earns();
     if (earns[0] > 'A') lower(earns, fmt::format("{} is {:.3g}, more than {:.3g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable), k.of);
   }
-  if (!locking_risks_.empty()) lower("C", locking_risks_.front());
+  if (!single_elements_.empty()) lower("C", single_elements_.front());
   if (steps_ == 0) lower("F", "no step was finished");
   if (det_F_.least <= 0) lower("F", "an element is inverted (det F <= 0)");
   if (distance_.least <= 0) lower("F", "surfaces touch or intersect");
