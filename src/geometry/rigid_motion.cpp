@@ -36,4 +36,11 @@ bool fixes_a_frame(const std::vector<Vec3>& points) {
   return size[1] > 1e-6 * size[2];
 }
 
+Motion nearest_motion_of_any(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+  if (fixes_a_frame(from)) return nearest_motion(from, to);
+  Motion shift;
+  for (std::size_t i = 0; i < from.size(); ++i) shift.t += (to[i] - from[i]) / static_cast<double>(from.size());
+  return shift;
+}
+
 }  // namespace mortise::geometry

@@ -28,4 +28,7 @@ Mat3 turn_of_z(const Vec3& way);
 // Do the points span more than a line?
 bool fixes_a_frame(const std::vector<Vec3>& points);
 
+// The same of any points: their mean shift where they span no more than a line.
+Motion nearest_motion_of_any(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
+
 }  // namespace mortise::geometry

@@ -37,8 +37,13 @@ class Certificate {
     EnergyAudit::Result energy{};
     double quantity_error = NAN;  // the largest of what the scene names in `quantities`, a share of it
   };
-  Grade grade(const End& end) const;
-  std::string json(const End& end) const;
+  Grade grade(const End& end) const { return grade(end, checks(end, field_errors_.result())); }
+  struct Written {
+    Grade grade;
+    std::string json;
+  };
+  Written write(const End& end) const;  // certificate.json, and the grade in it
+  std::string json(const End& end) const { return write(end).json; }
 
  private:
   struct Range {
@@ -46,6 +51,7 @@ class Certificate {
     void add(double v);
   };
   std::vector<Check> checks(const End& end, const FieldErrors::Result& fields) const;
+  Grade grade(const End& end, const std::vector<Check>& checks) const;
 
   FieldErrors field_errors_;
   Crept crept_;

@@ -55,7 +55,7 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
 }
 
 // F: some state is no state of the model. C: incomplete, or the bound of B is exceeded. B: that of A is. A: none.
-Grade Certificate::grade(const End& end) const {
+Grade Certificate::grade(const End& end, const std::vector<Check>& checks) const {
   const Grade::Verdict best{"A", "every bound is met"};
   Grade out{best, best, {}};
   const auto lower = [&](const char* to, const std::string& why, Of of = Of::all) {
@@ -68,7 +68,7 @@ Grade Certificate::grade(const End& end) const {
     lower("C", "a step did not converge");
   else if (end.status != Exit::done && end.status != Exit::checks)
     lower("F", "the run failed");
-  for (const Check& k : checks(end, field_errors_.result())) {
+  for (const Check& k : checks) {
     out.graded[k.name] = k.value;
     const char* earns = k.earns();
     if (earns[0] > 'A') lower(earns, fmt::format("{} is {:.3g}, more than {:.3g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable), k.of);

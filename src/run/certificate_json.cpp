@@ -14,11 +14,12 @@ const char* name_of(Of of) { return of == Of::all ? "all" : of == Of::forces ? "
 
 }  // namespace
 
-std::string Certificate::json(const End& end) const {
-  const Grade grades = grade(end);
+Certificate::Written Certificate::write(const End& end) const {
   const FieldErrors::Result fields = field_errors_.result();
+  const std::vector<Check> checked = checks(end, fields);
+  const Grade grades = grade(end, checked);
   Json graded = Json::array();
-  for (const Check& k : checks(end, fields))
+  for (const Check& k : checked)
     graded.push_back({{"name", k.name},
                       {"of", name_of(k.of)},
                       {"value", number_or_null(k.value)},
@@ -97,7 +98,7 @@ std::string Certificate::json(const End& end) const {
   j["model"]["volumetric"] = volumetric_;
   j["locking_risks"] = locking_risks_;
   j["passes_through"] = passes_through_;
-  return j.dump(1) + "\n";
+  return {grades, j.dump(1) + "\n"};
 }
 
 std::string with_error_budget(const std::string& certificate, const std::string& budget) {

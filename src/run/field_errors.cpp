@@ -104,12 +104,12 @@ FieldErrors::OfStress FieldErrors::of_stress(const StressError::Stresses& stress
                                              const AllSamples& samples) const {
   const std::vector<std::size_t> group = groups(samples);
   const StressError::Estimate estimate = stress_.of(stresses, group);
+  LayerError::Fields fields = fields_of(said);
   std::vector<LayerError::Travel> travels;
   for (const auto& [effect, of] : samples)
     if (!of.pressed.gap.empty())
-      for (LayerError::Travel& t : layer_.travels(of.pressed, fields_of(said), said.number)) travels.push_back(std::move(t));
-  LayerError::Fields fields = fields_of(said);
-  fields.displacement = displacement;
+      for (LayerError::Travel& t : layer_.travels(of.pressed, fields, said.number)) travels.push_back(std::move(t));
+  fields.displacement = displacement;  // their change, in a phase
   return {estimate.energy, estimate.error(), stiffness_.of(estimate.errors, group, travels, bases(fields), displacement)};
 }
 
@@ -150,11 +150,12 @@ void FieldErrors::judge_pressure(const Snapshot& said, const AllSamples& samples
 
 void FieldErrors::judge_layer(const Snapshot& said, const AllSamples& samples, Result& r) const {
   const LayerError::Fields fields = fields_of(said);
+  const StiffnessError::Bases bases = this->bases(fields);
   r.layer = r.layer_over_way = NAN;
   for (const auto& [effect, of] : samples)
     if (!of.pressed.gap.empty()) {
       r.layer = std::fmax(r.layer, layer_.of(of.pressed, fields, said.number));
-      r.layer_over_way = std::fmax(r.layer_over_way, stiffness_.layer_over_way(of.pressed, bases(fields), fields.displacement));
+      r.layer_over_way = std::fmax(r.layer_over_way, stiffness_.layer_over_way(of.pressed, bases, fields.displacement));
     }
 }
 
@@ -258,7 +259,7 @@ void FieldErrors::checkpoint(Archive& archive) {
                               {"changed_forces", &changed_forces_}})
     archive.io(name, *values);
   archive.io("phase", phase_);
-  if (!archive.loading()) at_most_ = at_most();
+  if (!archive.loading()) at_most_ = at_most(), stressed_ = pressed_ = layered_ = nullptr;
   io(archive, "at_most_", at_most_);
   resumed_last_ = archive.loading() ? Result{} : at_last();
   io(archive, "at_last_", resumed_last_);

@@ -84,7 +84,7 @@ class FieldErrors {
   double most_elastic_ = 0, most_pressed_ = 0;                    // [J], [Pa]
   // Judged when someone asks: the state that was stressed most, that which was pressed most, and the latest that was pressed as much.
   using State = std::shared_ptr<const Snapshot>;
-  State stressed_, pressed_, layered_;  // null: none since the run was resumed
+  State stressed_, pressed_, layered_;  // null: none since the run was resumed, or a checkpoint asked
   Result at_most_;                      // until then
   State last_;
   bool resumed_ = false;  // no state has come since: the last one is known by

@@ -1,5 +1,4 @@
 #pragma once
-#include <cmath>
 #include <map>
 #include <string>
 

@@ -21,10 +21,7 @@ LayerError::LayerError(const model::ModelInput& input) : holds_(input.scene.at("
 geometry::Motion LayerError::motion(const Body& body, const Fields& f) const {
   std::vector<Vec3> from, to;
   for (std::size_t i = body.first; i < body.first + body.count; ++i) from.push_back(rest_[i]), to.push_back(rest_[i] + at(f.displacement, i));
-  if (geometry::fixes_a_frame(from)) return geometry::nearest_motion(from, to);
-  geometry::Motion shift;  // of a point or a line
-  for (std::size_t i = 0; i < from.size(); ++i) shift.t += (to[i] - from[i]) / static_cast<double>(from.size());
-  return shift;
+  return geometry::nearest_motion_of_any(from, to);
 }
 
 std::optional<geometry::Motion> LayerError::motion_of_supports(std::size_t body, const Fields& f) const {
@@ -41,13 +38,7 @@ std::optional<geometry::Motion> LayerError::motion_of_supports(std::size_t body,
   for (std::size_t i = bodies_[base].first; i < bodies_[base].first + bodies_[base].count; ++i)
     if (!at(bears, i).isZero(0)) from.push_back(rest_[i]), to.push_back(rest_[i] + at(f.displacement, i));
   if (from.empty()) return {};
-  geometry::Motion motion;
-  if (geometry::fixes_a_frame(from)) {
-    motion = geometry::nearest_motion(from, to);
-  } else {
-    for (std::size_t i = 0; i < from.size(); ++i) motion.t += (to[i] - from[i]) / static_cast<double>(from.size());
-  }
-  return motion;
+  return geometry::nearest_motion_of_any(from, to);
 }
 
 double LayerError::indentation(std::size_t body, const Fields& f) const {

@@ -125,9 +125,8 @@ void Results::finish(End& end, const std::function<void(const std::string&)>& no
   const auto failed = std::count_if(verdicts.begin(), verdicts.end(), [](const Checks::Verdict& v) { return !v.pass; });
   if (end.status == Exit::done && failed > 0) end.status = Exit::checks, end.message = fmt::format("{} of {} checks failed", failed, verdicts.size());
   const std::string name = scene_.text("name");
-  const Certificate::End certified{name, hash_, record_.device.kind, end.status, end.message, checks_.energy(), end.estimated.worst};
-  end.grade = certificate_.grade(certified);
-  std::string certificate = certificate_.json(certified);
+  auto [grade, certificate] = certificate_.write({name, hash_, record_.device.kind, end.status, end.message, checks_.energy(), end.estimated.worst});
+  end.grade = std::move(grade);
   if (!end.estimated.json.empty()) certificate = with_error_budget(certificate, end.estimated.json);
   output::write_file_atomically(folder_.file("certificate.json"), Checks::add_to(certificate, verdicts), true);
   for (const Checks::Verdict& v : verdicts)

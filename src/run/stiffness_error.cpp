@@ -13,10 +13,8 @@ namespace mortise::run {
 
 StiffnessError::StiffnessError(const model::ModelInput& input) {
   std::map<std::string, int> supports;
-  for (const auto& [effect, keys] :
-       std::map<const char*, std::vector<const char*>>{{"pin", {"body"}}, {"bond", {"body"}}, {"mortar_tie", {"body", "to"}}})
-    for (const Params& p : entries(input.scene.at("effects"), effect))
-      for (const char* key : keys) ++supports[p.text(key)];
+  for (const auto& [effect, key] : {std::pair{"pin", "body"}, {"bond", "body"}, {"mortar_tie", "body"}, {"mortar_tie", "to"}})
+    for (const Params& p : entries(input.scene.at("effects"), effect)) ++supports[p.text(key)];
   for (const model::BodyInput& in : input.bodies) {
     if (in.type == model::BodyType::half_space) continue;
     bodies_.push_back({points_, in.nodes, in.type == model::BodyType::soft, supports[in.name],
@@ -28,7 +26,7 @@ StiffnessError::StiffnessError(const model::ModelInput& input) {
 double StiffnessError::deformed(const Body& body, std::optional<geometry::Motion> base, std::span<const double> displacement) {
   std::vector<Vec3> to;
   for (std::size_t i = 0; i < body.rest.size(); ++i) to.push_back(body.rest[i] + at(displacement, body.first + i));
-  if (!base) base = geometry::fixes_a_frame(body.rest) ? geometry::nearest_motion(body.rest, to) : geometry::Motion{};
+  if (!base) base = geometry::nearest_motion_of_any(body.rest, to);
   double farthest = 0;
   for (std::size_t i = 0; i < to.size(); ++i) farthest = std::max(farthest, (to[i] - base->R * body.rest[i] - base->t).norm());
   return farthest;

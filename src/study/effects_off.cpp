@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/csv_cell.h"
 #include "engine/effect_tables.h"
 #include "run/signals.h"
 #include "scene/scene.h"
@@ -113,7 +114,6 @@ std::string effects_table(const Study& study, const std::vector<WithoutEffect>& 
 std::string effects_csv(const Study& study, const std::vector<WithoutEffect>& runs) {
   std::string out = "off,cpu_seconds,cpu_seconds_slowest,time_saved,quantity,value,change,status,reason\n";
   const RunResult& whole = runs.front().run;
-  const auto cell = [](double v) { return std::isfinite(v) ? fmt::format("{}", v) : ""; };
   const auto text = [](std::string s) {
     std::replace(s.begin(), s.end(), '"', '\'');
     return "\"" + s + "\"";
@@ -122,8 +122,9 @@ std::string effects_csv(const Study& study, const std::vector<WithoutEffect>& ru
     for (std::size_t k = 0; k < study.quantities.size(); ++k) {
       const bool ran = w.needed.empty() && !w.run.failed();
       const double v = ran ? w.run.values[k] : NAN;
-      out += fmt::format("{},{},{},{},{},{},{},{},{}\n", text(name_of(w)), cell(ran ? w.run.seconds : NAN), cell(ran ? w.run.slowest : NAN),
-                         cell(ran ? 1 - w.run.seconds / whole.seconds : NAN), text(study.quantities[k].name), cell(v), cell(v / whole.values[k] - 1),
+      out += fmt::format("{},{},{},{},{},{},{},{},{}\n", text(name_of(w)), csv_cell(ran ? w.run.seconds : NAN), csv_cell(ran ? w.run.slowest : NAN),
+                         csv_cell(ran ? 1 - w.run.seconds / whole.seconds : NAN), text(study.quantities[k].name), csv_cell(v),
+                         csv_cell(v / whole.values[k] - 1),
                          !w.needed.empty() ? "needed"
                          : w.run.failed()  ? "failed"
                                            : "done",

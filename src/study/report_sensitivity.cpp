@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/csv_cell.h"
 #include "study/report.h"
 #include "study/sensitivity.h"
 
@@ -66,16 +67,15 @@ std::string sensitivity_csv(const Study& study, const Sensitivities& found) {
     std::replace(s.begin(), s.end(), '"', '\'');
     return "\"" + s + "\"";
   };
-  const auto cell = [](double v) { return std::isfinite(v) ? fmt::format("{}", v) : ""; };
   std::string out =
       "quantity,value,parameter,parameter_value,derivative,change_per_share,change_per_share_below,change_per_share_above,status,reason\n";
   for (std::size_t q = 0; q < study.quantities.size(); ++q)
     for (const Sensitivity& s : found.parameters) {
       const Derivative& d = s.of[q];
       const bool known = s.refused.empty() && std::isfinite(d.central());
-      out += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", text(study.quantities[q].name), cell(found.values[q]), text(s.parameter.path),
-                         cell(s.parameter.number()), cell(d.kink ? NAN : d.central() / s.parameter.number()), cell(d.central()), cell(d.below),
-                         cell(d.above), !known ? "none" : (d.kink ? "kink" : "done"), text(s.refused));
+      out += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", text(study.quantities[q].name), csv_cell(found.values[q]), text(s.parameter.path),
+                         csv_cell(s.parameter.number()), csv_cell(d.kink ? NAN : d.central() / s.parameter.number()), csv_cell(d.central()),
+                         csv_cell(d.below), csv_cell(d.above), !known ? "none" : (d.kink ? "kink" : "done"), text(s.refused));
     }
   return out;
 }

@@ -26,7 +26,7 @@ struct Case {
         for (double z : {0., 1.}) pad.nodes.push_back({x, y, z}), punch.nodes.push_back({x + 2, y, z});
     input.bodies = {pad, punch};
   }
-  // All of both goes `way` along x; the upper face of the pad goes `sheared` further, which leaves it half of that from its nearest rigid motion.
+  // All of both goes `way` along x; the pad's upper edge at x = 1 goes `sheared` further.
   double error(double way, double sheared, const std::vector<LayerError::Travel>& travels = {}) const {
     std::vector<double> moved;
     for (const model::BodyInput& body : input.bodies)

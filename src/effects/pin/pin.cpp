@@ -298,6 +298,7 @@ class Pin final : public Effect {
     if (axes == kAllAxes && std::isinf(e.release) && !e.motion.turns() && geometry::fixes_a_frame(held))
       model_.bodies[&body - model_.bodies.data()].stays = true;
   }
+
   double size_of(const model::Body& body) const {
     const std::vector<Vec3> rest = model_.rest_points.download();
     return geometry::bounds_of(std::span(rest).subspan(body.point_begin, body.point_end - body.point_begin)).size().norm();
