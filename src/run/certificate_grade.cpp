@@ -50,6 +50,7 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("pressure_misfit", fields.pressure.misfit, tuning::kMisfit, Of::fields);
   add("layer_over_indentation", fields.layer, tuning::kLayer);
   add("layer_over_way", fields.layer_over_way, tuning::kLayerOverWay);
+  add("rim_error", fields.rim, tuning::kStress, Of::forces);
   add("quantity_error", end.quantity_error, tuning::kQuantity);
   return all;
 }

@@ -47,7 +47,7 @@ ContactPatch::ContactPatch(const model::ModelInput& input) {
   }
 }
 
-std::vector<ContactPatch::Node> ContactPatch::interior(const Fields& f) const {
+std::vector<ContactPatch::Node> ContactPatch::covered(const Fields& f) const {
   if (f.pressure.size() != rest_.size() || f.force.size() != 3 * rest_.size()) return {};
   const auto now = [&](Index i) -> Vec3 { return f.displacement.size() == f.force.size() ? rest_[i] + at(f.displacement, i) : rest_[i]; };
   std::vector<Vec3> normal;  // of all triangles, times twice their area
@@ -87,13 +87,21 @@ std::vector<ContactPatch::Node> ContactPatch::interior(const Fields& f) const {
   for (std::size_t i = 0; i < rest_.size(); ++i) {
     if (!covered[i]) continue;
     const std::vector<Index>& pressed = pressed_at(i).facets;
-    Node node{i, ring_of(i, [&](Index t) { return std::find(pressed.begin(), pressed.end(), t) != pressed.end(); }), {}};
-    if (node.ring.empty() || !std::all_of(node.ring.begin(), node.ring.end(), [&](Index j) { return covered[j] != 0; })) continue;
-    load(i, pressed, normal, node.load);
+    if (pressed.empty()) continue;
+    Node node{i, ring_of(i, [&](Index t) { return std::find(pressed.begin(), pressed.end(), t) != pressed.end(); }), Vec3::Zero(), 0, false, {}};
+    for (Index t : pressed) node.normal += normal[t] / 6, node.area += normal[t].norm() / 6;
+    node.inside = std::all_of(node.ring.begin(), node.ring.end(), [&](Index j) { return covered[j] != 0; });
+    if (node.inside) load(i, pressed, normal, node.load);
     if (!std::all_of(node.load.begin(), node.load.end(), [&](const auto& term) { return covered[term.first] != 0 && is_whole(term.first); }))
       node.load.clear();
     out.push_back(std::move(node));
   }
+  return out;
+}
+
+std::vector<ContactPatch::Node> ContactPatch::interior(const Fields& fields) const {
+  std::vector<Node> out = covered(fields);
+  std::erase_if(out, [](const Node& node) { return !node.inside; });
   return out;
 }
 

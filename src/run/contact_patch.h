@@ -16,18 +16,22 @@ class ContactPatch {
   struct Node {
     std::size_t point;
     std::vector<Index> ring;  // corners of the triangles around it that are pressed, without itself
-    // What a pressure p over them loads it with: sum of weight times p at node, int N_i p dA with the areas as they stand now [m^2]. Nothing where
-    // faces around it reach beyond the patch, or beyond what presses on them.
+    Vec3 normal;              // a third of those triangles as they stand now, as vectors [m^2],
+    double area;              // and as areas
+    bool inside;              // what is pressed around it is covered
+    // What a pressure p over them loads it with, inside: sum of weight times p at node, int N_i p dA with the areas as they stand now [m^2]. Nothing
+    // where faces around it reach beyond the patch, or beyond what presses on them.
     std::vector<std::pair<Index, double>> load;
   };
   // Of all points: contact_pressure [Pa], contact_force [N] and displacement [m], three each, contact_area [m^2]; the last two may be empty.
   struct Fields {
     std::span<const double> pressure, force, displacement, area = {};
   };
-  // Nodes in the interior of the patch: what is pressed around them is covered. Covered are nodes that carry pressure, or of whose neighbours most
-  // do, as where a method leaves out every other one. A body's own edge is no rim: triangles around the corner are not pressed.
-  std::vector<Node> interior(const Fields& fields) const;
-  long loaded(std::span<const double> pressure) const;  // nodes that carry pressure
+  // Nodes that are covered: they carry pressure, or most of their neighbours do, as where a method leaves out every other one. A body's own edge is
+  // no rim: triangles around the corner are not pressed.
+  std::vector<Node> covered(const Fields& fields) const;
+  std::vector<Node> interior(const Fields& fields) const;  // those inside
+  long loaded(std::span<const double> pressure) const;     // nodes that carry pressure
 
   const std::vector<Vec3>& rest() const { return rest_; }  // of all points [m]
 

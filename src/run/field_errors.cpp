@@ -22,6 +22,7 @@ FieldErrors::FieldErrors(const model::ModelInput& input)
     : stress_(input),
       stiffness_(input),
       pressure_(input),
+      rim_(input),
       layer_(input),
       linear_law_(input),
       load_turned_(input),
@@ -100,17 +101,26 @@ LayerError::Fields FieldErrors::fields_of(const Snapshot& said) {
           of_points(said, "contact_force", 3), of_points(said, "contact_pressure", 1)};
 }
 
+ContactPatch::Fields FieldErrors::patch_of(const Snapshot& said) {
+  return {of_points(said, "contact_pressure", 1), of_points(said, "contact_force", 3), of_points(said, "displacement", 3),
+          of_points(said, "contact_area", 1)};
+}
+
 FieldErrors::OfStress FieldErrors::of_stress(const StressError::Stresses& stresses, std::span<const double> displacement, const Snapshot& said,
                                              const AllSamples& samples) const {
   const std::vector<std::size_t> group = groups(samples);
   const StressError::Estimate estimate = stress_.of(stresses, group);
   LayerError::Fields fields = fields_of(said);
-  std::vector<LayerError::Travel> travels;
+  fields.displacement = displacement;  // their change, in a phase
+  return {estimate.energy, estimate.error(), stiffness_.of(estimate.errors, group, travels(said, samples), bases(fields), displacement)};
+}
+
+std::vector<LayerError::Travel> FieldErrors::travels(const Snapshot& said, const AllSamples& samples) const {
+  std::vector<LayerError::Travel> out;
   for (const auto& [effect, of] : samples)
     if (!of.pressed.gap.empty())
-      for (LayerError::Travel& t : layer_.travels(of.pressed, fields, said.number)) travels.push_back(std::move(t));
-  fields.displacement = displacement;  // their change, in a phase
-  return {estimate.energy, estimate.error(), stiffness_.of(estimate.errors, group, travels, bases(fields), displacement)};
+      for (LayerError::Travel& t : layer_.travels(of.pressed, fields_of(said), said.number)) out.push_back(std::move(t));
+  return out;
 }
 
 StiffnessError::Bases FieldErrors::bases(const LayerError::Fields& fields) const {
@@ -127,9 +137,7 @@ void FieldErrors::judge_stress(const Snapshot& said, const AllSamples& samples, 
 }
 
 void FieldErrors::judge_pressure(const Snapshot& said, const AllSamples& samples, Result& r) const {
-  r.pressure = pressure_.of({of_points(said, "contact_pressure", 1), of_points(said, "contact_force", 3), of_points(said, "displacement", 3),
-                             of_points(said, "contact_area", 1)},
-                            groups(samples));
+  r.pressure = pressure_.of(patch_of(said), groups(samples));
   struct Force {
     double all = 0, guard = 0;
   };
@@ -151,6 +159,8 @@ void FieldErrors::judge_pressure(const Snapshot& said, const AllSamples& samples
 void FieldErrors::judge_layer(const Snapshot& said, const AllSamples& samples, Result& r) const {
   const LayerError::Fields fields = fields_of(said);
   const StiffnessError::Bases bases = this->bases(fields);
+  const std::vector<std::size_t> group = groups(samples);
+  r.rim = stiffness_.of(rim_.of(pressure_.patch(), patch_of(said), group), group, travels(said, samples), bases, fields.displacement);
   r.layer = r.layer_over_way = NAN;
   for (const auto& [effect, of] : samples)
     if (!of.pressed.gap.empty()) {
@@ -225,8 +235,8 @@ FieldErrors::Result FieldErrors::at_last() const {
 FieldErrors::Result FieldErrors::result() const {
   Result out = at_most();
   const Result last = at_last();
-  for (double Result::*of :
-       {&Result::stress, &Result::stiffness, &Result::turned, &Result::load_turned, &Result::guard, &Result::layer, &Result::layer_over_way})
+  for (double Result::*of : {&Result::stress, &Result::stiffness, &Result::turned, &Result::load_turned, &Result::guard, &Result::layer,
+                             &Result::layer_over_way, &Result::rim})
     out.*of = std::fmax(out.*of, last.*of);
   for (double PressureError::Result::*of : {&PressureError::Result::roughness, &PressureError::Result::misfit})
     out.pressure.*of = std::fmax(out.pressure.*of, last.pressure.*of);
@@ -244,7 +254,8 @@ void FieldErrors::io(Archive& archive, const std::string& prefix, Result& r) {
                              {"roughness", &r.pressure.roughness},
                              {"misfit", &r.pressure.misfit},
                              {"layer", &r.layer},
-                             {"layer_over_way", &r.layer_over_way}})
+                             {"layer_over_way", &r.layer_over_way},
+                             {"rim", &r.rim}})
     archive.io(prefix + name, *value);
   archive.io(prefix + "pressure_nodes", r.pressure.nodes);
 }

@@ -15,6 +15,7 @@
 #include "run/linear_law.h"
 #include "run/load_turned.h"
 #include "run/pressure_error.h"
+#include "run/rim_error.h"
 #include "run/stiffness_error.h"
 #include "run/stress_error.h"
 
@@ -32,6 +33,7 @@ class FieldErrors {
     double guard = NAN;           // share of the force between two bodies that the guard bears
     double layer = NAN;           // layer_error.h
     double layer_over_way = NAN;  // stiffness_error.h
+    double rim = NAN;             // rim_error.h, of forces and motions as `stiffness` is
   };
   Result result() const;
   void checkpoint(Archive& archive);
@@ -64,6 +66,8 @@ class FieldErrors {
   OfStress of_stress(const StressError::Stresses& stresses, std::span<const double> displacement, const Snapshot& said,
                      const AllSamples& samples) const;
   static LayerError::Fields fields_of(const Snapshot& said);
+  static ContactPatch::Fields patch_of(const Snapshot& said);
+  std::vector<LayerError::Travel> travels(const Snapshot& said, const AllSamples& samples) const;
   StiffnessError::Bases bases(const LayerError::Fields& fields) const;
   static void io(Archive& archive, const std::string& prefix, Result& r);
   std::vector<std::size_t> groups(const AllSamples& samples) const;
@@ -71,6 +75,7 @@ class FieldErrors {
   StressError stress_;
   StiffnessError stiffness_;
   PressureError pressure_;
+  RimError rim_;
   LayerError layer_;
   LinearLaw linear_law_;
   LoadTurned load_turned_;

@@ -28,6 +28,8 @@ class PressureError {
   // group: by body that has points, of which the worst is told that is pressed at all (kCounts); empty: all are one.
   Result of(const ContactPatch::Fields& fields, const std::vector<std::size_t>& group = {}) const;
 
+  const ContactPatch& patch() const { return patch_; }
+
  private:
   ContactPatch patch_;
   std::vector<std::size_t> body_;  // of every point

@@ -62,7 +62,12 @@ inline constexpr double kNoticed = 3e-3;  // of the most stress, roughly: what a
 inline constexpr std::size_t kPhases = 16;  // keys: a schedule with more draws a curve (asked.cpp)
 inline constexpr double kFacing = 0.5;      // cosine of 60 degrees: friction may tilt the force by half of that (contact_patch.cpp)
 inline constexpr double kSmooth = 0.75;     // cosine of some 40 degrees: facets of a coarse ball meet at half of that, sides of a body at more
-inline constexpr double kWhole = 0.97;    // of a node's area: less lies over what presses, and one pressure for all of it is none (contact_patch.cpp)
+inline constexpr double kWhole = 0.97;  // of a node's area: less lies over what presses, and one pressure for all of it is none (contact_patch.cpp)
+inline constexpr double kWidened =
+    0.8;  // of the last element: forces of flat punches of 2.5 to 7.5 elements a radius are 0.6 to 1 times that too large
+inline constexpr double kBeside = 1.5;    // sizes of the mesh between a sharp edge and the last node inside of it (rim_error.cpp)
+inline constexpr double kPart = 0.1;      // of the strongest patch's force: others decide less (rim_error.cpp)
+inline constexpr double kPieces = 1000;   // of an edge at most, half as long as elements (rim_error.cpp)
 inline constexpr double kFlat = 0.05;     // the ring of a node lies nearly in a plane: no slope across it (pressure_error.cpp)
 inline constexpr std::size_t kPlane = 4;  // neighbours: a plane through three has no say about a fourth
 inline constexpr double kWithin = 0.6;    // of energy: sheared and turned cubes of one quadratic element are 12 to 24 % too stiff, bent beams 1 to 10

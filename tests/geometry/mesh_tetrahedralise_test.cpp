@@ -78,6 +78,36 @@ TEST(Tetrahedralise, SharpEdgesStay) {
   EXPECT_NEAR(mean_edge(surface_of(m)) / 0.1, 1, 0.15);
 }
 
+// Of around x across quads, cut in two.
+TriMesh ring(double radius, double thickness, Index around, Index across) {
+  TriMesh out;
+  for (Index i = 0; i < around; ++i)
+    for (Index k = 0; k < across; ++k) {
+      const double u = 2 * M_PI * i / around, v = 2 * M_PI * k / across, r = radius + thickness / 2 * std::cos(v);
+      out.points.push_back({r * std::cos(u), r * std::sin(u), thickness / 2 * std::sin(v)});
+      const Index a = i * across + k, b = (i + 1) % around * across + k, c = i * across + (k + 1) % across,
+                  d = (i + 1) % around * across + (k + 1) % across;
+      out.triangles.push_back({{a, b, d}});
+      out.triangles.push_back({{a, d, c}});
+    }
+  return out;
+}
+
+// Ten points to begin with, as CGAL has them, are too far from each other to see that there is an inside.
+TEST(Tetrahedralise, FindsTheInsideOfAThinRing) {
+  const ScopedEnv no_cache("MORTISE_CACHE", "");
+  for (const double thickness : {4e-3, 2e-3}) {
+    const TriMesh s = ring(15e-3, thickness, thickness < 3e-3 ? 96 : 48, 16);
+    const TetMesh m = tetrahedralise(s, edges(thickness / 2), "ring");
+    EXPECT_NO_THROW(check_tets(m, "ring"));
+    EXPECT_EQ(component_count(connected_components(surface_of(m))), 1);
+    double volume = 0;
+    for (const Tet& t : m.tets)
+      volume += (m.points[t.v[1]] - m.points[t.v[0]]).cross(m.points[t.v[2]] - m.points[t.v[0]]).dot(m.points[t.v[3]] - m.points[t.v[0]]) / 6;
+    EXPECT_NEAR(volume / (M_PI * thickness * thickness / 4 * 2 * M_PI * 15e-3), 1, 0.25);
+  }
+}
+
 TEST(Tetrahedralise, KeepsCavitiesAndParts) {
   const ScopedEnv no_cache("MORTISE_CACHE", "");
   TriMesh s = surface_of(box({1, 1, 1}, 1.0));
