@@ -73,6 +73,8 @@ class Newton {
   bool refresh(Index round, const StepReports& report);
   // Statics, and nothing but contact holds a body: where it slides nothing resists, and that is no saddle.
   bool slides(Index env) const { return touching_ && system_.rows.loose[env]; }
+  // Where nothing is frozen, energies themselves tell which steps of what only contact holds are good ones (loose_hold.h).
+  bool held_loosely(Index env) const { return system_.rows.loose[env] && system_.potential.freezes(); }
   double wanted(Index env) const { return envs_[env].whole ? lag_.finest() : lag_.relative(env); }
   // How far the environments of `whose` are.
   void note(const Residual& r, const std::function<double(Index)>& relative, const EnvMask& whose, const StepReports& report) const;

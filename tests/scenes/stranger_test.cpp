@@ -276,29 +276,69 @@ TEST(Stranger, AStaticBodyWithoutSupportIsNamed) {
 
 // A punch under a dead load, without friction: only contact holds it, and nothing keeps it from sliding.
 TEST(Stranger, ADeadLoadedPunchRestsFromAnyGapWithEverySolver) {
-  for (const char* linear : {"direct", "reuse", "cg"})
-    for (const char* z : {"5.02 mm", "5.5 mm", "7.7 mm", "20 mm"}) {
-      SCOPED_TRACE(std::string(linear) + ", from " + z);
-      Rig rig(R"(
+  const char *mortar = "mortar_contact: {pairs: [{slave: pad, master: punch}]}", *barrier = "barrier_contact: {}";
+  for (const char* contact : {mortar, barrier})
+    for (const char* linear : {"direct", "reuse", "cg"})
+      for (const char* z : {"5.02 mm", "5.5 mm", "7.7 mm", "20 mm"}) {
+        SCOPED_TRACE(std::string(linear) + ", " + contact + ", from " + z);
+        Rig rig(R"(
 mortise: 1
 name: punch
 time: {mode: static, steps: 1}
 materials: {m: {density: 1000}, g: {youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}}
 bodies:
   punch: {type: stiff, shape: {box: {size: [10 mm, 10 mm, 10 mm], edge_length: 10 mm}}, material: m, position: [0, 0, )" +
-              std::string(z) + R"(]}
+                std::string(z) + R"(]}
   pad: {type: soft, shape: {box: {size: [20 mm, 20 mm, 10 mm], edge_length: 5 mm}}, material: g, position: [0, 0, -5 mm]}
 effects:
   elasticity: {}
   affine_body: {}
   pin: [{body: pad, where: {side: z_min}}]
   pressure_load: [{body: punch, where: {side: z_max}, pressure: 1 kPa}]
-  mortar_contact: {pairs: [{slave: pad, master: punch}]}
-solver: {halvings: 0, linear: )" +
-              std::string(linear) + "}\n");
-      EXPECT_EQ(failure([&] { rig.step(); }), "");
-      EXPECT_NEAR(rig.fields().at("supports/pad_z"), 0.1, 1e-6);  // 1 kPa on 100 mm^2
-    }
+  )" + std::string(contact) +
+                "\nsolver: {halvings: 0, linear: " + std::string(linear) + "}\n");
+        EXPECT_EQ(failure([&] { rig.step(); }), "");
+        EXPECT_NEAR(rig.fields().at("supports/pad_z"), 0.1, 1e-6);  // 1 kPa on 100 mm^2
+      }
+}
+
+// It stands on corners of its facets and has to roll until it lies on both plates.
+TEST(Stranger, ASoftBallBetweenTwoPlatesIsSqueezedInStatics) {
+  Rig rig(R"(
+mortise: 1
+name: ball
+time: {mode: static, steps: 4}
+materials: {s: {density: 1000}, m: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.3, density: 1000}}
+bodies:
+  ball: {type: soft, shape: {sphere: {radius: 10 mm, edge_length: 3 mm}}, material: m}
+  low: {type: stiff, shape: {box: {size: [30 mm, 30 mm, 5 mm], edge_length: 10 mm}}, material: s, position: [0, 0, -12.51 mm]}
+  high: {type: stiff, shape: {box: {size: [30 mm, 30 mm, 5 mm], edge_length: 10 mm}}, material: s, position: [0, 0, 12.51 mm]}
+effects:
+  elasticity: {}
+  barrier_contact: {}
+  pin:
+    - {body: low, where: {side: all}}
+    - {body: high, where: {side: all}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, -1 mm]]}}
+solver: {halvings: 0}
+)");
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(failure([&] { rig.step(); }), "");
+  EXPECT_NEAR(rig.fields().at("supports/high_z") / rig.fields().at("supports/low_z"), -1, 1e-6);
+  EXPECT_LT(rig.fields().at("supports/high_z"), -0.02);
+}
+
+// Each falls a tenth of a millimetre onto the next.
+TEST(Stranger, EightStiffBlocksComeToRestOnEachOtherInStatics) {
+  std::string blocks;
+  for (int i = 0; i < 8; ++i)
+    blocks += "  b" + std::to_string(i) +
+              ": {type: stiff, shape: {box: {size: [20 mm, 20 mm, 10 mm], edge_length: 10 mm}}, material: s, position: [0, 0, " +
+              std::to_string(5.05 + 10.1 * i) + " mm]}\n";
+  Rig rig("mortise: 1\nname: stack\ntime: {mode: static, steps: 1}\nmaterials: {s: {density: 1000}}\nbodies:\n" + blocks + R"(
+  floor: {type: half_space}
+effects: {affine_body: {}, gravity: {}, barrier_contact: {}, friction: {mu: 0.5}}
+)");
+  EXPECT_EQ(failure([&] { rig.step(); }), "");
+  EXPECT_NEAR(rig.fields().at("barrier_contact/force_b0_z"), 4e-3 * 9.81, 1e-6);
 }
 
 // Nothing but contact holds the block against its load, and the first step without contact leads far away, to where everything lies on the way of
