@@ -86,6 +86,13 @@ Params Checker::table(const ParamTable& base, const Node& node, const std::strin
       meant.insert(best);
       incomplete_.insert(path);
       std::string hint = suggestion(key, best.empty() ? known : free);
+      for (const Param& block : t->params) {  // a key of one of the blocks in here, one level too far out
+        if (!best.empty() || block.kind != Kind::table) continue;
+        const auto holds = [&](const Param& q) { return q.key == key; };
+        if (std::none_of(block.sub->params.begin(), block.sub->params.end(), holds)) continue;
+        hint = "it belongs in '" + block.key + "'";
+        meant.insert(block.key);
+      }
       if (hint.empty() && path.rfind("effects", 0) == 0) {
         const std::string effect = path.substr(0, path.find('.', 8));  // "effects.friction"
         hint = "'mortise effects" + (effect.size() > 8 ? " " + effect.substr(8) : "") + "' lists all";

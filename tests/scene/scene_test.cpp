@@ -126,6 +126,14 @@ TEST(Scene, UnknownKeysAreErrorsExceptPrivateOnes) {
   EXPECT_THAT(message(kBase + "solvr: {}\n"), HasSubstr("did you mean 'solver'?"));
 }
 
+TEST(Scene, KeysOneLevelTooFarOutAreToldWhereTheyBelong) {
+  const std::string text = "mortise: 1\ntime: {step: 1, steps: 1}\nmaterials: {m: {density: 1}}\neffects: {inertia: {}, affine_body: {}}\nbodies:\n";
+  const std::string said = message(text + "  a: {type: stiff, box: {size: [1, 1, 1], edge_length: 1}, material: m}\n");
+  EXPECT_THAT(said, HasSubstr("unknown key 'box' in bodies.a"));
+  EXPECT_THAT(said, HasSubstr("it belongs in 'shape'"));
+  EXPECT_THAT(said, testing::Not(HasSubstr("has no 'shape'")));
+}
+
 TEST(Scene, AliasesRepeatABlock) {
   const Params s = read(
       "mortise: 1\nx-r: &r {sphere: {radius: 1 m, edge_length: 0.5 m}}\ntime: {step: 1, steps: 1}\n"
