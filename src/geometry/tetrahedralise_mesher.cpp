@@ -27,8 +27,8 @@ using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 // Refinement bounds the radius r of circumscribed circles and balls; most end between r/2 and r. Measured on balls, boxes and
 // robot parts, mean edge length = aim with these factors (tests/geometry/mesh_tetrahedralise_test.cpp).
 constexpr double kFacetRadius = 0.8, kCellRadius = 0.73;
-constexpr int kInitialPoints[] = {300, 3000, 30000};  // of which refinement starts, where CGAL's own, some ten, find no inside
-constexpr double kSliverAngle = 12;                   // [deg] smallest dihedral angle that sliver removal works for
+constexpr int kInitialPoints[] = {-1, 300, 3000, 30000};  // of which refinement starts: CGAL's own, some ten; more where they find no inside
+constexpr double kSliverAngle = 12;                       // [deg] smallest dihedral angle that sliver removal works for
 
 Polyhedron polyhedron(const TriMesh& surface, double scale) {
   std::vector<Kernel::Point_3> points;
@@ -61,20 +61,17 @@ TetMesh mesh_domain(const TriMesh& surface, const TetrahedraliseOptions& o) {
   const Criteria criteria(param::edge_size = surface_edge, param::facet_angle = o.facet_angle * 180 / CGAL_PI,
                           param::facet_size = kFacetRadius * surface_edge, param::facet_distance = scale * o.facet_distance,
                           param::cell_radius_edge_ratio = o.radius_edge_ratio, param::cell_size = kCellRadius * scale * o.edge_length);
-  // Without a limit of their own both sliver removals stop after the time that refinement took: a mesh that depends on the
-  // clock. 0 means no limit; they end by themselves when no tetrahedron below the bound can be improved.
-  Complex complex;
-  const auto mesh = [&](int initial_points) {
-    complex =
-        CGAL::make_mesh_3<Complex>(domain, criteria, param::manifold(), param::perturb(param::time_limit = 0, param::sliver_bound = kSliverAngle),
-                                   param::exude(param::time_limit = 0, param::sliver_bound = kSliverAngle),
-                                   param::mesh_3_options(param::number_of_initial_points = initial_points));
-  };
   // A ring that is thin all around shows its inside to points only that are as close to each other as it is thick.
+  Complex complex;
   const CGAL::Failure_function told = CGAL::set_warning_handler([](const char*, const char*, const char*, int, const char*) {});
-  mesh(-1);
-  for (const int more : kInitialPoints)
-    if (complex.number_of_cells_in_complex() == 0) mesh(more);
+  for (const int points : kInitialPoints) {
+    if (complex.number_of_cells_in_complex() > 0) break;
+    // Without a limit of their own both sliver removals stop after the time that refinement took: a mesh that depends on the
+    // clock. 0 means no limit; they end by themselves when no tetrahedron below the bound can be improved.
+    complex = CGAL::make_mesh_3<Complex>(
+        domain, criteria, param::manifold(), param::perturb(param::time_limit = 0, param::sliver_bound = kSliverAngle),
+        param::exude(param::time_limit = 0, param::sliver_bound = kSliverAngle), param::mesh_3_options(param::number_of_initial_points = points));
+  }
   CGAL::set_warning_handler(told);
 
   TetMesh out;

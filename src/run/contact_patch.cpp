@@ -29,10 +29,12 @@ bool whole(double area, const Vec3& force, const std::vector<Index>& pressed, co
 }  // namespace
 
 ContactPatch::ContactPatch(const model::ModelInput& input) {
+  std::size_t number = 0;
   for (const model::BodyInput& in : input.bodies) {
     if (in.type == model::BodyType::half_space) continue;
     const Index first = static_cast<Index>(rest_.size());
     rest_.insert(rest_.end(), in.nodes.begin(), in.nodes.end());
+    body_.insert(body_.end(), in.nodes.size(), number++);
     around_.resize(rest_.size());
     if (in.type != model::BodyType::soft) continue;
     for (std::size_t k = 0; k < in.triangles.size(); ++k) {

@@ -33,7 +33,8 @@ class ContactPatch {
   std::vector<Node> interior(const Fields& fields) const;  // those inside
   long loaded(std::span<const double> pressure) const;     // nodes that carry pressure
 
-  const std::vector<Vec3>& rest() const { return rest_; }  // of all points [m]
+  const std::vector<Vec3>& rest() const { return rest_; }             // of all points [m]
+  std::size_t body(std::size_t point) const { return body_[point]; }  // by number, of those that have points
 
  private:
   // Facets around node i that are pressed: the one that faces the force most, and those that go on from it without an edge of the body between them.
@@ -43,6 +44,7 @@ class ContactPatch {
   void load(std::size_t i, const std::vector<Index>& pressed, const std::vector<Vec3>& normal, std::vector<std::pair<Index, double>>& out) const;
 
   std::vector<Vec3> rest_;
+  std::vector<std::size_t> body_;  // of every point
   struct Facet {
     Triangle corners;
     Index face = -1;  // the face of a quadratic tetrahedron that it is a quarter of

@@ -160,13 +160,12 @@ void FieldErrors::judge_layer(const Snapshot& said, const AllSamples& samples, R
   const LayerError::Fields fields = fields_of(said);
   const StiffnessError::Bases bases = this->bases(fields);
   const std::vector<std::size_t> group = groups(samples);
-  r.rim = stiffness_.of(rim_.of(pressure_.patch(), patch_of(said), group), group, travels(said, samples), bases, fields.displacement);
-  r.layer = r.layer_over_way = NAN;
+  const std::vector<LayerError::Travel> travels = this->travels(said, samples);
+  r.rim = stiffness_.of(rim_.of(pressure_.patch(), patch_of(said), group), group, travels, bases, fields.displacement);
+  r.layer = LayerError::worst(travels);
+  r.layer_over_way = NAN;
   for (const auto& [effect, of] : samples)
-    if (!of.pressed.gap.empty()) {
-      r.layer = std::fmax(r.layer, layer_.of(of.pressed, fields, said.number));
-      r.layer_over_way = std::fmax(r.layer_over_way, stiffness_.layer_over_way(of.pressed, bases, fields.displacement));
-    }
+    if (!of.pressed.gap.empty()) r.layer_over_way = std::fmax(r.layer_over_way, stiffness_.layer_over_way(of.pressed, bases, fields.displacement));
 }
 
 void FieldErrors::phase(const Snapshot& said, double time) {

@@ -176,9 +176,9 @@ std::vector<LayerError::Travel> LayerError::travels(const Samples& s, const Fiel
   return out;
 }
 
-double LayerError::of(const Samples& samples, const Fields& fields, const std::map<std::string, double>& number) const {
+double LayerError::worst(const std::vector<Travel>& travels) {
   double worst = NAN;
-  for (const Travel& t : travels(samples, fields, number)) worst = std::fmax(worst, t.layer());
+  for (const Travel& t : travels) worst = std::fmax(worst, t.layer());
   return worst;
 }
 

@@ -51,7 +51,7 @@ class LayerError {
   // is stiff.
   std::optional<geometry::Motion> motion_of_supports(std::size_t body, const Fields& fields) const;
   // Largest share of g/d of any pair of supported bodies, or of what they press together; NaN where there is none.
-  double of(const Samples& samples, const Fields& fields, const std::map<std::string, double>& number = {}) const;
+  static double worst(const std::vector<Travel>& travels);
 
  private:
   struct Body {

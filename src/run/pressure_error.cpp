@@ -32,12 +32,6 @@ struct Misses {
 
 }  // namespace
 
-PressureError::PressureError(const model::ModelInput& input) : patch_(input) {
-  std::size_t number = 0;
-  for (const model::BodyInput& body : input.bodies)
-    if (body.type != model::BodyType::half_space) body_.insert(body_.end(), body.nodes.size(), number++);
-}
-
 PressureError::Result PressureError::of(const ContactPatch::Fields& f, const std::vector<std::size_t>& group) const {
   struct Group {
     Misses smooth, fit;
@@ -45,7 +39,7 @@ PressureError::Result PressureError::of(const ContactPatch::Fields& f, const std
   };
   std::map<std::size_t, Group> groups;
   for (const ContactPatch::Node& node : patch_.interior(f)) {
-    Group& of = groups[group.empty() ? 0 : group[body_[node.point]]];
+    Group& of = groups[group.empty() ? 0 : group[patch_.body(node.point)]];
     const double here = f.pressure[node.point];
     of.pressed = std::max(of.pressed, here);
     double expected = 0;

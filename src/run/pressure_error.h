@@ -20,7 +20,7 @@ namespace mortise::run {
 
 class PressureError {
  public:
-  explicit PressureError(const model::ModelInput& input);
+  explicit PressureError(const model::ModelInput& input) : patch_(input) {}
   struct Result {
     double roughness = NAN, misfit = NAN;  // NaN where there is no interior
     long nodes = 0;                        // that carry pressure
@@ -32,7 +32,6 @@ class PressureError {
 
  private:
   ContactPatch patch_;
-  std::vector<std::size_t> body_;  // of every point
 };
 
 }  // namespace mortise::run

@@ -26,9 +26,8 @@ class RimError {
     std::size_t body;
     Index a, b;  // points
   };
-  std::vector<SharpEdge> edges_;
-  std::vector<bool> loaded_;       // by body that has points: a pressure acts on it, maybe beyond the edge, where nothing is singular then
-  std::vector<std::size_t> body_;  // of every point
+  std::vector<SharpEdge> edges_;  // none where nothing is soft
+  std::vector<bool> loaded_;      // by body that has points: a pressure acts on it, maybe beyond the edge, where nothing is singular then
 };
 
 }  // namespace mortise::run

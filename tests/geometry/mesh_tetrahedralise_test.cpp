@@ -101,10 +101,7 @@ TEST(Tetrahedralise, FindsTheInsideOfAThinRing) {
     const TetMesh m = tetrahedralise(s, edges(thickness / 2), "ring");
     EXPECT_NO_THROW(check_tets(m, "ring"));
     EXPECT_EQ(component_count(connected_components(surface_of(m))), 1);
-    double volume = 0;
-    for (const Tet& t : m.tets)
-      volume += (m.points[t.v[1]] - m.points[t.v[0]]).cross(m.points[t.v[2]] - m.points[t.v[0]]).dot(m.points[t.v[3]] - m.points[t.v[0]]) / 6;
-    EXPECT_NEAR(volume / (M_PI * thickness * thickness / 4 * 2 * M_PI * 15e-3), 1, 0.25);
+    EXPECT_NEAR(volume(m) / (M_PI * thickness * thickness / 4 * 2 * M_PI * 15e-3), 1, 0.25);
   }
 }
 

@@ -209,7 +209,7 @@ TEST(Certificate, TheLayerCountsWhereATravelIsImposed) {
     std::vector<double> moved(12, 0.0), contact(12, 0.0), support(12, 0.0);
     for (int i = 0; i < 3; ++i) moved[3 * i + 2] = -0.1, contact[3 * i + 2] = -10. / 3;
     support[11] = 10 * borne, support[9] = 1;
-    return run::LayerError(input).of({bodies, gap, force}, {moved, support, {}, contact, pressure});
+    return run::LayerError::worst(run::LayerError(input).travels({bodies, gap, force}, {moved, support, {}, contact, pressure}));
   };
   EXPECT_NEAR(layer(1), 0.1, 1e-12) << "a half-space, as body 1 is, bears what there is";
   EXPECT_NEAR(layer(0.75), 0.05, 1e-12) << "the rest is a load's";
@@ -264,7 +264,8 @@ struct Punched {
 };
 double layer_under_punch(const Entries& holds, const std::map<std::string, double>& number = {}) {
   const Punched p;
-  return run::LayerError(punched(holds)).of({p.bodies, p.gap, p.force}, {p.moved, p.support, {}, p.contact, p.pressure}, number);
+  return run::LayerError::worst(
+      run::LayerError(punched(holds)).travels({p.bodies, p.gap, p.force}, {p.moved, p.support, {}, p.contact, p.pressure}, number));
 }
 const Params kSlide = with(texts({{"name", "lift"}, {"type", "prismatic"}, {"body", "punch"}}), "axis", {0, 0, 1});
 const Params kHinge = with(with(texts({{"name", "lift"}, {"type", "revolute"}, {"body", "punch"}}), "axis", {0, 1, 0}), "at", {-2, 0, 1});
@@ -382,7 +383,7 @@ TEST(Certificate, TheLayerCountsOnBothSidesOfWhatIsSqueezed) {
     input.bodies = {stamp, block};
     const run::LayerError::Samples samples{{0, 1, 1, 2},      {0.01, 0.03}, {10, 10 + weight}, {0, 1, 1, 2}, {0, -10, 0, 0, -10 - weight, 0},
                                            {0, 0, 0, 0, 0, 0}};
-    return run::LayerError(input).of(samples, {moved, none, {}, contact, pressure});
+    return run::LayerError::worst(run::LayerError(input).travels(samples, {moved, none, {}, contact, pressure}));
   };
   EXPECT_NEAR(layer(0, true), 0.04 / 0.2, 1e-12);
   EXPECT_NEAR(layer(10, true), 0, 1e-12) << "half of the force below is a load's";
