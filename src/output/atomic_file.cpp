@@ -54,6 +54,16 @@ void rename_file(const std::string& from, const std::string& to) {
   if (std::rename(from.c_str(), to.c_str()) != 0) fail(to, "replace", errno);
 }
 
+void keep_file_as(const std::string& from, const std::string& to) {
+  const std::string link = to + ".tmp";
+  ::unlink(link.c_str());
+  if (::link(from.c_str(), link.c_str()) != 0) return rename_file(from, to);
+  const bool kept = std::rename(link.c_str(), to.c_str()) == 0;
+  const int reason = errno;
+  ::unlink(link.c_str());  // still there where `to` was that file already
+  if (!kept) fail(to, "replace", reason);
+}
+
 void sync_folder_of(const std::string& path) {
   const std::string folder = folder_of(path);
   const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);

@@ -12,6 +12,8 @@ void write_file_atomically(const std::string& path, std::string_view bytes, bool
 // The two halves of it, for callers that rename more than one file. write_file removes what it wrote when it fails.
 void write_file(const std::string& path, std::string_view bytes, bool durable);
 void rename_file(const std::string& from, const std::string& to);
+// `to` becomes another name of `from`, at once; where a file system has no second names, `from` is renamed to it.
+void keep_file_as(const std::string& from, const std::string& to);
 void sync_folder_of(const std::string& path);
 
 // Whole content of a file. Throws Error(Exit::file).

@@ -55,7 +55,7 @@ void CheckpointWriter::commit() {
   const std::string target = newest(dir_), temporary = target + ".tmp";
   write_file(temporary, bytes, true);
   try {
-    if (present(target)) rename_file(target, previous(dir_));
+    if (present(target)) keep_file_as(target, previous(dir_));  // so that there is a checkpoint.h5 at any moment
     rename_file(temporary, target);
   } catch (...) {
     ::unlink(temporary.c_str());

@@ -154,13 +154,28 @@ std::string Folder::lock() {
 
 void Folder::remove_results() const {
   std::error_code ec;
-  for (const char* ours : {"fields.vtkhdf",        "fields.vtkhdf.new", "fields.vtkhdf.journal",
-                           "fields.xdmf",          "fields.xdmf.tmp",   "run.json",
-                           "run.json.tmp",         "certificate.json",  "certificate.json.tmp",
-                           "checkpoint.h5",        "checkpoint.h5.tmp", "checkpoint.prev.h5",
-                           "touching.obj",         "touching.obj.tmp",  "newton.csv",
-                           "episodes.csv",         "episodes.csv.tmp",  "environments.csv",
-                           "environments.csv.tmp", "environments.json", "environments.json.tmp",
+  for (const char* ours : {"fields.vtkhdf",
+                           "fields.vtkhdf.new",
+                           "fields.vtkhdf.journal",
+                           "fields.xdmf",
+                           "fields.xdmf.tmp",
+                           "run.json",
+                           "run.json.tmp",
+                           "certificate.json",
+                           "certificate.json.tmp",
+                           "checkpoint.h5",
+                           "checkpoint.h5.tmp",
+                           "checkpoint.prev.h5",
+                           "checkpoint.prev.h5.tmp",
+                           "touching.obj",
+                           "touching.obj.tmp",
+                           "newton.csv",
+                           "episodes.csv",
+                           "episodes.csv.tmp",
+                           "environments.csv",
+                           "environments.csv.tmp",
+                           "environments.json",
+                           "environments.json.tmp",
                            "bridge.jsonl"})
     if (unlink(file(ours).c_str()) != 0 && errno != ENOENT) fail("cannot replace '" + file(ours) + "'");
   for (fs::directory_iterator it(path_, ec), end; !ec && it != end; it.increment(ec)) {

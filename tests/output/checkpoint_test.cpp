@@ -1,11 +1,14 @@
 #include "output/checkpoint.h"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <cstring>
 #include <fstream>
 #include <limits>
 #include <random>
+#include <thread>
 
 #include "helpers.h"
 #include "output/atomic_file.h"
@@ -91,6 +94,34 @@ TEST(Checkpoint, KeepsTheLastTwo) {
   EXPECT_THAT(found.skipped, IsEmpty());
 }
 
+// Also while the next one is put in its place: whoever reads a folder, or kills a run, finds a checkpoint.
+TEST(Checkpoint, IsThereAtAnyMoment) {
+  Folder dir;
+  write(dir.path(), 1);
+  const std::string path = dir / "checkpoint.h5";
+  std::atomic<bool> done = false;
+  std::thread writer([&] {
+    for (int step = 2; step < 200; ++step) write(dir.path(), step);
+    done = true;
+  });
+  long missing = 0;
+  while (!done) missing += ::access(path.c_str(), F_OK) != 0;
+  writer.join();
+  EXPECT_EQ(missing, 0);
+  EXPECT_EQ(CheckpointReader(dir / "checkpoint.prev.h5").info().step, 198);
+}
+
+// Killed when the old one had its second name and the new one none yet.
+TEST(Checkpoint, GoesOnAfterAKillBetweenItsNames) {
+  Folder dir;
+  write(dir.path(), 1);
+  std::filesystem::create_hard_link(dir / "checkpoint.h5", dir / "checkpoint.prev.h5");
+  write(dir.path(), 2);
+  EXPECT_EQ(CheckpointReader(dir / "checkpoint.h5").info().step, 2);
+  EXPECT_EQ(CheckpointReader(dir / "checkpoint.prev.h5").info().step, 1);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(dir.path()), {}), 2);
+}
+
 TEST(Checkpoint, EveryFlippedByteIsDetected) {
   Folder dir;
   write(dir.path(), 4);
@@ -130,7 +161,7 @@ TEST(Checkpoint, FallsBackToThePreviousOne) {
   expect_bits(found.reader.arrays(), state(1));
   ASSERT_THAT(found.skipped, SizeIs(1));
   EXPECT_THAT(found.skipped[0], HasSubstr("checkpoint.h5: damaged"));
-  std::filesystem::remove(dir / "checkpoint.h5");  // killed between the two renames
+  std::filesystem::remove(dir / "checkpoint.h5");  // a file system without second names, killed between two renames
   EXPECT_EQ(open_newest_valid(dir.path()).reader.info().step, 1);
   write_file(dir / "checkpoint.prev.h5", "rubbish", false);
   const std::string message = file_error([&] { open_newest_valid(dir.path()); });
