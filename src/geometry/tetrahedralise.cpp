@@ -15,7 +15,7 @@ namespace {
 
 void check_result(const TriMesh& given, const TetMesh& mesh, const std::string& what) {
   const std::string filled = what + ", filled with tetrahedra";
-  if (mesh.tets.empty()) throw Error(Exit::scene, what + ": could not be filled with tetrahedra: no inside was found; try a smaller edge_length");
+  if (mesh.tets.empty()) throw Error(Exit::scene, what + ": could not be filled with tetrahedra: no inside was found; try another edge_length");
   check_tets(mesh, filled);
   const TriMesh surface = surface_of(mesh);
   const Index parts = component_count(connected_components(surface)), parts_given = component_count(connected_components(given));

@@ -61,16 +61,21 @@ TetMesh mesh_domain(const TriMesh& surface, const TetrahedraliseOptions& o) {
   const Criteria criteria(param::edge_size = surface_edge, param::facet_angle = o.facet_angle * 180 / CGAL_PI,
                           param::facet_size = kFacetRadius * surface_edge, param::facet_distance = scale * o.facet_distance,
                           param::cell_radius_edge_ratio = o.radius_edge_ratio, param::cell_size = kCellRadius * scale * o.edge_length);
-  // A ring that is thin all around shows its inside to points only that are as close to each other as it is thick.
+  // A ring that is thin all around shows its inside to points only that are as close to each other as it is thick. And moving points away from
+  // slivers ends in a failed assertion of CGAL's on some domes, which other points at the start help as well.
   Complex complex;
   const CGAL::Failure_function told = CGAL::set_warning_handler([](const char*, const char*, const char*, int, const char*) {});
   for (const int points : kInitialPoints) {
     if (complex.number_of_cells_in_complex() > 0) break;
     // Without a limit of their own both sliver removals stop after the time that refinement took: a mesh that depends on the
     // clock. 0 means no limit; they end by themselves when no tetrahedron below the bound can be improved.
-    complex = CGAL::make_mesh_3<Complex>(
-        domain, criteria, param::manifold(), param::perturb(param::time_limit = 0, param::sliver_bound = kSliverAngle),
-        param::exude(param::time_limit = 0, param::sliver_bound = kSliverAngle), param::mesh_3_options(param::number_of_initial_points = points));
+    try {
+      complex = CGAL::make_mesh_3<Complex>(
+          domain, criteria, param::manifold(), param::perturb(param::time_limit = 0, param::sliver_bound = kSliverAngle),
+          param::exude(param::time_limit = 0, param::sliver_bound = kSliverAngle), param::mesh_3_options(param::number_of_initial_points = points));
+    } catch (const CGAL::Failure_exception&) {
+      complex = Complex();
+    }
   }
   CGAL::set_warning_handler(told);
 
