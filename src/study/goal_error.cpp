@@ -2,49 +2,13 @@
 
 #include <algorithm>
 
+#include "model/clusters.h"
+#include "model/volumetric.h"
 #include "run/held_points.h"
-#include "run/volumetric.h"
+#include "run/vector_at.h"
 #include "study/tuning.h"
 
 namespace mortise::study {
-namespace {
-
-using Stress = Eigen::Matrix<double, 6, 1>;
-
-// a : C^-1 : b
-double product(const Stress& a, const Stress& b, double E, double nu) {
-  const double traces = a.head<3>().sum() * b.head<3>().sum(), full = a.head<3>().dot(b.head<3>()) + 2 * a.tail<3>().dot(b.tail<3>());
-  return ((1 + nu) * full - nu * traces) / E;
-}
-
-// Mean over a tetrahedron of the product of linear fields with these values at its corners.
-double mean_of_product(const Stress (&a)[4], const Stress (&b)[4], double E, double nu) {
-  Stress sum_a = Stress::Zero(), sum_b = Stress::Zero();
-  double mean = 0;
-  for (int k = 0; k < 4; ++k) sum_a += a[k], sum_b += b[k], mean += product(a[k], b[k], E, nu);
-  return (mean + product(sum_a, sum_b, E, nu)) / 20;
-}
-
-Stress linear_stress(const Mat3& gradient, double E, double nu) {
-  const double mu = E / (2 * (1 + nu)), lambda = E * nu / ((1 + nu) * (1 - 2 * nu));
-  const Mat3 e = 0.5 * (gradient + gradient.transpose()), s = 2 * mu * e + lambda * e.trace() * Mat3::Identity();
-  return (Stress() << s(0, 0), s(1, 1), s(2, 2), s(0, 1), s(1, 2), s(2, 0)).finished();
-}
-
-// What averages at nodes differ from each element's stress by, at its corners.
-template <class Body>
-std::vector<std::array<Stress, 4>> jumps(const Body& b, const std::vector<Stress>& of) {
-  std::vector<Stress> mean(b.nodes, Stress::Zero());
-  std::vector<double> weight(b.nodes, 0.0);
-  for (std::size_t t = 0; t < b.tets.size(); ++t)
-    for (Index v : b.tets[t].v) mean[v] += b.volume[t] * of[t], weight[v] += b.volume[t];
-  std::vector<std::array<Stress, 4>> out(b.tets.size());
-  for (std::size_t t = 0; t < b.tets.size(); ++t)
-    for (int k = 0; k < 4; ++k) out[t][k] = mean[b.tets[t].v[k]] / weight[b.tets[t].v[k]] - of[t];
-  return out;
-}
-
-}  // namespace
 
 GoalError::GoalError(const model::ModelInput& input) {
   const std::vector<bool> held = run::held_points(input);
@@ -52,23 +16,32 @@ GoalError::GoalError(const model::ModelInput& input) {
   for (const model::BodyInput& in : input.bodies) {
     if (in.type == model::BodyType::half_space) continue;
     if (in.type == model::BodyType::soft) {
-      if (!in.midsides.empty())
-        why_not_ = "'" + in.name + "' has quadratic elements";
-      else if (run::volumetric(in) != "full")
-        why_not_ = "the change of volume of '" + in.name + "' is averaged, and stresses say less";
-      Body b{cell, point, in.nodes.size(), in.tets, {}, {}, in.material.number("youngs_modulus"), in.material.number("poisson_ratio")};
-      double all = 0, blind = 0;  // volumes: of all elements, and of those without a free node
+      if (!in.midsides.empty()) why_not_ = "'" + in.name + "' has quadratic elements";
+      const double E = in.material.number("youngs_modulus"), nu = in.material.number("poisson_ratio");
+      const Params* law = in.material.find("model");
+      Body b{in.name,
+             cell,
+             point,
+             in.nodes.size(),
+             in.tets,
+             {},
+             {},
+             {},
+             E / (2 * (1 + nu)),
+             E * nu / ((1 + nu) * (1 - 2 * nu)),
+             law && law->as_text() == "linear",
+             {}};
       for (const Tet& t : in.tets) {
         Mat3 edges;
         for (int k = 0; k < 3; ++k) edges.col(k) = in.nodes[t.v[k + 1]] - in.nodes[t.v[0]];
         b.volume.push_back(edges.determinant() / 6);
         b.inverse.push_back(edges.inverse());
-        all += b.volume.back();
-        if (std::all_of(std::begin(t.v), std::end(t.v), [&](Index v) { return held[point + static_cast<std::size_t>(v)]; })) blind += b.volume.back();
+        b.held.push_back(std::all_of(std::begin(t.v), std::end(t.v), [&](Index v) { return held[point + static_cast<std::size_t>(v)]; }));
       }
-      if (blind > tuning::kBlind * all)
-        why_not_ = "elements of '" + in.name + "' have no free node, and their stresses tell nothing: use a finer mesh";
-      b.one_sided = run::one_sided(held, point, in.nodes.size());
+      if (model::averages_volume(in))
+        b.cluster = model::star_clusters(in);
+      else
+        b.one_sided = run::one_sided(held, point, in.nodes.size());
       bodies_.push_back(std::move(b));
     }
     cell += in.type == model::BodyType::soft ? in.tets.size() : in.triangles.size();
@@ -76,22 +49,86 @@ GoalError::GoalError(const model::ModelInput& input) {
   }
 }
 
-double GoalError::of(std::span<const double> stress, std::span<const double> z) const {
+std::vector<Mat3> GoalError::gradients(const Body& b, std::span<const double> of) {
+  std::vector<Mat3> out;
+  for (std::size_t t = 0; t < b.tets.size(); ++t) {
+    const auto at = [&](int k) { return run::at(of, b.first_point + static_cast<std::size_t>(b.tets[t].v[k])); };
+    Mat3 edges;
+    for (int k = 0; k < 3; ++k) edges.col(k) = at(k + 1) - at(0);
+    out.push_back(edges * b.inverse[t]);
+  }
+  return out;
+}
+
+// s = 2 mu e + p I
+std::vector<GoalError::Field> GoalError::of_solution(const Body& b, std::span<const double> stress, std::span<const double> points) {
+  std::vector<Field> out;
+  const std::vector<Mat3> F = gradients(b, points);
+  for (std::size_t t = 0; t < b.tets.size(); ++t) {
+    Field& f = out.emplace_back();
+    f << Eigen::Map<const Eigen::Matrix<double, 6, 1>>(stress.data() + 6 * (b.first_cell + t)), 0, 0;
+    const double trace = f.head<3>().sum();
+    f[6] = b.cluster.empty() ? trace / (2 * b.mu + 3 * b.lambda) : b.linear ? F[t].trace() - 3 : F[t].determinant() - 1;
+    f[7] = (trace - 2 * b.mu * f[6]) / 3;
+    f.head<3>().array() -= f[7];
+    f.head<6>() /= 2 * b.mu;
+  }
+  return out;
+}
+
+std::vector<GoalError::Field> GoalError::of_adjoint(const Body& b, std::span<const double> z) {
+  std::vector<Field> out;
+  std::vector<double> sum(b.tets.size(), 0.0), volume = sum;  // of clusters
+  const std::vector<Mat3> gradient = gradients(b, z);
+  for (std::size_t t = 0; t < b.tets.size(); ++t) {
+    const Mat3 e = 0.5 * (gradient[t] + gradient[t].transpose());
+    out.emplace_back() << e(0, 0), e(1, 1), e(2, 2), e(0, 1), e(1, 2), e(2, 0), e.trace(), b.lambda * e.trace();
+    if (!b.cluster.empty()) sum[b.cluster[t]] += b.volume[t] * e.trace(), volume[b.cluster[t]] += b.volume[t];
+  }
+  for (std::size_t t = 0; t < b.cluster.size(); ++t) out[t][7] = b.lambda * sum[b.cluster[t]] / volume[b.cluster[t]];
+  return out;
+}
+
+// What averages at nodes differ from each element's values by, at its corners.
+std::vector<GoalError::Corners> GoalError::jumps(const Body& b, const std::vector<Field>& of) {
+  std::vector<Field> mean(b.nodes, Field::Zero());
+  std::vector<double> weight(b.nodes, 0.0);
+  for (std::size_t t = 0; t < b.tets.size(); ++t)
+    for (Index v : b.tets[t].v) mean[v] += b.volume[t] * of[t], weight[v] += b.volume[t];
+  std::vector<Corners> out(b.tets.size());
+  for (std::size_t t = 0; t < b.tets.size(); ++t)
+    for (int k = 0; k < 4; ++k) out[t][k] = mean[b.tets[t].v[k]] / weight[b.tets[t].v[k]] - of[t];
+  return out;
+}
+
+double GoalError::product(const Body& b, const Field& u, const Field& z) {
+  const double shear = u.head<3>().dot(z.head<3>()) + 2 * u.segment<3>(3).dot(z.segment<3>(3));
+  return 2 * b.mu * shear + u[7] * z[6] + u[6] * z[7] - (b.lambda > 0 ? u[7] * z[7] / b.lambda : 0);
+}
+
+std::optional<std::pair<std::string, double>> GoalError::blind(std::span<const double> stress, std::span<const double> points) const {
+  std::optional<std::pair<std::string, double>> out;
+  for (const Body& b : bodies_) {
+    const std::vector<Field> fields = of_solution(b, stress, points);
+    double all = 0, blind = 0;  // [J]
+    for (std::size_t t = 0; t < b.tets.size(); ++t) {
+      const double energy = 0.5 * b.volume[t] * product(b, fields[t], fields[t]);
+      all += energy, blind += b.held[t] ? energy : 0;
+    }
+    if (const double share = blind / all; share > tuning::kBlind && !(out && out->second > share)) out = {b.name, share};
+  }
+  return out;
+}
+
+double GoalError::of(std::span<const double> stress, std::span<const double> points, std::span<const double> z) const {
   double sum = 0;
   for (const Body& b : bodies_) {
-    std::vector<Stress> of_u, of_z;
+    const std::vector<Corners> u = jumps(b, of_solution(b, stress, points)), v = jumps(b, of_adjoint(b, z));
     for (std::size_t t = 0; t < b.tets.size(); ++t) {
-      const auto at = [&](int k) { return Vec3(Eigen::Map<const Vec3>(z.data() + 3 * (b.first_point + b.tets[t].v[k]))); };
-      Mat3 edges;
-      for (int k = 0; k < 3; ++k) edges.col(k) = at(k + 1) - at(0);
-      of_z.push_back(linear_stress(edges * b.inverse[t], b.E, b.nu));
-      of_u.emplace_back(Eigen::Map<const Stress>(stress.data() + 6 * (b.first_cell + t)));
-    }
-    const auto jump_u = jumps(b, of_u), jump_z = jumps(b, of_z);
-    for (std::size_t t = 0; t < b.tets.size(); ++t) {
-      Stress u[4], v[4];
-      for (int k = 0; k < 4; ++k) u[k] = jump_u[t][k], v[k] = jump_z[t][k];
-      sum += b.one_sided * b.volume[t] * mean_of_product(u, v, b.E, b.nu);
+      Field all_u = Field::Zero(), all_v = Field::Zero();  // the mean of a product of linear fields: (sum_k u_k v_k + sum_k u_k sum_k v_k) / 20
+      double mean = 0;
+      for (int k = 0; k < 4; ++k) all_u += u[t][k], all_v += v[t][k], mean += product(b, u[t][k], v[t][k]);
+      sum += b.one_sided * b.volume[t] * (mean + product(b, all_u, all_v)) / 20;
     }
   }
   return -sum;

@@ -2,12 +2,18 @@
 // What the mesh has left out of a number Q, from stresses that jump between linear tetrahedra (run/stress_error.h): with z, what Q hangs on
 // (solver/adjoint.h), as a displacement,
 //
-//   Q(exact) - Q  ~  - sum over elements of int (s*(u) - s(u)) : C^-1 : (s*(z) - s(z)) dV
+//   Q(exact) - Q  ~  - sum over elements of int 2 mu De(u) : De(z) + Dp(u) Dtheta(z) + Dtheta(u) Dp(z) - Dp(u) Dp(z) / lambda dV,   D = * - 1
 //
-// where s is the stress of an element and s* the linear field of its averages at nodes (Zienkiewicz, Zhu 1987; for goals: Prudhomme, Oden, Comput.
-// Methods Appl. Mech. Engrg. 176, 1999). Stresses of z are linear ones at rest: strains are taken as small.
+// where e is the strain of an element, theta its change of volume and p = lambda <theta> what acts of it, averaged over clusters where the body says
+// so (effects/elasticity/README.md), and a star is the linear field of averages at nodes (Zienkiewicz, Zhu 1987; for goals: Prudhomme, Oden, Comput.
+// Methods Appl. Mech. Engrg. 176, 1999). Without clusters p = lambda theta, and the integrand is Ds(u) : C^-1 : Ds(z) of the stresses s. With them it
+// is that of the mixed form, of which averages are one: elements may then be too soft as well as too stiff. Strains are taken as small, those of z as
+// at rest.
+#include <array>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "model/input.h"
@@ -19,18 +25,31 @@ class GoalError {
   explicit GoalError(const model::ModelInput& input);
   // Why the mesh's part is not to be had of this scene; empty where it is.
   const std::string& why_not() const { return why_not_; }
-  // stress: cauchy_stress of all output cells, six components each (xx yy zz xy yz zx) [Pa]; z: three per point.
-  double of(std::span<const double> stress, std::span<const double> z) const;
+  // stress: cauchy_stress of all output cells, six components each (xx yy zz xy yz zx) [Pa]; points, z: three per point.
+  double of(std::span<const double> stress, std::span<const double> points, std::span<const double> z) const;
+  // The body most of whose energy is in elements without a free node, whose stresses tell nothing: name and share; nothing where all have hardly any.
+  std::optional<std::pair<std::string, double>> blind(std::span<const double> stress, std::span<const double> points) const;
 
  private:
   struct Body {
+    std::string name;
     std::size_t first_cell, first_point, nodes;
     std::vector<Tet> tets;
     std::vector<double> volume;  // [m^3]
+    std::vector<bool> held;      // those without a free node
     std::vector<Mat3> inverse;   // of the edges at rest [1/m]
-    double E, nu;
-    double one_sided = 1;  // nodes over free nodes (run/stress_error.h)
+    double mu, lambda;           // [Pa]
+    bool linear;                 // its law: theta = tr e, not J - 1
+    std::vector<Index> cluster;  // of every tetrahedron; empty where volumes are not averaged
+    double one_sided = 1;        // nodes over free nodes (run/stress_error.h)
   };
+  using Field = Eigen::Matrix<double, 8, 1>;  // of an element: e (xx yy zz xy yz zx), theta, p [Pa]
+  using Corners = std::array<Field, 4>;
+  static std::vector<Mat3> gradients(const Body& b, std::span<const double> of);
+  static std::vector<Field> of_solution(const Body& b, std::span<const double> stress, std::span<const double> points);
+  static std::vector<Field> of_adjoint(const Body& b, std::span<const double> z);
+  static std::vector<Corners> jumps(const Body& b, const std::vector<Field>& of);
+  static double product(const Body& b, const Field& u, const Field& z);
   std::vector<Body> bodies_;
   std::string why_not_;
 };

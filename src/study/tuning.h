@@ -53,6 +53,6 @@ inline constexpr double kFinestGoal = 1e-5, kCoarsestGoal = 0.5;
 // Errors below this are rounding: they are drawn and compared as if they were this.
 inline constexpr double kRounding = 1e-16;
 
-inline constexpr double kBlind = 0.01;  // of a body's volume: so many elements in corners between what is held are as good as none (goal_error.cpp)
+inline constexpr double kBlind = 0.01;  // of a body's energy: so much in corners between what is held is as good as none (goal_error.cpp)
 
 }  // namespace mortise::study::tuning
