@@ -185,10 +185,13 @@ class Search {
     out_.attempts[here_].estimates = at_.back().second;
   }
 
+  // Where a number has not settled its estimate is what it scatters by, which may be far less than what it is wrong by.
   bool holds() const {
     const std::vector<double> most = goals();
-    for (std::size_t q = 0; q < most.size(); ++q)
-      if (!(out_.attempts[here_].estimates[q] <= most[q])) return false;
+    for (std::size_t q = 0; q < most.size(); ++q) {
+      const bool settled = std::all_of(out_.climbs.begin(), out_.climbs.end(), [q](const Climb& c) { return c.settles(q); });
+      if (!(out_.attempts[here_].estimates[q] * (settled ? 1 : tuning::kUnknownOrder / tuning::kSafety) <= most[q])) return false;
+    }
     return true;
   }
 
@@ -225,16 +228,26 @@ class Search {
     return worst;
   }
 
-  // The run that reaches all goals, else the one of those whose errors were looked at that comes nearest.
+  // The run that reaches all goals, else the one of those whose errors were looked at that comes nearest by all that is known in the end; of equal
+  // ones the last.
   void finish() {
-    out_.chosen = here_;
+    const std::size_t last = here_;
+    std::size_t chosen = here_;
     double best = INFINITY;
-    for (const auto& [i, estimates] : at_) {
+    for (auto& [i, estimates] : at_) {
+      if (out_.reached) break;
+      centre_ = out_.attempts[i].levels, here_ = i;
+      if (!by_budget_) {
+        const std::vector<Climb> climbs = climbs_here();
+        for (std::size_t q = 0; q < estimates.size(); ++q) estimates[q] = estimate(climbs, q, Levels(knobs_.size(), 0));
+        out_.attempts[i].estimates = estimates;
+      }
       double worst = 0;
       for (std::size_t q = 0; q < estimates.size(); ++q)
-        worst = std::max(worst, estimates[q] / (out_.goals[q].share * std::max(std::abs(out_.attempts[i].run.values[q]), tuning::kRounding)));
-      if (!out_.reached && worst < best) best = worst, out_.chosen = i;
+        worst = std::max(worst, estimates[q] / (out_.goals[q].share * std::max(std::abs(out_.attempts[last].run.values[q]), tuning::kRounding)));
+      if (worst <= best * (1 + tuning::kRounding)) best = worst, chosen = i;
     }
+    out_.chosen = chosen;
     centre_ = out_.attempts[out_.chosen].levels, here_ = out_.chosen;
     out_.climbs = climbs_here();
     for (std::size_t k = 0; k < knobs_.size(); ++k) {
