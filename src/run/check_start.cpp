@@ -3,6 +3,7 @@
 #include "engine/api.h"
 #include "render/from_scene.h"
 #include "render/renderer.h"
+#include "run/reported.h"
 #include "run/reset_watch.h"
 #include "sensors/sensors.h"
 
@@ -24,6 +25,7 @@ std::unique_ptr<engine::Engine> check_start(const Params& scene, const model::Mo
   engine->report(start);
   sensors.read(start, points);
   ResetWatch(resets, input).check(scene, start);
+  check_quantities(scene, start);
   if (scene.has("render") && scene.at("output").flag("pictures")) {
     render::SceneView view(scene, input.bodies);
     view.move(points);

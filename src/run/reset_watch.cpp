@@ -2,10 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
-#include "base/error.h"
-#include "scene/suggest.h"
+#include "run/reported.h"
 
 namespace mortise::run {
 
@@ -21,24 +18,8 @@ ResetWatch::ResetWatch(const std::vector<Params>& conditions, const model::Model
 }
 
 void ResetWatch::check(const Params& scene, const Snapshot& start) const {
-  std::vector<std::string> groups{"supports", "balance", "audit"};
-  for (const auto& [name, effect] : scene.at("effects").entries()) groups.push_back(name);
-  for (const auto& [name, number] : start.number) groups.push_back(name.substr(0, name.find('/')));
-  for (const Params& c : conditions_) {
-    if (!c.has("quantity") || start.has(c.text("quantity"))) continue;
-    const std::string& quantity = c.text("quantity");
-    const std::size_t slash = quantity.find('/');
-    if (slash != std::string::npos && std::find(groups.begin(), groups.end(), quantity.substr(0, slash)) != groups.end()) continue;
-    unknown(c, start);
-  }
-}
-
-void ResetWatch::unknown(const Params& condition, const Snapshot& said) {
-  const std::string& quantity = condition.text("quantity");
-  std::vector<std::string> known;
-  for (const auto& [name, number] : said.number) known.push_back(name);
-  const std::string hint = scene::suggestion(quantity, known);
-  throw Error(Exit::scene, condition.where(), "environments.reset: nothing reports '" + quantity + "'" + (hint.empty() ? "" : "; " + hint));
+  for (const Params& c : conditions_)
+    if (c.has("quantity") && !may_report(c.text("quantity"), scene, start)) not_reported(c, "environments.reset", c.text("quantity"), start);
 }
 
 void ResetWatch::see(long step, double time, const Snapshot& said, const std::vector<double>& points) {
@@ -57,7 +38,7 @@ void ResetWatch::see(long step, double time, const Snapshot& said, const std::ve
       } else if (said.has(c.text("quantity"))) {
         value = said.number.at(c.text("quantity"));
       } else {
-        unknown(c, said);
+        not_reported(c, "environments.reset", c.text("quantity"), said);
       }
       met = (c.has("above") && value > c.number("above")) || (c.has("below") && value < c.number("below"));
     }

@@ -23,8 +23,6 @@ class ResetWatch {
   void checkpoint(Archive& archive);
 
  private:
-  [[noreturn]] static void unknown(const Params& condition, const Snapshot& said);
-
   std::vector<Params> conditions_;
   std::vector<MeasuredBody> bodies_;  // one per condition of a body, in their order
   long due_ = -1;                     // number of the condition

@@ -25,6 +25,7 @@
 #include "run/folder.h"
 #include "run/progress.h"
 #include "run/record.h"
+#include "run/reported.h"
 #include "run/reset_watch.h"
 #include "run/results.h"
 #include "run/signals.h"
@@ -158,6 +159,7 @@ class Run {
     engine_->report(state);
     if (bridge_) tell(state, points);
     results_->state({engine_->time(), state, points, nullptr, true});
+    check_quantities(scene_.root, state);
     progress_.frame(0, 0);
     save();
   }

@@ -54,8 +54,11 @@ void check_quantities(const Params& root, const std::set<std::string>& incomplet
   if (bodies && !incomplete.count("bodies"))
     for (const auto& [name, body] : bodies->entries())
       if (const Params* type = body.find("type"); !type || type->as_text() != "half_space") with_points.push_back(name);
+  std::set<std::string> names;
   for (std::size_t i = 0; i < list->items().size(); ++i) {
     const Params& q = list->items()[i];
+    if (q.has("name") && !names.insert(q.text("name")).second)
+      errors.add(q.at("name").where(), "quantities." + std::to_string(i) + ".name: there are two of '" + q.text("name") + "'");
     const std::string path = "quantities." + std::to_string(i);
     if (!incomplete.count(path)) check_quantity(q, q.where(), path, errors);
     const Params* body = q.find("body");

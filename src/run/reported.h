@@ -1,0 +1,18 @@
+#pragma once
+// Scalars that a scene names (`quantities`, conditions of environments.reset), held against what is reported at its start: so that hours of work do
+// not end with a number that nothing reports.
+#include <string>
+
+#include "base/params.h"
+#include "base/snapshot.h"
+
+namespace mortise::run {
+
+// Will "group/name" be reported, as far as the start tells? Of groups that the scene has some scalars come only later.
+bool may_report(const std::string& scalar, const Params& scene, const Snapshot& start);
+// Throws Error(Exit::scene) at `entry`: "WHAT: nothing reports 'SCALAR'", and what was probably meant.
+[[noreturn]] void not_reported(const Params& entry, const std::string& what, const std::string& scalar, const Snapshot& said);
+// Of the scene's `quantities`. Throws Error(Exit::scene).
+void check_quantities(const Params& scene, const Snapshot& start);
+
+}  // namespace mortise::run
