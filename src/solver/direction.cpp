@@ -131,7 +131,8 @@ void Direction::carry(const Linearised& at, const EnvTable& envs, device::Fetch&
   system_.to_blocks(std::as_const(x_).view(), std::as_const(support_).view(), envs.mask(EnvState::running), dq_);
   std::vector<double> more;  // of its own length
   for (Index e = 0; e < envs.size(); ++e) more.push_back(envs.is(e, EnvState::running) ? envs[e].stretch - 1 : 0);
-  if (!supports_move_ && largest_of(more) > 0) add_scaled(std::as_const(dq_).view(), more, std::as_const(system_.model.block_env).view(), dq_);
+  const bool other = std::any_of(more.begin(), more.end(), [](double m) { return m != 0; });
+  if (!supports_move_ && other) add_scaled(std::as_const(dq_).view(), more, std::as_const(system_.model.block_env).view(), dq_);
   slope_.assign(envs.size(), 0.0);
   dot(std::as_const(at.gradient).view(), std::as_const(dq_).view(), system_.model.env_blocks, {slope_, fetch});
   if (!system_.model.ties.driven()) return;

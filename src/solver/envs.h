@@ -32,6 +32,7 @@ struct EnvStatus {
   bool whole = false;                                   // lagged quantities are those of every iterate, and directions those of the whole Jacobian
   bool moving = false;                                  // so are those of what is frozen beside them (moving_policy.h)
   bool unsymmetric() const { return whole || moving; }  // its directions are of more than the Hessian
+  bool circles = false;                                 // between two states: what is looked for lies between them
   bool arrived = false;                                 // supports stand on their targets
   bool may_couple = false;                              // the coupled iteration may be tried,
   double couple_below = INFINITY;                       // where a residual is less than this [N]: farther away it has failed

@@ -29,7 +29,7 @@ class SaddlePolicy {
   }
   // The residual is small enough, and the last matrix had that share of negative curvature: is it worth going on? One that had all of it was
   // definite.
-  bool waits(Index env, double concave) { return concave < 1 && rows_[env].waited++ < tuning::kWaits; }
+  bool waits(Index env, double concave) { return concave < 1 && rows_[env].waited++ < (concave > 0 ? tuning::kWaits : tuning::kWaitsConvex); }
 
  private:
   struct Row {

@@ -19,8 +19,10 @@ inline constexpr Index kFirstLook = 8;        // iteration at which what touches
 inline constexpr double kConcave[] = {1, 63. / 64, 0.875, 0.5, 0.125, 0};
 
 // ---- saddles (saddle_policy.h)
-inline constexpr double kStretch = 4;    // in two iterations sixteen times as far: cutting a way that is too long costs an energy per halving
-inline constexpr Index kWaits = 40;      // iterations for which rounding may look for a way down: unstable motions grow by a third in each, or more
+inline constexpr double kStretch = 4;  // in two iterations sixteen times as far: cutting a way that is too long costs an energy per halving
+inline constexpr Index kWaits = 40;    // iterations for which rounding may look for a way down: unstable motions grow by a third in each, or more
+// where not even an eighth of the negative curvature could be kept, eightfold: from rounding to a micrometre
+inline constexpr Index kWaitsConvex = 14;
 inline constexpr double kLongest = 1e6;  // beyond it a direction is as little that motion as rounding made it
 
 // ---- linear systems (linear.h)
@@ -83,7 +85,8 @@ inline constexpr Index kWholePatience = 12;  // iterations without: then rounds 
                                              // coupled iteration is tried again
 inline constexpr double kSameForce = 1e-3;   // of the residual: what comes closer by no more would take a thousand iterations,
 inline constexpr Index kCircles = 5;         // so often in a row
-inline constexpr Index kHopeless = 24;       // where that has failed too: time for a shorter step
+inline constexpr double kBetween = 0.5;  // of the way to the other state, where forces turn round within nanometres (a vertex in a dimple under it)
+inline constexpr Index kHopeless = 24;   // where that has failed too: time for a shorter step
 
 // ---- coupled iteration (coupled.h)
 inline constexpr double kCoupledForcing = 1e-4;  // the last iteration then ends well below the tolerance
