@@ -112,6 +112,12 @@ TetMesh tet_shape(const Params& shape, const ElementOrder& element) {
   });
 }
 
+std::optional<TriMesh> remeshed_surface(const Params& shape) {
+  const auto& [kind, p] = only_entry(shape);
+  if (kind != "mesh" || has_tets(p.text("file"))) return {};
+  return scaled_surface(p);
+}
+
 TriMesh surface_shape(const Params& shape, Index single) {
   const auto& [kind, p] = only_entry(shape);
   if (kind == "parts") return all_parts(p, single);

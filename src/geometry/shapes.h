@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+
 #include "base/params.h"
 #include "geometry/mesh.h"
 
@@ -19,6 +21,9 @@ struct ElementOrder {
 // other file is a closed surface and is filled with tetrahedra of `edge_length` (required then), its surface remeshed with
 // `surface_edge_length`.
 TetMesh tet_shape(const Params& shape, const ElementOrder& element = {});
+
+// The surface of the file that tet_shape fills with tetrahedra, by which it remeshes it; nothing of other shapes.
+std::optional<TriMesh> remeshed_surface(const Params& shape);
 
 // For stiff bodies. mesh: the surface of the file as it is; parts: the surfaces of all, each placed. single: cells along a side of a box where
 // one would do.

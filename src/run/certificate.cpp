@@ -30,7 +30,12 @@ void Certificate::Range::add(double v) {
 }
 
 Certificate::Certificate(const model::ModelInput& input)
-    : field_errors_(input), crept_(input), bearings_(input), shape_defect_(shape_defect(input)), schedule_missed_(schedule_missed(input)) {
+    : field_errors_(input),
+      crept_(input),
+      bearings_(input),
+      touch_lag_(input),
+      shape_defect_(shape_defect(input)),
+      schedule_missed_(schedule_missed(input)) {
   const double dt = integration_of(input.scene).step;
   for (const model::BodyInput& body : input.bodies) {
     if (body.nodes.empty()) continue;
@@ -76,7 +81,7 @@ void Certificate::state(const Snapshot& said, double time) {
     if (starts_with(leaf, "force_share_")) kind_share_[leaf.substr(12)] = v;
   }
   const ForceBalance balance = force_balance(said);
-  crept_.state(said), bearings_.state(said);
+  crept_.state(said), bearings_.state(said), touch_lag_.state(said);
   if (states_++ > 0) field_errors_.state(said, time);  // where a run starts nothing is solved yet
   largest(written_newton_, said.at("balance/written_defect"));
   largest(balance_newton_, balance.defect);
@@ -121,7 +126,7 @@ void Certificate::checkpoint(Archive& archive) {
   archive.io("kind_share", kind_share_);
   archive.io("first_not_finite", first_not_finite_);
   field_errors_.checkpoint(archive);
-  crept_.checkpoint(archive), bearings_.checkpoint(archive);
+  crept_.checkpoint(archive), bearings_.checkpoint(archive), touch_lag_.checkpoint(archive);
   for (auto [name, value] : {std::pair{"not_finite", &not_finite_},
                              {"states", &states_},
                              {"steps", &steps_},
@@ -168,7 +173,7 @@ void Certificate::step(const solver::StepReport& r) {
   newton_ += r.newton, lag_ += r.lag, cg_ += r.cg, line_search_ += r.line_search, regularised_ += r.regularised;
   most_newton_ = std::max<long>(most_newton_, r.newton);
   if (r.substeps > 1) ++halved_;
-  crept_.step(r.dt), bearings_.step(r.dt);
+  crept_.step(r.dt), bearings_.step(r.dt), touch_lag_.step(r.substeps);
   largest(residual_, r.residual);
   if (r.tolerance > 0) largest(over_tolerance_, r.residual / r.tolerance);
   largest(relative_residual_, r.lag > 0 ? r.relative_lag_residual : r.relative_residual);

@@ -13,6 +13,7 @@
 #include "run/field_errors.h"
 #include "run/grade.h"
 #include "run/state_audit.h"
+#include "run/touch_lag.h"
 #include "solver/report.h"
 
 namespace mortise::run {
@@ -56,6 +57,7 @@ class Certificate {
   FieldErrors field_errors_;
   Crept crept_;
   BearingCreep bearings_;
+  TouchLag touch_lag_;
   double shape_defect_ = 0, schedule_missed_ = NAN;
   std::vector<std::string> passes_through_;  // what nothing keeps apart
   std::vector<std::string> locking_risks_, single_elements_;

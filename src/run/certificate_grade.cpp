@@ -46,6 +46,7 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("load_turned", fields.load_turned, tuning::kLoadTurned);
   add("shape_defect", shape_defect_ > 0 ? shape_defect_ : NAN, tuning::kShape);
   add("friction_crept", std::fmax(crept_.share(), bearings_.share()), tuning::kCrept);
+  add("touch_lag", touch_lag_.share(), tuning::kTouchLag);
   add("pressure_roughness", fields.pressure.roughness, tuning::kRoughness, Of::fields);
   add("pressure_misfit", fields.pressure.misfit, tuning::kMisfit, Of::fields);
   add("layer_over_indentation", fields.layer, tuning::kLayer);

@@ -4,8 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/nearest_triangle.h"
+#include "geometry/placement.h"
+#include "geometry/shapes.h"
 #include "run/holds.h"
 #include "run/measured_body.h"
+#include "run/tuning.h"
 
 namespace mortise::run {
 namespace {
@@ -20,6 +24,24 @@ double exact_volume(const Params& shape) {
   return kind == "cylinder" ? tube : tube + ball;
 }
 
+// Volume between the surface of a file and the one that the body has instead of it: facets of the latter by how far their middles are from the
+// former [m^3].
+double remeshed_by(const model::BodyInput& body) {
+  const std::optional<geometry::TriMesh> file = geometry::remeshed_surface(body.params.at("shape"));
+  if (!file) return 0;
+  std::vector<Vec3> given = file->points;
+  geometry::Placement(body.params).apply(given);
+  const geometry::NearestTriangle near(given, file->triangles);
+  double out = 0;
+  for (const Triangle& t : body.triangles) {
+    const Vec3 &a = body.nodes[t.v[0]], &b = body.nodes[t.v[1]], &c = body.nodes[t.v[2]], middle = (a + b + c) / 3;
+    const Triangle& there = file->triangles[near.nearest(middle)];
+    out += 0.5 * (b - a).cross(c - a).norm() *
+           (middle - geometry::closest_point(middle, given[there.v[0]], given[there.v[1]], given[there.v[2]])).norm();
+  }
+  return out;
+}
+
 }  // namespace
 
 double shape_defect(const model::ModelInput& input) {
@@ -30,7 +52,9 @@ double shape_defect(const model::ModelInput& input) {
     if (!shape || body.type == model::BodyType::half_space) continue;
     const bool soft = body.type == model::BodyType::soft;
     if (soft ? body.params.has("curved") && body.params.flag("curved") : holds.held(body.name) || body.params.has("mass")) continue;
-    if (const double exact = exact_volume(*shape); exact > 0) worst = std::max(worst, 1 - MeasuredBody(body, 0).rest_volume() / exact);
+    const double volume = MeasuredBody(body, 0).rest_volume();
+    if (const double exact = exact_volume(*shape); exact > 0) worst = std::max(worst, 1 - volume / exact);
+    if (soft && volume > 0) worst = std::max(worst, tuning::kRemeshed * remeshed_by(body) / volume);
   }
   return worst;
 }

@@ -1,6 +1,8 @@
 #pragma once
 // Flat facets leave out a part of a round body: of a sphere, cylinder or capsule the share 1 - V / V_exact of its volume, so of its weight; of the
-// stiffness of a bar against bending and twisting about twice that.
+// stiffness of a bar against bending and twisting about twice that. The surface of a file that is remeshed (`edge_length` of a mesh) is cut by facets
+// as well, inside and out: of it the volume between the two surfaces counts kRemeshed times, of the volume of the body. What facets a file has itself
+// nobody knows.
 #include "model/input.h"
 
 namespace mortise::run {

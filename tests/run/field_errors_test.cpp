@@ -5,8 +5,10 @@
 
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <memory>
 #include <numbers>
+#include <sstream>
 
 #include "base/memory_archive.h"
 #include "geometry/primitives.h"
@@ -195,6 +197,41 @@ TEST(ShapeDefect, IsTheVolumeThatFacetsLeaveOut) {
   EXPECT_LT(defect("sphere", 0.2, false), 0.015);
   EXPECT_LT(defect("capsule", 0.2, false), 0.015);
   EXPECT_EQ(defect("sphere", 1, false, {{"mass", number(1)}}), 0) << "the scene states its mass";
+}
+
+// A tube in a file, as fine as it may be, and filled with coarse tetrahedra: chords inside and outside, so that its volume is nearly right.
+TEST(ShapeDefect, OfAFileIsWhatRemeshingCutsInsideAndOut) {
+  const Index around = 160;
+  std::ostringstream obj;
+  obj.precision(12);
+  for (const double z : {0.0, 8.0})
+    for (const double r : {6.0, 8.0})
+      for (Index k = 0; k < around; ++k)
+        obj << "v " << r * std::cos(2 * M_PI * k / around) << ' ' << r * std::sin(2 * M_PI * k / around) << ' ' << z << '\n';
+  const auto wall = [&](Index from, Index to) {  // between two rings
+    for (Index k = 0; k < around; ++k) {
+      const Index a = from * around + k, b = from * around + (k + 1) % around, c = to * around + (k + 1) % around, d = to * around + k;
+      obj << "f " << a + 1 << ' ' << b + 1 << ' ' << c + 1 << "\nf " << a + 1 << ' ' << c + 1 << ' ' << d + 1 << '\n';
+    }
+  };
+  wall(1, 3), wall(3, 2), wall(2, 0), wall(0, 1);
+  const std::string file = ::testing::TempDir() + "tube_of_shape_defect.obj";
+  std::ofstream(file) << obj.str();
+  const auto defect = [&](double edge) {
+    const Params shape =
+        table({{"mesh", table({{"file", Params::make_text(file)}, {"scale", number(1e-3)}, {"weld", number(0)}, {"edge_length", number(edge)}})}});
+    model::BodyInput body;
+    body.name = "tube", body.type = model::BodyType::soft, body.material = table({{"density", number(1e3)}});
+    body.params = table({{"shape", shape}, {"position", Params::make_list({number(0.1), number(0), number(0)})}});
+    model::set_mesh(body, geometry::tet_shape(shape));
+    for (Vec3& x : body.nodes) x += Vec3(0.1, 0, 0);
+    return run::shape_defect({table({{"effects", Params::make_table()}}), {body}});
+  };
+  const double coarse = defect(2.8e-3), fine = defect(1.6e-3);
+  EXPECT_GT(coarse, 0.04);
+  EXPECT_LT(coarse, 0.08);
+  EXPECT_LT(fine, 0.6 * coarse);
+  EXPECT_GT(fine, 0.2 * coarse);
 }
 
 // Two bodies of a point each, at which both stick to an obstacle and to each other.
