@@ -220,6 +220,22 @@ TEST_F(StudyProgram, TellsWhereAnErrorComesFrom) {
     const auto averaged = beam("1.667 mm", nu);
     EXPECT_NEAR(averaged["error"].get<double>() / (sinks - averaged["value"].get<double>()), 1.04, 0.03) << nu;
   }
+  // Half of the beam held fast: those elements have no free node, and no stress either. A thin one between what holds its faces has nothing else.
+  const std::string beam_file = kSource + "/benchmarks/effectivity/beam.yaml";
+  const auto held = [&](const std::string& shape) {
+    EXPECT_EQ(
+        run({"study", beam_file, "--error-budget", "--qoi", "{value: displacement, body: beam, point: [39 mm, 0, 0], axis: z}", "--set",
+             "effects.pin=[{body: beam, where: {box: {min: [-1 mm, -6 mm, -6 mm], max: [20.1 mm, 6 mm, 6 mm]}}}" + shape, "-o", folder_ + "/h"}),
+        0)
+        << complained();
+    return json("h/error_budget.json")["quantities"][0]["parts"][0];
+  };
+  const auto half = held("]");
+  EXPECT_TRUE(half["error"].is_number() || half["why_not"].get<std::string>().starts_with("not reliable")) << half;
+  EXPECT_THAT(
+      held(", {body: beam, where: {box: {min: [22.4 mm, -6 mm, -6 mm], max: [22.6 mm, 6 mm, 6 mm]}}, motion: {time: [0, 1], translation: [[0, 0, "
+           "0], [0, 0, -0.1 mm]]}}]")["why_not"],
+      HasSubstr("elements that have no free node"));
   // Without --qoi it is the scene's own.
   ASSERT_EQ(run({"study", patch, "--error-budget", "-o", folder_ + "/e"}), 0) << complained();
   EXPECT_EQ(json("e/error_budget.json")["quantities"][0]["quantity"], "force on the plate");
