@@ -32,18 +32,23 @@ std::optional<geometry::Motion> LayerError::motion_of_supports(std::size_t body,
     if (!next || !number_.count(*next)) break;
     base = number_.at(*next);
   }
-  Vec3 pressed = Vec3::Zero();  // guides across it bear none of it
-  for (std::size_t i = bodies_[body].first; i < bodies_[body].first + bodies_[body].count && !f.contact.empty(); ++i) pressed += at(f.contact, i);
-  const bool pinned = holds_.pinned(bodies_[base].name);
+  // A skin that is tied to something and guided besides is borne by what it is tied to, as far as guides lie across the contact force.
+  const auto [first, end] = std::pair{bodies_[base].first, bodies_[base].first + bodies_[base].count};
+  const bool pinned = holds_.pinned(bodies_[base].name) && !f.support.empty();
+  bool tied = false;
+  Vec3 pressed = Vec3::Zero();
+  for (std::size_t i = first; i < end && pinned && !f.tie.empty() && !f.contact.empty(); ++i)
+    pressed += at(f.contact, i), tied = tied || !at(f.tie, i).isZero(0);
   for (const std::span<const double> bears : {pinned ? f.support : f.tie, f.tie}) {
     if (bears.size() != 3 * rest_.size() || f.displacement.size() != bears.size()) continue;
     std::vector<Vec3> from, to;
-    for (std::size_t i = bodies_[base].first; i < bodies_[base].first + bodies_[base].count; ++i) {
+    for (std::size_t i = first; i < end; ++i) {
       const Vec3 force = at(bears, i);
-      if (force.isZero(0) || std::abs(force.dot(pressed)) < tuning::kBears * force.norm() * pressed.norm()) continue;
+      if (force.isZero(0) || (tied && std::abs(force.dot(pressed)) < tuning::kBears * force.norm() * pressed.norm())) continue;
       from.push_back(rest_[i]), to.push_back(rest_[i] + at(f.displacement, i));
     }
     if (!from.empty()) return geometry::nearest_motion_of_any(from, to);
+    if (!tied) return {};
   }
   return {};
 }

@@ -189,9 +189,9 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     std::vector<double> tolerance;
     for (Index e = 0; e < envs_.size(); ++e) tolerance.push_back(system_.convergence.least_tolerance(r, e, wanted(e)));
     for (Index e = 0; e < envs_.size(); ++e)
-      if (running[e] && !slides(e)) {
-        envs_[e].stretch = saddle_.choose(e, envs_[e].alpha, envs_[e].concave, system_.convergence.largest_force(r, e));
-        if (envs_[e].circles) envs_[e].stretch *= tuning::kBetween;
+      if (running[e]) {
+        const double force = system_.convergence.largest_force(r, e);
+        envs_[e].stretch = envs_[e].circles ? tuning::kBetween : slides(e) ? 1 : saddle_.choose(e, envs_[e].alpha, envs_[e].concave, force);
       }
     // What is told of the direction comes with how far it may lead.
     device::Fetch fetch;
@@ -280,7 +280,7 @@ void Newton::settle(const Residual& r, Index iteration) {
       envs_[e].state = EnvState::stuck;
       continue;
     }
-    envs_[e].circles = sight.circles;
+    envs_[e].circles = sight.turns && !system_.potential.lags();  // friction has ways of its own: the coupled iteration, rounds of frozen forces
     const bool hopeless = envs_[e].coupled > 0 && !envs_[e].may_couple && sight.idle >= tuning::kHopeless;
     if (iteration < options_.iterations && !hopeless) continue;
     const Convergence::Worst worst = system_.convergence.worst(r, e, relative);

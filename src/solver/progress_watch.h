@@ -18,7 +18,8 @@ class ProgressWatch {
   struct Sight {
     bool falls;    // the energy, to the lowest of these iterations
     Index idle;    // iterations since the last progress; in a circle as many as there could be
-    bool circles;  // between two states
+    bool turns;    // it came back to where it was before the last, more than once,
+    bool circles;  // and so often that it runs in a circle between two states
   };
   // force: residual [N]; energy: of the iterate before [J], infinite where supports still moved; by_energy: does a falling energy count?
   Sight look(Index env, Index iteration, double force, double energy, bool by_energy) {
@@ -32,7 +33,7 @@ class ProgressWatch {
     row.circling = same ? row.circling + 1 : 0;
     row.last = {row.last[1], force};
     const bool circles = row.circling >= tuning::kCircles;
-    return {falls, circles ? tuning::kHopeless : iteration - row.since, circles};
+    return {falls, circles ? tuning::kHopeless : iteration - row.since, row.circling >= tuning::kTurns, circles};
   }
 
  private:

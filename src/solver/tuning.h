@@ -85,8 +85,9 @@ inline constexpr Index kWholePatience = 12;  // iterations without: then rounds 
                                              // coupled iteration is tried again
 inline constexpr double kSameForce = 1e-3;   // of the residual: what comes closer by no more would take a thousand iterations,
 inline constexpr Index kCircles = 5;         // so often in a row
-inline constexpr double kBetween = 0.5;  // of the way to the other state, where forces turn round within nanometres (a vertex in a dimple under it)
-inline constexpr Index kHopeless = 24;   // where that has failed too: time for a shorter step
+inline constexpr Index kTurns = 2;           // after so many it goes only
+inline constexpr double kBetween = 0.5;      // so far of its way: what is looked for lies between, where forces turn round within nanometres
+inline constexpr Index kHopeless = 24;       // where that has failed too: time for a shorter step
 
 // ---- coupled iteration (coupled.h)
 inline constexpr double kCoupledForcing = 1e-4;  // the last iteration then ends well below the tolerance
