@@ -16,7 +16,7 @@ TouchLag::TouchLag(const model::ModelInput& input) : supports_(input) {
   const Holds holds(effects);
   for (const model::BodyInput& in : input.bodies) {
     if (in.type == model::BodyType::half_space) continue;
-    bodies_.push_back({in.name, rest_.size(), in.nodes.size(), in.type == model::BodyType::soft, holds.given(in.name)});
+    bodies_.push_back({rest_.size(), in.nodes.size(), in.type == model::BodyType::soft, holds.given(in.name)});
     rest_.insert(rest_.end(), in.nodes.begin(), in.nodes.end());
   }
   nodes_.resize(rest_.size());
@@ -33,10 +33,11 @@ void TouchLag::move_supports(const Snapshot& said, const Snapshot::Values& displ
     Body& body = bodies_[b];
     body.before = body.now;
     if (!body.given) continue;
-    if (body.soft) {
-      if (const std::optional<geometry::Motion> motion = supports_.motion_of_supports(b, fields)) body.now = *motion;
+    if (const auto motion = supports_.motion_of_supports(b, fields)) {
+      body.now = *motion;
       continue;
     }
+    // A stiff body, or one whose supports bear nothing: it goes as they do.
     std::vector<Vec3> from, to;
     for (std::size_t i = body.first; i < body.first + body.count; ++i) from.push_back(rest_[i]), to.push_back(rest_[i] + at(displacement, i));
     body.now = geometry::nearest_motion_of_any(from, to);

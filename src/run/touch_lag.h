@@ -11,7 +11,6 @@
 // worst pair counts, at the state that is sheared most and at the last one. Where most of the contact slips it is several times too large.
 // Not seen: what bodies that are free squeeze or carry, and bodies that touch more than one other.
 #include <map>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -33,7 +32,6 @@ class TouchLag {
  private:
   using Bodies = std::pair<std::size_t, std::size_t>;
   struct Body {
-    std::string name;
     std::size_t first, count;  // points
     bool soft, given;          // given: its supports go as the scene says
     geometry::Motion before{}, now{};

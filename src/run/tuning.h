@@ -85,7 +85,7 @@ inline constexpr double kQuadraticLocks = 0.49;  // nu: without averages quadrat
 
 // ---- warnings: beyond what solids, steps and contact layers are in practice; most often a unit is missing
 inline constexpr double kSoftest = 100, kStiffest = 2e12;  // Young's modulus [Pa]: the softest tissue, twice diamond
-inline constexpr double kLightest = 1, kHeaviest = 3e4;    // density [kg/m^3]: aerogel, above osmium
+inline constexpr double kLightest = 10, kHeaviest = 3e4;   // density [kg/m^3]: foams, and what is given in g/cm^3; above osmium
 inline constexpr double kLongestStep = 0.5;                // [s]
 inline constexpr double kThickest = 0.1;                   // d_hat over the size of a body
 inline constexpr double kNearlyAll = 0.8;                  // of the memory there is: other programs want some, and the estimate is one (memory.cpp)

@@ -29,7 +29,7 @@ void of_materials(const Params& scene, std::vector<std::string>& out) {
                                                p->as_number() < lowest ? low : high)));
     };
     outside("youngs_modulus", "Pa", tuning::kSoftest, tuning::kStiffest, "softer than the softest tissue", "stiffer than diamond");
-    outside("density", "kg/m^3", tuning::kLightest, tuning::kHeaviest, "lighter than air", "heavier than any metal");
+    outside("density", "kg/m^3", tuning::kLightest, tuning::kHeaviest, "lighter than any foam", "heavier than any metal");
   }
 }
 

@@ -36,6 +36,7 @@ TEST(Warnings, TellWhatIsHardlyEverMeant) {
   EXPECT_THAT(warned({"materials.gel.youngs_modulus=50"}),
               ElementsAre(HasSubstr("materials.gel.youngs_modulus is 50 Pa, softer than the softest tissue")));
   EXPECT_THAT(warned({"materials.gel.density=1 g/cm^3"}), IsEmpty());
+  EXPECT_THAT(warned({"materials.gel.density=1.05"}), ElementsAre(HasSubstr("materials.gel.density is 1.05 kg/m^3, lighter than any foam")));
   EXPECT_THAT(warned({"time.step=100 s"}), ElementsAre(HasSubstr("time.step is 100 s")));
   EXPECT_THAT(warned({"effects.barrier_contact.d_hat=5 mm"}), ElementsAre(HasSubstr("d_hat is 0.005 m, 0.25 times the size of body 'block'")));
 }
