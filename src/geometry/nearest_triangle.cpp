@@ -1,12 +1,12 @@
 #include "geometry/nearest_triangle.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 
 namespace mortise::geometry {
+namespace {
 
-// Clamps to the edges where the projection falls outside.
+// Closest point of triangle (a, b, c) to p: clamps to the edges where the projection falls outside.
 Vec3 closest_point(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const auto on_edge = [&](const Vec3& s, const Vec3& e) -> Vec3 {
     const Vec3 d = e - s;
@@ -23,16 +23,17 @@ Vec3 closest_point(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   return best;
 }
 
+}  // namespace
+
 NearestTriangle::NearestTriangle(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles)
     : points_(points), triangles_(triangles), order_(triangles.size()) {
   std::iota(order_.begin(), order_.end(), 0);
   if (!order_.empty()) build(0, static_cast<Index>(order_.size()));
 }
 
-Index NearestTriangle::nearest(const Vec3& p) const {
-  Index best = -1;
-  double distance2 = std::numeric_limits<double>::infinity(), facing = -1;
-  if (!nodes_.empty()) search(0, p, best, distance2, facing);
+NearestTriangle::Found NearestTriangle::find(const Vec3& p) const {
+  Found best;
+  if (!nodes_.empty()) search(0, p, best);
   return best;
 }
 
@@ -62,14 +63,14 @@ Index NearestTriangle::build(Index first, Index last) {
   return id;
 }
 
-void NearestTriangle::search(Index id, const Vec3& p, Index& best, double& distance2, double& facing) const {
+void NearestTriangle::search(Index id, const Vec3& p, Found& best) const {
   const Node& node = nodes_[id];
-  if (node.box.squaredExteriorDistance(p) > distance2 * (1 + 1e-9)) return;
+  if (node.box.squaredExteriorDistance(p) > best.distance2 * (1 + 1e-9)) return;
   if (node.count == 0) {
     Index near = id + 1, far = node.right;
     if (nodes_[near].box.squaredExteriorDistance(p) > nodes_[far].box.squaredExteriorDistance(p)) std::swap(near, far);
-    search(near, p, best, distance2, facing);
-    search(far, p, best, distance2, facing);
+    search(near, p, best);
+    search(far, p, best);
     return;
   }
   for (Index i = node.first; i < node.first + node.count; ++i) {
@@ -77,13 +78,10 @@ void NearestTriangle::search(Index id, const Vec3& p, Index& best, double& dista
     const Vec3 &a = points_[t.v[0]], &b = points_[t.v[1]], &c = points_[t.v[2]];
     const Vec3 gap = p - closest_point(p, a, b, c), n = (b - a).cross(c - a).normalized();
     const double d2 = gap.squaredNorm(), f = std::abs(n.dot(gap));
-    const double slack = 1e-9 * distance2 + 1e-300;
-    const bool nearer = d2 < distance2 - slack, tie = !nearer && d2 <= distance2 + slack;
-    if (nearer || best < 0 || (tie && (f > facing * (1 + 1e-9) || (f >= facing * (1 - 1e-9) && order_[i] < best)))) {
-      best = order_[i];
-      distance2 = std::min(distance2, d2);
-      facing = f;
-    }
+    const double slack = 1e-9 * best.distance2 + 1e-300;
+    const bool nearer = d2 < best.distance2 - slack, tie = !nearer && d2 <= best.distance2 + slack;
+    const bool faces = f > best.facing * (1 + 1e-9) || (f >= best.facing * (1 - 1e-9) && order_[i] < best.triangle);
+    if (nearer || best.triangle < 0 || (tie && faces)) best = {order_[i], std::min(best.distance2, d2), f};
   }
 }
 

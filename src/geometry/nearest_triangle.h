@@ -1,13 +1,11 @@
 #pragma once
 #include <Eigen/Geometry>
+#include <cmath>
 #include <vector>
 
 #include "base/types.h"
 
 namespace mortise::geometry {
-
-// Closest point of triangle (a, b, c) to p.
-Vec3 closest_point(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
 
 // Binary tree of boxes over triangles, split at the middle of the longest side. Points and triangles are the caller's, and stay. On the host.
 class NearestTriangle {
@@ -15,7 +13,8 @@ class NearestTriangle {
   NearestTriangle(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles);
 
   // Number of the triangle nearest to p. Where several are equally near (a vertex or edge is nearest), the one that faces p most. -1: there is none.
-  Index nearest(const Vec3& p) const;
+  Index nearest(const Vec3& p) const { return find(p).triangle; }
+  double distance(const Vec3& p) const { return std::sqrt(find(p).distance2); }  // from it; infinite where there is none
 
  private:
   struct Node {
@@ -24,8 +23,14 @@ class NearestTriangle {
     Index right;         // the left child follows its parent
   };
 
+  struct Found {
+    Index triangle = -1;
+    double distance2 = INFINITY, facing = -1;
+  };
+
   Index build(Index first, Index last);
-  void search(Index id, const Vec3& p, Index& best, double& distance2, double& facing) const;
+  Found find(const Vec3& p) const;
+  void search(Index id, const Vec3& p, Found& best) const;
   Vec3 middle(Index t) const { return (points_[triangles_[t].v[0]] + points_[triangles_[t].v[1]] + points_[triangles_[t].v[2]]) / 3; }
 
   const std::vector<Vec3>& points_;

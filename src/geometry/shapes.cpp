@@ -114,7 +114,7 @@ TetMesh tet_shape(const Params& shape, const ElementOrder& element) {
 
 std::optional<TriMesh> remeshed_surface(const Params& shape) {
   const auto& [kind, p] = only_entry(shape);
-  if (kind != "mesh" || has_tets(p.text("file"))) return {};
+  if (kind != "mesh" || !p.has("edge_length") || has_tets(p.text("file"))) return {};
   return scaled_surface(p);
 }
 

@@ -7,16 +7,9 @@
 #include "geometry/bounds.h"
 #include "run/holds.h"
 #include "run/tuning.h"
+#include "run/vector_at.h"
 
 namespace mortise::run {
-namespace {
-
-std::span<const double> of_points(const Snapshot& said, const char* name, int components) {
-  const Snapshot::Values* v = said.of_points(name, components);
-  return v ? std::span<const double>(*v) : std::span<const double>();
-}
-
-}  // namespace
 
 FieldErrors::FieldErrors(const model::ModelInput& input)
     : stress_(input),

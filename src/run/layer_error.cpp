@@ -18,7 +18,8 @@ LayerError::LayerError(const model::ModelInput& input) : holds_(input.scene.at("
   }
 }
 
-geometry::Motion LayerError::motion(const Body& body, const Fields& f) const {
+geometry::Motion LayerError::motion(std::size_t number, const Fields& f) const {
+  const Body& body = bodies_[number];
   std::vector<Vec3> from, to;
   for (std::size_t i = body.first; i < body.first + body.count; ++i) from.push_back(rest_[i]), to.push_back(rest_[i] + at(f.displacement, i));
   return geometry::nearest_motion_of_any(from, to);
@@ -32,25 +33,28 @@ std::optional<geometry::Motion> LayerError::motion_of_supports(std::size_t body,
     if (!next || !number_.count(*next)) break;
     base = number_.at(*next);
   }
-  // A skin that is tied to something and guided besides is borne by what it is tied to, as far as guides lie across the contact force.
   const auto [first, end] = std::pair{bodies_[base].first, bodies_[base].first + bodies_[base].count};
-  const bool pinned = holds_.pinned(bodies_[base].name) && !f.support.empty();
-  bool tied = false;
-  Vec3 pressed = Vec3::Zero();
-  for (std::size_t i = first; i < end && pinned && !f.tie.empty() && !f.contact.empty(); ++i)
-    pressed += at(f.contact, i), tied = tied || !at(f.tie, i).isZero(0);
-  for (const std::span<const double> bears : {pinned ? f.support : f.tie, f.tie}) {
-    if (bears.size() != 3 * rest_.size() || f.displacement.size() != bears.size()) continue;
+  // Of the points at which these forces act; where something presses, not of guides across it.
+  const auto motion_by = [&, first = first, end = end](std::span<const double> bears, const Vec3& pressed) -> std::optional<geometry::Motion> {
+    if (bears.size() != 3 * rest_.size() || f.displacement.size() != bears.size()) return {};
     std::vector<Vec3> from, to;
     for (std::size_t i = first; i < end; ++i) {
       const Vec3 force = at(bears, i);
-      if (force.isZero(0) || (tied && std::abs(force.dot(pressed)) < tuning::kBears * force.norm() * pressed.norm())) continue;
+      if (force.isZero(0) || std::abs(force.dot(pressed)) < tuning::kBears * force.norm() * pressed.norm()) continue;
       from.push_back(rest_[i]), to.push_back(rest_[i] + at(f.displacement, i));
     }
-    if (!from.empty()) return geometry::nearest_motion_of_any(from, to);
-    if (!tied) return {};
-  }
-  return {};
+    if (from.empty()) return {};
+    return geometry::nearest_motion_of_any(from, to);
+  };
+  if (!holds_.pinned(bodies_[base].name) || f.support.empty()) return motion_by(f.tie, Vec3::Zero());
+  // A skin that is tied to something and guided besides is borne by what it is tied to, as far as guides lie across the contact force.
+  bool tied = false;
+  Vec3 pressed = Vec3::Zero();
+  for (std::size_t i = first; i < end && !f.tie.empty() && !f.contact.empty(); ++i)
+    pressed += at(f.contact, i), tied = tied || !at(f.tie, i).isZero(0);
+  if (!tied) return motion_by(f.support, Vec3::Zero());
+  const auto supported = motion_by(f.support, pressed);
+  return supported ? supported : motion_by(f.tie, pressed);
 }
 
 double LayerError::indentation(std::size_t body, const Fields& f) const {
@@ -80,7 +84,7 @@ LayerError::Way LayerError::way(std::size_t body, std::pair<std::size_t, std::si
     for (std::size_t i = b.first; i < b.first + b.count; ++i)
       load.force += at(f.contact, i), load.moment += (rest_[i] + at(f.displacement, i)).cross(at(f.contact, i));
   }
-  const auto motion_of = [&](const std::string& name) { return motion(bodies_[number_.at(name)], f); };
+  const auto motion_of = [&](const std::string& name) { return motion(number_.at(name), f); };
   const auto distance = [&](const std::string& name, const Vec3& place) {
     const Body& of = bodies_[number_.at(name)];
     Vec3 middle = Vec3::Zero();
@@ -112,8 +116,9 @@ bool LayerError::free(std::size_t body, const Fields& f) const {
   return !(contact.norm() > tuning::kOneWay * all);
 }
 
-double LayerError::deformation_work(const Body& b, const Fields& f) const {
-  const geometry::Motion rigid = motion(b, f);
+double LayerError::deformation_work(std::size_t body, const Fields& f) const {
+  const Body& b = bodies_[body];
+  const geometry::Motion rigid = motion(body, f);
   double work = 0;
   for (std::size_t i = b.first; i < b.first + b.count; ++i)
     work += at(f.contact, i).dot(rest_[i] + at(f.displacement, i) - rigid.R * rest_[i] - rigid.t);
@@ -148,8 +153,7 @@ void LayerError::squeezed(const Pairs& pairs, const std::vector<bool>& free, con
         g.load += (first ? 1 : -1) * pair.on_first;
   }
   for (std::size_t i = 0; i < bodies_.size(); ++i)
-    if (const auto g = groups.find(sets.of(i)); free[i] && bodies_[i].soft && g != groups.end())
-      g->second.deformed += deformation_work(bodies_[i], f);
+    if (const auto g = groups.find(sets.of(i)); free[i] && bodies_[i].soft && g != groups.end()) g->second.deformed += deformation_work(i, f);
   for (const auto& [name, g] : groups) {
     const double work = g.deformed + g.give;
     if (g.given || !(g.forces > 0 && work > 0)) continue;

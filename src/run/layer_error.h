@@ -50,6 +50,7 @@ class LayerError {
   // Of the points where supports, bonds and ties bear a soft body, or that body which it is tied to, since rest; none where nothing holds it, or it
   // is stiff.
   std::optional<geometry::Motion> motion_of_supports(std::size_t body, const Fields& fields) const;
+  geometry::Motion motion(std::size_t body, const Fields& fields) const;  // of all of its points, since rest
   // Largest share of g/d of any pair of supported bodies, or of what they press together; NaN where there is none.
   static double worst(const std::vector<Travel>& travels);
 
@@ -81,8 +82,7 @@ class LayerError {
   bool free(std::size_t body, const Fields& fields) const;
   void squeezed(const Pairs& pairs, const std::vector<bool>& free, const Fields& f, const std::map<std::string, double>& number,
                 std::vector<Travel>& out) const;
-  geometry::Motion motion(const Body& body, const Fields& fields) const;
-  double deformation_work(const Body& body, const Fields& fields) const;
+  double deformation_work(std::size_t body, const Fields& fields) const;
 
   Holds holds_;
   std::vector<Body> bodies_;

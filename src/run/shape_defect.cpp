@@ -35,9 +35,7 @@ double remeshed_by(const model::BodyInput& body) {
   double out = 0;
   for (const Triangle& t : body.triangles) {
     const Vec3 &a = body.nodes[t.v[0]], &b = body.nodes[t.v[1]], &c = body.nodes[t.v[2]], middle = (a + b + c) / 3;
-    const Triangle& there = file->triangles[near.nearest(middle)];
-    out += 0.5 * (b - a).cross(c - a).norm() *
-           (middle - geometry::closest_point(middle, given[there.v[0]], given[there.v[1]], given[there.v[2]])).norm();
+    out += 0.5 * (b - a).cross(c - a).norm() * near.distance(middle);
   }
   return out;
 }
@@ -52,9 +50,9 @@ double shape_defect(const model::ModelInput& input) {
     if (!shape || body.type == model::BodyType::half_space) continue;
     const bool soft = body.type == model::BodyType::soft;
     if (soft ? body.params.has("curved") && body.params.flag("curved") : holds.held(body.name) || body.params.has("mass")) continue;
-    const double volume = MeasuredBody(body, 0).rest_volume();
-    if (const double exact = exact_volume(*shape); exact > 0) worst = std::max(worst, 1 - volume / exact);
-    if (soft && volume > 0) worst = std::max(worst, tuning::kRemeshed * remeshed_by(body) / volume);
+    const auto volume = [&] { return MeasuredBody(body, 0).rest_volume(); };
+    if (const double exact = exact_volume(*shape); exact > 0) worst = std::max(worst, 1 - volume() / exact);
+    if (const double between = soft ? remeshed_by(body) : 0; between > 0) worst = std::max(worst, tuning::kRemeshed * between / volume());
   }
   return worst;
 }

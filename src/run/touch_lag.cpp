@@ -24,23 +24,13 @@ TouchLag::TouchLag(const model::ModelInput& input) : supports_(input) {
 }
 
 void TouchLag::move_supports(const Snapshot& said, const Snapshot::Values& displacement) {
-  const auto of_points = [&](const char* name) {
-    const Snapshot::Values* v = said.of_points(name, 3);
-    return v ? std::span<const double>(*v) : std::span<const double>();
-  };
-  const LayerError::Fields fields{displacement, of_points("support_force"), of_points("tie_force"), {}, {}};
+  const LayerError::Fields fields{displacement, of_points(said, "support_force", 3), of_points(said, "tie_force", 3), {}, {}};
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Body& body = bodies_[b];
     body.before = body.now;
     if (!body.given) continue;
-    if (const auto motion = supports_.motion_of_supports(b, fields)) {
-      body.now = *motion;
-      continue;
-    }
-    // A stiff body, or one whose supports bear nothing: it goes as they do.
-    std::vector<Vec3> from, to;
-    for (std::size_t i = body.first; i < body.first + body.count; ++i) from.push_back(rest_[i]), to.push_back(rest_[i] + at(displacement, i));
-    body.now = geometry::nearest_motion_of_any(from, to);
+    const auto supports = supports_.motion_of_supports(b, fields);
+    body.now = supports ? *supports : supports_.motion(b, fields);  // a stiff body, or one whose supports bear nothing, goes as they do
   }
 }
 

@@ -179,19 +179,22 @@ class Search {
 
   void look_around() {
     for (std::size_t k = 0; k < knobs_.size() && !by_budget_; ++k) look_along(k);
+    seen_.push_back(here_);
+    estimate_here();
+  }
+
+  void estimate_here() {
     out_.climbs = climbs_here();
-    at_.push_back({here_, {}});
-    for (std::size_t q = 0; q < out_.goals.size(); ++q) at_.back().second.push_back(estimate(out_.climbs, q, Levels(knobs_.size(), 0)));
-    out_.attempts[here_].estimates = at_.back().second;
+    std::vector<double>& estimates = out_.attempts[here_].estimates;
+    estimates.clear();
+    for (std::size_t q = 0; q < out_.goals.size(); ++q) estimates.push_back(estimate(out_.climbs, q, Levels(knobs_.size(), 0)));
   }
 
   // Where a number has not settled its estimate is what it scatters by, which may be far less than what it is wrong by.
   bool holds() const {
     const std::vector<double> most = goals();
-    for (std::size_t q = 0; q < most.size(); ++q) {
-      const bool settled = std::all_of(out_.climbs.begin(), out_.climbs.end(), [q](const Climb& c) { return c.settles(q); });
-      if (!(out_.attempts[here_].estimates[q] * (settled ? 1 : tuning::kUnknownOrder / tuning::kSafety) <= most[q])) return false;
-    }
+    for (std::size_t q = 0; q < most.size(); ++q)
+      if (!(out_.attempts[here_].estimates[q] * (settles(out_.climbs, q) ? 1 : tuning::kUnknownOrder / tuning::kSafety) <= most[q])) return false;
     return true;
   }
 
@@ -234,14 +237,11 @@ class Search {
     const std::size_t last = here_;
     std::size_t chosen = here_;
     double best = INFINITY;
-    for (auto& [i, estimates] : at_) {
+    for (const std::size_t i : seen_) {
       if (out_.reached) break;
       centre_ = out_.attempts[i].levels, here_ = i;
-      if (!by_budget_) {
-        const std::vector<Climb> climbs = climbs_here();
-        for (std::size_t q = 0; q < estimates.size(); ++q) estimates[q] = estimate(climbs, q, Levels(knobs_.size(), 0));
-        out_.attempts[i].estimates = estimates;
-      }
+      if (!by_budget_) estimate_here();  // a budget is of the run alone
+      const std::vector<double>& estimates = out_.attempts[i].estimates;
       double worst = 0;
       for (std::size_t q = 0; q < estimates.size(); ++q)
         worst = std::max(worst, estimates[q] / (out_.goals[q].share * std::max(std::abs(out_.attempts[last].run.values[q]), tuning::kRounding)));
@@ -268,7 +268,7 @@ class Search {
   Levels centre_;         // the run that neighbours are compared with
   std::size_t here_ = 0;  // its number
   std::vector<int> finest_;
-  std::vector<std::pair<std::size_t, std::vector<double>>> at_;  // centres and their estimates
+  std::vector<std::size_t> seen_;  // the centres so far
 };
 
 }  // namespace

@@ -104,6 +104,10 @@ double estimate(const std::vector<Climb>& climbs, std::size_t q, const Levels& a
   return std::max(std::abs(sum), std::sqrt(squares));
 }
 
+bool settles(const std::vector<Climb>& climbs, std::size_t q) {
+  return std::all_of(climbs.begin(), climbs.end(), [q](const Climb& c) { return c.settles(q); });
+}
+
 Chosen choose_levels(const std::vector<Climb>& climbs, const std::vector<double>& goals, double share, const Levels& from) {
   Chosen out{from, 1, false, 0};
   for (;;) {

@@ -47,6 +47,7 @@ using Levels = std::vector<int>;  // one per knob
 // What is to be added to a run's number is no more than this: what all knobs leave together, or the root of the squares of what each does, as errors
 // that cancel make no run better.
 double estimate(const std::vector<Climb>& climbs, std::size_t quantity, const Levels& at);
+bool settles(const std::vector<Climb>& climbs, std::size_t quantity);  // along all of them
 
 // From `from` the levels at which the estimate is expected to be below `share` of every goal (absolute, one per quantity): always the
 // knob that takes away most error per time (greedy.h). No farther than

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "base/cpu_time.h"
 #include "effects/roles.h"
@@ -156,13 +157,9 @@ ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, co
   Snapshot state;
   engine.report(state);
   const std::vector<double> points = engine.points();
-  const GoalError mesh(input);
-  const auto stress = state.cell.find("cauchy_stress");
-  std::string why_no_mesh = stress == state.cell.end() ? "the scene has no soft bodies" : mesh.why_not();
-  if (const auto blind = why_no_mesh.empty() ? mesh.blind(stress->second, points) : std::nullopt)
-    why_no_mesh =
-        fmt::format("{:.2g} % of the energy of '{}' is in elements that have no free node, and their stresses tell nothing: use a finer mesh",
-                    100 * blind->second, blind->first);
+  std::optional<GoalError> mesh;
+  if (const auto stress = state.cell.find("cauchy_stress"); none.empty() && !quantities.empty() && stress != state.cell.end())
+    mesh.emplace(input, stress->second, points);
   const bool contact = !effects::of_role(input.scene.at("effects"), effects::Role::contact).empty();
   for (const Quantity& q : quantities) {
     QuantityBudget& budget = out.of.emplace_back();
@@ -175,8 +172,8 @@ ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, co
       continue;
     }
     out.exact = out.exact && adjoint.exact;
-    ErrorPart of_mesh{kMeshPart, NAN, why_no_mesh};
-    if (of_mesh.why_not.empty()) of_mesh.error = mesh.of(stress->second, points, adjoint.points);
+    ErrorPart of_mesh{kMeshPart, NAN, mesh ? mesh->why_not() : "the scene has no soft bodies"};
+    if (of_mesh.why_not.empty()) of_mesh.error = mesh->of(adjoint.points);
     budget.parts.push_back(of_mesh);
     if (contact) budget.parts.push_back({kGapPart, adjoint.layer, ""});
     budget.parts.push_back({"Newton's method, linear systems, lag", adjoint.residual, ""});

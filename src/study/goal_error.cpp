@@ -1,5 +1,7 @@
 #include "study/goal_error.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "model/clusters.h"
@@ -10,38 +12,45 @@
 
 namespace mortise::study {
 
-GoalError::GoalError(const model::ModelInput& input) {
+GoalError::GoalError(const model::ModelInput& input, std::span<const double> stress, std::span<const double> points) {
   const std::vector<bool> held = run::held_points(input);
   std::size_t cell = 0, point = 0;
+  double blindest = tuning::kBlind;
   for (const model::BodyInput& in : input.bodies) {
     if (in.type == model::BodyType::half_space) continue;
+    if (!in.midsides.empty()) {
+      why_not_ = "'" + in.name + "' has quadratic elements";
+      return;
+    }
     if (in.type == model::BodyType::soft) {
-      if (!in.midsides.empty()) why_not_ = "'" + in.name + "' has quadratic elements";
       const double E = in.material.number("youngs_modulus"), nu = in.material.number("poisson_ratio");
       const Params* law = in.material.find("model");
-      Body b{in.name,
-             cell,
-             point,
-             in.nodes.size(),
-             in.tets,
-             {},
-             {},
-             {},
-             E / (2 * (1 + nu)),
-             E * nu / ((1 + nu) * (1 - 2 * nu)),
-             law && law->as_text() == "linear",
-             {}};
+      const double mu = E / (2 * (1 + nu)), lambda = E * nu / ((1 + nu) * (1 - 2 * nu));
+      Body b{cell, point, in.nodes.size(), in.tets, {}, {}, mu, lambda, law && law->as_text() == "linear", {}};
       for (const Tet& t : in.tets) {
         Mat3 edges;
         for (int k = 0; k < 3; ++k) edges.col(k) = in.nodes[t.v[k + 1]] - in.nodes[t.v[0]];
         b.volume.push_back(edges.determinant() / 6);
         b.inverse.push_back(edges.inverse());
-        b.held.push_back(std::all_of(std::begin(t.v), std::end(t.v), [&](Index v) { return held[point + static_cast<std::size_t>(v)]; }));
       }
       if (model::averages_volume(in))
         b.cluster = model::star_clusters(in);
       else
         b.one_sided = run::one_sided(held, point, in.nodes.size());
+      const std::vector<Field> solution = of_solution(b, stress, points);
+      double all = 0, blind = 0;  // energy, and that of elements without a free node [J]
+      for (std::size_t t = 0; t < b.tets.size(); ++t) {
+        const double energy = 0.5 * b.volume[t] * product(b, solution[t], solution[t]);
+        const auto is_held = [&](Index v) { return held[point + static_cast<std::size_t>(v)]; };
+        all += energy, blind += std::all_of(std::begin(b.tets[t].v), std::end(b.tets[t].v), is_held) ? energy : 0;
+      }
+      if (const double share = blind / all; share > blindest) {
+        blindest = share;
+        why_not_ =
+            fmt::format("{:.2g} % of the energy of '{}' is in elements that have no free node, and their stresses tell nothing: use a finer mesh",
+                        100 * share, in.name);
+      }
+      b.jump = jumps(b, solution);
       bodies_.push_back(std::move(b));
     }
     cell += in.type == model::BodyType::soft ? in.tets.size() : in.triangles.size();
@@ -106,24 +115,11 @@ double GoalError::product(const Body& b, const Field& u, const Field& z) {
   return 2 * b.mu * shear + u[7] * z[6] + u[6] * z[7] - (b.lambda > 0 ? u[7] * z[7] / b.lambda : 0);
 }
 
-std::optional<std::pair<std::string, double>> GoalError::blind(std::span<const double> stress, std::span<const double> points) const {
-  std::optional<std::pair<std::string, double>> out;
-  for (const Body& b : bodies_) {
-    const std::vector<Field> fields = of_solution(b, stress, points);
-    double all = 0, blind = 0;  // [J]
-    for (std::size_t t = 0; t < b.tets.size(); ++t) {
-      const double energy = 0.5 * b.volume[t] * product(b, fields[t], fields[t]);
-      all += energy, blind += b.held[t] ? energy : 0;
-    }
-    if (const double share = blind / all; share > tuning::kBlind && !(out && out->second > share)) out = {b.name, share};
-  }
-  return out;
-}
-
-double GoalError::of(std::span<const double> stress, std::span<const double> points, std::span<const double> z) const {
+double GoalError::of(std::span<const double> z) const {
   double sum = 0;
   for (const Body& b : bodies_) {
-    const std::vector<Corners> u = jumps(b, of_solution(b, stress, points)), v = jumps(b, of_adjoint(b, z));
+    const std::vector<Corners>& u = b.jump;
+    const std::vector<Corners> v = jumps(b, of_adjoint(b, z));
     for (std::size_t t = 0; t < b.tets.size(); ++t) {
       Field all_u = Field::Zero(), all_v = Field::Zero();  // the mean of a product of linear fields: (sum_k u_k v_k + sum_k u_k sum_k v_k) / 20
       double mean = 0;

@@ -10,10 +10,8 @@
 // is that of the mixed form, of which averages are one: elements may then be too soft as well as too stiff. Strains are taken as small, those of z as
 // at rest.
 #include <array>
-#include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "model/input.h"
@@ -22,29 +20,26 @@ namespace mortise::study {
 
 class GoalError {
  public:
-  explicit GoalError(const model::ModelInput& input);
-  // Why the mesh's part is not to be had of this scene; empty where it is.
+  // Of a solution. stress: cauchy_stress of all output cells, six components each (xx yy zz xy yz zx) [Pa]; points: three per point [m].
+  GoalError(const model::ModelInput& input, std::span<const double> stress, std::span<const double> points);
+  // Why the mesh's part is not to be had of it; empty where it is.
   const std::string& why_not() const { return why_not_; }
-  // stress: cauchy_stress of all output cells, six components each (xx yy zz xy yz zx) [Pa]; points, z: three per point.
-  double of(std::span<const double> stress, std::span<const double> points, std::span<const double> z) const;
-  // The body most of whose energy is in elements without a free node, whose stresses tell nothing: name and share; nothing where all have hardly any.
-  std::optional<std::pair<std::string, double>> blind(std::span<const double> stress, std::span<const double> points) const;
+  double of(std::span<const double> z) const;  // three per point
 
  private:
-  struct Body {
-    std::string name;
-    std::size_t first_cell, first_point, nodes;
-    std::vector<Tet> tets;
-    std::vector<double> volume;  // [m^3]
-    std::vector<bool> held;      // those without a free node
-    std::vector<Mat3> inverse;   // of the edges at rest [1/m]
-    double mu, lambda;           // [Pa]
-    bool linear;                 // its law: theta = tr e, not J - 1
-    std::vector<Index> cluster;  // of every tetrahedron; empty where volumes are not averaged
-    double one_sided = 1;        // nodes over free nodes (run/stress_error.h)
-  };
   using Field = Eigen::Matrix<double, 8, 1>;  // of an element: e (xx yy zz xy yz zx), theta, p [Pa]
   using Corners = std::array<Field, 4>;
+  struct Body {
+    std::size_t first_cell, first_point, nodes;
+    std::vector<Tet> tets;
+    std::vector<double> volume;   // [m^3]
+    std::vector<Mat3> inverse;    // of the edges at rest [1/m]
+    double mu, lambda;            // [Pa]
+    bool linear;                  // its law: theta = tr e, not J - 1
+    std::vector<Index> cluster;   // of every tetrahedron; empty where volumes are not averaged
+    double one_sided = 1;         // nodes over free nodes (run/stress_error.h)
+    std::vector<Corners> jump{};  // of the solution
+  };
   static std::vector<Mat3> gradients(const Body& b, std::span<const double> of);
   static std::vector<Field> of_solution(const Body& b, std::span<const double> stress, std::span<const double> points);
   static std::vector<Field> of_adjoint(const Body& b, std::span<const double> z);
