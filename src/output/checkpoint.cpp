@@ -39,9 +39,8 @@ CheckpointWriter::CheckpointWriter(const std::string& dir, const CheckpointInfo&
 void CheckpointWriter::io(std::string_view name, std::vector<double>& values) {
   const std::string full = "state/" + std::string(name), action = "store '" + std::string(name) + "'";
   const hsize_t size = values.size();
-  h5::Id links(file_.check(H5Pcreate(H5P_LINK_CREATE), action)), layout(file_.check(H5Pcreate(H5P_DATASET_CREATE), action));
+  h5::Id links(file_.check(H5Pcreate(H5P_LINK_CREATE), action)), layout = h5::new_layout(file_, action);
   file_.check(H5Pset_create_intermediate_group(links, 1), action);
-  file_.check(H5Pset_obj_track_times(layout, false), action);
   h5::Id space(file_.check(H5Screate_simple(1, &size, nullptr), action));
   h5::Id dataset(H5Dcreate2(file_.id(), full.c_str(), H5T_IEEE_F64LE, space, links, layout, H5P_DEFAULT));
   if (dataset < 0) throw Error(Exit::internal, "checkpoint: cannot " + action + ": the name is empty, taken, or also a group");

@@ -233,7 +233,7 @@ class Writer {
     if (s.components > 1) shape.push_back(static_cast<hsize_t>(s.components));
     const auto rank = static_cast<int>(shape.size());
     const h5::Id space(file_.check(H5Screate_simple(rank, shape.data(), nullptr), "make " + name));
-    const h5::Id creation(file_.check(H5Pcreate(H5P_DATASET_CREATE), "make " + name));
+    const h5::Id creation = h5::new_layout(file_, "make " + name);
     const double nothing = std::numeric_limits<double>::quiet_NaN();
     file_.check(H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &nothing), "make " + name);
     for (const Source& source : s.sources) {

@@ -123,6 +123,12 @@ Id make_group(const File& file, hid_t parent, const std::string& name) {
   return Id(file.check(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), "create group " + name));
 }
 
+Id new_layout(const File& file, const std::string& action) {
+  Id layout(file.check(H5Pcreate(H5P_DATASET_CREATE), action));
+  file.check(H5Pset_obj_track_times(layout, false), action);
+  return layout;
+}
+
 Id open_group(const File& file, hid_t parent, const std::string& name) {
   return Id(file.check(H5Gopen2(parent, name.c_str(), H5P_DEFAULT), "read group " + name));
 }

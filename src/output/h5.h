@@ -81,6 +81,9 @@ class File {
 };
 
 Id make_group(const File& file, hid_t parent, const std::string& name);
+
+// Creation properties of a dataset that does not keep the second in which it was made: equal runs give equal bytes.
+Id new_layout(const File& file, const std::string& action);
 Id open_group(const File& file, hid_t parent, const std::string& name);
 bool exists(const File& file, hid_t parent, const std::string& name);
 std::vector<std::string> members(const File& file, hid_t group);  // sorted by name

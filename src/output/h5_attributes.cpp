@@ -104,8 +104,8 @@ double get_number(const File& file, hid_t object, const char* name) {
 void write_text(const File& file, hid_t parent, const char* name, std::string_view value) {
   const std::string copy(value), action = std::string("write ") + name;
   const char* text = copy.c_str();
-  Id type = text_type(file), space = scalar_space(file);
-  Id dataset(file.check(H5Dcreate2(parent, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), action));
+  Id type = text_type(file), space = scalar_space(file), layout = new_layout(file, action);
+  Id dataset(file.check(H5Dcreate2(parent, name, type, space, H5P_DEFAULT, layout, H5P_DEFAULT), action));
   file.check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &text), action);
   set_text(file, dataset, "unit", "1");
 }

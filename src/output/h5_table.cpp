@@ -34,9 +34,8 @@ Table Table::create(const File& file, hid_t parent, const std::string& name, con
   const hsize_t size[2] = {0, columns}, limit[2] = {H5S_UNLIMITED, columns};
   const hsize_t chunk[2] = {spec.chunk_rows > 0 ? spec.chunk_rows : 1, columns};
   Id space(file.check(H5Screate_simple(table.rank_, size, limit), action));
-  Id layout(file.check(H5Pcreate(H5P_DATASET_CREATE), action));
+  const Id layout = new_layout(file, action);
   file.check(H5Pset_chunk(layout, table.rank_, chunk), action);
-  file.check(H5Pset_obj_track_times(layout, false), action);  // equal runs give equal bytes
   if (spec.compress) {
     file.check(H5Pset_shuffle(layout), action);
     file.check(H5Pset_deflate(layout, tuning::kDeflate), action);
