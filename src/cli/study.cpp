@@ -143,8 +143,8 @@ void add_study(Command app, Context& context) {
                            .excludes(one);
   const Flag budget =
       sub.flag("--error-budget", o->error_budget,
-               "run a static scene once instead, and estimate what its mesh, the gap that contact leaves and Newton's method make of the "
-               "quantities: one adjoint solve each")
+               "run the scene once instead, and estimate what its mesh (of static scenes), its time steps, the gap that contact leaves and "
+               "Newton's method make of the quantities")
           .excludes(vary)
           .excludes(one)
           .excludes(effects);

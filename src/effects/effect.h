@@ -12,6 +12,7 @@
 #include "base/field_sinks.h"
 #include "device/device.h"
 #include "effects/curvature.h"
+#include "effects/fault.h"
 #include "effects/kind.h"
 #include "effects/linearisation.h"
 
@@ -108,6 +109,11 @@ class Effect {
   virtual void adapt(const StepInfo& info, const std::vector<double>& budget, const Linearisation& at) { (void)info, (void)budget, (void)at; }
   // Of the accepted state, where `at` was filled and sampled: to every environment's sink what it would be told alone.
   virtual void report(const FieldSinks&, const Linearisation& at) { (void)at; }
+  // Of a scene with one environment that goes beside another: from its first step on mend that fault by a share of it; who does not have it need not
+  // know.
+  virtual void mend(Fault fault, double share) { (void)fault, (void)share; }
+  // And when it has begun a step: the leader's effect of the same kind, whose solution of the step is q.
+  virtual void follow(const Effect& leader, Positions q) { (void)leader, (void)q; }
   // Values are told apart by environment.
   virtual void checkpoint(Archive&) {}
 };

@@ -27,7 +27,7 @@ struct Api {
   Outcome (*create)(const model::ModelInput&, std::unique_ptr<Engine>& out);
   Outcome (*bandwidth)(Index edge, Bandwidth& out);  // of a cube of edge^3 nodes
 };
-inline constexpr int kApiVersion = 8;
+inline constexpr int kApiVersion = 9;
 
 const Api& cpu_api();
 // The CUDA module's; nullptr where it was not built or does not load, with the reason.

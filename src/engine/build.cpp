@@ -71,6 +71,9 @@ class Build : public Engine {
       simulation_.lead(std::move(simulations));
     });
   }
+  Outcome mend(effects::Fault fault, double share) override {
+    return guarded([&] { simulation_.mend(fault, share); });
+  }
   void rest(Index env) override { simulation_.rest(env); }
   std::string lost(Index env) const override { return simulation_.lost(env); }
   Outcome adjoint(const solver::Functional& of, solver::Adjoint& out) override {

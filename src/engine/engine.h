@@ -10,6 +10,7 @@
 #include "base/archive.h"
 #include "base/field_sinks.h"
 #include "device/device_info.h"
+#include "effects/fault.h"
 #include "model/command.h"
 #include "solver/adjoint.h"
 #include "solver/report.h"
@@ -43,6 +44,8 @@ class Engine {
   // `others` are engines of the same build for the same meshes, with parameters that differ by a hair, and begun like this one: from now on each
   // step of this one takes them along, to first order in the difference (solver/follow.cpp). Theirs are derivatives then: they are never stepped.
   virtual Outcome lead(const std::vector<Engine*>& others) = 0;
+  // Of one of those others that is else the same, before it begins: by that share it is right in what the leader is wrong by.
+  virtual Outcome mend(effects::Fault fault, double share) = 0;
   // Why this one could not be taken along any farther, or an environment of several could not take a step; empty where it was.
   virtual std::string lost(Index env = 0) const = 0;
   // After a step, with what acted in it: what a number of the state would change by if forces were a little different (solver/adjoint.h).

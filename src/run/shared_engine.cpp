@@ -50,6 +50,7 @@ class SharedEngine::Member final : public engine::Engine {
   engine::Outcome step(const std::function<bool()>&, const solver::StepReports&) override { throw alone(); }
   void rest(Index) override { throw alone(); }
   engine::Outcome lead(const std::vector<Engine*>&) override { throw alone(); }
+  engine::Outcome mend(effects::Fault, double) override { throw alone(); }
   engine::Outcome adjoint(const solver::Functional&, solver::Adjoint&) override { throw alone(); }
   std::vector<engine::PlanItem> plan() override { throw alone(); }
 

@@ -8,12 +8,20 @@
 // whatever is measured of them: dQ/dp = dQ/dp at fixed q - dQ/dq . J^-1 dr/dp, one linear solve per parameter and step with a factor that all share.
 // The adjoint, J^T lambda = dQ/dq, gives the same from one solve per quantity; it needs dQ/dq of everything that may be measured, and steps
 // backwards.
+//
+// Where S' is S itself but for a share of a fault that it mends - of what steps leave out, of the gap that contact leaves, of the residual that is
+// left of a solution (then r(q) is not taken off) - that difference is what the fault makes of whatever is measured, to first order.
 #include <cmath>
 
 #include "solver/kernels.h"
 #include "solver/simulation.h"
 
 namespace mortise::solver {
+
+void Simulation::mend(effects::Fault fault, double share) {
+  if (fault == effects::Fault::solution) resolved_ = share;
+  for (const auto& effect : effects_) effect->mend(fault, share);
+}
 
 void Simulation::lead_on(const effects::StepInfo& info) {
   if (refitted_)
@@ -39,6 +47,7 @@ void Simulation::lead_on(const effects::StepInfo& info) {
 // still: what the leader's own supports have left, which is rounding.
 void Simulation::follow(const effects::StepInfo& info, Simulation& leader, device::View<const Vec3> still) {
   for (const auto& effect : effects_) effect->begin_step(info);
+  for (std::size_t k = 0; k < effects_.size(); ++k) effects_[k]->follow(*leader.effects_[k], leader.newton_.q().view());
   const EnvMask all(1, 1);
   Tangent& J = *leader.tangent_;
   System& system = newton_.system();
@@ -56,6 +65,7 @@ void Simulation::follow(const effects::StepInfo& info, Simulation& leader, devic
   system.right_hand_side(at, std::as_const(Jc).view(), f);
   device::Buffer<Vec3> rest;
   subtract(std::as_const(f).view(), J.forces().view(), rest);
+  if (resolved_ != 0) add_scaled(J.forces().view(), {resolved_}, std::as_const(model_.block_env).view(), rest);
   J.solve(std::as_const(rest).view(), false, x);
 
   system.to_blocks(std::as_const(x).view(), std::as_const(c).view(), all, dq);

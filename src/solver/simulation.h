@@ -43,6 +43,9 @@ class Simulation {
   // it too, by what is linear in the difference (follow.cpp). One environment.
   void lead(std::vector<Simulation*> others) { others_ = std::move(others); }
 
+  // As one of those others: where it is to be right by a share in what the leader's numbers are wrong by. Before the first step.
+  void mend(effects::Fault fault, double share);
+
   // Of a number of the state that the last step led to, with what acted in that step. Throws Failure where there is none. One environment.
   Adjoint adjoint(const Functional& of);
 
@@ -80,6 +83,7 @@ class Simulation {
   std::vector<Simulation*> others_;
   std::unique_ptr<Tangent> tangent_;  // where there are others, or adjoints,
   Index tangent_step_ = -1;           // at the state that so many steps led to
+  double resolved_ = 0;               // share of the leader's residual that goes into the way of one that follows
   bool refitted_ = false;             // parameters of effects were fitted to the solution of the step under way
   // Per environment:
   std::vector<std::string> lost_;

@@ -2,9 +2,11 @@
 
 #include <filesystem>
 
+#include "base/cpu_time.h"
 #include "base/version.h"
 #include "run/contact_figures.h"
 #include "run/output_mesh.h"
+#include "run/signals.h"
 #include "run/step_row.h"
 #include "study/measure.h"
 
@@ -15,7 +17,12 @@ void check(const engine::Outcome& outcome) {
 }
 
 Course::Course(const scene::Scene& scene, const std::string& file, const engine::Choice& choice)
-    : scene_(scene), input_(engine::make_input(scene.root)), file_(file), sensors_(input_), audit_(input_) {
+    : Course(scene, engine::make_input(scene.root), file, choice) {}
+
+Course::Course(const Course& other, const std::string& file, const engine::Choice& choice) : Course(other.scene_, other.input_, file, choice) {}
+
+Course::Course(const scene::Scene& scene, const model::ModelInput& input, const std::string& file, const engine::Choice& choice)
+    : scene_(scene), input_(input), file_(file), sensors_(input_), audit_(input_) {
   check(choice.api->create(input_, engine_));
 }
 
@@ -54,6 +61,28 @@ std::vector<double> Course::measure(const std::vector<Quantity>& quantities) {
   std::vector<double> values;
   for (const Quantity& q : quantities) values.push_back(study::measure(reader, q));
   return values;
+}
+
+double take(Course& first, const std::vector<Course*>& beside) {
+  std::vector<engine::Engine*> led;
+  for (Course* course : beside) led.push_back(&course->engine());
+  check(first.engine().lead(led));
+  first.open();
+  for (Course* course : beside) course->open();
+  const Params& time = first.input().scene.at("time");
+  const long steps = time.integer("steps"), every = time.integer("frame_every");
+  double seconds = 0;
+  for (long step = 1; step <= steps; ++step) {
+    const double start = cpu_time();
+    solver::StepReport report;
+    check(first.engine().step(run::stop_asked, report));
+    seconds += cpu_time() - start;
+    const bool frame = step % every == 0 || step == steps;
+    first.see(&report, frame);
+    for (Course* course : beside)
+      if (course->engine().lost().empty()) course->see(nullptr, frame);
+  }
+  return seconds;
 }
 
 }  // namespace mortise::study

@@ -21,6 +21,8 @@ void check(const engine::Outcome& outcome);
 class Course {
  public:
   Course(const scene::Scene& scene, const std::string& file, const engine::Choice& choice);
+  // Of the same bodies.
+  Course(const Course& other, const std::string& file, const engine::Choice& choice);
   Course(const Course&) = delete;
   ~Course();
 
@@ -36,6 +38,7 @@ class Course {
   std::vector<double> measure(const std::vector<Quantity>& quantities);
 
  private:
+  Course(const scene::Scene& scene, const model::ModelInput& input, const std::string& file, const engine::Choice& choice);
   const scene::Scene scene_;
   const model::ModelInput input_;
   const std::string file_;
@@ -46,5 +49,8 @@ class Course {
   Snapshot state_;
   std::vector<double> points_;
 };
+
+// Takes `first`, which has begun, through all of its steps, and those that it leads along. Returns the CPU time of the steps [s].
+double take(Course& first, const std::vector<Course*>& beside);
 
 }  // namespace mortise::study

@@ -15,6 +15,7 @@
 #include "run/vector_at.h"
 #include "scene/scene.h"
 #include "study/course.h"
+#include "study/followed_budget.h"
 #include "study/goal_error.h"
 #include "study/measure.h"
 #include "study/read.h"
@@ -109,7 +110,10 @@ Gradient known_gradient(const Quantity& q, const model::ModelInput& input, const
   return {{}, e.what()};
 }
 
-// Why nothing can be said of a scene; empty where something can.
+// Where the mesh's part is not known.
+constexpr const char* kFollowed = "; what steps and contact's gap are to it, mortise study --error-budget tells";
+
+// Why the last state does not tell what the mesh does to a scene; empty where it does.
 std::string why_none(const Params& scene) {
   const Params& time = scene.at("time");
   if (time.text("mode") != "static") return "in motion the errors of all steps add up, which ladders tell (mortise study --one-at-a-time --vary)";
@@ -163,7 +167,7 @@ ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, co
   const bool contact = !effects::of_role(input.scene.at("effects"), effects::Role::contact).empty();
   for (const Quantity& q : quantities) {
     QuantityBudget& budget = out.of.emplace_back();
-    const Gradient gradient = none.empty() ? known_gradient(q, input, state, points) : Gradient{{}, none};
+    const Gradient gradient = none.empty() ? known_gradient(q, input, state, points) : Gradient{{}, none + kFollowed};
     budget.why_not = gradient.why_not, budget.scale = gradient.scale;
     if (!budget.why_not.empty()) continue;
     solver::Adjoint adjoint;
@@ -176,8 +180,8 @@ ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, co
     if (of_mesh.why_not.empty()) of_mesh.error = mesh->of(adjoint.points);
     budget.parts.push_back(of_mesh);
     if (contact) budget.parts.push_back({kGapPart, adjoint.layer, ""});
-    budget.parts.push_back({"Newton's method, linear systems, lag", adjoint.residual, ""});
-    if (contact) budget.parts.push_back({"facets of round surfaces, integration", NAN, "no estimate"});
+    budget.parts.push_back({kSolutionPart, adjoint.residual, ""});
+    if (contact) budget.parts.push_back({kFacetsPart, NAN, "no estimate"});
   }
   out.seconds = cpu_time() - start;
   return out;
@@ -208,28 +212,31 @@ ErrorBudget find_error_budget(const Study& study, const Place& place) {
   if (study.quantities.empty()) throw Error(Exit::usage, "no quantity to look at: give --qoi group/name");
   const scene::Scene scene =
       scene::read_scene_text(variant_of(study, study.methods.front(), {}).yaml, study.scene, {"output.precision=double"}, engine::effect_tables());
-  const Params& time = scene.root.at("time");
-  if (const std::string none = why_none(scene.root); !none.empty()) throw Error(Exit::usage, study.scene + ": there is no error budget: " + none);
-  const long steps = time.integer("steps"), every = time.integer("frame_every");
-  const engine::Choice choice = engine::choose(place.device, place.threads);
   std::error_code ec;
   std::filesystem::create_directories(place.folder + "/runs", ec);
-  Course course(scene, place.folder + "/runs/error_budget.vtkhdf", choice);
-  double solve_seconds = 0;
-  check(course.engine().begin());
-  course.open();
-  for (long step = 1; step <= steps; ++step) {
-    const double start = cpu_time();
-    solver::StepReport report;
-    check(course.engine().step(run::stop_asked, report));
-    solve_seconds += cpu_time() - start;
-    course.see(&report, step % every == 0 || step == steps);
-  }
+  if (const std::string none = why_none(scene.root); !none.empty()) return followed_budget(scene, study.quantities, none, place);
 
+  Course course(scene, place.folder + "/runs/error_budget.vtkhdf", engine::choose(place.device, place.threads));
+  check(course.engine().begin());
+  const double seconds = take(course, {});
   ErrorBudget out = budget_of(course.engine(), course.input(), study.quantities);
-  out.solve_seconds = solve_seconds;
+  out.solve_seconds = seconds;
   const std::vector<double> values = course.measure(study.quantities);
-  for (std::size_t k = 0; k < values.size(); ++k) out.of[k].judge(values[k]);
+  std::vector<std::size_t> unknown;
+  std::vector<Quantity> others;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    out.of[k].judge(values[k]);
+    if (!out.of[k].why_not.empty()) unknown.push_back(k), others.push_back(study.quantities[k]);
+  }
+  if (others.empty()) return out;
+  // The same steps once more, with company.
+  const ErrorBudget followed = followed_budget(scene, others, "", place);
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    const std::string why = out.of[unknown[i]].why_not;
+    out.of[unknown[i]] = followed.of[i];
+    out.of[unknown[i]].parts.front().why_not = why;
+  }
+  out.solve_seconds += followed.solve_seconds, out.seconds += followed.seconds;
   return out;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
-// Where the error of a number of one run comes from, from one adjoint solve per quantity with the last Jacobian: what is to be added to it because
-// of the mesh, of the gap that contact leaves, and of what Newton's method left. Static scenes.
+// Where the error of a number of one run comes from: what is to be added to it because of the mesh, of the length of steps, of the gap that contact
+// leaves, and of what Newton's method left. Of static scenes from one adjoint solve per quantity with the last Jacobian; elsewhere all but the mesh's
+// part from scenes that go beside the run (followed_budget.h).
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,7 +13,8 @@
 
 namespace mortise::study {
 
-inline constexpr const char *kMeshPart = "mesh of soft bodies", *kGapPart = "gap that contact leaves";
+inline constexpr const char *kMeshPart = "mesh of soft bodies", *kStepsPart = "length of time steps", *kGapPart = "gap that contact leaves",
+                            *kSolutionPart = "Newton's method, linear systems, lag", *kFacetsPart = "facets of round surfaces, integration";
 inline constexpr const char* kNotReliable = "not reliable";  // so begins why there is no number where one was found
 
 struct ErrorPart {
@@ -35,7 +37,7 @@ struct QuantityBudget {
 
 struct ErrorBudget {
   std::vector<QuantityBudget> of;         // the quantities
-  double solve_seconds = 0, seconds = 0;  // CPU time of the steps, and of the estimates [s]
+  double solve_seconds = 0, seconds = 0;  // CPU time of the steps, and of the estimates [s]; of scenes that are followed all is of the steps
   bool exact = true;                      // J^T lacked nothing
 };
 

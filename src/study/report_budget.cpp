@@ -33,7 +33,9 @@ std::string budget_table(const Study& study, const ErrorBudget& budget) {
     out += fmt::format("  {:40} {:>+13.4g} {:>11}   so about {:.5g}\n\n", b.complete() ? "all" : "all that is estimated", b.sum(),
                        share_text(b.sum(), b.value), b.value + b.sum());
   }
-  out += fmt::format("{} of CPU time in the steps, {} for the estimates\n", seconds_text(budget.solve_seconds), seconds_text(budget.seconds));
+  out += budget.seconds > 0
+             ? fmt::format("{} of CPU time in the steps, {} for the estimates\n", seconds_text(budget.solve_seconds), seconds_text(budget.seconds))
+             : fmt::format("{} of CPU time in the steps, estimates included\n", seconds_text(budget.solve_seconds));
   if (!budget.exact) out += "the adjoint leaves out some of how samples of contact slide and turn\n";
   return out;
 }

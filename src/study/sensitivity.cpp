@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 
-#include "base/cpu_time.h"
 #include "engine/choose.h"
 #include "engine/effect_tables.h"
 #include "run/signals.h"
@@ -85,25 +84,9 @@ Sensitivities find_sensitivities(const Study& study, const std::vector<std::stri
       if (e.code() == Exit::file || e.code() == Exit::stopped) throw;
       out.parameters[k].refused = reason_of(e);
     }
-  std::vector<engine::Engine*> beside;
   std::vector<Course*> courses;
-  for (Pair& pair : pairs)
-    for (Course* course : {pair.less.get(), pair.more.get()}) beside.push_back(&course->engine()), courses.push_back(course);
-  check(base.engine().lead(beside));
-
-  base.open();
-  for (Course* course : courses) course->open();
-  const long steps = scene.root.at("time").integer("steps"), every = scene.root.at("time").integer("frame_every");
-  for (long step = 1; step <= steps; ++step) {
-    const double start = cpu_time();
-    solver::StepReport report;
-    check(base.engine().step(run::stop_asked, report));
-    out.seconds += cpu_time() - start;
-    const bool frame = step % every == 0 || step == steps;
-    base.see(&report, frame);
-    for (Course* course : courses)
-      if (course->engine().lost().empty()) course->see(nullptr, frame);
-  }
+  for (Pair& pair : pairs) courses.insert(courses.end(), {pair.less.get(), pair.more.get()});
+  out.seconds = take(base, courses);
 
   out.values = base.measure(study.quantities);
   for (Pair& pair : pairs) {

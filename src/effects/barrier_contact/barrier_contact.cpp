@@ -75,6 +75,16 @@ class BarrierContact final : public Effect {
     weigh({});
   }
 
+  // Pressures are those of gaps larger by the share: p(g) is a function of g / d_hat.
+  void mend(Fault fault, double share) override {
+    if (fault != Fault::gap) return;
+    proximity_.scale_reach(1 / (1 + share));
+    if (barrier_.area_weighted) return;
+    std::vector<double> kappa = kappa_.download();  // the classic form weighs with the square of d_hat
+    for (double& k : kappa) k *= (1 + share) * (1 + share);
+    kappa_.upload(kappa);
+  }
+
   void begin_step(const StepInfo& step) override {
     proximity_.begin_step(step);
     weigh(step);

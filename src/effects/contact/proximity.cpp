@@ -70,6 +70,11 @@ Proximity::Proximity(model::Model& model, std::vector<double> reach)
   planes_.upload(planes);
 }
 
+void Proximity::scale_reach(double by) {
+  for (double& r : reach_) r *= by;
+  reaches_.upload(reach_);
+}
+
 void Proximity::watch(const WatchedPairs& pairs) {
   const std::vector<std::uint8_t> apart = where(pairs.how, [](Watch w) { return w != Watch::no; });
   model_.watch(apart);

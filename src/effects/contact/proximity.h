@@ -36,6 +36,7 @@ class Proximity {
   std::shared_ptr<const Buffer<Vec3>> limit(const Buffer<Vec3>& y, View<const Vec3> dq, const BarrierView& s, device::EnvValues alpha);
 
   double reach(Index env) const { return reach_[env]; }
+  void scale_reach(double by);                                  // by a hair
   const Candidates& candidates() const { return candidates_; }  // of the last locate() or limit(), and around
   // All candidates at y.
   const Candidates& candidates(const Buffer<Vec3>& y);

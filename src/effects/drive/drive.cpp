@@ -119,6 +119,8 @@ struct Driven {
   double ratio = 1, offset = 0;             // of what the entry aims at: joints that mimic a given one are given too
   double target = 0, torque = 0, drag = 0;  // [rad, m] or [N m, N], [N m, N]
   double held = 0;                          // [J]
+  double a = 0, a_prev = 0;                 // what rates changed by in the last two steps, over their lengths [rad/s^2, m/s^2];
+  bool begun = false;                       // there were such
   Law law{};                                // of the step under way
 };
 
@@ -182,6 +184,24 @@ class Drive final : public Effect, public Commanded {
     if (!given_.empty()) turn(step);
   }
 
+  void mend(Fault fault, double share) override {
+    if (fault == Fault::steps && !is_static_) mended_ = share;
+  }
+  // With y the rate x / h of a step and a what that has changed by, over h: at the end of the step the rate is y + a h / 2, and what it changes by is
+  // more by what a has changed by, to first order. From the leader's steps before, so that nothing of it takes part in the motion.
+  void follow(const Effect& leader, Positions) override {
+    if (mended_ == 0) return;
+    for (std::size_t i = 0; i < motors_.size(); ++i) {
+      const Entry& e = entries_[motors_[i].entry];
+      const Driven& led = static_cast<const Drive&>(leader).motors_[i];
+      Law& law = motors_[i].law;
+      const double more = led.a - led.a_prev;
+      law.a -= mended_ / 2 * e.kd * law.h * (led.a + more);
+      law.left += mended_ * (e.damping / 2 * law.h * (led.a + more) + e.armature * more);
+    }
+    upload();
+  }
+
   void energy(Positions q, const Linearisation&, device::EnvValues per_env) override { energy_.energy("drive.energy", q, per_env); }
   void linearise(Positions q, Want want, Linearisation& at) override { energy_.linearise("drive.assemble", model_, q, want, at); }
   void max_step(View<const Vec3> dq, Linearisation& at, device::EnvValues alpha) override { energy_.max_step("drive.max_step", dq, at, alpha); }
@@ -203,6 +223,9 @@ class Drive final : public Effect, public Commanded {
       if (!step.taken_by(j.env)) continue;
       const double way = j.value - begin_[i];
       d.torque = d.law.motor(way), d.drag = -d.law.drag(way), d.held = held(d);
+      const double a = step.is_static ? 0 : (j.rate - d.law.rate) / step.dt;
+      d.a_prev = d.begun ? d.a : a / 2;  // a step from a given rate sees half of what it changes by
+      d.a = a, d.begun = true;
     }
   }
 
@@ -367,6 +390,7 @@ class Drive final : public Effect, public Commanded {
 
   model::Model& model_;
   bool is_static_ = false;
+  double mended_ = 0;  // a share of what finite steps leave out
   std::vector<Entry> entries_;
   std::vector<Driven> motors_, given_;              // by environment; those of mode kinematic
   std::map<std::string, model::Command> commands_;  // by joint; empty unless somebody outside drives

@@ -41,6 +41,7 @@ struct Law {
   double damping = 0, friction = 0, creep = tuning::kCreep;
   double stiffness = 0, stretch = 0;  // S; theta_n - theta_0
   double armature = 0, rate = 0;      // J; v_n
+  double left = 0;                    // what a law of finite steps leaves out, where that is mended, against the motion [N m]
 
   MORTISE_HD double effort_limit(double v) const { return velocity < INFINITY ? effort * clamp01((velocity - v) / (kRamp * velocity)) : effort; }
   MORTISE_HD double motor(double x) const {
@@ -86,12 +87,12 @@ struct Law {
   // Of bearing, spring and rotor, against the motion [N m].
   MORTISE_HD double drag(double x) const {
     const double e = creep * h, y = std::fabs(x), f = y < e ? (2 - y / e) * y / e : 1.0;
-    const double bearing = damping * x / h + (x < 0 ? -1 : 1) * friction * f;
+    const double bearing = damping * x / h + left + (x < 0 ? -1 : 1) * friction * f;
     return stiffness == 0 && armature == 0 ? bearing : bearing + stiffness * (stretch + x) + armature * (x / h - rate) / h;
   }
   MORTISE_HD double energy_of(double x) const {
     const double e = creep * h, y = std::fabs(x);
-    const double all = motor_energy(x) + 0.5 * damping * x * x / h + friction * (y < e ? y * y * (1 / e - y / (3 * e * e)) : y - e / 3);
+    const double all = motor_energy(x) + 0.5 * damping * x * x / h + left * x + friction * (y < e ? y * y * (1 / e - y / (3 * e * e)) : y - e / 3);
     if (stiffness == 0 && armature == 0) return all;
     const double s = stretch + x, v = x / h - rate;
     return all + 0.5 * stiffness * s * s + 0.5 * armature * v * v;

@@ -126,6 +126,28 @@ class Inertia final : public Effect {
         [=] MORTISE_HD(Index s) { return inertia::energy(pair[s].i == pair[s].j, pair[s].m, vn[pair[s].i], vn[pair[s].j]); }, there);
   }
 
+  void mend(Fault fault, double share) override {
+    if (fault != Fault::steps) return;
+    mended_ = share;
+    for (device::Buffer<Vec3>* v : {&a_, &a_prev_, &more_}) v->copy_from(v_), v->zero();
+  }
+  // With the accelerations of the leader: of its own, what is mended would take part in the motion, and grow with it.
+  void follow(const Effect& leader, Positions q) override {
+    if (mended_ == 0) return;
+    const inertia::LeftOut left = inertia::left_out(integrator_[0], dt_prev_[0], known_);
+    const double s = mended_, c = integrator_[0].c(), dt = integrator_[0].dt;
+    const Positions leads = std::as_const(static_cast<const Inertia&>(leader).q_hat_).view();
+    const View<Vec3> hat = q_hat_.view(), an = a_.view(), an1 = a_prev_.view(), more = more_.view();
+    device::parallel_for("inertia.follow", hat.n, [=] MORTISE_HD(Index b) {
+      const Vec3 a = c * (q[b] - leads[b]);
+      hat[b] -= s / c * (left.a0 * a - left.a1 * an[b] + left.a2 * an1[b]);
+      more[b] = s * dt * (left.v0 * a - left.v1 * an[b]);
+      an1[b] = an[b];
+      an[b] = a;
+    });
+    known_ = std::min(known_ + 1, 2);
+  }
+
   void linearise(Positions q, Want want, Linearisation& at) override {
     if (!want.forces) return;
     if (!at.shaped) write_pattern(at.stencils), at.shaped = true;
@@ -171,6 +193,9 @@ class Inertia final : public Effect {
       vn1[b] = vn[b];
       vn[b] = v;
     });
+    if (mended_ == 0) return;
+    const View<const Vec3> more = std::as_const(more_).view();
+    device::parallel_for("inertia.mend", more.n, [=] MORTISE_HD(Index b) { vn[b] += more[b]; });
   }
 
   void report(const FieldSinks& sinks, const Linearisation&) override {
@@ -258,6 +283,10 @@ class Inertia final : public Effect {
   // History: velocity now, positions and velocity one step before, and the length of every environment's last step (0 before the first).
   device::Buffer<Vec3> v_, q_prev_, v_prev_;
   std::vector<double> dt_prev_;
+  // Mended by a share: accelerations of the leader's last steps, of how many there are, and what velocities of the step get besides.
+  double mended_ = 0;
+  device::Buffer<Vec3> a_, a_prev_, more_;
+  int known_ = 0;
 };
 
 }  // namespace

@@ -26,6 +26,21 @@ inline Integrator bdf2(double dt, double dt_prev) {
   return {(1 + 2 * w) / (1 + w), 1 + w, w * w / (1 + w), dt};
 }
 
+// What steps leave out, to first order. Of the true motion, with D the difference above of the integrator (v = D q, a = D v),
+//   backward Euler:      q' = D q + dt/2 q''               v' = D v + dt/2 v''
+//   variable-step BDF2:  q' = D q + g dt^2 q'''            v' = D v + g dt^2 v''',           g = (1 + w) / (6 w)
+// where q'' = a, v'' = q''' = (a - a_n)/dt and v''' = 2 w / (1 + w) (a - a_n - w (a_n - a_{n-1}))/dt^2 are differences again. Mended by a share s,
+//   v = D q + s dt (v0 a - v1 a_n),      a = D v + s (...) = alpha + s (a0 alpha - a1 a_n + a2 a_{n-1}),      alpha = c (q - q_hat),
+// with q_hat of such velocities, but for terms with s^2. known: how many accelerations before a there are.
+struct LeftOut {
+  double a0 = 0, a1 = 0, a2 = 0, v0 = 0, v1 = 0;
+};
+inline LeftOut left_out(const Integrator& of, double dt_prev, int known) {
+  if (of.a2 == 0) return known > 0 ? LeftOut{1, 0.5, 0, 0.5, 0} : LeftOut{0.5, 0, 0, 0.5, 0};
+  const double w = of.dt / dt_prev, g = (1 + w) / (6 * w), a0 = of.a0 * g + 1.0 / 3;
+  return known > 1 ? LeftOut{a0, of.a0 * g + (1 + w) / 3, w / 3, g, g} : LeftOut{a0, a0, 0, g, g};
+}
+
 // One entry m_ij [kg] of the mass matrix, i <= j, with d = q - q_hat; it stands for m_ji as well.
 //   energy   i = j: 1/2 c m d_i.d_i           i < j: c m d_i.d_j
 //   gradient i = j: c m d_i                   i < j: c m d_j (block i), c m d_i (block j)

@@ -136,6 +136,18 @@ class MortarContact final : public Effect {
     fit_support();
   }
 
+  // Pressures are those of gaps larger by the share: p(g) is a function of g / d_hat. Stiffnesses stay.
+  void mend(Fault fault, double share) override {
+    if (fault != Fault::gap) return;
+    const double by = 1 / (1 + share);
+    std::vector<double> support = support_.download(), d_hat = d_hat_view_.download();
+    for (std::vector<double>* radii : {&support, &d_hat, &d_hat_})
+      for (double& r : *radii) r *= by;
+    support_.upload(support), d_hat_view_.upload(d_hat);
+    proximity_.scale_reach(by);
+    stiffness_changed();
+  }
+
   void begin_step(const StepInfo& step) override {
     static_ = step.is_static;
     bool changed = false;
