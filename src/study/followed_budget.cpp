@@ -35,6 +35,10 @@ ErrorPart part_of(const char* source, double less, double value, double more) {
   if (apart > tuning::kMendedKink * std::abs(error) && apart > tuning::kNoDerivative * std::abs(value))
     return {source, NAN,
             fmt::format("{}: {:+.2g} or {:+.2g}, as something touches, lets go or slips a step sooner or later", kNotReliable, below, above)};
+  if (std::abs(error) > tuning::kFirstOrderShare * std::abs(value))
+    return {source, NAN,
+            fmt::format("{}: {:.0f} % of the number was found, and above {:g} % it is no matter of first order", kNotReliable,
+                        100 * std::abs(error / value), 100 * tuning::kFirstOrderShare)};
   return {source, error, ""};
 }
 

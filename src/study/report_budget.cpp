@@ -1,6 +1,7 @@
 // What is told of an error budget.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "base/version.h"
@@ -30,8 +31,9 @@ std::string budget_table(const Study& study, const ErrorBudget& budget) {
     for (const ErrorPart& part : b.parts)
       out += std::isfinite(part.error) ? fmt::format("  {:40} {:>+13.4g} {:>11}\n", part.source, part.error, share_text(part.error, b.value))
                                        : fmt::format("  {:40} not estimated: {}\n", part.source, part.why_not);
-    out += fmt::format("  {:40} {:>+13.4g} {:>11}   so about {:.5g}\n\n", b.complete() ? "all" : "all that is estimated", b.sum(),
-                       share_text(b.sum(), b.value), b.value + b.sum());
+    const bool reliable = std::none_of(b.parts.begin(), b.parts.end(), [](const ErrorPart& p) { return p.why_not.starts_with(kNotReliable); });
+    out += fmt::format("  {:40} {:>+13.4g} {:>11}{}\n\n", b.complete() ? "all" : "all that is estimated", b.sum(), share_text(b.sum(), b.value),
+                       reliable ? fmt::format("   so about {:.5g}", b.value + b.sum()) : "");
   }
   out += budget.seconds > 0
              ? fmt::format("{} of CPU time in the steps, {} for the estimates\n", seconds_text(budget.solve_seconds), seconds_text(budget.seconds))

@@ -32,8 +32,9 @@ inline constexpr double kSameErrors[] = {0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.00
 inline constexpr double kHair = 1e-5, kKink = 0.02, kNoDerivative = 1e-3;
 
 // Error budgets of scenes that are followed (followed_budget.cpp): the share of a fault that is mended to both sides; errors that differ by more than
-// the second share of themselves from side to side are none that first order knows.
-inline constexpr double kMendedShare = 1e-4, kMendedKink = 0.25;
+// the second share of themselves from side to side are none that first order knows, and beyond the third share of the number they say that much is
+// wrong, and not how much.
+inline constexpr double kMendedShare = 1e-4, kMendedKink = 0.25, kFirstOrderShare = 0.3;
 
 // A mesh's part of an error from the jumps of stresses: above this share of the number it was between 0.44 and 0.82 of the true one, below between
 // 0.6 and 1.5 (benchmarks/effectivity).

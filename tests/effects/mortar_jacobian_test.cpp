@@ -18,20 +18,22 @@ Params table(std::initializer_list<std::pair<std::string, Params>> entries) {
 }
 
 struct How {
-  std::string weights = "consistent", quadrature = "3", master = "tool";
+  std::string weights = "consistent", quadrature = "3", master = "tool", other = "", gradient = "frozen";
   double mu = 0, guard = 0;
 };
 
 Params contact_of(const How& how) {
-  const Params pair = table({{"slave", Params::make_text("pad")}, {"master", Params::make_text(how.master)}});
-  return table({{"pairs", Params::make_list({pair})},
+  std::vector<Params> pairs;
+  for (const std::string& master : {how.master, how.other})
+    if (!master.empty()) pairs.push_back(table({{"slave", Params::make_text("pad")}, {"master", Params::make_text(master)}}));
+  return table({{"pairs", Params::make_list(pairs)},
                 {"d_hat", Params::make_number(kHat)},
                 {"stiffness", Params::make_number(kKappa)},
                 {"weights", Params::make_text(how.weights)},
                 {"taper_width", Params::make_number(0.1)},
                 {"quadrature", Params::make_text(how.quadrature)},
                 {"gap", Params::make_text("pointwise")},
-                {"gradient", Params::make_text("frozen")},
+                {"gradient", Params::make_text(how.gradient)},
                 {"guard", Params::make_number(how.guard)},
                 {"rest_share", Params::make_number(0)},
                 {"two_pass", Params::make_flag(false)}});
@@ -189,6 +191,35 @@ TEST(Jacobian, OfQuadraticFaces) {
         Problem p(stack(0.02, stiff, 1, pad, tool), {.mu = mu});
         EXPECT_LT(error(p, shaken(positions(p.model), 0.004, 5)), 1e-6) << mu << " " << pad << tool << stiff;
       }
+}
+
+// Along the master's normal, with the turning of the slave's.
+TEST(Jacobian, OfTheThreeTermGradient) {
+  for (double mu : {0.0, 0.5})
+    for (const bool stiff : {false, true})
+      for (const double degrees : {0.0, 2.0, 12.0, 40.0})
+        for (const auto& [pad, tool] : {std::pair{false, false}, {true, false}, {true, true}}) {
+          if ((stiff && tool) || (tool && degrees > 2)) continue;
+          const double least = degrees > 2 ? 0.01 : 0.02, width = degrees > 2 ? 0.9 : 1.3;
+          Problem p(stack(least, stiff, degrees, pad, tool, width), {.gradient = "exact", .mu = mu});
+          const fd::Vector x = shaken(positions(p.model), 0.002, 6);
+          EXPECT_LT(error(p, x), 1e-6) << "mu " << mu << " stiff " << stiff << " angle " << degrees << " quadratic " << pad << tool;
+        }
+}
+
+// A sheet between pad and block hides a part of the block, more of it where its rim lies nearer.
+TEST(Jacobian, OfWhatOthersHide) {
+  for (double mu : {0.0, 0.5})
+    for (const bool stiff : {false, true})
+      for (const char* weights : {"consistent", "tapered"})
+        for (const double width : {0.9, 1.3}) {
+          model::ModelInput in = stack(0.035, stiff, 0.5, false, false, width);
+          in.bodies.push_back(soft_body("sheet", geometry::box({0.43, 0.37, 0.008}, std::array<Index, 3>{2, 1, 1}), gel()));
+          for (Vec3& x : in.bodies.back().nodes) x += Vec3(0.05, -0.03, 0.25 + 0.01 + 0.004);
+          Problem p(std::move(in), {.weights = weights, .other = "sheet", .mu = mu});
+          const fd::Vector x = shaken(positions(p.model), 0.0015, 8);
+          EXPECT_LT(error(p, x), 1e-6) << "mu " << mu << " stiff " << stiff << " " << weights << " width " << width;
+        }
 }
 
 // The guard's samples rub too, and move with the points and edges they are between.

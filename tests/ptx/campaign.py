@@ -114,6 +114,8 @@ def crowd(folder):
 SCENES["crowd"] = (crowd, [])
 
 BENCHMARKS = {"bench patch": ["patch"], "bench hertz": ["hertz", "--set", "size=coarse"]}
+# Scenes that go beside a run.
+STUDIES = {"error budget": ["tests/ptx/scenes/barrier.yaml", "--set", "time.steps=3", "--error-budget", "--qoi", "barrier_contact/energy", "--qoi", "inertia/kinetic_energy"]}
 # What the runtime is made to answer (report.h), and what the program has to say then, with exit code 4.
 ERRORS = {
     "cudaGetDeviceCount:1:35": "the NVIDIA driver is too old: it knows CUDA 13.0, this build needs 13.0; update the driver",
@@ -257,6 +259,17 @@ class Campaign:
         row["difference"] = max((abs(a - b) / max(abs(a), 1e-9) for a, b in pairs if np.isfinite(a)), default=float("inf"))
         return row if row["difference"] <= 1e-6 and len(rows[0]) == len(rows[1]) else row | {"failed": f"differs from the CPU by {row['difference']:.1e}"}
 
+    def study(self, name):
+        row, found = {"name": name, "cpu": "bits"}, []
+        for order in ("cpu", "forwards", "backwards"):
+            folder = self.out / file_of(name) / order
+            command = [self.bin / "mortise", "study", ROOT / STUDIES[name][0], *STUDIES[name][1:], "--device", "cpu" if order == "cpu" else "cuda", "-o", folder]
+            done, row[f"{order}_s"] = run(command, self.report(name, order) if order != "cpu" else None, order == "backwards")
+            if done.returncode != 0:
+                return row | {"failed": f"{order}, exit code {done.returncode}: {done.stderr.strip()}"}
+            found.append(json.loads((folder / "error_budget.json").read_text())["quantities"])
+        return row if found[0] == found[1] == found[2] else row | {"failed": "error budgets differ"}
+
     def bandwidth(self, name):
         row = {"name": name}
         done, row["forwards_s"] = run([self.bin / "mortise", "bench", "bandwidth", "--set", "edge=8", "--device", "cuda"], self.report(name, "forwards"))
@@ -288,7 +301,7 @@ class Campaign:
             return row
         shutil.rmtree(self.reports / file_of(name), ignore_errors=True)
         (self.reports / file_of(name)).mkdir()
-        kind = self.scene if name in SCENES else self.bench if name in BENCHMARKS else self.resume if name == "resume" else self.errors if name == "errors" else self.bandwidth if name == "bandwidth" else self.program
+        kind = self.scene if name in SCENES else self.bench if name in BENCHMARKS else self.study if name in STUDIES else self.resume if name == "resume" else self.errors if name == "errors" else self.bandwidth if name == "bandwidth" else self.program
         try:
             row = kind(name)
         except Exception as e:  # a job that fails in an unforeseen way is a failed job
@@ -322,7 +335,7 @@ def main():
     parser.add_argument("--result", type=Path)
     a = parser.parse_args()
     campaign = Campaign(a.build.resolve(), a.go_on)
-    names = ["translator", "test_ptx", "errors", *SHORT] if a.short else ["translator", "test_ptx", "errors", *[f"test_{t}_ptx" for t in TWINS], *BENCHMARKS, "bandwidth", "resume", *SCENES]
+    names = ["translator", "test_ptx", "errors", *SHORT] if a.short else ["translator", "test_ptx", "errors", *[f"test_{t}_ptx" for t in TWINS], *BENCHMARKS, *STUDIES, "bandwidth", "resume", *SCENES]
     chosen = [n for n in names if any(word in n for word in a.only.split(","))]
     if a.go_on:
         chosen = [n for n in names if n in chosen or campaign.before(n)]

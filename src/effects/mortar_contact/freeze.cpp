@@ -144,7 +144,7 @@ void slide_offers(const Stage& stage, View<const Index> count, View<Sample> offe
 
 MORTISE_HD inline Pair make_pair(const MortarView& s, View<const Vec3> y, Index i, Index master) {
   Pair p;
-  p.slave = s.slaves[i], p.master = master, p.d_hat = s.support[i];
+  p.slave = s.slaves[i], p.master = master, p.d_hat = s.support[i], p.turning = false;
   const Triangle t = s.surface.triangles[p.slave];
   const SlavePlane plane = slave_plane(y[t.v[0]], y[t.v[1]], y[t.v[2]]);
   p.env = s.surface.env[t.v[0]];
@@ -160,7 +160,8 @@ MORTISE_HD inline Pair make_pair(const MortarView& s, View<const Vec3> y, Index 
   p.interface = s.interface_at(body, s.surface.body[p.under.point[0]]);
   p.n = p.m = plane.n;
   const double cosine = s.normal[master].dot(plane.n);
-  if (s.set.exact && cosine < -tuning::kTurned) {
+  p.turning = s.set.exact && cosine < -tuning::kTurned;
+  if (p.turning) {
     p.m = s.normal[master] / cosine;
     const Vec3 u = (p.m - plane.n.dot(p.m) * plane.n) / (2 * plane.area);
     p.k[1] = plane.e2.cross(u);
@@ -255,9 +256,9 @@ void Freezing::begin(const MortarView& view, Search& search, const Buffer<double
     device::scan(offers_at_);
     offer_all({{}, first, offers_.view()});
   });
-  Buffer<std::uint8_t> layered(n);
-  find_layers(s, first, layered.view());
-  judge(s, std::as_const(layered).view(), count, offers_.view(), kept_at_.view());
+  layered_.resize(n);
+  find_layers(s, first, layered_.view());
+  judge(s, std::as_const(layered_).view(), count, offers_.view(), kept_at_.view());
   slide_offers(s, count, offers_.view(), kept_at_.view());
   device::scan(kept_at_);
   const Kept samples_of{first, kept};
@@ -299,10 +300,11 @@ bool Freezing::end(FreezeRoom& rooms, Moving moving) {
   const View<const Sample> offers = std::as_const(offers_).view();
   const View<Sample> to = out.samples.view();
   const View<Pair> pair_to = out.pairs.view();
+  const View<const std::uint8_t> layered = std::as_const(layered_).view();
   device::parallel_for("mortar_contact.pairs", s.master.n, [=] MORTISE_HD(Index c) {
     if (pairs[c + 1] == pairs[c]) return;
     Pair p = make_pair(s.s, s.y, s.slave[c], s.master[c]);
-    p.begin = samples_of.begin(c), p.end = samples_of.begin(c + 1);
+    p.begin = samples_of.begin(c), p.end = samples_of.begin(c + 1), p.layered = layered[c] != 0;
     pair_to[pairs[c]] = p;
   });
   device::parallel_for("mortar_contact.samples", offered_, [=] MORTISE_HD(Index o) {

@@ -30,7 +30,7 @@ class Freezing {
   model::PointMapView map_;
   Buffer<Patch> patches_;
   Buffer<Facing> facing_;
-  Buffer<std::uint8_t> near_;
+  Buffer<std::uint8_t> near_, layered_;
   Buffer<Index> offers_at_, kept_at_;  // offsets of the offers of every piece of every candidate, and of the offers that are samples
   Buffer<Sample> offers_;
   Buffer<Index> counts_;         // of every candidate, one list after the other (freeze.cpp), added up through all of them

@@ -36,6 +36,8 @@ struct Pair {
   Vec3 n, m, k[3];
   double d_hat;
   Index begin, end;  // samples
+  bool layered;      // other masters may hide a part of them
+  bool turning;      // its faces have the three-term gradient: m, k are not n, 0
   MORTISE_HD bool quadratic() const { return on.quarter >= 0 || under.quarter >= 0; }
   MORTISE_HD bool binding() const { return master < 0 || quadratic(); }  // a gap that closes when frozen has closed
 };
@@ -66,7 +68,7 @@ struct MovingView {
 struct Motion {
   Buffer<Index> start, node;
   Buffer<Vec3> by;
-  Buffer<std::uint8_t> partly;  // per sample: something that moves it is left out
+  Buffer<std::uint8_t> partly;  // per sample: not 0 where something that moves it is left out
   linalg::StencilSizes sizes;   // of stencils of the samples' nodes
   Moving wanted = false;
   void clear() { wanted = false, start.resize(0), node.resize(0), by.resize(0), partly.resize(0); }

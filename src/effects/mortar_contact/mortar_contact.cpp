@@ -223,7 +223,7 @@ class MortarContact final : public Effect {
     if (!wanted.wanted) return;
     mortar::samples(view(at), at.frozen, at.contact);
     mortar::sample_changes(view(at), at.frozen, at.contact.changes);
-    mortar::follow(at.contact, model_.point_map(), at.beside, at.unsymmetric);
+    mortar::follow(view(at), at.frozen, at.contact, model_.point_map(), at.beside, at.unsymmetric);
   }
 
   // Of the field and, where it acts, of the guard.

@@ -17,6 +17,9 @@ using J = Jet<kTogether>;
 
 inline constexpr double kSame = 1e-9;  // of barycentrics and weights: far above their rounding
 
+// Why a sample is followed in part only: it is not found again, or there is no room for its nodes; others hide some of it.
+inline constexpr std::uint8_t kLost = 1, kHidden = 2;
+
 // A slave and a master triangle, and how the variables move with their corners.
 struct Couple {
   const Patch& p;
@@ -97,13 +100,13 @@ struct Trace {
     double off = 0;  // where curved faces above or below it are is not in yet
     for (int i = 0; i < 3; ++i) off += of_slave ? std::abs(N[i].a - samples[sample].N[i]) : std::abs(M[i].a - samples[sample].M[i]);
     if (off < kSame) return sample;
-    partly[sample] = 1;
+    partly[sample] |= kLost;
     return -1;
   }
-  // Of what is kept of its weight (layers.h).
+  // Of what others leave of its weight (follow_layers).
   MORTISE_HD J weight(Index sample, const J& weight) const {
     const double share = samples[sample].weight / weight.a;
-    if (share < 1 - kSame) partly[sample] = 1;
+    if (share < 1 - kSame) partly[sample] |= kHidden;
     return share * weight;
   }
 };
@@ -229,6 +232,57 @@ void follow_features(const Stage& stage, const Weights weights, FrozenSamples& o
   });
 }
 
+// What other masters hide of a sample changes with their places, the slave's, and its own. Its weight is w v, v = 1 - sum of shares, of which dw is
+// in.
+void follow_layers(const Stage& stage, FrozenSamples& out) {
+  const Stage s = stage;
+  const View<const Pair> pairs = std::as_const(out.pairs).view();
+  const View<const Sample> samples = std::as_const(out.samples).view();
+  const MovingView moving = view_of(out.moving);
+  const View<std::uint8_t> partly = out.moving.partly.view();
+  const Moving wanted = out.moving.wanted;
+  device::parallel_for("mortar_contact.moving_layers", samples.n, [=] MORTISE_HD(Index i) {
+    const Sample& sample = samples[i];
+    const Pair& p = pairs[sample.pair];
+    if (!p.layered || !wanted.in(p.env) || s.s.bent(p.slave) || s.s.bent(p.master)) return;
+    partly[i] &= kLost;
+    const Under under = under_others(s, p);
+    const double v = visible(s.s, under.patch, under.place, s.y, sample.N, sample.gap);
+    if (!(v > 0 && v < 1)) return;
+    const Index* on = s.s.surface.triangles[p.slave].v;
+    const ByNodes to{s.s, s.y, moving.node.p + moving.start[i], static_cast<int>(moving.count(i)), moving.by(i, 4)};
+    const double scale = -sample.weight / v;
+    double by[3] = {0, 0, 0};  // N_1, N_2, gap
+    each_rim(s, under, sample, [&](Index master, double) {
+      const Index* over = s.s.surface.triangles[master].v;
+      using D = Jet<3>;
+      MORTISE_ROLLED for (int moved = 0; moved <= 6; ++moved) {  // a corner of the slave, of the master, or the sample itself
+        Vec3Of<D> y[3], x[3];
+        for (int k = 0; k < 3; ++k)
+          for (int c = 0; c < 3; ++c) {
+            y[k][c] = moved == k ? D::variable(s.y[on[k]][c], c) : D(s.y[on[k]][c]);
+            x[k][c] = moved == 3 + k ? D::variable(s.y[over[k]][c], c) : D(s.y[over[k]][c]);
+          }
+        D N[3] = {0, sample.N[1], sample.N[2]}, gap = sample.gap;
+        if (moved == 6) N[1] = D::variable(N[1].a, 0), N[2] = D::variable(N[2].a, 1), gap = D::variable(gap.a, 2);
+        N[0] = 1 - N[1] - N[2];
+        const D share = covers<D>(y, x, N, gap);
+        if (moved < 6)
+          to.add(moved < 3 ? on[moved] : over[moved - 3], scale * Vec3(share.d[0], share.d[1], share.d[2]));
+        else
+          for (int c = 0; c < 3; ++c) by[c] += scale * share.d[c];
+      }
+    });
+    const Spot foot(p.on, sample.N, s.y), head(p.under, sample.M, s.y);
+    for (int k = 0; k < moving.count(i); ++k) {
+      Vec3 gap = Vec3::Zero();
+      if (k < points_of(p)) gap = (k < p.on.count ? -foot.shape[k] : head.shape[k - p.on.count]) * p.n;
+      for (int j = 0; j < 2; ++j) gap += p.n.dot(head.x[j]) * moving.by(i, 2 + j)[k] - p.n.dot(foot.x[j]) * moving.by(i, j)[k];
+      moving.by(i, 4)[k] += by[0] * moving.by(i, 0)[k] + by[1] * moving.by(i, 1)[k] + by[2] * gap;
+    }
+  });
+}
+
 // Between curved faces the other point of a sample stays above or below the first along n:  x_m(M) - x_s(N) = g n.
 void slide(const MortarView& view, View<const Vec3> y, FrozenSamples& out) {
   if (view.quarter.n == 0) return;
@@ -268,8 +322,8 @@ void slide(const MortarView& view, View<const Vec3> y, FrozenSamples& out) {
 }
 
 // Which nodes every sample hangs on.
-void find_nodes(const MortarView& view, const model::PointMapView& point_map, FrozenSamples& out) {
-  const MortarView s = view;
+void find_nodes(const Stage& stage, const model::PointMapView& point_map, FrozenSamples& out) {
+  const Stage s = stage;
   const View<const Pair> pairs = std::as_const(out.pairs).view();
   const View<const Sample> samples = std::as_const(out.samples).view();
   Motion& moving = out.moving;
@@ -281,7 +335,7 @@ void find_nodes(const MortarView& view, const model::PointMapView& point_map, Fr
   const model::PointMapView map = point_map;
   device::parallel_for("mortar_contact.count_nodes", samples.n, [=] MORTISE_HD(Index i) {
     const NodeList list = nodes_of(s, pairs[samples[i].pair], samples[i], wanted.in(pairs[samples[i].pair].env));
-    count[i] = list.n, partly[i] = list.all ? 0 : 1;
+    count[i] = list.n, partly[i] = list.all ? 0 : kLost;
     blocks[i] = model::expand<model::kChangePoints>(map, list.id, list.n).blocks;
     blocks[samples.n + i] = linalg::pair_count(blocks[i]);
   });
@@ -313,10 +367,11 @@ template <class Weights>
 void find_moving(const Stage& stage, Moving wanted, const model::PointMapView& map, const Weights& weights, const Places& places,
                  FrozenSamples& out) {
   out.moving.wanted = wanted;
-  find_nodes(stage.s, map, out);
+  find_nodes(stage, map, out);
   each_part<Weights>(stage.s.set, [&](auto part) { follow_part<decltype(part)>(stage, weights, places, out); });
   follow_planes(stage, places, out);
   follow_features(stage, weights, out);
+  follow_layers(stage, out);
   slide(stage.s, stage.y, out);
 }
 template void find_moving(const Stage&, Moving, const model::PointMapView&, const Consistent&, const Places&, FrozenSamples&);

@@ -10,8 +10,12 @@
 //
 // dN, dM and dw come from the very program that takes the samples (sampling.h), run with jets in what a slave and a master are to each other: the
 // barycentrics and heights of the master's corners, the shape of the slave, the angle between them and how the slave is bent. Nodes move these by
-// formulas (Couple in moving.cpp, neighbours.h). Left out are layers that hide a part of a sample, the three-term gradient and averaged gaps;
-// complete() says where nothing is.
+// formulas (Couple in moving.cpp, neighbours.h). Left out are layers over curved faces that hide a part of a sample, and averaged gaps; complete()
+// says where nothing is.
+//
+// With the three-term gradient faces press along J = (M_b m, -N_a m - g k_a) (frozen.h), dg is as above, and so
+//     m = n_m / c,   c = n . n_m,   dn_m = -g_mj (n_m . dE_j),   dc = -(g_j . n_m) (n . de_j) - (g_mj . n) (n_m . dE_j),
+// dk_a by jets of its formula.
 #include "effects/mortar_contact/stage.h"
 #include "linalg/rank_ones.h"
 
@@ -27,7 +31,8 @@ void find_moving(const Stage& stage, Moving wanted, const model::PointMapView& m
 void sample_changes(const MortarView& s, FrozenSamples& f, model::SampleChanges& out);
 
 // What the changes of a contact's samples add to the Jacobian of minus its forces, beyond the frozen Hessian.
-void follow(model::ContactView& contact, const model::PointMapView& map, linalg::StencilSet& beside, linalg::RankOnes& out);
+void follow(const MortarView& s, const FrozenSamples& f, model::ContactView& contact, const model::PointMapView& map, linalg::StencilSet& beside,
+            linalg::RankOnes& out);
 
 // Is that all of the Jacobian?
 bool complete(const Settings& set, const FrozenSamples& f);

@@ -1,7 +1,7 @@
 #pragma once
-// What a sample hangs on beyond its own two triangles: the triangles over the slave's sides, against which it is bent, and those around a master's
-// edge or vertex, which say what it weighs.
-#include "effects/mortar_contact/frozen.h"
+// What a sample hangs on beyond its own two triangles: the triangles over the slave's sides, against which it is bent, those around a master's edge
+// or vertex, which say what it weighs, and masters whose rims lie over it, which hide a part of it.
+#include "effects/mortar_contact/stage.h"
 
 namespace mortise::effects::mortar {
 
@@ -33,6 +33,35 @@ MORTISE_HD inline Ring around(const MortarView& s, Index master, const Sample& s
   return {};
 }
 
+// The slave and the place among its masters of a pair that others may hide a part of.
+struct Under {
+  const Patch& patch;
+  Index place;
+};
+MORTISE_HD inline Under under_others(const Stage& s, const Pair& p) {
+  Index lo = 0, hi = s.s.slaves.n - 1;  // in ascending order
+  while (lo < hi) {
+    const Index mid = (lo + hi) / 2;
+    if (s.s.slaves[mid] < p.slave)
+      lo = mid + 1;
+    else
+      hi = mid;
+  }
+  const Patch& patch = s.patches[lo];
+  Index place = 0;
+  while (place + 1 < patch.masters && patch.master[place] != p.master) ++place;
+  return {patch, place};
+}
+// Of every master whose rim lies over a sample of plane faces: with(master, share that it hides).
+template <class With>
+MORTISE_HD inline void each_rim(const Stage& s, const Under& u, const Sample& sample, const With& with) {
+  for (Index j = 0; j < u.patch.masters; ++j) {
+    if (!may_cover(s.s, u.patch, u.place, j)) continue;
+    const double share = covers(u.patch.facing[j], s.s.surface.triangles[u.patch.master[j]], s.y, sample.N, sample.gap);
+    if (share > 0 && share < 1) with(u.patch.master[j], share);
+  }
+}
+
 // The nodes of a sample: its pair's, then those of neighbours.
 struct NodeList {
   Index id[model::kChangePoints];
@@ -52,10 +81,16 @@ struct NodeList {
   }
 };
 // Where its motion is not wanted they are those alone: sums of forces then have the terms, and the bits, that they have without.
-MORTISE_HD inline NodeList nodes_of(const MortarView& s, const Pair& p, const Sample& sample, bool moving) {
+MORTISE_HD inline NodeList nodes_of(const Stage& stage, const Pair& p, const Sample& sample, bool moving) {
+  const MortarView& s = stage.s;
   NodeList out;
   for (int k = 0; k < points_of(p); ++k) out.id[out.n++] = point_of(p, k);
-  if (sample.kind == SampleKind::face || !moving) return out;
+  if (!moving) return out;
+  if (p.layered && !s.bent(p.slave) && !s.bent(p.master))
+    each_rim(stage, under_others(stage, p), sample, [&](Index master, double) {
+      for (int k = 0; k < 3; ++k) out.add(s.surface.triangles[master].v[k]);
+    });
+  if (sample.kind == SampleKind::face) return out;
   for (int k = 0; k < 3; ++k) out.add(s, over_side(s, p.slave, k));
   out.add(s, around(s, p.master, sample));
   return out;
