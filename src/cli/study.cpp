@@ -136,8 +136,8 @@ void add_study(Command app, Context& context) {
   sub.option("--reference", o->references,
              "its right value in SI, one per --qoi; default: the limit of the ladder (Richardson, order observed), with its uncertainty");
   sub.option("-o,--output", o->output, "folder of runs, figures and tables; default out/study, of a study's file out/<its name>");
-  sub.option("--repeat", o->repeats, "runs of every setting; the fastest counts").positive();
-  sub.time("--limit", o->limit, "CPU time after which a run counts as failed, e.g. '60 s'");
+  const Flag repeat = sub.option("--repeat", o->repeats, "runs of every setting; the fastest counts").positive();
+  const Flag limit = sub.time("--limit", o->limit, "CPU time after which a run counts as failed, e.g. '60 s'");
   const Flag effects = sub.flag("--effects", o->effects, "run with every effect off in turn instead: time saved and change of each quantity")
                            .excludes(vary)
                            .excludes(one);
@@ -147,17 +147,25 @@ void add_study(Command app, Context& context) {
                "Newton's method make of the quantities")
           .excludes(vary)
           .excludes(one)
-          .excludes(effects);
-  sub.option("--sensitivity", o->sensitivity,
+          .excludes(effects)
+          .excludes(repeat)
+          .excludes(limit);
+  const Flag sensitivity =
+      sub.option(
+             "--sensitivity", o->sensitivity,
              "path of a number of the scene (materials.pad.youngs_modulus), or `all` of materials and effects: run once instead, and tell what the "
              "quantities change by with each (derivatives along the run)")
-      .take_all()
-      .excludes(vary)
-      .excludes(one)
-      .excludes(effects)
-      .excludes(budget);
-  sub.time("--budget", o->budget, "CPU time of all runs: one knob at a time, then together, always the knob that takes away most error per second");
-  sub.flag("--dry-run", o->dry_run, "list the runs and check the scene of each");
+          .take_all()
+          .excludes(vary)
+          .excludes(one)
+          .excludes(effects)
+          .excludes(repeat)
+          .excludes(limit)
+          .excludes(budget);
+  sub.time("--budget", o->budget, "CPU time of all runs: one knob at a time, then together, always the knob that takes away most error per second")
+      .excludes(budget)
+      .excludes(sensitivity);
+  sub.flag("--dry-run", o->dry_run, "list the runs and check the scene of each").excludes(budget).excludes(sensitivity);
   sub.option("--device", o->device, "as for run").environment_variable("MORTISE_DEVICE").show_default();
   sub.option("--threads", o->threads, "CPU threads of every run").positive().show_default();
   sub.flag("-q,--quiet", o->quiet, "no line per run");

@@ -32,6 +32,10 @@ struct Joint {
   // Of the accepted state:
   double value = 0;  // turns are counted
   double rate = 0;   // over the last step [1/s]
+  // Where what steps leave out is mended (effects/effect.h): what the rate is more at the end of the step, and what the leader's changed by in this
+  // step and in the one before, over their lengths.
+  double ahead = 0, led = 0, led_before = 0;
+  double rate_now() const { return rate + ahead; }
   bool has_coordinate() const { return type == JointType::revolute || type == JointType::prismatic; }
   const char* unit() const { return type == JointType::prismatic ? "m" : "rad"; }
   const char* effort_unit() const { return type == JointType::prismatic ? "N" : "N m"; }

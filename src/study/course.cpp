@@ -63,7 +63,14 @@ std::vector<double> Course::measure(const std::vector<Quantity>& quantities) {
   return values;
 }
 
-double take(Course& first, const std::vector<Course*>& beside) {
+std::vector<double> Course::missed_between(const std::vector<Quantity>& quantities) const {
+  const output::FieldReader reader(file_);
+  std::vector<double> out;
+  for (const Quantity& q : quantities) out.push_back(study::missed_between(reader, q));
+  return out;
+}
+
+double take(Course& first, const std::vector<Course*>& beside, const std::function<void(const Snapshot&)>& see) {
   std::vector<engine::Engine*> led;
   for (Course* course : beside) led.push_back(&course->engine());
   check(first.engine().lead(led));
@@ -79,6 +86,7 @@ double take(Course& first, const std::vector<Course*>& beside) {
     seconds += cpu_time() - start;
     const bool frame = step % every == 0 || step == steps;
     first.see(&report, frame);
+    if (see) see(first.state());
     for (Course* course : beside)
       if (course->engine().lost().empty()) course->see(nullptr, frame);
   }

@@ -1,5 +1,6 @@
 #pragma once
 // A run of a scene in this process, whose states go to a file for as long as quantities are measured in it.
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -36,6 +37,7 @@ class Course {
   const std::vector<double>& points() const { return points_; }  // there, three per point [m]
   // No state follows.
   std::vector<double> measure(const std::vector<Quantity>& quantities);
+  std::vector<double> missed_between(const std::vector<Quantity>& quantities) const;  // after that
 
  private:
   Course(const scene::Scene& scene, const model::ModelInput& input, const std::string& file, const engine::Choice& choice);
@@ -50,7 +52,7 @@ class Course {
   std::vector<double> points_;
 };
 
-// Takes `first`, which has begun, through all of its steps, and those that it leads along. Returns the CPU time of the steps [s].
-double take(Course& first, const std::vector<Course*>& beside);
+// Takes `first`, which has begun, through all of its steps, and those that it leads along; `see` its states. Returns the CPU time of the steps [s].
+double take(Course& first, const std::vector<Course*>& beside, const std::function<void(const Snapshot&)>& see = {});
 
 }  // namespace mortise::study

@@ -230,13 +230,18 @@ ErrorBudget find_error_budget(const Study& study, const Place& place) {
   }
   if (others.empty()) return out;
   // The same steps once more, with company.
-  const ErrorBudget followed = followed_budget(scene, others, "", place);
-  for (std::size_t i = 0; i < others.size(); ++i) {
-    const std::string why = out.of[unknown[i]].why_not;
-    out.of[unknown[i]] = followed.of[i];
-    out.of[unknown[i]].parts.front().why_not = why;
+  try {
+    const ErrorBudget followed = followed_budget(scene, others, "", place);
+    for (std::size_t i = 0; i < others.size(); ++i) {
+      const std::string why = out.of[unknown[i]].why_not;
+      out.of[unknown[i]] = followed.of[i];
+      out.of[unknown[i]].parts.front().why_not = why;
+    }
+    out.solve_seconds += followed.solve_seconds, out.note = followed.note;
+  } catch (const Error& e) {
+    if (e.code() != Exit::solve) throw;
+    for (std::size_t k : unknown) out.of[k].why_not += std::string("; ") + e.what();
   }
-  out.solve_seconds += followed.solve_seconds, out.seconds += followed.seconds;
   return out;
 }
 

@@ -14,6 +14,7 @@
 namespace mortise::study {
 
 inline constexpr const char *kMeshPart = "mesh of soft bodies", *kStepsPart = "length of time steps", *kGapPart = "gap that contact leaves",
+                            *kLoadStepsPart = "length of load steps", *kBetweenPart = "what lies between steps",
                             *kSolutionPart = "Newton's method, linear systems, lag", *kFacetsPart = "facets of round surfaces, integration";
 inline constexpr const char* kNotReliable = "not reliable";  // so begins why there is no number where one was found
 
@@ -38,6 +39,7 @@ struct QuantityBudget {
 struct ErrorBudget {
   std::vector<QuantityBudget> of;         // the quantities
   double solve_seconds = 0, seconds = 0;  // CPU time of the steps, and of the estimates [s]; of scenes that are followed all is of the steps
+  std::string note;                       // on all of it
   bool exact = true;                      // J^T lacked nothing
 };
 

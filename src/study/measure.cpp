@@ -133,11 +133,30 @@ double reduced(const History& h, const Quantity& q) {
   return h.value.back();
 }
 
-double measure(const FieldReader& file, const Quantity& q) {
-  if (file.frames() == 0) return NAN;
-  if (q.value.find('/') == std::string::npos) return reduced(of_field(file, q), q);
-  if (group_of(q.value) == "steps") return reduced(of_steps(file, q), q);
-  return reduced(of_scalar(file, q), q);
+namespace {
+
+History history_of(const FieldReader& file, const Quantity& q) {
+  if (file.frames() == 0) return {};
+  if (q.value.find('/') == std::string::npos) return of_field(file, q);
+  return group_of(q.value) == "steps" ? of_steps(file, q) : of_scalar(file, q);
+}
+
+}  // namespace
+
+double measure(const FieldReader& file, const Quantity& q) { return reduced(history_of(file, q), q); }
+
+double missed_between(const FieldReader& file, const Quantity& q) {
+  const bool largest = q.when == "largest" || q.when == "range", smallest = q.when == "smallest" || q.when == "range";
+  if (q.at || !(largest || smallest)) return 0;
+  const std::vector<double> v = history_of(file, q).value;
+  if (v.empty()) return 0;
+  const auto [least, most] = std::minmax_element(v.begin(), v.end());
+  const auto fall = [&](auto at) {  // to a neighbour
+    double out = 0;
+    if (at != v.begin()) out = std::abs(*at - *(at - 1));
+    return at + 1 != v.end() ? std::max(out, std::abs(*at - *(at + 1))) : out;
+  };
+  return (largest ? fall(most) : 0) + (smallest ? fall(least) : 0);
 }
 
 }  // namespace mortise::study

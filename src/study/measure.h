@@ -11,6 +11,9 @@ namespace mortise::study {
 // NaN where it was never reported. Throws Error(Exit::usage) with what there is where the file knows no such thing.
 double measure(const output::FieldReader& file, const Quantity& quantity);
 
+// Of a largest or smallest value over time, or both: what it is away from the farther of the values a frame before and after. 0 of others.
+double missed_between(const output::FieldReader& file, const Quantity& quantity);
+
 // Values over time, in the order of time, without those that were not reported.
 struct History {
   std::vector<double> time, value;

@@ -31,13 +31,17 @@ std::string budget_table(const Study& study, const ErrorBudget& budget) {
     for (const ErrorPart& part : b.parts)
       out += std::isfinite(part.error) ? fmt::format("  {:40} {:>+13.4g} {:>11}\n", part.source, part.error, share_text(part.error, b.value))
                                        : fmt::format("  {:40} not estimated: {}\n", part.source, part.why_not);
+    const auto known = [](const ErrorPart& p) { return std::isfinite(p.error); };
     const bool reliable = std::none_of(b.parts.begin(), b.parts.end(), [](const ErrorPart& p) { return p.why_not.starts_with(kNotReliable); });
-    out += fmt::format("  {:40} {:>+13.4g} {:>11}{}\n\n", b.complete() ? "all" : "all that is estimated", b.sum(), share_text(b.sum(), b.value),
-                       reliable ? fmt::format("   so about {:.5g}", b.value + b.sum()) : "");
+    if (std::any_of(b.parts.begin(), b.parts.end(), known))
+      out += fmt::format("  {:40} {:>+13.4g} {:>11}{}\n", b.complete() ? "all" : "all that is estimated", b.sum(), share_text(b.sum(), b.value),
+                         reliable ? fmt::format("   so about {:.5g}", b.value + b.sum()) : "");
+    out += "\n";
   }
   out += budget.seconds > 0
              ? fmt::format("{} of CPU time in the steps, {} for the estimates\n", seconds_text(budget.solve_seconds), seconds_text(budget.seconds))
              : fmt::format("{} of CPU time in the steps, estimates included\n", seconds_text(budget.solve_seconds));
+  if (!budget.note.empty()) out += "note: " + budget.note + "\n";
   if (!budget.exact) out += "the adjoint leaves out some of how samples of contact slide and turn\n";
   return out;
 }
@@ -62,6 +66,7 @@ std::string budget_entries(const std::vector<Quantity>& quantities, const ErrorB
 
 std::string budget_json(const Study& study, const ErrorBudget& budget) {
   Json j{{"filetype", "mortise error budget"}, {"mortise_version", version()}, {"scene", study.scene}};
+  if (!budget.note.empty()) j["note"] = budget.note;
   j["cpu_seconds"] = {{"steps", budget.solve_seconds}, {"estimates", budget.seconds}};
   j["quantities"] = Json::parse(budget_entries(study.quantities, budget));
   return j.dump(1) + "\n";

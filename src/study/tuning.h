@@ -35,6 +35,8 @@ inline constexpr double kHair = 1e-5, kKink = 0.02, kNoDerivative = 1e-3;
 // the second share of themselves from side to side are none that first order knows, and beyond the third share of the number they say that much is
 // wrong, and not how much.
 inline constexpr double kMendedShare = 1e-4, kMendedKink = 0.25, kFirstOrderShare = 0.3;
+// A largest value over time that is farther from those a step beside it by more than this share is a peak that steps do not see the top of.
+inline constexpr double kPeakShare = 0.02;
 
 // A mesh's part of an error from the jumps of stresses: above this share of the number it was between 0.44 and 0.82 of the true one, below between
 // 0.6 and 1.5 (benchmarks/effectivity).

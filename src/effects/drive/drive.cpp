@@ -119,8 +119,6 @@ struct Driven {
   double ratio = 1, offset = 0;             // of what the entry aims at: joints that mimic a given one are given too
   double target = 0, torque = 0, drag = 0;  // [rad, m] or [N m, N], [N m, N]
   double held = 0;                          // [J]
-  double a = 0, a_prev = 0;                 // what rates changed by in the last two steps, over their lengths [rad/s^2, m/s^2];
-  bool begun = false;                       // there were such
   Law law{};                                // of the step under way
 };
 
@@ -188,16 +186,14 @@ class Drive final : public Effect, public Commanded {
     if (fault == Fault::steps && !is_static_) mended_ = share;
   }
   // With y the rate x / h of a step and a what that has changed by, over h: at the end of the step the rate is y + a h / 2, and what it changes by is
-  // more by what a has changed by, to first order. From the leader's steps before, so that nothing of it takes part in the motion.
-  void follow(const Effect& leader, Positions) override {
+  // more by what a has changed by, to first order.
+  void follow(const Effect&, Positions) override {
     if (mended_ == 0) return;
-    for (std::size_t i = 0; i < motors_.size(); ++i) {
-      const Entry& e = entries_[motors_[i].entry];
-      const Driven& led = static_cast<const Drive&>(leader).motors_[i];
-      Law& law = motors_[i].law;
-      const double more = led.a - led.a_prev;
-      law.a -= mended_ / 2 * e.kd * law.h * (led.a + more);
-      law.left += mended_ * (e.damping / 2 * law.h * (led.a + more) + e.armature * more);
+    for (Driven& d : motors_) {
+      const Entry& e = entries_[d.entry];
+      const model::Joint& j = model_.joints[d.joint];
+      d.law.a -= mended_ / 2 * e.kd * d.law.h * j.led;
+      d.law.left += mended_ * (e.damping / 2 * d.law.h * j.led + e.armature * (j.led - j.led_before));
     }
     upload();
   }
@@ -223,9 +219,6 @@ class Drive final : public Effect, public Commanded {
       if (!step.taken_by(j.env)) continue;
       const double way = j.value - begin_[i];
       d.torque = d.law.motor(way), d.drag = -d.law.drag(way), d.held = held(d);
-      const double a = step.is_static ? 0 : (j.rate - d.law.rate) / step.dt;
-      d.a_prev = d.begun ? d.a : a / 2;  // a step from a given rate sees half of what it changes by
-      d.a = a, d.begun = true;
     }
   }
 
@@ -240,7 +233,8 @@ class Drive final : public Effect, public Commanded {
         if (e.mode == Mode::pd || e.mode == Mode::kinematic) put(j, "target", j.unit(), d.target), put(j, "error", j.unit(), j.value - d.target);
         if (e.mode == Mode::kinematic) continue;  // its torque is that of its tie
         if (e.mode != Mode::passive)
-          put(j, j.type == model::JointType::prismatic ? "force" : "torque", j.effort_unit(), d.torque), put(j, "power", "W", d.torque * j.rate);
+          put(j, j.type == model::JointType::prismatic ? "force" : "torque", j.effort_unit(), d.torque),
+              put(j, "power", "W", d.torque * j.rate_now());
         if (e.drags()) put(j, "drag", j.effort_unit(), d.drag);
       }
     report_tracking(sinks);
@@ -301,7 +295,7 @@ class Drive final : public Effect, public Commanded {
     const Entry& e = entries_[d.entry];
     const model::Joint& j = model_.joints[d.joint];
     const double s = j.value - e.rest;
-    return 0.5 * e.stiffness * s * s + 0.5 * e.armature * j.rate * j.rate + drive::limited_spring(e.kp, e.effort, d.target - j.value);
+    return 0.5 * e.stiffness * s * s + 0.5 * e.armature * j.rate_now() * j.rate_now() + drive::limited_spring(e.kp, e.effort, d.target - j.value);
   }
 
   double wanted(const Driven& d, double t) const {

@@ -57,6 +57,7 @@ class Joints final : public Effect {
     for (std::size_t i = 0; i < moving_.size(); ++i) model_.joints[moving_[i]].rate = rates[i];
   }
   void begin_step(const StepInfo& step) override {
+    dt_ = step.is_static ? 0 : step.dt;
     model::guide(model_);
     upload();
     if (equations_.any()) equations_.begin_step(step);
@@ -94,6 +95,24 @@ class Joints final : public Effect {
     if (equations_.any()) equations_.object(q, per_env);
   }
 
+  void mend(Fault fault, double share) override {
+    if (fault == Fault::steps) mended_ = share;
+  }
+  // What the leader's rates change by: of its own, what is mended would take part in the motion. A step from a given rate sees half of that.
+  void follow(const Effect& leader, Positions q) override {
+    if (mended_ == 0 || dt_ == 0) return;
+    const Joints& first = static_cast<const Joints&>(leader);
+    const std::vector<double> now = first.coordinates(q);
+    for (std::size_t i = 0; i < moving_.size(); ++i) {
+      const model::Joint& of = first.model_.joints[moving_[i]];
+      model::Joint& j = model_.joints[moving_[i]];
+      const double a = ((now[i] - of.value) / dt_ - of.rate) / dt_;
+      j.led_before = begun_ ? j.led : a / 2;
+      j.led = a, j.ahead = mended_ * dt_ / 2 * a;
+    }
+    begun_ = true;
+  }
+
   void end_step(const StepInfo& step, Positions q, const Linearisation&) override {
     if (equations_.any()) equations_.end_step(step, q);
     const std::vector<double> now = coordinates(q);
@@ -117,7 +136,7 @@ class Joints final : public Effect {
       const model::Joint& joint = model_.joints[j];
       FieldSink& sink = sinks[joint.env];
       sink.scalar("joint", joint.name + (joint.type == model::JointType::prismatic ? "_travel" : "_angle"), joint.unit(), joint.value);
-      sink.scalar("joint", joint.name + "_rate", std::string(joint.unit()) + "/s", joint.rate);
+      sink.scalar("joint", joint.name + "_rate", std::string(joint.unit()) + "/s", joint.rate_now());
     }
     std::map<std::pair<Index, bool>, double> worst;  // by environment, and whether it slides
     for (Index j : moving_) {
@@ -220,6 +239,8 @@ class Joints final : public Effect {
   std::vector<stop::Stops> stops_;
   CoordinateEnergy<stop::Stops> energy_;
   joint::Equations equations_;
+  double dt_ = 0, mended_ = 0;  // of the step under way, 0 in statics; share of what it leaves out
+  bool begun_ = false;          // a step has been followed
 };
 
 }  // namespace

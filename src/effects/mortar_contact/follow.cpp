@@ -1,29 +1,11 @@
 #include "effects/contact/barrier.h"
 #include "effects/contact/change_stencils.h"
-#include "effects/mortar_contact/moving.h"
+#include "effects/mortar_contact/averaged.h"
+#include "effects/mortar_contact/functionals.h"
 #include "effects/mortar_contact/neighbours.h"
-#include "effects/mortar_contact/spot.h"
 
 namespace mortise::effects::mortar {
 namespace {
-
-// Functionals of a sample: its frozen gap, N_1, N_2, M_1, M_2, w, n . de_1, n . de_2; with the three-term gradient also what its gap changes by that
-// J does not have, n_m . dE_1 and n_m . dE_2 of the master's sides, and de_1, de_2 by components.
-inline constexpr Index kGap = 0, kFirstMoved = 1, kFirstTurn = kFirstMoved + kMoved, kFrozen = kFirstTurn + 2;
-inline constexpr Index kRest = kFrozen, kFirstMasterTurn = kRest + 1, kFirstSide = kFirstMasterTurn + 2, kTurning = kFirstSide + 6;
-MORTISE_HD inline Index functionals_of(const Settings& set) { return set.exact ? kTurning : kFrozen; }
-
-MORTISE_HD inline bool turning(const Pair& p, const Sample& s) { return p.turning && s.kind == SampleKind::face; }
-
-// What the gap changes by with functional c, along which it changes by itself (dg, moving.h).
-MORTISE_HD inline double gap_by(const Pair& p, const Sample& s, Index c, View<const Vec3> y) {
-  if (c == kGap || c == kRest) return 1;
-  if (c >= kFirstMoved + 4) return 0;
-  const bool slave = c < kFirstMoved + 2;
-  if (!slave && p.master < 0) return 0;
-  const Spot spot(slave ? p.on : p.under, slave ? s.N : s.M, y);
-  return (slave ? -1 : 1) * p.n.dot(spot.x[(c - kFirstMoved) % 2]);
-}
 
 // d c = d(n . n_m) by the turns of the slave and of the master, on whose sides they depend by -g_j . n_m and -g_mj . n.
 struct Turned {
@@ -73,10 +55,11 @@ void sample_changes(const MortarView& view, FrozenSamples& f, model::SampleChang
   const model::SampleChangesView to = out.view();
   const View<const Pair> pairs = f.pairs.view();
   const View<const Sample> samples = f.samples.view();
-  const View<const double> pressure = f.pressure.view(), kappa = view.kappa;
+  const View<const double> pressure = f.pressure.view();
   const MovingView moving = view_of(f.moving);
   const View<const Vec3> y = f.y.view();
   const Moving wanted = f.moving.wanted;
+  const PressureOf press(view, f);
   // A thread per functional.
   device::parallel_for("mortar_contact.sample_changes", functionals * samples.n, [=] MORTISE_HD(Index at) {
     const Index i = at / functionals, c = at % functionals;
@@ -85,12 +68,12 @@ void sample_changes(const MortarView& view, FrozenSamples& f, model::SampleChang
     const bool plane = p.master < 0, turns = turning(p, sample);
     to.clear(i, c);
     Vec3* along = to.along(i, c);
-    const double length = turns ? p.m.norm() : 1, stiffness = length * kappa[p.interface] * sample.weight * barrier::second(sample.gap, p.d_hat);
+    const double length = turns ? p.m.norm() : 1;
     if (c == kGap) {
       Vec3 gap[kPoints];
       jacobian(p, sample, gap);
       for (int k = 0; k < points_of(p); ++k) along[k] = gap[k];
-      to.force(i, c) = -stiffness;
+      to.force(i, c) = length * sample.weight * press.by(p, sample, c, y);
       to.known_[i] = wanted.in(p.env);
     } else if (!wanted.in(p.env)) {
       return;
@@ -106,7 +89,7 @@ void sample_changes(const MortarView& view, FrozenSamples& f, model::SampleChang
       const bool slave = q < 2;
       const Spot spot(slave ? p.on : p.under, slave ? sample.N : sample.M, y);
       const double sign = slave ? -1 : 1;
-      to.force(i, c) = -stiffness * gap_by(p, sample, c, y);
+      to.force(i, c) = length * sample.weight * press.by(p, sample, c, y);
       double* weight = to.weight(i, c) + (slave ? 0 : p.on.count);
       for (int k = 0; k < (slave ? p.on.count : p.under.count); ++k) weight[k] = (plane ? -sign : sign) * spot.by[j][k];
     } else if (c < kFrozen && !plane) {
@@ -124,7 +107,7 @@ void sample_changes(const MortarView& view, FrozenSamples& f, model::SampleChang
       jacobian(p, sample, gap);
       const Spot on(p.on, sample.N, y), under(p.under, sample.M, y);
       for (int k = 0; k < points_of(p); ++k) along[k] = (k < p.on.count ? -on.shape[k] : under.shape[k - p.on.count]) * p.n - gap[k];
-      to.force(i, c) = -stiffness;
+      to.force(i, c) = length * sample.weight * press.by(p, sample, c, y);
     } else if (turns && c < kFirstSide) {
       const int j = static_cast<int>(c - kFirstMasterTurn);
       const Turned t(p, y);  // and points along m / |m| = -n_m
@@ -143,7 +126,11 @@ void follow(const MortarView& view, const FrozenSamples& f, model::ContactView& 
   const model::SampleChangesView change = contact.changes.view();
   const View<const model::ContactSample> samples = std::as_const(contact.samples).view();
   const model::PointMapView map = point_map;
-  contact::shape(map, contact.changes, samples.n, beside);
+  NodePieces nodes;
+  if (view.set.averaged)
+    shape_with_nodes(view, f, contact.changes, map, nodes, beside);
+  else
+    contact::shape(map, contact.changes, samples.n, beside);
   // What follows from the frozen gap is the frozen Hessian, but for that of the turning slave's normal.
   const bool exact = view.set.exact;
   const Index first = exact ? kGap : kFirstMoved, rank = functionals_of(view.set) - first, blocks = beside.blocks().n;
@@ -152,8 +139,9 @@ void follow(const MortarView& view, const FrozenSamples& f, model::ContactView& 
   const View<Vec3> left = out.left.view(), right = out.right.view();
   const View<const Pair> pairs = f.pairs.view();
   const View<const Sample> frozen = f.samples.view();
-  const View<const double> pressure = f.pressure.view(), kappa = view.kappa;
+  const View<const double> pressure = f.pressure.view();
   const View<const Vec3> y = f.y.view();
+  const PressureOf press(view, f);
   device::parallel_for("mortar_contact.follow", samples.n, [=] MORTISE_HD(Index i) {
     const model::ContactSample& s = samples[i];
     const auto e = contact::changed_blocks(map, change, i);
@@ -170,7 +158,7 @@ void follow(const MortarView& view, const FrozenSamples& f, model::ContactView& 
         const Pair& p = pairs[sample.pair];
         const double w = sample.weight, g = sample.gap, by = gap_by(p, sample, first + c, y);
         double scale = w * pressure[i] * by + (first + c == kFirstMoved + 4 ? pressure[i] * g : 0);
-        if (first + c != kGap) scale -= w * kappa[p.interface] * barrier::second(g, p.d_hat) * g * by;
+        if (first + c != kGap) scale += w * g * press.by(p, sample, first + c, y);
         Vec3 dk[3];
         turning_by(p, Turned(p, y), first + c, y, dk);
         for (int a = 0; a < 3; ++a) force[p.on.vertex(a)] += scale * p.k[a] + w * pressure[i] * g * dk[a];
@@ -179,10 +167,17 @@ void follow(const MortarView& view, const FrozenSamples& f, model::ContactView& 
       e.chain(change.along(i, first + c), right.p + c * blocks + offset[i]);
     }
   });
+  if (nodes.left.size() == 0) return;
+  // One piece for every node, the first of its stencil.
+  const View<const Vec3> l = std::as_const(nodes.left).view(), r = std::as_const(nodes.right).view();
+  const Index of_samples = blocks - l.n;
+  device::parallel_for("mortar_contact.follow_nodes", rank * l.n, [=] MORTISE_HD(Index at) {
+    const Index c = at / l.n, entry = at % l.n, to = c * blocks + of_samples + entry;
+    left[to] = c == 0 ? l[entry] : Vec3(0, 0, 0), right[to] = c == 0 ? r[entry] : Vec3(0, 0, 0);
+  });
 }
 
-bool complete(const Settings& set, const FrozenSamples& f) {
-  if (set.averaged) return false;
+bool complete(const FrozenSamples& f) {
   const View<const std::uint8_t> partly = f.moving.partly.view();
   return device::sum("mortar_contact.partly", partly.n, [=] MORTISE_HD(Index i) { return partly[i] ? 1.0 : 0.0; }) == 0;
 }

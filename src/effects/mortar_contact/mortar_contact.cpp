@@ -245,7 +245,7 @@ class MortarContact final : public Effect {
     contact::sample_changes(guard_view(), at.guard, at.y(), more);
     contact::join(at.contact.samples, at.origin, more, at.contact.changes);
   }
-  bool complete(const Linearisation& at) const override { return mortar::complete(set_, of_mortar(at).frozen); }
+  bool complete(const Linearisation& at) const override { return mortar::complete(of_mortar(at).frozen); }
 
   void energy(Positions q, const Linearisation& frozen, device::EnvValues per_env) override {
     const MortarLinearisation& at = of_mortar(frozen);

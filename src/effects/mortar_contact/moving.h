@@ -10,12 +10,14 @@
 //
 // dN, dM and dw come from the very program that takes the samples (sampling.h), run with jets in what a slave and a master are to each other: the
 // barycentrics and heights of the master's corners, the shape of the slave, the angle between them and how the slave is bent. Nodes move these by
-// formulas (Couple in moving.cpp, neighbours.h). Left out are layers over curved faces that hide a part of a sample, and averaged gaps; complete()
-// says where nothing is.
+// formulas (Couple in moving.cpp, neighbours.h). Left out are layers over curved faces that hide a part of a sample; complete() says where nothing
+// is.
 //
 // With the three-term gradient faces press along J = (M_b m, -N_a m - g k_a) (frozen.h), dg is as above, and so
 //     m = n_m / c,   c = n . n_m,   dn_m = -g_mj (n_m . dE_j),   dc = -(g_j . n_m) (n . de_j) - (g_mj . n) (n_m . dE_j),
-// dk_a by jets of its formula.
+// dk_a by jets of its formula. Where gaps are averaged, p = sum_a N_a P_a, P_a = -kappa b'(g_a), and (averaged.h)
+//     dp = sum_a P_a dN_a - kappa b''(g_a) N_a dg_a,     A_a dg_a = sum over samples (g - g_a) d(w N_a) + w N_a dg,
+// so that every slave node adds a piece of rank one beyond G_a, over all that its samples hang on.
 #include "effects/mortar_contact/stage.h"
 #include "linalg/rank_ones.h"
 
@@ -35,6 +37,6 @@ void follow(const MortarView& s, const FrozenSamples& f, model::ContactView& con
             linalg::RankOnes& out);
 
 // Is that all of the Jacobian?
-bool complete(const Settings& set, const FrozenSamples& f);
+bool complete(const FrozenSamples& f);
 
 }  // namespace mortise::effects::mortar
