@@ -100,7 +100,8 @@ ErrorBudget followed_budget(const scene::Scene& scene, const std::vector<Quantit
   const bool motion = faults.front().fault == effects::Fault::steps;
   if (motion) out.note = touches.note();
 
-  const std::vector<double> values = base.measure(quantities), missed = base.missed_between(quantities);
+  const std::vector<double> values = base.measure(quantities);
+  const std::vector<double> missed = motion ? base.missed_between(quantities) : std::vector<double>(values.size(), 0.0);
   const auto& bodies = base.input().bodies;
   const bool soft = std::any_of(bodies.begin(), bodies.end(), [](const model::BodyInput& b) { return b.type == model::BodyType::soft; });
   for (std::size_t k = 0; k < values.size(); ++k) {
@@ -109,7 +110,7 @@ ErrorBudget followed_budget(const scene::Scene& scene, const std::vector<Quantit
     budget.value = values[k];
     budget.parts.push_back({kMeshPart, NAN, soft ? why_no_mesh : "the scene has no soft bodies"});
     if (!motion && scene.root.at("time").integer("steps") > 1) budget.parts.push_back({kLoadStepsPart, NAN, "ladders tell (--vary time.steps=...)"});
-    if (const double share = std::abs(missed[k] / values[k]); motion && share > 0)
+    if (const double share = std::abs(missed[k] / values[k]); share > 0)
       budget.parts.push_back({kBetweenPart, NAN,
                               fmt::format("{}a step beside that value it is {:.2g} % off it",
                                           share > tuning::kPeakShare ? std::string(kNotReliable) + ": " : "", 100 * share)});
@@ -120,7 +121,7 @@ ErrorBudget followed_budget(const scene::Scene& scene, const std::vector<Quantit
     for (std::size_t k = 0; k < values.size(); ++k)
       out.of[k].parts.push_back(lost.empty() ? part_of(m.source, less[k], values[k], more[k]) : ErrorPart{m.source, NAN, lost});
   }
-  const bool contact = faults.size() > 1 && faults[faults.size() - 2].fault == effects::Fault::gap;
+  const bool contact = std::any_of(faults.begin(), faults.end(), [](const Mended& m) { return m.fault == effects::Fault::gap; });
   for (QuantityBudget& budget : out.of) {
     if (contact) budget.parts.push_back({kFacetsPart, NAN, "no estimate"});
     budget.judge(budget.value);

@@ -1,8 +1,8 @@
 // What numbers of a run are wrong by, from scenes that go beside it and mend a share of that (solver/follow.cpp), against motions that are known.
-#include <fmt/format.h>
-
 #include <cmath>
 
+#include "link.h"
+#include "patch.h"
 #include "rig.h"
 
 using namespace mortise;
@@ -33,41 +33,6 @@ Lack error_of(const std::string& yaml, int steps, effects::Fault fault, const Me
 
 Measured scalar(const std::string& name) {
   return [name](const Captured& f) { return f.at(name); };
-}
-
-// A link of 100 x 20 x 20 mm and 40 g on a hinge at its end, from the horizontal, as in drives_test.cpp.
-constexpr double kInertia = 0.04 * (0.1 * 0.1 / 3 + 0.02 * 0.02 / 12), kWeight = 0.04 * 9.81 * 0.05;
-
-std::string link(const std::string& drive, double dt_ms, const std::string& integrator) {
-  return fmt::format(R"(
-mortise: 1
-name: link
-time: {{step: {} ms, steps: 1000}}
-materials: {{steel: {{density: 1000}}}}
-bodies:
-  arm: {{type: stiff, shape: {{box: {{size: [100 mm, 20 mm, 20 mm], edge_length: 100 mm}}}}, material: steel, position: [50 mm, 0, 0]}}
-effects:
-  inertia: {{integrator: {}}}
-  gravity: {{}}
-  affine_body: {{stiffness: 1 GPa}}
-  joint: [{{name: hip, type: revolute, body: arm, at: [0, 0, 0], axis: [0, 1, 0]}}]
-{})",
-                     dt_ms, integrator, drive.empty() ? "" : "  drive: [{joint: hip, " + drive + "}]\n");
-}
-
-// Angle and rate at t of I theta'' = torque(t, theta, theta'), from rest, by the classical Runge-Kutta method.
-template <class F>
-std::pair<double, double> motion(F torque, double t, int n = 20000) {
-  double x = 0, v = 0;
-  const double h = t / n;
-  const auto a = [&](double at, double y, double w) { return torque(at, y, w) / kInertia; };
-  for (int i = 0; i < n; ++i) {
-    const double s = i * h;
-    const double k1 = v, l1 = a(s, x, v), k2 = v + h / 2 * l1, l2 = a(s + h / 2, x + h / 2 * k1, k2), k3 = v + h / 2 * l2,
-                 l3 = a(s + h / 2, x + h / 2 * k2, k3), k4 = v + h * l3, l4 = a(s + h, x + h * k3, k4);
-    x += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4), v += h / 6 * (l1 + 2 * l2 + 2 * l3 + l4);
-  }
-  return {x, v};
 }
 
 void expect_found(const Lack& e, double truth, double within) {
@@ -109,11 +74,11 @@ TEST(Mend, APendulumIsAsFarAheadAsItIs) {
   for (double dt : {4.0, 1.0, 0.125}) {  // of the last 800: what is mended must not feed on itself
     SCOPED_TRACE(dt);
     const int n = static_cast<int>(std::lround(100 / dt));
-    expect_found(error_of(link("", dt, "backward_euler"), n, effects::Fault::steps, scalar("joint/hip_angle")), angle, 0.03);
-    expect_found(error_of(link("", dt, "backward_euler"), n, effects::Fault::steps, scalar("inertia/kinetic_energy")), kInertia * rate * rate / 2,
+    expect_found(error_of(link("", "", dt, "backward_euler"), n, effects::Fault::steps, scalar("joint/hip_angle")), angle, 0.03);
+    expect_found(error_of(link("", "", dt, "backward_euler"), n, effects::Fault::steps, scalar("inertia/kinetic_energy")), kInertia * rate * rate / 2,
                  0.15);
     if (dt < 1) continue;
-    expect_found(error_of(link("", dt, "bdf2"), n, effects::Fault::steps, scalar("joint/hip_angle")), angle, 0.05);
+    expect_found(error_of(link("", "", dt, "bdf2"), n, effects::Fault::steps, scalar("joint/hip_angle")), angle, 0.05);
   }
 }
 
@@ -122,7 +87,8 @@ TEST(Mend, DrivesAreMended) {
   const double T = 0.12, S = 0.2, rest = -0.5, D = 5e-4, J = 3e-4, kp = 0.3, kd = 4e-3, aim = 0.4;
   const auto of = [&](const char* drive, const auto& torque) {
     SCOPED_TRACE(drive);
-    expect_found(error_of(link(drive, 0.5, "backward_euler"), 240, effects::Fault::steps, scalar("joint/hip_angle")), motion(torque, T).first, 0.06);
+    expect_found(error_of(link("", drive, 0.5, "backward_euler"), 240, effects::Fault::steps, scalar("joint/hip_angle")), motion(torque, T).first,
+                 0.06);
   };
   of("mode: passive, stiffness: 0.2, rest: -0.5, armature: 3e-4",
      [&](double, double a, double) { return (kWeight * std::cos(a) - S * (a - rest)) * kInertia / (kInertia + J); });
@@ -132,31 +98,11 @@ TEST(Mend, DrivesAreMended) {
 
 // Of a static force: what the adjoint says of the gap.
 TEST(Mend, GapsAreThoseOfTheAdjoint) {
-  const std::string patch = R"(
-mortise: 1
-name: patch
-time: {mode: static, steps: 1}
-materials:
-  gel: {model: linear, youngs_modulus: 0.1 MPa, poisson_ratio: 0.3, density: 1000}
-bodies:
-  block: {type: soft, shape: {box: {size: [20 mm, 20 mm, 10 mm], edge_length: 5 mm}}, material: gel, position: [10 mm, 10 mm, 5 mm]}
-  plate: {type: stiff, shape: {box: {size: [30 mm, 30 mm, 4 mm], edge_length: 6 mm}}, material: gel, position: [10 mm, 10 mm, 12.2 mm]}
-effects:
-  elasticity: {}
-  pin:
-    - {body: block, where: {side: x_min}, axes: x}
-    - {body: block, where: {side: y_min}, axes: y}
-    - {body: block, where: {side: z_min}, axes: z}
-    - {body: plate, where: {side: all}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, -0.7 mm]]}}
-  CONTACT
-solver: {relative_tolerance: 1e-10}
-)";
   for (const char* contact : {"mortar_contact: {pairs: [{slave: block, master: plate}], d_hat: 0.1 mm, stiffness: 0.1 MPa}",
                               "mortar_contact: {pairs: [{slave: block, master: plate}]}", "barrier_contact: {d_hat: 0.1 mm, stiffness: 0.1 MPa}",
                               "barrier_contact: {form: classic, d_hat: 0.1 mm, stiffness: 0.1 MPa}"}) {
     SCOPED_TRACE(contact);
-    std::string yaml = patch;
-    yaml.replace(yaml.find("CONTACT"), 7, contact);
+    const std::string yaml = patch(contact);
     const Lack e = error_of(yaml, 1, effects::Fault::gap, scalar("supports/plate_z"));
     Rig rig(yaml);
     rig.step();
@@ -169,7 +115,7 @@ solver: {relative_tolerance: 1e-10}
 
 // A run that is solved badly, and what it lacks to one that is solved well.
 TEST(Mend, SolutionsAreFinished) {
-  const std::string yaml = link("mode: passive, stiffness: 0.2, rest: -0.5, armature: 3e-4", 4, "backward_euler");
+  const std::string yaml = link("", "mode: passive, stiffness: 0.2, rest: -0.5, armature: 3e-4", 4, "backward_euler");
   const auto at = [&](const char* tolerance) { return std::vector<std::string>{std::string("solver.relative_tolerance=") + tolerance}; };
   const Lack rough = error_of(yaml, 25, effects::Fault::solution, scalar("joint/hip_angle"), at("1e-2"));
   Rig well(yaml, at("1e-12"));
