@@ -113,7 +113,7 @@ class Effect {
   // know.
   virtual void mend(Fault fault, double share) { (void)fault, (void)share; }
   // And when it has begun a step: the leader's effect of the same kind, whose solution of the step is q.
-  virtual void follow(const Effect& leader, Positions q) { (void)leader, (void)q; }
+  virtual void keep_pace(const Effect& leader, Positions q) { (void)leader, (void)q; }
   // Values are told apart by environment.
   virtual void checkpoint(Archive&) {}
 };

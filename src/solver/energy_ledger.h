@@ -13,6 +13,7 @@
 // much is taken anew by backward Euler, which is no less accurate where a body strikes or lets go.
 #include "solver/envs.h"
 #include "solver/potential.h"
+#include "solver/tuning.h"
 
 namespace mortise::solver {
 
@@ -67,6 +68,10 @@ class EnergyGuard {
   // allowed: share of the energy there is, that may be gained.
   bool wants_halving(const StepEnergy& e, double allowed);
   void accepted() { last_ = INFINITY; }
+  // After an accepted step: is one of twice its length worth a try? It gains four times as much.
+  bool lets_double(const StepEnergy& e, double allowed) const {
+    return !helps_ || e.second_order || !(tuning::kGainGrows * e.gain > allowed * e.there);
+  }
 
  private:
   double last_ = INFINITY;  // of the step of twice the length [J]

@@ -47,7 +47,7 @@ void Simulation::lead_on(const effects::StepInfo& info) {
 // still: what the leader's own supports have left, which is rounding.
 void Simulation::follow(const effects::StepInfo& info, Simulation& leader, device::View<const Vec3> still) {
   for (const auto& effect : effects_) effect->begin_step(info);
-  for (std::size_t k = 0; k < effects_.size(); ++k) effects_[k]->follow(*leader.effects_[k], leader.newton_.q().view());
+  for (std::size_t k = 0; k < effects_.size(); ++k) effects_[k]->keep_pace(*leader.effects_[k], leader.newton_.q().view());
   const EnvMask all(1, 1);
   Tangent& J = *leader.tangent_;
   System& system = newton_.system();

@@ -115,7 +115,8 @@ inline constexpr double kSecondOrderGainShare = 1e-3;  // BDF2 may, as its own o
 // An integrator of second order starts with h/8, h/8, h/4, h/2: each is at most twice the one before, which BDF2 bears, and what the first errs,
 // of first order, is a 64th of what it would be.
 inline constexpr int kStartHalvings = 3;
-inline constexpr double kGainFalls = 3;  // halving must lower the gain by this; that of backward Euler falls to about a quarter
+inline constexpr double kGainFalls = 3;  // halving must lower the gain by this; that of backward Euler falls to about a quarter,
+inline constexpr double kGainGrows = 4;  // so that a step of twice the length gains this much more: where that is too much it is not tried
 
 // ---- steps (simulation.h)
 inline constexpr int kMostFits = 8;  // a pressure that hangs on the stiffness is met within three or four

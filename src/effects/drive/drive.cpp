@@ -187,7 +187,7 @@ class Drive final : public Effect, public Commanded {
   }
   // With y the rate x / h of a step and a what that has changed by, over h: at the end of the step the rate is y + a h / 2, and what it changes by is
   // more by what a has changed by, to first order.
-  void follow(const Effect&, Positions) override {
+  void keep_pace(const Effect&, Positions) override {
     if (mended_ == 0) return;
     for (Driven& d : motors_) {
       const Entry& e = entries_[d.entry];

@@ -132,7 +132,7 @@ class Inertia final : public Effect {
     for (device::Buffer<Vec3>* v : {&a_, &a_prev_, &more_}) v->copy_from(v_), v->zero();
   }
   // With the accelerations of the leader: of its own, what is mended would take part in the motion, and grow with it.
-  void follow(const Effect& leader, Positions q) override {
+  void keep_pace(const Effect& leader, Positions q) override {
     if (mended_ == 0) return;
     const inertia::LeftOut left = inertia::left_out(integrator_[0], dt_prev_[0], known_);
     const double s = mended_, c = integrator_[0].c(), dt = integrator_[0].dt;

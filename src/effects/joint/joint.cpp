@@ -99,7 +99,7 @@ class Joints final : public Effect {
     if (fault == Fault::steps) mended_ = share;
   }
   // What the leader's rates change by: of its own, what is mended would take part in the motion. A step from a given rate sees half of that.
-  void follow(const Effect& leader, Positions q) override {
+  void keep_pace(const Effect& leader, Positions q) override {
     if (mended_ == 0 || dt_ == 0) return;
     const Joints& first = static_cast<const Joints&>(leader);
     const std::vector<double> now = first.coordinates(q);

@@ -19,13 +19,10 @@ struct Turned {
 // k_1 = e_2 x u, k_2 = u x e_1, u = (m - n) / |e_1 x e_2| with m = n_m / (n . n_m), of slaves' sides and masters' normals that are jets.
 template <class T>
 MORTISE_HD inline void turning_of(const Vec3Of<T>& e1, const Vec3Of<T>& e2, const Vec3Of<T>& nm, Vec3Of<T> k[3]) {
-  const auto cross = [](const Vec3Of<T>& a, const Vec3Of<T>& b) {
-    return Vec3Of<T>(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
-  };
-  const Vec3Of<T> twice = cross(e1, e2);
+  const Vec3Of<T> twice = cross<T>(e1, e2);
   const T size = root(twice.squaredNorm());
   const Vec3Of<T> n = T(1 / size) * twice, u = T(1 / size) * (T(1 / n.dot(nm)) * nm - n);
-  k[1] = cross(e2, u), k[2] = cross(u, e1), k[0] = -k[1] - k[2];
+  k[1] = cross<T>(e2, u), k[2] = cross<T>(u, e1), k[0] = -k[1] - k[2];
 }
 
 // The changes of k with functional c.
@@ -46,9 +43,9 @@ MORTISE_HD inline void turning_by(const Pair& p, const Turned& t, Index c, View<
     for (int r = 0; r < 3; ++r) dk[a][r] = k[a][r].d[0];
 }
 
-}  // namespace
-
-void sample_changes(const MortarView& view, FrozenSamples& f, model::SampleChanges& out) {
+// Gradients of three terms in a kernel of their own: what they ask for of a GPU's registers is no other scene's to pay.
+template <bool kExact>
+void sample_changes_of(const MortarView& view, FrozenSamples& f, model::SampleChanges& out) {
   const Index functionals = functionals_of(view.set);
   out.resize(f.samples.size(), functionals, f.moving.start, f.moving.node);
   out.sizes = f.moving.sizes;
@@ -65,7 +62,7 @@ void sample_changes(const MortarView& view, FrozenSamples& f, model::SampleChang
     const Index i = at / functionals, c = at % functionals;
     const Sample& sample = samples[i];
     const Pair& p = pairs[sample.pair];
-    const bool plane = p.master < 0, turns = turning(p, sample);
+    const bool plane = p.master < 0, turns = kExact && turning(p, sample);
     to.clear(i, c);
     Vec3* along = to.along(i, c);
     const double length = turns ? p.m.norm() : 1;
@@ -106,7 +103,8 @@ void sample_changes(const MortarView& view, FrozenSamples& f, model::SampleChang
       Vec3 gap[kPoints];
       jacobian(p, sample, gap);
       const Spot on(p.on, sample.N, y), under(p.under, sample.M, y);
-      for (int k = 0; k < points_of(p); ++k) along[k] = (k < p.on.count ? -on.shape[k] : under.shape[k - p.on.count]) * p.n - gap[k];
+      for (int k = 0; k < p.on.count; ++k) along[k] = -on.shape[k] * p.n - gap[k];
+      for (int k = 0; k < p.under.count; ++k) along[p.on.count + k] = under.shape[k] * p.n - gap[p.on.count + k];
       to.force(i, c) = length * sample.weight * press.by(p, sample, c, y);
     } else if (turns && c < kFirstSide) {
       const int j = static_cast<int>(c - kFirstMasterTurn);
@@ -121,8 +119,9 @@ void sample_changes(const MortarView& view, FrozenSamples& f, model::SampleChang
   });
 }
 
-void follow(const MortarView& view, const FrozenSamples& f, model::ContactView& contact, const model::PointMapView& point_map,
-            linalg::StencilSet& beside, linalg::RankOnes& out) {
+template <bool kExact>
+void follow_of(const MortarView& view, const FrozenSamples& f, model::ContactView& contact, const model::PointMapView& point_map,
+               linalg::StencilSet& beside, linalg::RankOnes& out) {
   const model::SampleChangesView change = contact.changes.view();
   const View<const model::ContactSample> samples = std::as_const(contact.samples).view();
   const model::PointMapView map = point_map;
@@ -132,8 +131,7 @@ void follow(const MortarView& view, const FrozenSamples& f, model::ContactView& 
   else
     contact::shape(map, contact.changes, samples.n, beside);
   // What follows from the frozen gap is the frozen Hessian, but for that of the turning slave's normal.
-  const bool exact = view.set.exact;
-  const Index first = exact ? kGap : kFirstMoved, rank = functionals_of(view.set) - first, blocks = beside.blocks().n;
+  const Index first = kExact ? kGap : kFirstMoved, rank = functionals_of(view.set) - first, blocks = beside.blocks().n;
   out.resize(rank, blocks);
   const View<const Index> offset = beside.offsets();
   const View<Vec3> left = out.left.view(), right = out.right.view();
@@ -152,7 +150,7 @@ void follow(const MortarView& view, const FrozenSamples& f, model::ContactView& 
       const double *weight = change.weight(i, first + c), d_force = first + c == kGap ? 0 : change.force(i, first + c);
       const Vec3 turn = s.force * change.normal(i, first + c);
       for (Index k = 0; k < s.points; ++k) force[k] = -((s.weight[k] * d_force + weight[k] * s.force) * n + s.weight[k] * turn);
-      if (exact && turning(pairs[frozen[i].pair], frozen[i])) {
+      if (kExact && turning(pairs[frozen[i].pair], frozen[i])) {
         // d(w p g k_a) on the slave's corners
         const Sample& sample = frozen[i];
         const Pair& p = pairs[sample.pair];
@@ -175,6 +173,17 @@ void follow(const MortarView& view, const FrozenSamples& f, model::ContactView& 
     const Index c = at / l.n, entry = at % l.n, to = c * blocks + of_samples + entry;
     left[to] = c == 0 ? l[entry] : Vec3(0, 0, 0), right[to] = c == 0 ? r[entry] : Vec3(0, 0, 0);
   });
+}
+
+}  // namespace
+
+void sample_changes(const MortarView& s, FrozenSamples& f, model::SampleChanges& out) {
+  s.set.exact ? sample_changes_of<true>(s, f, out) : sample_changes_of<false>(s, f, out);
+}
+
+void follow(const MortarView& s, const FrozenSamples& f, model::ContactView& contact, const model::PointMapView& map, linalg::StencilSet& beside,
+            linalg::RankOnes& out) {
+  s.set.exact ? follow_of<true>(s, f, contact, map, beside, out) : follow_of<false>(s, f, contact, map, beside, out);
 }
 
 bool complete(const FrozenSamples& f) {

@@ -44,16 +44,14 @@ MORTISE_HD inline double covers(const Facing& f, const Triangle& t, View<const V
 // The same from places: of the slave's and the master's corners.
 template <class T>
 MORTISE_HD inline T covers(const Vec3Of<T> y[3], const Vec3Of<T> x[3], const T N[3], const T& g) {
-  const auto cross = [](const Vec3Of<T>& a, const Vec3Of<T>& b) {
-    return Vec3Of<T>(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
-  };
-  const Vec3Of<T> across = cross(y[1] - y[0], y[2] - y[0]), over = cross(x[1] - x[0], x[2] - x[0]);
+  const Vec3Of<T> across = cross<T>(y[1] - y[0], y[2] - y[0]), over = cross<T>(x[1] - x[0], x[2] - x[0]);
   const Vec3Of<T> n = T(1 / root(across.squaredNorm())) * across, at = N[0] * y[0] + N[1] * y[1] + N[2] * y[2];
   const T h = (x[0] - at).dot(over) / n.dot(over);
   if (!(h > 0 && h < g)) return 0;
   const Vec3Of<T> up = at + h * n - x[0];
   T M[3];
-  M[1] = cross(up, x[2] - x[0]).dot(over) / over.squaredNorm(), M[2] = cross(x[1] - x[0], up).dot(over) / over.squaredNorm(), M[0] = 1 - M[1] - M[2];
+  M[1] = cross<T>(up, x[2] - x[0]).dot(over) / over.squaredNorm(), M[2] = cross<T>(x[1] - x[0], up).dot(over) / over.squaredNorm(),
+  M[0] = 1 - M[1] - M[2];
   return hermite<T>(1 + rim_distance(x, M) / (g - h));
 }
 MORTISE_HD inline bool may_cover(const MortarView& s, const Patch& p, Index i, Index j) {

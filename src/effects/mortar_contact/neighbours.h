@@ -52,13 +52,13 @@ MORTISE_HD inline Under under_others(const Stage& s, const Pair& p) {
   while (place + 1 < patch.masters && patch.master[place] != p.master) ++place;
   return {patch, place};
 }
-// Of every master whose rim lies over a sample of plane faces: with(master, share that it hides).
+// Of every master whose rim lies over a sample of plane faces: with(master).
 template <class With>
 MORTISE_HD inline void each_rim(const Stage& s, const Under& u, const Sample& sample, const With& with) {
   for (Index j = 0; j < u.patch.masters; ++j) {
     if (!may_cover(s.s, u.patch, u.place, j)) continue;
     const double share = covers(u.patch.facing[j], s.s.surface.triangles[u.patch.master[j]], s.y, sample.N, sample.gap);
-    if (share > 0 && share < 1) with(u.patch.master[j], share);
+    if (share > 0 && share < 1) with(u.patch.master[j]);
   }
 }
 
@@ -87,7 +87,7 @@ MORTISE_HD inline NodeList nodes_of(const Stage& stage, const Pair& p, const Sam
   for (int k = 0; k < points_of(p); ++k) out.id[out.n++] = point_of(p, k);
   if (!moving) return out;
   if (p.layered && !s.bent(p.slave) && !s.bent(p.master))
-    each_rim(stage, under_others(stage, p), sample, [&](Index master, double) {
+    each_rim(stage, under_others(stage, p), sample, [&](Index master) {
       for (int k = 0; k < 3; ++k) out.add(s.surface.triangles[master].v[k]);
     });
   if (sample.kind == SampleKind::face) return out;

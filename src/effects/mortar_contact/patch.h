@@ -17,6 +17,11 @@ using Facing = FacingOf<double>;
 
 template <class T>
 using Vec3Of = Eigen::Matrix<T, 3, 1>;
+// Eigen's own does not take jets.
+template <class T>
+MORTISE_HD inline Vec3Of<T> cross(const Vec3Of<T>& a, const Vec3Of<T>& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
 
 // A slave triangle. With jets lengths and places are what counts: axes may be its own (moving.cpp).
 template <class T>

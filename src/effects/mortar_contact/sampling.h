@@ -98,7 +98,7 @@ struct Sampler {
     const int l = k < 2 ? k + 1 : 0;
     const Index edge = s.topology.triangle_edge[3 * master + k];
     const Index begin = s.topology.edge_offset[edge], end = s.topology.edge_offset[edge + 1];
-    const T top = smaller(larger(f.height[k], f.height[l]), T(p.reach));
+    const T top = smaller(larger(f.height[k], f.height[l]), T(p.support));
     if (s.topology.edge_triangle[begin] != master || !(top > 0)) return;
     Stretches<T> stretch;
     if (!weights.stretches(p, f.L[k], f.L[l], top, stretch)) return;

@@ -13,10 +13,11 @@ double compliance(const model::Model& model, Index body) {
 
 }  // namespace
 
-Interface interface_of(const model::Model& model, Index slave, Index master) {
-  Interface out{slave, master, 0, 0};
+Interface interface_of(const model::Model& model, Index slave, Index master, double d_hat, bool set) {
+  Interface out{slave, master, model.bodies[slave].env, d_hat};
   const double sum = compliance(model, slave) + compliance(model, master);
   if (sum > 0) out.modulus = 1 / sum;
+  out.fixed = !set && sum > 0;
   const std::vector<Triangle> triangles = model.surface.triangles.download();
   const std::vector<Vec3> rest = model.rest_points.download();
   const model::Body& body = model.bodies[slave];
@@ -27,14 +28,14 @@ Interface interface_of(const model::Model& model, Index slave, Index master) {
   return out;
 }
 
-double first_stiffness(const Interface& i, double d_hat) {
+double first_stiffness(const Interface& i) {
   if (i.fixed) return i.modulus;
-  return wanted_stiffness(i, d_hat, i.modulus > 0 ? tuning::kFirstPressure * i.modulus : tuning::kRigidPressure, tuning::kSoftest);
+  return wanted_stiffness(i, i.modulus > 0 ? tuning::kFirstPressure * i.modulus : tuning::kRigidPressure, tuning::kSoftest);
 }
 
-double wanted_stiffness(const Interface& i, double d_hat, double p, double least_t) {
+double wanted_stiffness(const Interface& i, double p, double least_t) {
   const auto ratio = [](double t) { return barrier::second(t, 1.0) / barrier::phi(t); };
-  const double wanted = tuning::kWanted * i.modulus * d_hat / (p * i.h);
+  const double wanted = tuning::kWanted * i.modulus * i.d_hat / (p * i.h);
   double lo = least_t, hi = 1 - 1e-6;  // the ratio rises from lo to hi
   if (wanted <= ratio(lo)) return p / barrier::phi(lo);
   for (int n = 0; n < 60; ++n) {
@@ -44,17 +45,10 @@ double wanted_stiffness(const Interface& i, double d_hat, double p, double least
   return p / barrier::phi(0.5 * (lo + hi));
 }
 
-bool fits(const Interface& i, const Achieved& now, double kappa) {
-  if (i.fixed) return true;
-  if (i.modulus > 0) return now.k >= tuning::kWanted / 2 && now.k <= 2 * tuning::kWanted;
-  const double t = barrier::phi_inverse(now.pressure / kappa);
-  return t >= tuning::kRigidClosed && t <= tuning::kRigidOpen;
-}
-
-Achieved achieved(const Interface& i, Index number, double kappa, const std::vector<Pair>& pairs, std::span<const Sample> samples) {
+Achieved achieved(const Interface& i, Index number, double kappa, const Taken& at) {
   double force = 0, pressure = 0, stiffness = 0, energy = 0;
-  for (const Sample& s : samples) {
-    const Pair& pair = pairs[s.pair];
+  for (const Sample& s : at.of_env(i.env)) {
+    const Pair& pair = at.pairs[s.pair];
     if (pair.interface != number || !(s.gap < pair.d_hat)) continue;
     energy += s.weight * kappa * barrier::value(s.gap, pair.d_hat);
     if (s.kind != SampleKind::face) continue;
@@ -63,6 +57,13 @@ Achieved achieved(const Interface& i, Index number, double kappa, const std::vec
   }
   if (!(force > 0)) return {};
   return {pressure / force, i.modulus > 0 ? stiffness / force * i.h / i.modulus : 0, energy};
+}
+
+bool fits(const Interface& i, const Achieved& now, double kappa) {
+  if (i.fixed) return true;
+  if (i.modulus > 0) return now.k >= tuning::kWanted / 2 && now.k <= 2 * tuning::kWanted;
+  const double t = barrier::phi_inverse(now.pressure / kappa);
+  return t >= tuning::kRigidClosed && t <= tuning::kRigidOpen;
 }
 
 }  // namespace mortise::effects::mortar

@@ -11,6 +11,7 @@
 //
 // The layer that the scene does not set (contact/layer.h) is stiffer than k = 4 at any pressure that matters: kappa = E* once and for all.
 #include <span>
+#include <vector>
 
 #include "effects/mortar_contact/frozen.h"
 
@@ -18,25 +19,37 @@ namespace mortise::effects::mortar {
 
 struct Interface {
   Index slave = 0, master = 0;  // bodies; masters after the bodies are half-spaces
-  double modulus = 0;           // E* [Pa]; 0 where nothing can deform
-  double h = 0;                 // mean slave edge [m]
-  bool fixed = false;           // kappa is E*
+  Index env = 0;
+  double d_hat = 0;    // [m]
+  double modulus = 0;  // E* [Pa]; 0 where nothing can deform
+  double h = 0;        // mean slave edge [m]
+  bool fixed = false;  // kappa is E*
 };
-Interface interface_of(const model::Model& model, Index slave, Index master);
+// d_hat [m]; set: by the scene.
+Interface interface_of(const model::Model& model, Index slave, Index master, double d_hat, bool set);
 
 // kappa [Pa] before any pressure is known.
-double first_stiffness(const Interface& i, double d_hat);
+double first_stiffness(const Interface& i);
 // kappa [Pa] for the interface at pressure p [Pa]. Where nothing can deform there is no mesh to be smooth for: the gap is kept open at least_t.
-double wanted_stiffness(const Interface& i, double d_hat, double p, double least_t);
+double wanted_stiffness(const Interface& i, double p, double least_t);
+
+// The samples of a state, on the host.
+struct Taken {
+  std::vector<Pair> pairs;
+  std::vector<Sample> samples;
+  std::vector<Index> first;  // of every environment
+  explicit Taken(const FrozenSamples& f) : pairs(f.pairs.download()), samples(f.samples.download()), first(f.env_samples) {}
+  std::span<const Sample> of_env(Index env) const { return std::span(samples).subspan(first[env], first[env + 1] - first[env]); }
+};
 
 // Force-weighted means over the face samples of interface `number`: pressure sum w p^2 / sum w p [Pa] and k; and the energy of all its samples [J].
 // 0 without contact.
 struct Achieved {
   double pressure = 0, k = 0, energy = 0;
 };
+Achieved achieved(const Interface& i, Index number, double kappa, const Taken& at);
 // Is the stiffness good enough to stay: fixed, else k within a factor 2 of what is wanted, or, of stiff bodies, the gap neither nearly open nor half
 // closed?
 bool fits(const Interface& i, const Achieved& now, double kappa);
-Achieved achieved(const Interface& i, Index number, double kappa, const std::vector<Pair>& pairs, std::span<const Sample> samples);
 
 }  // namespace mortise::effects::mortar

@@ -57,6 +57,9 @@ inline constexpr double kRigidPressure = 1e4;                  // [Pa] of a load
 inline constexpr double kRigidOpen = 0.9, kRigidClosed = 0.3;  // t of bodies that cannot deform: beyond these the stiffness is chosen anew
 inline constexpr double kSame = 1.5;  // changes of stiffness below this factor move a pressure by less than its mesh does: not worth another solution
 
+// ---- what is reported (report.cpp)
+inline constexpr double kWhole = 1e-6;  // of a triangle: pieces that add up to it but for so much should add up to it but for rounding
+
 // ---- supports and the guard (mortar_contact.cpp)
 inline constexpr double kLeastSupport = 0.01;  // of d_hat: no support radius is smaller, whatever rest_share says
 inline constexpr double kLeastGuard = 0.01;    // of d_hat: what the search looks for even without a guard
