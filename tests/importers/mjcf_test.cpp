@@ -15,6 +15,8 @@
 #include "importers/robot/draw.h"
 #include "importers/robot/fit.h"
 #include "importers/robot/meshes.h"
+#include "importers/robot/passing.h"
+#include "importers/robot/solid.h"
 #include "importers/robot/weigh.h"
 #include "importers/robot/write.h"
 

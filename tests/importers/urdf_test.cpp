@@ -14,6 +14,7 @@
 #include "importers/robot/gait.h"
 #include "importers/robot/machine.h"
 #include "importers/robot/meshes.h"
+#include "importers/robot/passing.h"
 #include "importers/robot/solid.h"
 #include "importers/robot/weigh.h"
 #include "importers/robot/write.h"

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "importers/robot/solid.h"
+
 namespace mortise::importers {
 namespace {
 

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/bounds.h"
 #include "geometry/rigid_motion.h"
 #include "geometry/topology.h"
 #include "importers/robot/inertial.h"
 #include "importers/robot/names.h"
 #include "importers/robot/solid.h"
+#include "importers/robot/standing.h"
 #include "importers/robot/tuning.h"
 #include "importers/robot/weigh.h"
 #include "scene/suggest.h"
@@ -27,10 +27,9 @@ class Assembly {
   Machine machine() {
     out_.name = scene_name(robot_.name);
     group();
-    stand();
-    place();
+    stand_ = stand(robot_, options_);
     for (std::size_t b = 0; b < out_.bodies.size(); ++b) {
-      out_.bodies[b].at = in_world_[frame_[b]];
+      out_.bodies[b].at = stand_.in_world[frame_[b]];
       shape_of(b);
       mass_of(out_.bodies[b]);
     }
@@ -145,96 +144,6 @@ class Assembly {
     }
   }
 
-  // The coordinate of every joint: as asked for, else as near to zero as its limits let it stand. Of a hinge that cannot be straight the parallel one
-  // before it takes half of the bend back: a leg of two equal links then ends below where it begins.
-  void stand() {
-    stands_.clear();
-    for (const Joint& j : robot_.joints) stands_.push_back(j.zero);
-    for (const auto& [pattern, value] : options_.stands)
-      if (std::none_of(robot_.joints.begin(), robot_.joints.end(), [&, p = pattern](const Joint& j) { return j.moves() && matches(p, j.name); })) {
-        std::vector<std::string> names;
-        for (const Joint& j : robot_.joints)
-          if (j.moves()) names.push_back(j.name);
-        throw Error(Exit::usage, options_.asked_joint + pattern + ": no joint that moves is called so; " + scene::suggestion(pattern, names));
-      }
-    std::vector<std::uint8_t> free(robot_.joints.size(), 0);
-    looped_ = in_loops();
-    const bool held = options_.held || robot_.links[robot_.root].name == "world";
-    for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
-      const Joint& j = robot_.joints[i];
-      if (!j.moves()) continue;
-      bool asked = false;
-      for (const auto& [pattern, value] : options_.stands)
-        if (matches(pattern, j.name)) stands_[i] = value, asked = true;
-      if (looped_[i] && asked)
-        throw Error(Exit::usage, options_.asked_joint + j.name + ": it is part of a loop of joints, which stands as the file has it");
-      if (looped_[i]) continue;
-      if (!asked && j.stand) stands_[i] = *j.stand;
-      free[i] = !asked && !j.stand && !j.mimic && j.type == Joint::Type::revolute;
-      if (!j.limits || j.mimic) continue;
-      const auto [low, high] = *j.limits;
-      if (asked && !(low < stands_[i] && stands_[i] < high))
-        throw Error(Exit::usage, options_.asked_joint + j.name + "=" + std::to_string(stands_[i]) + ": its limits are " + std::to_string(low) +
-                                     " and " + std::to_string(high));
-      const double range = std::min(kStopRange[j.type == Joint::Type::prismatic], (high - low) / 20);
-      if (!asked) stands_[i] = std::clamp(stands_[i], low + kFromLimit * range, high - kFromLimit * range);
-      if (!asked && !j.stand && options_.sway > 0 && held) {  // room to swing; who stands on the floor would fall
-        const double room = widest_swing(j.type) / kSwayRoom;
-        stands_[i] = high - low > 2 * room ? std::clamp(stands_[i], low + room, high - room) : 0.5 * (low + high);
-      }
-    }
-    bend_back(free);
-    for (std::size_t round = 0; round < robot_.joints.size(); ++round)  // leaders that follow others
-      for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
-        const Joint& j = robot_.joints[i];
-        if (j.mimic && j.moves() && !looped_[i]) stands_[i] = j.mimic->multiplier * stands_[j.mimic->leader] + j.mimic->offset;
-      }
-  }
-  // Joints on the ways between the two ends of a loop.
-  std::vector<std::uint8_t> in_loops() const {
-    std::vector<std::uint8_t> out(robot_.joints.size(), 0);
-    for (const Loop& loop : robot_.loops) {
-      std::vector<std::uint8_t> above(robot_.joints.size(), 0);
-      const auto up = [&](std::size_t link, const auto& visit) {
-        for (; robot_.joint_of[link] >= 0; link = robot_.joints[robot_.joint_of[link]].parent) visit(static_cast<std::size_t>(robot_.joint_of[link]));
-      };
-      up(loop.a, [&](std::size_t j) { above[j] = 1; });
-      up(loop.b, [&](std::size_t j) { above[j] ^= 1; });
-      for (std::size_t j = 0; j < out.size(); ++j) out[j] = out[j] != 0 || above[j] != 0;
-    }
-    return out;
-  }
-  void bend_back(const std::vector<std::uint8_t>& free) {
-    constexpr double kParallel = 1e-3;
-    const std::vector<double> bent = stands_;
-    for (std::size_t i = 0; i < bent.size(); ++i) stands_[i] = robot_.joints[i].zero;
-    place();  // axes as the file has them
-    stands_ = bent;
-    const auto axis = [&](const Joint& j) -> Vec3 { return in_world_[j.child].R * j.axis; };
-    for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
-      const Joint& j = robot_.joints[i];
-      if (!free[i] || bent[i] == j.zero) continue;
-      std::ptrdiff_t before = robot_.joint_of[j.parent];
-      while (before >= 0 && robot_.joints[before].type == Joint::Type::fixed) before = robot_.joint_of[robot_.joints[before].parent];
-      if (before < 0 || !free[before] || bent[before] != robot_.joints[before].zero || axis(robot_.joints[before]).cross(axis(j)).norm() > kParallel)
-        continue;
-      const double back = -0.5 * (bent[i] - j.zero) * (axis(robot_.joints[before]).dot(axis(j)) > 0 ? 1 : -1);
-      const auto& limits = robot_.joints[before].limits;
-      const double there = robot_.joints[before].zero + back;
-      if (!limits || (limits->first + kStopRange[0] < there && there < limits->second - kStopRange[0])) stands_[before] = there;
-    }
-  }
-  // Links in the world; the root's frame is the world's.
-  void place() {
-    in_world_.assign(robot_.links.size(), Pose{});
-    for (const std::size_t link : robot_.order) {
-      if (link == robot_.root) continue;
-      const Joint& j = joint_of(link);
-      const double s = stands_[robot_.joint_of[link]];
-      in_world_[link] = in_world_[j.parent] * j.origin * j.motion(s);
-    }
-  }
-
   // A body needs a surface: what touches, else what is seen, else a small ball.
   void shape_of(std::size_t index) {
     Body& b = out_.bodies[index];
@@ -297,13 +206,13 @@ class Assembly {
       Axis a;
       a.name = taken.of(j.name), a.type = j.type, a.where = j.where;
       a.body = static_cast<std::size_t>(body_[link]), a.to = body_[j.parent];
-      a.place = in_world_[link](j.at);
-      if (j.type == Joint::Type::prismatic) a.place -= (stands_[number] - j.zero) * (in_world_[link].R * j.axis);
-      a.direction = in_world_[link].R * j.axis;
-      a.stands = stands_[number], a.limits = j.limits;
+      a.place = stand_.in_world[link](j.at);
+      if (j.type == Joint::Type::prismatic) a.place -= (stand_.at[number] - j.zero) * (stand_.in_world[link].R * j.axis);
+      a.direction = stand_.in_world[link].R * j.axis;
+      a.stands = stand_.at[number], a.limits = j.limits;
       a.kp = j.kp, a.kd = j.kd, a.effort = j.effort, a.velocity = j.velocity, a.damping = j.damping, a.friction = j.friction;
       a.stiffness = j.stiffness, a.rest = j.rest, a.armature = j.armature;
-      if (looped_[number]) loosen(a);
+      if (stand_.looped[number]) loosen(a);
       a.swing = swing(a), a.passive = j.passive && options_.sway == 0;
       axis_of[number] = static_cast<std::ptrdiff_t>(out_.axes.size());
       out_.axes.push_back(a);
@@ -322,9 +231,8 @@ class Assembly {
     low = std::min(low, a.stands - room), high = std::max(high, a.stands + room);
   }
 
-  double widest_swing(Joint::Type type) const { return options_.sway * (type == Joint::Type::prismatic ? kSwaySlide : 1); }
   double swing(const Axis& a) const {
-    const double widest = widest_swing(a.type);
+    const double widest = widest_swing(options_, a.type);
     return a.limits ? std::max(0.0, std::min(widest, kSwayRoom * std::min(a.stands - a.limits->first, a.limits->second - a.stands))) : widest;
   }
 
@@ -351,7 +259,7 @@ class Assembly {
     Names taken;
     for (const Axis& a : out_.axes) taken.of(a.name);
     for (const Loop& l : robot_.loops) {
-      ClosingJoint c{"", l.fixed, 0, body_[l.b], in_world_[l.a](l.at)};
+      ClosingJoint c{"", l.fixed, 0, body_[l.b], stand_.in_world[l.a](l.at)};
       std::ptrdiff_t body = body_[l.a];
       if (body == kWorld) std::swap(body, c.to);
       if (body == c.to) {
@@ -388,7 +296,7 @@ class Assembly {
       Pad p;
       p.name = taken.of(l.name), p.body = static_cast<std::size_t>(body_[link]), p.where = l.where;
       p.shape = l.collisions[0];
-      p.shape.at = in_world_[link] * p.shape.at;
+      p.shape.at = stand_.in_world[link] * p.shape.at;
       if (!l.visuals.empty()) p.colour = l.visuals[0].colour;
       if (const std::optional<Vec3> asked = colour_of(l.name)) p.colour = asked;
       const SoftLink& wanted = *soft(link);
@@ -427,11 +335,10 @@ class Assembly {
   Notes& notes_;
   Machine out_;
   std::vector<std::ptrdiff_t> body_;  // by link
-  std::vector<Pose> in_body_, in_world_;
+  std::vector<Pose> in_body_;         // of every link
   std::vector<std::size_t> frame_;    // by body: the link whose frame it has
   std::vector<std::size_t> soft_;     // links
-  std::vector<double> stands_;        // by joint
-  std::vector<std::uint8_t> looped_;  // by joint
+  Standing stand_;
 };
 
 }  // namespace
@@ -444,61 +351,5 @@ double Machine::mass() const {
 }
 
 Machine assemble(const Robot& robot, const MachineOptions& options, Notes& notes) { return Assembly(robot, options, notes).machine(); }
-
-std::pair<Vec3, Vec3> bounds(const Shape& s, const Pose& at) {
-  if (s.kind == Shape::Kind::mesh) {
-    const geometry::Bounds b = geometry::bounds_of(surface(s, at).points);
-    return {b.lo, b.hi};
-  }
-  Vec3 half = Vec3::Constant(s.radius);
-  if (s.kind == Shape::Kind::ellipsoid) half = 0.5 * (at.R * s.size.asDiagonal()).rowwise().norm();
-  if (s.kind == Shape::Kind::box) half = 0.5 * (at.R.cwiseAbs() * s.size);
-  if (s.kind == Shape::Kind::capsule) half += 0.5 * s.length * at.R.col(2).cwiseAbs();
-  if (s.kind == Shape::Kind::cylinder)  // a disc of normal n reaches r sqrt(1 - n_i^2) along axis i
-    for (int i = 0; i < 3; ++i) half[i] = 0.5 * s.length * std::abs(at.R(i, 2)) + s.radius * std::sqrt(std::max(0.0, 1 - at.R(i, 2) * at.R(i, 2)));
-  return {at.t - half, at.t + half};
-}
-
-std::vector<PassingPair> passing_pairs(const Machine& m, int apart) {
-  const std::size_t bodies = m.bodies.size(), n = bodies + m.pads.size();
-  std::vector<std::vector<std::size_t>> beside(n);
-  const auto join = [&](std::size_t a, std::size_t b) { beside[a].push_back(b), beside[b].push_back(a); };
-  for (const Axis& a : m.axes)
-    if (a.to >= 0) join(a.body, static_cast<std::size_t>(a.to));
-  for (const ClosingJoint& l : m.loops)
-    if (l.to >= 0) join(l.body, static_cast<std::size_t>(l.to));
-  for (std::size_t p = 0; p < m.pads.size(); ++p) join(bodies + p, m.pads[p].body);
-  const auto shapes = [&](std::size_t i) { return i < bodies ? m.bodies[i].shapes : std::vector<Shape>{m.pads[i - bodies].shape}; };
-  std::vector<geometry::TriMesh> surfaces(n);
-  for (std::size_t i = 0; i < n; ++i)
-    for (const Shape& s : shapes(i)) geometry::append(surface(s, i < bodies ? m.bodies[i].at * s.at : s.at), surfaces[i]);
-  const auto said = [&](std::size_t a, std::size_t b) {
-    for (const auto& [c, d] : m.apart)
-      if ((a == c && b == d) || (a == d && b == c)) return true;
-    for (const Shape& s : shapes(a))
-      for (const Shape& t : shapes(b))
-        if (s.touches(t)) return false;
-    return true;
-  };
-  std::vector<PassingPair> out;
-  for (std::size_t a = 0; a < n; ++a) {
-    std::vector<int> hops(n, -1);
-    hops[a] = 0;
-    std::vector<std::size_t> todo{a};
-    for (std::size_t k = 0; k < todo.size(); ++k)
-      for (std::size_t b : beside[todo[k]])
-        if (hops[b] < 0) hops[b] = hops[todo[k]] + 1, todo.push_back(b);
-    for (std::size_t b = a + 1; b < n; ++b) {
-      if (hops[b] == 1) continue;  // a joint or bond says so already
-      if (hops[b] > 1 && hops[b] <= apart)
-        out.push_back({a, b, PassingPair::Why::near});
-      else if (said(a, b))
-        out.push_back({a, b, PassingPair::Why::said});
-      else if (meet(surfaces[a], surfaces[b], kOverlap))
-        out.push_back({a, b, PassingPair::Why::overlap});
-    }
-  }
-  return out;
-}
 
 }  // namespace mortise::importers

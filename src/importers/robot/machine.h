@@ -113,15 +113,4 @@ struct Machine {
 // has, gets some (the README says which), with a note. Throws Error(Exit::scene), Error(Exit::usage) for options that name nothing.
 Machine assemble(const Robot& robot, const MachineOptions& options, Notes& notes);
 
-// Pairs of bodies and pads that are no neighbours and shall pass through each other: few joints lie between them, the file says so, or they lie in
-// each other as they stand.
-struct PassingPair {
-  std::size_t a, b;
-  enum class Why { near, said, overlap } why;
-};
-std::vector<PassingPair> passing_pairs(const Machine& machine, int apart);
-
-// Corners of the box around a shape in its own frame, turned and moved by `at`; enough to find what lies lowest, and where cameras stand.
-std::pair<Vec3, Vec3> bounds(const Shape& shape, const Pose& at);
-
 }  // namespace mortise::importers

@@ -116,4 +116,18 @@ bool meet(const geometry::TriMesh& a, const geometry::TriMesh& b, double distanc
   return std::abs(winding(of_a, b.points[0])) > 0.5 || std::abs(winding(of_b, a.points[0])) > 0.5;
 }
 
+std::pair<Vec3, Vec3> bounds(const Shape& s, const Pose& at) {
+  if (s.kind == Shape::Kind::mesh) {
+    const geometry::Bounds b = geometry::bounds_of(surface(s, at).points);
+    return {b.lo, b.hi};
+  }
+  Vec3 half = Vec3::Constant(s.radius);
+  if (s.kind == Shape::Kind::ellipsoid) half = 0.5 * (at.R * s.size.asDiagonal()).rowwise().norm();
+  if (s.kind == Shape::Kind::box) half = 0.5 * (at.R.cwiseAbs() * s.size);
+  if (s.kind == Shape::Kind::capsule) half += 0.5 * s.length * at.R.col(2).cwiseAbs();
+  if (s.kind == Shape::Kind::cylinder)  // a disc of normal n reaches r sqrt(1 - n_i^2) along axis i
+    for (int i = 0; i < 3; ++i) half[i] = 0.5 * s.length * std::abs(at.R(i, 2)) + s.radius * std::sqrt(std::max(0.0, 1 - at.R(i, 2) * at.R(i, 2)));
+  return {at.t - half, at.t + half};
+}
+
 }  // namespace mortise::importers

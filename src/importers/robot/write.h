@@ -1,5 +1,5 @@
 #pragma once
-#include "importers/robot/machine.h"
+#include "importers/robot/passing.h"
 
 namespace mortise::importers {
 
