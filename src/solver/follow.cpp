@@ -27,8 +27,8 @@ void Simulation::lead_on(const effects::StepInfo& info) {
   if (refitted_)
     throw Failure{
         "effects fitted something to the solution of step " + std::to_string(step_[0]) +
-        " (a stiffness that is auto, the torque of a joint that mimics): how it would be chosen beside is no smooth matter; give stiffnesses "
-        "as numbers"};
+        " (the stiffness of a contact, which `stiffness:` may give instead; or the torque of a joint that mimics): how it would be chosen beside "
+        "is no smooth matter"};
   if (!tangent_) tangent_ = std::make_unique<Tangent>(newton_.system());
   tangent_->linearise(newton_.q());
   tangent_step_ = -1;

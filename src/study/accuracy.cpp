@@ -234,7 +234,7 @@ class Search {
   // The run that reaches all goals, else the one of those whose errors were looked at that comes nearest by all that is known in the end; of equal
   // ones the last.
   void finish() {
-    const std::size_t last = here_;
+    const std::vector<double> asked = goals();  // as the last run has them
     std::size_t chosen = here_;
     double best = INFINITY;
     for (const std::size_t i : seen_) {
@@ -243,8 +243,7 @@ class Search {
       if (!by_budget_) estimate_here();  // a budget is of the run alone
       const std::vector<double>& estimates = out_.attempts[i].estimates;
       double worst = 0;
-      for (std::size_t q = 0; q < estimates.size(); ++q)
-        worst = std::max(worst, estimates[q] / (out_.goals[q].share * std::max(std::abs(out_.attempts[last].run.values[q]), tuning::kRounding)));
+      for (std::size_t q = 0; q < estimates.size(); ++q) worst = std::max(worst, estimates[q] / asked[q]);
       if (worst <= best * (1 + tuning::kRounding)) best = worst, chosen = i;
     }
     out_.chosen = chosen;
