@@ -164,7 +164,6 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
   // The step is cut into 2^halvings units, so that substeps always meet its end exactly; every environment cuts it by itself.
   struct Cut {
     long done = 0, size = 0;
-    long longest = 0;  // that it may have again: what no solution was found for is not tried once more in this step
     EnergyGuard guard;
     bool first_order = false;  // the step under way
   };
@@ -175,10 +174,8 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
                        ? std::max(units >> tuning::kStartHalvings, 1L)
                        : units;
   EnvMask takes(model_.envs, 1);
-  for (Index e = 0; e < model_.envs; ++e) {
-    cuts[e].longest = units;
+  for (Index e = 0; e < model_.envs; ++e)
     if (!lost_[e].empty() || resting_[e]) cuts[e].done = units, takes[e] = 0;
-  }
   const double gain = newton_.potential().symmetric() ? tuning::kGainShare : tuning::kFrozenGainShare;
   std::vector<MemoryArchive> before;  // set before the first substep that is not the whole step is accepted; of several environments at once
   const auto remember = [&] {
@@ -229,7 +226,6 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
         cuts[e].first_order = true;
       } else if (size > 1 && (!why[e].empty() || (!energy.second_order && cuts[e].guard.wants_halving(energy, gain)))) {
         cuts[e].size /= 2;
-        if (!why[e].empty()) cuts[e].longest = cuts[e].size;
       } else if (!why[e].empty()) {
         std::ostringstream message;
         message << "step " << step_[e] << " (t = " << info.t0_of(e) << " s, dt = " << info.dt << " s) failed: " << why[e];
@@ -268,7 +264,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
       report[e].first_order += c.first_order;
       c.first_order = false;
       c.done += size;
-      const bool fits = size < c.longest && c.done % (2 * size) == 0;
+      const bool fits = size < units && c.done % (2 * size) == 0;
       if (fits && c.guard.lets_double(newton_.energies().of_step(e), gain)) c.size *= 2;
     }
   }
