@@ -60,7 +60,7 @@ void MortarContact::mend(Fault fault, double share) {
   for (std::vector<double>* radii : {&support, &d_hat_})
     for (double& r : *radii) r *= by;
   support_.upload(support);
-  stiffnesses_.scale_d_hat(by);
+  surfaces_.scale_d_hat(by);
   proximity_.scale_reach(by);
   stiffness_changed();
 }
@@ -235,7 +235,7 @@ MortarView MortarContact::view(const MortarLinearisation& at) const {
           proximity_.topology(),
           surfaces_.interface_at(),
           stiffnesses_.view(),
-          stiffnesses_.d_hat(),
+          surfaces_.d_hat(),
           proximity_.planes(),
           surfaces_.slaves(),
           support_.view(),

@@ -12,7 +12,6 @@
 #include "effects/per_environment.h"
 
 namespace mortise::effects::mortar {
-
 namespace {
 
 // What the samples of an environment, and its pairs of the guard, come to.
@@ -26,8 +25,8 @@ struct Sums {
 // Forces of samples, on points and by environment.
 struct Tally {
   contact::PointForces forces;
-  std::vector<double>
-      load;  // what hat functions make of the pressures [N]: on quadratic faces those of their quarters, whose shares are nowhere negative
+  // What hat functions make of the pressures [N]: on quadratic faces those of their quarters, whose shares are nowhere negative.
+  std::vector<double> load;
   std::vector<double> covered;  // [m^2]
   std::vector<Sums> sums;
 
@@ -159,7 +158,7 @@ void MortarContact::report(const FieldSinks& sinks, const Linearisation& accepte
     report_shares(sink, group, mine.total);
     sink.scalar(group, "clip_partition_defect", "1", partition_defect(std::span(share).subspan(first[e], first[e + 1] - first[e])));
   }
-  const std::vector<Interface>& interfaces = stiffnesses_.interfaces();
+  const std::vector<Interface>& interfaces = surfaces_.interfaces();
   for (std::size_t i = 0; i < interfaces.size(); ++i) {
     const std::string pair = surfaces_.name_of(interfaces[i].slave) + "_" + surfaces_.name_of(interfaces[i].master);
     FieldSink& sink = sinks[interfaces[i].env];

@@ -3,25 +3,17 @@
 #include <algorithm>
 #include <numeric>
 #include <string>
-#include <utility>
 
 #include "base/error.h"
 #include "effects/per_environment.h"
 
 namespace mortise::effects::mortar {
 
-Stiffnesses::Stiffnesses(const Params& p, const model::Model& model, std::vector<Interface> interfaces)
-    : envs_(model.envs), interfaces_(std::move(interfaces)), automatic_(!p.has("stiffness")), next_price_(model.envs, 0.0) {
+Stiffnesses::Stiffnesses(const Params& p, const model::Model& model, const std::vector<Interface>& interfaces)
+    : envs_(model.envs), interfaces_(interfaces), automatic_(!p.has("stiffness")), next_price_(model.envs, 0.0) {
   for (const Interface& i : interfaces_) kappa_.push_back(automatic_ ? first_stiffness(i) : model.input.effect_of(p, i.env).number("stiffness"));
   next_kappa_ = kappa_;
   kappa_view_.upload(kappa_);
-  scale_d_hat(1);
-}
-
-void Stiffnesses::scale_d_hat(double by) {
-  std::vector<double> d_hat;
-  for (Interface& i : interfaces_) d_hat.push_back(i.d_hat *= by);
-  d_hat_view_.upload(d_hat);
 }
 
 bool Stiffnesses::begin_step(const StepInfo& step) {

@@ -14,8 +14,8 @@ namespace mortise::effects::mortar {
 
 class Stiffnesses {
  public:
-  // Interfaces: pair by pair, in every environment.
-  Stiffnesses(const Params& p, const model::Model& model, std::vector<Interface> interfaces);
+  // Interfaces: those of Surfaces, which must stay.
+  Stiffnesses(const Params& p, const model::Model& model, const std::vector<Interface>& interfaces);
 
   // What was chosen for the environments that take the step is theirs from now on. Is anything other than before?
   bool begin_step(const StepInfo& step);
@@ -26,14 +26,11 @@ class Stiffnesses {
   void adapt(const StepInfo& step, const std::vector<double>& budget, const FrozenSamples& at,
              const std::function<std::vector<double>()>& guard_energy);
 
-  const std::vector<Interface>& interfaces() const { return interfaces_; }
   double kappa(std::size_t interface) const { return kappa_[interface]; }  // [Pa]
   double price(Index env) const { return next_price_[env]; }               // what the next step's add to its energy [J]
   // Of a pair of primitives of the guard [N]: with the mean third of a slave triangle as its weight it is as stiff as the samples.
   std::vector<double> of_guard() const { return guard_of(kappa_); }
-  View<const double> view() const { return kappa_view_.view(); }   // [Pa],
-  View<const double> d_hat() const { return d_hat_view_.view(); }  // [m], per interface
-  void scale_d_hat(double by);
+  View<const double> view() const { return kappa_view_.view(); }  // per interface [Pa]
   void checkpoint(Archive& archive);
 
  private:
@@ -43,10 +40,10 @@ class Stiffnesses {
   std::vector<double> fitted(const FrozenSamples& at, std::vector<double>& price) const;
 
   Index envs_;
-  std::vector<Interface> interfaces_;
+  const std::vector<Interface>& interfaces_;
   bool automatic_, static_ = false;
   std::vector<double> kappa_, next_kappa_, next_price_;
-  Buffer<double> kappa_view_, d_hat_view_;
+  Buffer<double> kappa_view_;
 };
 
 }  // namespace mortise::effects::mortar

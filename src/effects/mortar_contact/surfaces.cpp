@@ -7,7 +7,14 @@ namespace mortise::effects::mortar {
 
 Surfaces::Surfaces(const Params& p, const model::Model& model, const std::vector<double>& d_hat) : model_(model) {
   choose_pairs(p, d_hat);
+  scale_d_hat(1);
   choose_triangles();
+}
+
+void Surfaces::scale_d_hat(double by) {
+  std::vector<double> d_hat;
+  for (Interface& i : interfaces_) d_hat.push_back(i.d_hat *= by);
+  d_hat_.upload(d_hat);
 }
 
 void Surfaces::choose_pairs(const Params& p, const std::vector<double>& d_hat) {
