@@ -30,4 +30,17 @@ void parallel_for(const char* name, Index n, F f) {
   });
 }
 
+// put(k, ((start + term(from)) + term(from + 1)) + ...) for k = 0 .. n - 1, where segment(k, from, to) says what [from, to) is; `combine` has
+// take(sum, term), which is +=, and start(). Terms of a segment may be found at the same time, in any order; they are added in theirs.
+template <class Segment, class Term, class Combine, class Put>
+void fold(const char* name, Index n, Segment segment, Term term, Combine combine, Put put) {
+  parallel_for(name, n, [=](Index k) {
+    Index i = 0, to = 0;
+    segment(k, i, to);
+    auto sum = combine.start();
+    for (; i < to; ++i) combine.take(sum, term(i));
+    put(k, sum);
+  });
+}
+
 }  // namespace mortise::device

@@ -149,16 +149,25 @@ namespace mortise::device {
 // out[e] <- combine(out[e], f(i) over offset[e] <= i < offset[e+1]) for every environment e: chunks of kChunk terms, chunks of
 // chunks, until one value per environment is left (reduce.h).
 struct Add {
-  static constexpr double kStart = 0;
+  MORTISE_HD static double start() { return 0; }
   MORTISE_HD double operator()(double a, double b) const { return a + b; }
+  MORTISE_HD void take(double& sum, double b) const { sum += b; }
 };
 struct Larger {
-  static constexpr double kStart = -std::numeric_limits<double>::infinity();
+  MORTISE_HD static double start() { return -std::numeric_limits<double>::infinity(); }
   MORTISE_HD double operator()(double a, double b) const { return b > a || b != b ? b : a; }  // a NaN wins, so that it is seen
+  MORTISE_HD void take(double& most, double b) const { most = (*this)(most, b); }
 };
 struct Smaller {
-  static constexpr double kStart = std::numeric_limits<double>::infinity();
+  MORTISE_HD static double start() { return std::numeric_limits<double>::infinity(); }
   MORTISE_HD double operator()(double a, double b) const { return b < a || b != b ? b : a; }
+  MORTISE_HD void take(double& least, double b) const { least = (*this)(least, b); }
+};
+// Of vectors and matrices of fixed size.
+template <class V>
+struct AddUp {
+  MORTISE_HD static V start() { return V::Zero(); }
+  MORTISE_HD void take(V& sum, const V& b) const { sum += b; }
 };
 class Fetch;  // fetch.h
 struct EnvValues;

@@ -73,23 +73,13 @@ void env_reduce(const char* name, const Ranges& over, F f, EnvValues out) {
     }
     const Index chunks = levels[l].back();
     here.n = chunks;
-    if (l == 0) {
-      parallel_for(name, chunks, [=] MORTISE_HD(Index c) {
-        Index from, to;
-        level.chunk(c, from, to);
-        double s = Combine::kStart;
-        for (Index i = from; i < to; ++i) s = Combine()(s, f(i));
-        here[c] = s;
-      });
-    } else {
-      parallel_for("reduce.tree", chunks, [=] MORTISE_HD(Index c) {
-        Index from, to;
-        level.chunk(c, from, to);
-        double s = Combine::kStart;
-        for (Index i = from; i < to; ++i) s = Combine()(s, below[i]);
-        here[c] = s;
-      });
-    }
+    const auto chunk = [=] MORTISE_HD(Index c, Index & from, Index & to) { level.chunk(c, from, to); };
+    const auto keep = [=] MORTISE_HD(Index c, double s) { here[c] = s; };
+    if (l == 0)
+      fold(name, chunks, chunk, f, Combine(), keep);
+    else
+      fold(
+          "reduce.tree", chunks, chunk, [=] MORTISE_HD(Index i) { return below[i]; }, Combine(), keep);
     below = here;
     here.p += chunks;
   }

@@ -69,8 +69,9 @@ void set_pattern(const Buffer<std::uint64_t>& keys, Index rows, BlockMatrix& A) 
 void multiply(const BlockMatrix& A, View<const Vec3> x, View<Vec3> y) { multiply(A, x, device::Ranges{0, A.rows}, y); }
 
 void multiply(const BlockMatrix& A, View<const Vec3> x, const device::Ranges& rows, View<Vec3> y) {
-  const RowProduct product = row_product(A);
-  device::parallel_for("matrix.multiply", rows, [=] MORTISE_HD(Index i) { y[i] = product(i, x); });
+  Buffer<Index> memory;
+  const device::Places place = rows.places(memory);
+  row_product(A)("matrix.multiply", rows.size(), x, place, [=] MORTISE_HD(Index k, const Vec3& y_k) { y[place(k)] = y_k; });
 }
 
 }  // namespace mortise::linalg

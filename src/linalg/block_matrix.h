@@ -33,13 +33,14 @@ MORTISE_HD inline std::uint64_t block_key(Index row, Index col, Index rows) {
 // unused pattern number. Values are left undefined.
 void set_pattern(const Buffer<std::uint64_t>& keys, Index rows, BlockMatrix& A);
 
-// Row i of A x.
+// Rows of A x.
 struct RowProduct {
   View<const Index> start, col, source;
   View<const Mat3> value;
-  MORTISE_HD Vec3 operator()(Index i, View<const Vec3> x) const {
+  // What the places [from, to) of the full structure add to their row.
+  MORTISE_HD Vec3 sum(Index from, Index to, View<const Vec3> x) const {
     Vec3 y = Vec3::Zero();
-    for (Index j = start[i]; j < start[i + 1]; ++j) {
+    for (Index j = from; j < to; ++j) {
       const Index k = source[j];
       if (k >= 0)
         y += value[k] * x[col[j]];
@@ -47,6 +48,28 @@ struct RowProduct {
         y += value[~k].transpose() * x[col[j]];
     }
     return y;
+  }
+  // put(k, row row_of(k) of A x) for k = 0 .. n - 1; of none where row_of(k) is negative.
+  template <class RowOf, class Put>
+  void operator()(const char* name, Index n, View<const Vec3> x, RowOf row_of, Put put) const {
+    const RowProduct A = *this;
+    if constexpr (device::kHostThreads) {  // of which each has a row anyway
+      device::parallel_for(name, n, [=](Index k) {
+        const Index i = row_of(k);
+        if (i >= 0) put(k, A.sum(A.start[i], A.start[i + 1], x));
+      });
+    } else {
+      device::fold(
+          name, n,
+          [=] MORTISE_HD(Index k, Index & from, Index & to) {
+            const Index i = row_of(k);
+            if (i >= 0) from = A.start[i], to = A.start[i + 1];
+          },
+          [=] MORTISE_HD(Index j) { return A.sum(j, j + 1, x); }, device::AddUp<Vec3>(),
+          [=] MORTISE_HD(Index k, const Vec3& y) {
+            if (row_of(k) >= 0) put(k, y);
+          });
+    }
   }
 };
 inline RowProduct row_product(const BlockMatrix& A) { return {A.full_start.view(), A.full_col.view(), A.full_source.view(), A.value.view()}; }

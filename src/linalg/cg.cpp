@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <type_traits>
+#include <utility>
 
 #include "base/error.h"
 #include "device/graph.h"
@@ -34,7 +35,7 @@ struct CgState {
   Index rows, envs;
   EnvSums sums;
   Buffer<Index> env_of_row;
-  Buffer<Vec3> residual, direction, product;  // r, p, and by turns A p and z = M^-1 r
+  Buffer<Vec3> solution, residual, direction, product;  // x, r, p, and by turns A p and z = M^-1 r
   Buffer<EnvState> states;
 
   Index expected = 0;  // iterations of the last solve
@@ -43,14 +44,20 @@ struct CgState {
   std::vector<const void*> recorded;  // the memory that the recorded block uses
 
   void prepare(const Preconditioner& M, View<const Vec3> b);
-  void begin(const BlockMatrix& A, const Preconditioner& M, View<const Vec3> b, View<const Vec3> x);
-  void iterate(const RowProduct& A, const Preconditioner& M, View<Vec3> x);
-  void record(const BlockMatrix& A, const Preconditioner& M, View<Vec3> x, Index iterations);
-  void finish(const BlockMatrix& A, View<const Vec3> b, View<const Vec3> x);
+  void begin(const BlockMatrix& A, const Preconditioner& M, View<const Vec3> b);
+  void iterate(const RowProduct& product_of, const Preconditioner& M);
+  void record(const BlockMatrix& A, const Preconditioner& M, Index iterations);
+  void finish(const BlockMatrix& A, View<const Vec3> b);
 };
 
 CgState::CgState(const std::vector<Index>& env_rows)
-    : rows(env_rows.back()), envs(static_cast<Index>(env_rows.size()) - 1), sums(env_rows), residual(rows), direction(rows), product(rows) {
+    : rows(env_rows.back()),
+      envs(static_cast<Index>(env_rows.size()) - 1),
+      sums(env_rows),
+      solution(rows),
+      residual(rows),
+      direction(rows),
+      product(rows) {
   std::vector<Index> env(rows);
   for (Index e = 0; e < envs; ++e) std::fill(env.begin() + env_rows[e], env.begin() + env_rows[e + 1], e);
   env_of_row.upload(env);
@@ -60,40 +67,40 @@ CgState::CgState(const std::vector<Index>& env_rows)
 // Targets. Environments in which the preconditioner met a bad pivot end here.
 void CgState::prepare(const Preconditioner& M, View<const Vec3> b) {
   const View<const Index> bad = M.bad_rows();
-  const View<const Vec2> s = sums("cg.targets", [=] MORTISE_HD(Index i) -> Vec2 { return Vec2(b[i].squaredNorm(), 1.0 * bad[i]); });
   const View<EnvState> state = states.view();
-  device::parallel_for("cg.env", envs, [=] MORTISE_HD(Index e) {
-    EnvState& t = state[e];
-    t.rhs2 = s[e][0];
-    const double target = t.relative * std::sqrt(t.rhs2);
-    t.target2 = target > t.absolute ? target * target : t.absolute * t.absolute;
-    if (s[e][1] > 0) t.status = ended, t.end = CgEnd::not_positive_definite;
-  });
+  sums(
+      "cg.targets", [=] MORTISE_HD(Index i) -> Vec2 { return Vec2(b[i].squaredNorm(), 1.0 * bad[i]); },
+      [=] MORTISE_HD(Index e, const Vec2& s) {
+        EnvState& t = state[e];
+        t.rhs2 = s[0];
+        const double target = t.relative * std::sqrt(t.rhs2);
+        t.target2 = target > t.absolute ? target * target : t.absolute * t.absolute;
+        if (s[1] > 0) t.status = ended, t.end = CgEnd::not_positive_definite;
+      });
 }
 
 // For every environment that claims convergence (all of them at first): r = b - A x; ends it if r is small enough, otherwise
 // (re)starts with p = z = M^-1 r.
-void CgState::begin(const BlockMatrix& A, const Preconditioner& M, View<const Vec3> b, View<const Vec3> x) {
+void CgState::begin(const BlockMatrix& A, const Preconditioner& M, View<const Vec3> b) {
   const RowProduct product_of = row_product(A);
+  const View<const Vec3> x = std::as_const(solution).view();
   const View<Vec3> r = residual.view(), p = direction.view(), z = product.view();
   const View<const Index> env = env_of_row.view();
   const View<EnvState> state = states.view();
-  device::parallel_for("cg.begin", rows, [=] MORTISE_HD(Index i) {
-    if (state[env[i]].status == claimed) r[i] = b[i] - product_of(i, x);
-  });
+  product_of(
+      "cg.begin", rows, x, [=] MORTISE_HD(Index i) { return state[env[i]].status == claimed ? i : Index{-1}; },
+      [=] MORTISE_HD(Index i, const Vec3& Ax) { r[i] = b[i] - Ax; });
   M.apply(r, z);
-  device::parallel_for("cg.begin", rows, [=] MORTISE_HD(Index i) {
-    if (state[env[i]].status == claimed) p[i] = z[i];
-  });
-  const View<const Vec2> s = sums("cg.dots", [=] MORTISE_HD(Index i) -> Vec2 {
+  const auto dots = [=] MORTISE_HD(Index i) -> Vec2 {
     if (state[env[i]].status != claimed) return Vec2::Zero();
+    p[i] = z[i];
     return Vec2(r[i].dot(z[i]), r[i].squaredNorm());
-  });
-  device::parallel_for("cg.env", envs, [=] MORTISE_HD(Index e) {
+  };
+  sums("cg.dots", dots, [=] MORTISE_HD(Index e, const Vec2& s) {
     EnvState& t = state[e];
     if (t.status != claimed) return;
     const bool first = t.iterations == 0;
-    t.rz = s[e][0], t.rr = s[e][1];
+    t.rz = s[0], t.rr = s[1];
     if (t.rr <= t.target2) {
       t.status = ended, t.end = CgEnd::converged;
     } else if (!first && t.rr > 0.25 * t.restart_rr) {  // less than half the residual gone since the last restart
@@ -107,28 +114,27 @@ void CgState::begin(const BlockMatrix& A, const Preconditioner& M, View<const Ve
 }
 
 // alpha = r.z / p.Ap;  x += alpha p;  r -= alpha Ap;  z = M^-1 r;  beta = r.z / (r.z)_old;  p = z + beta p
-void CgState::iterate(const RowProduct& A, const Preconditioner& M, View<Vec3> x) {
-  const RowProduct product_of = A;
-  const View<Vec3> r = residual.view(), p = direction.view(), q = product.view(), z = q;
+void CgState::iterate(const RowProduct& product_of, const Preconditioner& M) {
+  const View<Vec3> x = solution.view(), r = residual.view(), p = direction.view(), q = product.view(), z = q;
   const View<const Vec3> p_now = p;
   const View<const Index> env = env_of_row.view();
   const View<EnvState> state = states.view();
-  device::parallel_for("cg.multiply", rows, [=] MORTISE_HD(Index i) {
-    if (state[env[i]].status == active) q[i] = product_of(i, p_now);
-  });
-  View<const Vec2> s = sums("cg.dots", [=] MORTISE_HD(Index i) -> Vec2 {
+  product_of(
+      "cg.multiply", rows, p_now, [=] MORTISE_HD(Index i) { return state[env[i]].status == active ? i : Index{-1}; },
+      [=] MORTISE_HD(Index i, const Vec3& Ap) { q[i] = Ap; });
+  const auto curvature = [=] MORTISE_HD(Index i) -> Vec2 {
     if (state[env[i]].status != active) return Vec2::Zero();
     return Vec2(p[i].dot(q[i]), 0);
-  });
-  device::parallel_for("cg.env", envs, [=] MORTISE_HD(Index e) {
+  };
+  sums("cg.dots", curvature, [=] MORTISE_HD(Index e, const Vec2& s) {
     EnvState& t = state[e];
     if (t.status != active) return;
     if (t.iterations >= t.limit)
       t.status = ended, t.end = CgEnd::iteration_limit;
-    else if (!(s[e][0] > 0))
+    else if (!(s[0] > 0))
       t.status = ended, t.end = CgEnd::not_positive_definite;
     else
-      t.alpha = t.rz / s[e][0];
+      t.alpha = t.rz / s[0];
   });
   device::parallel_for("cg.step", rows, [=] MORTISE_HD(Index i) {
     const EnvState& t = state[env[i]];
@@ -137,15 +143,15 @@ void CgState::iterate(const RowProduct& A, const Preconditioner& M, View<Vec3> x
     r[i] -= t.alpha * q[i];
   });
   M.apply(r, z);
-  s = sums("cg.dots", [=] MORTISE_HD(Index i) -> Vec2 {
+  const auto sizes = [=] MORTISE_HD(Index i) -> Vec2 {
     if (state[env[i]].status != active) return Vec2::Zero();
     return Vec2(r[i].dot(z[i]), r[i].squaredNorm());
-  });
-  device::parallel_for("cg.env", envs, [=] MORTISE_HD(Index e) {
+  };
+  sums("cg.dots", sizes, [=] MORTISE_HD(Index e, const Vec2& s) {
     EnvState& t = state[e];
     if (t.status != active) return;
-    t.beta = s[e][0] / t.rz;
-    t.rz = s[e][0], t.rr = s[e][1];
+    t.beta = s[0] / t.rz;
+    t.rz = s[0], t.rr = s[1];
     ++t.iterations;
     if (t.rr <= t.target2) t.status = claimed;
   });
@@ -155,26 +161,29 @@ void CgState::iterate(const RowProduct& A, const Preconditioner& M, View<Vec3> x
   });
 }
 
-void CgState::record(const BlockMatrix& A, const Preconditioner& M, View<Vec3> x, Index iterations) {
+void CgState::record(const BlockMatrix& A, const Preconditioner& M, Index iterations) {
   const RowProduct product_of = row_product(A);
   std::vector<const void*> now = M.memory();
-  now.insert(now.end(), {product_of.start.p, product_of.col.p, product_of.source.p, product_of.value.p, x.p, states.view().p, &M,
+  now.insert(now.end(), {product_of.start.p, product_of.col.p, product_of.source.p, product_of.value.p, states.view().p, &M,
                          reinterpret_cast<const void*>(static_cast<std::uintptr_t>(iterations))});
   if (now == recorded) return;
-  block.record([this, product_of, &M, x, iterations] {
-    for (Index i = 0; i < iterations; ++i) iterate(product_of, M, x);
+  block.record([this, product_of, &M, iterations] {
+    for (Index i = 0; i < iterations; ++i) iterate(product_of, M);
   });
   recorded = std::move(now);
 }
 
 // True residuals of all environments.
-void CgState::finish(const BlockMatrix& A, View<const Vec3> b, View<const Vec3> x) {
+void CgState::finish(const BlockMatrix& A, View<const Vec3> b) {
   const RowProduct product_of = row_product(A);
+  const View<const Vec3> x = std::as_const(solution).view();
   const View<Vec3> r = residual.view();
   const View<EnvState> state = states.view();
-  device::parallel_for("cg.finish", rows, [=] MORTISE_HD(Index i) { r[i] = b[i] - product_of(i, x); });
-  const View<const Vec2> s = sums("cg.dots", [=] MORTISE_HD(Index i) -> Vec2 { return Vec2(r[i].squaredNorm(), 0); });
-  device::parallel_for("cg.env", envs, [=] MORTISE_HD(Index e) { state[e].rr = s[e][0]; });
+  product_of(
+      "cg.finish", rows, x, [] MORTISE_HD(Index i) { return i; }, [=] MORTISE_HD(Index i, const Vec3& Ax) { r[i] = b[i] - Ax; });
+  sums(
+      "cg.dots", [=] MORTISE_HD(Index i) -> Vec2 { return Vec2(r[i].squaredNorm(), 0); },
+      [=] MORTISE_HD(Index e, const Vec2& s) { state[e].rr = s[0]; });
 }
 
 ConjugateGradients::ConjugateGradients(const std::vector<Index>& env_rows) : state_(std::make_unique<CgState>(env_rows)) {}
@@ -194,8 +203,11 @@ CgResult ConjugateGradients::solve(const BlockMatrix& A, const Preconditioner& M
     if (!options.only.empty() && !options.only[e]) state[e].status = ended, state[e].end = CgEnd::converged;
   }
   cg.states.upload(state);
+  // What is recorded works on a vector of its own: callers' come and go.
+  const std::size_t bytes = static_cast<std::size_t>(x.n) * sizeof(Vec3);
+  device::copy(cg.solution.view().p, x.p, bytes);
   cg.prepare(M, b);
-  cg.record(A, M, x, options.check_every);
+  cg.record(A, M, options.check_every);
   const auto any = [&](Index status) { return std::any_of(state.begin(), state.end(), [&](const EnvState& s) { return s.status == status; }); };
   // What claims convergence is looked at before the host asks once as many iterations are done as the last solve took, where that was too early twice
   // as many, ...: begin() leaves those that go on as they are.
@@ -209,7 +221,10 @@ CgResult ConjugateGradients::solve(const BlockMatrix& A, const Preconditioner& M
     fetch.add(View<const double>{words, static_cast<Index>(envs * (sizeof(EnvState) / sizeof(double)))},
               [&](const std::vector<double>& bits) { std::memcpy(static_cast<void*>(state.data()), bits.data(), envs * sizeof(EnvState)); });
     told = hopeful && options.then;
-    if (told) options.then(fetch);
+    if (told) {
+      device::copy(x.p, cg.solution.view().p, bytes);
+      options.then(fetch);
+    }
     fetch.now("cg");
   };
   const auto go_on = [&] {
@@ -218,26 +233,27 @@ CgResult ConjugateGradients::solve(const BlockMatrix& A, const Preconditioner& M
       done += options.check_every;
     } while (done < sure);
     const bool hopeful = done >= expected;
-    if (hopeful) cg.begin(A, M, b, x), expected = 2 * done;
+    if (hopeful) cg.begin(A, M, b), expected = 2 * done;
     look(hopeful);
   };
-  cg.begin(A, M, b, x);
+  cg.begin(A, M, b);
   go_on();  // nothing is hardly ever left to do
   while (any(active) || any(claimed)) {
     if (!any(claimed)) {
       go_on();
       continue;
     }
-    cg.begin(A, M, b, x);
+    cg.begin(A, M, b);
     look(!any(active));
   }
+  device::copy(x.p, cg.solution.view().p, bytes);
   if (options.then && !told) {
     options.then(fetch);
     fetch.now("after cg");
   }
   // begin() has left the true residuals of those that converged.
   if (std::any_of(state.begin(), state.end(), [](const EnvState& s) { return s.end != CgEnd::converged && s.end != CgEnd::stagnated; })) {
-    cg.finish(A, b, x);
+    cg.finish(A, b);
     state = cg.states.download();
   }
   CgResult out;

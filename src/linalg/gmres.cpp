@@ -1,5 +1,6 @@
 #include "linalg/gmres.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -85,12 +86,12 @@ class Column {
   View<const double> add(View<const Vec3> a, View<const Vec3> b) {
     const View<const Index> env = env_;
     const View<const std::uint8_t> active = std::as_const(active_).view();
-    const View<const Vec2> sum = sums_("gmres.dot", [=] MORTISE_HD(Index i) -> Vec2 {
+    const View<double> out{h_.view().p + size_++ * envs_, envs_};
+    const auto products = [=] MORTISE_HD(Index i) -> Vec2 {
       if (active.n > 0 && !active[env[i]]) return Vec2::Zero();
       return Vec2(a[i].dot(b[i]), 0);
-    });
-    const View<double> out{h_.view().p + size_++ * envs_, envs_};
-    device::parallel_for("gmres.column", envs_, [=] MORTISE_HD(Index e) { out[e] = sum[e][0]; });
+    };
+    sums_("gmres.dot", products, [=] MORTISE_HD(Index e, const Vec2& sum) { out[e] = sum[0]; });
     return out;
   }
 
@@ -134,13 +135,10 @@ GmresResult gmres(const Operator& A, const Awaited& preconditioner, View<const V
                   const std::vector<double>& b2) {
   const std::size_t envs = env_rows.size() - 1;
   const Index n = b.n;
-  Buffer<Index> env_buffer(n);
-  for (std::size_t e = 0; e < envs; ++e) {
-    const View<Index> of = env_buffer.view();
-    const Index first = env_rows[e];
-    device::parallel_for("gmres.env", env_rows[e + 1] - first, [=] MORTISE_HD(Index i) { of[first + i] = static_cast<Index>(e); });
-  }
-  const View<const Index> env = std::as_const(env_buffer).view();
+  std::vector<Index> env_of_row(n);
+  for (std::size_t e = 0; e < envs; ++e) std::fill(env_of_row.begin() + env_rows[e], env_of_row.begin() + env_rows[e + 1], static_cast<Index>(e));
+  const Buffer<Index> env_buffer(env_of_row);
+  const View<const Index> env = env_buffer.view();
 
   GmresResult out;
   out.relative.assign(envs, 0.0);

@@ -28,13 +28,16 @@ MORTISE_HD inline bool spd_inverse(const Mat3& A, Mat3& out) {
 
 }  // namespace
 
+BlockJacobi::BlockJacobi(const std::vector<Index>& env_rows) : env_rows_(env_rows), inverse_(env_rows.back()), bad_(env_rows.back()) {
+  inverse_.zero(), bad_.zero();
+}
+
 void BlockJacobi::build(const BlockMatrix& A, View<const Vec3>) {
-  inverse_.resize(A.rows), bad_.resize(A.rows);
   const View<const Index> diagonal = A.row_start.view();
   const View<const Mat3> value = A.value.view();
   const View<Mat3> inverse = inverse_.view();
   const View<Index> bad = bad_.view();
-  device::parallel_for("jacobi.invert", A.rows, [=] MORTISE_HD(Index i) {
+  device::parallel_for("jacobi.invert", device::Ranges(env_rows_, whose_), [=] MORTISE_HD(Index i) {
     bad[i] = spd_inverse(value[diagonal[i]], inverse[i]) ? 0 : 1;
     if (bad[i]) inverse[i].setZero();  // apply() may come before anybody has looked
   });

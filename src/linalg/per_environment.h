@@ -14,8 +14,7 @@ class PerEnvironment : public Preconditioner {
   // make(first, last): for the rows of an environment, counted from its first.
   PerEnvironment(const std::vector<Index>& env_rows, const std::function<std::unique_ptr<Preconditioner>(Index, Index)>& make);
 
-  // Which environments the next build() is for; the others keep what they have.
-  void choose(const std::vector<std::uint8_t>& whose) { whose_ = whose; }
+  void choose(const std::vector<std::uint8_t>& whose) override { whose_ = whose; }
   void build(const BlockMatrix& A, View<const Vec3> position) override;
   void apply(View<const Vec3> r, View<Vec3> z) const override;
   View<const Index> bad_rows() const override { return bad_.view(); }

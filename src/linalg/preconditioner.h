@@ -8,6 +8,8 @@ class Preconditioner {
  public:
   virtual ~Preconditioner() = default;
 
+  // Which environments the next build() is for; the others keep what they have.
+  virtual void choose(const std::vector<std::uint8_t>& whose) = 0;
   // M for the values of A. `position` of every row [m]: current positions of nodes and of affine bodies, columns of the latter.
   virtual void build(const BlockMatrix& A, View<const Vec3> position) = 0;
   // z = M^-1 r. Launches kernels and does nothing else, so that it may be recorded into a graph.

@@ -6,6 +6,7 @@
 namespace mortise::linalg {
 namespace {
 
+using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 // [d]x v = d x v
@@ -281,38 +282,49 @@ void Schwarz::apply(View<const Vec3> r, View<Vec3> z) const {
   // Forces and moments on the items.
   for (std::size_t l = 0; l < coarse_.size(); ++l) {
     const Index first = coarse_[l].first;
-    device::parallel_for("schwarz.restrict", coarse_[l].items, [=] MORTISE_HD(Index k) {
-      const Index i = first + k;
-      Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
-      for (Index m = start[i]; m < start[i + 1]; ++m) {
-        const Index c = member[m];
-        if (l == 0) {
-          force += moves[c] * r[c], moment += row_arm[c].cross(r[c]);
-        } else {
-          const Vec3 f = restricted[slot[c]];
-          force += f, moment += restricted[slot[c] + 1] + arm[c].cross(f);
-        }
-      }
-      restricted[slot[i]] = force, restricted[slot[i] + 1] = moment;
-    });
+    device::fold(
+        "schwarz.restrict", coarse_[l].items,
+        [=] MORTISE_HD(Index k, Index & from, Index & to) { from = start[first + k], to = start[first + k + 1]; },
+        [=] MORTISE_HD(Index m) -> Vec6 {
+          const Index c = member[m];
+          Vec6 out;
+          if (l == 0) {
+            out << moves[c] * r[c], row_arm[c].cross(r[c]);
+          } else {
+            const Vec3 f = restricted[slot[c]];
+            out << f, restricted[slot[c] + 1] + arm[c].cross(f);
+          }
+          return out;
+        },
+        device::AddUp<Vec6>(),
+        [=] MORTISE_HD(Index k, const Vec6& sum) {
+          const Index s = slot[first + k];
+          restricted[s] = sum.head<3>(), restricted[s + 1] = sum.tail<3>();
+        });
   }
-  device::parallel_for("schwarz.forward", half.n, [=] MORTISE_HD(Index s) {
-    const Index d = s / kSlots, a = s % kSlots;
-    if (a >= blocks[d]) return;
-    const Index at = d * kPacked + packed_place(a, 0);
-    Vec3 y = Vec3::Zero();
-    for (Index b = 0; b <= a; ++b) {
-      const Index other = d * kSlots + b, row = row_of_slot[other];
-      y += X[at + b].cast<double>() * (row < 0 ? restricted[other] : r[row]);
-    }
-    half[s] = y;
-  });
-  device::parallel_for("schwarz.backward", solved.n, [=] MORTISE_HD(Index s) {
-    const Index d = s / kSlots, a = s % kSlots;
-    Vec3 y = Vec3::Zero();
-    for (Index b = a; b < blocks[d]; ++b) y += X[d * kPacked + packed_place(b, a)].cast<double>().transpose() * half[d * kSlots + b];
-    solved[s] = y;
-  });
+  // Term (s, b) of slot s is number s kSlots + b.
+  device::fold(
+      "schwarz.forward", half.n,
+      [=] MORTISE_HD(Index s, Index & from, Index & to) {
+        const Index a = s % kSlots;
+        from = s * kSlots, to = a < blocks[s / kSlots] ? from + a + 1 : from;
+      },
+      [=] MORTISE_HD(Index j) -> Vec3 {
+        const Index s = j / kSlots, b = j % kSlots, d = s / kSlots, other = d * kSlots + b, row = row_of_slot[other];
+        return X[d * kPacked + packed_place(s % kSlots, b)].cast<double>() * (row < 0 ? restricted[other] : r[row]);
+      },
+      device::AddUp<Vec3>(), [=] MORTISE_HD(Index s, const Vec3& y) { half[s] = y; });
+  device::fold(
+      "schwarz.backward", solved.n,
+      [=] MORTISE_HD(Index s, Index & from, Index & to) {
+        from = s * kSlots + s % kSlots, to = s * kSlots + blocks[s / kSlots];
+        if (to < from) to = from;
+      },
+      [=] MORTISE_HD(Index j) -> Vec3 {
+        const Index s = j / kSlots, b = j % kSlots, d = s / kSlots;
+        return X[d * kPacked + packed_place(b, s % kSlots)].cast<double>().transpose() * half[d * kSlots + b];
+      },
+      device::AddUp<Vec3>(), [=] MORTISE_HD(Index s, const Vec3& y) { solved[s] = y; });
   // A row's own share, and its part in the motions of all items it belongs to.
   device::parallel_for("schwarz.prolong", z.n, [=] MORTISE_HD(Index i) {
     Vec3 sum = solved[row_slot[i]];

@@ -30,6 +30,7 @@ class Schwarz : public Preconditioner {
  public:
   Schwarz(const RowPlaces& rows, const std::vector<Index>& env_rows);
 
+  void choose(const std::vector<std::uint8_t>&) override {}  // all that there are; several: per_environment.h
   void build(const BlockMatrix& A, View<const Vec3> position) override;
   void apply(View<const Vec3> r, View<Vec3> z) const override;
   View<const Index> bad_rows() const override { return bad_.view(); }

@@ -18,6 +18,11 @@ struct Part {
   }
 };
 
+struct AddParts {
+  MORTISE_HD static Part start() { return {}; }
+  MORTISE_HD void take(Part& sum, const Part& b) const { sum.add(b); }
+};
+
 // How the values of all bodies are cut into chunks.
 class Chunks {
  public:
@@ -39,16 +44,12 @@ class Chunks {
     device::Buffer<Part> chunk(begin_.size()), body(first_.size() - 1);
     const device::View<Part> parts = chunk.view(), out = body.view();
     const device::View<const Index> first = first_.view(), begin = begin_.view(), end = end_.view();
-    device::parallel_for(name, begin.n, [=] MORTISE_HD(Index c) {
-      Part sum{};
-      for (Index i = begin[c]; i < end[c]; ++i) sum.add(of(i));
-      parts[c] = sum;
-    });
-    device::parallel_for("solver.bodies", out.n, [=] MORTISE_HD(Index b) {
-      Part sum{};
-      for (Index c = first[b]; c < first[b + 1]; ++c) sum.add(parts[c]);
-      out[b] = sum;
-    });
+    device::fold(
+        name, begin.n, [=] MORTISE_HD(Index c, Index & from, Index & to) { from = begin[c], to = end[c]; }, of, AddParts(),
+        [=] MORTISE_HD(Index c, const Part& sum) { parts[c] = sum; });
+    device::fold(
+        "solver.bodies", out.n, [=] MORTISE_HD(Index b, Index & from, Index & to) { from = first[b], to = first[b + 1]; },
+        [=] MORTISE_HD(Index c) { return parts[c]; }, AddParts(), [=] MORTISE_HD(Index b, const Part& sum) { out[b] = sum; });
     fetch.add(device::View<const Part>(out), receive);
     fetch.keep(std::move(chunk));
     fetch.keep(std::move(body));

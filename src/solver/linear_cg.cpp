@@ -186,21 +186,26 @@ class Cg final : public Linear {
 
   // Schwarz needs a quarter to a half of the iterations of block Jacobi, but each costs twice as much on CPU threads, and setting it up as much
   // as some fifteen of them.
-  std::unique_ptr<linalg::Preconditioner> preconditioner_of(Index first, Index last) const {
-    if (options_.preconditioner == "mas" || (options_.preconditioner == "auto" && last - first >= tuning::kSchwarzRows))
-      return std::make_unique<linalg::Schwarz>(row_places(model_, rows_.of_row, first, last), std::vector<Index>{0, last - first});
-    return std::make_unique<linalg::BlockJacobi>();
+  bool schwarz(Index rows) const { return options_.preconditioner == "mas" || (options_.preconditioner == "auto" && rows >= tuning::kSchwarzRows); }
+  std::unique_ptr<linalg::Preconditioner> schwarz_of(Index first, Index last) const {
+    return std::make_unique<linalg::Schwarz>(row_places(model_, rows_.of_row, first, last), std::vector<Index>{0, last - first});
   }
 
   void set_up() {
     if (cg_) return;
-    parts_ = nullptr;
-    if (rows_.envs() == 1) {
-      preconditioner_ = preconditioner_of(0, rows_.count());
+    // Jacobi for all environments at once, unless one of them is large enough for Schwarz.
+    bool any_schwarz = false;
+    for (Index e = 0; e < rows_.envs(); ++e) any_schwarz |= schwarz(rows_.env[e + 1] - rows_.env[e]);
+    if (!any_schwarz) {
+      preconditioner_ = std::make_unique<linalg::BlockJacobi>(rows_.env);
+    } else if (rows_.envs() == 1) {
+      preconditioner_ = schwarz_of(0, rows_.count());
     } else {
-      auto parts = std::make_unique<linalg::PerEnvironment>(rows_.env, [this](Index first, Index last) { return preconditioner_of(first, last); });
-      parts_ = parts.get();
-      preconditioner_ = std::move(parts);
+      preconditioner_ =
+          std::make_unique<linalg::PerEnvironment>(rows_.env, [this](Index first, Index last) -> std::unique_ptr<linalg::Preconditioner> {
+            if (schwarz(last - first)) return schwarz_of(first, last);
+            return std::make_unique<linalg::BlockJacobi>(std::vector<Index>{0, last - first});
+          });
     }
     cg_ = std::make_unique<linalg::ConjugateGradients>(rows_.env);
   }
@@ -209,7 +214,7 @@ class Cg final : public Linear {
     set_up();
     if (!any(todo)) return;
     gather(s.q, rows_.block.view(), position_);
-    if (parts_) parts_->choose(todo);
+    preconditioner_->choose(todo);
     preconditioner_->build(s.A, std::as_const(position_).view());
   }
 
@@ -218,7 +223,6 @@ class Cg final : public Linear {
   const Options& options_;
   std::vector<Env> env_;
   std::unique_ptr<linalg::Preconditioner> preconditioner_;
-  linalg::PerEnvironment* parts_ = nullptr;         // the same, of several environments
   std::unique_ptr<linalg::ConjugateGradients> cg_;  // of the present rows
   device::Buffer<Vec3> position_;
 };

@@ -217,8 +217,9 @@ LinearChoice choose_linear(const model::Model& model, const Options& options) {
   Index blocks = 0;
   for (Index e = 0; e < model.envs; ++e) blocks = std::max(blocks, model.env_blocks[e + 1] - model.env_blocks[e]);
   const std::string size = std::to_string(blocks) + " blocks";
+  if (!device::kHostThreads && options.batch) return {"cg", "many environments, whose factors a GPU's host would make one after another"};
   if (blocks <= tuning::kDirectBlocks) return {"direct", size + ", a new factor each time up to " + std::to_string(tuning::kDirectBlocks)};
-  const Index limit = device::kHostThreads ? tuning::kReuseBlocks : tuning::kReuseOnGpu;
+  const Index limit = device::kHostThreads ? tuning::kReuseBlocks : tuning::kDirectBlocks;  // on a GPU conjugate gradients are quicker from here on
   if (blocks <= limit) return {"reuse", size + ", factors up to " + std::to_string(limit)};
   return {"cg", size + ", more than " + std::to_string(limit)};
 }

@@ -15,6 +15,7 @@ Options read_options(const Params& scene) {
   o.iterations = static_cast<Index>(s.integer("iterations"));
   o.halvings = static_cast<Index>(s.integer("halvings"));
   o.linear = s.text("linear");
+  o.batch = scene.find("environments") != nullptr;
   o.cg_tolerance = s.number("cg_tolerance");
   o.cg_forcing = s.text("cg_forcing") == "eisenstat_walker";
   o.preconditioner = s.text("preconditioner");

@@ -13,6 +13,7 @@ struct Options {
   Index iterations = 100;     // Newton iterations per solve before the step counts as failed
   Index halvings = 6;         // how often a failed step may be halved
   std::string linear = "auto";
+  bool batch = false;          // the scene has `environments`: whether one of them or all run, they are solved alike
   double cg_tolerance = 1e-8;  // relative true residual, the smallest asked for when cg_forcing
   bool cg_forcing = true;      // solve the linear systems only as exactly as Newton's progress deserves
   std::string preconditioner = "auto";

@@ -29,7 +29,6 @@ inline constexpr double kLongest = 1e6;  // beyond it a direction is as little t
 inline constexpr Index kDirectBlocks = 2000;  // up to here a factor costs next to nothing; beyond it is kept for some iterations,
 inline constexpr Index kReuseBlocks = 50000;  // and from here on its memory grows too fast: 45,000 in motion, with friction, take two thirds of the
                                               // CPU time of conjugate gradients, and 1.2 GB instead of 0.8 (benchmarks/linear)
-inline constexpr Index kReuseOnGpu = 12000;   // where conjugate gradients have a GPU's bandwidth and factors only the host's threads: not measured
 inline constexpr Index kSchwarzRows = 20000;  // up to some ten thousand rows block Jacobi is as quick (benchmarks/linear)
 inline constexpr double kLoose = 1e-9;        // of the mean stiffness: far above rounding, far below the softest elastic motion
 inline constexpr double kStaleForcing =

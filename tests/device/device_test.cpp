@@ -39,6 +39,30 @@ TEST(Device, SumIsTheSameForAnyThreadCount) {
   EXPECT_NEAR(sums[0], static_cast<double>(exact), 1e-11);
 }
 
+// However terms are found, they are added as one thread adds them: the bits say so.
+TEST(Device, FoldsAddInOrder) {
+  const std::vector<Index> offset{0, 0, 1, 33, 96, 1000, 1000, 1128, 9001};
+  const std::vector<double> host = random_values(offset.back());
+  const Buffer<double> values(host);
+  const Buffer<Index> starts(offset);
+  const auto n = static_cast<Index>(offset.size()) - 1;
+  Buffer<double> sums(n), most(n);
+  const View<const double> v = values.view();
+  const View<const Index> start = starts.view();
+  const View<double> s = sums.view(), m = most.view();
+  const auto segment = [=] MORTISE_HD(Index k, Index & from, Index & to) { from = start[k], to = start[k + 1]; };
+  const auto term = [=] MORTISE_HD(Index i) { return v[i]; };
+  fold("test", n, segment, term, Add(), [=] MORTISE_HD(Index k, double sum) { s[k] = sum; });
+  fold("test", n, segment, term, Larger(), [=] MORTISE_HD(Index k, double largest) { m[k] = largest; });
+  const std::vector<double> got = sums.download(), largest = most.download();
+  for (Index k = 0; k < n; ++k) {
+    double want = 0, high = -INFINITY;
+    for (Index i = offset[k]; i < offset[k + 1]; ++i) want += host[i], high = std::max(high, host[i]);
+    EXPECT_EQ(got[k], want) << k;
+    EXPECT_EQ(largest[k], high) << k;
+  }
+}
+
 TEST(Device, EnvironmentSumDoesNotDependOnItsNeighbours) {
   const std::vector<double> one = random_values(777);
   std::vector<double> both = random_values(901);

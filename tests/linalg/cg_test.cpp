@@ -18,7 +18,7 @@ namespace {
 
 CgResult conjugate_gradients(const BlockMatrix& A, View<const Vec3> b, View<Vec3> x, const std::vector<Index>& env_rows,
                              const std::vector<double>& relative, const CgOptions& options = {}) {
-  BlockJacobi M;
+  BlockJacobi M(env_rows);
   M.build(A);
   return ConjugateGradients(env_rows).solve(A, M, b, x, relative, options);
 }
@@ -234,7 +234,7 @@ TEST(Cg, AbsoluteToleranceEndsEarly) {
 // The recorded iterations are replayed in blocks; where a block ends must not show.
 TEST(Cg, BitsDoNotDependOnTheLengthOfBlocks) {
   Batch batch({6, 3, 5});
-  BlockJacobi M;
+  BlockJacobi M(batch.env_rows);
   M.build(batch.A);
   std::vector<Vec3> first;
   for (Index every : {1, 7, 16, 1000}) {
@@ -252,7 +252,7 @@ TEST(Cg, BitsDoNotDependOnTheLengthOfBlocks) {
 // Convergence is looked into before the host asks, where it was reached last time.
 TEST(Cg, TheHostLooksOnceWhereABlockIsEnough) {
   Batch batch({4});
-  BlockJacobi M;
+  BlockJacobi M(batch.env_rows);
   M.build(batch.A);
   ConjugateGradients solver(batch.env_rows);
   for (Index every : {1000, 7}) {
@@ -271,7 +271,7 @@ TEST(Cg, TheHostLooksOnceWhereABlockIsEnough) {
 // Where it is known about how long it will take, the host does not look before; the bits are those of a solve that is looked at.
 TEST(Cg, TheHostLooksWhenTheEndIsNear) {
   Batch batch({6, 3, 5});
-  BlockJacobi M;
+  BlockJacobi M(batch.env_rows);
   M.build(batch.A);
   ConjugateGradients solver(batch.env_rows);
   CgOptions options;
@@ -302,7 +302,7 @@ TEST(Cg, TheHostLooksWhenTheEndIsNear) {
 TEST(Cg, SolverIsUsedAgain) {
   Batch a({4, 3}), b({3, 4});
   ConjugateGradients solver(a.env_rows);
-  BlockJacobi M;
+  BlockJacobi M(a.env_rows);
   const auto solve = [&](Batch& batch, ConjugateGradients& cg) {
     M.build(batch.A);
     Buffer<Vec3> x(batch.A.rows);

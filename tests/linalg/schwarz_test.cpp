@@ -259,7 +259,7 @@ TEST(Schwarz, NeedsFarFewerIterationsThanJacobi) {
   for (double contact : {1e4, 1e7}) {
     Scene scene({12}, contact);
     Schwarz M(scene.rows, scene.env_rows);
-    BlockJacobi jacobi;
+    BlockJacobi jacobi(scene.env_rows);
     Buffer<Vec3> x, y;
     const auto b = random_vector(scene.A.rows, 1);
     const CgResult with = scene.solve(M, x, b, 1e-8), without = scene.solve(jacobi, y, b, 1e-8);

@@ -28,11 +28,26 @@ def without_arguments(name):
     return out
 
 
+def arguments(text):
+    """Arguments of a template."""
+    out, depth = [""], 0
+    for ch in text:
+        depth += ch in "<{"
+        depth -= ch in ">}"
+        if ch == "," and depth == 0:
+            out.append("")
+        else:
+            out[-1] += ch
+    return [a.strip() for a in out]
+
+
 def readable(name):
     name = without_arguments(re.sub(r"_GLOBAL__N__[0-9a-f]{8}_", "_GLOBAL__N__", name))  # nvcc's hash of the source's path
     name = re.sub(r"\d\d_GLOBAL__N__\d\d_\w+?_cpp_[0-9a-f]{8}", "_GLOBAL__N_", name)  # the same in names that c++filt cannot read
     if m := re.match(r"void mortise::device::run_kernel<(.*)>$", name):
         name = m[1]
+    elif m := re.match(r"void mortise::device::fold_kernel<(.*)>$", name):
+        name = f"fold<{arguments(m[1])[2]}>"  # by its terms
     return re.sub(r"\bmortise::|\banonymous::| const\b|\[clone [^]]*\]", "", name).replace("> >", ">>").strip()
 
 

@@ -40,7 +40,16 @@ class Body:
         return next((s[name] for s in reversed(scopes) if name in s), None)
 
     def symbol(self, name):
-        return self.find(self.symbols, name) or self.module.symbols.get(name)
+        found = self.find(self.symbols, name) or self.module.symbols.get(name)
+        if not found and name in self.module.shared:  # written outside of the kernel that has it
+            self.share(self.symbols[0], name, *self.module.shared[name])
+            found = self.symbols[0][name]
+        return found
+
+    def share(self, symbols, name, size, align):
+        self.shared = (self.shared + align - 1) // align * align
+        symbols[name] = (None, f"(uint64_t){self.shared}")
+        self.shared += size
 
     def array(self, name):
         return self.symbol(name)[0]
@@ -119,9 +128,7 @@ class Body:
         elif m := re.match(r"\.(local|shared|param)\s+(?:\.align\s+(\d+)\s+)?\.(\w+)\s+([\w$]+)(?:\[(\d*)\])?", text):
             size, align = BYTES[m[3]] * int(m[5] or 1), int(m[2] or BYTES[m[3]])
             if m[1] == "shared":
-                self.shared = (self.shared + align - 1) // align * align
-                self.symbols[-1][m[4]] = (None, f"(uint64_t){self.shared}")
-                self.shared += size
+                self.share(self.symbols[-1], m[4], size, align)
                 return
             c = identifier("V", m[4])
             self.symbols[-1][m[4]] = (c, f"(uint64_t){c}")
@@ -170,7 +177,7 @@ class Body:
 class Module:
     def __init__(self, text):
         text = without_comments(text)
-        self.symbols, self.globals, self.opcodes = {}, [], set()
+        self.symbols, self.shared, self.globals, self.opcodes = {}, {}, [], set()  # shared: size and alignment of variables of kernels
         self.architecture = int(m[1]) if (m := re.search(r"\.target\s+sm_(\d+)", text)) else 0
         found, outside = functions(text)
         self.variables(outside)
@@ -178,15 +185,16 @@ class Module:
 
     def variables(self, text):
         for m in re.finditer(r"\.(global|const|shared)\s+(?:\.align\s+(\d+)\s+)?\.(\w+)\s+([\w$]+)((?:\[\d*\])*)\s*(?:=\s*(\{[^}]*\}|[^;]+))?;", text):
-            space, _, held, name, dimensions, start = m.groups()
-            if space == "shared":
-                if dimensions != "[]":
-                    raise Unsupported("a shared variable outside a kernel: " + name)
-                self.symbols[name] = (None, "(uint64_t)t->kernel->shared_bytes")  # dynamic: behind the kernel's own
-                continue
+            space, align, held, name, dimensions, start = m.groups()
             size = 1
             for n in re.findall(r"\[(\d+)\]", dimensions):
                 size *= int(n)
+            if space == "shared":
+                if dimensions == "[]":
+                    self.symbols[name] = (None, "(uint64_t)t->kernel->shared_bytes")  # dynamic: behind the kernel's own
+                else:
+                    self.shared[name] = (size * BYTES[held], int(align or BYTES[held]))
+                continue
             numbers = [re.sub(r"^0[dDfF]", "0x", x.strip()) for x in start.strip("{} \n").split(",")] if start else []
             if any(re.match(r"[A-Za-z_$]", x) for x in numbers):
                 raise Unsupported("an address as start value of " + name)
