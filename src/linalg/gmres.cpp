@@ -1,6 +1,5 @@
 #include "linalg/gmres.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -43,6 +42,26 @@ struct Small {
     return y;
   }
 };
+
+Buffer<Index> environments_of_rows(const std::vector<Index>& env_rows) {
+  Buffer<Index> out(env_rows.back());
+  if (env_rows.size() == 2) {
+    out.zero();
+    return out;
+  }
+  const Buffer<Index> offsets(env_rows);
+  const View<const Index> first = offsets.view();
+  const View<Index> env = out.view();
+  device::parallel_for("gmres.env", env.n, [=] MORTISE_HD(Index i) {
+    Index lo = 0, hi = first.n - 1;  // the last environment that begins at or before i
+    while (hi - lo > 1) {
+      const Index mid = (lo + hi) / 2;
+      (first[mid] <= i ? lo : hi) = mid;
+    }
+    env[i] = lo;
+  });
+  return out;
+}
 
 std::vector<double> dot(View<const Vec3> a, View<const Vec3> b, const device::Ranges& rows) {
   std::vector<double> out(rows.environments(), 0.0);
@@ -135,9 +154,7 @@ GmresResult gmres(const Operator& A, const Awaited& preconditioner, View<const V
                   const std::vector<double>& b2) {
   const std::size_t envs = env_rows.size() - 1;
   const Index n = b.n;
-  std::vector<Index> env_of_row(n);
-  for (std::size_t e = 0; e < envs; ++e) std::fill(env_of_row.begin() + env_rows[e], env_of_row.begin() + env_rows[e + 1], static_cast<Index>(e));
-  const Buffer<Index> env_buffer(env_of_row);
+  const Buffer<Index> env_buffer = environments_of_rows(env_rows);
   const View<const Index> env = env_buffer.view();
 
   GmresResult out;
