@@ -213,7 +213,7 @@ CgResult ConjugateGradients::solve(const BlockMatrix& A, const Preconditioner& M
   // as many, ...: begin() leaves those that go on as they are.
   const auto sure = static_cast<Index>(kSure * options.expected);
   Index done = 0, expected = options.expected > 0 ? options.expected : cg.expected;
-  bool told = false;  // then() knows the present x
+  bool told = false;  // x is the present solution, and then() knows it
   device::Fetch own, &fetch = options.fetch ? *options.fetch : own;
   const auto look = [&](bool hopeful) {
     static_assert(std::is_trivially_copyable_v<EnvState> && sizeof(EnvState) % sizeof(double) == 0);
@@ -246,10 +246,12 @@ CgResult ConjugateGradients::solve(const BlockMatrix& A, const Preconditioner& M
     cg.begin(A, M, b);
     look(!any(active));
   }
-  device::copy(x.p, cg.solution.view().p, bytes);
-  if (options.then && !told) {
-    options.then(fetch);
-    fetch.now("after cg");
+  if (!told) {
+    device::copy(x.p, cg.solution.view().p, bytes);
+    if (options.then) {
+      options.then(fetch);
+      fetch.now("after cg");
+    }
   }
   // begin() has left the true residuals of those that converged.
   if (std::any_of(state.begin(), state.end(), [](const EnvState& s) { return s.end != CgEnd::converged && s.end != CgEnd::stagnated; })) {
