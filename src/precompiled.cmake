@@ -34,7 +34,7 @@ function(mortise_use_precompiled target name)
 endfunction()
 
 # What runs kernels; what reads and writes text; tests.
-mortise_precompile(engine HEADERS <tbb/blocked_range.h> <tbb/parallel_for.h> LINK TBB::tbb)
+mortise_precompile(engine OPTIONS $<$<CONFIG:Release>:-O3> HEADERS <tbb/blocked_range.h> <tbb/parallel_for.h> LINK TBB::tbb)
 mortise_precompile(front OPTIONS $<$<CONFIG:Release>:-O1>
   HEADERS <chrono> <filesystem> <fstream> <iostream> <span> <sstream> <fmt/format.h> <nlohmann/json.hpp> LINK nlohmann_json::nlohmann_json fmt::fmt)
 if(MORTISE_TESTS)

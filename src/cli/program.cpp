@@ -165,7 +165,8 @@ void add_time_limits(Command command, TimeLimits& to) {
   const Flag walltime = command.time("--walltime", to.walltime, "stop with a checkpoint (exit 75) before so much time is over, e.g. '4 h'");
   command.time("--grace", to.grace, "how long before; a Newton iteration and a checkpoint have to fit in (default 60 s)").needs(walltime);
   command.time("--checkpoint-every", to.checkpoint_every,
-               "a checkpoint after so much time, e.g. '10 min', in the place of the scene's `output.checkpoint_every` (absent: with every frame)");
+               "a checkpoint after so much time, e.g. '10 min', in the place of the scene's `output.checkpoint_every` (absent: with frames, in at "
+               "most a twentieth of the time)");
 }
 
 void TimeLimits::check() const {

@@ -140,7 +140,10 @@ class Batch {
   // In the process of these environments.
   void run_here(const std::vector<long>& which, int threads) const {
     Together together;
-    for (long e : which) together.options.push_back(options_of(e, threads)), together.progress.push_back(make_progress_of(e));
+    for (long e : which) {
+      together.options.push_back(options_of(e, threads)), together.progress.push_back(make_progress_of(e));
+      together.options.back().in_turn = static_cast<long>(which.size());
+    }
     together.ended = [&](std::size_t i, const EnvironmentEnd& end) { tell_end(which[i], end); };
     if (which.size() > 1) return run_together(together, scene_, tables_);
     const Options& one = together.options[0];

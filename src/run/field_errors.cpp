@@ -81,12 +81,20 @@ std::vector<std::size_t> FieldErrors::groups(const AllSamples& samples) const {
   return out;
 }
 
-void FieldErrors::judge(const Snapshot& said, Judged what, Result& r) const {
-  if (!what.stress && !what.pressure && !what.layer) return;
-  const AllSamples samples = samples_of(said);
-  if (what.stress) judge_stress(said, samples, r);
-  if (what.pressure) judge_pressure(said, samples, r);
-  if (what.layer) judge_layer(said, samples, r);
+void FieldErrors::judge(State& state, Judged what, Result& r) const {
+  Judged& done = state.judged;
+  const Judged open{what.stress && !done.stress, what.pressure && !done.pressure, what.layer && !done.layer};
+  if (open.stress || open.pressure || open.layer) {
+    const AllSamples samples = samples_of(state.said);
+    if (open.stress) judge_stress(state.said, samples, state.result);
+    if (open.pressure) judge_pressure(state.said, samples, state.result);
+    if (open.layer) judge_layer(state.said, samples, state.result);
+    done = {done.stress || open.stress, done.pressure || open.pressure, done.layer || open.layer};
+  }
+  const auto take = [&](auto... of) { ((r.*of = state.result.*of), ...); };
+  if (what.stress) take(&Result::stress, &Result::stiffness, &Result::turned, &Result::load_turned);
+  if (what.pressure) take(&Result::pressure, &Result::guard);
+  if (what.layer) take(&Result::layer, &Result::layer_over_way, &Result::rim);
 }
 
 LayerError::Fields FieldErrors::fields_of(const Snapshot& said) {
@@ -198,7 +206,7 @@ void FieldErrors::state(const Snapshot& said, double time) {
   const Judged what{elastic > std::max(most_elastic_, energy_floor_), pressed > most_pressed_,
                     // Of states with as much the latest: a motor that reaches its limit gives the same force from then on, and no travel.
                     pressed > 0 && pressed >= (1 - tuning::kAsMuch) * std::max(most_pressed_, pressed)};
-  last_ = std::make_shared<Snapshot>(said), resumed_ = false;
+  last_ = std::make_shared<State>(State{said, {}, {}}), resumed_ = false;
   if (what.stress) most_elastic_ = elastic, stressed_ = last_;
   if (what.pressure) most_pressed_ = pressed, pressed_ = last_;
   if (what.layer) layered_ = last_;
@@ -218,7 +226,7 @@ FieldErrors::Result FieldErrors::at_last() const {
   if (resumed_) return resumed_last_;
   Result out;
   if (!last_) return out;
-  const double elastic = elastic_of(*last_), pressed = pressed_of(*last_);
+  const double elastic = elastic_of(last_->said), pressed = pressed_of(last_->said);
   const bool loaded = pressed > 0 && pressed >= tuning::kStillLoaded * most_pressed_;
   judge(*last_, {elastic > energy_floor_ && elastic >= tuning::kStillLoaded * tuning::kStillLoaded * most_elastic_, loaded, loaded}, out);
   return out;

@@ -51,7 +51,13 @@ class FieldErrors {
   struct Judged {
     bool stress = false, pressure = false, layer = false;
   };
-  void judge(const Snapshot& said, Judged what, Result& r) const;
+  // A state, and what of it has been judged: where a run is loaded most now, checkpoint after checkpoint asks for it twice.
+  struct State {
+    Snapshot said;
+    Judged judged;
+    Result result;
+  };
+  void judge(State& state, Judged what, Result& r) const;
   void judge_stress(const Snapshot& said, const AllSamples& samples, Result& r) const;
   void judge_pressure(const Snapshot& said, const AllSamples& samples, Result& r) const;
   void judge_layer(const Snapshot& said, const AllSamples& samples, Result& r) const;
@@ -88,10 +94,9 @@ class FieldErrors {
   std::vector<double> changed_, changed_badly_, changed_forces_;  // by every phase that ended: energy [J], stress_error.h, stiffness_error.h
   double most_elastic_ = 0, most_pressed_ = 0;                    // [J], [Pa]
   // Judged when someone asks: the state that was stressed most, that which was pressed most, and the latest that was pressed as much.
-  using State = std::shared_ptr<const Snapshot>;
-  State stressed_, pressed_, layered_;  // null: none since the run was resumed, or a checkpoint asked
-  Result at_most_;                      // until then
-  State last_;
+  std::shared_ptr<State> stressed_, pressed_, layered_;  // null: none since the run was resumed, or a checkpoint asked
+  Result at_most_;                                       // until then
+  std::shared_ptr<State> last_;
   bool resumed_ = false;  // no state has come since: the last one is known by
   Result resumed_last_;
 };

@@ -38,6 +38,7 @@ struct Options {
   double bridge_timeout = -1;   // [s] for its answer; 0: none, below: the usual
   std::string replay;           // recording of a partner, or the output folder that holds it
   std::string together;         // environments of a scene in a model: a number, "all" or "auto"; empty: none (on a GPU all, where they can)
+  long in_turn = 1;             // runs of this process, this one among them, which take their turns
   bool no_render = false;
   bool json = false;  // events as JSON lines on stdout
   bool quiet = false;

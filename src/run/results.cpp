@@ -13,18 +13,19 @@
 #include "run/sensor_facts.h"
 #include "run/step_row.h"
 #include "run/stopwatch.h"
+#include "run/tuning.h"
 
 namespace mortise::run {
 
 namespace {
 
-output::FieldOptions field_options(const Params& out) {
+output::FieldOptions field_options(const Params& out, long in_turn) {
   output::FieldOptions fields;
   fields.double_precision = out.text("precision") == "double";
   if (const Params* names = out.find("fields"))
     for (const Params& name : names->items()) fields.fields.push_back(name.as_text());
   // A checkpoint commits the frames that it speaks of. Others may be lost in a kill, as --resume computes them again.
-  fields.commit_seconds = 1;
+  fields.commit_seconds = std::max(1.0, tuning::kCommitting * static_cast<double>(in_turn));
   return fields;
 }
 
@@ -38,7 +39,7 @@ Results::Results(const Options& options, const Params& scene, std::string hash, 
       folder_(folder),
       sensors_(sensors),
       record_(record),
-      fields_(field_options(scene.at("output"))),
+      fields_(field_options(scene.at("output"), options.in_turn)),
       newton_log_(folder.file("newton.csv")),
       certificate_(input),
       checks_(input) {

@@ -104,7 +104,7 @@ class Run {
     if (!checkpoint) clear_folder(o_, *folder_, hash_);
     if (bridge_) note(bridge_->begin(folder_->path(), hash_, checkpoint ? checkpoint->reader.info().step : 0, last_, checkpoint != nullptr));
     results_.emplace(o_, scene_.root, hash_, input, *folder_, *sensors_, record_);
-    checkpoints_.emplace(scene_.root, o_.checkpoint_every);
+    checkpoints_.emplace(scene_.root, o_.checkpoint_every, o_.in_turn);
     if (!o_.resets.empty()) reset_.emplace(o_.resets, input);
     record_.spent("setup", setup_);
     progress_.start(scene_.root.text("name"), summary(input), steps_);
@@ -287,7 +287,7 @@ class Run {
     results_->checkpoint(writer);
     checkpoint_others(writer);
     writer.commit();
-    checkpoints_->saved();
+    checkpoints_->saved(checkpoint.wall());
     record_.spent("checkpoint", checkpoint);
   }
 

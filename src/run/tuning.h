@@ -1,8 +1,12 @@
 #pragma once
-// Every number of this folder that was chosen and that a verdict hangs on.
+// Every number of this folder that was chosen and that a verdict or the time of a run hangs on.
 #include <cstddef>
 
 namespace mortise::run::tuning {
+
+// ---- files
+inline constexpr double kSaving = 0.05;     // of a run's time, for checkpoints: a kill costs at most the time of twenty of them
+inline constexpr double kCommitting = 0.1;  // [s] between commits of frames, for each run of a process: one takes some 5 ms
 
 // ---- grades: what the errors of a result may be for it to be called good (A) or usable (B) (certificate_grade.cpp)
 struct Bounds {

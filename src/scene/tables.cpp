@@ -268,13 +268,15 @@ const ParamTable& checkpoint_table() {
 }
 
 const ParamTable& output_table() {
-  static const ParamTable t{"output",
-                            "What a run writes.",
-                            {optional(of(Kind::names, "fields", Unit::none, {}, "Names of the fields to keep; absent keeps all.")),
-                             choice("precision", {"single", "double"}, "single", "Floating-point format of the fields."),
-                             flag("pictures", "true", "Whether pictures are drawn: by the cameras of `render`, and of sensors."),
-                             table("checkpoint_every", &checkpoint_table(),
-                                   "How often the state is saved; absent saves it with every frame. The last step always saves it.")}};
+  static const ParamTable t{
+      "output",
+      "What a run writes.",
+      {optional(of(Kind::names, "fields", Unit::none, {}, "Names of the fields to keep; absent keeps all.")),
+       choice("precision", {"single", "double"}, "single", "Floating-point format of the fields."),
+       flag("pictures", "true", "Whether pictures are drawn: by the cameras of `render`, and of sensors."),
+       table("checkpoint_every", &checkpoint_table(),
+             "How often the state is saved; absent saves it with frames, as long as that takes at most a twentieth of the time. The "
+             "last step always saves it.")}};
   return t;
 }
 

@@ -117,11 +117,11 @@ TEST(Interrupt, TwoDamagedCheckpointsAreAnError) {
 // A limit on the size of files behaves as a disk that is full: whatever was finished stays readable, and the run goes on when there is room.
 TEST(Interrupt, FullDiskEndsWithExitCode6AndGoesOnLater) {
   const Folder whole, out;
-  const std::string often = "--set time.frame_every=1 ";
+  const std::string often = "--set time.frame_every=1 --set output.checkpoint_every.steps=1 ";
   ASSERT_EQ(mortise(command(often + "-o " + whole.path)).code, 0);
   const auto room = fs::file_size(whole.path + "/fields.vtkhdf") / 10 * 9;
   std::vector<std::string> args = kRun;
-  args.insert(args.end(), {"--set", "time.frame_every=1", "-o", out.path});
+  args.insert(args.end(), {"--set", "time.frame_every=1", "--set", "output.checkpoint_every.steps=1", "-o", out.path});
   EXPECT_EQ(wait_for(start_silent(args, room)), 6);
   EXPECT_GT(output::FieldReader(out.path + "/fields.vtkhdf").frames(), 5);
   const Result r = mortise(command(often + "--resume -o " + out.path));
