@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstring>
+#include <numeric>
 
 #include "collide_helpers.h"
 #include "geometry/collide/broadphase.h"
@@ -12,6 +13,7 @@ namespace mortise::geometry {
 namespace {
 
 using device::Buffer;
+using device::View;
 
 struct BruteForce {
   std::vector<std::array<Index, 2>> pt, ee;
@@ -307,6 +309,49 @@ TEST(Broadphase, DoesNotDependOnThreads) {
     ASSERT_EQ(ee[k].size(), ee[0].size());
     EXPECT_EQ(0, std::memcmp(pt[k].data(), pt[0].data(), pt[0].size() * sizeof(PointTriangle)));
     EXPECT_EQ(0, std::memcmp(ee[k].data(), ee[0].data(), ee[0].size() * sizeof(EdgeEdge)));
+  }
+}
+
+// What a query's walkers find, one after the other, as bits of the walker that found it: how often, and by whom.
+std::vector<std::uint64_t> walked(const Surface& surface, const Bvh& tree, View<const Vec3> y, Index parts) {
+  const SurfaceView s = surface.view();
+  const BvhView t = tree.view();
+  Buffer<std::uint64_t> found(s.edges.n * s.triangles.n);
+  found.zero();
+  const View<std::uint64_t> out = found.view();
+  device::parallel_for("test.walk", s.edges.n, [=] MORTISE_HD(Index e) {
+    const BvhNode box = swept_box(s.edges[e].v, 2, -1, s, y, {}, 0.05);
+    for (Index part = 0; part < parts; ++part) {
+      BvhCursor cursor{part, parts};
+      for (Index k = cursor.next(t, box, s); k >= 0; k = cursor.next(t, box, s)) out[e * s.triangles.n + k] += std::uint64_t{1} << 2 * part;
+    }
+  });
+  return found.download();
+}
+
+// Walkers that share a walk find what one finds, each of it once, and none of them nearly everything.
+TEST(Bvh, WalkersShareOutWhatIsThere) {
+  for (int squares : {1, 2, 12}) {  // trees of one level and more
+    const test::Soup s = many_bodies(4, 2, squares, 21, true);
+    const Surface surface = s.surface();
+    const Buffer<Vec3> y(s.points);
+    Bvh tree;
+    const SurfaceView v = surface.view();
+    tree.update({v.triangles.p->v, v.triangles.n, 3}, v, 2, y.view(), {});
+    const std::vector<std::uint64_t> alone = walked(surface, tree, y.view(), 1);
+    const auto all = std::count(alone.begin(), alone.end(), 1u);
+    ASSERT_GT(all, 0);
+    for (Index parts : {2, 8, 32}) {
+      const std::vector<std::uint64_t> shared = walked(surface, tree, y.view(), parts);
+      std::vector<std::ptrdiff_t> of(parts, 0);
+      for (std::size_t i = 0; i < alone.size(); ++i) {
+        ASSERT_EQ(shared[i] != 0, alone[i] != 0) << i;
+        for (Index part = 0; part < parts; ++part)
+          if (shared[i] == std::uint64_t{1} << 2 * part) ++of[part];
+      }
+      EXPECT_EQ(std::accumulate(of.begin(), of.end(), std::ptrdiff_t{0}), all);  // each of one walker, once
+      if (squares == 12) EXPECT_LT(*std::max_element(of.begin(), of.end()), 2 * all / parts);
+    }
   }
 }
 

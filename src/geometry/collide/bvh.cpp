@@ -1,5 +1,6 @@
 #include "geometry/collide/bvh.h"
 
+#include <utility>
 #include <vector>
 
 #include "geometry/collide/tuning.h"
@@ -14,45 +15,41 @@ struct Extent {
   double lo[3], hi[3];
 };
 
-MORTISE_HD inline void widen(Extent& e, const Extent& o) {
-  for (int d = 0; d < 3; ++d) {
-    e.lo[d] = o.lo[d] < e.lo[d] ? o.lo[d] : e.lo[d];
-    e.hi[d] = o.hi[d] > e.hi[d] ? o.hi[d] : e.hi[d];
+struct Widen {
+  MORTISE_HD static Extent start() { return {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}; }
+  MORTISE_HD void take(Extent& e, const Extent& o) const {
+    for (int d = 0; d < 3; ++d) {
+      e.lo[d] = o.lo[d] < e.lo[d] ? o.lo[d] : e.lo[d];
+      e.hi[d] = o.hi[d] > e.hi[d] ? o.hi[d] : e.hi[d];
+    }
   }
+};
+
+// One extent per chunk of extents.
+template <class Term>
+void widen(Index n, Term extent, Buffer<Extent>& out) {
+  constexpr Index kSpan = 256;
+  out.resize((n - 1) / kSpan + 1);
+  const View<Extent> all = out.view();
+  device::fold(
+      "bvh.bounds", all.n, [=] MORTISE_HD(Index c, Index & from, Index & to) { from = c * kSpan, to = n - from < kSpan ? n : from + kSpan; }, extent,
+      Widen(), [=] MORTISE_HD(Index c, const Extent& e) { all[c] = e; });
 }
 
-// Bounds of the positions that primitives refer to, left in all[0]: one extent per chunk, then one per chunk of these.
+// Bounds of the positions that primitives refer to, left in all[0].
 void bounds(const Primitives& p, View<const Vec3> y, Buffer<Extent>& all) {
-  constexpr Index kSpan = 1024;
-  const Index n = p.n, chunks = (n + kSpan - 1) / kSpan;
-  const int corners = p.corners;
   const Index* v = p.v;
-  all.resize(chunks);
-  const View<Extent> out = all.view();
-  device::parallel_for("bvh.bounds", chunks, [=] MORTISE_HD(Index c) {
-    const Index end = (c + 1) * kSpan < n ? (c + 1) * kSpan : n;
-    Extent e;
-    for (int d = 0; d < 3; ++d) e.lo[d] = e.hi[d] = y[v[c * kSpan * corners]][d];
-    for (Index i = c * kSpan; i < end; ++i)
-      for (int d = 0; d < 3; ++d) {
-        const double x = y[v[i * corners]][d];
-        e.lo[d] = x < e.lo[d] ? x : e.lo[d];
-        e.hi[d] = x > e.hi[d] ? x : e.hi[d];
-      }
-    out[c] = e;
-  });
+  const int corners = p.corners;
+  const auto of_primitive = [=] MORTISE_HD(Index i) {
+    const Vec3& x = y[v[i * corners]];
+    return Extent{{x[0], x[1], x[2]}, {x[0], x[1], x[2]}};
+  };
+  widen(p.n, of_primitive, all);
   Buffer<Extent> fewer;
   while (all.size() > 1) {
-    const Index n_wide = all.size();
-    fewer.resize((n_wide - 1) / device::kChunk + 1);
     const View<const Extent> wide = std::as_const(all).view();
-    const View<Extent> narrow = fewer.view();
-    device::parallel_for("bvh.bounds", narrow.n, [=] MORTISE_HD(Index c) {
-      const Index begin = c * device::kChunk, end = n_wide - begin < device::kChunk ? n_wide : begin + device::kChunk;
-      Extent e = wide[begin];
-      for (Index k = begin + 1; k < end; ++k) widen(e, wide[k]);
-      narrow[c] = e;
-    });
+    widen(
+        wide.n, [=] MORTISE_HD(Index k) { return wide[k]; }, fewer);
     all.swap(fewer);
   }
 }

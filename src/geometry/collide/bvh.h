@@ -10,7 +10,7 @@
 namespace mortise::geometry {
 
 // A node, a leaf (`id` is then the primitive) or, on the other side of the test, a query.
-struct BvhNode {
+struct alignas(16) BvhNode {
   double lo[3], hi[3];   // [m]
   Index env_lo, env_hi;  // environments below
   Index body;            // the body of all primitives below, -1 if several
@@ -52,21 +52,24 @@ MORTISE_HD inline BvhNode swept_box(const Index* v, int corners, Index id, const
   return b;
 }
 
+// All bounds are read before anything hangs on one of them: a GPU would wait for memory at every branch.
 MORTISE_HD inline bool boxes_overlap(const BvhNode& a, const BvhNode& b) {
-  for (int d = 0; d < 3; ++d)
-    if (!(a.lo[d] <= b.hi[d] && b.lo[d] <= a.hi[d])) return false;
-  return true;
+  bool apart = false;
+  for (int d = 0; d < 3; ++d) apart |= !(a.lo[d] <= b.hi[d]) | !(b.lo[d] <= a.hi[d]);
+  return !apart;
 }
 
 // True if something below `node` may pair with `query`; exact on leaves.
 MORTISE_HD inline bool may_pair(const BvhNode& node, const BvhNode& query, const SurfaceView& s) {
-  return boxes_overlap(node, query) && node.env_lo <= query.env_lo && query.env_lo <= node.env_hi && node.id > query.id &&
-         (node.body < 0 || s.pair_allowed[s.pairs.of(query.body, node.body)] != 0);
+  const bool wanted = (node.env_lo <= query.env_lo) & (query.env_lo <= node.env_hi) & (node.id > query.id);
+  return (boxes_overlap(node, query) & wanted) && (node.body < 0 || s.pair_allowed[s.pairs.of(query.body, node.body)] != 0);
 }
 
 // Walks the leaves that pair with a query, in leaf order. It begins at the few highest nodes over the leaves of the query's environment alone.
+// Several may share the walk: each passes by the lowest nodes of the others, which are dealt out in turn, as what is near a query lies together.
 struct BvhCursor {
-  int level = -1;  // -1: not started
+  Index part = 0, parts = 1;  // which of how many, a power of two
+  int level = -1;             // -1: not started
   Index i = 0;
   int top = 0;     // level of the nodes that it begins at,
   Index last = 0;  // and the last of these
@@ -92,6 +95,7 @@ struct BvhCursor {
         i |= 3;  // no siblings left
         continue;
       }
+      if (level <= 1 && ((level == 0 ? i >> 2 : i) & (parts - 1)) != part) continue;
       const BvhNode& node = t.nodes[t.start[level] + i];
       if (!may_pair(node, query, s)) continue;
       if (level == 0) return node.id;

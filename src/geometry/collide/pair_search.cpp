@@ -41,7 +41,16 @@ MORTISE_HD inline void sort_strided(Index* v, Index stride, Index n) {
   }
 }
 
-// Ids found by a query: every stride-th Index from `to` on, as many as there is room for.
+// Threads that walk a tree: the same number for each query, those of a query side by side.
+struct Walkers {
+  Index of_query;
+  MORTISE_HD Index query(Index walker) const { return walker / of_query; }
+  MORTISE_HD BvhCursor cursor(Index walker) const { return {walker % of_query, of_query}; }
+  MORTISE_HD Index noted() const { return tuning::kNoted / of_query; }  // by each
+  Index all(View<const Index> queries) const { return queries.n * of_query; }
+};
+
+// Ids found by a walker: every stride-th Index from `to` on, as many as there is room for.
 struct Notes {
   Index* to;
   Index stride, room;
@@ -50,11 +59,11 @@ struct Notes {
   }
 };
 
-// Counts the triangles near a point and notes their ids.
-MORTISE_HD inline Index triangles_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index point, View<const Vec3> y,
+// Counts the triangles near a point that a walker comes by, and notes their ids.
+MORTISE_HD inline Index triangles_near(const BvhView& tree, const SurfaceView& s, Index point, BvhCursor cursor, View<const Vec3> y,
                                        View<const Vec3> dy, double radius, const Notes& notes) {
+  const BvhNode box = swept_box(&point, 1, -1, s, y, dy, radius / 2);
   Index n = 0;
-  BvhCursor cursor;
   for (Index t = cursor.next(tree, box, s); t >= 0; t = cursor.next(tree, box, s)) {
     const Index* c = s.triangles[t].v;
     if (contains(c, 3, point)) continue;
@@ -65,11 +74,11 @@ MORTISE_HD inline Index triangles_near(const BvhView& tree, const SurfaceView& s
   return n;
 }
 
-MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, const BvhNode& box, Index edge, View<const Vec3> y, View<const Vec3> dy,
+MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, Index edge, BvhCursor cursor, View<const Vec3> y, View<const Vec3> dy,
                                    double radius, const Notes& notes) {
-  Index n = 0;
-  BvhCursor cursor;
   const Edge a = s.edges[edge];
+  const BvhNode box = swept_box(a.v, 2, edge, s, y, dy, radius / 2);
+  Index n = 0;
   for (Index b = cursor.next(tree, box, s); b >= 0; b = cursor.next(tree, box, s)) {
     const Index* c = s.edges[b].v;
     if (contains(c, 2, a.v[0]) || contains(c, 2, a.v[1])) continue;
@@ -80,33 +89,35 @@ MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, co
   return n;
 }
 
-void count_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, const device::Ranges& whose, View<const Vec3> y,
-                           View<const Vec3> dy, Radius radius, Buffer<Index>& counts, Buffer<Index>& noted) {
-  counts.resize(points.n + 1);
-  if (whose.size() < points.n) counts.zero();
+void count_point_triangles(const SurfaceView& s, Walkers w, const BvhView& tree, View<const Index> points, const device::Ranges& whose,
+                           View<const Vec3> y, View<const Vec3> dy, Radius radius, Buffer<Index>& counts, Buffer<Index>& noted) {
+  counts.resize(w.all(points) + 1);
+  if (whose.size() < w.all(points)) counts.zero();
   noted.resize(points.n * tuning::kNoted);
   const View<Index> note = noted.view();
   const View<Index> count = counts.view();
   device::parallel_for("broadphase.count_point_triangle", whose, [=] MORTISE_HD(Index i) {
-    const Index point = points[i];
-    const double r = radius[s.env[point]];
-    count[i] = triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, r / 2), point, y, dy, r, {note.p + i * tuning::kNoted, 1, tuning::kNoted});
+    const Index point = points[w.query(i)];
+    count[i] = triangles_near(tree, s, point, w.cursor(i), y, dy, radius[s.env[point]], {note.p + i * w.noted(), 1, w.noted()});
   });
 }
 
-void fill_point_triangles(const SurfaceView& s, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy, Radius radius,
-                          View<const Index> count, View<const Index> note, View<PointTriangle> out) {
-  device::parallel_for("broadphase.fill_point_triangle", points.n, [=] MORTISE_HD(Index i) {
-    const Index n = count[i + 1] - count[i], point = points[i];
+void fill_point_triangles(const SurfaceView& s, Walkers w, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy,
+                          Radius radius, View<const Index> count, View<const Index> note, View<PointTriangle> out) {
+  constexpr Index kStride = sizeof(PointTriangle) / sizeof(Index);
+  device::parallel_for("broadphase.fill_point_triangle", w.all(points), [=] MORTISE_HD(Index i) {
+    const Index n = count[i + 1] - count[i], point = points[w.query(i)];
     if (n == 0) return;
-    PointTriangle* mine = out.p + count[i];
-    constexpr Index kStride = sizeof(PointTriangle) / sizeof(Index);
-    const Notes to{&mine->triangle, kStride, n};
-    const double r = radius[s.env[point]];
-    if (n > tuning::kNoted)
-      triangles_near(tree, s, swept_box(&point, 1, -1, s, y, dy, r / 2), point, y, dy, r, to);
+    const Notes to{&out[count[i]].triangle, kStride, n};
+    if (n > w.noted())
+      triangles_near(tree, s, point, w.cursor(i), y, dy, radius[s.env[point]], to);
     else
-      for (Index k = 0; k < n; ++k) to.put(k, note[i * tuning::kNoted + k]);
+      for (Index k = 0; k < n; ++k) to.put(k, note[i * w.noted() + k]);
+  });
+  device::parallel_for("broadphase.sort_point_triangle", points.n, [=] MORTISE_HD(Index i) {
+    const Index first = count[i * w.of_query], n = count[(i + 1) * w.of_query] - first, point = points[i];
+    if (n == 0) return;
+    PointTriangle* mine = out.p + first;
     sort_strided(&mine->triangle, kStride, n);
     for (Index k = 0; k < n; ++k) {
       const Triangle t = s.triangles[mine[k].triangle];
@@ -116,33 +127,35 @@ void fill_point_triangles(const SurfaceView& s, const BvhView& tree, View<const 
   });
 }
 
-void count_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, const device::Ranges& whose, View<const Vec3> y,
+void count_edge_edges(const SurfaceView& s, Walkers w, const BvhView& tree, View<const Index> edges, const device::Ranges& whose, View<const Vec3> y,
                       View<const Vec3> dy, Radius radius, Buffer<Index>& counts, Buffer<Index>& noted) {
-  counts.resize(edges.n + 1);
-  if (whose.size() < edges.n) counts.zero();
+  counts.resize(w.all(edges) + 1);
+  if (whose.size() < w.all(edges)) counts.zero();
   noted.resize(edges.n * tuning::kNoted);
   const View<Index> note = noted.view();
   const View<Index> count = counts.view();
   device::parallel_for("broadphase.count_edge_edge", whose, [=] MORTISE_HD(Index i) {
-    const Index a = edges[i];
-    const double r = radius[s.env[s.edges[a].v[0]]];
-    count[i] = edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, r / 2), a, y, dy, r, {note.p + i * tuning::kNoted, 1, tuning::kNoted});
+    const Index a = edges[w.query(i)];
+    count[i] = edges_near(tree, s, a, w.cursor(i), y, dy, radius[s.env[s.edges[a].v[0]]], {note.p + i * w.noted(), 1, w.noted()});
   });
 }
 
-void fill_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index> edges, View<const Vec3> y, View<const Vec3> dy, Radius radius,
-                     View<const Index> count, View<const Index> note, View<EdgeEdge> out) {
-  device::parallel_for("broadphase.fill_edge_edge", edges.n, [=] MORTISE_HD(Index i) {
-    const Index n = count[i + 1] - count[i], a = edges[i];
+void fill_edge_edges(const SurfaceView& s, Walkers w, const BvhView& tree, View<const Index> edges, View<const Vec3> y, View<const Vec3> dy,
+                     Radius radius, View<const Index> count, View<const Index> note, View<EdgeEdge> out) {
+  constexpr Index kStride = sizeof(EdgeEdge) / sizeof(Index);
+  device::parallel_for("broadphase.fill_edge_edge", w.all(edges), [=] MORTISE_HD(Index i) {
+    const Index n = count[i + 1] - count[i], a = edges[w.query(i)];
     if (n == 0) return;
-    EdgeEdge* mine = out.p + count[i];
-    constexpr Index kStride = sizeof(EdgeEdge) / sizeof(Index);
-    const Notes to{&mine->b, kStride, n};
-    const double r = radius[s.env[s.edges[a].v[0]]];
-    if (n > tuning::kNoted)
-      edges_near(tree, s, swept_box(s.edges[a].v, 2, a, s, y, dy, r / 2), a, y, dy, r, to);
+    const Notes to{&out[count[i]].b, kStride, n};
+    if (n > w.noted())
+      edges_near(tree, s, a, w.cursor(i), y, dy, radius[s.env[s.edges[a].v[0]]], to);
     else
-      for (Index k = 0; k < n; ++k) to.put(k, note[i * tuning::kNoted + k]);
+      for (Index k = 0; k < n; ++k) to.put(k, note[i * w.noted() + k]);
+  });
+  device::parallel_for("broadphase.sort_edge_edge", edges.n, [=] MORTISE_HD(Index i) {
+    const Index first = count[i * w.of_query], n = count[(i + 1) * w.of_query] - first, a = edges[i];
+    if (n == 0) return;
+    EdgeEdge* mine = out.p + first;
     sort_strided(&mine->b, kStride, n);
     for (Index k = 0; k < n; ++k) {
       mine[k].a = a;
@@ -155,14 +168,16 @@ void fill_edge_edges(const SurfaceView& s, const BvhView& tree, View<const Index
 }
 
 // Sorts queries by environment, keeping the order of ids, and notes where each environment starts.
-void by_environment(std::vector<Index> queries, const std::vector<Index>& env_of, Index environments, Buffer<Index>& sorted, Buffer<Index>& first,
-                    std::vector<Index>& start) {
+void by_environment(std::vector<Index> queries, const std::vector<Index>& env_of, Index environments, Buffer<Index>& sorted,
+                    std::vector<Index>& start, Index walkers, std::vector<Index>& walker_start, Buffer<Index>& first) {
   std::stable_sort(queries.begin(), queries.end(), [&](Index a, Index b) { return env_of[a] < env_of[b]; });
   start.assign(environments + 1, 0);
   for (Index q : queries) ++start[env_of[q] + 1];
   std::partial_sum(start.begin(), start.end(), start.begin());
+  walker_start = start;
+  for (Index& w : walker_start) w *= walkers;
   sorted.upload(queries);
-  first.upload(start);
+  first.upload(walker_start);
 }
 
 }  // namespace
@@ -172,13 +187,14 @@ PairSearch::PairSearch(const Surface& surface) : surface_(surface) {
   for (Index e : env) environments_ = std::max(environments_, e + 1);
   std::vector<Index> points = surface.vertices.download();
   std::sort(points.begin(), points.end());
-  by_environment(points, env, environments_, points_, point_env_first_, point_env_offset_);
+  while (2 * walkers_ <= tuning::kMostWalkers && 2 * walkers_ * surface.edges.size() <= tuning::kThreads) walkers_ *= 2;
+  by_environment(points, env, environments_, points_, point_env_offset_, walkers_, point_walkers_, point_env_first_);
 
   const std::vector<Edge> edges = surface.edges.download();
   std::vector<Index> ids(edges.size()), edge_env(edges.size());
   std::iota(ids.begin(), ids.end(), 0);
   for (std::size_t i = 0; i < edges.size(); ++i) edge_env[i] = env[edges[i].v[0]];
-  by_environment(ids, edge_env, environments_, edges_, edge_env_first_, edge_env_offset_);
+  by_environment(ids, edge_env, environments_, edges_, edge_env_offset_, walkers_, edge_walkers_, edge_env_first_);
 
   triangle_env_offset_.assign(environments_ + 1, 0);
   for (const Triangle& t : surface.triangles.download()) ++triangle_env_offset_[env[t.v[0]] + 1];
@@ -202,11 +218,11 @@ const NearPairs::Sums& PairSearch::count(View<const Vec3> y, View<const Vec3> dy
   const device::Ranges triangles_of(triangle_env_offset_, whose), edges_of(edge_env_offset_, whose);
   triangle_tree_.update({s.triangles.n ? s.triangles.p->v : nullptr, s.triangles.n, 3}, s, environments_, y, dy, {.radius = r}, &triangles_of);
   edge_tree_.update({s.edges.n ? s.edges.p->v : nullptr, s.edges.n, 2}, s, environments_, y, dy, {.radius = r}, &edges_of);
-  const device::Ranges points_of(point_env_offset_, whose);
-  count_point_triangles(s, triangle_tree_.view(), std::as_const(points_).view(), points_of, y, dy, r, pt_counts_, pt_noted_);
-  count_edge_edges(s, edge_tree_.view(), std::as_const(edges_).view(), edges_of, y, dy, r, ee_counts_, ee_noted_);
+  const device::Ranges of_points(point_walkers_, whose), of_edges(edge_walkers_, whose);
+  count_point_triangles(s, {walkers_}, triangle_tree_.view(), std::as_const(points_).view(), of_points, y, dy, r, pt_counts_, pt_noted_);
+  count_edge_edges(s, {walkers_}, edge_tree_.view(), std::as_const(edges_).view(), of_edges, y, dy, r, ee_counts_, ee_noted_);
   device::Fetch fetch;
-  out.begin_add_up({pt_counts_, points_of, point_env_first_.view()}, {ee_counts_, edges_of, edge_env_first_.view()}, sums_, fetch);
+  out.begin_add_up({pt_counts_, of_points, point_env_first_.view()}, {ee_counts_, of_edges, edge_env_first_.view()}, sums_, fetch);
   fetch.now("pairs");
   return sums_;
 }
@@ -214,9 +230,9 @@ const NearPairs::Sums& PairSearch::count(View<const Vec3> y, View<const Vec3> dy
 void PairSearch::fill(View<const Vec3> y, View<const Vec3> dy, NearPairs& out) {
   const SurfaceView s = surface_.view();
   out.end_add_up(sums_);
-  fill_point_triangles(s, triangle_tree_.view(), std::as_const(points_).view(), y, dy, asked_, std::as_const(pt_counts_).view(),
+  fill_point_triangles(s, {walkers_}, triangle_tree_.view(), std::as_const(points_).view(), y, dy, asked_, std::as_const(pt_counts_).view(),
                        std::as_const(pt_noted_).view(), out.point_triangles.view());
-  fill_edge_edges(s, edge_tree_.view(), std::as_const(edges_).view(), y, dy, asked_, std::as_const(ee_counts_).view(),
+  fill_edge_edges(s, {walkers_}, edge_tree_.view(), std::as_const(edges_).view(), y, dy, asked_, std::as_const(ee_counts_).view(),
                   std::as_const(ee_noted_).view(), out.edge_edges.view());
 }
 

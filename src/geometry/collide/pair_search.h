@@ -26,8 +26,10 @@ class PairSearch {
   const Surface& surface_;
   Index environments_ = 0;
   device::Buffer<Index> points_, edges_;                                         // queries in canonical order: environment, then id
-  device::Buffer<Index> point_env_first_, edge_env_first_;                       // first query of each environment,
-  std::vector<Index> point_env_offset_, edge_env_offset_, triangle_env_offset_;  // the same on the host, and of triangles
+  std::vector<Index> point_env_offset_, edge_env_offset_, triangle_env_offset_;  // first query of each environment, and triangle
+  Index walkers_ = 1;                                                            // of a query
+  std::vector<Index> point_walkers_, edge_walkers_;                              // first walker of each environment,
+  device::Buffer<Index> point_env_first_, edge_env_first_;                       // the same on the device
   device::Buffer<double> radius_;                                                // of every environment [m]
   Radius asked_;                                                                 // of the last question,
   NearPairs::Sums sums_;                                                         // and its answer

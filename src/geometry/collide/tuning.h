@@ -1,6 +1,6 @@
 #pragma once
 // Every number of search, distances and continuous collision detection that was chosen, with its reason.
-#include "base/types.h"
+#include "device/device.h"
 
 namespace mortise::geometry::tuning {
 
@@ -10,6 +10,9 @@ inline constexpr double kLargestSurplus = 0.1;  // of the mean edge of the fines
 inline constexpr double kCoordinate = 1e-14;    // of a coordinate: what rounding moves a point by
 inline constexpr int kReorderEvery = 16;        // updates: bodies move little between them
 inline constexpr Index kNoted = 16;             // pairs that a query may note while they are counted; one with more walks the tree again
+// Threads that walk a tree for one query, a power of two. A GPU has more of them than a small scene has queries, and waits for the slowest.
+inline constexpr Index kMostWalkers = device::kHostThreads ? 1 : 8;
+inline constexpr Index kThreads = 1 << 18;  // that are at work at once: 2,048 on each of some 130 multiprocessors
 
 // Of long ways those are shortened on which more pairs lie than this, and than this for each point and edge: some ten times what lies within an edge
 // of everything at rest.
