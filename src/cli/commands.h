@@ -40,8 +40,8 @@ void add_device_options(Command command, std::string& device, int& threads);
 // When a run stops by itself and when it writes checkpoints [s], the same for every command that may run for hours.
 struct TimeLimits {
   double walltime = 0, grace = 60;  // walltime 0: none
-  double checkpoint_every = 0;      // 0: as the scene says
-  // Throws Error(Exit::usage) where no time is left to run.
+  double checkpoint_every = -1;     // below 0: as the scene says
+  // Throws Error(Exit::usage) where no time is left to run, or none between checkpoints.
   void check() const;
 };
 void add_time_limits(Command command, TimeLimits& limits);

@@ -170,6 +170,7 @@ void add_time_limits(Command command, TimeLimits& to) {
 }
 
 void TimeLimits::check() const {
+  if (checkpoint_every == 0) throw Error(Exit::usage, "--checkpoint-every 0 s: must be more than 0 s");
   if (walltime > 0 && grace >= walltime)
     throw Error(Exit::usage, fmt::format("--walltime {:g} s leaves no time to run: it stops --grace {:g} s before", walltime, grace));
 }

@@ -9,7 +9,8 @@ namespace mortise::run {
 
 class CheckpointTimes {
  public:
-  // scene: the whole. seconds: in the place of its `output.checkpoint_every`; 0: that. runs: that save their states in turn, this one among them.
+  // scene: the whole. seconds: in the place of its `output.checkpoint_every`; 0 and below: that. runs: that save their states in turn, this one among
+  // them.
   CheckpointTimes(const Params& scene, double seconds, long runs) : seconds_(seconds), runs_(static_cast<double>(runs)) {
     const Params* every = scene.at("output").find("checkpoint_every");
     if (!every || seconds > 0) return;

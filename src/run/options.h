@@ -31,7 +31,7 @@ struct Options {
   std::string resume;           // "": no; "yes": needs a checkpoint; "auto": a checkpoint if there is one
   double walltime = 0;          // stop in good time before so many seconds are over; 0: no limit
   double grace = 60;            // how long before [s]
-  double checkpoint_every = 0;  // [s] in the place of what the scene says; 0: that
+  double checkpoint_every = 0;  // [s] in the place of what the scene says; 0 and below: that
   long frames = -1;             // stop after so many frames (the state at the start does not count)
   std::string bridge;           // command of the partner that drives, "-" = the standard streams (src/bridge)
   long bridge_every = 1;        // steps between its messages

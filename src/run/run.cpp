@@ -125,10 +125,10 @@ class Run {
       }
       const engine::Outcome outcome = co_await turn_.step(*engine_, [this] { return stop(); });
       const solver::StepReport report = turn_.report;
-      results_->tried(report);
       record_.spent("solve", turn_.wall, turn_.cpu);
       if (outcome.code == static_cast<int>(Exit::stopped)) co_return stopped();
-      if (outcome.code != 0) fail(outcome);
+      if (outcome.code != 0) fail(outcome, report);
+      results_->tried(report);
       stepped_ = true;
       after_step(report);
     }
@@ -164,12 +164,13 @@ class Run {
     save();
   }
 
-  // What the user is told of a step that failed, and left for it.
-  [[noreturn]] void fail(const engine::Outcome& outcome) {
+  // What the user is told of a step that failed, and left for it. The checkpoint is of the time before: whoever goes on from it tries the step anew.
+  [[noreturn]] void fail(const engine::Outcome& outcome, const solver::StepReport& report) {
     const auto code = static_cast<Exit>(outcome.code);
     const std::string& dir = folder_->path();
+    if (code == Exit::solve) save();
+    results_->tried(report);
     if (code == Exit::solve) {
-      save();
       const std::string replay = fmt::format("mortise run {} -o {} --resume --frames {}", shell_word(o_.scene), shell_word(dir),
                                              (engine_->steps_done() + frame_every_) / frame_every_);
       throw Error(code, outcome.message + "\n  the last good state is in " + dir + "/checkpoint.h5; this replays the moment:\n    " + replay +
@@ -354,6 +355,7 @@ Routine<Exit> run_one(const Options& options, scene::Scene scene, Progress& prog
 
 Exit run_scene(const Options& options, std::span<const scene::EffectTable> tables) {
   std::signal(SIGPIPE, SIG_IGN);  // a reader of the progress that went away does not end the run
+  install_checkpoint_handler();
   scene::Scene scene = scene::read_scene(options.scene, options.overrides, tables);
   const long count = scene::environment_count(scene.root);
   if (!options.together.empty() && count == 0) throw Error(Exit::usage, "--together: the scene has no 'environments'");

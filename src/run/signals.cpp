@@ -20,14 +20,20 @@ extern "C" void on_signal(int signal) {
   stop = 1;
 }
 
-}  // namespace
-
-void install_signal_handlers() {
+void handle(std::initializer_list<int> signals) {
   struct sigaction action = {};
   action.sa_handler = on_signal;
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
-  for (int s : {SIGINT, SIGTERM, SIGUSR1}) sigaction(s, &action, nullptr);
+  for (int s : signals) sigaction(s, &action, nullptr);
+}
+
+}  // namespace
+
+void install_checkpoint_handler() { handle({SIGUSR1}); }
+
+void install_signal_handlers() {
+  handle({SIGINT, SIGTERM, SIGUSR1});
   std::signal(SIGXFSZ, SIG_IGN);  // a file-size limit then shows as a failed write, with a message
 }
 

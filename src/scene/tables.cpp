@@ -276,7 +276,7 @@ const ParamTable& output_table() {
        flag("pictures", "true", "Whether pictures are drawn: by the cameras of `render`, and of sensors."),
        table("checkpoint_every", &checkpoint_table(),
              "How often the state is saved; absent saves it with frames, as long as that takes at most a twentieth of the time. The "
-             "last step always saves it.")}};
+             "start and the last step always save it.")}};
   return t;
 }
 

@@ -27,7 +27,7 @@ struct RunOptions {
   bool no_render = false;
   std::vector<std::size_t> rows;   // which
   double walltime = 0, grace = 0;  // [s]: of all rows together; walltime 0: no end
-  double checkpoint_every = 0;     // [s], of every row; 0: as its scene says
+  double checkpoint_every = 0;     // [s], of every row; 0 and below: as its scene says
 };
 
 // Runs the rows that are not finished, each as `mortise run` in a process of its own, which goes on from its checkpoint where there is one. `told`

@@ -62,13 +62,15 @@ void damage(const std::string& path, bool cut) {
 TEST(Interrupt, RandomMomentsCostNothingButTheRunningStep) {
   const Folder whole, broken;
   const int moments = std::getenv("MORTISE_MOMENTS") ? std::atoi(std::getenv("MORTISE_MOMENTS")) : 12;
-  const std::string longer = "--set time.steps=" + std::to_string(100 * moments) + " ";  // so that the last signal still finds it running
+  const std::string longer =
+      "--set solver.trace=true --set time.steps=" + std::to_string(100 * moments) + " ";  // so that the last signal still finds it running
   ASSERT_EQ(mortise(command(longer + "-o " + whole.path)).code, 0);
   std::mt19937 random(7);
   int killed = 0;
   for (int i = 0; i < moments; ++i) {
     std::vector<std::string> args = kRun;
-    args.insert(args.end(), {"--set", "time.steps=" + std::to_string(100 * moments), "-o", broken.path, "--resume=auto"});
+    args.insert(args.end(),
+                {"--set", "solver.trace=true", "--set", "time.steps=" + std::to_string(100 * moments), "-o", broken.path, "--resume=auto"});
     const pid_t pid = start_silent(args);
     std::this_thread::sleep_for(std::chrono::milliseconds(20 + random() % 180));
     const int signal = std::vector<int>{SIGKILL, SIGTERM, SIGINT, SIGUSR1}[i % 4];
@@ -88,6 +90,7 @@ TEST(Interrupt, RandomMomentsCostNothingButTheRunningStep) {
   EXPECT_EQ(last_state(broken.path), last_state(whole.path));
   const output::FieldReader a(broken.path + "/fields.vtkhdf"), b(whole.path + "/fields.vtkhdf");
   EXPECT_EQ(a.frames(), b.frames());
+  EXPECT_EQ(read_text(broken.path + "/newton.csv"), read_text(whole.path + "/newton.csv"));  // without rows of steps that were broken off
 }
 
 TEST(Interrupt, DamagedCheckpointGivesWayToTheOneBefore) {

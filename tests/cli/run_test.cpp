@@ -224,6 +224,9 @@ TEST(Run, SavesItsStateAsOftenAsTheSceneSays) {
   EXPECT_EQ(both.code, 3);
   EXPECT_NE(both.err.find("must hold only one of: seconds, steps"), std::string::npos) << both.err;
   EXPECT_EQ(mortise("check " + kScene + " --set output.checkpoint_every.steps=0").code, 3);
+  const Result never = mortise("run " + kScene + " --no-render --checkpoint-every '0 s' -o " + hourly.path);
+  EXPECT_EQ(never.code, 2);
+  EXPECT_NE(never.err.find("--checkpoint-every 0 s: must be more than 0 s"), std::string::npos) << never.err;
 }
 
 // A kill between checkpoints loses frames that --resume computes again.
