@@ -93,7 +93,8 @@ class Run {
       throw Error(Exit::file, "--resume: there is no folder '" + dir + "' (use --resume=auto to start afresh then)");
     }
 
-    const model::ModelInput input = engine::make_input(scene_.root);
+    model::ModelInput input = engine::make_input(scene_.root);
+    if (o_.environment >= 0) input.scene.set("environments", Params::make_table());  // whose scene has lost the block: solver::Options::batch
     const engine::Outcome made = co_await turn_.engine(input, engine_);
     record_.device = turn_.device;
     note(turn_.said);
