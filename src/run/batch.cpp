@@ -117,11 +117,11 @@ class Batch {
     }
   }
 
-  Options options_of(long e, int threads) const {
+  Options options_of(long e, int threads, std::size_t in_turn) const {
     Options one = o_;
     one.environment = e;
     one.output = environment_folder(folder_.path(), e);
-    one.threads = threads;
+    one.threads = threads, one.in_turn = static_cast<long>(in_turn);
     if (!one.resume.empty()) one.resume = "auto";
     if (one.walltime > 0) one.walltime = std::max(one.walltime - since_begin(), 1e-9);
     const std::string& drawn = scene_.root.at("environments").text("pictures");
@@ -140,10 +140,7 @@ class Batch {
   // In the process of these environments.
   void run_here(const std::vector<long>& which, int threads) const {
     Together together;
-    for (long e : which) {
-      together.options.push_back(options_of(e, threads)), together.progress.push_back(make_progress_of(e));
-      together.options.back().in_turn = static_cast<long>(which.size());
-    }
+    for (long e : which) together.options.push_back(options_of(e, threads, which.size())), together.progress.push_back(make_progress_of(e));
     together.ended = [&](std::size_t i, const EnvironmentEnd& end) { tell_end(which[i], end); };
     if (which.size() > 1) return run_together(together, scene_, tables_);
     const Options& one = together.options[0];

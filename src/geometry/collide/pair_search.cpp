@@ -218,11 +218,11 @@ const NearPairs::Sums& PairSearch::count(View<const Vec3> y, View<const Vec3> dy
   const device::Ranges triangles_of(triangle_env_offset_, whose), edges_of(edge_env_offset_, whose);
   triangle_tree_.update({s.triangles.n ? s.triangles.p->v : nullptr, s.triangles.n, 3}, s, environments_, y, dy, {.radius = r}, &triangles_of);
   edge_tree_.update({s.edges.n ? s.edges.p->v : nullptr, s.edges.n, 2}, s, environments_, y, dy, {.radius = r}, &edges_of);
-  const device::Ranges of_points(point_walkers_, whose), of_edges(edge_walkers_, whose);
-  count_point_triangles(s, {walkers_}, triangle_tree_.view(), std::as_const(points_).view(), of_points, y, dy, r, pt_counts_, pt_noted_);
-  count_edge_edges(s, {walkers_}, edge_tree_.view(), std::as_const(edges_).view(), of_edges, y, dy, r, ee_counts_, ee_noted_);
+  const device::Ranges point_walkers(point_walkers_, whose), edge_walkers(edge_walkers_, whose);
+  count_point_triangles(s, {walkers_}, triangle_tree_.view(), std::as_const(points_).view(), point_walkers, y, dy, r, pt_counts_, pt_noted_);
+  count_edge_edges(s, {walkers_}, edge_tree_.view(), std::as_const(edges_).view(), edge_walkers, y, dy, r, ee_counts_, ee_noted_);
   device::Fetch fetch;
-  out.begin_add_up({pt_counts_, of_points, point_env_first_.view()}, {ee_counts_, of_edges, edge_env_first_.view()}, sums_, fetch);
+  out.begin_add_up({pt_counts_, point_walkers, point_env_first_.view()}, {ee_counts_, edge_walkers, edge_env_first_.view()}, sums_, fetch);
   fetch.now("pairs");
   return sums_;
 }
