@@ -18,14 +18,19 @@ void BounceLoss::state(const std::vector<MovingBody>& bodies, double lost) {
   if (steps_.empty())
     for (std::vector<double>* v : {&steps_, &slow_, &before_, &lost_, &soft_}) v->assign(bodies.size(), 0.0);
   const bool soft = std::any_of(bodies.begin(), bodies.end(), [](const MovingBody& b) { return b.body.soft() && b.touches; });
-  double ended = 0;
+  double ended = 0, flies = 0, impact = 0;
   brought_ = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (!bodies[i].swings) continue;
     const double energy = energy_of(bodies[i]);
     if (!bodies[i].touches) {
       const bool rested = slow_[i] >= tuning::kRested && slow_[i] >= tuning::kRestedShare * steps_[i];
-      if (steps_[i] > 0 && soft_[i] > 0 && !rested) ended = std::max(ended, std::min(lost_[i], before_[i]));
+      if (steps_[i] > 0 && !rested) {
+        if (soft_[i] > 0)
+          ended = std::max(ended, std::min(lost_[i], before_[i]));
+        else
+          flies += bodies[i].energy() + bodies[i].turns, impact = std::max(impact, lost_[i]);
+      }
       steps_[i] = -1, before_[i] = energy;
       continue;
     }
@@ -35,7 +40,7 @@ void BounceLoss::state(const std::vector<MovingBody>& bodies, double lost) {
     if (soft) soft_[i] = 1;
     if (energy < tuning::kSlow * before_[i]) ++slow_[i];
   }
-  sum_ += ended;
+  sum_ += ended, stiff_ += std::min(flies, impact);
 }
 
 void BounceLoss::checkpoint(Archive& archive) {
@@ -43,6 +48,7 @@ void BounceLoss::checkpoint(Archive& archive) {
        {std::pair{"bounce.steps", &steps_}, {"bounce.slow", &slow_}, {"bounce.before", &before_}, {"bounce.lost", &lost_}, {"bounce.soft", &soft_}})
     archive.io(name, *v);
   archive.io("bounce.sum", sum_);
+  archive.io("bounce.stiff", stiff_);
 }
 
 }  // namespace mortise::run

@@ -33,6 +33,7 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("rigidity_defect", rigidity_, tuning::kRigidity);
   add("energy_gain", energy.scale > 0 ? energy.largest_gain / energy.scale : NAN, tuning::kEnergyGain);
   add("free_motion_loss", energy.turnover > 0 ? std::max(energy.free_loss / energy.turnover, energy.alone_loss) : NAN, tuning::kFreeMotionLoss);
+  add("stiff_impacts", energy.turnover > 0 ? energy.impacts / energy.turnover : NAN, tuning::kStiffImpacts);
   add("turning_loss", energy.scale > 0 ? std::max(energy.turning_loss / energy.scale, energy.flight_turning) : NAN, tuning::kTurningLoss);
   add("given_turning_loss", energy.turnover > 0 ? energy.given_turning / energy.turnover : NAN, tuning::kGivenTurning);
   add("start_energy", energy.turnover > 0 ? energy.at_start / energy.turnover : NAN, tuning::kAtStart);

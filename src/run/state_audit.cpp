@@ -69,6 +69,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
         free_ -= std::min(r_.gain, 0.0);
     }
     bounces_.state(moving, lost);
+    r_.impacts = bounces_.stiff();
   }
   r_.free_loss = free_loss();
   if (!moving.empty()) r_.turnover = std::max(r_.scale, there_and_back_);
@@ -113,6 +114,7 @@ void EnergyAudit::checkpoint(Archive& archive) {
   r_.motion_lag = lag_.value(), r_.given_lag = given_lag_.value();
   turning_.checkpoint(archive);
   bounces_.checkpoint(archive);
+  r_.impacts = bounces_.stiff();
   vibrations_.checkpoint(archive);
   archive.io("rubbed", rubbed_);
   r_.alone_loss = vibrations_.alone(r_.turnover);

@@ -52,6 +52,7 @@ class EnergyAudit {
     // vibration_loss.h; and bounce_loss.h. `turnover`: what it is to be held against, the largest energy or, where more, all work of supports, there
     // and back.
     double free_loss = 0, turnover = 0;
+    double impacts = 0;         // in doubt after impacts of stiff bodies (bounce_loss.h) [J]
     double at_start = 0;        // energy that contact has in the first state and gives away [J]
     double alone_loss = 0;      // share of its own energy that a mechanism lost by itself (vibration_loss.h)
     double turning_loss = NAN;  // turning_loss.h [J]

@@ -21,6 +21,7 @@ inline constexpr Bounds kRigidity{2e-3, 2e-2};    // of the axes of a stiff body
 inline constexpr Bounds kEnergyGain{1e-3, 1e-2};  // of the largest energy; dissipative steps gain none
 // From here on estimates of errors of the model, whose bounds are what they are where the true error is 5 % and 10 % (benchmarks/grades).
 inline constexpr Bounds kFreeMotionLoss{0.05, 0.1};
+inline constexpr Bounds kStiffImpacts{0.05, 0.1};
 inline constexpr Bounds kTurningLoss{
     0.06, 0.12};  // of energy: rates of what rolls are wrong by a fifth to four fifths of it, and angles of what friction stops
 inline constexpr Bounds kMotionLag{0.05, 0.1};

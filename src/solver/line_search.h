@@ -19,7 +19,7 @@ class LineSearch {
   // What forces say of a trial state of some environments, with everything that is frozen or lags taken from that state itself.
   struct Forces {
     // Where they are closer to balance: the energy that is searched along the way of the whole Jacobian holds friction with the normal forces of the
-    // iterate, and may rise although the way leads to the solution.
+    // iterate, and that of mortar contact its samples; it may rise although the way leads to the solution.
     std::function<EnvMask(const device::Buffer<Vec3>& trial, const EnvMask& whose)> closer;
     std::function<std::vector<double>(const device::Buffer<Vec3>& trial, const EnvMask& whose)> slope;  // along the way [J]
     EnvMask doubtful;  // where the iteration before gained little: the slope is asked for

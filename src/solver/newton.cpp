@@ -228,7 +228,8 @@ Newton::Search::Forces Newton::forces_beside(const Residual& r) {
     EnvMask closer(envs_.size(), 0);
     for (Index e = 0; e < envs_.size(); ++e)
       closer[e] = whose[e] && system_.convergence.finite(there, e) && there.support_gap[e] == 0 &&
-                  system_.convergence.over(there, e, wanted(e)) < tuning::kCloser * system_.convergence.over(r, e, wanted(e));
+                  system_.convergence.over(there, e, wanted(e)) <
+                      (envs_[e].whole || !envs_[e].moving ? tuning::kCloser : tuning::kMuchCloser) * system_.convergence.over(r, e, wanted(e));
     return closer;
   };
   out.slope = [this](const device::Buffer<Vec3>& trial, const EnvMask&) {

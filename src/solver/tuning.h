@@ -76,7 +76,8 @@ inline constexpr Index kUsual = 20;         // but not before this one: the way 
 inline constexpr Index kPlainRounds = 2;    // rounds of lagging before the coupled iteration takes over
 
 // ---- friction of the present normal forces (newton.h)
-inline constexpr double kCloser = 0.5;  // of the residual: a full step that leaves less is taken whatever energies say
+inline constexpr double kCloser = 0.5;       // of the residual: a full step that leaves less is taken whatever energies say,
+inline constexpr double kMuchCloser = 0.25;  // where they freeze no more than samples (steps that only halve it may gain energy: H57)
 
 // ---- do iterations get anywhere? (progress_watch.h)
 inline constexpr double kProgress = 0.9;     // of the least residual

@@ -137,6 +137,26 @@ TEST(BounceLoss, IsNoneOfLandingsAndOfStiffBodies) {
   EXPECT_LT(rest.energy.free_loss, 0.2 * rest.energy.scale);  // of the fall
   const Turned stiff = turn(dropped("backward_euler", "  floor: {type: half_space, point: [0, 0, 15 mm]}"), 150);
   EXPECT_LT(stiff.energy.free_loss, 0.1 * stiff.energy.scale);
+  EXPECT_LT(stiff.energy.impacts, 0.02 * stiff.energy.scale);  // it stays where it fell
+}
+
+// A stiff ball strikes another, and both fly on with half of the energy: with how much is in no law.
+TEST(BounceLoss, DoubtsImpactsOfStiffBodies) {
+  const Turned struck = turn(R"(
+mortise: 1
+name: strike
+time: {step: 1 ms, steps: 60}
+materials: {steel: {density: 7850}}
+bodies:
+  a: {type: stiff, shape: {sphere: {radius: 20 mm, edge_length: 6 mm}}, material: steel, position: [-50 mm, 0, 0], velocity: [1, 0, 0]}
+  b: {type: stiff, shape: {sphere: {radius: 20 mm, edge_length: 6 mm}}, material: steel}
+effects:
+  inertia: {}
+  affine_body: {}
+  barrier_contact: {}
+)",
+                             60);
+  EXPECT_GT(struck.energy.impacts, 0.1 * struck.energy.scale);
 }
 
 namespace {
