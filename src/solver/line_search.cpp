@@ -135,7 +135,7 @@ void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const st
     const std::vector<double> slope_there =
         any(blind) ? ask_of(model, blind, [&](const EnvMask& whose) { return forces.slope(trial_, whose); }) : std::vector<double>{};
     // So it does where all that is left is a vibration that has died away; how far it may be off is no reason to believe that it is.
-    const auto says_nothing = [&](Index e) { return envs[e].whole || envs[e].moving || alpha[e] * std::abs(merit.slope[e]) <= merit.rounding[e]; };
+    const auto says_nothing = [&](Index e) { return envs[e].unsymmetric() || alpha[e] * std::abs(merit.slope[e]) <= merit.rounding[e]; };
     const EnvMask higher =
         asked([&](Index e) { return !low_enough(e) && !pushes(e) && k == 0 && says_nothing(e) && forces.closer && std::isfinite(after[e]); });
     const EnvMask closer = any(higher) ? ask_of(model, higher, [&](const EnvMask& whose) { return forces.closer(trial_, whose); }) : higher;
