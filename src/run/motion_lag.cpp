@@ -9,20 +9,31 @@ namespace mortise::run {
 
 void MotionLag::Ways::start(const Vec3& v, double least_way) {
   v0.insert(v0.end(), {v[0], v[1], v[2]});
-  a0.push_back(0), least.push_back(least_way), far.push_back(0);
+  this->v = v0, a.resize(v0.size(), 0.0);
+  a0.push_back(0), least.push_back(least_way), far.push_back(0), ahead.push_back(0);
 }
 
-double MotionLag::Ways::lag(std::size_t body, const Vec3& way, const Vec3& v, double h, long steps) {
+void MotionLag::Ways::multiply(std::size_t body, const Vec3& velocity, double h) {
+  const Vec3 dv = velocity - vector_at(v, body), now = dv / h, da = now - vector_at(a, body);
+  const double grows = dv.dot(velocity) / velocity.squaredNorm(), more = da.dot(now) / now.squaredNorm();
+  if (grows > 0 && grows < tuning::kMultiplies && more < tuning::kMultiplies && more > tuning::kAsFast * grows) ahead[body] += 0.5 * h * grows;
+  for (int k = 0; k < 3; ++k) v[3 * body + k] = velocity[k], a[3 * body + k] = now[k];
+}
+
+double MotionLag::Ways::lag(std::size_t body, const Vec3& way, const Vec3& velocity, double h, long steps) {
   far[body] = std::max(far[body], way.norm());
-  const Vec3 more = v - vector_at(v0, body);
+  multiply(body, velocity, h);
+  const Vec3 more = velocity - vector_at(v0, body);
   const double gained = more.norm();
   if (steps == 1) a0[body] = gained / h;
-  const double e = 0.5 * h * (gained + std::max(gained - a0[body] * h * static_cast<double>(steps), 0.0));
+  const double e = 0.5 * h * (gained + std::max(gained - a0[body] * h * static_cast<double>(steps), 0.0)) + velocity.norm() * ahead[body];
   return e > 0 ? e / std::max(far[body] + (more.dot(way) < 0 ? e : -e), least[body]) : 0;
 }
 
 void MotionLag::Ways::checkpoint(Archive& archive, const std::string& name) {
-  for (auto [what, values] : {std::pair{".velocity", &v0}, {".a0", &a0}, {".least", &least}, {".far", &far}}) archive.io(name + what, *values);
+  for (auto [what, values] :
+       {std::pair{".velocity", &v0}, {".a0", &a0}, {".least", &least}, {".far", &far}, {".v", &v}, {".a", &a}, {".ahead", &ahead}})
+    archive.io(name + what, *values);
 }
 
 MotionLag::MotionLag(const model::ModelInput& input) {

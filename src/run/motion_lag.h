@@ -5,6 +5,9 @@
 // velocity itself is ahead, by half a step's growth: with a_0 the acceleration in the first step and t the time since, what |v - v_0| is more than
 // |a_0| t counts twice. The same of angles, by angular velocities. What turned back or came to rest has lost it again (a wrong phase, a swing that is
 // damped: free_motion_loss sees those).
+// Where motion feeds on itself (what topples: a ~ x), the velocity is multiplied, in a step by 1 / (1 - l h) where exp(l h) is right: with
+// l = dv.v / (h |v|^2) that is ahead by l h^2 / 2 [s], which adds up over all steps in which the acceleration grows at nearly the rate at which the
+// velocity does (under a force that grows with a power of time less than the third it does not), and counts with the velocity.
 #include <vector>
 
 #include "base/archive.h"
@@ -26,9 +29,12 @@ class MotionLag {
   // Ways of all bodies, of their centres [m] or of their turning [rad].
   struct Ways {
     std::vector<double> v0, a0;      // velocities at the start, 3 per body; accelerations in the first step
+    std::vector<double> v, a;        // of the last step, 3 per body
+    std::vector<double> ahead;       // of what multiplies [s]
     std::vector<double> least, far;  // smallest way that counts, farthest from the start so far
     void start(const Vec3& v, double least_way);
-    double lag(std::size_t body, const Vec3& way, const Vec3& v, double h, long steps);
+    double lag(std::size_t body, const Vec3& way, const Vec3& velocity, double h, long steps);
+    void multiply(std::size_t body, const Vec3& velocity, double h);
     void checkpoint(Archive& archive, const std::string& name);
   };
   double step_ = NAN;                   // h [s]

@@ -14,7 +14,8 @@ struct Bounds {
 };
 inline constexpr Bounds kResidual{1.01e-3, 1e-2};  // of the largest force: friction's default lag_tolerance, and rounding, are no reason for a B
 inline constexpr Bounds kBalance = kResidual;      // of forces, on all bodies and on each with its supports: residuals add up to it
-inline constexpr Bounds kWritten{1e-9, 1e-3};      // the same forces added up twice
+inline constexpr Bounds kWritten{1e-5,
+                                 1e-3};  // the same forces added up twice; of small ones between bodies far from the origin rounding leaves 2e-6
 inline constexpr Bounds kPressureSum{1e-6, 1e-3};  // pressure times area against force, over thousands of samples
 inline constexpr Bounds kPartition{1e-5, 1e-3};    // pieces of a covered face against the face: slivers are left out
 inline constexpr Bounds kRigidity{2e-3, 2e-2};    // of the axes of a stiff body: strains that its material would not have either, and ten times those
@@ -63,6 +64,8 @@ inline constexpr double kBears = 0.05;
 // touch_lag.h: shear that is less than this share of what presses is none that anybody looks at; of the way that was counted too much, force has the
 // second share, as nodes around that stick already hold it (balls pressed aslant, 1 to 48 steps).
 inline constexpr double kAcross = 0.1, kSoftened = 0.7;
+inline constexpr double kMultiplies = 0.5,
+                        kAsFast = 0.75;       // in a step: more is a push; growth of acceleration over that of velocity (motion_lag.cpp)
 inline constexpr double kStill = 0.01;        // of a body's size: less is no motion that anybody looks at (motion_lag.cpp)
 inline constexpr double kSettles = 0.05;      // radians, or of a body on a slide: less is how joints settle (bearing_creep.cpp)
 inline constexpr int kLooks = 16;             // in a step, at what is asked for (schedule_missed.cpp)

@@ -9,6 +9,23 @@
 #include "solver/tuning.h"
 
 namespace mortise::solver {
+
+// Per block of a soft body that has tied nodes: the farthest that a block they follow reaches, by its weight [m]; of others 0. The place of a node at
+// the foot of a long stiff body is a small difference of large numbers, whose rounding all nodes beside it feel.
+static std::vector<double> reaches(const model::Model& model) {
+  std::vector<double> reach(model.blocks, 0.0);
+  const std::vector<Vec3> rest = model.rest.download();
+  for (const model::Body& body : model.bodies) {
+    if (body.type != model::BodyType::soft) continue;
+    double far = 0;
+    for (Index b = body.block_begin; b < body.block_end; ++b)
+      for (const model::TieTerm& t : model.ties.tied(b) ? model.ties.terms(b) : std::vector<model::TieTerm>())
+        far = std::max(far, std::abs(t.weight) * rest[t.block].norm());
+    std::fill(reach.begin() + body.block_begin, reach.begin() + body.block_end, far);
+  }
+  return reach;
+}
+
 Convergence::Convergence(const model::Model& model, const Options& options) : model_(model), options_(options) {
   std::vector<Index> blocks{0};
   const std::vector<Vec3> rest = model.rest_points.download();
@@ -25,6 +42,7 @@ Convergence::Convergence(const model::Model& model, const Options& options) : mo
   blocks_ = Chunks(blocks);
   lever_.upload(lever);
   position_.upload(position);
+  reach_.upload(reaches(model));
 }
 
 void Convergence::begin_step() {
@@ -107,7 +125,7 @@ void Convergence::see_sum(View<const Vec3> gradient, View<const Vec3> q, Residua
 
 void Convergence::see_matrix(const linalg::BlockMatrix& matrix, View<const Vec3> q, View<const Index> block_of_row, const EnvMask& whose,
                              Fetch& fetch) {
-  rounding_sizes(rows_, matrix, q, block_of_row, lever_.view(), fetch, [this, whose](const std::vector<Part>& bodies) {
+  rounding_sizes(rows_, matrix, q, block_of_row, lever_.view(), reach_.view(), fetch, [this, whose](const std::vector<Part>& bodies) {
     for (std::size_t i = 0; i < bodies.size(); ++i)
       if (whose[model_.bodies[i].env]) rounding_[i] = bodies[i].largest, rounding_sum_[i] = bodies[i].sum[0];
   });

@@ -7,7 +7,7 @@
 //   (a) max_b |r_b| / s_b <= relative * max_k max_c |P g_k,c| / s_c       c over the blocks of all bodies of its group     [N]
 //       |sum_b r_b|       <= relative * max_k sum_b |g_k,b|      of a body without any support, over positions; k runs over effects whose
 //                                                                forces on a body do not cancel by themselves: weight, inertia, contact
-//       and neither is insisted on below what rounding of q may cause, 8 eps |H_bb| |q_b| / s_b,
+//       and neither is insisted on below what rounding of q, or of what tied nodes of the body follow, may cause, 8 eps |H_bb| |q_b| / s_b,
 //   (b) max_b s_b |next Newton step| <= max(kMotion * way in this step, kSize * radius)                                    [m]
 //       where the next step is taken to be shorter than the last by as much as the residual fell since; early rounds of lagged quantities,
 //       which are solved less closely, allow it as many times longer.
@@ -89,6 +89,7 @@ class Convergence {
   std::vector<std::uint8_t> loose_, held_;       // per body: no support or tie at all; no freedom of its own
   std::vector<Index> group_;                     // per body: the first body of its group
   device::Buffer<double> lever_, position_;      // per block: s_b; 1 of a position, 0 of an axis
+  device::Buffer<double> reach_;                 // per block: of what tied nodes of its body follow [m]
   std::vector<double> rounding_, rounding_sum_;  // per body [N]
   std::vector<double> step_;                     // per body: the last Newton step at full length [m]; below 0 before the first
   Residual last_;                                // where it began

@@ -175,7 +175,7 @@ void step_sizes(const Chunks& blocks, View<const Vec3> d, View<const double> lev
 }
 
 void rounding_sizes(const Chunks& rows, const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, View<const double> lever,
-                    Fetch& fetch, ReceiveParts receive) {
+                    View<const double> reach, Fetch& fetch, ReceiveParts receive) {
   constexpr double kEps = 2.220446049250313e-16;
   const View<const Index> start = A.row_start.view();
   const View<const Mat3> value = A.value.view();
@@ -184,7 +184,7 @@ void rounding_sizes(const Chunks& rows, const linalg::BlockMatrix& A, View<const
       [=] MORTISE_HD(Index r) {
         const Index b = block_of_row[r];
         Part p{};
-        p.largest = p.sum[0] = 8 * kEps * value[start[r]].norm() * q[b].norm() / lever[b];
+        p.largest = p.sum[0] = 8 * kEps * value[start[r]].norm() * std::fmax(q[b].norm(), reach[b]) / lever[b];
         return p;
       },
       fetch, receive);

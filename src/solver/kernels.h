@@ -52,7 +52,7 @@ void residual_sizes(const Chunks& blocks, View<const Vec3> g, View<const Mat3> p
 void step_sizes(const Chunks& blocks, View<const Vec3> d, View<const double> lever, Fetch& fetch, ReceiveParts receive);
 // Of rows, largest and sum[0] = 8 eps |A_rr| |q_r| / s: positions are only known to eps |q|, and forces accordingly.
 void rounding_sizes(const Chunks& rows, const linalg::BlockMatrix& A, View<const Vec3> q, View<const Index> block_of_row, View<const double> lever,
-                    Fetch& fetch, ReceiveParts receive);
+                    View<const double> reach, Fetch& fetch, ReceiveParts receive);
 // Per environment 4 eps sum_b |g_b| |q_b| is added: what the energy with the gradient g may change by because positions are rounded.
 void energy_rounding(View<const Vec3> g, View<const Vec3> q, const std::vector<Index>& env_blocks, EnvValues out);
 // Pairs of bodies of samples that carry force, as (larger number, smaller number), each once.

@@ -2,6 +2,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "base/disjoint_sets.h"
+
 namespace mortise::solver {
 namespace {
 
@@ -28,6 +30,21 @@ int free_motions(const model::Model& model, const model::Body& body, const std::
   return free;
 }
 
+// Of every body: does something hold it, or one that it is tied to?
+std::vector<bool> carried(const model::Model& model) {
+  const std::size_t world = model.bodies.size();
+  DisjointSets groups(world + 1);
+  for (const model::Tie& tie : model.ties.list())
+    groups.join(static_cast<std::size_t>(tie.body), tie.to == model::Tie::kWorld ? world : static_cast<std::size_t>(tie.to));
+  for (std::size_t i = 0; i < world; ++i) {
+    const auto first = model.held.begin() + model.bodies[i].block_begin, last = model.held.begin() + model.bodies[i].block_end;
+    if (std::any_of(first, last, [](auto held) { return held != 0 && held != model::Model::kTied; })) groups.join(i, world);
+  }
+  std::vector<bool> out(world);
+  for (std::size_t i = 0; i < world; ++i) out[i] = groups.of(i) == groups.of(world);
+  return out;
+}
+
 std::string listed(const std::string& names, const std::string& name) { return names + (names.empty() ? "'" : ", '") + name + "'"; }
 
 }  // namespace
@@ -35,13 +52,15 @@ std::string listed(const std::string& names, const std::string& name) { return n
 std::string unsupported(const model::Model& model, Index env) {
   const std::vector<Mat3> projector = model.projector.download();
   const std::vector<Vec3> rest = model.rest_points.download();
+  const std::vector<bool> held = carried(model);
   std::string loose, turning, hinged;
-  for (const model::Body& body : model.bodies) {
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    const model::Body& body = model.bodies[i];
     if (body.env != env) continue;
     const auto first = model.held.begin() + body.block_begin, last = model.held.begin() + body.block_end;
-    if (std::all_of(first, last, [](auto held) { return held == 0; }))
-      loose = listed(loose, body.name);
-    else if (body.type == model::BodyType::stiff && std::any_of(first, last, [](auto held) { return held == 0; }))
+    if (std::all_of(first, last, [](auto held) { return held == 0; })) {
+      if (!held[i]) loose = listed(loose, body.name);
+    } else if (body.type == model::BodyType::stiff && std::any_of(first, last, [](auto held) { return held == 0; }))
       hinged = listed(hinged, body.name);
     else if (body.type == model::BodyType::soft && free_motions(model, body, projector, rest) > 0)
       turning = listed(turning, body.name);

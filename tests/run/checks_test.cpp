@@ -305,7 +305,7 @@ materials: {stuff: {density: 1000}}
 bodies: {cube: {type: stiff, shape: {box: {size: [1, 1, 1], edge_length: 1}}, material: stuff}}
 effects: {inertia: {}, affine_body: {}}
 )");
-  const auto lag = [&](std::array<double, 3> rates) {
+  const auto lag = [&](const std::vector<double>& rates) {
     Checks checks(input);
     for (double rate : rates) {
       Snapshot sink;
@@ -322,6 +322,10 @@ effects: {inertia: {}, affine_body: {}}
   EXPECT_NEAR(lag({0.5, 0.8, 1.1}), 0.03 / (0.19 - 0.03), 1e-12);
   EXPECT_NEAR(lag({1.1, 0.8, 0.5}), 0.03 / (0.13 + 0.03), 1e-12);
   EXPECT_EQ(lag({1, 1, 1}), 0);
+  // What multiplies by 1.1 in every step: by the last of four rates, 0.1 s / 2 (0.1 / 1.1) in each of the steps whose acceleration is known to have
+  // grown.
+  const double way = 0.1 * (1.1 + 1.21 + 1.331), multiplied = 2 * 0.05 * 0.1 / 1.1 * 1.331, gained = 0.05 * (0.331 + 0.031);
+  EXPECT_NEAR(lag({1, 1.1, 1.21, 1.331}), (gained + multiplied) / (way - gained - multiplied), 1e-12);
 }
 
 // A slide on the world is supported across its axis, and free along it; what a kinematic drive gives is where it should be.

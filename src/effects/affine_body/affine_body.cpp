@@ -33,10 +33,23 @@ double stiffness_of(const Params& params, const model::Model& model, Index env) 
   return std::max(kStiffness, kStiffer * stiffest);
 }
 
+// In statics a body is made stiffer until its strain moves its farthest point by less than kOfWay of how far that is from rest, or of kNoWay of its
+// radius where it hardly moved. A post of 1 m on a pad of 10 mm gave way by an eighth of what the pad did.
+constexpr double kOfWay = 0.005, kNoWay = 2e-4;
+constexpr double kAtOnce = 1e3;  // so many times stiffer at most for that
+
 struct StiffBody {
   Index first;  // block of a1; a2 and a3 follow
   double V;     // [m^3]
   double Vk;    // [J]
+  double R;     // of its farthest point from p, at rest [m]
+};
+
+// Of a state.
+struct Shape {
+  double defect;    // |A^T A - I|_F, about twice the body's largest strain
+  double strained;  // what that moves its farthest point by [m]
+  double way;       // |p - p_0| + |A - I|_F R: no point is farther from rest; or, where it hardly moved, a share of R [m]
 };
 
 MORTISE_HD inline Mat3 columns(Positions q, Index first) {
@@ -53,7 +66,7 @@ class AffineBody final : public Effect {
     std::vector<Index> body_env;
     for (const model::Body& body : model.bodies) {
       if (body.type != model::BodyType::stiff) continue;
-      bodies.push_back({body.block_begin + 1, body.volume, body.volume * given_[body.env]});
+      bodies.push_back({body.block_begin + 1, body.volume, body.volume * given_[body.env], radius_of(body)});
       stiffness_.push_back(given_[body.env]);
       names_.push_back(body.name);
       body_env.push_back(body.env);
@@ -90,32 +103,45 @@ class AffineBody final : public Effect {
     if (fresh) at.stencils.pattern_changed();
   }
 
-  // How far each body is from rigid: |A^T A - I|_F, about twice its largest strain.
-  std::vector<double> defects(Positions q) const {
+  std::vector<Shape> shapes(Positions q) const {
     const View<const StiffBody> list = std::as_const(bodies_).view();
-    device::Buffer<double> defect(list.n);
-    const View<double> out = defect.view();
-    device::parallel_for("affine_body.defect", list.n, [=] MORTISE_HD(Index s) { out[s] = affine_body::defect(columns(q, list[s].first)).norm(); });
-    return defect.download();
+    const Positions rest = std::as_const(model_.rest).view();
+    device::Buffer<Shape> shape(list.n);
+    const View<Shape> out = shape.view();
+    device::parallel_for("affine_body.shape", list.n, [=] MORTISE_HD(Index s) {
+      const Mat3 A = columns(q, list[s].first);
+      const Index p = list[s].first - 1;
+      const double defect = affine_body::defect(A).norm(), R = list[s].R;
+      out[s] = {defect, defect * R / 2, std::fmax((q[p] - rest[p]).norm() + (A - Mat3::Identity()).norm() * R, kNoWay * R)};
+    });
+    return shape.download();
   }
 
   // The stiffness is a penalty: a body that a step strains by more than a percent takes the step anew with a larger one.
   void refit(Positions q, const Linearisation&, std::vector<Refit>& per_env) override {
     constexpr double kStiff = 0.02, kLargest = 1e6;  // |A^T A - I|; of the given stiffness: there rounding of q begins to tell
-    const std::vector<double> defect = defects(q);
+    const std::vector<Shape> shape = shapes(q);
     bool changed = false;
-    for (std::size_t i = 0; i < defect.size(); ++i) {
-      if (!(defect[i] > kStiff) || stiffness_[i] >= kLargest * given_[env_[i]]) continue;
+    for (std::size_t i = 0; i < shape.size(); ++i) {
+      const double defect = shape[i].defect, given = given_[env_[i]];
+      const auto stiffen = [&](double factor, double most, Refit how) {
+        if (!(stiffness_[i] < most * given)) return;
+        stiffness_[i] = std::min(factor * stiffness_[i], most * given);
+        per_env[env_[i]] = std::max(per_env[env_[i]], how);
+        changed = true;
+      };
       // The defect falls as the stiffness grows, once it is small; a body that is flat says nothing about how much more is needed.
-      const double factor = defect[i] > 0.5 ? 1e3 : 2 * defect[i] / kStiff;
-      stiffness_[i] = std::min(factor * stiffness_[i], kLargest * given_[env_[i]]);
-      per_env[env_[i]] = Refit::from_start;
-      changed = true;
+      const double enough = kOfWay * shape[i].way;
+      if (defect > kStiff)
+        stiffen(defect > 0.5 ? 1e3 : 2 * defect / kStiff, kLargest, Refit::from_start);
+      else if (is_static_ && shape[i].strained > enough)
+        stiffen(2 * shape[i].strained / enough, kAtOnce, Refit::from_here);
     }
     if (changed) stiffness_changed();
   }
 
   void begin_step(const StepInfo& step) override {
+    is_static_ = step.is_static;
     if (copy_taken(step, next_stiffness_, stiffness_)) stiffness_changed();
   }
   void end_step(const StepInfo& step, Positions, const Linearisation&) override { copy_taken(step, stiffness_, next_stiffness_); }
@@ -129,24 +155,24 @@ class AffineBody final : public Effect {
 
   void object(Positions q, std::vector<std::string>& per_env) override {
     constexpr double kMost = 0.1;  // 5 % of strain: a body that was to be stiff is not
-    const std::vector<double> defect = defects(q);
+    const std::vector<Shape> shape = shapes(q);
     std::vector<double> worst(per_env.size(), kMost);
-    for (std::size_t i = 0; i < defect.size(); ++i) {
-      if (!(defect[i] > worst[env_[i]])) continue;
-      worst[env_[i]] = defect[i];
+    for (std::size_t i = 0; i < shape.size(); ++i) {
+      if (!(shape[i].defect > worst[env_[i]])) continue;
+      worst[env_[i]] = shape[i].defect;
       std::ostringstream why;
       why.precision(2);
-      why << "the stiff body '" << names_[i] << "' is strained by " << 50 * defect[i] << " %, however stiff it is made: it is crushed";
+      why << "the stiff body '" << names_[i] << "' is strained by " << 50 * shape[i].defect << " %, however stiff it is made: it is crushed";
       per_env[env_[i]] = why.str();
     }
   }
 
   void report(const FieldSinks& sinks, const Linearisation& at) override {
     const Positions q = std::as_const(model_.q).view();
-    const std::vector<double> defect = defects(q);
+    const std::vector<Shape> shape = shapes(q);
     std::vector<double> worst(model_.envs, 0.0), stiffest(model_.envs, 0.0);
-    for (std::size_t i = 0; i < defect.size(); ++i) {
-      worst[env_[i]] = std::max(worst[env_[i]], defect[i]);
+    for (std::size_t i = 0; i < shape.size(); ++i) {
+      worst[env_[i]] = std::max(worst[env_[i]], shape[i].defect);
       stiffest[env_[i]] = std::max(stiffest[env_[i]], stiffness_[i]);
     }
     sinks.scalar("affine_body", "rigidity_defect", "1", worst);
@@ -172,7 +198,16 @@ class AffineBody final : public Effect {
     bodies_.upload(bodies);
   }
 
+  double radius_of(const model::Body& body) const {
+    const std::vector<Vec3> rest = model_.rest_points.download();
+    const Vec3 p = model_.rest.download()[body.block_begin];
+    double most = 0;
+    for (Index i = body.point_begin; i < body.point_end; ++i) most = std::max(most, (rest[i] - p).norm());
+    return most;
+  }
+
   model::Model& model_;
+  bool is_static_ = false;
   std::vector<double> given_;                       // per environment [Pa]
   std::vector<double> stiffness_, next_stiffness_;  // per body, in this step and for the next [Pa]
   device::Buffer<StiffBody> bodies_;

@@ -5,6 +5,7 @@
 
 #include "effects/body_blocks.h"
 #include "effects/list.h"
+#include "effects/pressure_load/loaded_part.h"
 #include "effects/where.h"
 
 namespace mortise::effects {
@@ -19,7 +20,7 @@ const ParamTable kTable = [] {
   ParamTable t{"effect pressure_load",
                "Dead load on a part of a surface.",
                {of(Param::Kind::text, "body", Unit::none, std::nullopt, "Name of the body."),
-                param::required(param::table("where", &where_table, "Loaded are the surface triangles whose three vertices are selected.")),
+                param::required(param::table("where", &where_table, "Loaded is what of the surface lies inside: a box or a sphere cuts triangles.")),
                 optional(of(Param::Kind::schedule, "pressure", Unit::pressure, std::nullopt,
                             "Force per rest area against the outward rest normal, over time (pseudo-time 0 to 1 in static scenes).")),
                 optional(of(Param::Kind::vec3, "traction", Unit::pressure, std::nullopt, "Force vector per rest area.")),
@@ -121,7 +122,7 @@ class PressureLoad final : public Effect {
       if (body.env != in || body.name != p.text("body")) continue;
       found = true;
       if (!add_body(p, body, load, traction ? traction->as_vec3() : Vec3(0, 0, 0), loads_of))
-        throw Error(Exit::scene, p.at("where").where(), "selects no surface triangle of body '" + body.name + "'");
+        throw Error(Exit::scene, p.at("where").where(), "selects no whole surface triangle of body '" + body.name + "'");
     }
     if (!found) throw Error(Exit::scene, p.at("body").where(), "no soft or stiff body is named '" + p.text("body") + "'");
   }
@@ -143,21 +144,28 @@ class PressureLoad final : public Effect {
         s.pulled += weight[j] * area * traction;
       }
     };
+    const std::vector<pressure_load::Polygon> parts = pressure_load::loaded_parts(
+        std::span(triangles).subspan(body.triangle_begin, body.triangle_end - body.triangle_begin), rest, selected, p.at("where"));
     bool any = false;
     for (Index t = body.triangle_begin; t < body.triangle_end; ++t) {
-      const Index* v = triangles[t].v;
-      if (!selected[v[0]] || !selected[v[1]] || !selected[v[2]]) continue;
+      const pressure_load::Polygon& part = parts[t - body.triangle_begin];
+      if (part.empty()) continue;
       any = true;
       if (!quarter.empty() && quarter[t] >= 0) {
         const geometry::Face& face = faces[quarter[t] / 4];
         Vec3 x[6];
         for (int k = 0; k < 6; ++k) x[k] = rest[face.v[k]];
-        const pressure_load::QuarterLoad load_of = pressure_load::quarter_load(x, quarter[t] % 4);
-        for (int k = 0; k < 6; ++k) spread(face.v[k], load_of.area[k], load_of.directed[k]);
+        for (std::size_t i = 2; i < part.size(); ++i) {
+          const Mat3 corners = (Mat3() << part[0], part[i - 1], part[i]).finished();
+          const pressure_load::QuarterLoad load_of = pressure_load::quarter_load(x, quarter[t] % 4, corners);
+          for (int k = 0; k < 6; ++k) spread(face.v[k], load_of.area[k], load_of.directed[k]);
+        }
         continue;
       }
+      const Index* v = triangles[t].v;
       const Vec3 area = 0.5 * (rest[v[1]] - rest[v[0]]).cross(rest[v[2]] - rest[v[0]]);  // A n
-      for (int k = 0; k < 3; ++k) spread(v[k], area.norm() / 3, area / 3);
+      const pressure_load::Share share = pressure_load::share_of(part);
+      for (int k = 0; k < 3; ++k) spread(v[k], share.area * share.mean[k] * area.norm(), share.area * share.mean[k] * area);
     }
     return any;
   }

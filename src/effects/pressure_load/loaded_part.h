@@ -1,0 +1,35 @@
+#pragma once
+// The part of surface triangles that a `where` block of the scene selects, at rest. A side of the body selects whole triangles. A box or
+// a sphere cuts them, so that the loaded area is that of the block on any mesh. A thin box around a flat face also holds a rim of the
+// walls beside it, which nobody means: the part grows from triangles wholly inside to neighbours that bend away by less than
+// `kSameFace`.
+#include <array>
+#include <span>
+#include <vector>
+
+#include "base/params.h"
+#include "base/types.h"
+
+namespace mortise::effects::pressure_load {
+
+// A convex polygon in a triangle, by its corners' barycentrics; empty: nothing of it.
+using Polygon = std::vector<Vec3>;
+
+inline const Polygon whole_triangle = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+
+// What of the flat triangle with corners x [m] lies inside a box or a sphere. A sphere cuts a plane in a circle, taken as a polygon of the
+// same area.
+Polygon part_inside(const std::array<Vec3, 3>& x, const Params& where);
+
+// Of every triangle of `triangles`; `points` [m] are what they index, `selected` those of them that the block selects.
+std::vector<Polygon> loaded_parts(std::span<const Triangle> triangles, std::span<const Vec3> points, const std::vector<bool>& selected,
+                                  const Params& where);
+
+// A polygon's share of the triangle's area, and the mean of the barycentrics over it.
+struct Share {
+  double area = 0;
+  Vec3 mean = Vec3::Zero();
+};
+Share share_of(const Polygon& polygon);
+
+}  // namespace mortise::effects::pressure_load
