@@ -34,6 +34,7 @@ Certificate::Certificate(const model::ModelInput& input)
       crept_(input),
       bearings_(input),
       touch_lag_(input),
+      slip_sampling_(input),
       shape_defect_(shape_defect(input)),
       schedule_missed_(schedule_missed(input)) {
   const double dt = integration_of(input.scene).step;
@@ -81,7 +82,7 @@ void Certificate::state(const Snapshot& said, double time) {
     if (starts_with(leaf, "force_share_")) kind_share_[leaf.substr(12)] = v;
   }
   const ForceBalance balance = force_balance(said);
-  crept_.state(said), bearings_.state(said), touch_lag_.state(said);
+  crept_.state(said), bearings_.state(said), touch_lag_.state(said), slip_sampling_.state(said);
   if (states_++ > 0) field_errors_.state(said, time);  // where a run starts nothing is solved yet
   largest(written_newton_, said.at("balance/written_defect"));
   largest(balance_newton_, balance.defect);
@@ -126,7 +127,7 @@ void Certificate::checkpoint(Archive& archive) {
   archive.io("kind_share", kind_share_);
   archive.io("first_not_finite", first_not_finite_);
   field_errors_.checkpoint(archive);
-  crept_.checkpoint(archive), bearings_.checkpoint(archive), touch_lag_.checkpoint(archive);
+  crept_.checkpoint(archive), bearings_.checkpoint(archive), touch_lag_.checkpoint(archive), slip_sampling_.checkpoint(archive);
   for (auto [name, value] : {std::pair{"not_finite", &not_finite_},
                              {"states", &states_},
                              {"steps", &steps_},
@@ -173,7 +174,7 @@ void Certificate::step(const solver::StepReport& r) {
   newton_ += r.newton, lag_ += r.lag, cg_ += r.cg, line_search_ += r.line_search, regularised_ += r.regularised;
   most_newton_ = std::max<long>(most_newton_, r.newton);
   if (r.substeps > 1) ++halved_;
-  crept_.step(r.dt), bearings_.step(r.dt), touch_lag_.step(r.substeps);
+  crept_.step(r.dt), bearings_.step(r.dt), touch_lag_.step(r.substeps), slip_sampling_.step(r.dt);
   largest(residual_, r.residual);
   if (r.tolerance > 0) largest(over_tolerance_, r.residual / r.tolerance);
   largest(relative_residual_, r.lag > 0 ? r.relative_lag_residual : r.relative_residual);

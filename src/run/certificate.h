@@ -12,6 +12,7 @@
 #include "run/crept.h"
 #include "run/field_errors.h"
 #include "run/grade.h"
+#include "run/slip_sampling.h"
 #include "run/state_audit.h"
 #include "run/touch_lag.h"
 #include "solver/report.h"
@@ -58,6 +59,7 @@ class Certificate {
   Crept crept_;
   BearingCreep bearings_;
   TouchLag touch_lag_;
+  SlipSampling slip_sampling_;
   double shape_defect_ = 0, schedule_missed_ = NAN;
   std::vector<std::string> passes_through_;  // what nothing keeps apart
   std::vector<std::string> locking_risks_, single_elements_;

@@ -48,6 +48,7 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("shape_defect", shape_defect_ > 0 ? shape_defect_ : NAN, tuning::kShape);
   add("friction_crept", std::fmax(crept_.share(), bearings_.share()), tuning::kCrept);
   add("touch_lag", touch_lag_.share(), tuning::kTouchLag);
+  add("slip_sampling", slip_sampling_.share(), tuning::kSlipSampling);
   add("pressure_roughness", fields.pressure.roughness, tuning::kRoughness, Of::fields);
   add("pressure_misfit", fields.pressure.misfit, tuning::kMisfit, Of::fields);
   add("layer_over_indentation", fields.layer, tuning::kLayer);

@@ -3,30 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "effects/friction/creep.h"
-#include "effects/roles.h"
 #include "geometry/bounds.h"
 #include "run/tuning.h"
 #include "run/vector_at.h"
 
 namespace mortise::run {
 
-namespace {
-
-// Bodies of every sample, in the order of friction's rows: those that press, then those of a guard.
-std::vector<double> bodies_of(const Snapshot& said, const std::string& contact) {
-  std::vector<double> out;
-  for (const char* rows : {"/bodies", "/guard_bodies"})
-    if (const auto it = said.row.find(contact + rows); it != said.row.end()) out.insert(out.end(), it->second.begin(), it->second.end());
-  return out;
-}
-
-}  // namespace
-
-Crept::Crept(const model::ModelInput& input) {
-  const Params& effects = input.scene.at("effects");
-  for (const std::string& name : effects::of_role(effects, effects::Role::follower))
-    laws_[name] = {effects::friction::creep_speed(effects.at(name), input), effects.at(name).has("follows") ? effects.at(name).text("follows") : ""};
+Crept::Crept(const model::ModelInput& input) : laws_(friction_laws(input)) {
   std::size_t first = 0;
   for (const model::BodyInput& body : input.bodies) {
     if (body.type == model::BodyType::half_space) continue;
@@ -37,7 +20,7 @@ Crept::Crept(const model::ModelInput& input) {
 
 double Crept::speed() const {
   double out = NAN;
-  for (const auto& [effect, law] : laws_) out = std::fmax(out, law.speed);
+  for (const auto& [effect, law] : laws_) out = std::fmax(out, law.creep_speed);
   return out;
 }
 
@@ -48,28 +31,10 @@ void Crept::state(const Snapshot& said) {
     for (auto& [bodies, pair] : pairs_) pair.far = std::max(pair.far, farthest(bodies, *u));
 }
 
-void Crept::creeps(const std::string& effect, const Law& law, const Snapshot& said) {
-  const auto force = said.row.find(effect + "/force"), slip = said.row.find(effect + "/slip");
-  if (force == said.row.end() || slip == said.row.end()) return;
-  const std::vector<double> bodies = bodies_of(said, law.follows);
-  const std::size_t samples = force->second.size() / 3;
-  if (bodies.size() != 2 * samples) return;
-  struct Sum {
-    double force = 0, work = 0;  // [N], [J]
-  };
-  std::map<Bodies, Sum> sums;
-  double work = 0;
-  for (std::size_t i = 0; i < samples; ++i) {
-    const Vec3 F = at(force->second, i);
-    const double taken = -F.dot(at(slip->second, i));
-    Sum& of = sums[std::minmax(static_cast<std::size_t>(bodies[2 * i]), static_cast<std::size_t>(bodies[2 * i + 1]))];
-    of.force += F.norm(), of.work += taken, work += taken;
-  }
-  const double rate = work > 0 ? said.at(effect + "/power") / work : 0;  // [1/s]
-  for (const auto& [of, sum] : sums) {
+void Crept::creeps(const std::string& effect, const FrictionLaw& law, const Snapshot& said) {
+  for (const auto& [of, friction] : friction_pairs(effect, law, said)) {
     Pair& pair = pairs_[of];
-    const double slips = sum.force > 0 ? rate * sum.work / sum.force : 0;
-    if (slips < law.speed) pair.now = std::max(pair.now, slips);
+    if (friction.speed() < law.creep_speed) pair.now = std::max(pair.now, friction.speed());
   }
 }
 

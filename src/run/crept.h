@@ -13,6 +13,7 @@
 #include "base/archive.h"
 #include "base/snapshot.h"
 #include "model/input.h"
+#include "run/friction_pairs.h"
 
 namespace mortise::run {
 
@@ -34,16 +35,11 @@ class Crept {
     double crept = 0, far = 0;  // [m]
     double now = 0;             // how fast it creeps in the last state, 0 where it slips [m/s]
   };
-  struct Law {
-    double speed;         // what sticks creeps more slowly [m/s]
-    std::string follows;  // the contact effect
-  };
-  using Bodies = std::pair<std::size_t, std::size_t>;
-  void creeps(const std::string& effect, const Law& law, const Snapshot& said);
+  void creeps(const std::string& effect, const FrictionLaw& law, const Snapshot& said);
   double farthest(const Bodies& bodies, const Snapshot::Values& displacement) const;
 
-  std::map<std::string, Law> laws_;  // by effect
-  std::vector<Body> bodies_;         // that have points; obstacles have later numbers
+  std::map<std::string, FrictionLaw> laws_;
+  std::vector<Body> bodies_;  // that have points; obstacles have later numbers
   std::map<Bodies, Pair> pairs_;
 };
 

@@ -39,6 +39,7 @@ inline constexpr Bounds kLoadTurned{0.05, 0.08};  // a thick tube that is blown 
 inline constexpr Bounds kShape{0.025, 0.05};      // of volume: half of that of stiffness against bending
 inline constexpr Bounds kCrept{0.02, 0.035};      // a pad that was sheared and held lost 23 % of its force at 0.041
 inline constexpr Bounds kTouchLag{0.05, 0.1};
+inline constexpr Bounds kSlipSampling{0.05, 0.1};
 inline constexpr Bounds kMissed{0.05, 0.1};       // of what is asked for: a sine with eight steps in a period, and with six
 inline constexpr Bounds kGivenTurning{0.1, 0.2};  // of energy, as of turning bodies
 inline constexpr Bounds kQuantity{0.05, 0.1};     // an estimate of the error itself
@@ -64,7 +65,7 @@ inline constexpr double kBears = 0.05;
 // touch_lag.h: shear that is less than this share of what presses is none that anybody looks at; of the way that was counted too much, force has the
 // second share, as nodes around that stick already hold it (balls pressed aslant, 1 to 48 steps).
 inline constexpr double kAcross = 0.1, kSoftened = 0.7;
-inline constexpr double kMultiplies = 0.5,
+inline constexpr double kMultiplies = 0.3,
                         kAsFast = 0.75;       // in a step: more is a push; growth of acceleration over that of velocity (motion_lag.cpp)
 inline constexpr double kStill = 0.01;        // of a body's size: less is no motion that anybody looks at (motion_lag.cpp)
 inline constexpr double kSettles = 0.05;      // radians, or of a body on a slide: less is how joints settle (bearing_creep.cpp)
@@ -78,8 +79,9 @@ inline constexpr double kCounts = 1e-3;       // of the most pressure or force: 
 inline constexpr double kNoticed = 3e-3;  // of the most stress, roughly: what a phase changes by less is what steps leave unsolved (field_errors.cpp)
 inline constexpr std::size_t kPhases = 16;  // keys: a schedule with more draws a curve (asked.cpp)
 inline constexpr double kFacing = 0.5;      // cosine of 60 degrees: friction may tilt the force by half of that (contact_patch.cpp)
-inline constexpr double kSmooth = 0.75;     // cosine of some 40 degrees: facets of a coarse ball meet at half of that, sides of a body at more
-inline constexpr double kWhole = 0.97;  // of a node's area: less lies over what presses, and one pressure for all of it is none (contact_patch.cpp)
+inline constexpr double kBearing = 0.9;  // of the force on whole triangles: otherwise edges and corners bear, which have no face (slip_sampling.cpp)
+inline constexpr double kSmooth = 0.75;  // cosine of some 40 degrees: facets of a coarse ball meet at half of that, sides of a body at more
+inline constexpr double kWhole = 0.97;   // of a node's area: less lies over what presses, and one pressure for all of it is none (contact_patch.cpp)
 inline constexpr double kWidened =
     0.8;  // of the last element: forces of flat punches of 2.5 to 7.5 elements a radius are 0.6 to 1 times that too large
 inline constexpr double kBeside = 1.5;    // sizes of the mesh between a sharp edge and the last node inside of it (rim_error.cpp)

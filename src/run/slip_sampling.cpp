@@ -1,0 +1,149 @@
+#include "run/slip_sampling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "run/tuning.h"
+#include "run/vector_at.h"
+
+namespace mortise::run {
+
+SlipSampling::SlipSampling(const model::ModelInput& input) : laws_(friction_laws(input)) {
+  std::size_t first = 0;
+  for (const model::BodyInput& body : input.bodies) {
+    if (body.type == model::BodyType::half_space) continue;
+    bodies_.push_back({first, body.nodes, body.triangles});
+    first += body.nodes.size();
+  }
+}
+
+struct SlipSampling::Fields {
+  std::span<const double> displacement, velocity, contact;
+};
+
+namespace {
+
+struct RigidVelocity {
+  Vec3 centre = Vec3::Zero(), v = Vec3::Zero(), w = Vec3::Zero();
+  Vec3 at(const Vec3& x) const { return v + w.cross(x - centre); }
+};
+
+// Nearest to the points' velocities.
+RigidVelocity rigid_velocity(const std::vector<Vec3>& x, const std::vector<Vec3>& v) {
+  RigidVelocity out;
+  const double n = static_cast<double>(x.size());
+  if (x.empty()) return out;
+  for (std::size_t i = 0; i < x.size(); ++i) out.centre += x[i] / n, out.v += v[i] / n;
+  Mat3 inertia = Mat3::Zero();
+  Vec3 turns = Vec3::Zero();
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Vec3 r = x[i] - out.centre;
+    inertia += r.squaredNorm() * Mat3::Identity() - r * r.transpose();
+    turns += r.cross(v[i] - out.v);
+  }
+  if (x.size() >= 3) out.w = inertia.ldlt().solve(turns);
+  return out;
+}
+
+// Mean length, over a triangle, of what is linear in it with the corner values v: of the middles of its n^2 parts.
+double mean_length(const Vec3 v[3]) {
+  constexpr int n = 8;
+  double sum = 0;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; i + j < n; ++j) {
+      const auto add = [&](double a, double b) { sum += (v[0] + a / n * (v[1] - v[0]) + b / n * (v[2] - v[0])).norm(); };
+      add(i + 1.0 / 3, j + 1.0 / 3);
+      if (i + j < n - 1) add(i + 2.0 / 3, j + 2.0 / 3);
+    }
+  return sum / (n * n);
+}
+
+}  // namespace
+
+// The mean of |v| over what bears; NaN where little of it is on whole triangles.
+double SlipSampling::mean_slip(std::size_t body, std::size_t other, const Fields& f) const {
+  if (body >= bodies_.size()) return NAN;
+  const Body& b = bodies_[body];
+  std::vector<Vec3> x, v;
+  if (other < bodies_.size())
+    for (std::size_t i = 0; i < bodies_[other].rest.size(); ++i) {
+      const std::size_t p = bodies_[other].first + i;
+      x.push_back(bodies_[other].rest[i] + at(f.displacement, p)), v.push_back(at(f.velocity, p));
+    }
+  const RigidVelocity under = rigid_velocity(x, v);
+  struct Face {
+    const Index* v;
+    double area;
+    Vec3 n;
+  };
+  std::vector<Face> faces;
+  std::vector<double> area(b.rest.size(), 0.0);  // of those at a node
+  const auto place = [&](Index i) { return Vec3(b.rest[i] + at(f.displacement, b.first + i)); };
+  for (const Triangle& t : b.triangles) {
+    const Vec3 twice = (place(t.v[1]) - place(t.v[0])).cross(place(t.v[2]) - place(t.v[0])), n = twice.normalized();
+    const bool bears = std::all_of(t.v, t.v + 3, [&](Index i) {
+      const Vec3 force = at(f.contact, b.first + i);
+      return -force.dot(n) > tuning::kFacing * force.norm();
+    });
+    if (!bears) continue;
+    faces.push_back({t.v, 0.5 * twice.norm(), n});
+    for (const Index i : t.v) area[i] += faces.back().area;
+  }
+  double force = 0, slip = 0, all = 0;
+  for (std::size_t i = 0; i < b.rest.size(); ++i) all += at(f.contact, b.first + i).norm();
+  for (const Face& face : faces) {
+    double P = 0, corners = 0;
+    Vec3 u[3];
+    for (int k = 0; k < 3; ++k) {
+      const Index i = face.v[k];
+      const double f_k = face.area / area[i] * at(f.contact, b.first + i).norm();
+      const Vec3 against = at(f.velocity, b.first + i) - under.at(place(i));
+      u[k] = against - against.dot(face.n) * face.n;
+      P += f_k, slip += f_k * u[k].norm(), corners += u[k].norm() / 3;
+    }
+    force += P, slip -= P * (corners - mean_length(u));
+  }
+  return force > tuning::kBearing * all ? slip / force : NAN;
+}
+
+void SlipSampling::state(const Snapshot& said) {
+  for (auto& [bodies, pair] : pairs_) pair.power = 0;
+  const Fields f{of_points(said, "displacement", 3), of_points(said, "velocity", 3), of_points(said, "contact_force", 3)};
+  if (f.displacement.empty() || f.velocity.size() != f.displacement.size() || f.contact.size() != f.displacement.size()) return;
+  for (const auto& [effect, law] : laws_)
+    for (const auto& [bodies, of] : friction_pairs(effect, law, said)) {
+      if (of.speed() < law.creep_speed) continue;
+      Pair& pair = pairs_[bodies];
+      pair.error = INFINITY, pair.power = of.power;
+      for (const auto& [one, other] : {bodies, Bodies{bodies.second, bodies.first}})
+        if (const double slip = mean_slip(one, other, f); slip > 0) pair.error = std::min(pair.error, std::abs(of.pressed_speed() / slip - 1));
+      if (!std::isfinite(pair.error)) pair.error = 0;
+    }
+}
+
+void SlipSampling::step(double dt) {
+  for (auto& [bodies, pair] : pairs_) pair.taken += dt * pair.power, pair.wrong += dt * pair.power * pair.error;
+}
+
+double SlipSampling::share() const {
+  if (laws_.empty()) return NAN;
+  double all = 0, most = 0;
+  for (const auto& [bodies, pair] : pairs_) all += pair.taken;
+  for (const auto& [bodies, pair] : pairs_)
+    if (pair.taken > tuning::kPart * all) most = std::max(most, pair.wrong / pair.taken);
+  return most;
+}
+
+void SlipSampling::checkpoint(Archive& archive) {
+  std::vector<double> of;
+  for (const auto& [bodies, pair] : pairs_)
+    of.insert(of.end(), {static_cast<double>(bodies.first), static_cast<double>(bodies.second), pair.wrong, pair.taken, pair.error, pair.power});
+  archive.io("slip_sampling.pairs", of);
+  if (!archive.loading()) return;
+  pairs_.clear();
+  for (std::size_t i = 0; i + 5 < of.size(); i += 6)
+    pairs_[{static_cast<std::size_t>(of[i]), static_cast<std::size_t>(of[i + 1])}] = {of[i + 2], of[i + 3], of[i + 4], of[i + 5]};
+}
+
+}  // namespace mortise::run

@@ -1,0 +1,50 @@
+#pragma once
+// Friction acts where contact has its samples. Where a face bears on its corners alone, as one of few vertices over a plane does, and turns on what
+// it bears on, friction takes away what the corners' speed says and not that of the face between them: a box of twelve triangles that spins is braked
+// by 1.85 times as much as is right. Between two bodies, with v the speed at which they slip at a place of one body's surface (of the other's rigid
+// motion, across the normal), f_k the contact forces on its nodes, shared out by area to the triangles whose nodes all bear, and P_T their sum on a
+// triangle,
+//
+//     error = |mean slip of the samples, over what presses / (sum_T [sum_k f_k |v_k| - P_T (sum_k |v_k| / 3 - <|v|>_T)] / sum_T P_T) - 1|,
+//
+// <>_T: mean over the triangle; of the body where it is less (a coarse box on a fine table is sampled by the table's nodes). It counts with the
+// energy that friction took away.
+#include <map>
+#include <vector>
+
+#include "base/archive.h"
+#include "base/snapshot.h"
+#include "model/input.h"
+#include "run/friction_pairs.h"
+
+namespace mortise::run {
+
+class SlipSampling {
+ public:
+  explicit SlipSampling(const model::ModelInput& input);
+  void state(const Snapshot& said);
+  void step(double dt);  // that led to that state [s]
+  // Of the pair where it is most, the mean over what friction took away there; NaN without friction. Pairs where that is less than a share of all
+  // do not count.
+  double share() const;
+  void checkpoint(Archive& archive);
+
+ private:
+  struct Body {
+    std::size_t first = 0;  // point
+    std::vector<Vec3> rest;
+    std::vector<Triangle> triangles;
+  };
+  struct Pair {
+    double wrong = 0, taken = 0;  // [J]
+    double error = 0, power = 0;  // now; [W]
+  };
+  struct Fields;
+  double mean_slip(std::size_t body, std::size_t other, const Fields& f) const;
+
+  std::map<std::string, FrictionLaw> laws_;
+  std::vector<Body> bodies_;  // that have points
+  std::map<Bodies, Pair> pairs_;
+};
+
+}  // namespace mortise::run
