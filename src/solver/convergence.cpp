@@ -156,13 +156,13 @@ Convergence::Figures Convergence::figures(const Residual& r, Index body, double 
 }
 
 // The floor of rounding is a bound; the residual may well fall below it, and is given one more iteration to do so where the last one gained
-// a digit.
+// a digit, unless it is far below already.
 bool Convergence::balanced(const Residual& r, Index body, double relative) const {
   const Figures now = figures(r, body, relative);
   if (!(now.force <= now.tolerance)) return false;
   const double asked = std::max(options_.force_tolerance, relative * r.scale[body]);
   if (r.force[body] <= asked || !comparable_[body]) return true;
-  return r.force[body] > tuning::kGains * last_.force[body] || last_.force[body] <= rounding_[body];
+  return r.force[body] > tuning::kGains * last_.force[body] || std::min(last_.force[body], tuning::kFarBelow * r.force[body]) <= rounding_[body];
 }
 
 bool Convergence::at_rest(const Residual& r, Index body, double relative) const {
