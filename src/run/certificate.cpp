@@ -35,6 +35,7 @@ Certificate::Certificate(const model::ModelInput& input)
       bearings_(input),
       touch_lag_(input),
       slip_sampling_(input),
+      stiff_strain_(input),
       shape_defect_(shape_defect(input)),
       schedule_missed_(schedule_missed(input)) {
   const double dt = integration_of(input.scene).step;
@@ -82,7 +83,7 @@ void Certificate::state(const Snapshot& said, double time) {
     if (starts_with(leaf, "force_share_")) kind_share_[leaf.substr(12)] = v;
   }
   const ForceBalance balance = force_balance(said);
-  crept_.state(said), bearings_.state(said), touch_lag_.state(said), slip_sampling_.state(said);
+  crept_.state(said), bearings_.state(said), touch_lag_.state(said), slip_sampling_.state(said), stiff_strain_.state(said);
   if (states_++ > 0) field_errors_.state(said, time);  // where a run starts nothing is solved yet
   largest(written_newton_, said.at("balance/written_defect"));
   largest(balance_newton_, balance.defect);
@@ -127,7 +128,8 @@ void Certificate::checkpoint(Archive& archive) {
   archive.io("kind_share", kind_share_);
   archive.io("first_not_finite", first_not_finite_);
   field_errors_.checkpoint(archive);
-  crept_.checkpoint(archive), bearings_.checkpoint(archive), touch_lag_.checkpoint(archive), slip_sampling_.checkpoint(archive);
+  crept_.checkpoint(archive), bearings_.checkpoint(archive), touch_lag_.checkpoint(archive), slip_sampling_.checkpoint(archive),
+      stiff_strain_.checkpoint(archive);
   for (auto [name, value] : {std::pair{"not_finite", &not_finite_},
                              {"states", &states_},
                              {"steps", &steps_},

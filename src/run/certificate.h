@@ -14,6 +14,7 @@
 #include "run/grade.h"
 #include "run/slip_sampling.h"
 #include "run/state_audit.h"
+#include "run/stiff_strain.h"
 #include "run/touch_lag.h"
 #include "solver/report.h"
 
@@ -60,6 +61,7 @@ class Certificate {
   BearingCreep bearings_;
   TouchLag touch_lag_;
   SlipSampling slip_sampling_;
+  StiffStrain stiff_strain_;
   double shape_defect_ = 0, schedule_missed_ = NAN;
   std::vector<std::string> passes_through_;  // what nothing keeps apart
   std::vector<std::string> locking_risks_, single_elements_;

@@ -31,6 +31,7 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("pressure_sum_defect", pressure_sum_.most, tuning::kPressureSum);
   add("clip_partition_defect", partition_.most, tuning::kPartition);
   add("rigidity_defect", rigidity_, tuning::kRigidity);
+  add("stiff_strain", stiff_strain_.share(), tuning::kStiffStrain);
   add("energy_gain", energy.scale > 0 ? energy.largest_gain / energy.scale : NAN, tuning::kEnergyGain);
   add("free_motion_loss", energy.turnover > 0 ? std::max(energy.free_loss / energy.turnover, energy.alone_loss) : NAN, tuning::kFreeMotionLoss);
   add("stiff_impacts", energy.turnover > 0 ? energy.impacts / energy.turnover : NAN, tuning::kStiffImpacts);

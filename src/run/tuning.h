@@ -40,10 +40,11 @@ inline constexpr Bounds kShape{0.025, 0.05};      // of volume: half of that of 
 inline constexpr Bounds kCrept{0.02, 0.035};      // a pad that was sheared and held lost 23 % of its force at 0.041
 inline constexpr Bounds kTouchLag{0.05, 0.1};
 inline constexpr Bounds kSlipSampling{0.05, 0.1};
-inline constexpr Bounds kMissed{0.05, 0.1};       // of what is asked for: a sine with eight steps in a period, and with six
-inline constexpr Bounds kGivenTurning{0.1, 0.2};  // of energy, as of turning bodies
-inline constexpr Bounds kQuantity{0.05, 0.1};     // an estimate of the error itself
-inline constexpr Bounds kAtStart{0.1, 0.2};       // of energy: half of that of velocities
+inline constexpr Bounds kStiffStrain{0.025, 0.05};  // about the middle: one end is off by twice that from the other
+inline constexpr Bounds kMissed{0.05, 0.1};         // of what is asked for: a sine with eight steps in a period, and with six
+inline constexpr Bounds kGivenTurning{0.1, 0.2};    // of energy, as of turning bodies
+inline constexpr Bounds kQuantity{0.05, 0.1};       // an estimate of the error itself
+inline constexpr Bounds kAtStart{0.1, 0.2};         // of energy: half of that of velocities
 
 // ---- what counts in them
 inline constexpr double kRounding = 1e-12;  // of positions: some thousand times what one rounding makes (certificate.cpp)
@@ -67,6 +68,7 @@ inline constexpr double kBears = 0.05;
 inline constexpr double kAcross = 0.1, kSoftened = 0.7;
 inline constexpr double kMultiplies = 0.3,
                         kAsFast = 0.75;       // in a step: more is a push; growth of acceleration over that of velocity (motion_lag.cpp)
+inline constexpr double kStillStiff = 1e-3;   // of a stiff body's radius: less than that it moves as it settles on a layer (stiff_strain.cpp)
 inline constexpr double kStill = 0.01;        // of a body's size: less is no motion that anybody looks at (motion_lag.cpp)
 inline constexpr double kSettles = 0.05;      // radians, or of a body on a slide: less is how joints settle (bearing_creep.cpp)
 inline constexpr int kLooks = 16;             // in a step, at what is asked for (schedule_missed.cpp)

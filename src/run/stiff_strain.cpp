@@ -1,0 +1,45 @@
+#include "run/stiff_strain.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/rigid_motion.h"
+#include "run/tuning.h"
+#include "run/vector_at.h"
+
+namespace mortise::run {
+
+StiffStrain::StiffStrain(const model::ModelInput& input) : share_(NAN) {
+  std::size_t first = 0;
+  for (const model::BodyInput& body : input.bodies) {
+    if (body.type == model::BodyType::half_space) continue;
+    if (body.type == model::BodyType::stiff) {
+      Vec3 middle = Vec3::Zero();
+      for (const Vec3& x : body.nodes) middle += x / static_cast<double>(body.nodes.size());
+      double radius = 0;
+      for (const Vec3& x : body.nodes) radius = std::max(radius, (x - middle).norm());
+      bodies_.push_back({first, body.nodes, radius});
+    }
+    first += body.nodes.size();
+  }
+}
+
+void StiffStrain::state(const Snapshot& said) {
+  const std::span<const double> displacement = of_points(said, "displacement", 3);
+  if (displacement.empty()) return;
+  share_ = NAN;
+  for (const Body& b : bodies_) {
+    std::vector<Vec3> now;
+    double way = tuning::kStillStiff * b.radius, strained = 0;
+    for (std::size_t i = 0; i < b.rest.size(); ++i) {
+      const Vec3 u = at(displacement, b.first + i);
+      now.push_back(b.rest[i] + u);
+      way = std::max(way, u.norm());
+    }
+    const geometry::Motion rigid = geometry::nearest_motion_of_any(b.rest, now);
+    for (std::size_t i = 0; i < now.size(); ++i) strained = std::max(strained, (now[i] - rigid.R * b.rest[i] - rigid.t).norm());
+    share_ = std::fmax(share_, strained / way);
+  }
+}
+
+}  // namespace mortise::run
