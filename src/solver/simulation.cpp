@@ -228,7 +228,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
         cuts[e].size /= 2;
       } else if (!why[e].empty()) {
         std::ostringstream message;
-        message << "step " << step_[e] << " (t = " << info.t0_of(e) << " s, dt = " << info.dt << " s) failed: " << why[e];
+        message << "step " << step_[e] + 1 << " (t = " << info.t0_of(e) << " s, dt = " << info.dt << " s) failed: " << why[e];
         if (options_.is_static) message << unsupported(model_, e);
         lost_[e] = message.str();
         cuts[e].done = units;

@@ -85,6 +85,8 @@ TEST(PressureLoad, LoadsTheAreaOfABlockThatCutsTriangles) {
   Params box = Params::make_table(), ball = Params::make_table();
   box.set("box", fd::table({{"min", vec({-0.13, -0.9, 0.1})}, {"max", vec({0.31, 0.77, 0.3})}}));
   ball.set("sphere", fd::table({{"centre", vec({0.05, 0.3, 0.5})}, {"radius", Params::make_number(0.5)}}));
+  Params lines = Params::make_table();
+  lines.set("box", fd::table({{"min", vec({-0.25 - 1e-3, -0.5 + 1e-9, 0.2 - 1e-6})}, {"max", vec({0.25 + 1e-3, 0.75 - 1e-9, 0.2 + 1e-6})}}));
   for (const double edge : {0.25, 0.17})
     for (const bool quadratic : {false, true}) {
       model::ModelInput in;
@@ -107,6 +109,7 @@ TEST(PressureLoad, LoadsTheAreaOfABlockThatCutsTriangles) {
         EXPECT_LT((moment - at.cross(Vec3(0, 0, -2000 * area))).norm(), within * 2000 * area) << edge << quadratic;
       };
       loaded(box, 0.44 * 1.67, {0.09, -0.065, 0.2}, 1e-12);
+      if (edge == 0.25) loaded(lines, 0.5 * 1.25, {0, 0.125, 0.2}, 1e-12);  // a little wider than lines of the mesh, or less wide
       loaded(ball, std::numbers::pi * (0.25 - 0.09), {0.05, 0.3, 0.2}, 1e-5);
     }
 }

@@ -23,12 +23,14 @@ std::vector<double> from(double lo, double hi) {
   return r;
 }
 
-// Pressure on the outer ring's outside, facet by facet: a ball around each holds its four corners and no others.
+// Pressure on the outer ring's outside, facet by facet: a ball from far outside, so large that it is flat here, holds each and nothing of its
+// neighbours, which lie behind it.
 std::string outside(double q, int cells) {
-  const double half = 0.25 * std::numbers::pi / cells, reach = 1.01 * std::hypot(kOuter * std::sin(half), 0.5 * kThickness);
+  constexpr double kFar = 1e6, kSlack = 1e-9;
+  const double half = 0.25 * std::numbers::pi / cells, reach = std::hypot(kFar, kOuter * std::sin(half), 0.5 * kThickness) + kSlack;
   std::string out;
   for (int k = 0; k < cells; ++k) {
-    const double angle = half * (2 * k + 1), r = kOuter * std::cos(half);
+    const double angle = half * (2 * k + 1), r = kOuter * std::cos(half) + kFar;
     out += fmt::format("{}{{body: outer, where: {{sphere: {{centre: [{:.17g}, {:.17g}, {:.17g}], radius: {:.17g}}}}}, pressure: {:.17g}}}",
                        k ? ", " : "[", r * std::cos(angle), r * std::sin(angle), 0.5 * kThickness, reach, q);
   }

@@ -1,5 +1,6 @@
 #include "effects/pressure_load/loaded_part.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -11,8 +12,13 @@ namespace {
 // Cosine of the angle between the normals of neighbours that are of one face: the 0.7 rad at which meshing keeps an edge sharp.
 const double kSameFace = std::cos(0.7);
 
-// Sides of the polygon that stands for a circle: its farthest corner is 2e-4 of the radius outside.
-constexpr int kCircle = 64;
+// Of a triangle's extent across a box's side: a corner that is closer to it lies on it. Boxes are drawn a little wider than what they hold, or end on
+// lines of the mesh but for rounding.
+constexpr double kOnSide = 0.01;
+constexpr double kNothing = 1e-9, kWhole = 1 - kNothing;  // of a triangle's area
+
+// Chords that stand for the arc of a circle that is seen from its middle within a triangle.
+constexpr int kChords = 64;
 
 // Without what lies where the linear function with the values d at the triangle's corners is negative (Sutherland and Hodgman 1974).
 Polygon cut(const Polygon& polygon, const Vec3& d) {
@@ -24,6 +30,46 @@ Polygon cut(const Polygon& polygon, const Vec3& d) {
     if ((da < 0) != (db < 0)) out.push_back(a + da / (da - db) * (b - a));
   }
   return out;
+}
+
+Vec3 on_side(const Vec3& d) {
+  const double near = kOnSide * (d.maxCoeff() - d.minCoeff());
+  return d.unaryExpr([near](double v) { return std::abs(v) <= near ? 0.0 : v; });
+}
+
+// Angles [rad] under which a triangle of the plane is seen from the origin: all of them, where that is inside.
+std::pair<double, double> seen(const std::array<Eigen::Vector2d, 3>& x) {
+  const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a[0] * b[1] - a[1] * b[0]; };
+  if (cross(x[0], x[1]) >= 0 && cross(x[1], x[2]) >= 0 && cross(x[2], x[0]) >= 0) return {-std::numbers::pi, std::numbers::pi};
+  const Eigen::Vector2d middle = (x[0] + x[1] + x[2]) / 3;
+  double least = 0, most = 0;
+  for (const Eigen::Vector2d& p : x) {
+    const double from_middle = std::atan2(cross(middle, p), middle.dot(p));
+    least = std::min(least, from_middle), most = std::max(most, from_middle);
+  }
+  const double at = std::atan2(middle[1], middle[0]);
+  return {at + least, at + most};
+}
+
+// The plane of the triangle cuts the ball in a circle of radius rho, which is where  rho e(a) . y <= rho^2  for all angles a; chords in their place
+// have the circle's area.
+Polygon inside_ball(const std::array<Vec3, 3>& x, const Vec3& centre, double radius) {
+  const Vec3 n = (x[1] - x[0]).cross(x[2] - x[0]).normalized(), u = (x[1] - x[0]).normalized(), v = n.cross(u);
+  const double off = n.dot(x[0] - centre);
+  if (!(off < radius && off > -radius)) return {};
+  std::array<Eigen::Vector2d, 3> y;
+  for (int k = 0; k < 3; ++k) y[k] = {u.dot(x[k] - centre), v.dot(x[k] - centre)};
+  const auto [from, to] = seen(y);
+  const double half = (to - from) / (2 * kChords);
+  // The distance a of a chord that cuts off a triangle of the sector's area: a^2 tan(half) = rho^2 half.
+  const double distance = std::sqrt((radius - off) * (radius + off) * (half > 0 ? half / std::tan(half) : 1));
+  Polygon part = whole_triangle;
+  for (int i = 0; i < kChords && !part.empty(); ++i) {
+    const double angle = from + (2 * i + 1) * half;
+    const Eigen::Vector2d e(std::cos(angle), std::sin(angle));
+    part = cut(part, Vec3(distance - e.dot(y[0]), distance - e.dot(y[1]), distance - e.dot(y[2])));
+  }
+  return part;
 }
 
 // Triangles across the edges of each, -1 where there is none.
@@ -52,45 +98,44 @@ Polygon part_inside(const std::array<Vec3, 3>& x, const Params& where) {
     const Vec3 lo = where.at("box").vec3("min"), hi = where.at("box").vec3("max");
     for (int a = 0; a < 3; ++a) {
       const Vec3 along(x[0][a], x[1][a], x[2][a]);
-      part = cut(cut(part, along - Vec3::Constant(lo[a])), Vec3::Constant(hi[a]) - along);
+      part = cut(cut(part, on_side(along - Vec3::Constant(lo[a]))), on_side(Vec3::Constant(hi[a]) - along));
     }
     return part;
   }
-  const Vec3 centre = where.at("sphere").vec3("centre");
-  const double radius = where.at("sphere").number("radius");
-  const Vec3 n = (x[1] - x[0]).cross(x[2] - x[0]).normalized(), u = (x[1] - x[0]).normalized(), v = n.cross(u);
-  const double off = n.dot(x[0] - centre);
-  if (!(off < radius && off > -radius)) return {};
-  // The inner radius a of a polygon of n sides with the circle's area: n a^2 tan(pi / n) = pi r^2.
-  const double side = std::numbers::pi / kCircle;
-  const double inner = std::sqrt((radius * radius - off * off) * side / std::tan(side));
-  for (int i = 0; i < kCircle && !part.empty(); ++i) {
-    const Vec3 out = std::cos(2 * side * i) * u + std::sin(2 * side * i) * v;
-    part = cut(part, Vec3(inner - out.dot(x[0] - centre), inner - out.dot(x[1] - centre), inner - out.dot(x[2] - centre)));
-  }
-  return part;
+  return inside_ball(x, where.at("sphere").vec3("centre"), where.at("sphere").number("radius"));
 }
 
 std::vector<Polygon> loaded_parts(std::span<const Triangle> triangles, std::span<const Vec3> points, const std::vector<bool>& selected,
                                   const Params& where) {
   std::vector<Polygon> out(triangles.size());
+  const auto corners = [&](std::size_t t) {
+    const Index* v = triangles[t].v;
+    return std::array{points[v[0]], points[v[1]], points[v[2]]};
+  };
+  if (where.has("side")) {
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      const Index* v = triangles[t].v;
+      if (selected[v[0]] && selected[v[1]] && selected[v[2]]) out[t] = whole_triangle;
+    }
+    return out;
+  }
+  std::vector<Polygon> inside;
   std::vector<std::size_t> grown;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const Index* v = triangles[t].v;
-    if (selected[v[0]] && selected[v[1]] && selected[v[2]]) out[t] = whole_triangle, grown.push_back(t);
+    inside.push_back(part_inside(corners(t), where));
+    if (share_of(inside[t]).area >= kWhole) out[t] = inside[t], grown.push_back(t);
   }
-  if (where.has("side")) return out;
   const auto normal = [&](std::size_t t) {
-    const Index* v = triangles[t].v;
-    return (points[v[1]] - points[v[0]]).cross(points[v[2]] - points[v[0]]).normalized();
+    const std::array<Vec3, 3> x = corners(t);
+    return (x[1] - x[0]).cross(x[2] - x[0]).normalized();
   };
   const std::vector<std::array<Index, 3>> neighbours = neighbours_of(triangles);
   for (std::size_t done = 0; done < grown.size(); ++done)
     for (const Index next : neighbours[grown[done]]) {
-      if (next < 0 || !out[next].empty() || normal(grown[done]).dot(normal(next)) < kSameFace) continue;
-      const Index* v = triangles[next].v;
-      out[next] = part_inside({points[v[0]], points[v[1]], points[v[2]]}, where);
-      if (!out[next].empty()) grown.push_back(static_cast<std::size_t>(next));
+      if (next < 0 || !out[next].empty() || share_of(inside[next]).area <= kNothing) continue;
+      if (normal(grown[done]).dot(normal(next)) < kSameFace) continue;
+      out[next] = inside[next];
+      grown.push_back(static_cast<std::size_t>(next));
     }
   return out;
 }

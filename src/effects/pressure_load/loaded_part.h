@@ -17,8 +17,8 @@ using Polygon = std::vector<Vec3>;
 
 inline const Polygon whole_triangle = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
 
-// What of the flat triangle with corners x [m] lies inside a box or a sphere. A sphere cuts a plane in a circle, taken as a polygon of the
-// same area.
+// What of the flat triangle with corners x [m] lies inside a box or a sphere. A sphere cuts a plane in a circle, taken as chords that
+// enclose the same area. Corners very near to a side of a box lie on it.
 Polygon part_inside(const std::array<Vec3, 3>& x, const Params& where);
 
 // Of every triangle of `triangles`; `points` [m] are what they index, `selected` those of them that the block selects.
