@@ -162,7 +162,7 @@ bool Convergence::balanced(const Residual& r, Index body, double relative) const
   if (!(now.force <= now.tolerance)) return false;
   const double asked = std::max(options_.force_tolerance, relative * r.scale[body]);
   if (r.force[body] <= asked || !comparable_[body]) return true;
-  return r.force[body] > tuning::kGains * last_.force[body] || std::min(last_.force[body], tuning::kFarBelow * r.force[body]) <= rounding_[body];
+  return r.force[body] > tuning::kGains * last_.force[body] || r.force[body] <= tuning::kGains * rounding_[body];
 }
 
 bool Convergence::at_rest(const Residual& r, Index body, double relative) const {

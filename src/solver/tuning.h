@@ -8,8 +8,7 @@ namespace mortise::solver::tuning {
 // ---- when is a step solved? (convergence.h)
 inline constexpr double kMotion = 1e-3;       // of the way in this step: far below what the time step itself leaves
 inline constexpr double kSize = 1e-6;         // of the body, for one that hardly moves
-inline constexpr double kGains = 0.1;         // a residual below the floor of rounding goes on while an iteration still gains a digit
-inline constexpr double kFarBelow = 10;       // times a residual: below the floor of rounding then, it has nothing to gain
+inline constexpr double kGains = 0.1;         // a residual below the floor of rounding goes on while a digit is gained, to a digit below
 inline constexpr double kSupportGap = 1e-13;  // of the scene's length: what rounding leaves of the way of a support
 inline constexpr Index kFirstLook = 8;        // iteration at which what touches by now is looked at; then ever more seldom, by powers of two
 
