@@ -43,4 +43,20 @@ Motion nearest_motion_of_any(const std::vector<Vec3>& from, const std::vector<Ve
   return shift;
 }
 
+RigidVelocity nearest_velocity(const std::vector<Vec3>& x, const std::vector<Vec3>& v) {
+  if (x.empty()) return {};
+  RigidVelocity out;
+  for (std::size_t i = 0; i < x.size(); ++i) out.centre += x[i], out.v += v[i];
+  out.centre /= static_cast<double>(x.size()), out.v /= static_cast<double>(x.size());
+  Mat3 inertia = Mat3::Zero();
+  Vec3 momentum = Vec3::Zero();
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Vec3 r = x[i] - out.centre;
+    inertia += r.squaredNorm() * Mat3::Identity() - r * r.transpose();
+    momentum += r.cross(v[i] - out.v);
+  }
+  out.w = inertia.ldlt().solve(momentum);
+  return out;
+}
+
 }  // namespace mortise::geometry

@@ -31,4 +31,12 @@ bool fixes_a_frame(const std::vector<Vec3>& points);
 // The same of any points: their mean shift where they span no more than a line.
 Motion nearest_motion_of_any(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
 
+// v + w x (x - centre), of points at x [m].
+struct RigidVelocity {
+  Vec3 centre = Vec3::Zero(), v = Vec3::Zero(), w = Vec3::Zero();  // [m], [m/s], [rad/s]
+  Vec3 at(const Vec3& x) const { return v + w.cross(x - centre); }
+};
+// That nearest to the velocities v of points x (least squares); at rest without any.
+RigidVelocity nearest_velocity(const std::vector<Vec3>& x, const std::vector<Vec3>& v);
+
 }  // namespace mortise::geometry

@@ -88,15 +88,9 @@ Vec3 MeasuredBody::rotation(const std::vector<double>& start, const std::vector<
 }
 
 Vec3 MeasuredBody::spin(const std::vector<double>& velocity, const std::vector<double>& points) const {
-  const Vec3 x = sum(points) / static_cast<double>(count), v = sum(velocity) / static_cast<double>(count);
-  Mat3 inertia = Mat3::Zero();
-  Vec3 momentum = Vec3::Zero();
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vec3 r = vector_at(points, first + i) - x;
-    inertia += r.squaredNorm() * Mat3::Identity() - r * r.transpose();
-    momentum += r.cross(vector_at(velocity, first + i) - v);
-  }
-  return inertia.ldlt().solve(momentum);
+  std::vector<Vec3> x, v;
+  for (std::size_t i = first; i < first + count; ++i) x.push_back(vector_at(points, i)), v.push_back(vector_at(velocity, i));
+  return geometry::nearest_velocity(x, v).w;
 }
 
 double MeasuredBody::kinetic_energy(const std::vector<double>& velocity, const std::vector<double>& points) const {

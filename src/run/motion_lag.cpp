@@ -8,16 +8,16 @@
 namespace mortise::run {
 
 void MotionLag::Ways::start(const Vec3& v, double least_way) {
-  v0.insert(v0.end(), {v[0], v[1], v[2]});
-  this->v = v0, a.resize(v0.size(), 0.0);
+  for (std::vector<double>* velocities : {&v0, &v_last}) velocities->insert(velocities->end(), {v[0], v[1], v[2]});
+  a_last.insert(a_last.end(), 3, 0.0);
   a0.push_back(0), least.push_back(least_way), far.push_back(0), ahead.push_back(0);
 }
 
 void MotionLag::Ways::multiply(std::size_t body, const Vec3& velocity, double h) {
-  const Vec3 dv = velocity - vector_at(v, body), now = dv / h, da = now - vector_at(a, body);
+  const Vec3 dv = velocity - vector_at(v_last, body), now = dv / h, da = now - vector_at(a_last, body);
   const double grows = dv.dot(velocity) / velocity.squaredNorm(), more = da.dot(now) / now.squaredNorm();
   if (grows > 0 && grows < tuning::kMultiplies && more < tuning::kMultiplies && more > tuning::kAsFast * grows) ahead[body] += 0.5 * h * grows;
-  for (int k = 0; k < 3; ++k) v[3 * body + k] = velocity[k], a[3 * body + k] = now[k];
+  for (int k = 0; k < 3; ++k) v_last[3 * body + k] = velocity[k], a_last[3 * body + k] = now[k];
 }
 
 double MotionLag::Ways::lag(std::size_t body, const Vec3& way, const Vec3& velocity, double h, long steps) {
@@ -32,7 +32,7 @@ double MotionLag::Ways::lag(std::size_t body, const Vec3& way, const Vec3& veloc
 
 void MotionLag::Ways::checkpoint(Archive& archive, const std::string& name) {
   for (auto [what, values] :
-       {std::pair{".velocity", &v0}, {".a0", &a0}, {".least", &least}, {".far", &far}, {".v", &v}, {".a", &a}, {".ahead", &ahead}})
+       {std::pair{".velocity", &v0}, {".a0", &a0}, {".least", &least}, {".far", &far}, {".v", &v_last}, {".a", &a_last}, {".ahead", &ahead}})
     archive.io(name + what, *values);
 }
 

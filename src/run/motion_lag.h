@@ -28,10 +28,10 @@ class MotionLag {
  private:
   // Ways of all bodies, of their centres [m] or of their turning [rad].
   struct Ways {
-    std::vector<double> v0, a0;      // velocities at the start, 3 per body; accelerations in the first step
-    std::vector<double> v, a;        // of the last step, 3 per body
-    std::vector<double> ahead;       // of what multiplies [s]
-    std::vector<double> least, far;  // smallest way that counts, farthest from the start so far
+    std::vector<double> v0, a0;          // velocities at the start, 3 per body; accelerations in the first step
+    std::vector<double> v_last, a_last;  // of the last step, 3 per body
+    std::vector<double> ahead;           // of what multiplies [s]
+    std::vector<double> least, far;      // smallest way that counts, farthest from the start so far
     void start(const Vec3& v, double least_way);
     double lag(std::size_t body, const Vec3& way, const Vec3& velocity, double h, long steps);
     void multiply(std::size_t body, const Vec3& velocity, double h);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "geometry/rigid_motion.h"
 #include "run/tuning.h"
 #include "run/vector_at.h"
 
@@ -23,28 +24,6 @@ struct SlipSampling::Fields {
 };
 
 namespace {
-
-struct RigidVelocity {
-  Vec3 centre = Vec3::Zero(), v = Vec3::Zero(), w = Vec3::Zero();
-  Vec3 at(const Vec3& x) const { return v + w.cross(x - centre); }
-};
-
-// Nearest to the points' velocities.
-RigidVelocity rigid_velocity(const std::vector<Vec3>& x, const std::vector<Vec3>& v) {
-  RigidVelocity out;
-  const double n = static_cast<double>(x.size());
-  if (x.empty()) return out;
-  for (std::size_t i = 0; i < x.size(); ++i) out.centre += x[i] / n, out.v += v[i] / n;
-  Mat3 inertia = Mat3::Zero();
-  Vec3 turns = Vec3::Zero();
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const Vec3 r = x[i] - out.centre;
-    inertia += r.squaredNorm() * Mat3::Identity() - r * r.transpose();
-    turns += r.cross(v[i] - out.v);
-  }
-  if (x.size() >= 3) out.w = inertia.ldlt().solve(turns);
-  return out;
-}
 
 // Mean length, over a triangle, of what is linear in it with the corner values v: of the middles of its n^2 parts.
 double mean_length(const Vec3 v[3]) {
@@ -71,7 +50,7 @@ double SlipSampling::mean_slip(std::size_t body, std::size_t other, const Fields
       const std::size_t p = bodies_[other].first + i;
       x.push_back(bodies_[other].rest[i] + at(f.displacement, p)), v.push_back(at(f.velocity, p));
     }
-  const RigidVelocity under = rigid_velocity(x, v);
+  const geometry::RigidVelocity under = geometry::nearest_velocity(x, v);
   struct Face {
     const Index* v;
     double area;

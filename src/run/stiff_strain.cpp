@@ -9,7 +9,7 @@
 
 namespace mortise::run {
 
-StiffStrain::StiffStrain(const model::ModelInput& input) : share_(NAN) {
+StiffStrain::StiffStrain(const model::ModelInput& input) {
   std::size_t first = 0;
   for (const model::BodyInput& body : input.bodies) {
     if (body.type == model::BodyType::half_space) continue;
@@ -26,20 +26,31 @@ StiffStrain::StiffStrain(const model::ModelInput& input) : share_(NAN) {
 
 void StiffStrain::state(const Snapshot& said) {
   const std::span<const double> displacement = of_points(said, "displacement", 3);
-  if (displacement.empty()) return;
-  share_ = NAN;
+  if (!bodies_.empty() && !displacement.empty()) displacement_.assign(displacement.begin(), displacement.end());
+}
+
+double StiffStrain::share() const {
+  if (displacement_.empty()) return before_;
+  double worst = NAN;
   for (const Body& b : bodies_) {
     std::vector<Vec3> now;
     double way = tuning::kStillStiff * b.radius, strained = 0;
     for (std::size_t i = 0; i < b.rest.size(); ++i) {
-      const Vec3 u = at(displacement, b.first + i);
+      const Vec3 u = at(displacement_, b.first + i);
       now.push_back(b.rest[i] + u);
       way = std::max(way, u.norm());
     }
     const geometry::Motion rigid = geometry::nearest_motion_of_any(b.rest, now);
     for (std::size_t i = 0; i < now.size(); ++i) strained = std::max(strained, (now[i] - rigid.R * b.rest[i] - rigid.t).norm());
-    share_ = std::fmax(share_, strained / way);
+    worst = std::fmax(worst, strained / way);
   }
+  return worst;
+}
+
+void StiffStrain::checkpoint(Archive& archive) {
+  double now = share();
+  archive.io("stiff_strain", now);
+  if (archive.loading()) before_ = now, displacement_.clear();
 }
 
 }  // namespace mortise::run

@@ -6,6 +6,7 @@
 //     [m]
 //
 // of the worst body at the last state: what impacts do for an instant is no error of where bodies are.
+#include <cmath>
 #include <vector>
 
 #include "base/archive.h"
@@ -18,8 +19,8 @@ class StiffStrain {
  public:
   explicit StiffStrain(const model::ModelInput& input);
   void state(const Snapshot& said);
-  double share() const { return share_; }  // NaN without stiff bodies
-  void checkpoint(Archive& archive) { archive.io("stiff_strain", share_); }
+  double share() const;  // NaN without stiff bodies
+  void checkpoint(Archive& archive);
 
  private:
   struct Body {
@@ -28,7 +29,8 @@ class StiffStrain {
     double radius;  // [m]
   };
   std::vector<Body> bodies_;
-  double share_;
+  std::vector<double> displacement_;  // of all points at the last state [m]; empty: none since the run went on
+  double before_ = NAN;               // that, of the state from which it went on
 };
 
 }  // namespace mortise::run

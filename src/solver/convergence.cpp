@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "effects/body_blocks.h"
+#include "model/radius.h"
 #include "solver/kernels.h"
 #include "solver/tuning.h"
 
@@ -18,9 +19,10 @@ static std::vector<double> reaches(const model::Model& model) {
   for (const model::Body& body : model.bodies) {
     if (body.type != model::BodyType::soft) continue;
     double far = 0;
-    for (Index b = body.block_begin; b < body.block_end; ++b)
-      for (const model::TieTerm& t : model.ties.tied(b) ? model.ties.terms(b) : std::vector<model::TieTerm>())
-        far = std::max(far, std::abs(t.weight) * rest[t.block].norm());
+    for (Index b = body.block_begin; b < body.block_end; ++b) {
+      if (!model.ties.tied(b)) continue;
+      for (const model::TieTerm& t : model.ties.terms(b)) far = std::max(far, std::abs(t.weight) * rest[t.block].norm());
+    }
     std::fill(reach.begin() + body.block_begin, reach.begin() + body.block_end, far);
   }
   return reach;
@@ -32,8 +34,7 @@ Convergence::Convergence(const model::Model& model, const Options& options) : mo
   const std::vector<double> position = effects::translation_weight(model);
   std::vector<double> lever(model.blocks, 1.0);
   for (const model::Body& body : model.bodies) {
-    double radius = 0;
-    for (Index p = body.point_begin; p < body.point_end; ++p) radius = std::max(radius, (rest[p] - body.centre).norm());
+    const double radius = model::radius(body, rest);
     radius_.push_back(radius);
     blocks.push_back(body.block_end);
     for (Index b = body.block_begin; b < body.block_end; ++b)

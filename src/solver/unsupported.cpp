@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "base/disjoint_sets.h"
+#include "model/radius.h"
 
 namespace mortise::solver {
 namespace {
@@ -11,8 +12,7 @@ constexpr double kFree = 1e-9;  // of the largest eigenvalue: far above rounding
 
 // Free rigid motions of a soft body, 0 to 6.
 int free_motions(const model::Model& model, const model::Body& body, const std::vector<Mat3>& projector, const std::vector<Vec3>& rest) {
-  double size = 0;
-  for (Index p = body.point_begin; p < body.point_end; ++p) size = std::max(size, (rest[p] - body.centre).norm());
+  const double size = model::radius(body, rest);
   Eigen::Matrix<double, 6, 6> form = Eigen::Matrix<double, 6, 6>::Zero();
   for (Index b = body.block_begin; b < body.block_end; ++b) {
     if (!model.held[b]) continue;
@@ -52,14 +52,14 @@ std::string listed(const std::string& names, const std::string& name) { return n
 std::string unsupported(const model::Model& model, Index env) {
   const std::vector<Mat3> projector = model.projector.download();
   const std::vector<Vec3> rest = model.rest_points.download();
-  const std::vector<bool> held = carried(model);
+  const std::vector<bool> is_carried = carried(model);
   std::string loose, turning, hinged;
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     const model::Body& body = model.bodies[i];
     if (body.env != env) continue;
     const auto first = model.held.begin() + body.block_begin, last = model.held.begin() + body.block_end;
     if (std::all_of(first, last, [](auto held) { return held == 0; })) {
-      if (!held[i]) loose = listed(loose, body.name);
+      if (!is_carried[i]) loose = listed(loose, body.name);
     } else if (body.type == model::BodyType::stiff && std::any_of(first, last, [](auto held) { return held == 0; }))
       hinged = listed(hinged, body.name);
     else if (body.type == model::BodyType::soft && free_motions(model, body, projector, rest) > 0)

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "geometry/primitives.h"
+#include "base/memory_archive.h"
 #include "tables.h"
 
 using namespace mortise;
@@ -31,6 +31,12 @@ TEST(StiffStrain, IsAShareOfTheFarthestWay) {
     said.points("displacement", "m", 3, u);
     run::StiffStrain strain(input);
     strain.state(said);
+    MemoryArchive saved;
+    strain.checkpoint(saved);
+    saved.rewind();
+    run::StiffStrain resumed(input);
+    resumed.checkpoint(saved);
+    EXPECT_EQ(resumed.share(), strain.share());
     return strain.share();
   };
   EXPECT_NEAR(share(4e-3, 0), 1e-4 / 4.1e-3, 1e-6);

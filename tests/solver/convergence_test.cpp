@@ -73,6 +73,9 @@ TEST(Convergence, BelowRoundingItGoesOnWhileDigitsAreGained) {
   EXPECT_FALSE(j.solved()) << "from 1 N";
   j.now.force[0] = 1e-4;
   EXPECT_TRUE(j.solved()) << "far below, there is nothing to gain";
+  j.before.force[0] = 1e-3;
+  EXPECT_TRUE(j.solved()) << "what it came from may have been rounding";
+  j.before.force[0] = 1;
   j.now.force[0] = 0.1 * j.before.force[0];
   EXPECT_FALSE(j.solved()) << "more than rounding";
 }

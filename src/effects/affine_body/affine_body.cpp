@@ -8,6 +8,7 @@
 #include "effects/body_blocks.h"
 #include "effects/list.h"
 #include "effects/per_environment.h"
+#include "model/radius.h"
 
 namespace mortise::effects {
 namespace {
@@ -62,11 +63,12 @@ class AffineBody final : public Effect {
  public:
   AffineBody(const Params& params, model::Model& model) : model_(model) {
     for (Index e = 0; e < model.envs; ++e) given_.push_back(stiffness_of(params, model, e));
+    const std::vector<Vec3> rest = model.rest_points.download();
     std::vector<StiffBody> bodies;
     std::vector<Index> body_env;
     for (const model::Body& body : model.bodies) {
       if (body.type != model::BodyType::stiff) continue;
-      bodies.push_back({body.block_begin + 1, body.volume, body.volume * given_[body.env], radius_of(body)});
+      bodies.push_back({body.block_begin + 1, body.volume, body.volume * given_[body.env], model::radius(body, rest)});
       stiffness_.push_back(given_[body.env]);
       names_.push_back(body.name);
       body_env.push_back(body.env);
@@ -196,14 +198,6 @@ class AffineBody final : public Effect {
     std::vector<StiffBody> bodies = bodies_.download();
     for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i].Vk = bodies[i].V * stiffness_[i];
     bodies_.upload(bodies);
-  }
-
-  double radius_of(const model::Body& body) const {
-    const std::vector<Vec3> rest = model_.rest_points.download();
-    const Vec3 p = model_.rest.download()[body.block_begin];
-    double most = 0;
-    for (Index i = body.point_begin; i < body.point_end; ++i) most = std::max(most, (rest[i] - p).norm());
-    return most;
   }
 
   model::Model& model_;

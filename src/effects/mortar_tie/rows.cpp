@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "effects/mortar_tie/mortar_tie.h"
 #include "geometry/bounds.h"
+#include "geometry/cut_polygon.h"
 #include "geometry/quadratic.h"
 #include "geometry/triangle_rule.h"
 #include "linalg/dense.h"
@@ -58,19 +59,11 @@ void barycentrics(const Vec2 t[3], const Vec2& x, double l[3]) {
   for (int k = 0; k < 3; ++k) l[k] = cross(t[(k + 1) % 3] - x, t[(k + 2) % 3] - x) / whole;
 }
 
-// The part of a polygon that lies in the triangle (Sutherland, Hodgman).
+// The part of a polygon that lies in the triangle.
 std::vector<Vec2> clip(std::vector<Vec2> polygon, const Vec2 t[3]) {
-  for (int k = 0; k < 3 && !polygon.empty(); ++k) {
+  for (int k = 0; k < 3; ++k) {
     const Vec2 from = t[k], along = t[(k + 1) % 3] - from;
-    const auto inside = [&](const Vec2& x) { return cross(along, x - from); };
-    std::vector<Vec2> kept;
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-      const Vec2 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-      const double sa = inside(a), sb = inside(b);
-      if (sa >= 0) kept.push_back(a);
-      if ((sa > 0 && sb < 0) || (sa < 0 && sb > 0)) kept.push_back(a + sa / (sa - sb) * (b - a));
-    }
-    polygon = std::move(kept);
+    polygon = geometry::cut(polygon, [&](const Vec2& x) { return cross(along, x - from); });
   }
   return polygon;
 }

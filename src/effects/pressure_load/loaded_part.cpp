@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "geometry/cut_polygon.h"
+
 namespace mortise::effects::pressure_load {
 namespace {
 
@@ -20,16 +22,9 @@ constexpr double kNothing = 1e-9, kWhole = 1 - kNothing;  // of a triangle's are
 // Chords that stand for the arc of a circle that is seen from its middle within a triangle.
 constexpr int kChords = 64;
 
-// Without what lies where the linear function with the values d at the triangle's corners is negative (Sutherland and Hodgman 1974).
+// Without what lies where the linear function with the values d at the triangle's corners is negative.
 Polygon cut(const Polygon& polygon, const Vec3& d) {
-  Polygon out;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vec3 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-    const double da = d.dot(a), db = d.dot(b);
-    if (da >= 0) out.push_back(a);
-    if ((da < 0) != (db < 0)) out.push_back(a + da / (da - db) * (b - a));
-  }
-  return out;
+  return geometry::cut(polygon, [&d](const Vec3& b) { return d.dot(b); });
 }
 
 Vec3 on_side(const Vec3& d) {
@@ -105,14 +100,16 @@ Polygon part_inside(const std::array<Vec3, 3>& x, const Params& where) {
   return inside_ball(x, where.at("sphere").vec3("centre"), where.at("sphere").number("radius"));
 }
 
-std::vector<Polygon> loaded_parts(std::span<const Triangle> triangles, std::span<const Vec3> points, const std::vector<bool>& selected,
-                                  const Params& where) {
+std::vector<Polygon> loaded_parts(const model::Model& model, const model::Body& body, std::span<const Triangle> triangles,
+                                  std::span<const Vec3> points, const Params& where) {
   std::vector<Polygon> out(triangles.size());
   const auto corners = [&](std::size_t t) {
     const Index* v = triangles[t].v;
     return std::array{points[v[0]], points[v[1]], points[v[2]]};
   };
   if (where.has("side")) {
+    std::vector<bool> selected(points.size(), false);
+    for (const Index point : model::select_points(model, body, where)) selected[point] = true;
     for (std::size_t t = 0; t < triangles.size(); ++t) {
       const Index* v = triangles[t].v;
       if (selected[v[0]] && selected[v[1]] && selected[v[2]]) out[t] = whole_triangle;

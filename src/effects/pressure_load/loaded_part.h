@@ -9,6 +9,7 @@
 
 #include "base/params.h"
 #include "base/types.h"
+#include "model/model.h"
 
 namespace mortise::effects::pressure_load {
 
@@ -21,9 +22,9 @@ inline const Polygon whole_triangle = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ
 // enclose the same area. Corners very near to a side of a box lie on it.
 Polygon part_inside(const std::array<Vec3, 3>& x, const Params& where);
 
-// Of every triangle of `triangles`; `points` [m] are what they index, `selected` those of them that the block selects.
-std::vector<Polygon> loaded_parts(std::span<const Triangle> triangles, std::span<const Vec3> points, const std::vector<bool>& selected,
-                                  const Params& where);
+// Of every one of the body's `triangles`; `points` [m] are those of the model, at rest.
+std::vector<Polygon> loaded_parts(const model::Model& model, const model::Body& body, std::span<const Triangle> triangles,
+                                  std::span<const Vec3> points, const Params& where);
 
 // A polygon's share of the triangle's area, and the mean of the barycentrics over it.
 struct Share {

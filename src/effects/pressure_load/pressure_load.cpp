@@ -128,8 +128,6 @@ class PressureLoad final : public Effect {
   }
 
   bool add_body(const Params& p, const model::Body& body, Index load, const Vec3& traction, std::map<std::pair<Index, Index>, BlockLoad>& loads_of) {
-    std::vector<bool> selected(model_.points, false);
-    for (Index point : model::select_points(model_, body, p.at("where"))) selected[point] = true;
     const auto triangles = model_.surface.triangles.download();
     const auto faces = model_.faces.nodes.download();
     const auto quarter = model_.faces.quarter.download();
@@ -145,7 +143,7 @@ class PressureLoad final : public Effect {
       }
     };
     const std::vector<pressure_load::Polygon> parts = pressure_load::loaded_parts(
-        std::span(triangles).subspan(body.triangle_begin, body.triangle_end - body.triangle_begin), rest, selected, p.at("where"));
+        model_, body, std::span(triangles).subspan(body.triangle_begin, body.triangle_end - body.triangle_begin), rest, p.at("where"));
     bool any = false;
     for (Index t = body.triangle_begin; t < body.triangle_end; ++t) {
       const pressure_load::Polygon& part = parts[t - body.triangle_begin];
