@@ -44,7 +44,7 @@ class Hull {
 std::vector<Index> bonded(const Params& bond, const BodyInput& soft, const BodyInput& stiff) {
   if (!bond.has("where") && !bond.has("within")) throw Error(Exit::scene, bond.where(), "which nodes are bonded? give 'where', 'within' or both");
   std::vector<Index> nodes = select(soft.nodes, bond.find("where"));
-  if (nodes.empty()) throw Error(Exit::scene, bond.at("where").where(), "selects no node of body '" + soft.name + "'");
+  if (nodes.empty()) selects_nothing(bond.at("where"), "node", soft.name, soft.nodes);
   if (!bond.has("within")) return nodes;
   const Hull hull(stiff, bond.number("within"));
   std::erase_if(nodes, [&](Index i) { return !hull.holds(soft.nodes[i]); });

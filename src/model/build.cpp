@@ -8,6 +8,7 @@
 #include "geometry/topology.h"
 #include "model/clusters.h"
 #include "model/model.h"
+#include "model/points_of.h"
 #include "model/select.h"
 #include "model/stiff_mass.h"
 #include "model/volumetric.h"
@@ -338,7 +339,7 @@ void build(Model& model) {
 
 std::vector<Index> select_points(const Model& model, const Body& body, const Params& where) {
   const std::vector<Vec3> rest = model.rest_points.download();
-  std::vector<Index> out = select(std::span(rest).subspan(body.point_begin, body.point_end - body.point_begin), where);
+  std::vector<Index> out = select(points_of(body, rest), where);
   for (Index& i : out) i += body.point_begin;
   return out;
 }

@@ -1,7 +1,9 @@
 #include "model/select.h"
 
 #include <numeric>
+#include <sstream>
 
+#include "base/error.h"
 #include "geometry/bounds.h"
 
 namespace mortise::model {
@@ -35,6 +37,22 @@ std::vector<Index> select(std::span<const Vec3> rest, const Params* where) {
   std::vector<Index> all(rest.size());
   std::iota(all.begin(), all.end(), 0);
   return all;
+}
+
+void selects_nothing(const Params& where, const std::string& what, const std::string& body, std::span<const Vec3> rest) {
+  std::ostringstream why;
+  if (where.has("box")) {
+    const Vec3 a = where.at("box").vec3("min"), b = where.at("box").vec3("max");
+    for (int axis = 0; axis < 3; ++axis)
+      if (a[axis] > b[axis])
+        why << (why.tellp() == 0 ? ": 'min' of its box lies above 'max' along " : ", ") << "xyz"[axis] << " (" << a[axis] << " > " << b[axis] << ")";
+  }
+  if (why.tellp() == 0 && !where.has("side")) {
+    const geometry::Bounds bounds = geometry::bounds_of(rest);
+    for (int axis = 0; axis < 3; ++axis)
+      why << (axis == 0 ? ": at rest the body lies in " : ", ") << "xyz"[axis] << " = " << bounds.lo[axis] << " to " << bounds.hi[axis] << " m";
+  }
+  throw Error(Exit::scene, where.where(), "selects no " + what + " of body '" + body + "'" + why.str());
 }
 
 }  // namespace mortise::model

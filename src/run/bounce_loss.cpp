@@ -8,8 +8,14 @@ namespace mortise::run {
 
 namespace {
 
-// A body on a joint may turn about the joint.
-double energy_of(const MovingBody& b) { return b.free ? b.energy() : b.energy() + b.turns; }
+// What hangs together.
+struct Group {
+  std::size_t bodies = 0;
+  double moves = 0, turns = 0;  // energy of motion of the centres, and of turning [J]
+  bool touches = false, given = false, swings = true;
+  // One body that is free turns as it likes.
+  double energy(bool free) const { return bodies == 1 && free ? moves : moves + turns; }
+};
 
 }  // namespace
 
@@ -17,19 +23,26 @@ void BounceLoss::state(const std::vector<MovingBody>& bodies, double lost) {
   if (bodies.empty()) return;
   if (steps_.empty())
     for (std::vector<double>* v : {&steps_, &slow_, &before_, &lost_, &soft_}) v->assign(bodies.size(), 0.0);
+  std::vector<Group> groups(bodies.size());
+  for (const MovingBody& b : bodies) {
+    Group& g = groups[b.group];
+    ++g.bodies, g.moves += b.energy(), g.turns += b.turns;
+    g.touches = g.touches || b.touches || b.stopped, g.given = g.given || b.given, g.swings = g.swings && b.swings;
+  }
   const bool soft = std::any_of(bodies.begin(), bodies.end(), [](const MovingBody& b) { return b.body.soft() && b.touches; });
   double ended = 0, flies = 0, impact = 0;
   brought_ = 0;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (!bodies[i].swings) continue;
-    const double energy = energy_of(bodies[i]);
-    if (!bodies[i].touches) {
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const Group& g = groups[i];
+    if (g.bodies == 0 || g.given) continue;
+    const double energy = g.energy(bodies[i].free);
+    if (!g.touches) {
       const bool rested = slow_[i] >= tuning::kRested && slow_[i] >= tuning::kRestedShare * steps_[i];
-      if (steps_[i] > 0 && !rested) {
+      if (g.swings && steps_[i] > 0 && !rested) {
         if (soft_[i] > 0)
           ended = std::max(ended, std::min(lost_[i], before_[i]));
         else
-          flies += bodies[i].energy() + bodies[i].turns, impact = std::max(impact, lost_[i]);
+          flies += g.moves + g.turns, impact = std::max(impact, lost_[i]);
       }
       steps_[i] = -1, before_[i] = energy;
       continue;

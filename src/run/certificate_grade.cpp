@@ -34,10 +34,10 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("stiff_strain", stiff_strain_.share(), tuning::kStiffStrain);
   add("energy_gain", energy.scale > 0 ? energy.largest_gain / energy.scale : NAN, tuning::kEnergyGain);
   add("free_motion_loss", energy.turnover > 0 ? std::max(energy.free_loss / energy.turnover, energy.alone_loss) : NAN, tuning::kFreeMotionLoss);
-  add("stiff_impacts", energy.turnover > 0 ? energy.impacts / energy.turnover : NAN, tuning::kStiffImpacts);
-  add("turning_loss", energy.scale > 0 ? std::max(energy.turning_loss / energy.scale, energy.flight_turning) : NAN, tuning::kTurningLoss);
+  add("stiff_impacts", energy.own_turnover > 0 ? energy.impacts / energy.own_turnover : NAN, tuning::kStiffImpacts);
+  add("turning_loss", energy.own_scale > 0 ? std::max(energy.turning_loss / energy.own_scale, energy.flight_turning) : NAN, tuning::kTurningLoss);
   add("given_turning_loss", energy.turnover > 0 ? energy.given_turning / energy.turnover : NAN, tuning::kGivenTurning);
-  add("start_energy", energy.turnover > 0 ? energy.at_start / energy.turnover : NAN, tuning::kAtStart);
+  add("start_energy", energy.own_turnover > 0 ? energy.at_start / energy.own_turnover : NAN, tuning::kAtStart);
   add("schedule_missed", schedule_missed_, tuning::kMissed);
   add("motion_lag", energy.motion_lag, tuning::kMotionLag);
   add("given_lag", energy.given_lag, tuning::kGivenLag);

@@ -72,9 +72,7 @@ LayerError::Way LayerError::way(std::size_t body, std::pair<std::size_t, std::si
                                 const std::map<std::string, double>& number) const {
   if (body >= bodies_.size()) return {};  // a half-space
   const Body& b = bodies_[body];
-  if (!holds_.held(b.name)) return {.imposed = false};
-  const double pressed = indentation(body, f);
-  if (pressed < 0) return {.imposed = false};
+  if (balances(body, f)) return {.free = true};
   Holds::Load load;
   load.gap = of.gap();
   if (of.known) {
@@ -92,7 +90,8 @@ LayerError::Way LayerError::way(std::size_t body, std::pair<std::size_t, std::si
     return (middle - place).norm();
   };
   const double give = holds_.give(b.name, load, {number, motion_of, distance});
-  return {pressed, give, std::isfinite(give)};
+  const double pressed = indentation(body, f);
+  return {.pressed = pressed, .give = give, .imposed = pressed >= 0, .free = std::isinf(give)};
 }
 
 double LayerError::borne(std::size_t body, const Fields& f) const {
@@ -106,7 +105,7 @@ double LayerError::borne(std::size_t body, const Fields& f) const {
   return std::clamp(-support.dot(contact) / contact.squaredNorm(), 0.0, 1.0);
 }
 
-bool LayerError::free(std::size_t body, const Fields& f) const {
+bool LayerError::balances(std::size_t body, const Fields& f) const {
   const Body& b = bodies_[body];
   if (!holds_.held(b.name)) return true;
   if (!b.soft) return false;
@@ -116,39 +115,53 @@ bool LayerError::free(std::size_t body, const Fields& f) const {
   return !(contact.norm() > tuning::kOneWay * all);
 }
 
+bool LayerError::goes(std::size_t body, const Pair& pair, const Fields& f) const {
+  if (body >= bodies_.size()) return false;
+  const Body& b = bodies_[body];
+  for (std::size_t i = b.first; i < b.first + b.count; ++i)
+    if (at(f.displacement, i).norm() > pair.gap()) return true;
+  return false;
+}
+
 double LayerError::deformation_work(std::size_t body, const Fields& f) const {
   const Body& b = bodies_[body];
-  const geometry::Motion rigid = motion(body, f);
+  const geometry::Motion rigid = motion_of_supports(body, f).value_or(motion(body, f));
   double work = 0;
   for (std::size_t i = b.first; i < b.first + b.count; ++i)
     work += at(f.contact, i).dot(rest_[i] + at(f.displacement, i) - rigid.R * rest_[i] - rigid.t);
   return work;
 }
 
-void LayerError::squeezed(const Pairs& pairs, const std::vector<bool>& free, const Fields& f, const std::map<std::string, double>& number,
-                          std::vector<Travel>& out) const {
-  // Free bodies that touch or hang together.
+void LayerError::squeezed(const Pairs& pairs, const Fields& f, std::vector<Travel>& out) const {
+  // Free bodies that touch, and what hangs together with them and touches nothing that holds it.
+  std::vector<bool> free(bodies_.size(), false), touches(bodies_.size(), false);
   DisjointSets sets(bodies_.size());
-  const auto is_free = [&](std::size_t i) { return i < bodies_.size() && free[i]; };
-  for (const auto& [bodies, pair] : pairs)
-    if (is_free(bodies.first) && is_free(bodies.second)) sets.join(bodies.first, bodies.second);
-  for (const auto& [one, other] : holds_.together())
-    if (number_.count(one) && number_.count(other) && free[number_.at(one)] && free[number_.at(other)]) sets.join(number_.at(one), number_.at(other));
+  for (const auto& [bodies, pair] : pairs) {
+    for (const auto& [body, way] : {std::pair{bodies.first, &pair.first}, std::pair{bodies.second, &pair.second}})
+      if (body < bodies_.size()) touches[body] = true, free[body] = free[body] || way->free;
+    if (pair.first.free && pair.second.free) sets.join(bodies.first, bodies.second);
+  }
+  for (const auto& [one, other] : holds_.together()) {
+    if (!number_.count(one) || !number_.count(other)) continue;
+    const auto hangs = [&](std::size_t i) { return free[i] || !(touches[i] || holds_.given(bodies_[i].name)); };
+    if (const std::size_t a = number_.at(one), b = number_.at(other); hangs(a) && hangs(b)) sets.join(a, b);
+  }
   struct Group {
     std::vector<std::size_t> bodies;
     double gaps = 0, deformed = 0, give = 0, forces = 0;
     Vec3 load = Vec3::Zero();
+    int sides = 0;       // pairs with what is held
     bool given = false;  // something that presses gives a force, and no travel
   };
   std::map<std::size_t, Group> groups;
   for (const auto& [bodies, pair] : pairs) {
-    const bool first = is_free(bodies.first), second = is_free(bodies.second);
+    const bool first = pair.first.free, second = pair.second.free;
     if (!(first || second) || bodies.first == bodies.second || !(pair.force > 0)) continue;
     Group& g = groups[sets.of(first ? bodies.first : bodies.second)];
     g.gaps += pair.work, g.bodies.insert(g.bodies.end(), {bodies.first, bodies.second});
     if (first && second) continue;
-    const Way way = this->way(first ? bodies.second : bodies.first, bodies, pair, f, number);
-    g.given = g.given || !way.imposed || !pair.known;
+    const Way& way = first ? pair.second : pair.first;
+    ++g.sides, g.given = g.given || !way.imposed || !pair.known;
     g.deformed += pair.force * way.pressed, g.give += pair.force * way.give, g.forces += pair.on_first.norm(),
         g.load += (first ? 1 : -1) * pair.on_first;
   }
@@ -156,9 +169,13 @@ void LayerError::squeezed(const Pairs& pairs, const std::vector<bool>& free, con
     if (const auto g = groups.find(sets.of(i)); free[i] && bodies_[i].soft && g != groups.end()) g->second.deformed += deformation_work(i, f);
   for (const auto& [name, g] : groups) {
     const double work = g.deformed + g.give;
-    if (g.given || !(g.forces > 0 && work > 0)) continue;
+    if (g.given || g.sides < 2 || !(g.forces > 0)) continue;
     const double resultant = g.load.norm() / g.forces;  // of F + w and F: a load w bears w / (F + w) = 2 resultant / (1 + resultant)
-    out.push_back({g.bodies, std::max(0.0, (1 - 3 * resultant) / (1 + resultant)), g.gaps, g.deformed, work});
+    const double share = std::max(0.0, (1 - 3 * resultant) / (1 + resultant));
+    if (work > 0)
+      out.push_back({g.bodies, share, g.gaps, g.deformed, work});
+    else if (work == 0 && share > tuning::kSqueezed)
+      out.push_back(Travel::of_layer(g.bodies));
   }
 }
 
@@ -176,16 +193,20 @@ std::vector<LayerError::Travel> LayerError::travels(const Samples& s, const Fiel
     const auto it = pairs.find({static_cast<std::size_t>(s.pair_bodies[2 * i]), static_cast<std::size_t>(s.pair_bodies[2 * i + 1])});
     if (it != pairs.end()) it->second.on_first = at(s.pair_force, i), it->second.moment = at(s.pair_moment, i), it->second.known = true;
   }
-  std::vector<bool> free;
-  for (std::size_t i = 0; i < bodies_.size(); ++i) free.push_back(this->free(i, f));
+  for (auto& [bodies, pair] : pairs)
+    if (pair.force > 0) pair.first = way(bodies.first, bodies, pair, f, number), pair.second = way(bodies.second, bodies, pair, f, number);
+  double most = 0;  // force of a pair
+  for (const auto& [bodies, pair] : pairs) most = std::max(most, pair.force);
   std::vector<Travel> out;
-  squeezed(pairs, free, f, number, out);
+  squeezed(pairs, f, out);
   for (const auto& [bodies, pair] : pairs) {
-    if (!(pair.force > 0) || (bodies.first < bodies_.size() && free[bodies.first]) || (bodies.second < bodies_.size() && free[bodies.second]))
-      continue;
-    const Way one = way(bodies.first, bodies, pair, f, number), other = way(bodies.second, bodies, pair, f, number);
+    const Way &one = pair.first, &other = pair.second;
+    if (!(pair.force > 0) || one.free || other.free) continue;
     const double deformed = one.pressed + other.pressed, all = deformed + one.give + other.give;
-    if (!(one.imposed && other.imposed && all > 0)) continue;
+    if (!(one.imposed && other.imposed)) continue;
+    if (all == 0 && pair.force > tuning::kPart * most && (goes(bodies.first, pair, f) || goes(bodies.second, pair, f)))
+      out.push_back(Travel::of_layer({bodies.first, bodies.second}));
+    if (!(all > 0)) continue;
     const double share = std::max(0.0, 2 * std::min(borne(bodies.first, f), borne(bodies.second, f)) - 1);
     out.push_back({{bodies.first, bodies.second}, share, pair.gap(), deformed, all});
   }

@@ -6,13 +6,16 @@
 // where supports of both bodies bear the contact force, less where they bear a part, and not where they bear less than half of it.
 // Held are bodies with pins, and what joints, bonds and mortar ties hang on them or on the world (run/holds.h). Motors with gains are springs in
 // series with the contact: what they give under its force, e, is way that the layer is no part of, g / (d + e): g/d of a stiff motor, nothing of one
-// that gives the same force everywhere. Bodies that are free and pressed together between held ones take part in the travel as well. With all pairs p
-// of contact in which such bodies are, their forces F, gaps g, and the work of contact on what is soft,
+// that gives the same force everywhere. Bodies that are free, or hang on what gives way without a spring, and are pressed together between held ones
+// take part in the travel as well. With all pairs p of contact in which such bodies are, their forces F, gaps g, and the work of contact on what is
+// soft,
 //
 //     sum_p F_p g_p / (sum_i f_i . u_i + sum_p F_p (d + e)_p),       u_i: displacement without the body's rigid motion; d, e: of the held body of p
 //
 // which is g/d again where one body is pressed from two sides (both gaps, all of its shortening). It counts fully where forces of the held bodies
 // balance each other, and not where their resultant, which a load bears, is more than half of one of two that press from opposite sides.
+// Where nothing soft and no motor takes part in the travel, the layer is all that gives way, and decides the force: 1 where one of the bodies goes
+// somewhere.
 #include <map>
 #include <optional>
 #include <span>
@@ -44,6 +47,7 @@ class LayerError {
     double gap, deformed, way;        // what layer and soft bodies take of it, and all of it [m], or times forces [J]
     double layer() const { return share * gap / way; }
     double stiffness() const { return share * deformed / way; }  // by how much the force is wrong, over how much the soft bodies' stiffness is
+    static Travel of_layer(std::vector<std::size_t> bodies) { return {std::move(bodies), 1, 1, 0, 1}; }  // alone
   };
   // `number`: what was reported of joints and drives.
   std::vector<Travel> travels(const Samples& samples, const Fields& fields, const std::map<std::string, double>& number = {}) const;
@@ -60,28 +64,30 @@ class LayerError {
     std::size_t first, count;  // points
     bool soft;
   };
-  struct Pair {
-    double force = 0, work = 0;  // over its samples: forces [N], times gaps [J]
-    Vec3 on_first = Vec3::Zero(), moment = Vec3::Zero();
-    bool known = false;  // the last two
-    double gap() const { return work / force; }
-  };
-  using Pairs = std::map<std::pair<std::size_t, std::size_t>, Pair>;
-
   // Farthest that loaded points of a held body are from where its supports are, and what motors give [m].
   struct Way {
     double pressed = 0, give = 0;
     bool imposed = true;  // by something
+    bool free = false;    // nothing holds it against what presses
   };
+  struct Pair {
+    double force = 0, work = 0;  // over its samples: forces [N], times gaps [J]
+    Vec3 on_first = Vec3::Zero(), moment = Vec3::Zero();
+    bool known = false;  // the last two
+    Way first, second;   // of its bodies
+    double gap() const { return work / force; }
+  };
+  using Pairs = std::map<std::pair<std::size_t, std::size_t>, Pair>;
+
   Way way(std::size_t body, std::pair<std::size_t, std::size_t> pair, const Pair& of, const Fields& f,
           const std::map<std::string, double>& number) const;
   double indentation(std::size_t body, const Fields& fields) const;
   // Share of the contact force on a held body that its supports bear: of a stiff one, which has nothing free, all.
   double borne(std::size_t body, const Fields& fields) const;
   // Does the contact of a body, and nothing that holds it, balance itself?
-  bool free(std::size_t body, const Fields& fields) const;
-  void squeezed(const Pairs& pairs, const std::vector<bool>& free, const Fields& f, const std::map<std::string, double>& number,
-                std::vector<Travel>& out) const;
+  bool balances(std::size_t body, const Fields& fields) const;
+  void squeezed(const Pairs& pairs, const Fields& f, std::vector<Travel>& out) const;
+  bool goes(std::size_t body, const Pair& pair, const Fields& fields) const;  // by more than the gap, since rest
   double deformation_work(std::size_t body, const Fields& fields) const;
 
   Holds holds_;

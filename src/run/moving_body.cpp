@@ -1,8 +1,12 @@
 #include "run/moving_body.h"
 
 #include <algorithm>
+#include <map>
 
+#include "base/disjoint_sets.h"
 #include "effects/roles.h"
+#include "effects/tie_name.h"
+#include "run/entries.h"
 #include "run/holds.h"
 
 namespace mortise::run {
@@ -10,13 +14,29 @@ namespace mortise::run {
 MovingBodies::MovingBodies(const model::ModelInput& input) {
   const Holds holds(input.scene.at("effects"));
   const double step = integration_of(input.scene).step;
-  const auto& pairs = holds.together();
+  std::map<std::string, std::size_t> number;
+  for (const model::BodyInput& b : input.bodies)
+    if (b.type != model::BodyType::half_space) number.emplace(b.name, number.size());
+  std::vector<bool> tied(number.size(), false), motored(number.size(), false);
+  DisjointSets sets(number.size());
+  for (const auto& [one, other] : holds.together()) {
+    for (const std::string& name : {one, other})
+      if (number.count(name)) tied[number.at(name)] = true;
+    if (number.count(one) && number.count(other) && !holds.given(one) && !holds.given(other)) sets.join(number.at(one), number.at(other));
+  }
+  const Params& effects = input.scene.at("effects");
+  for (const Params& p : entries(effects, "drive"))
+    if (const std::optional<Params> joint = joint_named(effects, p.text("joint")); joint && p.text("mode") != "passive")
+      if (const auto body = number.find(joint->text("body")); body != number.end()) motored[sets.of(body->second)] = true;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
-    const bool tied = std::any_of(pairs.begin(), pairs.end(), [&](const auto& p) { return p.first == b.name || p.second == b.name; });
-    const bool held = holds.held(b.name), given = holds.given(b.name), free = !held && !tied;
-    who_.push_back(
-        {held, given, given && !holds.pinned(b.name), free, free || (held && !given && !holds.motored(b.name)), holds.damped(b.name, step)});
+    const std::size_t i = number.at(b.name), group = sets.of(i);
+    const bool held = holds.held(b.name), given = holds.given(b.name);
+    const bool swings = held ? !given && !holds.motored(b.name) : !motored[group];
+    std::vector<std::string> stops;
+    for (const Params& p : entries(effects, "joint"))
+      if (p.text("body") == b.name) stops.push_back("joint/" + effects::tie_name(p) + "_stop");
+    who_.push_back({held, given, given && !holds.pinned(b.name), !held && !tied[i], swings, holds.damped(b.name, step), group, std::move(stops)});
   }
 }
 
@@ -26,14 +46,19 @@ std::vector<MovingBody> MovingBodies::at(const Snapshot& said, const std::vector
   if (!velocity || velocity->empty()) return out;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MeasuredBody& b = bodies[i];
-    const auto pushed = [&] {
-      const auto begin = force->begin() + static_cast<std::ptrdiff_t>(3 * b.first);
-      return std::any_of(begin, begin + static_cast<std::ptrdiff_t>(3 * b.count), [](double f) { return f != 0; });
-    };
+    double pushed = 0;
+    Vec3 pressed = Vec3::Zero();
+    for (std::size_t p = b.first; force && !force->empty() && p < b.first + b.count; ++p) {
+      const double size = vector_at(*force, p).norm();
+      pushed += size, pressed += size * vector_at(points, p);
+    }
+    if (pushed > 0) pressed /= pushed;
+    const auto at_it = [&](const std::string& stop) { return said.has(stop) && said.at(stop) != 0; };
+    const bool stopped = std::any_of(who_[i].stops.begin(), who_[i].stops.end(), at_it);
     // Slides on the world are supported, across their axis.
     const bool led = who_[i].given || (said.has("supports/" + b.name + "_x") && !who_[i].held);
-    out.push_back({b, b.mean(points, points), b.mean(*velocity, points), b.spin(*velocity, points), force && !force->empty() && pushed(),
-                   who_[i].given, who_[i].driven, led, who_[i].free, who_[i].swings, who_[i].damped,
+    out.push_back({b, b.mean(points, points), b.mean(*velocity, points), b.spin(*velocity, points), pushed > 0, stopped, pressed, who_[i].given,
+                   who_[i].driven, led, who_[i].free, who_[i].swings, who_[i].group, who_[i].damped,
                    b.soft() ? 0.0 : b.turning_energy(*velocity, points)});
   }
   return out;

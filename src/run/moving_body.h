@@ -11,15 +11,18 @@ namespace mortise::run {
 
 struct MovingBody {
   const MeasuredBody& body;
-  Vec3 x, v, w;  // centre of mass [m], its velocity [m/s], angular velocity [rad/s]
-  bool touches;  // a force of contact is on one of its points
-  bool given;    // it goes as pins or kinematic drives say (Holds::given)
-  bool driven;   // given, and not by pins of its own
-  bool led;      // given, or supported by what is no joint
-  bool free;     // nothing holds it or ties it to another body
-  bool swings;   // it goes as forces say: free, or held on a way on which there is no motor, and not given
-  bool damped;   // by its joint, far more than by the time step (Holds::damped)
-  double turns;  // energy of turning about its centre, of stiff bodies [J]
+  Vec3 x, v, w;       // centre of mass [m], its velocity [m/s], angular velocity [rad/s]
+  bool touches;       // a force of contact is on one of its points
+  bool stopped;       // its joint is at a stop
+  Vec3 pressed;       // mean place of these forces, as far as it touches [m]
+  bool given;         // it goes as pins or kinematic drives say (Holds::given)
+  bool driven;        // given, and not by pins of its own
+  bool led;           // given, or supported by what is no joint
+  bool free;          // nothing holds it or ties it to another body
+  bool swings;        // it goes as forces say: not given, and no motor is on the way to what holds it, or on what it hangs together with
+  std::size_t group;  // number of a body that it hangs together with by joints, bonds and ties, over what is not given
+  bool damped;        // by its joint, far more than by the time step (Holds::damped)
+  double turns;       // energy of turning about its centre, of stiff bodies [J]
 
   // Of its centre [J].
   double energy() const { return 0.5 * body.mass() * v.squaredNorm(); }
@@ -34,6 +37,8 @@ class MovingBodies {
  private:
   struct Who {
     bool held, given, driven, free, swings, damped;
+    std::size_t group;
+    std::vector<std::string> stops;  // what says of its joints that they are at one
   };
   std::vector<Who> who_;
 };

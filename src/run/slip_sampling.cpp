@@ -4,7 +4,6 @@
 #include <cmath>
 #include <span>
 
-#include "geometry/rigid_motion.h"
 #include "run/tuning.h"
 #include "run/vector_at.h"
 
@@ -40,17 +39,19 @@ double mean_length(const Vec3 v[3]) {
 
 }  // namespace
 
-// The mean of |v| over what bears; NaN where little of it is on whole triangles.
-double SlipSampling::mean_slip(std::size_t body, std::size_t other, const Fields& f) const {
-  if (body >= bodies_.size()) return NAN;
-  const Body& b = bodies_[body];
+geometry::RigidVelocity SlipSampling::rigid(std::size_t body, const Fields& f) const {
   std::vector<Vec3> x, v;
-  if (other < bodies_.size())
-    for (std::size_t i = 0; i < bodies_[other].rest.size(); ++i) {
-      const std::size_t p = bodies_[other].first + i;
-      x.push_back(bodies_[other].rest[i] + at(f.displacement, p)), v.push_back(at(f.velocity, p));
-    }
-  const geometry::RigidVelocity under = geometry::nearest_velocity(x, v);
+  for (std::size_t i = 0; body < bodies_.size() && i < bodies_[body].rest.size(); ++i) {
+    const std::size_t p = bodies_[body].first + i;
+    x.push_back(bodies_[body].rest[i] + at(f.displacement, p)), v.push_back(at(f.velocity, p));
+  }
+  return geometry::nearest_velocity(x, v);
+}
+
+SlipSampling::Slip SlipSampling::slip_on(std::size_t body, std::size_t other, const Fields& f) const {
+  if (body >= bodies_.size()) return {};
+  const Body& b = bodies_[body];
+  const geometry::RigidVelocity own = rigid(body, f), under = rigid(other, f);
   struct Face {
     const Index* v;
     double area;
@@ -69,21 +70,22 @@ double SlipSampling::mean_slip(std::size_t body, std::size_t other, const Fields
     faces.push_back({t.v, 0.5 * twice.norm(), n});
     for (const Index i : t.v) area[i] += faces.back().area;
   }
-  double force = 0, slip = 0, all = 0;
+  double force = 0, corners = 0, inside = 0, all = 0;
   for (std::size_t i = 0; i < b.rest.size(); ++i) all += at(f.contact, b.first + i).norm();
   for (const Face& face : faces) {
-    double P = 0, corners = 0;
+    double P = 0, mean = 0;
     Vec3 u[3];
     for (int k = 0; k < 3; ++k) {
       const Index i = face.v[k];
       const double f_k = face.area / area[i] * at(f.contact, b.first + i).norm();
-      const Vec3 against = at(f.velocity, b.first + i) - under.at(place(i));
+      const Vec3 x = place(i), against = own.at(x) - under.at(x);
       u[k] = against - against.dot(face.n) * face.n;
-      P += f_k, slip += f_k * u[k].norm(), corners += u[k].norm() / 3;
+      P += f_k, corners += f_k * u[k].norm(), mean += u[k].norm() / 3;
     }
-    force += P, slip -= P * (corners - mean_length(u));
+    force += P, inside += P * (mean - mean_length(u));
   }
-  return force > tuning::kBearing * all ? slip / force : NAN;
+  if (!(force > tuning::kBearing * all)) return {};
+  return {corners / force, (corners - inside) / force};
 }
 
 void SlipSampling::state(const Snapshot& said) {
@@ -96,7 +98,8 @@ void SlipSampling::state(const Snapshot& said) {
       Pair& pair = pairs_[bodies];
       pair.error = INFINITY, pair.power = of.power;
       for (const auto& [one, other] : {bodies, Bodies{bodies.second, bodies.first}})
-        if (const double slip = mean_slip(one, other, f); slip > 0) pair.error = std::min(pair.error, std::abs(of.pressed_speed() / slip - 1));
+        if (const Slip slip = slip_on(one, other, f); slip.faces > 0)
+          pair.error = std::min(pair.error, std::max(0.0, std::min(slip.corners, of.pressed_speed()) / slip.faces - 1));
       if (!std::isfinite(pair.error)) pair.error = 0;
     }
 }

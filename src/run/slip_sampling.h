@@ -1,19 +1,23 @@
 #pragma once
 // Friction acts where contact has its samples. Where a face bears on its corners alone, as one of few vertices over a plane does, and turns on what
 // it bears on, friction takes away what the corners' speed says and not that of the face between them: a box of twelve triangles that spins is braked
-// by 1.85 times as much as is right. Between two bodies, with v the speed at which they slip at a place of one body's surface (of the other's rigid
-// motion, across the normal), f_k the contact forces on its nodes, shared out by area to the triangles whose nodes all bear, and P_T their sum on a
-// triangle,
+// by 1.85 times as much as is right. Between two bodies, with v the speed at which they slip at a place of one body's surface, of the rigid motions
+// of both and across the normal, f_k the contact forces on its nodes, shared out by area to the triangles whose nodes all bear, and P_T their sum on
+// a triangle,
 //
-//     error = |mean slip of the samples, over what presses / (sum_T [sum_k f_k |v_k| - P_T (sum_k |v_k| / 3 - <|v|>_T)] / sum_T P_T) - 1|,
+//     c = sum_T sum_k f_k |v_k|,    a = sum_T [sum_k f_k |v_k| - P_T (sum_k |v_k| / 3 - <|v|>_T)],    error = min(c / a, slip of the samples / a) -
+//     1,
 //
-// <>_T: mean over the triangle; of the body where it is less (a coarse box on a fine table is sampled by the table's nodes). It counts with the
-// energy that friction took away.
+// <>_T: mean over the triangle; slip of the samples: over what presses, of the same force as c; of the body where the error is less (a coarse box on
+// a fine table is sampled by the table's nodes). What rolls or slides without turning about the normal has c = a, however little it slips. It counts
+// with the energy that friction took away.
+#include <cmath>
 #include <map>
 #include <vector>
 
 #include "base/archive.h"
 #include "base/snapshot.h"
+#include "geometry/rigid_motion.h"
 #include "model/input.h"
 #include "run/friction_pairs.h"
 
@@ -40,7 +44,11 @@ class SlipSampling {
     double error = 0, power = 0;  // now; [W]
   };
   struct Fields;
-  double mean_slip(std::size_t body, std::size_t other, const Fields& f) const;
+  struct Slip {
+    double corners = NAN, faces = NAN;  // mean speeds, c and a over the force [m/s]; NaN where little of what bears is on whole triangles
+  };
+  geometry::RigidVelocity rigid(std::size_t body, const Fields& f) const;  // at rest of an obstacle
+  Slip slip_on(std::size_t body, std::size_t other, const Fields& f) const;
 
   std::map<std::string, FrictionLaw> laws_;
   std::vector<Body> bodies_;  // that have points

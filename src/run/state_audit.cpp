@@ -23,7 +23,8 @@ bool at_a_stop(const Snapshot& said) {
 
 }  // namespace
 
-EnergyAudit::EnergyAudit(const model::ModelInput& input) : moving_(input), lag_(input), given_lag_(input), turning_(input), vibrations_(input) {
+EnergyAudit::EnergyAudit(const model::ModelInput& input)
+    : moving_(input), own_(input), lag_(input), given_lag_(input), turning_(input), vibrations_(input) {
   std::size_t first = 0;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
@@ -41,9 +42,10 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   for (const std::string& load : loads_) r_.work_is_known = r_.work_is_known && now.said.has(load + "/energy");
   const double before = r_.total, all_before = all_;
   const bool touches = contact_figures(now.said).pairs > 0 || at_a_stop(now.said);
+  const std::vector<MovingBody> moving = moving_.at(now.said, now.points, bodies_);
+  own_.state(moving);
   all_ = total(now);
   r_.total = all_ - turning(now);
-  const std::vector<MovingBody> moving = moving_.at(now.said, now.points, bodies_);
   double lost = 0;  // to the time step
   balanced_ = points_before_.empty();
   contact_energy(now);
@@ -51,14 +53,14 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
     // The solver's own sum over the substeps counts moments too.
     const bool summed = now.said.has("supports/work");
     const double work = summed ? now.said.at("supports/work") : support_work(now);
-    there_and_back_ += std::abs(work);
+    there_and_back_ += std::abs(work), own_there_and_back_ += std::abs(work - own_.work());
     if (r_.work_is_known) {
-      r_.support_work += work;
-      r_.scale = std::max(r_.scale, std::abs(r_.support_work));
+      r_.support_work += work, own_work_ += work - own_.work();
+      r_.scale = std::max(r_.scale, std::abs(r_.support_work)), r_.own_scale = std::max(r_.own_scale, std::abs(own_work_));
       r_.gain = (summed ? all_ - all_before : r_.total - before) - work;
       r_.largest_gain = std::fmax(r_.largest_gain, r_.gain);
       const double rubbed = std::fmax(now.said.at("friction/dissipation"), 0.0);
-      lost = std::max(-r_.gain - (rubbed - rubbed_), 0.0);
+      lost = std::max(-r_.gain - (rubbed - rubbed_) - own_.lost(), 0.0);
       rubbed_ = rubbed;
       // Supports of soft bodies do no more than is reported; those of stiff ones do, where they are set in motion.
       const bool driven = std::abs(work) > tuning::kDriven * r_.scale;
@@ -72,7 +74,8 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
     r_.impacts = bounces_.stiff();
   }
   r_.free_loss = free_loss();
-  if (!moving.empty()) r_.turnover = std::max(r_.scale, there_and_back_);
+  r_.own_scale = std::max(r_.own_scale, tuning::kDriven * r_.scale);
+  if (!moving.empty()) r_.turnover = std::max(r_.scale, there_and_back_), r_.own_turnover = std::max(r_.own_scale, own_there_and_back_);
   touched_ = touches;
   lag_.state(now.points, moving);
   r_.motion_lag = lag_.value();
@@ -104,11 +107,16 @@ void EnergyAudit::checkpoint(Archive& archive) {
                              {"pressed_first", &pressed_first_},
                              {"pressed_least", &pressed_least_},
                              {"turnover", &r_.turnover},
-                             {"there_and_back", &there_and_back_}})
+                             {"there_and_back", &there_and_back_},
+                             {"own_scale", &r_.own_scale},
+                             {"own_turnover", &r_.own_turnover},
+                             {"own_work", &own_work_},
+                             {"own_there_and_back", &own_there_and_back_}})
     archive.io(name, *value);
   r_.at_start = pressed_first_ - pressed_least_;
   archive.io("touched", touched_);
   archive.io("balanced", balanced_);
+  own_.checkpoint(archive);
   lag_.checkpoint(archive);
   given_lag_.checkpoint(archive);
   r_.motion_lag = lag_.value(), r_.given_lag = given_lag_.value();
@@ -140,12 +148,12 @@ double EnergyAudit::total(const StateReport& now) {
     if (leaf != "energy" && leaf != "kinetic_energy") continue;
     sum += v;
     if (name != "gravity/energy") {  // which is arbitrary up to a constant
-      r_.scale = std::max(r_.scale, v);
+      r_.scale = std::max(r_.scale, v), r_.own_scale = std::max(r_.own_scale, leaf == "energy" ? v : v - own_.kinetic());
       if (leaf == "energy") stored_ += v;
       continue;
     }
     if (std::isnan(gravity_first_)) gravity_first_ = v;
-    r_.scale = std::max(r_.scale, std::abs(v - gravity_first_));
+    r_.scale = std::max(r_.scale, std::abs(v - gravity_first_)), r_.own_scale = std::max(r_.own_scale, std::abs(v - gravity_first_ - own_.raised()));
   }
   return sum;
 }

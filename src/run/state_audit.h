@@ -13,6 +13,7 @@
 #include "run/given_lag.h"
 #include "run/measured_body.h"
 #include "run/motion_lag.h"
+#include "run/own_energy.h"
 #include "run/turning_loss.h"
 #include "run/vibration_loss.h"
 
@@ -48,10 +49,11 @@ class EnergyAudit {
     double gain = NAN;          // of this step: change of total less the work of supports [J]; NaN: the first state
     double largest_gain = NAN;  // of all steps so far [J]
     double scale = 0;           // largest energy of the run so far [J]
+    double turnover = 0;        // that or, where more, all work of supports, there and back [J]
+    double own_scale = 0, own_turnover = 0;  // the same without what is given (own_energy.h) [J]
     // Of energy, the time step's doing [J]: between states in which nothing touches or is at a stop, while nothing is driven; otherwise
-    // vibration_loss.h; and bounce_loss.h. `turnover`: what it is to be held against, the largest energy or, where more, all work of supports, there
-    // and back.
-    double free_loss = 0, turnover = 0;
+    // vibration_loss.h; and bounce_loss.h.
+    double free_loss = 0;
     double impacts = 0;         // in doubt after impacts of stiff bodies (bounce_loss.h) [J]
     double at_start = 0;        // energy that contact has in the first state and gives away [J]
     double alone_loss = 0;      // share of its own energy that a mechanism lost by itself (vibration_loss.h)
@@ -78,6 +80,7 @@ class EnergyAudit {
   std::vector<std::string> loads_, contacts_;  // effects of these roles
   Result r_;
   MovingBodies moving_;
+  OwnEnergy own_;
   MotionLag lag_;
   GivenLag given_lag_;
   TurningLoss turning_;
@@ -88,12 +91,13 @@ class EnergyAudit {
   double all_ = NAN;                                  // total energy, turning of pinned bodies included
   std::vector<double> points_before_;
   double gravity_first_ = NAN;
-  double there_and_back_ = 0;  // work of supports [J]
-  double free_ = 0;            // lost where the balance of energies tells it [J]
-  double stored_ = 0;          // of the state, without gravity [J]
-  bool touched_ = false;       // something, in the state before
-  bool soft_ = true;           // all bodies
-  bool balanced_ = false;      // what the last step lost is in the balance of energies
+  double there_and_back_ = 0;                     // work of supports [J]
+  double own_work_ = 0, own_there_and_back_ = 0;  // the same without what is given [J]
+  double free_ = 0;                               // lost where the balance of energies tells it [J]
+  double stored_ = 0;                             // of the state, without gravity [J]
+  bool touched_ = false;                          // something, in the state before
+  bool soft_ = true;                              // all bodies
+  bool balanced_ = false;                         // what the last step lost is in the balance of energies
 };
 
 }  // namespace mortise::run

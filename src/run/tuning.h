@@ -82,6 +82,8 @@ inline constexpr double kNoticed = 3e-3;  // of the most stress, roughly: what a
 inline constexpr std::size_t kPhases = 16;  // keys: a schedule with more draws a curve (asked.cpp)
 inline constexpr double kFacing = 0.5;      // cosine of 60 degrees: friction may tilt the force by half of that (contact_patch.cpp)
 inline constexpr double kBearing = 0.9;  // of the force on whole triangles: otherwise edges and corners bear, which have no face (slip_sampling.cpp)
+inline constexpr double kSqueezed =
+    0.9;  // of the force, that a travel decides: what is wedged between stiff bodies by a load has a part of it too (layer_error.cpp)
 inline constexpr double kSmooth = 0.75;  // cosine of some 40 degrees: facets of a coarse ball meet at half of that, sides of a body at more
 inline constexpr double kWhole = 0.97;   // of a node's area: less lies over what presses, and one pressure for all of it is none (contact_patch.cpp)
 inline constexpr double kWidened =

@@ -9,9 +9,11 @@ namespace mortise::run {
 
 namespace {
 
-// It touches something, and turns about as fast as it goes; what it lost is no impact.
+// It touches something and turns about as fast as it goes. What hangs on joints does that about them, too: of that only what goes where it touches
+// more slowly than its middle does.
 bool rolls(const MovingBody& b, double omega, const std::vector<double>& points) {
-  return b.free && b.touches && omega * b.body.radius(b.x, points) > tuning::kRolls * b.v.norm();
+  if (!b.touches || omega * b.body.radius(b.x, points) <= tuning::kRolls * b.v.norm()) return false;
+  return b.free || (b.v + b.w.cross(b.pressed - b.x)).norm() < tuning::kRolls * b.v.norm();
 }
 
 }  // namespace
@@ -25,7 +27,7 @@ void TurningLoss::state(const std::vector<double>& points, const std::vector<Mov
   if (std::isnan(sum_) || bodies.empty()) return;
   for (std::vector<double>* v : {&turned_, &moved_, &lost_}) v->resize(bodies.size());
   for (std::vector<double>* v : {&lost_first_, &lost_second_}) v->assign(bodies.size(), 0.0);
-  double rolling = 0;  // energy of what rolls
+  double rolling = 0, wheels = 0, hanging = 0;  // energies of what rolls by itself and on joints, and of all that may hang on those
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovingBody& b = bodies[i];
     const double omega = b.w.norm(), phi = omega * integration_.step;
@@ -33,12 +35,15 @@ void TurningLoss::state(const std::vector<double>& points, const std::vector<Mov
     if (b.driven) given_first_ += first, given_second_ += second;
     if (b.given) continue;
     of_first_ += first, of_second_ += second;
-    if (rolls(b, omega, points)) rolling += b.turns + b.energy();
+    const double energy = b.turns + b.energy();
+    if (!b.free) hanging += energy;
+    if (rolls(b, omega, points)) (b.free ? rolling : wheels) += energy;
     if (!b.free || b.touches) continue;
     lost_first_[i] = first, lost_second_[i] = second;
-    turned_[i] = std::max(turned_[i], b.turns), moved_[i] = std::max(moved_[i], b.turns + b.energy());
+    turned_[i] = std::max(turned_[i], b.turns), moved_[i] = std::max(moved_[i], energy);
   }
-  if (lost > tuning::kImpact * rolling) return;
+  if (wheels > 0) rolling += hanging;
+  if (lost > tuning::kImpact * rolling) return;  // of an impact
   of_first_ = std::max(of_first_, lost), of_second_ = std::max(of_second_, lost);
 }
 

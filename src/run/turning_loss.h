@@ -4,8 +4,8 @@
 //     backward Euler   2 phi^2        (the angle of the next step is atan(sin phi / (2 - cos phi)) = phi (1 - phi^2 + ...))
 //     BDF2             phi^4 / (1 + 4 phi^2)    (what its recurrence on a circle loses once started, within 5 % for phi up to 0.4)
 // so a ball that rolls for long is too slow. free_motion_loss sees it of bodies in flight; this is of all that turn as no pin and no kinematic drive
-// says, in contact and under motors too. Where a free body rolls, whatever else energy is lost by than friction makes it slower too: facets of a
-// round body, that strike one after the other; of a step the larger of the two counts.
+// says, in contact and under motors too. Where a body rolls, free or as a wheel on joints, whatever else energy is lost by than friction makes it
+// slower too: facets of a round body, that strike one after the other; of a step the larger of the two counts.
 // What is supported, driven or rolls gets its energy of turning from elsewhere, and gives it there: the loss is held against the largest energy of
 // the scene. A body in flight has its own alone: of each such body the losses are also held against the most that it turned with in flight, where
 // that is more than kTurns of its energy of motion. What kinematic drives turn goes as they say, but their torques and their work are by this more

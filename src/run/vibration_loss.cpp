@@ -66,7 +66,7 @@ void VibrationLoss::state(const Snapshot& said, const std::vector<double>& point
   std::vector<bool> touches(mechanisms_.size(), false);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     moved[mechanism_[i]] += energies[i];
-    touches[mechanism_[i]] = touches[mechanism_[i]] || bodies[i].touches;
+    touches[mechanism_[i]] = touches[mechanism_[i]] || bodies[i].touches || bodies[i].stopped;
   }
   for (std::size_t g = 0; g < moved.size(); ++g) mechanisms_[g].moved = std::max(mechanisms_[g].moved, moved[g]);
   const auto lost = [&](const std::vector<double>& change, double times, double Mechanism::*to) {
@@ -92,7 +92,10 @@ void VibrationLoss::look_how_far(const Snapshot& said, const std::vector<double>
   const Snapshot::Values* u = said.of_points("displacement", 3);
   for (std::size_t i = 0; u && i < bodies.size(); ++i) {
     const MeasuredBody& b = bodies[i].body;
-    const double least = far_[i] ? INFINITY : tuning::kTrembles * b.radius(bodies[i].x, points);
+    double radius = 0;
+    for (const MovingBody& other : bodies)
+      if (!far_[i] && other.group == bodies[i].group) radius = std::max(radius, other.body.radius(bodies[i].x, points));
+    const double least = far_[i] ? INFINITY : tuning::kTrembles * radius;
     for (std::size_t p = b.first; std::isfinite(least) && p < b.first + b.count && !far_[i]; ++p) far_[i] = at(*u, p).norm() > least;
   }
 }

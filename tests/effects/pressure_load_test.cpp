@@ -87,6 +87,10 @@ TEST(PressureLoad, LoadsTheAreaOfABlockThatCutsTriangles) {
   ball.set("sphere", fd::table({{"centre", vec({0.05, 0.3, 0.5})}, {"radius", Params::make_number(0.5)}}));
   Params lines = Params::make_table();
   lines.set("box", fd::table({{"min", vec({-0.25 - 1e-3, -0.5 + 1e-9, 0.2 - 1e-6})}, {"max", vec({0.25 + 1e-3, 0.75 - 1e-9, 0.2 + 1e-6})}}));
+  // Smaller than a triangle; and one that holds a rim of the walls beside it as well.
+  Params spot = Params::make_table(), corner = Params::make_table();
+  spot.set("box", fd::table({{"min", vec({0.05, 0.09, 0.19})}, {"max", vec({0.07, 0.13, 0.21})}}));
+  corner.set("sphere", fd::table({{"centre", vec({0.5, 1, 0.26})}, {"radius", Params::make_number(0.1)}}));
   for (const double edge : {0.25, 0.17})
     for (const bool quadratic : {false, true}) {
       model::ModelInput in;
@@ -111,6 +115,9 @@ TEST(PressureLoad, LoadsTheAreaOfABlockThatCutsTriangles) {
       loaded(box, 0.44 * 1.67, {0.09, -0.065, 0.2}, 1e-12);
       if (edge == 0.25) loaded(lines, 0.5 * 1.25, {0, 0.125, 0.2}, 1e-12);  // a little wider than lines of the mesh, or less wide
       loaded(ball, std::numbers::pi * (0.25 - 0.09), {0.05, 0.3, 0.2}, 1e-5);
+      loaded(spot, 0.02 * 0.04, {0.06, 0.11, 0.2}, 1e-12);
+      loaded(corner, std::numbers::pi * (0.01 - 0.0036) / 4, {0.5 - 4 * 0.08 / (3 * std::numbers::pi), 1 - 4 * 0.08 / (3 * std::numbers::pi), 0.2},
+             1e-4);
     }
 }
 
@@ -142,6 +149,15 @@ TEST(PressureLoad, ErrorsNameTheScenePlace) {
     return "no error";
   };
   EXPECT_THAT(message(pressed("cube", "all")), ::testing::HasSubstr("no soft or stiff body is named 'cube'"));
-  EXPECT_THAT(message(pressed("ball", "z_max")), ::testing::HasSubstr("selects no whole surface triangle"));
+  EXPECT_THAT(message(pressed("ball", "z_max")), ::testing::HasSubstr("selects no whole surface triangle of body 'ball'"));
+  const auto nowhere = [&](const Vec3& min, const Vec3& max) {
+    Params where = Params::make_table(), p = pressed("box", "z_max");
+    where.set("box", fd::table({{"min", vec(min)}, {"max", vec(max)}}));
+    p.set("where", where);
+    return message(p);
+  };
+  EXPECT_THAT(nowhere({0, 0, 3}, {1, 1, 2}),
+              ::testing::HasSubstr("no part of the surface of body 'box': 'min' of its box lies above 'max' along z (3 > 2)"));
+  EXPECT_THAT(nowhere({0, 0, 30}, {1, 1, 40}), ::testing::HasSubstr("at rest the body lies in x = "));
   EXPECT_THAT(message(load("box", "z_max")), ::testing::HasSubstr("needs 'pressure' or 'traction'"));
 }

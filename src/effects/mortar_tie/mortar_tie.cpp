@@ -25,7 +25,10 @@ constexpr double kNear = 1e-3;  // `within`, of the size of the body: a gap make
 
 mortar_tie::Side side(const model::BodyInput& body, const Params* where, const SourceLoc& at) {
   mortar_tie::Side out = mortar_tie::side_of(body, model::select(body.nodes, where));
-  if (out.faces.empty()) throw Error(Exit::scene, where ? where->where() : at, "selects no face of body '" + body.name + "'");
+  if (out.faces.empty()) {
+    if (where) model::selects_nothing(*where, "whole face", body.name, body.nodes);
+    throw Error(Exit::scene, at, "body '" + body.name + "' has no faces");
+  }
   return out;
 }
 

@@ -13,6 +13,8 @@
 #include "geometry/bounds.h"
 #include "geometry/rigid_motion.h"
 #include "model/model.h"
+#include "model/points_of.h"
+#include "model/select.h"
 
 namespace mortise::effects {
 namespace {
@@ -288,9 +290,9 @@ class Pin final : public Effect {
 
   void add_soft(const Params& p, const model::Body& body, std::uint8_t axes) {
     const std::vector<Index> points = model::select_points(model_, body, p.at("where"));
-    if (points.empty()) throw Error(Exit::scene, p.at("where").where(), "selects no node of body '" + body.name + "'");
-    const std::vector<Index> offset = model_.point_offset.download(), block = model_.point_block.download();
     const std::vector<Vec3> rest = model_.rest_points.download();
+    if (points.empty()) model::selects_nothing(p.at("where"), "node", body.name, model::points_of(body, rest));
+    const std::vector<Index> offset = model_.point_offset.download(), block = model_.point_block.download();
     std::vector<Vec3> held;
     for (Index point : points) include(rest[point]), held.push_back(rest[point]);
     for (Index point : points) hold_block(block[offset[point]], axes, false, body);
@@ -301,7 +303,7 @@ class Pin final : public Effect {
 
   double size_of(const model::Body& body) const {
     const std::vector<Vec3> rest = model_.rest_points.download();
-    return geometry::bounds_of(std::span(rest).subspan(body.point_begin, body.point_end - body.point_begin)).size().norm();
+    return geometry::bounds_of(model::points_of(body, rest)).size().norm();
   }
   void include(const Vec3& x) { entries_.back().lo = entries_.back().lo.cwiseMin(x), entries_.back().hi = entries_.back().hi.cwiseMax(x); }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/disjoint_sets.h"
 #include "geometry/cut_polygon.h"
 
 namespace mortise::effects::pressure_load {
@@ -18,6 +19,8 @@ const double kSameFace = std::cos(0.7);
 // lines of the mesh but for rounding.
 constexpr double kOnSide = 0.01;
 constexpr double kNothing = 1e-9, kWhole = 1 - kNothing;  // of a triangle's area
+
+constexpr double kMeant = 0.5;  // of the largest part, where none holds a whole triangle: others are rims of walls beside it
 
 // Chords that stand for the arc of a circle that is seen from its middle within a triangle.
 constexpr int kChords = 64;
@@ -116,24 +119,38 @@ std::vector<Polygon> loaded_parts(const model::Model& model, const model::Body& 
     }
     return out;
   }
-  std::vector<Polygon> inside;
-  std::vector<std::size_t> grown;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    inside.push_back(part_inside(corners(t), where));
-    if (share_of(inside[t]).area >= kWhole) out[t] = inside[t], grown.push_back(t);
-  }
-  const auto normal = [&](std::size_t t) {
-    const std::array<Vec3, 3> x = corners(t);
-    return (x[1] - x[0]).cross(x[2] - x[0]).normalized();
+  struct Connected {
+    double area = 0;  // [m^2]
+    bool whole = false;
   };
+  const std::size_t n = triangles.size();
+  std::vector<Polygon> inside(n);
+  std::vector<Vec3> twice(n);  // the triangle's area, times its normal
+  std::vector<Share> share(n);
+  for (std::size_t t = 0; t < n; ++t) {
+    const std::array<Vec3, 3> x = corners(t);
+    twice[t] = (x[1] - x[0]).cross(x[2] - x[0]);
+    inside[t] = part_inside(x, where), share[t] = share_of(inside[t]);
+    if (share[t].area <= kNothing) inside[t].clear();
+  }
+  DisjointSets faces(n);
   const std::vector<std::array<Index, 3>> neighbours = neighbours_of(triangles);
-  for (std::size_t done = 0; done < grown.size(); ++done)
-    for (const Index next : neighbours[grown[done]]) {
-      if (next < 0 || !out[next].empty() || share_of(inside[next]).area <= kNothing) continue;
-      if (normal(grown[done]).dot(normal(next)) < kSameFace) continue;
-      out[next] = inside[next];
-      grown.push_back(static_cast<std::size_t>(next));
-    }
+  for (std::size_t t = 0; t < n; ++t)
+    for (const Index next : neighbours[t])
+      if (next >= 0 && !inside[t].empty() && !inside[next].empty() && twice[t].normalized().dot(twice[next].normalized()) >= kSameFace)
+        faces.join(t, static_cast<std::size_t>(next));
+  std::map<std::size_t, Connected> connected;
+  for (std::size_t t = 0; t < n; ++t) {
+    Connected& of = connected[faces.of(t)];
+    of.area += share[t].area * twice[t].norm() / 2, of.whole = of.whole || share[t].area >= kWhole;
+  }
+  bool whole = false;
+  double largest = 0;
+  for (const auto& [name, of] : connected) whole = whole || of.whole, largest = std::max(largest, of.area);
+  for (std::size_t t = 0; t < n; ++t) {
+    const Connected& of = connected.at(faces.of(t));
+    if (whole ? of.whole : of.area >= kMeant * largest) out[t] = inside[t];
+  }
   return out;
 }
 

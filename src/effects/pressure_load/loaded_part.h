@@ -1,8 +1,8 @@
 #pragma once
 // The part of surface triangles that a `where` block of the scene selects, at rest. A side of the body selects whole triangles. A box or
 // a sphere cuts them, so that the loaded area is that of the block on any mesh. A thin box around a flat face also holds a rim of the
-// walls beside it, which nobody means: the part grows from triangles wholly inside to neighbours that bend away by less than
-// `kSameFace`.
+// walls beside it, which nobody means: of the parts that edges connect across which the surface bends by less than `kSameFace`, those
+// count that hold a whole triangle; where none does, the largest, and others about as large.
 #include <array>
 #include <span>
 #include <vector>

@@ -7,6 +7,8 @@
 #include "effects/list.h"
 #include "effects/pressure_load/loaded_part.h"
 #include "effects/where.h"
+#include "model/points_of.h"
+#include "model/select.h"
 
 namespace mortise::effects {
 namespace {
@@ -122,7 +124,8 @@ class PressureLoad final : public Effect {
       if (body.env != in || body.name != p.text("body")) continue;
       found = true;
       if (!add_body(p, body, load, traction ? traction->as_vec3() : Vec3(0, 0, 0), loads_of))
-        throw Error(Exit::scene, p.at("where").where(), "selects no whole surface triangle of body '" + body.name + "'");
+        model::selects_nothing(p.at("where"), p.at("where").has("side") ? "whole surface triangle" : "part of the surface", body.name,
+                               model::points_of(body, model_.rest_points.download()));
     }
     if (!found) throw Error(Exit::scene, p.at("body").where(), "no soft or stiff body is named '" + p.text("body") + "'");
   }

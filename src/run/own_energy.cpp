@@ -1,0 +1,39 @@
+#include "run/own_energy.h"
+
+#include "effects/roles.h"
+#include "run/vector_at.h"
+
+namespace mortise::run {
+
+OwnEnergy::OwnEnergy(const model::ModelInput& input) : second_order_(integration_of(input.scene).second_order) {
+  const Params& effects = input.scene.at("effects");
+  for (const std::string& load : effects::of_role(effects, effects::Role::load))
+    if (effects.at(load).has("acceleration")) gravity_ += effects.at(load).vec3("acceleration");
+}
+
+void OwnEnergy::state(const std::vector<MovingBody>& bodies) {
+  const double before = kinetic_ + weight_;
+  const bool starts = std::isnan(first_);
+  kinetic_ = weight_ = lost_ = 0;
+  std::vector<double> moved;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const MovingBody& b = bodies[i];
+    for (const Vec3& v : {b.v, b.w}) moved.insert(moved.end(), {v[0], v[1], v[2]});
+    if (!b.given || b.body.soft()) continue;
+    kinetic_ += b.energy() + b.turns, weight_ -= b.body.mass() * gravity_.dot(b.x);
+    if (moved_.empty()) continue;
+    const Vec3 dv = b.v - at(moved_, 2 * i), dw = b.w - at(moved_, 2 * i + 1);
+    lost_ += 0.5 * b.body.mass() * dv.squaredNorm();
+    if (b.w.squaredNorm() > 0) lost_ += b.turns * dw.squaredNorm() / b.w.squaredNorm();
+  }
+  moved_ = std::move(moved);
+  if (starts) first_ = weight_;
+  work_ = starts ? 0 : kinetic_ + weight_ - before + lost();
+}
+
+void OwnEnergy::checkpoint(Archive& archive) {
+  for (auto [name, value] : {std::pair{"own.kinetic", &kinetic_}, {"own.weight", &weight_}, {"own.first", &first_}}) archive.io(name, *value);
+  archive.io("own.moved", moved_);
+}
+
+}  // namespace mortise::run
