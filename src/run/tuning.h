@@ -51,6 +51,7 @@ inline constexpr double kRounding = 1e-12;  // of positions: some thousand times
 inline constexpr double kStrain = 1e-10;    // far below any strain that means something, far above what rounding of positions makes (certificate.cpp)
 inline constexpr double kDriven = 1e-6;     // work in a step, of the largest energy: less is what holding takes (state_audit.cpp)
 inline constexpr double kRolls = 0.5;       // its farthest point, from turning, over its velocity (turning_loss.cpp): sliding bodies turn less
+inline constexpr double kWheel = 1;         // [rad]: a leg or a finger that rolls on its tip turns back before that (turning_loss.cpp)
 inline constexpr double kTurns =
     1e-3;  // of the energy of motion of a body in flight: with less its rim turns by less than a twentieth of its way (turning_loss.cpp)
 inline constexpr double kImpact = 0.1;  // of the energy of what rolls, in a step: more is no rolling

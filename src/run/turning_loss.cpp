@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "run/tuning.h"
+#include "run/vector_at.h"
 
 namespace mortise::run {
 
@@ -26,8 +27,10 @@ void TurningLoss::state(const std::vector<double>& points, const std::vector<Mov
   of_first_ = of_second_ = given_first_ = given_second_ = 0;
   if (std::isnan(sum_) || bodies.empty()) return;
   for (std::vector<double>* v : {&turned_, &moved_, &lost_}) v->resize(bodies.size());
+  rolled_.resize(3 * bodies.size());
   for (std::vector<double>* v : {&lost_first_, &lost_second_}) v->assign(bodies.size(), 0.0);
   double rolling = 0, wheels = 0, hanging = 0;  // energies of what rolls by itself and on joints, and of all that may hang on those
+  bool wheel = false;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovingBody& b = bodies[i];
     const double omega = b.w.norm(), phi = omega * integration_.step;
@@ -37,14 +40,24 @@ void TurningLoss::state(const std::vector<double>& points, const std::vector<Mov
     of_first_ += first, of_second_ += second;
     const double energy = b.turns + b.energy();
     if (!b.free) hanging += energy;
-    if (rolls(b, omega, points)) (b.free ? rolling : wheels) += energy;
+    const bool rolls = run::rolls(b, omega, points);
+    if (rolls) (b.free ? rolling : wheels) += energy;
+    Vec3 angle = rolls && !b.free ? Vec3(at(rolled_, i) + integration_.step * b.w) : Vec3::Zero();
+    std::copy_n(angle.data(), 3, rolled_.begin() + static_cast<std::ptrdiff_t>(3 * i));
+    wheel = wheel || angle.norm() > tuning::kWheel;
     if (!b.free || b.touches) continue;
     lost_first_[i] = first, lost_second_[i] = second;
     turned_[i] = std::max(turned_[i], b.turns), moved_[i] = std::max(moved_[i], energy);
   }
   if (wheels > 0) rolling += hanging;
-  if (lost > tuning::kImpact * rolling) return;  // of an impact
-  of_first_ = std::max(of_first_, lost), of_second_ = std::max(of_second_, lost);
+  if (lost > tuning::kImpact * rolling) lost = 0;  // of an impact
+  if (wheels == 0) before_wheel_ = 0;
+  if (wheels > 0 && !wheel) {
+    before_wheel_ += lost;
+  } else {
+    lost += before_wheel_, before_wheel_ = 0;
+    of_first_ = std::max(of_first_, lost), of_second_ = std::max(of_second_, lost);
+  }
 }
 
 void TurningLoss::step(bool first_order) {
@@ -65,6 +78,8 @@ double TurningLoss::in_flight() const {
 void TurningLoss::checkpoint(Archive& archive) {
   archive.io("turning", sum_);
   archive.io("turning.given", given_);
+  archive.io("turning.before_wheel", before_wheel_);
+  archive.io("turning.rolled", rolled_);
   for (auto [name, v] : {std::pair{"turning.turned", &turned_}, {"turning.moved", &moved_}, {"turning.lost", &lost_}}) archive.io(name, *v);
 }
 

@@ -25,8 +25,8 @@ std::vector<std::string> single_elements(const model::ModelInput& input) {
     const Params* key = b.material.find("volumetric");
     if (!model::averages_volume(b) && !(key && key->as_text() == "full"))
       out.push_back(
-          fmt::format("body '{}' has one quadratic element across, at Poisson's ratio {:g}: it may be a quarter too stiff; half the edge "
-                      "length is right to a few percent",
+          fmt::format("body '{}' has one quadratic element across, at Poisson's ratio {:g}: it may be a quarter too stiff, and twice as stiff as it "
+                      "should be where elements are several times as long as it is thick; with two elements across it is right to a few percent",
                       b.name, b.material.number("poisson_ratio")));
   }
   return out;
