@@ -36,6 +36,7 @@ void BounceLoss::state(const std::vector<MovingBody>& bodies, double lost) {
     const Group& g = groups[i];
     if (g.bodies == 0 || g.given) continue;
     const double energy = g.energy(bodies[i].free);
+    if (steps_[i] > 0) lost_[i] += lost;  // in the step that ends a contact, too
     if (!g.touches) {
       const bool rested = slow_[i] >= tuning::kRested && slow_[i] >= tuning::kRestedShare * steps_[i];
       if (g.swings && steps_[i] > 0 && !rested) {
@@ -49,7 +50,7 @@ void BounceLoss::state(const std::vector<MovingBody>& bodies, double lost) {
     }
     if (steps_[i] < 0) steps_[i] = slow_[i] = lost_[i] = soft_[i] = 0, brought_ += before_[i];
     if (before_[i] == 0) continue;  // it touched from the start
-    ++steps_[i], lost_[i] += lost;
+    if (++steps_[i] == 1) lost_[i] += lost;
     if (soft) soft_[i] = 1;
     if (energy < tuning::kSlow * before_[i]) ++slow_[i];
   }
