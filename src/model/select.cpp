@@ -1,5 +1,7 @@
 #include "model/select.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <sstream>
 
@@ -39,6 +41,24 @@ std::vector<Index> select(std::span<const Vec3> rest, const Params* where) {
   return all;
 }
 
+namespace {
+
+// How far the nearest of the places is from a box or a sphere [m].
+double outside(std::span<const Vec3> rest, const Params& where) {
+  double least = INFINITY;
+  for (const Vec3& x : rest) {
+    if (where.has("box")) {
+      const Vec3 lo = where.at("box").vec3("min"), hi = where.at("box").vec3("max");
+      least = std::min(least, (x - x.cwiseMax(lo).cwiseMin(hi)).norm());
+    } else {
+      least = std::min(least, (x - where.at("sphere").vec3("centre")).norm() - where.at("sphere").number("radius"));
+    }
+  }
+  return least;
+}
+
+}  // namespace
+
 void selects_nothing(const Params& where, const std::string& what, const std::string& body, std::span<const Vec3> rest) {
   std::ostringstream why;
   if (where.has("box")) {
@@ -51,6 +71,7 @@ void selects_nothing(const Params& where, const std::string& what, const std::st
     const geometry::Bounds bounds = geometry::bounds_of(rest);
     for (int axis = 0; axis < 3; ++axis)
       why << (axis == 0 ? ": at rest the body lies in " : ", ") << "xyz"[axis] << " = " << bounds.lo[axis] << " to " << bounds.hi[axis] << " m";
+    why << ", its nearest node " << outside(rest, where) << " m beside what is asked for";
   }
   throw Error(Exit::scene, where.where(), "selects no " + what + " of body '" + body + "'" + why.str());
 }

@@ -31,6 +31,7 @@ void Certificate::Range::add(double v) {
 
 Certificate::Certificate(const model::ModelInput& input)
     : field_errors_(input),
+      friction_laws_(friction_laws(input)),
       crept_(input),
       bearings_(input),
       touch_lag_(input),
@@ -83,7 +84,8 @@ void Certificate::state(const Snapshot& said, double time) {
     if (starts_with(leaf, "force_share_")) kind_share_[leaf.substr(12)] = v;
   }
   const ForceBalance balance = force_balance(said);
-  crept_.state(said), bearings_.state(said), touch_lag_.state(said), slip_sampling_.state(said), stiff_strain_.state(said);
+  const std::vector<Rubbing> rubs = rubbing(friction_laws_, said);
+  crept_.state(said, rubs), slip_sampling_.state(said, rubs), bearings_.state(said), touch_lag_.state(said), stiff_strain_.state(said);
   if (states_++ > 0) field_errors_.state(said, time);  // where a run starts nothing is solved yet
   largest(written_newton_, said.at("balance/written_defect"));
   largest(balance_newton_, balance.defect);

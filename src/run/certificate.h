@@ -57,6 +57,7 @@ class Certificate {
   Grade grade(const End& end, const std::vector<Check>& checks) const;
 
   FieldErrors field_errors_;
+  std::map<std::string, FrictionLaw> friction_laws_;
   Crept crept_;
   BearingCreep bearings_;
   TouchLag touch_lag_;

@@ -9,7 +9,8 @@
 
 namespace mortise::run {
 
-Crept::Crept(const model::ModelInput& input) : laws_(friction_laws(input)) {
+Crept::Crept(const model::ModelInput& input) {
+  for (const auto& [effect, law] : friction_laws(input)) speed_ = std::fmax(speed_, law.creep_speed);
   std::size_t first = 0;
   for (const model::BodyInput& body : input.bodies) {
     if (body.type == model::BodyType::half_space) continue;
@@ -18,24 +19,15 @@ Crept::Crept(const model::ModelInput& input) : laws_(friction_laws(input)) {
   }
 }
 
-double Crept::speed() const {
-  double out = NAN;
-  for (const auto& [effect, law] : laws_) out = std::fmax(out, law.creep_speed);
-  return out;
-}
-
-void Crept::state(const Snapshot& said) {
+void Crept::state(const Snapshot& said, const std::vector<Rubbing>& rubs) {
   for (auto& [bodies, pair] : pairs_) pair.now = 0;
-  for (const auto& [effect, law] : laws_) creeps(effect, law, said);
+  for (const auto& [law, of] : rubs)
+    for (const auto& [bodies, friction] : of) {
+      Pair& pair = pairs_[bodies];
+      if (friction.speed() < law.creep_speed) pair.now = std::max(pair.now, friction.speed());
+    }
   if (const Snapshot::Values* u = said.of_points("displacement", 3))
     for (auto& [bodies, pair] : pairs_) pair.far = std::max(pair.far, farthest(bodies, *u));
-}
-
-void Crept::creeps(const std::string& effect, const FrictionLaw& law, const Snapshot& said) {
-  for (const auto& [of, friction] : friction_pairs(effect, law, said)) {
-    Pair& pair = pairs_[of];
-    if (friction.speed() < law.creep_speed) pair.now = std::max(pair.now, friction.speed());
-  }
 }
 
 double Crept::farthest(const Bodies& bodies, const Snapshot::Values& displacement) const {
@@ -58,7 +50,7 @@ void Crept::step(double dt) {
 }
 
 double Crept::share() const {
-  if (laws_.empty()) return NAN;
+  if (std::isnan(speed_)) return NAN;
   double most = 0;
   for (const auto& [bodies, pair] : pairs_) {
     double size = INFINITY;

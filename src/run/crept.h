@@ -6,8 +6,8 @@
 //
 // of which a body in a hand slips, or a sheared pad lets go again. Told as a share of the farthest that any point of the two has gone from where it
 // would be if it had gone with one of them, or of a hundredth of the smaller one, whichever is more; of the pair where that is most.
+#include <cmath>
 #include <map>
-#include <string>
 #include <vector>
 
 #include "base/archive.h"
@@ -20,10 +20,10 @@ namespace mortise::run {
 class Crept {
  public:
   explicit Crept(const model::ModelInput& input);
-  void state(const Snapshot& said);
-  void step(double dt);  // that led to that state [s]
-  double speed() const;  // what sticks creeps more slowly [m/s]; NaN without friction
-  double share() const;  // NaN without friction
+  void state(const Snapshot& said, const std::vector<Rubbing>& rubs);
+  void step(double dt);                    // that led to that state [s]
+  double speed() const { return speed_; }  // what sticks creeps more slowly [m/s]; NaN without friction
+  double share() const;                    // NaN without friction
   void checkpoint(Archive& archive);
 
  private:
@@ -35,10 +35,9 @@ class Crept {
     double crept = 0, far = 0;  // [m]
     double now = 0;             // how fast it creeps in the last state, 0 where it slips [m/s]
   };
-  void creeps(const std::string& effect, const FrictionLaw& law, const Snapshot& said);
   double farthest(const Bodies& bodies, const Snapshot::Values& displacement) const;
 
-  std::map<std::string, FrictionLaw> laws_;
+  double speed_ = NAN;        // creep_speed [m/s]
   std::vector<Body> bodies_;  // that have points; obstacles have later numbers
   std::map<Bodies, Pair> pairs_;
 };

@@ -1,7 +1,6 @@
 #include "run/friction_pairs.h"
 
 #include <algorithm>
-#include <vector>
 
 #include "run/vector_at.h"
 
@@ -15,7 +14,9 @@ std::map<std::string, FrictionLaw> friction_laws(const model::ModelInput& input)
   return out;
 }
 
-std::map<Bodies, FrictionPair> friction_pairs(const std::string& effect, const FrictionLaw& law, const Snapshot& said) {
+namespace {
+
+std::map<Bodies, FrictionPair> pairs_of(const std::string& effect, const FrictionLaw& law, const Snapshot& said) {
   const auto force = said.row.find(effect + "/force"), slip = said.row.find(effect + "/slip"), normal = said.row.find(effect + "/normal_force");
   if (force == said.row.end() || slip == said.row.end()) return {};
   // Bodies of every sample, in the order of friction's rows: those that press, then those of a guard.
@@ -37,6 +38,14 @@ std::map<Bodies, FrictionPair> friction_pairs(const std::string& effect, const F
   }
   const double rate = work > 0 ? said.at(effect + "/power") / work : 0;  // [1/s]
   for (auto& [of, pair] : out) pair.power *= rate, pair.pressed *= rate;
+  return out;
+}
+
+}  // namespace
+
+std::vector<Rubbing> rubbing(const std::map<std::string, FrictionLaw>& laws, const Snapshot& said) {
+  std::vector<Rubbing> out;
+  for (const auto& [effect, law] : laws) out.push_back({law, pairs_of(effect, law, said)});
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <map>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/snapshot.h"
 #include "effects/friction/creep.h"
@@ -28,6 +29,12 @@ struct FrictionPair {
   double pressed_speed() const { return normal > 0 ? pressed / normal : 0; }
 };
 using Bodies = std::pair<std::size_t, std::size_t>;  // by number, the smaller first; obstacles after all others
-std::map<Bodies, FrictionPair> friction_pairs(const std::string& effect, const FrictionLaw& law, const Snapshot& said);
+
+// What one effect does in a state.
+struct Rubbing {
+  FrictionLaw law;
+  std::map<Bodies, FrictionPair> pairs;
+};
+std::vector<Rubbing> rubbing(const std::map<std::string, FrictionLaw>& laws, const Snapshot& said);
 
 }  // namespace mortise::run

@@ -150,7 +150,7 @@ double Holds::stiffness(const Joint& joint, double moment, const Load& load, con
   return m.spring + stop + (wanted - m.kp * on >= m.effort ? 0 : m.kp);
 }
 
-double Holds::give(const std::string& body, const Load& load, const State& state) const {
+Holds::Give Holds::give(const std::string& body, const Load& load, const State& state) const {
   const double force = load.force.norm();
   std::map<std::string, Coordinate> led;  // by the joint that leads
   for (const std::string* at = &body; !at->empty();) {
@@ -160,7 +160,7 @@ double Holds::give(const std::string& body, const Load& load, const State& state
       const geometry::Motion carried = joint.to.empty() ? geometry::Motion{} : state.motion(joint.to);
       const Vec3 place = carried.R * joint.at + carried.t, axis = carried.R * joint.axis, moment = load.moment - place.cross(load.force);
       const double size = state.distance(body, place);
-      if (joint.spherical && moment.norm() > tuning::kOneWay * force * size) return INFINITY;
+      if (joint.spherical && moment.norm() > tuning::kOneWay * force * size) return {INFINITY, 0};
       if (joint.has_coordinate()) {
         // The load is on the side of `body`, or on that of `to`.
         const double along = (joint.body == *at ? 1 : -1) * axis.dot(joint.slides ? load.force : moment);
@@ -178,9 +178,9 @@ double Holds::give(const std::string& body, const Load& load, const State& state
     if (K > 0)
       work += c.moment * c.moment / K;
     else if (std::abs(c.moment) > tuning::kOneWay * force * c.size)
-      return INFINITY;
+      return {INFINITY, c.moment / c.size};
   }
-  return force > 0 ? work / force : 0;
+  return {force > 0 ? work / force : 0, 0};
 }
 
 }  // namespace mortise::run

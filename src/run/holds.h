@@ -48,8 +48,12 @@ class Holds {
     std::function<geometry::Motion(const std::string& body)> motion;          // from rest to now
     std::function<double(const std::string& body, const Vec3& at)> distance;  // of the middle of a body from a place
   };
-  // e of a held body [m]; infinite where something is free that the force moves.
-  double give(const std::string& body, const Load& load, const State& state) const;
+  // Of a held body: e [m], infinite where something is free that the force moves; and, of what is free, the force along its coordinate, of a hinge
+  // the moment over the body's distance [N].
+  struct Give {
+    double way = 0, along = 0;
+  };
+  Give give(const std::string& body, const Load& load, const State& state) const;
 
  private:
   struct Joint {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/disjoint_sets.h"
 #include "run/tuning.h"
@@ -89,9 +90,9 @@ LayerError::Way LayerError::way(std::size_t body, std::pair<std::size_t, std::si
     for (std::size_t i = of.first; i < of.first + of.count; ++i) middle += (rest_[i] + at(f.displacement, i)) / static_cast<double>(of.count);
     return (middle - place).norm();
   };
-  const double give = holds_.give(b.name, load, {number, motion_of, distance});
+  const Holds::Give give = holds_.give(b.name, load, {number, motion_of, distance});
   const double pressed = indentation(body, f);
-  return {.pressed = pressed, .give = give, .imposed = pressed >= 0, .free = std::isinf(give)};
+  return {.pressed = pressed, .give = give.way, .imposed = pressed >= 0, .free = std::isinf(give.way), .along = give.along};
 }
 
 double LayerError::borne(std::size_t body, const Fields& f) const {
@@ -150,8 +151,10 @@ void LayerError::squeezed(const Pairs& pairs, const Fields& f, std::vector<Trave
     std::vector<std::size_t> bodies;
     double gaps = 0, deformed = 0, give = 0, forces = 0;
     Vec3 load = Vec3::Zero();
-    int sides = 0;       // pairs with what is held
-    bool given = false;  // something that presses gives a force, and no travel
+    std::set<std::size_t> pressed;    // what is free of pairs with what is held
+    double along = 0, all_along = 0;  // on it: sums with and without sign [N]
+    int sides = 0;                    // pairs with what is held
+    bool given = false;               // something that presses gives a force, and no travel
   };
   std::map<std::size_t, Group> groups;
   for (const auto& [bodies, pair] : pairs) {
@@ -161,6 +164,8 @@ void LayerError::squeezed(const Pairs& pairs, const Fields& f, std::vector<Trave
     g.gaps += pair.work, g.bodies.insert(g.bodies.end(), {bodies.first, bodies.second});
     if (first && second) continue;
     const Way& way = first ? pair.second : pair.first;
+    const double along = first ? pair.first.along : pair.second.along;
+    g.pressed.insert(first ? bodies.first : bodies.second), g.along += along, g.all_along += std::abs(along);
     ++g.sides, g.given = g.given || !way.imposed || !pair.known;
     g.deformed += pair.force * way.pressed, g.give += pair.force * way.give, g.forces += pair.on_first.norm(),
         g.load += (first ? 1 : -1) * pair.on_first;
@@ -170,7 +175,9 @@ void LayerError::squeezed(const Pairs& pairs, const Fields& f, std::vector<Trave
   for (const auto& [name, g] : groups) {
     const double work = g.deformed + g.give;
     if (g.given || g.sides < 2 || !(g.forces > 0)) continue;
-    const double resultant = g.load.norm() / g.forces;  // of F + w and F: a load w bears w / (F + w) = 2 resultant / (1 + resultant)
+    const bool lever = g.pressed.size() == 1 && g.all_along > 0;
+    const double resultant = lever ? std::abs(g.along) / g.all_along
+                                   : g.load.norm() / g.forces;  // of F + w and F: a load w bears w / (F + w) = 2 resultant / (1 + resultant)
     const double share = std::max(0.0, (1 - 3 * resultant) / (1 + resultant));
     if (work > 0)
       out.push_back({g.bodies, share, g.gaps, g.deformed, work});

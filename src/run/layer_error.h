@@ -13,7 +13,8 @@
 //     sum_p F_p g_p / (sum_i f_i . u_i + sum_p F_p (d + e)_p),       u_i: displacement without the body's rigid motion; d, e: of the held body of p
 //
 // which is g/d again where one body is pressed from two sides (both gaps, all of its shortening). It counts fully where forces of the held bodies
-// balance each other, and not where their resultant, which a load bears, is more than half of one of two that press from opposite sides.
+// balance each other, and not where their resultant, which a load bears, is more than half of one of two that press from opposite sides; of one body
+// on a joint what counts are their parts along the joint's free coordinate, as of a lever.
 // Where nothing soft and no motor takes part in the travel, the layer is all that gives way, and decides the force: 1 where one of the bodies goes
 // somewhere.
 #include <map>
@@ -69,6 +70,7 @@ class LayerError {
     double pressed = 0, give = 0;
     bool imposed = true;  // by something
     bool free = false;    // nothing holds it against what presses
+    double along = 0;     // on a joint: what presses along its free coordinate [N]
   };
   struct Pair {
     double force = 0, work = 0;  // over its samples: forces [N], times gaps [J]

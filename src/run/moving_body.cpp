@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "base/disjoint_sets.h"
 #include "effects/roles.h"
@@ -25,18 +26,27 @@ MovingBodies::MovingBodies(const model::ModelInput& input) {
     if (number.count(one) && number.count(other) && !holds.given(one) && !holds.given(other)) sets.join(number.at(one), number.at(other));
   }
   const Params& effects = input.scene.at("effects");
-  for (const Params& p : entries(effects, "drive"))
-    if (const std::optional<Params> joint = joint_named(effects, p.text("joint")); joint && p.text("mode") != "passive")
+  std::set<std::string> driven_joints;
+  for (const Params& p : entries(effects, "drive")) {
+    if (p.text("mode") == "passive") continue;
+    driven_joints.insert(p.text("joint"));
+    if (const std::optional<Params> joint = joint_named(effects, p.text("joint")))
       if (const auto body = number.find(joint->text("body")); body != number.end()) motored[sets.of(body->second)] = true;
+  }
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
     const std::size_t i = number.at(b.name), group = sets.of(i);
     const bool held = holds.held(b.name), given = holds.given(b.name);
     const bool swings = held ? !given && !holds.motored(b.name) : !motored[group];
     std::vector<std::string> stops;
-    for (const Params& p : entries(effects, "joint"))
-      if (p.text("body") == b.name) stops.push_back("joint/" + effects::tie_name(p) + "_stop");
-    who_.push_back({held, given, given && !holds.pinned(b.name), !held && !tied[i], swings, holds.damped(b.name, step), group, std::move(stops)});
+    bool spins = !held && !tied[i];
+    for (const Params& p : entries(effects, "joint")) {
+      if (p.text("body") != b.name) continue;
+      stops.push_back("joint/" + effects::tie_name(p) + "_stop");
+      spins = p.text("type") != "fixed" && !p.has("mimic") && !driven_joints.count(effects::tie_name(p));
+    }
+    who_.push_back(
+        {held, given, given && !holds.pinned(b.name), !held && !tied[i], swings, spins, holds.damped(b.name, step), group, std::move(stops)});
   }
 }
 
@@ -58,7 +68,7 @@ std::vector<MovingBody> MovingBodies::at(const Snapshot& said, const std::vector
     // Slides on the world are supported, across their axis.
     const bool led = who_[i].given || (said.has("supports/" + b.name + "_x") && !who_[i].held);
     out.push_back({b, b.mean(points, points), b.mean(*velocity, points), b.spin(*velocity, points), pushed > 0, stopped, pressed, who_[i].given,
-                   who_[i].driven, led, who_[i].free, who_[i].swings, who_[i].group, who_[i].damped,
+                   who_[i].driven, led, who_[i].free, who_[i].swings, who_[i].spins, who_[i].group, who_[i].damped,
                    b.soft() ? 0.0 : b.turning_energy(*velocity, points)});
   }
   return out;

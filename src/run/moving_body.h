@@ -20,6 +20,7 @@ struct MovingBody {
   bool led;           // given, or supported by what is no joint
   bool free;          // nothing holds it or ties it to another body
   bool swings;        // it goes as forces say: not given, and no motor is on the way to what holds it, or on what it hangs together with
+  bool spins;         // free, or on joints of its own that no motor moves
   std::size_t group;  // number of a body that it hangs together with by joints, bonds and ties, over what is not given
   bool damped;        // by its joint, far more than by the time step (Holds::damped)
   double turns;       // energy of turning about its centre, of stiff bodies [J]
@@ -36,7 +37,7 @@ class MovingBodies {
 
  private:
   struct Who {
-    bool held, given, driven, free, swings, damped;
+    bool held, given, driven, free, swings, spins, damped;
     std::size_t group;
     std::vector<std::string> stops;  // what says of its joints that they are at one
   };

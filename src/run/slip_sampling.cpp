@@ -9,7 +9,7 @@
 
 namespace mortise::run {
 
-SlipSampling::SlipSampling(const model::ModelInput& input) : laws_(friction_laws(input)) {
+SlipSampling::SlipSampling(const model::ModelInput& input) : rubs_(!friction_laws(input).empty()) {
   std::size_t first = 0;
   for (const model::BodyInput& body : input.bodies) {
     if (body.type == model::BodyType::half_space) continue;
@@ -88,12 +88,12 @@ SlipSampling::Slip SlipSampling::slip_on(std::size_t body, std::size_t other, co
   return {corners / force, (corners - inside) / force};
 }
 
-void SlipSampling::state(const Snapshot& said) {
+void SlipSampling::state(const Snapshot& said, const std::vector<Rubbing>& rubs) {
   for (auto& [bodies, pair] : pairs_) pair.power = 0;
   const Fields f{of_points(said, "displacement", 3), of_points(said, "velocity", 3), of_points(said, "contact_force", 3)};
   if (f.displacement.empty() || f.velocity.size() != f.displacement.size() || f.contact.size() != f.displacement.size()) return;
-  for (const auto& [effect, law] : laws_)
-    for (const auto& [bodies, of] : friction_pairs(effect, law, said)) {
+  for (const auto& [law, pairs] : rubs)
+    for (const auto& [bodies, of] : pairs) {
       if (of.speed() < law.creep_speed) continue;
       Pair& pair = pairs_[bodies];
       pair.error = INFINITY, pair.power = of.power;
@@ -109,7 +109,7 @@ void SlipSampling::step(double dt) {
 }
 
 double SlipSampling::share() const {
-  if (laws_.empty()) return NAN;
+  if (!rubs_) return NAN;
   double all = 0, most = 0;
   for (const auto& [bodies, pair] : pairs_) all += pair.taken;
   for (const auto& [bodies, pair] : pairs_)

@@ -26,7 +26,7 @@ namespace mortise::run {
 class SlipSampling {
  public:
   explicit SlipSampling(const model::ModelInput& input);
-  void state(const Snapshot& said);
+  void state(const Snapshot& said, const std::vector<Rubbing>& rubs);
   void step(double dt);  // that led to that state [s]
   // Of the pair where it is most, the mean over what friction took away there; NaN without friction. Pairs where that is less than a share of all
   // do not count.
@@ -50,7 +50,7 @@ class SlipSampling {
   geometry::RigidVelocity rigid(std::size_t body, const Fields& f) const;  // at rest of an obstacle
   Slip slip_on(std::size_t body, std::size_t other, const Fields& f) const;
 
-  std::map<std::string, FrictionLaw> laws_;
+  bool rubs_;                 // is there friction?
   std::vector<Body> bodies_;  // that have points
   std::map<Bodies, Pair> pairs_;
 };

@@ -33,6 +33,15 @@ EnergyAudit::EnergyAudit(const model::ModelInput& input)
     first += b.nodes.size();
   }
   const Params& effects = input.scene.at("effects");
+  if (const double h = integration_of(input.scene).step; h > 0) {
+    std::vector<double> rest;
+    for (const model::BodyInput& b : input.bodies)
+      for (const Vec3& x : b.nodes) rest.insert(rest.end(), x.data(), x.data() + 3);
+    for (const MeasuredBody& b : bodies_) {
+      const double v = tuning::kNoWay * b.radius(b.mean(rest, rest), rest) / h;
+      least_ += 0.5 * b.mass() * v * v;
+    }
+  }
   r_.work_is_known = !effects::of_role(effects, effects::Role::inertia).empty();
   loads_ = effects::of_role(effects, effects::Role::load), contacts_ = effects::of_role(effects, effects::Role::contact);
 }
@@ -74,6 +83,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
     r_.impacts = bounces_.stiff();
   }
   r_.free_loss = free_loss();
+  if (!moving.empty()) r_.scale = std::max(r_.scale, least_);
   r_.own_scale = std::max(r_.own_scale, tuning::kDriven * r_.scale);
   if (!moving.empty()) r_.turnover = std::max(r_.scale, there_and_back_), r_.own_turnover = std::max(r_.own_scale, own_there_and_back_);
   touched_ = touches;

@@ -91,6 +91,7 @@ class EnergyAudit {
   double all_ = NAN;                                  // total energy, turning of pinned bodies included
   std::vector<double> points_before_;
   double gravity_first_ = NAN;
+  double least_ = 0;                              // energy of motions that are rounding [J]
   double there_and_back_ = 0;                     // work of supports [J]
   double own_work_ = 0, own_there_and_back_ = 0;  // the same without what is given [J]
   double free_ = 0;                               // lost where the balance of energies tells it [J]

@@ -45,7 +45,7 @@ void TurningLoss::state(const std::vector<double>& points, const std::vector<Mov
     Vec3 angle = rolls && !b.free ? Vec3(at(rolled_, i) + integration_.step * b.w) : Vec3::Zero();
     std::copy_n(angle.data(), 3, rolled_.begin() + static_cast<std::ptrdiff_t>(3 * i));
     wheel = wheel || angle.norm() > tuning::kWheel;
-    if (!b.free || b.touches) continue;
+    if (!b.spins || b.touches || b.stopped) continue;
     lost_first_[i] = first, lost_second_[i] = second;
     turned_[i] = std::max(turned_[i], b.turns), moved_[i] = std::max(moved_[i], energy);
   }

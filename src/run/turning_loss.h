@@ -7,9 +7,9 @@
 // says, in contact and under motors too. Where a body rolls, free or as a wheel on joints (a leg turns by less than kWheel), whatever else energy is
 // lost by than friction makes it slower too: facets of a round body, that strike one after the other; of a step the larger of the two counts.
 // What is supported, driven or rolls gets its energy of turning from elsewhere, and gives it there: the loss is held against the largest energy of
-// all that is not given. A body in flight has its own alone: of each such body the losses are also held against the most that it turned with in
-// flight, where that is more than kTurns of its energy of motion. What kinematic drives turn goes as they say, but their torques and their work are
-// by this more than they should be, which is a sum of its own.
+// all that is not given. A body in flight, or on a joint without a motor, has its own alone while it touches nothing: of each such body the losses
+// are also held against the most that it turned with in flight, where that is more than kTurns of its energy of motion. What kinematic drives turn
+// goes as they say, but their torques and their work are by this more than they should be, which is a sum of its own.
 #include <vector>
 
 #include "base/archive.h"

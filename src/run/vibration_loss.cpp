@@ -29,7 +29,8 @@ VibrationLoss::VibrationLoss(const model::ModelInput& input) : integration_(inte
   const Holds holds(effects);
   std::map<std::string, std::size_t> number;
   for (const model::BodyInput& body : input.bodies)
-    if (body.type != model::BodyType::half_space) number.emplace(body.name, number.size()), far_.push_back(body.type == model::BodyType::soft);
+    if (body.type != model::BodyType::half_space)
+      number.emplace(body.name, number.size()), far_.push_back(0), soft_ = soft_ || body.type == model::BodyType::soft;
   DisjointSets sets(number.size());
   for (const auto& [one, other] : holds.together())
     if (number.count(one) && number.count(other)) sets.join(number[one], number[other]);
@@ -97,6 +98,8 @@ void VibrationLoss::look_how_far(const Snapshot& said, const std::vector<double>
       if (!far_[i] && other.group == bodies[i].group) radius = std::max(radius, other.body.radius(bodies[i].x, points));
     const double least = far_[i] ? INFINITY : tuning::kTrembles * radius;
     for (std::size_t p = b.first; std::isfinite(least) && p < b.first + b.count && !far_[i]; ++p) far_[i] = at(*u, p).norm() > least;
+    Mechanism& of = mechanisms_[mechanism_[i]];
+    of.far = of.far || far_[i];
   }
 }
 
@@ -121,13 +124,13 @@ void VibrationLoss::step(bool first_order, bool counts) {
 }
 
 bool VibrationLoss::nothing_moves() const {
-  return std::none_of(far_.begin(), far_.end(), [](std::uint8_t far) { return far != 0; });
+  return !soft_ && std::none_of(far_.begin(), far_.end(), [](std::uint8_t far) { return far != 0; });
 }
 
 double VibrationLoss::alone(double all) const {
   double most = 0;
   for (const Mechanism& m : mechanisms_)
-    if (m.alone && m.moved > 0 && m.moved < 0.5 * all) most = std::max(most, m.sum / m.moved);
+    if (m.alone && m.far && m.moved > 0 && m.moved < 0.5 * all) most = std::max(most, m.sum / m.moved);
   return most;
 }
 
@@ -139,6 +142,7 @@ void VibrationLoss::checkpoint(Archive& archive) {
   std::vector<double> own, far(far_.begin(), far_.end());
   archive.io("vibration.far", far);
   if (archive.loading()) far_.assign(far.begin(), far.end());
+  for (std::size_t i = 0; i < far_.size(); ++i) mechanisms_[mechanism_[i]].far = mechanisms_[mechanism_[i]].far || far_[i];
   for (const Mechanism& m : mechanisms_) own.push_back(m.sum), own.push_back(m.moved);
   archive.io("vibration.own", own);
   for (std::size_t g = 0; archive.loading() && 2 * g + 1 < own.size() && g < mechanisms_.size(); ++g)

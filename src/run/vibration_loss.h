@@ -19,7 +19,8 @@
 //
 // Beside bodies with far more energy that loss is nothing, though somebody may look at what vibrates. Bodies that hang together by joints, bonds and
 // ties, and on which no support, motor, load or friction does work, have energy of their own alone: of such a mechanism, while it touches nothing,
-//     sum 2 D / T,     T: its largest.
+//     sum 2 D / T,     T: its largest,
+// once something of it has gone that far: a pad that sags under its own weight does not.
 #include <vector>
 
 #include "base/archive.h"
@@ -44,6 +45,7 @@ class VibrationLoss {
  private:
   struct Mechanism {
     bool alone = true;             // nothing does work on it
+    bool far = false;              // something of it has gone farther than by kTrembles of its size
     double first = 0, second = 0;  // 2 D of the last step, by its order [J]
     double sum = 0, moved = 0;     // of 2 D, T [J]
   };
@@ -53,7 +55,8 @@ class VibrationLoss {
 
   Integration integration_;
   std::vector<std::size_t> mechanism_;  // of every body that has points
-  std::vector<std::uint8_t> far_;       // likewise: is it soft, or has it gone so far that it does more than tremble?
+  std::vector<std::uint8_t> far_;       // likewise: has it gone so far that it does more than tremble?
+  bool soft_ = false;                   // something is
   std::vector<Mechanism> mechanisms_;
   std::vector<double> v1_, v0_;              // velocities of the last state and of the one before
   double of_first_ = 0, of_second_ = 0;      // 2 D of the last step, by its order [J]

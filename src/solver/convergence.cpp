@@ -11,19 +11,22 @@
 
 namespace mortise::solver {
 
-// Per block of a soft body that has tied nodes: the farthest that a block they follow reaches, by its weight [m]; of others 0. The place of a node at
-// the foot of a long stiff body is a small difference of large numbers, whose rounding all nodes beside it feel.
+// Per block of a soft body that has tied nodes: the farthest that a block they follow reaches, by its weight [m]; of a block that they follow, the
+// farthest node of their body; of others 0. The place of a node at the foot of a long stiff body is a small difference of large numbers, whose
+// rounding all nodes beside it feel; and what a stiff body feels of the nodes that follow it is rounded as their places are, however small its own.
 static std::vector<double> reaches(const model::Model& model) {
   std::vector<double> reach(model.blocks, 0.0);
   const std::vector<Vec3> rest = model.rest.download();
   for (const model::Body& body : model.bodies) {
     if (body.type != model::BodyType::soft) continue;
-    double far = 0;
+    double far = 0, farthest = 0;
+    for (Index b = body.block_begin; b < body.block_end; ++b) farthest = std::max(farthest, rest[b].norm());
     for (Index b = body.block_begin; b < body.block_end; ++b) {
       if (!model.ties.tied(b)) continue;
-      for (const model::TieTerm& t : model.ties.terms(b)) far = std::max(far, std::abs(t.weight) * rest[t.block].norm());
+      for (const model::TieTerm& t : model.ties.terms(b))
+        far = std::max(far, std::abs(t.weight) * rest[t.block].norm()), reach[t.block] = std::max(reach[t.block], farthest);
     }
-    std::fill(reach.begin() + body.block_begin, reach.begin() + body.block_end, far);
+    for (Index b = body.block_begin; b < body.block_end; ++b) reach[b] = std::max(reach[b], far);
   }
   return reach;
 }

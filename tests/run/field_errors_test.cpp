@@ -251,7 +251,7 @@ TEST(Crept, IsTheSlipOfWhatSticks) {
     said.rows("friction", "force", "N", 3, std::vector<double>{3, 0, 0, 0, 4, 0});
     said.rows("friction", "slip", "m", 3, std::vector<double>{-0.5 * speed, 0, 0, 0, -0.5 * speed, 0});
     said.scalar("friction", "power", "W", 7 * speed);
-    crept.state(said);
+    crept.state(said, run::rubbing(run::friction_laws(input), said));
     crept.step(100);
   };
   const double least = 0.01 * std::sqrt(3.0);  // a hundredth of a body

@@ -45,7 +45,7 @@ void slips(run::SlipSampling& sampling, const model::ModelInput& input, const Ve
   said.rows("friction", "slip", "m", 3, slip);
   said.rows("friction", "normal_force", "N", 1, std::vector<double>(4, 1.0));
   said.scalar("friction", "power", "W", power);
-  sampling.state(said);
+  sampling.state(said, run::rubbing(run::friction_laws(input), said));
   sampling.step(0.1);
 }
 

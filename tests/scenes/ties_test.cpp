@@ -281,6 +281,26 @@ TEST(Bonds, CarryWhatHangsOnThem) {
   }
 }
 
+// What a stiff body at the origin feels of a pad is rounded as the pad's places are: nothing acts, and 5e-15 N were too much.
+TEST(Bonds, OfABodyAtTheOriginRest) {
+  Rig rig(R"(
+mortise: 1
+name: rest
+time: {step: 5 ms, steps: 4}
+materials: {steel: {density: 7850}, gel: {model: linear, youngs_modulus: 0.1 MPa, poisson_ratio: 0, density: 1000}}
+bodies:
+  block: {type: stiff, shape: {box: {size: [0.02, 0.02, 0.02], edge_length: 0.01}}, material: steel}
+  pad: {type: soft, shape: {box: {size: [0.01, 0.02, 0.02], edge_length: 0.005}}, material: gel, position: [0.015, 0, 0]}
+effects:
+  inertia: {}
+  elasticity: {}
+  affine_body: {}
+  joint: [{name: slide, type: prismatic, body: block, axis: [1, 0, 0]}]
+  bond: [{body: pad, to: block, within: 1 um}]
+)");
+  for (int i = 0; i < 4; ++i) EXPECT_LT(rig.step().newton, 10);
+}
+
 // Nodes inside of a stiff core, and near to it.
 TEST(Bonds, WithinAStiffBody) {
   const auto bonded = [](const std::string& within) {

@@ -401,3 +401,46 @@ effects:
 )";
   EXPECT_TRUE(std::isnan(turn(straight, 20).energy.given_lag)) << "it starts and stops at once";
 }
+
+// A table of stiff parts on three stiff feet falls by 2 mm and stays: what its feet bring is the energy of all of it. A bar falls on the stop of its
+// hinge, and what it turned with is no vibration.
+TEST(VibrationLoss, IsNoneOfWhatHangsTogetherAndLands) {
+  std::string table = R"(
+mortise: 1
+name: table
+time: {step: 1 ms, steps: 60}
+materials: {steel: {density: 7850}, gel: {youngs_modulus: 1 MPa, poisson_ratio: 0.4, density: 1000}}
+bodies:
+  top: {type: stiff, shape: {box: {size: [0.2, 0.2, 0.02], edge_length: 0.1}}, material: steel, position: [0, 0, 0.06], mass: 1}
+  floor: {type: half_space}
+)",
+              joints;
+  for (const auto& [name, x, y] : {std::tuple{"a", 0.06, 0.0}, {"b", -0.03, 0.05}, {"c", -0.03, -0.05}}) {
+    table += fmt::format(
+        "  {}: {{type: stiff, shape: {{sphere: {{radius: 0.01, edge_length: 0.004}}}}, material: steel, mass: 10 g, position: [{}, {}, 0.012]}}\n",
+        name, x, y);
+    joints += fmt::format("    - {{type: fixed, body: {}, to: top}}\n", name);
+  }
+  table += "  pad: {type: soft, shape: {box: {size: [0.02, 0.02, 0.01], edge_length: 0.005}}, material: gel, position: [0, 0, 0.2]}\n";
+  table +=
+      "effects:\n  inertia: {}\n  gravity: {}\n  elasticity: {}\n  affine_body: {}\n  pin: [{body: pad, where: {side: z_max}}]\n  barrier_contact: "
+      "{}\n  joint:\n";
+  const Turned landed = turn(table + joints, 60);
+  EXPECT_LT(landed.energy.free_loss, 0.06 * landed.energy.turnover);  // of its flight
+  const Turned stopped = turn(R"(
+mortise: 1
+name: stop
+time: {step: 5 ms, steps: 200}
+materials: {steel: {density: 7850}}
+bodies: {bar: {type: stiff, shape: {box: {size: [0.2, 0.02, 0.02], edge_length: 0.05}}, material: steel, position: [0.1, 0, 0], mass: 0.5}}
+effects:
+  inertia: {}
+  gravity: {}
+  affine_body: {}
+  joint: [{name: j, type: revolute, body: bar, at: [0, 0, 0], axis: [0, -1, 0], angle_limits: [-0.5, 0.5], stop_effort: 5}]
+  drive: [{joint: j, mode: passive, damping: 0.05}]
+)",
+                              200);
+  EXPECT_LT(stopped.energy.free_loss, 0.12 * stopped.energy.turnover);
+  EXPECT_LT(stopped.energy.alone_loss, 0.12);
+}
