@@ -45,7 +45,11 @@ void TurningLoss::state(const std::vector<double>& points, const std::vector<Mov
     Vec3 angle = rolls && !b.free ? Vec3(at(rolled_, i) + integration_.step * b.w) : Vec3::Zero();
     std::copy_n(angle.data(), 3, rolled_.begin() + static_cast<std::ptrdiff_t>(3 * i));
     wheel = wheel || angle.norm() > tuning::kWheel;
-    if (!b.spins || b.touches || b.stopped) continue;
+    if (!b.spins || b.touches || b.stopped) {
+      // What spins on a joint has its turning from what it touches: each time by itself.
+      if (!b.free) most_ = in_flight(), turned_[i] = moved_[i] = lost_[i] = 0;
+      continue;
+    }
     lost_first_[i] = first, lost_second_[i] = second;
     turned_[i] = std::max(turned_[i], b.turns), moved_[i] = std::max(moved_[i], energy);
   }
@@ -69,7 +73,7 @@ void TurningLoss::step(bool first_order) {
 }
 
 double TurningLoss::in_flight() const {
-  double most = 0;
+  double most = most_;
   for (std::size_t i = 0; i < lost_.size(); ++i)
     if (turned_[i] > tuning::kTurns * moved_[i]) most = std::max(most, lost_[i] / turned_[i]);
   return most;
@@ -78,6 +82,7 @@ double TurningLoss::in_flight() const {
 void TurningLoss::checkpoint(Archive& archive) {
   archive.io("turning", sum_);
   archive.io("turning.given", given_);
+  archive.io("turning.most", most_);
   archive.io("turning.before_wheel", before_wheel_);
   archive.io("turning.rolled", rolled_);
   for (auto [name, v] : {std::pair{"turning.turned", &turned_}, {"turning.moved", &moved_}, {"turning.lost", &lost_}}) archive.io(name, *v);

@@ -36,6 +36,7 @@ class TurningLoss {
   double given_ = 0, given_first_ = 0, given_second_ = 0;
   // Per body: the most that it turned with in flight, and had of energy of motion then [J]; lost there so far, in the last step by its order [J].
   std::vector<double> turned_, moved_, lost_, lost_first_, lost_second_;
+  double most_ = 0;             // share of their own of those that touched something since
   std::vector<double> rolled_;  // angle of what rolls on joints, since it began to [rad], 3 per body
   double before_wheel_ = 0;     // lost so far by what may be a wheel or a leg [J]
 };
