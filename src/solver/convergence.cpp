@@ -11,14 +11,18 @@
 
 namespace mortise::solver {
 
-// Per block of a soft body that has tied nodes: the farthest that a block they follow reaches, by its weight [m]; of a block that they follow, the
-// farthest node of their body; of others 0. The place of a node at the foot of a long stiff body is a small difference of large numbers, whose
-// rounding all nodes beside it feel; and what a stiff body feels of the nodes that follow it is rounded as their places are, however small its own.
+// Per block: what places are rounded by that it feels beside its own [m]. Of a soft body that has tied nodes: the farthest that a block they follow
+// reaches, by its weight (the place of a node at the foot of a long stiff body is a small difference of large numbers, whose rounding all nodes
+// beside it feel). Of a block that they follow: the farthest node of their body. Of a stiff body's position: its radius, as its axes are rounded.
 static std::vector<double> reaches(const model::Model& model) {
   std::vector<double> reach(model.blocks, 0.0);
   const std::vector<Vec3> rest = model.rest.download();
+  const std::vector<Vec3> points = model.rest_points.download();
   for (const model::Body& body : model.bodies) {
-    if (body.type != model::BodyType::soft) continue;
+    if (body.type != model::BodyType::soft) {
+      reach[body.block_begin] = std::max(reach[body.block_begin], model::radius(body, points));
+      continue;
+    }
     double far = 0, farthest = 0;
     for (Index b = body.block_begin; b < body.block_end; ++b) farthest = std::max(farthest, rest[b].norm());
     for (Index b = body.block_begin; b < body.block_end; ++b) {
