@@ -10,11 +10,8 @@ namespace {
 
 // What hangs together.
 struct Group {
-  std::size_t bodies = 0;
   double moves = 0, turns = 0;  // energy of motion of the centres, and of turning [J]
   bool touches = false, given = false, swings = true;
-  // One body that is free turns as it likes.
-  double energy(bool free) const { return bodies == 1 && free ? moves : moves + turns; }
 };
 
 }  // namespace
@@ -26,7 +23,7 @@ void BounceLoss::state(const std::vector<MovingBody>& bodies, double lost) {
   std::vector<Group> groups(bodies.size());
   for (const MovingBody& b : bodies) {
     Group& g = groups[b.group];
-    ++g.bodies, g.moves += b.energy(), g.turns += b.turns;
+    g.moves += b.energy(), g.turns += b.turns;
     g.touches = g.touches || b.touches || b.stopped, g.given = g.given || b.given, g.swings = g.swings && b.swings;
   }
   const bool soft = std::any_of(bodies.begin(), bodies.end(), [](const MovingBody& b) { return b.body.soft() && b.touches; });
@@ -34,9 +31,9 @@ void BounceLoss::state(const std::vector<MovingBody>& bodies, double lost) {
   brought_ = 0;
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const Group& g = groups[i];
-    if (g.bodies == 0 || g.given) continue;
-    const double energy = g.energy(bodies[i].free);
-    if (steps_[i] > 0) lost_[i] += lost;  // in the step that ends a contact, too
+    if (bodies[i].group != i || g.given) continue;
+    const double energy = bodies[i].free ? g.moves : g.moves + g.turns;  // what is free turns as it likes
+    if (steps_[i] > 0) lost_[i] += lost;                                 // in the step that ends a contact, too
     if (!g.touches) {
       const bool rested = slow_[i] >= tuning::kRested && slow_[i] >= tuning::kRestedShare * steps_[i];
       if (g.swings && steps_[i] > 0 && !rested) {

@@ -176,8 +176,8 @@ void LayerError::squeezed(const Pairs& pairs, const Fields& f, std::vector<Trave
     const double work = g.deformed + g.give;
     if (g.given || g.sides < 2 || !(g.forces > 0)) continue;
     const bool lever = g.pressed.size() == 1 && g.all_along > 0;
-    const double resultant = lever ? std::abs(g.along) / g.all_along
-                                   : g.load.norm() / g.forces;  // of F + w and F: a load w bears w / (F + w) = 2 resultant / (1 + resultant)
+    // Of F + w and F: a load w bears w / (F + w) = 2 resultant / (1 + resultant).
+    const double resultant = lever ? std::abs(g.along) / g.all_along : g.load.norm() / g.forces;
     const double share = std::max(0.0, (1 - 3 * resultant) / (1 + resultant));
     if (work > 0)
       out.push_back({g.bodies, share, g.gaps, g.deformed, work});

@@ -48,10 +48,10 @@ geometry::RigidVelocity SlipSampling::rigid(std::size_t body, const Fields& f) c
   return geometry::nearest_velocity(x, v);
 }
 
-SlipSampling::Slip SlipSampling::slip_on(std::size_t body, std::size_t other, const Fields& f) const {
+SlipSampling::Slip SlipSampling::slip_on(std::size_t body, const geometry::RigidVelocity& own, const geometry::RigidVelocity& under,
+                                         const Fields& f) const {
   if (body >= bodies_.size()) return {};
   const Body& b = bodies_[body];
-  const geometry::RigidVelocity own = rigid(body, f), under = rigid(other, f);
   struct Face {
     const Index* v;
     double area;
@@ -92,13 +92,19 @@ void SlipSampling::state(const Snapshot& said, const std::vector<Rubbing>& rubs)
   for (auto& [bodies, pair] : pairs_) pair.power = 0;
   const Fields f{of_points(said, "displacement", 3), of_points(said, "velocity", 3), of_points(said, "contact_force", 3)};
   if (f.displacement.empty() || f.velocity.size() != f.displacement.size() || f.contact.size() != f.displacement.size()) return;
+  std::map<std::size_t, geometry::RigidVelocity> rigid;  // of what slips
+  const auto rigid_of = [&](std::size_t body) -> const geometry::RigidVelocity& {
+    const auto [it, first] = rigid.try_emplace(body);
+    if (first) it->second = this->rigid(body, f);
+    return it->second;
+  };
   for (const auto& [law, pairs] : rubs)
     for (const auto& [bodies, of] : pairs) {
       if (of.speed() < law.creep_speed) continue;
       Pair& pair = pairs_[bodies];
       pair.error = INFINITY, pair.power = of.power;
       for (const auto& [one, other] : {bodies, Bodies{bodies.second, bodies.first}})
-        if (const Slip slip = slip_on(one, other, f); slip.faces > 0)
+        if (const Slip slip = slip_on(one, rigid_of(one), rigid_of(other), f); slip.faces > 0)
           pair.error = std::min(pair.error, std::max(0.0, std::min(slip.corners, of.pressed_speed()) / slip.faces - 1));
       if (!std::isfinite(pair.error)) pair.error = 0;
     }

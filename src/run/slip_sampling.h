@@ -48,7 +48,7 @@ class SlipSampling {
     double corners = NAN, faces = NAN;  // mean speeds, c and a over the force [m/s]; NaN where little of what bears is on whole triangles
   };
   geometry::RigidVelocity rigid(std::size_t body, const Fields& f) const;  // at rest of an obstacle
-  Slip slip_on(std::size_t body, std::size_t other, const Fields& f) const;
+  Slip slip_on(std::size_t body, const geometry::RigidVelocity& own, const geometry::RigidVelocity& under, const Fields& f) const;
 
   bool rubs_;                 // is there friction?
   std::vector<Body> bodies_;  // that have points

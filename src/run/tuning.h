@@ -49,10 +49,11 @@ inline constexpr Bounds kAtStart{0.1, 0.2};         // of energy: half of that o
 // ---- what counts in them
 inline constexpr double kRounding = 1e-12;  // of positions: some thousand times what one rounding makes (certificate.cpp)
 inline constexpr double kStrain = 1e-10;    // far below any strain that means something, far above what rounding of positions makes (certificate.cpp)
-inline constexpr double kDriven = 1e-6;     // work in a step, of the largest energy: less is what holding takes (state_audit.cpp)
-inline constexpr double kNoWay = 1e-9;      // of a body's radius, in a step: less is rounding (state_audit.cpp)
-inline constexpr double kRolls = 0.5;       // its farthest point, from turning, over its velocity (turning_loss.cpp): sliding bodies turn less
-inline constexpr double kWheel = 1;         // [rad]: a leg or a finger that rolls on its tip turns back before that (turning_loss.cpp)
+inline constexpr double kDriven =
+    1e-6;  // work in a step, of the largest energy: less is what holding takes; and the least of what is not given (state_audit.cpp)
+inline constexpr double kNoWay = 1e-9;  // of a body's radius, in a step: less is rounding (state_audit.cpp)
+inline constexpr double kRolls = 0.5;   // its farthest point, from turning, over its velocity (turning_loss.cpp): sliding bodies turn less
+inline constexpr double kWheel = 1;     // [rad]: a leg or a finger that rolls on its tip turns back before that (turning_loss.cpp)
 inline constexpr double kTurns =
     1e-3;  // of the energy of motion of a body in flight: with less its rim turns by less than a twentieth of its way (turning_loss.cpp)
 inline constexpr double kImpact = 0.1;  // of the energy of what rolls, in a step: more is no rolling

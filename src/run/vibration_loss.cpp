@@ -92,14 +92,12 @@ void VibrationLoss::state(const Snapshot& said, const std::vector<double>& point
 void VibrationLoss::look_how_far(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
   const Snapshot::Values* u = said.of_points("displacement", 3);
   for (std::size_t i = 0; u && i < bodies.size(); ++i) {
+    if (far_[i]) continue;
     const MeasuredBody& b = bodies[i].body;
     double radius = 0;
     for (const MovingBody& other : bodies)
-      if (!far_[i] && other.group == bodies[i].group) radius = std::max(radius, other.body.radius(bodies[i].x, points));
-    const double least = far_[i] ? INFINITY : tuning::kTrembles * radius;
-    for (std::size_t p = b.first; std::isfinite(least) && p < b.first + b.count && !far_[i]; ++p) far_[i] = at(*u, p).norm() > least;
-    Mechanism& of = mechanisms_[mechanism_[i]];
-    of.far = of.far || far_[i];
+      if (other.group == bodies[i].group) radius = std::max(radius, other.body.radius(bodies[i].x, points));
+    for (std::size_t p = b.first; p < b.first + b.count && !far_[i]; ++p) far_[i] = at(*u, p).norm() > tuning::kTrembles * radius;
   }
 }
 
@@ -129,8 +127,10 @@ bool VibrationLoss::nothing_moves() const {
 
 double VibrationLoss::alone(double all) const {
   double most = 0;
-  for (const Mechanism& m : mechanisms_)
-    if (m.alone && m.far && m.moved > 0 && m.moved < 0.5 * all) most = std::max(most, m.sum / m.moved);
+  for (std::size_t i = 0; i < far_.size(); ++i) {
+    const Mechanism& m = mechanisms_[mechanism_[i]];
+    if (far_[i] && m.alone && m.moved > 0 && m.moved < 0.5 * all) most = std::max(most, m.sum / m.moved);
+  }
   return most;
 }
 
@@ -142,7 +142,6 @@ void VibrationLoss::checkpoint(Archive& archive) {
   std::vector<double> own, far(far_.begin(), far_.end());
   archive.io("vibration.far", far);
   if (archive.loading()) far_.assign(far.begin(), far.end());
-  for (std::size_t i = 0; i < far_.size(); ++i) mechanisms_[mechanism_[i]].far = mechanisms_[mechanism_[i]].far || far_[i];
   for (const Mechanism& m : mechanisms_) own.push_back(m.sum), own.push_back(m.moved);
   archive.io("vibration.own", own);
   for (std::size_t g = 0; archive.loading() && 2 * g + 1 < own.size() && g < mechanisms_.size(); ++g)

@@ -45,7 +45,6 @@ class VibrationLoss {
  private:
   struct Mechanism {
     bool alone = true;             // nothing does work on it
-    bool far = false;              // something of it has gone farther than by kTrembles of its size
     double first = 0, second = 0;  // 2 D of the last step, by its order [J]
     double sum = 0, moved = 0;     // of 2 D, T [J]
   };

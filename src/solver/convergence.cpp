@@ -14,13 +14,13 @@ namespace mortise::solver {
 // Per block: what places are rounded by that it feels beside its own [m]. Of a soft body that has tied nodes: the farthest that a block they follow
 // reaches, by its weight (the place of a node at the foot of a long stiff body is a small difference of large numbers, whose rounding all nodes
 // beside it feel). Of a block that they follow: the farthest node of their body. Of a stiff body's position: its radius, as its axes are rounded.
-static std::vector<double> reaches(const model::Model& model) {
+static std::vector<double> reaches(const model::Model& model, const std::vector<double>& radius) {
   std::vector<double> reach(model.blocks, 0.0);
   const std::vector<Vec3> rest = model.rest.download();
-  const std::vector<Vec3> points = model.rest_points.download();
-  for (const model::Body& body : model.bodies) {
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    const model::Body& body = model.bodies[i];
     if (body.type != model::BodyType::soft) {
-      reach[body.block_begin] = std::max(reach[body.block_begin], model::radius(body, points));
+      reach[body.block_begin] = std::max(reach[body.block_begin], radius[i]);
       continue;
     }
     double far = 0, farthest = 0;
@@ -50,7 +50,7 @@ Convergence::Convergence(const model::Model& model, const Options& options) : mo
   blocks_ = Chunks(blocks);
   lever_.upload(lever);
   position_.upload(position);
-  reach_.upload(reaches(model));
+  reach_.upload(reaches(model, radius_));
 }
 
 void Convergence::begin_step() {

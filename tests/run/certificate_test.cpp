@@ -332,31 +332,36 @@ TEST(Certificate, TheLayerDoesNotCountUnderAMotorAtItsLimit) {
               0.01 / (0.1 + 5e-4 * 1.19315 / 6.38629), 1e-7);
 }
 
-// A lever: the hinge bears what the arms of its two pads make of their forces, and its moments balance.
+// The punch between the pad, pressed by 10 N and 0.1 m under a gap of 0.01 m, and another one on top of it, by `above` and 0.3 m under 0.03 m;
+// `moment` of that about y, on the punch.
+double layer_between_pads(const Entries& holds, double above, double moment = 0) {
+  model::ModelInput input = punched(holds);
+  Params effects = input.scene.at("effects"), pins = *effects.find("pin");
+  pins.push(texts({{"body", "top"}}));
+  effects.set("pin", pins);
+  input.scene.set("effects", effects);
+  model::BodyInput top = input.bodies[0];
+  top.name = "top";
+  for (Vec3& x : top.nodes) x = Vec3(x[0], x[1], 2 - x[2]);
+  input.bodies[2] = top;
+  Punched p;
+  p.pressure.resize(5), p.moved.resize(15), p.contact.resize(15), p.support.resize(15);
+  p.contact[14] = 10 - above;
+  for (int i = 0; i < 4; ++i) {
+    p.pressure.push_back(i < 3 ? 20 : 0);
+    for (double v : {0., 0., i < 3 ? 0.3 : 0}) p.moved.push_back(v);
+    for (double v : {0., 0., i < 3 ? above / 3 : 0}) p.contact.push_back(v);
+    for (double v : {0., 0., i < 3 ? 0 : -above}) p.support.push_back(v);
+  }
+  // Force and moment about the origin are those on the first body of each pair.
+  const run::LayerError::Samples samples{{0, 1, 1, 2}, {0.01, 0.03}, {10, above}, {0, 1, 1, 2}, {0, 0, -10, 0, 0, -above}, {0, 0, 0, 0, moment, 0}};
+  return run::LayerError::worst(run::LayerError(input).travels(samples, {p.moved, p.support, {}, p.contact, p.pressure}));
+}
+
+// A lever: the hinge bears what the arms of its two pads make of their forces, and its moments balance. 10 N below, 2 m from the hinge at x = -2;
+// `above` at 6 m.
 TEST(Certificate, TheLayerCountsOnBothSidesOfALever) {
-  const auto layer = [](double above) {
-    model::ModelInput input = punched({{"joint", kHinge}});
-    Params effects = input.scene.at("effects"), pins = *effects.find("pin");
-    pins.push(texts({{"body", "top"}}));
-    effects.set("pin", pins);
-    input.scene.set("effects", effects);
-    model::BodyInput top = input.bodies[0];
-    top.name = "top";
-    for (Vec3& x : top.nodes) x = Vec3(x[0], x[1], 2 - x[2]);
-    input.bodies[2] = top;
-    Punched p;
-    p.pressure.resize(5), p.moved.resize(15), p.contact.resize(15), p.support.resize(15);
-    for (int i = 0; i < 4; ++i) {
-      p.pressure.push_back(i < 3 ? 20 : 0);
-      for (double v : {0., 0., i < 3 ? 0.3 : 0}) p.moved.push_back(v);
-      for (double v : {0., 0., i < 3 ? above / 3 : 0}) p.contact.push_back(v);
-      for (double v : {0., 0., i < 3 ? 0 : -above}) p.support.push_back(v);
-    }
-    // 10 N below, 2 m from the hinge at x = -2; `above` at 6 m. Force and moment about the origin on the first body of each pair.
-    const run::LayerError::Samples samples{
-        {0, 1, 1, 2}, {0.01, 0.03}, {10, above}, {0, 1, 1, 2}, {0, 0, -10, 0, 0, -above}, {0, 0, 0, 0, 4 * above, 0}};
-    return run::LayerError::worst(run::LayerError(input).travels(samples, {p.moved, p.support, {}, p.contact, p.pressure}));
-  };
+  const auto layer = [](double above) { return layer_between_pads({{"joint", kHinge}}, above, 4 * above); };
   EXPECT_NEAR(layer(10. / 3), (10 * 0.01 + 0.1) / (10 * 0.1 + 1), 1e-12);
   EXPECT_EQ(layer(10), 0) << "another moment bears half of it";
 }
@@ -441,28 +446,7 @@ TEST(Certificate, TheLayerCountsOnBothSidesOfWhatIsSqueezed) {
 // A stiff block between two pads that are held, each pressed to a tenth of its way by a layer: by itself, on a slide along the force or a hinge
 // beside it, both gaps are in the way of both; on one across it, or where a motor holds the slide, each pad has its own.
 TEST(Certificate, TheLayerCountsOnBothSidesOfWhatHangsOnAPassiveJoint) {
-  const auto layer = [](const Entries& holds, double above = 10) {
-    model::ModelInput input = punched(holds);
-    Params effects = input.scene.at("effects"), pins = *effects.find("pin");
-    pins.push(texts({{"body", "top"}}));
-    effects.set("pin", pins);
-    input.scene.set("effects", effects);
-    model::BodyInput top = input.bodies[0];
-    top.name = "top";
-    for (Vec3& x : top.nodes) x = Vec3(x[0], x[1], 2 - x[2]);
-    input.bodies[2] = top;
-    Punched p;
-    p.pressure.resize(5), p.moved.resize(15), p.contact.resize(15), p.support.resize(15);
-    p.contact[14] = 10 - above;
-    for (int i = 0; i < 4; ++i) {
-      p.pressure.push_back(i < 3 ? 20 : 0);
-      for (double v : {0., 0., i < 3 ? 0.3 : 0}) p.moved.push_back(v);
-      for (double v : {0., 0., i < 3 ? above / 3 : 0}) p.contact.push_back(v);
-      for (double v : {0., 0., i < 3 ? 0 : -above}) p.support.push_back(v);
-    }
-    const run::LayerError::Samples samples{{0, 1, 1, 2}, {0.01, 0.03}, {10, above}, {0, 1, 1, 2}, {0, 0, -10, 0, 0, -above}, {0, 0, 0, 0, 0, 0}};
-    return run::LayerError::worst(run::LayerError(input).travels(samples, {p.moved, p.support, {}, p.contact, p.pressure}));
-  };
+  const auto layer = [](const Entries& holds, double above = 10) { return layer_between_pads(holds, above); };
   EXPECT_NEAR(layer({}), 0.04 / 0.4, 1e-12);
   EXPECT_NEAR(layer({{"joint", kSlide}}), 0.04 / 0.4, 1e-12);
   EXPECT_EQ(layer({{"joint", kSlide}}, 20), 0) << "half of the force above is a load's";
