@@ -35,7 +35,8 @@ Holds::Holds(const Params& effects) {
   }
   for (const Params& p : entries(effects, "drive")) {
     Motor& m = motors_[p.text("joint")];
-    m.kinematic = p.text("mode") == "kinematic", m.passive = p.text("mode") == "passive";
+    const std::string& mode = p.text("mode");
+    m.kinematic = mode == "kinematic", m.passive = mode == "passive", m.effort_only = mode == "effort";
     m.kp = number_or(p, "kp", 0), m.kd = number_or(p, "kd", 0), m.effort = number_or(p, "effort", INFINITY), m.spring = number_or(p, "stiffness", 0);
     m.damping = number_or(p, "damping", 0);
   }
@@ -99,10 +100,20 @@ bool Holds::given(const std::string& body) const {
 }
 
 bool Holds::motored(const std::string& body) const {
-  return held(body) && !each_joint(body, [&](const Joint& joint) {
-           const Motor* m = motor(joint);
-           return !m || m->passive;
-         });
+  if (!held(body)) return false;
+  for (const std::string* at = &body; !at->empty() && !given(*at);) {
+    const Step& step = ways_.at(*at);
+    if (step.joint >= 0 && driven(joints_[step.joint].name) != Driven::no) return true;
+    at = &step.to;
+  }
+  return false;
+}
+
+Holds::Driven Holds::driven(const std::string& joint) const {
+  const auto named = by_name_.find(joint);
+  const Motor* m = named == by_name_.end() ? nullptr : motor(joints_[named->second]);
+  if (!m || m->passive) return Driven::no;
+  return m->effort_only ? Driven::by_effort : Driven::yes;
 }
 
 bool Holds::damped(const std::string& body, double step) const {

@@ -28,11 +28,15 @@ class Holds {
   bool pinned(const std::string& body) const;
   // Does it go as the scene says: pinned, or all of whose joints on the way are fixed or have kinematic drives?
   bool given(const std::string& body) const;
-  // Is there a motor on the way to what holds it? Springs alone are none.
+  // Is there a motor on the way to what holds it, or to the first body that is given? Springs alone are none.
   bool motored(const std::string& body) const;
   // Do motor, spring and damper of the first joint on the way that moves damp by far more than a time step of backward Euler does, whose share
   // of damping is h times the stiffness? step: h [s].
   bool damped(const std::string& body, double step) const;
+  // What drives a joint: a motor of given torque or force, or one that goes after a target, a speed or what leads it. Springs and dampers alone are
+  // none.
+  enum class Driven { no, by_effort, yes };
+  Driven driven(const std::string& joint) const;
   // Of a soft body that a mortar tie holds: the one that it is tied to; null of others.
   const std::string* tied_to(const std::string& body) const;
   // Pairs of bodies that joints, bonds or ties keep together.
@@ -66,7 +70,7 @@ class Holds {
     bool has_coordinate() const { return !spherical && !fixed; }
   };
   struct Motor {
-    bool kinematic = false, passive = false;
+    bool kinematic = false, passive = false, effort_only = false;
     double kp = 0, kd = 0, effort = INFINITY, spring = 0, damping = 0;
   };
   // The next body on the way to what holds; by which joint, or none (-1).

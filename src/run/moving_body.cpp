@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 #include "base/disjoint_sets.h"
 #include "effects/roles.h"
@@ -25,28 +24,33 @@ MovingBodies::MovingBodies(const model::ModelInput& input) {
       if (number.count(name)) tied[number.at(name)] = true;
     if (number.count(one) && number.count(other) && !holds.given(one) && !holds.given(other)) sets.join(number.at(one), number.at(other));
   }
-  const Params& effects = input.scene.at("effects");
-  std::set<std::string> driven_joints;
-  for (const Params& p : entries(effects, "drive")) {
-    if (p.text("mode") == "passive") continue;
-    driven_joints.insert(p.text("joint"));
-    if (const std::optional<Params> joint = joint_named(effects, p.text("joint")))
-      if (const auto body = number.find(joint->text("body")); body != number.end()) motored[sets.of(body->second)] = true;
-  }
+  std::map<std::size_t, std::size_t> carriers;  // of groups
+  for (const auto& [one, other] : holds.together())
+    for (const auto& [carrier, body] : {std::pair{one, other}, {other, one}})
+      if (number.count(one) && number.count(other) && holds.given(carrier) && !holds.given(body))
+        carriers.emplace(sets.of(number.at(body)), number.at(carrier));
+  const std::vector<Params> joints = entries(input.scene.at("effects"), "joint");
+  for (const Params& p : joints)
+    if (const auto body = number.find(p.text("body")); body != number.end() && holds.driven(effects::tie_name(p)) != Holds::Driven::no)
+      motored[sets.of(body->second)] = true;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
     const std::size_t i = number.at(b.name), group = sets.of(i);
-    const bool held = holds.held(b.name), given = holds.given(b.name);
-    const bool swings = held ? !given && !holds.motored(b.name) : !motored[group];
+    HowHeld how{};
+    how.held = holds.held(b.name), how.given = holds.given(b.name), how.driven = how.given && !holds.pinned(b.name);
+    how.free = !how.held && !tied[i];
+    how.swings = how.held ? !how.given && !holds.motored(b.name) : !motored[group];
+    how.damped = holds.damped(b.name, step), how.group = group;
+    if (const auto carrier = carriers.find(group); carrier != carriers.end()) how.carrier = carrier->second;
     std::vector<std::string> stops;
-    bool spins = !held && !tied[i];
-    for (const Params& p : entries(effects, "joint")) {
+    bool spins = true;
+    for (const Params& p : joints) {
       if (p.text("body") != b.name) continue;
       stops.push_back("joint/" + effects::tie_name(p) + "_stop");
-      spins = p.text("type") != "fixed" && !p.has("mimic") && !driven_joints.count(effects::tie_name(p));
+      spins = spins && p.text("type") != "fixed" && !p.has("mimic") && holds.driven(effects::tie_name(p)) != Holds::Driven::yes;
     }
-    who_.push_back(
-        {held, given, given && !holds.pinned(b.name), !held && !tied[i], swings, spins, holds.damped(b.name, step), group, std::move(stops)});
+    how.spins = stops.empty() ? how.free : spins;
+    who_.push_back({how, std::move(stops)});
   }
 }
 
@@ -66,12 +70,19 @@ std::vector<MovingBody> MovingBodies::at(const Snapshot& said, const std::vector
     const auto at_it = [&](const std::string& stop) { return said.has(stop) && said.at(stop) != 0; };
     const bool stopped = std::any_of(who_[i].stops.begin(), who_[i].stops.end(), at_it);
     // Slides on the world are supported, across their axis.
-    const bool led = who_[i].given || (said.has("supports/" + b.name + "_x") && !who_[i].held);
-    out.push_back({b, b.mean(points, points), b.mean(*velocity, points), b.spin(*velocity, points), pushed > 0, stopped, pressed, who_[i].given,
-                   who_[i].driven, led, who_[i].free, who_[i].swings, who_[i].spins, who_[i].group, who_[i].damped,
+    const HowHeld& how = who_[i].how;
+    const bool led = how.given || (said.has("supports/" + b.name + "_x") && !how.held);
+    out.push_back({how, b, b.mean(points, points), b.mean(*velocity, points), b.spin(*velocity, points), pushed > 0, stopped, pressed, led,
                    b.soft() ? 0.0 : b.turning_energy(*velocity, points)});
   }
   return out;
+}
+
+double radius_of_group(const std::vector<MovingBody>& bodies, const MovingBody& body, const std::vector<double>& points) {
+  double radius = 0;
+  for (const MovingBody& other : bodies)
+    if (other.group == body.group) radius = std::max(radius, other.body.radius(body.x, points));
+  return radius;
 }
 
 Integration integration_of(const Params& scene) {

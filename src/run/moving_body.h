@@ -1,5 +1,6 @@
 #pragma once
 // Bodies in a state of motion, measured once for all estimates of what the time step does to it, and who leads them.
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,24 +10,33 @@
 
 namespace mortise::run {
 
-struct MovingBody {
-  const MeasuredBody& body;
-  Vec3 x, v, w;       // centre of mass [m], its velocity [m/s], angular velocity [rad/s]
-  bool touches;       // a force of contact is on one of its points
-  bool stopped;       // its joint is at a stop
-  Vec3 pressed;       // mean place of these forces, as far as it touches [m]
+// How a body is held, throughout a run.
+struct HowHeld {
+  bool held;          // by the world or by a pinned body, if over others
   bool given;         // it goes as pins or kinematic drives say (Holds::given)
   bool driven;        // given, and not by pins of its own
-  bool led;           // given, or supported by what is no joint
   bool free;          // nothing holds it or ties it to another body
   bool swings;        // it goes as forces say: not given, and no motor is on the way to what holds it, or on what it hangs together with
-  bool spins;         // free, or on joints of its own that no motor moves
-  std::size_t group;  // number of a body that it hangs together with by joints, bonds and ties, over what is not given
+  bool spins;         // free, or on joints of its own that no motor moves but by a given torque
   bool damped;        // by its joint, far more than by the time step (Holds::damped)
-  double turns;       // energy of turning about its centre, of stiff bodies [J]
+  std::size_t group;  // number of a body that it hangs together with by joints, bonds and ties, over what is not given
+  std::optional<std::size_t> carrier;  // number of a given body that its group hangs on
+};
+
+struct MovingBody : HowHeld {
+  const MeasuredBody& body;
+  Vec3 x, v, w;  // centre of mass [m], its velocity [m/s], angular velocity [rad/s]
+  bool touches;  // a force of contact is on one of its points
+  bool stopped;  // its joint is at a stop
+  Vec3 pressed;  // mean place of these forces, as far as it touches [m]
+  bool led;      // given, or supported by what is no joint
+  double turns;  // energy of turning about its centre, of stiff bodies [J]
 
   // Of its centre [J].
-  double energy() const { return 0.5 * body.mass() * v.squaredNorm(); }
+  double energy() const { return energy_of(v); }
+  // The same of another velocity, and of turning with another one, as if all its axes of inertia were like that which it turns about.
+  double energy_of(const Vec3& of) const { return 0.5 * body.mass() * of.squaredNorm(); }
+  double turning_of(const Vec3& of) const { return w.squaredNorm() > 0 ? turns * of.squaredNorm() / w.squaredNorm() : 0; }
 };
 
 class MovingBodies {
@@ -37,12 +47,14 @@ class MovingBodies {
 
  private:
   struct Who {
-    bool held, given, driven, free, swings, spins, damped;
-    std::size_t group;
+    HowHeld how;
     std::vector<std::string> stops;  // what says of its joints that they are at one
   };
   std::vector<Who> who_;
 };
+
+// Distance of the farthest point of what a body hangs together with from its centre [m].
+double radius_of_group(const std::vector<MovingBody>& bodies, const MovingBody& body, const std::vector<double>& points);
 
 // An integrator's time step h [s], NaN without one, and whether it is of second order.
 struct Integration {

@@ -22,13 +22,17 @@ class OwnEnergy {
   double raised() const { return weight_ - first_; }         // by that their weights have gone up since the start [J]
   double work() const { return work_; }                      // W of the step that led to the state [J]
   double lost() const { return second_order_ ? 0 : lost_; }  // that part of W which their energy has not [J]
+  // Energy of the step's change of velocity, of all that a body consists of, taken as rigid [J].
+  double change(std::size_t body) const { return changes_[body]; }
+  Vec3 fall() const { return fall_; }  // velocity that gravity adds in a step [m/s]
   void checkpoint(Archive& archive);
 
  private:
-  Vec3 gravity_ = Vec3::Zero();
+  Vec3 gravity_ = Vec3::Zero(), fall_ = Vec3::Zero();
   bool second_order_;
   double kinetic_ = 0, weight_ = 0, first_ = NAN, work_ = 0, lost_ = 0;
-  std::vector<double> moved_;  // v and w of all bodies in the state before
+  std::vector<double> moved_;    // v and w of all bodies in the state before
+  std::vector<double> changes_;  // by body [J]
 };
 
 }  // namespace mortise::run

@@ -24,7 +24,7 @@ bool at_a_stop(const Snapshot& said) {
 }  // namespace
 
 EnergyAudit::EnergyAudit(const model::ModelInput& input)
-    : moving_(input), own_(input), lag_(input), given_lag_(input), turning_(input), vibrations_(input) {
+    : moving_(input), own_(input), lag_(input), given_lag_(input), turning_(input), vibrations_(input), swings_(input) {
   std::size_t first = 0;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
@@ -62,82 +62,77 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
     // The solver's own sum over the substeps counts moments too.
     const bool summed = now.said.has("supports/work");
     const double work = summed ? now.said.at("supports/work") : support_work(now);
-    there_and_back_ += std::abs(work), own_there_and_back_ += std::abs(work - own_.work());
+    scale_.worked(work, r_.work_is_known), own_scale_.worked(work - own_.work(), r_.work_is_known);
     if (r_.work_is_known) {
-      r_.support_work += work, own_work_ += work - own_.work();
-      r_.scale = std::max(r_.scale, std::abs(r_.support_work)), r_.own_scale = std::max(r_.own_scale, std::abs(own_work_));
       r_.gain = (summed ? all_ - all_before : r_.total - before) - work;
       r_.largest_gain = std::fmax(r_.largest_gain, r_.gain);
       const double rubbed = std::fmax(now.said.at("friction/dissipation"), 0.0);
       lost = std::max(-r_.gain - (rubbed - rubbed_) - own_.lost(), 0.0);
       rubbed_ = rubbed;
       // Supports of soft bodies do no more than is reported; those of stiff ones do, where they are set in motion.
-      const bool driven = std::abs(work) > tuning::kDriven * r_.scale;
+      const bool driven = std::abs(work) > tuning::kDriven * scale_.largest();
       balanced_ = !touched_ && !touches && (!driven || soft_);
       if (balanced_ && driven)
         vibrations_.lost(-std::min(r_.gain, 0.0));
       else if (balanced_ && !vibrations_.nothing_moves())
         free_ -= std::min(r_.gain, 0.0);
     }
-    bounces_.state(moving, lost);
-    r_.impacts = bounces_.stiff();
+    bounces_.state(moving, lost, own_);
   }
-  r_.free_loss = free_loss();
-  if (!moving.empty()) r_.scale = std::max(r_.scale, least_);
-  r_.own_scale = std::max(r_.own_scale, tuning::kDriven * r_.scale);
-  if (!moving.empty()) r_.turnover = std::max(r_.scale, there_and_back_), r_.own_turnover = std::max(r_.own_scale, own_there_and_back_);
+  moves_ = !moving.empty();
+  if (moves_) scale_.holds(least_);
+  own_scale_.holds(tuning::kDriven * scale_.largest());
   touched_ = touches;
   lag_.state(now.points, moving);
-  r_.motion_lag = lag_.value();
   given_lag_.state(moving, force_balance(now.said).scale);
-  r_.given_lag = given_lag_.value();
   vibrations_.state(now.said, now.points, moving, stored_, bounces_.brought());
+  swings_.state(now.points, moving);
   turning_.state(now.points, moving, lost);
   points_before_ = now.points;
+  measured();
   return r_;
 }
 
 void EnergyAudit::step(bool first_order) {
   vibrations_.step(first_order, !balanced_);
-  r_.free_loss = free_loss(), r_.alone_loss = vibrations_.alone(r_.turnover);
+  swings_.step(first_order);
   turning_.step(first_order);
+  measured();
+}
+
+void EnergyAudit::measured() {
+  r_.support_work = scale_.work();
+  r_.scale = scale_.largest(), r_.own_scale = own_scale_.largest();
+  r_.turnover = moves_ ? scale_.turnover() : 0, r_.own_turnover = moves_ ? own_scale_.turnover() : 0;
+  r_.at_start = pressed_first_ - pressed_least_;
+  r_.motion_lag = lag_.value(), r_.given_lag = given_lag_.value();
+  r_.free_loss = free_ + bounces_.sum() + vibrations_.sum(), r_.impacts = bounces_.stiff();
+  r_.own_loss = std::max({bounces_.own(), vibrations_.alone(r_.turnover), swings_.share()}), r_.own_impacts = bounces_.own_stiff();
   r_.turning_loss = turning_.sum(), r_.flight_turning = turning_.in_flight(), r_.given_turning = turning_.given();
 }
 
 void EnergyAudit::checkpoint(Archive& archive) {
   for (auto [name, value] : {std::pair{"total", &r_.total},
-                             {"support_work", &r_.support_work},
                              {"gain", &r_.gain},
                              {"largest_gain", &r_.largest_gain},
-                             {"scale", &r_.scale},
                              {"all", &all_},
                              {"gravity_first", &gravity_first_},
-                             {"free_loss", &r_.free_loss},
                              {"free", &free_},
+                             {"rubbed", &rubbed_},
                              {"pressed_first", &pressed_first_},
-                             {"pressed_least", &pressed_least_},
-                             {"turnover", &r_.turnover},
-                             {"there_and_back", &there_and_back_},
-                             {"own_scale", &r_.own_scale},
-                             {"own_turnover", &r_.own_turnover},
-                             {"own_work", &own_work_},
-                             {"own_there_and_back", &own_there_and_back_}})
+                             {"pressed_least", &pressed_least_}})
     archive.io(name, *value);
-  r_.at_start = pressed_first_ - pressed_least_;
-  archive.io("touched", touched_);
-  archive.io("balanced", balanced_);
+  for (auto [name, value] : {std::pair{"moves", &moves_}, {"touched", &touched_}, {"balanced", &balanced_}}) archive.io(name, *value);
+  scale_.checkpoint(archive, "scale"), own_scale_.checkpoint(archive, "own_scale");
   own_.checkpoint(archive);
   lag_.checkpoint(archive);
   given_lag_.checkpoint(archive);
-  r_.motion_lag = lag_.value(), r_.given_lag = given_lag_.value();
   turning_.checkpoint(archive);
   bounces_.checkpoint(archive);
-  r_.impacts = bounces_.stiff();
   vibrations_.checkpoint(archive);
-  archive.io("rubbed", rubbed_);
-  r_.alone_loss = vibrations_.alone(r_.turnover);
-  r_.turning_loss = turning_.sum(), r_.flight_turning = turning_.in_flight(), r_.given_turning = turning_.given();
+  swings_.checkpoint(archive);
   archive.io("points_before", points_before_);
+  measured();
 }
 
 // What bears a weight from the start keeps its energy; what is shot apart does not.
@@ -147,7 +142,6 @@ void EnergyAudit::contact_energy(const StateReport& now) {
     if (now.said.has(contact + "/energy")) sum += now.said.at(contact + "/energy");
   if (std::isnan(pressed_first_)) pressed_first_ = sum;
   pressed_least_ = std::fmin(pressed_least_, sum);
-  r_.at_start = pressed_first_ - pressed_least_;
 }
 
 double EnergyAudit::total(const StateReport& now) {
@@ -158,12 +152,12 @@ double EnergyAudit::total(const StateReport& now) {
     if (leaf != "energy" && leaf != "kinetic_energy") continue;
     sum += v;
     if (name != "gravity/energy") {  // which is arbitrary up to a constant
-      r_.scale = std::max(r_.scale, v), r_.own_scale = std::max(r_.own_scale, leaf == "energy" ? v : v - own_.kinetic());
+      scale_.holds(v), own_scale_.holds(leaf == "energy" ? v : v - own_.kinetic());
       if (leaf == "energy") stored_ += v;
       continue;
     }
     if (std::isnan(gravity_first_)) gravity_first_ = v;
-    r_.scale = std::max(r_.scale, std::abs(v - gravity_first_)), r_.own_scale = std::max(r_.own_scale, std::abs(v - gravity_first_ - own_.raised()));
+    scale_.holds(std::abs(v - gravity_first_)), own_scale_.holds(std::abs(v - gravity_first_ - own_.raised()));
   }
   return sum;
 }

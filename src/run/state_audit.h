@@ -10,10 +10,12 @@
 #include "base/snapshot.h"
 #include "model/input.h"
 #include "run/bounce_loss.h"
+#include "run/energy_scale.h"
 #include "run/given_lag.h"
 #include "run/measured_body.h"
 #include "run/motion_lag.h"
 #include "run/own_energy.h"
+#include "run/swing_loss.h"
 #include "run/turning_loss.h"
 #include "run/vibration_loss.h"
 
@@ -54,9 +56,12 @@ class EnergyAudit {
     // Of energy, the time step's doing [J]: between states in which nothing touches or is at a stop, while nothing is driven; otherwise
     // vibration_loss.h; and bounce_loss.h.
     double free_loss = 0;
-    double impacts = 0;         // in doubt after impacts of stiff bodies (bounce_loss.h) [J]
-    double at_start = 0;        // energy that contact has in the first state and gives away [J]
-    double alone_loss = 0;      // share of its own energy that a mechanism lost by itself (vibration_loss.h)
+    double impacts = 0;   // in doubt after impacts of stiff bodies (bounce_loss.h) [J]
+    double at_start = 0;  // energy that contact has in the first state and gives away [J]
+    // The largest share of what it has itself that a body or mechanism lost in bounces (bounce_loss.h), alone (vibration_loss.h), or while it swings
+    // on what carries it (swing_loss.h); and the share of it that impacts leave in doubt.
+    double own_loss = 0;
+    double own_impacts = 0;
     double turning_loss = NAN;  // turning_loss.h [J]
     double given_turning = 0;   // the same of what kinematic drives turn [J]
     double flight_turning = 0;  // the same of one body in flight, a share of its own energy of turning
@@ -74,7 +79,7 @@ class EnergyAudit {
   void contact_energy(const StateReport& now);
   double turning(const StateReport& now) const;
   double support_work(const StateReport& now) const;
-  double free_loss() const { return free_ + bounces_.sum() + vibrations_.sum(); }
+  void measured();  // all that other classes measure, into the result
 
   std::vector<MeasuredBody> bodies_;
   std::vector<std::string> loads_, contacts_;  // effects of these roles
@@ -86,19 +91,20 @@ class EnergyAudit {
   TurningLoss turning_;
   BounceLoss bounces_;
   VibrationLoss vibrations_;
+  SwingLoss swings_;
+  EnergyScale scale_, own_scale_;                     // of all, and without what is given
   double rubbed_ = 0;                                 // by friction so far [J]
   double pressed_first_ = NAN, pressed_least_ = NAN;  // energy of contact in the first state, and the least since [J]
   double all_ = NAN;                                  // total energy, turning of pinned bodies included
   std::vector<double> points_before_;
   double gravity_first_ = NAN;
-  double least_ = 0;                              // energy of motions that are rounding [J]
-  double there_and_back_ = 0;                     // work of supports [J]
-  double own_work_ = 0, own_there_and_back_ = 0;  // the same without what is given [J]
-  double free_ = 0;                               // lost where the balance of energies tells it [J]
-  double stored_ = 0;                             // of the state, without gravity [J]
-  bool touched_ = false;                          // something, in the state before
-  bool soft_ = true;                              // all bodies
-  bool balanced_ = false;                         // what the last step lost is in the balance of energies
+  double least_ = 0;       // energy of motions that are rounding [J]
+  double free_ = 0;        // lost where the balance of energies tells it [J]
+  double stored_ = 0;      // of the state, without gravity [J]
+  bool moves_ = false;     // velocities are reported
+  bool touched_ = false;   // something, in the state before
+  bool soft_ = true;       // all bodies
+  bool balanced_ = false;  // what the last step lost is in the balance of energies
 };
 
 }  // namespace mortise::run

@@ -56,8 +56,12 @@ inline constexpr double kRolls = 0.5;   // its farthest point, from turning, ove
 inline constexpr double kWheel = 1;     // [rad]: a leg or a finger that rolls on its tip turns back before that (turning_loss.cpp)
 inline constexpr double kTurns =
     1e-3;  // of the energy of motion of a body in flight: with less its rim turns by less than a twentieth of its way (turning_loss.cpp)
-inline constexpr double kImpact = 0.1;  // of the energy of what rolls, in a step: more is no rolling
-inline constexpr double kSlow = 0.01;   // of the energy before a contact: a body that has less, in kRestedShare of the steps of that contact and in
+inline constexpr double kWeight = 0.5;  // of the change of velocity of a contact: when weight does more of it, it is no bounce (bounce_loss.cpp)
+inline constexpr double kSeen =
+    0.01;  // of the energy of motion: less along the change is no bounce that anybody looks at, a tenth of the speed (bounce_loss.cpp)
+inline constexpr double kSwings = 0.02;  // of the size of what hangs together: less is no swing (swing_loss.cpp)
+inline constexpr double kImpact = 0.1;   // of the energy of what rolls, in a step: more is no rolling
+inline constexpr double kSlow = 0.01;    // of the energy before a contact: a body that has less, in kRestedShare of the steps of that contact and in
 inline constexpr double kRested = 4,
                         kRestedShare = 0.3;  // kRested of them, came to rest there (bounce_loss.cpp; at the turn of a bounce: 6 % of them)
 inline constexpr double kNoticeably = 2e-3;  // of a soft body's thickness: pressed by less, as by its own weight, is at rest (stiffness_error.cpp)

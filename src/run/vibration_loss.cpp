@@ -94,9 +94,7 @@ void VibrationLoss::look_how_far(const Snapshot& said, const std::vector<double>
   for (std::size_t i = 0; u && i < bodies.size(); ++i) {
     if (far_[i]) continue;
     const MeasuredBody& b = bodies[i].body;
-    double radius = 0;
-    for (const MovingBody& other : bodies)
-      if (other.group == bodies[i].group) radius = std::max(radius, other.body.radius(bodies[i].x, points));
+    const double radius = radius_of_group(bodies, bodies[i], points);
     for (std::size_t p = b.first; p < b.first + b.count && !far_[i]; ++p) far_[i] = at(*u, p).norm() > tuning::kTrembles * radius;
   }
 }

@@ -1,0 +1,41 @@
+#pragma once
+// A pendulum on what is carried about: beside the energy of what carries it that of its swing may be nothing, and is what somebody looks at. Of
+// stiff bodies that go as no pin and no motor says, together with what they hang on by joints and as long as that touches nothing, with v the
+// velocities of their centres and w of turning, and v', w' the same as seen from what carries them,
+//     T = sum 1/2 m |v'|^2 + 1/2 w' . I w',     D = sum min(that of the changes of v and w in a step, that of the changes of v' and w')
+// (backward Euler; BDF2: half of that of the second differences), a swing loses 2 D in a step as a vibration does (vibration_loss.h), of its largest
+// T. Seen from is the body that goes as the scene says, if they hang on one, else the world, if that holds them, else their common centre of mass:
+// what a carrier that starts at once leaves behind has no change of v, what it takes along has none of v'.
+// They count once they have gone by kSwings of the size of what hangs together, as seen from there.
+#include <vector>
+
+#include "base/archive.h"
+#include "geometry/rigid_motion.h"
+#include "run/moving_body.h"
+
+namespace mortise::run {
+
+class SwingLoss {
+ public:
+  explicit SwingLoss(const model::ModelInput& input) : integration_(integration_of(input.scene)) {}
+  void state(const std::vector<double>& points, const std::vector<MovingBody>& bodies);
+  void step(bool first_order);  // that led to that state
+  double share() const;         // the largest of what hangs together
+  void checkpoint(Archive& archive);
+
+ private:
+  // Of what hangs together, by number of body: sum of 2 D so far, of the last step by its order, the largest T [J]; has it gone so far?
+  struct Swing {
+    double sum = 0, first = 0, second = 0, moved = 0, far = 0;
+  };
+  // v, w, v', w' of a body.
+  using Speeds = Eigen::Matrix<double, 12, 1>;
+  double changed(const MovingBody& b, const Speeds& by) const;
+
+  Integration integration_;
+  std::vector<Swing> swings_;
+  std::vector<Speeds> last_, before_;  // in the last state and in the one before
+  std::vector<double> way_;            // as seen from what carries it, of every body [m]
+};
+
+}  // namespace mortise::run
