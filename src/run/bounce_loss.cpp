@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "run/archived.h"
 #include "run/tuning.h"
 #include "run/vector_at.h"
 
@@ -111,16 +112,10 @@ double BounceLoss::own(double Contact::*of) const {
 }
 
 void BounceLoss::checkpoint(Archive& archive) {
-  std::vector<double> contacts;
-  for (Contact& c : contacts_)
-    for (double Contact::*of : kAll) contacts.push_back(c.*of);
-  archive.io("bounce.contacts", contacts);
+  archive_all(archive, "bounce.contacts", contacts_);
   archive.io("bounce.flew", flew_);
   archive.io("bounce.sum", sum_);
   archive.io("bounce.stiff", stiff_);
-  if (!archive.loading()) return;
-  contacts_.resize(contacts.size() / std::size(kAll));
-  for (std::size_t i = 0; i < contacts.size(); ++i) contacts_[i / std::size(kAll)].*kAll[i % std::size(kAll)] = contacts[i];
 }
 
 }  // namespace mortise::run

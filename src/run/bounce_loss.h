@@ -45,8 +45,6 @@ class BounceLoss {
     // Of all contacts that ended: lost, in doubt, the largest E; and the largest energy of motion as seen from the world or from what is given [J].
     double bounced = 0, doubted = 0, most = 0, moved = 0;
   };
-  static constexpr double Contact::*kAll[] = {&Contact::steps, &Contact::slow,    &Contact::before,  &Contact::lost, &Contact::soft,
-                                              &Contact::own,   &Contact::bounced, &Contact::doubted, &Contact::most, &Contact::moved};
   double own(double Contact::*of) const;
   // Energy E of a contact that ended, for its loss; 0: it was no bounce [J].
   double struck(const std::vector<MovingBody>& bodies, std::size_t group, const Vec3& fall) const;

@@ -110,8 +110,8 @@ ContactPatch::Fields FieldErrors::patch_of(const Snapshot& said) {
 FieldErrors::OfStress FieldErrors::of_stress(const StressError::Stresses& stresses, std::span<const double> displacement, const Snapshot& said,
                                              const AllSamples& samples) const {
   const std::vector<std::size_t> group = groups(samples);
-  const StressError::Estimate estimate = stress_.of(stresses, group);
   LayerError::Fields fields = fields_of(said);
+  const StressError::Estimate estimate = stress_.of(stresses, group, fields.contact, fields.displacement);
   fields.displacement = displacement;  // their change, in a phase
   return {estimate.energy, estimate.error(), stiffness_.of(estimate.errors, group, travels(said, samples), bases(fields), displacement)};
 }

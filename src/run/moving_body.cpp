@@ -37,7 +37,8 @@ MovingBodies::MovingBodies(const model::ModelInput& input) {
     if (b.type == model::BodyType::half_space) continue;
     const std::size_t i = number.at(b.name), group = sets.of(i);
     HowHeld how{};
-    how.held = holds.held(b.name), how.given = holds.given(b.name), how.driven = how.given && !holds.pinned(b.name);
+    how.held = holds.held(b.name);
+    how.given = holds.given(b.name), how.driven = how.given && !holds.pinned(b.name);
     how.free = !how.held && !tied[i];
     how.swings = how.held ? !how.given && !holds.motored(b.name) : !motored[group];
     how.damped = holds.damped(b.name, step), how.group = group;

@@ -12,7 +12,7 @@ namespace mortise::run {
 
 // How a body is held, throughout a run.
 struct HowHeld {
-  bool held;          // by the world or by a pinned body, if over others
+  bool held;          // by the world, if over other bodies
   bool given;         // it goes as pins or kinematic drives say (Holds::given)
   bool driven;        // given, and not by pins of its own
   bool free;          // nothing holds it or ties it to another body

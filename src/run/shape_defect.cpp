@@ -4,9 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "effects/roles.h"
 #include "geometry/nearest_triangle.h"
 #include "geometry/placement.h"
 #include "geometry/shapes.h"
+#include "run/entries.h"
 #include "run/holds.h"
 #include "run/measured_body.h"
 #include "run/tuning.h"
@@ -40,18 +42,42 @@ double remeshed_by(const model::BodyInput& body) {
   return out;
 }
 
+bool has_weight(const Params& effects) {
+  const std::vector<std::string> loads = effects::of_role(effects, effects::Role::load);
+  return !effects::of_role(effects, effects::Role::inertia).empty() ||
+         std::any_of(loads.begin(), loads.end(), [&](const std::string& load) { return effects.at(load).has("acceleration"); });
+}
+
+// Does a hinge let a round body turn about its own axis?
+bool turns_on_its_axis(const Params& effects, const model::BodyInput& body) {
+  for (const Params& joint : entries(effects, "joint")) {
+    if (joint.text("type") != "revolute" || joint.text("body") != body.name) continue;
+    const geometry::Placement placed(body.params);
+    const Vec3 axis = joint.vec3("axis").normalized(), along = placed.R.col(2);
+    const bool ball = body.params.at("shape").has("sphere");
+    if (!ball && axis.cross(along).norm() > tuning::kOnAxis) continue;
+    const auto& [kind, p] = *body.params.at("shape").entries().begin();
+    if (axis.cross(placed.t - joint.vec3("at")).norm() < tuning::kOnAxis * p.number("radius")) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 double shape_defect(const model::ModelInput& input) {
-  const Holds holds(input.scene.at("effects"));
+  const Params& effects = input.scene.at("effects");
+  const Holds holds(effects);
   double worst = 0;
   for (const model::BodyInput& body : input.bodies) {
     const Params* shape = body.params.find("shape");
     if (!shape || body.type == model::BodyType::half_space) continue;
     const bool soft = body.type == model::BodyType::soft;
-    if (soft ? body.params.has("curved") && body.params.flag("curved") : holds.held(body.name) || body.params.has("mass")) continue;
+    const double exact = exact_volume(*shape);
+    if (soft && body.params.has("curved") && body.params.flag("curved")) continue;
+    const bool by_mass = !body.params.has("mass") && (!holds.held(body.name) || (!holds.given(body.name) && has_weight(effects)));
+    if (!soft && !by_mass && !(exact > 0 && turns_on_its_axis(effects, body))) continue;
     const auto volume = [&] { return MeasuredBody(body, 0).rest_volume(); };
-    if (const double exact = exact_volume(*shape); exact > 0) worst = std::max(worst, 1 - volume() / exact);
+    if (exact > 0) worst = std::max(worst, 1 - volume() / exact);
     if (const double between = soft ? remeshed_by(body) : 0; between > 0) worst = std::max(worst, tuning::kRemeshed * between / volume());
   }
   return worst;

@@ -7,8 +7,9 @@
 
 namespace mortise::run {
 
-// The largest of all bodies whose volume bears on a result: soft ones, and stiff ones that nothing holds and whose mass the scene does not state; 0
-// where there is no round one. Of curved elements nothing is left out.
+// The largest of all bodies whose volume bears on a result: soft ones, stiff ones that go as forces say and whose mass the scene does not state, and
+// stiff ones that turn about their own axis on a hinge (by the radius, at which friction acts on them); 0 where there is no round one. Of curved
+// elements nothing is left out.
 double shape_defect(const model::ModelInput& input);
 
 }  // namespace mortise::run

@@ -32,6 +32,19 @@ double StiffnessError::deformed(const Body& body, std::optional<geometry::Motion
   return farthest;
 }
 
+double StiffnessError::carried(const Body& body, const std::vector<geometry::Motion>& bases, std::span<const double> displacement) {
+  double farthest = 0;
+  for (std::size_t i = 0; bases.size() > 1 && i < body.rest.size(); ++i) {
+    const auto taken = [&](const geometry::Motion& base) { return Vec3(base.R * body.rest[i] + base.t); };
+    const Vec3 now = body.rest[i] + at(displacement, body.first + i);
+    double from = INFINITY, apart = 0;
+    for (const geometry::Motion& base : bases)
+      from = std::min(from, (now - taken(base)).norm()), apart = std::max(apart, (taken(base) - taken(bases.front())).norm());
+    if (from > apart) farthest = std::max(farthest, from);
+  }
+  return farthest;
+}
+
 double StiffnessError::way(const Body& body, std::span<const double> displacement) {
   double farthest = 0;
   for (std::size_t i = 0; i < body.rest.size(); ++i) farthest = std::max(farthest, at(displacement, body.first + i).norm());
@@ -44,10 +57,14 @@ double StiffnessError::of(const std::map<std::size_t, double>& errors, const std
   const bool moves = displacement.size() == 3 * points_;
   for (const auto& [number, error] : errors) {
     double follows = 0, deformed = 0, way = 0;
+    std::vector<geometry::Motion> supports;  // of its soft bodies
+    for (std::size_t b = 0; b < bodies_.size(); ++b)
+      if (group[b] == number && bodies_[b].soft && bases[b]) supports.push_back(*bases[b]);
     for (std::size_t b = 0; moves && b < bodies_.size(); ++b) {
       if (group[b] != number) continue;
       if (bodies_[b].soft && bodies_[b].supports > 1) follows = 1;
-      if (bodies_[b].soft) deformed = std::max(deformed, this->deformed(bodies_[b], bases[b], displacement));
+      deformed =
+          std::max(deformed, bodies_[b].soft ? this->deformed(bodies_[b], bases[b], displacement) : carried(bodies_[b], supports, displacement));
       way = std::max(way, this->way(bodies_[b], displacement));
     }
     for (const LayerError::Travel& t : travels)

@@ -5,7 +5,8 @@
 //     error = largest, of all groups of bodies that press each other, of  e max(s, d/w)
 //
 // e: the group's stress_error; s: share of a force that follows stiffness, all of it where a soft body hangs on two supports or more; d: farthest
-// that a point of a soft body is from where it would be without deformation, held by its supports; w: farthest way of any point of the group [m].
+// that a point of a soft body is from where it would be without deformation, held by its supports, or a point of a stiff body that two soft ones or
+// more hold, whose supports would take it along (nearly) alike, from where the nearest of them would; w: farthest way of any point of the group [m].
 #include <map>
 #include <span>
 #include <vector>
@@ -37,7 +38,9 @@ class StiffnessError {
     double thickness;  // least extent at rest [m]
   };
   static double deformed(const Body& body, std::optional<geometry::Motion> base, std::span<const double> displacement);  // d [m]
-  static double way(const Body& body, std::span<const double> displacement);                                             // w [m]
+  // d of a stiff body between supports that go along alike; 0 if they do not, or if there is but one.
+  static double carried(const Body& body, const std::vector<geometry::Motion>& bases, std::span<const double> displacement);
+  static double way(const Body& body, std::span<const double> displacement);  // w [m]
   std::vector<Body> bodies_;
   std::size_t points_ = 0;
 };

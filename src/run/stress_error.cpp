@@ -63,6 +63,7 @@ StressError::StressError(const model::ModelInput& input) {
       }
       b.one_across = quadratic && model::one_across(in);
       if (quadratic ? b.one_across : !model::averages_volume(in)) b.one_sided = one_sided(held, point, in.nodes.size());
+      if (BubbleError::counts_for(in)) b.bubbles.emplace(input, in);
       bodies_.push_back(std::move(b));
     }
     cell += in.type == model::BodyType::soft ? in.tets.size() : in.triangles.size();
@@ -146,7 +147,8 @@ StressError::Stresses StressError::change(Stresses after, const Stresses& before
   return after;
 }
 
-StressError::Estimate StressError::of(const Stresses& stresses, const std::vector<std::size_t>& group) const {
+StressError::Estimate StressError::of(const Stresses& stresses, const std::vector<std::size_t>& group, std::span<const double> contact_force,
+                                      std::span<const double> displacement) const {
   struct Energy {
     double missed = 0, all = 0;
   };
@@ -154,7 +156,7 @@ StressError::Estimate StressError::of(const Stresses& stresses, const std::vecto
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Body& b = bodies_[i];
     const std::vector<Corners>& here = stresses[i];
-    Energy& of = groups[group[b.number]];
+    Energy of;
     if (here.empty()) continue;
     std::vector<Stress> mean(b.rest.size(), Stress::Zero());
     std::vector<double> weight(b.rest.size(), 0.0);
@@ -172,6 +174,14 @@ StressError::Estimate StressError::of(const Stresses& stresses, const std::vecto
       for (int k = 0; k < 4; ++k) within[k] = here[t][k] - (here[t][0] + here[t][1] + here[t][2] + here[t][3]) / 4;
       of.missed += tuning::kWithin * b.one_sided * b.volume[t] * mean_of_linear(within, b.E, b.nu);
     }
+    if (const std::size_t first = 3 * b.first_point, count = 3 * b.rest.size(); b.bubbles && displacement.size() >= first + count) {
+      std::vector<Stress> constant;
+      for (const Corners& c : here) constant.push_back(c[0]);
+      const double share =
+          b.bubbles->of(constant, contact_force.empty() ? contact_force : contact_force.subspan(first, count), displacement.subspan(first, count));
+      of.missed = std::max(of.missed, share / (1 - share) * of.all);
+    }
+    groups[group[b.number]].missed += of.missed, groups[group[b.number]].all += of.all;
   }
   Estimate out;
   for (const auto& [number, of] : groups) out.energy = std::max(out.energy, of.all);

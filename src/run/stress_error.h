@@ -16,12 +16,15 @@
 // 7 to 24 % too stiff with estimates below 0.03): a share of the energy of what varies within elements counts as missed, and held nodes as above.
 // Elements that have no free node deform as pins and bonds say, whatever they are made of: nothing tells how wrong that is, and all of their energy
 // counts as missed (a pad of rubber between two plates, one element thick, is as stiff as if it could not bulge).
+// Of linear bodies with few nodes inside the larger of this and of what bubbles on their edges miss counts (bubble_error.h).
 #include <array>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "model/input.h"
+#include "run/bubble_error.h"
 
 namespace mortise::run {
 
@@ -41,8 +44,9 @@ class StressError {
     double energy = 0;                     // of the group that has most [J]
     double error() const;                  // the largest; NaN where nothing can be estimated
   };
-  // group: by body that has points.
-  Estimate of(const Stresses& stresses, const std::vector<std::size_t>& group) const;
+  // group: by body that has points. Of all points: forces of contact [N], empty without, and displacements [m].
+  Estimate of(const Stresses& stresses, const std::vector<std::size_t>& group, std::span<const double> contact_force = {},
+              std::span<const double> displacement = {}) const;
 
  private:
   struct Body {
@@ -58,6 +62,7 @@ class StressError {
     bool turns;            // its stresses with it: not by the law of small rotations
     double one_sided = 1;  // nodes over free nodes; 1 where that makes no difference
     bool one_across = false;
+    std::optional<BubbleError> bubbles = {};
   };
   using Corners = std::array<Stress, 4>;
   static Corners of_quadratic(const Body& b, std::size_t tet, std::span<const double> displacement);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "run/archived.h"
 #include "run/tuning.h"
 #include "run/vector_at.h"
 
@@ -13,48 +14,63 @@ namespace {
 geometry::RigidVelocity seen_from(const std::vector<MovingBody>& bodies, std::size_t group) {
   geometry::RigidVelocity out;
   double mass = 0;
-  bool held = false;
+  int count = 0;
   for (const MovingBody& b : bodies) {
     if (b.group != group) continue;
     if (b.carrier) return {bodies[*b.carrier].x, bodies[*b.carrier].v, bodies[*b.carrier].w};
-    held = held || b.held;
-    mass += b.body.mass(), out.v += b.body.mass() * b.v;
+    mass += b.body.mass(), out.v += b.body.mass() * b.v, ++count;
   }
-  if (held) return {};
+  if (count == 1) return {};
   out.v /= mass;
   return out;
 }
 
 bool may_swing(const MovingBody& b) { return b.swings && !b.free && !b.damped && !b.body.soft(); }
 
-}  // namespace
+// v, w, v', w' of a body.
+using Speeds = Eigen::Matrix<double, 12, 1>;
 
-double SwingLoss::changed(const MovingBody& b, const Speeds& by) const {
+Speeds speeds_at(const std::vector<double>& of, std::size_t i) { return Eigen::Map<const Speeds>(of.data() + Speeds::SizeAtCompileTime * i); }
+
+double energy(const MovingBody& b, const Speeds& by) {
   return std::min(b.energy_of(by.segment<3>(0)) + b.turning_of(by.segment<3>(3)), b.energy_of(by.segment<3>(6)) + b.turning_of(by.segment<3>(9)));
 }
 
+// The least of a new value and the last ones, which it is one of from then on.
+template <std::size_t n>
+double least(double (&last)[n], double now) {
+  std::rotate(last, last + 1, last + n);
+  last[n - 1] = now;
+  return *std::min_element(last, last + n);
+}
+
+}  // namespace
+
 void SwingLoss::state(const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
-  swings_.resize(bodies.size()), way_.resize(3 * bodies.size());
+  swings_.resize(bodies.size()), changes_.resize(bodies.size()), way_.resize(3 * bodies.size());
   std::vector<bool> touches(bodies.size(), false);
   for (const MovingBody& b : bodies)
     if (b.touches || b.stopped) touches[b.group] = true;
   for (Swing& s : swings_) s.first = s.second = 0;
   std::vector<double> moved(bodies.size(), 0.0);
-  std::vector<Speeds> now(bodies.size(), Speeds::Zero());
+  std::vector<double> now(Speeds::SizeAtCompileTime * bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovingBody& b = bodies[i];
     if (!may_swing(b)) continue;
     Swing& s = swings_[b.group];
     const geometry::RigidVelocity from = seen_from(bodies, b.group);
     const Vec3 v = b.v - from.at(b.x), w = b.w - from.w;
-    now[i] << b.v, b.w, v, w;
+    Speeds speeds;
+    speeds << b.v, b.w, v, w;
+    std::copy_n(speeds.data(), speeds.size(), now.begin() + speeds.size() * static_cast<std::ptrdiff_t>(i));
     moved[b.group] += b.energy_of(v) + b.turning_of(w);
     const Vec3 way = at(way_, i) + integration_.step * v;
     std::copy_n(way.data(), 3, way_.begin() + static_cast<std::ptrdiff_t>(3 * i));
     if (s.far == 0 && way.norm() > tuning::kSwings * radius_of_group(bodies, b, points)) s.far = 1;
-    if (touches[b.group] || last_.empty()) continue;
-    s.first += 2 * changed(b, now[i] - last_[i]);
-    if (!before_.empty()) s.second += changed(b, now[i] - 2 * last_[i] + before_[i]);
+    if (last_.empty()) continue;
+    const double first = 2 * least(changes_[i].first, energy(b, speeds - speeds_at(last_, i)));
+    const double second = before_.empty() ? 0 : least(changes_[i].second, energy(b, speeds - 2 * speeds_at(last_, i) + speeds_at(before_, i)));
+    if (!touches[b.group]) s.first += first, s.second += second;
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) swings_[i].moved = std::max(swings_[i].moved, moved[i]);
   before_ = std::move(last_), last_ = std::move(now);
@@ -72,21 +88,9 @@ double SwingLoss::share() const {
 }
 
 void SwingLoss::checkpoint(Archive& archive) {
-  std::vector<double> swings;
-  for (const Swing& s : swings_) swings.insert(swings.end(), {s.sum, s.moved, s.far});
-  archive.io("swing.sums", swings);
-  archive.io("swing.way", way_);
-  for (auto [name, speeds] : {std::pair{"swing.last", &last_}, {"swing.before", &before_}}) {
-    std::vector<double> flat;
-    for (const Speeds& s : *speeds) flat.insert(flat.end(), s.data(), s.data() + s.size());
-    archive.io(name, flat);
-    if (!archive.loading()) continue;
-    speeds->resize(flat.size() / Speeds::SizeAtCompileTime);
-    for (std::size_t i = 0; i < speeds->size(); ++i) (*speeds)[i] = Eigen::Map<const Speeds>(flat.data() + Speeds::SizeAtCompileTime * i);
-  }
-  if (!archive.loading()) return;
-  swings_.assign(swings.size() / 3, {});
-  for (std::size_t i = 0; i < swings_.size(); ++i) swings_[i] = {swings[3 * i], 0, 0, swings[3 * i + 1], swings[3 * i + 2]};
+  archive_all(archive, "swing.swings", swings_);
+  archive_all(archive, "swing.changes", changes_);
+  for (auto [name, of] : {std::pair{"swing.last", &last_}, {"swing.before", &before_}, {"swing.way", &way_}}) archive.io(name, *of);
 }
 
 }  // namespace mortise::run

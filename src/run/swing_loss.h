@@ -4,8 +4,9 @@
 // velocities of their centres and w of turning, and v', w' the same as seen from what carries them,
 //     T = sum 1/2 m |v'|^2 + 1/2 w' . I w',     D = sum min(that of the changes of v and w in a step, that of the changes of v' and w')
 // (backward Euler; BDF2: half of that of the second differences), a swing loses 2 D in a step as a vibration does (vibration_loss.h), of its largest
-// T. Seen from is the body that goes as the scene says, if they hang on one, else the world, if that holds them, else their common centre of mass:
-// what a carrier that starts at once leaves behind has no change of v, what it takes along has none of v'.
+// T. Seen from is the body that goes as the scene says, if they hang on one, else the centre of mass of all that hangs together, and of one body that
+// the world holds the world: what a carrier that starts at once leaves behind has no change of v, what it takes along has none of v'.
+// What jumps (the speed of a carrier, a load) is no swing: of a body counts the least D of the last three steps.
 // They count once they have gone by kSwings of the size of what hangs together, as seen from there.
 #include <vector>
 
@@ -28,13 +29,15 @@ class SwingLoss {
   struct Swing {
     double sum = 0, first = 0, second = 0, moved = 0, far = 0;
   };
-  // v, w, v', w' of a body.
-  using Speeds = Eigen::Matrix<double, 12, 1>;
-  double changed(const MovingBody& b, const Speeds& by) const;
+  // D of one body in the last steps, by order [J].
+  struct Changes {
+    double first[3] = {0, 0, 0}, second[3] = {0, 0, 0};
+  };
 
   Integration integration_;
   std::vector<Swing> swings_;
-  std::vector<Speeds> last_, before_;  // in the last state and in the one before
+  std::vector<Changes> changes_;
+  std::vector<double> last_, before_;  // v, w, v', w' of every body in the last state and in the one before
   std::vector<double> way_;            // as seen from what carries it, of every body [m]
 };
 

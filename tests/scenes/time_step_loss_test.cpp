@@ -4,39 +4,12 @@
 
 #include <cmath>
 
-#include "rig.h"
-#include "run/state_audit.h"
+#include "audited.h"
 
 using namespace mortise;
 using namespace mortise::testing;
 
 namespace {
-
-struct Turned {
-  run::EnergyAudit::Result energy;
-  double way = 0;
-  int first_order = 0;
-};
-
-Turned turn(const std::string& scene, int steps, const std::vector<std::string>& overrides = {}) {
-  Rig rig(scene, overrides);
-  run::EnergyAudit audit(rig.input);
-  const std::vector<double> start = rig.engine->points();
-  audit.state({rig.fields(), start});
-  Turned out;
-  for (int i = 0; i < steps; ++i) {
-    const solver::StepReport report = rig.step();
-    const std::vector<double> points = rig.engine->points();
-    audit.state({rig.fields(), points});
-    audit.step(report.first_order > 0);
-    out.first_order += report.first_order;
-  }
-  out.energy = audit.result();
-  const run::MeasuredBody body(rig.input.bodies[0], 0);
-  const std::vector<double> end = rig.engine->points();
-  out.way = body.mean(end, end)[0] - body.mean(start, start)[0];
-  return out;
-}
 
 std::string ball(const std::string& inertia, double omega) {
   return fmt::format(R"(
@@ -442,5 +415,5 @@ effects:
 )",
                               200);
   EXPECT_LT(stopped.energy.free_loss, 0.12 * stopped.energy.turnover);
-  EXPECT_LT(stopped.energy.alone_loss, 0.12);
+  EXPECT_LT(stopped.energy.own_loss, 0.12);
 }

@@ -1,0 +1,215 @@
+#include "run/bubble_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "geometry/nearest_triangle.h"
+#include "geometry/quadratic.h"
+#include "model/bonded.h"
+#include "model/select.h"
+#include "run/entries.h"
+#include "run/tuning.h"
+#include "run/vector_at.h"
+
+namespace mortise::run {
+
+namespace {
+
+constexpr unsigned kAllAxes = 7;
+constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+
+unsigned axes_of(const std::string& names) {
+  unsigned axes = 0;
+  for (const char c : names) axes |= 1u << (c - 'x');
+  return axes;
+}
+
+// Barycentric coordinates of the points of integration of a bubble's stiffness.
+struct Points {
+  double l[geometry::kTetPoints][4];
+  Points() {
+    for (int q = 0; q < geometry::kTetPoints; ++q) geometry::tet_point(q, l[q]);
+  }
+};
+
+double dot(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i].dot(b[i]);
+  return sum;
+}
+
+}  // namespace
+
+bool BubbleError::counts_for(const model::BodyInput& body) {
+  std::vector<bool> outside(body.nodes.size(), false);
+  for (const Triangle& t : body.triangles)
+    for (const Index v : t.v) outside[static_cast<std::size_t>(v)] = true;
+  return body.midsides.empty() && 2 * std::count(outside.begin(), outside.end(), false) <= static_cast<std::ptrdiff_t>(outside.size());
+}
+
+BubbleError::BubbleError(const model::ModelInput& input, const model::BodyInput& body)
+    : name_(body.name),
+      rest_(body.nodes),
+      triangles_(body.triangles),
+      E_(body.material.number("youngs_modulus")),
+      nu_(body.material.number("poisson_ratio")) {
+  const double nu = std::min(nu_, tuning::kCompressible);
+  lambda_ = E_ * nu / ((1 + nu) * (1 - 2 * nu)), mu_ = E_ / (2 * (1 + nu));
+  std::map<std::array<Index, 2>, Index> number;
+  const auto edge = [&](Index a, Index b) {
+    const std::array<Index, 2> ends{std::min(a, b), std::max(a, b)};
+    const auto [at, is_new] = number.emplace(ends, static_cast<Index>(edges_.size()));
+    if (is_new) edges_.push_back(ends);
+    return at->second;
+  };
+  for (const Tet& t : body.tets) {
+    Element e;
+    Mat3 sides;
+    for (int k = 0; k < 3; ++k) sides.col(k) = rest_[t.v[k + 1]] - rest_[t.v[0]];
+    const Mat3 inverse = sides.inverse();
+    e.volume = sides.determinant() / 6;
+    for (int k = 0; k < 3; ++k) e.g[k + 1] = inverse.row(k);
+    e.g[0] = -(e.g[1] + e.g[2] + e.g[3]);
+    for (int k = 0; k < 6; ++k) e.edge[k] = edge(t.v[kEdges[k][0]], t.v[kEdges[k][1]]);
+    elements_.push_back(e);
+  }
+  for (const Triangle& t : triangles_) sides_.push_back({edge(t.v[0], t.v[1]), edge(t.v[1], t.v[2]), edge(t.v[2], t.v[0])});
+  held_.assign(edges_.size(), 0);
+  const Params* found = input.scene.find("effects");
+  const Params effects = found ? *found : Params::make_table();
+  for (const Params& p : entries(effects, "pin"))
+    if (p.text("body") == name_ && !p.has("release")) hold(model::select(rest_, p.find("where")), axes_of(p.text("axes")));
+  for (const Params& p : entries(effects, "pressure_load"))
+    if (p.text("body") == name_) hold(model::select(rest_, p.find("where")), kAllAxes);
+  for (const model::BodyInput& other : input.bodies) {
+    for (const Params& p : entries(effects, "bond"))
+      if (p.text("body") == name_ && p.text("to") == other.name) hold(model::bonded(p, body, other), kAllAxes);
+    for (const Params& p : entries(effects, "mortar_tie")) {
+      if (p.text("body") == name_) hold(model::select(rest_, p.find("where")), kAllAxes);
+      if (p.text("to") == name_ && p.text("body") == other.name) hold_under_tie(other, p);
+    }
+  }
+}
+
+void BubbleError::hold(const std::vector<Index>& nodes, Axes axes) {
+  std::vector<bool> in(rest_.size(), false);
+  for (const Index i : nodes) in[static_cast<std::size_t>(i)] = true;
+  for (std::size_t e = 0; e < edges_.size(); ++e)
+    if (in[edges_[e][0]] && in[edges_[e][1]]) held_[e] |= axes;
+}
+
+// The other side of a tie: faces that lie on those which are tied to them.
+void BubbleError::hold_under_tie(const model::BodyInput& slave, const Params& tie) {
+  std::vector<bool> in(slave.nodes.size(), false);
+  for (const Index i : model::select(slave.nodes, tie.find("where"))) in[static_cast<std::size_t>(i)] = true;
+  std::vector<Triangle> tied;
+  for (const Triangle& t : slave.triangles)
+    if (std::all_of(std::begin(t.v), std::end(t.v), [&](Index v) { return in[v]; })) tied.push_back(t);
+  const geometry::NearestTriangle near(slave.nodes, tied);
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    const Index* v = triangles_[t].v;
+    const double size = (rest_[v[1]] - rest_[v[0]]).norm();
+    if (std::all_of(v, v + 3, [&](Index i) { return near.distance(rest_[i]) < tuning::kOnTie * size; }))
+      for (const Index e : sides_[t]) held_[e] = kAllAxes;
+  }
+}
+
+std::vector<BubbleError::Axes> BubbleError::held(std::span<const double> contact_force, std::span<const double> displacement, double& share) const {
+  std::vector<Axes> out = held_;
+  const auto x = [&](Index i) { return Vec3(rest_[i] + at(displacement, i)); };
+  for (std::size_t t = 0; t < triangles_.size() && !contact_force.empty(); ++t) {
+    const Index* v = triangles_[t].v;
+    const Vec3 normal = (x(v[1]) - x(v[0])).cross(x(v[2]) - x(v[0])).normalized();
+    const auto presses = [&](Index i) {
+      const Vec3 f = at(contact_force, i);
+      return -f.dot(normal) > tuning::kFacesContact * f.norm();
+    };
+    if (std::all_of(v, v + 3, presses))
+      for (const Index e : sides_[t]) out[e] = kAllAxes;
+  }
+  double all = 0, of_held = 0;
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    const Index* v = triangles_[t].v;
+    const double area = (rest_[v[1]] - rest_[v[0]]).cross(rest_[v[2]] - rest_[v[0]]).norm();
+    all += area;
+    if (std::all_of(sides_[t].begin(), sides_[t].end(), [&](Index e) { return out[e] == kAllAxes; })) of_held += area;
+  }
+  share = all > 0 ? of_held / all : 0;
+  return out;
+}
+
+std::vector<Vec3> BubbleError::times(const std::vector<Vec3>& x) const {
+  static const Points points;
+  std::vector<Vec3> y(x.size(), Vec3::Zero());
+  for (const Element& e : elements_)
+    for (const double(&l)[4] : points.l) {
+      Vec3 slope[6];
+      Mat3 H = Mat3::Zero();
+      for (int k = 0; k < 6; ++k) {
+        const int i = kEdges[k][0], j = kEdges[k][1];
+        slope[k] = 4 * (l[i] * e.g[j] + l[j] * e.g[i]);
+        H += x[e.edge[k]] * slope[k].transpose();
+      }
+      const Mat3 S = e.volume / geometry::kTetPoints * (lambda_ * H.trace() * Mat3::Identity() + mu_ * (H + H.transpose()));
+      for (int k = 0; k < 6; ++k) y[e.edge[k]] += S * slope[k];
+    }
+  return y;
+}
+
+double BubbleError::of(const std::vector<Stress>& stress, std::span<const double> contact_force, std::span<const double> displacement) const {
+  static const Points points;
+  double share = 0, energy = 0;
+  const std::vector<Axes> held = this->held(contact_force, displacement, share);
+  std::vector<Vec3> r(edges_.size(), Vec3::Zero());
+  std::vector<Mat3> block(edges_.size(), Mat3::Zero());
+  for (std::size_t t = 0; t < elements_.size(); ++t) {
+    const Element& e = elements_[t];
+    const Stress& s = stress[t];
+    Mat3 S;
+    S << s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2];
+    const double trace = S.trace();
+    energy += e.volume * ((1 + nu_) * S.squaredNorm() - nu_ * trace * trace) / (2 * E_);
+    for (int k = 0; k < 6; ++k) r[e.edge[k]] -= e.volume * (S * (e.g[kEdges[k][0]] + e.g[kEdges[k][1]]));
+    for (const double(&l)[4] : points.l)
+      for (int k = 0; k < 6; ++k) {
+        const Vec3 slope = 4 * (l[kEdges[k][0]] * e.g[kEdges[k][1]] + l[kEdges[k][1]] * e.g[kEdges[k][0]]);
+        block[e.edge[k]] +=
+            e.volume / geometry::kTetPoints * ((lambda_ + mu_) * slope * slope.transpose() + mu_ * slope.squaredNorm() * Mat3::Identity());
+      }
+  }
+  // Conjugate gradients, with the blocks of the edges as preconditioner; what is held stays where it is.
+  const auto keep = [&](std::vector<Vec3>& v) {
+    for (std::size_t i = 0; i < v.size(); ++i)
+      for (int a = 0; a < 3; ++a)
+        if (held[i] >> a & 1u) v[i][a] = 0;
+  };
+  for (std::size_t i = 0; i < block.size(); ++i) {
+    for (int a = 0; a < 3; ++a)
+      if (held[i] >> a & 1u) block[i].row(a).setZero(), block[i].col(a).setZero(), block[i](a, a) = 1;
+    block[i] = block[i].inverse().eval();
+  }
+  const auto preconditioned = [&](const std::vector<Vec3>& v) {
+    std::vector<Vec3> z(v.size());
+    for (std::size_t i = 0; i < v.size(); ++i) z[i] = block[i] * v[i];
+    return z;
+  };
+  keep(r);
+  std::vector<Vec3> z = preconditioned(r), p = z;
+  double rz = dot(r, z), missed = 0;
+  const double first = rz;
+  for (int k = 0; k < tuning::kBubbleIterations && rz > tuning::kBubbleTolerance * first; ++k) {
+    std::vector<Vec3> Kp = times(p);
+    keep(Kp);
+    const double alpha = rz / dot(p, Kp);
+    missed += 0.5 * alpha * rz;
+    for (std::size_t i = 0; i < r.size(); ++i) r[i] -= alpha * Kp[i];
+    z = preconditioned(r);
+    const double next = dot(r, z);
+    for (std::size_t i = 0; i < p.size(); ++i) p[i] = z[i] + next / rz * p[i];
+    rz = next;
+  }
+  return energy > 0 ? std::min((1 + tuning::kHeldMisses * share) * missed / energy, tuning::kMostMissed) : 0;
+}
+
+}  // namespace mortise::run

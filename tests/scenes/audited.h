@@ -1,0 +1,34 @@
+#pragma once
+// Runs a scene and has its energies audited as `mortise run` does.
+#include "rig.h"
+#include "run/state_audit.h"
+
+namespace mortise::testing {
+
+struct Turned {
+  run::EnergyAudit::Result energy;
+  double way = 0;
+  int first_order = 0;
+};
+
+inline Turned turn(const std::string& scene, int steps, const std::vector<std::string>& overrides = {}) {
+  Rig rig(scene, overrides);
+  run::EnergyAudit audit(rig.input);
+  const std::vector<double> start = rig.engine->points();
+  audit.state({rig.fields(), start});
+  Turned out;
+  for (int i = 0; i < steps; ++i) {
+    const solver::StepReport report = rig.step();
+    const std::vector<double> points = rig.engine->points();
+    audit.state({rig.fields(), points});
+    audit.step(report.first_order > 0);
+    out.first_order += report.first_order;
+  }
+  out.energy = audit.result();
+  const run::MeasuredBody body(rig.input.bodies[0], 0);
+  const std::vector<double> end = rig.engine->points();
+  out.way = body.mean(end, end)[0] - body.mean(start, start)[0];
+  return out;
+}
+
+}  // namespace mortise::testing

@@ -1,0 +1,129 @@
+// What bounces, impacts and swings lose of what a body or mechanism has of its own, beside something with far more energy (run/bounce_loss.h,
+// swing_loss.h).
+#include <fmt/format.h>
+
+#include "audited.h"
+
+using namespace mortise;
+using namespace mortise::testing;
+
+namespace {
+
+// A body of 100 kg at 5 m/s that touches nothing.
+const std::string kFlyer =
+    "  flyer: {type: stiff, shape: {box: {size: [0.1, 0.1, 0.1], edge_length: 0.1}}, material: steel, mass: 100, position: [0, 1, 1], velocity: [5, "
+    "0, "
+    "0]}\n";
+
+// A ball falls by 20 mm on a gel pad, which would throw it back to where it was.
+std::string bounces(const std::string& inertia, const std::string& beside, const std::string& velocity = "[0, 0, 0]") {
+  return fmt::format(R"(
+mortise: 1
+name: bounces
+time: {{step: 1 ms, steps: 110}}
+materials: {{steel: {{density: 7800}}, gel: {{youngs_modulus: 0.3 MPa, poisson_ratio: 0.4, density: 1000}}}}
+bodies:
+  ball: {{type: stiff, shape: {{sphere: {{radius: 8 mm, edge_length: 3 mm}}}}, material: steel, position: [0, 0, 38 mm], velocity: {}}}
+  pad: {{type: soft, shape: {{box: {{size: [60 mm, 30 mm, 10 mm], edge_length: 5 mm}}}}, material: gel, position: [0, 0, 5 mm]}}
+{}effects:
+  gravity: {{}}
+  inertia: {{integrator: {}}}
+  elasticity: {{}}
+  affine_body: {{}}
+  pin: [{{body: pad, where: {{side: z_min}}}}]
+  barrier_contact: {{pairs: [[ball, pad]]}}
+)",
+                     velocity, beside, inertia);
+}
+
+}  // namespace
+
+TEST(OwnLoss, OfABounceIsThatOfWhatBounces) {
+  const Turned beside = turn(bounces("backward_euler", kFlyer), 110);
+  EXPECT_LT(beside.energy.free_loss, 0.01 * beside.energy.scale);
+  EXPECT_GT(beside.energy.own_loss, 0.4);
+  EXPECT_LT(turn(bounces("bdf2", kFlyer), 440, {"time.step=0.25 ms"}).energy.own_loss, 0.06);
+  // Of one that flies aslant, too: what it goes sideways with has no part in the bounce.
+  const std::string sideways = "[0.6, 0, 0]";
+  EXPECT_NEAR(turn(bounces("backward_euler", "", sideways), 110, {"bodies.ball.position=[-0.03, 0, 0.038]"}).energy.own_loss, beside.energy.own_loss,
+              0.1);
+}
+
+TEST(OwnLoss, OfAnImpactIsThatOfWhatIsStruck) {
+  const auto doubt = [](const std::string& beside, double together) {
+    return turn(fmt::format(R"(
+mortise: 1
+name: strike
+time: {{step: 1 ms, steps: 60}}
+materials: {{steel: {{density: 7850}}}}
+bodies:
+  a: {{type: stiff, shape: {{sphere: {{radius: 20 mm, edge_length: 6 mm}}}}, material: steel, position: [-50 mm, 0, 0], velocity: [{}, 0, 0]}}
+  b: {{type: stiff, shape: {{sphere: {{radius: 20 mm, edge_length: 6 mm}}}}, material: steel, velocity: [{}, 0, 0]}}
+{}effects:
+  inertia: {{}}
+  affine_body: {{}}
+  barrier_contact: {{}}
+)",
+                            together + 1, together, beside),
+                60)
+        .energy.own_impacts;
+  };
+  EXPECT_GT(doubt("", 0), 0.5);
+  EXPECT_GT(doubt(kFlyer, 0), 0.5);
+  EXPECT_GT(doubt("", 3), 0.5);
+}
+
+namespace {
+
+// A rod of 0.6 kg that swings by 15 degrees on a car of 30 kg.
+std::string pendulum(const std::string& inertia, double speed, const std::string& car, const std::string& how) {
+  return fmt::format(R"(
+mortise: 1
+name: pendulum
+time: {{step: 8 ms, steps: 190}}
+materials: {{steel: {{density: 7850}}}}
+bodies:
+  car: {{type: stiff, shape: {{box: {{size: [0.2, 0.1, 0.05], edge_length: 0.05}}}}, material: steel, mass: 30, {}}}
+  rod:
+    type: stiff
+    shape: {{box: {{size: [0.02, 0.02, 0.2], edge_length: 0.02}}}}
+    material: steel
+    position: [0.0518, 0, -0.2182]
+    rotation: {{axis: [0, 1, 0], angle: -15 deg}}
+    velocity: [{}, 0, 0]
+effects:
+  inertia: {{integrator: {}}}
+  gravity: {{}}
+  affine_body: {{}}
+  {}
+    - {{name: hinge, type: revolute, body: rod, to: car, at: [0.0259, 0, -0.1216], axis: [0, 1, 0]}}
+)",
+                     car, speed, inertia, how);
+}
+
+}  // namespace
+
+TEST(OwnLoss, OfASwingIsThatOfWhatSwings) {
+  const std::string rail = "joint:\n    - {name: rail, type: prismatic, body: car, axis: [1, 0, 0]}";
+  const auto lost = [&](const std::string& inertia, double speed, double step = 0.008) {
+    return turn(pendulum(inertia, speed, fmt::format("velocity: [{}, 0, 0]", speed), rail), static_cast<int>(1.52 / step),
+                {fmt::format("time.step={}", step)})
+        .energy.own_loss;
+  };
+  const double at_rest = lost("backward_euler", 0);
+  EXPECT_GT(at_rest, 0.5);
+  EXPECT_NEAR(lost("backward_euler", 2), at_rest, 0.15);
+  EXPECT_LT(lost("bdf2", 2, 0.004), 0.05);
+  // What the world moves as it says.
+  const std::string moved =
+      "pin: [{body: car, where: {side: all}, motion: {time: [0, 1.5], translation: [[0, 0, 0], [3, 0, 0]], interpolation: smooth}}]\n  joint:";
+  EXPECT_GT(turn(pendulum("backward_euler", 0, "material: steel", moved), 190).energy.own_loss, 0.5);
+}
+
+// A rod that hangs at rest on a car that starts at once stays behind, and loses nothing by that.
+TEST(OwnLoss, IsNoneOfWhatIsTakenAlong) {
+  const std::string along = "pin: [{body: car, where: {side: all}, motion: {time: [0, 1], translation: [[0, 0, 0], [0.002, 0, 0]]}}]\n  joint:";
+  std::string hangs = pendulum("backward_euler", 0, "material: steel", along);
+  hangs.replace(hangs.find("-15 deg"), 7, "0 deg"), hangs.replace(hangs.find("[0.0518, 0, -0.2182]"), 20, "[0.0259, 0, -0.2216]");
+  EXPECT_LT(turn(hangs, 190).energy.own_loss, 0.01);
+}
