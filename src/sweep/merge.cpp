@@ -38,9 +38,11 @@ std::vector<std::string> unknown(const std::string& folder, const std::vector<st
   std::vector<std::string> out;
   if (of_environments(folder) || !fs::exists(folder + "/fields.vtkhdf")) return out;
   const std::vector<std::string> there = output::FieldReader(folder + "/fields.vtkhdf").scalars();
-  for (const std::string& q : quantities)
-    if (std::find(there.begin(), there.end(), q) == there.end())
-      out.push_back(fmt::format("no scalar '{}' in {}/fields.vtkhdf {}", q, folder, scene::suggestion(q, there)));
+  for (const std::string& q : quantities) {
+    if (std::find(there.begin(), there.end(), q) != there.end()) continue;
+    const std::string near = scene::suggestion(q, there);
+    out.push_back(fmt::format("no scalar '{}' in {}/fields.vtkhdf{}{}", q, folder, near.empty() ? "" : "; ", near));
+  }
   return out;
 }
 

@@ -175,7 +175,8 @@ TEST(LoadTurned, IsHowFarAreasAreFromThoseAtRest) {
 
 // A cylinder whose section is a polygon of n corners lacks 1 - sin(2 pi/n) n/(2 pi) of its volume.
 TEST(ShapeDefect, IsTheVolumeThatFacetsLeaveOut) {
-  const auto defect = [](const char* kind, double edge, bool soft, const std::vector<std::pair<std::string, Params>>& more = {}) {
+  const auto defect = [](const char* kind, double edge, bool soft, const std::vector<std::pair<std::string, Params>>& more = {},
+                         const Params& effects = Params::make_table()) {
     Params shape = table({{kind, table({{"radius", number(1)}, {"height", number(2)}, {"edge_length", number(edge)}})}});
     std::vector<std::pair<std::string, Params>> entries{{"shape", shape}};
     entries.insert(entries.end(), more.begin(), more.end());
@@ -189,7 +190,7 @@ TEST(ShapeDefect, IsTheVolumeThatFacetsLeaveOut) {
       const geometry::TriMesh mesh = geometry::surface_shape(shape);
       body.nodes = mesh.points, body.triangles = mesh.triangles;
     }
-    return run::shape_defect({table({{"effects", Params::make_table()}}), {body}});
+    return run::shape_defect({table({{"effects", effects}}), {body}});
   };
   const auto polygon = [](double n) { return 1 - std::sin(2 * std::numbers::pi / n) * n / (2 * std::numbers::pi); };
   EXPECT_NEAR(defect("cylinder", 0.8, true), polygon(8), 1e-9);
@@ -197,6 +198,18 @@ TEST(ShapeDefect, IsTheVolumeThatFacetsLeaveOut) {
   EXPECT_LT(defect("sphere", 0.2, false), 0.015);
   EXPECT_LT(defect("capsule", 0.2, false), 0.015);
   EXPECT_EQ(defect("sphere", 1, false, {{"mass", number(1)}}), 0) << "the scene states its mass";
+  const auto vector = [](const Vec3& v) { return Params::make_list({number(v[0]), number(v[1]), number(v[2])}); };
+  const auto hinge = [&](const Vec3& at, const Vec3& axis) {
+    return table({{"joint", Params::make_list({table({{"type", Params::make_text("revolute")},
+                                                      {"name", Params::make_text("axle")},
+                                                      {"body", Params::make_text("round")},
+                                                      {"at", vector(at)},
+                                                      {"axis", vector(axis)}})})}});
+  };
+  const std::vector<std::pair<std::string, Params>> placed{{"mass", number(1)}, {"position", vector({1, 0, 0})}};
+  EXPECT_GT(defect("cylinder", 0.8, false, placed, hinge({1, 0, 3}, {0, 0, 2})), 0.05) << "it turns about its axis";
+  EXPECT_EQ(defect("cylinder", 0.8, false, placed, hinge({0, 0, 0}, {0, 0, 1})), 0) << "beside it";
+  EXPECT_EQ(defect("cylinder", 0.8, false, placed, hinge({1, 0, 0}, {1, 0, 0})), 0) << "across it";
 }
 
 // A tube in a file, as fine as it may be, and filled with coarse tetrahedra: chords inside and outside, so that its volume is nearly right.

@@ -67,6 +67,25 @@ TEST(StiffnessError, CountsInForcesAsFarAsATravelIsImposed) {
       << "half of the force is a load's, and three quarters of the way a motor's";
 }
 
+// A stiff body that two pads hold tilts as far as those give.
+TEST(StiffnessError, CountsInWaysOfWhatIsHeldBetweenPads) {
+  Case held(1);
+  held.input.bodies[0].type = held.input.bodies[1].type = model::BodyType::soft;  // two pads, and a bar between them
+  model::BodyInput bar = held.input.bodies[1];
+  bar.name = "bar", bar.type = model::BodyType::stiff;
+  held.input.bodies.push_back(bar);
+  const auto error = [&](const Vec3& one, const Vec3& other) {
+    std::vector<double> moved;
+    for (const model::BodyInput& body : held.input.bodies)
+      for (const Vec3& x : body.nodes)
+        moved.insert(moved.end(), {body.name == "punch" ? other[0] : one[0], 0, body.name == "bar" ? -0.1 * x[0] : -1e-3 * x[2]});
+    const auto along = [](const Vec3& t) { return geometry::Motion{Mat3::Identity(), t}; };
+    return StiffnessError(held.input).of({{0, 0.4}}, {0, 0, 0}, {}, {along(one), along(other), {}}, moved);
+  };
+  EXPECT_GT(error({1, 0, 0}, {1, 0, 0}), 0.1);
+  EXPECT_LT(error({1, 0, 0}, {0, 0, 0}), 0.001) << "it rolls between them";
+}
+
 TEST(StiffnessError, TheLayerIsMissingInWaysOfWhatIsPressed) {
   const auto over_way = [](double way, double sheared) {
     const Case c(1);
