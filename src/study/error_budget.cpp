@@ -202,6 +202,8 @@ run::Estimated budget_of_run(engine::Engine& engine, const model::ModelInput& in
     out.worst = std::fmax(out.worst, of.share());
     if (!std::isfinite(of.value)) out.warnings.push_back(fmt::format("warning: quantity '{}' has no value: {}", quantities[k].name, of.why_not));
   }
+  if (const std::string why = why_none(input.scene); !why.empty() && !quantities.empty())
+    out.warnings.push_back("warning: errors of quantities are not estimated: " + why);
   out.json = budget_entries(quantities, budget);
   return out;
 }
