@@ -42,6 +42,7 @@ struct MovingBody : HowHeld {
 class MovingBodies {
  public:
   explicit MovingBodies(const model::ModelInput& input);
+  const HowHeld& how(std::size_t body) const { return who_[body].how; }
   // bodies: all but half-spaces. Empty where no velocities are reported.
   std::vector<MovingBody> at(const Snapshot& said, const std::vector<double>& points, const std::vector<MeasuredBody>& bodies) const;
 

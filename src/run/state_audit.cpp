@@ -24,7 +24,7 @@ bool at_a_stop(const Snapshot& said) {
 }  // namespace
 
 EnergyAudit::EnergyAudit(const model::ModelInput& input)
-    : moving_(input), own_(input), lag_(input), given_lag_(input), turning_(input), vibrations_(input), swings_(input) {
+    : moving_(input), own_(input), lag_(input), given_lag_(input), turning_(input), vibrations_(input, moving_), swings_(input) {
   std::size_t first = 0;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <map>
 
-#include "base/disjoint_sets.h"
 #include "effects/roles.h"
 #include "run/entries.h"
-#include "run/holds.h"
 #include "run/tuning.h"
 #include "run/vector_at.h"
 
@@ -24,23 +22,18 @@ std::vector<double> energies_of(const std::vector<double>& velocity, const std::
 
 }  // namespace
 
-VibrationLoss::VibrationLoss(const model::ModelInput& input) : integration_(integration_of(input.scene)) {
-  const Params& effects = input.scene.at("effects");
-  const Holds holds(effects);
-  std::map<std::string, std::size_t> number;
+VibrationLoss::VibrationLoss(const model::ModelInput& input, const MovingBodies& moving) : integration_(integration_of(input.scene)) {
+  std::map<std::string, std::size_t> group;  // by body
   for (const model::BodyInput& body : input.bodies)
     if (body.type != model::BodyType::half_space)
-      number.emplace(body.name, number.size()), far_.push_back(0), soft_ = soft_ || body.type == model::BodyType::soft;
-  DisjointSets sets(number.size());
-  for (const auto& [one, other] : holds.together())
-    if (number.count(one) && number.count(other)) sets.join(number[one], number[other]);
-  for (std::size_t i = 0; i < number.size(); ++i) mechanism_.push_back(sets.of(i));
-  mechanisms_.resize(number.size());
+      group[body.name] = moving.how(far_.size()).group, far_.push_back(0), soft_ = soft_ || body.type == model::BodyType::soft;
+  mechanisms_.resize(far_.size());
+  for (std::size_t i = 0; i < far_.size(); ++i)
+    if (const HowHeld& how = moving.how(i); !how.swings || how.carrier) mechanisms_[how.group].alone = false;
   const auto works_on = [&](const std::string& body) {
-    if (number.count(body)) mechanisms_[mechanism_[number[body]]].alone = false;
+    if (group.count(body)) mechanisms_[group[body]].alone = false;
   };
-  for (const auto& [name, i] : number)
-    if (holds.given(name) || holds.motored(name)) works_on(name);
+  const Params& effects = input.scene.at("effects");
   for (const Params& p : entries(effects, "drive"))
     if (p.has("friction") && p.number("friction") > 0)
       if (const std::optional<Params> joint = joint_named(effects, p.text("joint"))) works_on(joint->text("body"));
@@ -66,14 +59,15 @@ void VibrationLoss::state(const Snapshot& said, const std::vector<double>& point
   std::vector<double> moved(mechanisms_.size(), 0.0);
   std::vector<bool> touches(mechanisms_.size(), false);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    moved[mechanism_[i]] += energies[i];
-    touches[mechanism_[i]] = touches[mechanism_[i]] || bodies[i].touches || bodies[i].stopped;
+    moved[bodies[i].group] += energies[i];
+    touches[bodies[i].group] = touches[bodies[i].group] || bodies[i].touches || bodies[i].stopped;
   }
   for (std::size_t g = 0; g < moved.size(); ++g) mechanisms_[g].moved = std::max(mechanisms_[g].moved, moved[g]);
   const auto lost = [&](const std::vector<double>& change, double times, double Mechanism::*to) {
     const std::vector<double> energies = energies_of(change, points, bodies);
     for (std::size_t i = 0; i < bodies.size(); ++i)
-      if (Mechanism& m = mechanisms_[mechanism_[i]]; m.alone && !touches[mechanism_[i]] && counts(bodies[i], i, false)) m.*to += times * energies[i];
+      if (Mechanism& m = mechanisms_[bodies[i].group]; m.alone && !touches[bodies[i].group] && counts(bodies[i], i, false))
+        m.*to += times * energies[i];
     return times * counted(energies, bodies);
   };
   std::vector<double> change = now;
@@ -96,6 +90,7 @@ void VibrationLoss::look_how_far(const Snapshot& said, const std::vector<double>
     const MeasuredBody& b = bodies[i].body;
     const double radius = radius_of_group(bodies, bodies[i], points);
     for (std::size_t p = b.first; p < b.first + b.count && !far_[i]; ++p) far_[i] = at(*u, p).norm() > tuning::kTrembles * radius;
+    if (far_[i]) mechanisms_[bodies[i].group].far = true;
   }
 }
 
@@ -125,10 +120,8 @@ bool VibrationLoss::nothing_moves() const {
 
 double VibrationLoss::alone(double all) const {
   double most = 0;
-  for (std::size_t i = 0; i < far_.size(); ++i) {
-    const Mechanism& m = mechanisms_[mechanism_[i]];
-    if (far_[i] && m.alone && m.moved > 0 && m.moved < 0.5 * all) most = std::max(most, m.sum / m.moved);
-  }
+  for (const Mechanism& m : mechanisms_)
+    if (m.far && m.alone && m.moved > 0 && m.moved < 0.5 * all) most = std::max(most, m.sum / m.moved);
   return most;
 }
 
@@ -140,10 +133,10 @@ void VibrationLoss::checkpoint(Archive& archive) {
   std::vector<double> own, far(far_.begin(), far_.end());
   archive.io("vibration.far", far);
   if (archive.loading()) far_.assign(far.begin(), far.end());
-  for (const Mechanism& m : mechanisms_) own.push_back(m.sum), own.push_back(m.moved);
+  for (const Mechanism& m : mechanisms_) own.insert(own.end(), {m.sum, m.moved, m.far ? 1.0 : 0.0});
   archive.io("vibration.own", own);
-  for (std::size_t g = 0; archive.loading() && 2 * g + 1 < own.size() && g < mechanisms_.size(); ++g)
-    mechanisms_[g].sum = own[2 * g], mechanisms_[g].moved = own[2 * g + 1];
+  for (std::size_t g = 0; archive.loading() && 3 * g + 2 < own.size() && g < mechanisms_.size(); ++g)
+    mechanisms_[g].sum = own[3 * g], mechanisms_[g].moved = own[3 * g + 1], mechanisms_[g].far = own[3 * g + 2] != 0;
 }
 
 }  // namespace mortise::run

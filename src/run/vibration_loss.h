@@ -31,7 +31,7 @@ namespace mortise::run {
 
 class VibrationLoss {
  public:
-  explicit VibrationLoss(const model::ModelInput& input);
+  VibrationLoss(const model::ModelInput& input, const MovingBodies& moving);
   // stored: elastic energy, of bodies, contacts and springs; brought: energy of what struck something in the step that led to this state [J].
   void state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies, double stored, double brought);
   void step(bool first_order, bool counts);     // that led to that state; not: its loss is known
@@ -45,6 +45,7 @@ class VibrationLoss {
  private:
   struct Mechanism {
     bool alone = true;             // nothing does work on it
+    bool far = false;              // something of it has gone so far
     double first = 0, second = 0;  // 2 D of the last step, by its order [J]
     double sum = 0, moved = 0;     // of 2 D, T [J]
   };
@@ -53,10 +54,9 @@ class VibrationLoss {
   double counted(const std::vector<double>& energies, const std::vector<MovingBody>& bodies) const;  // sum over the bodies that count
 
   Integration integration_;
-  std::vector<std::size_t> mechanism_;  // of every body that has points
-  std::vector<std::uint8_t> far_;       // likewise: has it gone so far that it does more than tremble?
-  bool soft_ = false;                   // something is
-  std::vector<Mechanism> mechanisms_;
+  std::vector<std::uint8_t> far_;            // by body: has it gone so far that it does more than tremble?
+  bool soft_ = false;                        // something is
+  std::vector<Mechanism> mechanisms_;        // by `MovingBody::group`
   std::vector<double> v1_, v0_;              // velocities of the last state and of the one before
   double of_first_ = 0, of_second_ = 0;      // 2 D of the last step, by its order [J]
   double brought_ = 0;                       // of that does not count [J]
