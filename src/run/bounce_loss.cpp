@@ -12,8 +12,10 @@ namespace {
 
 // What hangs together.
 struct Group {
-  double moves = 0, turns = 0;  // energy of motion of the centres, and of turning [J]
-  double changed = 0;           // energy of its change of velocity [J]
+  double moves = 0, turns = 0;   // energy of motion of the centres, and of turning [J]
+  double changed = 0;            // energy of its change of velocity [J]
+  double mass = 0;               // [kg]
+  Vec3 momentum = Vec3::Zero();  // [kg m/s]
   bool touches = false, given = false, swings = true;
 };
 
@@ -23,23 +25,18 @@ std::vector<Group> groups_of(const std::vector<MovingBody>& bodies, const OwnEne
     const MovingBody& b = bodies[i];
     Group& g = out[b.group];
     g.moves += b.energy(), g.turns += b.turns, g.changed += own.change(i);
+    g.mass += b.body.mass(), g.momentum += b.body.mass() * b.v;
     g.touches = g.touches || b.touches || b.stopped, g.given = g.given || b.given, g.swings = g.swings && b.swings;
   }
   return out;
 }
 
-// Least energy of motion of a group, as seen from the world or from a body that goes as the scene says [J].
-double moved_beside(const std::vector<MovingBody>& bodies, std::size_t group, double turns) {
-  const auto seen_from = [&](const Vec3& v) {
-    double sum = turns;
-    for (const MovingBody& b : bodies)
-      if (b.group == group) sum += b.energy_of(b.v - v);
-    return sum;
-  };
-  double least = seen_from(Vec3::Zero());
+// Least energy of motion of a group, as seen from the world or from another body [J].
+double moved_beside(const std::vector<MovingBody>& bodies, std::size_t group, const Group& g) {
+  double least = g.moves;
   for (const MovingBody& b : bodies)
-    if (b.given) least = std::min(least, seen_from(b.v));
-  return least;
+    if (b.group != group) least = std::min(least, g.moves - b.v.dot(g.momentum) + 0.5 * g.mass * b.v.squaredNorm());
+  return g.turns + std::max(least, 0.0);
 }
 
 }  // namespace
@@ -74,7 +71,7 @@ void BounceLoss::state(const std::vector<MovingBody>& bodies, double lost, const
     const double energy = bodies[i].free ? g.moves : g.moves + g.turns;  // what is free turns as it likes
     // Half of what a vibration loses is that of its changes of velocity (vibration_loss.h).
     const double part = changed > 0 ? std::min(lost * g.changed / changed, 2 * g.changed) : 0;
-    c.moved = std::max(c.moved, moved_beside(bodies, i, g.turns));
+    c.moved = std::max(c.moved, moved_beside(bodies, i, g));
     if (c.steps > 0) c.lost += lost, c.own += part;  // in the step that ends a contact, too
     if (!g.touches) {
       const bool rested = c.slow >= tuning::kRested && c.slow >= tuning::kRestedShare * c.steps;
@@ -104,10 +101,13 @@ void BounceLoss::state(const std::vector<MovingBody>& bodies, double lost, const
   sum_ += ended, stiff_ += std::min(flies, impact);
 }
 
-double BounceLoss::own(double Contact::*of) const {
+double BounceLoss::own() const { return own(&Contact::bounced, tuning::kSeen); }
+double BounceLoss::own_stiff() const { return own(&Contact::doubted, tuning::kSeenStiff); }
+
+double BounceLoss::own(double Contact::*of, double seen) const {
   double share = 0;
   for (const Contact& c : contacts_)
-    if (c.most > tuning::kSeen * c.moved) share = std::max(share, c.*of / c.most);
+    if (c.most > seen * c.moved) share = std::max(share, c.*of / c.most);
   return std::min(share, 1.0);
 }
 

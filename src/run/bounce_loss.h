@@ -29,8 +29,8 @@ class BounceLoss {
   double stiff() const { return stiff_; }      // in doubt after impacts of stiff bodies [J]
   double brought() const { return brought_; }  // energy of motion of what struck something in the last step [J]
   // The largest shares of its own largest E that something lost, or of which so much is in doubt.
-  double own() const { return own(&Contact::bounced); }
-  double own_stiff() const { return own(&Contact::doubted); }
+  double own() const;
+  double own_stiff() const;
   void checkpoint(Archive& archive);
 
  private:
@@ -42,10 +42,10 @@ class BounceLoss {
     double lost = 0;    // so far, by all [J]
     double soft = 0;    // was something soft struck?
     double own = 0;     // its part of what was lost so far [J]
-    // Of all contacts that ended: lost, in doubt, the largest E; and the largest energy of motion as seen from the world or from what is given [J].
+    // Of all contacts that ended: lost, in doubt, the largest E; and the largest energy of motion as seen from the world or from another body [J].
     double bounced = 0, doubted = 0, most = 0, moved = 0;
   };
-  double own(double Contact::*of) const;
+  double own(double Contact::*of, double seen) const;
   // Energy E of a contact that ended, for its loss; 0: it was no bounce [J].
   double struck(const std::vector<MovingBody>& bodies, std::size_t group, const Vec3& fall) const;
 

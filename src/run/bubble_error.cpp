@@ -65,6 +65,7 @@ BubbleError::BubbleError(const model::ModelInput& input, const model::BodyInput&
   };
   for (const Tet& t : body.tets) {
     Element e;
+    std::copy_n(t.v, 4, e.node);
     Mat3 sides;
     for (int k = 0; k < 3; ++k) sides.col(k) = rest_[t.v[k + 1]] - rest_[t.v[0]];
     const Mat3 inverse = sides.inverse();
@@ -75,7 +76,7 @@ BubbleError::BubbleError(const model::ModelInput& input, const model::BodyInput&
     elements_.push_back(e);
   }
   for (const Triangle& t : triangles_) sides_.push_back({edge(t.v[0], t.v[1]), edge(t.v[1], t.v[2]), edge(t.v[2], t.v[0])});
-  held_.assign(edges_.size(), 0);
+  held_.assign(edges_.size(), 0), acted_.assign(rest_.size(), false);
   const Params* found = input.scene.find("effects");
   const Params effects = found ? *found : Params::make_table();
   for (const Params& p : entries(effects, "pin"))
@@ -94,7 +95,7 @@ BubbleError::BubbleError(const model::ModelInput& input, const model::BodyInput&
 
 void BubbleError::hold(const std::vector<Index>& nodes, Axes axes) {
   std::vector<bool> in(rest_.size(), false);
-  for (const Index i : nodes) in[static_cast<std::size_t>(i)] = true;
+  for (const Index i : nodes) in[static_cast<std::size_t>(i)] = acted_[static_cast<std::size_t>(i)] = true;
   for (std::size_t e = 0; e < edges_.size(); ++e)
     if (in[edges_[e][0]] && in[edges_[e][1]]) held_[e] |= axes;
 }
@@ -110,6 +111,8 @@ void BubbleError::hold_under_tie(const model::BodyInput& slave, const Params& ti
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     const Index* v = triangles_[t].v;
     const double size = (rest_[v[1]] - rest_[v[0]]).norm();
+    for (const Index i : triangles_[t].v)
+      if (near.distance(rest_[i]) < size) acted_[i] = true;
     if (std::all_of(v, v + 3, [&](Index i) { return near.distance(rest_[i]) < tuning::kOnTie * size; }))
       for (const Index e : sides_[t]) held_[e] = kAllAxes;
   }
@@ -157,20 +160,43 @@ std::vector<Vec3> BubbleError::times(const std::vector<Vec3>& x) const {
   return y;
 }
 
+std::vector<Vec3> BubbleError::body_force(const std::vector<Mat3>& S, std::span<const double> contact_force) const {
+  std::vector<Vec3> force(rest_.size(), Vec3::Zero());
+  std::vector<double> volume(rest_.size(), 0.0);
+  for (std::size_t t = 0; t < elements_.size(); ++t)
+    for (int k = 0; k < 4; ++k) {
+      const Element& e = elements_[t];
+      force[e.node[k]] += e.volume * (S[t] * e.g[k]), volume[e.node[k]] += e.volume / 4;
+    }
+  for (std::size_t i = 0; i < force.size(); ++i)
+    if (acted_[i] || (!contact_force.empty() && at(contact_force, i) != Vec3::Zero())) force[i].setZero();
+  for (std::size_t i = 0; i < force.size(); ++i)
+    if (volume[i] > 0) force[i] /= volume[i];
+  return force;
+}
+
 double BubbleError::of(const std::vector<Stress>& stress, std::span<const double> contact_force, std::span<const double> displacement) const {
   static const Points points;
   double share = 0, energy = 0;
   const std::vector<Axes> held = this->held(contact_force, displacement, share);
   std::vector<Vec3> r(edges_.size(), Vec3::Zero());
   std::vector<Mat3> block(edges_.size(), Mat3::Zero());
+  std::vector<Mat3> S;
+  for (const Stress& s : stress) {
+    S.emplace_back();
+    S.back() << s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2];
+  }
+  const std::vector<Vec3> force = body_force(S, contact_force);
   for (std::size_t t = 0; t < elements_.size(); ++t) {
     const Element& e = elements_[t];
-    const Stress& s = stress[t];
-    Mat3 S;
-    S << s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2];
-    const double trace = S.trace();
-    energy += e.volume * ((1 + nu_) * S.squaredNorm() - nu_ * trace * trace) / (2 * E_);
-    for (int k = 0; k < 6; ++k) r[e.edge[k]] -= e.volume * (S * (e.g[kEdges[k][0]] + e.g[kEdges[k][1]]));
+    const double trace = S[t].trace();
+    energy += e.volume * ((1 + nu_) * S[t].squaredNorm() - nu_ * trace * trace) / (2 * E_);
+    Vec3 b = Vec3::Zero();
+    int known = 0;
+    for (const Index i : e.node)
+      if (force[i] != Vec3::Zero()) b += force[i], ++known;
+    if (known > 0) b /= known;
+    for (int k = 0; k < 6; ++k) r[e.edge[k]] += e.volume * (b / 5 - S[t] * (e.g[kEdges[k][0]] + e.g[kEdges[k][1]]));
     for (const double(&l)[4] : points.l)
       for (int k = 0; k < 6; ++k) {
         const Vec3 slope = 4 * (l[kEdges[k][0]] * e.g[kEdges[k][1]] + l[kEdges[k][1]] * e.g[kEdges[k][0]]);

@@ -157,6 +157,8 @@ StressError::Estimate StressError::of(const Stresses& stresses, const std::vecto
     const Body& b = bodies_[i];
     const std::vector<Corners>& here = stresses[i];
     Energy of;
+    const std::size_t first = 3 * b.first_point, count = 3 * b.rest.size();
+    const bool bubbles = b.bubbles && displacement.size() >= first + count;
     if (here.empty()) continue;
     std::vector<Stress> mean(b.rest.size(), Stress::Zero());
     std::vector<double> weight(b.rest.size(), 0.0);
@@ -165,16 +167,17 @@ StressError::Estimate StressError::of(const Stresses& stresses, const std::vecto
     for (std::size_t n = 0; n < mean.size(); ++n)
       if (weight[n] > 0) mean[n] /= weight[n];
     for (std::size_t t = 0; t < b.tets.size(); ++t) {
+      const bool held = b.held[t] && !bubbles;
       Stress smooth[4], jump[4];
-      for (int k = 0; k < 4; ++k) smooth[k] = mean[b.tets[t].v[k]], jump[k] = b.held[t] ? smooth[k] : Stress(smooth[k] - here[t][k]);
-      of.missed += (b.held[t] ? 1 : b.one_sided) * b.volume[t] * mean_of_linear(jump, b.E, b.nu);
+      for (int k = 0; k < 4; ++k) smooth[k] = mean[b.tets[t].v[k]], jump[k] = held ? smooth[k] : Stress(smooth[k] - here[t][k]);
+      of.missed += (held ? 1 : b.one_sided) * b.volume[t] * mean_of_linear(jump, b.E, b.nu);
       of.all += b.volume[t] * mean_of_linear(smooth, b.E, b.nu);
       if (!b.one_across) continue;
       Stress within[4];
       for (int k = 0; k < 4; ++k) within[k] = here[t][k] - (here[t][0] + here[t][1] + here[t][2] + here[t][3]) / 4;
       of.missed += tuning::kWithin * b.one_sided * b.volume[t] * mean_of_linear(within, b.E, b.nu);
     }
-    if (const std::size_t first = 3 * b.first_point, count = 3 * b.rest.size(); b.bubbles && displacement.size() >= first + count) {
+    if (bubbles) {
       std::vector<Stress> constant;
       for (const Corners& c : here) constant.push_back(c[0]);
       const double share =

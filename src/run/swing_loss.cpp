@@ -48,9 +48,6 @@ double least(double (&last)[n], double now) {
 
 void SwingLoss::state(const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
   swings_.resize(bodies.size()), changes_.resize(bodies.size()), way_.resize(3 * bodies.size());
-  std::vector<bool> touches(bodies.size(), false);
-  for (const MovingBody& b : bodies)
-    if (b.touches || b.stopped) touches[b.group] = true;
   for (Swing& s : swings_) s.first = s.second = 0;
   std::vector<double> moved(bodies.size(), 0.0);
   std::vector<double> now(Speeds::SizeAtCompileTime * bodies.size());
@@ -66,11 +63,11 @@ void SwingLoss::state(const std::vector<double>& points, const std::vector<Movin
     moved[b.group] += b.energy_of(v) + b.turning_of(w);
     const Vec3 way = at(way_, i) + integration_.step * v;
     std::copy_n(way.data(), 3, way_.begin() + static_cast<std::ptrdiff_t>(3 * i));
-    if (s.far == 0 && way.norm() > tuning::kSwings * radius_of_group(bodies, b, points)) s.far = 1;
+    if (s.far == 0 && way.norm() > tuning::kStill * b.body.radius(b.x, points)) s.far = 1;
     if (last_.empty()) continue;
     const double first = 2 * least(changes_[i].first, energy(b, speeds - speeds_at(last_, i)));
     const double second = before_.empty() ? 0 : least(changes_[i].second, energy(b, speeds - 2 * speeds_at(last_, i) + speeds_at(before_, i)));
-    if (!touches[b.group]) s.first += first, s.second += second;
+    if (!b.touches && !b.stopped) s.first += first, s.second += second;
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) swings_[i].moved = std::max(swings_[i].moved, moved[i]);
   before_ = std::move(last_), last_ = std::move(now);

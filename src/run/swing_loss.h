@@ -1,13 +1,13 @@
 #pragma once
 // A pendulum on what is carried about: beside the energy of what carries it that of its swing may be nothing, and is what somebody looks at. Of
-// stiff bodies that go as no pin and no motor says, together with what they hang on by joints and as long as that touches nothing, with v the
+// stiff bodies that go as no pin and no motor says, together with what they hang on by joints and as long as they touch nothing, with v the
 // velocities of their centres and w of turning, and v', w' the same as seen from what carries them,
 //     T = sum 1/2 m |v'|^2 + 1/2 w' . I w',     D = sum min(that of the changes of v and w in a step, that of the changes of v' and w')
 // (backward Euler; BDF2: half of that of the second differences), a swing loses 2 D in a step as a vibration does (vibration_loss.h), of its largest
 // T. Seen from is the body that goes as the scene says, if they hang on one, else the centre of mass of all that hangs together, and of one body that
 // the world holds the world: what a carrier that starts at once leaves behind has no change of v, what it takes along has none of v'.
 // What jumps (the speed of a carrier, a load) is no swing: of a body counts the least D of the last three steps.
-// They count once they have gone by kSwings of the size of what hangs together, as seen from there.
+// They count once one of them has gone by kStill of its size, as seen from there.
 #include <vector>
 
 #include "base/archive.h"

@@ -57,11 +57,11 @@ inline constexpr double kWheel = 1;     // [rad]: a leg or a finger that rolls o
 inline constexpr double kTurns =
     1e-3;  // of the energy of motion of a body in flight: with less its rim turns by less than a twentieth of its way (turning_loss.cpp)
 inline constexpr double kWeight = 0.5;  // of the change of velocity of a contact: when weight does more of it, it is no bounce (bounce_loss.cpp)
-inline constexpr double kSeen =
-    0.01;  // of the energy of motion: less along the change is no bounce that anybody looks at, a tenth of the speed (bounce_loss.cpp)
-inline constexpr double kSwings = 0.02;  // of the size of what hangs together: less is no swing (swing_loss.cpp)
-inline constexpr double kImpact = 0.1;   // of the energy of what rolls, in a step: more is no rolling
-inline constexpr double kSlow = 0.01;    // of the energy before a contact: a body that has less, in kRestedShare of the steps of that contact and in
+// Of the energy of motion: with less along the change nobody looks at a bounce, a tenth of the speed, or at a hop of stiff bodies, a third
+// (bounce_loss.cpp).
+inline constexpr double kSeen = 0.01, kSeenStiff = 0.1;
+inline constexpr double kImpact = 0.1;  // of the energy of what rolls, in a step: more is no rolling
+inline constexpr double kSlow = 0.01;   // of the energy before a contact: a body that has less, in kRestedShare of the steps of that contact and in
 inline constexpr double kRested = 4,
                         kRestedShare = 0.3;  // kRested of them, came to rest there (bounce_loss.cpp; at the turn of a bounce: 6 % of them)
 inline constexpr double kNoticeably = 2e-3;  // of a soft body's thickness: pressed by less, as by its own weight, is at rest (stiffness_error.cpp)
@@ -76,7 +76,7 @@ inline constexpr double kAcross = 0.1, kSoftened = 0.7;
 inline constexpr double kMultiplies = 0.3,
                         kAsFast = 0.75;           // in a step: more is a push; growth of acceleration over that of velocity (motion_lag.cpp)
 inline constexpr double kStillStiff = 1e-3;       // of a stiff body's radius: less than that it moves as it settles on a layer (stiff_strain.cpp)
-inline constexpr double kStill = 0.01;            // of a body's size: less is no motion that anybody looks at (motion_lag.cpp)
+inline constexpr double kStill = 0.01;            // of a body's size: less is no motion that anybody looks at (motion_lag.cpp, swing_loss.cpp)
 inline constexpr double kSettles = 0.05;          // radians, or of a body on a slide: less is how joints settle (bearing_creep.cpp)
 inline constexpr int kLooks = 16;                 // in a step, at what is asked for (schedule_missed.cpp)
 inline constexpr double kCompressible = 0.4;      // most of Poisson's ratio of what bubbles resist with (bubble_error.cpp)
