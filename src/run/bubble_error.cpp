@@ -80,7 +80,7 @@ BubbleError::BubbleError(const model::ModelInput& input, const model::BodyInput&
   const Params* found = input.scene.find("effects");
   const Params effects = found ? *found : Params::make_table();
   for (const Params& p : entries(effects, "pin"))
-    if (p.text("body") == name_ && !p.has("release")) hold(model::select(rest_, p.find("where")), axes_of(p.text("axes")));
+    if (p.text("body") == name_ && !p.has("release") && p.has("where")) hold(model::select(rest_, p.find("where")), axes_of(p.text("axes")));
   for (const Params& p : entries(effects, "pressure_load"))
     if (p.text("body") == name_) hold(model::select(rest_, p.find("where")), kAllAxes);
   for (const model::BodyInput& other : input.bodies) {

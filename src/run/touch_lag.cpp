@@ -111,8 +111,10 @@ void TouchLag::touch(std::size_t body, std::size_t other, const Fields& f) {
 }
 
 void TouchLag::step(long substeps) {
+  // In all parts but that in which it began to touch it slipped without friction.
+  const double part = 1 / static_cast<double>(std::max(1L, substeps));
   for (Node& node : nodes_)
-    if (node.force > 0) node.late = std::max(0.0, node.late + node.begun / static_cast<double>(std::max(1L, substeps)) - node.slip);
+    if (node.force > 0) node.late = std::max(0.0, node.late + part * node.begun - std::max(0.0, node.slip - (1 - part) * node.begun));
   now_.clear();
   for (const auto& [bodies, pressed] : pressed_) {
     now_[bodies] = judge(bodies.first, pressed);
