@@ -9,6 +9,7 @@
 #include "model/bonded.h"
 #include "model/select.h"
 #include "run/entries.h"
+#include "run/held_points.h"
 #include "run/tuning.h"
 #include "run/vector_at.h"
 
@@ -17,13 +18,6 @@ namespace mortise::run {
 namespace {
 
 constexpr unsigned kAllAxes = 7;
-constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-
-unsigned axes_of(const std::string& names) {
-  unsigned axes = 0;
-  for (const char c : names) axes |= 1u << (c - 'x');
-  return axes;
-}
 
 // Barycentric coordinates of the points of integration of a bubble's stiffness.
 struct Points {
@@ -72,7 +66,7 @@ BubbleError::BubbleError(const model::ModelInput& input, const model::BodyInput&
     e.volume = sides.determinant() / 6;
     for (int k = 0; k < 3; ++k) e.g[k + 1] = inverse.row(k);
     e.g[0] = -(e.g[1] + e.g[2] + e.g[3]);
-    for (int k = 0; k < 6; ++k) e.edge[k] = edge(t.v[kEdges[k][0]], t.v[kEdges[k][1]]);
+    for (int k = 0; k < 6; ++k) e.edge[k] = edge(t.v[geometry::edge_begin(k)], t.v[geometry::edge_end(k)]);
     elements_.push_back(e);
   }
   for (const Triangle& t : triangles_) sides_.push_back({edge(t.v[0], t.v[1]), edge(t.v[1], t.v[2]), edge(t.v[2], t.v[0])});
@@ -80,7 +74,7 @@ BubbleError::BubbleError(const model::ModelInput& input, const model::BodyInput&
   const Params* found = input.scene.find("effects");
   const Params effects = found ? *found : Params::make_table();
   for (const Params& p : entries(effects, "pin"))
-    if (p.text("body") == name_ && !p.has("release") && p.has("where")) hold(model::select(rest_, p.find("where")), axes_of(p.text("axes")));
+    if (p.text("body") == name_ && !p.has("release") && p.has("where")) hold(model::select(rest_, p.find("where")), mask_of(p.text("axes")));
   for (const Params& p : entries(effects, "pressure_load"))
     if (p.text("body") == name_) hold(model::select(rest_, p.find("where")), kAllAxes);
   for (const model::BodyInput& other : input.bodies) {
@@ -108,12 +102,14 @@ void BubbleError::hold_under_tie(const model::BodyInput& slave, const Params& ti
   for (const Triangle& t : slave.triangles)
     if (std::all_of(std::begin(t.v), std::end(t.v), [&](Index v) { return in[v]; })) tied.push_back(t);
   const geometry::NearestTriangle near(slave.nodes, tied);
+  std::vector<double> distance;
+  for (const Vec3& x : rest_) distance.push_back(near.distance(x));
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     const Index* v = triangles_[t].v;
     const double size = (rest_[v[1]] - rest_[v[0]]).norm();
-    for (const Index i : triangles_[t].v)
-      if (near.distance(rest_[i]) < size) acted_[i] = true;
-    if (std::all_of(v, v + 3, [&](Index i) { return near.distance(rest_[i]) < tuning::kOnTie * size; }))
+    for (int k = 0; k < 3; ++k)
+      if (distance[v[k]] < size) acted_[v[k]] = true;
+    if (std::all_of(v, v + 3, [&](Index i) { return distance[i] < tuning::kOnTie * size; }))
       for (const Index e : sides_[t]) held_[e] = kAllAxes;
   }
 }
@@ -142,6 +138,12 @@ std::vector<BubbleError::Axes> BubbleError::held(std::span<const double> contact
   return out;
 }
 
+// Gradient of the bubble on edge k where the barycentric coordinates are l.
+Vec3 BubbleError::slope_of(const Element& e, int k, const double (&l)[4]) {
+  const int i = geometry::edge_begin(k), j = geometry::edge_end(k);
+  return 4 * (l[i] * e.g[j] + l[j] * e.g[i]);
+}
+
 std::vector<Vec3> BubbleError::times(const std::vector<Vec3>& x) const {
   static const Points points;
   std::vector<Vec3> y(x.size(), Vec3::Zero());
@@ -150,8 +152,7 @@ std::vector<Vec3> BubbleError::times(const std::vector<Vec3>& x) const {
       Vec3 slope[6];
       Mat3 H = Mat3::Zero();
       for (int k = 0; k < 6; ++k) {
-        const int i = kEdges[k][0], j = kEdges[k][1];
-        slope[k] = 4 * (l[i] * e.g[j] + l[j] * e.g[i]);
+        slope[k] = slope_of(e, k, l);
         H += x[e.edge[k]] * slope[k].transpose();
       }
       const Mat3 S = e.volume / geometry::kTetPoints * (lambda_ * H.trace() * Mat3::Identity() + mu_ * (H + H.transpose()));
@@ -196,10 +197,10 @@ double BubbleError::of(const std::vector<Stress>& stress, std::span<const double
     for (const Index i : e.node)
       if (force[i] != Vec3::Zero()) b += force[i], ++known;
     if (known > 0) b /= known;
-    for (int k = 0; k < 6; ++k) r[e.edge[k]] += e.volume * (b / 5 - S[t] * (e.g[kEdges[k][0]] + e.g[kEdges[k][1]]));
+    for (int k = 0; k < 6; ++k) r[e.edge[k]] += e.volume * (b / 5 - S[t] * (e.g[geometry::edge_begin(k)] + e.g[geometry::edge_end(k)]));
     for (const double(&l)[4] : points.l)
       for (int k = 0; k < 6; ++k) {
-        const Vec3 slope = 4 * (l[kEdges[k][0]] * e.g[kEdges[k][1]] + l[kEdges[k][1]] * e.g[kEdges[k][0]]);
+        const Vec3 slope = slope_of(e, k, l);
         block[e.edge[k]] +=
             e.volume / geometry::kTetPoints * ((lambda_ + mu_) * slope * slope.transpose() + mu_ * slope.squaredNorm() * Mat3::Identity());
       }

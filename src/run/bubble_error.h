@@ -40,6 +40,7 @@ class BubbleError {
     Vec3 g[4];
     double volume;
   };
+  static Vec3 slope_of(const Element& e, int k, const double (&l)[4]);
   void hold(const std::vector<Index>& nodes, Axes axes);  // edges between them
   void hold_under_tie(const model::BodyInput& slave, const Params& tie);
   std::vector<Axes> held(std::span<const double> contact_force, std::span<const double> displacement, double& share) const;

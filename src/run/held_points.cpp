@@ -10,15 +10,11 @@
 
 namespace mortise::run {
 
-namespace {
-
 unsigned mask_of(const std::string& axes) {
   unsigned mask = 0;
   for (const char c : axes) mask |= 1u << (c - 'x');
   return mask;
 }
-
-}  // namespace
 
 std::vector<bool> held_points(const model::ModelInput& input) {
   struct Place {

@@ -1,10 +1,13 @@
 #pragma once
+#include <string>
 #include <vector>
 
 #include "model/input.h"
 
 namespace mortise::run {
 
+// Bit per axis that a pin's `axes` names.
+unsigned mask_of(const std::string& axes);
 // Of all points of bodies: which go as pins (in all directions, for good) or bonds say, so that a body has no say there.
 std::vector<bool> held_points(const model::ModelInput& input);
 // All of a body's points over those that are not held (stress_error.h); 1 where all are.

@@ -16,7 +16,7 @@
 // 7 to 24 % too stiff with estimates below 0.03): a share of the energy of what varies within elements counts as missed, and held nodes as above.
 // Elements that have no free node deform as pins and bonds say, whatever they are made of: nothing tells how wrong that is, and all of their energy
 // counts as missed (a pad of rubber between two plates, one element thick, is as stiff as if it could not bulge).
-// Of linear bodies with few nodes inside the larger of this and of what bubbles on their edges miss counts (bubble_error.h).
+// Of linear bodies with few nodes inside bubbles on their edges tell that (bubble_error.h): the larger of what they and what jumps miss counts.
 #include <array>
 #include <map>
 #include <optional>
