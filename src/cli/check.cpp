@@ -71,7 +71,10 @@ int cmd_check(const CheckOptions& o) {
     try {
       check_run(one.root, called, warned, reset ? reset->items() : std::vector<Params>());
     } catch (const Error& error) {
-      throw Error(error.code(), called + error.what());
+      std::string text = error.what();
+      const std::string mark = ": error: ";
+      text.insert(error.located() ? text.find(mark) + mark.size() : 0, called);
+      throw Error(error.code(), text, error.located());
     }
   }
   std::cout << (o.scene == "-" ? "<stdin>" : o.scene) << ": valid: " << summary(scene.root)

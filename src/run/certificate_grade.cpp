@@ -3,19 +3,30 @@
 #include <algorithm>
 #include <cmath>
 
+#include "run/advice.h"
 #include "run/certificate.h"
 #include "run/tuning.h"
 
 namespace mortise::run {
 
-void Grade::Verdict::lower(const char* to, const std::string& why) {
-  if (letter[0] < to[0]) letter = to, reason = why;
+void Grade::Verdict::lower(const char* to, const std::string& why, const std::string& by) {
+  if (letter[0] < to[0]) letter = to, reason = why, check = by;
 }
 
 std::string text_of(const Grade& grade) {
   const auto of = [](const Grade::Verdict& v) { return v.letter == "A" ? v.letter : v.letter + ": " + v.reason; };
   if (grade.forces.letter == grade.all.letter) return "grade " + of(grade.all);
   return fmt::format("grade {}; of forces and motions {}", of(grade.all), of(grade.forces));
+}
+
+std::vector<std::string> hints(const Grade& grade) {
+  const std::string_view of_all = advice(grade.all.check), of_forces = advice(grade.forces.check);
+  std::vector<std::string> out;
+  if (!of_all.empty() && of_all == of_forces && grade.all.check != grade.forces.check)
+    return {fmt::format("{}, {}: {}", grade.all.check, grade.forces.check, of_all)};
+  if (!of_all.empty()) out.push_back(fmt::format("{}: {}", grade.all.check, of_all));
+  if (!of_forces.empty() && of_forces != of_all) out.push_back(fmt::format("{}: {}", grade.forces.check, of_forces));
+  return out;
 }
 
 std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result& fields) const {
@@ -62,11 +73,11 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
 
 // F: some state is no state of the model. C: incomplete, or the bound of B is exceeded. B: that of A is. A: none.
 Grade Certificate::grade(const End& end, const std::vector<Check>& checks) const {
-  const Grade::Verdict best{"A", "every bound is met"};
+  const Grade::Verdict best{"A", "every bound is met", ""};
   Grade out{best, best, {}};
-  const auto lower = [&](const char* to, const std::string& why, Of of = Of::all) {
-    out.all.lower(to, why);
-    if (of != Of::fields) out.forces.lower(to, why);
+  const auto lower = [&](const char* to, const std::string& why, Of of = Of::all, const std::string& check = "") {
+    out.all.lower(to, why, check);
+    if (of != Of::fields) out.forces.lower(to, why, check);
   };
   if (end.status == Exit::stopped)
     lower("C", "the run was stopped");
@@ -77,7 +88,8 @@ Grade Certificate::grade(const End& end, const std::vector<Check>& checks) const
   for (const Check& k : checks) {
     out.graded[k.name] = k.value;
     const char* earns = k.earns();
-    if (earns[0] > 'A') lower(earns, fmt::format("{} is {:.3g}, more than {:.3g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable), k.of);
+    if (earns[0] > 'A')
+      lower(earns, fmt::format("{} is {:.3g}, more than {:.3g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable), k.of, k.name);
   }
   if (!single_elements_.empty()) lower("C", single_elements_.front());
   if (steps_ == 0) lower("F", "no step was finished");

@@ -1,6 +1,7 @@
 #include "run/check_start.h"
 
 #include "engine/api.h"
+#include "engine/input.h"
 #include "render/from_scene.h"
 #include "render/renderer.h"
 #include "run/reported.h"
@@ -14,16 +15,26 @@ void must_succeed(const engine::Outcome& outcome) {
   if (outcome.code != 0) throw Error(static_cast<Exit>(outcome.code), outcome.message, outcome.located);
 }
 
+// An engine that has not stepped, and what is reported then.
+struct Start {
+  std::unique_ptr<engine::Engine> engine;
+  std::vector<double> points;
+  Snapshot said;
+};
+
+Start start_of(const model::ModelInput& input) {
+  Start out;
+  must_succeed(engine::cpu_api().create(input, out.engine));
+  out.points = out.engine->points();
+  out.engine->report(out.said);
+  sensors::Sensors(input).read(out.said, out.points);
+  return out;
+}
+
 }  // namespace
 
 std::unique_ptr<engine::Engine> check_start(const Params& scene, const model::ModelInput& input, const std::vector<Params>& resets) {
-  std::unique_ptr<engine::Engine> engine;
-  must_succeed(engine::cpu_api().create(input, engine));
-  sensors::Sensors sensors(input);
-  const std::vector<double> points = engine->points();
-  Snapshot start;
-  engine->report(start);
-  sensors.read(start, points);
+  auto [engine, points, start] = start_of(input);
   ResetWatch(resets, input).check(scene, start);
   check_quantities(scene, start);
   if (scene.has("render") && scene.at("output").flag("pictures")) {
@@ -32,7 +43,18 @@ std::unique_ptr<engine::Engine> check_start(const Params& scene, const model::Mo
     for (const std::string& camera : view.cameras()) render::check_job(view.job(camera, start.drawable(), ""));
   }
   must_succeed(engine->begin());
-  return engine;
+  return std::move(engine);
+}
+
+void check_reported(const Params& scene, const std::vector<std::string>& scalars, const std::string& what, const SourceLoc& where) {
+  Snapshot start;
+  try {
+    start = start_of(engine::make_input(scene)).said;
+  } catch (const Error&) {
+    return;
+  }
+  for (const std::string& scalar : scalars)
+    if (!may_report(scalar, scene, start)) not_reported(where, what, scalar, start);
 }
 
 }  // namespace mortise::run

@@ -1,6 +1,7 @@
 #pragma once
 #include <map>
 #include <string>
+#include <vector>
 
 namespace mortise::run {
 
@@ -19,7 +20,8 @@ struct Check {
 struct Grade {
   struct Verdict {
     std::string letter, reason;  // the first reason
-    void lower(const char* to, const std::string& why);
+    std::string check{};         // of which it is, if it is of one
+    void lower(const char* to, const std::string& why, const std::string& by = "");
   };
   Verdict all, forces;                   // forces: of the checks that are not of fields
   std::map<std::string, double> graded;  // what they rest on
@@ -27,5 +29,7 @@ struct Grade {
 
 // "grade A", "grade B: REASON"; of forces as well where that is another one.
 std::string text_of(const Grade& grade);
+// "stress_error: a finer mesh ..." (advice.h), of the checks that it is for.
+std::vector<std::string> hints(const Grade& grade);
 
 }  // namespace mortise::run

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "base/disjoint_sets.h"
 #include "effects/roles.h"
@@ -30,9 +31,23 @@ MovingBodies::MovingBodies(const model::ModelInput& input) {
       if (number.count(one) && number.count(other) && holds.given(carrier) && !holds.given(body))
         carriers.emplace(sets.of(number.at(body)), number.at(carrier));
   const std::vector<Params> joints = entries(input.scene.at("effects"), "joint");
-  for (const Params& p : joints)
-    if (const auto body = number.find(p.text("body")); body != number.end() && holds.driven(effects::tie_name(p)) != Holds::Driven::no)
-      motored[sets.of(body->second)] = true;
+  std::vector<bool> at_motor(number.size(), false);
+  std::set<std::pair<std::string, std::string>> driven;
+  for (const Params& p : joints) {
+    if (holds.driven(effects::tie_name(p)) == Holds::Driven::no) continue;
+    const std::string to = p.has("to") ? p.text("to") : "";
+    driven.emplace(p.text("body"), to);
+    for (const std::string& name : {p.text("body"), to})
+      if (number.count(name)) at_motor[number.at(name)] = true;
+    if (number.count(p.text("body"))) motored[sets.of(number.at(p.text("body")))] = true;
+  }
+  DisjointSets loose(number.size());  // kept together by what no motor moves
+  for (const auto& [one, other] : holds.together())
+    if (!driven.count({one, other}) && number.count(one) && number.count(other) && !holds.given(one) && !holds.given(other))
+      loose.join(number.at(one), number.at(other));
+  std::map<std::size_t, std::size_t> at_motors;
+  for (const auto& [name, i] : number)
+    if (at_motor[i] && !holds.given(name)) at_motors.emplace(loose.of(i), i);
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
     const std::size_t i = number.at(b.name), group = sets.of(i);
@@ -43,6 +58,8 @@ MovingBodies::MovingBodies(const model::ModelInput& input) {
     how.swings = how.held ? !how.given && !holds.motored(b.name) : !motored[group];
     how.damped = holds.damped(b.name, step), how.group = group;
     if (const auto carrier = carriers.find(group); carrier != carriers.end()) how.carrier = carrier->second;
+    how.swings_with = b.type == model::BodyType::soft ? number.size() + i : loose.of(i);
+    if (const auto on = at_motors.find(loose.of(i)); on != at_motors.end() && !at_motor[i] && !how.given) how.swings_on = on->second;
     std::vector<std::string> stops;
     bool spins = true;
     for (const Params& p : joints) {

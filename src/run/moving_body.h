@@ -21,6 +21,10 @@ struct HowHeld {
   bool damped;        // by its joint, far more than by the time step (Holds::damped)
   std::size_t group;  // number of a body that it hangs together with by joints, bonds and ties, over what is not given
   std::optional<std::size_t> carrier;  // number of a given body that its group hangs on
+  // A number of what it hangs together with by what no motor moves, of a soft body its own, less than twice the bodies; and the one of them that is
+  // at a motor, of those that are at none.
+  std::size_t swings_with;
+  std::optional<std::size_t> swings_on;
 };
 
 struct MovingBody : HowHeld {

@@ -98,6 +98,7 @@ class Lines : public Progress {
   void note(const std::string& text) override { line(text); }
   void end(const std::string& status, double seconds, const Grade& grade) override {
     line(fmt::format("{} in {}; {}", status, duration_text(seconds), text_of(grade)));
+    for (const std::string& hint : hints(grade)) line("hint: " + hint);
   }
 
  protected:

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "effects/roles.h"
 #include "scene/suggest.h"
 
 namespace mortise::run {
@@ -11,18 +12,18 @@ namespace mortise::run {
 bool may_report(const std::string& scalar, const Params& scene, const Snapshot& start) {
   if (start.has(scalar)) return true;
   if (scalar.find('/') == std::string::npos) return false;
+  // Forces of ties and motors, and of balances, are those of a step.
   const std::string group = group_of(scalar);
-  const auto& effects = scene.at("effects").entries();
-  return group == "supports" || group == "balance" || group == "audit" ||
-         std::any_of(effects.begin(), effects.end(), [&](const auto& e) { return e.first == group; }) ||
-         std::any_of(start.number.begin(), start.number.end(), [&](const auto& n) { return group_of(n.first) == group; });
+  using effects::Role;
+  const bool later = effects::has_role(group, Role::tie) || effects::has_role(group, Role::motor);
+  return group == "supports" || group == "balance" || group == "audit" || (later && scene.at("effects").has(group));
 }
 
-void not_reported(const Params& entry, const std::string& what, const std::string& scalar, const Snapshot& said) {
+void not_reported(const SourceLoc& where, const std::string& what, const std::string& scalar, const Snapshot& said) {
   std::vector<std::string> known;
   for (const auto& [name, number] : said.number) known.push_back(name);
   const std::string hint = scene::suggestion(scalar, known);
-  throw Error(Exit::scene, entry.where(), what + ": nothing reports '" + scalar + "'" + (hint.empty() ? "" : "; " + hint));
+  throw Error(Exit::scene, where, what + ": nothing reports '" + scalar + "'" + (hint.empty() ? "" : "; " + hint));
 }
 
 void check_quantities(const Params& scene, const Snapshot& start) {
@@ -33,7 +34,7 @@ void check_quantities(const Params& scene, const Snapshot& start) {
     if (value.find('/') == std::string::npos || group_of(value) == "steps") continue;
     if (start.row.count(value) && !start.has(value + "_x"))
       throw Error(Exit::scene, q.where(), what + ": '" + value + "' is a table, of which a run has one per frame; a quantity is a scalar");
-    if (!may_report(value, scene, start)) not_reported(q, what, value, start);
+    if (!may_report(value, scene, start)) not_reported(q.where(), what, value, start);
   }
 }
 

@@ -8,10 +8,10 @@
 
 namespace mortise::run {
 
-// Will "group/name" be reported, as far as the start tells? Of groups that the scene has some scalars come only later.
+// Will "group/name" be reported, as far as the start tells? What ties, motors and supports bear is known only after a step.
 bool may_report(const std::string& scalar, const Params& scene, const Snapshot& start);
-// Throws Error(Exit::scene) at `entry`: "WHAT: nothing reports 'SCALAR'", and what was probably meant.
-[[noreturn]] void not_reported(const Params& entry, const std::string& what, const std::string& scalar, const Snapshot& said);
+// Throws Error(Exit::scene): "WHAT: nothing reports 'SCALAR'", and what was probably meant.
+[[noreturn]] void not_reported(const SourceLoc& where, const std::string& what, const std::string& scalar, const Snapshot& said);
 // Of the scene's `quantities`. Throws Error(Exit::scene).
 void check_quantities(const Params& scene, const Snapshot& start);
 

@@ -86,7 +86,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   lag_.state(now.points, moving);
   given_lag_.state(moving, force_balance(now.said).scale);
   vibrations_.state(now.said, now.points, moving, stored_, bounces_.brought());
-  swings_.state(now.points, moving);
+  swings_.state(now.said, now.points, moving);
   turning_.state(now.points, moving, lost);
   points_before_ = now.points;
   measured();

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "run/archived.h"
+#include "run/held_points.h"
 #include "run/tuning.h"
 #include "run/vector_at.h"
 
@@ -10,30 +11,12 @@ namespace mortise::run {
 
 namespace {
 
-// What a group is seen from.
-geometry::RigidVelocity seen_from(const std::vector<MovingBody>& bodies, std::size_t group) {
-  geometry::RigidVelocity out;
-  double mass = 0;
-  int count = 0;
-  for (const MovingBody& b : bodies) {
-    if (b.group != group) continue;
-    if (b.carrier) return {bodies[*b.carrier].x, bodies[*b.carrier].v, bodies[*b.carrier].w};
-    mass += b.body.mass(), out.v += b.body.mass() * b.v, ++count;
-  }
-  if (count == 1) return {};
-  out.v /= mass;
-  return out;
-}
+bool may_swing(const MovingBody& b) { return b.body.soft() || ((b.swings || b.swings_on) && !b.free && !b.damped); }
 
-bool may_swing(const MovingBody& b) { return b.swings && !b.free && !b.damped && !b.body.soft(); }
-
-// v, w, v', w' of a body.
-using Speeds = Eigen::Matrix<double, 12, 1>;
-
-Speeds speeds_at(const std::vector<double>& of, std::size_t i) { return Eigen::Map<const Speeds>(of.data() + Speeds::SizeAtCompileTime * i); }
-
-double energy(const MovingBody& b, const Speeds& by) {
-  return std::min(b.energy_of(by.segment<3>(0)) + b.turning_of(by.segment<3>(3)), b.energy_of(by.segment<3>(6)) + b.turning_of(by.segment<3>(9)));
+// values + times * others
+std::vector<double> sum_of(std::vector<double> values, double times, const std::vector<double>& others) {
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] += times * others[i];
+  return values;
 }
 
 // The least of a new value and the last ones, which it is one of from then on.
@@ -46,30 +29,84 @@ double least(double (&last)[n], double now) {
 
 }  // namespace
 
-void SwingLoss::state(const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
-  swings_.resize(bodies.size()), changes_.resize(bodies.size()), way_.resize(3 * bodies.size());
-  for (Swing& s : swings_) s.first = s.second = 0;
-  std::vector<double> moved(bodies.size(), 0.0);
-  std::vector<double> now(Speeds::SizeAtCompileTime * bodies.size());
+SwingLoss::SwingLoss(const model::ModelInput& input) : integration_(integration_of(input.scene)), held_(held_points(input)) {
+  std::size_t first = 0;
+  for (const model::BodyInput& b : input.bodies) {
+    if (b.type == model::BodyType::half_space) continue;
+    elastic_.emplace_back(b, first);
+    first += b.nodes.size();
+  }
+  changes_.resize(elastic_.size()), swings_.resize(2 * elastic_.size());
+  way_.resize(3 * first);
+}
+
+geometry::RigidVelocity SwingLoss::seen_from(const std::vector<MovingBody>& bodies, std::size_t body, const std::vector<double>& points,
+                                             const std::vector<double>& velocity) const {
+  const MovingBody& b = bodies[body];
+  const auto of = [](const MovingBody& b) { return geometry::RigidVelocity{b.x, b.v, b.w}; };
+  if (b.body.soft()) {
+    std::vector<Vec3> x, v;
+    for (std::size_t p = b.body.first; p < b.body.first + b.body.count; ++p)
+      if (held_[p]) x.push_back(at(points, p)), v.push_back(at(velocity, p));
+    return geometry::fixes_a_frame(x) ? geometry::nearest_velocity(x, v) : of(b);
+  }
+  if (b.swings_on) return of(bodies[*b.swings_on]);
+  if (b.carrier) return of(bodies[*b.carrier]);
+  geometry::RigidVelocity out;
+  double mass = 0;
+  int count = 0;
+  for (const MovingBody& other : bodies)
+    if (other.group == b.group) mass += other.body.mass(), out.v += other.body.mass() * other.v, ++count;
+  if (count == 1) return {};
+  out.v /= mass;
+  return out;
+}
+
+SwingLoss::Velocities SwingLoss::velocities(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies) const {
+  const Snapshot::Values& v = *said.of_points("velocity", 3);
+  Velocities out{{v.begin(), v.end()}, {v.begin(), v.end()}};
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovingBody& b = bodies[i];
     if (!may_swing(b)) continue;
-    Swing& s = swings_[b.group];
-    const geometry::RigidVelocity from = seen_from(bodies, b.group);
-    const Vec3 v = b.v - from.at(b.x), w = b.w - from.w;
-    Speeds speeds;
-    speeds << b.v, b.w, v, w;
-    std::copy_n(speeds.data(), speeds.size(), now.begin() + speeds.size() * static_cast<std::ptrdiff_t>(i));
-    moved[b.group] += b.energy_of(v) + b.turning_of(w);
-    const Vec3 way = at(way_, i) + integration_.step * v;
-    std::copy_n(way.data(), 3, way_.begin() + static_cast<std::ptrdiff_t>(3 * i));
-    if (s.far == 0 && way.norm() > tuning::kStill * b.body.radius(b.x, points)) s.far = 1;
-    if (last_.empty()) continue;
-    const double first = 2 * least(changes_[i].first, energy(b, speeds - speeds_at(last_, i)));
-    const double second = before_.empty() ? 0 : least(changes_[i].second, energy(b, speeds - 2 * speeds_at(last_, i) + speeds_at(before_, i)));
-    if (!b.touches && !b.stopped) s.first += first, s.second += second;
+    const geometry::RigidVelocity from = seen_from(bodies, i, points, out.v);
+    for (std::size_t p = b.body.first; p < b.body.first + b.body.count; ++p) Eigen::Map<Vec3>(out.seen.data() + 3 * p) -= from.at(at(points, p));
   }
-  for (std::size_t i = 0; i < bodies.size(); ++i) swings_[i].moved = std::max(swings_[i].moved, moved[i]);
+  return out;
+}
+
+void SwingLoss::look_how_far(const MovingBody& b, const std::vector<double>& seen, const std::vector<double>& points, Swing& swing) {
+  const double far = tuning::kStill * b.body.radius(b.x, points);
+  for (std::size_t p = b.body.first; p < b.body.first + b.body.count; ++p) {
+    Eigen::Map<Vec3> way(way_.data() + 3 * p);
+    way += integration_.step * at(seen, p);
+    if (way.norm() > far) swing.far = 1;
+  }
+}
+
+void SwingLoss::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
+  for (Swing& s : swings_) s.first = s.second = 0;
+  if (bodies.empty()) return;
+  Velocities now = velocities(said, points, bodies);
+  std::vector<double> moved(swings_.size(), 0.0);
+  std::vector<std::vector<double>> changes, second;  // of v and v'
+  if (!last_.v.empty()) changes = {sum_of(now.v, -1, last_.v), sum_of(now.seen, -1, last_.seen)};
+  if (!before_.v.empty())
+    second = {sum_of(sum_of(changes[0], -1, last_.v), 1, before_.v), sum_of(sum_of(changes[1], -1, last_.seen), 1, before_.seen)};
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const MovingBody& b = bodies[i];
+    if (!may_swing(b)) continue;
+    const auto energy = [&](const std::vector<std::vector<double>>& of) {
+      return of.empty() ? 0 : std::min(b.body.kinetic_energy(of[0], points), b.body.kinetic_energy(of[1], points));
+    };
+    Swing& s = swings_[b.swings_with];
+    moved[b.swings_with] += std::min(b.body.kinetic_energy(now.v, points), b.body.kinetic_energy(now.seen, points));
+    s.stored = std::max(s.stored, elastic_[i].at(points));
+    look_how_far(b, now.seen, points, s);
+    if (b.touches && b.body.soft()) s.touched = 1;
+    const double of_first = 2 * least(changes_[i].first, energy(changes)), of_second = least(changes_[i].second, energy(second));
+    if (!b.touches && !b.stopped && s.touched == 0) s.first += of_first, s.second += of_second;
+  }
+  for (std::size_t i = 0; i < swings_.size(); ++i) swings_[i].moved = std::max(swings_[i].moved, moved[i]);
   before_ = std::move(last_), last_ = std::move(now);
 }
 
@@ -80,14 +117,19 @@ void SwingLoss::step(bool first_order) {
 double SwingLoss::share() const {
   double most = 0;
   for (const Swing& s : swings_)
-    if (s.far > 0 && s.moved > 0) most = std::max(most, s.sum / s.moved);
+    if (s.far > 0 && s.moved > 0) most = std::max(most, s.sum / std::max(s.moved, tuning::kShownBySwing * s.stored));
   return most;
 }
 
 void SwingLoss::checkpoint(Archive& archive) {
   archive_all(archive, "swing.swings", swings_);
   archive_all(archive, "swing.changes", changes_);
-  for (auto [name, of] : {std::pair{"swing.last", &last_}, {"swing.before", &before_}, {"swing.way", &way_}}) archive.io(name, *of);
+  for (auto [name, of] : {std::pair{"swing.v", &last_.v},
+                          {"swing.seen", &last_.seen},
+                          {"swing.v_before", &before_.v},
+                          {"swing.seen_before", &before_.seen},
+                          {"swing.way", &way_}})
+    archive.io(name, *of);
 }
 
 }  // namespace mortise::run

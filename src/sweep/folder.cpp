@@ -8,6 +8,8 @@
 #include "base/error.h"
 #include "engine/effect_tables.h"
 #include "output/atomic_file.h"
+#include "run/check_start.h"
+#include "scene/environments.h"
 #include "scene/scene.h"
 #include "sweep/sweep.h"
 
@@ -34,11 +36,15 @@ std::string to_json(const Sweep& s) {
 
 void check_rows(const Sweep& sweep) {
   const auto effects = engine::effect_tables();
+  Params first;
   for (std::size_t i = 0; i < sweep.rows.size(); ++i) try {
-      scene::read_scene(sweep.scene, sweep.rows[i].overrides(sweep.set), effects);
+      const Params scene = scene::read_scene(sweep.scene, sweep.rows[i].overrides(sweep.set), effects).root;
+      if (i == 0) first = scene;
     } catch (const Error& e) {
       throw Error(e.code(), fmt::format("row {}: {}", i, e.what()));
     }
+  if (!sweep.quantities.empty() && scene::environment_count(first) == 0)
+    run::check_reported(first, sweep.quantities, "quantities", sweep.quantities_at);
 }
 
 // Many rows may begin at once: whoever is first writes the file, whole, and the others find the same.

@@ -91,10 +91,10 @@ Sweep read_sweep(const std::string& path) {
     errors.add({path, 1, 1}, "a sweep needs 'scene: FILE'");
   }
   if (const Node* set = root.find("set")) out.set = texts(*set, "set", errors);
-  if (const Node* quantities = root.find("quantities")) out.quantities = texts(*quantities, "quantities", errors);
+  if (const Node* quantities = root.find("quantities")) out.quantities = texts(*quantities, "quantities", errors), out.quantities_at = quantities->at;
   for (const std::string& q : out.quantities)
     if (q.find('/') == std::string::npos)
-      errors.add(root.find("quantities")->at, "quantity '" + q + "' is not of the form group/name, e.g. mortar_contact/force_pad_z");
+      errors.add(out.quantities_at, "quantity '" + q + "' is not of the form group/name, e.g. mortar_contact/force_pad_z");
   const Node* rows = root.find("rows");
   if (!rows || rows->kind != Node::Kind::list || rows->items.empty()) {
     errors.add(rows ? rows->at : SourceLoc{path, 1, 1}, "a sweep needs 'rows:', a list of blocks (" + scene::join(block_names(), ", ") + ")");

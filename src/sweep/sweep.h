@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
+
 namespace mortise::sweep {
 
 struct Row {
@@ -18,12 +20,14 @@ struct Sweep {
   std::vector<std::string> set;         // --set of all rows
   std::vector<std::string> quantities;  // "group/name" of scalars at the end, for the merged table
   std::vector<Row> rows;
+  SourceLoc quantities_at{};  // where the file says them
 };
 
 // Reads the file; formats are in schemas/sweep.md. Throws SceneErrors with all that is wrong in it, Error(Exit::file).
 Sweep read_sweep(const std::string& path);
 
-// Reads the scene of every row; throws the first error, with the row's number and values.
+// Reads the scene of every row, and makes that of the first to see whether its quantities are reported; throws the first error, with the row's
+// number and values.
 void check_rows(const Sweep& sweep);
 
 // sweep.json in the folder of a sweep: what its rows are. Written by the first who comes; another sweep in the same folder is Error(Exit::usage).

@@ -110,4 +110,20 @@ TEST(Grade, TellsForcesApartWhereTheyAreBetter) {
   EXPECT_EQ(text_of({c, a, {}}), "grade C: stress_error is 0.2, more than 0.1; of forces and motions A");
 }
 
+TEST(Grade, SaysWhatMakesItBetter) {
+  const Grade::Verdict a{"A", "every bound is met"}, mesh{"C", "stress_error is 0.2, more than 0.1", "stress_error"},
+      same{"C", "stress_error is 0.2, more than 0.1", "stress_error"}, step{"B", "motion_lag is 0.06, more than 0.05", "motion_lag"},
+      stopped{"C", "the run was stopped"};
+  EXPECT_TRUE(hints({a, a, {}}).empty());
+  EXPECT_TRUE(hints({stopped, stopped, {}}).empty());
+  EXPECT_EQ(hints({mesh, same, {}}).size(), 1u);
+  const std::vector<std::string> one = hints({mesh, {"C", "", "stiffness_error"}, {}});
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one[0].rfind("stress_error, stiffness_error: a finer mesh", 0), 0u) << one[0];
+  const std::vector<std::string> both = hints({mesh, step, {}});
+  ASSERT_EQ(both.size(), 2u);
+  EXPECT_EQ(both[0].rfind("stress_error: a finer mesh", 0), 0u) << both[0];
+  EXPECT_EQ(both[1].rfind("motion_lag: shorter steps", 0), 0u) << both[1];
+}
+
 }  // namespace mortise::run

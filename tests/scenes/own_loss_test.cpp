@@ -108,3 +108,67 @@ TEST(OwnLoss, IsNoneOfWhatIsTakenAlong) {
   hangs.replace(hangs.find("-15 deg"), 7, "0 deg"), hangs.replace(hangs.find("[0.0518, 0, -0.2182]"), 20, "[0.0259, 0, -0.2216]");
   EXPECT_LT(turn(hangs, 190).energy.own_loss, 0.01);
 }
+
+// On an arm under a given torque, on one that goes after a target, and on one that goes as the scene says.
+TEST(OwnLoss, OfASwingOnAMotorIsThatOfWhatSwings) {
+  const auto lost = [](const std::string& motor, const std::string& inertia, int step) {
+    const std::string scene = fmt::format(R"(
+mortise: 1
+name: lever
+time: {{step: {} ms, steps: {}}}
+materials: {{steel: {{density: 7850}}}}
+bodies:
+  arm: {{type: stiff, shape: {{box: {{size: [0.4, 0.05, 0.05], edge_length: 0.05}}}}, material: steel, position: [0.2, 0, 0]}}
+  lever: {{type: stiff, shape: {{box: {{size: [0.02, 0.02, 0.2], edge_length: 0.02}}}}, material: steel, position: [0.39, 0, -0.13]}}
+effects:
+  inertia: {{integrator: {}}}
+  affine_body: {{}}
+  joint:
+    - {{name: shoulder, type: revolute, body: arm, at: [0, 0, 0], axis: [0, 0, 1]}}
+    - {{name: wrist, type: revolute, body: lever, to: arm, at: [0.39, 0, -0.03], axis: [1, 0, 0]}}
+  drive:
+    - {{joint: shoulder, {}}}
+    - {{joint: wrist, mode: passive, stiffness: 2}}
+)",
+                                          step, 1000 / step, inertia, motor);
+    return turn(scene, 1000 / step).energy.own_loss;
+  };
+  for (const std::string motor : {"mode: effort, torque: 1", "mode: pd, kp: 200, kd: 10, angle: 0.6 rad",
+                                  "mode: kinematic, angle: {time: [0, 0.5, 1], value: [0, 0.15, 0.6]}"}) {
+    EXPECT_GT(lost(motor, "backward_euler", 5), 0.4) << motor;
+    EXPECT_LT(lost(motor, "bdf2", 2), 0.06) << motor;
+  }
+}
+
+// A soft rod on a car that a given force moves, or a pin.
+TEST(OwnLoss, OfARodThatVibratesIsItsOwn) {
+  const auto lost = [](const std::string& moved, const std::string& inertia) {
+    return turn(fmt::format(R"(
+mortise: 1
+name: rod
+time: {{step: 4 ms, steps: 125}}
+materials:
+  steel: {{density: 7850}}
+  rubber: {{youngs_modulus: 5 MPa, poisson_ratio: 0.45, density: 1100}}
+bodies:
+  car: {{type: stiff, shape: {{box: {{size: [0.1, 0.1, 0.05], edge_length: 0.05}}}}, material: steel}}
+  rod: {{type: soft, order: 2, shape: {{box: {{size: [0.01, 0.01, 0.1], edge_length: 0.01}}}}, material: rubber, position: [0, 0, 0.075]}}
+effects:
+  inertia: {{integrator: {}}}
+  affine_body: {{}}
+  elasticity: {{}}
+  bond: [{{body: rod, to: car, where: {{side: z_min}}}}]
+  {}
+)",
+                            inertia, moved),
+                125)
+        .energy.own_loss;
+  };
+  const std::string pushed = "joint: [{name: rail, type: prismatic, body: car, axis: [1, 0, 0]}]\n  drive: [{joint: rail, mode: effort, force: 20}]";
+  const auto pinned = [](const std::string& motion) { return "pin: [{body: car, where: {side: all}, motion: {" + motion + "}}]"; };
+  EXPECT_GT(lost(pushed, "backward_euler"), 0.2);
+  EXPECT_LT(lost(pushed, "bdf2"), 0.1);
+  EXPECT_GT(lost(pinned("time: [0, 0.25, 0.5], translation: [[0, 0, 0], [0.1, 0, 0], [0.2, 0.1, 0]]"), "backward_euler"), 0.5);
+  // So slowly that it only gives.
+  EXPECT_LT(lost(pinned("time: [0, 0.5], translation: [[0, 0, 0], [0.02, 0, 0]], interpolation: smooth"), "backward_euler"), 0.01);
+}
