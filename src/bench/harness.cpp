@@ -8,6 +8,7 @@
 
 #include "base/cpu_time.h"
 #include "base/error.h"
+#include "base/path_parts.h"
 #include "engine/choose.h"
 #include "engine/effect_tables.h"
 #include "engine/input.h"
@@ -21,17 +22,6 @@ namespace {
 using output::number_or_null;
 
 std::string cell(double v) { return std::isnan(v) ? "-" : fmt::format("{:.6g}", v); }
-
-std::vector<std::string> split(const std::string& path) {
-  std::vector<std::string> parts{""};
-  for (char c : path) {
-    if (c == '.')
-      parts.emplace_back();
-    else
-      parts.back() += c;
-  }
-  return parts;
-}
 
 YAML::Node child(const YAML::Node& node, const std::string& part) {
   if (!node.IsSequence()) return node[part];
@@ -98,7 +88,7 @@ const std::vector<Method>& methods() {
 void SceneText::set(const std::string& path, const std::string& value) {
   YAML::Node root = YAML::Load(yaml_);
   try {
-    put(root, split(path), 0, YAML::Load(value));
+    put(root, path_parts(path), 0, YAML::Load(value));
   } catch (const std::exception&) {  // a key under a plain value, a place that is no number
     throw Error(Exit::usage, "--set " + path + ": the benchmark's scene has no such place");
   }
@@ -109,14 +99,14 @@ void SceneText::set(const std::string& path, double value) { set(path, fmt::form
 
 void SceneText::add(const std::string& list, const std::string& value) {
   YAML::Node root = YAML::Load(yaml_), node = root;
-  for (const std::string& part : split(list)) node.reset(child(node, part));
+  for (const std::string& part : path_parts(list)) node.reset(child(node, part));
   node.push_back(YAML::Load(value));
   yaml_ = emit(root);
 }
 
 std::string SceneText::get(const std::string& path) const {
   YAML::Node node = YAML::Load(yaml_);
-  for (const std::string& part : split(path)) node.reset(child(node, part));
+  for (const std::string& part : path_parts(path)) node.reset(child(node, part));
   return node.as<std::string>();
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/path_parts.h"
 #include "scene/checker.h"
 #include "scene/suggest.h"
 #include "scene/tables.h"
@@ -10,17 +11,6 @@ namespace mortise::scene {
 namespace {
 
 using Kind = Param::Kind;
-
-std::vector<std::string> split(const std::string& path) {
-  std::vector<std::string> parts{""};
-  for (char c : path) {
-    if (c == '.')
-      parts.emplace_back();
-    else
-      parts.back() += c;
-  }
-  return parts;
-}
 
 // The table that describes this block as written: a body by its type.
 const ParamTable& table_of(const ParamTable& base, const Node& node) {
@@ -51,7 +41,7 @@ class Override {
       return;
     }
     node.at = node.key_at = at_;
-    parts_ = split(path);
+    parts_ = path_parts(path);
     if (Node* place = find(root, table)) {
       if (place->at.line > 0 || place->at.file != at_.file) errors_.replaces(at_.file, place->at);
       *place = std::move(node);

@@ -1,9 +1,9 @@
 #include "solver/lag_loop.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "solver/kernels.h"
-#include "solver/tuning.h"
 
 namespace mortise::solver {
 
@@ -16,10 +16,13 @@ void LagLoop::begin_solve(const device::Buffer<Vec3>& q) {
   q_.copy_from(q);
   round_ = 0;
   relaxation_.assign(system_.model.envs, 1.0);
+  nearest_.assign(system_.model.envs, INFINITY), idle_.assign(system_.model.envs, 0);
   relative_.assign(system_.model.envs, lags_ ? tuning::kLagCoarsest * wanted_ : wanted_);
 }
 
 void LagLoop::refreshed(Index env, double relative_residual) {
+  idle_[env] = relative_residual < nearest_[env] ? 0 : idle_[env] + 1;
+  nearest_[env] = std::min(nearest_[env], relative_residual);
   relative_[env] = std::clamp(tuning::kLagShare * relative_residual, tuning::kLagFinest * wanted_, tuning::kLagCoarsest * wanted_);
 }
 

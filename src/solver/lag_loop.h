@@ -9,6 +9,7 @@
 // cut short of contact like every step, so that contact forces exist at q_lag. There is no point in solving a round far beyond what refreshing
 // changes.
 #include "solver/system.h"
+#include "solver/tuning.h"
 
 namespace mortise::solver {
 
@@ -26,6 +27,8 @@ class LagLoop {
 
   // The environment is solved to the present tolerance at q, where refreshed quantities leave `relative_residual` of the forces.
   void refreshed(Index env, double relative_residual);
+  // Do its rounds come no nearer any more? Some run in circles, where sticking as well as slipping changes what it hangs on.
+  bool idle(Index env) const { return idle_[env] >= tuning::kLagPatience; }
   // The state of the next round's lagged quantities in the environments of `whose`; elsewhere they are those of q, which `at` holds already.
   // `near`: work space.
   void relax(const device::Buffer<Vec3>& q, const EnvMask& whose, Linearised& near, Linearised& at);
@@ -39,6 +42,8 @@ class LagLoop {
   const double wanted_;
   Index round_ = 0;
   std::vector<double> relative_, relaxation_;  // per environment; w
+  std::vector<double> nearest_;                // relative residual that refreshing left at best
+  std::vector<Index> idle_;                    // rounds since then
   device::Buffer<Vec3> q_, move_, last_;       // q_lag, r, r_old
 };
 

@@ -20,11 +20,10 @@ Newton::Newton(model::Model& model, EffectList& effects, const Options& options,
       linear_(linear_choice_.kind == "cg" ? make_cg(model, system_.rows, options) : make_direct(model, system_.rows, linear_choice_.kind == "reuse")),
       curvature_(model.envs),
       direction_(system_, *linear_, curvature_),
-      creep_(model.envs),
-      progress_(model.envs),
       moving_(model.envs),
       saddle_(model.envs),
       energies_(model, system_.potential),
+      outlook_(system_, *linear_, energies_, saddle_),
       line_search_(system_, energies_),
       first_guess_(system_, energies_),
       lag_(system_, std::max(options.lag_tolerance, options.relative_tolerance), system_.potential.lags()),
@@ -32,9 +31,7 @@ Newton::Newton(model::Model& model, EffectList& effects, const Options& options,
       trace_(system_, curvature_),
       at_(system_.potential.linearised()),
       beside_(system_.potential.linearised()),
-      held_(model.envs, 0) {
-  for (const auto& effect : effects) touching_ = touching_ || effect->kind().role == effects::Role::contact;
-}
+      held_(model.envs, 0) {}
 
 void Newton::begin(const EnvMask& whose) {
   if (q_.size() != model_.blocks) q_.copy_from(model_.q);
@@ -141,7 +138,7 @@ void Newton::solve(const effects::StepInfo& info, const StepReports& report, con
 void Newton::iterate(const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop) {
   for (Index e = 0; e < envs_.size(); ++e)
     if (envs_.is(e, EnvState::running)) envs_[e].force = 0, moving_.begin(e), saddle_.begin(e);
-  nearest_force_.assign(envs_.size(), INFINITY);
+  outlook_.begin();
   for (Index it = 0;; ++it) {
     stop();
     for (Index e = 0; e < envs_.size(); ++e) {
@@ -177,7 +174,8 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     for (Index e = 0; e < envs_.size(); ++e)
       if (judged[e] && envs_[e].whole) report[e].lag_residual = report[e].residual, report[e].relative_lag_residual = report[e].relative_residual;
     trace_.begin(info, std::as_const(q_).view(), r, it, at_, judged, report);
-    settle(r, it);
+    outlook_.look(
+        r, it, [this](Index e) { return wanted(e); }, envs_, q_);
     check_failed();
     const EnvMask running = envs_.mask(EnvState::running);
     if (!any(running)) {
@@ -191,7 +189,7 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     for (Index e = 0; e < envs_.size(); ++e)
       if (running[e]) {
         const double force = system_.convergence.largest_force(r, e);
-        envs_[e].stretch = envs_[e].circles ? tuning::kBetween : slides(e) ? 1 : saddle_.choose(e, envs_[e].alpha, envs_[e].concave, force);
+        envs_[e].stretch = envs_[e].circles ? tuning::kBetween : system_.slides(e) ? 1 : saddle_.choose(e, envs_[e].alpha, envs_[e].concave, force);
       }
     // What is told of the direction comes with how far it may lead.
     device::Fetch fetch;
@@ -255,71 +253,6 @@ Newton::Search::Forces Newton::forces_beside(const Residual& r) {
   return out;
 }
 
-// Environments that are solved to the present tolerance settle; those that get nowhere are stuck, and go back to where the residual was least:
-// the coupled iteration converges only from nearby, and iterations that run in a circle may end anywhere on it.
-void Newton::settle(const Residual& r, Index iteration) {
-  for (Index e = 0; e < envs_.size(); ++e) {
-    if (!envs_.is(e, EnvState::running)) continue;
-    // While supports move, energies rise with their work and say nothing.
-    const double energy = std::exchange(envs_[e].arrived, r.support_gap[e] == 0) ? envs_[e].energy : INFINITY;
-    const double relative = wanted(e);
-    const bool energy_alone = options_.is_static && !system_.potential.lags() && !system_.potential.freezes() && !slides(e);
-    if (system_.solved(r, e, relative, envs_[e].step) && !(energy_alone && saddle_.waits(e, envs_[e].concave))) {
-      envs_[e].state = envs_[e].whole ? EnvState::solved : EnvState::settled;
-      continue;
-    }
-    const bool by_energy = !envs_[e].whole || (envs_[e].concave > 0 && envs_[e].concave < 1);
-    const ProgressWatch::Sight sight = progress_.look(e, iteration, system_.convergence.largest_force(r, e), energy, by_energy);
-    // What is kept lies where the energy is lowest, unless it is nearer than the coupled iteration has ever begun.
-    if (sight.falls && nearest_force_[e] > envs_[e].couple_below) nearest_force_[e] = INFINITY;
-    if (envs_[e].may_couple && r.support_gap[e] == 0) keep_nearest(e, r);
-    if (wants_coupled(e, iteration, r, sight)) {
-      if (std::isfinite(nearest_force_[e])) {
-        copy_blocks(nearest_q_, model_.env_blocks[e], model_.env_blocks[e + 1], q_);
-        energies_.forget(e);
-      }
-      envs_[e].state = EnvState::stuck;
-      continue;
-    }
-    envs_[e].circles = sight.turns && !system_.potential.lags();  // friction has ways of its own: the coupled iteration, rounds of frozen forces
-    const bool hopeless = envs_[e].coupled > 0 && !envs_[e].may_couple && sight.idle >= tuning::kHopeless;
-    if (iteration < options_.iterations && !hopeless) continue;
-    const Convergence::Worst worst = system_.convergence.worst(r, e, relative);
-    std::ostringstream why;
-    why << "Newton stopped after " << iteration << " iterations with a force residual of " << worst.force << " N on '"
-        << model_.bodies[worst.body].name << "' (wanted " << worst.tolerance << " N)";
-    if (r.support_gap[e] > 0) why << "; supports are " << r.support_gap[e] << " m from their targets";
-    envs_.fail(e, why.str());
-  }
-}
-
-void Newton::keep_nearest(Index env, const Residual& r) {
-  const double force = system_.convergence.largest_force(r, env);
-  if (force >= nearest_force_[env]) return;
-  nearest_force_[env] = force;
-  if (nearest_q_.size() != q_.size()) nearest_q_.copy_from(q_);
-  copy_blocks(q_, model_.env_blocks[env], model_.env_blocks[env + 1], nearest_q_);
-}
-
-bool Newton::needs_jacobian(Index env, Index iteration, const Residual& r) {
-  const CreepWatch::Sight sight = creep_.look(env, iteration, system_.convergence.largest_force(r, env) / envs_[env].force,
-                                              system_.convergence.over(r, env, wanted(env)), envs_[env].alpha);
-  if (sight.creeps) linear_->distrust(env);
-  return sight.creeps || (sight.linear && linear_->ready(env) && (envs_[env].whole || !system_.potential.lags()));
-}
-
-// With the whole Jacobian: the energies of two iterates with lagged quantities of their own are not comparable, steps may run in circles; what
-// creeps although nothing is missing from H + U is on its way through an instability, and gets there; so does what falls to ever lower energies
-// along negative curvature. With something frozen: where the coupled iteration has failed before, once nothing falls any more, or nearer.
-bool Newton::wants_coupled(Index env, Index iteration, const Residual& r, const ProgressWatch::Sight& sight) {
-  const EnvStatus& now = envs_[env];
-  const bool idle = sight.idle >= tuning::kWholePatience;
-  if (now.whole && (idle || iteration >= options_.iterations)) return true;
-  if (now.whole && (sight.falls || !system_.potential.freezes())) return false;
-  if (!now.may_couple || r.support_gap[env] > 0 || !(sight.circles || needs_jacobian(env, iteration, r))) return false;
-  return now.coupled == 0 || idle || (!sight.falls && nearest_force_[env] < now.couple_below);
-}
-
 // The coupled iteration, for environments that are stuck, and for those that some rounds of lagged quantities have not brought to an end. Where it
 // fails too, the others' way is gone on from the best state.
 void Newton::couple(Index round, const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop) {
@@ -334,7 +267,7 @@ void Newton::couple(Index round, const effects::StepInfo& info, const StepReport
     for (Index e = 0; e < envs_.size(); ++e) {
       if (!envs_.is(e, EnvState::stuck)) continue;
       if (!envs_[e].whole) {
-        envs_[e].couple_below = tuning::kNearer * nearest_force_[e];
+        envs_[e].couple_below = tuning::kNearer * outlook_.nearest(e);
         envs_[e].may_couple = ++envs_[e].coupled < tuning::kMostCoupled;
       }
       freeze(e);
@@ -402,14 +335,14 @@ bool Newton::refresh(Index round, const StepReports& report) {
     report[e].lag_residual = residual, report[e].relative_lag_residual = relative;
     if (system_.solved(fresh, e, lag_.wanted(), envs_[e].step)) {
       envs_[e].state = EnvState::solved;
-    } else if (round == options_.lag_iterations) {
-      std::ostringstream why;
-      why << "lagged quantities (friction) did not settle in " << round << " rounds: residual " << residual << " N";
-      envs_.fail(e, why.str());
-    } else {
-      lag_.refreshed(e, relative);
-      envs_[e].state = EnvState::running;
+      continue;
     }
+    lag_.refreshed(e, relative);
+    envs_[e].state = EnvState::running;
+    if (round < options_.lag_iterations && !lag_.idle(e)) continue;
+    std::ostringstream why;
+    why << "lagged quantities (friction) did not settle in " << round << " rounds: residual " << residual << " N";
+    envs_.fail(e, why.str());
   }
   check_failed();
   if (!envs_.any(EnvState::running)) return false;

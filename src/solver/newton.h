@@ -13,14 +13,13 @@
 #include <memory>
 
 #include "solver/coupled.h"
-#include "solver/creep_watch.h"
 #include "solver/direction.h"
 #include "solver/first_guess.h"
 #include "solver/lag_loop.h"
 #include "solver/line_search.h"
 #include "solver/moving_policy.h"
 #include "solver/newton_trace.h"
-#include "solver/progress_watch.h"
+#include "solver/outlook.h"
 #include "solver/saddle_policy.h"
 
 namespace mortise::solver {
@@ -62,17 +61,11 @@ class Newton {
   void iterate(const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop);
   std::function<void(device::Fetch&)> ask_of_way();
   Search::Forces forces_beside(const Residual& r);
-  void settle(const Residual& r, Index iteration);
-  void keep_nearest(Index env, const Residual& r);
-  bool needs_jacobian(Index env, Index iteration, const Residual& r);
-  bool wants_coupled(Index env, Index iteration, const Residual& r, const ProgressWatch::Sight& sight);
   void couple(Index round, const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop);
   void solve_coupled(const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop);
   void lag_here(const EnvMask& whose);
   void freeze(Index env);
   bool refresh(Index round, const StepReports& report);
-  // Statics, and nothing but contact holds a body: where it slides nothing resists, and that is no saddle.
-  bool slides(Index env) const { return touching_ && system_.rows.loose[env]; }
   // Where nothing is frozen, energies themselves tell which steps of what only contact holds are good ones (loose_hold.h).
   bool held_loosely(Index env) const { return system_.rows.loose[env] && system_.potential.freezes(); }
   double wanted(Index env) const { return envs_[env].whole ? lag_.finest() : lag_.relative(env); }
@@ -87,11 +80,10 @@ class Newton {
   std::unique_ptr<Linear> linear_;
   CurvaturePolicy curvature_;
   Direction direction_;
-  CreepWatch creep_;
-  ProgressWatch progress_;
   MovingPolicy moving_;
   SaddlePolicy saddle_;
   EnergyLedger energies_;
+  Outlook outlook_;
   Search line_search_;
   FirstGuess first_guess_;
   LagLoop lag_;
@@ -101,13 +93,10 @@ class Newton {
   Linearised at_, beside_;  // at q_; at states beside it
   EnvMask held_;            // environments of which at_ holds more than forces
   device::Buffer<Vec3> q_;
-  bool touching_ = false;              // some effect is contact
-  bool foreseen_ = false;              // q_ is a state that effects have foreseen
-  bool stays_ = false;                 // at_ was filled at q_
-  Index last_ = 0;                     // iterations of the last solve
-  EnvMask fresh_;                      // environments that stand where the step begins
-  std::vector<double> nearest_force_;  // per environment: least residual of these iterations [N], and where it was
-  device::Buffer<Vec3> nearest_q_;
+  bool foreseen_ = false;  // q_ is a state that effects have foreseen
+  bool stays_ = false;     // at_ was filled at q_
+  Index last_ = 0;         // iterations of the last solve
+  EnvMask fresh_;          // environments that stand where the step begins
 };
 
 }  // namespace mortise::solver

@@ -32,7 +32,9 @@ System::System(model::Model& model_, EffectList& effects, const Options& options
       potential(model_, effects, clock_),
       convergence(model_, options_),
       hold(model_.envs),
-      length(lengths(model_)) {}
+      length(lengths(model_)) {
+  for (const auto& effect : effects) touching_ = touching_ || effect->kind().role == effects::Role::contact;
+}
 
 void System::begin_solve() {
   rows_changed_ = rows.number(model, options.is_static);

@@ -52,6 +52,8 @@ class System {
   void to_blocks(device::View<const Vec3> x, device::View<const Vec3> c, const EnvMask& whose, device::Buffer<Vec3>& dq) const;
 
   bool solved(const Residual& r, Index env, double relative, double last_step) const;
+  // Statics, and nothing but contact holds a body: where it slides nothing resists, and that is no saddle.
+  bool slides(Index env) const { return touching_ && rows.loose[env]; }
 
   model::Model& model;
   const Options& options;
@@ -63,7 +65,7 @@ class System {
   const std::vector<double> length;  // per environment: its diagonal at rest [m], against which gaps of supports are judged
 
  private:
-  bool rows_changed_ = false;
+  bool rows_changed_ = false, touching_ = false;  // some effect is contact
   // Where blocks are tied:
   linalg::Elimination elimination_;
   linalg::BlockMatrix whole_;            // H

@@ -67,6 +67,7 @@ inline constexpr int kMostDoubts = 10;            // halvings because of a slope
 inline constexpr double kLeastRelaxation = 0.1;               // Aitken's share: smaller ones creep
 inline constexpr double kLagShare = 0.1;                      // of what refreshing changed: what a round is solved to, but
 inline constexpr double kLagFinest = 0.1, kLagCoarsest = 10;  // no finer and no coarser than this, of what is wanted in the end
+inline constexpr Index kLagPatience = 5;                      // rounds that come no nearer: time for a shorter step
 
 // ---- when the frozen matrix lacks something (creep_watch.h)
 inline constexpr double kFast = 0.1;        // share of the residual that an iteration may leave and still gain a digit,

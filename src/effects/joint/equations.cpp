@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "effects/joint/tuning.h"
+#include "effects/joint/usual.h"
 #include "effects/per_environment.h"
 #include "linalg/small.h"
 
@@ -16,23 +17,14 @@ Index carrier_of_slide(const model::Joint& j) { return j.follower == j.body ? j.
 
 }  // namespace
 
-// Masses and levers of all bodies of the environment: what a joint may have to move or bear at most, in order of magnitude.
 Equations::One Equations::described(Index joint) const {
-  constexpr double kGravity = 9.81;
   const model::Joint& j = model_.joints[joint];
-  const std::vector<Vec3> rest = model_.rest_points.download();
-  double mass = 0, lever = 0;
-  for (std::size_t b = 0; b < model_.bodies.size(); ++b) {
-    const model::Body& body = model_.bodies[b];
-    if (body.env != j.env) continue;
-    mass += body.mass;
-    if (static_cast<Index>(b) != j.body && static_cast<Index>(b) != j.to) continue;
-    for (Index p = body.point_begin; p < body.point_end; ++p) lever = std::max(lever, (rest[p] - j.place).norm());
-  }
+  const Usual usual = joint::usual(model_, j);
   One o;
   o.joint = joint, o.env = j.env;
   const bool slides = j.type == model::JointType::prismatic;
-  o.inertia = mass * (slides ? 1 : lever * lever), o.effort = kGravity * mass * (slides ? 1 : lever), o.scale = slides ? lever : 1;
+  o.inertia = usual.mass * (slides ? 1 : usual.lever * usual.lever), o.effort = usual.weight() * (slides ? 1 : usual.lever);
+  o.scale = slides ? usual.lever : 1;
   return o;
 }
 

@@ -10,6 +10,7 @@
 #include "effects/joint/equations.h"
 #include "effects/joint/read.h"
 #include "effects/joint/stop.h"
+#include "effects/joint/usual.h"
 #include "effects/per_environment.h"
 
 namespace mortise::effects {
@@ -221,17 +222,8 @@ class Joints final : public Effect {
   // The weight of all bodies there at a lever of the larger of the two: what a stop may have to bear at most, in order of magnitude [N m]; of a slide
   // the weight itself [N].
   double usual_effort(const model::Joint& j) const {
-    constexpr double kGravity = 9.81;
-    double mass = 0, lever = 0;
-    const std::vector<Vec3> rest = model_.rest_points.download();
-    for (std::size_t b = 0; b < model_.bodies.size(); ++b) {
-      const model::Body& body = model_.bodies[b];
-      if (body.env != j.env) continue;
-      mass += body.mass;
-      if (static_cast<Index>(b) != j.body && static_cast<Index>(b) != j.to) continue;
-      for (Index p = body.point_begin; p < body.point_end; ++p) lever = std::max(lever, (rest[p] - j.place).norm());
-    }
-    return kGravity * mass * (j.type == model::JointType::prismatic ? 1 : lever);
+    const joint::Usual usual = joint::usual(model_, j);
+    return usual.weight() * (j.type == model::JointType::prismatic ? 1 : usual.lever);
   }
 
   model::Model& model_;

@@ -59,66 +59,85 @@ struct Notes {
   }
 };
 
-// Counts the triangles near a point that a walker comes by, and notes their ids.
-MORTISE_HD inline Index triangles_near(const BvhView& tree, const SurfaceView& s, Index point, BvhCursor cursor, View<const Vec3> y,
-                                       View<const Vec3> dy, double radius, const Notes& notes) {
-  const BvhNode box = swept_box(&point, 1, -1, s, y, dy, radius / 2);
-  Index n = 0;
-  for (Index t = cursor.next(tree, box, s); t >= 0; t = cursor.next(tree, box, s)) {
-    const Index* c = s.triangles[t].v;
-    if (contains(c, 3, point)) continue;
-    const Index v[4] = {point, c[0], c[1], c[2]};
-    if (s.body[point] == s.body[c[0]] && stay_apart(v, 1, y, dy, radius)) continue;
-    notes.put(n++, t);
+// What a walker comes by near its query: told to `notes`, and counted.
+struct TrianglesNear {
+  SurfaceView s;
+  BvhView tree;
+  View<const Index> points;
+  View<const Vec3> y, dy;
+  Radius radii;
+  MORTISE_HD Index operator()(Index query, BvhCursor cursor, const Notes& notes) const {
+    const Index point = points[query];
+    const double radius = radii[s.env[point]];
+    const BvhNode box = swept_box(&point, 1, -1, s, y, dy, radius / 2);
+    Index n = 0;
+    for (Index t = cursor.next(tree, box, s); t >= 0; t = cursor.next(tree, box, s)) {
+      const Index* c = s.triangles[t].v;
+      if (contains(c, 3, point)) continue;
+      const Index v[4] = {point, c[0], c[1], c[2]};
+      if (s.body[point] == s.body[c[0]] && stay_apart(v, 1, y, dy, radius)) continue;
+      notes.put(n++, t);
+    }
+    return n;
   }
-  return n;
-}
+};
 
-MORTISE_HD inline Index edges_near(const BvhView& tree, const SurfaceView& s, Index edge, BvhCursor cursor, View<const Vec3> y, View<const Vec3> dy,
-                                   double radius, const Notes& notes) {
-  const Edge a = s.edges[edge];
-  const BvhNode box = swept_box(a.v, 2, edge, s, y, dy, radius / 2);
-  Index n = 0;
-  for (Index b = cursor.next(tree, box, s); b >= 0; b = cursor.next(tree, box, s)) {
-    const Index* c = s.edges[b].v;
-    if (contains(c, 2, a.v[0]) || contains(c, 2, a.v[1])) continue;
-    const Index v[4] = {a.v[0], a.v[1], c[0], c[1]};
-    if (s.body[a.v[0]] == s.body[c[0]] && stay_apart(v, 2, y, dy, radius)) continue;
-    notes.put(n++, b);
+struct EdgesNear {
+  SurfaceView s;
+  BvhView tree;
+  View<const Index> edges;
+  View<const Vec3> y, dy;
+  Radius radii;
+  MORTISE_HD Index operator()(Index query, BvhCursor cursor, const Notes& notes) const {
+    const Edge a = s.edges[edges[query]];
+    const double radius = radii[s.env[a.v[0]]];
+    const BvhNode box = swept_box(a.v, 2, edges[query], s, y, dy, radius / 2);
+    Index n = 0;
+    for (Index b = cursor.next(tree, box, s); b >= 0; b = cursor.next(tree, box, s)) {
+      const Index* c = s.edges[b].v;
+      if (contains(c, 2, a.v[0]) || contains(c, 2, a.v[1])) continue;
+      const Index v[4] = {a.v[0], a.v[1], c[0], c[1]};
+      if (s.body[a.v[0]] == s.body[c[0]] && stay_apart(v, 2, y, dy, radius)) continue;
+      notes.put(n++, b);
+    }
+    return n;
   }
-  return n;
+};
+
+template <class Near>
+void count_near(const char* name, const Near& near, Walkers w, View<const Index> queries, const device::Ranges& whose, Buffer<Index>& counts,
+                Buffer<Index>& noted) {
+  counts.resize(w.all(queries) + 1);
+  if (whose.size() < w.all(queries)) counts.zero();
+  noted.resize(queries.n * tuning::kNoted);
+  const View<Index> note = noted.view(), count = counts.view();
+  device::parallel_for(name, whose, [=] MORTISE_HD(Index i) { count[i] = near(w.query(i), w.cursor(i), {note.p + i * w.noted(), 1, w.noted()}); });
 }
 
-void count_point_triangles(const SurfaceView& s, Walkers w, const BvhView& tree, View<const Index> points, const device::Ranges& whose,
-                           View<const Vec3> y, View<const Vec3> dy, Radius radius, Buffer<Index>& counts, Buffer<Index>& noted) {
-  counts.resize(w.all(points) + 1);
-  if (whose.size() < w.all(points)) counts.zero();
-  noted.resize(points.n * tuning::kNoted);
-  const View<Index> note = noted.view();
-  const View<Index> count = counts.view();
-  device::parallel_for("broadphase.count_point_triangle", whose, [=] MORTISE_HD(Index i) {
-    const Index point = points[w.query(i)];
-    count[i] = triangles_near(tree, s, point, w.cursor(i), y, dy, radius[s.env[point]], {note.p + i * w.noted(), 1, w.noted()});
-  });
-}
-
-void fill_point_triangles(const SurfaceView& s, Walkers w, const BvhView& tree, View<const Index> points, View<const Vec3> y, View<const Vec3> dy,
-                          Radius radius, View<const Index> count, View<const Index> note, View<PointTriangle> out) {
-  constexpr Index kStride = sizeof(PointTriangle) / sizeof(Index);
-  device::parallel_for("broadphase.fill_point_triangle", w.all(points), [=] MORTISE_HD(Index i) {
-    const Index n = count[i + 1] - count[i], point = points[w.query(i)];
+// The ids that were noted, or where there were too many those that another walk finds, every `stride` from `ids` on.
+template <class Near>
+void fill_near(const char* name, const Near& near, Walkers w, View<const Index> queries, View<const Index> count, View<const Index> note, Index* ids,
+               Index stride) {
+  device::parallel_for(name, w.all(queries), [=] MORTISE_HD(Index i) {
+    const Index n = count[i + 1] - count[i];
     if (n == 0) return;
-    const Notes to{&out[count[i]].triangle, kStride, n};
+    const Notes to{ids + count[i] * stride, stride, n};
     if (n > w.noted())
-      triangles_near(tree, s, point, w.cursor(i), y, dy, radius[s.env[point]], to);
+      near(w.query(i), w.cursor(i), to);
     else
       for (Index k = 0; k < n; ++k) to.put(k, note[i * w.noted() + k]);
   });
+}
+
+template <class Pair>
+constexpr Index kStride = sizeof(Pair) / sizeof(Index);
+
+void complete(const SurfaceView& s, Walkers w, View<const Index> points, View<const Index> count, View<PointTriangle> out) {
   device::parallel_for("broadphase.sort_point_triangle", points.n, [=] MORTISE_HD(Index i) {
     const Index first = count[i * w.of_query], n = count[(i + 1) * w.of_query] - first, point = points[i];
     if (n == 0) return;
     PointTriangle* mine = out.p + first;
-    sort_strided(&mine->triangle, kStride, n);
+    sort_strided(&mine->triangle, kStride<PointTriangle>, n);
     for (Index k = 0; k < n; ++k) {
       const Triangle t = s.triangles[mine[k].triangle];
       mine[k].point = mine[k].v[0] = point;
@@ -127,36 +146,12 @@ void fill_point_triangles(const SurfaceView& s, Walkers w, const BvhView& tree, 
   });
 }
 
-void count_edge_edges(const SurfaceView& s, Walkers w, const BvhView& tree, View<const Index> edges, const device::Ranges& whose, View<const Vec3> y,
-                      View<const Vec3> dy, Radius radius, Buffer<Index>& counts, Buffer<Index>& noted) {
-  counts.resize(w.all(edges) + 1);
-  if (whose.size() < w.all(edges)) counts.zero();
-  noted.resize(edges.n * tuning::kNoted);
-  const View<Index> note = noted.view();
-  const View<Index> count = counts.view();
-  device::parallel_for("broadphase.count_edge_edge", whose, [=] MORTISE_HD(Index i) {
-    const Index a = edges[w.query(i)];
-    count[i] = edges_near(tree, s, a, w.cursor(i), y, dy, radius[s.env[s.edges[a].v[0]]], {note.p + i * w.noted(), 1, w.noted()});
-  });
-}
-
-void fill_edge_edges(const SurfaceView& s, Walkers w, const BvhView& tree, View<const Index> edges, View<const Vec3> y, View<const Vec3> dy,
-                     Radius radius, View<const Index> count, View<const Index> note, View<EdgeEdge> out) {
-  constexpr Index kStride = sizeof(EdgeEdge) / sizeof(Index);
-  device::parallel_for("broadphase.fill_edge_edge", w.all(edges), [=] MORTISE_HD(Index i) {
-    const Index n = count[i + 1] - count[i], a = edges[w.query(i)];
-    if (n == 0) return;
-    const Notes to{&out[count[i]].b, kStride, n};
-    if (n > w.noted())
-      edges_near(tree, s, a, w.cursor(i), y, dy, radius[s.env[s.edges[a].v[0]]], to);
-    else
-      for (Index k = 0; k < n; ++k) to.put(k, note[i * w.noted() + k]);
-  });
+void complete(const SurfaceView& s, Walkers w, View<const Index> edges, View<const Index> count, View<EdgeEdge> out) {
   device::parallel_for("broadphase.sort_edge_edge", edges.n, [=] MORTISE_HD(Index i) {
     const Index first = count[i * w.of_query], n = count[(i + 1) * w.of_query] - first, a = edges[i];
     if (n == 0) return;
     EdgeEdge* mine = out.p + first;
-    sort_strided(&mine->b, kStride, n);
+    sort_strided(&mine->b, kStride<EdgeEdge>, n);
     for (Index k = 0; k < n; ++k) {
       mine[k].a = a;
       for (int c = 0; c < 2; ++c) {
@@ -219,8 +214,11 @@ const NearPairs::Sums& PairSearch::count(View<const Vec3> y, View<const Vec3> dy
   triangle_tree_.update({s.triangles.n ? s.triangles.p->v : nullptr, s.triangles.n, 3}, s, environments_, y, dy, {.radius = r}, &triangles_of);
   edge_tree_.update({s.edges.n ? s.edges.p->v : nullptr, s.edges.n, 2}, s, environments_, y, dy, {.radius = r}, &edges_of);
   const device::Ranges point_walkers(point_walkers_, whose), edge_walkers(edge_walkers_, whose);
-  count_point_triangles(s, {walkers_}, triangle_tree_.view(), std::as_const(points_).view(), point_walkers, y, dy, r, pt_counts_, pt_noted_);
-  count_edge_edges(s, {walkers_}, edge_tree_.view(), std::as_const(edges_).view(), edge_walkers, y, dy, r, ee_counts_, ee_noted_);
+  const Walkers w{walkers_};
+  const View<const Index> points = std::as_const(points_).view(), edges = std::as_const(edges_).view();
+  count_near("broadphase.count_point_triangle", TrianglesNear{s, triangle_tree_.view(), points, y, dy, r}, w, points, point_walkers, pt_counts_,
+             pt_noted_);
+  count_near("broadphase.count_edge_edge", EdgesNear{s, edge_tree_.view(), edges, y, dy, r}, w, edges, edge_walkers, ee_counts_, ee_noted_);
   device::Fetch fetch;
   out.begin_add_up({pt_counts_, point_walkers, point_env_first_.view()}, {ee_counts_, edge_walkers, edge_env_first_.view()}, sums_, fetch);
   fetch.now("pairs");
@@ -230,10 +228,19 @@ const NearPairs::Sums& PairSearch::count(View<const Vec3> y, View<const Vec3> dy
 void PairSearch::fill(View<const Vec3> y, View<const Vec3> dy, NearPairs& out) {
   const SurfaceView s = surface_.view();
   out.end_add_up(sums_);
-  fill_point_triangles(s, {walkers_}, triangle_tree_.view(), std::as_const(points_).view(), y, dy, asked_, std::as_const(pt_counts_).view(),
-                       std::as_const(pt_noted_).view(), out.point_triangles.view());
-  fill_edge_edges(s, {walkers_}, edge_tree_.view(), std::as_const(edges_).view(), y, dy, asked_, std::as_const(ee_counts_).view(),
-                  std::as_const(ee_noted_).view(), out.edge_edges.view());
+  const Walkers w{walkers_};
+  const View<const Index> points = std::as_const(points_).view(), edges = std::as_const(edges_).view();
+  const View<const Index> pt_count = std::as_const(pt_counts_).view(), ee_count = std::as_const(ee_counts_).view();
+  if (const View<PointTriangle> pairs = out.point_triangles.view(); pairs.n > 0) {
+    fill_near("broadphase.fill_point_triangle", TrianglesNear{s, triangle_tree_.view(), points, y, dy, asked_}, w, points, pt_count,
+              std::as_const(pt_noted_).view(), &pairs.p->triangle, kStride<PointTriangle>);
+    complete(s, w, points, pt_count, pairs);
+  }
+  if (const View<EdgeEdge> pairs = out.edge_edges.view(); pairs.n > 0) {
+    fill_near("broadphase.fill_edge_edge", EdgesNear{s, edge_tree_.view(), edges, y, dy, asked_}, w, edges, ee_count, std::as_const(ee_noted_).view(),
+              &pairs.p->b, kStride<EdgeEdge>);
+    complete(s, w, edges, ee_count, pairs);
+  }
 }
 
 }  // namespace mortise::geometry
