@@ -5,6 +5,7 @@
 #include "effects/contact/change_stencils.h"
 #include "effects/friction/creep.h"
 #include "effects/friction/law.h"
+#include "effects/friction/slips.h"
 #include "effects/friction/tuning.h"
 #include "effects/list.h"
 #include "effects/per_environment.h"
@@ -16,6 +17,8 @@ namespace mortise::effects {
 namespace {
 
 using device::Buffer;
+using friction::FrozenContact;
+using friction::Slips;
 using model::ContactSample;
 
 const ParamTable kPair{"friction pair",
@@ -41,85 +44,6 @@ const ParamTable kTable{
      param::positive(param::number("lag_tolerance", Unit::none, "1e-3", 0,
                                    "Residual with refreshed contact forces at which lagging ends, as a share of the largest force")),
      param::range(param::of(Param::Kind::integer, "lag_iterations", Unit::none, "20", "Most refreshes of the contact forces in a step"), 1, 1000)}};
-
-// What is frozen of a sample during Newton.
-struct FrozenContact {
-  Vec3 normal;
-  double mu, load;  // load: mu times the normal force [N]
-};
-
-// Views of the frozen samples in terms of blocks: sample i slips by P sum_b W_b (q_b - q0_b).
-struct Slips {
-  View<const Index> offset, block;
-  View<const double> weight;
-  View<const FrozenContact> frozen;
-  View<const Vec3> q0;
-  View<const double> creeps;  // of every environment: creep distance of a step [m]
-  View<const ContactSample> sample;
-  Index size() const { return frozen.n; }
-  MORTISE_HD double creep(Index i) const { return creeps[sample[i].env]; }
-  MORTISE_HD Vec3 slip(Index i, Positions q) const {
-    Vec3 r = Vec3::Zero();
-    for (Index k = offset[i]; k < offset[i + 1]; ++k) r += weight[k] * (q[block[k]] - q0[block[k]]);
-    const Vec3 n = frozen[i].normal;
-    return r - n.dot(r) * n;
-  }
-};
-
-MORTISE_HD inline Index distinct_blocks(const model::PointMapView& map, const ContactSample& s) {
-  return model::expand<model::kSamplePoints>(map, s.point, s.points).blocks;
-}
-
-// Fills pattern, block weights and loads from the samples; view: what is known of them.
-void freeze(const model::PointMapView& map, const Buffer<ContactSample>& samples, const model::ContactView& view, View<const double> mu,
-            geometry::BodyPairsView pairs, linalg::StencilSet& stencils, Buffer<double>& weights, Buffer<FrozenContact>& frozen) {
-  const View<const ContactSample> sample = samples.view();
-  Buffer<Index> counts(sample.n + 1);
-  const View<Index> count = counts.view();
-  device::parallel_for("friction.count_blocks", sample.n, [=] MORTISE_HD(Index i) { count[i] = distinct_blocks(map, sample[i]); });
-  stencils.resize(std::move(counts), view.sizes);
-  const linalg::StencilView out = stencils.view();
-  weights.resize(out.block.n);
-  frozen.resize(sample.n);
-  const View<double> weight = weights.view();
-  const View<FrozenContact> to = frozen.view();
-  device::parallel_for("friction.freeze", sample.n, [=] MORTISE_HD(Index i) {
-    const ContactSample& s = sample[i];
-    const auto e = model::expand<model::kSamplePoints>(map, s.point, s.points);
-    const Index at = out.offset[i];
-    for (Index b = 0; b < e.blocks; ++b) out.block[at + b] = e.block[b];
-    e.chain(s.weight, weight.p + at);
-    to[i].normal = Vec3(s.normal[0], s.normal[1], s.normal[2]);
-    to[i].mu = mu[pairs.of(s.body_a, s.body_b)];
-    to[i].load = to[i].mu * s.force;
-  });
-}
-
-// Friction force on the first body of every sample [N], and then the slips of all against the second [m].
-std::vector<Vec3> measure(const Slips& s, const Buffer<ContactSample>& samples, Positions q) {
-  const View<const ContactSample> sample = samples.view();
-  const Index n = s.size();
-  Buffer<Vec3> both(2 * n);
-  const View<Vec3> f{both.view().p, n}, u{both.view().p + n, n};
-  device::parallel_for("friction.measure", s.size(), [=] MORTISE_HD(Index i) {
-    const Vec3 r = s.slip(i, q);
-    // r is the motion of the first body against an obstacle, else that of the second against the first.
-    const double sign = model::against_obstacle(sample[i]) ? 1 : -1;
-    u[i] = sign * r;
-    f[i] = (-s.frozen[i].load * friction::f1_over_x(r.norm(), s.creep(i))) * u[i];
-  });
-  return both.download();
-}
-
-// The piece of a sample of which only the force is known to change: d(mu lambda) = -mu stiffness n . sum_b W_b dq_b.
-MORTISE_HD inline void follow_force(const Slips& s, const ContactSample& sample, Index i, Positions q, Vec3* left, Vec3* right) {
-  const Vec3 u = s.slip(i, q), pull = friction::f1_over_x(u.norm(), s.creep(i)) * u;
-  for (Index b = 0; b < s.offset[i + 1] - s.offset[i]; ++b) {
-    const double w = s.weight[s.offset[i] + b];
-    left[b] = (-w * s.frozen[i].mu * sample.stiffness) * pull;
-    right[b] = w * s.frozen[i].normal;
-  }
-}
 
 // The samples of some state, and what became of them; the stencils are theirs.
 struct FrictionLinearisation final : Linearisation {
@@ -190,7 +114,7 @@ class Friction final : public Effect {
     at.samples.copy_from(view.samples);
     at.changes.copy_from(view.changes);
     at.env_offset = view.env_offset;
-    freeze(model_.point_map(), at.samples, view, mu_.view(), model_.surface.pairs.view(), at.stencils, at.weights, at.frozen);
+    friction::freeze(model_.point_map(), at.samples, view, mu_.view(), model_.surface.pairs.view(), at.stencils, at.weights, at.frozen);
   }
 
   void energy(Positions q, const Linearisation& frozen, device::EnvValues per_env) override {
@@ -237,7 +161,7 @@ class Friction final : public Effect {
       const View<Vec3> left = at.unsymmetric.left.view(), right = at.unsymmetric.right.view();
       const View<const ContactSample> sample = std::as_const(at.samples).view();
       device::parallel_for("friction.follow_force", model_.working(at.env_offset),
-                           [=] MORTISE_HD(Index i) { follow_force(s, sample[i], i, q, left.p + offset[i], right.p + offset[i]); });
+                           [=] MORTISE_HD(Index i) { friction::follow_force(s, sample[i], i, q, left.p + offset[i], right.p + offset[i]); });
       return;
     }
     if (!at.changes.scattered()) return follow_changes<model::kSamplePoints>(q, at);
@@ -261,7 +185,7 @@ class Friction final : public Effect {
       if (!change.known(i)) {
         for (Index c = 0; c < change.functionals; ++c)
           for (Index b = first[i]; b < first[i + 1]; ++b) left[c * blocks + b] = right[c * blocks + b] = Vec3::Zero();
-        follow_force(s, here, i, q, left.p + first[i], right.p + first[i]);
+        friction::follow_force(s, here, i, q, left.p + first[i], right.p + first[i]);
         return;
       }
       const model::Expansion<N> e = scattered ? contact::changed_blocks<N>(map, change, i) : model::expand<N>(map, here.point, here.points);
@@ -283,7 +207,7 @@ class Friction final : public Effect {
 
   void end_step(const StepInfo& info, Positions q, const Linearisation& lagged) override {
     const auto& at = static_cast<const FrictionLinearisation&>(lagged);
-    const std::vector<Vec3> both = measure(slips(at), at.samples, q);
+    const std::vector<Vec3> both = friction::measure(slips(at), at.samples, q);
     std::vector<Vec3> f(both.begin(), both.begin() + at.samples.size()), u(both.begin() + at.samples.size(), both.end());
     for (Index e = 0; e < model_.envs; ++e) {
       if (!info.taken_by(e)) continue;

@@ -8,8 +8,8 @@
 
 #include "effects/failure.h"
 #include "effects/list.h"
-#include "effects/pin/orientation.h"
-#include "effects/where.h"
+#include "effects/pin/motion.h"
+#include "effects/pin/table.h"
 #include "geometry/bounds.h"
 #include "geometry/rigid_motion.h"
 #include "model/model.h"
@@ -19,151 +19,8 @@
 namespace mortise::effects {
 namespace {
 
-using param::of;
-using param::optional;
-
-const ParamTable kRotation{"pin rotation",
-                           "Rotation about a fixed axis.",
-                           {of(Param::Kind::vec3, "axis", Unit::none, "[0, 0, 1]", "Direction of the axis."),
-                            of(Param::Kind::vec3, "centre", Unit::length, "[0, 0, 0]", "A point on the axis, world coordinates at rest."),
-                            of(Param::Kind::numbers, "angle", Unit::angle, std::nullopt, "Angle at each key.")}};
-
-const ParamTable kOrientation{
-    "pin orientation",
-    "Turns from rest as unit quaternions, one per key; in between about one axis, the shorter way.",
-    {of(Param::Kind::vec3, "centre", Unit::length, "[0, 0, 0]", "The point that the body turns about, world coordinates at rest."),
-     of(Param::Kind::numbers, "w", Unit::none, std::nullopt, "Cosine of half the angle, at each key."),
-     of(Param::Kind::numbers, "x", Unit::none, std::nullopt, "Sine of half the angle times the axis."),
-     of(Param::Kind::numbers, "y", Unit::none, std::nullopt, "The same, y."),
-     of(Param::Kind::numbers, "z", Unit::none, std::nullopt, "The same, z.")}};
-
-const ParamTable kTrack{
-    "pin motion file",
-    "Keys from a track of poses; the body stands in the scene as the first says.",
-    {param::required(of(Param::Kind::path, "path", Unit::none, std::nullopt, "Table of comma-separated numbers, or HDF5 (.h5, .hdf5).")),
-     optional(of(Param::Kind::names, "position", Unit::none, std::nullopt, "Columns of x, y and z of the tracked point.")),
-     optional(of(Param::Kind::names, "quaternion", Unit::none, std::nullopt, "Columns of w, x, y and z of its turn, a unit quaternion.")),
-     optional(of(Param::Kind::vec3, "centre", Unit::length, std::nullopt,
-                 "Where the tracked point stands in the scene; without it at the first position of the track.")),
-     of(Param::Kind::text, "time_column", Unit::none, "time", "Name of the column of times, which increase from row to row."),
-     param::positive(optional(of(Param::Kind::number, "rate", Unit::none, std::nullopt,
-                                 "Rows per second, in the place of a column of times [Hz]; the first is at t = 0."))),
-     optional(param::choice("unit", {"m", "cm", "mm"}, "", "Unit of the positions, where their columns have none.")),
-     optional(param::choice("time_unit", {"s", "ms"}, "", "Unit of the times, where their column has none."))}};
-
-Param rotations() {
-  Param p = param::table("rotation", &kRotation, "Rotation of the rest positions, before the translation; a list: one after the other.");
-  p.kind = Param::Kind::tables;
-  return p;
-}
-
-const ParamTable kMotion{
-    "pin motion",
-    "Keys that the motion passes.",
-    {optional(of(Param::Kind::numbers, "time", Unit::time, std::nullopt, "Times of the keys, ascending (pseudo-time 0 to 1 in static scenes).")),
-     optional(of(Param::Kind::vec3s, "translation", Unit::length, std::nullopt, "Translation at each key.")),
-     param::choice("interpolation", {"linear", "smooth"}, "linear",
-                   "Between keys: at constant speed, or by a cubic that starts and ends at rest and never overshoots a key."),
-     rotations(), param::table("orientation", &kOrientation, "The same by quaternions."),
-     param::table("file", &kTrack, "Times, translations and orientations from a file, in their place.")}};
-
-const ParamTable kTable = [] {
-  ParamTable t{
-      "effect pin",
-      "Holds or moves points exactly.",
-      {of(Param::Kind::text, "body", Unit::none, std::nullopt, "Name of the body."),
-       param::required(param::table("where", &where_table, "Points of the body that are held; a stiff body is held as a whole (side: all).")),
-       of(Param::Kind::text, "axes", Unit::none, "xyz", "Directions that are held: any of x, y, z."),
-       param::table("motion", &kMotion, "Prescribed motion; without it the points stay where they are."),
-       optional(of(Param::Kind::number, "release", Unit::time, std::nullopt, "Time from which the points are free."))}};
-  t.is_list = true;
-  return t;
-}();
-
-// One list entry of the scene.
-class Motion {
- public:
-  explicit Motion(const Params& pin) {
-    const Params* motion = pin.find("motion");
-    if (!motion) return;
-    moves_ = true;
-    smooth_ = motion->text("interpolation") == "smooth";
-    params_ = *motion;
-    if (!motion->has("time")) throw Error(Exit::scene, motion->where(), "motion needs 'time', the times of its keys, or 'file'");
-    const Params& time = motion->at("time");
-    const std::size_t keys = time.items().size();
-    if (keys == 0) throw Error(Exit::scene, time.where(), "motion needs at least one key");
-    for (std::size_t k = 1; k < keys; ++k)
-      if (!(time.items()[k].as_number() > time.items()[k - 1].as_number())) throw Error(Exit::scene, time.where(), "times of the keys must ascend");
-    if (!motion->has("translation") && !motion->has("rotation") && !motion->has("orientation"))
-      throw Error(Exit::scene, motion->where(), "motion needs 'translation', 'rotation' or 'orientation'");
-    if (const Params* list = motion->find("translation")) {
-      check(*list, keys);
-      for (int a = 0; a < 3; ++a) {
-        Params values = Params::make_list();
-        for (const Params& key : list->items()) values.push(Params::make_number(key.as_vec3()[a]));
-        translation_[a] = schedule(time, values);
-      }
-    }
-    if (const Params* list = motion->find("rotation"))
-      for (const Params& r : list->items()) {
-        check(r.at("angle"), keys);
-        const Vec3 axis = r.vec3("axis");
-        if (!(axis.norm() > 0)) throw Error(Exit::scene, r.at("axis").where(), "axis of rotation has no direction");
-        turns_.push_back({axis.normalized(), r.vec3("centre"), schedule(time, r.at("angle"))});
-      }
-    if (const Params* o = motion->find("orientation")) orientation_ = pin::Orientation(*o, time, smooth_);
-  }
-
-  bool moves() const { return moves_; }
-  bool turns() const { return !turns_.empty() || orientation_.any(); }
-  bool same_as(const Motion& other) const { return same(params_, other.params_); }
-  pin::RigidMotion at(double t) const {
-    pin::RigidMotion m{Mat3::Identity(), Vec3::Zero()};
-    for (const Turn& turn : turns_) m = pin::turned(m, turn.axis, turn.centre, turn.angle(t));
-    if (orientation_.any()) m = pin::turned(m, orientation_.at(t), orientation_.centre());
-    m.shift += Vec3(translation_[0](t), translation_[1](t), translation_[2](t));
-    return m;
-  }
-
- private:
-  static Schedule still() { return Schedule(Params::make_number(0)); }
-  Schedule schedule(const Params& time, const Params& value) const {
-    Params p = Params::make_table();
-    p.set("time", time);
-    p.set("value", value);
-    return Schedule(p, smooth_);
-  }
-  static void check(const Params& list, std::size_t keys) {
-    if (list.items().size() == keys) return;
-    throw Error(Exit::scene, list.where(), "has " + std::to_string(list.items().size()) + " keys where 'time' has " + std::to_string(keys));
-  }
-  struct Turn {
-    Vec3 axis, centre;
-    Schedule angle;
-  };
-  static bool same(const Params& a, const Params& b) {
-    if (a.kind() == Params::Kind::table && b.kind() == Params::Kind::table) {
-      const auto &left = a.entries(), &right = b.entries();
-      return std::equal(left.begin(), left.end(), right.begin(), right.end(),
-                        [](const auto& l, const auto& r) { return l.first == r.first && same(l.second, r.second); });
-    }
-    if (a.kind() == Params::Kind::list && b.kind() == Params::Kind::list)
-      return std::equal(a.items().begin(), a.items().end(), b.items().begin(), b.items().end(), same);
-    if (a.kind() == Params::Kind::none || b.kind() == Params::Kind::none) return a.kind() == b.kind();
-    if (a.kind() == Params::Kind::text || b.kind() == Params::Kind::text) return a.kind() == b.kind() && a.as_text() == b.as_text();
-    return a.as_number() == b.as_number();
-  }
-
-  bool moves_ = false, smooth_ = false;
-  Params params_;
-  Schedule translation_[3] = {still(), still(), still()};
-  std::vector<Turn> turns_;
-  pin::Orientation orientation_;
-};
-
 struct Entry {
-  Motion motion;
+  pin::Motion motion;
   double release = std::numeric_limits<double>::infinity();  // [s]
   SourceLoc where;
   std::string body;
@@ -264,7 +121,7 @@ class Pin final : public Effect {
   void add(const Params& p, Index env) {
     const std::string& name = p.text("body");
     const std::uint8_t axes = parse_axes(p.at("axes"));
-    entries_.push_back({Motion(p), std::numeric_limits<double>::infinity(), p.where(), name});
+    entries_.push_back({pin::Motion(p), std::numeric_limits<double>::infinity(), p.where(), name});
     if (p.has("release")) entries_.back().release = p.number("release");
     bool found = false;
     for (const model::Body& body : model_.bodies) {
@@ -329,7 +186,7 @@ class Pin final : public Effect {
 
   // Bodies that are held wholly and for ever; those by equal motions move as one (model/model.h).
   void name_carriages() {
-    std::vector<const Motion*> carriages;
+    std::vector<const pin::Motion*> carriages;
     for (const Entry& e : entries_) model_.driven |= e.motion.moves();
     for (model::Body& body : model_.bodies) {
       const Index first = owner_[3 * body.block_begin];
@@ -339,13 +196,13 @@ class Pin final : public Effect {
         as_one = as_one && wholly && entries_[owner_[i]].motion.same_as(entries_[first].motion);
       }
       if (!wholly) continue;
-      const Motion& motion = entries_[first].motion;
+      const pin::Motion& motion = entries_[first].motion;
       if (as_one && !motion.moves()) {
         body.carriage = model::Body::kStill;
         continue;
       }
       const auto known =
-          as_one ? std::find_if(carriages.begin(), carriages.end(), [&](const Motion* m) { return m && m->same_as(motion); }) : carriages.end();
+          as_one ? std::find_if(carriages.begin(), carriages.end(), [&](const pin::Motion* m) { return m && m->same_as(motion); }) : carriages.end();
       body.carriage = 1 + static_cast<Index>(known - carriages.begin());
       if (known == carriages.end()) carriages.push_back(as_one ? &motion : nullptr);  // one whose parts move apart is alone
     }
@@ -403,7 +260,7 @@ const Kind& pin_kind() {
       "pin",
       Role::support,
       "points held or moved exactly",
-      &kTable,
+      &pin::table(),
       [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Pin>(p, m); },
       {},
       {"support_force"}}.differing_in({"motion", "release", "where"});

@@ -1,0 +1,55 @@
+#include "effects/friction/slips.h"
+
+#include <utility>
+
+#include "model/expand.h"
+#include "model/model.h"
+
+namespace mortise::effects::friction {
+
+using device::Buffer;
+
+MORTISE_HD inline Index distinct_blocks(const model::PointMapView& map, const ContactSample& s) {
+  return model::expand<model::kSamplePoints>(map, s.point, s.points).blocks;
+}
+
+void freeze(const model::PointMapView& map, const Buffer<ContactSample>& samples, const model::ContactView& view, View<const double> mu,
+            geometry::BodyPairsView pairs, linalg::StencilSet& stencils, Buffer<double>& weights, Buffer<FrozenContact>& frozen) {
+  const View<const ContactSample> sample = samples.view();
+  Buffer<Index> counts(sample.n + 1);
+  const View<Index> count = counts.view();
+  device::parallel_for("friction.count_blocks", sample.n, [=] MORTISE_HD(Index i) { count[i] = distinct_blocks(map, sample[i]); });
+  stencils.resize(std::move(counts), view.sizes);
+  const linalg::StencilView out = stencils.view();
+  weights.resize(out.block.n);
+  frozen.resize(sample.n);
+  const View<double> weight = weights.view();
+  const View<FrozenContact> to = frozen.view();
+  device::parallel_for("friction.freeze", sample.n, [=] MORTISE_HD(Index i) {
+    const ContactSample& s = sample[i];
+    const auto e = model::expand<model::kSamplePoints>(map, s.point, s.points);
+    const Index at = out.offset[i];
+    for (Index b = 0; b < e.blocks; ++b) out.block[at + b] = e.block[b];
+    e.chain(s.weight, weight.p + at);
+    to[i].normal = Vec3(s.normal[0], s.normal[1], s.normal[2]);
+    to[i].mu = mu[pairs.of(s.body_a, s.body_b)];
+    to[i].load = to[i].mu * s.force;
+  });
+}
+
+std::vector<Vec3> measure(const Slips& s, const Buffer<ContactSample>& samples, Positions q) {
+  const View<const ContactSample> sample = samples.view();
+  const Index n = s.size();
+  Buffer<Vec3> both(2 * n);
+  const View<Vec3> f{both.view().p, n}, u{both.view().p + n, n};
+  device::parallel_for("friction.measure", s.size(), [=] MORTISE_HD(Index i) {
+    const Vec3 r = s.slip(i, q);
+    // r is the motion of the first body against an obstacle, else that of the second against the first.
+    const double sign = model::against_obstacle(sample[i]) ? 1 : -1;
+    u[i] = sign * r;
+    f[i] = (-s.frozen[i].load * f1_over_x(r.norm(), s.creep(i))) * u[i];
+  });
+  return both.download();
+}
+
+}  // namespace mortise::effects::friction
