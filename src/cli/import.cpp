@@ -33,10 +33,24 @@ std::pair<std::string, std::string> split(const std::string& flag, const std::st
 }
 
 // "0.9", "50 deg", "20 mm".
-double coordinate(const std::string& flag, const std::string& text) {
+importers::Stand stand(const std::string& joint, const std::string& text) {
+  using As = importers::Stand::As;
   const scene::Quantity q = scene::parse_quantity(text, Unit::any);
-  if (!q.error.empty()) throw Error(Exit::usage, flag + " " + q.error);
-  return q.value;
+  if (!q.error.empty()) throw Error(Exit::usage, "--joint " + joint + " " + q.error);
+  const bool angle = scene::parse_quantity(text, Unit::angle).error.empty(), length = scene::parse_quantity(text, Unit::length).error.empty();
+  if (!angle && !length) throw Error(Exit::usage, "--joint " + joint + "=" + text + ": must be an angle or a length");
+  return {joint, q.value, angle && length ? As::any : angle ? As::angle : As::length};
+}
+
+// What --overwrite may replace: a scene, and nothing that it is made of.
+void check_replaced(const ImportOptions& o) {
+  std::error_code ignored;
+  if (o.output == "-" || !fs::exists(o.output, ignored)) return;
+  if (!o.overwrite) throw Error(Exit::usage, "'" + o.output + "' exists already; --overwrite replaces it");
+  std::ifstream file(o.output);
+  for (std::string line; std::getline(file, line);)
+    if (line.rfind("mortise:", 0) == 0) return;
+  throw Error(Exit::usage, "'" + o.output + "' is no scene: --overwrite replaces no other file");
 }
 
 double sway(const std::string& text) {
@@ -61,10 +75,7 @@ std::string command_line(const ImportOptions& o) {
 int cmd_import(const ImportOptions& o) {
   using namespace importers;
   const bool to_file = o.output != "-";
-  std::error_code ignored;
-  if (to_file && !o.overwrite && fs::exists(o.output, ignored))
-    throw Error(Exit::usage, "'" + o.output + "' exists already; --overwrite replaces it");
-
+  check_replaced(o);
   Request r;
   for (const std::string& p : o.packages) r.meshes.packages.insert(split("--package", p));
   r.meshes.skip_missing = o.missing == "skip";
@@ -73,7 +84,7 @@ int cmd_import(const ImportOptions& o) {
   r.robot = o.robot, r.target = target.string(), r.command = command_line(o);
   for (const std::string& j : o.joints) {
     const auto [name, value] = split("--joint", j);
-    r.machine.stands.emplace_back(name, coordinate("--joint " + name, value));
+    r.machine.stands.push_back(stand(name, value));
   }
   if (!o.sway.empty()) r.machine.sway = sway(o.sway);
   r.machine.gait.type = o.gait;

@@ -42,7 +42,9 @@ std::string scene_of_robot(const Params& block, const std::string& path) {
   }
   m.apart = static_cast<int>(block.integer("apart"));
   if (const Params* joints = block.find("joints"))
-    for (const Params& j : joints->items()) m.stands.emplace_back(j.text("joint"), j.has("angle") ? j.number("angle") : j.number("travel"));
+    for (const Params& j : joints->items())
+      m.stands.push_back(j.has("angle") ? Stand{j.text("joint"), j.number("angle"), Stand::As::angle}
+                                        : Stand{j.text("joint"), j.number("travel"), Stand::As::length});
   if (const Params* links = block.find("override"))
     for (const Params& l : links->items()) {
       if (l.has("color")) m.colours.emplace_back(l.text("link"), l.vec3("color"));

@@ -9,9 +9,9 @@ namespace mortise::output {
 
 FieldReader::FieldReader(const std::string& path) : file_(path, h5::Mode::read) {
   const h5::File& f = file_;
-  if (H5Aexists(f.id(), "filetype") <= 0 || h5::get_text(f, f.id(), "filetype") != "mortise fields") {
-    throw Error(Exit::file, path + ": not a mortise field file");
-  }
+  const std::string type = H5Aexists(f.id(), "filetype") > 0 ? h5::get_text(f, f.id(), "filetype") : "";
+  if (type == "mortise environments") throw Error(Exit::file, path + ": holds environments; each has fields of its own (env_0000/fields.vtkhdf)");
+  if (type != "mortise fields") throw Error(Exit::file, path + ": not a mortise field file");
   const auto version = h5::get_integers(f, f.id(), "version");
   if (version.size() != 2 || version[0] != field_file_version[0]) {
     throw Error(Exit::file, path + ": written in format version " + (version.empty() ? "?" : std::to_string(version[0])) +

@@ -8,6 +8,7 @@ std::string_view advice(std::string_view check) {
   static constexpr std::string_view kBalance = "a smaller solver.relative_tolerance; if that does not help, the defect is mortise's",
                                     kStiff = "a larger affine_body.stiffness", kDamps = "shorter steps (time.step), or inertia: {integrator: bdf2}",
                                     kMesh = "a finer mesh of what is stressed (edge_length; three elements across what is thin), or order: 2",
+                                    kRound = "a finer mesh of round bodies, of stiff ones too (edge_length)",
                                     kLayer = "a smaller d_hat; by default it is a hundredth of the finest mesh in contact";
   static const std::map<std::string_view, std::string_view> all{
       {"residual_share", "a smaller solver.relative_tolerance"},
@@ -32,7 +33,7 @@ std::string_view advice(std::string_view check) {
       {"stiffness_error", kMesh},
       {"linear_law_turned", "materials of model: neo_hookean or corotated"},
       {"load_turned", "smaller loads: a pressure_load keeps its direction while its faces turn"},
-      {"shape_defect", "a finer mesh of round bodies (edge_length)"},
+      {"shape_defect", kRound},
       {"friction_crept", "a smaller creep_speed of friction"},
       {"touch_lag", "shorter steps where bodies come to touch"},
       {"slip_sampling", "a finer mesh of what turns on what it bears on (edge_length)"},
@@ -40,6 +41,8 @@ std::string_view advice(std::string_view check) {
       {"pressure_misfit", "mortar_contact with consistent weights"},
       {"layer_over_indentation", kLayer},
       {"layer_over_way", kLayer},
+      {"facets_over_indentation", kRound},
+      {"facets_over_way", kRound},
       {"rim_error", "a finer mesh where the edge presses (edge_length)"},
       {"quantity_error", "what its error_budget names; 'mortise run --accuracy NAME=5%' looks for it"}};
   const auto it = all.find(check);

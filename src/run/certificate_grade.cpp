@@ -9,8 +9,8 @@
 
 namespace mortise::run {
 
-void Grade::Verdict::lower(const char* to, const std::string& why, const std::string& by) {
-  if (letter[0] < to[0]) letter = to, reason = why, check = by;
+void Grade::Verdict::lower(const char* to, const std::string& why) {
+  if (letter[0] < to[0]) letter = to, reason = why;
 }
 
 std::string text_of(const Grade& grade) {
@@ -20,12 +20,18 @@ std::string text_of(const Grade& grade) {
 }
 
 std::vector<std::string> hints(const Grade& grade) {
-  const std::string_view of_all = advice(grade.all.check), of_forces = advice(grade.forces.check);
+  std::vector<std::pair<std::string_view, std::string>> of;  // advice, and names of checks
+  for (const Check& k : grade.failed) {
+    const std::string_view help = advice(k.name);
+    if (help.empty() || !(grade.all.letter == k.earns() || (k.of != Of::fields && grade.forces.letter == k.earns()))) continue;
+    const auto known = std::find_if(of.begin(), of.end(), [&](const auto& one) { return one.first == help; });
+    if (known == of.end())
+      of.emplace_back(help, k.name);
+    else
+      known->second += ", " + k.name;
+  }
   std::vector<std::string> out;
-  if (!of_all.empty() && of_all == of_forces && grade.all.check != grade.forces.check)
-    return {fmt::format("{}, {}: {}", grade.all.check, grade.forces.check, of_all)};
-  if (!of_all.empty()) out.push_back(fmt::format("{}: {}", grade.all.check, of_all));
-  if (!of_forces.empty() && of_forces != of_all) out.push_back(fmt::format("{}: {}", grade.forces.check, of_forces));
+  for (const auto& [help, names] : of) out.push_back(fmt::format("{}: {}", names, help));
   return out;
 }
 
@@ -66,6 +72,8 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("pressure_misfit", fields.pressure.misfit, tuning::kMisfit, Of::fields);
   add("layer_over_indentation", fields.layer, tuning::kLayer);
   add("layer_over_way", fields.layer_over_way, tuning::kLayerOverWay);
+  add("facets_over_indentation", fields.facets > 0 ? fields.facets : NAN, tuning::kLayer);
+  add("facets_over_way", fields.facets_over_way > 0 ? fields.facets_over_way : NAN, tuning::kLayerOverWay);
   add("rim_error", fields.rim, tuning::kStress, Of::forces);
   add("quantity_error", end.quantity_error, tuning::kQuantity);
   return all;
@@ -73,11 +81,11 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
 
 // F: some state is no state of the model. C: incomplete, or the bound of B is exceeded. B: that of A is. A: none.
 Grade Certificate::grade(const End& end, const std::vector<Check>& checks) const {
-  const Grade::Verdict best{"A", "every bound is met", ""};
+  const Grade::Verdict best{"A", "every bound is met"};
   Grade out{best, best, {}};
-  const auto lower = [&](const char* to, const std::string& why, Of of = Of::all, const std::string& check = "") {
-    out.all.lower(to, why, check);
-    if (of != Of::fields) out.forces.lower(to, why, check);
+  const auto lower = [&](const char* to, const std::string& why, Of of = Of::all) {
+    out.all.lower(to, why);
+    if (of != Of::fields) out.forces.lower(to, why);
   };
   if (end.status == Exit::stopped)
     lower("C", "the run was stopped");
@@ -88,8 +96,9 @@ Grade Certificate::grade(const End& end, const std::vector<Check>& checks) const
   for (const Check& k : checks) {
     out.graded[k.name] = k.value;
     const char* earns = k.earns();
-    if (earns[0] > 'A')
-      lower(earns, fmt::format("{} is {:.3g}, more than {:.3g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable), k.of, k.name);
+    if (earns[0] == 'A') continue;
+    out.failed.push_back(k);
+    lower(earns, fmt::format("{} is {:.3g}, more than {:.3g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable), k.of);
   }
   if (!single_elements_.empty()) lower("C", single_elements_.front());
   if (steps_ == 0) lower("F", "no step was finished");

@@ -127,7 +127,7 @@ void Checks::measure(const MeasuredBody& b, const StateReport& now) {
   if (wants("volume_change", b.name)) record("volume_change", b.name, b.volume_at(x) / b.rest_volume() - 1);
   if (wants("movement", b.name)) {
     double largest = 0;
-    for (std::size_t i = b.first; i < b.first + b.count; ++i) largest = std::max(largest, (vector_at(x, i) - vector_at(start_, i)).norm());
+    for (std::size_t i = b.first; i < b.first + b.count; ++i) largest = std::max(largest, (at(x, i) - at(start_, i)).norm());
     record("movement", b.name, largest);
   }
   if (wants("position", b.name)) record("position", b.name, b.mean(x, x));
@@ -135,7 +135,7 @@ void Checks::measure(const MeasuredBody& b, const StateReport& now) {
   if (wants("rotation", b.name)) record("rotation", b.name, b.rotation(start_, x));
   if (wants("lowest", b.name) || wants("highest", b.name)) {
     Vec3 lo = Vec3::Constant(INFINITY), hi = -lo;
-    for (std::size_t i = b.first; i < b.first + b.count; ++i) lo = lo.cwiseMin(vector_at(x, i)), hi = hi.cwiseMax(vector_at(x, i));
+    for (std::size_t i = b.first; i < b.first + b.count; ++i) lo = lo.cwiseMin(at(x, i)), hi = hi.cwiseMax(at(x, i));
     record("lowest", b.name, lo), record("highest", b.name, hi);
   }
   if (const auto* v = now.field("velocity")) {

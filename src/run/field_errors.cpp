@@ -17,6 +17,7 @@ FieldErrors::FieldErrors(const model::ModelInput& input)
       pressure_(input),
       rim_(input),
       layer_(input),
+      facets_(input),
       linear_law_(input),
       load_turned_(input),
       phases_(phases(input.scene.at("effects"))) {
@@ -94,7 +95,7 @@ void FieldErrors::judge(State& state, Judged what, Result& r) const {
   const auto take = [&](auto... of) { ((r.*of = state.result.*of), ...); };
   if (what.stress) take(&Result::stress, &Result::stiffness, &Result::turned, &Result::load_turned);
   if (what.pressure) take(&Result::pressure, &Result::guard);
-  if (what.layer) take(&Result::layer, &Result::layer_over_way, &Result::rim);
+  if (what.layer) take(&Result::layer, &Result::layer_over_way, &Result::rim, &Result::facets, &Result::facets_over_way);
 }
 
 LayerError::Fields FieldErrors::fields_of(const Snapshot& said) {
@@ -167,6 +168,14 @@ void FieldErrors::judge_layer(const Snapshot& said, const AllSamples& samples, R
   r.layer_over_way = NAN;
   for (const auto& [effect, of] : samples)
     if (!of.pressed.gap.empty()) r.layer_over_way = std::fmax(r.layer_over_way, stiffness_.layer_over_way(of.pressed, bases, fields.displacement));
+  r.facets = r.facets_over_way = NAN;
+  if (!facets_.any()) return;
+  for (const auto& [effect, of] : samples) {
+    if (of.pressed.gap.empty()) continue;
+    const LayerError::Samples deep = facets_.of(of.pressed, layer_, fields);
+    r.facets = std::fmax(r.facets, LayerError::worst(layer_.travels(deep, fields, said.number), false));
+    r.facets_over_way = std::fmax(r.facets_over_way, stiffness_.layer_over_way(deep, bases, fields.displacement));
+  }
 }
 
 void FieldErrors::phase(const Snapshot& said, double time) {
@@ -236,7 +245,7 @@ FieldErrors::Result FieldErrors::result() const {
   Result out = at_most();
   const Result last = at_last();
   for (double Result::*of : {&Result::stress, &Result::stiffness, &Result::turned, &Result::load_turned, &Result::guard, &Result::layer,
-                             &Result::layer_over_way, &Result::rim})
+                             &Result::layer_over_way, &Result::rim, &Result::facets, &Result::facets_over_way})
     out.*of = std::fmax(out.*of, last.*of);
   for (double PressureError::Result::*of : {&PressureError::Result::roughness, &PressureError::Result::misfit})
     out.pressure.*of = std::fmax(out.pressure.*of, last.pressure.*of);
@@ -255,7 +264,9 @@ void FieldErrors::io(Archive& archive, const std::string& prefix, Result& r) {
                              {"misfit", &r.pressure.misfit},
                              {"layer", &r.layer},
                              {"layer_over_way", &r.layer_over_way},
-                             {"rim", &r.rim}})
+                             {"rim", &r.rim},
+                             {"facets", &r.facets},
+                             {"facets_over_way", &r.facets_over_way}})
     archive.io(prefix + name, *value);
   archive.io(prefix + "pressure_nodes", r.pressure.nodes);
 }

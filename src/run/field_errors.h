@@ -11,6 +11,7 @@
 #include "base/archive.h"
 #include "base/snapshot.h"
 #include "run/asked.h"
+#include "run/facet_depth.h"
 #include "run/layer_error.h"
 #include "run/linear_law.h"
 #include "run/load_turned.h"
@@ -29,11 +30,12 @@ class FieldErrors {
   struct Result {
     double stress = NAN, turned = NAN, load_turned = NAN;  // stress_error.h, linear_law.h, load_turned.h
     PressureError::Result pressure;
-    double stiffness = NAN;       // what is left of `stress` in forces and motions (stiffness_error.h)
-    double guard = NAN;           // share of the force between two bodies that the guard bears
-    double layer = NAN;           // layer_error.h
-    double layer_over_way = NAN;  // stiffness_error.h
-    double rim = NAN;             // rim_error.h, of forces and motions as `stiffness` is
+    double stiffness = NAN;                      // what is left of `stress` in forces and motions (stiffness_error.h)
+    double guard = NAN;                          // share of the force between two bodies that the guard bears
+    double layer = NAN;                          // layer_error.h
+    double layer_over_way = NAN;                 // stiffness_error.h
+    double rim = NAN;                            // rim_error.h, of forces and motions as `stiffness` is
+    double facets = NAN, facets_over_way = NAN;  // as `layer` and `layer_over_way` (facet_depth.h)
   };
   Result result() const;
   void checkpoint(Archive& archive);
@@ -83,6 +85,7 @@ class FieldErrors {
   PressureError pressure_;
   RimError rim_;
   LayerError layer_;
+  FacetDepth facets_;
   LinearLaw linear_law_;
   LoadTurned load_turned_;
   std::vector<bool> passes_on_;  // by body that has points, what presses it to others: soft ones, and stiff ones that nothing holds

@@ -20,16 +20,16 @@ struct Check {
 struct Grade {
   struct Verdict {
     std::string letter, reason;  // the first reason
-    std::string check{};         // of which it is, if it is of one
-    void lower(const char* to, const std::string& why, const std::string& by = "");
+    void lower(const char* to, const std::string& why);
   };
   Verdict all, forces;                   // forces: of the checks that are not of fields
   std::map<std::string, double> graded;  // what they rest on
+  std::vector<Check> failed{};           // those that earn no A
 };
 
 // "grade A", "grade B: REASON"; of forces as well where that is another one.
 std::string text_of(const Grade& grade);
-// "stress_error: a finer mesh ..." (advice.h), of the checks that it is for.
+// "stress_error, stiffness_error: a finer mesh ..." (advice.h), of all checks that would have to be better for a better grade.
 std::vector<std::string> hints(const Grade& grade);
 
 }  // namespace mortise::run

@@ -220,9 +220,10 @@ std::vector<LayerError::Travel> LayerError::travels(const Samples& s, const Fiel
   return out;
 }
 
-double LayerError::worst(const std::vector<Travel>& travels) {
+double LayerError::worst(const std::vector<Travel>& travels, bool alone) {
   double worst = NAN;
-  for (const Travel& t : travels) worst = std::fmax(worst, t.layer());
+  for (const Travel& t : travels)
+    if (alone || !t.alone) worst = std::fmax(worst, t.layer());
   return worst;
 }
 

@@ -46,9 +46,10 @@ class LayerError {
     std::vector<std::size_t> bodies;  // that press each other, by number
     double share;                     // of the force, that the travel decides
     double gap, deformed, way;        // what layer and soft bodies take of it, and all of it [m], or times forces [J]
+    bool alone = false;               // nothing but the layer gives way
     double layer() const { return share * gap / way; }
     double stiffness() const { return share * deformed / way; }  // by how much the force is wrong, over how much the soft bodies' stiffness is
-    static Travel of_layer(std::vector<std::size_t> bodies) { return {std::move(bodies), 1, 1, 0, 1}; }  // alone
+    static Travel of_layer(std::vector<std::size_t> bodies) { return {std::move(bodies), 1, 1, 0, 1, true}; }
   };
   // `number`: what was reported of joints and drives.
   std::vector<Travel> travels(const Samples& samples, const Fields& fields, const std::map<std::string, double>& number = {}) const;
@@ -56,8 +57,9 @@ class LayerError {
   // is stiff.
   std::optional<geometry::Motion> motion_of_supports(std::size_t body, const Fields& fields) const;
   geometry::Motion motion(std::size_t body, const Fields& fields) const;  // of all of its points, since rest
-  // Largest share of g/d of any pair of supported bodies, or of what they press together; NaN where there is none.
-  static double worst(const std::vector<Travel>& travels);
+  // Largest share of g/d of any pair of supported bodies, or of what they press together; NaN where there is none. Where nothing but the layer gives
+  // way it counts if wanted.
+  static double worst(const std::vector<Travel>& travels, bool alone = true);
 
  private:
   struct Body {

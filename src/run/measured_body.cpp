@@ -28,8 +28,8 @@ double MeasuredBody::volume_at(const std::vector<double>& points) const {
   if (!soft()) return geometry::mass_properties(surface(points)).volume;
   double sum = 0;
   for (const Tet& t : tets_) {
-    const Vec3 x = vector_at(points, first + t.v[0]);
-    sum += (vector_at(points, first + t.v[1]) - x).cross(vector_at(points, first + t.v[2]) - x).dot(vector_at(points, first + t.v[3]) - x) / 6;
+    const Vec3 x = at(points, first + t.v[0]);
+    sum += (at(points, first + t.v[1]) - x).cross(at(points, first + t.v[2]) - x).dot(at(points, first + t.v[3]) - x) / 6;
   }
   return sum;
 }
@@ -38,7 +38,7 @@ Vec3 MeasuredBody::mean(const std::vector<double>& values, const std::vector<dou
   if (soft()) {
     Vec3 sum = Vec3::Zero();
     double total = 0;
-    for (std::size_t i = 0; i < count; ++i) sum += mass_[i] * vector_at(values, first + i), total += mass_[i];
+    for (std::size_t i = 0; i < count; ++i) sum += mass_[i] * at(values, first + i), total += mass_[i];
     return sum / total;
   }
   if (stated_) return affine(values).row(0).transpose();
@@ -48,9 +48,9 @@ Vec3 MeasuredBody::mean(const std::vector<double>& values, const std::vector<dou
   Eigen::Matrix<double, 4, 3> right = Eigen::Matrix<double, 4, 3>::Zero();
   for (std::size_t i = 0; i < count; ++i) {
     Eigen::Vector4d row;
-    row << 1, vector_at(points, first + i) - centre;
+    row << 1, at(points, first + i) - centre;
     normal += row * row.transpose();
-    right += row * vector_at(values, first + i).transpose();
+    right += row * at(values, first + i).transpose();
   }
   return normal.ldlt().solve(right).row(0).transpose();
 }
@@ -63,33 +63,33 @@ Eigen::Matrix<double, 4, 3> MeasuredBody::affine(const std::vector<double>& valu
     Eigen::Vector4d row;
     row << 1, rest_[i] - stated_->centre;
     normal += row * row.transpose();
-    right += row * vector_at(values, first + i).transpose();
+    right += row * at(values, first + i).transpose();
   }
   return normal.ldlt().solve(right);
 }
 
 Vec3 MeasuredBody::sum(const std::vector<double>& values) const {
   Vec3 s = Vec3::Zero();
-  for (std::size_t i = 0; i < count; ++i) s += vector_at(values, first + i);
+  for (std::size_t i = 0; i < count; ++i) s += at(values, first + i);
   return s;
 }
 
 double MeasuredBody::radius(const Vec3& centre, const std::vector<double>& points) const {
   double most = 0;
-  for (std::size_t i = first; i < first + count; ++i) most = std::max(most, (vector_at(points, i) - centre).norm());
+  for (std::size_t i = first; i < first + count; ++i) most = std::max(most, (at(points, i) - centre).norm());
   return most;
 }
 
 Vec3 MeasuredBody::rotation(const std::vector<double>& start, const std::vector<double>& points) const {
   std::vector<Vec3> from, to;
-  for (std::size_t i = first; i < first + count; ++i) from.push_back(vector_at(start, i)), to.push_back(vector_at(points, i));
+  for (std::size_t i = first; i < first + count; ++i) from.push_back(at(start, i)), to.push_back(at(points, i));
   const Eigen::AngleAxisd turn(geometry::nearest_motion(from, to).R);
   return turn.angle() * turn.axis();
 }
 
 Vec3 MeasuredBody::spin(const std::vector<double>& velocity, const std::vector<double>& points) const {
   std::vector<Vec3> x, v;
-  for (std::size_t i = first; i < first + count; ++i) x.push_back(vector_at(points, i)), v.push_back(vector_at(velocity, i));
+  for (std::size_t i = first; i < first + count; ++i) x.push_back(at(points, i)), v.push_back(at(velocity, i));
   return geometry::nearest_velocity(x, v).w;
 }
 
@@ -100,7 +100,7 @@ double MeasuredBody::kinetic_energy(const std::vector<double>& velocity, const s
     Vec3 total = Vec3::Zero();
     double squares = 0;
     for (Index v : tets_[t].v) {
-      const Vec3 w = vector_at(velocity, first + v);
+      const Vec3 w = at(velocity, first + v);
       total += w, squares += w.squaredNorm();
     }
     twice += tet_mass_[t] / 20 * (squares + total.squaredNorm());
@@ -120,8 +120,8 @@ double MeasuredBody::turning_energy(const std::vector<double>& velocity, const s
     Vec3 r[3], total = Vec3::Zero();
     double squares = 0;
     for (int k = 0; k < 3; ++k) {
-      r[k] = vector_at(points, first + t.v[k]) - x;
-      const Vec3 w = vector_at(velocity, first + t.v[k]) - v;
+      r[k] = at(points, first + t.v[k]) - x;
+      const Vec3 w = at(velocity, first + t.v[k]) - v;
       total += w, squares += w.squaredNorm();
     }
     twice += density_ * r[0].cross(r[1]).dot(r[2]) / 6 / 20 * (squares + total.squaredNorm());
@@ -131,7 +131,7 @@ double MeasuredBody::turning_energy(const std::vector<double>& velocity, const s
 
 geometry::TriMesh MeasuredBody::surface(const std::vector<double>& points) const {
   geometry::TriMesh mesh;
-  for (std::size_t i = 0; i < count; ++i) mesh.points.push_back(vector_at(points, first + i));
+  for (std::size_t i = 0; i < count; ++i) mesh.points.push_back(at(points, first + i));
   mesh.triangles = triangles_;
   return mesh;
 }

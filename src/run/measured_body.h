@@ -6,10 +6,9 @@
 
 #include "geometry/mesh.h"
 #include "model/stiff_mass.h"
+#include "run/vector_at.h"
 
 namespace mortise::run {
-
-inline Vec3 vector_at(const std::vector<double>& v, std::size_t i) { return {v[3 * i], v[3 * i + 1], v[3 * i + 2]}; }
 
 // Mass and mesh of a body, and where its points are among all points. Fields have 3 numbers per point.
 class MeasuredBody {

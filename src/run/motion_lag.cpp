@@ -14,7 +14,7 @@ void MotionLag::Ways::start(const Vec3& v, double least_way) {
 }
 
 void MotionLag::Ways::multiply(std::size_t body, const Vec3& velocity, double h) {
-  const Vec3 dv = velocity - vector_at(v_last, body), now = dv / h, da = now - vector_at(a_last, body);
+  const Vec3 dv = velocity - at(v_last, body), now = dv / h, da = now - at(a_last, body);
   const double grows = dv.dot(velocity) / velocity.squaredNorm(), more = da.dot(now) / now.squaredNorm();
   if (grows > 0 && grows < tuning::kMultiplies && more < tuning::kMultiplies && more > tuning::kAsFast * grows) ahead[body] += 0.5 * h * grows;
   for (int k = 0; k < 3; ++k) v_last[3 * body + k] = velocity[k], a_last[3 * body + k] = now[k];
@@ -23,7 +23,7 @@ void MotionLag::Ways::multiply(std::size_t body, const Vec3& velocity, double h)
 double MotionLag::Ways::lag(std::size_t body, const Vec3& way, const Vec3& velocity, double h, long steps) {
   far[body] = std::max(far[body], way.norm());
   multiply(body, velocity, h);
-  const Vec3 more = velocity - vector_at(v0, body);
+  const Vec3 more = velocity - at(v0, body);
   const double gained = more.norm();
   if (steps == 1) a0[body] = gained / h;
   const double e = 0.5 * h * (gained + std::max(gained - a0[body] * h * static_cast<double>(steps), 0.0)) + velocity.norm() * ahead[body];
@@ -56,8 +56,7 @@ void MotionLag::state(const std::vector<double>& points, const std::vector<Movin
       continue;
     }
     for (int a = 0; a < 3; ++a) turned_[3 * i + a] += step_ * w[a];
-    const double of_centre = centres_.lag(i, x - vector_at(start_, i), v, step_, steps_),
-                 of_turning = turns_.lag(i, vector_at(turned_, i), w, step_, steps_);
+    const double of_centre = centres_.lag(i, x - at(start_, i), v, step_, steps_), of_turning = turns_.lag(i, at(turned_, i), w, step_, steps_);
     if (!bodies[i].led) value_ = std::max({value_, of_centre, of_turning});
   }
 }

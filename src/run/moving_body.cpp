@@ -81,8 +81,8 @@ std::vector<MovingBody> MovingBodies::at(const Snapshot& said, const std::vector
     double pushed = 0;
     Vec3 pressed = Vec3::Zero();
     for (std::size_t p = b.first; force && !force->empty() && p < b.first + b.count; ++p) {
-      const double size = vector_at(*force, p).norm();
-      pushed += size, pressed += size * vector_at(points, p);
+      const double size = run::at(*force, p).norm();
+      pushed += size, pressed += size * run::at(points, p);
     }
     if (pushed > 0) pressed /= pushed;
     const auto at_it = [&](const std::string& stop) { return said.has(stop) && said.at(stop) != 0; };

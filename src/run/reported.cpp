@@ -1,22 +1,50 @@
 #include "run/reported.h"
 
 #include <algorithm>
+#include <set>
 #include <vector>
 
 #include "base/error.h"
 #include "effects/roles.h"
+#include "effects/tie_name.h"
+#include "run/entries.h"
 #include "scene/suggest.h"
 
 namespace mortise::run {
 
+namespace {
+
+bool begins_with_any(const std::string& leaf, const std::vector<std::string>& names) {
+  return std::any_of(names.begin(), names.end(), [&](const std::string& name) { return leaf.rfind(name + "_", 0) == 0; });
+}
+
+// What scalars of a group begin with that come only with a step: forces of ties and motors, of supports, and of balances.
+std::vector<std::string> stems(const std::string& group, const Params& scene) {
+  const Params& effects = scene.at("effects");
+  std::vector<std::string> out;
+  if (group == "supports")
+    for (const auto& [name, body] : scene.at("bodies").entries()) out.push_back(name);
+  if (group == "balance")
+    for (const auto& [name, block] : effects.entries()) out.push_back(name);
+  using effects::Role;
+  if (!effects.has(group)) return out;
+  if (effects::has_role(group, Role::tie)) out.emplace_back("tie");
+  if (effects::has_role(group, Role::tie))
+    for (const Params& tie : entries(effects, group.c_str())) out.push_back(effects::tie_name(tie));
+  if (effects::has_role(group, Role::motor))
+    for (const Params& motor : entries(effects, group.c_str())) out.push_back(motor.text("joint"));
+  return out;
+}
+
+}  // namespace
+
 bool may_report(const std::string& scalar, const Params& scene, const Snapshot& start) {
   if (start.has(scalar)) return true;
-  if (scalar.find('/') == std::string::npos) return false;
-  // Forces of ties and motors, and of balances, are those of a step.
-  const std::string group = group_of(scalar);
-  using effects::Role;
-  const bool later = effects::has_role(group, Role::tie) || effects::has_role(group, Role::motor);
-  return group == "supports" || group == "balance" || group == "audit" || (later && scene.at("effects").has(group));
+  const std::string group = group_of(scalar), leaf = leaf_of(scalar);
+  static const std::set<std::string> always{"supports/work",      "balance/largest",    "balance/written_defect",
+                                            "audit/total_energy", "audit/support_work", "audit/largest_energy_gain"};
+  return always.count(scalar) > 0 || begins_with_any(leaf, stems(group, scene)) ||
+         (group == "balance" && begins_with_any(leaf, {"defect", "support"}));
 }
 
 void not_reported(const SourceLoc& where, const std::string& what, const std::string& scalar, const Snapshot& said) {

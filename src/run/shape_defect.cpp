@@ -16,16 +16,6 @@
 namespace mortise::run {
 namespace {
 
-// Of round shapes [m^3]; 0 of others.
-double exact_volume(const Params& shape) {
-  const auto& [kind, p] = *shape.entries().begin();
-  if (kind != "sphere" && kind != "cylinder" && kind != "capsule") return 0;
-  const double R = p.number("radius"), ball = 4.0 / 3 * std::numbers::pi * R * R * R;
-  if (kind == "sphere") return ball;
-  const double tube = std::numbers::pi * R * R * p.number("height");
-  return kind == "cylinder" ? tube : tube + ball;
-}
-
 // Volume between the surface of a file and the one that the body has instead of it: facets of the latter by how far their middles are from the
 // former [m^3].
 double remeshed_by(const model::BodyInput& body) {
@@ -64,6 +54,15 @@ bool turns_on_its_axis(const Params& effects, const model::BodyInput& body) {
 
 }  // namespace
 
+double round_volume(const Params& shape) {
+  const auto& [kind, p] = *shape.entries().begin();
+  if (kind != "sphere" && kind != "cylinder" && kind != "capsule") return 0;
+  const double R = p.number("radius"), ball = 4.0 / 3 * std::numbers::pi * R * R * R;
+  if (kind == "sphere") return ball;
+  const double tube = std::numbers::pi * R * R * p.number("height");
+  return kind == "cylinder" ? tube : tube + ball;
+}
+
 double shape_defect(const model::ModelInput& input) {
   const Params& effects = input.scene.at("effects");
   const Holds holds(effects);
@@ -72,7 +71,7 @@ double shape_defect(const model::ModelInput& input) {
     const Params* shape = body.params.find("shape");
     if (!shape || body.type == model::BodyType::half_space) continue;
     const bool soft = body.type == model::BodyType::soft;
-    const double exact = exact_volume(*shape);
+    const double exact = round_volume(*shape);
     if (soft && body.params.has("curved") && body.params.flag("curved")) continue;
     const bool by_mass = !body.params.has("mass") && (!holds.held(body.name) || (!holds.given(body.name) && has_weight(effects)));
     if (!soft && !by_mass && !(exact > 0 && turns_on_its_axis(effects, body))) continue;

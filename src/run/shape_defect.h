@@ -12,4 +12,7 @@ namespace mortise::run {
 // elements nothing is left out.
 double shape_defect(const model::ModelInput& input);
 
+// Of the shape as it is meant, if it is a sphere, a cylinder or a capsule [m^3]; 0 of others.
+double round_volume(const Params& shape);
+
 }  // namespace mortise::run

@@ -10,7 +10,7 @@ namespace mortise::run {
 ForceBalance force_balance(const Snapshot& said) {
   double supports = 0;
   if (const Snapshot::Values* f = said.of_points("support_force", 3))
-    for (std::size_t i = 0; i < f->size() / 3; ++i) supports += vector_at(*f, i).norm();
+    for (std::size_t i = 0; i < f->size() / 3; ++i) supports += at(*f, i).norm();
   return {std::hypot(said.at("balance/defect_x"), said.at("balance/defect_y"), said.at("balance/defect_z")),
           std::fmax(said.at("balance/largest"), supports)};
 }
@@ -173,9 +173,9 @@ double EnergyAudit::turning(const StateReport& now) const {
 
 double EnergyAudit::support_work(const StateReport& now) const {
   double work = 0;
-  const auto moved = [&](std::size_t i) { return Vec3(vector_at(now.points, i) - vector_at(points_before_, i)); };
+  const auto moved = [&](std::size_t i) { return Vec3(at(now.points, i) - at(points_before_, i)); };
   if (const auto* f = now.field("support_force"))
-    for (std::size_t i = 0; i < f->size() / 3; ++i) work += vector_at(*f, i).dot(moved(i));
+    for (std::size_t i = 0; i < f->size() / 3; ++i) work += at(*f, i).dot(moved(i));
   // A pinned stiff body: its resultant on the way of its centre, and against the contact on what it turns.
   const auto *contact = now.field("contact_force"), *friction = now.field("friction_force");
   for (const MeasuredBody& b : bodies_) {
@@ -184,7 +184,7 @@ double EnergyAudit::support_work(const StateReport& now) const {
     work += now.vector("supports/" + b.name + "_").dot(way);
     for (std::size_t i = b.first; i < b.first + b.count; ++i)
       for (const auto* f : {contact, friction})
-        if (f) work -= vector_at(*f, i).dot(moved(i) - way);
+        if (f) work -= at(*f, i).dot(moved(i) - way);
   }
   return work;
 }

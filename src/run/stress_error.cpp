@@ -5,6 +5,7 @@
 #include <map>
 
 #include "geometry/quadratic.h"
+#include "geometry/rigid_motion.h"
 #include "linalg/small.h"
 #include "model/volumetric.h"
 #include "run/held_points.h"
@@ -48,6 +49,7 @@ StressError::StressError(const model::ModelInput& input) {
              in.nodes,
              {},
              {},
+             {},
              in.material.number("youngs_modulus"),
              in.material.number("poisson_ratio"),
              quadratic && model::averages_volume(in),
@@ -61,6 +63,8 @@ StressError::StressError(const model::ModelInput& input) {
         b.held.push_back(std::all_of(std::begin(t.v), std::end(t.v), held_there) &&
                          (!quadratic || std::all_of(std::begin(in.midsides[tet].v), std::end(in.midsides[tet].v), held_there)));
       }
+      for (std::size_t n = 0; n < in.nodes.size(); ++n)
+        if (held[point + n]) b.fixed.push_back(n);
       b.one_across = quadratic && model::one_across(in);
       if (quadratic ? b.one_across : !model::averages_volume(in)) b.one_sided = one_sided(held, point, in.nodes.size());
       if (BubbleError::counts_for(in)) b.bubbles.emplace(input, in);
@@ -115,6 +119,51 @@ Mat3 StressError::turn(const Body& b, std::size_t tet, std::span<const double> d
   return svd.U * svd.V.transpose();
 }
 
+bool StressError::varies(const Body& b, std::span<const double> displacement) {
+  std::vector<Vec3> moved;
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Matrix<double, 4, 3> right = Eigen::Matrix<double, 4, 3>::Zero();
+  const Vec3 origin = b.rest.front();
+  const auto row = [&](std::size_t n) {
+    Eigen::Vector4d r;
+    r << 1, b.rest[n] - origin;
+    return r;
+  };
+  for (std::size_t n = 0; n < b.rest.size(); ++n) {
+    const Vec3 u = at(displacement, b.first_point + n);
+    moved.push_back(b.rest[n] + u);
+    normal += row(n) * row(n).transpose(), right += row(n) * u.transpose();
+  }
+  const Eigen::Matrix<double, 4, 3> affine = normal.ldlt().solve(right);
+  const geometry::Motion rigid = geometry::nearest_motion(b.rest, moved);
+  double most = 0, beside = 0;
+  for (std::size_t n = 0; n < b.rest.size(); ++n) {
+    most = std::max(most, (moved[n] - rigid.R * b.rest[n] - rigid.t).norm());
+    beside = std::max(beside, (moved[n] - b.rest[n] - affine.transpose() * row(n)).norm());
+  }
+  return beside > 0 && beside >= tuning::kNotAffine * most;
+}
+
+double StressError::worked(const Body& b, const Stress& s, std::span<const double> displacement) {
+  const auto moved = [&](std::size_t n) { return Vec3(b.rest[n] + at(displacement, b.first_point + n)); };
+  std::vector<Vec3> from, to;
+  for (const std::size_t n : b.fixed) from.push_back(b.rest[n]), to.push_back(moved(n));
+  const bool turned = geometry::fixes_a_frame(from);
+  for (std::size_t n = 0; n < b.rest.size() && !turned; ++n) from.push_back(b.rest[n]), to.push_back(moved(n));
+  const Mat3 back = geometry::nearest_motion(from, to).R.transpose();
+  Mat3 m;
+  m << s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2];
+  double sum = 0;
+  for (std::size_t t = 0; t < b.tets.size(); ++t) {
+    Mat3 edges, now;
+    const auto node = [&](int k) { return static_cast<std::size_t>(b.tets[t].v[k]); };
+    for (int k = 0; k < 3; ++k) edges.col(k) = b.rest[node(k + 1)] - b.rest[node(0)], now.col(k) = moved(node(k + 1)) - moved(node(0));
+    const Mat3 H = back * now * edges.inverse() - Mat3::Identity();
+    sum += 0.5 * b.volume[t] * m.cwiseProduct(H.transpose() * H).sum();
+  }
+  return sum;
+}
+
 StressError::Stresses StressError::stresses(std::span<const double> stress, std::span<const double> displacement) const {
   Stresses out;
   for (const Body& b : bodies_) {
@@ -147,49 +196,66 @@ StressError::Stresses StressError::change(Stresses after, const Stresses& before
   return after;
 }
 
+StressError::Energy StressError::energy_of(const Body& b, const std::vector<Corners>& here, std::span<const double> contact_force,
+                                           std::span<const double> displacement) {
+  Energy out;
+  const std::size_t first = 3 * b.first_point, count = 3 * b.rest.size();
+  const bool bubbles = b.bubbles && displacement.size() >= first + count;
+  std::vector<Stress> mean(b.rest.size(), Stress::Zero());
+  std::vector<double> weight(b.rest.size(), 0.0);
+  Stress uniform = Stress::Zero();
+  double volume = 0;
+  for (std::size_t t = 0; t < b.tets.size(); ++t)
+    for (int k = 0; k < 4; ++k) mean[b.tets[t].v[k]] += b.volume[t] * here[t][k], weight[b.tets[t].v[k]] += b.volume[t];
+  for (std::size_t n = 0; n < mean.size(); ++n)
+    if (weight[n] > 0) mean[n] /= weight[n];
+  for (std::size_t t = 0; t < b.tets.size(); ++t) {
+    const bool held = b.held[t] && !bubbles;
+    Stress smooth[4], jump[4];
+    for (int k = 0; k < 4; ++k) smooth[k] = mean[b.tets[t].v[k]], jump[k] = held ? smooth[k] : Stress(smooth[k] - here[t][k]);
+    out.missed += (held ? 1 : b.one_sided) * b.volume[t] * mean_of_linear(jump, b.E, b.nu);
+    out.all += b.volume[t] * mean_of_linear(smooth, b.E, b.nu);
+    uniform += b.volume[t] / 4 * (smooth[0] + smooth[1] + smooth[2] + smooth[3]), volume += b.volume[t];
+    if (!b.one_across) continue;
+    Stress within[4];
+    for (int k = 0; k < 4; ++k) within[k] = here[t][k] - (here[t][0] + here[t][1] + here[t][2] + here[t][3]) / 4;
+    out.missed += tuning::kWithin * b.one_sided * b.volume[t] * mean_of_linear(within, b.E, b.nu);
+  }
+  if (bubbles) {
+    std::vector<Stress> constant;
+    for (const Corners& c : here) constant.push_back(c[0]);
+    const double share =
+        b.bubbles->of(constant, contact_force.empty() ? contact_force : contact_force.subspan(first, count), displacement.subspan(first, count));
+    out.missed = std::max(out.missed, share / (1 - share) * out.all);
+  }
+  if (displacement.size() < first + count || !(volume > 0)) return out;
+  uniform /= volume;
+  const double varying = out.all - volume * energy_density(uniform, b.E, b.nu);
+  if (varying > 0 && varies(b, displacement))
+    out.varying = varying, out.left = std::clamp(1 + worked(b, uniform, displacement) / varying, 1 / tuning::kAmplified, 1.0);
+  return out;
+}
+
 StressError::Estimate StressError::of(const Stresses& stresses, const std::vector<std::size_t>& group, std::span<const double> contact_force,
                                       std::span<const double> displacement) const {
-  struct Energy {
-    double missed = 0, all = 0;
-  };
   std::map<std::size_t, Energy> groups;
+  std::vector<Energy> bodies(bodies_.size());
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    const Body& b = bodies_[i];
-    const std::vector<Corners>& here = stresses[i];
-    Energy of;
-    const std::size_t first = 3 * b.first_point, count = 3 * b.rest.size();
-    const bool bubbles = b.bubbles && displacement.size() >= first + count;
-    if (here.empty()) continue;
-    std::vector<Stress> mean(b.rest.size(), Stress::Zero());
-    std::vector<double> weight(b.rest.size(), 0.0);
-    for (std::size_t t = 0; t < b.tets.size(); ++t)
-      for (int k = 0; k < 4; ++k) mean[b.tets[t].v[k]] += b.volume[t] * here[t][k], weight[b.tets[t].v[k]] += b.volume[t];
-    for (std::size_t n = 0; n < mean.size(); ++n)
-      if (weight[n] > 0) mean[n] /= weight[n];
-    for (std::size_t t = 0; t < b.tets.size(); ++t) {
-      const bool held = b.held[t] && !bubbles;
-      Stress smooth[4], jump[4];
-      for (int k = 0; k < 4; ++k) smooth[k] = mean[b.tets[t].v[k]], jump[k] = held ? smooth[k] : Stress(smooth[k] - here[t][k]);
-      of.missed += (held ? 1 : b.one_sided) * b.volume[t] * mean_of_linear(jump, b.E, b.nu);
-      of.all += b.volume[t] * mean_of_linear(smooth, b.E, b.nu);
-      if (!b.one_across) continue;
-      Stress within[4];
-      for (int k = 0; k < 4; ++k) within[k] = here[t][k] - (here[t][0] + here[t][1] + here[t][2] + here[t][3]) / 4;
-      of.missed += tuning::kWithin * b.one_sided * b.volume[t] * mean_of_linear(within, b.E, b.nu);
-    }
-    if (bubbles) {
-      std::vector<Stress> constant;
-      for (const Corners& c : here) constant.push_back(c[0]);
-      const double share =
-          b.bubbles->of(constant, contact_force.empty() ? contact_force : contact_force.subspan(first, count), displacement.subspan(first, count));
-      of.missed = std::max(of.missed, share / (1 - share) * of.all);
-    }
-    groups[group[b.number]].missed += of.missed, groups[group[b.number]].all += of.all;
+    if (stresses[i].empty()) continue;
+    bodies[i] = energy_of(bodies_[i], stresses[i], contact_force, displacement);
+    Energy& of = groups[group[bodies_[i].number]];
+    of.missed += bodies[i].missed, of.all += bodies[i].all;
   }
   Estimate out;
   for (const auto& [number, of] : groups) out.energy = std::max(out.energy, of.all);
+  const auto counts = [&](double energy) { return energy > 0 && energy >= tuning::kCounts * tuning::kCounts * out.energy; };
   for (const auto& [number, of] : groups)
-    if (of.all > 0 && of.all >= tuning::kCounts * tuning::kCounts * out.energy) out.errors[number] = of.missed / (of.missed + of.all);
+    if (counts(of.all)) out.errors[number] = of.missed / (of.missed + of.all);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Energy& of = bodies[i];
+    const auto error = out.errors.find(group[bodies_[i].number]);
+    if (error != out.errors.end() && counts(of.varying)) error->second = std::max(error->second, of.missed / (of.missed + of.left * of.varying));
+  }
   return out;
 }
 

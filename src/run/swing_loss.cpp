@@ -11,8 +11,6 @@ namespace mortise::run {
 
 namespace {
 
-bool may_swing(const MovingBody& b) { return b.body.soft() || ((b.swings || b.swings_on) && !b.free && !b.damped); }
-
 // values + times * others
 std::vector<double> sum_of(std::vector<double> values, double times, const std::vector<double>& others) {
   for (std::size_t i = 0; i < values.size(); ++i) values[i] += times * others[i];
@@ -38,6 +36,10 @@ SwingLoss::SwingLoss(const model::ModelInput& input) : integration_(integration_
   }
   changes_.resize(elastic_.size()), swings_.resize(2 * elastic_.size());
   way_.resize(3 * first);
+}
+
+bool SwingLoss::counts(const MovingBody& b) const {
+  return b.body.soft() ? swings_[b.swings_with].touched == 0 : (b.swings || b.swings_on) && !b.free && !b.damped;
 }
 
 geometry::RigidVelocity SwingLoss::seen_from(const std::vector<MovingBody>& bodies, std::size_t body, const std::vector<double>& points,
@@ -67,7 +69,7 @@ SwingLoss::Velocities SwingLoss::velocities(const Snapshot& said, const std::vec
   Velocities out{{v.begin(), v.end()}, {v.begin(), v.end()}};
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovingBody& b = bodies[i];
-    if (!may_swing(b)) continue;
+    if (!counts(b)) continue;
     const geometry::RigidVelocity from = seen_from(bodies, i, points, out.v);
     for (std::size_t p = b.body.first; p < b.body.first + b.body.count; ++p) Eigen::Map<Vec3>(out.seen.data() + 3 * p) -= from.at(at(points, p));
   }
@@ -85,7 +87,9 @@ void SwingLoss::look_how_far(const MovingBody& b, const std::vector<double>& see
 
 void SwingLoss::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
   for (Swing& s : swings_) s.first = s.second = 0;
-  if (bodies.empty()) return;
+  for (const MovingBody& b : bodies)
+    if (b.touches && b.body.soft()) swings_[b.swings_with].touched = 1;
+  if (std::none_of(bodies.begin(), bodies.end(), [this](const MovingBody& b) { return counts(b); })) return;
   Velocities now = velocities(said, points, bodies);
   std::vector<double> moved(swings_.size(), 0.0);
   std::vector<std::vector<double>> changes, second;  // of v and v'
@@ -94,7 +98,7 @@ void SwingLoss::state(const Snapshot& said, const std::vector<double>& points, c
     second = {sum_of(sum_of(changes[0], -1, last_.v), 1, before_.v), sum_of(sum_of(changes[1], -1, last_.seen), 1, before_.seen)};
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovingBody& b = bodies[i];
-    if (!may_swing(b)) continue;
+    if (!counts(b)) continue;
     const auto energy = [&](const std::vector<std::vector<double>>& of) {
       return of.empty() ? 0 : std::min(b.body.kinetic_energy(of[0], points), b.body.kinetic_energy(of[1], points));
     };
@@ -102,9 +106,8 @@ void SwingLoss::state(const Snapshot& said, const std::vector<double>& points, c
     moved[b.swings_with] += std::min(b.body.kinetic_energy(now.v, points), b.body.kinetic_energy(now.seen, points));
     s.stored = std::max(s.stored, elastic_[i].at(points));
     look_how_far(b, now.seen, points, s);
-    if (b.touches && b.body.soft()) s.touched = 1;
     const double of_first = 2 * least(changes_[i].first, energy(changes)), of_second = least(changes_[i].second, energy(second));
-    if (!b.touches && !b.stopped && s.touched == 0) s.first += of_first, s.second += of_second;
+    if (!b.touches && !b.stopped) s.first += of_first, s.second += of_second;
   }
   for (std::size_t i = 0; i < swings_.size(); ++i) swings_[i].moved = std::max(swings_[i].moved, moved[i]);
   before_ = std::move(last_), last_ = std::move(now);

@@ -5,10 +5,10 @@
 // (backward Euler; BDF2: half of that of the second differences): a swing loses 2 D in a step as a vibration does (vibration_loss.h).
 //
 // Of stiff bodies that go as no pin and no motor of theirs says, together with what they hang on by joints without motors, the loss is held against
-// the largest T(v'). Seen from is the body of them at a motor; without one the body that goes as the scene says, if they hang on one, else the centre
-// of mass of all that hangs together, and of one body that the world holds the world. A soft body is seen from the rigid motion of its pins and
-// bonds, without any from its own, each by itself, and its loss held against no less than kShownBySwing of the largest elastic energy: what is
-// pressed or carried so slowly that it only gives loses nothing.
+// the largest T, the lesser of T(v) and T(v'). Seen from is the body of them at a motor; without one the body that goes as the scene says, if they
+// hang on one, else the centre of mass of all that hangs together, and of one body that the world holds the world. A soft body is seen from the rigid
+// motion of its pins and bonds, without any from its own, each by itself, and its T counts as no less than kShownBySwing of its largest elastic
+// energy: what is pressed or carried so slowly that it only gives loses nothing.
 //
 // What a carrier that starts at once leaves behind has no change of v, what it takes along has none of v'. What jumps (the speed of a carrier, a
 // load) is no swing: of a body counts the least D of the last three steps. Nothing counts while it touches, soft bodies do no more once they have
@@ -44,6 +44,7 @@ class SwingLoss {
   struct Velocities {
     std::vector<double> v, seen;
   };
+  bool counts(const MovingBody& body) const;
   geometry::RigidVelocity seen_from(const std::vector<MovingBody>& bodies, std::size_t body, const std::vector<double>& points,
                                     const std::vector<double>& velocity) const;
   Velocities velocities(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies) const;

@@ -105,6 +105,8 @@ void check_reset(const Params& entry, const Node* node, const Params* bodies, Di
   if ((body || quantity) && !bounded)
     errors.add(entry.where(), "a reset by " + std::string(body ? "a body's place" : "a quantity") + " needs 'above' or 'below'");
   if (!body && !quantity && bounded) errors.add(entry.where(), "'above' and 'below' belong to a body or a quantity");
+  if (entry.has("above") && entry.has("below") && entry.number("above") < entry.number("below"))
+    errors.add(entry.where(), "every value is above 'above' or below 'below'", "an episode ends where either is met: below comes first");
   if (!body && entry.has("axis")) errors.add(entry.at("axis").where(), "'axis' belongs to a body");
   if (body && !entry.has("axis")) errors.add(entry.where(), "a reset by a body's place needs 'axis'");
   if (failure && !failure->as_flag()) errors.add(failure->where(), "failure: false has no meaning", "leave the entry out");

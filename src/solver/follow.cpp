@@ -3,11 +3,12 @@
 //
 //   q' = q - J^-1 P (r'(q) - r(q) + J c),   c = what the supports of S' stand elsewhere by,
 //
-// with r' of S' itself, from where it stood when the step began: what it inherits of earlier steps (velocities, where friction last stuck) it has
-// from following those. So the difference of the two runs, over the difference of the parameter, is the derivative along the whole trajectory, of
-// whatever is measured of them: dQ/dp = dQ/dp at fixed q - dQ/dq . J^-1 dr/dp, one linear solve per parameter and step with a factor that all share.
-// The adjoint, J^T lambda = dQ/dq, gives the same from one solve per quantity; it needs dQ/dq of everything that may be measured, and steps
-// backwards.
+// (once more from there, since thin contacts are far from linear within a hair: their forces had an error as large as a quarter of what a hair of a
+// radius makes of them, of both sides alike) with r' of S' itself, from where it stood when the step began: what it inherits of earlier steps
+// (velocities, where friction last stuck) it has from following those. So the difference of the two runs, over the difference of the parameter, is
+// the derivative along the whole trajectory, of whatever is measured of them: dQ/dp = dQ/dp at fixed q - dQ/dq . J^-1 dr/dp, one linear solve per
+// parameter and step with a factor that all share. The adjoint, J^T lambda = dQ/dq, gives the same from one solve per quantity; it needs dQ/dq of
+// everything that may be measured, and steps backwards.
 //
 // Where S' is S itself but for a share of a fault that it mends - of what steps leave out, of the gap that contact leaves, of the residual that is
 // left of a solution (then r(q) is not taken off) - that difference is what the fault makes of whatever is measured, to first order.
@@ -15,10 +16,12 @@
 
 #include "solver/kernels.h"
 #include "solver/simulation.h"
+#include "solver/tuning.h"
 
 namespace mortise::solver {
 
 void Simulation::mend(effects::Fault fault, double share) {
+  mends_ = true;
   if (fault == effects::Fault::solution) resolved_ = share;
   for (const auto& effect : effects_) effect->mend(fault, share);
 }
@@ -55,21 +58,24 @@ void Simulation::follow(const effects::StepInfo& info, Simulation& leader, devic
   if (system.rows.of_block_host != leader.newton_.system().rows.of_block_host) throw Failure{"what is held differs: there is no derivative"};
   const device::Buffer<Vec3>& q = leader.newton_.q();
 
-  // r'(q) - r(q) + J c, on the rows.
   Linearised& at = newton_.at();
-  system.potential.linearise(q.view(), {}, at, true);
-  device::Buffer<Vec3> c, move, f, Jc, x, dq, there;
-  system.supports(q.view(), c);
-  subtract(std::as_const(c).view(), still, move);
-  J.product(std::as_const(move).view(), false, Jc);
-  system.right_hand_side(at, std::as_const(Jc).view(), f);
-  device::Buffer<Vec3> rest;
-  subtract(std::as_const(f).view(), J.forces().view(), rest);
-  if (resolved_ != 0) add_scaled(J.forces().view(), {resolved_}, std::as_const(model_.block_env).view(), rest);
-  J.solve(std::as_const(rest).view(), false, x);
-
-  system.to_blocks(std::as_const(x).view(), std::as_const(c).view(), all, dq);
-  advance(q.view(), std::as_const(dq).view(), {1.0}, model_, there);
+  device::Buffer<Vec3> c, move, f, Jc, x, dq, from, there;
+  there.copy_from(q);
+  for (int round = 0; round < (mends_ ? 1 : tuning::kFollows); ++round) {
+    from.copy_from(there);
+    // r'(q) - r(q) + J c, on the rows.
+    system.potential.linearise(std::as_const(from).view(), {}, at, true);
+    system.supports(std::as_const(from).view(), c);
+    subtract(std::as_const(c).view(), still, move);
+    J.product(std::as_const(move).view(), false, Jc);
+    system.right_hand_side(at, std::as_const(Jc).view(), f);
+    device::Buffer<Vec3> rest;
+    subtract(std::as_const(f).view(), J.forces().view(), rest);
+    if (resolved_ != 0) add_scaled(J.forces().view(), {resolved_}, std::as_const(model_.block_env).view(), rest);
+    J.solve(std::as_const(rest).view(), false, x);
+    system.to_blocks(std::as_const(x).view(), std::as_const(c).view(), all, dq);
+    advance(std::as_const(from).view(), std::as_const(dq).view(), {1.0}, model_, there);
+  }
   newton_.end_at(there);
   if (!std::isfinite(newton_.energies().total(0))) throw Failure{"a hair of the parameter makes surfaces meet or elements turn over"};
   accept(info, leader.lost_energy(info));

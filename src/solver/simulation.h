@@ -83,6 +83,7 @@ class Simulation {
   std::vector<Simulation*> others_;
   std::unique_ptr<Tangent> tangent_;  // where there are others, or adjoints,
   Index tangent_step_ = -1;           // at the state that so many steps led to
+  bool mends_ = false;                // it differs from the leader by a share of a fault
   double resolved_ = 0;               // share of the leader's residual that goes into the way of one that follows
   bool refitted_ = false;             // parameters of effects were fitted to the solution of the step under way
   // Per environment:

@@ -63,6 +63,9 @@ inline constexpr int kPushed = 2;                 // halvings after which a supp
 inline constexpr double kPushing = 0.5;           // as long as its way is so much of the longest in the step: else it is not what raises the energy
 inline constexpr int kMostDoubts = 10;            // halvings because of a slope that energy cannot see: beyond, rounding rules the slope too
 
+// ---- scenes beside one that leads (follow.cpp)
+inline constexpr int kFollows = 2;  // Newton iterations of a step, on the leader's Jacobian; one, where shares of faults are wanted to first order
+
 // ---- lagged quantities (lag_loop.h)
 inline constexpr double kLeastRelaxation = 0.1;               // Aitken's share: smaller ones creep
 inline constexpr double kLagShare = 0.1;                      // of what refreshing changed: what a round is solved to, but

@@ -20,6 +20,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Of the scene as the first row has it: what the scene's file says, and not where it is. Empty where it cannot be read.
+std::string identity(const Sweep& s) {
+  try {
+    return scene::identity(scene::read_scene(s.scene, s.rows.front().overrides(s.set), engine::effect_tables()).root);
+  } catch (const Error&) {
+    return "";
+  }
+}
+
 std::string to_json(const Sweep& s) {
   Json rows = Json::array();
   for (const Row& row : s.rows) {
@@ -27,8 +36,8 @@ std::string to_json(const Sweep& s) {
     for (const auto& [path, value] : row.values) values[path] = value;
     rows.push_back(values);
   }
-  const Json j{{"filetype", "mortise sweep"}, {"version", {1, 0}}, {"name", s.name}, {"scene", s.scene}, {"set", s.set},
-               {"quantities", s.quantities},  {"rows", rows}};
+  const Json j{{"filetype", "mortise sweep"}, {"version", {1, 0}},          {"name", s.name}, {"scene", s.scene}, {"set", s.set},
+               {"scene_sha256", identity(s)}, {"quantities", s.quantities}, {"rows", rows}};
   return j.dump(1) + "\n";
 }
 
@@ -59,7 +68,8 @@ void claim_folder(const Sweep& sweep, const std::string& folder) {
     output::rename_file(aside, path);
   }
   if (output::read_file(path) != text)
-    throw Error(Exit::usage, "'" + folder + "' holds another sweep (other rows, scene or set values: " + path + "); use another -o, or remove it");
+    throw Error(Exit::usage, "'" + folder + "' holds another sweep (other rows or set values, or a scene that says something else: " + path +
+                                 "); use another -o, or remove it");
 }
 
 Sweep sweep_in(const std::string& folder) {

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <fstream>
+
 #include "program.h"
 
 namespace fs = std::filesystem;
@@ -36,6 +38,12 @@ TEST_F(Import, AScenesFileIsReplacedOnlyWhenAsked) {
   EXPECT_EQ(again.code, 2);
   EXPECT_EQ(again.err, "error: 'arm.yaml' exists already; --overwrite replaces it\n");
   EXPECT_EQ(mortise("import " + arm_ + " -o arm.yaml --overwrite", path_).code, 0);
+  // Nothing but scenes: not the robot's own file.
+  fs::copy_file(kSource + "/tests/cli/arm.urdf", path_ + "/arm.urdf");
+  const Result own = mortise("import arm.urdf -o arm.urdf --overwrite", path_);
+  EXPECT_EQ(own.code, 2);
+  EXPECT_EQ(own.err, "error: 'arm.urdf' is no scene: --overwrite replaces no other file\n");
+  EXPECT_EQ(read_text(path_ + "/arm.urdf"), read_text(kSource + "/tests/cli/arm.urdf"));
   EXPECT_EQ(mortise("import " + arm_ + " -o - | " + quoted(kProgram) + " check - --quick", path_).code, 0);
 }
 
@@ -50,9 +58,25 @@ TEST_F(Import, WhatIsAskedForAndIsNotThereIsOneMessage) {
   says("--joint elbow", 2, "--joint elbow: must be NAME=VALUE");
   says("--joint elbow=9", 2, "its limits are");
   says("--joint elbow=fast", 2, "'fast'");
+  says("--joint elbow='50 mm'", 2, "--joint elbow: it turns, and is given an angle");
+  says("--joint left='5 deg'", 2, "--joint left: it slides, and is given a length");
+  says("--joint elbow='5 N'", 2, "must be an angle or a length");
+  says("--joint right='5 mm'", 2, "--joint right: it mimics 'left', which says where both stand");
   says("--soft tp", 2, "--soft tp: the robot has no such link; did you mean 'tip'?");
   says("--soft palm", 2, "has joint 'wrist'");
   EXPECT_EQ(mortise("import none.urdf -o x.yaml", path_).code, 6);
+}
+
+TEST_F(Import, WhatMimicsKeepsToItsLimits) {
+  std::string text = read_text(kSource + "/tests/cli/arm.urdf");
+  text.replace(text.find("<mimic joint=\"left\"/>"), 21, "<mimic joint=\"left\" multiplier=\"-1\" offset=\"0.02\"/>");
+  std::ofstream(path_ + "/arm.urdf") << text;
+  EXPECT_EQ(mortise("import arm.urdf -o x.yaml --joint left='5 mm'", path_).code, 0);
+  const Result beyond = mortise("import arm.urdf -o y.yaml --joint left='25 mm'", path_);
+  EXPECT_EQ(beyond.code, 2);
+  EXPECT_NE(beyond.err.find("--joint left: 'right', which mimics it, would stand at -0.005000: its limits are 0.000000 and 0.030000"),
+            std::string::npos)
+      << beyond.err;
 }
 
 TEST_F(Import, ARealRobotStands) {

@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/philox.h"
+#include "base/read_file.h"
 #include "place.h"
 
 using namespace mortise;
@@ -160,6 +161,19 @@ TEST_F(SweepFile, AFolderBelongsToOneSweep) {
   ASSERT_EQ(back.rows.size(), 2u);
   EXPECT_EQ(back.rows[1].values, one.rows[1].values);
   EXPECT_THROW(sweep_in(folder_), Error);
+}
+
+TEST_F(SweepFile, AFolderBelongsToWhatItsSceneSays) {
+  std::string scene = read_regular_file(test_place::kSourceFolder + "/scenes/first/01_free_fall.yaml", max_bytes::scene);
+  write("fall.yaml", scene);
+  const Sweep s = read_sweep(write("s.yaml", "mortise_sweep: 1\nscene: fall.yaml\nrows:\n  - product: {time.steps: [1, 2]}\n"));
+  claim_folder(s, folder_ + "/out");
+  write("fall.yaml", "# a remark changes nothing\n" + scene);
+  EXPECT_NO_THROW(claim_folder(s, folder_ + "/out"));
+  const std::size_t density = scene.find("density: ");
+  ASSERT_NE(density, std::string::npos);
+  write("fall.yaml", scene.insert(density + 9, "1"));
+  EXPECT_THROW(claim_folder(s, folder_ + "/out"), Error);
 }
 
 TEST(SweepRanges, AreThoseOfAnArray) {

@@ -22,8 +22,16 @@ struct GaitOptions {
   std::string asked = "--gait ";                          // how messages call what asked for it
 };
 
+// Where joints stand [rad, m], by pattern with * and ?.
+struct Stand {
+  enum class As { any, angle, length };  // what it was given as
+  std::string joint;
+  double value = 0;
+  As as = As::any;
+};
+
 struct MachineOptions {
-  std::vector<std::pair<std::string, double>> stands;            // joints, by pattern with * and ?: where they stand [rad, m]; the right-most holds
+  std::vector<Stand> stands;                                     // of those that fit a joint the right-most holds
   std::vector<SoftLink> soft;                                    // of those that fit a link the right-most holds
   bool held = false;                                             // no robot's base moves
   double clearance = 2e-3;                                       // of the lowest point above the floor z = 0 [m]

@@ -13,13 +13,26 @@ namespace {
 
 // Throws where a pattern fits no joint that moves.
 void check_names(const Robot& robot, const MachineOptions& options) {
-  for (const auto& [pattern, value] : options.stands)
-    if (std::none_of(robot.joints.begin(), robot.joints.end(), [&, p = pattern](const Joint& j) { return j.moves() && matches(p, j.name); })) {
+  for (const Stand& s : options.stands)
+    if (std::none_of(robot.joints.begin(), robot.joints.end(), [&](const Joint& j) { return j.moves() && matches(s.joint, j.name); })) {
       std::vector<std::string> names;
       for (const Joint& j : robot.joints)
         if (j.moves()) names.push_back(j.name);
-      throw Error(Exit::usage, options.asked_joint + pattern + ": no joint that moves is called so; " + scene::suggestion(pattern, names));
+      throw Error(Exit::usage, options.asked_joint + s.joint + ": no joint that moves is called so; " + scene::suggestion(s.joint, names));
     }
+}
+
+// May this joint be asked to stand so? Patterns may fit joints that follow others, which do so.
+void check_asked(const Robot& robot, const Joint& j, const Stand& s, const std::string& asked) {
+  const bool slides = j.type == Joint::Type::prismatic;
+  if (s.as == (slides ? Stand::As::angle : Stand::As::length))
+    throw Error(Exit::usage, asked + j.name + (slides ? ": it slides, and is given a length" : ": it turns, and is given an angle"));
+  if (j.mimic && s.joint == j.name)
+    throw Error(Exit::usage, asked + j.name + ": it mimics '" + robot.joints[j.mimic->leader].name + "', which says where both stand");
+}
+
+std::string beyond(const Joint& j, double at) {
+  return std::to_string(at) + ": its limits are " + std::to_string(j.limits->first) + " and " + std::to_string(j.limits->second);
 }
 
 // Joints on the ways between the two ends of a loop.
@@ -85,8 +98,8 @@ Standing stand(const Robot& robot, const MachineOptions& options) {
     const Joint& j = robot.joints[i];
     if (!j.moves()) continue;
     bool asked = false;
-    for (const auto& [pattern, value] : options.stands)
-      if (matches(pattern, j.name)) out.at[i] = value, asked = true;
+    for (const Stand& s : options.stands)
+      if (matches(s.joint, j.name)) check_asked(robot, j, s, options.asked_joint), out.at[i] = s.value, asked = true;
     if (out.looped[i] && asked)
       throw Error(Exit::usage, options.asked_joint + j.name + ": it is part of a loop of joints, which stands as the file has it");
     if (out.looped[i]) continue;
@@ -94,9 +107,7 @@ Standing stand(const Robot& robot, const MachineOptions& options) {
     free[i] = !asked && !j.stand && !j.mimic && j.type == Joint::Type::revolute;
     if (!j.limits || j.mimic) continue;
     const auto [low, high] = *j.limits;
-    if (asked && !(low < out.at[i] && out.at[i] < high))
-      throw Error(Exit::usage, options.asked_joint + j.name + "=" + std::to_string(out.at[i]) + ": its limits are " + std::to_string(low) + " and " +
-                                   std::to_string(high));
+    if (asked && !(low < out.at[i] && out.at[i] < high)) throw Error(Exit::usage, options.asked_joint + j.name + "=" + beyond(j, out.at[i]));
     const double range = std::min(kStopRange[j.type == Joint::Type::prismatic], (high - low) / 20);
     if (!asked) out.at[i] = std::clamp(out.at[i], low + kFromLimit * range, high - kFromLimit * range);
     if (!asked && !j.stand && options.sway > 0 && held) {  // room to swing; who stands on the floor would fall
@@ -110,6 +121,14 @@ Standing stand(const Robot& robot, const MachineOptions& options) {
       const Joint& j = robot.joints[i];
       if (j.mimic && j.moves() && !out.looped[i]) out.at[i] = j.mimic->multiplier * out.at[j.mimic->leader] + j.mimic->offset;
     }
+  for (std::size_t i = 0; i < robot.joints.size() && !options.stands.empty(); ++i) {
+    const Joint& j = robot.joints[i];
+    if (!j.mimic || !j.limits || !j.moves() || out.looped[i]) continue;
+    if (const double room = kSameLimit * (j.limits->second - j.limits->first);
+        out.at[i] < j.limits->first - room || out.at[i] > j.limits->second + room)
+      throw Error(Exit::usage, options.asked_joint + robot.joints[j.mimic->leader].name + ": '" + j.name + "', which mimics it, would stand at " +
+                                   beyond(j, out.at[i]));
+  }
   out.in_world = place(robot, out.at);
   return out;
 }

@@ -13,6 +13,7 @@ inline constexpr double kBarRadius = 0.12;    // over its length,
 inline constexpr double kBarRadii[2] = {0.003, 0.05};       // and between these [m]
 inline constexpr double kBearingRadius = 0.002;             // of the one between two joints of a body [m]: inside of nearly all that it could be in
 inline constexpr double kThinnest = 1e-3;                   // least share of int rho X X^T along an axis that a mended tensor has
+inline constexpr double kSameLimit = 1e-6;                  // of its range: a joint that mimics another stands at its limit, not beyond it
 inline constexpr double kFromLimit = 2;                     // a joint stands at least so many ranges of its stop from a limit
 inline constexpr double kStopRange[2] = {0.0174533, 5e-4};  // where stops begin, of hinges [rad] and slides [m] (effects/joint/README.md)
 inline constexpr double kFullEffort[2] = {0.25, 5e-3};      // a motor gives all that it can where it misses its target by this [rad, m]

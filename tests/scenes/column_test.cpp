@@ -1,0 +1,80 @@
+// Uniform stress hides how badly a mesh bends, and near the load at which it buckles that weighs several times (run/stress_error.h).
+#include <fmt/format.h>
+
+#include "rig.h"
+#include "run/field_errors.h"
+
+using namespace mortise;
+using namespace mortise::testing;
+
+namespace {
+
+struct Bent {
+  double way = 0, told = 0;
+};
+
+// A column of 10 mm by 10 mm by 200 mm under a share of the load at which it buckles, 0.0514 N, which a small load bends.
+Bent bend(double share, const std::string& mesh, double across = 0.5) {
+  Rig rig(fmt::format(R"(
+mortise: 1
+name: column
+time: {{mode: static, steps: 1}}
+materials: {{rubber: {{youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}}}}
+bodies:
+  column: {{type: soft, {}, material: rubber}}
+effects:
+  elasticity: {{}}
+  pin: [{{body: column, where: {{side: z_min}}}}]
+  pressure_load: [{{body: column, where: {{side: z_max}}, traction: [{}, 0, {}]}}]
+)",
+                      mesh, across, -514 * share));
+  run::FieldErrors errors(rig.input);
+  rig.step();
+  errors.state(rig.fields(), 1);
+  Bent out;
+  const std::vector<double> points = rig.engine->points();
+  for (std::size_t n = 0; n < rig.input.bodies[0].nodes.size(); ++n) out.way = std::max(out.way, points[3 * n] - rig.input.bodies[0].nodes[n][0]);
+  out.told = errors.result().stress;
+  return out;
+}
+
+std::string box(double edge, int order) {
+  return fmt::format("order: {}, shape: {{box: {{size: [10 mm, 10 mm, 200 mm], edge_length: {} mm}}}}", order, edge);
+}
+
+}  // namespace
+
+TEST(Column, BendsAsMuchTooLittleAsIsTold) {
+  for (const double share : {0.0, 0.4, 0.8}) {
+    const Bent truth = bend(share, box(5, 2));
+    EXPECT_LT(truth.told, 0.05) << share;
+    for (const double edge : {5.0, 2.5}) {
+      const Bent coarse = bend(share, box(edge, 1));
+      const double error = 1 - coarse.way / truth.way;
+      EXPECT_GT(error, 0.05);
+      EXPECT_GT(coarse.told, 0.6 * error) << share << ' ' << edge;
+      EXPECT_LT(coarse.told, 3 * error) << share << ' ' << edge;
+    }
+  }
+}
+
+// What is pulled hard and bends no more than it is pulled is a matter of the pull.
+TEST(Column, OfAPullIsAsOfAll) {
+  Rig rig(R"(
+mortise: 1
+name: bar
+time: {mode: static, steps: 1}
+materials: {rubber: {youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}}
+bodies:
+  bar: {type: soft, shape: {box: {size: [10 mm, 10 mm, 100 mm], edge_length: 5 mm}}, material: rubber}
+effects:
+  elasticity: {}
+  pin:
+    - {body: bar, where: {side: z_min}}
+    - {body: bar, where: {side: z_max}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, 10 mm]]}}
+)");
+  run::FieldErrors errors(rig.input);
+  rig.step();
+  errors.state(rig.fields(), 1);
+  EXPECT_LT(errors.result().stress, 0.05);
+}

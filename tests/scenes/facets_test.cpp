@@ -1,0 +1,73 @@
+// Facets of what presses, against the force that is missing for them (run/facet_depth.h).
+#include <fmt/format.h>
+
+#include "rig.h"
+#include "run/field_errors.h"
+
+using namespace mortise;
+using namespace mortise::testing;
+
+namespace {
+
+struct Pressed {
+  double force;
+  run::FieldErrors::Result errors;
+};
+
+// A stiff body is pressed into a pad by 1 mm.
+Pressed press(const std::string& body, const std::string& effects, const std::string& supports = "supports/tip_z") {
+  Rig rig(fmt::format(R"(
+mortise: 1
+name: facets
+time: {{mode: static, steps: 2}}
+materials:
+  gel: {{youngs_modulus: 0.2 MPa, poisson_ratio: 0.35, density: 1050}}
+  steel: {{density: 7850}}
+bodies:
+  pad: {{type: soft, order: 2, shape: {{box: {{size: [20 mm, 20 mm, 8 mm], edge_length: 2.5 mm}}}}, material: gel, position: [0, 0, -4 mm]}}
+  tip: {{type: stiff, {}, material: steel}}
+effects:
+  elasticity: {{}}
+  barrier_contact: {{d_hat: 0.01 mm}}
+{})",
+                      body, effects));
+  run::FieldErrors errors(rig.input);
+  Captured said;
+  for (int i = 1; i <= 2; ++i) rig.step(), said = rig.fields(), errors.state(said, i / 2.0);
+  return {said.has(supports) ? std::abs(said.at(supports)) : 0, errors.result()};
+}
+
+std::string pins(double down) {
+  return fmt::format(
+      "  pin:\n    - {{body: pad, where: {{side: z_min}}}}\n    - {{body: tip, where: {{side: all}}, motion: {{time: [0, 1], translation: [[0, 0, "
+      "0], "
+      "[0, 0, {} mm]]}}}}\n",
+      -down);
+}
+
+std::string ball(double edge) { return fmt::format("shape: {{sphere: {{radius: 8 mm, edge_length: {} mm}}}}, position: [0, 0, 8.1 mm]", edge); }
+std::string cylinder(double edge, const std::string& how) {
+  return fmt::format("shape: {{cylinder: {{radius: 5 mm, height: 12 mm, edge_length: {} mm}}}}, {}", edge, how);
+}
+
+}  // namespace
+
+TEST(Facets, OfABallAreWhatItsForceFallsShortBy) {
+  const double truth = press(ball(0.7), pins(1.1)).force;
+  for (const double edge : {4.5, 3.0, 2.0}) {
+    const Pressed coarse = press(ball(edge), pins(1.1));
+    const double missing = 1 - coarse.force / truth, told = 1.5 * coarse.errors.facets;
+    EXPECT_GT(missing, 0.02);
+    EXPECT_GT(told, 0.6 * missing) << edge;
+    EXPECT_LT(told, 2 * missing + 0.02) << edge;
+  }
+}
+
+// A cylinder's count where it lies, and not where it stands on its end; a box has none.
+TEST(Facets, CountWhereTheyPress) {
+  const Pressed lies = press(cylinder(3, "position: [0, 0, 5.1 mm], rotation: {axis: [1, 0, 0], angle: 90 deg}"), pins(1.1));
+  const Pressed stands = press(cylinder(3, "position: [0, 0, 6.1 mm]"), pins(0.6));
+  EXPECT_GT(lies.errors.facets, 0.05);
+  EXPECT_LT(stands.errors.facets, 0.002);
+  EXPECT_TRUE(std::isnan(press("shape: {box: {size: [10 mm, 10 mm, 10 mm], edge_length: 5 mm}}, position: [0, 0, 5.1 mm]", pins(0.6)).errors.facets));
+}
