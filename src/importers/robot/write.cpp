@@ -230,7 +230,7 @@ class Writer {
       line("  bond:");
       for (const Pad& p : m_.pads) bond(p);
     }
-    line("  barrier_contact: {d_hat: " + length(kOverlap) + "}");
+    line("  barrier_contact: {}");
     line("  friction: {follows: barrier_contact, mu: 0.8}");
     line("");
   }
