@@ -231,8 +231,9 @@ StressError::Energy StressError::energy_of(const Body& b, const std::vector<Corn
   if (displacement.size() < first + count || !(volume > 0)) return out;
   uniform /= volume;
   const double varying = out.all - volume * energy_density(uniform, b.E, b.nu);
-  if (varying > 0 && varies(b, displacement))
-    out.varying = varying, out.left = std::clamp(1 + worked(b, uniform, displacement) / varying, 1 / tuning::kAmplified, 1.0);
+  if (!(varying > 0) || !varies(b, displacement)) return out;
+  out.left = std::clamp(1 + worked(b, uniform, displacement) / varying, 1 / tuning::kAmplified, 1.0);
+  out.varying = varying < tuning::kHidden * out.all ? varying : out.all;
   return out;
 }
 

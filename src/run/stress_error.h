@@ -16,11 +16,11 @@
 // 7 to 24 % too stiff with estimates below 0.03): a share of the energy of what varies within elements counts as missed, and held nodes as above.
 // Elements that have no free node deform as pins and bonds say, whatever they are made of: nothing tells how wrong that is, and all of their energy
 // counts as missed (a pad of rubber between two plates, one element thick, is as stiff as if it could not bulge).
+// Of linear bodies with few nodes inside bubbles on their edges tell that (bubble_error.h): the larger of what they and what jumps miss counts.
 // Uniform stress hides what varies (a column that carries a load and bends a little): of bodies of whose deformation half or more is no affine map,
-// the energy U of s* without its mean m over the body is taken in the place of all of it, where that gives more. What presses such a body together
+// the energy U of s* without its mean m over the body is taken in the place of all of it where it is less than kHidden of that. What presses together
 // works on its bending, G = sum V m : 1/2 H^T H with H the slopes of its displacement as seen from where it is held; near the load at which it
 // buckles that leaves little stiffness, U + G, and an error of U weighs U / (U + G) times, kAmplified at most.
-// Of linear bodies with few nodes inside bubbles on their edges tell that (bubble_error.h): the larger of what they and what jumps miss counts.
 #include <array>
 #include <map>
 #include <optional>
@@ -74,7 +74,7 @@ class StressError {
   static Mat3 turn(const Body& b, std::size_t tet, std::span<const double> displacement);
   struct Energy {
     double missed = 0, all = 0;
-    double varying = 0, left = 1;  // U, and (U + G) / U; 0 where what is affine is most of how the body deforms
+    double varying = 0, left = 1;  // of it what counts, and (U + G) / U; 0 where what is affine is most of how the body deforms
   };
   static Energy energy_of(const Body& b, const std::vector<Corners>& here, std::span<const double> contact_force,
                           std::span<const double> displacement);
