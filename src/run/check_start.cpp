@@ -36,7 +36,7 @@ Start start_of(const model::ModelInput& input) {
 std::unique_ptr<engine::Engine> check_start(const Params& scene, const model::ModelInput& input, const std::vector<Params>& resets) {
   auto [engine, points, start] = start_of(input);
   ResetWatch(resets, input).check(scene, start);
-  check_quantities(scene, start);
+  check_quantities(input, start);
   if (scene.has("render") && scene.at("output").flag("pictures")) {
     render::SceneView view(scene, input.bodies);
     view.move(points);

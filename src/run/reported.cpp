@@ -1,5 +1,7 @@
 #include "run/reported.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 #include <vector>
@@ -7,7 +9,9 @@
 #include "base/error.h"
 #include "effects/roles.h"
 #include "effects/tie_name.h"
+#include "geometry/bounds.h"
 #include "run/entries.h"
+#include "run/tuning.h"
 #include "scene/suggest.h"
 
 namespace mortise::run {
@@ -54,11 +58,29 @@ void not_reported(const SourceLoc& where, const std::string& what, const std::st
   throw Error(Exit::scene, where, what + ": nothing reports '" + scalar + "'" + (hint.empty() ? "" : "; " + hint));
 }
 
-void check_quantities(const Params& scene, const Snapshot& start) {
+namespace {
+
+// A quantity at a place of a body.
+void check_place(const Params& q, const std::string& what, const std::vector<model::BodyInput>& bodies) {
+  for (const model::BodyInput& b : bodies) {
+    if (b.name != q.text("body") || b.nodes.empty()) continue;
+    const Vec3 x = q.vec3("point");
+    const auto box = geometry::bounds_of(b.nodes);
+    const double beside = (x - x.cwiseMax(box.lo).cwiseMin(box.hi)).norm();
+    if (beside > tuning::kOnBody * box.size().norm())
+      throw Error(Exit::scene, q.at("point").where(), fmt::format("{}: the point lies {:.3g} m beside body '{}'", what, beside, b.name));
+  }
+}
+
+}  // namespace
+
+void check_quantities(const model::ModelInput& input, const Snapshot& start) {
+  const Params& scene = input.scene;
   const Params* list = scene.find("quantities");
   for (std::size_t i = 0; list && i < list->items().size(); ++i) {
     const Params& q = list->items()[i];
     const std::string &value = q.text("value"), what = "quantities." + std::to_string(i);
+    if (q.has("point") && q.has("body")) check_place(q, what, input.bodies);
     if (value.find('/') == std::string::npos || group_of(value) == "steps") continue;
     if (start.row.count(value) && !start.has(value + "_x"))
       throw Error(Exit::scene, q.where(), what + ": '" + value + "' is a table, of which a run has one per frame; a quantity is a scalar");

@@ -5,6 +5,7 @@
 
 #include "base/params.h"
 #include "base/snapshot.h"
+#include "model/input.h"
 
 namespace mortise::run {
 
@@ -12,7 +13,7 @@ namespace mortise::run {
 bool may_report(const std::string& scalar, const Params& scene, const Snapshot& start);
 // Throws Error(Exit::scene): "WHAT: nothing reports 'SCALAR'", and what was probably meant.
 [[noreturn]] void not_reported(const SourceLoc& where, const std::string& what, const std::string& scalar, const Snapshot& said);
-// Of the scene's `quantities`. Throws Error(Exit::scene).
-void check_quantities(const Params& scene, const Snapshot& start);
+// Of the scene's `quantities`, and whether places that they name are on their bodies. Throws Error(Exit::scene).
+void check_quantities(const model::ModelInput& input, const Snapshot& start);
 
 }  // namespace mortise::run

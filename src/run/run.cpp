@@ -160,7 +160,7 @@ class Run {
     engine_->report(state);
     if (bridge_) tell(state, points);
     results_->state({engine_->time(), state, points, nullptr, true});
-    check_quantities(scene_.root, state);
+    check_quantities(input, state);
     progress_.frame(0, 0);
     save();
   }

@@ -83,6 +83,7 @@ inline constexpr double kCompressible = 0.4;      // most of Poisson's ratio of 
 inline constexpr double kHeldMisses = 1.5;        // times what bubbles miss of pads of one and two elements between plates (bubble_error.cpp)
 inline constexpr double kOnTie = 0.25;            // of a side of a face: nearer it lies on what is tied to it (bubble_error.cpp)
 inline constexpr double kNotAffine = 0.5;         // of the farthest that a body deforms (stress_error.cpp)
+inline constexpr double kOnBody = 1e-3;           // of a body's diagonal: a place so near is on it (reported.cpp)
 inline constexpr double kHidden = 0.25;           // of the energy of a body: what varies is hidden by what is uniform (stress_error.cpp)
 inline constexpr double kAmplified = 5;           // times at most: beyond it, what has buckled stands firm again (stress_error.cpp)
 inline constexpr double kFacesContact = 0.5;      // of a force of contact, against the normal of the face that it is on (bubble_error.cpp)
