@@ -7,6 +7,7 @@
 #include "base/csv_cell.h"
 #include "study/report.h"
 #include "study/sensitivity.h"
+#include "study/tuning.h"
 
 namespace mortise::study {
 namespace {
@@ -19,6 +20,9 @@ std::string change_of_one_percent(double per_share, double value) {
 
 std::string note_of(const Derivative& d, double value) {
   if (!d.kink) return "";
+  const double jump = tuning::kHair * std::max(std::abs(d.below), std::abs(d.above));
+  if (value != 0 && jump > tuning::kJump * std::abs(value))
+    return fmt::format("jumps there by {:.3g} %: something that is chosen by it changes", 100 * jump / std::abs(value));
   return fmt::format("no derivative: {} of +1 %, {} of -1 %", change_of_one_percent(d.above, value), change_of_one_percent(-d.below, value));
 }
 
@@ -58,6 +62,8 @@ std::string sensitivity_table(const Study& study, const Sensitivities& found) {
   }
   for (const Sensitivity& s : found.parameters)
     if (!s.refused.empty()) out += fmt::format("{}: none; {}\n", s.parameter.path, s.refused);
+  if (std::any_of(found.values.begin(), found.values.end(), [](double v) { return v < 0; }))
+    out += "Changes are shares of |Q| with the sign of dQ: a negative Q grows in size by those below zero.\n";
   return out + fmt::format("{} of CPU time in the steps, with {} parameters followed to both sides\n", seconds_text(found.seconds),
                            std::count_if(found.parameters.begin(), found.parameters.end(), [](const Sensitivity& s) { return s.refused.empty(); }));
 }

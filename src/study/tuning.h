@@ -30,6 +30,8 @@ inline constexpr double kSameErrors[] = {0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.00
 // the gaps that displacements so small are added to); where those to both sides differ by more than the second share there may be none, unless all
 // of it is less than the third share of the quantity.
 inline constexpr double kHair = 1e-5, kKink = 0.02, kNoDerivative = 1e-3;
+// And by more than this share of itself within a hair a quantity jumps (`volumetric: auto` at nu = 0.4).
+inline constexpr double kJump = 1e-3;
 
 // Error budgets of scenes that are followed (followed_budget.cpp): the share of a fault that is mended to both sides; errors that differ by more than
 // the second share of themselves from side to side are none that first order knows, and beyond the third share of the number they say that much is
