@@ -114,7 +114,8 @@ FieldErrors::OfStress FieldErrors::of_stress(const StressError::Stresses& stress
   LayerError::Fields fields = fields_of(said);
   const StressError::Estimate estimate = stress_.of(stresses, group, fields.contact, fields.displacement);
   fields.displacement = displacement;  // their change, in a phase
-  return {estimate.energy, estimate.error(), stiffness_.of(estimate.errors, group, travels(said, samples), bases(fields), displacement)};
+  return {estimate.energy, estimate.error(),
+          stiffness_.of(estimate.errors, group, travels(said, samples), bases(fields), displacement, estimate.bending)};
 }
 
 std::vector<LayerError::Travel> FieldErrors::travels(const Snapshot& said, const AllSamples& samples) const {

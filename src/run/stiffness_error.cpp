@@ -52,7 +52,8 @@ double StiffnessError::way(const Body& body, std::span<const double> displacemen
 }
 
 double StiffnessError::of(const std::map<std::size_t, double>& errors, const std::vector<std::size_t>& group,
-                          const std::vector<LayerError::Travel>& travels, const Bases& bases, std::span<const double> displacement) const {
+                          const std::vector<LayerError::Travel>& travels, const Bases& bases, std::span<const double> displacement,
+                          const std::map<std::size_t, double>& bending) const {
   double worst = NAN;
   const bool moves = displacement.size() == 3 * points_;
   for (const auto& [number, error] : errors) {
@@ -70,7 +71,10 @@ double StiffnessError::of(const std::map<std::size_t, double>& errors, const std
     for (const LayerError::Travel& t : travels)
       for (const std::size_t b : t.bodies)
         if (b < bodies_.size() && group[b] == number) follows = std::max(follows, t.stiffness());
-    worst = std::fmax(worst, error * std::max(follows, way > deformed ? deformed / way : 1));
+    const double moved = way > deformed ? deformed / way : 1;
+    worst = std::fmax(worst, error * std::max(follows, moved));
+    if (const auto bends = bending.find(number); bends != bending.end())
+      worst = std::max(worst, bends->second * (1 - std::min(follows, 1.0)) * moved);
   }
   return worst;
 }

@@ -7,6 +7,7 @@
 // e: the group's stress_error; s: share of a force that follows stiffness, all of it where a soft body hangs on two supports or more; d: farthest
 // that a point of a soft body is from where it would be without deformation, held by its supports, or a point of a stiff body that two soft ones or
 // more hold, whose supports would take it along (nearly) alike, from where the nearest of them would; w: farthest way of any point of the group [m].
+// Where no travel is imposed, s = 0, what bends beside uniform stress has the error e_b of its motion: as far as that,  (1 - s) e_b d/w  counts too.
 #include <map>
 #include <span>
 #include <vector>
@@ -19,11 +20,11 @@ namespace mortise::run {
 class StiffnessError {
  public:
   explicit StiffnessError(const model::ModelInput& input);
-  // errors: by group; group: by body that has points; bases: by such a body, how its supports moved (`LayerError::motion_of_supports`). NaN without
-  // errors.
+  // errors, bending: by group (StressError::Estimate); group: by body that has points; bases: by such a body, how its supports moved
+  // (`LayerError::motion_of_supports`). NaN without errors.
   using Bases = std::vector<std::optional<geometry::Motion>>;
   double of(const std::map<std::size_t, double>& errors, const std::vector<std::size_t>& group, const std::vector<LayerError::Travel>& travels,
-            const Bases& bases, std::span<const double> displacement) const;
+            const Bases& bases, std::span<const double> displacement, const std::map<std::size_t, double>& bending = {}) const;
 
   // The gap that contact leaves, of what presses a soft body noticeably, over the farthest that both have gone without it: by which they should have
   // gone farther. The largest of all pairs of bodies; NaN where there is none.

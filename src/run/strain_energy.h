@@ -1,6 +1,6 @@
 #pragma once
-// How much elastic energy a soft body has, as a measure to hold others against: Hooke's law of Green's strain G in every tetrahedron (of a quadratic
-// one by its corners),
+// How much elastic energy a soft body has, as a measure to hold others against: Hooke's law of Green's strain G in every tetrahedron, of a quadratic
+// one at its points of integration,
 //     U = sum V (mu |G|^2 + lambda/2 (tr G)^2),
 // with nu = 0.4 at most, as single elements near nu = 1/2 have volumes that mean nothing.
 #include <vector>
@@ -16,11 +16,15 @@ class StrainEnergy {
   double at(const std::vector<double>& points) const;  // [J]
 
  private:
+  // The nodes of a tetrahedron, four or ten, and what a point of integration makes of them: F = sum x_k g_k^T.
+  struct Point {
+    std::vector<Vec3> slopes;  // g [1/m]
+    double volume;             // that it stands for [m^3]
+  };
   std::size_t first_;
   double mu_ = 0, lambda_ = 0;
-  std::vector<Tet> tets_;
-  std::vector<Mat3> inverse_;  // of the edges at rest [1/m]
-  std::vector<double> volume_;
+  std::vector<std::vector<std::size_t>> nodes_;  // of every tetrahedron
+  std::vector<std::vector<Point>> points_;       // of every tetrahedron
 };
 
 }  // namespace mortise::run

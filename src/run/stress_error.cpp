@@ -254,8 +254,9 @@ StressError::Estimate StressError::of(const Stresses& stresses, const std::vecto
     if (counts(of.all)) out.errors[number] = of.missed / (of.missed + of.all);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Energy& of = bodies[i];
-    const auto error = out.errors.find(group[bodies_[i].number]);
-    if (error != out.errors.end() && counts(of.varying)) error->second = std::max(error->second, of.missed / (of.missed + of.left * of.varying));
+    if (!counts(of.varying)) continue;
+    double& error = out.bending[group[bodies_[i].number]];
+    error = std::max(error, of.missed / (of.missed + of.left * of.varying));
   }
   return out;
 }

@@ -17,10 +17,12 @@
 // Elements that have no free node deform as pins and bonds say, whatever they are made of: nothing tells how wrong that is, and all of their energy
 // counts as missed (a pad of rubber between two plates, one element thick, is as stiff as if it could not bulge).
 // Of linear bodies with few nodes inside bubbles on their edges tell that (bubble_error.h): the larger of what they and what jumps miss counts.
-// Uniform stress hides what varies (a column that carries a load and bends a little): of bodies of whose deformation half or more is no affine map,
-// the energy U of s* without its mean m over the body is taken in the place of all of it where it is less than kHidden of that. What presses together
-// works on its bending, G = sum V m : 1/2 H^T H with H the slopes of its displacement as seen from where it is held; near the load at which it
-// buckles that leaves little stiffness, U + G, and an error of U weighs U / (U + G) times, kAmplified at most.
+//
+// Uniform stress hides what varies (a column that carries a load and bends a little). Of bodies of whose deformation half or more is no affine map
+// `bending` is the error of their motion: with the energy U of s* without its mean m over the body in the place of all of it, where it is less than
+// kHidden of that. What presses such a body together works on its bending, G = sum V m : 1/2 H^T H with H the slopes of its displacement as seen from
+// where it is held; near the load at which it buckles that leaves little stiffness, U + G, and an error of U weighs U / (U + G) times, kAmplified at
+// most.
 #include <array>
 #include <map>
 #include <optional>
@@ -44,9 +46,10 @@ class StressError {
   static Stresses change(Stresses after, const Stresses& before);
 
   struct Estimate {
-    std::map<std::size_t, double> errors;  // by group, of those that have energy at all
-    double energy = 0;                     // of the group that has most [J]
-    double error() const;                  // the largest; NaN where nothing can be estimated
+    std::map<std::size_t, double> errors;   // by group, of those that have energy at all
+    std::map<std::size_t, double> bending;  // of those that have such bodies
+    double energy = 0;                      // of the group that has most [J]
+    double error() const;                   // the largest; NaN where nothing can be estimated
   };
   // group: by body that has points. Of all points: forces of contact [N], empty without, and displacements [m].
   Estimate of(const Stresses& stresses, const std::vector<std::size_t>& group, std::span<const double> contact_force = {},

@@ -339,7 +339,7 @@ bool Newton::refresh(Index round, const StepReports& report) {
     }
     lag_.refreshed(e, relative);
     envs_[e].state = EnvState::running;
-    if (round < options_.lag_iterations && !lag_.idle(e)) continue;
+    if (round < options_.lag_iterations && !(may_cut_ && lag_.idle(e))) continue;
     std::ostringstream why;
     why << "lagged quantities (friction) did not settle in " << round << " rounds: residual " << residual << " N";
     envs_.fail(e, why.str());

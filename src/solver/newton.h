@@ -35,6 +35,9 @@ class Newton {
   // With a single environment a failure is thrown. `stop` is asked between iterations and may throw.
   void solve(const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop, const EnvMask& whose);
 
+  // May the step be cut? Then what comes no nearer fails before long.
+  void may_cut(bool yes) { may_cut_ = yes; }
+
   // at() holds what is frozen and sampled of the environments of `whose`, of which some may have been left out while others went on.
   void hold(const EnvMask& whose);
 
@@ -93,6 +96,7 @@ class Newton {
   Linearised at_, beside_;  // at q_; at states beside it
   EnvMask held_;            // environments of which at_ holds more than forces
   device::Buffer<Vec3> q_;
+  bool may_cut_ = true;
   bool foreseen_ = false;  // q_ is a state that effects have foreseen
   bool stays_ = false;     // at_ was filled at q_
   Index last_ = 0;         // iterations of the last solve

@@ -212,6 +212,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
     for (Index e = 0; e < model_.envs && model_.envs > 1; ++e) info.begins.push_back(time_[e] + offset);
     for (const Cut& c : cuts) info.first_order.push_back(c.first_order);
     std::vector<std::string> why(model_.envs);
+    newton_.may_cut(size > 1);
     try {
       attempt(info, whose, report, stop, why);
     } catch (const Stopped&) {

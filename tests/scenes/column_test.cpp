@@ -1,4 +1,4 @@
-// Uniform stress hides how badly a mesh bends, and near the load at which it buckles that weighs several times (run/stress_error.h).
+// Uniform stress hides how badly a mesh bends, and near the load at which it buckles that weighs several times (run/stress_error.h, `bending`).
 #include <fmt/format.h>
 
 #include "rig.h"
@@ -34,7 +34,7 @@ effects:
   Bent out;
   const std::vector<double> points = rig.engine->points();
   for (std::size_t n = 0; n < rig.input.bodies[0].nodes.size(); ++n) out.way = std::max(out.way, points[3 * n] - rig.input.bodies[0].nodes[n][0]);
-  out.told = errors.result().stress;
+  out.told = errors.result().stiffness;
   return out;
 }
 
@@ -76,5 +76,5 @@ effects:
   run::FieldErrors errors(rig.input);
   rig.step();
   errors.state(rig.fields(), 1);
-  EXPECT_LT(errors.result().stress, 0.05);
+  EXPECT_LT(errors.result().stiffness, 0.05);
 }

@@ -166,7 +166,7 @@ effects:
   };
   const std::string pushed = "joint: [{name: rail, type: prismatic, body: car, axis: [1, 0, 0]}]\n  drive: [{joint: rail, mode: effort, force: 20}]";
   const auto pinned = [](const std::string& motion) { return "pin: [{body: car, where: {side: all}, motion: {" + motion + "}}]"; };
-  EXPECT_GT(lost(pushed, "backward_euler"), 0.2);
+  EXPECT_GT(lost(pushed, "backward_euler"), 0.1);
   EXPECT_LT(lost(pushed, "bdf2"), 0.1);
   EXPECT_GT(lost(pinned("time: [0, 0.25, 0.5], translation: [[0, 0, 0], [0.1, 0, 0], [0.2, 0.1, 0]]"), "backward_euler"), 0.5);
   // So slowly that it only gives.
