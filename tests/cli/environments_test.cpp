@@ -199,14 +199,16 @@ TEST_F(EnvironmentsProgram, FailuresAreTheirOwn) {
 
 TEST_F(EnvironmentsProgram, StoppedAndKilledItEndsWithEqualBits) {
   write("s.yaml", press(kMortar, "{}", varied(4)));
+  const auto begin = std::chrono::steady_clock::now();
   ASSERT_EQ(run("s.yaml -o whole").code, 0);
+  const auto whole = std::chrono::steady_clock::now() - begin;  // on this machine, as busy as it is
   int stopped = 0;
   for (int i = 0; i < 6; ++i) {
     const pid_t child = start({"run", at("s.yaml"), "-o", at("cut"), "--no-render", "--resume=auto", "-q", "-j", "2"}, [this] {
       const int out = open(at("cut.txt").c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
       dup2(out, 1), dup2(out, 2);
     });
-    std::this_thread::sleep_for(std::chrono::milliseconds(150 + 120 * i));
+    std::this_thread::sleep_for(whole * (2 + i) / 20);
     kill(child, i % 2 ? SIGKILL : SIGTERM);
     const int code = wait_for(child);
     stopped += code == 75 || code == 137;
