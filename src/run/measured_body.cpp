@@ -4,6 +4,7 @@
 
 #include "geometry/rigid_motion.h"
 #include "geometry/topology.h"
+#include "run/nearest_affine.h"
 
 namespace mortise::run {
 
@@ -44,28 +45,16 @@ Vec3 MeasuredBody::mean(const std::vector<double>& values, const std::vector<dou
   if (stated_) return affine(values).row(0).transpose();
   // The affine map from points to values, at the centroid.
   const Vec3 centre = geometry::mass_properties(surface(points)).centroid;
-  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-  Eigen::Matrix<double, 4, 3> right = Eigen::Matrix<double, 4, 3>::Zero();
-  for (std::size_t i = 0; i < count; ++i) {
-    Eigen::Vector4d row;
-    row << 1, at(points, first + i) - centre;
-    normal += row * row.transpose();
-    right += row * at(values, first + i).transpose();
-  }
-  return normal.ldlt().solve(right).row(0).transpose();
+  return nearest_affine(
+             count, [&](std::size_t i) { return Vec3(at(points, first + i) - centre); }, [&](std::size_t i) { return at(values, first + i); })
+      .row(0)
+      .transpose();
 }
 
 // Of values that are affine in the place at rest: the value at the centre of mass, and its slopes.
 Eigen::Matrix<double, 4, 3> MeasuredBody::affine(const std::vector<double>& values) const {
-  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-  Eigen::Matrix<double, 4, 3> right = Eigen::Matrix<double, 4, 3>::Zero();
-  for (std::size_t i = 0; i < count; ++i) {
-    Eigen::Vector4d row;
-    row << 1, rest_[i] - stated_->centre;
-    normal += row * row.transpose();
-    right += row * at(values, first + i).transpose();
-  }
-  return normal.ldlt().solve(right);
+  return nearest_affine(
+      count, [&](std::size_t i) { return Vec3(rest_[i] - stated_->centre); }, [&](std::size_t i) { return at(values, first + i); });
 }
 
 Vec3 MeasuredBody::sum(const std::vector<double>& values) const {

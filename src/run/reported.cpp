@@ -28,14 +28,16 @@ std::vector<std::string> stems(const std::string& group, const Params& scene) {
   std::vector<std::string> out;
   if (group == "supports")
     for (const auto& [name, body] : scene.at("bodies").entries()) out.push_back(name);
-  if (group == "balance")
+  if (group == "balance") {
+    out = {"defect", "support"};
     for (const auto& [name, block] : effects.entries()) out.push_back(name);
+  }
   using effects::Role;
-  if (!effects.has(group)) return out;
-  if (effects::has_role(group, Role::tie)) out.emplace_back("tie");
-  if (effects::has_role(group, Role::tie))
+  if (effects.has(group) && effects::has_role(group, Role::tie)) {
+    out.emplace_back("tie");
     for (const Params& tie : entries(effects, group.c_str())) out.push_back(effects::tie_name(tie));
-  if (effects::has_role(group, Role::motor))
+  }
+  if (effects.has(group) && effects::has_role(group, Role::motor))
     for (const Params& motor : entries(effects, group.c_str())) out.push_back(motor.text("joint"));
   return out;
 }
@@ -47,8 +49,7 @@ bool may_report(const std::string& scalar, const Params& scene, const Snapshot& 
   const std::string group = group_of(scalar), leaf = leaf_of(scalar);
   static const std::set<std::string> always{"supports/work",      "balance/largest",    "balance/written_defect",
                                             "audit/total_energy", "audit/support_work", "audit/largest_energy_gain"};
-  return always.count(scalar) > 0 || begins_with_any(leaf, stems(group, scene)) ||
-         (group == "balance" && begins_with_any(leaf, {"defect", "support"}));
+  return always.count(scalar) > 0 || begins_with_any(leaf, stems(group, scene));
 }
 
 void not_reported(const SourceLoc& where, const std::string& what, const std::string& scalar, const Snapshot& said) {

@@ -9,6 +9,7 @@
 #include "linalg/small.h"
 #include "model/volumetric.h"
 #include "run/held_points.h"
+#include "run/nearest_affine.h"
 #include "run/tuning.h"
 #include "run/vector_at.h"
 
@@ -121,25 +122,15 @@ Mat3 StressError::turn(const Body& b, std::size_t tet, std::span<const double> d
 
 bool StressError::varies(const Body& b, std::span<const double> displacement) {
   std::vector<Vec3> moved;
-  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-  Eigen::Matrix<double, 4, 3> right = Eigen::Matrix<double, 4, 3>::Zero();
-  const Vec3 origin = b.rest.front();
-  const auto row = [&](std::size_t n) {
-    Eigen::Vector4d r;
-    r << 1, b.rest[n] - origin;
-    return r;
-  };
-  for (std::size_t n = 0; n < b.rest.size(); ++n) {
-    const Vec3 u = at(displacement, b.first_point + n);
-    moved.push_back(b.rest[n] + u);
-    normal += row(n) * row(n).transpose(), right += row(n) * u.transpose();
-  }
-  const Eigen::Matrix<double, 4, 3> affine = normal.ldlt().solve(right);
+  for (std::size_t n = 0; n < b.rest.size(); ++n) moved.push_back(b.rest[n] + at(displacement, b.first_point + n));
+  const auto place = [&](std::size_t n) { return Vec3(b.rest[n] - b.rest.front()); };
+  const Eigen::Matrix<double, 4, 3> affine = nearest_affine(b.rest.size(), place, [&](std::size_t n) { return at(displacement, b.first_point + n); });
   const geometry::Motion rigid = geometry::nearest_motion(b.rest, moved);
   double most = 0, beside = 0;
   for (std::size_t n = 0; n < b.rest.size(); ++n) {
     most = std::max(most, (moved[n] - rigid.R * b.rest[n] - rigid.t).norm());
-    beside = std::max(beside, (moved[n] - b.rest[n] - affine.transpose() * row(n)).norm());
+    const Vec3 along = affine.row(0).transpose() + affine.bottomRows<3>().transpose() * place(n);
+    beside = std::max(beside, (moved[n] - b.rest[n] - along).norm());
   }
   return beside > 0 && beside >= tuning::kNotAffine * most;
 }
