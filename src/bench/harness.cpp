@@ -59,7 +59,7 @@ std::string json_line(const Row& r) {
     j["pass"] = r.pass();
   else
     j["pass"] = nullptr;
-  if (const run::Grade& as = r.as; !as.all.letter.empty())
+  if (const audit::Grade& as = r.as; !as.all.letter.empty())
     j["grade"] = as.all.letter, j["grade_reason"] = as.all.reason, j["grade_forces"] = as.forces.letter, j["graded"] = as.graded;
   j["seconds"] = number_or_null(r.seconds), j["cpu_seconds"] = number_or_null(r.cpu_seconds), j["newton_iterations"] = r.newton_iterations;
   j["dofs"] = r.dofs;
@@ -173,8 +173,8 @@ Solved solve(const scene::Scene& scene, const std::function<void(model::ModelInp
   std::unique_ptr<engine::Engine> engine;
   check(engine::chosen().api->create(out.input, engine));
   sensors::Sensors sensors(out.input);
-  run::Certificate certificate(out.input);
-  run::EnergyAudit energy(out.input);
+  audit::Certificate certificate(out.input);
+  audit::EnergyAudit energy(out.input);
   const auto see = [&] {
     out.points = engine->points();
     out.fields = {};

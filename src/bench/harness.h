@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "audit/certificate.h"
 #include "base/snapshot.h"
 #include "geometry/mesh.h"
 #include "model/input.h"
-#include "run/certificate.h"
 #include "scene/scene.h"
 #include "solver/report.h"
 
@@ -24,7 +24,7 @@ struct Row {
   double seconds = 0;
   long newton_iterations = 0, dofs = 0;
   bool failed = false;       // the run did not converge
-  run::Grade as;             // that a certificate of the run would give; no letter: there is none
+  audit::Grade as;           // that a certificate of the run would give; no letter: there is none
   double cpu_seconds = NAN;  // of the same steps: user and system time of all threads
   bool gated() const { return !std::isnan(gate); }
   bool pass() const { return !failed && (!gated() || error <= gate); }  // an error that is not a number does not pass a gate
@@ -72,7 +72,7 @@ struct Solved {
   double seconds = 0;          // of the steps
   double cpu_seconds = 0;      // the same, user and system time of all threads
   double contact_share = NAN;  // of these seconds, spent in contact effects
-  run::Grade as;               // of the certificate that `mortise run` would write
+  audit::Grade as;             // of the certificate that `mortise run` would write
   // A row with the costs filled in; value and error are NaN when the run did not converge, whatever was reported before.
   Row row(const std::string& name, const Method& method, const std::string& quantity, double value, double reference, double error,
           double gate) const;

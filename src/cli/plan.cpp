@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "audit/volumetric.h"
 #include "cost/predict.h"
 #include "effects/contact/layer.h"
 #include "effects/roles.h"
@@ -12,7 +13,6 @@
 #include "engine/input.h"
 #include "engine/memory_needed.h"
 #include "run/check_start.h"
-#include "run/volumetric.h"
 #include "scene/pass_through.h"
 #include "sensors/sensors.h"
 
@@ -29,7 +29,7 @@ std::string plan_text(const Params& scene) {
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
     text += fmt::format("body    {:20} {:>8} nodes {:>8} tets {:>8} surface triangles\n", b.name, b.nodes.size(), b.tets.size(), b.triangles.size());
-    if (b.type == model::BodyType::soft) text += fmt::format("        change of volume {}\n", run::volumetric(b));
+    if (b.type == model::BodyType::soft) text += fmt::format("        change of volume {}\n", audit::volumetric(b));
   }
   for (const engine::PlanItem& item : engine->plan()) {
     text += "effect  " + item.effect + "\n";

@@ -49,7 +49,7 @@ struct Figure {
   std::string text;
 };
 
-std::vector<Figure> figures(const solver::StepReport& r, const ContactFigures& c) {
+std::vector<Figure> figures(const solver::StepReport& r, const audit::ContactFigures& c) {
   std::vector<Figure> list{
       {1, fmt::format("t {:.4g} s", r.time)}, {3, fmt::format("newton {:2}", r.newton)}, {4, fmt::format("residual {:.1e} N", r.residual)}};
   if (r.lag > 0) list.push_back({8, fmt::format("lag {}", r.lag)});
@@ -91,14 +91,14 @@ class Lines : public Progress {
     steps_ = steps;
     line(fmt::format("{}: {}", scene, summary));
   }
-  void step(const solver::StepReport& r, const ContactFigures& c) override {
+  void step(const solver::StepReport& r, const audit::ContactFigures& c) override {
     line(fmt::format("step {:>4}/{}  {}  {:.2f} s", r.step + 1, steps_, joined(figures(r, c)), r.wall));
   }
   void frame(long, double) override {}
   void note(const std::string& text) override { line(text); }
-  void end(const std::string& status, double seconds, const Grade& grade) override {
-    line(fmt::format("{} in {}; {}", status, duration_text(seconds), text_of(grade)));
-    for (const std::string& hint : hints(grade)) line("hint: " + hint);
+  void end(const std::string& status, double seconds, const audit::Grade& grade) override {
+    line(fmt::format("{} in {}; {}", status, duration_text(seconds), audit::text_of(grade)));
+    for (const std::string& hint : audit::hints(grade)) line("hint: " + hint);
   }
 
  protected:
@@ -113,7 +113,7 @@ class Lines : public Progress {
 class Terminal : public Lines {
  public:
   Terminal() : Lines(false), began_(std::chrono::steady_clock::now()) {}
-  void step(const solver::StepReport& r, const ContactFigures& c) override {
+  void step(const solver::StepReport& r, const audit::ContactFigures& c) override {
     const long done = r.step + 1;
     if (first_ < 0) first_ = r.step;
     const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
@@ -129,7 +129,7 @@ class Terminal : public Lines {
     close_line();
     line(text);
   }
-  void end(const std::string& status, double seconds, const Grade& grade) override {
+  void end(const std::string& status, double seconds, const audit::Grade& grade) override {
     close_line();
     Lines::end(status, seconds, grade);
   }
@@ -151,7 +151,7 @@ class JsonLines : public Progress {
   void start(const std::string& scene, const std::string& summary, long steps) override {
     put({{"event", "start"}, {"scene", scene}, {"summary", summary}, {"steps", steps}});
   }
-  void step(const solver::StepReport& r, const ContactFigures& c) override {
+  void step(const solver::StepReport& r, const audit::ContactFigures& c) override {
     nlohmann::ordered_json j{{"event", "step"}};
     const output::StepRow row = step_row(r, c);
     for (const output::StepColumn& column : output::step_columns)
@@ -165,7 +165,7 @@ class JsonLines : public Progress {
   }
   void frame(long frame, double time) override { put({{"event", "frame"}, {"frame", frame}, {"time", time}}); }
   void note(const std::string& text) override { put({{"event", "note"}, {"text", text}}); }
-  void end(const std::string& status, double seconds, const Grade& grade) override {
+  void end(const std::string& status, double seconds, const audit::Grade& grade) override {
     put({{"event", "end"},
          {"status", status},
          {"seconds", seconds},

@@ -2,8 +2,8 @@
 #include <memory>
 #include <string>
 
-#include "run/contact_figures.h"
-#include "run/grade.h"
+#include "audit/contact_figures.h"
+#include "audit/grade.h"
 #include "solver/report.h"
 
 namespace mortise::run {
@@ -14,10 +14,10 @@ class Progress {
  public:
   virtual ~Progress() = default;
   virtual void start(const std::string& scene, const std::string& summary, long steps) = 0;
-  virtual void step(const solver::StepReport& report, const ContactFigures& contact) = 0;
+  virtual void step(const solver::StepReport& report, const audit::ContactFigures& contact) = 0;
   virtual void frame(long frame, double time) = 0;
   virtual void note(const std::string& text) = 0;
-  virtual void end(const std::string& status, double seconds, const Grade& grade) = 0;
+  virtual void end(const std::string& status, double seconds, const audit::Grade& grade) = 0;
   virtual bool lost() const { return false; }  // could an event not be written to where they were asked for?
 };
 

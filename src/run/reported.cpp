@@ -6,11 +6,11 @@
 #include <set>
 #include <vector>
 
+#include "audit/entries.h"
 #include "base/error.h"
 #include "effects/roles.h"
 #include "effects/tie_name.h"
 #include "geometry/bounds.h"
-#include "run/entries.h"
 #include "run/tuning.h"
 #include "scene/suggest.h"
 
@@ -35,10 +35,10 @@ std::vector<std::string> stems(const std::string& group, const Params& scene) {
   using effects::Role;
   if (effects.has(group) && effects::has_role(group, Role::tie)) {
     out.emplace_back("tie");
-    for (const Params& tie : entries(effects, group.c_str())) out.push_back(effects::tie_name(tie));
+    for (const Params& tie : audit::entries(effects, group.c_str())) out.push_back(effects::tie_name(tie));
   }
   if (effects.has(group) && effects::has_role(group, Role::motor))
-    for (const Params& motor : entries(effects, group.c_str())) out.push_back(motor.text("joint"));
+    for (const Params& motor : audit::entries(effects, group.c_str())) out.push_back(motor.text("joint"));
   return out;
 }
 

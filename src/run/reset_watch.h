@@ -2,9 +2,9 @@
 #include <string>
 #include <vector>
 
+#include "audit/measured_body.h"
 #include "base/archive.h"
 #include "base/snapshot.h"
-#include "run/measured_body.h"
 
 namespace mortise::run {
 
@@ -24,9 +24,9 @@ class ResetWatch {
 
  private:
   std::vector<Params> conditions_;
-  std::vector<MeasuredBody> bodies_;  // one per condition of a body, in their order
-  long due_ = -1;                     // number of the condition
-  double value_ = 0;                  // of what it watches
+  std::vector<audit::MeasuredBody> bodies_;  // one per condition of a body, in their order
+  long due_ = -1;                            // number of the condition
+  double value_ = 0;                         // of what it watches
 };
 
 }  // namespace mortise::run

@@ -96,14 +96,14 @@ void Results::frame(const State& now) {
 }
 
 void Results::line(const State& now) {
-  contact_ = contact_figures(now.said);
+  contact_ = audit::contact_figures(now.said);
   const output::StepRow row = step_row(*now.step, contact_);
   file_->append_step(row);
   record_.steps.push_back(row);
 }
 
 // Energies of the frame's state beside what effects report.
-void Results::audit(const EnergyAudit::Result& energy) {
+void Results::audit(const audit::EnergyAudit::Result& energy) {
   file_->scalar("audit", "total_energy", "J", energy.total);
   if (!energy.work_is_known) return;
   file_->scalar("audit", "support_work", "J", energy.support_work);
@@ -122,15 +122,15 @@ void Results::checkpoint(Archive& archive) {
 }
 
 void Results::finish(End& end, const std::function<void(const std::string&)>& note) {
-  const std::vector<Checks::Verdict> verdicts = checks_.verdicts(end.status, end.message);
-  const auto failed = std::count_if(verdicts.begin(), verdicts.end(), [](const Checks::Verdict& v) { return !v.pass; });
+  const std::vector<audit::Checks::Verdict> verdicts = checks_.verdicts(end.status, end.message);
+  const auto failed = std::count_if(verdicts.begin(), verdicts.end(), [](const audit::Checks::Verdict& v) { return !v.pass; });
   if (end.status == Exit::done && failed > 0) end.status = Exit::checks, end.message = fmt::format("{} of {} checks failed", failed, verdicts.size());
   const std::string name = scene_.text("name");
   auto [grade, certificate] = certificate_.write({name, hash_, record_.device.kind, end.status, end.message, checks_.energy(), end.estimated.worst});
   end.grade = std::move(grade);
-  if (!end.estimated.json.empty()) certificate = with_error_budget(certificate, end.estimated.json);
-  output::write_file_atomically(folder_.file("certificate.json"), Checks::add_to(certificate, verdicts), true);
-  for (const Checks::Verdict& v : verdicts)
+  if (!end.estimated.json.empty()) certificate = audit::with_error_budget(certificate, end.estimated.json);
+  output::write_file_atomically(folder_.file("certificate.json"), audit::Checks::add_to(certificate, verdicts), true);
+  for (const audit::Checks::Verdict& v : verdicts)
     if (!v.pass) note(fmt::format("check failed: {}; it is {}", v.text, v.found.empty() ? fmt::format("{:.6g}", v.value) : v.found));
   if (file_ && file_->can_flush()) file_->flush();
   record_.frames = frames();

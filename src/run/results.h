@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "audit/certificate.h"
+#include "audit/checks.h"
 #include "base/archive.h"
 #include "base/snapshot.h"
 #include "model/input.h"
 #include "output/checkpoint.h"
 #include "output/field_file.h"
-#include "run/certificate.h"
-#include "run/checks.h"
 #include "run/folder.h"
 #include "run/newton_log.h"
 #include "run/pictures.h"
@@ -46,7 +46,7 @@ class Results {
   };
   void state(const State& now);
   long frames() const { return file_ ? file_->frames() : 0; }
-  const ContactFigures& contact() const { return contact_; }  // of the last state that a step led to
+  const audit::ContactFigures& contact() const { return contact_; }  // of the last state that a step led to
 
   void flush() { file_->flush(); }
   void close() { file_->close(); }
@@ -58,7 +58,7 @@ class Results {
     double wall;          // of the run [s]
     const engine::Engine* engine;
     const Estimated& estimated;  // how wrong quantities are
-    Grade grade{};               // that it got
+    audit::Grade grade{};        // that it got
   };
   // Writes how it ended, and grades it. Checks that failed are told to `note`, and make another end of one that was good.
   void finish(End& end, const std::function<void(const std::string&)>& note);
@@ -66,7 +66,7 @@ class Results {
  private:
   void frame(const State& now);
   void line(const State& now);
-  void audit(const EnergyAudit::Result& energy);
+  void audit(const audit::EnergyAudit::Result& energy);
 
   const Options& options_;
   const Params& scene_;
@@ -77,12 +77,12 @@ class Results {
   output::FieldOptions fields_;
   std::unique_ptr<output::FieldFile> file_;
   NewtonLog newton_log_;
-  Certificate certificate_;
-  Checks checks_;
+  audit::Certificate certificate_;
+  audit::Checks checks_;
   std::unique_ptr<Pictures> pictures_;
   std::optional<SensorMaps> sensor_maps_;
   long picture_every_ = 1;
-  ContactFigures contact_;
+  audit::ContactFigures contact_;
 };
 
 }  // namespace mortise::run

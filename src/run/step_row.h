@@ -4,7 +4,7 @@
 
 namespace mortise::run {
 
-inline output::StepRow step_row(const solver::StepReport& report, const ContactFigures& contact) {
+inline output::StepRow step_row(const solver::StepReport& report, const audit::ContactFigures& contact) {
   output::StepRow row;
   row.step = report.step + 1, row.time = report.time, row.dt = report.dt, row.substeps = report.substeps;
   row.newton_iterations = report.newton, row.lag_iterations = report.lag, row.cg_iterations = report.cg;

@@ -4,13 +4,13 @@
 
 #include <map>
 
+#include "audit/volumetric.h"
 #include "effects/roles.h"
 #include "engine/effect_tables.h"
 #include "geometry/bounds.h"
 #include "geometry/rigid_motion.h"
 #include "model/bonded.h"
 #include "run/tuning.h"
-#include "run/volumetric.h"
 #include "scene/pass_through.h"
 
 namespace mortise::run {
@@ -94,7 +94,7 @@ std::vector<std::string> warnings(const model::ModelInput& input) {
   of_contact(input, out);
   of_friction(input.scene, out);
   of_bonds(input, out);
-  for (std::string& risk : locking_risks(input)) out.push_back(std::move(risk));
+  for (std::string& risk : audit::locking_risks(input)) out.push_back(std::move(risk));
   for (const scene::PassThrough& p : scene::pass_through(input.scene, engine::effect_tables()))
     if (p.everything) out.push_back(p.text());
   return out;

@@ -2,9 +2,9 @@
 
 #include <filesystem>
 
+#include "audit/contact_figures.h"
 #include "base/cpu_time.h"
 #include "base/version.h"
-#include "run/contact_figures.h"
 #include "run/output_mesh.h"
 #include "run/signals.h"
 #include "run/step_row.h"
@@ -44,8 +44,8 @@ void Course::see(const solver::StepReport* report, bool frame) {
   engine_->report(state_);
   points_ = engine_->points();
   sensors_.read(state_, points_);
-  const run::EnergyAudit::Result energy = audit_.state({state_, points_});
-  if (report) out_->append_step(run::step_row(*report, run::contact_figures(state_)));
+  const audit::EnergyAudit::Result energy = audit_.state({state_, points_});
+  if (report) out_->append_step(run::step_row(*report, audit::contact_figures(state_)));
   if (!frame) return;
   out_->begin_frame(engine_->time(), points_);
   state_.report(*out_);

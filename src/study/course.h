@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "audit/state_audit.h"
 #include "base/snapshot.h"
 #include "engine/choose.h"
 #include "engine/input.h"
 #include "output/field_file.h"
-#include "run/state_audit.h"
 #include "scene/scene.h"
 #include "sensors/sensors.h"
 #include "study/study.h"
@@ -47,7 +47,7 @@ class Course {
   std::unique_ptr<engine::Engine> engine_;
   std::unique_ptr<output::FieldFile> out_;
   sensors::Sensors sensors_;
-  run::EnergyAudit audit_;
+  audit::EnergyAudit audit_;
   Snapshot state_;
   std::vector<double> points_;
 };

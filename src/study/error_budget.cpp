@@ -7,12 +7,12 @@
 #include <filesystem>
 #include <optional>
 
+#include "audit/vector_at.h"
 #include "base/cpu_time.h"
 #include "effects/roles.h"
 #include "engine/effect_tables.h"
 #include "run/output_mesh.h"
 #include "run/signals.h"
-#include "run/vector_at.h"
 #include "scene/scene.h"
 #include "study/course.h"
 #include "study/followed_budget.h"
@@ -54,7 +54,7 @@ double held_with(const model::ModelInput& input, const std::string& name, const 
   const Snapshot::Values* force = state.of_points("support_force", 3);
   for (const model::BodyInput& body : input.bodies) {
     if (body.type == model::BodyType::half_space) continue;
-    for (std::size_t i = 0; i < body.nodes.size() && force && body.name == name; ++i) sum += run::at(*force, point + i).norm();
+    for (std::size_t i = 0; i < body.nodes.size() && force && body.name == name; ++i) sum += audit::at(*force, point + i).norm();
     point += body.nodes.size();
   }
   return std::fmax(std::sqrt(square), sum);
@@ -62,7 +62,7 @@ double held_with(const model::ModelInput& input, const std::string& name, const 
 
 double longest(const std::vector<Vec3>& rest, const std::vector<double>& points) {
   double out = 0;
-  for (std::size_t i = 0; i < rest.size(); ++i) out = std::max(out, (run::at(points, i) - rest[i]).norm());
+  for (std::size_t i = 0; i < rest.size(); ++i) out = std::max(out, (audit::at(points, i) - rest[i]).norm());
   return out;
 }
 

@@ -4,16 +4,16 @@
 
 #include <algorithm>
 
+#include "audit/held_points.h"
+#include "audit/vector_at.h"
 #include "model/clusters.h"
 #include "model/volumetric.h"
-#include "run/held_points.h"
-#include "run/vector_at.h"
 #include "study/tuning.h"
 
 namespace mortise::study {
 
 GoalError::GoalError(const model::ModelInput& input, std::span<const double> stress, std::span<const double> points) {
-  const std::vector<bool> held = run::held_points(input);
+  const std::vector<bool> held = audit::held_points(input);
   std::size_t cell = 0, point = 0;
   double blindest = tuning::kBlind;
   for (const model::BodyInput& in : input.bodies) {
@@ -36,7 +36,7 @@ GoalError::GoalError(const model::ModelInput& input, std::span<const double> str
       if (model::averages_volume(in))
         b.cluster = model::star_clusters(in);
       else
-        b.one_sided = run::one_sided(held, point, in.nodes.size());
+        b.one_sided = audit::one_sided(held, point, in.nodes.size());
       const std::vector<Field> solution = of_solution(b, stress, points);
       double all = 0, blind = 0;  // energy, and that of elements without a free node [J]
       for (std::size_t t = 0; t < b.tets.size(); ++t) {
@@ -61,7 +61,7 @@ GoalError::GoalError(const model::ModelInput& input, std::span<const double> str
 std::vector<Mat3> GoalError::gradients(const Body& b, std::span<const double> of) {
   std::vector<Mat3> out;
   for (std::size_t t = 0; t < b.tets.size(); ++t) {
-    const auto at = [&](int k) { return run::at(of, b.first_point + static_cast<std::size_t>(b.tets[t].v[k])); };
+    const auto at = [&](int k) { return audit::at(of, b.first_point + static_cast<std::size_t>(b.tets[t].v[k])); };
     Mat3 edges;
     for (int k = 0; k < 3; ++k) edges.col(k) = at(k + 1) - at(0);
     out.push_back(edges * b.inverse[t]);

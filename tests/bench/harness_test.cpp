@@ -34,7 +34,7 @@ TEST(StudyHarness, RowsAreJsonWithExactlyTheseKeys) {
   EXPECT_TRUE(nlohmann::json::parse(json_line(row))["pass"].is_null());
   row.failed = true;
   EXPECT_EQ(nlohmann::json::parse(json_line(row))["pass"], false);
-  const run::Grade::Verdict a{"A", "every bound is met"}, b{"B", "stress_error is 0.07, more than 0.05"};
+  const audit::Grade::Verdict a{"A", "every bound is met"}, b{"B", "stress_error is 0.07, more than 0.05"};
   row.as = {.all = b, .forces = a, .graded = {{"stress_error", 0.07}}};
   const auto graded = nlohmann::json::parse(json_line(row));
   EXPECT_EQ(graded["grade"], "B");

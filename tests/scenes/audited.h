@@ -1,19 +1,19 @@
 #pragma once
 // Runs a scene and has its energies audited as `mortise run` does.
+#include "audit/state_audit.h"
 #include "rig.h"
-#include "run/state_audit.h"
 
 namespace mortise::testing {
 
 struct Turned {
-  run::EnergyAudit::Result energy;
+  audit::EnergyAudit::Result energy;
   double way = 0;
   int first_order = 0;
 };
 
 inline Turned turn(const std::string& scene, int steps, const std::vector<std::string>& overrides = {}) {
   Rig rig(scene, overrides);
-  run::EnergyAudit audit(rig.input);
+  audit::EnergyAudit audit(rig.input);
   const std::vector<double> start = rig.engine->points();
   audit.state({rig.fields(), start});
   Turned out;
@@ -25,7 +25,7 @@ inline Turned turn(const std::string& scene, int steps, const std::vector<std::s
     out.first_order += report.first_order;
   }
   out.energy = audit.result();
-  const run::MeasuredBody body(rig.input.bodies[0], 0);
+  const audit::MeasuredBody body(rig.input.bodies[0], 0);
   const std::vector<double> end = rig.engine->points();
   out.way = body.mean(end, end)[0] - body.mean(start, start)[0];
   return out;

@@ -1,11 +1,11 @@
 // Layers of one and two linear elements between what holds them: how much stiffer than in truth, and what bubbles on edges say of it
 // (run/bubble_error.h).
-#include "run/bubble_error.h"
+#include "audit/bubble_error.h"
 
 #include <fmt/format.h>
 
+#include "audit/field_errors.h"
 #include "rig.h"
-#include "run/field_errors.h"
 
 using namespace mortise;
 using namespace mortise::testing;
@@ -37,16 +37,17 @@ Loaded load(const std::string& scene, const std::vector<std::string>& overrides 
   Rig rig(scene, overrides);
   rig.step();
   const Captured said = rig.fields();
-  std::vector<run::BubbleError::Stress> stress;
+  std::vector<audit::BubbleError::Stress> stress;
   const std::vector<double>& all = said.cell.at("cauchy_stress");
-  for (std::size_t t = 0; t < rig.input.bodies[0].tets.size(); ++t) stress.push_back(Eigen::Map<const run::BubbleError::Stress>(all.data() + 6 * t));
+  for (std::size_t t = 0; t < rig.input.bodies[0].tets.size(); ++t)
+    stress.push_back(Eigen::Map<const audit::BubbleError::Stress>(all.data() + 6 * t));
   const std::vector<double>& moved = *said.of_points("displacement", 3);
-  return {said.at("elasticity/energy"), run::BubbleError(rig.input, rig.input.bodies[0]).of(stress, {}, moved)};
+  return {said.at("elasticity/energy"), audit::BubbleError(rig.input, rig.input.bodies[0]).of(stress, {}, moved)};
 }
 
 double stress_error(const std::string& scene, int steps) {
   Rig rig(scene);
-  run::FieldErrors errors(rig.input);
+  audit::FieldErrors errors(rig.input);
   for (int i = 1; i <= steps; ++i) rig.step(), errors.state(rig.fields(), static_cast<double>(i) / steps);
   return errors.result().stress;
 }

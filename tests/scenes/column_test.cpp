@@ -1,8 +1,8 @@
 // Uniform stress hides how badly a mesh bends, and near the load at which it buckles that weighs several times (run/stress_error.h, `bending`).
 #include <fmt/format.h>
 
+#include "audit/field_errors.h"
 #include "rig.h"
-#include "run/field_errors.h"
 
 using namespace mortise;
 using namespace mortise::testing;
@@ -28,7 +28,7 @@ effects:
   pressure_load: [{{body: column, where: {{side: z_max}}, traction: [{}, 0, {}]}}]
 )",
                       mesh, across, -514 * share));
-  run::FieldErrors errors(rig.input);
+  audit::FieldErrors errors(rig.input);
   rig.step();
   errors.state(rig.fields(), 1);
   Bent out;
@@ -73,7 +73,7 @@ effects:
     - {body: bar, where: {side: z_min}}
     - {body: bar, where: {side: z_max}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, 10 mm]]}}
 )");
-  run::FieldErrors errors(rig.input);
+  audit::FieldErrors errors(rig.input);
   rig.step();
   errors.state(rig.fields(), 1);
   EXPECT_LT(errors.result().stiffness, 0.05);

@@ -3,9 +3,9 @@
 
 #include <fstream>
 
+#include "audit/state_audit.h"
 #include "link.h"
 #include "rig.h"
-#include "run/state_audit.h"
 
 using namespace mortise;
 using namespace mortise::testing;
@@ -165,7 +165,7 @@ effects:
   for (const std::string& yaml : {scene(hip, drive_hip + drive_knee), scene(hip, swing + drive_knee), scene("", drive_knee)}) {
     Rig rig(yaml);
     const bool driven = yaml.find("joint: hip, mode: kin") != std::string::npos;
-    run::EnergyAudit audit(rig.input);
+    audit::EnergyAudit audit(rig.input);
     for (int i = 0; i < 100; ++i) {
       rig.step();
       const Captured f = rig.fields();
@@ -231,7 +231,7 @@ TEST(Drives, PowerBalance) {
                             "mode: pd, kp: 0.2, damping: 2e-3, stiffness: 0.2, rest: 5 deg, armature: 1e-4"}) {
     Rig rig(link("", std::string(drive) + ", sine: {angle: 40 deg, frequency: 2}", 0.5));
     rig.step();
-    run::EnergyAudit audit(rig.input);
+    audit::EnergyAudit audit(rig.input);
     double work = 0, first = 0, held = 0, exchanged = 0;
     for (int i = 0; i < 200; ++i) {
       const Captured f = rig.fields();
@@ -260,14 +260,14 @@ TEST(Drives, SpringsLoseNothingOfTheirOwn) {
   for (const char* drive : {"mode: passive, stiffness: 0.5", "mode: pd, kp: 0.5, angle: 0"})
     for (const char* integrator : {"backward_euler", "bdf2"}) {
       Rig rig(link("", drive, 1, integrator), {kNoWeight, "bodies.arm.angular_velocity=[0, 10, 0]", "bodies.arm.velocity=[0, 0, -0.5]"});
-      run::EnergyAudit audit(rig.input);
+      audit::EnergyAudit audit(rig.input);
       int first_order = 0;
       for (int i = 0; i <= 200; ++i) {
         const std::vector<double> points = rig.engine->points();
         audit.state({rig.fields(), points});
         first_order += rig.step().first_order;
       }
-      const run::EnergyAudit::Result& r = audit.result();
+      const audit::EnergyAudit::Result& r = audit.result();
       EXPECT_LT(std::abs(r.support_work), 1e-9 * r.scale) << drive;
       EXPECT_LT(r.largest_gain, 1e-3 * r.scale) << drive;
       if (std::string(integrator) == "bdf2") {

@@ -1,8 +1,8 @@
 // Facets of what presses, against the force that is missing for them (run/facet_depth.h).
 #include <fmt/format.h>
 
+#include "audit/field_errors.h"
 #include "rig.h"
-#include "run/field_errors.h"
 
 using namespace mortise;
 using namespace mortise::testing;
@@ -11,7 +11,7 @@ namespace {
 
 struct Pressed {
   double force;
-  run::FieldErrors::Result errors;
+  audit::FieldErrors::Result errors;
 };
 
 // A stiff body is pressed into a pad by 1 mm.
@@ -31,7 +31,7 @@ effects:
   barrier_contact: {{d_hat: 0.01 mm}}
 {})",
                       body, effects));
-  run::FieldErrors errors(rig.input);
+  audit::FieldErrors errors(rig.input);
   Captured said;
   for (int i = 1; i <= 2; ++i) rig.step(), said = rig.fields(), errors.state(said, i / 2.0);
   return {said.has(supports) ? std::abs(said.at(supports)) : 0, errors.result()};

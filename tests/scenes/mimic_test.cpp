@@ -1,8 +1,8 @@
 // Joints that follow others, and slides on bodies that move freely: against rigid bodies' equations, exact to 1e-9, momentum, resumed runs.
 #include <fmt/format.h>
 
+#include "audit/state_audit.h"
 #include "rig.h"
-#include "run/state_audit.h"
 
 using namespace mortise;
 using namespace mortise::testing;
@@ -125,7 +125,7 @@ effects:
   drive: [{joint: near, mode: pd, kp: 0.1, kd: 2e-3, angle: 60 deg}]
 )";
   Rig rig(yaml), broken(yaml);
-  run::EnergyAudit audit(rig.input);
+  audit::EnergyAudit audit(rig.input);
   double turning = 0, left = 0;
   for (int i = 0; i < 150; ++i) {
     rig.step();

@@ -1,11 +1,11 @@
 // Effects that the program does not know by name get everything that those get which it comes with: nobody asks for names.
 #include <fmt/format.h>
 
+#include "audit/certificate.h"
+#include "audit/checks.h"
 #include "base/pass_on.h"
 #include "effects/list.h"
 #include "rig.h"
-#include "run/certificate.h"
-#include "run/checks.h"
 
 using namespace mortise;
 using namespace mortise::testing;
@@ -124,8 +124,8 @@ std::string without_my(std::string s) {
 
 Result result(const std::string& my) {
   Rig rig(scene_text(my));
-  run::Certificate certificate(rig.input);
-  run::Checks checks(rig.input);
+  audit::Certificate certificate(rig.input);
+  audit::Checks checks(rig.input);
   Result out;
   for (int i = 0; i < 4; ++i) {
     out.newton += rig.step().newton;
@@ -136,7 +136,7 @@ Result result(const std::string& my) {
   }
   out.points = rig.engine->points();
   for (const auto& [name, v] : rig.fields().number) out.number[without_my(name)] = v;
-  for (const run::Checks::Verdict& v : checks.verdicts(Exit::done, "")) {
+  for (const audit::Checks::Verdict& v : checks.verdicts(Exit::done, "")) {
     EXPECT_FALSE(std::isnan(v.value)) << v.text << " was not measured";
     out.verdicts.push_back(fmt::format("{} {} {}", v.text, v.pass, v.value));
   }

@@ -1,8 +1,8 @@
 // Mass and inertia that a scene states, and bodies of several parts: against what mechanics says of them.
 #include <cmath>
 
+#include "audit/measured_body.h"
 #include "rig.h"
-#include "run/measured_body.h"
 
 namespace mortise::testing {
 namespace {
@@ -46,7 +46,7 @@ TEST(StatedMass, KineticEnergyIsThatOfTheTensor) {
 
 TEST(StatedMass, IsWhatCertificatesMeasure) {
   Rig rig(kHead + kStated + kFree);
-  const run::MeasuredBody body(rig.input.bodies[0], 0);
+  const audit::MeasuredBody body(rig.input.bodies[0], 0);
   const Vec3 centre = turn() * Vec3(0.03, -0.02, 0.01) + Vec3(0.5, 0.1, -0.2), w(0.4, -0.5, 0.6);
   std::vector<double> points, velocity;
   for (const Vec3& x : rig.input.bodies[0].nodes) {
@@ -123,7 +123,7 @@ bodies:
         - {shape: {box: {size: [0.4, 0.02, 0.02], edge_length: 0.4}}, rotation: {axis: [0, 1, 0], angle: 90 deg}}
     angular_velocity: [0, 0.02, 0]
 )" + kFree);
-  const run::MeasuredBody body(rig.input.bodies[0], 0);
+  const audit::MeasuredBody body(rig.input.bodies[0], 0);
   const double head = 8000 * 1e-3, handle = 8000 * 0.4 * 4e-4, all = head + handle, z = head * 0.3 / all;
   EXPECT_NEAR(body.mass(), all, 1e-12 * all);
   const std::vector<double> points = rig.engine->points();

@@ -1,8 +1,8 @@
 // Joints and bonds by elimination: pendulums against rigid bodies' equations, chains, forces through ties, batches and resumed runs.
 #include <fmt/format.h>
 
+#include "audit/state_audit.h"
 #include "rig.h"
-#include "run/state_audit.h"
 #include "scene/pass_through.h"
 
 using namespace mortise;
@@ -176,7 +176,7 @@ TEST(Joints, KeepMomentumAndEnergy) {
   Captured before = rig.fields();
   const Vec3 p = vector(before, "inertia/momentum_");
   EXPECT_GT(p.norm(), 0.1);
-  run::EnergyAudit audit(rig.input);
+  audit::EnergyAudit audit(rig.input);
   for (int i = 0; i < 60; ++i) {
     rig.step();
     const Captured now = rig.fields();
@@ -269,7 +269,7 @@ TEST(Bonds, CarryWhatHangsOnThem) {
     const Captured f = rig.fields();
     const auto weight = [&](int body) {
       const model::BodyInput& b = rig.input.bodies[body];
-      run::MeasuredBody measured(b, 0);
+      audit::MeasuredBody measured(b, 0);
       return measured.mass() * kG;
     };
     const double below = weight(2) + weight(1);
@@ -532,7 +532,7 @@ effects:
 )";
   for (const char* linear : {"direct", "cg"}) {
     Rig rig(kCrank, {std::string("solver.linear=") + linear});
-    run::EnergyAudit audit(rig.input);
+    audit::EnergyAudit audit(rig.input);
     double work = 0;
     for (int i = 0; i < 100; ++i) {
       rig.step();
@@ -720,7 +720,7 @@ TEST(Joints, CloseLoops) {
   for (const char* last : {"type: revolute, axis: [0, 1, 0]", "type: spherical"})
     for (const char* linear : {"direct", "cg"}) {
       Rig rig(four_bar(last), {std::string("solver.linear=") + linear});
-      run::EnergyAudit audit(rig.input);
+      audit::EnergyAudit audit(rig.input);
       for (int i = 0; i < 100; ++i) {
         rig.step();
         const Captured f = rig.fields();

@@ -1,5 +1,5 @@
 // Shear of what came to touch within a step (run/touch_lag.h).
-#include "run/touch_lag.h"
+#include "audit/touch_lag.h"
 
 #include <fmt/format.h>
 
@@ -36,7 +36,7 @@ effects:
 )",
                       steps, pad_moves ? ", motion: " + ways : "", pad_moves ? "" : ", motion: " + ways, contact,
                       contact == "mortar_contact" ? "{pairs: [{slave: pad, master: ball}]}" : "{}", contact, mu));
-  auto watch = std::make_unique<run::TouchLag>(rig.input);
+  auto watch = std::make_unique<audit::TouchLag>(rig.input);
   watch->state(rig.fields());
   Pressed out;
   for (int i = 0; i < steps; ++i) {
@@ -49,7 +49,7 @@ effects:
     MemoryArchive archive;
     watch->checkpoint(archive);
     archive.rewind();
-    watch = std::make_unique<run::TouchLag>(rig.input);
+    watch = std::make_unique<audit::TouchLag>(rig.input);
     watch->checkpoint(archive);
   }
   out.lag = watch->share();

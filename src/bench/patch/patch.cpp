@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <numbers>
 
+#include "audit/contact_patch.h"
 #include "base/error.h"
 #include "bench/all.h"
 #include "bench/meshes.h"
 #include "bench/reference.h"
 #include "geometry/midsides.h"
-#include "run/contact_patch.h"
 
 namespace mortise::bench {
 namespace {
@@ -81,7 +81,7 @@ double pressure_error(const Solved& s) {
   const Snapshot::Values* p = s.fields.of_points("contact_pressure", 1);
   if (!p) return NAN;
   double sum = 0, square = 0;
-  const std::vector<run::ContactPatch::Node> interior = run::ContactPatch(s.input).interior({*p, *s.fields.of_points("contact_force", 3), {}});
+  const std::vector<audit::ContactPatch::Node> interior = audit::ContactPatch(s.input).interior({*p, *s.fields.of_points("contact_force", 3), {}});
   for (const auto& node : interior) sum += (*p)[node.point];
   const double n = static_cast<double>(interior.size()), mean = sum / n;
   for (const auto& node : interior) square += ((*p)[node.point] - mean) * ((*p)[node.point] - mean);

@@ -1,0 +1,52 @@
+#include "audit/advice.h"
+
+#include <map>
+
+namespace mortise::audit {
+
+std::string_view advice(std::string_view check) {
+  static constexpr std::string_view kBalance = "a smaller solver.relative_tolerance; if that does not help, the defect is mortise's",
+                                    kStiff = "a larger affine_body.stiffness", kDamps = "shorter steps (time.step), or inertia: {integrator: bdf2}",
+                                    kMesh = "a finer mesh of what is stressed (edge_length; three elements across what is thin), or order: 2",
+                                    kRound = "a finer mesh of round bodies, of stiff ones too (edge_length)",
+                                    kLayer = "a smaller d_hat; by default it is a hundredth of the finest mesh in contact";
+  static const std::map<std::string_view, std::string_view> all{
+      {"residual_share", "a smaller solver.relative_tolerance"},
+      {"force_balance_defect", kBalance},
+      {"support_balance_defect", kBalance},
+      {"written_force_defect", kBalance},
+      {"pressure_sum_defect", kBalance},
+      {"clip_partition_defect", kBalance},
+      {"rigidity_defect", kStiff},
+      {"stiff_strain", kStiff},
+      {"energy_gain", "shorter steps (time.step)"},
+      {"free_motion_loss", kDamps},
+      {"stiff_impacts", "a soft layer on what strikes: how far stiff bodies bounce off each other is in no law here"},
+      {"turning_loss", kDamps},
+      {"given_turning_loss", kDamps},
+      {"start_energy", "more room between bodies at the start, or a smaller d_hat"},
+      {"schedule_missed", "shorter steps, of which none goes past a turn or a pulse of a schedule"},
+      {"motion_lag", kDamps},
+      {"given_lag", kDamps},
+      {"guard_share", "a finer mesh of the slave, or a larger d_hat"},
+      {"stress_error", kMesh},
+      {"stiffness_error", kMesh},
+      {"linear_law_turned", "materials of model: neo_hookean or corotated"},
+      {"load_turned", "smaller loads: a pressure_load keeps its direction while its faces turn"},
+      {"shape_defect", kRound},
+      {"friction_crept", "a smaller creep_speed of friction"},
+      {"touch_lag", "shorter steps where bodies come to touch"},
+      {"slip_sampling", "a finer mesh of what turns on what it bears on (edge_length)"},
+      {"pressure_roughness", "mortar_contact with the finer mesh as the slave, a finer mesh, or gap: averaged"},
+      {"pressure_misfit", "mortar_contact with consistent weights"},
+      {"layer_over_indentation", kLayer},
+      {"layer_over_way", kLayer},
+      {"facets_over_indentation", kRound},
+      {"facets_over_way", kRound},
+      {"rim_error", "a finer mesh where the edge presses (edge_length)"},
+      {"quantity_error", "what its error_budget names; 'mortise run --accuracy NAME=5%' looks for it"}};
+  const auto it = all.find(check);
+  return it == all.end() ? std::string_view() : it->second;
+}
+
+}  // namespace mortise::audit

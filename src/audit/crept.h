@@ -1,0 +1,45 @@
+#pragma once
+// Friction's law is smooth: what sticks creeps, at speeds below `creep_speed`, and what slips more slowly than that has less friction than mu N. With
+// the mean speed of the slip between two bodies over the friction forces, v = P / sum |F|, P what friction takes away there [W],
+//
+//   crept = sum over the steps with v < creep_speed of v dt,
+//
+// of which a body in a hand slips, or a sheared pad lets go again. Told as a share of the farthest that any point of the two has gone from where it
+// would be if it had gone with one of them, or of a hundredth of the smaller one, whichever is more; of the pair where that is most.
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "audit/friction_pairs.h"
+#include "base/archive.h"
+#include "base/snapshot.h"
+#include "model/input.h"
+
+namespace mortise::audit {
+
+class Crept {
+ public:
+  explicit Crept(const model::ModelInput& input);
+  void state(const Snapshot& said, const std::vector<Rubbing>& rubs);
+  void step(double dt);                    // that led to that state [s]
+  double speed() const { return speed_; }  // what sticks creeps more slowly [m/s]; NaN without friction
+  double share() const;                    // NaN without friction
+  void checkpoint(Archive& archive);
+
+ private:
+  struct Body {
+    std::size_t first = 0, count = 0;  // points
+    double size = INFINITY;            // [m]
+  };
+  struct Pair {
+    double crept = 0, far = 0;  // [m]
+    double now = 0;             // how fast it creeps in the last state, 0 where it slips [m/s]
+  };
+  double farthest(const Bodies& bodies, const Snapshot::Values& displacement) const;
+
+  double speed_ = NAN;        // creep_speed [m/s]
+  std::vector<Body> bodies_;  // that have points; obstacles have later numbers
+  std::map<Bodies, Pair> pairs_;
+};
+
+}  // namespace mortise::audit

@@ -1,0 +1,115 @@
+#include "audit/moving_body.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "audit/entries.h"
+#include "audit/holds.h"
+#include "base/disjoint_sets.h"
+#include "effects/roles.h"
+#include "effects/tie_name.h"
+
+namespace mortise::audit {
+
+MovingBodies::MovingBodies(const model::ModelInput& input) {
+  const Holds holds(input.scene.at("effects"));
+  const double step = integration_of(input.scene).step;
+  std::map<std::string, std::size_t> number;
+  for (const model::BodyInput& b : input.bodies)
+    if (b.type != model::BodyType::half_space) number.emplace(b.name, number.size());
+  std::vector<bool> tied(number.size(), false), motored(number.size(), false);
+  DisjointSets sets(number.size());
+  for (const auto& [one, other] : holds.together()) {
+    for (const std::string& name : {one, other})
+      if (number.count(name)) tied[number.at(name)] = true;
+    if (number.count(one) && number.count(other) && !holds.given(one) && !holds.given(other)) sets.join(number.at(one), number.at(other));
+  }
+  std::map<std::size_t, std::size_t> carriers;  // of groups
+  for (const auto& [one, other] : holds.together())
+    for (const auto& [carrier, body] : {std::pair{one, other}, {other, one}})
+      if (number.count(one) && number.count(other) && holds.given(carrier) && !holds.given(body))
+        carriers.emplace(sets.of(number.at(body)), number.at(carrier));
+  const std::vector<Params> joints = entries(input.scene.at("effects"), "joint");
+  std::vector<bool> at_motor(number.size(), false);
+  std::set<std::pair<std::string, std::string>> driven;
+  for (const Params& p : joints) {
+    if (holds.driven(effects::tie_name(p)) == Holds::Driven::no) continue;
+    const std::string to = p.has("to") ? p.text("to") : "";
+    driven.emplace(p.text("body"), to);
+    for (const std::string& name : {p.text("body"), to})
+      if (number.count(name)) at_motor[number.at(name)] = true;
+    if (number.count(p.text("body"))) motored[sets.of(number.at(p.text("body")))] = true;
+  }
+  DisjointSets loose(number.size());  // kept together by what no motor moves
+  for (const auto& [one, other] : holds.together())
+    if (!driven.count({one, other}) && number.count(one) && number.count(other) && !holds.given(one) && !holds.given(other))
+      loose.join(number.at(one), number.at(other));
+  std::map<std::size_t, std::size_t> at_motors;
+  for (const auto& [name, i] : number)
+    if (at_motor[i] && !holds.given(name)) at_motors.emplace(loose.of(i), i);
+  for (const model::BodyInput& b : input.bodies) {
+    if (b.type == model::BodyType::half_space) continue;
+    const std::size_t i = number.at(b.name), group = sets.of(i);
+    HowHeld how{};
+    how.held = holds.held(b.name);
+    how.given = holds.given(b.name), how.driven = how.given && !holds.pinned(b.name);
+    how.free = !how.held && !tied[i];
+    how.swings = how.held ? !how.given && !holds.motored(b.name) : !motored[group];
+    how.damped = holds.damped(b.name, step), how.group = group;
+    if (const auto carrier = carriers.find(group); carrier != carriers.end()) how.carrier = carrier->second;
+    how.swings_with = b.type == model::BodyType::soft ? number.size() + i : loose.of(i);
+    if (const auto on = at_motors.find(loose.of(i)); on != at_motors.end() && !at_motor[i] && !how.given) how.swings_on = on->second;
+    std::vector<std::string> stops;
+    bool spins = true;
+    for (const Params& p : joints) {
+      if (p.text("body") != b.name) continue;
+      stops.push_back("joint/" + effects::tie_name(p) + "_stop");
+      spins = spins && p.text("type") != "fixed" && !p.has("mimic") && holds.driven(effects::tie_name(p)) != Holds::Driven::yes;
+    }
+    how.spins = stops.empty() ? how.free : spins;
+    who_.push_back({how, std::move(stops)});
+  }
+}
+
+std::vector<MovingBody> MovingBodies::at(const Snapshot& said, const std::vector<double>& points, const std::vector<MeasuredBody>& bodies) const {
+  std::vector<MovingBody> out;
+  const Snapshot::Values *velocity = said.of_points("velocity", 3), *force = said.of_points("contact_force", 3);
+  if (!velocity || velocity->empty()) return out;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const MeasuredBody& b = bodies[i];
+    double pushed = 0;
+    Vec3 pressed = Vec3::Zero();
+    for (std::size_t p = b.first; force && !force->empty() && p < b.first + b.count; ++p) {
+      const double size = audit::at(*force, p).norm();
+      pushed += size, pressed += size * audit::at(points, p);
+    }
+    if (pushed > 0) pressed /= pushed;
+    const auto at_it = [&](const std::string& stop) { return said.has(stop) && said.at(stop) != 0; };
+    const bool stopped = std::any_of(who_[i].stops.begin(), who_[i].stops.end(), at_it);
+    // Slides on the world are supported, across their axis.
+    const HowHeld& how = who_[i].how;
+    const bool led = how.given || (said.has("supports/" + b.name + "_x") && !how.held);
+    out.push_back({how, b, b.mean(points, points), b.mean(*velocity, points), b.spin(*velocity, points), pushed > 0, stopped, pressed, led,
+                   b.soft() ? 0.0 : b.turning_energy(*velocity, points)});
+  }
+  return out;
+}
+
+double radius_of_group(const std::vector<MovingBody>& bodies, const MovingBody& body, const std::vector<double>& points) {
+  double radius = 0;
+  for (const MovingBody& other : bodies)
+    if (other.group == body.group) radius = std::max(radius, other.body.radius(body.x, points));
+  return radius;
+}
+
+Integration integration_of(const Params& scene) {
+  const Params &effects = scene.at("effects"), *time = scene.find("time");
+  const std::vector<std::string> inertia = effects::of_role(effects, effects::Role::inertia);
+  const Params* step = time ? time->find("step") : nullptr;
+  if (!step || inertia.empty()) return {};
+  const Params* integrator = effects.at(inertia.front()).find("integrator");
+  return {step->as_number(), integrator && integrator->as_text() == "bdf2"};
+}
+
+}  // namespace mortise::audit

@@ -1,0 +1,71 @@
+#pragma once
+// Bodies in a state of motion, measured once for all estimates of what the time step does to it, and who leads them.
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "audit/measured_body.h"
+#include "base/snapshot.h"
+#include "model/input.h"
+
+namespace mortise::audit {
+
+// How a body is held, throughout a run.
+struct HowHeld {
+  bool held;          // by the world, if over other bodies
+  bool given;         // it goes as pins or kinematic drives say (Holds::given)
+  bool driven;        // given, and not by pins of its own
+  bool free;          // nothing holds it or ties it to another body
+  bool swings;        // it goes as forces say: not given, and no motor is on the way to what holds it, or on what it hangs together with
+  bool spins;         // free, or on joints of its own that no motor moves but by a given torque
+  bool damped;        // by its joint, far more than by the time step (Holds::damped)
+  std::size_t group;  // number of a body that it hangs together with by joints, bonds and ties, over what is not given
+  std::optional<std::size_t> carrier;  // number of a given body that its group hangs on
+  // A number of what it hangs together with by what no motor moves, of a soft body its own, less than twice the bodies; and the one of them that is
+  // at a motor, of those that are at none.
+  std::size_t swings_with;
+  std::optional<std::size_t> swings_on;
+};
+
+struct MovingBody : HowHeld {
+  const MeasuredBody& body;
+  Vec3 x, v, w;  // centre of mass [m], its velocity [m/s], angular velocity [rad/s]
+  bool touches;  // a force of contact is on one of its points
+  bool stopped;  // its joint is at a stop
+  Vec3 pressed;  // mean place of these forces, as far as it touches [m]
+  bool led;      // given, or supported by what is no joint
+  double turns;  // energy of turning about its centre, of stiff bodies [J]
+
+  // Of its centre [J].
+  double energy() const { return energy_of(v); }
+  // The same of another velocity, and of turning with another one, as if all its axes of inertia were like that which it turns about.
+  double energy_of(const Vec3& of) const { return 0.5 * body.mass() * of.squaredNorm(); }
+  double turning_of(const Vec3& of) const { return w.squaredNorm() > 0 ? turns * of.squaredNorm() / w.squaredNorm() : 0; }
+};
+
+class MovingBodies {
+ public:
+  explicit MovingBodies(const model::ModelInput& input);
+  const HowHeld& how(std::size_t body) const { return who_[body].how; }
+  // bodies: all but half-spaces. Empty where no velocities are reported.
+  std::vector<MovingBody> at(const Snapshot& said, const std::vector<double>& points, const std::vector<MeasuredBody>& bodies) const;
+
+ private:
+  struct Who {
+    HowHeld how;
+    std::vector<std::string> stops;  // what says of its joints that they are at one
+  };
+  std::vector<Who> who_;
+};
+
+// Distance of the farthest point of what a body hangs together with from its centre [m].
+double radius_of_group(const std::vector<MovingBody>& bodies, const MovingBody& body, const std::vector<double>& points);
+
+// An integrator's time step h [s], NaN without one, and whether it is of second order.
+struct Integration {
+  double step = NAN;
+  bool second_order = false;
+};
+Integration integration_of(const Params& scene);
+
+}  // namespace mortise::audit
