@@ -82,6 +82,19 @@ void of_bonds(const model::ModelInput& input, std::vector<std::string>& out) {
   }
 }
 
+// Statics run from 0 to 1: what schedules ask for after that is never reached.
+void of_late_keys(const Params& block, std::vector<std::string>& out) {
+  if (block.kind() == Params::Kind::list)
+    for (const Params& item : block.items()) of_late_keys(item, out);
+  if (block.kind() != Params::Kind::table) return;
+  for (const auto& [key, value] : block.entries()) {
+    of_late_keys(value, out);
+    if (key != "time" || value.kind() != Params::Kind::list || value.items().empty() || !(value.as_numbers().back() > 1)) continue;
+    out.push_back(at(value.where(), fmt::format("the key at {:g} s is not reached: static scenes go from 0 to 1, whatever their number of steps",
+                                                value.as_numbers().back())));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> warnings(const model::ModelInput& input) {
@@ -91,6 +104,7 @@ std::vector<std::string> warnings(const model::ModelInput& input) {
   if (const Params* step = time.find("step"); step && step->as_number() > tuning::kLongestStep)
     out.push_back(
         at(step->where(), fmt::format("time.step is {:.3g} s: motions and oscillations shorter than that are damped away", step->as_number())));
+  if (time.text("mode") == "static") of_late_keys(input.scene.at("effects"), out);
   of_contact(input, out);
   of_friction(input.scene, out);
   of_bonds(input, out);

@@ -47,7 +47,10 @@ Params Checker::table(const ParamTable& base, const Node& node, const std::strin
   if (node.kind != Node::Kind::map && node.kind != Node::Kind::null) {
     std::vector<std::string> keys;
     for (const Param& p : base.params) keys.push_back(p.key + ": ...");
-    errors_.add(node.at, where + " is " + node.describe() + "; must be a block of keys", keys.size() > 4 ? "" : "{" + join(keys, ", ") + "}");
+    std::string hint = keys.size() > 4 ? "" : "{" + join(keys, ", ") + "}";
+    for (const Param& p : base.params)  // `where: all`
+      if (node.kind == Node::Kind::scalar && std::count(p.choices.begin(), p.choices.end(), node.text)) hint = "{" + p.key + ": " + node.text + "}";
+    errors_.add(node.at, where + " is " + node.describe() + "; must be a block of keys", hint);
     incomplete_.insert(path);
     return out;
   }

@@ -48,6 +48,15 @@ TEST(Warnings, TellWhatSlidesFreely) {
               ElementsAre(HasSubstr("effects.friction follows mortar_contact: what barrier_contact presses slides freely")));
 }
 
+// A strip was to be pulled out from 1 s to 12 s, and was not: statics end at 1.
+TEST(Warnings, TellOfKeysThatStaticsDoNotReach) {
+  const std::string pull =
+      "effects.pin=[{body: block, where: {side: x_max}, motion: {time: [0, 1, 12], translation: [[0, 0, 0], [0, 0, 0], [1, 0, 0]]}}]";
+  EXPECT_THAT(warned({pull}), IsEmpty());
+  const std::vector<std::string> set{"time={mode: static, steps: 2}", "effects={elasticity: {}, barrier_contact: {}}", pull};
+  EXPECT_THAT(warned(set), ElementsAre(HasSubstr("the key at 12 s is not reached: static scenes go from 0 to 1")));
+}
+
 TEST(Warnings, TellWhereElementsLock) {
   EXPECT_THAT(warned({"materials.gel.poisson_ratio=0.49"}), IsEmpty());
   EXPECT_THAT(warned({"materials.gel.volumetric=full"}), IsEmpty());
