@@ -1,6 +1,7 @@
 #include "audit/bounce_loss.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "audit/archived.h"
 #include "audit/tuning.h"
@@ -88,7 +89,7 @@ void BounceLoss::state(const std::vector<MovingBody>& bodies, double lost, const
       continue;
     }
     if (c.steps < 0) c.steps = c.slow = c.lost = c.soft = c.own = 0, brought_ += c.before;
-    if (c.before == 0) continue;  // it touched from the start
+    if (std::isnan(c.before)) continue;
     if (++c.steps == 1) c.lost += lost, c.own += part;
     if (soft) c.soft = 1;
     if (energy < tuning::kSlow * c.before) ++c.slow;

@@ -13,6 +13,7 @@
 //     E = (1 + r)^2 / 4 * 1/2 |dv|_M^2
 // before it, along its change, it has lost 4 r / (1 + r)^2 of that. What a step lost is shared out as bodies' changes of velocity are. A contact in
 // which weight did more than half of it was no bounce.
+#include <cmath>
 #include <vector>
 
 #include "audit/moving_body.h"
@@ -23,7 +24,7 @@ namespace mortise::audit {
 
 class BounceLoss {
  public:
-  // lost: by the step that led to this state, without friction [J].
+  // lost: by the step that led to this state, without friction [J]; nothing by what led to the first.
   void state(const std::vector<MovingBody>& bodies, double lost, const OwnEnergy& own);
   double sum() const { return sum_; }          // lost in contacts that ended in flight [J]
   double stiff() const { return stiff_; }      // in doubt after impacts of stiff bodies [J]
@@ -36,12 +37,12 @@ class BounceLoss {
  private:
   // Of the contact under way, for all that hangs together (`MovingBody::group`).
   struct Contact {
-    double steps = 0;   // so far; -1: in flight; no start was seen of what touches in the first state
-    double slow = 0;    // those of them in which it hardly moved
-    double before = 0;  // its energy before [J]
-    double lost = 0;    // so far, by all [J]
-    double soft = 0;    // was something soft struck?
-    double own = 0;     // its part of what was lost so far [J]
+    double steps = 0;     // so far; -1: in flight
+    double slow = 0;      // those of them in which it hardly moved
+    double before = NAN;  // its energy before [J]; NaN: no start was seen of what touches in the first state
+    double lost = 0;      // so far, by all [J]
+    double soft = 0;      // was something soft struck?
+    double own = 0;       // its part of what was lost so far [J]
     // Of all contacts that ended: lost, in doubt, the largest E; and the largest energy of motion as seen from the world or from another body [J].
     double bounced = 0, doubted = 0, most = 0, moved = 0;
   };

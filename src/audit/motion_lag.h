@@ -8,6 +8,9 @@
 // Where motion feeds on itself (what topples: a ~ x), the velocity is multiplied, in a step by 1 / (1 - l h) where exp(l h) is right: with
 // l = dv.v / (h |v|^2) that is ahead by l h^2 / 2 [s], which adds up over all steps in which the acceleration grows at nearly the rate at which the
 // velocity does (under a force that grows with a power of time less than the third it does not), and counts with the velocity.
+// What is carried about (a box put on a conveyor, a jaw on a hand that moves) has a way along what carries it besides, which is what somebody looks
+// at: with v and the way as seen from there the same holds. Carriers are the body that goes as the scene says at the end of a chain of joints and,
+// of what is free, the body that presses it, along which it slides.
 #include <vector>
 
 #include "audit/moving_body.h"
@@ -33,14 +36,23 @@ class MotionLag {
     std::vector<double> ahead;           // of what multiplies [s]
     std::vector<double> least, far;      // smallest way that counts, farthest from the start so far
     void start(const Vec3& v, double least_way);
+    void restart(std::size_t body, const Vec3& v);
     double lag(std::size_t body, const Vec3& way, const Vec3& velocity, double h, long steps);
     void multiply(std::size_t body, const Vec3& velocity, double h);
     void checkpoint(Archive& archive, const std::string& name);
   };
+  // Of every body: what carries it (its number, or -1), for how many steps; ways of that, at the body, and of the body along it since then, 3 per
+  // body [m]; the lag.
+  struct Carried {
+    std::vector<double> by, steps, carrier, along, lag;
+    Ways ways;
+  };
+  double along_carrier(std::size_t body, const std::vector<MovingBody>& bodies);
   double step_ = NAN;                   // h [s]
   long steps_ = 0;                      // since the start
   std::vector<double> start_, turned_;  // 3 per body: centre of mass [m]; how far it has turned since [rad]
   Ways centres_, turns_;
+  Carried carried_;
   double value_ = NAN;
 };
 

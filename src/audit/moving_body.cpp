@@ -6,6 +6,7 @@
 
 #include "audit/entries.h"
 #include "audit/holds.h"
+#include "audit/tuning.h"
 #include "base/disjoint_sets.h"
 #include "effects/roles.h"
 #include "effects/tie_name.h"
@@ -72,26 +73,52 @@ MovingBodies::MovingBodies(const model::ModelInput& input) {
   }
 }
 
+namespace {
+
+// Of every body of `count`: the number of the one that presses it most, of half-spaces no less than `count`.
+std::vector<std::size_t> pressed_by(const Snapshot& said, std::size_t count) {
+  std::vector<std::map<std::size_t, double>> forces(count);
+  for (const auto& [name, bodies] : said.row) {
+    const auto force = said.row.find(group_of(name) + "/force");
+    if (leaf_of(name) != "bodies" || force == said.row.end() || bodies.size() != 2 * force->second.size()) continue;
+    for (std::size_t i = 0; i < force->second.size(); ++i)
+      for (const std::size_t k : {0, 1}) {
+        const auto body = static_cast<std::size_t>(bodies[2 * i + k]), other = static_cast<std::size_t>(bodies[2 * i + 1 - k]);
+        if (body < count) forces[body][other] += std::abs(force->second[i]);
+      }
+  }
+  std::vector<std::size_t> out;
+  for (const auto& of : forces) {
+    const auto most = std::max_element(of.begin(), of.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    out.push_back(most == of.end() ? count : most->first);
+  }
+  return out;
+}
+
+}  // namespace
+
 std::vector<MovingBody> MovingBodies::at(const Snapshot& said, const std::vector<double>& points, const std::vector<MeasuredBody>& bodies) const {
   std::vector<MovingBody> out;
   const Snapshot::Values *velocity = said.of_points("velocity", 3), *force = said.of_points("contact_force", 3);
   if (!velocity || velocity->empty()) return out;
+  const std::vector<std::size_t> by = pressed_by(said, bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MeasuredBody& b = bodies[i];
     double pushed = 0;
-    Vec3 pressed = Vec3::Zero();
+    Vec3 pressed = Vec3::Zero(), push = Vec3::Zero();
     for (std::size_t p = b.first; force && !force->empty() && p < b.first + b.count; ++p) {
       const double size = audit::at(*force, p).norm();
-      pushed += size, pressed += size * audit::at(points, p);
+      pushed += size, pressed += size * audit::at(points, p), push += audit::at(*force, p);
     }
     if (pushed > 0) pressed /= pushed;
+    if (push.norm() < tuning::kOneSided * pushed) push.setZero();
     const auto at_it = [&](const std::string& stop) { return said.has(stop) && said.at(stop) != 0; };
     const bool stopped = std::any_of(who_[i].stops.begin(), who_[i].stops.end(), at_it);
     // Slides on the world are supported, across their axis.
     const HowHeld& how = who_[i].how;
     const bool led = how.given || (said.has("supports/" + b.name + "_x") && !how.held);
-    out.push_back({how, b, b.mean(points, points), b.mean(*velocity, points), b.spin(*velocity, points), pushed > 0, stopped, pressed, led,
-                   b.soft() ? 0.0 : b.turning_energy(*velocity, points)});
+    out.push_back({how, b, b.mean(points, points), b.mean(*velocity, points), b.spin(*velocity, points), pushed > 0, stopped, pressed, push,
+                   by[i] < bodies.size() ? std::optional(by[i]) : std::nullopt, led, b.soft() ? 0.0 : b.turning_energy(*velocity, points)});
   }
   return out;
 }

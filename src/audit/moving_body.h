@@ -29,12 +29,14 @@ struct HowHeld {
 
 struct MovingBody : HowHeld {
   const MeasuredBody& body;
-  Vec3 x, v, w;  // centre of mass [m], its velocity [m/s], angular velocity [rad/s]
-  bool touches;  // a force of contact is on one of its points
-  bool stopped;  // its joint is at a stop
-  Vec3 pressed;  // mean place of these forces, as far as it touches [m]
-  bool led;      // given, or supported by what is no joint
-  double turns;  // energy of turning about its centre, of stiff bodies [J]
+  Vec3 x, v, w;                   // centre of mass [m], its velocity [m/s], angular velocity [rad/s]
+  bool touches;                   // a force of contact is on one of its points
+  bool stopped;                   // its joint is at a stop
+  Vec3 pressed;                   // mean place of these forces, as far as it touches [m]
+  Vec3 push;                      // their sum, where they have a direction, else 0 [N]
+  std::optional<std::size_t> on;  // a number of the body that presses it most; none where that is a half-space
+  bool led;                       // given, or supported by what is no joint
+  double turns;                   // energy of turning about its centre, of stiff bodies [J]
 
   // Of its centre [J].
   double energy() const { return energy_of(v); }

@@ -77,8 +77,8 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
       else if (balanced_ && !vibrations_.nothing_moves())
         free_ -= std::min(r_.gain, 0.0);
     }
-    bounces_.state(moving, lost, own_);
   }
+  bounces_.state(moving, lost, own_);
   moves_ = !moving.empty();
   if (moves_) scale_.holds(least_);
   own_scale_.holds(tuning::kDriven * scale_.largest());

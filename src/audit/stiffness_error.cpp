@@ -12,13 +12,14 @@
 namespace mortise::audit {
 
 StiffnessError::StiffnessError(const model::ModelInput& input) {
+  const Holds holds(input.scene.at("effects"));
   std::map<std::string, int> supports;
   for (const auto& [effect, key] : {std::pair{"pin", "body"}, {"bond", "body"}, {"mortar_tie", "body"}, {"mortar_tie", "to"}})
     for (const Params& p : entries(input.scene.at("effects"), effect)) ++supports[p.text(key)];
   for (const model::BodyInput& in : input.bodies) {
     if (in.type == model::BodyType::half_space) continue;
     bodies_.push_back({points_, in.nodes, in.type == model::BodyType::soft, supports[in.name],
-                       in.nodes.empty() ? 0 : geometry::bounds_of(in.nodes).size().minCoeff()});
+                       in.nodes.empty() ? 0 : geometry::bounds_of(in.nodes).size().minCoeff(), holds.held(in.name), holds.given(in.name)});
     points_ += in.nodes.size();
   }
 }
@@ -45,10 +46,22 @@ double StiffnessError::carried(const Body& body, const std::vector<geometry::Mot
   return farthest;
 }
 
-double StiffnessError::way(const Body& body, std::span<const double> displacement) {
-  double farthest = 0;
-  for (std::size_t i = 0; i < body.rest.size(); ++i) farthest = std::max(farthest, at(displacement, body.first + i).norm());
-  return farthest;
+double StiffnessError::way(const std::vector<std::size_t>& of, const Bases& bases, std::span<const double> displacement) const {
+  std::vector<geometry::Motion> frames(1);  // the world
+  if (std::all_of(of.begin(), of.end(), [this](std::size_t b) { return bodies_[b].held; }))
+    for (const std::size_t b : of)
+      if (bodies_[b].soft && bodies_[b].given && bases[b]) frames.push_back(*bases[b]);
+  double least = INFINITY;
+  for (const geometry::Motion& frame : frames) {
+    double farthest = 0;
+    for (const std::size_t b : of)
+      for (std::size_t i = 0; i < bodies_[b].rest.size(); ++i) {
+        const Vec3& x = bodies_[b].rest[i];
+        farthest = std::max(farthest, (x + at(displacement, bodies_[b].first + i) - frame.R * x - frame.t).norm());
+      }
+    least = std::min(least, farthest);
+  }
+  return least;
 }
 
 double StiffnessError::of(const std::map<std::size_t, double>& errors, const std::vector<std::size_t>& group,
@@ -57,7 +70,8 @@ double StiffnessError::of(const std::map<std::size_t, double>& errors, const std
   double worst = NAN;
   const bool moves = displacement.size() == 3 * points_;
   for (const auto& [number, error] : errors) {
-    double follows = 0, deformed = 0, way = 0;
+    double follows = 0, deformed = 0;
+    std::vector<std::size_t> members;
     std::vector<geometry::Motion> supports;  // of its soft bodies
     for (std::size_t b = 0; b < bodies_.size(); ++b)
       if (group[b] == number && bodies_[b].soft && bases[b]) supports.push_back(*bases[b]);
@@ -66,12 +80,12 @@ double StiffnessError::of(const std::map<std::size_t, double>& errors, const std
       if (bodies_[b].soft && bodies_[b].supports > 1) follows = 1;
       deformed =
           std::max(deformed, bodies_[b].soft ? this->deformed(bodies_[b], bases[b], displacement) : carried(bodies_[b], supports, displacement));
-      way = std::max(way, this->way(bodies_[b], displacement));
+      members.push_back(b);
     }
     for (const LayerError::Travel& t : travels)
       for (const std::size_t b : t.bodies)
         if (b < bodies_.size() && group[b] == number) follows = std::max(follows, t.stiffness());
-    const double moved = way > deformed ? deformed / way : 1;
+    const double way = this->way(members, bases, displacement), moved = way > deformed ? deformed / way : 1;
     worst = std::fmax(worst, error * std::max(follows, moved));
     if (const auto bends = bending.find(number); bends != bending.end())
       worst = std::max(worst, bends->second * (1 - std::min(follows, 1.0)) * moved);
@@ -93,14 +107,14 @@ double StiffnessError::layer_over_way(const LayerError::Samples& samples, const 
   for (const auto& [both, pair] : pairs) {
     if (!(pair.force > 0)) continue;
     bool noticeably = false;
-    double way = 0;
+    std::vector<std::size_t> members;
     for (const std::size_t b : {both.first, both.second}) {
       if (b >= bodies_.size()) continue;
       const Body& body = bodies_[b];
       noticeably |= body.soft && deformed(body, bases[b], displacement) > tuning::kNoticeably * body.thickness;
-      way = std::max(way, this->way(body, displacement));
+      members.push_back(b);
     }
-    const double gap = pair.work / pair.force;
+    const double gap = pair.work / pair.force, way = this->way(members, bases, displacement);
     if (noticeably && way > 0) worst = std::fmax(worst, gap / (way + gap));
   }
   return worst;

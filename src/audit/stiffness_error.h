@@ -6,8 +6,10 @@
 //
 // e: the group's stress_error; s: share of a force that follows stiffness, all of it where a soft body hangs on two supports or more; d: farthest
 // that a point of a soft body is from where it would be without deformation, held by its supports, or a point of a stiff body that two soft ones or
-// more hold, whose supports would take it along (nearly) alike, from where the nearest of them would; w: farthest way of any point of the group [m].
-// Where no travel is imposed, s = 0, what bends beside uniform stress has the error e_b of its motion: as far as that,  (1 - s) e_b d/w  counts too.
+// more hold, whose supports would take it along (nearly) alike, from where the nearest of them would; w: farthest way of any point of the group [m],
+// in the frame in which that is least: of the world and, of a group that all hangs on what goes as the scene says, of the supports of its soft
+// bodies. Where no travel is imposed, s = 0, what bends beside uniform stress has the error e_b of its motion: as far as that,  (1 - s) e_b d/w
+// counts too.
 #include <map>
 #include <span>
 #include <vector>
@@ -37,11 +39,13 @@ class StiffnessError {
     bool soft;
     int supports;
     double thickness;  // least extent at rest [m]
+    bool held, given;  // Holds
   };
   static double deformed(const Body& body, std::optional<geometry::Motion> base, std::span<const double> displacement);  // d [m]
   // d of a stiff body between supports that go along alike; 0 if they do not, or if there is but one.
   static double carried(const Body& body, const std::vector<geometry::Motion>& bases, std::span<const double> displacement);
-  static double way(const Body& body, std::span<const double> displacement);  // w [m]
+  // w of some bodies, by number [m].
+  double way(const std::vector<std::size_t>& of, const Bases& bases, std::span<const double> displacement) const;
   std::vector<Body> bodies_;
   std::size_t points_ = 0;
 };

@@ -103,8 +103,9 @@ void SwingLoss::state(const Snapshot& said, const std::vector<double>& points, c
       return of.empty() ? 0 : std::min(b.body.kinetic_energy(of[0], points), b.body.kinetic_energy(of[1], points));
     };
     Swing& s = swings_[b.swings_with];
-    moved[b.swings_with] += std::min(b.body.kinetic_energy(now.v, points), b.body.kinetic_energy(now.seen, points));
     s.stored = std::max(s.stored, elastic_[i].at(points));
+    if (changes.empty()) continue;  // at the start nobody knows how fast carriers are
+    moved[b.swings_with] += std::min(b.body.kinetic_energy(now.v, points), b.body.kinetic_energy(now.seen, points));
     look_how_far(b, now.seen, points, s);
     const double of_first = 2 * least(changes_[i].first, energy(changes)), of_second = least(changes_[i].second, energy(second));
     if (!b.touches && !b.stopped) s.first += of_first, s.second += of_second;

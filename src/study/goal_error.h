@@ -1,5 +1,5 @@
 #pragma once
-// What the mesh has left out of a number Q, from stresses that jump between linear tetrahedra (run/stress_error.h): with z, what Q hangs on
+// What the mesh has left out of a number Q, from stresses that jump between linear tetrahedra (audit/stress_error.h): with z, what Q hangs on
 // (solver/adjoint.h), as a displacement,
 //
 //   Q(exact) - Q  ~  - sum over elements of int 2 mu De(u) : De(z) + Dp(u) Dtheta(z) + Dtheta(u) Dp(z) - Dp(u) Dp(z) / lambda dV,   D = * - 1
@@ -37,7 +37,7 @@ class GoalError {
     double mu, lambda;            // [Pa]
     bool linear;                  // its law: theta = tr e, not J - 1
     std::vector<Index> cluster;   // of every tetrahedron; empty where volumes are not averaged
-    double one_sided = 1;         // nodes over free nodes (run/stress_error.h)
+    double one_sided = 1;         // nodes over free nodes (audit/stress_error.h)
     std::vector<Corners> jump{};  // of the solution
   };
   static std::vector<Mat3> gradients(const Body& b, std::span<const double> of);

@@ -1,4 +1,4 @@
-// Which facets around a node are pressed (run/contact_patch.h), seen through the misfit of forces and pressure.
+// Which facets around a node are pressed (audit/contact_patch.h), seen through the misfit of forces and pressure.
 #include <gtest/gtest.h>
 
 #include <cmath>

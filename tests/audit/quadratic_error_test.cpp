@@ -1,4 +1,4 @@
-// Estimates of the errors of quadratic elements (run/stress_error.h, run/pressure_error.h).
+// Estimates of the errors of quadratic elements (audit/stress_error.h, audit/pressure_error.h).
 #include <gtest/gtest.h>
 
 #include <cmath>

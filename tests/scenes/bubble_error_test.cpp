@@ -1,5 +1,5 @@
 // Layers of one and two linear elements between what holds them: how much stiffer than in truth, and what bubbles on edges say of it
-// (run/bubble_error.h).
+// (audit/bubble_error.h).
 #include "audit/bubble_error.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// Uniform stress hides how badly a mesh bends, and near the load at which it buckles that weighs several times (run/stress_error.h, `bending`).
+// Uniform stress hides how badly a mesh bends, and near the load at which it buckles that weighs several times (audit/stress_error.h, `bending`).
 #include <fmt/format.h>
 
 #include "audit/field_errors.h"

@@ -1,4 +1,4 @@
-// Facets of what presses, against the force that is missing for them (run/facet_depth.h).
+// Facets of what presses, against the force that is missing for them (audit/facet_depth.h).
 #include <fmt/format.h>
 
 #include "audit/field_errors.h"

@@ -1,4 +1,4 @@
-// What bounces, impacts and swings lose of what a body or mechanism has of its own, beside something with far more energy (run/bounce_loss.h,
+// What bounces, impacts and swings lose of what a body or mechanism has of its own, beside something with far more energy (audit/bounce_loss.h,
 // swing_loss.h).
 #include <fmt/format.h>
 
@@ -52,6 +52,28 @@ bodies:
   EXPECT_GT(doubt("", 0), 0.5);
   EXPECT_GT(doubt(kFlyer, 0), 0.5);
   EXPECT_GT(doubt("", 3), 0.5);
+}
+
+// Of two equal soft balls that meet in flight after less than a step, in as much as one.
+TEST(OwnLoss, OfSoftBallsThatMeetInOneStep) {
+  for (const double step : {0.005, 0.002}) {
+    const Turned met = turn(fmt::format(R"(
+mortise: 1
+name: meet
+time: {{step: {}, steps: 1}}
+materials: {{rubber: {{youngs_modulus: 5 MPa, poisson_ratio: 0.3, density: 1100}}}}
+bodies:
+  a: {{type: soft, shape: {{sphere: {{radius: 10 mm, edge_length: 4 mm}}}}, material: rubber, position: [-21 mm, 0, 0], velocity: [0.5, 0, 0]}}
+  b: {{type: soft, shape: {{sphere: {{radius: 10 mm, edge_length: 4 mm}}}}, material: rubber}}
+effects:
+  inertia: {{}}
+  elasticity: {{}}
+  barrier_contact: {{}}
+)",
+                                        step),
+                            static_cast<int>(0.1 / step));
+    EXPECT_GT(met.energy.own_loss, 0.9) << step;
+  }
 }
 
 namespace {

@@ -1,4 +1,4 @@
-// What turning bodies, vibrations and bounces lose to the time step, and what certificates say of it (run/turning_loss.h, vibration_loss.h,
+// What turning bodies, vibrations and bounces lose to the time step, and what certificates say of it (audit/turning_loss.h, vibration_loss.h,
 // bounce_loss.h).
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-// Shear of what came to touch within a step (run/touch_lag.h).
+// Shear of what came to touch within a step (audit/touch_lag.h).
 #include "audit/touch_lag.h"
 
 #include <fmt/format.h>

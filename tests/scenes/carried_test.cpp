@@ -1,0 +1,119 @@
+// Errors are the same for whoever looks from what carries a body, however fast that goes and however far: what a box slides on a conveyor, how far a
+// jaw goes on its hand, by how much a pad is squeezed on a table that moves.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "audit/field_errors.h"
+#include "audited.h"
+
+using namespace mortise;
+using namespace mortise::testing;
+
+namespace {
+
+// A box of wood that is put on a belt, or a belt that it is thrown onto.
+Turned box_on_belt(double belt, double box, double step) {
+  return turn(fmt::format(R"(
+mortise: 1
+name: conveyor
+time: {{step: {}, steps: 1}}
+materials: {{wood: {{density: 700}}}}
+bodies:
+  box: {{type: stiff, shape: {{box: {{size: [80 mm, 60 mm, 50 mm], edge_length: 20 mm}}}}, material: wood, position: [0, 0, 25.2 mm], velocity: [{}, 0, 0]}}
+  belt: {{type: stiff, shape: {{box: {{size: [2 m, 200 mm, 20 mm], edge_length: 200 mm}}}}, material: wood, position: [0, 0, -10 mm]}}
+effects:
+  inertia: {{}}
+  gravity: {{}}
+  affine_body: {{}}
+  pin: [{{body: belt, where: {{side: all}}, motion: {{time: [0, 1], translation: [[0, 0, 0], [{}, 0, 0]]}}}}]
+  barrier_contact: {{}}
+  friction: {{follows: barrier_contact, mu: 0.4}}
+)",
+                          step, box, belt),
+              static_cast<int>(0.4 / step));
+}
+
+// A jaw of 0.1 kg on a slide of a hand that moves across it.
+Turned jaw_on_hand(double speed, double step, int steps, const std::string& drive) {
+  return turn(fmt::format(R"(
+mortise: 1
+name: jaw
+time: {{step: {}, steps: 1}}
+materials: {{al: {{density: 2700}}}}
+bodies:
+  jaw: {{type: stiff, velocity: [0, {}, 0], shape: {{box: {{size: [10 mm, 20 mm, 60 mm], edge_length: 60 mm}}}}, material: al, mass: 0.1, position: [-34 mm, 0, 20 mm]}}
+  hand: {{type: stiff, shape: {{box: {{size: [100 mm, 30 mm, 20 mm], edge_length: 100 mm}}}}, material: al, position: [0, 0, 60 mm]}}
+effects:
+  inertia: {{}}
+  affine_body: {{}}
+  pin: [{{body: hand, where: {{side: all}}, motion: {{time: [0, 1], translation: [[0, 0, 0], [0, {}, 0]]}}}}]
+  joint: [{{name: left, type: prismatic, body: jaw, to: hand, axis: [1, 0, 0]}}]
+  drive: [{{joint: left, {}}}]
+)",
+                          step, speed, speed, drive),
+              steps);
+}
+
+// A pad one element thick that a pusher on a slide of its table squeezes, while the table moves.
+audit::FieldErrors::Result squeezed_on_table(double way) {
+  Rig rig(fmt::format(R"(
+mortise: 1
+name: squeeze
+time: {{step: 10 ms, steps: 1}}
+materials: {{al: {{density: 2700}}, gel: {{youngs_modulus: 0.3 MPa, poisson_ratio: 0.48, density: 1000}}}}
+bodies:
+  table: {{type: stiff, shape: {{box: {{size: [40 mm, 40 mm, 4 mm], edge_length: 40 mm}}}}, material: al, position: [0, 0, -6 mm]}}
+  pad: {{type: soft, shape: {{box: {{size: [20 mm, 20 mm, 4 mm], edge_length: 4 mm}}}}, material: gel, position: [0, 0, -2 mm]}}
+  pusher: {{type: stiff, shape: {{box: {{size: [30 mm, 30 mm, 10 mm], edge_length: 10 mm}}}}, material: al, mass: 0.05, position: [0, 0, 5.03 mm]}}
+effects:
+  inertia: {{}}
+  elasticity: {{}}
+  affine_body: {{}}
+  pin: [{{body: table, where: {{side: all}}, motion: {{time: [0, 200 ms], translation: [[0, 0, 0], [{}, 0, 0]], interpolation: smooth}}}}]
+  joint: [{{name: z, type: prismatic, body: pusher, to: table, axis: [0, 0, -1]}}]
+  drive: [{{joint: z, mode: effort, force: {{time: [0, 100 ms], value: [0, 30 N]}}, damping: 30}}]
+  bond: [{{body: pad, to: table, where: {{side: z_min}}}}]
+  barrier_contact: {{}}
+  friction: {{follows: barrier_contact, mu: 1}}
+)",
+                      way));
+  audit::FieldErrors errors(rig.input);
+  for (int i = 1; i <= 22; ++i) {
+    rig.step();
+    errors.state(rig.fields(), 0.01 * i);
+  }
+  return errors.result();
+}
+
+}  // namespace
+
+// What slides for v^2 / (2 mu g) = 31.86 mm is 15 % short at 20 ms.
+TEST(Carried, SlidesOnABeltLagAsOnTheGround) {
+  const double on_belt = box_on_belt(0.5, 0, 0.02).energy.motion_lag, on_ground = box_on_belt(0, -0.5, 0.02).energy.motion_lag;
+  EXPECT_GT(on_belt, 0.1);
+  EXPECT_LT(on_belt, 0.3);
+  EXPECT_NEAR(on_belt, on_ground, 0.3 * on_ground);
+  EXPECT_LT(box_on_belt(0.5, 0, 0.002).energy.motion_lag, 0.03);
+}
+
+// a t^2 / 2 becomes a t (t + h) / 2: too far by h / t.
+TEST(Carried, WaysOfJointsLagAsSeenFromTheHand) {
+  for (const double speed : {0.0, 1.0, 3.0})
+    for (const double step : {0.005, 0.02})
+      EXPECT_NEAR(jaw_on_hand(speed, step, static_cast<int>(0.1 / step), "mode: effort, force: 0.4").energy.motion_lag, step / 0.1, 0.2 * step / 0.1)
+          << speed << ' ' << step;
+}
+
+TEST(Carried, SwingsOnSpringsLoseWhatTheyLose) {
+  for (const double speed : {1.0, 3.0})
+    EXPECT_GT(jaw_on_hand(speed, 0.01, 100, "mode: passive, stiffness: 40, rest: 20 mm").energy.own_loss, 0.6) << speed;
+  EXPECT_LT(jaw_on_hand(3, 0.0005, 300, "mode: passive, stiffness: 40, rest: 20 mm").energy.own_loss, 0.2);
+}
+
+TEST(Carried, PadsAreAsStiffOnATableThatMoves) {
+  const audit::FieldErrors::Result still = squeezed_on_table(0), moved = squeezed_on_table(0.25);
+  EXPECT_GT(still.stiffness, 0.5);
+  EXPECT_NEAR(moved.stiffness, still.stiffness, 0.1 * still.stiffness);
+  EXPECT_NEAR(moved.layer_over_way, still.layer_over_way, 0.2 * still.layer_over_way);
+}
