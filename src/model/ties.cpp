@@ -245,7 +245,10 @@ void Ties::start(Model& model) const {
       if (soft || (b == body.block_begin && !given[b].isZero(0)))
         throw Error(Exit::scene, tie.where,
                     "'" + body.name + "' starts with the velocity " + text(given[b]) + " m/s where the tie makes it " + text(v[b]) +
-                        " m/s: give it that" + (soft ? " (velocity and angular_velocity of the body that it is tied to)" : ", or none"));
+                        " m/s: give it that" +
+                        (soft                    ? " (velocity and angular_velocity of the body that it is tied to)"
+                         : tie.to == Tie::kWorld ? ", or none"
+                                                 : ", or none, or '" + model.bodies[tie.to].name + "' the velocity that it starts with"));
       if (b == body.block_begin) continue;
       Mat3 rate;
       for (int k = 0; k < 3; ++k) rate.col(k) = v[body.block_begin + 1 + k];

@@ -107,7 +107,8 @@ void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const st
     std::vector<double> scale;
     const std::vector<double> after = energies_.sum(there, &scale);
     // What is tied is stiff in directions in which the weight of others acts: there rounding of positions shows in the energy before forces balance.
-    const auto rounding = [&](Index e) { return tuning::kEnergyRounding * scale[e] + (model.ties.any() ? merit.rounding[e] : 0); };
+    // Where supports are on their way and meet nothing, all energy there is may be such rounding.
+    const auto rounding = [&](Index e) { return tuning::kEnergyRounding * scale[e] + (model.ties.any() || merit.cc[e] > 0 ? merit.rounding[e] : 0); };
     const auto low_enough = [&](Index e) {
       const double left = (1 - alpha[e]) * (1 - alpha[e]);
       const double change = after[e] - before[e] + 0.5 * merit.rho[e] * (left - 1) * merit.cc[e];
