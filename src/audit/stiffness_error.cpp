@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "audit/entries.h"
 #include "audit/tuning.h"
@@ -14,12 +15,17 @@ namespace mortise::audit {
 StiffnessError::StiffnessError(const model::ModelInput& input) {
   const Holds holds(input.scene.at("effects"));
   std::map<std::string, int> supports;
+  std::set<std::string> guided;  // whose supports let it go somewhere
   for (const auto& [effect, key] : {std::pair{"pin", "body"}, {"bond", "body"}, {"mortar_tie", "body"}, {"mortar_tie", "to"}})
-    for (const Params& p : entries(input.scene.at("effects"), effect)) ++supports[p.text(key)];
+    for (const Params& p : entries(input.scene.at("effects"), effect)) {
+      ++supports[p.text(key)];
+      if (p.has("axes") && p.text("axes") != "xyz") guided.insert(p.text(key));
+    }
   for (const model::BodyInput& in : input.bodies) {
     if (in.type == model::BodyType::half_space) continue;
     bodies_.push_back({points_, in.nodes, in.type == model::BodyType::soft, supports[in.name],
-                       in.nodes.empty() ? 0 : geometry::bounds_of(in.nodes).size().minCoeff(), holds.held(in.name), holds.given(in.name)});
+                       in.nodes.empty() ? 0 : geometry::bounds_of(in.nodes).size().minCoeff(), holds.held(in.name),
+                       holds.given(in.name) && !guided.count(in.name)});
     points_ += in.nodes.size();
   }
 }

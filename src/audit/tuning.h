@@ -70,9 +70,9 @@ inline constexpr double kBears = 0.05;
 // second share, as nodes around that stick already hold it (balls pressed aslant, 1 to 48 steps).
 inline constexpr double kAcross = 0.1, kSoftened = 0.7;
 inline constexpr double kMultiplies = 0.3,
-                        kAsFast = 0.75;           // in a step: more is a push; growth of acceleration over that of velocity (motion_lag.cpp)
-inline constexpr double kStillStiff = 1e-3;       // of a stiff body's radius: less than that it moves as it settles on a layer (stiff_strain.cpp)
-inline constexpr double kStill = 0.01;            // of a body's size: less is no motion that anybody looks at (motion_lag.cpp, swing_loss.cpp)
+                        kAsFast = 0.75;      // in a step: more is a push; growth of acceleration over that of velocity (lagging_ways.cpp)
+inline constexpr double kStillStiff = 1e-3;  // of a stiff body's radius: less than that it moves as it settles on a layer (stiff_strain.cpp)
+inline constexpr double kStill = 0.01;  // of a body's size: less is no motion that anybody looks at (motion_lag.cpp, carried_lag.cpp, swing_loss.cpp)
 inline constexpr double kSettles = 0.05;          // radians, or of a body on a slide: less is how joints settle (bearing_creep.cpp)
 inline constexpr int kLooks = 16;                 // in a step, at what is asked for (schedule_missed.cpp)
 inline constexpr double kCompressible = 0.4;      // most of Poisson's ratio of what bubbles resist with (bubble_error.cpp), and of strain_energy.cpp
@@ -90,7 +90,7 @@ inline constexpr double kDamped = 10;             // times what the time step da
 inline constexpr double kTrembles = 1e-3;         // of a stiff body's radius: by less it gives way itself (vibration_loss.cpp)
 inline constexpr double kShownBySwing = 0.6;      // of the most elastic energy: beside that a smaller one of motion is nothing (swing_loss.cpp)
 inline constexpr double kOneSided = 0.5;          // of the forces on a body: what is pressed from both sides lies on neither (moving_body.cpp)
-inline constexpr double kCarriedStill = 0.1;      // of a body's size: less is no way along what carries it that anybody looks at (motion_lag.cpp)
+inline constexpr double kCarriedStill = 0.1;      // of a body's size: less is no way along what carries it that anybody looks at (carried_lag.cpp)
 inline constexpr double kOneWay = 0.1;            // forces from opposite sides have no resultant that supports could bear (layer_error.cpp)
 inline constexpr double kAsMuch = 0.01;           // of the most pressure: loads that are held waver by that (field_errors.cpp)
 inline constexpr double kStillLoaded = 0.01;      // of the most force: less is what unloading leaves (field_errors.cpp; of energy its square)

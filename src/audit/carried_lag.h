@@ -1,0 +1,30 @@
+#pragma once
+// What is carried about (a box put on a conveyor, a jaw on a hand that moves) has a way along what carries it, which may be small beside the way of
+// that and is what somebody looks at: as seen from there it lags as any other does (lagging_ways.h). Carriers are the body that goes as the scene
+// says at the end of a chain of joints and, of what is free, the body that presses it most: along that it slides. Not counted are those that turn, as
+// directions turn with them, and those that go less far, since the way as seen from the world tells as much then.
+#include <vector>
+
+#include "audit/lagging_ways.h"
+#include "audit/moving_body.h"
+
+namespace mortise::audit {
+
+class CarriedLag {
+ public:
+  void start(const MovingBody& body, const std::vector<double>& points);  // one after the other
+  // Of a body that nothing leads, after a step of length h [s].
+  double lag(std::size_t body, const std::vector<MovingBody>& bodies, double h);
+  void checkpoint(Archive& archive);
+
+ private:
+  // Of a body: what carries it (its number, or -1), for how many steps; the lag; ways of that, at the body, and of the body along it since then [m].
+  struct Carried {
+    double by = -1, steps = 0, lag = 0;
+    double carrier[3] = {0, 0, 0}, along[3] = {0, 0, 0};
+  };
+  std::vector<Carried> carried_;  // by body
+  LaggingWays ways_;
+};
+
+}  // namespace mortise::audit
