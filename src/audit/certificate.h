@@ -40,6 +40,8 @@ class Certificate {
     EnergyAudit::Result energy{};
     double quantity_error = NAN;  // the largest of what the scene names in `quantities`, a share of it
   };
+  // Are there effects of contact, none of which ever had anything to do?
+  bool nothing_touched() const { return !d_hat_.empty() && gap_over_d_hat_.empty(); }
   Grade grade(const End& end) const { return grade(end, checks(end, field_errors_.result())); }
   struct Written {
     Grade grade;

@@ -133,6 +133,7 @@ void Results::finish(End& end, const std::function<void(const std::string&)>& no
   for (const audit::Checks::Verdict& v : verdicts)
     if (!v.pass) note(fmt::format("check failed: {}; it is {}", v.text, v.found.empty() ? fmt::format("{:.6g}", v.value) : v.found));
   if (file_ && file_->can_flush()) file_->flush();
+  if (end.status == Exit::done && certificate_.nothing_touched()) note("warning: nothing touched at any time, so that contact had nothing to do");
   record_.frames = frames();
   record_.write(folder_.file("run.json"), {options_, name, hash_, end.status, end.message, end.wall}, end.engine);
 }

@@ -1,4 +1,5 @@
 // `mortise run` from outside: output folder, frames, restart after being stopped or killed, other devices.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
@@ -53,6 +54,18 @@ TEST(Run, LeavesFieldsCheckpointAndRunJson) {
   EXPECT_TRUE(elasticity);
   EXPECT_TRUE(fs::exists(out.path + "/checkpoint.h5"));
   EXPECT_FALSE(fs::exists(out.path + "/frames"));
+}
+
+// A block that stands 6 m above its floor, where 6 mm was meant, said nothing of that.
+TEST(Run, SaysThatNothingTouched) {
+  const std::string said = "nothing touched at any time";
+  const Folder high, low;
+  const Result above = mortise("run " + kScene + " --no-render --set time.steps=5 --set bodies.block.position='[0, 0, 6]' -o " + high.path);
+  ASSERT_EQ(above.code, 0) << above.err;
+  EXPECT_THAT(above.err, testing::HasSubstr(said));
+  const Result on_it = mortise("run " + kScene + " --no-render --set time.steps=40 -o " + low.path);
+  ASSERT_EQ(on_it.code, 0) << on_it.err;
+  EXPECT_THAT(on_it.err, testing::Not(testing::HasSubstr(said)));
 }
 
 // The schema's keys and no others; E A travel / L = 2 N is what the value and its error make.
