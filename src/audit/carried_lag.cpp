@@ -16,8 +16,8 @@ double CarriedLag::lag(std::size_t i, const std::vector<MovingBody>& bodies, dou
   const std::optional<std::size_t> by = !b.free ? b.carrier : b.push.isZero() ? std::nullopt : b.on;
   if (!by) return c.lag;
   const MovingBody& carrier = bodies[*by];
-  const Vec3 turns = carrier.w.cross(b.x - carrier.x);
-  Vec3 there = carrier.v + turns, v = b.v - there;
+  Vec3 there = carrier.rigid().at(b.x), v = b.v - there;
+  const Vec3 turns = there - carrier.v;
   if (b.free)
     for (Vec3* of : {&there, &v}) *of -= b.push * b.push.dot(*of) / b.push.squaredNorm();
   if (c.by != static_cast<double>(*by) || turns.norm() > tuning::kStill * there.norm()) {

@@ -6,6 +6,7 @@
 
 #include "audit/measured_body.h"
 #include "base/snapshot.h"
+#include "geometry/rigid_motion.h"
 #include "model/input.h"
 
 namespace mortise::audit {
@@ -38,6 +39,7 @@ struct MovingBody : HowHeld {
   bool led;                       // given, or supported by what is no joint
   double turns;                   // energy of turning about its centre, of stiff bodies [J]
 
+  geometry::RigidVelocity rigid() const { return {x, v, w}; }
   // Of its centre [J].
   double energy() const { return energy_of(v); }
   // The same of another velocity, and of turning with another one, as if all its axes of inertia were like that which it turns about.

@@ -45,15 +45,14 @@ bool SwingLoss::counts(const MovingBody& b) const {
 geometry::RigidVelocity SwingLoss::seen_from(const std::vector<MovingBody>& bodies, std::size_t body, const std::vector<double>& points,
                                              const std::vector<double>& velocity) const {
   const MovingBody& b = bodies[body];
-  const auto of = [](const MovingBody& b) { return geometry::RigidVelocity{b.x, b.v, b.w}; };
   if (b.body.soft()) {
     std::vector<Vec3> x, v;
     for (std::size_t p = b.body.first; p < b.body.first + b.body.count; ++p)
       if (held_[p]) x.push_back(at(points, p)), v.push_back(at(velocity, p));
-    return geometry::fixes_a_frame(x) ? geometry::nearest_velocity(x, v) : of(b);
+    return geometry::fixes_a_frame(x) ? geometry::nearest_velocity(x, v) : b.rigid();
   }
-  if (b.swings_on) return of(bodies[*b.swings_on]);
-  if (b.carrier) return of(bodies[*b.carrier]);
+  if (b.swings_on) return bodies[*b.swings_on].rigid();
+  if (b.carrier) return bodies[*b.carrier].rigid();
   geometry::RigidVelocity out;
   double mass = 0;
   int count = 0;

@@ -14,7 +14,7 @@ namespace {
 // more slowly than its middle does.
 bool rolls(const MovingBody& b, double omega, const std::vector<double>& points) {
   if (!b.touches || omega * b.body.radius(b.x, points) <= tuning::kRolls * b.v.norm()) return false;
-  return b.free || (b.v + b.w.cross(b.pressed - b.x)).norm() < tuning::kRolls * b.v.norm();
+  return b.free || b.rigid().at(b.pressed).norm() < tuning::kRolls * b.v.norm();
 }
 
 }  // namespace
