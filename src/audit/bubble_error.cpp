@@ -5,12 +5,12 @@
 #include <map>
 
 #include "audit/entries.h"
-#include "audit/held_points.h"
 #include "audit/tuning.h"
 #include "audit/vector_at.h"
 #include "geometry/nearest_triangle.h"
 #include "geometry/quadratic.h"
 #include "model/bonded.h"
+#include "model/held_points.h"
 #include "model/select.h"
 
 namespace mortise::audit {
@@ -74,7 +74,7 @@ BubbleError::BubbleError(const model::ModelInput& input, const model::BodyInput&
   const Params* found = input.scene.find("effects");
   const Params effects = found ? *found : Params::make_table();
   for (const Params& p : entries(effects, "pin"))
-    if (p.text("body") == name_ && !p.has("release") && p.has("where")) hold(model::select(rest_, p.find("where")), mask_of(p.text("axes")));
+    if (p.text("body") == name_ && !p.has("release") && p.has("where")) hold(model::select(rest_, p.find("where")), model::mask_of(p.text("axes")));
   for (const Params& p : entries(effects, "pressure_load"))
     if (p.text("body") == name_) hold(model::select(rest_, p.find("where")), kAllAxes);
   for (const model::BodyInput& other : input.bodies) {

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <map>
 
-#include "audit/held_points.h"
 #include "audit/nearest_affine.h"
 #include "audit/tuning.h"
 #include "audit/vector_at.h"
 #include "geometry/quadratic.h"
 #include "geometry/rigid_motion.h"
 #include "linalg/small.h"
+#include "model/held_points.h"
 #include "model/volumetric.h"
 
 namespace mortise::audit {
@@ -35,7 +35,7 @@ double mean_of_linear(const Stress (&corner)[4], double E, double nu) {
 }  // namespace
 
 StressError::StressError(const model::ModelInput& input) {
-  const std::vector<bool> held = held_points(input);
+  const std::vector<bool> held = model::held_points(input);
   std::size_t number = 0, cell = 0, point = 0;
   for (const model::BodyInput& in : input.bodies) {
     if (in.type == model::BodyType::half_space) continue;
@@ -67,7 +67,7 @@ StressError::StressError(const model::ModelInput& input) {
       for (std::size_t n = 0; n < in.nodes.size(); ++n)
         if (held[point + n]) b.fixed.push_back(n);
       b.one_across = quadratic && model::one_across(in);
-      if (quadratic ? b.one_across : !model::averages_volume(in)) b.one_sided = one_sided(held, point, in.nodes.size());
+      if (quadratic ? b.one_across : !model::averages_volume(in)) b.one_sided = model::one_sided(held, point, in.nodes.size());
       if (BubbleError::counts_for(in)) b.bubbles.emplace(input, in);
       bodies_.push_back(std::move(b));
     }

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "audit/archived.h"
-#include "audit/held_points.h"
 #include "audit/tuning.h"
 #include "audit/vector_at.h"
+#include "model/held_points.h"
 
 namespace mortise::audit {
 
@@ -27,7 +27,7 @@ double least(double (&last)[n], double now) {
 
 }  // namespace
 
-SwingLoss::SwingLoss(const model::ModelInput& input) : integration_(integration_of(input.scene)), held_(held_points(input)) {
+SwingLoss::SwingLoss(const model::ModelInput& input) : integration_(integration_of(input.scene)), held_(model::held_points(input)) {
   std::size_t first = 0;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;

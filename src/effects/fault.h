@@ -7,6 +7,7 @@ enum class Fault {
   steps,     // of an integrator: rates and accelerations are differences over steps
   gap,       // of contact: what presses is a spring, and leaves a gap
   solution,  // of the solver: equations are solved to a tolerance
+  mesh,      // of soft bodies: stresses are what elements can take on, and masses may stand on nodes
 };
 
 }  // namespace mortise::effects

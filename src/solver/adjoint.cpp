@@ -24,6 +24,24 @@ double layer_along(const model::ContactView& contact, const std::vector<Vec3>& z
   return sum;
 }
 
+// What forces of a store are along z at blocks.
+double along(effects::Effect& store, device::View<const Vec3> q, device::View<const Vec3> z) {
+  const std::unique_ptr<effects::Linearisation> at = store.linearisation();
+  store.linearise(q, {}, *at);
+  const linalg::StencilView of = at->stencils.view();
+  return device::sum("adjoint.along", of.block.n, [=] MORTISE_HD(Index i) { return of.block[i] < 0 ? 0.0 : of.grad[i].dot(z[of.block[i]]); });
+}
+
+// What the mesh leaves out of them.
+double mesh_along(effects::Effect& store, device::View<const Vec3> q, device::View<const Vec3> z) {
+  const double as_it_is = along(store, q, z);
+  store.mend(effects::Fault::mesh, 1);
+  store.keep_pace(store, q);
+  const double mended = along(store, q, z);
+  store.mend(effects::Fault::mesh, 0);
+  return mended - as_it_is;
+}
+
 }  // namespace
 
 Adjoint Simulation::adjoint(const Functional& Q) {
@@ -63,11 +81,14 @@ Adjoint Simulation::adjoint(const Functional& Q) {
   std::vector<Vec3> z = way.download();
   const std::vector<Vec3> moved = supported.download();
   for (std::size_t b = 0; b < z.size(); ++b) z[b] = moved[b] - z[b];
+  const device::Buffer<Vec3> of_blocks(z);
   device::Buffer<Vec3> y;
-  model_.points_of(device::Buffer<Vec3>(z).view(), y);
+  model_.points_of(of_blocks.view(), y);
   const std::vector<Vec3> at_points = y.download();
   for (std::size_t k = 0; k < effects_.size(); ++k)
     if (effects_[k]->kind().role == effects::Role::contact) out.layer += layer_along(tangent_->at().of[k]->contact, at_points);
+  for (const auto& effect : effects_)
+    if (effect->kind().role == effects::Role::store) out.mesh += mesh_along(*effect, std::as_const(model_.q).view(), of_blocks.view());
   for (const Vec3& v : at_points) out.points.insert(out.points.end(), {v[0], v[1], v[2]});
   return out;
 }

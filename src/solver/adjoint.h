@@ -8,8 +8,8 @@
 //
 //   residual   z . P g          all that Newton's method, its linear systems and lagged quantities left
 //   layer      surfaces press although a gap is open between them. Moved together by their gaps g_s they would press with p(2 g_s) at the same q,
-//   that
-//              is, less by k_s g_s, k_s = -d force / d gap:   z . dg = sum over samples k_s g_s d(gap_s) / dy . z.
+//              that is, less by k_s g_s, k_s = -d force / d gap:   z . dg = sum over samples k_s g_s d(gap_s) / dy . z
+//   mesh       elements are stiffer than what they are made of, by what Fault::mesh mends (effects/elasticity/missed.h)
 #include <vector>
 
 #include "base/types.h"
@@ -25,6 +25,7 @@ struct Adjoint {
   std::vector<double> points;  // z at points, three each [Q/N]
   double residual = 0;         // what is to be added to Q
   double layer = 0;
+  double mesh = 0;
   bool exact = true;  // J^T lacks nothing; else that samples of contact slide and turn
 };
 

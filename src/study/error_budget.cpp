@@ -14,9 +14,9 @@
 #include "run/output_mesh.h"
 #include "run/signals.h"
 #include "scene/scene.h"
+#include "study/blind.h"
 #include "study/course.h"
 #include "study/followed_budget.h"
-#include "study/goal_error.h"
 #include "study/measure.h"
 #include "study/read.h"
 #include "study/tuning.h"
@@ -110,15 +110,14 @@ Gradient known_gradient(const Quantity& q, const model::ModelInput& input, const
   return {{}, e.what()};
 }
 
-// Where the mesh's part is not known.
-constexpr const char* kFollowed = "; what steps and contact's gap are to it, mortise study --error-budget tells";
+constexpr const char* kFollowed = ", as mortise study --error-budget does";
 
-// Why the last state does not tell what the mesh does to a scene; empty where it does.
+// Why the last state does not tell what errors do to a scene; empty where it does.
 std::string why_none(const Params& scene) {
   const Params& time = scene.at("time");
-  if (time.text("mode") != "static") return "in motion the errors of all steps add up, which ladders tell (mortise study --one-at-a-time --vary)";
+  if (time.text("mode") != "static") return "in motion the errors of all steps add up, and they have to be followed";
   if (!effects::of_role(scene.at("effects"), effects::Role::follower).empty() && time.integer("steps") > 1)
-    return "with friction it needs a single load step: what stuck in earlier ones the last equations do not tell";
+    return "with friction what stuck in earlier load steps counts, and they have to be followed";
   return "";
 }
 
@@ -161,9 +160,8 @@ ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, co
   Snapshot state;
   engine.report(state);
   const std::vector<double> points = engine.points();
-  std::optional<GoalError> mesh;
-  if (const auto stress = state.cell.find("cauchy_stress"); none.empty() && !quantities.empty() && stress != state.cell.end())
-    mesh.emplace(input, stress->second, points);
+  Blind blind(input);
+  if (const auto stress = state.cell.find("cauchy_stress"); stress != state.cell.end()) blind.see(stress->second);
   const bool contact = !effects::of_role(input.scene.at("effects"), effects::Role::contact).empty();
   for (const Quantity& q : quantities) {
     QuantityBudget& budget = out.of.emplace_back();
@@ -176,9 +174,7 @@ ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, co
       continue;
     }
     out.exact = out.exact && adjoint.exact;
-    ErrorPart of_mesh{kMeshPart, NAN, mesh ? mesh->why_not() : "the scene has no soft bodies"};
-    if (of_mesh.why_not.empty()) of_mesh.error = mesh->of(adjoint.points);
-    budget.parts.push_back(of_mesh);
+    budget.parts.push_back(blind.part(adjoint.mesh));
     if (contact) budget.parts.push_back({kGapPart, adjoint.layer, ""});
     budget.parts.push_back({kSolutionPart, adjoint.residual, ""});
     if (contact) budget.parts.push_back({kFacetsPart, NAN, "no estimate"});
@@ -203,7 +199,7 @@ run::Estimated budget_of_run(engine::Engine& engine, const model::ModelInput& in
     if (!std::isfinite(of.value)) out.warnings.push_back(fmt::format("warning: quantity '{}' has no value: {}", quantities[k].name, of.why_not));
   }
   if (const std::string why = why_none(input.scene); !why.empty() && !quantities.empty())
-    out.warnings.push_back("warning: errors of quantities are not estimated: " + why);
+    out.warnings.push_back("warning: errors of quantities are not estimated: " + why + kFollowed);
   out.json = budget_entries(quantities, budget);
   return out;
 }
@@ -216,7 +212,7 @@ ErrorBudget find_error_budget(const Study& study, const Place& place) {
       scene::read_scene_text(variant_of(study, study.methods.front(), {}).yaml, study.scene, {"output.precision=double"}, engine::effect_tables());
   std::error_code ec;
   std::filesystem::create_directories(place.folder + "/runs", ec);
-  if (const std::string none = why_none(scene.root); !none.empty()) return followed_budget(scene, study.quantities, none, place);
+  if (const std::string none = why_none(scene.root); !none.empty()) return followed_budget(scene, study.quantities, place);
 
   Course course(scene, place.folder + "/runs/error_budget.vtkhdf", engine::choose(place.device, place.threads));
   check(course.engine().begin());
@@ -233,12 +229,8 @@ ErrorBudget find_error_budget(const Study& study, const Place& place) {
   if (others.empty()) return out;
   // The same steps once more, with company.
   try {
-    const ErrorBudget followed = followed_budget(scene, others, "", place);
-    for (std::size_t i = 0; i < others.size(); ++i) {
-      const std::string why = out.of[unknown[i]].why_not;
-      out.of[unknown[i]] = followed.of[i];
-      out.of[unknown[i]].parts.front().why_not = why;
-    }
+    const ErrorBudget followed = followed_budget(scene, others, place);
+    for (std::size_t i = 0; i < others.size(); ++i) out.of[unknown[i]] = followed.of[i];
     out.solve_seconds += followed.solve_seconds, out.note = followed.note;
   } catch (const Error& e) {
     if (e.code() != Exit::solve) throw;

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "effects/roles.h"
+#include "study/blind.h"
 #include "study/course.h"
 #include "study/tuning.h"
 
@@ -21,8 +22,9 @@ struct Mended {
   std::unique_ptr<Course> less, more;
 };
 
-std::vector<Mended> faults_of(const Params& scene) {
+std::vector<Mended> faults_of(const Params& scene, bool soft) {
   std::vector<Mended> out;
+  if (soft) out.push_back({effects::Fault::mesh, kMeshPart, {}, {}});
   if (scene.at("time").text("mode") != "static") out.push_back({effects::Fault::steps, kStepsPart, {}, {}});
   if (!effects::of_role(scene.at("effects"), effects::Role::contact).empty()) out.push_back({effects::Fault::gap, kGapPart, {}, {}});
   out.push_back({effects::Fault::solution, kSolutionPart, {}, {}});
@@ -50,12 +52,16 @@ class Touches {
   explicit Touches(const Params& scene) : contact_(effects::of_role(scene.at("effects"), effects::Role::contact)) {}
   void see(const Snapshot& state) {
     std::set<std::string> now;
+    const double moves = state.has("inertia/kinetic_energy") ? state.at("inertia/kinetic_energy") : 0;
+    if (state.has("elasticity/energy")) held_ = std::max(held_, state.at("elasticity/energy"));
     for (const std::string& effect : contact_)
       for (const auto& [name, value] : state.number)
         if (value != 0 && name.starts_with(effect + "/force_")) now.insert(name.substr(0, name.rfind('_')));
-    changes_ += steps_ > 0 && now != touching_;
-    touching_ = std::move(now), ++steps_;
+    if (steps_ > 0 && now != touching_) ++changes_, struck_ = std::max(struck_, moved_);
+    touching_ = std::move(now), moved_ = moves, ++steps_;
   }
+  // Energies of motion that bodies meet with, or part with, are no small share of what they hold when they are deformed.
+  bool strike() const { return struck_ > tuning::kStruckShare * held_; }
   std::string note() const {
     if (changes_ == 0) return "";
     return fmt::format(
@@ -69,7 +75,18 @@ class Touches {
   std::vector<std::string> contact_;
   std::set<std::string> touching_;
   long steps_ = 0, changes_ = 0;
+  double held_ = 0, moved_ = 0, struck_ = 0;  // largest elastic energy; of motion in the last state, and the largest before a change [J]
 };
+
+// The mesh's part of a number, with what makes it unreliable besides.
+ErrorPart mesh_part(ErrorPart part, const Quantity& q, bool strikes) {
+  const bool sampled = q.value == "contact_pressure" && q.over != "integral" && q.over != "mean";
+  if (std::isfinite(part.error) && (sampled || strikes))
+    part = {part.source, NAN,
+            std::string(kNotReliable) + (sampled ? ": how far the surface's own elements resolve a pressure is not followed"
+                                                 : ": bodies strike, and what masses on a surface make of that is not followed")};
+  return part;
+}
 
 // Why a number is not followed; empty where it is.
 std::string why_not(const Quantity& q, double value) {
@@ -79,12 +96,13 @@ std::string why_not(const Quantity& q, double value) {
 
 }  // namespace
 
-ErrorBudget followed_budget(const scene::Scene& scene, const std::vector<Quantity>& quantities, const std::string& why_no_mesh, const Place& place) {
+ErrorBudget followed_budget(const scene::Scene& scene, const std::vector<Quantity>& quantities, const Place& place) {
   const engine::Choice choice = engine::choose(place.device, place.threads);
   const std::string folder = place.folder + "/runs/error_budget";
   Course base(scene, folder + ".vtkhdf", choice);
   check(base.engine().begin());
-  std::vector<Mended> faults = faults_of(scene.root);
+  Blind blind(base.input());
+  std::vector<Mended> faults = faults_of(scene.root, blind.soft());
   std::vector<Course*> beside;
   for (Mended& m : faults)
     for (double sign : {-1.0, 1.0}) {
@@ -96,19 +114,23 @@ ErrorBudget followed_budget(const scene::Scene& scene, const std::vector<Quantit
     }
   ErrorBudget out;
   Touches touches(scene.root);
-  out.solve_seconds = take(base, beside, [&](const Snapshot& state) { touches.see(state); });
-  const bool motion = faults.front().fault == effects::Fault::steps;
+  out.solve_seconds = take(base, beside, [&](const Snapshot& state) {
+    touches.see(state);
+    if (blind.soft()) blind.see(state.cell.at("cauchy_stress"));
+  });
+  const auto with = [&](effects::Fault fault) {
+    return std::any_of(faults.begin(), faults.end(), [&](const Mended& m) { return m.fault == fault; });
+  };
+  const bool motion = with(effects::Fault::steps), contact = with(effects::Fault::gap);
   if (motion) out.note = touches.note();
 
   const std::vector<double> values = base.measure(quantities);
   const std::vector<double> missed = motion ? base.missed_between(quantities) : std::vector<double>(values.size(), 0.0);
-  const auto& bodies = base.input().bodies;
-  const bool soft = std::any_of(bodies.begin(), bodies.end(), [](const model::BodyInput& b) { return b.type == model::BodyType::soft; });
   for (std::size_t k = 0; k < values.size(); ++k) {
     QuantityBudget& budget = out.of.emplace_back();
     budget.why_not = why_not(quantities[k], values[k]);
     budget.value = values[k];
-    budget.parts.push_back({kMeshPart, NAN, soft ? why_no_mesh : "the scene has no soft bodies"});
+    if (!blind.soft()) budget.parts.push_back(blind.part(NAN));
     if (!motion && scene.root.at("time").integer("steps") > 1) budget.parts.push_back({kLoadStepsPart, NAN, "ladders tell (--vary time.steps=...)"});
     if (const double share = std::abs(missed[k] / values[k]); share > 0)
       budget.parts.push_back({kBetweenPart, NAN,
@@ -119,10 +141,14 @@ ErrorBudget followed_budget(const scene::Scene& scene, const std::vector<Quantit
     const std::string lost = m.less->engine().lost().empty() ? m.more->engine().lost() : m.less->engine().lost();
     const std::vector<double> less = lost.empty() ? m.less->measure(quantities) : values, more = lost.empty() ? m.more->measure(quantities) : values;
     for (std::size_t k = 0; k < values.size(); ++k)
-      out.of[k].parts.push_back(lost.empty() ? part_of(m.source, less[k], values[k], more[k]) : ErrorPart{m.source, NAN, lost});
+      if (ErrorPart part = lost.empty() ? part_of(m.source, less[k], values[k], more[k]) : ErrorPart{m.source, NAN, lost};
+          m.fault == effects::Fault::mesh && std::isfinite(part.error))
+        out.of[k].parts.push_back(mesh_part(blind.part(part.error), quantities[k], motion && touches.strike()));
+      else
+        out.of[k].parts.push_back(part);
   }
-  const bool contact = std::any_of(faults.begin(), faults.end(), [](const Mended& m) { return m.fault == effects::Fault::gap; });
   for (QuantityBudget& budget : out.of) {
+    std::stable_partition(budget.parts.begin(), budget.parts.end(), [](const ErrorPart& p) { return p.source == kMeshPart; });
     if (contact) budget.parts.push_back({kFacetsPart, NAN, "no estimate"});
     budget.judge(budget.value);
   }

@@ -6,7 +6,7 @@
 
 namespace mortise::study {
 
-// why_no_mesh: what is told of the mesh's part, which this way has none of. Times are of the whole run.
-ErrorBudget followed_budget(const scene::Scene& scene, const std::vector<Quantity>& quantities, const std::string& why_no_mesh, const Place& place);
+// Times are of the whole run.
+ErrorBudget followed_budget(const scene::Scene& scene, const std::vector<Quantity>& quantities, const Place& place);
 
 }  // namespace mortise::study

@@ -39,6 +39,8 @@ inline constexpr double kJump = 1e-3;
 inline constexpr double kMendedShare = 1e-4, kMendedKink = 0.25, kFirstOrderShare = 0.3;
 // A largest value over time that is farther from those a step beside it by more than this share is a peak that steps do not see the top of.
 inline constexpr double kPeakShare = 0.02;
+// Of the largest elastic energy: bodies that meet or part with more energy of motion strike.
+inline constexpr double kStruckShare = 0.01;
 
 // A mesh's part of an error from the jumps of stresses: above this share of the number it was between 0.44 and 0.82 of the true one, below between
 // 0.6 and 1.5 (benchmarks/effectivity).
@@ -62,6 +64,6 @@ inline constexpr double kFinestGoal = 1e-5, kCoarsestGoal = 0.5;
 // Errors below this are rounding: they are drawn and compared as if they were this.
 inline constexpr double kRounding = 1e-16;
 
-inline constexpr double kBlind = 0.01;  // of a body's energy: so much in corners between what is held is as good as none (goal_error.cpp)
+inline constexpr double kBlind = 0.01;  // of a body's energy: so much in corners between what is held is as good as none (blind.cpp)
 
 }  // namespace mortise::study::tuning

@@ -178,3 +178,32 @@ TEST(Inertia, ReportsMomentumEnergyAndPointVelocities) {
   const Vec3 expected = v + w.cross(m.input.bodies[1].nodes[0] - m.bodies[1].centre);
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(sink.point["velocity"][3 * p + k], expected[k], 1e-12);
 }
+
+// Masses that stand on nodes, and what spreading them adds: (M_spread - M) a.
+TEST(Inertia, MassesOnNodesAreSpreadWhereThatIsMended) {
+  model::Model m(fd::box_and_ball());
+  m.bodies[0].stays = true;
+  const auto e = fd::make_effect("inertia", integrator("backward_euler"), m), leader = fd::make_effect("inertia", integrator("backward_euler"), m);
+  for (const auto& each : {e.get(), leader.get()}) each->begin_step(step_info(0.01));
+  const fd::Vector x = fd::shaken(m, 0.01);
+  const std::vector<Vec3> before = fd::blocks_of(fd::effect_assemble(*e, x, false).gradient);
+  e->effect->mend(Fault::mesh, 1);
+  const device::Buffer<Vec3> q(fd::blocks_of(x));
+  e->effect->keep_pace(*leader->effect, q.view());
+  const std::vector<Vec3> after = fd::blocks_of(fd::effect_assemble(*e, x, false).gradient);
+  const std::vector<Index> row = m.mass.row_offset.download(), column = m.mass.column.download();
+  const std::vector<double> mass = m.mass.value.download();
+  double largest = 0;
+  for (Index i = 0; i < m.bodies[0].block_end; ++i) {
+    Vec3 spread = Vec3::Zero();
+    for (Index k = row[i]; k < row[i + 1]; ++k) {
+      double on_node = 0;
+      for (Index l = row[column[k]]; l < row[column[k] + 1]; ++l) on_node += mass[l];
+      spread += mass[k] / on_node * before[column[k]];
+    }
+    EXPECT_LT((after[i] - spread).norm(), 1e-9 * before[i].norm());
+    largest = std::max(largest, (after[i] - before[i]).norm() / before[i].norm());
+  }
+  EXPECT_GT(largest, 0.1);
+  for (Index i = m.bodies[1].block_begin; i < m.bodies[1].block_end; ++i) EXPECT_EQ(after[i], before[i]) << "of a stiff body";
+}

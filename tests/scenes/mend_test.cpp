@@ -1,4 +1,6 @@
 // What numbers of a run are wrong by, from scenes that go beside it and mend a share of that (solver/follow.cpp), against motions that are known.
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "link.h"
@@ -113,6 +115,22 @@ TEST(Mend, GapsAreThoseOfTheAdjoint) {
   }
 }
 
+TEST(Mend, MeshesAreThoseOfTheAdjoint) {
+  for (const char* nu : {"0.3", "0.45"}) {
+    const std::vector<std::string> sets{std::string("materials.gel.poisson_ratio=") + nu};
+    std::string yaml = patch("mortar_contact: {pairs: [{slave: block, master: plate}]}");
+    const std::string slides = "{side: z_min}, axes: z";
+    yaml.replace(yaml.find(slides), slides.size(), "{side: z_min}");  // its foot does not spread, so that stresses vary
+    const Lack e = error_of(yaml, 1, effects::Fault::mesh, scalar("supports/plate_z"), sets);
+    Rig rig(yaml, sets);
+    rig.step();
+    solver::Adjoint adjoint;
+    Rig::check(rig.engine->adjoint({{}, 1, 2}, adjoint));
+    EXPECT_NE(adjoint.mesh, 0);
+    EXPECT_NEAR(e.found(), adjoint.mesh, 0.01 * std::abs(adjoint.mesh));
+  }
+}
+
 // A run that is solved badly, and what it lacks to one that is solved well.
 TEST(Mend, SolutionsAreFinished) {
   const std::string yaml = link("", "mode: passive, stiffness: 0.2, rest: -0.5, armature: 3e-4", 4, "backward_euler");
@@ -123,4 +141,51 @@ TEST(Mend, SolutionsAreFinished) {
   const double truth = well.fields().at("joint/hip_angle");
   ASSERT_GT(std::abs(truth - rough.value), 1e-9);
   EXPECT_NEAR(rough.found(), truth - rough.value, 0.2 * std::abs(truth - rough.value));
+}
+
+namespace {
+
+// A soft beam that is let go, and swings.
+std::string beam(const char* order, const char* edge) {
+  return fmt::format(R"(
+mortise: 1
+name: beam
+time: {{step: 2 ms, steps: 25}}
+materials: {{gel: {{model: neo_hookean, youngs_modulus: 0.1 MPa, poisson_ratio: 0.3, density: 1000}}}}
+bodies:
+  beam: {{type: soft, order: {}, shape: {{box: {{size: [40 mm, 10 mm, 10 mm], edge_length: {}}}}}, material: gel}}
+effects:
+  inertia: {{}}
+  gravity: {{}}
+  elasticity: {{}}
+  pin: [{{body: beam, where: {{side: x_min}}}}]
+)",
+                     order, edge);
+}
+
+// Of all points of the free end, down [m].
+double sinks(const Captured& f) {
+  const auto& u = *f.of_points("displacement", 3);
+  double most = 0;
+  for (std::size_t i = 2; i < u.size(); i += 3) most = std::min(most, u[i]);
+  return -most;
+}
+
+}  // namespace
+
+// What the mesh leaves out adds up over all steps: linear elements are too stiff, quadratic ones less so.
+TEST(Mend, TheMeshOfWhatSwings) {
+  const auto truth = [](const char* edge) {
+    Rig fine(beam("2", edge));
+    Rig::check(fine.engine->begin());
+    fine.steps(25);
+    return sinks(fine.fields());
+  };
+  const double exact = truth("2.5 mm");
+  const Lack linear = error_of(beam("1", "2 mm"), 25, effects::Fault::mesh, sinks);
+  EXPECT_GT(exact - linear.value, 0.05 * exact);
+  expect_found(linear, exact, 0.25);
+  const Lack quadratic = error_of(beam("2", "10 mm"), 25, effects::Fault::mesh, sinks);
+  EXPECT_GT(exact - quadratic.value, 0.02 * exact);
+  expect_found(quadratic, exact, 0.4);
 }

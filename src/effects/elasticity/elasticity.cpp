@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "effects/elasticity/mean_volume.h"
+#include "effects/elasticity/missed.h"
 #include "effects/elasticity/tets.h"
 #include "effects/list.h"
 #include "effects/per_environment.h"
@@ -115,6 +116,19 @@ class Elasticity final : public Effect {
       if (hess) elasticity::hessian(e, F, concave, hess);
     });
     elasticity::cluster_stencils(tets, model_.clusters, q, tets.size(), curvature.wanted, model_.at_work, out);
+    if (mended_ != 0 && missed_) missed_->add_to(out);
+  }
+
+  void mend(Fault fault, double share) override {
+    if (fault == Fault::mesh) mended_ = share;
+  }
+  // With the stresses of the leader: of its own, what is mended would grow with it.
+  void keep_pace(const Effect&, Positions q) override {
+    if (mended_ == 0) return;
+    if (!missed_) missed_ = std::make_unique<elasticity::Missed>(model_);
+    Tets tets(model_);
+    const device::Buffer<double> pressure = with_pressures(tets, q);
+    missed_->mend(tets, q, mended_);
   }
 
   void report(const FieldSinks& sinks, const Linearisation& at) override {
@@ -179,6 +193,8 @@ class Elasticity final : public Effect {
   }
 
   model::Model& model_;
+  double mended_ = 0;  // a share of what the mesh leaves out
+  std::unique_ptr<elasticity::Missed> missed_;
 };
 
 }  // namespace

@@ -21,6 +21,22 @@ struct MassPair {
   double m;
 };
 
+// Masses that stand on nodes are spread by a share s: M a becomes M a + s (M_spread - M) a, of the accelerations of what was carried to `from` and
+// went to q; it goes into what `hat` says.
+void spread_masses(const model::Model& model, const std::vector<std::uint8_t>& on_nodes, double s, Positions from, Positions q, View<Vec3> hat) {
+  const device::Buffer<std::uint8_t> lumped_blocks(on_nodes);
+  const View<const std::uint8_t> lumped = lumped_blocks.view();
+  const View<const Index> row = model.mass.row_offset.view(), column = model.mass.column.view();
+  const View<const double> mass = model.mass.value.view();
+  device::parallel_for("inertia.spread", hat.n, [=] MORTISE_HD(Index b) {
+    if (!lumped[b]) return;
+    Vec3 spread = Vec3::Zero();
+    double sum = 0;
+    for (Index k = row[b]; k < row[b + 1]; ++k) spread += mass[k] * (q[column[k]] - from[column[k]]), sum += mass[k];
+    hat[b] -= s * (spread / sum - (q[b] - from[b]));
+  });
+}
+
 class Inertia final : public Effect {
  public:
   Inertia(const Params& params, model::Model& model) : model_(model), bdf2_(params.text("integrator") == "bdf2") {
@@ -127,12 +143,14 @@ class Inertia final : public Effect {
   }
 
   void mend(Fault fault, double share) override {
+    if (fault == Fault::mesh) spread_ = share;
     if (fault != Fault::steps) return;
     mended_ = share;
     for (device::Buffer<Vec3>* v : {&a_, &a_prev_, &more_}) v->copy_from(v_), v->zero();
   }
   // With the accelerations of the leader: of its own, what is mended would take part in the motion, and grow with it.
   void keep_pace(const Effect& leader, Positions q) override {
+    if (spread_ != 0) spread_masses(model_, lumped_blocks(), spread_, static_cast<const Inertia&>(leader).q_hat_.view(), q, q_hat_.view());
     if (mended_ == 0) return;
     const inertia::LeftOut left = inertia::left_out(integrator_[0], dt_prev_[0], known_);
     const double s = mended_, c = integrator_[0].c(), dt = integrator_[0].dt;
@@ -284,7 +302,7 @@ class Inertia final : public Effect {
   device::Buffer<Vec3> v_, q_prev_, v_prev_;
   std::vector<double> dt_prev_;
   // Mended by a share: accelerations of the leader's last steps, of how many there are, and what velocities of the step get besides.
-  double mended_ = 0;
+  double mended_ = 0, spread_ = 0;
   device::Buffer<Vec3> a_, a_prev_, more_;
   int known_ = 0;
 };
