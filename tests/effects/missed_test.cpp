@@ -1,8 +1,11 @@
 // What the mesh of a soft body leaves out (missed.h): against the integral over jumps, by other means.
+#include "effects/elasticity/missed.h"
+
 #include <gtest/gtest.h>
 
 #include <array>
 
+#include "effects/elasticity/mean_volume.h"
 #include "effects/elasticity/recovery.h"
 #include "geometry/midsides.h"
 #include "geometry/quadratic.h"
@@ -150,6 +153,17 @@ TEST(Missed, IsTheIntegralOverJumps) {
       const Field u = any(n, 1), z = any(n, 2), g = mended(m, u);
       const double expected = -product(m, in.bodies[0], u, z, averaged);
       EXPECT_NEAR(dot(g, z), expected, 1e-9 * std::abs(expected)) << order << averaged;
+      effects::elasticity::Missed missed(m);
+      Field at = in.bodies[0].nodes;
+      for (std::size_t i = 0; i < n; ++i) at[i] += u[i];
+      const device::Buffer<Vec3> q(at);
+      device::Buffer<double> pressure;
+      effects::elasticity::Tets tets(m);
+      effects::elasticity::cluster_pressures(tets, m.clusters, q.view(), {}, pressure);
+      tets.pressure = std::as_const(pressure).view();
+      missed.mend(tets, q.view(), 2);
+      const double twice = -product(m, in.bodies[0], u, u, averaged);
+      EXPECT_NEAR(missed.energy(), twice, 1e-9 * std::abs(twice)) << order << averaged;
     }
 }
 

@@ -179,7 +179,9 @@ class Elasticity final : public Effect {
     report_cells(sinks, model_, "cauchy_stress", "Pa", 6, stress);
     report_cells(sinks, model_, "von_mises", "Pa", 1, mises);
     sinks.scalar("elasticity", "det_F_min", "1", least);
-    sinks.scalar("elasticity", "energy", "J", energies_now(q, at, model_.envs));
+    std::vector<double> energy = energies_now(q, at, model_.envs);
+    if (mended_ != 0 && missed_) energy[0] += missed_->energy();
+    sinks.scalar("elasticity", "energy", "J", energy);
   }
 
  private:

@@ -68,6 +68,11 @@ MORTISE_HD inline Mat3 stress_by(const State& u, double mu, double pressure) {
   return out;
 }
 
+MORTISE_HD inline double product(const State& u, const State& z, double mu, double lambda) {
+  const double shear = u.head<3>().dot(z.head<3>()) + 2 * u.segment<3>(3).dot(z.segment<3>(3));
+  return 2 * mu * shear + u[7] * z[6] + u[6] * z[7] - (lambda > 0 ? u[7] * z[7] / lambda : 0);
+}
+
 }  // namespace
 
 Missed::Missed(const model::Model& model) : model_(model) {
@@ -111,7 +116,9 @@ void Missed::mend(const Tets& tets, Positions q, double share) {
     at_points(in.tets, t, q, [&](int p, const Element& e, const Mat3& F) { s[in.tets.first_point[t] + p] = state_of(e, F, in.mean_lambda(t) > 0); });
   });
   device::parallel_for("elasticity.star", node.n, [=] MORTISE_HD(Index b) { node[b] = star.sum(b, {s.p, s.n}); });
-  // The integral of D s with every shape function.
+  // The integral of D s with every shape function, and of half its product with itself.
+  device::Buffer<double> energies(tets.size());
+  const View<double> energy = energies.view();
   device::parallel_for("elasticity.jumps", tets.size(), [=] MORTISE_HD(Index t) {
     const int n = in.nodes(t);
     State jump[10];
@@ -121,7 +128,11 @@ void Missed::mend(const Tets& tets, Positions q, double share) {
       for (int b = 0; b < n; ++b) sum += overlap(n, a, b) * jump[b];
       at[in.first_node[t] + a] = (in.one_sided[t] * in.volume(t)) * sum;
     }
+    const double lambda = in.mean_lambda(t) > 0 ? in.mean_lambda(t) : in.tets.lambda[t];
+    energy[t] = 0;
+    for (int a = 0; a < n; ++a) energy[t] += 0.5 * product(at[in.first_node[t] + a], jump[a], in.tets.mu[t], lambda);
   });
+  energy_ = -share * device::sum("elasticity.missed_energy", energy.n, [=] MORTISE_HD(Index t) { return energy[t]; });
   // What that is to states: the way back through s*, and through what is taken off.
   device::parallel_for("elasticity.star_back", node.n, [=] MORTISE_HD(Index b) {
     State sum = State::Zero();

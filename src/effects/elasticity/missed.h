@@ -41,6 +41,8 @@ class Missed {
   // Adds -share times the gradient of E_missed [N], at positions q where clusters have the pressures of `tets`, to the stencils of elements.
   void mend(const Tets& tets, Positions q, double share);
   void add_to(const linalg::StencilView& out) const;
+  // -share E_missed there [J].
+  double energy() const { return energy_; }
 
  private:
   const model::Model& model_;
@@ -55,6 +57,7 @@ class Missed {
   Sums star_, back_;
   device::Buffer<double> one_sided_;  // of elements
   device::Buffer<Vec3> forces_;       // of nodes of elements
+  double energy_ = 0;
 };
 
 }  // namespace mortise::effects::elasticity
