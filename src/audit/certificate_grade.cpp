@@ -53,7 +53,7 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("free_motion_loss", energy.turnover > 0 ? std::min(std::max(energy.free_loss / energy.turnover, energy.own_loss), 1.0) : NAN,
       tuning::kFreeMotionLoss);
   add("stiff_impacts", energy.own_turnover > 0 ? std::max(energy.impacts / energy.own_turnover, energy.own_impacts) : NAN, tuning::kStiffImpacts);
-  add("turning_loss", energy.own_scale > 0 ? std::max(energy.turning_loss / energy.own_scale, energy.flight_turning) : NAN, tuning::kTurningLoss);
+  add("turning_loss", energy.own_scale > 0 ? std::max(energy.turning_loss / energy.own_scale, energy.own_turning) : NAN, tuning::kTurningLoss);
   add("given_turning_loss", energy.turnover > 0 ? energy.given_turning / energy.turnover : NAN, tuning::kGivenTurning);
   add("start_energy", energy.own_turnover > 0 ? energy.at_start / energy.own_turnover : NAN, tuning::kAtStart);
   add("schedule_missed", schedule_missed_, tuning::kMissed);

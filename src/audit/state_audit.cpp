@@ -108,7 +108,7 @@ void EnergyAudit::measured() {
   r_.motion_lag = lag_.value(), r_.given_lag = given_lag_.value();
   r_.free_loss = free_ + bounces_.sum() + vibrations_.sum(), r_.impacts = bounces_.stiff();
   r_.own_loss = std::max({bounces_.own(), vibrations_.alone(r_.turnover), swings_.share()}), r_.own_impacts = bounces_.own_stiff();
-  r_.turning_loss = turning_.sum(), r_.flight_turning = turning_.in_flight(), r_.given_turning = turning_.given();
+  r_.turning_loss = turning_.sum(), r_.own_turning = turning_.of_its_own(), r_.given_turning = turning_.given();
 }
 
 void EnergyAudit::checkpoint(Archive& archive) {

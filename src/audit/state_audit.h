@@ -64,7 +64,7 @@ class EnergyAudit {
     double own_impacts = 0;
     double turning_loss = NAN;  // turning_loss.h [J]
     double given_turning = 0;   // the same of what kinematic drives turn [J]
-    double flight_turning = 0;  // the same of one body in flight, a share of its own energy of turning
+    double own_turning = 0;     // the same of one body in flight or carried, a share of its own energy
     double motion_lag = NAN;    // motion_lag.h
     double given_lag = NAN;     // given_lag.h
     bool work_is_known = true;  // false: loads do work whose potential is not reported, or nothing moves in time; then `gain` stays NaN

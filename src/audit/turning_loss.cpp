@@ -17,6 +17,11 @@ bool rolls(const MovingBody& b, double omega, const std::vector<double>& points)
   return b.free || b.rigid().at(b.pressed).norm() < tuning::kRolls * b.v.norm();
 }
 
+// What carries it: the body that presses it most, where that goes as the scene says.
+const MovingBody* carrier(const MovingBody& b, const std::vector<MovingBody>& bodies) {
+  return b.free && b.touches && b.on && bodies[*b.on].given && bodies[*b.on].v.norm() > 0 ? &bodies[*b.on] : nullptr;
+}
+
 }  // namespace
 
 TurningLoss::TurningLoss(const model::ModelInput& input) : integration_(integration_of(input.scene)) {
@@ -26,9 +31,9 @@ TurningLoss::TurningLoss(const model::ModelInput& input) : integration_(integrat
 void TurningLoss::state(const std::vector<double>& points, const std::vector<MovingBody>& bodies, double lost) {
   of_first_ = of_second_ = given_first_ = given_second_ = 0;
   if (std::isnan(sum_) || bodies.empty()) return;
-  for (std::vector<double>* v : {&turned_, &moved_, &lost_}) v->resize(bodies.size());
+  for (std::vector<double>* v : {&turned_, &moved_, &lost_, &seen_, &lost_seen_}) v->resize(bodies.size());
   rolled_.resize(3 * bodies.size());
-  for (std::vector<double>* v : {&lost_first_, &lost_second_}) v->assign(bodies.size(), 0.0);
+  for (std::vector<double>* v : {&lost_first_, &lost_second_, &lost_seen_first_, &lost_seen_second_}) v->assign(bodies.size(), 0.0);
   double rolling = 0, wheels = 0, hanging = 0;  // energies of what rolls by itself and on joints, and of all that may hang on those
   bool wheel = false;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -45,9 +50,15 @@ void TurningLoss::state(const std::vector<double>& points, const std::vector<Mov
     Vec3 angle = rolls && !b.free ? Vec3(at(rolled_, i) + integration_.step * b.w) : Vec3::Zero();
     std::copy_n(angle.data(), 3, rolled_.begin() + static_cast<std::ptrdiff_t>(3 * i));
     wheel = wheel || angle.norm() > tuning::kWheel;
+    if (const MovingBody* by = carrier(b, bodies)) {
+      lost_seen_first_[i] = first, lost_seen_second_[i] = second;
+      seen_[i] = std::max(seen_[i], b.turns + b.energy_of(b.v - by->rigid().at(b.x)));
+    } else if (seen_[i] > 0) {
+      most_ = of_its_own(), seen_[i] = lost_seen_[i] = 0;
+    }
     if (!b.spins || b.touches || b.stopped) {
       // What spins on a joint has its turning from what it touches: each time by itself.
-      if (!b.free) most_ = in_flight(), turned_[i] = moved_[i] = lost_[i] = 0;
+      if (!b.free) most_ = of_its_own(), turned_[i] = moved_[i] = lost_[i] = 0;
       continue;
     }
     lost_first_[i] = first, lost_second_[i] = second;
@@ -69,11 +80,14 @@ void TurningLoss::step(bool first_order) {
   sum_ += second ? of_second_ : of_first_;
   given_ += second ? given_second_ : given_first_;
   const std::vector<double>& of_step = second ? lost_second_ : lost_first_;
-  for (std::size_t i = 0; i < of_step.size(); ++i) lost_[i] += of_step[i];
+  const std::vector<double>& of_carried = second ? lost_seen_second_ : lost_seen_first_;
+  for (std::size_t i = 0; i < of_step.size(); ++i) lost_[i] += of_step[i], lost_seen_[i] += of_carried[i];
 }
 
-double TurningLoss::in_flight() const {
+double TurningLoss::of_its_own() const {
   double most = most_;
+  for (std::size_t i = 0; i < lost_seen_.size(); ++i)
+    if (seen_[i] > 0) most = std::max(most, lost_seen_[i] / seen_[i]);
   for (std::size_t i = 0; i < lost_.size(); ++i)
     if (turned_[i] > tuning::kTurns * moved_[i]) most = std::max(most, lost_[i] / turned_[i]);
   return most;
@@ -85,7 +99,12 @@ void TurningLoss::checkpoint(Archive& archive) {
   archive.io("turning.most", most_);
   archive.io("turning.before_wheel", before_wheel_);
   archive.io("turning.rolled", rolled_);
-  for (auto [name, v] : {std::pair{"turning.turned", &turned_}, {"turning.moved", &moved_}, {"turning.lost", &lost_}}) archive.io(name, *v);
+  for (auto [name, v] : {std::pair{"turning.turned", &turned_},
+                         {"turning.moved", &moved_},
+                         {"turning.lost", &lost_},
+                         {"turning.seen", &seen_},
+                         {"turning.lost_seen", &lost_seen_}})
+    archive.io(name, *v);
 }
 
 }  // namespace mortise::audit

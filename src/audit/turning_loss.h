@@ -8,8 +8,10 @@
 // lost by than friction makes it slower too: facets of a round body, that strike one after the other; of a step the larger of the two counts.
 // What is supported, driven or rolls gets its energy of turning from elsewhere, and gives it there: the loss is held against the largest energy of
 // all that is not given. A body in flight, or on a joint without a motor, has its own alone while it touches nothing: of each such body the losses
-// are also held against the most that it turned with in flight, where that is more than kTurns of its energy of motion. What kinematic drives turn
-// goes as they say, but their torques and their work are by this more than they should be, which is a sum of its own.
+// are also held against the most that it turned with in flight, where that is more than kTurns of its energy of motion. What rolls on a body that
+// goes as the scene says (a belt) has beside the energy of all that is carried about little of its own: its losses are also held against the most
+// that it moved and turned with as seen from there, as long as it does. What kinematic drives turn goes as they say, but their torques and their work
+// are by this more than they should be, which is a sum of its own.
 #include <vector>
 
 #include "audit/moving_body.h"
@@ -27,7 +29,7 @@ class TurningLoss {
   void step(bool first_order);             // that led to that state
   double sum() const { return sum_; }      // of all steps [J]; NaN without a time step
   double given() const { return given_; }  // of what kinematic drives turn [J]
-  double in_flight() const;                // the largest share of its own energy that a body lost
+  double of_its_own() const;               // the largest share of its own energy that a body lost, in flight or carried
   void checkpoint(Archive& archive);
 
  private:
@@ -36,7 +38,10 @@ class TurningLoss {
   double given_ = 0, given_first_ = 0, given_second_ = 0;
   // Per body: the most that it turned with in flight, and had of energy of motion then [J]; lost there so far, in the last step by its order [J].
   std::vector<double> turned_, moved_, lost_, lost_first_, lost_second_;
-  double most_ = 0;             // share of their own of those that touched something since
+  double most_ = 0;  // share of their own of those that touched something since, or are carried no more
+  // Per body that is carried: the most that it moves and turns with as seen from what carries it; lost there so far, in the last step by its order
+  // [J].
+  std::vector<double> seen_, lost_seen_, lost_seen_first_, lost_seen_second_;
   std::vector<double> rolled_;  // angle of what rolls on joints, since it began to [rad], 3 per body
   double before_wheel_ = 0;     // lost so far by what may be a wheel or a leg [J]
 };

@@ -65,9 +65,8 @@ class Touches {
   std::string note() const {
     if (changes_ == 0) return "";
     return fmt::format(
-        "bodies touch or let go in {} of {} steps: when within a step they do is not told, nor what comes of it (largest forces of impacts were 2.3 "
-        "times as "
-        "wrong, bounces had the wrong sign)",
+        "bodies touch or let go in {} of {} steps: when within a step they do is not told, nor what comes of it (largest forces of impacts were "
+        "2.3 times as wrong, bounces had the wrong sign)",
         changes_, steps_);
   }
 
@@ -140,12 +139,12 @@ ErrorBudget followed_budget(const scene::Scene& scene, const std::vector<Quantit
   for (Mended& m : faults) {
     const std::string lost = m.less->engine().lost().empty() ? m.more->engine().lost() : m.less->engine().lost();
     const std::vector<double> less = lost.empty() ? m.less->measure(quantities) : values, more = lost.empty() ? m.more->measure(quantities) : values;
-    for (std::size_t k = 0; k < values.size(); ++k)
-      if (ErrorPart part = lost.empty() ? part_of(m.source, less[k], values[k], more[k]) : ErrorPart{m.source, NAN, lost};
-          m.fault == effects::Fault::mesh && std::isfinite(part.error))
-        out.of[k].parts.push_back(mesh_part(blind.part(part.error), quantities[k], motion && touches.strike()));
-      else
-        out.of[k].parts.push_back(part);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      ErrorPart part = lost.empty() ? part_of(m.source, less[k], values[k], more[k]) : ErrorPart{m.source, NAN, lost};
+      if (m.fault == effects::Fault::mesh && std::isfinite(part.error))
+        part = mesh_part(blind.part(part.error), quantities[k], motion && touches.strike());
+      out.of[k].parts.push_back(part);
+    }
   }
   for (QuantityBudget& budget : out.of) {
     std::stable_partition(budget.parts.begin(), budget.parts.end(), [](const ErrorPart& p) { return p.source == kMeshPart; });

@@ -305,7 +305,7 @@ TEST(TurningLoss, IsAShareOfABodysOwnTurningInFlight) {
   thrown.replace(thrown.find("angular_velocity"), 0, "velocity: [5, 0, 3], ");
   const Turned t = turn(thrown, 250, {"time.step=2 ms"});
   EXPECT_LT(t.energy.turning_loss, 0.1 * t.energy.scale);
-  EXPECT_GT(t.energy.flight_turning, 0.5);
+  EXPECT_GT(t.energy.own_turning, 0.5);
 }
 
 // A body on a pin that shakes it, m = 1 kg, amplitude 1 mm, n steps in a period: the force of the pin is late by a step.

@@ -13,13 +13,13 @@ MORTISE_HD inline double extended(int a, int p) {
   geometry::tet_point(0, l);
   const double other = -l[1] / (l[0] - l[1]), own = (1 - l[1]) / (l[0] - l[1]);
   if (a < 4) return a == p ? own : other;
-  return a >= 4 && (geometry::edge_begin(a - 4) == p || geometry::edge_end(a - 4) == p) ? 0.5 * (own + other) : other;
+  return (geometry::edge_begin(a - 4) == p || geometry::edge_end(a - 4) == p) ? 0.5 * (own + other) : other;
 }
 
 // int N_a N_b dV / V of a linear (n = 4) or quadratic tetrahedron.
-MORTISE_HD inline double overlap(int n, int a, int b) {
-  if (n == 4) return a == b ? 0.1 : 0.05;
-  if (a > b) return overlap(n, b, a);
+MORTISE_HD inline double overlap(int n, int one, int other) {
+  if (n == 4) return one == other ? 0.1 : 0.05;
+  const int a = one < other ? one : other, b = one < other ? other : one;
   if (b < 4) return (a == b ? 6 : 1) / 420.0;
   const int i = geometry::edge_begin(b - 4), j = geometry::edge_end(b - 4);
   if (a < 4) return (a == i || a == j ? -4 : -6) / 420.0;
