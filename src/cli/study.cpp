@@ -141,15 +141,14 @@ void add_study(Command app, Context& context) {
   const Flag effects = sub.flag("--effects", o->effects, "run with every effect off in turn instead: time saved and change of each quantity")
                            .excludes(vary)
                            .excludes(one);
-  const Flag budget =
-      sub.flag("--error-budget", o->error_budget,
-               "run the scene once instead, and estimate what its mesh (of static scenes), its time steps, the gap that contact leaves and "
-               "Newton's method make of the quantities")
-          .excludes(vary)
-          .excludes(one)
-          .excludes(effects)
-          .excludes(repeat)
-          .excludes(limit);
+  const Flag budget = sub.flag("--error-budget", o->error_budget,
+                               "run the scene once instead, and estimate what its mesh, its time steps, the gap that contact leaves and "
+                               "Newton's method make of the quantities")
+                          .excludes(vary)
+                          .excludes(one)
+                          .excludes(effects)
+                          .excludes(repeat)
+                          .excludes(limit);
   const Flag sensitivity =
       sub.option(
              "--sensitivity", o->sensitivity,

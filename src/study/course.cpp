@@ -70,6 +70,13 @@ std::vector<double> Course::missed_between(const std::vector<Quantity>& quantiti
   return out;
 }
 
+std::vector<double> Course::largest_apart(const Course& other, const std::vector<Quantity>& quantities) const {
+  const output::FieldReader reader(file_), beside(other.file_);
+  std::vector<double> out;
+  for (const Quantity& q : quantities) out.push_back(study::largest_apart(reader, beside, q));
+  return out;
+}
+
 double take(Course& first, const std::vector<Course*>& beside, const std::function<void(const Snapshot&)>& see) {
   std::vector<engine::Engine*> led;
   for (Course* course : beside) led.push_back(&course->engine());

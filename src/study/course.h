@@ -37,7 +37,9 @@ class Course {
   const std::vector<double>& points() const { return points_; }  // there, three per point [m]
   // No state follows.
   std::vector<double> measure(const std::vector<Quantity>& quantities);
-  std::vector<double> missed_between(const std::vector<Quantity>& quantities) const;  // after that
+  // After that:
+  std::vector<double> missed_between(const std::vector<Quantity>& quantities) const;
+  std::vector<double> largest_apart(const Course& other, const std::vector<Quantity>& quantities) const;
 
  private:
   Course(const scene::Scene& scene, const model::ModelInput& input, const std::string& file, const engine::Choice& choice);

@@ -77,14 +77,15 @@ class Touches {
   double held_ = 0, moved_ = 0, struck_ = 0;  // largest elastic energy; of motion in the last state, and the largest before a change [J]
 };
 
-// The mesh's part of a number, with what makes it unreliable besides.
-ErrorPart mesh_part(ErrorPart part, const Quantity& q, bool strikes) {
+// The mesh's part of a number, with what makes it unreliable besides. before: the largest part up to then, over the largest value.
+ErrorPart mesh_part(ErrorPart part, const Quantity& q, bool strikes, double before) {
   const bool sampled = q.value == "contact_pressure" && q.over != "integral" && q.over != "mean";
-  if (std::isfinite(part.error) && (sampled || strikes))
-    part = {part.source, NAN,
-            std::string(kNotReliable) + (sampled ? ": how far the surface's own elements resolve a pressure is not followed"
-                                                 : ": bodies strike, and what masses on a surface make of that is not followed")};
-  return part;
+  std::string why;
+  if (before > tuning::kCoarseShare)
+    why = fmt::format("before that time {:.2g} % of the largest value was found, and where that goes through zero it tells nothing", 100 * before);
+  if (strikes) why = "bodies strike, and what masses on a surface make of that is not followed";
+  if (sampled) why = "how far the surface's own elements resolve a pressure is not followed";
+  return why.empty() || !std::isfinite(part.error) ? part : ErrorPart{part.source, NAN, std::string(kNotReliable) + ": " + why};
 }
 
 // Why a number is not followed; empty where it is.
@@ -139,10 +140,11 @@ ErrorBudget followed_budget(const scene::Scene& scene, const std::vector<Quantit
   for (Mended& m : faults) {
     const std::string lost = m.less->engine().lost().empty() ? m.more->engine().lost() : m.less->engine().lost();
     const std::vector<double> less = lost.empty() ? m.less->measure(quantities) : values, more = lost.empty() ? m.more->measure(quantities) : values;
+    const std::vector<double> apart = lost.empty() ? m.less->largest_apart(*m.more, quantities) : values;
     for (std::size_t k = 0; k < values.size(); ++k) {
       ErrorPart part = lost.empty() ? part_of(m.source, less[k], values[k], more[k]) : ErrorPart{m.source, NAN, lost};
       if (m.fault == effects::Fault::mesh && std::isfinite(part.error))
-        part = mesh_part(blind.part(part.error), quantities[k], motion && touches.strike());
+        part = mesh_part(blind.part(part.error), quantities[k], motion && touches.strike(), apart[k] / (2 * tuning::kMendedShare));
       out.of[k].parts.push_back(part);
     }
   }

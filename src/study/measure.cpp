@@ -159,4 +159,13 @@ double missed_between(const FieldReader& file, const Quantity& q) {
   return (largest ? fall(most) : 0) + (smallest ? fall(least) : 0);
 }
 
+double largest_apart(const FieldReader& file, const FieldReader& other, const Quantity& q) {
+  if (!q.at && q.when != "end") return 0;
+  const History one = history_of(file, q), two = history_of(other, q);
+  double apart = 0, largest = 0;
+  for (std::size_t i = 0; i < std::min(one.value.size(), two.value.size()) && !(q.at && one.time[i] > *q.at); ++i)
+    apart = std::max(apart, std::abs(one.value[i] - two.value[i])), largest = std::max(largest, std::abs(one.value[i]));
+  return largest > 0 ? apart / largest : 0;
+}
+
 }  // namespace mortise::study

@@ -14,6 +14,9 @@ double measure(const output::FieldReader& file, const Quantity& quantity);
 // Of a largest or smallest value over time, or both: what it is away from the farther of the values a frame before and after. 0 of others.
 double missed_between(const output::FieldReader& file, const Quantity& quantity);
 
+// Of what is measured at one time: the most that two runs of the same frames are apart up to then, over the largest value of the first. 0 of others.
+double largest_apart(const output::FieldReader& file, const output::FieldReader& other, const Quantity& quantity);
+
 // Values over time, in the order of time, without those that were not reported.
 struct History {
   std::vector<double> time, value;

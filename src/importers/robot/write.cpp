@@ -201,8 +201,7 @@ class Writer {
   void effects() {
     const auto any = [](const auto& list, auto what) { return std::any_of(list.begin(), list.end(), what); };
     line("effects:");
-    // What walks goes too short a way with backward Euler, and at half the step still more so (scenes/robots/README.md).
-    line(m_.gait ? "  inertia: {integrator: bdf2}" : "  inertia: {}");
+    line("  inertia: {}");
     line("  gravity: {}");
     line("  affine_body: {}");
     if (!m_.pads.empty()) line("  elasticity: {}");
