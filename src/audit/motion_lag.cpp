@@ -8,12 +8,13 @@
 
 namespace mortise::audit {
 
-MotionLag::MotionLag(const model::ModelInput& input) {
+MotionLag::MotionLag(const model::ModelInput& input) : walking_(input) {
   const Integration integration = integration_of(input.scene);
   if (!integration.second_order) step_ = integration.step;
 }
 
 void MotionLag::state(const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
+  walking_.state(points, bodies);
   if (std::isnan(step_) || bodies.empty()) return;
   const bool first = start_.empty();
   if (first) turned_.assign(3 * bodies.size(), 0.0);
@@ -40,6 +41,7 @@ void MotionLag::checkpoint(Archive& archive) {
   centres_.checkpoint(archive, "lag.centres");
   turns_.checkpoint(archive, "lag.turns");
   carried_.checkpoint(archive);
+  walking_.checkpoint(archive);
   archive.io("lag.steps", steps_);
   archive.io("lag.value", value_);
 }

@@ -57,6 +57,7 @@ MovingBodies::MovingBodies(const model::ModelInput& input) {
     how.given = holds.given(b.name), how.driven = how.given && !holds.pinned(b.name);
     how.free = !how.held && !tied[i];
     how.swings = how.held ? !how.given && !holds.motored(b.name) : !motored[group];
+    how.walks = !how.held && !how.given && motored[group];
     how.damped = holds.damped(b.name, step), how.group = group;
     if (const auto carrier = carriers.find(group); carrier != carriers.end()) how.carrier = carrier->second;
     how.swings_with = b.type == model::BodyType::soft ? number.size() + i : loose.of(i);
