@@ -26,7 +26,7 @@ std::string_view advice(std::string_view check) {
       {"given_turning_loss", kDamps},
       {"start_energy", "more room between bodies at the start, or a smaller d_hat"},
       {"schedule_missed", "shorter steps, of which none goes past a turn or a pulse of a schedule"},
-      {"motion_lag", kDamps},
+      {"motion_lag", "shorter steps (time.step), or, where nothing walks, inertia: {integrator: bdf2}"},
       {"given_lag", kDamps},
       {"guard_share", "a finer mesh of the slave, or a larger d_hat"},
       {"stress_error", kMesh},
