@@ -57,7 +57,6 @@ MovingBodies::MovingBodies(const model::ModelInput& input) {
     how.given = holds.given(b.name), how.driven = how.given && !holds.pinned(b.name);
     how.free = !how.held && !tied[i];
     how.swings = how.held ? !how.given && !holds.motored(b.name) : !motored[group];
-    how.walks = !how.held && !how.given && motored[group];
     how.damped = holds.damped(b.name, step), how.group = group;
     if (const auto carrier = carriers.find(group); carrier != carriers.end()) how.carrier = carrier->second;
     how.swings_with = b.type == model::BodyType::soft ? number.size() + i : loose.of(i);
@@ -138,6 +137,14 @@ Integration integration_of(const Params& scene) {
   if (!step || inertia.empty()) return {};
   const Params* integrator = effects.at(inertia.front()).find("integrator");
   return {step->as_number(), integrator && integrator->as_text() == "bdf2"};
+}
+
+Vec3 gravity_of(const Params& scene) {
+  const Params& effects = scene.at("effects");
+  Vec3 sum = Vec3::Zero();
+  for (const std::string& load : effects::of_role(effects, effects::Role::load))
+    if (effects.at(load).has("acceleration")) sum += effects.at(load).vec3("acceleration");
+  return sum;
 }
 
 }  // namespace mortise::audit

@@ -19,7 +19,6 @@ struct HowHeld {
   bool free;          // nothing holds it or ties it to another body
   bool swings;        // it goes as forces say: not given, and no motor is on the way to what holds it, or on what it hangs together with
   bool spins;         // free, or on joints of its own that no motor moves but by a given torque
-  bool walks;         // of a mechanism with motors that nothing holds
   bool damped;        // by its joint, far more than by the time step (Holds::damped)
   std::size_t group;  // number of a body that it hangs together with by joints, bonds and ties, over what is not given
   std::optional<std::size_t> carrier;  // number of a given body that its group hangs on
@@ -27,6 +26,7 @@ struct HowHeld {
   // at a motor, of those that are at none.
   std::size_t swings_with;
   std::optional<std::size_t> swings_on;
+  bool walks() const { return !held && !given && !swings; }  // of a mechanism with motors that nothing holds
 };
 
 struct MovingBody : HowHeld {
@@ -72,5 +72,8 @@ struct Integration {
   bool second_order = false;
 };
 Integration integration_of(const Params& scene);
+
+// Acceleration by the scene's loads, zero without [m/s^2].
+Vec3 gravity_of(const Params& scene);
 
 }  // namespace mortise::audit

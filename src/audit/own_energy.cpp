@@ -1,14 +1,10 @@
 #include "audit/own_energy.h"
 
 #include "audit/vector_at.h"
-#include "effects/roles.h"
 
 namespace mortise::audit {
 
-OwnEnergy::OwnEnergy(const model::ModelInput& input) : second_order_(integration_of(input.scene).second_order) {
-  const Params& effects = input.scene.at("effects");
-  for (const std::string& load : effects::of_role(effects, effects::Role::load))
-    if (effects.at(load).has("acceleration")) gravity_ += effects.at(load).vec3("acceleration");
+OwnEnergy::OwnEnergy(const model::ModelInput& input) : gravity_(gravity_of(input.scene)), second_order_(integration_of(input.scene).second_order) {
   if (const double h = integration_of(input.scene).step; h > 0) fall_ = h * gravity_;
 }
 

@@ -28,7 +28,7 @@ class OwnEnergy {
   void checkpoint(Archive& archive);
 
  private:
-  Vec3 gravity_ = Vec3::Zero(), fall_ = Vec3::Zero();
+  Vec3 gravity_, fall_ = Vec3::Zero();
   bool second_order_;
   double kinetic_ = 0, weight_ = 0, first_ = NAN, work_ = 0, lost_ = 0;
   std::vector<double> moved_;    // v and w of all bodies in the state before

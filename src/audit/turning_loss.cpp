@@ -33,7 +33,7 @@ void TurningLoss::state(const std::vector<double>& points, const std::vector<Mov
   if (std::isnan(sum_) || bodies.empty()) return;
   for (std::vector<double>* v : {&turned_, &moved_, &lost_, &seen_, &lost_seen_}) v->resize(bodies.size());
   rolled_.resize(3 * bodies.size());
-  for (std::vector<double>* v : {&lost_first_, &lost_second_, &lost_seen_first_, &lost_seen_second_}) v->assign(bodies.size(), 0.0);
+  for (std::vector<double>* v : {&lost_first_, &lost_second_}) v->assign(bodies.size(), 0.0);
   double rolling = 0, wheels = 0, hanging = 0;  // energies of what rolls by itself and on joints, and of all that may hang on those
   bool wheel = false;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -51,7 +51,7 @@ void TurningLoss::state(const std::vector<double>& points, const std::vector<Mov
     std::copy_n(angle.data(), 3, rolled_.begin() + static_cast<std::ptrdiff_t>(3 * i));
     wheel = wheel || angle.norm() > tuning::kWheel;
     if (const MovingBody* by = carrier(b, bodies)) {
-      lost_seen_first_[i] = first, lost_seen_second_[i] = second;
+      lost_first_[i] = first, lost_second_[i] = second;
       seen_[i] = std::max(seen_[i], b.turns + b.energy_of(b.v - by->rigid().at(b.x)));
     } else if (seen_[i] > 0) {
       most_ = of_its_own(), seen_[i] = lost_seen_[i] = 0;
@@ -80,8 +80,7 @@ void TurningLoss::step(bool first_order) {
   sum_ += second ? of_second_ : of_first_;
   given_ += second ? given_second_ : given_first_;
   const std::vector<double>& of_step = second ? lost_second_ : lost_first_;
-  const std::vector<double>& of_carried = second ? lost_seen_second_ : lost_seen_first_;
-  for (std::size_t i = 0; i < of_step.size(); ++i) lost_[i] += of_step[i], lost_seen_[i] += of_carried[i];
+  for (std::size_t i = 0; i < of_step.size(); ++i) (seen_[i] > 0 ? lost_seen_ : lost_)[i] += of_step[i];
 }
 
 double TurningLoss::of_its_own() const {

@@ -36,12 +36,12 @@ class TurningLoss {
   Integration integration_;
   double sum_ = NAN, of_first_ = 0, of_second_ = 0;  // of the last step, by its order
   double given_ = 0, given_first_ = 0, given_second_ = 0;
-  // Per body: the most that it turned with in flight, and had of energy of motion then [J]; lost there so far, in the last step by its order [J].
+  // Per body: the most that it turned with in flight, and had of energy of motion then [J]; lost there so far; in the last step, there or carried, by
+  // its order [J].
   std::vector<double> turned_, moved_, lost_, lost_first_, lost_second_;
   double most_ = 0;  // share of their own of those that touched something since, or are carried no more
-  // Per body that is carried: the most that it moves and turns with as seen from what carries it; lost there so far, in the last step by its order
-  // [J].
-  std::vector<double> seen_, lost_seen_, lost_seen_first_, lost_seen_second_;
+  // Per body that is carried: the most that it moves and turns with as seen from what carries it, and lost there so far [J].
+  std::vector<double> seen_, lost_seen_;
   std::vector<double> rolled_;  // angle of what rolls on joints, since it began to [rad], 3 per body
   double before_wheel_ = 0;     // lost so far by what may be a wheel or a leg [J]
 };

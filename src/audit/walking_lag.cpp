@@ -1,19 +1,15 @@
 #include "audit/walking_lag.h"
 
 #include <algorithm>
+#include <map>
 
 #include "audit/archived.h"
 #include "audit/tuning.h"
-#include "effects/roles.h"
 
 namespace mortise::audit {
 
-WalkingLag::WalkingLag(const model::ModelInput& input) {
+WalkingLag::WalkingLag(const model::ModelInput& input) : down_(gravity_of(input.scene).stableNormalized()) {
   if (const Integration integration = integration_of(input.scene); integration.second_order) step_ = integration.step;
-  const Params& effects = input.scene.at("effects");
-  for (const std::string& load : effects::of_role(effects, effects::Role::load))
-    if (effects.at(load).has("acceleration")) down_ += effects.at(load).vec3("acceleration");
-  if (down_.norm() > 0) down_.normalize();
 }
 
 void WalkingLag::state(const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
@@ -21,17 +17,22 @@ void WalkingLag::state(const std::vector<double>& points, const std::vector<Movi
   groups_.resize(bodies.size());
   value_ = NAN;
   const auto across = [this](const Vec3& a) { return Vec3(a - down_ * down_.dot(a)); };
-  for (std::size_t g = 0; g < bodies.size(); ++g) {
-    Vec3 x = Vec3::Zero(), v = Vec3::Zero();
+  struct Sums {
     double mass = 0;
-    const MovingBody* any = nullptr;
-    for (const MovingBody& b : bodies)
-      if (b.walks && b.group == g) any = &b, mass += b.body.mass(), x += b.body.mass() * b.x, v += b.body.mass() * b.v;
-    if (!any) continue;
+    Vec3 x = Vec3::Zero(), v = Vec3::Zero();
+    const MovingBody* last = nullptr;
+  };
+  std::map<std::size_t, Sums> sums;  // by group
+  for (const MovingBody& b : bodies)
+    if (b.walks()) {
+      Sums& s = sums[b.group];
+      s.mass += b.body.mass(), s.x += b.body.mass() * b.x, s.v += b.body.mass() * b.v, s.last = &b;
+    }
+  for (const auto& [g, sum] : sums) {
     Group& of = groups_[g];
-    x = across(x / mass), v = across(v / mass);
+    const Vec3 x = across(sum.x / sum.mass), v = across(sum.v / sum.mass);
     Eigen::Map<Vec3> start(of.start), last(of.v), changed(of.dv);
-    if (of.states == 0) start = x, of.least = tuning::kCarriedStill * 2 * radius_of_group(bodies, *any, points);
+    if (of.states == 0) start = x, of.least = tuning::kCarriedStill * 2 * radius_of_group(bodies, *sum.last, points);
     const Vec3 change = v - last;
     if (of.states > 1) of.jumps += (change - changed).norm();
     last = v, changed = change, ++of.states;

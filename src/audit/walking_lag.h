@@ -4,7 +4,6 @@
 // hangs together, across gravity,
 //     e = kWalks h/4 sum over steps |v_n - 2 v_{n-1} + v_{n-2}|   [m],
 // which is of second order where velocities are smooth, and of first where they jump. Of mechanisms with motors that nothing holds.
-#include <map>
 #include <vector>
 
 #include "audit/moving_body.h"
@@ -26,7 +25,7 @@ class WalkingLag {
     double states = 0, least = 0, jumps = 0;  // of them there were; smallest way that counts [m]; the sum so far [m/s]
     double start[3] = {0, 0, 0}, v[3] = {0, 0, 0}, dv[3] = {0, 0, 0};
   };
-  Vec3 down_ = Vec3::Zero();   // along gravity; zero without
+  Vec3 down_;                  // along gravity; zero without
   double step_ = NAN;          // h [s]
   std::vector<Group> groups_;  // by number of a body
   double value_ = NAN;

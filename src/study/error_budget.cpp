@@ -160,8 +160,9 @@ ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, co
   Snapshot state;
   engine.report(state);
   const std::vector<double> points = engine.points();
-  Blind blind(input);
-  if (const auto stress = state.cell.find("cauchy_stress"); stress != state.cell.end()) blind.see(stress->second);
+  std::optional<Blind> blind;
+  if (none.empty() && !quantities.empty()) blind.emplace(input);
+  if (blind && blind->soft()) blind->see(state.cell.at("cauchy_stress"));
   const bool contact = !effects::of_role(input.scene.at("effects"), effects::Role::contact).empty();
   for (const Quantity& q : quantities) {
     QuantityBudget& budget = out.of.emplace_back();
@@ -174,7 +175,7 @@ ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, co
       continue;
     }
     out.exact = out.exact && adjoint.exact;
-    budget.parts.push_back(blind.part(adjoint.mesh));
+    budget.parts.push_back(blind->part(adjoint.mesh));
     if (contact) budget.parts.push_back({kGapPart, adjoint.layer, ""});
     budget.parts.push_back({kSolutionPart, adjoint.residual, ""});
     if (contact) budget.parts.push_back({kFacetsPart, NAN, "no estimate"});

@@ -140,7 +140,8 @@ ErrorBudget followed_budget(const scene::Scene& scene, const std::vector<Quantit
   for (Mended& m : faults) {
     const std::string lost = m.less->engine().lost().empty() ? m.more->engine().lost() : m.less->engine().lost();
     const std::vector<double> less = lost.empty() ? m.less->measure(quantities) : values, more = lost.empty() ? m.more->measure(quantities) : values;
-    const std::vector<double> apart = lost.empty() ? m.less->largest_apart(*m.more, quantities) : values;
+    std::vector<double> apart;
+    if (lost.empty() && m.fault == effects::Fault::mesh) apart = m.less->largest_apart(*m.more, quantities);
     for (std::size_t k = 0; k < values.size(); ++k) {
       ErrorPart part = lost.empty() ? part_of(m.source, less[k], values[k], more[k]) : ErrorPart{m.source, NAN, lost};
       if (m.fault == effects::Fault::mesh && std::isfinite(part.error))

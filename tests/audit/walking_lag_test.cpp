@@ -39,7 +39,7 @@ double lag(const std::function<Vec3(double)>& velocity, const char* integrator =
   std::vector<double> points;
   for (const Vec3& x : input.bodies[0].nodes) points.insert(points.end(), {x[0], x[1], x[2]});
   audit::HowHeld how{};
-  how.walks = walks;
+  how.swings = !walks;
   audit::WalkingLag out(input);
   Vec3 x = Vec3::Zero();
   for (int n = 0; n <= 100; ++n) {

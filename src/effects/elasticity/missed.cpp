@@ -98,10 +98,11 @@ Missed::Missed(const model::Model& model) : model_(model) {
   const std::vector<bool> held = model::held_points(model.input);
   const std::vector<Index> cluster = model.clusters.of_tet.download();
   std::vector<double> one_sided(elements, 1.0);
-  for (const model::Body& body : model.bodies)
+  for (const model::Body& body : model.bodies) {
+    const double of_body = model::one_sided(held, body.point_begin, body.point_end - body.point_begin);
     for (Index t = body.tet_begin; t < body.tet_end; ++t)
-      if (first_point[t + 1] - first_point[t] == 1 && (cluster.empty() || cluster[t] < 0))
-        one_sided[t] = model::one_sided(held, body.point_begin, body.point_end - body.point_begin);
+      if (first_point[t + 1] - first_point[t] == 1 && (cluster.empty() || cluster[t] < 0)) one_sided[t] = of_body;
+  }
   first_node_.upload(first_node), first_place_.upload(first_place), place_.upload(place), one_sided_.upload(one_sided);
 }
 
