@@ -59,6 +59,9 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("schedule_missed", schedule_missed_, tuning::kMissed);
   add("motion_lag", energy.motion_lag, tuning::kMotionLag);
   add("given_lag", energy.given_lag, tuning::kGivenLag);
+  add("given_kinks", energy.given_kinks, tuning::kGivenKinks, Of::forces);
+  add("motor_lag", energy.motor_lag, tuning::kMotorLag);
+  add("motor_torque_lag", energy.motor_torque_lag, tuning::kMotorLag, Of::forces);
   add("guard_share", fields.guard, tuning::kGuard, Of::fields);
   add("stress_error", fields.stress, tuning::kStress, Of::fields);
   add("stiffness_error", fields.stiffness, tuning::kStress, Of::forces);

@@ -12,7 +12,6 @@ namespace mortise::audit {
 
 namespace {
 
-double number_or(const Params& p, const char* key, double otherwise) { return p.has(key) ? p.number(key) : otherwise; }
 double reported(const Holds::State& state, const std::string& name) {
   const auto it = state.number.find(name);
   return it == state.number.end() ? 0 : it->second;
@@ -99,6 +98,13 @@ bool Holds::given(const std::string& body) const {
          });
 }
 
+bool Holds::goes_by_gains(const std::string& body) const {
+  return held(body) && !given(body) && each_joint(body, [&](const Joint& joint) {
+           const Motor* m = motor(joint);
+           return joint.fixed || (m && !m->passive && !m->effort_only);
+         });
+}
+
 bool Holds::motored(const std::string& body) const {
   if (!held(body)) return false;
   for (const std::string* at = &body; !at->empty() && !given(*at);) {
@@ -161,28 +167,51 @@ double Holds::stiffness(const Joint& joint, double moment, const Load& load, con
   return m.spring + stop + (wanted - m.kp * on >= m.effort ? 0 : m.kp);
 }
 
-Holds::Give Holds::give(const std::string& body, const Load& load, const State& state) const {
-  const double force = load.force.norm();
-  std::map<std::string, Coordinate> led;  // by the joint that leads
+void Holds::each_standing(const std::string& body, const Motions& motion, const std::function<bool(const Standing&)>& look) const {
   for (const std::string* at = &body; !at->empty();) {
     const Step& step = ways_.at(*at);
     if (step.joint >= 0) {
       const Joint& joint = joints_[step.joint];
-      const geometry::Motion carried = joint.to.empty() ? geometry::Motion{} : state.motion(joint.to);
-      const Vec3 place = carried.R * joint.at + carried.t, axis = carried.R * joint.axis, moment = load.moment - place.cross(load.force);
-      const double size = state.distance(body, place);
-      if (joint.spherical && moment.norm() > tuning::kOneWay * force * size) return {INFINITY, 0};
-      if (joint.has_coordinate()) {
-        // The load is on the side of `body`, or on that of `to`.
-        const double along = (joint.body == *at ? 1 : -1) * axis.dot(joint.slides ? load.force : moment);
-        const auto [leader, ratio] = this->leader(joint);
-        Coordinate& c = led[leader->name];
-        c.moment += ratio * along, c.size = std::max(c.size, std::abs(ratio) * (joint.slides ? 1 : size));
-        if (const auto motor = motors_.find(joint.name); leader != &joint && motor != motors_.end()) c.spring += ratio * ratio * motor->second.spring;
-      }
+      const geometry::Motion carried = joint.to.empty() ? geometry::Motion{} : motion(joint.to);
+      if (!look({joint, carried.R * joint.at + carried.t, carried.R * joint.axis, joint.body == *at ? 1.0 : -1.0})) return;
     }
     at = &step.to;
   }
+}
+
+std::map<std::string, geometry::RigidVelocity> Holds::moved_by(const std::string& body, const Motions& motion, const Vec3& centre) const {
+  std::map<std::string, geometry::RigidVelocity> out;
+  each_standing(body, motion, [&](const Standing& s) {
+    if (!s.joint.has_coordinate()) return true;
+    const auto [leader, ratio] = this->leader(s.joint);
+    geometry::RigidVelocity& of = out[leader->name];
+    const Vec3 axis = s.side * ratio * s.axis;
+    of.centre = centre;
+    of.v += s.joint.slides ? axis : axis.cross(centre - s.place);
+    if (!s.joint.slides) of.w += axis;
+    return true;
+  });
+  return out;
+}
+
+Holds::Give Holds::give(const std::string& body, const Load& load, const State& state) const {
+  const double force = load.force.norm();
+  std::map<std::string, Coordinate> led;  // by the joint that leads
+  bool loose = false;
+  each_standing(body, state.motion, [&](const Standing& s) {
+    const Vec3 moment = load.moment - s.place.cross(load.force);
+    const double size = state.distance(body, s.place);
+    loose = s.joint.spherical && moment.norm() > tuning::kOneWay * force * size;
+    if (loose || !s.joint.has_coordinate()) return !loose;
+    // The load is on the side of `body`, or on that of `to`.
+    const double along = s.side * s.axis.dot(s.joint.slides ? load.force : moment);
+    const auto [leader, ratio] = this->leader(s.joint);
+    Coordinate& c = led[leader->name];
+    c.moment += ratio * along, c.size = std::max(c.size, std::abs(ratio) * (s.joint.slides ? 1 : size));
+    if (const auto motor = motors_.find(s.joint.name); leader != &s.joint && motor != motors_.end()) c.spring += ratio * ratio * motor->second.spring;
+    return true;
+  });
+  if (loose) return {INFINITY, 0};
   double work = 0;
   for (const auto& [name, c] : led) {
     const double K = c.spring + stiffness(joints_[by_name_.at(name)], c.moment, load, state);

@@ -33,6 +33,11 @@ class Holds {
   // Do motor, spring and damper of the first joint on the way that moves damp by far more than a time step of backward Euler does, whose share
   // of damping is h times the stiffness? step: h [s].
   bool damped(const std::string& body, double step) const;
+  // Does it hang, by joints that all are fixed, kinematic or have motors with gains, on what holds it?
+  bool goes_by_gains(const std::string& body) const;
+  using Motions = std::function<geometry::Motion(const std::string& body)>;  // from rest to now
+  // What a unit of the coordinate of each joint that leads moves a held body with, whose centre this is; by the joint's name.
+  std::map<std::string, geometry::RigidVelocity> moved_by(const std::string& body, const Motions& motion, const Vec3& centre) const;
   // What drives a joint: a motor of given torque or force, or one that goes after a target, a speed or what leads it. Springs and dampers alone are
   // none.
   enum class Driven { no, by_effort, yes };
@@ -48,8 +53,8 @@ class Holds {
     double gap = 0;
   };
   struct State {
-    const std::map<std::string, double>& number;                              // what joints and drives report
-    std::function<geometry::Motion(const std::string& body)> motion;          // from rest to now
+    const std::map<std::string, double>& number;  // what joints and drives report
+    Motions motion;
     std::function<double(const std::string& body, const Vec3& at)> distance;  // of the middle of a body from a place
   };
   // Of a held body: e [m], infinite where something is free that the force moves; and, of what is free, the force along its coordinate, of a hinge
@@ -69,6 +74,12 @@ class Holds {
     double low = -INFINITY, high = INFINITY;  // its stops
     bool has_coordinate() const { return !spherical && !fixed; }
   };
+  // A joint as it stands, seen from one of its bodies.
+  struct Standing {
+    const Joint& joint;
+    Vec3 place, axis;
+    double side;  // 1 from its `body`, -1 from its `to`
+  };
   struct Motor {
     bool kinematic = false, passive = false, effort_only = false;
     double kp = 0, kd = 0, effort = INFINITY, spring = 0, damping = 0;
@@ -84,6 +95,8 @@ class Holds {
   };
   // Do all joints on the way from a held body to what holds it pass a test?
   bool each_joint(const std::string& body, const std::function<bool(const Joint&)>& passes) const;
+  // The joints on that way, nearest first, for as long as `look` says so.
+  void each_standing(const std::string& body, const Motions& motion, const std::function<bool(const Standing&)>& look) const;
   // The motor of a joint or of the one that leads it; null without one.
   const Motor* motor(const Joint& joint) const;
   // Who leads a joint, by how much: the end of its chain of mimicry.

@@ -24,7 +24,15 @@ bool at_a_stop(const Snapshot& said) {
 }  // namespace
 
 EnergyAudit::EnergyAudit(const model::ModelInput& input)
-    : moving_(input), own_(input), lag_(input), given_lag_(input), turning_(input), vibrations_(input, moving_), swings_(input) {
+    : moving_(input),
+      own_(input),
+      lag_(input),
+      given_lag_(input),
+      given_kinks_(input),
+      motor_lag_(input),
+      turning_(input),
+      vibrations_(input, moving_),
+      swings_(input) {
   std::size_t first = 0;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
@@ -84,7 +92,10 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   own_scale_.holds(tuning::kDriven * scale_.largest());
   touched_ = touches;
   lag_.state(now.points, moving);
-  given_lag_.state(moving, force_balance(now.said).scale);
+  const double largest_force = force_balance(now.said).scale;
+  given_lag_.state(moving, largest_force);
+  given_kinks_.state(moving, largest_force);
+  motor_lag_.state(now.said, now.points, moving);
   vibrations_.state(now.said, now.points, moving, stored_, bounces_.brought());
   swings_.state(now.said, now.points, moving);
   turning_.state(now.points, moving, lost);
@@ -105,7 +116,8 @@ void EnergyAudit::measured() {
   r_.scale = scale_.largest(), r_.own_scale = own_scale_.largest();
   r_.turnover = moves_ ? scale_.turnover() : 0, r_.own_turnover = moves_ ? own_scale_.turnover() : 0;
   r_.at_start = pressed_first_ - pressed_least_;
-  r_.motion_lag = lag_.value(), r_.given_lag = given_lag_.value();
+  r_.motion_lag = lag_.value(), r_.given_lag = given_lag_.value(), r_.given_kinks = given_kinks_.value();
+  r_.motor_lag = motor_lag_.way(), r_.motor_torque_lag = motor_lag_.torque();
   r_.free_loss = free_ + bounces_.sum() + vibrations_.sum(), r_.impacts = bounces_.stiff();
   r_.own_loss = std::max({bounces_.own(), vibrations_.alone(r_.turnover), swings_.share()}), r_.own_impacts = bounces_.own_stiff();
   r_.turning_loss = turning_.sum(), r_.own_turning = turning_.of_its_own(), r_.given_turning = turning_.given();
@@ -127,6 +139,8 @@ void EnergyAudit::checkpoint(Archive& archive) {
   own_.checkpoint(archive);
   lag_.checkpoint(archive);
   given_lag_.checkpoint(archive);
+  given_kinks_.checkpoint(archive);
+  motor_lag_.checkpoint(archive);
   turning_.checkpoint(archive);
   bounces_.checkpoint(archive);
   vibrations_.checkpoint(archive);

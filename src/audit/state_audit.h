@@ -8,9 +8,11 @@
 
 #include "audit/bounce_loss.h"
 #include "audit/energy_scale.h"
+#include "audit/given_kinks.h"
 #include "audit/given_lag.h"
 #include "audit/measured_body.h"
 #include "audit/motion_lag.h"
+#include "audit/motor_lag.h"
 #include "audit/own_energy.h"
 #include "audit/swing_loss.h"
 #include "audit/turning_loss.h"
@@ -62,11 +64,13 @@ class EnergyAudit {
     // on what carries it (swing_loss.h); and the share of it that impacts leave in doubt.
     double own_loss = 0;
     double own_impacts = 0;
-    double turning_loss = NAN;  // turning_loss.h [J]
-    double given_turning = 0;   // the same of what kinematic drives turn [J]
-    double own_turning = 0;     // the same of one body in flight or carried, a share of its own energy
-    double motion_lag = NAN;    // motion_lag.h
-    double given_lag = NAN;     // given_lag.h
+    double turning_loss = NAN;                       // turning_loss.h [J]
+    double given_turning = 0;                        // the same of what kinematic drives turn [J]
+    double own_turning = 0;                          // the same of one body in flight or carried, a share of its own energy
+    double motion_lag = NAN;                         // motion_lag.h
+    double given_lag = NAN;                          // given_lag.h
+    double given_kinks = NAN;                        // given_kinks.h
+    double motor_lag = NAN, motor_torque_lag = NAN;  // motor_lag.h: of ways, of torques
     bool work_is_known = true;  // false: loads do work whose potential is not reported, or nothing moves in time; then `gain` stays NaN
   };
   const Result& state(const StateReport& now);
@@ -88,6 +92,8 @@ class EnergyAudit {
   OwnEnergy own_;
   MotionLag lag_;
   GivenLag given_lag_;
+  GivenKinks given_kinks_;
+  MotorLag motor_lag_;
   TurningLoss turning_;
   BounceLoss bounces_;
   VibrationLoss vibrations_;

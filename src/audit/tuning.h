@@ -23,6 +23,8 @@ inline constexpr Bounds kTurningLoss{
     0.06, 0.12};  // of energy: rates of what rolls are wrong by a fifth to four fifths of it, and angles of what friction stops
 inline constexpr Bounds kMotionLag{0.05, 0.1};
 inline constexpr Bounds kGivenLag{0.1, 0.2};  // of forces: a sine of 60 and of 25 steps, whose largest errors are 10 and 25 % of its amplitude
+inline constexpr Bounds kMotorLag{0.05, 0.1};
+inline constexpr Bounds kGivenKinks{0.05, 0.1};
 inline constexpr Bounds kGuard{0.02, 0.1};
 inline constexpr Bounds kStress{0.05, 0.1};
 inline constexpr Bounds kRoughness{0.03, 0.04};
@@ -73,15 +75,20 @@ inline constexpr double kMultiplies = 0.3,
                         kAsFast = 0.75;      // in a step: more is a push; growth of acceleration over that of velocity (lagging_ways.cpp)
 inline constexpr double kStillStiff = 1e-3;  // of a stiff body's radius: less than that it moves as it settles on a layer (stiff_strain.cpp)
 inline constexpr double kStill = 0.01;  // of a body's size: less is no motion that anybody looks at (motion_lag.cpp, carried_lag.cpp, swing_loss.cpp)
-inline constexpr double kSettles = 0.05;          // radians, or of a body on a slide: less is how joints settle (bearing_creep.cpp)
-inline constexpr int kLooks = 16;                 // in a step, at what is asked for (schedule_missed.cpp)
-inline constexpr double kCompressible = 0.4;      // most of Poisson's ratio of what bubbles resist with (bubble_error.cpp), and of strain_energy.cpp
-inline constexpr double kHeldMisses = 1.5;        // times what bubbles miss of pads of one and two elements between plates (bubble_error.cpp)
-inline constexpr double kOnTie = 0.25;            // of a side of a face: nearer it lies on what is tied to it (bubble_error.cpp)
-inline constexpr double kNotAffine = 0.5;         // of the farthest that a body deforms (stress_error.cpp)
-inline constexpr double kHidden = 0.25;           // of the energy of a body: what varies is hidden by what is uniform (stress_error.cpp)
-inline constexpr double kAmplified = 5;           // times at most: beyond it, what has buckled stands firm again (stress_error.cpp)
-inline constexpr double kFacesContact = 0.5;      // of a force of contact, against the normal of the face that it is on (bubble_error.cpp)
+// motor_lag.h: parts of a step, which leave a thirtieth of its error; and the share of the largest torque of all motors that a motor's own counts as
+// no less than.
+inline constexpr int kMotorParts = 32;
+inline constexpr double kFaint = 0.01;
+inline constexpr double kSpike = 2.5;         // an acceleration beside those of the steps next to it: more is a velocity that jumps (given_kinks.cpp)
+inline constexpr double kSettles = 0.05;      // radians, or of a body on a slide: less is how joints settle (bearing_creep.cpp)
+inline constexpr int kLooks = 16;             // in a step, at what is asked for (schedule_missed.cpp)
+inline constexpr double kCompressible = 0.4;  // most of Poisson's ratio of what bubbles resist with (bubble_error.cpp), and of strain_energy.cpp
+inline constexpr double kHeldMisses = 1.5;    // times what bubbles miss of pads of one and two elements between plates (bubble_error.cpp)
+inline constexpr double kOnTie = 0.25;        // of a side of a face: nearer it lies on what is tied to it (bubble_error.cpp)
+inline constexpr double kNotAffine = 0.5;     // of the farthest that a body deforms (stress_error.cpp)
+inline constexpr double kHidden = 0.25;       // of the energy of a body: what varies is hidden by what is uniform (stress_error.cpp)
+inline constexpr double kAmplified = 5;       // times at most: beyond it, what has buckled stands firm again (stress_error.cpp)
+inline constexpr double kFacesContact = 0.5;  // of a force of contact, against the normal of the face that it is on (bubble_error.cpp)
 inline constexpr int kBubbleIterations = 100;     // of conjugate gradients: twenty do, of slivers more (bubble_error.cpp)
 inline constexpr double kBubbleTolerance = 1e-4;  // of squared residuals (bubble_error.cpp)
 inline constexpr double kMostMissed = 0.9;        // of an energy (bubble_error.cpp)

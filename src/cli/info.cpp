@@ -14,6 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json facts() {
+  engine::cpu_api().set_threads(0);  // for runs as this is said of: it chooses kernels of OpenBLAS
   Json devices = Json::array(), kernels = engine::cpu_api().architectures();
   std::string no_cuda;
   std::vector<device::DeviceInfo> found = engine::cpu_api().devices(nullptr);

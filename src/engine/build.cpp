@@ -6,7 +6,7 @@
 #include "effects/contact/start_check.h"
 #include "effects/list.h"
 #include "engine/bandwidth.h"
-#include "linalg/direct.h"
+#include "linalg/cholesky/openblas.h"
 #include "model/model.h"
 #include "solver/simulation.h"
 
@@ -151,7 +151,7 @@ Outcome create(const model::ModelInput& input, std::unique_ptr<Engine>& out) {
 
 void set_threads(int n) {
   device::set_threads(n);
-  linalg::use_one_blas_thread();
+  linalg::ready_openblas();
 }
 
 Outcome select(int number, bool debug) {

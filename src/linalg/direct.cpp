@@ -13,11 +13,9 @@
 #include "base/error.h"
 #include "device/cholesky.h"
 #include "linalg/cholesky/factor.h"
+#include "linalg/cholesky/openblas.h"
 #include "linalg/cholesky/tuning.h"
 #include "linalg/scalar_csr.h"
-
-extern "C" void openblas_set_num_threads(int);
-extern "C" int openblas_get_num_threads(void);
 
 namespace mortise::linalg {
 namespace {
@@ -36,11 +34,6 @@ void require_addresses() {
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 }  // namespace
-
-// OpenBLAS is only told what it does not know: in a copy of a process being told starts all its threads again, which wait in a loop at first.
-void use_one_blas_thread() {
-  if (openblas_get_num_threads() != 1) openblas_set_num_threads(1);
-}
 
 struct DirectSolver::State {
   DirectStats stats;
@@ -177,17 +170,17 @@ bool DirectSolver::factor(const BlockMatrix& A, Precision wanted) {
   if (A.rows == 0) return true;
   if (device::Cholesky::available()) return s.factor_on_device(A);
   require_addresses();
-  use_one_blas_thread();
+  ready_openblas();
   try {
     if (A.pattern != s.pattern || s.pattern == 0) s.analyse(A);
     const auto start = Clock::now();
     std::vector<Mat3> value(A.value.size());
     device::copy_out(value.data(), A.value.view().p, value.size() * sizeof(Mat3), "matrix for the host");
-    s.precision = wanted;
-    s.factored = wanted == Precision::rough && s.compute(s.rough, value);
+    s.precision = wanted == Precision::full ? Precision::full : Precision::rough;
+    s.factored = s.precision == Precision::rough && s.compute(s.rough, value);
     if (s.factored) {
       s.full.reset();
-    } else {
+    } else if (wanted != Precision::trial) {
       s.precision = Precision::full;
       s.rough.reset();
       s.factored = s.compute(s.full, value);

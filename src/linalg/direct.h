@@ -25,13 +25,11 @@ struct DirectStats {
   double reciprocal_condition = 0;                                    // (smallest / largest diagonal entry of L)^2, a rough estimate
 };
 
-// For a process that will be copied: its copies then need no threads of OpenBLAS.
-void use_one_blas_thread();
-
 enum class Precision {
   full,   // solutions are those of double precision
   rough,  // single precision where that can factor the matrix: half of the time and memory, and a solution of some six digits less what the
           // condition of A costs: a preconditioner
+  trial,  // the same, but false where that is not enough: of matrices that may have to be made anew, as indefinite ones are
 };
 
 class DirectSolver {

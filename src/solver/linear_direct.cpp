@@ -117,9 +117,11 @@ class Direct final : public Linear {
     return keeps(e) && !parts_[e].precise && A.rows > tuning::kDirectBlocks ? linalg::Precision::rough : linalg::Precision::full;
   }
 
-  bool factor(Index e, const linalg::BlockMatrix& A) {
+  // may_change: there is less negative curvature to be had where A turns out to be indefinite.
+  bool factor(Index e, const linalg::BlockMatrix& A, bool may_change = false) {
     Part& part = parts_[e];
-    const bool done = part.solver.factor(A, precision(e, A));
+    const linalg::Precision wanted = precision(e, A);
+    const bool done = part.solver.factor(A, may_change && wanted == linalg::Precision::rough ? linalg::Precision::trial : wanted);
     see_order(e);
     return done;
   }
@@ -154,7 +156,7 @@ class Direct final : public Linear {
   bool factor(Index e, linalg::BlockMatrix& A, const CurvaturePolicy& curvature, EnvTable& envs, const StepReports& report, EnvMask& indefinite) {
     Part& part = parts_[e];
     double shift = tuning::kFirstShift;
-    part.fresh = factor(e, A);
+    part.fresh = factor(e, A, curvature.concavity(e) > 0);
     while (!part.fresh && curvature.concavity(e) == 0 && shift <= tuning::kLargestShift) {
       shift_diagonal(A, shift, {0, A.rows}, {1});
       shift *= tuning::kShiftGrowth;
@@ -188,7 +190,7 @@ class Direct final : public Linear {
         if (!left[e]) continue;
         report[e].cg += end.of_env[e];
         const bool solved = end.relative[e] <= tuning::kWholeRough;
-        parts_[e].fresh = solved && end.of_env[e] <= tuning::kStaleMost;
+        parts_[e].fresh = solved && end.of_env[e] <= tuning::kWholeStale;
         left[e] = stale[e] && !solved;  // else as near as it came
       }
     }

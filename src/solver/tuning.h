@@ -34,6 +34,7 @@ inline constexpr double kLoose = 1e-9;        // of the mean stiffness: far abov
 inline constexpr double kStaleForcing =
     1e-4;                                    // where thin contact layers rule the right-hand side what is soft needs digits too; a solve costs little
 inline constexpr Index kStaleMost = 8;       // a factor costs about as much as this many solves with it
+inline constexpr Index kWholeStale = 12;     // the same of unsymmetric systems, whose products with new factors take some four of these
 inline constexpr Index kWholeMost = 30;      // products of an unsymmetric system: friction takes some five
 inline constexpr double kWholeRough = 0.01;  // how closely: 0.03 leaves what is light beside something heavy so rough that H37 with cg takes five
                                              // times the iterations, 0.003 costs conjugate gradients a third more

@@ -85,6 +85,8 @@ TEST(Direct, RoughFactorsArePreconditioners) {
   const StaleResult cg = solve_with_stale_factor(A, solver, bb.view(), x.view(), 1e-12, 10);
   EXPECT_TRUE(cg.converged);
   EXPECT_LT(relative_residual(A, b, x.download()), 1e-11);
+  ASSERT_TRUE(solver.factor(A, Precision::trial));
+  EXPECT_EQ(solver.precision(), Precision::rough);
   ASSERT_TRUE(solver.factor(A));
   EXPECT_EQ(solver.precision(), Precision::full);
   solver.solve(bb.view(), x.view());
@@ -96,6 +98,7 @@ TEST(Direct, WhatIsTooIllConditionedForSinglePrecisionIsFactoredInDouble) {
   BlockMatrix A;
   cube_matrix(cube, A);
   DirectSolver solver;
+  EXPECT_FALSE(solver.factor(A, Precision::trial));
   ASSERT_TRUE(solver.factor(A, Precision::rough));
   EXPECT_EQ(solver.precision(), Precision::full);
 }

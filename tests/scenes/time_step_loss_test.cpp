@@ -393,3 +393,42 @@ effects:
   EXPECT_LT(stopped.energy.free_loss, 0.12 * stopped.energy.turnover);
   EXPECT_LT(stopped.energy.own_loss, 0.12);
 }
+
+// A box on a belt that starts and stops by `smooth` keys: BDF2 makes 3/2 of the acceleration where it turns at once, whatever the step, and 2 where
+// the run begins with it; and the friction that carries the box along with it.
+TEST(GivenKinks, OvershootWhatBdf2Accelerates) {
+  const auto kinks = [](const std::string& keys, const std::string& ways, const std::string& integrator, double step) {
+    return turn(fmt::format(R"(
+mortise: 1
+name: belt
+time: {{step: {}, steps: 1}}
+materials: {{wood: {{density: 700}}}}
+bodies:
+  box: {{type: stiff, shape: {{box: {{size: [80 mm, 60 mm, 50 mm], edge_length: 20 mm}}}}, material: wood, position: [0, 0, 25.2 mm]}}
+  belt: {{type: stiff, shape: {{box: {{size: [2 m, 200 mm, 20 mm], edge_length: 200 mm}}}}, material: wood, position: [0, 0, -10 mm]}}
+effects:
+  inertia: {{integrator: {}}}
+  gravity: {{}}
+  affine_body: {{}}
+  pin: [{{body: belt, where: {{side: all}}, motion: {{time: {}, translation: {}, interpolation: smooth}}}}]
+  barrier_contact: {{}}
+  friction: {{follows: barrier_contact, mu: 0.8}}
+)",
+                            step, integrator, keys, ways),
+                static_cast<int>(0.4 / step))
+        .energy.given_kinks;
+  };
+  const std::string rests = "[0, 0.1, 0.3, 0.4]", ways = "[[0, 0, 0], [0, 0, 0], [0.03, 0, 0], [0.03, 0, 0]]";
+  for (const double step : {0.005, 0.002}) {
+    EXPECT_GT(kinks(rests, ways, "bdf2", step), 0.35) << step;
+    EXPECT_LT(kinks(rests, ways, "bdf2", step), 0.9) << step;
+  }
+  EXPECT_GT(kinks("[0, 0.2, 0.4]", "[[0, 0, 0], [0.03, 0, 0], [0.03, 0, 0]]", "bdf2", 0.005), 0.3) << "it starts at once";
+  EXPECT_TRUE(std::isnan(kinks(rests, ways, "backward_euler", 0.005)));
+  std::string keys, cycloid;  // whose acceleration begins with nothing
+  for (int k = 0; k <= 80; ++k) {
+    const double t = 2 * M_PI * k / 80;
+    keys += fmt::format("{}{}", k ? ", " : "", 0.005 * k), cycloid += fmt::format("{}[{}, 0, 0]", k ? ", " : "", 5e-3 * (t - std::sin(t)));
+  }
+  EXPECT_LT(kinks("[" + keys + "]", "[" + cycloid + "]", "bdf2", 0.005), 0.05);
+}

@@ -1,0 +1,39 @@
+#pragma once
+// Forces of what goes as it is told where that kinks, with bdf2. An acceleration that changes at once, as between two keys, is overshot: of one that
+// begins, x = a t^2 / 2, BDF2 makes 3/4 a h of the velocity, then 2 a h, and of the acceleration 9/8 a, then 3/2 a, whatever the step h; twice a
+// where the run begins with it. With c_n = (x_n+1 - 2 x_n + x_n-1)/h^2, which overshoots nothing, and a_n what the run takes for the acceleration,
+//
+//     over = (max m |a_n| - max m |c_n|) / max F,
+//
+// m: mass of the body; F: the largest force of a state, or m |c|. So of pins and kinematic drives, and of what lies on them and goes along, there
+// across the force that presses and with a share of that for F. Where a velocity changes at once (of one c alone, more than kSpike of those beside
+// it) forces are as large as steps are short, and nobody asks for them.
+#include <vector>
+
+#include "audit/moving_body.h"
+#include "base/archive.h"
+#include "model/input.h"
+
+namespace mortise::audit {
+
+class GivenKinks {
+ public:
+  explicit GivenKinks(const model::ModelInput& input);
+  void state(const std::vector<MovingBody>& bodies, double largest_force);  // [N]
+  double value() const;  // of the body where it is most; NaN where none is told to move, or without bdf2
+  void checkpoint(Archive& archive);
+
+ private:
+  static constexpr int kKept = 8;
+  // Of a body: states in a row in which it went as it is told; places and velocities of the last ones, the newest last; what of m |a|, m |c| and F
+  // was most so far [N].
+  struct Body {
+    double states = 0, x[3 * kKept] = {}, v[3 * kKept] = {}, taken = 0, asked = 0, all = 0;
+  };
+  void look(Body& body, const MovingBody& b, double largest_force) const;
+
+  double step_ = NAN;  // h [s]
+  std::vector<Body> bodies_;
+};
+
+}  // namespace mortise::audit

@@ -1,0 +1,170 @@
+#include "audit/motor_lag.h"
+
+#include <algorithm>
+
+#include "audit/archived.h"
+#include "audit/entries.h"
+#include "audit/tuning.h"
+#include "audit/vector_at.h"
+#include "effects/tie_name.h"
+
+namespace mortise::audit {
+
+namespace {
+
+// About the centre of mass c: 2 T of velocities w x (x - c) is w . I w.
+Mat3 inertia_about_centre(const MeasuredBody& body, const std::vector<Vec3>& rest) {
+  std::vector<double> points(3 * (body.first + rest.size()), 0.0), velocity(points);
+  for (std::size_t i = 0; i < rest.size(); ++i) Eigen::Map<Vec3>(points.data() + 3 * (body.first + i)) = rest[i];
+  const auto twice = [&](const Vec3& w) {
+    for (std::size_t i = 0; i < rest.size(); ++i) Eigen::Map<Vec3>(velocity.data() + 3 * (body.first + i)) = w.cross(rest[i]);
+    return 2 * body.turning_energy(velocity, points);
+  };
+  Mat3 out;
+  for (int i = 0; i < 3; ++i) out(i, i) = twice(Vec3::Unit(i));
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < i; ++j) out(i, j) = out(j, i) = 0.5 * (twice(Vec3::Unit(i) + Vec3::Unit(j)) - out(i, i) - out(j, j));
+  return out;
+}
+
+}  // namespace
+
+MotorLag::MotorLag(const model::ModelInput& input) : holds_(input.scene.at("effects")) {
+  const Integration integration = integration_of(input.scene);
+  const Params& effects = input.scene.at("effects");
+  if (integration.second_order) return;
+  for (const Params& p : entries(effects, "drive")) {
+    const std::optional<Params> joint = joint_named(effects, p.text("joint"));
+    if (p.text("mode") != "pd" || !joint || joint->has("mimic")) continue;
+    const std::string& name = p.text("joint");
+    const bool slides = joint->text("type") == "prismatic";
+    motors_.push_back({number_or(p, "kp", 0), number_or(p, "kd", 0), number_or(p, "stiffness", 0), number_or(p, "damping", 0),
+                       number_or(p, "armature", 0), number_or(p, "effort", INFINITY), "joint/" + name + (slides ? "_travel" : "_angle"),
+                       "joint/" + name + "_rate", "drive/" + name + (slides ? "_force" : "_torque"), slides});
+    names_.push_back(name);
+  }
+  if (motors_.empty()) return;
+  std::size_t number = 0;
+  for (const model::BodyInput& b : input.bodies) {
+    if (b.type == model::BodyType::half_space) continue;
+    if (holds_.goes_by_gains(b.name)) carried_.push_back({number});
+    rest_[b.name] = b.nodes, ++number;
+  }
+  if (!carried_.empty()) step_ = integration.step;
+}
+
+MotorLag::Sums MotorLag::sum(const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
+  const std::size_t n = motors_.size();
+  Sums out{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), std::vector<bool>(n, true)};
+  for (std::size_t j = 0; j < n; ++j) out.M(j, j) = motors_[j].armature;
+  std::map<std::string, std::size_t> number;
+  for (const MovingBody& b : bodies) number[b.body.name] = b.body.first;
+  const auto motion = [&](const std::string& body) {
+    const std::vector<Vec3>& rest = rest_.at(body);
+    std::vector<Vec3> now;
+    for (std::size_t i = 0; i < rest.size(); ++i) now.push_back(at(points, number.at(body) + i));
+    return geometry::nearest_motion_of_any(rest, now);
+  };
+  for (std::size_t c = 0; c < carried_.size(); ++c) {
+    const MovingBody& b = bodies[carried_[c].number];
+    const Mat3 R = b.body.soft() ? Mat3::Identity() : motion(b.body.name).R, I = R * carried_[c].inertia * R.transpose();
+    const double m = b.body.mass();
+    const Vec3 a = v_.empty() ? Vec3::Zero() : Vec3((b.v - at(v_, c)) / step_), alpha = w_.empty() ? Vec3::Zero() : Vec3((b.w - at(w_, c)) / step_);
+    const auto by = holds_.moved_by(b.body.name, motion, b.x);
+    for (std::size_t j = 0; j < n; ++j) {
+      const auto phi = by.find(names_[j]);
+      if (phi == by.end()) continue;
+      out.J[j] += m * phi->second.v.dot(a) + phi->second.w.dot(I * alpha);
+      for (std::size_t k = 0; k < n; ++k)
+        if (const auto other = by.find(names_[k]); other != by.end())
+          out.M(j, k) += m * phi->second.v.dot(other->second.v) + phi->second.w.dot(I * other->second.w);
+      if (b.touches || b.stopped) out.free[j] = false;
+      if (errors_[j].size == 0) errors_[j].size = motors_[j].slides ? b.body.radius(b.x, points) : 1;
+    }
+  }
+  return out;
+}
+
+// theta through the step that led to a state.
+void MotorLag::advance(const Sums& sums, const Snapshot& said) {
+  const auto n = static_cast<Eigen::Index>(motors_.size());
+  Eigen::VectorXd x(n), v(n), a(n), changed(n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const Motor& m = motors_[j];
+    x[j] = said.at(m.coordinate), v[j] = said.at(m.rate), a[j] = (v[j] - errors_[j].v) / step_, changed[j] = a[j] - errors_[j].a;
+  }
+  Eigen::MatrixXd M = sums.M;
+  Eigen::VectorXd K(n), D(n), g(n), dg(n), theta(n), rate(n);
+  const Eigen::VectorXd own = M * a, of_own = M * changed;
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const Motor& m = motors_[j];
+    Error& e = errors_[j];
+    const bool gives_all = m.saturated(said);
+    K[j] = m.spring + (gives_all ? 0 : m.kp), D[j] = m.damping + (gives_all ? 0 : m.kd);
+    // Nothing is late that begins with the run.
+    const double late = states_ > 1 ? sums.J[j] + m.armature * a[j] - e.J - of_own[j] : 0, now = own[j] + D[j] * v[j] + K[j] * x[j] + late;
+    g[j] = states_ > 1 ? e.g : now, dg[j] = now - g[j], theta[j] = e.theta, rate[j] = e.rate;
+    e.g = now, e.J = sums.J[j] + m.armature * a[j], e.a = a[j], e.v = v[j];
+    if (sums.free[j]) continue;
+    M.row(j).setZero(), M.col(j).setZero();
+    M(j, j) = 1, K[j] = D[j] = g[j] = dg[j] = 0;
+  }
+  const double k = step_ / tuning::kMotorParts;
+  Eigen::MatrixXd A = M;
+  A.diagonal() += k * D + k * k * K;
+  const Eigen::LDLT<Eigen::MatrixXd> factor(A);
+  for (int part = 1; part <= tuning::kMotorParts; ++part) {
+    const Eigen::VectorXd load = g + part / static_cast<double>(tuning::kMotorParts) * dg;
+    rate += k * factor.solve(Eigen::VectorXd(load - D.cwiseProduct(rate) - K.cwiseProduct(theta + k * rate)));
+    theta += k * rate;
+  }
+  for (Eigen::Index j = 0; j < n; ++j) errors_[j].theta = sums.free[j] ? theta[j] : x[j], errors_[j].rate = sums.free[j] ? rate[j] : v[j];
+}
+
+void MotorLag::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
+  if (std::isnan(step_) || bodies.empty()) return;
+  errors_.resize(motors_.size());
+  if (!measured_)
+    for (Carried& c : carried_)
+      if (const MeasuredBody& body = bodies[c.number].body; !body.soft()) c.inertia = inertia_about_centre(body, rest_.at(body.name));
+  measured_ = true;
+  const Sums sums = sum(points, bodies);
+  if (++states_ > 1) advance(sums, said);
+  for (std::size_t j = 0; j < motors_.size(); ++j) {
+    const Motor& m = motors_[j];
+    Error& e = errors_[j];
+    const double x = said.at(m.coordinate), v = said.at(m.rate), torque = said.at(m.torque);
+    if (states_ == 1) e.start = e.theta = x, e.rate = e.v = v;
+    const double off = m.saturated(said) ? 0 : -m.kp * (x - e.theta) - m.kd * (v - e.rate);
+    e.wrong = std::max(e.wrong, std::abs(x - e.theta)), e.far = std::max(e.far, std::abs(x - e.start));
+    e.torque = std::max(e.torque, std::abs(torque)), e.as_should = std::max(e.as_should, std::abs(torque - off));
+  }
+  v_.clear(), w_.clear();
+  for (const Carried& c : carried_)
+    for (auto [to, of] : {std::pair{&v_, &bodies[c.number].v}, {&w_, &bodies[c.number].w}}) to->insert(to->end(), {(*of)[0], (*of)[1], (*of)[2]});
+}
+
+double MotorLag::way() const {
+  double most = NAN;
+  for (const Error& e : errors_) most = std::fmax(most, e.wrong / std::max(e.far, tuning::kStill * 2 * e.size));
+  return most;
+}
+
+double MotorLag::torque() const {
+  double largest[2] = {0, 0}, most = NAN;  // of hinges, of slides
+  for (std::size_t j = 0; j < errors_.size(); ++j) largest[motors_[j].slides] = std::max(largest[motors_[j].slides], errors_[j].as_should);
+  for (std::size_t j = 0; j < errors_.size(); ++j) {
+    const Error& e = errors_[j];
+    const double least = std::max(e.as_should, tuning::kFaint * largest[motors_[j].slides]);
+    if (least > 0) most = std::fmax(most, std::abs(e.torque - e.as_should) / least);
+  }
+  return most;
+}
+
+void MotorLag::checkpoint(Archive& archive) {
+  archive_all(archive, "motor_lag.errors", errors_);
+  archive.io("motor_lag.states", states_);
+  for (auto [name, of] : {std::pair{"motor_lag.v", &v_}, {"motor_lag.w", &w_}}) archive.io(name, *of);
+}
+
+}  // namespace mortise::audit

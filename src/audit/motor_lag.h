@@ -1,0 +1,77 @@
+#pragma once
+// What backward Euler makes of joints that motors with gains (mode pd) drive: it damps how a joint swings about its target, and with that the largest
+// torques. Such joints are followed beside the run in kMotorParts steps for every one of its own, as
+//
+//     M theta'' + D theta' + K theta = g(t),     K = kp + S,  D = kd + c     (S, c: of the joint's spring and bearing),
+//
+// where M_jk = sum <phi_j, phi_k> over all bodies that hang on them, phi_j the velocity of a body that goes with a unit of theta_j, < , > the product
+// by mass, and g, straight from step to step, is what the run's own angles and rates say it is at the end of a step of length h,
+//
+//     g = M dv/h + D v + K theta + dJ - M d(dv)/h,     J_j = sum <phi_j, a>,
+//
+// v the rates, a the accelerations of bodies, d the change in the step. The last two terms are of accelerations that others impose, as a hand does on
+// its jaws: they are late by h. u is what the run's angle is more than theta, and the torque of a motor is too large by - kp u - kd u'. A motor that
+// gives all of its effort has no kp and no kd. Not followed: what hangs on joints that nothing drives or efforts do, and mechanisms that nothing
+// holds. What touches something or is at a stop starts anew when it is free again. Soft bodies count as points.
+#include <string>
+#include <vector>
+
+#include "audit/holds.h"
+#include "audit/moving_body.h"
+#include "base/archive.h"
+#include "base/snapshot.h"
+#include "model/input.h"
+
+namespace mortise::audit {
+
+class MotorLag {
+ public:
+  explicit MotorLag(const model::ModelInput& input);
+  void state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies);
+  // Of the joint where it is most: |u| at most, over the farthest that it was from its start, or a share of the size of what it moves. NaN: there is
+  // none of these.
+  double way() const;
+  // Of the motor where it is most: how far its largest torque is off, over its largest torque as it should be.
+  double torque() const;
+  void checkpoint(Archive& archive);
+
+ private:
+  // A joint with a motor: what the scene says, and names of what is reported.
+  struct Motor {
+    double kp, kd, spring, damping, armature, effort;
+    std::string coordinate, rate, torque;
+    bool slides;
+    bool saturated(const Snapshot& said) const { return std::abs(said.at(torque)) >= effort; }
+  };
+  // Of a motor: theta and its rate; of the last state g, J, dv/h and v; the start; what was largest so far.
+  struct Error {
+    double theta = 0, rate = 0, g = 0, J = 0, a = 0, v = 0, start = 0;
+    double wrong = 0, far = 0, torque = 0, as_should = 0, size = 0;
+  };
+  // A body that hangs on such joints.
+  struct Carried {
+    std::size_t number;
+    Mat3 inertia = Mat3::Zero();  // at rest, about the centre of mass [kg m^2]
+  };
+  // M, rotors of motors included, and J of all motors; those that are free to go.
+  struct Sums {
+    Eigen::MatrixXd M;
+    Eigen::VectorXd J;
+    std::vector<bool> free;
+  };
+  Sums sum(const std::vector<double>& points, const std::vector<MovingBody>& bodies);
+  void advance(const Sums& sums, const Snapshot& said);
+
+  double step_ = NAN;  // h [s]
+  Holds holds_;
+  std::vector<Motor> motors_;
+  std::vector<std::string> names_;  // of their joints
+  std::vector<Carried> carried_;
+  std::map<std::string, std::vector<Vec3>> rest_;  // of all bodies [m]
+  bool measured_ = false;                          // inertia is known
+  std::vector<Error> errors_;
+  long states_ = 0;
+  std::vector<double> v_, w_;  // of carried bodies, in the last state
+};
+
+}  // namespace mortise::audit

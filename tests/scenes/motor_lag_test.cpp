@@ -1,0 +1,115 @@
+// What backward Euler makes of joints under motors with gains: the estimate of a run (motor_lag.h) against runs of short steps.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "audited.h"
+
+using namespace mortise;
+using namespace mortise::testing;
+
+namespace {
+
+// An arm of two links that motors swing up in 0.2 s against its weight.
+const char* const kArm = R"(
+mortise: 1
+name: arm
+time: {step: 5 ms, steps: 1}
+materials: {al: {density: 2700}}
+bodies:
+  upper: {type: stiff, shape: {box: {size: [200 mm, 30 mm, 30 mm], edge_length: 50 mm}}, material: al, position: [100 mm, 0, 0]}
+  lower: {type: stiff, shape: {box: {size: [150 mm, 20 mm, 20 mm], edge_length: 50 mm}}, material: al, position: [275 mm, 0, 0]}
+effects:
+  inertia: {}
+  gravity: {}
+  affine_body: {}
+  joint:
+    - {name: shoulder, type: revolute, body: upper, at: [0, 0, 0], axis: [0, -1, 0]}
+    - {name: elbow, type: revolute, body: lower, to: upper, at: [200 mm, 0, 0], axis: [0, -1, 0]}
+  drive:
+    - {joint: shoulder, mode: pd, kp: 40, kd: 0.6, angle: {time: [0, 200 ms, 400 ms], value: [0, 40 deg, 40 deg]}, interpolation: smooth}
+    - {joint: elbow, mode: pd, kp: 10, kd: 0.1, angle: {time: [0, 200 ms, 400 ms], value: [0, -60 deg, -60 deg]}, interpolation: smooth}
+)";
+
+// A jaw on a hand that is moved along the jaw's slide.
+const char* const kJaw = R"(
+mortise: 1
+name: jaw
+time: {step: 5 ms, steps: 1}
+materials: {al: {density: 2700}}
+bodies:
+  jaw: {type: stiff, shape: {box: {size: [6 mm, 20 mm, 40 mm], edge_length: 20 mm}}, material: al, position: [-25 mm, 0, 30 mm]}
+  hand: {type: stiff, shape: {box: {size: [80 mm, 30 mm, 10 mm], edge_length: 40 mm}}, material: al, position: [0, 0, 60 mm]}
+effects:
+  inertia: {}
+  affine_body: {}
+  pin: [{body: hand, where: {side: all}, motion: {time: [0, 300 ms], translation: [[0, 0, 0], [300 mm, 0, 0]], interpolation: smooth}}]
+  joint: [{name: slide, type: prismatic, body: jaw, to: hand, axis: [1, 0, 0]}]
+  drive: [{joint: slide, mode: pd, kp: 50, kd: 0.3, travel: 0}]
+)";
+
+struct Moved {
+  audit::EnergyAudit::Result energy;
+  std::map<std::string, double> largest;             // |number|
+  std::map<long, std::map<std::string, double>> at;  // by time [us]
+};
+
+Moved move(const std::string& scene, double step, double seconds, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> overrides = {fmt::format("time.step={}", step)};
+  overrides.insert(overrides.end(), more.begin(), more.end());
+  Rig rig(scene, overrides);
+  audit::EnergyAudit audit(rig.input);
+  Moved out;
+  audit.state({rig.fields(), rig.engine->points()});
+  for (int i = 1; i <= std::lround(seconds / step); ++i) {
+    const bool first_order = rig.step().first_order > 0;
+    const Snapshot& said = rig.fields();
+    audit.state({said, rig.engine->points()});
+    audit.step(first_order);
+    for (const auto& [name, value] : said.number) out.largest[name] = std::fmax(out.largest[name], std::abs(value));
+    out.at[std::lround(1e6 * i * step)] = said.number;
+  }
+  out.energy = audit.result();
+  return out;
+}
+
+// The largest difference of a number at times that both runs have.
+double apart(const Moved& one, const Moved& other, const std::string& name) {
+  double most = 0;
+  for (const auto& [time, numbers] : one.at)
+    if (const auto of = other.at.find(time); of != other.at.end()) most = std::fmax(most, std::abs(numbers.at(name) - of->second.at(name)));
+  return most;
+}
+
+}  // namespace
+
+TEST(MotorLag, IsByHowMuchTheLargestTorquesOfAnArmAreOff) {
+  const Moved exact = move(kArm, 0.25e-3, 0.4);
+  for (const double step : {10e-3, 5e-3, 2.5e-3}) {
+    const Moved run = move(kArm, step, 0.4);
+    double off = 0, way = 0;
+    for (const std::string name : {"drive/shoulder_torque", "drive/elbow_torque"})
+      off = std::fmax(off, std::abs(run.largest.at(name) / exact.largest.at(name) - 1));
+    for (const std::string name : {"joint/shoulder_angle", "joint/elbow_angle"})
+      way = std::fmax(way, apart(run, exact, name) / exact.largest.at(name));
+    EXPECT_GT(off, 10 * step) << "else there is nothing to see";
+    EXPECT_NEAR(run.energy.motor_torque_lag, off, 0.3 * off) << step;
+    EXPECT_NEAR(run.energy.motor_lag, way, 0.5 * way) << step;
+  }
+  EXPECT_TRUE(std::isnan(move(kArm, 5e-3, 0.1, {"effects.inertia.integrator=bdf2"}).energy.motor_lag));
+}
+
+TEST(MotorLag, SeesWhatAHandDoesToItsJaw) {
+  const Moved exact = move(kJaw, 0.1e-3, 0.3);
+  for (const double step : {5e-3, 2e-3}) {
+    const Moved run = move(kJaw, step, 0.3);
+    const double way = apart(run, exact, "joint/slide_travel") / exact.largest.at("joint/slide_travel");
+    EXPECT_GT(way, 0.05);
+    EXPECT_NEAR(run.energy.motor_lag, way, 0.4 * way) << step;
+  }
+}
+
+TEST(MotorLag, IsNothingWhereNothingSwingsOrNoMotorHasGains) {
+  EXPECT_LT(move(kJaw, 5e-3, 0.1, {"effects.pin.0.motion.translation=[[0, 0, 0], [0, 0, 0]]"}).energy.motor_lag, 1e-9);
+  EXPECT_TRUE(std::isnan(move(kJaw, 5e-3, 0.05, {"effects.drive=[{joint: slide, mode: effort, force: 0.1}]"}).energy.motor_lag));
+}
