@@ -26,11 +26,16 @@ MovingBodies::MovingBodies(const model::ModelInput& input) {
       if (number.count(name)) tied[number.at(name)] = true;
     if (number.count(one) && number.count(other) && !holds.given(one) && !holds.given(other)) sets.join(number.at(one), number.at(other));
   }
-  std::map<std::size_t, std::size_t> carriers;  // of groups
+  std::set<std::string> soft;
+  for (const model::BodyInput& b : input.bodies)
+    if (b.type == model::BodyType::soft) soft.insert(b.name);
+  std::map<std::size_t, std::size_t> carriers, bonded;  // of groups; of soft bodies
   for (const auto& [one, other] : holds.together())
-    for (const auto& [carrier, body] : {std::pair{one, other}, {other, one}})
-      if (number.count(one) && number.count(other) && holds.given(carrier) && !holds.given(body))
-        carriers.emplace(sets.of(number.at(body)), number.at(carrier));
+    for (const auto& [carrier, body] : {std::pair{one, other}, {other, one}}) {
+      if (!number.count(one) || !number.count(other) || !holds.given(carrier)) continue;
+      if (!holds.given(body)) carriers.emplace(sets.of(number.at(body)), number.at(carrier));
+      if (soft.count(body) && !soft.count(carrier)) bonded.emplace(number.at(body), number.at(carrier));
+    }
   const std::vector<Params> joints = entries(input.scene.at("effects"), "joint");
   std::vector<bool> at_motor(number.size(), false);
   std::set<std::pair<std::string, std::string>> driven;
@@ -59,6 +64,7 @@ MovingBodies::MovingBodies(const model::ModelInput& input) {
     how.swings = how.held ? !how.given && !holds.motored(b.name) : !motored[group];
     how.damped = holds.damped(b.name, step), how.group = group;
     if (const auto carrier = carriers.find(group); carrier != carriers.end()) how.carrier = carrier->second;
+    if (const auto to = bonded.find(i); to != bonded.end()) how.bonded = to->second;
     how.swings_with = b.type == model::BodyType::soft ? number.size() + i : loose.of(i);
     if (const auto on = at_motors.find(loose.of(i)); on != at_motors.end() && !at_motor[i] && !how.given) how.swings_on = on->second;
     std::vector<std::string> stops;

@@ -22,6 +22,7 @@ struct HowHeld {
   bool damped;        // by its joint, far more than by the time step (Holds::damped)
   std::size_t group;  // number of a body that it hangs together with by joints, bonds and ties, over what is not given
   std::optional<std::size_t> carrier;  // number of a given body that its group hangs on
+  std::optional<std::size_t> bonded;   // of a soft body: number of a given stiff one that it is bonded or tied to
   // A number of what it hangs together with by what no motor moves, of a soft body its own, less than twice the bodies; and the one of them that is
   // at a motor, of those that are at none.
   std::size_t swings_with;

@@ -29,6 +29,7 @@ EnergyAudit::EnergyAudit(const model::ModelInput& input)
       lag_(input),
       given_lag_(input),
       given_kinks_(input),
+      jolted_(input),
       motor_lag_(input),
       turning_(input),
       vibrations_(input, moving_),
@@ -95,6 +96,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   const double largest_force = force_balance(now.said).scale;
   given_lag_.state(moving, largest_force);
   given_kinks_.state(moving, largest_force);
+  jolted_.state(moving);
   motor_lag_.state(now.said, now.points, moving);
   vibrations_.state(now.said, now.points, moving, stored_, bounces_.brought());
   swings_.state(now.said, now.points, moving);
@@ -116,7 +118,7 @@ void EnergyAudit::measured() {
   r_.scale = scale_.largest(), r_.own_scale = own_scale_.largest();
   r_.turnover = moves_ ? scale_.turnover() : 0, r_.own_turnover = moves_ ? own_scale_.turnover() : 0;
   r_.at_start = pressed_first_ - pressed_least_;
-  r_.motion_lag = lag_.value(), r_.given_lag = given_lag_.value(), r_.given_kinks = given_kinks_.value();
+  r_.motion_lag = lag_.value(), r_.given_lag = given_lag_.value(), r_.given_kinks = given_kinks_.value(), r_.jolted = jolted_.value();
   r_.motor_lag = motor_lag_.way(), r_.motor_torque_lag = motor_lag_.torque();
   r_.free_loss = free_ + bounces_.sum() + vibrations_.sum(), r_.impacts = bounces_.stiff();
   r_.own_loss = std::max({bounces_.own(), vibrations_.alone(r_.turnover), swings_.share()}), r_.own_impacts = bounces_.own_stiff();
@@ -140,6 +142,7 @@ void EnergyAudit::checkpoint(Archive& archive) {
   lag_.checkpoint(archive);
   given_lag_.checkpoint(archive);
   given_kinks_.checkpoint(archive);
+  jolted_.checkpoint(archive);
   motor_lag_.checkpoint(archive);
   turning_.checkpoint(archive);
   bounces_.checkpoint(archive);

@@ -10,6 +10,7 @@
 #include "audit/energy_scale.h"
 #include "audit/given_kinks.h"
 #include "audit/given_lag.h"
+#include "audit/jolted.h"
 #include "audit/measured_body.h"
 #include "audit/motion_lag.h"
 #include "audit/motor_lag.h"
@@ -70,6 +71,7 @@ class EnergyAudit {
     double motion_lag = NAN;                         // motion_lag.h
     double given_lag = NAN;                          // given_lag.h
     double given_kinks = NAN;                        // given_kinks.h
+    double jolted = NAN;                             // jolted.h
     double motor_lag = NAN, motor_torque_lag = NAN;  // motor_lag.h: of ways, of torques
     bool work_is_known = true;  // false: loads do work whose potential is not reported, or nothing moves in time; then `gain` stays NaN
   };
@@ -93,6 +95,7 @@ class EnergyAudit {
   MotionLag lag_;
   GivenLag given_lag_;
   GivenKinks given_kinks_;
+  Jolted jolted_;
   MotorLag motor_lag_;
   TurningLoss turning_;
   BounceLoss bounces_;

@@ -25,6 +25,7 @@ inline constexpr Bounds kMotionLag{0.05, 0.1};
 inline constexpr Bounds kGivenLag{0.1, 0.2};  // of forces: a sine of 60 and of 25 steps, whose largest errors are 10 and 25 % of its amplitude
 inline constexpr Bounds kMotorLag{0.05, 0.1};
 inline constexpr Bounds kGivenKinks{0.05, 0.1};
+inline constexpr Bounds kJolted{0.05, 0.1};
 inline constexpr Bounds kGuard{0.02, 0.1};
 inline constexpr Bounds kStress{0.05, 0.1};
 inline constexpr Bounds kRoughness{0.03, 0.04};
@@ -79,6 +80,8 @@ inline constexpr double kStill = 0.01;  // of a body's size: less is no motion t
 // no less than.
 inline constexpr int kMotorParts = 32;
 inline constexpr double kFaint = 0.01;
+inline constexpr double kCaughtUp = 0.1,
+                        kStands = 0.25;       // of a jolt: what its body may be short of, and what accelerations change by beside it (jolted.h)
 inline constexpr double kSpike = 2.5;         // an acceleration beside those of the steps next to it: more is a velocity that jumps (given_kinks.cpp)
 inline constexpr double kSettles = 0.05;      // radians, or of a body on a slide: less is how joints settle (bearing_creep.cpp)
 inline constexpr int kLooks = 16;             // in a step, at what is asked for (schedule_missed.cpp)

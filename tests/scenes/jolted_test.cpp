@@ -1,0 +1,73 @@
+// What backward Euler damps of a jolt (audit/jolted.h): a block on a soft pad whose table starts at once, against a run of short steps.
+#include <fmt/format.h>
+
+#include "audited.h"
+
+using namespace mortise;
+using namespace mortise::testing;
+
+namespace {
+
+struct Jolt {
+  double told = 0, force = 0;  // the largest on the block [N]
+};
+
+Jolt jolt(double step, const std::string& keys, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> overrides = {fmt::format("time.step={}", step)};
+  overrides.insert(overrides.end(), more.begin(), more.end());
+  Rig rig(fmt::format(R"(
+mortise: 1
+name: jolt
+time: {{step: 5 ms, steps: 1}}
+materials: {{gel: {{youngs_modulus: 0.3 MPa, poisson_ratio: 0.4, density: 1000}}, al: {{density: 2700}}}}
+bodies:
+  table: {{type: stiff, shape: {{box: {{size: [60 mm, 40 mm, 4 mm], edge_length: 40 mm}}}}, material: al, position: [0, 0, -7 mm]}}
+  pad: {{type: soft, shape: {{box: {{size: [20 mm, 20 mm, 10 mm], edge_length: 5 mm}}}}, material: gel}}
+  block: {{type: stiff, shape: {{box: {{size: [20 mm, 20 mm, 20 mm], edge_length: 20 mm}}}}, material: al, position: [0, 0, 15 mm]}}
+effects:
+  inertia: {{}}
+  elasticity: {{}}
+  affine_body: {{}}
+  pin: [{{body: table, where: {{side: all}}, motion: {{{}}}}}]
+  bond:
+    - {{name: below, body: pad, to: table, where: {{side: z_min}}}}
+    - {{name: above, body: pad, to: block, where: {{side: z_max}}}}
+)",
+                      keys),
+          overrides);
+  audit::EnergyAudit audit(rig.input);
+  audit.state({rig.fields(), rig.engine->points()});
+  Jolt out;
+  for (int i = 0; i < std::lround(0.12 / step); ++i) {
+    rig.step();
+    const Captured said = rig.fields();
+    audit.state({said, rig.engine->points()});
+    out.force = std::fmax(out.force, std::abs(said.at("bond/above_force_x")));
+  }
+  out.told = audit.result().jolted;
+  return out;
+}
+
+}  // namespace
+
+TEST(Jolted, IsWhatTheLargestForceIsShortOf) {
+  const std::string starts = "time: [0, 0.04, 0.24], translation: [[0, 0, 0], [0, 0, 0], [30 mm, 0, 0]], interpolation: smooth";
+  const double exact = jolt(0.1e-3, starts).force;
+  for (const double step : {5e-3, 2.5e-3, 1e-3}) {
+    const Jolt run = jolt(step, starts);
+    const double missing = 1 - run.force / exact;
+    EXPECT_GT(missing, 0.1);
+    EXPECT_NEAR(run.told, missing, 0.4 * missing) << step;
+  }
+  EXPECT_TRUE(std::isnan(jolt(5e-3, starts, {"effects.inertia.integrator=bdf2"}).told));
+}
+
+TEST(Jolted, IsNothingWhereNothingStartsAtOnce) {
+  EXPECT_EQ(jolt(5e-3, "time: [0, 1], translation: [[0, 0, 0], [0.1, 0, 0]]").told, 0) << "an even pace from the start";
+  std::string times, ways;
+  for (int k = 0; k <= 96; ++k) {
+    const double t = 2 * M_PI * k / 96;
+    times += fmt::format("{}{}", k ? ", " : "", 2.5e-3 * k), ways += fmt::format("{}[{}, 0, 0]", k ? ", " : "", 5e-3 * (t - std::sin(t)));
+  }
+  EXPECT_LT(jolt(2.5e-3, "time: [" + times + "], translation: [" + ways + "], interpolation: smooth").told, 0.05) << "a cycloid";
+}
