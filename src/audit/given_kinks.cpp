@@ -32,12 +32,16 @@ void GivenKinks::look(Body& body, const MovingBody& b, double largest_force) con
   const double h = step_;
   const auto c = [&](int k) { return across(b, Vec3(at(body.x, k + 1) - 2 * at(body.x, k) + at(body.x, k - 1)) / (h * h)).norm(); };
   const int n = kKept - 3;
+  const auto jumps = [&](int k) { return c(k) > tuning::kSpike * std::max(c(k - 1), c(k + 1)); };
   double most = 0;
-  for (int k = n - 3; k <= n; ++k) {
-    if (c(k) > tuning::kSpike * std::max(c(k - 1), c(k + 1))) return;
-    most = std::max(most, c(k));
-  }
+  bool jumped = false;
+  for (int k = n - 3; k <= n; ++k) jumped = jumped || jumps(k), most = std::max(most, c(k));
   const double a = across(b, Vec3(3 * at(body.v, n) - 4 * at(body.v, n - 1) + at(body.v, n - 2)) / (2 * h)).norm(), m = b.body.mass();
+  body.jumps += jumps(n);
+  if (jumped) {
+    body.jumped = std::max(body.jumped, m * a);
+    return;
+  }
   body.taken = std::max(body.taken, m * a), body.asked = std::max(body.asked, m * most);
   body.all = std::max({body.all, body.asked, b.given ? largest_force : tuning::kAcross * b.push.norm()});
 }
@@ -62,8 +66,11 @@ void GivenKinks::state(const std::vector<MovingBody>& bodies, double largest_for
 
 double GivenKinks::value() const {
   double most = NAN;
-  for (const Body& b : bodies_)
-    if (b.all > 0) most = std::fmax(most, std::max(b.taken - b.asked, 0.0) / b.all);
+  for (const Body& b : bodies_) {
+    const bool sampled = b.jumps > tuning::kJumps;
+    const double over = std::max((sampled ? std::max(b.taken, b.jumped) : b.taken) - b.asked, 0.0), all = sampled ? std::max(b.all, b.jumped) : b.all;
+    if (all > 0) most = std::fmax(most, over / all);
+  }
   return most;
 }
 

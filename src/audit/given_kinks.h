@@ -7,7 +7,9 @@
 //
 // m: mass of the body; F: the largest force of a state, or m |c|. So of pins and kinematic drives, and of what lies on them and goes along, there
 // across the force that presses and with a share of that for F. Where a velocity changes at once (of one c alone, more than kSpike of those beside
-// it) forces are as large as steps are short, and nobody asks for them.
+// it) forces are as large as steps are short, and nobody asks for them;
+// but where it does so more than kJumps times, as that of a track that was sampled and goes straight from key to key, they count as taken, not asked
+// for.
 #include <vector>
 
 #include "audit/moving_body.h"
@@ -28,7 +30,7 @@ class GivenKinks {
   // Of a body: states in a row in which it went as it is told; places and velocities of the last ones, the newest last; what of m |a|, m |c| and F
   // was most so far [N].
   struct Body {
-    double states = 0, x[3 * kKept] = {}, v[3 * kKept] = {}, taken = 0, asked = 0, all = 0;
+    double states = 0, x[3 * kKept] = {}, v[3 * kKept] = {}, taken = 0, asked = 0, all = 0, jumped = 0, jumps = 0;
   };
   void look(Body& body, const MovingBody& b, double largest_force) const;
 

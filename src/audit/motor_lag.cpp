@@ -40,7 +40,7 @@ MotorLag::MotorLag(const model::ModelInput& input) : holds_(input.scene.at("effe
     const bool slides = joint->text("type") == "prismatic";
     motors_.push_back({number_or(p, "kp", 0), number_or(p, "kd", 0), number_or(p, "stiffness", 0), number_or(p, "damping", 0),
                        number_or(p, "armature", 0), number_or(p, "effort", INFINITY), "joint/" + name + (slides ? "_travel" : "_angle"),
-                       "joint/" + name + "_rate", "drive/" + name + (slides ? "_force" : "_torque"), slides});
+                       "joint/" + name + "_rate", "drive/" + name + (slides ? "_force" : "_torque"), "drive/" + name + "_target", slides});
     names_.push_back(name);
   }
   if (motors_.empty()) return;
@@ -117,6 +117,14 @@ void MotorLag::advance(const Sums& sums, const Snapshot& said) {
     const Eigen::VectorXd load = g + part / static_cast<double>(tuning::kMotorParts) * dg;
     rate += k * factor.solve(Eigen::VectorXd(load - D.cwiseProduct(rate) - K.cwiseProduct(theta + k * rate)));
     theta += k * rate;
+    const double share = part / static_cast<double>(tuning::kMotorParts);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const Motor& m = motors_[j];
+      Error& e = errors_[j];
+      const double target = e.target + share * (said.at(m.target) - e.target);
+      if (sums.free[j] && !m.saturated(said))
+        e.as_should = std::max(e.as_should, std::min(std::abs(m.kp * (target - theta[j]) - m.kd * rate[j]), m.effort));
+    }
   }
   for (Eigen::Index j = 0; j < n; ++j) errors_[j].theta = sums.free[j] ? theta[j] : x[j], errors_[j].rate = sums.free[j] ? rate[j] : v[j];
 }
@@ -135,9 +143,10 @@ void MotorLag::state(const Snapshot& said, const std::vector<double>& points, co
     Error& e = errors_[j];
     const double x = said.at(m.coordinate), v = said.at(m.rate), torque = said.at(m.torque);
     if (states_ == 1) e.start = e.theta = x, e.rate = e.v = v;
-    const double off = m.saturated(said) ? 0 : -m.kp * (x - e.theta) - m.kd * (v - e.rate);
+    e.target = said.at(m.target);
     e.wrong = std::max(e.wrong, std::abs(x - e.theta)), e.far = std::max(e.far, std::abs(x - e.start));
-    e.torque = std::max(e.torque, std::abs(torque)), e.as_should = std::max(e.as_should, std::abs(torque - off));
+    e.torque = std::max(e.torque, std::abs(torque));
+    if (states_ == 1 || !sums.free[j] || m.saturated(said)) e.as_should = std::max(e.as_should, std::abs(torque));
   }
   v_.clear(), w_.clear();
   for (const Carried& c : carried_)

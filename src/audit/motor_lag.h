@@ -9,10 +9,11 @@
 //
 //     g = M dv/h + D v + K theta + dJ - M d(dv)/h,     J_j = sum <phi_j, a>,
 //
-// v the rates, a the accelerations of bodies, d the change in the step. The last two terms are of accelerations that others impose, as a hand does on
-// its jaws: they are late by h. u is what the run's angle is more than theta, and the torque of a motor is too large by - kp u - kd u'. A motor that
-// gives all of its effort has no kp and no kd. Not followed: what hangs on joints that nothing drives or efforts do, and mechanisms that nothing
-// holds. What touches something or is at a stop starts anew when it is free again. Soft bodies count as points.
+// v the rates, a the accelerations of bodies, d the change in the step (kp times the target is a part of it, which goes as straight). The last two
+// terms are of accelerations that others impose, as a hand does on its jaws: they are late by h. u is what the run's angle is more than theta, and
+// the torque of a motor is too large by - kp u - kd u'. A motor that gives all of its effort has no kp and no kd. Not followed: what hangs on joints
+// that nothing drives or efforts do, and mechanisms that nothing holds. What touches something or is at a stop starts anew when it is free again.
+// Soft bodies count as points.
 #include <string>
 #include <vector>
 
@@ -39,13 +40,13 @@ class MotorLag {
   // A joint with a motor: what the scene says, and names of what is reported.
   struct Motor {
     double kp, kd, spring, damping, armature, effort;
-    std::string coordinate, rate, torque;
+    std::string coordinate, rate, torque, target;
     bool slides;
     bool saturated(const Snapshot& said) const { return std::abs(said.at(torque)) >= effort; }
   };
-  // Of a motor: theta and its rate; of the last state g, J, dv/h and v; the start; what was largest so far.
+  // Of a motor: theta and its rate; of the last state g, J, dv/h, v and the target; the start; what was largest so far.
   struct Error {
-    double theta = 0, rate = 0, g = 0, J = 0, a = 0, v = 0, start = 0;
+    double theta = 0, rate = 0, g = 0, J = 0, a = 0, v = 0, target = 0, start = 0;
     double wrong = 0, far = 0, torque = 0, as_should = 0, size = 0;
   };
   // A body that hangs on such joints.

@@ -82,6 +82,7 @@ inline constexpr int kMotorParts = 32;
 inline constexpr double kFaint = 0.01;
 inline constexpr double kCaughtUp = 0.1,
                         kStands = 0.25;       // of a jolt: what its body may be short of, and what accelerations change by beside it (jolted.h)
+inline constexpr double kJumps = 10;          // of given velocities: starts and stops of some phases, no sampled track (given_kinks.h)
 inline constexpr double kSpike = 2.5;         // an acceleration beside those of the steps next to it: more is a velocity that jumps (given_kinks.cpp)
 inline constexpr double kSettles = 0.05;      // radians, or of a body on a slide: less is how joints settle (bearing_creep.cpp)
 inline constexpr int kLooks = 16;             // in a step, at what is asked for (schedule_missed.cpp)

@@ -58,6 +58,14 @@ void take_colour(std::vector<std::string>& args) {
   }
 }
 
+// `mortise help run` is `mortise run --help`.
+void turn_help(std::vector<std::string>& args) {
+  if (args.empty() || args[0] != "help") return;
+  args.erase(args.begin());
+  args.resize(std::min<std::size_t>(args.size(), 1));
+  args.push_back("--help");
+}
+
 // `mortise scene.yaml` is `mortise run scene.yaml`.
 void insert_run(std::vector<std::string>& args, const std::vector<std::string>& commands) {
   static const std::vector<std::string> global{"-h", "--help", "--version"};
@@ -74,7 +82,7 @@ void insert_run(std::vector<std::string>& args, const std::vector<std::string>& 
     args.insert(args.begin(), "run");
   } else if (!flag) {
     const std::string hint = scene::suggestion(first, commands);
-    throw Error(Exit::usage, "unknown command '" + first + "'" + (hint.empty() ? "" : "\n  " + hint));
+    throw Error(Exit::usage, "unknown command '" + first + "'\n  " + (hint.empty() ? "see 'mortise -h'" : hint));
   }
 }
 
@@ -117,6 +125,7 @@ int run(std::vector<std::string> args) {
     std::cerr << app.help();
     return static_cast<int>(Exit::usage);
   }
+  turn_help(args);
   insert_run(args, command_names(app));
   std::reverse(args.begin(), args.end());  // what CLI11 wants
   try {

@@ -30,8 +30,9 @@ struct Joint {
   double at_rest = 0;  // the coordinate as the bodies stand at rest,
   double low, high;    // and what it may be
   // Of the accepted state:
-  double value = 0;  // turns are counted
-  double rate = 0;   // over the last step [1/s]
+  double value = 0;     // turns are counted
+  double rate = 0;      // over the last step [1/s]
+  double strained = 0;  // of a slide: by how much Coordinate is more than that, as a strained body's axis is longer or shorter
   // Where what steps leave out is mended (effects/effect.h): what the rate is more at the end of the step, and what the leader's changed by in this
   // step and in the one before, over their lengths.
   double ahead = 0, led = 0, led_before = 0;

@@ -47,6 +47,13 @@ TEST(Program, UnknownCommandIsSuggested) {
   const Result r = mortise("chek x.yaml");
   EXPECT_EQ(r.code, 2);
   EXPECT_THAT(r.err, HasSubstr("did you mean 'check'?"));
+  EXPECT_THAT(mortise("absolutely_else").err, HasSubstr("see 'mortise -h'"));
+}
+
+TEST(Program, HelpIsACommandToo) {
+  EXPECT_EQ(mortise("help").out, mortise("-h").out);
+  EXPECT_EQ(mortise("help check").out, mortise("check -h").out);
+  EXPECT_EQ(mortise("help chek").code, 2);
 }
 
 TEST(Program, UnknownFlagIsSuggested) {

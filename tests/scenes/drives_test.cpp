@@ -594,3 +594,30 @@ TEST(Slides, Refusals) {
   says(refused(jaws("", 1, "|, mimic: {joint: right}")), "there is no such joint");
   says(refused(jaws("", 1, "|, angle: 3")), "angle has no meaning in a prismatic joint");
 }
+
+// m a = F, however short the steps are: what strain makes of a slide's coordinate, on a carrier that moves freely, is no rate that damping acts on.
+TEST(Drives, DampedSlidesOnBodiesThatMoveGoAsTheirForceSays) {
+  Rig rig(R"(
+mortise: 1
+name: boom
+time: {step: 0.05 ms, steps: 1}
+materials: {al: {density: 2700}}
+bodies:
+  boom: {type: stiff, shape: {box: {size: [300 mm, 50 mm, 50 mm], edge_length: 300 mm}}, material: al, mass: 2, position: [150 mm, 0, 0]}
+  tele: {type: stiff, shape: {box: {size: [200 mm, 30 mm, 30 mm], edge_length: 200 mm}}, material: al, mass: 0.8, position: [250 mm, 0, 0]}
+effects:
+  inertia: {}
+  affine_body: {}
+  joint:
+    - {name: turn, type: revolute, body: boom, at: [0, 0, 0], axis: [0, 0, 1]}
+    - {name: slide, type: prismatic, body: tele, to: boom, axis: [1, 0, 0]}
+  drive: [{joint: slide, mode: pd, kp: 3000, kd: 60, travel: {time: [0, 60 ms], value: [0, 150 mm]}, interpolation: smooth}]
+)");
+  rig.steps(1199);
+  const double before = rig.fields().at("joint/slide_rate");
+  rig.steps(1);
+  const Captured f = rig.fields();
+  const double force = f.at("drive/slide_force");
+  EXPECT_GT(std::abs(force), 10);
+  EXPECT_NEAR(0.8 * (f.at("joint/slide_rate") - before) / 0.05e-3, force, 2e-3 * std::abs(force));
+}

@@ -121,7 +121,7 @@ class Joints final : public Effect {
       model::Joint& j = model_.joints[moving_[i]];
       if (!step.taken_by(j.env)) continue;
       j.rate = step.is_static ? 0 : (now[i] - j.value) / step.dt;
-      j.value = now[i];
+      j.value = now[i], j.strained = now[moving_.size() + i];
     }
   }
 
@@ -164,14 +164,21 @@ class Joints final : public Effect {
     std::vector<Index> by_env(model_.joints.size()), env;
     std::iota(by_env.begin(), by_env.end(), 0);
     std::stable_sort(by_env.begin(), by_env.end(), [this](Index a, Index b) { return model_.joints[a].env < model_.joints[b].env; });
-    std::vector<double> value, rate;
-    for (Index j : by_env) value.push_back(model_.joints[j].value), rate.push_back(model_.joints[j].rate), env.push_back(model_.joints[j].env);
+    std::vector<double> value, rate, strained;
+    for (Index j : by_env) {
+      const model::Joint& of = model_.joints[j];
+      value.push_back(of.value), rate.push_back(of.rate), strained.push_back(of.strained), env.push_back(of.env);
+    }
     archive.io("value", value, firsts(env, model_.envs));
     archive.io("rate", rate, firsts(env, model_.envs));
+    archive.io("strained", strained, firsts(env, model_.envs));
     if (!archive.loading()) return equations_.checkpoint(archive);
     if (value.size() != model_.joints.size() || rate.size() != value.size())
       throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(value.size()) + " joints");
-    for (std::size_t i = 0; i < value.size(); ++i) model_.joints[by_env[i]].value = value[i], model_.joints[by_env[i]].rate = rate[i];
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      model::Joint& of = model_.joints[by_env[i]];
+      of.value = value[i], of.rate = rate[i], of.strained = strained.at(i);
+    }
     equations_.checkpoint(archive);
   }
 
@@ -194,16 +201,20 @@ class Joints final : public Effect {
     return rate.download();
   }
 
-  // Of all joints that have one, at q; turns counted from the accepted state.
+  // Of all joints that have one, at q; turns counted from the accepted state. After them, by how much what energies take for them is more
+  // (model::Joint::strained).
   std::vector<double> coordinates(Positions q) const {
     const device::Buffer<model::Coordinate> all = those_that_move();
-    device::Buffer<double> value(all.size());
+    const Index n = all.size();
+    device::Buffer<double> value(2 * n);
     const View<double> out = value.view();
     const View<const model::Coordinate> of = all.view();
-    device::parallel_for("joint.coordinates", out.n, [=] MORTISE_HD(Index i) {
+    device::parallel_for("joint.coordinates", n, [=] MORTISE_HD(Index i) {
       const model::HingeDirections r = model::reading(of[i], q);
+      const double taken = model::coordinate(of[i], r);
       // A body that is strained by 1e-9 has an axis that is as much too long.
-      out[i] = of[i].slides ? of[i].at_rest + r.c2.dot(r.c3) / r.c3.dot(r.c3) : model::coordinate(of[i], r);
+      out[i] = of[i].slides ? of[i].at_rest + r.c2.dot(r.c3) / r.c3.dot(r.c3) : taken;
+      out[n + i] = taken - out[i];
     });
     return value.download();
   }
