@@ -101,9 +101,10 @@ void MotorLag::advance(const Sums& sums, const Snapshot& said) {
     Error& e = errors_[j];
     const bool gives_all = m.saturated(said);
     K[j] = m.spring + (gives_all ? 0 : m.kp), D[j] = m.damping + (gives_all ? 0 : m.kd);
-    // Nothing is late that begins with the run.
-    const double late = states_ > 1 ? sums.J[j] + m.armature * a[j] - e.J - of_own[j] : 0, now = own[j] + D[j] * v[j] + K[j] * x[j] + late;
-    g[j] = states_ > 1 ? e.g : now, dg[j] = now - g[j], theta[j] = e.theta, rate[j] = e.rate;
+    // Nothing is late that begins with the run, and what begins with it does so at once.
+    const bool begins = states_ == 2;
+    const double late = !begins ? sums.J[j] + m.armature * a[j] - e.J - of_own[j] : 0, now = own[j] + D[j] * v[j] + K[j] * x[j] + late;
+    g[j] = begins ? now : e.g, dg[j] = now - g[j], theta[j] = e.theta, rate[j] = e.rate;
     e.g = now, e.J = sums.J[j] + m.armature * a[j], e.a = a[j], e.v = v[j];
     if (sums.free[j]) continue;
     M.row(j).setZero(), M.col(j).setZero();
@@ -122,8 +123,7 @@ void MotorLag::advance(const Sums& sums, const Snapshot& said) {
       const Motor& m = motors_[j];
       Error& e = errors_[j];
       const double target = e.target + share * (said.at(m.target) - e.target);
-      if (sums.free[j] && !m.saturated(said))
-        e.as_should = std::max(e.as_should, std::min(std::abs(m.kp * (target - theta[j]) - m.kd * rate[j]), m.effort));
+      if (sums.free[j] && !m.saturated(said)) Error::see(e.as_should, std::clamp(m.kp * (target - theta[j]) - m.kd * rate[j], -m.effort, m.effort));
     }
   }
   for (Eigen::Index j = 0; j < n; ++j) errors_[j].theta = sums.free[j] ? theta[j] : x[j], errors_[j].rate = sums.free[j] ? rate[j] : v[j];
@@ -145,8 +145,8 @@ void MotorLag::state(const Snapshot& said, const std::vector<double>& points, co
     if (states_ == 1) e.start = e.theta = x, e.rate = e.v = v;
     e.target = said.at(m.target);
     e.wrong = std::max(e.wrong, std::abs(x - e.theta)), e.far = std::max(e.far, std::abs(x - e.start));
-    e.torque = std::max(e.torque, std::abs(torque));
-    if (states_ == 1 || !sums.free[j] || m.saturated(said)) e.as_should = std::max(e.as_should, std::abs(torque));
+    Error::see(e.torque, torque);
+    if (states_ == 1 || !sums.free[j] || m.saturated(said)) Error::see(e.as_should, torque);
   }
   v_.clear(), w_.clear();
   for (const Carried& c : carried_)
@@ -161,11 +161,12 @@ double MotorLag::way() const {
 
 double MotorLag::torque() const {
   double largest[2] = {0, 0}, most = NAN;  // of hinges, of slides
-  for (std::size_t j = 0; j < errors_.size(); ++j) largest[motors_[j].slides] = std::max(largest[motors_[j].slides], errors_[j].as_should);
+  for (std::size_t j = 0; j < errors_.size(); ++j) largest[motors_[j].slides] = std::max(largest[motors_[j].slides], errors_[j].should());
   for (std::size_t j = 0; j < errors_.size(); ++j) {
     const Error& e = errors_[j];
-    const double least = std::max(e.as_should, tuning::kFaint * largest[motors_[j].slides]);
-    if (least > 0) most = std::fmax(most, std::abs(e.torque - e.as_should) / least);
+    const double least = std::max(tuning::kOtherWay * e.should(), tuning::kFaint * largest[motors_[j].slides]);
+    if (least > 0)
+      for (const int way : {0, 1}) most = std::fmax(most, std::abs(e.torque[way] - e.as_should[way]) / std::max(e.as_should[way], least));
   }
   return most;
 }

@@ -11,9 +11,10 @@
 //
 // v the rates, a the accelerations of bodies, d the change in the step (kp times the target is a part of it, which goes as straight). The last two
 // terms are of accelerations that others impose, as a hand does on its jaws: they are late by h. u is what the run's angle is more than theta, and
-// the torque of a motor is too large by - kp u - kd u'. A motor that gives all of its effort has no kp and no kd. Not followed: what hangs on joints
-// that nothing drives or efforts do, and mechanisms that nothing holds. What touches something or is at a stop starts anew when it is free again.
-// Soft bodies count as points.
+// the torque of a motor should be kp (target - theta) - kd theta', within steps as well, where the largest ones mostly are. A motor that gives all of
+// its effort has no kp and no kd. Not followed: what hangs on joints that nothing drives or efforts do, and mechanisms that nothing holds. What
+// touches something or is at a stop starts anew when it is free again. Soft bodies count as points.
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,7 @@ class MotorLag {
   // Of the joint where it is most: |u| at most, over the farthest that it was from its start, or a share of the size of what it moves. NaN: there is
   // none of these.
   double way() const;
-  // Of the motor where it is most: how far its largest torque is off, over its largest torque as it should be.
+  // Of the motor where it is most: how far its largest torque one way is off, over that as it should be, or kOtherWay of the largest both ways.
   double torque() const;
   void checkpoint(Archive& archive);
 
@@ -44,10 +45,13 @@ class MotorLag {
     bool slides;
     bool saturated(const Snapshot& said) const { return std::abs(said.at(torque)) >= effort; }
   };
-  // Of a motor: theta and its rate; of the last state g, J, dv/h, v and the target; the start; what was largest so far.
+  // Of a motor: theta and its rate; of the last state g, J, dv/h, v and the target; the start; the size of what it moves; what was largest so far, of
+  // torques against its coordinate and along it.
   struct Error {
-    double theta = 0, rate = 0, g = 0, J = 0, a = 0, v = 0, target = 0, start = 0;
-    double wrong = 0, far = 0, torque = 0, as_should = 0, size = 0;
+    double theta = 0, rate = 0, g = 0, J = 0, a = 0, v = 0, target = 0, start = 0, size = 0;
+    double wrong = 0, far = 0, torque[2] = {0, 0}, as_should[2] = {0, 0};
+    static void see(double (&largest)[2], double torque) { largest[torque > 0] = std::fmax(largest[torque > 0], std::abs(torque)); }
+    double should() const { return std::fmax(as_should[0], as_should[1]); }
   };
   // A body that hangs on such joints.
   struct Carried {
