@@ -18,8 +18,7 @@ double CarriedLag::lag(std::size_t i, const std::vector<MovingBody>& bodies, dou
   const MovingBody& carrier = bodies[*by];
   Vec3 there = carrier.rigid().at(b.x), v = b.v - there;
   const Vec3 turns = there - carrier.v;
-  if (b.free)
-    for (Vec3* of : {&there, &v}) *of -= b.push * b.push.dot(*of) / b.push.squaredNorm();
+  if (b.free) there = b.across_push(there), v = b.across_push(v);
   if (c.by != static_cast<double>(*by) || turns.norm() > tuning::kStill * there.norm()) {
     ways_.restart(i, v);
     c = {.by = static_cast<double>(*by)};

@@ -14,8 +14,6 @@ inline std::vector<Params> entries(const Params& effects, const char* effect) {
   return list ? list->items() : std::vector<Params>();
 }
 
-inline double number_or(const Params& p, const char* key, double otherwise) { return p.has(key) ? p.number(key) : otherwise; }
-
 inline std::optional<Params> joint_named(const Params& effects, const std::string& name) {
   for (const Params& joint : entries(effects, "joint"))
     if (effects::tie_name(joint) == name) return joint;

@@ -11,15 +11,15 @@ namespace mortise::audit {
 
 namespace {
 
-// Of v what is across the force that presses a body.
-Vec3 across(const MovingBody& b, const Vec3& v) { return b.given ? v : Vec3(v - b.push * b.push.dot(v) / b.push.squaredNorm()); }
+// Of v what counts: of what lies on something, what is across the force that presses it.
+Vec3 across(const MovingBody& b, const Vec3& v) { return b.given ? v : b.across_push(v); }
 
 // Does it go as the scene says, or along with something that does?
 bool goes_along(const MovingBody& b, const std::vector<MovingBody>& bodies) {
   if (b.given) return true;
   if (!b.free || b.push.isZero() || !b.on || !bodies[*b.on].given) return false;
   const Vec3 there = bodies[*b.on].rigid().at(b.x);
-  return across(b, b.v - there).norm() <= tuning::kStill * there.norm();
+  return b.across_push(b.v - there).norm() <= tuning::kStill * there.norm();
 }
 
 }  // namespace

@@ -7,9 +7,8 @@
 //
 // m: mass of the body; F: the largest force of a state, or m |c|. So of pins and kinematic drives, and of what lies on them and goes along, there
 // across the force that presses and with a share of that for F. Where a velocity changes at once (of one c alone, more than kSpike of those beside
-// it) forces are as large as steps are short, and nobody asks for them;
-// but where it does so more than kJumps times, as that of a track that was sampled and goes straight from key to key, they count as taken, not asked
-// for.
+// it) forces are as large as steps are short, and nobody asks for them; but where it does so more than kJumps times, as that of a track that was
+// sampled and goes straight from key to key, they count as taken.
 #include <vector>
 
 #include "audit/moving_body.h"
@@ -28,7 +27,7 @@ class GivenKinks {
  private:
   static constexpr int kKept = 8;
   // Of a body: states in a row in which it went as it is told; places and velocities of the last ones, the newest last; what of m |a|, m |c| and F
-  // was most so far [N].
+  // was most so far, and of m |a| where the velocity changes at once [N]; how often it did.
   struct Body {
     double states = 0, x[3 * kKept] = {}, v[3 * kKept] = {}, taken = 0, asked = 0, all = 0, jumped = 0, jumps = 0;
   };

@@ -12,6 +12,7 @@ namespace mortise::audit {
 
 namespace {
 
+double number_or(const Params& p, const char* key, double otherwise) { return p.has(key) ? p.number(key) : otherwise; }
 double reported(const Holds::State& state, const std::string& name) {
   const auto it = state.number.find(name);
   return it == state.number.end() ? 0 : it->second;
@@ -37,7 +38,7 @@ Holds::Holds(const Params& effects) {
     const std::string& mode = p.text("mode");
     m.kinematic = mode == "kinematic", m.passive = mode == "passive", m.effort_only = mode == "effort";
     m.kp = number_or(p, "kp", 0), m.kd = number_or(p, "kd", 0), m.effort = number_or(p, "effort", INFINITY), m.spring = number_or(p, "stiffness", 0);
-    m.damping = number_or(p, "damping", 0);
+    m.damping = number_or(p, "damping", 0), m.armature = number_or(p, "armature", 0);
   }
   struct Link {
     std::string body, to;
@@ -101,7 +102,7 @@ bool Holds::given(const std::string& body) const {
 bool Holds::goes_by_gains(const std::string& body) const {
   return held(body) && !given(body) && each_joint(body, [&](const Joint& joint) {
            const Motor* m = motor(joint);
-           return joint.fixed || (m && !m->passive && !m->effort_only);
+           return joint.fixed || (m && (m->kinematic || m->has_gains()));
          });
 }
 

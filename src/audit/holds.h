@@ -24,6 +24,14 @@ class Holds {
  public:
   explicit Holds(const Params& effects);
 
+  // What the scene says of the motor of a joint, or of its bearing.
+  struct Motor {
+    bool kinematic = false, passive = false, effort_only = false;
+    double kp = 0, kd = 0, effort = INFINITY, spring = 0, damping = 0, armature = 0;
+    bool has_gains() const { return !kinematic && !passive && !effort_only; }
+  };
+  const Motor& motor_of(const std::string& joint) const { return motors_.at(joint); }
+
   bool held(const std::string& body) const { return ways_.count(body) > 0; }
   bool pinned(const std::string& body) const;
   // Does it go as the scene says: pinned, or all of whose joints on the way are fixed or have kinematic drives?
@@ -79,10 +87,6 @@ class Holds {
     const Joint& joint;
     Vec3 place, axis;
     double side;  // 1 from its `body`, -1 from its `to`
-  };
-  struct Motor {
-    bool kinematic = false, passive = false, effort_only = false;
-    double kp = 0, kd = 0, effort = INFINITY, spring = 0, damping = 0;
   };
   // The next body on the way to what holds; by which joint, or none (-1).
   struct Step {

@@ -13,11 +13,13 @@ namespace mortise::audit {
 namespace {
 
 // About the centre of mass c: 2 T of velocities w x (x - c) is w . I w.
-Mat3 inertia_about_centre(const MeasuredBody& body, const std::vector<Vec3>& rest) {
-  std::vector<double> points(3 * (body.first + rest.size()), 0.0), velocity(points);
-  for (std::size_t i = 0; i < rest.size(); ++i) Eigen::Map<Vec3>(points.data() + 3 * (body.first + i)) = rest[i];
+Mat3 inertia_about_centre(const model::BodyInput& input) {
+  if (input.type == model::BodyType::soft) return Mat3::Zero();
+  const MeasuredBody body(input, 0);
+  std::vector<double> points, velocity(3 * input.nodes.size());
+  for (const Vec3& x : input.nodes) points.insert(points.end(), {x[0], x[1], x[2]});
   const auto twice = [&](const Vec3& w) {
-    for (std::size_t i = 0; i < rest.size(); ++i) Eigen::Map<Vec3>(velocity.data() + 3 * (body.first + i)) = w.cross(rest[i]);
+    for (std::size_t i = 0; i < input.nodes.size(); ++i) Eigen::Map<Vec3>(velocity.data() + 3 * i) = w.cross(input.nodes[i]);
     return 2 * body.turning_energy(velocity, points);
   };
   Mat3 out;
@@ -34,20 +36,19 @@ MotorLag::MotorLag(const model::ModelInput& input) : holds_(input.scene.at("effe
   const Params& effects = input.scene.at("effects");
   if (integration.second_order) return;
   for (const Params& p : entries(effects, "drive")) {
-    const std::optional<Params> joint = joint_named(effects, p.text("joint"));
-    if (p.text("mode") != "pd" || !joint || joint->has("mimic")) continue;
     const std::string& name = p.text("joint");
+    const Holds::Motor& motor = holds_.motor_of(name);
+    const std::optional<Params> joint = joint_named(effects, name);
+    if (!motor.has_gains() || !joint || joint->has("mimic")) continue;
     const bool slides = joint->text("type") == "prismatic";
-    motors_.push_back({number_or(p, "kp", 0), number_or(p, "kd", 0), number_or(p, "stiffness", 0), number_or(p, "damping", 0),
-                       number_or(p, "armature", 0), number_or(p, "effort", INFINITY), "joint/" + name + (slides ? "_travel" : "_angle"),
-                       "joint/" + name + "_rate", "drive/" + name + (slides ? "_force" : "_torque"), "drive/" + name + "_target", slides});
-    names_.push_back(name);
+    motors_.push_back({motor, name, "joint/" + name + (slides ? "_travel" : "_angle"), "joint/" + name + "_rate",
+                       "drive/" + name + (slides ? "_force" : "_torque"), "drive/" + name + "_target", slides});
   }
   if (motors_.empty()) return;
   std::size_t number = 0;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
-    if (holds_.goes_by_gains(b.name)) carried_.push_back({number});
+    if (holds_.goes_by_gains(b.name)) carried_.push_back({number, inertia_about_centre(b)});
     rest_[b.name] = b.nodes, ++number;
   }
   if (!carried_.empty()) step_ = integration.step;
@@ -59,11 +60,13 @@ MotorLag::Sums MotorLag::sum(const std::vector<double>& points, const std::vecto
   for (std::size_t j = 0; j < n; ++j) out.M(j, j) = motors_[j].armature;
   std::map<std::string, std::size_t> number;
   for (const MovingBody& b : bodies) number[b.body.name] = b.body.first;
+  std::map<std::string, geometry::Motion> found;  // many hang on the same
   const auto motion = [&](const std::string& body) {
+    if (const auto known = found.find(body); known != found.end()) return known->second;
     const std::vector<Vec3>& rest = rest_.at(body);
     std::vector<Vec3> now;
     for (std::size_t i = 0; i < rest.size(); ++i) now.push_back(at(points, number.at(body) + i));
-    return geometry::nearest_motion_of_any(rest, now);
+    return found[body] = geometry::nearest_motion_of_any(rest, now);
   };
   for (std::size_t c = 0; c < carried_.size(); ++c) {
     const MovingBody& b = bodies[carried_[c].number];
@@ -72,11 +75,11 @@ MotorLag::Sums MotorLag::sum(const std::vector<double>& points, const std::vecto
     const Vec3 a = v_.empty() ? Vec3::Zero() : Vec3((b.v - at(v_, c)) / step_), alpha = w_.empty() ? Vec3::Zero() : Vec3((b.w - at(w_, c)) / step_);
     const auto by = holds_.moved_by(b.body.name, motion, b.x);
     for (std::size_t j = 0; j < n; ++j) {
-      const auto phi = by.find(names_[j]);
+      const auto phi = by.find(motors_[j].joint);
       if (phi == by.end()) continue;
       out.J[j] += m * phi->second.v.dot(a) + phi->second.w.dot(I * alpha);
       for (std::size_t k = 0; k < n; ++k)
-        if (const auto other = by.find(names_[k]); other != by.end())
+        if (const auto other = by.find(motors_[k].joint); other != by.end())
           out.M(j, k) += m * phi->second.v.dot(other->second.v) + phi->second.w.dot(I * other->second.w);
       if (b.touches || b.stopped) out.free[j] = false;
       if (errors_[j].size == 0) errors_[j].size = motors_[j].slides ? b.body.radius(b.x, points) : 1;
@@ -115,10 +118,10 @@ void MotorLag::advance(const Sums& sums, const Snapshot& said) {
   A.diagonal() += k * D + k * k * K;
   const Eigen::LDLT<Eigen::MatrixXd> factor(A);
   for (int part = 1; part <= tuning::kMotorParts; ++part) {
-    const Eigen::VectorXd load = g + part / static_cast<double>(tuning::kMotorParts) * dg;
+    const double share = part / static_cast<double>(tuning::kMotorParts);
+    const Eigen::VectorXd load = g + share * dg;
     rate += k * factor.solve(Eigen::VectorXd(load - D.cwiseProduct(rate) - K.cwiseProduct(theta + k * rate)));
     theta += k * rate;
-    const double share = part / static_cast<double>(tuning::kMotorParts);
     for (Eigen::Index j = 0; j < n; ++j) {
       const Motor& m = motors_[j];
       Error& e = errors_[j];
@@ -132,10 +135,6 @@ void MotorLag::advance(const Sums& sums, const Snapshot& said) {
 void MotorLag::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
   if (std::isnan(step_) || bodies.empty()) return;
   errors_.resize(motors_.size());
-  if (!measured_)
-    for (Carried& c : carried_)
-      if (const MeasuredBody& body = bodies[c.number].body; !body.soft()) c.inertia = inertia_about_centre(body, rest_.at(body.name));
-  measured_ = true;
   const Sums sums = sum(points, bodies);
   if (++states_ > 1) advance(sums, said);
   for (std::size_t j = 0; j < motors_.size(); ++j) {

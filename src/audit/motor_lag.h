@@ -39,9 +39,8 @@ class MotorLag {
 
  private:
   // A joint with a motor: what the scene says, and names of what is reported.
-  struct Motor {
-    double kp, kd, spring, damping, armature, effort;
-    std::string coordinate, rate, torque, target;
+  struct Motor : Holds::Motor {
+    std::string joint, coordinate, rate, torque, target;
     bool slides;
     bool saturated(const Snapshot& said) const { return std::abs(said.at(torque)) >= effort; }
   };
@@ -56,7 +55,7 @@ class MotorLag {
   // A body that hangs on such joints.
   struct Carried {
     std::size_t number;
-    Mat3 inertia = Mat3::Zero();  // at rest, about the centre of mass [kg m^2]
+    Mat3 inertia;  // at rest, about the centre of mass; none of soft bodies [kg m^2]
   };
   // M, rotors of motors included, and J of all motors; those that are free to go.
   struct Sums {
@@ -70,10 +69,8 @@ class MotorLag {
   double step_ = NAN;  // h [s]
   Holds holds_;
   std::vector<Motor> motors_;
-  std::vector<std::string> names_;  // of their joints
   std::vector<Carried> carried_;
   std::map<std::string, std::vector<Vec3>> rest_;  // of all bodies [m]
-  bool measured_ = false;                          // inertia is known
   std::vector<Error> errors_;
   long states_ = 0;
   std::vector<double> v_, w_;  // of carried bodies, in the last state

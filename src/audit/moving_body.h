@@ -42,6 +42,7 @@ struct MovingBody : HowHeld {
   double turns;                   // energy of turning about its centre, of stiff bodies [J]
 
   geometry::RigidVelocity rigid() const { return {x, v, w}; }
+  Vec3 across_push(const Vec3& of) const { return of - push * push.dot(of) / push.squaredNorm(); }
   // Of its centre [J].
   double energy() const { return energy_of(v); }
   // The same of another velocity, and of turning with another one, as if all its axes of inertia were like that which it turns about.
