@@ -26,7 +26,7 @@ std::string_view advice(std::string_view check) {
       {"given_turning_loss", kDamps},
       {"start_energy", "more room between bodies at the start, or a smaller d_hat"},
       {"schedule_missed", "shorter steps, of which none goes past a turn or a pulse of a schedule"},
-      {"motion_lag", "shorter steps (time.step), or, where nothing walks, inertia: {integrator: bdf2}"},
+      {"motion_lag", kDamps},
       {"given_lag", kDamps},
       {"given_kinks", "keys whose velocities change over several steps, or, where peaks of forces count, inertia: {integrator: backward_euler}"},
       {"jolts_damped", kDamps},

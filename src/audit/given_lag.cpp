@@ -7,19 +7,16 @@
 
 namespace mortise::audit {
 
-GivenLag::GivenLag(const model::ModelInput& input) {
-  const Integration integration = integration_of(input.scene);
-  if (!integration.second_order) step_ = integration.step;
-}
+GivenLag::GivenLag(const model::ModelInput& input) : backward_euler_(!integration_of(input.scene).second_order) {}
 
 void GivenLag::state(const std::vector<MovingBody>& bodies, double largest_force) {
-  if (std::isnan(step_) || bodies.empty()) return;
-  v_.resize(3 * bodies.size()), a_.resize(v_.size()), late_.resize(bodies.size()), all_.resize(bodies.size());
+  if (!backward_euler_ || bodies.empty()) return;
+  a_.resize(3 * bodies.size()), late_.resize(bodies.size()), all_.resize(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const Vec3 a = (bodies[i].v - at(v_, i)) / step_, change = a - at(a_, i);
+    const Vec3 &a = bodies[i].a, change = a - at(a_, i);
     const double m = bodies[i].body.mass();
     if (states_ > 1 && bodies[i].given && change.norm() < a.norm()) late_[i] += m * change.norm(), all_[i] += std::fmax(m * a.norm(), largest_force);
-    for (int k = 0; k < 3; ++k) v_[3 * i + k] = bodies[i].v[k], a_[3 * i + k] = a[k];
+    Eigen::Map<Vec3>(a_.data() + 3 * i) = a;
   }
   ++states_;
 }
@@ -32,8 +29,7 @@ double GivenLag::value() const {
 }
 
 void GivenLag::checkpoint(Archive& archive) {
-  for (auto [name, values] : {std::pair{"given_lag.v", &v_}, {"given_lag.a", &a_}, {"given_lag.late", &late_}, {"given_lag.all", &all_}})
-    archive.io(name, *values);
+  for (auto [name, values] : {std::pair{"given_lag.a", &a_}, {"given_lag.late", &late_}, {"given_lag.all", &all_}}) archive.io(name, *values);
   archive.io("given_lag.states", states_);
 }
 

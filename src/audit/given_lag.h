@@ -22,8 +22,8 @@ class GivenLag {
   void checkpoint(Archive& archive);
 
  private:
-  double step_ = NAN;
-  std::vector<double> v_, a_;       // 3 per body, of the last state [m/s, m/s^2]
+  bool backward_euler_;
+  std::vector<double> a_;           // 3 per body, of the last state [m/s^2]
   std::vector<double> late_, all_;  // per body: sums of both sides [N]
   long states_ = 0;
 };

@@ -64,12 +64,11 @@ void Jolted::state(const std::vector<MovingBody>& bodies) {
     } else {
       std::rotate(body.A, body.A + 3, body.A + 3 * kKept);
       Eigen::Map<Vec3>(body.A + 3 * (kKept - 1)) = (there - at(body.there, 0)) / step_;
-      const Vec3 a = (b.v - at(body.v, 0)) / step_;
-      body.mass = b.body.mass(), body.force = std::max({body.force, body.mass * (a - gravity_).norm(), b.push.norm()});
-      if (body.states > kKept) look(body, a);
+      body.mass = b.body.mass(), body.force = std::max({body.force, body.mass * (b.a - gravity_).norm(), b.push.norm()});
+      if (body.states > kKept) look(body, b.a);
     }
     ++body.states;
-    Eigen::Map<Vec3>(body.v) = b.v, Eigen::Map<Vec3>(body.there) = there;
+    Eigen::Map<Vec3>(body.there) = there;
   }
 }
 

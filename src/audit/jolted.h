@@ -27,9 +27,9 @@ class Jolted {
  private:
   static constexpr int kKept = 5;
   // Of a body: states in a row with the same carrier; its number; A of the last ones, the newest last; D; o so far; what was missing most [m/s^2];
-  // the largest F [N]; velocities in the last state [m/s].
+  // the largest F [N]; the carrier's velocity there in the last state [m/s].
   struct Body {
-    double states = 0, by = -1, A[3 * kKept] = {}, D[3] = {0, 0, 0}, o = 0, missing = 0, force = 0, mass = 0, v[3] = {0, 0, 0}, there[3] = {0, 0, 0};
+    double states = 0, by = -1, A[3 * kKept] = {}, D[3] = {0, 0, 0}, o = 0, missing = 0, force = 0, mass = 0, there[3] = {0, 0, 0};
     double missing_now() const;
   };
   static void look(Body& body, const Vec3& a);

@@ -31,10 +31,9 @@ Mat3 inertia_about_centre(const model::BodyInput& input) {
 
 }  // namespace
 
-MotorLag::MotorLag(const model::ModelInput& input) : holds_(input.scene.at("effects")) {
-  const Integration integration = integration_of(input.scene);
+MotorLag::MotorLag(const model::ModelInput& input) : integration_(integration_of(input.scene)), holds_(input.scene.at("effects")) {
   const Params& effects = input.scene.at("effects");
-  if (integration.second_order) return;
+  if (std::isnan(integration_.step)) return;
   for (const Params& p : entries(effects, "drive")) {
     const std::string& name = p.text("joint");
     const Holds::Motor& motor = holds_.motor_of(name);
@@ -51,7 +50,6 @@ MotorLag::MotorLag(const model::ModelInput& input) : holds_(input.scene.at("effe
     if (holds_.goes_by_gains(b.name)) carried_.push_back({number, inertia_about_centre(b)});
     rest_[b.name] = b.nodes, ++number;
   }
-  if (!carried_.empty()) step_ = integration.step;
 }
 
 MotorLag::Sums MotorLag::sum(const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
@@ -68,16 +66,15 @@ MotorLag::Sums MotorLag::sum(const std::vector<double>& points, const std::vecto
     for (std::size_t i = 0; i < rest.size(); ++i) now.push_back(at(points, number.at(body) + i));
     return found[body] = geometry::nearest_motion_of_any(rest, now);
   };
-  for (std::size_t c = 0; c < carried_.size(); ++c) {
-    const MovingBody& b = bodies[carried_[c].number];
-    const Mat3 R = b.body.soft() ? Mat3::Identity() : motion(b.body.name).R, I = R * carried_[c].inertia * R.transpose();
+  for (const Carried& c : carried_) {
+    const MovingBody& b = bodies[c.number];
+    const Mat3 R = b.body.soft() ? Mat3::Identity() : motion(b.body.name).R, I = R * c.inertia * R.transpose();
     const double m = b.body.mass();
-    const Vec3 a = v_.empty() ? Vec3::Zero() : Vec3((b.v - at(v_, c)) / step_), alpha = w_.empty() ? Vec3::Zero() : Vec3((b.w - at(w_, c)) / step_);
     const auto by = holds_.moved_by(b.body.name, motion, b.x);
     for (std::size_t j = 0; j < n; ++j) {
       const auto phi = by.find(motors_[j].joint);
       if (phi == by.end()) continue;
-      out.J[j] += m * phi->second.v.dot(a) + phi->second.w.dot(I * alpha);
+      out.J[j] += m * phi->second.v.dot(b.a) + phi->second.w.dot(I * b.alpha);
       for (std::size_t k = 0; k < n; ++k)
         if (const auto other = by.find(motors_[k].joint); other != by.end())
           out.M(j, k) += m * phi->second.v.dot(other->second.v) + phi->second.w.dot(I * other->second.w);
@@ -94,7 +91,9 @@ void MotorLag::advance(const Sums& sums, const Snapshot& said) {
   Eigen::VectorXd x(n), v(n), a(n), changed(n);
   for (Eigen::Index j = 0; j < n; ++j) {
     const Motor& m = motors_[j];
-    x[j] = said.at(m.coordinate), v[j] = said.at(m.rate), a[j] = (v[j] - errors_[j].v) / step_, changed[j] = a[j] - errors_[j].a;
+    const Error& e = errors_[j];
+    x[j] = said.at(m.coordinate), v[j] = said.at(m.rate), a[j] = integration_.rate_of(v[j], e.v, e.v_before, static_cast<double>(states_ - 1));
+    changed[j] = a[j] - e.a;
   }
   Eigen::MatrixXd M = sums.M;
   Eigen::VectorXd K(n), D(n), g(n), dg(n), theta(n), rate(n);
@@ -106,14 +105,15 @@ void MotorLag::advance(const Sums& sums, const Snapshot& said) {
     K[j] = m.spring + (gives_all ? 0 : m.kp), D[j] = m.damping + (gives_all ? 0 : m.kd);
     // Nothing is late that begins with the run, and what begins with it does so at once.
     const bool begins = states_ == 2;
-    const double late = !begins ? sums.J[j] + m.armature * a[j] - e.J - of_own[j] : 0, now = own[j] + D[j] * v[j] + K[j] * x[j] + late;
+    const double late = !begins && !integration_.second_order ? sums.J[j] + m.armature * a[j] - e.J - of_own[j] : 0,
+                 now = own[j] + D[j] * v[j] + K[j] * x[j] + late;
     g[j] = begins ? now : e.g, dg[j] = now - g[j], theta[j] = e.theta, rate[j] = e.rate;
-    e.g = now, e.J = sums.J[j] + m.armature * a[j], e.a = a[j], e.v = v[j];
+    e.g = now, e.J = sums.J[j] + m.armature * a[j], e.a = a[j], e.v_before = e.v, e.v = v[j];
     if (sums.free[j]) continue;
     M.row(j).setZero(), M.col(j).setZero();
     M(j, j) = 1, K[j] = D[j] = g[j] = dg[j] = 0;
   }
-  const double k = step_ / tuning::kMotorParts;
+  const double k = integration_.step / tuning::kMotorParts;
   Eigen::MatrixXd A = M;
   A.diagonal() += k * D + k * k * K;
   const Eigen::LDLT<Eigen::MatrixXd> factor(A);
@@ -133,10 +133,12 @@ void MotorLag::advance(const Sums& sums, const Snapshot& said) {
 }
 
 void MotorLag::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
-  if (std::isnan(step_) || bodies.empty()) return;
+  if (carried_.empty() || bodies.empty()) return;
   errors_.resize(motors_.size());
-  const Sums sums = sum(points, bodies);
-  if (++states_ > 1) advance(sums, said);
+  Sums sums = sum(points, bodies);
+  // BDF2 begins with shorter steps of first order, whose accelerations nobody reports.
+  if (++states_ <= tuning::kBegins && integration_.second_order) sums.free.assign(sums.free.size(), false);
+  if (states_ > 1) advance(sums, said);
   for (std::size_t j = 0; j < motors_.size(); ++j) {
     const Motor& m = motors_[j];
     Error& e = errors_[j];
@@ -147,9 +149,6 @@ void MotorLag::state(const Snapshot& said, const std::vector<double>& points, co
     Error::see(e.torque, torque);
     if (states_ == 1 || !sums.free[j] || m.saturated(said)) Error::see(e.as_should, torque);
   }
-  v_.clear(), w_.clear();
-  for (const Carried& c : carried_)
-    for (auto [to, of] : {std::pair{&v_, &bodies[c.number].v}, {&w_, &bodies[c.number].w}}) to->insert(to->end(), {(*of)[0], (*of)[1], (*of)[2]});
 }
 
 double MotorLag::way() const {
@@ -173,7 +172,6 @@ double MotorLag::torque() const {
 void MotorLag::checkpoint(Archive& archive) {
   archive_all(archive, "motor_lag.errors", errors_);
   archive.io("motor_lag.states", states_);
-  for (auto [name, of] : {std::pair{"motor_lag.v", &v_}, {"motor_lag.w", &w_}}) archive.io(name, *of);
 }
 
 }  // namespace mortise::audit

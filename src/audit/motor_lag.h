@@ -1,16 +1,18 @@
 #pragma once
-// What backward Euler makes of joints that motors with gains (mode pd) drive: it damps how a joint swings about its target, and with that the largest
-// torques. Such joints are followed beside the run in kMotorParts steps for every one of its own, as
+// What the time step makes of joints that motors with gains (mode pd) drive: backward Euler damps how a joint swings about its target, and with that
+// the largest torques; BDF2 overshoots where it swings in few steps. Such joints are followed beside the run in kMotorParts steps for every one of
+// its own, as
 //
 //     M theta'' + D theta' + K theta = g(t),     K = kp + S,  D = kd + c     (S, c: of the joint's spring and bearing),
 //
 // where M_jk = sum <phi_j, phi_k> over all bodies that hang on them, phi_j the velocity of a body that goes with a unit of theta_j, < , > the product
 // by mass, and g, straight from step to step, is what the run's own angles and rates say it is at the end of a step of length h,
 //
-//     g = M dv/h + D v + K theta + dJ - M d(dv)/h,     J_j = sum <phi_j, a>,
+//     g = M v' + D v + K theta + dJ - M dv',     J_j = sum <phi_j, a>,
 //
-// v the rates, a the accelerations of bodies, d the change in the step (kp times the target is a part of it, which goes as straight). The last two
-// terms are of accelerations that others impose, as a hand does on its jaws: they are late by h. u is what the run's angle is more than theta, and
+// v the rates, v' and a what they and velocities of bodies change by, as the integrator takes it, d the change in the step (kp times the target is a
+// part of it, which goes as straight). The last two terms are of accelerations that others impose, as a hand does on its jaws: with backward Euler
+// they are late by h, else there are none. u is what the run's angle is more than theta, and
 // the torque of a motor should be kp (target - theta) - kd theta', within steps as well, where the largest ones mostly are. A motor that gives all of
 // its effort has no kp and no kd. Not followed: what hangs on joints that nothing drives or efforts do, and mechanisms that nothing holds. What
 // touches something or is at a stop starts anew when it is free again. Soft bodies count as points.
@@ -44,10 +46,10 @@ class MotorLag {
     bool slides;
     bool saturated(const Snapshot& said) const { return std::abs(said.at(torque)) >= effort; }
   };
-  // Of a motor: theta and its rate; of the last state g, J, dv/h, v and the target; the start; the size of what it moves; what was largest so far, of
-  // torques against its coordinate and along it.
+  // Of a motor: theta and its rate; of the last state g, J, v', v and the target, and v of the one before; the start; the size of what it moves; what
+  // was largest so far, of torques against its coordinate and along it.
   struct Error {
-    double theta = 0, rate = 0, g = 0, J = 0, a = 0, v = 0, target = 0, start = 0, size = 0;
+    double theta = 0, rate = 0, g = 0, J = 0, a = 0, v = 0, v_before = 0, target = 0, start = 0, size = 0;
     double wrong = 0, far = 0, torque[2] = {0, 0}, as_should[2] = {0, 0};
     static void see(double (&largest)[2], double torque) { largest[torque > 0] = std::fmax(largest[torque > 0], std::abs(torque)); }
     double should() const { return std::fmax(as_should[0], as_should[1]); }
@@ -66,14 +68,13 @@ class MotorLag {
   Sums sum(const std::vector<double>& points, const std::vector<MovingBody>& bodies);
   void advance(const Sums& sums, const Snapshot& said);
 
-  double step_ = NAN;  // h [s]
+  Integration integration_;
   Holds holds_;
   std::vector<Motor> motors_;
   std::vector<Carried> carried_;
   std::map<std::string, std::vector<Vec3>> rest_;  // of all bodies [m]
   std::vector<Error> errors_;
   long states_ = 0;
-  std::vector<double> v_, w_;  // of carried bodies, in the last state
 };
 
 }  // namespace mortise::audit

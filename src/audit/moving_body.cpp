@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "audit/archived.h"
 #include "audit/entries.h"
 #include "audit/holds.h"
 #include "audit/tuning.h"
@@ -13,9 +14,9 @@
 
 namespace mortise::audit {
 
-MovingBodies::MovingBodies(const model::ModelInput& input) {
+MovingBodies::MovingBodies(const model::ModelInput& input) : integration_(integration_of(input.scene)) {
   const Holds holds(input.scene.at("effects"));
-  const double step = integration_of(input.scene).step;
+  const double step = integration_.step;
   std::map<std::string, std::size_t> number;
   for (const model::BodyInput& b : input.bodies)
     if (b.type != model::BodyType::half_space) number.emplace(b.name, number.size());
@@ -103,11 +104,12 @@ std::vector<std::size_t> pressed_by(const Snapshot& said, std::size_t count) {
 
 }  // namespace
 
-std::vector<MovingBody> MovingBodies::at(const Snapshot& said, const std::vector<double>& points, const std::vector<MeasuredBody>& bodies) const {
+std::vector<MovingBody> MovingBodies::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MeasuredBody>& bodies) {
   std::vector<MovingBody> out;
   const Snapshot::Values *velocity = said.of_points("velocity", 3), *force = said.of_points("contact_force", 3);
   if (!velocity || velocity->empty()) return out;
   const std::vector<std::size_t> by = pressed_by(said, bodies.size());
+  past_.resize(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MeasuredBody& b = bodies[i];
     double pushed = 0;
@@ -123,11 +125,22 @@ std::vector<MovingBody> MovingBodies::at(const Snapshot& said, const std::vector
     // Slides on the world are supported, across their axis.
     const HowHeld& how = who_[i].how;
     const bool led = how.given || (said.has("supports/" + b.name + "_x") && !how.held);
-    out.push_back({how, b, b.mean(points, points), b.mean(*velocity, points), b.spin(*velocity, points), pushed > 0, stopped, pressed, push,
+    const Vec3 v = b.mean(*velocity, points), w = b.spin(*velocity, points);
+    Past& past = past_[i];
+    const auto rate = [&](const Vec3& now, double(&of)[6]) {
+      const Vec3 changes = integration_.rate_of(now, audit::at(of, 0), audit::at(of, 1), past.states);
+      std::copy(of, of + 3, of + 3), Eigen::Map<Vec3>(of) = now;
+      return changes;
+    };
+    const Vec3 a = rate(v, past.v), alpha = rate(w, past.w);
+    ++past.states;
+    out.push_back({how, b, b.mean(points, points), v, w, a, alpha, pushed > 0, stopped, pressed, push,
                    by[i] < bodies.size() ? std::optional(by[i]) : std::nullopt, led, b.soft() ? 0.0 : b.turning_energy(*velocity, points)});
   }
   return out;
 }
+
+void MovingBodies::checkpoint(Archive& archive) { archive_all(archive, "moving.past", past_); }
 
 double radius_of_group(const std::vector<MovingBody>& bodies, const MovingBody& body, const std::vector<double>& points) {
   double radius = 0;

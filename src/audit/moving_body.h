@@ -1,11 +1,14 @@
 #pragma once
 // Bodies in a state of motion, measured once for all estimates of what the time step does to it, and who leads them.
+#include <cmath>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "audit/measured_body.h"
+#include "base/archive.h"
 #include "base/snapshot.h"
+#include "effects/integrator.h"
 #include "geometry/rigid_motion.h"
 #include "model/input.h"
 
@@ -33,6 +36,7 @@ struct HowHeld {
 struct MovingBody : HowHeld {
   const MeasuredBody& body;
   Vec3 x, v, w;                   // centre of mass [m], its velocity [m/s], angular velocity [rad/s]
+  Vec3 a, alpha;                  // what these change by, as the integrator takes it: none in the first state [m/s^2, rad/s^2]
   bool touches;                   // a force of contact is on one of its points
   bool stopped;                   // its joint is at a stop
   Vec3 pressed;                   // mean place of these forces, as far as it touches [m]
@@ -50,30 +54,43 @@ struct MovingBody : HowHeld {
   double turning_of(const Vec3& of) const { return w.squaredNorm() > 0 ? turns * of.squaredNorm() / w.squaredNorm() : 0; }
 };
 
-class MovingBodies {
- public:
-  explicit MovingBodies(const model::ModelInput& input);
-  const HowHeld& how(std::size_t body) const { return who_[body].how; }
-  // bodies: all but half-spaces. Empty where no velocities are reported.
-  std::vector<MovingBody> at(const Snapshot& said, const std::vector<double>& points, const std::vector<MeasuredBody>& bodies) const;
-
- private:
-  struct Who {
-    HowHeld how;
-    std::vector<std::string> stops;  // what says of its joints that they are at one
-  };
-  std::vector<Who> who_;
-};
-
-// Distance of the farthest point of what a body hangs together with from its centre [m].
-double radius_of_group(const std::vector<MovingBody>& bodies, const MovingBody& body, const std::vector<double>& points);
-
 // An integrator's time step h [s], NaN without one, and whether it is of second order.
 struct Integration {
   double step = NAN;
   bool second_order = false;
+  // What v changes by, over time; v1, v2: in the last state and in the one before, of so many that there are.
+  template <class T>
+  T rate_of(const T& v, const T& v1, const T& v2, double states) const {
+    if (states == 0 || std::isnan(step)) return v - v;
+    return (second_order && states > 1 ? effects::bdf2(step, step) : effects::backward_euler(step)).rate(v, v1, v2);
+  }
 };
 Integration integration_of(const Params& scene);
+
+class MovingBodies {
+ public:
+  explicit MovingBodies(const model::ModelInput& input);
+  const HowHeld& how(std::size_t body) const { return who_[body].how; }
+  // Once for every state. bodies: all but half-spaces. Empty where no velocities are reported.
+  std::vector<MovingBody> state(const Snapshot& said, const std::vector<double>& points, const std::vector<MeasuredBody>& bodies);
+  void checkpoint(Archive& archive);
+
+ private:
+  // Of a body, in the last state and in the one before.
+  struct Past {
+    double states = 0, v[6] = {}, w[6] = {};
+  };
+  struct Who {
+    HowHeld how;
+    std::vector<std::string> stops;  // what says of its joints that they are at one
+  };
+  Integration integration_;
+  std::vector<Who> who_;
+  std::vector<Past> past_;
+};
+
+// Distance of the farthest point of what a body hangs together with from its centre [m].
+double radius_of_group(const std::vector<MovingBody>& bodies, const MovingBody& body, const std::vector<double>& points);
 
 // Acceleration by the scene's loads, zero without [m/s^2].
 Vec3 gravity_of(const Params& scene);

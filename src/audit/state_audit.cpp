@@ -60,7 +60,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   for (const std::string& load : loads_) r_.work_is_known = r_.work_is_known && now.said.has(load + "/energy");
   const double before = r_.total, all_before = all_;
   const bool touches = contact_figures(now.said).pairs > 0 || at_a_stop(now.said);
-  const std::vector<MovingBody> moving = moving_.at(now.said, now.points, bodies_);
+  const std::vector<MovingBody> moving = moving_.state(now.said, now.points, bodies_);
   own_.state(moving);
   all_ = total(now);
   r_.total = all_ - turning(now);
@@ -138,6 +138,7 @@ void EnergyAudit::checkpoint(Archive& archive) {
     archive.io(name, *value);
   for (auto [name, value] : {std::pair{"moves", &moves_}, {"touched", &touched_}, {"balanced", &balanced_}}) archive.io(name, *value);
   scale_.checkpoint(archive, "scale"), own_scale_.checkpoint(archive, "own_scale");
+  moving_.checkpoint(archive);
   own_.checkpoint(archive);
   lag_.checkpoint(archive);
   given_lag_.checkpoint(archive);

@@ -79,6 +79,7 @@ inline constexpr double kStill = 0.01;  // of a body's size: less is no motion t
 // motor_lag.h: parts of a step, which leave a thirtieth of its error; and the share of the largest torque of all motors that a motor's own counts as
 // no less than.
 inline constexpr int kMotorParts = 32;
+inline constexpr long kBegins = 3;  // states: BDF2 has its history then (motor_lag.cpp)
 inline constexpr double kFaint = 0.01;
 inline constexpr double kOtherWay = 0.5;  // of a motor's largest torque: that the other way counts as no less than (motor_lag.cpp)
 inline constexpr double kCaughtUp = 0.1,
@@ -103,8 +104,9 @@ inline constexpr double kTrembles = 1e-3;         // of a stiff body's radius: b
 inline constexpr double kShownBySwing = 0.6;      // of the most elastic energy: beside that a smaller one of motion is nothing (swing_loss.cpp)
 inline constexpr double kOneSided = 0.5;          // of the forces on a body: what is pressed from both sides lies on neither (moving_body.cpp)
 inline constexpr double kCarriedStill = 0.1;      // of a body's size: less is no way along what carries it that anybody looks at (carried_lag.cpp)
-inline constexpr double kWalks =
-    5;  // errors of ways of four gaits at 5 and 10 ms were 2 to 47 times the sum without it, most 5 to 13 (walking_lag.cpp)
+// Errors of the ways of four gaits at 2.5 to 10 ms were 1.3 to 7 times the sums without these, most 3 to 4 with backward Euler, and 1 to 10 times
+// with bdf2 (walking_lag.cpp).
+inline constexpr double kWalksDamped = 3, kWalks = 7;
 inline constexpr double kOneWay = 0.1;        // forces from opposite sides have no resultant that supports could bear (layer_error.cpp)
 inline constexpr double kAsMuch = 0.01;       // of the most pressure: loads that are held waver by that (field_errors.cpp)
 inline constexpr double kStillLoaded = 0.01;  // of the most force: less is what unloading leaves (field_errors.cpp; of energy its square)

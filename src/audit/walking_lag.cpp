@@ -8,12 +8,11 @@
 
 namespace mortise::audit {
 
-WalkingLag::WalkingLag(const model::ModelInput& input) : down_(gravity_of(input.scene).stableNormalized()) {
-  if (const Integration integration = integration_of(input.scene); integration.second_order) step_ = integration.step;
-}
+WalkingLag::WalkingLag(const model::ModelInput& input)
+    : down_(gravity_of(input.scene).stableNormalized()), integration_(integration_of(input.scene)) {}
 
 void WalkingLag::state(const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
-  if (std::isnan(step_) || bodies.empty()) return;
+  if (std::isnan(integration_.step) || bodies.empty()) return;
   groups_.resize(bodies.size());
   value_ = NAN;
   const auto across = [this](const Vec3& a) { return Vec3(a - down_ * down_.dot(a)); };
@@ -34,9 +33,12 @@ void WalkingLag::state(const std::vector<double>& points, const std::vector<Movi
     Eigen::Map<Vec3> start(of.start), last(of.v), changed(of.dv);
     if (of.states == 0) start = x, of.least = tuning::kCarriedStill * 2 * radius_of_group(bodies, *sum.last, points);
     const Vec3 change = v - last;
-    if (of.states > 1) of.jumps += (change - changed).norm();
+    if (integration_.second_order)
+      of.jumps += of.states > 1 ? tuning::kWalks / 4 * (change - changed).norm() : 0;
+    else
+      of.jumps += of.states > 0 ? tuning::kWalksDamped / 2 * change.norm() : 0;
     last = v, changed = change, ++of.states;
-    value_ = std::fmax(value_, tuning::kWalks * step_ / 4 * of.jumps / std::max((x - start).norm(), of.least));
+    value_ = std::fmax(value_, integration_.step * of.jumps / std::max((x - start).norm(), of.least));
   }
 }
 

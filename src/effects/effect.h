@@ -13,6 +13,7 @@
 #include "device/device.h"
 #include "effects/curvature.h"
 #include "effects/fault.h"
+#include "effects/integrator.h"
 #include "effects/kind.h"
 #include "effects/linearisation.h"
 
@@ -34,6 +35,8 @@ struct StepInfo {
   std::vector<std::uint8_t> whose{};        // environments that take it, or empty: all do
   std::vector<double> begins{};             // of every environment [s], or empty: all begin at t0
   std::vector<std::uint8_t> first_order{};  // environments in which integrators of second order take this step by their first-order form; empty: none
+  std::vector<Integrator> integrators{};    // of every environment, as the scene's integrator says; empty: backward Euler
+  Integrator integrator(Index env) const { return integrators.empty() ? backward_euler(dt) : integrators[env]; }
   double t0_of(Index env) const { return begins.empty() ? t0 : begins[env]; }
   double t1_of(Index env) const { return t0_of(env) + dt; }
   bool of_first_order(Index env) const { return !first_order.empty() && first_order[env] != 0; }
@@ -55,6 +58,8 @@ class Effect {
 
   // All effects exist, and supports are set: find what the model provides. Once, before everything else.
   virtual void connect() {}
+  // Of an integrator: what it takes for rates in a step of that length. Before any effect begins the step.
+  virtual void integrate(StepInfo& step) const { (void)step; }
   // Prepare the step of the environments that take it from the accepted state (model.q holds it). What others keep stays as it is.
   virtual void begin_step(const StepInfo&) {}
 

@@ -30,13 +30,11 @@ struct Joint {
   double at_rest = 0;  // the coordinate as the bodies stand at rest,
   double low, high;    // and what it may be
   // Of the accepted state:
-  double value = 0;     // turns are counted
-  double rate = 0;      // over the last step [1/s]
-  double strained = 0;  // of a slide: by how much Coordinate is more than that, as a strained body's axis is longer or shorter
-  // Where what steps leave out is mended (effects/effect.h): what the rate is more at the end of the step, and what the leader's changed by in this
-  // step and in the one before, over their lengths.
-  double ahead = 0, led = 0, led_before = 0;
-  double rate_now() const { return rate + ahead; }
+  double value = 0, before = 0;      // turns are counted; a step earlier
+  double rate = 0, rate_before = 0;  // as the integrator has it [1/s]; likewise
+  double strained = 0;               // of a slide: by how much Coordinate is more than that, as a strained body's axis is longer or shorter
+  // Where what steps leave out is mended (effects/integrator.h): what rate and acceleration of the step under way are more.
+  double ahead = 0, behind = 0;
   bool has_coordinate() const { return type == JointType::revolute || type == JointType::prismatic; }
   const char* unit() const { return type == JointType::prismatic ? "m" : "rad"; }
   const char* effort_unit() const { return type == JointType::prismatic ? "N" : "N m"; }

@@ -1,6 +1,7 @@
 // Factors: a new one for every system, or conjugate gradients with the last one as long as that is cheaper. Unsymmetric systems are solved by GMRES
 // with the factor of their symmetric part.
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "effects/per_environment.h"
@@ -22,6 +23,7 @@ class Direct final : public Linear {
     for (Index e = 0; e < rows_.envs(); ++e) {
       Part& part = parts_[e];
       part.fresh = part.precise = false;
+      part.size = 0;
       if (std::exchange(part.loaded, false) || changed) part.solver.set_order(of_rows(e, part.order));
     }
   }
@@ -104,6 +106,14 @@ class Direct final : public Linear {
     linalg::SubMatrix own;  // of several environments
     bool fresh = false;     // the last factor belongs to this step and still pays
     bool precise = false;   // single precision was too rough for this step's matrices
+    // Of the step's last unsymmetric system: |b|, 0 before the first [N], and how closely it was to be solved.
+    double size = 0, relative = 0;
+    // Eisenstat and Walker: what the next right-hand side owes to this solution is to be less than what it owes to how far from linear forces are.
+    double forcing(double b) {
+      const double ratio = size > 0 ? b / size : 0;
+      if (b != size) relative = std::clamp(tuning::kForcingFactor * ratio * ratio, tuning::kWholeRough, tuning::kWholeRoughest), size = b;
+      return relative;
+    }
     // The solver's order, in blocks of the model, which outlive rows; and what it was when the last step ended.
     linalg::DirectSolver::Order order, kept;
     long long orderings = 0;
@@ -175,6 +185,9 @@ class Direct final : public Linear {
   EnvMask solve_whole(const LinearSystem& s, const EnvMask& todo, const CurvaturePolicy& curvature, EnvTable& envs, const StepReports& report) {
     EnvMask indefinite(todo.size(), 0), left(todo.size(), 0);
     for (Index e = 0; e < rows_.envs(); ++e) left[e] = todo[e] && !empty(e);
+    std::vector<double> relative(todo.size(), tuning::kWholeRough);
+    for (Index e = 0; e < rows_.envs(); ++e)
+      if (left[e] && keeps(e)) relative[e] = parts_[e].forcing(std::sqrt(s.b2[e]));
     for (int round = 0; any(left); ++round) {
       EnvMask stale(todo.size(), 0);
       for (Index e = 0; e < rows_.envs(); ++e) {
@@ -184,12 +197,12 @@ class Direct final : public Linear {
       }
       if (s.aside) s.aside->done = false;
       const linalg::GmresResult end =
-          solver::solve_whole(model_, s, left, rows_.env, std::vector<double>(todo.size(), tuning::kWholeRough), tuning::kWholeMost,
+          solver::solve_whole(model_, s, left, rows_.env, relative, tuning::kWholeMost,
                               linalg::awaited([&](device::View<const Vec3> in, device::View<Vec3> out) { apply(s.A, in, out, left); }));
       for (Index e = 0; e < rows_.envs(); ++e) {
         if (!left[e]) continue;
         report[e].cg += end.of_env[e];
-        const bool solved = end.relative[e] <= tuning::kWholeRough;
+        const bool solved = end.relative[e] <= relative[e];
         parts_[e].fresh = solved && end.of_env[e] <= tuning::kWholeStale;
         left[e] = stale[e] && !solved;  // else as near as it came
       }

@@ -125,6 +125,7 @@ void Simulation::accept(const effects::StepInfo& info, const std::vector<double>
 void Simulation::begin() {
   effects::StepInfo info{time_[0], options_.dt, step_[0], options_.is_static};
   if (model_.envs > 1) info.begins = time_;
+  for (const auto& effect : effects_) effect->integrate(info);
   for (const auto& effect : effects_) effect->begin_step(info);
 }
 
@@ -211,6 +212,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
                            options_.is_static};
     for (Index e = 0; e < model_.envs && model_.envs > 1; ++e) info.begins.push_back(time_[e] + offset);
     for (const Cut& c : cuts) info.first_order.push_back(c.first_order);
+    for (const auto& effect : effects_) effect->integrate(info);
     std::vector<std::string> why(model_.envs);
     newton_.may_cut(size > 1);
     try {

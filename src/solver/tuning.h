@@ -38,9 +38,11 @@ inline constexpr Index kWholeStale = 12;     // the same of unsymmetric systems,
 inline constexpr Index kWholeMost = 30;      // products of an unsymmetric system: friction takes some five
 inline constexpr double kWholeRough = 0.01;  // how closely: 0.03 leaves what is light beside something heavy so rough that H37 with cg takes five
                                              // times the iterations, 0.003 costs conjugate gradients a third more
-inline constexpr double kInner = 0.1;        // conjugate gradients inside of it: 0.3 and 0.03 cost a tenth and a quarter more (scenes/tactile/press)
-inline constexpr double kFirstShift = 1e-10;   // of the mean stiffness: picks the shortest step among motions that nothing resists,
-inline constexpr double kShiftGrowth = 100;    // grown by this,
+inline constexpr double kWholeRoughest = 0.1;  // with factors that are kept, where the right-hand side falls slowly: a sixth fewer products in the
+                                               // press scene, and as many iterations of Newton's method
+inline constexpr double kInner = 0.1;         // conjugate gradients inside of it: 0.3 and 0.03 cost a tenth and a quarter more (scenes/tactile/press)
+inline constexpr double kFirstShift = 1e-10;  // of the mean stiffness: picks the shortest step among motions that nothing resists,
+inline constexpr double kShiftGrowth = 100;   // grown by this,
 inline constexpr double kLargestShift = 1e-2;  // beyond which the matrix is no Hessian of anything
 inline constexpr double kRoughest = 0.003;     // the same: rougher directions cost Newton iterations (Eisenstat-Walker)
 inline constexpr double kForcingFactor = 0.9;  // gamma of Eisenstat and Walker, choice 2

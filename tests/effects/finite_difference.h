@@ -100,8 +100,9 @@ struct Subject {
     effect->linearise(q, {true, matrix}, here());
     return here().stencils;
   }
-  void begin_step(const effects::StepInfo& info) {
+  void begin_step(effects::StepInfo info) {
     here();
+    effect->integrate(info);
     effect->begin_step(info);
     freeze(std::as_const(model.q).view());
   }

@@ -240,7 +240,9 @@ std::vector<Law> laws() {
         for (double velocity : {2.0, static_cast<double>(INFINITY)}) {
           if (effort == INFINITY && velocity < INFINITY) continue;
           Law l;
-          l.a = a, l.K = K, l.effort = effort, l.velocity = velocity, l.h = 0.005, l.damping = 0.02, l.friction = 0.1;
+          l.a = a, l.K = K, l.effort = effort, l.velocity = velocity, l.h = 0.005, l.pace = 200, l.damping = 0.02, l.friction = 0.1;
+          out.push_back(l);
+          l.pace = 300, l.drift = -0.7;  // BDF2
           out.push_back(l);
           l.stiffness = 3, l.stretch = -0.2, l.armature = 1e-3, l.rate = 0.7;
           out.push_back(l);
@@ -262,7 +264,7 @@ TEST(DriveLaw, EnergyIsTheIntegral) {
       }
       EXPECT_NEAR(l.energy_of(x) - l.energy_of(0), sum, 1e-6 * (std::abs(sum) + std::abs(x * l.first_of(x))) + 1e-12)
           << l.a << " " << l.K << " " << l.effort << " " << l.velocity << " " << x;
-      const double tau = l.motor(x), v = x / l.h;
+      const double tau = l.motor(x), v = l.rate_of(x);
       EXPECT_LE(std::abs(tau), l.effort);
       EXPECT_LE(l.motor(x + 1e-4), tau + 1e-12);
       EXPECT_LE(v >= l.velocity ? tau : 0, 0);

@@ -25,10 +25,10 @@ double oscillator_error(bool bdf2, int steps) {
   double dt_prev = 0, t = 0;
   for (int k = 0; k < steps; ++k) {
     const double dt = (k % 2 ? 1.2 : 0.8) * end / steps;
-    const inertia::Integrator in = bdf2 && k > 0 ? inertia::bdf2(dt, dt_prev) : inertia::backward_euler(dt);
+    const Integrator in = bdf2 && k > 0 ? effects::bdf2(dt, dt_prev) : backward_euler(dt);
     // minimum of c/2 (q - q_hat)^2 + q^2/2
-    const Vec3 next = in.c() * in.q_hat(q, q1, v, v1) / (in.c() + 1);
-    const Vec3 velocity = in.velocity(next, q, q1);
+    const Vec3 next = inertia::c_of(in) * inertia::q_hat(in, q, q1, v, v1) / (inertia::c_of(in) + 1);
+    const Vec3 velocity = in.rate(next, q, q1);
     q1 = q, v1 = v, q = next, v = velocity, dt_prev = dt, t += dt;
   }
   return std::abs(q[0] - std::cos(t)) + std::abs(v[0] + std::sin(t));
@@ -59,12 +59,12 @@ TEST(Inertia, OrderOfTheIntegrators) {
 TEST(Inertia, VelocityAndAccelerationAreExactForParabolas) {
   // BDF2 differentiates polynomials of degree two exactly, for any ratio of steps.
   const double dt1 = 0.1, dt2 = 0.17;
-  const inertia::Integrator in = inertia::bdf2(dt2, dt1);
+  const Integrator in = effects::bdf2(dt2, dt1);
   const auto q = [](double t) { return Vec3(1 + 2 * t - 3 * t * t, t, t * t); };
   const auto v = [](double t) { return Vec3(2 - 6 * t, 1, 2 * t); };
   const double t = 0.4;
-  EXPECT_LT((in.velocity(q(t + dt2), q(t), q(t - dt1)) - v(t + dt2)).norm(), 1e-14);
-  const Vec3 a = in.c() * (q(t + dt2) - in.q_hat(q(t), q(t - dt1), v(t), v(t - dt1)));
+  EXPECT_LT((in.rate(q(t + dt2), q(t), q(t - dt1)) - v(t + dt2)).norm(), 1e-14);
+  const Vec3 a = inertia::c_of(in) * (q(t + dt2) - inertia::q_hat(in, q(t), q(t - dt1), v(t), v(t - dt1)));
   EXPECT_LT((a - Vec3(-6, 0, 2)).norm(), 1e-12);
 }
 

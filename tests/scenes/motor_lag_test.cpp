@@ -1,4 +1,4 @@
-// What backward Euler makes of joints under motors with gains: the estimate of a run (motor_lag.h) against runs of short steps.
+// What the time step makes of joints under motors with gains: the estimate of a run (motor_lag.h) against runs of short steps.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -96,7 +96,27 @@ TEST(MotorLag, IsByHowMuchTheLargestTorquesOfAnArmAreOff) {
     EXPECT_NEAR(run.energy.motor_torque_lag, off, 0.3 * off) << step;
     EXPECT_NEAR(run.energy.motor_lag, way, 0.5 * way) << step;
   }
-  EXPECT_TRUE(std::isnan(move(kArm, 5e-3, 0.1, {"effects.inertia.integrator=bdf2"}).energy.motor_lag));
+}
+
+// BDF2 is of second order in motors too, and its certificate says so.
+TEST(MotorLag, IsOfSecondOrderWithBdf2) {
+  const std::vector<std::string> bdf2 = {"effects.inertia.integrator=bdf2"};
+  const Moved exact = move(kArm, 0.25e-3, 0.4, bdf2);
+  double way[2], told[2];
+  for (const int k : {0, 1}) {
+    const Moved run = move(kArm, k == 0 ? 10e-3 : 5e-3, 0.4, bdf2);
+    way[k] = 0;
+    for (const std::string name : {"joint/shoulder_angle", "joint/elbow_angle"})
+      way[k] = std::fmax(way[k], apart(run, exact, name) / exact.largest.at(name));
+    told[k] = run.energy.motor_lag;
+    EXPECT_NEAR(told[k], way[k], 0.5 * way[k]) << k;
+    double off = 0;
+    for (const std::string name : {"drive/shoulder_torque", "drive/elbow_torque"})
+      off = std::fmax(off, std::abs(run.largest.at(name) / exact.largest.at(name) - 1));
+    EXPECT_NEAR(run.energy.motor_torque_lag, off, 0.05) << k;
+  }
+  EXPECT_LT(way[1], 0.35 * way[0]);
+  EXPECT_LT(told[1], 0.35 * told[0]);
 }
 
 TEST(MotorLag, SeesWhatAHandDoesToItsJaw) {

@@ -79,11 +79,14 @@ class Drive final : public Effect, public Commanded {
       if (!step.taken_by(j.env)) continue;
       d.target = wanted(d, step.t1_of(j.env));
       d.law = {};
-      d.law.effort = e.effort, d.law.velocity = e.velocity, d.law.h = is_static_ ? 1 : step.dt, d.law.damping = e.damping,
-      d.law.friction = e.friction;
-      d.law.stiffness = e.stiffness, d.law.stretch = j.value - e.rest, d.law.armature = e.armature, d.law.rate = j.rate;
+      const Integrator of = is_static_ ? backward_euler(1) : step.integrator(j.env);
+      d.law.h = of.dt, d.law.pace = of.a0 / of.dt, d.law.drift = of.rate(j.value, j.value, j.before);
+      d.law.effort = e.effort, d.law.velocity = e.velocity, d.law.damping = e.damping, d.law.friction = e.friction;
+      d.law.stiffness = e.stiffness, d.law.stretch = j.value - e.rest;
+      d.law.armature = e.armature, d.law.rate = (of.a1 * j.rate - of.a2 * j.rate_before) / of.a0;
       d.law.creep = j.type == model::JointType::prismatic ? drive::tuning::kCreepSlide : drive::tuning::kCreep;
-      if (e.mode == Mode::pd) d.law.kp = e.kp, d.law.aim = d.target - j.value, d.law.a = e.kp * d.law.aim, d.law.K = e.kp + e.kd / d.law.h;
+      if (e.mode == Mode::pd)
+        d.law.kp = e.kp, d.law.aim = d.target - j.value, d.law.a = e.kp * d.law.aim - e.kd * d.law.drift, d.law.K = e.kp + e.kd * d.law.pace;
       if (e.mode == Mode::effort) d.law.a = d.target;
     }
     upload();
@@ -91,17 +94,16 @@ class Drive final : public Effect, public Commanded {
   }
 
   void mend(Fault fault, double share) override {
-    if (fault == Fault::steps && !is_static_) mended_ = share;
+    if (fault == Fault::steps && !is_static_) mended_ = share != 0;
   }
-  // With y the rate x / h of a step and a what that has changed by, over h: at the end of the step the rate is y + a h / 2, and what it changes by is
-  // more by what a has changed by, to first order.
+  // Joints know by how much their rates and accelerations are more.
   void keep_pace(const Effect&, Positions) override {
-    if (mended_ == 0) return;
+    if (!mended_) return;
     for (Driven& d : motors_) {
       const Entry& e = entries_[d.entry];
       const model::Joint& j = model_.joints[d.joint];
-      d.law.a -= mended_ / 2 * e.kd * d.law.h * j.led;
-      d.law.left += mended_ * (e.damping / 2 * d.law.h * j.led + e.armature * (j.led - j.led_before));
+      d.law.a -= e.kd * j.ahead;
+      d.law.left += e.damping * j.ahead + e.armature * j.behind;
     }
     upload();
   }
@@ -141,8 +143,7 @@ class Drive final : public Effect, public Commanded {
         if (e.mode == Mode::pd || e.mode == Mode::kinematic) put(j, "target", j.unit(), d.target), put(j, "error", j.unit(), j.value - d.target);
         if (e.mode == Mode::kinematic) continue;  // its torque is that of its tie
         if (e.mode != Mode::passive)
-          put(j, j.type == model::JointType::prismatic ? "force" : "torque", j.effort_unit(), d.torque),
-              put(j, "power", "W", d.torque * j.rate_now());
+          put(j, j.type == model::JointType::prismatic ? "force" : "torque", j.effort_unit(), d.torque), put(j, "power", "W", d.torque * j.rate);
         if (e.drags()) put(j, "drag", j.effort_unit(), d.drag);
       }
     report_tracking(sinks);
@@ -203,7 +204,7 @@ class Drive final : public Effect, public Commanded {
     const Entry& e = entries_[d.entry];
     const model::Joint& j = model_.joints[d.joint];
     const double s = j.value - e.rest;
-    return 0.5 * e.stiffness * s * s + 0.5 * e.armature * j.rate_now() * j.rate_now() + drive::limited_spring(e.kp, e.effort, d.target - j.value);
+    return 0.5 * e.stiffness * s * s + 0.5 * e.armature * j.rate * j.rate + drive::limited_spring(e.kp, e.effort, d.target - j.value);
   }
 
   double wanted(const Driven& d, double t) const {
@@ -294,7 +295,7 @@ class Drive final : public Effect, public Commanded {
 
   model::Model& model_;
   bool is_static_ = false;
-  double mended_ = 0;  // a share of what finite steps leave out
+  bool mended_ = false;  // what finite steps leave out
   std::vector<Entry> entries_;
   std::vector<Driven> motors_, given_;              // by environment; those of mode kinematic
   std::map<std::string, model::Command> commands_;  // by joint; empty unless somebody outside drives

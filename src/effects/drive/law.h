@@ -1,17 +1,21 @@
 #pragma once
-// What acts about the coordinate theta of a joint in a step of length h that began at theta_n; x = theta - theta_n is the way, v = x / h the rate.
+// What acts about the coordinate theta of a joint in a step of length h that began at theta_n; x = theta - theta_n is the way and
+//     v = pace x + drift
+// the rate, as the scene's integrator has it (effects/integrator.h): with backward Euler pace = 1/h and drift = 0, with BDF2 a0/h and what the step
+// before says.
 //
 // A motor wants the torque a - K x, and gives what it can:
-//     pd       a = kp (target - theta_n),  K = kp + kd / h:        kp (target - theta) - kd v, all at the end of the step
+//     pd       a = kp (target - theta_n) - kd drift,  K = kp + kd pace:        kp (target - theta) - kd v, all at the end of the step
 //     effort   a = the given torque,       K = 0
 //     tau(x) = max(-most(-v), min(most(v), a - K x)),     most(v) = effort clamp((velocity - v) / (kRamp velocity), 0, 1):
 // no more than `effort` either way, and none that would drive the joint beyond `velocity`; a joint that is pushed beyond it is not pushed further,
 // and braked as the law wants. tau is continuous, piecewise linear and never increases, so
 //     E(x) = - int_0^x tau                              (trapezoids between the kinks: exact)
 // is convex and once continuously differentiable. Bearings add, with D viscous damping and F dry friction, e = creep h:
-//     D x^2 / (2 h)     and     F f(|x|),  f = x^2/e - x^3/(3 e^2)  (x < e),  x - e/3  (x >= e),
-// a spring in the joint with its ease at theta_0, and a rotor of inertia J (already times the square of its gear) that turned at v_n,
-//     S (theta_n + x - theta_0)^2 / 2     and     J (x / h - v_n)^2 / 2.
+//     D v^2 / (2 pace)     and     F f(|x|),  f = x^2/e - x^3/(3 e^2)  (x < e),  x - e/3  (x >= e),
+// a spring in the joint with its ease at theta_0, and a rotor of inertia J (already times the square of its gear), whose acceleration is
+// pace (v - v_hat), v_hat from the rates before (with backward Euler v_n),
+//     S (theta_n + x - theta_0)^2 / 2     and     J (v - v_hat)^2 / 2.
 // What of it is held, and comes back: that spring, the motion of the rotor, and a motor of mode pd, which as long as its target stays is a spring
 // too,
 //     S (theta - theta_0)^2 / 2 + J v^2 / 2 + U(target - theta),     U(y) = int_0^y min(effort, kp s) ds.
@@ -37,23 +41,24 @@ struct Law {
   double a = 0, K = 0;
   double kp = 0, aim = 0;  // of mode pd; target - theta_n
   double effort = INFINITY, velocity = INFINITY;
-  double h = 1;
+  double pace = 1, drift = 0, h = 1;
   double damping = 0, friction = 0, creep = tuning::kCreep;
   double stiffness = 0, stretch = 0;  // S; theta_n - theta_0
-  double armature = 0, rate = 0;      // J; v_n
+  double armature = 0, rate = 0;      // J; v_hat
   double left = 0;                    // what a law of finite steps leaves out, where that is mended, against the motion [N m]
 
+  MORTISE_HD double rate_of(double x) const { return pace * x + drift; }
   MORTISE_HD double effort_limit(double v) const { return velocity < INFINITY ? effort * clamp01((velocity - v) / (kRamp * velocity)) : effort; }
   MORTISE_HD double motor(double x) const {
-    const double v = x / h, hi = effort_limit(v), lo = -effort_limit(-v), wanted = a - K * x;
+    const double v = rate_of(x), hi = effort_limit(v), lo = -effort_limit(-v), wanted = a - K * x;
     return wanted > hi ? hi : wanted < lo ? lo : wanted;
   }
   // - d tau / dx
   MORTISE_HD double motor_falls(double x) const {
-    const double v = x / h, hi = effort_limit(v), lo = -effort_limit(-v), wanted = a - K * x;
+    const double v = rate_of(x), hi = effort_limit(v), lo = -effort_limit(-v), wanted = a - K * x;
     if (wanted <= hi && wanted >= lo) return K;
     const double rate = wanted > hi ? v : -v;
-    return rate > (1 - kRamp) * velocity && rate < velocity ? effort / (kRamp * velocity * h) : 0;
+    return rate > (1 - kRamp) * velocity && rate < velocity ? effort * pace / (kRamp * velocity) : 0;
   }
   MORTISE_HD double motor_energy(double x) const {
     double kink[9] = {};
@@ -65,10 +70,10 @@ struct Law {
       kink[i] = at;
     };
     if (velocity < INFINITY) {
-      const double slope = effort / (kRamp * velocity * h), at_rest = effort / kRamp;  // most = at_rest - slope x on the ramp
+      const double slope = effort * pace / (kRamp * velocity), at_rest = effort / kRamp;  // most = at_rest - slope v / pace on the ramp
       for (int side = -1; side <= 1; side += 2) {
-        add(side * velocity * h), add(side * (1 - kRamp) * velocity * h);
-        if (K != slope) add((a - side * at_rest) / (K - slope));
+        add((side * velocity - drift) / pace), add((side * (1 - kRamp) * velocity - drift) / pace);
+        if (K != slope) add((a - side * at_rest + slope * drift / pace) / (K - slope));
       }
     }
     if (K > 0) {
@@ -87,30 +92,31 @@ struct Law {
   // Of bearing, spring and rotor, against the motion [N m].
   MORTISE_HD double drag(double x) const {
     const double e = creep * h, y = std::fabs(x), f = y < e ? (2 - y / e) * y / e : 1.0;
-    const double bearing = damping * x / h + left + (x < 0 ? -1 : 1) * friction * f;
-    return stiffness == 0 && armature == 0 ? bearing : bearing + stiffness * (stretch + x) + armature * (x / h - rate) / h;
+    const double bearing = damping * rate_of(x) + left + (x < 0 ? -1 : 1) * friction * f;
+    return stiffness == 0 && armature == 0 ? bearing : bearing + stiffness * (stretch + x) + armature * pace * (rate_of(x) - rate);
   }
   MORTISE_HD double energy_of(double x) const {
     const double e = creep * h, y = std::fabs(x);
-    const double all = motor_energy(x) + 0.5 * damping * x * x / h + left * x + friction * (y < e ? y * y * (1 / e - y / (3 * e * e)) : y - e / 3);
+    const double v = rate_of(x);
+    const double all = motor_energy(x) + 0.5 * damping * v * v / pace + left * x + friction * (y < e ? y * y * (1 / e - y / (3 * e * e)) : y - e / 3);
     if (stiffness == 0 && armature == 0) return all;
-    const double s = stretch + x, v = x / h - rate;
-    return all + 0.5 * stiffness * s * s + 0.5 * armature * v * v;
+    const double s = stretch + x;
+    return all + 0.5 * stiffness * s * s + 0.5 * armature * (v - rate) * (v - rate);
   }
   MORTISE_HD double stored(double x) const {
-    const double s = stretch + x, v = x / h;
+    const double s = stretch + x, v = rate_of(x);
     return 0.5 * stiffness * s * s + 0.5 * armature * v * v + limited_spring(kp, effort, aim - x);
   }
   // Of first_of(x) the part that does that [N m].
   MORTISE_HD double storing(double x) const {
     const double pull = kp * (aim - x), most = pull < -effort ? -effort : pull > effort ? effort : pull;
-    return stiffness * (stretch + x) + armature * (x / h - rate) / h - most;
+    return stiffness * (stretch + x) + armature * pace * (rate_of(x) - rate) - most;
   }
   MORTISE_HD double first_of(double x) const { return drag(x) - motor(x); }
   MORTISE_HD double second_of(double x) const {
     const double e = creep * h, y = std::fabs(x);
-    const double all = motor_falls(x) + damping / h + (y < e ? friction * 2 * (1 - y / e) / e : 0.0);
-    return stiffness == 0 && armature == 0 ? all : all + stiffness + armature / (h * h);
+    const double all = motor_falls(x) + damping * pace + (y < e ? friction * 2 * (1 - y / e) / e : 0.0);
+    return stiffness == 0 && armature == 0 ? all : all + stiffness + armature * pace * pace;
   }
 };
 

@@ -76,18 +76,22 @@ class Inertia final : public Effect {
             {"history", q_begin_.bytes() + q_prev_.bytes() + v_.bytes() + v_prev_.bytes() + q_hat_.bytes()}};
   }
 
+  void integrate(StepInfo& step) const override {
+    step.integrators.clear();
+    for (Index e = 0; e < model_.envs; ++e)
+      step.integrators.push_back(bdf2_ && dt_prev_[e] > 0 && !step.of_first_order(e) ? bdf2(step.dt, dt_prev_[e]) : backward_euler(step.dt));
+  }
   // Changes no history, so that a step may be tried again with a smaller dt.
   void begin_step(const StepInfo& step) override {
     for (Index e = 0; e < model_.envs; ++e)
-      if (step.taken_by(e))
-        integrator_[e] = bdf2_ && dt_prev_[e] > 0 && !step.of_first_order(e) ? inertia::bdf2(step.dt, dt_prev_[e]) : inertia::backward_euler(step.dt);
+      if (step.taken_by(e)) integrator_[e] = step.integrator(e);
     integrators_.upload(integrator_);
-    const View<const inertia::Integrator> in = std::as_const(integrators_).view();
+    const View<const Integrator> in = std::as_const(integrators_).view();
     const View<const Index> env = std::as_const(model_.block_env).view();
     const Positions qn = std::as_const(model_.q).view(), qn1 = std::as_const(q_prev_).view();
     const Positions vn = std::as_const(v_).view(), vn1 = std::as_const(v_prev_).view();
     const View<Vec3> hat = q_hat_.view();
-    device::parallel_for("inertia.predict", hat.n, [=] MORTISE_HD(Index b) { hat[b] = in[env[b]].q_hat(qn[b], qn1[b], vn[b], vn1[b]); });
+    device::parallel_for("inertia.predict", hat.n, [=] MORTISE_HD(Index b) { hat[b] = inertia::q_hat(in[env[b]], qn[b], qn1[b], vn[b], vn1[b]); });
     q_begin_.copy_from(model_.q);
   }
 
@@ -96,13 +100,13 @@ class Inertia final : public Effect {
   void energy(Positions q, const Linearisation&, device::EnvValues per_env) override {
     const View<const MassPair> pair = std::as_const(pairs_).view();
     const Positions hat = std::as_const(q_hat_).view();
-    const View<const inertia::Integrator> in = std::as_const(integrators_).view();
+    const View<const Integrator> in = std::as_const(integrators_).view();
     const View<const Index> env = std::as_const(model_.block_env).view();
     device::env_sum(
         "inertia.energy", model_.working(env_offset_),
         [=] MORTISE_HD(Index s) {
           const MassPair p = pair[s];
-          return inertia::energy(p.i == p.j, in[env[p.i]].c() * p.m, q[p.i] - hat[p.i], q[p.j] - hat[p.j]);
+          return inertia::energy(p.i == p.j, inertia::c_of(in[env[p.i]]) * p.m, q[p.i] - hat[p.i], q[p.j] - hat[p.j]);
         },
         per_env);
   }
@@ -120,21 +124,21 @@ class Inertia final : public Effect {
     const View<const MassPair> pair = std::as_const(pairs_).view();
     const Positions hat = std::as_const(q_hat_).view(), qn = std::as_const(q_begin_).view(), qn1 = std::as_const(q_prev_).view(),
                     vn = std::as_const(v_).view();
-    const View<const inertia::Integrator> in = std::as_const(integrators_).view();
+    const View<const Integrator> in = std::as_const(integrators_).view();
     const View<const Index> env = std::as_const(model_.block_env).view();
     device::env_sum(
         "inertia.own_gain", model_.working(env_offset_),
         [=] MORTISE_HD(Index s) {
           const MassPair p = pair[s];
           if (prescribed[p.i] != 0 && prescribed[p.j] != 0) return 0.0;
-          const inertia::Integrator of = in[env[p.i]];
+          const Integrator of = in[env[p.i]];
           const Index ij[2] = {p.i, p.j};
           Vec3 v[2], before[2], d[2], w[2];
           for (int k = 0; k < 2; ++k) {
             const Index b = ij[k];
-            v[k] = of.velocity(q[b], qn[b], qn1[b]), before[k] = vn[b], d[k] = q[b] - hat[b], w[k] = q[b] - qn[b];
+            v[k] = of.rate(q[b], qn[b], qn1[b]), before[k] = vn[b], d[k] = q[b] - hat[b], w[k] = q[b] - qn[b];
           }
-          return inertia::own_gain(p.i == p.j, p.m, of.c(), v, before, d, w);
+          return inertia::own_gain(p.i == p.j, p.m, inertia::c_of(of), v, before, d, w);
         },
         gain);
     device::env_sum(
@@ -152,8 +156,8 @@ class Inertia final : public Effect {
   void keep_pace(const Effect& leader, Positions q) override {
     if (spread_ != 0) spread_masses(model_, lumped_blocks(), spread_, static_cast<const Inertia&>(leader).q_hat_.view(), q, q_hat_.view());
     if (mended_ == 0) return;
-    const inertia::LeftOut left = inertia::left_out(integrator_[0], dt_prev_[0], known_);
-    const double s = mended_, c = integrator_[0].c(), dt = integrator_[0].dt;
+    const LeftOut left = left_out(integrator_[0], known_);
+    const double s = mended_, c = inertia::c_of(integrator_[0]), dt = integrator_[0].dt;
     const Positions leads = std::as_const(static_cast<const Inertia&>(leader).q_hat_).view();
     const View<Vec3> hat = q_hat_.view(), an = a_.view(), an1 = a_prev_.view(), more = more_.view();
     device::parallel_for("inertia.follow", hat.n, [=] MORTISE_HD(Index b) {
@@ -174,11 +178,11 @@ class Inertia final : public Effect {
     const View<const MassPair> pair = std::as_const(pairs_).view();
     const Positions hat = std::as_const(q_hat_).view();
     const linalg::StencilView out = at.stencils.view();
-    const View<const inertia::Integrator> in = std::as_const(integrators_).view();
+    const View<const Integrator> in = std::as_const(integrators_).view();
     const View<const Index> env = std::as_const(model_.block_env).view();
     device::parallel_for("inertia.assemble", model_.working(env_offset_), [=] MORTISE_HD(Index s) {
       const MassPair p = pair[s];
-      const double cm = in[env[p.i]].c() * p.m;
+      const double cm = inertia::c_of(in[env[p.i]]) * p.m;
       Vec3* grad = out.grad.p + out.offset[s];
       Mat3* hess = stiffness ? out.hess.p + out.hess_offset[s] : nullptr;
       if (p.i == p.j) {
@@ -200,13 +204,13 @@ class Inertia final : public Effect {
     }
     const device::Buffer<std::uint8_t> mask(taken);
     const View<const std::uint8_t> mine = mask.view();
-    const View<const inertia::Integrator> in = std::as_const(integrators_).view();
+    const View<const Integrator> in = std::as_const(integrators_).view();
     const View<const Index> env = std::as_const(model_.block_env).view();
     const Positions qn = std::as_const(q_begin_).view();
     const View<Vec3> qn1 = q_prev_.view(), vn = v_.view(), vn1 = v_prev_.view();
     device::parallel_for("inertia.velocity", q.n, [=] MORTISE_HD(Index b) {
       if (!mine[env[b]]) return;
-      const Vec3 v = in[env[b]].velocity(q[b], qn[b], qn1[b]);
+      const Vec3 v = in[env[b]].rate(q[b], qn[b], qn1[b]);
       qn1[b] = qn[b];
       vn1[b] = vn[b];
       vn[b] = v;
@@ -295,8 +299,8 @@ class Inertia final : public Effect {
   device::Buffer<Index> counts_;        // blocks of every pair's stencil
   std::vector<Index> env_offset_;
 
-  std::vector<inertia::Integrator> integrator_;  // of every environment
-  device::Buffer<inertia::Integrator> integrators_;
+  std::vector<Integrator> integrator_;  // of every environment
+  device::Buffer<Integrator> integrators_;
   device::Buffer<Vec3> q_hat_, q_begin_;  // of the step under way
   // History: velocity now, positions and velocity one step before, and the length of every environment's last step (0 before the first).
   device::Buffer<Vec3> v_, q_prev_, v_prev_;

@@ -58,7 +58,7 @@ class Joints final : public Effect {
     for (std::size_t i = 0; i < moving_.size(); ++i) model_.joints[moving_[i]].rate = rates[i];
   }
   void begin_step(const StepInfo& step) override {
-    dt_ = step.is_static ? 0 : step.dt;
+    integrator_ = step.is_static ? Integrator{} : step.integrator(0);
     model::guide(model_);
     upload();
     if (equations_.any()) equations_.begin_step(step);
@@ -99,19 +99,22 @@ class Joints final : public Effect {
   void mend(Fault fault, double share) override {
     if (fault == Fault::steps) mended_ = share;
   }
-  // What the leader's rates change by: of its own, what is mended would take part in the motion. A step from a given rate sees half of that.
+  // With the accelerations of the leader: of its own, what is mended would take part in the motion.
   void keep_pace(const Effect& leader, Positions q) override {
-    if (mended_ == 0 || dt_ == 0) return;
+    if (mended_ == 0 || integrator_.dt == 0) return;
     const Joints& first = static_cast<const Joints&>(leader);
     const std::vector<double> now = first.coordinates(q);
+    const LeftOut left = left_out(integrator_, known_);
+    led_.resize(moving_.size());
     for (std::size_t i = 0; i < moving_.size(); ++i) {
       const model::Joint& of = first.model_.joints[moving_[i]];
       model::Joint& j = model_.joints[moving_[i]];
-      const double a = ((now[i] - of.value) / dt_ - of.rate) / dt_;
-      j.led_before = begun_ ? j.led : a / 2;
-      j.led = a, j.ahead = mended_ * dt_ / 2 * a;
+      Led& led = led_[i];
+      const double a = integrator_.rate(integrator_.rate(now[i], of.value, of.before), of.rate, of.rate_before);
+      j.ahead = mended_ * left.rate(integrator_.dt, a, led.a), j.behind = mended_ * left.acceleration(a, led.a, led.a_before);
+      led = {a, led.a};
     }
-    begun_ = true;
+    known_ = std::min(known_ + 1, 2);
   }
 
   void end_step(const StepInfo& step, Positions q, const Linearisation&) override {
@@ -120,8 +123,9 @@ class Joints final : public Effect {
     for (std::size_t i = 0; i < moving_.size(); ++i) {
       model::Joint& j = model_.joints[moving_[i]];
       if (!step.taken_by(j.env)) continue;
-      j.rate = step.is_static ? 0 : (now[i] - j.value) / step.dt;
-      j.value = now[i], j.strained = now[moving_.size() + i];
+      const double rate = step.is_static ? 0 : step.integrator(j.env).rate(now[i], j.value, j.before) + j.ahead;
+      j.rate_before = std::exchange(j.rate, rate), j.before = std::exchange(j.value, now[i]);
+      j.strained = now[moving_.size() + i];
     }
   }
 
@@ -137,7 +141,7 @@ class Joints final : public Effect {
       const model::Joint& joint = model_.joints[j];
       FieldSink& sink = sinks[joint.env];
       sink.scalar("joint", joint.name + (joint.type == model::JointType::prismatic ? "_travel" : "_angle"), joint.unit(), joint.value);
-      sink.scalar("joint", joint.name + "_rate", std::string(joint.unit()) + "/s", joint.rate_now());
+      sink.scalar("joint", joint.name + "_rate", std::string(joint.unit()) + "/s", joint.rate);
     }
     std::map<std::pair<Index, bool>, double> worst;  // by environment, and whether it slides
     for (Index j : moving_) {
@@ -164,20 +168,18 @@ class Joints final : public Effect {
     std::vector<Index> by_env(model_.joints.size()), env;
     std::iota(by_env.begin(), by_env.end(), 0);
     std::stable_sort(by_env.begin(), by_env.end(), [this](Index a, Index b) { return model_.joints[a].env < model_.joints[b].env; });
-    std::vector<double> value, rate, strained;
-    for (Index j : by_env) {
-      const model::Joint& of = model_.joints[j];
-      value.push_back(of.value), rate.push_back(of.rate), strained.push_back(of.strained), env.push_back(of.env);
-    }
-    archive.io("value", value, firsts(env, model_.envs));
-    archive.io("rate", rate, firsts(env, model_.envs));
-    archive.io("strained", strained, firsts(env, model_.envs));
-    if (!archive.loading()) return equations_.checkpoint(archive);
-    if (value.size() != model_.joints.size() || rate.size() != value.size())
-      throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(value.size()) + " joints");
-    for (std::size_t i = 0; i < value.size(); ++i) {
-      model::Joint& of = model_.joints[by_env[i]];
-      of.value = value[i], of.rate = rate[i], of.strained = strained.at(i);
+    for (Index j : by_env) env.push_back(model_.joints[j].env);
+    for (const auto& [name, of] : {std::pair{"value", &model::Joint::value},
+                                   {"before", &model::Joint::before},
+                                   {"rate", &model::Joint::rate},
+                                   {"rate_before", &model::Joint::rate_before},
+                                   {"strained", &model::Joint::strained}}) {
+      std::vector<double> values;
+      for (Index j : by_env) values.push_back(model_.joints[j].*of);
+      archive.io(name, values, firsts(env, model_.envs));
+      if (values.size() != by_env.size())
+        throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(values.size()) + " joints");
+      for (std::size_t i = 0; i < values.size(); ++i) model_.joints[by_env[i]].*of = values[i];
     }
     equations_.checkpoint(archive);
   }
@@ -242,8 +244,14 @@ class Joints final : public Effect {
   std::vector<stop::Stops> stops_;
   CoordinateEnergy<stop::Stops> energy_;
   joint::Equations equations_;
-  double dt_ = 0, mended_ = 0;  // of the step under way, 0 in statics; share of what it leaves out
-  bool begun_ = false;          // a step has been followed
+  Integrator integrator_;  // of the step under way; its dt is 0 in statics
+  // Mended by a share: accelerations of the leader in its last two steps, and how many of them there are.
+  struct Led {
+    double a = 0, a_before = 0;
+  };
+  double mended_ = 0;
+  std::vector<Led> led_;
+  int known_ = 0;
 };
 
 }  // namespace

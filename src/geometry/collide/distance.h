@@ -33,25 +33,25 @@ namespace detail {
 MORTISE_HD inline void nearer_on_segment(const Vec3 x[4], int p, int i, int j, double sign, Closest& c) {
   const Vec3 u = x[j] - x[i];
   const double uu = u.squaredNorm(), s = (x[p] - x[i]).dot(u);
-  Closest n;
-  n.w[p] = sign;
-  if (!(s > 0)) {
-    n.w[i] = -sign;
-    n.squared = (x[p] - x[i]).squaredNorm();
-  } else if (s >= uu) {
-    n.w[j] = -sign;
-    n.squared = (x[p] - x[j]).squaredNorm();
-  } else {
+  const bool inside = s > 0 && s < uu;
+  double w[4] = {}, squared;
+  w[p] = sign;
+  if (inside) {
     const double t = s / uu;
-    n.type = Feature::point_edge;
-    n.free = 1;
-    n.w[i] = -sign * (1 - t);
-    n.w[j] = -sign * t;
-    n.dw[0][i] = sign;
-    n.dw[0][j] = -sign;
-    n.squared = combine(n.w, x).squaredNorm();
+    w[i] = -sign * (1 - t), w[j] = -sign * t;
+    squared = combine(w, x).squaredNorm();
+  } else {
+    const int end = s > 0 ? j : i;
+    w[end] = -sign;
+    squared = (x[p] - x[end]).squaredNorm();
   }
-  if (n.squared < c.squared) c = n;
+  if (!(squared < c.squared)) return;
+  c = Closest{};
+  c.squared = squared;
+  for (int k = 0; k < 4; ++k) c.w[k] = w[k];
+  if (!inside) return;
+  c.type = Feature::point_edge, c.free = 1;
+  c.dw[0][i] = sign, c.dw[0][j] = -sign;
 }
 
 }  // namespace detail

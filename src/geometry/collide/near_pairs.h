@@ -79,6 +79,19 @@ MORTISE_HD inline bool stay_apart(const Index v[4], int first, device::View<cons
                  hi2 = std::fmax(std::fmax(first == 1 ? x[1][a] : x[2][a], x[2][a]), x[3][a]);
     if (std::fmax(lo2 - hi, lo - hi2) * (1 - tuning::kApart) > least) return true;
   }
+  // And along the way between their middles.
+  Vec3 middle[2] = {Vec3::Zero(), Vec3::Zero()};
+  for (int k = 0; k < 4; ++k) middle[k >= first] += x[k] / (k < first ? first : 4 - first);
+  const Vec3 way = middle[1] - middle[0];
+  double far = -INFINITY, near = INFINITY;
+  for (int k = 0; k < 4; ++k) {
+    const double at = (x[k] - middle[0]).dot(way);
+    if (k < first)
+      far = std::fmax(far, at);
+    else
+      near = std::fmin(near, at);
+  }
+  if ((near - far) * (1 - tuning::kApart) > least * way.norm()) return true;
   const double distance = std::sqrt(first == 1 ? closest_point_triangle(x).squared : closest_edge_edge(x).squared);
   return distance * (1 - tuning::kApart) > least;
 }
