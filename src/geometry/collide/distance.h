@@ -36,14 +36,16 @@ MORTISE_HD inline void nearer_on_segment(const Vec3 x[4], int p, int i, int j, d
   const bool inside = s > 0 && s < uu;
   double w[4] = {}, squared;
   w[p] = sign;
-  if (inside) {
+  if (!(s > 0)) {
+    w[i] = -sign;
+    squared = (x[p] - x[i]).squaredNorm();
+  } else if (!inside) {
+    w[j] = -sign;
+    squared = (x[p] - x[j]).squaredNorm();
+  } else {
     const double t = s / uu;
     w[i] = -sign * (1 - t), w[j] = -sign * t;
     squared = combine(w, x).squaredNorm();
-  } else {
-    const int end = s > 0 ? j : i;
-    w[end] = -sign;
-    squared = (x[p] - x[end]).squaredNorm();
   }
   if (!(squared < c.squared)) return;
   c = Closest{};

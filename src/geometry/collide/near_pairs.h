@@ -80,17 +80,11 @@ MORTISE_HD inline bool stay_apart(const Index v[4], int first, device::View<cons
     if (std::fmax(lo2 - hi, lo - hi2) * (1 - tuning::kApart) > least) return true;
   }
   // And along the way between their middles.
-  Vec3 middle[2] = {Vec3::Zero(), Vec3::Zero()};
-  for (int k = 0; k < 4; ++k) middle[k >= first] += x[k] / (k < first ? first : 4 - first);
-  const Vec3 way = middle[1] - middle[0];
-  double far = -INFINITY, near = INFINITY;
-  for (int k = 0; k < 4; ++k) {
-    const double at = (x[k] - middle[0]).dot(way);
-    if (k < first)
-      far = std::fmax(far, at);
-    else
-      near = std::fmin(near, at);
-  }
+  const Vec3 middle = first == 1 ? x[0] : Vec3(0.5 * (x[0] + x[1])),
+             way = (first == 1 ? Vec3((x[1] + x[2] + x[3]) / 3) : Vec3(0.5 * (x[2] + x[3]))) - middle;
+  const auto along = [&](const Vec3& point) { return (point - middle).dot(way); };
+  const double far = first == 1 ? along(x[0]) : std::fmax(along(x[0]), along(x[1])),
+               near = std::fmin(first == 1 ? std::fmin(along(x[1]), along(x[2])) : along(x[2]), along(x[3]));
   if ((near - far) * (1 - tuning::kApart) > least * way.norm()) return true;
   const double distance = std::sqrt(first == 1 ? closest_point_triangle(x).squared : closest_edge_edge(x).squared);
   return distance * (1 - tuning::kApart) > least;
