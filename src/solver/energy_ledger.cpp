@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
+#include "effects/per_environment.h"
+#include "solver/flatten.h"
 #include "solver/kernels.h"
 #include "solver/tuning.h"
 
@@ -11,7 +14,33 @@ namespace mortise::solver {
 
 EnergyLedger::EnergyLedger(const model::Model& model, Potential& potential)
     : model_(model), potential_(potential), started_(model.envs, 0), gone_(model.envs, 0), step_(model.envs) {
-  for (const auto& effect : potential_.effects()) measures_ = measures_ || effect->loses_energy();
+  for (const auto& effect : potential_.effects()) {
+    measures_ = measures_ || effect->loses_energy();
+    motors_ = motors_ || effect->kind().role == effects::Role::motor;
+  }
+  if (!motors_) return;
+  motor_gradient_.resize(model.blocks);
+  motor_gradient_.zero();
+  knows_motors_.assign(model.envs, 0.0), lately_ = knows_motors_;
+}
+
+void EnergyLedger::accept(const EnvMask& whose, const Linearised& at) {
+  if (!motors_) return;
+  device::Buffer<Vec3> sum(model_.blocks);
+  sum.zero();
+  for (std::size_t k = 0; k < potential_.effects().size(); ++k)
+    if (potential_.effects()[k]->kind().role == effects::Role::motor) add(at.gradients[k].view(), sum);
+  copy_envs(sum, whose, model_.env_blocks, motor_gradient_);
+  for (Index e = 0; e < model_.envs; ++e)
+    if (whose[e]) knows_motors_[e] = 1, lately_[e] = std::max(step_[e].there, tuning::kLately * lately_[e]);
+}
+
+void EnergyLedger::checkpoint(Archive& archive) {
+  if (!motors_) return;
+  for (auto [name, of] : {std::pair{"knows_motors", &knows_motors_}, {"lately", &lately_}}) archive.io(name, *of, effects::one_each(model_.envs));
+  std::vector<double> gradient = flatten(motor_gradient_.download());
+  archive.io("motor_gradient", gradient, effects::in_values(model_.env_blocks, 3));
+  if (archive.loading()) motor_gradient_.upload(unflatten(gradient));
 }
 
 // What is known of the others stays: found again with other pairs in another order its last digits could differ, and one environment would feel what
@@ -70,7 +99,7 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
   find(q, at, fetch);
   const EffectList& effects = potential_.effects();
   std::vector<std::vector<double>> along(effects.size(), std::vector<double>(model_.envs, 0.0));
-  std::vector<double> work(model_.envs, 0.0);
+  std::vector<double> work(model_.envs, 0.0), motors_before(work);              // along the way
   std::vector<std::vector<double>> own(effects.size()), there(effects.size());  // of steps of second order
   std::vector<effects::Held> motors(effects.size());
   device::Buffer<Vec3> move, held, offset;
@@ -88,6 +117,7 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
         dot(at.gradients[k].view(), std::as_const(move).view(), model_.env_blocks, {along[k], fetch});
         if (effects[k]->kind().role == effects::Role::motor) effects[k]->held_energy(q, std::as_const(move).view(), fetch, motors[k]);
       }
+    if (motors_) dot(std::as_const(motor_gradient_).view(), std::as_const(move).view(), model_.env_blocks, {motors_before, fetch});
     dot(at.gradient.view(), std::as_const(held).view(), model_.env_blocks, {work, fetch});
     if (model_.ties.driven()) {
       offset.resize(model_.blocks);
@@ -102,10 +132,12 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
     StepEnergy& step = step_[e] = {};
     if (!measured || !took_part_[e]) continue;
     step.work = work[e];
+    double motors_now = 0, taken = 0;  // along the way; the work that is taken for theirs
     for (std::size_t k = 0; k < effects.size(); ++k) {
-      if (effects[k]->kind().role == effects::Role::motor) step.work -= along[k][e];
+      if (effects[k]->kind().role == effects::Role::motor) step.work -= along[k][e], motors_now += along[k][e], taken -= along[k][e];
       if (const effects::Held& m = motors[k]; !m.end.empty()) {  // its springs: what they do is no work, what moves their other end is
         step.work += m.along[e] + m.begin[e] - m.at_last[e];
+        taken += m.along[e] + m.begin[e] - m.end[e];
         step.gain += m.end[e] - m.begin[e] - m.along[e];
         step.there += std::max(m.begin[e], m.end[e]);
       }
@@ -121,6 +153,11 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
         step.there += before;
       }
     }
+    if (!step.second_order || !motors_ || knows_motors_[e] == 0) continue;
+    const double motors = -0.5 * (motors_before[e] + motors_now);
+    step.gain += taken - motors;
+    step.in_doubt = tuning::kMotorsErr * std::abs(motors);
+    step.there = std::max(step.there, tuning::kLately * lately_[e]);
   }
 }
 

@@ -9,8 +9,10 @@
 //
 // and the last term is the energy of inertia at q1, as 1/2 |v0|_M^2 is that at q0. Supports and driven ties
 // did the work of what they bear at q1 on their way, motors that of their forces at q1.
-// BDF2 bounds no energy: with M a its force at q1, T(q1) - T(q0) - M a . (q1 - q0) stands in the place of the last term. A step of it that gains too
-// much is taken anew by backward Euler, which is no less accurate where a body strikes or lets go.
+// BDF2 bounds no energy: with M a its force at q1, T(q1) - T(q0) - M a . (q1 - q0) stands in the place of the last term, and motors do the work of
+// the mean of their forces at q0 and q1, or a force that falls along a smooth motion would seem to be a gain. A step of it that gains too much is
+// taken anew by backward Euler, which is no less accurate where a body strikes or lets go.
+#include "base/archive.h"
 #include "solver/envs.h"
 #include "solver/potential.h"
 #include "solver/tuning.h"
@@ -22,6 +24,7 @@ struct StepEnergy {
   double gain = 0;            // what the integrator itself added
   double there = 0;           // energy that there was
   double work = 0;            // of supports, driven ties and motors
+  double in_doubt = 0;        // of what motors did, in a step of second order
   bool second_order = false;  // the step
 };
 
@@ -46,6 +49,9 @@ class EnergyLedger {
 
   // The step ends at q, which is the present iterate.
   void close(device::View<const Vec3> q, const Linearised& at);
+  // The environments of `whose` accept the state that `at` was filled at.
+  void accept(const EnvMask& whose, const Linearised& at);
+  void checkpoint(Archive& archive);
   // Should every step lose energy? Only then it is measured.
   bool measures() const { return measures_; }
   const StepEnergy& of_step(Index env) const { return step_[env]; }
@@ -59,6 +65,10 @@ class EnergyLedger {
   EnvMask took_part_, started_, gone_;  // started_: energies are known where the step begins
   std::vector<StepEnergy> step_;
   std::vector<double> total_;
+  bool motors_ = false;                  // there are some:
+  device::Buffer<Vec3> motor_gradient_;  // sum over them at the last accepted state [N],
+  std::vector<double> knows_motors_;     // in environments that have accepted one: 1
+  std::vector<double> lately_;           // energy there was lately: motors take and bring it, and at every turn there is next to none [J]
 };
 
 // A step that makes energy from nowhere is tried again with half its length, as long as the gain falls to about a quarter, as that of backward

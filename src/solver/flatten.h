@@ -13,4 +13,10 @@ inline std::vector<double> flatten(const std::vector<Vec3>& v) {
   return out;
 }
 
+inline std::vector<Vec3> unflatten(const std::vector<double>& v) {
+  std::vector<Vec3> out(v.size() / 3);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
+  return out;
+}
+
 }  // namespace mortise::solver

@@ -53,8 +53,10 @@ class Newton {
   Potential& potential() { return system_.potential; }
   System& system() { return system_; }
   std::string linear_solver() const { return linear_->name(); }
+  // The environments of `whose` accept q().
+  void accept(const EnvMask& whose) { energies_.accept(whose, at_); }
   void end_step(const EnvMask& whose) { linear_->end_step(whose); }
-  void checkpoint(Archive& archive) { linear_->checkpoint(archive); }
+  void checkpoint(Archive& archive) { linear_->checkpoint(archive), energies_.checkpoint(archive); }
   const std::string& linear_reason() const { return linear_choice_.reason; }
 
  private:

@@ -18,12 +18,6 @@
 namespace mortise::solver {
 namespace {
 
-std::vector<Vec3> unflatten(const std::vector<double>& v) {
-  std::vector<Vec3> out(v.size() / 3);
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
-  return out;
-}
-
 // What StepInfo says of them: nothing where all do.
 EnvMask some_of(const EnvMask& whose) { return std::find(whose.begin(), whose.end(), 0) == whose.end() ? EnvMask{} : whose; }
 
@@ -114,6 +108,7 @@ void Simulation::accept(const effects::StepInfo& info, const std::vector<double>
     support_work_[e] += energy.work;
     solved_[e] = 1;
   }
+  newton_.accept(whose);
   for (std::size_t k = 0; k < effects_.size(); ++k) {
     const Timed timed(clock_, effects_[k]->name(), "end_step");
     effects_[k]->end_step(info, model_.q.view(), *newton_.at().of[k]);
@@ -225,7 +220,8 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
     for (Index e = 0; e < model_.envs; ++e) {
       if (!whose[e]) continue;
       const StepEnergy& energy = newton_.energies().of_step(e);
-      if (why[e].empty() && energy.second_order && energy.gain > tuning::kSecondOrderGainShare * energy.there + std::max(regain_[e], 0.0)) {
+      if (why[e].empty() && energy.second_order &&
+          energy.gain > tuning::kSecondOrderGainShare * energy.there + energy.in_doubt + std::max(regain_[e], 0.0)) {
         cuts[e].first_order = true;
       } else if (size > 1 && (!why[e].empty() || (!energy.second_order && cuts[e].guard.wants_halving(energy, gain)))) {
         cuts[e].size /= 2;

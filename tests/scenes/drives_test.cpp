@@ -91,6 +91,23 @@ TEST(Drives, PdAgainstItsEquation) {
   EXPECT_NEAR(rate, v, 0.1);
 }
 
+// A force that falls along a smooth motion does the work of its mean: no step of second order is refused for a gain of energy that is none.
+TEST(Drives, SecondOrderStaysWhereTorquesChange) {
+  const double frequency = 4, T = 0.6, peak = kInertia * 2 * M_PI * frequency * 0.5 / T;
+  const auto [x, v] = motion([&](double t, double, double) { return peak * std::sin(2 * M_PI * frequency * t); }, T);
+  double error[2];
+  for (int k = 0; k < 2; ++k) {
+    const double dt = k == 0 ? 5 : 2.5;
+    Rig rig(link("", fmt::format("mode: effort, torque: 0, sine: {{torque: {}, frequency: {}}}", peak, frequency), dt, "bdf2"), {kNoWeight});
+    int first_order = 0;
+    for (int i = 0; i < std::lround(T * 1e3 / dt); ++i) first_order += rig.step().first_order;
+    EXPECT_EQ(first_order, 0) << dt;
+    error[k] = std::abs(rig.fields().at("joint/hip_angle") - x);
+  }
+  EXPECT_LT(error[0], 0.01 * std::abs(x));
+  EXPECT_LT(error[1], 0.35 * error[0]);
+}
+
 // It gives what it can, which is not enough.
 TEST(Drives, EffortIsLimited) {
   const double T = 0.12, most = 0.012;
