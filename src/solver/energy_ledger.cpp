@@ -155,7 +155,7 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
     }
     if (!step.second_order || !motors_ || knows_motors_[e] == 0) continue;
     const double motors = -0.5 * (motors_before[e] + motors_now);
-    step.gain += taken - motors;
+    step.gain += taken - motors, step.work += motors - taken;
     step.in_doubt = tuning::kMotorsErr * std::abs(motors);
     step.there = std::max(step.there, tuning::kLately * lately_[e]);
   }
