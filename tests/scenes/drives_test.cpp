@@ -288,7 +288,8 @@ TEST(Drives, SpringsLoseNothingOfTheirOwn) {
         first_order += rig.step().first_order;
       }
       const audit::EnergyAudit::Result& r = audit.result();
-      EXPECT_LT(std::abs(r.support_work), 1e-9 * r.scale) << drive;
+      // With bdf2 it is that of mean forces, of third order.
+      EXPECT_LT(std::abs(r.support_work), (std::string(integrator) == "bdf2" ? 1e-5 : 1e-9) * r.scale) << drive;
       EXPECT_LT(r.largest_gain, 1e-3 * r.scale) << drive;
       if (std::string(integrator) == "bdf2") {
         EXPECT_LT(r.free_loss, 0.02 * r.scale) << drive;
