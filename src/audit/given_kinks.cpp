@@ -6,6 +6,7 @@
 #include "audit/archived.h"
 #include "audit/tuning.h"
 #include "audit/vector_at.h"
+#include "effects/integrator.h"
 
 namespace mortise::audit {
 
@@ -36,7 +37,7 @@ void GivenKinks::look(Body& body, const MovingBody& b, double largest_force) con
   double most = 0;
   bool jumped = false;
   for (int k = n - 3; k <= n; ++k) jumped = jumped || jumps(k), most = std::max(most, c(k));
-  const double a = across(b, Vec3(3 * at(body.v, n) - 4 * at(body.v, n - 1) + at(body.v, n - 2)) / (2 * h)).norm(), m = b.body.mass();
+  const double a = across(b, effects::bdf2(h, h).rate(at(body.v, n), at(body.v, n - 1), at(body.v, n - 2))).norm(), m = b.body.mass();
   body.jumps += jumps(n);
   if (jumped) {
     body.jumped = std::max(body.jumped, m * a);

@@ -1,6 +1,6 @@
 #pragma once
 // How far backward Euler is ahead or behind of what moves (lagging_ways.h): as seen from the world and from what carries it (carried_lag.h); and how
-// far integrators of second order are from where robots walk to (walking_lag.h).
+// far any integrator is from where robots walk to (walking_lag.h).
 #include <vector>
 
 #include "audit/carried_lag.h"

@@ -92,7 +92,7 @@ void MotorLag::advance(const Sums& sums, const Snapshot& said) {
   for (Eigen::Index j = 0; j < n; ++j) {
     const Motor& m = motors_[j];
     const Error& e = errors_[j];
-    x[j] = said.at(m.coordinate), v[j] = said.at(m.rate), a[j] = integration_.rate_of(v[j], e.v, e.v_before, static_cast<double>(states_ - 1));
+    x[j] = said.at(m.coordinate), v[j] = said.at(m.rate), a[j] = integration_.rate_of(v[j], e.v, e.v_before, states_ - 1);
     changed[j] = a[j] - e.a;
   }
   Eigen::MatrixXd M = sums.M;

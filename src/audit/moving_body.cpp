@@ -128,19 +128,22 @@ std::vector<MovingBody> MovingBodies::state(const Snapshot& said, const std::vec
     const Vec3 v = b.mean(*velocity, points), w = b.spin(*velocity, points);
     Past& past = past_[i];
     const auto rate = [&](const Vec3& now, double(&of)[6]) {
-      const Vec3 changes = integration_.rate_of(now, audit::at(of, 0), audit::at(of, 1), past.states);
+      const Vec3 changes = integration_.rate_of(now, audit::at(of, 0), audit::at(of, 1), states_);
       std::copy(of, of + 3, of + 3), Eigen::Map<Vec3>(of) = now;
       return changes;
     };
     const Vec3 a = rate(v, past.v), alpha = rate(w, past.w);
-    ++past.states;
     out.push_back({how, b, b.mean(points, points), v, w, a, alpha, pushed > 0, stopped, pressed, push,
                    by[i] < bodies.size() ? std::optional(by[i]) : std::nullopt, led, b.soft() ? 0.0 : b.turning_energy(*velocity, points)});
   }
+  ++states_;
   return out;
 }
 
-void MovingBodies::checkpoint(Archive& archive) { archive_all(archive, "moving.past", past_); }
+void MovingBodies::checkpoint(Archive& archive) {
+  archive_all(archive, "moving.past", past_);
+  archive.io("moving.states", states_);
+}
 
 double radius_of_group(const std::vector<MovingBody>& bodies, const MovingBody& body, const std::vector<double>& points) {
   double radius = 0;

@@ -60,7 +60,7 @@ struct Integration {
   bool second_order = false;
   // What v changes by, over time; v1, v2: in the last state and in the one before, of so many that there are.
   template <class T>
-  T rate_of(const T& v, const T& v1, const T& v2, double states) const {
+  T rate_of(const T& v, const T& v1, const T& v2, long states) const {
     if (states == 0 || std::isnan(step)) return v - v;
     return (second_order && states > 1 ? effects::bdf2(step, step) : effects::backward_euler(step)).rate(v, v1, v2);
   }
@@ -78,7 +78,7 @@ class MovingBodies {
  private:
   // Of a body, in the last state and in the one before.
   struct Past {
-    double states = 0, v[6] = {}, w[6] = {};
+    double v[6] = {}, w[6] = {};
   };
   struct Who {
     HowHeld how;
@@ -87,6 +87,7 @@ class MovingBodies {
   Integration integration_;
   std::vector<Who> who_;
   std::vector<Past> past_;
+  long states_ = 0;  // before this one
 };
 
 // Distance of the farthest point of what a body hangs together with from its centre [m].

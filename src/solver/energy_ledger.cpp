@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <utility>
 
 #include "effects/per_environment.h"
 #include "solver/flatten.h"
@@ -14,14 +13,17 @@ namespace mortise::solver {
 
 EnergyLedger::EnergyLedger(const model::Model& model, Potential& potential)
     : model_(model), potential_(potential), started_(model.envs, 0), gone_(model.envs, 0), step_(model.envs) {
+  bool second_order = false;
   for (const auto& effect : potential_.effects()) {
     measures_ = measures_ || effect->loses_energy();
     motors_ = motors_ || effect->kind().role == effects::Role::motor;
+    for (Index e = 0; e < model.envs; ++e) second_order = second_order || effect->starts(e);
   }
+  motors_ = motors_ && second_order;
   if (!motors_) return;
   motor_gradient_.resize(model.blocks);
   motor_gradient_.zero();
-  knows_motors_.assign(model.envs, 0.0), lately_ = knows_motors_;
+  lately_.assign(model.envs, 0.0);
 }
 
 void EnergyLedger::accept(const EnvMask& whose, const Linearised& at) {
@@ -32,12 +34,12 @@ void EnergyLedger::accept(const EnvMask& whose, const Linearised& at) {
     if (potential_.effects()[k]->kind().role == effects::Role::motor) add(at.gradients[k].view(), sum);
   copy_envs(sum, whose, model_.env_blocks, motor_gradient_);
   for (Index e = 0; e < model_.envs; ++e)
-    if (whose[e]) knows_motors_[e] = 1, lately_[e] = std::max(step_[e].there, tuning::kLately * lately_[e]);
+    if (whose[e]) lately_[e] = std::max(step_[e].there, tuning::kLately * lately_[e]);
 }
 
 void EnergyLedger::checkpoint(Archive& archive) {
   if (!motors_) return;
-  for (auto [name, of] : {std::pair{"knows_motors", &knows_motors_}, {"lately", &lately_}}) archive.io(name, *of, effects::one_each(model_.envs));
+  archive.io("lately", lately_, effects::one_each(model_.envs));
   std::vector<double> gradient = flatten(motor_gradient_.download());
   archive.io("motor_gradient", gradient, effects::in_values(model_.env_blocks, 3));
   if (archive.loading()) motor_gradient_.upload(unflatten(gradient));
@@ -153,10 +155,10 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
         step.there += before;
       }
     }
-    if (!step.second_order || !motors_ || knows_motors_[e] == 0) continue;
-    const double motors = -0.5 * (motors_before[e] + motors_now);
-    step.gain += taken - motors, step.work += motors - taken;
-    step.in_doubt = tuning::kMotorsErr * std::abs(motors);
+    if (!step.second_order || !motors_) continue;
+    const double done = -0.5 * (motors_before[e] + motors_now);
+    step.gain += taken - done, step.work += done - taken;
+    step.in_doubt = tuning::kMotorsErr * std::abs(done);
     step.there = std::max(step.there, tuning::kLately * lately_[e]);
   }
 }

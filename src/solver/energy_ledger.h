@@ -65,9 +65,8 @@ class EnergyLedger {
   EnvMask took_part_, started_, gone_;  // started_: energies are known where the step begins
   std::vector<StepEnergy> step_;
   std::vector<double> total_;
-  bool motors_ = false;                  // there are some:
-  device::Buffer<Vec3> motor_gradient_;  // sum over them at the last accepted state [N],
-  std::vector<double> knows_motors_;     // in environments that have accepted one: 1
+  bool motors_ = false;                  // there are some beside an integrator of second order, which begins with steps of first order:
+  device::Buffer<Vec3> motor_gradient_;  // sum over them at the last accepted state [N]
   std::vector<double> lately_;           // energy there was lately: motors take and bring it, and at every turn there is next to none [J]
 };
 

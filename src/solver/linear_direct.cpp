@@ -109,6 +109,7 @@ class Direct final : public Linear {
     // Of the step's last unsymmetric system: |b|, 0 before the first [N], and how closely it was to be solved.
     double size = 0, relative = 0;
     // Eisenstat and Walker: what the next right-hand side owes to this solution is to be less than what it owes to how far from linear forces are.
+    // The same system once more, with less negative curvature, is solved as closely.
     double forcing(double b) {
       const double ratio = size > 0 ? b / size : 0;
       if (b != size) relative = std::clamp(tuning::kForcingFactor * ratio * ratio, tuning::kWholeRough, tuning::kWholeRoughest), size = b;
