@@ -61,7 +61,7 @@ void GivenKinks::state(const std::vector<MovingBody>& bodies, double largest_for
     // Before that it went on at the velocity that it began with.
     for (int k = body.states++ == 0 ? 0 : kKept - 1; k < kKept; ++k)
       Eigen::Map<Vec3>(body.x + 3 * k) = b.x - (kKept - 1 - k) * step_ * b.v, Eigen::Map<Vec3>(body.v + 3 * k) = b.v;
-    if (body.states > 2) look(body, b, largest_force);
+    if (body.states - 2 >= tuning::kBegins) look(body, b, largest_force);  // two states before this one
   }
 }
 

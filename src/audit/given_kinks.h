@@ -1,7 +1,8 @@
 #pragma once
 // Forces of what goes as it is told where that kinks, with bdf2. An acceleration that changes at once, as between two keys, is overshot: of one that
-// begins, x = a t^2 / 2, BDF2 makes 3/4 a h of the velocity, then 2 a h, and of the acceleration 9/8 a, then 3/2 a, whatever the step h; twice a
-// where the run begins with it. With c_n = (x_n+1 - 2 x_n + x_n-1)/h^2, which overshoots nothing, and a_n what the run takes for the acceleration,
+// begins, x = a t^2 / 2, BDF2 makes 3/4 a h of the velocity, then 2 a h, and of the acceleration 9/8 a, then 3/2 a, whatever the step h. Not
+// where the run begins with it: its first steps are short (solver/tuning.h). With c_n = (x_n+1 - 2 x_n + x_n-1)/h^2, which overshoots nothing, and
+// a_n what the run takes for the acceleration,
 //
 //     over = (max m |a_n| - max m |c_n|) / max F,
 //

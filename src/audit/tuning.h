@@ -80,7 +80,7 @@ inline constexpr double kStill = 0.01;  // of a body's size: less is no motion t
 // no less than.
 inline constexpr int kMotorParts = 32;
 inline constexpr double kFaint = 0.01;
-inline constexpr long kBegins = 3;        // states: BDF2 has its history then (motor_lag.cpp)
+inline constexpr long kBegins = 3;        // states: BDF2 has its history then (motor_lag.cpp, given_kinks.cpp)
 inline constexpr double kOtherWay = 0.5;  // of a motor's largest torque: that the other way counts as no less than (motor_lag.cpp)
 inline constexpr double kCaughtUp = 0.1,
                         kStands = 0.25;       // of a jolt: what its body may be short of, and what accelerations change by beside it (jolted.h)

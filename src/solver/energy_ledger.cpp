@@ -11,38 +11,63 @@
 
 namespace mortise::solver {
 
+static bool moves(const effects::Effect& effect) { return effect.kind().role == effects::Role::motor; }
+
 EnergyLedger::EnergyLedger(const model::Model& model, Potential& potential)
     : model_(model), potential_(potential), started_(model.envs, 0), gone_(model.envs, 0), step_(model.envs) {
-  bool second_order = false;
+  bool motors = false, second_order = false;
   for (const auto& effect : potential_.effects()) {
     measures_ = measures_ || effect->loses_energy();
-    motors_ = motors_ || effect->kind().role == effects::Role::motor;
+    motors = motors || moves(*effect);
     for (Index e = 0; e < model.envs; ++e) second_order = second_order || effect->starts(e);
   }
-  motors_ = motors_ && second_order;
-  if (!motors_) return;
-  motor_gradient_.resize(model.blocks);
-  motor_gradient_.zero();
+  if (motors) drivers_.push_back(Driver::motors);
+  drivers_.push_back(Driver::supports);
+  if (model.ties.driven()) drivers_.push_back(Driver::ties);
+  remembers_ = second_order && (motors || model.driven || model.ties.driven());
+  if (!remembers_) return;
+  if (model.driven || model.ties.driven()) drivers_.push_back(Driver::given);
+  for (Driver d : drivers_) {
+    last_[d].resize(model.blocks);
+    last_[d].zero();
+  }
   lately_.assign(model.envs, 0.0);
 }
 
-void EnergyLedger::accept(const EnvMask& whose, const Linearised& at) {
-  if (!motors_) return;
-  device::Buffer<Vec3> sum(model_.blocks);
+void EnergyLedger::gradient_of(Driver driver, const Linearised& at, device::Buffer<Vec3>& sum) const {
+  sum.resize(model_.blocks);
   sum.zero();
-  for (std::size_t k = 0; k < potential_.effects().size(); ++k)
-    if (potential_.effects()[k]->kind().role == effects::Role::motor) add(at.gradients[k].view(), sum);
-  copy_envs(sum, whose, model_.env_blocks, motor_gradient_);
+  if (driver == Driver::supports) return add(at.gradient.view(), sum);
+  for (std::size_t k = 0; k < potential_.effects().size(); ++k) {
+    const effects::Effect& effect = *potential_.effects()[k];
+    const device::Buffer<Vec3>& g = at.gradients[k];
+    if (driver == Driver::ties || (driver == Driver::motors && moves(effect))) add(g.view(), sum);
+    if (driver != Driver::given || effect.kind().role != effects::Role::inertia) continue;
+    for (const model::Body& body : model_.bodies)
+      if (body.prescribed()) copy_blocks(g, body.block_begin, body.block_end, sum);
+  }
+}
+
+void EnergyLedger::accept(const EnvMask& whose, const Linearised& at) {
+  if (!remembers_) return;
+  device::Buffer<Vec3> sum;
+  for (Driver d : drivers_) {
+    gradient_of(d, at, sum);
+    copy_envs(sum, whose, model_.env_blocks, last_[d]);
+  }
   for (Index e = 0; e < model_.envs; ++e)
     if (whose[e]) lately_[e] = std::max(step_[e].there, tuning::kLately * lately_[e]);
 }
 
 void EnergyLedger::checkpoint(Archive& archive) {
-  if (!motors_) return;
+  if (!remembers_) return;
   archive.io("lately", lately_, effects::one_each(model_.envs));
-  std::vector<double> gradient = flatten(motor_gradient_.download());
-  archive.io("motor_gradient", gradient, effects::in_values(model_.env_blocks, 3));
-  if (archive.loading()) motor_gradient_.upload(unflatten(gradient));
+  constexpr const char* kNames[] = {"motor_gradient", "support_gradient", "tie_gradient", "given_gradient"};
+  for (Driver d : drivers_) {
+    std::vector<double> gradient = flatten(last_[d].download());
+    archive.io(kNames[d], gradient, effects::in_values(model_.env_blocks, 3));
+    if (archive.loading()) last_[d].upload(unflatten(gradient));
+  }
 }
 
 // What is known of the others stays: found again with other pairs in another order its last digits could differ, and one environment would feel what
@@ -101,10 +126,11 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
   find(q, at, fetch);
   const EffectList& effects = potential_.effects();
   std::vector<std::vector<double>> along(effects.size(), std::vector<double>(model_.envs, 0.0));
-  std::vector<double> work(model_.envs, 0.0), motors_before(work);              // along the way
-  std::vector<std::vector<double>> own(effects.size()), there(effects.size());  // of steps of second order
+  const std::vector<double> none(model_.envs, 0.0);
+  std::vector<double> now[] = {none, none, none, none}, before[] = {none, none, none, none};  // of drivers' gradients, along the way
+  std::vector<std::vector<double>> own(effects.size()), there(effects.size());                // of steps of second order
   std::vector<effects::Held> motors(effects.size());
-  device::Buffer<Vec3> move, held, offset;
+  device::Buffer<Vec3> move, held, offset, pull;
   const bool measured = measures_ && !start_.empty();
   if (measured) {
     subtract(q, model_.q.view(), move);
@@ -115,17 +141,24 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
         bool any = false;
         for (Index e = 0; e < model_.envs; ++e) any = any || effects[k]->second_order(e);
         if (any) effects[k]->own_gain(q, {own[k], fetch}, {there[k], fetch});
-      } else if (effects[k]->kind().stores_energy() || effects[k]->kind().role == effects::Role::motor) {
+      } else if (effects[k]->kind().stores_energy()) {
         dot(at.gradients[k].view(), std::as_const(move).view(), model_.env_blocks, {along[k], fetch});
-        if (effects[k]->kind().role == effects::Role::motor) effects[k]->held_energy(q, std::as_const(move).view(), fetch, motors[k]);
+      } else if (moves(*effects[k])) {
+        effects[k]->held_energy(q, std::as_const(move).view(), fetch, motors[k]);
       }
-    if (motors_) dot(std::as_const(motor_gradient_).view(), std::as_const(move).view(), model_.env_blocks, {motors_before, fetch});
-    dot(at.gradient.view(), std::as_const(held).view(), model_.env_blocks, {work, fetch});
     if (model_.ties.driven()) {
       offset.resize(model_.blocks);
       offset.zero();
       model_.ties.add_offset(std::as_const(model_.q).view(), offset.view());
-      for (const device::Buffer<Vec3>& g : at.gradients) dot(g.view(), std::as_const(offset).view(), model_.env_blocks, {work, fetch});
+    }
+    const std::vector<const device::Buffer<Vec3>*> ways[] = {{&move}, {&held}, {&offset}, {&held, &offset}};
+    for (Driver d : drivers_) {
+      gradient_of(d, at, pull);
+      for (const device::Buffer<Vec3>* way : ways[d]) {
+        if (way->size() == 0) continue;
+        dot(std::as_const(pull).view(), way->view(), model_.env_blocks, {now[d], fetch});
+        if (remembers_) dot(std::as_const(last_[d]).view(), way->view(), model_.env_blocks, {before[d], fetch});
+      }
     }
   }
   fetch.now("end of solve");
@@ -133,32 +166,32 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
   for (Index e = 0; e < model_.envs; ++e) {
     StepEnergy& step = step_[e] = {};
     if (!measured || !took_part_[e]) continue;
-    step.work = work[e];
-    double motors_now = 0, taken = 0;  // along the way; the work that is taken for theirs
+    const auto work_of = [e](const std::vector<double>(&w)[4]) { return w[Driver::supports][e] + w[Driver::ties][e] - w[Driver::motors][e]; };
+    double taken = step.work = work_of(now);  // taken: for the work of all drivers
     for (std::size_t k = 0; k < effects.size(); ++k) {
-      if (effects[k]->kind().role == effects::Role::motor) step.work -= along[k][e], motors_now += along[k][e], taken -= along[k][e];
       if (const effects::Held& m = motors[k]; !m.end.empty()) {  // its springs: what they do is no work, what moves their other end is
         step.work += m.along[e] + m.begin[e] - m.at_last[e];
         taken += m.along[e] + m.begin[e] - m.end[e];
         step.gain += m.end[e] - m.begin[e] - m.along[e];
         step.there += std::max(m.begin[e], m.end[e]);
       }
-      const double before = start_[k][e], after = known_[k][e];
+      const double first = start_[k][e], after = known_[k][e];
       if (effects[k]->kind().stores_energy()) {
-        step.gain += after - before - along[k][e];
-        step.there += std::max(std::abs(before), std::abs(after));
+        step.gain += after - first - along[k][e];
+        step.there += std::max(std::abs(first), std::abs(after));
       } else if (effects[k]->second_order(e)) {
         step.second_order = true;
         step.gain += own[k][e], step.there += there[k][e];
       } else if (effects[k]->kind().role == effects::Role::inertia) {
         step.gain -= after;
-        step.there += before;
+        step.there += first;
       }
     }
-    if (!step.second_order || !motors_) continue;
-    const double done = -0.5 * (motors_before[e] + motors_now);
-    step.gain += taken - done, step.work += done - taken;
-    step.in_doubt = tuning::kMotorsErr * std::abs(done);
+    if (!step.second_order || !remembers_) continue;
+    const double done = 0.5 * (work_of(before) + work_of(now));
+    const double given[] = {before[Driver::given][e], now[Driver::given][e]};  // which the gain knows nothing of
+    step.gain += taken - done - 0.5 * (given[1] - given[0]), step.work += done - taken;
+    step.in_doubt = tuning::kDrivenErr * std::abs(done - 0.5 * (given[0] + given[1]));
     step.there = std::max(step.there, tuning::kLately * lately_[e]);
   }
 }

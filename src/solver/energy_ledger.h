@@ -9,9 +9,9 @@
 //
 // and the last term is the energy of inertia at q1, as 1/2 |v0|_M^2 is that at q0. Supports and driven ties
 // did the work of what they bear at q1 on their way, motors that of their forces at q1.
-// BDF2 bounds no energy: with M a its force at q1, T(q1) - T(q0) - M a . (q1 - q0) stands in the place of the last term, and motors do the work of
-// the mean of their forces at q0 and q1, or a force that falls along a smooth motion would seem to be a gain. A step of it that gains too much is
-// taken anew by backward Euler, which is no less accurate where a body strikes or lets go.
+// BDF2 bounds no energy: with M a its force at q1, T(q1) - T(q0) - M a . (q1 - q0) stands in the place of the last term, and motors, supports and
+// driven ties do the work of the mean of their forces at q0 and q1, or a force that falls along a smooth motion would seem to be a gain. A step of it
+// that gains too much is taken anew by backward Euler, which is no less accurate where a body strikes or lets go.
 #include "base/archive.h"
 #include "solver/envs.h"
 #include "solver/potential.h"
@@ -24,7 +24,7 @@ struct StepEnergy {
   double gain = 0;            // what the integrator itself added
   double there = 0;           // energy that there was
   double work = 0;            // of supports, driven ties and motors
-  double in_doubt = 0;        // of what motors did, in a step of second order
+  double in_doubt = 0;        // of what motors and supports did, in a step of second order
   bool second_order = false;  // the step
 };
 
@@ -65,9 +65,13 @@ class EnergyLedger {
   EnvMask took_part_, started_, gone_;  // started_: energies are known where the step begins
   std::vector<StepEnergy> step_;
   std::vector<double> total_;
-  bool motors_ = false;                  // there are some beside an integrator of second order, which begins with steps of first order:
-  device::Buffer<Vec3> motor_gradient_;  // sum over them at the last accepted state [N]
-  std::vector<double> lately_;           // energy there was lately: motors take and bring it, and at every turn there is next to none [J]
+  // What does work: motors, supports and driven ties; and, of the latter, what accelerates bodies that go where the scene says.
+  enum Driver { motors, supports, ties, given };
+  void gradient_of(Driver driver, const Linearised& at, device::Buffer<Vec3>& sum) const;  // that it does its work against [N]
+  std::vector<Driver> drivers_;
+  bool remembers_ = false;        // beside an integrator of second order, which begins with steps of first order:
+  device::Buffer<Vec3> last_[4];  // drivers' gradients at the last accepted state [N]
+  std::vector<double> lately_;    // energy there was lately: drivers take and bring it, and at every turn there is next to none [J]
 };
 
 // A step that makes energy from nowhere is tried again with half its length, as long as the gain falls to about a quarter, as that of backward

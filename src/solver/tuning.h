@@ -119,8 +119,8 @@ inline constexpr Index kTangentMost = 100;             // products; friction tak
 inline constexpr double kGainShare = 1e-6;             // of the energy there is: what a step may gain from nowhere
 inline constexpr double kFrozenGainShare = 1e-3;       // where something is frozen, what that feeds into motions does not fall with the step
 inline constexpr double kSecondOrderGainShare = 1e-3;  // BDF2 may, as its own oscillations of energy are of that size in smooth motion
-inline constexpr double kMotorsErr = 0.25;             // of the work of motors in a step: as BDF2 errs where they swing in twelve steps
-inline constexpr double kLately = 0.9;  // of the energy that there was a step before: a tenth of it after twenty, what a motor swings to and fro in
+inline constexpr double kDrivenErr = 0.25;             // of the work of motors and supports in a step: as BDF2 errs where they swing in twelve steps
+inline constexpr double kLately = 0.9;  // of the energy that there was a step before: a tenth of it after twenty, what a drive swings to and fro in
 // An integrator of second order starts with h/8, h/8, h/4, h/2: each is at most twice the one before, which BDF2 bears, and what the first errs,
 // of first order, is a 64th of what it would be.
 inline constexpr int kStartHalvings = 3;

@@ -108,6 +108,51 @@ TEST(Drives, SecondOrderStaysWhereTorquesChange) {
   EXPECT_LT(error[1], 0.35 * error[0]);
 }
 
+// So do supports: a kinematic drive and pins that carry a soft slide to and fro.
+TEST(Drives, SecondOrderStaysWhereSupportsPull) {
+  const double A = 0.03, W = 6 * M_PI, T = 0.6, kp = 800, kd = 15;
+  const double x = motion([&](double t, double y, double w) { return kInertia * (A * W * W * std::cos(W * t) - kp * y - kd * w); }, T).first;
+  std::string times, ways;
+  for (int k = 0; k <= 240; ++k) {
+    const double t = 0.0025 * k;
+    times += fmt::format("{}{}", k ? ", " : "", t), ways += fmt::format("{}[{}, 0, 0]", k ? ", " : "", A * (std::cos(W * t) - 1));
+  }
+  const std::string pins = fmt::format("  pin: [{{body: base, where: {{side: all}}, motion: {{time: [{}], translation: [{}]}}}}]\n", times, ways);
+  for (const bool pinned : {false, true}) {
+    double error[2];
+    for (int k = 0; k < 2; ++k) {
+      const double dt = k == 0 ? 5 : 2.5;
+      Rig rig(fmt::format(
+          R"(
+mortise: 1
+name: carried
+time: {{step: {} ms, steps: 240}}
+materials: {{m: {{density: 1000}}}}
+bodies:
+  base: {{type: stiff, shape: {{box: {{size: [200 mm, 200 mm, 50 mm], edge_length: 200 mm}}}}, material: m}}
+  car: {{type: stiff, shape: {{box: {{size: [100 mm, 100 mm, 100 mm], edge_length: 100 mm}}}}, material: m, position: [0, 0, 0.1]}}
+effects:
+  inertia: {{integrator: bdf2}}
+  affine_body: {{}}
+{}    - {{name: slide, type: prismatic, body: car, to: base, axis: [1, 0, 0]}}
+  drive:
+{}    - {{joint: slide, mode: pd, kp: {}, kd: {}, travel: 0}}
+)",
+          dt, (pinned ? pins : "") + "  joint:\n" + (pinned ? "" : "    - {name: rail, type: prismatic, body: base, axis: [1, 0, 0]}\n"),
+          pinned
+              ? ""
+              : fmt::format("    - {{joint: rail, mode: kinematic, travel: {}, sine: {{travel: {}, frequency: 3, phase: {}}}}}\n", -A, A, M_PI / 2),
+          kp, kd));
+      int first_order = 0;
+      for (int i = 0; i < std::lround(T * 1e3 / dt); ++i) first_order += rig.step().first_order;
+      EXPECT_EQ(first_order, 0) << pinned << dt;
+      error[k] = std::abs(rig.fields().at("joint/slide_travel") - x);
+    }
+    EXPECT_LT(error[0], 0.01 * A) << pinned;
+    EXPECT_LT(error[1], 0.35 * error[0]) << pinned;
+  }
+}
+
 // It gives what it can, which is not enough.
 TEST(Drives, EffortIsLimited) {
   const double T = 0.12, most = 0.012;

@@ -46,13 +46,14 @@ class Inertia final : public Effect {
     v_.copy_from(model.initial_velocity);
     v_prev_.copy_from(v_);
     q_hat_.copy_from(model.q);
-    integrator_.resize(model.envs);
+    integrator_.resize(2 * model.envs);
     integrators_.upload(integrator_);
+    find_integrators();
     dt_prev_.assign(model.envs, 0.0);
   }
 
   // Supports and ties are known by now.
-  void connect() override { find_pairs(); }
+  void connect() override { find_pairs(), find_integrators(); }
 
   void write_pattern(linalg::StencilSet& stencils) const {
     device::Buffer<Index> counts;
@@ -78,20 +79,19 @@ class Inertia final : public Effect {
 
   void integrate(StepInfo& step) const override {
     step.integrators.clear();
-    for (Index e = 0; e < model_.envs; ++e)
-      step.integrators.push_back(bdf2_ && dt_prev_[e] > 0 && !step.of_first_order(e) ? bdf2(step.dt, dt_prev_[e]) : backward_euler(step.dt));
+    for (Index e = 0; e < model_.envs; ++e) step.integrators.push_back(step.of_first_order(e) ? backward_euler(step.dt) : own(step, e));
   }
   // Changes no history, so that a step may be tried again with a smaller dt.
   void begin_step(const StepInfo& step) override {
     for (Index e = 0; e < model_.envs; ++e)
-      if (step.taken_by(e)) integrator_[e] = step.integrator(e);
+      if (step.taken_by(e)) integrator_[e] = step.integrator(e), integrator_[model_.envs + e] = own(step, e);
     integrators_.upload(integrator_);
     const View<const Integrator> in = std::as_const(integrators_).view();
-    const View<const Index> env = std::as_const(model_.block_env).view();
+    const View<const Index> by = std::as_const(by_).view();
     const Positions qn = std::as_const(model_.q).view(), qn1 = std::as_const(q_prev_).view();
     const Positions vn = std::as_const(v_).view(), vn1 = std::as_const(v_prev_).view();
     const View<Vec3> hat = q_hat_.view();
-    device::parallel_for("inertia.predict", hat.n, [=] MORTISE_HD(Index b) { hat[b] = inertia::q_hat(in[env[b]], qn[b], qn1[b], vn[b], vn1[b]); });
+    device::parallel_for("inertia.predict", hat.n, [=] MORTISE_HD(Index b) { hat[b] = inertia::q_hat(in[by[b]], qn[b], qn1[b], vn[b], vn1[b]); });
     q_begin_.copy_from(model_.q);
   }
 
@@ -101,12 +101,12 @@ class Inertia final : public Effect {
     const View<const MassPair> pair = std::as_const(pairs_).view();
     const Positions hat = std::as_const(q_hat_).view();
     const View<const Integrator> in = std::as_const(integrators_).view();
-    const View<const Index> env = std::as_const(model_.block_env).view();
+    const View<const Index> by = std::as_const(by_).view();
     device::env_sum(
         "inertia.energy", model_.working(env_offset_),
         [=] MORTISE_HD(Index s) {
           const MassPair p = pair[s];
-          return inertia::energy(p.i == p.j, inertia::c_of(in[env[p.i]]) * p.m, q[p.i] - hat[p.i], q[p.j] - hat[p.j]);
+          return inertia::energy(p.i == p.j, inertia::c_of(in[by[p.i]]) * p.m, q[p.i] - hat[p.i], q[p.j] - hat[p.j]);
         },
         per_env);
   }
@@ -114,24 +114,18 @@ class Inertia final : public Effect {
   // Of bodies that go where the scene says nothing is counted: what they gain is the work of what moves them, and where their motion begins, or a
   // step of first order was taken, the formula finds accelerations that they do not have.
   void own_gain(Positions q, device::EnvValues gain, device::EnvValues there) override {
-    if (given_.size() == 0) {  // supports and ties are known by now
-      std::vector<std::uint8_t> given(model_.blocks, 0);
-      for (const model::Body& body : model_.bodies)
-        if (body.prescribed()) std::fill(given.begin() + body.block_begin, given.begin() + body.block_end, 1);
-      given_.upload(given);
-    }
-    const View<const std::uint8_t> prescribed = std::as_const(given_).view();
     const View<const MassPair> pair = std::as_const(pairs_).view();
     const Positions hat = std::as_const(q_hat_).view(), qn = std::as_const(q_begin_).view(), qn1 = std::as_const(q_prev_).view(),
                     vn = std::as_const(v_).view();
     const View<const Integrator> in = std::as_const(integrators_).view();
-    const View<const Index> env = std::as_const(model_.block_env).view();
+    const View<const Index> by = std::as_const(by_).view();
+    const Index envs = model_.envs;
     device::env_sum(
         "inertia.own_gain", model_.working(env_offset_),
         [=] MORTISE_HD(Index s) {
           const MassPair p = pair[s];
-          if (prescribed[p.i] != 0 && prescribed[p.j] != 0) return 0.0;
-          const Integrator of = in[env[p.i]];
+          if (by[p.i] >= envs) return 0.0;
+          const Integrator of = in[by[p.i]];
           const Index ij[2] = {p.i, p.j};
           Vec3 v[2], before[2], d[2], w[2];
           for (int k = 0; k < 2; ++k) {
@@ -156,11 +150,14 @@ class Inertia final : public Effect {
   void keep_pace(const Effect& leader, Positions q) override {
     if (spread_ != 0) spread_masses(model_, lumped_blocks(), spread_, static_cast<const Inertia&>(leader).q_hat_.view(), q, q_hat_.view());
     if (mended_ == 0) return;
-    const LeftOut left = left_out(integrator_[0], known_);
-    const double s = mended_, c = inertia::c_of(integrator_[0]), dt = integrator_[0].dt;
+    const LeftOut own = left_out(integrator_[0], known_), given = left_out(integrator_[1], known_);
+    const double s = mended_, own_c = inertia::c_of(integrator_[0]), given_c = inertia::c_of(integrator_[1]), dt = integrator_[0].dt;
+    const View<const Index> by = std::as_const(by_).view();
     const Positions leads = std::as_const(static_cast<const Inertia&>(leader).q_hat_).view();
     const View<Vec3> hat = q_hat_.view(), an = a_.view(), an1 = a_prev_.view(), more = more_.view();
     device::parallel_for("inertia.follow", hat.n, [=] MORTISE_HD(Index b) {
+      const double c = by[b] == 0 ? own_c : given_c;
+      const LeftOut& left = by[b] == 0 ? own : given;
       const Vec3 a = c * (q[b] - leads[b]);
       hat[b] -= s / c * (left.a0 * a - left.a1 * an[b] + left.a2 * an1[b]);
       more[b] = s * dt * (left.v0 * a - left.v1 * an[b]);
@@ -179,10 +176,10 @@ class Inertia final : public Effect {
     const Positions hat = std::as_const(q_hat_).view();
     const linalg::StencilView out = at.stencils.view();
     const View<const Integrator> in = std::as_const(integrators_).view();
-    const View<const Index> env = std::as_const(model_.block_env).view();
+    const View<const Index> by = std::as_const(by_).view();
     device::parallel_for("inertia.assemble", model_.working(env_offset_), [=] MORTISE_HD(Index s) {
       const MassPair p = pair[s];
-      const double cm = inertia::c_of(in[env[p.i]]) * p.m;
+      const double cm = inertia::c_of(in[by[p.i]]) * p.m;
       Vec3* grad = out.grad.p + out.offset[s];
       Mat3* hess = stiffness ? out.hess.p + out.hess_offset[s] : nullptr;
       if (p.i == p.j) {
@@ -205,12 +202,12 @@ class Inertia final : public Effect {
     const device::Buffer<std::uint8_t> mask(taken);
     const View<const std::uint8_t> mine = mask.view();
     const View<const Integrator> in = std::as_const(integrators_).view();
-    const View<const Index> env = std::as_const(model_.block_env).view();
+    const View<const Index> env = std::as_const(model_.block_env).view(), by = std::as_const(by_).view();
     const Positions qn = std::as_const(q_begin_).view();
     const View<Vec3> qn1 = q_prev_.view(), vn = v_.view(), vn1 = v_prev_.view();
     device::parallel_for("inertia.velocity", q.n, [=] MORTISE_HD(Index b) {
       if (!mine[env[b]]) return;
-      const Vec3 v = in[env[b]].rate(q[b], qn[b], qn1[b]);
+      const Vec3 v = in[by[b]].rate(q[b], qn[b], qn1[b]);
       qn1[b] = qn[b];
       vn1[b] = vn[b];
       vn[b] = v;
@@ -258,6 +255,16 @@ class Inertia final : public Effect {
   }
 
  private:
+  // The integrator of an environment that the step asks for no other of.
+  Integrator own(const StepInfo& step, Index e) const { return bdf2_ && dt_prev_[e] > 0 ? bdf2(step.dt, dt_prev_[e]) : backward_euler(step.dt); }
+
+  void find_integrators() {
+    std::vector<Index> by = model_.block_env.download();
+    for (const model::Body& body : model_.bodies)
+      for (Index b = body.block_begin; b < body.block_end && body.prescribed(); ++b) by[b] += model_.envs;
+    by_.upload(by);
+  }
+
   void find_pairs() {
     const auto row = model_.mass.row_offset.download(), column = model_.mass.column.download();
     const auto value = model_.mass.value.download();
@@ -295,12 +302,14 @@ class Inertia final : public Effect {
   model::Model& model_;
   bool bdf2_;
   device::Buffer<MassPair> pairs_;
-  device::Buffer<std::uint8_t> given_;  // per block: of a prescribed body
-  device::Buffer<Index> counts_;        // blocks of every pair's stencil
+  device::Buffer<Index> counts_;  // blocks of every pair's stencil
   std::vector<Index> env_offset_;
 
-  std::vector<Integrator> integrator_;  // of every environment
+  // Of every environment; and of its prescribed bodies, which go on as before where a step of second order is taken anew by backward Euler: between
+  // steps of second order it makes 1/2 and 7/4 of an acceleration.
+  std::vector<Integrator> integrator_;
   device::Buffer<Integrator> integrators_;
+  device::Buffer<Index> by_;              // which of them every block goes by
   device::Buffer<Vec3> q_hat_, q_begin_;  // of the step under way
   // History: velocity now, positions and velocity one step before, and the length of every environment's last step (0 before the first).
   device::Buffer<Vec3> v_, q_prev_, v_prev_;
