@@ -88,6 +88,10 @@ class Effect {
   // Once that is fetched: ready `at` for energies on the way that was asked for last.
   virtual void reach(Linearisation& at) { (void)at; }
 
+  // Of what turns: by which angle at most on the way from q [rad]; and that way as an arc, as straight ones stretch what is stiff by half its square.
+  virtual void turning(Positions q, Positions way, device::EnvValues most) { (void)q, (void)way, (void)most; }
+  virtual void bend(Positions q, View<Vec3> way) { (void)q, (void)way; }
+
   // Of an integrator: where everything would be at the end of the step under way if nothing acted on it [m].
   virtual Positions carried() const { return {}; }
   // Of an integrator: every step should lose energy (solver/energy_ledger.h).

@@ -12,6 +12,7 @@
 #include "model/bonded.h"
 #include "run/tuning.h"
 #include "scene/pass_through.h"
+#include "sensors/sensors.h"
 
 namespace mortise::run {
 namespace {
@@ -95,6 +96,14 @@ void of_late_keys(const Params& block, std::vector<std::string>& out) {
   }
 }
 
+void of_sensors(const model::ModelInput& input, std::vector<std::string>& out) {
+  for (const sensors::Sensor& s : sensors::Sensors(input).all())
+    if (s.turned_around())
+      out.push_back(at(input.scene.at("sensors").at(s.name()).where(),
+                       fmt::format("sensor '{}' lies on a surface of '{}' that faces the other way, and feels the one behind it: turn its normal",
+                                   s.name(), s.body())));
+}
+
 }  // namespace
 
 std::vector<std::string> warnings(const model::ModelInput& input) {
@@ -108,6 +117,7 @@ std::vector<std::string> warnings(const model::ModelInput& input) {
   of_contact(input, out);
   of_friction(input.scene, out);
   of_bonds(input, out);
+  of_sensors(input, out);
   for (std::string& risk : audit::locking_risks(input)) out.push_back(std::move(risk));
   for (const scene::PassThrough& p : scene::pass_through(input.scene, engine::effect_tables()))
     if (p.everything) out.push_back(p.text());

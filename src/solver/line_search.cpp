@@ -23,6 +23,7 @@ void LineSearch::ask(device::View<const Vec3> q, device::Buffer<Vec3>& dq, devic
   const model::Model& model = system_.model;
   alpha_.assign(model.envs, 1.0);
   system_.potential.max_step(std::as_const(dq).view(), at, {alpha_, fetch});
+  arcs_.ask(q, dq, fetch);
   const std::vector<double> none(model.envs, 0.0);
   Merit& m = merit_ = {none, none, none, none, none, none};
   for (std::size_t k = 0; k < at.gradients.size(); ++k) energy_rounding(at.gradients[k].view(), q, model.env_blocks, {m.rounding, fetch});
@@ -49,6 +50,10 @@ void LineSearch::begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, dev
       if (!envs.any(EnvState::running)) return;
     }
   }
+  // Supports go straight.
+  EnvMask turn(model.envs, 0);
+  for (Index e = 0; e < model.envs; ++e) turn[e] = envs.is(e, EnvState::running) && !(merit_.cc[e] > 0);
+  arcs_.begin(q, dq, turn, alpha_, at);
   system_.potential.reach(at);
 }
 
@@ -97,7 +102,7 @@ void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const st
   const bool foresees = lands_;
   int k = 0;
   for (; any(searching); ++k) {
-    advance(std::as_const(q).view(), std::as_const(dq).view(), alpha, model, trial_);
+    arcs_.advance(std::as_const(q).view(), dq, alpha, trial_);
     placed = true;
     const Energies trial = find_energies(at, searching, k == 0 && foresees, fetch);
     if (k == 0) begin();
@@ -163,11 +168,16 @@ void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const st
         stay(e);
       }
     }
+    EnvMask turns(model.envs, 0);
+    for (Index e = 0; e < model.envs; ++e) turns[e] = searching[e] && arcs_.bent(e);
+    if (!any(turns)) continue;
+    arcs_.bend(std::as_const(q).view(), dq, turns, alpha, at);
+    system_.potential.reach(at);
   }
   if (k == 0) fetch.now("trial energies"), begin();
   lands_ = placed && k == 1;
   landed_ = lands_ && foresees;
-  if (!placed) advance(std::as_const(q).view(), std::as_const(dq).view(), alpha, model, trial_);
+  if (!placed) arcs_.advance(std::as_const(q).view(), dq, alpha, trial_);
   energies_.accept(std::move(there));
   for (Index e = 0; e < model.envs; ++e) {
     if (!envs.is(e, EnvState::running)) continue;

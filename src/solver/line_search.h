@@ -9,6 +9,7 @@
 // "approximate Wolfe").
 #include <functional>
 
+#include "solver/arcs.h"
 #include "solver/energy_ledger.h"
 #include "solver/system.h"
 
@@ -27,7 +28,7 @@ class LineSearch {
     std::function<EnvMask(const device::Buffer<Vec3>& trial, const EnvMask& whose)> astray;
     EnvMask far;
   };
-  LineSearch(System& system, EnergyLedger& energies) : system_(system), energies_(energies) {}
+  LineSearch(System& system, EnergyLedger& energies) : system_(system), energies_(energies), arcs_(system) {}
 
   // Moves q of the running environments along dq, from the state of `at`, in two halves. The first finds out how far dq may lead, brings `fetch`
   // with that, and readies `at`; c: what supports still have to move, none where empty. The second goes there; slope: gradient . dq [J]. Where
@@ -51,6 +52,7 @@ class LineSearch {
 
   System& system_;
   EnergyLedger& energies_;
+  Arcs arcs_;
   std::vector<double> alpha_;           // per environment
   bool lands_ = true, landed_ = false;  // the last search ended at its first trial; and that one was foreseen
   Merit merit_;

@@ -86,6 +86,29 @@ TEST(AffineBody, RigidMotionCostsNothing) {
   EXPECT_LT(fd::effect_assemble(*e, fd::flatten(q), false).gradient.norm(), 1e-8);
 }
 
+// A way that only turns ends at a rotation, whatever its angle; and all begin as they did.
+TEST(AffineBody, ArcsOnlyTurn) {
+  std::mt19937 gen(7);
+  std::normal_distribution<double> normal;
+  const auto matrix = [&] {
+    Mat3 m;
+    for (int i = 0; i < 9; ++i) m.data()[i] = normal(gen);
+    return m;
+  };
+  for (int i = 0; i < 200; ++i) {
+    const Mat3 A = Eigen::Quaterniond(normal(gen), normal(gen), normal(gen), normal(gen)).normalized().toRotationMatrix();
+    const Vec3 w = std::pow(10, -3 + 3 * (i / 200.0)) * Vec3(normal(gen), normal(gen), normal(gen));
+    Mat3 W;
+    W << 0, -w.z(), w.y(), w.z(), 0, -w.x(), -w.y(), w.x(), 0;
+    EXPECT_LT((affine_body::turn(A, W * A) - w).norm(), 1e-14 * (1 + w.norm()));
+    const Mat3 there = A + affine_body::bent(A, W * A, w);
+    EXPECT_LT(affine_body::defect(there).norm(), 1e-13) << w.norm();
+    EXPECT_LT((there - Eigen::AngleAxisd(w.norm(), w.normalized()).toRotationMatrix() * A).norm(), 1e-13);
+    const Mat3 dA = 1e-5 * matrix();
+    EXPECT_LT((affine_body::bent(A, dA, affine_body::turn(A, dA)) - dA).norm(), dA.squaredNorm());
+  }
+}
+
 TEST(AffineBody, WholeEffectAndReport) {
   model::Model m(fd::box_and_ball());
   const auto e = affine(m);

@@ -57,6 +57,19 @@ TEST(Warnings, TellOfKeysThatStaticsDoNotReach) {
   EXPECT_THAT(warned(set), ElementsAre(HasSubstr("the key at 12 s is not reached: static scenes go from 0 to 1")));
 }
 
+// A grid on the upper face with its normal downwards felt the lower face: every taxel read nothing, and the wrench the force.
+TEST(Warnings, TellOfSensorsThatAreTurnedAround) {
+  const auto grid = [](const std::string& at) {
+    return "sensors={tip: {body: block, " + at + ", rows: 4, columns: 4, width: 10 mm, height: 10 mm}}";
+  };
+  EXPECT_THAT(warned({grid("position: [0, 0, 11 mm]")}), IsEmpty());
+  EXPECT_THAT(
+      warned({grid("position: [0, 0, 11 mm], normal: [0, 0, -1]")}),
+      ElementsAre(HasSubstr("sensor 'tip' lies on a surface of 'block' that faces the other way, and feels the one behind it: turn its normal")));
+  EXPECT_THAT(warned({grid("position: [0, 0, 1 mm], normal: [0, 0, -1]")}), IsEmpty());
+  EXPECT_THAT(warned({grid("position: [0, 0, 6 mm], normal: [0, 0, -1]")}), IsEmpty()) << "in the middle: meant";
+}
+
 TEST(Warnings, TellWhereElementsLock) {
   EXPECT_THAT(warned({"materials.gel.poisson_ratio=0.49"}), IsEmpty());
   EXPECT_THAT(warned({"materials.gel.volumetric=full"}), IsEmpty());

@@ -214,6 +214,38 @@ TEST(Batch, EveryEnvironmentCutsItsStepsByItself) {
 }
 
 // One block is shot at the pad: no step is short enough. The others never notice.
+// Ways of what turns far are arcs, and those of environments in which nothing does stay straight: a ball that rolls against a pad, one that only
+// stands, one that is thrown spinning, and one that tumbles far beyond an arc.
+TEST(Batch, WhatTurnsGoesOnItsOwnArc) {
+  const std::string scene = R"(
+mortise: 1
+name: arcs
+time: {step: 5 ms, steps: 12}
+materials:
+  gel: {youngs_modulus: 0.3 MPa, poisson_ratio: 0.45, density: 1050}
+  steel: {density: 7850}
+bodies:
+  pad: {type: soft, shape: {box: {size: [8 mm, 20 mm, 20 mm], edge_length: 5 mm}}, material: gel, position: [-15 mm, 0, 15 mm]}
+  ball: {type: stiff, shape: {sphere: {radius: 10 mm, edge_length: 5 mm}}, material: steel, position: [0, 0, 10.05 mm]}
+  floor: {type: half_space}
+effects:
+  inertia: {}
+  gravity: {}
+  elasticity: {}
+  affine_body: {}
+  pin: [{body: pad, where: {side: x_min}, motion: {time: [0, 0.3], translation: [[0, 0, 0], [60 mm, 0, 0]]}}]
+  barrier_contact: {}
+  friction: {follows: barrier_contact, mu: 0.5}
+)";
+  const std::string ball = "bodies.ball.";
+  expect_alone(scene, {},
+               {{{}},
+                {{ball + "position=[0.5, 0, 0.01005]"}},
+                {{ball + "position=[0, 0, 0.1]", ball + "angular_velocity=[30, 40, 0]"}},
+                {{ball + "position=[0, 0, 0.1]", ball + "angular_velocity=[300, 400, 0]"}}},
+               12, "arcs");
+}
+
 TEST(Batch, OneThatFailsIsGivenUpAlone) {
   std::vector<Environment> envs = kEnvironments;
   envs[1] = {{"bodies.block.velocity=[0, 0, -20000]"}, true};

@@ -105,6 +105,28 @@ class AffineBody final : public Effect {
     if (fresh) at.stencils.pattern_changed();
   }
 
+  void turning(Positions q, Positions way, device::EnvValues most) override {
+    const View<const StiffBody> list = std::as_const(bodies_).view();
+    device::env_max(
+        "affine_body.turning", env_offset_,
+        [=] MORTISE_HD(Index s) { return affine_body::turn(columns(q, list[s].first), columns(way, list[s].first)).norm(); }, most);
+  }
+
+  void bend(Positions q, View<Vec3> way) override {
+    const View<const StiffBody> list = std::as_const(bodies_).view();
+    const View<const Mat3> P = std::as_const(model_.projector).view();
+    device::parallel_for("affine_body.bend", list.n, [=] MORTISE_HD(Index s) {
+      const Index first = list[s].first;
+      for (int i = 0; i < 3; ++i)
+        if (!(P[first + i] - Mat3::Identity()).isZero(0)) return;  // it goes as it is told
+      const Mat3 A = columns(q, first), dA = columns(way, first);
+      const Vec3 w = affine_body::turn(A, dA);
+      if (w.isZero(0)) return;
+      const Mat3 arc = affine_body::bent(A, dA, w);
+      for (int i = 0; i < 3; ++i) way[first + i] = arc.col(i);
+    });
+  }
+
   std::vector<Shape> shapes(Positions q) const {
     const View<const StiffBody> list = std::as_const(bodies_).view();
     const Positions rest = std::as_const(model_.rest).view();

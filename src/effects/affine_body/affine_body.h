@@ -18,6 +18,20 @@ MORTISE_HD inline double energy(double Vk, const Mat3& A) { return Vk * defect(A
 // Column i is dE/da_i.
 MORTISE_HD inline Mat3 gradient(double Vk, const Mat3& A) { return 4 * Vk * (A * defect(A)); }
 
+// What A + dA is turned by to first order [rad]: the axis of W, the skew part of dA A^T, A being close to a rotation.
+MORTISE_HD inline Vec3 turn(const Mat3& A, const Mat3& dA) {
+  const Mat3 L = dA * A.transpose();
+  return 0.5 * Vec3(L(2, 1) - L(1, 2), L(0, 2) - L(2, 0), L(1, 0) - L(0, 1));
+}
+// The way on an arc instead, dA + (exp W - I - W) A, exp W = I + sin t/t W + (1 - cos t)/t^2 W^2 (Rodrigues), t = |w| > 0.
+MORTISE_HD inline Mat3 bent(const Mat3& A, const Mat3& dA, const Vec3& w) {
+  const double t = w.norm();
+  Mat3 W;
+  W << 0, -w.z(), w.y(), w.z(), 0, -w.x(), -w.y(), w.x(), 0;
+  const Mat3 WA = W * A;
+  return dA + (std::sin(t) / t - 1) * WA + (1 - std::cos(t)) / (t * t) * (W * WA);
+}
+
 MORTISE_HD inline linalg::IsotropicModes modes(const Mat3& A) {
   const linalg::Svd3 d = linalg::svd3(A);
   const Vec3& s = d.s;
