@@ -97,7 +97,8 @@ void of_late_keys(const Params& block, std::vector<std::string>& out) {
 }
 
 void of_sensors(const model::ModelInput& input, std::vector<std::string>& out) {
-  for (const sensors::Sensor& s : sensors::Sensors(input).all())
+  const sensors::Sensors sensors(input);
+  for (const sensors::Sensor& s : sensors.all())
     if (s.turned_around())
       out.push_back(at(input.scene.at("sensors").at(s.name()).where(),
                        fmt::format("sensor '{}' lies on a surface of '{}' that faces the other way, and feels the one behind it: turn its normal",
