@@ -1,8 +1,8 @@
 #include "model/joints.h"
 
-#include <cmath>
 #include <set>
 
+#include "base/rotation.h"
 #include "model/model.h"
 
 namespace mortise::model {
@@ -22,12 +22,6 @@ std::vector<Index> joints_named(const Model& model, const std::string& name, con
 
 namespace {
 
-Mat3 turned(const Vec3& u, double angle) {  // Rodrigues
-  Mat3 K;
-  K << 0, -u[2], u[1], u[2], 0, -u[0], -u[1], u[0], 0;
-  const double half = std::sin(0.5 * angle);
-  return Mat3::Identity() + std::sin(angle) * K + 2 * half * half * (K * K);
-}
 Index carrier_of(const Joint& joint) { return joint.follower == joint.body ? joint.to : joint.body; }
 double side_of(const Joint& joint) { return joint.follower == joint.body ? 1 : -1; }
 Vec3 centre_of(const Model& model, Index body) { return body == Tie::kWorld ? Vec3(Vec3::Zero()) : model.bodies[body].centre; }
@@ -55,7 +49,7 @@ std::vector<Follow> placed_at(const Model& model, const Joint& joint, double val
   const Index child = joint.follower, parent = carrier_of(joint);
   const double change = side_of(joint) * (value - joint.at_rest);
   const bool slides = joint.type == JointType::prismatic;
-  const Mat3 R = slides ? Mat3(Mat3::Identity()) : turned(joint.axis, change);
+  const Mat3 R = slides ? Mat3(Mat3::Identity()) : rotation(joint.axis, change);
   const Body& c = model.bodies[child];
   // p_t + A_t d, or only the direction A_t d
   const auto follow = [&](Index block, const Vec3& d, bool direction) {

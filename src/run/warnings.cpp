@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 
 #include "audit/volumetric.h"
@@ -98,11 +99,13 @@ void of_late_keys(const Params& block, std::vector<std::string>& out) {
 
 void of_sensors(const model::ModelInput& input, std::vector<std::string>& out) {
   const sensors::Sensors sensors(input);
-  for (const sensors::Sensor& s : sensors.all())
-    if (s.turned_around())
-      out.push_back(at(input.scene.at("sensors").at(s.name()).where(),
-                       fmt::format("sensor '{}' lies on a surface of '{}' that faces the other way, and feels the one behind it: turn its normal",
-                                   s.name(), s.body())));
+  for (const sensors::Sensor& s : sensors.all()) {
+    const auto body = std::find_if(input.bodies.begin(), input.bodies.end(), [&](const model::BodyInput& b) { return b.name == s.body(); });
+    if (!sensors::turned_around(*body, s.spec())) continue;
+    out.push_back(at(input.scene.at("sensors").at(s.name()).where(),
+                     fmt::format("sensor '{}' lies on a surface of '{}' that faces the other way, and feels the one behind it: turn its normal",
+                                 s.name(), s.body())));
+  }
 }
 
 }  // namespace

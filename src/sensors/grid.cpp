@@ -161,4 +161,12 @@ std::size_t TaxelGrid::bytes() const {
          rest_area_.size() * sizeof(double);
 }
 
+bool turned_around(const model::BodyInput& body, GridSpec spec) {
+  constexpr double kOnIt = 0.02;  // of the grid's size: a surface so near is the one that is meant
+  spec.depth = kOnIt * std::max(spec.width, spec.height);
+  if (TaxelGrid(body, spec).whole_area() > 0) return false;
+  spec.frame.axes.col(0) *= -1, spec.frame.axes.col(2) *= -1;
+  return TaxelGrid(body, spec).whole_area() > 0.5 * spec.width * spec.height;
+}
+
 }  // namespace mortise::sensors

@@ -10,6 +10,7 @@
 // whatever the mesh and wherever the grid's lines lie. Quadratic surfaces first hand half of each midside's force to the two corners of
 // its edge, which keeps force and moment and turns the consistent load (0, A/3) of a uniform pressure into the linear one.
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include "geometry/rigid_motion.h"
@@ -36,6 +37,7 @@ class TaxelGrid {
   std::vector<Vec3> mean(const std::vector<Vec3>& node_value) const;        // over the taxel's area at rest; zero where it has none
   std::vector<double> area(const std::vector<Vec3>& node) const;            // [m^2], of the surface as it is now
   const std::vector<double>& rest_area() const { return rest_area_; }
+  double whole_area() const { return std::accumulate(rest_area_.begin(), rest_area_.end(), 0.0); }  // of all taxels at rest [m^2]
   std::size_t bytes() const;
 
  private:
@@ -55,5 +57,8 @@ class TaxelGrid {
   std::vector<double> rest_area_;
   std::vector<Weight> fraction_, mean_;  // by taxel, then node
 };
+
+// Does the grid lie on a surface of the body that faces the other way, so that it feels one that lies behind?
+bool turned_around(const model::BodyInput& body, GridSpec spec);
 
 }  // namespace mortise::sensors

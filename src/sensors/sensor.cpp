@@ -51,19 +51,6 @@ std::vector<Index> base_of(const model::ModelInput& input, const model::BodyInpu
   return nodes;
 }
 
-double rest_area(const model::BodyInput& body, const GridSpec& spec) {
-  const std::vector<double> area = TaxelGrid(body, spec).rest_area();
-  return std::accumulate(area.begin(), area.end(), 0.0);
-}
-
-bool lies_on_back(const model::BodyInput& body, GridSpec spec) {
-  constexpr double kOnIt = 0.02;  // of the grid's size: a surface so near is the one that is meant
-  spec.depth = kOnIt * std::max(spec.width, spec.height);
-  if (rest_area(body, spec) > 0) return false;
-  spec.frame.axes.col(0) *= -1, spec.frame.axes.col(2) *= -1;
-  return rest_area(body, spec) > 0.5 * spec.width * spec.height;
-}
-
 Vec3 at(const std::vector<double>& v, std::size_t i) { return {v[3 * i], v[3 * i + 1], v[3 * i + 2]}; }
 
 }  // namespace
@@ -73,12 +60,10 @@ Sensor::Sensor(std::string name, const Params& p, const model::ModelInput& input
       body_(body.name),
       spec_(spec_of(p)),
       grid_(body, spec_),
-      turned_around_(lies_on_back(body, spec_)),
       first_(first_point),
       rest_(body.nodes),
       base_(base_of(input, body, p.text("moves_with") == "supports")) {
-  const std::vector<double>& area = grid_.rest_area();
-  if (!(std::accumulate(area.begin(), area.end(), 0.0) > 0))
+  if (!(grid_.whole_area() > 0))
     throw Error(Exit::scene, p.where(),
                 "sensor '" + name_ + "': no surface of '" + body_ + "' faces the grid (position, normal, width, height, depth)");
 }

@@ -30,8 +30,6 @@ class Sensor {
   const std::string& name() const { return name_; }
   const std::string& body() const { return body_; }
   const GridSpec& spec() const { return spec_; }
-  // Does the grid lie on a surface of the body that faces the other way, so that it feels one that lies behind?
-  bool turned_around() const { return turned_around_; }
   std::size_t bytes() const { return grid_.bytes() + rest_.size() * sizeof(Vec3) + base_.size() * sizeof(Index); }
 
  private:
@@ -40,7 +38,6 @@ class Sensor {
   std::string name_, body_;
   GridSpec spec_;
   TaxelGrid grid_;
-  bool turned_around_;
   Index first_;
   std::vector<Vec3> rest_;
   std::vector<Index> base_;  // nodes that the frame moves with

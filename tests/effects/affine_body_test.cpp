@@ -98,8 +98,7 @@ TEST(AffineBody, ArcsOnlyTurn) {
   for (int i = 0; i < 200; ++i) {
     const Mat3 A = Eigen::Quaterniond(normal(gen), normal(gen), normal(gen), normal(gen)).normalized().toRotationMatrix();
     const Vec3 w = std::pow(10, -3 + 3 * (i / 200.0)) * Vec3(normal(gen), normal(gen), normal(gen));
-    Mat3 W;
-    W << 0, -w.z(), w.y(), w.z(), 0, -w.x(), -w.y(), w.x(), 0;
+    const Mat3 W = cross_matrix(w);
     EXPECT_LT((affine_body::turn(A, W * A) - w).norm(), 1e-14 * (1 + w.norm()));
     const Mat3 there = A + affine_body::bent(A, W * A, w);
     EXPECT_LT(affine_body::defect(there).norm(), 1e-13) << w.norm();

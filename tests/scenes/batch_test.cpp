@@ -213,7 +213,6 @@ TEST(Batch, EveryEnvironmentCutsItsStepsByItself) {
   expect_alone(bdf2, more, kEnvironments, 3, "halving, BDF2");
 }
 
-// One block is shot at the pad: no step is short enough. The others never notice.
 // Ways of what turns far are arcs, and those of environments in which nothing does stay straight: a ball that rolls against a pad, one that only
 // stands, one that is thrown spinning, and one that tumbles far beyond an arc.
 TEST(Batch, WhatTurnsGoesOnItsOwnArc) {
@@ -246,6 +245,7 @@ effects:
                12, "arcs");
 }
 
+// One block is shot at the pad: no step is short enough. The others never notice.
 TEST(Batch, OneThatFailsIsGivenUpAlone) {
   std::vector<Environment> envs = kEnvironments;
   envs[1] = {{"bodies.block.velocity=[0, 0, -20000]"}, true};

@@ -120,9 +120,7 @@ class AffineBody final : public Effect {
       for (int i = 0; i < 3; ++i)
         if (!(P[first + i] - Mat3::Identity()).isZero(0)) return;  // it goes as it is told
       const Mat3 A = columns(q, first), dA = columns(way, first);
-      const Vec3 w = affine_body::turn(A, dA);
-      if (w.isZero(0)) return;
-      const Mat3 arc = affine_body::bent(A, dA, w);
+      const Mat3 arc = affine_body::bent(A, dA, affine_body::turn(A, dA));
       for (int i = 0; i < 3; ++i) way[first + i] = arc.col(i);
     });
   }

@@ -5,6 +5,7 @@
 //     dE/da_i = 4 V k (column i of A (A^T A - I)) [N].
 // In the singular values psi = k sum (s_i^2 - 1)^2, so psi_i = 4 k s_i (s_i^2 - 1) and the eigenvalues of d^2 psi/dA^2 are
 //     twist_ij = 4 k (s_i^2 - s_i s_j + s_j^2 - 1),   flip_ij = 4 k (s_i^2 + s_i s_j + s_j^2 - 1),   psi_ii = 4 k (3 s_i^2 - 1).
+#include "base/rotation.h"
 #include "linalg/isotropic.h"
 
 namespace mortise::effects::affine_body {
@@ -23,13 +24,18 @@ MORTISE_HD inline Vec3 turn(const Mat3& A, const Mat3& dA) {
   const Mat3 L = dA * A.transpose();
   return 0.5 * Vec3(L(2, 1) - L(1, 2), L(0, 2) - L(2, 0), L(1, 0) - L(0, 1));
 }
-// The way on an arc instead, dA + (exp W - I - W) A, exp W = I + sin t/t W + (1 - cos t)/t^2 W^2 (Rodrigues), t = |w| > 0.
+// The way on an arc instead, dA + (exp W - I - W) A, exp W = I + sin t/t W + (1 - cos t)/t^2 W^2 (Rodrigues), t = |w| [rad]. Both factors are summed
+// as series in t^2, as libraries' sines differ in their last bits between devices (base/math.h): to rounding for t < 4.
 MORTISE_HD inline Mat3 bent(const Mat3& A, const Mat3& dA, const Vec3& w) {
-  const double t = w.norm();
-  Mat3 W;
-  W << 0, -w.z(), w.y(), w.z(), 0, -w.x(), -w.y(), w.x(), 0;
-  const Mat3 WA = W * A;
-  return dA + (std::sin(t) / t - 1) * WA + (1 - std::cos(t)) / (t * t) * (W * WA);
+  constexpr int kTerms = 16;
+  const double z = w.squaredNorm();
+  double sine = 0, cosine = 0;  // sin t/t - 1, 2 (1 - cos t)/t^2 - 1
+  for (int n = kTerms; n > 0; --n) {
+    sine = -z / (2 * n * (2 * n + 1)) * (1 + sine);
+    cosine = -z / ((2 * n + 1) * (2 * n + 2)) * (1 + cosine);
+  }
+  const Mat3 W = cross_matrix(w), WA = W * A;
+  return dA + sine * WA + 0.5 * (1 + cosine) * (W * WA);
 }
 
 MORTISE_HD inline linalg::IsotropicModes modes(const Mat3& A) {

@@ -111,8 +111,8 @@ class Inertia final : public Effect {
         per_env);
   }
 
-  // Of bodies that go where the scene says nothing is counted: what they gain is the work of what moves them, and where their motion begins, or a
-  // step of first order was taken, the formula finds accelerations that they do not have.
+  // Of bodies that go where the scene says nothing is counted: what they gain is the work of what moves them, and where their motion begins or
+  // kinks the formula finds accelerations that they do not have.
   void own_gain(Positions q, device::EnvValues gain, device::EnvValues there) override {
     const View<const MassPair> pair = std::as_const(pairs_).view();
     const Positions hat = std::as_const(q_hat_).view(), qn = std::as_const(q_begin_).view(), qn1 = std::as_const(q_prev_).view(),

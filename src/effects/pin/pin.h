@@ -3,7 +3,7 @@
 //     x(t) = c + R(t) (X - c) + u(t),     R(t) = rotation by angle(t) about `axis` through `centre` c,
 // or several such rotations one after the other, with translation u(t) [m] and angles(t) [rad] between keys linear or smooth in time. A
 // direction (column of an affine body) only turns.
-#include "base/types.h"
+#include "base/rotation.h"
 
 namespace mortise::effects::pin {
 
@@ -14,13 +14,6 @@ struct RigidMotion {
 MORTISE_HD inline Vec3 move_point(const RigidMotion& m, const Vec3& X) { return m.R * X + m.shift; }
 MORTISE_HD inline Vec3 move_direction(const RigidMotion& m, const Vec3& d) { return m.R * d; }
 
-// R = I + sin(angle) [k]x + (1 - cos(angle)) [k]x^2 for the unit axis k (Rodrigues).
-inline Mat3 rotation(const Vec3& k, double angle) {
-  Mat3 K;
-  K << 0, -k[2], k[1], k[2], 0, -k[0], -k[1], k[0], 0;
-  const double half = std::sin(0.5 * angle);
-  return Mat3::Identity() + std::sin(angle) * K + 2 * half * half * (K * K);
-}
 // The rotation after `first`.
 inline RigidMotion turned(const RigidMotion& first, const Mat3& R, const Vec3& centre) { return {R * first.R, centre + R * (first.shift - centre)}; }
 inline RigidMotion turned(const RigidMotion& first, const Vec3& axis, const Vec3& centre, double angle) {
