@@ -23,33 +23,42 @@ void Arcs::begin(device::View<const Vec3> q, const device::Buffer<Vec3>& dq, con
   bend(q, dq, cut, alpha, at);
 }
 
+void Arcs::bend_again(device::View<const Vec3> q, const device::Buffer<Vec3>& dq, const EnvMask& whose, std::vector<double>& alpha, Linearised& at) {
+  EnvMask turn(whose);
+  for (std::size_t e = 0; e < whose.size(); ++e) turn[e] = whose[e] && !bent_.empty() && bent_[e] && alpha[e] > 0;
+  if (!any(turn)) return;
+  bend(q, dq, turn, alpha, at);
+  system_.potential.reach(at);
+}
+
+// The ways alpha dq of the environments of `whose`; alpha falls to how far they lead then. Others that are bent stay so.
 void Arcs::bend(device::View<const Vec3> q, const device::Buffer<Vec3>& dq, const EnvMask& whose, std::vector<double>& alpha, Linearised& at) {
+  if (!any(whose)) return;
   const model::Model& model = system_.model;
-  EnvMask now(model.envs, 0), kept(model.envs, 0);
-  std::vector<double> less(model.envs, 0.0), share(model.envs, 1.0);
+  std::vector<double> less(model.envs, 0.0), more(model.envs, 0.0), share(model.envs, 1.0);
+  EnvMask kept(model.envs, 0);
+  bent_.resize(model.envs, 0);
   for (Index e = 0; e < model.envs; ++e) {
-    now[e] = whose[e] && alpha[e] > 0;
-    kept[e] = bent(e) && !now[e];
-    less[e] = alpha[e] - 1;
+    kept[e] = bent_[e] && !whose[e];
+    if (whose[e]) less[e] = alpha[e] - 1, more[e] = 1 / alpha[e] - 1;
   }
-  if (!any(now)) return;
-  device::Buffer<Vec3> way, arc;
-  way.copy_from(dq);
-  add_scaled(dq.view(), less, model.block_env.view(), way);
-  arc.copy_from(way);
+  device::Buffer<Vec3> arc;
+  arc.copy_from(dq);
+  add_scaled(dq.view(), less, model.block_env.view(), arc);
   for (const auto& effect : system_.potential.effects()) effect->bend(q, arc.view());
   if (model.ties.any()) model.ties.carry(arc.view());
-  copy_envs(arc, now, model.env_blocks, way);
-  if (any(kept)) copy_envs(way_, kept, model.env_blocks, way);
-  way_.swap(way);
   device::Fetch fetch;
-  system_.potential.max_step(std::as_const(way_).view(), at, {share, fetch});
+  system_.potential.max_step(std::as_const(arc).view(), at, {share, fetch});
   fetch.now("arc");
+  device::Buffer<Vec3> unit;
+  unit.copy_from(arc);
+  add_scaled(std::as_const(arc).view(), more, model.block_env.view(), unit);
+  if (any(kept)) copy_envs(way_, kept, model.env_blocks, unit);
+  way_.swap(unit);
   for (Index e = 0; e < model.envs; ++e) {
-    if (now[e]) alpha[e] *= share[e];
-    if (kept[e]) share[e] = share_[e], now[e] = 1;
+    if (whose[e]) alpha[e] *= share[e];
+    bent_[e] |= whose[e];
   }
-  bent_ = std::move(now), share_ = std::move(share);
 }
 
 void Arcs::advance(device::View<const Vec3> q, const device::Buffer<Vec3>& dq, const std::vector<double>& alpha, device::Buffer<Vec3>& trial) const {
@@ -58,10 +67,7 @@ void Arcs::advance(device::View<const Vec3> q, const device::Buffer<Vec3>& dq, c
   device::Buffer<Vec3> way;
   way.copy_from(dq);
   copy_envs(way_, bent_, model.env_blocks, way);
-  std::vector<double> along = alpha;
-  for (Index e = 0; e < model.envs; ++e)
-    if (bent_[e] && alpha[e] > 0) along[e] = share_[e];
-  solver::advance(q, std::as_const(way).view(), along, model, trial);
+  solver::advance(q, std::as_const(way).view(), alpha, model, trial);
 }
 
 }  // namespace mortise::solver

@@ -66,13 +66,15 @@ void Coupled::monotone_step(device::Buffer<Vec3>& q, Residual& r, Linearised& at
   std::vector<double> alpha(model.envs, 1.0);
   device::Fetch fetch;
   system_.potential.max_step(std::as_const(dq_).view(), at, {alpha, fetch});
+  arcs_.ask(std::as_const(q).view(), dq_, fetch);
   fetch.now("coupled");
+  arcs_.begin(std::as_const(q).view(), dq_, active_, alpha, at);
   system_.potential.reach(at);
   for (Index e = 0; e < model.envs; ++e)
     if (!active_[e]) alpha[e] = 0;
   const std::vector<double> before = natural_level(at);
   for (int k = 1; any(active_); ++k) {
-    advance(std::as_const(q).view(), std::as_const(dq_).view(), alpha, model, trial_);
+    arcs_.advance(std::as_const(q).view(), dq_, alpha, trial_);
     const EnvMask finite = finite_energies(at);
     std::vector<double> after(model.envs, INFINITY);
     Residual next;
@@ -97,10 +99,11 @@ void Coupled::monotone_step(device::Buffer<Vec3>& q, Residual& r, Linearised& at
       r = next;
       return;
     }
-    for (Index e = 0; e < model.envs; ++e) report[e].line_search += again[e];
-    if (k < tuning::kMonotoneTries) continue;
-    for (Index e = 0; e < model.envs; ++e)
-      if (again[e]) active_[e] = 0, alpha[e] = 0;
+    for (Index e = 0; e < model.envs; ++e) {
+      report[e].line_search += again[e];
+      if (again[e] && k >= tuning::kMonotoneTries) active_[e] = 0, alpha[e] = 0;
+    }
+    arcs_.bend_again(std::as_const(q).view(), dq_, again, alpha, at);
   }
 }
 

@@ -11,6 +11,7 @@
 // J contains what is missing from M, unsymmetric terms too, so convergence is that of Newton's method.
 #include <functional>
 
+#include "solver/arcs.h"
 #include "solver/curvature_policy.h"
 #include "solver/linear.h"
 #include "solver/system.h"
@@ -20,7 +21,7 @@ namespace mortise::solver {
 class Coupled {
  public:
   Coupled(System& system, Linear& linear, CurvaturePolicy& curvature, linalg::BlockMatrix& A)
-      : system_(system), linear_(linear), curvature_(curvature), A_(A) {}
+      : system_(system), linear_(linear), curvature_(curvature), A_(A), arcs_(system) {}
 
   // Told of every iterate's residual, and of the step from it, in the environments of `whose`.
   struct Watch {
@@ -45,6 +46,7 @@ class Coupled {
   Linear& linear_;
   CurvaturePolicy& curvature_;
   linalg::BlockMatrix& A_;
+  Arcs arcs_;
 
   EnvMask active_, factored_;    // per environment: still iterating; with an M that serves
   std::vector<Index> products_;  // per environment: of the last system

@@ -13,7 +13,7 @@ class CreepWatch {
 
   struct Sight {
     bool creeps = false;  // the residual hardly falls any more
-    bool linear = false;  // it falls by the same share each time
+    bool linear = false;  // it falls by the same share each time, which one iteration cannot show
   };
   // left: the residual over that before the last iteration; over: the worst body's residual over its tolerance; alpha: of the last step.
   Sight look(Index env, Index iteration, double left, double over, double alpha) {
@@ -23,7 +23,7 @@ class CreepWatch {
     }
     slow_[env] = left > tuning::kFast ? slow_[env] + 1 : 0;
     return {slow_[env] >= tuning::kPatience && iteration >= tuning::kUsual,
-            left < tuning::kFast && left > tuning::kQuadratic && alpha == 1 && over * left > 1};
+            iteration > 1 && left < tuning::kFast && left > tuning::kQuadratic && alpha == 1 && over * left > 1};
   }
 
  private:

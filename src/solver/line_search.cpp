@@ -50,9 +50,8 @@ void LineSearch::begin(device::View<const Vec3> q, device::Buffer<Vec3>& dq, dev
       if (!envs.any(EnvState::running)) return;
     }
   }
-  // Supports go straight.
   EnvMask turn(model.envs, 0);
-  for (Index e = 0; e < model.envs; ++e) turn[e] = envs.is(e, EnvState::running) && !(merit_.cc[e] > 0);
+  for (Index e = 0; e < model.envs; ++e) turn[e] = envs.is(e, EnvState::running) && !(merit_.cc[e] > 0 && model.ties.driven());
   arcs_.begin(q, dq, turn, alpha_, at);
   system_.potential.reach(at);
 }
@@ -168,11 +167,7 @@ void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const st
         stay(e);
       }
     }
-    EnvMask turns(model.envs, 0);
-    for (Index e = 0; e < model.envs; ++e) turns[e] = searching[e] && arcs_.bent(e);
-    if (!any(turns)) continue;
-    arcs_.bend(std::as_const(q).view(), dq, turns, alpha, at);
-    system_.potential.reach(at);
+    arcs_.bend_again(std::as_const(q).view(), dq, searching, alpha, at);
   }
   if (k == 0) fetch.now("trial energies"), begin();
   lands_ = placed && k == 1;

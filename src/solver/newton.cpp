@@ -166,7 +166,7 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
       if (envs_.is(e, EnvState::running) && !system_.convergence.finite(r, e)) envs_.fail(e, system_.not_finite(at_, e));
     check_failed();
     for (Index e = 0; e < envs_.size(); ++e)
-      if (envs_.is(e, EnvState::running) && held_loosely(e))
+      if (envs_.is(e, EnvState::running) && held_loosely(e) && envs_[e].arrived)
         system_.hold.look(e, envs_[e].force, system_.convergence.largest_force(r, e), envs_[e].alpha, envs_[e].step);
     const EnvMask judged = envs_.mask(EnvState::running);
     note(
@@ -244,7 +244,8 @@ Newton::Search::Forces Newton::forces_beside(const Residual& r) {
   };
   out.far.assign(envs_.size(), 0);
   for (Index e = 0; e < envs_.size(); ++e)
-    out.far[e] = envs_.is(e, EnvState::running) && held_loosely(e) && system_.hold.far(e, system_.convergence.largest_force(r, e), envs_[e].step);
+    out.far[e] = envs_.is(e, EnvState::running) && held_loosely(e) && r.support_gap[e] == 0 &&
+                 system_.hold.far(e, system_.convergence.largest_force(r, e), envs_[e].step);
   // Forces of a state by itself are not the slope of energies with something frozen.
   out.doubtful.assign(envs_.size(), 0);
   for (Index e = 0; e < envs_.size(); ++e)

@@ -60,10 +60,11 @@ TEST(CreepWatch, SeesThreeSlowIterationsButNotInTheFirstTwenty) {
 TEST(CreepWatch, SeesLinearConvergenceWhileDigitsAreMissing) {
   CreepWatch w(1);
   w.look(0, 0, 0, 0, 0);
-  EXPECT_TRUE(w.look(0, 1, 0.01, 1e4, 1).linear);
-  EXPECT_FALSE(w.look(0, 2, 0.01, 50, 1).linear) << "one more such iteration is enough";
-  EXPECT_FALSE(w.look(0, 3, 1e-5, 1e9, 1).linear) << "quadratic";
-  EXPECT_FALSE(w.look(0, 4, 0.01, 1e4, 0.5).linear) << "a cut step says nothing";
+  EXPECT_FALSE(w.look(0, 1, 0.01, 1e4, 1).linear) << "one iteration is no sequence";
+  EXPECT_TRUE(w.look(0, 2, 0.01, 1e4, 1).linear);
+  EXPECT_FALSE(w.look(0, 3, 0.01, 50, 1).linear) << "one more such iteration is enough";
+  EXPECT_FALSE(w.look(0, 4, 1e-5, 1e9, 1).linear) << "quadratic";
+  EXPECT_FALSE(w.look(0, 5, 0.01, 1e4, 0.5).linear) << "a cut step says nothing";
 }
 
 // From the first full step that left more than a tenth of the residual on, until a step is cut.
