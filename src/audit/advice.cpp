@@ -30,6 +30,7 @@ std::string_view advice(std::string_view check) {
       {"given_lag", kDamps},
       {"given_kinks", "keys whose velocities change over several steps, or, where peaks of forces count, inertia: {integrator: backward_euler}"},
       {"jolts_damped", kDamps},
+      {"strikes_damped", kDamps},
       {"motor_lag", kDamps},
       {"motor_torque_lag", kDamps},
       {"guard_share", "a finer mesh of the slave, or a larger d_hat"},

@@ -30,6 +30,7 @@ EnergyAudit::EnergyAudit(const model::ModelInput& input)
       given_lag_(input),
       given_kinks_(input),
       jolted_(input),
+      struck_(input),
       motor_lag_(input),
       turning_(input),
       vibrations_(input, moving_),
@@ -37,7 +38,7 @@ EnergyAudit::EnergyAudit(const model::ModelInput& input)
   std::size_t first = 0;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
-    bodies_.emplace_back(b, first);
+    bodies_.emplace_back(b, first), elastic_.emplace_back(b, first);
     soft_ = soft_ && b.type == model::BodyType::soft;
     first += b.nodes.size();
   }
@@ -97,9 +98,12 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   given_lag_.state(moving, largest_force);
   given_kinks_.state(moving, largest_force);
   jolted_.state(moving);
+  std::vector<double> elastic;
+  for (std::size_t i = 0; i < moving.size(); ++i) elastic.push_back(elastic_[i].at(now.points));
+  struck_.state(moving, elastic);
   motor_lag_.state(now.said, now.points, moving);
   vibrations_.state(now.said, now.points, moving, stored_, bounces_.brought());
-  swings_.state(now.said, now.points, moving);
+  swings_.state(now.said, now.points, moving, elastic);
   turning_.state(now.points, moving, lost);
   points_before_ = now.points;
   measured();
@@ -109,6 +113,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
 void EnergyAudit::step(bool first_order) {
   vibrations_.step(first_order, !balanced_);
   swings_.step(first_order);
+  struck_.step(first_order);
   turning_.step(first_order);
   measured();
 }
@@ -118,7 +123,8 @@ void EnergyAudit::measured() {
   r_.scale = scale_.largest(), r_.own_scale = own_scale_.largest();
   r_.turnover = moves_ ? scale_.turnover() : 0, r_.own_turnover = moves_ ? own_scale_.turnover() : 0;
   r_.at_start = pressed_first_ - pressed_least_;
-  r_.motion_lag = lag_.value(), r_.given_lag = given_lag_.value(), r_.given_kinks = given_kinks_.value(), r_.jolted = jolted_.value();
+  r_.motion_lag = lag_.value(), r_.given_lag = given_lag_.value(), r_.given_kinks = given_kinks_.value(), r_.jolted = jolted_.value(),
+  r_.struck = struck_.share();
   r_.motor_lag = motor_lag_.way(), r_.motor_torque_lag = motor_lag_.torque();
   r_.free_loss = free_ + bounces_.sum() + vibrations_.sum(), r_.impacts = bounces_.stiff();
   r_.own_loss = std::max({bounces_.own(), vibrations_.alone(r_.turnover), swings_.share()}), r_.own_impacts = bounces_.own_stiff();
@@ -144,6 +150,7 @@ void EnergyAudit::checkpoint(Archive& archive) {
   given_lag_.checkpoint(archive);
   given_kinks_.checkpoint(archive);
   jolted_.checkpoint(archive);
+  struck_.checkpoint(archive);
   motor_lag_.checkpoint(archive);
   turning_.checkpoint(archive);
   bounces_.checkpoint(archive);

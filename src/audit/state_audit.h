@@ -15,6 +15,8 @@
 #include "audit/motion_lag.h"
 #include "audit/motor_lag.h"
 #include "audit/own_energy.h"
+#include "audit/strain_energy.h"
+#include "audit/struck.h"
 #include "audit/swing_loss.h"
 #include "audit/turning_loss.h"
 #include "audit/vibration_loss.h"
@@ -71,7 +73,7 @@ class EnergyAudit {
     double motion_lag = NAN;                         // motion_lag.h
     double given_lag = NAN;                          // given_lag.h
     double given_kinks = NAN;                        // given_kinks.h
-    double jolted = NAN;                             // jolted.h
+    double jolted = NAN, struck = NAN;               // jolted.h, struck.h
     double motor_lag = NAN, motor_torque_lag = NAN;  // motor_lag.h: of ways, of torques
     bool work_is_known = true;  // false: loads do work whose potential is not reported, or nothing moves in time; then `gain` stays NaN
   };
@@ -88,6 +90,7 @@ class EnergyAudit {
   void measured();  // all that other classes measure, into the result
 
   std::vector<MeasuredBody> bodies_;
+  std::vector<StrainEnergy> elastic_;          // of every body; nothing of stiff ones
   std::vector<std::string> loads_, contacts_;  // effects of these roles
   Result r_;
   MovingBodies moving_;
@@ -96,6 +99,7 @@ class EnergyAudit {
   GivenLag given_lag_;
   GivenKinks given_kinks_;
   Jolted jolted_;
+  Struck struck_;
   MotorLag motor_lag_;
   TurningLoss turning_;
   BounceLoss bounces_;

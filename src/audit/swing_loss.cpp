@@ -28,14 +28,13 @@ double least(double (&last)[n], double now) {
 }  // namespace
 
 SwingLoss::SwingLoss(const model::ModelInput& input) : integration_(integration_of(input.scene)), held_(model::held_points(input)) {
-  std::size_t first = 0;
+  std::size_t points = 0, bodies = 0;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
-    elastic_.emplace_back(b, first);
-    first += b.nodes.size();
+    points += b.nodes.size(), ++bodies;
   }
-  changes_.resize(elastic_.size()), swings_.resize(2 * elastic_.size());
-  way_.resize(3 * first);
+  changes_.resize(bodies), swings_.resize(2 * bodies);
+  way_.resize(3 * points);
 }
 
 bool SwingLoss::counts(const MovingBody& b) const {
@@ -84,7 +83,8 @@ void SwingLoss::look_how_far(const MovingBody& b, const std::vector<double>& see
   }
 }
 
-void SwingLoss::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
+void SwingLoss::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies,
+                      const std::vector<double>& elastic) {
   for (Swing& s : swings_) s.first = s.second = 0;
   for (const MovingBody& b : bodies)
     if (b.touches && b.body.soft()) swings_[b.swings_with].touched = 1;
@@ -102,7 +102,7 @@ void SwingLoss::state(const Snapshot& said, const std::vector<double>& points, c
       return of.empty() ? 0 : std::min(b.body.kinetic_energy(of[0], points), b.body.kinetic_energy(of[1], points));
     };
     Swing& s = swings_[b.swings_with];
-    s.stored = std::max(s.stored, elastic_[i].at(points));
+    s.stored = std::max(s.stored, elastic[i]);
     if (changes.empty()) continue;  // at the start nobody knows how fast carriers are
     moved[b.swings_with] += std::min(b.body.kinetic_energy(now.v, points), b.body.kinetic_energy(now.seen, points));
     look_how_far(b, now.seen, points, s);

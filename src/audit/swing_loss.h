@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "audit/moving_body.h"
-#include "audit/strain_energy.h"
 #include "base/archive.h"
 #include "geometry/rigid_motion.h"
 
@@ -25,7 +24,8 @@ namespace mortise::audit {
 class SwingLoss {
  public:
   explicit SwingLoss(const model::ModelInput& input);
-  void state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies);
+  // elastic: energy of every body [J].
+  void state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies, const std::vector<double>& elastic);
   void step(bool first_order);  // that led to that state
   double share() const;         // the largest of what hangs together
   void checkpoint(Archive& archive);
@@ -51,12 +51,11 @@ class SwingLoss {
   void look_how_far(const MovingBody& body, const std::vector<double>& seen, const std::vector<double>& points, Swing& swing);
 
   Integration integration_;
-  std::vector<StrainEnergy> elastic_;  // of every body; nothing of stiff ones
-  std::vector<bool> held_;             // of all points: by pins and bonds
-  std::vector<Swing> swings_;          // by HowHeld::swings_with
-  std::vector<Changes> changes_;       // by body
-  Velocities last_, before_;           // in the last state and in the one before
-  std::vector<double> way_;            // as seen from what carries them, of all points [m]
+  std::vector<bool> held_;        // of all points: by pins and bonds
+  std::vector<Swing> swings_;     // by HowHeld::swings_with
+  std::vector<Changes> changes_;  // by body
+  Velocities last_, before_;      // in the last state and in the one before
+  std::vector<double> way_;       // as seen from what carries them, of all points [m]
 };
 
 }  // namespace mortise::audit

@@ -26,6 +26,7 @@ inline constexpr Bounds kGivenLag{0.1, 0.2};  // of forces: a sine of 60 and of 
 inline constexpr Bounds kMotorLag{0.05, 0.1};
 inline constexpr Bounds kGivenKinks{0.05, 0.1};
 inline constexpr Bounds kJolted{0.05, 0.1};
+inline constexpr Bounds kStruck{0.05, 0.1};
 inline constexpr Bounds kGuard{0.02, 0.1};
 inline constexpr Bounds kStress{0.05, 0.1};
 inline constexpr Bounds kRoughness{0.03, 0.04};
@@ -84,6 +85,7 @@ inline constexpr long kBegins = 3;        // states: BDF2 has its history then (
 inline constexpr double kOtherWay = 0.5;  // of a motor's largest torque: that the other way counts as no less than (motor_lag.cpp)
 inline constexpr double kCaughtUp = 0.1,
                         kStands = 0.25;       // of a jolt: what its body may be short of, and what accelerations change by beside it (jolted.h)
+inline constexpr double kBrings = 0.25;       // of the square of what presses: less, in the same measure, is no strike (struck.h)
 inline constexpr double kJumps = 10;          // of given velocities: starts and stops of some phases, no sampled track (given_kinks.h)
 inline constexpr double kSpike = 2.5;         // an acceleration beside those of the steps next to it: more is a velocity that jumps (given_kinks.cpp)
 inline constexpr double kSettles = 0.05;      // radians, or of a body on a slide: less is how joints settle (bearing_creep.cpp)
