@@ -4,12 +4,14 @@
 
 namespace mortise::audit {
 
-std::string_view advice(std::string_view check) {
+std::string_view advice(std::string_view check, const Has& has) {
   static constexpr std::string_view kBalance = "a smaller solver.relative_tolerance; if that does not help, the defect is mortise's",
                                     kStiff = "a larger affine_body.stiffness", kDamps = "shorter steps (time.step), or inertia: {integrator: bdf2}",
                                     kMesh = "a finer mesh of what is stressed (edge_length; three elements across what is thin), or order: 2",
                                     kRound = "a finer mesh of round bodies, of stiff ones too (edge_length)",
-                                    kLayer = "a smaller d_hat; by default it is a hundredth of the finest mesh in contact";
+                                    kFiner = "a finer mesh of what is stressed (edge_length; three elements across what is thin)",
+                                    kShorter = "shorter steps (time.step)",
+                                    kLayer = "a smaller d_hat, or a finer mesh where it is left to the program";
   static const std::map<std::string_view, std::string_view> all{
       {"residual_share", "a smaller solver.relative_tolerance"},
       {"force_balance_defect", kBalance},
@@ -19,7 +21,7 @@ std::string_view advice(std::string_view check) {
       {"clip_partition_defect", kBalance},
       {"rigidity_defect", kStiff},
       {"stiff_strain", kStiff},
-      {"energy_gain", "shorter steps (time.step)"},
+      {"energy_gain", kShorter},
       {"free_motion_loss", kDamps},
       {"stiff_impacts", "a soft layer on what strikes: how far stiff bodies bounce off each other is in no law here"},
       {"turning_loss", kDamps},
@@ -43,7 +45,7 @@ std::string_view advice(std::string_view check) {
       {"touch_lag", "shorter steps where bodies come to touch"},
       {"slip_sampling", "a finer mesh of what turns on what it bears on (edge_length)"},
       {"pressure_roughness", "mortar_contact with the finer mesh as the slave, a finer mesh, or gap: averaged"},
-      {"pressure_misfit", "mortar_contact with consistent weights"},
+      {"pressure_misfit", "a finer mesh of what is pressed, and mortar_contact with consistent weights, which are its own"},
       {"layer_over_indentation", kLayer},
       {"layer_over_way", kLayer},
       {"facets_over_indentation", kRound},
@@ -51,7 +53,8 @@ std::string_view advice(std::string_view check) {
       {"rim_error", "a finer mesh where the edge presses (edge_length)"},
       {"quantity_error", "what its error_budget names; 'mortise run --accuracy NAME=5%' looks for it"}};
   const auto it = all.find(check);
-  return it == all.end() ? std::string_view() : it->second;
+  if (it == all.end()) return {};
+  return it->second == kDamps && has.bdf2 ? kShorter : it->second == kMesh && has.quadratic ? kFiner : it->second;
 }
 
 }  // namespace mortise::audit

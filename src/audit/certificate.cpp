@@ -51,6 +51,9 @@ Certificate::Certificate(const model::ModelInput& input)
   const Params& scene = input.scene;
   for (const model::BodyInput& body : input.bodies)
     if (body.type == model::BodyType::soft) volumetric_[body.name] = volumetric(body);
+  has_.bdf2 = integration_of(input.scene).second_order;
+  const auto is_soft = [](const model::BodyInput& b) { return b.type == model::BodyType::soft; };
+  has_.quadratic = std::all_of(input.bodies.begin(), input.bodies.end(), [&](const auto& b) { return !is_soft(b) || !b.midsides.empty(); });
   locking_risks_ = locking_risks(input), single_elements_ = single_elements(input);
   for (const scene::PassThrough& p : scene::pass_through(scene, engine::effect_tables())) passes_through_.push_back(p.text());
   const Params& effects = scene.at("effects");

@@ -41,7 +41,7 @@ class Certificate {
     double quantity_error = NAN;  // the largest of what the scene names in `quantities`, a share of it
   };
   // Are there effects of contact, none of which ever had anything to do?
-  bool nothing_touched() const { return !d_hat_.empty() && gap_over_d_hat_.empty(); }
+  bool nothing_touched() const { return steps_ > 0 && !d_hat_.empty() && gap_over_d_hat_.empty(); }
   Grade grade(const End& end) const { return grade(end, checks(end, field_errors_.result())); }
   struct Written {
     Grade grade;
@@ -67,6 +67,7 @@ class Certificate {
   StiffStrain stiff_strain_;
   double shape_defect_ = 0, schedule_missed_ = NAN;
   std::vector<std::string> passes_through_;  // what nothing keeps apart
+  Has has_;
   std::vector<std::string> locking_risks_, single_elements_;
   std::map<std::string, std::string> volumetric_;  // how soft bodies resist changes of volume
   double force_floor_ = 0;                         // of strains and motions that are rounding [N]

@@ -22,7 +22,7 @@ std::string text_of(const Grade& grade) {
 std::vector<std::string> hints(const Grade& grade) {
   std::vector<std::pair<std::string_view, std::string>> of;  // advice, and names of checks
   for (const Check& k : grade.failed) {
-    const std::string_view help = advice(k.name);
+    const std::string_view help = advice(k.name, grade.has);
     if (help.empty() || !(grade.all.letter == k.earns() || (k.of != Of::fields && grade.forces.letter == k.earns()))) continue;
     const auto known = std::find_if(of.begin(), of.end(), [&](const auto& one) { return one.first == help; });
     if (known == of.end())
@@ -87,7 +87,7 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
 // F: some state is no state of the model. C: incomplete, or the bound of B is exceeded. B: that of A is. A: none.
 Grade Certificate::grade(const End& end, const std::vector<Check>& checks) const {
   const Grade::Verdict best{"A", "every bound is met"};
-  Grade out{best, best, {}};
+  Grade out{best, best, {}, {}, has_};
   const auto lower = [&](const char* to, const std::string& why, Of of = Of::all) {
     out.all.lower(to, why);
     if (of != Of::fields) out.forces.lower(to, why);

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "audit/advice.h"
+
 namespace mortise::audit {
 
 // What a check is about: all results, what is summed or goes as a whole (forces, torques, travels), or stresses and pressures point by point.
@@ -25,6 +27,7 @@ struct Grade {
   Verdict all, forces;                   // forces: of the checks that are not of fields
   std::map<std::string, double> graded;  // what they rest on
   std::vector<Check> failed{};           // those that earn no A
+  Has has{};
 };
 
 // "grade A", "grade B: REASON"; of forces as well where that is another one.

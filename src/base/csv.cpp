@@ -20,7 +20,9 @@ std::vector<Field> split(const std::string& line) {
     const std::size_t end = std::min(line.find(',', begin), line.size());
     const std::size_t first = std::min(line.find_first_not_of(" \t", begin), end), last = line.find_last_not_of(" \t", end - 1);
     const bool none = first >= end || end == begin;
-    out.push_back({none ? "" : line.substr(first, last + 1 - first), static_cast<int>(none ? begin : first) + 1});
+    std::string text = none ? "" : line.substr(first, last + 1 - first);
+    if (text.size() > 1 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);  // as spreadsheets write it
+    out.push_back({std::move(text), static_cast<int>(none ? begin : first) + 1});
     if (end == line.size()) return out;
     begin = end + 1;
   }
@@ -39,7 +41,7 @@ double number(const Field& f, const SourceLoc& at) {
 
 const Csv::Column& Csv::column(const std::string& name) const {
   for (const Column& c : columns)
-    if (c.name == name) return c;
+    if (c.name == name || c.name + " [" + c.unit + "]" == name) return c;
   std::string known;
   for (const Column& c : columns) known += (known.empty() ? "'" : ", '") + c.name + "'";
   throw Error(Exit::scene, SourceLoc{path, header, 1}, "has no column '" + name + "'; there are: " + known);
@@ -49,7 +51,7 @@ Csv read_csv(const std::string& path) {
   const std::string text = read_regular_file(path, max_bytes::scene);
   Csv out{path, 0, {}, {}};
   int n = 0;
-  for (std::size_t begin = text.rfind("\xEF\xBB\xBF", 0) == 0 ? 3 : 0; begin < text.size();) {
+  for (std::size_t begin = after_mark(text); begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     std::string line = text.substr(begin, end - begin);
     begin = end + 1, ++n;

@@ -17,6 +17,9 @@ inline constexpr std::uint64_t results = std::uint64_t{256} << 30;  // what we w
 // reading ends before the file does.
 std::string read_regular_file(const std::string& path, std::uint64_t limit);
 
+// Where text begins: behind the mark of byte order with which some programs begin UTF-8.
+inline std::size_t after_mark(const std::string& text) { return text.starts_with("\xEF\xBB\xBF") ? 3 : 0; }
+
 // A stream without a known length ("-" = standard input, or the path of a pipe), up to `most` bytes.
 std::string read_stream(const std::string& path, std::uint64_t limit);
 

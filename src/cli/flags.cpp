@@ -1,10 +1,16 @@
 #include "cli/flags.h"
 
 #include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdlib>
 
 #include "scene/quantity.h"
 
 namespace mortise::cli {
+
+namespace {
+bool is_nan(const std::string& value) { return std::isnan(std::strtod(value.c_str(), nullptr)); }
+}  // namespace
 
 Flag Flag::required() const { return Flag(option_->required()); }
 Flag Flag::take_all() const { return Flag(option_->take_all()); }
@@ -16,10 +22,14 @@ Flag Flag::environment_variable(const std::string& name) const { return Flag(opt
 Flag Flag::excludes(Flag other) const { return Flag(option_->excludes(other.option_)); }
 Flag Flag::needs(Flag other) const { return Flag(option_->needs(other.option_)); }
 Flag Flag::positive() const {  // CLI11 would say that it is not in the range up to the largest number there is
-  return check([](const std::string& value) { return CLI::PositiveNumber(value).empty() ? std::string() : value + " must be a number above zero"; });
+  return check([](const std::string& value) {
+    return CLI::PositiveNumber(value).empty() && !is_nan(value) ? std::string() : value + " must be a number above zero";
+  });
 }
 Flag Flag::not_negative() const {
-  return check([](const std::string& value) { return CLI::NonNegativeNumber(value).empty() ? std::string() : value + " must be a number from 0"; });
+  return check([](const std::string& value) {
+    return CLI::NonNegativeNumber(value).empty() && !is_nan(value) ? std::string() : value + " must be a number from 0";
+  });
 }
 Flag Flag::within(int low, int high) const { return Flag(option_->check(CLI::Range(low, high))); }
 Flag Flag::one_of(const std::vector<std::string>& values) const { return Flag(option_->check(CLI::IsMember(values))); }

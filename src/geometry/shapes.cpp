@@ -80,11 +80,12 @@ TetMesh mesh_tets(const Params& p) {
     check_tets(mesh, named(p));
     return mesh;
   }
+  const TriMesh surface = scaled_surface(p);  // what is wrong with it is said first
   if (!p.has("edge_length")) throw Error(Exit::scene, named(p) + " is a surface: a soft body needs edge_length to fill it with tetrahedra");
   TetrahedraliseOptions options;
   options.edge_length = p.number("edge_length");
   if (p.has("surface_edge_length")) options.surface_edge_length = p.number("surface_edge_length");
-  return tetrahedralise(scaled_surface(p), options, named(p));
+  return tetrahedralise(surface, options, named(p));
 }
 
 // Side by side or one in the other: parts of a stiff body never move against each other, so their surfaces may cross.

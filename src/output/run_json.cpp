@@ -108,6 +108,16 @@ std::optional<Exit> code_of_finished_run(const std::string& path, const std::str
   return {};
 }
 
+std::string scene_of_run(const std::string& path) {
+  try {
+    const Json j = Json::parse(read_file(path));
+    if (j.at("filetype") == "mortise run") return j.at("scene").at("sha256");
+  } catch (const Error&) {
+  } catch (const Json::exception&) {
+  }
+  return {};
+}
+
 void write_run_json(const std::string& path, const RunRecord& record) { write_file_atomically(path, run_json(record), true); }
 
 }  // namespace mortise::output

@@ -57,6 +57,8 @@ std::string run_json(const RunRecord& record);
 
 // The exit code in run.json at `path`, if it is of a run of this scene that went to its end; nothing otherwise.
 std::optional<Exit> code_of_finished_run(const std::string& path, const std::string& scene_sha256);
+// Identity of the scene of that run, ended or not; "": no such file.
+std::string scene_of_run(const std::string& path);
 
 // Writes it to `path` (temporary, fsync, rename). To be called last: a run whose run.json exists has ended, and its status says
 // how. Throws Error(Exit::file).

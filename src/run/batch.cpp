@@ -20,6 +20,7 @@
 #include "run/batch_share.h"
 #include "run/batch_verdict.h"
 #include "run/bridged.h"
+#include "run/earlier.h"
 #include "run/environment.h"
 #include "run/environment_end.h"
 #include "run/environment_process.h"
@@ -77,6 +78,8 @@ class Batch {
                     "'" + folder_.path() + "' is not empty; use --overwrite to replace its results, --resume to continue, or another -o");
       folder_.remove_results();
     }
+    for (long e = 0; e < count() && !o_.resume.empty(); ++e)  // one speaks for all
+      if (is_of_environment(environment_folder(folder_.path(), e), scene_, o_, tables_, e)) break;
     std::filesystem::remove(folder_.file("run.json"));  // written last: this run has not ended
     for (long e = 0; e < count(); ++e) ends_[e].drawn = scene::draw(scene_.root, e, 0);
     write_table();

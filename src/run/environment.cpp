@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "output/atomic_file.h"
+#include "run/earlier.h"
 #include "run/environment_end.h"
 #include "run/folder.h"
 #include "run/run.h"
@@ -60,6 +61,7 @@ class Episodes {
                     "'" + folder_.path() + "' is not empty; use --overwrite to replace its results, --resume to continue, or another -o");
       folder_.remove_results();
     }
+    if (!o_.resume.empty()) is_of_environment(folder_.path(), all_, o_, tables_, o_.environment);
     done_ = episodes_in(folder_.path());
   }
 

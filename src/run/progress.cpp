@@ -96,6 +96,10 @@ class Lines : public Progress {
   }
   void frame(long, double) override {}
   void note(const std::string& text) override { line(text); }
+  void fault(const std::string& text) override {
+    note(text);
+    if (quiet_) put(text);
+  }
   void end(const std::string& status, double seconds, const audit::Grade& grade) override {
     line(fmt::format("{} in {}; {}", status, duration_text(seconds), audit::text_of(grade)));
     for (const std::string& hint : audit::hints(grade)) line("hint: " + hint);
@@ -103,8 +107,9 @@ class Lines : public Progress {
 
  protected:
   void line(const std::string& text) const {
-    if (!quiet_) std::fputs((printable(text, true) + "\n").c_str(), stderr);
+    if (!quiet_) put(text);
   }
+  static void put(const std::string& text) { std::fputs((printable(text, true) + "\n").c_str(), stderr); }
   bool quiet_;
   long steps_ = 0;
 };

@@ -17,6 +17,7 @@ class Progress {
   virtual void step(const solver::StepReport& report, const audit::ContactFigures& contact) = 0;
   virtual void frame(long frame, double time) = 0;
   virtual void note(const std::string& text) = 0;
+  virtual void fault(const std::string& text) { note(text); }  // what is said however quiet it is to be
   virtual void end(const std::string& status, double seconds, const audit::Grade& grade) = 0;
   virtual bool lost() const { return false; }  // could an event not be written to where they were asked for?
 };

@@ -121,7 +121,7 @@ void Results::checkpoint(Archive& archive) {
   if (drawn && sensor_maps_) sensor_maps_->checkpoint(maps);
 }
 
-void Results::finish(End& end, const std::function<void(const std::string&)>& note) {
+void Results::finish(End& end, const std::function<void(const std::string&)>& note, const std::function<void(const std::string&)>& tell) {
   const std::vector<audit::Checks::Verdict> verdicts = checks_.verdicts(end.status, end.message);
   const auto failed = std::count_if(verdicts.begin(), verdicts.end(), [](const audit::Checks::Verdict& v) { return !v.pass; });
   if (end.status == Exit::done && failed > 0) end.status = Exit::checks, end.message = fmt::format("{} of {} checks failed", failed, verdicts.size());
@@ -131,7 +131,7 @@ void Results::finish(End& end, const std::function<void(const std::string&)>& no
   if (!end.estimated.json.empty()) certificate = audit::with_error_budget(certificate, end.estimated.json);
   output::write_file_atomically(folder_.file("certificate.json"), audit::Checks::add_to(certificate, verdicts), true);
   for (const audit::Checks::Verdict& v : verdicts)
-    if (!v.pass) note(fmt::format("check failed: {}; it is {}", v.text, v.found.empty() ? fmt::format("{:.6g}", v.value) : v.found));
+    if (!v.pass) tell(fmt::format("check failed: {}; it is {}", v.text, v.found.empty() ? fmt::format("{:.6g}", v.value) : v.found));
   if (file_ && file_->can_flush()) file_->flush();
   if (end.status == Exit::done && certificate_.nothing_touched()) note("warning: nothing touched at any time, so that contact had nothing to do");
   record_.frames = frames();

@@ -61,7 +61,8 @@ class Results {
     audit::Grade grade{};        // that it got
   };
   // Writes how it ended, and grades it. Checks that failed are told to `note`, and make another end of one that was good.
-  void finish(End& end, const std::function<void(const std::string&)>& note);
+  // tell: of checks that were not met.
+  void finish(End& end, const std::function<void(const std::string&)>& note, const std::function<void(const std::string&)>& tell);
 
  private:
   void frame(const State& now);

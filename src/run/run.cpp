@@ -316,7 +316,8 @@ class Run {
   Exit finish(Exit status, const std::string& message) {
     if (!started_) return status;
     Results::End end{status, message, std::chrono::duration<double>(Time::now() - begin_).count(), engine_.get(), estimated_};
-    results_->finish(end, [this](const std::string& text) { note(text); });
+    results_->finish(
+        end, [this](const std::string& text) { note(text); }, [this](const std::string& text) { progress_.fault(text); });
     if (end.status == Exit::done || end.status == Exit::checks) progress_.end(end.status == Exit::done ? "done" : end.message, end.wall, end.grade);
     return end.status;
   }

@@ -276,6 +276,10 @@ std::optional<Params> Checker::file(const Node& n, const std::string& path) {
     errors_.add(n.at, path + ": '" + n.text + "' is a folder, not a file");
     return {};
   }
+  if (fs::exists(full, ignored)) {
+    errors_.add(n.at, path + ": '" + n.text + "' is no regular file");
+    return {};
+  }
   std::vector<std::string> beside;
   for (fs::directory_iterator it(full.parent_path(), ignored), end; !ignored && it != end; it.increment(ignored))
     beside.push_back((fs::path(n.text).parent_path() / it->path().filename()).string());

@@ -145,7 +145,7 @@ std::vector<Row> file(const Node& node, const std::string& folder, Diagnostics& 
   std::vector<std::string> paths;
   std::vector<Row> out;
   int line_number = 0;
-  for (std::size_t begin = 0; begin < text.size();) {
+  for (std::size_t begin = after_mark(text); begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     const std::string line = text.substr(begin, end - begin);
     begin = end + 1, ++line_number;
@@ -153,6 +153,10 @@ std::vector<Row> file(const Node& node, const std::string& folder, Diagnostics& 
     const std::vector<std::string> values = fields(line);
     if (paths.empty()) {
       paths = values;
+      if (paths.size() == 1 && paths[0].find_first_of(";\t") != std::string::npos) {
+        errors.add(node.at, path + ":" + std::to_string(line_number) + " has no comma; values are separated by commas");
+        return {};
+      }
       continue;
     }
     if (values.size() != paths.size()) {

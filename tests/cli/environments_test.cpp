@@ -294,6 +294,24 @@ TEST_F(EnvironmentsProgram, EpisodesBeginAfresh) {
   for (const auto& [e, steps] : taken) EXPECT_EQ(steps, 24);
 }
 
+// What has ended is not run again: results of another scene would stand under its numbers.
+TEST_F(EnvironmentsProgram, AnotherSceneIsNotResumed) {
+  write("resets.yaml", thrown("[{after: 40 ms}]"));
+  write("plain.yaml", press(kMortar, "{}", varied(2)));
+  for (const std::string name : {"resets", "plain"}) {
+    ASSERT_EQ(run(name + ".yaml -o " + name).code, 0);
+    const std::string table = read_text(at(name) + "/environments.csv"), sums = read_text(at(name) + "/environments.json");
+    for (const std::string other : {"environments.seed=99", "materials.steel.density=3000"}) {
+      const Result again = run(name + ".yaml -o " + name + " --resume --set " + other);
+      EXPECT_EQ(again.code, 6) << again.err;
+      EXPECT_THAT(again.err, HasSubstr("belong to another scene, other --set values"));
+      EXPECT_EQ(read_text(at(name) + "/environments.csv"), table);
+      EXPECT_EQ(read_text(at(name) + "/environments.json"), sums);
+    }
+    EXPECT_EQ(run(name + ".yaml -o " + name + " --resume --set environments.count=3").code, 0) << "more of them";
+  }
+}
+
 TEST_F(EnvironmentsProgram, ResetsSurviveKills) {
   write("s.yaml", thrown("[{after: 40 ms}, {body: ball, axis: z, above: 4.6 mm}]"));
   ASSERT_EQ(run("s.yaml -o whole").code, 0);

@@ -87,8 +87,9 @@ std::vector<double> support_radii(const Params& effect, const model::ModelInput&
 }
 
 Param support_radius_param(const std::string& what) {
-  return param::positive(
-      param::automatic(param::number("d_hat", Unit::length, "0.1 mm", 0, what + "; auto, or without it, a hundredth of the finest mesh in contact")));
+  return param::positive(param::automatic(param::number("d_hat", Unit::length, "0.1 mm", 0,
+                                                        what + "; auto, or without it, a hundredth of the finest mesh in contact, of soft bodies if "
+                                                               "there are any, and no less than twice the depth of the facets of round ones")));
 }
 
 double stiffness(const Params& effect, const model::ModelInput& input, Index env) {
