@@ -120,7 +120,9 @@ exporters::Colouring colouring(const ExportOptions& o, const output::FieldReader
     const std::size_t colon = o.range.find(':');
     const scene::Quantity low = scene::parse_quantity(o.range.substr(0, colon), Unit::any),
                           high = scene::parse_quantity(colon == std::string::npos ? "" : o.range.substr(colon + 1), Unit::any);
-    if (colon == std::string::npos || !low.error.empty() || !high.error.empty() || !(low.value < high.value))
+    for (const scene::Quantity* q : {&low, &high})
+      if (colon != std::string::npos && !q->error.empty()) throw Error(Exit::usage, "--range " + o.range + " " + q->error);
+    if (colon == std::string::npos || !(low.value < high.value))
       throw Error(Exit::usage, "--range " + o.range + ": must be LOW:HIGH, two increasing numbers, e.g. '0:20 kPa'");
     out.low = low.value, out.high = high.value;
   }

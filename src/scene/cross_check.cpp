@@ -243,7 +243,8 @@ class CrossCheck {
       if (from && to && from->as_vec3() == to->as_vec3())
         errors_.add(to->where(), path + ".look_at is where the camera stands");
       else if (const Vec3 sight = from && to ? Vec3(to->as_vec3() - from->as_vec3()) : Vec3::Zero();
-               up && !sight.isZero(0) && !(sight.cross(up->as_vec3()).norm() > 1e-9 * sight.norm() * up->as_vec3().norm()))
+               up && up->where().text() != camera.where().text() && !sight.isZero(0) &&
+               !(sight.cross(up->as_vec3()).norm() > 1e-9 * sight.norm() * up->as_vec3().norm()))
         errors_.add(up->where(), path + ".up is along the line of sight", "it points to the upper edge of the picture, as [0, 0, 1] does for most");
       const Params *model = camera.find("model"), *fov = camera.find("fov"), *hide = camera.find("hide");
       if (fov && model && model->as_text() == "pinhole" && fov->as_number() > 3.1)

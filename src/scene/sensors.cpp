@@ -42,10 +42,8 @@ void check(const std::string& path, const Params& sensor, const Params* bodies, 
   check_range(sensor, "range", -std::numeric_limits<double>::infinity(), path, errors);
   check_range(sensor, "shear_range", 0, path, errors);
   const Params *normal = sensor.find("normal"), *up = sensor.find("up");
-  if (normal && normal->as_vec3().isZero(0))
-    errors.add(normal->where(), path + ".normal has no direction", "the grid is laid on the surface along it, from outside");
-  else if (normal && up && !up->as_vec3().isZero(0) &&
-           !(normal->as_vec3().cross(up->as_vec3()).norm() > 1e-6 * normal->as_vec3().norm() * up->as_vec3().norm()))
+  if (normal && up && !normal->as_vec3().isZero(0) && !up->as_vec3().isZero(0) &&
+      !(normal->as_vec3().cross(up->as_vec3()).norm() > 1e-6 * normal->as_vec3().norm() * up->as_vec3().norm()))
     errors.add(up->where(), path + ".up is along its normal", "it has to lie in the plane of the grid");
 }
 

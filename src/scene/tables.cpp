@@ -297,7 +297,8 @@ const ParamTable& camera_table() {
       "camera",
       "Pictures of every frame, each set with a file of where the camera was and how it projects.",
       {vector("position", Unit::length, {}, "Where the camera stands."), vector("look_at", Unit::length, {}, "Point in the middle of the picture."),
-       vector("up", Unit::none, "[0, 0, 1]", "Direction that is up in the picture."),
+       vector("up", Unit::none, "[0, 0, 1]",
+              "Direction that is up in the picture; [0, 1, 0] where the camera looks along z and nothing else is said."),
        choice("model", {"pinhole", "fisheye"}, "pinhole",
               "Projection; fisheye: the angle from the axis is proportional to the distance from the middle."),
        positive(

@@ -125,6 +125,8 @@ TEST(Grade, SaysWhatMakesItBetter) {
   const std::vector<std::string> both = hints({c, b, {}, {step, mesh}});
   EXPECT_TRUE(begins(both, 0, "motion_lag: shorter steps"));
   EXPECT_TRUE(begins(both, 1, "stress_error: a finer mesh"));
+  for (const std::string& hint : hints({c, b, {}, {step, mesh}, {.bdf2 = true, .quadratic = true}}))
+    EXPECT_EQ(hint.find("order: 2"), std::string::npos) << hint << ", which the scene has";
 }
 
 }  // namespace mortise::audit

@@ -38,6 +38,9 @@ TEST(Csv, ReadsColumnsAndUnits) {
   EXPECT_EQ(t.column("grip").values, (std::vector<double>{-2e-3, 4}));
   EXPECT_EQ(t.column("left knee").values, (std::vector<double>{1.5, 3}));
   EXPECT_EQ(t.lines, (std::vector<int>{4, 6}));
+  const Csv quoted = read("\"time\",\"q [deg]\"\n0,1\n");
+  EXPECT_EQ(quoted.column("q").unit, "deg");
+  EXPECT_EQ(quoted.column("q [deg]").values, (std::vector<double>{1})) << "as the file has it";
 }
 
 TEST(Csv, SaysWhatIsWrongAndWhere) {

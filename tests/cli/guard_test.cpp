@@ -111,7 +111,9 @@ TEST_F(Guard, ProgramsAreHardened) {
 
 TEST_F(Guard, FailedChecksHaveTheirOwnExitCodeAlsoWhenResumed) {
   write("a.yaml", read_text(at("a.yaml")) + "checks:\n  - {quantity: kinetic_energy, when: start, below: 1e-12 J}\n");
-  EXPECT_EQ(run("--frames 1 -q").code, 7);
+  const auto quiet = run("--frames 1 -q");
+  EXPECT_EQ(quiet.code, 7);
+  EXPECT_EQ(quiet.err.find("check failed: "), 0u) << quiet.err << "that much is said";
   const auto part = nlohmann::json::parse(read_text(at("out/run.json")));
   EXPECT_EQ(part["status"], "done");
   EXPECT_EQ(part["exit_code"], 7);

@@ -189,7 +189,7 @@ TEST(Batch, MortarContactWhoseGuardRubs) {
 
 // Few iterations: some environments have to halve their steps, each by itself.
 TEST(Batch, EveryEnvironmentCutsItsStepsByItself) {
-  const std::vector<std::string> few{"solver.iterations=6", "effects.friction.lag_iterations=1", "solver.linear=direct"};
+  const std::vector<std::string> few{"solver.iterations=10", "effects.friction.lag_iterations=1", "solver.linear=direct"};
   const auto substeps = [&](const Environment& e) {
     std::unique_ptr<engine::Engine> engine;
     Rig::check(engine::chosen().api->create(batch(kSlide, few, {e}), engine));

@@ -121,6 +121,12 @@ TEST_F(SweepFile, FilesOfRows) {
   ASSERT_EQ(s.rows.size(), 2u);
   EXPECT_EQ(s.rows[0].overrides({}), (std::vector<std::string>{"a.b=1", "c=[1, 2]"}));
   EXPECT_EQ(s.rows[1].overrides({}), (std::vector<std::string>{"a.b=0.5 mm", "c=say \"x\""}));
+  write("rows.csv",
+        "\xEF\xBB\xBF"
+        "a.b,c\n1,2\n");
+  EXPECT_EQ(read("  - file: rows.csv\n").rows[0].values[0].first, "a.b") << "behind a mark of byte order";
+  write("rows.csv", "a;b\n1;2\n");
+  EXPECT_THAT(error("  - file: rows.csv\n"), HasSubstr("rows.csv:1 has no comma"));
   write("rows.csv", "a,b\n1\n");
   EXPECT_THAT(error("  - file: rows.csv\n"), HasSubstr("rows.csv:2 has 1 values, the first line has 2 paths"));
   EXPECT_THAT(error("  - file: none.csv\n"), HasSubstr("none.csv"));
