@@ -187,6 +187,18 @@ StressError::Stresses StressError::change(Stresses after, const Stresses& before
   return after;
 }
 
+// Of quadratic tetrahedra: has it a node that something presses, or share a corner with one that has?
+std::vector<bool> StressError::near_pressed(const Body& b, std::span<const double> contact_force) {
+  const auto pressed = [&](Index n) { return !at(contact_force, b.first_point + static_cast<std::size_t>(n)).isZero(0); };
+  std::vector<bool> near(b.rest.size(), false), out;
+  for (std::size_t t = 0; t < b.tets.size(); ++t)
+    if (std::any_of(std::begin(b.tets[t].v), std::end(b.tets[t].v), pressed) ||
+        std::any_of(std::begin(b.midsides[t].v), std::end(b.midsides[t].v), pressed))
+      for (const Index n : b.tets[t].v) near[n] = true;
+  for (const Tet& t : b.tets) out.push_back(std::any_of(std::begin(t.v), std::end(t.v), [&](Index n) { return near[n]; }));
+  return out;
+}
+
 StressError::Energy StressError::energy_of(const Body& b, const std::vector<Corners>& here, std::span<const double> contact_force,
                                            std::span<const double> displacement) {
   Energy out;
@@ -200,11 +212,12 @@ StressError::Energy StressError::energy_of(const Body& b, const std::vector<Corn
     for (int k = 0; k < 4; ++k) mean[b.tets[t].v[k]] += b.volume[t] * here[t][k], weight[b.tets[t].v[k]] += b.volume[t];
   for (std::size_t n = 0; n < mean.size(); ++n)
     if (weight[n] > 0) mean[n] /= weight[n];
+  const std::vector<bool> pressed = b.midsides.empty() || contact_force.size() < first + count ? std::vector<bool>() : near_pressed(b, contact_force);
   for (std::size_t t = 0; t < b.tets.size(); ++t) {
     const bool held = b.held[t] && !bubbles;
     Stress smooth[4], jump[4];
     for (int k = 0; k < 4; ++k) smooth[k] = mean[b.tets[t].v[k]], jump[k] = held ? smooth[k] : Stress(smooth[k] - here[t][k]);
-    out.missed += (held ? 1 : b.one_sided) * b.volume[t] * mean_of_linear(jump, b.E, b.nu);
+    out.missed += (held ? 1 : b.one_sided * (!pressed.empty() && pressed[t] ? tuning::kPressed : 1)) * b.volume[t] * mean_of_linear(jump, b.E, b.nu);
     out.all += b.volume[t] * mean_of_linear(smooth, b.E, b.nu);
     uniform += b.volume[t] / 4 * (smooth[0] + smooth[1] + smooth[2] + smooth[3]), volume += b.volume[t];
     if (!b.one_across) continue;

@@ -14,9 +14,11 @@
 // nodes over the free ones.
 // Quadratic bodies of one element across have no neighbour to tell what a stress within an element is worth (cubes that were sheared and turned were
 // 7 to 24 % too stiff with estimates below 0.03): a share of the energy of what varies within elements counts as missed, and held nodes as above.
-// Elements that have no free node deform as pins and bonds say, whatever they are made of: nothing tells how wrong that is, and all of their energy
-// counts as missed (a pad of rubber between two plates, one element thick, is as stiff as if it could not bulge).
-// Of linear bodies with few nodes inside bubbles on their edges tell that (bubble_error.h): the larger of what they and what jumps miss counts.
+// Nor has the surface where something presses a part of a face: of quadratic elements that are pressed, and of those beside them, jumps count
+// kPressed times (balls pressed them 3 to 16 % too hard where estimates were half of that). Elements that have no free node deform as pins and bonds
+// say, whatever they are made of: nothing tells how wrong that is, and all of their energy counts as missed (a pad of rubber between two plates, one
+// element thick, is as stiff as if it could not bulge). Of linear bodies with few nodes inside bubbles on their edges tell that (bubble_error.h): the
+// larger of what they and what jumps miss counts.
 //
 // Uniform stress hides what varies (a column that carries a load and bends a little). Of bodies of whose deformation half or more is no affine map
 // `bending` is the error of their motion: with the energy U of s* without its mean m over the body in the place of all of it, where it is less than
@@ -79,6 +81,7 @@ class StressError {
     double missed = 0, all = 0;
     double varying = 0, left = 1;  // of it what counts, and (U + G) / U; 0 where what is affine is most of how the body deforms
   };
+  static std::vector<bool> near_pressed(const Body& b, std::span<const double> contact_force);
   static Energy energy_of(const Body& b, const std::vector<Corners>& here, std::span<const double> contact_force,
                           std::span<const double> displacement);
   // Is what is no affine map most of how it deforms?

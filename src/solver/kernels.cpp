@@ -235,7 +235,7 @@ void shift_diagonal(linalg::BlockMatrix& A, double scale, const std::vector<Inde
   }
 }
 
-double hold_rows(linalg::BlockMatrix& A, double scale, View<const Index> list, Index begin, Index end, View<const Index> block_of_row,
+double hold_rows(linalg::BlockMatrix& A, double scale, double firm, View<const Index> list, Index begin, Index end, View<const Index> block_of_row,
                  View<const double> lever, View<const double> position) {
   if (end == begin) return 0;
   const View<const Index> start = std::as_const(A.row_start).view();
@@ -253,7 +253,7 @@ double hold_rows(linalg::BlockMatrix& A, double scale, View<const Index> list, I
   device::parallel_for("solver.hold", end - begin, [=] MORTISE_HD(Index i) {
     const Index r = list[begin + i];
     const double s = lever[block_of_row[r]];
-    value[start[r]] += scale * k * s * s * Mat3::Identity();
+    value[start[r]] += (scale * k + firm) * s * s * Mat3::Identity();
   });
   return k;
 }

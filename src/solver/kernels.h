@@ -59,9 +59,9 @@ void energy_rounding(View<const Vec3> g, View<const Vec3> q, const std::vector<I
 std::vector<std::pair<Index, Index>> touching(View<const model::ContactSample> samples);
 // A <- A + scale * (mean trace of the diagonal blocks / 3) * I, in the environments of `whose`, each with a mean of its own.
 void shift_diagonal(linalg::BlockMatrix& A, double scale, const std::vector<Index>& env_rows, const std::vector<std::uint8_t>& whose);
-// The mean k of trace A_rr / 3 over the positions among the rows list[begin..end), and A_rr += scale k s^2 I of all of them, with s the lever of the
-// block of the row (convergence.h). Returns k.
-double hold_rows(linalg::BlockMatrix& A, double scale, View<const Index> list, Index begin, Index end, View<const Index> block_of_row,
+// The mean k of trace A_rr / 3 over the positions among the rows list[begin..end), and A_rr += (scale k + firm) s^2 I of all of them, with s the
+// lever of the block of the row (convergence.h). Returns k.
+double hold_rows(linalg::BlockMatrix& A, double scale, double firm, View<const Index> list, Index begin, Index end, View<const Index> block_of_row,
                  View<const double> lever, View<const double> position);
 // v[begin..end) <- 0, or those of `from`.
 void clear_blocks(Buffer<Vec3>& v, Index begin, Index end);

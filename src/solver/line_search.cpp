@@ -80,7 +80,7 @@ void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const st
     merit.slope[e] -= merit.rho[e] * merit.cc[e];
   }
   for (Index e = 0; e < model.envs; ++e)
-    if (!envs.is(e, EnvState::running)) alpha[e] = 0;
+    if (!envs.is(e, EnvState::running) || (!forces.refused.empty() && forces.refused[e])) alpha[e] = 0;
 
   EnvMask searching(model.envs);
   for (Index e = 0; e < model.envs; ++e) searching[e] = alpha[e] > 0;

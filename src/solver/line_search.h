@@ -27,6 +27,7 @@ class LineSearch {
     // Where they are so much farther from balance that the state is not taken at all, asked for where a full step leads far (loose_hold.h).
     std::function<EnvMask(const device::Buffer<Vec3>& trial, const EnvMask& whose)> astray;
     EnvMask far;
+    EnvMask refused;  // where no step is taken
   };
   LineSearch(System& system, EnergyLedger& energies) : system_(system), energies_(energies), arcs_(system) {}
 

@@ -44,11 +44,18 @@ class LooseHold {
   // A far step that is not to be taken.
   bool astray(Index env, double before, double after) const { return after > tuning::kAway * before && rows_[env].scale < tuning::kLargestHold; }
 
+  // Does what supports are about to grip flee meanwhile, on a step of `length` in a scene of that size [m]? The step is not taken, and until supports
+  // stand it is held so that `force` [N] moves it as far as they still have to go, `way` [m].
+  bool flees(Index env, double length, double size) const { return rows_[env].firm == 0 && length > tuning::kFlees * size; }
+  void hold_firmly(Index env, double force, double way) { rows_[env].firm = force / way; }
+  void let_go(Index env) { rows_[env].firm = 0; }
+
   double scale(Index env) const { return rows_[env].scale; }
+  double firm(Index env) const { return rows_[env].firm; }
 
  private:
   struct Row {
-    double scale = 0, stiffness = 0;  // s; k
+    double scale = 0, stiffness = 0, firm = 0;  // s; k; beside s k [N/m]
   };
   std::vector<Row> rows_;  // environments
 };

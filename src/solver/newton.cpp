@@ -168,6 +168,8 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running) && held_loosely(e) && envs_[e].arrived)
         system_.hold.look(e, envs_[e].force, system_.convergence.largest_force(r, e), envs_[e].alpha, envs_[e].step);
+    for (Index e = 0; e < envs_.size(); ++e)
+      if (r.support_gap[e] == 0) system_.hold.let_go(e);
     const EnvMask judged = envs_.mask(EnvState::running);
     note(
         r, [this](Index e) { return wanted(e); }, judged, report);
@@ -199,11 +201,17 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     line_search_.begin(std::as_const(q_).view(), direction_.way(), direction_.supports(), at_, envs_, fetch, asked);
     direction_.end(envs_);
     check_failed();
-    line_search_.end(q_, direction_.way(), direction_.slope(), at_, envs_, report, forces_beside(r));
+    const Search::Forces forces = forces_beside(r);
+    line_search_.end(q_, direction_.way(), direction_.slope(), at_, envs_, report, forces);
     foreseen_ = line_search_.landed();
     check_failed();
-    for (Index e = 0; e < envs_.size(); ++e)
-      if (envs_.is(e, EnvState::running) && envs_[e].alpha == 0) system_.hold.tighten(e);
+    for (Index e = 0; e < envs_.size(); ++e) {
+      if (!envs_.is(e, EnvState::running) || envs_[e].alpha > 0) continue;
+      if (forces.refused[e])
+        system_.hold.hold_firmly(e, system_.convergence.largest_force(r, e), r.support_gap[e]);
+      else
+        system_.hold.tighten(e);
+    }
     for (Index e = 0; e < envs_.size(); ++e) {
       if (!envs_.is(e, EnvState::running)) continue;
       envs_[e].force = system_.convergence.largest_force(r, e), envs_[e].concave = curvature_.concavity(e);
@@ -242,6 +250,10 @@ Newton::Search::Forces Newton::forces_beside(const Residual& r) {
                                system_.hold.astray(e, system_.convergence.largest_force(r, e), system_.convergence.largest_force(there, e)));
     return astray;
   };
+  out.refused.assign(envs_.size(), 0);
+  for (Index e = 0; e < envs_.size(); ++e)
+    out.refused[e] =
+        envs_.is(e, EnvState::running) && system_.rows.loose[e] && r.support_gap[e] > 0 && system_.hold.flees(e, envs_[e].step, system_.length[e]);
   out.far.assign(envs_.size(), 0);
   for (Index e = 0; e < envs_.size(); ++e)
     out.far[e] = envs_.is(e, EnvState::running) && held_loosely(e) && r.support_gap[e] == 0 &&

@@ -120,7 +120,7 @@ void System::matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& w
   shift_diagonal(A, tuning::kLoose, rows.env, rows.loose);
   for (Index e = 0; e < model.envs; ++e)
     if (whose[e] && rows.loose[e])
-      hold.set_stiffness(e, hold_rows(A, hold.scale(e), std::as_const(rows.loose_row).view(), rows.loose_env[e], rows.loose_env[e + 1],
+      hold.set_stiffness(e, hold_rows(A, hold.scale(e), hold.firm(e), std::as_const(rows.loose_row).view(), rows.loose_env[e], rows.loose_env[e + 1],
                                       rows.block.view(), convergence.lever(), convergence.position()));
 }
 

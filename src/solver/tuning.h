@@ -51,6 +51,7 @@ inline constexpr double kSlower = 1.5;         // a preconditioner that has lost
 
 // ---- bodies that only contact holds, in statics (loose_hold.h)
 inline constexpr double kFar = 100;           // of what the residual over their stiffness explains
+inline constexpr double kFlees = 10;          // sizes of the model: nothing that supports are about to grip goes so far
 inline constexpr double kFirstHold = 1e-4;    // of their stiffness: seen by motions that meet next to none,
 inline constexpr double kHoldGrowth = 10;     // grown by this,
 inline constexpr double kLargestHold = 1e-2;  // up to where contact itself converges more slowly for it;

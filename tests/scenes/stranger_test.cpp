@@ -357,6 +357,34 @@ effects:
   EXPECT_NEAR(x, 3e-3, 0.3e-3) << "it rolls half as far";
 }
 
+// It hangs on nothing until they have closed: they went nowhere while it fell by hundreds of kilometres.
+TEST(Stranger, PadsGripWhatWouldFallBetweenThem) {
+  for (const char* contact : {"mortar_contact: {pairs: [{slave: left, master: bar}, {slave: right, master: bar}]}", "barrier_contact: {}"}) {
+    Rig rig(R"(
+mortise: 1
+name: grips
+time: {mode: static, steps: 2}
+materials: {gel: {youngs_modulus: 0.5 MPa, poisson_ratio: 0.45, density: 1050}, steel: {density: 7850}}
+bodies:
+  left: {type: soft, shape: {box: {size: [6 mm, 12 mm, 12 mm], edge_length: 4 mm}}, material: gel, position: [-13.1 mm, 0, 0]}
+  right: {type: soft, shape: {box: {size: [6 mm, 12 mm, 12 mm], edge_length: 4 mm}}, material: gel, position: [13.1 mm, 0, 0]}
+  bar: {type: stiff, shape: {box: {size: [20 mm, 12 mm, 30 mm], edge_length: 10 mm}}, material: steel}
+effects:
+  gravity: {}
+  elasticity: {}
+  affine_body: {}
+  pin:
+    - {body: left, where: {side: x_min}, motion: {time: [0, 0.5], translation: [[0, 0, 0], [0.6 mm, 0, 0]]}}
+    - {body: right, where: {side: x_max}, motion: {time: [0, 0.5], translation: [[0, 0, 0], [-0.6 mm, 0, 0]]}}
+  )" + std::string(contact) +
+            "\n  friction: {mu: 0.7, follows: " + std::string(contact).substr(0, std::string(contact).find(':')) + "}\n");
+    for (int i = 0; i < 2; ++i) EXPECT_EQ(failure([&] { rig.step(); }), "") << contact;
+    const Captured f = rig.fields();
+    const double weight = (7850 * 20e-3 * 12e-3 * 30e-3 + 2 * 1050 * 6e-3 * 12e-3 * 12e-3) * 9.81;
+    EXPECT_NEAR(f.at("supports/left_z") + f.at("supports/right_z"), weight, 2e-3 * weight) << contact;
+  }
+}
+
 // Each falls a tenth of a millimetre onto the next.
 TEST(Stranger, EightStiffBlocksComeToRestOnEachOtherInStatics) {
   std::string blocks;
