@@ -82,7 +82,7 @@ void LineSearch::end(device::Buffer<Vec3>& q, device::Buffer<Vec3>& dq, const st
   for (Index e = 0; e < model.envs; ++e)
     if (!envs.is(e, EnvState::running) || (!forces.refused.empty() && forces.refused[e])) alpha[e] = 0;
 
-  EnvMask searching(model.envs);
+  EnvMask searching(model.envs, 0);
   for (Index e = 0; e < model.envs; ++e) searching[e] = alpha[e] > 0;
   // Energies at q come with those of the first trial state.
   Energies there;
