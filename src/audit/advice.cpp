@@ -9,8 +9,6 @@ std::string_view advice(std::string_view check, const Has& has) {
                                     kStiff = "a larger affine_body.stiffness", kDamps = "shorter steps (time.step), or inertia: {integrator: bdf2}",
                                     kMesh = "a finer mesh of what is stressed (edge_length; three elements across what is thin), or order: 2",
                                     kRound = "a finer mesh of round bodies, of stiff ones too (edge_length)",
-                                    kFiner = "a finer mesh of what is stressed (edge_length; three elements across what is thin)",
-                                    kShorter = "shorter steps (time.step)",
                                     kLayer = "a smaller d_hat, or a finer mesh where it is left to the program";
   static const std::map<std::string_view, std::string_view> all{
       {"residual_share", "a smaller solver.relative_tolerance"},
@@ -21,7 +19,7 @@ std::string_view advice(std::string_view check, const Has& has) {
       {"clip_partition_defect", kBalance},
       {"rigidity_defect", kStiff},
       {"stiff_strain", kStiff},
-      {"energy_gain", kShorter},
+      {"energy_gain", "shorter steps (time.step)"},
       {"free_motion_loss", kDamps},
       {"stiff_impacts", "a soft layer on what strikes: how far stiff bodies bounce off each other is in no law here"},
       {"turning_loss", kDamps},
@@ -54,7 +52,9 @@ std::string_view advice(std::string_view check, const Has& has) {
       {"quantity_error", "what its error_budget names; 'mortise run --accuracy NAME=5%' looks for it"}};
   const auto it = all.find(check);
   if (it == all.end()) return {};
-  return it->second == kDamps && has.bdf2 ? kShorter : it->second == kMesh && has.quadratic ? kFiner : it->second;
+  const std::string_view text = it->second;
+  const bool known = (text == kDamps && has.bdf2) || (text == kMesh && has.quadratic);
+  return known ? text.substr(0, text.rfind(", or ")) : text;
 }
 
 }  // namespace mortise::audit

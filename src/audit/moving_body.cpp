@@ -104,6 +104,13 @@ std::vector<std::size_t> pressed_by(const Snapshot& said, std::size_t count) {
 
 }  // namespace
 
+std::vector<double> velocities(const std::vector<MovingBody>& bodies) {
+  std::vector<double> out;
+  for (const MovingBody& b : bodies)
+    for (const Vec3& v : {b.v, b.w}) out.insert(out.end(), {v[0], v[1], v[2]});
+  return out;
+}
+
 std::vector<MovingBody> MovingBodies::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MeasuredBody>& bodies) {
   std::vector<MovingBody> out;
   const Snapshot::Values *velocity = said.of_points("velocity", 3), *force = said.of_points("contact_force", 3);

@@ -54,6 +54,9 @@ struct MovingBody : HowHeld {
   double turning_of(const Vec3& of) const { return w.squaredNorm() > 0 ? turns * of.squaredNorm() / w.squaredNorm() : 0; }
 };
 
+// v and w of all bodies, three numbers each.
+std::vector<double> velocities(const std::vector<MovingBody>& bodies);
+
 // An integrator's time step h [s], NaN without one, and whether it is of second order.
 struct Integration {
   double step = NAN;

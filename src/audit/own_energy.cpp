@@ -12,11 +12,10 @@ void OwnEnergy::state(const std::vector<MovingBody>& bodies) {
   const double before = kinetic_ + weight_;
   const bool starts = std::isnan(first_);
   kinetic_ = weight_ = lost_ = 0;
-  std::vector<double> moved;
+  std::vector<double> moved = velocities(bodies);
   changes_.assign(bodies.size(), 0.0);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovingBody& b = bodies[i];
-    for (const Vec3& v : {b.v, b.w}) moved.insert(moved.end(), {v[0], v[1], v[2]});
     if (!moved_.empty()) changes_[i] = b.energy_of(b.v - at(moved_, 2 * i)) + b.turning_of(b.w - at(moved_, 2 * i + 1));
     if (!b.given || b.body.soft()) continue;
     kinetic_ += b.energy() + b.turns, weight_ -= b.body.mass() * gravity_.dot(b.x);

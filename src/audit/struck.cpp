@@ -35,7 +35,7 @@ double stored(const std::vector<MovingBody>& bodies, std::size_t group, double o
 }  // namespace
 
 void Struck::begin(Strike& s, const std::vector<MovingBody>& bodies, std::size_t group, const Vec3& n) const {
-  s = {.flew = 0, .rises = 1, .largest = s.largest, .meant = s.meant};
+  s = {.rises = 1, .largest = s.largest, .meant = s.meant};
   double most = 0;
   for (const MovingBody& b : bodies)
     if (b.group == group && b.push.norm() > most) most = b.push.norm(), s.on = b.on ? static_cast<double>(*b.on) : -1;
@@ -47,9 +47,7 @@ void Struck::begin(Strike& s, const std::vector<MovingBody>& bodies, std::size_t
 void Struck::state(const std::vector<MovingBody>& bodies, const std::vector<double>& elastic) {
   if (bodies.empty()) return;
   strikes_.resize(bodies.size());
-  std::vector<double> now;
-  for (const MovingBody& b : bodies)
-    for (const Vec3& v : {b.v, b.w}) now.insert(now.end(), v.data(), v.data() + 3);
+  std::vector<double> now = velocities(bodies);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     Strike& s = strikes_[i];
     s.moves_first = s.moves_second = s.forces_first = s.forces_second = 0;
@@ -69,8 +67,7 @@ void Struck::state(const std::vector<MovingBody>& bodies, const std::vector<doub
     s.largest = std::max(s.largest, force);
     if (!(force > 0)) continue;
     const Vec3 n = push / force;
-    if (s.flew > 0 && !last_.empty()) begin(s, bodies, i, n);
-    s.flew = 0;
+    if (s.flew > 0) begin(s, bodies, i, n);
     if (!(s.rises > 0)) continue;
     const auto changed = [&](std::size_t k) { return Vec3(at(now, k) - at(last_, k)); };
     const auto bent = [&](std::size_t k) { return Vec3(changed(k) - (before_.empty() ? Vec3::Zero() : Vec3(at(last_, k) - at(before_, k)))); };

@@ -40,7 +40,6 @@ class Struck {
     double moves_first = 0, moves_second = 0, moves = 0, forces_first = 0, forces_second = 0, forces = 0;
     double largest = 0, meant = 0;  // F and F' of the run [N]
   };
-  Vec3 velocity(std::size_t body, std::size_t back) const;
   void begin(Strike& s, const std::vector<MovingBody>& bodies, std::size_t group, const Vec3& n) const;
 
   Integration integration_;

@@ -97,25 +97,31 @@ std::string run_json(const RunRecord& r) {
   return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-std::optional<Exit> code_of_finished_run(const std::string& path, const std::string& scene_sha256) {
+namespace {
+
+// What `get` makes of the file if it is of a run, else R().
+template <class R, class Get>
+R of_run(const std::string& path, Get get) {
   try {
     const Json j = Json::parse(read_file(path));
-    if (j.at("filetype") == "mortise run" && j.at("status") == "done" && j.at("scene").at("sha256") == scene_sha256)
-      return static_cast<Exit>(j.at("exit_code").get<int>());
+    if (j.at("filetype") == "mortise run") return get(j);
   } catch (const Error&) {
   } catch (const Json::exception&) {
   }
   return {};
 }
 
+}  // namespace
+
+std::optional<Exit> code_of_finished_run(const std::string& path, const std::string& scene_sha256) {
+  return of_run<std::optional<Exit>>(path, [&](const Json& j) {
+    const bool this_one = j.at("status") == "done" && j.at("scene").at("sha256") == scene_sha256;
+    return this_one ? std::optional(static_cast<Exit>(j.at("exit_code").get<int>())) : std::nullopt;
+  });
+}
+
 std::string scene_of_run(const std::string& path) {
-  try {
-    const Json j = Json::parse(read_file(path));
-    if (j.at("filetype") == "mortise run") return j.at("scene").at("sha256");
-  } catch (const Error&) {
-  } catch (const Json::exception&) {
-  }
-  return {};
+  return of_run<std::string>(path, [](const Json& j) { return j.at("scene").at("sha256").get<std::string>(); });
 }
 
 void write_run_json(const std::string& path, const RunRecord& record) { write_file_atomically(path, run_json(record), true); }

@@ -5,6 +5,11 @@
 
 namespace mortise::render {
 
+bool has_pose(const Camera& camera) {
+  const Vec3 sight = camera.look_at - camera.position;
+  return sight.cross(camera.up).norm() > 1e-9 * sight.norm() * camera.up.norm();
+}
+
 Pose pose_of(const Camera& camera) {
   const Vec3 forward = (camera.look_at - camera.position).normalized(), right = forward.cross(camera.up).normalized();
   return {right, forward.cross(right), forward};

@@ -12,6 +12,7 @@ struct Pose {
   Vec3 right, down, forward;
 };
 Pose pose_of(const Camera& camera);
+bool has_pose(const Camera& camera);  // it looks somewhere, and not along `up`
 
 // pinhole:  u = fx x/z + cx,  v = fy y/z + cy
 // fisheye:  u = fx theta x/r + cx,  v = fy theta y/r + cy,  r = sqrt(x^2 + y^2),  theta = atan2(r, z)   (OpenCV's fisheye model with k1 = ... = k4 =

@@ -9,6 +9,7 @@
 #include "geometry/io/read.h"
 #include "geometry/placement.h"
 #include "geometry/rigid_motion.h"
+#include "render/camera.h"
 #include "render/colour_map.h"
 #include "render/overlay.h"
 #include "scene/quantity.h"
@@ -118,7 +119,7 @@ struct SceneView::Body {
 Camera camera_of(const Params& p) {
   Camera c;
   c.position = p.vec3("position"), c.look_at = p.vec3("look_at"), c.up = p.vec3("up"), c.fov = p.number("fov");
-  if ((c.look_at - c.position).cross(c.up).isZero(0)) c.up = Vec3::UnitY();  // straight down, and nothing is said of it (scene/tables.cpp)
+  if (!has_pose(c)) c.up = Vec3::UnitY();  // straight down, and nothing is said of it (scene/tables.cpp)
   if (const Params* model = p.find("model"); model != nullptr && model->as_text() == "fisheye") c.model = Camera::Model::fisheye;
   return c;
 }

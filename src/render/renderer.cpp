@@ -125,9 +125,7 @@ Renderer::~Renderer() = default;
 void check_job(const RenderJob& job) {
   if (job.width < 1 || job.height < 1 || job.width > 8192 || job.height > 8192)
     throw Error(Exit::scene, "a picture has between 1 and 8192 pixels a side");
-  const Vec3 sight = job.camera.look_at - job.camera.position;
-  const Vec3 side = sight.cross(job.camera.up);
-  if (!(side.norm() > 1e-9 * sight.norm() * job.camera.up.norm()))
+  if (!has_pose(job.camera))
     throw Error(Exit::scene, "a camera needs a look_at away from its position and an up that is not along the line of sight");
   const double widest = job.camera.model == Camera::Model::fisheye ? 2 * M_PI + 1e-9 : M_PI - 1e-3;
   if (!(job.camera.fov > 0 && job.camera.fov <= widest)) throw Error(Exit::scene, "the field of view of a camera is out of range");

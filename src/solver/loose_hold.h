@@ -5,8 +5,8 @@
 //     A += s k I,    k = mean stiffness of their rows [N/m],
 // more or less as that turns out (Levenberg, Marquardt). A step is far when k |dq| is much more than any force there is; a far one that raises the
 // residual is not taken, and one that hardly lowers it is the last so loose; neither is said of steps on which supports move, which raise forces by
-// what they do. The hold falls again where what is left of the residual is what it
-// held back, s k |dq|. The residual itself knows nothing of it, so that a solution is one of the scene.
+// what they do. The hold falls again where what is left of the residual is what it held back, s k |dq|. The residual itself knows nothing of it, so
+// that a solution is one of the scene.
 //
 // Only where samples are frozen, so that energies of two iterates are not those of one potential. Elsewhere the line search goes down the energy, and
 // a step that first raises the residual is the way: a soft ball of facets between two plates rolls by a millimetre until it lies on both, in 21

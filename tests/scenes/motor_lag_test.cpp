@@ -58,18 +58,12 @@ Moved move(const std::string& scene, double step, double seconds, const std::vec
   std::vector<std::string> overrides = {fmt::format("time.step={}", step)};
   overrides.insert(overrides.end(), more.begin(), more.end());
   Rig rig(scene, overrides);
-  audit::EnergyAudit audit(rig.input);
   Moved out;
-  audit.state({rig.fields(), rig.engine->points()});
-  for (int i = 1; i <= std::lround(seconds / step); ++i) {
-    const bool first_order = rig.step().first_order > 0;
-    const Snapshot& said = rig.fields();
-    audit.state({said, rig.engine->points()});
-    audit.step(first_order);
+  long i = 0;
+  out.energy = audited(rig, std::lround(seconds / step), [&](const solver::StepReport&, const Captured& said) {
     for (const auto& [name, value] : said.number) out.largest[name] = std::fmax(out.largest[name], std::abs(value));
-    out.at[std::lround(1e6 * i * step)] = said.number;
-  }
-  out.energy = audit.result();
+    out.at[std::lround(1e6 * static_cast<double>(++i) * step)] = said.number;
+  });
   return out;
 }
 

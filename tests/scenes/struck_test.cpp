@@ -17,17 +17,11 @@ Strike strike(const std::string& scene, double step, double end, const std::vect
   std::vector<std::string> overrides = {fmt::format("time.step={}", step)};
   overrides.insert(overrides.end(), more.begin(), more.end());
   Rig rig(scene, overrides);
-  audit::EnergyAudit audit(rig.input);
-  audit.state({rig.fields(), rig.engine->points()});
   Strike out;
-  for (int i = 0; i < std::lround(end / step); ++i) {
-    const solver::StepReport report = rig.step();
-    const Captured said = rig.fields();
-    audit.state({said, rig.engine->points()});
-    audit.step(report.first_order > 0);
+  const auto look = [&](const solver::StepReport&, const Captured& said) {
     out.force = std::fmax(out.force, vector(said, "mortar_contact/force_pad_").norm());
-  }
-  out.told = audit.result().struck;
+  };
+  out.told = audited(rig, std::lround(end / step), look).struck;
   return out;
 }
 
