@@ -3,7 +3,7 @@ set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=${MORTISE_BUILD:-$root/build/release}
 
-build_packages=(g++ cmake ninja-build ccache libeigen3-dev libsuitesparse-dev libopenblas-dev libassimp-dev libhdf5-dev zlib1g-dev libyaml-cpp-dev
+build_packages=(g++ cmake ninja-build ccache libeigen3-dev libsuitesparse-dev libmetis-dev libopenblas-dev libassimp-dev libhdf5-dev zlib1g-dev libyaml-cpp-dev
   libcli11-dev libpugixml-dev libtbb-dev libosmesa6-dev libpng-dev libstb-dev fonts-dejavu-core libfmt-dev nlohmann-json3-dev libcgal-dev libgmp-dev libmpfr-dev)
 test_packages=(libgtest-dev libgmock-dev python3 python3-venv valgrind)
 slurm_packages=(slurmctld slurmd slurm-client munge)  # tests/slurm/run

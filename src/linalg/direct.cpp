@@ -14,6 +14,7 @@
 #include "device/cholesky.h"
 #include "linalg/cholesky/factor.h"
 #include "linalg/cholesky/openblas.h"
+#include "linalg/cholesky/order.h"
 #include "linalg/cholesky/tuning.h"
 #include "linalg/scalar_csr.h"
 
@@ -57,7 +58,6 @@ struct DirectSolver::State {
   // An order that is being found on another thread.
   struct Search {
     Order found;
-    std::string how;
     tbb::task_group task;
     ~Search() {
       task.cancel();
@@ -69,7 +69,7 @@ struct DirectSolver::State {
   void find_order_beside(std::vector<Index> row_start, std::vector<Index> col) {
     search = std::make_unique<Search>();
     search->task.run([s = search.get(), row_start = std::move(row_start), col = std::move(col)] {
-      s->found.rows = cholesky::find_order(row_start, col, s->how);
+      s->found.rows = cholesky::find_order(row_start, col);
       s->found.flops = cholesky::find_supernodes(row_start, col, s->found.rows).flops.back();
     });
   }
@@ -77,7 +77,7 @@ struct DirectSolver::State {
     if (!search) return;
     const std::unique_ptr<Search> done = std::move(search);
     done->task.wait();
-    order = std::move(done->found), stats.ordering = done->how;
+    order = std::move(done->found);
     pattern = 0;
     ++stats.orderings;
   }
@@ -92,7 +92,7 @@ struct DirectSolver::State {
     if (kept) supernodes = cholesky::find_supernodes(row_start, col, order.rows);
     const double grown = kept ? supernodes.flops.back() / order.flops : INFINITY;
     if (grown > cholesky::tuning::kFarOutgrown) {
-      order.rows = cholesky::find_order(row_start, col, stats.ordering);
+      order.rows = cholesky::find_order(row_start, col);
       supernodes = cholesky::find_supernodes(row_start, col, order.rows);
       order.flops = supernodes.flops.back();
       ++stats.orderings;
@@ -128,7 +128,7 @@ bool DirectSolver::State::factor_on_device(const BlockMatrix& A) {
   if (A.pattern != pattern || pattern == 0) {
     const auto start = Clock::now();
     stats.unknowns = 3 * A.rows;
-    on_device->matrix.set_pattern(A, cholesky::find_order(A.row_start.download(), A.col.download(), stats.ordering));
+    on_device->matrix.set_pattern(A, cholesky::find_order(A.row_start.download(), A.col.download()));
     on_device->cholesky.analyse(on_device->matrix.row_start(), on_device->matrix.col());
     on_device->b.resize(stats.unknowns), on_device->x.resize(stats.unknowns);
     pattern = A.pattern;

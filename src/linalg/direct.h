@@ -7,7 +7,6 @@
 //
 // Where the device has a factorisation of its own (device/cholesky.h), only the ordering is done on the host.
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "linalg/block_matrix.h"
@@ -15,7 +14,6 @@
 namespace mortise::linalg {
 
 struct DirectStats {
-  std::string ordering;       // "metis" or "amd"
   Index unknowns = 0;         // scalar
   double factor_entries = 0;  // of L, zeros of merged supernodes included
   double factor_flops = 0;

@@ -40,4 +40,15 @@ inline std::map<std::string, std::string> last_state(const std::string& dir) {
   return out;
 }
 
+// The arrays of these states that are not equal.
+inline std::string unlike(const std::string& dir, const std::string& other) {
+  std::map<std::string, std::string> a = last_state(dir), b = last_state(other);
+  std::string out;
+  for (const auto& [name, values] : a)
+    if (const auto it = b.find(name); it == b.end() || it->second != values) out += name + (it == b.end() ? " (only the first) " : " ");
+  for (const auto& [name, values] : b)
+    if (!a.count(name)) out += name + " (only the second) ";
+  return out;
+}
+
 }  // namespace mortise::cli

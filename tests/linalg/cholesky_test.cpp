@@ -5,6 +5,7 @@
 #include <random>
 
 #include "linalg/cholesky/factor.h"
+#include "linalg/cholesky/order.h"
 #include "linalg/cholesky/tuning.h"
 #include "problems.h"
 
@@ -59,10 +60,7 @@ Blocks random_matrix(Index rows, const std::vector<std::pair<Index, Index>>& cou
   return out;
 }
 
-Supernodes supernodes_of(const Blocks& A) {
-  std::string how;
-  return cholesky::find_supernodes(A.row_start, A.col, cholesky::find_order(A.row_start, A.col, how));
-}
+Supernodes supernodes_of(const Blocks& A) { return cholesky::find_supernodes(A.row_start, A.col, cholesky::find_order(A.row_start, A.col)); }
 
 using Couplings = std::vector<std::pair<Index, Index>>;
 Couplings chain(Index n) {

@@ -38,7 +38,6 @@ TEST(Direct, SolvesToRoundingAndAgreesWithDense) {
   EXPECT_LT(relative_residual(A, b, x.download()), 1e-12);
   const DenseVector want = dense(A).llt().solve(dense(b));
   EXPECT_LT((dense(x.download()) - want).norm(), 1e-10 * want.norm());
-  EXPECT_EQ(solver.stats().ordering, "metis");
   EXPECT_GE(solver.stats().factor_entries, 9.0 * A.upper_blocks() - 3.0 * A.rows);
   EXPECT_GT(solver.stats().factor_flops, solver.stats().factor_entries);
 }

@@ -3,7 +3,6 @@
 #include <cholmod.h>
 
 #include <algorithm>
-#include <mutex>
 
 #include "base/error.h"
 #include "linalg/cholesky/tuning.h"
@@ -39,18 +38,6 @@ struct Graph {
     if (common.status == CHOLMOD_OUT_OF_MEMORY || common.status == CHOLMOD_TOO_LARGE)
       throw Error(Exit::device, "out of memory in the analysis of the direct solver; use `linear: cg`");
     if (common.status < 0) throw Error(Exit::internal, "CHOLMOD error " + std::to_string(common.status) + " in the analysis");
-  }
-
-  std::vector<Index> order(std::string& how) {
-    std::vector<Index> out(graph->nrow);
-    how = "metis";
-    bool done = cholmod_metis(graph, nullptr, 0, 1, out.data(), &common);
-    if (!done) {
-      how = "amd";
-      done = cholmod_amd(graph, nullptr, 0, out.data(), &common);
-    }
-    if (!done) check();
-    return out;
   }
 
   void analyse(const std::vector<Index>& order) {
@@ -121,13 +108,6 @@ void place_blocks(const std::vector<Index>& row_start, const std::vector<Index>&
 }
 
 }  // namespace
-
-std::vector<Index> find_order(const std::vector<Index>& row_start, const std::vector<Index>& col, std::string& how) {
-  // METIS draws from the C library's one sequence of random numbers, which it begins anew: two at once would disturb each other.
-  static std::mutex one_at_a_time;
-  const std::lock_guard<std::mutex> lock(one_at_a_time);
-  return Graph(row_start, col).order(how);
-}
 
 Supernodes find_supernodes(const std::vector<Index>& row_start, const std::vector<Index>& col, const std::vector<Index>& order) {
   Supernodes t;

@@ -1,10 +1,8 @@
 #pragma once
-// What the Cholesky factor A = L L^T of a symmetric matrix of 3x3 blocks looks like, decided once per structure: the order in which rows are
-// eliminated (nested dissection by METIS, else AMD) and which of them are eliminated together, as one dense panel of L (supernodes; Liu, Ng, Peyton,
-// SIAM J. Matrix Anal. Appl. 14(1), 1993). Both come from CHOLMOD (Chen, Davis, Hager, Rajamanickam, ACM TOMS 887, 2008), on the graph of
-// blocks, which has a ninth of the entries. "Place" is a row's number in the order of elimination.
+// What the Cholesky factor A = L L^T of a symmetric matrix of 3x3 blocks looks like, decided once per structure: which rows are eliminated together,
+// as one dense panel of L (supernodes; Liu, Ng, Peyton, SIAM J. Matrix Anal. Appl. 14(1), 1993). From CHOLMOD (Chen, Davis, Hager, Rajamanickam, ACM
+// TOMS 887, 2008), on the graph of blocks, which has a ninth of the entries. "Place" is a row's number in the order of elimination (order.h).
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "base/types.h"
@@ -37,10 +35,8 @@ struct Supernodes {
   Index rows(Index s) const { return static_cast<Index>(row_start[s + 1] - row_start[s]); }
 };
 
-// Fill-reducing order of the rows of a matrix with these upper blocks: row r has columns col[row_start[r]] ... (the diagonal first), ascending.
-// `how`: "metis" or "amd". Throws Error(Exit::device) when memory runs out, as the next one does.
-std::vector<Index> find_order(const std::vector<Index>& row_start, const std::vector<Index>& col, std::string& how);
-// In this order, but for exchanges that leave fill as it is.
+// Of a matrix with these upper blocks (order.h), in this order, but for exchanges that leave fill as it is. Throws Error(Exit::device) when memory
+// runs out.
 Supernodes find_supernodes(const std::vector<Index>& row_start, const std::vector<Index>& col, const std::vector<Index>& order);
 
 }  // namespace mortise::linalg::cholesky
