@@ -14,7 +14,7 @@ namespace mortise::solver {
 static bool moves(const effects::Effect& effect) { return effect.kind().role == effects::Role::motor; }
 
 EnergyLedger::EnergyLedger(const model::Model& model, Potential& potential)
-    : model_(model), potential_(potential), started_(model.envs, 0), gone_(model.envs, 0), step_(model.envs) {
+    : model_(model), potential_(potential), started_(model.envs, 0), gone_(model.envs, 0), step_(model.envs), owed_(model.envs, 0.0) {
   bool motors = false, second_order = false;
   for (const auto& effect : potential_.effects()) {
     measures_ = measures_ || effect->loses_energy();
@@ -49,6 +49,8 @@ void EnergyLedger::gradient_of(Driver driver, const Linearised& at, device::Buff
 }
 
 void EnergyLedger::accept(const EnvMask& whose, const Linearised& at) {
+  for (Index e = 0; e < model_.envs; ++e)
+    if (whose[e]) owed_[e] = std::max(tuning::kOwedOn * owed_[e] - step_[e].gain, 0.0);
   if (!remembers_) return;
   device::Buffer<Vec3> sum;
   for (Driver d : drivers_) {
@@ -60,6 +62,7 @@ void EnergyLedger::accept(const EnvMask& whose, const Linearised& at) {
 }
 
 void EnergyLedger::checkpoint(Archive& archive) {
+  if (measures_) archive.io("owed", owed_, effects::one_each(model_.envs));
   if (!remembers_) return;
   archive.io("lately", lately_, effects::one_each(model_.envs));
   constexpr const char* kNames[] = {"motor_gradient", "support_gradient", "tie_gradient", "given_gradient"};
@@ -187,6 +190,7 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
         step.there += first;
       }
     }
+    step.owed = std::min(owed_[e], tuning::kOwed * step.there);
     if (!step.second_order || !remembers_) continue;
     const double done = 0.5 * (work_of(before) + work_of(now));
     const double given[] = {before[Driver::given][e], now[Driver::given][e]};  // which the gain knows nothing of
@@ -197,7 +201,7 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
 }
 
 bool EnergyGuard::wants_halving(const StepEnergy& e, double allowed) {
-  if (!helps_ || !(e.gain > allowed * e.there)) return false;
+  if (!helps_ || !(e.gain > allowed * e.there + e.owed)) return false;
   helps_ = !(e.gain > last_ / tuning::kGainFalls);
   last_ = e.gain;
   return helps_;

@@ -12,6 +12,8 @@
 // BDF2 bounds no energy: with M a its force at q1, T(q1) - T(q0) - M a . (q1 - q0) stands in the place of the last term, and motors, supports and
 // driven ties do the work of the mean of their forces at q0 and q1, or a force that falls along a smooth motion would seem to be a gain. A step of it
 // that gains too much is taken anew by backward Euler, which is no less accurate where a body strikes or lets go.
+// What backward Euler lost lately it may gain back, up to a share of what there is: what rolls over facets loses more where one touches than it gains
+// while another lets go, and half steps there are no more accurate.
 #include "base/archive.h"
 #include "solver/envs.h"
 #include "solver/potential.h"
@@ -25,6 +27,7 @@ struct StepEnergy {
   double there = 0;           // energy that there was
   double work = 0;            // of supports, driven ties and motors
   double in_doubt = 0;        // of what motors and supports did, in a step of second order
+  double owed = 0;            // what steps lost lately, as far as this one may gain it
   bool second_order = false;  // the step
 };
 
@@ -72,6 +75,7 @@ class EnergyLedger {
   bool remembers_ = false;        // beside an integrator of second order, which begins with steps of first order:
   device::Buffer<Vec3> last_[4];  // drivers' gradients at the last accepted state [N]
   std::vector<double> lately_;    // energy there was lately: drivers take and bring it, and at every turn there is next to none [J]
+  std::vector<double> owed_;      // what steps lost lately and did not gain back [J]
 };
 
 // A step that makes energy from nowhere is tried again with half its length, as long as the gain falls to about a quarter, as that of backward
@@ -83,7 +87,7 @@ class EnergyGuard {
   void accepted() { last_ = INFINITY; }
   // After an accepted step: is one of twice its length worth a try? It gains four times as much.
   bool lets_double(const StepEnergy& e, double allowed) const {
-    return !helps_ || e.second_order || !(tuning::kGainGrows * e.gain > allowed * e.there);
+    return !helps_ || e.second_order || !(tuning::kGainGrows * e.gain > allowed * e.there + e.owed);
   }
 
  private:

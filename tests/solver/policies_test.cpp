@@ -161,6 +161,9 @@ TEST(EnergyGuard, HalvesWhileThatHelps) {
   EXPECT_TRUE(g.wants_halving({1e-2 / 4, 1, 0}, 1e-6)) << "fell as it should";
   EXPECT_FALSE(g.wants_halving({1e-2 / 5, 1, 0}, 1e-6)) << "did not";
   EXPECT_FALSE(g.wants_halving({1, 1, 0}, 1e-6)) << "no more of this step";
+  g = {};
+  EXPECT_FALSE(g.wants_halving({.gain = 1e-2, .there = 1, .owed = 1e-2}, 1e-6)) << "was lost before";
+  EXPECT_TRUE(g.wants_halving({.gain = 1e-2, .there = 1, .owed = 5e-3}, 1e-6));
 }
 
 TEST(EnvTable, RowsChangeAlone) {
