@@ -29,7 +29,7 @@ GivenKinks::GivenKinks(const model::ModelInput& input) {
   if (const Integration integration = integration_of(input.scene); integration.second_order) step_ = integration.step;
 }
 
-void GivenKinks::look(Body& body, const MovingBody& b, double largest_force) const {
+void GivenKinks::look(Body& body, const MovingBody& b, double force) const {
   const double h = step_;
   const auto c = [&](int k) { return across(b, Vec3(at(body.x, k + 1) - 2 * at(body.x, k) + at(body.x, k - 1)) / (h * h)).norm(); };
   const int n = kKept - 3;
@@ -44,10 +44,10 @@ void GivenKinks::look(Body& body, const MovingBody& b, double largest_force) con
     return;
   }
   body.taken = std::max(body.taken, m * a), body.asked = std::max(body.asked, m * most);
-  body.all = std::max({body.all, body.asked, b.given ? largest_force : tuning::kAcross * b.push.norm()});
+  body.all = std::max({body.all, body.asked, b.given ? force : tuning::kAcross * b.push.norm()});
 }
 
-void GivenKinks::state(const std::vector<MovingBody>& bodies, double largest_force) {
+void GivenKinks::state(const std::vector<MovingBody>& bodies, const std::vector<double>& forces) {
   if (std::isnan(step_) || bodies.empty()) return;
   bodies_.resize(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -61,7 +61,7 @@ void GivenKinks::state(const std::vector<MovingBody>& bodies, double largest_for
     // Before that it went on at the velocity that it began with.
     for (int k = body.states++ == 0 ? 0 : kKept - 1; k < kKept; ++k)
       Eigen::Map<Vec3>(body.x + 3 * k) = b.x - (kKept - 1 - k) * step_ * b.v, Eigen::Map<Vec3>(body.v + 3 * k) = b.v;
-    if (body.states - 2 >= tuning::kBegins) look(body, b, largest_force);  // two states before this one
+    if (body.states - 2 >= tuning::kBegins) look(body, b, forces[i]);  // two states before this one
   }
 }
 

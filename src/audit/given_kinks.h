@@ -6,10 +6,10 @@
 //
 //     over = (max m |a_n| - max m |c_n|) / max F,
 //
-// m: mass of the body; F: the largest force of a state, or m |c|. So of pins and kinematic drives, and of what lies on them and goes along, there
-// across the force that presses and with a share of that for F. Where a velocity changes at once (of one c alone, more than kSpike of those beside
-// it) forces are as large as steps are short, and nobody asks for them; but where it does so more than kJumps times, as that of a track that was
-// sampled and goes straight from key to key, they count as taken.
+// m: mass of the body; F: the force that holds it in a state, or all that touches it, or m |c|. So of pins and kinematic drives, and of what lies on
+// them and goes along, there across the force that presses and with a share of that for F. Where a velocity changes at once (of one c alone, more
+// than kSpike of those beside it) forces are as large as steps are short, and nobody asks for them; but where it does so more than kJumps times, as
+// that of a track that was sampled and goes straight from key to key, they count as taken.
 #include <vector>
 
 #include "audit/moving_body.h"
@@ -21,7 +21,7 @@ namespace mortise::audit {
 class GivenKinks {
  public:
   explicit GivenKinks(const model::ModelInput& input);
-  void state(const std::vector<MovingBody>& bodies, double largest_force);  // [N]
+  void state(const std::vector<MovingBody>& bodies, const std::vector<double>& forces);  // F of every body [N]
   double value() const;  // of the body where it is most; NaN where none is told to move, or without bdf2
   void checkpoint(Archive& archive);
 
@@ -32,7 +32,7 @@ class GivenKinks {
   struct Body {
     double states = 0, x[3 * kKept] = {}, v[3 * kKept] = {}, taken = 0, asked = 0, all = 0, jumped = 0, jumps = 0;
   };
-  void look(Body& body, const MovingBody& b, double largest_force) const;
+  void look(Body& body, const MovingBody& b, double force) const;
 
   double step_ = NAN;  // h [s]
   std::vector<Body> bodies_;

@@ -9,13 +9,13 @@ namespace mortise::audit {
 
 GivenLag::GivenLag(const model::ModelInput& input) : backward_euler_(!integration_of(input.scene).second_order) {}
 
-void GivenLag::state(const std::vector<MovingBody>& bodies, double largest_force) {
+void GivenLag::state(const std::vector<MovingBody>& bodies, const std::vector<double>& forces) {
   if (!backward_euler_ || bodies.empty()) return;
   a_.resize(3 * bodies.size()), late_.resize(bodies.size()), all_.resize(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Vec3 &a = bodies[i].a, change = a - at(a_, i);
     const double m = bodies[i].body.mass();
-    if (states_ > 1 && bodies[i].given && change.norm() < a.norm()) late_[i] += m * change.norm(), all_[i] += std::fmax(m * a.norm(), largest_force);
+    if (states_ > 1 && bodies[i].given && change.norm() < a.norm()) late_[i] += m * change.norm(), all_[i] += std::fmax(m * a.norm(), forces[i]);
     Eigen::Map<Vec3>(a_.data() + 3 * i) = a;
   }
   ++states_;

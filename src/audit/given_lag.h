@@ -4,8 +4,9 @@
 //
 //     lag = sum m |a_n - a_n-1| / sum F,
 //
-// over the steps in which a changes by less than itself, is 2 pi/n of a sine of n steps but for where it turns; F: the largest force of that state,
-// beside which the body's own inertia may be nothing. Where a motion starts or stops at once no step says anything of the force.
+// over the steps in which a changes by less than itself, is 2 pi/n of a sine of n steps but for where it turns; F: the force that holds the body in
+// that state, or all that touches it, beside which its own inertia may be nothing. Where a motion starts or stops at once no step says anything of
+// the force.
 #include <vector>
 
 #include "audit/moving_body.h"
@@ -17,7 +18,7 @@ namespace mortise::audit {
 class GivenLag {
  public:
   explicit GivenLag(const model::ModelInput& input);
-  void state(const std::vector<MovingBody>& bodies, double largest_force);  // [N]
+  void state(const std::vector<MovingBody>& bodies, const std::vector<double>& forces);  // F of every body [N]
   double value() const;  // of the body where it is most; NaN where none is told to move, or without backward Euler
   void checkpoint(Archive& archive);
 

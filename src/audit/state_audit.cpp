@@ -1,6 +1,7 @@
 #include "audit/state_audit.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "audit/contact_figures.h"
 #include "audit/tuning.h"
@@ -49,7 +50,7 @@ EnergyAudit::EnergyAudit(const model::ModelInput& input)
       for (const Vec3& x : b.nodes) rest.insert(rest.end(), x.data(), x.data() + 3);
     for (const MeasuredBody& b : bodies_) {
       const double v = tuning::kNoWay * b.radius(b.mean(rest, rest), rest) / h;
-      least_ += 0.5 * b.mass() * v * v;
+      least_.push_back(0.5 * b.mass() * v * v);
     }
   }
   r_.work_is_known = !effects::of_role(effects, effects::Role::inertia).empty();
@@ -90,13 +91,13 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   }
   bounces_.state(moving, lost, own_);
   moves_ = !moving.empty();
-  if (moves_) scale_.holds(least_);
+  if (moves_) scale_.holds(std::accumulate(least_.begin(), least_.end(), 0.0));
   own_scale_.holds(tuning::kDriven * scale_.largest());
   touched_ = touches;
   lag_.state(now.points, moving);
-  const double largest_force = force_balance(now.said).scale;
-  given_lag_.state(moving, largest_force);
-  given_kinks_.state(moving, largest_force);
+  const std::vector<double> forces = forces_on(now);
+  given_lag_.state(moving, forces);
+  given_kinks_.state(moving, forces);
   jolted_.state(moving);
   std::vector<double> elastic;
   for (std::size_t i = 0; i < moving.size(); ++i) elastic.push_back(elastic_[i].at(now.points));
@@ -104,7 +105,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   motor_lag_.state(now.said, now.points, moving);
   vibrations_.state(now.said, now.points, moving, stored_, bounces_.brought());
   swings_.state(now.said, now.points, moving, elastic);
-  turning_.state(now.points, moving, lost);
+  turning_.state(now.points, moving, {lost, own_, elastic, least_, own_scale_.work()});
   points_before_ = now.points;
   measured();
   return r_;
@@ -185,6 +186,20 @@ double EnergyAudit::total(const StateReport& now) {
     scale_.holds(std::abs(v - gravity_first_)), own_scale_.holds(std::abs(v - gravity_first_ - own_.raised()));
   }
   return sum;
+}
+
+// Of every body: what holds it, or what touches it on all sides; where nothing tells the former, the largest force of all.
+std::vector<double> EnergyAudit::forces_on(const StateReport& now) const {
+  std::vector<double> out;
+  const double largest = force_balance(now.said).scale;
+  const auto* contact = now.field("contact_force");
+  for (const MeasuredBody& b : bodies_) {
+    const std::string held = "supports/" + b.name + "_";
+    double touches = 0;
+    for (std::size_t i = b.first; contact && i < b.first + b.count; ++i) touches += at(*contact, i).norm();
+    out.push_back(now.said.has(held + "x") ? std::max(now.vector(held).norm(), touches) : largest);
+  }
+  return out;
 }
 
 // What a pinned body turns with is the doing of its pins, whose moment is not reported.

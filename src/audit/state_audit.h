@@ -86,6 +86,7 @@ class EnergyAudit {
   double total(const StateReport& now);
   void contact_energy(const StateReport& now);
   double turning(const StateReport& now) const;
+  std::vector<double> forces_on(const StateReport& now) const;  // [N]
   double support_work(const StateReport& now) const;
   void measured();  // all that other classes measure, into the result
 
@@ -111,13 +112,13 @@ class EnergyAudit {
   double all_ = NAN;                                  // total energy, turning of pinned bodies included
   std::vector<double> points_before_;
   double gravity_first_ = NAN;
-  double least_ = 0;       // energy of motions that are rounding [J]
-  double free_ = 0;        // lost where the balance of energies tells it [J]
-  double stored_ = 0;      // of the state, without gravity [J]
-  bool moves_ = false;     // velocities are reported
-  bool touched_ = false;   // something, in the state before
-  bool soft_ = true;       // all bodies
-  bool balanced_ = false;  // what the last step lost is in the balance of energies
+  std::vector<double> least_;  // by body: energy of motions that are rounding [J]
+  double free_ = 0;            // lost where the balance of energies tells it [J]
+  double stored_ = 0;          // of the state, without gravity [J]
+  bool moves_ = false;         // velocities are reported
+  bool touched_ = false;       // something, in the state before
+  bool soft_ = true;           // all bodies
+  bool balanced_ = false;      // what the last step lost is in the balance of energies
 };
 
 }  // namespace mortise::audit

@@ -7,14 +7,17 @@
 // says, in contact and under motors too. Where a body rolls, free or as a wheel on joints (a leg turns by less than kWheel), whatever else energy is
 // lost by than friction makes it slower too: facets of a round body, that strike one after the other; of a step the larger of the two counts.
 // What is supported, driven or rolls gets its energy of turning from elsewhere, and gives it there: the loss is held against the largest energy of
-// all that is not given. A body in flight, or on a joint without a motor, has its own alone while it touches nothing: of each such body the losses
+// all that is not given. What no motor moves is held against no more than its own island has had (islands.h), and work of supports where these may
+// have fed it. A body in flight, or on a joint without a motor, has its own alone while it touches nothing: of each such body the losses
 // are also held against the most that it turned with in flight, where that is more than kTurns of its energy of motion. What rolls on a body that
 // goes as the scene says (a belt) has beside the energy of all that is carried about little of its own: its losses are also held against the most
-// that it moved and turned with as seen from there, as long as it does. What kinematic drives turn goes as they say, but their torques and their work
-// are by this more than they should be, which is a sum of its own.
+// that it moved and turned with, or was lifted by, as seen from there, as long as it does. What kinematic drives turn goes as they say, but their
+// torques and their work are by this more than they should be, which is a sum of its own.
 #include <vector>
 
+#include "audit/islands.h"
 #include "audit/moving_body.h"
+#include "audit/own_energy.h"
 #include "base/archive.h"
 #include "base/snapshot.h"
 #include "model/input.h"
@@ -24,26 +27,46 @@ namespace mortise::audit {
 class TurningLoss {
  public:
   explicit TurningLoss(const model::ModelInput& input);
-  // lost: by the step that led to this state, without friction [J].
-  void state(const std::vector<double>& points, const std::vector<MovingBody>& bodies, double lost);
+  // Of a state: lost by the step that led to it, without friction [J]; changes of velocity in it; elastic energy of every body, and energies of
+  // motions that are rounding [J]; work of supports so far on what is not given [J].
+  struct State {
+    double lost;
+    const OwnEnergy& own;
+    const std::vector<double>&elastic, &least;
+    double work;
+  };
+  void state(const std::vector<double>& points, const std::vector<MovingBody>& bodies, const State& now);
   void step(bool first_order);             // that led to that state
-  double sum() const { return sum_; }      // of all steps [J]; NaN without a time step
+  double sum() const;                      // of all steps [J]; NaN without a time step
   double given() const { return given_; }  // of what kinematic drives turn [J]
-  double of_its_own() const;               // the largest share of its own energy that a body lost, in flight or carried
+  double of_its_own() const;               // the largest share of its own energy that an island lost, or a body in flight or carried
   void checkpoint(Archive& archive);
 
  private:
+  struct Island {
+    double sum = 0, first = 0, second = 0;  // of all steps, and of the last one by its order [J]
+    double before_wheel = 0;                // lost so far by what may be a wheel or a leg [J]
+    double most = 0;                        // that it has had [J]
+    double motored = 0, fed = 0;            // by a motor; by what is given or supported, that moves
+  };
+  void join(const std::vector<MovingBody>& bodies);
+  void measure(const std::vector<MovingBody>& bodies, const State& now);
+
   Integration integration_;
-  double sum_ = NAN, of_first_ = 0, of_second_ = 0;  // of the last step, by its order
+  Vec3 gravity_;
+  Islands islands_;
+  std::vector<Island> of_island_;  // by their numbers
+  std::vector<double> weight_;     // of every body at the start [J]
+  double work_ = 0;
   double given_ = 0, given_first_ = 0, given_second_ = 0;
   // Per body: the most that it turned with in flight, and had of energy of motion then [J]; lost there so far; in the last step, there or carried, by
   // its order [J].
   std::vector<double> turned_, moved_, lost_, lost_first_, lost_second_;
   double most_ = 0;  // share of their own of those that touched something since, or are carried no more
-  // Per body that is carried: the most that it moves and turns with as seen from what carries it, and lost there so far [J].
-  std::vector<double> seen_, lost_seen_;
+  // Per body that is carried: the most that it moves and turns with, and is lifted or lowered by, as seen from what carries it, and lost there so far
+  // [J]; its weight, as lifted there when that began [J].
+  std::vector<double> seen_, lost_seen_, lifted_;
   std::vector<double> rolled_;  // angle of what rolls on joints, since it began to [rad], 3 per body
-  double before_wheel_ = 0;     // lost so far by what may be a wheel or a leg [J]
 };
 
 }  // namespace mortise::audit

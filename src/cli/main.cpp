@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -30,9 +31,16 @@ void keep_memory() {
 #endif
 }
 
+// A launcher may start programs without standard streams. The next files that are opened would be taken for them, and what is printed would go there.
+void open_standard_streams() {
+  for (int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) < 0) (void)!open("/dev/null", stream == STDIN_FILENO ? O_RDONLY : O_WRONLY);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  open_standard_streams();
   keep_memory();
   return mortise::cli::program({argv + 1, argv + argc});
 }

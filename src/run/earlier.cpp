@@ -47,7 +47,7 @@ bool is_of_environment(const std::string& folder, const scene::Scene& all, const
   return true;
 }
 
-void clear_folder(const Options& options, const Folder& folder, const std::string& hash) {
+void clear_folder(const Options& options, const Folder& folder) {
   if (!folder.used()) return;
   const std::string fields = folder.file("fields.vtkhdf");
   if (!options.overwrite && options.resume.empty())
@@ -55,7 +55,7 @@ void clear_folder(const Options& options, const Folder& folder, const std::strin
   std::error_code ec;
   if (!options.overwrite && fs::exists(fs::symlink_status(fields, ec))) {
     const output::FieldReader there(fields);
-    if (there.scene_sha256() != hash || there.frames() > 1)
+    if (there.frames() > 1)
       throw Error(Exit::file, "'" + fields + "' holds " + std::to_string(there.frames()) +
                                   " frames, but there is no checkpoint to go on from; --overwrite replaces them");
   }

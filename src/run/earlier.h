@@ -21,6 +21,6 @@ bool is_of_environment(const std::string& folder, const scene::Scene& all, const
 
 // Takes away what a run without a checkpoint may replace: results that --overwrite gives up, and a start that was cut short before its first
 // checkpoint. Throws Error(Exit::usage) or Error(Exit::file) where there is more.
-void clear_folder(const Options& options, const Folder& folder, const std::string& hash);
+void clear_folder(const Options& options, const Folder& folder);
 
 }  // namespace mortise::run

@@ -15,8 +15,8 @@ struct Estimated {
   double worst = NAN;                 // of the estimated errors, as a share of the quantity; NaN: none is estimated
   std::vector<std::string> warnings;  // what the user should know
 };
-// fields: path of the run's field file.
-using Estimate = std::function<Estimated(engine::Engine& engine, const model::ModelInput& input, const std::string& fields)>;
+// engine: none where no step led to the state, and only values are to be had. fields: path of the run's field file.
+using Estimate = std::function<Estimated(engine::Engine* engine, const model::ModelInput& input, const std::string& fields)>;
 
 // The command line of `mortise run`.
 struct Options {

@@ -47,8 +47,9 @@ std::vector<std::string> stems(const std::string& group, const Params& scene) {
 bool may_report(const std::string& scalar, const Params& scene, const Snapshot& start) {
   if (start.has(scalar)) return true;
   const std::string group = group_of(scalar), leaf = leaf_of(scalar);
-  static const std::set<std::string> always{"supports/work",      "balance/largest",    "balance/written_defect",
-                                            "audit/total_energy", "audit/support_work", "audit/largest_energy_gain"};
+  static const std::set<std::string> always{"balance/largest", "balance/written_defect", "audit/total_energy"},
+      of_motion{"supports/work", "audit/support_work", "audit/largest_energy_gain"};
+  if (of_motion.count(scalar)) return !effects::of_role(scene.at("effects"), effects::Role::inertia).empty();
   return always.count(scalar) > 0 || begins_with_any(leaf, stems(group, scene));
 }
 
@@ -82,6 +83,9 @@ void check_quantities(const model::ModelInput& input, const Snapshot& start) {
     const Params& q = list->items()[i];
     const std::string &value = q.text("value"), what = "quantities." + std::to_string(i);
     if (q.has("point") && q.has("body")) check_place(q, what, input.bodies);
+    if (const long every = scene.at("time").integer("frame_every"); q.text("when") == "sum" && group_of(value) != "steps" && every > 1)
+      throw Error(Exit::scene, q.at("when").where(),
+                  fmt::format("{}: a sum is of all steps, and only one in {} has a frame; 'time.frame_every: 1' gives each one", what, every));
     if (value.find('/') == std::string::npos || group_of(value) == "steps") continue;
     if (start.row.count(value) && !start.has(value + "_x"))
       throw Error(Exit::scene, q.where(), what + ": '" + value + "' is a table, of which a run has one per frame; a quantity is a scalar");

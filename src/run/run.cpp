@@ -102,7 +102,7 @@ class Run {
     sensors_.emplace(input);
     if (bridge_options_) bridge_.emplace(*bridge_options_, input, *sensors_);
     note(folder_->lock());
-    if (!checkpoint) clear_folder(o_, *folder_, hash_);
+    if (!checkpoint) clear_folder(o_, *folder_);
     if (bridge_) note(bridge_->begin(folder_->path(), hash_, checkpoint ? checkpoint->reader.info().step : 0, last_, checkpoint != nullptr));
     results_.emplace(o_, scene_.root, hash_, input, *folder_, *sensors_, record_);
     checkpoints_.emplace(scene_.root, o_.checkpoint_every, o_.in_turn);
@@ -188,10 +188,10 @@ class Run {
     throw Error(code, outcome.message, outcome.located);
   }
 
-  // Of the state that a step of this process led to: the next process has no equations of it.
+  // Errors are of the state that a step of this process led to: the next process has no equations of it.
   void estimate(const model::ModelInput& input) {
-    if (!stepped_ || engine_->steps_done() < steps_ || !o_.estimate || !scene_.root.has("quantities")) return;
-    estimated_ = o_.estimate(*engine_, input, folder_->file("fields.vtkhdf"));
+    if (engine_->steps_done() < last_step() || !o_.estimate || !scene_.root.has("quantities")) return;
+    estimated_ = o_.estimate(stepped_ ? engine_.get() : nullptr, input, folder_->file("fields.vtkhdf"));
     for (const std::string& warning : estimated_.warnings) note(warning);
   }
 

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "audit/volumetric.h"
+#include "base/snapshot.h"
 #include "effects/roles.h"
 #include "engine/effect_tables.h"
 #include "geometry/bounds.h"
@@ -108,6 +109,19 @@ void of_sensors(const model::ModelInput& input, std::vector<std::string>& out) {
   }
 }
 
+// What lies between frames is not looked at.
+void of_quantities(const Params& scene, std::vector<std::string>& out) {
+  const Params* list = scene.find("quantities");
+  const long every = scene.at("time").integer("frame_every");
+  for (std::size_t i = 0; list && every > 1 && i < list->items().size(); ++i) {
+    const Params& q = list->items()[i];
+    const std::string& when = q.text("when");
+    if (q.has("at") || when == "start" || when == "end" || group_of(q.text("value")) == "steps") continue;
+    out.push_back(at(q.at("when").where(),
+                     fmt::format("quantities.{}: the {} is of steps with frames, one in {}; 'time.frame_every: 1' takes all", i, when, every)));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> warnings(const model::ModelInput& input) {
@@ -122,6 +136,7 @@ std::vector<std::string> warnings(const model::ModelInput& input) {
   of_friction(input.scene, out);
   of_bonds(input, out);
   of_sensors(input, out);
+  of_quantities(input.scene, out);
   for (std::string& risk : audit::locking_risks(input)) out.push_back(std::move(risk));
   for (const scene::PassThrough& p : scene::pass_through(input.scene, engine::effect_tables()))
     if (p.everything) out.push_back(p.text());

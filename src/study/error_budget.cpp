@@ -184,10 +184,14 @@ ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, co
   return out;
 }
 
-run::Estimated budget_of_run(engine::Engine& engine, const model::ModelInput& input, const std::string& fields) {
+run::Estimated budget_of_run(engine::Engine* engine, const model::ModelInput& input, const std::string& fields) {
   run::Estimated out;
   const std::vector<Quantity> quantities = quantities_of(input.scene);
-  ErrorBudget budget = budget_of(engine, input, quantities);
+  ErrorBudget budget;
+  if (engine)
+    budget = budget_of(*engine, input, quantities);
+  else
+    for (std::size_t k = 0; k < quantities.size(); ++k) budget.of.emplace_back().why_not = "the run was continued after its last step";
   const output::FieldReader reader(fields);
   for (std::size_t k = 0; k < quantities.size(); ++k) {
     QuantityBudget& of = budget.of[k];

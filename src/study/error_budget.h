@@ -47,8 +47,9 @@ struct ErrorBudget {
 ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, const std::vector<Quantity>& quantities);
 
 // Of a run that has ended with all of its steps, for its certificate: the scene's `quantities` with values from its field file, as a JSON array.
-// What cannot be told is told; a quantity that nothing reports is warned of: it does not undo hours of work.
-run::Estimated budget_of_run(engine::Engine& engine, const model::ModelInput& input, const std::string& fields);
+// What cannot be told is told, as without an engine, when the run was continued after its last step; a quantity that nothing reports is warned of: it
+// does not undo hours of work.
+run::Estimated budget_of_run(engine::Engine* engine, const model::ModelInput& input, const std::string& fields);
 
 // Runs the scene. Throws Error(Exit::usage) for scenes of which nothing can be said.
 ErrorBudget find_error_budget(const Study& study, const Place& place);

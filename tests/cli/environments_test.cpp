@@ -312,6 +312,24 @@ TEST_F(EnvironmentsProgram, AnotherSceneIsNotResumed) {
   }
 }
 
+// Episodes have values of the scene's quantities, and so has one that is continued after its last step.
+TEST_F(EnvironmentsProgram, EpisodesHaveValuesOfQuantities) {
+  write("s.yaml", thrown("[{after: 40 ms}]") + "quantities: [{value: elasticity/energy}]\n");
+  ASSERT_EQ(run("s.yaml -o out").code, 0);
+  const auto value = [this](const std::string& dir) {
+    return nlohmann::json::parse(read_text(at(dir) + "/certificate.json"))["error_budget"][0]["value"].get<double>();
+  };
+  const std::string first = "out" + env(1) + "/episode_0000", last = "out" + env(1) + "/episode_0002";
+  EXPECT_GT(value(first), 0);
+  const double before = value(last);
+  fs::remove(at(last) + "/run.json"), fs::remove(at(last) + "/certificate.json");
+  std::string log = read_text(at("out" + env(1)) + "/episodes.csv");
+  log.erase(log.rfind('\n', log.size() - 2) + 1);
+  write("out" + env(1) + "/episodes.csv", log);
+  ASSERT_EQ(run("s.yaml -o out --resume").code, 0);
+  EXPECT_EQ(value(last), before);
+}
+
 TEST_F(EnvironmentsProgram, ResetsSurviveKills) {
   write("s.yaml", thrown("[{after: 40 ms}, {body: ball, axis: z, above: 4.6 mm}]"));
   ASSERT_EQ(run("s.yaml -o whole").code, 0);

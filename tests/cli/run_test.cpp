@@ -161,6 +161,41 @@ TEST(Run, ResumeNeedsACheckpointUnlessAuto) {
   EXPECT_EQ(mortise("run " + kScene + " --no-render --resume=auto --frames 1 -o " + out.path).code, 0);
 }
 
+// Frame 0 is there, and nothing that could be lost.
+TEST(Run, ResumeAutoStartsAfreshAfterAnErrorInTheScene) {
+  const Folder out;
+  const std::string run = "run " + kScene + " --no-render --resume=auto --frames 1 -o " + out.path;
+  ASSERT_EQ(mortise(run + " --set 'quantities=[{value: supports/nobody_z}]'").code, 3);
+  const Result again = mortise(run);
+  EXPECT_EQ(again.code, 0) << again.err;
+}
+
+// What is printed would go into the next file that is opened.
+TEST(Run, NeedsNoStandardStreams) {
+  const Folder out;
+  const std::string run = "run " + kScene + " --no-render --frames 2 -o " + quoted(out.path);
+  ASSERT_EQ(std::system((quoted(kProgram) + " " + run + " >&- 2>&-").c_str()), 0);
+  EXPECT_EQ(output::FieldReader(out.path + "/fields.vtkhdf").frames(), 3);
+}
+
+TEST(Run, SaysWhatAQuantityLooksAt) {
+  const Folder sum, largest, still;
+  const std::string frames = " --no-render --set time.steps=4 --set time.frame_every=2 -o ";
+  const auto quantity = [](const std::string& value, const std::string& when) {
+    return " --set 'quantities=[{value: " + value + ", when: " + when + "}]'";
+  };
+  const Result none = mortise("run " + kScene + frames + sum.path + quantity("supports/work", "sum"));
+  EXPECT_EQ(none.code, 3);
+  EXPECT_THAT(none.err, testing::HasSubstr("a sum is of all steps, and only one in 2 has a frame"));
+  const Result some = mortise("run " + kScene + frames + largest.path + quantity("supports/work", "largest"));
+  EXPECT_EQ(some.code, 0) << some.err;
+  EXPECT_THAT(some.err, testing::HasSubstr("the largest is of steps with frames, one in 2"));
+  const Result at_rest =
+      mortise("run " + kSource + "/scenes/first/05_static_press.yaml --no-render -o " + still.path + quantity("supports/work", "end"));
+  EXPECT_EQ(at_rest.code, 3);
+  EXPECT_THAT(at_rest.err, testing::HasSubstr("nothing reports 'supports/work'"));
+}
+
 TEST(Run, CudaWithoutAGpuIsAnErrorNotASilentCpuRun) {
   const Folder out;
   if (mortise("info --json").out.find("\"cuda\"") != std::string::npos) GTEST_SKIP() << "there is a GPU";

@@ -74,6 +74,37 @@ TEST(TurningLoss, IsSeenOfABallThatRolls) {
   EXPECT_LT(fine.energy.turning_loss, 0.06 * fine.energy.scale);  // its facets
 }
 
+// What falls beside it, or a heavy tray that carries it, has no share in what it loses.
+TEST(TurningLoss, IsThatOfABallWhateverIsBesideIt) {
+  const auto of_its_own = [](const std::string& tray, const std::string& more, const std::string& pin) {
+    return turn(R"(
+mortise: 1
+name: tray
+time: {step: 5 ms, steps: 60}
+materials: {steel: {density: 7850}, wood: {density: 700}}
+bodies:
+  ball: {type: stiff, shape: {sphere: {radius: 10 mm, edge_length: 4 mm}}, material: wood, position: [-20 mm, 0, 15.06 mm]}
+  tray: {type: stiff, shape: {box: {size: [300 mm, 300 mm, 10 mm], edge_length: 300 mm}}, material: )" +
+                    tray + "}\n" + more + R"(effects:
+  inertia: {}
+  gravity: {}
+  affine_body: {}
+  barrier_contact: {}
+  friction: {follows: barrier_contact, mu: 0.6}
+  pin: [{body: tray, where: {side: all}, motion: {time: [0, 0.1], rotation: {axis: [0, 1, 0], angle: [0, 20 deg]}, interpolation: smooth)" +
+                    pin + "}}]\n",
+                60)
+        .energy.own_turning;
+  };
+  const double alone = of_its_own("wood", "", "");
+  EXPECT_GT(alone, 0.3);
+  EXPECT_NEAR(of_its_own("steel", "", ""), alone, 0.1 * alone);
+  EXPECT_NEAR(
+      of_its_own("wood", "  other: {type: stiff, shape: {box: {size: [0.2, 0.2, 0.1], edge_length: 0.2}}, material: steel, position: [2, 0, 0]}\n",
+                 ""),
+      alone, 0.1 * alone);
+}
+
 namespace {
 
 // A motor of 0.05 N m between a wheel of 0.2 kg and a cart of 0.8 kg on guides: tau / R / (M + m / 2).
@@ -310,7 +341,7 @@ TEST(TurningLoss, IsAShareOfABodysOwnTurningInFlight) {
 
 // A body on a pin that shakes it, m = 1 kg, amplitude 1 mm, n steps in a period: the force of the pin is late by a step.
 TEST(GivenLag, IsThatOfAShakenBody) {
-  const auto lag = [](int n, const std::string& more) {
+  const auto lag = [](int n, const std::string& more, const std::string& beside = "") {
     std::string times, ways;
     for (int k = 0; k <= 3 * n; ++k) {
       times += fmt::format("{}{}", k ? ", " : "", 0.01 * k);
@@ -322,13 +353,13 @@ name: shaken
 time: {{step: 10 ms, steps: {}}}
 bodies:
   table: {{type: stiff, shape: {{box: {{size: [0.1, 0.1, 0.02], edge_length: 0.1}}}}, mass: 1}}
-effects:
+{}effects:
   inertia: {{}}
   affine_body: {{}}
   pin: [{{body: table, where: {{side: all}}, motion: {{time: [{}], translation: [{}]}}}}]
   {}
 )",
-                            3 * n, times, ways, more),
+                            3 * n, beside, times, ways, more),
                 3 * n)
         .energy.given_lag;
   };
@@ -337,6 +368,11 @@ effects:
   EXPECT_NEAR(lag(20, ""), 0.28, 0.06);
   EXPECT_NEAR(lag(80, ""), 0.08, 0.02);
   EXPECT_LT(lag(20, "gravity: {}"), 0.03) << "its weight is far more";
+  // A heavy body on a stiff motor somewhere else bears forces of its own.
+  const std::string slide =
+      "joint: [{name: slide, type: prismatic, body: slider, axis: [1, 0, 0]}]\n  drive: [{joint: slide, mode: pd, kp: 50000, kd: 8000, travel: 0.1}]";
+  EXPECT_NEAR(lag(20, slide, "  slider: {type: stiff, shape: {box: {size: [0.1, 0.1, 0.1], edge_length: 0.1}}, mass: 20, position: [2, 0, 0]}\n"),
+              0.28, 0.06);
   const std::string straight = R"(
 mortise: 1
 name: jump
