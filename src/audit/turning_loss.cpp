@@ -106,11 +106,11 @@ void TurningLoss::state(const std::vector<double>& points, const std::vector<Mov
       if (!(seen_[i] > 0)) lifted_[i] = weight;
       seen_[i] = std::max({seen_[i], b.turns + b.energy_of(b.v - by->rigid().at(b.x)), std::abs(weight - lifted_[i])});
     } else if (seen_[i] > 0) {
-      most_ = of_its_own(), seen_[i] = lost_seen_[i] = 0;
+      most_ = of_bodies(), seen_[i] = lost_seen_[i] = 0;
     }
     if (!b.spins || b.touches || b.stopped) {
       // What spins on a joint has its turning from what it touches: each time by itself.
-      if (!b.free) most_ = of_its_own(), turned_[i] = moved_[i] = lost_[i] = 0;
+      if (!b.free) most_ = of_bodies(), turned_[i] = moved_[i] = lost_[i] = 0;
       continue;
     }
     lost_first_[i] = first, lost_second_[i] = second;
@@ -146,12 +146,17 @@ double TurningLoss::sum() const {
   return sum;
 }
 
-double TurningLoss::of_its_own() const {
+double TurningLoss::of_bodies() const {
   double most = most_;
   for (std::size_t i = 0; i < lost_seen_.size(); ++i)
     if (seen_[i] > 0) most = std::max(most, lost_seen_[i] / seen_[i]);
   for (std::size_t i = 0; i < lost_.size(); ++i)
     if (turned_[i] > tuning::kTurns * moved_[i]) most = std::max(most, lost_[i] / turned_[i]);
+  return most;
+}
+
+double TurningLoss::of_its_own() const {
+  double most = of_bodies();
   for (const Island& island : of_island_)
     if (const double had = std::max(island.most, island.fed > 0 ? work_ : 0); had > 0 && !(island.motored > 0))
       most = std::max(most, island.sum / had);

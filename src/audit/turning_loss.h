@@ -49,6 +49,7 @@ class TurningLoss {
     double most = 0;                        // that it has had [J]
     double motored = 0, fed = 0;            // by a motor; by what is given or supported, that moves
   };
+  double of_bodies() const;  // the largest share of their own, in flight or carried
   void join(const std::vector<MovingBody>& bodies);
   void measure(const std::vector<MovingBody>& bodies, const State& now);
 

@@ -18,8 +18,14 @@ namespace mortise::run {
 
 namespace {
 
-bool begins_with_any(const std::string& leaf, const std::vector<std::string>& names) {
-  return std::any_of(names.begin(), names.end(), [&](const std::string& name) { return leaf.rfind(name + "_", 0) == 0; });
+// One of these names, and what scalars of ties, motors, supports and balances go on with.
+bool of_any(const std::string& leaf, const std::vector<std::string>& names) {
+  static const std::set<std::string> ends{"x",        "y",           "z",       "defect",  "force",   "torque",   "target",   "error",
+                                          "power",    "drag",        "rate",    "angle",   "travel",  "stop",     "coupling", "beside",
+                                          "error_mm", "mimic_error", "force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z",
+                                          "place_x",  "place_y",     "place_z", "guide_x", "guide_y", "guide_z"};
+  return std::any_of(names.begin(), names.end(),
+                     [&](const std::string& name) { return leaf.rfind(name + "_", 0) == 0 && ends.count(leaf.substr(name.size() + 1)) > 0; });
 }
 
 // What scalars of a group begin with that come only with a step: forces of ties and motors, of supports, and of balances.
@@ -50,7 +56,7 @@ bool may_report(const std::string& scalar, const Params& scene, const Snapshot& 
   static const std::set<std::string> always{"balance/largest", "balance/written_defect", "audit/total_energy"},
       of_motion{"supports/work", "audit/support_work", "audit/largest_energy_gain"};
   if (of_motion.count(scalar)) return !effects::of_role(scene.at("effects"), effects::Role::inertia).empty();
-  return always.count(scalar) > 0 || begins_with_any(leaf, stems(group, scene));
+  return always.count(scalar) > 0 || of_any(leaf, stems(group, scene));
 }
 
 void not_reported(const SourceLoc& where, const std::string& what, const std::string& scalar, const Snapshot& said) {
@@ -89,7 +95,8 @@ void check_quantities(const model::ModelInput& input, const Snapshot& start) {
     if (value.find('/') == std::string::npos || group_of(value) == "steps") continue;
     if (start.row.count(value) && !start.has(value + "_x"))
       throw Error(Exit::scene, q.where(), what + ": '" + value + "' is a table, of which a run has one per frame; a quantity is a scalar");
-    if (!may_report(value, scene, start)) not_reported(q.where(), what, value, start);
+    const bool vector = may_report(value + "_x", scene, start);
+    if (!vector && !may_report(value, scene, start)) not_reported(q.where(), what, value, start);
   }
 }
 

@@ -190,6 +190,11 @@ TEST(Run, SaysWhatAQuantityLooksAt) {
   const Result some = mortise("run " + kScene + frames + largest.path + quantity("supports/work", "largest"));
   EXPECT_EQ(some.code, 0) << some.err;
   EXPECT_THAT(some.err, testing::HasSubstr("the largest is of steps with frames, one in 2"));
+  for (const auto& [value, code] :
+       {std::pair{"supports/block", 0}, {"balance/gravity", 0}, {"supports/block_x", 0}, {"supports/block_q", 3}, {"balance/none", 3}}) {
+    const Folder out;
+    EXPECT_EQ(mortise("run " + kScene + frames + out.path + quantity(value, "end")).code, code) << value;
+  }
   const Result at_rest =
       mortise("run " + kSource + "/scenes/first/05_static_press.yaml --no-render -o " + still.path + quantity("supports/work", "end"));
   EXPECT_EQ(at_rest.code, 3);
