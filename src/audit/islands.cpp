@@ -8,8 +8,8 @@ namespace mortise::audit {
 void Islands::state(const std::vector<MovingBody>& bodies) {
   if (of_.empty()) of_.resize(bodies.size()), std::iota(of_.begin(), of_.end(), 0.0);
   const auto join = [this](std::size_t a, std::size_t b) {
-    const auto [one, other] = std::minmax(of_[a], of_[b]);
-    std::replace(of_.begin(), of_.end(), double(other), double(one));
+    const auto [one, other] = std::minmax({of_[a], of_[b]});
+    if (one < other) std::replace(of_.begin(), of_.end(), other, one);
   };
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovingBody& b = bodies[i];
