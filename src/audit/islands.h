@@ -5,18 +5,20 @@
 
 #include "audit/moving_body.h"
 #include "base/archive.h"
+#include "base/disjoint_sets.h"
 
 namespace mortise::audit {
 
 class Islands {
  public:
   void state(const std::vector<MovingBody>& bodies);
-  // The least number of a body of the island that this one belongs to; less than it was where islands have met since.
-  std::size_t of(std::size_t body) const { return static_cast<std::size_t>(of_[body]); }
-  void checkpoint(Archive& archive) { archive.io("islands", of_); }
+  // One body of the island that this one belongs to, the same for all of them; another one where islands have met since.
+  std::size_t of(std::size_t body) { return sets_.of(body); }
+  void checkpoint(Archive& archive);
 
  private:
-  std::vector<double> of_;  // of every body
+  std::size_t bodies_ = 0;
+  DisjointSets sets_{0};
 };
 
 }  // namespace mortise::audit

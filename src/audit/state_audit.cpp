@@ -195,9 +195,13 @@ std::vector<double> EnergyAudit::forces_on(const StateReport& now) const {
   const auto* contact = now.field("contact_force");
   for (const MeasuredBody& b : bodies_) {
     const std::string held = "supports/" + b.name + "_";
+    if (!now.said.has(held + "x")) {
+      out.push_back(largest);
+      continue;
+    }
     double touches = 0;
     for (std::size_t i = b.first; contact && i < b.first + b.count; ++i) touches += at(*contact, i).norm();
-    out.push_back(now.said.has(held + "x") ? std::max(now.vector(held).norm(), touches) : largest);
+    out.push_back(std::max(now.vector(held).norm(), touches));
   }
   return out;
 }

@@ -54,13 +54,12 @@ void TurningLoss::measure(const std::vector<MovingBody>& bodies, const State& no
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovingBody& b = bodies[i];
     if (b.given) continue;
+    const auto goes_there = [&](std::size_t other) { return bodies[other].rigid().at(b.x).norm() > 0; };
     const double weight = -b.body.mass() * gravity_.dot(b.x);
     if (starts) weight_[i] = weight;
     Energy& of = has[islands_.of(i)];
     of.moves += b.energy() + b.turns, of.raised += weight - weight_[i], of.stored += now.elastic[i], of.least += now.least[i];
-    const bool fed = b.body.soft() ? b.led
-                                   : (b.on && bodies[*b.on].given && bodies[*b.on].rigid().at(b.x).norm() > 0) ||
-                                         (b.carrier && bodies[*b.carrier].rigid().at(b.x).norm() > 0);
+    const bool fed = b.body.soft() ? b.led : (b.on && bodies[*b.on].given && goes_there(*b.on)) || (b.carrier && goes_there(*b.carrier));
     if (fed) of_island_[islands_.of(i)].fed = 1;
   }
   for (std::size_t i = 0; i < has.size(); ++i)

@@ -95,8 +95,7 @@ void check_quantities(const model::ModelInput& input, const Snapshot& start) {
     if (value.find('/') == std::string::npos || group_of(value) == "steps") continue;
     if (start.row.count(value) && !start.has(value + "_x"))
       throw Error(Exit::scene, q.where(), what + ": '" + value + "' is a table, of which a run has one per frame; a quantity is a scalar");
-    const bool vector = may_report(value + "_x", scene, start);
-    if (!vector && !may_report(value, scene, start)) not_reported(q.where(), what, value, start);
+    if (!may_report(value, scene, start) && !may_report(value + "_x", scene, start)) not_reported(q.where(), what, value, start);
   }
 }
 

@@ -27,8 +27,7 @@ const ParamTable& quantity_table() {
        optional(of(Kind::vec3, "point", Unit::length, {}, "Instead of over: at this place of the body at rest.")),
        choice("when", {"end", "start", "largest", "smallest", "mean", "sum", "range"}, "end",
               "Of the steps that have frames (time.frame_every; a study writes all): the last, the first, or what they all make; mean: over time; "
-              "range: "
-              "largest less smallest."),
+              "range: largest less smallest."),
        optional(of(Kind::number, "at", Unit::time, {}, "Instead of when: at this time, linear between steps.")),
        optional(of(Kind::number, "reference", Unit::any, {}, "Its right value, where that is known; in the unit of the field file or with a unit.")),
        range(optional(of(Kind::number, "uncertainty", Unit::any, {}, "Of the reference; 0 without.")), 0, std::numeric_limits<double>::infinity()),

@@ -201,7 +201,7 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
 }
 
 bool EnergyGuard::wants_halving(const StepEnergy& e, double allowed) {
-  if (!helps_ || !(e.gain > allowed * e.there + e.owed)) return false;
+  if (!helps_ || !(e.gain > e.may_gain(allowed))) return false;
   helps_ = !(e.gain > last_ / tuning::kGainFalls);
   last_ = e.gain;
   return helps_;

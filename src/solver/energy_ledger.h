@@ -29,6 +29,8 @@ struct StepEnergy {
   double in_doubt = 0;        // of what motors and supports did, in a step of second order
   double owed = 0;            // what steps lost lately, as far as this one may gain it
   bool second_order = false;  // the step
+  // share: of what there was, that comes from nowhere.
+  double may_gain(double share) const { return share * there + owed; }
 };
 
 class EnergyLedger {
@@ -87,7 +89,7 @@ class EnergyGuard {
   void accepted() { last_ = INFINITY; }
   // After an accepted step: is one of twice its length worth a try? It gains four times as much.
   bool lets_double(const StepEnergy& e, double allowed) const {
-    return !helps_ || e.second_order || !(tuning::kGainGrows * e.gain > allowed * e.there + e.owed);
+    return !helps_ || e.second_order || !(tuning::kGainGrows * e.gain > e.may_gain(allowed));
   }
 
  private:
