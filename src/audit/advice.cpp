@@ -28,6 +28,7 @@ std::string_view advice(std::string_view check, const Has& has) {
       {"schedule_missed", "shorter steps, of which none goes past a turn or a pulse of a schedule"},
       {"motion_lag", kDamps},
       {"given_lag", kDamps},
+      {"work_lag", kDamps},
       {"given_kinks", "keys whose velocities change over several steps, or, where peaks of forces count, inertia: {integrator: backward_euler}"},
       {"jolts_damped", kDamps},
       {"strikes_damped", kDamps},

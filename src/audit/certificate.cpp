@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "audit/entries.h"
 #include "audit/schedule_missed.h"
 #include "audit/shape_defect.h"
 #include "audit/tuning.h"
@@ -56,6 +57,8 @@ Certificate::Certificate(const model::ModelInput& input)
   has_.quadratic = std::all_of(input.bodies.begin(), input.bodies.end(), [&](const auto& b) { return !is_soft(b) || !b.midsides.empty(); });
   locking_risks_ = locking_risks(input), single_elements_ = single_elements(input);
   for (const scene::PassThrough& p : scene::pass_through(scene, engine::effect_tables())) passes_through_.push_back(p.text());
+  for (const Params& asked : entries(scene, "quantities"))
+    asks_work_ = asks_work_ || asked.text("value") == "supports/work" || asked.text("value") == "audit/support_work";
   const Params& effects = scene.at("effects");
   for (const std::string& name : effects::of_role(effects, effects::Role::contact))
     d_hat_[name] = effects::contact::support_radius(effects.at(name), input);

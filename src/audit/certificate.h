@@ -67,6 +67,7 @@ class Certificate {
   StiffStrain stiff_strain_;
   double shape_defect_ = 0, schedule_missed_ = NAN;
   std::vector<std::string> passes_through_;  // what nothing keeps apart
+  bool asks_work_ = false;                   // a quantity of the scene is the work of supports
   Has has_;
   std::vector<std::string> locking_risks_, single_elements_;
   std::map<std::string, std::string> volumetric_;  // how soft bodies resist changes of volume

@@ -59,6 +59,7 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("schedule_missed", schedule_missed_, tuning::kMissed);
   add("motion_lag", energy.motion_lag, tuning::kMotionLag);
   add("given_lag", energy.given_lag, tuning::kGivenLag);
+  if (asks_work_) add("work_lag", energy.work_lag, tuning::kWorkLag);
   add("given_kinks", energy.given_kinks, tuning::kGivenKinks, Of::forces);
   add("jolts_damped", energy.jolted, tuning::kJolted, Of::forces);
   add("strikes_damped", energy.struck, tuning::kStruck, Of::forces);

@@ -74,6 +74,8 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
     const bool summed = now.said.has("supports/work");
     const double work = summed ? now.said.at("supports/work") : support_work(now);
     scale_.worked(work, r_.work_is_known), own_scale_.worked(work - own_.work(), r_.work_is_known);
+    work_most_ = std::fmax(work_most_, std::abs(scale_.work()));
+    if (summed) work_lag_ += now.said.at("supports/work_lag");
     if (r_.work_is_known) {
       r_.gain = (summed ? all_ - all_before : r_.total - before) - work;
       r_.largest_gain = std::fmax(r_.largest_gain, r_.gain);
@@ -120,7 +122,8 @@ void EnergyAudit::step(bool first_order) {
 }
 
 void EnergyAudit::measured() {
-  r_.support_work = scale_.work();
+  r_.support_work = scale_.work(),
+  r_.work_lag = work_most_ > 0 ? work_lag_ / std::fmax(std::abs(scale_.work()), tuning::kWorkOfMost * work_most_) : 0;
   r_.scale = scale_.largest(), r_.own_scale = own_scale_.largest();
   r_.turnover = moves_ ? scale_.turnover() : 0, r_.own_turnover = moves_ ? own_scale_.turnover() : 0;
   r_.at_start = pressed_first_ - pressed_least_;
@@ -140,6 +143,8 @@ void EnergyAudit::checkpoint(Archive& archive) {
                              {"gravity_first", &gravity_first_},
                              {"free", &free_},
                              {"rubbed", &rubbed_},
+                             {"work_lag", &work_lag_},
+                             {"work_most", &work_most_},
                              {"pressed_first", &pressed_first_},
                              {"pressed_least", &pressed_least_}})
     archive.io(name, *value);

@@ -53,6 +53,7 @@ class EnergyAudit {
   struct Result {
     double total = NAN;         // kinetic and stored energy [J], without the turning of pinned stiff bodies, whose moment is not reported
     double support_work = 0;    // of moving supports since the start [J]
+    double work_lag = 0;        // what that errs by, over what it is or a tenth of the largest that it was
     double gain = NAN;          // of this step: change of total less the work of supports [J]; NaN: the first state
     double largest_gain = NAN;  // of all steps so far [J]
     double scale = 0;           // largest energy of the run so far [J]
@@ -108,6 +109,7 @@ class EnergyAudit {
   SwingLoss swings_;
   EnergyScale scale_, own_scale_;                     // of all, and without what is given
   double rubbed_ = 0;                                 // by friction so far [J]
+  double work_lag_ = 0, work_most_ = 0;               // of supports so far: what their work errs by, and the largest that it was [J]
   double pressed_first_ = NAN, pressed_least_ = NAN;  // energy of contact in the first state, and the least since [J]
   double all_ = NAN;                                  // total energy, turning of pinned bodies included
   std::vector<double> points_before_;

@@ -24,6 +24,8 @@ inline constexpr Bounds kTurningLoss{
 inline constexpr Bounds kMotionLag{0.05, 0.1};
 inline constexpr Bounds kGivenLag{0.1, 0.2};  // of forces: a sine of 60 and of 25 steps, whose largest errors are 10 and 25 % of its amplitude
 inline constexpr Bounds kMotorLag{0.05, 0.1};
+inline constexpr Bounds kWorkLag{0.05, 0.1};  // of work: a smooth lift in 100 and in 50 steps
+inline constexpr double kWorkOfMost = 0.1;    // what goes there and back ends with next to no work
 inline constexpr Bounds kGivenKinks{0.05, 0.1};
 inline constexpr Bounds kJolted{0.05, 0.1};
 inline constexpr Bounds kStruck{0.05, 0.1};

@@ -81,13 +81,21 @@ bool guided_by_support(const Model& model, const Joint& joint) {
   return (carrier == Tie::kWorld || model.bodies[carrier].prescribed()) && !model.ties.tied(model.bodies[joint.follower].block_begin);
 }
 
+std::vector<Guided> guided(const Model& model) {
+  std::vector<Guided> out;
+  for (Index i = 0; i < static_cast<Index>(model.joints.size()); ++i) {
+    const Joint& j = model.joints[i];
+    if (j.type == JointType::prismatic && !j.mimics && guided_by_support(model, j)) out.push_back({i, j.follower, carrier_of(j)});
+  }
+  return out;
+}
+
 void guide(Model& model) {
   std::vector<Vec3> target;
   std::vector<Mat3> projector;
-  for (const Joint& j : model.joints) {
-    if (j.type != JointType::prismatic || j.mimics) continue;
-    if (!guided_by_support(model, j)) continue;
-    const Index slider = model.bodies[j.follower].block_begin, carrier = carrier_of(j);
+  for (const auto& [joint, body, carrier] : guided(model)) {
+    const Joint& j = model.joints[joint];
+    const Index slider = model.bodies[body].block_begin;
     if (target.empty()) target = model.target.download(), projector = model.projector.download();
     // Blocks of what is prescribed, at the end of the step.
     const auto at_end = [&](Index block) {

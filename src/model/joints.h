@@ -60,4 +60,11 @@ Follow axis_of(const Model& model, const Joint& joint);
 void guide(Model& model);
 bool guided_by_support(const Model& model, const Joint& prismatic);
 
+// Those that are.
+struct Guided {
+  Index joint;            // of Model::joints
+  Index slider, carrier;  // bodies; Tie::kWorld is none
+};
+std::vector<Guided> guided(const Model& model);
+
 }  // namespace mortise::model

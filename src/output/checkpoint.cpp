@@ -12,7 +12,7 @@ namespace mortise::output {
 namespace {
 
 constexpr const char* filetype = "mortise checkpoint";
-constexpr std::int64_t version[2] = {3, 0};
+constexpr std::int64_t version[2] = {3, 1};
 
 // The last bytes of a checkpoint; HDF5 does not look behind its own end. 20 + 64 + 1 bytes.
 constexpr std::string_view seal_mark = "\nmortise-sha256-v01=";
@@ -33,6 +33,7 @@ CheckpointWriter::CheckpointWriter(const std::string& dir, const CheckpointInfo&
   h5::set_integer(file_, file_.id(), "step", info.step);
   h5::set_integer(file_, file_.id(), "frames", info.frames);
   h5::set_number(file_, file_.id(), "time", info.time);
+  h5::set_integer(file_, file_.id(), "steps", info.steps);
   h5::make_group(file_, file_.id(), "state");
 }
 
@@ -83,6 +84,7 @@ CheckpointReader::CheckpointReader(const std::string& path) : path_(path) {
   info_.step = h5::get_integer(file, file.id(), "step");
   info_.frames = h5::get_integer(file, file.id(), "frames");
   info_.time = h5::get_number(file, file.id(), "time");
+  if (H5Aexists(file.id(), "steps") > 0) info_.steps = h5::get_integer(file, file.id(), "steps");
   load(file, h5::open_group(file, file.id(), "state"), "");
 }
 

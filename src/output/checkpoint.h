@@ -18,6 +18,7 @@ struct CheckpointInfo {
   std::int64_t step = 0;    // steps done
   std::int64_t frames = 0;  // frames of the field file at that moment
   double time = 0;          // [s]
+  std::int64_t steps = 0;   // of the scene; 0: not known
 };
 
 class CheckpointWriter : public Archive {

@@ -39,6 +39,7 @@ constexpr Entry kDatasets[] = {
     {"balance", "defect_*", "sum of all forces, supports included: zero but for the residual"},
     {"balance", "*_*", "sum of the forces of this effect on all bodies"},
     {"supports", "work", "work of moving supports in the step that ended here"},
+    {"supports", "work_lag", "what this work may be too large by, as forces change within a step of backward Euler"},
     {"supports", "*_defect", "what supports and effects leave over on this body (statics: zero but for the residual)"},
     {"supports", "*_*", "force of the supports on this body"},
     {"joint", "tie_error", "farthest that a joint is off, of axes times the radius of the body"},

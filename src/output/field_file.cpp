@@ -79,11 +79,13 @@ std::unique_ptr<FieldFile> FieldFile::open(const std::string& path, const Output
   return out;
 }
 
-std::unique_ptr<FieldFile> FieldFile::reopen(const std::string& path, std::int64_t frames, std::int64_t steps, const FieldOptions& options) {
+std::unique_ptr<FieldFile> FieldFile::reopen(const std::string& path, std::int64_t frames, std::int64_t steps, const FieldOptions& options,
+                                             const FileInfo* longer) {
   rehearse(path, frames, steps);
   std::unique_ptr<FieldFile> out(new FieldFile(path, h5::Mode::write, options));
   out->guarded([&] {
     out->load(frames, steps);
+    if (longer) out->retell(*longer);
     out->file_.flush();
     out->rest();
   });

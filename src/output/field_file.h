@@ -44,8 +44,10 @@ class FieldFile : public FieldSink {
   // Creates (or replaces) `path`, which is there when it is whole.
   static std::unique_ptr<FieldFile> open(const std::string& path, const OutputMesh& mesh, const FileInfo& info, const FieldOptions& options);
   // Goes on with a file of an earlier run: keeps the first `frames` frames and the first `steps` rows of the step table and
-  // drops the rest. Precision stays what it was. Throws Error(Exit::file) if the file holds fewer.
-  static std::unique_ptr<FieldFile> reopen(const std::string& path, std::int64_t frames, std::int64_t steps, const FieldOptions& options);
+  // drops the rest. Precision stays what it was. longer: of a scene that the run goes on with, if that is another one. Throws Error(Exit::file) if
+  // the file holds fewer.
+  static std::unique_ptr<FieldFile> reopen(const std::string& path, std::int64_t frames, std::int64_t steps, const FieldOptions& options,
+                                           const FileInfo* longer = nullptr);
   ~FieldFile() override;  // without close(): what end_frame() did not finish is lost
 
   // `points`: current positions [m], x y z per point of the mesh.
@@ -80,6 +82,7 @@ class FieldFile : public FieldSink {
   FieldFile(const std::string& path, h5::Mode mode, const FieldOptions& options);
   void create(const OutputMesh& mesh, const FileInfo& info);
   void load(std::int64_t frames, std::int64_t steps);
+  void retell(const FileInfo& info);  // the scene
   static void rehearse(const std::string& path, std::int64_t frames, std::int64_t steps);
   void open_groups();
   void rest();

@@ -104,6 +104,15 @@ void FieldFile::create(const OutputMesh& mesh, const FileInfo& info) {
   file_.flush();
 }
 
+void FieldFile::retell(const FileInfo& info) {
+  const h5::File& f = file_;
+  const h5::Id ours = h5::open_group(f, f.id(), "mortise");
+  h5::remove(f, ours, "scene");
+  h5::write_text(f, ours, "scene", info.scene_text);
+  h5::remove_attribute(f, f.id(), "scene_sha256");
+  h5::set_text(f, f.id(), "scene_sha256", info.scene_sha256);
+}
+
 void FieldFile::open_groups() {
   const h5::File& f = file_;
   root_ = h5::open_group(f, f.id(), "VTKHDF");

@@ -17,7 +17,6 @@ FieldReader::FieldReader(const std::string& path) : file_(path, h5::Mode::read) 
     throw Error(Exit::file, path + ": written in format version " + (version.empty() ? "?" : std::to_string(version[0])) +
                                 ", this mortise reads version " + std::to_string(field_file_version[0]));
   }
-  scene_sha256_ = h5::get_text(f, f.id(), "scene_sha256");
   h5::Id root = h5::open_group(f, f.id(), "VTKHDF"), steps = h5::open_group(f, root, "Steps");
   h5::Id mesh = h5::open_group(f, f.id(), "mortise/mesh"), ours = h5::open_group(f, f.id(), "mortise");
   scene_text_ = h5::read_text(f, ours, "scene");

@@ -38,7 +38,6 @@ class FieldReader {
   std::vector<StepRow> steps() const;
 
   const std::string& scene_text() const { return scene_text_; }
-  const std::string& scene_sha256() const { return scene_sha256_; }
 
  private:
   void check_frame(std::int64_t frame) const;
@@ -48,7 +47,7 @@ class FieldReader {
   h5::File file_;
   OutputMesh mesh_;
   std::vector<double> times_;
-  std::string scene_text_, scene_sha256_;
+  std::string scene_text_;
 };
 
 }  // namespace mortise::output

@@ -103,6 +103,9 @@ double get_number(const File& file, hid_t object, const char* name);
 
 // A dataset that holds one string.
 void write_text(const File& file, hid_t parent, const char* name, std::string_view value);
+// Takes away what is written anew.
+void remove(const File& file, hid_t parent, const char* name);
+void remove_attribute(const File& file, hid_t object, const char* name);
 std::string read_text(const File& file, hid_t parent, const char* name);
 
 template <class T>

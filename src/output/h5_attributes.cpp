@@ -110,6 +110,12 @@ void write_text(const File& file, hid_t parent, const char* name, std::string_vi
   set_text(file, dataset, "unit", "1");
 }
 
+void remove(const File& file, hid_t parent, const char* name) { file.check(H5Ldelete(parent, name, H5P_DEFAULT), std::string("remove ") + name); }
+
+void remove_attribute(const File& file, hid_t object, const char* name) {
+  file.check(H5Adelete(object, name), std::string("remove attribute ") + name);
+}
+
 std::string read_text(const File& file, hid_t parent, const char* name) {
   const std::string action = std::string("read ") + name;
   Id dataset(file.check(H5Dopen2(parent, name, H5P_DEFAULT), action));

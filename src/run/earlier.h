@@ -11,8 +11,10 @@
 
 namespace mortise::run {
 
-// Whether to continue, and from what; notes what was skipped. hash: identity of the scene. Throws Error(Exit::file).
-std::unique_ptr<output::NewestCheckpoint> open_checkpoint(const Options& options, const std::string& folder, const std::string& hash);
+// Whether to continue, and from what; notes what was skipped. hash: identity of the scene. That of the checkpoint may have another number of steps,
+// but more than are done, in a motion of its own. Throws Error(Exit::file).
+std::unique_ptr<output::NewestCheckpoint> open_checkpoint(const Options& options, const std::string& folder, const Params& scene,
+                                                          const std::string& hash);
 
 // Whether the results in `folder` are of that environment of the scene, of its first episode where it has such; false where nothing tells. Throws
 // Error(Exit::file) where they are of another scene: episodes that have ended are not run again.

@@ -54,7 +54,7 @@ bool may_report(const std::string& scalar, const Params& scene, const Snapshot& 
   if (start.has(scalar)) return true;
   const std::string group = group_of(scalar), leaf = leaf_of(scalar);
   static const std::set<std::string> always{"balance/largest", "balance/written_defect", "audit/total_energy"},
-      of_motion{"supports/work", "audit/support_work", "audit/largest_energy_gain"};
+      of_motion{"supports/work", "supports/work_lag", "audit/support_work", "audit/largest_energy_gain"};
   if (of_motion.count(scalar)) return !effects::of_role(scene.at("effects"), effects::Role::inertia).empty();
   return always.count(scalar) > 0 || of_any(leaf, stems(group, scene));
 }

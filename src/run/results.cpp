@@ -51,12 +51,16 @@ Results::Results(const Options& options, const Params& scene, std::string hash, 
 }
 
 void Results::begin(const model::ModelInput& input, const std::string& resolved) {
-  file_ = output::FieldFile::open(folder_.file("fields.vtkhdf"), output_mesh(input), {version(), git_sha1(), resolved, hash_}, fields_);
+  file_ = output::FieldFile::open(folder_.file("fields.vtkhdf"), output_mesh(input), info(resolved), fields_);
 }
 
-void Results::go_on(output::CheckpointReader& from) {
+output::FileInfo Results::info(const std::string& resolved) const { return {version(), git_sha1(), resolved, hash_}; }
+
+void Results::go_on(output::CheckpointReader& from, const std::string& resolved) {
   checkpoint(from);
-  file_ = output::FieldFile::reopen(folder_.file("fields.vtkhdf"), from.info().frames, from.info().step, fields_);
+  const output::FileInfo now = info(resolved);
+  file_ = output::FieldFile::reopen(folder_.file("fields.vtkhdf"), from.info().frames, from.info().step, fields_,
+                                    from.info().scene_sha256 != hash_ ? &now : nullptr);
   record_.steps = file_->steps();
   // They are of a run that ended; this one has not.
   for (const char* end : {"certificate.json", "run.json"}) ::unlink(folder_.file(end).c_str());

@@ -31,8 +31,8 @@ class Results {
 
   // The file of fields is new; resolved: the scene as the program understood it.
   void begin(const model::ModelInput& input, const std::string& resolved);
-  // Or it goes on where a checkpoint left it, with all that was gathered until then.
-  void go_on(output::CheckpointReader& from);
+  // Or it goes on where a checkpoint left it, with all that was gathered until then; `resolved` may have more steps than that run had.
+  void go_on(output::CheckpointReader& from, const std::string& resolved);
 
   // A step that was tried, whatever became of it.
   void tried(const solver::StepReport& report) { newton_log_.step(report); }
@@ -65,6 +65,7 @@ class Results {
   void finish(End& end, const std::function<void(const std::string&)>& note, const std::function<void(const std::string&)>& tell);
 
  private:
+  output::FileInfo info(const std::string& resolved) const;
   void frame(const State& now);
   void line(const State& now);
   void audit(const audit::EnergyAudit::Result& energy);

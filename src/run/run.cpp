@@ -83,7 +83,7 @@ class Run {
     std::unique_ptr<output::NewestCheckpoint> checkpoint;
     if (folder_->exists()) {
       note(folder_->lock());
-      checkpoint = open_checkpoint(o_, dir, hash_);
+      checkpoint = open_checkpoint(o_, dir, scene_.root, hash_);
       if (checkpoint && checkpoint->reader.info().step >= last_)
         if (const auto code = output::code_of_finished_run(folder_->file("run.json"), hash_)) {
           note(fmt::format("the run in '{}' is finished: there is nothing to continue", dir));
@@ -147,9 +147,11 @@ class Run {
     check(engine_->checkpoint(checkpoint.reader));
     checkpoint_others(checkpoint.reader);
     if (bridge_) engine_->command(bridge_->commands());
-    results_->go_on(checkpoint.reader);
+    results_->go_on(checkpoint.reader, resolved_);
     started_ = true;
-    note(fmt::format("continuing at step {}, t = {:.6g} s", engine_->steps_done(), engine_->time()));
+    const bool longer = checkpoint.reader.info().scene_sha256 != hash_;
+    note(fmt::format("continuing at step {}, t = {:.6g} s{}", engine_->steps_done(), engine_->time(),
+                     longer ? fmt::format(", to step {} instead of {}", steps_, checkpoint.reader.info().steps) : ""));
   }
 
   void begin(const model::ModelInput& input) {
@@ -284,7 +286,7 @@ class Run {
   void save() {
     const Stopwatch checkpoint;
     results_->flush();
-    output::CheckpointWriter writer(folder_->path(), {version(), hash_, engine_->steps_done(), results_->frames(), engine_->time()});
+    output::CheckpointWriter writer(folder_->path(), {version(), hash_, engine_->steps_done(), results_->frames(), engine_->time(), steps_});
     check(engine_->checkpoint(writer));
     results_->checkpoint(writer);
     checkpoint_others(writer);

@@ -42,6 +42,22 @@ double mesh_along(effects::Effect& store, device::View<const Vec3> q, device::Vi
   return mended - as_it_is;
 }
 
+// Where what is tied to a body goes with it, slides on it go as well, across their axes, and what slides on these.
+void carry_slides(const model::Model& model, const std::vector<Mat3>& P, std::vector<Vec3>& E) {
+  const std::vector<model::Guided> slides = model::guided(model);
+  for (std::size_t round = 0; round < slides.size(); ++round) {
+    device::Buffer<Vec3> carried(E);
+    model.ties.carry(carried.view());
+    const std::vector<Vec3> with = carried.download();
+    for (const model::Guided& g : slides) {
+      if (g.carrier == model::Tie::kWorld) continue;
+      const Vec3& e = with[model.bodies[g.carrier].block_begin];
+      const Index b = model.bodies[g.slider].block_begin;
+      E[b] = e - P[b] * e;
+    }
+  }
+}
+
 }  // namespace
 
 Adjoint Simulation::adjoint(const Functional& Q) {
@@ -63,6 +79,7 @@ Adjoint Simulation::adjoint(const Functional& Q) {
     const model::Body& body = model_.bodies.at(Q.body);
     const Index end = body.type == model::BodyType::stiff ? body.block_begin + 1 : body.block_end;
     for (Index b = body.block_begin; b < end; ++b) E[b] = Vec3::Unit(Q.axis) - P[b] * Vec3::Unit(Q.axis);
+    carry_slides(model_, P, E);
   }
   device::Buffer<Vec3> gradient(w), supported(E), JE, f(system.rows.count()), lambda, way;
   if (model_.ties.any()) model_.ties.fold(gradient.view()), model_.ties.carry(supported.view());

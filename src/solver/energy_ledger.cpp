@@ -14,7 +14,13 @@ namespace mortise::solver {
 static bool moves(const effects::Effect& effect) { return effect.kind().role == effects::Role::motor; }
 
 EnergyLedger::EnergyLedger(const model::Model& model, Potential& potential)
-    : model_(model), potential_(potential), started_(model.envs, 0), gone_(model.envs, 0), step_(model.envs), owed_(model.envs, 0.0) {
+    : model_(model),
+      potential_(potential),
+      started_(model.envs, 0),
+      gone_(model.envs, 0),
+      step_(model.envs),
+      owed_(model.envs, 0.0),
+      owed_second_(model.envs, -1.0) {
   bool motors = false, second_order = false;
   for (const auto& effect : potential_.effects()) {
     measures_ = measures_ || effect->loses_energy();
@@ -24,9 +30,10 @@ EnergyLedger::EnergyLedger(const model::Model& model, Potential& potential)
   if (motors) drivers_.push_back(Driver::motors);
   drivers_.push_back(Driver::supports);
   if (model.ties.driven()) drivers_.push_back(Driver::ties);
-  remembers_ = second_order && (motors || model.driven || model.ties.driven());
+  const bool driven = model.driven || model.ties.driven();
+  remembers_ = driven || (second_order && motors);
   if (!remembers_) return;
-  if (model.driven || model.ties.driven()) drivers_.push_back(Driver::given);
+  if (second_order && driven) drivers_.push_back(Driver::given);
   for (Driver d : drivers_) {
     last_[d].resize(model.blocks);
     last_[d].zero();
@@ -48,9 +55,18 @@ void EnergyLedger::gradient_of(Driver driver, const Linearised& at, device::Buff
   }
 }
 
+static double next_owed_second(double owed, const StepEnergy& step) {
+  if (!step.second_order) return -1;
+  if (owed < 0) return std::max(-step.gain, 0.0);
+  return tuning::kOwedSecondOn * std::max(owed - std::max(step.gain, 0.0), 0.0);
+}
+
 void EnergyLedger::accept(const EnvMask& whose, const Linearised& at) {
-  for (Index e = 0; e < model_.envs; ++e)
-    if (whose[e]) owed_[e] = std::max(tuning::kOwedOn * owed_[e] - step_[e].gain, 0.0);
+  for (Index e = 0; e < model_.envs; ++e) {
+    if (!whose[e]) continue;
+    owed_[e] = std::max(tuning::kOwedOn * owed_[e] - step_[e].gain, 0.0);
+    owed_second_[e] = next_owed_second(owed_second_[e], step_[e]);
+  }
   if (!remembers_) return;
   device::Buffer<Vec3> sum;
   for (Driver d : drivers_) {
@@ -62,7 +78,10 @@ void EnergyLedger::accept(const EnvMask& whose, const Linearised& at) {
 }
 
 void EnergyLedger::checkpoint(Archive& archive) {
-  if (measures_) archive.io("owed", owed_, effects::one_each(model_.envs));
+  if (measures_) {
+    archive.io("owed", owed_, effects::one_each(model_.envs));
+    archive.io("owed_second", owed_second_, effects::one_each(model_.envs));
+  }
   if (!remembers_) return;
   archive.io("lately", lately_, effects::one_each(model_.envs));
   constexpr const char* kNames[] = {"motor_gradient", "support_gradient", "tie_gradient", "given_gradient"};
@@ -190,9 +209,13 @@ void EnergyLedger::close(device::View<const Vec3> q, const Linearised& at) {
         step.there += first;
       }
     }
-    step.owed = std::min(owed_[e], tuning::kOwed * step.there);
-    if (!step.second_order || !remembers_) continue;
+    step.owed = step.second_order ? std::max(owed_second_[e], 0.0) : std::min(owed_[e], tuning::kOwed * step.there);
+    if (!remembers_) continue;
     const double done = 0.5 * (work_of(before) + work_of(now));
+    if (!step.second_order) {
+      step.work_lag = std::abs(work_of(now) - done);
+      continue;
+    }
     const double given[] = {before[Driver::given][e], now[Driver::given][e]};  // which the gain knows nothing of
     step.gain += taken - done - 0.5 * (given[1] - given[0]), step.work += done - taken;
     step.in_doubt = tuning::kDrivenErr * std::abs(done - 0.5 * (given[0] + given[1]));

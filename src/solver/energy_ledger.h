@@ -8,12 +8,15 @@
 //   gain = sum over stores [ Phi(q1) - Phi(q0) - grad Phi(q1) . (q1 - q0) ]  -  1/2 |v1 - v0|_M^2,
 //
 // and the last term is the energy of inertia at q1, as 1/2 |v0|_M^2 is that at q0. Supports and driven ties
-// did the work of what they bear at q1 on their way, motors that of their forces at q1.
+// did the work of what they bear at q1 on their way, motors that of their forces at q1. Of smooth motion, this work is too large by about half of
+// what these forces change by in a step, along the way of that step: of what is accelerated by 1/2 |v1 - v0|_M^2, of what is stretched by as much.
 // BDF2 bounds no energy: with M a its force at q1, T(q1) - T(q0) - M a . (q1 - q0) stands in the place of the last term, and motors, supports and
 // driven ties do the work of the mean of their forces at q0 and q1, or a force that falls along a smooth motion would seem to be a gain. A step of it
 // that gains too much is taken anew by backward Euler, which is no less accurate where a body strikes or lets go.
-// What backward Euler lost lately it may gain back, up to a share of what there is: what rolls over facets loses more where one touches than it gains
-// while another lets go, and half steps there are no more accurate.
+// What steps lost lately they may gain back. Backward Euler, up to a share of what there is: what rolls over facets loses more where one touches than
+// it gains while another lets go, and half steps there are no more accurate. BDF2, what its first step lost: after a step of first order velocities
+// of what turns are those of half a step before, for which that step loses twice its share of energy. Refused it, a body that turns would take every
+// other step by first order.
 #include "base/archive.h"
 #include "solver/envs.h"
 #include "solver/potential.h"
@@ -26,11 +29,12 @@ struct StepEnergy {
   double gain = 0;            // what the integrator itself added
   double there = 0;           // energy that there was
   double work = 0;            // of supports, driven ties and motors
+  double work_lag = 0;        // what that errs by in a step of first order, as forces change in it
   double in_doubt = 0;        // of what motors and supports did, in a step of second order
   double owed = 0;            // what steps lost lately, as far as this one may gain it
   bool second_order = false;  // the step
   // share: of what there was, that comes from nowhere.
-  double may_gain(double share) const { return share * there + owed; }
+  double may_gain(double share) const { return share * there + in_doubt + owed; }
 };
 
 class EnergyLedger {
@@ -74,10 +78,11 @@ class EnergyLedger {
   enum Driver { motors, supports, ties, given };
   void gradient_of(Driver driver, const Linearised& at, device::Buffer<Vec3>& sum) const;  // that it does its work against [N]
   std::vector<Driver> drivers_;
-  bool remembers_ = false;        // beside an integrator of second order, which begins with steps of first order:
+  bool remembers_ = false;        // something drives, so that its forces are known at both ends of a step:
   device::Buffer<Vec3> last_[4];  // drivers' gradients at the last accepted state [N]
   std::vector<double> lately_;    // energy there was lately: drivers take and bring it, and at every turn there is next to none [J]
-  std::vector<double> owed_;      // what steps lost lately and did not gain back [J]
+  // What steps lost lately and did not gain back [J]: all, and the first of second order, -1 after one of first order.
+  std::vector<double> owed_, owed_second_;
 };
 
 // A step that makes energy from nowhere is tried again with half its length, as long as the gain falls to about a quarter, as that of backward

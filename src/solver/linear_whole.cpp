@@ -30,10 +30,15 @@ void unweigh(device::View<const double> w, device::View<const Vec3> in, device::
   device::parallel_for("solver.unweigh", in.n, [=] MORTISE_HD(Index i) { out[i] = in[i] / w[i]; });
 }
 
-// start: none where the environments of `all` start at x = 0.
-linalg::GmresResult solve(const model::Model& model, const LinearSystem& s, const EnvMask& all, const Start* start,
-                          const std::vector<Index>& env_rows, const std::vector<double>& relative, Index limit,
-                          const linalg::Awaited& preconditioner) {
+void copy_of(const EnvMask& whose, const std::vector<Index>& env_rows, device::View<const Vec3> from, device::View<Vec3> to) {
+  for (std::size_t e = 0; e < whose.size(); ++e)
+    if (whose[e]) device::copy(to.p + env_rows[e], from.p + env_rows[e], (env_rows[e + 1] - env_rows[e]) * sizeof(Vec3));
+}
+
+}  // namespace
+
+linalg::GmresResult solve_whole(const model::Model& model, const LinearSystem& s, const Start& start, const std::vector<Index>& env_rows,
+                                const std::vector<double>& relative, Index limit, const linalg::Awaited& preconditioner) {
   const Index rows = s.b.n, envs = static_cast<Index>(env_rows.size()) - 1;
   device::Buffer<Vec3> r(rows), x(rows), d(rows), Jx(rows), forces(rows);
   Jx.zero();  // of environments that have settled no product is taken
@@ -65,21 +70,8 @@ linalg::GmresResult solve(const model::Model& model, const LinearSystem& s, cons
     device::copy(x.view().p, s.x.p, rows * sizeof(Vec3));
     residual(fetch);
   };
-  EnvMask whose = all;
-  if (start) {
-    whose = (*start)(begin);
-  } else {  // r is b, whose size a single environment hears of with the first product
-    x.zero();
-    weigh(w, s.b, r.view());
-    device::Fetch fetch;
-    if (envs > 1) size(r2, fetch);
-    fetch.now("whole system");
-    b2 = r2;
-  }
-  const auto leave = [&] {
-    for (Index e = 0; e < envs; ++e)
-      if (whose[e]) device::copy(s.x.p + env_rows[e], std::as_const(x).view().p + env_rows[e], (env_rows[e + 1] - env_rows[e]) * sizeof(Vec3));
-  };
+  const EnvMask whose = start(begin);
+  const auto leave = [&] { copy_of(whose, env_rows, std::as_const(x).view(), s.x); };
   EnvMask left = whose;
   linalg::GmresResult sum;
   sum.of_env.assign(envs, 0), sum.relative.assign(envs, 0.0);
@@ -87,12 +79,12 @@ linalg::GmresResult solve(const model::Model& model, const LinearSystem& s, cons
   for (;;) {
     std::vector<double> wanted(envs, 0.0);
     for (Index e = 0; e < envs; ++e) {
-      if (left[e]) sum.relative[e] = r2.empty() ? 1 : b2[e] > 0 ? std::sqrt(r2[e] / b2[e]) : 0;
+      if (left[e]) sum.relative[e] = b2[e] > 0 ? std::sqrt(r2[e] / b2[e]) : 0;
       left[e] = left[e] && sum.relative[e] > relative[e] && sum.of_env[e] < limit;
       if (left[e])
         wanted[e] = relative[e] / sum.relative[e];
       else
-        clear_blocks(r, env_rows[e], env_rows[e + 1]), r2.resize(envs), r2[e] = 0;
+        clear_blocks(r, env_rows[e], env_rows[e + 1]), r2[e] = 0;
     }
     if (!any(left)) break;
     std::optional<model::Only> only;
@@ -103,7 +95,6 @@ linalg::GmresResult solve(const model::Model& model, const LinearSystem& s, cons
           only.emplace(model, going);
         },
         r2);
-    if (b2.empty()) b2 = cycle.b2;
     only.reset();
     add(std::as_const(d).view(), x);
     sum.iterations += cycle.iterations;
@@ -121,16 +112,17 @@ linalg::GmresResult solve(const model::Model& model, const LinearSystem& s, cons
   return sum;
 }
 
-}  // namespace
-
 linalg::GmresResult solve_whole(const model::Model& model, const LinearSystem& s, const EnvMask& whose, const std::vector<Index>& env_rows,
                                 const std::vector<double>& relative, Index limit, const linalg::Awaited& preconditioner) {
-  return solve(model, s, whose, nullptr, env_rows, relative, limit, preconditioner);
-}
-
-linalg::GmresResult solve_whole(const model::Model& model, const LinearSystem& s, const Start& start, const std::vector<Index>& env_rows,
-                                const std::vector<double>& relative, Index limit, const linalg::Awaited& preconditioner) {
-  return solve(model, s, {}, &start, env_rows, relative, limit, preconditioner);
+  device::Buffer<Vec3> first(s.b.n);
+  const Start start = [&](const std::function<void(device::Fetch&)>& then) {
+    preconditioner(s.b, first.view(), [&](device::Fetch& fetch) {
+      copy_of(whose, env_rows, std::as_const(first).view(), s.x);
+      then(fetch);
+    });
+    return whose;
+  };
+  return solve_whole(model, s, start, env_rows, relative, limit, preconditioner);
 }
 
 }  // namespace mortise::solver

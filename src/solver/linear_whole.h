@@ -10,14 +10,15 @@
 
 namespace mortise::solver {
 
-// From x = 0 to |b - J x|_D <= relative[e] |b|_D, or as near as `most` products lead, which every environment has for
-// itself; where rounding hid that it had not ended, and fewer were needed, it has them once more. x stands still outside of
-// `whose`.
-linalg::GmresResult solve_whole(const model::Model& model, const LinearSystem& system, const EnvMask& whose, const std::vector<Index>& env_rows,
-                                const std::vector<double>& relative, Index limit, const linalg::Awaited& preconditioner);
-// From where `start` leads system.x, in the environments that it returns; then() as that of linalg::Awaited.
+// From where `start` leads system.x, in the environments that it returns, to |b - J x|_D <= relative[e] |b|_D, or as near as `limit` products lead,
+// which every environment has for itself; where rounding hid that it had not ended, and fewer were needed, it has them once more. x stands still
+// elsewhere. start's then() as that of linalg::Awaited.
 using Start = std::function<EnvMask(const std::function<void(device::Fetch&)>& then)>;
 linalg::GmresResult solve_whole(const model::Model& model, const LinearSystem& system, const Start& start, const std::vector<Index>& env_rows,
+                                const std::vector<double>& relative, Index limit, const linalg::Awaited& preconditioner);
+// From what the preconditioner makes of b: where nothing is unsymmetric, as of a body that nothing touches, a factor's end is exact, however much
+// heavier what else there is may be.
+linalg::GmresResult solve_whole(const model::Model& model, const LinearSystem& system, const EnvMask& whose, const std::vector<Index>& env_rows,
                                 const std::vector<double>& relative, Index limit, const linalg::Awaited& preconditioner);
 
 }  // namespace mortise::solver

@@ -44,7 +44,7 @@ Simulation::Simulation(model::Model& model, EffectList& effects, const Options& 
       resting_(model.envs, 0),
       solved_(model.envs, 0),
       support_work_(model.envs, 0.0),
-      regain_(model.envs, -1.0),
+      work_lag_(model.envs, 0.0),
       time_(model.envs, 0.0),
       step_(model.envs, 0) {}
 
@@ -88,14 +88,6 @@ std::vector<double> Simulation::lost_energy(const effects::StepInfo& info) const
   return lost;
 }
 
-// After a step of first order velocities of what turns are those of half a step before; the first step of second order loses twice its share of
-// energy for that, and the next ones may give that back, but no more. Refused it, a body that turns would take every other step by first order.
-static double next_regain(double regain, const StepEnergy& step) {
-  if (!step.second_order) return -1;
-  if (regain < 0) return std::max(-step.gain, 0.0);
-  return 0.5 * std::max(regain - std::max(step.gain, 0.0), 0.0);
-}
-
 // info.whose: the environments that accept.
 void Simulation::accept(const effects::StepInfo& info, const std::vector<double>& lost) {
   const EnvMask whose = info.whose.empty() ? EnvMask(model_.envs, 1) : info.whose;
@@ -104,8 +96,7 @@ void Simulation::accept(const effects::StepInfo& info, const std::vector<double>
   for (Index e = 0; e < model_.envs; ++e) {
     if (!info.taken_by(e)) continue;
     const StepEnergy& energy = newton_.energies().of_step(e);
-    regain_[e] = next_regain(regain_[e], energy);
-    support_work_[e] += energy.work;
+    support_work_[e] += energy.work, work_lag_[e] += energy.work_lag;
     solved_[e] = 1;
   }
   newton_.accept(whose);
@@ -154,8 +145,9 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
     report[e].dt = options_.dt;
     report[e].substeps = 0;
   }
-  support_work_.assign(model_.envs, 0.0);
-  for (Simulation* other : others_) other->support_work_.assign(1, 0.0);
+  for (std::vector<double>* sum : {&support_work_, &work_lag_}) sum->assign(model_.envs, 0.0);
+  for (Simulation* other : others_)
+    for (std::vector<double>* sum : {&other->support_work_, &other->work_lag_}) sum->assign(1, 0.0);
 
   // The step is cut into 2^halvings units, so that substeps always meet its end exactly; every environment cuts it by itself.
   struct Cut {
@@ -220,8 +212,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
     for (Index e = 0; e < model_.envs; ++e) {
       if (!whose[e]) continue;
       const StepEnergy& energy = newton_.energies().of_step(e);
-      if (why[e].empty() && energy.second_order &&
-          energy.gain > tuning::kSecondOrderGainShare * energy.there + energy.in_doubt + std::max(regain_[e], 0.0)) {
+      if (why[e].empty() && energy.second_order && energy.gain > energy.may_gain(tuning::kSecondOrderGainShare)) {
         cuts[e].first_order = true;
       } else if (size > 1 && (!why[e].empty() || (!energy.second_order && cuts[e].guard.wants_halving(energy, gain)))) {
         cuts[e].size /= 2;
@@ -287,7 +278,6 @@ void Simulation::checkpoint(const std::vector<Archive*>& of) {
   std::vector<double> step(step_.begin(), step_.end());
   archive.io("step", step, each);
   archive.io("time", time_, each);
-  archive.io("regain", regain_, each);
   step_.assign(step.begin(), step.end());
   std::vector<double> q = flatten(model_.q.download());
   archive.io("q", q, effects::in_values(model_.env_blocks, 3));

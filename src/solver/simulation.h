@@ -89,9 +89,8 @@ class Simulation {
   // Per environment:
   std::vector<std::string> lost_;
   EnvMask resting_;
-  EnvMask solved_;                    // a step has been taken since start or restart: gradients are those of the state
-  std::vector<double> support_work_;  // of the last step [J]
-  std::vector<double> regain_;        // what a step of second order may give back (simulation.cpp) [J]; -1 after one of first order
+  EnvMask solved_;                               // a step has been taken since start or restart: gradients are those of the state
+  std::vector<double> support_work_, work_lag_;  // of the last step (StepEnergy) [J]
   std::vector<double> time_;
   std::vector<Index> step_;
 };

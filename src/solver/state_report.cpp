@@ -139,10 +139,14 @@ void Simulation::report_balance(const FieldSinks& sinks) {
   sinks.scalar("balance", "largest", "N", largest);
 
   // The support's force on a held block is what the effects leave over there, in the held directions.
-  const std::vector<Vec3> g = forces_.sum(newton_.at()).download();
+  std::vector<Vec3> g = forces_.sum(newton_.at()).download();
+  if (ties && !ties->handed_on().empty())
+    for (std::size_t b = 0; b < g.size(); ++b) g[b] += ties->handed_on()[b];
+  const auto borne = [&](Index b) { return model_.held[b] && model_.held[b] != model::Model::kTied && !(ties && ties->carried(b)); };
   const std::vector<Mat3> P = model_.projector.download();
-  std::vector<Vec3> reaction(g.size());
-  for (std::size_t b = 0; b < g.size(); ++b) reaction[b] = g[b] - P[b] * g[b];
+  std::vector<Vec3> reaction(g.size(), Vec3::Zero());
+  for (std::size_t b = 0; b < g.size(); ++b)
+    if (!ties || !ties->carried(static_cast<Index>(b))) reaction[b] = g[b] - P[b] * g[b];
   const std::vector<Vec3> supports = resultants(reaction);
   for (Index e = 0; e < model_.envs; ++e) {
     const Vec3 support = resultant(supports, e);
@@ -150,7 +154,10 @@ void Simulation::report_balance(const FieldSinks& sinks) {
     put(e, "defect", total[e] + support);
   }
 
-  if (newton_.energies().measures()) sinks.scalar("supports", "work", "J", support_work_);
+  if (newton_.energies().measures()) {
+    sinks.scalar("supports", "work", "J", support_work_);
+    sinks.scalar("supports", "work_lag", "J", work_lag_);
+  }
   std::vector<FieldSink*> held_some(model_.envs, nullptr);
   std::vector<double> field(3 * static_cast<std::size_t>(model_.points), 0.0);
   for (const model::Body& body : model_.bodies) {
@@ -158,7 +165,7 @@ void Simulation::report_balance(const FieldSinks& sinks) {
     FieldSink& sink = sinks[body.env];
     bool held = false;
     for (Index b = body.block_begin; b < body.block_end; ++b) {
-      if (!model_.held[b] || model_.held[b] == model::Model::kTied) continue;
+      if (!borne(b)) continue;
       held = true;
       if (body.type != model::BodyType::soft) continue;
       const std::size_t point = body.point_begin + (b - body.block_begin);

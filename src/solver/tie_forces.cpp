@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "effects/body_blocks.h"
 #include "effects/per_environment.h"
@@ -9,46 +10,31 @@
 
 namespace mortise::solver {
 
-TieForces::TieForces(const model::Model& model, const std::vector<Vec3>& q, std::vector<Vec3> gradient)
-    : model_(model), of_(model.ties.list().size()), on_body_(model.bodies.size(), Vec3::Zero()), pull_(model.blocks, Vec3::Zero()) {
-  const std::vector<double> position = effects::translation_weight(model);
+TieForces::TieForces(const model::Model& model, std::vector<Vec3> q, std::vector<Vec3> gradient)
+    : model_(model),
+      q_(std::move(q)),
+      position_(effects::translation_weight(model)),
+      body_(model.blocks),
+      of_(model.ties.list().size()),
+      on_body_(model.bodies.size(), Vec3::Zero()),
+      pull_(model.blocks, Vec3::Zero()),
+      leads_(model.ties.list().size(), -1),
+      led_(model.blocks, Vec3::Zero()) {
+  for (const model::Joint& j : model.joints)
+    if (j.mimics && j.type == model::JointType::prismatic) leads_[j.tie] = model.bodies[model.joints[j.leader].follower].block_begin;
   const std::vector<Vec3> rest = model.rest_points.download();
-  std::vector<Index> body(model.blocks);
   std::vector<double> radius(model.bodies.size(), 0.0);
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     const model::Body& b = model.bodies[i];
-    std::fill(body.begin() + b.block_begin, body.begin() + b.block_end, static_cast<Index>(i));
+    std::fill(body_.begin() + b.block_begin, body_.begin() + b.block_end, static_cast<Index>(i));
     for (Index p = b.point_begin; p < b.point_end; ++p) radius[i] = std::max(radius[i], (rest[p] - b.centre).norm());
   }
-  const auto at = [&](const model::Follow& f) {
-    Vec3 x = f.fixed;
-    for (const model::TieTerm& t : f.terms) x += t.weight * q[t.block];
-    return x;
-  };
   const std::vector<model::Tie>& ties = model.ties.list();
   for (std::size_t i = 0; i < ties.size(); ++i) {
-    of_[i].place = at(ties[i].anchor);
-    if (ties[i].driven()) of_[i].axis = at(ties[i].axis).normalized();
+    of_[i].place = place_of(ties[i].anchor);
+    if (ties[i].driven()) of_[i].axis = place_of(ties[i].axis).normalized();
   }
 
-  const auto pull = [&](std::size_t i, Index block, const Vec3& f) {
-    pull_[block] += f;
-    Figures& figures = of_[i];
-    on_body_[body[block]] += position[block] * f;
-    figures.on_all += position[block] * f;
-    if (body[block] != ties[i].body) return;
-    figures.force += position[block] * f;
-    figures.moment += (q[block] - position[block] * figures.place).cross(f);
-  };
-  // The equation f of tie i holds its block with `force`, and hands on to those that it follows.
-  const auto hold = [&](std::size_t i, const model::Follow& f, const Vec3& force) {
-    gradient[f.block] -= force;
-    pull(i, f.block, force);
-    for (const model::TieTerm& t : f.terms) {
-      gradient[t.block] += t.weight * force;
-      pull(i, t.block, -t.weight * force);
-    }
-  };
   // Equations that close loops take first what the tree of ties would leave at the blocks that they give: (T^T (g - sum_e C_e lambda_e))_j = 0, with
   // T without these equations, so that T^T C_e is their row.
   const std::vector<model::Closing>& closings = model.ties.closings();
@@ -68,11 +54,11 @@ TieForces::TieForces(const model::Model& model, const std::vector<Vec3>& q, std:
     const linalg::DenseMatrix lambda = linalg::solve(C, g);
     for (Index e = 0; e < n; ++e) {
       const auto i = static_cast<std::size_t>(closings[e].tie);
-      hold(i, ties[i].closes[closings[e].place], Vec3(lambda(e, 0), lambda(e, 1), lambda(e, 2)));
+      hold(i, ties[i].closes[closings[e].place], Vec3(lambda(e, 0), lambda(e, 1), lambda(e, 2)), gradient);
     }
   }
   const auto miss = [&](std::size_t i, const model::Follow& f) {
-    of_[i].error = std::max(of_[i].error, (position[f.block] == 1 ? 1 : radius[body[f.block]]) * (q[f.block] - at(f)).norm());
+    of_[i].error = std::max(of_[i].error, (position_[f.block] == 1 ? 1 : radius[body_[f.block]]) * (q_[f.block] - place_of(f)).norm());
   };
   for (std::size_t i = 0; i < ties.size(); ++i)
     for (const model::Follow& f : ties[i].closes) miss(i, f);
@@ -80,8 +66,95 @@ TieForces::TieForces(const model::Model& model, const std::vector<Vec3>& q, std:
   for (auto next = order.rbegin(); next != order.rend(); ++next) {
     const auto i = static_cast<std::size_t>(next->first);
     const model::Follow& f = ties[i].follows[next->second];
-    hold(i, f, Vec3(gradient[f.block]));
+    hold(i, f, Vec3(gradient[f.block]), gradient);
     miss(i, f);
+  }
+  guide(gradient);
+}
+
+Vec3 TieForces::place_of(const model::Follow& f) const {
+  Vec3 x = f.fixed;
+  for (const model::TieTerm& t : f.terms) x += t.weight * q_[t.block];
+  return x;
+}
+
+void TieForces::pull(std::size_t i, Index block, const Vec3& force) {
+  pull_[block] += force;
+  Figures& figures = of_[i];
+  on_body_[body_[block]] += position_[block] * force;
+  figures.on_all += position_[block] * force;
+  if (body_[block] != model_.ties.list()[i].body) return;
+  figures.force += position_[block] * force;
+  figures.moment += (q_[block] - position_[block] * figures.place).cross(force);
+}
+
+void TieForces::hold(std::size_t i, const model::Follow& f, const Vec3& force, std::vector<Vec3>& gradient) {
+  gradient[f.block] -= force;
+  pull(i, f.block, force);
+  for (const model::TieTerm& t : f.terms) {
+    gradient[t.block] += t.weight * force;
+    pull(i, t.block, -t.weight * force);
+    if (leads_[i] == t.block) led_[t.block] += t.weight * force;
+  }
+}
+
+// Slides and ties take what sliders hand on in such an order that all that a block has to bear is there before it hands it on itself.
+void TieForces::guide(const std::vector<Vec3>& folded) {
+  const std::vector<model::Guided> slides = model::guided(model_);
+  if (slides.empty()) return;
+  handed_.assign(model_.blocks, Vec3::Zero());
+  const std::vector<Mat3> P = model_.projector.download();
+  struct Link {
+    const model::Guided* slide;  // or
+    Index tie, place;            // an equation of a tie
+    Index block;
+    std::vector<Index> follows;
+  };
+  std::vector<Link> links;
+  for (const model::Guided& g : slides) {
+    Link link{&g, -1, -1, model_.bodies[g.slider].block_begin, {}};
+    for (Index k = 0; k < 4 && g.carrier != model::Tie::kWorld; ++k) link.follows.push_back(model_.bodies[g.carrier].block_begin + k);
+    links.push_back(std::move(link));
+  }
+  const auto& order = model_.ties.order();
+  for (auto next = order.rbegin(); next != order.rend(); ++next) {
+    const model::Follow& f = model_.ties.list()[next->first].follows[next->second];
+    Link link{nullptr, next->first, next->second, f.block, {}};
+    for (const model::TieTerm& t : f.terms) link.follows.push_back(t.block);
+    links.push_back(std::move(link));
+  }
+  std::vector<int> awaited(model_.blocks, 0);
+  for (const Link& link : links)
+    for (Index b : link.follows) ++awaited[b];
+
+  while (!links.empty()) {
+    const std::size_t before = links.size();
+    std::erase_if(links, [&](const Link& link) {
+      if (awaited[link.block] > 0) return false;
+      for (Index b : link.follows) --awaited[b];
+      if (!link.slide) {
+        hold(link.tie, model_.ties.list()[link.tie].follows[link.place], Vec3(handed_[link.block]), handed_);
+        return true;
+      }
+      const Vec3 g = folded[link.block] + handed_[link.block], force = g - P[link.block] * g;
+      // Of what mimics this slide only the force along the axis is its matter: across, the tie says the same in other words.
+      const Vec3 own = g - led_[link.block], guide = own - P[link.block] * own;
+      const model::Joint& joint = model_.joints[link.slide->joint];
+      of_[joint.tie].guide = joint.follower == joint.body ? guide : Vec3(-guide);
+      if (link.slide->carrier == model::Tie::kWorld) return true;
+      carried_.push_back(link.block);
+      const Index p = link.follows[0];
+      Mat3 A;
+      for (int k = 0; k < 3; ++k) A.col(k) = q_[p + 1 + k];
+      const Vec3 X = A.inverse() * (q_[link.block] - q_[p]);
+      handed_[link.block] -= force;
+      handed_[p] += force;
+      for (int k = 0; k < 3; ++k) handed_[p + 1 + k] += X[k] * force;
+      on_body_[link.slide->slider] += force;
+      on_body_[link.slide->carrier] -= force;
+      return true;
+    });
+    if (links.size() == before) break;  // no forest: nothing is handed on any more
   }
 }
 
@@ -121,6 +194,7 @@ void TieForces::report(const FieldSinks& sinks) const {
     FieldSink& sink = sinks[env];
     for (const auto& [what, unit, v] : {std::tuple{"force", "N", of_[i].force}, {"moment", "N m", of_[i].moment}, {"place", "m", of_[i].place}})
       for (int k = 0; k < 3; ++k) sink.scalar(tie.effect, tie.name + "_" + what + "_" + "xyz"[k], unit, v[k]);
+    for (int k = 0; k < 3 && of_[i].guide; ++k) sink.scalar(tie.effect, tie.name + "_guide_" + "xyz"[k], "N", (*of_[i].guide)[k]);
     if (tie.driven() && tie.slides) sink.scalar(tie.driver, tie.name + "_force", "N", motor[i]);
     if (tie.driven() && !tie.slides) sink.scalar(tie.driver, tie.name + "_torque", "N m", motor[i]);
     double& worst = error[env][tie.effect];

@@ -127,10 +127,11 @@ inline constexpr double kLately = 0.9;  // of the energy that there was a step b
 // An integrator of second order starts with h/8, h/8, h/4, h/2: each is at most twice the one before, which BDF2 bears, and what the first errs,
 // of first order, is a 64th of what it would be.
 inline constexpr int kStartHalvings = 3;
-inline constexpr double kOwed = 0.02;    // of the energy there is: what a step may gain back of what others lost
-inline constexpr double kOwedOn = 0.8;   // of what is owed, in the next step: facets of what rolls come every few steps
-inline constexpr double kGainFalls = 3;  // halving must lower the gain by this; that of backward Euler falls to about a quarter,
-inline constexpr double kGainGrows = 4;  // so that a step of twice the length gains this much more: where that is too much it is not tried
+inline constexpr double kOwed = 0.02;         // of the energy there is: what a step may gain back of what others lost
+inline constexpr double kOwedOn = 0.8;        // of what is owed, in the next step: facets of what rolls come every few steps
+inline constexpr double kOwedSecondOn = 0.5;  // the same of what the first step of second order lost, which the next two or three give back
+inline constexpr double kGainFalls = 3;       // halving must lower the gain by this; that of backward Euler falls to about a quarter,
+inline constexpr double kGainGrows = 4;       // so that a step of twice the length gains this much more: where that is too much it is not tried
 
 // ---- steps (simulation.h)
 inline constexpr int kMostFits = 8;  // a pressure that hangs on the stiffness is met within three or four

@@ -498,6 +498,22 @@ TEST(Certificate, BalanceOfAClosedSystemIsAShareOfWhatSupportsBear) {
   EXPECT_DOUBLE_EQ(nlohmann::json::parse(c.json({"s", "abc", "cpu", Exit::done, ""}))["invariants"]["force_balance_defect_relative"], 1e-9);
 }
 
+TEST(Certificate, JudgesTheWorkOfSupportsWhereItIsAsked) {
+  for (const std::string asked : {"supports/work", "audit/support_work", "audit/total_energy"}) {
+    model::ModelInput input = scene();
+    Params quantity = Params::make_table(), list = Params::make_list();
+    quantity.set("value", Params::make_text(asked));
+    list.push(quantity);
+    input.scene.set("quantities", list);
+    Certificate c(input);
+    c.state(state(0));
+    c.step(good());
+    Certificate::End end{"s", "abc", "cpu", Exit::done, ""};
+    end.energy.work_lag = 0.3;
+    EXPECT_EQ(c.grade(end).all.letter, asked == "audit/total_energy" ? "A" : "C") << asked;
+  }
+}
+
 TEST(Certificate, TellsTheEnergyThatWasGained) {
   Certificate c(scene());
   c.state(state(0));

@@ -186,7 +186,7 @@ TEST_F(Guard, ASceneIsWhatIsInItsFilesNotWhereTheyLie) {
   ASSERT_EQ(go("one", "--frames 1").code, 0);
   const Result other = go("three", "--resume");
   EXPECT_EQ(other.code, 6);
-  EXPECT_THAT(other.err, HasSubstr("belongs to another scene"));
+  EXPECT_THAT(other.err, HasSubstr("belongs to another scene: a file that it names is another one"));
   EXPECT_EQ(nlohmann::json::parse(read_text(at("out/run.json")))["status"], "done") << "and the results are as they were";
   EXPECT_EQ(go("two", "--resume").code, 0);
 }

@@ -161,6 +161,33 @@ TEST(Run, ResumeNeedsACheckpointUnlessAuto) {
   EXPECT_EQ(mortise("run " + kScene + " --no-render --resume=auto --frames 1 -o " + out.path).code, 0);
 }
 
+// Whoever wants more of a run goes on with more steps, and ends where a run of so many would have.
+TEST(Run, ResumeTakesMoreSteps) {
+  const Folder out, whole;
+  const auto go = [](const Folder& to, const std::string& more) {
+    return mortise("run " + kScene + " --no-render --set time.frame_every=2 -o " + to.path + " " + more);
+  };
+  ASSERT_EQ(go(whole, "--set time.steps=12").code, 0);
+  ASSERT_EQ(go(out, "--set time.steps=6").code, 0);
+  const Result longer = go(out, "--resume --set time.steps=12");
+  ASSERT_EQ(longer.code, 0) << longer.err;
+  EXPECT_NE(longer.err.find("continuing at step 6, t = 0.012 s, to step 12 instead of 6"), std::string::npos) << longer.err;
+  EXPECT_EQ(unlike(out.path, whole.path), "");
+  const output::FieldReader fields(out.path + "/fields.vtkhdf"), others(whole.path + "/fields.vtkhdf");
+  EXPECT_EQ(fields.frames(), others.frames());
+  EXPECT_EQ(fields.scene_text(), others.scene_text());
+  EXPECT_EQ(read_text(out.path + "/certificate.json"), read_text(whole.path + "/certificate.json"));
+  EXPECT_EQ(go(out, "--resume --set time.steps=12").code, 0) << "there is nothing left to do";
+
+  const Result less = go(out, "--resume --set time.steps=8");
+  EXPECT_EQ(less.code, 6);
+  EXPECT_NE(less.err.find("time.steps is 12 there and 8 here; 12 are done"), std::string::npos) << less.err;
+  const Result other = go(out, "--resume --set time.steps=14 --set effects.gravity.acceleration=[0,0,-5]");
+  EXPECT_EQ(other.code, 6);
+  EXPECT_NE(other.err.find("\n  time.steps is 12 there and 14 here"), std::string::npos) << other.err;
+  EXPECT_NE(other.err.find("\n  effects.gravity.acceleration is [0, 0, "), std::string::npos) << other.err;
+}
+
 // Frame 0 is there, and nothing that could be lost.
 TEST(Run, ResumeAutoStartsAfreshAfterAnErrorInTheScene) {
   const Folder out;

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "check_table.h"
+#include "scene/differences.h"
 #include "scene/quantity.h"
 #include "scene/schema.h"
 #include "scene/suggest.h"
@@ -300,6 +301,17 @@ TEST(Scene, BytesThatAreNoTextAreAnErrorNotACrash) {
                                "bytes.yaml", {}, {}),
                Error);
   EXPECT_THROW(read_scene_text("mortise: 1\n" + std::string(300, '\x8c'), "bytes.yaml", {}, {}), Error);
+}
+
+TEST(Scene, TellsWhereTwoDiffer) {
+  const auto text = [](const std::string& set) { return to_yaml(read(kBase + "  affine_body: {}\n", {set})); };
+  const std::string here = text("time.steps=3");
+  EXPECT_THAT(differences(here, here), testing::IsEmpty());
+  EXPECT_THAT(differences(text("time.steps=4"), here), testing::ElementsAre("time.steps is 4 there and 3 here"));
+  const std::string moved = text("effects.move=[{body: ball, time: [0, 1], translation: [[0, 0, 0], [0, 0, 1]]}]");
+  EXPECT_THAT(differences(here, moved), testing::ElementsAre(HasSubstr("effects.move is missing there and [{body: ball, ")));
+  EXPECT_THAT(differences(moved, text("effects.move=[{body: ball, time: [0, 2], translation: [[0, 0, 0], [0, 0, 1]]}]")),
+              testing::ElementsAre("effects.move.0.time is [0, 1] there and [0, 2] here"));
 }
 
 }  // namespace

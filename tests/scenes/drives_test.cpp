@@ -560,6 +560,58 @@ bodies:
 
 }  // namespace
 
+// A load of 3 kg on a slide, on a cart of 1 kg that is held in every way that leaves its place known: what holds the cart bears both, with the moment
+// of where the load is.
+TEST(Slides, BearOnWhatCarriesThem) {
+  const auto fields = [](const std::string& joints, const std::string& more, const std::string& bodies = "") {
+    Rig rig(fmt::format(R"(
+mortise: 1
+name: carried
+time: {{step: 5 ms, steps: 100}}
+bodies:
+  cart: {{type: stiff, shape: {{box: {{size: [50 mm, 50 mm, 50 mm], edge_length: 50 mm}}}}, mass: 1}}
+  load: {{type: stiff, shape: {{box: {{size: [50 mm, 50 mm, 50 mm], edge_length: 50 mm}}}}, mass: 3, position: [40 mm, 0, 60 mm]}}
+{}effects:
+  inertia: {{}}
+  gravity: {{acceleration: [0, 0, -10]}}
+  affine_body: {{}}
+  joint:
+    - {{name: cross, type: prismatic, body: load, to: cart, axis: [1, 0, 0]}}
+{}{}
+)",
+                        bodies, joints, more));
+    rig.steps(20);
+    return rig.fields();
+  };
+  const std::string lift = "    - {name: lift, type: prismatic, body: cart, axis: [0, 0, 1]}\n",
+                    hinge = "    - {name: lift, type: revolute, body: cart, axis: [0, 1, 0], at: [-100 mm, 0, 0]}\n";
+  const std::string held = "drive: [{joint: lift, mode: kinematic, travel: 0}]";
+  EXPECT_NEAR(fields(lift, "  " + held).at("drive/lift_force"), 40, 1e-6);
+  EXPECT_NEAR(fields(lift, "  " + held).at("joint/cross_guide_z"), 30, 1e-6);
+  const Captured turned = fields(hinge, "  drive: [{joint: lift, mode: kinematic, angle: 0}]");
+  EXPECT_NEAR(std::abs(turned.at("drive/lift_torque")), 10 * 0.1 + 30 * 0.14, 1e-6);
+  EXPECT_NEAR(turned.at("joint/lift_force_z"), 40, 1e-6);
+  const Captured fixed = fields("    - {name: lift, type: fixed, body: cart}\n", "");
+  EXPECT_NEAR(fixed.at("joint/lift_force_z"), 40, 1e-6);
+  EXPECT_NEAR(fixed.at("balance/joint_z"), 40, 1e-6);
+  EXPECT_LT(vector(fixed, "balance/defect_").norm(), 1e-6);
+  const Captured pinned = fields("", "  pin: [{body: cart, where: {side: all}}]");
+  EXPECT_NEAR(pinned.at("supports/cart_z"), 40, 1e-6);
+  EXPECT_LT(pinned.at("supports/cart_defect"), 1e-6);
+  EXPECT_FALSE(pinned.has("supports/load_z"));
+  // A slide on the slide, and one that does as the slide does: of two and of five kilograms.
+  const std::string box = ": {type: stiff, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 20 mm}}, mass: ";
+  const Captured jaws = fields(
+      "    - {name: other, type: prismatic, body: other, to: cart, axis: [1, 0, 0], mimic: {joint: cross, ratio: -1}}\n"
+      "    - {name: rider, type: prismatic, body: rider, to: load, axis: [0, 1, 0]}\n",
+      "  pin: [{body: cart, where: {side: all}}]",
+      "  other" + box + "5, position: [-80 mm, 0, 60 mm]}\n  rider" + box + "2, position: [0, 0, 0.2]}\n");
+  EXPECT_NEAR(jaws.at("supports/cart_z"), 110, 1e-5);
+  EXPECT_NEAR(jaws.at("joint/cross_guide_z"), 50, 1e-5);
+  EXPECT_NEAR(jaws.at("joint/rider_guide_z"), 20, 1e-5);
+  EXPECT_NEAR(jaws.at("joint/other_force_z"), 50, 1e-5);
+}
+
 // On a slope of the world: weight along the axis, bearing across it, a stop at its end.
 TEST(Slides, FallAlongTheirAxis) {
   const Vec3 u = Vec3(1, 0, -1).normalized();
@@ -572,7 +624,9 @@ TEST(Slides, FallAlongTheirAxis) {
   EXPECT_NEAR(f.at("joint/left_travel"), 0.02 + 0.5 * std::abs(along) * t * (t + 1e-3), 1e-7);
   EXPECT_LT(vector(f, "balance/defect_").norm(), 1e-6);
   // What the guide bears is across.
-  EXPECT_LT((vector(f, "supports/left_") - 0.04 * 9.81 * (Vec3(0, 0, 1) - u[2] * u)).norm(), 1e-6);
+  const Vec3 bearing = 0.04 * 9.81 * (Vec3(0, 0, 1) - u[2] * u);
+  EXPECT_LT((vector(f, "supports/left_") - bearing).norm(), 1e-6);
+  EXPECT_LT((vector(f, "joint/left_guide_") - bearing).norm(), 1e-6);
   double highest = 0;
   for (int i = 0; i < 400; ++i) {
     rig.step();

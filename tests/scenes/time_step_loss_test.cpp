@@ -468,3 +468,34 @@ effects:
   }
   EXPECT_LT(kinks("[" + keys + "]", "[" + cycloid + "]", "bdf2", 0.005), 0.05);
 }
+
+// A cube is lifted by 100 mm within 100 ms and then held, or stretched: its weight, and what is stored, tell the work.
+TEST(WorkLag, IsWhatTheWorkOfSupportsIsTooLargeBy) {
+  const auto lifted = [](const std::string& integrator, double step) {
+    const int steps = static_cast<int>(std::lround(0.12 / step));
+    return turn(fmt::format(R"(
+mortise: 1
+name: lift
+time: {{step: {}, steps: {}}}
+bodies:
+  cube: {{type: stiff, shape: {{box: {{size: [30 mm, 30 mm, 30 mm], edge_length: 30 mm}}}}, mass: 0.2}}
+effects:
+  inertia: {{integrator: {}}}
+  affine_body: {{}}
+  gravity: {{}}
+  pin: [{{body: cube, where: {{side: all}}, motion: {{time: [0, 0.1], translation: [[0, 0, 0], [0, 0, 0.1]], interpolation: smooth}}}}]
+)",
+                            step, steps, integrator),
+                steps)
+        .energy;
+  };
+  const double weight = 0.2 * 9.80665 * 0.1;
+  for (const double step : {5e-3, 2.5e-3, 1e-3}) {
+    const auto energy = lifted("backward_euler", step);
+    const double error = energy.support_work - weight;
+    EXPECT_GT(error, 50 * step * weight);
+    EXPECT_NEAR(energy.work_lag * energy.support_work, error, 0.2 * error) << step;
+  }
+  EXPECT_NEAR(lifted("bdf2", 2.5e-3).support_work, weight, 0.01 * weight);
+  EXPECT_LT(lifted("bdf2", 2.5e-3).work_lag, 0.01);
+}
