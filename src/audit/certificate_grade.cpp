@@ -70,7 +70,8 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("stiffness_error", fields.stiffness, tuning::kStress, Of::forces);
   add("linear_law_turned", fields.turned, tuning::kTurned);
   add("load_turned", fields.load_turned, tuning::kLoadTurned);
-  add("shape_defect", shape_defect_ > 0 ? shape_defect_ : NAN, tuning::kShape);
+  const double shape = std::fmax(shape_defect_, energy.held_weight);
+  add("shape_defect", shape > 0 ? shape : NAN, tuning::kShape);
   add("friction_crept", std::fmax(crept_.share(), bearings_.share()), tuning::kCrept);
   add("touch_lag", touch_lag_.share(), tuning::kTouchLag);
   add("slip_sampling", slip_sampling_.share(), tuning::kSlipSampling);

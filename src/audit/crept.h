@@ -5,7 +5,8 @@
 //   crept = sum over the steps with v < creep_speed of v dt,
 //
 // of which a body in a hand slips, or a sheared pad lets go again. Told as a share of the farthest that any point of the two has gone from where it
-// would be if it had gone with one of them, or of a hundredth of the smaller one, whichever is more; of the pair where that is most.
+// would be if it had gone with one of them, or of a hundredth of the smaller one, whichever is more; of the pair where that is most. How far the two
+// went towards each other, or along, while they did not touch is none of it.
 #include <cmath>
 #include <map>
 #include <vector>
@@ -34,8 +35,12 @@ class Crept {
   struct Pair {
     double crept = 0, far = 0;  // [m]
     double now = 0;             // how fast it creeps in the last state, 0 where it slips [m/s]
+    bool touches = false;
+    // What both went on the whole, in the last state in which they touched, and without touching [m].
+    Vec3 last[2] = {Vec3::Zero(), Vec3::Zero()}, apart[2] = {Vec3::Zero(), Vec3::Zero()};
   };
-  double farthest(const Bodies& bodies, const Snapshot::Values& displacement) const;
+  Vec3 gone(std::size_t body, const Snapshot::Values& displacement) const;
+  double farthest(const Bodies& bodies, const Pair& pair, const Snapshot::Values& displacement) const;
 
   double speed_ = NAN;        // creep_speed [m/s]
   std::vector<Body> bodies_;  // that have points; obstacles have later numbers

@@ -10,6 +10,7 @@
 #include "audit/energy_scale.h"
 #include "audit/given_kinks.h"
 #include "audit/given_lag.h"
+#include "audit/held_weight.h"
 #include "audit/jolted.h"
 #include "audit/measured_body.h"
 #include "audit/motion_lag.h"
@@ -73,6 +74,7 @@ class EnergyAudit {
     double own_turning = 0;                          // the same of one body in flight or carried, a share of its own energy
     double motion_lag = NAN;                         // motion_lag.h
     double given_lag = NAN;                          // given_lag.h
+    double held_weight = NAN;                        // held_weight.h
     double given_kinks = NAN;                        // given_kinks.h
     double jolted = NAN, struck = NAN;               // jolted.h, struck.h
     double motor_lag = NAN, motor_torque_lag = NAN;  // motor_lag.h: of ways, of torques
@@ -99,6 +101,7 @@ class EnergyAudit {
   OwnEnergy own_;
   MotionLag lag_;
   GivenLag given_lag_;
+  HeldWeight held_weight_;
   GivenKinks given_kinks_;
   Jolted jolted_;
   Struck struck_;
