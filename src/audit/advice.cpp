@@ -37,6 +37,7 @@ std::string_view advice(std::string_view check, const Has& has) {
       {"guard_share", "a finer mesh of the slave, or a larger d_hat"},
       {"stress_error", kMesh},
       {"stiffness_error", kMesh},
+      {"buckling", "order: 2 or a finer mesh across what is slender, and a small push to the side (a load, a slanted start)"},
       {"linear_law_turned", "materials of model: neo_hookean or corotated"},
       {"load_turned", "smaller loads: a pressure_load keeps its direction while its faces turn"},
       {"shape_defect", kRound},

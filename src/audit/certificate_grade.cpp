@@ -67,6 +67,7 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("motor_torque_lag", energy.motor_torque_lag, tuning::kMotorLag, Of::forces);
   add("guard_share", fields.guard, tuning::kGuard, Of::fields);
   add("stress_error", fields.stress, tuning::kStress, Of::fields);
+  add("buckling", energy.buckling, tuning::kBuckling);
   add("stiffness_error", fields.stiffness, tuning::kStress, Of::forces);
   add("linear_law_turned", fields.turned, tuning::kTurned);
   add("load_turned", fields.load_turned, tuning::kLoadTurned);

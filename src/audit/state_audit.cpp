@@ -30,13 +30,15 @@ EnergyAudit::EnergyAudit(const model::ModelInput& input)
       lag_(input),
       given_lag_(input),
       held_weight_(input),
+      buckling_(input),
       given_kinks_(input),
       jolted_(input),
       struck_(input),
       motor_lag_(input),
       turning_(input),
       vibrations_(input, moving_),
-      swings_(input) {
+      swings_(input),
+      phase_(input) {
   std::size_t first = 0;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
@@ -98,9 +100,11 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   own_scale_.holds(tuning::kDriven * scale_.largest());
   touched_ = touches;
   lag_.state(now.points, moving);
+  phase_.state(moving);
   const std::vector<double> forces = forces_on(now);
   given_lag_.state(moving, forces);
   held_weight_.state(forces);
+  buckling_.state(now.said, now.points);
   given_kinks_.state(moving, forces);
   jolted_.state(moving);
   std::vector<double> elastic;
@@ -129,8 +133,8 @@ void EnergyAudit::measured() {
   r_.scale = scale_.largest(), r_.own_scale = own_scale_.largest();
   r_.turnover = moves_ ? scale_.turnover() : 0, r_.own_turnover = moves_ ? own_scale_.turnover() : 0;
   r_.at_start = pressed_first_ - pressed_least_;
-  r_.motion_lag = lag_.value(), r_.given_lag = given_lag_.value(), r_.held_weight = held_weight_.share(), r_.given_kinks = given_kinks_.value(),
-  r_.jolted = jolted_.value(), r_.struck = struck_.share();
+  r_.motion_lag = std::fmax(lag_.value(), phase_.value()), r_.given_lag = given_lag_.value(), r_.held_weight = held_weight_.share(),
+  r_.buckling = buckling_.value(), r_.given_kinks = given_kinks_.value(), r_.jolted = jolted_.value(), r_.struck = struck_.share();
   r_.motor_lag = motor_lag_.way(), r_.motor_torque_lag = motor_lag_.torque();
   r_.free_loss = free_ + bounces_.sum() + vibrations_.sum(), r_.impacts = bounces_.stiff();
   r_.own_loss = std::max({bounces_.own(), vibrations_.alone(r_.turnover), swings_.share()}), r_.own_impacts = bounces_.own_stiff();
@@ -155,8 +159,10 @@ void EnergyAudit::checkpoint(Archive& archive) {
   moving_.checkpoint(archive);
   own_.checkpoint(archive);
   lag_.checkpoint(archive);
+  phase_.checkpoint(archive);
   given_lag_.checkpoint(archive);
   held_weight_.checkpoint(archive);
+  buckling_.checkpoint(archive);
   given_kinks_.checkpoint(archive);
   jolted_.checkpoint(archive);
   struck_.checkpoint(archive);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "audit/bounce_loss.h"
+#include "audit/buckling.h"
 #include "audit/energy_scale.h"
 #include "audit/given_kinks.h"
 #include "audit/given_lag.h"
@@ -19,6 +20,7 @@
 #include "audit/strain_energy.h"
 #include "audit/struck.h"
 #include "audit/swing_loss.h"
+#include "audit/swing_phase.h"
 #include "audit/turning_loss.h"
 #include "audit/vibration_loss.h"
 #include "base/archive.h"
@@ -72,9 +74,10 @@ class EnergyAudit {
     double turning_loss = NAN;                       // turning_loss.h [J]
     double given_turning = 0;                        // the same of what kinematic drives turn [J]
     double own_turning = 0;                          // the same of one body in flight or carried, a share of its own energy
-    double motion_lag = NAN;                         // motion_lag.h
+    double motion_lag = NAN;                         // motion_lag.h, swing_phase.h
     double given_lag = NAN;                          // given_lag.h
     double held_weight = NAN;                        // held_weight.h
+    double buckling = NAN;                           // buckling.h
     double given_kinks = NAN;                        // given_kinks.h
     double jolted = NAN, struck = NAN;               // jolted.h, struck.h
     double motor_lag = NAN, motor_torque_lag = NAN;  // motor_lag.h: of ways, of torques
@@ -102,6 +105,7 @@ class EnergyAudit {
   MotionLag lag_;
   GivenLag given_lag_;
   HeldWeight held_weight_;
+  Buckling buckling_;
   GivenKinks given_kinks_;
   Jolted jolted_;
   Struck struck_;
@@ -110,6 +114,7 @@ class EnergyAudit {
   BounceLoss bounces_;
   VibrationLoss vibrations_;
   SwingLoss swings_;
+  SwingPhase phase_;
   EnergyScale scale_, own_scale_;                     // of all, and without what is given
   double rubbed_ = 0;                                 // by friction so far [J]
   double work_lag_ = 0, work_most_ = 0;               // of supports so far: what their work errs by, and the largest that it was [J]

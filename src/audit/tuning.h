@@ -24,6 +24,10 @@ inline constexpr Bounds kTurningLoss{
 inline constexpr Bounds kMotionLag{0.05, 0.1};
 inline constexpr Bounds kGivenLag{0.1, 0.2};  // of forces: a sine of 60 and of 25 steps, whose largest errors are 10 and 25 % of its amplitude
 inline constexpr Bounds kMotorLag{0.05, 0.1};
+inline constexpr Bounds kBuckling{0.05, 0.1};  // of forces beyond what a column bears
+inline constexpr double kFull =
+    0.6;  // of the box with its radii of gyration: a ring or an arch has less, and no line that is shortened (buckling.cpp)
+inline constexpr double kSlender = 4;         // of a bar's length, over its thickness: shorter ones are crushed before they give way
 inline constexpr Bounds kWorkLag{0.05, 0.1};  // of work: a smooth lift in 100 and in 50 steps
 inline constexpr double kWorkOfMost = 0.1;    // what goes there and back ends with next to no work
 inline constexpr Bounds kGivenKinks{0.05, 0.1};

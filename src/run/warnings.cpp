@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <numbers>
 
 #include "audit/volumetric.h"
 #include "base/snapshot.h"
@@ -109,6 +111,17 @@ void of_sensors(const model::ModelInput& input, std::vector<std::string>& out) {
   }
 }
 
+// A number without a unit is in radians.
+void of_rotations(const model::ModelInput& input, std::vector<std::string>& out) {
+  for (const model::BodyInput& body : input.bodies) {
+    const Params* rotation = body.params.find("rotation");
+    const Params* angle = rotation ? rotation->find("angle") : nullptr;
+    if (angle && std::abs(angle->as_number()) > 2 * std::numbers::pi * (1 + 1e-6))
+      out.push_back(at(angle->where(), fmt::format("'{}' is rotated by {:.6g} rad, which is more than a turn; degrees are written '{:.6g} deg'",
+                                                   body.name, angle->as_number(), angle->as_number())));
+  }
+}
+
 // What lies between frames is not looked at.
 void of_quantities(const Params& scene, std::vector<std::string>& out) {
   const Params* list = scene.find("quantities");
@@ -137,6 +150,7 @@ std::vector<std::string> warnings(const model::ModelInput& input) {
   of_bonds(input, out);
   of_sensors(input, out);
   of_quantities(input.scene, out);
+  of_rotations(input, out);
   for (std::string& risk : audit::locking_risks(input)) out.push_back(std::move(risk));
   for (const scene::PassThrough& p : scene::pass_through(input.scene, engine::effect_tables()))
     if (p.everything) out.push_back(p.text());

@@ -38,6 +38,9 @@ TEST(Warnings, TellWhatIsHardlyEverMeant) {
   EXPECT_THAT(warned({"materials.gel.density=1 g/cm^3"}), IsEmpty());
   EXPECT_THAT(warned({"materials.gel.density=1.05"}), ElementsAre(HasSubstr("materials.gel.density is 1.05 kg/m^3, lighter than any foam")));
   EXPECT_THAT(warned({"time.step=100 s"}), ElementsAre(HasSubstr("time.step is 100 s")));
+  EXPECT_THAT(warned({"bodies.block.rotation={axis: [0, 0, 1], angle: 90}"}),
+              ElementsAre(HasSubstr("'block' is rotated by 90 rad, which is more than a turn; degrees are written '90 deg'")));
+  EXPECT_THAT(warned({"bodies.block.rotation={axis: [0, 0, 1], angle: 360 deg}"}), IsEmpty());
   EXPECT_THAT(warned({"effects.barrier_contact.d_hat=5 mm"}), ElementsAre(HasSubstr("d_hat is 0.005 m, 0.25 times the size of body 'block'")));
 }
 

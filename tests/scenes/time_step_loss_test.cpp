@@ -6,6 +6,7 @@
 
 #include "audited.h"
 #include "dropped.h"
+#include "link.h"
 
 using namespace mortise;
 using namespace mortise::testing;
@@ -498,4 +499,19 @@ effects:
   }
   EXPECT_NEAR(lifted("bdf2", 2.5e-3).support_work, weight, 0.01 * weight);
   EXPECT_LT(lifted("bdf2", 2.5e-3).work_lag, 0.01);
+}
+
+// A pendulum of BDF2 swings in its own time: how far it is from where it should be after some periods.
+TEST(SwingPhase, IsHowFarAPendulumIsOff) {
+  const double T = 2;
+  const auto [x, v] = motion([&](double, double a, double) { return kWeight * std::cos(a); }, T);
+  for (const double step : {2.0, 4.0}) {
+    Rig rig(link("", "", step, "bdf2"));
+    const auto energy = audited(rig, std::lround(T * 1e3 / step), [](const solver::StepReport&, const Captured&) {});
+    // The link starts level: it swings by a quarter of a turn to both sides of where it hangs.
+    const double error = std::abs(rig.fields().at("joint/hip_angle") - x) / (M_PI / 2);
+    EXPECT_GT(error, 2e-3 * step);
+    EXPECT_GT(energy.motion_lag, 0.4 * error) << step;
+    EXPECT_LT(energy.motion_lag, 2 * error) << step;
+  }
 }
