@@ -82,6 +82,7 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("layer_over_way", fields.layer_over_way, tuning::kLayerOverWay);
   add("facets_over_indentation", fields.facets > 0 ? fields.facets : NAN, tuning::kLayer);
   add("facets_over_way", fields.facets_over_way > 0 ? fields.facets_over_way : NAN, tuning::kLayerOverWay);
+  add("facet_torque", energy.facet_torque, tuning::kFacetTorque, Of::forces);
   add("rim_error", fields.rim, tuning::kStress, Of::forces);
   add("quantity_error", end.quantity_error, tuning::kQuantity);
   return all;

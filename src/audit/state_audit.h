@@ -9,6 +9,7 @@
 #include "audit/bounce_loss.h"
 #include "audit/buckling.h"
 #include "audit/energy_scale.h"
+#include "audit/facet_torque.h"
 #include "audit/given_kinks.h"
 #include "audit/given_lag.h"
 #include "audit/held_weight.h"
@@ -78,6 +79,7 @@ class EnergyAudit {
     double given_lag = NAN;                          // given_lag.h
     double held_weight = NAN;                        // held_weight.h
     double buckling = NAN;                           // buckling.h
+    double facet_torque = NAN;                       // facet_torque.h
     double given_kinks = NAN;                        // given_kinks.h
     double jolted = NAN, struck = NAN;               // jolted.h, struck.h
     double motor_lag = NAN, motor_torque_lag = NAN;  // motor_lag.h: of ways, of torques
@@ -105,6 +107,7 @@ class EnergyAudit {
   MotionLag lag_;
   GivenLag given_lag_;
   HeldWeight held_weight_;
+  FacetTorque facet_torque_;
   Buckling buckling_;
   GivenKinks given_kinks_;
   Jolted jolted_;

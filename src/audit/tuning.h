@@ -24,6 +24,8 @@ inline constexpr Bounds kTurningLoss{
 inline constexpr Bounds kMotionLag{0.05, 0.1};
 inline constexpr Bounds kGivenLag{0.1, 0.2};  // of forces: a sine of 60 and of 25 steps, whose largest errors are 10 and 25 % of its amplitude
 inline constexpr Bounds kMotorLag{0.05, 0.1};
+inline constexpr Bounds kFacetTorque{0.05, 0.1};
+inline constexpr double kEvens = 0.1;  // of d_hat: facets less deep are evened out by the layer (a cam and a friction wheel, edges of 1 to 5 mm)
 inline constexpr Bounds kBuckling{0.05, 0.1};  // of forces beyond what a column bears
 inline constexpr double kFull =
     0.6;  // of the box with its radii of gyration: a ring or an arch has less, and no line that is shortened (buckling.cpp)

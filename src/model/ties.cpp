@@ -227,7 +227,7 @@ void Ties::name_carriages(Model& model) const {
 
 // The ties hold at the start already, but for rounding; a velocity that the scene gives to a tied body has to be one that its ties allow.
 void Ties::start(Model& model) const {
-  constexpr double kSame = 1e-6;
+  constexpr double kSame = 1e-6, kRounding = 1e-12;  // of what turns, at a metre
   place(model.q.view());
   const std::vector<Vec3> given = model.initial_velocity.download();
   carry(model.initial_velocity.view());
@@ -241,8 +241,11 @@ void Ties::start(Model& model) const {
       const Index b = follow.block;
       const Body& body = body_of(model, b);
       const bool soft = body.type == BodyType::soft;
-      if ((given[b] - v[b]).norm() <= kSame * (given[b].norm() + v[b].norm())) continue;
-      if (soft || (b == body.block_begin && !given[b].isZero(0)))
+      // Of the centre of a body that turns: some of it may be rounding [m/s].
+      double rounding = 0;
+      for (Index k = body.block_begin + 1; !soft && b == body.block_begin && k < body.block_end; ++k) rounding += kRounding * given[k].norm();
+      if ((given[b] - v[b]).norm() <= kSame * (given[b].norm() + v[b].norm()) + rounding) continue;
+      if (soft || (b == body.block_begin && given[b].norm() > rounding))
         throw Error(Exit::scene, tie.where,
                     "'" + body.name + "' starts with the velocity " + text(given[b]) + " m/s where the tie makes it " + text(v[b]) +
                         " m/s: give it that" +

@@ -17,11 +17,7 @@ TieForces::TieForces(const model::Model& model, std::vector<Vec3> q, std::vector
       body_(model.blocks),
       of_(model.ties.list().size()),
       on_body_(model.bodies.size(), Vec3::Zero()),
-      pull_(model.blocks, Vec3::Zero()),
-      leads_(model.ties.list().size(), -1),
-      led_(model.blocks, Vec3::Zero()) {
-  for (const model::Joint& j : model.joints)
-    if (j.mimics && j.type == model::JointType::prismatic) leads_[j.tie] = model.bodies[model.joints[j.leader].follower].block_begin;
+      pull_(model.blocks, Vec3::Zero()) {
   const std::vector<Vec3> rest = model.rest_points.download();
   std::vector<double> radius(model.bodies.size(), 0.0);
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
@@ -94,7 +90,6 @@ void TieForces::hold(std::size_t i, const model::Follow& f, const Vec3& force, s
   for (const model::TieTerm& t : f.terms) {
     gradient[t.block] += t.weight * force;
     pull(i, t.block, -t.weight * force);
-    if (leads_[i] == t.block) led_[t.block] += t.weight * force;
   }
 }
 
@@ -136,12 +131,10 @@ void TieForces::guide(const std::vector<Vec3>& folded) {
         hold(link.tie, model_.ties.list()[link.tie].follows[link.place], Vec3(handed_[link.block]), handed_);
         return true;
       }
+      if (link.slide->carrier == model::Tie::kWorld) return true;  // what bears it is a support
       const Vec3 g = folded[link.block] + handed_[link.block], force = g - P[link.block] * g;
-      // Of what mimics this slide only the force along the axis is its matter: across, the tie says the same in other words.
-      const Vec3 own = g - led_[link.block], guide = own - P[link.block] * own;
       const model::Joint& joint = model_.joints[link.slide->joint];
-      of_[joint.tie].guide = joint.follower == joint.body ? guide : Vec3(-guide);
-      if (link.slide->carrier == model::Tie::kWorld) return true;
+      of_[joint.tie].guide = joint.follower == joint.body ? force : Vec3(-force);
       carried_.push_back(link.block);
       const Index p = link.follows[0];
       Mat3 A;

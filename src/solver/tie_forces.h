@@ -51,9 +51,7 @@ class TieForces {
   std::vector<Index> body_;       // of every block
   std::vector<Figures> of_;       // every tie
   std::vector<Vec3> on_body_;
-  std::vector<Vec3> pull_;    // of all ties, on every block
-  std::vector<Index> leads_;  // of every tie of a slide that mimics: the centre of the slider that leads; else -1
-  std::vector<Vec3> led_;     // what slides that mimic by a tie hand on to the centre of the one that leads, as a gradient [N]
+  std::vector<Vec3> pull_;  // of all ties, on every block
   std::vector<Vec3> handed_;
   std::vector<Index> carried_;
 };

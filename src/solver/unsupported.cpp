@@ -76,8 +76,8 @@ std::string unsupported(const model::Model& model, Index env) {
             "it, or make the scene dynamic";
   if (!hinged.empty())
     text += "\n  joints let " + hinged +
-            " turn, and nothing but contact and the weight of what hangs straight down keeps it from that: let it start where it comes to rest, join "
-            "it otherwise, or make the scene dynamic";
+            " turn, and springs, contact and the weight of what hangs straight down do not keep it from that: let it start where it comes to rest, "
+            "join it otherwise, or make the scene dynamic";
   return text;
 }
 

@@ -281,7 +281,18 @@ TEST(Crept, IsTheSlipOfWhatSticks) {
   resumed.checkpoint(saved);
   EXPECT_EQ(resumed.share(), crept.share());
   slips(1e-6, 2, 0);
-  EXPECT_NEAR(crept.share(), 6e-4 / 2, 1e-12);
+  EXPECT_NEAR(crept.share(), 6e-4 / (2 - 1e-3), 1e-12) << "since they touch";
+  // Apart, on its way to somewhere else, and there again.
+  Snapshot away;
+  std::vector<double> u(3 * points, 0.0);
+  for (std::size_t i = 0; i < input.bodies[0].nodes.size(); ++i) u[3 * i + 1] = 4;
+  away.points("displacement", "m", 3, u);
+  crept.state(away, audit::rubbing(audit::friction_laws(input), away));
+  crept.step(100);
+  slips(1e-6, 7, 0);
+  EXPECT_NEAR(crept.share(), 7e-4 / (2 - 1e-3), 1e-12);
+  slips(1e-6, 8, 0);
+  EXPECT_NEAR(crept.share(), 8e-4 / (3 - 1e-3), 1e-12);
   input.scene = table({{"effects", Params::make_table()}});
   EXPECT_TRUE(std::isnan(audit::Crept(input).share()));
 }

@@ -607,7 +607,8 @@ bodies:
       "  pin: [{body: cart, where: {side: all}}]",
       "  other" + box + "5, position: [-80 mm, 0, 60 mm]}\n  rider" + box + "2, position: [0, 0, 0.2]}\n");
   EXPECT_NEAR(jaws.at("supports/cart_z"), 110, 1e-5);
-  EXPECT_NEAR(jaws.at("joint/cross_guide_z"), 50, 1e-5);
+  // What mimics by a tie is borne by the one that leads, -1 times, and by the cart, twice.
+  EXPECT_NEAR(jaws.at("joint/cross_guide_z"), 50 - 50, 1e-5);
   EXPECT_NEAR(jaws.at("joint/rider_guide_z"), 20, 1e-5);
   EXPECT_NEAR(jaws.at("joint/other_force_z"), 50, 1e-5);
 }
@@ -624,9 +625,8 @@ TEST(Slides, FallAlongTheirAxis) {
   EXPECT_NEAR(f.at("joint/left_travel"), 0.02 + 0.5 * std::abs(along) * t * (t + 1e-3), 1e-7);
   EXPECT_LT(vector(f, "balance/defect_").norm(), 1e-6);
   // What the guide bears is across.
-  const Vec3 bearing = 0.04 * 9.81 * (Vec3(0, 0, 1) - u[2] * u);
-  EXPECT_LT((vector(f, "supports/left_") - bearing).norm(), 1e-6);
-  EXPECT_LT((vector(f, "joint/left_guide_") - bearing).norm(), 1e-6);
+  EXPECT_LT((vector(f, "supports/left_") - 0.04 * 9.81 * (Vec3(0, 0, 1) - u[2] * u)).norm(), 1e-6);
+  EXPECT_FALSE(f.has("joint/left_guide_z")) << "it would be told twice";
   double highest = 0;
   for (int i = 0; i < 400; ++i) {
     rig.step();

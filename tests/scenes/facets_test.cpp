@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "audit/field_errors.h"
+#include "audited.h"
 #include "rig.h"
 
 using namespace mortise;
@@ -70,4 +71,44 @@ TEST(Facets, CountWhereTheyPress) {
   EXPECT_GT(lies.errors.facets, 0.05);
   EXPECT_LT(stands.errors.facets, 0.002);
   EXPECT_TRUE(std::isnan(press("shape: {box: {size: [10 mm, 10 mm, 10 mm], edge_length: 5 mm}}, position: [0, 0, 5.1 mm]", pins(0.6)).errors.facets));
+}
+
+// A flat follower on a spring, on an eccentric disc that a motor turns: without facets the torque is N e sin(angle).
+TEST(Facets, LetTorqueJump) {
+  for (const double edge : {5.0, 2.0}) {
+    Rig rig(fmt::format(R"(
+mortise: 1
+name: cam
+time: {{step: 4 ms, steps: 150}}
+materials: {{steel: {{density: 7850}}}}
+bodies:
+  cam:
+    {{type: stiff, shape: {{cylinder: {{radius: 20 mm, height: 10 mm, edge_length: {} mm}}}}, material: steel,
+     rotation: {{axis: [1, 0, 0], angle: 90 deg}}, position: [0, 0, -4 mm]}}
+  follower: {{type: stiff, shape: {{box: {{size: [50 mm, 10 mm, 10 mm], edge_length: 10 mm}}}}, material: steel, position: [0, 0, 21.1 mm]}}
+effects:
+  inertia: {{}}
+  gravity: {{}}
+  affine_body: {{}}
+  joint:
+    - {{name: shaft, type: revolute, body: cam, at: [0, 0, 0], axis: [0, 1, 0]}}
+    - {{name: guide, type: prismatic, body: follower, at: [0, 0, 21.1 mm], axis: [0, 0, 1]}}
+  drive:
+    - {{joint: shaft, mode: kinematic, angle: {{time: [0, 0.6], value: [0, 6.2832]}}}}
+    - {{joint: guide, mode: passive, stiffness: 500, rest: -10 mm}}
+  barrier_contact: {{pairs: [[cam, follower]]}}
+)",
+                        edge));
+    double worst = 0, largest = 0;
+    int step = 0;
+    const audit::EnergyAudit::Result energy = audited(rig, 150, [&](const solver::StepReport&, const Captured& said) {
+      if (++step < 5) return;  // it starts at once
+      const double torque = said.at("drive/shaft_torque"), N = said.at("barrier_contact/force_follower_z");
+      worst = std::max(worst, std::abs(std::abs(torque) - std::abs(N * 4e-3 * std::sin(said.at("joint/shaft_angle")))));
+      largest = std::max(largest, std::abs(torque));
+    });
+    EXPECT_GT(worst, 0.1 * largest) << edge;
+    EXPECT_GT(energy.facet_torque, 0.5 * worst / largest) << edge;
+    EXPECT_LT(energy.facet_torque, 2 * worst / largest) << edge;
+  }
 }
