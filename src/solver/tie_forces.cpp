@@ -98,6 +98,7 @@ void TieForces::guide(const std::vector<Vec3>& folded) {
   const std::vector<model::Guided> slides = model::guided(model_);
   if (slides.empty()) return;
   handed_.assign(model_.blocks, Vec3::Zero());
+  carried_.assign(model_.blocks, 0);
   const std::vector<Mat3> P = model_.projector.download();
   struct Link {
     const model::Guided* slide;  // or
@@ -135,7 +136,7 @@ void TieForces::guide(const std::vector<Vec3>& folded) {
       const Vec3 g = folded[link.block] + handed_[link.block], force = g - P[link.block] * g;
       const model::Joint& joint = model_.joints[link.slide->joint];
       of_[joint.tie].guide = joint.follower == joint.body ? force : Vec3(-force);
-      carried_.push_back(link.block);
+      carried_[link.block] = 1;
       const Index p = link.follows[0];
       Mat3 A;
       for (int k = 0; k < 3; ++k) A.col(k) = q_[p + 1 + k];

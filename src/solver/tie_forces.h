@@ -8,7 +8,7 @@
 //
 // A slide on what goes as it is told is held across its axis by a support (model/joints.h). What that bears, f = (I - P) g_p at the slider's centre,
 // is borne by the body that carries it, at the place where that centre is, and by what holds that.
-#include <algorithm>
+#include <cstdint>
 #include <optional>
 
 #include "base/field_sinks.h"
@@ -26,7 +26,7 @@ class TieForces {
   // What slides take from the blocks of sliders and hand on to those that carry them and follow nothing, as a gradient [N]; empty without slides.
   const std::vector<Vec3>& handed_on() const { return handed_; }
   // Is it the centre of a slider that a body carries? No support bears anything there.
-  bool carried(Index block) const { return std::find(carried_.begin(), carried_.end(), block) != carried_.end(); }
+  bool carried(Index block) const { return !carried_.empty() && carried_[block] != 0; }
   void report(const FieldSinks& sinks) const;
 
  private:
@@ -53,7 +53,7 @@ class TieForces {
   std::vector<Vec3> on_body_;
   std::vector<Vec3> pull_;  // of all ties, on every block
   std::vector<Vec3> handed_;
-  std::vector<Index> carried_;
+  std::vector<std::uint8_t> carried_;  // of every block; empty without slides
 };
 
 }  // namespace mortise::solver

@@ -63,9 +63,8 @@ class Search {
     finest_.assign(knobs_.size(), tuning::kMostLevels), centre_.assign(knobs_.size(), 0);
   }
 
-  std::optional<std::vector<GoalBudget>> budgets_here() const {
-    return goal_budgets(place_.folder + "/runs/" + here().id + "/certificate.json", out_.quantities);
-  }
+  std::optional<std::vector<GoalBudget>> budgets_here() const { return goal_budgets(certificate_here(), out_.quantities); }
+  std::string certificate_here() const { return place_.folder + "/runs/" + here().id + "/certificate.json"; }
 
   const RunResult& here() const { return out_.attempts[here_].run; }
   double left() const { return wanted_.most - out_.seconds; }
@@ -249,6 +248,7 @@ class Search {
     out_.chosen = chosen;
     centre_ = out_.attempts[out_.chosen].levels, here_ = out_.chosen;
     out_.climbs = climbs_here();
+    out_.doubt = doubt_of(certificate_here(), out_.quantities);
     for (std::size_t k = 0; k < knobs_.size(); ++k) {
       for (const auto& s : knobs_[k].settings(centre_[k])) out_.settings.push_back(s);
     }

@@ -36,6 +36,7 @@ struct Accuracy {
   bool reached = false;
   std::string why_not;             // then
   std::string how;                 // estimates were found
+  std::string doubt;               // why the certificate of the chosen one has C or worse of what is asked for; empty: it has not
   std::vector<std::string> notes;  // knobs that failed
   double seconds = 0;              // CPU time of all runs, those of earlier attempts included
   Settings settings;               // of the chosen one

@@ -33,6 +33,16 @@ std::optional<std::vector<GoalBudget>> goal_budgets(const std::string& certifica
   return out;
 }
 
+std::string doubt_of(const std::string& certificate, const std::vector<Quantity>& quantities) {
+  std::ifstream in(certificate);
+  const auto j = nlohmann::json::parse(in, nullptr, false);
+  const bool fields = std::any_of(quantities.begin(), quantities.end(), [](const Quantity& q) { return q.value.find('/') == std::string::npos; });
+  const std::string grade = fields ? "grade" : "grade_forces", reason = fields ? "reason" : "reason_forces";
+  if (!j.is_object() || !j.contains(grade) || !j.contains(reason)) return {};
+  const auto letter = j[grade].get<std::string>();
+  return letter < "C" ? std::string() : letter + (fields ? ": " : " of forces and motions: ") + j[reason].get<std::string>();
+}
+
 bool budgets_tell(const std::vector<AutoKnob>& knobs) {
   return std::all_of(knobs.begin(), knobs.end(), [](const AutoKnob& k) { return k.mesh || k.layer; });
 }

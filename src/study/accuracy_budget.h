@@ -16,6 +16,9 @@ struct GoalBudget {
 // Of each of the quantities; nothing where one of them has no budget, so that only other runs can tell.
 std::optional<std::vector<GoalBudget>> goal_budgets(const std::string& certificate, const std::vector<Quantity>& quantities);
 
+// Why a certificate has C or worse: of forces and motions, or, where one of the quantities is of fields, of all; empty where it has not.
+std::string doubt_of(const std::string& certificate, const std::vector<Quantity>& quantities);
+
 // Do budgets tell of all that these knobs refine?
 bool budgets_tell(const std::vector<AutoKnob>& knobs);
 

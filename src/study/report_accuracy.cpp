@@ -52,13 +52,15 @@ std::string accuracy_table(const Accuracy& a) {
   }
   out += "estimated by " + a.how + "\n";
   for (const std::string& n : a.notes) out += "note: " + n + "\n";
+  if (!a.doubt.empty()) out += "the estimates may miss what the certificate of that run is graded for, " + a.doubt + "\n";
   out += a.reached ? "reached" : "not reached: " + a.why_not;
   return out + fmt::format("; {} of CPU time in all\n", seconds_text(a.seconds));
 }
 
 std::string accuracy_json(const Accuracy& a) {
   Tree j{{"filetype", "mortise accuracy"}, {"mortise_version", version()}, {"reached", a.reached},
-         {"why_not", a.why_not},           {"estimated_by", a.how},        {"cpu_seconds", a.seconds}};
+         {"why_not", a.why_not},           {"estimated_by", a.how},        {"doubt", a.doubt},
+         {"cpu_seconds", a.seconds}};
   j["goals"] = Tree::array(), j["runs"] = Tree::array(), j["settings"] = Tree::object();
   for (const auto& [path, value] : a.settings) j["settings"][path] = value;
   for (std::size_t q = 0; q < a.goals.size(); ++q) {

@@ -76,6 +76,21 @@ TEST_F(AccuracyProgram, AStaticRunSaysItselfWhatItsLayerAdds) {
   EXPECT_TRUE(j["settings"].contains("effects.mortar_contact.d_hat"));
 }
 
+// Its mesh is too stiff to bend: what a certificate knows beyond the estimates is told.
+TEST_F(AccuracyProgram, TellsWhatTheCertificateDoubts) {
+  std::ofstream(folder_ + "/strut.yaml")
+      << "mortise: 1\nname: strut\ntime: {mode: static, steps: 4}\n"
+         "materials: {gel: {youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}}\n"
+         "bodies:\n"
+         "  col: {type: soft, shape: {box: {size: [10 mm, 10 mm, 150 mm], edge_length: 5 mm}}, material: gel, position: [0, 0, 75 mm]}\n"
+         "effects:\n  elasticity: {}\n"
+         "  pin:\n    - {body: col, where: {side: z_min}}\n"
+         "    - {body: col, where: {side: z_max}, motion: {time: [0, 1], translation: [[0, 0, 0], [0, 0, -3.4 mm]]}}\n"
+         "quantities: [{name: way, value: displacement, body: col, point: [0, 0, 75 mm], axis: z}]\n";
+  const Result r = mortise("run strut.yaml -o strut --threads 1 --no-render --accuracy way=5%", folder_);
+  EXPECT_THAT(r.out, HasSubstr("is graded for, C: buckling is 0.5")) << r.err;
+}
+
 TEST_F(AccuracyProgram, SaysWhatItCouldNotReach) {
   const Result r = run("--accuracy fall=0.1% --accuracy-budget '0.6 s'");
   EXPECT_EQ(r.code, 7) << r.err << r.out;
