@@ -38,8 +38,10 @@ class Buckling {
   struct Span {
     double from, to;
     bool held;
+    double length() const { return to - from; }
   };
-  Span free_span(const Bar& bar, const Snapshot& said) const;
+  static Span free_span(const Bar& bar, const Snapshot& said);
+  static double shortened(const Bar& bar, const Span& span, const std::vector<double>& points);
 
   double step_;  // [s]; NaN in statics
   std::vector<Bar> bars_;

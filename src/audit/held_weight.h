@@ -5,7 +5,6 @@
 //     held_weight = d m g / max(F, m g)      F: the force that holds the body, or that touches it, in the state where that is largest
 //
 // of the body where it is most: beside what an indenter presses with its weight may be nothing.
-#include <string>
 #include <vector>
 
 #include "base/archive.h"

@@ -162,13 +162,13 @@ GmresResult gmres(const Operator& A, const Awaited& preconditioner, View<const V
   out.of_env.assign(envs, 0);
   std::vector<std::uint8_t> active(envs, 0);
   std::vector<Small> small(envs);
-  std::vector<double> size(envs), scale(envs);
+  std::vector<double> square, size(envs), scale(envs);  // square: |b|^2
   const auto invert = [&](std::size_t e, double v) { scale[e] = v > 0 ? 1 / v : 0; };
   bool any = false;
   const auto begin = [&] {  // with the sizes of b
     any = false;
     for (std::size_t e = 0; e < envs; ++e) {
-      size[e] = std::sqrt(out.b2[e]);
+      size[e] = std::sqrt(square[e]);
       small[e].g = {size[e]};
       invert(e, size[e]);
       active[e] = size[e] > 0;
@@ -188,7 +188,7 @@ GmresResult gmres(const Operator& A, const Awaited& preconditioner, View<const V
     normalise(b, std::as_const(own_size).view(), v[0].view());
     active[0] = 1, any = true;
   } else {
-    out.b2 = b2.empty() ? dot(b, b, env_rows) : b2;
+    square = b2.empty() ? dot(b, b, env_rows) : b2;
     begin();
     combine(false, scale, b, env, env_rows, v[0].view());
   }
@@ -201,7 +201,7 @@ GmresResult gmres(const Operator& A, const Awaited& preconditioner, View<const V
       products.begin(active);
       for (const Buffer<Vec3>& basis : v) products.take_out(basis.view(), rows, w.view());  // modified Gram-Schmidt
       products.end(std::as_const(w).view(), fetch);
-      if (out.b2.empty()) fetch.add(std::as_const(own_size).view(), out.b2);
+      if (square.empty()) fetch.add(std::as_const(own_size).view(), square);
     });
     if (later && out.iterations == 0) begin();
     if (!any) break;

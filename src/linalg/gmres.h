@@ -23,7 +23,6 @@ struct GmresResult {
   Index iterations = 0;          // of the environment that took most,
   std::vector<Index> of_env;     // and of each: one that has converged stands still
   std::vector<double> relative;  // |b - A x| / |b| of every environment, by the recurrence; 0 where b is 0
-  std::vector<double> b2;        // |b|^2 of every environment
 };
 
 // Starts at x = 0 and stops when every environment's residual is at most its `relative` |b|, or after `most` products. `go_on`, where there is one,

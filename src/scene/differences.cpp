@@ -2,34 +2,16 @@
 
 #include <algorithm>
 
-#include "scene/yaml.h"
+#include "scene/flow.h"
 
 namespace mortise::scene {
 namespace {
 
 constexpr std::size_t kShown = 60;  // characters of a value: what fits on a line twice
 
-std::string whole(const Node& n) {
-  std::string out;
-  const auto add = [&](const std::string& part) { out += (out.empty() ? "" : ", ") + part; };
-  switch (n.kind) {
-    case Node::Kind::scalar:
-      return n.text;
-    case Node::Kind::list:
-      for (const Node& item : n.items) add(whole(item));
-      return "[" + out + "]";
-    case Node::Kind::map:
-      for (const auto& [key, value] : n.entries) add(key + ": " + whole(value));
-      return "{" + out + "}";
-    case Node::Kind::null:
-      break;
-  }
-  return "~";
-}
-
 std::string shown(const Node* n) {
   if (!n) return "missing";
-  const std::string text = whole(*n);
+  const std::string text = flow(*n);
   return text.size() <= kShown ? text : text.substr(0, kShown - 3) + "...";
 }
 
@@ -49,7 +31,7 @@ void walk(const std::string& path, const Node* there, const Node* here, std::vec
       for (std::size_t i = 0; i < std::max(there->items.size(), here->items.size()); ++i)
         walk(prefix + std::to_string(i), item(*there, i), item(*here, i), out);
     }
-  } else if (!there || !here || whole(*there) != whole(*here)) {
+  } else if (!there || !here || flow(*there) != flow(*here)) {
     out.push_back(path + " is " + shown(there) + " there and " + shown(here) + " here");
   }
 }

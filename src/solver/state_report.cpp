@@ -142,11 +142,11 @@ void Simulation::report_balance(const FieldSinks& sinks) {
   std::vector<Vec3> g = forces_.sum(newton_.at()).download();
   if (ties && !ties->handed_on().empty())
     for (std::size_t b = 0; b < g.size(); ++b) g[b] += ties->handed_on()[b];
-  const auto borne = [&](Index b) { return model_.held[b] && model_.held[b] != model::Model::kTied && !(ties && ties->carried(b)); };
+  const auto carried = [&](Index b) { return ties && ties->carried(b); };
   const std::vector<Mat3> P = model_.projector.download();
   std::vector<Vec3> reaction(g.size(), Vec3::Zero());
   for (std::size_t b = 0; b < g.size(); ++b)
-    if (!ties || !ties->carried(static_cast<Index>(b))) reaction[b] = g[b] - P[b] * g[b];
+    if (!carried(static_cast<Index>(b))) reaction[b] = g[b] - P[b] * g[b];
   const std::vector<Vec3> supports = resultants(reaction);
   for (Index e = 0; e < model_.envs; ++e) {
     const Vec3 support = resultant(supports, e);
@@ -165,7 +165,7 @@ void Simulation::report_balance(const FieldSinks& sinks) {
     FieldSink& sink = sinks[body.env];
     bool held = false;
     for (Index b = body.block_begin; b < body.block_end; ++b) {
-      if (!borne(b)) continue;
+      if (!model_.held[b] || model_.held[b] == model::Model::kTied || carried(b)) continue;
       held = true;
       if (body.type != model::BodyType::soft) continue;
       const std::size_t point = body.point_begin + (b - body.block_begin);

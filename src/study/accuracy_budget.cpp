@@ -10,9 +10,13 @@
 
 namespace mortise::study {
 
+static nlohmann::json read_certificate(const std::string& path) {
+  std::ifstream in(path);
+  return nlohmann::json::parse(in, nullptr, false);
+}
+
 std::optional<std::vector<GoalBudget>> goal_budgets(const std::string& certificate, const std::vector<Quantity>& quantities) {
-  std::ifstream in(certificate);
-  const auto j = nlohmann::json::parse(in, nullptr, false);
+  const auto j = read_certificate(certificate);
   if (!j.is_object() || !j.contains("error_budget")) return {};
   std::vector<GoalBudget> out;
   for (const Quantity& q : quantities) {
@@ -34,8 +38,7 @@ std::optional<std::vector<GoalBudget>> goal_budgets(const std::string& certifica
 }
 
 std::string doubt_of(const std::string& certificate, const std::vector<Quantity>& quantities) {
-  std::ifstream in(certificate);
-  const auto j = nlohmann::json::parse(in, nullptr, false);
+  const auto j = read_certificate(certificate);
   const bool fields = std::any_of(quantities.begin(), quantities.end(), [](const Quantity& q) { return q.value.find('/') == std::string::npos; });
   const std::string grade = fields ? "grade" : "grade_forces", reason = fields ? "reason" : "reason_forces";
   if (!j.is_object() || !j.contains(grade) || !j.contains(reason)) return {};

@@ -470,7 +470,7 @@ effects:
   EXPECT_LT(kinks("[" + keys + "]", "[" + cycloid + "]", "bdf2", 0.005), 0.05);
 }
 
-// A cube is lifted by 100 mm within 100 ms and then held, or stretched: its weight, and what is stored, tell the work.
+// A cube is lifted by 100 mm within 100 ms and then held: its weight tells the work.
 TEST(WorkLag, IsWhatTheWorkOfSupportsIsTooLargeBy) {
   const auto lifted = [](const std::string& integrator, double step) {
     const int steps = static_cast<int>(std::lround(0.12 / step));
