@@ -44,8 +44,8 @@ class Run:
 
 
 def umi(r):
-    """While nothing moves: both pads press alike, hang the cube and let it creep no faster than creep_speed (1 - sqrt(1 - share of the friction cone))."""
-    creep, last = 0.1e-3, r.time[-1]
+    """While nothing moves: both pads press alike, hang the cube, and it rests."""
+    last = r.time[-1]
     still = r.within(1.0, 1.8) if last < 2 else r.within(0.2, 0.35)
     force = {p: (r.vector(f"barrier_contact/force_{p}_") + r.vector(f"friction/force_{p}_"))[still] for p in ("pad_left", "pad_right", "cube")}
     print("grip over", r.time[still][[0, -1]], "s: pads press with", *[f"{np.abs(force[p][:, 0]).mean():.6f} N" for p in ("pad_left", "pad_right")],
@@ -55,7 +55,7 @@ def umi(r):
     if last < 2:
         low = (r.body["cube"] - r.body["palm"].mean(axis=1, keepdims=True)).mean(axis=1)[still]
         span = r.time[still][-1] - r.time[still][0]
-        print(f"held in the air for {span:.2f} s the cube creeps {1e6 * np.linalg.norm(low[-1] - low[0]):.2f} um; creep_speed x time is {1e6 * creep * span:.0f} um")
+        print(f"held in the air for {span:.2f} s the cube creeps {1e6 * np.linalg.norm(low[-1] - low[0]):.3f} um")
 
 
 def quadruped(r):

@@ -50,6 +50,7 @@ std::string_view advice(std::string_view check, const Has& has) {
       {"layer_over_way", kLayer},
       {"facets_over_indentation", kRound},
       {"facets_over_way", kRound},
+      {"bond_overlap", "let the stiff body end where a row of nodes does, or a finer mesh where it ends"},
       {"facet_torque", kRound},
       {"rim_error", "a finer mesh where the edge presses (edge_length)"},
       {"quantity_error", "what its error_budget names; 'mortise run --accuracy NAME=5%' looks for it"}};

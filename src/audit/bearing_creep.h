@@ -1,7 +1,7 @@
 #pragma once
-// Dry friction of bearings is smooth as that of contact is (crept.h): what it holds creeps. Of joints without a motor, or with one that is told its
-// torque, the sum over the steps with |rate| < the rate from which friction is there in full, of |rate| dt, as a share of the farthest that the joint
-// has gone from its start, or of what is no motion that anybody looks at, whichever is more.
+// Dry friction of bearings is smooth as that of contact is (crept.h): what it begins to hold gives way. Of joints without a motor, or with one that
+// is told its torque, the sum over the steps with |rate| < the rate from which friction is there in full, of |rate| dt, as a share of the farthest
+// that the joint has gone from its start, or of what is no motion that anybody looks at, whichever is more.
 #include <string>
 #include <vector>
 

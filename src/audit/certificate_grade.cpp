@@ -68,6 +68,7 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("guard_share", fields.guard, tuning::kGuard, Of::fields);
   add("stress_error", fields.stress, tuning::kStress, Of::fields);
   add("buckling", energy.buckling, tuning::kBuckling);
+  add("bond_overlap", energy.bond_overlap, tuning::kBondOverlap);
   add("stiffness_error", fields.stiffness, tuning::kStress, Of::forces);
   add("linear_law_turned", fields.turned, tuning::kTurned);
   add("load_turned", fields.load_turned, tuning::kLoadTurned);

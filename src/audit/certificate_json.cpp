@@ -93,7 +93,7 @@ Certificate::Written Certificate::write(const End& end) const {
                 {"pressure_misfit", number_or_null(fields.pressure.misfit)},
                 {"layer_over_indentation", number_or_null(fields.layer)},
                 {"nodes_under_pressure", fields.pressure.nodes},
-                // A body at rest creeps at most at this speed, all the time (incline benchmark).
+                // What sticks creeps at most at this speed, where its contact changes all the time.
                 {"friction_creep_bound_m", number_or_null(crept_.speed() * (end_ - begin_))}};
   j["model"]["volumetric"] = volumetric_;
   j["locking_risks"] = locking_risks_;

@@ -1,6 +1,7 @@
 #pragma once
-// Friction's law is smooth: what sticks creeps, at speeds below `creep_speed`, and what slips more slowly than that has less friction than mu N. With
-// the mean speed of the slip between two bodies over the friction forces, v = P / sum |F|, P what friction takes away there [W],
+// Friction's law is smooth: what begins to stick gives way, and creeps for as long as its contact changes (friction/anchors.h), at speeds below
+// `creep_speed`; what slips more slowly than that has less friction than mu N. With the mean speed of the slip between two bodies over the friction
+// forces, v = P / sum |F|, P what friction takes away there [W],
 //
 //   crept = sum over the steps with v < creep_speed of v dt,
 //

@@ -32,6 +32,7 @@ EnergyAudit::EnergyAudit(const model::ModelInput& input)
       held_weight_(input),
       facet_torque_(input),
       buckling_(input),
+      bond_overlap_(input),
       given_kinks_(input),
       jolted_(input),
       struck_(input),
@@ -107,6 +108,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   held_weight_.state(forces);
   facet_torque_.state(now.said, moving);
   buckling_.state(now.said, now.points);
+  bond_overlap_.state(now.points);
   given_kinks_.state(moving, forces);
   jolted_.state(moving);
   std::vector<double> elastic;
@@ -136,8 +138,8 @@ void EnergyAudit::measured() {
   r_.turnover = moves_ ? scale_.turnover() : 0, r_.own_turnover = moves_ ? own_scale_.turnover() : 0;
   r_.at_start = pressed_first_ - pressed_least_;
   r_.motion_lag = std::fmax(lag_.value(), phase_.value()), r_.given_lag = given_lag_.value(), r_.held_weight = held_weight_.share(),
-  r_.buckling = buckling_.value(), r_.facet_torque = facet_torque_.share(), r_.given_kinks = given_kinks_.value(), r_.jolted = jolted_.value(),
-  r_.struck = struck_.share();
+  r_.buckling = buckling_.value(), r_.bond_overlap = bond_overlap_.value(), r_.facet_torque = facet_torque_.share(),
+  r_.given_kinks = given_kinks_.value(), r_.jolted = jolted_.value(), r_.struck = struck_.share();
   r_.motor_lag = motor_lag_.way(), r_.motor_torque_lag = motor_lag_.torque();
   r_.free_loss = free_ + bounces_.sum() + vibrations_.sum(), r_.impacts = bounces_.stiff();
   r_.own_loss = std::max({bounces_.own(), vibrations_.alone(r_.turnover), swings_.share()}), r_.own_impacts = bounces_.own_stiff();
@@ -167,6 +169,7 @@ void EnergyAudit::checkpoint(Archive& archive) {
   held_weight_.checkpoint(archive);
   facet_torque_.checkpoint(archive);
   buckling_.checkpoint(archive);
+  bond_overlap_.checkpoint(archive);
   given_kinks_.checkpoint(archive);
   jolted_.checkpoint(archive);
   struck_.checkpoint(archive);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "audit/bond_overlap.h"
 #include "audit/bounce_loss.h"
 #include "audit/buckling.h"
 #include "audit/energy_scale.h"
@@ -79,6 +80,7 @@ class EnergyAudit {
     double given_lag = NAN;                          // given_lag.h
     double held_weight = NAN;                        // held_weight.h
     double buckling = NAN;                           // buckling.h
+    double bond_overlap = NAN;                       // bond_overlap.h
     double facet_torque = NAN;                       // facet_torque.h
     double given_kinks = NAN;                        // given_kinks.h
     double jolted = NAN, struck = NAN;               // jolted.h, struck.h
@@ -109,6 +111,7 @@ class EnergyAudit {
   HeldWeight held_weight_;
   FacetTorque facet_torque_;
   Buckling buckling_;
+  BondOverlap bond_overlap_;
   GivenKinks given_kinks_;
   Jolted jolted_;
   Struck struck_;

@@ -22,11 +22,12 @@ inline constexpr Bounds kStiffImpacts{0.05, 0.1};
 inline constexpr Bounds kTurningLoss{
     0.06, 0.12};  // of energy: rates of what rolls are wrong by a fifth to four fifths of it, and angles of what friction stops
 inline constexpr Bounds kMotionLag{0.05, 0.1};
-inline constexpr Bounds kGivenLag{0.1, 0.2};  // of forces: a sine of 60 and of 25 steps, whose largest errors are 10 and 25 % of its amplitude
+inline constexpr Bounds kGivenLag{0.045, 0.09};  // of forces: a sine of 140 and of 70 steps, whose largest errors are 5 and 10 % of its amplitude
 inline constexpr Bounds kMotorLag{0.05, 0.1};
 inline constexpr Bounds kFacetTorque{0.05, 0.1};
 inline constexpr double kEvens = 0.1;  // of d_hat: facets less deep are evened out by the layer (a cam and a friction wheel, edges of 1 to 5 mm)
-inline constexpr Bounds kBuckling{0.05, 0.1};  // of forces beyond what a column bears
+inline constexpr Bounds kBuckling{0.05, 0.1};       // of forces beyond what a column bears
+inline constexpr Bounds kBondOverlap{0.03, 0.055};  // of forces and ways; half of what they are wrong by, or more, is told
 inline constexpr double kFull =
     0.6;  // of the box with its radii of gyration: a ring or an arch has less, and no line that is shortened (buckling.cpp)
 inline constexpr double kSlender = 4;         // of a bar's length, over its thickness: shorter ones are crushed before they give way

@@ -12,7 +12,7 @@ namespace mortise::output {
 namespace {
 
 constexpr const char* filetype = "mortise checkpoint";
-constexpr std::int64_t version[2] = {3, 1};
+constexpr std::int64_t version[2] = {3, 2};
 
 // The last bytes of a checkpoint; HDF5 does not look behind its own end. 20 + 64 + 1 bytes.
 constexpr std::string_view seal_mark = "\nmortise-sha256-v01=";

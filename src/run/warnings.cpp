@@ -122,6 +122,19 @@ void of_rotations(const model::ModelInput& input, std::vector<std::string>& out)
   }
 }
 
+void of_joint_limits(const Params& scene, std::vector<std::string>& out) {
+  const Params* joints = scene.at("effects").find("joint");
+  for (std::size_t i = 0; joints && i < joints->items().size(); ++i) {
+    const Params* limits = joints->items()[i].find("angle_limits");
+    if (!limits) continue;
+    double most = 0;
+    for (const double v : limits->as_numbers()) most = std::max(most, std::abs(v));
+    if (most > 2 * std::numbers::pi * (1 + 1e-6) && most <= 360)
+      out.push_back(
+          at(limits->where(), fmt::format("angle_limits of up to {:.6g} rad are more than a turn; degrees are written '{:.6g} deg'", most, most)));
+  }
+}
+
 // What lies between frames is not looked at.
 void of_quantities(const Params& scene, std::vector<std::string>& out) {
   const Params* list = scene.find("quantities");
@@ -151,6 +164,7 @@ std::vector<std::string> warnings(const model::ModelInput& input) {
   of_sensors(input, out);
   of_quantities(input.scene, out);
   of_rotations(input, out);
+  of_joint_limits(input.scene, out);
   for (std::string& risk : audit::locking_risks(input)) out.push_back(std::move(risk));
   for (const scene::PassThrough& p : scene::pass_through(input.scene, engine::effect_tables()))
     if (p.everything) out.push_back(p.text());

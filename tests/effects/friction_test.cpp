@@ -51,6 +51,18 @@ struct Problem {
     lag();
   }
   void lag() { friction->effect->lag(contact->here().contact, friction->here()); }
+  // The state x is accepted, and a new step begins.
+  void accept(const fd::Vector& x) {
+    const device::Buffer<Vec3> q(fd::blocks_of(x));
+    contact->freeze(q.view());
+    lag();
+    friction->end_step(q.view());
+    model.q.copy_from(q);
+    contact->begin_step(kStep);
+    friction->begin_step(kStep);
+    contact->freeze(q.view());
+    lag();
+  }
   // The block moved by d, all else at rest.
   fd::Vector moved(const Vec3& d) const {
     fd::Vector x = positions(model);
@@ -210,6 +222,48 @@ TEST(Friction, TheWholeJacobianMatchesDifferencesOfForces) {
           worst = std::max(worst, error);
         }
   std::printf("friction, whole Jacobian: %.1e\n", worst);
+}
+
+// Where the step ended its force is that of the next one's beginning; what slips drags its anchor along, which holds it wherever it stops.
+TEST(Friction, WhatSticksRests) {
+  for (bool plane : {false, true})
+    for (bool stiff : {false, true}) {
+      SCOPED_TRACE(std::string(plane ? "on a plane" : "on a pad") + (stiff ? ", stiff" : ""));
+      Problem p(plane, stiff);
+      const double e = kCreep * kDt, full = kMu * p.normal_force();
+      const fd::Vector stuck = p.moved(Vec3(0.5 * e, 0.2 * e, 0));
+      const Vec3 force = p.force_on_block(stuck);
+      p.accept(stuck);
+      const Vec3 held = p.force_on_block(stuck);
+      EXPECT_NEAR((held - force).norm(), 0, (plane ? 1e-9 : 2e-3) * full) << "a pad's rim is pressed otherwise there";
+      p.accept(stuck);
+      EXPECT_NEAR((p.force_on_block(stuck) - held).norm(), 0, 1e-9 * full) << "nothing relaxes";
+      if (!plane) continue;
+      const fd::Vector slipped = p.moved(Vec3(0, 5 * e, 0));
+      const Vec3 along = Vec3(0.5, 5.2, 0).normalized();
+      p.accept(slipped);
+      EXPECT_NEAR((p.force_on_block(slipped) + full * along).norm(), 0, 1e-9 * full);
+      EXPECT_NEAR(p.force_on_block(p.moved(-e * along)).norm(), 0, 1e-9 * full) << "back by as far as it gave way";
+      Recorder r;
+      p.friction->report(r);
+      const std::vector<double>& slip = r.values["friction/slip"];
+      for (std::size_t i = 0; i < slip.size(); i += 3) EXPECT_NEAR(std::abs(slip[i + 1]), 5 * e, 1e-9 * e) << "of the step alone";
+      p.accept(p.moved(Vec3(0, 0, 2 * kHat)));
+      p.accept(p.moved(Vec3(0, 0, -2 * kHat)));
+      EXPECT_NEAR(p.force_on_block(slipped).norm(), 0, 1e-9 * full) << "what touches nothing forgets";
+    }
+}
+
+// Points far apart that are deflected differently.
+TEST(Friction, TheWholeJacobianKnowsAnchors) {
+  for (bool plane : {false, true})
+    for (bool stiff : {false, true}) {
+      Problem p(plane, stiff);
+      p.accept(shaken(p.moved(Vec3(0.01, 0.02, 0)), 0.02 * kHat, 7));
+      const fd::Vector x = shaken(p.moved(Vec3(0.013, 0.021, 0)), 0.01 * kHat, 8);
+      const fd::Matrix difference = fd::difference_jacobian([&](const fd::Vector& at) { return p.fresh_force(at); }, x, 2e-6 * kHat);
+      EXPECT_LT(fd::relative_error(p.jacobian(x), difference), 1e-6) << plane << stiff;
+    }
 }
 
 TEST(Friction, HessianAtRestIsFinite) {

@@ -357,6 +357,17 @@ TEST(Urdf, WhatIsLeftOutIsToldOnceWithItsPlace) {
   EXPECT_EQ(lines[3], "r.urdf:5:16: warning: <joints> in <robot> is none of URDF's, and not imported; did you mean 'joint'?");
 }
 
+TEST(Urdf, LimitsThatSayNothingOrSeemToBeDegreesAreTold) {
+  const auto notes_of = [](const std::string& limit) {
+    Notes notes;
+    robot(link("a") + link("b") + joint("j", "revolute", "a", "b", "<limit lower='-1' " + limit + "/>"), &notes);
+    return notes;
+  };
+  EXPECT_TRUE(told(notes_of("upper='90'"), "limits of more than a turn: angles of URDF are radians"));
+  EXPECT_TRUE(notes_of("upper='6.2832' effort='1'").lines().empty());
+  EXPECT_TRUE(told(notes_of("upper='1' effort='0'"), "a limit of 'effort' 0 is none"));
+}
+
 TEST(Urdf, RefusalsNameTheLine) {
   EXPECT_EQ(refusal("<link name='a'/>\n<link name='a'/>"), "r.urdf:3:1: error: a second link 'a'; the first is in line 2");
   EXPECT_NE(refusal(link("a") + link("b")).find("hangs on no other"), std::string::npos);
@@ -364,6 +375,8 @@ TEST(Urdf, RefusalsNameTheLine) {
             std::string::npos);
   EXPECT_NE(refusal(link("a") + link("b") + joint("j", "planar", "a", "b", "")).find("'planar'"), std::string::npos);
   EXPECT_NE(refusal(link("a") + link("b") + joint("j", "revolute", "a", "b", "")).find("needs a <limit>"), std::string::npos);
+  EXPECT_NE(refusal(link("a") + link("b") + joint("j", "continuous", "a", "b", "<dynamics damping='-1'/>")).find("'damping' is less than 0"),
+            std::string::npos);
   EXPECT_NE(refusal(link("a") + link("b") + link("c") + joint("i", "fixed", "b", "c", "") + joint("j", "fixed", "c", "b", "")).find("in a circle"),
             std::string::npos);
   EXPECT_NE(refusal(link("a") + link("b") + joint("i", "fixed", "a", "b", "") + joint("j", "fixed", "a", "b", "")).find("second parent"),
@@ -392,6 +405,8 @@ TEST_F(Folder, MeshesAreFoundInPackagesAndOnesThatNoBodyCanHaveBecomeHulls) {
   const std::filesystem::path meshes = path_ / "thing_description/meshes";
   geometry::write_obj((meshes / "sound.obj").string(), sound);
   geometry::write_obj((meshes / "open.obj").string(), open);
+  for (Triangle& t : sound.triangles) std::swap(t.v[0], t.v[1]);
+  geometry::write_obj((meshes / "inside_out.obj").string(), sound);
   const auto collision = [](const std::string& file, const std::string& scale) {
     return "<collision><geometry><mesh filename='" + file + "'" + scale + "/></geometry></collision>";
   };
@@ -399,7 +414,7 @@ TEST_F(Folder, MeshesAreFoundInPackagesAndOnesThatNoBodyCanHaveBecomeHulls) {
   const std::string file = (path_ / "thing_description/urdf/r.urdf").string();
   std::ofstream(file) << "<robot name='r'>"
                       << link("a", collision("package://thing_description/meshes/sound.obj", " scale='2 2 2'") + collision("../meshes/open.obj", "") +
-                                       collision("../meshes/sound.obj", " scale='1 -1 1'") +
+                                       collision("../meshes/sound.obj", " scale='1 -1 1'") + collision("../meshes/inside_out.obj", "") +
                                        collision("package://thing_description/meshes/none.stl", ""))
                       << "</robot>";
   Notes notes;
@@ -416,17 +431,18 @@ TEST_F(Folder, MeshesAreFoundInPackagesAndOnesThatNoBodyCanHaveBecomeHulls) {
   r = read();
   options.skip_missing = true;
   find_meshes(r, options, notes);
-  ASSERT_EQ(r.links[0].collisions.size(), 3u);
+  ASSERT_EQ(r.links[0].collisions.size(), 4u);
   mend_collision_meshes(r, options, notes);
   const std::vector<Shape>& s = r.links[0].collisions;
   EXPECT_EQ(s[0].file, (meshes / "sound.obj").string());
   EXPECT_EQ(s[0].scale, Vec3::Constant(2));
-  for (int i : {1, 2}) {
+  for (int i : {1, 2, 3}) {
     EXPECT_EQ(s[i].file, (path_ / "out_meshes" / ("a_" + std::to_string(i) + ".obj")).string());
     EXPECT_NEAR(volume(s[i]), 0.1 * 0.2 * 0.3, 1e-12);
   }
   EXPECT_TRUE(told(notes, "is no closed surface"));
   EXPECT_TRUE(told(notes, "mirrored along single axes"));
+  EXPECT_TRUE(told(notes, "inside out: its triangles are turned round"));
   EXPECT_TRUE(told(notes, "is missing and left out"));
 }
 

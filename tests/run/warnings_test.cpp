@@ -41,6 +41,9 @@ TEST(Warnings, TellWhatIsHardlyEverMeant) {
   EXPECT_THAT(warned({"bodies.block.rotation={axis: [0, 0, 1], angle: 90}"}),
               ElementsAre(HasSubstr("'block' is rotated by 90 rad, which is more than a turn; degrees are written '90 deg'")));
   EXPECT_THAT(warned({"bodies.block.rotation={axis: [0, 0, 1], angle: 360 deg}"}), IsEmpty());
+  const std::string hinge = "effects.joint=[{type: revolute, body: block, at: [0, 0, 0], axis: [0, 0, 1], angle_limits: [-90, ";
+  EXPECT_THAT(warned({hinge + "1]}]"}), ElementsAre(HasSubstr("angle_limits of up to 90 rad are more than a turn; degrees are written '90 deg'")));
+  EXPECT_THAT(warned({hinge + "1000]}]"}), IsEmpty()) << "it may turn for long";
   EXPECT_THAT(warned({"effects.barrier_contact.d_hat=5 mm"}), ElementsAre(HasSubstr("d_hat is 0.005 m, 0.25 times the size of body 'block'")));
 }
 

@@ -34,7 +34,7 @@ double slip(Rig& rig) { return rig.fields().point.at("displacement")[0]; }
 
 }  // namespace
 
-// B15: slope of 26.565 deg (tan = 0.5). Below that mu the block slides with a = g (sin th - mu cos th), above it creeps.
+// B15: slope of 26.565 deg (tan = 0.5). Below that mu the block slides with a = g (sin th - mu cos th), above it rests.
 TEST(Contact, BlockOnAnInclineSlidesWithTheRightAcceleration) {
   const double th = std::atan(0.5), mu = 0.2, g = 9.81, dt = 0.01;
   Rig rig(incline(th, mu));
@@ -50,15 +50,14 @@ TEST(Contact, BlockOnAnInclineSlidesWithTheRightAcceleration) {
   EXPECT_NEAR(a, g * (std::sin(th) - mu * std::cos(th)), 0.005 * a);
 }
 
+// B16: with f1(y) = 2y - y^2 what sticks gives way by creep_speed dt (1 - sqrt(1 - tan th / mu)), once.
 TEST(Contact, BlockOnAnInclineSticks) {
-  // B16: with f1(y) = 2y - y^2 a sticking block creeps with creep_speed (1 - sqrt(1 - tan th / mu)).
   const double th = std::atan(0.5), mu = 0.8;
   Rig rig(incline(th, mu));
   rig.steps(60);
   const double x0 = slip(rig);
   rig.steps(40);
-  const double speed = (slip(rig) - x0) / 0.4;
-  EXPECT_NEAR(speed, 1e-5 * (1 - std::sqrt(1 - 0.5 / mu)), 1e-2 * 1e-5);
+  EXPECT_NEAR(slip(rig), x0, 1e-4 * 1e-5 * 0.4);
 }
 
 // B26: at rest the force through the interface below block k is the weight above it.

@@ -82,8 +82,7 @@ class LongMotion : public ::testing::Test {
   }
 };
 
-// A block on a ramp of 30 deg goes with a = g (sin th - mu cos th), or stays, as mu is below or above tan th = 0.577: it creeps there at
-// creep_speed (1 - sqrt(1 - tan th / mu)).
+// A block on a ramp of 30 deg goes with a = g (sin th - mu cos th), or rests, as mu is below or above tan th = 0.577.
 TEST(RigidMotion, ARampOfThirtyDegreesLetsGoBelowItsTangent) {
   const double th = M_PI / 6, h = 0.01;
   for (int i = 0; i <= 7; ++i) {
@@ -99,11 +98,11 @@ TEST(RigidMotion, ARampOfThirtyDegreesLetsGoBelowItsTangent) {
     rig.step();
     const double x3 = pose_of(rig, "block", centre).p[0];
     measured("mu_" + std::to_string(i) + "_7", i <= 4 ? ((x3 - x2) - (x1 - x0)) / (40 * h * h) : (x3 - x1) / (40 * h));
-    measured("mu_" + std::to_string(i) + "_7_exact", i <= 4 ? a : 1e-5 * (1 - std::sqrt(1 - std::tan(th) / mu)));
+    measured("mu_" + std::to_string(i) + "_7_exact", i <= 4 ? a : 0);
     if (i <= 4)
       EXPECT_NEAR(((x3 - x2) - (x1 - x0)) / (40 * h * h), a, 0.005 * a) << "mu " << i << "/7";
     else
-      EXPECT_NEAR((x3 - x1) / (40 * h), 1e-5 * (1 - std::sqrt(1 - std::tan(th) / mu)), 0.02e-5) << "mu " << i << "/7";
+      EXPECT_NEAR((x3 - x1) / (40 * h), 0, 1e-4 * 1e-5) << "mu " << i << "/7";
   }
 }
 

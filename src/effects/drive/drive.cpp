@@ -27,6 +27,7 @@ struct Driven {
   double ratio = 1, offset = 0;             // of what the entry aims at: joints that mimic a given one are given too
   double target = 0, torque = 0, drag = 0;  // [rad, m] or [N m, N], [N m, N]
   double held = 0;                          // [J]
+  double stick = 0;                         // what its dry friction holds (law.h), in creep distances
   Law law{};                                // of the step under way
 };
 
@@ -85,6 +86,7 @@ class Drive final : public Effect, public Commanded {
       d.law.stiffness = e.stiffness, d.law.stretch = j.value - e.rest;
       d.law.armature = e.armature, d.law.rate = (of.a1 * j.rate - of.a2 * j.rate_before) / of.a0;
       d.law.creep = j.type == model::JointType::prismatic ? drive::tuning::kCreepSlide : drive::tuning::kCreep;
+      d.law.stick = d.stick * d.law.creep * d.law.h;
       if (e.mode == Mode::pd)
         d.law.kp = e.kp, d.law.aim = d.target - j.value, d.law.a = e.kp * d.law.aim - e.kd * d.law.drift, d.law.K = e.kp + e.kd * d.law.pace;
       if (e.mode == Mode::effort) d.law.a = d.target;
@@ -129,6 +131,7 @@ class Drive final : public Effect, public Commanded {
       if (!step.taken_by(j.env)) continue;
       const double way = j.value - begin_[i];
       d.torque = d.law.motor(way), d.drag = -d.law.drag(way), d.held = held(d);
+      d.stick = std::clamp((way + d.law.stick) / (d.law.creep * d.law.h), -1.0, 1.0);
     }
   }
 
@@ -183,13 +186,16 @@ class Drive final : public Effect, public Commanded {
     std::stable_sort(drives.begin(), drives.end(), [&](const Driven* a, const Driven* b) { return env_of(a) < env_of(b); });
     std::vector<double> state;
     std::vector<Index> env;
-    for (const Driven* d : drives) state.insert(state.end(), {d->target, d->torque, d->drag}), env.push_back(env_of(d));
-    archive.io("state", state, firsts(env, model_.envs, 3));
+    for (const Driven* d : drives) state.insert(state.end(), {d->target, d->torque, d->drag, d->stick}), env.push_back(env_of(d));
+    archive.io("state", state, firsts(env, model_.envs, 4));
     if (!archive.loading()) return;
-    if (state.size() != 3 * drives.size())
-      throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(state.size() / 3) + " drives");
-    for (std::size_t i = 0; i < drives.size(); ++i)
-      drives[i]->target = state[3 * i], drives[i]->torque = state[3 * i + 1], drives[i]->drag = state[3 * i + 2];
+    if (state.size() != 4 * drives.size())
+      throw Error(Exit::file, "the checkpoint belongs to another scene: it has " + std::to_string(state.size() / 4) + " drives");
+    for (std::size_t i = 0; i < drives.size(); ++i) {
+      const double* from = state.data() + 4 * i;
+      Driven& d = *drives[i];
+      d.target = from[0], d.torque = from[1], d.drag = from[2], d.stick = from[3];
+    }
     remember();
     upload();
     place();

@@ -1,7 +1,8 @@
 #pragma once
-// How fast what sticks may creep, where the scene does not say: 1e-5 m/s, at which a run of a second is off by what nobody sees in scenes of
-// millimetres and more; in smaller ones by no more than the contact layer is thick (in statics: over the whole load), as its thickness is what nobody
-// sees there. With 1e-5 m/s a ball dragged by 30 nm over a pad of 3 um had 1 % of the friction that the same scene has in millimetres.
+// How fast what sticks may give way, where the scene does not say: 1e-5 m/s. That is less than a micrometre in a step, and if all contact moved on
+// all the time, in a second what nobody sees in scenes of millimetres and more; in smaller ones no more than the contact layer is thick (in statics:
+// over the whole load), as its thickness is what nobody sees there. Without anchors and with 1e-5 m/s a ball dragged by 30 nm over a pad of 3 um had
+// 1 % of the friction that the same scene has in millimetres.
 #include <algorithm>
 
 #include "effects/contact/layer.h"

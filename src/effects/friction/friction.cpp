@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "effects/contact/change_stencils.h"
+#include "effects/friction/anchors.h"
 #include "effects/friction/creep.h"
 #include "effects/friction/law.h"
 #include "effects/friction/slips.h"
@@ -35,12 +36,13 @@ Param pairs_param() {
 
 const ParamTable kTable{
     "effect friction",
-    "Coulomb friction of the contact that it follows, smoothed below an absolute creep speed.",
+    "Coulomb friction of the contact that it follows; what sticks holds from step to step.",
     {param::of(Param::Kind::text, "follows", Unit::none, "barrier_contact", "The contact effect whose forces cause the friction"),
      param::number("mu", Unit::none, "0.5", 0, "Friction coefficient"), pairs_param(),
-     param::positive(param::automatic(param::number("creep_speed", Unit::velocity, "1e-5 m/s", 0,
-                                                    "Slip speed below which friction falls smoothly to zero; what sticks creeps slower than this; "
-                                                    "auto, or without it, 1e-5 m/s, but no more than d_hat of the contact in a second"))),
+     param::positive(param::automatic(
+         param::number("creep_speed", Unit::velocity, "1e-5 m/s", 0,
+                       "Slip speed below which friction falls smoothly to zero: what sticks gives way by less than a step of this, once; "
+                       "auto, or without it, 1e-5 m/s, but no more than d_hat of the contact in a second"))),
      param::positive(param::number("lag_tolerance", Unit::none, "1e-3", 0,
                                    "Residual with refreshed contact forces at which lagging ends, as a share of the largest force")),
      param::range(param::of(Param::Kind::integer, "lag_iterations", Unit::none, "20", "Most refreshes of the contact forces in a step"), 1, 1000)}};
@@ -57,7 +59,7 @@ struct FrictionLinearisation final : Linearisation {
 
 class Friction final : public Effect {
  public:
-  Friction(const Params& p, model::Model& model) : model_(model), where_(p.where()), follows_(p.text("follows")) {
+  Friction(const Params& p, model::Model& model) : model_(model), where_(p.where()), follows_(p.text("follows")), anchors_(model) {
     const geometry::BodyPairs& pairs = model.surface.pairs;
     const Index bodies = pairs.bodies(), planes = static_cast<Index>(model.half_spaces.size());
     std::vector<double> mu(pairs.size(model.half_spaces.size()), 0.0);
@@ -82,6 +84,7 @@ class Friction final : public Effect {
     power_.assign(model.envs, 0.0);
     dissipated_ = power_;
     dt_.assign(model.envs, 1.0);
+    creep_.upload(creep_speed_);
   }
 
   const Kind& kind() const override;
@@ -114,7 +117,7 @@ class Friction final : public Effect {
     at.samples.copy_from(view.samples);
     at.changes.copy_from(view.changes);
     at.env_offset = view.env_offset;
-    friction::freeze(model_.point_map(), at.samples, view, mu_.view(), model_.surface.pairs.view(), at.stencils, at.weights, at.frozen);
+    friction::freeze(model_.point_map(), at.samples, view, mu_.view(), model_.surface.pairs.view(), anchors(), at.stencils, at.weights, at.frozen);
   }
 
   void energy(Positions q, const Linearisation& frozen, device::EnvValues per_env) override {
@@ -189,10 +192,10 @@ class Friction final : public Effect {
         return;
       }
       const model::Expansion<N> e = scattered ? contact::changed_blocks<N>(map, change, i) : model::expand<N>(map, here.point, here.points);
-      Vec3 way[model::kSamplePoints], force[N];  // way: of the points since the step began
+      Vec3 way[model::kSamplePoints], force[N];  // way: of the points since the step began, from their anchors
       for (Index k = 0; k < e.points; ++k) force[k] = Vec3::Zero();
       for (Index k = 0; k < here.points; ++k) {
-        way[k] = Vec3::Zero();
+        way[k] = s.anchors.of(here, k);
         for (int j = 0; j < model::kPointTerms; ++j)
           if (e.slot[k][j] >= 0) way[k] += e.weight[k][j] * (q[e.block[e.slot[k][j]]] - s.q0[e.block[e.slot[k][j]]]);
       }
@@ -208,6 +211,7 @@ class Friction final : public Effect {
   void end_step(const StepInfo& info, Positions q, const Linearisation& lagged) override {
     const auto& at = static_cast<const FrictionLinearisation&>(lagged);
     const std::vector<Vec3> both = friction::measure(slips(at), at.samples, q);
+    anchors_.keep(slips(at), at.env_offset, q);
     std::vector<Vec3> f(both.begin(), both.begin() + at.samples.size()), u(both.begin() + at.samples.size(), both.end());
     for (Index e = 0; e < model_.envs; ++e) {
       if (!info.taken_by(e)) continue;
@@ -242,7 +246,10 @@ class Friction final : public Effect {
   void report(const FieldSinks& sinks, const Linearisation&) override;
 
   // Everything else is a function of the state at the start of the step.
-  void checkpoint(Archive& archive) override { archive.io("friction.dissipated", dissipated_, one_each(model_.envs)); }
+  void checkpoint(Archive& archive) override {
+    archive.io("friction.dissipated", dissipated_, one_each(model_.envs));
+    anchors_.checkpoint(archive);
+  }
 
  private:
   std::vector<Index> find(const Params& body) const {
@@ -251,8 +258,9 @@ class Friction final : public Effect {
     return found;
   }
 
+  friction::AnchorsView anchors() const { return anchors_.view(creep_.view()); }
   Slips slips(const FrictionLinearisation& at) const {
-    return {at.stencils.offsets(), at.stencils.blocks(), at.weights.view(), at.frozen.view(), q0_.view(), creep_.view(), at.samples.view()};
+    return {at.stencils.offsets(), at.stencils.blocks(), at.weights.view(), at.frozen.view(), q0_.view(), anchors(), at.samples.view()};
   }
 
   model::Model& model_;
@@ -262,6 +270,7 @@ class Friction final : public Effect {
   Buffer<double> creep_;                  // their product [m]
   Buffer<double> mu_;                     // per pair (Surface::pairs)
   Buffer<Vec3> q0_;
+  friction::Anchors anchors_;
   Buffer<ContactSample> samples_;   // of the last accepted step, with
   std::vector<Vec3> force_, slip_;  // theirs
   std::vector<Index> env_offset_;
@@ -314,7 +323,7 @@ const Kind& friction_kind() {
   static const Kind kind =
       Kind{"friction",
            Role::follower,
-           "Coulomb friction of a contact effect, smoothed below an absolute creep speed, lagged forces iterated",
+           "Coulomb friction of a contact effect; what sticks holds from step to step",
            &kTable,
            [](const Params& p, model::Model& m) -> std::unique_ptr<Effect> { return std::make_unique<Friction>(p, m); },
            {"Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman: Incremental Potential Contact. ACM TOG 39(4), 2020"},

@@ -14,7 +14,8 @@ MORTISE_HD inline Index distinct_blocks(const model::PointMapView& map, const Co
 }
 
 void freeze(const model::PointMapView& map, const Buffer<ContactSample>& samples, const model::ContactView& view, View<const double> mu,
-            geometry::BodyPairsView pairs, linalg::StencilSet& stencils, Buffer<double>& weights, Buffer<FrozenContact>& frozen) {
+            geometry::BodyPairsView pairs, const AnchorsView& anchors, linalg::StencilSet& stencils, Buffer<double>& weights,
+            Buffer<FrozenContact>& frozen) {
   const View<const ContactSample> sample = samples.view();
   Buffer<Index> counts(sample.n + 1);
   const View<Index> count = counts.view();
@@ -24,6 +25,7 @@ void freeze(const model::PointMapView& map, const Buffer<ContactSample>& samples
   weights.resize(out.block.n);
   frozen.resize(sample.n);
   const View<double> weight = weights.view();
+  const AnchorsView held = anchors;
   const View<FrozenContact> to = frozen.view();
   device::parallel_for("friction.freeze", sample.n, [=] MORTISE_HD(Index i) {
     const ContactSample& s = sample[i];
@@ -34,6 +36,8 @@ void freeze(const model::PointMapView& map, const Buffer<ContactSample>& samples
     to[i].normal = Vec3(s.normal[0], s.normal[1], s.normal[2]);
     to[i].mu = mu[pairs.of(s.body_a, s.body_b)];
     to[i].load = to[i].mu * s.force;
+    to[i].anchor = Vec3::Zero();
+    for (Index k = 0; k < s.points; ++k) to[i].anchor += s.weight[k] * held.of(s, k);
   });
 }
 
@@ -43,11 +47,11 @@ std::vector<Vec3> measure(const Slips& s, const Buffer<ContactSample>& samples, 
   Buffer<Vec3> both(2 * n);
   const View<Vec3> f{both.view().p, n}, u{both.view().p + n, n};
   device::parallel_for("friction.measure", s.size(), [=] MORTISE_HD(Index i) {
-    const Vec3 r = s.slip(i, q);
+    const Vec3 slip = s.slip(i, q), r = s.moved(i, q);
     // r is the motion of the first body against an obstacle, else that of the second against the first.
     const double sign = model::against_obstacle(sample[i]) ? 1 : -1;
     u[i] = sign * r;
-    f[i] = (-s.frozen[i].load * f1_over_x(r.norm(), s.creep(i))) * u[i];
+    f[i] = (-sign * s.frozen[i].load * f1_over_x(slip.norm(), s.creep(i))) * slip;
   });
   return both.download();
 }

@@ -5,6 +5,7 @@
 #include "geometry/body_pairs.h"
 #include "linalg/stencils.h"
 #include "model/contact_view.h"
+#include "model/expand.h"
 
 namespace mortise::effects::friction {
 
@@ -14,20 +15,41 @@ using model::ContactSample;
 struct FrozenContact {
   Vec3 normal;
   double mu, load;  // load: mu times the normal force [N]
+  Vec3 anchor;      // what its slip begins with [m]
 };
 
-// Views of the frozen samples in terms of blocks: sample i slips by P sum_b W_b (q_b - q0_b).
+// What points hold at the start of the step (anchors.h).
+struct AnchorsView {
+  View<const Vec3> deflection;  // of every point, in creep distances
+  View<const Index> body;       // of every point
+  View<const double> cell;      // of every body: mean area that a point of its surface stands for [m^2]
+  View<const double> creeps;    // creep distance of every environment [m]
+  // The points of which body hold for a sample; and 1 where their weights add up to that, else -1.
+  MORTISE_HD bool second(const ContactSample& s) const { return s.body_b < cell.n && cell[s.body_b] < cell[s.body_a]; }
+  MORTISE_HD double side(const ContactSample& s) const { return second(s) || model::against_obstacle(s) ? 1 : -1; }
+  MORTISE_HD bool holds(const ContactSample& s, Index k) const {
+    if (s.body_a == s.body_b) return s.weight[k] < 0;
+    return body[s.point[k]] == (second(s) ? s.body_b : s.body_a);
+  }
+  MORTISE_HD Vec3 of(const ContactSample& s, Index k) const {
+    if (!holds(s, k)) return Vec3::Zero();
+    return creeps[s.env] * deflection[s.point[k]];
+  }
+};
+
+// Views of the frozen samples in terms of blocks: sample i moves by P sum_b W_b (q_b - q0_b), and slips by that and its anchor.
 struct Slips {
   View<const Index> offset, block;
   View<const double> weight;
   View<const FrozenContact> frozen;
   View<const Vec3> q0;
-  View<const double> creeps;  // of every environment: creep distance of a step [m]
+  AnchorsView anchors;
   View<const ContactSample> sample;
   Index size() const { return frozen.n; }
-  MORTISE_HD double creep(Index i) const { return creeps[sample[i].env]; }
-  MORTISE_HD Vec3 slip(Index i, Positions q) const {
-    Vec3 r = Vec3::Zero();
+  MORTISE_HD double creep(Index i) const { return anchors.creeps[sample[i].env]; }
+  MORTISE_HD Vec3 moved(Index i, Positions q) const { return across(i, q, Vec3::Zero()); }
+  MORTISE_HD Vec3 slip(Index i, Positions q) const { return across(i, q, frozen[i].anchor); }
+  MORTISE_HD Vec3 across(Index i, Positions q, Vec3 r) const {
     for (Index k = offset[i]; k < offset[i + 1]; ++k) r += weight[k] * (q[block[k]] - q0[block[k]]);
     const Vec3 n = frozen[i].normal;
     return r - n.dot(r) * n;
@@ -46,8 +68,9 @@ MORTISE_HD inline void follow_force(const Slips& s, const ContactSample& sample,
 
 // Fills pattern, block weights and loads from the samples; view: what is known of them; mu: per pair.
 void freeze(const model::PointMapView& map, const device::Buffer<ContactSample>& samples, const model::ContactView& view, View<const double> mu,
-            geometry::BodyPairsView pairs, linalg::StencilSet& stencils, device::Buffer<double>& weights, device::Buffer<FrozenContact>& frozen);
-// Friction force on the first body of every sample [N], and then the slips of all against the second [m].
+            geometry::BodyPairsView pairs, const AnchorsView& anchors, linalg::StencilSet& stencils, device::Buffer<double>& weights,
+            device::Buffer<FrozenContact>& frozen);
+// Friction force on the first body of every sample [N], and then how far all moved against the second in the step [m].
 std::vector<Vec3> measure(const Slips& slips, const device::Buffer<ContactSample>& samples, Positions q);
 
 }  // namespace mortise::effects::friction

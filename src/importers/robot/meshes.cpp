@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <sstream>
+#include <utility>
 
 #include "geometry/hull.h"
 #include "geometry/io/obj.h"
@@ -113,6 +114,20 @@ void find_meshes(Robot& robot, const MeshOptions& options, Notes& notes) {
       });
 }
 
+static bool closed(const geometry::TriMesh& mesh) {
+  try {
+    geometry::check_closed_surface(mesh, "");
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+static geometry::TriMesh turned_round(geometry::TriMesh mesh) {
+  for (Triangle& t : mesh.triangles) std::swap(t.v[1], t.v[2]);
+  return mesh;
+}
+
 void mend_collision_meshes(Robot& robot, const MeshOptions& options, Notes& notes) {
   for (Link& link : robot.links)
     for (std::size_t i = 0; i < link.collisions.size(); ++i) {
@@ -136,14 +151,15 @@ void mend_collision_meshes(Robot& robot, const MeshOptions& options, Notes& note
       } else if (mesh.triangles.size() > kMostTriangles) {
         why = "has more than " + std::to_string(kMostTriangles) + " triangles";
       } else {
-        try {
-          geometry::check_closed_surface(mesh, "");
-          continue;
-        } catch (const Error&) {
-          why = "is no closed surface without self-intersections";
-        }
+        if (closed(mesh)) continue;
+        why = "is no closed surface without self-intersections";
       }
       for (Vec3& x : mesh.points) x = x.cwiseProduct(s.scale);
+      if (geometry::TriMesh turned = turned_round(mesh); s.even() && mesh.triangles.size() <= kMostTriangles && closed(turned)) {
+        write(turned);
+        notes.add(s.where, "a collision mesh is inside out: its triangles are turned round");
+        continue;
+      }
       geometry::TriMesh hull;
       try {
         hull = geometry::convex_hull(mesh.points);

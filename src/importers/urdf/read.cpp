@@ -176,6 +176,17 @@ class Reader {
     robot_.joints.push_back(std::move(j));
   }
 
+  static double not_negative(const Element& e, const char* key) {
+    const double v = e.number(key, 0.0);
+    if (v < 0) e.fail(std::string("'") + key + "' is less than 0");
+    return v;
+  }
+  // More than a turn and no more than 360: joints that turn for ever have more.
+  static bool in_degrees(const std::pair<double, double>& limits) {
+    const double most = std::max(std::abs(limits.first), std::abs(limits.second));
+    return most > 2 * M_PI * (1 + 1e-3) && most <= 360;
+  }
+
   void motion(const Element& e, const std::string& type, Joint& j) {
     if (const auto a = e.child("axis")) {
       j.axis = a->vector("xyz");
@@ -186,17 +197,20 @@ class Reader {
     if (!limit && type != "continuous") e.fail("a " + type + " joint needs a <limit>");
     if (limit) {
       limit->expect({"lower", "upper", "effort", "velocity"}, {}, {"stiffness", "damping", "acceleration", "jerk"}, notes_);
-      j.effort = std::max(0.0, limit->number("effort", 0.0)), j.velocity = std::max(0.0, limit->number("velocity", 0.0));
+      j.effort = not_negative(*limit, "effort"), j.velocity = not_negative(*limit, "velocity");
+      for (const char* key : {"effort", "velocity"})
+        if (limit->has(key) && limit->number(key, 0.0) == 0)
+          notes_.add(limit->where(), std::string("a limit of '") + key + "' 0 is none: motors go without");
       if (type != "continuous") {
         j.limits = {limit->number("lower", 0.0), limit->number("upper", 0.0)};
         if (j.limits->first > j.limits->second) limit->fail("joint '" + j.name + "': 'lower' is above 'upper'");
+        if (type == "revolute" && in_degrees(*j.limits)) notes_.add(limit->where(), "limits of more than a turn: angles of URDF are radians");
       }
     }
     if (const auto d = e.child("dynamics")) {
       d->expect({"damping", "friction", "spring_reference", "spring_stiffness", "armature"}, {}, {}, notes_);
-      j.stiffness = std::max(0.0, d->number("spring_stiffness", 0.0)), j.rest = d->number("spring_reference", 0.0);
-      j.armature = std::max(0.0, d->number("armature", 0.0));
-      j.damping = std::max(0.0, d->number("damping", 0.0)), j.friction = std::max(0.0, d->number("friction", 0.0));
+      j.stiffness = not_negative(*d, "spring_stiffness"), j.rest = d->number("spring_reference", 0.0);
+      j.armature = not_negative(*d, "armature"), j.damping = not_negative(*d, "damping"), j.friction = not_negative(*d, "friction");
     }
     if (const auto m = e.child("mimic")) {
       m->expect({"joint", "multiplier", "offset"}, {}, {}, notes_);
