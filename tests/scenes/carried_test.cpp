@@ -152,3 +152,27 @@ TEST(Carried, ABallThatRollsOnABelt) {
   EXPECT_LT(fast.turning_loss / fast.own_scale, 0.05) << "of all that moves";
   EXPECT_NEAR(fast.own_turning, still, 0.2 * still);  // which counts what facets lose, too
 }
+
+// The top of a toss, of which a fall that is many times as far is left; v h / 2 is missing there.
+TEST(MotionLag, IsThatOfATurningPointThatAQuantityAsksFor) {
+  const auto lag = [](const std::string& when) {
+    Rig rig(fmt::format(R"(
+mortise: 1
+name: toss
+time: {{step: 5 ms, steps: 40}}
+materials: {{steel: {{density: 7800}}}}
+bodies:
+  ball: {{type: stiff, shape: {{box: {{size: [30 mm, 30 mm, 30 mm], edge_length: 30 mm}}}}, material: steel, velocity: [0, 0, 0.3]}}
+effects:
+  inertia: {{}}
+  gravity: {{}}
+  affine_body: {{}}
+quantities:
+  - {{name: top, value: displacement, body: ball, over: mean, axis: z, when: {}}}
+)",
+                        when));
+    return audited(rig, 40, [](const solver::StepReport&, const Captured&) {}).motion_lag;
+  };
+  EXPECT_NEAR(lag("largest"), 0.0025 * 0.3 / (0.3 * 0.3 / (2 * 9.81)), 0.02);
+  EXPECT_LT(lag("end"), 0.05);
+}
