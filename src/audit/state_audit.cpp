@@ -83,7 +83,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
     if (summed) work_lag_ += now.said.at("supports/work_lag");
     if (r_.work_is_known) {
       r_.gain = (summed ? all_ - all_before : r_.total - before) - work;
-      r_.largest_gain = std::fmax(r_.largest_gain, r_.gain);
+      r_.largest_gain = std::fmax(r_.largest_gain, r_.gain - std::max(own_.untold(), 0.0));
       const double rubbed = std::fmax(now.said.at("friction/dissipation"), 0.0);
       lost = std::max(-r_.gain - (rubbed - rubbed_) - own_.lost(), 0.0);
       rubbed_ = rubbed;

@@ -176,3 +176,23 @@ quantities:
   EXPECT_NEAR(lag("largest"), 0.0025 * 0.3 / (0.3 * 0.3 / (2 * 9.81)), 0.02);
   EXPECT_LT(lag("end"), 0.05);
 }
+
+// A drive that is told another speed at once does the work that the body then has more; the mean of its forces at both ends of that step knows of
+// little.
+TEST(EnergyGain, IsNoneOfWhatADriveGivesAtOnce) {
+  Rig rig(R"(
+mortise: 1
+name: rotor
+time: {step: 5 ms, steps: 60}
+materials: {steel: {density: 7800}}
+bodies:
+  rotor: {type: stiff, shape: {box: {size: [40 mm, 40 mm, 40 mm], edge_length: 40 mm}}, material: steel, position: [100 mm, 0, 0]}
+effects:
+  inertia: {integrator: bdf2}
+  affine_body: {}
+  joint: [{name: hub, type: revolute, body: rotor, at: [0, 0, 0], axis: [0, 0, 1]}]
+  drive: [{joint: hub, mode: kinematic, angle: {time: [0, 0.1, 0.3], value: [0, 1, 5]}}]
+)");
+  const audit::EnergyAudit::Result r = audited(rig, 60, [](const solver::StepReport&, const Captured&) {});
+  EXPECT_LT(r.largest_gain, 0.01 * r.scale);
+}
