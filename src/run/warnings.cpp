@@ -14,6 +14,7 @@
 #include "geometry/bounds.h"
 #include "geometry/rigid_motion.h"
 #include "model/bonded.h"
+#include "run/idle_joints.h"
 #include "run/tuning.h"
 #include "scene/pass_through.h"
 #include "sensors/sensors.h"
@@ -165,6 +166,7 @@ std::vector<std::string> warnings(const model::ModelInput& input) {
   of_quantities(input.scene, out);
   of_rotations(input, out);
   of_joint_limits(input.scene, out);
+  for (std::string& idle : idle_joints(input)) out.push_back(std::move(idle));
   for (std::string& risk : audit::locking_risks(input)) out.push_back(std::move(risk));
   for (const scene::PassThrough& p : scene::pass_through(input.scene, engine::effect_tables()))
     if (p.everything) out.push_back(p.text());
