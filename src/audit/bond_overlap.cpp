@@ -6,6 +6,7 @@
 #include <string>
 
 #include "audit/entries.h"
+#include "geometry/enclosure.h"
 #include "model/bonded.h"
 
 namespace mortise::audit {
@@ -23,7 +24,7 @@ std::vector<std::array<double, 4>> parts() {
 
 // What lies inside of the stiff body, of the elements of the soft one of which a node is free.
 std::vector<StrainEnergy::Place> overlap(const model::BodyInput& soft, const model::BodyInput& stiff, const std::vector<bool>& held) {
-  const model::Hull hull(stiff, 0);
+  const geometry::Enclosure around(stiff.nodes, stiff.triangles);
   const std::vector<std::array<double, 4>> each = parts();
   std::vector<StrainEnergy::Place> out;
   for (std::size_t t = 0; t < soft.tets.size(); ++t) {
@@ -34,7 +35,7 @@ std::vector<StrainEnergy::Place> overlap(const model::BodyInput& soft, const mod
     for (const std::array<double, 4>& l : each) {
       Vec3 x = Vec3::Zero();
       for (int k = 0; k < 4; ++k) x += l[k] * soft.nodes[soft.tets[t].v[k]];
-      if (hull.holds(x)) out.push_back({t, l, 1.0 / static_cast<double>(each.size())});
+      if (around.holds(x)) out.push_back({t, l, 1.0 / static_cast<double>(each.size())});
     }
   }
   return out;

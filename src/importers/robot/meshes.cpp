@@ -128,6 +128,10 @@ static geometry::TriMesh turned_round(geometry::TriMesh mesh) {
   return mesh;
 }
 
+static void scale(geometry::TriMesh& mesh, const Vec3& by) {
+  for (Vec3& x : mesh.points) x = x.cwiseProduct(by);
+}
+
 void mend_collision_meshes(Robot& robot, const MeshOptions& options, Notes& notes) {
   for (Link& link : robot.links)
     for (std::size_t i = 0; i < link.collisions.size(); ++i) {
@@ -150,16 +154,17 @@ void mend_collision_meshes(Robot& robot, const MeshOptions& options, Notes& note
         why = "is scaled or mirrored along single axes";
       } else if (mesh.triangles.size() > kMostTriangles) {
         why = "has more than " + std::to_string(kMostTriangles) + " triangles";
-      } else {
-        if (closed(mesh)) continue;
-        why = "is no closed surface without self-intersections";
-      }
-      for (Vec3& x : mesh.points) x = x.cwiseProduct(s.scale);
-      if (geometry::TriMesh turned = turned_round(mesh); s.even() && mesh.triangles.size() <= kMostTriangles && closed(turned)) {
+      } else if (closed(mesh)) {
+        continue;
+      } else if (geometry::TriMesh turned = turned_round(mesh); closed(turned)) {
+        scale(turned, s.scale);
         write(turned);
         notes.add(s.where, "a collision mesh is inside out: its triangles are turned round");
         continue;
+      } else {
+        why = "is no closed surface without self-intersections";
       }
+      scale(mesh, s.scale);
       geometry::TriMesh hull;
       try {
         hull = geometry::convex_hull(mesh.points);

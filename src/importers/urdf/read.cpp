@@ -198,9 +198,8 @@ class Reader {
     if (limit) {
       limit->expect({"lower", "upper", "effort", "velocity"}, {}, {"stiffness", "damping", "acceleration", "jerk"}, notes_);
       j.effort = not_negative(*limit, "effort"), j.velocity = not_negative(*limit, "velocity");
-      for (const char* key : {"effort", "velocity"})
-        if (limit->has(key) && limit->number(key, 0.0) == 0)
-          notes_.add(limit->where(), std::string("a limit of '") + key + "' 0 is none: motors go without");
+      for (const auto& [key, most] : {std::pair{"effort", j.effort}, std::pair{"velocity", j.velocity}})
+        if (limit->has(key) && most == 0) notes_.add(limit->where(), std::string("a limit of '") + key + "' 0 is none: motors go without");
       if (type != "continuous") {
         j.limits = {limit->number("lower", 0.0), limit->number("upper", 0.0)};
         if (j.limits->first > j.limits->second) limit->fail("joint '" + j.name + "': 'lower' is above 'upper'");
