@@ -60,23 +60,25 @@ void Enclosure::fill(int box, std::vector<Triangle>& of) {
   for (int k = 0; k < 2; ++k) fill(first + k, parts[k]);
 }
 
-bool Enclosure::add(int number, const Vec3& x, double& angle) const {
+static bool far(const Bounds& from, const Vec3& x, double room) { return (x - from.lo).minCoeff() < -room || (from.hi - x).minCoeff() < -room; }
+
+bool Enclosure::add(int number, const Vec3& x, double room, double& angle) const {
   const Box& box = boxes_[number];
-  const bool outside = (x - box.bounds.lo).minCoeff() < -rounding_ || (box.bounds.hi - x).minCoeff() < -rounding_;
-  if (!outside && box.first >= 0) return add(box.first, x, angle) && add(box.first + 1, x, angle);
+  const bool outside = far(box.bounds, x, room);
+  if (!outside && box.first >= 0) return add(box.first, x, room, angle) && add(box.first + 1, x, room, angle);
   for (const Triangle& t : box.triangles) {
     const Vec3 p[4] = {x, points_[t.v[0]], points_[t.v[1]], points_[t.v[2]]};
-    if (!outside && closest_point_triangle(p).squared <= rounding_ * rounding_) return false;
+    if (!outside && closest_point_triangle(p).squared <= room * room) return false;
     angle += solid_angle(p[1], p[2], p[3], x);
   }
   return true;
 }
 
-bool Enclosure::holds(const Vec3& x) const {
+bool Enclosure::holds(const Vec3& x, double reach) const {
+  const double room = reach + rounding_;
   double angle = 0;
-  const Bounds& all = boxes_[0].bounds;
-  if ((x - all.lo).minCoeff() < -rounding_ || (all.hi - x).minCoeff() < -rounding_) return false;
-  return !add(0, x, angle) || angle > 2 * M_PI;
+  if (far(boxes_[0].bounds, x, room)) return false;
+  return !add(0, x, room, angle) || angle > 2 * M_PI;
 }
 
 }  // namespace mortise::geometry

@@ -14,8 +14,8 @@ class Enclosure {
  public:
   // The mesh must outlive it.
   Enclosure(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles);
-  // Inside or, to rounding, on the surface.
-  bool holds(const Vec3& x) const;
+  // Inside or, to rounding, no farther from the surface than `reach` [m].
+  bool holds(const Vec3& x, double reach = 0) const;
 
  private:
   struct Box {
@@ -24,8 +24,8 @@ class Enclosure {
     int first = -1;                   // of its two parts; -1: a leaf
   };
   void fill(int box, std::vector<Triangle>& of);
-  // False where x lies on a triangle; else the solid angle of the box's triangles is added.
-  bool add(int box, const Vec3& x, double& angle) const;
+  // False where a triangle is no farther from x than `room`; else the solid angle of the box's triangles is added.
+  bool add(int box, const Vec3& x, double room, double& angle) const;
 
   const std::vector<Vec3>& points_;
   double rounding_ = 0;  // [m]

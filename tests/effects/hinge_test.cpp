@@ -240,7 +240,7 @@ std::vector<Law> laws() {
         for (double velocity : {2.0, static_cast<double>(INFINITY)}) {
           if (effort == INFINITY && velocity < INFINITY) continue;
           Law l;
-          l.a = a, l.K = K, l.effort = effort, l.velocity = velocity, l.h = 0.005, l.pace = 200, l.damping = 0.02, l.friction = 0.1;
+          l.a = a, l.K = K, l.effort = effort, l.velocity = velocity, l.h = 0.005, l.pace = 200, l.damping = 0.02, l.dry = 0.1;
           out.push_back(l);
           l.pace = 300, l.drift = -0.7;  // BDF2
           out.push_back(l);

@@ -40,3 +40,18 @@ TEST(Enclosure, HoldsItsSurface) {
   EXPECT_FALSE(enclosure.holds(Vec3(0, 0, 0.5 + 1e-6)));
   EXPECT_TRUE(enclosure.holds(Vec3(0, 0, 0.5 - 1e-6)));
 }
+
+TEST(Enclosure, ReachesAsFarAsAsked) {
+  const TriMesh mesh = surface_of(box({1, 0.7, 0.4}, 0.08));
+  const Enclosure enclosure(mesh.points, mesh.triangles);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> in(-1, 1), of(0, 0.3);
+  int near = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 x(in(random), in(random), in(random)), beyond = (x.cwiseAbs() - Vec3(0.5, 0.35, 0.2)).cwiseMax(0);
+    const double reach = of(random);
+    EXPECT_EQ(enclosure.holds(x, reach), beyond.norm() <= reach) << x.transpose();
+    near += beyond.norm() > 0 && enclosure.holds(x, reach);
+  }
+  EXPECT_GT(near, 100);
+}

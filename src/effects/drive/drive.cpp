@@ -82,7 +82,7 @@ class Drive final : public Effect, public Commanded {
       d.law = {};
       const Integrator of = is_static_ ? backward_euler(1) : step.integrator(j.env);
       d.law.h = of.dt, d.law.pace = of.a0 / of.dt, d.law.drift = of.rate(j.value, j.value, j.before);
-      d.law.effort = e.effort, d.law.velocity = e.velocity, d.law.damping = e.damping, d.law.friction = e.friction;
+      d.law.effort = e.effort, d.law.velocity = e.velocity, d.law.damping = e.damping, d.law.dry = e.friction;
       d.law.stiffness = e.stiffness, d.law.stretch = j.value - e.rest;
       d.law.armature = e.armature, d.law.rate = (of.a1 * j.rate - of.a2 * j.rate_before) / of.a0;
       d.law.creep = j.type == model::JointType::prismatic ? drive::tuning::kCreepSlide : drive::tuning::kCreep;

@@ -12,8 +12,8 @@
 // and braked as the law wants. tau is continuous, piecewise linear and never increases, so
 //     E(x) = - int_0^x tau                              (trapezoids between the kinks: exact)
 // is convex and once continuously differentiable. Bearings add, with D viscous damping and F dry friction, e = creep h, and s from the last step what
-// is left of x + s there, e at most: what is held rests (as in friction/anchors.h):
-//     D v^2 / (2 pace)     and     F f(|x + s|),  f = y^2/e - y^3/(3 e^2)  (y < e),  y - e/3  (y >= e),
+// is left of x + s there, e at most: what is held rests (as in friction/anchors.h), by the law of friction/law.h:
+//     D v^2 / (2 pace)     and     F (f0(|x + s|) - e/3),
 // a spring in the joint with its ease at theta_0, and a rotor of inertia J (already times the square of its gear), whose acceleration is
 // pace (v - v_hat), v_hat from the rates before (with backward Euler v_n),
 //     S (theta_n + x - theta_0)^2 / 2     and     J (v - v_hat)^2 / 2.
@@ -25,6 +25,7 @@
 
 #include "base/types.h"
 #include "effects/drive/tuning.h"
+#include "effects/friction/law.h"
 
 namespace mortise::effects::drive {
 
@@ -43,9 +44,9 @@ struct Law {
   double kp = 0, aim = 0;  // of mode pd; target - theta_n
   double effort = INFINITY, velocity = INFINITY;
   double pace = 1, drift = 0, h = 1;
-  double damping = 0, friction = 0, creep = tuning::kCreep, stick = 0;  // stick: s
-  double stiffness = 0, stretch = 0;                                    // S; theta_n - theta_0
-  double armature = 0, rate = 0;                                        // J; v_hat
+  double damping = 0, dry = 0, creep = tuning::kCreep, stick = 0;  // dry: F; stick: s
+  double stiffness = 0, stretch = 0;                               // S; theta_n - theta_0
+  double armature = 0, rate = 0;                                   // J; v_hat
   double left = 0;  // what a law of finite steps leaves out, where that is mended, against the motion [N m]
 
   MORTISE_HD double rate_of(double x) const { return pace * x + drift; }
@@ -92,14 +93,13 @@ struct Law {
 
   // Of bearing, spring and rotor, against the motion [N m].
   MORTISE_HD double drag(double x) const {
-    const double e = creep * h, y = std::fabs(x + stick), f = y < e ? (2 - y / e) * y / e : 1.0;
-    const double bearing = damping * rate_of(x) + left + (x + stick < 0 ? -1 : 1) * friction * f;
+    const double f = friction::f1(std::fabs(x + stick), creep * h);
+    const double bearing = damping * rate_of(x) + left + (x + stick < 0 ? -1 : 1) * dry * f;
     return stiffness == 0 && armature == 0 ? bearing : bearing + stiffness * (stretch + x) + armature * pace * (rate_of(x) - rate);
   }
   MORTISE_HD double energy_of(double x) const {
-    const double e = creep * h, y = std::fabs(x + stick);
-    const double v = rate_of(x);
-    const double all = motor_energy(x) + 0.5 * damping * v * v / pace + left * x + friction * (y < e ? y * y * (1 / e - y / (3 * e * e)) : y - e / 3);
+    const double e = creep * h, v = rate_of(x);
+    const double all = motor_energy(x) + 0.5 * damping * v * v / pace + left * x + dry * (friction::f0(std::fabs(x + stick), e) - e / 3);
     if (stiffness == 0 && armature == 0) return all;
     const double s = stretch + x;
     return all + 0.5 * stiffness * s * s + 0.5 * armature * (v - rate) * (v - rate);
@@ -115,8 +115,7 @@ struct Law {
   }
   MORTISE_HD double first_of(double x) const { return drag(x) - motor(x); }
   MORTISE_HD double second_of(double x) const {
-    const double e = creep * h, y = std::fabs(x + stick);
-    const double all = motor_falls(x) + damping * pace + (y < e ? friction * 2 * (1 - y / e) / e : 0.0);
+    const double all = motor_falls(x) + damping * pace + dry * friction::f1_rises(std::fabs(x + stick), creep * h);
     return stiffness == 0 && armature == 0 ? all : all + stiffness + armature * pace * pace;
   }
 };

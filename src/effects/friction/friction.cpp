@@ -1,15 +1,14 @@
 #include <cmath>
-#include <numeric>
 
 #include "base/error.h"
 #include "effects/contact/change_stencils.h"
+#include "effects/friction/accepted.h"
 #include "effects/friction/anchors.h"
 #include "effects/friction/creep.h"
 #include "effects/friction/law.h"
 #include "effects/friction/slips.h"
 #include "effects/friction/tuning.h"
 #include "effects/list.h"
-#include "effects/per_environment.h"
 #include "model/contact_view.h"
 #include "model/expand.h"
 #include "model/model.h"
@@ -59,7 +58,7 @@ struct FrictionLinearisation final : Linearisation {
 
 class Friction final : public Effect {
  public:
-  Friction(const Params& p, model::Model& model) : model_(model), where_(p.where()), follows_(p.text("follows")), anchors_(model) {
+  Friction(const Params& p, model::Model& model) : model_(model), where_(p.where()), follows_(p.text("follows")), anchors_(model), accepted_(model) {
     const geometry::BodyPairs& pairs = model.surface.pairs;
     const Index bodies = pairs.bodies(), planes = static_cast<Index>(model.half_spaces.size());
     std::vector<double> mu(pairs.size(model.half_spaces.size()), 0.0);
@@ -80,9 +79,6 @@ class Friction final : public Effect {
       }
     }
     mu_.upload(mu);
-    env_offset_.assign(model.envs + 1, 0);
-    power_.assign(model.envs, 0.0);
-    dissipated_ = power_;
     dt_.assign(model.envs, 1.0);
     creep_.upload(creep_speed_);
   }
@@ -210,44 +206,15 @@ class Friction final : public Effect {
 
   void end_step(const StepInfo& info, Positions q, const Linearisation& lagged) override {
     const auto& at = static_cast<const FrictionLinearisation&>(lagged);
-    const std::vector<Vec3> both = friction::measure(slips(at), at.samples, q);
+    accepted_.take(info, slips(at), at.samples, at.env_offset, dt_, q);
     anchors_.keep(slips(at), at.env_offset, q);
-    std::vector<Vec3> f(both.begin(), both.begin() + at.samples.size()), u(both.begin() + at.samples.size(), both.end());
-    for (Index e = 0; e < model_.envs; ++e) {
-      if (!info.taken_by(e)) continue;
-      double step = 0;
-      for (Index i = at.env_offset[e]; i < at.env_offset[e + 1]; ++i) step -= f[i].dot(u[i]);
-      dissipated_[e] += step;
-      power_[e] = dt_[e] > 0 ? step / dt_[e] : 0;
-    }
-    if (info.whose.empty()) {
-      samples_.copy_from(at.samples);
-      env_offset_ = at.env_offset, force_ = std::move(f), slip_ = std::move(u);
-      return;
-    }
-    const std::vector<ContactSample> old = samples_.download(), now = at.samples.download();
-    std::vector<ContactSample> samples;
-    std::vector<Vec3> forces, slips;
-    std::vector<Index> offset{0};
-    for (Index e = 0; e < model_.envs; ++e) {
-      const bool taken = info.taken_by(e);
-      const std::vector<Index>& range = taken ? at.env_offset : env_offset_;
-      for (Index i = range[e]; i < range[e + 1]; ++i) {
-        samples.push_back(taken ? now[i] : old[i]);
-        forces.push_back(taken ? f[i] : force_[i]);
-        slips.push_back(taken ? u[i] : slip_[i]);
-      }
-      offset.push_back(static_cast<Index>(samples.size()));
-    }
-    samples_.upload(samples);
-    env_offset_ = std::move(offset), force_ = std::move(forces), slip_ = std::move(slips);
   }
 
-  void report(const FieldSinks& sinks, const Linearisation&) override;
+  void report(const FieldSinks& sinks, const Linearisation&) override { accepted_.report(sinks); }
 
   // Everything else is a function of the state at the start of the step.
   void checkpoint(Archive& archive) override {
-    archive.io("friction.dissipated", dissipated_, one_each(model_.envs));
+    accepted_.checkpoint(archive);
     anchors_.checkpoint(archive);
   }
 
@@ -271,51 +238,8 @@ class Friction final : public Effect {
   Buffer<double> mu_;                     // per pair (Surface::pairs)
   Buffer<Vec3> q0_;
   friction::Anchors anchors_;
-  Buffer<ContactSample> samples_;   // of the last accepted step, with
-  std::vector<Vec3> force_, slip_;  // theirs
-  std::vector<Index> env_offset_;
-  std::vector<double> power_, dissipated_;  // of every environment [W], [J]
+  friction::Accepted accepted_;
 };
-
-void Friction::report(const FieldSinks& sinks, const Linearisation&) {
-  const std::vector<ContactSample> samples = samples_.download();
-  const std::vector<Index> body = model_.surface.body.download();
-  std::vector<double> point_force(3 * model_.points, 0.0);
-  std::vector<Vec3> resultant(model_.bodies.size(), Vec3::Zero());
-  struct Rows {
-    std::vector<double> force, slip, traction, normal_force;
-  };
-  std::vector<Rows> rows(model_.envs);
-  for (Index e = 0; e < model_.envs; ++e) {
-    auto& [force, slip, traction, normal_force] = rows[e];
-    for (Index i = env_offset_[e]; i < env_offset_[e + 1]; ++i) {
-      const ContactSample& s = samples[i];
-      const double sign = model::against_obstacle(s) ? 1 : -1;
-      for (Index k = 0; k < s.points; ++k) {
-        const Vec3 f = sign * s.weight[k] * force_[i];
-        for (int c = 0; c < 3; ++c) point_force[3 * s.point[k] + c] += f[c];
-        resultant[body[s.point[k]]] += f;
-      }
-      for (int c = 0; c < 3; ++c) {
-        force.push_back(force_[i][c]), slip.push_back(slip_[i][c]);
-        traction.push_back(s.area != 0 ? force_[i][c] / s.area : 0);
-      }
-      normal_force.push_back(s.force);
-    }
-  }
-  report_points(sinks, model_, "friction_force", "N", 3, point_force);
-  for (Index e = 0; e < sinks.size(); ++e) {
-    sinks[e].rows("friction", "force", "N", 3, rows[e].force);
-    sinks[e].rows("friction", "slip", "m", 3, rows[e].slip);
-    sinks[e].rows("friction", "traction", "Pa", 3, rows[e].traction);
-    sinks[e].rows("friction", "normal_force", "N", 1, rows[e].normal_force);
-  }
-  sinks.scalar("friction", "power", "W", power_);
-  sinks.scalar("friction", "dissipation", "J", dissipated_);
-  for (std::size_t b = 0; b < model_.bodies.size(); ++b)
-    for (int c = 0; c < 3; ++c)
-      sinks[model_.bodies[b].env].scalar("friction", "force_" + model_.bodies[b].name + "_" + "xyz"[c], "N", resultant[b][c]);
-}
 
 }  // namespace
 

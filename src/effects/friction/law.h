@@ -13,6 +13,8 @@ namespace mortise::effects::friction {
 
 MORTISE_HD inline double f0(double x, double e) { return x < e ? x * x * (1 / e - x / (3 * e * e)) + e / 3 : x; }
 MORTISE_HD inline double f1_over_x(double x, double e) { return x < e ? (2 - x / e) / e : 1 / x; }
+MORTISE_HD inline double f1(double x, double e) { return x < e ? (2 - x / e) * x / e : 1; }
+MORTISE_HD inline double f1_rises(double x, double e) { return x < e ? 2 * (1 - x / e) / e : 0; }
 
 // Hessian of f0(|u|) for u in the plane across n, with a share of how f0 softens along the slip. Share 0 is f1/x P: f0 is concave in x^2, so the
 // paraboloid of that curvature touches it at u and lies above it everywhere else (Voss, Eckhardt, "Linear convergence of generalized Weiszfeld's

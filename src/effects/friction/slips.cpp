@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "model/expand.h"
-#include "model/model.h"
 
 namespace mortise::effects::friction {
 

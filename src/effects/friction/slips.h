@@ -5,7 +5,7 @@
 #include "geometry/body_pairs.h"
 #include "linalg/stencils.h"
 #include "model/contact_view.h"
-#include "model/expand.h"
+#include "model/model.h"
 
 namespace mortise::effects::friction {
 
