@@ -24,11 +24,11 @@ Crept::Crept(const model::ModelInput& input) {
 void Crept::state(const Snapshot& said, const std::vector<Rubbing>& rubs) {
   std::set<Bodies> touching;
   for (auto& [bodies, pair] : pairs_) pair.now = 0;
-  for (const auto& [law, of] : rubs)
-    for (const auto& [bodies, friction] : of) {
+  for (const Rubbing& rub : rubs)
+    for (const auto& [bodies, friction] : rub.pairs) {
       Pair& pair = pairs_[bodies];
       touching.insert(bodies);
-      if (friction.speed() < law.creep_speed) pair.now = std::max(pair.now, friction.speed());
+      pair.now = std::max(pair.now, friction.creep());
     }
   const Snapshot::Values* u = said.of_points("displacement", 3);
   if (!u) return;

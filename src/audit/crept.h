@@ -1,9 +1,8 @@
 #pragma once
-// Friction's law is smooth: what begins to stick gives way, and creeps for as long as its contact changes (friction/anchors.h), at speeds below
-// `creep_speed`; what slips more slowly than that has less friction than mu N. With the mean speed of the slip between two bodies over the friction
-// forces, v = P / sum |F|, P what friction takes away there [W],
+// Friction's law is smooth: what begins to stick gives way, and creeps for as long as its contact changes (friction/anchors.h). With P what friction
+// takes away where it sticks [W], as its force is below mu N there,
 //
-//   crept = sum over the steps with v < creep_speed of v dt,
+//   crept = sum over the steps of P / sum |F| dt,
 //
 // of which a body in a hand slips, or a sheared pad lets go again. Told as a share of the farthest that any point of the two has gone from where it
 // would be if it had gone with one of them, or of a hundredth of the smaller one, whichever is more; of the pair where that is most. How far the two
@@ -35,7 +34,7 @@ class Crept {
   };
   struct Pair {
     double crept = 0, far = 0;  // [m]
-    double now = 0;             // how fast it creeps in the last state, 0 where it slips [m/s]
+    double now = 0;             // how fast what sticks gives way in the last state [m/s]
     bool touches = false;
     // What both went on the whole, in the last state in which they touched, and without touching [m].
     Vec3 last[2] = {Vec3::Zero(), Vec3::Zero()}, apart[2] = {Vec3::Zero(), Vec3::Zero()};

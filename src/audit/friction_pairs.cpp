@@ -17,7 +17,8 @@ std::map<std::string, FrictionLaw> friction_laws(const model::ModelInput& input)
 namespace {
 
 std::map<Bodies, FrictionPair> pairs_of(const std::string& effect, const FrictionLaw& law, const Snapshot& said) {
-  const auto force = said.row.find(effect + "/force"), slip = said.row.find(effect + "/slip"), normal = said.row.find(effect + "/normal_force");
+  const auto force = said.row.find(effect + "/force"), slip = said.row.find(effect + "/slip"), normal = said.row.find(effect + "/normal_force"),
+             sticks = said.row.find(effect + "/sticks");
   if (force == said.row.end() || slip == said.row.end()) return {};
   // Bodies of every sample, in the order of friction's rows: those that press, then those of a guard.
   std::vector<double> bodies;
@@ -32,12 +33,13 @@ std::map<Bodies, FrictionPair> pairs_of(const std::string& effect, const Frictio
     const double taken = -F.dot(at(slip->second, i));
     FrictionPair& of = out[std::minmax(static_cast<std::size_t>(bodies[2 * i]), static_cast<std::size_t>(bodies[2 * i + 1]))];
     of.force += F.norm(), of.power += taken, work += taken;
+    if (sticks != said.row.end() && sticks->second[i] != 0) of.stuck += taken;
     if (normal == said.row.end()) continue;
     const double N = normal->second[i];
     of.normal += N, of.pressed += N * at(slip->second, i).norm();
   }
   const double rate = work > 0 ? said.at(effect + "/power") / work : 0;  // [1/s]
-  for (auto& [of, pair] : out) pair.power *= rate, pair.pressed *= rate;
+  for (auto& [of, pair] : out) pair.power *= rate, pair.stuck *= rate, pair.pressed *= rate;
   return out;
 }
 

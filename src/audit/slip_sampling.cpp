@@ -98,9 +98,9 @@ void SlipSampling::state(const Snapshot& said, const std::vector<Rubbing>& rubs)
     if (first) it->second = this->rigid(body, f);
     return it->second;
   };
-  for (const auto& [law, pairs] : rubs)
-    for (const auto& [bodies, of] : pairs) {
-      if (of.speed() < law.creep_speed) continue;
+  for (const Rubbing& rub : rubs)
+    for (const auto& [bodies, of] : rub.pairs) {
+      if (of.stuck > 0.5 * of.power) continue;
       Pair& pair = pairs_[bodies];
       pair.error = INFINITY, pair.power = of.power;
       for (const auto& [one, other] : {bodies, Bodies{bodies.second, bodies.first}})

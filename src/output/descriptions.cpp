@@ -108,6 +108,7 @@ constexpr Entry kDatasets[] = {
     {"friction", "slip", "slip of the first body against the second at the sample in this step"},
     {"friction", "traction", "force of friction over the sample's area"},
     {"friction", "normal_force", "normal force that the law works with"},
+    {"friction", "sticks", "1 where the sample sticks: its force is below the friction coefficient times the normal one"},
     {"friction", "power", "power that friction takes away"},
     {"friction", "dissipation", "energy dissipated since the start"},
     {"friction", "force_*", "force of friction on this body"},

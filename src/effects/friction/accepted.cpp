@@ -10,26 +10,25 @@ Accepted::Accepted(const model::Model& model)
 void Accepted::take(const StepInfo& info, const Slips& of, const device::Buffer<ContactSample>& samples, const std::vector<Index>& env_offset,
                     const std::vector<double>& dt, Positions q) {
   const std::vector<ContactSample> now = samples.download();
-  const std::vector<Vec3> both = measure(of, samples, q);
-  const Vec3 *f = both.data(), *u = both.data() + now.size();
+  const std::vector<Rub> rubs = measure(of, samples, q);
   std::vector<ContactSample> all;
-  std::vector<Vec3> forces, slips;
+  std::vector<Rub> all_rubs;
   std::vector<Index> offset{0};
   for (Index e = 0; e < model_.envs; ++e) {
     if (info.taken_by(e)) {
       double step = 0;
       for (Index i = env_offset[e]; i < env_offset[e + 1]; ++i) {
-        step -= f[i].dot(u[i]);
-        all.push_back(now[i]), forces.push_back(f[i]), slips.push_back(u[i]);
+        step -= rubs[i].force.dot(rubs[i].slip);
+        all.push_back(now[i]), all_rubs.push_back(rubs[i]);
       }
       dissipated_[e] += step;
       power_[e] = dt[e] > 0 ? step / dt[e] : 0;
     } else {
-      for (Index i = env_offset_[e]; i < env_offset_[e + 1]; ++i) all.push_back(samples_[i]), forces.push_back(force_[i]), slips.push_back(slip_[i]);
+      for (Index i = env_offset_[e]; i < env_offset_[e + 1]; ++i) all.push_back(samples_[i]), all_rubs.push_back(rubs_[i]);
     }
     offset.push_back(static_cast<Index>(all.size()));
   }
-  samples_ = std::move(all), force_ = std::move(forces), slip_ = std::move(slips), env_offset_ = std::move(offset);
+  samples_ = std::move(all), rubs_ = std::move(all_rubs), env_offset_ = std::move(offset);
 }
 
 void Accepted::report(const FieldSinks& sinks) const {
@@ -37,24 +36,25 @@ void Accepted::report(const FieldSinks& sinks) const {
   std::vector<double> point_force(3 * model_.points, 0.0);
   std::vector<Vec3> resultant(model_.bodies.size(), Vec3::Zero());
   struct Rows {
-    std::vector<double> force, slip, traction, normal_force;
+    std::vector<double> force, slip, traction, normal_force, sticks;
   };
   std::vector<Rows> rows(model_.envs);
   for (Index e = 0; e < model_.envs; ++e) {
-    auto& [force, slip, traction, normal_force] = rows[e];
+    auto& [force, slip, traction, normal_force, sticks] = rows[e];
     for (Index i = env_offset_[e]; i < env_offset_[e + 1]; ++i) {
       const ContactSample& s = samples_[i];
+      const Rub& rub = rubs_[i];
       const double sign = model::against_obstacle(s) ? 1 : -1;
       for (Index k = 0; k < s.points; ++k) {
-        const Vec3 f = sign * s.weight[k] * force_[i];
+        const Vec3 f = sign * s.weight[k] * rub.force;
         for (int c = 0; c < 3; ++c) point_force[3 * s.point[k] + c] += f[c];
         resultant[body[s.point[k]]] += f;
       }
       for (int c = 0; c < 3; ++c) {
-        force.push_back(force_[i][c]), slip.push_back(slip_[i][c]);
-        traction.push_back(s.area != 0 ? force_[i][c] / s.area : 0);
+        force.push_back(rub.force[c]), slip.push_back(rub.slip[c]);
+        traction.push_back(s.area != 0 ? rub.force[c] / s.area : 0);
       }
-      normal_force.push_back(s.force);
+      normal_force.push_back(s.force), sticks.push_back(rub.sticks ? 1 : 0);
     }
   }
   report_points(sinks, model_, "friction_force", "N", 3, point_force);
@@ -63,6 +63,7 @@ void Accepted::report(const FieldSinks& sinks) const {
     sinks[e].rows("friction", "slip", "m", 3, rows[e].slip);
     sinks[e].rows("friction", "traction", "Pa", 3, rows[e].traction);
     sinks[e].rows("friction", "normal_force", "N", 1, rows[e].normal_force);
+    sinks[e].rows("friction", "sticks", "1", 1, rows[e].sticks);
   }
   sinks.scalar("friction", "power", "W", power_);
   sinks.scalar("friction", "dissipation", "J", dissipated_);

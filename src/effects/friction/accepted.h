@@ -21,7 +21,7 @@ class Accepted {
  private:
   const model::Model& model_;
   std::vector<ContactSample> samples_;
-  std::vector<Vec3> force_, slip_;  // theirs [N], [m]
+  std::vector<Rub> rubs_;  // theirs
   std::vector<Index> env_offset_;
   std::vector<double> power_, dissipated_;  // of every environment [W], [J]
 };

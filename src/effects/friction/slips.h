@@ -70,7 +70,11 @@ MORTISE_HD inline void follow_force(const Slips& s, const ContactSample& sample,
 void freeze(const model::PointMapView& map, const device::Buffer<ContactSample>& samples, const model::ContactView& view, View<const double> mu,
             geometry::BodyPairsView pairs, const AnchorsView& anchors, linalg::StencilSet& stencils, device::Buffer<double>& weights,
             device::Buffer<FrozenContact>& frozen);
-// Friction force on the first body of every sample [N], and then how far all moved against the second in the step [m].
-std::vector<Vec3> measure(const Slips& slips, const device::Buffer<ContactSample>& samples, Positions q);
+// What friction does at a sample.
+struct Rub {
+  Vec3 force, slip;  // on the first body [N]; how far that moved against the second in the step [m]
+  bool sticks;       // the force is below mu times the normal one
+};
+std::vector<Rub> measure(const Slips& slips, const device::Buffer<ContactSample>& samples, Positions q);
 
 }  // namespace mortise::effects::friction
