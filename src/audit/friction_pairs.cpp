@@ -10,7 +10,7 @@ std::map<std::string, FrictionLaw> friction_laws(const model::ModelInput& input)
   const Params& effects = input.scene.at("effects");
   std::map<std::string, FrictionLaw> out;
   for (const std::string& name : effects::of_role(effects, effects::Role::follower))
-    out[name] = {effects::friction::creep_speed(effects.at(name), input), effects.at(name).has("follows") ? effects.at(name).text("follows") : ""};
+    out[name] = {effects::friction::creep(effects.at(name), input).speed, effects.at(name).has("follows") ? effects.at(name).text("follows") : ""};
   return out;
 }
 

@@ -90,9 +90,9 @@ TEST(ContactLayer, IsAsStiffAsTheBodies) {
   EXPECT_EQ(stiffness(Params::make_table(), {{}, {in.bodies[1]}}), effects::contact::tuning::kRigid);
 }
 
-// What sticks creeps by 1e-5 m in a second, which would be all the way that surfaces go in a scene of micrometres.
-TEST(ContactLayer, FrictionCreepsNoFasterThanTheLayerIsThick) {
-  const auto creep = [](double h, double d_hat = 0, double given = 0) {
+// What sticks gives way by 0.5 um in a step of 5 ms, which would be all the way that surfaces go in a scene of micrometres.
+TEST(ContactLayer, FrictionGivesWayByNoMoreThanASmallPartOfIt) {
+  const auto creep = [](double dt, double h, double d_hat = 0, double given = 0) {
     Params friction = Params::make_table(), contact = Params::make_table(), effects = Params::make_table();
     friction.set("follows", Params::make_text("barrier_contact"));
     if (given > 0) friction.set("creep_speed", Params::make_number(given));
@@ -100,10 +100,12 @@ TEST(ContactLayer, FrictionCreepsNoFasterThanTheLayerIsThick) {
     effects.set("barrier_contact", contact), effects.set("friction", friction);
     model::ModelInput in{Params::make_table(), {plate("pad", h, model::BodyType::soft)}};
     in.scene.set("effects", effects);
-    return effects::friction::creep_speed(in.scene.at("effects").at("friction"), in);
+    return effects::friction::creep(in.scene.at("effects").at("friction"), in).distance(dt);
   };
-  EXPECT_EQ(creep(0.1), 1e-5);
-  EXPECT_NEAR(creep(1e-5), 1e-7, 1e-15);
-  EXPECT_EQ(creep(0.1, 2e-6), 2e-6);
-  EXPECT_EQ(creep(1e-5, 0, 3e-4), 3e-4);
+  EXPECT_EQ(creep(5e-3, 0.1), 5e-7);
+  EXPECT_NEAR(creep(5e-3, 1e-5), 0.05 * 1e-7, 1e-15) << "of d_hat, a hundredth of the mesh";
+  EXPECT_NEAR(creep(5e-3, 0.1, 2e-6), 0.05 * 2e-6, 1e-18);
+  EXPECT_NEAR(creep(0.01, 0.1), 1e-6, 1e-18);
+  EXPECT_NEAR(creep(1, 0.1), 0.05 * 1e-3, 1e-15) << "in large steps too";
+  EXPECT_NEAR(creep(5e-3, 1e-5, 0, 3e-4), 1.5e-6, 1e-18);
 }

@@ -39,9 +39,9 @@ const ParamTable kTable{
     {param::of(Param::Kind::text, "follows", Unit::none, "barrier_contact", "The contact effect whose forces cause the friction"),
      param::number("mu", Unit::none, "0.5", 0, "Friction coefficient"), pairs_param(),
      param::positive(param::automatic(
-         param::number("creep_speed", Unit::velocity, "1e-5 m/s", 0,
+         param::number("creep_speed", Unit::velocity, "1e-4 m/s", 0,
                        "Slip speed below which friction falls smoothly to zero: what sticks gives way by less than a step of this, once; "
-                       "auto, or without it, 1e-5 m/s, but no more than d_hat of the contact in a second"))),
+                       "auto, or without it, 1e-4 m/s, but no more than a twentieth of d_hat in a step"))),
      param::positive(param::number("lag_tolerance", Unit::none, "1e-3", 0,
                                    "Residual with refreshed contact forces at which lagging ends, as a share of the largest force")),
      param::range(param::of(Param::Kind::integer, "lag_iterations", Unit::none, "20", "Most refreshes of the contact forces in a step"), 1, 1000)}};
@@ -64,7 +64,7 @@ class Friction final : public Effect {
     std::vector<double> mu(pairs.size(model.half_spaces.size()), 0.0);
     for (Index e = 0; e < model.envs; ++e) {
       const Params& own = model.input.effect_of(p, e);
-      creep_speed_.push_back(friction::creep_speed(p, model.input, e));
+      creep_of_.push_back(friction::creep(p, model.input, e));
       for (Index a = model.env_bodies[e]; a < model.env_bodies[e + 1]; ++a) {
         for (Index b = model.env_bodies[e]; b < model.env_bodies[e + 1]; ++b) mu[pairs.of(a, b)] = own.number("mu");
         for (Index plane = bodies; plane < bodies + planes; ++plane) mu[pairs.of(a, plane)] = own.number("mu");
@@ -80,7 +80,7 @@ class Friction final : public Effect {
     }
     mu_.upload(mu);
     dt_.assign(model.envs, 1.0);
-    creep_.upload(creep_speed_);
+    set_creep();
   }
 
   const Kind& kind() const override;
@@ -95,9 +95,7 @@ class Friction final : public Effect {
   void begin_step(const StepInfo& info) override {
     for (Index e = 0; e < model_.envs; ++e)
       if (info.taken_by(e)) dt_[e] = info.dt;
-    std::vector<double> creep;
-    for (Index e = 0; e < model_.envs; ++e) creep.push_back(creep_speed_[e] * dt_[e]);
-    creep_.upload(creep);
+    set_creep();
     q0_.copy_from(model_.q);
   }
 
@@ -225,6 +223,11 @@ class Friction final : public Effect {
     return found;
   }
 
+  void set_creep() {
+    std::vector<double> creep;
+    for (Index e = 0; e < model_.envs; ++e) creep.push_back(creep_of_[e].distance(dt_[e]));
+    creep_.upload(creep);
+  }
   friction::AnchorsView anchors() const { return anchors_.view(creep_.view()); }
   Slips slips(const FrictionLinearisation& at) const {
     return {at.stencils.offsets(), at.stencils.blocks(), at.weights.view(), at.frozen.view(), q0_.view(), anchors(), at.samples.view()};
@@ -233,9 +236,10 @@ class Friction final : public Effect {
   model::Model& model_;
   SourceLoc where_;
   std::string follows_;
-  std::vector<double> creep_speed_, dt_;  // of every environment: [m/s]; of its step under way [s]
-  Buffer<double> creep_;                  // their product [m]
-  Buffer<double> mu_;                     // per pair (Surface::pairs)
+  std::vector<friction::Creep> creep_of_;  // of every environment
+  std::vector<double> dt_;                 // of its step under way [s]
+  Buffer<double> creep_;                   // how far what sticks gives way in that [m]
+  Buffer<double> mu_;                      // per pair (Surface::pairs)
   Buffer<Vec3> q0_;
   friction::Anchors anchors_;
   friction::Accepted accepted_;

@@ -7,6 +7,8 @@ namespace mortise::effects::friction::tuning {
 // in a step, with 0.5 and more turntable and conveyor (H52, H33) lose half of what it gains.
 inline constexpr double kCutSoftening = 0.3;
 
-inline constexpr double kCreepSpeed = 1e-5;  // [m/s], of scenes that do not say and are not small (creep.h)
+// Of scenes that do not say (creep.h).
+inline constexpr double kCreepSpeed = 1e-4;  // [m/s]
+inline constexpr double kOfLayer = 0.05;     // of d_hat, in a step
 
 }  // namespace mortise::effects::friction::tuning
