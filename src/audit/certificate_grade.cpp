@@ -50,7 +50,7 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("rigidity_defect", rigidity_, tuning::kRigidity);
   add("stiff_strain", stiff_strain_.share(), tuning::kStiffStrain);
   add("energy_gain", energy.scale > 0 ? energy.largest_gain / energy.scale : NAN, tuning::kEnergyGain);
-  add("free_motion_loss", energy.turnover > 0 ? std::min(std::max(energy.free_loss / energy.turnover, energy.own_loss), 1.0) : NAN,
+  add("free_motion_loss", energy.loss_scale > 0 ? std::min(std::max(energy.free_loss / energy.loss_scale, energy.own_loss), 1.0) : NAN,
       tuning::kFreeMotionLoss);
   add("stiff_impacts", energy.own_turnover > 0 ? std::max(energy.impacts / energy.own_turnover, energy.own_impacts) : NAN, tuning::kStiffImpacts);
   add("turning_loss", energy.own_scale > 0 ? std::max(energy.turning_loss / energy.own_scale, energy.own_turning) : NAN, tuning::kTurningLoss);

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "audit/certificate.h"
+#include "base/json_text.h"
 #include "base/version.h"
 #include "output/json_number.h"
 
@@ -98,13 +99,13 @@ Certificate::Written Certificate::write(const End& end) const {
   j["model"]["volumetric"] = volumetric_;
   j["locking_risks"] = locking_risks_;
   j["passes_through"] = passes_through_;
-  return {grades, j.dump(1) + "\n"};
+  return {grades, json_text(j, 1) + "\n"};
 }
 
 std::string with_error_budget(const std::string& certificate, const std::string& budget) {
   Json j = Json::parse(certificate);
   j["error_budget"] = Json::parse(budget);
-  return j.dump(1) + "\n";
+  return json_text(j, 1) + "\n";
 }
 
 }  // namespace mortise::audit

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "base/memory_archive.h"
 #include "effects/roles.h"
 
@@ -245,7 +246,7 @@ std::string Checks::add_to(const std::string& certificate, const std::vector<Ver
     if (std::isfinite(v.value)) value = v.value;
     j["criteria"].push_back({{"criterion", v.text}, {"value", value}, {"pass", v.pass}});
   }
-  return j.dump(1) + "\n";
+  return json_text(j, 1) + "\n";
 }
 
 }  // namespace mortise::audit

@@ -239,6 +239,7 @@ FieldErrors::Result FieldErrors::at_last() const {
   const double elastic = elastic_of(last_->said), pressed = pressed_of(last_->said);
   const bool loaded = pressed > 0 && pressed >= tuning::kStillLoaded * most_pressed_;
   judge(*last_, {elastic > energy_floor_ && elastic >= tuning::kStillLoaded * tuning::kStillLoaded * most_elastic_, loaded, loaded}, out);
+  out.turned = linear_law_.of(of_points(last_->said, "displacement", 3));  // what is free grows where it turns, without a stress
   return out;
 }
 

@@ -38,9 +38,11 @@ EnergyAudit::EnergyAudit(const model::ModelInput& input)
       struck_(input),
       motor_lag_(input),
       turning_(input),
+      spin_(input),
       vibrations_(input, moving_),
       swings_(input),
-      phase_(input) {
+      phase_(input),
+      soft_phase_(input) {
   std::size_t first = 0;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type == model::BodyType::half_space) continue;
@@ -96,13 +98,14 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
         free_ -= std::min(r_.gain, 0.0);
     }
   }
+  steady_.state(moving);
   bounces_.state(moving, lost, own_);
   moves_ = !moving.empty();
   if (moves_) scale_.holds(std::accumulate(least_.begin(), least_.end(), 0.0));
   own_scale_.holds(tuning::kDriven * scale_.largest());
   touched_ = touches;
   lag_.state(now.points, moving);
-  phase_.state(moving);
+  phase_.state(moving), soft_phase_.state(now.said, now.points, moving);
   const std::vector<double> forces = forces_on(now);
   given_lag_.state(moving, forces);
   held_weight_.state(forces);
@@ -117,6 +120,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   motor_lag_.state(now.said, now.points, moving);
   vibrations_.state(now.said, now.points, moving, stored_, bounces_.brought());
   swings_.state(now.said, now.points, moving, elastic);
+  spin_.state(moving);
   turning_.state(now.points, moving, {lost, own_, elastic, least_, own_scale_.work()});
   points_before_ = now.points;
   measured();
@@ -128,6 +132,7 @@ void EnergyAudit::step(bool first_order) {
   swings_.step(first_order);
   struck_.step(first_order);
   turning_.step(first_order);
+  spin_.step(first_order);
   measured();
 }
 
@@ -135,15 +140,16 @@ void EnergyAudit::measured() {
   r_.support_work = scale_.work(),
   r_.work_lag = work_most_ > 0 ? work_lag_ / std::fmax(std::abs(scale_.work()), tuning::kWorkOfMost * work_most_) : 0;
   r_.scale = scale_.largest(), r_.own_scale = own_scale_.largest();
-  r_.turnover = moves_ ? scale_.turnover() : 0, r_.own_turnover = moves_ ? own_scale_.turnover() : 0;
+  r_.turnover = moves_ ? scale_.turnover() : 0, r_.loss_scale = moves_ ? scale_.turnover(steady_.sum()) : 0,
+  r_.own_turnover = moves_ ? own_scale_.turnover() : 0;
   r_.at_start = pressed_first_ - pressed_least_;
-  r_.motion_lag = std::fmax(lag_.value(), phase_.value()), r_.given_lag = given_lag_.value(), r_.held_weight = held_weight_.share(),
-  r_.buckling = buckling_.value(), r_.bond_overlap = bond_overlap_.value(), r_.facet_torque = facet_torque_.share(),
-  r_.given_kinks = given_kinks_.value(), r_.jolted = jolted_.value(), r_.struck = struck_.share();
+  r_.motion_lag = std::fmax(lag_.value(), std::fmax(phase_.value(), soft_phase_.value())), r_.given_lag = given_lag_.value(),
+  r_.held_weight = held_weight_.share(), r_.buckling = buckling_.value(), r_.bond_overlap = bond_overlap_.value(),
+  r_.facet_torque = facet_torque_.share(), r_.given_kinks = given_kinks_.value(), r_.jolted = jolted_.value(), r_.struck = struck_.share();
   r_.motor_lag = motor_lag_.way(), r_.motor_torque_lag = motor_lag_.torque();
-  r_.free_loss = free_ + bounces_.sum() + vibrations_.sum(), r_.impacts = bounces_.stiff();
-  r_.own_loss = std::max({bounces_.own(), vibrations_.alone(r_.turnover), swings_.share()}), r_.own_impacts = bounces_.own_stiff();
-  r_.turning_loss = turning_.sum(), r_.own_turning = turning_.of_its_own(), r_.given_turning = turning_.given();
+  r_.free_loss = free_ + bounces_.sum() + vibrations_.sum(steady_), r_.impacts = bounces_.stiff();
+  r_.own_loss = std::max({bounces_.own(), vibrations_.alone(r_.loss_scale), swings_.share()}), r_.own_impacts = bounces_.own_stiff();
+  r_.turning_loss = turning_.sum(), r_.own_turning = std::max(turning_.of_its_own(), spin_.share()), r_.given_turning = turning_.given();
 }
 
 void EnergyAudit::checkpoint(Archive& archive) {
@@ -162,9 +168,11 @@ void EnergyAudit::checkpoint(Archive& archive) {
   for (auto [name, value] : {std::pair{"moves", &moves_}, {"touched", &touched_}, {"balanced", &balanced_}}) archive.io(name, *value);
   scale_.checkpoint(archive, "scale"), own_scale_.checkpoint(archive, "own_scale");
   moving_.checkpoint(archive);
+  steady_.checkpoint(archive);
   own_.checkpoint(archive);
   lag_.checkpoint(archive);
   phase_.checkpoint(archive);
+  soft_phase_.checkpoint(archive);
   given_lag_.checkpoint(archive);
   held_weight_.checkpoint(archive);
   facet_torque_.checkpoint(archive);
@@ -175,6 +183,7 @@ void EnergyAudit::checkpoint(Archive& archive) {
   struck_.checkpoint(archive);
   motor_lag_.checkpoint(archive);
   turning_.checkpoint(archive);
+  spin_.checkpoint(archive);
   bounces_.checkpoint(archive);
   vibrations_.checkpoint(archive);
   swings_.checkpoint(archive);
@@ -199,7 +208,8 @@ double EnergyAudit::total(const StateReport& now) {
     if (leaf != "energy" && leaf != "kinetic_energy") continue;
     sum += v;
     if (name != "gravity/energy") {  // which is arbitrary up to a constant
-      scale_.holds(v), own_scale_.holds(leaf == "energy" ? v : v - own_.kinetic());
+      leaf == "energy" ? scale_.holds(v) : scale_.moves(v);
+      own_scale_.holds(leaf == "energy" ? v : v - own_.kinetic());
       if (leaf == "energy") stored_ += v;
       continue;
     }

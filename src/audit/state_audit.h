@@ -19,6 +19,9 @@
 #include "audit/motion_lag.h"
 #include "audit/motor_lag.h"
 #include "audit/own_energy.h"
+#include "audit/soft_phase.h"
+#include "audit/spin_loss.h"
+#include "audit/steady_motion.h"
 #include "audit/strain_energy.h"
 #include "audit/struck.h"
 #include "audit/swing_loss.h"
@@ -63,6 +66,7 @@ class EnergyAudit {
     double largest_gain = NAN;  // of all steps so far [J]
     double scale = 0;           // largest energy of the run so far [J]
     double turnover = 0;        // that or, where more, all work of supports, there and back [J]
+    double loss_scale = 0;      // the same without the energy of what only goes on (steady_motion.h) [J]
     double own_scale = 0, own_turnover = 0;  // the same without what is given (own_energy.h) [J]
     // Of energy, the time step's doing [J]: between states in which nothing touches or is at a stop, while nothing is driven; otherwise
     // vibration_loss.h; and bounce_loss.h.
@@ -75,8 +79,8 @@ class EnergyAudit {
     double own_impacts = 0;
     double turning_loss = NAN;                       // turning_loss.h [J]
     double given_turning = 0;                        // the same of what kinematic drives turn [J]
-    double own_turning = 0;                          // the same of one body in flight or carried, a share of its own energy
-    double motion_lag = NAN;                         // motion_lag.h, swing_phase.h
+    double own_turning = 0;                          // the same of one body that spins or is carried, a share of its own energy (spin_loss.h)
+    double motion_lag = NAN;                         // motion_lag.h, swing_phase.h, soft_phase.h
     double given_lag = NAN;                          // given_lag.h
     double held_weight = NAN;                        // held_weight.h
     double buckling = NAN;                           // buckling.h
@@ -117,10 +121,13 @@ class EnergyAudit {
   Struck struck_;
   MotorLag motor_lag_;
   TurningLoss turning_;
+  SpinLoss spin_;
   BounceLoss bounces_;
   VibrationLoss vibrations_;
   SwingLoss swings_;
   SwingPhase phase_;
+  SoftPhase soft_phase_;
+  SteadyMotion steady_;
   EnergyScale scale_, own_scale_;                     // of all, and without what is given
   double rubbed_ = 0;                                 // by friction so far [J]
   double work_lag_ = 0, work_most_ = 0;               // of supports so far: what their work errs by, and the largest that it was [J]

@@ -72,7 +72,7 @@ void TurningLoss::state(const std::vector<double>& points, const std::vector<Mov
   if (std::isnan(integration_.step) || bodies.empty()) return;
   join(bodies);
   measure(bodies, now);
-  for (std::vector<double>* v : {&turned_, &moved_, &lost_, &seen_, &lost_seen_, &lifted_}) v->resize(bodies.size());
+  for (std::vector<double>* v : {&seen_, &lost_seen_, &lifted_}) v->resize(bodies.size());
   rolled_.resize(3 * bodies.size());
   for (std::vector<double>* v : {&lost_first_, &lost_second_}) v->assign(bodies.size(), 0.0);
   // Energies of what rolls by itself and on joints, and of all that may hang on those; of changes of velocity.
@@ -105,15 +105,8 @@ void TurningLoss::state(const std::vector<double>& points, const std::vector<Mov
       if (!(seen_[i] > 0)) lifted_[i] = weight;
       seen_[i] = std::max({seen_[i], b.turns + b.energy_of(b.v - by->rigid().at(b.x)), std::abs(weight - lifted_[i])});
     } else if (seen_[i] > 0) {
-      most_ = of_bodies(), seen_[i] = lost_seen_[i] = 0;
+      most_ = of_carried(), seen_[i] = lost_seen_[i] = 0;
     }
-    if (!b.spins || b.touches || b.stopped) {
-      // What spins on a joint has its turning from what it touches: each time by itself.
-      if (!b.free) most_ = of_bodies(), turned_[i] = moved_[i] = lost_[i] = 0;
-      continue;
-    }
-    lost_first_[i] = first, lost_second_[i] = second;
-    turned_[i] = std::max(turned_[i], b.turns), moved_[i] = std::max(moved_[i], energy);
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Rolling& of = rolling[i];
@@ -136,7 +129,8 @@ void TurningLoss::step(bool first_order) {
   for (Island& island : of_island_) island.sum += second ? island.second : island.first;
   given_ += second ? given_second_ : given_first_;
   const std::vector<double>& of_step = second ? lost_second_ : lost_first_;
-  for (std::size_t i = 0; i < of_step.size(); ++i) (seen_[i] > 0 ? lost_seen_ : lost_)[i] += of_step[i];
+  for (std::size_t i = 0; i < of_step.size(); ++i)
+    if (seen_[i] > 0) lost_seen_[i] += of_step[i];
 }
 
 double TurningLoss::sum() const {
@@ -145,17 +139,15 @@ double TurningLoss::sum() const {
   return sum;
 }
 
-double TurningLoss::of_bodies() const {
+double TurningLoss::of_carried() const {
   double most = most_;
   for (std::size_t i = 0; i < lost_seen_.size(); ++i)
     if (seen_[i] > 0) most = std::max(most, lost_seen_[i] / seen_[i]);
-  for (std::size_t i = 0; i < lost_.size(); ++i)
-    if (turned_[i] > tuning::kTurns * moved_[i]) most = std::max(most, lost_[i] / turned_[i]);
   return most;
 }
 
 double TurningLoss::of_its_own() const {
-  double most = of_bodies();
+  double most = of_carried();
   for (const Island& island : of_island_)
     if (const double had = std::max(island.most, island.fed > 0 ? work_ : 0); had > 0 && !(island.motored > 0))
       most = std::max(most, island.sum / had);
@@ -170,13 +162,7 @@ void TurningLoss::checkpoint(Archive& archive) {
   archive.io("turning.given", given_);
   archive.io("turning.most", most_);
   archive.io("turning.rolled", rolled_);
-  for (auto [name, v] : {std::pair{"turning.turned", &turned_},
-                         {"turning.moved", &moved_},
-                         {"turning.lost", &lost_},
-                         {"turning.seen", &seen_},
-                         {"turning.lost_seen", &lost_seen_},
-                         {"turning.lifted", &lifted_}})
-    archive.io(name, *v);
+  for (auto [name, v] : {std::pair{"turning.seen", &seen_}, {"turning.lost_seen", &lost_seen_}, {"turning.lifted", &lifted_}}) archive.io(name, *v);
 }
 
 }  // namespace mortise::audit

@@ -27,6 +27,7 @@ VibrationLoss::VibrationLoss(const model::ModelInput& input, const MovingBodies&
   for (const model::BodyInput& body : input.bodies)
     if (body.type != model::BodyType::half_space)
       group[body.name] = moving.how(far_.size()).group, far_.push_back(0), soft_ = soft_ || body.type == model::BodyType::soft;
+  counted_.assign(far_.size(), 0);
   mechanisms_.resize(far_.size());
   for (std::size_t i = 0; i < far_.size(); ++i)
     if (const HowHeld& how = moving.how(i); !how.swings || how.carrier) mechanisms_[how.group].alone = false;
@@ -98,12 +99,19 @@ bool VibrationLoss::counts(const MovingBody& b, std::size_t i, bool struck) cons
   return b.body.soft() || (!b.given && !b.damped && far_[i] && (b.touches ? struck : !b.free));
 }
 
-double VibrationLoss::counted(const std::vector<double>& energies, const std::vector<MovingBody>& bodies) const {
+double VibrationLoss::counted(const std::vector<double>& energies, const std::vector<MovingBody>& bodies) {
   const bool soft = std::any_of(bodies.begin(), bodies.end(), [](const MovingBody& b) { return b.body.soft() && b.touches; });
   double sum = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i)
-    if (counts(bodies[i], i, soft)) sum += energies[i];
+    if (counts(bodies[i], i, soft)) sum += energies[i], counted_[i] = 1;
   return sum;
+}
+
+double VibrationLoss::sum(const SteadyMotion& steady) const {
+  double moved = moved_;
+  for (std::size_t i = 0; i < counted_.size(); ++i)
+    if (counted_[i]) moved -= steady.of(i);
+  return stored_ < moved ? stored_ / moved * sum_ : sum_;
 }
 
 void VibrationLoss::step(bool first_order, bool counts) {
@@ -130,9 +138,12 @@ void VibrationLoss::checkpoint(Archive& archive) {
   archive.io("vibration.v0", v0_);
   for (auto [name, value] : {std::pair{"brought", &brought_}, {"sum", &sum_}, {"stored", &stored_}, {"moved", &moved_}})
     archive.io(std::string("vibration.") + name, *value);
-  std::vector<double> own, far(far_.begin(), far_.end());
-  archive.io("vibration.far", far);
-  if (archive.loading()) far_.assign(far.begin(), far.end());
+  for (auto [name, flags] : {std::pair{"vibration.far", &far_}, {"vibration.counted", &counted_}}) {
+    std::vector<double> values(flags->begin(), flags->end());
+    archive.io(name, values);
+    if (archive.loading()) flags->assign(values.begin(), values.end());
+  }
+  std::vector<double> own;
   for (const Mechanism& m : mechanisms_) own.insert(own.end(), {m.sum, m.moved, m.far ? 1.0 : 0.0});
   archive.io("vibration.own", own);
   for (std::size_t g = 0; archive.loading() && 3 * g + 2 < own.size() && g < mechanisms_.size(); ++g)

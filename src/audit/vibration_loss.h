@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "audit/moving_body.h"
+#include "audit/steady_motion.h"
 #include "base/archive.h"
 #include "base/snapshot.h"
 
@@ -38,8 +39,8 @@ class VibrationLoss {
   void lost(double energy) { sum_ += energy; }  // in such a step, in the place of 2 D [J]
   // The largest share of its own energy that a mechanism lost which has less than half of `all` [J].
   double alone(double all) const;
-  bool nothing_moves() const;                                                       // all bodies are stiff, and have trembled at most
-  double sum() const { return stored_ < moved_ ? stored_ / moved_ * sum_ : sum_; }  // [J]
+  bool nothing_moves() const;                    // all bodies are stiff, and have trembled at most
+  double sum(const SteadyMotion& steady) const;  // without the motion that only goes on [J]
   void checkpoint(Archive& archive);
 
  private:
@@ -51,10 +52,11 @@ class VibrationLoss {
   };
   void look_how_far(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies);
   bool counts(const MovingBody& b, std::size_t i, bool struck) const;
-  double counted(const std::vector<double>& energies, const std::vector<MovingBody>& bodies) const;  // sum over the bodies that count
+  double counted(const std::vector<double>& energies, const std::vector<MovingBody>& bodies);  // sum over the bodies that count
 
   Integration integration_;
   std::vector<std::uint8_t> far_;            // by body: has it gone so far that it does more than tremble?
+  std::vector<std::uint8_t> counted_;        // by body: has it counted?
   bool soft_ = false;                        // something is
   std::vector<Mechanism> mechanisms_;        // by `MovingBody::group`
   std::vector<double> v1_, v0_;              // velocities of the last state and of the one before

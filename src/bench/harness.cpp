@@ -8,6 +8,7 @@
 
 #include "base/cpu_time.h"
 #include "base/error.h"
+#include "base/json_text.h"
 #include "base/path_parts.h"
 #include "engine/choose.h"
 #include "engine/effect_tables.h"
@@ -63,7 +64,7 @@ std::string json_line(const Row& r) {
     j["grade"] = as.all.letter, j["grade_reason"] = as.all.reason, j["grade_forces"] = as.forces.letter, j["graded"] = as.graded;
   j["seconds"] = number_or_null(r.seconds), j["cpu_seconds"] = number_or_null(r.cpu_seconds), j["newton_iterations"] = r.newton_iterations;
   j["dofs"] = r.dofs;
-  return j.dump();
+  return json_text(j);
 }
 
 std::string table_header() {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "bridge/exit.h"
 
 namespace mortise::bridge {
@@ -84,7 +85,7 @@ Bridge::Answer Bridge::ask(long step, double time, const std::function<bool()>& 
     throw Error(kPartnerFailed, fmt::format("the recording '{}' ends before {}; --resume --bridge COMMAND goes on from here", given_by_, to));
   const std::string said = options_.partner->ask(line_, to, stop);
   const Answer answer = hear(said, fmt::format("message {} of the bridge's partner, to {}", number_, to));
-  keep(step, nlohmann::ordered_json::parse(said).dump());
+  keep(step, json_text(nlohmann::ordered_json::parse(said)));
   return answer;
 }
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/json_text.h"
 #include "output/atomic_file.h"
 
 namespace mortise::bridge {
@@ -43,7 +44,7 @@ Recording Recording::read(const std::string& path) {
         if (j.at("filetype") != "mortise bridge" || j.at("version") != 1) throw Error(Exit::file, "'" + path + "' is no recording of a bridge (1)");
         out.scene_ = j.at("scene_sha256").get<std::string>(), out.every_ = j.at("every").get<long>();
       } else {
-        out.entries_.push_back({j.at("step").get<long>(), j.at("said").dump()});
+        out.entries_.push_back({j.at("step").get<long>(), json_text(j.at("said"))});
       }
       if (out.every_ < 1 || (number > 1 && out.entries_.back().step % out.every_ != 0 && !j.at("said").contains("reset")) ||
           (number > 2 && out.entries_.back().step <= out.entries_[out.entries_.size() - 2].step))
@@ -61,7 +62,7 @@ void Recording::create(const std::string& path, const std::string& scene_sha256,
   path_ = path, scene_ = scene_sha256, every_ = every;
   file_ = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
   if (file_ < 0) fail("cannot create '" + path + "'");
-  write(Json{{"filetype", "mortise bridge"}, {"version", 1}, {"scene_sha256", scene_sha256}, {"every", every}}.dump());
+  write(json_text(Json{{"filetype", "mortise bridge"}, {"version", 1}, {"scene_sha256", scene_sha256}, {"every", every}}));
 }
 
 void Recording::reopen(const std::string& path) {

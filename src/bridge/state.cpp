@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "effects/tie_name.h"
 #include "geometry/rigid_motion.h"
 
@@ -15,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 Json of(const Vec3& v) { return {v[0], v[1], v[2]}; }
 
-std::string text(const Json& j) { return j.dump(-1, ' ', false, Json::error_handler_t::replace); }
+std::string text(const Json& j) { return json_text(j); }
 
 bool ends_with(const std::string& s, const char* tail) { return s.size() > 2 && s.compare(s.size() - 2, 2, tail) == 0; }
 

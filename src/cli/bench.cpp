@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "bench/benchmark.h"
 #include "bench/ccd/ccd.h"
 #include "cli/bench_hard.h"
@@ -78,7 +79,7 @@ int bench_bandwidth(const BenchOptions& o) {
                     {"copy_bytes_per_second", copy},
                     {"share", product / copy}});
     if (o.json)
-      std::cout << list.back().dump() << std::endl;
+      std::cout << json_text(list.back()) << std::endl;
     else
       std::cout << fmt::format("{:>8} {:>9} {:>14.1f} {:>14.2f} {:>14.2f} {:>8.2f}\n", b.rows, b.blocks, b.multiply_seconds * 1e6, product * 1e-9,
                                copy * 1e-9, product / copy)

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "base/error.h"
+#include "base/json_text.h"
 #include "cli/commands.h"
 #include "engine/choose.h"
 #include "output/hardware.h"
@@ -23,7 +24,7 @@ void write_result(const std::string& path, const std::string& benchmark, const n
       {"device", {{"kind", device.kind}, {"name", device.name}, {"threads", device.threads}, {"driver", device.driver}, {"runtime", device.runtime}}},
       {"rows", rows}};
   std::ofstream file(path);
-  file << j.dump(1) << "\n";
+  file << json_text(j, 1) << "\n";
   if (!file.flush()) throw Error(Exit::file, "cannot write '" + path + "'");
 }
 

@@ -3,6 +3,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "base/version.h"
 #include "cli/commands.h"
 #include "engine/api.h"
@@ -38,7 +39,7 @@ Json facts() {
 int cmd_info(bool json) {
   const Json all = facts();
   if (json) {
-    std::cout << all.dump(2) << "\n";
+    std::cout << json_text(all, 2) << "\n";
     return 0;
   }
   std::cout << version_text() << ", " << all["build_type"].get<std::string>() << " build, " << all["compiler"].get<std::string>() << "\n\ndevices\n";

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/json_text.h"
 #include "cost/tuning.h"
 #include "geometry/cache_folder.h"
 #include "output/atomic_file.h"
@@ -58,7 +59,7 @@ void keep(const Past& r) {
   const Line j{{"physics", r.physics},     {"kind", r.kind},       {"version", r.version}, {"cpu", r.cpu},
                {"date", r.date},           {"threads", r.threads}, {"steps", r.steps},     {"iterations", r.iterations},
                {"cpu_seconds", r.seconds}, {"model", r.model}};
-  const std::string line = j.dump(-1, ' ', false, Line::error_handler_t::replace) + "\n";
+  const std::string line = json_text(j) + "\n";
   if (flock(file, LOCK_EX) == 0) {
     if (std::filesystem::file_size(path, ec) > tuning::kMostKept && !ec) {
       const std::string all = read_all(path);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/cpu_time.h"
+#include "base/json_text.h"
 #include "base/version.h"
 #include "cost/tuning.h"
 #include "engine/choose.h"
@@ -78,7 +79,7 @@ Speed speed_of_machine() {
   std::filesystem::create_directories(folder, ec);
   try {
     output::write_file_atomically(
-        path, Json{{"cpu", cpu}, {"version", version}, {"seconds", seconds}, {"load", out.load}, {"date", date}}.dump(1) + "\n", false);
+        path, json_text(Json{{"cpu", cpu}, {"version", version}, {"seconds", seconds}, {"load", out.load}, {"date", date}}, 1) + "\n", false);
   } catch (const Error&) {
     // A folder that cannot be written: it is measured again next time.
   }

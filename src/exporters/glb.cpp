@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/json_text.h"
 #include "output/atomic_file.h"
 
 namespace mortise::exporters {
@@ -87,7 +88,7 @@ int Glb::image(std::span<const std::uint8_t> png) {
 void Glb::write(const std::string& path) const {
   Json whole = json;
   whole["buffers"] = {{{"byteLength", buffer_.size()}}};
-  std::string text = whole.dump();
+  std::string text = json_text(whole);
   text.append((4 - text.size() % 4) % 4, ' ');
   const std::uint64_t size = 12 + 8 + text.size() + 8 + buffer_.size();
   if (size > std::numeric_limits<std::uint32_t>::max())

@@ -5,6 +5,7 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "output/atomic_file.h"
 #include "output/json_number.h"
 
@@ -94,7 +95,7 @@ std::string run_json(const RunRecord& r) {
     if (name != "step" && name != "time") steps[name] = summary(r.steps, column.value);
   }
   // Text from outside (paths, file names in messages) need not be UTF-8.
-  return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(j, 2) + "\n";
 }
 
 namespace {

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "base/printable.h"
 #include "run/progress.h"
 
@@ -19,7 +20,8 @@ BatchProgress::BatchProgress(bool json, bool quiet) : json_(json), quiet_(quiet)
 
 void BatchProgress::start(const std::string& scene, const std::string& summary, long environments, long steps) {
   environments_ = environments, steps_ = steps;
-  if (json_) return put(Json{{"event", "start"}, {"scene", scene}, {"summary", summary}, {"steps", steps}, {"environments", environments}}.dump());
+  if (json_)
+    return put(json_text(Json{{"event", "start"}, {"scene", scene}, {"summary", summary}, {"steps", steps}, {"environments", environments}}));
   line(scene + ": " + summary);
 }
 
@@ -30,7 +32,7 @@ void BatchProgress::event(long environment, const std::string& text) {
   if (json_) {
     Json out{{"event", event.value("event", "")}, {"environment", environment}};
     for (const auto& [key, value] : event.items()) out[key] = value;
-    put(out.dump(-1, ' ', false, Json::error_handler_t::replace));
+    put(json_text(out));
   } else if (terminal_) {
     constexpr std::chrono::milliseconds kBetween(100);
     if (Time::now() - drawn_ > kBetween) draw();
@@ -38,7 +40,7 @@ void BatchProgress::event(long environment, const std::string& text) {
 }
 
 void BatchProgress::note(const std::string& text) {
-  if (json_) return put(Json{{"event", "note"}, {"text", text}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+  if (json_) return put(json_text(Json{{"event", "note"}, {"text", text}}));
   clear();
   line(text);
 }
@@ -59,7 +61,7 @@ void BatchProgress::ended(long environment, const EnvironmentEnd& end) {
 }
 
 void BatchProgress::end(const std::string& status, double seconds) {
-  if (json_) return put(Json{{"event", "end"}, {"status", status}, {"seconds", seconds}}.dump());
+  if (json_) return put(json_text(Json{{"event", "end"}, {"status", status}, {"seconds", seconds}}));
   clear();
   line(fmt::format("{} in {}", status, duration_text(seconds)));
 }

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "base/json_text.h"
 #include "bridge/bridge.h"
 #include "bridge/tuning.h"
 #include "run/alone.h"
@@ -104,7 +105,7 @@ Exit run_bridged(const Options& o, const scene::Scene& scene, std::span<const sc
                                                                                 : "failed"},
                              {"exit_code", static_cast<int>(code)}};
     if (!message.empty()) j["message"] = message;
-    if (partner) partner->say(j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    if (partner) partner->say(json_text(j));
   };
   try {
     const Exit code = Session(o, scene, tables, partner ? &*partner : nullptr, progress).go();

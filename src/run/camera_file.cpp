@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "render/camera.h"
 
 namespace mortise::run {
@@ -126,7 +127,7 @@ std::string camera_json(const CameraFiles& files, const Params& camera, const st
     Json& s = j["segmentation"] = {{"file", files.segmentation}, {"nothing", 0}, {"bodies", Json::array()}};
     for (const render::BodyLabel& b : bodies) s["bodies"].push_back({{"id", b.id}, {"name", b.name}, {"type", b.type}, {"color", label_color(b.id)}});
   }
-  return j.dump(2) + "\n";
+  return json_text(j, 2) + "\n";
 }
 
 bool is_our_camera_file(const std::string& path) {

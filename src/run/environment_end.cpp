@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/csv_cell.h"
+#include "base/json_text.h"
 #include "base/version.h"
 #include "output/atomic_file.h"
 #include "run/folder.h"
@@ -128,7 +129,7 @@ std::string environments_json(const std::vector<EnvironmentEnd>& all, const Batc
                                  {"draws", draws},
                                  {"values", values}});
   }
-  return j.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(j, 1) + "\n";
 }
 
 }  // namespace mortise::run

@@ -15,6 +15,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "base/process.h"
 
 namespace mortise::run {
@@ -27,7 +28,7 @@ double now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 constexpr long kNobody = -1;  // speaks of the process itself
 
 void say(long environment, const Json& event) {
-  std::fputs((std::to_string(environment) + " " + event.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n").c_str(), stdout);
+  std::fputs((std::to_string(environment) + " " + json_text(event) + "\n").c_str(), stdout);
   std::fflush(stdout);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "scene/quantity.h"
 #include "scene/tables.h"
 #include "scene/yaml.h"
@@ -191,7 +192,7 @@ std::string schema(std::span<const EffectTable> effects) {
                  {"patternProperties", root["patternProperties"]},
                  {"additionalProperties", false}};
   out["else"] = std::move(root);
-  return out.dump(1) + "\n";
+  return json_text(out, 1) + "\n";
 }
 
 }  // namespace mortise::scene

@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "base/read_file.h"
 #include "base/sha256.h"
 #include "scene/quantity.h"
@@ -13,7 +14,7 @@ std::string quoted(const std::string& s) {
   static const std::vector<std::string> reserved{"true", "false", "null", "yes", "no", "on", "off", "y", "n"};
   const bool word = !s.empty() && s.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") == std::string::npos &&
                     std::find(reserved.begin(), reserved.end(), s) == reserved.end();
-  return word ? s : nlohmann::json(s).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return word ? s : json_text(nlohmann::json(s));
 }
 
 std::string flow(const Params& p) {

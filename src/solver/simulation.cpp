@@ -111,8 +111,14 @@ void Simulation::accept(const effects::StepInfo& info, const std::vector<double>
 void Simulation::begin() {
   effects::StepInfo info{time_[0], options_.dt, step_[0], options_.is_static};
   if (model_.envs > 1) info.begins = time_;
-  for (const auto& effect : effects_) effect->integrate(info);
-  for (const auto& effect : effects_) effect->begin_step(info);
+  for (long parts = 1;; parts *= 2) try {  // a part that can be taken, as steps are
+      info.dt = options_.dt / static_cast<double>(parts);
+      for (const auto& effect : effects_) effect->integrate(info);
+      for (const auto& effect : effects_) effect->begin_step(info);
+      return;
+    } catch (const Failure& failure) {
+      if (parts == 1L << options_.halvings) throw Error(Exit::solve, failure.reason);
+    }
 }
 
 // Begins the step of the environments of `whose` and solves it. One that cannot take it at all leaves the others' way as if it had never been tried.

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "base/sha256.h"
 #include "base/version.h"
 #include "bench/benchmark.h"
@@ -85,7 +86,7 @@ std::vector<Line> rows(const Study& study, const bench::Benchmark& benchmark, co
   }
   result.load = std::max(result.load, load_average());
   const Json record{{"filetype", "mortise study benchmark"}, {"version", build}, {"label", run.label}, {"load", result.load}, {"rows", out}};
-  output::write_file_atomically(path, record.dump(1) + "\n", false);
+  output::write_file_atomically(path, json_text(record, 1) + "\n", false);
   return lines_of(record);
 }
 

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "base/json_text.h"
 #include "base/process.h"
 #include "base/sha256.h"
 #include "base/version.h"
@@ -165,7 +166,7 @@ RunResult execute(const Planned& run, const Place& place, int repeats, double li
                     {"newton_iterations", out.newton},
                     {"dofs", out.dofs},
                     {"grade", out.grade}};
-  output::write_file_atomically(stem + ".json", record.dump(1, ' ', false, Json::error_handler_t::replace) + "\n", false);
+  output::write_file_atomically(stem + ".json", json_text(record, 1) + "\n", false);
   return out;
 }
 

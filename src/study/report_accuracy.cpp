@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "base/version.h"
 #include "output/json_number.h"
 #include "study/accuracy.h"
@@ -89,7 +90,7 @@ std::string accuracy_json(const Accuracy& a) {
                          {"values", values},
                          {"estimated_errors", errors}});
   }
-  return j.dump(1, ' ', false, Tree::error_handler_t::replace) + "\n";
+  return json_text(j, 1) + "\n";
 }
 
 }  // namespace mortise::study

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "base/version.h"
 #include "output/json_number.h"
 #include "study/error_budget.h"
@@ -61,7 +62,7 @@ std::string budget_entries(const std::vector<Quantity>& quantities, const ErrorB
                    {"adjoint_is_exact", budget.exact},
                    {"parts", parts}});
   }
-  return out.dump();
+  return json_text(out);
 }
 
 std::string budget_json(const Study& study, const ErrorBudget& budget) {
@@ -69,7 +70,7 @@ std::string budget_json(const Study& study, const ErrorBudget& budget) {
   if (!budget.note.empty()) j["note"] = budget.note;
   j["cpu_seconds"] = {{"steps", budget.solve_seconds}, {"estimates", budget.seconds}};
   j["quantities"] = Json::parse(budget_entries(study.quantities, budget));
-  return j.dump(1) + "\n";
+  return json_text(j, 1) + "\n";
 }
 
 }  // namespace mortise::study

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/csv_cell.h"
+#include "base/json_text.h"
 #include "output/json_number.h"
 #include "study/compare.h"
 #include "study/report.h"
@@ -99,7 +100,7 @@ std::string study_json(const Results& r) {
                          {"grade", run.grade},
                          {"values", values}});
   }
-  return j.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(j, 1) + "\n";
 }
 
 }  // namespace mortise::study

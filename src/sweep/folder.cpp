@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/json_text.h"
 #include "engine/effect_tables.h"
 #include "output/atomic_file.h"
 #include "run/check_start.h"
@@ -38,7 +39,7 @@ std::string to_json(const Sweep& s) {
   }
   const Json j{{"filetype", "mortise sweep"}, {"version", {1, 0}},          {"name", s.name}, {"scene", s.scene}, {"set", s.set},
                {"scene_sha256", identity(s)}, {"quantities", s.quantities}, {"rows", rows}};
-  return j.dump(1) + "\n";
+  return json_text(j, 1) + "\n";
 }
 
 }  // namespace

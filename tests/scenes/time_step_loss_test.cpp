@@ -247,7 +247,7 @@ effects:
 
 namespace {
 
-double share(const Turned& t) { return t.energy.free_loss / t.energy.turnover; }
+double share(const Turned& t) { return t.energy.free_loss / t.energy.loss_scale; }
 
 // A bar whose first period is 40 ms. `pin`: more of the pin that it hangs on.
 std::string hanging(const std::string& inertia, const std::string& pin, const std::string& more = "") {

@@ -10,6 +10,7 @@
 #include <span>
 
 #include "base/error.h"
+#include "base/json_text.h"
 #include "bench/all.h"
 #include "bench/hertz/pressure_map.h"
 #include "bench/hertz/profiles.h"
@@ -63,7 +64,7 @@ void write_meshes(const std::string& file, const model::ModelInput& input) {
     for (const Tet& t : body.tets) tets.push_back(std::array<Index, 4>{t.v[0], t.v[1], t.v[2], t.v[3]});
     j[body.name] = {{"points", points}, {"tets", tets}};
   }
-  write(file, j.dump());
+  write(file, json_text(j));
 }
 
 // x, y [m] and pressure [Pa] of the nodes, for other programs (tools/pressure_map.py); the exact contact radius and peak stand first.
