@@ -92,6 +92,8 @@ void check_quantities(const model::ModelInput& input, const Snapshot& start) {
     if (const long every = scene.at("time").integer("frame_every"); q.text("when") == "sum" && group_of(value) != "steps" && every > 1)
       throw Error(Exit::scene, q.at("when").where(),
                   fmt::format("{}: a sum is of all steps, and only one in {} has a frame; 'time.frame_every: 1' gives each one", what, every));
+    if (q.text("when") == "sum" && leaf_of(value) == "dissipation")
+      throw Error(Exit::scene, q.at("when").where(), fmt::format("{}: '{}' is the sum since the start already; 'when: end' gives it", what, value));
     if (value.find('/') == std::string::npos || group_of(value) == "steps") continue;
     if (start.row.count(value) && !start.has(value + "_x"))
       throw Error(Exit::scene, q.where(), what + ": '" + value + "' is a table, of which a run has one per frame; a quantity is a scalar");

@@ -295,10 +295,14 @@ class CrossCheck {
     if (!effects_known() || std::find(known.begin(), known.end(), name.as_text()) != known.end()) return;
     errors_.add(name.where(), path + ": no effect of this scene reports a field '" + name.as_text() + "'", suggestion(name.as_text(), known));
   }
-  void kept_fields() {
+  const Params* fields_to_keep() const {
     const Params* output = root_.find("output");
-    const Params* names = output ? output->find("fields") : nullptr;
+    return output ? output->find("fields") : nullptr;
+  }
+  void kept_fields() {
+    const Params* names = fields_to_keep();
     if (!names) return;
+    if (names->items().empty()) errors_.add(names->where(), "output.fields names nothing", "leave it out to keep all");
     for (const Params& name : names->items()) is_field(name, "output.fields", fields(true));
   }
 
@@ -310,8 +314,14 @@ class CrossCheck {
     known.emplace_back("position");
     for (std::size_t i = 0; i < list->items().size(); ++i) {
       const Params *value = list->items()[i].find("value"), *body = list->items()[i].find("body");
-      if (value && body && value->as_text().find('/') == std::string::npos)
-        is_field(*value, dotted("quantities", std::to_string(i)) + ".value", known);
+      if (!value || !body || value->as_text().find('/') != std::string::npos) continue;
+      const std::string path = dotted("quantities", std::to_string(i)) + ".value";
+      is_field(*value, path, known);
+      const Params* names = fields_to_keep();
+      const auto is_it = [&](const Params& name) { return name.as_text() == value->as_text(); };
+      if (names && value->as_text() != "position" && std::none_of(names->items().begin(), names->items().end(), is_it))
+        errors_.add(value->where(), path + ": '" + value->as_text() + "' is not kept", "add it to output.fields",
+                    {{names->where(), "the fields that are"}});
     }
   }
 

@@ -5,6 +5,7 @@
 #include "scene/checker.h"
 #include "scene/draw.h"
 #include "scene/environments.h"
+#include "scene/overrides.h"
 #include "scene/quantity.h"
 #include "scene/suggest.h"
 #include "scene/vary_place.h"
@@ -35,6 +36,9 @@ class Check {
     if (!place.value && way != "abs")
       return errors_.add(path->where(), path->as_text() + " is left to be chosen; there is no number to " + way + (way == "add" ? " to" : ""),
                          "write one in the scene, or use abs");
+    if (way == "abs" && place.value && place.value->where().file.starts_with(kSet))
+      return errors_.add(place.value->where(), path->as_text() + " is drawn for every environment, whatever is set", "",
+                         {{path->where(), "drawn here, with abs"}});
     if (distribution(*how, way == "scale" ? Unit::none : place.param.unit, node ? node->find(way) : nullptr, way)) values(*path, *how, way, place);
   }
 
