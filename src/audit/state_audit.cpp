@@ -95,7 +95,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
       if (balanced_ && driven)
         vibrations_.lost(-std::min(r_.gain, 0.0));
       else if (balanced_ && !vibrations_.nothing_moves())
-        free_ -= std::min(r_.gain, 0.0);
+        free_ += std::max(-r_.gain - own_.lost(), 0.0);
     }
   }
   steady_.state(moving);

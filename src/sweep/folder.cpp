@@ -53,8 +53,10 @@ void check_rows(const Sweep& sweep) {
     } catch (const Error& e) {
       throw Error(e.code(), fmt::format("row {}: {}", i, e.what()));
     }
-  if (!sweep.quantities.empty() && scene::environment_count(first) == 0)
-    run::check_reported(first, sweep.quantities, "quantities", sweep.quantities_at);
+  if (sweep.quantities.empty()) return;
+  if (scene::environment_count(first) > 0)
+    throw Error(Exit::scene, sweep.quantities_at, "quantities: a row of environments has no values of its own; its environments.csv has theirs");
+  run::check_reported(first, sweep.quantities, "quantities", sweep.quantities_at);
 }
 
 // Many rows may begin at once: whoever is first writes the file, whole, and the others find the same.
