@@ -9,6 +9,7 @@
 #include "cli/commands.h"
 #include "cli/terminal.h"
 #include "engine/choose.h"
+#include "geometry/tetrahedralise.h"
 #include "importers/robot_block.h"
 #include "output/column_file.h"
 #include "scene/robot.h"
@@ -149,6 +150,9 @@ int program(std::vector<std::string> arguments) {
   end_on_broken_pipe();
   scene::set_robot_reader(importers::scene_of_robot);
   scene::set_column_reader(output::read_column);
+  geometry::tell_of_meshing([](const std::string& what, double tetrahedra) {
+    print_wait(fmt::format("{}: filling it with about {:.2g} tetrahedra", what, std::max(tetrahedra, 1.0)));
+  });
   try {
     return run(std::move(arguments));
   } catch (const Error& e) {

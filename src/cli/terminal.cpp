@@ -40,6 +40,10 @@ void set_colour(Colour c) { choice = c; }
 void print_error(const Error& e) { e.located() ? write_stderr(e.what()) : print_error(std::string(e.what())); }
 void print_error(const std::string& message) { write_stderr("error: " + message); }
 
+void print_wait(const std::string& what) {
+  if (isatty(STDERR_FILENO)) std::cerr << printable(what, true) << " ..." << std::endl;
+}
+
 void end_on_broken_pipe() { std::signal(SIGPIPE, SIG_DFL); }
 
 void finish_output() {

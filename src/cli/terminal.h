@@ -13,6 +13,9 @@ void set_colour(Colour);
 void print_error(const Error&);
 void print_error(const std::string& message);
 
+// Where a person waits for it: one line.
+void print_wait(const std::string& what);
+
 // A reader that went away (`mortise schema | head`) ends the program quietly, by SIGPIPE: 141 in a shell.
 void end_on_broken_pipe();
 // Writes out what is buffered for stdout; throws Error(Exit::file) when it cannot be written (disk full).

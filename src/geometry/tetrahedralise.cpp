@@ -38,7 +38,11 @@ std::string too_fine(const TriMesh& surface, double edge_length) {
   return text.str();
 }
 
+MeshingBegins begins = nullptr;
+
 }  // namespace
+
+void tell_of_meshing(MeshingBegins whom) { begins = whom; }
 
 TetMesh tetrahedralise(const TriMesh& surface, const TetrahedraliseOptions& given, const std::string& what) {
   TetrahedraliseOptions options = given;
@@ -53,6 +57,7 @@ TetMesh tetrahedralise(const TriMesh& surface, const TetrahedraliseOptions& give
   check_closed_surface(surface, what);
   const double estimate = 9 * mass_properties(surface).volume / std::pow(options.edge_length, 3);
   if (estimate > 1e8) throw Error(Exit::scene, what + ": " + too_fine(surface, options.edge_length));
+  if (begins) begins(what, estimate);
   TetMesh mesh = mesh_domain(surface, options);
   check_result(surface, mesh, what);
   cache.store(mesh);

@@ -15,6 +15,10 @@ struct TetrahedraliseOptions {
   double radius_edge_ratio = 2;    // most circumradius over shortest edge of a tetrahedron
 };
 
+// `what` is being filled, with about so many tetrahedra: it may take minutes, and who waits wants to know. Nobody is told at first.
+using MeshingBegins = void (*)(const std::string& what, double tetrahedra);
+void tell_of_meshing(MeshingBegins whom);
+
 // Fills a closed surface with tetrahedra: Delaunay refinement, then sliver removal (CGAL Mesh_3; Jamin, Alliez, Yvinec,
 // Boissonnat, "CGALmesh", ACM TOMS 41(4), 2015). The surface is remeshed. The same input gives the same mesh bit for bit.
 // `surface` is checked first (check_closed_surface), the result last (check_tets, and: same number of parts, volume within 20 %).

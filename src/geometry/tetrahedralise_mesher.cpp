@@ -2,6 +2,7 @@
 #include "geometry/tetrahedralise_mesher.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Mesh_3/Dump_c3t3.h>
 #include <CGAL/Mesh_complex_3_in_triangulation_3.h>
 #include <CGAL/Mesh_criteria_3.h>
 #include <CGAL/Mesh_triangulation_3.h>
@@ -15,7 +16,6 @@
 #include <unordered_map>
 
 namespace mortise::geometry {
-namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Polyhedron = CGAL::Mesh_polyhedron_3<Kernel>::type;
@@ -23,6 +23,17 @@ using Domain = CGAL::Polyhedral_mesh_domain_with_features_3<Kernel>;
 using Triangulation = CGAL::Mesh_triangulation_3<Domain, CGAL::Default, CGAL::Sequential_tag>::type;
 using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation, Domain::Corner_index, Domain::Curve_index>;
 using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
+
+}  // namespace mortise::geometry
+
+// Where a point cannot be placed CGAL writes all that it has into the current folder, whoever that belongs to.
+template <>
+struct CGAL::Dump_c3t3<mortise::geometry::Complex, true> {
+  void dump_c3t3(const mortise::geometry::Complex&, const std::string&) const {}
+};
+
+namespace mortise::geometry {
+namespace {
 
 // Refinement bounds the radius r of circumscribed circles and balls; most end between r/2 and r. Measured on balls, boxes and
 // robot parts, mean edge length = aim with these factors (tests/geometry/mesh_tetrahedralise_test.cpp).
