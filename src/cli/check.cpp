@@ -40,7 +40,7 @@ void check_run(const Params& scene, const std::string& called, std::set<std::str
   const model::ModelInput input = engine::make_input(scene);
   run::check_start(scene, input, resets);
   for (const std::string& w : run::warnings(input))
-    if (warned.insert(w).second) std::cerr << "warning: " << called << w << "\n";
+    if (warned.insert(w).second) std::cerr << "warning: " << (w.starts_with(called) ? "" : called) << w << "\n";  // places may name it already
 }
 
 int cmd_check(const CheckOptions& o) {
@@ -72,6 +72,7 @@ int cmd_check(const CheckOptions& o) {
       check_run(one.root, called, warned, reset ? reset->items() : std::vector<Params>());
     } catch (const Error& error) {
       std::string text = error.what();
+      if (text.starts_with(called)) throw;
       const std::string mark = ": error: ";
       text.insert(error.located() ? text.find(mark) + mark.size() : 0, called);
       throw Error(error.code(), text, error.located());

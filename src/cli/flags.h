@@ -45,7 +45,7 @@ class Command {
   Flag option(const std::string& name, long& to, const std::string& help) const;
   Flag option(const std::string& name, unsigned long& to, const std::string& help) const;
   Flag option(const std::string& name, double& to, const std::string& help) const;
-  Flag time(const std::string& name, double& to, const std::string& help) const;  // '4 h' [s]
+  Flag time(const std::string& name, double& to, const std::string& help, bool positive = false) const;  // '4 h' [s]
   Flag flag(const std::string& name, bool& to, const std::string& help) const;
   void footer(const std::string& text) const;
   void action(std::function<void()> when_named) const;

@@ -175,15 +175,15 @@ void add_scene_options(Command command, std::string& scene, std::vector<std::str
 }
 
 void add_time_limits(Command command, TimeLimits& to) {
-  const Flag walltime = command.time("--walltime", to.walltime, "stop with a checkpoint (exit 75) before so much time is over, e.g. '4 h'");
+  const Flag walltime = command.time("--walltime", to.walltime, "stop with a checkpoint (exit 75) before so much time is over, e.g. '4 h'", true);
   command.time("--grace", to.grace, "how long before; a Newton iteration and a checkpoint have to fit in (default 60 s)").needs(walltime);
   command.time("--checkpoint-every", to.checkpoint_every,
                "a checkpoint after so much time, e.g. '10 min', in the place of the scene's `output.checkpoint_every` (absent: with frames, in at "
-               "most a twentieth of the time)");
+               "most a twentieth of the time)",
+               true);
 }
 
 void TimeLimits::check() const {
-  if (checkpoint_every == 0) throw Error(Exit::usage, "--checkpoint-every 0 s: must be more than 0 s");
   if (walltime > 0 && grace >= walltime)
     throw Error(Exit::usage, fmt::format("--walltime {:g} s leaves no time to run: it stops --grace {:g} s before", walltime, grace));
 }

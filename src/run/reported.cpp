@@ -92,6 +92,10 @@ void check_quantities(const model::ModelInput& input, const Snapshot& start) {
     if (const long every = scene.at("time").integer("frame_every"); q.text("when") == "sum" && group_of(value) != "steps" && every > 1)
       throw Error(Exit::scene, q.at("when").where(),
                   fmt::format("{}: a sum is of all steps, and only one in {} has a frame; 'time.frame_every: 1' gives each one", what, every));
+    const Params& time = scene.at("time");
+    const double ends = time.text("mode") == "static" ? 1 : time.number("step") * static_cast<double>(time.integer("steps"));
+    if (q.has("at") && q.number("at") > ends * (1 + tuning::kRounding))
+      throw Error(Exit::scene, q.at("at").where(), fmt::format("{}: {:g} s is after the end, at {:g} s", what, q.number("at"), ends));
     if (q.text("when") == "sum" && leaf_of(value) == "dissipation")
       throw Error(Exit::scene, q.at("when").where(), fmt::format("{}: '{}' is the sum since the start already; 'when: end' gives it", what, value));
     if (value.find('/') == std::string::npos || group_of(value) == "steps") continue;

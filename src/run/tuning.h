@@ -9,12 +9,14 @@ inline constexpr double kSaving = 0.05;     // of a run's time, for checkpoints:
 inline constexpr double kCommitting = 0.1;  // [s] between commits of frames, for each run of a process: one takes some 5 ms
 
 // ---- what a scene asks for
-inline constexpr double kOnBody = 1e-3;  // of a body's diagonal: a place so near is on it (reported.cpp)
+inline constexpr double kOnBody = 1e-3;     // of a body's diagonal: a place so near is on it (reported.cpp)
+inline constexpr double kRounding = 1e-12;  // of a time: it is a sum of steps (reported.cpp)
 
 // ---- warnings: beyond what solids, steps and contact layers are in practice; most often a unit is missing
 inline constexpr double kSoftest = 100, kStiffest = 2e12;  // Young's modulus [Pa]: the softest tissue, twice diamond
 inline constexpr double kLightest = 10, kHeaviest = 3e4;   // density [kg/m^3]: foams, and what is given in g/cm^3; above osmium
 inline constexpr double kLongestStep = 0.5;                // [s]
+inline constexpr double kCoarsest = 10;                    // edge_length over the size of a body
 inline constexpr double kThickest = 0.1;                   // d_hat over the size of a body
 inline constexpr double kNearlyAll = 0.8;                  // of the memory there is: other programs want some, and the estimate is one (memory.cpp)
 

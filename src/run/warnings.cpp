@@ -16,6 +16,7 @@
 #include "model/bonded.h"
 #include "run/idle_joints.h"
 #include "run/tuning.h"
+#include "scene/edge_lengths.h"
 #include "scene/pass_through.h"
 #include "sensors/sensors.h"
 
@@ -149,6 +150,23 @@ void of_quantities(const Params& scene, std::vector<std::string>& out) {
   }
 }
 
+// Numbers of other units that were taken for ours: 9810 mm/s^2, an element of many times its body.
+void of_units(const model::ModelInput& input, std::vector<std::string>& out) {
+  const Params& effects = input.scene.at("effects");
+  for (const std::string& load : effects::of_role(effects, effects::Role::load))
+    if (effects.at(load).has("acceleration"))
+      if (const double g = effects.at(load).vec3("acceleration").norm(); std::abs(g - 9810) < 5)
+        out.push_back(at(effects.at(load).at("acceleration").where(), fmt::format("{} is {:g} m/s^2: lengths are metres, here too", load, g)));
+  for (const model::BodyInput& body : input.bodies) {
+    const Params* shape = body.params.find("shape");
+    if (!shape || body.nodes.empty()) continue;
+    const double size = geometry::bounds_of(body.nodes).size().maxCoeff();
+    for (const scene::EdgeLength& edge : scene::edge_lengths(*shape))
+      if (edge.length > tuning::kCoarsest * size)
+        out.push_back(at(shape->where(), fmt::format("{} is {:g} m, and '{}' is {:g} m large", edge.path, edge.length, body.name, size)));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> warnings(const model::ModelInput& input) {
@@ -165,6 +183,7 @@ std::vector<std::string> warnings(const model::ModelInput& input) {
   of_sensors(input, out);
   of_quantities(input.scene, out);
   of_rotations(input, out);
+  of_units(input, out);
   of_joint_limits(input.scene, out);
   for (std::string& idle : idle_joints(input)) out.push_back(std::move(idle));
   for (std::string& risk : audit::locking_risks(input)) out.push_back(std::move(risk));
