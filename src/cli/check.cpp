@@ -94,7 +94,7 @@ void add_check(Command app, Context& context) {
       "--plan", o->plan,
       "list effects, buffers, bytes and kernels of a run too, what passes through what, and how long the steps will take: from runs that were, or "
       "from the first steps, which are tried for two seconds, and a coarser run of the others");
-  sub.flag("--quick", o->quick, "read the scene alone: no meshes, no search for bodies that touch");
+  sub.flag("--quick", o->quick, "read the scene alone: no meshes, no files of motions, no search for bodies that touch");
   sub.option("--environment", o->environment, "of this one of the scene's `environments`, which is a scene of its own").not_negative();
   sub.footer(
       "Examples:\n  mortise check scene.yaml\n  mortise check scene.yaml --set effects.friction.mu=0.3 --print-resolved\n"
