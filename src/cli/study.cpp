@@ -115,7 +115,7 @@ int cmd_study(const StudyOptions& o) {
   const study::Results results = study::run_study(s, place, {told_run});
   study::write_reports(results, place.folder);
   std::cout << study::text_report(results) << "written to " << place.folder << ": study.html, work_precision.svg and .png, points.csv, study.json"
-            << (s.benchmark.empty() ? ", recommended.yaml" : "") << "\n";
+            << (study::recommended_yaml(results).empty() ? "" : ", recommended.yaml") << "\n";
   return 0;
 }
 

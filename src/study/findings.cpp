@@ -19,16 +19,26 @@ std::string seconds_text(double s) { return std::isfinite(s) ? fmt::format("{:.3
 
 namespace {
 
-// The knobs that the error comes from.
+// The knobs that the error comes from. Of a ladder without a limit whose runs differ by more than the error that was found nothing is known, nor then
+// what share the others have.
 std::string shares_text(const Results& r, std::size_t k, const std::string& method) {
+  const Reference& ref = r.references[k];
   const auto mine = [&](const Share& s) { return s.quantity == k && s.method == method; };
+  const auto doubt = [&](const Share& s) { return s.limit.extrapolated ? 0 : s.limit.uncertainty / ref.scale; };
+  const auto known = [&](const Share& s) { return doubt(s) <= s.error; };
   double all = 0;
+  bool all_known = true;
   for (const Share& s : r.shares)
-    if (mine(s)) all += s.error;
+    if (mine(s)) all += s.error, all_known = all_known && known(s);
   std::string out;
-  for (const Share& s : r.shares)
-    if (mine(s) && all > 0)
-      out += fmt::format("{}{} {} ({:.0f} %)", out.empty() ? "" : ", ", s.ladder, error_text(s.error, r.references[k]), 100 * s.error / all);
+  for (const Share& s : r.shares) {
+    if (!mine(s) || !(all > 0)) continue;
+    out += (out.empty() ? "" : ", ") + s.ladder + " ";
+    if (!known(s))
+      out += std::isfinite(doubt(s)) ? fmt::format("up to {} (its runs tell no limit)", error_text(doubt(s), ref)) : "not known";
+    else
+      out += error_text(s.error, ref) + (all_known ? fmt::format(" ({:.0f} %)", 100 * s.error / all) : "");
+  }
   return out;
 }
 
@@ -53,6 +63,9 @@ std::vector<std::string> findings(const Results& r) {
     for (const Method& m : r.study.methods)
       if (const std::string parts = shares_text(r, k, m.name); !parts.empty())
         out.push_back(fmt::format("{}{}{}, where the error as it is comes from: {}", name, m.name.empty() ? "" : ", ", m.name, parts));
+    if (std::none_of(r.points.begin(), r.points.end(), [&](const Point& p) { return p.quantity == k && p.knee; }))
+      out.push_back(
+          fmt::format("{}: no run is known to be better than another; what they are compared with is known to {}", name, error_text(u, ref)));
     for (const Point& p : r.points) {
       if (p.quantity != k || !p.knee) continue;
       std::string text = fmt::format("{}, at the knee ({}): {}", name, p.label.empty() ? p.curve : p.label, of(p));
