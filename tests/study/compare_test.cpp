@@ -118,6 +118,19 @@ TEST(Compare, ErrorsOfKnobsAddUp) {
   EXPECT_THAT(said, HasSubstr("h 33.3 % (44 %), t 41.7 % (56 %)"));
 }
 
+// Runs that differ more and more have no limit: the finest is not free of errors because all are compared with it.
+TEST(Compare, ALadderWithoutALimitHidesNothing) {
+  TwoKnobs k;
+  std::size_t at = 0;
+  for (const double q : {810.0, 690.0, 810.0, 1183.0, 810.4, 810.0, 809.5}) k.results.runs[at++].values = {q};
+  compare(k.plan, nullptr, k.results);
+  const std::string said = testing::PrintToString(findings(k.results));
+  EXPECT_THAT(said, HasSubstr("its runs tell no limit"));
+  EXPECT_THAT(said, testing::Not(HasSubstr("(100 %)")));
+  EXPECT_THAT(said, HasSubstr("no run is known to be better than another"));
+  EXPECT_EQ(recommended_yaml(k.results), "");
+}
+
 // q = 3 + 2 h - 5 t^2: at h = t = 1/2 the knobs cancel, but each of them moves the value by as much as before.
 TEST(Compare, ErrorsThatCancelMakeNoRunBetter) {
   TwoKnobs k;
