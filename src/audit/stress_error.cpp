@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "audit/nearest_affine.h"
 #include "audit/tuning.h"
@@ -120,28 +121,36 @@ Mat3 StressError::turn(const Body& b, std::size_t tet, std::span<const double> d
   return svd.U * svd.V.transpose();
 }
 
-bool StressError::varies(const Body& b, std::span<const double> displacement) {
-  std::vector<Vec3> moved;
-  for (std::size_t n = 0; n < b.rest.size(); ++n) moved.push_back(b.rest[n] + at(displacement, b.first_point + n));
+geometry::Motion StressError::base(const Body& b, std::span<const double> displacement) {
+  std::vector<Vec3> from, to;
+  const auto moved = [&](std::size_t n) { return Vec3(b.rest[n] + at(displacement, b.first_point + n)); };
+  for (const std::size_t n : b.fixed) from.push_back(b.rest[n]), to.push_back(moved(n));
+  const bool turned = geometry::fixes_a_frame(from);
+  for (std::size_t n = 0; n < b.rest.size() && !turned; ++n) from.push_back(b.rest[n]), to.push_back(moved(n));
+  return geometry::nearest_motion(from, to);
+}
+
+double StressError::bent(const Body& b, std::span<const double> displacement) {
   const auto place = [&](std::size_t n) { return Vec3(b.rest[n] - b.rest.front()); };
   const Eigen::Matrix<double, 4, 3> affine = nearest_affine(b.rest.size(), place, [&](std::size_t n) { return at(displacement, b.first_point + n); });
-  const geometry::Motion rigid = geometry::nearest_motion(b.rest, moved);
-  double most = 0, beside = 0;
+  const linalg::Svd3 svd = linalg::svd3(Mat3::Identity() + affine.bottomRows<3>().transpose());
+  const Mat3 stretch = svd.V * svd.s.asDiagonal() * svd.V.transpose() - Mat3::Identity();
+  const geometry::Motion base = StressError::base(b, displacement);
+  std::vector<Vec3> seen, beside;
   for (std::size_t n = 0; n < b.rest.size(); ++n) {
-    most = std::max(most, (moved[n] - rigid.R * b.rest[n] - rigid.t).norm());
-    const Vec3 along = affine.row(0).transpose() + affine.bottomRows<3>().transpose() * place(n);
-    beside = std::max(beside, (moved[n] - b.rest[n] - along).norm());
+    seen.push_back(base.R.transpose() * (b.rest[n] + at(displacement, b.first_point + n) - base.t) - b.rest[n]);
+    beside.push_back(seen.back() - stretch * place(n));
   }
-  return beside > 0 && beside >= tuning::kNotAffine * most;
+  const Vec3 sum = std::accumulate(beside.begin(), beside.end(), Vec3(Vec3::Zero()));
+  const Vec3 held = b.fixed.empty() ? Vec3(sum / static_cast<double>(beside.size())) : beside[b.fixed.front()];
+  double most = 0, bent = 0;
+  for (std::size_t n = 0; n < b.rest.size(); ++n) most = std::max(most, seen[n].norm()), bent = std::max(bent, (beside[n] - held).norm());
+  return bent > tuning::kLeastBent * most ? std::min(bent / (tuning::kNotAffine * most), 1.0) : 0;
 }
 
 double StressError::worked(const Body& b, const Stress& s, std::span<const double> displacement) {
   const auto moved = [&](std::size_t n) { return Vec3(b.rest[n] + at(displacement, b.first_point + n)); };
-  std::vector<Vec3> from, to;
-  for (const std::size_t n : b.fixed) from.push_back(b.rest[n]), to.push_back(moved(n));
-  const bool turned = geometry::fixes_a_frame(from);
-  for (std::size_t n = 0; n < b.rest.size() && !turned; ++n) from.push_back(b.rest[n]), to.push_back(moved(n));
-  const Mat3 back = geometry::nearest_motion(from, to).R.transpose();
+  const Mat3 back = base(b, displacement).R.transpose();
   Mat3 m;
   m << s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2];
   double sum = 0;
@@ -235,7 +244,8 @@ StressError::Energy StressError::energy_of(const Body& b, const std::vector<Corn
   if (displacement.size() < first + count || !(volume > 0)) return out;
   uniform /= volume;
   const double varying = out.all - volume * energy_density(uniform, b.E, b.nu);
-  if (!(varying > 0) || !varies(b, displacement)) return out;
+  out.bent = bent(b, displacement);
+  if (!(varying > 0) || out.bent == 0) return out;
   out.left = std::clamp(1 + worked(b, uniform, displacement) / varying, 1 / tuning::kAmplified, 1.0);
   out.varying = varying < tuning::kHidden * out.all ? varying : out.all;
   return out;
@@ -260,7 +270,7 @@ StressError::Estimate StressError::of(const Stresses& stresses, const std::vecto
     const Energy& of = bodies[i];
     if (!counts(of.varying)) continue;
     double& error = out.bending[group[bodies_[i].number]];
-    error = std::max(error, of.missed / (of.missed + of.left * of.varying));
+    error = std::max(error, of.bent * of.missed / (of.missed + of.left * of.varying));
   }
   return out;
 }

@@ -20,11 +20,11 @@
 // element thick, is as stiff as if it could not bulge). Of linear bodies with few nodes inside bubbles on their edges tell that (bubble_error.h): the
 // larger of what they and what jumps miss counts.
 //
-// Uniform stress hides what varies (a column that carries a load and bends a little). Of bodies of whose deformation half or more is no affine map
-// `bending` is the error of their motion: with the energy U of s* without its mean m over the body in the place of all of it, where it is less than
-// kHidden of that. What presses such a body together works on its bending, G = sum V m : 1/2 H^T H with H the slopes of its displacement as seen from
-// where it is held; near the load at which it buckles that leaves little stiffness, U + G, and an error of U weighs U / (U + G) times, kAmplified at
-// most.
+// Uniform stress hides what varies (a column that carries a load and bends a little). `bending` is the error of the motion of bodies whose
+// points go, as seen from where they are held, half or more of their way by no stretch alike everywhere, and as much less as that is less: with the
+// energy U of s* without its mean m over the body in the place of all of it, where it is less than kHidden of that. What presses such a body together
+// works on its bending, G = sum V m : 1/2 H^T H with H the slopes of its displacement as seen from where it is held; near the load at which it
+// buckles that leaves little stiffness, U + G, and an error of U weighs U / (U + G) times, kAmplified at most.
 #include <array>
 #include <map>
 #include <optional>
@@ -32,6 +32,7 @@
 #include <vector>
 
 #include "audit/bubble_error.h"
+#include "geometry/rigid_motion.h"
 #include "model/input.h"
 
 namespace mortise::audit {
@@ -79,13 +80,17 @@ class StressError {
   static Mat3 turn(const Body& b, std::size_t tet, std::span<const double> displacement);
   struct Energy {
     double missed = 0, all = 0;
-    double varying = 0, left = 1;  // of it what counts, and (U + G) / U; 0 where what is affine is most of how the body deforms
+    double varying = 0, left = 1;  // of it what counts, and (U + G) / U
+    double bent = 0;               // how much of the way of the body its error counts for
   };
   static std::vector<bool> near_pressed(const Body& b, std::span<const double> contact_force);
   static Energy energy_of(const Body& b, const std::vector<Corners>& here, std::span<const double> contact_force,
                           std::span<const double> displacement);
   // Is what is no affine map most of how it deforms?
-  static bool varies(const Body& b, std::span<const double> displacement);
+  // The rigid motion of what holds it, or its own where that does not fix one.
+  static geometry::Motion base(const Body& b, std::span<const double> displacement);
+  // How much of its way, as seen from there, the body has by more than a stretch alike everywhere, over kNotAffine of it.
+  static double bent(const Body& b, std::span<const double> displacement);
   // G [J].
   static double worked(const Body& b, const Stress& uniform, std::span<const double> displacement);
   std::vector<Body> bodies_;

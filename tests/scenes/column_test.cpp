@@ -58,6 +58,15 @@ TEST(Column, BendsAsMuchTooLittleAsIsTold) {
   }
 }
 
+// What is pulled as far as it bends: how badly it bends is a part of how far its points go.
+TEST(Column, APullHidesNotHowBadlyItBends) {
+  const double share = -10000.0 / 514;
+  const Bent truth = bend(share, box(5, 2), 200), coarse = bend(share, box(10, 1), 200);
+  EXPECT_LT(truth.told, 0.08);
+  EXPECT_LT(coarse.way, 0.85 * truth.way);
+  EXPECT_GT(coarse.told, 0.12);
+}
+
 // What is pulled hard and bends no more than it is pulled is a matter of the pull.
 TEST(Column, OfAPullIsAsOfAll) {
   Rig rig(R"(
