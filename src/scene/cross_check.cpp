@@ -161,7 +161,7 @@ class CrossCheck {
   }
   void bodies_in(const Params& p, const std::string& path) {
     if (!bodies_ || incomplete_.count("bodies")) return;
-    if (path.find(".pairs.") != std::string::npos && p.kind() == Params::Kind::list && p.items().size() == 2 &&
+    if (path.find("_contact.pairs.") != std::string::npos && p.kind() == Params::Kind::list && p.items().size() == 2 &&
         p.items()[0].kind() == Params::Kind::text && p.items()[1].kind() == Params::Kind::text && p.items()[0].as_text() == p.items()[1].as_text())
       errors_.add(p.where(), path + " names '" + p.items()[0].as_text() + "' twice", "soft bodies meet themselves without that");
     if (p.kind() == Params::Kind::text) exists(*bodies_, p.as_text(), "body", p, path);
