@@ -50,11 +50,11 @@ Flag Command::option(const std::string& name, long& to, const std::string& help)
 Flag Command::option(const std::string& name, unsigned long& to, const std::string& help) const { return Flag(app_->add_option(name, to, help)); }
 Flag Command::option(const std::string& name, double& to, const std::string& help) const { return Flag(app_->add_option(name, to, help)); }
 Flag Command::time(const std::string& name, double& to, const std::string& help, bool positive) const {
-  const auto read = [&to, positive](const std::string& text) {
+  const auto read = [&to, name, positive](const std::string& text) {
     const scene::Quantity q = scene::parse_quantity(text, Unit::time);
     if (!q.error.empty()) throw CLI::ValidationError("a time " + q.error + (q.hint.empty() ? "" : "\n  " + q.hint));
     if (q.value < 0 || (positive && q.value == 0))
-      throw CLI::ValidationError("a time is '" + text + "'; must " + (positive ? "be more than 0 s" : "not be negative"));
+      throw CLI::ValidationError(name + " is '" + text + "'; must " + (positive ? "be more than 0 s" : "not be negative"));
     to = q.value;
   };
   return Flag(app_->add_option_function<std::string>(name, read, help));

@@ -394,7 +394,7 @@ TEST_F(EnvironmentsProgram, TogetherFailuresAreTheirOwn) {
   };
   expect_together(scene("[0 mm, -0.5 mm]", "100"), 5, 5);
   expect_together(
-      press(kMortar, "{iterations: 3, halvings: 0}",
+      press(kMortar, "{iterations: 2, halvings: 0}",
             "environments:\n  count: 5\n  vary: [{path: effects.friction.mu, abs: {choice: [0.1, 0.9]}}, {path: materials.gel.youngs_modulus, "
             "scale: {log_uniform: [0.1, 10]}}]\n"),
       5, 5);
@@ -463,12 +463,17 @@ TEST_F(EnvironmentsProgram, OtherCommandsKnowThem) {
   EXPECT_EQ(mortise("check s.yaml --environment 3", folder_).code, 2);
   EXPECT_EQ(mortise("render s.yaml none.vtkhdf", folder_).code, 2);
   write("sweep.yaml",
-        "mortise_sweep: 1\nscene: s.yaml\nset: [environments.count=2, time.steps=2]\nquantities: [inertia/kinetic_energy]\nrows: [{product: "
-        "{effects.friction.mu: [0.1, 0.2]}}]\n");
+        "mortise_sweep: 1\nscene: s.yaml\nset: [environments.count=2, time.steps=2]\nrows: [{product: {effects.mortar_contact.d_hat: [0.1 mm, 0.2 "
+        "mm]}}]\n");
   const Result sweep = mortise("sweep sweep.yaml -o swept --no-render", folder_), merged = mortise("merge swept", folder_);
   EXPECT_EQ(sweep.code, 0) << sweep.err;
   EXPECT_EQ(merged.code, 0) << merged.err;
   EXPECT_THAT(read_text(at("swept/table.csv")), HasSubstr("done,0,C,"));
+  // What every environment draws no row can set, and there is no one number of a row.
+  write("mu.yaml", "mortise_sweep: 1\nscene: s.yaml\nrows: [{product: {effects.friction.mu: [0.1, 0.2]}}]\n");
+  EXPECT_THAT(mortise("sweep mu.yaml --dry-run", folder_).err, HasSubstr("effects.friction.mu is drawn for every environment"));
+  write("q.yaml", "mortise_sweep: 1\nscene: s.yaml\nquantities: [inertia/kinetic_energy]\nrows: [{product: {time.steps: [2]}}]\n");
+  EXPECT_THAT(mortise("sweep q.yaml --dry-run", folder_).err, HasSubstr("a row of environments has no values of its own"));
   EXPECT_EQ(mortise("study s.yaml --vary time.step=1ms,2ms --quantity inertia/kinetic_energy", folder_).code, 2);
 }
 

@@ -305,7 +305,7 @@ TEST(Run, SavesItsStateAsOftenAsTheSceneSays) {
   EXPECT_EQ(mortise("check " + kScene + " --set output.checkpoint_every.steps=0").code, 3);
   const Result never = mortise("run " + kScene + " --no-render --checkpoint-every '0 s' -o " + hourly.path);
   EXPECT_EQ(never.code, 2);
-  EXPECT_NE(never.err.find("--checkpoint-every 0 s: must be more than 0 s"), std::string::npos) << never.err;
+  EXPECT_NE(never.err.find("--checkpoint-every is '0 s'; must be more than 0 s"), std::string::npos) << never.err;
 }
 
 // A kill between checkpoints loses frames that --resume computes again.

@@ -129,7 +129,7 @@ TEST_F(SweepProgram, StopsBeforeItsWalltime) {
   EXPECT_EQ(run(sweep("v", {"--walltime", "1 min"})), 2);
   EXPECT_THAT(complained(), HasSubstr("leaves no time to run"));
   EXPECT_EQ(run(sweep("v", {"--walltime=-1 min"})), 2);
-  EXPECT_THAT(complained(), HasSubstr("must not be negative"));
+  EXPECT_THAT(complained(), HasSubstr("--walltime is '-1 min'; must be more than 0 s"));
   EXPECT_EQ(run(sweep("v", {"--device", "gpu"})), 2);
 }
 

@@ -9,29 +9,35 @@ Accepted::Accepted(const model::Model& model)
 
 void Accepted::take(const StepInfo& info, const Slips& of, const device::Buffer<ContactSample>& samples, const std::vector<Index>& env_offset,
                     const std::vector<double>& dt, Positions q) {
-  const std::vector<ContactSample> now = samples.download();
-  const std::vector<Rub> rubs = measure(of, samples, q);
+  std::vector<Rub> rubs = measure(of, samples, q);
+  for (Index e = 0; e < model_.envs; ++e) {
+    if (!info.taken_by(e)) continue;
+    double step = 0;
+    for (Index i = env_offset[e]; i < env_offset[e + 1]; ++i) step -= rubs[i].force.dot(rubs[i].slip);
+    dissipated_[e] += step;
+    power_[e] = dt[e] > 0 ? step / dt[e] : 0;
+  }
+  if (info.whose.empty()) {
+    samples_.copy_from(samples);
+    rubs_ = std::move(rubs), env_offset_ = env_offset;
+    return;
+  }
+  const std::vector<ContactSample> old = samples_.download(), now = samples.download();
   std::vector<ContactSample> all;
   std::vector<Rub> all_rubs;
   std::vector<Index> offset{0};
   for (Index e = 0; e < model_.envs; ++e) {
-    if (info.taken_by(e)) {
-      double step = 0;
-      for (Index i = env_offset[e]; i < env_offset[e + 1]; ++i) {
-        step -= rubs[i].force.dot(rubs[i].slip);
-        all.push_back(now[i]), all_rubs.push_back(rubs[i]);
-      }
-      dissipated_[e] += step;
-      power_[e] = dt[e] > 0 ? step / dt[e] : 0;
-    } else {
-      for (Index i = env_offset_[e]; i < env_offset_[e + 1]; ++i) all.push_back(samples_[i]), all_rubs.push_back(rubs_[i]);
-    }
+    const bool taken = info.taken_by(e);
+    const std::vector<Index>& range = taken ? env_offset : env_offset_;
+    for (Index i = range[e]; i < range[e + 1]; ++i) all.push_back(taken ? now[i] : old[i]), all_rubs.push_back(taken ? rubs[i] : rubs_[i]);
     offset.push_back(static_cast<Index>(all.size()));
   }
-  samples_ = std::move(all), rubs_ = std::move(all_rubs), env_offset_ = std::move(offset);
+  samples_.upload(all);
+  rubs_ = std::move(all_rubs), env_offset_ = std::move(offset);
 }
 
 void Accepted::report(const FieldSinks& sinks) const {
+  const std::vector<ContactSample> samples = samples_.download();
   const std::vector<Index> body = model_.surface.body.download();
   std::vector<double> point_force(3 * model_.points, 0.0);
   std::vector<Vec3> resultant(model_.bodies.size(), Vec3::Zero());
@@ -42,7 +48,7 @@ void Accepted::report(const FieldSinks& sinks) const {
   for (Index e = 0; e < model_.envs; ++e) {
     auto& [force, slip, traction, normal_force, sticks] = rows[e];
     for (Index i = env_offset_[e]; i < env_offset_[e + 1]; ++i) {
-      const ContactSample& s = samples_[i];
+      const ContactSample& s = samples[i];
       const Rub& rub = rubs_[i];
       const double sign = model::against_obstacle(s) ? 1 : -1;
       for (Index k = 0; k < s.points; ++k) {

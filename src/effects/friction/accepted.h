@@ -20,7 +20,7 @@ class Accepted {
 
  private:
   const model::Model& model_;
-  std::vector<ContactSample> samples_;
+  device::Buffer<ContactSample> samples_;
   std::vector<Rub> rubs_;  // theirs
   std::vector<Index> env_offset_;
   std::vector<double> power_, dissipated_;  // of every environment [W], [J]
