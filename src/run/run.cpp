@@ -84,7 +84,8 @@ class Run {
     if (folder_->exists()) {
       note(folder_->lock());
       checkpoint = open_checkpoint(o_, dir, scene_.root, hash_);
-      if (checkpoint && checkpoint->reader.info().step >= last_)
+      // Of an episode it is not said there which condition ended it: that is looked up once more.
+      if (checkpoint && checkpoint->reader.info().step >= last_ && o_.resets.empty())
         if (const auto code = output::code_of_finished_run(folder_->file("run.json"), hash_)) {
           note(fmt::format("the run in '{}' is finished: there is nothing to continue", dir));
           co_return *code;
