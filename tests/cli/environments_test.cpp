@@ -349,6 +349,12 @@ TEST_F(EnvironmentsProgram, ResetsSurviveKills) {
   for (int e = 0; e < 3; ++e)
     for (int j = 0; fs::exists(at("whole" + env(e) + "/episode_000" + std::to_string(j))); ++j)
       expect_equal("whole" + env(e) + "/episode_000" + std::to_string(j), "cut" + env(e) + "/episode_000" + std::to_string(j));
+  // After the last state of all, before its reason was noted.
+  const std::string log = at("cut" + env(0) + "/episodes.csv"), noted = read_text(log);
+  std::ofstream(log) << noted.substr(0, noted.rfind('\n', noted.size() - 2) + 1);
+  for (const char* summary : {"cut/environments.csv", "cut/environments.json"}) fs::remove(at(summary));
+  EXPECT_EQ(run("s.yaml -o cut --resume").code, 0);
+  EXPECT_EQ(read_text(log), noted);
 }
 
 // Episodes that start inside the pad are over at once; the environment goes on with other numbers. Without the condition it fails.
