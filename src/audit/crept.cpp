@@ -25,7 +25,7 @@ void Crept::state(const Snapshot& said, const std::vector<Rubbing>& rubs) {
   std::set<Bodies> touching;
   for (auto& [bodies, pair] : pairs_) pair.now = 0;
   for (const Rubbing& rub : rubs)
-    for (const auto& [bodies, friction] : rub.pairs) {
+    for (const auto& [bodies, friction] : rub) {
       Pair& pair = pairs_[bodies];
       touching.insert(bodies);
       pair.now = std::max(pair.now, friction.creep());

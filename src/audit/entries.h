@@ -1,9 +1,11 @@
 #pragma once
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "base/params.h"
+#include "effects/roles.h"
 #include "effects/tie_name.h"
 
 namespace mortise::audit {
@@ -18,6 +20,18 @@ inline std::optional<Params> joint_named(const Params& effects, const std::strin
   for (const Params& joint : entries(effects, "joint"))
     if (effects::tie_name(joint) == name) return joint;
   return {};
+}
+
+// Bodies with loads of their own, or pins that go. What pulls at all for ever, as gravity does, is no list.
+inline std::set<std::string> worked_on(const Params& effects) {
+  std::set<std::string> out;
+  std::vector<std::string> lists = effects::of_role(effects, effects::Role::load);
+  lists.emplace_back("pin");
+  for (const std::string& list : lists)
+    if (const Params* of = effects.find(list); of && of->kind() == Params::Kind::list)
+      for (const Params& p : of->items())
+        if (list != "pin" || p.has("motion")) out.insert(p.text("body"));
+  return out;
 }
 
 }  // namespace mortise::audit

@@ -16,7 +16,7 @@ std::map<std::string, FrictionLaw> friction_laws(const model::ModelInput& input)
 
 namespace {
 
-std::map<Bodies, FrictionPair> pairs_of(const std::string& effect, const FrictionLaw& law, const Snapshot& said) {
+Rubbing pairs_of(const std::string& effect, const FrictionLaw& law, const Snapshot& said) {
   const auto force = said.row.find(effect + "/force"), slip = said.row.find(effect + "/slip"), normal = said.row.find(effect + "/normal_force"),
              sticks = said.row.find(effect + "/sticks");
   if (force == said.row.end() || slip == said.row.end()) return {};
@@ -26,7 +26,7 @@ std::map<Bodies, FrictionPair> pairs_of(const std::string& effect, const Frictio
     if (const auto it = said.row.find(law.follows + rows); it != said.row.end()) bodies.insert(bodies.end(), it->second.begin(), it->second.end());
   const std::size_t samples = force->second.size() / 3;
   if (bodies.size() != 2 * samples) return {};
-  std::map<Bodies, FrictionPair> out;
+  Rubbing out;
   double work = 0;
   for (std::size_t i = 0; i < samples; ++i) {
     const Vec3 F = at(force->second, i);
@@ -47,7 +47,7 @@ std::map<Bodies, FrictionPair> pairs_of(const std::string& effect, const Frictio
 
 std::vector<Rubbing> rubbing(const std::map<std::string, FrictionLaw>& laws, const Snapshot& said) {
   std::vector<Rubbing> out;
-  for (const auto& [effect, law] : laws) out.push_back({law, pairs_of(effect, law, said)});
+  for (const auto& [effect, law] : laws) out.push_back(pairs_of(effect, law, said));
   return out;
 }
 

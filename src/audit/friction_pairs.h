@@ -31,11 +31,7 @@ struct FrictionPair {
 };
 using Bodies = std::pair<std::size_t, std::size_t>;  // by number, the smaller first; obstacles after all others
 
-// What one effect does in a state.
-struct Rubbing {
-  FrictionLaw law;
-  std::map<Bodies, FrictionPair> pairs;
-};
+using Rubbing = std::map<Bodies, FrictionPair>;  // what one effect does in a state
 std::vector<Rubbing> rubbing(const std::map<std::string, FrictionLaw>& laws, const Snapshot& said);
 
 }  // namespace mortise::audit

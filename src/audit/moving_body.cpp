@@ -168,6 +168,8 @@ Integration integration_of(const Params& scene) {
   return {step->as_number(), integrator && integrator->as_text() == "bdf2"};
 }
 
+LostInTurning lost_in_turning(double phi) { return {std::min(2 * phi * phi, 1.0), std::min(std::pow(phi, 4) / (1 + 4 * phi * phi), 1.0)}; }
+
 Vec3 gravity_of(const Params& scene) {
   const Params& effects = scene.at("effects");
   Vec3 sum = Vec3::Zero();

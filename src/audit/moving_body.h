@@ -70,6 +70,12 @@ struct Integration {
 };
 Integration integration_of(const Params& scene);
 
+// Shares of its energy that what turns by phi in a step loses to it, by order (turning_loss.h).
+struct LostInTurning {
+  double first, second;
+};
+LostInTurning lost_in_turning(double phi);
+
 class MovingBodies {
  public:
   explicit MovingBodies(const model::ModelInput& input);

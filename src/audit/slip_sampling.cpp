@@ -99,8 +99,8 @@ void SlipSampling::state(const Snapshot& said, const std::vector<Rubbing>& rubs)
     return it->second;
   };
   for (const Rubbing& rub : rubs)
-    for (const auto& [bodies, of] : rub.pairs) {
-      if (of.stuck > 0.5 * of.power) continue;
+    for (const auto& [bodies, of] : rub) {
+      if (of.stuck > tuning::kSticks * of.power) continue;
       Pair& pair = pairs_[bodies];
       pair.error = INFINITY, pair.power = of.power;
       for (const auto& [one, other] : {bodies, Bodies{bodies.second, bodies.first}})

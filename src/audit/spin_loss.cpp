@@ -33,7 +33,8 @@ void SpinLoss::state(const std::vector<MovingBody>& bodies) {
       continue;
     }
     const double omega = b.w.norm(), phi = omega * integration_.step;
-    spin.first = std::min(2 * phi * phi, 1.0) * omega * omega, spin.second = std::min(std::pow(phi, 4) / (1 + 4 * phi * phi), 1.0) * omega * omega;
+    const LostInTurning lost = lost_in_turning(phi);
+    spin.first = lost.first * omega * omega, spin.second = lost.second * omega * omega;
     spin.most = std::max(spin.most, omega * omega), spin.angle += phi;
     spin.turned = std::max(spin.turned, b.turns), spin.moved = std::max(spin.moved, b.turns + b.energy());
   }

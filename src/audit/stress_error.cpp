@@ -130,12 +130,11 @@ geometry::Motion StressError::base(const Body& b, std::span<const double> displa
   return geometry::nearest_motion(from, to);
 }
 
-double StressError::bent(const Body& b, std::span<const double> displacement) {
+double StressError::bent(const Body& b, const geometry::Motion& base, std::span<const double> displacement) {
   const auto place = [&](std::size_t n) { return Vec3(b.rest[n] - b.rest.front()); };
   const Eigen::Matrix<double, 4, 3> affine = nearest_affine(b.rest.size(), place, [&](std::size_t n) { return at(displacement, b.first_point + n); });
   const linalg::Svd3 svd = linalg::svd3(Mat3::Identity() + affine.bottomRows<3>().transpose());
   const Mat3 stretch = svd.V * svd.s.asDiagonal() * svd.V.transpose() - Mat3::Identity();
-  const geometry::Motion base = StressError::base(b, displacement);
   std::vector<Vec3> seen, beside;
   for (std::size_t n = 0; n < b.rest.size(); ++n) {
     seen.push_back(base.R.transpose() * (b.rest[n] + at(displacement, b.first_point + n) - base.t) - b.rest[n]);
@@ -148,9 +147,9 @@ double StressError::bent(const Body& b, std::span<const double> displacement) {
   return bent > tuning::kLeastBent * most ? std::min(bent / (tuning::kNotAffine * most), 1.0) : 0;
 }
 
-double StressError::worked(const Body& b, const Stress& s, std::span<const double> displacement) {
+double StressError::worked(const Body& b, const geometry::Motion& base, const Stress& s, std::span<const double> displacement) {
   const auto moved = [&](std::size_t n) { return Vec3(b.rest[n] + at(displacement, b.first_point + n)); };
-  const Mat3 back = base(b, displacement).R.transpose();
+  const Mat3 back = base.R.transpose();
   Mat3 m;
   m << s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2];
   double sum = 0;
@@ -244,9 +243,11 @@ StressError::Energy StressError::energy_of(const Body& b, const std::vector<Corn
   if (displacement.size() < first + count || !(volume > 0)) return out;
   uniform /= volume;
   const double varying = out.all - volume * energy_density(uniform, b.E, b.nu);
-  out.bent = bent(b, displacement);
-  if (!(varying > 0) || out.bent == 0) return out;
-  out.left = std::clamp(1 + worked(b, uniform, displacement) / varying, 1 / tuning::kAmplified, 1.0);
+  if (!(varying > 0)) return out;
+  const geometry::Motion base = StressError::base(b, displacement);
+  out.bent = bent(b, base, displacement);
+  if (out.bent == 0) return out;
+  out.left = std::clamp(1 + worked(b, base, uniform, displacement) / varying, 1 / tuning::kAmplified, 1.0);
   out.varying = varying < tuning::kHidden * out.all ? varying : out.all;
   return out;
 }

@@ -90,9 +90,9 @@ class StressError {
   // The rigid motion of what holds it, or its own where that does not fix one.
   static geometry::Motion base(const Body& b, std::span<const double> displacement);
   // How much of its way, as seen from there, the body has by more than a stretch alike everywhere, over kNotAffine of it.
-  static double bent(const Body& b, std::span<const double> displacement);
+  static double bent(const Body& b, const geometry::Motion& base, std::span<const double> displacement);
   // G [J].
-  static double worked(const Body& b, const Stress& uniform, std::span<const double> displacement);
+  static double worked(const Body& b, const geometry::Motion& base, const Stress& uniform, std::span<const double> displacement);
   std::vector<Body> bodies_;
 };
 

@@ -66,6 +66,7 @@ inline constexpr double kWheel = 1;     // [rad]: a leg or a finger that rolls o
 inline constexpr double kTurns =
     1e-3;  // of the energy of motion of a body in flight: with less its rim turns by less than a twentieth of its way (spin_loss.cpp)
 inline constexpr double kSpun = 1;       // [rad]: what anybody sees, however far the body goes (spin_loss.cpp)
+inline constexpr double kSticks = 0.5;   // of what friction takes, where it sticks: with more nothing slips (slip_sampling.cpp)
 inline constexpr double kUpright = 0.2;  // across the force below, of the spin: what rolls or rocks has more (spin_loss.cpp)
 inline constexpr double kWeight = 0.5;   // of the change of velocity of a contact: when weight does more of it, it is no bounce (bounce_loss.cpp)
 // Of the energy of motion: with less along the change nobody looks at a bounce, a tenth of the speed, or at a hop of stiff bodies, a third

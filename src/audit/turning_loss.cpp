@@ -84,8 +84,9 @@ void TurningLoss::state(const std::vector<double>& points, const std::vector<Mov
   double changes = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovingBody& b = bodies[i];
-    const double omega = b.w.norm(), phi = omega * integration_.step;
-    const double first = std::min(2 * phi * phi, 1.0) * b.turns, second = std::min(std::pow(phi, 4) / (1 + 4 * phi * phi), 1.0) * b.turns;
+    const double omega = b.w.norm();
+    const LostInTurning lost = lost_in_turning(omega * integration_.step);
+    const double first = lost.first * b.turns, second = lost.second * b.turns;
     if (b.driven) given_first_ += first, given_second_ += second;
     if (b.given) continue;
     Island& island = of_island_[islands_.of(i)];

@@ -38,12 +38,7 @@ VibrationLoss::VibrationLoss(const model::ModelInput& input, const MovingBodies&
   for (const Params& p : entries(effects, "drive"))
     if (p.has("friction") && p.number("friction") > 0)
       if (const std::optional<Params> joint = joint_named(effects, p.text("joint"))) works_on(joint->text("body"));
-  std::vector<std::string> lists = effects::of_role(effects, effects::Role::load);
-  lists.emplace_back("pin");  // which holds a part of it
-  for (const std::string& list : lists)
-    if (const Params* entries = effects.find(list); entries && entries->kind() == Params::Kind::list)
-      for (const Params& p : entries->items())
-        if (list != "pin" || p.has("motion")) works_on(p.text("body"));
+  for (const std::string& body : worked_on(effects)) works_on(body);
 }
 
 void VibrationLoss::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies, double stored,

@@ -16,8 +16,6 @@ using Json = nlohmann::ordered_json;
 
 Json of(const Vec3& v) { return {v[0], v[1], v[2]}; }
 
-std::string text(const Json& j) { return json_text(j); }
-
 bool ends_with(const std::string& s, const char* tail) { return s.size() > 2 && s.compare(s.size() - 2, 2, tail) == 0; }
 
 }  // namespace
@@ -48,7 +46,7 @@ std::string State::hello(const Facts& f, const std::vector<Drive>& drives) const
     j["sensors"][s.name()] = {{"body", s.body()}, {"rows", s.spec().rows}, {"columns", s.spec().columns}};
   j["poses"] = Json::array();
   for (const Body& b : bodies_) j["poses"].push_back(b.name);
-  return text(j);
+  return json_text(j);
 }
 
 std::string State::line(long step, double time, const Snapshot& said, const std::vector<double>& points,
@@ -95,7 +93,7 @@ std::string State::line(long step, double time, const Snapshot& said, const std:
     const double sign = q.w() < 0 ? -1 : 1;
     poses[b.name] = {{"position", of(m.R * b.placed.t + m.t)}, {"quaternion", {sign * q.w(), sign * q.x(), sign * q.y(), sign * q.z()}}};
   }
-  return text(j);
+  return json_text(j);
 }
 
 }  // namespace mortise::bridge

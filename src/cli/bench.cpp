@@ -31,15 +31,14 @@ int bench_ccd(const BenchOptions& o) {
   const bench::CcdBench result = bench::ccd_bench(o.data);
   if (o.json) {
     for (const auto& [kind, s] : {std::pair{"point_triangle", &result.point_triangle}, std::pair{"edge_edge", &result.edge_edge}})
-      std::cout << nlohmann::ordered_json{{"case", "ccd"},
-                                          {"kind", kind},
-                                          {"queries", s->queries},
-                                          {"impacts", s->impacts},
-                                          {"false_negatives", s->false_negatives},
-                                          {"false_positives", s->false_positives},
-                                          {"seconds", s->seconds},
-                                          {"microseconds_per_query", s->microseconds_per_query()}}
-                       .dump()
+      std::cout << json_text(nlohmann::ordered_json{{"case", "ccd"},
+                                                    {"kind", kind},
+                                                    {"queries", s->queries},
+                                                    {"impacts", s->impacts},
+                                                    {"false_negatives", s->false_negatives},
+                                                    {"false_positives", s->false_positives},
+                                                    {"seconds", s->seconds},
+                                                    {"microseconds_per_query", s->microseconds_per_query()}})
                 << "\n";
   } else {
     std::cout << result.text();

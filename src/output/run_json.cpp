@@ -94,7 +94,6 @@ std::string run_json(const RunRecord& r) {
     const std::string name = column.name;
     if (name != "step" && name != "time") steps[name] = summary(r.steps, column.value);
   }
-  // Text from outside (paths, file names in messages) need not be UTF-8.
   return json_text(j, 2) + "\n";
 }
 

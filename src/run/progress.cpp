@@ -184,7 +184,7 @@ class JsonLines : public Progress {
  private:
   void put(const nlohmann::ordered_json& j) {
     if (lost_) return;
-    const std::string line = prefix_ + json_text(j) + "\n";  // paths need not be UTF-8
+    const std::string line = prefix_ + json_text(j) + "\n";
     lost_ = std::fputs(line.c_str(), stdout) < 0 || std::fflush(stdout) != 0;
   }
   const std::string prefix_;

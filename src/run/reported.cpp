@@ -12,6 +12,7 @@
 #include "effects/tie_name.h"
 #include "geometry/bounds.h"
 #include "run/tuning.h"
+#include "scene/scene.h"
 #include "scene/suggest.h"
 
 namespace mortise::run {
@@ -85,6 +86,7 @@ void check_place(const Params& q, const std::string& what, const std::vector<mod
 void check_quantities(const model::ModelInput& input, const Snapshot& start) {
   const Params& scene = input.scene;
   const Params* list = scene.find("quantities");
+  const double ends = scene::end_time(scene);
   for (std::size_t i = 0; list && i < list->items().size(); ++i) {
     const Params& q = list->items()[i];
     const std::string &value = q.text("value"), what = "quantities." + std::to_string(i);
@@ -92,8 +94,6 @@ void check_quantities(const model::ModelInput& input, const Snapshot& start) {
     if (const long every = scene.at("time").integer("frame_every"); q.text("when") == "sum" && group_of(value) != "steps" && every > 1)
       throw Error(Exit::scene, q.at("when").where(),
                   fmt::format("{}: a sum is of all steps, and only one in {} has a frame; 'time.frame_every: 1' gives each one", what, every));
-    const Params& time = scene.at("time");
-    const double ends = time.text("mode") == "static" ? 1 : time.number("step") * static_cast<double>(time.integer("steps"));
     if (q.has("at") && q.number("at") > ends * (1 + tuning::kRounding))
       throw Error(Exit::scene, q.at("at").where(), fmt::format("{}: {:g} s is after the end, at {:g} s", what, q.number("at"), ends));
     if (q.text("when") == "sum" && leaf_of(value) == "dissipation")

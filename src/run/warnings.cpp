@@ -155,7 +155,7 @@ void of_units(const model::ModelInput& input, std::vector<std::string>& out) {
   const Params& effects = input.scene.at("effects");
   for (const std::string& load : effects::of_role(effects, effects::Role::load))
     if (effects.at(load).has("acceleration"))
-      if (const double g = effects.at(load).vec3("acceleration").norm(); std::abs(g - 9810) < 5)
+      if (const double g = effects.at(load).vec3("acceleration").norm(); std::abs(g / tuning::kMillimetres - 1) < tuning::kNearlyThat)
         out.push_back(at(effects.at(load).at("acceleration").where(), fmt::format("{} is {:g} m/s^2: lengths are metres, here too", load, g)));
   for (const model::BodyInput& body : input.bodies) {
     const Params* shape = body.params.find("shape");

@@ -31,6 +31,7 @@ class CrossCheck {
     if (effects_)
       for (const auto& [name, effect] : effects_->entries()) references(name, effect, dotted("effects", name));
     pairs();
+    contact_pairs();
     ties();
     cameras();
     kept_fields();
@@ -161,9 +162,6 @@ class CrossCheck {
   }
   void bodies_in(const Params& p, const std::string& path) {
     if (!bodies_ || incomplete_.count("bodies")) return;
-    if (path.find("_contact.pairs.") != std::string::npos && p.kind() == Params::Kind::list && p.items().size() == 2 &&
-        p.items()[0].kind() == Params::Kind::text && p.items()[1].kind() == Params::Kind::text && p.items()[0].as_text() == p.items()[1].as_text())
-      errors_.add(p.where(), path + " names '" + p.items()[0].as_text() + "' twice", "soft bodies meet themselves without that");
     if (p.kind() == Params::Kind::text) exists(*bodies_, p.as_text(), "body", p, path);
     if (p.kind() == Params::Kind::list)
       for (std::size_t i = 0; i < p.items().size(); ++i) bodies_in(p.items()[i], dotted(path, std::to_string(i)));
@@ -177,6 +175,20 @@ class CrossCheck {
     const std::string best = nearest(p.as_text(), others);
     errors_.add(p.where(), path + " is '" + p.as_text() + "', which this scene does not list", best.empty() ? "" : "did you mean '" + best + "'?",
                 {{effects_->where(), "the effects: " + join(others, ", ")}});
+  }
+
+  // Those that a contact effect is asked to look at.
+  void contact_pairs() {
+    for (const EffectTable& table : tables_) {
+      const Params* list = table.contact && has_effect(table.name.c_str()) ? effects_->at(table.name).find("pairs") : nullptr;
+      if (!list || list->kind() != Params::Kind::list) continue;
+      for (std::size_t i = 0; i < list->items().size(); ++i) {
+        const Params& pair = list->items()[i];
+        if (pair.kind() != Params::Kind::list || pair.items().size() != 2 || pair.items()[0].as_text() != pair.items()[1].as_text()) continue;
+        errors_.add(pair.where(), "effects." + table.name + ".pairs." + std::to_string(i) + " names '" + pair.items()[0].as_text() + "' twice",
+                    "soft bodies meet themselves without that");
+      }
+    }
   }
 
   // Pairs that differ from the others: no pair twice, and none that an effect is asked to press together.

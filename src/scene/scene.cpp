@@ -97,6 +97,11 @@ Scene read(const std::string& text, const std::string& path, const std::vector<s
 
 }  // namespace
 
+double end_time(const Params& root) {
+  const Params& time = root.at("time");
+  return time.text("mode") == "static" ? 1 : time.number("step") * static_cast<double>(time.integer("steps"));
+}
+
 Scene read_scene(const std::string& path, const std::vector<std::string>& overrides, std::span<const EffectTable> effects) {
   Scene scene = read_scene_text(read_stream(path, max_bytes::scene), path == "-" ? "<stdin>" : path, overrides, effects);
   scene.path = path;

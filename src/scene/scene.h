@@ -31,6 +31,9 @@ struct Scene {
   std::string text;  // the file, byte for byte
 };
 
+// When it ends: the time of its last step [s], 1 in statics.
+double end_time(const Params& root);
+
 // Reads a scene file ("-" = standard input) and applies `overrides` ("a.b.c=value", value in YAML, the right-most wins).
 // Paths inside the scene are returned absolute, taken relative to the scene's folder.
 // Throws SceneErrors with everything that is wrong, Error(Exit::file) when the file cannot be read, Error(Exit::usage) when an

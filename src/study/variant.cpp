@@ -12,11 +12,6 @@
 namespace mortise::study {
 namespace {
 
-double end_time(const scene::Scene& scene) {
-  const Params& time = scene.root.at("time");
-  return time.text("mode") == "static" ? 1 : time.number("step") * static_cast<double>(time.integer("steps"));
-}
-
 bool same(double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(b); }
 
 bool varies(const std::vector<std::string>& overrides, const std::string& path) {
@@ -64,11 +59,11 @@ Params without_effects(const Params& root, const std::vector<std::string>& effec
 Variant variant_of(const Study& study, const Method& method, const Settings& settings, bool as_written) {
   std::vector<std::string> overrides = method.set;
   for (const auto& [path, value] : settings) overrides.push_back(path + "=" + value);
-  const double end = end_time(read(study, {}, {}));
+  const double end = scene::end_time(read(study, {}, {}).root);
   const scene::Scene scene = read(study, method, overrides);
   if (scene.root.has("environments"))
     throw Error(Exit::usage, "a study runs one environment at a time: take the 'environments' block out of the scene");
-  if (const double now = end_time(scene); !same(now, end)) {
+  if (const double now = scene::end_time(scene.root); !same(now, end)) {
     if (!varies(overrides, "time.step") || varies(overrides, "time.steps"))
       throw Error(Exit::usage,
                   fmt::format("the runs would end at {:g} s and {:g} s, where their results do not compare; vary time.step alone", end, now));

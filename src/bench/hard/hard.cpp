@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/json_text.h"
 #include "base/process.h"
 #include "output/json_number.h"
 
@@ -239,28 +240,27 @@ std::vector<Row> run(const Options& options, const std::function<void(const Row&
 }
 
 std::string json_line(const Row& r) {
-  return Json{{"case", r.name},
-              {"method", r.method},
-              {"variant", r.variant},
-              {"verdict", verdict(r)},
-              {"pass", r.pass},
-              {"reason", r.reason},
-              {"reported", r.missed},
-              {"judged", r.judged},
-              {"intersections", r.intersections},
-              {"not_finite", r.not_finite},
-              {"unsafe", r.unsafe},
-              {"steps", r.steps},
-              {"newton_max", r.newton_max},
-              {"newton_mean", output::number_or_null(r.newton_mean)},
-              {"halved_steps", r.halved},
-              {"min_distance", output::number_or_null(r.min_distance)},
-              {"min_det_f", output::number_or_null(r.min_det_f)},
-              {"energy_gain", output::number_or_null(r.energy_gain)},
-              {"residual", output::number_or_null(r.residual)},
-              {"seconds", output::number_or_null(r.seconds)},
-              {"replay", r.replay}}
-      .dump();
+  return json_text(Json{{"case", r.name},
+                        {"method", r.method},
+                        {"variant", r.variant},
+                        {"verdict", verdict(r)},
+                        {"pass", r.pass},
+                        {"reason", r.reason},
+                        {"reported", r.missed},
+                        {"judged", r.judged},
+                        {"intersections", r.intersections},
+                        {"not_finite", r.not_finite},
+                        {"unsafe", r.unsafe},
+                        {"steps", r.steps},
+                        {"newton_max", r.newton_max},
+                        {"newton_mean", output::number_or_null(r.newton_mean)},
+                        {"halved_steps", r.halved},
+                        {"min_distance", output::number_or_null(r.min_distance)},
+                        {"min_det_f", output::number_or_null(r.min_det_f)},
+                        {"energy_gain", output::number_or_null(r.energy_gain)},
+                        {"residual", output::number_or_null(r.residual)},
+                        {"seconds", output::number_or_null(r.seconds)},
+                        {"replay", r.replay}});
 }
 
 std::string table_header() {

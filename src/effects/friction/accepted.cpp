@@ -9,7 +9,7 @@ Accepted::Accepted(const model::Model& model)
 
 void Accepted::take(const StepInfo& info, const Slips& of, const device::Buffer<ContactSample>& samples, const std::vector<Index>& env_offset,
                     const std::vector<double>& dt, Positions q) {
-  std::vector<Rub> rubs = measure(of, samples, q);
+  std::vector<Rub> rubs = measure(of, q);
   for (Index e = 0; e < model_.envs; ++e) {
     if (!info.taken_by(e)) continue;
     double step = 0;

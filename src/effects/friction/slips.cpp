@@ -40,14 +40,13 @@ void freeze(const model::PointMapView& map, const Buffer<ContactSample>& samples
   });
 }
 
-std::vector<Rub> measure(const Slips& s, const Buffer<ContactSample>& samples, Positions q) {
-  const View<const ContactSample> sample = samples.view();
+std::vector<Rub> measure(const Slips& s, Positions q) {
   Buffer<Rub> rubs(s.size());
   const View<Rub> rub = rubs.view();
   device::parallel_for("friction.measure", s.size(), [=] MORTISE_HD(Index i) {
     const Vec3 slip = s.slip(i, q), r = s.moved(i, q);
     // r is the motion of the first body against an obstacle, else that of the second against the first.
-    const double sign = model::against_obstacle(sample[i]) ? 1 : -1;
+    const double sign = model::against_obstacle(s.sample[i]) ? 1 : -1;
     const double x = slip.norm();
     rub[i] = {(-sign * s.frozen[i].load * f1_over_x(x, s.creep(i))) * slip, sign * r, x < s.creep(i)};
   });

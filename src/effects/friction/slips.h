@@ -75,6 +75,6 @@ struct Rub {
   Vec3 force, slip;  // on the first body [N]; how far that moved against the second in the step [m]
   bool sticks;       // the force is below mu times the normal one
 };
-std::vector<Rub> measure(const Slips& slips, const device::Buffer<ContactSample>& samples, Positions q);
+std::vector<Rub> measure(const Slips& slips, Positions q);
 
 }  // namespace mortise::effects::friction
