@@ -41,7 +41,7 @@ class Certificate {
     double quantity_error = NAN;  // the largest of what the scene names in `quantities`, a share of it
   };
   // Are there effects of contact, none of which ever had anything to do?
-  bool nothing_touched() const { return steps_ > 0 && !d_hat_.empty() && gap_over_d_hat_.empty(); }
+  bool nothing_touched() const { return steps_ > 0 && !d_hat_.empty() && gap_over_d_hat_.empty() && !(field_errors_.result().guard > 0); }
   Grade grade(const End& end) const { return grade(end, checks(end, field_errors_.result())); }
   struct Written {
     Grade grade;

@@ -162,7 +162,8 @@ double MotorLag::torque() const {
   for (std::size_t j = 0; j < errors_.size(); ++j) largest[motors_[j].slides] = std::max(largest[motors_[j].slides], errors_[j].should());
   for (std::size_t j = 0; j < errors_.size(); ++j) {
     const Error& e = errors_[j];
-    const double least = std::max(tuning::kOtherWay * e.should(), tuning::kFaint * largest[motors_[j].slides]);
+    const double least =
+        std::max({tuning::kOtherWay * e.should(), tuning::kFaint * largest[motors_[j].slides], tuning::kRoundedWay * motors_[j].kp * e.size});
     if (least > 0)
       for (const int way : {0, 1}) most = std::fmax(most, std::abs(e.torque[way] - e.as_should[way]) / std::max(e.as_should[way], least));
   }

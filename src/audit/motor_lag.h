@@ -36,6 +36,7 @@ class MotorLag {
   // none of these.
   double way() const;
   // Of the motor where it is most: how far its largest torque one way is off, over that as it should be, or kOtherWay of the largest both ways.
+  // Where a robot stands still all of them are rounding.
   double torque() const;
   void checkpoint(Archive& archive);
 

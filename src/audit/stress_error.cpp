@@ -33,6 +33,32 @@ double mean_of_linear(const Stress (&corner)[4], double E, double nu) {
   return (mean + energy_density(sum, E, nu)) / 20;
 }
 
+Vec3 mean(const std::vector<Vec3>& u) { return std::accumulate(u.begin(), u.end(), Vec3(Vec3::Zero())) / static_cast<double>(u.size()); }
+
+// Means of u over slices across the principal axes of some points: what bulges alike to all sides moves none of them.
+std::vector<Vec3> means_of_slices(const std::vector<Vec3>& points, const std::vector<Vec3>& u) {
+  const Vec3 centre = mean(points);
+  Mat3 spread = Mat3::Zero(), axes;
+  for (const Vec3& x : points) spread += (x - centre) * (x - centre).transpose();
+  linalg::jacobi_eigen<3>(spread, axes);
+  std::vector<Vec3> out;
+  for (int i = 0; i < 3; ++i) {
+    std::vector<double> along;
+    for (const Vec3& x : points) along.push_back(axes.col(i).dot(x - centre));
+    const auto [low, high] = std::minmax_element(along.begin(), along.end());
+    std::array<Vec3, tuning::kSlices> sum;
+    std::array<double, tuning::kSlices> count{};
+    sum.fill(Vec3::Zero());
+    for (std::size_t n = 0; n < points.size(); ++n) {
+      const auto slice = std::min<std::size_t>(tuning::kSlices - 1, static_cast<std::size_t>(tuning::kSlices * (along[n] - *low) / (*high - *low)));
+      sum[slice] += u[n], ++count[slice];
+    }
+    for (std::size_t s = 0; s < sum.size(); ++s)
+      if (count[s] > 0) out.push_back(sum[s] / count[s]);
+  }
+  return out;
+}
+
 }  // namespace
 
 StressError::StressError(const model::ModelInput& input) {
@@ -130,24 +156,29 @@ geometry::Motion StressError::base(const Body& b, std::span<const double> displa
   return geometry::nearest_motion(from, to);
 }
 
-double StressError::bent(const Body& b, const geometry::Motion& base, std::span<const double> displacement) {
+Mat3 StressError::stretch(const Body& b, std::span<const double> displacement) {
   const auto place = [&](std::size_t n) { return Vec3(b.rest[n] - b.rest.front()); };
   const Eigen::Matrix<double, 4, 3> affine = nearest_affine(b.rest.size(), place, [&](std::size_t n) { return at(displacement, b.first_point + n); });
   const linalg::Svd3 svd = linalg::svd3(Mat3::Identity() + affine.bottomRows<3>().transpose());
-  const Mat3 stretch = svd.V * svd.s.asDiagonal() * svd.V.transpose() - Mat3::Identity();
+  return svd.V * svd.s.asDiagonal() * svd.V.transpose() - Mat3::Identity();
+}
+
+double StressError::bent(const Body& b, const geometry::Motion& base, const Mat3& stretch, std::span<const double> displacement) {
   std::vector<Vec3> seen, beside;
   for (std::size_t n = 0; n < b.rest.size(); ++n) {
     seen.push_back(base.R.transpose() * (b.rest[n] + at(displacement, b.first_point + n) - base.t) - b.rest[n]);
-    beside.push_back(seen.back() - stretch * place(n));
+    beside.push_back(seen.back() - stretch * (b.rest[n] - b.rest.front()));
   }
-  const Vec3 sum = std::accumulate(beside.begin(), beside.end(), Vec3(Vec3::Zero()));
-  const Vec3 held = b.fixed.empty() ? Vec3(sum / static_cast<double>(beside.size())) : beside[b.fixed.front()];
+  std::vector<Vec3> where_held;
+  for (const std::size_t n : b.fixed) where_held.push_back(beside[n]);
+  const Vec3 held = mean(b.fixed.empty() ? beside : where_held);
   double most = 0, bent = 0;
-  for (std::size_t n = 0; n < b.rest.size(); ++n) most = std::max(most, seen[n].norm()), bent = std::max(bent, (beside[n] - held).norm());
+  for (const Vec3& u : seen) most = std::max(most, u.norm());
+  for (const Vec3& u : means_of_slices(b.rest, beside)) bent = std::max(bent, (u - held).norm());
   return bent > tuning::kLeastBent * most ? std::min(bent / (tuning::kNotAffine * most), 1.0) : 0;
 }
 
-double StressError::worked(const Body& b, const geometry::Motion& base, const Stress& s, std::span<const double> displacement) {
+double StressError::worked(const Body& b, const geometry::Motion& base, const Mat3& stretch, const Stress& s, std::span<const double> displacement) {
   const auto moved = [&](std::size_t n) { return Vec3(b.rest[n] + at(displacement, b.first_point + n)); };
   const Mat3 back = base.R.transpose();
   Mat3 m;
@@ -157,7 +188,7 @@ double StressError::worked(const Body& b, const geometry::Motion& base, const St
     Mat3 edges, now;
     const auto node = [&](int k) { return static_cast<std::size_t>(b.tets[t].v[k]); };
     for (int k = 0; k < 3; ++k) edges.col(k) = b.rest[node(k + 1)] - b.rest[node(0)], now.col(k) = moved(node(k + 1)) - moved(node(0));
-    const Mat3 H = back * now * edges.inverse() - Mat3::Identity();
+    const Mat3 H = back * now * edges.inverse() - Mat3::Identity() - stretch;
     sum += 0.5 * b.volume[t] * m.cwiseProduct(H.transpose() * H).sum();
   }
   return sum;
@@ -245,9 +276,10 @@ StressError::Energy StressError::energy_of(const Body& b, const std::vector<Corn
   const double varying = out.all - volume * energy_density(uniform, b.E, b.nu);
   if (!(varying > 0)) return out;
   const geometry::Motion base = StressError::base(b, displacement);
-  out.bent = bent(b, base, displacement);
+  const Mat3 stretch = StressError::stretch(b, displacement);
+  out.bent = bent(b, base, stretch, displacement);
   if (out.bent == 0) return out;
-  out.left = std::clamp(1 + worked(b, base, uniform, displacement) / varying, 1 / tuning::kAmplified, 1.0);
+  out.left = std::clamp(1 + worked(b, base, stretch, uniform, displacement) / varying, 1 / tuning::kAmplified, 1.0);
   out.varying = varying < tuning::kHidden * out.all ? varying : out.all;
   return out;
 }

@@ -20,11 +20,12 @@
 // element thick, is as stiff as if it could not bulge). Of linear bodies with few nodes inside bubbles on their edges tell that (bubble_error.h): the
 // larger of what they and what jumps miss counts.
 //
-// Uniform stress hides what varies (a column that carries a load and bends a little). `bending` is the error of the motion of bodies whose
-// points go, as seen from where they are held, half or more of their way by no stretch alike everywhere, and as much less as that is less: with the
-// energy U of s* without its mean m over the body in the place of all of it, where it is less than kHidden of that. What presses such a body together
-// works on its bending, G = sum V m : 1/2 H^T H with H the slopes of its displacement as seen from where it is held; near the load at which it
-// buckles that leaves little stiffness, U + G, and an error of U weighs U / (U + G) times, kAmplified at most.
+// Uniform stress hides what varies (a column that carries a load and bends a little). `bending` is the error of the motion of bodies of which slices
+// across their axes go on average, as seen from where they are held, half or more of the farthest way by no stretch alike everywhere, and as much
+// less as that is less (what bulges alike to all sides moves no slice): with the energy U of s* without its mean m over the body in the place of all
+// of it, where it is less than kHidden of that. What presses such a body together works on its bending, G = sum V m : 1/2 H^T H with H the slopes of
+// its displacement as seen from where it is held, without that stretch; near the load at which it buckles that leaves little stiffness, U + G, and an
+// error of U weighs U / (U + G) times, kAmplified at most.
 #include <array>
 #include <map>
 #include <optional>
@@ -86,13 +87,14 @@ class StressError {
   static std::vector<bool> near_pressed(const Body& b, std::span<const double> contact_force);
   static Energy energy_of(const Body& b, const std::vector<Corners>& here, std::span<const double> contact_force,
                           std::span<const double> displacement);
-  // Is what is no affine map most of how it deforms?
   // The rigid motion of what holds it, or its own where that does not fix one.
   static geometry::Motion base(const Body& b, std::span<const double> displacement);
-  // How much of its way, as seen from there, the body has by more than a stretch alike everywhere, over kNotAffine of it.
-  static double bent(const Body& b, const geometry::Motion& base, std::span<const double> displacement);
+  // Less the identity: of the nearest that is alike everywhere.
+  static Mat3 stretch(const Body& b, std::span<const double> displacement);
+  // How much of its way, as seen from there, means of its slices have beside that stretch, over kNotAffine of it: 1 at most.
+  static double bent(const Body& b, const geometry::Motion& base, const Mat3& stretch, std::span<const double> displacement);
   // G [J].
-  static double worked(const Body& b, const geometry::Motion& base, const Stress& uniform, std::span<const double> displacement);
+  static double worked(const Body& b, const geometry::Motion& base, const Mat3& stretch, const Stress& uniform, std::span<const double> displacement);
   std::vector<Body> bodies_;
 };
 

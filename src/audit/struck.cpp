@@ -35,13 +35,21 @@ double stored(const std::vector<MovingBody>& bodies, std::size_t group, double o
 }  // namespace
 
 void Struck::begin(Strike& s, const std::vector<MovingBody>& bodies, std::size_t group, const Vec3& n) const {
-  s = {.rises = 1, .largest = s.largest, .meant = s.meant};
+  s = {.rises = 1, .largest = s.largest, .meant = s.meant, .then = s.then, .before_then = s.before_then};
   double most = 0;
   for (const MovingBody& b : bodies)
     if (b.group == group && b.push.norm() > most) most = b.push.norm(), s.on = b.on ? static_cast<double>(*b.on) : -1;
   const Vec3 there = s.on >= 0 ? Vec3(at(last_, 2 * static_cast<std::size_t>(s.on))) : Vec3::Zero();
   s.brought = moves(bodies, group, n, [&](std::size_t k) { return Vec3(at(last_, k) - (k % 2 == 0 ? there : Vec3::Zero())); });
   s.stored = stored(bodies, group, s.on, elastic_);
+}
+
+// The last state may have been one of a largest force.
+void Struck::see_peak(Strike& s, double force, double energy) const {
+  const double bends = 2 * s.then - s.before_then - force;
+  if (integration_.second_order && energy > 0 && s.then > 0 && s.then == s.largest && s.then > force)
+    s.meant = std::max(s.meant, s.then + tuning::kPeak * bends);
+  s.before_then = s.then, s.then = force;
 }
 
 void Struck::state(const std::vector<MovingBody>& bodies, const std::vector<double>& elastic) {
@@ -59,6 +67,7 @@ void Struck::state(const std::vector<MovingBody>& bodies, const std::vector<doub
       touches = touches || b.touches || b.stopped, counts = counts && !b.given && !b.damped;
     }
     if (!counts) continue;
+    see_peak(s, touches ? push.norm() : 0, stored(bodies, i, s.on, elastic));
     if (!touches) {
       s.flew = 1, s.rises = 0;
       continue;

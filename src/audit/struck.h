@@ -8,8 +8,10 @@
 //     L  = sum 1/2 T(v_2 - 2 v_1 + v_0) + (F_2 - 2 F_1 + F_0)^2 / 4 k  (BDF2)
 //
 // is what it would be with what steps lost until then (vibration_loss.h): of a mass on a spring the true one. Missing of the largest force of the run
-// is the share 1 - F / F'. A weight that is put down is no strike: 2 k T of what was brought has to be a share of P^2 at least, which a sudden load
-// doubles. Where joints damp, too much is told to be missing: they would take a part of it.
+// is the share 1 - F / F'. Accelerations of BDF2 err by a third of their second difference, which counts of what comes later too, where it swings or
+// comes to a stop of its own: (2 F_1 - F_0 - F_2) / 3 is missing of a largest force F_1. A weight that is put down is no strike: 2 k T of what was
+// brought has to be a share of P^2 at least, which a sudden load doubles. Where joints damp, too much is told to be missing: they would take a part
+// of it.
 #include <vector>
 
 #include "audit/moving_body.h"
@@ -38,8 +40,10 @@ class Struck {
     double pressed = 0, energy = 0;          // P [N]; U [J]
     // Of the last step by its order, and summed up: T [J]; squares of differences of forces, which are 2 k times what they lose [N^2].
     double moves_first = 0, moves_second = 0, moves = 0, forces_first = 0, forces_second = 0, forces = 0;
-    double largest = 0, meant = 0;  // F and F' of the run [N]
+    double largest = 0, meant = 0;     // F and F' of the run [N]
+    double then = 0, before_then = 0;  // in the last state and in the one before, in flight too [N]
   };
+  void see_peak(Strike& s, double force, double energy) const;
   void begin(Strike& s, const std::vector<MovingBody>& bodies, std::size_t group, const Vec3& n) const;
 
   Integration integration_;

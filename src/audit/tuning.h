@@ -37,6 +37,7 @@ inline constexpr Bounds kGivenKinks{0.05, 0.1};
 inline constexpr Bounds kJolted{0.05, 0.1};
 inline constexpr Bounds kStruck{0.05, 0.1};
 inline constexpr Bounds kGuard{0.02, 0.1};
+inline constexpr Bounds kTaxelSpread{0.05, 0.1};
 inline constexpr Bounds kStress{0.05, 0.1};
 inline constexpr Bounds kRoughness{0.03, 0.04};
 inline constexpr Bounds kMisfit{0.01, 0.0125};
@@ -93,8 +94,12 @@ inline constexpr double kStill = 0.01;  // of a body's size: less is no motion t
 // no less than.
 inline constexpr int kMotorParts = 32;
 inline constexpr double kFaint = 0.01;
-inline constexpr long kBegins = 3;        // states: BDF2 has its history then (motor_lag.cpp, given_kinks.cpp)
-inline constexpr double kOtherWay = 0.5;  // of a motor's largest torque: that the other way counts as no less than (motor_lag.cpp)
+inline constexpr long kBegins = 3;  // states: BDF2 has its history then (motor_lag.cpp, given_kinks.cpp)
+inline constexpr double kSpread =
+    0.25;  // of a peg on four taxels of 5 mm 2, 25 and 59 % were beside them with edges of 2, 5 and 10 mm (taxel_spread.cpp)
+inline constexpr double kPeak = 1. / 3;      // of the second difference of accelerations: what BDF2 errs by in them (struck.cpp)
+inline constexpr double kRoundedWay = 1e-7;  // of the size of what a motor moves: the torque of so little is that of a robot that stands still
+inline constexpr double kOtherWay = 0.5;     // of a motor's largest torque: that the other way counts as no less than (motor_lag.cpp)
 inline constexpr double kCaughtUp = 0.1,
                         kStands = 0.25;       // of a jolt: what its body may be short of, and what accelerations change by beside it (jolted.h)
 inline constexpr double kBrings = 0.25;       // of the square of what presses: less, in the same measure, is no strike (struck.h)
@@ -106,6 +111,7 @@ inline constexpr double kCompressible = 0.4;  // most of Poisson's ratio of what
 inline constexpr double kHeldMisses = 1.5;    // times what bubbles miss of pads of one and two elements between plates (bubble_error.cpp)
 inline constexpr double kOnTie = 0.25;        // of a side of a face: nearer it lies on what is tied to it (bubble_error.cpp)
 inline constexpr double kNotAffine = 0.5;     // of the farthest way of a body's points, as seen from where it is held (stress_error.cpp)
+inline constexpr std::size_t kSlices = 8;     // of a body, along each of its axes (stress_error.cpp)
 inline constexpr double kLeastBent = 0.05;    // of how far a body deforms: beside that nobody looks at how it bends (stress_error.cpp)
 inline constexpr double kHidden = 0.25;       // of the energy of a body: what varies is hidden by what is uniform (stress_error.cpp)
 inline constexpr double kAmplified = 5;       // times at most: beyond it, what has buckled stands firm again (stress_error.cpp)

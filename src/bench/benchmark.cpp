@@ -1,6 +1,9 @@
 #include "bench/benchmark.h"
 
 #include <algorithm>
+#include <charconv>
+#include <climits>
+#include <cmath>
 #include <filesystem>
 
 #include "base/error.h"
@@ -25,6 +28,27 @@ std::string Bench::option(const std::string& key, const std::string& fallback) c
   for (const auto& [k, v] : options_)
     if (k == key) value = v;
   return value;
+}
+
+double Bench::number(const std::string& key, double fallback) const {
+  const std::string text = option(key, "");
+  double out = fallback;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), out);
+  if (!text.empty() && (code != std::errc() || end != text.data() + text.size() || !(out > 0) || std::isinf(out)))
+    throw Error(Exit::usage, "--set " + key + ": '" + text + "' is no number above 0");
+  return out;
+}
+
+int Bench::count(const std::string& key, int fallback) const {
+  const double out = number(key, fallback);
+  if (out != std::floor(out) || out > INT_MAX) throw Error(Exit::usage, "--set " + key + ": '" + option(key, "") + "' is no whole number");
+  return static_cast<int>(out);
+}
+
+int Bench::order(int fallback) const {
+  const std::string text = option("order", std::to_string(fallback));
+  if (text != "1" && text != "2") throw Error(Exit::usage, "--set order: 1 or 2");
+  return text == "1" ? 1 : 2;
 }
 
 void Bench::draw(const std::string& file, const std::function<void(const std::string&)>& write) const {
@@ -110,6 +134,7 @@ std::vector<Row> run_benchmark(const Benchmark& benchmark, const std::vector<std
     if (output.row) output.row(row);
   };
   benchmark.run(Bench(benchmark_scene(benchmark.name), sets, collected));
+  if (rows.empty()) throw Error(Exit::usage, "benchmark '" + std::string(benchmark.name) + "' has no case of which that is so");
   return rows;
 }
 

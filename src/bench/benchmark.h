@@ -24,6 +24,10 @@ class Bench {
   const SceneText& scene() const { return scene_; }
   // --set of the benchmark's own options (keys without a dot), e.g. size=medium.
   std::string option(const std::string& key, const std::string& fallback) const;
+  // The same where they are numbers above 0, and where they count something. Throw Error(Exit::usage) for others.
+  double number(const std::string& key, double fallback) const;
+  int count(const std::string& key, int fallback) const;
+  int order(int fallback) const;  // of elements: 1 or 2
   // The methods to compare: all of them, or those of --set methods=a,b.
   std::vector<Method> methods() const;
   void emit(const Row& row) const { output_.row(row); }

@@ -143,8 +143,9 @@ void SceneText::use(const Method& method, double node_area) {
     barrier["d_hat"] = mortar["d_hat"];
     barrier["stiffness"] = mortar["stiffness"];
     barrier["form"] = method.weights;
-    if (method.weights == "classic") {
-      const double d_hat = mortar["d_hat"].as<double>(), kappa = mortar["stiffness"].as<double>();
+    double d_hat, kappa;
+    const bool given = YAML::convert<double>::decode(mortar["d_hat"], d_hat) && YAML::convert<double>::decode(mortar["stiffness"], kappa);
+    if (method.weights == "classic" && given) {  // what is `auto` is so for every method
       barrier["stiffness"] = fmt::format("{:.17g}", kappa * node_area / (d_hat * d_hat));
     }
     effects.remove("mortar_contact");

@@ -106,6 +106,19 @@ void of_sensors(const model::ModelInput& input, std::vector<std::string>& out) {
   const sensors::Sensors sensors(input);
   for (const sensors::Sensor& s : sensors.all()) {
     const auto body = std::find_if(input.bodies.begin(), input.bodies.end(), [&](const model::BodyInput& b) { return b.name == s.body(); });
+    const std::vector<double> squares = sensors::squares(*body, s.spec());
+    const double coarsest = squares.empty() ? 0 : std::sqrt(*std::max_element(squares.begin(), squares.end())),
+                 taxel = std::sqrt(s.spec().taxel_area());
+    if (body->type != model::BodyType::soft && coarsest > tuning::kCoarseMap * taxel)
+      out.push_back(
+          at(input.scene.at("sensors").at(s.name()).where(),
+             fmt::format("sensor '{}' has taxels of {:.3g} mm on triangles of {:.3g} mm, over which '{}' spreads what presses on it: a stiff body "
+                         "needs a mesh three times as fine as its taxels (edge_length: {:.2g} mm)",
+                         s.name(), 1e3 * taxel, 1e3 * coarsest, s.body(), 1e3 * taxel / 3)));
+    if (const double covered = s.rest_area() / (s.spec().width * s.spec().height); covered < tuning::kLeastCovered)
+      out.push_back(at(input.scene.at("sensors").at(s.name()).where(),
+                       fmt::format("sensor '{}' has a surface of '{}' under {:.2g} % of its {:g} m by {:g} m only: the rest feels nothing", s.name(),
+                                   s.body(), 100 * covered, s.spec().width, s.spec().height)));
     if (!sensors::turned_around(*body, s.spec())) continue;
     out.push_back(at(input.scene.at("sensors").at(s.name()).where(),
                      fmt::format("sensor '{}' lies on a surface of '{}' that faces the other way, and feels the one behind it: turn its normal",
@@ -161,6 +174,8 @@ void of_units(const model::ModelInput& input, std::vector<std::string>& out) {
     const Params* shape = body.params.find("shape");
     if (!shape || body.nodes.empty()) continue;
     const double size = geometry::bounds_of(body.nodes).size().maxCoeff();
+    if (shape->has("mesh") && size > tuning::kLargestMesh)
+      out.push_back(at(shape->where(), fmt::format("'{}' is {:.3g} m large: a file in millimetres needs `scale: 0.001`", body.name, size)));
     for (const scene::EdgeLength& edge : scene::edge_lengths(*shape))
       if (edge.length > tuning::kCoarsest * size)
         out.push_back(at(shape->where(), fmt::format("{} is {:g} m, and '{}' is {:g} m large", edge.path, edge.length, body.name, size)));

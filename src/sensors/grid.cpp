@@ -75,23 +75,24 @@ Carriers carriers(const model::BodyInput& body) {
 
 double triangle_area(const std::vector<Vec3>& x, const Triangle& t) { return (x[t.v[1]] - x[t.v[0]]).cross(x[t.v[2]] - x[t.v[0]]).norm() / 2; }
 
+// Does a triangle face the grid, near enough? corner: its corners in the grid's frame.
+bool belongs(const std::vector<Vec3>& x, const Triangle& t, const GridSpec& spec, const Vec3 (&corner)[3]) {
+  const Vec3 twice = (x[t.v[1]] - x[t.v[0]]).cross(x[t.v[2]] - x[t.v[0]]);
+  const double far = std::max({std::abs(corner[0][2]), std::abs(corner[1][2]), std::abs(corner[2][2])});
+  return twice.dot(spec.frame.axes.col(2)) > kFacing * twice.norm() && far <= spec.depth;
+}
+
 }  // namespace
 
 TaxelGrid::TaxelGrid(const model::BodyInput& body, const GridSpec& spec) : taxels_(spec.taxels()) {
   const Carriers carry = carriers(body);
   std::vector<double> hat(body.nodes.size(), 0.0);  // int N_a dA over the surface that faces the grid
   std::vector<Weight> integral;                     // int_i N_a dA
-  const Vec3 z = spec.frame.axes.col(2);
   for (const Triangle& t : carry.triangles) {
     Vec3 corner[3];
-    double far = 0;
-    for (int k = 0; k < 3; ++k) {
-      corner[k] = spec.frame.axes.transpose() * (body.nodes[t.v[k]] - spec.frame.origin);
-      far = std::max(far, std::abs(corner[k][2]));
-    }
-    const Vec3 twice = (body.nodes[t.v[1]] - body.nodes[t.v[0]]).cross(body.nodes[t.v[2]] - body.nodes[t.v[0]]);
-    if (!(twice.dot(z) > kFacing * twice.norm()) || far > spec.depth) continue;
-    const double area = twice.norm() / 2;
+    for (int k = 0; k < 3; ++k) corner[k] = spec.frame.axes.transpose() * (body.nodes[t.v[k]] - spec.frame.origin);
+    if (!belongs(body.nodes, t, spec, corner)) continue;
+    const double area = triangle_area(body.nodes, t);
     for (Index v : t.v) hat[v] += area / 3;
     triangles_.push_back(t);
     cut(spec, static_cast<Index>(triangles_.size()) - 1, corner, area, integral);
@@ -159,6 +160,26 @@ std::vector<double> TaxelGrid::area(const std::vector<Vec3>& node) const {
 std::size_t TaxelGrid::bytes() const {
   return triangles_.size() * sizeof(Triangle) + pieces_.size() * sizeof(Piece) + (fraction_.size() + mean_.size()) * sizeof(Weight) +
          rest_area_.size() * sizeof(double);
+}
+
+std::vector<double> squares(const model::BodyInput& body, const GridSpec& spec) {
+  std::vector<double> area(body.nodes.size(), 0.0), count = area;
+  std::vector<bool> in_grid(body.nodes.size(), false);
+  for (const Triangle& t : carriers(body).triangles) {
+    Vec3 corner[3];
+    for (int k = 0; k < 3; ++k) corner[k] = spec.frame.axes.transpose() * (body.nodes[t.v[k]] - spec.frame.origin);
+    if (!belongs(body.nodes, t, spec, corner)) continue;
+    const auto reaches = [&](int axis, double size) {
+      const auto [low, high] = std::minmax({corner[0][axis], corner[1][axis], corner[2][axis]});
+      return low < size / 2 && high > -size / 2;
+    };
+    for (const Index v : t.v) {
+      area[v] += triangle_area(body.nodes, t), ++count[v];
+      if (reaches(0, spec.width) && reaches(1, spec.height)) in_grid[v] = true;
+    }
+  }
+  for (std::size_t i = 0; i < area.size(); ++i) area[i] = in_grid[i] ? 2 * area[i] / count[i] : 0;
+  return area;
 }
 
 bool turned_around(const model::BodyInput& body, GridSpec spec) {

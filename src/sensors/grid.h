@@ -26,6 +26,7 @@ struct GridSpec {
   double depth = std::numeric_limits<double>::infinity();  // surface farther than this from the plane does not count [m]
   Frame frame;                                             // at rest; origin in the middle of the grid
   int taxels() const { return rows * columns; }
+  double taxel_area() const { return width * height / taxels(); }  // [m^2]
 };
 
 class TaxelGrid {
@@ -57,6 +58,9 @@ class TaxelGrid {
   std::vector<double> rest_area_;
   std::vector<Weight> fraction_, mean_;  // by taxel, then node
 };
+
+// By node: the area of a square of two of the triangles around it that face the grid [m^2]; 0 where none of them reaches into the grid.
+std::vector<double> squares(const model::BodyInput& body, const GridSpec& spec);
 
 // Does the grid lie on a surface of the body that faces the other way, so that it feels one that lies behind?
 bool turned_around(const model::BodyInput& body, GridSpec spec);

@@ -30,6 +30,7 @@ class Sensor {
   const std::string& name() const { return name_; }
   const std::string& body() const { return body_; }
   const GridSpec& spec() const { return spec_; }
+  double rest_area() const { return grid_.whole_area(); }  // of the surface under the grid, at rest [m^2]
   std::size_t bytes() const { return grid_.bytes() + rest_.size() * sizeof(Vec3) + base_.size() * sizeof(Index); }
 
  private:

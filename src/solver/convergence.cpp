@@ -197,6 +197,13 @@ double Convergence::largest_force(const Residual& r, Index env) const {
   return largest;
 }
 
+double Convergence::loose_sum(const Residual& r, Index env) const {
+  double largest = 0;
+  for (Index i = model_.env_bodies[env]; i < model_.env_bodies[env + 1]; ++i)
+    if (loose_[i]) largest = std::max(largest, Vec3(r.net[0][i], r.net[1][i], r.net[2][i]).norm());
+  return largest;
+}
+
 double Convergence::over(const Residual& r, Index env, double relative) const {
   double largest = 0;
   for (Index i = model_.env_bodies[env]; i < model_.env_bodies[env + 1]; ++i) {

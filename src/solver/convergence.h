@@ -60,6 +60,7 @@ class Convergence {
   void see_step(effects::View<const Vec3> dq, const Residual& r, const EnvMask& whose, device::Fetch& fetch);
 
   double largest_force(const Residual& r, Index env) const;
+  double loose_sum(const Residual& r, Index env) const;              // of a body that contact alone holds, the largest [N]
   double over(const Residual& r, Index env, double relative) const;  // worst body's share of its tolerance; above 1: not solved
   double relative_residual(const Residual& r, Index env) const;      // worst body's residual over its forces
   bool finite(const Residual& r, Index env) const;

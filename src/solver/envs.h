@@ -26,12 +26,14 @@ struct EnvStatus {
   double alpha = 0;                                     // share of the last step that was taken; 0 before the first
   double step = 0;                                      // longest move of a block in the last step at full length [m]
   double force = 0;                                     // residual before the last iteration [N]; 0 before the first
+  double sum = 0;                                       // and that of a whole body, where it is largest
   double energy = 0;                                    // Phi there [J],
   double concave = 0;                                   // and how much of its negative curvature the matrix kept
   double stretch = 1;                                   // what its next way is multiplied by (saddle_policy.h)
   bool whole = false;                                   // lagged quantities are those of every iterate, and directions those of the whole Jacobian
   bool moving = false;                                  // so are those of what is frozen beside them (moving_policy.h)
   bool unsymmetric() const { return whole || moving; }  // its directions are of more than the Hessian
+  int refused = 0;                                      // far steps of what only contact holds that were not taken (loose_hold.h)
   bool circles = false;                                 // between two states: what is looked for lies between them
   bool arrived = false;                                 // supports stand on their targets
   bool may_couple = false;                              // the coupled iteration may be tried,

@@ -23,18 +23,23 @@ class LooseHold {
   explicit LooseHold(Index envs) : rows_(envs) {}
 
   void begin_solve() { rows_.assign(rows_.size(), {}); }
-  void set_stiffness(Index env, double stiffness) { rows_[env].stiffness = stiffness; }
+  void set_stiffness(Index env, Index count, double stiffness) { rows_[env].count = static_cast<double>(count), rows_[env].stiffness = stiffness; }
 
-  // Of a step of `length` [m] where the residual is `force` [N].
-  bool far(Index env, double force, double length) const { return rows_[env].stiffness * length > tuning::kFar * force; }
-  // After a step of share alpha, and of `length` at full length, that has changed the residual from `before` to `after`.
-  void look(Index env, double before, double after, double alpha, double length) {
-    if (alpha < 1 || !(before > 0)) return;
+  // What is left of an environment's residual [N].
+  struct Left {
+    double force = 0;  // where it is largest,
+    double sum = 0;    // and of a whole body: what falls as a whole, by a little on each of thousands of nodes, goes far for a reason
+  };
+  // Of a step of `length` [m].
+  bool far(Index env, const Left& left, double length) const { return rows_[env].stiffness * length > std::max(tuning::kFar * left.force, left.sum); }
+  // After a step of share alpha, and of `length` at full length.
+  void look(Index env, const Left& before, const Left& after, double alpha, double length) {
+    if (alpha < 1 || !(before.force > 0)) return;
     Row& row = rows_[env];
-    const double held_back = row.scale * row.stiffness * length;
-    if (after > tuning::kAstray * before && after > 2 * held_back && far(env, before, length))
+    const double held_back = 2 * row.scale * row.stiffness * length;
+    if (after.force > tuning::kAstray * before.force && after.force > held_back && far(env, before, length))
       tighten(env);
-    else if (2 * held_back > after)
+    else if (held_back > after.force || (after.sum > 0 && row.count * held_back > after.sum))
       row.scale /= tuning::kHoldFalls;
   }
   void tighten(Index env) {
@@ -56,6 +61,7 @@ class LooseHold {
  private:
   struct Row {
     double scale = 0, stiffness = 0, firm = 0;  // s; k; beside s k [N/m]
+    double count = 0;                           // of what is held
   };
   std::vector<Row> rows_;  // environments
 };

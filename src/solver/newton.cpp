@@ -137,7 +137,7 @@ void Newton::solve(const effects::StepInfo& info, const StepReports& report, con
 // Until no environment runs any more: each has settled, is stuck or has failed.
 void Newton::iterate(const effects::StepInfo& info, const StepReports& report, const std::function<void()>& stop) {
   for (Index e = 0; e < envs_.size(); ++e)
-    if (envs_.is(e, EnvState::running)) envs_[e].force = 0, moving_.begin(e), saddle_.begin(e);
+    if (envs_.is(e, EnvState::running)) envs_[e].force = 0, envs_[e].refused = 0, moving_.begin(e), saddle_.begin(e);
   outlook_.begin();
   for (Index it = 0;; ++it) {
     stop();
@@ -167,7 +167,7 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
     check_failed();
     for (Index e = 0; e < envs_.size(); ++e)
       if (envs_.is(e, EnvState::running) && held_loosely(e) && envs_[e].arrived)
-        system_.hold.look(e, envs_[e].force, system_.convergence.largest_force(r, e), envs_[e].alpha, envs_[e].step);
+        system_.hold.look(e, {envs_[e].force, envs_[e].sum}, left(r, e), envs_[e].alpha, envs_[e].step);
     for (Index e = 0; e < envs_.size(); ++e)
       if (r.support_gap[e] == 0) system_.hold.let_go(e);
     const EnvMask judged = envs_.mask(EnvState::running);
@@ -210,11 +210,12 @@ void Newton::iterate(const effects::StepInfo& info, const StepReports& report, c
       if (forces.refused[e])
         system_.hold.hold_firmly(e, system_.convergence.largest_force(r, e), r.support_gap[e]);
       else
-        system_.hold.tighten(e);
+        system_.hold.tighten(e), ++envs_[e].refused;
     }
     for (Index e = 0; e < envs_.size(); ++e) {
       if (!envs_.is(e, EnvState::running)) continue;
-      envs_[e].force = system_.convergence.largest_force(r, e), envs_[e].concave = curvature_.concavity(e);
+      envs_[e].force = system_.convergence.largest_force(r, e), envs_[e].sum = system_.convergence.loose_sum(r, e),
+      envs_[e].concave = curvature_.concavity(e);
       moving_.see(e, envs_[e].force);
     }
     for (Index e = 0; e < envs_.size(); ++e) report[e].newton += running[e];
@@ -256,8 +257,7 @@ Newton::Search::Forces Newton::forces_beside(const Residual& r) {
         envs_.is(e, EnvState::running) && system_.rows.loose[e] && r.support_gap[e] > 0 && system_.hold.flees(e, envs_[e].step, system_.length[e]);
   out.far.assign(envs_.size(), 0);
   for (Index e = 0; e < envs_.size(); ++e)
-    out.far[e] = envs_.is(e, EnvState::running) && held_loosely(e) && r.support_gap[e] == 0 &&
-                 system_.hold.far(e, system_.convergence.largest_force(r, e), envs_[e].step);
+    out.far[e] = envs_.is(e, EnvState::running) && held_loosely(e) && r.support_gap[e] == 0 && system_.hold.far(e, left(r, e), envs_[e].step);
   // Forces of a state by itself are not the slope of energies with something frozen.
   out.doubtful.assign(envs_.size(), 0);
   for (Index e = 0; e < envs_.size(); ++e)

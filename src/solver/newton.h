@@ -73,6 +73,9 @@ class Newton {
   bool refresh(Index round, const StepReports& report);
   // Where nothing is frozen, energies themselves tell which steps of what only contact holds are good ones (loose_hold.h).
   bool held_loosely(Index env) const { return system_.rows.loose[env] && system_.potential.freezes(); }
+  LooseHold::Left left(const Residual& r, Index env) const {
+    return {system_.convergence.largest_force(r, env), system_.convergence.loose_sum(r, env)};
+  }
   double wanted(Index env) const { return envs_[env].whole ? lag_.finest() : lag_.relative(env); }
   // How far the environments of `whose` are.
   void note(const Residual& r, const std::function<double(Index)>& relative, const EnvMask& whose, const StepReports& report) const;

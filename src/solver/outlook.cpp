@@ -25,6 +25,13 @@ void Outlook::look(const Residual& r, Index iteration, const std::function<doubl
   for (Index e = 0; e < envs.size(); ++e) {
     EnvStatus& now = envs[e];
     if (now.state != EnvState::running) continue;
+    if (const auto gone = gone_for_good(r, e); gone >= 0) {
+      std::ostringstream why;
+      why << "'" << system_.model.bodies[gone].name << "' has gone " << r.way[gone] << " m in a scene of " << system_.length[e]
+          << " m: nothing holds it against its loads";
+      envs.fail(e, why.str());
+      continue;
+    }
     // While supports move, energies rise with their work and say nothing.
     const double energy = std::exchange(now.arrived, r.support_gap[e] == 0) ? now.energy : INFINITY;
     const double relative = wanted(e), force = system_.convergence.largest_force(r, e);
@@ -36,7 +43,7 @@ void Outlook::look(const Residual& r, Index iteration, const std::function<doubl
     const bool by_energy = !now.whole || (now.concave > 0 && now.concave < 1);
     const ProgressWatch::Sight sight = progress_.look(e, iteration, force, energy, by_energy);
     // What is kept lies where the energy is lowest, unless it is nearer than the coupled iteration has ever begun.
-    if (sight.falls && nearest_force_[e] > now.couple_below) nearest_force_[e] = INFINITY;
+    if (sight.falls && (nearest_force_[e] > now.couple_below || system_.rows.loose[e])) nearest_force_[e] = INFINITY;
     if (now.may_couple && r.support_gap[e] == 0) keep_nearest(e, force, q);
     if (wants_coupled(e, iteration, r, relative, sight, now)) {
       if (std::isfinite(nearest_force_[e])) {
@@ -58,6 +65,13 @@ void Outlook::look(const Residual& r, Index iteration, const std::function<doubl
   }
 }
 
+// A body in statics that has gone so far that what is left of its forces is rounding of where it is; -1 without.
+Index Outlook::gone_for_good(const Residual& r, Index env) const {
+  for (Index i = system_.model.env_bodies[env]; options_.is_static && i < system_.model.env_bodies[env + 1]; ++i)
+    if (r.way[i] > tuning::kGone * system_.length[env]) return i;
+  return -1;
+}
+
 void Outlook::keep_nearest(Index env, double force, const device::Buffer<Vec3>& q) {
   if (force >= nearest_force_[env]) return;
   nearest_force_[env] = force;
@@ -76,10 +90,10 @@ bool Outlook::needs_jacobian(Index env, Index iteration, const Residual& r, doub
 // creeps although nothing is missing from H + U is on its way through an instability, and gets there; so does what falls to ever lower energies
 // along negative curvature. With something frozen: where the coupled iteration has failed before, once nothing falls any more, or nearer.
 bool Outlook::wants_coupled(Index env, Index iteration, const Residual& r, double wanted, const ProgressWatch::Sight& sight, const EnvStatus& now) {
-  const bool idle = sight.idle >= tuning::kWholePatience;
+  const bool refused = now.refused >= tuning::kRefused, idle = refused || sight.idle >= tuning::kWholePatience;
   if (now.whole && (idle || iteration >= options_.iterations)) return true;
   if (now.whole && (sight.falls || !system_.potential.freezes())) return false;
-  if (!now.may_couple || r.support_gap[env] > 0 || !(sight.circles || needs_jacobian(env, iteration, r, wanted, now))) return false;
+  if (!now.may_couple || r.support_gap[env] > 0 || !(sight.circles || refused || needs_jacobian(env, iteration, r, wanted, now))) return false;
   return now.coupled == 0 || idle || (!sight.falls && nearest_force_[env] < now.couple_below);
 }
 

@@ -120,8 +120,9 @@ void System::matrix(Linearised& at, device::View<const Vec3> q, const EnvMask& w
   shift_diagonal(A, tuning::kLoose, rows.env, rows.loose);
   for (Index e = 0; e < model.envs; ++e)
     if (whose[e] && rows.loose[e])
-      hold.set_stiffness(e, hold_rows(A, hold.scale(e), hold.firm(e), std::as_const(rows.loose_row).view(), rows.loose_env[e], rows.loose_env[e + 1],
-                                      rows.block.view(), convergence.lever(), convergence.position()));
+      hold.set_stiffness(e, rows.loose_env[e + 1] - rows.loose_env[e],
+                         hold_rows(A, hold.scale(e), hold.firm(e), std::as_const(rows.loose_row).view(), rows.loose_env[e], rows.loose_env[e + 1],
+                                   rows.block.view(), convergence.lever(), convergence.position()));
 }
 
 linalg::Operator System::whole(Linearised& at, const linalg::BlockMatrix& A) {

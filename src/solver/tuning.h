@@ -52,12 +52,14 @@ inline constexpr double kSlower = 1.5;         // a preconditioner that has lost
 // ---- bodies that only contact holds, in statics (loose_hold.h)
 inline constexpr double kFar = 100;           // of what the residual over their stiffness explains
 inline constexpr double kFlees = 10;          // sizes of the model: nothing that supports are about to grip goes so far
+inline constexpr double kGone = 1000;         // sizes too: what has gone so far in statics is on its way for ever
 inline constexpr double kFirstHold = 1e-4;    // of their stiffness: seen by motions that meet next to none,
 inline constexpr double kHoldGrowth = 10;     // grown by this,
 inline constexpr double kLargestHold = 1e-2;  // up to where contact itself converges more slowly for it;
 inline constexpr double kHoldFalls = 4;       // slowly back, for what is too loose leads astray again
 inline constexpr double kAstray = 0.5;        // of the residual before: a far step that leaves more did not do what it was to do,
-inline constexpr double kAway = 2;            // and one that leaves so much more is not taken
+inline constexpr double kAway = 2;            // and one that leaves so much more is not taken;
+inline constexpr int kRefused = 4;            // so many of them: what is left is a way of hundreds of steps, far along the surface it rests on
 
 // ---- line search (line_search.h)
 inline constexpr double kArmijo = 1e-4;           // Nocedal, Wright, 2nd ed., ch. 3.1

@@ -325,11 +325,11 @@ TEST(Certificate, TheLayerDoesNotCountUnderAMotorAtItsLimit) {
       << "11 N wanted, were there no gap";
   EXPECT_NEAR(layer_under_punch({{"joint", kSlide}, {"drive", limited}}, {{"drive/lift_error", 0.105}}), 0.05, 1e-12);
   EXPECT_TRUE(std::isnan(layer_under_punch({{"joint", kSlide}, {"drive", texts({{"joint", "lift"}, {"mode", "effort"}})}})));
-  // It pushes the joint on a stop of 10 N, half a range of 0.5 mm before its end: phi = 1.193, -phi' = 6.386 there.
+  // It pushes the joint on a stop of 10 N, half a range of 0.02 mm before its end: phi = 1.193, -phi' = 6.386 there.
   const Params stopped = with(kSlide, "travel_limits", {-1, 1});
   EXPECT_NEAR(layer_under_punch({{"joint", stopped}, {"drive", texts({{"joint", "lift"}, {"mode", "effort"}})}},
-                                {{"joint/lift_travel", -1 + 2.5e-4}, {"joint/lift_stop", 10}}),
-              0.01 / (0.1 + 5e-4 * 1.19315 / 6.38629), 1e-7);
+                                {{"joint/lift_travel", -1 + 1e-5}, {"joint/lift_stop", 10}}),
+              0.01 / (0.1 + 2e-5 * 1.19315 / 6.38629), 1e-7);
 }
 
 // The punch between the pad, pressed by 10 N and 0.1 m under a gap of 0.01 m, and another one on top of it, by `above` and 0.3 m under 0.03 m;

@@ -191,10 +191,17 @@ TEST(StudyBenchmarks, HertzEndsInFewIterationsAndInBalance) {
   }
   EXPECT_EQ(seen, 1);
 }
+TEST(StudyBenchmarks, HertzWithTheLayerOfAScene) {
+  for (const Row& row : run_benchmark(*find_benchmark("hertz"), {"size=tiny", "layer=auto"}, {})) EXPECT_FALSE(row.failed) << row.method;
+}
 TEST(StudyBenchmarks, CoarseHertzOnACylinderPasses) { expect_gates("hertz", {"methods=gmcp_consistent", "under=cylinder"}, 4); }
 TEST(StudyBenchmarks, HertzRefusesSizesThatItDoesNotHave) {
   EXPECT_THROW(run_benchmark(*find_benchmark("hertz"), {"size=huge"}, {}), Error);
   EXPECT_THROW(run_benchmark(*find_benchmark("hertz"), {"under=pad"}, {}), Error);
+  for (const char* wrong : {"k=abc", "k=-1", "layer=0", "d_hat=nan", "start=inf", "k=4x", "order=3"})
+    EXPECT_THROW(run_benchmark(*find_benchmark("hertz"), {wrong}, {}), Error) << wrong;
+  for (const char* wrong : {"finer=1.5", "finer=0", "case=none"})
+    EXPECT_THROW(run_benchmark(*find_benchmark("locking"), {wrong}, {}), Error) << wrong;
 }
 // A wrong answer does not pass: with a guard that acts at this gap the barrier's identity no longer holds.
 TEST(StudyBenchmarks, BarrierFailsWithAGuard) {

@@ -68,6 +68,27 @@ TEST(Run, SaysThatNothingTouched) {
   EXPECT_THAT(on_it.err, testing::Not(testing::HasSubstr(said)));
 }
 
+// A ball on one vertex, above which no sample is: what keeps surfaces apart bears it, and its grade says so.
+TEST(Run, SaysWhatTheGuardBearsAndNotThatNothingTouched) {
+  const Folder out;
+  fs::create_directories(out.path);
+  const std::string scene = out.path + "/ball.yaml";
+  std::ofstream(scene) << R"(
+mortise: 1
+name: ball
+time: {mode: static, steps: 1}
+materials: {rubber: {youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}}
+bodies:
+  ball: {type: soft, order: 2, shape: {sphere: {radius: 20 mm, edge_length: 8 mm}}, material: rubber, position: [0, 0, 20.01 mm]}
+  floor: {type: half_space}
+effects: {elasticity: {}, gravity: {}, mortar_contact: {pairs: [{slave: ball, master: floor}]}}
+)";
+  const Result r = mortise("run " + scene + " --no-render -o " + out.path + "/run");
+  ASSERT_EQ(r.code, 0) << r.err;
+  EXPECT_THAT(r.err, testing::Not(testing::HasSubstr("nothing touched")));
+  EXPECT_THAT(r.err, testing::HasSubstr("grade C: guard_share is 1"));
+}
+
 // The schema's keys and no others; E A travel / L = 2 N is what the value and its error make.
 TEST(Run, CertifiesHowWrongTheQuantitiesOfItsSceneAre) {
   const std::string patch = kSource + "/benchmarks/effectivity/patch.yaml";

@@ -67,6 +67,32 @@ TEST(Column, APullHidesNotHowBadlyItBends) {
   EXPECT_GT(coarse.told, 0.12);
 }
 
+// A pad between what presses it and a floor bulges, which is no bending: its travel is right to 1 %, and 0.57 was told.
+TEST(Column, WhatBulgesDoesNotBend) {
+  Rig rig(R"(
+mortise: 1
+name: pad
+time: {mode: static, steps: 1}
+materials: {gel: {youngs_modulus: 0.5 MPa, poisson_ratio: 0.3, density: 1050}, alu: {density: 2700}}
+bodies:
+  jaw: {type: stiff, shape: {box: {size: [30 mm, 30 mm, 10 mm], edge_length: 10 mm}}, material: alu, position: [0, 0, 17 mm]}
+  pad: {type: soft, shape: {box: {size: [20 mm, 20 mm, 12 mm], edge_length: 2 mm}}, material: gel, position: [0, 0, 6 mm]}
+  floor: {type: half_space, point: [0, 0, -0.05 mm]}
+effects:
+  elasticity: {}
+  affine_body: {}
+  bond: [{body: pad, to: jaw, within: 1 um}]
+  joint: [{name: s, type: prismatic, body: jaw, axis: [0, 0, -1]}]
+  drive: [{joint: s, mode: effort, force: {time: [0, 1], value: [0, 20]}}]
+  mortar_contact: {pairs: [{slave: pad, master: floor}]}
+)");
+  audit::FieldErrors errors(rig.input);
+  rig.step();
+  errors.state(rig.fields(), 1);
+  EXPECT_NEAR(rig.fields().at("joint/s_travel"), 1.1265e-3, 0.02 * 1.1265e-3);  // of quadratic elements
+  EXPECT_LT(errors.result().stiffness, 0.03);
+}
+
 // What is pulled hard and bends no more than it is pulled is a matter of the pull.
 TEST(Column, OfAPullIsAsOfAll) {
   Rig rig(R"(

@@ -68,6 +68,45 @@ effects:
 
 }  // namespace
 
+// What comes after the first rise: a load that a spring carries strikes a second time, on pads that swing in five steps.
+TEST(Struck, SeesPeaksThatComeLater) {
+  const std::string hop = R"(
+mortise: 1
+name: hop
+time: {step: 5 ms, steps: 1}
+materials: {gel: {youngs_modulus: 1 MPa, poisson_ratio: 0.3, density: 1050}}
+bodies:
+  trunk: {type: stiff, shape: {box: {size: [60 mm, 60 mm, 40 mm], edge_length: 30 mm}}, mass: 1, position: [0, 0, 200 mm]}
+  leg: {type: stiff, shape: {box: {size: [20 mm, 20 mm, 100 mm], edge_length: 20 mm}}, mass: 0.1, position: [0, 0, 70 mm]}
+  foot: {type: soft, shape: {box: {size: [20 mm, 20 mm, 15 mm], edge_length: 5 mm}}, material: gel, position: [0, 0, 12.5 mm]}
+  floor: {type: half_space, point: [0, 0, 4.9 mm]}
+effects:
+  elasticity: {}
+  affine_body: {}
+  inertia: {integrator: bdf2}
+  gravity: {}
+  joint:
+    - {name: rail, type: prismatic, body: trunk, axis: [0, 0, 1]}
+    - {name: knee, type: prismatic, body: leg, to: trunk, axis: [0, 0, -1], travel_limits: [-20 mm, 60 mm]}
+  drive: [{joint: knee, mode: pd, kp: 2000, kd: 20, effort: 60, travel: {time: [0, 100 ms, 150 ms, 200 ms, 250 ms], value: [4 mm, 4 mm, 54 mm, 54 mm, 4 mm]}}]
+  bond: [{body: foot, to: leg, within: 1 um}]
+  mortar_contact: {pairs: [{slave: foot, master: floor}]}
+)";
+  const auto of_foot = [&](double step) {
+    Rig rig(hop, {fmt::format("time.step={}", step)});
+    Strike out;
+    const auto look = [&](const solver::StepReport&, const Captured& said) {
+      out.force = std::fmax(out.force, std::abs(said.at("mortar_contact/force_foot_z")));
+    };
+    out.told = audited(rig, std::lround(0.5 / step), look).struck;
+    return out;
+  };
+  const Strike fine = of_foot(1e-3), coarse = of_foot(5e-3);
+  EXPECT_LT(coarse.force, 0.9 * fine.force);
+  EXPECT_GT(coarse.told, 0.5 * (1 - coarse.force / fine.force)) << coarse.force << ' ' << fine.force;
+  EXPECT_LT(fine.told, 0.05);
+}
+
 TEST(Struck, IsWhatTheLargestForceIsShortOf) {
   for (const auto& [scene, end] : {std::pair{jaw("5"), 0.04}, {kFalls, 0.03}}) {
     const double exact = strike(scene, 0.05e-3, end).force;

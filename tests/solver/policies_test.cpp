@@ -179,25 +179,38 @@ TEST(EnvTable, RowsChangeAlone) {
 TEST(LooseHold, TightensAfterFarStepsThatLeadNowhereAndLoosensWhereItHoldsBack) {
   LooseHold hold(2);
   hold.begin_solve();
-  hold.set_stiffness(0, 1e4), hold.set_stiffness(1, 1e4);
+  hold.set_stiffness(0, 100, 1e4), hold.set_stiffness(1, 100, 1e4);
   EXPECT_EQ(hold.scale(0), 0);
-  EXPECT_FALSE(hold.far(0, 1, 1e-4)) << "1 N over 10 kN/m explain 0.1 mm";
-  EXPECT_TRUE(hold.far(0, 1, 0.011));
-  hold.look(0, 1, 0.9, 1, 1e-4);
+  EXPECT_FALSE(hold.far(0, {1, 0}, 1e-4)) << "1 N over 10 kN/m explain 0.1 mm";
+  EXPECT_TRUE(hold.far(0, {1, 0}, 0.011));
+  hold.look(0, {1, 0}, {0.9, 0}, 1, 1e-4);
   EXPECT_EQ(hold.scale(0), 0) << "a short step that gains little is contact's own affair";
-  hold.look(0, 1, 0.9, 0.5, 1);
+  hold.look(0, {1, 0}, {0.9, 0}, 0.5, 1);
   EXPECT_EQ(hold.scale(0), 0) << "a cut step says nothing";
-  hold.look(0, 1, 0.1, 1, 1);
+  hold.look(0, {1, 0}, {0.1, 0}, 1, 1);
   EXPECT_EQ(hold.scale(0), 0) << "a far step that does what it should";
-  hold.look(0, 1, 0.9, 1, 1);
+  hold.look(0, {1, 0}, {0.9, 0}, 1, 1);
   EXPECT_EQ(hold.scale(0), tuning::kFirstHold);
   hold.tighten(0);
   EXPECT_EQ(hold.scale(0), tuning::kFirstHold * tuning::kHoldGrowth);
-  hold.look(0, 1, 0.5, 1, 0.4);  // 4 N were held back
+  hold.look(0, {1, 0}, {0.5, 0}, 1, 0.4);  // 4 N were held back
   EXPECT_EQ(hold.scale(0), tuning::kFirstHold * tuning::kHoldGrowth / tuning::kHoldFalls);
   for (int i = 0; i < 9; ++i) hold.tighten(0);
   EXPECT_EQ(hold.scale(0), tuning::kLargestHold);
   EXPECT_EQ(hold.scale(1), 0) << "of another environment";
+}
+
+TEST(LooseHold, LetsABodyOfManyNodesFall) {
+  LooseHold hold(1);
+  hold.begin_solve();
+  hold.set_stiffness(0, 10000, 1e4);
+  EXPECT_TRUE(hold.far(0, {1e-4, 0.1}, 1e-3)) << "a force on one node";
+  EXPECT_FALSE(hold.far(0, {1e-4, 100}, 1e-3)) << "and on many, 100 N in all";
+  hold.tighten(0);
+  hold.look(0, {1, 100}, {0.1, 300}, 1, 1e-4);
+  EXPECT_EQ(hold.scale(0), tuning::kFirstHold);
+  hold.look(0, {1, 100}, {0.1, 1}, 1, 1e-4);  // 1e-4 N on every node, 1 N on all
+  EXPECT_EQ(hold.scale(0), tuning::kFirstHold / tuning::kHoldFalls);
 }
 
 TEST(LooseHold, RefusesWhatRaisesTheResidualUntilItIsTight) {

@@ -95,14 +95,12 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
   const double e_star = E / (2 * (1 - nu * nu));
   // `layer`: a thinner one with the same start and travel, so that forces at the travel can be compared.
   // auto: the layer that a scene gets which names none.
-  const std::string layer = b.option("layer", "1");
-  const bool chosen = layer == "auto";
-  const double usual = std::stod(b.option("d_hat", fmt::format("{:.17g}", size.d_hat))), d_hat = chosen ? usual : std::stod(layer) * usual;
+  const bool chosen = b.option("layer", "1") == "auto";
+  const double usual = b.number("d_hat", size.d_hat), d_hat = chosen ? usual : b.number("layer", 1) * usual;
   const double expected = 2 * e_star * kExpectedRadius / (3.14159265358979 * R);
-  const double kappa = matched_stiffness(expected, d_hat, size.mesh.h, e_star, std::stod(b.option("k", quadratic ? "24" : "4")));
+  const double kappa = matched_stiffness(expected, d_hat, size.mesh.h, e_star, b.number("k", quadratic ? 24 : 4));
   // Where the ball starts decides how hard the first Newton iterations are; where it ends does not depend on it.
-  const double gap = std::stod(b.option("start", "0.3")) * usual,
-               end = b.scene().number(b.scene().moving_pin() + ".motion.translation.1.2") + 0.1 * usual;
+  const double gap = b.number("start", 0.3) * usual, end = b.scene().number(b.scene().moving_pin() + ".motion.translation.1.2") + 0.1 * usual;
   for (const Method& m : b.methods()) {
     SceneText scene = b.scene();
     scene.set("bodies.ball.position", fmt::format("[0, 0, {:.17g}]", R + gap));
@@ -161,9 +159,7 @@ void run(const Bench& b, const Size& size, bool quadratic, Figure& figure) {
 }  // namespace
 
 void hertz(const Bench& b) {
-  const std::string order = b.option("order", "1");
-  if (order != "1" && order != "2") throw Error(Exit::usage, "--set order: 1 or 2");
-  const bool quadratic = order == "2";
+  const bool quadratic = b.order(1) == 2;
   const std::span<const Size> sizes = quadratic ? std::span<const Size>(kQuadraticSizes) : std::span<const Size>(kSizes);
   Figure figure;
   std::string rest = b.option("size", "coarse") + ",";

@@ -91,8 +91,8 @@ Measured run(const Bench& b, const Case& c, const Method& m, int n, bool quadrat
 }  // namespace
 
 void indent(const Bench& b) {
-  const int cells = std::stoi(b.option("cells", "4"));  // per contact radius
-  const bool quadratic = b.option("order", "1") == "2";
+  const int cells = b.count("cells", 4);  // per contact radius
+  const bool quadratic = b.order(1) == 2;
   for (const Case& c : kCases)
     for (const Method& m : b.methods()) {
       const auto gate = [&](double g) { return m.gated ? g : NAN; };

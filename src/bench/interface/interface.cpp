@@ -109,7 +109,7 @@ void curved(const Bench& b, double p) {
   // Facets of different meshes are about 0.06 h^2 apart, and every gap counts with 5 p/d_hat at least: a soft layer, thick against h^2. Where
   // it is thick against the radius of curvature as well, its two sides differ and the facets' normals leave the blocks at the rim.
   constexpr double kLayer = 0.02;  // d_hat [m]
-  const int finest = std::stoi(b.option("finest", "16"));
+  const int finest = b.count("finest", 16);
   Interface f;
   f.amplitude = 0.05;
   for (const Method& m : b.methods()) {

@@ -25,7 +25,7 @@ void line(const Bench& b) {
     return (1 - nu * nu) / b.scene().number("materials." + material + ".youngs_modulus");
   };
   const double e_star = 1 / (compliance("steel") + compliance("aluminium"));
-  const double d_hat = std::stod(b.option("layer", "1")) * size.d_hat, gap = 0.1 * size.d_hat, thickness = 6 * h;
+  const double d_hat = b.number("layer", 1) * size.d_hat, gap = 0.1 * size.d_hat, thickness = 6 * h;
   for (const Method& m : b.methods()) {
     SceneText scene = b.scene();
     scene.set("effects.mortar_contact.d_hat", d_hat);

@@ -117,7 +117,7 @@ std::vector<Elements> wanted(const Bench& b) {
 
 void locking(const Bench& b) {
   const std::string only = b.option("case", "");
-  const int finer = std::stoi(b.option("finer", "1"));
+  const int finer = b.count("finer", 1);
   for (const Case& c : cases()) {
     if (!only.empty() && only != c.name) continue;
     for (const int cells : c.cells)

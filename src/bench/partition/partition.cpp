@@ -43,7 +43,7 @@ geometry::TetMesh master_mesh(const Case& c, double gap) {
 
 void partition(const Bench& b) {
   const double gap = 0.5 * b.scene().number("effects.mortar_contact.d_hat");
-  for (const Case& c : cases(std::stoi(b.option("ratio", "25"))))
+  for (const Case& c : cases(b.count("ratio", 25)))
     for (const Method& m : b.methods()) {
       if (m.effect != "mortar_contact") continue;  // the others have no overlaps
       SceneText scene = b.scene();

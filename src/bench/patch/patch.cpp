@@ -189,14 +189,14 @@ std::vector<Case> cases() {
 
 void patch(const Bench& b) {
   const double p = b.scene().number("effects.pressure_load.0.pressure");
-  const std::string order = b.option("order", "");
-  if (!order.empty() && order != "1" && order != "2") throw Error(Exit::usage, "--set order: 1 or 2");
+  const bool one_order = !b.option("order", "").empty();
+  const int order = b.order(1);
   const std::string only = b.option("case", "");
   bool any = false;
   for (Case c : cases()) {
-    c.finer = std::stoi(b.option("finer", "1"));
-    if (!order.empty() && c.order == 2) continue;  // among the first again
-    if (!order.empty()) c.order = order == "1" ? 1 : 2;
+    c.finer = b.count("finer", 1);
+    if (one_order && c.order == 2) continue;  // among the first again
+    if (one_order) c.order = order;
     if (c.order == 2 && c.quadrature == "1") continue;  // not for quadratic faces
     if (c.order == 2) c.name += ", quadratic";
     if (!only.empty() && c.name != only) continue;

@@ -42,20 +42,17 @@ geometry::TetMesh plate(double bore, const std::vector<double>& r, const std::ve
 }  // namespace
 
 void pin(const Bench& b) {
-  const std::string order = b.option("order", "2");
-  if (order != "1" && order != "2") throw Error(Exit::usage, "--set order: 1 or 2");
-  const bool quadratic = order == "2";
-  const int cells = std::stoi(b.option("cells", quadratic ? "32" : "64"));  // over the fine angle
+  const bool quadratic = b.order(2) == 2;
+  const int cells = b.count("cells", quadratic ? 32 : 64);  // over the fine angle
   const double E = b.scene().number("materials.metal.youngs_modulus"), nu = b.scene().number("materials.metal.poisson_ratio"),
                modulus = E / (1 - nu * nu);
   const double bore = kRadius + kClearance, h = kRadius * kFine / cells, thickness = h;
-  const double d_hat = std::stod(b.option("layer", "0.04")) * kClearance, gap = 0.5 * d_hat, expected = 0.7 * modulus * kClearance / kRadius;
+  const double d_hat = b.number("layer", 0.04) * kClearance, gap = 0.5 * d_hat, expected = 0.7 * modulus * kClearance / kRadius;
   for (const Method& m : b.methods()) {
     SceneText scene = b.scene();
     scene.set(scene.moving_pin() + ".where.sphere.radius", std::hypot(kCore, thickness) * 1.001 + kClearance);
     scene.set("effects.mortar_contact.d_hat", d_hat);
-    scene.set("effects.mortar_contact.stiffness",
-              matched_stiffness(expected, d_hat, h, 0.5 * modulus, std::stod(b.option("k", quadratic ? "24" : "4"))));
+    scene.set("effects.mortar_contact.stiffness", matched_stiffness(expected, d_hat, h, 0.5 * modulus, b.number("k", quadratic ? 24 : 4)));
     scene.use(m, h * thickness / (quadratic ? 8 : 2));
     const auto element = [&](const geometry::TetMesh& mesh, double radius) {
       if (!quadratic) return mesh;

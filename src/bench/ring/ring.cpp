@@ -43,7 +43,7 @@ void ring(const Bench& b) {
   const double E = b.scene().number("materials.metal.youngs_modulus"), nu = b.scene().number("materials.metal.poisson_ratio");
   const double d_hat = b.scene().number("effects.mortar_contact.d_hat"), kappa = b.scene().number("effects.mortar_contact.stiffness"),
                clearance = 0.6 * d_hat, bore = kContact + clearance;
-  const int cells = std::stoi(b.option("cells", "96"));
+  const int cells = b.count("cells", 96);
   for (const bool strain : {false, true})
     for (const Method& m : b.methods()) {
       const double modulus = strain ? E / (1 - nu * nu) : E;

@@ -24,8 +24,8 @@ constexpr Case kCases[] = {{"approach R/500", 1e-4, 0.01, 0.01, 0.05}, {"approac
 }  // namespace
 
 void spheres(const Bench& b) {
-  const int cells = std::stoi(b.option("cells", "6"));  // per contact radius
-  const double layer = std::stod(b.option("layer", "1"));
+  const int cells = b.count("cells", 6);  // per contact radius
+  const double layer = b.number("layer", 1);
   const double E = b.scene().number("materials.metal.youngs_modulus"), nu = b.scene().number("materials.metal.poisson_ratio"),
                e_star = E / (2 * (1 - nu * nu));
   for (const Case& c : kCases)

@@ -39,8 +39,8 @@ const ParamTable table = tie_table(
                  "Least and largest travel of a prismatic joint, which it never reaches.")),
      param::table("mimic", &kMimic, "Of a revolute or prismatic joint: it goes as another one does."),
      param::positive(optional(of(Param::Kind::number, "stop_effort", Unit::none, std::nullopt,
-                                 "Torque [N m] or force [N] with which a stop pushes back where some half of its range, the last degree or half "
-                                 "millimetre, is left; it grows without bound. Without it a figure of the bodies' weights.")))});
+                                 "Torque [N m] or force [N] with which a stop pushes back where some half of its range, the last 0.02 degrees or "
+                                 "0.02 mm, is left; it grows without bound. Without it a figure of the bodies' weights.")))});
 
 namespace {
 

@@ -3,9 +3,10 @@
 
 namespace mortise::effects::joint::tuning {
 
-// Stops (stop.h) begin the last degree or half millimetre before a limit, and no more than a twentieth of all there is: far below what limits are
-// known to, wide enough for Newton's method.
-inline constexpr double kTurn = 0.0175, kSlide = 5e-4, kShare = 0.05;
+// Stops (stop.h) begin the last fiftieth of a degree or of a millimetre before a limit, and no more than a two-hundredth of all there is: what leans
+// on a stop stands before its limit by some of that, and what it presses on meanwhile lacks as much (a degree and half a millimetre made the grip of
+// a pad a fifth too small). Newton's method takes two iterations more on the way there for every tenth of it.
+inline constexpr double kTurn = 3.5e-4, kSlide = 2e-5, kShare = 0.005;
 // Of the distance to a stop, what a step of Newton's method leaves at least; as in contact (contact/proximity.h).
 inline constexpr double kKeep = 0.3;
 
