@@ -46,6 +46,7 @@ std::vector<Vec3> means_of_slices(const std::vector<Vec3>& points, const std::ve
     std::vector<double> along;
     for (const Vec3& x : points) along.push_back(axes.col(i).dot(x - centre));
     const auto [low, high] = std::minmax_element(along.begin(), along.end());
+    if (!(*high > *low)) continue;
     std::array<Vec3, tuning::kSlices> sum;
     std::array<double, tuning::kSlices> count{};
     sum.fill(Vec3::Zero());
