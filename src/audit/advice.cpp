@@ -34,7 +34,6 @@ std::string_view advice(std::string_view check, const Has& has) {
       {"strikes_damped", kDamps},
       {"motor_lag", kDamps},
       {"motor_torque_lag", kDamps},
-      {"taxel_spread", "smaller triangles of the stiff body under the taxels (edge_length: a third of a taxel)"},
       {"guard_share", "a finer mesh of the slave, or a larger d_hat"},
       {"stress_error", kMesh},
       {"stiffness_error", kMesh},

@@ -79,7 +79,6 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("slip_sampling", slip_sampling_.share(), tuning::kSlipSampling);
   add("pressure_roughness", fields.pressure.roughness, tuning::kRoughness, Of::fields);
   add("pressure_misfit", fields.pressure.misfit, tuning::kMisfit, Of::fields);
-  add("taxel_spread", fields.taxels, tuning::kTaxelSpread, Of::fields);
   add("layer_over_indentation", fields.layer, tuning::kLayer);
   add("layer_over_way", fields.layer_over_way, tuning::kLayerOverWay);
   add("facets_over_indentation", fields.facets > 0 ? fields.facets : NAN, tuning::kLayer);

@@ -15,7 +15,6 @@ FieldErrors::FieldErrors(const model::ModelInput& input)
     : stress_(input),
       stiffness_(input),
       pressure_(input),
-      taxels_(input),
       rim_(input),
       layer_(input),
       facets_(input),
@@ -95,7 +94,7 @@ void FieldErrors::judge(State& state, Judged what, Result& r) const {
   }
   const auto take = [&](auto... of) { ((r.*of = state.result.*of), ...); };
   if (what.stress) take(&Result::stress, &Result::stiffness, &Result::turned, &Result::load_turned);
-  if (what.pressure) take(&Result::pressure, &Result::guard, &Result::taxels);
+  if (what.pressure) take(&Result::pressure, &Result::guard);
   if (what.layer) take(&Result::layer, &Result::layer_over_way, &Result::rim, &Result::facets, &Result::facets_over_way);
 }
 
@@ -142,7 +141,6 @@ void FieldErrors::judge_stress(const Snapshot& said, const AllSamples& samples, 
 
 void FieldErrors::judge_pressure(const Snapshot& said, const AllSamples& samples, Result& r) const {
   r.pressure = pressure_.of(patch_of(said), groups(samples));
-  r.taxels = taxels_.of(of_points(said, "contact_force", 3));
   struct Force {
     double all = 0, guard = 0;
   };
@@ -248,8 +246,8 @@ FieldErrors::Result FieldErrors::at_last() const {
 FieldErrors::Result FieldErrors::result() const {
   Result out = at_most();
   const Result last = at_last();
-  for (double Result::*of : {&Result::stress, &Result::stiffness, &Result::turned, &Result::load_turned, &Result::taxels, &Result::guard,
-                             &Result::layer, &Result::layer_over_way, &Result::rim, &Result::facets, &Result::facets_over_way})
+  for (double Result::*of : {&Result::stress, &Result::stiffness, &Result::turned, &Result::load_turned, &Result::guard, &Result::layer,
+                             &Result::layer_over_way, &Result::rim, &Result::facets, &Result::facets_over_way})
     out.*of = std::fmax(out.*of, last.*of);
   for (double PressureError::Result::*of : {&PressureError::Result::roughness, &PressureError::Result::misfit})
     out.pressure.*of = std::fmax(out.pressure.*of, last.pressure.*of);
@@ -264,7 +262,6 @@ void FieldErrors::io(Archive& archive, const std::string& prefix, Result& r) {
                              {"turned", &r.turned},
                              {"load_turned", &r.load_turned},
                              {"guard", &r.guard},
-                             {"taxels", &r.taxels},
                              {"roughness", &r.pressure.roughness},
                              {"misfit", &r.pressure.misfit},
                              {"layer", &r.layer},

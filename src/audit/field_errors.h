@@ -17,7 +17,6 @@
 #include "audit/rim_error.h"
 #include "audit/stiffness_error.h"
 #include "audit/stress_error.h"
-#include "audit/taxel_spread.h"
 #include "base/archive.h"
 #include "base/snapshot.h"
 
@@ -32,7 +31,6 @@ class FieldErrors {
     double stress = NAN, turned = NAN, load_turned = NAN;  // stress_error.h, linear_law.h, load_turned.h
     PressureError::Result pressure;
     double stiffness = NAN;                      // what is left of `stress` in forces and motions (stiffness_error.h)
-    double taxels = NAN;                         // taxel_spread.h
     double guard = NAN;                          // share of the force between two bodies that the guard bears
     double layer = NAN;                          // layer_error.h
     double layer_over_way = NAN;                 // stiffness_error.h
@@ -85,7 +83,6 @@ class FieldErrors {
   StressError stress_;
   StiffnessError stiffness_;
   PressureError pressure_;
-  TaxelSpread taxels_;
   RimError rim_;
   LayerError layer_;
   FacetDepth facets_;

@@ -37,7 +37,6 @@ inline constexpr Bounds kGivenKinks{0.05, 0.1};
 inline constexpr Bounds kJolted{0.05, 0.1};
 inline constexpr Bounds kStruck{0.05, 0.1};
 inline constexpr Bounds kGuard{0.02, 0.1};
-inline constexpr Bounds kTaxelSpread{0.05, 0.1};
 inline constexpr Bounds kStress{0.05, 0.1};
 inline constexpr Bounds kRoughness{0.03, 0.04};
 inline constexpr Bounds kMisfit{0.01, 0.0125};
@@ -94,9 +93,7 @@ inline constexpr double kStill = 0.01;  // of a body's size: less is no motion t
 // no less than.
 inline constexpr int kMotorParts = 32;
 inline constexpr double kFaint = 0.01;
-inline constexpr long kBegins = 3;  // states: BDF2 has its history then (motor_lag.cpp, given_kinks.cpp)
-inline constexpr double kSpread =
-    0.25;  // of a peg on four taxels of 5 mm 2, 25 and 59 % were beside them with edges of 2, 5 and 10 mm (taxel_spread.cpp)
+inline constexpr long kBegins = 3;           // states: BDF2 has its history then (motor_lag.cpp, given_kinks.cpp)
 inline constexpr double kPeak = 1. / 3;      // of the second difference of accelerations: what BDF2 errs by in them (struck.cpp)
 inline constexpr double kRoundedWay = 1e-7;  // of the size of what a motor moves: the torque of so little is that of a robot that stands still
 inline constexpr double kOtherWay = 0.5;     // of a motor's largest torque: that the other way counts as no less than (motor_lag.cpp)

@@ -13,10 +13,9 @@ inline constexpr double kOnBody = 1e-3;     // of a body's diagonal: a place so 
 inline constexpr double kRounding = 1e-12;  // of a time: it is a sum of steps (reported.cpp)
 
 // ---- warnings: beyond what solids, steps and contact layers are in practice; most often a unit is missing
-inline constexpr double kSoftest = 100, kStiffest = 2e12;  // Young's modulus [Pa]: the softest tissue, twice diamond
-inline constexpr double kCoarseMap = 0.5;                  // edges over taxels: a twentieth of a force is then beside them (audit/taxel_spread.h)
-inline constexpr double kLightest = 10, kHeaviest = 3e4;   // density [kg/m^3]: foams, and what is given in g/cm^3; above osmium
-inline constexpr double kLongestStep = 0.5;                // [s]
+inline constexpr double kSoftest = 100, kStiffest = 2e12;         // Young's modulus [Pa]: the softest tissue, twice diamond
+inline constexpr double kLightest = 10, kHeaviest = 3e4;          // density [kg/m^3]: foams, and what is given in g/cm^3; above osmium
+inline constexpr double kLongestStep = 0.5;                       // [s]
 inline constexpr double kMillimetres = 9810, kNearlyThat = 5e-4;  // free fall on the Earth in mm/s^2, to some places
 inline constexpr double kLargestMesh = 10;                        // of a file [m]
 inline constexpr double kLeastCovered = 0.1;                      // of a sensor's grid: what is so large was meant in millimetres

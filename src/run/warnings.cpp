@@ -106,15 +106,6 @@ void of_sensors(const model::ModelInput& input, std::vector<std::string>& out) {
   const sensors::Sensors sensors(input);
   for (const sensors::Sensor& s : sensors.all()) {
     const auto body = std::find_if(input.bodies.begin(), input.bodies.end(), [&](const model::BodyInput& b) { return b.name == s.body(); });
-    const std::vector<double> squares = sensors::squares(*body, s.spec());
-    const double coarsest = squares.empty() ? 0 : std::sqrt(*std::max_element(squares.begin(), squares.end())),
-                 taxel = std::sqrt(s.spec().taxel_area());
-    if (body->type != model::BodyType::soft && coarsest > tuning::kCoarseMap * taxel)
-      out.push_back(
-          at(input.scene.at("sensors").at(s.name()).where(),
-             fmt::format("sensor '{}' has taxels of {:.3g} mm on triangles of {:.3g} mm, over which '{}' spreads what presses on it: a stiff body "
-                         "needs a mesh three times as fine as its taxels (edge_length: {:.2g} mm)",
-                         s.name(), 1e3 * taxel, 1e3 * coarsest, s.body(), 1e3 * taxel / 3)));
     if (const double covered = s.rest_area() / (s.spec().width * s.spec().height); covered < tuning::kLeastCovered)
       out.push_back(at(input.scene.at("sensors").at(s.name()).where(),
                        fmt::format("sensor '{}' has a surface of '{}' under {:.2g} % of its {:g} m by {:g} m only: the rest feels nothing", s.name(),

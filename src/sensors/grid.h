@@ -26,8 +26,10 @@ struct GridSpec {
   double depth = std::numeric_limits<double>::infinity();  // surface farther than this from the plane does not count [m]
   Frame frame;                                             // at rest; origin in the middle of the grid
   int taxels() const { return rows * columns; }
-  double taxel_area() const { return width * height / taxels(); }  // [m^2]
 };
+
+// An entry of the scene's `sensors`.
+GridSpec grid_of(const Params& sensor);
 
 class TaxelGrid {
  public:
@@ -59,8 +61,9 @@ class TaxelGrid {
   std::vector<Weight> fraction_, mean_;  // by taxel, then node
 };
 
-// By node: the area of a square of two of the triangles around it that face the grid [m^2]; 0 where none of them reaches into the grid.
-std::vector<double> squares(const model::BodyInput& body, const GridSpec& spec);
+// Cuts the triangles of a stiff body under the grid, its surface as it stands in the scene, until they are small against taxels: a force on a node is
+// spread over its triangles, and those of a stiff body may be as large as one likes. Its shape stays.
+void refine(geometry::TriMesh& stiff, const GridSpec& spec);
 
 // Does the grid lie on a surface of the body that faces the other way, so that it feels one that lies behind?
 bool turned_around(const model::BodyInput& body, GridSpec spec);

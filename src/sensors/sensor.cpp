@@ -10,19 +10,6 @@
 namespace mortise::sensors {
 namespace {
 
-GridSpec spec_of(const Params& p) {
-  GridSpec s;
-  s.rows = static_cast<int>(p.integer("rows")), s.columns = static_cast<int>(p.integer("columns"));
-  s.width = p.number("width"), s.height = p.number("height");
-  if (const Params* depth = p.find("depth")) s.depth = depth->as_number();
-  s.frame.origin = p.vec3("position");
-  const Vec3 z = p.vec3("normal").normalized(), up = p.vec3("up");
-  s.frame.axes.col(1) = (up - up.dot(z) * z).normalized();
-  s.frame.axes.col(2) = z;
-  s.frame.axes.col(0) = s.frame.axes.col(1).cross(z);
-  return s;
-}
-
 // The nodes that pins hold in all directions or that are bonded to a stiff body; all nodes where there are too few of them.
 std::vector<Index> base_of(const model::ModelInput& input, const model::BodyInput& body, bool supports) {
   std::vector<Index> nodes;
@@ -58,7 +45,7 @@ Vec3 at(const std::vector<double>& v, std::size_t i) { return {v[3 * i], v[3 * i
 Sensor::Sensor(std::string name, const Params& p, const model::ModelInput& input, const model::BodyInput& body, Index first_point)
     : name_(std::move(name)),
       body_(body.name),
-      spec_(spec_of(p)),
+      spec_(grid_of(p)),
       grid_(body, spec_),
       first_(first_point),
       rest_(body.nodes),

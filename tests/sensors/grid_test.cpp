@@ -1,10 +1,12 @@
 // Taxel grids: nothing is lost between taxels, uniform pressure is uniform, and a sensor does not notice rigid motion.
 #include <gtest/gtest.h>
 
+#include <map>
 #include <numeric>
 #include <random>
 
 #include "geometry/midsides.h"
+#include "geometry/topology.h"
 #include "scene_builder.h"
 #include "sensors/sensor.h"
 
@@ -152,6 +154,29 @@ TEST(TaxelGrid, MeanOfALinearField) {
       const double x = 0.03 * ((c + 0.5) / 5 - 0.5), y = 0.02 * ((r + 0.5) / 4 - 0.5);
       EXPECT_LT((mean[5 * r + c] - Vec3(0.2 * y, -0.1 * x, 0.3 + x)).norm(), 1e-15);
     }
+}
+
+// Of a stiff plate of 40 mm: triangles under the grid become small against taxels, and the surface stays closed and where it was.
+TEST(TaxelGrid, CutsTheTrianglesOfAStiffBody) {
+  geometry::TriMesh plate = geometry::surface_of(geometry::box(Vec3(0.04, 0.04, 0.02), {1, 1, 1}));
+  const std::size_t before = plate.triangles.size();
+  const GridSpec spec = grid(4, 4, 0.02, 0.02);
+  refine(plate, spec);
+  EXPECT_GT(plate.triangles.size(), before + 8 * 16);
+  std::map<std::pair<Index, Index>, int> open;
+  double area = 0;
+  for (const Triangle& t : plate.triangles) {
+    const Vec3 a = plate.points[t.v[0]], b = plate.points[t.v[1]], c = plate.points[t.v[2]], middle = (a + b + c) / 3;
+    area += (b - a).cross(c - a).norm() / 2;
+    for (int k = 0; k < 3; ++k) ++open[{t.v[k], t.v[(k + 1) % 3]}], --open[{t.v[(k + 1) % 3], t.v[k]}];
+    if (std::abs(middle[2] - kTop) > 1e-9 || std::max(std::abs(middle[0]), std::abs(middle[1])) > 0.01) continue;
+    EXPECT_LE(std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()}), 0.4 * 0.005 * (1 + 1e-12));
+  }
+  for (const auto& [side, count] : open) EXPECT_EQ(count, 0) << side.first << ' ' << side.second;
+  EXPECT_NEAR(area, 2 * 0.04 * 0.04 + 4 * 0.04 * 0.02, 1e-15);
+  geometry::TriMesh away = plate;
+  refine(away, spec);
+  EXPECT_EQ(away.triangles.size(), plate.triangles.size());
 }
 
 TEST(Sensor, DoesNotNoticeRigidMotion) {
