@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include "audit/nearest_affine.h"
 #include "audit/tuning.h"
@@ -33,11 +32,9 @@ double mean_of_linear(const Stress (&corner)[4], double E, double nu) {
   return (mean + energy_density(sum, E, nu)) / 20;
 }
 
-Vec3 mean(const std::vector<Vec3>& u) { return std::accumulate(u.begin(), u.end(), Vec3(Vec3::Zero())) / static_cast<double>(u.size()); }
-
 // Means of u over slices across the principal axes of some points: what bulges alike to all sides moves none of them.
 std::vector<Vec3> means_of_slices(const std::vector<Vec3>& points, const std::vector<Vec3>& u) {
-  const Vec3 centre = mean(points);
+  const Vec3 centre = geometry::mean(points);
   Mat3 spread = Mat3::Zero(), axes;
   for (const Vec3& x : points) spread += (x - centre) * (x - centre).transpose();
   linalg::jacobi_eigen<3>(spread, axes);
@@ -172,7 +169,7 @@ double StressError::bent(const Body& b, const geometry::Motion& base, const Mat3
   }
   std::vector<Vec3> where_held;
   for (const std::size_t n : b.fixed) where_held.push_back(beside[n]);
-  const Vec3 held = mean(b.fixed.empty() ? beside : where_held);
+  const Vec3 held = geometry::mean(b.fixed.empty() ? beside : where_held);
   double most = 0, bent = 0;
   for (const Vec3& u : seen) most = std::max(most, u.norm());
   for (const Vec3& u : means_of_slices(b.rest, beside)) bent = std::max(bent, (u - held).norm());

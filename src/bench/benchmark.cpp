@@ -1,13 +1,12 @@
 #include "bench/benchmark.h"
 
 #include <algorithm>
-#include <charconv>
-#include <climits>
 #include <cmath>
 #include <filesystem>
 
 #include "base/error.h"
 #include "bench/all.h"
+#include "geometry/io/text.h"
 
 namespace mortise::bench {
 
@@ -32,17 +31,18 @@ std::string Bench::option(const std::string& key, const std::string& fallback) c
 
 double Bench::number(const std::string& key, double fallback) const {
   const std::string text = option(key, "");
-  double out = fallback;
-  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), out);
-  if (!text.empty() && (code != std::errc() || end != text.data() + text.size() || !(out > 0) || std::isinf(out)))
-    throw Error(Exit::usage, "--set " + key + ": '" + text + "' is no number above 0");
-  return out;
+  if (text.empty()) return fallback;
+  const std::optional<double> out = geometry::number_from<double>(text);
+  if (!out || !(*out > 0) || std::isinf(*out)) throw Error(Exit::usage, "--set " + key + ": '" + text + "' is no number above 0");
+  return *out;
 }
 
 int Bench::count(const std::string& key, int fallback) const {
-  const double out = number(key, fallback);
-  if (out != std::floor(out) || out > INT_MAX) throw Error(Exit::usage, "--set " + key + ": '" + option(key, "") + "' is no whole number");
-  return static_cast<int>(out);
+  const std::string text = option(key, "");
+  if (text.empty()) return fallback;
+  const std::optional<int> out = geometry::number_from<int>(text);
+  if (!out || *out <= 0) throw Error(Exit::usage, "--set " + key + ": '" + text + "' is no whole number above 0");
+  return *out;
 }
 
 int Bench::order(int fallback) const {
@@ -134,7 +134,7 @@ std::vector<Row> run_benchmark(const Benchmark& benchmark, const std::vector<std
     if (output.row) output.row(row);
   };
   benchmark.run(Bench(benchmark_scene(benchmark.name), sets, collected));
-  if (rows.empty()) throw Error(Exit::usage, "benchmark '" + std::string(benchmark.name) + "' has no case of which that is so");
+  if (rows.empty()) throw Error(Exit::usage, "benchmark '" + std::string(benchmark.name) + "' has no such case");
   return rows;
 }
 

@@ -80,15 +80,13 @@ model::BodyInput make_body(const Params& scene, const std::string& name, const P
   } else {
     out.type = model::BodyType::stiff;
     geometry::TriMesh mesh = mesh_of(kept().stiff, wanted, stiff_mesh);
-    geometry::Placement(body).apply(mesh.points);
-    if (const Params* wanted_maps = scene.find("sensors"))
-      for (const auto& [sensor, p] : wanted_maps->entries())
-        if (p.text("body") == name) sensors::refine(mesh, sensors::grid_of(p));
     out.nodes = std::move(mesh.points);
     out.triangles = std::move(mesh.triangles);
-    return out;
   }
   geometry::Placement(body).apply(out.nodes);
+  if (const Params* sensors = type == "stiff" ? scene.find("sensors") : nullptr)
+    for (const auto& [sensor, p] : sensors->entries())
+      if (p.text("body") == name) sensors::refine(out, sensors::grid_of(p));
   return out;
 }
 

@@ -3,15 +3,12 @@
 #include <Eigen/Dense>
 
 namespace mortise::geometry {
-namespace {
 
 Vec3 mean(const std::vector<Vec3>& points) {
   Vec3 sum = Vec3::Zero();
   for (const Vec3& x : points) sum += x;
   return sum / static_cast<double>(points.size());
 }
-
-}  // namespace
 
 Motion nearest_motion(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
   const Vec3 a = mean(from), b = mean(to);

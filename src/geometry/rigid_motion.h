@@ -18,6 +18,9 @@ struct Motion {
   Frame moved(const Frame& f) const { return {R * f.origin + t, R * f.axes}; }
 };
 
+// Of one point at least.
+Vec3 mean(const std::vector<Vec3>& points);
+
 // The rigid motion that takes `from` nearest to `to` (least squares; Kabsch, Acta Cryst. A32, 1976). At least three points that do not
 // lie on a line.
 Motion nearest_motion(const std::vector<Vec3>& from, const std::vector<Vec3>& to);

@@ -193,9 +193,11 @@ std::size_t TaxelGrid::bytes() const {
          rest_area_.size() * sizeof(double);
 }
 
-void refine(geometry::TriMesh& stiff, const GridSpec& spec) {
-  geometry::cut_edges(stiff, kEdge * std::sqrt(spec.width * spec.height / spec.taxels()),
+void refine(model::BodyInput& stiff, const GridSpec& spec) {
+  geometry::TriMesh mesh{std::move(stiff.nodes), std::move(stiff.triangles)};
+  geometry::cut_edges(mesh, kEdge * std::sqrt(spec.width * spec.height / spec.taxels()),
                       [&](const Vec3(&corner)[3]) { return lies_in(corner, spec); });
+  stiff.nodes = std::move(mesh.points), stiff.triangles = std::move(mesh.triangles);
 }
 
 bool turned_around(const model::BodyInput& body, GridSpec spec) {

@@ -63,7 +63,7 @@ class TaxelGrid {
 
 // Cuts the triangles of a stiff body under the grid, its surface as it stands in the scene, until they are small against taxels: a force on a node is
 // spread over its triangles, and those of a stiff body may be as large as one likes. Its shape stays.
-void refine(geometry::TriMesh& stiff, const GridSpec& spec);
+void refine(model::BodyInput& stiff, const GridSpec& spec);
 
 // Does the grid lie on a surface of the body that faces the other way, so that it feels one that lies behind?
 bool turned_around(const model::BodyInput& body, GridSpec spec);

@@ -158,7 +158,9 @@ TEST(TaxelGrid, MeanOfALinearField) {
 
 // Of a stiff plate of 40 mm: triangles under the grid become small against taxels, and the surface stays closed and where it was.
 TEST(TaxelGrid, CutsTheTrianglesOfAStiffBody) {
-  geometry::TriMesh plate = geometry::surface_of(geometry::box(Vec3(0.04, 0.04, 0.02), {1, 1, 1}));
+  const geometry::TriMesh box = geometry::surface_of(geometry::box(Vec3(0.04, 0.04, 0.02), {1, 1, 1}));
+  model::BodyInput plate;
+  plate.type = model::BodyType::stiff, plate.nodes = box.points, plate.triangles = box.triangles;
   const std::size_t before = plate.triangles.size();
   const GridSpec spec = grid(4, 4, 0.02, 0.02);
   refine(plate, spec);
@@ -166,7 +168,7 @@ TEST(TaxelGrid, CutsTheTrianglesOfAStiffBody) {
   std::map<std::pair<Index, Index>, int> open;
   double area = 0;
   for (const Triangle& t : plate.triangles) {
-    const Vec3 a = plate.points[t.v[0]], b = plate.points[t.v[1]], c = plate.points[t.v[2]], middle = (a + b + c) / 3;
+    const Vec3 a = plate.nodes[t.v[0]], b = plate.nodes[t.v[1]], c = plate.nodes[t.v[2]], middle = (a + b + c) / 3;
     area += (b - a).cross(c - a).norm() / 2;
     for (int k = 0; k < 3; ++k) ++open[{t.v[k], t.v[(k + 1) % 3]}], --open[{t.v[(k + 1) % 3], t.v[k]}];
     if (std::abs(middle[2] - kTop) > 1e-9 || std::max(std::abs(middle[0]), std::abs(middle[1])) > 0.01) continue;
@@ -174,7 +176,7 @@ TEST(TaxelGrid, CutsTheTrianglesOfAStiffBody) {
   }
   for (const auto& [side, count] : open) EXPECT_EQ(count, 0) << side.first << ' ' << side.second;
   EXPECT_NEAR(area, 2 * 0.04 * 0.04 + 4 * 0.04 * 0.02, 1e-15);
-  geometry::TriMesh away = plate;
+  model::BodyInput away = plate;
   refine(away, spec);
   EXPECT_EQ(away.triangles.size(), plate.triangles.size());
 }
