@@ -158,7 +158,11 @@ Mat3 StressError::stretch(const Body& b, std::span<const double> displacement) {
   const auto place = [&](std::size_t n) { return Vec3(b.rest[n] - b.rest.front()); };
   const Eigen::Matrix<double, 4, 3> affine = nearest_affine(b.rest.size(), place, [&](std::size_t n) { return at(displacement, b.first_point + n); });
   const linalg::Svd3 svd = linalg::svd3(Mat3::Identity() + affine.bottomRows<3>().transpose());
-  return svd.V * svd.s.asDiagonal() * svd.V.transpose() - Mat3::Identity();
+  const Mat3 U = svd.V * svd.s.asDiagonal() * svd.V.transpose();
+  std::vector<Vec3> held, stretched;
+  for (const std::size_t n : b.fixed) held.push_back(place(n)), stretched.push_back(U * held.back());
+  const Mat3 R = geometry::fixes_a_frame(held) ? geometry::nearest_motion(stretched, held).R : Mat3::Identity();
+  return R * U - Mat3::Identity();
 }
 
 double StressError::bent(const Body& b, const geometry::Motion& base, const Mat3& stretch, std::span<const double> displacement) {

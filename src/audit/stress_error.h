@@ -89,7 +89,8 @@ class StressError {
                           std::span<const double> displacement);
   // The rigid motion of what holds it, or its own where that does not fix one.
   static geometry::Motion base(const Body& b, std::span<const double> displacement);
-  // Less the identity: of the nearest that is alike everywhere.
+  // Less the identity: of the nearest that is alike everywhere, turned so that what is held turns least (a pad that is sheared is no column that
+  // leans).
   static Mat3 stretch(const Body& b, std::span<const double> displacement);
   // How much of its way, as seen from there, means of its slices have beside that stretch, over kNotAffine of it: 1 at most.
   static double bent(const Body& b, const geometry::Motion& base, const Mat3& stretch, std::span<const double> displacement);

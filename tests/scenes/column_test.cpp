@@ -113,3 +113,36 @@ effects:
   errors.state(rig.fields(), 1);
   EXPECT_LT(errors.result().stiffness, 0.05);
 }
+
+// A pad that is pressed and sheared shears as a whole: no column that leans on its foot (0.17 was told).
+TEST(Column, WhatIsShearedDoesNotBend) {
+  const auto shear = [](const char* mesh) {
+    Rig rig(fmt::format(R"(
+mortise: 1
+name: pad
+time: {{mode: static, steps: 1}}
+materials: {{rubber: {{youngs_modulus: 0.5 MPa, poisson_ratio: 0, density: 1100}}}}
+bodies:
+  pad: {{type: soft, shape: {{box: {{size: [18 mm, 18 mm, 6 mm], edge_length: 2 mm}}}}, material: rubber, {}}}
+effects:
+  elasticity: {{}}
+  pin: [{{body: pad, where: {{side: z_min}}}}]
+  pressure_load: [{{body: pad, where: {{side: z_max}}, traction: [3000, 0, -31000]}}]
+)",
+                        mesh));
+    audit::FieldErrors errors(rig.input);
+    rig.step();
+    errors.state(rig.fields(), 1);
+    double way = 0;
+    const std::vector<double> points = rig.engine->points();
+    const std::vector<Vec3>& rest = rig.input.bodies[0].nodes;
+    int top = 0;
+    for (std::size_t n = 0; n < rest.size(); ++n)
+      if (rest[n][2] > 2.9e-3) way += points[3 * n] - rest[n][0], ++top;
+    return Bent{way / top, errors.result().stiffness};
+  };
+  const Bent truth = shear("order: 2"), coarse = shear("order: 1");
+  const double error = 1 - coarse.way / truth.way;
+  EXPECT_NEAR(error, 0.08, 0.02);
+  EXPECT_NEAR(coarse.told, error, 0.5 * error);
+}
