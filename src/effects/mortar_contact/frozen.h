@@ -131,16 +131,17 @@ class Search {
   Search(std::vector<Index> slave_env, const std::vector<Index>& masters, std::vector<Index> master_env, const std::vector<Triangle>& triangles);
   // From now on nothing is found for the slaves of other environments; empty: for those of all.
   void work_on(const std::vector<std::uint8_t>& whose) { whose_ = whose; }
-  // Masters within support + margin[env] of each slave at y; ascending.
-  void update(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin);
+  // Masters within support + margin[env] of each slave at y; ascending. Where `points` are named (per point) only pairs that have one
+  // of these, within support + the longest edge of the slave.
+  void update(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin, View<const std::uint8_t> points = {});
   // The same in two halves, between which `fetch` brings how many there are: until then they have `room`, and nobody's places are among them. False:
   // it was too small.
   void begin(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin, Index room, device::Fetch& fetch);
   bool end();
   Index found() const { return found_; }
   // How many every slave has, and which: what both do (nvcc takes no kernels from private functions).
-  void count(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin);
-  void list(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin, Index room);
+  void count(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin, View<const std::uint8_t> points);
+  void list(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin, Index room, View<const std::uint8_t> points);
   View<const Index> offset() const { return offset_.view(); }
   View<const Index> slave() const { return slave_.view(); }    // per candidate: which slave
   View<const Index> master() const { return master_.view(); }  // per candidate: triangle, or -1 - half-space, or kNobody

@@ -47,7 +47,8 @@ class MortarContact final : public Effect {
   void refreeze(MortarLinearisation& at);
   void follow_samples(Moving wanted, MortarLinearisation& at);
   std::vector<double> guard_energy(const MortarLinearisation& at);
-  std::vector<double> cover_of(const MortarLinearisation& at, const std::vector<Vec3>& y, const std::vector<Pair>& pairs, std::vector<double>& share);
+  std::vector<double> cover_of(const MortarLinearisation& at, const std::vector<Vec3>& y, const std::vector<Pair>& pairs,
+                               const std::vector<std::uint8_t>& pressed, std::vector<double>& share);
 
   model::Model& model_;
   Settings set_;

@@ -72,6 +72,14 @@ void report_shares(FieldSink& sink, const std::string& group, const double (&tot
   for (int k = 0; k <= kKinds; ++k) sink.scalar(group, names[k], "1", sum > 0 ? total[k] / sum : 0);
 }
 
+// Those that samples of the pair press.
+void mark(const Pair& pair, std::vector<std::uint8_t>& points) {
+  for (int k = 0; k < 3; ++k) {
+    points[pair.on.point[pair.on.vertex(k)]] = 1;
+    if (pair.master >= 0) points[pair.under.point[pair.under.vertex(k)]] = 1;
+  }
+}
+
 // Of slaves whose pieces add up to their area but for rounding: how far they are from it. Stacked layers count more than once.
 double partition_defect(std::span<const double> share) {
   double defect = 0;
@@ -82,10 +90,11 @@ double partition_defect(std::span<const double> share) {
 
 }  // namespace
 
-// Areas of points that lie over or under the other surface: of a point of slaves and masters the larger [m^2]. What is farther than the longest edge
-// of a slave in contact covers nothing. share: what of every triangle is covered by triangles.
+// Areas over or under the other surface, of points on which a force is: of a point of slaves and masters the larger [m^2]. What is farther than a
+// slave's longest edge, or than that of the longest one in contact, is not over it. share: what of every triangle with such a point is covered by
+// triangles.
 std::vector<double> MortarContact::cover_of(const MortarLinearisation& at, const std::vector<Vec3>& y, const std::vector<Pair>& pairs,
-                                            std::vector<double>& share) {
+                                            const std::vector<std::uint8_t>& pressed, std::vector<double>& share) {
   std::vector<double> reach = more_reach();
   for (const Pair& p : pairs)
     for (int k = 0; k < 3; ++k) {
@@ -94,21 +103,24 @@ std::vector<double> MortarContact::cover_of(const MortarLinearisation& at, const
     }
   Buffer<double> wide;
   wide.upload(reach);
+  Buffer<std::uint8_t> points;
+  points.upload(pressed);
   surfaces_.search().work_on(model_.at_work);
-  surfaces_.search().update(view(at), at.y(), wide);
+  surfaces_.search().update(view(at), at.y(), wide, std::as_const(points).view());
   Buffer<Cover> buffer;
   cover(view(at), surfaces_.search(), at.y(), buffer);
   const std::vector<Triangle> triangles = model_.surface.triangles.download();
   std::vector<double> on(model_.points, 0.0), under(model_.points, 0.0);
   share.assign(triangles.size(), 0.0);
   for (const Cover& c : buffer.download()) {
-    if (c.master >= 0) share[c.slave] += c.share;
+    const Index* v = triangles[c.slave].v;
+    if (c.master >= 0 && std::any_of(v, v + 3, [&](Index i) { return pressed[i]; })) share[c.slave] += c.share;
     for (int k = 0; k < 3; ++k) {
-      on[triangles[c.slave].v[k]] += c.N[k];
+      on[v[k]] += c.N[k];
       if (c.master >= 0) under[triangles[c.master].v[k]] += c.M[k];
     }
   }
-  for (std::size_t i = 0; i < on.size(); ++i) on[i] = std::max(on[i], under[i]);
+  for (std::size_t i = 0; i < on.size(); ++i) on[i] = pressed[i] ? std::max(on[i], under[i]) : 0;
   return on;
 }
 
@@ -119,18 +131,25 @@ void MortarContact::report(const FieldSinks& sinks, const Linearisation& accepte
   const std::string group(name());
   Tally tally{{model_, at.frozen.y}, std::vector<double>(3 * static_cast<std::size_t>(model_.points), 0.0), {}, {}};
   for (Index e = 0; e < model_.envs; ++e) tally.sums.push_back({{model_, e}, {model_, e}, {}, {}, d_hat_[e]});
+  const auto sample = [&](std::size_t i) { return published.at(at.place(taken.pairs[taken.samples[i].pair].env, static_cast<Index>(i))); };
+  const std::vector<contact::Active> terms = guard_ > 0 ? at.guard.terms.download() : std::vector<contact::Active>();
+  std::vector<std::uint8_t> pressed(model_.points, 0);
+  for (std::size_t i = 0; i < taken.samples.size(); ++i)
+    if (sample(i).pressure > 0) mark(taken.pairs[taken.samples[i].pair], pressed);
+  for (const contact::Active& term : terms)
+    for (const Index p : term.point)
+      if (p >= 0) pressed[p] = 1;
   std::vector<double> share;
-  tally.covered = cover_of(at, tally.forces.places(), taken.pairs, share);
+  tally.covered = cover_of(at, tally.forces.places(), taken.pairs, pressed, share);
 
   for (std::size_t i = 0; i < taken.samples.size(); ++i) {
     const Pair& pair = taken.pairs[taken.samples[i].pair];
-    tally.add(pair, taken.samples[i], published.at(at.place(pair.env, static_cast<Index>(i))), proximity_.reach(pair.env));
+    tally.add(pair, taken.samples[i], sample(i), proximity_.reach(pair.env));
   }
   if (guard_ > 0) {
     Buffer<Vec3> buffer;
     contact::point_forces(guard_view(), at.guard, at.y(), buffer);
     const std::vector<Vec3> force = buffer.download();
-    const std::vector<contact::Active> terms = at.guard.terms.download();
     for (std::size_t i = 0; i < terms.size(); ++i)
       tally.add(terms[i], force.data() + 4 * i, published.at(at.guard_place(terms[i].env, static_cast<Index>(i))));
     for (Index e = 0; e < sinks.size(); ++e) tally.sums[e].guard_rows.report(sinks[e], group, "guard_");

@@ -5,23 +5,39 @@
 namespace mortise::effects::mortar {
 namespace {
 
+// Has the triangle one of these points? Any has where there are none.
+MORTISE_HD inline bool has_one(const Triangle& t, View<const std::uint8_t> points) {
+  return points.n == 0 || points[t.v[0]] || points[t.v[1]] || points[t.v[2]];
+}
+
+// How far slave i sees; for points, no farther beyond its support than it is long.
+MORTISE_HD inline double reach_of(const MortarView& s, View<const Vec3> y, Index i, View<const double> margin, View<const std::uint8_t> points) {
+  const Triangle t = s.surface.triangles[s.slaves[i]];
+  double beyond = margin[s.surface.env[t.v[0]]], longest = 0;
+  for (int k = 0; k < 3 && points.n > 0; ++k) longest = std::fmax(longest, (y[t.v[(k + 1) % 3]] - y[t.v[k]]).norm());
+  if (points.n > 0) beyond = std::fmin(beyond, longest);
+  return s.support[i] + beyond + s.bow_of(s.slaves[i]);
+}
+
 // Counts the masters near a slave; writes them unless out is null.
 MORTISE_HD inline Index masters_near(const MortarView& s, const geometry::BvhView& tree, View<const Index> masters, View<const Vec3> y, Index slave,
-                                     double reach, Index* out) {
+                                     double reach, View<const std::uint8_t> points, Index* out) {
   const Triangle t = s.surface.triangles[slave];
+  const bool any = has_one(t, points);
   const geometry::BvhNode box = geometry::swept_box(t.v, 3, -1, s.surface, y, View<const Vec3>{}, tuning::kBeside * reach);
   geometry::BvhCursor cursor;
   Index n = 0;
   for (Index row = cursor.next(tree, box, s.surface); row >= 0; row = cursor.next(tree, box, s.surface)) {
+    const Index m = masters[row];
+    if (!any && !has_one(s.surface.triangles[m], points)) continue;
     if (out) {
-      const Index m = masters[row];
       Index at = n;  // ascending: the order of the leaves must not show
       for (; at > 0 && out[at - 1] > m; --at) out[at] = out[at - 1];
       out[at] = m;
     }
     ++n;
   }
-  for (Index p = 0; p < s.planes.n; ++p) {
+  for (Index p = 0; any && p < s.planes.n; ++p) {
     if (s.interface_at(s.surface.body[t.v[0]], s.surface.pairs.bodies + p) < 0) continue;
     double least = INFINITY;
     for (int k = 0; k < 3; ++k) least = std::fmin(least, s.planes[p].normal.dot(y[t.v[k]] - s.planes[p].point));
@@ -42,7 +58,7 @@ Search::Search(std::vector<Index> slave_env, const std::vector<Index>& masters, 
   corners_.upload(corners);
 }
 
-void Search::count(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin) {
+void Search::count(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin, View<const std::uint8_t> points) {
   const View<const Index> masters = std::as_const(masters_).view();
   const View<const Triangle> corners = std::as_const(corners_).view();
   const View<const double> bow = s.bow;
@@ -59,14 +75,13 @@ void Search::count(const MortarView& s, View<const Vec3> y, const Buffer<double>
   const View<Index> count = offset_.view();
   const MortarView view = s;
   device::parallel_for("mortar_contact.count_masters", slaves, [=] MORTISE_HD(Index i) {
-    const Index env = view.surface.env[view.surface.triangles[view.slaves[i]].v[0]];
-    count[i] = masters_near(view, tree, masters, y, view.slaves[i], view.support[i] + extra[env] + view.bow_of(view.slaves[i]), nullptr);
+    count[i] = masters_near(view, tree, masters, y, view.slaves[i], reach_of(view, y, i, extra, points), points, nullptr);
   });
   device::scan(offset_);
 }
 
 // The first `room` of them. Slaves that do not find room for all of theirs have none.
-void Search::list(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin, Index room) {
+void Search::list(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin, Index room, View<const std::uint8_t> points) {
   const View<const Index> masters = std::as_const(masters_).view(), first = std::as_const(offset_).view();
   const View<const double> extra = margin.view();
   const geometry::BvhView tree = tree_.view();
@@ -86,15 +101,14 @@ void Search::list(const MortarView& s, View<const Vec3> y, const Buffer<double>&
       return;
     }
     for (Index c = first[i]; c < first[i + 1]; ++c) slave[c] = i;
-    const Index env = view.surface.env[view.surface.triangles[view.slaves[i]].v[0]];
-    masters_near(view, tree, masters, y, view.slaves[i], view.support[i] + extra[env] + view.bow_of(view.slaves[i]), master.p + first[i]);
+    masters_near(view, tree, masters, y, view.slaves[i], reach_of(view, y, i, extra, points), points, master.p + first[i]);
   });
 }
 
 void Search::begin(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin, Index room, device::Fetch& fetch) {
-  count(s, y, margin);
+  count(s, y, margin, {});
   fetch.add_total(offset_, found_);
-  list(s, y, margin, room);
+  list(s, y, margin, room, {});
 }
 
 bool Search::end() {
@@ -103,12 +117,12 @@ bool Search::end() {
   return true;
 }
 
-void Search::update(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin) {
-  count(s, y, margin);
+void Search::update(const MortarView& s, View<const Vec3> y, const Buffer<double>& margin, View<const std::uint8_t> points) {
+  count(s, y, margin, points);
   device::Fetch fetch;
   fetch.add_total(offset_, found_);
   fetch.now("masters");
-  list(s, y, margin, found_);
+  list(s, y, margin, found_, points);
 }
 
 }  // namespace mortise::effects::mortar
