@@ -56,6 +56,19 @@ double BounceLoss::struck(const std::vector<MovingBody>& bodies, std::size_t gro
   return (1 + r) * (1 + r) / 4 * changed;
 }
 
+// What of the motion in flight went against what presses it now, where that is; a body that comes to slide brings next to nothing.
+double BounceLoss::against(const std::vector<MovingBody>& bodies, std::size_t group) const {
+  double most = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const MovingBody& b = bodies[i];
+    if (b.group != group || !(b.touches || b.stopped)) continue;
+    const Vec3 u = at(flew_, 2 * i) + at(flew_, 2 * i + 1).cross(b.pressed - b.x);
+    const double along = u.dot(b.push), all = u.squaredNorm() * b.push.squaredNorm();
+    most = std::max(most, b.touches && all > 0 ? along * along / all : 1.0);
+  }
+  return most;
+}
+
 void BounceLoss::state(const std::vector<MovingBody>& bodies, double lost, const OwnEnergy& own) {
   if (bodies.empty()) return;
   if (contacts_.empty()) contacts_.resize(bodies.size()), flew_.resize(6 * bodies.size());
@@ -88,7 +101,7 @@ void BounceLoss::state(const std::vector<MovingBody>& bodies, double lost, const
       c.steps = -1, c.before = energy;
       continue;
     }
-    if (c.steps < 0) c.steps = c.slow = c.lost = c.soft = c.own = 0, brought_ += c.before;
+    if (c.steps < 0) c.steps = c.slow = c.lost = c.soft = c.own = 0, brought_ += against(bodies, i) * c.before;
     if (std::isnan(c.before)) continue;
     if (++c.steps == 1) c.lost += lost, c.own += part;
     if (soft) c.soft = 1;

@@ -28,7 +28,7 @@ class BounceLoss {
   void state(const std::vector<MovingBody>& bodies, double lost, const OwnEnergy& own);
   double sum() const { return sum_; }          // lost in contacts that ended in flight [J]
   double stiff() const { return stiff_; }      // in doubt after impacts of stiff bodies [J]
-  double brought() const { return brought_; }  // energy of motion of what struck something in the last step [J]
+  double brought() const { return brought_; }  // energy of motion against what it struck, of what struck something in the last step [J]
   // The largest shares of its own largest E that something lost, or of which so much is in doubt.
   double own() const;
   double own_stiff() const;
@@ -47,6 +47,7 @@ class BounceLoss {
     double bounced = 0, doubted = 0, most = 0, moved = 0;
   };
   double own(double Contact::*of, double seen) const;
+  double against(const std::vector<MovingBody>& bodies, std::size_t group) const;
   // Energy E of a contact that ended, for its loss; 0: it was no bounce [J].
   double struck(const std::vector<MovingBody>& bodies, std::size_t group, const Vec3& fall) const;
 

@@ -47,6 +47,7 @@ struct MovingBody : HowHeld {
 
   geometry::RigidVelocity rigid() const { return {x, v, w}; }
   Vec3 across_push(const Vec3& of) const { return of - push * push.dot(of) / push.squaredNorm(); }
+  Vec3 along_contact(const Vec3& of) const { return push.isZero(0) ? of : across_push(of); }
   // Of its centre [J].
   double energy() const { return energy_of(v); }
   // The same of another velocity, and of turning with another one, as if all its axes of inertia were like that which it turns about.

@@ -20,6 +20,10 @@ std::vector<double> energies_of(const std::vector<double>& velocity, const std::
   return out;
 }
 
+bool soft_touches(const std::vector<MovingBody>& bodies) {
+  return std::any_of(bodies.begin(), bodies.end(), [](const MovingBody& b) { return b.body.soft() && b.touches; });
+}
+
 }  // namespace
 
 VibrationLoss::VibrationLoss(const model::ModelInput& input, const MovingBodies& moving) : integration_(integration_of(input.scene)) {
@@ -59,8 +63,12 @@ void VibrationLoss::state(const Snapshot& said, const std::vector<double>& point
     touches[bodies[i].group] = touches[bodies[i].group] || bodies[i].touches || bodies[i].stopped;
   }
   for (std::size_t g = 0; g < moved.size(); ++g) mechanisms_[g].moved = std::max(mechanisms_[g].moved, moved[g]);
+  const bool struck = soft_touches(bodies);
   const auto lost = [&](const std::vector<double>& change, double times, double Mechanism::*to) {
-    const std::vector<double> energies = energies_of(change, points, bodies);
+    std::vector<double> energies = energies_of(change, points, bodies);
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      if (const MovingBody& b = bodies[i]; b.touches && !struck && !b.body.soft())
+        energies[i] = b.energy_of(b.along_contact(b.body.mean(change, points)));
     for (std::size_t i = 0; i < bodies.size(); ++i)
       if (Mechanism& m = mechanisms_[bodies[i].group]; m.alone && !touches[bodies[i].group] && counts(bodies[i], i, false))
         m.*to += times * energies[i];
@@ -91,11 +99,11 @@ void VibrationLoss::look_how_far(const Snapshot& said, const std::vector<double>
 }
 
 bool VibrationLoss::counts(const MovingBody& b, std::size_t i, bool struck) const {
-  return b.body.soft() || (!b.given && !b.damped && far_[i] && (b.touches ? struck : !b.free));
+  return b.body.soft() || (!b.given && !b.damped && far_[i] && ((b.touches && struck) || !b.free));
 }
 
 double VibrationLoss::counted(const std::vector<double>& energies, const std::vector<MovingBody>& bodies) {
-  const bool soft = std::any_of(bodies.begin(), bodies.end(), [](const MovingBody& b) { return b.body.soft() && b.touches; });
+  const bool soft = soft_touches(bodies);
   double sum = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i)
     if (counts(bodies[i], i, soft)) sum += energies[i], counted_[i] = 1;

@@ -10,7 +10,8 @@
 // (at r times its own frequency r^2 T, and by r^2 h omega the step then alters how far it gives). So the sum over all steps is
 //     min(1, U/T) sum 2 D,     U, T: the largest of the run.
 // Counted are soft bodies, and stiff ones that go as no pin and no kinematic drive says and that touch something soft or are held (by what is soft,
-// by springs, by motors with gains or efforts, by joints), once they have gone farther than stiff bodies of the size of all that hangs together give
+// by springs, by motors with gains or efforts, by joints; where they touch what is stiff the changes of their velocity along that, which it does not
+// make, count), once they have gone farther than stiff bodies of the size of all that hangs together give
 // (kTrembles), and unless their joint damps far more than the time step does. Not what bodies brought that struck something (2 D of bringing them to
 // rest in one step is twice that): if they come to rest nobody asks for it, if not: bounce_loss.h.
 //

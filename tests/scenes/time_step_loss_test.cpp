@@ -323,6 +323,35 @@ TEST(VibrationLoss, IsSeenInContact) {
   EXPECT_LT(share(turn(on_pad("backward_euler", block, weight), 210, {"time.step=0.2 ms"})), 0.1);
 }
 
+// A block on a floor that a soft bar draws to and fro, without friction to speak of: the floor it comes to takes nothing of that.
+TEST(VibrationLoss, IsSeenOfWhatSlides) {
+  const auto lost = [](const char* integrator, int steps, const char* step) {
+    return share(turn(fmt::format(R"(
+mortise: 1
+name: slides
+time: {{step: 2 ms, steps: 100}}
+materials: {{steel: {{density: 2500}}, gel: {{youngs_modulus: 40 kPa, poisson_ratio: 0, density: 100, model: linear}}}}
+bodies:
+  block: {{type: stiff, shape: {{box: {{size: [40 mm, 40 mm, 40 mm], edge_length: 40 mm}}}}, material: steel, position: [80 mm, 0, 20.05 mm], velocity: [0.3, 0, 0]}}
+  bar: {{type: soft, order: 2, shape: {{box: {{size: [60 mm, 30 mm, 30 mm], edge_length: 15 mm}}}}, material: gel, position: [30 mm, 0, 20.05 mm], velocity: [0.3, 0, 0]}}
+  floor: {{type: half_space}}
+effects:
+  inertia: {{integrator: {}}}
+  gravity: {{}}
+  affine_body: {{}}
+  elasticity: {{}}
+  pin: [{{body: bar, where: {{side: x_min}}}}]
+  bond: [{{body: bar, to: block, where: {{side: x_max}}}}]
+  barrier_contact: {{pairs: [[block, floor]]}}
+)",
+                                  integrator),
+                      steps, {fmt::format("time.step={}", step)}));
+  };
+  EXPECT_GT(lost("backward_euler", 60, "2 ms"), 0.3);  // its fifth swing lacks half
+  EXPECT_GT(lost("bdf2", 60, "5 ms"), 0.1);
+  EXPECT_LT(lost("bdf2", 100, "1 ms"), 0.05);
+}
+
 // On a slide too, which leaves no body free.
 TEST(BounceLoss, IsSeenOfWhatHangsOnAJoint) {
   const std::string block = "position: [0, 0, 23 mm], velocity: [0, 0, -0.3]",
