@@ -150,6 +150,7 @@ void LayerError::squeezed(const Pairs& pairs, const Fields& f, std::vector<Trave
   struct Group {
     std::vector<std::size_t> bodies;
     double gaps = 0, deformed = 0, give = 0, forces = 0;
+    double parts = 0, wholes = 0;  // of all pairs: forces of samples, and their resultants [N]
     Vec3 load = Vec3::Zero();
     std::set<std::size_t> pressed;    // what is free of pairs with what is held
     double along = 0, all_along = 0;  // on it: sums with and without sign [N]
@@ -161,12 +162,13 @@ void LayerError::squeezed(const Pairs& pairs, const Fields& f, std::vector<Trave
     const bool first = pair.first.free, second = pair.second.free;
     if (!(first || second) || bodies.first == bodies.second || !(pair.force > 0)) continue;
     Group& g = groups[sets.of(first ? bodies.first : bodies.second)];
-    g.gaps += pair.work, g.bodies.insert(g.bodies.end(), {bodies.first, bodies.second});
+    g.gaps += pair.work, g.bodies.insert(g.bodies.end(), {bodies.first, bodies.second}), g.given = g.given || !pair.known;
+    g.parts += pair.force, g.wholes += pair.on_first.norm();
     if (first && second) continue;
     const Way& way = first ? pair.second : pair.first;
     const double along = first ? pair.first.along : pair.second.along;
     g.pressed.insert(first ? bodies.first : bodies.second), g.along += along, g.all_along += std::abs(along);
-    ++g.sides, g.given = g.given || !way.imposed || !pair.known;
+    ++g.sides, g.given = g.given || !way.imposed;
     g.deformed += pair.force * way.pressed, g.give += pair.force * way.give, g.forces += pair.on_first.norm(),
         g.load += (first ? 1 : -1) * pair.on_first;
   }
@@ -174,11 +176,13 @@ void LayerError::squeezed(const Pairs& pairs, const Fields& f, std::vector<Trave
     if (const auto g = groups.find(sets.of(i)); free[i] && bodies_[i].soft && g != groups.end()) g->second.deformed += deformation_work(i, f);
   for (const auto& [name, g] : groups) {
     const double work = g.deformed + g.give;
-    if (g.given || g.sides < 2 || !(g.forces > 0)) continue;
+    if (g.given || !(g.parts > 0)) continue;
+    const bool fits = g.sides < 2;  // by what presses it from one side, or from all around
     const bool lever = g.pressed.size() == 1 && g.all_along > 0;
     // Of F + w and F: a load w bears w / (F + w) = 2 resultant / (1 + resultant).
-    const double resultant = lever ? std::abs(g.along) / g.all_along : g.load.norm() / g.forces;
+    const double resultant = fits ? g.wholes / g.parts : lever ? std::abs(g.along) / g.all_along : g.load.norm() / g.forces;
     const double share = std::max(0.0, (1 - 3 * resultant) / (1 + resultant));
+    if (fits && share == 0) continue;
     if (work > 0)
       out.push_back({g.bodies, share, g.gaps, g.deformed, work});
     else if (work == 0 && share > tuning::kSqueezed)

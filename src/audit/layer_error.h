@@ -14,9 +14,9 @@
 //
 // which is g/d again where one body is pressed from two sides (both gaps, all of its shortening). It counts fully where forces of the held bodies
 // balance each other, and not where their resultant, which a load bears, is more than half of one of two that press from opposite sides; of one body
-// on a joint what counts are their parts along the joint's free coordinate, as of a lever.
-// Where nothing soft and no motor takes part in the travel, the layer is all that gives way, and decides the force: 1 where one of the bodies goes
-// somewhere.
+// on a joint what counts are their parts along the joint's free coordinate, as of a lever. What one body holds from all sides, as a shaft a ring that
+// is too tight, or a slot a block, is squeezed as far as forces of its own samples balance each other. Where nothing soft and no motor takes part in
+// the travel, the layer is all that gives way, and decides the force: 1 where one of the bodies goes somewhere.
 #include <map>
 #include <optional>
 #include <span>

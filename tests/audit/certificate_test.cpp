@@ -414,7 +414,7 @@ TEST(Certificate, TheLayerIsThatOfTheLastStateOfMostPressure) {
 
 // A free body of 2 m between the world and a held stamp, pressed together by 0.2 m with 10 N and turned by a right angle.
 TEST(Certificate, TheLayerCountsOnBothSidesOfWhatIsSqueezed) {
-  const auto layer = [](double weight, bool held) {
+  const auto layer = [](double weight, bool held, bool within = false) {
     model::ModelInput input = scene();
     Params effects = input.scene.at("effects"), pins = Params::make_list();
     if (held) pins.push(texts({{"body", "stamp"}}));
@@ -436,11 +436,14 @@ TEST(Certificate, TheLayerCountsOnBothSidesOfWhatIsSqueezed) {
     input.bodies = {stamp, block};
     const audit::LayerError::Samples samples{{0, 1, 1, 2},      {0.01, 0.03}, {10, 10 + weight}, {0, 1, 1, 2}, {0, -10, 0, 0, -10 - weight, 0},
                                              {0, 0, 0, 0, 0, 0}};
-    return audit::LayerError::worst(audit::LayerError(input).travels(samples, {moved, none, {}, contact, pressure}));
+    const audit::LayerError::Samples from_one{{0, 1, 0, 1}, {0.01, 0.03}, {10, 10 + weight}, {0, 1}, {0, weight, 0}, {0, 0, 0}};
+    return audit::LayerError::worst(audit::LayerError(input).travels(within ? from_one : samples, {moved, none, {}, contact, pressure}));
   };
   EXPECT_NEAR(layer(0, true), 0.04 / 0.2, 1e-12);
   EXPECT_NEAR(layer(10, true), 0, 1e-12) << "half of the force below is a load's";
   EXPECT_TRUE(std::isnan(layer(0, false))) << "the stamp is a load";
+  EXPECT_NEAR(layer(0, true, true), 0.04 / 0.2, 1e-12) << "in a slot of one body";
+  EXPECT_TRUE(std::isnan(layer(10, true, true))) << "it lies in a groove by its weight";
 }
 
 // A stiff block between two pads that are held, each pressed to a tenth of its way by a layer: by itself, on a slide along the force or a hinge
