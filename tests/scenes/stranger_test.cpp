@@ -625,7 +625,7 @@ effects:
   EXPECT_NEAR(rubbed.norm(), weight * std::sin(slope), 1e-3 * weight);
 }
 
-// Nothing deforms, so there is no mesh to choose a stiffness for; the weight decides.
+// Nothing deforms, so there is no mesh to choose a stiffness for.
 TEST(Stranger, MortarContactChoosesAStiffnessForStiffBodiesToo) {
   Rig rig(R"(
 mortise: 1
@@ -639,6 +639,28 @@ effects: {inertia: {}, gravity: {}, affine_body: {}, mortar_contact: {pairs: [{s
 )");
   rig.steps(60);
   EXPECT_NEAR(rig.fields().at("mortar_contact/force_cube_z"), 7800 * 8e-6 * 9.81, 1e-3);
+}
+
+// A block of three times its width on a slope of 17.2 degrees, where it should tip at 18.4: it rocked on the layer, and toppled.
+TEST(Stranger, ATallBlockStandsOnASlope) {
+  Rig rig(R"(
+mortise: 1
+name: slope
+time: {step: 5 ms, steps: 100}
+bodies:
+  block: {type: stiff, shape: {box: {size: [20 mm, 20 mm, 60 mm], edge_length: 20 mm}}, mass: 19.2 g, position: [0, 0, 30.05 mm]}
+  slope: {type: half_space}
+effects:
+  inertia: {}
+  gravity: {acceleration: [2.901, 0, -9.371]}
+  affine_body: {}
+  mortar_contact: {pairs: [{slave: block, master: slope}]}
+  friction: {follows: mortar_contact, mu: 0.6}
+)");
+  rig.steps(100);
+  const std::vector<double> points = rig.engine->points();
+  const std::vector<Vec3>& rest = rig.input.bodies[0].nodes;
+  for (std::size_t n = 0; n < rest.size(); ++n) EXPECT_NEAR(points[3 * n], rest[n][0], 1e-4);
 }
 
 // A stiff post of 1 m and one of 2 m, pulled off the soft pads that they stand on: what is seen at their tops is what the pads give, and rounding of

@@ -2,6 +2,7 @@
 
 #include "effects/contact/barrier.h"
 #include "effects/contact/layer.h"
+#include "effects/contact/tuning.h"
 
 namespace mortise::effects::mortar {
 namespace {
@@ -30,7 +31,8 @@ Interface interface_of(const model::Model& model, Index slave, Index master, dou
 
 double first_stiffness(const Interface& i) {
   if (i.fixed) return i.modulus;
-  return wanted_stiffness(i, i.modulus > 0 ? tuning::kFirstPressure * i.modulus : tuning::kRigidPressure, tuning::kSoftest);
+  if (i.modulus == 0) return contact::tuning::kRigid;
+  return wanted_stiffness(i, tuning::kFirstPressure * i.modulus, tuning::kSoftest);
 }
 
 double wanted_stiffness(const Interface& i, double p, double least_t) {
@@ -63,7 +65,7 @@ bool fits(const Interface& i, const Achieved& now, double kappa) {
   if (i.fixed) return true;
   if (i.modulus > 0) return now.k >= tuning::kWanted / 2 && now.k <= 2 * tuning::kWanted;
   const double t = barrier::phi_inverse(now.pressure / kappa);
-  return t >= tuning::kRigidClosed && t <= tuning::kRigidOpen;
+  return t >= tuning::kRigidClosed;
 }
 
 }  // namespace mortise::effects::mortar

@@ -9,6 +9,9 @@
 // d_hat/2 there, far from the guard's range, while from 0.376 on peaks of pressure are the guard's to carry. In motion a stiffer layer costs
 // iterations and energy.
 //
+// Between bodies that cannot deform the layer is the only spring, on which they rock: a tall box that slides, or stands on a slope, leans on one edge
+// by what that yields. There kappa is contact::tuning::kRigid, as with barrier_contact, until the gap is half closed.
+//
 // The layer that the scene does not set (contact/layer.h) is stiffer than k = 4 at any pressure that matters: kappa = E* once and for all.
 #include <span>
 #include <vector>
@@ -48,8 +51,7 @@ struct Achieved {
   double pressure = 0, k = 0, energy = 0;
 };
 Achieved achieved(const Interface& i, Index number, double kappa, const Taken& at);
-// Is the stiffness good enough to stay: fixed, else k within a factor 2 of what is wanted, or, of stiff bodies, the gap neither nearly open nor half
-// closed?
+// Is the stiffness good enough to stay: fixed, else k within a factor 2 of what is wanted, or, of stiff bodies, the gap not half closed?
 bool fits(const Interface& i, const Achieved& now, double kappa);
 
 }  // namespace mortise::effects::mortar

@@ -50,11 +50,10 @@ inline constexpr double kNearest = 1e-3;  // and shorter ways bring nothing that
 inline constexpr double kAverageReach = 10;
 
 // ---- stiffness (stiffness.h)
-inline constexpr double kWanted = 4;                           // k: sample pressures are best there on every mesh (README)
-inline constexpr double kOpen = 0.7, kSoftest = 0.376;         // least t in statics, in motion
-inline constexpr double kFirstPressure = 0.01;                 // p / E* before any pressure is known: a strain of a percent
-inline constexpr double kRigidPressure = 1e4;                  // [Pa] of a load on its footprint, before any is known, where nothing can deform
-inline constexpr double kRigidOpen = 0.9, kRigidClosed = 0.3;  // t of bodies that cannot deform: beyond these the stiffness is chosen anew
+inline constexpr double kWanted = 4;                    // k: sample pressures are best there on every mesh (README)
+inline constexpr double kOpen = 0.7, kSoftest = 0.376;  // least t in statics, in motion
+inline constexpr double kFirstPressure = 0.01;          // p / E* before any pressure is known: a strain of a percent
+inline constexpr double kRigidClosed = 0.3;             // t of bodies that cannot deform: below it the stiffness is chosen anew
 inline constexpr double kSame = 1.5;  // changes of stiffness below this factor move a pressure by less than its mesh does: not worth another solution
 
 // ---- what is reported (report.cpp)
